@@ -1,0 +1,12 @@
+# Messages and services; a message-free checkout of the libraries still builds.
+file(GLOB message_files RELATIVE ${CMAKE_SOURCE_DIR}/msg CONFIGURE_DEPENDS ${CMAKE_SOURCE_DIR}/msg/*.msg)
+file(GLOB service_files RELATIVE ${CMAKE_SOURCE_DIR}/srv CONFIGURE_DEPENDS ${CMAKE_SOURCE_DIR}/srv/*.srv)
+if(message_files)
+  add_message_files(FILES ${message_files})
+endif()
+if(service_files)
+  add_service_files(FILES ${service_files})
+endif()
+if(message_files OR service_files)
+  generate_messages(DEPENDENCIES std_msgs sensor_msgs geometry_msgs)
+endif()

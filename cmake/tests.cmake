@@ -1,0 +1,16 @@
+# test/ROOM/NAME_test.cpp: one gtest program a file, linked with its room. test/nodes/*.test: rostests.
+# "make tests", then ctest -j; every test writes JUnit XML that scripts/test counts.
+file(GLOB room_tests RELATIVE ${CMAKE_SOURCE_DIR}/test CONFIGURE_DEPENDS ${CMAKE_SOURCE_DIR}/test/*/*_test.cpp)
+foreach(test_file ${room_tests})
+  get_filename_component(room ${test_file} DIRECTORY)
+  get_filename_component(name ${test_file} NAME_WE)
+  catkin_add_gtest(${room}_${name} test/${test_file} WORKING_DIRECTORY ${CMAKE_SOURCE_DIR})
+  if(TARGET ${room}_${name})
+    target_link_libraries(${room}_${name} knee_${room} ${GTEST_MAIN_LIBRARIES})
+    target_include_directories(${room}_${name} PRIVATE ${CMAKE_SOURCE_DIR})
+    target_compile_definitions(${room}_${name} PRIVATE KNEE_SOURCE_DIR="${CMAKE_SOURCE_DIR}")
+    if(EXISTS ${CMAKE_SOURCE_DIR}/test/${room}/${name}.cmake)
+      include(${CMAKE_SOURCE_DIR}/test/${room}/${name}.cmake)  # extra libraries of this one test (Simbody, ...)
+    endif()
+  endif()
+endforeach()

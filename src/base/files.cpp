@@ -1,0 +1,100 @@
+#include "knee_robot/base/files.h"
+
+#include <fcntl.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstdint>
+#include <cstdio>
+#include <cstring>
+#include <filesystem>
+#include <system_error>
+
+#include "knee_robot/base/errors.h"
+
+namespace knee_robot {
+namespace {
+
+InputError systemError(const std::string& action, const std::string& path) {
+  return InputError(path + ": cannot " + action + ": " + std::strerror(errno));
+}
+
+struct Descriptor {
+  int fd;
+  ~Descriptor() {
+    if (fd >= 0) ::close(fd);
+  }
+};
+
+}  // namespace
+
+std::string readFile(const std::string& path, std::size_t max_bytes) {
+  // O_NONBLOCK: opening a FIFO must not wait for its writer; it is refused below as not a regular file.
+  Descriptor file{::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK)};
+  if (file.fd < 0) throw systemError("open", path);
+  struct stat status {};
+  if (::fstat(file.fd, &status) != 0) throw systemError("stat", path);
+  if (!S_ISREG(status.st_mode)) throw InputError(path + ": is not a regular file");
+  if (static_cast<std::size_t>(status.st_size) > max_bytes) {
+    throw InputError(path + ": has " + std::to_string(status.st_size) + " bytes, more than the limit of " +
+                     std::to_string(max_bytes));
+  }
+  std::string content(static_cast<std::size_t>(status.st_size), '\0');
+  std::size_t have = 0;
+  while (have < content.size()) {
+    const ssize_t got = ::read(file.fd, content.data() + have, content.size() - have);
+    if (got < 0 && errno == EINTR) continue;
+    if (got < 0) throw systemError("read", path);
+    if (got == 0) break;
+    have += static_cast<std::size_t>(got);
+  }
+  content.resize(have);
+  return content;
+}
+
+void writeFileAtomically(const std::string& path, const std::string& content) {
+  std::string temporary = path + ".XXXXXX";
+  const int fd = ::mkstemp(temporary.data());
+  if (fd < 0) throw systemError("write", path);
+  const auto fail = [&](const char* action) {
+    const InputError error = systemError(action, path);
+    ::close(fd);
+    ::unlink(temporary.c_str());
+    return error;
+  };
+  std::size_t done = 0;
+  while (done < content.size()) {
+    const ssize_t put = ::write(fd, content.data() + done, content.size() - done);
+    if (put < 0 && errno == EINTR) continue;
+    if (put < 0) throw fail("write");
+    done += static_cast<std::size_t>(put);
+  }
+  const mode_t mask = ::umask(0);
+  ::umask(mask);
+  if (::fchmod(fd, 0666 & ~mask) != 0 || ::fsync(fd) != 0) throw fail("write");
+  ::close(fd);
+  if (::rename(temporary.c_str(), path.c_str()) != 0) {
+    const InputError error = systemError("write", path);
+    ::unlink(temporary.c_str());
+    throw error;
+  }
+}
+
+void makeFolder(const std::string& path) {
+  std::error_code error;
+  std::filesystem::create_directories(path, error);
+  if (error || !std::filesystem::is_directory(path)) {
+    throw InputError(path + ": cannot make this folder: " + (error ? error.message() : "a file is in its place"));
+  }
+}
+
+std::string fingerprint(const std::string& content) {
+  std::uint64_t hash = 0xcbf29ce484222325u;
+  for (const unsigned char byte : content) hash = (hash ^ byte) * 0x100000001b3u;
+  char text[17];
+  std::snprintf(text, sizeof text, "%016llx", static_cast<unsigned long long>(hash));
+  return text;
+}
+
+}  // namespace knee_robot
