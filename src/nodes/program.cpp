@@ -1,0 +1,49 @@
+#include "program.h"
+
+#include <algorithm>
+#include <exception>
+#include <iostream>
+#include <string>
+
+#include "knee_robot/base/errors.h"
+
+namespace knee_robot {
+namespace {
+
+/// Line breaks would make two lines of one sentence.
+std::string oneLine(std::string text) {
+  while (!text.empty() && (text.back() == '\n' || text.back() == '\r'))
+    text.pop_back();
+  std::replace_if(
+      text.begin(), text.end(), [](char c) { return c == '\n' || c == '\r'; }, ' ');
+  return text;
+}
+
+int fail(const CLI::App& app, const std::string& sentence, int status) {
+  std::cout.flush();
+  std::cerr << app.get_name() << ": " << oneLine(sentence) << std::endl;
+  return status;
+}
+
+}  // namespace
+
+int runProgram(CLI::App& app, int argc, const char* const* argv, const std::function<int()>& body) {
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::Success& request) {  // --help and the like
+    return app.exit(request);
+  } catch (const CLI::ParseError& error) {
+    return fail(app, std::string(error.what()) + " (see --help)", kExitBadInput);
+  }
+  try {
+    return body();
+  } catch (const InputError& error) {
+    return fail(app, error.what(), kExitBadInput);
+  } catch (const Refusal& error) {
+    return fail(app, error.what(), kExitRefused);
+  } catch (const std::exception& error) {
+    return fail(app, std::string("unexpected failure: ") + error.what(), 1);
+  }
+}
+
+}  // namespace knee_robot

@@ -1,0 +1,18 @@
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <functional>
+
+namespace knee_robot {
+
+/// What every program's main does around its work: parses the command line into `app`'s options, runs `body`, and turns
+/// what is thrown into one line on standard error ("NAME: sentence") and an exit status: bad command line or InputError
+/// 2, Refusal 3, anything else 1. `--help` prints and returns 0. Otherwise the status that `body` returns.
+///
+///     CLI::App app("says whether a reference may be played", "check_reference");
+///     std::string robot;
+///     app.add_option("--robot", robot, "robot file")->required();
+///     return runProgram(app, argc, argv, [&] { ...; return kExitDone; });
+int runProgram(CLI::App& app, int argc, const char* const* argv, const std::function<int()>& body);
+
+}  // namespace knee_robot
