@@ -1,0 +1,64 @@
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <clocale>
+#include <filesystem>
+
+#include "knee_robot/base/errors.h"
+#include "knee_robot/base/files.h"
+#include "knee_robot/base/numbers.h"
+
+namespace knee_robot {
+namespace {
+
+class Files : public testing::Test {
+ protected:
+  Files() : folder_(std::filesystem::temp_directory_path() / ("knee_base_" + std::to_string(getpid()))) {
+    std::filesystem::create_directories(folder_);
+  }
+  ~Files() override { std::filesystem::remove_all(folder_); }
+  std::filesystem::path folder_;
+};
+
+TEST(ParseFinite, AcceptsNumbersAndNothingElse) {
+  EXPECT_EQ(-1.5e-3, parseFinite("-1.5e-3"));
+  EXPECT_EQ(2.0, parseFinite("+2"));
+  for (const char* text : {"", " 1", "1 ", "inf", "-nan", "1e999", "0x10", "1,5", "+-1", "++1", "one", "1e"}) {
+    EXPECT_FALSE(parseFinite(text)) << text;
+  }
+}
+
+TEST(ParseFinite, IgnoresTheLocale) {
+  setlocale(LC_ALL, "de_DE.UTF-8");
+  EXPECT_EQ(1.5, parseFinite("1.5"));
+  setlocale(LC_ALL, "C");
+}
+
+TEST_F(Files, ReadWhatWasWritten) {
+  const std::string path = folder_ / "file";
+  const std::string content("with\0zero\n", 10);
+  writeFileAtomically(path, content);
+  EXPECT_EQ(content, readFile(path));
+}
+
+TEST_F(Files, LeaveNothingBehindWhenWritingFails) {
+  EXPECT_THROW(writeFileAtomically(folder_ / "absent" / "file", "x"), InputError);
+  std::filesystem::create_directory(folder_ / "taken");
+  EXPECT_THROW(writeFileAtomically(folder_ / "taken", "x"), InputError);
+  int entries = 0;
+  for (const auto& entry : std::filesystem::directory_iterator(folder_)) entries += entry.exists() ? 1 : 0;
+  EXPECT_EQ(1, entries) << "a temporary file is left";
+}
+
+TEST_F(Files, RefuseWhatIsNoRegularFileOrTooLong) {
+  EXPECT_THROW(readFile(folder_), InputError);
+  EXPECT_THROW(readFile("/dev/zero"), InputError);
+  EXPECT_THROW(readFile(folder_ / "absent"), InputError);
+  writeFileAtomically(folder_ / "long", std::string(100, 'x'));
+  EXPECT_THROW(readFile(folder_ / "long", 99), InputError);
+}
+
+TEST(Fingerprint, IsTheKnownHash) { EXPECT_EQ("cbf29ce484222325", fingerprint("")); }
+
+}  // namespace
+}  // namespace knee_robot

@@ -1,0 +1,38 @@
+#!/usr/bin/python3
+"""A room includes rooms on lower floors only, ROS headers stay in nodes/, and files stay short."""
+import pathlib
+import re
+import sys
+
+FLOORS = {"base": 0, "mechanism": 1, "rt": 1, "hardware": 1, "recording": 1, "dynamics": 2, "trajectory": 3, "simulation": 3,
+          "identification": 3, "control": 4, "tracing": 4, "report": 5, "nodes": 6}
+LONGEST = 400
+
+
+def faults_of(path, room):
+    lines = path.read_text().splitlines()
+    if len(lines) > LONGEST:
+        yield f"{path}: {len(lines)} lines, more than {LONGEST}: split it, one idea a file"
+    for number, line in enumerate(lines, 1):
+        included = re.match(r'\s*#\s*include\s+"knee_robot/(\w+)/', line)
+        if included and included[1] not in FLOORS:
+            yield f"{path}:{number}: includes room {included[1]}, which no floor has"
+        elif included and included[1] != room and FLOORS[included[1]] >= FLOORS[room]:
+            yield f"{path}:{number}: {room} (floor {FLOORS[room]}) includes {included[1]} (floor {FLOORS[included[1]]})"
+        if room != "nodes" and re.match(r'\s*#\s*include\s+[<"](ros|tf2_ros|sensor_msgs|std_msgs|geometry_msgs)/', line):
+            yield f"{path}:{number}: ROS header outside nodes/"
+
+
+def main(root):
+    faults, files = [], 0
+    for base in (root / "include" / "knee_robot", root / "src"):
+        for path in sorted(base.rglob("*")):
+            if path.suffix in (".h", ".cpp"):
+                files += 1
+                room = path.relative_to(base).parts[0]
+                faults += faults_of(path, room) if room in FLOORS else [f"{path}: room {room} is on no floor"]
+    print("\n".join(faults) or f"{files} files: every include goes down the floors")
+    return 1 if faults or not files else 0
+
+
+sys.exit(main(pathlib.Path(sys.argv[1] if len(sys.argv) > 1 else pathlib.Path(__file__).parent.parent)))
