@@ -1,0 +1,133 @@
+#include "knee_robot/recording/recording_writer.h"
+
+#include <fcntl.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <charconv>
+#include <cmath>
+#include <cstring>
+#include <limits>
+
+#include "knee_robot/base/errors.h"
+#include "knee_robot/base/numbers.h"
+
+namespace knee_robot {
+namespace {
+
+constexpr std::size_t kBufferBytes = 1u << 16;
+constexpr std::size_t kLongestRow = 4096;  ///< 21 numbers below 1e15 need a tenth of it
+constexpr double kLargest = 1e12;
+
+InputError failure(const std::string& path, const char* action) {
+  return InputError(path + ": cannot " + action + " the recording: " + std::strerror(errno));
+}
+
+std::string header(int axes) {
+  std::string line = "time_s";
+  for (int i = 1; i <= axes; ++i) {
+    const std::string axis = std::to_string(i);
+    line += ",reference_" + axis + "_m,position_" + axis + "_m,velocity_" + axis + "_m_per_s,command_" + axis +
+            "_V,force_" + axis + "_N";
+  }
+  return line + "\n";
+}
+
+}  // namespace
+
+RecordingWriter::RecordingWriter(const std::string& path, int axes)
+    : path_(path), axes_(axes), last_time_s_(-std::numeric_limits<double>::infinity()), buffer_(kBufferBytes) {
+  if (axes < 1 || axes > 4) throw InputError(path + ": a recording has 1 to 4 axes, not " + std::to_string(axes));
+  file_ = ::open(path.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+  if (file_ < 0) throw failure(path, "create");
+  const std::string line = header(axes);
+  append(line.data(), line.size());
+  try {
+    flush();
+  } catch (...) {
+    ::close(file_);
+    throw;
+  }
+}
+
+RecordingWriter::~RecordingWriter() {
+  try {
+    close();
+  } catch (const InputError&) {  // a destructor has nobody to tell; close() is the way to hear of it
+  }
+}
+
+void RecordingWriter::append(const char* text, std::size_t size) {
+  std::memcpy(buffer_.data() + used_, text, size);
+  used_ += size;
+}
+
+void RecordingWriter::appendNumber(double value, int decimals, char separator) {
+  // to_chars: no allocation, and a decimal point whatever the locale.
+  char* const begin = buffer_.data() + used_;
+  const auto result = std::to_chars(begin, begin + 64, value, std::chars_format::fixed, decimals);
+  used_ += static_cast<std::size_t>(result.ptr - begin);
+  buffer_[used_++] = separator;
+}
+
+void RecordingWriter::write(const RecordingRow& row) {
+  if (file_ < 0) throw InputError(path_ + ": the recording is closed already");
+  bool sane = std::abs(row.time_s) < kLargest;
+  for (std::size_t i = 0; i < static_cast<std::size_t>(axes_); ++i) {
+    for (const double value :
+         {row.reference_m[i], row.position_m[i], row.velocity_m_per_s[i], row.command_V[i], row.force_N[i]}) {
+      sane = sane && std::abs(value) < kLargest;  // false for nan
+    }
+  }
+  if (!sane) throw InputError(path_ + ": row " + std::to_string(rows_ + 1) + " holds a value that is not finite");
+  if (row.time_s <= last_time_s_) {
+    throw InputError(path_ + ": row " + std::to_string(rows_ + 1) + " is not later than the one before it (" +
+                     shortNumber(row.time_s, 12) + " s)");
+  }
+  if (used_ + kLongestRow > buffer_.size()) flush();
+  appendNumber(row.time_s, 6, ',');
+  for (std::size_t i = 0; i < static_cast<std::size_t>(axes_); ++i) {
+    appendNumber(row.reference_m[i], 9, ',');
+    appendNumber(row.position_m[i], 9, ',');
+    appendNumber(row.velocity_m_per_s[i], 9, ',');
+    appendNumber(row.command_V[i], 9, ',');
+    appendNumber(row.force_N[i], 6, i + 1 == static_cast<std::size_t>(axes_) ? '\n' : ',');
+  }
+  last_time_s_ = row.time_s;
+  ++rows_;
+}
+
+void RecordingWriter::flush() {
+  std::size_t done = 0;
+  while (done < used_) {
+    const ssize_t put = ::write(file_, buffer_.data() + done, used_ - done);
+    if (put < 0 && errno == EINTR) continue;
+    if (put < 0) {
+      const InputError error = failure(path_, "write");
+      std::memmove(buffer_.data(), buffer_.data() + done,
+                   used_ - done);  // a later flush goes on where this one stopped
+      used_ -= done;
+      throw error;
+    }
+    done += static_cast<std::size_t>(put);
+  }
+  used_ = 0;
+}
+
+void RecordingWriter::close() {
+  if (file_ < 0) return;
+  const int file = file_;
+  try {
+    flush();
+  } catch (...) {
+    file_ = -1;
+    ::close(file);
+    throw;
+  }
+  file_ = -1;
+  const bool synced = ::fsync(file) == 0;
+  const InputError error = failure(path_, "finish");
+  if (::close(file) != 0 || !synced) throw error;
+}
+
+}  // namespace knee_robot
