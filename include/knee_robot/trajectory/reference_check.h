@@ -54,6 +54,10 @@ struct ReferenceCheck {
   bool ok() const { return !violation; }
 };
 
+/// Actuator lengths (m) that `point` of that space stands for: platform by inverse kinematics, relative with
+/// home_length_m added. Precondition: Platform only for a robot with a mechanism.
+Lengths referenceLengths(const Robot& robot, Space space, const Vector4& point);
+
 /// Converts a reference to actuator lengths (platform: inverse kinematics; relative: home_length_m added) and checks it
 /// against all limits of the robot, between the points too (the Driver interpolates linearly between points, so lengths
 /// and first differences are extreme at points; pose, angles and condition are checked at the middle of each interval

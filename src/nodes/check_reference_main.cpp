@@ -1,0 +1,64 @@
+// check_reference FILE --robot R [--space S]: whether a reference may be played, and its margins.
+
+#include <cmath>
+#include <cstdio>
+
+#include "knee_robot/base/errors.h"
+#include "knee_robot/trajectory/reference_check.h"
+#include "program.h"
+
+namespace {
+
+using namespace knee_robot;
+
+constexpr double kDegrees = 180.0 / 3.14159265358979323846;
+
+void printMargins(const ReferenceCheck& check) {
+  std::printf("%-24s %12s %12s %-5s %8s %6s %9s\n", "closest approach", "value", "limit", "", "left", "line",
+              "actuator");
+  for (const Margin& margin : check.margins) {
+    const bool angle = margin.quantity == Quantity::BaseAngle || margin.quantity == Quantity::PlatformAngle;
+    const double scale = angle ? kDegrees : 1.0;
+    std::printf("%-24s %12.6g %12.6g %-5s %6.1f %% %6d %9s\n", nameOf(margin.quantity), scale * margin.value,
+                scale * margin.limit, angle ? "deg" : unitOf(margin.quantity), 100.0 * margin.left, margin.line,
+                margin.actuator == 0 ? "all" : std::to_string(margin.actuator).c_str());
+  }
+}
+
+void printPath(const Reference& reference, const ReferenceCheck& check, int axes) {
+  std::printf("%s: %ld points, %.2f s, space %s\n", reference.name.c_str(), static_cast<long>(reference.points.rows()),
+              static_cast<double>(reference.points.rows() - 1) * reference.period_s, nameOf(reference.space));
+  for (int i = 0; i < axes; ++i) {
+    std::printf("  actuator %d: %.6f to %.6f m, starts at %.6f m\n", i + 1, check.lengths.col(i).minCoeff(),
+                check.lengths.col(i).maxCoeff(), check.lengths(0, i));
+  }
+  if (check.poses.rows() == 0) return;
+  const char* names[] = {"Xm (m)", "Zm (m)", "theta (deg)", "psi (deg)"};
+  for (int i = 0; i < 4; ++i) {
+    const double scale = i < 2 ? 1.0 : kDegrees;
+    std::printf("  %-11s %9.4f to %9.4f, starts at %9.4f\n", names[i], scale * check.poses.col(i).minCoeff(),
+                scale * check.poses.col(i).maxCoeff(), scale * check.poses(0, i));
+  }
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  CLI::App app("Says whether a reference file may be played on a robot, and shows its margins to every limit.",
+               "check_reference");
+  std::string file, robot_file, space_name;
+  app.add_option("FILE", file, "reference file: four columns, one point every 10 ms")->required();
+  app.add_option("--robot", robot_file, "robot file (YAML)")->required();
+  app.add_option("--space", space_name, "what the columns are, when the file's header does not say it")
+      ->check(CLI::IsMember({"actuator", "platform", "relative"}));
+  return runProgram(app, argc, argv, [&]() -> int {
+    const Robot robot = loadRobot(robot_file);
+    const Reference reference = readReference(file, spaceNamed(space_name));
+    const ReferenceCheck check = checkReference(reference, robot);
+    printPath(reference, check, robot.axes());
+    printMargins(check);
+    if (check.violation) throw InputError(check.violation->sentence);
+    std::printf("may be played on %s\n", robot_file.c_str());
+    return kExitDone;
+  });
+}

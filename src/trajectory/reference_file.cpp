@@ -1,0 +1,194 @@
+#include "knee_robot/trajectory/reference_file.h"
+
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <cstdio>
+#include <string_view>
+
+#include "knee_robot/base/errors.h"
+#include "knee_robot/base/files.h"
+#include "knee_robot/base/numbers.h"
+
+namespace knee_robot {
+namespace {
+
+constexpr std::string_view kBlanks = " \t\r";
+constexpr std::size_t kQuoted = 24;  ///< characters of a bad word that a message repeats
+
+std::string_view trimmed(std::string_view text) {
+  const std::size_t begin = text.find_first_not_of(kBlanks);
+  if (begin == std::string_view::npos) return {};
+  return text.substr(begin, text.find_last_not_of(kBlanks) - begin + 1);
+}
+
+std::string quoted(std::string_view word) {
+  std::string shown;
+  for (const char c : word.substr(0, kQuoted))
+    shown += std::isprint(static_cast<unsigned char>(c)) ? c : '?';
+  return "'" + shown + (word.size() > kQuoted ? "..." : "") + "'";
+}
+
+std::string lowered(std::string_view text) {
+  std::string result(text);
+  std::transform(result.begin(), result.end(), result.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  return result;
+}
+
+/// Takes a reference file line by line; its state is what the header has said so far and the points so far.
+class ReferenceParser {
+ public:
+  ReferenceParser(const std::string& name, std::optional<Space> space) : name_(name), asked_(space) {}
+
+  void takeLine(std::string_view line) {
+    ++line_;
+    line = trimmed(line);
+    if (line.empty()) {
+      empty_line_ = empty_line_ == 0 ? line_ : empty_line_;
+    } else if (line.front() == '#') {
+      if (!values_.empty()) refuse("a comment stands after the first point; move it to the top of the file");
+      takeHeader(trimmed(line.substr(1)));
+    } else {
+      takePoint(line);
+    }
+  }
+
+  Reference finish() const {
+    if (values_.empty()) {
+      throw InputError(name_ + ":" + std::to_string(std::max(line_, 1)) +
+                       ": holds no point; a reference needs at least one line of four numbers");
+    }
+    if (asked_ && declared_ && *asked_ != *declared_) {
+      throw InputError(name_ + ":" + std::to_string(declared_line_) + ": the header says space: " + nameOf(*declared_) +
+                       ", but " + nameOf(*asked_) + " was asked for; drop --space or correct the header");
+    }
+    Reference reference;
+    reference.name = name_;
+    reference.space = asked_.value_or(declared_.value_or(Space::Actuator));
+    reference.period_s = period_s_.value_or(kStreamPeriod);
+    reference.first_line = first_line_;
+    reference.points = Eigen::Map<const Points>(values_.data(), static_cast<Eigen::Index>(values_.size() / 4), 4);
+    return reference;
+  }
+
+ private:
+  [[noreturn]] void refuse(const std::string& sentence) const {
+    throw InputError(name_ + ":" + std::to_string(line_) + ": " + sentence);
+  }
+
+  void takeHeader(std::string_view text) {
+    const std::size_t colon = text.find(':');
+    if (colon == std::string_view::npos) return;  // a remark
+    const std::string key = lowered(trimmed(text.substr(0, colon)));
+    const std::string_view value = trimmed(text.substr(colon + 1));
+    if (key == "space") {
+      if (declared_) refuse("space is declared twice; keep one");
+      declared_ = spaceNamed(lowered(value));
+      declared_line_ = line_;
+      if (!declared_) refuse("space " + quoted(value) + " is unknown; write actuator, platform or relative");
+    } else if (key == "period_s") {
+      if (period_s_) refuse("period_s is declared twice; keep one");
+      period_s_ = parseFinite(value);
+      if (!period_s_ || *period_s_ < 1e-4 || *period_s_ > 10.0) {
+        refuse("period_s " + quoted(value) + " is no number from 0.0001 to 10 s; write period_s: 0.01");
+      }
+    }
+  }
+
+  void takePoint(std::string_view line) {
+    if (empty_line_ != 0 && !values_.empty()) {
+      line_ = empty_line_;
+      refuse("an empty line stands between points; remove it, or put in the point that is missing");
+    }
+    std::array<double, 4> point{};
+    std::size_t columns = 0;
+    while (!line.empty()) {
+      const std::size_t end = std::min(line.find_first_of(kBlanks), line.size());
+      const std::string_view word = line.substr(0, end);
+      if (columns == 4) refuse("has a fifth column " + quoted(word) + "; a point has four numbers");
+      const std::optional<double> value = parseFinite(word);
+      if (!value) refuse("column " + std::to_string(columns + 1) + " " + quoted(word) + " is no finite number");
+      point[columns++] = *value;
+      line = trimmed(line.substr(end));
+    }
+    if (columns < 4) refuse("has " + std::to_string(columns) + " of the four numbers that a point needs");
+    if (values_.size() >= 4 * static_cast<std::size_t>(kMaxReferencePoints)) {
+      refuse("is beyond the limit of " + std::to_string(kMaxReferencePoints) + " points; split the file");
+    }
+    if (values_.empty()) first_line_ = line_;
+    values_.insert(values_.end(), point.begin(), point.end());
+    empty_line_ = 0;
+  }
+
+  const std::string& name_;
+  std::optional<Space> asked_;
+  std::optional<Space> declared_;
+  std::optional<double> period_s_;
+  std::vector<double> values_;
+  int line_ = 0;
+  int declared_line_ = 0;
+  int first_line_ = 1;
+  int empty_line_ = 0;  ///< the first of the empty lines just before this one, 0: none
+};
+
+}  // namespace
+
+std::optional<Space> spaceNamed(const std::string& name) {
+  for (const Space space : {Space::Actuator, Space::Platform, Space::Relative}) {
+    if (name == nameOf(space)) return space;
+  }
+  return std::nullopt;
+}
+
+const char* nameOf(Space space) {
+  switch (space) {
+    case Space::Actuator:
+      return "actuator";
+    case Space::Platform:
+      return "platform";
+    case Space::Relative:
+      return "relative";
+  }
+  return "";
+}
+
+Reference parseReference(const std::string& text, const std::string& name, std::optional<Space> space) {
+  if (text.size() > kMaxReferenceBytes) {
+    throw InputError(name + ": has " + std::to_string(text.size()) + " bytes, more than the limit of " +
+                     std::to_string(kMaxReferenceBytes) + "; split the file");
+  }
+  ReferenceParser parser(name, space);
+  std::string_view rest(text);
+  while (!rest.empty()) {
+    const std::size_t end = std::min(rest.find('\n'), rest.size());
+    parser.takeLine(rest.substr(0, end));
+    rest.remove_prefix(std::min(end + 1, rest.size()));
+  }
+  return parser.finish();
+}
+
+Reference readReference(const std::string& path, std::optional<Space> space) {
+  return parseReference(readFile(path, kMaxReferenceBytes), path, space);
+}
+
+std::string formatReference(const Reference& reference, const std::vector<std::string>& comments) {
+  std::string text =
+      "# space: " + std::string(nameOf(reference.space)) + "\n# period_s: " + shortNumber(reference.period_s, 9) + "\n";
+  for (const std::string& comment : comments)
+    text += "# " + comment + "\n";
+  char line[1400];  // four of the longest doubles
+  for (Eigen::Index k = 0; k < reference.points.rows(); ++k) {
+    const auto point = reference.points.row(k);
+    const int length =
+        std::snprintf(line, sizeof line, "%.9f %.9f %.9f %.9f\n", point[0], point[1], point[2], point[3]);
+    text.append(line, static_cast<std::size_t>(std::min<int>(length, sizeof line - 1)));
+  }
+  return text;
+}
+
+void writeReference(const std::string& path, const Reference& reference, const std::vector<std::string>& comments) {
+  writeFileAtomically(path, formatReference(reference, comments));
+}
+
+}  // namespace knee_robot
