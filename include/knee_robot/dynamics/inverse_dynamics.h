@@ -1,0 +1,15 @@
+#pragma once
+
+#include "knee_robot/dynamics/rigid_model.h"
+
+namespace knee_robot {
+
+/// Generalized force on the pose coordinates (N, N, N m, N m) that makes the rigid links, without rotors, move as
+/// `motion` says: M_links(x) xdd + h(x, xd). Gravity included, friction not. Real-time safe.
+Vector4 poseForces(const RigidModel& model, const RobotMotion& motion);
+
+/// Actuator forces (N) that produce `motion`: J^-T poseForces + rotor mass * length acceleration. False when J is
+/// singular to working precision (the forces are then not touched). Real-time safe.
+bool inverseDynamics(const RigidModel& model, const Motion& motion, Vector4& actuator_forces);
+
+}  // namespace knee_robot
