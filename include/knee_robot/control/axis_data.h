@@ -1,0 +1,126 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+
+#include "knee_robot/control/faults.h"
+#include "knee_robot/hardware/axis_bus.h"
+#include "knee_robot/rt/cycle.h"
+
+/// What travels between the real-time components: plain structures, copied through ports. SI units; time in ns of the deployment's
+/// clock; arrays are per actuator, legs 1 to 4.
+namespace knee_robot {
+
+using hardware::kAxes;
+using AxisValues = std::array<double, kAxes>;
+
+/// AxesInput, once a servo cycle.
+struct AxesMeasurement {
+  std::uint64_t sequence = 0;   ///< cycle number; gaps are lost rows
+  rt::Nanoseconds time = 0;     ///< planned time of the cycle: what all components of the cycle calculate with
+  rt::Nanoseconds read_at = 0;  ///< when the counters were latched
+  hardware::IoStatus status = hardware::IoStatus::NotReady;  ///< unless Ok, what follows is that of the last good cycle
+  AxisValues position_m{};
+  AxisValues velocity_m_per_s{};  ///< low-passed difference
+  std::array<std::int64_t, kAxes> counts{};
+  std::uint8_t digital_inputs = 0;
+};
+
+/// What Sync is doing.
+enum class SyncPhase : std::uint8_t {
+  Idle,      ///< nothing played since the Drivers took over: they hold where they are
+  Playing,   ///< path time runs
+  Stopping,  ///< path time is being slowed down to zero
+  Holding,   ///< at rest on the path: at its end, or where it was stopped
+};
+
+/// Why Sync did not start to play.
+enum class PlayRefusal : std::uint8_t { None, NoReference, NotAtStart, NotReady };
+
+/// Sync, every 10 ms: the segment that the Drivers interpolate until the next one comes. A Driver's reference position runs linearly
+/// from `from` to `to` (so it never leaves what the reference check has seen), its reference velocity from `from_velocity` to
+/// `to_velocity` (central differences, for the derivative term).
+struct SetPoint {
+  std::uint64_t sequence = 0;  ///< counts all set points, idle ones too
+  std::uint32_t run = 0;       ///< number of the play request that this belongs to
+  SyncPhase phase = SyncPhase::Idle;
+  rt::Nanoseconds start = 0;
+  rt::Nanoseconds duration = 0;
+  AxisValues from_m{};
+  AxisValues to_m{};
+  AxisValues from_velocity{};  ///< m/s
+  AxisValues to_velocity{};    ///< m/s
+  double path_time_s = 0.0;    ///< at `start`
+  double path_duration_s = 0.0;
+  double time_scale = 0.0;        ///< speed of path time at `start`, 0 to 1
+  std::uint32_t refused_run = 0;  ///< last play request that was refused
+  PlayRefusal refusal = PlayRefusal::None;
+  int refused_axis = 0;  ///< 1 to 4, for NotAtStart
+  double refused_distance_m = 0.0;
+};
+
+/// One Driver, once its period.
+struct AxisCommand {
+  std::uint64_t sequence = 0;  ///< of the measurement that it answers
+  rt::Nanoseconds time = 0;    ///< of that cycle
+  bool active = false;         ///< the position loop is closed
+  bool at_rest = false;        ///< the reference stands still
+  Fault fault = Fault::None;   ///< of this axis; with closesLoop(fault) the volts are still those of a working loop
+  double volts = 0.0;
+  double force_N = 0.0;  ///< what the volts ask for
+  double reference_m = 0.0;
+  double reference_velocity = 0.0;  ///< m/s
+};
+
+/// How far the drives are switched on. Going up one by one, down only through the safe stop.
+enum class DriveLevel : std::uint8_t {
+  Off,            ///< hold device engaged, drive disabled, 0 V
+  Energised,      ///< drive enabled at 0 V, hold device still engaged
+  HeldByDrivers,  ///< Drivers hold at the measured position, hold device still engaged
+  Released,       ///< hold device released: the Drivers alone carry the platform
+};
+
+/// Supervisor, every servo cycle.
+struct Orders {
+  std::uint64_t sequence = 0;
+  rt::Nanoseconds time = 0;
+  DriveLevel level = DriveLevel::Off;
+  bool safe_stop = false;       ///< run the safe stop (again true: no effect)
+  bool drivers_active = false;  ///< Drivers close their loops
+  std::uint32_t play = 0;       ///< a new number asks Sync to play from the start
+  bool stop_path = false;       ///< Sync slows path time down to zero
+};
+
+/// Where the safe stop is.
+enum class SafeStopPhase : std::uint8_t { Idle, Decelerating, Settling, Engaging, Disabling, Done };
+
+/// AxesOutput, every servo cycle.
+struct AxesWritten {
+  std::uint64_t sequence = 0;  ///< of the measurement of the same cycle
+  rt::Nanoseconds time = 0;
+  hardware::IoStatus status = hardware::IoStatus::NotReady;
+  DriveLevel level = DriveLevel::Off;
+  SafeStopPhase safe_stop = SafeStopPhase::Idle;
+  Fault fault = Fault::None;     ///< why AxesOutput itself began the safe stop
+  int fault_axis = 0;            ///< 1 to 4, 0: none in particular
+  std::uint32_t safe_stops = 0;  ///< completed since the start
+  std::uint8_t digital_outputs = 0;
+  AxisValues volts{};    ///< as the converter got them, after clamp and quantization
+  AxisValues force_N{};  ///< that these volts ask for
+};
+
+/// Recorder, every servo cycle: a row of the recording, and what is published.
+struct TrackingRow {
+  std::uint64_t sequence = 0;
+  double time_s = 0.0;  ///< when the position was read
+  AxisValues reference_m{};
+  AxisValues position_m{};
+  AxisValues velocity_m_per_s{};
+  AxisValues command_V{};
+  AxisValues force_N{};
+  double path_time_s = 0.0;
+  std::uint8_t digital_inputs = 0;
+  std::uint8_t digital_outputs = 0;
+};
+
+}  // namespace knee_robot

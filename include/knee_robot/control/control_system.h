@@ -1,0 +1,132 @@
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "knee_robot/control/axis_data.h"
+#include "knee_robot/control/hardware_file.h"
+#include "knee_robot/control/machine_state.h"
+#include "knee_robot/mechanism/robot.h"
+#include "knee_robot/rt/deployer.h"
+#include "knee_robot/trajectory/reference_check.h"
+
+namespace knee_robot {
+
+class RecordingDrain;
+class Sync;
+class Recorder;
+class Supervisor;
+class OperatorPanel;
+
+/// Answer to an operator's command: done or begun, or why not; one sentence for the operator either way.
+struct Answer {
+  bool ok = false;
+  std::string sentence;
+};
+
+/// The machine as the operator sees it.
+struct ControlStatus {
+  MachineState state = MachineState::Disabled;
+  Fault fault = Fault::None;
+  int fault_axis = 0;          ///< 1 to 4, 0: none in particular
+  std::string fault_name;      ///< empty without fault
+  std::string fault_sentence;  ///< cause, place and remedy; empty without fault
+  std::string reference;       ///< name of the loaded reference, empty: none
+  double path_time_s = 0.0;
+  double path_duration_s = 0.0;
+  std::uint32_t safe_stops = 0;  ///< completed since start()
+  std::string recording;         ///< path of the recording being written, empty: none
+  std::uint64_t recorded_rows = 0;
+  std::uint64_t dropped_rows = 0;  ///< of this recording; more than 0 is reported by stopRecording()
+};
+
+/// The whole controller: components from a deployment file on a robot, a hardware file and an axis bus, and the operator's
+/// commands. No ROS. Functions may be called from several ordinary threads; none is real-time. Commands wait for the machine's
+/// answer, at most about 2 s.
+///
+/// Stepped execution: commands execute as many cycles as their answer takes, through step(), so the plant moves on too.
+class ControlSystem {
+ public:
+  struct Options {
+    rt::Execution execution = rt::Execution::Threads;
+    /// Actuator lengths at which the robot stands when start() resets the counters; default: the robot file's home lengths.
+    std::optional<AxisValues> lengths_at_start_m;
+  };
+
+  /// Reads the deployment, makes and connects everything; nothing runs. Throws InputError. `bus` must outlive this.
+  ControlSystem(const Robot& robot, const HardwareFile& hardware, const std::string& deployment_path,
+                hardware::AxisBus& bus, Options options);
+  /// shutdown().
+  ~ControlSystem();
+
+  /// Self test of the bus (drives off, hold devices engaged), then all components are started. Ends in Disabled.
+  Answer start();
+  /// Safe stop if anything moves or holds, recording closed, components stopped in reverse. Can not be undone.
+  Answer shutdown();
+
+  /// Disabled -> Holding: 0 V, drives enabled, Drivers take over at the measured position, hold devices released.
+  Answer enable();
+  /// Holding, Playing -> Disabled by the safe stop.
+  Answer disable();
+  /// Checks the reference against the robot (everything that check_reference checks) and hands it over. Not while playing.
+  Answer loadReference(const Reference& reference);
+  /// Plays the loaded reference from its first point; refused unless the robot stands there.
+  Answer play();
+  /// Plays a slow straight approach (actuator space, rest to rest) from the measured position to the first point of the loaded
+  /// reference, checked like any reference. Follow it by waiting for Holding and play().
+  Answer approach(double speed_m_per_s = 0.01);
+  /// Slows down along the path, then holds. Answers when it has begun.
+  Answer stop();
+  /// Safe stop now, latched like a fault until resetFaults().
+  Answer emergencyStop();
+  /// Recovers failed components and clears the latched fault; ends in Disabled.
+  Answer resetFaults();
+
+  /// A row per servo cycle into a new file; refused when it exists.
+  Answer startRecording(const std::string& path);
+  /// Closes the file; not ok when rows were dropped or the disk refused, with the number.
+  Answer stopRecording();
+
+  ControlStatus status() const;
+  MachineState state() const { return status().state; }
+  /// Newest row; lock-free towards the real-time side. Empty before the first cycle.
+  std::optional<TrackingRow> snapshot() const;
+  /// Waits (threads) or executes cycles (stepped) until the machine is in `state`, at most `timeout_s`. Faulted ends it too.
+  bool waitFor(MachineState state, double timeout_s);
+
+  /// Sentences about real-time privileges that were wanted and not obtained; say them loudly.
+  std::vector<std::string> warnings() const;
+  const rt::Deployment& deployment() const { return *deployment_; }
+
+  /// Stepped only. `advance` is called before each cycle with the virtual time (ns) up to which the plant has to be moved on.
+  void setPlant(std::function<void(rt::Nanoseconds time)> advance) { advance_plant_ = std::move(advance); }
+  /// Stepped only: executes the next cycle, answers its virtual time.
+  rt::Nanoseconds step();
+  /// Stepped only: executes all cycles of the next `seconds`.
+  void run(double seconds);
+
+ private:
+  struct Parts;
+  Answer request(Request request, double timeout_s);
+  bool waitUntil(const std::function<bool()>& done, double timeout_s);
+  Answer handOver(const Points& lengths);
+  Answer playLoaded();
+  void checkRoles() const;
+  void connectOperator();
+
+  const Robot robot_;
+  const HardwareFile hardware_;
+  const Options options_;
+  hardware::AxisBus& bus_;
+  std::unique_ptr<rt::Deployment> deployment_;
+  std::unique_ptr<Parts> parts_;
+  std::function<void(rt::Nanoseconds)> advance_plant_;
+  mutable std::mutex mutex_;  // ordinary threads among themselves
+  bool started_ = false;
+};
+
+}  // namespace knee_robot

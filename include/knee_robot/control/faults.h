@@ -1,0 +1,49 @@
+#pragma once
+
+#include <cstdint>
+
+namespace knee_robot {
+
+/// Everything that leads to the safe stop and stays latched until it is reset.
+enum class Fault : std::uint8_t {
+  None,
+  MeasurementLost,
+  OutputLost,
+  NotANumber,
+  FollowingError,
+  SetPointStale,
+  SetPointJump,
+  CommandStale,
+  OrdersStale,
+  PositionOutOfRange,
+  ComponentException,
+  ComponentFatal,
+  ComponentStopped,
+  Overrun,
+  EnableTimeout,
+  EmergencyStop,
+};
+inline constexpr int kFaults = 16;
+
+/// When resetFaults() clears a fault.
+enum class ResetRule : std::uint8_t {
+  OnRequest,        ///< at once
+  WhenCauseIsGone,  ///< refused while the cause is still there
+  Restart,          ///< never in this process
+};
+
+struct FaultDescription {
+  Fault fault;
+  const char* name;      ///< one word, as published
+  const char* sentence;  ///< cause, for the operator
+  ResetRule reset;
+  const char* remedy;  ///< what to do before resetting
+};
+
+/// The one table of faults. Constant data; real-time safe.
+const FaultDescription& describe(Fault fault) noexcept;
+
+/// True when the axis' position loop still works with this fault, so that the safe stop may decelerate under control.
+bool closesLoop(Fault fault) noexcept;
+
+}  // namespace knee_robot

@@ -1,0 +1,52 @@
+#pragma once
+
+#include <array>
+#include <optional>
+#include <string>
+
+#include "knee_robot/base/strict_yaml.h"
+#include "knee_robot/hardware/axis_bus.h"
+
+namespace knee_robot {
+
+/// What holds an axis when its drive is disabled.
+enum class HoldDevice {
+  Brake,            ///< engaged by spring, released by a digital output
+  ShortedWindings,  ///< a relay shorts the motor: it does not hold, but lets the platform sink slowly
+  None,             ///< the axis falls freely: no patient
+};
+
+/// Content of a hardware file:
+///
+///     backend: simulated              # or pci (the cards); the program that makes the AxisBus reads it
+///     bench_without_patient: false    # optional; hold_device none needs true
+///     digital_outputs: {drive_enable: 0, hold_release: 1, heartbeat: 2}   # bits 0 to 3, all different; 1 = enabled, released
+///     digital_inputs: {emergency_stop_clear: 0}   # optional; 1 = not pressed, drive power present
+///     drive_enable_delay_s: 0.02      # optional; until an enabled drive follows its set value, and a disabled one is off
+///     axes:                           # four, or one that stands for all
+///       - {hold_device: brake, hold_delay_s: 0.03}   # time from the output's change until the device holds (or lets go)
+struct HardwareFile {
+  struct Axis {
+    HoldDevice hold_device = HoldDevice::None;
+    double hold_delay_s = 0.0;
+  };
+
+  std::string path;
+  std::string backend;
+  bool bench_without_patient = false;
+  int drive_enable_bit = 0;
+  int hold_release_bit = 1;
+  int heartbeat_bit = 2;
+  std::optional<int> emergency_stop_clear_bit;
+  double drive_enable_delay_s = 0.02;
+  std::array<Axis, hardware::kAxes> axes{};
+
+  /// The slowest hold device.
+  double holdDelay() const;
+};
+
+/// Reads a hardware file strictly. InputError (file, line, limit) for anything unknown or senseless, and for hold_device none
+/// without bench_without_patient.
+HardwareFile loadHardwareFile(const std::string& path);
+
+}  // namespace knee_robot

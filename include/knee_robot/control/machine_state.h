@@ -1,0 +1,56 @@
+#pragma once
+
+#include <cstdint>
+
+#include "knee_robot/control/axis_data.h"
+
+namespace knee_robot {
+
+/// The Supervisor's states.
+enum class MachineState : std::uint8_t {
+  Disabled,      ///< drives off, hold devices engaged
+  Enabling,      ///< 0 V, enable, take over, release
+  Holding,       ///< Drivers hold the position
+  Playing,       ///< Sync streams the reference
+  Stopping,      ///< Sync slows down along the path
+  SafeStopping,  ///< the safe stop runs
+  Faulted,       ///< drives off, hold devices engaged, fault latched
+};
+const char* toString(MachineState state) noexcept;
+
+/// What the operator may ask for.
+enum class RequestKind : std::uint8_t { Enable, Disable, Play, Stop, EmergencyStop, Reset };
+
+struct Request {
+  std::uint32_t number = 0;  ///< the answer carries it
+  RequestKind kind = RequestKind::Stop;
+};
+
+/// Why a request was refused, or that it was not.
+enum class RequestAnswer : std::uint8_t {
+  Done,
+  WrongState,    ///< not possible in the present state
+  NoReference,   ///< play without reference
+  NotAtStart,    ///< play away from the first point
+  NotReady,      ///< a component does not run or nothing is measured yet
+  CauseRemains,  ///< reset while the fault's cause is still there
+  NeedsRestart,  ///< reset of a fault that only a restart clears
+  Faulted,       ///< a fault came in between
+};
+
+/// Supervisor, every servo cycle.
+struct SupervisorStatus {
+  MachineState state = MachineState::Disabled;
+  Fault fault = Fault::None;
+  int fault_axis = 0;          ///< 1 to 4, 0: none in particular
+  int fault_component = -1;    ///< index in the deployment's components, -1: none in particular
+  std::uint32_t answered = 0;  ///< number of the last request that has its answer
+  RequestAnswer answer = RequestAnswer::Done;
+  int refused_axis = 0;             ///< NotAtStart: 1 to 4
+  double refused_distance_m = 0.0;  ///< NotAtStart
+  double path_time_s = 0.0;
+  double path_duration_s = 0.0;
+  std::uint32_t safe_stops = 0;
+};
+
+}  // namespace knee_robot
