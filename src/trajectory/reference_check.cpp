@@ -14,6 +14,7 @@ namespace {
 
 constexpr double kLengthRounding = 1e-9;    ///< m: arithmetic, not measurement
 constexpr double kRelativeRounding = 1e-9;  ///< of a limit
+constexpr double kSamePose = 1e-4;  ///< m, rad: beyond it a followed pose is on another branch than the one asked for
 
 /// Collects one quantity along the reference: its closest approach, and the first point beyond the limit.
 class Watch {
@@ -143,6 +144,11 @@ void checkPath(CheckRun& run) {
       }
       watches.take(run.robot, follower.pose(), run.reference.lineOf(k));
     }
+    // At a fold the lengths turn back: they lead the robot back on its own branch, while the file goes on to the other one.
+    const bool folded =
+        run.reference.space == Space::Platform &&
+        !((follower.pose().transpose() - run.reference.points.row(k)).cwiseAbs().maxCoeff() < kSamePose);
+    if (folded) lost = k;
     poses.row(k) = follower.pose().transpose();
   }
   run.close(watches.base);
