@@ -1,0 +1,115 @@
+#include "knee_robot/hardware/shared_image.h"
+
+#include <fcntl.h>
+#include <gtest/gtest.h>
+#include <signal.h>
+#include <sys/mman.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include "knee_robot/base/errors.h"
+#include "knee_robot/hardware/open_bus.h"
+#include "test/hardware/card_bench.h"
+
+namespace knee_robot::hardware {
+namespace {
+
+std::string messageOf(const std::function<void()>& action) {
+  try {
+    action();
+  } catch (const InputError& error) {
+    return error.what();
+  }
+  return "";
+}
+
+TEST(SharedImage, IsSeenByBothSidesAndGoneAfterItsCreator) {
+  const std::string name = uniqueShmName("both");
+  {
+    SharedImage plant = SharedImage::create(name);
+    SharedImage controller = SharedImage::attach(name);
+    plant.image().plant_heartbeat.store(41);
+    EXPECT_EQ(controller.image().plant_heartbeat.load(), 41u);
+    EXPECT_EQ(controller.image().plant_pid.load(), ::getpid());
+  }
+  EXPECT_NE(messageOf([&] { SharedImage::attach(name); }).find("no simulated robot"), std::string::npos);
+}
+
+TEST(SharedImage, SurvivesAControllerThatIsKilledWithItsOutputsHeld) {
+  SharedImage plant = SharedImage::create(uniqueShmName("kill"));
+  int ready[2];
+  ASSERT_EQ(::pipe(ready), 0);
+  const pid_t controller = ::fork();
+  ASSERT_GE(controller, 0);
+  if (controller == 0) {
+    const auto bus = openSimulatedCards(plant.name());
+    std::array<double, kAxes> written{};
+    const bool good = bus->selfTest().passed && bus->writeVolts({1.25, -2.5, 5.0, 0.0}, written) == IoStatus::Ok &&
+                      bus->writeOutputs(0x03) == IoStatus::Ok;
+    const char answer = good ? 'y' : 'n';
+    if (::write(ready[1], &answer, 1) != 1) ::_exit(1);
+    for (;;)
+      ::pause();
+  }
+  char answer = 0;
+  ASSERT_EQ(::read(ready[0], &answer, 1), 1);
+  EXPECT_EQ(answer, 'y');
+  ::kill(controller, SIGKILL);
+  int status = 0;
+  ASSERT_EQ(::waitpid(controller, &status, 0), controller);
+  EXPECT_TRUE(WIFSIGNALED(status));
+  ::close(ready[0]);
+  ::close(ready[1]);
+  EXPECT_EQ(outputVolts(plant.image().analog), (std::array<double, 4>{1.25, -2.5, 5.0, 0.0}));
+  EXPECT_EQ(plant.image().counter.outputs.load(), 0x03);
+  const auto successor =
+      openSimulatedCards(plant.name());  // a controller that comes back finds the cards and silences them
+  ASSERT_TRUE(successor->selfTest().passed);
+  EXPECT_EQ(outputVolts(plant.image().analog), (std::array<double, 4>{0, 0, 0, 0}));
+}
+
+TEST(SharedImage, RefusesASecondPlantUnderTheSameName) {
+  const SharedImage plant = SharedImage::create(uniqueShmName("second"));
+  const std::string message = messageOf([&] { SharedImage::create(plant.name()); });
+  EXPECT_NE(message.find("already simulates"), std::string::npos) << message;
+  EXPECT_NE(message.find(std::to_string(::getpid())), std::string::npos) << message;
+}
+
+TEST(SharedImage, ReplacesWhatADeadPlantLeft) {
+  const std::string name = uniqueShmName("dead");
+  const pid_t dead = ::fork();
+  ASSERT_GE(dead, 0);
+  if (dead == 0) {
+    SharedImage plant = SharedImage::create(name);
+    plant.image().plant_heartbeat.store(7);
+    ::_exit(0);  // without unlinking, as after SIGKILL
+  }
+  ASSERT_EQ(::waitpid(dead, nullptr, 0), dead);
+  SharedImage plant = SharedImage::create(name);
+  EXPECT_EQ(plant.image().plant_heartbeat.load(), 0u);
+}
+
+TEST(SharedImage, RefusesForeignMemoryAndMalformedNames) {
+  const std::string name = uniqueShmName("foreign");
+  const int descriptor = ::shm_open(name.c_str(), O_RDWR | O_CREAT | O_EXCL, 0600);
+  ASSERT_GE(descriptor, 0);
+  EXPECT_NE(messageOf([&] { SharedImage::attach(name); }).find("just starting"), std::string::npos);
+  ASSERT_EQ(::ftruncate(descriptor, 100), 0);
+  EXPECT_NE(messageOf([&] { SharedImage::attach(name); }).find("holds 100 bytes"), std::string::npos);
+  ASSERT_EQ(::ftruncate(descriptor, sizeof(RobotImage)), 0);
+  EXPECT_NE(messageOf([&] { SharedImage::attach(name); }).find("just starting"), std::string::npos);
+  ::close(descriptor);
+  ::shm_unlink(name.c_str());
+  for (const char* bad : {"", "/", "knee", "/a/b"}) {
+    EXPECT_NE(messageOf([&] { SharedImage::create(bad); }).find("must be a slash"), std::string::npos) << bad;
+  }
+}
+
+TEST(SharedImage, RefusesAnotherVersion) {
+  SharedImage plant = SharedImage::create(uniqueShmName("version"));
+  plant.image().version = RobotImage::kVersion + 1;
+  EXPECT_NE(messageOf([&] { SharedImage::attach(plant.name()); }).find("build both"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace knee_robot::hardware
