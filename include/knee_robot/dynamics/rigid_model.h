@@ -20,6 +20,7 @@ struct RigidModel {
   Vector3 gravity;                             ///< m/s^2, base frame
   std::array<BodyConstants, kLegs> cylinders;  ///< leg basis (-t, u, n), origin in the base joint
   std::array<BodyConstants, kLegs> rods;       ///< leg basis (-t, u, n), origin in the platform joint
+  std::array<Matrix3, kLegs> leg_inertias;     ///< cylinder + rod
   BodyConstants platform;                      ///< platform frame
   Vector4 rotor_mass;                          ///< kg, per actuator
 };

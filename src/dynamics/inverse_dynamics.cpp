@@ -1,0 +1,59 @@
+#include "knee_robot/dynamics/inverse_dynamics.h"
+
+#include <Eigen/Geometry>
+#include <Eigen/LU>
+
+namespace knee_robot {
+namespace {
+
+/// Newton and Euler for the two bodies of a leg, in its basis (-t, u, n): forces on (q1, q2, q3). Tip accelerations less gravity.
+Vector3 legForces(const LegMotion& leg, const Vector3& gravity, const BodyConstants& cylinder, const BodyConstants& rod,
+                  const Matrix3& inertia) {
+  const double c2 = leg.cos_q2, s2 = leg.sin_q2, length = leg.length;
+  const Vector3 &v = leg.rate, &e = leg.acceleration;
+  const Vector3 omega(c2 * v[0], -s2 * v[0], v[1]);
+  const Vector3 alpha(c2 * e[0] - s2 * v[0] * v[1], -s2 * e[0] - c2 * v[0] * v[1], e[1]);
+  const Vector3 rise(leg.t.dot(gravity), -leg.u.dot(gravity), -leg.n.dot(gravity));
+  const Vector3& tip = leg.tip_acceleration;
+  const Vector3 a = Vector3(-leg.t.dot(tip), leg.u.dot(tip), leg.n.dot(tip)) + rise;
+
+  const Vector3 force = rod.mass * a + alpha.cross(rod.first_moment) + omega.cross(omega.cross(rod.first_moment));
+  const Vector3 moment =
+      inertia * alpha + omega.cross(inertia * omega) + cylinder.first_moment.cross(rise) + rod.first_moment.cross(a);
+  return {c2 * (moment.x() + length * force.z()) - s2 * moment.y(), moment.z() - length * force.x(), force.y()};
+}
+
+Vector4 platformForces(const PlatformMotion& platform, const Vector3& gravity, const BodyConstants& body) {
+  const Matrix3& rotation = platform.rotation;
+  const Vector3 a = rotation.transpose() * (platform.acceleration - gravity);
+  const Vector3 omega = rotation.transpose() * platform.omega, alpha = rotation.transpose() * platform.alpha;
+  const Vector3 force = body.mass * a + alpha.cross(body.first_moment) + omega.cross(omega.cross(body.first_moment));
+  const Vector3 moment = body.inertia * alpha + omega.cross(body.inertia * omega) + body.first_moment.cross(a);
+  return {rotation.row(0).dot(force), rotation.row(2).dot(force), rotation.row(1).dot(moment), moment.z()};
+}
+
+}  // namespace
+
+Vector4 poseForces(const RigidModel& model, const RobotMotion& motion) {
+  Vector4 forces = platformForces(motion.platform, model.gravity, model.platform);
+  for (int i = 0; i < kLegs; ++i) {
+    const Vector3 joint =
+        legForces(motion.legs[i], model.gravity, model.cylinders[i], model.rods[i], model.leg_inertias[i]);
+    forces.noalias() += motion.legs[i].joints_per_pose.transpose() * joint;
+  }
+  return forces;
+}
+
+bool inverseDynamics(const RigidModel& model, const Motion& motion, Vector4& actuator_forces) {
+  RobotMotion all;
+  robotMotion(model.mechanism, motion, all);
+  Matrix4 inverse;
+  bool invertible = false;
+  all.jacobian.computeInverseWithCheck(inverse, invertible, 1e-14);
+  if (!invertible) return false;
+  actuator_forces =
+      inverse.transpose() * poseForces(model, all) + model.rotor_mass.cwiseProduct(all.lengthAcceleration());
+  return true;
+}
+
+}  // namespace knee_robot
