@@ -1,0 +1,39 @@
+#pragma once
+
+#include <Eigen/Core>
+
+namespace knee_robot {
+
+/// Zero-phase low-pass: a Butterworth filter of 4th order run forward and backward over each column (the amplitude at the
+/// cut-off is 1/2). The signal is continued at both ends by its point reflection, and the filter starts in the steady state of
+/// the first value, so that constants and straight lines pass unchanged up to the ends.
+class ZeroPhaseLowPass {
+ public:
+  /// `cutoff_hz` must be positive; at or above 0.45 of the sampling rate the filter does nothing.
+  ZeroPhaseLowPass(double cutoff_hz, double rate_hz);
+
+  void apply(Eigen::Ref<Eigen::VectorXd> signal) const;
+  /// Every column by itself.
+  void applyToColumns(Eigen::MatrixXd& signals) const;
+  /// Samples at either end that the continuation may influence visibly (about one period of the cut-off).
+  int edgeSamples() const { return edge_; }
+
+ private:
+  struct Section {
+    double b0, b1, b2, a1, a2;
+  };
+  void run(Eigen::VectorXd& signal) const;
+
+  bool active_ = false;
+  int padding_ = 0;
+  int edge_ = 0;
+  Section sections_[2];
+};
+
+/// First derivative of uniformly sampled columns by the central five-point formula (fourth order; three-point and one-sided
+/// formulas next to the ends). At least two rows.
+Eigen::MatrixXd firstDerivative(const Eigen::MatrixXd& signals, double period_s);
+/// Second derivative in the same way; the two outermost rows repeat their neighbours. At least three rows.
+Eigen::MatrixXd secondDerivative(const Eigen::MatrixXd& signals, double period_s);
+
+}  // namespace knee_robot

@@ -1,0 +1,51 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "knee_robot/recording/recording.h"
+
+namespace knee_robot {
+
+/// How a recording is brought onto a uniform grid.
+struct SignalOptions {
+  double motion_cutoff_hz = 15.0;  ///< zero-phase low-pass of the positions before they are differentiated
+  double rate_hz = 100.0;          ///< of the result, at most; a slower recording keeps its own rate
+  double gap_periods = 5.0;        ///< a longer interval without rows is a gap: nothing is known of the motion in it
+};
+
+/// Motion and commanded force on a uniform grid: one row a sample, one column an actuator.
+struct Signals {
+  double period_s = 0.0;       ///< of the grid
+  std::vector<double> time_s;  ///< of the grid, in the recording's own time
+  Eigen::MatrixXd position_m;  ///< low-passed at motion_cutoff_hz
+  Eigen::MatrixXd velocity_m_per_s;
+  Eigen::MatrixXd acceleration_m_per_s2;
+  Eigen::MatrixXd force_N;  ///< mean of the held command over the grid interval around the sample; otherwise unfiltered
+  std::vector<char> known;  ///< 0 in gaps
+  std::vector<std::string> notes;  ///< what was done, one sentence each, for the report
+
+  int samples() const { return static_cast<int>(time_s.size()); }
+};
+
+/// Brings a recording onto a uniform grid. Positions belong to their rows' times: stale rows at the start are dropped, a cubic
+/// through the neighbours is sampled at the recording's usual period, low-passed with zero phase, differentiated, and only then
+/// thinned to `rate_hz`. A command (or force) acts from its row to the next one: it is averaged exactly over each grid interval.
+/// `force_N` has one row per row of the recording (commandedForce).
+/// Throws Refusal when fewer than 20 usable rows remain.
+Signals resample(const Recording& recording, const Eigen::MatrixXd& force_N, const SignalOptions& options = {});
+
+/// Mean over [from, to] of a signal that holds row k's value from time[k] to time[k + 1]; beyond both ends the outermost value
+/// holds. `time` strictly increasing, from < to.
+double heldMean(const std::vector<double>& time, const Eigen::Ref<const Eigen::VectorXd>& values, double from,
+                double to);
+
+/// Values of a uniformly sampled signal in the middle of every row's hold interval [t_k, t_k+1] (the last row: one median
+/// period), linearly interpolated and held at the ends: what stands beside row k's force.
+Eigen::MatrixXd atHoldIntervals(const Signals& signals, const Eigen::MatrixXd& values,
+                                const std::vector<double>& row_time_s);
+
+/// Median interval between rows, s. At least two rows.
+double medianPeriod(const std::vector<double>& time_s);
+
+}  // namespace knee_robot

@@ -1,0 +1,308 @@
+#include "knee_robot/recording/recording.h"
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <limits>
+#include <map>
+#include <optional>
+#include <string_view>
+
+#include "knee_robot/base/errors.h"
+#include "knee_robot/base/files.h"
+#include "knee_robot/base/numbers.h"
+
+namespace knee_robot {
+namespace {
+
+using Text = std::string_view;
+
+constexpr double kLargestValue = 1e6;
+constexpr double kLargestTime_s = 1e11;
+constexpr int kMostAxes = 4;
+constexpr std::size_t kMostColumns = 10000;
+
+Text trim(Text text) {
+  const auto blank = [](char c) { return c == ' ' || c == '\t' || c == '\r'; };
+  while (!text.empty() && blank(text.front()))
+    text.remove_prefix(1);
+  while (!text.empty() && blank(text.back()))
+    text.remove_suffix(1);
+  return text;
+}
+
+void splitInto(Text line, std::vector<Text>& fields) {
+  fields.clear();
+  while (true) {
+    const std::size_t comma = line.find(',');
+    fields.push_back(trim(line.substr(0, comma)));
+    if (comma == Text::npos) return;
+    line.remove_prefix(comma + 1);
+  }
+}
+
+/// A word of the file for a message: short, printable.
+std::string quoted(Text text) {
+  std::string out = "'";
+  for (const char c : text.substr(0, 40))
+    out += (c >= 32 && c < 127) ? c : '?';
+  return out + (text.size() > 40 ? "...'" : "'");
+}
+
+bool isNan(Text text) {
+  return text.size() == 3 && (text[0] | 32) == 'n' && (text[1] | 32) == 'a' && (text[2] | 32) == 'n';
+}
+
+/// Where a known column's values go.
+struct Column {
+  std::string name;
+  std::size_t field = 0;
+  bool may_be_nan = false;
+  std::vector<double> values;
+};
+
+/// The header: which field holds which column.
+class Header {
+ public:
+  Header(Text line, std::string path) : path_(std::move(path)) {
+    std::vector<Text> fields;
+    splitInto(line, fields);
+    if (fields.size() > kMostColumns) throw InputError(path_ + ":1: more than 10000 columns; this is no recording");
+    count_ = fields.size();
+    for (std::size_t i = 0; i < fields.size(); ++i) {
+      const auto [place, is_new] = where_.emplace(std::string(fields[i]), i);
+      if (!is_new && known(place->first)) throw InputError(path_ + ":1: column " + place->first + " occurs twice");
+    }
+  }
+
+  std::size_t count() const { return count_; }
+  bool has(const std::string& name) const { return where_.count(name) > 0; }
+
+  Column need(const std::string& name, const std::string& why) const {
+    const auto found = where_.find(name);
+    if (found == where_.end()) throw InputError(path_ + ":1: column " + name + " is missing" + why);
+    return {name, found->second, false, {}};
+  }
+
+  static std::string axisName(const char* signal, int axis, const char* unit) {
+    return std::string(signal) + "_" + std::to_string(axis) + unit;
+  }
+
+ private:
+  static bool known(const std::string& name) {
+    static const char* const kStarts[] = {"time_s",   "position_", "reference_", "velocity_",
+                                          "command_", "force_",    "mocap_"};
+    return std::any_of(std::begin(kStarts), std::end(kStarts),
+                       [&](const char* start) { return name.rfind(start, 0) == 0; });
+  }
+
+  std::string path_;
+  std::size_t count_ = 0;
+  std::map<std::string, std::size_t> where_;
+};
+
+/// All columns of one signal over the axes; none when the file has none of them. One without the others is an error.
+std::vector<Column> signalColumns(const Header& header, const char* signal, const char* unit, int axes) {
+  bool any = false;
+  for (int i = 1; i <= kMostAxes; ++i)
+    any = any || header.has(Header::axisName(signal, i, unit));
+  std::vector<Column> columns;
+  if (!any) return columns;
+  for (int i = 1; i <= axes; ++i) {
+    columns.push_back(header.need(Header::axisName(signal, i, unit), ", though other axes have it"));
+  }
+  return columns;
+}
+
+int countAxes(const Header& header) {
+  int axes = 1;
+  header.need("position_1_m", "");
+  for (int i = 2; i <= kMostAxes; ++i) {
+    if (header.has(Header::axisName("position", i, "_m"))) axes = i;
+  }
+  for (int i = 2; i <= axes; ++i)
+    header.need(Header::axisName("position", i, "_m"), ", though a later axis has it");
+  return axes;
+}
+
+struct Columns {
+  Column time;
+  std::vector<Column> position, reference, velocity, command, force, mocap;
+
+  std::vector<Column*> all() {
+    std::vector<Column*> list = {&time};
+    for (auto* group : {&position, &reference, &velocity, &command, &force, &mocap}) {
+      for (Column& column : *group)
+        list.push_back(&column);
+    }
+    return list;
+  }
+};
+
+Columns findColumns(const Header& header, int axes) {
+  Columns c;
+  c.time = header.need("time_s", "");
+  c.position = signalColumns(header, "position", "_m", axes);
+  c.reference = signalColumns(header, "reference", "_m", axes);
+  c.velocity = signalColumns(header, "velocity", "_m_per_s", axes);
+  c.command = signalColumns(header, "command", "_V", axes);
+  c.force = signalColumns(header, "force", "_N", axes);
+  if (c.command.empty() && c.force.empty())
+    header.need("command_1_V", ", and so is force_1_N; one of the two is needed");
+  const char* const mocap[] = {"mocap_x_m", "mocap_z_m", "mocap_theta_rad", "mocap_psi_rad"};
+  if (std::any_of(std::begin(mocap), std::end(mocap), [&](const char* name) { return header.has(name); })) {
+    for (const char* name : mocap) {
+      c.mocap.push_back(header.need(name, ", though the file has other columns of the camera pose"));
+      c.mocap.back().may_be_nan = true;
+    }
+  }
+  return c;
+}
+
+std::string lineName(const std::string& path, int line) {
+  return path + ":" + std::to_string(line) + ": ";
+}
+
+/// Why this field is refused; empty when it is a value.
+std::string parseField(Text text, const Column& column, double limit, double& value) {
+  if (column.may_be_nan && isNan(text)) {
+    value = std::numeric_limits<double>::quiet_NaN();
+    return {};
+  }
+  const std::optional<double> number = parseFinite(text);
+  if (!number) return column.name + " is " + quoted(text) + ", not a finite number";
+  if (std::abs(*number) > limit) return column.name + " is " + quoted(text) + ", beyond +-" + shortNumber(limit);
+  value = *number;
+  return {};
+}
+
+/// One line into the columns. Returns why it is refused (nothing is stored then), or nothing.
+std::string parseRow(const std::vector<Text>& fields, std::size_t expected, const std::vector<Column*>& columns,
+                     std::vector<double>& values) {
+  if (fields.size() != expected) {
+    return std::to_string(fields.size()) + " values where the header has " + std::to_string(expected) + " columns";
+  }
+  for (std::size_t i = 0; i < columns.size(); ++i) {
+    const std::string why =
+        parseField(fields[columns[i]->field], *columns[i], i == 0 ? kLargestTime_s : kLargestValue, values[i]);
+    if (!why.empty()) return why;
+  }
+  const std::vector<double>& times = columns[0]->values;
+  if (!times.empty() && values[0] <= times.back()) {
+    return "time_s is " + shortNumber(values[0], 12) + ", not later than " + shortNumber(times.back(), 12) +
+           " in the line before";
+  }
+  return {};
+}
+
+Eigen::MatrixXd toMatrix(const std::vector<Column>& columns, int rows) {
+  Eigen::MatrixXd out(rows, static_cast<Eigen::Index>(columns.size()));
+  for (std::size_t i = 0; i < columns.size(); ++i) {
+    out.col(static_cast<Eigen::Index>(i)) = Eigen::Map<const Eigen::VectorXd>(columns[i].values.data(), rows);
+  }
+  return out;
+}
+
+/// A last line without its line break is whole only if its last value is not visibly shorter than the one above it.
+bool lastValueMayBeCut(const std::vector<Text>& fields, std::size_t last_width) {
+  return !fields.empty() && fields.back().size() < last_width;
+}
+
+/// Next line of `rest` without its line break; `whole` is false when the file ends before a line break.
+Text takeLine(Text& rest, bool& whole) {
+  const std::size_t end = rest.find('\n');
+  whole = end != Text::npos;
+  const Text line = rest.substr(0, end);
+  rest = whole ? rest.substr(end + 1) : Text{};
+  return line;
+}
+
+void readRows(Text rest, std::size_t expected, const std::string& path, Columns& columns,
+              std::vector<std::string>& notes) {
+  const std::vector<Column*> list = columns.all();
+  std::vector<double> values(list.size());
+  std::vector<Text> fields;
+  std::size_t last_width = 0;
+  int blank_line = 0;
+  for (int line_number = 2; !rest.empty(); ++line_number) {
+    bool whole = true;
+    const Text line = takeLine(rest, whole);
+    if (trim(line).empty()) {
+      if (blank_line == 0) blank_line = line_number;
+      continue;
+    }
+    if (blank_line != 0) throw InputError(lineName(path, blank_line) + "empty line inside the recording");
+    splitInto(line, fields);
+    const std::string why = parseRow(fields, expected, list, values);
+    if (!whole && (!why.empty() || lastValueMayBeCut(fields, last_width))) {
+      notes.push_back("The last line (" + std::to_string(line_number) + ") is cut off and was left out.");
+      break;
+    }
+    if (!why.empty()) throw InputError(lineName(path, line_number) + why);
+    for (std::size_t i = 0; i < list.size(); ++i)
+      list[i]->values.push_back(values[i]);
+    last_width = fields.back().size();
+  }
+}
+
+}  // namespace
+
+Recording parseRecording(const std::string& content, const std::string& path) {
+  Text rest = content;
+  if (rest.substr(0, 3) == "\xEF\xBB\xBF") rest.remove_prefix(3);
+  bool whole = true;
+  const Text first = takeLine(rest, whole);
+  if (trim(first).empty())
+    throw InputError(path + ": is empty, or its first line is; a recording starts with a header line");
+  const Header header(first, path);
+
+  Recording r;
+  r.path = path;
+  r.name = std::filesystem::path(path).stem().string();
+  r.axes = countAxes(header);
+  Columns columns = findColumns(header, r.axes);
+  readRows(rest, header.count(), path, columns, r.notes);
+  r.time_s = std::move(columns.time.values);
+  if (r.time_s.empty()) throw InputError(path + ": has a header but no complete row");
+  r.position_m = toMatrix(columns.position, r.rows());
+  r.reference_m = toMatrix(columns.reference, r.rows());
+  r.velocity_m_per_s = toMatrix(columns.velocity, r.rows());
+  r.command_V = toMatrix(columns.command, r.rows());
+  r.force_N = toMatrix(columns.force, r.rows());
+  r.mocap = toMatrix(columns.mocap, r.rows());
+  return r;
+}
+
+Recording loadRecording(const std::string& path) {
+  return parseRecording(readFile(path), path);
+}
+
+Eigen::MatrixXd commandedForce(const Recording& r, const std::vector<double>& force_per_volt_N) {
+  const Eigen::Map<const Eigen::RowVectorXd> factor(force_per_volt_N.data(),
+                                                    static_cast<Eigen::Index>(force_per_volt_N.size()));
+  if (r.command_V.cols() == 0) return r.force_N;
+  const Eigen::MatrixXd from_command = r.command_V.array().rowwise() * factor.array();
+  if (r.force_N.cols() == 0) return from_command;
+  const double slack = 1.0 + 1e-3;  // values are printed with a few digits
+  for (int row = 0; row < r.rows(); ++row) {
+    for (int i = 0; i < r.axes; ++i) {
+      const double limit = std::abs(factor(i)) * kDacStep_V * slack;
+      if (std::abs(r.force_N(row, i) - from_command(row, i)) <= limit) continue;
+      const std::string axis = std::to_string(i + 1);
+      throw InputError(
+          lineName(r.path, Recording::line(row)) + "force_" + axis + "_N " + shortNumber(r.force_N(row, i)) +
+          " N and command_" + axis + "_V " + shortNumber(r.command_V(row, i)) + " V (" +
+          shortNumber(from_command(row, i)) + " N at " + shortNumber(factor(i)) +
+          " N/V) disagree by more than one DAC step; correct the robot file's force_per_volt_N or remove one column");
+    }
+  }
+  return r.force_N;
+}
+
+void requireAxes(const Recording& recording, int axes, const std::string& robot_path) {
+  if (recording.axes == axes) return;
+  throw InputError(recording.path + ": records " + std::to_string(recording.axes) + " actuators, but the robot of " +
+                   robot_path + " has " + std::to_string(axes));
+}
+
+}  // namespace knee_robot
