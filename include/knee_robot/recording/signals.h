@@ -35,10 +35,11 @@ struct Signals {
 /// Throws Refusal when fewer than 20 usable rows remain.
 Signals resample(const Recording& recording, const Eigen::MatrixXd& force_N, const SignalOptions& options = {});
 
-/// Mean over [from, to] of a signal that holds row k's value from time[k] to time[k + 1]; beyond both ends the outermost value
-/// holds. `time` strictly increasing, from < to.
-double heldMean(const std::vector<double>& time, const Eigen::Ref<const Eigen::VectorXd>& values, double from,
-                double to);
+/// Means of held signals over the intervals [center - width/2, center + width/2]: row k of `values` holds from time_s[k] to
+/// time_s[k + 1], the last one for good, the first one also before its time. One row per center. `time_s` strictly
+/// increasing, width positive.
+Eigen::MatrixXd heldMeans(const std::vector<double>& time_s, const Eigen::MatrixXd& values,
+                          const std::vector<double>& centers_s, double width_s);
 
 /// Values of a uniformly sampled signal in the middle of every row's hold interval [t_k, t_k+1] (the last row: one median
 /// period), linearly interpolated and held at the ends: what stands beside row k's force.

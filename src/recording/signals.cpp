@@ -1,0 +1,202 @@
+#include "knee_robot/recording/signals.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "knee_robot/base/errors.h"
+#include "knee_robot/base/numbers.h"
+#include "knee_robot/recording/filter.h"
+
+namespace knee_robot {
+namespace {
+
+constexpr int kFewestRows = 20;
+constexpr int kLastStaleRow = 50;                 ///< a recorder's stale rows are the first few
+constexpr double kImpossibleJump_m = 1e-3;        ///< between neighbouring rows,
+constexpr double kImpossibleSpeed_m_per_s = 2.0;  ///< and at this speed: no actuator moved so, the older row is stale
+
+std::string percent(double share) {
+  return shortNumber(100.0 * share, 3) + " %";
+}
+
+/// Number of rows at the start that do not belong to the motion: a jump or a long pause follows them.
+int staleRows(const Recording& r, double longest_pause_s) {
+  int stale = 0;
+  const int last = std::min(kLastStaleRow, r.rows() / 4);
+  for (int k = 0; k < last; ++k) {
+    const double dt = r.time_s[k + 1] - r.time_s[k];
+    const double jump = (r.position_m.row(k + 1) - r.position_m.row(k)).cwiseAbs().maxCoeff();
+    if (dt > longest_pause_s || (jump > kImpossibleJump_m && jump > kImpossibleSpeed_m_per_s * dt)) stale = k + 1;
+  }
+  return stale;
+}
+
+/// Index k of the row with time[k] <= t < time[k + 1], advancing from `k`; stays within [0, size - 2].
+int advance(const std::vector<double>& time, double t, int k) {
+  while (k + 2 < static_cast<int>(time.size()) && time[k + 1] <= t)
+    ++k;
+  return k;
+}
+
+/// Slope at row k of the parabola through it and its neighbours.
+Eigen::RowVectorXd slopeAt(const std::vector<double>& time, const Eigen::MatrixXd& x, int k) {
+  const int n = static_cast<int>(time.size());
+  const int a = std::max(k - 1, 0);
+  const int b = std::min(k + 1, n - 1);
+  if (a == k || b == k) return (x.row(b) - x.row(a)) / (time[b] - time[a]);
+  const double before = time[k] - time[a];
+  const double after = time[b] - time[k];
+  return ((x.row(k) - x.row(a)) / before * after + (x.row(b) - x.row(k)) / after * before) / (before + after);
+}
+
+/// Cubic Hermite interpolation of row values at the times of `grid`.
+Eigen::MatrixXd sampleCubic(const std::vector<double>& time, const Eigen::MatrixXd& x,
+                            const std::vector<double>& grid) {
+  Eigen::MatrixXd out(static_cast<Eigen::Index>(grid.size()), x.cols());
+  int k = 0;
+  for (std::size_t i = 0; i < grid.size(); ++i) {
+    k = advance(time, grid[i], k);
+    const double h = time[k + 1] - time[k];
+    const double s = std::clamp((grid[i] - time[k]) / h, 0.0, 1.0);
+    const double s2 = s * s;
+    const double s3 = s2 * s;
+    out.row(static_cast<Eigen::Index>(i)) = (2 * s3 - 3 * s2 + 1) * x.row(k) +
+                                            (s3 - 2 * s2 + s) * h * slopeAt(time, x, k) +
+                                            (3 * s2 - 2 * s3) * x.row(k + 1) + (s3 - s2) * h * slopeAt(time, x, k + 1);
+  }
+  return out;
+}
+
+std::vector<double> uniformGrid(double from, double to, double period) {
+  const std::size_t count = static_cast<std::size_t>(std::floor((to - from) / period + 1e-6)) + 1;
+  std::vector<double> grid(count);
+  for (std::size_t i = 0; i < count; ++i)
+    grid[i] = from + period * static_cast<double>(i);
+  return grid;
+}
+
+Eigen::MatrixXd everyNth(const Eigen::MatrixXd& x, int step, int count) {
+  Eigen::MatrixXd out(count, x.cols());
+  for (int i = 0; i < count; ++i)
+    out.row(i) = x.row(static_cast<Eigen::Index>(i) * step);
+  return out;
+}
+
+/// Marks grid samples inside long intervals without rows.
+std::vector<char> knownSamples(const std::vector<double>& time, const std::vector<double>& grid, double longest_s) {
+  std::vector<char> known(grid.size(), 1);
+  int k = 0;
+  for (std::size_t i = 0; i < grid.size(); ++i) {
+    k = advance(time, grid[i], k);
+    if (time[k + 1] - time[k] > longest_s) known[i] = 0;
+  }
+  return known;
+}
+
+void noteTiming(const std::vector<double>& time, double period, int rows_left_out, Signals& s) {
+  std::size_t late = 0;
+  double longest = 0.0;
+  double sum_of_squares = 0.0;
+  for (std::size_t k = 0; k + 1 < time.size(); ++k) {
+    const double dt = time[k + 1] - time[k];
+    longest = std::max(longest, dt);
+    if (dt > 1.5 * period) ++late;
+    if (dt <= 1.5 * period) sum_of_squares += (dt - period) * (dt - period);
+  }
+  const double jitter = std::sqrt(sum_of_squares / static_cast<double>(time.size()));
+  s.notes.push_back(
+      "Rows arrive every " + shortNumber(1e3 * period, 4) + " ms (median, jitter " + shortNumber(1e3 * jitter, 3) +
+      " ms rms); " + std::to_string(late) + " interval(s) longer than 1.5 periods, the longest " +
+      shortNumber(1e3 * longest, 4) + " ms. Resampled to " + shortNumber(1.0 / s.period_s, 4) + " Hz (" +
+      std::to_string(s.samples()) +
+      " samples): positions by a cubic at their own times, commands averaged over the time they were held.");
+  if (rows_left_out > 0)
+    s.notes.push_back("The first " + std::to_string(rows_left_out) + " row(s) are stale and were left out.");
+  const auto unknown = std::count(s.known.begin(), s.known.end(), 0);
+  if (unknown > 0) {
+    s.notes.push_back(percent(static_cast<double>(unknown) / s.samples()) +
+                      " of the samples lie in gaps and are not used.");
+  }
+}
+
+}  // namespace
+
+double medianPeriod(const std::vector<double>& time) {
+  std::vector<double> steps(time.size() - 1);
+  for (std::size_t k = 0; k < steps.size(); ++k)
+    steps[k] = time[k + 1] - time[k];
+  std::nth_element(steps.begin(), steps.begin() + static_cast<long>(steps.size() / 2), steps.end());
+  return steps[steps.size() / 2];
+}
+
+Eigen::MatrixXd heldMeans(const std::vector<double>& time, const Eigen::MatrixXd& values,
+                          const std::vector<double>& centers, double width) {
+  const int n = static_cast<int>(time.size());
+  Eigen::MatrixXd integral = Eigen::MatrixXd::Zero(n, values.cols());  // up to each row's time
+  for (int k = 1; k < n; ++k)
+    integral.row(k) = integral.row(k - 1) + values.row(k - 1) * (time[k] - time[k - 1]);
+  const auto until = [&](double t) -> Eigen::RowVectorXd {
+    const auto next = std::upper_bound(time.begin(), time.end(), t);
+    const int k = std::max(0, static_cast<int>(next - time.begin()) - 1);
+    return integral.row(k) + values.row(k) * (t - time[k]);
+  };
+  Eigen::MatrixXd out(static_cast<Eigen::Index>(centers.size()), values.cols());
+  for (std::size_t i = 0; i < centers.size(); ++i) {
+    out.row(static_cast<Eigen::Index>(i)) = (until(centers[i] + width / 2) - until(centers[i] - width / 2)) / width;
+  }
+  return out;
+}
+
+Signals resample(const Recording& r, const Eigen::MatrixXd& force_N, const SignalOptions& options) {
+  const auto tooShort = [&](int rows) {
+    return Refusal(r.path + ": " + std::to_string(rows) + " usable rows are too few, at least " +
+                   std::to_string(kFewestRows) + " are needed; record a longer motion");
+  };
+  if (r.rows() < kFewestRows) throw tooShort(r.rows());
+  const double period = medianPeriod(r.time_s);
+  const int stale = staleRows(r, options.gap_periods * period);
+  const int rows = r.rows() - stale;
+  if (rows < kFewestRows) throw tooShort(rows);
+  const std::vector<double> time(r.time_s.begin() + stale, r.time_s.end());
+
+  const double span = time.back() - time.front();
+  if (span / period > 20.0 * rows + 1000.0) {
+    throw Refusal(r.path + ": its rows cover only a small part of its " + shortNumber(span) +
+                  " s; cut the recording at its long gaps");
+  }
+  const std::vector<double> fine = uniformGrid(time.front(), time.back(), period);
+  Eigen::MatrixXd position = sampleCubic(time, r.position_m.bottomRows(rows), fine);
+  ZeroPhaseLowPass(options.motion_cutoff_hz, 1.0 / period).applyToColumns(position);
+
+  Signals s;
+  const int step = std::max(1, static_cast<int>(std::floor(1.0 / (period * options.rate_hz) + 0.01)));
+  const int count = (static_cast<int>(fine.size()) - 1) / step + 1;
+  s.period_s = period * step;
+  s.time_s.resize(count);
+  for (int i = 0; i < count; ++i)
+    s.time_s[i] = fine[static_cast<std::size_t>(i) * step];
+  s.position_m = everyNth(position, step, count);
+  s.velocity_m_per_s = everyNth(firstDerivative(position, period), step, count);
+  s.acceleration_m_per_s2 = everyNth(secondDerivative(position, period), step, count);
+  s.force_N = heldMeans(time, force_N.bottomRows(rows), s.time_s, s.period_s);
+  s.known = knownSamples(time, s.time_s, options.gap_periods * period);
+  s.notes = r.notes;
+  noteTiming(time, period, stale, s);
+  return s;
+}
+
+Eigen::MatrixXd atHoldIntervals(const Signals& s, const Eigen::MatrixXd& values, const std::vector<double>& row_time) {
+  const double usual = row_time.size() > 1 ? medianPeriod(row_time) : s.period_s;
+  Eigen::MatrixXd out(static_cast<Eigen::Index>(row_time.size()), values.cols());
+  for (std::size_t k = 0; k < row_time.size(); ++k) {
+    const double hold = k + 1 < row_time.size() ? std::min(row_time[k + 1] - row_time[k], 2.0 * usual) : usual;
+    const double place = (row_time[k] + hold / 2 - s.time_s.front()) / s.period_s;
+    const double inside = std::clamp(place, 0.0, static_cast<double>(s.samples() - 1));
+    const int i = std::min(static_cast<int>(inside), s.samples() - 2);
+    const double f = inside - i;
+    out.row(static_cast<Eigen::Index>(k)) = (1.0 - f) * values.row(i) + f * values.row(i + 1);
+  }
+  return out;
+}
+
+}  // namespace knee_robot
