@@ -23,4 +23,10 @@ std::string shortNumber(double value, int digits) {
   return buffer;
 }
 
+std::string exactNumber(double value) {
+  char buffer[64];
+  const auto result = std::to_chars(buffer, buffer + sizeof buffer, value);
+  return std::string(buffer, result.ptr);
+}
+
 }  // namespace knee_robot

@@ -13,4 +13,7 @@ std::optional<double> parseFinite(std::string_view text);
 /// `value` as a reader expects it: up to `digits` significant digits, no trailing zeros ("0.6", "1e-06").
 std::string shortNumber(double value, int digits = 6);
 
+/// The shortest text that parseFinite turns into exactly `value` again. For files.
+std::string exactNumber(double value);
+
 }  // namespace knee_robot

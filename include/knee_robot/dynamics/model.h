@@ -1,0 +1,94 @@
+#pragma once
+
+#include <array>
+#include <limits>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "knee_robot/dynamics/coulomb_memory.h"
+#include "knee_robot/dynamics/regressor.h"
+#include "knee_robot/mechanism/robot.h"
+
+namespace knee_robot {
+
+/// One column of the linear model. The values together are one representative of what the data determine: only the combinations
+/// in Model::base have a meaning of their own where `verdict` is not "identified".
+struct ModelParameter {
+  std::string name;  ///< extendedParameterNames(); bench axes: axisParameterNames()
+  std::string unit;
+  double value = 0.0;
+  double std = std::numeric_limits<double>::quiet_NaN();  ///< nan: the data do not determine this parameter alone
+  std::string verdict = "not identifiable";  ///< identified, weakly identified, at its bound, not identifiable
+};
+
+/// A combination of parameters that the data determine: value = sum of weights * parameter. Parameters are in their units; the
+/// weights bring all of them to newtons (column scaling).
+struct BaseParameter {
+  double value = 0.0;
+  double std = 0.0;
+  std::vector<double> weights;  ///< one per parameter of the model
+};
+
+/// A file that the model was fitted on.
+struct ModelData {
+  std::string file;
+  std::string fingerprint;
+};
+
+/// The identified force model of a robot: what `identify` writes, and what the controller's feedforward and `trace` read.
+struct Model {
+  MechanismKind kind = MechanismKind::ThreeUpsOneRpu;
+  int axes = 0;
+  std::string robot_fingerprint;  ///< of the robot file that it was identified with
+  std::vector<ModelData> data;
+  double cutoff_hz = 0.0;
+  double moving_m_per_s = 0.0;
+  int rank = 0;                         ///< directions kept
+  std::vector<double> coulomb_width_m;  ///< per actuator, of CoulombMemory
+  std::vector<double> residual_rms_N;   ///< per actuator, training data, moving samples
+  std::vector<ModelParameter> parameters;
+  std::vector<BaseParameter> base;
+};
+
+/// Fv_1 Fc_1 rotor_1 offset_1 Fv_2 ...: the parameters of `axes` bench axes.
+std::vector<std::string> axisParameterNames(int axes);
+
+/// Writes and reads model files (YAML, format version 1). Reading is strict: InputError with file, line and key.
+std::string modelToYaml(const Model& model);
+void saveModel(const Model& model, const std::string& path);
+Model loadModel(const std::string& path);
+Model parseModel(const std::string& text, const std::string& path);
+
+/// InputError unless the model was identified with this robot file.
+void requireModelOf(const Model& model, const std::string& model_path, const Robot& robot);
+
+/// The model as constants that forceFromModel needs.
+struct ForceModel {
+  ForceModel(const Model& model, const Robot& robot);
+
+  std::optional<Mechanism> mechanism;  ///< empty for bench axes
+  Vector3 gravity;
+  int axes;
+  ExtendedParameters parameters;  ///< of the parallel robot
+  Matrix4 axis_parameters;        ///< of bench axes: column i holds viscous, Coulomb, rotor, offset of axis i
+  Vector4 coulomb;                ///< N, taken out of `parameters`: it acts through the memory
+  Vector4 coulomb_width_m;
+};
+
+/// Workspace of forceFromModel, and the friction's memory. One per motion.
+struct ForceModelData {
+  RegressorData regressor;
+  ExtendedRegressor row;
+  std::array<CoulombMemory, kLegs> memory;
+  Vector4 last_position = Vector4::Zero();
+  bool started = false;
+};
+
+/// Actuator forces (N) for one instant of a motion: positions (m), velocities and accelerations of the actuators (unused entries
+/// zero), and for the parallel robot the platform's motion that belongs to them (motionFromLengths). Call it once per instant in
+/// order of time: the friction remembers. False, with `forces` untouched, where the mechanism is singular. Real-time safe.
+bool forceFromModel(const ForceModel& model, const Vector4& position, const Vector4& velocity,
+                    const Vector4& acceleration, const Motion& motion, ForceModelData& data, Vector4& forces) noexcept;
+
+}  // namespace knee_robot

@@ -1,0 +1,139 @@
+#include <cmath>
+#include <set>
+
+#include "knee_robot/base/errors.h"
+#include "knee_robot/base/files.h"
+#include "knee_robot/base/numbers.h"
+#include "knee_robot/base/strict_yaml.h"
+#include "knee_robot/dynamics/model.h"
+
+namespace knee_robot {
+namespace {
+
+constexpr int kFormat = 1;
+constexpr double kLargest = 1e15;
+constexpr const char* kParallel = "3UPS+1RPU";
+constexpr const char* kAxes = "axes";
+
+std::string list(const std::vector<double>& values) {
+  std::string text = "[";
+  for (std::size_t i = 0; i < values.size(); ++i)
+    text += (i ? ", " : "") + exactNumber(values[i]);
+  return text + "]";
+}
+
+/// A double-quoted YAML scalar.
+std::string quoted(const std::string& text) {
+  std::string out = "\"";
+  for (const char c : text) {
+    if (c == '"' || c == '\\') out += '\\';
+    out += static_cast<unsigned char>(c) < 32 ? '?' : c;
+  }
+  return out + "\"";
+}
+
+ModelParameter readParameter(StrictMap map) {
+  ModelParameter p;
+  p.name = map.text("name");
+  p.unit = map.text("unit");
+  p.value = map.number("value", -kLargest, kLargest);
+  if (map.has("std")) p.std = map.number("std", 0.0, kLargest);
+  p.verdict = map.choice("verdict", {"identified", "weakly identified", "at its bound", "not identifiable"});
+  map.finish();
+  return p;
+}
+
+BaseParameter readBase(StrictMap map, std::size_t parameters) {
+  BaseParameter b;
+  b.value = map.number("value", -kLargest, kLargest);
+  b.std = map.number("std", 0.0, kLargest);
+  b.weights = map.numbers("weights", parameters, -kLargest, kLargest);
+  map.finish();
+  return b;
+}
+
+void checkNames(const Model& model, const StrictMap& file) {
+  const std::vector<std::string> names =
+      model.kind == MechanismKind::Axes ? axisParameterNames(model.axes) : extendedParameterNames();
+  std::set<std::string> allowed(names.begin(), names.end());
+  for (const ModelParameter& parameter : model.parameters) {
+    if (allowed.erase(parameter.name) == 0) {
+      file.refuse("parameters", parameter.name + " is unknown for this mechanism, or occurs twice");
+    }
+  }
+}
+
+Model readModel(StrictMap file) {
+  file.integer("format", kFormat, kFormat);
+  Model m;
+  m.kind = file.choice("mechanism", {kParallel, kAxes}) == kAxes ? MechanismKind::Axes : MechanismKind::ThreeUpsOneRpu;
+  const bool bench = m.kind == MechanismKind::Axes;
+  m.axes = file.integer("axes", bench ? 1 : kLegs, kLegs);
+  m.robot_fingerprint = file.text("robot_fingerprint");
+  for (StrictMap& entry : file.maps("data")) {
+    ModelData data;
+    data.file = entry.text("file");
+    data.fingerprint = entry.text("fingerprint");
+    entry.finish();
+    m.data.push_back(data);
+  }
+  const std::size_t axes = static_cast<std::size_t>(m.axes);
+  m.cutoff_hz = file.number("cutoff_hz", 1e-6, 1e6);
+  m.moving_m_per_s = file.number("moving_m_per_s", 0.0, 1e3);
+  m.rank = file.integer("rank", 1, 1000);
+  m.coulomb_width_m = file.numbers("coulomb_width_m", axes, 1e-12, 1e3);
+  m.residual_rms_N = file.numbers("residual_rms_N", axes, 0.0, kLargest);
+  for (StrictMap& entry : file.maps("parameters"))
+    m.parameters.push_back(readParameter(entry));
+  for (StrictMap& entry : file.maps("base"))
+    m.base.push_back(readBase(entry, m.parameters.size()));
+  checkNames(m, file);
+  file.finish();
+  return m;
+}
+
+}  // namespace
+
+std::string modelToYaml(const Model& m) {
+  std::string y = "# Force model of a robot, written by identify or trace. SI units.\n";
+  y += "format: " + std::to_string(kFormat) + "\n";
+  y += std::string("mechanism: ") + (m.kind == MechanismKind::Axes ? kAxes : kParallel) + "\n";
+  y += "axes: " + std::to_string(m.axes) + "\n";
+  y += "robot_fingerprint: " + quoted(m.robot_fingerprint) + "\n";
+  y += "data:\n";
+  for (const ModelData& d : m.data)
+    y += "  - {file: " + quoted(d.file) + ", fingerprint: " + quoted(d.fingerprint) + "}\n";
+  y += "cutoff_hz: " + exactNumber(m.cutoff_hz) + "\n";
+  y += "moving_m_per_s: " + exactNumber(m.moving_m_per_s) + "\n";
+  y += "rank: " + std::to_string(m.rank) + "\n";
+  y += "coulomb_width_m: " + list(m.coulomb_width_m) + "\n";
+  y += "residual_rms_N: " + list(m.residual_rms_N) + "\n";
+  y += "# One representative of the identified combinations; parameters without std have no value of their own.\n";
+  y += "parameters:\n";
+  for (const ModelParameter& p : m.parameters) {
+    y += "  - {name: " + quoted(p.name) + ", unit: " + quoted(p.unit) + ", value: " + exactNumber(p.value);
+    if (std::isfinite(p.std)) y += ", std: " + exactNumber(p.std);
+    y += ", verdict: " + p.verdict + "}\n";
+  }
+  y += "# value = sum of weights * parameters, in the order above; weights in N per unit of the parameter.\n";
+  y += m.base.empty() ? "base: []\n" : "base:\n";
+  for (const BaseParameter& b : m.base) {
+    y += "  - {value: " + exactNumber(b.value) + ", std: " + exactNumber(b.std) + ", weights: " + list(b.weights) +
+         "}\n";
+  }
+  return y;
+}
+
+void saveModel(const Model& model, const std::string& path) {
+  writeFileAtomically(path, modelToYaml(model));
+}
+
+Model parseModel(const std::string& text, const std::string& path) {
+  return readModel(StrictMap::parse(text, path));
+}
+
+Model loadModel(const std::string& path) {
+  return parseModel(readFile(path), path);
+}
+
+}  // namespace knee_robot
