@@ -22,6 +22,12 @@ struct RobotStatus {
   std::atomic<std::uint8_t> brakes_engaged{0};  ///< bit a: axis a
 };
 
+/// What people around the simulated robot do; set by tests, fault campaigns and demonstrations.
+struct RobotSurroundings {
+  std::atomic<std::uint8_t> emergency_stop_pressed{0};
+  std::array<std::atomic<double>, kAxes> pose_force{};  ///< on Xm, Zm (N), theta, psi (N m)
+};
+
 /// The "hardware" of the simulated robot: both cards and the robot's status. Lies in shared memory of its own, or on
 /// the heap for stepped simulation.
 struct RobotImage {
@@ -37,6 +43,7 @@ struct RobotImage {
   Pci1720Image analog;
   Pci1784Image counter;
   RobotStatus status;
+  RobotSurroundings surroundings;
 };
 
 /// A RobotImage in POSIX shared memory. The creator (the simulated robot) unlinks the name when it is destroyed; users

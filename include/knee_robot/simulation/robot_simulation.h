@@ -1,0 +1,74 @@
+#pragma once
+
+#include <vector>
+
+#include "knee_robot/hardware/shared_image.h"
+#include "knee_robot/simulation/plant.h"
+#include "knee_robot/simulation/simulation_parameters.h"
+
+namespace knee_robot {
+
+/// Output that follows its input once that has differed for the delay: a brake, a drive's enable input.
+class DelayedSwitch {
+ public:
+  DelayedSwitch(double on_delay_s, double off_delay_s) : on_delay_s_(on_delay_s), off_delay_s_(off_delay_s) {}
+  /// Advances by dt with this input; returns the output.
+  bool step(bool input, double dt) noexcept;
+  bool on() const noexcept { return on_; }
+
+ private:
+  double on_delay_s_;
+  double off_delay_s_;
+  double differing_s_ = 0.0;
+  bool on_ = false;
+};
+
+/// The simulated robot: a plant behind card images. Each step reads the analog and digital outputs from the image, moves the
+/// plant, and publishes encoder counts, digital inputs and status. The motors are in current mode: volts are force, if the
+/// drives are enabled, powered, and their delay is over; else none. The same class is stepped in process (deterministic, as
+/// fast as it can) and by the real-time program simulated_robot.
+///
+/// The encoders count from the robot file's home lengths in its counts per metre, and keep their fraction, as glass scales do.
+/// Pressing the emergency stop takes the power from drives and hold devices, whatever the outputs say.
+class RobotSimulation {
+ public:
+  /// Throws InputError when the robot is no 3UPS+1RPU, or the start lengths are outside the stroke or belong to no pose.
+  /// `image` must outlive this. The rotor masses of `inertia` are replaced by those of `parameters`.
+  RobotSimulation(const Robot& robot, RobotInertia inertia, const SimulationParameters& parameters,
+                  hardware::RobotImage& image);
+
+  /// Advances by dt (s). False when the plant left the numbers (massless or not finite): it then stays where it was.
+  /// Real-time safe.
+  bool step(double dt) noexcept;
+
+  double time() const noexcept { return time_s_; }
+  const PlantState& state() const noexcept { return state_; }
+  const PlantModel& model() const noexcept { return model_; }
+  const PlantData& data() const noexcept { return data_; }
+  const PlantLoads& loads() const noexcept { return loads_; }
+  Lengths lengths() const { return legLengths(model_.rigid.mechanism, state_.pose); }
+
+ private:
+  struct Axis {
+    AxisParameters parameters;
+    DelayedSwitch drive;
+    DelayedSwitch release;
+    double newtons_per_volt;  ///< signed
+    double counts_per_m;      ///< signed
+    double home_length_m;
+  };
+
+  void readCards(double dt) noexcept;
+  void publish() noexcept;
+
+  SimulationParameters parameters_;
+  PlantModel model_;
+  PlantState state_;
+  PlantData data_;
+  PlantLoads loads_;
+  std::vector<Axis> axes_;
+  hardware::RobotImage& image_;
+  double time_s_ = 0.0;
+};
+
+}  // namespace knee_robot

@@ -1,0 +1,120 @@
+// simulated_robot --robot R --simulation S --shm NAME: the robot as a process of its own, in real time, behind the registers of
+// its two cards in shared memory. A controller may die, hang and come back: this goes on, as a machine does.
+
+#include <sys/mman.h>
+#include <time.h>
+
+#include <atomic>
+#include <cerrno>
+#include <csignal>
+#include <cstdio>
+#include <cstring>
+#include <memory>
+
+#include "knee_robot/base/errors.h"
+#include "knee_robot/simulation/robot_simulation.h"
+#include "program.h"
+
+namespace {
+
+using namespace knee_robot;
+
+constexpr std::int64_t kPeriod_ns = 1000000;
+/// After a pause longer than this the missed time is left out: nobody can tell what the controller would have done in it.
+constexpr std::int64_t kLargestCatchUp_ns = 100 * kPeriod_ns;
+
+std::atomic<bool> stop_requested{false};
+
+void requestStop(int /*signal*/) {
+  stop_requested.store(true);
+}
+
+std::int64_t now() {
+  timespec time{};
+  ::clock_gettime(CLOCK_MONOTONIC, &time);
+  return time.tv_sec * 1000000000LL + time.tv_nsec;
+}
+
+void sleepUntil(std::int64_t deadline) {
+  const timespec time{deadline / 1000000000LL, deadline % 1000000000LL};
+  ::clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, &time,
+                    nullptr);  // a signal wakes it early: the caller looks at the clock
+}
+
+/// A real-time priority is asked for, never needed: the robot is late without it, and says so.
+void askForPriority(int priority) {
+  if (priority == 0) return;
+  sched_param parameter{};
+  parameter.sched_priority = priority;
+  if (::sched_setscheduler(0, SCHED_FIFO, &parameter) != 0) {
+    std::fprintf(stderr, "simulated_robot: runs without real-time priority: %s\n", std::strerror(errno));
+  }
+  if (::mlockall(MCL_CURRENT | MCL_FUTURE) != 0) {
+    std::fprintf(stderr, "simulated_robot: memory is not locked: %s\n", std::strerror(errno));
+  }
+}
+
+/// Steps the robot along the clock; returns the milliseconds that were left out.
+std::int64_t run(RobotSimulation& simulation, double duration_s) {
+  const double dt = static_cast<double>(kPeriod_ns) * 1e-9;
+  std::int64_t left_out = 0;
+  std::int64_t next = now();
+  while (!stop_requested.load() && (duration_s <= 0.0 || simulation.time() < duration_s)) {
+    next += kPeriod_ns;
+    sleepUntil(next);
+    const std::int64_t late = now() - next;
+    if (late > kLargestCatchUp_ns) {
+      left_out += late / kPeriod_ns;
+      next += late / kPeriod_ns * kPeriod_ns;
+    }
+    if (!simulation.step(dt)) throw InputError("the plant's motion left all bounds; mend masses, friction or forces");
+  }
+  return left_out;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  CLI::App app("The simulated robot: steps in real time behind its cards' registers in shared memory.",
+               "simulated_robot");
+  std::string robot_file, simulation_file, shm = "/knee_robot_sim";
+  double duration_s = 0.0;
+  int priority = 0;
+  app.add_option("--robot", robot_file, "robot file (YAML)")->required();
+  app.add_option("--simulation", simulation_file, "simulation file (YAML): friction, hold devices, start")->required();
+  app.add_option("--shm", shm, "name of the shared memory")->capture_default_str();
+  app.add_option("--duration", duration_s, "simulated seconds until it ends; 0: until SIGINT or SIGTERM")
+      ->capture_default_str();
+  app.add_option("--priority", priority, "SCHED_FIFO priority; 0: none")
+      ->check(CLI::Range(0, 98))
+      ->capture_default_str();
+  app.allow_extras();  // roslaunch appends __name:= and __log:=
+  return runProgram(app, argc, argv, [&] {
+    for (const std::string& extra : app.remaining()) {
+      if (extra.rfind("__", 0) != 0) throw InputError("unknown argument " + extra + " (see --help)");
+    }
+    const Robot robot = loadRobot(robot_file);
+    const SimulationParameters parameters = loadSimulationParameters(simulation_file);
+    const RobotInertia inertia = loadRobotInertia(robot);
+    // Checked on the heap first, so that a bad file leaves no shared memory behind for even a moment.
+    auto rehearsal = std::make_unique<hardware::RobotImage>();
+    RobotSimulation(robot, inertia, parameters, *rehearsal);
+
+    std::signal(SIGINT, requestStop);
+    std::signal(SIGTERM, requestStop);
+    hardware::SharedImage memory = hardware::SharedImage::create(shm);
+    RobotSimulation simulation(robot, inertia, parameters, memory.image());
+    askForPriority(priority);
+    const Lengths start = simulation.lengths();
+    std::printf("simulated_robot ready: %s, lengths %.4f %.4f %.4f %.4f m\n", shm.c_str(), start[0], start[1], start[2],
+                start[3]);
+    std::fflush(stdout);
+    const std::int64_t left_out = run(simulation, duration_s);
+    // For whoever is still attached, the cards are gone from here on.
+    memory.image().analog.disconnected.store(1);
+    memory.image().counter.disconnected.store(1);
+    std::printf("simulated_robot ends after %.3f s; %lld ms left out\n", simulation.time(),
+                static_cast<long long>(left_out));
+    return kExitDone;
+  });
+}

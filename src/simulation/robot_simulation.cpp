@@ -1,0 +1,147 @@
+#include "knee_robot/simulation/robot_simulation.h"
+
+#include <cmath>
+
+#include "knee_robot/base/errors.h"
+#include "knee_robot/base/numbers.h"
+
+namespace knee_robot {
+namespace {
+
+LinkInertia withPayload(const LinkInertia& platform, const Payload& payload) {
+  LinkInertia load;
+  load.mass = payload.mass_kg;
+  load.center = payload.center_m;
+  load.inertia = payload.mass_kg * payload.radius_of_gyration_m * payload.radius_of_gyration_m * Matrix3::Identity();
+  return fromParameters(toParameters(platform) + toParameters(load));
+}
+
+PlantModel makeModel(const Robot& robot, RobotInertia inertia, const SimulationParameters& parameters) {
+  if (!robot.mechanism) {
+    throw InputError(robot.path + ": mechanism axes cannot be simulated yet; use a robot file of the 3UPS+1RPU");
+  }
+  Lengths shortest;
+  Lengths longest;
+  for (int i = 0; i < kLegs; ++i) {
+    const auto axis = static_cast<std::size_t>(i);
+    shortest[i] = robot.actuators[axis].position_min_m - parameters.stop_margin_m;
+    longest[i] = robot.actuators[axis].position_max_m + parameters.stop_margin_m;
+    inertia.rotor_mass[i] = parameters.axes[axis].rotor_mass_kg;
+  }
+  if (parameters.payload) {
+    inertia.links[kPlatformLink] = withPayload(inertia.links[kPlatformLink], *parameters.payload);
+  }
+  PlantModel model(RigidModel(*robot.mechanism, robot.gravity, inertia), shortest, longest);
+  model.substeps = parameters.substeps;
+  return model;
+}
+
+Pose startPose(const Robot& robot, const SimulationParameters& parameters, const PlantModel& model) {
+  Lengths lengths;
+  for (int i = 0; i < kLegs; ++i)
+    lengths[i] = robot.actuators[static_cast<std::size_t>(i)].home_length_m;
+  if (parameters.start_lengths_m) lengths = *parameters.start_lengths_m;
+  const std::string source =
+      parameters.start_lengths_m ? parameters.path + ": start_lengths_m" : robot.path + ": home_length_m";
+  for (int i = 0; i < kLegs; ++i) {
+    if (lengths[i] < model.shortest_m[i] || lengths[i] > model.longest_m[i]) {
+      throw InputError(source + ": leg " + std::to_string(i + 1) + " at " + shortNumber(lengths[i]) +
+                       " m is beyond its stops, " + shortNumber(model.shortest_m[i]) + " to " +
+                       shortNumber(model.longest_m[i]) + " m");
+    }
+  }
+  const ForwardResult found = forwardKinematicsFromHome(model.rigid.mechanism, lengths);
+  if (!found.ok())
+    throw InputError(source + ": the legs cannot have these lengths together; give others as start_lengths_m");
+  return found.pose;
+}
+
+}  // namespace
+
+bool DelayedSwitch::step(bool input, double dt) noexcept {
+  if (input == on_) {
+    differing_s_ = 0.0;
+    return on_;
+  }
+  differing_s_ += dt;
+  constexpr double kRounding = 1e-9;  // s
+  if (differing_s_ + kRounding >= (input ? on_delay_s_ : off_delay_s_)) {
+    on_ = input;
+    differing_s_ = 0.0;
+  }
+  return on_;
+}
+
+RobotSimulation::RobotSimulation(const Robot& robot, RobotInertia inertia, const SimulationParameters& parameters,
+                                 hardware::RobotImage& image)
+    : parameters_(parameters), model_(makeModel(robot, std::move(inertia), parameters)), image_(image) {
+  state_.pose = startPose(robot, parameters, model_);
+  for (std::size_t i = 0; i < static_cast<std::size_t>(kLegs); ++i) {
+    const Actuator& actuator = robot.actuators[i];
+    const AxisParameters& axis = parameters.axes[i];
+    axes_.push_back(Axis{axis, DelayedSwitch(parameters.drive_delay_s, parameters.drive_delay_s),
+                         DelayedSwitch(axis.hold_release_delay_s, axis.hold_engage_delay_s),
+                         actuator.force_sign * actuator.force_per_volt_N,
+                         actuator.encoder_sign / actuator.metresPerCount(), actuator.home_length_m});
+  }
+  readCards(0.0);
+  publish();
+}
+
+void RobotSimulation::readCards(double dt) noexcept {
+  const auto volts = hardware::outputVolts(image_.analog);
+  const unsigned outputs = image_.counter.outputs.load(std::memory_order_acquire);
+  const bool power = image_.surroundings.emergency_stop_pressed.load() == 0;
+  const bool enable = power && (outputs >> parameters_.drive_enable_bit & 1u) != 0;
+  const bool release = power && (outputs >> parameters_.hold_release_bit & 1u) != 0;
+  unsigned enabled_bits = 0;
+  unsigned engaged_bits = 0;
+  for (std::size_t i = 0; i < axes_.size(); ++i) {
+    Axis& axis = axes_[i];
+    const int leg = static_cast<int>(i);
+    // Without power the force is gone at once; a drive that is switched off by its input takes its delay.
+    const bool driven = axis.drive.step(enable, dt) && power;
+    const bool engaged = !axis.release.step(release, dt);
+    loads_.motor_force[leg] = driven ? axis.newtons_per_volt * volts[i] : 0.0;
+    loads_.viscous[leg] = axis.parameters.viscous_N_s_per_m;
+    loads_.coulomb[leg] = axis.parameters.coulomb_N;
+    if (engaged && axis.parameters.hold_device == SimulatedHold::Brake) {
+      loads_.coulomb[leg] += axis.parameters.holding_force_N;
+    }
+    if (engaged && axis.parameters.hold_device == SimulatedHold::ShortedWindings) {
+      loads_.viscous[leg] += axis.parameters.shorted_viscous_N_s_per_m;
+    }
+    loads_.pose_force[leg] = image_.surroundings.pose_force[i].load(std::memory_order_relaxed);
+    enabled_bits |= (driven ? 1u : 0u) << i;
+    engaged_bits |= (engaged ? 1u : 0u) << i;
+  }
+  image_.status.drives_enabled.store(static_cast<std::uint8_t>(enabled_bits));
+  image_.status.brakes_engaged.store(static_cast<std::uint8_t>(engaged_bits));
+  image_.counter.inputs.store(static_cast<std::uint8_t>((power ? 1u : 0u) << parameters_.emergency_stop_clear_bit));
+}
+
+void RobotSimulation::publish() noexcept {
+  const Lengths now = lengths();
+  std::array<std::uint32_t, hardware::kChannels> sums{};
+  for (std::size_t i = 0; i < axes_.size(); ++i) {
+    const int leg = static_cast<int>(i);
+    const double counts = (now[leg] - axes_[i].home_length_m) * axes_[i].counts_per_m;
+    sums[i] = static_cast<std::uint32_t>(std::llround(counts));
+    image_.status.lengths_m[i].store(now[leg], std::memory_order_relaxed);
+    image_.status.pose[i].store(state_.pose[leg], std::memory_order_relaxed);
+    image_.status.motor_force_N[i].store(loads_.motor_force[leg], std::memory_order_relaxed);
+  }
+  hardware::publishCounts(image_.counter, sums);
+  image_.status.time_s.store(time_s_);
+  image_.plant_heartbeat.fetch_add(1, std::memory_order_release);
+}
+
+bool RobotSimulation::step(double dt) noexcept {
+  readCards(dt);
+  const bool good = stepPlant(model_, loads_, dt, state_, data_);
+  time_s_ += dt;
+  publish();
+  return good;
+}
+
+}  // namespace knee_robot
