@@ -1,0 +1,26 @@
+#pragma once
+
+#include "knee_robot/trajectory/reference_check.h"
+
+namespace knee_robot {
+
+/// Condition number that plans stay below although a robot file leaves its margin wide open: a plan is a choice, and a choice
+/// keeps away from singularities.
+inline constexpr double kPlanningCondition = 60.0;
+
+/// The robot's singularity margin or kPlanningCondition, whichever is stricter.
+double planningCondition(const Robot& robot);
+
+/// Sign of det(dq/dx) on the branch in which the robot is built: of a level pose over the base (as in
+/// forwardKinematicsFromHome). It is positive for the paper's geometries and may be negative for others.
+double homeBranch(const Robot& robot);
+
+/// The limit that is nearest at `pose`: lengths, joint angles, condition number against `condition_max`. `left` is normalised:
+/// 1 in the middle of a length's range, at a straight joint, far from singularity; 0 at a limit, negative beyond it. A pose with
+/// another sign of det(dq/dx) than homeBranch or with the platform below the base is of another branch: left = -1 (Assembly).
+Margin nearestLimit(const Robot& robot, const Pose& pose, double condition_max);
+
+/// "the spherical joint of leg 2 (31.2 deg, limit 30 deg)" and the like, for sentences about a pose.
+std::string limitText(const Margin& margin);
+
+}  // namespace knee_robot

@@ -1,0 +1,96 @@
+// plan_exercise NAME --robot R -o FILE: a physiotherapist's movement as a checked reference file.
+
+#include <cstdio>
+
+#include "knee_robot/base/errors.h"
+#include "knee_robot/base/numbers.h"
+#include "knee_robot/trajectory/exercises.h"
+#include "program.h"
+
+namespace {
+
+using namespace knee_robot;
+
+constexpr double kDegree = 3.14159265358979323846 / 180.0;
+
+struct Arguments {
+  std::string name, robot, output, space = "actuator";
+  double amplitude = 0.0, speed = 0.020, turning_speed_deg = 2.0, pause = 1.0;
+  int repetitions = 1;
+  bool scale = false;
+  std::vector<double> start;
+};
+
+ExerciseOptions optionsOf(const Arguments& arguments, const Exercise& exercise, bool has_amplitude) {
+  ExerciseOptions options;
+  if (has_amplitude) options.amplitude = arguments.amplitude * (exercise.rotation ? kDegree : 1.0);
+  options.speed = arguments.speed;
+  options.turning_speed = arguments.turning_speed_deg * kDegree;
+  options.repetitions = arguments.repetitions;
+  options.pause_s = arguments.pause;
+  options.scale_to_fit = arguments.scale;
+  options.space = *spaceNamed(arguments.space);
+  if (!arguments.start.empty()) {
+    const std::vector<double>& s = arguments.start;
+    options.start = Pose(s[0], s[1], s[2] * kDegree, s[3] * kDegree);
+  }
+  return options;
+}
+
+std::string poseText(const Pose& pose) {
+  return "Xm " + shortNumber(pose[0], 4) + " m, Zm " + shortNumber(pose[1], 4) + " m, theta " +
+         shortNumber(pose[2] / kDegree, 4) + " deg, psi " + shortNumber(pose[3] / kDegree, 4) + " deg";
+}
+
+void report(const Arguments& arguments, const Exercise& exercise, const ExercisePlan& plan) {
+  for (const std::string& note : plan.notes)
+    std::printf("note: %s\n", note.c_str());
+  std::printf("%s (%s): amplitude %s %s, %d repetition(s), %.1f s\n", exercise.name.c_str(), exercise.meaning.c_str(),
+              shortNumber(exercise.rotation ? plan.amplitude / kDegree : plan.amplitude, 4).c_str(),
+              exercise.rotation ? "deg" : "m", arguments.repetitions,
+              static_cast<double>(plan.reference.points.rows() - 1) * kStreamPeriod);
+  std::printf("starts at %s\n", poseText(plan.start).c_str());
+  for (const Margin& margin : plan.check.margins) {
+    std::printf("  %-24s %5.1f %% of its limit left, line %d\n", nameOf(margin.quantity), 100.0 * margin.left,
+                margin.line);
+  }
+  std::printf("written to %s\n", arguments.output.c_str());
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  CLI::App app(
+      "Plans a physiotherapist's movement, checks it against the robot's limits and writes it as a reference file.",
+      "plan_exercise");
+  Arguments arguments;
+  std::string names = "one of";
+  for (const Exercise& exercise : exercises())
+    names += " " + exercise.name;
+  app.add_option("NAME", arguments.name, names)->required();
+  app.add_option("--robot", arguments.robot, "robot file (YAML)")->required();
+  app.add_option("-o,--output", arguments.output, "reference file to write")->required();
+  const CLI::Option* amplitude = app.add_option("--amplitude", arguments.amplitude,
+                                                "m, or deg for knee_rotation and ankle_flexion; paper_test: of the "
+                                                "rise, the rest in proportion (default: the paper's)");
+  app.add_option("--speed", arguments.speed, "of translations, m/s")->capture_default_str();
+  app.add_option("--turning-speed", arguments.turning_speed_deg, "of rotations, deg/s")->capture_default_str();
+  app.add_option("--repetitions", arguments.repetitions, "how often")->capture_default_str();
+  app.add_option("--pause", arguments.pause, "rest between strokes, s")->capture_default_str();
+  app.add_option("--start", arguments.start, "start pose: Xm Zm (m) theta psi (deg); default: furthest from all limits")
+      ->expected(4);
+  app.add_option("--space", arguments.space, "of the written file")
+      ->check(CLI::IsMember({"actuator", "platform"}))
+      ->capture_default_str();
+  app.add_flag("--scale", arguments.scale, "reduce amplitude and speed to what fits instead of refusing");
+  return runProgram(app, argc, argv, [&]() -> int {
+    const Exercise& exercise = exerciseNamed(arguments.name);
+    const Robot robot = loadRobot(arguments.robot);
+    const ExercisePlan plan = planExercise(exercise, robot, optionsOf(arguments, exercise, amplitude->count() > 0));
+    writeReference(
+        arguments.output, plan.reference,
+        {exercise.name + ": " + exercise.meaning, "for " + arguments.robot, "starts at " + poseText(plan.start)});
+    report(arguments, exercise, plan);
+    return kExitDone;
+  });
+}
