@@ -1,5 +1,6 @@
 #include "knee_robot/dynamics/robot_inertia.h"
 
+#include <console_bridge/console.h>
 #include <urdf_model/model.h>
 #include <urdf_parser/urdf_parser.h>
 
@@ -15,10 +16,19 @@ namespace {
 
 constexpr double kGeometryTolerance = 1e-6;  // m; design: section 2. Also used for axes and rotations (1 m lever).
 
+/// urdfdom without its own messages on standard error: the refusal says in one line what is wrong.
+urdf::ModelInterfaceSharedPtr parseQuietly(const std::string& path) {
+  const std::string text = readFile(path, 64u << 20);
+  console_bridge::noOutputHandler();
+  const urdf::ModelInterfaceSharedPtr model = urdf::parseURDF(text);
+  console_bridge::restorePreviousOutputHandler();
+  return model;
+}
+
 /// Reads one URDF; every refusal names it.
 class UrdfReader {
  public:
-  explicit UrdfReader(const std::string& path) : path_(path), model_(urdf::parseURDF(readFile(path, 64u << 20))) {
+  explicit UrdfReader(const std::string& path) : path_(path), model_(parseQuietly(path)) {
     if (!model_) throw InputError(path_ + ": not a URDF (urdfdom could not read it)");
   }
 

@@ -90,19 +90,22 @@ ForwardResult forwardKinematics(const Mechanism& mechanism, const Lengths& lengt
   return result;
 }
 
-ForwardResult forwardKinematicsFromHome(const Mechanism& mechanism, const Lengths& lengths) {
-  ForwardResult result;
-  if (!lengths.allFinite() || lengths.minCoeff() <= 0.0) return result;
-  // Level, over the base's centre, at the height that leg 4's length allows.
-  const double reach = mechanism.geometry.ds;
-  const double height = std::sqrt(std::max(lengths[3] * lengths[3] - reach * reach, 0.01 * lengths[3] * lengths[3]));
-  const Pose home(0.0, height, 0.0, 0.0);
-  const Lengths start = legLengths(mechanism, home);
-  // The lengths change in small portions so that each solution stays on the branch of the one before.
+namespace {
+
+/// Level, over the base's centre, at the height that leg 4's length allows.
+Pose levelHome(const Mechanism& mechanism, double central_length) {
+  const double reach = mechanism.geometry.ds, square = central_length * central_length;
+  return {0.0, std::sqrt(std::max(square - reach * reach, 0.01 * square)), 0.0, 0.0};
+}
+
+/// Changes the lengths from those of `home` in small portions, so that each solution stays on the branch of the one before.
+ForwardResult continuation(const Mechanism& mechanism, const Lengths& lengths, const Pose& home) {
   constexpr double kPortion = 0.02;  // m
   constexpr double kMaximumPortions = 100.0;
+  const Lengths start = legLengths(mechanism, home);
   const double distance = (lengths - start).cwiseAbs().maxCoeff();
   const int portions = static_cast<int>(std::clamp(std::ceil(distance / kPortion), 1.0, kMaximumPortions));
+  ForwardResult result;
   result.pose = home;
   int iterations = 0;
   for (int k = 1; k <= portions; ++k) {
@@ -113,6 +116,36 @@ ForwardResult forwardKinematicsFromHome(const Mechanism& mechanism, const Length
   }
   result.iterations = iterations;
   return result;
+}
+
+/// Among the poses with these lengths that start values all around find, with the determinant's sign of `home`: the least turned.
+ForwardResult nearestToLevel(const Mechanism& mechanism, const Lengths& lengths, const Pose& home) {
+  const bool positive = lengthJacobian(mechanism, home).determinant() > 0.0;
+  ForwardResult best;
+  best.pose = home;
+  best.status = ForwardStatus::NotConverged;
+  best.residual_m = (lengths - legLengths(mechanism, home)).cwiseAbs().maxCoeff();
+  for (double theta = -0.8; theta < 1.0; theta += 0.4) {
+    for (double psi = -1.2; psi < 1.4; psi += 0.4) {
+      const ForwardResult found = forwardKinematics(mechanism, lengths, Pose(home[0], home[1], theta, psi));
+      const bool upright = found.pose[1] > 0.0 && std::max(std::abs(found.pose[2]), std::abs(found.pose[3])) < M_PI / 2;
+      if (!found.ok() || !upright) continue;
+      if ((lengthJacobian(mechanism, found.pose).determinant() > 0.0) != positive) continue;
+      if (!best.ok() || found.pose.tail<2>().norm() < best.pose.tail<2>().norm()) best = found;
+    }
+  }
+  return best;
+}
+
+}  // namespace
+
+ForwardResult forwardKinematicsFromHome(const Mechanism& mechanism, const Lengths& lengths) {
+  ForwardResult result;
+  if (!lengths.allFinite() || lengths.minCoeff() <= 0.0) return result;
+  const Pose home = levelHome(mechanism, lengths[3]);
+  result = continuation(mechanism, lengths, home);
+  // The straight path in the lengths may leave the workspace although both of its ends lie in it.
+  return result.status == ForwardStatus::NotConverged ? nearestToLevel(mechanism, lengths, home) : result;
 }
 
 }  // namespace knee_robot

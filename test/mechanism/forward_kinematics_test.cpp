@@ -105,5 +105,19 @@ TEST(ForwardKinematicsFromHome, FindsTheBuiltBranchWithoutAGuess) {
   }
 }
 
+TEST(ForwardKinematicsFromHome, FindsAPoseThatTheStraightPathInTheLengthsMisses) {
+  // All lengths 0.6 m: in the final geometry that is far from level, psi = 69 deg.
+  const Lengths equal = Lengths::Constant(0.6);
+  const ForwardResult result = forwardKinematicsFromHome(finalMechanism(), equal);
+  ASSERT_TRUE(result.ok());
+  EXPECT_LT((legLengths(finalMechanism(), result.pose) - equal).norm(), 1e-10);
+  EXPECT_NEAR(result.pose[3], 1.2115, 1e-3);
+}
+
+TEST(ForwardKinematicsFromHome, ReportsLengthsThatNoPoseHas) {
+  EXPECT_EQ(forwardKinematicsFromHome(finalMechanism(), Lengths(0.6, 0.6, 0.6, 3.0)).status,
+            ForwardStatus::NotConverged);
+}
+
 }  // namespace
 }  // namespace knee_robot
