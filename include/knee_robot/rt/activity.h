@@ -28,6 +28,7 @@ class Activity : public Executor {
  public:
   explicit Activity(ActivityOptions options);
 
+  const std::string& name() const { return options_.name; }
   const ActivityOptions& options() const { return options_; }
   const ActivityStatistics& statistics() const { return statistics_; }
   const std::vector<TaskContext*>& components() const { return components_; }

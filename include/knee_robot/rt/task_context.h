@@ -121,6 +121,7 @@ class TaskContext {
 
   bool perform(Command command);
   bool execute(Command command) noexcept;
+  bool refuseCommand(const char* sentence) noexcept;
   bool doConfigure() noexcept;
   bool doStart() noexcept;
   bool doStop() noexcept;

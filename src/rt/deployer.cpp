@@ -1,0 +1,91 @@
+#include "knee_robot/rt/deployer.h"
+
+#include <algorithm>
+
+#include "knee_robot/base/errors.h"
+
+namespace knee_robot::rt {
+
+Deployment::~Deployment() {
+  stop();
+}
+
+TaskContext* Deployment::component(const std::string& name) const {
+  for (const auto& one : components_) {
+    if (one->name() == name) return one.get();
+  }
+  return nullptr;
+}
+
+Activity* Deployment::activity(const std::string& name) const {
+  for (const auto& one : activities_) {
+    if (one->name() == name) return one.get();
+  }
+  return nullptr;
+}
+
+Activity* Deployment::activityOf(const TaskContext& component) const {
+  for (const auto& one : activities_) {
+    const auto& executed = one->components();
+    if (std::find(executed.begin(), executed.end(), &component) != executed.end()) return one.get();
+  }
+  return nullptr;
+}
+
+void Deployment::start() {
+  for (const auto& component : components_) {
+    if (!component->configure()) {
+      throw InputError(path_ + ": component " + component->name() + " cannot be configured: " + component->refusal());
+    }
+  }
+  warnings_.clear();
+  epoch_ = monotonicNow();
+  virtual_now_ = 0;
+  try {
+    for (const auto& activity : activities_) {
+      for (std::string& sentence : activity->start(epoch_))
+        warnings_.push_back(std::move(sentence));
+    }
+    startComponents();
+  } catch (const InputError& error) {
+    stop();
+    throw InputError(path_ + ": " + error.what());
+  }
+}
+
+void Deployment::startComponents() {
+  for (TaskContext* component : start_order_) {
+    if (!component->start()) {
+      throw InputError("component " + component->name() + " did not start: " + component->refusal());
+    }
+  }
+}
+
+void Deployment::stop() noexcept {
+  for (auto component = start_order_.rbegin(); component != start_order_.rend(); ++component) {
+    if ((*component)->isRunning()) (*component)->stop();
+  }
+  for (auto activity = activities_.rbegin(); activity != activities_.rend(); ++activity)
+    (*activity)->stop();
+  // A thread that did not answer in time: now that it has ended, its components are stopped from here.
+  for (auto component = start_order_.rbegin(); component != start_order_.rend(); ++component) {
+    if ((*component)->isRunning()) (*component)->stop();
+  }
+}
+
+Nanoseconds Deployment::step() {
+  virtual_now_ = stepEarliest(stepped_);
+  return virtual_now_;
+}
+
+void Deployment::stepUntil(Nanoseconds end) {
+  const auto before_end = [&](const SteppedActivity* activity) { return activity->nextRelease() < end; };
+  while (std::any_of(stepped_.begin(), stepped_.end(), before_end))
+    step();
+}
+
+Nanoseconds Deployment::now() const noexcept {
+  return execution_ == Execution::Stepped ? virtual_now_ : monotonicNow() - epoch_;
+}
+
+}  // namespace knee_robot::rt

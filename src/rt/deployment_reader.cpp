@@ -1,0 +1,176 @@
+#include <algorithm>
+#include <set>
+
+#include "knee_robot/base/errors.h"
+#include "knee_robot/rt/deployer.h"
+#include "knee_robot/rt/port.h"
+#include "knee_robot/rt/property.h"
+
+namespace knee_robot::rt {
+namespace {
+
+constexpr double kShortestPeriod_s = 50e-6;
+constexpr double kLongestPeriod_s = 10.0;
+
+template <typename Named>
+std::string names(const Named& all) {
+  std::string text;
+  for (const auto& one : all)
+    text += (text.empty() ? "" : ", ") + one->name();
+  return text.empty() ? "none" : text;
+}
+
+/// "file:line: key: sentence" from an InputError that knows neither file nor line.
+template <typename Call>
+void at(const StrictMap& map, const std::string& key, Call&& call) {
+  try {
+    call();
+  } catch (const InputError& error) {
+    map.refuse(key, error.what());
+  }
+}
+
+}  // namespace
+
+/// Fills a Deployment from its file, section by section.
+class DeploymentReader {
+ public:
+  DeploymentReader(Deployment& target, const TypeFactory& factory)
+      : target_(target), factory_(factory), file_(StrictMap::load(target.path_)) {}
+
+  void read() {
+    const bool require_real_time = file_.flagOr("require_real_time", false);
+    for (StrictMap& entry : file_.maps("activities"))
+      readActivity(entry, require_real_time);
+    for (StrictMap& entry : file_.maps("components"))
+      readComponent(entry);
+    for (StrictMap& entry : file_.maps("connections"))
+      readConnection(entry);
+    requireConnections();
+    readStartOrder();
+    file_.finish();
+  }
+
+ private:
+  void readActivity(StrictMap& entry, bool require_real_time) {
+    ActivityOptions options;
+    options.name = entry.text("name");
+    if (target_.activity(options.name) != nullptr) {
+      entry.refuse("name", "there are two activities named " + options.name + "; rename one");
+    }
+    options.period = fromSeconds(entry.number("period_s", kShortestPeriod_s, kLongestPeriod_s));
+    options.priority = entry.integerOr("priority", 0, 0, 99);
+    options.cpu = entry.integerOr("cpu", -1, -1, 1023);
+    options.overrun_limit = entry.integerOr("overrun_limit", options.overrun_limit, 0, 1'000'000);
+    options.require_real_time = require_real_time;
+    entry.finish();
+    if (target_.execution_ == Execution::Stepped) {
+      auto activity = std::make_unique<SteppedActivity>(options);
+      target_.stepped_.push_back(activity.get());
+      target_.activities_.push_back(std::move(activity));
+    } else {
+      target_.activities_.push_back(std::make_unique<PeriodicActivity>(options));
+    }
+  }
+
+  void readComponent(StrictMap& entry) {
+    const std::string name = entry.text("name");
+    if (name.empty() || name.find('.') != std::string::npos) {
+      entry.refuse("name", "a component's name is a word without a dot, not '" + name + "'");
+    }
+    if (target_.component(name) != nullptr) {
+      entry.refuse("name", "there are two components named " + name + "; rename one");
+    }
+    const std::string type = entry.text("type");
+    const auto make = factory_.find(type);
+    if (make == factory_.end()) {
+      std::string known;
+      for (const auto& one : factory_)
+        known += (known.empty() ? "" : ", ") + one.first;
+      entry.refuse("type", "there is no component type " + type + "; there are " + known);
+    }
+    target_.components_.push_back(make->second(name));
+    TaskContext& component = *target_.components_.back();
+    if (auto properties = entry.mapIfAny("properties")) loadProperties(component, *properties);
+
+    const std::string activity_name = entry.text("activity");
+    Activity* activity = target_.activity(activity_name);
+    if (activity == nullptr) {
+      entry.refuse("activity", "there is no activity " + activity_name + "; there are " + names(target_.activities_));
+    }
+    const double period = entry.numberOr("period_s", 0.0, kShortestPeriod_s, kLongestPeriod_s);
+    at(entry, entry.has("period_s") ? "period_s" : "activity", [&] { activity->add(component, fromSeconds(period)); });
+    entry.finish();
+  }
+
+  PortBase& findPort(StrictMap& entry, const std::string& key) {
+    const std::string full = entry.text(key);
+    const std::size_t dot = full.find('.');
+    if (dot == std::string::npos) entry.refuse(key, "expected Component.port, not '" + full + "'");
+    TaskContext* component = target_.component(full.substr(0, dot));
+    if (component == nullptr) {
+      entry.refuse(key, "there is no component " + full.substr(0, dot) + "; there are " + names(target_.components_));
+    }
+    PortBase* port = component->port(full.substr(dot + 1));
+    if (port == nullptr) {
+      entry.refuse(key, "component " + component->name() + " has no port " + full.substr(dot + 1) + "; it has " +
+                            names(component->ports()));
+    }
+    return *port;
+  }
+
+  void readConnection(StrictMap& entry) {
+    PortBase& from = findPort(entry, "from");
+    PortBase& to = findPort(entry, "to");
+    const std::string kind = entry.choiceOr("policy", "data", {"data", "buffer", "circular_buffer"});
+    ConnPolicy policy;
+    if (kind != "data") {
+      const auto size = static_cast<std::size_t>(entry.integer("size", 1, 1'000'000));
+      policy = kind == "buffer" ? ConnPolicy::buffer(size) : ConnPolicy::circularBuffer(size);
+    }
+    at(entry, "from", [&] { connect(from, to, policy); });
+    entry.finish();
+  }
+
+  void requireConnections() {
+    for (const auto& component : target_.components_) {
+      for (const PortBase* port : component->ports()) {
+        if (!port->isOutput() && port->isRequired() && !port->isConnected()) {
+          file_.refuse("connections", "the input " + port->fullName() + " (" + port->typeName() +
+                                          ") is not connected: add {from: ..., to: " + port->fullName() + "}");
+        }
+      }
+    }
+  }
+
+  void readStartOrder() {
+    for (const std::string& name : file_.texts("start_order")) {
+      TaskContext* component = target_.component(name);
+      if (component == nullptr) {
+        file_.refuse("start_order", "there is no component " + name + "; there are " + names(target_.components_));
+      }
+      auto& order = target_.start_order_;
+      if (std::find(order.begin(), order.end(), component) != order.end()) {
+        file_.refuse("start_order", name + " stands there twice; remove one");
+      }
+      order.push_back(component);
+    }
+    for (const auto& component : target_.components_) {
+      const auto& order = target_.start_order_;
+      if (std::find(order.begin(), order.end(), component.get()) == order.end()) {
+        file_.refuse("start_order", component->name() + " is missing: every component is started");
+      }
+    }
+  }
+
+  Deployment& target_;
+  const TypeFactory& factory_;
+  StrictMap file_;
+};
+
+Deployment::Deployment(const std::string& path, const TypeFactory& factory, Execution execution)
+    : path_(path), execution_(execution) {
+  DeploymentReader(*this, factory).read();
+}
+
+}  // namespace knee_robot::rt
