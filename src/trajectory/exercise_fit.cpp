@@ -10,6 +10,7 @@ namespace {
 constexpr double kFineTranslation = 0.002;  ///< m between poses that are looked at
 constexpr double kFineRotation = 0.00873;   ///< rad
 constexpr double kCoarse = 10.0;            ///< times as far while a start is searched
+constexpr int kAmplitudeRounds = 7;         ///< of bisection while the start is searched with the amplitude
 constexpr double kTiltCost = 0.5;           ///< share of a limit that a rad of tilt at the start must win
 
 Margin nearestOnWay(const Exercise& exercise, const Robot& robot, const Pose& start, double amplitude, double spacing) {
@@ -30,40 +31,88 @@ Margin nearestOnWay(const Exercise& exercise, const Robot& robot, const Pose& st
   return nearest;
 }
 
+/// A start pose and how good it is: the share of a limit that is left on the whole way, less a price for tilt.
+struct Start {
+  Pose pose = Pose::Zero();
+  double score = -std::numeric_limits<double>::infinity();
+};
+
+/// Looks for the best start of one exercise at one amplitude.
+class StartSearch {
+ public:
+  StartSearch(const Exercise& exercise, const Robot& robot, double amplitude)
+      : exercise_(exercise), robot_(robot), amplitude_(amplitude) {}
+
+  Start search() {
+    const double z_low = 0.5 * robot_.actuators[3].position_min_m, z_high = robot_.actuators[3].position_max_m;
+    const std::vector<double> tilts = {0.0, 0.1, -0.1, 0.2, -0.2, 0.3, -0.3}, level = {0.0};
+    for (const double theta : turns(2) ? level : tilts) {
+      for (const double psi : turns(3) ? level : tilts) {
+        for (double x = -0.3; x < 0.301; x += exercise_.start_x ? 1.0 : 0.05) {
+          for (double z = z_low; z < z_high; z += 0.025)
+            tryStart({exercise_.start_x.value_or(x), z, theta, psi});
+        }
+      }
+    }
+    refine();
+    return best_;
+  }
+
+ private:
+  bool turns(int axis) const {
+    return std::any_of(exercise_.strokes.begin(), exercise_.strokes.end(),
+                       [&](const auto& s) { return s.axis == axis; });
+  }
+
+  void tryStart(const Pose& pose) {
+    const double cost = kTiltCost * (std::abs(pose[2]) + std::abs(pose[3]));
+    // The start alone bounds what the way can reach: most of the grid is done with here.
+    if (nearestLimit(robot_, pose, planningCondition(robot_)).left - cost <= best_.score) return;
+    const double score = nearestOnWay(exercise_, robot_, pose, amplitude_, kCoarse).left - cost;
+    if (score > best_.score) best_ = {pose, score};
+  }
+
+  /// Steps along Xm and Zm, halved when they no longer help.
+  void refine() {
+    for (double step = 0.0125; step > 0.0003;) {
+      const double before = best_.score;
+      const Pose from = best_.pose;
+      for (const double sign : {-1.0, 1.0}) {
+        if (!exercise_.start_x) tryStart(from + Pose(sign * step, 0.0, 0.0, 0.0));
+        tryStart(from + Pose(0.0, sign * step, 0.0, 0.0));
+      }
+      if (best_.score <= before) step *= 0.5;
+    }
+  }
+
+  const Exercise& exercise_;
+  const Robot& robot_;
+  double amplitude_;
+  Start best_;
+};
+
 }  // namespace
 
 Margin nearestOnWay(const Exercise& exercise, const Robot& robot, const Pose& start, double amplitude) {
   return nearestOnWay(exercise, robot, start, amplitude, 1.0);
 }
 
-Pose bestStart(const Exercise& exercise, const Robot& robot, double amplitude) {
-  const auto turns = [&](int axis) {
-    return std::any_of(exercise.strokes.begin(), exercise.strokes.end(), [&](const auto& s) { return s.axis == axis; });
-  };
-  const std::vector<double> tilts = {0.0, 0.1, -0.1, 0.2, -0.2, 0.3, -0.3};
-  const std::vector<double> level = {0.0};
-  const double z_low = 0.5 * robot.actuators[3].position_min_m, z_high = robot.actuators[3].position_max_m;
-  Pose best(exercise.start_x.value_or(0.0), 0.5 * (z_low + z_high), 0.0, 0.0);
-  double best_score = -std::numeric_limits<double>::infinity();
-  for (const double theta : turns(2) ? level : tilts) {
-    for (const double psi : turns(3) ? level : tilts) {
-      for (double x = -0.3; x < 0.301; x += exercise.start_x ? 1.0 : 0.05) {
-        for (double z = z_low; z < z_high; z += 0.025) {
-          const Pose start(exercise.start_x.value_or(x), z, theta, psi);
-          const double cost = kTiltCost * (std::abs(theta) + std::abs(psi));
-          // The start alone bounds what the way can reach: most of the grid is done with here.
-          const double at_start = nearestLimit(robot, start, planningCondition(robot)).left;
-          if (at_start - cost <= best_score) continue;
-          const double left = nearestOnWay(exercise, robot, start, amplitude, kCoarse).left;
-          const double score = left - cost;
-          if (score <= best_score) continue;
-          best_score = score;
-          best = start;
-        }
-      }
+Pose startThatFitsMost(const Exercise& exercise, const Robot& robot, double amplitude) {
+  const Pose start = StartSearch(exercise, robot, amplitude).search().pose;
+  if (nearestOnWay(exercise, robot, start, amplitude).left >= 0.0) return start;
+  Pose fitting = start;
+  double fits = 0.0, beyond = amplitude;
+  for (int round = 0; round < kAmplitudeRounds; ++round) {
+    const double middle = 0.5 * (fits + beyond);
+    const Pose found = StartSearch(exercise, robot, middle).search().pose;
+    if (nearestOnWay(exercise, robot, found, middle).left >= 0.0) {
+      fits = middle;
+      fitting = found;
+    } else {
+      beyond = middle;
     }
   }
-  return best;
+  return fitting;
 }
 
 double largestAmplitude(const Exercise& exercise, const Robot& robot, const Pose& start, double asked) {

@@ -14,7 +14,6 @@ constexpr double kDegree = 3.14159265358979323846 / 180.0;
 constexpr double kRest_s = 0.5;                       ///< at rest before the first and after the last stroke
 constexpr ProfileLimits kTranslation{0.0, 0.1, 1.0};  ///< m; velocity is an option
 constexpr ProfileLimits kRotation{0.0, 10.0 * kDegree, 100.0 * kDegree};  ///< rad
-constexpr int kSlowingRounds = 20;
 
 std::string amplitudeText(const Exercise& exercise, double amplitude) {
   return exercise.rotation ? shortNumber(amplitude / kDegree, 3) + " deg" : shortNumber(amplitude, 3) + " m";
@@ -101,7 +100,7 @@ Points sampled(const Exercise& exercise, const ExercisePlan& plan, const Exercis
 double fittingAmplitude(const Exercise& exercise, const Robot& robot, const ExerciseOptions& options,
                         ExercisePlan& plan) {
   const double asked = options.amplitude.value_or(exercise.amplitude);
-  plan.start = options.start ? *options.start : bestStart(exercise, robot, asked);
+  plan.start = options.start ? *options.start : startThatFitsMost(exercise, robot, asked);
   const Margin limiting = nearestOnWay(exercise, robot, plan.start, asked);
   if (limiting.left >= 0.0) return asked;
   const Margin at_start = nearestLimit(robot, plan.start, planningCondition(robot));
@@ -180,18 +179,20 @@ ExercisePlan planExercise(const Exercise& exercise, const Robot& robot, const Ex
   plan.amplitude = fittingAmplitude(exercise, robot, options, plan);
   fill(exercise, robot, options, plan);
   // The way fits; what may still be too much is the speed that it asks of an actuator.
-  for (int round = 0; !plan.check.ok() && round < kSlowingRounds; ++round) {
-    const Margin& at = plan.check.violation->at;
-    if (at.quantity != Quantity::Velocity) break;
-    plan.speed_share *= 0.99 * at.limit / at.value;
+  for (int round = 0; !plan.check.ok() && plan.check.violation->at.quantity == Quantity::Velocity && round < 5;
+       ++round) {
+    const auto fastest = std::find_if(plan.check.margins.begin(), plan.check.margins.end(),
+                                      [](const Margin& margin) { return margin.quantity == Quantity::Velocity; });
+    plan.speed_share *= 0.99 * fastest->limit / fastest->value;
     fill(exercise, robot, options, plan);
   }
   if (!plan.check.ok()) throw Refusal(exercise.name + " on " + robot.path + ": " + plan.check.violation->sentence);
   if (plan.speed_share < 1.0) {
     const std::string note = exercise.name + " at this speed is beyond an actuator's velocity limit in " + robot.path;
-    const std::string share = shortNumber(plan.speed_share, 3) + " of the speed";
-    if (!options.scale_to_fit) throw Refusal(note + "; " + share + " fits");
-    plan.notes.push_back(note + "; reduced to " + share);
+    const std::string fitting = shortNumber(options.speed * plan.speed_share, 3) + " m/s and " +
+                                shortNumber(options.turning_speed * plan.speed_share / kDegree, 3) + " deg/s";
+    if (!options.scale_to_fit) throw Refusal(note + "; " + fitting + " fits");
+    plan.notes.push_back(note + "; reduced to " + fitting);
   }
   return plan;
 }

@@ -31,7 +31,8 @@ double homeBranch(const Robot& robot) {
 }
 
 double planningCondition(const Robot& robot) {
-  return std::min(robot.singularity_condition_max, kPlanningCondition);
+  const bool wide_open = robot.singularity_condition_max > kWideOpenCondition;
+  return wide_open ? kPlanningCondition : robot.singularity_condition_max;
 }
 
 Margin nearestLimit(const Robot& robot, const Pose& pose, double condition_max) {

@@ -62,12 +62,14 @@ TEST(Exercises, EveryExerciseOnEveryRobotIsPlannedOrRefusedWithTheLimitAndWhatFi
         if (sentence.find("fits") == std::string::npos) continue;
         const ExercisePlan scaled = planExercise(exercise, robot, options);
         EXPECT_TRUE(scaled.check.ok()) << what;
-        EXPECT_LT(scaled.amplitude, exercise.amplitude) << what;
-        EXPECT_EQ(scaled.notes.size(), 1u);
+        EXPECT_TRUE(scaled.amplitude < exercise.amplitude || scaled.speed_share < 1.0) << what;
+        EXPECT_FALSE(scaled.notes.empty()) << what;
         // What the refusal suggests is then planned when it is asked for.
         options.scale_to_fit = false;
         options.amplitude = scaled.amplitude;
         options.start = scaled.start;
+        options.speed *= scaled.speed_share;
+        options.turning_speed *= scaled.speed_share;
         EXPECT_EQ(planExercise(exercise, robot, options).amplitude, scaled.amplitude);
       }
     }
@@ -75,10 +77,12 @@ TEST(Exercises, EveryExerciseOnEveryRobotIsPlannedOrRefusedWithTheLimitAndWhatFi
 }
 
 TEST(Exercises, AnkleFlexionOfThirtyDegreesIsNearlySingularAtSeventyCentimetresInTheFinalGeometry) {
+  Robot robot = testRobot();
+  robot.singularity_condition_max = 60.0;
   ExerciseOptions options;
   options.start = Pose(0.0, 0.7, 0.0, 0.0);
   try {
-    planExercise(exerciseNamed("ankle_flexion"), testRobot(), options);
+    planExercise(exerciseNamed("ankle_flexion"), robot, options);
     FAIL() << "theta = -30 deg has a condition number of 690";
   } catch (const Refusal& refusal) {
     EXPECT_NE(std::string(refusal.what()).find("singularity margin"), std::string::npos) << refusal.what();

@@ -7,8 +7,10 @@ namespace knee_robot {
 /// Condition number that plans stay below although a robot file leaves its margin wide open: a plan is a choice, and a choice
 /// keeps away from singularities.
 inline constexpr double kPlanningCondition = 60.0;
+/// A singularity margin beyond this one is no margin.
+inline constexpr double kWideOpenCondition = 1000.0;
 
-/// The robot's singularity margin or kPlanningCondition, whichever is stricter.
+/// The robot file's singularity margin, or kPlanningCondition when that is wide open.
 double planningCondition(const Robot& robot);
 
 /// Sign of det(dq/dx) on the branch in which the robot is built: of a level pose over the base (as in

@@ -1,0 +1,64 @@
+#include "knee_robot/trajectory/fourier_series.h"
+
+#include <cmath>
+
+namespace knee_robot {
+namespace {
+
+struct Window {
+  double value = 1.0, rate = 0.0, acceleration = 0.0;
+};
+
+Window windowAt(const SeriesShape& shape, double time) {
+  const bool rising = time < shape.ramp_s;
+  const double rest = rising ? time : shape.duration_s - time;
+  if (rest >= shape.ramp_s) return {};
+  if (rest <= 0.0) return {0.0, 0.0, 0.0};
+  const double s = rest / shape.ramp_s, direction = rising ? 1.0 : -1.0;
+  return {s * s * s * (10.0 + s * (-15.0 + 6.0 * s)), direction * 30.0 * s * s * (1.0 - s) * (1.0 - s) / shape.ramp_s,
+          60.0 * s * (1.0 - s) * (1.0 - 2.0 * s) / (shape.ramp_s * shape.ramp_s)};
+}
+
+}  // namespace
+
+SeriesBasis seriesBasis(const SeriesShape& shape, double time) {
+  const Window w = windowAt(shape, time);
+  SeriesBasis basis;
+  basis.value.resize(2 * shape.harmonics);
+  basis.rate.resize(2 * shape.harmonics);
+  basis.acceleration.resize(2 * shape.harmonics);
+  for (int j = 1; j <= shape.harmonics; ++j) {
+    const double omega = 2.0 * 3.14159265358979323846 * j / shape.period_s;
+    const double sine = std::sin(omega * time), cosine = std::cos(omega * time);
+    const int column = 2 * (j - 1);
+    const auto set = [&](int c, double f, double df) {
+      const double ddf = -omega * omega * f;
+      basis.value[c] = w.value * f;
+      basis.rate[c] = w.rate * f + w.value * df;
+      basis.acceleration[c] = w.acceleration * f + 2.0 * w.rate * df + w.value * ddf;
+    };
+    set(column, sine, omega * cosine);
+    set(column + 1, cosine, -omega * sine);
+  }
+  return basis;
+}
+
+SeriesPoint pointAt(const FourierSeries& series, const SeriesBasis& basis) {
+  return {series.centre + series.coefficients * basis.value.transpose(), series.coefficients * basis.rate.transpose(),
+          series.coefficients * basis.acceleration.transpose()};
+}
+
+Reference sampledReference(const FourierSeries& series) {
+  Reference reference;
+  reference.name = "planned excitation";
+  reference.space = series.space;
+  const Eigen::Index last = std::lround(series.shape.duration_s / kStreamPeriod);
+  reference.points.resize(last + 1, 4);
+  for (Eigen::Index k = 0; k <= last; ++k) {
+    const SeriesBasis basis = seriesBasis(series.shape, static_cast<double>(k) * kStreamPeriod);
+    reference.points.row(k) = pointAt(series, basis).value.transpose();
+  }
+  return reference;
+}
+
+}  // namespace knee_robot
