@@ -14,3 +14,12 @@ foreach(test_file ${room_tests})
     endif()
   endif()
 endforeach()
+
+# Each rostest has a roscore and a simulated robot of its own. They run one at a time: a robot that shares the machine with
+# compute-bound tests would measure those.
+file(GLOB ros_tests RELATIVE ${CMAKE_SOURCE_DIR} CONFIGURE_DEPENDS ${CMAKE_SOURCE_DIR}/test/nodes/*.test)
+foreach(ros_test ${ros_tests})
+  get_filename_component(name ${ros_test} NAME_WE)
+  add_rostest(${ros_test})
+  set_tests_properties(_ctest_knee_robot_rostest_test_nodes_${name}.test PROPERTIES RUN_SERIAL ON)
+endforeach()

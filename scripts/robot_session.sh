@@ -1,0 +1,74 @@
+# Sourced by scripts that run the simulated robot under ROS: a master of their own, rviz on a screen of their own, services that
+# must succeed, and an end in any case. Needs common.sh and source_ros first.
+
+# start_robot FOLDER LAUNCH_ARGUMENT...: roslaunch simulation.launch with its logs in FOLDER.
+start_robot() {
+  local folder=$1
+  shift
+  mkdir -p "$folder"
+  export ROS_HOME=$folder/ros ROS_LOG_DIR=$folder/ros/log
+  local port
+  port=$(free_port)
+  export ROS_MASTER_URI=http://127.0.0.1:$port
+  roslaunch --port "$port" knee_robot simulation.launch "shm:=/knee_robot_$port" "$@" > "$folder/roslaunch.log" 2>&1 &
+  ROBOT_PID=$!
+  trap stop_robot EXIT
+  local tries
+  for ((tries = 0; tries < 120; tries++)); do
+    kill -0 "$ROBOT_PID" 2> /dev/null || break
+    if timeout 20 rosservice call /controller/get_state > /dev/null 2>&1; then return 0; fi
+    sleep 0.5
+  done
+  tail -n 20 "$folder/roslaunch.log" >&2
+  fail "the robot did not come up (log: $folder/roslaunch.log)"
+}
+
+# start_screen: a display without a monitor, for rviz.
+start_screen() {
+  local number
+  for number in {97..140}; do [[ -e /tmp/.X$number-lock || -e /tmp/.X11-unix/X$number ]] || break; done
+  Xvfb ":$number" -screen 0 1280x800x24 +extension GLX > /dev/null 2>&1 &
+  SCREEN_PID=$!
+  trap stop_robot EXIT
+  export DISPLAY=:$number LIBGL_ALWAYS_SOFTWARE=1 QT_X11_NO_MITSHM=1
+  export XDG_RUNTIME_DIR=${XDG_RUNTIME_DIR:-$(mktemp -d)}
+  sleep 1
+}
+
+stop_robot() {
+  trap - EXIT
+  if [[ -n ${ROBOT_PID:-} ]]; then
+    kill -INT "$ROBOT_PID" 2> /dev/null || true
+    wait "$ROBOT_PID" 2> /dev/null || true
+    ROBOT_PID=
+  fi
+  if [[ -n ${SCREEN_PID:-} ]]; then
+    kill "$SCREEN_PID" 2> /dev/null || true
+    SCREEN_PID=
+  fi
+}
+
+# command SERVICE [REQUEST]: calls a service of the controller, prints its answer, ends the script when it refuses.
+command_robot() {
+  local answer
+  answer=$(timeout 60 rosservice call "/controller/$1" "${2:-{\}}") || fail "service $1 did not answer"
+  printf '   %-16s %s\n' "$1" "$(sed -n 's/^message: *//p' <<< "$answer")"
+  grep -qx 'success: True' <<< "$answer" || fail "the robot refused $1"
+}
+
+robot_state() { timeout 20 rosservice call /controller/get_state | sed -n 's/^  state: *//p' | tr -d '"'; }
+
+# wait_for_state STATE SECONDS
+wait_for_state() {
+  local end=$((SECONDS + $2)) state=
+  while ((SECONDS < end)); do
+    state=$(robot_state)
+    [[ $state != "$1" ]] || return 0
+    if [[ $state == Faulted ]]; then
+      timeout 20 rosservice call /controller/get_state >&2
+      fail "the robot is in state Faulted, see the cause above"
+    fi
+    sleep 0.5
+  done
+  fail "the robot is still in state $state after $2 s, not in $1"
+}
