@@ -38,16 +38,16 @@ Vector4 lengthBias(const Mechanism& mechanism, const Pose& pose, const Vector4& 
 
 enum class ForwardStatus {
   Converged,
-  NotConverged,   ///< Newton did not reach the tolerance: no such pose near the guess
-  NearSingular,   ///< converged, but the Jacobian's condition exceeds 1e6: the branch cannot be trusted
-  InvalidInput,   ///< a length is not finite or not positive
+  NotConverged,  ///< Newton did not reach the tolerance: no such pose near the guess
+  NearSingular,  ///< converged, but the Jacobian's condition exceeds 1e6: the branch cannot be trusted
+  InvalidInput,  ///< a length is not finite or not positive
 };
 
 struct ForwardResult {
   ForwardStatus status = ForwardStatus::InvalidInput;
-  Pose pose = Pose::Zero();   ///< meaningful only when converged
+  Pose pose = Pose::Zero();  ///< meaningful only when converged
   int iterations = 0;
-  double residual_m = 0.0;    ///< largest length error that is left
+  double residual_m = 0.0;  ///< largest length error that is left
   bool ok() const { return status == ForwardStatus::Converged; }
 };
 

@@ -1,0 +1,61 @@
+#include "knee_robot/mechanism/singularity.h"
+
+#include <Eigen/LU>
+#include <Eigen/SVD>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include "knee_robot/mechanism/constraints.h"
+
+namespace knee_robot {
+namespace {
+
+/// Largest and smallest singular value.
+template <typename Matrix>
+std::pair<double, double> extremes(const Matrix& matrix) {
+  const Eigen::JacobiSVD<Matrix> svd(matrix);
+  if (svd.info() != Eigen::Success) return {1.0, 0.0};  // not finite: as bad as singular
+  return {svd.singularValues().maxCoeff(), svd.singularValues().minCoeff()};
+}
+
+double conditionOf(const std::pair<double, double>& values) {
+  const bool singular = !(values.second > 8.0 * std::numeric_limits<double>::epsilon() * values.first);
+  return singular ? std::numeric_limits<double>::infinity() : values.first / values.second;
+}
+
+}  // namespace
+
+double characteristicLength(const Mechanism& mechanism) {
+  double sum = 0.0;
+  for (int i = 0; i < 3; ++i)
+    sum += mechanism.platform_points[i].norm();
+  return sum / 3.0;
+}
+
+Singularity singularityAt(const Mechanism& mechanism, const Pose& pose) {
+  Singularity result;
+  const JointCoordinates q = inverseKinematics(mechanism, pose);
+  result.type_one = std::cos(q.q2[0]) * std::cos(q.q2[1]) * std::cos(q.q2[2]);
+
+  const Matrix4 jacobian = lengthJacobian(mechanism, pose);
+  result.determinant = jacobian.determinant();
+  result.condition = conditionNumber(mechanism, pose);
+
+  Matrix4 scaled = jacobian;
+  scaled.rightCols<2>() /= characteristicLength(mechanism);
+  const std::pair<double, double> transmission = extremes(scaled);
+  result.scaled_condition = conditionOf(transmission);
+  result.force_amplification = 1.0 / transmission.second;
+
+  Motion still;
+  still.pose = pose;
+  const ConstraintJacobian a = constraintJacobian(mechanism, coordinateMotion(mechanism, still).position);
+  Eigen::Matrix<double, kConstraints, kConstraints> dependent;
+  for (int k = 0; k < kConstraints; ++k)
+    dependent.col(k) = a.col(kDependent[k]);
+  result.dependent_condition = conditionOf(extremes(dependent));
+  return result;
+}
+
+}  // namespace knee_robot
