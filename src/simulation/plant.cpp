@@ -26,7 +26,8 @@ bool allHeld(const AxisContacts& contacts) {
   return true;
 }
 
-/// M (v+ - v) = h (J^T (tau - C (w + w+) / 2) - bias + f) + J^T p, everything at the middle of the substep; w = J v.
+/// M (v+ - v) = h (J^T (tau - C (w + w+) / 2) - bias + f) + Je^T p with w = J v; everything at the middle of the substep but
+/// Je, the Jacobian at its end.
 bool substep(const PlantModel& model, const PlantLoads& loads, double h, PlantState& state, PlantData& data) {
   const Pose middle = state.pose + 0.5 * h * state.pose_velocity;
   const Vector4 predicted_velocity = state.pose_velocity + 0.5 * h * state.last_acceleration;
@@ -39,11 +40,13 @@ bool substep(const PlantModel& model, const PlantLoads& loads, double h, PlantSt
   const Vector4 force = jacobian.transpose() * loads.motor_force - dynamics.bias + loads.pose_force;
   const Vector4 momentum = dynamics.mass * state.pose_velocity - 0.5 * h * (damping * state.pose_velocity) + h * force;
   const Vector4 free_velocity = system.solve(momentum);
-  const Matrix4 response = system.solve(jacobian.transpose());
-
+  // Friction acts along the legs as they stand at the end: a held length then creeps by the third order of h only.
+  const Pose end = middle + 0.5 * h * (state.pose_velocity + h * state.last_acceleration);
+  const Matrix4 end_jacobian = lengthJacobian(model.rigid.mechanism, end);
+  const Matrix4 response = system.solve(end_jacobian.transpose());
   const AxisContacts contacts_before = state.contacts;
   const ImpulseBox box = impulseBox(model, loads, legLengths(model.rigid.mechanism, middle), h);
-  const Vector4 impulses = solveBoxFriction(jacobian * response, jacobian * free_velocity, box, state.contacts);
+  const Vector4 impulses = solveBoxFriction(end_jacobian * response, end_jacobian * free_velocity, box, state.contacts);
   Vector4 velocity = free_velocity + response * impulses;
   if (allHeld(state.contacts)) velocity.setZero();  // four held lengths hold the pose; rounding must not creep
   if (!velocity.allFinite()) return false;
@@ -52,7 +55,8 @@ bool substep(const PlantModel& model, const PlantLoads& loads, double h, PlantSt
   const Vector4 mean_rate = jacobian * mean_velocity;
   data.friction_force = impulses / h;
   data.motor_work_J += h * (loads.motor_force.dot(mean_rate) + loads.pose_force.dot(mean_velocity));
-  data.dissipated_J += h * mean_rate.dot(loads.viscous.cwiseProduct(mean_rate)) - impulses.dot(mean_rate);
+  data.dissipated_J +=
+      h * mean_rate.dot(loads.viscous.cwiseProduct(mean_rate)) - impulses.dot(end_jacobian * mean_velocity);
   // A velocity that friction has just broken predicts nothing.
   const bool smooth = state.contacts == contacts_before && !allHeld(state.contacts);
   state.last_acceleration = smooth ? Vector4((velocity - state.pose_velocity) / h) : Vector4(Vector4::Zero());
