@@ -1,0 +1,36 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <optional>
+#include <vector>
+
+#include "knee_robot/identification/observation.h"
+
+namespace knee_robot {
+
+/// How far predictions are from commanded forces; one entry per actuator (design: section 3).
+struct Accuracy {
+  Eigen::VectorXd rms_N;          ///< all samples, both sides low-passed
+  Eigen::VectorXd rms_moving_N;   ///< the same, samples at which every axis moves; nan when there is none
+  Eigen::VectorXd rms_raw_N;      ///< rows of the recording, measured side unfiltered
+  Eigen::VectorXd rms_percent;    ///< 100 rms_N / rms(measured)
+  Eigen::VectorXd range_percent;  ///< 100 rms_N / range(measured)
+  Eigen::VectorXd max_N;          ///< largest error, both sides low-passed
+  int samples = 0;
+  int moving_samples = 0;
+};
+
+/// Prediction of one recording, on the grid and for its rows.
+struct Prediction {
+  Eigen::MatrixXd force_N;           ///< per sample of the grid
+  Eigen::MatrixXd force_filtered_N;  ///< low-passed as the measured side is
+  Eigen::MatrixXd row_force_N;  ///< per row of the recording, in the middle of the interval in which its command holds
+};
+
+/// Brings a predicted force on the grid to the three forms.
+Prediction makePrediction(const Observation& observation, Eigen::MatrixXd force_N, double cutoff_hz);
+
+/// Over several recordings together. `predictions` belong to `observations`, in order; both may not be empty.
+Accuracy accuracyOf(const std::vector<Observation>& observations, const std::vector<Prediction>& predictions);
+
+}  // namespace knee_robot

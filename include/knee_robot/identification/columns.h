@@ -1,0 +1,30 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "knee_robot/mechanism/robot.h"
+
+namespace knee_robot {
+
+/// What a column of the linear model stands for.
+enum class ColumnRole { Rigid, Viscous, Coulomb, Rotor, Offset };
+
+/// One column of the linear model that is identified.
+struct Column {
+  std::string name;  ///< as in the model file
+  std::string unit;
+  ColumnRole role = ColumnRole::Rigid;
+  int actuator = -1;  ///< -1: concerns all actuators
+  /// Parameters with a physical sign are kept apart from the rank truncation and never become negative.
+  bool isNonNegative() const {
+    return role == ColumnRole::Viscous || role == ColumnRole::Coulomb || role == ColumnRole::Rotor;
+  }
+};
+
+/// Columns that are identified for this robot. Parallel robot: 90 rigid, then viscous, Coulomb, rotor and offset of the four
+/// actuators. The joints' own friction is left out: on recordings of real robots of this kind it is hardly told apart from the
+/// actuators' friction, and made the error on another trajectory larger. Bench axes: viscous, Coulomb, rotor, offset per axis.
+std::vector<Column> columnsOf(const Robot& robot);
+
+}  // namespace knee_robot

@@ -1,0 +1,39 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "knee_robot/identification/observation.h"
+
+namespace knee_robot {
+
+/// The equations that are fitted: a * parameters = b, both sides low-passed, only usable moving samples, thinned to what the
+/// cut-off leaves. Rows carry their actuator, and the block of training data that cross-validation leaves out together.
+struct Equations {
+  Eigen::MatrixXd a;          ///< rows x columns
+  Eigen::VectorXd b;          ///< N
+  std::vector<int> actuator;  ///< per row
+  std::vector<int> block;     ///< per row, 0 .. blocks - 1
+  std::vector<int>
+      second;  ///< per row: index of the second of data that it lies in, for autocorrelation-proof uncertainty
+  int blocks = 0;
+  int axes = 0;
+  double duration_s = 0.0;  ///< of the samples that are used
+
+  int rows() const { return static_cast<int>(b.size()); }
+};
+
+/// Number of blocks that cross-validation aims at.
+inline constexpr int kBlocks = 10;
+
+/// Stacks the training observations. Blocks are contiguous runs of motion, split at stops and at the ends of files (inside a
+/// run only when it is longer than a tenth of the data). Bench axes are independent: there an axis' row needs only its own motion.
+Equations stackEquations(const std::vector<Observation>& training, const ObservationOptions& options);
+
+/// a and b with every row divided by its actuator's noise.
+void weightRows(Equations& equations, const Eigen::VectorXd& noise_N);
+
+/// Root mean square of `residual` (one entry a row) for each actuator; 0 where an actuator has no rows.
+Eigen::VectorXd rmsPerActuator(const Equations& equations, const Eigen::VectorXd& residual);
+
+}  // namespace knee_robot

@@ -1,0 +1,49 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "knee_robot/dynamics/model.h"
+#include "knee_robot/identification/accuracy.h"
+#include "knee_robot/identification/rank.h"
+
+namespace knee_robot {
+
+/// Everything that identification may be told.
+struct IdentifyOptions {
+  ObservationOptions observation;
+  bool friction = true;  ///< false: a model without actuator friction, to show what friction explains
+  int rank = 0;          ///< 0: chosen on the training data
+};
+
+/// A fitted model, and what its choices rest on. Nothing in here depends on validation data.
+struct Identification {
+  Model model;
+  RankChoice rank;
+  std::vector<Eigen::VectorXd>
+      parameters_by_rank;  ///< least-squares parameters (all columns) for every point of rank.curve
+  std::vector<Column> columns;
+  Eigen::VectorXd noise_N;  ///< per actuator: rms residual that the equations were weighted with
+  int equations = 0;
+  int blocks = 0;
+  double duration_s = 0.0;  ///< of the motion that was fitted
+  double outlier_share = 0.0;
+  std::vector<std::string> notes;
+};
+
+/// Identifies the force model of a robot: widths of the Coulomb step, noise of each actuator, rank by cross-validation, robust
+/// bounded fit. Sets the Coulomb columns of `training` to the widths that were chosen. Refusal when the data cannot support it:
+/// an axis hardly moves, too little motion, too many saturated samples.
+Identification identify(const Robot& robot, std::vector<Observation>& training, const IdentifyOptions& options);
+
+/// Widths (m, per actuator) over which Coulomb friction builds up: for each actuator the one that leaves the smallest residual
+/// over all usable training samples, at rest too, when its own friction and offset are refitted to the residual of
+/// `parameters`. At least two encoder counts: smaller ones would follow the encoder's flicker.
+std::vector<double> chooseCoulombWidths(const Robot& robot, const std::vector<Column>& columns,
+                                        const std::vector<Observation>& training, const Eigen::VectorXd& parameters,
+                                        const ObservationOptions& options);
+
+/// The narrowest of those widths for every actuator.
+std::vector<double> narrowestCoulombWidths(const Robot& robot);
+
+}  // namespace knee_robot

@@ -1,0 +1,55 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "knee_robot/identification/columns.h"
+#include "knee_robot/identification/motion_path.h"
+#include "knee_robot/recording/recording.h"
+#include "knee_robot/recording/signals.h"
+
+namespace knee_robot {
+
+/// What decides which samples are used, and how they are filtered.
+struct ObservationOptions {
+  double cutoff_hz = 3.0;          ///< zero-phase low-pass of both sides of the equation
+  double moving_m_per_s = 0.0015;  ///< an axis slower than this does not count as moving
+  double condition_max = 60.0;     ///< poses with a worse condition of dq/dx (m, rad) are masked
+  SignalOptions signals;
+};
+
+/// A recording as equations: force = regressor * parameters, for every sample and actuator, not yet filtered.
+struct Observation {
+  std::string path;
+  std::string name;
+  std::vector<double> row_time_s;  ///< of the recording's rows
+  Eigen::MatrixXd row_force_N;     ///< commanded, one row per row of the recording
+  Signals signals;
+  MotionPath motion;
+  std::vector<Eigen::MatrixXd> regressor;  ///< per actuator: samples x columns; Coulomb columns by setCoulombWidth
+  Eigen::MatrixXd force_filtered_N;        ///< signals.force_N, low-passed
+  std::vector<char> usable;                ///< not in a gap, near a singular pose or saturated
+  std::vector<char> moving;                ///< every axis faster than the limit (velocity low-passed at cutoff_hz)
+  Eigen::Matrix<char, Eigen::Dynamic, Eigen::Dynamic> axis_moving;  ///< the same for each axis alone
+  double saturated_share = 0.0;                                     ///< of the samples
+  std::vector<std::string> notes;
+
+  int samples() const { return signals.samples(); }
+  int axes() const { return static_cast<int>(regressor.size()); }
+};
+
+/// Signed force per volt of every actuator.
+std::vector<double> forcePerVolt(const Robot& robot);
+
+/// Builds the equations of a recording. InputError when recording and robot do not fit together; Refusal when there are too few
+/// rows.
+Observation observe(const Robot& robot, const std::vector<Column>& columns, const Recording& recording,
+                    const ObservationOptions& options);
+
+/// Share of full Coulomb friction of one actuator along the samples, by CoulombMemory.
+Eigen::VectorXd coulombShare(const Signals& signals, int actuator, double width_m);
+
+/// Fills the Coulomb columns for these widths (m, one per actuator).
+void setCoulombWidth(Observation& observation, const std::vector<Column>& columns, const std::vector<double>& width_m);
+
+}  // namespace knee_robot

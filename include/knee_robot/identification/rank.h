@@ -1,0 +1,35 @@
+#pragma once
+
+#include <vector>
+
+#include "knee_robot/identification/equations.h"
+#include "knee_robot/identification/reduction.h"
+
+namespace knee_robot {
+
+/// Error of the fit with one number of coordinates. Errors are mean squares in units of the noise.
+struct RankPoint {
+  int rank = 0;
+  double training = 0.0;        ///< on the data that was fitted
+  double held_back = 0.0;       ///< on blocks of the training data that were left out in turn
+  double beyond_best = 0.0;     ///< held_back minus that of the best rank
+  double standard_error = 0.0;  ///< of beyond_best, over the blocks (same blocks, paired differences)
+};
+
+/// Error against rank, and the choice.
+struct RankChoice {
+  int rank = 0;
+  std::vector<RankPoint> curve;
+};
+
+/// Leaves out one block of the (weighted) equations after the other. Chosen is the smallest rank whose held-back error exceeds
+/// that of the best one by no more than one standard error of the difference. Training data only.
+RankChoice chooseRank(const Equations& equations, const std::vector<Column>& columns, const std::vector<char>& use);
+
+/// compress() of the rows of each block.
+std::vector<Eigen::MatrixXd> compressBlocks(const Equations& equations);
+
+/// Compressed blocks on top of each other, compressed again, without block `left_out` (-1: all).
+Eigen::MatrixXd joinBlocks(const std::vector<Eigen::MatrixXd>& blocks, int left_out);
+
+}  // namespace knee_robot

@@ -1,0 +1,44 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "knee_robot/identification/columns.h"
+
+namespace knee_robot {
+
+/// A linear least-squares problem prepared for truncation. Columns with a physical sign (friction, rotor inertia) are kept as
+/// they are; of all others only combinations count that those do not explain: the singular directions of the others after
+/// projecting the kept columns out, strongest first. All columns are scaled to unit mean square first.
+struct Reduction {
+  std::vector<int> kept;       ///< columns with a physical sign that occur in the data
+  std::vector<int> others;     ///< all other columns that occur in the data
+  Eigen::VectorXd scale;       ///< per column of the problem: its root mean square; 0: does not occur
+  Eigen::MatrixXd directions;  ///< others x directions, orthonormal, in scaled columns
+  Eigen::VectorXd singular;    ///< per direction, relative to the strongest
+  Eigen::MatrixXd design;      ///< compressed equations: kept columns (scaled), then the directions
+  Eigen::VectorXd target;      ///< compressed right-hand side
+
+  int maximalRank() const { return static_cast<int>(design.cols()); }
+  int minimalRank() const { return static_cast<int>(kept.size()); }
+};
+
+/// Triangular factor of [a b] by QR: the same least-squares problem in few rows.
+Eigen::MatrixXd compress(const Eigen::MatrixXd& a, const Eigen::VectorXd& b);
+
+/// `triangle` is compress(a, b) of `rows` equations (or several of them stacked). Directions weaker than 1e-9 of the strongest
+/// are dropped. Columns for which `use` is 0 are left out.
+Reduction reduce(const Eigen::MatrixXd& triangle, int rows, const std::vector<Column>& columns,
+                 const std::vector<char>& use);
+
+/// Coordinates (kept columns, then directions; scaled) of the least-squares solution with `rank` coordinates in which no kept
+/// column is negative. rank is between minimalRank() and maximalRank().
+Eigen::VectorXd solveReduced(const Reduction& reduction, int rank);
+
+/// Parameters (all columns, unscaled) that belong to coordinates.
+Eigen::VectorXd toParameters(const Reduction& reduction, const Eigen::VectorXd& coordinates);
+
+/// Least squares min |x z - y| with z[i] >= 0 for i < bounded, by an active set.
+Eigen::VectorXd boundedLeastSquares(const Eigen::MatrixXd& x, const Eigen::VectorXd& y, int bounded);
+
+}  // namespace knee_robot

@@ -1,0 +1,70 @@
+#include "knee_robot/identification/accuracy.h"
+
+#include <cmath>
+#include <limits>
+
+#include "knee_robot/recording/filter.h"
+
+namespace knee_robot {
+namespace {
+
+/// Sums over all recordings, per actuator.
+struct Sums {
+  explicit Sums(Eigen::Index axes)
+      : error(Eigen::VectorXd::Zero(axes)),
+        moving(error),
+        raw(error),
+        measured(error),
+        largest(error),
+        low(Eigen::VectorXd::Constant(axes, std::numeric_limits<double>::infinity())),
+        high(-low) {}
+
+  Eigen::VectorXd error, moving, raw, measured, largest, low, high;
+  double samples = 0.0, moving_samples = 0.0, rows = 0.0;
+};
+
+void add(const Observation& o, const Prediction& p, Sums& s) {
+  const Eigen::MatrixXd error = p.force_filtered_N - o.force_filtered_N;
+  s.error += error.colwise().squaredNorm().transpose();
+  s.measured += o.force_filtered_N.colwise().squaredNorm().transpose();
+  s.largest = s.largest.cwiseMax(error.cwiseAbs().colwise().maxCoeff().transpose());
+  s.low = s.low.cwiseMin(o.force_filtered_N.colwise().minCoeff().transpose());
+  s.high = s.high.cwiseMax(o.force_filtered_N.colwise().maxCoeff().transpose());
+  s.raw += (p.row_force_N - o.row_force_N).colwise().squaredNorm().transpose();
+  s.samples += o.samples();
+  s.rows += static_cast<double>(o.row_force_N.rows());
+  for (int n = 0; n < o.samples(); ++n) {
+    if (!o.moving[static_cast<std::size_t>(n)]) continue;
+    s.moving += error.row(n).cwiseAbs2().transpose();
+    s.moving_samples += 1.0;
+  }
+}
+
+}  // namespace
+
+Prediction makePrediction(const Observation& o, Eigen::MatrixXd force_N, double cutoff_hz) {
+  Prediction p;
+  p.force_N = std::move(force_N);
+  p.force_filtered_N = p.force_N;
+  ZeroPhaseLowPass(cutoff_hz, 1.0 / o.signals.period_s).applyToColumns(p.force_filtered_N);
+  p.row_force_N = atHoldIntervals(o.signals, p.force_N, o.row_time_s);
+  return p;
+}
+
+Accuracy accuracyOf(const std::vector<Observation>& observations, const std::vector<Prediction>& predictions) {
+  Sums s(observations.front().axes());
+  for (std::size_t i = 0; i < observations.size(); ++i)
+    add(observations[i], predictions[i], s);
+  Accuracy a;
+  a.samples = static_cast<int>(s.samples);
+  a.moving_samples = static_cast<int>(s.moving_samples);
+  a.rms_N = (s.error / s.samples).cwiseSqrt();
+  a.rms_moving_N = (s.moving / s.moving_samples).cwiseSqrt();  // 0 / 0 is nan: no such sample
+  a.rms_raw_N = (s.raw / s.rows).cwiseSqrt();
+  a.rms_percent = 100.0 * a.rms_N.cwiseQuotient((s.measured / s.samples).cwiseSqrt());
+  a.range_percent = 100.0 * a.rms_N.cwiseQuotient(s.high - s.low);
+  a.max_N = s.largest;
+  return a;
+}
+
+}  // namespace knee_robot

@@ -1,0 +1,146 @@
+#include "knee_robot/identification/equations.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "knee_robot/recording/filter.h"
+
+namespace knee_robot {
+namespace {
+
+/// One sample that is used, of one training file.
+struct Pick {
+  std::size_t file;
+  int sample;
+  int block = 0;
+};
+
+bool wanted(const Observation& o, int sample, int actuator, bool independent) {
+  if (!o.usable[static_cast<std::size_t>(sample)]) return false;
+  return independent ? o.axis_moving(sample, actuator) != 0 : o.moving[static_cast<std::size_t>(sample)] != 0;
+}
+
+bool wantedByAny(const Observation& o, int sample, bool independent) {
+  for (int i = 0; i < o.axes(); ++i) {
+    if (wanted(o, sample, i, independent)) return true;
+  }
+  return false;
+}
+
+int strideOf(const Observation& o, const ObservationOptions& options) {
+  return std::max(1, static_cast<int>(std::floor(1.0 / (10.0 * options.cutoff_hz * o.signals.period_s))));
+}
+
+/// Runs of consecutive wanted samples, in the order of the files.
+std::vector<std::vector<Pick>> findRuns(const std::vector<Observation>& training, const ObservationOptions& options,
+                                        bool independent) {
+  std::vector<std::vector<Pick>> runs;
+  for (std::size_t f = 0; f < training.size(); ++f) {
+    const int stride = strideOf(training[f], options);
+    bool inside = false;
+    for (int n = 0; n < training[f].samples(); ++n) {
+      const bool now = wantedByAny(training[f], n, independent);
+      if (now && !inside) runs.emplace_back();
+      inside = now;
+      if (now && n % stride == 0) runs.back().push_back({f, n});
+    }
+  }
+  return runs;
+}
+
+/// Numbers the blocks: whole runs are joined until a block has its share; a longer run is cut.
+std::vector<Pick> assignBlocks(std::vector<std::vector<Pick>> runs, int& blocks) {
+  std::size_t total = 0;
+  for (const auto& run : runs)
+    total += run.size();
+  const double share = std::max(1.0, static_cast<double>(total) / kBlocks);
+  std::vector<Pick> picks;
+  std::size_t in_block = 0;
+  int block = 0;
+  for (auto& run : runs) {
+    const std::size_t file = run.empty() ? 0 : run.front().file;
+    const bool new_file = !picks.empty() && !run.empty() && picks.back().file != file;
+    if (in_block > 0 && (static_cast<double>(in_block) >= 0.75 * share || (new_file && in_block > share / 2))) {
+      ++block;
+      in_block = 0;
+    }
+    for (Pick& pick : run) {
+      if (static_cast<double>(in_block) >= 1.5 * share) {
+        ++block;
+        in_block = 0;
+      }
+      pick.block = block;
+      picks.push_back(pick);
+      ++in_block;
+    }
+  }
+  blocks = picks.empty() ? 0 : block + 1;
+  return picks;
+}
+
+}  // namespace
+
+Equations stackEquations(const std::vector<Observation>& training, const ObservationOptions& options) {
+  Equations e;
+  e.axes = training.front().axes();
+  const bool independent = training.front().motion.motion.empty();
+  const std::vector<Pick> picks = assignBlocks(findRuns(training, options, independent), e.blocks);
+
+  int rows = 0;
+  for (const Pick& p : picks) {
+    for (int i = 0; i < e.axes; ++i)
+      rows += wanted(training[p.file], p.sample, i, independent);
+    e.duration_s += training[p.file].signals.period_s * strideOf(training[p.file], options);
+  }
+  const Eigen::Index columns = training.front().regressor.front().cols();
+  e.a.resize(rows, columns);
+  e.b.resize(rows);
+  for (int i = 0; i < e.axes; ++i) {
+    for (const Pick& p : picks) {
+      if (!wanted(training[p.file], p.sample, i, independent)) continue;
+      e.actuator.push_back(i);
+      e.block.push_back(p.block);
+      e.second.push_back(static_cast<int>(p.file) * 1000000 +
+                         static_cast<int>(p.sample * training[p.file].signals.period_s));
+    }
+  }
+  // Filtering column by column keeps one filtered column in memory, not a second regressor.
+  for (Eigen::Index c = -1; c < columns; ++c) {
+    Eigen::Index row = 0;
+    for (int i = 0; i < e.axes; ++i) {
+      std::vector<Eigen::VectorXd> filtered(training.size());
+      for (std::size_t f = 0; f < training.size(); ++f) {
+        const Observation& o = training[f];
+        filtered[f] = c < 0 ? o.force_filtered_N.col(i) : o.regressor[static_cast<std::size_t>(i)].col(c);
+        if (c >= 0) ZeroPhaseLowPass(options.cutoff_hz, 1.0 / o.signals.period_s).apply(filtered[f]);
+      }
+      for (const Pick& p : picks) {
+        if (!wanted(training[p.file], p.sample, i, independent)) continue;
+        (c < 0 ? e.b(row) : e.a(row, c)) = filtered[p.file][p.sample];
+        ++row;
+      }
+    }
+  }
+  return e;
+}
+
+void weightRows(Equations& e, const Eigen::VectorXd& noise_N) {
+  for (int row = 0; row < e.rows(); ++row) {
+    const double noise = noise_N[e.actuator[static_cast<std::size_t>(row)]];
+    e.a.row(row) /= noise;
+    e.b[row] /= noise;
+  }
+}
+
+Eigen::VectorXd rmsPerActuator(const Equations& e, const Eigen::VectorXd& residual) {
+  Eigen::VectorXd sum = Eigen::VectorXd::Zero(e.axes);
+  Eigen::VectorXd count = Eigen::VectorXd::Zero(e.axes);
+  for (int row = 0; row < e.rows(); ++row) {
+    const int i = e.actuator[static_cast<std::size_t>(row)];
+    sum[i] += residual[row] * residual[row];
+    count[i] += 1.0;
+  }
+  return (sum.array() / count.array().max(1.0)).sqrt();
+}
+
+}  // namespace knee_robot

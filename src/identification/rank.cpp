@@ -1,0 +1,114 @@
+#include "knee_robot/identification/rank.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace knee_robot {
+namespace {
+
+constexpr double kWorst =
+    1e6;  ///< an error beyond this counts as this: one block must not decide alone by an absurd figure
+
+std::vector<int> rowsOfBlock(const Equations& e, int block) {
+  std::vector<int> rows;
+  for (int row = 0; row < e.rows(); ++row) {
+    if (e.block[static_cast<std::size_t>(row)] == block) rows.push_back(row);
+  }
+  return rows;
+}
+
+/// Squared norm of triangle's residual, per equation; the triangle holds the same sums as the rows it came from.
+double meanSquare(const Eigen::MatrixXd& triangle, const Eigen::VectorXd& parameters, int rows) {
+  const Eigen::Index p = triangle.cols() - 1;
+  return (triangle.col(p) - triangle.leftCols(p) * parameters).squaredNorm() / rows;
+}
+
+/// Held-back error of every rank (columns) for every block (rows), and each block's share of the equations.
+struct HeldBack {
+  Eigen::MatrixXd error;
+  Eigen::VectorXd share;
+};
+
+HeldBack leaveBlocksOut(const Equations& e, const std::vector<Eigen::MatrixXd>& blocks,
+                        const std::vector<Column>& columns, const std::vector<char>& use, int first, int last) {
+  HeldBack h;
+  h.error.resize(e.blocks, last - first + 1);
+  h.share.resize(e.blocks);
+  for (int block = 0; block < e.blocks; ++block) {
+    const int rows = static_cast<int>(std::count(e.block.begin(), e.block.end(), block));
+    h.share[block] = static_cast<double>(rows) / e.rows();
+    const Reduction r = reduce(joinBlocks(blocks, block), e.rows() - rows, columns, use);
+    for (int rank = first; rank <= last; ++rank) {
+      const int possible = std::clamp(rank, r.minimalRank(), r.maximalRank());
+      const Eigen::VectorXd parameters = toParameters(r, solveReduced(r, possible));
+      h.error(block, rank - first) =
+          std::min(kWorst, meanSquare(blocks[static_cast<std::size_t>(block)], parameters, rows));
+    }
+  }
+  return h;
+}
+
+}  // namespace
+
+std::vector<Eigen::MatrixXd> compressBlocks(const Equations& e) {
+  std::vector<Eigen::MatrixXd> blocks;
+  for (int block = 0; block < e.blocks; ++block) {
+    const std::vector<int> rows = rowsOfBlock(e, block);
+    Eigen::MatrixXd a(static_cast<Eigen::Index>(rows.size()), e.a.cols());
+    Eigen::VectorXd b(a.rows());
+    for (std::size_t i = 0; i < rows.size(); ++i) {
+      a.row(static_cast<Eigen::Index>(i)) = e.a.row(rows[i]);
+      b[static_cast<Eigen::Index>(i)] = e.b[rows[i]];
+    }
+    blocks.push_back(compress(a, b));
+  }
+  return blocks;
+}
+
+Eigen::MatrixXd joinBlocks(const std::vector<Eigen::MatrixXd>& blocks, int left_out) {
+  Eigen::Index rows = 0;
+  for (std::size_t i = 0; i < blocks.size(); ++i)
+    rows += static_cast<int>(i) == left_out ? 0 : blocks[i].rows();
+  Eigen::MatrixXd joined(rows, blocks.front().cols());
+  Eigen::Index at = 0;
+  for (std::size_t i = 0; i < blocks.size(); ++i) {
+    if (static_cast<int>(i) == left_out) continue;
+    joined.middleRows(at, blocks[i].rows()) = blocks[i];
+    at += blocks[i].rows();
+  }
+  return compress(joined.leftCols(joined.cols() - 1), joined.col(joined.cols() - 1));
+}
+
+RankChoice chooseRank(const Equations& e, const std::vector<Column>& columns, const std::vector<char>& use) {
+  const std::vector<Eigen::MatrixXd> blocks = compressBlocks(e);
+  const Eigen::MatrixXd everything = joinBlocks(blocks, -1);
+  const Reduction all = reduce(everything, e.rows(), columns, use);
+  const int first = all.minimalRank();
+  const int last = all.maximalRank();
+  const HeldBack held = leaveBlocksOut(e, blocks, columns, use, first, last);
+
+  RankChoice choice;
+  const Eigen::RowVectorXd mean = held.share.transpose() * held.error;
+  Eigen::Index best = 0;
+  mean.minCoeff(&best);
+  for (int rank = first; rank <= last; ++rank) {
+    RankPoint point;
+    point.rank = rank;
+    point.training = meanSquare(everything, toParameters(all, solveReduced(all, rank)), e.rows());
+    point.held_back = mean[rank - first];
+    const Eigen::VectorXd worse = held.error.col(rank - first) - held.error.col(best);
+    point.beyond_best = mean[rank - first] - mean[best];
+    const double variance = (held.share.array() * (worse.array() - point.beyond_best).square()).sum();
+    point.standard_error = e.blocks > 1 ? std::sqrt(variance / (e.blocks - 1)) : 0.0;
+    choice.curve.push_back(point);
+  }
+  for (const RankPoint& point : choice.curve) {
+    if (point.beyond_best > point.standard_error) continue;
+    choice.rank = point.rank;
+    break;
+  }
+  return choice;
+}
+
+}  // namespace knee_robot
