@@ -1,0 +1,129 @@
+#include "knee_robot/trajectory/excitation.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "excitation_search.h"
+#include "exercise_fit.h"
+#include "knee_robot/base/errors.h"
+#include "knee_robot/base/numbers.h"
+
+namespace knee_robot {
+namespace {
+
+constexpr double kLengthInset = 0.02;  ///< share of each actuator's range that is left unused at both ends
+constexpr double kLimitInset = 0.98;   ///< share of the other limits that is used between the instants looked at
+constexpr double kShrink = 0.97;       ///< of the amplitude, when the full check finds something between the instants
+constexpr int kShrinkRounds = 20;
+const std::vector<int> kReportedDirections = {20, 30, 40, 51, 56, 73};
+
+void refuseOptions(const Robot& robot, const ExcitationOptions& options) {
+  const auto demand = [](bool holds, const std::string& sentence) {
+    if (!holds) throw InputError(sentence);
+  };
+  const SeriesShape& shape = options.shape;
+  demand(robot.kind == MechanismKind::ThreeUpsOneRpu,
+         robot.path + " describes separate axes; an excitation moves a platform");
+  demand(shape.harmonics >= 1 && shape.harmonics <= 30,
+         "harmonics " + std::to_string(shape.harmonics) + " is not in 1 to 30");
+  demand(shape.ramp_s >= 0.2 && shape.duration_s >= 2.0 * shape.ramp_s + 1.0 && shape.duration_s <= 600.0,
+         "duration " + shortNumber(shape.duration_s) + " s is not between two ramps of " + shortNumber(shape.ramp_s) +
+             " s with a second between them and 600 s");
+  demand(options.velocity_max > 0.0 && options.velocity_max <= 1.0,
+         "velocity " + shortNumber(options.velocity_max) + " is not in (0, 1] m/s");
+  demand(options.acceleration_max > 0.0 && options.acceleration_max <= 100.0,
+         "acceleration " + shortNumber(options.acceleration_max) + " is not in (0, 100] m/s2");
+  demand(!options.condition_max || (*options.condition_max > 1.0 && *options.condition_max <= 1e6),
+         "the singularity margin is not in (1, 1e6]");
+  demand(
+      options.directions >= 2 && options.directions <= 73,
+      "directions " + std::to_string(options.directions) + " is not in 2 to 73, the rank of rich motion with friction");
+  demand(options.candidates >= 2 && options.candidates <= 100000, "candidates are not in 2 to 100000");
+  demand(options.starts >= 0 && options.starts <= options.candidates,
+         "starts are not in 0 to the number of candidates");
+  demand(options.iterations >= 1 && options.seconds_budget > 0.0, "iterations and budget must be positive");
+}
+
+/// The robot with the options' limits where they are stricter than its own.
+Robot limitedRobot(const Robot& robot, const ExcitationOptions& options) {
+  Robot limited = robot;
+  for (Actuator& actuator : limited.actuators) {
+    actuator.velocity_max_m_per_s = std::min(actuator.velocity_max_m_per_s, options.velocity_max);
+    actuator.acceleration_max_m_per_s2 = std::min(actuator.acceleration_max_m_per_s2, options.acceleration_max);
+  }
+  limited.singularity_condition_max =
+      std::min(robot.singularity_condition_max, options.condition_max.value_or(planningCondition(robot)));
+  return limited;
+}
+
+/// The limits that the search keeps at its instants, so that the real ones hold between them.
+Robot insetRobot(const Robot& limited) {
+  Robot inset = limited;
+  for (Actuator& actuator : inset.actuators) {
+    const double room = kLengthInset * (actuator.position_max_m - actuator.position_min_m);
+    actuator.position_min_m += room;
+    actuator.position_max_m -= room;
+    actuator.velocity_max_m_per_s *= kLimitInset;
+    actuator.acceleration_max_m_per_s2 *= kLimitInset;
+  }
+  inset.joints.spherical_max *= kLimitInset;
+  inset.joints.universal_max *= kLimitInset;
+  inset.joints.revolute_max *= kLimitInset;
+  inset.singularity_condition_max *= kLimitInset;
+  return inset;
+}
+
+SeriesShape completed(SeriesShape shape) {
+  // Whole points: the last one must be exactly the centre.
+  shape.duration_s = std::round(shape.duration_s / kStreamPeriod) * kStreamPeriod;
+  shape.period_s = shape.duration_s - 2.0 * shape.ramp_s;
+  return shape;
+}
+
+void checkPlan(const Robot& limited, ExcitationPlan& plan) {
+  for (int round = 0;; ++round) {
+    plan.reference = sampledReference(plan.series);
+    plan.check = checkReference(plan.reference, limited);
+    if (plan.check.ok()) return;
+    if (round == kShrinkRounds) throw Refusal("the planned excitation: " + plan.check.violation->sentence);
+    plan.series.coefficients *= kShrink;
+  }
+}
+
+}  // namespace
+
+ExcitationPlan planExcitation(const Robot& robot, const ExcitationOptions& options) {
+  refuseOptions(robot, options);
+  const Robot limited = limitedRobot(robot, options), inset = insetRobot(limited);
+  const Exercise standing{"excitation", "", false, 0.0, {}, std::nullopt};
+  const Pose centre = startThatFitsMost(standing, inset, 0.0);
+  const Margin nearest = nearestLimit(inset, centre, inset.singularity_condition_max);
+  if (nearest.left <= 0.0) {
+    throw Refusal("no pose of " + robot.path + " has room for motion: even the best one is beyond " +
+                  limitText(nearest));
+  }
+  const ExcitationProblem problem(inset, completed(options.shape), options.directions, options.twin_legs, centre);
+  const SearchResult result = searchExcitation(problem, options);
+  if (result.found.empty()) {
+    throw Refusal("none of " + std::to_string(options.candidates) + " random series keeps the limits of " + robot.path +
+                  "; plan with more candidates or a wider singularity margin");
+  }
+  ExcitationPlan plan;
+  plan.series = problem.series(result.found.front().variables);
+  plan.random_k = result.random_k;
+  plan.feasible_candidates = result.feasible;
+  plan.evaluations = result.evaluations;
+  plan.cut_short = result.cut_short;
+  checkPlan(limited, plan);
+  plan.check = requirePlayable(plan.reference, robot);
+  std::vector<int> directions = kReportedDirections;
+  directions.push_back(options.directions);
+  const auto observations = problem.observations(plan.series);
+  if (!observations) throw Refusal("the planned excitation cannot be followed by forward kinematics");
+  plan.conditions = conditionsOf(*observations, directions);
+  plan.k = plan.conditions.back().scaled;
+  plan.conditions.pop_back();
+  return plan;
+}
+
+}  // namespace knee_robot
