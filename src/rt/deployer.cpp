@@ -78,9 +78,16 @@ Nanoseconds Deployment::step() {
   return virtual_now_;
 }
 
+Nanoseconds Deployment::nextRelease() const noexcept {
+  const auto earlier = [](const SteppedActivity* a, const SteppedActivity* b) {
+    return a->nextRelease() < b->nextRelease();
+  };
+  const auto first = std::min_element(stepped_.begin(), stepped_.end(), earlier);
+  return first == stepped_.end() ? 0 : (*first)->nextRelease();
+}
+
 void Deployment::stepUntil(Nanoseconds end) {
-  const auto before_end = [&](const SteppedActivity* activity) { return activity->nextRelease() < end; };
-  while (std::any_of(stepped_.begin(), stepped_.end(), before_end))
+  while (!stepped_.empty() && nextRelease() < end)
     step();
 }
 

@@ -16,7 +16,7 @@ using AxisValues = std::array<double, kAxes>;
 
 /// AxesInput, once a servo cycle.
 struct AxesMeasurement {
-  std::uint64_t sequence = 0;   ///< cycle number; gaps are lost rows
+  std::uint64_t sequence = 0;   ///< counts executed cycles
   rt::Nanoseconds time = 0;     ///< planned time of the cycle: what all components of the cycle calculate with
   rt::Nanoseconds read_at = 0;  ///< when the counters were latched
   hardware::IoStatus status = hardware::IoStatus::NotReady;  ///< unless Ok, what follows is that of the last good cycle
@@ -63,6 +63,7 @@ struct SetPoint {
 struct AxisCommand {
   std::uint64_t sequence = 0;  ///< of the measurement that it answers
   rt::Nanoseconds time = 0;    ///< of that cycle
+  int axis = 0;                ///< 1 to 4: a command on the wrong wire is refused
   bool active = false;         ///< the position loop is closed
   bool at_rest = false;        ///< the reference stands still
   Fault fault = Fault::None;   ///< of this axis; with closesLoop(fault) the volts are still those of a working loop
@@ -85,6 +86,7 @@ struct Orders {
   std::uint64_t sequence = 0;
   rt::Nanoseconds time = 0;
   DriveLevel level = DriveLevel::Off;
+  bool immediate = false;       ///< safe stop without deceleration: drive power is gone
   bool safe_stop = false;       ///< run the safe stop (again true: no effect)
   bool drivers_active = false;  ///< Drivers close their loops
   std::uint32_t play = 0;       ///< a new number asks Sync to play from the start
@@ -111,8 +113,10 @@ struct AxesWritten {
 
 /// Recorder, every servo cycle: a row of the recording, and what is published.
 struct TrackingRow {
-  std::uint64_t sequence = 0;
-  double time_s = 0.0;  ///< when the position was read
+  std::uint64_t sequence = 0;   ///< of the measurement; a gap in a recording is a dropped row
+  std::uint32_t recording = 0;  ///< number of the recording that it belongs to, 0: none
+  std::int64_t cycle = 0;       ///< planned time in servo periods; a gap is a cycle that the machine skipped
+  double time_s = 0.0;          ///< when the position was read
   AxisValues reference_m{};
   AxisValues position_m{};
   AxisValues velocity_m_per_s{};

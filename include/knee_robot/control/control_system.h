@@ -1,5 +1,6 @@
 #pragma once
 
+#include <atomic>
 #include <functional>
 #include <memory>
 #include <mutex>
@@ -15,12 +16,6 @@
 #include "knee_robot/trajectory/reference_check.h"
 
 namespace knee_robot {
-
-class RecordingDrain;
-class Sync;
-class Recorder;
-class Supervisor;
-class OperatorPanel;
 
 /// Answer to an operator's command: done or begun, or why not; one sentence for the operator either way.
 struct Answer {
@@ -41,7 +36,8 @@ struct ControlStatus {
   std::uint32_t safe_stops = 0;  ///< completed since start()
   std::string recording;         ///< path of the recording being written, empty: none
   std::uint64_t recorded_rows = 0;
-  std::uint64_t dropped_rows = 0;  ///< of this recording; more than 0 is reported by stopRecording()
+  std::uint64_t dropped_rows = 0;    ///< measured but not in the file
+  std::uint64_t skipped_cycles = 0;  ///< left out by the machine: gaps of time_s
 };
 
 /// The whole controller: components from a deployment file on a robot, a hardware file and an axis bus, and the operator's
@@ -111,22 +107,23 @@ class ControlSystem {
 
  private:
   struct Parts;
-  Answer request(Request request, double timeout_s);
+  Answer request(RequestKind kind, double timeout_s);
+  Answer phrase(const RequestAnswer& answer) const;
+  Answer playPath(const Points& lengths, const std::string& what);
   bool waitUntil(const std::function<bool()>& done, double timeout_s);
-  Answer handOver(const Points& lengths);
-  Answer playLoaded();
-  void checkRoles() const;
-  void connectOperator();
+  SupervisorStatus supervisorStatus() const;
+  void describeFault(const SupervisorStatus& supervisor, ControlStatus& status) const;
+  bool revive(rt::TaskContext& component);
 
   const Robot robot_;
   const HardwareFile hardware_;
   const Options options_;
   hardware::AxisBus& bus_;
-  std::unique_ptr<rt::Deployment> deployment_;
   std::unique_ptr<Parts> parts_;
+  std::unique_ptr<rt::Deployment> deployment_;
   std::function<void(rt::Nanoseconds)> advance_plant_;
-  mutable std::mutex mutex_;  // ordinary threads among themselves
-  bool started_ = false;
+  mutable std::mutex mutex_;  // the operator's ports and the loaded reference
+  std::atomic<bool> started_{false};
 };
 
 }  // namespace knee_robot

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 
 #include "knee_robot/control/axis_data.h"
@@ -27,27 +28,34 @@ struct Request {
 };
 
 /// Why a request was refused, or that it was not.
-enum class RequestAnswer : std::uint8_t {
+enum class RequestResult : std::uint8_t {
   Done,
   WrongState,    ///< not possible in the present state
   NoReference,   ///< play without reference
   NotAtStart,    ///< play away from the first point
-  NotReady,      ///< a component does not run or nothing is measured yet
+  NotReady,      ///< a component does not run or nothing is measured
   CauseRemains,  ///< reset while the fault's cause is still there
   NeedsRestart,  ///< reset of a fault that only a restart clears
-  Faulted,       ///< a fault came in between
+  Superseded,    ///< another request came before it was done
+  Failed,        ///< a fault came before it was done
+};
+
+struct RequestAnswer {
+  std::uint32_t number = 0;  ///< of the request; 0: none yet
+  RequestResult result = RequestResult::Done;
+  int axis = 0;             ///< NotAtStart: 1 to 4
+  double distance_m = 0.0;  ///< NotAtStart
 };
 
 /// Supervisor, every servo cycle.
 struct SupervisorStatus {
+  static constexpr std::size_t kAnswers = 8;
+
   MachineState state = MachineState::Disabled;
   Fault fault = Fault::None;
-  int fault_axis = 0;          ///< 1 to 4, 0: none in particular
-  int fault_component = -1;    ///< index in the deployment's components, -1: none in particular
-  std::uint32_t answered = 0;  ///< number of the last request that has its answer
-  RequestAnswer answer = RequestAnswer::Done;
-  int refused_axis = 0;             ///< NotAtStart: 1 to 4
-  double refused_distance_m = 0.0;  ///< NotAtStart
+  int fault_axis = 0;                             ///< 1 to 4, 0: none in particular
+  int fault_component = -1;                       ///< index in the list of watched components, -1: none in particular
+  std::array<RequestAnswer, kAnswers> answers{};  ///< to request n at n modulo kAnswers
   double path_time_s = 0.0;
   double path_duration_s = 0.0;
   std::uint32_t safe_stops = 0;

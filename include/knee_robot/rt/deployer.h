@@ -52,6 +52,8 @@ class Deployment {
 
   /// Executes the next cycle of a stepped deployment; its virtual time.
   Nanoseconds step();
+  /// Virtual time of the cycle that step() will execute.
+  Nanoseconds nextRelease() const noexcept;
   /// Executes all cycles before virtual time `end`.
   void stepUntil(Nanoseconds end);
   /// Time of the deployment's clock, ns since start(): virtual, or monotonic.

@@ -1,0 +1,78 @@
+#pragma once
+
+#include <array>
+
+#include "knee_robot/control/axis_data.h"
+#include "knee_robot/control/hardware_file.h"
+#include "knee_robot/control/safe_stop.h"
+#include "knee_robot/mechanism/robot.h"
+#include "knee_robot/rt/port.h"
+#include "knee_robot/rt/property.h"
+
+namespace knee_robot {
+
+/// Last in the servo cycle, and the only place that writes to the machine. Once a cycle: four set values at once, the digital
+/// outputs, the heartbeat toggled.
+///
+/// Below HeldByDrivers 0 V are written. From there on each axis gets its Driver's command as long as it is fresh, finite, of
+/// this axis and its loop is closed; clamped to voltage_max and force_max here once more. Otherwise the axis gets its load
+/// estimate: the low-passed command of the last 0.2 s, which is about what carries the platform there, until the hold device
+/// holds it.
+///
+/// The safe stop (SafeStop) is run here on all four channels, once, when the Supervisor orders it, when a loop is not closed
+/// although it should be, when orders are stale or go down a level, when the bus refuses. Leaving Running in any other way
+/// (stopHook) engages the hold devices, disables the drives and writes 0 V at once, without waiting: nobody would call again.
+class AxesOutput : public rt::TaskContext {
+ public:
+  AxesOutput(const std::string& name, const Robot& robot, const HardwareFile& hardware, hardware::AxisBus& bus);
+
+  rt::InputPort<Orders> orders{*this, "orders", "from the Supervisor"};
+  rt::InputPort<AxesMeasurement> measurement{*this, "measurement", "from AxesInput"};
+  rt::InputPort<AxisCommand> command_1{*this, "command_1", "from the Driver of axis 1"};
+  rt::InputPort<AxisCommand> command_2{*this, "command_2", "from the Driver of axis 2"};
+  rt::InputPort<AxisCommand> command_3{*this, "command_3", "from the Driver of axis 3"};
+  rt::InputPort<AxisCommand> command_4{*this, "command_4", "from the Driver of axis 4"};
+  rt::OutputPort<AxesWritten> written{*this, "written", "what the machine got"};
+
+  rt::Property<double> command_timeout{*this, "command_timeout_s", 0.005, "s", 0.001, 0.1, "older commands are stale"};
+  rt::Property<double> orders_timeout{*this, "orders_timeout_s", 0.02, "s", 0.001, 0.1, "older orders are stale"};
+  rt::Property<double> decelerate_limit{
+      *this, "decelerate_limit_s", 1.0, "s", 0.0, 5.0, "longest wait for rest in a safe stop"};
+  rt::Property<double> settle_time{*this, "settle_s", 0.05, "s", 0.0, 1.0, "holding at rest before engaging"};
+
+ protected:
+  bool configureHook() override;
+  bool startHook() override;
+  void updateHook(const rt::Cycle& cycle) override;
+  void stopHook() override;
+
+ private:
+  void readCommands(const rt::Cycle& cycle);
+  Fault checkCommand(const AxisCommand& command, std::size_t axis, const rt::Cycle& cycle) const noexcept;
+  void followOrders(const rt::Cycle& cycle);
+  void beginSafeStop(Fault fault, int axis, rt::Nanoseconds now) noexcept;
+  void runSafeStop(const rt::Cycle& cycle);
+  AxisValues chooseVolts() const noexcept;
+  double clamped(double volts, std::size_t axis) const noexcept;
+  void writeVolts(const AxisValues& volts, rt::Nanoseconds now);
+  void writeOutputs(rt::Nanoseconds now);
+  void estimateLoad(double dt) noexcept;
+
+  const Robot robot_;
+  const HardwareFile hardware_;
+  hardware::AxisBus& bus_;
+  const std::array<rt::InputPort<AxisCommand>*, kAxes> inputs_;
+  SafeStop safe_stop_{SafeStopTiming{}};
+  Orders order_;
+  bool heard_ = false;
+  std::array<AxisCommand, kAxes> commands_{};
+  std::array<bool, kAxes> closed_{};
+  bool all_closed_ = false;
+  int open_axis_ = 0;
+  Fault open_fault_ = Fault::None;
+  AxisValues load_volts_{};
+  bool heartbeat_ = false;
+  AxesWritten out_;
+};
+
+}  // namespace knee_robot

@@ -1,0 +1,79 @@
+#pragma once
+
+#include <string>
+
+#include "knee_robot/control/axis_data.h"
+#include "knee_robot/control/pid.h"
+#include "knee_robot/control/set_point_follower.h"
+#include "knee_robot/mechanism/robot.h"
+#include "knee_robot/rt/port.h"
+#include "knee_robot/rt/property.h"
+
+namespace knee_robot {
+
+/// Position control of one axis, once its period (default 1 ms).
+///
+///     reference = SetPointFollower(set points)          interpolation between two 10 ms points
+///     force     = Pid(reference, measured) + feedforward   N; gains in N/m fit every motor and screw
+///     volts     = force_sign * force / force_per_volt      clamped to voltage_max and force_max
+///
+/// Takes over (Orders::drivers_active) at the measured position with the integral at zero: no step of force. Faults are kept
+/// until the Drivers are switched off again:
+/// - SetPointStale: nothing from Sync for stale_set_points periods. The loop goes on and holds (the reference has come to rest).
+/// - NotANumber, FollowingError, SetPointJump, MeasurementLost: the loop is given up (active = false, 0 V asked for); what the axis
+///   gets from then on is AxesOutput's safe stop.
+class Driver : public rt::TaskContext {
+ public:
+  Driver(const std::string& name, const Robot& robot);
+
+  rt::InputPort<Orders> orders{*this, "orders", "from the Supervisor"};
+  rt::InputPort<AxesMeasurement> measurement{*this, "measurement", "from AxesInput"};
+  rt::InputPort<SetPoint> set_point{*this, "set_point", "from Sync"};
+  rt::InputPort<double> feedforward{*this, "feedforward_N", "load of this axis, added to the force",
+                                    rt::Need::Optional};
+  rt::OutputPort<AxisCommand> command{*this, "command", "to AxesOutput"};
+
+  rt::Property<int> axis{*this, "axis", 1, "", 1, kAxes, "actuator that is driven"};
+  rt::Property<double> proportional{*this, "proportional_N_per_m", 20000.0, "N/m", 0.0, 1e6, "P"};
+  rt::Property<double> integral{*this, "integral_N_per_m_s", 60000.0, "N/(m s)", 0.0, 1e7, "I"};
+  rt::Property<double> derivative{*this, "derivative_N_s_per_m", 800.0, "N s/m", 0.0, 1e5, "D"};
+  rt::Property<double> derivative_cutoff{*this,  "derivative_cutoff_hz",    80.0, "Hz", 1.0,
+                                         1000.0, "low-pass of the velocity"};
+  rt::Property<double> following_floor{
+      *this, "following_error_m", 0.008, "m", 1e-4, 0.1, "largest distance from the reference at rest"};
+  rt::Property<double> following_slope{
+      *this, "following_error_s", 0.1, "s", 0.0, 1.0, "added to it per m/s of reference velocity"};
+  rt::Property<int> stale_set_points{
+      *this, "stale_set_points", 3, "periods", 2, 100, "without set points for so long: fault"};
+  rt::Property<int> stale_measurements{
+      *this, "stale_measurements", 3, "cycles", 1, 100, "unreadable encoders in a row: fault"};
+
+ protected:
+  bool configureHook() override;
+  bool startHook() override;
+  void updateHook(const rt::Cycle& cycle) override;
+
+ private:
+  void readPorts(const rt::Cycle& cycle);
+  void takeOver(const rt::Cycle& cycle);
+  void control(const rt::Cycle& cycle);
+  void checkReference(const rt::Cycle& cycle);
+  void raise(Fault fault) noexcept;
+
+  const Robot robot_;
+  Actuator actuator_;
+  std::size_t index_ = 0;
+  SetPointFollower follower_{0, 0.0, 0.0, 0.0};
+  Pid pid_;
+  double force_limit_ = 0.0;  // N
+  Orders order_;
+  AxesMeasurement measured_;
+  int unreadable_ = 0;
+  double load_ = 0.0;  // N
+  bool active_ = false;
+  Fault fault_ = Fault::None;
+  rt::Nanoseconds last_time_ = 0;
+  AxisCommand out_;
+};
+
+}  // namespace knee_robot

@@ -1,0 +1,40 @@
+#pragma once
+
+namespace knee_robot {
+
+struct PidGains {
+  double proportional = 0.0;          ///< N/m
+  double integral = 0.0;              ///< N/(m s)
+  double derivative = 0.0;            ///< N s/m
+  double derivative_cutoff_hz = 0.0;  ///< low-pass of the measured velocity
+};
+
+struct PidInput {
+  double reference = 0.0;           ///< m
+  double reference_velocity = 0.0;  ///< m/s
+  double measured = 0.0;            ///< m
+  double feedforward = 0.0;         ///< N, added to the output
+  double dt = 0.0;                  ///< s since the last update
+};
+
+/// F = P (r - q) + I integral(r - q) + D (r' - q'), with q' a low-passed difference of the measured position (so that the
+/// reference's velocity is not filtered), + feedforward; clamped to +-limit. Anti-windup by conditional integration: while
+/// the output is clamped, the integral only moves towards the inside; it never exceeds the limit by itself.
+/// Real-time safe. Anything that is not a number in leads to not a number out, for the caller to refuse.
+class Pid {
+ public:
+  void setGains(const PidGains& gains) noexcept { gains_ = gains; }
+  /// Starts at rest at `measured` without integral.
+  void reset(double measured) noexcept;
+  /// Force in N, within +-`limit`.
+  double update(const PidInput& input, double limit) noexcept;
+  double integral() const noexcept { return integral_; }
+
+ private:
+  PidGains gains_;
+  double integral_ = 0.0;  // N
+  double velocity_ = 0.0;  // m/s, low-passed
+  double last_measured_ = 0.0;
+};
+
+}  // namespace knee_robot

@@ -1,0 +1,54 @@
+#pragma once
+
+#include "knee_robot/control/axis_data.h"
+
+namespace knee_robot {
+
+struct SafeStopTiming {
+  rt::Nanoseconds decelerate_limit = 1'000'000'000;  ///< longest wait for the reference to come to rest
+  rt::Nanoseconds settle = 50'000'000;               ///< holding at rest before the hold devices engage
+  rt::Nanoseconds hold_delay = 0;                    ///< until the slowest hold device holds
+  rt::Nanoseconds disable_delay = 20'000'000;        ///< until a disabled drive gives no torque
+};
+
+/// The order in which the machine is brought to rest; zero volts is not rest, it is zero force, and the platform would fall:
+///
+///     Decelerating  along the path, position loops closed        (left out when a loop is not closed any more)
+///     Settling      hold at rest                                 (likewise)
+///     Engaging      hold devices engage; loops go on until the slowest device holds
+///     Disabling     drives disabled; set values stay until the drives are off
+///     Done          0 V
+///
+/// One state machine for all four channels, so they go together. trigger() any number of times runs it once, until rearm().
+/// Pure: no clock, no hardware; real-time safe.
+class SafeStop {
+ public:
+  explicit SafeStop(const SafeStopTiming& timing) : timing_(timing) {}
+
+  /// Begins. `released`: the hold devices are open and the Drivers carry the platform; otherwise there is nothing to
+  /// decelerate and the drives are disabled at once.
+  void trigger(rt::Nanoseconds now, bool released) noexcept;
+  /// One cycle. `loops_closed`: all four position loops work. `at_rest`: all four references stand still. `immediate`: do
+  /// not decelerate (drive power is gone).
+  void step(rt::Nanoseconds now, bool loops_closed, bool at_rest, bool immediate) noexcept;
+  /// To the end without waiting: for a component that will not be called again.
+  void finishAtOnce() noexcept;
+  /// Done -> Idle: the next trigger() runs again.
+  void rearm() noexcept;
+
+  SafeStopPhase phase() const noexcept { return phase_; }
+  bool isRunning() const noexcept { return phase_ != SafeStopPhase::Idle && phase_ != SafeStopPhase::Done; }
+  bool engagesHold() const noexcept { return phase_ >= SafeStopPhase::Engaging; }
+  bool disablesDrive() const noexcept { return phase_ >= SafeStopPhase::Disabling; }
+  std::uint32_t completed() const noexcept { return completed_; }
+
+ private:
+  void enter(SafeStopPhase phase, rt::Nanoseconds now) noexcept;
+
+  SafeStopTiming timing_;
+  SafeStopPhase phase_ = SafeStopPhase::Idle;
+  rt::Nanoseconds entered_ = 0;
+  std::uint32_t completed_ = 0;
+};
+
+}  // namespace knee_robot

@@ -1,0 +1,61 @@
+#pragma once
+
+#include "knee_robot/control/axis_data.h"
+#include "knee_robot/control/reference_store.h"
+#include "knee_robot/mechanism/robot.h"
+#include "knee_robot/rt/port.h"
+#include "knee_robot/rt/property.h"
+
+namespace knee_robot {
+
+/// Streams the reference: one set point per period (10 ms), all four axes in one message, so they start and stop on one tick.
+///
+/// Path time runs by time_scale * period each time the component is executed (not by the clock: after a pause of the machine the
+/// reference goes on where it was). The scale is 1 while playing; a stop brings it to zero linearly within stop_time_s, or longer
+/// where half of an axis' acceleration limit demands it: the robot stays on its path and there is no jump of velocity.
+/// Starts only at the first point: |measured - first| <= start_tolerance_m on every axis, else it refuses with the distance.
+/// Holds at the last point. Stops by itself when the Supervisor's orders do not come any more.
+class Sync : public rt::TaskContext {
+ public:
+  Sync(const std::string& name, const Robot& robot);
+
+  rt::InputPort<Orders> orders{*this, "orders", "from the Supervisor"};
+  rt::InputPort<AxesMeasurement> measurement{*this, "measurement", "from AxesInput"};
+  rt::OutputPort<SetPoint> set_point{*this, "set_point", "to the Drivers"};
+
+  rt::Property<double> start_tolerance_m{*this,
+                                         "start_tolerance_m",
+                                         0.002,
+                                         "m",
+                                         0.0,
+                                         0.01,
+                                         "largest distance from the first point at which playing may start"};
+  rt::Property<double> stop_time_s{*this, "stop_time_s", 0.3, "s", 0.05, 2.0, "from full speed to rest on the path"};
+  rt::Property<double> orders_timeout_s{
+      *this, "orders_timeout_s", 0.05, "s", 0.01, 1.0, "without orders for so long, it stops by itself"};
+
+  /// Where ordinary threads offer references; taken over while not playing.
+  ReferenceStore& store() { return store_; }
+
+ protected:
+  bool startHook() override;
+  void updateHook(const rt::Cycle& cycle) override;
+
+ private:
+  void standBy(const Orders& orders);
+  void tryToPlay(const Orders& orders);
+  void advance(const rt::Cycle& cycle, bool stop);
+  double scaleRate() const noexcept;
+  void holdSegment();
+
+  const AxisValues acceleration_max_;
+  ReferenceStore store_;
+  const ReferencePath* path_ = nullptr;
+  AxesMeasurement measured_;
+  SetPoint out_;
+  double path_time_ = 0.0;   // s
+  double time_scale_ = 0.0;  // 0 to 1
+  std::uint32_t handled_play_ = 0;
+};
+
+}  // namespace knee_robot

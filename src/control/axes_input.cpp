@@ -1,0 +1,53 @@
+#include "knee_robot/control/axes_input.h"
+
+namespace knee_robot {
+namespace {
+constexpr double kTwoPi = 6.283185307179586;
+}
+
+AxesInput::AxesInput(const std::string& name, const Robot& robot, hardware::AxisBus& bus,
+                     const AxisValues& lengths_at_start)
+    : TaskContext(name), bus_(bus), lengths_at_start_(lengths_at_start) {
+  for (std::size_t i = 0; i < kAxes; ++i) {
+    const Actuator& actuator = robot.actuators.at(i);
+    metres_per_count_[i] = actuator.encoder_sign * actuator.metresPerCount();
+  }
+}
+
+bool AxesInput::startHook() {
+  // The counters were reset by the self test: what they show is what has been moved since. Started anew without a self test, the
+  // unwrapped counts go on from where they were.
+  out_.status = hardware::IoStatus::NotReady;
+  return true;
+}
+
+void AxesInput::updateHook(const rt::Cycle& cycle) {
+  hardware::AxisFeedback feedback;
+  out_.status = bus_.read(feedback);
+  ++out_.sequence;
+  out_.time = cycle.time;
+  out_.read_at = cycle.wake;
+  if (out_.status == hardware::IoStatus::Ok) {
+    convert(feedback, any_ ? rt::toSeconds(cycle.time - last_good_) : 0.0);
+    last_good_ = cycle.time;
+    any_ = true;
+  }
+  measurement.write(out_);
+}
+
+void AxesInput::convert(const hardware::AxisFeedback& feedback, double dt) {
+  const double tau = 1.0 / (kTwoPi * velocity_cutoff);
+  for (std::size_t i = 0; i < kAxes; ++i) {
+    const std::int32_t moved = hardware::countDifference(feedback.counts[i], last_counts_[i]);
+    last_counts_[i] = feedback.counts[i];
+    out_.counts[i] += moved;
+    out_.position_m[i] = lengths_at_start_[i] + metres_per_count_[i] * static_cast<double>(out_.counts[i]);
+    if (dt > 0.0) {
+      const double velocity = metres_per_count_[i] * static_cast<double>(moved) / dt;
+      out_.velocity_m_per_s[i] += (velocity - out_.velocity_m_per_s[i]) * dt / (tau + dt);
+    }
+  }
+  out_.digital_inputs = feedback.digital_inputs;
+}
+
+}  // namespace knee_robot

@@ -1,0 +1,171 @@
+#include "knee_robot/control/axes_output.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace knee_robot {
+namespace {
+constexpr double kLoadTime_s = 0.2;
+}
+
+AxesOutput::AxesOutput(const std::string& name, const Robot& robot, const HardwareFile& hardware,
+                       hardware::AxisBus& bus)
+    : TaskContext(name),
+      robot_(robot),
+      hardware_(hardware),
+      bus_(bus),
+      inputs_{&command_1, &command_2, &command_3, &command_4} {}
+
+bool AxesOutput::configureHook() {
+  SafeStopTiming timing;
+  timing.decelerate_limit = rt::fromSeconds(decelerate_limit);
+  timing.settle = rt::fromSeconds(settle_time);
+  timing.hold_delay = rt::fromSeconds(hardware_.holdDelay());
+  timing.disable_delay = rt::fromSeconds(hardware_.drive_enable_delay_s);
+  safe_stop_ = SafeStop(timing);
+  return true;
+}
+
+bool AxesOutput::startHook() {
+  const std::uint32_t completed = out_.safe_stops;
+  out_ = AxesWritten{};
+  out_.safe_stops = completed;
+  safe_stop_.rearm();
+  heard_ = false;
+  return true;
+}
+
+void AxesOutput::updateHook(const rt::Cycle& cycle) {
+  heard_ = orders.read(order_) != rt::FlowStatus::NoData || heard_;
+  AxesMeasurement measured;
+  measurement.read(measured);
+  out_.sequence = measured.sequence;
+  out_.time = cycle.time;
+  readCommands(cycle);
+  followOrders(cycle);
+  runSafeStop(cycle);
+  writeVolts(chooseVolts(), cycle.time);
+  writeOutputs(cycle.time);
+  estimateLoad(rt::toSeconds(cycle.period));
+  out_.safe_stop = safe_stop_.phase();
+  written.write(out_);
+}
+
+Fault AxesOutput::checkCommand(const AxisCommand& command, std::size_t axis, const rt::Cycle& cycle) const noexcept {
+  const bool on_its_wire = command.axis == static_cast<int>(axis) + 1;
+  if (!on_its_wire || cycle.time - command.time > rt::fromSeconds(command_timeout)) return Fault::CommandStale;
+  if (!command.active) return command.fault == Fault::None ? Fault::CommandStale : command.fault;
+  if (!std::isfinite(command.volts)) return Fault::NotANumber;
+  return Fault::None;
+}
+
+void AxesOutput::readCommands(const rt::Cycle& cycle) {
+  all_closed_ = true;
+  for (std::size_t i = 0; i < kAxes; ++i) {
+    inputs_[i]->read(commands_[i]);
+    const Fault fault = checkCommand(commands_[i], i, cycle);
+    closed_[i] = fault == Fault::None;
+    if (closed_[i] || !all_closed_) continue;
+    all_closed_ = false;
+    open_axis_ = static_cast<int>(i) + 1;
+    open_fault_ = fault;
+  }
+}
+
+void AxesOutput::beginSafeStop(Fault fault, int axis, rt::Nanoseconds now) noexcept {
+  if (safe_stop_.phase() != SafeStopPhase::Idle || out_.level == DriveLevel::Off) return;
+  out_.fault = fault;
+  out_.fault_axis = axis;
+  safe_stop_.trigger(now, out_.level == DriveLevel::Released);
+}
+
+/// Up one level at a time; everything else is the safe stop.
+void AxesOutput::followOrders(const rt::Cycle& cycle) {
+  const bool ordered_off = heard_ && order_.level == DriveLevel::Off && !order_.safe_stop;
+  if (safe_stop_.phase() == SafeStopPhase::Done && ordered_off) {
+    safe_stop_.rearm();
+    out_.fault = Fault::None;
+    out_.fault_axis = 0;
+  }
+  if (safe_stop_.phase() != SafeStopPhase::Idle) return;
+  const bool armed = out_.level != DriveLevel::Off;
+  const bool stale = !heard_ || cycle.time - order_.time > rt::fromSeconds(orders_timeout);
+  if (armed && stale) return beginSafeStop(Fault::OrdersStale, 0, cycle.time);
+  if (armed && (order_.safe_stop || order_.level < out_.level)) return beginSafeStop(Fault::None, 0, cycle.time);
+  if (out_.level >= DriveLevel::HeldByDrivers && !all_closed_) {
+    return beginSafeStop(open_fault_, open_axis_, cycle.time);
+  }
+  if (stale || order_.safe_stop || order_.level <= out_.level) return;
+  const auto next = static_cast<DriveLevel>(static_cast<int>(out_.level) + 1);
+  if (next >= DriveLevel::HeldByDrivers && !all_closed_) return;  // the Drivers have to take over first
+  out_.level = next;
+  if (next == DriveLevel::HeldByDrivers) load_volts_ = AxisValues{};
+}
+
+void AxesOutput::runSafeStop(const rt::Cycle& cycle) {
+  const auto at_rest = [](const AxisCommand& command) { return command.at_rest; };
+  safe_stop_.step(cycle.time, all_closed_, std::all_of(commands_.begin(), commands_.end(), at_rest), order_.immediate);
+  out_.safe_stops = safe_stop_.completed();
+  if (safe_stop_.phase() == SafeStopPhase::Done) out_.level = DriveLevel::Off;
+}
+
+double AxesOutput::clamped(double volts, std::size_t axis) const noexcept {
+  const Actuator& actuator = robot_.actuators[axis];
+  double limit = actuator.voltage_max_V;
+  if (actuator.force_max_N > 0.0) limit = std::min(limit, actuator.force_max_N / actuator.force_per_volt_N);
+  return std::clamp(volts, -limit, limit);
+}
+
+AxisValues AxesOutput::chooseVolts() const noexcept {
+  AxisValues volts{};
+  if (out_.level < DriveLevel::HeldByDrivers) return volts;
+  for (std::size_t i = 0; i < kAxes; ++i)
+    volts[i] = clamped(closed_[i] ? commands_[i].volts : load_volts_[i], i);
+  return volts;
+}
+
+void AxesOutput::writeVolts(const AxisValues& volts, rt::Nanoseconds now) {
+  out_.status = bus_.writeVolts(volts, out_.volts);
+  if (out_.status != hardware::IoStatus::Ok) beginSafeStop(Fault::OutputLost, 0, now);
+  for (std::size_t i = 0; i < kAxes; ++i) {
+    const Actuator& actuator = robot_.actuators[i];
+    out_.force_N[i] = actuator.force_sign * actuator.force_per_volt_N * out_.volts[i];
+  }
+}
+
+void AxesOutput::writeOutputs(rt::Nanoseconds now) {
+  heartbeat_ = !heartbeat_;
+  const bool enable = out_.level >= DriveLevel::Energised && !safe_stop_.disablesDrive();
+  const bool release = out_.level == DriveLevel::Released && !safe_stop_.engagesHold();
+  unsigned bits = heartbeat_ ? 1u << hardware_.heartbeat_bit : 0u;
+  if (enable) bits |= 1u << hardware_.drive_enable_bit;
+  if (release) bits |= 1u << hardware_.hold_release_bit;
+  out_.digital_outputs = static_cast<std::uint8_t>(bits);
+  const hardware::IoStatus status = bus_.writeOutputs(out_.digital_outputs);
+  if (status == hardware::IoStatus::Ok) return;
+  out_.status = status;
+  beginSafeStop(Fault::OutputLost, 0, now);
+}
+
+/// What carries the platform at this place, for an axis whose loop fails.
+void AxesOutput::estimateLoad(double dt) noexcept {
+  if (out_.level != DriveLevel::Released || safe_stop_.phase() != SafeStopPhase::Idle) return;
+  for (std::size_t i = 0; i < kAxes; ++i)
+    load_volts_[i] += (out_.volts[i] - load_volts_[i]) * dt / (kLoadTime_s + dt);
+}
+
+void AxesOutput::stopHook() {
+  if (out_.level != DriveLevel::Off) {
+    safe_stop_.finishAtOnce();
+    out_.safe_stops = safe_stop_.completed();
+    out_.level = DriveLevel::Off;
+  }
+  out_.digital_outputs = 0;
+  bus_.writeOutputs(0);
+  bus_.writeVolts(AxisValues{}, out_.volts);
+  out_.force_N = AxisValues{};
+  out_.safe_stop = safe_stop_.phase();
+  written.write(out_);
+}
+
+}  // namespace knee_robot

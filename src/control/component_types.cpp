@@ -1,0 +1,25 @@
+#include "knee_robot/control/component_types.h"
+
+#include "knee_robot/control/axes_input.h"
+#include "knee_robot/control/axes_output.h"
+#include "knee_robot/control/driver.h"
+#include "knee_robot/control/recorder.h"
+#include "knee_robot/control/supervisor.h"
+#include "knee_robot/control/sync.h"
+
+namespace knee_robot {
+
+rt::TypeFactory componentTypes(const Robot& robot, const HardwareFile& hardware, hardware::AxisBus& bus,
+                               const AxisValues& lengths_at_start) {
+  using Name = const std::string&;
+  rt::TypeFactory types;
+  types["AxesInput"] = [=, &bus](Name name) { return std::make_unique<AxesInput>(name, robot, bus, lengths_at_start); };
+  types["Sync"] = [=](Name name) { return std::make_unique<Sync>(name, robot); };
+  types["Driver"] = [=](Name name) { return std::make_unique<Driver>(name, robot); };
+  types["Supervisor"] = [=](Name name) { return std::make_unique<Supervisor>(name, robot, hardware); };
+  types["AxesOutput"] = [=, &bus](Name name) { return std::make_unique<AxesOutput>(name, robot, hardware, bus); };
+  types["Recorder"] = [](Name name) { return std::make_unique<Recorder>(name); };
+  return types;
+}
+
+}  // namespace knee_robot

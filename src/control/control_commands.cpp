@@ -1,0 +1,164 @@
+// The operator's commands.
+#include <algorithm>
+#include <cmath>
+
+#include "control_parts.h"
+#include "knee_robot/base/errors.h"
+#include "knee_robot/base/numbers.h"
+
+namespace knee_robot {
+namespace {
+
+constexpr double kQuick_s = 1.0;
+constexpr double kSafeStop_s = 8.0;  // longest deceleration, settling, hold and disable delays together
+constexpr double kEnable_s = 12.0;
+
+/// Rest to rest on a straight line in actuator space, minimum jerk, no axis faster than `speed` or half of its acceleration limit.
+Points straightLine(const AxisValues& from, const AxisValues& to, const Robot& robot, double speed) {
+  double duration = 0.5;
+  for (std::size_t i = 0; i < kAxes; ++i) {
+    const double distance = std::abs(to[i] - from[i]);
+    duration = std::max(duration, 1.875 * distance / speed);  // peaks of the minimum-jerk profile: 1.875 and 5.7735
+    duration = std::max(duration, std::sqrt(5.7735 * distance / (0.5 * robot.actuators[i].acceleration_max_m_per_s2)));
+  }
+  const auto intervals = static_cast<Eigen::Index>(std::ceil(duration / kStreamPeriod));
+  Points points(intervals + 1, 4);
+  for (Eigen::Index k = 0; k <= intervals; ++k) {
+    const double x = static_cast<double>(k) / static_cast<double>(intervals);
+    const double share = x * x * x * (10.0 + x * (6.0 * x - 15.0));
+    for (std::size_t i = 0; i < kAxes; ++i) {
+      points(k, static_cast<Eigen::Index>(i)) = from[i] + share * (to[i] - from[i]);
+    }
+  }
+  return points;
+}
+
+}  // namespace
+
+Answer ControlSystem::request(RequestKind kind, double timeout_s) {
+  if (!started_) return {false, "the controller does not run"};
+  if (parts_->supervisor->state() != rt::TaskState::Running) return {false, status().fault_sentence};
+  Request asked;
+  asked.kind = kind;
+  {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    asked.number = ++parts_->requests;
+    if (!parts_->panel.request.write(asked)) return {false, "too many requests at once; try again"};
+  }
+  RequestAnswer answer;
+  const bool answered = waitUntil(
+      [&] {
+        answer = supervisorStatus().answers[asked.number % SupervisorStatus::kAnswers];
+        return answer.number == asked.number || parts_->supervisor->state() != rt::TaskState::Running;
+      },
+      timeout_s);
+  if (!answered || answer.number != asked.number) {
+    return {false, "no answer within " + shortNumber(timeout_s) + " s; the robot is " + toString(state())};
+  }
+  return phrase(answer);
+}
+
+Answer ControlSystem::enable() {
+  return request(RequestKind::Enable, kEnable_s);
+}
+Answer ControlSystem::disable() {
+  return request(RequestKind::Disable, kSafeStop_s);
+}
+Answer ControlSystem::stop() {
+  return request(RequestKind::Stop, kQuick_s);
+}
+Answer ControlSystem::emergencyStop() {
+  return request(RequestKind::EmergencyStop, kQuick_s);
+}
+
+Answer ControlSystem::loadReference(const Reference& reference) {
+  const MachineState now = state();
+  if (now == MachineState::Playing || now == MachineState::Stopping) {
+    return {false, "a reference is being played; stop it before another one is loaded"};
+  }
+  try {
+    const ReferenceCheck check = requirePlayable(reference, robot_);
+    const std::lock_guard<std::mutex> lock(mutex_);
+    parts_->reference = check.lengths;
+    parts_->reference_name = reference.name;
+    const double duration = kStreamPeriod * static_cast<double>(check.lengths.rows() - 1);
+    return {true, reference.name + ": " + std::to_string(check.lengths.rows()) + " points, " + shortNumber(duration) +
+                      " s, within all limits of the robot"};
+  } catch (const InputError& error) {
+    return {false, error.what()};
+  }
+}
+
+Answer ControlSystem::playPath(const Points& lengths, const std::string& what) {
+  std::vector<AxisValues> points(static_cast<std::size_t>(lengths.rows()));
+  for (std::size_t k = 0; k < points.size(); ++k) {
+    for (std::size_t i = 0; i < kAxes; ++i) {
+      points[k][i] = lengths(static_cast<Eigen::Index>(k), static_cast<Eigen::Index>(i));
+    }
+  }
+  parts_->sync->store().offer(ReferencePath::of(std::move(points)));
+  const Answer answer = request(RequestKind::Play, kQuick_s);
+  return answer.ok ? Answer{true, "playing " + what} : answer;
+}
+
+Answer ControlSystem::play() {
+  Points lengths;
+  std::string name;
+  {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    lengths = parts_->reference;
+    name = parts_->reference_name;
+  }
+  if (lengths.rows() == 0) return {false, "no reference is loaded"};
+  return playPath(lengths, name);
+}
+
+Answer ControlSystem::approach(double speed_m_per_s) {
+  if (!(speed_m_per_s >= 0.001 && speed_m_per_s <= 0.05)) {
+    return {false, "the approach's speed must lie between 0.001 and 0.05 m/s, not " + shortNumber(speed_m_per_s)};
+  }
+  const std::optional<TrackingRow> row = snapshot();
+  AxisValues to{};
+  std::string name;
+  {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    if (parts_->reference.rows() == 0) return {false, "no reference is loaded"};
+    for (std::size_t i = 0; i < kAxes; ++i)
+      to[i] = parts_->reference(0, static_cast<Eigen::Index>(i));
+    name = parts_->reference_name;
+  }
+  if (!row) return {false, "nothing has been measured yet"};
+  Reference line;
+  line.name = "the approach to " + name;
+  line.points = straightLine(row->position_m, to, robot_, speed_m_per_s);
+  try {
+    return playPath(requirePlayable(line, robot_).lengths, line.name);
+  } catch (const InputError& error) {
+    return {false, error.what()};
+  }
+}
+
+/// Back to Running by whatever way is left. False for what only a restart mends.
+bool ControlSystem::revive(rt::TaskContext& component) {
+  if (component.state() == rt::TaskState::Exception || component.state() == rt::TaskState::RunTimeError)
+    component.recover();
+  if (component.state() == rt::TaskState::PreOperational) component.configure();
+  if (component.state() == rt::TaskState::Stopped) component.start();
+  return component.state() == rt::TaskState::Running;
+}
+
+Answer ControlSystem::resetFaults() {
+  if (!started_) return {false, "the controller does not run"};
+  const MachineState before = state();
+  if (before == MachineState::Disabled) return {true, "there is no fault to reset"};
+  if (before != MachineState::Faulted)
+    return {false, std::string("not possible while the robot is ") + toString(before)};
+  for (const auto& component : deployment_->components()) {
+    if (!revive(*component)) return {false, component->name() + " cannot be recovered: " + component->refusal()};
+  }
+  waitUntil([] { return false; }, 0.02);  // a few cycles, so that what is answered is about the recovered components
+  if (state() == MachineState::Disabled) return {true, "the components were recovered; the robot is disabled"};
+  return request(RequestKind::Reset, kQuick_s);
+}
+
+}  // namespace knee_robot

@@ -1,0 +1,68 @@
+#include "control_parts.h"
+
+#include <algorithm>
+#include <array>
+
+#include "knee_robot/base/errors.h"
+
+namespace knee_robot {
+namespace {
+
+template <typename Component>
+Component* only(const rt::Deployment& deployment, const char* type) {
+  Component* found = nullptr;
+  for (const auto& component : deployment.components()) {
+    auto* one = dynamic_cast<Component*>(component.get());
+    if (one == nullptr) continue;
+    if (found != nullptr) throw InputError(deployment.path() + ": components: there must be one " + type + ", not two");
+    found = one;
+  }
+  if (found == nullptr) throw InputError(deployment.path() + ": components: there is no " + type + "; add one");
+  return found;
+}
+
+void checkDrivers(const rt::Deployment& deployment) {
+  std::array<int, kAxes> drivers{};
+  for (const auto& component : deployment.components()) {
+    const auto* driver = dynamic_cast<const Driver*>(component.get());
+    if (driver != nullptr) ++drivers[static_cast<std::size_t>(driver->axis.value()) - 1];
+  }
+  for (int i = 0; i < kAxes; ++i) {
+    if (drivers[static_cast<std::size_t>(i)] == 1) continue;
+    throw InputError(deployment.path() + ": components: axis " + std::to_string(i + 1) + " has " +
+                     std::to_string(drivers[static_cast<std::size_t>(i)]) + " Drivers; it needs one");
+  }
+}
+
+}  // namespace
+
+ControlSystem::Parts::Parts(const rt::Deployment& deployment)
+    : sync(only<Sync>(deployment, "Sync")),
+      recorder(only<Recorder>(deployment, "Recorder")),
+      supervisor(only<Supervisor>(deployment, "Supervisor")),
+      input(only<AxesInput>(deployment, "AxesInput")),
+      output(only<AxesOutput>(deployment, "AxesOutput")) {
+  checkDrivers(deployment);
+  checkOrder(deployment);
+}
+
+/// One thread uses the bus; what is read in a cycle is answered in the same cycle, and a row of the recording is of one cycle.
+void ControlSystem::Parts::checkOrder(const rt::Deployment& deployment) const {
+  const std::string where = deployment.path() + ": components: ";
+  const rt::Activity* servo = deployment.activityOf(*input);
+  const std::vector<rt::TaskContext*>& order = servo->components();
+  const auto place = [&](const rt::TaskContext* component) { return std::find(order.begin(), order.end(), component); };
+  if (place(output) == order.end() || place(recorder) == order.end() || place(supervisor) == order.end()) {
+    throw InputError(where + "AxesInput, Supervisor, AxesOutput and Recorder must belong to one activity");
+  }
+  if (place(input) != order.begin())
+    throw InputError(where + "AxesInput must be the first of activity " + servo->name());
+  for (auto after = place(output); after != order.end(); ++after) {
+    if (dynamic_cast<const Driver*>(*after) != nullptr || *after == supervisor) {
+      throw InputError(where + "AxesOutput must come after the Supervisor and the Drivers of its activity");
+    }
+  }
+  if (place(recorder) < place(output)) throw InputError(where + "Recorder must come after AxesOutput");
+}
+
+}  // namespace knee_robot

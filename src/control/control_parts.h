@@ -1,0 +1,47 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "knee_robot/control/axes_input.h"
+#include "knee_robot/control/axes_output.h"
+#include "knee_robot/control/control_system.h"
+#include "knee_robot/control/driver.h"
+#include "knee_robot/control/recorder.h"
+#include "knee_robot/control/recording_drain.h"
+#include "knee_robot/control/supervisor.h"
+#include "knee_robot/control/sync.h"
+
+namespace knee_robot {
+
+/// The operator's end of the ports: a component that no activity executes.
+class OperatorPanel : public rt::TaskContext {
+ public:
+  OperatorPanel() : TaskContext("Operator") {}
+  rt::OutputPort<Request> request{*this, "request", "to the Supervisor"};
+  rt::InputPort<SupervisorStatus> status{*this, "status", "from the Supervisor"};
+  rt::InputPort<TrackingRow> row{*this, "row", "from the Recorder"};
+};
+
+/// What a ControlSystem knows of the components of its deployment.
+struct ControlSystem::Parts {
+  /// Finds the components and checks that they can work together; InputError names the deployment file.
+  explicit Parts(const rt::Deployment& deployment);
+
+  Sync* sync = nullptr;
+  Recorder* recorder = nullptr;
+  Supervisor* supervisor = nullptr;
+  AxesInput* input = nullptr;
+  AxesOutput* output = nullptr;
+  OperatorPanel panel;
+  std::unique_ptr<RecordingDrain> drain;
+  std::uint32_t requests = 0;
+  std::string reference_name;
+  Points reference;  // empty: none
+  int steps = 0;
+
+ private:
+  void checkOrder(const rt::Deployment& deployment) const;
+};
+
+}  // namespace knee_robot

@@ -1,0 +1,80 @@
+// What the operator is told: state, faults, answers.
+#include "control_parts.h"
+#include "knee_robot/base/numbers.h"
+
+namespace knee_robot {
+
+ControlStatus ControlSystem::status() const {
+  SupervisorStatus supervisor = supervisorStatus();
+  const rt::TaskState task = parts_->supervisor->state();
+  if (started_ && task != rt::TaskState::Running) {
+    // Its last word is old; AxesOutput makes the safe stop without it.
+    supervisor.state = MachineState::Faulted;
+    supervisor.fault = task == rt::TaskState::FatalError ? Fault::ComponentFatal : Fault::ComponentException;
+    supervisor.fault_axis = 0;
+    supervisor.fault_component = -1;
+  }
+  ControlStatus status;
+  status.state = supervisor.state;
+  status.path_time_s = supervisor.path_time_s;
+  status.path_duration_s = supervisor.path_duration_s;
+  status.safe_stops = supervisor.safe_stops;
+  describeFault(supervisor, status);
+  const RecordingResult recording = parts_->drain->progress();
+  status.recording = recording.path;
+  status.recorded_rows = recording.rows;
+  status.dropped_rows = recording.dropped;
+  status.skipped_cycles = recording.skipped;
+  const std::lock_guard<std::mutex> lock(mutex_);
+  status.reference = parts_->reference_name;
+  return status;
+}
+
+void ControlSystem::describeFault(const SupervisorStatus& supervisor, ControlStatus& status) const {
+  status.fault = supervisor.fault;
+  status.fault_axis = supervisor.fault_axis;
+  if (supervisor.fault == Fault::None) return;
+  const FaultDescription& description = describe(supervisor.fault);
+  status.fault_name = description.name;
+  std::string place = supervisor.fault_axis > 0 ? "axis " + std::to_string(supervisor.fault_axis) + ": " : "";
+  const rt::TaskContext* component = nullptr;
+  const auto& watched = parts_->supervisor->watched();
+  if (supervisor.fault_component >= 0) component = watched[static_cast<std::size_t>(supervisor.fault_component)];
+  if (parts_->supervisor->state() >= rt::TaskState::Exception) component = parts_->supervisor;
+  if (component != nullptr) {
+    place = component->name() + ": ";
+    if (component->state() >= rt::TaskState::Exception) place += std::string(component->refusal()) + ": ";
+  }
+  status.fault_sentence = place + description.sentence + "; " + description.remedy;
+}
+
+Answer ControlSystem::phrase(const RequestAnswer& answer) const {
+  const ControlStatus now = status();
+  const std::string state = toString(now.state);
+  switch (answer.result) {
+    case RequestResult::Done:
+      return {true, "the robot is " + state};
+    case RequestResult::WrongState:
+      return {false, "not possible while the robot is " + state +
+                         (now.fault_sentence.empty() ? "" : " (" + now.fault_sentence + ")")};
+    case RequestResult::NoReference:
+      return {false, "no reference is loaded"};
+    case RequestResult::NotAtStart:
+      return {false, "axis " + std::to_string(answer.axis) + " stands " + shortNumber(1e3 * answer.distance_m, 4) +
+                         " mm from the reference's first point, more than the " +
+                         shortNumber(1e3 * parts_->sync->start_tolerance_m) + " mm allowed; approach it first"};
+    case RequestResult::NotReady:
+      return {false, "the components, the encoders or the outputs are not ready; try again, then look at their states"};
+    case RequestResult::CauseRemains:
+      return {false, "the cause is still there: " + now.fault_sentence};
+    case RequestResult::NeedsRestart:
+      return {false, "only a restart of the controller clears this: " + now.fault_sentence};
+    case RequestResult::Superseded:
+      return {false, "another request came in between; the robot is " + state};
+    case RequestResult::Failed:
+      return {false, "a fault came in between: " + now.fault_sentence};
+  }
+  return {false, "?"};
+}
+
+}  // namespace knee_robot

@@ -1,0 +1,173 @@
+#include "knee_robot/control/control_system.h"
+
+#include <chrono>
+#include <thread>
+
+#include "control_parts.h"
+#include "knee_robot/base/errors.h"
+#include "knee_robot/base/numbers.h"
+#include "knee_robot/control/component_types.h"
+
+namespace knee_robot {
+namespace {
+
+constexpr int kStepsPerDrain = 64;
+
+AxisValues lengthsAtStart(const Robot& robot, const ControlSystem::Options& options) {
+  if (options.lengths_at_start_m) return *options.lengths_at_start_m;
+  AxisValues lengths{};
+  for (std::size_t i = 0; i < kAxes; ++i)
+    lengths[i] = robot.actuators[i].home_length_m;
+  return lengths;
+}
+
+const Robot& requireFourAxes(const Robot& robot) {
+  if (robot.axes() != kAxes) {
+    throw InputError(robot.path + ": actuators: the controller drives four actuators, not " +
+                     std::to_string(robot.axes()));
+  }
+  return robot;
+}
+
+}  // namespace
+
+ControlSystem::ControlSystem(const Robot& robot, const HardwareFile& hardware, const std::string& deployment_path,
+                             hardware::AxisBus& bus, Options options)
+    : robot_(requireFourAxes(robot)), hardware_(hardware), options_(options), bus_(bus) {
+  const AxisValues lengths = lengthsAtStart(robot, options);
+  deployment_ = std::make_unique<rt::Deployment>(deployment_path, componentTypes(robot, hardware, bus, lengths),
+                                                 options.execution);
+  parts_ = std::make_unique<Parts>(*deployment_);
+  rt::connect(parts_->panel.request, parts_->supervisor->request, rt::ConnPolicy::buffer(16));
+  rt::connect(parts_->supervisor->status, parts_->panel.status);
+  rt::connect(parts_->recorder->row, parts_->panel.row);
+  for (const auto& component : deployment_->components()) {
+    if (component.get() == parts_->supervisor) continue;
+    component.get() == parts_->output ? parts_->supervisor->watchOutput(*component)
+                                      : parts_->supervisor->watch(*component);
+  }
+  for (const auto& activity : deployment_->activities()) {
+    activity->setOverrunHandler([supervisor = parts_->supervisor] { supervisor->reportOverrun(); });
+  }
+  parts_->drain =
+      std::make_unique<RecordingDrain>(*parts_->recorder, robot.axes(), options.execution == rt::Execution::Threads);
+}
+
+ControlSystem::~ControlSystem() {
+  shutdown();
+  parts_->drain.reset();  // its thread uses the Recorder
+}
+
+Answer ControlSystem::start() {
+  if (started_) return {false, "the controller runs already"};
+  const hardware::SelfTest test = bus_.selfTest();
+  if (!test.passed) {
+    return {false, "the hardware's self test failed: " + (test.findings.empty() ? "no finding" : test.findings.back())};
+  }
+  try {
+    deployment_->start();
+  } catch (const InputError& error) {
+    return {false, error.what()};
+  }
+  started_ = true;
+  const bool alive =
+      waitUntil([this] { return snapshot().has_value() && status().state == MachineState::Disabled; }, 1.0);
+  if (!alive) return {false, "the components started, but the machine is not ready: " + status().fault_sentence};
+  return {true, "ready: drives off, hold devices engaged"};
+}
+
+Answer ControlSystem::shutdown() {
+  if (!started_) return {true, "the controller does not run"};
+  const MachineState before = state();
+  Answer stopped{true, "drives off, hold devices engaged"};
+  if (before != MachineState::Disabled && before != MachineState::Faulted) stopped = disable();
+  const Answer recorded = stopRecording();
+  deployment_->stop();  // whatever still moves: AxesOutput's stopHook
+  started_ = false;
+  if (!stopped.ok) return {false, "shut down, but the safe stop did not answer: " + stopped.sentence};
+  if (!recorded.ok) return {false, "shut down, but " + recorded.sentence};
+  return {true, "shut down: " + stopped.sentence};
+}
+
+bool ControlSystem::waitUntil(const std::function<bool()>& done, double timeout_s) {
+  if (options_.execution == rt::Execution::Stepped) {
+    const rt::Nanoseconds end = deployment_->nextRelease() + rt::fromSeconds(timeout_s);
+    while (!done()) {
+      if (deployment_->nextRelease() >= end) return false;
+      step();
+    }
+    return true;
+  }
+  const auto end = std::chrono::steady_clock::now() + std::chrono::duration<double>(timeout_s);
+  while (!done()) {
+    if (std::chrono::steady_clock::now() >= end) return done();
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  }
+  return true;
+}
+
+rt::Nanoseconds ControlSystem::step() {
+  if (advance_plant_) advance_plant_(deployment_->nextRelease());
+  const rt::Nanoseconds time = deployment_->step();
+  if (++parts_->steps % kStepsPerDrain == 0) parts_->drain->drain();
+  return time;
+}
+
+void ControlSystem::run(double seconds) {
+  const rt::Nanoseconds end = deployment_->nextRelease() + rt::fromSeconds(seconds);
+  while (deployment_->nextRelease() < end)
+    step();
+}
+
+bool ControlSystem::waitFor(MachineState wanted, double timeout_s) {
+  MachineState found = state();
+  waitUntil(
+      [&] {
+        found = state();
+        return found == wanted || found == MachineState::Faulted;
+      },
+      timeout_s);
+  return found == wanted;
+}
+
+std::vector<std::string> ControlSystem::warnings() const {
+  return deployment_->warnings();
+}
+
+Answer ControlSystem::startRecording(const std::string& path) {
+  if (!started_) return {false, "the controller does not run"};
+  try {
+    parts_->drain->start(path);
+  } catch (const InputError& error) {
+    return {false, error.what()};
+  }
+  return {true, "recording to " + path};
+}
+
+Answer ControlSystem::stopRecording() {
+  const RecordingResult result = parts_->drain->stop();
+  if (result.path.empty()) return {true, "nothing was being recorded"};
+  std::string sentence = result.path + " has " + std::to_string(result.rows) + " rows";
+  if (result.skipped > 0) {
+    sentence += "; the machine skipped " + std::to_string(result.skipped) + " cycles, seen as gaps of time_s";
+  }
+  if (!result.error.empty()) return {false, "the recording is incomplete: " + result.error + "; " + sentence};
+  if (result.dropped == 0) return {true, sentence};
+  return {false, "the recording is incomplete: " + std::to_string(result.dropped) + " rows were dropped; " + sentence};
+}
+
+std::optional<TrackingRow> ControlSystem::snapshot() const {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  TrackingRow row;
+  if (parts_->panel.row.read(row) == rt::FlowStatus::NoData) return std::nullopt;
+  return row;
+}
+
+SupervisorStatus ControlSystem::supervisorStatus() const {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  SupervisorStatus status;
+  parts_->panel.status.read(status);
+  return status;
+}
+
+}  // namespace knee_robot

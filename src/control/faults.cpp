@@ -1,0 +1,53 @@
+#include "knee_robot/control/faults.h"
+
+#include <array>
+
+namespace knee_robot {
+namespace {
+
+using F = Fault;
+constexpr ResetRule kAtOnce = ResetRule::OnRequest;
+constexpr ResetRule kWhenGone = ResetRule::WhenCauseIsGone;
+
+constexpr std::array<FaultDescription, kFaults> kTable = {{
+    {F::None, "none", "no fault", kAtOnce, ""},
+    {F::MeasurementLost, "measurement_lost", "the encoders could not be read", kWhenGone,
+     "check the counter card and its cable"},
+    {F::OutputLost, "output_lost", "the outputs could not be written", kWhenGone,
+     "check the analog and the digital outputs"},
+    {F::NotANumber, "not_a_number", "a reference, a measurement or a command was not a number", kAtOnce,
+     "find out where it came from: this is a fault of the program or of its data"},
+    {F::FollowingError, "following_error", "the axis did not follow its reference", kAtOnce,
+     "look for an obstacle, a brake that did not open, a reference that is too fast, a wrong sign"},
+    {F::SetPointStale, "set_point_stale", "no new set point came from Sync", kWhenGone,
+     "look at the state and the timing of Sync"},
+    {F::SetPointJump, "set_point_jump", "the set point jumped", kAtOnce, "load the reference again"},
+    {F::CommandStale, "command_stale", "no new command came from the axis' Driver", kWhenGone,
+     "look at the state and the timing of the Driver and at the deployment's connections"},
+    {F::OrdersStale, "orders_stale", "no new orders came from the Supervisor", kWhenGone,
+     "look at the state and the timing of the Supervisor"},
+    {F::PositionOutOfRange, "position_out_of_range", "the axis left its range", kAtOnce,
+     "move it back by hand with the drives off, check the home position"},
+    {F::ComponentException, "component_exception", "a component failed with an exception", kWhenGone,
+     "resetting recovers the component"},
+    {F::ComponentFatal, "component_fatal", "a component failed for good", ResetRule::Restart, "restart the controller"},
+    {F::ComponentStopped, "component_stopped", "a component that is needed does not run", kWhenGone,
+     "resetting starts the component again"},
+    {F::Overrun, "overrun", "the servo cycle was late too many times in a row", kAtOnce,
+     "look for what takes the processor: the deployment's priorities, other programs, the machine"},
+    {F::EnableTimeout, "enable_timeout", "the drives could not be enabled in time", kAtOnce,
+     "look at the states of the components and at the drives"},
+    {F::EmergencyStop, "emergency_stop", "emergency stop", kWhenGone, "release the emergency stop"},
+}};
+
+}  // namespace
+
+const FaultDescription& describe(Fault fault) noexcept {
+  return kTable[static_cast<std::size_t>(fault)];
+}
+
+bool closesLoop(Fault fault) noexcept {
+  return fault == Fault::None || fault == Fault::SetPointStale;
+}
+
+}  // namespace knee_robot

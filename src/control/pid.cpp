@@ -1,0 +1,41 @@
+#include "knee_robot/control/pid.h"
+
+#include <cmath>
+
+namespace knee_robot {
+namespace {
+
+constexpr double kTwoPi = 6.283185307179586;
+
+/// Lets nan through, unlike std::clamp's formulation with min and max.
+double clampKeepingNan(double value, double limit) noexcept {
+  if (value > limit) return limit;
+  if (value < -limit) return -limit;
+  return value;
+}
+
+}  // namespace
+
+void Pid::reset(double measured) noexcept {
+  integral_ = 0.0;
+  velocity_ = 0.0;
+  last_measured_ = measured;
+}
+
+double Pid::update(const PidInput& input, double limit) noexcept {
+  if (input.dt > 0.0) {
+    const double tau = 1.0 / (kTwoPi * gains_.derivative_cutoff_hz);
+    velocity_ += ((input.measured - last_measured_) / input.dt - velocity_) * input.dt / (tau + input.dt);
+    last_measured_ = input.measured;
+  }
+  const double error = input.reference - input.measured;
+  const double others =
+      gains_.proportional * error + gains_.derivative * (input.reference_velocity - velocity_) + input.feedforward;
+  const double increment = gains_.integral * error * input.dt;
+  const double unclamped = others + integral_ + increment;
+  const bool winds_up = (unclamped > limit && increment > 0.0) || (unclamped < -limit && increment < 0.0);
+  if (!winds_up) integral_ = clampKeepingNan(integral_ + increment, limit);
+  return clampKeepingNan(others + integral_, limit);
+}
+
+}  // namespace knee_robot

@@ -1,0 +1,32 @@
+#include "knee_robot/control/recorder.h"
+
+namespace knee_robot {
+
+Recorder::Recorder(const std::string& name)
+    : TaskContext(name), inputs_{&command_1, &command_2, &command_3, &command_4} {}
+
+void Recorder::updateHook(const rt::Cycle& cycle) {
+  measurement.read(measured_);
+  set_point.read(set_point_);
+  written.read(written_);
+  for (std::size_t i = 0; i < kAxes; ++i) {
+    inputs_[i]->read(commands_[i]);
+    out_.reference_m[i] = commands_[i].reference_m;
+  }
+  out_.sequence = measured_.sequence;
+  out_.recording = recording_.load(std::memory_order_acquire);
+  out_.cycle = cycle.period > 0 ? cycle.time / cycle.period : 0;
+  out_.time_s = rt::toSeconds(measured_.read_at);
+  out_.position_m = measured_.position_m;
+  out_.velocity_m_per_s = measured_.velocity_m_per_s;
+  out_.command_V = written_.volts;
+  out_.force_N = written_.force_N;
+  out_.path_time_s = set_point_.path_time_s;
+  out_.digital_inputs = measured_.digital_inputs;
+  out_.digital_outputs = written_.digital_outputs;
+  row.write(out_);
+  if (out_.recording == 0 || measured_.status != hardware::IoStatus::Ok) return;
+  if (!ring_.write(out_)) dropped_.fetch_add(1, std::memory_order_relaxed);
+}
+
+}  // namespace knee_robot

@@ -1,0 +1,211 @@
+#include "knee_robot/control/supervisor.h"
+
+#include <algorithm>
+
+namespace knee_robot {
+namespace {
+
+bool isPowered(MachineState state) noexcept {
+  return state != MachineState::Disabled && state != MachineState::Faulted;
+}
+
+}  // namespace
+
+Supervisor::Supervisor(const std::string& name, const Robot& robot, const HardwareFile& hardware)
+    : TaskContext(name), robot_(robot), hardware_(hardware), inputs_{&command_1, &command_2, &command_3, &command_4} {}
+
+bool Supervisor::startHook() {
+  const std::array<RequestAnswer, SupervisorStatus::kAnswers> answers = status_.answers;
+  const std::uint32_t play = orders_.play;  // a play number is never used twice
+  status_ = SupervisorStatus{};
+  status_.answers = answers;
+  orders_ = Orders{};
+  orders_.play = play;
+  pending_ = 0;
+  unreadable_ = 0;
+  return true;
+}
+
+void Supervisor::updateHook(const rt::Cycle& cycle) {
+  readPorts();
+  lookForFaults();
+  Request asked;
+  while (request.read(asked) == rt::FlowStatus::NewData)
+    handle(asked, cycle.time);
+  advance(cycle.time);
+  publish(cycle.time);
+}
+
+void Supervisor::readPorts() {
+  const bool fresh = measurement.read(measured_) == rt::FlowStatus::NewData;
+  unreadable_ = fresh && measured_.status == hardware::IoStatus::Ok ? 0 : unreadable_ + 1;
+  set_point.read(set_point_);
+  for (std::size_t i = 0; i < kAxes; ++i)
+    inputs_[i]->read(commands_[i]);
+  written.read(written_);
+}
+
+bool Supervisor::drivesAreOff() const noexcept {
+  return written_.level == DriveLevel::Off;
+}
+
+/// Refusals, waiting and answers: see control_system.h.
+void Supervisor::answer(std::uint32_t number, RequestResult result, int axis, double distance) noexcept {
+  status_.answers[number % SupervisorStatus::kAnswers] = {number, result, axis, distance};
+}
+
+void Supervisor::settlePending(RequestResult result) noexcept {
+  if (pending_ != 0) answer(pending_, result);
+  pending_ = 0;
+}
+
+void Supervisor::handle(const Request& asked, rt::Nanoseconds now) {
+  if (!isPossible(status_.state, asked.kind)) return answer(asked.number, RequestResult::WrongState);
+  switch (asked.kind) {
+    case RequestKind::Enable:
+      return enable(asked, now);
+    case RequestKind::Disable:
+      settlePending(RequestResult::Superseded);
+      if (status_.state == MachineState::Disabled) return answer(asked.number, RequestResult::Done);
+      status_.state = MachineState::SafeStopping;
+      pending_ = asked.number;
+      return;
+    case RequestKind::Play:
+      settlePending(RequestResult::Superseded);
+      if (!isReady()) return answer(asked.number, RequestResult::NotReady);
+      ++orders_.play;
+      pending_ = asked.number;
+      return;
+    case RequestKind::Stop:
+      // A play request that Sync has not taken yet is stopped, too.
+      if (status_.state == MachineState::Playing || (status_.state == MachineState::Holding && pending_ != 0)) {
+        status_.state = MachineState::Stopping;
+      }
+      settlePending(RequestResult::Superseded);
+      return answer(asked.number, RequestResult::Done);
+    case RequestKind::EmergencyStop:
+      raise(Fault::EmergencyStop, 0);
+      return answer(asked.number, RequestResult::Done);
+    case RequestKind::Reset:
+      return reset(asked);
+  }
+}
+
+bool Supervisor::isReady() const noexcept {
+  const auto runs = [](const rt::TaskContext* one) { return one->state() == rt::TaskState::Running; };
+  return unreadable_ == 0 && written_.status == hardware::IoStatus::Ok &&
+         std::all_of(watched_.begin(), watched_.end(), runs);
+}
+
+void Supervisor::enable(const Request& asked, rt::Nanoseconds now) {
+  settlePending(RequestResult::Superseded);
+  const bool output_is_idle = drivesAreOff() && written_.safe_stop == SafeStopPhase::Idle;
+  if (!isReady() || !output_is_idle) return answer(asked.number, RequestResult::NotReady);
+  status_.state = MachineState::Enabling;
+  orders_.level = DriveLevel::Energised;
+  enabling_since_ = step_since_ = now;
+  pending_ = asked.number;
+}
+
+void Supervisor::reset(const Request& asked) {
+  const ResetRule rule = describe(status_.fault).reset;
+  if (rule == ResetRule::Restart) return answer(asked.number, RequestResult::NeedsRestart);
+  if (rule == ResetRule::WhenCauseIsGone && causeRemains()) return answer(asked.number, RequestResult::CauseRemains);
+  status_.fault = Fault::None;
+  status_.fault_axis = 0;
+  status_.fault_component = -1;
+  status_.state = MachineState::Disabled;
+  answer(asked.number, RequestResult::Done);
+}
+
+void Supervisor::advance(rt::Nanoseconds now) {
+  switch (status_.state) {
+    case MachineState::Enabling:
+      return advanceEnabling(now);
+    case MachineState::Holding:
+    case MachineState::Playing:
+    case MachineState::Stopping:
+      return advancePlaying();
+    case MachineState::SafeStopping:
+      return advanceSafeStop();
+    case MachineState::Disabled:
+    case MachineState::Faulted:
+      return;
+  }
+}
+
+/// Energised -> (drive delay) -> HeldByDrivers -> (loops closed for settle_s) -> Released -> (hold delay) -> Holding.
+void Supervisor::advanceEnabling(rt::Nanoseconds now) {
+  if (now - enabling_since_ > rt::fromSeconds(enable_limit)) return raise(Fault::EnableTimeout, 0);
+  const auto closed = [](const AxisCommand& command) { return command.active; };
+  const bool all_closed = std::all_of(commands_.begin(), commands_.end(), closed);
+  if (written_.level != orders_.level) step_since_ = now;
+  const double elapsed = rt::toSeconds(now - step_since_);
+  switch (written_.level) {
+    case DriveLevel::Off:
+      return;
+    case DriveLevel::Energised:
+      if (elapsed >= hardware_.drive_enable_delay_s) orders_.level = DriveLevel::HeldByDrivers;
+      return;
+    case DriveLevel::HeldByDrivers:
+      if (!all_closed) step_since_ = now;
+      if (elapsed >= settle_time) orders_.level = DriveLevel::Released;
+      return;
+    case DriveLevel::Released:
+      if (elapsed < hardware_.holdDelay()) return;
+      status_.state = MachineState::Holding;
+      settlePending(RequestResult::Done);
+      return;
+  }
+}
+
+void Supervisor::advancePlaying() {
+  const bool taken = orders_.play != 0 && set_point_.run == orders_.play;
+  const bool refused = orders_.play != 0 && set_point_.refused_run == orders_.play;
+  if (refused) {
+    answerRefusedPlay();
+    status_.state = MachineState::Holding;
+  } else if (taken && set_point_.phase == SyncPhase::Holding) {
+    status_.state = MachineState::Holding;
+    settlePending(RequestResult::Done);
+  } else if (taken && set_point_.phase == SyncPhase::Playing && status_.state == MachineState::Holding) {
+    status_.state = MachineState::Playing;
+    settlePending(RequestResult::Done);
+  }
+}
+
+void Supervisor::answerRefusedPlay() noexcept {
+  if (pending_ == 0) return;
+  const RequestResult result = set_point_.refusal == PlayRefusal::NoReference  ? RequestResult::NoReference
+                               : set_point_.refusal == PlayRefusal::NotAtStart ? RequestResult::NotAtStart
+                                                                               : RequestResult::NotReady;
+  answer(pending_, result, set_point_.refused_axis, set_point_.refused_distance_m);
+  pending_ = 0;
+}
+
+void Supervisor::advanceSafeStop() {
+  const bool output_runs = output_ == nullptr || output_->state() == rt::TaskState::Running;
+  const bool off = drivesAreOff() && (written_.safe_stop == SafeStopPhase::Done ||
+                                      (written_.safe_stop == SafeStopPhase::Idle && orders_.safe_stop));
+  if (output_runs && !off) return;
+  status_.state = status_.fault == Fault::None ? MachineState::Disabled : MachineState::Faulted;
+  settlePending(status_.fault == Fault::None ? RequestResult::Done : RequestResult::Failed);
+}
+
+void Supervisor::publish(rt::Nanoseconds now) {
+  const bool powered = isPowered(status_.state);
+  orders_.safe_stop = status_.state == MachineState::SafeStopping;
+  orders_.stop_path = status_.state == MachineState::Stopping || orders_.safe_stop;
+  if (!powered) orders_.level = DriveLevel::Off;
+  orders_.drivers_active = powered && orders_.level >= DriveLevel::HeldByDrivers;
+  orders_.immediate = emergencyInput();
+  ++orders_.sequence;
+  orders_.time = now;
+  orders.write(orders_);
+  status_.path_time_s = set_point_.path_time_s;
+  status_.path_duration_s = set_point_.path_duration_s;
+  status_.safe_stops = written_.safe_stops;
+  status.write(status_);
+}
+
+}  // namespace knee_robot

@@ -1,0 +1,78 @@
+// What the Supervisor looks at, and what it takes for a fault.
+#include "knee_robot/control/supervisor.h"
+
+namespace knee_robot {
+
+/// The first fault is latched; drives that are on are brought to rest by the safe stop first.
+void Supervisor::raise(Fault fault, int axis, int component) noexcept {
+  if (fault == Fault::None || status_.fault != Fault::None) return;
+  status_.fault = fault;
+  status_.fault_axis = axis;
+  status_.fault_component = component;
+  if (status_.state == MachineState::SafeStopping) return;  // that was asked for; it now ends in Faulted
+  settlePending(RequestResult::Failed);
+  status_.state =
+      drivesAreOff() && orders_.level == DriveLevel::Off ? MachineState::Faulted : MachineState::SafeStopping;
+}
+
+void Supervisor::lookForFaults() {
+  lookAtComponents();
+  lookAtMeasurement();
+  for (const AxisCommand& command : commands_)
+    raise(command.fault, command.axis);
+  raise(written_.fault, written_.fault_axis);
+  if (overrun_.exchange(false, std::memory_order_relaxed)) raise(Fault::Overrun, 0);
+  if (emergencyInput()) raise(Fault::EmergencyStop, 0);
+}
+
+void Supervisor::lookAtComponents() {
+  for (std::size_t i = 0; i < watched_.size(); ++i) {
+    const int index = static_cast<int>(i);
+    switch (watched_[i]->state()) {
+      case rt::TaskState::Running:
+        break;
+      case rt::TaskState::Exception:
+        raise(Fault::ComponentException, 0, index);
+        break;
+      case rt::TaskState::FatalError:
+        raise(Fault::ComponentFatal, 0, index);
+        break;
+      case rt::TaskState::RunTimeError:
+      case rt::TaskState::PreOperational:
+      case rt::TaskState::Stopped:
+        if (status_.state != MachineState::Disabled) raise(Fault::ComponentStopped, 0, index);
+        break;
+    }
+  }
+}
+
+void Supervisor::lookAtMeasurement() {
+  if (measured_.sequence == 0) return;  // before the first cycle; enabling is refused
+  if (unreadable_ >= stale_measurements) raise(Fault::MeasurementLost, 0);
+  if (written_.status != hardware::IoStatus::Ok && written_.sequence != 0) raise(Fault::OutputLost, 0);
+  if (drivesAreOff()) return;
+  for (std::size_t i = 0; i < kAxes; ++i) {
+    const Actuator& actuator = robot_.actuators[i];
+    const double position = measured_.position_m[i];
+    // Written so that what is not a number counts as outside.
+    const bool inside =
+        position >= actuator.position_min_m - range_margin && position <= actuator.position_max_m + range_margin;
+    if (!inside) raise(Fault::PositionOutOfRange, static_cast<int>(i) + 1);
+  }
+}
+
+bool Supervisor::emergencyInput() const noexcept {
+  if (!hardware_.emergency_stop_clear_bit || measured_.sequence == 0) return false;
+  return (measured_.digital_inputs >> *hardware_.emergency_stop_clear_bit & 1) == 0;
+}
+
+bool Supervisor::causeRemains() const noexcept {
+  if (emergencyInput()) return true;
+  if (unreadable_ != 0 || written_.status != hardware::IoStatus::Ok) return true;
+  for (const rt::TaskContext* one : watched_) {
+    if (one->state() != rt::TaskState::Running) return true;
+  }
+  return false;
+}
+
+}  // namespace knee_robot

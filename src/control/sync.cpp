@@ -1,0 +1,132 @@
+#include "knee_robot/control/sync.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace knee_robot {
+namespace {
+
+AxisValues accelerationLimits(const Robot& robot) {
+  AxisValues limits{};
+  for (std::size_t i = 0; i < kAxes; ++i)
+    limits[i] = robot.actuators.at(i).acceleration_max_m_per_s2;
+  return limits;
+}
+
+AxisValues scaled(const AxisValues& values, double factor) noexcept {
+  AxisValues result{};
+  for (std::size_t i = 0; i < kAxes; ++i)
+    result[i] = factor * values[i];
+  return result;
+}
+
+}  // namespace
+
+Sync::Sync(const std::string& name, const Robot& robot)
+    : TaskContext(name), acceleration_max_(accelerationLimits(robot)) {}
+
+bool Sync::startHook() {
+  out_.phase = SyncPhase::Idle;
+  time_scale_ = 0.0;
+  return true;
+}
+
+void Sync::updateHook(const rt::Cycle& cycle) {
+  Orders order;
+  const bool heard = orders.read(order) != rt::FlowStatus::NoData;
+  measurement.read(measured_);
+  const bool deaf = !heard || cycle.time - order.time > rt::fromSeconds(orders_timeout_s);
+
+  ++out_.sequence;
+  out_.start = cycle.time;
+  out_.duration = cycle.period;
+  const bool moving = out_.phase == SyncPhase::Playing || out_.phase == SyncPhase::Stopping;
+  if (!order.drivers_active && !(moving && deaf)) {
+    standBy(order);
+  } else if (moving) {
+    advance(cycle, order.stop_path || deaf);
+  } else if (order.play != handled_play_) {
+    tryToPlay(order);
+    if (out_.phase == SyncPhase::Playing) advance(cycle, false);
+  } else if (out_.phase == SyncPhase::Holding) {
+    holdSegment();
+  }
+  set_point.write(out_);
+}
+
+/// Nobody carries the platform: what was played before must never be resumed.
+void Sync::standBy(const Orders& order) {
+  out_.phase = SyncPhase::Idle;
+  out_.time_scale = time_scale_ = 0.0;
+  out_.path_time_s = path_time_ = 0.0;
+  handled_play_ = order.play;
+}
+
+void Sync::tryToPlay(const Orders& order) {
+  handled_play_ = order.play;
+  path_ = store_.adopt();
+  PlayRefusal refusal = PlayRefusal::None;
+  if (path_ == nullptr) refusal = PlayRefusal::NoReference;
+  if (measured_.status != hardware::IoStatus::Ok || order.stop_path) refusal = PlayRefusal::NotReady;
+  out_.refused_axis = 0;
+  out_.refused_distance_m = 0.0;
+  for (std::size_t i = 0; i < kAxes && refusal == PlayRefusal::None; ++i) {
+    const double distance = std::abs(measured_.position_m[i] - path_->points.front()[i]);
+    if (distance <= start_tolerance_m) continue;
+    refusal = PlayRefusal::NotAtStart;
+    out_.refused_axis = static_cast<int>(i) + 1;
+    out_.refused_distance_m = distance;
+  }
+  if (refusal != PlayRefusal::None) {
+    out_.refusal = refusal;
+    out_.refused_run = order.play;
+    if (out_.phase == SyncPhase::Holding) holdSegment();
+    return;
+  }
+  out_.phase = SyncPhase::Playing;
+  out_.run = order.play;
+  out_.path_duration_s = path_->duration();
+  out_.to_m = path_->points.front();
+  path_time_ = 0.0;
+  time_scale_ = 1.0;  // a reference begins at rest: its check counts it as held before its first point
+}
+
+/// Largest change of the time scale per second. Slowing down in T adds at most fastest / T to an axis' acceleration.
+double Sync::scaleRate() const noexcept {
+  double time = stop_time_s;
+  for (std::size_t i = 0; i < kAxes; ++i)
+    time = std::max(time, path_->fastest[i] / (0.5 * acceleration_max_[i]));
+  return 1.0 / time;
+}
+
+void Sync::advance(const rt::Cycle& cycle, bool stop) {
+  if (stop) out_.phase = SyncPhase::Stopping;
+  const double dt = rt::toSeconds(cycle.period);
+  const double target = out_.phase == SyncPhase::Stopping ? 0.0 : 1.0;
+  const double next_scale = time_scale_ + std::clamp(target - time_scale_, -scaleRate() * dt, scaleRate() * dt);
+  const double next_time = std::min(path_time_ + 0.5 * (time_scale_ + next_scale) * dt, path_->duration());
+  out_.path_time_s = path_time_;
+  out_.time_scale = time_scale_;
+  if (path_time_ >= path_->duration() || (time_scale_ == 0.0 && next_scale == 0.0)) {
+    time_scale_ = 0.0;
+    holdSegment();
+    return;
+  }
+  out_.from_m = out_.to_m;
+  out_.from_velocity = scaled(path_->velocityAt(path_time_), time_scale_);
+  out_.to_m = path_->positionAt(next_time);
+  out_.to_velocity = scaled(path_->velocityAt(next_time), next_scale);
+  path_time_ = next_time;
+  time_scale_ = next_scale;
+}
+
+/// At rest where the last segment ended (and not where a path that was offered meanwhile has its points).
+void Sync::holdSegment() {
+  out_.phase = SyncPhase::Holding;
+  out_.time_scale = 0.0;
+  out_.path_time_s = path_time_;
+  out_.from_m = out_.to_m;
+  out_.from_velocity = out_.to_velocity = AxisValues{};
+}
+
+}  // namespace knee_robot
