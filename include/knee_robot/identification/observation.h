@@ -16,6 +16,13 @@ struct ObservationOptions {
   double moving_m_per_s = 0.0015;  ///< an axis slower than this does not count as moving
   double condition_max = 60.0;     ///< poses with a worse condition of dq/dx (m, rad) are masked
   SignalOptions signals;
+
+  /// Sets the cut-off, and that of the positions to three times as much: wide enough that the second filter decides, narrow
+  /// enough that the encoder's flicker at rest does not reverse the friction.
+  void setCutoff(double hz) {
+    cutoff_hz = hz;
+    signals.motion_cutoff_hz = 3.0 * hz;
+  }
 };
 
 /// A recording as equations: force = regressor * parameters, for every sample and actuator, not yet filtered.

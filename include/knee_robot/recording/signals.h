@@ -9,9 +9,9 @@ namespace knee_robot {
 
 /// How a recording is brought onto a uniform grid.
 struct SignalOptions {
-  double motion_cutoff_hz = 15.0;  ///< zero-phase low-pass of the positions before they are differentiated
-  double rate_hz = 100.0;          ///< of the result, at most; a slower recording keeps its own rate
-  double gap_periods = 5.0;        ///< a longer interval without rows is a gap: nothing is known of the motion in it
+  double motion_cutoff_hz = 9.0;  ///< zero-phase low-pass of the positions before they are differentiated
+  double rate_hz = 100.0;         ///< of the result, at most; a slower recording keeps its own rate
+  double gap_periods = 5.0;       ///< a longer interval without rows is a gap: nothing is known of the motion in it
 };
 
 /// Motion and commanded force on a uniform grid: one row a sample, one column an actuator.

@@ -1,0 +1,40 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "knee_robot/identification/evaluation.h"
+
+namespace knee_robot {
+
+/// Everything that identify's files say. `before` is the model without actuator friction, `after` the identified one.
+struct IdentifyResults {
+  std::string command_line;  ///< that reproduces this
+  std::string robot_path;
+  IdentifyOptions options;
+  std::vector<Observation> train;
+  std::vector<Observation> validate;  ///< may be empty
+  Identification before, after;
+  Applied train_before, train_after;
+  Applied validate_before, validate_after;        ///< empty without validation recordings
+  std::vector<Eigen::VectorXd> train_by_rank;     ///< errorAgainstRank
+  std::vector<Eigen::VectorXd> validate_by_rank;  ///< empty without validation recordings
+};
+
+/// report.json of design section 3, plus "rank", "parameters" and "signal_path".
+std::string identifyJson(const IdentifyResults& results);
+
+/// report.html: tables, plots, notes, how to reproduce. Self-contained.
+std::string identifyHtml(const IdentifyResults& results);
+
+/// prediction_NAME.csv of one recording: time_s, force_i_N as recorded, predicted_i_N.
+std::string predictionCsv(const Observation& observation, const Prediction& prediction);
+
+/// What the program prints: errors per actuator, and error against rank.
+std::string identifySummary(const IdentifyResults& results);
+
+/// Writes model.yaml, report.json, report.html and one prediction_NAME.csv per validation recording into `folder` (made when
+/// missing). Each file is whole or not there. InputError when it cannot be written.
+void writeIdentifyFiles(const IdentifyResults& results, const std::string& folder);
+
+}  // namespace knee_robot

@@ -1,0 +1,112 @@
+// identify: force model of a robot from recordings.
+
+#include <iostream>
+#include <limits>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "knee_robot/base/errors.h"
+#include "knee_robot/report/identify_report.h"
+#include "program.h"
+
+using namespace knee_robot;
+
+namespace {
+
+struct Arguments {
+  std::string robot, output;
+  std::vector<std::string> train, validate;
+  double cutoff_hz = 3.0;
+  IdentifyOptions options;
+};
+
+void declare(CLI::App& app, Arguments& a) {
+  const auto positive = CLI::Range(1e-6, 1e6);
+  app.add_option("--robot", a.robot, "robot file")->required();
+  app.add_option("--train", a.train, "recordings that the model is fitted to")->required();
+  app.add_option("--validate", a.validate, "recordings that judge the finished model");
+  app.add_option("--output", a.output, "folder for model.yaml, report.json, report.html and predictions")->required();
+  app.add_option("--cutoff-hz", a.cutoff_hz, "zero-phase low-pass of both sides of the equation (3)")->check(positive);
+  app.add_option("--moving-m-per-s", a.options.observation.moving_m_per_s,
+                 "slower axes do not count as moving (0.0015)")
+      ->check(CLI::Range(0.0, 10.0));
+  app.add_option("--condition-max", a.options.observation.condition_max,
+                 "poses with a worse condition of the Jacobian (m, rad) are masked (60)")
+      ->check(CLI::Range(1.0, 1e12));
+  app.add_option("--rank", a.options.rank, "keep this many directions instead of choosing on the training data")
+      ->check(CLI::Range(1, 1000));
+}
+
+std::vector<Observation> observeAll(const Robot& robot, const std::vector<std::string>& files,
+                                    const ObservationOptions& options) {
+  std::vector<Observation> observations;
+  for (const std::string& file : files) {
+    std::cerr << "reading " << file << std::endl;
+    observations.push_back(observe(robot, columnsOf(robot), loadRecording(file), options));
+  }
+  return observations;
+}
+
+/// prediction_NAME.csv must be one file per recording.
+void refuseEqualNames(const std::vector<Observation>& observations) {
+  std::set<std::string> names;
+  for (const Observation& o : observations) {
+    if (!names.insert(o.name).second) {
+      throw InputError(o.path + ": another validation file is named " + o.name +
+                       " too, and both would write prediction_" + o.name + ".csv; rename one");
+    }
+  }
+}
+
+std::string commandLine(int argc, char** argv) {
+  std::string line = "rosrun knee_robot identify";
+  for (int i = 1; i < argc; ++i)
+    line += std::string(" ") + argv[i];
+  return line;
+}
+
+int run(const Arguments& a, const std::string& command_line) {
+  IdentifyResults r;
+  r.command_line = command_line;
+  r.robot_path = a.robot;
+  r.options = a.options;
+  r.options.observation.setCutoff(a.cutoff_hz);
+  const Robot robot = loadRobot(a.robot);
+  r.train = observeAll(robot, a.train, r.options.observation);
+  r.validate = observeAll(robot, a.validate, r.options.observation);
+  refuseEqualNames(r.validate);
+
+  std::cerr << "fitting" << std::endl;
+  IdentifyOptions without_friction = r.options;
+  without_friction.friction = false;
+  without_friction.rank = 0;
+  r.before = identify(robot, r.train, without_friction);
+  r.after = identify(robot, r.train, r.options);
+
+  // Both models are frozen; from here on only figures are computed.
+  const double cutoff_hz = a.cutoff_hz;
+  r.train_before = applyModel(r.before.model, robot, r.train, cutoff_hz);
+  r.train_after = applyModel(r.after.model, robot, r.train, cutoff_hz);
+  r.train_by_rank = errorAgainstRank(r.after, r.train, cutoff_hz);
+  if (!r.validate.empty()) {
+    for (Observation& o : r.validate)
+      setCoulombWidth(o, r.after.columns, r.after.model.coulomb_width_m);
+    r.validate_before = applyModel(r.before.model, robot, r.validate, cutoff_hz);
+    r.validate_after = applyModel(r.after.model, robot, r.validate, cutoff_hz);
+    r.validate_by_rank = errorAgainstRank(r.after, r.validate, cutoff_hz);
+  }
+  writeIdentifyFiles(r, a.output);
+  std::cout << identifySummary(r) << "written: " << a.output << "/report.html, report.json, model.yaml and predictions"
+            << std::endl;
+  return kExitDone;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  CLI::App app("Identifies the force model of a robot from recordings.", "identify");
+  Arguments arguments;
+  declare(app, arguments);
+  return runProgram(app, argc, argv, [&] { return run(arguments, commandLine(argc, argv)); });
+}

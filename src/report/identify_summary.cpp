@@ -1,0 +1,86 @@
+#include <cmath>
+#include <cstdio>
+
+#include "knee_robot/report/identify_report.h"
+
+namespace knee_robot {
+namespace {
+
+constexpr std::size_t kEveryRank = 24;  ///< a longer curve is printed near the choice, and every fourth rank elsewhere
+
+std::string cell(double value, int width) {
+  char text[32];
+  if (!std::isfinite(value)) {
+    std::snprintf(text, sizeof text, "%*s", width, "-");
+  } else {
+    std::snprintf(text, sizeof text, "%*.2f", width, value);
+  }
+  return text;
+}
+
+std::string row(const std::string& name, const Eigen::VectorXd& values, const char* unit) {
+  char label[64];
+  std::snprintf(label, sizeof label, "  %-34s", name.c_str());
+  std::string line = label;
+  for (const double value : values)
+    line += cell(value, 9);
+  return line + "  " + unit + "\n";
+}
+
+std::string accuracyText(const std::string& title, const Accuracy& a) {
+  std::string out =
+      title + " (" + std::to_string(a.samples) + " samples, " + std::to_string(a.moving_samples) + " moving)\n";
+  out += row("rms, moving samples", a.rms_moving_N, "N") + row("rms, all samples", a.rms_N, "N");
+  out += row("rms, all rows, force unfiltered", a.rms_raw_N, "N") +
+         row("rms / rms(force), all samples", a.rms_percent, "%");
+  return out + row("rms / range(force), all samples", a.range_percent, "%") + row("largest error", a.max_N, "N");
+}
+
+bool printed(const std::vector<RankPoint>& curve, std::size_t k, int chosen) {
+  return curve.size() <= kEveryRank || std::abs(curve[k].rank - chosen) <= 3 || curve[k].rank % 4 == 0 ||
+         k + 1 == curve.size();
+}
+
+std::string rankText(const IdentifyResults& r) {
+  std::string out =
+      "error against rank: rms of moving samples in N, * = chosen on training data (held back: rms / noise on left-out "
+      "blocks)\n";
+  out += "   rank  held back | training";
+  out += std::string(static_cast<std::size_t>(8 * r.after.model.axes - 8), ' ');
+  out += r.validate_by_rank.empty() ? "\n" : "  | validation\n";
+  const std::vector<RankPoint>& curve = r.after.rank.curve;
+  for (std::size_t k = 0; k < curve.size(); ++k) {
+    if (!printed(curve, k, r.after.model.rank)) continue;
+    char head[48];
+    std::snprintf(head, sizeof head, " %c %4d  %9.3f |", curve[k].rank == r.after.model.rank ? '*' : ' ', curve[k].rank,
+                  std::sqrt(curve[k].held_back));
+    out += head;
+    for (const double value : r.train_by_rank[k])
+      out += cell(value, 8);
+    if (!r.validate_by_rank.empty()) {
+      out += "  |";
+      for (const double value : r.validate_by_rank[k])
+        out += cell(value, 8);
+    }
+    out += "\n";
+  }
+  return out;
+}
+
+}  // namespace
+
+std::string identifySummary(const IdentifyResults& r) {
+  std::string out;
+  for (const auto* group : {&r.train, &r.validate}) {
+    for (const Observation& o : *group) {
+      out += o.path + "\n";
+      for (const std::string& note : o.notes)
+        out += "  " + note + "\n";
+    }
+  }
+  out += "\n" + rankText(r) + "\n" + accuracyText("training", r.train_after.accuracy);
+  if (!r.validate.empty()) out += accuracyText("validation", r.validate_after.accuracy);
+  return out;
+}
+
+}  // namespace knee_robot
