@@ -56,4 +56,19 @@ bool inverseDynamics(const RigidModel& model, const Motion& motion, Vector4& act
   return true;
 }
 
+std::array<Vector3, 3> sphericalJointForces(const RigidModel& model, const RobotMotion& motion,
+                                            const Vector4& actuator_forces) {
+  std::array<Vector3, 3> forces;
+  for (int i = 0; i < 3; ++i) {
+    const LegMotion& leg = motion.legs[i];
+    const Vector3 joint = legForces(leg, model.gravity, model.cylinders[i], model.rods[i], model.leg_inertias[i]);
+    // The universal joint passes no torque: what turns the leg is the tip force across it, and what the actuator does not
+    // carry along it.
+    const double across_n = joint[0] / (leg.length * leg.cos_q2), across_t = joint[1] / leg.length;
+    const double along = joint[2] + model.rotor_mass[i] * leg.acceleration[2] - actuator_forces[i];
+    forces[i] = across_n * leg.n + across_t * leg.t + along * leg.u;
+  }
+  return forces;
+}
+
 }  // namespace knee_robot

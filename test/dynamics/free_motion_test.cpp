@@ -1,0 +1,114 @@
+// Free motion keeps its energy, and no real-time function allocates.
+#include <gtest/gtest.h>
+
+#include <cstdio>
+#include <cstdlib>
+#include <new>
+
+#include "knee_robot/dynamics/forward_dynamics.h"
+#include "knee_robot/dynamics/inverse_dynamics.h"
+#include "knee_robot/dynamics/regressor.h"
+#include "knee_robot/mechanism/constraints.h"
+#include "knee_robot/mechanism/singularity.h"
+#include "test/dynamics/random_robots.h"
+
+namespace {
+long allocations = 0;
+}  // namespace
+
+void* operator new(std::size_t size) {
+  ++allocations;
+  if (void* memory = std::malloc(size)) return memory;
+  throw std::bad_alloc();
+}
+void operator delete(void* memory) noexcept {
+  std::free(memory);
+}
+void operator delete(void* memory, std::size_t) noexcept {
+  std::free(memory);
+}
+
+namespace knee_robot {
+namespace {
+
+struct State {
+  Pose pose;
+  Vector4 velocity;
+};
+
+State derivative(const RigidModel& model, const State& s, ForwardDynamicsData& data) {
+  forwardDynamics(model, s.pose, s.velocity, Vector4::Zero(), data);
+  return {s.velocity, data.acceleration};
+}
+
+/// One classical Runge-Kutta step of fourth order.
+State step(const RigidModel& model, const State& s, double h, ForwardDynamicsData& data) {
+  const auto moved = [&s](const State& d, double t) { return State{s.pose + t * d.pose, s.velocity + t * d.velocity}; };
+  const State a = derivative(model, s, data), b = derivative(model, moved(a, h / 2), data);
+  const State c = derivative(model, moved(b, h / 2), data), d = derivative(model, moved(c, h), data);
+  return {s.pose + h / 6 * (a.pose + 2 * b.pose + 2 * c.pose + d.pose),
+          s.velocity + h / 6 * (a.velocity + 2 * b.velocity + 2 * c.velocity + d.velocity)};
+}
+
+double drift(double h) {
+  RandomPoses random(61);
+  const RobotInertia inertia = randomInertia(random);
+  const RigidModel model(finalMechanism(), Vector3::Zero(),
+                         inertia);  // weightless: 2 s of fall would leave the workspace
+  State s{Pose(0.0, 0.7, 0.1, 0.1), Vector4(0.6, 0.8, 1.5, -1.5)};
+  s.velocity *= std::sqrt(45.0 / kineticEnergy(model, s.pose, s.velocity));
+  const double start = kineticEnergy(model, s.pose, s.velocity);
+  ForwardDynamicsData data;
+  double worst = 0.0;
+  for (int k = 0; k < static_cast<int>(2.0 / h + 0.5); ++k) {
+    s = step(model, s, h, data);
+    worst = std::max(worst, std::abs(kineticEnergy(model, s.pose, s.velocity) - start));
+  }
+  return worst;
+}
+
+TEST(FreeMotion, KeepsItsEnergyWithTheIntegratorsOrder) {
+  const double fine = drift(1e-3), coarse = drift(4e-3);
+  std::printf("energy drift from 45 J over 2 s: %.2e J at 1 ms, %.2e J at 4 ms\n", fine, coarse);
+  EXPECT_LT(fine, 1e-6);
+  // Fourth order or better: a wrong force would leave a drift that no step size removes.
+  EXPECT_GT(coarse / fine, 100.0);
+}
+
+TEST(RealTimeFunctions, DoNotAllocate) {
+  RandomPoses random(62);
+  const Mechanism m = finalMechanism();
+  const RigidModel model(m, Vector3(0, 0, -9.81), randomInertia(random));
+  const Motion motion = randomMotion(random, m);
+  RegressorData regressor;
+  ExtendedRegressor extended;
+  ForwardDynamicsData data;
+  Vector4 forces = Vector4::Zero();
+  Motion found;
+  Coordinates velocity, acceleration;
+  DependentJacobian x;
+  RobotMotion all;
+  const Lengths lengths = legLengths(m, motion.pose);
+  const Pose guess = motion.pose + Vector4::Constant(0.001);
+
+  const long before = allocations;
+  bool done = extendedRegressor(m, model.gravity, motion, regressor, extended);
+  done = inverseDynamics(model, motion, forces) && done;
+  done = forwardDynamics(model, motion.pose, motion.pose_velocity, forces, data) && done;
+  done = motionFromLengths(m, lengths, forces * 1e-3, forces * 1e-3, guess, found) == ForwardStatus::Converged && done;
+  const CoordinateMotion q = coordinateMotion(m, motion);
+  done = coordinateRates(m, q.position, forces * 1e-3, forces * 1e-3, velocity, acceleration) && done;
+  done = dependentJacobian(m, q.position, x) && done;
+  robotMotion(m, motion, all);
+  forces += sphericalJointForces(model, all, forces)[0].homogeneous();
+  done = singularityAt(m, motion.pose).condition > 1.0 && jointAngles(m, motion.pose).base[0] > -1.0 && done;
+  done = forwardKinematicsFromHome(m, lengths).iterations > 0 && done;
+  const double energy = kineticEnergy(model, motion.pose, motion.pose_velocity) + potentialEnergy(model, motion.pose);
+  const long after = allocations;
+  EXPECT_TRUE(done);
+  EXPECT_TRUE(std::isfinite(energy));
+  EXPECT_EQ(after - before, 0);
+}
+
+}  // namespace
+}  // namespace knee_robot
