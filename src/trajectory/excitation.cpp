@@ -80,6 +80,18 @@ SeriesShape completed(SeriesShape shape) {
   return shape;
 }
 
+/// The pose near `pose` at which legs 2 and 3 are equally long: Newton steps of least size, a radian counted as 1/3 m.
+Pose withTwinLengths(const Mechanism& mechanism, Pose pose) {
+  const Vector4 weight(1.0, 1.0, 9.0, 9.0);
+  for (int round = 0; round < 20; ++round) {
+    const Lengths lengths = legLengths(mechanism, pose);
+    const Matrix4 jacobian = lengthJacobian(mechanism, pose);
+    const Vector4 slope = (jacobian.row(1) - jacobian.row(2)).transpose();
+    pose -= (lengths[1] - lengths[2]) / slope.dot(weight.cwiseProduct(slope)) * weight.cwiseProduct(slope);
+  }
+  return pose;
+}
+
 void checkPlan(const Robot& limited, ExcitationPlan& plan) {
   for (int round = 0;; ++round) {
     plan.reference = sampledReference(plan.series);
@@ -96,7 +108,8 @@ ExcitationPlan planExcitation(const Robot& robot, const ExcitationOptions& optio
   refuseOptions(robot, options);
   const Robot limited = limitedRobot(robot, options), inset = insetRobot(limited);
   const Exercise standing{"excitation", "", false, 0.0, {}, std::nullopt};
-  const Pose centre = startThatFitsMost(standing, inset, 0.0);
+  Pose centre = startThatFitsMost(standing, inset, 0.0);
+  if (options.twin_legs) centre = withTwinLengths(*robot.mechanism, centre);
   const Margin nearest = nearestLimit(inset, centre, inset.singularity_condition_max);
   if (nearest.left <= 0.0) {
     throw Refusal("no pose of " + robot.path + " has room for motion: even the best one is beyond " +

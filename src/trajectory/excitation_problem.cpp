@@ -14,6 +14,8 @@ constexpr double kRotationUnit = 0.3;     ///< rad
 /// Smoothed signs, so that a gradient exists; narrow beside 0.1 m/s.
 constexpr CoulombWidth kCoulombWidth{1e-3, 3e-3};
 constexpr double kLengthStep = 1e-6, kVelocityStep = 1e-6, kAccelerationStep = 1e-4;  ///< of central differences
+constexpr int kCentreRounds = 6;     ///< of halving a centre's distance from the middle until it is within the limits
+constexpr int kScaleRounds = 20;     ///< of bisection
 constexpr double kNearLimit = 0.95;  ///< use below which a limit's gradient is not needed
 
 double excess(double use) {
@@ -190,8 +192,7 @@ std::optional<std::vector<PaperRegressor>> ExcitationProblem::observations(const
   return all;
 }
 
-std::optional<Eigen::VectorXd> ExcitationProblem::scaledToLimits(const Eigen::VectorXd& variables,
-                                                                 double largest) const {
+std::optional<Eigen::VectorXd> ExcitationProblem::scaledToLimits(Eigen::VectorXd variables, double largest) const {
   const auto scaled = [&](double factor) {
     Eigen::VectorXd result = variables;
     result.tail(result.size() - 4) *= factor;
@@ -199,13 +200,16 @@ std::optional<Eigen::VectorXd> ExcitationProblem::scaledToLimits(const Eigen::Ve
   };
   const auto fits = [&](double factor) { return worstUse(series(scaled(factor))) <= 1.0; };
   if (fits(largest)) return scaled(largest);
+  for (int round = 0; !fits(0.0); ++round) {
+    if (round == kCentreRounds) return std::nullopt;
+    variables.head<4>() *= 0.5;
+  }
   double low = 0.0, high = largest;
-  if (!fits(low)) return std::nullopt;
-  while (high - low > 0.002 * largest) {
+  for (int round = 0; round < kScaleRounds && high - low > 0.005 * high; ++round) {
     const double middle = 0.5 * (low + high);
     (fits(middle) ? low : high) = middle;
   }
-  if (low < 0.01 * largest) return std::nullopt;
+  if (low == 0.0) return std::nullopt;
   return scaled(low);
 }
 

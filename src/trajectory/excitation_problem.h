@@ -40,8 +40,9 @@ class ExcitationProblem {
   /// The stacked observations; nothing when the mechanism cannot follow.
   std::optional<std::vector<PaperRegressor>> observations(const FourierSeries& series) const;
 
-  /// The series with all coefficients times the largest factor up to `largest` that keeps the limits; nothing when none does.
-  std::optional<Eigen::VectorXd> scaledToLimits(const Eigen::VectorXd& variables, double largest) const;
+  /// The series with all coefficients times the largest factor up to `largest` that keeps the limits, its centre drawn towards
+  /// the middle when that alone is beyond them; nothing when no factor does.
+  std::optional<Eigen::VectorXd> scaledToLimits(Eigen::VectorXd variables, double largest) const;
 
  private:
   struct Instant;
