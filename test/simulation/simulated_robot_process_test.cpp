@@ -40,7 +40,7 @@ class Process {
   }
   ~Process() {
     if (pid_ > 0) {
-      ::kill(pid_, SIGKILL);
+      ::kill(pid_, SIGTERM);  // lets it unlink its shared memory
       ::waitpid(pid_, nullptr, 0);
     }
     ::close(output_);
