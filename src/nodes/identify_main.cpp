@@ -1,7 +1,7 @@
 // identify: force model of a robot from recordings.
 
+#include <algorithm>
 #include <iostream>
-#include <limits>
 #include <set>
 #include <string>
 #include <vector>
@@ -59,6 +59,21 @@ void refuseEqualNames(const std::vector<Observation>& observations) {
   }
 }
 
+int frictionColumns(const std::vector<Column>& columns) {
+  return static_cast<int>(std::count_if(columns.begin(), columns.end(), [](const Column& c) {
+    return c.role == ColumnRole::Viscous || c.role == ColumnRole::Coulomb;
+  }));
+}
+
+/// A recording that the model was fitted to cannot judge it.
+void refuseTrainingAgain(const Arguments& a) {
+  for (const std::string& file : a.validate) {
+    if (std::find(a.train.begin(), a.train.end(), file) != a.train.end()) {
+      throw InputError(file + ": is given for training and for validation; choose another recording to validate with");
+    }
+  }
+}
+
 std::string commandLine(int argc, char** argv) {
   std::string line = "rosrun knee_robot identify";
   for (int i = 1; i < argc; ++i)
@@ -72,17 +87,19 @@ int run(const Arguments& a, const std::string& command_line) {
   r.robot_path = a.robot;
   r.options = a.options;
   r.options.observation.setCutoff(a.cutoff_hz);
+  refuseTrainingAgain(a);
   const Robot robot = loadRobot(a.robot);
   r.train = observeAll(robot, a.train, r.options.observation);
   r.validate = observeAll(robot, a.validate, r.options.observation);
   refuseEqualNames(r.validate);
 
   std::cerr << "fitting" << std::endl;
-  IdentifyOptions without_friction = r.options;
-  without_friction.friction = false;
-  without_friction.rank = 0;
-  r.before = identify(robot, r.train, without_friction);
   r.after = identify(robot, r.train, r.options);
+  IdentifyOptions without_friction =
+      r.options;  // the same rigid directions, so that the difference is friction's alone
+  without_friction.friction = false;
+  without_friction.rank = std::max(1, r.after.model.rank - frictionColumns(r.after.columns));
+  r.before = identify(robot, r.train, without_friction);
 
   // Both models are frozen; from here on only figures are computed.
   const double cutoff_hz = a.cutoff_hz;

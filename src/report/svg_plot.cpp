@@ -167,7 +167,7 @@ std::string drawLegend(const Frame& f, const std::vector<PlotLine>& lines) {
   std::string out;
   double x = f.width - kRight;
   for (auto line = lines.rbegin(); line != lines.rend(); ++line) {
-    x -= 6.5 * static_cast<double>(line->label.size()) + 34.0;
+    x -= 7.0 * static_cast<double>(line->label.size()) + 44.0;
     out += "<path class=\"line\" stroke=\"" + line->color + "\" stroke-width=\"3\" d=\"M" + fixed(x) + " 11h18\"/>\n";
     out += text(x + 23, 15, "", line->label);
   }
