@@ -35,8 +35,9 @@ ControlSystem::ControlSystem(const Robot& robot, const HardwareFile& hardware, c
                              hardware::AxisBus& bus, Options options)
     : robot_(requireFourAxes(robot)), hardware_(hardware), options_(options), bus_(bus) {
   const AxisValues lengths = lengthsAtStart(robot, options);
-  deployment_ = std::make_unique<rt::Deployment>(deployment_path, componentTypes(robot, hardware, bus, lengths),
-                                                 options.execution);
+  rt::TypeFactory types = options_.types;  // these win
+  types.merge(componentTypes(robot, hardware, bus, lengths));
+  deployment_ = std::make_unique<rt::Deployment>(deployment_path, types, options_.execution);
   parts_ = std::make_unique<Parts>(*deployment_);
   rt::connect(parts_->panel.request, parts_->supervisor->request, rt::ConnPolicy::buffer(16));
   rt::connect(parts_->supervisor->status, parts_->panel.status);

@@ -23,6 +23,12 @@ bool Supervisor::startHook() {
   orders_.play = play;
   pending_ = 0;
   unreadable_ = 0;
+  written.read(written_);
+  if (!drivesAreOff()) {
+    // Started anew while AxesOutput is still bringing the machine to rest: the Drivers hold until it is done.
+    status_.state = MachineState::SafeStopping;
+    orders_.level = written_.level;
+  }
   return true;
 }
 

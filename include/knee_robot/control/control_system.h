@@ -51,6 +51,8 @@ class ControlSystem {
     rt::Execution execution = rt::Execution::Threads;
     /// Actuator lengths at which the robot stands when start() resets the counters; default: the robot file's home lengths.
     std::optional<AxisValues> lengths_at_start_m;
+    /// Component types added to, or put in place of, the usual ones: for fault injection and new components.
+    rt::TypeFactory types;
   };
 
   /// Reads the deployment, makes and connects everything; nothing runs. Throws InputError. `bus` must outlive this.

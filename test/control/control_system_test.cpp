@@ -1,0 +1,203 @@
+#include "knee_robot/control/control_system.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "system_rig.h"
+
+namespace knee_robot {
+namespace {
+
+using fake::kHome;
+using fake::Rig;
+
+TEST(ControlSystem, StartsDisabledWithDrivesOffAndHoldDevicesEngaged) {
+  Rig rig;
+  EXPECT_FALSE(rig.system.enable().ok) << "not started";
+  const Answer answer = rig.system.start();
+  EXPECT_TRUE(answer.ok) << answer.sentence;
+  rig.system.run(0.1);
+  EXPECT_EQ(rig.system.state(), MachineState::Disabled);
+  for (const auto& event : rig.machine.events) {
+    EXPECT_EQ(event.bits & 3u, 0u);
+    EXPECT_EQ(event.volts, AxisValues{});
+  }
+}
+
+TEST(ControlSystem, RefusesToStartWhenTheSelfTestFails) {
+  Rig rig;
+  rig.machine.passes_self_test = false;
+  const Answer answer = rig.system.start();
+  EXPECT_FALSE(answer.ok);
+  EXPECT_EQ(answer.sentence, "the hardware's self test failed: the card does not answer");
+}
+
+TEST(ControlSystem, EnablesInTheOrderZeroVoltsDriveLoopsRelease) {
+  Rig rig;
+  ASSERT_TRUE(rig.system.start().ok);
+  rig.machine.events.clear();
+  ASSERT_TRUE(rig.system.enable().ok);
+  double enabled = -1.0, released = -1.0;
+  for (const auto& event : rig.machine.events) {
+    const bool enable = event.bits & 1, release = event.bits & 2;
+    if (enable && enabled < 0) enabled = event.time_s;
+    if (release && released < 0) released = event.time_s;
+    if (!enable) {
+      EXPECT_EQ(event.volts, AxisValues{});
+    }
+    if (release) {
+      EXPECT_TRUE(enable);
+    }
+  }
+  EXPECT_GT(enabled, 0.0);
+  EXPECT_GE(released - enabled, 0.02 + 0.05 - 0.002) << "drive delay and settling of the loops";
+}
+
+TEST(ControlSystem, CatchesThePlatformWithoutDroppingItWhenTheBrakesOpen) {
+  Rig rig;
+  rig.hold();
+  EXPECT_GT(rig.lowest(), kHome - 0.001) << "with the integral at its place the robot is back within a millimetre";
+}
+
+TEST(ControlSystem, PlaysAReferenceToItsEndAndHoldsThere) {
+  Rig rig;
+  rig.hold();
+  ASSERT_TRUE(rig.system.loadReference(fake::smoothReference(kHome, 0.03, 2.0)).ok);
+  ASSERT_TRUE(rig.system.play().ok);
+  EXPECT_TRUE(rig.system.waitFor(MachineState::Playing, 0.5));
+  EXPECT_FALSE(rig.system.loadReference(fake::smoothReference(kHome, 0.01, 2.0)).ok) << "not while playing";
+  double worst = 0.0;
+  while (rig.system.state() == MachineState::Playing) {
+    rig.system.step();
+    const TrackingRow row = *rig.system.snapshot();
+    for (std::size_t i = 0; i < kAxes; ++i)
+      worst = std::max(worst, std::abs(row.reference_m[i] - row.position_m[i]));
+  }
+  EXPECT_EQ(rig.system.state(), MachineState::Holding);
+  EXPECT_NEAR(rig.system.status().path_time_s, 2.0, 1e-9);
+  EXPECT_LT(worst, 0.002);
+  RecordProperty("worst_tracking_error_um", static_cast<int>(1e6 * worst));
+  std::printf("largest tracking error %.3f mm\n", 1e3 * worst);
+  rig.system.run(1.0);
+  for (const auto& axis : rig.machine.axes)
+    EXPECT_NEAR(axis.position, kHome + 0.03, 2e-4);
+}
+
+TEST(ControlSystem, RefusesToPlayWhereTheRobotDoesNotStandAndApproachesSlowlyOnRequest) {
+  Rig rig;
+  rig.hold();
+  EXPECT_EQ(rig.system.play().sentence, "no reference is loaded");
+  ASSERT_TRUE(rig.system.loadReference(fake::smoothReference(kHome + 0.02, 0.01, 1.0)).ok);
+  const Answer refused = rig.system.play();
+  EXPECT_FALSE(refused.ok);
+  EXPECT_NE(refused.sentence.find("mm from the reference's first point"), std::string::npos) << refused.sentence;
+  rig.system.run(0.2);
+  EXPECT_EQ(rig.system.state(), MachineState::Holding);
+  EXPECT_NEAR(rig.machine.axes[0].position, kHome, 1e-3) << "nothing moved";
+  const Answer approach = rig.system.approach(0.01);
+  ASSERT_TRUE(approach.ok) << approach.sentence;
+  double fastest = 0.0;
+  while (rig.system.state() == MachineState::Playing) {
+    rig.system.step();
+    fastest = std::max(fastest, std::abs(rig.machine.axes[3].velocity));
+  }
+  EXPECT_LT(fastest, 0.015);
+  rig.system.run(0.5);
+  const Answer played = rig.system.play();
+  EXPECT_TRUE(played.ok) << played.sentence;
+  EXPECT_TRUE(rig.system.waitFor(MachineState::Holding, 3.0));
+  EXPECT_FALSE(rig.system.play().ok) << "a second run from the first point while the robot stands at the last";
+}
+
+TEST(ControlSystem, StopsAlongThePathWithoutAJumpAndHolds) {
+  Rig rig;
+  rig.play();
+  ASSERT_TRUE(rig.system.stop().ok);
+  AxisValues last = rig.system.snapshot()->reference_m;
+  double last_speed = -1.0, hardest = 0.0;
+  while (rig.system.state() != MachineState::Holding) {
+    rig.system.step();
+    const AxisValues reference = rig.system.snapshot()->reference_m;
+    const double speed = (reference[0] - last[0]) / 1e-3;
+    EXPECT_EQ(reference[0], reference[1]) << "all four stay on the path";
+    if (last_speed >= 0.0) hardest = std::max(hardest, std::abs(speed - last_speed));
+    last = reference;
+    last_speed = speed;
+  }
+  EXPECT_LT(hardest, 0.002) << "m/s from one millisecond to the next";
+  rig.system.run(0.5);
+  EXPECT_EQ(rig.system.state(), MachineState::Holding);
+  EXPECT_LT(rig.system.status().path_time_s, 1.3);
+  EXPECT_NEAR(rig.machine.axes[2].position, last[2], 3e-4);
+}
+
+TEST(ControlSystem, RefusesABadReferenceAsAWhole) {
+  Rig rig;
+  rig.hold();
+  Reference jump = fake::smoothReference(kHome, 0.01, 1.0);
+  jump.points(50, 2) += 0.02;
+  const Answer answer = rig.system.loadReference(jump);
+  EXPECT_FALSE(answer.ok);
+  EXPECT_NE(answer.sentence.find("smooth.txt:"), std::string::npos) << answer.sentence;
+  EXPECT_EQ(rig.system.status().reference, "");
+  EXPECT_FALSE(rig.system.play().ok);
+}
+
+TEST(ControlSystem, DoesNotResumeAfterItWasDisabled) {
+  Rig rig;
+  rig.play();
+  ASSERT_TRUE(rig.system.disable().ok);
+  EXPECT_EQ(rig.system.state(), MachineState::Disabled);
+  const double stood = rig.machine.axes[0].position;
+  ASSERT_TRUE(rig.system.enable().ok);
+  rig.system.run(1.0);
+  EXPECT_EQ(rig.system.state(), MachineState::Holding);
+  EXPECT_NEAR(rig.machine.axes[0].position, stood, 1e-3);
+  EXPECT_EQ(rig.system.status().safe_stops, 1u);
+}
+
+TEST(ControlSystem, AnswersEveryRequestInEveryStateAsTheTableSays) {
+  Rig rig;
+  ASSERT_TRUE(rig.system.start().ok);
+  EXPECT_FALSE(rig.system.play().ok);
+  EXPECT_TRUE(rig.system.stop().ok);
+  EXPECT_TRUE(rig.system.disable().ok);
+  EXPECT_TRUE(rig.system.resetFaults().ok);
+  ASSERT_TRUE(rig.system.enable().ok);
+  EXPECT_FALSE(rig.system.enable().ok) << "already";
+  EXPECT_FALSE(rig.system.resetFaults().ok);
+  ASSERT_TRUE(rig.system.emergencyStop().ok);
+  EXPECT_TRUE(rig.system.waitFor(MachineState::Faulted, 2.0));
+  EXPECT_EQ(rig.system.status().fault_name, "emergency_stop");
+  EXPECT_FALSE(rig.system.enable().ok);
+  EXPECT_FALSE(rig.system.play().ok);
+  EXPECT_TRUE(rig.system.resetFaults().ok);
+  EXPECT_EQ(rig.system.state(), MachineState::Disabled);
+}
+
+TEST(ControlSystem, LatchesTheEmergencyStopsInputUntilItIsReleasedAndReset) {
+  HardwareFile hardware = fake::hardware();
+  hardware.emergency_stop_clear_bit = 1;
+  Rig rig(hardware);
+  rig.play();
+  rig.machine.inputs = 0;
+  EXPECT_TRUE(rig.system.waitFor(MachineState::Faulted, 2.0));
+  EXPECT_FALSE(rig.system.resetFaults().ok) << "still pressed";
+  rig.machine.inputs = 0xf;
+  rig.system.run(0.01);
+  EXPECT_EQ(rig.system.state(), MachineState::Faulted) << "latched";
+  EXPECT_TRUE(rig.system.resetFaults().ok);
+}
+
+TEST(ControlSystem, UnwrapsCountersAndKeepsSignsApart) {
+  Rig rig;
+  rig.play();
+  for (std::size_t i = 0; i < kAxes; ++i) {
+    EXPECT_NEAR(rig.system.snapshot()->position_m[i], rig.machine.axes[i].position, 1e-3) << i;
+  }
+  ASSERT_TRUE(rig.system.waitFor(MachineState::Holding, 3.0));
+}
+
+}  // namespace
+}  // namespace knee_robot

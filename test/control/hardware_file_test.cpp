@@ -1,0 +1,80 @@
+#include "knee_robot/control/hardware_file.h"
+
+#include <gtest/gtest.h>
+#include <stdlib.h>
+#include <unistd.h>
+
+#include "knee_robot/base/errors.h"
+#include "knee_robot/base/files.h"
+
+namespace knee_robot {
+namespace {
+
+const char* const kGood = R"(backend: simulated
+digital_outputs: {drive_enable: 0, hold_release: 1, heartbeat: 2}
+axes:
+  - {hold_device: brake, hold_delay_s: 0.03}
+  - {hold_device: shorted_windings, hold_delay_s: 0.01}
+  - {hold_device: brake, hold_delay_s: 0.05}
+  - {hold_device: brake, hold_delay_s: 0.03}
+)";
+
+HardwareFile parsed(const std::string& text, std::string* refusal = nullptr) {
+  char pattern[] = "/tmp/hardware_file_test_XXXXXX";
+  const std::string folder = mkdtemp(pattern);
+  const std::string path = folder + "/h.yaml";
+  writeFileAtomically(path, text);
+  HardwareFile file;
+  try {
+    file = loadHardwareFile(path);
+  } catch (const InputError& error) {
+    if (refusal != nullptr) *refusal = std::string(error.what()).substr(path.size());
+  }
+  ::unlink(path.c_str());
+  ::rmdir(folder.c_str());
+  return file;
+}
+
+std::string refusalOf(const std::string& from, const std::string& to) {
+  std::string text = kGood;
+  const std::size_t at = text.find(from);
+  EXPECT_NE(at, std::string::npos);
+  std::string refusal;
+  parsed(text.replace(at, from.size(), to), &refusal);
+  return refusal;
+}
+
+TEST(HardwareFile, ReadsWhatHoldsEachAxis) {
+  const HardwareFile file = parsed(kGood);
+  EXPECT_EQ(file.axes[1].hold_device, HoldDevice::ShortedWindings);
+  EXPECT_EQ(file.axes[3].hold_device, HoldDevice::Brake);
+  EXPECT_DOUBLE_EQ(file.holdDelay(), 0.05);
+  EXPECT_FALSE(file.emergency_stop_clear_bit);
+}
+
+TEST(HardwareFile, RefusesAnAxisThatNothingHoldsExceptOnABenchWithoutPatient) {
+  const std::string refusal = refusalOf("shorted_windings", "none");
+  EXPECT_EQ(refusal.rfind(":5: hold_device: none lets the platform fall", 0), 0u) << refusal;
+  std::string text = std::string("bench_without_patient: true\n") + kGood;
+  text.replace(text.find("shorted_windings"), 16, "none");
+  EXPECT_EQ(parsed(text).axes[1].hold_device, HoldDevice::None);
+}
+
+TEST(HardwareFile, RefusesWhatIsSenselessByLine) {
+  EXPECT_EQ(refusalOf("heartbeat: 2", "heartbeat: 1").rfind(":2: heartbeat: ", 0), 0u);
+  EXPECT_EQ(refusalOf("heartbeat: 2", "heartbeat: 4").rfind(":2: heartbeat: 4 is outside 0 .. 3", 0), 0u);
+  EXPECT_EQ(refusalOf("backend: simulated", "backend: can").rfind(":1: backend: ", 0), 0u);
+  EXPECT_EQ(
+      refusalOf("  - {hold_device: shorted_windings, hold_delay_s: 0.01}\n", "").rfind(":4: axes: expected four", 0),
+      0u);
+  EXPECT_NE(refusalOf("hold_delay_s: 0.05", "hold_delay: 0.05"), "");
+}
+
+TEST(HardwareFile, IsReadFromTheConfiguration) {
+  const HardwareFile file = loadHardwareFile(std::string(KNEE_SOURCE_DIR) + "/config/hardware/simulated.yaml");
+  EXPECT_EQ(file.backend, "simulated");
+  EXPECT_FALSE(file.bench_without_patient);
+}
+
+}  // namespace
+}  // namespace knee_robot

@@ -1,0 +1,90 @@
+#include "knee_robot/control/safe_stop.h"
+
+#include <gtest/gtest.h>
+
+#include <vector>
+
+namespace knee_robot {
+namespace {
+
+constexpr rt::Nanoseconds kMs = 1'000'000;
+using Phase = SafeStopPhase;
+
+SafeStopTiming timing() {
+  SafeStopTiming timing;
+  timing.decelerate_limit = 100 * kMs;
+  timing.settle = 10 * kMs;
+  timing.hold_delay = 30 * kMs;
+  timing.disable_delay = 20 * kMs;
+  return timing;
+}
+
+/// Phases in their order and how long each lasted (ms), stepped every ms for 300 ms. `rest_ms`: when the reference comes to
+/// rest; `loops_ms`: when a loop fails.
+struct Course {
+  std::vector<Phase> phases;
+  std::vector<int> lasted_ms;
+};
+Course course(bool released, int rest_ms, int loops_ms, bool immediate = false) {
+  SafeStop stop(timing());
+  stop.trigger(0, released);
+  Course result;
+  for (int ms = 1; ms <= 300; ++ms) {
+    if (result.phases.empty() || result.phases.back() != stop.phase()) {
+      result.phases.push_back(stop.phase());
+      result.lasted_ms.push_back(0);
+    }
+    ++result.lasted_ms.back();
+    stop.trigger(ms * kMs, released);  // again and again: no effect
+    stop.step(ms * kMs, ms < loops_ms, ms >= rest_ms, immediate);
+  }
+  EXPECT_EQ(stop.completed(), 1u);
+  return result;
+}
+
+TEST(SafeStop, DeceleratesSettlesEngagesDisablesAndOnlyThenGoesToZero) {
+  const Course all = course(true, 50, 1000);
+  EXPECT_EQ(all.phases,
+            (std::vector<Phase>{Phase::Decelerating, Phase::Settling, Phase::Engaging, Phase::Disabling, Phase::Done}));
+  EXPECT_EQ(all.lasted_ms[0], 50);
+  EXPECT_EQ(all.lasted_ms[1], 10);
+  EXPECT_EQ(all.lasted_ms[2], 30);
+  EXPECT_EQ(all.lasted_ms[3], 20);
+}
+
+TEST(SafeStop, DoesNotWaitForeverForRest) {
+  EXPECT_EQ(course(true, 1000, 1000).lasted_ms[0], 100);
+}
+
+TEST(SafeStop, SkipsToEngagingWhenALoopFails) {
+  const std::vector<Phase> expected = {Phase::Decelerating, Phase::Engaging, Phase::Disabling, Phase::Done};
+  EXPECT_EQ(course(true, 50, 0).phases, expected);
+  EXPECT_EQ(course(true, 50, 0).lasted_ms[0], 1);
+  EXPECT_EQ(course(true, 50, 1000, true).phases, expected) << "drive power is gone";
+  const Course later = course(true, 50, 53);
+  EXPECT_EQ(later.lasted_ms[1], 3) << "fails while settling";
+}
+
+TEST(SafeStop, DisablesAtOnceWhenTheHoldDevicesAreStillEngaged) {
+  EXPECT_EQ(course(false, 0, 1000).phases, (std::vector<Phase>{Phase::Disabling, Phase::Done}));
+}
+
+TEST(SafeStop, RunsOnceUntilRearmed) {
+  SafeStop stop(timing());
+  EXPECT_FALSE(stop.isRunning());
+  stop.trigger(0, false);
+  for (int ms = 0; ms < 100; ++ms)
+    stop.step(ms * kMs, true, true, false);
+  stop.trigger(200 * kMs, true);
+  EXPECT_EQ(stop.phase(), Phase::Done);
+  stop.finishAtOnce();
+  EXPECT_EQ(stop.completed(), 1u);
+  stop.rearm();
+  stop.finishAtOnce();
+  EXPECT_EQ(stop.completed(), 2u);
+  EXPECT_TRUE(stop.engagesHold());
+  EXPECT_TRUE(stop.disablesDrive());
+}
+
+}  // namespace
+}  // namespace knee_robot

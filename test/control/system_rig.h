@@ -1,0 +1,126 @@
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <functional>
+#include <map>
+#include <stdexcept>
+#include <string>
+
+#include "fake_machine.h"
+#include "knee_robot/control/axes_input.h"
+#include "knee_robot/control/axes_output.h"
+#include "knee_robot/control/control_system.h"
+#include "knee_robot/control/driver.h"
+#include "knee_robot/control/recorder.h"
+#include "knee_robot/control/supervisor.h"
+#include "knee_robot/control/sync.h"
+
+namespace knee_robot::fake {
+
+/// What is done to components by name, before and in their updateHook.
+struct Injection {
+  std::string throws;                                                // component whose updateHook throws
+  std::string silent;                                                // component whose updateHook does nothing
+  std::string fatal;                                                 // component that declares itself dead
+  std::function<void(const std::string& name, bool begins)> around;  // every update
+  std::map<std::string, int> stops, cleanups, exceptions;            // hooks that ran
+};
+
+/// A component with an Injection around its hooks.
+template <typename Base>
+class Faulty : public Base {
+ public:
+  template <typename... Arguments>
+  Faulty(Injection& injection, Arguments&&... arguments)
+      : Base(std::forward<Arguments>(arguments)...), injection_(injection) {}
+
+ protected:
+  void updateHook(const rt::Cycle& cycle) override {
+    if (injection_.throws == this->name()) throw std::runtime_error("injected");
+    if (injection_.fatal == this->name()) return this->fatal("injected");
+    if (injection_.silent == this->name()) return;
+    if (injection_.around) injection_.around(this->name(), true);
+    Base::updateHook(cycle);
+    if (injection_.around) injection_.around(this->name(), false);
+  }
+  void stopHook() override {
+    ++injection_.stops[this->name()];
+    Base::stopHook();
+  }
+  void cleanupHook() override {
+    ++injection_.cleanups[this->name()];
+    Base::cleanupHook();
+  }
+  void exceptionHook() override {
+    ++injection_.exceptions[this->name()];
+    Base::exceptionHook();
+  }
+
+ private:
+  Injection& injection_;
+};
+
+inline rt::TypeFactory faultyTypes(Injection& injection, Machine& machine, const HardwareFile& h) {
+  using Name = const std::string&;
+  const Robot r = robot();
+  const AxisValues lengths{kHome, kHome, kHome, kHome};
+  return {
+      {"AxesInput", [=, &injection, &machine](
+                        Name n) { return std::make_unique<Faulty<AxesInput>>(injection, n, r, machine, lengths); }},
+      {"Sync", [=, &injection](Name n) { return std::make_unique<Faulty<Sync>>(injection, n, r); }},
+      {"Driver", [=, &injection](Name n) { return std::make_unique<Faulty<Driver>>(injection, n, r); }},
+      {"Supervisor", [=, &injection](Name n) { return std::make_unique<Faulty<Supervisor>>(injection, n, r, h); }},
+      {"AxesOutput",
+       [=, &injection, &machine](Name n) { return std::make_unique<Faulty<AxesOutput>>(injection, n, r, h, machine); }},
+      {"Recorder", [=, &injection](Name n) { return std::make_unique<Faulty<Recorder>>(injection, n); }},
+  };
+}
+
+inline std::string deploymentFile() {
+  return std::string(KNEE_SOURCE_DIR) + "/config/deployment/simulation.yaml";
+}
+
+/// The whole controller, stepped, on the fake machine.
+struct Rig {
+  explicit Rig(HardwareFile hardware_file = hardware())
+      : machine(robot()), system(robot(), hardware_file, deploymentFile(), machine, options(hardware_file)) {
+    system.setPlant([this](rt::Nanoseconds time) { machine.advanceTo(rt::toSeconds(time)); });
+  }
+  ControlSystem::Options options(const HardwareFile& hardware_file) {
+    ControlSystem::Options all;
+    all.execution = rt::Execution::Stepped;
+    all.types = faultyTypes(injection, machine, hardware_file);
+    return all;
+  }
+  /// Holding at home.
+  void hold() {
+    ASSERT_TRUE(system.start().ok);
+    const Answer answer = system.enable();
+    ASSERT_TRUE(answer.ok) << answer.sentence;
+    system.run(2.0);
+    ASSERT_EQ(system.state(), MachineState::Holding);
+  }
+  /// In the middle of a motion of 20 mm in 2 s.
+  void play() {
+    hold();
+    const Answer loaded = system.loadReference(smoothReference(kHome, 0.02, 2.0));
+    ASSERT_TRUE(loaded.ok) << loaded.sentence;
+    const Answer played = system.play();
+    ASSERT_TRUE(played.ok) << played.sentence;
+    system.run(1.0);
+    ASSERT_EQ(system.state(), MachineState::Playing);
+  }
+  double lowest() const {
+    double low = 1.0;
+    for (const Machine::Axis& axis : machine.axes)
+      low = std::min(low, axis.position);
+    return low;
+  }
+
+  Machine machine;
+  Injection injection;
+  ControlSystem system;
+};
+
+}  // namespace knee_robot::fake
