@@ -7,8 +7,8 @@
 namespace knee_robot {
 namespace {
 
-constexpr double kObservationRate_hz = 10.0;  ///< highest harmonic of the default series: 0.44 Hz
-constexpr double kLimitRate_hz = 25.0;
+constexpr double kObservationHertz = 10.0;  ///< highest harmonic of the default series: 0.44 Hz
+constexpr double kLimitHertz = 25.0;
 constexpr double kTranslationUnit = 0.1;  ///< m of pose that one unit of a variable moves
 constexpr double kRotationUnit = 0.3;     ///< rad
 /// Smoothed signs, so that a gradient exists; narrow beside 0.1 m/s.
@@ -36,7 +36,7 @@ struct ExcitationProblem::Instant {
 SampledBasis::SampledBasis(const SeriesShape& shape, double rate_hz) {
   const long last = std::lround(shape.duration_s * rate_hz);
   for (long k = 0; k <= last; ++k)
-    at.push_back(seriesBasis(shape, static_cast<double>(k) * shape.duration_s / last));
+    at.push_back(seriesBasis(shape, static_cast<double>(k) * shape.duration_s / static_cast<double>(last)));
 }
 
 ExcitationProblem::ExcitationProblem(const Robot& robot, const SeriesShape& shape, int directions, bool twin_legs,
@@ -48,8 +48,8 @@ ExcitationProblem::ExcitationProblem(const Robot& robot, const SeriesShape& shap
       centre_pose_(centre),
       unit_(lengthJacobian(*robot.mechanism, centre) *
             Vector4(kTranslationUnit, kTranslationUnit, kRotationUnit, kRotationUnit).asDiagonal()),
-      coarse_(shape, kObservationRate_hz),
-      fine_(shape, kLimitRate_hz) {
+      coarse_(shape, kObservationHertz),
+      fine_(shape, kLimitHertz) {
   if (!twin_legs) return;
   unit_.row(1) = 0.5 * (unit_.row(1) + unit_.row(2)).eval();
   unit_.row(2) = unit_.row(1);
@@ -62,8 +62,8 @@ FourierSeries ExcitationProblem::series(const Eigen::VectorXd& variables) const 
   series.shape = shape_;
   series.space = Space::Actuator;
   series.centre = centre_lengths_ + unit_ * variables.head<4>();
-  series.coefficients =
-      unit_ * Eigen::Map<const Eigen::Matrix<double, 4, Eigen::Dynamic>>(variables.data() + 4, 4, 2 * shape_.harmonics);
+  series.coefficients = unit_ * Eigen::Map<const Eigen::Matrix<double, 4, Eigen::Dynamic>>(variables.data() + 4, 4,
+                                                                                           coefficientColumns(shape_));
   return series;
 }
 
@@ -127,7 +127,7 @@ void ExcitationProblem::addGradient(const Instant& at, const SeriesPoint& point,
     const double by_value = slope(&SeriesPoint::value, kLengthStep), by_rate = slope(&SeriesPoint::rate, kVelocityStep),
                  by_acceleration = slope(&SeriesPoint::acceleration, kAccelerationStep);
     gradient(i, 0) += by_value;
-    gradient.row(i).tail(2 * shape_.harmonics) +=
+    gradient.row(i).tail(coefficientColumns(shape_)) +=
         by_value * basis.value + by_rate * basis.rate + by_acceleration * basis.acceleration;
   }
 }
@@ -152,7 +152,7 @@ std::optional<double> ExcitationProblem::cost(const Eigen::VectorXd& variables, 
   const LogCondition condition(observations, directions_);
   if (gradient) {
     Eigen::Matrix<double, 4, Eigen::Dynamic> by_series =
-        Eigen::Matrix<double, 4, Eigen::Dynamic>::Zero(4, 1 + 2 * shape_.harmonics);
+        Eigen::Matrix<double, 4, Eigen::Dynamic>::Zero(4, 1 + coefficientColumns(shape_));
     for (std::size_t t = 0; t < n; ++t) {
       addGradient(instants[t], pointAt(series, coarse_.at[t]), coarse_.at[t], condition.gradient(observations[t]),
                   penalty_weight, by_series);

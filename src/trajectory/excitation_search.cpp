@@ -82,8 +82,8 @@ std::optional<Candidate> randomCandidate(const ExcitationProblem& problem, unsig
   Candidate candidate;
   candidate.variables.resize(problem.variables());
   for (Eigen::Index i = 0; i < candidate.variables.size(); ++i) {
-    const double harmonic = i < 4 ? 0.0 : 1.0 + static_cast<double>((i - 4) / 8);
-    candidate.variables[i] = normal(random) * (i < 4 ? kCentreSpread : 1.0 / harmonic);
+    const Eigen::Index harmonic = 1 + (i - 4) / 8;  // sine and cosine of four actuators each
+    candidate.variables[i] = normal(random) * (i < 4 ? kCentreSpread : 1.0 / static_cast<double>(harmonic));
   }
   const std::optional<Eigen::VectorXd> scaled = problem.scaledToLimits(candidate.variables, kLargestScale);
   if (!scaled) return std::nullopt;

@@ -98,7 +98,7 @@ Margin nearestOnWay(const Exercise& exercise, const Robot& robot, const Pose& st
 }
 
 Pose startThatFitsMost(const Exercise& exercise, const Robot& robot, double amplitude) {
-  const Pose start = StartSearch(exercise, robot, amplitude).search().pose;
+  Pose start = StartSearch(exercise, robot, amplitude).search().pose;
   if (nearestOnWay(exercise, robot, start, amplitude).left >= 0.0) return start;
   Pose fitting = start;
   double fits = 0.0, beyond = amplitude;

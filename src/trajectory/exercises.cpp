@@ -11,7 +11,7 @@ namespace knee_robot {
 namespace {
 
 constexpr double kDegree = 3.14159265358979323846 / 180.0;
-constexpr double kRest_s = 0.5;                       ///< at rest before the first and after the last stroke
+constexpr double kRestSeconds = 0.5;                  ///< at rest before the first and after the last stroke
 constexpr ProfileLimits kTranslation{0.0, 0.1, 1.0};  ///< m; velocity is an option
 constexpr ProfileLimits kRotation{0.0, 10.0 * kDegree, 100.0 * kDegree};  ///< rad
 
@@ -80,13 +80,13 @@ Points sampled(const Exercise& exercise, const ExercisePlan& plan, const Exercis
   translation.velocity = options.speed * plan.speed_share;
   rotation.velocity = options.turning_speed * plan.speed_share;
   PoseWriter writer(plan.start);
-  writer.rest(kRest_s);
+  writer.rest(kRestSeconds);
   for (int repetition = 0; repetition < options.repetitions; ++repetition) {
     for (std::size_t k = 0; k < exercise.strokes.size(); ++k) {
       const ExerciseStroke& stroke = exercise.strokes[k];
       writer.stroke(stroke.axis, stroke.share * plan.amplitude, stroke.axis < 2 ? translation : rotation);
       const bool last = repetition + 1 == options.repetitions && k + 1 == exercise.strokes.size();
-      writer.rest(last ? kRest_s : options.pause_s);
+      writer.rest(last ? kRestSeconds : options.pause_s);
       if (writer.size() > static_cast<std::size_t>(kMaxReferencePoints)) {
         throw InputError(exercise.name + " would have more than " + std::to_string(kMaxReferencePoints) +
                          " points; plan fewer repetitions or a higher speed");

@@ -23,10 +23,11 @@ Window windowAt(const SeriesShape& shape, double time) {
 
 SeriesBasis seriesBasis(const SeriesShape& shape, double time) {
   const Window w = windowAt(shape, time);
+  const Eigen::Index columns = coefficientColumns(shape);
   SeriesBasis basis;
-  basis.value.resize(2 * shape.harmonics);
-  basis.rate.resize(2 * shape.harmonics);
-  basis.acceleration.resize(2 * shape.harmonics);
+  basis.value.resize(columns);
+  basis.rate.resize(columns);
+  basis.acceleration.resize(columns);
   for (int j = 1; j <= shape.harmonics; ++j) {
     const double omega = 2.0 * 3.14159265358979323846 * j / shape.period_s;
     const double sine = std::sin(omega * time), cosine = std::cos(omega * time);

@@ -76,6 +76,7 @@ std::vector<ConditionAt> conditionsOf(const std::vector<PaperRegressor>& observa
   const Eigen::VectorXd scale = columnScale(all.colwise().squaredNorm().transpose());
   const Eigen::VectorXd scaled = singularValues(all * scale.asDiagonal()), raw = singularValues(all);
   std::vector<ConditionAt> result;
+  result.reserve(directions.size());
   for (const int r : directions)
     result.push_back({r, conditionAt(scaled, r), conditionAt(raw, r)});
   return result;

@@ -17,6 +17,11 @@ struct SeriesShape {
   double duration_s = 20.0;  ///< ramps included
 };
 
+/// A sine and a cosine a harmonic.
+inline Eigen::Index coefficientColumns(const SeriesShape& shape) {
+  return 2 * static_cast<Eigen::Index>(shape.harmonics);
+}
+
 /// What the coefficients are multiplied with at one instant: window times sin(j w t) and cos(j w t), j = 1..harmonics, in this
 /// order of columns (sin_1, cos_1, sin_2, ...), with first and second time derivative.
 struct SeriesBasis {

@@ -14,7 +14,7 @@ inline constexpr double kWideOpenCondition = 1000.0;
 double planningCondition(const Robot& robot);
 
 /// Sign of det(dq/dx) on the branch in which the robot is built: of a level pose over the base (as in
-/// forwardKinematicsFromHome). It is positive for the paper's geometries and may be negative for others.
+/// forwardKinematicsFromHome). It is positive for the paper's final geometry and negative for robot B's.
 double homeBranch(const Robot& robot);
 
 /// The limit that is nearest at `pose`: lengths, joint angles, condition number against `condition_max`. `left` is normalised:
