@@ -8,7 +8,7 @@ namespace knee_robot {
 ZeroPhaseLowPass::ZeroPhaseLowPass(double cutoff_hz, double rate_hz) {
   if (!(cutoff_hz > 0.0) || cutoff_hz >= 0.45 * rate_hz) return;
   active_ = true;
-  padding_ = static_cast<int>(std::ceil(3.0 * rate_hz / cutoff_hz));
+  padding_ = static_cast<int>(std::ceil(6.0 * rate_hz / cutoff_hz));
   edge_ = static_cast<int>(std::ceil(rate_hz / cutoff_hz));
   // Bilinear transform with the cut-off prewarped; the two pole pairs of the 4th-order Butterworth have these quality factors.
   const double k = std::tan(M_PI * cutoff_hz / rate_hz);

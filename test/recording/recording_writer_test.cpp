@@ -1,0 +1,95 @@
+#include "knee_robot/recording/recording_writer.h"
+
+#include <gtest/gtest.h>
+#include <stdlib.h>
+
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <limits>
+
+#include "knee_robot/base/errors.h"
+#include "knee_robot/base/files.h"
+#include "knee_robot/recording/recording.h"
+
+namespace knee_robot {
+namespace {
+
+class RecordingWriterTest : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    char pattern[] = "/tmp/knee_writer_XXXXXX";
+    folder_ = mkdtemp(pattern);
+    path_ = folder_ + "/run.csv";
+  }
+  void TearDown() override { std::filesystem::remove_all(folder_); }
+
+  static RecordingRow row(int k) {
+    RecordingRow r;
+    r.time_s = 0.001 * k;
+    for (int i = 0; i < 4; ++i) {
+      r.reference_m[i] = 0.7 + 1e-6 * k + 0.01 * i;
+      r.position_m[i] = r.reference_m[i] - 5e-6;
+      r.velocity_m_per_s[i] = 0.001 * i;
+      r.command_V[i] = -kDacStep_V * (k % 100);
+      r.force_N[i] = 56.8 * r.command_V[i];
+    }
+    return r;
+  }
+
+  std::string folder_, path_;
+};
+
+TEST_F(RecordingWriterTest, WhatItWritesIsReadBackUnchanged) {
+  RecordingWriter writer(path_, 4);
+  const int rows = 5000;  // several buffers full
+  for (int k = 0; k < rows; ++k)
+    writer.write(row(k));
+  writer.close();
+  EXPECT_EQ(writer.rows(), 5000u);
+  const Recording r = loadRecording(path_);
+  ASSERT_EQ(r.rows(), rows);
+  EXPECT_EQ(r.axes, 4);
+  for (int k = 0; k < rows; k += 7) {
+    EXPECT_NEAR(r.time_s[k], row(k).time_s, 1e-9);
+    EXPECT_NEAR(r.position_m(k, 3), row(k).position_m[3], 1e-9);
+    EXPECT_NEAR(r.velocity_m_per_s(k, 2), 0.002, 1e-9);
+    EXPECT_NEAR(r.command_V(k, 1), row(k).command_V[1], 1e-9);
+  }
+  EXPECT_NO_THROW(commandedForce(r, {56.8, 56.8, 56.8, 56.8}));
+}
+
+TEST_F(RecordingWriterTest, AFileThatWasNeverClosedHoldsWholeLinesOnly) {
+  RecordingWriter writer(path_, 2);
+  for (int k = 0; k < 3000; ++k)
+    writer.write(row(k));
+  const std::string content = readFile(path_);  // as after a crash: what the buffer still holds is not there
+  ASSERT_FALSE(content.empty());
+  EXPECT_EQ(content.back(), '\n');
+  const Recording r = loadRecording(path_);
+  EXPECT_GT(r.rows(), 1000);
+  EXPECT_TRUE(r.notes.empty());
+}
+
+TEST_F(RecordingWriterTest, NeverOverwritesARecording) {
+  RecordingWriter(path_, 4).close();
+  EXPECT_THROW(RecordingWriter(path_, 4), InputError);
+  EXPECT_THROW(RecordingWriter(folder_ + "/missing/run.csv", 4), InputError);
+  EXPECT_THROW(RecordingWriter(folder_ + "/b.csv", 5), InputError);
+}
+
+TEST_F(RecordingWriterTest, RefusesWhatTheReaderWouldRefuse) {
+  RecordingWriter writer(path_, 4);
+  writer.write(row(1));
+  EXPECT_THROW(writer.write(row(1)), InputError);
+  RecordingRow bad = row(2);
+  bad.position_m[2] = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_THROW(writer.write(bad), InputError);
+  writer.write(row(3));
+  writer.close();
+  EXPECT_THROW(writer.write(row(4)), InputError);
+  EXPECT_EQ(loadRecording(path_).rows(), 2);
+}
+
+}  // namespace
+}  // namespace knee_robot
