@@ -157,6 +157,7 @@ Answer ControlSystem::resetFaults() {
     if (!revive(*component)) return {false, component->name() + " cannot be recovered: " + component->refusal()};
   }
   waitUntil([] { return false; }, 0.02);  // a few cycles, so that what is answered is about the recovered components
+  waitFor(MachineState::Disabled, kSafeStop_s);  // a safe stop that still runs; or the latched fault
   if (state() == MachineState::Disabled) return {true, "the components were recovered; the robot is disabled"};
   return request(RequestKind::Reset, kQuick_s);
 }

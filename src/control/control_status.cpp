@@ -3,17 +3,16 @@
 #include "knee_robot/base/numbers.h"
 
 namespace knee_robot {
+namespace {
+
+/// Longer without a word from the Supervisor than any pause of a machine that may be let near the robot.
+constexpr rt::Nanoseconds kSilence = 200'000'000;
+
+}  // namespace
 
 ControlStatus ControlSystem::status() const {
   SupervisorStatus supervisor = supervisorStatus();
-  const rt::TaskState task = parts_->supervisor->state();
-  if (started_ && task != rt::TaskState::Running) {
-    // Its last word is old; AxesOutput makes the safe stop without it.
-    supervisor.state = MachineState::Faulted;
-    supervisor.fault = task == rt::TaskState::FatalError ? Fault::ComponentFatal : Fault::ComponentException;
-    supervisor.fault_axis = 0;
-    supervisor.fault_component = -1;
-  }
+  overrideWhenSilent(supervisor);
   ControlStatus status;
   status.state = supervisor.state;
   status.path_time_s = supervisor.path_time_s;
@@ -28,6 +27,19 @@ ControlStatus ControlSystem::status() const {
   const std::lock_guard<std::mutex> lock(mutex_);
   status.reference = parts_->reference_name;
   return status;
+}
+
+/// The last word of a Supervisor that failed or hangs is old; AxesOutput makes the safe stop without it.
+void ControlSystem::overrideWhenSilent(SupervisorStatus& supervisor) const {
+  if (!started_) return;
+  const rt::TaskState task = parts_->supervisor->state();
+  const bool failed = task != rt::TaskState::Running;
+  if (!failed && deployment_->now() - supervisor.time <= kSilence) return;
+  supervisor.state = MachineState::Faulted;
+  supervisor.fault = Fault::OrdersStale;
+  if (failed) supervisor.fault = task == rt::TaskState::FatalError ? Fault::ComponentFatal : Fault::ComponentException;
+  supervisor.fault_axis = 0;
+  supervisor.fault_component = -1;
 }
 
 void ControlSystem::describeFault(const SupervisorStatus& supervisor, ControlStatus& status) const {

@@ -208,6 +208,7 @@ void Supervisor::publish(rt::Nanoseconds now) {
   ++orders_.sequence;
   orders_.time = now;
   orders.write(orders_);
+  status_.time = now;
   status_.path_time_s = set_point_.path_time_s;
   status_.path_duration_s = set_point_.path_duration_s;
   status_.safe_stops = written_.safe_stops;

@@ -18,8 +18,9 @@ void Supervisor::raise(Fault fault, int axis, int component) noexcept {
 void Supervisor::lookForFaults() {
   lookAtComponents();
   lookAtMeasurement();
-  for (const AxisCommand& command : commands_)
-    raise(command.fault, command.axis);
+  for (const AxisCommand& command : commands_) {
+    raise(command.fault, command.fault == Fault::SetPointStale ? 0 : command.axis);  // Sync serves all four alike
+  }
   raise(written_.fault, written_.fault_axis);
   if (overrun_.exchange(false, std::memory_order_relaxed)) raise(Fault::Overrun, 0);
   if (emergencyInput()) raise(Fault::EmergencyStop, 0);

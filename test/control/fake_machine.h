@@ -53,6 +53,7 @@ class Machine : public hardware::AxisBus {
   struct Axis {
     double mass = 5.0, viscous = 100.0, load_N = 40.0;
     double position = kHome, velocity = 0.0;
+    bool jammed = false;
   };
   /// What went over the wire in one cycle.
   struct Event {
@@ -133,7 +134,7 @@ class Machine : public hardware::AxisBus {
 
   void move(std::size_t i, bool braked, double dt) {
     Axis& axis = axes[i];
-    if (braked) {
+    if (braked || axis.jammed) {
       axis.velocity = 0.0;
       return;
     }

@@ -101,10 +101,10 @@ struct Rig {
     system.run(2.0);
     ASSERT_EQ(system.state(), MachineState::Holding);
   }
-  /// In the middle of a motion of 20 mm in 2 s.
+  /// In the middle of a motion of 30 mm in 2 s.
   void play() {
     hold();
-    const Answer loaded = system.loadReference(smoothReference(kHome, 0.02, 2.0));
+    const Answer loaded = system.loadReference(smoothReference(kHome, 0.03, 2.0));
     ASSERT_TRUE(loaded.ok) << loaded.sentence;
     const Answer played = system.play();
     ASSERT_TRUE(played.ok) << played.sentence;

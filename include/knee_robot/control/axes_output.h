@@ -34,8 +34,8 @@ class AxesOutput : public rt::TaskContext {
   rt::InputPort<AxisCommand> command_4{*this, "command_4", "from the Driver of axis 4"};
   rt::OutputPort<AxesWritten> written{*this, "written", "what the machine got"};
 
-  rt::Property<double> command_timeout{*this, "command_timeout_s", 0.005, "s", 0.001, 0.1, "older commands are stale"};
-  rt::Property<double> orders_timeout{*this, "orders_timeout_s", 0.02, "s", 0.001, 0.1, "older orders are stale"};
+  rt::Property<double> command_timeout{*this, "command_timeout_s", 0.0025, "s", 0.001, 0.1, "older commands are stale"};
+  rt::Property<double> orders_timeout{*this, "orders_timeout_s", 0.0025, "s", 0.001, 0.1, "older orders are stale"};
   rt::Property<double> decelerate_limit{
       *this, "decelerate_limit_s", 1.0, "s", 0.0, 5.0, "longest wait for rest in a safe stop"};
   rt::Property<double> settle_time{*this, "settle_s", 0.05, "s", 0.0, 1.0, "holding at rest before engaging"};

@@ -114,6 +114,7 @@ class ControlSystem {
   Answer playPath(const Points& lengths, const std::string& what);
   bool waitUntil(const std::function<bool()>& done, double timeout_s);
   SupervisorStatus supervisorStatus() const;
+  void overrideWhenSilent(SupervisorStatus& supervisor) const;
   void describeFault(const SupervisorStatus& supervisor, ControlStatus& status) const;
   bool revive(rt::TaskContext& component);
 

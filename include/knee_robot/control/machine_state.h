@@ -51,6 +51,7 @@ struct RequestAnswer {
 struct SupervisorStatus {
   static constexpr std::size_t kAnswers = 8;
 
+  rt::Nanoseconds time = 0;  ///< of the cycle
   MachineState state = MachineState::Disabled;
   Fault fault = Fault::None;
   int fault_axis = 0;                             ///< 1 to 4, 0: none in particular

@@ -1,0 +1,144 @@
+// Nothing allocates in any updateHook, whatever happens: operator new counts while a hook runs.
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+#include <map>
+#include <new>
+
+#include "system_rig.h"
+
+namespace {
+
+thread_local bool armed = false;
+long allocations = 0;
+
+void* counted(std::size_t size) {
+  if (armed) ++allocations;
+  void* memory = std::malloc(size == 0 ? 1 : size);
+  if (memory == nullptr) throw std::bad_alloc();
+  return memory;
+}
+
+}  // namespace
+
+void* operator new(std::size_t size) {
+  return counted(size);
+}
+void* operator new[](std::size_t size) {
+  return counted(size);
+}
+void operator delete(void* memory) noexcept {
+  if (armed) ++allocations;
+  std::free(memory);
+}
+void operator delete[](void* memory) noexcept {
+  operator delete(memory);
+}
+void operator delete(void* memory, std::size_t) noexcept {
+  operator delete(memory);
+}
+void operator delete[](void* memory, std::size_t) noexcept {
+  operator delete(memory);
+}
+
+namespace knee_robot {
+namespace {
+
+using fake::kHome;
+using fake::Rig;
+
+/// Arms the count around every updateHook of `rig` and remembers which components were watched.
+struct Guard {
+  explicit Guard(Rig& rig) : rig_(rig) {
+    allocations = 0;
+    rig.injection.around = [this](const std::string& name, bool begins) {
+      if (begins) {
+        ++updates_[index(name)];
+        armed = true;
+      } else {
+        armed = false;
+      }
+    };
+  }
+  ~Guard() {
+    armed = false;
+    rig_.injection.around = nullptr;
+  }
+  std::size_t index(const std::string& name) {
+    const auto& all = rig_.system.deployment().components();
+    for (std::size_t i = 0; i < all.size(); ++i) {
+      if (all[i]->name() == name) return i;
+    }
+    return updates_.size() - 1;
+  }
+  bool everyComponentRan() const {
+    for (std::size_t i = 0; i < rig_.system.deployment().components().size(); ++i) {
+      if (updates_[i] == 0) return false;
+    }
+    return true;
+  }
+  std::array<int, 32> updates_{};
+  Rig& rig_;
+};
+
+TEST(AllocationGuard, CountsWhatItIsMeantToCount) {
+  armed = true;
+  std::vector<int>* memory = new std::vector<int>(100);
+  delete memory;
+  armed = false;
+  EXPECT_GE(allocations, 4);
+}
+
+TEST(AllocationGuard, FindsNoneFromEnablingToPlayingToTheSafeStop) {
+  Rig rig;
+  ASSERT_TRUE(rig.system.start().ok);
+  Guard guard(rig);
+  ASSERT_TRUE(rig.system.enable().ok);
+  rig.system.run(1.0);
+  ASSERT_TRUE(rig.system.loadReference(fake::smoothReference(kHome, 0.03, 2.0)).ok);
+  ASSERT_TRUE(rig.system.play().ok);
+  rig.system.run(0.5);
+  ASSERT_TRUE(rig.system.stop().ok);
+  rig.system.run(0.5);
+  EXPECT_FALSE(rig.system.play().ok) << "a refusal, too";
+  ASSERT_TRUE(rig.system.disable().ok);
+  EXPECT_TRUE(guard.everyComponentRan());
+  EXPECT_EQ(allocations, 0);
+}
+
+TEST(AllocationGuard, FindsNoneOnTheRoadsOfFaults) {
+  for (const char* silent : {"Sync", "Driver2", "AxesInput", "Supervisor"}) {
+    Rig rig;
+    ASSERT_NO_FATAL_FAILURE(rig.play());
+    Guard guard(rig);
+    rig.injection.silent = silent;
+    rig.system.run(1.0);
+    EXPECT_EQ(allocations, 0) << silent;
+  }
+  Rig rig;
+  ASSERT_NO_FATAL_FAILURE(rig.play());
+  Guard guard(rig);
+  rig.machine.read_status = hardware::IoStatus::Disconnected;
+  rig.machine.volts_status = hardware::IoStatus::Disconnected;
+  rig.system.run(1.0);
+  EXPECT_EQ(allocations, 0);
+}
+
+TEST(AllocationGuard, FindsNoneWhileTheRecorderRuns) {
+  Rig rig;
+  rig.hold();
+  char pattern[] = "/tmp/allocation_test_XXXXXX";
+  const std::string folder = mkdtemp(pattern);
+  ASSERT_TRUE(rig.system.startRecording(folder + "/r.csv").ok);
+  {
+    Guard guard(rig);
+    rig.system.run(0.5);
+  }
+  EXPECT_EQ(allocations, 0);
+  EXPECT_TRUE(rig.system.stopRecording().ok);
+  std::remove((folder + "/r.csv").c_str());
+  std::remove(folder.c_str());
+}
+
+}  // namespace
+}  // namespace knee_robot

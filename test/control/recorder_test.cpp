@@ -1,0 +1,136 @@
+#include "knee_robot/control/recorder.h"
+
+#include <gtest/gtest.h>
+#include <stdlib.h>
+#include <unistd.h>
+
+#include "knee_robot/base/files.h"
+#include "knee_robot/control/recording_drain.h"
+#include "knee_robot/recording/recording.h"
+#include "system_rig.h"
+
+namespace knee_robot {
+namespace {
+
+using fake::Rig;
+
+class RecorderTest : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    char pattern[] = "/tmp/recorder_test_XXXXXX";
+    folder_ = mkdtemp(pattern);
+  }
+  void TearDown() override {
+    ::unlink(path().c_str());
+    ::rmdir(folder_.c_str());
+  }
+  std::string path() const { return folder_ + "/r.csv"; }
+  std::string folder_;
+};
+
+TEST_F(RecorderTest, WritesEveryCycleOfAMotionAsTheMachineGotIt) {
+  Rig rig;
+  rig.hold();
+  ASSERT_TRUE(rig.system.loadReference(fake::smoothReference(fake::kHome, 0.02, 1.0)).ok);
+  ASSERT_TRUE(rig.system.startRecording(path()).ok);
+  EXPECT_FALSE(rig.system.startRecording(path()).ok) << "one at a time";
+  rig.machine.events.clear();
+  ASSERT_TRUE(rig.system.play().ok);
+  ASSERT_TRUE(rig.system.waitFor(MachineState::Playing, 1.0));
+  ASSERT_TRUE(rig.system.waitFor(MachineState::Holding, 2.0));
+  const Answer answer = rig.system.stopRecording();
+  EXPECT_TRUE(answer.ok) << answer.sentence;
+  const Recording recording = loadRecording(path());
+  ASSERT_EQ(static_cast<std::size_t>(recording.rows()), rig.machine.events.size()) << "one row a cycle";
+  ASSERT_GT(recording.rows(), 1000);
+  const Robot robot = fake::robot();
+  for (int row = 0; row < recording.rows(); ++row) {
+    const fake::Machine::Event& event = rig.machine.events[static_cast<std::size_t>(row)];
+    EXPECT_NEAR(recording.time_s[static_cast<std::size_t>(row)], event.time_s, 1e-6);
+    for (int i = 0; i < kAxes; ++i) {
+      const auto axis = static_cast<std::size_t>(i);
+      const double signed_gain = robot.actuators[axis].force_sign * robot.actuators[axis].force_per_volt_N;
+      EXPECT_NEAR(recording.command_V(row, i), event.volts[axis], 1e-6);
+      EXPECT_NEAR(recording.force_N(row, i), signed_gain * event.volts[axis], 1e-3);
+    }
+  }
+  std::vector<double> gains;
+  for (const Actuator& actuator : robot.actuators)
+    gains.push_back(actuator.force_sign * actuator.force_per_volt_N);
+  EXPECT_NO_THROW(commandedForce(recording, gains)) << "force and volts agree";
+  EXPECT_NEAR(recording.reference_m(recording.rows() - 1, 2), fake::kHome + 0.02, 1e-6);
+}
+
+TEST_F(RecorderTest, NeverOverwritesARecording) {
+  Rig rig;
+  rig.hold();
+  writeFileAtomically(path(), "old");
+  const Answer answer = rig.system.startRecording(path());
+  EXPECT_FALSE(answer.ok);
+  EXPECT_NE(answer.sentence.find(path()), std::string::npos);
+  EXPECT_EQ(readFile(path()), "old");
+}
+
+TEST_F(RecorderTest, IsReadableAtAnyMomentBeforeItIsClosed) {
+  Rig rig;
+  rig.hold();
+  ASSERT_TRUE(rig.system.startRecording(path()).ok);
+  rig.system.run(1.0);
+  const Recording recording = loadRecording(path());  // as after a kill: nothing was closed
+  EXPECT_GE(recording.rows(), 900);
+  EXPECT_EQ(rig.system.status().recording, path());
+}
+
+/// A Recorder fed by hand, without anybody draining it.
+struct Feed : rt::TaskContext {
+  Feed() : TaskContext("Feed") {}
+  rt::OutputPort<AxesMeasurement> measurement{*this, "measurement", ""};
+};
+
+TEST_F(RecorderTest, CountsRowsThatTheRingCouldNotTakeAndSaysSo) {
+  Feed feed;
+  Recorder recorder("Recorder");
+  rt::connect(feed.measurement, recorder.measurement);
+  ASSERT_TRUE(recorder.configure());
+  ASSERT_TRUE(recorder.start());
+  RecordingDrain drain(recorder, 4, false);
+  drain.start(path());
+  constexpr std::uint64_t kRows = Recorder::kRingRows + 100;
+  rt::Cycle cycle;
+  cycle.period = 1'000'000;
+  const auto feedRows = [&](std::uint64_t from, std::uint64_t to) {
+    for (std::uint64_t n = from; n <= to; ++n) {
+      AxesMeasurement measurement;
+      measurement.sequence = n;
+      measurement.status = hardware::IoStatus::Ok;
+      cycle.time = measurement.read_at = static_cast<rt::Nanoseconds>(n) * cycle.period;
+      feed.measurement.write(measurement);
+      recorder.update(cycle);
+    }
+  };
+  feedRows(1, kRows);
+  drain.drain();
+  feedRows(kRows + 1, kRows + 10);
+  const RecordingResult result = drain.stop();
+  EXPECT_EQ(result.dropped, 100u);
+  EXPECT_EQ(result.rows, kRows - 100 + 10);
+  EXPECT_EQ(result.skipped, 0u);
+  EXPECT_EQ(static_cast<std::uint64_t>(loadRecording(path()).rows()), result.rows);
+}
+
+TEST_F(RecorderTest, TellsSkippedCyclesFromDroppedRows) {
+  Rig rig;
+  rig.hold();
+  ASSERT_TRUE(rig.system.startRecording(path()).ok);
+  rig.system.run(0.1);
+  auto& servo = dynamic_cast<rt::SteppedActivity&>(*rig.system.deployment().activity("servo"));
+  servo.skip(30);
+  rig.system.run(0.1);
+  EXPECT_EQ(rig.system.state(), MachineState::Holding) << "a pause of 30 ms is no fault";
+  const Answer answer = rig.system.stopRecording();
+  EXPECT_TRUE(answer.ok) << answer.sentence;
+  EXPECT_NE(answer.sentence.find("skipped 30 cycles"), std::string::npos) << answer.sentence;
+}
+
+}  // namespace
+}  // namespace knee_robot

@@ -1,0 +1,130 @@
+// The controller on real threads, with operators, recording and publishing beside it. Meant to be run under ThreadSanitizer too.
+#include <gtest/gtest.h>
+#include <stdlib.h>
+
+#include <atomic>
+#include <cstdio>
+#include <thread>
+
+#include "fake_machine.h"
+#include "knee_robot/base/files.h"
+#include "knee_robot/control/control_system.h"
+#include "knee_robot/recording/recording.h"
+#include "knee_robot/rt/activity.h"
+
+namespace knee_robot {
+namespace {
+
+using fake::kHome;
+
+/// The fake machine moves with the clock.
+class LiveMachine : public fake::Machine {
+ public:
+  explicit LiveMachine(const Robot& robot) : Machine(robot), zero_(rt::monotonicNow()) {}
+  hardware::IoStatus read(hardware::AxisFeedback& feedback) noexcept override {
+    advanceTo(rt::toSeconds(rt::monotonicNow() - zero_));
+    return Machine::read(feedback);
+  }
+
+ private:
+  const rt::Nanoseconds zero_;
+};
+
+std::string deployment(const std::string& folder, bool sync_in_own_activity) {
+  std::string text = readFile(std::string(KNEE_SOURCE_DIR) + "/config/deployment/simulation.yaml");
+  const auto replace = [&](const std::string& from, const std::string& to) {
+    const std::size_t at = text.find(from);
+    EXPECT_NE(at, std::string::npos) << from;
+    text.replace(at, from.size(), to);
+  };
+  replace("priority: 80, overrun_limit: 20", "overrun_limit: 0");  // a loaded test machine is no fault here
+  if (sync_in_own_activity) {
+    replace("components:\n", "  - {name: slow, period_s: 0.01}\ncomponents:\n");
+    replace("type: Sync, activity: servo, period_s: 0.01",
+            "type: Sync, activity: slow, properties: {orders_timeout_s: 1.0}");
+    for (int i = 1; i <= 4; ++i) {
+      const std::string axis = "{axis: " + std::to_string(i) + "}";
+      replace(axis, "{axis: " + std::to_string(i) + ", stale_set_points: 50}");
+    }
+  }
+  const std::string path = folder + "/deployment.yaml";
+  writeFileAtomically(path, text);
+  return path;
+}
+
+class Threads : public ::testing::TestWithParam<bool> {};
+
+TEST_P(Threads, PlayWhileOperatorsAskRecordAndPublish) {
+  char pattern[] = "/tmp/threads_test_XXXXXX";
+  const std::string folder = mkdtemp(pattern);
+  const Robot robot = fake::robot();
+  LiveMachine machine(robot);
+  ControlSystem::Options options;
+  ControlSystem system(robot, fake::hardware(), deployment(folder, GetParam()), machine, options);
+  ASSERT_TRUE(system.start().ok);
+  Answer answer = system.enable();
+  ASSERT_TRUE(answer.ok) << answer.sentence;
+  ASSERT_TRUE(system.startRecording(folder + "/r.csv").ok);
+  ASSERT_TRUE(system.loadReference(fake::smoothReference(kHome, 0.01, 1.0)).ok);
+
+  std::atomic<bool> done{false};
+  std::atomic<int> looks{0};
+  std::thread publisher([&] {
+    while (!done) {
+      looks += system.snapshot().has_value() ? 1 : 0;
+      (void)system.status();
+      std::this_thread::yield();
+    }
+  });
+  std::thread busybody([&] {
+    while (!done) {
+      EXPECT_FALSE(system.enable().ok);
+      EXPECT_FALSE(system.resetFaults().ok);
+      std::this_thread::sleep_for(std::chrono::milliseconds(5));
+    }
+  });
+  EXPECT_TRUE(system.waitFor(MachineState::Holding, 5.0));
+  std::this_thread::sleep_for(std::chrono::milliseconds(700));  // the platform settles after the brakes opened
+  answer = system.play();
+  EXPECT_TRUE(answer.ok) << answer.sentence;
+  EXPECT_TRUE(system.waitFor(MachineState::Holding, 20.0)) << system.status().fault_sentence;
+  EXPECT_NEAR(system.snapshot()->reference_m[0], kHome + 0.01, 1e-3);
+  done = true;
+  publisher.join();
+  busybody.join();
+  answer = system.disable();
+  EXPECT_TRUE(answer.ok) << answer.sentence;
+  answer = system.stopRecording();
+  EXPECT_TRUE(answer.ok) << answer.sentence;
+  std::printf("%s\n", answer.sentence.c_str());
+  EXPECT_TRUE(system.shutdown().ok);
+  EXPECT_GT(looks.load(), 0);
+  EXPECT_EQ(machine.bits, 0u);
+  EXPECT_GT(loadRecording(folder + "/r.csv").rows(), 1000);
+  for (const char* name : {"/r.csv", "/deployment.yaml"})
+    std::remove((folder + name).c_str());
+  std::remove(folder.c_str());
+}
+
+INSTANTIATE_TEST_SUITE_P(Of, Threads, ::testing::Bool(), [](const ::testing::TestParamInfo<bool>& info) {
+  return info.param ? std::string("TwoActivities") : std::string("OneActivity");
+});
+
+TEST(ThreadsAlone, ShutDownSafelyWhenTheControllerIsDestroyedInMotion) {
+  const Robot robot = fake::robot();
+  char pattern[] = "/tmp/threads_test_XXXXXX";
+  const std::string folder = mkdtemp(pattern);
+  LiveMachine machine(robot);
+  {
+    ControlSystem system(robot, fake::hardware(), deployment(folder, false), machine, {});
+    ASSERT_TRUE(system.start().ok);
+    ASSERT_TRUE(system.enable().ok);
+  }
+  EXPECT_EQ(machine.bits, 0u);
+  EXPECT_EQ(machine.volts, AxisValues{});
+  std::remove((folder + "/deployment.yaml").c_str());
+  std::remove(folder.c_str());
+}
+
+}  // namespace
+}  // namespace knee_robot
