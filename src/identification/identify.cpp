@@ -4,7 +4,6 @@
 #include <cmath>
 
 #include "knee_robot/base/errors.h"
-#include "knee_robot/base/files.h"
 #include "knee_robot/base/numbers.h"
 #include "knee_robot/identification/robust_fit.h"
 
@@ -149,7 +148,7 @@ void describeModel(const Robot& robot, const std::vector<Observation>& training,
   model.cutoff_hz = options.cutoff_hz;
   model.moving_m_per_s = options.moving_m_per_s;
   for (const Observation& o : training)
-    model.data.push_back({o.path, fingerprint(readFile(o.path))});
+    model.data.push_back({o.path, o.fingerprint});
 }
 
 }  // namespace

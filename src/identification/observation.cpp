@@ -98,6 +98,10 @@ void maskUnusable(const Robot& robot, const ObservationOptions& options, Observa
   mask(unknown, reach, o.usable);
   mask(singular, reach, o.usable);
   mask(saturated, reach, o.usable);
+  const int edge =
+      std::min(o.samples() / 2, ZeroPhaseLowPass(options.cutoff_hz, 1.0 / o.signals.period_s).edgeSamples());
+  std::fill_n(o.usable.begin(), edge, 0);
+  std::fill_n(o.usable.rbegin(), edge, 0);
   if (robot.mechanism) {
     o.notes.push_back(percent(share(singular)) + " of the samples have a Jacobian condition above " +
                       shortNumber(limit) + " (m, rad) and are masked.");
@@ -138,6 +142,7 @@ Observation observe(const Robot& robot, const std::vector<Column>& columns, cons
   Observation o;
   o.path = recording.path;
   o.name = recording.name;
+  o.fingerprint = recording.fingerprint;
   o.row_time_s = recording.time_s;
   o.row_force_N = commandedForce(recording, forcePerVolt(robot));
   o.signals = resample(recording, o.row_force_N, options.signals);

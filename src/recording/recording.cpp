@@ -259,6 +259,7 @@ Recording parseRecording(const std::string& content, const std::string& path) {
   Recording r;
   r.path = path;
   r.name = std::filesystem::path(path).stem().string();
+  r.fingerprint = fingerprint(content);
   r.axes = countAxes(header);
   Columns columns = findColumns(header, r.axes);
   readRows(rest, header.count(), path, columns, r.notes);

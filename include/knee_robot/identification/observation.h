@@ -29,14 +29,15 @@ struct ObservationOptions {
 struct Observation {
   std::string path;
   std::string name;
+  std::string fingerprint;         ///< of the recording
   std::vector<double> row_time_s;  ///< of the recording's rows
   Eigen::MatrixXd row_force_N;     ///< commanded, one row per row of the recording
   Signals signals;
   MotionPath motion;
   std::vector<Eigen::MatrixXd> regressor;  ///< per actuator: samples x columns; Coulomb columns by setCoulombWidth
   Eigen::MatrixXd force_filtered_N;        ///< signals.force_N, low-passed
-  std::vector<char> usable;                ///< not in a gap, near a singular pose or saturated
-  std::vector<char> moving;                ///< every axis faster than the limit (velocity low-passed at cutoff_hz)
+  std::vector<char> usable;  ///< not in a gap, near a singular pose, saturated, or at an end of the recording
+  std::vector<char> moving;  ///< every axis faster than the limit (velocity low-passed at cutoff_hz)
   Eigen::Matrix<char, Eigen::Dynamic, Eigen::Dynamic> axis_moving;  ///< the same for each axis alone
   double saturated_share = 0.0;                                     ///< of the samples
   std::vector<std::string> notes;

@@ -11,6 +11,7 @@ namespace knee_robot {
 struct Recording {
   std::string path;            ///< as given to loadRecording
   std::string name;            ///< file name without folder and ".csv": NAME of prediction_NAME.csv
+  std::string fingerprint;     ///< of the file's bytes
   int axes = 0;                ///< number of actuators, from the position_i_m columns
   std::vector<double> time_s;  ///< strictly increasing
   Eigen::MatrixXd position_m;

@@ -1,0 +1,143 @@
+#include "knee_robot/identification/identify.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <random>
+
+#include "knee_robot/base/errors.h"
+#include "knee_robot/identification/evaluation.h"
+#include "test/identification/synthetic.h"
+
+namespace knee_robot {
+namespace {
+
+std::vector<Observation> observeOne(const Robot& robot, const Recording& r, const IdentifyOptions& options) {
+  std::vector<Observation> list;
+  list.push_back(observe(robot, columnsOf(robot), r, options.observation));
+  return list;
+}
+
+TEST(Identify, RecoversKnownFrictionAndPredictsAnotherTrajectory) {
+  const Robot robot = syntheticRobot();
+  const Model truth = syntheticModel(robot);
+  std::mt19937 random(11);
+  std::normal_distribution<double> normal(0.0, 0.5);
+  const auto noise = [&] { return normal(random); };
+  const IdentifyOptions options;
+  auto train = observeOne(robot, syntheticRecording(robot, truth, 0, 60.0, noise), options);
+  auto validate = observeOne(robot, syntheticRecording(robot, truth, 1, 30.0, noise), options);
+  const Identification id = identify(robot, train, options);
+  for (const char* leg : {"13", "23", "33", "42"}) {
+    const std::string coulomb = std::string("Fc_") + leg, viscous = std::string("Fv_") + leg;
+    EXPECT_NEAR(parameterValue(id.model, coulomb), parameterValue(truth, coulomb),
+                0.03 * parameterValue(truth, coulomb));
+    EXPECT_NEAR(parameterValue(id.model, viscous), parameterValue(truth, viscous),
+                0.1 * parameterValue(truth, viscous));
+  }
+  const Applied applied = applyModel(id.model, robot, validate, options.observation.cutoff_hz);
+  // What cannot be explained: the filtered noise (0.1 N) and the friction's reversals seen through 100 Hz samples.
+  EXPECT_LT(applied.accuracy.rms_moving_N.maxCoeff(), 0.6);
+  EXPECT_LT(applied.accuracy.rms_percent.maxCoeff(), 2.0);
+}
+
+TEST(Identify, StandardErrorsCoverTheTruth) {
+  const Robot robot = syntheticBench(3);
+  const Model truth = syntheticModel(robot);
+  std::mt19937 random(5);
+  std::normal_distribution<double> normal(0.0, 2.0);
+  const IdentifyOptions options;
+  auto train = observeOne(robot, syntheticRecording(robot, truth, 0, 60.0, [&] { return normal(random); }), options);
+  const Identification id = identify(robot, train, options);
+  for (const ModelParameter& p : id.model.parameters) {
+    EXPECT_GT(p.std, 0.0) << p.name;
+    EXPECT_NEAR(p.value, parameterValue(truth, p.name), 6.0 * p.std + 0.01 * std::abs(p.value)) << p.name;
+  }
+}
+
+TEST(Identify, WorksForBenchAxesOfAnyNumber) {
+  for (int axes = 1; axes <= 4; ++axes) {
+    const Robot robot = syntheticBench(axes);
+    const Model truth = syntheticModel(robot);
+    const IdentifyOptions options;
+    auto train = observeOne(robot, syntheticRecording(robot, truth, 0, 40.0), options);
+    const Identification id = identify(robot, train, options);
+    EXPECT_EQ(id.model.rank, 4 * axes);
+    for (const ModelParameter& p : truth.parameters) {
+      EXPECT_NEAR(parameterValue(id.model, p.name), p.value, 0.03 * std::abs(p.value)) << p.name;
+    }
+  }
+}
+
+TEST(Identify, NeverMakesFrictionOrRotorInertiaNegative) {
+  const Robot robot = syntheticBench(2);
+  Model truth = syntheticModel(robot);
+  truth.parameters[0].value = -50.0;  // a viscous coefficient that no friction has
+  const IdentifyOptions options;
+  auto train = observeOne(robot, syntheticRecording(robot, truth, 0, 40.0), options);
+  const Identification id = identify(robot, train, options);
+  EXPECT_EQ(id.model.parameters[0].value, 0.0);
+  EXPECT_EQ(id.model.parameters[0].verdict, "at its bound");
+  EXPECT_GT(id.model.parameters[1].value, 0.0);
+}
+
+TEST(Identify, OutliersHardlyMoveTheRobustFit) {
+  const Robot robot = syntheticBench(1);
+  const Model truth = syntheticModel(robot);
+  const IdentifyOptions options;
+  Recording r = syntheticRecording(robot, truth, 0, 60.0);
+  for (int k = 1000; k < 1040; ++k)
+    r.force_N(k, 0) += 400.0;  // something pushed
+  auto train = observeOne(robot, r, options);
+  const Identification id = identify(robot, train, options);
+  EXPECT_NEAR(parameterValue(id.model, "Fc_1"), parameterValue(truth, "Fc_1"), 0.03 * parameterValue(truth, "Fc_1"));
+  EXPECT_NEAR(parameterValue(id.model, "offset_1"), parameterValue(truth, "offset_1"), 0.5);
+}
+
+TEST(Identify, RefusesDataThatCannotSupportAModel) {
+  const Robot robot = syntheticBench(2);
+  const Model truth = syntheticModel(robot);
+  const IdentifyOptions options;
+
+  Recording still = syntheticRecording(robot, truth, 0, 20.0);
+  still.position_m.col(1).setConstant(0.2);
+  auto motionless = observeOne(robot, still, options);
+  try {
+    identify(robot, motionless, options);
+    FAIL() << "an axis stands still";
+  } catch (const Refusal& refusal) {
+    EXPECT_NE(std::string(refusal.what()).find("actuator 2 never moves"), std::string::npos) << refusal.what();
+  }
+
+  auto brief = observeOne(robot, syntheticRecording(robot, truth, 0, 1.0), options);
+  EXPECT_THROW(identify(robot, brief, options), Refusal);
+
+  Recording loud = syntheticRecording(robot, truth, 0, 20.0);
+  loud.force_N.setConstant(1000.0);  // 10 V times 100 N/V
+  auto saturated = observeOne(robot, loud, options);
+  EXPECT_THROW(identify(robot, saturated, options), Refusal);
+}
+
+TEST(Observe, RefusesARecordingOfAnotherRobot) {
+  const Robot robot = syntheticRobot();
+  const Robot bench = syntheticBench(4);
+  const IdentifyOptions options;
+  const Recording from_bench = syntheticRecording(bench, syntheticModel(bench), 0, 5.0);  // positions of 0.13 to 0.27 m
+  EXPECT_THROW(observe(robot, columnsOf(robot), from_bench, options.observation), Refusal);
+  const Robot two = syntheticBench(2);
+  EXPECT_THROW(observe(two, columnsOf(two), from_bench, options.observation), InputError);
+}
+
+TEST(Observe, MasksPosesBeyondTheConditionLimit) {
+  const Robot robot = syntheticRobot();
+  IdentifyOptions options;
+  options.observation.condition_max = 1.0;  // no pose is that good
+  const Observation o =
+      observe(robot, columnsOf(robot), syntheticRecording(robot, syntheticModel(robot), 0, 5.0), options.observation);
+  for (const char usable : o.usable)
+    ASSERT_EQ(usable, 0);
+  EXPECT_NE(o.notes[1].find("100 %"), std::string::npos) << o.notes[1];
+}
+
+}  // namespace
+}  // namespace knee_robot
