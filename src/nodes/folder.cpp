@@ -20,10 +20,8 @@ std::string Folder::existingFile(const std::string& name) const {
   std::error_code error;
   const fs::path resolved = fs::canonical(fs::path(path_) / name, error);
   if (error) throw InputError(name + ": " + error.message() + "; files are looked up in " + path_);
-  const auto [end_of_folder, unused] =
-      std::mismatch(fs::path(path_).begin(), fs::path(path_).end(), resolved.begin(), resolved.end());
-  static_cast<void>(unused);
-  if (end_of_folder != fs::path(path_).end()) {
+  const fs::path folder(path_);
+  if (std::mismatch(folder.begin(), folder.end(), resolved.begin(), resolved.end()).first != folder.end()) {
     throw InputError(name + ": lies outside the folder " + path_ + "; copy it there or configure another folder");
   }
   if (!fs::is_regular_file(resolved)) throw InputError(name + ": is not a regular file");
