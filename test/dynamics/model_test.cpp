@@ -1,0 +1,177 @@
+#include "knee_robot/dynamics/model.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <random>
+
+#include "knee_robot/base/errors.h"
+#include "knee_robot/dynamics/rigid_body.h"
+
+namespace knee_robot {
+namespace {
+
+Robot parallelRobot() {
+  Robot robot;
+  robot.path = "r.yaml";
+  robot.fingerprint = "00ff";
+  Geometry g;
+  g.R = {0.4, 0.4, 0.4};
+  g.ds = 0.15;
+  g.beta_FD = M_PI / 2;
+  g.beta_FI = M_PI / 4;
+  g.Rm = {0.3, 0.3, 0.3};
+  g.beta_MD = 0.872664;
+  g.beta_MI = M_PI / 2;
+  robot.mechanism = Mechanism(g);
+  robot.actuators.assign(4, Actuator());
+  return robot;
+}
+
+Model someModel(const Robot& robot, unsigned seed) {
+  std::mt19937 random(seed);
+  std::normal_distribution<double> normal;
+  Model m;
+  m.kind = robot.kind;
+  m.axes = robot.axes();
+  m.robot_fingerprint = robot.fingerprint;
+  m.data = {{"a \"strange\" \\ name.csv", "12ab"}, {"b.csv", "34cd"}};
+  m.cutoff_hz = 3.0;
+  m.moving_m_per_s = 0.0015;
+  m.rank = 28;
+  for (int i = 0; i < m.axes; ++i) {
+    m.coulomb_width_m.push_back(1e-5 * (i + 1));
+    m.residual_rms_N.push_back(std::abs(normal(random)));
+  }
+  const auto names = robot.mechanism ? extendedParameterNames() : axisParameterNames(m.axes);
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    ModelParameter p;
+    p.name = names[i];
+    p.unit = "kg m^2";
+    p.value = normal(random) / 3.0;
+    if (i % 3 == 0) {
+      p.std = std::abs(normal(random));
+      p.verdict = "weakly identified";
+    }
+    m.parameters.push_back(p);
+  }
+  for (int d = 0; d < 3; ++d) {
+    BaseParameter b;
+    b.value = normal(random);
+    b.std = 0.1;
+    for (std::size_t i = 0; i < names.size(); ++i)
+      b.weights.push_back(normal(random));
+    m.base.push_back(b);
+  }
+  return m;
+}
+
+TEST(ModelFile, IsReadBackExactly) {
+  const Robot robot = parallelRobot();
+  const Model m = someModel(robot, 1);
+  const Model r = parseModel(modelToYaml(m), "model.yaml");
+  EXPECT_EQ(r.kind, m.kind);
+  EXPECT_EQ(r.rank, m.rank);
+  EXPECT_EQ(r.data[0].file, m.data[0].file);
+  EXPECT_EQ(r.data[1].fingerprint, "34cd");
+  EXPECT_EQ(r.coulomb_width_m, m.coulomb_width_m);
+  EXPECT_EQ(r.residual_rms_N, m.residual_rms_N);
+  ASSERT_EQ(r.parameters.size(), m.parameters.size());
+  for (std::size_t i = 0; i < m.parameters.size(); ++i) {
+    EXPECT_EQ(r.parameters[i].name, m.parameters[i].name);
+    EXPECT_EQ(r.parameters[i].value, m.parameters[i].value);
+    EXPECT_EQ(std::isnan(r.parameters[i].std), std::isnan(m.parameters[i].std));
+    EXPECT_EQ(r.parameters[i].verdict, m.parameters[i].verdict);
+  }
+  ASSERT_EQ(r.base.size(), 3u);
+  EXPECT_EQ(r.base[2].weights, m.base[2].weights);
+  EXPECT_EQ(modelToYaml(r), modelToYaml(m));
+}
+
+TEST(ModelFile, RefusesWhatItDoesNotUnderstand) {
+  const std::string good = modelToYaml(someModel(parallelRobot(), 2));
+  const auto with = [&](const std::string& from, const std::string& to) {
+    std::string text = good;
+    text.replace(text.find(from), from.size(), to);
+    return text;
+  };
+  EXPECT_NO_THROW(parseModel(good, "m.yaml"));
+  EXPECT_THROW(parseModel(with("format: 1", "format: 2"), "m.yaml"), InputError);
+  EXPECT_THROW(parseModel(with("cutoff_hz", "cutof_hz"), "m.yaml"), InputError);
+  EXPECT_THROW(parseModel(with("rank: 28", "rank: many"), "m.yaml"), InputError);
+  EXPECT_THROW(parseModel(with("\"Fc_13\"", "\"Fc_99\""), "m.yaml"), InputError);
+  EXPECT_THROW(parseModel(with("\"Fc_13\"", "\"Fv_13\""), "m.yaml"), InputError);
+  EXPECT_THROW(parseModel(with("axes: 4", "axes: 3"), "m.yaml"), InputError);
+  EXPECT_THROW(parseModel(good.substr(0, good.size() / 2), "m.yaml"), InputError);
+  EXPECT_THROW(parseModel("", "m.yaml"), InputError);
+}
+
+TEST(ModelFile, BelongsToOneRobotFile) {
+  Robot robot = parallelRobot();
+  const Model m = someModel(robot, 3);
+  EXPECT_NO_THROW(requireModelOf(m, "m.yaml", robot));
+  robot.fingerprint = "beef";
+  EXPECT_THROW(requireModelOf(m, "m.yaml", robot), InputError);
+  robot.fingerprint = m.robot_fingerprint;
+  robot.kind = MechanismKind::Axes;
+  EXPECT_THROW(requireModelOf(m, "m.yaml", robot), InputError);
+}
+
+TEST(CoulombMemory, IsTheSignWhileMovingAndKeepsItAtRest) {
+  CoulombMemory memory;
+  EXPECT_DOUBLE_EQ(memory.step(0.0, 1e-4), 0.0);
+  EXPECT_DOUBLE_EQ(memory.step(3e-5, 1e-4), 0.3);
+  EXPECT_DOUBLE_EQ(memory.step(1e-2, 1e-4), 1.0);
+  EXPECT_DOUBLE_EQ(memory.step(0.0, 1e-4), 1.0);
+  EXPECT_DOUBLE_EQ(memory.step(-5e-5, 1e-4), 0.5);
+  EXPECT_DOUBLE_EQ(memory.step(-1.0, 1e-4), -1.0);
+}
+
+TEST(ForceFromModel, EqualsTheRegressorTimesTheParametersWhileEveryAxisMovesOn) {
+  const Robot robot = parallelRobot();
+  const Model m = someModel(robot, 4);
+  const ForceModel force_model(m, robot);
+  ExtendedParameters parameters;
+  for (int i = 0; i < extended::kParameters; ++i)
+    parameters[i] = m.parameters[static_cast<std::size_t>(i)].value;
+  ForceModelData data;
+  RegressorData regressor;
+  ExtendedRegressor row;
+  // Straight up at 0.1 m/s with some acceleration: all legs lengthen, so that sign(v) is 1 for all.
+  for (int k = 0; k < 20; ++k) {
+    Motion motion;
+    motion.pose = Pose(0.0, 0.65 + 0.001 * k, 0.05, 0.02);
+    motion.pose_velocity = Vector4(0.0, 0.1, 0.0, 0.0);
+    motion.pose_acceleration = Vector4(0.0, 0.3, 0.0, 0.0);
+    const Vector4 q = legLengths(*robot.mechanism, motion.pose);
+    ASSERT_TRUE(extendedRegressor(*robot.mechanism, robot.gravity, motion, regressor, row));
+    const Vector4 v = regressor.motion.lengthVelocity();
+    ASSERT_GT(v.minCoeff(), 0.0);
+    Vector4 force;
+    ASSERT_TRUE(forceFromModel(force_model, q, v, regressor.motion.lengthAcceleration(), motion, data, force));
+    if (k > 0) {
+      EXPECT_LT((force - row * parameters).cwiseAbs().maxCoeff(), 1e-9);
+    }
+  }
+}
+
+TEST(ForceFromModel, TreatsBenchAxesOneByOne) {
+  Robot robot;
+  robot.kind = MechanismKind::Axes;
+  robot.actuators.assign(2, Actuator());
+  const Model m = someModel(robot, 5);
+  const ForceModel force_model(m, robot);
+  ForceModelData data;
+  Vector4 force = Vector4::Zero();
+  const Vector4 v(0.1, -0.2, 0.0, 0.0), a(1.0, 2.0, 0.0, 0.0);
+  forceFromModel(force_model, Vector4::Zero(), v, a, {}, data, force);
+  forceFromModel(force_model, Vector4(0.01, -0.01, 0, 0), v, a, {}, data, force);
+  for (int i = 0; i < 2; ++i) {
+    const auto p = [&](int k) { return m.parameters[static_cast<std::size_t>(4 * i + k)].value; };
+    EXPECT_NEAR(force[i], p(0) * v[i] + p(1) * (v[i] > 0 ? 1.0 : -1.0) + p(2) * a[i] + p(3), 1e-12);
+  }
+  EXPECT_EQ(force[2], 0.0);
+}
+
+}  // namespace
+}  // namespace knee_robot

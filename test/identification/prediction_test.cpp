@@ -1,0 +1,91 @@
+#include "knee_robot/identification/prediction.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "knee_robot/identification/evaluation.h"
+#include "test/identification/synthetic.h"
+
+namespace knee_robot {
+namespace {
+
+TEST(Prediction, IsFiniteForEveryRowEvenAcrossGapsJitterAndUnreachableLengths) {
+  const Robot robot = syntheticRobot();
+  const Model model = syntheticModel(robot);
+  Recording r = syntheticRecording(robot, model, 0, 20.0);
+  for (int k = 0; k < r.rows(); ++k)
+    r.time_s[k] += (k % 3) * 0.002 + (k > 900 ? 0.3 : 0.0);
+  for (int k = 500; k < 520; ++k)
+    r.position_m(k, 0) = 3.0;  // no pose has such a leg
+  const ObservationOptions options;
+  const Observation o = observe(robot, columnsOf(robot), r, options);
+  const Prediction p = makePrediction(o, predictForce(model, robot, o.signals, o.motion), options.cutoff_hz);
+  ASSERT_EQ(p.row_force_N.rows(), r.rows());
+  EXPECT_TRUE(p.row_force_N.allFinite());
+  EXPECT_TRUE(p.force_filtered_N.allFinite());
+}
+
+TEST(Prediction, DoesNotDependOnTheRecordedForces) {
+  const Robot robot = syntheticRobot();
+  const Model model = syntheticModel(robot);
+  Recording r = syntheticRecording(robot, model, 1, 10.0);
+  const ObservationOptions options;
+  const Observation with = observe(robot, columnsOf(robot), r, options);
+  r.force_N.setConstant(-7.0);
+  const Observation without = observe(robot, columnsOf(robot), r, options);
+  EXPECT_EQ(predictForce(model, robot, with.signals, with.motion),
+            predictForce(model, robot, without.signals, without.motion));
+}
+
+TEST(Prediction, OfTheTrueModelMatchesEachRowsForce) {
+  const Robot robot = syntheticRobot();
+  const Model model = syntheticModel(robot);
+  const Recording r = syntheticRecording(robot, model, 0, 30.0);
+  ObservationOptions options;
+  options.signals.motion_cutoff_hz = 20.0;
+  const Observation o = observe(robot, columnsOf(robot), r, options);
+  const Prediction p = makePrediction(o, predictForce(model, robot, o.signals, o.motion), options.cutoff_hz);
+  const Eigen::MatrixXd error = (p.row_force_N - r.force_N).cwiseAbs();
+  int compared = 0;
+  for (int n = 30; n + 30 < o.samples(); ++n) {  // grid sample n is row n here
+    if (o.signals.velocity_m_per_s.row(n).cwiseAbs().minCoeff() < 0.005)
+      continue;  // the friction step lies between samples
+    EXPECT_LT(error.row(n).maxCoeff(), 0.5) << "row " << n;
+    ++compared;
+  }
+  EXPECT_GT(compared, r.rows() / 2);
+}
+
+TEST(Accuracy, ComputesTheFiguresOfTheReport) {
+  const Robot robot = syntheticBench(1);
+  const Model model = syntheticModel(robot);
+  const ObservationOptions options;
+  std::vector<Observation> list = {
+      observe(robot, columnsOf(robot), syntheticRecording(robot, model, 0, 20.0), options)};
+  const Observation& o = list[0];
+  const Prediction shifted = makePrediction(o, o.signals.force_N.array() + 3.0, options.cutoff_hz);
+  const Accuracy a = accuracyOf(list, {shifted});
+  EXPECT_NEAR(a.rms_N[0], 3.0, 1e-9);
+  EXPECT_NEAR(a.rms_moving_N[0], 3.0, 1e-9);
+  EXPECT_NEAR(a.max_N[0], 3.0, 1e-9);
+  EXPECT_NEAR(a.rms_percent[0], 300.0 / std::sqrt(o.force_filtered_N.squaredNorm() / o.samples()), 1e-9);
+  EXPECT_NEAR(a.range_percent[0], 300.0 / (o.force_filtered_N.maxCoeff() - o.force_filtered_N.minCoeff()), 1e-9);
+  EXPECT_EQ(a.samples, o.samples());
+  EXPECT_GT(a.moving_samples, 0);
+}
+
+TEST(Accuracy, SaysNothingAboutMovingSamplesWhereThereAreNone) {
+  const Robot robot = syntheticBench(2);
+  const Model model = syntheticModel(robot);
+  Recording r = syntheticRecording(robot, model, 0, 20.0);
+  r.position_m.col(1).setConstant(0.2);
+  const ObservationOptions options;
+  std::vector<Observation> list = {observe(robot, columnsOf(robot), r, options)};
+  const Accuracy a = accuracyOf(list, {makePrediction(list[0], list[0].signals.force_N, options.cutoff_hz)});
+  EXPECT_EQ(a.moving_samples, 0);
+  EXPECT_TRUE(std::isnan(a.rms_moving_N[0]));
+}
+
+}  // namespace
+}  // namespace knee_robot

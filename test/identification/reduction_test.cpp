@@ -1,0 +1,136 @@
+#include "knee_robot/identification/reduction.h"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/QR>
+#include <random>
+
+#include "knee_robot/identification/rank.h"
+
+namespace knee_robot {
+namespace {
+
+Eigen::MatrixXd randomMatrix(int rows, int columns, unsigned seed) {
+  std::mt19937 random(seed);
+  std::normal_distribution<double> normal;
+  Eigen::MatrixXd m(rows, columns);
+  for (double& value : m.reshaped())
+    value = normal(random);
+  return m;
+}
+
+/// Two columns with a physical sign, four others of which one repeats another and one does not occur.
+std::vector<Column> sixColumns() {
+  return {{"Fv", "", ColumnRole::Viscous, 0}, {"r1", "", ColumnRole::Rigid, -1}, {"r2", "", ColumnRole::Rigid, -1},
+          {"Fc", "", ColumnRole::Coulomb, 0}, {"r3", "", ColumnRole::Rigid, -1}, {"r4", "", ColumnRole::Rigid, -1}};
+}
+
+Eigen::MatrixXd sixColumnData(unsigned seed) {
+  Eigen::MatrixXd a = randomMatrix(200, 6, seed);
+  a.col(2) = -2.0 * a.col(1);
+  a.col(5).setZero();
+  a.col(3) *= 1e4;  // badly scaled
+  return a;
+}
+
+TEST(Compress, KeepsTheLeastSquaresProblem) {
+  const Eigen::MatrixXd a = randomMatrix(500, 8, 1);
+  const Eigen::VectorXd b = randomMatrix(500, 1, 2);
+  const Eigen::MatrixXd t = compress(a, b);
+  EXPECT_EQ(t.rows(), 9);
+  const Eigen::VectorXd full = a.colPivHouseholderQr().solve(b);
+  const Eigen::VectorXd small = t.leftCols(8).colPivHouseholderQr().solve(t.col(8));
+  EXPECT_LT((full - small).norm(), 1e-10);
+  EXPECT_NEAR((a * full - b).norm(), (t.leftCols(8) * full - t.col(8)).norm(), 1e-9);
+}
+
+TEST(Reduce, FindsTheRankLeavesOutWhatDoesNotOccurAndSolvesExactly) {
+  const Eigen::MatrixXd a = sixColumnData(3);
+  Eigen::VectorXd truth(6);
+  truth << 2.0, 1.0, 0.5, 3e-4, -4.0, 100.0;
+  const Reduction r = reduce(compress(a, a * truth), 200, sixColumns(), std::vector<char>(6, 1));
+  EXPECT_EQ(r.minimalRank(), 2);
+  EXPECT_EQ(r.maximalRank(), 4);  // two kept, r1 or r2, r3
+  const Eigen::VectorXd p = toParameters(r, solveReduced(r, 4));
+  EXPECT_LT((a * p - a * truth).norm(), 1e-8);
+  EXPECT_NEAR(p[0], 2.0, 1e-9);
+  EXPECT_NEAR(p[3], 3e-4, 1e-12);
+  EXPECT_EQ(p[5], 0.0);
+}
+
+TEST(Reduce, LeavesOutColumnsThatAreNotUsed) {
+  const Eigen::MatrixXd a = sixColumnData(4);
+  const Reduction r = reduce(compress(a, a.col(1)), 200, sixColumns(), {0, 1, 1, 0, 1, 1});
+  EXPECT_EQ(r.minimalRank(), 0);
+  EXPECT_EQ(r.maximalRank(), 2);
+  EXPECT_EQ(toParameters(r, solveReduced(r, 2))[0], 0.0);
+}
+
+TEST(BoundedLeastSquares, SatisfiesTheOptimalityConditionsOnRandomProblems) {
+  for (unsigned seed = 0; seed < 300; ++seed) {
+    const Eigen::MatrixXd x = randomMatrix(30, 8, seed) + Eigen::MatrixXd::Constant(30, 8, 0.5);
+    const Eigen::VectorXd y = randomMatrix(30, 1, seed + 1000);
+    const int bounded = 5;
+    const Eigen::VectorXd z = boundedLeastSquares(x, y, bounded);
+    const Eigen::VectorXd pull = x.transpose() * (y - x * z);
+    for (int i = 0; i < 8; ++i) {
+      if (i < bounded && z[i] == 0.0) {
+        EXPECT_LE(pull[i], 1e-7) << "seed " << seed;
+      } else {
+        EXPECT_NEAR(pull[i], 0.0, 1e-7) << "seed " << seed;
+      }
+      if (i < bounded) {
+        EXPECT_GE(z[i], 0.0);
+      }
+    }
+  }
+}
+
+/// Equations of ten blocks over 20 columns of quickly falling strength, of which the first `alive` matter.
+Equations fallingEquations(int alive, double noise, unsigned seed) {
+  Equations e;
+  e.axes = 1;
+  e.blocks = 10;
+  e.a = randomMatrix(600, 20, seed);
+  Eigen::MatrixXd mixing = randomMatrix(20, 20, seed + 1).householderQr().householderQ();
+  Eigen::VectorXd strength(20);
+  for (int i = 0; i < 20; ++i)
+    strength[i] = std::pow(0.5, i);
+  Eigen::VectorXd direction = Eigen::VectorXd::Zero(20);
+  direction.head(alive).setOnes();
+  const Eigen::VectorXd signal = e.a * (strength.array() * direction.array() / strength.array()).matrix();
+  e.a = e.a * strength.asDiagonal() * mixing.transpose();
+  e.b = signal + noise * randomMatrix(600, 1, seed + 2);
+  for (int row = 0; row < 600; ++row) {
+    e.actuator.push_back(0);
+    e.block.push_back(row / 60);
+    e.second.push_back(row / 10);
+  }
+  return e;
+}
+
+TEST(ChooseRank, KeepsTheDirectionsThatMatterAndFewMore) {
+  std::vector<Column> columns(20, Column{"r", "", ColumnRole::Rigid, -1});
+  int exact = 0;
+  for (unsigned seed = 0; seed < 20; ++seed) {
+    const RankChoice choice = chooseRank(fallingEquations(6, 1.0, 10 * seed), columns, std::vector<char>(20, 1));
+    EXPECT_GE(choice.rank, 6) << seed;
+    EXPECT_LE(choice.rank, 12) << seed;
+    exact += choice.rank <= 8;
+    EXPECT_EQ(choice.curve.front().rank, 0);
+    EXPECT_EQ(choice.curve.back().rank, 20);
+  }
+  EXPECT_GE(exact, 12);
+}
+
+TEST(ChooseRank, TrainingErrorFallsWithRank) {
+  std::vector<Column> columns(20, Column{"r", "", ColumnRole::Rigid, -1});
+  const RankChoice choice = chooseRank(fallingEquations(6, 1.0, 77), columns, std::vector<char>(20, 1));
+  for (std::size_t k = 1; k < choice.curve.size(); ++k) {
+    EXPECT_LE(choice.curve[k].training, choice.curve[k - 1].training + 1e-9);
+    EXPECT_GE(choice.curve[k].beyond_best, 0.0);
+  }
+}
+
+}  // namespace
+}  // namespace knee_robot
