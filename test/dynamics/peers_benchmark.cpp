@@ -6,7 +6,7 @@
 #include <kdl_parser/kdl_parser.hpp>
 
 #include "test/dynamics/peer_states.h"
-#include "test/dynamics/simbody_robot.h"
+#include "knee_robot/simulation/simbody_robot.h"
 
 namespace {
 

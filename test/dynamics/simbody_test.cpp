@@ -7,7 +7,7 @@
 #include "knee_robot/dynamics/inverse_dynamics.h"
 #include "knee_robot/mechanism/singularity.h"
 #include "test/dynamics/random_robots.h"
-#include "test/dynamics/simbody_robot.h"
+#include "knee_robot/simulation/simbody_robot.h"
 
 namespace knee_robot {
 namespace {

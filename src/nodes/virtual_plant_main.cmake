@@ -1,0 +1,1 @@
+target_link_libraries(virtual_plant_program PRIVATE knee_simbody)

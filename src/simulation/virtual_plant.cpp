@@ -1,0 +1,79 @@
+#include "knee_robot/simulation/virtual_plant.h"
+
+namespace knee_robot {
+namespace {
+
+/// Joint of a JointVector that each of the eleven pairs of eq. (22) belongs to: 13 12 11 23 22 21 33 32 31 42 41.
+constexpr std::array<int, 11> kFrictionJoints = {2, 1, 0, 5, 4, 3, 8, 7, 6, 10, 9};
+
+double sign(double v) {
+  return v > 0.0 ? 1.0 : (v < 0.0 ? -1.0 : 0.0);
+}
+
+/// Force of the friction on each joint.
+JointVector frictionForces(const FrictionParameters& friction, const JointVector& rates) {
+  JointVector forces = JointVector::Zero();
+  for (std::size_t k = 0; k < kFrictionJoints.size(); ++k) {
+    const int joint = kFrictionJoints[k];
+    const Eigen::Index at = 2 * static_cast<Eigen::Index>(k);
+    forces[joint] = -friction[at] * rates[joint] - friction[at + 1] * sign(rates[joint]);
+  }
+  return forces;
+}
+
+Vector3 sphericalTorque(const JointFriction& friction, const Vector3& rate) {
+  const double speed = rate.norm();
+  if (speed == 0.0) return Vector3::Zero();
+  return -(friction.viscous + friction.coulomb / speed) * rate;
+}
+
+}  // namespace
+
+FrictionParameters equalFriction(const JointFriction& actuators, const JointFriction& passive) {
+  FrictionParameters result;
+  for (std::size_t k = 0; k < kFrictionJoints.size(); ++k) {
+    const int joint = kFrictionJoints[k];
+    bool actuated = false;
+    for (const int other : kActuatedJoints)
+      actuated = actuated || joint == other;
+    const JointFriction& friction = actuated ? actuators : passive;
+    result.segment<2>(2 * static_cast<Eigen::Index>(k)) << friction.viscous, friction.coulomb;
+  }
+  return result;
+}
+
+VirtualPlant::VirtualPlant(const Mechanism& mechanism, const Vector3& gravity, const RobotInertia& inertia,
+                           const Pose& start, const VirtualPlantParameters& parameters)
+    : robot_(mechanism, gravity, inertia), parameters_(parameters) {
+  Motion rest;
+  rest.pose = start;
+  robot_.set(coordinateMotion(mechanism, rest));
+}
+
+bool VirtualPlant::follow(const AxisMotion& motion, VirtualPlantOutput& output) {
+  if (!robot_.follow(motion)) return false;
+  const JointVector rates = robot_.rates();
+  const JointVector friction = frictionForces(parameters_.friction, rates);
+  const std::array<Vector3, 3> turning = robot_.sphericalRates();
+  std::array<Vector3, 3> torques;
+  output.friction_power_W = friction.dot(rates);
+  for (std::size_t i = 0; i < 3; ++i) {
+    torques[i] = sphericalTorque(parameters_.spherical, turning[i]);
+    output.friction_power_W += torques[i].dot(turning[i]);
+  }
+  output.force = robot_.actuatorForces(friction, torques) + parameters_.rotor_mass.cwiseProduct(motion.acceleration);
+  output.motor_power_W = output.force.dot(motion.velocity);
+  return output.force.allFinite();
+}
+
+double VirtualPlant::energy() const {
+  const JointVector rates = robot_.rates();
+  double rotors = 0.0;
+  for (int i = 0; i < kLegs; ++i) {
+    const double rate = rates[kActuatedJoints[static_cast<std::size_t>(i)]];
+    rotors += 0.5 * parameters_.rotor_mass[i] * rate * rate;
+  }
+  return robot_.energy() + rotors;
+}
+
+}  // namespace knee_robot
