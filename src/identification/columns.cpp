@@ -25,7 +25,7 @@ const char* unitOf(ColumnRole role) {
 
 }  // namespace
 
-std::vector<Column> columnsOf(const Robot& robot) {
+std::vector<Column> columnsOf(const Robot& robot, bool joint_friction) {
   std::vector<Column> columns;
   if (robot.kind == MechanismKind::Axes) {
     const std::vector<std::string> names = axisParameterNames(robot.axes());
@@ -38,6 +38,11 @@ std::vector<Column> columnsOf(const Robot& robot) {
   const std::vector<std::string>& names = extendedParameterNames();
   for (int i = 0; i < kInertialParameters; ++i) {
     columns.push_back({names[static_cast<std::size_t>(i)], rigidUnit(i), ColumnRole::Rigid, -1});
+  }
+  for (int i = 0; joint_friction && i < extended::kPassiveFrictionCount; ++i) {
+    const bool viscous = i % 2 == 0;
+    columns.push_back({names[static_cast<std::size_t>(extended::kPassiveFriction + i)], viscous ? "N m s/rad" : "N m",
+                       ColumnRole::JointFriction, -1});
   }
   const std::pair<ColumnRole, int> blocks[] = {{ColumnRole::Viscous, extended::kViscous},
                                                {ColumnRole::Coulomb, extended::kCoulomb},

@@ -56,8 +56,7 @@ void refuseTooShort(const std::vector<Observation>& training, const Equations& e
 std::vector<char> usedColumns(const std::vector<Column>& columns, bool friction) {
   std::vector<char> use(columns.size(), 1);
   for (std::size_t c = 0; c < columns.size(); ++c) {
-    const bool is_friction = columns[c].role == ColumnRole::Viscous || columns[c].role == ColumnRole::Coulomb;
-    if (is_friction && !friction) use[c] = 0;
+    if (columns[c].isFriction() && !friction) use[c] = 0;
   }
   return use;
 }
@@ -155,7 +154,7 @@ void describeModel(const Robot& robot, const std::vector<Observation>& training,
 
 Identification identify(const Robot& robot, std::vector<Observation>& training, const IdentifyOptions& options) {
   Identification id;
-  id.columns = columnsOf(robot);
+  id.columns = columnsOf(robot, options.joint_friction);
   refuseMotionless(training, options.observation);
   refuseSaturated(training);
   const std::vector<char> use = usedColumns(id.columns, options.friction);

@@ -18,13 +18,13 @@ std::string percent(double share) {
   return shortNumber(100.0 * share, 3) + " %";
 }
 
-/// Regressor rows of the parallel robot. Where the pose is not known the row before is kept; such samples are masked.
+/// Regressor rows of the parallel robot, with the joints' friction or without. Where the pose is not known the row before is kept;
+/// such samples are masked.
 void fillParallel(const Robot& robot, Observation& o) {
   RegressorData data;
   ExtendedRegressor row = ExtendedRegressor::Zero();
   ExtendedRegressor last = row;
-  constexpr int kFriction = extended::kViscous;
-  constexpr int kOwn = extended::kParameters - extended::kViscous;
+  const Eigen::Index own = o.regressor.front().cols() - kInertialParameters;
   for (int n = 0; n < o.samples(); ++n) {
     const std::size_t i = static_cast<std::size_t>(n);
     const bool known =
@@ -37,7 +37,7 @@ void fillParallel(const Robot& robot, Observation& o) {
     for (int leg = 0; leg < kLegs; ++leg) {
       Eigen::MatrixXd& regressor = o.regressor[static_cast<std::size_t>(leg)];
       regressor.row(n).head(kInertialParameters) = last.row(leg).head(kInertialParameters);
-      regressor.row(n).tail(kOwn) = last.row(leg).segment(kFriction, kOwn);
+      regressor.row(n).tail(own) = last.row(leg).tail(own);
     }
   }
 }

@@ -70,7 +70,8 @@ Eigen::VectorXd boundedLeastSquares(const Eigen::MatrixXd& x, const Eigen::Vecto
     for (int i = 0; i < x.cols(); ++i) {
       if (!at_bound[static_cast<std::size_t>(i)]) free.push_back(i);
     }
-    const Eigen::VectorXd solution = pickColumns(x, free).colPivHouseholderQr().solve(y);
+    Eigen::VectorXd solution;  // a factorization without columns is not defined
+    if (!free.empty()) solution = pickColumns(x, free).colPivHouseholderQr().solve(y);
     z.setZero();
     int worst = -1;
     for (std::size_t k = 0; k < free.size(); ++k) {
