@@ -34,9 +34,9 @@ class Driver : public rt::TaskContext {
   rt::OutputPort<AxisCommand> command{*this, "command", "to AxesOutput"};
 
   rt::Property<int> axis{*this, "axis", 1, "", 1, kAxes, "actuator that is driven"};
-  rt::Property<double> proportional{*this, "proportional_N_per_m", 20000.0, "N/m", 0.0, 1e6, "P"};
-  rt::Property<double> integral{*this, "integral_N_per_m_s", 60000.0, "N/(m s)", 0.0, 1e7, "I"};
-  rt::Property<double> derivative{*this, "derivative_N_s_per_m", 800.0, "N s/m", 0.0, 1e5, "D"};
+  rt::Property<double> proportional{*this, "proportional_N_per_m", 40000.0, "N/m", 0.0, 1e6, "P"};
+  rt::Property<double> integral{*this, "integral_N_per_m_s", 200000.0, "N/(m s)", 0.0, 1e7, "I"};
+  rt::Property<double> derivative{*this, "derivative_N_s_per_m", 1200.0, "N s/m", 0.0, 1e5, "D"};
   rt::Property<double> derivative_cutoff{*this,  "derivative_cutoff_hz",    80.0, "Hz", 1.0,
                                          1000.0, "low-pass of the velocity"};
   rt::Property<double> following_floor{
