@@ -1,0 +1,66 @@
+#include "src/nodes/program.h"
+
+#include <gtest/gtest.h>
+
+#include <stdexcept>
+
+#include "knee_robot/base/errors.h"
+
+namespace knee_robot {
+namespace {
+
+struct Outcome {
+  int status = 0;
+  std::string out, error;
+};
+
+Outcome runWith(std::vector<const char*> arguments, const std::function<int()>& body) {
+  CLI::App app("does something", "thing");
+  int number = 0;
+  app.add_option("--number", number)->required();
+  arguments.insert(arguments.begin(), "thing");
+  Outcome outcome;
+  ::testing::internal::CaptureStdout();
+  ::testing::internal::CaptureStderr();
+  outcome.status = runProgram(app, static_cast<int>(arguments.size()), arguments.data(), body);
+  outcome.out = ::testing::internal::GetCapturedStdout();
+  outcome.error = ::testing::internal::GetCapturedStderr();
+  return outcome;
+}
+
+TEST(RunProgram, ReturnsWhatTheBodyReturns) {
+  const Outcome o = runWith({"--number", "1"}, [] { return 0; });
+  EXPECT_EQ(o.status, 0);
+  EXPECT_EQ(o.error, "");
+}
+
+TEST(RunProgram, MapsFailuresToStatusesAndOneLine) {
+  const Outcome input = runWith({"--number", "1"}, []() -> int { throw InputError("file.csv:3: bad\nvalue"); });
+  EXPECT_EQ(input.status, 2);
+  EXPECT_EQ(input.error, "thing: file.csv:3: bad value\n");
+  EXPECT_EQ(runWith({"--number", "1"}, []() -> int { throw Refusal("too short"); }).status, 3);
+  const Outcome other = runWith({"--number", "1"}, []() -> int { throw std::out_of_range("vector"); });
+  EXPECT_EQ(other.status, 1);
+  EXPECT_EQ(other.error, "thing: unexpected failure: vector\n");
+}
+
+TEST(RunProgram, RefusesABadCommandLineWithOneLineAndStatusTwo) {
+  for (const std::vector<const char*>& arguments : {std::vector<const char*>{},
+                                                    {"--number"},
+                                                    {"--number", "x"},
+                                                    {"--number", "1", "--what"},
+                                                    {"--number", "1", "extra"}}) {
+    const Outcome o = runWith(arguments, [] { return 0; });
+    EXPECT_EQ(o.status, 2);
+    EXPECT_EQ(std::count(o.error.begin(), o.error.end(), '\n'), 1) << o.error;
+  }
+}
+
+TEST(RunProgram, ShowsHelp) {
+  const Outcome o = runWith({"--help"}, [] { return 5; });
+  EXPECT_EQ(o.status, 0);
+  EXPECT_NE(o.out.find("does something"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace knee_robot
