@@ -71,9 +71,13 @@ Answer ControlSystem::start() {
     return {false, error.what()};
   }
   started_ = true;
-  const bool alive =
-      waitUntil([this] { return snapshot().has_value() && status().state == MachineState::Disabled; }, 1.0);
-  if (!alive) return {false, "the components started, but the machine is not ready: " + status().fault_sentence};
+  const auto settled = [this] {
+    const MachineState now = state();
+    return snapshot().has_value() && (now == MachineState::Disabled || now == MachineState::Faulted);
+  };
+  if (!waitUntil(settled, 1.0)) return {false, "the components started, but nothing is measured"};
+  const ControlStatus now = status();
+  if (now.state == MachineState::Faulted) return {true, "started with a fault, drives off: " + now.fault_sentence};
   return {true, "ready: drives off, hold devices engaged"};
 }
 

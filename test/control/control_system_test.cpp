@@ -190,6 +190,16 @@ TEST(ControlSystem, LatchesTheEmergencyStopsInputUntilItIsReleasedAndReset) {
   EXPECT_TRUE(rig.system.resetFaults().ok);
 }
 
+TEST(ControlSystem, StartsFaultedWhileTheEmergencyStopIsPressed) {
+  HardwareFile hardware = fake::hardware();
+  hardware.emergency_stop_clear_bit = 1;
+  Rig rig(hardware);
+  rig.machine.inputs = 0;
+  EXPECT_TRUE(rig.system.start().ok);
+  EXPECT_EQ(rig.system.state(), MachineState::Faulted);
+  EXPECT_FALSE(rig.system.enable().ok);
+}
+
 TEST(ControlSystem, UnwrapsCountersAndKeepsSignsApart) {
   Rig rig;
   rig.play();

@@ -42,7 +42,7 @@ struct ControlStatus {
 
 /// The whole controller: components from a deployment file on a robot, a hardware file and an axis bus, and the operator's
 /// commands. No ROS. Functions may be called from several ordinary threads; none is real-time. Commands wait for the machine's
-/// answer, at most about 2 s.
+/// answer: enable() and disable() until it is done, play(), approach() and stop() until it has begun.
 ///
 /// Stepped execution: commands execute as many cycles as their answer takes, through step(), so the plant moves on too.
 class ControlSystem {
@@ -61,7 +61,8 @@ class ControlSystem {
   /// shutdown().
   ~ControlSystem();
 
-  /// Self test of the bus (drives off, hold devices engaged), then all components are started. Ends in Disabled.
+  /// Self test of the bus (drives off, hold devices engaged), then all components are started. Ends in Disabled, or Faulted
+  /// where a fault is there from the beginning (an emergency stop that is pressed): ok, but the sentence says so.
   Answer start();
   /// Safe stop if anything moves or holds, recording closed, components stopped in reverse. Can not be undone.
   Answer shutdown();

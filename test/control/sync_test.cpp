@@ -1,0 +1,193 @@
+#include "knee_robot/control/sync.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "fake_machine.h"
+
+namespace knee_robot {
+namespace {
+
+using fake::kHome;
+
+struct Feed : rt::TaskContext {
+  Feed() : TaskContext("Feed") {}
+  rt::OutputPort<Orders> orders{*this, "orders", ""};
+  rt::OutputPort<AxesMeasurement> measurement{*this, "measurement", ""};
+  rt::InputPort<SetPoint> set_point{*this, "set_point", ""};
+};
+
+/// Sync alone, once in 10 ms; checks of every set point that it continues the last one.
+class SyncTest : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    rt::connect(feed.orders, sync.orders);
+    rt::connect(feed.measurement, sync.measurement);
+    rt::connect(sync.set_point, feed.set_point);
+    ASSERT_TRUE(sync.configure() && sync.start());
+    orders.drivers_active = true;
+    measured.status = hardware::IoStatus::Ok;
+    measured.position_m.fill(kHome);
+  }
+  /// `distance` on all axes in `seconds`, from home.
+  void load(double distance, double seconds) {
+    const Reference reference = fake::smoothReference(kHome, distance, seconds);
+    points.clear();
+    for (Eigen::Index k = 0; k < reference.points.rows(); ++k) {
+      AxisValues point{};
+      for (std::size_t i = 0; i < kAxes; ++i)
+        point[i] = reference.points(k, static_cast<Eigen::Index>(i));
+      points.push_back(point);
+    }
+    sync.store().offer(ReferencePath::of(points));
+  }
+  const SetPoint& tick() {
+    now += 10'000'000;
+    orders.time = now;
+    if (orders_come) feed.orders.write(orders);
+    feed.measurement.write(measured);
+    rt::Cycle cycle;
+    cycle.time = now;
+    cycle.period = 10'000'000;
+    sync.update(cycle);
+    const SetPoint last = out;
+    EXPECT_EQ(feed.set_point.read(out), rt::FlowStatus::NewData) << "one every period, idle or not";
+    EXPECT_EQ(out.sequence, last.sequence + 1);
+    if (out.run == last.run && last.phase != SyncPhase::Idle && out.phase != SyncPhase::Idle) {
+      EXPECT_EQ(out.from_m, last.to_m);
+      EXPECT_EQ(out.from_velocity, last.to_velocity);
+    }
+    return out;
+  }
+
+  Sync sync{"Sync", fake::robot()};
+  Feed feed;
+  Orders orders;
+  AxesMeasurement measured;
+  SetPoint out;
+  std::vector<AxisValues> points;
+  bool orders_come = true;
+  rt::Nanoseconds now = 0;
+};
+
+TEST_F(SyncTest, StreamsEveryPointOnItsTickWithoutAGapAndHoldsTheLast) {
+  load(0.02, 1.0);
+  EXPECT_EQ(tick().phase, SyncPhase::Idle);
+  ++orders.play;
+  for (std::size_t k = 0; k + 1 < points.size(); ++k) {
+    tick();
+    ASSERT_EQ(out.phase, SyncPhase::Playing);
+    for (std::size_t i = 0; i < kAxes; ++i) {
+      EXPECT_NEAR(out.from_m[i], points[k][i], 1e-12) << k;
+      EXPECT_NEAR(out.to_m[i], points[k + 1][i], 1e-12) << k;
+    }
+  }
+  for (int k = 0; k < 5; ++k) {
+    EXPECT_EQ(tick().phase, SyncPhase::Holding);
+    EXPECT_EQ(out.to_m, points.back());
+    EXPECT_EQ(out.to_velocity, AxisValues{});
+  }
+}
+
+TEST_F(SyncTest, RefusesWithAxisAndDistanceAwayFromTheFirstPoint) {
+  ++orders.play;
+  tick();
+  EXPECT_EQ(out.refusal, PlayRefusal::NoReference);
+  load(0.02, 1.0);
+  measured.position_m[2] += 0.0031;
+  ++orders.play;
+  tick();
+  EXPECT_EQ(out.phase, SyncPhase::Idle);
+  EXPECT_EQ(out.refused_run, orders.play);
+  EXPECT_EQ(out.refusal, PlayRefusal::NotAtStart);
+  EXPECT_EQ(out.refused_axis, 3);
+  EXPECT_NEAR(out.refused_distance_m, 0.0031, 1e-12);
+  measured.position_m[2] = std::nan("");
+  ++orders.play;
+  EXPECT_EQ(tick().phase, SyncPhase::Idle) << "not a number is not near";
+}
+
+TEST_F(SyncTest, SlowsDownAlongThePathInTheGivenTime) {
+  load(0.04, 2.0);
+  ++orders.play;
+  for (int k = 0; k < 100; ++k)
+    tick();
+  orders.stop_path = true;
+  int ticks = 0;
+  double last_scale = 1.0;
+  while (tick().phase == SyncPhase::Stopping) {
+    ++ticks;
+    EXPECT_LE(out.time_scale, last_scale);
+    EXPECT_GE(out.time_scale, last_scale - 0.0334);
+    last_scale = out.time_scale;
+    EXPECT_EQ(out.to_m[0], out.to_m[3]) << "on the path";
+  }
+  EXPECT_NEAR(ticks, 30, 1) << "0.3 s";
+  EXPECT_EQ(out.phase, SyncPhase::Holding);
+  const AxisValues held = out.to_m;
+  orders.stop_path = false;
+  load(0.01, 1.0);
+  for (int k = 0; k < 20; ++k)
+    EXPECT_EQ(tick().to_m, held) << "a newly loaded reference moves nothing";
+}
+
+TEST_F(SyncTest, TakesLongerToStopWhereTheAccelerationLimitDemandsIt) {
+  sync.stop_time_s.set(0.05);
+  load(0.4, 2.7);  // up to 0.28 m/s; half of 5 m/s2 gives 0.11 s
+  ++orders.play;
+  for (int k = 0; k < 135; ++k)
+    tick();
+  orders.stop_path = true;
+  double hardest = 0.0;
+  while (tick().phase == SyncPhase::Stopping) {
+    hardest = std::max(hardest, std::abs(out.to_velocity[0] - out.from_velocity[0]) / 0.01);
+  }
+  EXPECT_GT(hardest, 2.0);
+  EXPECT_LT(hardest, 5.0);
+}
+
+TEST_F(SyncTest, StopsByItselfWhenOrdersDoNotComeAnyMore) {
+  load(0.04, 2.0);
+  ++orders.play;
+  for (int k = 0; k < 100; ++k)
+    tick();
+  orders_come = false;
+  for (int k = 0; k < 60; ++k)
+    tick();
+  EXPECT_EQ(out.phase, SyncPhase::Holding);
+  EXPECT_LT(out.path_time_s, 1.5);
+}
+
+TEST_F(SyncTest, ForgetsWhatItPlayedWhenTheDriversAreOff) {
+  load(0.04, 2.0);
+  ++orders.play;
+  for (int k = 0; k < 100; ++k)
+    tick();
+  orders.drivers_active = false;
+  EXPECT_EQ(tick().phase, SyncPhase::Idle);
+  orders.drivers_active = true;
+  for (int k = 0; k < 5; ++k)
+    EXPECT_EQ(tick().phase, SyncPhase::Idle);
+}
+
+TEST_F(SyncTest, GoesOnWhereItWasAfterAPauseOfTheMachine) {
+  load(0.04, 2.0);
+  ++orders.play;
+  for (int k = 0; k < 50; ++k)
+    tick();
+  now += 30'000'000;  // the machine slept; tick() checks continuity
+  tick();
+  EXPECT_NEAR(out.path_time_s, 0.5, 1e-9);
+}
+
+TEST_F(SyncTest, HoldsAtOnceAReferenceOfASinglePoint) {
+  sync.store().offer(ReferencePath::of({AxisValues{kHome, kHome, kHome, kHome}}));
+  ++orders.play;
+  EXPECT_EQ(tick().phase, SyncPhase::Holding);
+  EXPECT_EQ(out.run, orders.play);
+  EXPECT_EQ(out.to_m[1], kHome);
+}
+
+}  // namespace
+}  // namespace knee_robot
