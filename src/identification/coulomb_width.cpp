@@ -8,7 +8,7 @@
 namespace knee_robot {
 namespace {
 
-constexpr double kCounts = 2.0;     ///< narrowest width
+constexpr double kCounts = 0.25;    ///< narrowest width
 constexpr double kWidest_m = 1e-3;  ///< beyond this it would be a spring, not a friction step
 
 /// Usable samples of all training recordings, low-passed: the actuator's residual without its own friction, and

@@ -1,5 +1,6 @@
 #include "knee_robot/identification/motion_path.h"
 
+#include <cmath>
 #include <limits>
 
 #include "knee_robot/base/errors.h"
@@ -52,7 +53,8 @@ MotionPath followPath(const Robot& robot, const Signals& signals) {
   }
   if (lost == n) {
     throw Refusal("the geometry of " + robot.path + " reaches none of the recorded lengths (first: " +
-                  shortNumber(signals.position_m(0, 0)) + " m for actuator 1); is this recording from that robot?");
+                  shortNumber(std::round(1e6 * signals.position_m(0, 0)) / 1e6) +
+                  " m for actuator 1); is this recording from that robot?");
   }
   return path;
 }

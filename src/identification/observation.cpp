@@ -13,6 +13,8 @@ namespace knee_robot {
 namespace {
 
 constexpr double kSaturation = 0.999;  ///< of the largest command
+constexpr double kWideOpen = 1e6;
+constexpr double kUsualCondition = 60.0;
 
 std::string percent(double share) {
   return shortNumber(100.0 * share, 3) + " %";
@@ -85,9 +87,7 @@ void maskUnusable(const Robot& robot, const ObservationOptions& options, Observa
   const std::size_t n = static_cast<std::size_t>(o.samples());
   const int reach = static_cast<int>(0.25 / (options.cutoff_hz * o.signals.period_s));
   std::vector<char> unknown(n), singular(n);
-  const double limit =
-      std::min(options.condition_max,
-               robot.singularity_condition_max > 0.0 ? robot.singularity_condition_max : options.condition_max);
+  const double limit = conditionLimit(robot, options);
   for (std::size_t i = 0; i < n; ++i) {
     unknown[i] = !o.signals.known[i];
     singular[i] = robot.mechanism && (!o.motion.pose_known[i] || o.motion.condition[i] > limit);
@@ -128,6 +128,12 @@ void findMoving(const ObservationOptions& options, Observation& o) {
 }
 
 }  // namespace
+
+double conditionLimit(const Robot& robot, const ObservationOptions& options) {
+  if (options.condition_max > 0.0) return options.condition_max;
+  const bool open = !(robot.singularity_condition_max > 0.0 && robot.singularity_condition_max < kWideOpen);
+  return open ? kUsualCondition : robot.singularity_condition_max;
+}
 
 std::vector<double> forcePerVolt(const Robot& robot) {
   std::vector<double> factors;

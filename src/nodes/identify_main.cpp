@@ -32,18 +32,24 @@ void declare(CLI::App& app, Arguments& a) {
                  "slower axes do not count as moving (0.0015)")
       ->check(CLI::Range(0.0, 10.0));
   app.add_option("--condition-max", a.options.observation.condition_max,
-                 "poses with a worse condition of the Jacobian (m, rad) are masked (60)")
+                 "poses with a worse condition of the Jacobian (m, rad) are masked (the robot file's margin, 60 if "
+                 "that is wide open)")
       ->check(CLI::Range(1.0, 1e12));
+  app.add_flag(
+      "--joint-friction", a.options.joint_friction,
+      "friction of the legs' passive joints too, as in the paper's eq. (22); needs a motion that tells it from "
+      "the actuators'");
   app.add_option("--rank", a.options.rank, "keep this many directions instead of choosing on the training data")
       ->check(CLI::Range(1, 1000));
 }
 
 std::vector<Observation> observeAll(const Robot& robot, const std::vector<std::string>& files,
-                                    const ObservationOptions& options) {
+                                    const IdentifyOptions& options) {
   std::vector<Observation> observations;
   for (const std::string& file : files) {
     std::cerr << "reading " << file << std::endl;
-    observations.push_back(observe(robot, columnsOf(robot), loadRecording(file), options));
+    observations.push_back(
+        observe(robot, columnsOf(robot, options.joint_friction), loadRecording(file), options.observation));
   }
   return observations;
 }
@@ -60,9 +66,8 @@ void refuseEqualNames(const std::vector<Observation>& observations) {
 }
 
 int frictionColumns(const std::vector<Column>& columns) {
-  return static_cast<int>(std::count_if(columns.begin(), columns.end(), [](const Column& c) {
-    return c.role == ColumnRole::Viscous || c.role == ColumnRole::Coulomb;
-  }));
+  return static_cast<int>(
+      std::count_if(columns.begin(), columns.end(), [](const Column& c) { return c.isFriction(); }));
 }
 
 /// A recording that the model was fitted to cannot judge it.
@@ -89,8 +94,8 @@ int run(const Arguments& a, const std::string& command_line) {
   r.options.observation.setCutoff(a.cutoff_hz);
   refuseTrainingAgain(a);
   const Robot robot = loadRobot(a.robot);
-  r.train = observeAll(robot, a.train, r.options.observation);
-  r.validate = observeAll(robot, a.validate, r.options.observation);
+  r.train = observeAll(robot, a.train, r.options);
+  r.validate = observeAll(robot, a.validate, r.options);
   refuseEqualNames(r.validate);
 
   std::cerr << "fitting" << std::endl;

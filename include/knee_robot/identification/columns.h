@@ -8,7 +8,7 @@
 namespace knee_robot {
 
 /// What a column of the linear model stands for.
-enum class ColumnRole { Rigid, Viscous, Coulomb, Rotor, Offset };
+enum class ColumnRole { Rigid, JointFriction, Viscous, Coulomb, Rotor, Offset };
 
 /// One column of the linear model that is identified.
 struct Column {
@@ -17,14 +17,16 @@ struct Column {
   ColumnRole role = ColumnRole::Rigid;
   int actuator = -1;  ///< -1: concerns all actuators
   /// Parameters with a physical sign are kept apart from the rank truncation and never become negative.
-  bool isNonNegative() const {
-    return role == ColumnRole::Viscous || role == ColumnRole::Coulomb || role == ColumnRole::Rotor;
+  bool isNonNegative() const { return isFriction() || role == ColumnRole::Rotor; }
+  bool isFriction() const {
+    return role == ColumnRole::JointFriction || role == ColumnRole::Viscous || role == ColumnRole::Coulomb;
   }
 };
 
-/// Columns that are identified for this robot. Parallel robot: 90 rigid, then viscous, Coulomb, rotor and offset of the four
-/// actuators. The joints' own friction is left out: on recordings of real robots of this kind it is hardly told apart from the
-/// actuators' friction, and made the error on another trajectory larger. Bench axes: viscous, Coulomb, rotor, offset per axis.
-std::vector<Column> columnsOf(const Robot& robot);
+/// Columns that are identified for this robot. Parallel robot: 90 rigid, with `joint_friction` viscous and Coulomb friction of the
+/// legs' seven passive joints (eq. (22)-(23)), then viscous, Coulomb, rotor and offset of the four actuators. The joints' own
+/// friction is left out unless asked for: on recordings of real robots of this kind it is hardly told apart from the actuators'
+/// friction, and made the error on another trajectory larger. Bench axes: viscous, Coulomb, rotor, offset per axis.
+std::vector<Column> columnsOf(const Robot& robot, bool joint_friction = false);
 
 }  // namespace knee_robot

@@ -12,8 +12,9 @@ namespace knee_robot {
 /// Everything that identification may be told.
 struct IdentifyOptions {
   ObservationOptions observation;
-  bool friction = true;  ///< false: a model without actuator friction, to show what friction explains
-  int rank = 0;          ///< 0: chosen on the training data
+  bool friction = true;         ///< false: a model without any friction, to show what friction explains
+  bool joint_friction = false;  ///< friction of the legs' passive joints too; `training` must be observed with it
+  int rank = 0;                 ///< 0: chosen on the training data
 };
 
 /// A fitted model, and what its choices rest on. Nothing in here depends on validation data.

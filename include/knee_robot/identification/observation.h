@@ -14,7 +14,7 @@ namespace knee_robot {
 struct ObservationOptions {
   double cutoff_hz = 3.0;          ///< zero-phase low-pass of both sides of the equation
   double moving_m_per_s = 0.0015;  ///< an axis slower than this does not count as moving
-  double condition_max = 60.0;     ///< poses with a worse condition of dq/dx (m, rad) are masked
+  double condition_max = 0.0;      ///< poses with a worse condition of dq/dx (m, rad) are masked; 0: see conditionLimit
   SignalOptions signals;
 
   /// Sets the cut-off, and that of the positions to three times as much: wide enough that the second filter decides, narrow
@@ -45,6 +45,9 @@ struct Observation {
   int samples() const { return signals.samples(); }
   int axes() const { return static_cast<int>(regressor.size()); }
 };
+
+/// The limit in force: that of the options, else the robot file's margin, else (when that is wide open, above 1e6) 60.
+double conditionLimit(const Robot& robot, const ObservationOptions& options);
 
 /// Signed force per volt of every actuator.
 std::vector<double> forcePerVolt(const Robot& robot);
