@@ -64,9 +64,9 @@ wait_for_state() {
   while ((SECONDS < end)); do
     state=$(robot_state)
     [[ $state != "$1" ]] || return 0
-    if [[ $state == Faulted ]]; then
+    if [[ $state == faulted ]]; then
       timeout 20 rosservice call /controller/get_state >&2
-      fail "the robot is in state Faulted, see the cause above"
+      fail "the robot is in state faulted, see the cause above"
     fi
     sleep 0.5
   done

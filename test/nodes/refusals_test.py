@@ -28,7 +28,7 @@ class Refusals(unittest.TestCase):
         self.assertFalse(answer.success, answer.message)
         for word in words:
             self.assertIn(word, answer.message)
-        self.assertEqual("Disabled", self.robot.state().state)
+        self.assertEqual("disabled", self.robot.state().state)
         self.assertEqual("", self.robot.state().reference_file)
         self.assertEqual(self.home, list(self.robot.tracking().position_m), "something moved")
         self.assertFalse(self.robot.trigger("start").success)

@@ -41,7 +41,7 @@ class RobotClient:
         end = time.monotonic() + seconds
         while True:
             state = self.state()
-            if state.state in (wanted, "Faulted") or time.monotonic() > end:
+            if state.state in (wanted, "faulted") or time.monotonic() > end:
                 return state
             time.sleep(0.2)
 
