@@ -19,7 +19,7 @@ h1{font-size:1.6em;margin-bottom:.2em}h2{font-size:1.25em;margin-top:2em;border-
 table{border-collapse:collapse;margin:.6em 0;font-variant-numeric:tabular-nums}
 th,td{padding:.2em .8em;text-align:right;border-bottom:1px solid #e3e3e3}
 th{font-weight:600;border-bottom:1px solid #999}td:first-child,th:first-child{text-align:left}
-tr.group td{font-weight:600;background:#f4f4f4}td.text{text-align:left}
+tr.group td{font-weight:600;background:#f4f4f4}td.text,th.text{text-align:left}
 svg{width:100%;height:auto;display:block;font:12px system-ui,sans-serif;fill:#333}
 svg .grid{stroke:#e6e6e6}svg .frame{fill:none;stroke:#888}svg .line{fill:none;stroke-width:1.4}
 svg .shade{fill:#f3efe2}svg .marker{stroke:#333;stroke-dasharray:4 3}
@@ -159,7 +159,7 @@ std::string rankSection(const IdentifyResults& r) {
 std::string parameterSection(const Identification& id) {
   std::string out =
       "<h2>Parameters</h2>\n<table><tr><th>parameter</th><th>value</th><th>standard "
-      "error</th><th>unit</th><th>verdict</th></tr>\n";
+      "error</th><th class=\"text\">unit</th><th class=\"text\">verdict</th></tr>\n";
   int silent = 0;
   for (const ModelParameter& p : id.model.parameters) {
     if (!std::isfinite(p.std)) {
@@ -167,7 +167,7 @@ std::string parameterSection(const Identification& id) {
       continue;
     }
     out += "<tr><td>" + escapeHtml(p.name) + "</td><td>" + shortNumber(p.value, 4) + "</td><td>" +
-           shortNumber(p.std, 2) + "</td><td class=\"text\">" + p.unit + "</td><td class=\"text\">" + p.verdict +
+           shortNumber(p.std, 3) + "</td><td class=\"text\">" + p.unit + "</td><td class=\"text\">" + p.verdict +
            "</td></tr>\n";
   }
   out += "</table>\n<p>" + std::to_string(silent) + " other parameters appear only in the " +
