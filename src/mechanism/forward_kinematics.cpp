@@ -49,9 +49,13 @@ void limitStep(Vector4& step) {
   if (excess > 1.0) step /= excess;
 }
 
-/// Exact condition only when the cheap bound (Frobenius norms, at most 4 times too large) does not settle it.
-bool nearSingular(const Matrix4& jacobian) {
-  const double bound = jacobian.norm() * jacobian.inverse().norm();
+/// Frobenius norms bound the condition number from above, at most 4 times too large for a 4 x 4 matrix.
+double conditionBound(const Matrix4& jacobian) {
+  return jacobian.norm() * jacobian.inverse().norm();
+}
+
+/// Exact condition only when the cheap bound does not settle it.
+bool nearSingular(const Matrix4& jacobian, double bound) {
   if (bound < kConditionMaximum) return false;
   const Eigen::JacobiSVD<Matrix4> svd(jacobian);
   return !(svd.singularValues()[0] < kConditionMaximum * svd.singularValues()[3]);
@@ -82,7 +86,8 @@ ForwardResult forwardKinematics(const Mechanism& mechanism, const Lengths& lengt
   if (!std::isfinite(result.residual_m)) return result;
   // A change of the determinant's sign means that the iteration crossed a singularity: another assembly branch.
   const bool same_branch = (at.jacobian.determinant() > 0.0) == positive;
-  if (nearSingular(at.jacobian)) {
+  result.condition_bound = conditionBound(at.jacobian);
+  if (nearSingular(at.jacobian, result.condition_bound)) {
     result.status = ForwardStatus::NearSingular;
   } else if (same_branch) {
     result.status = ForwardStatus::Converged;

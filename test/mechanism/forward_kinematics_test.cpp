@@ -18,6 +18,9 @@ TEST(ForwardKinematics, ReturnsThePoseThatInverseKinematicsStartedFrom) {
       EXPECT_LT((result.pose - pose).norm(), 1e-8);
       EXPECT_LT(result.residual_m, 1e-11);
       EXPECT_LE(result.iterations, 8);
+      const double condition = conditionNumber(m, result.pose);
+      EXPECT_LE(condition, result.condition_bound * (1 + 1e-9));
+      EXPECT_GE(condition, result.condition_bound / 4);
     }
   }
 }

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <limits>
+
 #include "knee_robot/mechanism/geometry.h"
 
 namespace knee_robot {
@@ -48,6 +50,8 @@ struct ForwardResult {
   Pose pose = Pose::Zero();  ///< meaningful only when converged
   int iterations = 0;
   double residual_m = 0.0;  ///< largest length error that is left
+  /// How near a singularity the pose is, at no extra cost: conditionNumber() lies between a quarter of this bound and the bound.
+  double condition_bound = std::numeric_limits<double>::infinity();
   bool ok() const { return status == ForwardStatus::Converged; }
 };
 
