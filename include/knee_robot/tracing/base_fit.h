@@ -1,0 +1,35 @@
+#pragma once
+
+#include <vector>
+
+#include "knee_robot/identification/columns.h"
+#include "knee_robot/tracing/stack.h"
+
+namespace knee_robot {
+
+/// The baseline: rigid body, Coulomb and viscous friction, rotor and offset per actuator, in the directions that the training
+/// data support. Coulomb friction keeps its direction at rest, but builds up within a few encoder counts: what builds up over a
+/// longer distance is an effect (presliding), not baseline.
+struct BaseFit {
+  std::vector<Column> columns;
+  std::vector<double> coulomb_width_m;  ///< per actuator
+  Eigen::MatrixXd basis;                ///< columns x rank: parameters = basis * coordinates
+  int bounded = 0;                      ///< the first coordinates (friction, rotor) are never negative
+  Eigen::VectorXd noise_N;              ///< per actuator: rms residual that rows are weighted with
+  Eigen::VectorXd parameters;
+
+  int rank() const { return static_cast<int>(basis.cols()); }
+};
+
+/// Fits the baseline to training recordings, choosing widths and rank on them; sets their Coulomb columns. `rank` 0: chosen.
+BaseFit fitBase(const Robot& robot, std::vector<Observation>& training, const Stack& stack,
+                const std::vector<Column>& columns, int rank);
+
+/// Weighted regressor in base coordinates (rows: actuator after actuator, picks within) and weighted force.
+Eigen::MatrixXd baseRows(const BaseFit& base, const std::vector<Observation>& recordings, const Stack& stack);
+Eigen::VectorXd forceRows(const BaseFit& base, const std::vector<Observation>& recordings, const Stack& stack);
+
+/// Root mean square per actuator, in N, of weighted rows.
+Eigen::VectorXd rmsRows(const BaseFit& base, const Stack& stack, const Eigen::VectorXd& rows);
+
+}  // namespace knee_robot

@@ -1,0 +1,58 @@
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "knee_robot/tracing/effect_input.h"
+
+namespace knee_robot {
+
+/// A parameter that bends the columns (a Stribeck velocity, a screw's pitch), searched on a grid.
+struct ShapeParameter {
+  std::string name;  ///< as in report.json, unit in the name
+  double low = 0.0, high = 0.0;
+};
+
+/// A parameter that multiplies a column.
+struct Coefficient {
+  std::string name;           ///< as in report.json, unit in the name
+  bool non_negative = false;  ///< physics allows one sign only
+};
+
+/// One effect that the rigid model with Coulomb and viscous friction lacks, as columns that are added to the linear model. One
+/// class and one file an effect; candidates.cpp lists them. Stateless.
+class Candidate {
+ public:
+  virtual ~Candidate() = default;
+
+  virtual std::string name() const = 0;      ///< of design.md's list
+  virtual std::string sentence() const = 0;  ///< the physics, for the report
+  /// True: one set of coefficients acts on all actuators together (a spring at the platform).
+  virtual bool shared() const { return false; }
+  /// False: belongs to one recording and predicts nothing elsewhere.
+  virtual bool transfers() const { return true; }
+  /// False: needs the platform.
+  virtual bool worksOnBench() const { return !shared(); }
+
+  virtual std::vector<ShapeParameter> shapeParameters() const { return {}; }
+  /// Values of the shape parameters that are tried, given one of the recordings (`actuator` -1: shared).
+  virtual std::vector<std::vector<double>> shapes(const EffectInput& input, int actuator) const;
+  virtual std::vector<Coefficient> coefficients(const EffectInput& input) const = 0;
+  /// Force on `actuator` per unit of each coefficient: samples x coefficients.
+  virtual Eigen::MatrixXd columns(const EffectInput& input, int actuator, const std::vector<double>& shape) const = 0;
+  /// What a map depends on, as report.json writes it; empty for named effects.
+  virtual std::string dependsOn(int actuator) const;
+};
+
+using CandidateList = std::vector<std::unique_ptr<Candidate>>;
+
+/// All named effects that can be traced on this kind of robot.
+CandidateList namedCandidates(const Robot& robot);
+/// Smooth maps over every available signal, for what no named effect explains.
+CandidateList mapCandidates(const std::vector<EffectInput>& inputs);
+
+/// `count` values from low to high in equal ratios.
+std::vector<std::vector<double>> geometricGrid(double low, double high, int count);
+
+}  // namespace knee_robot

@@ -1,0 +1,40 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "knee_robot/identification/observation.h"
+
+namespace knee_robot {
+
+/// What a hypothesis may look at along one recording. Matrices have one row per sample of the grid and one column per actuator;
+/// nothing is low-passed at the cut-off yet. Forces are the current model's, not the recorded ones.
+struct EffectInput {
+  const Robot* robot = nullptr;
+  const Observation* observation = nullptr;
+  Eigen::MatrixXd share;    ///< of full Coulomb friction, in [-1, 1]: the direction, remembered at rest
+  Eigen::MatrixXd load_N;   ///< rigid body, rotor and offset: what the screw carries, without the actuator's friction
+  Eigen::MatrixXd force_N;  ///< the whole current model
+  Eigen::MatrixXd since_reversal_m;  ///< distance from the last turning point, never negative
+  std::vector<Matrix4>
+      force_per_pose_force;  ///< J^-T per sample: actuator forces that balance a pose force; bench: empty
+  int recording = 0;         ///< index among the training recordings; -1: none of them
+  int recordings = 1;        ///< number of training recordings
+
+  int samples() const { return observation->samples(); }
+  int axes() const { return observation->axes(); }
+  const Signals& signals() const { return observation->signals; }
+  double time(int sample) const {
+    return signals().time_s[static_cast<std::size_t>(sample)] - signals().time_s.front();
+  }
+};
+
+/// What does not depend on the model's parameters; forces are zero until setForces.
+EffectInput effectInput(const Robot& robot, const Observation& observation, const std::vector<double>& coulomb_width_m,
+                        int recording, int recordings);
+
+/// Forces of a linear model along the recording. `effects_N` (samples x axes, may be empty) are those of effects found so far.
+void setForces(EffectInput& input, const std::vector<Column>& columns, const Eigen::VectorXd& parameters,
+               const Eigen::MatrixXd& effects_N);
+
+}  // namespace knee_robot

@@ -1,0 +1,39 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <cstddef>
+#include <vector>
+
+#include "knee_robot/identification/observation.h"
+
+namespace knee_robot {
+
+/// One sample that is fitted: of which recording, in which block of cross-validation.
+struct Pick {
+  std::size_t recording = 0;
+  int sample = 0;
+  int block = 0;
+};
+
+/// The samples that tracing works with: all usable ones, at rest too, thinned to what the cut-off leaves. The same for every
+/// actuator. Blocks are contiguous pieces of about equal length, cut where the robot is slowest.
+struct Stack {
+  std::vector<Pick> picks;
+  int blocks = 0;
+  int axes = 0;
+  double cutoff_hz = 0.0;
+  double rate_hz = 0.0;  ///< of the picks
+
+  Eigen::Index size() const { return static_cast<Eigen::Index>(picks.size()); }
+};
+
+Stack makeStack(const std::vector<Observation>& recordings, const ObservationOptions& options);
+
+/// Columns along the recordings (one matrix per recording: samples x columns), low-passed as the force is, at the picks.
+Eigen::MatrixXd gather(const Stack& stack, const std::vector<Observation>& recordings,
+                       std::vector<Eigen::MatrixXd> columns);
+
+/// What is already low-passed, at the picks: recorded force minus nothing.
+Eigen::VectorXd gatherForce(const Stack& stack, const std::vector<Observation>& recordings, int actuator);
+
+}  // namespace knee_robot

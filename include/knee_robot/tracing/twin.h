@@ -1,0 +1,38 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "knee_robot/tracing/base_fit.h"
+
+namespace knee_robot {
+
+/// Controller of one axis as far as a recording shows it: force = kp e + ki int(e) + kd de/dt + share of the load fed forward.
+struct AxisController {
+  double kp = 0.0, ki = 0.0, kd = 0.0;  ///< N/m, N/(m s), N s/m
+  bool recovered = false;               ///< false: assumed, with the stated bandwidth
+  bool feeds_load_forward = false;
+};
+
+/// What a clean twin of one recording is made from: the fitted model along the measured motion, and the axes' controllers.
+struct TwinPlan {
+  Eigen::MatrixXd load_N;   ///< samples x axes: rigid forces and offset without the axis' own effective mass
+  Eigen::VectorXd mass_kg;  ///< effective mass of each axis
+  Eigen::VectorXd viscous;  ///< N s/m
+  Eigen::VectorXd coulomb_N;
+  std::vector<AxisController> controllers;
+  std::string note;  ///< what was recovered and what was assumed, for the report
+};
+
+/// Recovers the controllers by least squares of the recorded force on the tracking error; where that explains less than nine
+/// tenths, a PID of 6 Hz bandwidth with the load fed forward is assumed.
+TwinPlan planTwin(const Robot& robot, const Recording& recording, const Observation& observation, const BaseFit& base);
+
+/// A recording as the fitted model would have left it: every axis a mass with stiction, Coulomb and viscous friction that carries
+/// the load of the measured motion, in closed loop with its controller and the recorded reference, through encoder
+/// (random phase), hold and DAC. Axes influence each other through the measured motion only.
+Recording simulateTwin(const Robot& robot, const Recording& recording, const Observation& observation,
+                       const TwinPlan& plan, std::uint64_t seed);
+
+}  // namespace knee_robot

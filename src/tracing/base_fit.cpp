@@ -1,0 +1,145 @@
+#include "knee_robot/tracing/base_fit.h"
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "knee_robot/base/errors.h"
+#include "knee_robot/identification/rank.h"
+
+namespace knee_robot {
+namespace {
+
+const double kWidths[] = {0.5, 1.0, 2.0, 4.0};  ///< encoder counts
+constexpr int kFewestSamples = 100;
+
+/// All rows as identification's equations, weighted by the noise.
+Equations equationsOf(const std::vector<Observation>& training, const Stack& stack, const Eigen::VectorXd& noise_N) {
+  Equations e;
+  e.axes = stack.axes;
+  e.blocks = stack.blocks;
+  const Eigen::Index p = training.front().regressor.front().cols();
+  e.a.resize(stack.size() * stack.axes, p);
+  e.b.resize(stack.size() * stack.axes);
+  for (int i = 0; i < stack.axes; ++i) {
+    std::vector<Eigen::MatrixXd> columns;
+    for (const Observation& o : training)
+      columns.push_back(o.regressor[static_cast<std::size_t>(i)]);
+    e.a.middleRows(i * stack.size(), stack.size()) = gather(stack, training, std::move(columns));
+    e.b.segment(i * stack.size(), stack.size()) = gatherForce(stack, training, i);
+    for (const Pick& pick : stack.picks) {
+      e.actuator.push_back(i);
+      e.block.push_back(pick.block);
+      e.second.push_back(static_cast<int>(pick.recording) * 1000000 + pick.sample / 100);
+    }
+  }
+  weightRows(e, noise_N);
+  return e;
+}
+
+Eigen::VectorXd solve(const Equations& e, BaseFit& base, int rank) {
+  const std::vector<char> use(base.columns.size(), 1);
+  const int chosen = rank > 0 ? rank : chooseRank(e, base.columns, use).rank;
+  const Reduction r = reduce(joinBlocks(compressBlocks(e), -1), e.rows(), base.columns, use);
+  const int kept = std::clamp(chosen, r.minimalRank(), r.maximalRank());
+  base.bounded = r.minimalRank();
+  base.basis.resize(static_cast<Eigen::Index>(base.columns.size()), kept);
+  for (int k = 0; k < kept; ++k)
+    base.basis.col(k) = toParameters(r, Eigen::VectorXd::Unit(kept, k));
+  base.parameters = toParameters(r, solveReduced(r, kept));
+  return e.b - e.a * base.parameters;
+}
+
+/// Width of each actuator's Coulomb step that leaves least, its own friction refitted to the current residual.
+void chooseWidths(const Robot& robot, std::vector<Observation>& training, const Stack& stack,
+                  const Eigen::VectorXd& residual_N, BaseFit& base) {
+  for (int i = 0; i < stack.axes; ++i) {
+    const std::size_t axis = static_cast<std::size_t>(i);
+    const auto column = std::find_if(base.columns.begin(), base.columns.end(),
+                                     [&](const Column& c) { return c.role == ColumnRole::Coulomb && c.actuator == i; });
+    const double coulomb = base.parameters[column - base.columns.begin()];
+    std::vector<Eigen::MatrixXd> now, velocity;
+    for (const Observation& o : training) {
+      now.push_back(coulombShare(o.signals, i, base.coulomb_width_m[axis]));
+      velocity.push_back(o.signals.velocity_m_per_s.col(i));
+    }
+    Eigen::MatrixXd design(stack.size(), 3);
+    const Eigen::VectorXd target =
+        residual_N.segment(i * stack.size(), stack.size()) + coulomb * gather(stack, training, now).col(0);
+    design.col(0) = gather(stack, training, velocity);
+    design.col(1).setOnes();
+    double least = std::numeric_limits<double>::infinity();
+    for (const double counts : kWidths) {
+      const double width = counts * robot.actuators[axis].metresPerCount();
+      std::vector<Eigen::MatrixXd> share;
+      for (const Observation& o : training)
+        share.push_back(coulombShare(o.signals, i, width));
+      design.col(2) = gather(stack, training, share);
+      const Eigen::VectorXd own = (design.transpose() * design).ldlt().solve(design.transpose() * target);
+      const double left = (target - design * own).squaredNorm();
+      if (left >= least) continue;
+      least = left;
+      base.coulomb_width_m[axis] = width;
+    }
+  }
+  for (Observation& o : training)
+    setCoulombWidth(o, base.columns, base.coulomb_width_m);
+}
+
+}  // namespace
+
+BaseFit fitBase(const Robot& robot, std::vector<Observation>& training, const Stack& stack,
+                const std::vector<Column>& columns, int rank) {
+  if (stack.size() < kFewestSamples) {
+    throw Refusal("only " + std::to_string(stack.size()) + " usable samples in the training recordings (at least " +
+                  std::to_string(kFewestSamples) + " are needed): record a longer motion, away from singular poses");
+  }
+  BaseFit base;
+  base.columns = columns;
+  for (const Actuator& a : robot.actuators)
+    base.coulomb_width_m.push_back(a.metresPerCount());
+  for (Observation& o : training)
+    setCoulombWidth(o, columns, base.coulomb_width_m);
+  base.noise_N = Eigen::VectorXd::Ones(stack.axes);
+  Equations e = equationsOf(training, stack, base.noise_N);
+  base.noise_N = rmsPerActuator(e, e.b).cwiseMax(1e-6);
+  weightRows(e, base.noise_N);
+  Eigen::VectorXd residual = solve(e, base, rank);
+  for (int pass = 0; pass < 2; ++pass) {
+    for (int i = 0; i < stack.axes; ++i)
+      residual.segment(i * stack.size(), stack.size()) *= base.noise_N[i];
+    if (pass == 0) chooseWidths(robot, training, stack, residual, base);
+    base.noise_N = rmsPerActuator(e, residual).cwiseMax(1e-6);
+    e = equationsOf(training, stack, base.noise_N);
+    residual = solve(e, base, rank);
+  }
+  return base;
+}
+
+Eigen::MatrixXd baseRows(const BaseFit& base, const std::vector<Observation>& recordings, const Stack& stack) {
+  Eigen::MatrixXd rows(stack.size() * stack.axes, base.rank());
+  for (int i = 0; i < stack.axes; ++i) {
+    std::vector<Eigen::MatrixXd> columns;
+    for (const Observation& o : recordings)
+      columns.push_back(o.regressor[static_cast<std::size_t>(i)] * base.basis);
+    rows.middleRows(i * stack.size(), stack.size()) = gather(stack, recordings, std::move(columns)) / base.noise_N[i];
+  }
+  return rows;
+}
+
+Eigen::VectorXd forceRows(const BaseFit& base, const std::vector<Observation>& recordings, const Stack& stack) {
+  Eigen::VectorXd rows(stack.size() * stack.axes);
+  for (int i = 0; i < stack.axes; ++i)
+    rows.segment(i * stack.size(), stack.size()) = gatherForce(stack, recordings, i) / base.noise_N[i];
+  return rows;
+}
+
+Eigen::VectorXd rmsRows(const BaseFit& base, const Stack& stack, const Eigen::VectorXd& rows) {
+  Eigen::VectorXd rms(stack.axes);
+  for (int i = 0; i < stack.axes; ++i)
+    rms[i] = base.noise_N[i] * rows.segment(i * stack.size(), stack.size()).norm() / std::sqrt(double(stack.size()));
+  return rms;
+}
+
+}  // namespace knee_robot

@@ -1,0 +1,46 @@
+#include <cmath>
+
+#include "effects.h"
+
+namespace knee_robot {
+
+std::vector<std::vector<double>> Candidate::shapes(const EffectInput&, int) const {
+  return {{}};
+}
+
+std::string Candidate::dependsOn(int) const {
+  return {};
+}
+
+std::vector<std::vector<double>> geometricGrid(double low, double high, int count) {
+  std::vector<std::vector<double>> grid;
+  for (int k = 0; k < count; ++k)
+    grid.push_back({low * std::pow(high / low, count > 1 ? static_cast<double>(k) / (count - 1) : 0.0)});
+  return grid;
+}
+
+CandidateList namedCandidates(const Robot& robot) {
+  CandidateList all;
+  all.push_back(makeAsymmetricCoulomb());
+  all.push_back(makeAsymmetricViscous());
+  all.push_back(makeStribeck());
+  all.push_back(makePresliding());
+  all.push_back(makeLoadDependentFriction());
+  all.push_back(makeScrewRipple());
+  all.push_back(makePositionDependentFriction());
+  all.push_back(makeQuadraticDrag());
+  all.push_back(makeThermalDrift());
+  all.push_back(makeForceGain());
+  all.push_back(makeForceOffset());
+  all.push_back(makeDelay());
+  all.push_back(makeDriveLag());
+  all.push_back(makeSpring());
+  all.push_back(makeExternalForce());
+  CandidateList fit;
+  for (auto& candidate : all) {
+    if (robot.mechanism || candidate->worksOnBench()) fit.push_back(std::move(candidate));
+  }
+  return fit;
+}
+
+}  // namespace knee_robot

@@ -1,0 +1,52 @@
+#include <algorithm>
+
+#include "effects.h"
+
+namespace knee_robot {
+namespace {
+
+/// A push on the platform: constant X and Z force during part of one training recording.
+class ExternalForce : public Candidate {
+ public:
+  std::string name() const override { return "external_force"; }
+  std::string sentence() const override {
+    return "Something pushed the platform during part of one recording; this cannot happen again in another one.";
+  }
+  bool shared() const override { return true; }
+  bool transfers() const override { return false; }
+  std::vector<ShapeParameter> shapeParameters() const override {
+    return {{"recording", 1.0, 1e3}, {"from_s", 0.0, 1e6}, {"duration_s", 0.5, 1e3}};
+  }
+  /// `input` is one recording; the windows of the others are added when they are asked for themselves.
+  std::vector<std::vector<double>> shapes(const EffectInput& input, int) const override {
+    std::vector<std::vector<double>> grid;
+    const double end = input.time(input.samples() - 1);
+    for (const double duration : {1.0, 2.0, 4.0, 8.0}) {
+      if (duration > 0.5 * end) continue;
+      for (double from = 0.0; from + duration <= end; from += std::max(0.5 * duration, end / 60.0))
+        grid.push_back({input.recording + 1.0, from, duration});
+    }
+    return grid;
+  }
+  std::vector<Coefficient> coefficients(const EffectInput&) const override {
+    return {{"force_x_N", false}, {"force_z_N", false}};
+  }
+  Eigen::MatrixXd columns(const EffectInput& input, int actuator, const std::vector<double>& shape) const override {
+    Eigen::MatrixXd out = Eigen::MatrixXd::Zero(input.samples(), 2);
+    if (input.recording + 1 != static_cast<int>(shape[0])) return out;
+    for (int n = 0; n < input.samples(); ++n) {
+      const double since = input.time(n) - shape[1];
+      if (since < 0.0 || since > shape[2]) continue;
+      out.row(n) = -input.force_per_pose_force[static_cast<std::size_t>(n)].row(actuator).head<2>();
+    }
+    return out;
+  }
+};
+
+}  // namespace
+
+std::unique_ptr<Candidate> makeExternalForce() {
+  return std::make_unique<ExternalForce>();
+}
+
+}  // namespace knee_robot

@@ -1,0 +1,24 @@
+#include "effects.h"
+
+namespace knee_robot {
+namespace {
+
+class LoadDependentFriction : public Candidate {
+ public:
+  std::string name() const override { return "load_dependent_friction"; }
+  std::string sentence() const override {
+    return "Dry friction of the screw grows with the axial force that it carries.";
+  }
+  std::vector<Coefficient> coefficients(const EffectInput&) const override { return {{"friction_per_load", true}}; }
+  Eigen::MatrixXd columns(const EffectInput& input, int actuator, const std::vector<double>&) const override {
+    return input.share.col(actuator).cwiseProduct(input.load_N.col(actuator).cwiseAbs());
+  }
+};
+
+}  // namespace
+
+std::unique_ptr<Candidate> makeLoadDependentFriction() {
+  return std::make_unique<LoadDependentFriction>();
+}
+
+}  // namespace knee_robot

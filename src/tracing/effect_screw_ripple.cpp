@@ -1,0 +1,52 @@
+#include <cmath>
+
+#include "effects.h"
+
+namespace knee_robot {
+namespace {
+
+/// Sine and cosine of the screw's phase, separately for every recording: homing may shift the phase.
+class ScrewRipple : public Candidate {
+ public:
+  std::string name() const override { return "screw_ripple"; }
+  std::string sentence() const override {
+    return "The force varies periodically with the position, as with a screw's or motor's turn.";
+  }
+  bool transfers() const override { return false; }
+  std::vector<ShapeParameter> shapeParameters() const override { return {{"period_m", 0.001, 0.05}}; }
+  /// Fine enough that the phase drifts by less than a quarter turn over the range between two periods.
+  std::vector<std::vector<double>> shapes(const EffectInput& input, int actuator) const override {
+    const auto q = input.signals().position_m.col(actuator);
+    const double range = std::max(1e-3, q.maxCoeff() - q.minCoeff());
+    std::vector<std::vector<double>> grid;
+    const double longest = std::min(0.05, 0.7 * range);
+    for (double turns = 1.0 / longest; turns <= 1.0 / 0.0015 && grid.size() < 120; turns += 0.35 / range)
+      grid.push_back({1.0 / turns});
+    return grid;
+  }
+  std::vector<Coefficient> coefficients(const EffectInput& input) const override {
+    std::vector<Coefficient> out;
+    for (int r = 1; r <= input.recordings; ++r) {
+      const std::string place = input.recordings > 1 ? "_in_recording_" + std::to_string(r) : "";
+      out.push_back({"sine_N" + place, false});
+      out.push_back({"cosine_N" + place, false});
+    }
+    return out;
+  }
+  Eigen::MatrixXd columns(const EffectInput& input, int actuator, const std::vector<double>& shape) const override {
+    Eigen::MatrixXd out = Eigen::MatrixXd::Zero(input.samples(), 2 * input.recordings);
+    if (input.recording < 0) return out;
+    const Eigen::ArrayXd phase = 2.0 * M_PI / shape[0] * input.signals().position_m.col(actuator).array();
+    out.col(2 * input.recording) = phase.sin();
+    out.col(2 * input.recording + 1) = phase.cos();
+    return out;
+  }
+};
+
+}  // namespace
+
+std::unique_ptr<Candidate> makeScrewRipple() {
+  return std::make_unique<ScrewRipple>();
+}
+
+}  // namespace knee_robot

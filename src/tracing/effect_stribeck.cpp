@@ -1,0 +1,29 @@
+#include "effects.h"
+
+namespace knee_robot {
+namespace {
+
+class Stribeck : public Candidate {
+ public:
+  std::string name() const override { return "stribeck"; }
+  std::string sentence() const override {
+    return "Dry friction is stronger at low velocity and falls off with a characteristic velocity.";
+  }
+  std::vector<ShapeParameter> shapeParameters() const override { return {{"velocity_m_per_s", 0.001, 0.06}}; }
+  std::vector<std::vector<double>> shapes(const EffectInput&, int) const override {
+    return geometricGrid(0.001, 0.06, 10);
+  }
+  std::vector<Coefficient> coefficients(const EffectInput&) const override { return {{"excess_N", true}}; }
+  Eigen::MatrixXd columns(const EffectInput& input, int actuator, const std::vector<double>& shape) const override {
+    const Eigen::ArrayXd ratio = input.signals().velocity_m_per_s.col(actuator).array() / shape[0];
+    return input.share.col(actuator).array() * (-ratio.square()).exp();
+  }
+};
+
+}  // namespace
+
+std::unique_ptr<Candidate> makeStribeck() {
+  return std::make_unique<Stribeck>();
+}
+
+}  // namespace knee_robot

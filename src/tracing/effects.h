@@ -1,0 +1,24 @@
+#pragma once
+
+#include "knee_robot/tracing/candidate.h"
+
+namespace knee_robot {
+
+// One file an effect: effect_NAME.cpp.
+std::unique_ptr<Candidate> makeAsymmetricCoulomb();
+std::unique_ptr<Candidate> makeAsymmetricViscous();
+std::unique_ptr<Candidate> makeStribeck();
+std::unique_ptr<Candidate> makePresliding();
+std::unique_ptr<Candidate> makeLoadDependentFriction();
+std::unique_ptr<Candidate> makeScrewRipple();
+std::unique_ptr<Candidate> makePositionDependentFriction();
+std::unique_ptr<Candidate> makeQuadraticDrag();
+std::unique_ptr<Candidate> makeThermalDrift();
+std::unique_ptr<Candidate> makeForceGain();
+std::unique_ptr<Candidate> makeForceOffset();
+std::unique_ptr<Candidate> makeDelay();
+std::unique_ptr<Candidate> makeDriveLag();
+std::unique_ptr<Candidate> makeSpring();
+std::unique_ptr<Candidate> makeExternalForce();
+
+}  // namespace knee_robot

@@ -1,0 +1,81 @@
+#include "knee_robot/tracing/stack.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "knee_robot/recording/filter.h"
+
+namespace knee_robot {
+namespace {
+
+constexpr int kTraceBlocks = 12;
+constexpr double kSamplesPerCutoff =
+    6.0;  ///< the low-passed signals hold about two independent values per cut-off period
+
+double totalSpeed(const Observation& o, int sample) {
+  return o.signals.velocity_m_per_s.row(sample).cwiseAbs().sum();
+}
+
+/// First samples of the pieces of a recording, moved to the slowest sample nearby.
+std::vector<int> cuts(const Observation& o, int pieces) {
+  std::vector<int> out;
+  const double length = static_cast<double>(o.samples()) / pieces;
+  for (int k = 1; k < pieces; ++k) {
+    const int from = static_cast<int>((k - 0.2) * length), to = static_cast<int>((k + 0.2) * length);
+    int slowest = from;
+    for (int n = from; n < to; ++n) {
+      if (totalSpeed(o, n) < totalSpeed(o, slowest)) slowest = n;
+    }
+    out.push_back(slowest);
+  }
+  return out;
+}
+
+}  // namespace
+
+Stack makeStack(const std::vector<Observation>& recordings, const ObservationOptions& options) {
+  Stack stack;
+  stack.axes = recordings.front().axes();
+  stack.cutoff_hz = options.cutoff_hz;
+  double total = 0.0;
+  for (const Observation& o : recordings)
+    total += o.samples();
+  for (std::size_t r = 0; r < recordings.size(); ++r) {
+    const Observation& o = recordings[r];
+    const int stride =
+        std::max(1, static_cast<int>(std::floor(1.0 / (kSamplesPerCutoff * options.cutoff_hz * o.signals.period_s))));
+    stack.rate_hz = 1.0 / (stride * o.signals.period_s);
+    const int pieces = std::max(1, static_cast<int>(std::lround(kTraceBlocks * o.samples() / total)));
+    const std::vector<int> ends = cuts(o, pieces);
+    for (int n = 0; n < o.samples(); n += stride) {
+      if (!o.usable[static_cast<std::size_t>(n)]) continue;
+      const int piece = static_cast<int>(std::upper_bound(ends.begin(), ends.end(), n) - ends.begin());
+      stack.picks.push_back({r, n, stack.blocks + piece});
+    }
+    stack.blocks += pieces;
+  }
+  return stack;
+}
+
+Eigen::MatrixXd gather(const Stack& stack, const std::vector<Observation>& recordings,
+                       std::vector<Eigen::MatrixXd> columns) {
+  for (std::size_t r = 0; r < recordings.size(); ++r)
+    ZeroPhaseLowPass(stack.cutoff_hz, 1.0 / recordings[r].signals.period_s).applyToColumns(columns[r]);
+  Eigen::MatrixXd out(stack.size(), columns.front().cols());
+  for (Eigen::Index k = 0; k < stack.size(); ++k) {
+    const Pick& pick = stack.picks[static_cast<std::size_t>(k)];
+    out.row(k) = columns[pick.recording].row(pick.sample);
+  }
+  return out;
+}
+
+Eigen::VectorXd gatherForce(const Stack& stack, const std::vector<Observation>& recordings, int actuator) {
+  Eigen::VectorXd out(stack.size());
+  for (Eigen::Index k = 0; k < stack.size(); ++k) {
+    const Pick& pick = stack.picks[static_cast<std::size_t>(k)];
+    out[k] = recordings[pick.recording].force_filtered_N(pick.sample, actuator);
+  }
+  return out;
+}
+
+}  // namespace knee_robot

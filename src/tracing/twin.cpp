@@ -1,0 +1,171 @@
+#include "knee_robot/tracing/twin.h"
+
+#include <Eigen/QR>
+#include <algorithm>
+#include <cmath>
+#include <random>
+
+#include "knee_robot/base/numbers.h"
+
+namespace knee_robot {
+namespace {
+
+constexpr double kStep_s = 0.001;
+constexpr double kBandwidth_hz = 6.0;
+constexpr double kRecovered = 0.9;  ///< share of the force's variance that a recovered controller must explain
+constexpr double kLightest_kg = 2.0;
+
+double meanOf(const BaseFit& base, ColumnRole role, int actuator) {
+  for (std::size_t c = 0; c < base.columns.size(); ++c) {
+    if (base.columns[c].role == role && base.columns[c].actuator == actuator)
+      return base.parameters[static_cast<Eigen::Index>(c)];
+  }
+  return 0.0;
+}
+
+/// Mass that each axis moves: slope of the model's force over the acceleration, from the recording's own samples.
+double effectiveMass(const Observation& o, const Eigen::VectorXd& load, int i) {
+  const Eigen::VectorXd a = o.signals.acceleration_m_per_s2.col(i);
+  Eigen::MatrixXd design(o.samples(), 6);
+  design.col(0) = a;
+  design.col(1).setOnes();
+  for (int k = 0; k < 4; ++k)
+    design.col(2 + k) =
+        k < o.axes() ? Eigen::VectorXd(o.signals.position_m.col(k)) : Eigen::VectorXd::Zero(o.samples());
+  const Eigen::VectorXd fit = design.completeOrthogonalDecomposition().solve(load);
+  return std::max(kLightest_kg, fit[0]);
+}
+
+Eigen::MatrixXd referenceOf(const Recording& r) {
+  return r.reference_m.cols() > 0 ? r.reference_m : r.position_m;
+}
+
+/// A grid signal at a time, linear.
+double at(const Signals& s, const Eigen::MatrixXd& values, int column, double time) {
+  const double place = (time - s.time_s.front()) / s.period_s;
+  const int k = std::clamp(static_cast<int>(place), 0, s.samples() - 2);
+  const double part = std::clamp(place - k, 0.0, 1.0);
+  return (1.0 - part) * values(k, column) + part * values(k + 1, column);
+}
+
+double explainedShare(const Eigen::MatrixXd& design, const Eigen::VectorXd& target, Eigen::VectorXd& fit) {
+  fit = design.colPivHouseholderQr().solve(target);
+  const double mean = target.mean();
+  return 1.0 - (target - design * fit).squaredNorm() / std::max(1e-12, (target.array() - mean).square().sum());
+}
+
+AxisController recover(const Recording& r, const Observation& o, const TwinPlan& plan, int i) {
+  const Eigen::VectorXd error = referenceOf(r).col(i) - r.position_m.col(i);
+  const double period = medianPeriod(r.time_s);
+  Eigen::MatrixXd design(r.rows(), 4);
+  Eigen::VectorXd load(r.rows());
+  double sum = 0.0, rate = 0.0;
+  const double fast = std::min(1.0, 2.0 * M_PI * 40.0 * period);  // derivative low-passed: encoders flicker
+  for (int k = 0; k < r.rows(); ++k) {
+    sum += error[k] * period;
+    const double raw = k > 0 ? (error[k] - error[k - 1]) / period : 0.0;
+    rate += fast * (raw - rate);
+    design.row(k) << error[k], sum, rate, 1.0;
+    load[k] = at(o.signals, plan.load_N, i, r.time_s[static_cast<std::size_t>(k)]);
+  }
+  AxisController c;
+  Eigen::VectorXd fit;
+  for (const bool forward : {false, true}) {
+    const Eigen::VectorXd target = forward ? Eigen::VectorXd(o.row_force_N.col(i) - load) : o.row_force_N.col(i);
+    if (r.reference_m.cols() == 0 || explainedShare(design, target, fit) < kRecovered) continue;
+    if (fit[0] <= 0.0) continue;
+    c = {fit[0], std::max(0.0, fit[1]), std::max(0.0, fit[2]), true, forward};
+    return c;
+  }
+  const double w = 2.0 * M_PI * kBandwidth_hz, m = plan.mass_kg[i];
+  return {m * w * w, m * w * w * w / 5.0, 2.0 * m * w, false, true};
+}
+
+struct Axis {
+  double q, v = 0.0, sum = 0.0, last_error = 0.0, rate = 0.0, start_force;
+};
+
+/// Semi-implicit step of a mass with viscous friction and stiction.
+void move(Axis& a, const TwinPlan& plan, int i, double push, double h) {
+  const double m = plan.mass_kg[i];
+  const double free = (a.v + h / m * push) / (1.0 + h / m * plan.viscous[i]);
+  const double most = h / m * plan.coulomb_N[i];
+  a.v = std::abs(free) <= most ? 0.0 : free - std::copysign(most, free);
+  a.q += h * a.v;
+}
+
+}  // namespace
+
+TwinPlan planTwin(const Robot&, const Recording& r, const Observation& o, const BaseFit& base) {
+  TwinPlan plan;
+  plan.load_N.resize(o.samples(), o.axes());
+  plan.mass_kg.resize(o.axes());
+  plan.viscous.resize(o.axes());
+  plan.coulomb_N.resize(o.axes());
+  Eigen::VectorXd carried = base.parameters;
+  for (std::size_t c = 0; c < base.columns.size(); ++c) {
+    if (base.columns[c].isFriction()) carried[static_cast<Eigen::Index>(c)] = 0.0;
+  }
+  int recovered = 0;
+  for (int i = 0; i < o.axes(); ++i) {
+    const Eigen::VectorXd load = o.regressor[static_cast<std::size_t>(i)] * carried;
+    plan.mass_kg[i] = effectiveMass(o, load, i);
+    plan.load_N.col(i) = load - plan.mass_kg[i] * o.signals.acceleration_m_per_s2.col(i);
+    plan.viscous[i] = meanOf(base, ColumnRole::Viscous, i);
+    plan.coulomb_N[i] = meanOf(base, ColumnRole::Coulomb, i);
+  }
+  for (int i = 0; i < o.axes(); ++i) {
+    plan.controllers.push_back(recover(r, o, plan, i));
+    recovered += plan.controllers.back().recovered;
+  }
+  plan.note = o.name + ": clean twins in closed loop; controllers of " + std::to_string(recovered) + " of " +
+              std::to_string(o.axes()) + " axes recovered from the tracking error";
+  if (recovered < o.axes())
+    plan.note += ", the others assumed (PID of " + shortNumber(kBandwidth_hz) + " Hz with the load fed forward)";
+  return plan;
+}
+
+Recording simulateTwin(const Robot& robot, const Recording& r, const Observation& o, const TwinPlan& plan,
+                       std::uint64_t seed) {
+  std::mt19937_64 random(seed);
+  std::uniform_real_distribution<double> uniform(0.0, 1.0);
+  Recording twin = r;
+  const Eigen::MatrixXd reference = referenceOf(r);
+  twin.force_N.resize(r.rows(), r.axes);
+  twin.command_V.resize(r.rows(), 0);
+  twin.velocity_m_per_s.resize(r.rows(), 0);
+  const double period = medianPeriod(r.time_s);
+  const double fast = std::min(1.0, 2.0 * M_PI * 40.0 * period);
+  for (int i = 0; i < r.axes; ++i) {
+    const Actuator& a = robot.actuators[static_cast<std::size_t>(i)];
+    const AxisController& c = plan.controllers[static_cast<std::size_t>(i)];
+    const double count = a.metresPerCount(), phase = uniform(random);
+    const double dac = kDacStep_V * a.force_per_volt_N, limit = a.voltage_max_V * a.force_per_volt_N;
+    Axis axis{r.position_m(0, i), 0.0, 0.0, 0.0, 0.0, 0.0};
+    axis.start_force = o.row_force_N(0, i) - (c.feeds_load_forward ? plan.load_N(0, i) : 0.0) -
+                       c.kp * (reference(0, i) - r.position_m(0, i));
+    for (int k = 0; k < r.rows(); ++k) {
+      const double time = r.time_s[static_cast<std::size_t>(k)];
+      const double seen = count * (std::floor(axis.q / count + phase) - phase + 0.5);
+      const double error = reference(k, i) - seen;
+      axis.sum += error * period;
+      if (k > 0) axis.rate += fast * ((error - axis.last_error) / period - axis.rate);
+      axis.last_error = error;
+      double force = axis.start_force + c.kp * error + c.ki * axis.sum + c.kd * axis.rate;
+      if (c.feeds_load_forward) force += at(o.signals, plan.load_N, i, time);
+      force = std::clamp(dac * std::round(force / dac), -limit, limit);
+      twin.position_m(k, i) = seen;
+      twin.force_N(k, i) = force;
+      if (k + 1 == r.rows()) break;
+      const double interval = r.time_s[static_cast<std::size_t>(k) + 1] - time;
+      const int steps = std::max(1, static_cast<int>(std::ceil(interval / kStep_s - 1e-6)));
+      for (int s = 0; s < steps; ++s) {
+        const double now = time + (s + 0.5) * interval / steps;
+        move(axis, plan, i, force - at(o.signals, plan.load_N, i, now), interval / steps);
+      }
+    }
+  }
+  return twin;
+}
+
+}  // namespace knee_robot
