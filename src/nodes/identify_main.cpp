@@ -28,6 +28,9 @@ void declare(CLI::App& app, Arguments& a) {
   app.add_option("--validate", a.validate, "recordings that judge the finished model");
   app.add_option("--output", a.output, "folder for model.yaml, report.json, report.html and predictions")->required();
   app.add_option("--cutoff-hz", a.cutoff_hz, "zero-phase low-pass of both sides of the equation (3)")->check(positive);
+  app.add_option("--rate-hz", a.options.observation.signals.rate_hz,
+                 "samples a second at most (100); a finer grid meets reversals of friction more exactly")
+      ->check(CLI::Range(1.0, 1e4));
   app.add_option("--moving-m-per-s", a.options.observation.moving_m_per_s,
                  "slower axes do not count as moving (0.0015)")
       ->check(CLI::Range(0.0, 10.0));

@@ -34,7 +34,7 @@ int main(int argc, char** argv) {
       "forces of its actuators.",
       "virtual_plant");
   std::string file, robot_file, output, space_name;
-  std::vector<double> actuator = {0.0, 0.0}, passive = {0.0, 0.0}, spherical = {0.0, 0.0};
+  std::vector<double> actuator = {0.0, 0.0}, passive = {0.0, 0.0}, spherical = {0.0, 0.0}, presliding = {0.0, 0.0};
   double rotor_mass = 0.0;
   VirtualRecorder recorder;
   const auto amount = CLI::Range(0.0, 1e5);
@@ -56,6 +56,11 @@ int main(int argc, char** argv) {
                  "not have (0 0)")
       ->expected(2)
       ->check(amount);
+  app.add_option(
+         "--presliding", presliding,
+         "displacement (m for actuators, rad for passive joints) over which Coulomb friction reverses; 0 0: at once")
+      ->expected(2)
+      ->check(CLI::Range(0.0, 1.0));
   app.add_option("--rotor-mass", rotor_mass, "rotor and screw inertia reflected to each actuator, kg")
       ->check(amount)
       ->capture_default_str();
@@ -73,6 +78,8 @@ int main(int argc, char** argv) {
     parameters.friction = equalFriction(frictionOf(actuator), frictionOf(passive));
     parameters.spherical = frictionOf(spherical);
     parameters.rotor_mass.setConstant(rotor_mass);
+    parameters.presliding_m = presliding[0];
+    parameters.presliding_rad = presliding[1];
     VirtualPlant plant(*robot.mechanism, robot.gravity, loadRobotInertia(robot), check.poses.row(0).transpose(),
                        parameters);
     const VirtualRun run = recordVirtualPlant(robot, plant, AxisPath(check.lengths, kStreamPeriod), recorder, output);

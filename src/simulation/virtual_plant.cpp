@@ -1,5 +1,7 @@
 #include "knee_robot/simulation/virtual_plant.h"
 
+#include <algorithm>
+
 namespace knee_robot {
 namespace {
 
@@ -10,13 +12,17 @@ double sign(double v) {
   return v > 0.0 ? 1.0 : (v < 0.0 ? -1.0 : 0.0);
 }
 
+bool isActuated(int joint) {
+  return std::find(kActuatedJoints.begin(), kActuatedJoints.end(), joint) != kActuatedJoints.end();
+}
+
 /// Force of the friction on each joint.
-JointVector frictionForces(const FrictionParameters& friction, const JointVector& rates) {
+JointVector frictionForces(const FrictionParameters& friction, const JointVector& rates, const JointVector& shares) {
   JointVector forces = JointVector::Zero();
   for (std::size_t k = 0; k < kFrictionJoints.size(); ++k) {
     const int joint = kFrictionJoints[k];
     const Eigen::Index at = 2 * static_cast<Eigen::Index>(k);
-    forces[joint] = -friction[at] * rates[joint] - friction[at + 1] * sign(rates[joint]);
+    forces[joint] = -friction[at] * rates[joint] - friction[at + 1] * shares[joint];
   }
   return forces;
 }
@@ -33,10 +39,7 @@ FrictionParameters equalFriction(const JointFriction& actuators, const JointFric
   FrictionParameters result;
   for (std::size_t k = 0; k < kFrictionJoints.size(); ++k) {
     const int joint = kFrictionJoints[k];
-    bool actuated = false;
-    for (const int other : kActuatedJoints)
-      actuated = actuated || joint == other;
-    const JointFriction& friction = actuated ? actuators : passive;
+    const JointFriction& friction = isActuated(joint) ? actuators : passive;
     result.segment<2>(2 * static_cast<Eigen::Index>(k)) << friction.viscous, friction.coulomb;
   }
   return result;
@@ -48,12 +51,24 @@ VirtualPlant::VirtualPlant(const Mechanism& mechanism, const Vector3& gravity, c
   Motion rest;
   rest.pose = start;
   robot_.set(coordinateMotion(mechanism, rest));
+  last_position_ = robot_.positions();
+}
+
+JointVector VirtualPlant::coulombShares(const JointVector& rates) {
+  const JointVector position = robot_.positions();
+  for (int joint = 0; joint < kUrdfJoints; ++joint) {
+    const double width = isActuated(joint) ? parameters_.presliding_m : parameters_.presliding_rad;
+    const double moved = position[joint] - last_position_[joint];
+    share_[joint] = width > 0.0 ? std::clamp(share_[joint] + moved / width, -1.0, 1.0) : sign(rates[joint]);
+  }
+  last_position_ = position;
+  return share_;
 }
 
 bool VirtualPlant::follow(const AxisMotion& motion, VirtualPlantOutput& output) {
   if (!robot_.follow(motion)) return false;
   const JointVector rates = robot_.rates();
-  const JointVector friction = frictionForces(parameters_.friction, rates);
+  const JointVector friction = frictionForces(parameters_.friction, rates, coulombShares(rates));
   const std::array<Vector3, 3> turning = robot_.sphericalRates();
   std::array<Vector3, 3> torques;
   output.friction_power_W = friction.dot(rates);

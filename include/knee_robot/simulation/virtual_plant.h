@@ -18,6 +18,10 @@ struct VirtualPlantParameters {
   /// Of each spherical joint: a torque against the relative angular velocity. The paper's model has no such term.
   JointFriction spherical;
   Vector4 rotor_mass = Vector4::Zero();  ///< kg, reflected to the actuators; the paper leaves it out
+  /// Displacement (m, rad) over which the Coulomb friction of the leg joints builds up and reverses, and which it remembers at rest
+  /// (simulation packages call it stiction displacement). 0: the sign of the velocity, nothing at rest.
+  double presliding_m = 0.0;
+  double presliding_rad = 0.0;
 };
 
 /// The same friction in all actuators and in all seven passive joints of the legs, in the order of eq. (22).
@@ -27,12 +31,13 @@ FrictionParameters equalFriction(const JointFriction& actuators, const JointFric
 struct VirtualPlantOutput {
   Vector4 force = Vector4::Zero();  ///< N, exerted by the actuators
   double motor_power_W = 0.0;       ///< of these forces
-  double friction_power_W = 0.0;    ///< of all friction; never positive
+  double friction_power_W = 0.0;    ///< of all friction; never positive unless presliding gives back
 };
 
 /// Stand-in for the virtual plant of section 3.1.1 (there Adams/View): takes the motion of the four actuators and gives the forces
 /// that they must exert, with friction in the joints. Built on Simbody, independent of the project's kinematics, dynamics and
-/// regressor. A joint at rest (velocity exactly zero) has no Coulomb friction: a prescribed motion does not determine it.
+/// regressor. Without presliding a joint at rest (velocity exactly zero)
+/// has no Coulomb friction: a prescribed motion does not determine it.
 class VirtualPlant {
  public:
   /// Starts assembled at `start`, a pose of the branch in which the robot was built.
@@ -47,8 +52,13 @@ class VirtualPlant {
   const SimbodyRobot& robot() const { return robot_; }
 
  private:
+  /// Share of full Coulomb friction of each leg joint, in [-1, 1].
+  JointVector coulombShares(const JointVector& rates);
+
   SimbodyRobot robot_;
   VirtualPlantParameters parameters_;
+  JointVector share_ = JointVector::Zero();
+  JointVector last_position_;
 };
 
 }  // namespace knee_robot
