@@ -113,7 +113,7 @@ bool ControllerServices::load(LoadReference::Request& request, LoadReference::Re
 bool ControllerServices::record(SetRecording::Request& request, SetRecording::Response& response) {
   try {
     const Answer answer =
-        request.on
+        request.record
             ? system_.startRecording(recordings_.newFile(request.file.empty() ? nameAfterTheTime() : request.file))
             : system_.stopRecording();
     response.success = answer.ok;
