@@ -40,7 +40,13 @@ Equations equationsOf(const std::vector<Observation>& training, const Stack& sta
 
 Eigen::VectorXd solve(const Equations& e, BaseFit& base, int rank) {
   const std::vector<char> use(base.columns.size(), 1);
-  const int chosen = rank > 0 ? rank : chooseRank(e, base.columns, use).rank;
+  int chosen = rank;
+  if (chosen == 0) {  // the best one, not the most parsimonious: an effect must not stand in for a base direction
+    const std::vector<RankPoint> curve = chooseRank(e, base.columns, use).curve;
+    chosen = std::min_element(curve.begin(), curve.end(), [](const RankPoint& a, const RankPoint& b) {
+               return a.held_back < b.held_back;
+             })->rank;
+  }
   const Reduction r = reduce(joinBlocks(compressBlocks(e), -1), e.rows(), base.columns, use);
   const int kept = std::clamp(chosen, r.minimalRank(), r.maximalRank());
   base.bounded = r.minimalRank();

@@ -8,7 +8,7 @@ class ForceOffset : public Candidate {
   std::string name() const override { return "force_offset"; }
   std::string sentence() const override { return "The command contains a constant force."; }
   std::vector<Coefficient> coefficients(const EffectInput&) const override { return {{"offset_N", false}}; }
-  Eigen::MatrixXd columns(const EffectInput& input, int actuator, const std::vector<double>&) const override {
+  Eigen::MatrixXd columns(const EffectInput& input, int, const std::vector<double>&) const override {
     return Eigen::VectorXd::Ones(input.samples());
   }
 };

@@ -13,14 +13,14 @@ class ScrewRipple : public Candidate {
     return "The force varies periodically with the position, as with a screw's or motor's turn.";
   }
   bool transfers() const override { return false; }
-  std::vector<ShapeParameter> shapeParameters() const override { return {{"period_m", 0.001, 0.05}}; }
+  std::vector<ShapeParameter> shapeParameters() const override { return {{"period_m", 0.002, 0.05}}; }
   /// Fine enough that the phase drifts by less than a quarter turn over the range between two periods.
   std::vector<std::vector<double>> shapes(const EffectInput& input, int actuator) const override {
     const auto q = input.signals().position_m.col(actuator);
     const double range = std::max(1e-3, q.maxCoeff() - q.minCoeff());
     std::vector<std::vector<double>> grid;
     const double longest = std::min(0.05, 0.7 * range);
-    for (double turns = 1.0 / longest; turns <= 1.0 / 0.0015 && grid.size() < 120; turns += 0.35 / range)
+    for (double turns = 1.0 / longest; turns <= 1.0 / 0.002 && grid.size() < 600; turns += 0.35 / range)
       grid.push_back({1.0 / turns});
     return grid;
   }

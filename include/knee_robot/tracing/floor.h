@@ -1,0 +1,22 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "knee_robot/tracing/hypothesis.h"
+
+namespace knee_robot {
+
+/// Rms per actuator (N) below which nothing can be explained.
+struct NoiseFloor {
+  Eigen::VectorXd rms_N;
+  std::string source;
+};
+
+/// From recordings that repeat each other's reference, when there are any: rms of the difference of their residuals over sqrt 2.
+/// Otherwise an estimate: what clean twins leave (`twin_residual_N`), together with the noise density of the unfiltered force
+/// residual just above the cut-off, carried down to it.
+NoiseFloor noiseFloor(const std::vector<Recording>& recordings, const TraceData& data,
+                      const std::vector<Eigen::MatrixXd>& model_force_N, const Eigen::VectorXd& twin_residual_N);
+
+}  // namespace knee_robot

@@ -1,0 +1,65 @@
+#pragma once
+
+#include <vector>
+
+#include "knee_robot/tracing/base_fit.h"
+#include "knee_robot/tracing/candidate.h"
+
+namespace knee_robot {
+
+/// Recordings with what hypotheses look at, and the baseline's rows. Of the training recordings, or of a twin of them.
+struct TraceData {
+  std::vector<Observation> recordings;
+  std::vector<EffectInput> inputs;  ///< point into `recordings`: fill after those are complete
+  Stack stack;
+  Eigen::MatrixXd base_rows;   ///< in N, base coordinates
+  Eigen::VectorXd force_rows;  ///< in N
+};
+
+/// A candidate at one place.
+struct Place {
+  const Candidate* candidate = nullptr;
+  int actuator = -1;  ///< -1: shared
+
+  bool operator==(const Place& other) const { return candidate == other.candidate && actuator == other.actuator; }
+};
+
+/// A candidate at one place with its shape.
+struct Hypothesis {
+  Place place;
+  std::vector<double> shape;
+};
+
+/// All places and shapes to try.
+std::vector<Hypothesis> listHypotheses(const CandidateList& candidates, const std::vector<EffectInput>& inputs);
+
+/// Columns of a hypothesis for all actuators (rows: actuator after actuator), low-passed, in N.
+Eigen::MatrixXd effectRows(const TraceData& data, const Hypothesis& hypothesis);
+
+/// Columns of a hypothesis along one recording, for one actuator, on the grid; zero where it does not act.
+Eigen::MatrixXd effectColumns(const EffectInput& input, const Hypothesis& hypothesis, int actuator);
+
+/// Rows divided by each actuator's noise.
+Eigen::MatrixXd weighted(const Stack& stack, Eigen::MatrixXd rows, const Eigen::VectorXd& noise_N);
+
+/// Weighted least squares onto the columns that are in the model already.
+struct Projection {
+  Eigen::MatrixXd q;         ///< orthonormal basis of those columns
+  Eigen::VectorXd residual;  ///< of the force
+};
+Projection project(const Eigen::MatrixXd& columns, const Eigen::VectorXd& force);
+
+/// How a hypothesis can be scored against any residual of the same data: what its columns add to the model's.
+struct Probe {
+  Eigen::MatrixXd columns;  ///< weighted; only the rows of its actuator, all rows when shared
+  Eigen::MatrixXd inverse;  ///< of the Gram matrix of the columns made orthogonal to the model's; empty: absorbed
+  Eigen::Index first_row = 0;
+  bool one_sign = false;
+};
+Probe makeProbe(const TraceData& data, const Hypothesis& hypothesis, const Projection& projection,
+                const Eigen::VectorXd& noise_N);
+
+/// Sum of squares (weighted) that the hypothesis explains of a residual that is orthogonal to the model's columns.
+double explained(const Probe& probe, const Eigen::VectorXd& residual);
+
+}  // namespace knee_robot

@@ -1,0 +1,24 @@
+#pragma once
+
+#include <vector>
+
+#include "knee_robot/tracing/hypothesis.h"
+
+namespace knee_robot {
+
+/// Baseline and effects fitted together.
+struct JointFit {
+  Eigen::VectorXd base;                       ///< base coordinates
+  std::vector<Eigen::VectorXd> coefficients;  ///< per effect
+  std::vector<Eigen::VectorXd> std;           ///< of those, by leaving blocks out in turn (jackknife)
+  std::vector<char> stable;    ///< per effect: no left-out block changes the sign of its leading coefficient
+  Eigen::VectorXd residual_N;  ///< rows
+  Eigen::VectorXd held_back;   ///< per block: sum of weighted squares when it was left out
+};
+
+/// Bounded weighted least squares of the force on base and effect columns; with every block left out in turn.
+/// `effect_rows[k]` belongs to `effects[k]` and is in N.
+JointFit fitJointly(const TraceData& data, const BaseFit& base, const Eigen::VectorXd& noise_N,
+                    const std::vector<Hypothesis>& effects, const std::vector<Eigen::MatrixXd>& effect_rows);
+
+}  // namespace knee_robot

@@ -1,0 +1,46 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "knee_robot/tracing/hypothesis.h"
+#include "knee_robot/tracing/twin.h"
+
+namespace knee_robot {
+
+/// Clean twins of all training recordings: `count` times the whole set, each with other encoder phases. Their regressors are
+/// reduced to base coordinates. Runs in two threads.
+std::vector<TraceData> makeTwins(const Robot& robot, const std::vector<Recording>& recordings, const TraceData& data,
+                                 const BaseFit& base, const std::vector<TwinPlan>& plans,
+                                 const ObservationOptions& options, int count, std::uint64_t seed);
+
+/// What clean twins leave, rms per actuator in N: median over the twins.
+Eigen::VectorXd twinResidual(const std::vector<TraceData>& twins, const BaseFit& base);
+
+/// What clean twins explain by chance, place by place. A draw is a twin's own artefact plus the current residual of the real
+/// data, resampled in blocks with random sign, so that it keeps its size and colour but not its cause. As a value counts the
+/// root of the explained share of squared noise_N, the best shape of each place; values are standardized place by place,
+/// because artefacts favour some hypotheses (a delay) over others, and the null is the largest standardized value of all places.
+struct NullDistribution {
+  std::vector<Place> places;
+  Eigen::VectorXd mean, spread;  ///< per place, of the root of the share
+  std::vector<double> largest;   ///< per draw, over all places; ascending
+
+  /// Standardized value of a share at a place.
+  double standardized(const Place& place, double share) const;
+  /// Root of the share that a place would need to reach the largest null value.
+  double threshold(const Place& place) const;
+};
+NullDistribution nullDistribution(const std::vector<TraceData>& twins, const TraceData& data,
+                                  const Eigen::VectorXd& residual_N, const Eigen::VectorXd& noise_N,
+                                  const std::vector<Hypothesis>& accepted, const std::vector<Hypothesis>& tried,
+                                  int draws, std::uint64_t seed);
+
+/// Monte Carlo p: (1 + null values that reach `value`) / (1 + null values).
+double monteCarloP(const std::vector<double>& null_values, double value);
+
+/// Weighted columns of the model: base, then effects.
+Eigen::MatrixXd modelColumns(const TraceData& data, const Eigen::VectorXd& noise_N,
+                             const std::vector<Hypothesis>& effects);
+
+}  // namespace knee_robot

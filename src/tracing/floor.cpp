@@ -1,0 +1,82 @@
+#include "knee_robot/tracing/floor.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "knee_robot/recording/filter.h"
+
+namespace knee_robot {
+namespace {
+
+constexpr double kSameReference = 1e-4;  ///< m, rms
+
+bool repeats(const Recording& a, const Recording& b) {
+  if (a.reference_m.cols() == 0 || b.reference_m.cols() == 0) return false;
+  const int rows = std::min(a.rows(), b.rows());
+  if (rows < 0.9 * std::max(a.rows(), b.rows())) return false;
+  const Eigen::MatrixXd difference = a.reference_m.topRows(rows) - b.reference_m.topRows(rows);
+  return difference.norm() < kSameReference * std::sqrt(static_cast<double>(difference.size()));
+}
+
+/// Standard deviation in pieces of a second, of which the lower quartile counts: bursts at reversals do not.
+double quietSpread(const Eigen::VectorXd& signal, Eigen::Index piece) {
+  std::vector<double> spreads;
+  for (Eigen::Index at = 0; at + piece <= signal.size(); at += piece)
+    spreads.push_back(signal.segment(at, piece).norm() / std::sqrt(static_cast<double>(piece)));
+  if (spreads.empty()) return 0.0;
+  std::nth_element(spreads.begin(), spreads.begin() + static_cast<std::ptrdiff_t>(spreads.size() / 4), spreads.end());
+  return spreads[spreads.size() / 4];
+}
+
+/// White noise below the cut-off, from the band between 3 and 6 times it.
+double densityEstimate(const Observation& o, const Eigen::VectorXd& residual, double cutoff_hz) {
+  const double rate = 1.0 / o.signals.period_s;
+  Eigen::VectorXd high = residual, low = residual;
+  ZeroPhaseLowPass(6.0 * cutoff_hz, rate).apply(high);
+  ZeroPhaseLowPass(3.0 * cutoff_hz, rate).apply(low);
+  return quietSpread(high - low, static_cast<Eigen::Index>(rate)) / std::sqrt(3.0);  // the band is three cut-offs wide
+}
+
+}  // namespace
+
+NoiseFloor noiseFloor(const std::vector<Recording>& recordings, const TraceData& data,
+                      const std::vector<Eigen::MatrixXd>& model_force_N, const Eigen::VectorXd& twin_residual_N) {
+  const int axes = data.stack.axes;
+  NoiseFloor floor;
+  Eigen::VectorXd sum = Eigen::VectorXd::Zero(axes);
+  double samples = 0.0;
+  std::vector<Eigen::MatrixXd> residual;
+  for (std::size_t r = 0; r < recordings.size(); ++r)
+    residual.push_back(data.recordings[r].signals.force_N - model_force_N[r]);
+  for (std::size_t a = 0; a < recordings.size(); ++a) {
+    for (std::size_t b = a + 1; b < recordings.size(); ++b) {
+      if (!repeats(recordings[a], recordings[b])) continue;
+      const Eigen::Index n = std::min(residual[a].rows(), residual[b].rows());
+      Eigen::MatrixXd difference = residual[a].topRows(n) - residual[b].topRows(n);
+      ZeroPhaseLowPass(data.stack.cutoff_hz, 1.0 / data.recordings[a].signals.period_s).applyToColumns(difference);
+      sum += 0.5 * difference.colwise().squaredNorm().transpose();
+      samples += static_cast<double>(n);
+      floor.source += (floor.source.empty() ? "repeats of one reference: " : "; ") + recordings[a].name + " and " +
+                      recordings[b].name;
+    }
+  }
+  if (samples > 0.0) {
+    floor.rms_N = (sum / samples).cwiseSqrt();
+    return floor;
+  }
+  floor.source =
+      "no repeated reference; estimated from what clean twins leave and from the noise of the force between 3 and 6 "
+      "times the cut-off";
+  floor.rms_N.resize(axes);
+  for (int i = 0; i < axes; ++i) {
+    double noise = 0.0;
+    for (std::size_t r = 0; r < recordings.size(); ++r) {
+      noise += std::pow(densityEstimate(data.recordings[r], residual[r].col(i), data.stack.cutoff_hz), 2) /
+               static_cast<double>(recordings.size());
+    }
+    floor.rms_N[i] = std::sqrt(noise + twin_residual_N[i] * twin_residual_N[i]);
+  }
+  return floor;
+}
+
+}  // namespace knee_robot

@@ -1,0 +1,107 @@
+#include "knee_robot/tracing/joint_fit.h"
+
+#include <cmath>
+
+#include "knee_robot/identification/rank.h"
+
+namespace knee_robot {
+namespace {
+
+/// Where each column of the problem comes from: bounded ones first.
+struct Layout {
+  std::vector<std::pair<int, int>> source;  ///< effect (-1: base), column in it
+  int bounded = 0;
+};
+
+Layout layoutOf(const BaseFit& base, const std::vector<Hypothesis>& effects, const EffectInput& input) {
+  Layout layout;
+  for (const bool bounded : {true, false}) {
+    for (int c = 0; c < base.rank(); ++c) {
+      if ((c < base.bounded) == bounded) layout.source.emplace_back(-1, c);
+    }
+    for (std::size_t e = 0; e < effects.size(); ++e) {
+      const std::vector<Coefficient> coefficients = effects[e].place.candidate->coefficients(input);
+      for (std::size_t c = 0; c < coefficients.size(); ++c) {
+        if (coefficients[c].non_negative == bounded)
+          layout.source.emplace_back(static_cast<int>(e), static_cast<int>(c));
+      }
+    }
+    if (bounded) layout.bounded = static_cast<int>(layout.source.size());
+  }
+  return layout;
+}
+
+Equations equationsOf(const TraceData& data, const Eigen::VectorXd& noise_N, const Layout& layout,
+                      const std::vector<Eigen::MatrixXd>& effect_rows) {
+  Equations e;
+  e.axes = data.stack.axes;
+  e.blocks = data.stack.blocks;
+  e.a.resize(data.force_rows.size(), static_cast<Eigen::Index>(layout.source.size()));
+  e.b = data.force_rows;
+  for (std::size_t c = 0; c < layout.source.size(); ++c) {
+    const auto [effect, column] = layout.source[c];
+    e.a.col(static_cast<Eigen::Index>(c)) =
+        effect < 0 ? data.base_rows.col(column) : effect_rows[static_cast<std::size_t>(effect)].col(column);
+  }
+  for (int i = 0; i < e.axes; ++i) {
+    for (const Pick& pick : data.stack.picks) {
+      e.actuator.push_back(i);
+      e.block.push_back(pick.block);
+    }
+  }
+  weightRows(e, noise_N);
+  return e;
+}
+
+Eigen::VectorXd solve(const Eigen::MatrixXd& triangle, int bounded) {
+  const Eigen::Index p = triangle.cols() - 1;
+  const Eigen::VectorXd scale = triangle.leftCols(p).colwise().norm().transpose().cwiseMax(1e-12);
+  const Eigen::MatrixXd scaled = triangle.leftCols(p) * scale.cwiseInverse().asDiagonal();
+  return boundedLeastSquares(scaled, triangle.col(p), bounded).cwiseQuotient(scale);
+}
+
+}  // namespace
+
+JointFit fitJointly(const TraceData& data, const BaseFit& base, const Eigen::VectorXd& noise_N,
+                    const std::vector<Hypothesis>& effects, const std::vector<Eigen::MatrixXd>& effect_rows) {
+  const Layout layout = layoutOf(base, effects, data.inputs.front());
+  const Equations e = equationsOf(data, noise_N, layout, effect_rows);
+  const std::vector<Eigen::MatrixXd> blocks = compressBlocks(e);
+  const Eigen::VectorXd z = solve(joinBlocks(blocks, -1), layout.bounded);
+  JointFit fit;
+  fit.residual_N = e.b - e.a * z;
+  for (int i = 0; i < e.axes; ++i)
+    fit.residual_N.segment(i * data.stack.size(), data.stack.size()) *= noise_N[i];
+  fit.held_back.resize(e.blocks);
+  Eigen::MatrixXd left_out(z.size(), e.blocks);
+  for (int b = 0; b < e.blocks; ++b) {
+    left_out.col(b) = solve(joinBlocks(blocks, b), layout.bounded);
+    const Eigen::MatrixXd& own = blocks[static_cast<std::size_t>(b)];
+    fit.held_back[b] =
+        own.rows() == 0 ? 0.0 : (own.rightCols(1) - own.leftCols(z.size()) * left_out.col(b)).squaredNorm();
+  }
+  const Eigen::VectorXd spread =
+      ((left_out.colwise() - left_out.rowwise().mean()).rowwise().squaredNorm() * (e.blocks - 1.0) / e.blocks)
+          .cwiseSqrt();
+  fit.base.resize(base.rank());
+  for (const Eigen::MatrixXd& rows : effect_rows) {
+    fit.coefficients.push_back(Eigen::VectorXd::Zero(rows.cols()));
+    fit.std.push_back(Eigen::VectorXd::Zero(rows.cols()));
+  }
+  fit.stable.assign(effects.size(), 1);
+  for (std::size_t c = 0; c < layout.source.size(); ++c) {
+    const auto [effect, column] = layout.source[c];
+    const Eigen::Index at = static_cast<Eigen::Index>(c);
+    if (effect < 0) {
+      fit.base[column] = z[at];
+      continue;
+    }
+    const std::size_t k = static_cast<std::size_t>(effect);
+    fit.coefficients[k][column] = z[at];
+    fit.std[k][column] = spread[at];
+    if (effect_rows[k].cols() == 1 && (left_out.row(at).array() * z[at] <= 0.0).any()) fit.stable[k] = 0;
+  }
+  return fit;
+}
+
+}  // namespace knee_robot

@@ -1,0 +1,197 @@
+#include "knee_robot/tracing/null.h"
+
+#include <algorithm>
+#include <cmath>
+#include <future>
+#include <random>
+
+namespace knee_robot {
+namespace {
+
+constexpr double kLeastSpread = 0.01;  ///< of a place's null values: absorbed places have none
+constexpr double kBlock_s = 1.5;       ///< of resampled noise: several correlation times of the low-passed residual
+
+TraceData makeTwin(const Robot& robot, const std::vector<Recording>& recordings, const TraceData& data,
+                   const BaseFit& base, const std::vector<TwinPlan>& plans, const ObservationOptions& options,
+                   std::uint64_t seed) {
+  TraceData twin;
+  const int count = static_cast<int>(recordings.size());
+  for (std::size_t r = 0; r < recordings.size(); ++r) {
+    const Recording simulated =
+        simulateTwin(robot, recordings[r], data.recordings[r], plans[r], seed * 1000003u + 17u * r);
+    twin.recordings.push_back(observe(robot, base.columns, simulated, options));
+    setCoulombWidth(twin.recordings.back(), base.columns, base.coulomb_width_m);
+  }
+  twin.stack = makeStack(twin.recordings, options);
+  BaseFit newtons = base;
+  newtons.noise_N.setOnes();
+  twin.base_rows = baseRows(newtons, twin.recordings, twin.stack);
+  twin.force_rows = forceRows(newtons, twin.recordings, twin.stack);
+  for (int r = 0; r < count; ++r) {
+    twin.inputs.push_back(
+        effectInput(robot, twin.recordings[static_cast<std::size_t>(r)], base.coulomb_width_m, r, count));
+    setForces(twin.inputs.back(), base.columns, base.parameters, {});
+  }
+  for (Observation& o : twin.recordings) {
+    for (Eigen::MatrixXd& regressor : o.regressor)
+      regressor.resize(0, 0);  // tens of megabytes that nobody needs any more
+  }
+  return twin;
+}
+
+/// Blocks of the real residual, all actuators together, at random places with random signs.
+Eigen::VectorXd resampled(const TraceData& data, const TraceData& twin, const Eigen::VectorXd& residual,
+                          std::mt19937_64& random) {
+  const Eigen::Index p = data.stack.size(), to = twin.stack.size();
+  const Eigen::Index block = std::clamp<Eigen::Index>(std::lround(kBlock_s * data.stack.rate_hz), 2, p);
+  Eigen::VectorXd out(to * data.stack.axes);
+  for (Eigen::Index at = 0; at < to; at += block) {
+    const Eigen::Index from = static_cast<Eigen::Index>(random() % static_cast<std::uint64_t>(p));
+    const double sign = random() % 2 ? 1.0 : -1.0;
+    for (Eigen::Index k = 0; k < std::min(block, to - at); ++k) {
+      for (int i = 0; i < data.stack.axes; ++i)
+        out[i * to + at + k] = sign * residual[i * p + (from + k) % p];
+    }
+  }
+  return out;
+}
+
+std::vector<Place> placesOf(const std::vector<Hypothesis>& tried) {
+  std::vector<Place> places;
+  for (const Hypothesis& h : tried) {
+    if (std::find(places.begin(), places.end(), h.place) == places.end()) places.push_back(h.place);
+  }
+  return places;
+}
+
+std::size_t indexOf(const std::vector<Place>& places, const Place& place) {
+  return static_cast<std::size_t>(std::find(places.begin(), places.end(), place) - places.begin());
+}
+
+/// Root of the best share of every place (rows) in every draw (columns).
+Eigen::MatrixXd drawsOfTwin(const TraceData& twin, const TraceData& data, const Eigen::VectorXd& residual,
+                            const Eigen::VectorXd& noise_N, const std::vector<Hypothesis>& accepted,
+                            const std::vector<Hypothesis>& tried, const std::vector<Place>& places, int draws,
+                            std::uint64_t seed) {
+  const Projection projection =
+      project(modelColumns(twin, noise_N, accepted), weighted(twin.stack, twin.force_rows, noise_N));
+  std::mt19937_64 random(seed);
+  std::vector<Eigen::VectorXd> noise;
+  for (int d = 0; d < draws; ++d) {
+    const Eigen::VectorXd raw = resampled(data, twin, residual, random);
+    noise.push_back(projection.residual + raw - projection.q * (projection.q.transpose() * raw));
+  }
+  Eigen::MatrixXd best = Eigen::MatrixXd::Zero(static_cast<Eigen::Index>(places.size()), draws);
+  for (const Hypothesis& h : tried) {
+    const Probe probe = makeProbe(twin, h, projection, noise_N);
+    const Eigen::Index row = static_cast<Eigen::Index>(indexOf(places, h.place));
+    for (int d = 0; d < draws; ++d) {
+      const double share =
+          explained(probe, noise[static_cast<std::size_t>(d)]) / static_cast<double>(twin.stack.size());
+      best(row, d) = std::max(best(row, d), std::sqrt(std::max(0.0, share)));
+    }
+  }
+  return best;
+}
+
+/// Results of `task(k)` for k = 0 .. count - 1, in order, computed in two threads.
+template <typename Result, typename Task>
+std::vector<Result> inTwoThreads(int count, const Task& task) {
+  std::vector<Result> results(static_cast<std::size_t>(count));
+  const auto half = [&](int first) {
+    for (int k = first; k < count; k += 2)
+      results[static_cast<std::size_t>(k)] = task(k);
+  };
+  std::future<void> other = std::async(std::launch::async, half, 1);
+  half(0);
+  other.get();
+  return results;
+}
+
+}  // namespace
+
+std::vector<TraceData> makeTwins(const Robot& robot, const std::vector<Recording>& recordings, const TraceData& data,
+                                 const BaseFit& base, const std::vector<TwinPlan>& plans,
+                                 const ObservationOptions& options, int count, std::uint64_t seed) {
+  return inTwoThreads<TraceData>(count, [&](int k) {
+    return makeTwin(robot, recordings, data, base, plans, options, seed * 7919u + static_cast<std::uint64_t>(k) + 1u);
+  });
+}
+
+Eigen::VectorXd twinResidual(const std::vector<TraceData>& twins, const BaseFit& base) {
+  Eigen::MatrixXd left(twins.front().stack.axes, static_cast<Eigen::Index>(twins.size()));
+  for (std::size_t k = 0; k < twins.size(); ++k) {
+    const TraceData& twin = twins[k];
+    const Projection p = project(weighted(twin.stack, twin.base_rows, base.noise_N),
+                                 weighted(twin.stack, twin.force_rows, base.noise_N));
+    left.col(static_cast<Eigen::Index>(k)) = rmsRows(base, twin.stack, p.residual);
+  }
+  Eigen::VectorXd median(left.rows());
+  for (Eigen::Index i = 0; i < left.rows(); ++i) {
+    Eigen::VectorXd row = left.row(i).transpose();
+    std::sort(row.data(), row.data() + row.size());
+    median[i] = row[row.size() / 2];
+  }
+  return median;
+}
+
+NullDistribution nullDistribution(const std::vector<TraceData>& twins, const TraceData& data,
+                                  const Eigen::VectorXd& residual_N, const Eigen::VectorXd& noise_N,
+                                  const std::vector<Hypothesis>& accepted, const std::vector<Hypothesis>& tried,
+                                  int draws, std::uint64_t seed) {
+  const int count = static_cast<int>(twins.size());
+  const int each = (draws + count - 1) / count;
+  const Eigen::VectorXd residual = weighted(data.stack, residual_N, noise_N);
+  NullDistribution null;
+  null.places = placesOf(tried);
+  const auto parts = inTwoThreads<Eigen::MatrixXd>(count, [&](int k) {
+    return drawsOfTwin(twins[static_cast<std::size_t>(k)], data, residual, noise_N, accepted, tried, null.places, each,
+                       seed * 104729u + static_cast<std::uint64_t>(k));
+  });
+  Eigen::MatrixXd all(static_cast<Eigen::Index>(null.places.size()), count * each);
+  for (int k = 0; k < count; ++k)
+    all.middleCols(k * each, each) = parts[static_cast<std::size_t>(k)];
+  null.mean = all.rowwise().mean();
+  null.spread = ((all.colwise() - null.mean).rowwise().squaredNorm() / static_cast<double>(all.cols() - 1))
+                    .cwiseSqrt()
+                    .cwiseMax(kLeastSpread);
+  for (Eigen::Index d = 0; d < all.cols(); ++d)
+    null.largest.push_back((all.col(d) - null.mean).cwiseQuotient(null.spread).maxCoeff());
+  std::sort(null.largest.begin(), null.largest.end());
+  return null;
+}
+
+double NullDistribution::standardized(const Place& place, double share) const {
+  const Eigen::Index row = static_cast<Eigen::Index>(indexOf(places, place));
+  return (std::sqrt(std::max(0.0, share)) - mean[row]) / spread[row];
+}
+
+double NullDistribution::threshold(const Place& place) const {
+  const Eigen::Index row = static_cast<Eigen::Index>(indexOf(places, place));
+  return mean[row] + spread[row] * largest.back();
+}
+
+double monteCarloP(const std::vector<double>& null_values, double value) {
+  const auto reached = null_values.end() - std::lower_bound(null_values.begin(), null_values.end(), value);
+  return (1.0 + static_cast<double>(reached)) / (1.0 + static_cast<double>(null_values.size()));
+}
+
+Eigen::MatrixXd modelColumns(const TraceData& data, const Eigen::VectorXd& noise_N,
+                             const std::vector<Hypothesis>& effects) {
+  std::vector<Eigen::MatrixXd> rows;
+  Eigen::Index columns = data.base_rows.cols();
+  for (const Hypothesis& h : effects) {
+    rows.push_back(effectRows(data, h));
+    columns += rows.back().cols();
+  }
+  Eigen::MatrixXd all(data.base_rows.rows(), columns);
+  Eigen::Index at = data.base_rows.cols();
+  all.leftCols(at) = data.base_rows;
+  for (const Eigen::MatrixXd& part : rows) {
+    all.middleCols(at, part.cols()) = part;
+    at += part.cols();
+  }
+  return weighted(data.stack, std::move(all), noise_N);
+}
+
+}  // namespace knee_robot

@@ -1,0 +1,267 @@
+#include "search.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "knee_robot/base/numbers.h"
+
+namespace knee_robot {
+namespace {
+
+constexpr std::size_t kCompared = 10;  ///< places that are refined and cross-validated in every step
+constexpr double kAboveFloor = 1.15;
+constexpr double kLowered = 0.9;  ///< the rms of some actuator must fall below this share
+constexpr double kLargestP = 0.005;
+constexpr double kNearlyAsGood =
+    0.9;  ///< share of the best one's held-back gain at which a runner-up is looked at closely
+
+/// A hypothesis that is being compared.
+struct Trial {
+  Hypothesis hypothesis;
+  double share = 0.0;  ///< of squared noise, explained by projection
+  JointFit fit;
+  Eigen::VectorXd gain;  ///< per block, weighted squares
+  double mean_gain = 0.0, gain_error = 0.0;
+};
+
+std::string placeText(const Place& p) {
+  return p.candidate->name() + (p.actuator < 0 ? " (all actuators)" : " on actuator " + std::to_string(p.actuator + 1));
+}
+
+void setMean(const Eigen::VectorXd& values, double& mean, double& error) {
+  const double n = static_cast<double>(values.size());
+  mean = values.mean();
+  error = std::sqrt((values.array() - mean).square().sum() / (n * (n - 1.0)));
+}
+
+double shareOf(const Search& s, const Projection& projection, const Hypothesis& h) {
+  const Probe probe = makeProbe(*s.data, h, projection, s.rms_N);
+  return explained(probe, projection.residual) / static_cast<double>(s.data->stack.size());
+}
+
+/// Best shape of every place, best place first.
+std::vector<Trial> rankPlaces(const Search& s, const Projection& projection, const std::vector<Hypothesis>& tried) {
+  std::vector<Trial> best;
+  for (const Hypothesis& h : tried) {
+    const double share = shareOf(s, projection, h);
+    auto same = std::find_if(best.begin(), best.end(), [&](const Trial& t) { return t.hypothesis.place == h.place; });
+    if (same == best.end()) {
+      best.push_back({h, share, {}, {}, 0.0, 0.0});
+    } else if (share > same->share) {
+      same->hypothesis.shape = h.shape;
+      same->share = share;
+    }
+  }
+  std::sort(best.begin(), best.end(), [](const Trial& a, const Trial& b) { return a.share > b.share; });
+  return best;
+}
+
+/// Narrows a single shape parameter down between its neighbours on the grid.
+void refineShape(const Search& s, const Projection& projection, const std::vector<Hypothesis>& tried, Trial& t) {
+  if (t.hypothesis.shape.size() != 1) return;
+  double low = 0.0, high = std::numeric_limits<double>::infinity();
+  const double at = t.hypothesis.shape[0];
+  for (const Hypothesis& h : tried) {
+    if (!(h.place == t.hypothesis.place)) continue;
+    if (h.shape[0] < at) low = std::max(low, h.shape[0]);
+    if (h.shape[0] > at) high = std::min(high, h.shape[0]);
+  }
+  double step = std::min(low > 0.0 ? at / low : 1e9, std::isfinite(high) ? high / at : 1e9);
+  if (!(step < 1e9)) return;
+  for (int round = 0; round < 4; ++round) {
+    step = std::sqrt(step);
+    const double center = t.hypothesis.shape[0];
+    for (const double value : {center / step, center * step}) {
+      Hypothesis h = t.hypothesis;
+      h.shape[0] = value;
+      const double share = shareOf(s, projection, h);
+      if (share <= t.share) continue;
+      t.share = share;
+      t.hypothesis = h;
+    }
+  }
+}
+
+void crossValidate(const Search& s, const std::vector<Eigen::MatrixXd>& rows, Trial& t) {
+  std::vector<Hypothesis> all = hypothesesOf(s.effects);
+  std::vector<Eigen::MatrixXd> all_rows = rows;
+  all.push_back(t.hypothesis);
+  all_rows.push_back(effectRows(*s.data, t.hypothesis));
+  t.fit = fitJointly(*s.data, *s.base, s.rms_N, all, all_rows);
+  t.gain = s.fit.held_back - t.fit.held_back;
+  setMean(t.gain, t.mean_gain, t.gain_error);
+}
+
+Eigen::VectorXd rmsOf(const Stack& stack, const Eigen::VectorXd& residual_N) {
+  Eigen::VectorXd rms(stack.axes);
+  for (int i = 0; i < stack.axes; ++i)
+    rms[i] = residual_N.segment(i * stack.size(), stack.size()).norm() / std::sqrt(static_cast<double>(stack.size()));
+  return rms;
+}
+
+/// Empty when the trial may be accepted (but for the null); otherwise why not.
+std::string objection(const Search& s, const Trial& t) {
+  const Eigen::VectorXd rms = rmsOf(s.data->stack, t.fit.residual_N);
+  bool worth_it = false;
+  for (int i = 0; i < rms.size(); ++i) {
+    if (t.hypothesis.place.actuator >= 0 && t.hypothesis.place.actuator != i) continue;
+    worth_it = worth_it || (s.rms_N[i] > kAboveFloor * s.floor.rms_N[i] && rms[i] < kLowered * s.rms_N[i]);
+  }
+  if (!worth_it) return "does not lower the residual by a tenth where it is above the floor";
+  if (t.fit.coefficients.back().cwiseAbs().maxCoeff() == 0.0) return "the sign that fits is not physical";
+  if (!t.fit.stable.back()) return "its sign changes when a part of the training data is left out";
+  if (t.mean_gain <= t.gain_error) return "does not help on held-back parts of the training data";
+  return {};
+}
+
+/// Names that the data cannot tell from the best one: their held-back gain is within one standard error of the difference.
+std::vector<std::string> confusedWith(const Search& s, const Trial& best, const std::vector<Trial>& trials) {
+  std::vector<std::string> names;
+  for (const Trial& t : trials) {
+    const std::string name = t.hypothesis.place.candidate->name();
+    if (name == best.hypothesis.place.candidate->name() || name == "unnamed") continue;
+    if (std::find(names.begin(), names.end(), name) != names.end()) continue;
+    if (t.mean_gain < kNearlyAsGood * best.mean_gain || !objection(s, t).empty()) continue;
+    double mean = 0.0, error = 0.0;
+    setMean(best.gain - t.gain, mean, error);
+    if (mean <= error) names.push_back(name);
+  }
+  return names;
+}
+
+double pOf(const NullDistribution& null, const Trial& t) {
+  return monteCarloP(null.largest, null.standardized(t.hypothesis.place, t.share));
+}
+
+FoundEffect found(const Search& s, const Trial& t, const NullDistribution& null) {
+  FoundEffect e;
+  e.hypothesis = t.hypothesis;
+  e.p = pOf(null, t);
+  const Eigen::VectorXd after = rmsOf(s.data->stack, t.fit.residual_N);
+  e.explained_rms_N = (s.rms_N.cwiseAbs2() - after.cwiseAbs2()).cwiseMax(0.0).cwiseSqrt();
+  e.null_rms_N = null.threshold(t.hypothesis.place) * s.rms_N;
+  const double total = s.fit.held_back.sum();
+  const double blocks = static_cast<double>(t.gain.size());
+  e.gain = t.mean_gain * blocks / total;
+  e.gain_error = t.gain_error * blocks / total;
+  return e;
+}
+
+/// Drops effects that the others have made superfluous: without one of them held-back parts are predicted as well.
+void prune(Search& s) {
+  for (std::size_t k = 0; k + 1 < s.effects.size(); ++k) {
+    std::vector<Hypothesis> others = hypothesesOf(s.effects);
+    others.erase(others.begin() + static_cast<std::ptrdiff_t>(k));
+    std::vector<Eigen::MatrixXd> rows;
+    for (const Hypothesis& h : others)
+      rows.push_back(effectRows(*s.data, h));
+    const JointFit without = fitJointly(*s.data, *s.base, s.rms_N, others, rows);
+    double mean = 0.0, error = 0.0;
+    const JointFit with = [&] {
+      const std::vector<Hypothesis> all = hypothesesOf(s.effects);
+      std::vector<Eigen::MatrixXd> all_rows;
+      for (const Hypothesis& h : all)
+        all_rows.push_back(effectRows(*s.data, h));
+      return fitJointly(*s.data, *s.base, s.rms_N, all, all_rows);
+    }();
+    setMean(without.held_back - with.held_back, mean, error);
+    if (mean > error) continue;
+    s.rejected.push_back(placeText(s.effects[k].hypothesis.place) + ": taken out again, later effects explain it");
+    s.effects.erase(s.effects.begin() + static_cast<std::ptrdiff_t>(k));
+    refit(s);
+    --k;
+  }
+}
+
+/// One more effect. False when nothing passes.
+bool addOne(Search& s, const CandidateList& candidates, std::uint64_t seed) {
+  const std::vector<Hypothesis> accepted = hypothesesOf(s.effects);
+  std::vector<Hypothesis> tried = listHypotheses(candidates, s.data->inputs);
+  tried.erase(std::remove_if(tried.begin(), tried.end(),
+                             [&](const Hypothesis& h) {
+                               return std::any_of(accepted.begin(), accepted.end(),
+                                                  [&](const Hypothesis& a) { return a.place == h.place; });
+                             }),
+              tried.end());
+  if (tried.empty() || !((s.rms_N.array() > kAboveFloor * s.floor.rms_N.array()).any())) return false;
+  std::vector<Eigen::MatrixXd> rows;
+  for (const Hypothesis& h : accepted)
+    rows.push_back(effectRows(*s.data, h));
+  s.fit = fitJointly(*s.data, *s.base, s.rms_N, accepted, rows);
+  const Projection projection =
+      project(modelColumns(*s.data, s.rms_N, accepted), weighted(s.data->stack, s.data->force_rows, s.rms_N));
+  std::vector<Trial> trials = rankPlaces(s, projection, tried);
+  trials.resize(std::min(trials.size(), kCompared));
+  for (Trial& t : trials) {
+    refineShape(s, projection, tried, t);
+    crossValidate(s, rows, t);
+  }
+  std::sort(trials.begin(), trials.end(), [](const Trial& a, const Trial& b) { return a.mean_gain > b.mean_gain; });
+  NullDistribution null;
+  for (const Trial& t : trials) {
+    const std::string against = objection(s, t);
+    if (!against.empty()) {
+      s.rejected.push_back(placeText(t.hypothesis.place) + ": " + against);
+      continue;
+    }
+    if (null.largest.empty()) {
+      s.options->progress("comparing with clean twins");
+      null = nullDistribution(*s.twins, *s.data, s.fit.residual_N, s.rms_N, accepted, tried, s.options->draws, seed);
+    }
+    if (pOf(null, t) > kLargestP) {
+      s.rejected.push_back(placeText(t.hypothesis.place) +
+                           ": clean twins explain as much by chance (p = " + shortNumber(pOf(null, t), 2) + ")");
+      continue;
+    }
+    FoundEffect e = found(s, t, null);
+    e.indistinguishable_from = confusedWith(s, t, trials);
+    s.effects.push_back(e);
+    s.options->progress("found " + placeText(e.hypothesis.place));
+    return true;
+  }
+  return false;
+}
+
+}  // namespace
+
+std::vector<Hypothesis> hypothesesOf(const std::vector<FoundEffect>& effects) {
+  std::vector<Hypothesis> out;
+  for (const FoundEffect& e : effects)
+    out.push_back(e.hypothesis);
+  return out;
+}
+
+void refit(Search& s) {
+  const std::vector<Hypothesis> all = hypothesesOf(s.effects);
+  for (int pass = 0; pass < 3; ++pass) {
+    std::vector<Eigen::MatrixXd> rows;
+    for (const Hypothesis& h : all)
+      rows.push_back(effectRows(*s.data, h));
+    s.fit = fitJointly(*s.data, *s.base, s.rms_N, all, rows);
+    s.rms_N = rmsOf(s.data->stack, s.fit.residual_N).cwiseMax(1e-9);
+    for (EffectInput& input : s.data->inputs) {
+      Eigen::MatrixXd effects_N = Eigen::MatrixXd::Zero(input.samples(), input.axes());
+      for (std::size_t k = 0; k < all.size(); ++k) {
+        for (int i = 0; i < input.axes(); ++i)
+          effects_N.col(i) += effectColumns(input, all[k], i) * s.fit.coefficients[k];
+      }
+      setForces(input, s.base->columns, s.base->basis * s.fit.base, effects_N);
+    }
+  }
+  for (std::size_t k = 0; k < s.effects.size(); ++k) {
+    s.effects[k].coefficients = s.fit.coefficients[k];
+    s.effects[k].std = s.fit.std[k];
+  }
+}
+
+void searchForward(Search& s, const CandidateList& candidates, int most, std::uint64_t seed) {
+  const std::size_t before = s.effects.size();
+  while (s.effects.size() < before + static_cast<std::size_t>(most)) {
+    s.rejected.clear();  // only why the search ended is of interest
+    if (!addOne(s, candidates, seed + s.effects.size())) return;
+    refit(s);
+    prune(s);
+  }
+}
+
+}  // namespace knee_robot

@@ -1,0 +1,31 @@
+#pragma once
+
+#include "knee_robot/tracing/floor.h"
+#include "knee_robot/tracing/null.h"
+#include "knee_robot/tracing/trace.h"
+
+namespace knee_robot {
+
+/// The state of the search: what is in the model, and how well it fits.
+struct Search {
+  TraceData* data = nullptr;
+  const BaseFit* base = nullptr;
+  const std::vector<TraceData>* twins = nullptr;
+  const TraceOptions* options = nullptr;
+  NoiseFloor floor;
+  std::vector<FoundEffect> effects;
+  JointFit fit;
+  Eigen::VectorXd rms_N;  ///< per actuator, of fit
+  std::vector<std::string> rejected;
+};
+
+/// Hypotheses of the effects found so far.
+std::vector<Hypothesis> hypothesesOf(const std::vector<FoundEffect>& effects);
+
+/// Fits base and effects together and rebuilds what depends on the fit (loads, forces), twice.
+void refit(Search& search);
+
+/// Adds effects of `candidates` one after the other while they pass every test; takes out what a later one makes superfluous.
+void searchForward(Search& search, const CandidateList& candidates, int most, std::uint64_t seed);
+
+}  // namespace knee_robot

@@ -1,0 +1,131 @@
+#include "knee_robot/tracing/trace.h"
+
+#include <algorithm>
+
+#include "knee_robot/base/numbers.h"
+#include "search.h"
+
+namespace knee_robot {
+namespace {
+
+TraceData makeData(const Robot& robot, std::vector<Observation> training, const TraceOptions& options, BaseFit& base) {
+  TraceData data;
+  data.recordings = std::move(training);
+  data.stack = makeStack(data.recordings, options.observation);
+  base = fitBase(robot, data.recordings, data.stack, columnsOf(robot), options.rank);
+  BaseFit newtons = base;
+  newtons.noise_N.setOnes();
+  data.base_rows = baseRows(newtons, data.recordings, data.stack);
+  data.force_rows = forceRows(newtons, data.recordings, data.stack);
+  const int count = static_cast<int>(data.recordings.size());
+  for (int r = 0; r < count; ++r) {
+    data.inputs.push_back(
+        effectInput(robot, data.recordings[static_cast<std::size_t>(r)], base.coulomb_width_m, r, count));
+    setForces(data.inputs.back(), base.columns, base.parameters, {});
+  }
+  return data;
+}
+
+std::vector<Eigen::MatrixXd> modelForces(const TraceData& data) {
+  std::vector<Eigen::MatrixXd> out;
+  for (const EffectInput& input : data.inputs)
+    out.push_back(input.force_N);
+  return out;
+}
+
+/// Two names may remain; more than that is no attribution.
+void settleNames(std::vector<FoundEffect>& effects) {
+  for (FoundEffect& e : effects) {
+    if (e.indistinguishable_from.size() <= 2) continue;
+    e.verdict = "not separable from more than two other effects";
+  }
+}
+
+void noteAbsorbed(const Search& s, const CandidateList& candidates, TraceResult& result) {
+  const Projection projection = project(weighted(s.data->stack, s.data->base_rows, s.rms_N),
+                                        weighted(s.data->stack, s.data->force_rows, s.rms_N));
+  for (const auto& candidate : candidates) {
+    if (candidate->shared()) continue;
+    const std::vector<Hypothesis> one = {{{candidate.get(), 0}, candidate->shapes(s.data->inputs.front(), 0).front()}};
+    if (makeProbe(*s.data, one.front(), projection, s.rms_N).inverse.size() == 0)
+      result.absorbed.push_back(candidate->name() + ": the baseline's constant force per actuator takes it up");
+  }
+  result.absorbed.push_back("reflected_inertia: is a parameter of the baseline (rotor)");
+  if (s.data->recordings.front().motion.motion.empty()) return;
+  result.absorbed.push_back(
+      "payload: a mass on the platform changes the platform's inertia parameters, which are fitted");
+  result.absorbed.push_back("base_tilt: turns gravity, which the fitted first moments and offsets follow");
+}
+
+}  // namespace
+
+TraceResult trace(const Robot& robot, const std::vector<Recording>& recordings, std::vector<Observation> training,
+                  const TraceOptions& options) {
+  TraceResult result;
+  options.progress("fitting the baseline");
+  TraceData data = makeData(robot, std::move(training), options, result.base);
+  std::vector<TwinPlan> plans;
+  for (std::size_t r = 0; r < recordings.size(); ++r) {
+    plans.push_back(planTwin(robot, recordings[r], data.recordings[r], result.base));
+    result.notes.push_back(plans.back().note + ".");
+  }
+  options.progress("simulating " + std::to_string(options.twins) + " clean twins");
+  const std::vector<TraceData> twins =
+      makeTwins(robot, recordings, data, result.base, plans, options.observation, options.twins, options.seed);
+
+  Search s;
+  s.data = &data;
+  s.base = &result.base;
+  s.twins = &twins;
+  s.options = &options;
+  s.rms_N = result.base.noise_N;
+  refit(s);
+  s.floor = noiseFloor(recordings, data, modelForces(data), twinResidual(twins, result.base));
+  result.before_rms_N = s.rms_N;
+  result.candidates = std::make_shared<CandidateList>(namedCandidates(robot));
+  noteAbsorbed(s, *result.candidates, result);
+  searchForward(s, *result.candidates, options.most_effects, options.seed);
+  result.rejected = s.rejected;
+  options.progress("looking for what no named effect explains");
+  CandidateList maps = mapCandidates(data.inputs);
+  s.rejected.clear();
+  searchForward(s, maps, options.most_maps, options.seed + 100u);
+  for (auto& map : maps)
+    result.candidates->push_back(std::move(map));
+  settleNames(s.effects);
+
+  result.effects = s.effects;
+  result.parameters = result.base.basis * s.fit.base;
+  result.floor_N = s.floor.rms_N;
+  result.floor_source = s.floor.source;
+  result.after_rms_N = s.rms_N;
+  return result;
+}
+
+Eigen::MatrixXd predictTraced(const Robot& robot, const TraceResult& result, Observation& o, int recording,
+                              int recordings) {
+  setCoulombWidth(o, result.base.columns, result.base.coulomb_width_m);
+  EffectInput input = effectInput(robot, o, result.base.coulomb_width_m, recording, recordings);
+  Eigen::MatrixXd effects_N = Eigen::MatrixXd::Zero(o.samples(), o.axes());
+  for (int pass = 0; pass < 2; ++pass) {  // some effects look at the whole force, which contains them
+    setForces(input, result.base.columns, result.parameters, effects_N);
+    effects_N.setZero();
+    for (const FoundEffect& e : result.effects) {
+      if (recording < 0 && !e.hypothesis.place.candidate->transfers()) continue;
+      for (int i = 0; i < o.axes(); ++i)
+        effects_N.col(i) += effectColumns(input, e.hypothesis, i) * e.coefficients;
+    }
+  }
+  setForces(input, result.base.columns, result.parameters, effects_N);
+  return input.force_N;
+}
+
+Eigen::MatrixXd predictBaseline(const TraceResult& result, Observation& o) {
+  setCoulombWidth(o, result.base.columns, result.base.coulomb_width_m);
+  Eigen::MatrixXd out(o.samples(), o.axes());
+  for (int i = 0; i < o.axes(); ++i)
+    out.col(i) = o.regressor[static_cast<std::size_t>(i)] * result.base.parameters;
+  return out;
+}
+
+}  // namespace knee_robot
