@@ -23,7 +23,7 @@ class LaboratoryFile(unittest.TestCase):
         (pathlib.Path(parameter("references")) / FILE.name).write_bytes(FILE.read_bytes())
         loaded = robot.load(FILE.name)
         self.assertTrue(loaded.success, loaded.message)
-        self.assertEqual(8792, loaded.points)
+        self.assertEqual(8793, loaded.points)
         for command in ("enable", "approach"):
             answer = robot.trigger(command)
             self.assertTrue(answer.success, answer.message)

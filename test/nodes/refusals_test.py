@@ -35,7 +35,7 @@ class Refusals(unittest.TestCase):
 
     def test_a_jump_is_refused_by_file_line_and_limit(self):
         jump = [self.home] * 10 + [[q + 0.01 for q in self.home]] * 10
-        self.assert_refused(self.write("jump.txt", jump), "jump.txt:11", "velocity")
+        self.assert_refused(self.write("jump.txt", jump), "jump.txt:11", "beyond its limit of 0.3 m/s")
 
     def test_a_point_out_of_range_is_refused(self):
         far = [[q + 1e-5 * k for q in self.home] for k in range(0, 60000, 100)]
