@@ -10,8 +10,9 @@ namespace {
 ImpulseBox impulseBox(const PlantModel& model, const PlantLoads& loads, const Lengths& lengths, double h) {
   constexpr double kUnlimited = std::numeric_limits<double>::infinity();
   ImpulseBox box;
-  box.high = loads.coulomb * h;
-  box.low = -box.high;
+  // Friction never drives, however asymmetric.
+  box.high = (loads.coulomb - loads.coulomb_asymmetry).cwiseMax(0.0) * h;
+  box.low = -(loads.coulomb + loads.coulomb_asymmetry).cwiseMax(0.0) * h;
   for (int axis = 0; axis < kLegs; ++axis) {
     if (lengths[axis] <= model.shortest_m[axis]) box.high[axis] = kUnlimited;
     if (lengths[axis] >= model.longest_m[axis]) box.low[axis] = -kUnlimited;
@@ -26,9 +27,11 @@ bool allHeld(const AxisContacts& contacts) {
   return true;
 }
 
+}  // namespace
+
 /// M (v+ - v) = h (J^T (tau - C (w + w+) / 2) - bias + f) + Je^T p with w = J v; everything at the middle of the substep but
 /// Je, the Jacobian at its end.
-bool substep(const PlantModel& model, const PlantLoads& loads, double h, PlantState& state, PlantData& data) {
+bool substepPlant(const PlantModel& model, const PlantLoads& loads, double h, PlantState& state, PlantData& data) {
   const Pose middle = state.pose + 0.5 * h * state.pose_velocity;
   const Vector4 predicted_velocity = state.pose_velocity + 0.5 * h * state.last_acceleration;
   ForwardDynamicsData& dynamics = data.dynamics;
@@ -65,14 +68,12 @@ bool substep(const PlantModel& model, const PlantLoads& loads, double h, PlantSt
   return true;
 }
 
-}  // namespace
-
 bool stepPlant(const PlantModel& model, const PlantLoads& loads, double dt, PlantState& state, PlantData& data) {
   data.motor_work_J = 0.0;
   data.dissipated_J = 0.0;
   const double h = dt / model.substeps;
   for (int i = 0; i < model.substeps; ++i) {
-    if (!substep(model, loads, h, state, data)) return false;
+    if (!substepPlant(model, loads, h, state, data)) return false;
   }
   return true;
 }

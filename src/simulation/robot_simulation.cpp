@@ -74,8 +74,12 @@ bool DelayedSwitch::step(bool input, double dt) noexcept {
 
 RobotSimulation::RobotSimulation(const Robot& robot, RobotInertia inertia, const SimulationParameters& parameters,
                                  hardware::RobotImage& image)
-    : parameters_(parameters), model_(makeModel(robot, std::move(inertia), parameters)), image_(image) {
+    : parameters_(parameters),
+      model_(makeModel(robot, std::move(inertia), parameters)),
+      effects_(parameters.effects, model_),
+      image_(image) {
   state_.pose = startPose(robot, parameters, model_);
+  effects_.start(model_, state_);
   for (std::size_t i = 0; i < static_cast<std::size_t>(kLegs); ++i) {
     const Actuator& actuator = robot.actuators[i];
     const AxisParameters& axis = parameters.axes[i];
@@ -102,15 +106,14 @@ void RobotSimulation::readCards(double dt) noexcept {
     // Without power the force is gone at once; a drive that is switched off by its input takes its delay.
     const bool driven = axis.drive.step(enable, dt) && power;
     const bool engaged = !axis.release.step(release, dt);
+    driven_[leg] = driven ? 1.0 : 0.0;
     loads_.motor_force[leg] = driven ? axis.newtons_per_volt * volts[i] : 0.0;
-    loads_.viscous[leg] = axis.parameters.viscous_N_s_per_m;
-    loads_.coulomb[leg] = axis.parameters.coulomb_N;
-    if (engaged && axis.parameters.hold_device == SimulatedHold::Brake) {
-      loads_.coulomb[leg] += axis.parameters.holding_force_N;
-    }
-    if (engaged && axis.parameters.hold_device == SimulatedHold::ShortedWindings) {
-      loads_.viscous[leg] += axis.parameters.shorted_viscous_N_s_per_m;
-    }
+    const bool braked = engaged && axis.parameters.hold_device == SimulatedHold::Brake;
+    const bool shorted = engaged && axis.parameters.hold_device == SimulatedHold::ShortedWindings;
+    holds_.coulomb[leg] = braked ? axis.parameters.holding_force_N : 0.0;
+    holds_.viscous[leg] = shorted ? axis.parameters.shorted_viscous_N_s_per_m : 0.0;
+    loads_.viscous[leg] = axis.parameters.viscous_N_s_per_m + holds_.viscous[leg];
+    loads_.coulomb[leg] = axis.parameters.coulomb_N + holds_.coulomb[leg];
     loads_.pose_force[leg] = image_.surroundings.pose_force[i].load(std::memory_order_relaxed);
     enabled_bits |= (driven ? 1u : 0u) << i;
     engaged_bits |= (engaged ? 1u : 0u) << i;
@@ -122,10 +125,11 @@ void RobotSimulation::readCards(double dt) noexcept {
 
 void RobotSimulation::publish() noexcept {
   const Lengths now = lengths();
+  const Lengths seen = effects_.encoders(now);
   std::array<std::uint32_t, hardware::kChannels> sums{};
   for (std::size_t i = 0; i < axes_.size(); ++i) {
     const int leg = static_cast<int>(i);
-    const double counts = (now[leg] - axes_[i].home_length_m) * axes_[i].counts_per_m;
+    const double counts = (seen[leg] - axes_[i].home_length_m) * axes_[i].counts_per_m;
     sums[i] = static_cast<std::uint32_t>(std::llround(counts));
     image_.status.lengths_m[i].store(now[leg], std::memory_order_relaxed);
     image_.status.pose[i].store(state_.pose[leg], std::memory_order_relaxed);
@@ -136,9 +140,22 @@ void RobotSimulation::publish() noexcept {
   image_.plant_heartbeat.fetch_add(1, std::memory_order_release);
 }
 
+bool RobotSimulation::stepWithEffects(double dt) noexcept {
+  PlantLoads own = loads_;
+  own.coulomb_asymmetry.setZero();
+  for (std::size_t i = 0; i < axes_.size(); ++i) {
+    const auto leg = static_cast<Eigen::Index>(i);
+    own.viscous[leg] = axes_[i].parameters.viscous_N_s_per_m;
+    own.coulomb[leg] = axes_[i].parameters.coulomb_N;
+  }
+  const bool good = effects_.step(model_, own, holds_, driven_, dt, state_, data_);
+  loads_ = effects_.acted();
+  return good;
+}
+
 bool RobotSimulation::step(double dt) noexcept {
   readCards(dt);
-  const bool good = stepPlant(model_, loads_, dt, state_, data_);
+  const bool good = effects_.empty() ? stepPlant(model_, loads_, dt, state_, data_) : stepWithEffects(dt);
   time_s_ += dt;
   publish();
   return good;

@@ -74,6 +74,10 @@ SimulationParameters read(StrictMap file, const std::string& path) {
   result.drive_delay_s = file.numberOr("drive_delay_s", result.drive_delay_s, 0.0, 10.0);
   readLines(file, result);
   readPayload(file, result);
+  if (file.has("effects")) {
+    for (StrictMap& entry : file.maps("effects"))
+      result.effects.push_back(readEffect(entry));
+  }
   result.substeps = file.integerOr("substeps", result.substeps, 1, 1000);
   file.finish();
   return result;

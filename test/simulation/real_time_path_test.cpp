@@ -64,5 +64,49 @@ TEST(RealTimePath, OfBusAndPlantAllocatesNothing) {
   EXPECT_TRUE(good);
 }
 
+TEST(RealTimePath, OfAllEffectsAllocatesNothing) {
+  const Robot robot = configuredRobot("final");
+  const auto parameters = parseSimulationParameters(R"(
+axes: [{viscous_N_s_per_m: 150, coulomb_N: 15}]
+effects:
+  - {name: asymmetric_coulomb, difference_N: 4}
+  - {name: asymmetric_viscous, difference_N_s_per_m: 40}
+  - {name: stribeck, excess_N: 5, velocity_m_per_s: 0.01}
+  - {name: load_dependent_friction, share: 0.05}
+  - {name: position_dependent_friction, amplitude_N: 5, center_m: 0.7, width_m: 0.01}
+  - {name: quadratic_drag, drag_N_s2_per_m2: 300}
+  - {name: thermal_drift, coulomb_change: -0.2, time_constant_s: 5}
+  - {name: presliding, actuators: [1], stiffness_N_per_m: 5e5}
+  - {name: screw_ripple, amplitude_N: 3, period_m: 0.01}
+  - {name: payload, mass_kg: 2, center_m: [0, 0, 0.1]}
+  - {name: base_tilt, about_x_deg: 1}
+  - {name: reflected_inertia, mass_kg: 1}
+  - {name: spring, stiffness_N_per_m: 100, anchor_m: [0, 0, 0], point_m: [0.1, 0, 0]}
+  - {name: external_force, start_s: 0.1, end_s: 0.2, force_N: [0, 0, -20], point_m: [0, 0, 0]}
+  - {name: force_gain, factor: 0.95}
+  - {name: force_offset, force_N: 2}
+  - {name: delay, time_s: 0.002}
+  - {name: drive_lag, time_constant_s: 0.003}
+  - {name: flexible_coupling, actuators: [2], stiffness_N_per_m: 2e5}
+  - {name: backlash, actuators: [3], width_m: 0.0002}
+)",
+                                                    "all.yaml");
+  ASSERT_EQ(parameters.effects.size(), effectNames().size());  // every effect of the folder is here
+  hardware::RobotImage image;
+  RobotSimulation simulation(robot, loadRobotInertia(robot), parameters, image);
+  const auto bus = hardware::openImageCards(image);
+  ASSERT_TRUE(bus->selfTest().passed);
+  const long before = allocations;
+  std::array<double, 4> written{};
+  bool good = bus->writeOutputs(3) == hardware::IoStatus::Ok;
+  for (int i = 0; i < 400; ++i) {
+    good =
+        good && bus->writeVolts({std::sin(0.05 * i), 0.5, std::cos(0.03 * i), 1.0}, written) == hardware::IoStatus::Ok;
+    good = good && simulation.step(1e-3);
+  }
+  EXPECT_EQ(allocations, before);
+  EXPECT_TRUE(good);
+}
+
 }  // namespace
 }  // namespace knee_robot

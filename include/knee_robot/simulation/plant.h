@@ -18,9 +18,10 @@ struct PlantModel {
 
 /// What acts on the plant during one step.
 struct PlantLoads {
-  Vector4 motor_force = Vector4::Zero();  ///< N, positive lengthens the leg
-  Vector4 viscous = Vector4::Zero();      ///< N s/m: friction, and a motor with shorted windings
-  Vector4 coulomb = Vector4::Zero();      ///< N: friction, and an engaged brake
+  Vector4 motor_force = Vector4::Zero();        ///< N, positive lengthens the leg
+  Vector4 viscous = Vector4::Zero();            ///< N s/m: friction, and a motor with shorted windings
+  Vector4 coulomb = Vector4::Zero();            ///< N: friction, and an engaged brake
+  Vector4 coulomb_asymmetry = Vector4::Zero();  ///< N: more of it against lengthening, less against shortening
   Vector4 pose_force = Vector4::Zero();  ///< N, N, N m, N m on the pose coordinates: a person, a spring, passive joints
 };
 
@@ -45,6 +46,8 @@ struct PlantData {
 /// held the pose does not change by a bit. False when the mass matrix is not positive definite or the state is not finite; the
 /// state is then that of the last good substep. Real-time safe.
 bool stepPlant(const PlantModel& model, const PlantLoads& loads, double dt, PlantState& state, PlantData& data);
+/// One substep of h seconds of it, for loads that change between substeps; adds to the books of `data`.
+bool substepPlant(const PlantModel& model, const PlantLoads& loads, double h, PlantState& state, PlantData& data);
 
 /// Kinetic and potential energy (J).
 double totalEnergy(const PlantModel& model, const PlantState& state);

@@ -3,7 +3,7 @@
 #include <vector>
 
 #include "knee_robot/hardware/shared_image.h"
-#include "knee_robot/simulation/plant.h"
+#include "knee_robot/simulation/effect_chain.h"
 #include "knee_robot/simulation/simulation_parameters.h"
 
 namespace knee_robot {
@@ -59,13 +59,17 @@ class RobotSimulation {
   };
 
   void readCards(double dt) noexcept;
+  bool stepWithEffects(double dt) noexcept;
   void publish() noexcept;
 
   SimulationParameters parameters_;
   PlantModel model_;
+  EffectChain effects_;
   PlantState state_;
   PlantData data_;
-  PlantLoads loads_;
+  PlantLoads loads_;                  ///< all of them
+  Vector4 driven_ = Vector4::Zero();  ///< 1: the drive is on
+  PlantLoads holds_;                  ///< the share of brakes and shorted windings
   std::vector<Axis> axes_;
   hardware::RobotImage& image_;
   double time_s_ = 0.0;

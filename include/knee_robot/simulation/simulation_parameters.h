@@ -4,7 +4,7 @@
 #include <optional>
 #include <string>
 
-#include "knee_robot/mechanism/geometry.h"
+#include "knee_robot/simulation/effect.h"
 
 namespace knee_robot {
 
@@ -46,6 +46,8 @@ struct Payload {
 ///     digital_inputs: {emergency_stop_clear: 0}             # optional
 ///     payload: {mass_kg: 15, center_m: [0, 0, 0.1], radius_of_gyration_m: 0.1}   # optional
 ///     substeps: 4                            # optional; integration steps per simulated period
+///     effects:                               # optional; what else the machine has, see src/simulation/effects/
+///       - {name: stribeck, actuators: [2], excess_N: 10, velocity_m_per_s: 0.005}
 struct SimulationParameters {
   std::string path;
   std::optional<Vector4> start_lengths_m;
@@ -57,6 +59,7 @@ struct SimulationParameters {
   int emergency_stop_clear_bit = 0;
   std::optional<Payload> payload;
   int substeps = 4;
+  EffectPrototypes effects;
 };
 
 /// Reads a simulation file strictly. InputError (file, line, limit).

@@ -1,0 +1,41 @@
+#pragma once
+
+#include "knee_robot/simulation/effect.h"
+
+namespace knee_robot {
+
+/// Elastic joint between motor and screw.
+struct Coupling {
+  Vector4 actuators = Vector4::Zero();  ///< 1: has it
+  double stiffness_N_per_m = 0.0;
+  double damping_N_s_per_m = 0.0;
+  double half_gap_m = 0.0;  ///< free play to either side
+};
+
+/// Motors that move by themselves, joined to their screws elastically, with or without play: the rotor's mass is on the motor's
+/// side, as is the encoder; friction and brakes are on the screw's side. The joint's force is taken at the end of the substep
+/// (implicit), so that it is stable however stiff. Within the play nothing but a small viscous friction holds the motor.
+class CoupledMotors {
+ public:
+  explicit CoupledMotors(const Coupling& coupling) : coupling_(coupling) {}
+
+  /// Takes the rotors out of the plant. InputError when an axis has none.
+  void takeRotors(PlantModel& model);
+  void start(const Lengths& lengths) noexcept { position_ = lengths; }
+  /// Replaces the motors' forces by the joints'.
+  void push(const EffectStep& at, PlantLoads& loads) noexcept;
+  void follow(const EffectStep& now) noexcept;
+  /// Encoders see the motors.
+  void replace(Lengths& seen) const noexcept;
+
+ private:
+  Coupling coupling_;
+  Vector4 mass_ = Vector4::Zero();
+  Vector4 position_ = Vector4::Zero();
+  Vector4 velocity_ = Vector4::Zero();
+  Vector4 motor_force_ = Vector4::Zero();
+  Vector4 constant_ = Vector4::Zero();  ///< joint's force = constant - slope * end velocity of the screw
+  Vector4 slope_ = Vector4::Zero();
+};
+
+}  // namespace knee_robot

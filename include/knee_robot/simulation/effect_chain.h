@@ -1,0 +1,34 @@
+#pragma once
+
+#include "knee_robot/simulation/effect.h"
+
+namespace knee_robot {
+
+/// All effects of a simulated robot, in the order in which they act.
+class EffectChain {
+ public:
+  /// Copies the prototypes and lets each of them change `model`.
+  EffectChain(const EffectPrototypes& prototypes, PlantModel& model);
+
+  bool empty() const noexcept { return effects_.empty(); }
+  /// The plant stands at `state`.
+  void start(const PlantModel& model, const PlantState& state);
+
+  /// stepPlant with effects. `loads` holds the commanded motor forces, the axes' own friction and forces on the pose; `holds` the
+  /// friction of brakes and shorted windings; `driven` is 1 where a drive is on: without it no effect exerts a motor force.
+  /// Real-time safe.
+  bool step(const PlantModel& model, const PlantLoads& loads, const PlantLoads& holds, const Vector4& driven, double dt,
+            PlantState& state, PlantData& data) noexcept;
+
+  /// What the encoders see at these lengths.
+  Lengths encoders(Lengths lengths) const noexcept;
+  /// What acted on the plant during the last substep.
+  const PlantLoads& acted() const noexcept { return acted_; }
+
+ private:
+  std::vector<std::unique_ptr<Effect>> effects_;
+  EffectStep at_;
+  PlantLoads acted_;
+};
+
+}  // namespace knee_robot

@@ -1,0 +1,65 @@
+#include "knee_robot/simulation/effect_chain.h"
+
+#include "knee_robot/dynamics/inverse_dynamics.h"
+
+namespace knee_robot {
+
+EffectChain::EffectChain(const EffectPrototypes& prototypes, PlantModel& model) {
+  for (const std::shared_ptr<const Effect>& prototype : prototypes) {
+    effects_.push_back(prototype->clone());
+    effects_.back()->changePlant(model);
+  }
+}
+
+void EffectChain::start(const PlantModel& model, const PlantState& state) {
+  at_.pose = state.pose;
+  at_.lengths = legLengths(model.rigid.mechanism, state.pose);
+  Motion rest;
+  rest.pose = state.pose;
+  Vector4 weight = Vector4::Zero();
+  if (inverseDynamics(model.rigid, rest, weight)) at_.transmitted_N = weight;  // what carries the robot before it moves
+  for (const auto& effect : effects_)
+    effect->start(at_);
+}
+
+bool EffectChain::step(const PlantModel& model, const PlantLoads& loads, const PlantLoads& holds, const Vector4& driven,
+                       double dt, PlantState& state, PlantData& data) noexcept {
+  data.motor_work_J = 0.0;
+  data.dissipated_J = 0.0;
+  PlantLoads own = loads;
+  for (const auto& effect : effects_)
+    effect->changeForce(dt, own.motor_force);
+  own.motor_force = own.motor_force.cwiseProduct(driven);
+  const double h = dt / model.substeps;
+  at_.dt_s = h;
+  for (int i = 0; i < model.substeps; ++i) {
+    acted_ = own;
+    for (const auto& effect : effects_)
+      effect->changeFriction(at_, acted_);
+    for (const auto& effect : effects_)
+      effect->addLoads(at_, acted_);
+    acted_.viscous += holds.viscous;
+    acted_.coulomb += holds.coulomb;
+    if (!substepPlant(model, acted_, h, state, data)) return false;
+
+    const Vector4 before = at_.rates;
+    at_.time_s += h;
+    at_.pose = state.pose;
+    at_.lengths = legLengths(model.rigid.mechanism, state.pose);
+    at_.rates = lengthJacobian(model.rigid.mechanism, state.pose) * state.pose_velocity;
+    at_.transmitted_N = acted_.motor_force + data.friction_force -
+                        0.5 * acted_.viscous.cwiseProduct(before + at_.rates) -
+                        model.rigid.rotor_mass.cwiseProduct(at_.rates - before) / h;
+    for (const auto& effect : effects_)
+      effect->follow(at_);
+  }
+  return true;
+}
+
+Lengths EffectChain::encoders(Lengths lengths) const noexcept {
+  for (const auto& effect : effects_)
+    effect->changeEncoders(lengths);
+  return lengths;
+}
+
+}  // namespace knee_robot

@@ -1,0 +1,34 @@
+// {name: screw_ripple, actuators: [1], amplitude_N: 5, period_m: 0.01, phase_deg: 30}
+// A force that repeats with the screw's angle, whatever the direction (cogging, a bent screw): amplitude sin(2 pi q / period + phase).
+#include <cmath>
+
+#include "knee_robot/simulation/effect.h"
+
+namespace knee_robot {
+namespace {
+
+class ScrewRipple : public EffectOf<ScrewRipple> {
+ public:
+  explicit ScrewRipple(StrictMap& entry)
+      : amplitude_N_(entry.number("amplitude_N", 0.0, 1e4) * readActuators(entry)),
+        wave_number_(kTurn / entry.number("period_m", 1e-4, 1.0)),
+        phase_(kTurn / 360.0 * entry.numberOr("phase_deg", 0.0, -360.0, 360.0)) {}
+  void addLoads(const EffectStep& at, PlantLoads& loads) noexcept override {
+    for (int i = 0; i < kLegs; ++i)
+      loads.motor_force[i] += amplitude_N_[i] * std::sin(wave_number_ * at.lengths[i] + phase_);
+  }
+
+ private:
+  static constexpr double kTurn = 6.283185307179586;
+  Vector4 amplitude_N_;
+  double wave_number_;
+  double phase_;
+};
+
+}  // namespace
+
+std::unique_ptr<Effect> makeScrewRipple(StrictMap& entry) {
+  return std::make_unique<ScrewRipple>(entry);
+}
+
+}  // namespace knee_robot

@@ -1,0 +1,165 @@
+// Effects that change friction: each is seen in the friction that is measured through the robot's cards.
+#include <cmath>
+#include <cstdio>
+
+#include "test/simulation/effect_bench.h"
+
+namespace knee_robot {
+namespace {
+
+constexpr int kAxis = 1;
+constexpr double kNear_N = 0.6;  ///< two DAC steps
+
+double plain(double velocity) {
+  return 150.0 * velocity + std::copysign(15.0, velocity);
+}
+
+TEST(FrictionEffects, AreAbsentFromAPlainRobot) {
+  EffectBench bench("");
+  for (const double v : {0.005, 0.05, -0.05})
+    EXPECT_NEAR(bench.frictionAt(kAxis, v), plain(v), kNear_N) << v;
+}
+
+TEST(FrictionEffects, StribeckHasItsMinimum) {
+  EffectBench bench("{name: stribeck, actuators: [2], excess_N: 10, velocity_m_per_s: 0.006}");
+  double friction[4];
+  const double velocities[] = {0.003, 0.006, 0.02, 0.1};
+  for (int k = 0; k < 4; ++k) {
+    const double v = velocities[k];
+    friction[k] = bench.frictionAt(kAxis, k % 2 ? -v : v) * (k % 2 ? -1.0 : 1.0);
+    EXPECT_NEAR(friction[k], plain(v) + 10.0 * std::exp(-std::pow(v / 0.006, 2.0)), kNear_N) << v;
+  }
+  std::printf("friction at 3, 6, 20, 100 mm/s: %.2f %.2f %.2f %.2f N\n", friction[0], friction[1], friction[2],
+              friction[3]);
+  EXPECT_GT(friction[0], friction[2] + 3.0);
+  EXPECT_GT(friction[3], friction[2] + 3.0);
+}
+
+TEST(FrictionEffects, AsymmetryDiffersBetweenDirections) {
+  EffectBench coulomb("{name: asymmetric_coulomb, actuators: [2], difference_N: 8}");
+  EXPECT_NEAR(coulomb.frictionAt(kAxis, 0.03), plain(0.03) + 4.0, kNear_N);
+  EXPECT_NEAR(coulomb.frictionAt(kAxis, -0.03), plain(-0.03) + 4.0, kNear_N);
+  EffectBench viscous("{name: asymmetric_viscous, actuators: [2], difference_N_s_per_m: 200}");
+  EXPECT_NEAR(viscous.frictionAt(kAxis, 0.05), plain(0.05) + 100.0 * 0.05, kNear_N);
+  EXPECT_NEAR(viscous.frictionAt(kAxis, -0.05), plain(-0.05) + 100.0 * 0.05, kNear_N);
+}
+
+TEST(FrictionEffects, QuadraticDragGrowsWithTheSquare) {
+  EffectBench bench("{name: quadratic_drag, actuators: [2], drag_N_s2_per_m2: 3000}");
+  for (const double v : {0.02, -0.05, 0.1})
+    EXPECT_NEAR(bench.frictionAt(kAxis, v), plain(v) + 3000.0 * v * std::abs(v), kNear_N) << v;
+}
+
+TEST(FrictionEffects, LoadDependenceFollowsTheLoad) {
+  EffectBench bench("{name: load_dependent_friction, actuators: [4], share: 0.2}");
+  double load = 0.0;
+  int count = 0;
+  double friction = 0.0;
+  bench.follow(
+      1.0, [](double t) { return Vector4(0.0, 0.0, 0.0, 0.02 * std::max(0.0, t)); },
+      [&](const EffectSample& s) {
+        if (s.time_s < 0.5) return;
+        load += s.force[3] - s.friction[3];  // what frictionless rigid links take
+        friction += s.friction[3];
+        ++count;
+      });
+  load /= count;
+  friction /= count;
+  std::printf("load %.1f N, friction %.2f N\n", load, friction);
+  EXPECT_GT(load, 20.0);
+  EXPECT_NEAR(friction, plain(0.02) + 0.2 * load, kNear_N);
+}
+
+TEST(FrictionEffects, ATightPlaceIsFeltThereOnly) {
+  EffectBench bench(
+      "{name: position_dependent_friction, actuators: [2], amplitude_N: 12, center_m: 0.71, width_m: 0.004}");
+  double at_place = 0.0, away = 0.0;
+  int n_place = 0, n_away = 0;
+  bench.follow(
+      1.0, [](double t) { return Vector4(0.0, 0.03 * std::max(0.0, t), 0.0, 0.0); },
+      [&](const EffectSample& s) {
+        const double distance = std::abs(s.truth[kAxis] - 0.71);
+        if (s.time_s < 0.15) return;
+        if (distance < 0.0005) at_place += s.friction[kAxis], ++n_place;
+        if (distance > 0.010) away += s.friction[kAxis], ++n_away;
+      });
+  ASSERT_GT(n_place, 20);
+  ASSERT_GT(n_away, 50);
+  EXPECT_NEAR(at_place / n_place, plain(0.03) + 12.0, 2.0 * kNear_N);
+  EXPECT_NEAR(away / n_away, plain(0.03), 2.0 * kNear_N);
+}
+
+TEST(FrictionEffects, RippleRepeatsWithTheScrew) {
+  EffectBench bench("{name: screw_ripple, actuators: [2], amplitude_N: 5, period_m: 0.005, phase_deg: 40}");
+  double sine = 0.0, cosine = 0.0;
+  int count = 0;
+  bench.follow(
+      1.0, [](double t) { return Vector4(0.0, 0.02 * std::max(0.0, t), 0.0, 0.0); },
+      [&](const EffectSample& s) {
+        if (s.time_s < 0.25) return;  // three periods
+        const double angle = 2.0 * M_PI * s.truth[kAxis] / 0.005;
+        sine += (s.friction[kAxis] - plain(0.02)) * std::sin(angle);
+        cosine += (s.friction[kAxis] - plain(0.02)) * std::cos(angle);
+        ++count;
+      });
+  // The drive has to overcome it: the commanded force carries its negative.
+  EXPECT_NEAR(-2.0 * sine / count, 5.0 * std::cos(40.0 * M_PI / 180.0), kNear_N);
+  EXPECT_NEAR(-2.0 * cosine / count, 5.0 * std::sin(40.0 * M_PI / 180.0), kNear_N);
+}
+
+TEST(FrictionEffects, WarmingUpChangesFriction) {
+  EffectBench bench(
+      "{name: thermal_drift, actuators: [2], coulomb_change: -0.4, viscous_change: -0.4, time_constant_s: 1}");
+  double warm[2];
+  for (int k = 0; k < 2; ++k) {
+    bench.frictionAt(kAxis, k % 2 ? -0.03 : 0.03);
+    const double level = bench.frictionAt(kAxis, k % 2 ? -0.03 : 0.03) / plain(k % 2 ? -0.03 : 0.03);
+    warm[k] = level;
+    if (k == 0) bench.frictionAt(kAxis, -0.005);  // three more seconds
+  }
+  std::printf("friction relative to the cold robot: %.3f, later %.3f\n", warm[0], warm[1]);
+  EXPECT_LT(warm[0], 0.95);
+  EXPECT_NEAR(warm[1], 0.6, 0.03);
+  EXPECT_GT(warm[0], warm[1] + 0.05);
+}
+
+TEST(FrictionEffects, PreslidingYieldsElasticallyAndRemembers) {
+  EffectBench bench("{name: presliding, actuators: [2], stiffness_N_per_m: 5e5, damping_N_s_per_m: 300}");
+  bench.push(bench.weight(), 0.5);
+  bench.pushGently();
+  const double rest = bench.simulation().lengths()[kAxis];
+  bench.push(bench.weight() + 8.0 * Vector4::Unit(kAxis), 0.5);
+  const double pushed = bench.simulation().lengths()[kAxis] - rest;
+  bench.push(bench.weight(), 0.5);
+  const double kept = bench.simulation().lengths()[kAxis] - rest;
+  std::printf("8 N below 15 N of friction moves the leg by %.1f um, %.1f um stay\n", 1e6 * pushed, 1e6 * kept);
+  // Dahl: x = F / stiffness ln(1 / (1 - f / F)) forth, F / stiffness ln(1 + f / F) back.
+  EXPECT_NEAR(pushed, -15.0 / 5e5 * std::log(1.0 - 8.0 / 15.0), 4e-6);  // a DAC step is 1 um here
+  EXPECT_NEAR(kept, pushed - 15.0 / 5e5 * std::log(1.0 + 8.0 / 15.0), 2e-6);
+  EXPECT_NEAR(bench.frictionAt(kAxis, 0.03), plain(0.03), kNear_N);  // sliding it is plain Coulomb friction
+}
+
+TEST(FrictionEffects, TrueRestHoldsUpToTheLevelAtRest) {
+  const auto movedBy = [](const std::string& effects, int axis, double beyond_N) {
+    EffectBench bench(effects);
+    const Pose start = bench.simulation().state().pose;
+    bench.push(bench.weight() + beyond_N * Vector4::Unit(axis), 1.0);
+    return Vector4(bench.simulation().state().pose - start).norm();
+  };
+  EXPECT_EQ(movedBy("", 1, 14.0), 0.0);
+  EXPECT_GT(movedBy("", 1, 16.5), 1e-4);
+  const std::string stribeck = "{name: stribeck, excess_N: 10, velocity_m_per_s: 0.006}";
+  EXPECT_EQ(movedBy(stribeck, 1, 24.0), 0.0);
+  EXPECT_GT(movedBy(stribeck, 1, 26.5), 1e-4);
+  const std::string asymmetric = "{name: asymmetric_coulomb, difference_N: 8}";
+  EXPECT_EQ(movedBy(asymmetric, 1, 18.0), 0.0);
+  EXPECT_EQ(movedBy(asymmetric, 1, -10.0), 0.0);
+  EXPECT_GT(movedBy(asymmetric, 1, -12.5), 1e-4);
+  const double weight = EffectBench("").weight()[3];
+  const std::string loaded = "{name: load_dependent_friction, actuators: [4], share: 0.2}";
+  EXPECT_EQ(movedBy(loaded, 3, 15.0 + 0.2 * weight - 1.0), 0.0);
+  EXPECT_GT(movedBy(loaded, 3, 15.0 + 0.2 * weight + 2.0), 1e-4);
+}
+
+}  // namespace
+}  // namespace knee_robot
