@@ -10,7 +10,8 @@
 namespace knee_robot {
 namespace {
 
-constexpr int kFormat = 1;
+constexpr int kFormat = 1;             ///< without effects
+constexpr int kFormatWithEffects = 2;
 constexpr double kLargest = 1e15;
 constexpr const char* kParallel = "3UPS+1RPU";
 constexpr const char* kAxes = "axes";
@@ -30,6 +31,28 @@ std::string quoted(const std::string& text) {
     out += static_cast<unsigned char>(c) < 32 ? '?' : c;
   }
   return out + "\"";
+}
+
+std::string effectParameters(const std::vector<EffectParameter>& parameters) {
+  std::string text = "[";
+  for (std::size_t i = 0; i < parameters.size(); ++i) {
+    const EffectParameter& p = parameters[i];
+    text += (i ? ", " : "") + std::string("{name: ") + quoted(p.name) + ", value: " + exactNumber(p.value);
+    if (std::isfinite(p.std)) text += ", std: " + exactNumber(p.std);
+    text += "}";
+  }
+  return text + "]";
+}
+
+std::string effectText(const ModelEffect& e) {
+  std::string y = "  - {name: " + quoted(e.name);
+  if (!e.depends_on.empty()) y += ", depends_on: " + quoted(e.depends_on);
+  y += ", actuators: [";
+  for (std::size_t i = 0; i < e.actuators.size(); ++i)
+    y += (i ? ", " : "") + std::string("{actuator: ") + std::to_string(e.actuators[i]) + "}";
+  y += std::string("], transfers: ") + (e.transfers ? "yes" : "no");
+  return y + ",\n     shape: " + effectParameters(e.shape) + ",\n     coefficients: " + effectParameters(e.coefficients) +
+         "}\n";
 }
 
 ModelParameter readParameter(StrictMap map) {
@@ -52,6 +75,33 @@ BaseParameter readBase(StrictMap map, std::size_t parameters) {
   return b;
 }
 
+EffectParameter readEffectParameter(StrictMap map) {
+  EffectParameter p;
+  p.name = map.text("name");
+  p.value = map.number("value", -kLargest, kLargest);
+  if (map.has("std")) p.std = map.number("std", 0.0, kLargest);
+  map.finish();
+  return p;
+}
+
+ModelEffect readEffect(StrictMap map, int axes) {
+  ModelEffect e;
+  e.name = map.text("name");
+  if (map.has("depends_on")) e.depends_on = map.text("depends_on");
+  std::vector<StrictMap> actuators = map.maps("actuators");
+  for (StrictMap& actuator : actuators) {
+    e.actuators.push_back(actuator.integer("actuator", 1, axes));
+    actuator.finish();
+  }
+  e.transfers = map.choice("transfers", {"yes", "no"}) == "yes";
+  for (StrictMap& entry : map.maps("shape"))
+    e.shape.push_back(readEffectParameter(entry));
+  for (StrictMap& entry : map.maps("coefficients"))
+    e.coefficients.push_back(readEffectParameter(entry));
+  map.finish();
+  return e;
+}
+
 void checkNames(const Model& model, const StrictMap& file) {
   const std::vector<std::string> names =
       model.kind == MechanismKind::Axes ? axisParameterNames(model.axes) : extendedParameterNames();
@@ -64,7 +114,7 @@ void checkNames(const Model& model, const StrictMap& file) {
 }
 
 Model readModel(StrictMap file) {
-  file.integer("format", kFormat, kFormat);
+  const int format = file.integer("format", kFormat, kFormatWithEffects);
   Model m;
   m.kind = file.choice("mechanism", {kParallel, kAxes}) == kAxes ? MechanismKind::Axes : MechanismKind::ThreeUpsOneRpu;
   const bool bench = m.kind == MechanismKind::Axes;
@@ -87,6 +137,10 @@ Model readModel(StrictMap file) {
     m.parameters.push_back(readParameter(entry));
   for (StrictMap& entry : file.maps("base"))
     m.base.push_back(readBase(entry, m.parameters.size()));
+  if (format == kFormatWithEffects) {
+    for (StrictMap& entry : file.maps("effects"))
+      m.effects.push_back(readEffect(entry, m.axes));
+  }
   checkNames(m, file);
   file.finish();
   return m;
@@ -96,7 +150,7 @@ Model readModel(StrictMap file) {
 
 std::string modelToYaml(const Model& m) {
   std::string y = "# Force model of a robot, written by identify or trace. SI units.\n";
-  y += "format: " + std::to_string(kFormat) + "\n";
+  y += "format: " + std::to_string(m.effects.empty() ? kFormat : kFormatWithEffects) + "\n";
   y += std::string("mechanism: ") + (m.kind == MechanismKind::Axes ? kAxes : kParallel) + "\n";
   y += "axes: " + std::to_string(m.axes) + "\n";
   y += "robot_fingerprint: " + quoted(m.robot_fingerprint) + "\n";
@@ -121,6 +175,10 @@ std::string modelToYaml(const Model& m) {
     y += "  - {value: " + exactNumber(b.value) + ", std: " + exactNumber(b.std) + ", weights: " + list(b.weights) +
          "}\n";
   }
+  if (m.effects.empty()) return y;
+  y += "# Effects beyond the parameters above; shapes bend their columns, coefficients multiply them.\neffects:\n";
+  for (const ModelEffect& e : m.effects)
+    y += effectText(e);
   return y;
 }
 

@@ -152,6 +152,9 @@ Observation observe(const Robot& robot, const std::vector<Column>& columns, cons
   o.row_time_s = recording.time_s;
   o.row_force_N = commandedForce(recording, forcePerVolt(robot));
   o.signals = resample(recording, o.row_force_N, options.signals);
+  SignalOptions unfiltered = options.signals;
+  unfiltered.motion_cutoff_hz = 1e6;
+  o.fine_position_m = resample(recording, o.row_force_N, unfiltered).position_m;
   o.notes = o.signals.notes;
   o.motion = followPath(robot, o.signals);
   o.regressor.assign(static_cast<std::size_t>(robot.axes()),

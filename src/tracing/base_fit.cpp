@@ -7,11 +7,13 @@
 
 #include "knee_robot/base/errors.h"
 #include "knee_robot/identification/rank.h"
+#include "knee_robot/tracing/effect_input.h"
 
 namespace knee_robot {
 namespace {
 
-const double kWidths[] = {0.5, 1.0, 2.0, 4.0};  ///< encoder counts
+const double kWidths[] = {0.5, 1.0, 2.0, 4.0};    ///< encoder counts
+const double kMemoryCutoffs[] = {3.0, 8.0, 0.0};  ///< times the cut-off; 0: no low-pass
 constexpr int kFewestSamples = 100;
 
 /// All rows as identification's equations, weighted by the noise.
@@ -57,6 +59,15 @@ Eigen::VectorXd solve(const Equations& e, BaseFit& base, int rank) {
   return e.b - e.a * base.parameters;
 }
 
+std::vector<FrictionMemory> memories(const Actuator& actuator, double cutoff_hz) {
+  std::vector<FrictionMemory> all;
+  for (const double factor : kMemoryCutoffs) {
+    for (const double counts : kWidths)
+      all.push_back({counts * actuator.metresPerCount(), factor * cutoff_hz});
+  }
+  return all;
+}
+
 /// Width of each actuator's Coulomb step that leaves least, its own friction refitted to the current residual.
 void chooseWidths(const Robot& robot, std::vector<Observation>& training, const Stack& stack,
                   const Eigen::VectorXd& residual_N, BaseFit& base) {
@@ -67,7 +78,7 @@ void chooseWidths(const Robot& robot, std::vector<Observation>& training, const 
     const double coulomb = base.parameters[column - base.columns.begin()];
     std::vector<Eigen::MatrixXd> now, velocity;
     for (const Observation& o : training) {
-      now.push_back(coulombShare(o.signals, i, base.coulomb_width_m[axis]));
+      now.push_back(frictionShare(o, i, base.memory[axis]));
       velocity.push_back(o.signals.velocity_m_per_s.col(i));
     }
     Eigen::MatrixXd design(stack.size(), 3);
@@ -76,21 +87,20 @@ void chooseWidths(const Robot& robot, std::vector<Observation>& training, const 
     design.col(0) = gather(stack, training, velocity);
     design.col(1).setOnes();
     double least = std::numeric_limits<double>::infinity();
-    for (const double counts : kWidths) {
-      const double width = counts * robot.actuators[axis].metresPerCount();
+    for (const FrictionMemory& memory : memories(robot.actuators[axis], stack.cutoff_hz)) {
       std::vector<Eigen::MatrixXd> share;
       for (const Observation& o : training)
-        share.push_back(coulombShare(o.signals, i, width));
+        share.push_back(frictionShare(o, i, memory));
       design.col(2) = gather(stack, training, share);
       const Eigen::VectorXd own = (design.transpose() * design).ldlt().solve(design.transpose() * target);
       const double left = (target - design * own).squaredNorm();
       if (left >= least) continue;
       least = left;
-      base.coulomb_width_m[axis] = width;
+      base.memory[axis] = memory;
     }
   }
   for (Observation& o : training)
-    setCoulombWidth(o, base.columns, base.coulomb_width_m);
+    setFriction(o, base.columns, base.memory);
 }
 
 }  // namespace
@@ -104,9 +114,9 @@ BaseFit fitBase(const Robot& robot, std::vector<Observation>& training, const St
   BaseFit base;
   base.columns = columns;
   for (const Actuator& a : robot.actuators)
-    base.coulomb_width_m.push_back(a.metresPerCount());
+    base.memory.push_back({a.metresPerCount(), 3.0 * stack.cutoff_hz});
   for (Observation& o : training)
-    setCoulombWidth(o, columns, base.coulomb_width_m);
+    setFriction(o, columns, base.memory);
   base.noise_N = Eigen::VectorXd::Ones(stack.axes);
   Equations e = equationsOf(training, stack, base.noise_N);
   base.noise_N = rmsPerActuator(e, e.b).cwiseMax(1e-6);

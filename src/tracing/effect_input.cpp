@@ -4,20 +4,22 @@
 #include <algorithm>
 #include <cmath>
 
+#include "knee_robot/dynamics/coulomb_memory.h"
 #include "knee_robot/mechanism/kinematics.h"
+#include "knee_robot/recording/filter.h"
 
 namespace knee_robot {
 namespace {
 
 constexpr double kTurnCounts = 2.0;  ///< a smaller way back is the encoder's flicker, no reversal
 
-Eigen::VectorXd sinceReversal(const Signals& s, int i, double flicker_m) {
-  Eigen::VectorXd out(s.samples());
-  double turn = s.position_m(0, i);
+Eigen::VectorXd sinceReversal(const Eigen::VectorXd& position_m, double flicker_m) {
+  Eigen::VectorXd out(position_m.size());
+  double turn = position_m[0];
   double extreme = turn;
   double direction = 0.0;
-  for (int n = 0; n < s.samples(); ++n) {
-    const double q = s.position_m(n, i);
+  for (Eigen::Index n = 0; n < position_m.size(); ++n) {
+    const double q = position_m[n];
     if (direction == 0.0 && std::abs(q - turn) > flicker_m) direction = q > turn ? 1.0 : -1.0;
     if (direction * (q - extreme) > 0.0 || direction == 0.0) extreme = q;
     if (direction * (extreme - q) > flicker_m) {
@@ -46,19 +48,46 @@ std::vector<Matrix4> poseForces(const Robot& robot, const Observation& o) {
 
 }  // namespace
 
-EffectInput effectInput(const Robot& robot, const Observation& o, const std::vector<double>& widths, int recording,
-                        int recordings) {
+Eigen::VectorXd frictionPosition(const Observation& o, int actuator, const FrictionMemory& memory) {
+  Eigen::VectorXd position = o.fine_position_m.col(actuator);
+  if (memory.cutoff_hz > 0.0) ZeroPhaseLowPass(memory.cutoff_hz, 1.0 / o.signals.period_s).apply(position);
+  return position;
+}
+
+Eigen::VectorXd frictionShare(const Observation& o, int actuator, const FrictionMemory& memory) {
+  const Eigen::VectorXd position = frictionPosition(o, actuator, memory);
+  CoulombMemory state;
+  Eigen::VectorXd out(o.samples());
+  for (int n = 0; n < o.samples(); ++n)
+    out[n] = state.step(position[n] - position[std::max(0, n - 1)], memory.width_m);
+  return out;
+}
+
+void setFriction(Observation& o, const std::vector<Column>& columns, const std::vector<FrictionMemory>& memory) {
+  for (std::size_t c = 0; c < columns.size(); ++c) {
+    if (columns[c].role != ColumnRole::Coulomb) continue;
+    const int i = columns[c].actuator;
+    o.regressor[static_cast<std::size_t>(i)].col(static_cast<Eigen::Index>(c)) =
+        frictionShare(o, i, memory[static_cast<std::size_t>(i)]);
+  }
+}
+
+EffectInput effectInput(const Robot& robot, const Observation& o, const std::vector<FrictionMemory>& memory,
+                        int recording, int recordings) {
   EffectInput in;
   in.robot = &robot;
   in.observation = &o;
   in.recording = recording;
   in.recordings = recordings;
+  in.friction_position_m.resize(o.samples(), o.axes());
   in.share.resize(o.samples(), o.axes());
   in.since_reversal_m.resize(o.samples(), o.axes());
   for (int i = 0; i < o.axes(); ++i) {
     const std::size_t axis = static_cast<std::size_t>(i);
-    in.share.col(i) = coulombShare(o.signals, i, widths[axis]);
-    in.since_reversal_m.col(i) = sinceReversal(o.signals, i, kTurnCounts * robot.actuators[axis].metresPerCount());
+    in.friction_position_m.col(i) = frictionPosition(o, i, memory[axis]);
+    in.share.col(i) = frictionShare(o, i, memory[axis]);
+    in.since_reversal_m.col(i) =
+        sinceReversal(in.friction_position_m.col(i), kTurnCounts * robot.actuators[axis].metresPerCount());
   }
   if (robot.mechanism) in.force_per_pose_force = poseForces(robot, o);
   in.load_N = in.force_N = Eigen::MatrixXd::Zero(o.samples(), o.axes());

@@ -18,7 +18,7 @@ class Presliding : public Candidate {
   }
   std::vector<Coefficient> coefficients(const EffectInput&) const override { return {{"friction_N", true}}; }
   Eigen::MatrixXd columns(const EffectInput& input, int actuator, const std::vector<double>& shape) const override {
-    const auto q = input.signals().position_m.col(actuator);
+    const auto q = input.friction_position_m.col(actuator);
     Eigen::VectorXd state(input.samples());
     double s = 0.0;
     for (int n = 0; n < input.samples(); ++n) {

@@ -7,6 +7,8 @@
 namespace knee_robot {
 namespace {
 
+constexpr double kPull = 0.02;  ///< relative to a column's norm
+
 /// Where each column of the problem comes from: bounded ones first.
 struct Layout {
   std::vector<std::pair<int, int>> source;  ///< effect (-1: base), column in it
@@ -53,11 +55,19 @@ Equations equationsOf(const TraceData& data, const Eigen::VectorXd& noise_N, con
   return e;
 }
 
-Eigen::VectorXd solve(const Eigen::MatrixXd& triangle, int bounded) {
+/// `groups`: columns of effects with several coefficients, which get a slight pull to zero: hat functions add up to a constant
+/// that the base has already.
+Eigen::VectorXd solve(const Eigen::MatrixXd& triangle, int bounded, const std::vector<int>& groups) {
   const Eigen::Index p = triangle.cols() - 1;
   const Eigen::VectorXd scale = triangle.leftCols(p).colwise().norm().transpose().cwiseMax(1e-12);
-  const Eigen::MatrixXd scaled = triangle.leftCols(p) * scale.cwiseInverse().asDiagonal();
-  return boundedLeastSquares(scaled, triangle.col(p), bounded).cwiseQuotient(scale);
+  const Eigen::Index pulls = static_cast<Eigen::Index>(groups.size());
+  Eigen::MatrixXd scaled = Eigen::MatrixXd::Zero(triangle.rows() + pulls, p);
+  Eigen::VectorXd target = Eigen::VectorXd::Zero(triangle.rows() + pulls);
+  scaled.topRows(triangle.rows()) = triangle.leftCols(p) * scale.cwiseInverse().asDiagonal();
+  target.head(triangle.rows()) = triangle.col(p);
+  for (Eigen::Index k = 0; k < pulls; ++k)
+    scaled(triangle.rows() + k, groups[static_cast<std::size_t>(k)]) = kPull;
+  return boundedLeastSquares(scaled, target, bounded).cwiseQuotient(scale);
 }
 
 }  // namespace
@@ -67,7 +77,12 @@ JointFit fitJointly(const TraceData& data, const BaseFit& base, const Eigen::Vec
   const Layout layout = layoutOf(base, effects, data.inputs.front());
   const Equations e = equationsOf(data, noise_N, layout, effect_rows);
   const std::vector<Eigen::MatrixXd> blocks = compressBlocks(e);
-  const Eigen::VectorXd z = solve(joinBlocks(blocks, -1), layout.bounded);
+  std::vector<int> groups;
+  for (std::size_t c = 0; c < layout.source.size(); ++c) {
+    const int effect = layout.source[c].first;
+    if (effect >= 0 && effect_rows[static_cast<std::size_t>(effect)].cols() > 2) groups.push_back(static_cast<int>(c));
+  }
+  const Eigen::VectorXd z = solve(joinBlocks(blocks, -1), layout.bounded, groups);
   JointFit fit;
   fit.residual_N = e.b - e.a * z;
   for (int i = 0; i < e.axes; ++i)
@@ -75,7 +90,7 @@ JointFit fitJointly(const TraceData& data, const BaseFit& base, const Eigen::Vec
   fit.held_back.resize(e.blocks);
   Eigen::MatrixXd left_out(z.size(), e.blocks);
   for (int b = 0; b < e.blocks; ++b) {
-    left_out.col(b) = solve(joinBlocks(blocks, b), layout.bounded);
+    left_out.col(b) = solve(joinBlocks(blocks, b), layout.bounded, groups);
     const Eigen::MatrixXd& own = blocks[static_cast<std::size_t>(b)];
     fit.held_back[b] =
         own.rows() == 0 ? 0.0 : (own.rightCols(1) - own.leftCols(z.size()) * left_out.col(b)).squaredNorm();

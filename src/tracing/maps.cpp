@@ -114,6 +114,13 @@ CandidateList mapCandidates(const std::vector<EffectInput>& inputs) {
   add("distance_since_reversal_#_m", since, true);
   add("time_s", time, false);
   add("time_s", time, true);
+  const bool bench = inputs.front().force_per_pose_force.empty();
+  if (bench) {  // independent axes: another one's motion cannot matter
+    const auto own = [](const EffectInput& in, int i) -> Eigen::VectorXd { return in.signals().position_m.col(i); };
+    add("position_#_m", own, false);
+    add("position_#_m", own, true);
+    return maps;
+  }
   for (int k = 0; k < inputs.front().axes(); ++k) {
     const auto position = [k](const EffectInput& in, int) -> Eigen::VectorXd { return in.signals().position_m.col(k); };
     const auto velocity = [k](const EffectInput& in, int) -> Eigen::VectorXd {
@@ -123,7 +130,6 @@ CandidateList mapCandidates(const std::vector<EffectInput>& inputs) {
     add("position_" + std::to_string(k + 1) + "_m", position, true);
     add("velocity_" + std::to_string(k + 1) + "_m_per_s", velocity, false);
   }
-  if (inputs.front().force_per_pose_force.empty()) return maps;
   const char* const pose[] = {"pose_x_m", "pose_z_m", "pose_theta_rad", "pose_psi_rad"};
   for (int k = 0; k < 4; ++k) {
     const auto coordinate = [k](const EffectInput& in, int) {

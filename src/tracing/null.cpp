@@ -20,7 +20,7 @@ TraceData makeTwin(const Robot& robot, const std::vector<Recording>& recordings,
     const Recording simulated =
         simulateTwin(robot, recordings[r], data.recordings[r], plans[r], seed * 1000003u + 17u * r);
     twin.recordings.push_back(observe(robot, base.columns, simulated, options));
-    setCoulombWidth(twin.recordings.back(), base.columns, base.coulomb_width_m);
+    setFriction(twin.recordings.back(), base.columns, base.memory);
   }
   twin.stack = makeStack(twin.recordings, options);
   BaseFit newtons = base;
@@ -28,8 +28,7 @@ TraceData makeTwin(const Robot& robot, const std::vector<Recording>& recordings,
   twin.base_rows = baseRows(newtons, twin.recordings, twin.stack);
   twin.force_rows = forceRows(newtons, twin.recordings, twin.stack);
   for (int r = 0; r < count; ++r) {
-    twin.inputs.push_back(
-        effectInput(robot, twin.recordings[static_cast<std::size_t>(r)], base.coulomb_width_m, r, count));
+    twin.inputs.push_back(effectInput(robot, twin.recordings[static_cast<std::size_t>(r)], base.memory, r, count));
     setForces(twin.inputs.back(), base.columns, base.parameters, {});
   }
   for (Observation& o : twin.recordings) {

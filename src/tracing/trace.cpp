@@ -19,8 +19,7 @@ TraceData makeData(const Robot& robot, std::vector<Observation> training, const 
   data.force_rows = forceRows(newtons, data.recordings, data.stack);
   const int count = static_cast<int>(data.recordings.size());
   for (int r = 0; r < count; ++r) {
-    data.inputs.push_back(
-        effectInput(robot, data.recordings[static_cast<std::size_t>(r)], base.coulomb_width_m, r, count));
+    data.inputs.push_back(effectInput(robot, data.recordings[static_cast<std::size_t>(r)], base.memory, r, count));
     setForces(data.inputs.back(), base.columns, base.parameters, {});
   }
   return data;
@@ -31,6 +30,25 @@ std::vector<Eigen::MatrixXd> modelForces(const TraceData& data) {
   for (const EffectInput& input : data.inputs)
     out.push_back(input.force_N);
   return out;
+}
+
+constexpr double kTooMuch = 1.3;
+
+/// Axes whose clean twin leaves much more than the recording itself are not what the twin says they are (friction that stops them
+/// otherwise than stiction does): their twins go along the measured motion instead. True when there are any.
+bool openLoops(const Eigen::VectorXd& twin_N, const Eigen::VectorXd& real_N, std::vector<TwinPlan>& plans,
+               std::vector<std::string>& notes) {
+  bool any = false;
+  for (Eigen::Index i = 0; i < twin_N.size(); ++i) {
+    if (twin_N[i] <= kTooMuch * real_N[i]) continue;
+    any = true;
+    for (TwinPlan& plan : plans)
+      plan.open_loop[static_cast<std::size_t>(i)] = 1;
+    notes.push_back("Actuator " + std::to_string(i + 1) + ": a clean twin in closed loop leaves " +
+                    shortNumber(twin_N[i], 3) + " N, more than the recording (" + shortNumber(real_N[i], 3) +
+                    " N), so its twins follow the measured motion; they miss part of what reversals leave.");
+  }
+  return any;
 }
 
 /// Two names may remain; more than that is no attribution.
@@ -70,8 +88,19 @@ TraceResult trace(const Robot& robot, const std::vector<Recording>& recordings, 
     result.notes.push_back(plans.back().note + ".");
   }
   options.progress("simulating " + std::to_string(options.twins) + " clean twins");
-  const std::vector<TraceData> twins =
+  std::vector<TraceData> twins =
       makeTwins(robot, recordings, data, result.base, plans, options.observation, options.twins, options.seed);
+  Eigen::VectorXd left_N = twinResidual(twins, result.base);
+  if (openLoops(left_N, result.base.noise_N, plans, result.notes)) {
+    std::vector<TraceData> more = makeTwins(robot, recordings, data, result.base, plans, options.observation,
+                                            options.twins / 2, options.seed + 1u);
+    const Eigen::VectorXd open_N = twinResidual(more, result.base);
+    for (Eigen::Index i = 0; i < left_N.size(); ++i) {
+      if (plans.front().open_loop[static_cast<std::size_t>(i)]) left_N[i] = open_N[i];
+    }
+    for (TraceData& twin : more)  // beside those in closed loop: an effect must beat both
+      twins.push_back(std::move(twin));
+  }
 
   Search s;
   s.data = &data;
@@ -80,7 +109,7 @@ TraceResult trace(const Robot& robot, const std::vector<Recording>& recordings, 
   s.options = &options;
   s.rms_N = result.base.noise_N;
   refit(s);
-  s.floor = noiseFloor(recordings, data, modelForces(data), twinResidual(twins, result.base));
+  s.floor = noiseFloor(recordings, data, modelForces(data), left_N);
   result.before_rms_N = s.rms_N;
   result.candidates = std::make_shared<CandidateList>(namedCandidates(robot));
   noteAbsorbed(s, *result.candidates, result);
@@ -104,8 +133,8 @@ TraceResult trace(const Robot& robot, const std::vector<Recording>& recordings, 
 
 Eigen::MatrixXd predictTraced(const Robot& robot, const TraceResult& result, Observation& o, int recording,
                               int recordings) {
-  setCoulombWidth(o, result.base.columns, result.base.coulomb_width_m);
-  EffectInput input = effectInput(robot, o, result.base.coulomb_width_m, recording, recordings);
+  setFriction(o, result.base.columns, result.base.memory);
+  EffectInput input = effectInput(robot, o, result.base.memory, recording, recordings);
   Eigen::MatrixXd effects_N = Eigen::MatrixXd::Zero(o.samples(), o.axes());
   for (int pass = 0; pass < 2; ++pass) {  // some effects look at the whole force, which contains them
     setForces(input, result.base.columns, result.parameters, effects_N);
@@ -121,7 +150,7 @@ Eigen::MatrixXd predictTraced(const Robot& robot, const TraceResult& result, Obs
 }
 
 Eigen::MatrixXd predictBaseline(const TraceResult& result, Observation& o) {
-  setCoulombWidth(o, result.base.columns, result.base.coulomb_width_m);
+  setFriction(o, result.base.columns, result.base.memory);
   Eigen::MatrixXd out(o.samples(), o.axes());
   for (int i = 0; i < o.axes(); ++i)
     out.col(i) = o.regressor[static_cast<std::size_t>(i)] * result.base.parameters;

@@ -3,6 +3,7 @@
 #include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <random>
 
 #include "knee_robot/base/numbers.h"
@@ -14,6 +15,7 @@ constexpr double kStep_s = 0.001;
 constexpr double kBandwidth_hz = 6.0;
 constexpr double kRecovered = 0.9;  ///< share of the force's variance that a recovered controller must explain
 constexpr double kLightest_kg = 2.0;
+constexpr double kDerivative_hz = 40.0;  ///< low-pass of the error's derivative: encoders flicker
 
 double meanOf(const BaseFit& base, ColumnRole role, int actuator) {
   for (std::size_t c = 0; c < base.columns.size(); ++c) {
@@ -60,7 +62,7 @@ AxisController recover(const Recording& r, const Observation& o, const TwinPlan&
   Eigen::MatrixXd design(r.rows(), 4);
   Eigen::VectorXd load(r.rows());
   double sum = 0.0, rate = 0.0;
-  const double fast = std::min(1.0, 2.0 * M_PI * 40.0 * period);  // derivative low-passed: encoders flicker
+  const double fast = std::min(1.0, 2.0 * M_PI * kDerivative_hz * period);
   for (int k = 0; k < r.rows(); ++k) {
     sum += error[k] * period;
     const double raw = k > 0 ? (error[k] - error[k - 1]) / period : 0.0;
@@ -81,12 +83,12 @@ AxisController recover(const Recording& r, const Observation& o, const TwinPlan&
   return {m * w * w, m * w * w * w / 5.0, 2.0 * m * w, false, true};
 }
 
-struct Axis {
+struct AxisState {
   double q, v = 0.0, sum = 0.0, last_error = 0.0, rate = 0.0, start_force;
 };
 
 /// Semi-implicit step of a mass with viscous friction and stiction.
-void move(Axis& a, const TwinPlan& plan, int i, double push, double h) {
+void move(AxisState& a, const TwinPlan& plan, int i, double push, double h) {
   const double m = plan.mass_kg[i];
   const double free = (a.v + h / m * push) / (1.0 + h / m * plan.viscous[i]);
   const double most = h / m * plan.coulomb_N[i];
@@ -94,14 +96,96 @@ void move(Axis& a, const TwinPlan& plan, int i, double push, double h) {
   a.q += h * a.v;
 }
 
+/// One axis of a twin: fills its column of positions and forces.
+void simulateAxis(const Robot& robot, const Recording& r, const Observation& o, const TwinPlan& plan, int i,
+                  double phase, Recording& twin) {
+  const Actuator& a = robot.actuators[static_cast<std::size_t>(i)];
+  const AxisController& c = plan.controllers[static_cast<std::size_t>(i)];
+  const Eigen::MatrixXd reference = referenceOf(r);
+  const double period = medianPeriod(r.time_s);
+  const double fast = std::min(1.0, 2.0 * M_PI * kDerivative_hz * period);
+  const double count = a.metresPerCount();
+  const double dac = kDacStep_V * a.force_per_volt_N, limit = a.voltage_max_V * a.force_per_volt_N;
+  AxisState axis{r.position_m(0, i), 0.0, 0.0, 0.0, 0.0, 0.0};
+  axis.start_force = o.row_force_N(0, i) - (c.feeds_load_forward ? plan.load_N(0, i) : 0.0) -
+                     c.kp * (reference(0, i) - r.position_m(0, i));
+  for (int k = 0; k < r.rows(); ++k) {
+    const double time = r.time_s[static_cast<std::size_t>(k)];
+    const double seen = count * (std::floor(axis.q / count + phase) - phase + 0.5);
+    const double error = reference(k, i) - seen;
+    axis.sum += error * period;
+    if (k > 0) axis.rate += fast * ((error - axis.last_error) / period - axis.rate);
+    axis.last_error = error;
+    double force = axis.start_force + c.kp * error + c.ki * axis.sum + c.kd * axis.rate;
+    if (c.feeds_load_forward) force += at(o.signals, plan.load_N, i, time);
+    force = std::clamp(dac * std::round(force / dac), -limit, limit);
+    twin.position_m(k, i) = seen;
+    twin.force_N(k, i) = force;
+    if (k + 1 == r.rows()) break;
+    const double interval = r.time_s[static_cast<std::size_t>(k) + 1] - time;
+    const int steps = std::max(1, static_cast<int>(std::ceil(interval / kStep_s - 1e-6)));
+    for (int s = 0; s < steps; ++s) {
+      const double now = time + (s + 0.5) * interval / steps;
+      move(axis, plan, i, force - at(o.signals, plan.load_N, i, now), interval / steps);
+    }
+  }
+}
+
+/// One axis of a twin along the measured motion: the model's force, encoder counts with another phase.
+void followMeasured(const Robot& robot, const Recording& r, const Observation& o, const TwinPlan& plan, int i,
+                    double phase, Recording& twin) {
+  const Actuator& a = robot.actuators[static_cast<std::size_t>(i)];
+  const double dac = kDacStep_V * a.force_per_volt_N;
+  const double half = 0.5 * medianPeriod(r.time_s);
+  for (int k = 0; k < r.rows(); ++k) {
+    const double time = r.time_s[static_cast<std::size_t>(k)];
+    const double q = r.position_m(k, i) + (phase - 0.5) * a.metresPerCount();
+    twin.position_m(k, i) = a.metresPerCount() * std::round(q / a.metresPerCount());
+    twin.force_N(k, i) = dac * std::round(at(o.signals, plan.model_N, i, time + half) / dac);
+  }
+}
+
+Recording emptyTwin(const Recording& r) {
+  Recording twin = r;
+  twin.force_N.resize(r.rows(), r.axes);
+  twin.command_V.resize(r.rows(), 0);
+  twin.velocity_m_per_s.resize(r.rows(), 0);
+  return twin;
+}
+
+/// The effective mass that makes the twin follow the recorded motion best. A regression over the acceleration gives too much where
+/// something else goes with the acceleration, and a twin that is too heavy overshoots where the machine stops.
+void chooseMass(const Robot& robot, const Recording& r, const Observation& o, const Eigen::VectorXd& load, int i,
+                TwinPlan& plan) {
+  const double fitted = plan.mass_kg[i];
+  double best = fitted, least = std::numeric_limits<double>::infinity();
+  Recording twin = emptyTwin(r);
+  const auto use = [&](double mass) {
+    plan.mass_kg[i] = mass;
+    plan.load_N.col(i) = load - mass * o.signals.acceleration_m_per_s2.col(i);
+  };
+  for (const double factor : {1.0, 0.5, 0.25, 0.12, 0.06, 0.03}) {
+    if (factor < 1.0 && factor * fitted < kLightest_kg) continue;
+    use(factor * fitted);
+    simulateAxis(robot, r, o, plan, i, 0.5, twin);
+    const double away = (twin.position_m.col(i) - r.position_m.col(i)).norm();
+    if (!(away < least)) continue;
+    least = away;
+    best = factor * fitted;
+  }
+  use(best);
+}
+
 }  // namespace
 
-TwinPlan planTwin(const Robot&, const Recording& r, const Observation& o, const BaseFit& base) {
+TwinPlan planTwin(const Robot& robot, const Recording& r, const Observation& o, const BaseFit& base) {
   TwinPlan plan;
   plan.load_N.resize(o.samples(), o.axes());
   plan.mass_kg.resize(o.axes());
   plan.viscous.resize(o.axes());
   plan.coulomb_N.resize(o.axes());
+  plan.model_N.resize(o.samples(), o.axes());
+  plan.open_loop.assign(static_cast<std::size_t>(o.axes()), 0);
   Eigen::VectorXd carried = base.parameters;
   for (std::size_t c = 0; c < base.columns.size(); ++c) {
     if (base.columns[c].isFriction()) carried[static_cast<Eigen::Index>(c)] = 0.0;
@@ -109,6 +193,7 @@ TwinPlan planTwin(const Robot&, const Recording& r, const Observation& o, const 
   int recovered = 0;
   for (int i = 0; i < o.axes(); ++i) {
     const Eigen::VectorXd load = o.regressor[static_cast<std::size_t>(i)] * carried;
+    plan.model_N.col(i) = o.regressor[static_cast<std::size_t>(i)] * base.parameters;
     plan.mass_kg[i] = effectiveMass(o, load, i);
     plan.load_N.col(i) = load - plan.mass_kg[i] * o.signals.acceleration_m_per_s2.col(i);
     plan.viscous[i] = meanOf(base, ColumnRole::Viscous, i);
@@ -116,6 +201,8 @@ TwinPlan planTwin(const Robot&, const Recording& r, const Observation& o, const 
   }
   for (int i = 0; i < o.axes(); ++i) {
     plan.controllers.push_back(recover(r, o, plan, i));
+    const Eigen::VectorXd load = o.regressor[static_cast<std::size_t>(i)] * carried;
+    chooseMass(robot, r, o, load, i, plan);
     recovered += plan.controllers.back().recovered;
   }
   plan.note = o.name + ": clean twins in closed loop; controllers of " + std::to_string(recovered) + " of " +
@@ -129,40 +216,12 @@ Recording simulateTwin(const Robot& robot, const Recording& r, const Observation
                        std::uint64_t seed) {
   std::mt19937_64 random(seed);
   std::uniform_real_distribution<double> uniform(0.0, 1.0);
-  Recording twin = r;
-  const Eigen::MatrixXd reference = referenceOf(r);
-  twin.force_N.resize(r.rows(), r.axes);
-  twin.command_V.resize(r.rows(), 0);
-  twin.velocity_m_per_s.resize(r.rows(), 0);
-  const double period = medianPeriod(r.time_s);
-  const double fast = std::min(1.0, 2.0 * M_PI * 40.0 * period);
+  Recording twin = emptyTwin(r);
   for (int i = 0; i < r.axes; ++i) {
-    const Actuator& a = robot.actuators[static_cast<std::size_t>(i)];
-    const AxisController& c = plan.controllers[static_cast<std::size_t>(i)];
-    const double count = a.metresPerCount(), phase = uniform(random);
-    const double dac = kDacStep_V * a.force_per_volt_N, limit = a.voltage_max_V * a.force_per_volt_N;
-    Axis axis{r.position_m(0, i), 0.0, 0.0, 0.0, 0.0, 0.0};
-    axis.start_force = o.row_force_N(0, i) - (c.feeds_load_forward ? plan.load_N(0, i) : 0.0) -
-                       c.kp * (reference(0, i) - r.position_m(0, i));
-    for (int k = 0; k < r.rows(); ++k) {
-      const double time = r.time_s[static_cast<std::size_t>(k)];
-      const double seen = count * (std::floor(axis.q / count + phase) - phase + 0.5);
-      const double error = reference(k, i) - seen;
-      axis.sum += error * period;
-      if (k > 0) axis.rate += fast * ((error - axis.last_error) / period - axis.rate);
-      axis.last_error = error;
-      double force = axis.start_force + c.kp * error + c.ki * axis.sum + c.kd * axis.rate;
-      if (c.feeds_load_forward) force += at(o.signals, plan.load_N, i, time);
-      force = std::clamp(dac * std::round(force / dac), -limit, limit);
-      twin.position_m(k, i) = seen;
-      twin.force_N(k, i) = force;
-      if (k + 1 == r.rows()) break;
-      const double interval = r.time_s[static_cast<std::size_t>(k) + 1] - time;
-      const int steps = std::max(1, static_cast<int>(std::ceil(interval / kStep_s - 1e-6)));
-      for (int s = 0; s < steps; ++s) {
-        const double now = time + (s + 0.5) * interval / steps;
-        move(axis, plan, i, force - at(o.signals, plan.load_N, i, now), interval / steps);
-      }
+    if (plan.open_loop[static_cast<std::size_t>(i)]) {
+      followMeasured(robot, r, o, plan, i, uniform(random), twin);
+    } else {
+      simulateAxis(robot, r, o, plan, i, uniform(random), twin);
     }
   }
   return twin;

@@ -36,6 +36,24 @@ struct ModelData {
   std::string fingerprint;
 };
 
+/// A number of an effect.
+struct EffectParameter {
+  std::string name;  ///< with its unit
+  double value = 0.0;
+  double std = std::numeric_limits<double>::quiet_NaN();  ///< nan: searched on a grid
+};
+
+/// An effect beyond rigid body, Coulomb and viscous friction, as trace found it. forceFromModel leaves effects out: they are
+/// predicted along whole recordings (tracing/trace.h).
+struct ModelEffect {
+  std::string name;            ///< of the list of effects, or "unnamed"
+  std::string depends_on;      ///< signal of an unnamed one, otherwise empty
+  std::vector<int> actuators;  ///< 1 .. axes
+  bool transfers = true;       ///< false: belongs to one training recording
+  std::vector<EffectParameter> shape;
+  std::vector<EffectParameter> coefficients;
+};
+
 /// The identified force model of a robot: what `identify` writes, and what the controller's feedforward and `trace` read.
 struct Model {
   MechanismKind kind = MechanismKind::ThreeUpsOneRpu;
@@ -49,12 +67,13 @@ struct Model {
   std::vector<double> residual_rms_N;   ///< per actuator, training data, moving samples
   std::vector<ModelParameter> parameters;
   std::vector<BaseParameter> base;
+  std::vector<ModelEffect> effects;  ///< written by trace; none from identify
 };
 
 /// Fv_1 Fc_1 rotor_1 offset_1 Fv_2 ...: the parameters of `axes` bench axes.
 std::vector<std::string> axisParameterNames(int axes);
 
-/// Writes and reads model files (YAML, format version 1). Reading is strict: InputError with file, line and key.
+/// Writes and reads model files (YAML; format version 1, or 2 when the model has effects). Reading is strict: InputError with file, line and key.
 std::string modelToYaml(const Model& model);
 void saveModel(const Model& model, const std::string& path);
 Model loadModel(const std::string& path);

@@ -33,6 +33,8 @@ struct Observation {
   std::vector<double> row_time_s;  ///< of the recording's rows
   Eigen::MatrixXd row_force_N;     ///< commanded, one row per row of the recording
   Signals signals;
+  Eigen::MatrixXd
+      fine_position_m;  ///< as signals.position_m but not low-passed: a filter's ringing at a stop would reverse friction
   MotionPath motion;
   std::vector<Eigen::MatrixXd> regressor;  ///< per actuator: samples x columns; Coulomb columns by setCoulombWidth
   Eigen::MatrixXd force_filtered_N;        ///< signals.force_N, low-passed

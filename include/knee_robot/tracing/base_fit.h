@@ -3,6 +3,7 @@
 #include <vector>
 
 #include "knee_robot/identification/columns.h"
+#include "knee_robot/tracing/effect_input.h"
 #include "knee_robot/tracing/stack.h"
 
 namespace knee_robot {
@@ -12,10 +13,10 @@ namespace knee_robot {
 /// longer distance is an effect (presliding), not baseline.
 struct BaseFit {
   std::vector<Column> columns;
-  std::vector<double> coulomb_width_m;  ///< per actuator
-  Eigen::MatrixXd basis;                ///< columns x rank: parameters = basis * coordinates
-  int bounded = 0;                      ///< the first coordinates (friction, rotor) are never negative
-  Eigen::VectorXd noise_N;              ///< per actuator: rms residual that rows are weighted with
+  std::vector<FrictionMemory> memory;  ///< per actuator
+  Eigen::MatrixXd basis;               ///< columns x rank: parameters = basis * coordinates
+  int bounded = 0;                     ///< the first coordinates (friction, rotor) are never negative
+  Eigen::VectorXd noise_N;             ///< per actuator: rms residual that rows are weighted with
   Eigen::VectorXd parameters;
 
   int rank() const { return static_cast<int>(basis.cols()); }

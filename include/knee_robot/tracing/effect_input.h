@@ -12,7 +12,8 @@ namespace knee_robot {
 struct EffectInput {
   const Robot* robot = nullptr;
   const Observation* observation = nullptr;
-  Eigen::MatrixXd share;    ///< of full Coulomb friction, in [-1, 1]: the direction, remembered at rest
+  Eigen::MatrixXd share;                ///< of full Coulomb friction, in [-1, 1]: the direction, remembered at rest
+  Eigen::MatrixXd friction_position_m;  ///< that the friction's memory sees
   Eigen::MatrixXd load_N;   ///< rigid body, rotor and offset: what the screw carries, without the actuator's friction
   Eigen::MatrixXd force_N;  ///< the whole current model
   Eigen::MatrixXd since_reversal_m;  ///< distance from the last turning point, never negative
@@ -29,8 +30,23 @@ struct EffectInput {
   }
 };
 
+/// How one actuator's Coulomb friction remembers its direction.
+struct FrictionMemory {
+  double width_m = 1e-5;  ///< it builds up over this distance
+  double cutoff_hz =
+      0.0;  ///< low-pass of the positions that it sees: wide for fine encoders, narrow for coarse ones; 0: none
+};
+
+/// Positions that friction sees.
+Eigen::VectorXd frictionPosition(const Observation& observation, int actuator, const FrictionMemory& memory);
+/// Share of full Coulomb friction of one actuator along the samples.
+Eigen::VectorXd frictionShare(const Observation& observation, int actuator, const FrictionMemory& memory);
+/// Fills the Coulomb columns with it.
+void setFriction(Observation& observation, const std::vector<Column>& columns,
+                 const std::vector<FrictionMemory>& memory);
+
 /// What does not depend on the model's parameters; forces are zero until setForces.
-EffectInput effectInput(const Robot& robot, const Observation& observation, const std::vector<double>& coulomb_width_m,
+EffectInput effectInput(const Robot& robot, const Observation& observation, const std::vector<FrictionMemory>& memory,
                         int recording, int recordings);
 
 /// Forces of a linear model along the recording. `effects_N` (samples x axes, may be empty) are those of effects found so far.

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "knee_robot/dynamics/model.h"
 #include "knee_robot/tracing/joint_fit.h"
 
 namespace knee_robot {
@@ -50,6 +51,10 @@ struct TraceResult {
 
 /// Traces the residual of the training recordings. `recordings` and `training` belong together, in order.
 TraceResult trace(const Robot& robot, const std::vector<Recording>& recordings, std::vector<Observation> training,
+                  const TraceOptions& options);
+
+/// The extended model as a file holds it.
+Model tracedModel(const Robot& robot, const TraceResult& result, const std::vector<Observation>& training,
                   const TraceOptions& options);
 
 /// Force (N, samples x actuators) that a traced model predicts along a recording, from motion and time alone. `recording`: index

@@ -22,7 +22,9 @@ struct TwinPlan {
   Eigen::VectorXd viscous;  ///< N s/m
   Eigen::VectorXd coulomb_N;
   std::vector<AxisController> controllers;
-  std::string note;  ///< what was recovered and what was assumed, for the report
+  Eigen::MatrixXd model_N;      ///< samples x axes: the whole fitted model along the measured motion
+  std::vector<char> open_loop;  ///< per axis: along the measured motion, because in closed loop it would leave too much
+  std::string note;             ///< what was recovered and what was assumed, for the report
 };
 
 /// Recovers the controllers by least squares of the recorded force on the tracking error; where that explains less than nine

@@ -1,0 +1,61 @@
+#include "knee_robot/tracing/trace.h"
+
+namespace knee_robot {
+namespace {
+
+ModelEffect modelEffect(const FoundEffect& e, const EffectInput& input, int axes) {
+  const Candidate& candidate = *e.hypothesis.place.candidate;
+  const int actuator = e.hypothesis.place.actuator;
+  ModelEffect m;
+  m.name = candidate.name();
+  m.depends_on = candidate.dependsOn(actuator);
+  m.transfers = candidate.transfers();
+  for (int i = 0; i < axes; ++i) {
+    if (actuator < 0 || actuator == i) m.actuators.push_back(i + 1);
+  }
+  const std::vector<ShapeParameter> shapes = candidate.shapeParameters();
+  for (std::size_t k = 0; k < shapes.size(); ++k) {
+    EffectParameter p;
+    p.name = shapes[k].name;
+    p.value = e.hypothesis.shape[k];
+    m.shape.push_back(p);
+  }
+  const std::vector<Coefficient> coefficients = candidate.coefficients(input);
+  for (std::size_t k = 0; k < coefficients.size(); ++k) {
+    const Eigen::Index at = static_cast<Eigen::Index>(k);
+    m.coefficients.push_back({coefficients[k].name, e.coefficients[at], e.std[at]});
+  }
+  return m;
+}
+
+}  // namespace
+
+Model tracedModel(const Robot& robot, const TraceResult& result, const std::vector<Observation>& training,
+                  const TraceOptions& options) {
+  Model m;
+  m.kind = robot.kind;
+  m.axes = robot.axes();
+  m.robot_fingerprint = robot.fingerprint;
+  for (const Observation& o : training)
+    m.data.push_back({o.path, o.fingerprint});
+  m.cutoff_hz = options.observation.cutoff_hz;
+  m.moving_m_per_s = options.observation.moving_m_per_s;
+  m.rank = result.base.rank();
+  for (const FrictionMemory& memory : result.base.memory)
+    m.coulomb_width_m.push_back(memory.width_m);
+  m.residual_rms_N.assign(result.after_rms_N.data(), result.after_rms_N.data() + result.after_rms_N.size());
+  for (std::size_t c = 0; c < result.base.columns.size(); ++c) {
+    ModelParameter p;
+    p.name = result.base.columns[c].name;
+    p.unit = result.base.columns[c].unit;
+    p.value = result.parameters[static_cast<Eigen::Index>(c)];
+    m.parameters.push_back(p);
+  }
+  EffectInput input;
+  input.recordings = static_cast<int>(training.size());
+  for (const FoundEffect& e : result.effects)
+    m.effects.push_back(modelEffect(e, input, m.axes));
+  return m;
+}
+
+}  // namespace knee_robot
