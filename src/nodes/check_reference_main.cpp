@@ -1,9 +1,11 @@
 // check_reference FILE --robot R [--space S]: whether a reference may be played, and its margins.
 
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 
 #include "knee_robot/base/errors.h"
+#include "knee_robot/mechanism/singularity.h"
 #include "knee_robot/trajectory/reference_check.h"
 #include "program.h"
 
@@ -41,6 +43,46 @@ void printPath(const Reference& reference, const ReferenceCheck& check, int axes
   }
 }
 
+/// One measure along the path: its worst value and where.
+struct Worst {
+  const char* name;
+  bool small_is_bad;
+  double value;
+  int line = 0;
+
+  void see(double now, int at) {
+    if (line != 0 && (small_is_bad ? now >= value : now <= value)) return;
+    value = now;
+    line = at;
+  }
+};
+
+/// Both kinds of singularity (mechanism/singularity.h) along the path. Only the condition number has a limit of its own.
+void printSingularity(const Reference& reference, const ReferenceCheck& check, const Mechanism& mechanism) {
+  Worst worst[] = {{"type I, product of cos q2", true, 0.0},
+                   {"type II, |det dq/dx|", true, 0.0},
+                   {"condition, scaled", false, 0.0},
+                   {"condition, dependent part", false, 0.0},
+                   {"force amplification", false, 0.0}};
+  double spherical = 0.0;
+  for (Eigen::Index k = 0; k < check.poses.rows(); ++k) {
+    const Pose pose = check.poses.row(k).transpose();
+    const Singularity at = singularityAt(mechanism, pose);
+    const double values[] = {at.type_one, std::abs(at.determinant), at.scaled_condition, at.dependent_condition,
+                             at.force_amplification};
+    for (std::size_t i = 0; i < std::size(values); ++i)
+      worst[i].see(values[i], reference.lineOf(k));
+    const JointAngles angles = jointAngles(mechanism, pose);
+    spherical = std::max(spherical, *std::max_element(angles.platform.begin(), angles.platform.end()));
+  }
+  std::printf("nearest to a singularity\n");
+  for (const Worst& measure : worst)
+    std::printf("  %-26s %10.4g  line %d\n", measure.name, measure.value, measure.line);
+  std::printf("spherical joints reach %.1f deg: %s the 30 deg as built, %s the 50 deg of the paper's Adams study\n",
+              kDegrees * spherical, kDegrees * spherical <= 30.0 ? "within" : "beyond",
+              kDegrees * spherical <= 50.0 ? "within" : "beyond");
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -57,6 +99,7 @@ int main(int argc, char** argv) {
     const ReferenceCheck check = checkReference(reference, robot);
     printPath(reference, check, robot.axes());
     printMargins(check);
+    if (robot.mechanism && check.poses.rows() > 0) printSingularity(reference, check, *robot.mechanism);
     if (check.violation) throw InputError(check.violation->sentence);
     std::printf("may be played on %s\n", robot_file.c_str());
     return kExitDone;
