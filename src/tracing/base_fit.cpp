@@ -14,6 +14,8 @@ namespace {
 
 const double kWidths[] = {0.5, 1.0, 2.0, 4.0};    ///< encoder counts
 const double kMemoryCutoffs[] = {3.0, 8.0, 0.0};  ///< times the cut-off; 0: no low-pass
+constexpr double kFine_m =
+    2e-5;  ///< tried for finer encoders too: the filters' ringing moves an axis at rest by microns
 constexpr int kFewestSamples = 100;
 
 /// All rows as identification's equations, weighted by the noise.
@@ -64,12 +66,14 @@ std::vector<FrictionMemory> memories(const Actuator& actuator, double cutoff_hz)
   for (const double factor : kMemoryCutoffs) {
     for (const double counts : kWidths)
       all.push_back({counts * actuator.metresPerCount(), factor * cutoff_hz});
+    if (kWidths[3] * actuator.metresPerCount() < kFine_m) all.push_back({kFine_m, factor * cutoff_hz});
   }
   return all;
 }
 
-/// Width of each actuator's Coulomb step that leaves least, its own friction refitted to the current residual.
-void chooseWidths(const Robot& robot, std::vector<Observation>& training, const Stack& stack,
+}  // namespace
+
+void chooseMemory(const Robot& robot, std::vector<Observation>& training, const Stack& stack,
                   const Eigen::VectorXd& residual_N, BaseFit& base) {
   for (int i = 0; i < stack.axes; ++i) {
     const std::size_t axis = static_cast<std::size_t>(i);
@@ -103,8 +107,6 @@ void chooseWidths(const Robot& robot, std::vector<Observation>& training, const 
     setFriction(o, base.columns, base.memory);
 }
 
-}  // namespace
-
 BaseFit fitBase(const Robot& robot, std::vector<Observation>& training, const Stack& stack,
                 const std::vector<Column>& columns, int rank) {
   if (stack.size() < kFewestSamples) {
@@ -125,7 +127,7 @@ BaseFit fitBase(const Robot& robot, std::vector<Observation>& training, const St
   for (int pass = 0; pass < 2; ++pass) {
     for (int i = 0; i < stack.axes; ++i)
       residual.segment(i * stack.size(), stack.size()) *= base.noise_N[i];
-    if (pass == 0) chooseWidths(robot, training, stack, residual, base);
+    if (pass == 0) chooseMemory(robot, training, stack, residual, base);
     base.noise_N = rmsPerActuator(e, residual).cwiseMax(1e-6);
     e = equationsOf(training, stack, base.noise_N);
     residual = solve(e, base, rank);

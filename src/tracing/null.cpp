@@ -25,10 +25,18 @@ TraceData makeTwin(const Robot& robot, const std::vector<Recording>& recordings,
   twin.stack = makeStack(twin.recordings, options);
   BaseFit newtons = base;
   newtons.noise_N.setOnes();
+  Eigen::VectorXd residual = forceRows(newtons, twin.recordings, twin.stack);
+  for (int i = 0; i < twin.stack.axes; ++i) {
+    std::vector<Eigen::MatrixXd> model;
+    for (const Observation& o : twin.recordings)
+      model.push_back(o.regressor[static_cast<std::size_t>(i)] * base.parameters);
+    residual.segment(i * twin.stack.size(), twin.stack.size()) -= gather(twin.stack, twin.recordings, std::move(model));
+  }
+  chooseMemory(robot, twin.recordings, twin.stack, residual, newtons);  // as on the recordings themselves
   twin.base_rows = baseRows(newtons, twin.recordings, twin.stack);
   twin.force_rows = forceRows(newtons, twin.recordings, twin.stack);
   for (int r = 0; r < count; ++r) {
-    twin.inputs.push_back(effectInput(robot, twin.recordings[static_cast<std::size_t>(r)], base.memory, r, count));
+    twin.inputs.push_back(effectInput(robot, twin.recordings[static_cast<std::size_t>(r)], newtons.memory, r, count));
     setForces(twin.inputs.back(), base.columns, base.parameters, {});
   }
   for (Observation& o : twin.recordings) {

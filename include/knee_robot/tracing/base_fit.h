@@ -26,6 +26,10 @@ struct BaseFit {
 BaseFit fitBase(const Robot& robot, std::vector<Observation>& training, const Stack& stack,
                 const std::vector<Column>& columns, int rank);
 
+/// Memory of each actuator's friction that leaves least, its own friction refitted to `residual_N` (rows); sets the Coulomb columns.
+void chooseMemory(const Robot& robot, std::vector<Observation>& recordings, const Stack& stack,
+                  const Eigen::VectorXd& residual_N, BaseFit& base);
+
 /// Weighted regressor in base coordinates (rows: actuator after actuator, picks within) and weighted force.
 Eigen::MatrixXd baseRows(const BaseFit& base, const std::vector<Observation>& recordings, const Stack& stack);
 Eigen::VectorXd forceRows(const BaseFit& base, const std::vector<Observation>& recordings, const Stack& stack);

@@ -1,0 +1,44 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "knee_robot/identification/evaluation.h"
+#include "knee_robot/tracing/trace.h"
+
+namespace knee_robot {
+
+/// Everything that trace's files say.
+struct TraceResults {
+  std::string command_line;  ///< that reproduces this
+  std::string robot_path;
+  TraceOptions options;
+  TraceResult result;
+  Model model;
+  std::vector<Observation> train;
+  std::vector<Observation> validate;  ///< may be empty
+  Applied train_before, train_after;
+  Applied validate_before, validate_after;  ///< empty without validation recordings
+  std::vector<Eigen::VectorXd>
+      validate_gain_N;  ///< per effect: fall of the validation rms when it is put in, per actuator
+};
+
+/// Errors of a block bootstrap: 95 % interval of the rms after minus before, per actuator (both sides low-passed).
+struct GainInterval {
+  Eigen::VectorXd low_N, high_N;
+};
+GainInterval bootstrapGain(const std::vector<Observation>& observations, const Applied& before, const Applied& after,
+                           unsigned seed);
+
+/// report.json of design section 3, plus "absorbed", "not_added", "notes", "verdict".
+std::string traceJson(const TraceResults& results);
+/// report.html: the finding in words, tables, residual against signals before and after. Self-contained.
+std::string traceHtml(const TraceResults& results);
+/// What the program prints.
+std::string traceSummary(const TraceResults& results);
+/// One sentence on whether there was anything to explain.
+std::string traceVerdict(const TraceResults& results);
+/// model.yaml, report.json, report.html and prediction_NAME.csv (with before_i_N) of each validation recording.
+void writeTraceFiles(const TraceResults& results, const std::string& folder);
+
+}  // namespace knee_robot

@@ -1,0 +1,138 @@
+// trace: what is the residual of the rigid model with friction made of?
+
+#include <algorithm>
+#include <iostream>
+#include <set>
+
+#include "knee_robot/base/errors.h"
+#include "knee_robot/report/trace_report.h"
+#include "program.h"
+
+using namespace knee_robot;
+
+namespace {
+
+struct Arguments {
+  std::string robot, output, model;
+  std::vector<std::string> train, validate;
+  double cutoff_hz = 3.0;
+  TraceOptions options;
+};
+
+void declare(CLI::App& app, Arguments& a) {
+  app.add_option("--robot", a.robot, "robot file")->required();
+  app.add_option("--train", a.train, "recordings whose residual is traced; every choice rests on them")->required();
+  app.add_option("--validate", a.validate, "recordings that judge the finished model");
+  app.add_option("--output", a.output, "folder for model.yaml, report.json, report.html and predictions")->required();
+  app.add_option("--model", a.model, "model of identify: the baseline keeps its number of directions and its cut-off");
+  app.add_option("--seed", a.options.seed, "of clean twins and resampling (1)");
+  app.add_option("--cutoff-hz", a.cutoff_hz, "zero-phase low-pass of both sides of the equation (3)")
+      ->check(CLI::Range(1e-6, 1e6));
+  app.add_option("--moving-m-per-s", a.options.observation.moving_m_per_s,
+                 "slower axes do not count as moving (0.0015)")
+      ->check(CLI::Range(0.0, 10.0));
+}
+
+std::vector<Recording> load(const std::vector<std::string>& files) {
+  std::vector<Recording> recordings;
+  for (const std::string& file : files) {
+    std::cerr << "reading " << file << std::endl;
+    recordings.push_back(loadRecording(file));
+  }
+  return recordings;
+}
+
+std::vector<Observation> observeAll(const Robot& robot, const std::vector<Recording>& recordings,
+                                    const ObservationOptions& options) {
+  std::vector<Observation> observations;
+  for (const Recording& r : recordings)
+    observations.push_back(observe(robot, columnsOf(robot), r, options));
+  return observations;
+}
+
+void refuseBadFiles(const Arguments& a) {
+  std::set<std::string> names;
+  for (const std::string& file : a.validate) {
+    if (std::find(a.train.begin(), a.train.end(), file) != a.train.end())
+      throw InputError(file + ": is given for training and for validation; choose another recording to validate with");
+    const std::string name = file.substr(file.find_last_of('/') + 1);
+    if (!names.insert(name).second)
+      throw InputError(file + ": another validation file is named " + name + " too; rename one");
+  }
+}
+
+Applied apply(std::vector<Observation>& observations, double cutoff_hz,
+              const std::function<Eigen::MatrixXd(Observation&, int)>& predict) {
+  Applied applied;
+  if (observations.empty()) return applied;
+  for (std::size_t k = 0; k < observations.size(); ++k)
+    applied.predictions.push_back(
+        makePrediction(observations[k], predict(observations[k], static_cast<int>(k)), cutoff_hz));
+  applied.accuracy = accuracyOf(observations, applied.predictions);
+  return applied;
+}
+
+/// Fall of the validation rms when effect k is put back into the finished model.
+std::vector<Eigen::VectorXd> gains(const Robot& robot, TraceResults& r, double cutoff_hz) {
+  std::vector<Eigen::VectorXd> out;
+  for (std::size_t k = 0; k < r.result.effects.size(); ++k) {
+    TraceResult without = r.result;
+    without.effects.erase(without.effects.begin() + static_cast<std::ptrdiff_t>(k));
+    const Applied applied = apply(r.validate, cutoff_hz, [&](Observation& o, int) {
+      return predictTraced(robot, without, o, -1, static_cast<int>(r.train.size()));
+    });
+    out.push_back(applied.accuracy.rms_N - r.validate_after.accuracy.rms_N);
+  }
+  return out;
+}
+
+int run(const Arguments& a, const std::string& command_line) {
+  refuseBadFiles(a);
+  TraceResults r;
+  r.command_line = command_line;
+  r.robot_path = a.robot;
+  r.options = a.options;
+  r.options.observation.setCutoff(a.cutoff_hz);
+  r.options.progress = [](const std::string& what) { std::cerr << what << std::endl; };
+  const Robot robot = loadRobot(a.robot);
+  double cutoff_hz = a.cutoff_hz;
+  if (!a.model.empty()) {
+    const Model given = loadModel(a.model);
+    requireModelOf(given, a.model, robot);
+    r.options.rank = given.rank;
+    cutoff_hz = given.cutoff_hz;
+    r.options.observation.setCutoff(cutoff_hz);
+  }
+  const std::vector<Recording> train = load(a.train);
+  r.train = observeAll(robot, train, r.options.observation);
+  r.validate = observeAll(robot, load(a.validate), r.options.observation);
+  r.result = trace(robot, train, r.train, r.options);
+  r.model = tracedModel(robot, r.result, r.train, r.options);
+
+  // The model is frozen; from here on only figures are computed.
+  const int count = static_cast<int>(r.train.size());
+  const auto before = [&](Observation& o, int) { return predictBaseline(r.result, o); };
+  r.train_before = apply(r.train, cutoff_hz, before);
+  r.train_after =
+      apply(r.train, cutoff_hz, [&](Observation& o, int k) { return predictTraced(robot, r.result, o, k, count); });
+  r.validate_before = apply(r.validate, cutoff_hz, before);
+  r.validate_after =
+      apply(r.validate, cutoff_hz, [&](Observation& o, int) { return predictTraced(robot, r.result, o, -1, count); });
+  if (!r.validate.empty()) r.validate_gain_N = gains(robot, r, cutoff_hz);
+  writeTraceFiles(r, a.output);
+  std::cout << traceSummary(r) << "written: " << a.output << "/report.html, report.json, model.yaml and predictions"
+            << std::endl;
+  return kExitDone;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  CLI::App app("Traces the residual of the rigid model with friction to the effects that the model lacks.", "trace");
+  Arguments arguments;
+  declare(app, arguments);
+  std::string line = "rosrun knee_robot trace";
+  for (int i = 1; i < argc; ++i)
+    line += std::string(" ") + argv[i];
+  return runProgram(app, argc, argv, [&] { return run(arguments, line); });
+}

@@ -1,0 +1,215 @@
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <random>
+
+#include "knee_robot/base/files.h"
+#include "knee_robot/base/numbers.h"
+#include "knee_robot/report/trace_report.h"
+
+namespace knee_robot {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+Json array(const Eigen::VectorXd& values) {
+  Json list = Json::array();
+  for (const double value : values)
+    list.push_back(std::isfinite(value) ? Json(value) : Json());
+  return list;
+}
+
+Json accuracyJson(const Accuracy& a) {
+  return {{"rms_N", array(a.rms_N)},
+          {"rms_moving_N", array(a.rms_moving_N)},
+          {"rms_raw_N", array(a.rms_raw_N)},
+          {"rms_percent", array(a.rms_percent)},
+          {"range_percent", array(a.range_percent)},
+          {"max_N", array(a.max_N)},
+          {"samples", a.samples},
+          {"moving_samples", a.moving_samples}};
+}
+
+Json sideJson(int parameters, const Applied& train, const Applied& validate) {
+  Json j = {{"parameters", parameters}, {"train", accuracyJson(train.accuracy)}};
+  j["validate"] = validate.predictions.empty() ? Json() : accuracyJson(validate.accuracy);
+  return j;
+}
+
+Json paths(const std::vector<Observation>& observations) {
+  Json list = Json::array();
+  for (const Observation& o : observations)
+    list.push_back(o.path);
+  return list;
+}
+
+Json parametersJson(const ModelEffect& e) {
+  Json j = Json::object();
+  for (const auto* group : {&e.shape, &e.coefficients}) {
+    for (const EffectParameter& p : *group)
+      j[p.name] = {{"value", p.value}, {"std", std::isfinite(p.std) ? Json(p.std) : Json()}};
+  }
+  return j;
+}
+
+Json effectsJson(const TraceResults& r) {
+  Json list = Json::array();
+  for (std::size_t k = 0; k < r.result.effects.size(); ++k) {
+    const FoundEffect& e = r.result.effects[k];
+    const ModelEffect& m = r.model.effects[k];
+    Json j = {{"name", e.indistinguishable_from.size() > 2 ? "unnamed" : m.name},
+              {"actuators", m.actuators},
+              {"transfers", m.transfers},
+              {"parameters", parametersJson(m)},
+              {"explained_rms_N", array(e.explained_rms_N)},
+              {"null_rms_N", array(e.null_rms_N)},
+              {"p", e.p},
+              {"held_back_gain", {{"share", e.gain}, {"standard_error", e.gain_error}}},
+              {"validate_gain_N", k < r.validate_gain_N.size() ? array(r.validate_gain_N[k]) : Json::array()},
+              {"indistinguishable_from",
+               e.indistinguishable_from.size() > 2 ? std::vector<std::string>() : e.indistinguishable_from},
+              {"sentence", e.hypothesis.place.candidate->sentence()}};
+    if (e.indistinguishable_from.size() > 2) j["not_separable_from"] = e.indistinguishable_from;
+    if (!m.depends_on.empty()) j["depends_on"] = {m.depends_on};
+    list.push_back(j);
+  }
+  return list;
+}
+
+Json dependsJson(const TraceResults& r) {
+  Json list = Json::array();
+  for (std::size_t k = 0; k < r.result.effects.size(); ++k) {
+    const FoundEffect& e = r.result.effects[k];
+    if (r.model.effects[k].depends_on.empty()) continue;
+    const int i = e.hypothesis.place.actuator;
+    const double share = std::pow(e.explained_rms_N[i] / r.result.before_rms_N[i], 2);
+    list.push_back({{"signal", r.model.effects[k].depends_on}, {"actuator", i + 1}, {"share", share}});
+  }
+  return list;
+}
+
+Json gainJson(const std::vector<Observation>& observations, const Applied& before, const Applied& after) {
+  if (observations.empty()) return {};
+  const GainInterval g = bootstrapGain(observations, before, after, 1);
+  return {{"rms_change_low_N", array(g.low_N)}, {"rms_change_high_N", array(g.high_N)}, {"level", 0.95}};
+}
+
+/// Squared errors of one actuator in pieces of two seconds, before and after, over all recordings.
+std::vector<std::array<double, 3>> pieces(const std::vector<Observation>& observations, const Applied& before,
+                                          const Applied& after, int i) {
+  std::vector<std::array<double, 3>> out;
+  for (std::size_t f = 0; f < observations.size(); ++f) {
+    const Observation& o = observations[f];
+    const int length = std::max(1, static_cast<int>(2.0 / o.signals.period_s));
+    for (int n = 0; n < o.samples(); ++n) {
+      if (n % length == 0) out.push_back({0.0, 0.0, 0.0});
+      const double force = o.force_filtered_N(n, i);
+      out.back()[0] += std::pow(force - before.predictions[f].force_filtered_N(n, i), 2);
+      out.back()[1] += std::pow(force - after.predictions[f].force_filtered_N(n, i), 2);
+      out.back()[2] += 1.0;
+    }
+  }
+  return out;
+}
+
+std::string predictionCsv(const Observation& o, const Prediction& before, const Prediction& after) {
+  const Eigen::Index axes = o.row_force_N.cols();
+  std::string csv = "time_s";
+  for (const char* name : {"force_", "predicted_", "before_"}) {
+    for (Eigen::Index i = 1; i <= axes; ++i)
+      csv += "," + (name + std::to_string(i)) + "_N";
+  }
+  csv += "\n";
+  for (std::size_t row = 0; row < o.row_time_s.size(); ++row) {
+    const Eigen::Index n = static_cast<Eigen::Index>(row);
+    csv += exactNumber(o.row_time_s[row]);
+    for (Eigen::Index i = 0; i < axes; ++i)
+      csv += "," + exactNumber(o.row_force_N(n, i));
+    for (const Prediction* p : {&after, &before}) {
+      for (Eigen::Index i = 0; i < axes; ++i)
+        csv += "," + shortNumber(p->row_force_N(n, i), 9);
+    }
+    csv += "\n";
+  }
+  return csv;
+}
+
+}  // namespace
+
+GainInterval bootstrapGain(const std::vector<Observation>& observations, const Applied& before, const Applied& after,
+                           unsigned seed) {
+  constexpr int kDraws = 400;
+  const int axes = observations.front().axes();
+  GainInterval g{Eigen::VectorXd(axes), Eigen::VectorXd(axes)};
+  for (int i = 0; i < axes; ++i) {
+    const auto blocks = pieces(observations, before, after, i);
+    std::mt19937_64 random(seed);
+    std::vector<double> change;
+    for (int d = 0; d < kDraws; ++d) {
+      double sum[3] = {0.0, 0.0, 0.0};
+      for (std::size_t k = 0; k < blocks.size(); ++k) {
+        const auto& block = blocks[random() % blocks.size()];
+        for (int c = 0; c < 3; ++c)
+          sum[c] += block[static_cast<std::size_t>(c)];
+      }
+      change.push_back(std::sqrt(sum[1] / sum[2]) - std::sqrt(sum[0] / sum[2]));
+    }
+    std::sort(change.begin(), change.end());
+    g.low_N[i] = change[kDraws / 40];
+    g.high_N[i] = change[kDraws - 1 - kDraws / 40];
+  }
+  return g;
+}
+
+std::string traceJson(const TraceResults& r) {
+  int samples = 0;
+  for (const Observation& o : r.train)
+    samples += o.samples();
+  Json j;
+  j["command"] = "trace";
+  j["data"] = {{"train", paths(r.train)},
+               {"validate", paths(r.validate)},
+               {"rate_hz", 1.0 / r.train.front().signals.period_s},
+               {"samples", samples},
+               {"cutoff_hz", r.options.observation.cutoff_hz},
+               {"moving_m_per_s", r.options.observation.moving_m_per_s},
+               {"evidence_across_trajectories", r.train.size() > 1}};
+  int added = 0;
+  for (const FoundEffect& e : r.result.effects)
+    added += static_cast<int>(e.coefficients.size() + (e.hypothesis.place.candidate->name() == "unnamed"
+                                                           ? 0
+                                                           : static_cast<Eigen::Index>(e.hypothesis.shape.size())));
+  j["before"] = sideJson(r.result.base.rank(), r.train_before, r.validate_before);
+  j["after"] = sideJson(r.result.base.rank() + added, r.train_after, r.validate_after);
+  j["effects"] = effectsJson(r);
+  const bool validated = !r.validate.empty();
+  j["unexplained"] = {{"rms_N", array((validated ? r.validate_after : r.train_after).accuracy.rms_N)},
+                      {"training_rms_N", array(r.result.after_rms_N)},
+                      {"noise_floor_N", array(r.result.floor_N)},
+                      {"noise_floor_source", r.result.floor_source},
+                      {"depends_on", dependsJson(r)}};
+  j["pose"] = Json();
+  j["next_experiment"] = Json();
+  j["verdict"] = traceVerdict(r);
+  j["gain_interval"] = {{"train", gainJson(r.train, r.train_before, r.train_after)},
+                        {"validate", gainJson(r.validate, r.validate_before, r.validate_after)}};
+  j["absorbed"] = r.result.absorbed;
+  j["not_added"] = r.result.rejected;
+  j["notes"] = r.result.notes;
+  j["seed"] = r.options.seed;
+  j["reproduce"] = r.command_line;
+  return j.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+}
+
+void writeTraceFiles(const TraceResults& r, const std::string& folder) {
+  makeFolder(folder);
+  saveModel(r.model, folder + "/model.yaml");
+  for (std::size_t i = 0; i < r.validate.size(); ++i) {
+    writeFileAtomically(
+        folder + "/prediction_" + r.validate[i].name + ".csv",
+        predictionCsv(r.validate[i], r.validate_before.predictions[i], r.validate_after.predictions[i]));
+  }
+  writeFileAtomically(folder + "/report.json", traceJson(r));
+  writeFileAtomically(folder + "/report.html", traceHtml(r));
+}
+
+}  // namespace knee_robot

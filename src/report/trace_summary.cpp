@@ -1,0 +1,81 @@
+#include <cmath>
+#include <cstdio>
+
+#include "knee_robot/base/numbers.h"
+#include "knee_robot/report/trace_report.h"
+
+namespace knee_robot {
+namespace {
+
+std::string row(const std::string& name, const Eigen::VectorXd& values) {
+  char text[64];
+  std::snprintf(text, sizeof text, "  %-34s", name.c_str());
+  std::string line = text;
+  for (const double value : values) {
+    std::snprintf(text, sizeof text, std::isfinite(value) ? "%9.2f" : "        -", value);
+    line += text;
+  }
+  return line + "\n";
+}
+
+std::string side(const std::string& title, const Applied& before, const Applied& after) {
+  std::string out = title + ", rms, N" + "\n";
+  out += row("before, all samples", before.accuracy.rms_N) + row("after, all samples", after.accuracy.rms_N);
+  return out + row("before, moving samples", before.accuracy.rms_moving_N) +
+         row("after, moving samples", after.accuracy.rms_moving_N);
+}
+
+std::string effectLine(const FoundEffect& e, const ModelEffect& m) {
+  std::string out =
+      "  " + m.name +
+      (m.actuators.size() == 1 ? " on actuator " + std::to_string(m.actuators.front()) : " on all actuators");
+  if (!m.depends_on.empty()) {
+    out += ", depends on " + m.depends_on;
+  } else {
+    for (const auto* list : {&m.shape, &m.coefficients}) {
+      for (const EffectParameter& p : *list)
+        out += ", " + p.name + " = " + shortNumber(p.value, 3);
+    }
+  }
+  out += "; explains " + shortNumber(e.explained_rms_N.maxCoeff(), 3) + " N, p = " + shortNumber(e.p, 2);
+  for (std::size_t k = 0; k < e.indistinguishable_from.size(); ++k)
+    out += (k ? ", " : "; not told from ") + e.indistinguishable_from[k];
+  return out + (m.transfers ? "\n" : "; does not transfer\n");
+}
+
+}  // namespace
+
+std::string traceVerdict(const TraceResults& r) {
+  const TraceResult& t = r.result;
+  bool above = false;
+  for (Eigen::Index i = 0; i < t.floor_N.size(); ++i)
+    above = above || t.before_rms_N[i] > 1.15 * t.floor_N[i];
+  if (!t.effects.empty()) {
+    std::string names;
+    for (std::size_t k = 0; k < t.effects.size(); ++k) {
+      const ModelEffect& m = r.model.effects[k];
+      names += (names.empty() ? "" : ", ") + m.name +
+               (m.actuators.size() == 1 ? " (actuator " + std::to_string(m.actuators.front()) + ")" : "");
+      for (std::size_t i = 0; i < t.effects[k].indistinguishable_from.size(); ++i)
+        names += " or " + t.effects[k].indistinguishable_from[i];
+    }
+    return "Added to the model: " + names + ".";
+  }
+  if (!above) return "There is nothing to explain: the baseline's residual is at the noise floor. Nothing was added.";
+  return "The residual is above the floor, but no effect explains it better than clean twins do by chance. Nothing was "
+         "added.";
+}
+
+std::string traceSummary(const TraceResults& r) {
+  std::string out;
+  for (const std::string& note : r.result.notes)
+    out += note + "\n";
+  out += "\n" + traceVerdict(r) + "\n";
+  for (std::size_t k = 0; k < r.result.effects.size(); ++k)
+    out += effectLine(r.result.effects[k], r.model.effects[k]);
+  out += row("floor, N", r.result.floor_N) + side("training", r.train_before, r.train_after);
+  if (!r.validate.empty()) out += side("validation", r.validate_before, r.validate_after);
+  return out;
+}
+
+}  // namespace knee_robot
