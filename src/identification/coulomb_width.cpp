@@ -8,7 +8,6 @@
 namespace knee_robot {
 namespace {
 
-constexpr double kCounts = 0.25;    ///< narrowest width
 constexpr double kWidest_m = 1e-3;  ///< beyond this it would be a spring, not a friction step
 
 /// Usable samples of all training recordings, low-passed: the actuator's residual without its own friction, and
@@ -57,17 +56,18 @@ OwnEquations ownEquations(const std::vector<Observation>& training, const std::v
 
 }  // namespace
 
-std::vector<double> narrowestCoulombWidths(const Robot& robot) {
+std::vector<double> narrowestCoulombWidths(const Robot& robot, double counts) {
   std::vector<double> widths;
   for (const Actuator& a : robot.actuators)
-    widths.push_back(std::min(kWidest_m, kCounts * a.metresPerCount()));
+    widths.push_back(std::min(kWidest_m, counts * a.metresPerCount()));
   return widths;
 }
 
 std::vector<double> chooseCoulombWidths(const Robot& robot, const std::vector<Column>& columns,
                                         const std::vector<Observation>& training, const Eigen::VectorXd& parameters,
-                                        const ObservationOptions& options) {
-  std::vector<double> widths = narrowestCoulombWidths(robot);
+                                        const IdentifyOptions& all_options) {
+  const ObservationOptions& options = all_options.observation;
+  std::vector<double> widths = narrowestCoulombWidths(robot, all_options.narrowest_counts);
   for (int i = 0; i < robot.axes(); ++i) {
     OwnEquations e = ownEquations(training, columns, parameters, i, options);
     double least = std::numeric_limits<double>::infinity();

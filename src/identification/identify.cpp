@@ -160,7 +160,7 @@ Identification identify(const Robot& robot, std::vector<Observation>& training, 
   const std::vector<char> use = usedColumns(id.columns, options.friction);
 
   // First with narrow friction steps and weights from the forces' own size, then with what that fit says about both.
-  std::vector<double> widths = narrowestCoulombWidths(robot);
+  std::vector<double> widths = narrowestCoulombWidths(robot, options.narrowest_counts);
   for (Observation& o : training)
     setCoulombWidth(o, id.columns, widths);
   Equations equations = stackEquations(training, options.observation);
@@ -168,7 +168,7 @@ Identification identify(const Robot& robot, std::vector<Observation>& training, 
   Stage stage = solveStage(equations, noiseAfter(equations, Eigen::VectorXd::Zero(equations.a.cols())), id.columns, use,
                            options.rank);
   if (options.friction) {
-    widths = chooseCoulombWidths(robot, id.columns, training, stage.parameters, options.observation);
+    widths = chooseCoulombWidths(robot, id.columns, training, stage.parameters, options);
     for (Observation& o : training)
       setCoulombWidth(o, id.columns, widths);
     equations = stackEquations(training, options.observation);

@@ -42,6 +42,10 @@ void declare(CLI::App& app, Arguments& a) {
       "--joint-friction", a.options.joint_friction,
       "friction of the legs' passive joints too, as in the paper's eq. (22); needs a motion that tells it from "
       "the actuators'");
+  app.add_option(
+         "--narrowest-counts", a.options.narrowest_counts,
+         "Coulomb friction builds up over at least this many encoder counts (2); fewer where no encoder flickers")
+      ->check(CLI::Range(0.01, 1e3));
   app.add_option("--rank", a.options.rank, "keep this many directions instead of choosing on the training data")
       ->check(CLI::Range(1, 1000));
 }

@@ -15,6 +15,9 @@ struct IdentifyOptions {
   bool friction = true;         ///< false: a model without any friction, to show what friction explains
   bool joint_friction = false;  ///< friction of the legs' passive joints too; `training` must be observed with it
   int rank = 0;                 ///< 0: chosen on the training data
+  /// Narrowest width over which Coulomb friction may build up, in encoder counts. Smaller ones follow the encoder's flicker at rest;
+  /// where nothing flickers they meet reversals more exactly.
+  double narrowest_counts = 2.0;
 };
 
 /// A fitted model, and what its choices rest on. Nothing in here depends on validation data.
@@ -39,12 +42,12 @@ Identification identify(const Robot& robot, std::vector<Observation>& training, 
 
 /// Widths (m, per actuator) over which Coulomb friction builds up: for each actuator the one that leaves the smallest residual
 /// over all usable training samples, at rest too, when its own friction and offset are refitted to the residual of
-/// `parameters`. At least two encoder counts: smaller ones would follow the encoder's flicker.
+/// `parameters`. At least options.narrowest_counts encoder counts.
 std::vector<double> chooseCoulombWidths(const Robot& robot, const std::vector<Column>& columns,
                                         const std::vector<Observation>& training, const Eigen::VectorXd& parameters,
-                                        const ObservationOptions& options);
+                                        const IdentifyOptions& options);
 
 /// The narrowest of those widths for every actuator.
-std::vector<double> narrowestCoulombWidths(const Robot& robot);
+std::vector<double> narrowestCoulombWidths(const Robot& robot, double counts);
 
 }  // namespace knee_robot
