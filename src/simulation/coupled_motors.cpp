@@ -7,7 +7,7 @@
 namespace knee_robot {
 namespace {
 
-constexpr double kBearing_N_s_per_m = 20.0;  ///< viscous friction of a motor by itself
+constexpr double kBearingViscous = 20.0;  ///< N s/m: viscous friction of a motor by itself
 
 }  // namespace
 
@@ -29,7 +29,7 @@ void CoupledMotors::push(const EffectStep& at, PlantLoads& loads) noexcept {
   const double both = coupling_.stiffness_N_per_m * h + coupling_.damping_N_s_per_m;
   for (int i = 0; i < kLegs; ++i) {
     if (coupling_.actuators[i] == 0.0) continue;
-    motor_force_[i] = loads.motor_force[i] - kBearing_N_s_per_m * velocity_[i];
+    motor_force_[i] = loads.motor_force[i] - kBearingViscous * velocity_[i];
     const double free_velocity = velocity_[i] + h * motor_force_[i] / mass_[i];
     const double wound = position_[i] - at.lengths[i];
     const double ahead = wound + h * (free_velocity - at.rates[i]);
