@@ -1,0 +1,15 @@
+#include "test/tracing/simulated_recordings.h"
+
+namespace knee_robot {
+namespace {
+
+TEST(Trace, SaysThatThePlatformsInertiaAbsorbsAPayload) {
+  const TracedCase c = traceSimulated("  - {name: payload, mass_kg: 5, center_m: [0, 0, 0.1]}\n");
+  EXPECT_TRUE(c.result.effects.empty());
+  const std::vector<std::string>& absorbed = c.result.absorbed;
+  EXPECT_TRUE(std::any_of(absorbed.begin(), absorbed.end(),
+                          [](const std::string& s) { return s.find("payload") != std::string::npos; }));
+}
+
+}  // namespace
+}  // namespace knee_robot
