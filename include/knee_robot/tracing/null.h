@@ -18,9 +18,10 @@ std::vector<TraceData> makeTwins(const Robot& robot, const std::vector<Recording
 Eigen::VectorXd twinResidual(const std::vector<TraceData>& twins, const BaseFit& base);
 
 /// What clean twins explain by chance, place by place. A draw is a twin's own artefact plus `residual_N` (what the best
-/// hypothesis leaves of the real data: the effect itself is no noise), resampled in blocks with random sign, so that it keeps its size and colour but not its cause. As a value counts the
-/// root of the explained share of squared noise_N, the best shape of each place; values are standardized place by place,
-/// because artefacts favour some hypotheses (a delay) over others, and the null is the largest standardized value of all places.
+/// hypothesis leaves of the real data: the effect itself is no noise), resampled in blocks with random sign, so that it keeps its
+/// size and colour but not its cause. As a value counts the root of the explained share of squared noise_N, the best shape of
+/// each place; values are standardized place by place, because artefacts favour some hypotheses (a delay) over others, and the
+/// null is the largest standardized value of all places that explain enough to be accepted.
 struct NullDistribution {
   std::vector<Place> places;
   Eigen::VectorXd mean, spread;  ///< per place, of the root of the share
