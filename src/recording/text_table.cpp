@@ -1,0 +1,208 @@
+#include "knee_robot/recording/text_table.h"
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <limits>
+#include <optional>
+
+#include "knee_robot/base/errors.h"
+#include "knee_robot/base/files.h"
+#include "knee_robot/base/numbers.h"
+
+namespace knee_robot {
+namespace {
+
+using Text = std::string_view;
+
+constexpr int kMostColumns = 10000;
+
+bool blank(char c) {
+  return c == ' ' || c == '\t' || c == '\r';
+}
+
+Text trim(Text text) {
+  while (!text.empty() && blank(text.front()))
+    text.remove_prefix(1);
+  while (!text.empty() && blank(text.back()))
+    text.remove_suffix(1);
+  return text;
+}
+
+/// Takes the first field off `rest`; false when there is none left. `rest` is trimmed for blank-separated tables.
+bool takeField(Text& rest, char separator, Text& field, bool& more) {
+  if (!more) return false;
+  if (separator == ' ') {
+    rest = trim(rest);
+    if (rest.empty()) return more = false;
+    const std::size_t end = std::min(rest.find_first_of(" \t"), rest.size());
+    field = rest.substr(0, end);
+    rest.remove_prefix(end);
+    return true;
+  }
+  const std::size_t end = rest.find(separator);
+  field = trim(rest.substr(0, end));
+  more = end != Text::npos;
+  if (more) rest.remove_prefix(end + 1);
+  return true;
+}
+
+/// A quoted header word without its quotes.
+Text unquoted(Text text) {
+  if (text.size() >= 2 && text.front() == '"' && text.back() == '"') return text.substr(1, text.size() - 2);
+  return text;
+}
+
+std::string quoted(Text text) {
+  std::string out = "'";
+  for (const char c : text.substr(0, 40))
+    out += (c >= 32 && c < 127) ? c : '?';
+  return out + (text.size() > 40 ? "...'" : "'");
+}
+
+char separatorOf(Text line, bool decimal_comma) {
+  for (const char c : {'\t', ';', ','}) {
+    if (c == ',' && decimal_comma) continue;
+    if (trim(line).find(c) != Text::npos) return c;
+  }
+  return ' ';
+}
+
+int countFields(Text line, char separator) {
+  int count = 0;
+  Text field;
+  for (bool more = true; takeField(line, separator, field, more);)
+    ++count;
+  return count;
+}
+
+std::vector<std::string> headerNames(Text line, char separator) {
+  std::vector<std::string> names;
+  Text field;
+  for (bool more = true; takeField(line, separator, field, more);)
+    names.emplace_back(unquoted(field));
+  return names;
+}
+
+bool isNan(Text text) {
+  return text.size() == 3 && (text[0] | 32) == 'n' && (text[1] | 32) == 'a' && (text[2] | 32) == 'n';
+}
+
+std::optional<double> parseWith(Text text, bool decimal_comma) {
+  if (!decimal_comma) return parseFinite(text);
+  std::string copy(text);
+  std::replace(copy.begin(), copy.end(), ',', '.');
+  return parseFinite(copy);
+}
+
+}  // namespace
+
+TextTable TextTable::load(const std::string& path, const TableFormat& format) {
+  return TextTable(readFile(path), path, format);
+}
+
+TextTable::TextTable(std::string content, std::string path, const TableFormat& format)
+    : content_(std::move(content)), path_(std::move(path)), format_(format) {
+  Text rest = content_;
+  if (rest.substr(0, 3) == "\xEF\xBB\xBF") rest.remove_prefix(3);
+  int blank_line = 0;
+  for (int number = 1; !rest.empty(); ++number) {
+    const std::size_t end = rest.find('\n');
+    const Text line = rest.substr(0, end);
+    rest = end == Text::npos ? Text{} : rest.substr(end + 1);
+    if (number <= format_.skip_lines) continue;
+    const std::string here = path_ + ":" + std::to_string(number) + ": ";
+    if (trim(line).empty()) {
+      if (blank_line == 0) blank_line = number;
+      continue;
+    }
+    if (blank_line != 0) throw InputError(path_ + ":" + std::to_string(blank_line) + ": empty line inside the table");
+    if (columns_ == 0) {
+      if (format_.separator == 0) format_.separator = separatorOf(line, format_.decimal_comma);
+      columns_ = countFields(line, format_.separator);
+      if (columns_ > kMostColumns) throw InputError(here + "more than 10000 columns; this is no table of signals");
+      first_line_ = number + (format_.header ? 1 : 0);
+      if (format_.header) {
+        names_ = headerNames(line, format_.separator);
+        continue;
+      }
+    }
+    const int found = countFields(line, format_.separator);
+    if (found != columns_) {
+      throw InputError(here + std::to_string(found) + " values where the first line has " + std::to_string(columns_));
+    }
+    rows_.push_back(line);
+  }
+  if (rows_.empty()) throw InputError(path_ + ": holds no rows" + (format_.header ? " after its header" : ""));
+}
+
+int TextTable::find(const std::string& name) const {
+  if (!format_.header) {
+    const std::optional<double> number = parseFinite(name);
+    if (number && *number >= 1 && *number <= columns_ && *number == std::floor(*number)) {
+      return static_cast<int>(*number) - 1;
+    }
+    throw InputError(path_ + ": has no header, so '" + name + "' must be a column number from 1 to " +
+                     std::to_string(columns_));
+  }
+  const auto found = std::find(names_.begin(), names_.end(), name);
+  if (found != names_.end() && std::find(found + 1, names_.end(), name) == names_.end()) {
+    return static_cast<int>(found - names_.begin());
+  }
+  if (found != names_.end())
+    throw InputError(path_ + ":" + std::to_string(first_line_ - 1) + ": column " + name + " occurs twice");
+  std::string known;
+  for (std::size_t i = 0; i < std::min<std::size_t>(names_.size(), 20); ++i)
+    known += (i == 0 ? "" : ", ") + quoted(names_[i]);
+  throw InputError(path_ + ":" + std::to_string(first_line_ - 1) + ": column " + quoted(name) +
+                   " is missing; there are " + known + (names_.size() > 20 ? ", ..." : ""));
+}
+
+Text TextTable::field(int row, int column) const {
+  Text rest = rows_[static_cast<std::size_t>(row)], field;
+  bool more = true;
+  for (int i = 0; i <= column; ++i)
+    takeField(rest, format_.separator, field, more);
+  return field;
+}
+
+std::vector<double> TextTable::numbers(int column, bool nan_allowed) const {
+  std::vector<double> values;
+  values.reserve(rows_.size());
+  for (int row = 0; row < rows(); ++row) {
+    const Text text = field(row, column);
+    if (nan_allowed && (text.empty() || isNan(text))) {
+      values.push_back(std::numeric_limits<double>::quiet_NaN());
+      continue;
+    }
+    const std::optional<double> value = parseWith(text, format_.decimal_comma);
+    if (!value) refuse(row, column, quoted(text) + " is not a finite number");
+    values.push_back(*value);
+  }
+  return values;
+}
+
+std::vector<std::int64_t> TextTable::integers(int column, std::int64_t minimum, std::int64_t maximum) const {
+  std::vector<std::int64_t> values;
+  values.reserve(rows_.size());
+  for (int row = 0; row < rows(); ++row) {
+    const Text text = field(row, column);
+    std::int64_t value = 0;
+    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+    if (error != std::errc() || end != text.data() + text.size() || value < minimum || value > maximum) {
+      refuse(
+          row, column,
+          quoted(text) + " is not a whole number from " + std::to_string(minimum) + " to " + std::to_string(maximum));
+    }
+    values.push_back(value);
+  }
+  return values;
+}
+
+void TextTable::refuse(int row, int column, const std::string& sentence) const {
+  const std::string name =
+      names_.empty() ? std::to_string(column + 1) : quoted(names_[static_cast<std::size_t>(column)]);
+  throw InputError(path_ + ":" + std::to_string(line(row)) + ": column " + name + ": " + sentence);
+}
+
+}  // namespace knee_robot
