@@ -39,6 +39,9 @@ Equations equationsOf(const std::vector<Observation>& training, const Stack& sta
     }
   }
   weightRows(e, noise_N);
+  const Eigen::VectorXd scale = rowScale(stack, training, Attention::Moving);  // rest would blur the base directions
+  e.a = scale.asDiagonal() * e.a;
+  e.b = scale.cwiseProduct(e.b);
   return e;
 }
 
@@ -127,8 +130,9 @@ BaseFit fitBase(const Robot& robot, std::vector<Observation>& training, const St
   for (int pass = 0; pass < 2; ++pass) {
     for (int i = 0; i < stack.axes; ++i)
       residual.segment(i * stack.size(), stack.size()) *= base.noise_N[i];
-    if (pass == 0) chooseMemory(robot, training, stack, residual, base);
     base.noise_N = rmsPerActuator(e, residual).cwiseMax(1e-6);
+    const Eigen::VectorXd scale = rowScale(stack, training, Attention::Moving);
+    if (pass == 0) chooseMemory(robot, training, stack, residual.cwiseQuotient(scale), base);
     e = equationsOf(training, stack, base.noise_N);
     residual = solve(e, base, rank);
   }

@@ -16,6 +16,12 @@ void addShapes(const Candidate& candidate, const EffectInput& input, int actuato
 
 }  // namespace
 
+void setAttention(TraceData& data, Attention attention) {
+  data.scale = rowScale(data.stack, data.recordings, attention);
+  data.base_rows = data.scale.asDiagonal() * data.all_base_rows;
+  data.force_rows = data.scale.asDiagonal() * data.all_force_rows;
+}
+
 std::vector<Hypothesis> listHypotheses(const CandidateList& candidates, const std::vector<EffectInput>& inputs) {
   std::vector<Hypothesis> list;
   for (const auto& candidate : candidates) {
@@ -50,7 +56,7 @@ Eigen::MatrixXd effectRows(const TraceData& data, const Hypothesis& h) {
       columns.push_back(h.place.candidate->columns(input, i, h.shape));
     rows.middleRows(i * p, p) = gather(data.stack, data.recordings, std::move(columns));
   }
-  return rows;
+  return data.scale.asDiagonal() * rows;
 }
 
 Eigen::MatrixXd weighted(const Stack& stack, Eigen::MatrixXd rows, const Eigen::VectorXd& noise_N) {

@@ -34,8 +34,9 @@ TraceData makeTwin(const Robot& robot, const std::vector<Recording>& recordings,
     residual.segment(i * twin.stack.size(), twin.stack.size()) -= gather(twin.stack, twin.recordings, std::move(model));
   }
   chooseMemory(robot, twin.recordings, twin.stack, residual, newtons);  // as on the recordings themselves
-  twin.base_rows = baseRows(newtons, twin.recordings, twin.stack);
-  twin.force_rows = forceRows(newtons, twin.recordings, twin.stack);
+  twin.all_base_rows = baseRows(newtons, twin.recordings, twin.stack);
+  twin.all_force_rows = forceRows(newtons, twin.recordings, twin.stack);
+  setAttention(twin, Attention::Moving);
   for (int r = 0; r < count; ++r) {
     twin.inputs.push_back(effectInput(robot, twin.recordings[static_cast<std::size_t>(r)], newtons.memory, r, count));
     setForces(twin.inputs.back(), base.columns, base.parameters, {});

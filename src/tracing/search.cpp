@@ -148,8 +148,8 @@ FoundEffect found(const Search& s, const Trial& t, const NullDistribution& null)
 }
 
 /// Drops effects that the others have made superfluous: without one of them held-back parts are predicted as well.
-void prune(Search& s) {
-  for (std::size_t k = 0; k + 1 < s.effects.size(); ++k) {
+void prune(Search& s, std::size_t first) {
+  for (std::size_t k = first; k + 1 < s.effects.size(); ++k) {
     std::vector<Hypothesis> others = hypothesesOf(s.effects);
     others.erase(others.begin() + static_cast<std::ptrdiff_t>(k));
     std::vector<Eigen::MatrixXd> rows;
@@ -260,7 +260,7 @@ void searchForward(Search& s, const CandidateList& candidates, int most, std::ui
     s.rejected.clear();  // only why the search ended is of interest
     if (!addOne(s, candidates, seed + s.effects.size())) return;
     refit(s);
-    prune(s);
+    prune(s, before);
   }
 }
 

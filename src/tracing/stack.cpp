@@ -8,6 +8,8 @@
 namespace knee_robot {
 namespace {
 
+constexpr double kRest = 0.1;   ///< weight at rest
+constexpr double kReach = 0.6;  ///< of the low-pass, in periods of the cut-off
 constexpr int kTraceBlocks = 12;
 constexpr double kSamplesPerCutoff =
     6.0;  ///< the low-passed signals hold about two independent values per cut-off period
@@ -29,6 +31,14 @@ std::vector<int> cuts(const Observation& o, int pieces) {
     out.push_back(slowest);
   }
   return out;
+}
+
+bool nearRest(const Observation& o, int sample, int actuator, double reach_s) {
+  const int reach = static_cast<int>(reach_s / o.signals.period_s);
+  for (int n = std::max(0, sample - reach); n <= std::min(o.samples() - 1, sample + reach); ++n) {
+    if (!o.axis_moving(n, actuator)) return true;
+  }
+  return false;
 }
 
 }  // namespace
@@ -55,6 +65,20 @@ Stack makeStack(const std::vector<Observation>& recordings, const ObservationOpt
     stack.blocks += pieces;
   }
   return stack;
+}
+
+Eigen::VectorXd rowScale(const Stack& stack, const std::vector<Observation>& recordings, Attention attention) {
+  Eigen::VectorXd scale = Eigen::VectorXd::Ones(stack.size() * stack.axes);
+  if (attention == Attention::All) return scale;
+  for (int i = 0; i < stack.axes; ++i) {
+    auto own = scale.segment(i * stack.size(), stack.size());
+    for (Eigen::Index k = 0; k < stack.size(); ++k) {
+      const Pick& pick = stack.picks[static_cast<std::size_t>(k)];
+      if (nearRest(recordings[pick.recording], pick.sample, i, kReach / stack.cutoff_hz)) own[k] = kRest;
+    }
+    own /= std::max(kRest, own.norm() / std::sqrt(static_cast<double>(stack.size())));
+  }
+  return scale;
 }
 
 Eigen::MatrixXd gather(const Stack& stack, const std::vector<Observation>& recordings,

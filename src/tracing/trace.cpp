@@ -15,8 +15,9 @@ TraceData makeData(const Robot& robot, std::vector<Observation> training, const 
   base = fitBase(robot, data.recordings, data.stack, columnsOf(robot), options.rank);
   BaseFit newtons = base;
   newtons.noise_N.setOnes();
-  data.base_rows = baseRows(newtons, data.recordings, data.stack);
-  data.force_rows = forceRows(newtons, data.recordings, data.stack);
+  data.all_base_rows = baseRows(newtons, data.recordings, data.stack);
+  data.all_force_rows = forceRows(newtons, data.recordings, data.stack);
+  setAttention(data, Attention::Moving);
   const int count = static_cast<int>(data.recordings.size());
   for (int r = 0; r < count; ++r) {
     data.inputs.push_back(effectInput(robot, data.recordings[static_cast<std::size_t>(r)], base.memory, r, count));
@@ -108,19 +109,41 @@ TraceResult trace(const Robot& robot, const std::vector<Recording>& recordings, 
   s.twins = &twins;
   s.options = &options;
   s.rms_N = result.base.noise_N;
-  refit(s);
-  s.floor = noiseFloor(recordings, data, modelForces(data), left_N);
-  result.before_rms_N = s.rms_N;
   result.candidates = std::make_shared<CandidateList>(namedCandidates(robot));
+  const auto attend = [&](Attention attention) {
+    setAttention(data, attention);
+    for (TraceData& twin : twins)
+      setAttention(twin, attention);
+    refit(s);
+    if (attention == Attention::All || s.floor.rms_N.size() == 0)
+      s.floor = noiseFloor(recordings, data, modelForces(data), twinResidual(twins, result.base));
+  };
+  attend(Attention::All);
+  const NoiseFloor all = s.floor;
+  result.before_rms_N = s.rms_N;
+  result.base.parameters = result.base.basis * s.fit.base;
   noteAbsorbed(s, *result.candidates, result);
+  attend(Attention::Moving);
+  s.floor = noiseFloor(recordings, data, modelForces(data), left_N);
+  options.progress("looking at moving samples");
   searchForward(s, *result.candidates, options.most_effects, options.seed);
   result.rejected = s.rejected;
+  const NoiseFloor moving = s.floor;
+
+  options.progress("looking at all samples");
+  attend(Attention::All);
+  searchForward(s, *result.candidates, options.most_effects - static_cast<int>(s.effects.size()), options.seed + 50u);
+  result.rejected.insert(result.rejected.end(), s.rejected.begin(), s.rejected.end());
+
   options.progress("looking for what no named effect explains");
+  attend(Attention::Moving);
+  s.floor = moving;
   CandidateList maps = mapCandidates(data.inputs);
-  s.rejected.clear();
   searchForward(s, maps, options.most_maps, options.seed + 100u);
   for (auto& map : maps)
     result.candidates->push_back(std::move(map));
+  attend(Attention::All);
+  s.floor = all;
   settleNames(s.effects);
 
   result.effects = s.effects;

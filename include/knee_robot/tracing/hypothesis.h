@@ -12,9 +12,15 @@ struct TraceData {
   std::vector<Observation> recordings;
   std::vector<EffectInput> inputs;  ///< point into `recordings`: fill after those are complete
   Stack stack;
-  Eigen::MatrixXd base_rows;   ///< in N, base coordinates
-  Eigen::VectorXd force_rows;  ///< in N
+  Eigen::VectorXd scale;           ///< of the rows, by attention
+  Eigen::MatrixXd all_base_rows;   ///< in N, base coordinates, before scaling
+  Eigen::VectorXd all_force_rows;  ///< in N, before scaling
+  Eigen::MatrixXd base_rows;       ///< in N, base coordinates, scaled
+  Eigen::VectorXd force_rows;      ///< in N, scaled
 };
+
+/// Scales the rows; all_base_rows and all_force_rows must be there.
+void setAttention(TraceData& data, Attention attention);
 
 /// A candidate at one place.
 struct Place {

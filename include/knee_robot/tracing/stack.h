@@ -29,6 +29,16 @@ struct Stack {
 
 Stack makeStack(const std::vector<Observation>& recordings, const ObservationOptions& options);
 
+/// Which samples count. At rest friction may take any value, so that stops and reversals leave much that is no effect; but
+/// presliding lives there.
+enum class Attention {
+  Moving,  ///< samples at which the actuator is at rest or near it count little
+  All,     ///< all alike
+};
+
+/// Factor of every row (actuator after actuator); mean square 1 for each actuator.
+Eigen::VectorXd rowScale(const Stack& stack, const std::vector<Observation>& recordings, Attention attention);
+
 /// Columns along the recordings (one matrix per recording: samples x columns), low-passed as the force is, at the picks.
 Eigen::MatrixXd gather(const Stack& stack, const std::vector<Observation>& recordings,
                        std::vector<Eigen::MatrixXd> columns);
