@@ -6,7 +6,12 @@
 namespace knee_robot {
 namespace {
 constexpr double kLoadTime_s = 0.2;
+
+Fault faultOf(hardware::IoStatus refused) noexcept {
+  return refused == hardware::IoStatus::FencedOut ? Fault::GuardianActed : Fault::OutputLost;
 }
+
+}  // namespace
 
 AxesOutput::AxesOutput(const std::string& name, const Robot& robot, const HardwareFile& hardware,
                        hardware::AxisBus& bus)
@@ -126,7 +131,7 @@ AxisValues AxesOutput::chooseVolts() const noexcept {
 
 void AxesOutput::writeVolts(const AxisValues& volts, rt::Nanoseconds now) {
   out_.status = bus_.writeVolts(volts, out_.volts);
-  if (out_.status != hardware::IoStatus::Ok) beginSafeStop(Fault::OutputLost, 0, now);
+  if (out_.status != hardware::IoStatus::Ok) beginSafeStop(faultOf(out_.status), 0, now);
   for (std::size_t i = 0; i < kAxes; ++i) {
     const Actuator& actuator = robot_.actuators[i];
     out_.force_N[i] = actuator.force_sign * actuator.force_per_volt_N * out_.volts[i];
@@ -144,7 +149,7 @@ void AxesOutput::writeOutputs(rt::Nanoseconds now) {
   const hardware::IoStatus status = bus_.writeOutputs(out_.digital_outputs);
   if (status == hardware::IoStatus::Ok) return;
   out_.status = status;
-  beginSafeStop(Fault::OutputLost, 0, now);
+  beginSafeStop(faultOf(status), 0, now);
 }
 
 /// What carries the platform at this place, for an axis whose loop fails.

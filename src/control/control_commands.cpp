@@ -153,6 +153,9 @@ Answer ControlSystem::resetFaults() {
   if (before == MachineState::Disabled) return {true, "there is no fault to reset"};
   if (before != MachineState::Faulted)
     return {false, std::string("not possible while the robot is ") + toString(before)};
+  if (bus_.isFencedOut() && bus_.reclaim() != hardware::IoStatus::Ok) {
+    return {false, "the guardian does not give the outputs back; look whether it runs, then restart the controller"};
+  }
   for (const auto& component : deployment_->components()) {
     if (!revive(*component)) return {false, component->name() + " cannot be recovered: " + component->refusal()};
   }

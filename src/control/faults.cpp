@@ -38,6 +38,8 @@ constexpr std::array<FaultDescription, kFaults> kTable = {{
     {F::EnableTimeout, "enable_timeout", "the drives could not be enabled in time", kAtOnce,
      "look at the states of the components and at the drives"},
     {F::EmergencyStop, "emergency_stop", "emergency stop", kWhenGone, "release the emergency stop"},
+    {F::GuardianActed, "guardian_acted", "the guardian found the controller silent and took its outputs away",
+     kWhenGone, "look for what stopped the controller; resetting asks the guardian for the outputs"},
 }};
 
 }  // namespace

@@ -204,7 +204,7 @@ void Supervisor::publish(rt::Nanoseconds now) {
   orders_.stop_path = status_.state == MachineState::Stopping || orders_.safe_stop;
   if (!powered) orders_.level = DriveLevel::Off;
   orders_.drivers_active = powered && orders_.level >= DriveLevel::HeldByDrivers;
-  orders_.immediate = emergencyInput();
+  orders_.immediate = emergencyInput() || measured_.fenced_out;
   ++orders_.sequence;
   orders_.time = now;
   orders.write(orders_);

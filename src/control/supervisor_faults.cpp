@@ -16,6 +16,8 @@ void Supervisor::raise(Fault fault, int axis, int component) noexcept {
 }
 
 void Supervisor::lookForFaults() {
+  // Before all others: after a pause of the whole process nearly everything else looks wrong, too.
+  if (measured_.fenced_out) raise(Fault::GuardianActed, 0);
   lookAtComponents();
   lookAtMeasurement();
   for (const AxisCommand& command : commands_) {

@@ -48,9 +48,17 @@ struct ModelCards {
   RegisterAccess& counter() { return models->counter; }
 };
 
-}  // namespace
+template <typename Cards>
+class OwningEmergencyOutputs : public EmergencyOutputs {
+ public:
+  explicit OwningEmergencyOutputs(Cards cards) : cards_(std::move(cards)) {}
+  IoStatus down() noexcept override { return forceDown(cards_.analog(), cards_.counter()); }
 
-std::unique_ptr<AxisBus> openPciCards(std::optional<int> analog_board_id, std::optional<int> counter_board_id) {
+ private:
+  Cards cards_;
+};
+
+RealCards findRealCards(std::optional<int> analog_board_id, std::optional<int> counter_board_id) {
   CardQuery analog;
   analog.vendor = pci1720::kVendor;
   analog.device = pci1720::kDevice;
@@ -62,24 +70,50 @@ std::unique_ptr<AxisBus> openPciCards(std::optional<int> analog_board_id, std::o
   counter.board_id_offset = pci1784::kBoardId;
   counter.board_id_is_32_bits = true;
   counter.board_id = counter_board_id;
-  PciAxisBus::Options options;
-  options.analog_board_id = analog_board_id;
-  options.counter.board_id = counter_board_id;
-  RealCards cards{SysfsPort::find(analog), SysfsPort::find(counter)};
-  return std::make_unique<OwningBus<RealCards>>(std::move(cards), options);
+  return {SysfsPort::find(analog), SysfsPort::find(counter)};
 }
 
-std::unique_ptr<AxisBus> openSimulatedCards(const std::string& shared_memory_name) {
+ModelCards attachModelCards(const std::string& shared_memory_name) {
   ModelCards cards;
   cards.memory = std::make_unique<SharedImage>(SharedImage::attach(shared_memory_name));
   cards.models = std::make_unique<ModelCards::Pair>(cards.memory->image());
-  return std::make_unique<OwningBus<ModelCards>>(std::move(cards), PciAxisBus::Options{});
+  return cards;
+}
+
+ModelCards modelCards(RobotImage& image) {
+  ModelCards cards;
+  cards.models = std::make_unique<ModelCards::Pair>(image);
+  return cards;
+}
+
+}  // namespace
+
+std::unique_ptr<AxisBus> openPciCards(std::optional<int> analog_board_id, std::optional<int> counter_board_id) {
+  PciAxisBus::Options options;
+  options.analog_board_id = analog_board_id;
+  options.counter.board_id = counter_board_id;
+  return std::make_unique<OwningBus<RealCards>>(findRealCards(analog_board_id, counter_board_id), options);
+}
+
+std::unique_ptr<AxisBus> openSimulatedCards(const std::string& shared_memory_name) {
+  return std::make_unique<OwningBus<ModelCards>>(attachModelCards(shared_memory_name), PciAxisBus::Options{});
 }
 
 std::unique_ptr<AxisBus> openImageCards(RobotImage& image) {
-  ModelCards cards;
-  cards.models = std::make_unique<ModelCards::Pair>(image);
-  return std::make_unique<OwningBus<ModelCards>>(std::move(cards), PciAxisBus::Options{});
+  return std::make_unique<OwningBus<ModelCards>>(modelCards(image), PciAxisBus::Options{});
+}
+
+std::unique_ptr<EmergencyOutputs> openPciEmergencyOutputs(std::optional<int> analog_board_id,
+                                                          std::optional<int> counter_board_id) {
+  return std::make_unique<OwningEmergencyOutputs<RealCards>>(findRealCards(analog_board_id, counter_board_id));
+}
+
+std::unique_ptr<EmergencyOutputs> openSimulatedEmergencyOutputs(const std::string& shared_memory_name) {
+  return std::make_unique<OwningEmergencyOutputs<ModelCards>>(attachModelCards(shared_memory_name));
+}
+
+std::unique_ptr<EmergencyOutputs> openImageEmergencyOutputs(RobotImage& image) {
+  return std::make_unique<OwningEmergencyOutputs<ModelCards>>(modelCards(image));
 }
 
 }  // namespace knee_robot::hardware

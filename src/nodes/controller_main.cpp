@@ -11,6 +11,7 @@
 #include "controller_topics.h"
 #include "folder.h"
 #include "knee_robot/base/errors.h"
+#include "knee_robot/hardware/guarded_bus.h"
 #include "knee_robot/hardware/open_bus.h"
 
 namespace {
@@ -45,6 +46,60 @@ std::unique_ptr<hardware::AxisBus> openBus(const HardwareFile& hardware_file, co
   return hardware::openPciCards(std::nullopt, std::nullopt);
 }
 
+/// The cards, and the guardian between when parameter `guardian` names its shared memory.
+struct Machine {
+  std::unique_ptr<hardware::AxisBus> cards;
+  std::optional<hardware::SharedGuardianLink> memory;
+  std::unique_ptr<hardware::GuardedBus> guarded;
+
+  hardware::AxisBus& bus() { return guarded ? static_cast<hardware::AxisBus&>(*guarded) : *cards; }
+};
+
+Machine openMachine(const HardwareFile& hardware_file, const ros::NodeHandle& node) {
+  Machine machine;
+  machine.cards = openBus(hardware_file, node);
+  const std::string link = node.param<std::string>("guardian", "");
+  if (link.empty()) {
+    ROS_WARN("NO GUARDIAN: when this process dies, the drives keep what they were given last");
+    return machine;
+  }
+  machine.memory.emplace(hardware::SharedGuardianLink::open(link));
+  const ros::WallTime give_up = ros::WallTime::now() + ros::WallDuration(10.0);
+  const std::atomic<std::int32_t>& guardian = machine.memory->link().guardian_pid;
+  while (!hardware::processExists(guardian.load()) && !stop_requested && ros::WallTime::now() < give_up)
+    std::this_thread::sleep_for(std::chrono::milliseconds(20));
+  const int power_bits = 1 << hardware_file.drive_enable_bit | 1 << hardware_file.hold_release_bit;
+  machine.guarded = std::make_unique<hardware::GuardedBus>(*machine.cards, machine.memory->link(),
+                                                           static_cast<std::uint8_t>(power_bits));
+  return machine;
+}
+
+/// Says once when the guardian's cycle stands still for a second.
+class GuardianSupervision {
+ public:
+  explicit GuardianSupervision(Machine& machine) : machine_(machine) {}
+  void look() {
+    if (!machine_.memory) return;
+    const std::uint64_t cycles = machine_.memory->link().guardian_cycles.load();
+    const ros::WallTime now = ros::WallTime::now();
+    if (cycles != cycles_ || moved_.isZero()) {
+      if (silent_) ROS_WARN("the guardian is back");
+      cycles_ = cycles;
+      moved_ = now;
+      silent_ = false;
+    } else if (!silent_ && (now - moved_).toSec() > 1.0) {
+      silent_ = true;
+      ROS_ERROR("THE GUARDIAN IS SILENT: nothing brings the outputs down when this process dies; disable the robot");
+    }
+  }
+
+ private:
+  Machine& machine_;
+  std::uint64_t cycles_ = 0;
+  ros::WallTime moved_;
+  bool silent_ = false;
+};
+
 int run() {
   ros::NodeHandle node("~");
   const Robot robot = loadRobot(requiredParameter(node, "robot"));
@@ -55,9 +110,9 @@ int run() {
   }
   const Folder references(requiredParameter(node, "references"));
   const Folder recordings(requiredParameter(node, "recordings"));
-  const std::unique_ptr<hardware::AxisBus> bus = openBus(hardware_file, node);
+  Machine machine = openMachine(hardware_file, node);
 
-  ControlSystem system(robot, hardware_file, requiredParameter(node, "deployment"), *bus, {});
+  ControlSystem system(robot, hardware_file, requiredParameter(node, "deployment"), machine.bus(), {});
   const Answer started = system.start();
   if (!started.ok) throw InputError(started.sentence);
   for (const std::string& warning : system.warnings())
@@ -68,8 +123,11 @@ int run() {
     ControllerTopics topics(node, system, robot, rate_hz);
     ros::AsyncSpinner spinner(3);
     spinner.start();
-    while (!stop_requested && ros::ok())
+    GuardianSupervision guardian(machine);
+    while (!stop_requested && ros::ok()) {
+      guardian.look();
       std::this_thread::sleep_for(std::chrono::milliseconds(20));
+    }
   }
   const Answer stopped = system.shutdown();
   std::printf("controller: %s\n", stopped.sentence.c_str());

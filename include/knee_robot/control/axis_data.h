@@ -24,6 +24,7 @@ struct AxesMeasurement {
   AxisValues velocity_m_per_s{};  ///< low-passed difference
   std::array<std::int64_t, kAxes> counts{};
   std::uint8_t digital_inputs = 0;
+  bool fenced_out = false;  ///< a guardian has taken the outputs
 };
 
 /// What Sync is doing.

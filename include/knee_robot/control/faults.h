@@ -22,8 +22,9 @@ enum class Fault : std::uint8_t {
   Overrun,
   EnableTimeout,
   EmergencyStop,
+  GuardianActed,
 };
-inline constexpr int kFaults = 16;
+inline constexpr int kFaults = 17;
 
 /// When resetFaults() clears a fault.
 enum class ResetRule : std::uint8_t {

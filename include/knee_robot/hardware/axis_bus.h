@@ -56,6 +56,12 @@ class AxisBus {
 
   /// Sets all digital outputs, bits 0..3; a higher bit is OutOfRange.
   virtual IoStatus writeOutputs(std::uint8_t bits) noexcept = 0;
+
+  /// True while somebody else has taken the outputs (GuardedBus): every write is refused. Real-time safe.
+  virtual bool isFencedOut() const noexcept { return false; }
+
+  /// Not real-time, from any thread, with the drives off: asks for the outputs again. FencedOut: not given back.
+  virtual IoStatus reclaim() { return IoStatus::Ok; }
 };
 
 }  // namespace knee_robot::hardware

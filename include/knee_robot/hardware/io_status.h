@@ -11,6 +11,7 @@ enum class IoStatus {
   NotReady,      ///< the self test has not passed yet: outputs are refused
   Disconnected,  ///< the device does not answer: card gone, shared memory closed, lockdown
   DeviceError,   ///< the device answers, but not as it should (read-back differs, wrong board id)
+  FencedOut,     ///< a guardian has taken the outputs: it brought them down and keeps them there
 };
 
 /// One plain word or two ("disconnected"), for messages outside the real-time path.
@@ -28,6 +29,8 @@ constexpr const char* toText(IoStatus status) noexcept {
       return "disconnected";
     case IoStatus::DeviceError:
       return "device error";
+    case IoStatus::FencedOut:
+      return "fenced out by the guardian";
   }
   return "unknown status";
 }

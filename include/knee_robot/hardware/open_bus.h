@@ -5,6 +5,7 @@
 #include <string>
 
 #include "knee_robot/hardware/axis_bus.h"
+#include "knee_robot/hardware/emergency_outputs.h"
 #include "knee_robot/hardware/shared_image.h"
 
 namespace knee_robot::hardware {
@@ -19,5 +20,11 @@ std::unique_ptr<AxisBus> openSimulatedCards(const std::string& shared_memory_nam
 
 /// The cards of a simulated robot in this process (stepped simulation). `image` must outlive the bus.
 std::unique_ptr<AxisBus> openImageCards(RobotImage& image);
+
+/// A guardian's own handles to the same cards. Opening them writes nothing to a card's registers. Throw InputError.
+std::unique_ptr<EmergencyOutputs> openPciEmergencyOutputs(std::optional<int> analog_board_id,
+                                                          std::optional<int> counter_board_id);
+std::unique_ptr<EmergencyOutputs> openSimulatedEmergencyOutputs(const std::string& shared_memory_name);
+std::unique_ptr<EmergencyOutputs> openImageEmergencyOutputs(RobotImage& image);
 
 }  // namespace knee_robot::hardware

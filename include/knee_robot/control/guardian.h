@@ -1,0 +1,96 @@
+#pragma once
+
+#include <atomic>
+
+#include "knee_robot/hardware/emergency_outputs.h"
+#include "knee_robot/hardware/guardian_link.h"
+#include "knee_robot/hardware/process_watch.h"
+#include "knee_robot/rt/task_context.h"
+
+namespace knee_robot {
+
+enum class GuardianCause : std::uint8_t { None, Silent, ProcessGone };
+
+/// What the guardian does in one cycle.
+enum class GuardianAction : std::uint8_t {
+  Watch,     ///< nothing: the controller is healthy, or nothing is switched on
+  Trip,      ///< fence the controller out and bring the outputs down
+  KeepDown,  ///< bring them down again: somebody may have come back
+  Release,   ///< give the outputs back
+};
+
+/// What the guardian sees in one cycle.
+struct GuardianView {
+  rt::Nanoseconds now = 0;
+  std::uint64_t heartbeat = 0;
+  bool armed = false;         ///< drives enabled or hold devices released
+  bool process_gone = false;  ///< the controller's process has ended
+  bool reset_asked = false;   ///< the controller asks for the outputs
+};
+
+/// Decides when a controller counts as dead. Silence counts only while drives are on, and a cycle of the guardian adds at most
+/// two of its periods: when the machine (or the guardian) has paused, a controller that could not run either gets the same
+/// time again. Latched until the controller asks for a reset with everything switched off. Pure: no clock, no hardware;
+/// real-time safe.
+class GuardianWatch {
+ public:
+  GuardianWatch(rt::Nanoseconds silence_limit, rt::Nanoseconds period, bool tripped = false)
+      : silence_limit_(silence_limit), period_(period), tripped_(tripped) {}
+
+  GuardianAction step(const GuardianView& view) noexcept;
+  bool isTripped() const noexcept { return tripped_; }
+  GuardianCause cause() const noexcept { return cause_; }
+  /// When the heartbeat was last seen to move.
+  rt::Nanoseconds lastHeartbeat() const noexcept { return last_heartbeat_; }
+
+ private:
+  void listen(const GuardianView& view) noexcept;
+
+  rt::Nanoseconds silence_limit_;
+  rt::Nanoseconds period_;
+  bool tripped_;
+  bool any_ = false;
+  std::uint64_t heartbeat_ = 0;
+  rt::Nanoseconds last_step_ = 0;
+  rt::Nanoseconds last_heartbeat_ = 0;
+  rt::Nanoseconds silence_ = 0;
+  GuardianCause cause_ = GuardianCause::None;
+};
+
+/// What happened last, for the thread that reports: written before `count`.
+struct GuardianReport {
+  std::atomic<std::uint32_t> trips{0};
+  std::atomic<std::uint32_t> releases{0};
+  std::atomic<GuardianCause> cause{GuardianCause::None};
+  std::atomic<std::int32_t> controller_pid{0};
+  std::atomic<rt::Nanoseconds> reaction{0};  ///< from the last heartbeat seen until the outputs were down
+  std::atomic<rt::Nanoseconds> writing{0};   ///< the part of it that the writes took
+  std::atomic<bool> written{true};           ///< the cards took all writes
+};
+
+/// The guardian's cycle: looks at the link and at the controller's process, and brings the outputs down when it is dead. Never
+/// writes to the cards otherwise. One a robot, in a process of its own with higher priority than the controller's.
+class Guardian : public rt::TaskContext {
+ public:
+  /// All must outlive this. `clock` gives ns; the cycle's wake and `clock` count from one zero.
+  Guardian(hardware::GuardianLink& link, hardware::EmergencyOutputs& outputs, rt::Nanoseconds silence_limit,
+           rt::Nanoseconds period, rt::Nanoseconds (*clock)() noexcept);
+
+  const GuardianReport& report() const noexcept { return report_; }
+
+ protected:
+  bool startHook() override;
+  void updateHook(const rt::Cycle& cycle) override;
+
+ private:
+  void trip() noexcept;
+
+  hardware::GuardianLink& link_;
+  hardware::EmergencyOutputs& outputs_;
+  rt::Nanoseconds (*clock_)() noexcept;
+  GuardianWatch watch_;
+  hardware::ProcessWatch process_;
+  GuardianReport report_;
+};
+
+}  // namespace knee_robot

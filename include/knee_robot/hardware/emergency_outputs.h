@@ -1,0 +1,24 @@
+#pragma once
+
+#include "knee_robot/hardware/io_status.h"
+#include "knee_robot/hardware/register_access.h"
+
+namespace knee_robot::hardware {
+
+/// Brings the outputs of both cards down, through registers alone: no self test before it, nothing remembered, nothing read,
+/// counters untouched. In this order, without waiting:
+///   1. all digital outputs 0: the hold devices engage and the drives are disabled. One write, since they are bits of one port.
+///   2. 0 V on the four channels together, in the +-10 V range.
+/// A write that fails does not keep the next ones from being tried; answers the first failure. Writing it again changes nothing.
+/// Real-time safe.
+IoStatus forceDown(RegisterAccess& analog, RegisterAccess& counter) noexcept;
+
+/// A handle to the cards that can do nothing but forceDown(). For a guardian beside the controller: it never initialises.
+class EmergencyOutputs {
+ public:
+  virtual ~EmergencyOutputs() = default;
+  /// forceDown() of its cards.
+  virtual IoStatus down() noexcept = 0;
+};
+
+}  // namespace knee_robot::hardware

@@ -1,0 +1,56 @@
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <string>
+
+namespace knee_robot::hardware {
+
+/// What controller and guardian tell each other, in shared memory of its own: it does not depend on whether a card can read
+/// back its outputs (the PCI-1720 can not, of the PCI-1784 it is not known). All zero: nobody has been there yet. Each field has
+/// one writer; plain lock-free atomics, so a process that dies at any place leaves the others working.
+struct GuardianLink {
+  static constexpr std::uint64_t kMagic = 0x6b6e65655f677264;  // "knee_grd", version 1
+
+  std::atomic<std::uint64_t> magic{0};
+
+  // written by the controller
+  std::atomic<std::int32_t> controller_pid{0};  ///< 0: none, or it has ended properly
+  std::atomic<std::uint64_t> heartbeat{0};      ///< one more with every write of the digital outputs, fenced out or not
+  std::atomic<std::uint32_t> armed{0};          ///< 1 from before the drives are enabled until after they are disabled
+  std::atomic<std::uint32_t> reset_request{0};  ///< a new number asks the guardian to give the outputs back
+
+  // written by the guardian
+  std::atomic<std::int32_t> guardian_pid{0};
+  std::atomic<std::uint64_t> guardian_cycles{0};
+  std::atomic<std::uint32_t> tripped{0};     ///< 1: the outputs are the guardian's, the controller is fenced out
+  std::atomic<std::uint32_t> reset_done{0};  ///< last reset_request that was granted
+};
+
+/// A GuardianLink in POSIX shared memory. Whoever comes first creates it; it outlives each of the two, so a guardian that is
+/// started anew finds its latch, and goes when neither lives.
+class SharedGuardianLink {
+ public:
+  /// Throws InputError when the name is malformed, holds something else, or the system refuses.
+  static SharedGuardianLink open(const std::string& name);
+
+  SharedGuardianLink(SharedGuardianLink&& other) noexcept;
+  SharedGuardianLink& operator=(SharedGuardianLink&& other) = delete;
+  SharedGuardianLink(const SharedGuardianLink&) = delete;
+  SharedGuardianLink& operator=(const SharedGuardianLink&) = delete;
+  /// Takes this process out of the link; removes the name when the other process does not live.
+  ~SharedGuardianLink();
+
+  GuardianLink& link() noexcept { return *link_; }
+
+ private:
+  SharedGuardianLink(std::string name, GuardianLink* link) : name_(std::move(name)), link_(link) {}
+
+  std::string name_;
+  GuardianLink* link_;
+};
+
+/// Whether a process of this number exists (0: no). A zombie does.
+bool processExists(std::int32_t pid) noexcept;
+
+}  // namespace knee_robot::hardware

@@ -1,0 +1,87 @@
+#include "knee_robot/control/guardian.h"
+
+#include <unistd.h>
+
+#include <algorithm>
+
+namespace knee_robot {
+
+void GuardianWatch::listen(const GuardianView& view) noexcept {
+  const bool moved = !any_ || view.heartbeat != heartbeat_;
+  const rt::Nanoseconds elapsed = any_ ? view.now - last_step_ : 0;
+  any_ = true;
+  last_step_ = view.now;
+  heartbeat_ = view.heartbeat;
+  if (moved) last_heartbeat_ = view.now;
+  silence_ = moved || !view.armed ? 0 : silence_ + std::min(elapsed, 2 * period_);
+}
+
+GuardianAction GuardianWatch::step(const GuardianView& view) noexcept {
+  listen(view);
+  if (view.reset_asked && !view.armed) {
+    tripped_ = false;
+    cause_ = GuardianCause::None;
+    return GuardianAction::Release;
+  }
+  if (tripped_) return GuardianAction::KeepDown;
+  if (!view.armed) return GuardianAction::Watch;
+  if (view.process_gone) cause_ = GuardianCause::ProcessGone;
+  if (cause_ == GuardianCause::None && silence_ >= silence_limit_) cause_ = GuardianCause::Silent;
+  tripped_ = cause_ != GuardianCause::None;
+  return tripped_ ? GuardianAction::Trip : GuardianAction::Watch;
+}
+
+Guardian::Guardian(hardware::GuardianLink& link, hardware::EmergencyOutputs& outputs, rt::Nanoseconds silence_limit,
+                   rt::Nanoseconds period, rt::Nanoseconds (*clock)() noexcept)
+    : TaskContext("Guardian"),
+      link_(link),
+      outputs_(outputs),
+      clock_(clock),
+      watch_(silence_limit, period, link.tripped.load() != 0) {}
+
+bool Guardian::startHook() {
+  link_.guardian_pid.store(::getpid());
+  return true;
+}
+
+void Guardian::updateHook(const rt::Cycle& /*cycle*/) {
+  GuardianView view;
+  view.now = clock_();
+  view.heartbeat = link_.heartbeat.load(std::memory_order_acquire);
+  view.process_gone = process_.isGone(link_.controller_pid.load());
+  const std::uint32_t request = link_.reset_request.load();
+  view.reset_asked = request != link_.reset_done.load();
+  view.armed = link_.armed.load() != 0;  // after the request: whoever asks has disarmed before
+  switch (watch_.step(view)) {
+    case GuardianAction::Watch:
+      break;
+    case GuardianAction::Trip:
+      trip();
+      break;
+    case GuardianAction::KeepDown:
+      outputs_.down();
+      break;
+    case GuardianAction::Release:
+      link_.tripped.store(0);
+      link_.reset_done.store(request);
+      report_.releases.fetch_add(1);
+      break;
+  }
+  link_.guardian_cycles.fetch_add(1, std::memory_order_release);
+}
+
+/// The fence first: a controller that wakes up now must not write behind the guardian's back.
+void Guardian::trip() noexcept {
+  link_.tripped.store(1);
+  const rt::Nanoseconds began = clock_();
+  const hardware::IoStatus status = outputs_.down();
+  const rt::Nanoseconds down = clock_();
+  report_.cause.store(watch_.cause());
+  report_.controller_pid.store(link_.controller_pid.load());
+  report_.reaction.store(down - watch_.lastHeartbeat());
+  report_.writing.store(down - began);
+  report_.written.store(status == hardware::IoStatus::Ok);
+  report_.trips.fetch_add(1, std::memory_order_release);
+}
+
+}  // namespace knee_robot

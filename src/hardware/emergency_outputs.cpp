@@ -1,0 +1,26 @@
+#include "knee_robot/hardware/emergency_outputs.h"
+
+#include "knee_robot/hardware/channels.h"
+#include "knee_robot/hardware/pci1720_registers.h"
+#include "knee_robot/hardware/pci1784_registers.h"
+
+namespace knee_robot::hardware {
+
+IoStatus forceDown(RegisterAccess& analog, RegisterAccess& counter) noexcept {
+  IoStatus first = IoStatus::Ok;
+  const auto note = [&](IoStatus status) {
+    if (first == IoStatus::Ok) first = status;
+  };
+  note(counter.write8(pci1784::kDigital, 0));
+  // Codes before the range, as Pci1720::initialise does: on a card that is set up, the range write changes nothing.
+  note(analog.write8(pci1720::kSynchronousMode, 1));
+  for (int channel = 0; channel < kChannels; ++channel) {
+    note(analog.write8(pci1720::lowByte(channel), pci1720::kZeroVoltsCode & 0xFF));
+    note(analog.write8(pci1720::highByte(channel), pci1720::kZeroVoltsCode >> 8));
+  }
+  note(analog.write8(pci1720::kSynchronise, 0));
+  note(analog.write8(pci1720::kRange, pci1720::kAllBipolar10V));
+  return first;
+}
+
+}  // namespace knee_robot::hardware

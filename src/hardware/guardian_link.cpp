@@ -1,0 +1,71 @@
+#include "knee_robot/hardware/guardian_link.h"
+
+#include <fcntl.h>
+#include <signal.h>
+#include <sys/mman.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstring>
+#include <utility>
+
+#include "knee_robot/base/errors.h"
+
+namespace knee_robot::hardware {
+namespace {
+
+static_assert(std::atomic<std::uint64_t>::is_always_lock_free && std::atomic<std::uint32_t>::is_always_lock_free,
+              "the link lies in shared memory");
+
+[[noreturn]] void refuse(const std::string& name, const std::string& what) {
+  throw InputError("guardian's shared memory " + name + ": " + what);
+}
+
+}  // namespace
+
+bool processExists(std::int32_t pid) noexcept {
+  return pid > 0 && (::kill(pid, 0) == 0 || errno == EPERM);
+}
+
+SharedGuardianLink SharedGuardianLink::open(const std::string& name) {
+  if (name.size() < 2 || name.size() > 200 || name[0] != '/' || name.find('/', 1) != std::string::npos) {
+    refuse(name, "the name must be a slash and then up to 199 characters without one, as in /knee_robot_guardian");
+  }
+  const int descriptor = ::shm_open(name.c_str(), O_RDWR | O_CREAT, 0600);
+  if (descriptor < 0) refuse(name, std::string("cannot be opened: ") + std::strerror(errno));
+  struct stat information {};
+  bool fits = ::fstat(descriptor, &information) == 0;
+  const bool is_new = fits && information.st_size == 0;
+  // Two who come at once both set the same size; what is added reads as zero, the link's first state.
+  if (is_new) fits = ::ftruncate(descriptor, sizeof(GuardianLink)) == 0;
+  if (!is_new) fits = fits && static_cast<std::size_t>(information.st_size) == sizeof(GuardianLink);
+  void* memory =
+      fits ? ::mmap(nullptr, sizeof(GuardianLink), PROT_READ | PROT_WRITE, MAP_SHARED, descriptor, 0) : MAP_FAILED;
+  ::close(descriptor);
+  if (memory == MAP_FAILED) refuse(name, "is no guardian's link or cannot be mapped; choose another name or remove it");
+  auto* link = static_cast<GuardianLink*>(memory);
+  std::uint64_t found = 0;
+  if (!link->magic.compare_exchange_strong(found, GuardianLink::kMagic) && found != GuardianLink::kMagic) {
+    ::munmap(memory, sizeof(GuardianLink));
+    refuse(name, "holds something else than a guardian's link, or one of another version");
+  }
+  return SharedGuardianLink(name, link);
+}
+
+SharedGuardianLink::SharedGuardianLink(SharedGuardianLink&& other) noexcept
+    : name_(std::move(other.name_)), link_(std::exchange(other.link_, nullptr)) {}
+
+SharedGuardianLink::~SharedGuardianLink() {
+  if (link_ == nullptr) return;
+  for (std::atomic<std::int32_t>* pid : {&link_->controller_pid, &link_->guardian_pid}) {
+    std::int32_t mine = ::getpid();
+    pid->compare_exchange_strong(mine, 0);
+  }
+  if (!processExists(link_->controller_pid.load()) && !processExists(link_->guardian_pid.load())) {
+    ::shm_unlink(name_.c_str());
+  }
+  ::munmap(link_, sizeof(GuardianLink));
+}
+
+}  // namespace knee_robot::hardware

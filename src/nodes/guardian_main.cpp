@@ -1,0 +1,134 @@
+// guardian --hardware H [--shm NAME] [--link NAME]: watches the controller from a process of its own with its own handle to the
+// cards, and brings the outputs down when the controller dies or falls silent while drives are on. No ROS.
+
+#include <unistd.h>
+
+#include <chrono>
+#include <csignal>
+#include <cstdio>
+#include <optional>
+#include <thread>
+
+#include "knee_robot/base/errors.h"
+#include "knee_robot/control/guardian.h"
+#include "knee_robot/control/hardware_file.h"
+#include "knee_robot/hardware/open_bus.h"
+#include "knee_robot/rt/activity.h"
+#include "program.h"
+
+namespace {
+
+using namespace knee_robot;
+
+constexpr rt::Nanoseconds kPeriod = 1'000'000;
+volatile std::sig_atomic_t stop_requested = 0;
+
+void pause() {
+  std::this_thread::sleep_for(std::chrono::milliseconds(5));
+}
+
+/// The simulated robot starts beside this program: wait for it a little.
+std::unique_ptr<hardware::EmergencyOutputs> openOutputs(const HardwareFile& file, const std::string& shm) {
+  if (file.backend == "pci") return hardware::openPciEmergencyOutputs(std::nullopt, std::nullopt);
+  const auto give_up = std::chrono::steady_clock::now() + std::chrono::seconds(10);
+  while (true) {
+    try {
+      return hardware::openSimulatedEmergencyOutputs(shm);
+    } catch (const InputError&) {
+      if (stop_requested || std::chrono::steady_clock::now() > give_up) throw;
+    }
+    pause();
+  }
+}
+
+void tellTrip(const GuardianReport& report) {
+  const bool gone = report.cause.load() == GuardianCause::ProcessGone;
+  std::printf(
+      "guardian: TRIPPED: controller (process %d) %s while drives were on; outputs %s %.2f ms after its last "
+      "heartbeat (writes %.3f ms); fenced out until reset\n",
+      report.controller_pid.load(), gone ? "has died" : "is silent",
+      report.written.load() ? "down" : "NOT ALL DOWN, a card refused,", rt::toSeconds(report.reaction.load()) * 1e3,
+      rt::toSeconds(report.writing.load()) * 1e3);
+  std::fflush(stdout);
+}
+
+/// Reports until a signal comes; and then as long as drives are on: what it is there for may still happen.
+void reportUntilDone(const GuardianReport& report, const hardware::GuardianLink& link) {
+  std::uint32_t told = 0;
+  while (!stop_requested || (link.armed.load() != 0 && link.tripped.load() == 0)) {
+    pause();
+    const std::uint32_t trips = report.trips.load(std::memory_order_acquire);
+    if (trips == told) continue;
+    told = trips;
+    tellTrip(report);
+  }
+}
+
+struct Options {
+  std::string hardware_file, shm = "/knee_robot_sim", link = "/knee_robot_guardian";
+  double silence_ms = 10.0;
+  int priority = 90, cpu = -1;
+  bool require_real_time = false;
+};
+
+int run(const Options& options) {
+  const HardwareFile file = loadHardwareFile(options.hardware_file);
+  hardware::SharedGuardianLink memory = hardware::SharedGuardianLink::open(options.link);
+  const std::int32_t other = memory.link().guardian_pid.load();
+  if (hardware::processExists(other)) {
+    throw InputError("process " + std::to_string(other) + " already guards " + options.link + "; end it first");
+  }
+  memory.link().guardian_pid.store(::getpid());
+  const std::unique_ptr<hardware::EmergencyOutputs> outputs = openOutputs(file, options.shm);
+  Guardian guardian(memory.link(), *outputs, rt::fromSeconds(options.silence_ms * 1e-3), kPeriod, rt::monotonicNow);
+  rt::ActivityOptions activity_options;
+  activity_options.name = "guardian";
+  activity_options.period = kPeriod;
+  activity_options.priority = options.priority;
+  activity_options.cpu = options.cpu;
+  activity_options.require_real_time = options.require_real_time;
+  activity_options.overrun_limit = 0;
+  rt::PeriodicActivity activity(activity_options);
+  activity.add(guardian, 0);
+  if (!guardian.configure() || !guardian.start()) throw InputError(guardian.refusal());
+  for (const std::string& lacking : activity.start(rt::monotonicNow()))
+    std::fprintf(stderr, "guardian: NOT REAL TIME: %s\n", lacking.c_str());
+  std::printf("guardian ready: %s, acts when the controller is gone or silent for %g ms%s\n", options.link.c_str(),
+              options.silence_ms,
+              guardian.report().trips.load() == 0 && memory.link().tripped.load() != 0
+                  ? "; TRIPPED already, outputs down"
+                  : "");
+  std::fflush(stdout);
+  reportUntilDone(guardian.report(), memory.link());
+  activity.stop();
+  std::printf("guardian ends: drives are off\n");
+  return kExitDone;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  CLI::App app("Watches the controller and brings the outputs down when it dies or falls silent.", "guardian");
+  Options options;
+  app.add_option("--hardware", options.hardware_file, "hardware file (YAML): which cards")->required();
+  app.add_option("--shm", options.shm, "shared memory of the simulated robot, for backend simulated")
+      ->capture_default_str();
+  app.add_option("--link", options.link, "shared memory between controller and guardian")->capture_default_str();
+  app.add_option("--silence-ms", options.silence_ms, "a controller that is silent for so long is dead")
+      ->check(CLI::Range(3.0, 10000.0))
+      ->capture_default_str();
+  app.add_option("--priority", options.priority, "SCHED_FIFO priority, above the controller's; 0: none")
+      ->check(CLI::Range(0, 98))
+      ->capture_default_str();
+  app.add_option("--cpu", options.cpu, "processor that it is bound to; -1: any")->capture_default_str();
+  app.add_flag("--require-real-time", options.require_real_time, "refuse to start without real-time privileges");
+  app.allow_extras();  // roslaunch appends __name:= and __log:=
+  return runProgram(app, argc, argv, [&] {
+    for (const std::string& extra : app.remaining()) {
+      if (extra.rfind("__", 0) != 0) throw InputError("unknown argument " + extra + " (see --help)");
+    }
+    for (const int signal : {SIGINT, SIGTERM, SIGHUP})
+      std::signal(signal, [](int) { stop_requested = 1; });
+    return run(options);
+  });
+}

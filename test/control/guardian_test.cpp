@@ -1,0 +1,242 @@
+#include "knee_robot/control/guardian.h"
+
+#include <gtest/gtest.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include "knee_robot/hardware/guarded_bus.h"
+#include "knee_robot/hardware/open_bus.h"
+
+namespace knee_robot {
+namespace {
+
+using hardware::IoStatus;
+
+constexpr rt::Nanoseconds kMs = 1'000'000;
+
+rt::Nanoseconds& testTime() {
+  static rt::Nanoseconds time = 0;
+  return time;
+}
+rt::Nanoseconds testClock() noexcept {
+  return testTime();
+}
+
+/// A watch with a limit of 10 ms, stepped once a millisecond.
+struct Watched {
+  GuardianWatch watch{10 * kMs, kMs};
+  GuardianView view;
+  GuardianAction step(bool beats, rt::Nanoseconds elapsed = kMs) {
+    view.now += elapsed;
+    if (beats) ++view.heartbeat;
+    return watch.step(view);
+  }
+};
+
+TEST(GuardianWatch, LeavesAControllerAloneThatBeats) {
+  Watched w;
+  w.view.armed = true;
+  for (int i = 0; i < 1000; ++i)
+    ASSERT_EQ(w.step(i % 9 == 0), GuardianAction::Watch) << i;
+}
+
+TEST(GuardianWatch, TripsAfterTheLimitOfSilenceOnceAndKeepsDown) {
+  Watched w;
+  w.view.armed = true;
+  w.step(true);
+  for (int i = 1; i < 10; ++i)
+    ASSERT_EQ(w.step(false), GuardianAction::Watch) << i;
+  EXPECT_EQ(w.step(false), GuardianAction::Trip);
+  EXPECT_EQ(w.watch.cause(), GuardianCause::Silent);
+  EXPECT_EQ(w.step(false), GuardianAction::KeepDown);
+  EXPECT_EQ(w.step(true), GuardianAction::KeepDown) << "coming back does not help";
+}
+
+TEST(GuardianWatch, TripsAtOnceWhenTheProcessIsGone) {
+  Watched w;
+  w.view.armed = true;
+  w.step(true);
+  w.view.process_gone = true;
+  EXPECT_EQ(w.step(true), GuardianAction::Trip);
+  EXPECT_EQ(w.watch.cause(), GuardianCause::ProcessGone);
+}
+
+TEST(GuardianWatch, MindsNeitherSilenceNorAnEndWithTheDrivesOff) {
+  Watched w;
+  w.step(true);
+  w.view.process_gone = true;
+  for (int i = 0; i < 1000; ++i)
+    ASSERT_EQ(w.step(false), GuardianAction::Watch);
+  w.view.process_gone = false;
+  w.view.armed = true;
+  EXPECT_EQ(w.step(true), GuardianAction::Watch) << "silence before arming does not count";
+}
+
+TEST(GuardianWatch, DoesNotBlameTheControllerForAPauseOfTheWholeMachine) {
+  Watched w;
+  w.view.armed = true;
+  w.step(true);
+  EXPECT_EQ(w.step(false, 200 * kMs), GuardianAction::Watch);
+  EXPECT_EQ(w.step(true), GuardianAction::Watch);
+  w.step(false, 200 * kMs);
+  int cycles = 0;
+  while (w.step(false) == GuardianAction::Watch)
+    ++cycles;
+  EXPECT_LT(cycles, 10) << "but the pause does not buy more than the limit";
+}
+
+TEST(GuardianWatch, ReleasesOnlyWhenAskedWithTheDrivesOff) {
+  Watched w;
+  w.view.armed = true;
+  w.view.process_gone = true;
+  ASSERT_EQ(w.step(true), GuardianAction::Trip);
+  w.view.process_gone = false;
+  w.view.reset_asked = true;
+  EXPECT_EQ(w.step(true), GuardianAction::KeepDown) << "drives are still wanted";
+  w.view.armed = false;
+  w.view.reset_asked = false;
+  EXPECT_EQ(w.step(true), GuardianAction::KeepDown) << "nobody asks";
+  w.view.reset_asked = true;
+  EXPECT_EQ(w.step(true), GuardianAction::Release);
+  w.view.reset_asked = false;
+  w.view.armed = true;
+  EXPECT_EQ(w.step(true), GuardianAction::Watch);
+}
+
+/// Guardian and guarded controller on one pair of card models; no thread, the test's clock.
+class GuardedCards : public ::testing::Test {
+ protected:
+  GuardedCards() {
+    testTime() = 0;
+    guardian_.configure();
+    guardian_.start();
+    // What selfTest() does, without waiting for a guardian that runs beside it.
+    link_.controller_pid.store(::getpid());
+    EXPECT_TRUE(cards_->selfTest().passed);
+  }
+  void cycle() {
+    testTime() += kMs;
+    guardian_.update({testTime(), testTime(), kMs});
+  }
+  IoStatus hold(double volts = 3.0) {
+    hardware::IoStatus status = bus_.writeVolts({volts, volts, volts, volts}, written_);
+    heartbeat_ ^= 4;
+    const IoStatus outputs = bus_.writeOutputs(heartbeat_ | 3);  // drives enabled, hold devices released
+    return status == IoStatus::Ok ? outputs : status;
+  }
+  double volts(std::size_t channel) const { return hardware::outputVolts(image_.analog)[channel]; }
+
+  hardware::RobotImage image_;
+  hardware::GuardianLink link_;
+  std::unique_ptr<hardware::AxisBus> cards_ = hardware::openImageCards(image_);
+  std::unique_ptr<hardware::EmergencyOutputs> outputs_ = hardware::openImageEmergencyOutputs(image_);
+  hardware::GuardedBus bus_{*cards_, link_, 3};
+  Guardian guardian_{link_, *outputs_, 10 * kMs, kMs, testClock};
+  std::array<double, hardware::kAxes> written_{};
+  std::uint8_t heartbeat_ = 0;
+};
+
+TEST_F(GuardedCards, AreNeverWrittenByTheGuardianWhileTheControllerIsHealthy) {
+  for (int i = 0; i < 500; ++i) {
+    ASSERT_EQ(hold(), IoStatus::Ok);
+    const std::uint64_t updates = image_.analog.updates.load();
+    const std::uint8_t outputs = image_.counter.outputs.load();
+    cycle();
+    ASSERT_EQ(image_.analog.updates.load(), updates);
+    ASSERT_EQ(image_.counter.outputs.load(), outputs);
+    ASSERT_EQ(outputs & 3, 3);
+  }
+  EXPECT_EQ(guardian_.report().trips.load(), 0u);
+}
+
+TEST_F(GuardedCards, AreBroughtDownWhenTheControllerFallsSilent) {
+  hold();
+  cycle();
+  EXPECT_GT(volts(0), 2.9);
+  for (int i = 0; i < 10; ++i)
+    cycle();
+  EXPECT_EQ(guardian_.report().trips.load(), 1u);
+  EXPECT_EQ(guardian_.report().reaction.load(), 10 * kMs);
+  EXPECT_EQ(image_.counter.outputs.load(), 0);
+  for (std::size_t channel = 0; channel < hardware::kAxes; ++channel)
+    EXPECT_EQ(volts(channel), 0.0);
+}
+
+TEST_F(GuardedCards, RefuseAControllerThatComesBackUntilItAsksWithItsDrivesOff) {
+  hold();
+  for (int i = 0; i < 12; ++i)
+    cycle();
+  ASSERT_TRUE(bus_.isFencedOut());
+  EXPECT_EQ(hold(), IoStatus::FencedOut);
+  EXPECT_EQ(image_.counter.outputs.load(), 0);
+  // The one write that was under way when the process was stopped: taken back in the next cycle.
+  cards_->writeVolts({5, 5, 5, 5}, written_);
+  cards_->writeOutputs(3);
+  cycle();
+  EXPECT_EQ(image_.counter.outputs.load(), 0);
+  EXPECT_EQ(volts(2), 0.0);
+
+  link_.reset_request.fetch_add(1);
+  cycle();
+  EXPECT_TRUE(bus_.isFencedOut()) << "it still wants its drives";
+  EXPECT_EQ(bus_.writeOutputs(0), IoStatus::FencedOut);
+  cycle();
+  EXPECT_FALSE(bus_.isFencedOut());
+  EXPECT_EQ(bus_.writeOutputs(4), IoStatus::Ok);
+}
+
+TEST_F(GuardedCards, StayDownUnderAGuardianThatIsStartedAnew) {
+  hold();
+  for (int i = 0; i < 12; ++i)
+    cycle();
+  Guardian second(link_, *outputs_, 10 * kMs, kMs, testClock);
+  second.configure();
+  second.start();
+  cards_->writeOutputs(3);
+  second.update({testTime(), testTime(), kMs});
+  EXPECT_EQ(image_.counter.outputs.load(), 0);
+}
+
+TEST_F(GuardedCards, MayBeLeftWithTheDrivesOff) {
+  hold();
+  cycle();
+  EXPECT_EQ(bus_.writeOutputs(0), IoStatus::Ok);
+  for (int i = 0; i < 100; ++i)
+    cycle();
+  EXPECT_EQ(guardian_.report().trips.load(), 0u);
+}
+
+TEST_F(GuardedCards, AreBroughtDownInOneCycleWhenTheProcessDiesEvenAsAZombie) {
+  const pid_t child = ::fork();
+  if (child == 0) {
+    ::pause();
+    ::_exit(0);
+  }
+  link_.controller_pid.store(child);
+  hold();
+  cycle();
+  ASSERT_EQ(guardian_.report().trips.load(), 0u);
+  ::kill(child, SIGKILL);
+  siginfo_t ended{};
+  ::waitid(P_PID, static_cast<id_t>(child), &ended, WEXITED | WNOWAIT);  // dead, and not reaped
+  EXPECT_TRUE(hardware::processExists(child)) << "kill(pid, 0) does not see it";
+  hold();  // the heartbeat itself is fresh
+  cycle();
+  EXPECT_EQ(guardian_.report().trips.load(), 1u);
+  EXPECT_EQ(guardian_.report().cause.load(), GuardianCause::ProcessGone);
+  EXPECT_EQ(image_.counter.outputs.load(), 0);
+  ::waitpid(child, nullptr, 0);
+}
+
+TEST_F(GuardedCards, AreLeftAsTheyAreWhenOneOfThemIsLostButTheOtherIsStillBroughtDown) {
+  hold();
+  cycle();
+  image_.counter.disconnected.store(1);
+  for (int i = 0; i < 12; ++i)
+    cycle();
+  EXPECT_FALSE(guardian_.report().written.load());
+  EXPECT_EQ(volts(0), 0.0);
+}
+
+}  // namespace
+}  // namespace knee_robot

@@ -1,0 +1,97 @@
+#include "knee_robot/hardware/guardian_link.h"
+
+#include <gtest/gtest.h>
+#include <sys/mman.h>
+#include <unistd.h>
+
+#include "card_bench.h"
+#include "knee_robot/base/errors.h"
+#include "knee_robot/hardware/guarded_bus.h"
+#include "knee_robot/hardware/open_bus.h"
+
+namespace knee_robot::hardware {
+namespace {
+
+bool nameExists(const std::string& name) {
+  return ::access(("/dev/shm" + name).c_str(), F_OK) == 0;
+}
+
+TEST(GuardianLink, IsOneForWhoeverComesFirst) {
+  const std::string name = uniqueShmName("link");
+  SharedGuardianLink one = SharedGuardianLink::open(name);
+  SharedGuardianLink other = SharedGuardianLink::open(name);
+  one.link().heartbeat.store(7);
+  EXPECT_EQ(other.link().heartbeat.load(), 7u);
+}
+
+TEST(GuardianLink, OutlivesEachOfTheTwoAndGoesWithTheLast) {
+  const std::string name = uniqueShmName("link");
+  {
+    SharedGuardianLink guardian = SharedGuardianLink::open(name);
+    guardian.link().guardian_pid.store(1);  // a process that lives: init
+    guardian.link().tripped.store(1);
+    guardian.link().controller_pid.store(::getpid());
+  }
+  ASSERT_TRUE(nameExists(name));
+  {
+    SharedGuardianLink again = SharedGuardianLink::open(name);
+    EXPECT_EQ(again.link().tripped.load(), 1u) << "the latch is kept";
+    EXPECT_EQ(again.link().controller_pid.load(), 0) << "taken out by its own end";
+    again.link().guardian_pid.store(::getpid());
+  }
+  EXPECT_FALSE(nameExists(name));
+}
+
+TEST(GuardianLink, RefusesWhatIsNone) {
+  EXPECT_THROW(SharedGuardianLink::open("without_slash"), InputError);
+  const std::string name = uniqueShmName("link");
+  {
+    SharedImage image = SharedImage::create(name);
+    EXPECT_THROW(SharedGuardianLink::open(name), InputError);
+  }
+}
+
+TEST(GuardedBus, RefusesToStartWithoutAGuardian) {
+  RobotImage image;
+  GuardianLink link;
+  const std::unique_ptr<AxisBus> cards = openImageCards(image);
+  GuardedBus bus(*cards, link, 3);
+  const SelfTest test = bus.selfTest();
+  EXPECT_FALSE(test.passed);
+  ASSERT_FALSE(test.findings.empty());
+  EXPECT_NE(test.findings.back().find("guardian"), std::string::npos);
+}
+
+TEST(GuardedBus, RefusesASecondController) {
+  RobotImage image;
+  GuardianLink link;
+  link.controller_pid.store(1);  // init lives
+  const std::unique_ptr<AxisBus> cards = openImageCards(image);
+  GuardedBus bus(*cards, link, 3);
+  const SelfTest test = bus.selfTest();
+  EXPECT_FALSE(test.passed);
+  EXPECT_NE(test.findings.back().find("already controls"), std::string::npos);
+  EXPECT_EQ(link.controller_pid.load(), 1);
+}
+
+TEST(GuardedBus, IsArmedBeforeTheDrivesGetPowerAndDisarmedAfterTheyLostIt) {
+  RobotImage image;
+  GuardianLink link;
+  const std::unique_ptr<AxisBus> cards = openImageCards(image);
+  ASSERT_TRUE(cards->selfTest().passed);
+  GuardedBus bus(*cards, link, 3);
+  EXPECT_EQ(bus.writeOutputs(4), IoStatus::Ok);
+  EXPECT_EQ(link.armed.load(), 0u) << "the heartbeat alone is no power";
+  EXPECT_EQ(bus.writeOutputs(1), IoStatus::Ok);
+  EXPECT_EQ(link.armed.load(), 1u);
+  image.counter.disconnected.store(1);
+  EXPECT_NE(bus.writeOutputs(0), IoStatus::Ok);
+  EXPECT_EQ(link.armed.load(), 1u) << "the write failed: the drives may still be on";
+  image.counter.disconnected.store(0);
+  EXPECT_EQ(bus.writeOutputs(0), IoStatus::Ok);
+  EXPECT_EQ(link.armed.load(), 0u);
+  EXPECT_EQ(link.heartbeat.load(), 4u);
+}
+
+}  // namespace
+}  // namespace knee_robot::hardware
