@@ -24,11 +24,15 @@ void declare(CLI::App& app, Arguments& a) {
   app.add_option("--output,-o", a.output, "recording to write; refused when it exists")->required();
   app.add_option("--command-unit", a.folder.command_unit, "folder: unit of the command, N or V")
       ->check(CLI::IsMember({"N", "V"}));
-  app.add_option("--position", a.folder.position, "folder: file of the positions, m; its stamps are the rows", true);
-  app.add_option("--command", a.folder.command, "folder: file of the commands", true);
-  app.add_option("--reference", a.folder.reference, "folder: file of the references, m ('': none)", true);
-  app.add_option("--velocity", a.folder.velocity, "folder: file of the velocities, m/s ('': none)", true);
-  app.add_option("--pose", a.folder.pose, "folder: file of the recorder's own pose, m and rad ('': none)", true);
+  app.add_option("--position", a.folder.position, "folder: file of the positions, m; its stamps are the rows")
+      ->capture_default_str();
+  app.add_option("--command", a.folder.command, "folder: file of the commands")->capture_default_str();
+  app.add_option("--reference", a.folder.reference, "folder: file of the references, m ('': none)")
+      ->capture_default_str();
+  app.add_option("--velocity", a.folder.velocity, "folder: file of the velocities, m/s ('': none)")
+      ->capture_default_str();
+  app.add_option("--pose", a.folder.pose, "folder: file of the recorder's own pose, m and rad ('': none)")
+      ->capture_default_str();
   app.add_option("--map", a.map, "table: YAML file that says what each column becomes, and in which unit it is");
   app.add_option("--column", a.columns, "table: one column, FROM=TO[,UNIT[,SCALE[,OFFSET]]]; may be repeated");
   app.footer(
