@@ -1,0 +1,56 @@
+// compare: reference against measured, per actuator and in pose (the paper's Figs. 15 and 16).
+
+#include <iostream>
+#include <string>
+
+#include "knee_robot/base/errors.h"
+#include "knee_robot/report/compare.h"
+#include "program.h"
+
+using namespace knee_robot;
+
+namespace {
+
+constexpr double kUsualConditionMax = 60.0;
+constexpr double kWideOpen = 1e6;  // a margin at or beyond this says nothing about where errors grow
+
+struct Arguments {
+  std::string robot, recording, output;
+  double condition_max = 0.0;
+};
+
+void declare(CLI::App& app, Arguments& a) {
+  app.add_option("--robot", a.robot, "robot file")->required();
+  app.add_option("RECORDING", a.recording, "recording with reference columns; camera columns are used if there are any")
+      ->required();
+  app.add_option("--output", a.output, "folder for report.json and report.html")->required();
+  app.add_option("--condition-max", a.condition_max,
+                 "poses with a worse condition of the Jacobian (m, rad) count as near a singularity (the robot file's "
+                 "margin, 60 if that is wide open)")
+      ->check(CLI::Range(1.0, 1e12));
+}
+
+int run(const Arguments& a, const std::string& command_line) {
+  const Robot robot = loadRobot(a.robot);
+  double condition_max = a.condition_max;
+  if (condition_max == 0.0) {
+    condition_max = robot.singularity_condition_max < kWideOpen ? robot.singularity_condition_max : kUsualConditionMax;
+  }
+  CompareResults results = compare(robot, loadRecording(a.recording), condition_max);
+  results.command_line = command_line;
+  writeCompareFiles(results, a.output);
+  std::cout << compareSummary(results) << "written: " << a.output << "/report.html and report.json" << std::endl;
+  return kExitDone;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  CLI::App app("Compares reference and measured motion of a recording, per actuator and in pose.", "compare");
+  Arguments arguments;
+  declare(app, arguments);
+  std::string command_line = "rosrun knee_robot compare";
+  for (int i = 1; i < argc; ++i)
+    command_line += std::string(" ") + argv[i];
+  return runProgram(app, argc, argv, [&] { return run(arguments, command_line); });
+}

@@ -1,0 +1,124 @@
+#include "knee_robot/report/compare.h"
+
+#include <cmath>
+#include <limits>
+
+#include "knee_robot/base/errors.h"
+#include "knee_robot/base/numbers.h"
+#include "knee_robot/mechanism/kinematics.h"
+
+namespace knee_robot {
+
+const PaperFigure kPaperFigures[8] = {
+    {"leg 1", "mm", "below 1"}, {"leg 2", "mm", "below 1"}, {"leg 3", "mm", "below 1"}, {"leg 4", "mm", "above 2"},
+    {"X", "mm", "30"},          {"Z", "mm", "10"},          {"theta", "deg", "2.5"},    {"psi", "deg", "7"}};
+
+ErrorFigures errorFigures(const std::vector<double>& time_s, const Eigen::VectorXd& error) {
+  ErrorFigures f;
+  double squares = 0.0, sum = 0.0;
+  for (Eigen::Index i = 0; i < error.size(); ++i) {
+    if (!std::isfinite(error[i])) continue;
+    ++f.rows;
+    sum += error[i];
+    squares += error[i] * error[i];
+    if (f.rows == 1 || std::abs(error[i]) > f.max_abs) {
+      f.max_abs = std::abs(error[i]);
+      f.time_of_max_s = time_s[static_cast<std::size_t>(i)];
+    }
+  }
+  if (f.rows == 0) {
+    f.max_abs = f.rms = f.mean = f.time_of_max_s = std::numeric_limits<double>::quiet_NaN();
+    return f;
+  }
+  f.mean = sum / f.rows;
+  f.rms = std::sqrt(squares / f.rows);
+  return f;
+}
+
+PosePath posesOf(const Mechanism& mechanism, const Eigen::MatrixXd& lengths_m) {
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  PosePath path;
+  path.pose = Eigen::MatrixXd::Constant(lengths_m.rows(), 4, nan);
+  path.condition = Eigen::VectorXd::Constant(lengths_m.rows(), nan);
+  bool started = false;
+  Pose last = Pose::Zero();
+  for (Eigen::Index i = 0; i < lengths_m.rows(); ++i) {
+    const Lengths lengths = lengths_m.row(i).transpose();
+    const ForwardResult found =
+        started ? forwardKinematics(mechanism, lengths, last) : forwardKinematicsFromHome(mechanism, lengths);
+    if (!found.ok()) {
+      ++path.unknown;
+      continue;
+    }
+    started = true;
+    last = found.pose;
+    path.pose.row(i) = found.pose.transpose();
+    path.condition[i] = found.condition_bound;
+  }
+  return path;
+}
+
+namespace {
+
+void comparePoses(const Robot& robot, CompareResults& r) {
+  r.has_pose = true;
+  r.measured = posesOf(*robot.mechanism, r.recording.position_m);
+  r.reference = posesOf(*robot.mechanism, r.recording.reference_m);
+  const int rows = r.recording.rows();
+  if (r.measured.unknown == rows || r.reference.unknown == rows) {
+    throw Refusal(r.recording.path + ": forward kinematics finds no pose for the " +
+                  (r.measured.unknown == rows ? "measured" : "reference") +
+                  " lengths of any row; is this the robot file of the machine that was recorded?");
+  }
+  for (const auto& [path, name] : {std::pair{&r.measured, "measured"}, std::pair{&r.reference, "reference"}}) {
+    if (path->unknown > 0) {
+      r.notes.push_back("Forward kinematics found no pose for the " + std::string(name) + " lengths of " +
+                        std::to_string(path->unknown) + " of " + std::to_string(rows) + " rows; they are left out.");
+    }
+  }
+  const Eigen::MatrixXd error = r.measured.pose - r.reference.pose;
+  for (int k = 0; k < 4; ++k)
+    r.pose[k] = errorFigures(r.recording.time_s, error.col(k));
+  const auto near = (r.measured.condition.array() >= r.condition_max).count();
+  r.notes.push_back(
+      "The condition of the Jacobian (m, rad) is above " + shortNumber(r.condition_max) + " in " +
+      std::to_string(near) + " of " + std::to_string(rows) +
+      " rows: there small errors of length are large errors of pose, and the camera's frame is not fitted.");
+}
+
+void addCamera(CompareResults& r) {
+  r.has_camera = r.recording.mocap.cols() == 4;
+  if (!r.has_camera) return;
+  r.camera = compareCamera(r.recording.time_s, r.measured, r.reference.pose, r.recording.mocap, r.condition_max);
+  if (!r.camera.alignment.known) {
+    r.notes.push_back("The camera columns hold too few poses (fewer than 20 beside known ones) to compare with.");
+    r.has_camera = false;
+  } else if (!r.camera.alignment.delay_known) {
+    r.notes.push_back("The camera's delay could not be determined (correlation " +
+                      shortNumber(r.camera.alignment.correlation, 3) + "); none was assumed.");
+  }
+}
+
+}  // namespace
+
+CompareResults compare(const Robot& robot, const Recording& recording, double condition_max) {
+  requireAxes(recording, robot.axes(), robot.path);
+  if (recording.reference_m.cols() == 0) {
+    throw InputError(recording.path +
+                     ":1: column reference_1_m is missing; without a reference there is nothing to compare with");
+  }
+  CompareResults r;
+  r.robot_path = robot.path;
+  r.recording = recording;
+  r.condition_max = condition_max;
+  r.notes = recording.notes;
+  const Eigen::MatrixXd error = recording.position_m - recording.reference_m;
+  for (int i = 0; i < recording.axes; ++i)
+    r.actuators.push_back(errorFigures(recording.time_s, error.col(i)));
+  if (!robot.mechanism) return r;
+  comparePoses(robot, r);
+  addCamera(r);
+  return r;
+}
+
+}  // namespace knee_robot
