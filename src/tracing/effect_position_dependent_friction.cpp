@@ -11,21 +11,23 @@ class PositionDependentFriction : public Candidate {
     return "Dry friction changes along the stroke, as with a bent screw, a tight place or worn lubrication.";
   }
   std::vector<ShapeParameter> shapeParameters() const override {
-    return {{"center_m", -10.0, 10.0}, {"width_m", 1e-3, 10.0}};
+    return {{"center_m", -10.0, 10.0}, {"width_m", 1e-3, 10.0}, {"from_m", -10.0, 10.0}, {"to_m", -10.0, 10.0}};
   }
+  /// The last two are the range of training: beyond it friction stays as at its end.
   std::vector<std::vector<double>> shapes(const EffectInput& input, int actuator) const override {
     const auto q = input.signals().position_m.col(actuator);
     const double low = q.minCoeff(), range = q.maxCoeff() - low;
     std::vector<std::vector<double>> grid;
     for (const double width : {0.1, 0.2, 0.4, 0.8}) {
       for (double place = 0.0; place <= 1.001; place += 0.5 * width)
-        grid.push_back({low + place * range, width * range});
+        grid.push_back({low + place * range, width * range, low, low + range});
     }
     return grid;
   }
   std::vector<Coefficient> coefficients(const EffectInput&) const override { return {{"amplitude_N", false}}; }
   Eigen::MatrixXd columns(const EffectInput& input, int actuator, const std::vector<double>& shape) const override {
-    const Eigen::ArrayXd away = (input.signals().position_m.col(actuator).array() - shape[0]) / shape[1];
+    const Eigen::ArrayXd q = input.signals().position_m.col(actuator).array().max(shape[2]).min(shape[3]);
+    const Eigen::ArrayXd away = (q - shape[0]) / shape[1];
     return input.share.col(actuator).array() * (-away.square()).exp();
   }
 };

@@ -12,6 +12,8 @@ constexpr std::size_t kCompared = 10;  ///< places that are refined and cross-va
 constexpr double kAboveFloor = 1.15;
 constexpr double kLowered = 0.9;  ///< the rms of some actuator must fall below this share
 constexpr double kLargestP = 0.005;
+constexpr double kMapErrors =
+    2.5;  ///< standard errors by which a map must help: it bends to much, and extrapolates badly
 constexpr double kNearlyAsGood =
     0.9;  ///< share of the best one's held-back gain at which a runner-up is looked at closely
 
@@ -110,7 +112,8 @@ std::string objection(const Search& s, const Trial& t) {
   if (!worth_it) return "does not lower the residual by a tenth where it is above the floor";
   if (t.fit.coefficients.back().cwiseAbs().maxCoeff() == 0.0) return "the sign that fits is not physical";
   if (!t.fit.stable.back()) return "its sign changes when a part of the training data is left out";
-  if (t.mean_gain <= t.gain_error) return "does not help on held-back parts of the training data";
+  const double errors = t.hypothesis.place.candidate->name() == "unnamed" ? kMapErrors : 1.0;
+  if (t.mean_gain <= errors * t.gain_error) return "does not help on held-back parts of the training data";
   return {};
 }
 

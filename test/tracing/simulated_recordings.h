@@ -5,6 +5,7 @@
 
 #include <cmath>
 #include <cstdio>
+#include <functional>
 #include <memory>
 #include <stdexcept>
 #include <string>
@@ -95,14 +96,19 @@ struct TracedCase {
   Eigen::VectorXd before_N, after_N;  ///< rms on the other path, all samples
 };
 
-inline TracedCase traceSimulated(const std::string& effects) {
+/// `change` is applied to both recordings.
+inline TracedCase traceSimulated(
+    const std::string& effects, const std::function<void(Recording&)>& change = [](Recording&) {}) {
   constexpr double kSeconds = 30.0;
   const Robot robot = simulatedRobot();
   TraceOptions options;
   options.twins = 5;
   const std::vector<Column> columns = columnsOf(robot);
-  const Recording train = simulatedRecording(robot, 1, kSeconds, effects);
-  Observation other = observe(robot, columns, simulatedRecording(robot, 2, kSeconds, effects), options.observation);
+  Recording train = simulatedRecording(robot, 1, kSeconds, effects);
+  Recording second = simulatedRecording(robot, 2, kSeconds, effects);
+  change(train);
+  change(second);
+  Observation other = observe(robot, columns, second, options.observation);
   TracedCase c;
   c.result = trace(robot, {train}, {observe(robot, columns, train, options.observation)}, options);
   const double cutoff_hz = options.observation.cutoff_hz;
