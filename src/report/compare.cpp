@@ -80,22 +80,31 @@ void comparePoses(const Robot& robot, CompareResults& r) {
   for (int k = 0; k < 4; ++k)
     r.pose[k] = errorFigures(r.recording.time_s, error.col(k));
   const auto near = (r.measured.condition.array() >= r.condition_max).count();
-  r.notes.push_back(
-      "The condition of the Jacobian (m, rad) is above " + shortNumber(r.condition_max) + " in " +
-      std::to_string(near) + " of " + std::to_string(rows) +
-      " rows: there small errors of length are large errors of pose, and the camera's frame is not fitted.");
+  if (near == 0) return;
+  r.notes.push_back("The condition of the Jacobian (m, rad) is above " + shortNumber(r.condition_max) + " in " +
+                    std::to_string(near) + " of " + std::to_string(rows) +
+                    " rows: there small errors of length are large errors of pose.");
 }
 
-void addCamera(CompareResults& r) {
+void addCamera(const Robot& robot, CompareResults& r) {
   r.has_camera = r.recording.mocap.cols() == 4;
   if (!r.has_camera) return;
-  r.camera = compareCamera(r.recording.time_s, r.measured, r.reference.pose, r.recording.mocap, r.condition_max);
+  r.camera = compareCamera(*robot.mechanism, r.recording, r.measured, r.reference.pose, r.condition_max);
   if (!r.camera.alignment.known) {
     r.notes.push_back("The camera columns hold too few poses (fewer than 20 beside known ones) to compare with.");
     r.has_camera = false;
-  } else if (!r.camera.alignment.delay_known) {
+    return;
+  }
+  if (!r.camera.alignment.delay_known) {
     r.notes.push_back("The camera's delay could not be determined (correlation " +
                       shortNumber(r.camera.alignment.correlation, 3) + "); none was assumed.");
+  }
+  if (r.camera.other_solution > 0) {
+    r.notes.push_back(
+        "In " + std::to_string(r.camera.other_solution) + " rows between " + shortNumber(r.camera.other_from_s, 4) +
+        " and " + shortNumber(r.camera.other_to_s, 4) +
+        " s the measured lengths have a second pose that is nearer to the camera's: the platform was on the other "
+        "side of a singularity, which encoders cannot see.");
   }
 }
 
@@ -117,7 +126,7 @@ CompareResults compare(const Robot& robot, const Recording& recording, double co
     r.actuators.push_back(errorFigures(recording.time_s, error.col(i)));
   if (!robot.mechanism) return r;
   comparePoses(robot, r);
-  addCamera(r);
+  addCamera(robot, r);
   return r;
 }
 

@@ -2,6 +2,7 @@
 #include <cmath>
 #include <limits>
 
+#include "knee_robot/mechanism/kinematics.h"
 #include "knee_robot/recording/signals.h"
 #include "knee_robot/report/compare.h"
 
@@ -14,6 +15,7 @@ constexpr double kLength_m = 0.3;  ///< what 1 rad is worth beside 1 m
 constexpr double kCorrelated = 0.8;
 constexpr double kLongestGap_s = 0.05;
 constexpr int kFewest = 20;
+constexpr double kApart_m = 1e-3;
 
 const Eigen::Vector4d kWeights(1.0, 1.0, kLength_m, kLength_m);
 
@@ -140,47 +142,95 @@ void fitRobustly(const Eigen::MatrixXd& camera, const Eigen::MatrixXd& measured,
   }
 }
 
-bool finiteRow(const Eigen::MatrixXd& m, Eigen::Index i) {
-  return m.row(i).allFinite();
+double distance(const Eigen::Vector4d& a, const Eigen::Vector4d& b) {
+  return (a - b).cwiseProduct(kWeights).norm();
+}
+
+/// Rows with a camera pose beside a known and regular one; with all known ones when there are too few.
+std::vector<Eigen::Index> usableRows(const Eigen::MatrixXd& camera, const PosePath& measured, double condition_max) {
+  std::vector<Eigen::Index> regular, known;
+  for (Eigen::Index i = 0; i < camera.rows(); ++i) {
+    if (!camera.row(i).allFinite() || !measured.pose.row(i).allFinite()) continue;
+    known.push_back(i);
+    if (measured.condition[i] < condition_max) regular.push_back(i);
+  }
+  return regular.size() >= static_cast<std::size_t>(kFewest) ? regular : known;
+}
+
+/// The encoders' poses without those that would spoil the correlation: near a singularity they move by themselves, and beyond
+/// one they are not the camera's.
+Eigen::MatrixXd trustedPoses(const Eigen::MatrixXd& camera, const PosePath& measured,
+                             const std::vector<Eigen::Index>& rows) {
+  CameraAlignment rough;
+  fitRobustly(camera, measured.pose, rows, rough);
+  std::vector<double> all;
+  for (const Eigen::Index i : rows)
+    all.push_back(distance(apply(rough, camera.row(i).transpose()), measured.pose.row(i).transpose()));
+  std::vector<double> sorted = all;
+  std::nth_element(sorted.begin(), sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2), sorted.end());
+  const double limit = 5.0 * sorted[sorted.size() / 2];
+  Eigen::MatrixXd trusted = Eigen::MatrixXd::Constant(camera.rows(), 4, kNan);
+  for (std::size_t n = 0; n < rows.size(); ++n) {
+    if (all[n] <= limit) trusted.row(rows[n]) = measured.pose.row(rows[n]);
+  }
+  return trusted;
+}
+
+/// The pose with these lengths that Newton reaches from the camera's, when it is another one and nearer to the camera's.
+bool otherSolution(const Mechanism& mechanism, const Eigen::Vector4d& lengths, const Eigen::Vector4d& camera,
+                   const Eigen::Vector4d& measured, Eigen::Vector4d& other) {
+  const ForwardResult found = forwardKinematics(mechanism, lengths, camera);
+  if (!found.ok() || distance(found.pose, measured) < kApart_m) return false;
+  other = found.pose;
+  return distance(camera, other) < distance(camera, measured);
+}
+
+void fillFigures(const Mechanism& mechanism, const Recording& recording, const PosePath& measured,
+                 const Eigen::MatrixXd& reference, double condition_max, CameraComparison& out) {
+  const Eigen::MatrixXd error = out.pose - measured.pose, of_reference = out.pose - reference;
+  Eigen::MatrixXd nearest = error, regular = Eigen::MatrixXd::Constant(error.rows(), 4, kNan);
+  for (Eigen::Index i = 0; i < error.rows(); ++i) {
+    if (!error.row(i).allFinite()) continue;
+    Eigen::Vector4d other;
+    const Eigen::Vector4d camera = out.pose.row(i).transpose();
+    if (otherSolution(mechanism, recording.position_m.row(i).transpose(), camera, measured.pose.row(i).transpose(),
+                      other)) {
+      nearest.row(i) = (camera - other).transpose();
+      out.other_to_s = recording.time_s[static_cast<std::size_t>(i)];
+      if (out.other_solution++ == 0) out.other_from_s = out.other_to_s;
+    } else if (measured.condition[i] < condition_max) {
+      regular.row(i) = error.row(i);
+    }
+  }
+  for (int k = 0; k < 4; ++k) {
+    out.error[k] = errorFigures(recording.time_s, error.col(k));
+    out.error_regular[k] = errorFigures(recording.time_s, regular.col(k));
+    out.error_nearest[k] = errorFigures(recording.time_s, nearest.col(k));
+    out.reference_error[k] = errorFigures(recording.time_s, of_reference.col(k));
+  }
 }
 
 }  // namespace
 
-CameraComparison compareCamera(const std::vector<double>& time_s, const PosePath& measured,
-                               const Eigen::MatrixXd& reference, const Eigen::MatrixXd& camera, double condition_max) {
+CameraComparison compareCamera(const Mechanism& mechanism, const Recording& recording, const PosePath& measured,
+                               const Eigen::MatrixXd& reference, double condition_max) {
   CameraComparison out;
-  if (time_s.size() < static_cast<std::size_t>(kFewest)) return out;
-  // Near a singularity the encoders' pose moves by itself; it would spoil the correlation.
-  Eigen::MatrixXd steady = measured.pose;
-  for (Eigen::Index i = 0; i < steady.rows(); ++i) {
-    if (!(measured.condition[i] < condition_max)) steady.row(i).setConstant(kNan);
-  }
-  findDelay(time_s, steady, camera, out.alignment);
+  const std::vector<double>& time_s = recording.time_s;
+  const Eigen::MatrixXd& camera = recording.mocap;
+  const std::vector<Eigen::Index> rows = usableRows(camera, measured, condition_max);
+  if (rows.size() < static_cast<std::size_t>(kFewest)) return out;
+  findDelay(time_s, trustedPoses(camera, measured, rows), camera, out.alignment);
   std::vector<double> later = time_s;
   for (double& t : later)
     t += out.alignment.delay_s;
   out.pose = out.alignment.delay_s == 0.0 ? camera : at(time_s, camera, later);
-  std::vector<Eigen::Index> regular, known;
-  for (Eigen::Index i = 0; i < camera.rows(); ++i) {
-    if (!finiteRow(out.pose, i) || !finiteRow(measured.pose, i)) continue;
-    known.push_back(i);
-    if (measured.condition[i] < condition_max) regular.push_back(i);
-  }
-  if (known.size() < static_cast<std::size_t>(kFewest)) return out;
-  fitRobustly(out.pose, measured.pose, regular.size() >= static_cast<std::size_t>(kFewest) ? regular : known,
-              out.alignment);
+  const std::vector<Eigen::Index> aligned = usableRows(out.pose, measured, condition_max);
+  if (aligned.size() < static_cast<std::size_t>(kFewest)) return out;
+  fitRobustly(out.pose, measured.pose, aligned, out.alignment);
   out.alignment.known = true;
   for (Eigen::Index i = 0; i < out.pose.rows(); ++i)
     out.pose.row(i) = apply(out.alignment, out.pose.row(i).transpose()).transpose();
-  const Eigen::MatrixXd error = out.pose - measured.pose, of_reference = out.pose - reference;
-  Eigen::MatrixXd regular_error = Eigen::MatrixXd::Constant(error.rows(), 4, kNan);
-  for (const Eigen::Index i : regular)
-    regular_error.row(i) = error.row(i);
-  for (int k = 0; k < 4; ++k) {
-    out.error[k] = errorFigures(time_s, error.col(k));
-    out.error_regular[k] = errorFigures(time_s, regular_error.col(k));
-    out.reference_error[k] = errorFigures(time_s, of_reference.col(k));
-  }
+  fillFigures(mechanism, recording, measured, reference, condition_max, out);
   return out;
 }
 

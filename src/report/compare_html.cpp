@@ -21,7 +21,7 @@ body{font:15px/1.5 system-ui,sans-serif;color:#222;max-width:1040px;margin:2em a
 h1{font-size:1.6em;margin-bottom:.2em}h2{font-size:1.25em;margin-top:2em;border-bottom:1px solid #ccc}h3{font-size:1.05em;margin:1.4em 0 .2em}
 table{border-collapse:collapse;margin:.6em 0;font-variant-numeric:tabular-nums}
 th,td{padding:.2em .8em;text-align:right;border-bottom:1px solid #e3e3e3}
-th{font-weight:600;border-bottom:1px solid #999}td:first-child,th:first-child{text-align:left}
+th{font-weight:600;border-bottom:1px solid #999}td:first-child,th:first-child{text-align:left;width:26em}td,th{min-width:3.2em}
 svg{width:100%;height:auto;display:block;font:12px system-ui,sans-serif;fill:#333}
 svg .grid{stroke:#e6e6e6}svg .frame{fill:none;stroke:#888}svg .line{fill:none;stroke-width:1.4}
 svg .shade{fill:#f3efe2}svg .marker{stroke:#333;stroke-dasharray:4 3}
@@ -34,7 +34,8 @@ double unitOf(int coordinate) {
 }
 
 std::string cell(double value) {
-  return "<td>" + (std::isfinite(value) ? shortNumber(value, 3) : std::string("&ndash;")) + "</td>";
+  const double shown = std::abs(value) < 1e-6 ? 0.0 : value;  // means that the fit made zero
+  return "<td>" + (std::isfinite(value) ? shortNumber(shown, 3) : std::string("&ndash;")) + "</td>";
 }
 
 std::vector<double> scaled(const Eigen::MatrixXd& m, int column, double factor) {
@@ -165,6 +166,8 @@ std::string cameraSection(const CompareResults& r) {
   out += "</table>\n";
   out += cameraTable("camera minus encoders, all rows", r.camera.error);
   out += cameraTable("camera minus encoders, away from singularities", r.camera.error_regular);
+  if (r.camera.other_solution > 0)
+    out += cameraTable("camera minus the nearer pose with these lengths", r.camera.error_nearest);
   return out + cameraTable("camera minus reference, all rows", r.camera.reference_error);
 }
 

@@ -45,6 +45,8 @@ Json cameraJson(const CameraComparison& camera) {
             {"rows", a.rows}}},
           {"camera_minus_encoders", poseFigures(camera.error)},
           {"camera_minus_encoders_regular", poseFigures(camera.error_regular)},
+          {"rows_with_nearer_solution", camera.other_solution},
+          {"camera_minus_nearest", poseFigures(camera.error_nearest)},
           {"camera_minus_reference", poseFigures(camera.reference_error)}};
 }
 

@@ -45,14 +45,20 @@ struct CameraComparison {
   CameraAlignment alignment;
   Eigen::MatrixXd pose;             ///< of the camera, aligned in time and frame; rows x 4, nan without picture
   ErrorFigures error[4];            ///< camera minus forward kinematics, m and rad
-  ErrorFigures error_regular[4];    ///< only where the condition is below the limit
+  ErrorFigures error_regular[4];    ///< only where the condition is below the limit and the solution is the camera's
   ErrorFigures reference_error[4];  ///< camera minus pose of the reference
+  /// Rows in which the same lengths have another pose, more than 1 mm away and nearer to the camera's: the platform has passed
+  /// a singularity, which encoders cannot see.
+  int other_solution = 0;
+  double other_from_s = 0.0, other_to_s = 0.0;  ///< first and last such row
+  ErrorFigures error_nearest[4];                ///< camera minus the nearer of the two poses
 };
-/// Delay by cross-correlation of the velocities (all four coordinates, within +-0.5 s), then a rigid fit by least squares
-/// over rows with a condition below `condition_max`, in which rows beyond three times the median distance are left out.
-/// Points and angles are weighed with 0.3 m for 1 rad, a platform's radius.
-CameraComparison compareCamera(const std::vector<double>& time_s, const PosePath& measured,
-                               const Eigen::MatrixXd& reference, const Eigen::MatrixXd& camera, double condition_max);
+/// Delay by cross-correlation of the velocities (all four coordinates, within +-0.5 s), then a rigid fit by least squares.
+/// Both leave out rows with a condition above `condition_max`, and rows far from the rest (beyond five times the median distance
+/// of a first fit for the delay, three times for the fit). Points and angles are weighed with 0.3 m for 1 rad, a platform's
+/// radius.
+CameraComparison compareCamera(const Mechanism& mechanism, const Recording& recording, const PosePath& measured,
+                               const Eigen::MatrixXd& reference, double condition_max);
 
 /// Everything that compare's files say.
 struct CompareResults {
