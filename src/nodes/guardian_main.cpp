@@ -42,13 +42,16 @@ std::unique_ptr<hardware::EmergencyOutputs> openOutputs(const HardwareFile& file
 }
 
 void tellTrip(const GuardianReport& report) {
-  const bool gone = report.cause.load() == GuardianCause::ProcessGone;
+  const std::int32_t pid = report.controller_pid.load();
+  // pid 0: it ended in order, but could not write the outputs any more.
+  const char* what = pid == 0                                            ? "has ended"
+                     : report.cause.load() == GuardianCause::ProcessGone ? "has died"
+                                                                         : "is silent";
   std::printf(
       "guardian: TRIPPED: controller (process %d) %s while drives were on; outputs %s %.2f ms after its last "
       "heartbeat (writes %.3f ms); fenced out until reset\n",
-      report.controller_pid.load(), gone ? "has died" : "is silent",
-      report.written.load() ? "down" : "NOT ALL DOWN, a card refused,", rt::toSeconds(report.reaction.load()) * 1e3,
-      rt::toSeconds(report.writing.load()) * 1e3);
+      pid, what, report.written.load() ? "down" : "NOT ALL DOWN, a card refused,",
+      rt::toSeconds(report.reaction.load()) * 1e3, rt::toSeconds(report.writing.load()) * 1e3);
   std::fflush(stdout);
 }
 
