@@ -61,6 +61,7 @@ double correlationAt(const Eigen::MatrixXd& a, const Eigen::MatrixXd& b, Eigen::
   return common < fewest || aa <= 0.0 || bb <= 0.0 ? 0.0 : ab / std::sqrt(aa * bb);
 }
 
+/// Adds to the delay what the camera is still late, or sets it to zero when that cannot be told.
 void findDelay(const std::vector<double>& time_s, const Eigen::MatrixXd& measured, const Eigen::MatrixXd& camera,
                CameraAlignment& alignment) {
   const double period = medianPeriod(time_s);
@@ -75,10 +76,14 @@ void findDelay(const std::vector<double>& time_s, const Eigen::MatrixXd& measure
     curve.push_back(correlationAt(c, m, lag, kFewest));
   const auto best = static_cast<std::size_t>(std::max_element(curve.begin(), curve.end()) - curve.begin());
   alignment.correlation = curve[best];
-  if (curve[best] < kCorrelated || best == 0 || best + 1 == curve.size()) return;
+  alignment.delay_known = false;
+  if (curve[best] < kCorrelated || best == 0 || best + 1 == curve.size()) {
+    alignment.delay_s = 0.0;
+    return;
+  }
   const double left = curve[best - 1], right = curve[best + 1], bend = left - 2.0 * curve[best] + right;
   const double between = bend < 0.0 ? 0.5 * (left - right) / bend : 0.0;
-  alignment.delay_s = (static_cast<double>(best) - static_cast<double>(most) + between) * period;
+  alignment.delay_s += (static_cast<double>(best) - static_cast<double>(most) + between) * period;
   alignment.delay_known = true;
 }
 
@@ -121,11 +126,11 @@ void fitFrame(const Eigen::MatrixXd& camera, const Eigen::MatrixXd& measured, co
   a.rows = static_cast<int>(rows.size());
 }
 
-/// Fits, then leaves out rows beyond three times the median distance and fits again, a few times.
+/// Fits, then leaves out rows beyond three times the median distance and fits again, until the choice stays the same.
 void fitRobustly(const Eigen::MatrixXd& camera, const Eigen::MatrixXd& measured, const std::vector<Eigen::Index>& all,
                  CameraAlignment& a) {
   std::vector<Eigen::Index> rows = all;
-  for (int round = 0; round < 5; ++round) {
+  for (int round = 0; round < 30; ++round) {
     fitFrame(camera, measured, rows, a);
     std::vector<double> distance;
     for (const Eigen::Index i : all) {
@@ -135,10 +140,12 @@ void fitRobustly(const Eigen::MatrixXd& camera, const Eigen::MatrixXd& measured,
     std::vector<double> sorted = distance;
     std::nth_element(sorted.begin(), sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2), sorted.end());
     const double limit = std::max(1e-9, 3.0 * sorted[sorted.size() / 2]);
-    rows.clear();
+    std::vector<Eigen::Index> kept;
     for (std::size_t n = 0; n < all.size(); ++n) {
-      if (distance[n] <= limit) rows.push_back(all[n]);
+      if (distance[n] <= limit) kept.push_back(all[n]);
     }
+    if (kept == rows) return;
+    rows = std::move(kept);
   }
 }
 
@@ -157,12 +164,10 @@ std::vector<Eigen::Index> usableRows(const Eigen::MatrixXd& camera, const PosePa
   return regular.size() >= static_cast<std::size_t>(kFewest) ? regular : known;
 }
 
-/// The encoders' poses without those that would spoil the correlation: near a singularity they move by themselves, and beyond
-/// one they are not the camera's.
-Eigen::MatrixXd trustedPoses(const Eigen::MatrixXd& camera, const PosePath& measured,
+/// The camera's poses in the robot's frame without those that would spoil the correlation: wrong pictures, and poses beyond a
+/// singularity, where the encoders' are not the camera's.
+Eigen::MatrixXd trustedPoses(const CameraAlignment& rough, const Eigen::MatrixXd& camera, const PosePath& measured,
                              const std::vector<Eigen::Index>& rows) {
-  CameraAlignment rough;
-  fitRobustly(camera, measured.pose, rows, rough);
   std::vector<double> all;
   for (const Eigen::Index i : rows)
     all.push_back(distance(apply(rough, camera.row(i).transpose()), measured.pose.row(i).transpose()));
@@ -171,7 +176,7 @@ Eigen::MatrixXd trustedPoses(const Eigen::MatrixXd& camera, const PosePath& meas
   const double limit = 5.0 * sorted[sorted.size() / 2];
   Eigen::MatrixXd trusted = Eigen::MatrixXd::Constant(camera.rows(), 4, kNan);
   for (std::size_t n = 0; n < rows.size(); ++n) {
-    if (all[n] <= limit) trusted.row(rows[n]) = measured.pose.row(rows[n]);
+    if (all[n] <= limit) trusted.row(rows[n]) = apply(rough, camera.row(rows[n]).transpose()).transpose();
   }
   return trusted;
 }
@@ -210,23 +215,35 @@ void fillFigures(const Mechanism& mechanism, const Recording& recording, const P
   }
 }
 
+/// The camera's poses at the encoders' times.
+Eigen::MatrixXd undelayed(const Recording& recording, double delay_s) {
+  if (delay_s == 0.0) return recording.mocap;
+  std::vector<double> later = recording.time_s;
+  for (double& t : later)
+    t += delay_s;
+  return at(recording.time_s, recording.mocap, later);
+}
+
+/// Delay and frame in turns: a turned frame mixes X and Z and with it moves the peak of the correlation, and a delay moves the
+/// frame. False when there are too few rows.
+bool align(const Recording& recording, const PosePath& measured, double condition_max, CameraComparison& out) {
+  constexpr int kRounds = 4;
+  for (int round = 0;; ++round) {
+    out.pose = undelayed(recording, out.alignment.delay_s);
+    const std::vector<Eigen::Index> rows = usableRows(out.pose, measured, condition_max);
+    if (rows.size() < static_cast<std::size_t>(kFewest)) return false;
+    fitRobustly(out.pose, measured.pose, rows, out.alignment);
+    if (round == kRounds || (round > 0 && !out.alignment.delay_known)) return true;
+    findDelay(recording.time_s, measured.pose, trustedPoses(out.alignment, out.pose, measured, rows), out.alignment);
+  }
+}
+
 }  // namespace
 
 CameraComparison compareCamera(const Mechanism& mechanism, const Recording& recording, const PosePath& measured,
                                const Eigen::MatrixXd& reference, double condition_max) {
   CameraComparison out;
-  const std::vector<double>& time_s = recording.time_s;
-  const Eigen::MatrixXd& camera = recording.mocap;
-  const std::vector<Eigen::Index> rows = usableRows(camera, measured, condition_max);
-  if (rows.size() < static_cast<std::size_t>(kFewest)) return out;
-  findDelay(time_s, trustedPoses(camera, measured, rows), camera, out.alignment);
-  std::vector<double> later = time_s;
-  for (double& t : later)
-    t += out.alignment.delay_s;
-  out.pose = out.alignment.delay_s == 0.0 ? camera : at(time_s, camera, later);
-  const std::vector<Eigen::Index> aligned = usableRows(out.pose, measured, condition_max);
-  if (aligned.size() < static_cast<std::size_t>(kFewest)) return out;
-  fitRobustly(out.pose, measured.pose, aligned, out.alignment);
+  if (!align(recording, measured, condition_max, out)) return out;
   out.alignment.known = true;
   for (Eigen::Index i = 0; i < out.pose.rows(); ++i)
     out.pose.row(i) = apply(out.alignment, out.pose.row(i).transpose()).transpose();

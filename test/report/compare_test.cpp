@@ -1,0 +1,260 @@
+#include "knee_robot/report/compare.h"
+
+#include <gtest/gtest.h>
+#include <stdlib.h>
+
+#include <cmath>
+#include <cstdlib>
+#include <filesystem>
+#include <functional>
+#include <iostream>
+#include <limits>
+#include <nlohmann/json.hpp>
+#include <random>
+
+#include "knee_robot/base/errors.h"
+#include "knee_robot/base/files.h"
+#include "knee_robot/mechanism/kinematics.h"
+
+namespace knee_robot {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+constexpr double kDegree = M_PI / 180.0;
+
+Robot robotB() {
+  return loadRobot(KNEE_SOURCE_DIR "/config/robots/B.yaml");
+}
+
+Pose poseAt(double t) {
+  return {0.05 * std::sin(0.9 * t), 0.76 + 0.03 * std::sin(1.3 * t), 0.12 + 0.1 * std::sin(0.7 * t),
+          0.05 * std::sin(1.1 * t)};
+}
+
+/// 20 s along poseAt; the measured pose is the reference's plus `error`.
+Recording recorded(const Robot& robot, const Pose& error = Pose::Zero(), double period_s = 0.01) {
+  Recording r;
+  r.path = "run <1>.csv";
+  r.name = "run <1>";
+  r.axes = 4;
+  const auto rows = static_cast<Eigen::Index>(20.0 / period_s);
+  r.position_m.resize(rows, 4);
+  r.reference_m.resize(rows, 4);
+  for (Eigen::Index i = 0; i < rows; ++i) {
+    const double t = static_cast<double>(i) * period_s;
+    r.time_s.push_back(t);
+    r.reference_m.row(i) = legLengths(*robot.mechanism, poseAt(t)).transpose();
+    r.position_m.row(i) = legLengths(*robot.mechanism, poseAt(t) + error).transpose();
+  }
+  return r;
+}
+
+/// What a camera sees of poseAt: late, in a turned and shifted frame, with markers put on askew.
+void film(Recording& r, double delay_s, double turn, double shift_x, double shift_z, double plate) {
+  r.mocap.resize(r.rows(), 4);
+  for (int i = 0; i < r.rows(); ++i) {
+    const Pose p = poseAt(r.time_s[static_cast<std::size_t>(i)] - delay_s);
+    const double x = p[0] - shift_x, z = p[1] - shift_z, c = std::cos(turn), s = std::sin(turn);
+    r.mocap.row(i) << c * x - s * z, s * x + c * z, p[2] - turn, p[3] - plate;
+  }
+}
+
+std::string why(const std::function<void()>& action) {
+  try {
+    action();
+  } catch (const InputError& error) {
+    return error.what();
+  }
+  return "";
+}
+
+TEST(Compare, GivesLargestRmsAndMeanErrorPerActuator) {
+  const Robot robot = robotB();
+  Recording r = recorded(robot);
+  r.position_m.col(1).array() += 0.001;
+  r.position_m(700, 1) += 0.004;
+  const CompareResults c = compare(robot, r, 60.0);
+  EXPECT_EQ(c.actuators[0].max_abs, 0.0);
+  EXPECT_NEAR(c.actuators[1].max_abs, 0.005, 1e-12);
+  EXPECT_NEAR(c.actuators[1].time_of_max_s, 7.0, 1e-12);
+  EXPECT_NEAR(c.actuators[1].mean, 0.001 + 0.004 / 2000, 1e-12);
+  EXPECT_NEAR(c.actuators[1].rms, std::sqrt((1999 * 1e-6 + 25e-6) / 2000), 1e-12);
+}
+
+TEST(Compare, FindsThePoseErrorBehindTheLengths) {
+  const Robot robot = robotB();
+  const Pose error(0.003, -0.001, 0.5 * kDegree, -1.0 * kDegree);
+  const CompareResults c = compare(robot, recorded(robot, error), 60.0);
+  ASSERT_TRUE(c.has_pose);
+  EXPECT_EQ(c.measured.unknown + c.reference.unknown, 0);
+  for (int k = 0; k < 4; ++k) {
+    EXPECT_NEAR(c.pose[k].mean, error[k], 1e-9);
+    EXPECT_NEAR(c.pose[k].max_abs, std::abs(error[k]), 1e-9);
+  }
+  EXPECT_FALSE(c.has_camera);
+}
+
+TEST(Compare, RecoversTheCamerasDelayAndFrame) {
+  const Robot robot = robotB();
+  Recording r = recorded(robot);
+  film(r, 0.0374, 3.0 * kDegree, 0.2, -0.05, -4.0 * kDegree);
+  for (int i = 0; i < 150; ++i)
+    r.mocap.row(i).setConstant(kNan);
+  for (int i = 1000; i < 1100; ++i)
+    r.mocap.row(i).setConstant(kNan);
+  const CompareResults c = compare(robot, r, 60.0);
+  ASSERT_TRUE(c.has_camera);
+  const CameraAlignment& a = c.camera.alignment;
+  ASSERT_TRUE(a.delay_known);
+  EXPECT_NEAR(a.delay_s, 0.0374, 5e-4);
+  EXPECT_NEAR(a.rotation_rad, 3.0 * kDegree, 1e-4);
+  EXPECT_NEAR(a.shift_x_m, 0.2, 1e-4);
+  EXPECT_NEAR(a.shift_z_m, -0.05, 1e-4);
+  EXPECT_NEAR(a.plate_rad, -4.0 * kDegree, 1e-4);
+  EXPECT_EQ(c.camera.other_solution, 0);
+  for (int k = 0; k < 4; ++k)
+    EXPECT_LT(c.camera.error[k].rms, 5e-5) << k;
+}
+
+TEST(Compare, AlignsACameraThatIsEarlyAsWell) {
+  const Robot robot = robotB();
+  Recording r = recorded(robot, Pose::Zero(), 0.005);
+  film(r, -0.12, 0.0, 0.0, 0.0, 0.0);
+  EXPECT_NEAR(compare(robot, r, 60.0).camera.alignment.delay_s, -0.12, 5e-4);
+}
+
+TEST(Compare, SwappedMarkersInATenthOfThePicturesDoNotMoveTheFrame) {
+  const Robot robot = robotB();
+  Recording r = recorded(robot);
+  film(r, 0.0, 1.0 * kDegree, 0.01, 0.02, 0.0);
+  std::mt19937 random(3);
+  for (int i = 0; i < r.rows(); ++i) {
+    if (random() % 10 == 0) r.mocap.row(i) += Eigen::RowVector4d(0.2, -0.1, 0.5, 1.0);
+  }
+  const CameraAlignment a = compare(robot, r, 60.0).camera.alignment;
+  EXPECT_NEAR(a.rotation_rad, 1.0 * kDegree, 1e-5);
+  EXPECT_NEAR(a.shift_x_m, 0.01, 1e-5);
+  EXPECT_NEAR(a.shift_z_m, 0.02, 1e-5);
+}
+
+TEST(Compare, DoesNotInventADelayWithoutMotion) {
+  const Robot robot = robotB();
+  Recording r = recorded(robot);
+  r.position_m.rowwise() = r.position_m.row(0).eval();
+  film(r, 0.0, 0.0, 0.0, 0.0, 0.0);
+  std::mt19937 random(5);
+  std::normal_distribution<double> noise(0.0, 1e-4);
+  for (int i = 0; i < r.rows(); ++i) {
+    for (int k = 0; k < 4; ++k)
+      r.mocap(i, k) = poseAt(0.0)[k] + noise(random);
+  }
+  const CompareResults c = compare(robot, r, 60.0);
+  EXPECT_FALSE(c.camera.alignment.delay_known);
+  EXPECT_EQ(c.camera.alignment.delay_s, 0.0);
+  EXPECT_NE(c.notes.back().find("could not be determined"), std::string::npos);
+}
+
+TEST(Compare, ACameraWithoutPicturesIsSaidToBeUseless) {
+  const Robot robot = robotB();
+  Recording r = recorded(robot);
+  r.mocap = Eigen::MatrixXd::Constant(r.rows(), 4, kNan);
+  const CompareResults c = compare(robot, r, 60.0);
+  EXPECT_FALSE(c.has_camera);
+  EXPECT_NE(c.notes.back().find("too few poses"), std::string::npos);
+}
+
+TEST(Compare, RefusesWhatCannotBeCompared) {
+  const Robot robot = robotB();
+  Recording r = recorded(robot);
+  r.reference_m.resize(r.rows(), 0);
+  EXPECT_NE(why([&] { compare(robot, r, 60.0); }).find("reference_1_m is missing"), std::string::npos);
+  Recording foreign = recorded(robot);
+  foreign.position_m.array() *= 0.01;
+  EXPECT_THROW(compare(robot, foreign, 60.0), Refusal);
+  Recording two = recorded(robot);
+  two.axes = 2;
+  EXPECT_NE(why([&] { compare(robot, two, 60.0); }).find("records 2 actuators"), std::string::npos);
+}
+
+TEST(Compare, IndependentAxesHaveNoPose) {
+  Robot bench = robotB();
+  bench.kind = MechanismKind::Axes;
+  bench.mechanism.reset();
+  CompareResults c = compare(bench, recorded(robotB()), 60.0);
+  EXPECT_FALSE(c.has_pose);
+  EXPECT_EQ(compareHtml(c).find("Fig. 16)"), std::string::npos);
+  EXPECT_TRUE(nlohmann::json::parse(compareJson(c))["pose"].is_null());
+}
+
+TEST(CompareFiles, AreSelfContainedEscapedAndParsable) {
+  const Robot robot = robotB();
+  Recording r = recorded(robot, Pose(0.001, 0, 0, 0));
+  film(r, 0.02, 0.0, 0.0, 0.0, 0.0);
+  CompareResults c = compare(robot, r, 60.0);
+  c.command_line = "compare \"<x>\"";
+  char name[] = "/tmp/knee_compare_XXXXXX";
+  const std::string folder = mkdtemp(name);
+  writeCompareFiles(c, folder + "/deep/er");
+  const std::string html = readFile(folder + "/deep/er/report.html");
+  const nlohmann::json j = nlohmann::json::parse(readFile(folder + "/deep/er/report.json"));
+  fs::remove_all(folder);
+  for (const char* outside : {"<script", "http", "src=", "<link", "run <1>", "\"<x>\""})
+    EXPECT_EQ(html.find(outside), std::string::npos) << outside;
+  std::size_t plots = 0;
+  for (std::size_t at = html.find("<svg "); at != std::string::npos; at = html.find("<svg ", at + 1))
+    ++plots;
+  EXPECT_EQ(plots, 16u) << "value and error of four legs and four coordinates";
+  EXPECT_EQ(html.find(">nan"), std::string::npos);
+  EXPECT_EQ(j["command"], "compare");
+  EXPECT_EQ(j["actuators"].size(), 4u);
+  EXPECT_NEAR(j["pose"]["x"]["max_m"].get<double>(), 0.001, 1e-9);
+  EXPECT_NEAR(j["camera"]["alignment"]["delay_s"].get<double>(), 0.02, 1e-3);
+  EXPECT_EQ(j["paper"].size(), 8u);
+  EXPECT_EQ(j["paper"][3]["largest_error"], "above 2");
+}
+
+/// Laboratory recordings with cameras.
+class MeasuredTest : public ::testing::TestWithParam<const char*> {
+ protected:
+  CompareResults compareMeasured(const std::string& name) {
+    const Robot robot = loadRobot(KNEE_SOURCE_DIR "/config/robots/" + name.substr(0, 1) + ".yaml");
+    return compare(robot, loadRecording(folder() + name + ".csv"), 60.0);
+  }
+  static std::string folder() {
+    const char* shared = std::getenv("KNEE_SHARED_DIR");
+    return (shared ? std::string(shared) + "/data" : KNEE_SOURCE_DIR "/../shared/data") + "/measured/";
+  }
+};
+
+TEST_P(MeasuredTest, TheCamerasAgreeWithForwardKinematicsToMillimetresAwayFromSingularities) {
+  const std::string name = GetParam();
+  if (!fs::exists(folder() + name + ".csv")) GTEST_SKIP() << folder() + name << ".csv is absent";
+  const CompareResults c = compareMeasured(name);
+  ASSERT_TRUE(c.has_camera);
+  EXPECT_TRUE(c.camera.alignment.delay_known) << c.camera.alignment.correlation;
+  const ErrorFigures* e = c.camera.error_regular;
+  EXPECT_GT(e[0].rows, 4000);
+  EXPECT_LT(e[0].rms, 0.003);
+  EXPECT_LT(e[1].rms, 0.0015);
+  EXPECT_LT(e[2].rms, 0.3 * kDegree);
+  EXPECT_LT(e[3].rms, 0.6 * kDegree);
+  std::cout << compareSummary(c);
+}
+
+INSTANTIATE_TEST_SUITE_P(Recordings, MeasuredTest,
+                         ::testing::Values("B_N_01_02_2021_122900", "A_V_03_03_2021_132946", "A_V_22_03_2021_155607"));
+
+TEST_F(MeasuredTest, WhereTheCamerasLeaveForwardKinematicsTheLengthsHaveASecondPoseNearby) {
+  const std::string name = "A_V_22_03_2021_155607";
+  if (!fs::exists(folder() + name + ".csv")) GTEST_SKIP() << folder() + name << ".csv is absent";
+  const CameraComparison camera = compareMeasured(name).camera;
+  EXPECT_GT(camera.other_solution, 50);
+  EXPECT_GT(camera.error[0].max_abs, 0.05);
+  EXPECT_LT(camera.error_nearest[0].rms, 0.5 * camera.error[0].rms);
+  EXPECT_LT(camera.error_nearest[3].rms, 0.5 * camera.error[3].rms);
+}
+
+}  // namespace
+}  // namespace knee_robot
