@@ -21,7 +21,7 @@ body{font:15px/1.5 system-ui,sans-serif;color:#222;max-width:1040px;margin:2em a
 h1{font-size:1.6em;margin-bottom:.2em}h2{font-size:1.25em;margin-top:2em;border-bottom:1px solid #ccc}h3{font-size:1.05em;margin:1.4em 0 .2em}
 table{border-collapse:collapse;margin:.6em 0;font-variant-numeric:tabular-nums}
 th,td{padding:.2em .8em;text-align:right;border-bottom:1px solid #e3e3e3}
-th{font-weight:600;border-bottom:1px solid #999}td:first-child,th:first-child{text-align:left;width:26em}td,th{min-width:3.2em}
+th{font-weight:600;border-bottom:1px solid #999}td:first-child,th:first-child{text-align:left;width:29em}td,th{min-width:4em}
 svg{width:100%;height:auto;display:block;font:12px system-ui,sans-serif;fill:#333}
 svg .grid{stroke:#e6e6e6}svg .frame{fill:none;stroke:#888}svg .line{fill:none;stroke-width:1.4}
 svg .shade{fill:#f3efe2}svg .marker{stroke:#333;stroke-dasharray:4 3}
@@ -191,9 +191,8 @@ std::string compareHtml(const CompareResults& r) {
          shortNumber(r.recording.time_s.back() - r.recording.time_s.front(), 3) + " s</p>\n";
   out += paperTable(r);
   if (r.has_camera) out += cameraSection(r);
-  out += actuatorPlots(r);
+  out += notesSection(r) + actuatorPlots(r);
   if (r.has_pose) out += posePlots(r);
-  out += notesSection(r);
   out += "<h2>Reproduce</h2>\n<p><code>" + escapeHtml(r.command_line) + "</code></p>\n";
   return out + "</body></html>\n";
 }
