@@ -8,6 +8,10 @@ std::vector<std::vector<double>> Candidate::shapes(const EffectInput&, int) cons
   return {{}};
 }
 
+Eigen::VectorXd Candidate::elsewhere(const Eigen::VectorXd& coefficients) const {
+  return transfers() ? coefficients : Eigen::VectorXd();
+}
+
 std::string Candidate::dependsOn(int) const {
   return {};
 }

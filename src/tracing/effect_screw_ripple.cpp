@@ -5,6 +5,8 @@
 namespace knee_robot {
 namespace {
 
+constexpr double kSamePhase = 0.4;  ///< largest deviation from the mean, in amplitudes
+
 /// Sine and cosine of the screw's phase, separately for every recording: homing may shift the phase.
 class ScrewRipple : public Candidate {
  public:
@@ -35,10 +37,20 @@ class ScrewRipple : public Candidate {
   }
   Eigen::MatrixXd columns(const EffectInput& input, int actuator, const std::vector<double>& shape) const override {
     Eigen::MatrixXd out = Eigen::MatrixXd::Zero(input.samples(), 2 * input.recordings);
-    if (input.recording < 0) return out;
+    const int pair = std::max(0, input.recording);  // elsewhere() puts the common phase into the first pair
     const Eigen::ArrayXd phase = 2.0 * M_PI / shape[0] * input.signals().position_m.col(actuator).array();
-    out.col(2 * input.recording) = phase.sin();
-    out.col(2 * input.recording + 1) = phase.cos();
+    out.col(2 * pair) = phase.sin();
+    out.col(2 * pair + 1) = phase.cos();
+    return out;
+  }
+  /// The mean, when training recordings agree on the phase: homing does not shift it then. One recording cannot tell.
+  Eigen::VectorXd elsewhere(const Eigen::VectorXd& coefficients) const override {
+    const Eigen::Index recordings = coefficients.size() / 2;
+    const Eigen::Map<const Eigen::Matrix2Xd> pairs(coefficients.data(), 2, recordings);
+    const Eigen::Vector2d mean = pairs.rowwise().mean();
+    if (recordings < 2 || (pairs.colwise() - mean).colwise().norm().maxCoeff() > kSamePhase * mean.norm()) return {};
+    Eigen::VectorXd out = Eigen::VectorXd::Zero(coefficients.size());
+    out.head<2>() = mean;
     return out;
   }
 };

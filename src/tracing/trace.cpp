@@ -163,9 +163,11 @@ Eigen::MatrixXd predictTraced(const Robot& robot, const TraceResult& result, Obs
     setForces(input, result.base.columns, result.parameters, effects_N);
     effects_N.setZero();
     for (const FoundEffect& e : result.effects) {
-      if (recording < 0 && !e.hypothesis.place.candidate->transfers()) continue;
+      const Eigen::VectorXd coefficients =
+          recording < 0 ? e.hypothesis.place.candidate->elsewhere(e.coefficients) : e.coefficients;
+      if (coefficients.size() == 0) continue;
       for (int i = 0; i < o.axes(); ++i)
-        effects_N.col(i) += effectColumns(input, e.hypothesis, i) * e.coefficients;
+        effects_N.col(i) += effectColumns(input, e.hypothesis, i) * coefficients;
     }
   }
   setForces(input, result.base.columns, result.parameters, effects_N);

@@ -41,6 +41,9 @@ class Candidate {
   virtual std::vector<Coefficient> coefficients(const EffectInput& input) const = 0;
   /// Force on `actuator` per unit of each coefficient: samples x coefficients.
   virtual Eigen::MatrixXd columns(const EffectInput& input, int actuator, const std::vector<double>& shape) const = 0;
+  /// Coefficients for a recording that is none of the training ones; empty when the effect predicts nothing there. Usually those
+  /// of training, if the effect transfers.
+  virtual Eigen::VectorXd elsewhere(const Eigen::VectorXd& coefficients) const;
   /// What a map depends on, as report.json writes it; empty for named effects.
   virtual std::string dependsOn(int actuator) const;
 };
