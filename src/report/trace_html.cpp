@@ -17,7 +17,7 @@ h1{font-size:1.6em;margin-bottom:.2em}h2{font-size:1.25em;margin-top:2em;border-
 table{border-collapse:collapse;margin:.6em 0;font-variant-numeric:tabular-nums}
 th,td{padding:.2em .8em;text-align:right;border-bottom:1px solid #e3e3e3}
 th{font-weight:600;border-bottom:1px solid #999}td:first-child,th:first-child{text-align:left}
-tr.group td{font-weight:600;background:#f4f4f4}td.text{text-align:left}
+tr.group td{font-weight:600;background:#f4f4f4}td.text{text-align:left;overflow-wrap:anywhere}
 svg{width:100%;height:auto;display:block;font:12px system-ui,sans-serif;fill:#333}
 svg .grid{stroke:#e6e6e6}svg .frame{fill:none;stroke:#888}svg .line{fill:none;stroke-width:1.4}
 svg .shade{fill:#f3efe2}svg .marker{stroke:#333;stroke-dasharray:4 3}
