@@ -91,7 +91,8 @@ void makeFolder(const std::string& path) {
 
 std::string fingerprint(const std::string& content) {
   std::uint64_t hash = 0xcbf29ce484222325u;
-  for (const unsigned char byte : content) hash = (hash ^ byte) * 0x100000001b3u;
+  for (const unsigned char byte : content)
+    hash = (hash ^ byte) * 0x100000001b3u;
   char text[17];
   std::snprintf(text, sizeof text, "%016llx", static_cast<unsigned long long>(hash));
   return text;

@@ -13,7 +13,8 @@ namespace {
 
 std::string listed(const std::vector<std::string>& words) {
   std::string all;
-  for (const std::string& word : words) all += (all.empty() ? "" : ", ") + word;
+  for (const std::string& word : words)
+    all += (all.empty() ? "" : ", ") + word;
   return all;
 }
 
@@ -34,7 +35,9 @@ StrictMap::StrictMap(YAML::Node node, std::string file) : node_(std::move(node))
   }
 }
 
-StrictMap StrictMap::load(const std::string& path) { return parse(readFile(path, 16u << 20), path); }
+StrictMap StrictMap::load(const std::string& path) {
+  return parse(readFile(path, 16u << 20), path);
+}
 
 StrictMap StrictMap::parse(const std::string& text, const std::string& name) {
   try {
@@ -76,7 +79,8 @@ std::string StrictMap::textOr(const std::string& key, const std::string& fallbac
 
 double StrictMap::toNumber(const YAML::Node& node, const std::string& key, double minimum, double maximum) const {
   const std::optional<double> value = node.IsScalar() ? parseFinite(node.Scalar()) : std::nullopt;
-  if (!value) refuse(key, "expected a finite number" + (node.IsScalar() ? ", not '" + node.Scalar() + "'" : std::string()));
+  if (!value)
+    refuse(key, "expected a finite number" + (node.IsScalar() ? ", not '" + node.Scalar() + "'" : std::string()));
   if (*value < minimum || *value > maximum) {
     refuse(key, shortNumber(*value) + " is outside " + shortNumber(minimum) + " .. " + shortNumber(maximum));
   }
@@ -112,7 +116,8 @@ std::vector<double> StrictMap::numbers(const std::string& key, std::size_t count
     refuse(key, "expected a list of " + (count == 0 ? std::string() : std::to_string(count) + " ") + "numbers");
   }
   std::vector<double> all;
-  for (const auto& entry : value) all.push_back(toNumber(entry, key, minimum, maximum));
+  for (const auto& entry : value)
+    all.push_back(toNumber(entry, key, minimum, maximum));
   return all;
 }
 
@@ -155,13 +160,15 @@ std::vector<StrictMap> StrictMap::maps(const std::string& key) {
   const YAML::Node value = take(key);
   if (!value.IsSequence()) refuse(key, "expected a list");
   std::vector<StrictMap> all;
-  for (const auto& entry : value) all.push_back(StrictMap(entry, file_));
+  for (const auto& entry : value)
+    all.push_back(StrictMap(entry, file_));
   return all;
 }
 
 std::vector<std::string> StrictMap::keys() const {
   std::vector<std::string> all;
-  for (const auto& entry : node_) all.push_back(entry.first.Scalar());
+  for (const auto& entry : node_)
+    all.push_back(entry.first.Scalar());
   return all;
 }
 

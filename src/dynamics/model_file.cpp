@@ -10,7 +10,7 @@
 namespace knee_robot {
 namespace {
 
-constexpr int kFormat = 1;             ///< without effects
+constexpr int kFormat = 1;  ///< without effects
 constexpr int kFormatWithEffects = 2;
 constexpr double kLargest = 1e15;
 constexpr const char* kParallel = "3UPS+1RPU";
@@ -51,8 +51,8 @@ std::string effectText(const ModelEffect& e) {
   for (std::size_t i = 0; i < e.actuators.size(); ++i)
     y += (i ? ", " : "") + std::string("{actuator: ") + std::to_string(e.actuators[i]) + "}";
   y += std::string("], transfers: ") + (e.transfers ? "yes" : "no");
-  return y + ",\n     shape: " + effectParameters(e.shape) + ",\n     coefficients: " + effectParameters(e.coefficients) +
-         "}\n";
+  return y + ",\n     shape: " + effectParameters(e.shape) +
+         ",\n     coefficients: " + effectParameters(e.coefficients) + "}\n";
 }
 
 ModelParameter readParameter(StrictMap map) {

@@ -46,7 +46,8 @@ TEST_F(Files, LeaveNothingBehindWhenWritingFails) {
   std::filesystem::create_directory(folder_ / "taken");
   EXPECT_THROW(writeFileAtomically(folder_ / "taken", "x"), InputError);
   int entries = 0;
-  for (const auto& entry : std::filesystem::directory_iterator(folder_)) entries += entry.exists() ? 1 : 0;
+  for (const auto& entry : std::filesystem::directory_iterator(folder_))
+    entries += entry.exists() ? 1 : 0;
   EXPECT_EQ(1, entries) << "a temporary file is left";
 }
 
@@ -58,7 +59,9 @@ TEST_F(Files, RefuseWhatIsNoRegularFileOrTooLong) {
   EXPECT_THROW(readFile(folder_ / "long", 99), InputError);
 }
 
-TEST(Fingerprint, IsTheKnownHash) { EXPECT_EQ("cbf29ce484222325", fingerprint("")); }
+TEST(Fingerprint, IsTheKnownHash) {
+  EXPECT_EQ("cbf29ce484222325", fingerprint(""));
+}
 
 }  // namespace
 }  // namespace knee_robot

@@ -50,7 +50,8 @@ TEST(StrictMap, SurvivesRandomDamageToAFile) {
   for (int round = 0; round < 20000; ++round) {
     std::string text = whole;
     const int edits = 1 + static_cast<int>(random() % 4);
-    for (int edit = 0; edit < edits; ++edit) text[random() % text.size()] = static_cast<char>(random());
+    for (int edit = 0; edit < edits; ++edit)
+      text[random() % text.size()] = static_cast<char>(random());
     try {
       StrictMap map = StrictMap::parse(text, "f");
       map.textOr("mechanism", "");

@@ -5,8 +5,8 @@
 #include <kdl/chainidsolver_recursive_newton_euler.hpp>
 #include <kdl_parser/kdl_parser.hpp>
 
-#include "test/dynamics/peer_states.h"
 #include "knee_robot/simulation/simbody_robot.h"
+#include "test/dynamics/peer_states.h"
 
 namespace {
 

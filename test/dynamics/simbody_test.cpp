@@ -6,8 +6,8 @@
 #include "knee_robot/dynamics/forward_dynamics.h"
 #include "knee_robot/dynamics/inverse_dynamics.h"
 #include "knee_robot/mechanism/singularity.h"
-#include "test/dynamics/random_robots.h"
 #include "knee_robot/simulation/simbody_robot.h"
+#include "test/dynamics/random_robots.h"
 
 namespace knee_robot {
 namespace {
