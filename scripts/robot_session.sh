@@ -48,11 +48,14 @@ stop_robot() {
   fi
 }
 
-# command SERVICE [REQUEST]: calls a service of the controller, prints its answer, ends the script when it refuses.
+# The answer's sentence in one piece: rosservice breaks long lines.
+message_of() { /usr/bin/python3 -c 'import sys, yaml; print(yaml.safe_load(sys.stdin)["message"])'; }
+
+# command_robot SERVICE [REQUEST]: calls a service of the controller, prints its answer, ends the script when it refuses.
 command_robot() {
   local answer
   answer=$(timeout 60 rosservice call "/controller/$1" "${2:-{\}}") || fail "service $1 did not answer"
-  printf '   %-16s %s\n' "$1" "$(sed -n 's/^message: *//p' <<< "$answer")"
+  printf '   %-16s %s\n' "$1" "$(message_of <<< "$answer")"
   grep -qx 'success: True' <<< "$answer" || fail "the robot refused $1"
 }
 
