@@ -171,6 +171,9 @@ void Supervisor::advancePlaying() {
   if (refused) {
     answerRefusedPlay();
     status_.state = MachineState::Holding;
+  } else if (taken && set_point_.phase == SyncPhase::Stopping && status_.state == MachineState::Playing) {
+    raise(Fault::OrdersStale,
+          0);  // nobody asked for it: Sync stopped by itself. Never report that as the end of the path.
   } else if (taken && set_point_.phase == SyncPhase::Holding) {
     status_.state = MachineState::Holding;
     settlePending(RequestResult::Done);

@@ -33,9 +33,11 @@ bool Sync::startHook() {
 
 void Sync::updateHook(const rt::Cycle& cycle) {
   Orders order;
-  const bool heard = orders.read(order) != rt::FlowStatus::NoData;
+  // Counted in own cycles: a pause of the whole machine is not the Supervisor's silence.
+  const rt::FlowStatus flow = orders.read(order);
+  silent_ = flow == rt::FlowStatus::NewData ? 0 : silent_ + cycle.period;
   measurement.read(measured_);
-  const bool deaf = !heard || cycle.time - order.time > rt::fromSeconds(orders_timeout_s);
+  const bool deaf = flow == rt::FlowStatus::NoData || silent_ > rt::fromSeconds(orders_timeout_s);
 
   ++out_.sequence;
   out_.start = cycle.time;

@@ -53,8 +53,9 @@ class Sync : public rt::TaskContext {
   const ReferencePath* path_ = nullptr;
   AxesMeasurement measured_;
   SetPoint out_;
-  double path_time_ = 0.0;   // s
-  double time_scale_ = 0.0;  // 0 to 1
+  rt::Nanoseconds silent_ = 0;  // own cycles without new orders
+  double path_time_ = 0.0;      // s
+  double time_scale_ = 0.0;     // 0 to 1
   std::uint32_t handled_play_ = 0;
 };
 
