@@ -43,9 +43,10 @@ class SyncTest : public ::testing::Test {
     sync.store().offer(ReferencePath::of(points));
   }
   const SetPoint& tick() {
-    now += 10'000'000;
-    orders.time = now;
+    orders.time = now;  // the Supervisor runs after Sync: its newest orders are those of the last executed cycle
     if (orders_come) feed.orders.write(orders);
+    now += 10'000'000 + pause;
+    pause = 0;
     feed.measurement.write(measured);
     rt::Cycle cycle;
     cycle.time = now;
@@ -69,6 +70,7 @@ class SyncTest : public ::testing::Test {
   std::vector<AxisValues> points;
   bool orders_come = true;
   rt::Nanoseconds now = 0;
+  rt::Nanoseconds pause = 0;  // of the whole machine, before the next tick
 };
 
 TEST_F(SyncTest, StreamsEveryPointOnItsTickWithoutAGapAndHoldsTheLast) {
@@ -176,9 +178,14 @@ TEST_F(SyncTest, GoesOnWhereItWasAfterAPauseOfTheMachine) {
   ++orders.play;
   for (int k = 0; k < 50; ++k)
     tick();
-  now += 30'000'000;  // the machine slept; tick() checks continuity
+  pause = 500'000'000;  // ten times the time after which silence of the Supervisor counts; tick() checks continuity
   tick();
+  EXPECT_EQ(out.phase, SyncPhase::Playing);
   EXPECT_NEAR(out.path_time_s, 0.5, 1e-9);
+  for (int k = 0; k < 200; ++k)
+    tick();
+  EXPECT_EQ(out.phase, SyncPhase::Holding);
+  EXPECT_EQ(out.to_m, points.back()) << "the path was not played to its end";
 }
 
 TEST_F(SyncTest, HoldsAtOnceAReferenceOfASinglePoint) {
