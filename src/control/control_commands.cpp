@@ -35,11 +35,12 @@ Points straightLine(const AxisValues& from, const AxisValues& to, const Robot& r
 
 }  // namespace
 
-Answer ControlSystem::request(RequestKind kind, double timeout_s) {
+Answer ControlSystem::request(RequestKind kind, double timeout_s, double value) {
   if (!started_) return {false, "the controller does not run"};
   if (parts_->supervisor->state() != rt::TaskState::Running) return {false, status().fault_sentence};
   Request asked;
   asked.kind = kind;
+  asked.value = value;
   {
     const std::lock_guard<std::mutex> lock(mutex_);
     asked.number = ++parts_->requests;
@@ -71,9 +72,53 @@ Answer ControlSystem::emergencyStop() {
   return request(RequestKind::EmergencyStop, kQuick_s);
 }
 
+Answer ControlSystem::pause() {
+  const Answer answer = request(RequestKind::Pause, kQuick_s);
+  return answer.ok ? Answer{true, "pausing: the robot comes to rest on its path; resume goes on from there"} : answer;
+}
+
+Answer ControlSystem::resume() {
+  const Answer answer = request(RequestKind::Resume, kQuick_s);
+  if (!answer.ok) return answer;
+  const double speed = supervisorStatus().speed;
+  if (speed <= 0.0) return {true, "resumed, but the speed is 0 %: set a speed"};
+  return {true, "going on at " + shortNumber(100.0 * speed, 4) + " % of the speed"};
+}
+
+Answer ControlSystem::setSpeed(double percent) {
+  if (!(percent >= 0.0 && percent <= 100.0)) {
+    return {false, "the speed must lie between 0 and 100 %, not " + shortNumber(percent)};
+  }
+  const Answer answer = request(RequestKind::SetSpeed, kQuick_s, 0.01 * percent);
+  return answer.ok ? Answer{true, "the speed is " + shortNumber(percent, 4) + " %"} : answer;
+}
+
+Answer ControlSystem::home() {
+  return request(RequestKind::Home, kQuick_s);
+}
+
+Answer ControlSystem::confirmHome() {
+  const Answer answer = request(RequestKind::ConfirmHome, kQuick_s);
+  return answer.ok ? Answer{true, "the robot stands at its home lengths"} : answer;
+}
+
+Answer ControlSystem::setProperty(const std::string& component, const std::string& property, const std::string& value) {
+  rt::TaskContext* found = deployment_->component(component);
+  if (found == nullptr) return {false, "there is no component " + component.substr(0, 60)};
+  try {
+    const rt::PropertyBase* changed = found->property(property);
+    const std::string before = changed == nullptr ? "" : changed->valueText();
+    rt::changeProperty(*found, property, value);
+    return {true, component + "." + property + " is " + changed->valueText() + " " + changed->unit() + " (was " +
+                      before + ")"};
+  } catch (const InputError& error) {
+    return {false, error.what()};
+  }
+}
+
 Answer ControlSystem::loadReference(const Reference& reference) {
   const MachineState now = state();
-  if (now == MachineState::Playing || now == MachineState::Stopping) {
+  if (now == MachineState::Playing || now == MachineState::Stopping || now == MachineState::Paused) {
     return {false, "a reference is being played; stop it before another one is loaded"};
   }
   try {
@@ -98,6 +143,10 @@ Answer ControlSystem::playPath(const Points& lengths, const std::string& what) {
   }
   parts_->sync->store().offer(ReferencePath::of(std::move(points)));
   const Answer answer = request(RequestKind::Play, kQuick_s);
+  if (answer.ok) {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    parts_->playing = what;
+  }
   return answer.ok ? Answer{true, "playing " + what} : answer;
 }
 

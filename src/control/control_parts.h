@@ -37,7 +37,8 @@ struct ControlSystem::Parts {
   std::unique_ptr<RecordingDrain> drain;
   std::uint32_t requests = 0;
   std::string reference_name;
-  Points reference;  // empty: none
+  std::string playing;  // what was played last
+  Points reference;     // empty: none
   int steps = 0;
 
  private:

@@ -1,4 +1,6 @@
 // What the operator is told: state, faults, answers.
+#include <algorithm>
+
 #include "control_parts.h"
 #include "knee_robot/base/numbers.h"
 
@@ -10,6 +12,15 @@ constexpr rt::Nanoseconds kSilence = 200'000'000;
 
 }  // namespace
 
+std::vector<rt::PropertyReport> ControlSystem::properties() const {
+  std::vector<rt::PropertyReport> all;
+  for (const auto& component : deployment_->components()) {
+    for (rt::PropertyReport& one : rt::propertiesOf(*component))
+      all.push_back(std::move(one));
+  }
+  return all;
+}
+
 ControlStatus ControlSystem::status() const {
   SupervisorStatus supervisor = supervisorStatus();
   overrideWhenSilent(supervisor);
@@ -17,6 +28,12 @@ ControlStatus ControlSystem::status() const {
   status.state = supervisor.state;
   status.path_time_s = supervisor.path_time_s;
   status.path_duration_s = supervisor.path_duration_s;
+  status.progress = supervisor.path_duration_s > 0.0 ? supervisor.path_time_s / supervisor.path_duration_s : 0.0;
+  status.time_scale = supervisor.time_scale;
+  status.speed_percent = 100.0 * supervisor.speed;
+  status.axis_homed = supervisor.homed;
+  status.homed = std::all_of(supervisor.homed.begin(), supervisor.homed.end(), [](bool homed) { return homed; });
+  status.bench_without_patient = hardware_.bench_without_patient;
   status.safe_stops = supervisor.safe_stops;
   describeFault(supervisor, status);
   const RecordingResult recording = parts_->drain->progress();
@@ -26,6 +43,9 @@ ControlStatus ControlSystem::status() const {
   status.skipped_cycles = recording.skipped;
   const std::lock_guard<std::mutex> lock(mutex_);
   status.reference = parts_->reference_name;
+  const bool on_a_path = status.state == MachineState::Playing || status.state == MachineState::Paused ||
+                         status.state == MachineState::Stopping;
+  if (on_a_path) status.playing = parts_->playing;
   return status;
 }
 
@@ -60,6 +80,14 @@ void ControlSystem::describeFault(const SupervisorStatus& supervisor, ControlSta
   status.fault_sentence = place + description.sentence + "; " + description.remedy;
 }
 
+/// home() and confirmHome(), each where the hardware file asks for the other.
+Answer ControlSystem::noProcedure() const {
+  if (hardware_.homing.method == HomingMethod::HandPlaced) {
+    return {false, "home is set by hand: place the robot at its home lengths with the drives off, then confirm"};
+  }
+  return {false, "there is nothing to confirm: the hardware file's homing method is another"};
+}
+
 Answer ControlSystem::phrase(const RequestAnswer& answer) const {
   const ControlStatus now = status();
   const std::string state = toString(now.state);
@@ -83,6 +111,12 @@ Answer ControlSystem::phrase(const RequestAnswer& answer) const {
       return {false, "only a restart of the controller clears this: " + now.fault_sentence};
     case RequestResult::Superseded:
       return {false, "another request came in between; the robot is " + state};
+    case RequestResult::NotHomed:
+      return {false, "the axes do not know where they are; home the robot first"};
+    case RequestResult::NoProcedure:
+      return noProcedure();
+    case RequestResult::OutOfRange:
+      return {false, "the value is not allowed"};
     case RequestResult::Failed:
       return {false, "a fault came in between: " + now.fault_sentence};
   }

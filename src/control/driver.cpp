@@ -21,8 +21,12 @@ bool Driver::configureHook() {
   if (actuator_.force_max_N > 0.0) force_limit_ = std::min(force_limit_, actuator_.force_max_N);
   follower_ = SetPointFollower(static_cast<int>(index_), actuator_.position_min_m, actuator_.position_max_m,
                                actuator_.velocity_max_m_per_s);
-  pid_.setGains({proportional, integral, derivative, derivative_cutoff});
+  pid_.setGains(gains());
   return true;
+}
+
+PidGains Driver::gains() const noexcept {
+  return {proportional, integral, derivative, derivative_cutoff};
 }
 
 bool Driver::startHook() {
@@ -102,6 +106,7 @@ void Driver::control(const rt::Cycle& cycle) {
   input.measured = measured_.position_m[index_];
   input.feedforward = load_;
   input.dt = std::min(rt::toSeconds(cycle.time - last_time_), kLongestStep_s);
+  pid_.changeGains(gains(), input);
   const double force = pid_.update(input, force_limit_);
   if (!std::isfinite(force)) raise(Fault::NotANumber);
   if (!closesLoop(fault_)) {

@@ -5,19 +5,18 @@
 namespace knee_robot {
 namespace {
 
-constexpr int kStates = 7;
-constexpr int kRequests = 6;
-
-/// Rows: Disabled, Enabling, Holding, Playing, Stopping, SafeStopping, Faulted.
-/// Columns: Enable, Disable, Play, Stop, EmergencyStop, Reset.
-constexpr bool kPossible[kStates][kRequests] = {
-    {true, true, false, true, true, false},    // Disabled: nothing to disable or to stop is fine
-    {false, true, false, false, true, false},  // Enabling
-    {false, true, true, true, true, false},    // Holding
-    {false, true, false, true, true, false},   // Playing
-    {false, true, false, true, true, false},   // Stopping
-    {false, true, false, true, true, false},   // SafeStopping
-    {false, false, false, true, true, true},   // Faulted
+/// Rows: Disabled, Enabling, Holding, Playing, Stopping, SafeStopping, Faulted, Paused, Homing.
+/// Columns: Enable, Disable, Play, Stop, EmergencyStop, Reset, Pause, Resume, SetSpeed, Home, ConfirmHome.
+constexpr bool kPossible[kMachineStates][kRequestKinds] = {
+    {true, true, false, true, true, false, false, false, true, true, true},      // Disabled: nothing to stop is fine
+    {false, true, false, false, true, false, false, false, true, false, false},  // Enabling
+    {false, true, true, true, true, false, false, false, true, false, false},    // Holding
+    {false, true, false, true, true, false, true, true, true, false, false},     // Playing
+    {false, true, false, true, true, false, false, false, true, false, false},   // Stopping
+    {false, true, false, true, true, false, false, false, true, false, false},   // SafeStopping
+    {false, false, false, true, true, true, false, false, true, false, false},   // Faulted
+    {false, true, false, true, true, false, true, true, true, false, false},     // Paused
+    {false, true, false, true, true, false, false, false, true, false, false},   // Homing
 };
 
 }  // namespace
@@ -38,6 +37,10 @@ const char* toString(MachineState state) noexcept {
       return "safe_stopping";
     case MachineState::Faulted:
       return "faulted";
+    case MachineState::Paused:
+      return "paused";
+    case MachineState::Homing:
+      return "homing";
   }
   return "?";
 }

@@ -22,7 +22,18 @@ void Pid::reset(double measured) noexcept {
   last_measured_ = measured;
 }
 
+void Pid::changeGains(const PidGains& gains, const PidInput& input) noexcept {
+  if (gains == gains_) return;
+  const double error = input.reference - input.measured;
+  const double speed_error = input.reference_velocity - velocity_;
+  const double before = gains_.proportional * error + gains_.derivative * speed_error;
+  const double after = gains.proportional * error + gains.derivative * speed_error;
+  integral_ = clampKeepingNan(integral_ + before - after, last_limit_);
+  gains_ = gains;
+}
+
 double Pid::update(const PidInput& input, double limit) noexcept {
+  last_limit_ = limit;
   if (input.dt > 0.0) {
     const double tau = 1.0 / (kTwoPi * gains_.derivative_cutoff_hz);
     velocity_ += ((input.measured - last_measured_) / input.dt - velocity_) * input.dt / (tau + input.dt);

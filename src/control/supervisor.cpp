@@ -16,9 +16,12 @@ Supervisor::Supervisor(const std::string& name, const Robot& robot, const Hardwa
 
 bool Supervisor::startHook() {
   const std::array<RequestAnswer, SupervisorStatus::kAnswers> answers = status_.answers;
+  const std::array<bool, kAxes> homed = status_.homed;
   const std::uint32_t play = orders_.play;  // a play number is never used twice
   status_ = SupervisorStatus{};
   status_.answers = answers;
+  status_.homed = homed;
+  if (hardware_.homing.method == HomingMethod::Assumed) status_.homed.fill(true);
   orders_ = Orders{};
   orders_.play = play;
   pending_ = 0;
@@ -80,11 +83,13 @@ void Supervisor::handle(const Request& asked, rt::Nanoseconds now) {
       settlePending(RequestResult::Superseded);
       if (!isReady()) return answer(asked.number, RequestResult::NotReady);
       ++orders_.play;
+      orders_.pause_path = false;
       pending_ = asked.number;
       return;
     case RequestKind::Stop:
       // A play request that Sync has not taken yet is stopped, too.
-      if (status_.state == MachineState::Playing || (status_.state == MachineState::Holding && pending_ != 0)) {
+      if (status_.state == MachineState::Playing || status_.state == MachineState::Paused ||
+          (status_.state == MachineState::Holding && pending_ != 0)) {
         status_.state = MachineState::Stopping;
       }
       settlePending(RequestResult::Superseded);
@@ -94,6 +99,17 @@ void Supervisor::handle(const Request& asked, rt::Nanoseconds now) {
       return answer(asked.number, RequestResult::Done);
     case RequestKind::Reset:
       return reset(asked);
+    case RequestKind::Pause:
+    case RequestKind::Resume:
+      orders_.pause_path = asked.kind == RequestKind::Pause;
+      return answer(asked.number, RequestResult::Done);
+    case RequestKind::SetSpeed:
+      if (!(asked.value >= 0.0 && asked.value <= 1.0)) return answer(asked.number, RequestResult::OutOfRange);
+      orders_.speed = asked.value;
+      return answer(asked.number, RequestResult::Done);
+    case RequestKind::Home:
+    case RequestKind::ConfirmHome:
+      return home(asked);
   }
 }
 
@@ -111,6 +127,15 @@ void Supervisor::enable(const Request& asked, rt::Nanoseconds now) {
   orders_.level = DriveLevel::Energised;
   enabling_since_ = step_since_ = now;
   pending_ = asked.number;
+}
+
+/// See control_system.h.
+void Supervisor::home(const Request& asked) {
+  const bool by_hand = hardware_.homing.method == HomingMethod::HandPlaced;
+  if (by_hand != (asked.kind == RequestKind::ConfirmHome)) return answer(asked.number, RequestResult::NoProcedure);
+  if (!isReady()) return answer(asked.number, RequestResult::NotReady);
+  status_.homed.fill(true);
+  answer(asked.number, RequestResult::Done);
 }
 
 void Supervisor::reset(const Request& asked) {
@@ -131,7 +156,10 @@ void Supervisor::advance(rt::Nanoseconds now) {
     case MachineState::Holding:
     case MachineState::Playing:
     case MachineState::Stopping:
+    case MachineState::Paused:
       return advancePlaying();
+    case MachineState::Homing:
+      return;
     case MachineState::SafeStopping:
       return advanceSafeStop();
     case MachineState::Disabled:
@@ -171,15 +199,24 @@ void Supervisor::advancePlaying() {
   if (refused) {
     answerRefusedPlay();
     status_.state = MachineState::Holding;
-  } else if (taken && set_point_.phase == SyncPhase::Stopping && status_.state == MachineState::Playing) {
-    raise(Fault::OrdersStale,
-          0);  // nobody asked for it: Sync stopped by itself. Never report that as the end of the path.
-  } else if (taken && set_point_.phase == SyncPhase::Holding) {
-    status_.state = MachineState::Holding;
-    settlePending(RequestResult::Done);
-  } else if (taken && set_point_.phase == SyncPhase::Playing && status_.state == MachineState::Holding) {
-    status_.state = MachineState::Playing;
-    settlePending(RequestResult::Done);
+  }
+  if (refused || !taken || set_point_.phase == SyncPhase::Idle) return;
+  const bool stop_asked = status_.state == MachineState::Stopping;
+  switch (set_point_.phase) {
+    case SyncPhase::Holding:
+      status_.state = MachineState::Holding;
+      return settlePending(RequestResult::Done);
+    case SyncPhase::Stopping:
+      // Nobody asked for it: Sync stopped by itself. Never report that as the end of the path.
+      if (!stop_asked && status_.state != MachineState::Holding) raise(Fault::OrdersStale, 0);
+      return;
+    case SyncPhase::Playing:
+    case SyncPhase::Paused:
+      if (stop_asked) return;  // Sync has not heard of it yet
+      status_.state = set_point_.phase == SyncPhase::Paused ? MachineState::Paused : MachineState::Playing;
+      return settlePending(RequestResult::Done);
+    case SyncPhase::Idle:
+      return;
   }
 }
 
@@ -214,6 +251,8 @@ void Supervisor::publish(rt::Nanoseconds now) {
   status_.time = now;
   status_.path_time_s = set_point_.path_time_s;
   status_.path_duration_s = set_point_.path_duration_s;
+  status_.time_scale = set_point_.time_scale;
+  status_.speed = orders_.speed;
   status_.safe_stops = written_.safe_stops;
   status.write(status_);
 }

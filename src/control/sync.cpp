@@ -42,16 +42,17 @@ void Sync::updateHook(const rt::Cycle& cycle) {
   ++out_.sequence;
   out_.start = cycle.time;
   out_.duration = cycle.period;
-  const bool moving = out_.phase == SyncPhase::Playing || out_.phase == SyncPhase::Stopping;
+  const bool moving =
+      out_.phase == SyncPhase::Playing || out_.phase == SyncPhase::Stopping || out_.phase == SyncPhase::Paused;
   if (!order.drivers_active && !(moving && deaf)) {
     standBy(order);
   } else if (moving) {
-    advance(cycle, order.stop_path || deaf);
+    advance(cycle, order, order.stop_path || deaf);
   } else if (order.play != handled_play_) {
     tryToPlay(order);
-    if (out_.phase == SyncPhase::Playing) advance(cycle, false);
+    if (out_.phase == SyncPhase::Playing) advance(cycle, order, false);
   } else if (out_.phase == SyncPhase::Holding) {
-    holdSegment();
+    restSegment(SyncPhase::Holding);
   }
   set_point.write(out_);
 }
@@ -82,7 +83,7 @@ void Sync::tryToPlay(const Orders& order) {
   if (refusal != PlayRefusal::None) {
     out_.refusal = refusal;
     out_.refused_run = order.play;
-    if (out_.phase == SyncPhase::Holding) holdSegment();
+    if (out_.phase == SyncPhase::Holding) restSegment(SyncPhase::Holding);
     return;
   }
   out_.phase = SyncPhase::Playing;
@@ -90,7 +91,13 @@ void Sync::tryToPlay(const Orders& order) {
   out_.path_duration_s = path_->duration();
   out_.to_m = path_->points.front();
   path_time_ = 0.0;
-  time_scale_ = 1.0;  // a reference begins at rest: its check counts it as held before its first point
+  // A reference begins at rest: its check counts it as held before its first point.
+  time_scale_ = targetScale(order);
+}
+
+double Sync::targetScale(const Orders& order) noexcept {
+  const bool usable = order.speed >= 0.0 && order.speed <= 1.0;  // what is not a number is not: then it stands
+  return order.pause_path || !usable ? 0.0 : order.speed;
 }
 
 /// Largest change of the time scale per second. Slowing down in T adds at most fastest / T to an axis' acceleration.
@@ -101,19 +108,23 @@ double Sync::scaleRate() const noexcept {
   return 1.0 / time;
 }
 
-void Sync::advance(const rt::Cycle& cycle, bool stop) {
+void Sync::advance(const rt::Cycle& cycle, const Orders& order, bool stop) {
   if (stop) out_.phase = SyncPhase::Stopping;
+  const bool stopping = out_.phase == SyncPhase::Stopping;
   const double dt = rt::toSeconds(cycle.period);
-  const double target = out_.phase == SyncPhase::Stopping ? 0.0 : 1.0;
+  const double target = stopping ? 0.0 : targetScale(order);
   const double next_scale = time_scale_ + std::clamp(target - time_scale_, -scaleRate() * dt, scaleRate() * dt);
   const double next_time = std::min(path_time_ + 0.5 * (time_scale_ + next_scale) * dt, path_->duration());
   out_.path_time_s = path_time_;
   out_.time_scale = time_scale_;
-  if (path_time_ >= path_->duration() || (time_scale_ == 0.0 && next_scale == 0.0)) {
+  const bool at_rest = time_scale_ == 0.0 && next_scale == 0.0;
+  if (path_time_ >= path_->duration() || (at_rest && stopping)) {
     time_scale_ = 0.0;
-    holdSegment();
+    restSegment(SyncPhase::Holding);
     return;
   }
+  if (at_rest) return restSegment(SyncPhase::Paused);
+  if (!stopping) out_.phase = SyncPhase::Playing;
   out_.from_m = out_.to_m;
   out_.from_velocity = scaled(path_->velocityAt(path_time_), time_scale_);
   out_.to_m = path_->positionAt(next_time);
@@ -123,8 +134,8 @@ void Sync::advance(const rt::Cycle& cycle, bool stop) {
 }
 
 /// At rest where the last segment ended (and not where a path that was offered meanwhile has its points).
-void Sync::holdSegment() {
-  out_.phase = SyncPhase::Holding;
+void Sync::restSegment(SyncPhase phase) {
+  out_.phase = phase;
   out_.time_scale = 0.0;
   out_.path_time_s = path_time_;
   out_.from_m = out_.to_m;

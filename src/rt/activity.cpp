@@ -18,18 +18,29 @@ void Activity::add(TaskContext& component, Nanoseconds component_period) {
   }
   component.setExecutor(this);
   components_.push_back(&component);
-  entries_.push_back({&component, period / options_.period, 0});
+  entries_.push_back({&component, period / options_.period, 0, std::make_unique<ComponentStatistics>(), -1});
 }
 
-void Activity::runCycle(std::int64_t index, Nanoseconds wake) noexcept {
+void Activity::runCycle(std::int64_t index, Nanoseconds wake, Nanoseconds epoch, bool clock_runs) noexcept {
   Cycle cycle;
   cycle.time = index * options_.period;
   cycle.wake = wake;
+  if (last_wake_ >= 0) statistics_.period.add(wake - last_wake_);
+  last_wake_ = wake;
+  Nanoseconds begin = wake;
   for (Entry& entry : entries_) {
     if (index < entry.next_due) continue;
     entry.next_due = index + entry.divider;
     cycle.period = entry.divider * options_.period;
     entry.component->update(cycle);
+    const Nanoseconds end = clock_runs ? monotonicNow() - epoch : wake;
+    ComponentStatistics& statistics = *entry.statistics;
+    statistics.updates.fetch_add(1, std::memory_order_relaxed);
+    if (entry.last_begin >= 0) statistics.period.add(begin - entry.last_begin);
+    statistics.lateness.add(begin - cycle.time);
+    statistics.execution.add(end - begin);
+    entry.last_begin = begin;
+    begin = end;  // the next one begins where this one ended
   }
   statistics_.cycles.fetch_add(1, std::memory_order_relaxed);
 }

@@ -128,7 +128,7 @@ void PeriodicActivity::run(Nanoseconds epoch) noexcept {
         wake / period;  // after a pause of the machine: the cycle of now, not the ones that are lost
     std::int64_t skipped = latest - index;
     index = latest;
-    runCycle(index, wake);
+    runCycle(index, wake, epoch, true);
     const Nanoseconds end = monotonicNow() - epoch;
     statistics_.execution.add(end - wake);
     const std::int64_t next = std::max(index + 1, end / period + (end % period != 0 ? 1 : 0));

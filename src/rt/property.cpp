@@ -1,25 +1,73 @@
 #include "knee_robot/rt/property.h"
 
-namespace knee_robot::rt {
+#include <algorithm>
+#include <cctype>
 
-PropertyBase::PropertyBase(TaskContext& owner, std::string name, std::string unit, std::string description)
-    : name_(std::move(name)), unit_(std::move(unit)), description_(std::move(description)) {
+#include "knee_robot/base/errors.h"
+
+namespace knee_robot::rt {
+namespace {
+
+std::string knownProperties(const TaskContext& component) {
+  std::string known;
+  for (const PropertyBase* one : component.properties())
+    known += (known.empty() ? "" : ", ") + one->name();
+  return known.empty() ? "none" : known;
+}
+
+}  // namespace
+
+PropertyBase::PropertyBase(TaskContext& owner, std::string name, std::string unit, std::string description,
+                           Change change)
+    : name_(std::move(name)), unit_(std::move(unit)), description_(std::move(description)), change_(change) {
   owner.addProperty(*this);
 }
 
-void loadProperties(TaskContext& component, StrictMap& map) {
+std::vector<std::string> loadProperties(TaskContext& component, StrictMap& map, Loading loading) {
+  std::vector<std::string> passed_over;
   for (const std::string& key : map.keys()) {
     PropertyBase* property = component.property(key);
-    if (property == nullptr) {
-      std::string known;
-      for (const PropertyBase* one : component.properties())
-        known += (known.empty() ? "" : ", ") + one->name();
-      map.refuse(key, "component " + component.name() + " has no such property; it has " +
-                          (known.empty() ? std::string("none") : known));
+    if (property != nullptr) {
+      property->load(map);
+      continue;
     }
-    property->load(map);
+    const std::string sentence =
+        "component " + component.name() + " has no such property; it has " + knownProperties(component);
+    if (loading == Loading::Strict) map.refuse(key, sentence);
+    passed_over.push_back(map.where(key) + "passed over: " + sentence);
   }
-  map.finish();
+  if (loading == Loading::Strict) map.finish();
+  return passed_over;
+}
+
+void changeProperty(TaskContext& component, const std::string& name, const std::string& value) {
+  PropertyBase* property = component.property(name);
+  if (property == nullptr) {
+    throw InputError("component " + component.name() + " has no property " + name.substr(0, 60) + "; it has " +
+                     knownProperties(component));
+  }
+  if (property->change() != Change::AtRunTime) {
+    throw InputError(component.name() + "." + name +
+                     " may not change while the controller runs; set it in the deployment file and start anew");
+  }
+  // Through the same reader as the deployment file, so that both refuse the same.
+  const auto plain = [](unsigned char c) {
+    return std::isalnum(c) != 0 || c == '.' || c == '+' || c == '-' || c == '_';
+  };
+  if (value.empty() || value.size() > 60 || !std::all_of(value.begin(), value.end(), plain)) {
+    throw InputError(component.name() + "." + name + ": expected a plain number or word");
+  }
+  StrictMap map = StrictMap::parse(name + ": " + value, component.name());
+  property->load(map);
+}
+
+std::vector<PropertyReport> propertiesOf(const TaskContext& component) {
+  std::vector<PropertyReport> reports;
+  for (const PropertyBase* one : component.properties()) {
+    reports.push_back({component.name(), one->name(), one->typeName(), one->valueText(), one->unit(), one->rangeText(),
+                       one->description(), one->change() == Change::AtRunTime});
+  }
+  return reports;
 }
 
 }  // namespace knee_robot::rt

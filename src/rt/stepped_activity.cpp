@@ -9,7 +9,7 @@ std::vector<std::string> SteppedActivity::start(Nanoseconds /*epoch*/) {
 
 void SteppedActivity::step() noexcept {
   if (!active_) return;
-  runCycle(index_, index_ * options_.period);
+  runCycle(index_, index_ * options_.period, 0, false);
   statistics_.lateness.add(0);
   countPunctual();
   ++index_;

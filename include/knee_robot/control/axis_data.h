@@ -31,8 +31,9 @@ struct AxesMeasurement {
 enum class SyncPhase : std::uint8_t {
   Idle,      ///< nothing played since the Drivers took over: they hold where they are
   Playing,   ///< path time runs
-  Stopping,  ///< path time is being slowed down to zero
+  Stopping,  ///< path time is being slowed down to zero, for good
   Holding,   ///< at rest on the path: at its end, or where it was stopped
+  Paused,    ///< at rest on the path, which goes on as soon as pause and speed allow
 };
 
 /// Why Sync did not start to play.
@@ -91,7 +92,9 @@ struct Orders {
   bool safe_stop = false;       ///< run the safe stop (again true: no effect)
   bool drivers_active = false;  ///< Drivers close their loops
   std::uint32_t play = 0;       ///< a new number asks Sync to play from the start
-  bool stop_path = false;       ///< Sync slows path time down to zero
+  bool stop_path = false;       ///< Sync slows path time down to zero and gives the path up
+  bool pause_path = false;      ///< Sync slows path time down to zero and keeps the path
+  double speed = 1.0;           ///< 0 to 1: time scale that Sync approaches without a jump
 };
 
 /// Where the safe stop is.

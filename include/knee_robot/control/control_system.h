@@ -13,6 +13,8 @@
 #include "knee_robot/control/machine_state.h"
 #include "knee_robot/mechanism/robot.h"
 #include "knee_robot/rt/deployer.h"
+#include "knee_robot/rt/property.h"
+#include "knee_robot/rt/statistics_report.h"
 #include "knee_robot/trajectory/reference_check.h"
 
 namespace knee_robot {
@@ -31,10 +33,18 @@ struct ControlStatus {
   std::string fault_name;      ///< empty without fault
   std::string fault_sentence;  ///< cause, place and remedy; empty without fault
   std::string reference;       ///< name of the loaded reference, empty: none
+  std::string playing;         ///< what is being played or paused (the reference or the approach to it), empty: nothing
   double path_time_s = 0.0;
   double path_duration_s = 0.0;
-  std::uint32_t safe_stops = 0;  ///< completed since start()
-  std::string recording;         ///< path of the recording being written, empty: none
+  double progress = 0.0;         ///< path_time / path_duration, 0 to 1; 0 before anything was played
+  double time_scale = 0.0;       ///< speed of path time now, 0 to 1
+  double speed_percent = 100.0;  ///< asked for by setSpeed()
+  std::array<bool, kAxes> axis_homed{};
+  bool homed = false;  ///< all axes: motion is possible
+  bool bench_without_patient = false;
+  std::array<double, kAxes> thermal{};  ///< I2t of each motor: 0 cold, 1 is the fault
+  std::uint32_t safe_stops = 0;         ///< completed since start()
+  std::string recording;                ///< path of the recording being written, empty: none
   std::uint64_t recorded_rows = 0;
   std::uint64_t dropped_rows = 0;    ///< measured but not in the file
   std::uint64_t skipped_cycles = 0;  ///< left out by the machine: gaps of time_s
@@ -80,6 +90,19 @@ class ControlSystem {
   Answer approach(double speed_m_per_s = 0.01);
   /// Slows down along the path, then holds. Answers when it has begun.
   Answer stop();
+  /// Slows path time down to zero (state Paused when at rest), and back to what setSpeed() asked for: no jump, the robot never leaves
+  /// its path, wherever on it and however often. Answer when it has begun. Also during an approach.
+  Answer pause();
+  Answer resume();
+  /// Speed of path time, 0 to 100 % of what the reference asks for; holds for all paths until it is set anew. Takes effect at once and
+  /// without a jump while playing; 0 is Paused until another speed comes. Refused outside 0 to 100, and what is not a number.
+  Answer setSpeed(double percent);
+  /// Finds home by the procedure of the hardware file (`homing:`), from Disabled: the axes move slowly one after the other (state
+  /// Homing), and the machine ends Disabled with `homed`, or Faulted with homing_failed. Answers when it has begun. Where the method
+  /// is hand_placed or assumed, nothing moves and the sentence says what to do.
+  Answer home();
+  /// Method hand_placed: the robot stands at its home lengths now, says the operator; only in Disabled.
+  Answer confirmHome();
   /// Safe stop now, latched like a fault until resetFaults().
   Answer emergencyStop();
   /// Recovers failed components and clears the latched fault; ends in Disabled.
@@ -97,6 +120,14 @@ class ControlSystem {
   /// Waits (threads) or executes cycles (stepped) until the machine is in `state`, at most `timeout_s`. Faulted ends it too.
   bool waitFor(MachineState state, double timeout_s);
 
+  /// Timing of every activity and component: periods, lateness, execution times as histograms. Any thread, at any time.
+  std::vector<rt::ActivityReport> statistics() const { return rt::statisticsOf(*deployment_); }
+  /// Every property of every component, with unit, range, description, and whether it may change at run time.
+  std::vector<rt::PropertyReport> properties() const;
+  /// Changes a property that is declared so while the controller runs, e.g. ("Driver1", "proportional_N_per_m", "50000"): within its
+  /// range, without a jump of force. The sentence says what was before.
+  Answer setProperty(const std::string& component, const std::string& property, const std::string& value);
+
   /// Sentences about real-time privileges that were wanted and not obtained; say them loudly.
   std::vector<std::string> warnings() const;
   const rt::Deployment& deployment() const { return *deployment_; }
@@ -110,8 +141,9 @@ class ControlSystem {
 
  private:
   struct Parts;
-  Answer request(RequestKind kind, double timeout_s);
+  Answer request(RequestKind kind, double timeout_s, double value = 0.0);
   Answer phrase(const RequestAnswer& answer) const;
+  Answer noProcedure() const;
   Answer playPath(const Points& lengths, const std::string& what);
   bool waitUntil(const std::function<bool()>& done, double timeout_s);
   SupervisorStatus supervisorStatus() const;

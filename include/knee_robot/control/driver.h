@@ -17,6 +17,7 @@ namespace knee_robot {
 ///     force     = Pid(reference, measured) + feedforward   N; gains in N/m fit every motor and screw
 ///     volts     = force_sign * force / force_per_volt      clamped to voltage_max and force_max
 ///
+/// Gains may change while the loop is closed: the integral takes up the difference, so the force does not jump.
 /// Takes over (Orders::drivers_active) at the measured position with the integral at zero: no step of force. Faults are kept
 /// until the Drivers are switched off again:
 /// - SetPointStale: nothing from Sync for stale_set_points periods. The loop goes on and holds (the reference has come to rest).
@@ -34,11 +35,12 @@ class Driver : public rt::TaskContext {
   rt::OutputPort<AxisCommand> command{*this, "command", "to AxesOutput"};
 
   rt::Property<int> axis{*this, "axis", 1, "", 1, kAxes, "actuator that is driven"};
-  rt::Property<double> proportional{*this, "proportional_N_per_m", 40000.0, "N/m", 0.0, 1e6, "P"};
-  rt::Property<double> integral{*this, "integral_N_per_m_s", 200000.0, "N/(m s)", 0.0, 1e7, "I"};
-  rt::Property<double> derivative{*this, "derivative_N_s_per_m", 1200.0, "N s/m", 0.0, 1e5, "D"};
-  rt::Property<double> derivative_cutoff{*this,  "derivative_cutoff_hz",    80.0, "Hz", 1.0,
-                                         1000.0, "low-pass of the velocity"};
+  rt::Property<double> proportional{*this, "proportional_N_per_m", 40000.0, "N/m", 0.0, 1e6,
+                                    "P",   rt::Change::AtRunTime};
+  rt::Property<double> integral{*this, "integral_N_per_m_s", 200000.0, "N/(m s)", 0.0, 1e7, "I", rt::Change::AtRunTime};
+  rt::Property<double> derivative{*this, "derivative_N_s_per_m", 1200.0, "N s/m", 0.0, 1e5, "D", rt::Change::AtRunTime};
+  rt::Property<double> derivative_cutoff{
+      *this, "derivative_cutoff_hz", 80.0, "Hz", 1.0, 1000.0, "low-pass of the velocity", rt::Change::AtRunTime};
   rt::Property<double> following_floor{
       *this, "following_error_m", 0.008, "m", 1e-4, 0.1, "largest distance from the reference at rest"};
   rt::Property<double> following_slope{
@@ -59,6 +61,7 @@ class Driver : public rt::TaskContext {
   void control(const rt::Cycle& cycle);
   void checkReference(const rt::Cycle& cycle);
   void raise(Fault fault) noexcept;
+  PidGains gains() const noexcept;
 
   const Robot robot_;
   Actuator actuator_;

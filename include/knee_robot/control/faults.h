@@ -23,8 +23,22 @@ enum class Fault : std::uint8_t {
   EnableTimeout,
   EmergencyStop,
   GuardianActed,
+  NotReset,
+  HandSwitch,
+  SoftLimit,
+  VelocityLimit,
+  AccelerationLimit,
+  Stalled,
+  Runaway,
+  EncoderFrozen,
+  EncoderJump,
+  Saturated,
+  ThermalOverload,
+  PatientPose,
+  PatientSpeed,
+  HomingFailed,
 };
-inline constexpr int kFaults = 17;
+inline constexpr int kFaults = 31;
 
 /// When resetFaults() clears a fault.
 enum class ResetRule : std::uint8_t {

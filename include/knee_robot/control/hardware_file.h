@@ -16,6 +16,14 @@ enum class HoldDevice {
   None,             ///< the axis falls freely: no patient
 };
 
+/// How the axes learn where they are: incremental encoders know nothing when they are switched on.
+enum class HomingMethod {
+  Assumed,  ///< the robot stands at home (or where the program says) when the controller starts: simulation and benches
+  HandPlaced,  ///< somebody puts it there with the drives off, and confirms
+  Switch,      ///< each axis runs slowly against a switch
+  HardStop,    ///< each axis runs slowly and with low force against the end of its stroke
+};
+
 /// Content of a hardware file:
 ///
 ///     backend: simulated              # or pci (the cards); the program that makes the AxisBus reads it
@@ -23,6 +31,8 @@ enum class HoldDevice {
 ///     digital_outputs: {drive_enable: 0, hold_release: 1, heartbeat: 2}   # bits 0 to 3, all different; 1 = enabled, released
 ///     digital_inputs: {emergency_stop_clear: 0}   # optional; 1 = not pressed, drive power present
 ///     drive_enable_delay_s: 0.02      # optional; until an enabled drive follows its set value, and a disabled one is off
+///     starts_faulted: true            # optional; after every start the operator has to reset first (not_reset)
+///     homing: {method: hand_placed}   # default; or assumed, which needs backend simulated or bench_without_patient
 ///     axes:                           # four, or one that stands for all
 ///       - {hold_device: brake, hold_delay_s: 0.03}   # time from the output's change until the device holds (or lets go)
 struct HardwareFile {
@@ -38,6 +48,12 @@ struct HardwareFile {
   int hold_release_bit = 1;
   int heartbeat_bit = 2;
   std::optional<int> emergency_stop_clear_bit;
+  std::optional<int> hand_switch_clear_bit;
+  struct Homing {
+    HomingMethod method = HomingMethod::Assumed;
+  };
+  Homing homing;
+  bool starts_faulted = false;
   double drive_enable_delay_s = 0.02;
   std::array<Axis, hardware::kAxes> axes{};
 

@@ -16,15 +16,32 @@ enum class MachineState : std::uint8_t {
   Stopping,      ///< Sync slows down along the path
   SafeStopping,  ///< the safe stop runs
   Faulted,       ///< drives off, hold devices engaged, fault latched
+  Paused,        ///< at rest on the path; resume() goes on from there
+  Homing,        ///< drives on, axes move slowly one after the other until each has found its reference
 };
+inline constexpr int kMachineStates = 9;
 const char* toString(MachineState state) noexcept;
 
 /// What the operator may ask for.
-enum class RequestKind : std::uint8_t { Enable, Disable, Play, Stop, EmergencyStop, Reset };
+enum class RequestKind : std::uint8_t {
+  Enable,
+  Disable,
+  Play,
+  Stop,
+  EmergencyStop,
+  Reset,
+  Pause,
+  Resume,
+  SetSpeed,     ///< value: 0 to 1
+  Home,         ///< by the procedure of the hardware file
+  ConfirmHome,  ///< the robot stands at home, says the operator
+};
+inline constexpr int kRequestKinds = 11;
 
 struct Request {
   std::uint32_t number = 0;  ///< the answer carries it
   RequestKind kind = RequestKind::Stop;
+  double value = 0.0;  ///< of SetSpeed
 };
 
 /// Why a request was refused, or that it was not.
@@ -38,6 +55,9 @@ enum class RequestResult : std::uint8_t {
   NeedsRestart,  ///< reset of a fault that only a restart clears
   Superseded,    ///< another request came before it was done
   Failed,        ///< a fault came before it was done
+  NotHomed,      ///< nobody knows yet where the axes are
+  NoProcedure,   ///< home() where the hardware file leaves homing to the operator, or the other way round
+  OutOfRange,    ///< the value is not allowed
 };
 
 struct RequestAnswer {
@@ -59,6 +79,9 @@ struct SupervisorStatus {
   std::array<RequestAnswer, kAnswers> answers{};  ///< to request n at n modulo kAnswers
   double path_time_s = 0.0;
   double path_duration_s = 0.0;
+  double time_scale = 0.0;          ///< speed of path time now, 0 to 1
+  double speed = 1.0;               ///< asked for, 0 to 1
+  std::array<bool, kAxes> homed{};  ///< axes that know where they are
   std::uint32_t safe_stops = 0;
 };
 

@@ -7,6 +7,11 @@ struct PidGains {
   double integral = 0.0;              ///< N/(m s)
   double derivative = 0.0;            ///< N s/m
   double derivative_cutoff_hz = 0.0;  ///< low-pass of the measured velocity
+
+  bool operator==(const PidGains& other) const noexcept {
+    return proportional == other.proportional && integral == other.integral && derivative == other.derivative &&
+           derivative_cutoff_hz == other.derivative_cutoff_hz;
+  }
 };
 
 struct PidInput {
@@ -24,6 +29,9 @@ struct PidInput {
 class Pid {
  public:
   void setGains(const PidGains& gains) noexcept { gains_ = gains; }
+  /// While the loop is closed: other gains from the next update on. The integral takes up what the proportional and the derivative
+  /// term change by at this `input`, so the output does not jump (where the integral has room: it stays within the last limit).
+  void changeGains(const PidGains& gains, const PidInput& input) noexcept;
   /// Starts at rest at `measured` without integral.
   void reset(double measured) noexcept;
   /// Force in N, within +-`limit`.
@@ -35,6 +43,7 @@ class Pid {
   double integral_ = 0.0;  // N
   double velocity_ = 0.0;  // m/s, low-passed
   double last_measured_ = 0.0;
+  double last_limit_ = 0.0;  // N
 };
 
 }  // namespace knee_robot

@@ -18,6 +18,7 @@ bool isPossible(MachineState state, RequestKind request) noexcept;
 /// Decides in which state the machine is, and tells Sync, Drivers and AxesOutput what follows from it.
 ///
 ///     Disabled --Enable--> Enabling --> Holding --Play--> Playing --Stop--> Stopping --> Holding
+///                                                Playing <--Pause, Resume, SetSpeed--> Paused --Stop--> Stopping
 ///     any state with drives on --Disable--> SafeStopping --> Disabled
 ///     any state --fault--> SafeStopping --> Faulted --Reset--> Disabled
 ///
@@ -71,6 +72,7 @@ class Supervisor : public rt::TaskContext {
   void handle(const Request& request, rt::Nanoseconds now);
   void enable(const Request& request, rt::Nanoseconds now);
   void reset(const Request& request);
+  void home(const Request& request);
   void answer(std::uint32_t number, RequestResult result, int axis = 0, double distance = 0.0) noexcept;
   void settlePending(RequestResult result) noexcept;
   void advance(rt::Nanoseconds now);

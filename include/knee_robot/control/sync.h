@@ -11,8 +11,9 @@ namespace knee_robot {
 /// Streams the reference: one set point per period (10 ms), all four axes in one message, so they start and stop on one tick.
 ///
 /// Path time runs by time_scale * period each time the component is executed (not by the clock: after a pause of the machine the
-/// reference goes on where it was). The scale is 1 while playing; a stop brings it to zero linearly within stop_time_s, or longer
-/// where half of an axis' acceleration limit demands it: the robot stays on its path and there is no jump of velocity.
+/// reference goes on where it was). While playing, the scale is Orders::speed (0 to 1), or 0 while paused; a stop brings it to zero
+/// for good. Every change of it is linear in time, full speed to rest in stop_time_s or longer where half of an axis' acceleration
+/// limit demands it: the robot stays on its path and there is no jump of velocity, whatever is asked for in whichever order.
 /// Starts only at the first point: |measured - first| <= start_tolerance_m on every axis, else it refuses with the distance.
 /// Holds at the last point. Stops by itself when the Supervisor's orders do not come any more.
 class Sync : public rt::TaskContext {
@@ -44,9 +45,10 @@ class Sync : public rt::TaskContext {
  private:
   void standBy(const Orders& orders);
   void tryToPlay(const Orders& orders);
-  void advance(const rt::Cycle& cycle, bool stop);
+  void advance(const rt::Cycle& cycle, const Orders& orders, bool stop);
+  static double targetScale(const Orders& orders) noexcept;
   double scaleRate() const noexcept;
-  void holdSegment();
+  void restSegment(SyncPhase phase);
 
   const AxisValues acceleration_max_;
   ReferenceStore store_;

@@ -32,6 +32,9 @@ class Activity : public Executor {
   const ActivityOptions& options() const { return options_; }
   const ActivityStatistics& statistics() const { return statistics_; }
   const std::vector<TaskContext*>& components() const { return components_; }
+  /// Of the component at this place of components(). Readable from any thread at any time.
+  const ComponentStatistics& componentStatistics(std::size_t place) const { return *entries_[place].statistics; }
+  Nanoseconds componentPeriod(std::size_t place) const { return entries_[place].divider * options_.period; }
 
   /// Before start(). `component_period` 0 stands for the activity's. Throws InputError when it is no whole multiple.
   void add(TaskContext& component, Nanoseconds component_period = 0);
@@ -47,8 +50,9 @@ class Activity : public Executor {
   virtual bool isActive() const noexcept = 0;
 
  protected:
-  /// Runs the components that are due in cycle `index` (planned at index * period).
-  void runCycle(std::int64_t index, Nanoseconds wake) noexcept;
+  /// Runs the components that are due in cycle `index` (planned at index * period). Times are
+  /// measured on CLOCK_MONOTONIC against `epoch`; without `clock_runs` the clock is virtual and all durations are zero.
+  void runCycle(std::int64_t index, Nanoseconds wake, Nanoseconds epoch, bool clock_runs) noexcept;
   void countOverrun(std::int64_t skipped) noexcept;
   void countPunctual() noexcept { statistics_.overruns_row.store(0, std::memory_order_relaxed); }
 
@@ -60,10 +64,13 @@ class Activity : public Executor {
     TaskContext* component;
     std::int64_t divider;   // component's period in periods of the activity
     std::int64_t next_due;  // cycle index
+    std::unique_ptr<ComponentStatistics> statistics;
+    Nanoseconds last_begin;  // since the epoch; negative: never
   };
   std::vector<Entry> entries_;
   std::vector<TaskContext*> components_;
   std::function<void()> overrun_handler_;
+  Nanoseconds last_wake_ = -1;
 };
 
 /// One thread on clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME). Cycles lie at epoch + k * period. Missed cycles are

@@ -40,8 +40,17 @@ struct ActivityStatistics {
   std::atomic<std::uint64_t> missed{0};        ///< skipped because the one before ended or began too late
   std::atomic<std::uint64_t> overruns{0};      ///< occasions on which at least one cycle was skipped
   std::atomic<std::uint64_t> overruns_row{0};  ///< of these, directly one after the other up to now
+  DurationHistogram period;                    ///< from one waking to the next
   DurationHistogram lateness;                  ///< waking after the planned release
   DurationHistogram execution;                 ///< from waking to the end of the last component
+};
+
+/// How one component has fared since its activity's start. Lateness is its own: the activity's, plus what those before it took.
+struct ComponentStatistics {
+  std::atomic<std::uint64_t> updates{0};
+  DurationHistogram period;     ///< from one update's begin to the next
+  DurationHistogram lateness;   ///< update's begin after the planned release
+  DurationHistogram execution;  ///< of one update
 };
 
 }  // namespace knee_robot::rt
