@@ -23,6 +23,7 @@ GuardianAction GuardianWatch::step(const GuardianView& view) noexcept {
     cause_ = GuardianCause::None;
     return GuardianAction::Release;
   }
+  tripped_ = tripped_ || view.fenced;
   if (tripped_) return GuardianAction::KeepDown;
   if (!view.armed) return GuardianAction::Watch;
   if (view.process_gone) cause_ = GuardianCause::ProcessGone;
@@ -50,6 +51,7 @@ void Guardian::updateHook(const rt::Cycle& /*cycle*/) {
   view.heartbeat = link_.heartbeat.load(std::memory_order_acquire);
   view.process_gone = process_.isGone(link_.controller_pid.load());
   const std::uint32_t request = link_.reset_request.load();
+  view.fenced = link_.tripped.load() != 0;
   view.reset_asked = request != link_.reset_done.load();
   view.armed = link_.armed.load() != 0;  // after the request: whoever asks has disarmed before
   switch (watch_.step(view)) {

@@ -1,5 +1,6 @@
 // guardian --hardware H [--shm NAME] [--link NAME]: watches the controller from a process of its own with its own handle to the
 // cards, and brings the outputs down when the controller dies or falls silent while drives are on. No ROS.
+// guardian --down-now: fences a controller out, brings the outputs down once and ends; for the service manager's hooks.
 
 #include <unistd.h>
 
@@ -71,8 +72,21 @@ struct Options {
   std::string hardware_file, shm = "/knee_robot_sim", link = "/knee_robot_guardian";
   double silence_ms = 10.0;
   int priority = 90, cpu = -1;
-  bool require_real_time = false;
+  bool require_real_time = false, down_now = false;
 };
+
+/// What a service manager calls after the controller or its guardian has ended, for whatever reason. A guardian that lives does
+/// the same by itself and is left alone; a controller that lives is fenced out first.
+int bringDownNow(const Options& options) {
+  const HardwareFile file = loadHardwareFile(options.hardware_file);
+  hardware::SharedGuardianLink memory = hardware::SharedGuardianLink::open(options.link);
+  const std::unique_ptr<hardware::EmergencyOutputs> outputs = openOutputs(file, options.shm);
+  memory.link().tripped.store(1);
+  const hardware::IoStatus status = outputs->down();
+  std::printf("guardian: outputs %s; a controller is fenced out until reset\n",
+              status == hardware::IoStatus::Ok ? "down" : "NOT ALL DOWN, a card refused");
+  return status == hardware::IoStatus::Ok ? kExitDone : 1;
+}
 
 int run(const Options& options) {
   const HardwareFile file = loadHardwareFile(options.hardware_file);
@@ -125,6 +139,7 @@ int main(int argc, char** argv) {
       ->capture_default_str();
   app.add_option("--cpu", options.cpu, "processor that it is bound to; -1: any")->capture_default_str();
   app.add_flag("--require-real-time", options.require_real_time, "refuse to start without real-time privileges");
+  app.add_flag("--down-now", options.down_now, "fence a controller out, bring the outputs down once, and end");
   app.allow_extras();  // roslaunch appends __name:= and __log:=
   return runProgram(app, argc, argv, [&] {
     for (const std::string& extra : app.remaining()) {
@@ -132,6 +147,6 @@ int main(int argc, char** argv) {
     }
     for (const int signal : {SIGINT, SIGTERM, SIGHUP})
       std::signal(signal, [](int) { stop_requested = 1; });
-    return run(options);
+    return options.down_now ? bringDownNow(options) : run(options);
   });
 }

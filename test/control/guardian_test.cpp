@@ -61,6 +61,17 @@ TEST(GuardianWatch, TripsAtOnceWhenTheProcessIsGone) {
   EXPECT_EQ(w.watch.cause(), GuardianCause::ProcessGone);
 }
 
+TEST(GuardianWatch, KeepsDownWhatSomebodyElseHasBroughtDown) {
+  Watched w;
+  w.view.armed = true;
+  ASSERT_EQ(w.step(true), GuardianAction::Watch);
+  w.view.fenced = true;
+  EXPECT_EQ(w.step(true), GuardianAction::KeepDown);
+  w.view.armed = false;
+  w.view.reset_asked = true;
+  EXPECT_EQ(w.step(true), GuardianAction::Release);
+}
+
 TEST(GuardianWatch, MindsNeitherSilenceNorAnEndWithTheDrivesOff) {
   Watched w;
   w.step(true);

@@ -26,6 +26,7 @@ struct GuardianView {
   bool armed = false;         ///< drives enabled or hold devices released
   bool process_gone = false;  ///< the controller's process has ended
   bool reset_asked = false;   ///< the controller asks for the outputs
+  bool fenced = false;        ///< the outputs have been taken already, by another guardian or by --down-now
 };
 
 /// Decides when a controller counts as dead. Silence counts only while drives are on, and a cycle of the guardian adds at most
