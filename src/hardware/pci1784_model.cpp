@@ -1,5 +1,7 @@
 #include "knee_robot/hardware/pci1784_model.h"
 
+#include <chrono>
+
 #include "knee_robot/hardware/pci1784_registers.h"
 
 namespace knee_robot::hardware {
@@ -40,6 +42,12 @@ std::array<std::uint32_t, kChannels> publishedCounts(const Pci1784Image& image) 
 }
 
 void Pci1784Model::latch(std::uint32_t mask) noexcept {
+  if (const std::uint32_t delay_us = image_.answer_delay_us.load(std::memory_order_relaxed); delay_us != 0) {
+    // The processor waits for the bus: a busy loop, not a sleep.
+    const auto end = std::chrono::steady_clock::now() + std::chrono::microseconds(delay_us);
+    while (std::chrono::steady_clock::now() < end) {
+    }
+  }
   const auto sums = publishedCounts(image_);
   for (std::size_t channel = 0; channel < sums.size(); ++channel) {
     const std::uint32_t mode = image_.modes[channel].load();

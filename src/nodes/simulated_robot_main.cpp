@@ -10,9 +10,11 @@
 #include <cstdio>
 #include <cstring>
 #include <memory>
+#include <optional>
 
 #include "knee_robot/base/errors.h"
 #include "knee_robot/simulation/robot_simulation.h"
+#include "knee_robot/simulation/truth_log.h"
 #include "program.h"
 
 namespace {
@@ -55,7 +57,7 @@ void askForPriority(int priority) {
 }
 
 /// Steps the robot along the clock; returns the milliseconds that were left out.
-std::int64_t run(RobotSimulation& simulation, double duration_s) {
+std::int64_t run(RobotSimulation& simulation, double duration_s, TruthLog* truth) {
   const double dt = static_cast<double>(kPeriod_ns) * 1e-9;
   std::int64_t left_out = 0;
   std::int64_t next = now();
@@ -68,6 +70,7 @@ std::int64_t run(RobotSimulation& simulation, double duration_s) {
       next += late / kPeriod_ns * kPeriod_ns;
     }
     if (!simulation.step(dt)) throw InputError("the plant's motion left all bounds; mend masses, friction or forces");
+    if (truth != nullptr) truth->append(simulation, static_cast<double>(now()) * 1e-9);
   }
   return left_out;
 }
@@ -80,6 +83,7 @@ int main(int argc, char** argv) {
   std::string robot_file, simulation_file, shm = "/knee_robot_sim";
   double duration_s = 0.0;
   int priority = 0;
+  std::uint64_t truth_rows = 0;
   app.add_option("--robot", robot_file, "robot file (YAML)")->required();
   app.add_option("--simulation", simulation_file, "simulation file (YAML): friction, hold devices, start")->required();
   app.add_option("--shm", shm, "name of the shared memory")->capture_default_str();
@@ -87,6 +91,10 @@ int main(int argc, char** argv) {
       ->capture_default_str();
   app.add_option("--priority", priority, "SCHED_FIFO priority; 0: none")
       ->check(CLI::Range(0, 98))
+      ->capture_default_str();
+  app.add_option("--truth-rows", truth_rows,
+                 "keep so many steps in shared memory NAME_truth, for fault campaigns; 0: none")
+      ->check(CLI::Range(std::uint64_t{0}, std::uint64_t{1000000}))
       ->capture_default_str();
   app.allow_extras();  // roslaunch appends __name:= and __log:=
   return runProgram(app, argc, argv, [&] {
@@ -104,12 +112,14 @@ int main(int argc, char** argv) {
     std::signal(SIGTERM, requestStop);
     hardware::SharedImage memory = hardware::SharedImage::create(shm);
     RobotSimulation simulation(robot, inertia, parameters, memory.image());
+    std::optional<TruthLog> truth;
+    if (truth_rows > 0) truth.emplace(shm + "_truth", truth_rows);
     askForPriority(priority);
     const Lengths start = simulation.lengths();
     std::printf("simulated_robot ready: %s, lengths %.4f %.4f %.4f %.4f m\n", shm.c_str(), start[0], start[1], start[2],
                 start[3]);
     std::fflush(stdout);
-    const std::int64_t left_out = run(simulation, duration_s);
+    const std::int64_t left_out = run(simulation, duration_s, truth ? &*truth : nullptr);
     // For whoever is still attached, the cards are gone from here on.
     memory.image().analog.disconnected.store(1);
     memory.image().counter.disconnected.store(1);

@@ -77,7 +77,9 @@ RobotSimulation::RobotSimulation(const Robot& robot, RobotInertia inertia, const
     : parameters_(parameters),
       model_(makeModel(robot, std::move(inertia), parameters)),
       effects_(parameters.effects, model_),
-      image_(image) {
+      image_(image),
+      injector_(image.faults),
+      heartbeat_age_s_(1e9) {
   state_.pose = startPose(robot, parameters, model_);
   effects_.start(model_, state_);
   for (std::size_t i = 0; i < static_cast<std::size_t>(kLegs); ++i) {
@@ -93,9 +95,11 @@ RobotSimulation::RobotSimulation(const Robot& robot, RobotInertia inertia, const
 }
 
 void RobotSimulation::readCards(double dt) noexcept {
-  const auto volts = hardware::outputVolts(image_.analog);
+  const hardware::InjectedFaults& faults = image_.faults;
+  generation_ = faults.generation.load(std::memory_order_acquire);
+  const auto volts = volts_ = injector_.volts(hardware::outputVolts(image_.analog));
   const unsigned outputs = image_.counter.outputs.load(std::memory_order_acquire);
-  const bool power = image_.surroundings.emergency_stop_pressed.load() == 0;
+  const bool power = relayIsClosed(outputs, dt) && image_.surroundings.emergency_stop_pressed.load() == 0;
   const bool enable = power && (outputs >> parameters_.drive_enable_bit & 1u) != 0;
   const bool release = power && (outputs >> parameters_.hold_release_bit & 1u) != 0;
   unsigned enabled_bits = 0;
@@ -104,10 +108,12 @@ void RobotSimulation::readCards(double dt) noexcept {
     Axis& axis = axes_[i];
     const int leg = static_cast<int>(i);
     // Without power the force is gone at once; a drive that is switched off by its input takes its delay.
-    const bool driven = axis.drive.step(enable, dt) && power;
-    const bool engaged = !axis.release.step(release, dt);
+    const auto ordered = [i](const std::atomic<std::uint8_t>& mask) { return (mask.load() >> i & 1u) != 0; };
+    const bool driven = axis.drive.step(enable, dt) && power && !ordered(faults.drive_dead);
+    const bool engaged = ordered(faults.hold_closed) || (!axis.release.step(release, dt) && !ordered(faults.hold_open));
+    const double sign = ordered(faults.drive_reversed) ? -1.0 : 1.0;
     driven_[leg] = driven ? 1.0 : 0.0;
-    loads_.motor_force[leg] = driven ? axis.newtons_per_volt * volts[i] : 0.0;
+    loads_.motor_force[leg] = driven ? sign * axis.newtons_per_volt * volts[i] : 0.0;
     const bool braked = engaged && axis.parameters.hold_device == SimulatedHold::Brake;
     const bool shorted = engaged && axis.parameters.hold_device == SimulatedHold::ShortedWindings;
     holds_.coulomb[leg] = braked ? axis.parameters.holding_force_N : 0.0;
@@ -118,19 +124,40 @@ void RobotSimulation::readCards(double dt) noexcept {
     enabled_bits |= (driven ? 1u : 0u) << i;
     engaged_bits |= (engaged ? 1u : 0u) << i;
   }
+  outputs_ = outputs;
+  engaged_ = engaged_bits;
   image_.status.drives_enabled.store(static_cast<std::uint8_t>(enabled_bits));
   image_.status.brakes_engaged.store(static_cast<std::uint8_t>(engaged_bits));
-  image_.counter.inputs.store(static_cast<std::uint8_t>((power ? 1u : 0u) << parameters_.emergency_stop_clear_bit));
+  unsigned inputs = (power ? 1u : 0u) << parameters_.emergency_stop_clear_bit;
+  if (parameters_.hand_switch_clear_bit && image_.surroundings.hand_switch_pressed.load() == 0) {
+    inputs |= 1u << *parameters_.hand_switch_clear_bit;
+  }
+  image_.counter.inputs.store(static_cast<std::uint8_t>(inputs));
+}
+
+/// Retriggered by every change of the heartbeat output.
+bool RobotSimulation::relayIsClosed(unsigned outputs, double dt) noexcept {
+  if (!parameters_.heartbeat_relay) return true;
+  const HeartbeatRelay& relay = *parameters_.heartbeat_relay;
+  const bool changed = ((outputs ^ outputs_) >> relay.bit & 1u) != 0;
+  heartbeat_age_s_ = changed ? 0.0 : heartbeat_age_s_ + dt;
+  return heartbeat_age_s_ <= relay.hold_s;
 }
 
 void RobotSimulation::publish() noexcept {
   const Lengths now = lengths();
   const Lengths seen = effects_.encoders(now);
+  FaultInjector::Values true_counts{};
+  FaultInjector::Values counts_per_m{};
+  for (std::size_t i = 0; i < axes_.size(); ++i) {
+    counts_per_m[i] = axes_[i].counts_per_m;
+    true_counts[i] = (seen[static_cast<int>(i)] - axes_[i].home_length_m) * axes_[i].counts_per_m;
+  }
+  const FaultInjector::Values counts = injector_.counts(true_counts, counts_per_m);
   std::array<std::uint32_t, hardware::kChannels> sums{};
   for (std::size_t i = 0; i < axes_.size(); ++i) {
     const int leg = static_cast<int>(i);
-    const double counts = (seen[leg] - axes_[i].home_length_m) * axes_[i].counts_per_m;
-    sums[i] = static_cast<std::uint32_t>(std::llround(counts));
+    sums[i] = static_cast<std::uint32_t>(std::llround(counts[i]));
     image_.status.lengths_m[i].store(now[leg], std::memory_order_relaxed);
     image_.status.pose[i].store(state_.pose[leg], std::memory_order_relaxed);
     image_.status.motor_force_N[i].store(loads_.motor_force[leg], std::memory_order_relaxed);
@@ -138,6 +165,24 @@ void RobotSimulation::publish() noexcept {
   hardware::publishCounts(image_.counter, sums);
   image_.status.time_s.store(time_s_);
   image_.plant_heartbeat.fetch_add(1, std::memory_order_release);
+}
+
+TruthRow RobotSimulation::truth() const noexcept {
+  TruthRow row{};
+  row.time_s = time_s_;
+  const Lengths now = lengths();
+  for (std::size_t i = 0; i < axes_.size(); ++i) {
+    const auto leg = static_cast<Eigen::Index>(i);
+    row.length_m[i] = now[leg];
+    row.pose[i] = state_.pose[leg];
+    row.volts[i] = volts_[i];
+    row.force_N[i] = loads_.motor_force[leg];
+    row.drives |= (driven_[leg] > 0.0 ? 1u : 0u) << i;
+  }
+  row.outputs = outputs_;
+  row.holds = engaged_;
+  row.faults = generation_;
+  return row;
 }
 
 bool RobotSimulation::stepWithEffects(double dt) noexcept {

@@ -46,8 +46,24 @@ void readLines(StrictMap& file, SimulationParameters& result) {
   }
   if (auto inputs = file.mapIfAny("digital_inputs")) {
     result.emergency_stop_clear_bit = inputs->integer("emergency_stop_clear", 0, 3);
+    if (inputs->has("hand_switch_clear")) {
+      result.hand_switch_clear_bit = inputs->integer("hand_switch_clear", 0, 3);
+      if (result.hand_switch_clear_bit == result.emergency_stop_clear_bit) {
+        inputs->refuse("hand_switch_clear", "is the same bit as emergency_stop_clear; each needs its own");
+      }
+    }
     inputs->finish();
   }
+}
+
+void readRelay(StrictMap& file, SimulationParameters& result) {
+  auto relay = file.mapIfAny("heartbeat_relay");
+  if (!relay) return;
+  HeartbeatRelay read;
+  read.bit = relay->integer("bit", 0, 3);
+  read.hold_s = relay->number("hold_s", 0.001, 10.0);
+  relay->finish();
+  result.heartbeat_relay = read;
 }
 
 void readPayload(StrictMap& file, SimulationParameters& result) {
@@ -73,6 +89,7 @@ SimulationParameters read(StrictMap file, const std::string& path) {
   result.stop_margin_m = file.numberOr("stop_margin_m", result.stop_margin_m, 0.0, 1.0);
   result.drive_delay_s = file.numberOr("drive_delay_s", result.drive_delay_s, 0.0, 10.0);
   readLines(file, result);
+  readRelay(file, result);
   readPayload(file, result);
   if (file.has("effects")) {
     for (StrictMap& entry : file.maps("effects"))

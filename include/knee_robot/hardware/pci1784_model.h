@@ -27,7 +27,8 @@ struct Pci1784Image {
   std::atomic<std::uint8_t> output_mode{0};
   std::atomic<std::uint8_t> inputs{0};  ///< digital inputs, bits 0..3, set by the plant
   std::atomic<std::uint8_t> board_id{0};
-  std::atomic<std::uint8_t> disconnected{0};  ///< set: every access fails, outputs hold
+  std::atomic<std::uint8_t> disconnected{0};      ///< set: every access fails, outputs hold
+  std::atomic<std::uint32_t> answer_delay_us{0};  ///< set: a latch takes so long, as on a bus that is held by others
 };
 
 /// The plant's side: the four encoders now stand at these running sums (x4 counts, modulo 2^32). One writer.

@@ -6,6 +6,7 @@
 #include <string>
 
 #include "knee_robot/hardware/axis_bus.h"
+#include "knee_robot/hardware/injected_faults.h"
 #include "knee_robot/hardware/pci1720_model.h"
 #include "knee_robot/hardware/pci1784_model.h"
 
@@ -25,6 +26,7 @@ struct RobotStatus {
 /// What people around the simulated robot do; set by tests, fault campaigns and demonstrations.
 struct RobotSurroundings {
   std::atomic<std::uint8_t> emergency_stop_pressed{0};
+  std::atomic<std::uint8_t> hand_switch_pressed{0};
   std::array<std::atomic<double>, kAxes> pose_force{};  ///< on Xm, Zm (N), theta, psi (N m)
 };
 
@@ -32,7 +34,7 @@ struct RobotSurroundings {
 /// the heap for stepped simulation.
 struct RobotImage {
   static constexpr std::uint64_t kMagic = 0x6b6e65655f726f62;  // "knee_rob"
-  static constexpr std::uint32_t kVersion = 1;
+  static constexpr std::uint32_t kVersion = 2;
 
   std::atomic<std::uint64_t> magic{0};  ///< written last by the creator
   std::uint32_t version = kVersion;
@@ -44,6 +46,7 @@ struct RobotImage {
   Pci1784Image counter;
   RobotStatus status;
   RobotSurroundings surroundings;
+  InjectedFaults faults;
 };
 
 /// A RobotImage in POSIX shared memory. The creator (the simulated robot) unlinks the name when it is destroyed; users

@@ -4,7 +4,9 @@
 
 #include "knee_robot/hardware/shared_image.h"
 #include "knee_robot/simulation/effect_chain.h"
+#include "knee_robot/simulation/fault_injector.h"
 #include "knee_robot/simulation/simulation_parameters.h"
+#include "knee_robot/simulation/truth_row.h"
 
 namespace knee_robot {
 
@@ -29,7 +31,9 @@ class DelayedSwitch {
 /// fast as it can) and by the real-time program simulated_robot.
 ///
 /// The encoders count from the robot file's home lengths in its counts per metre, and keep their fraction, as glass scales do.
-/// Pressing the emergency stop takes the power from drives and hold devices, whatever the outputs say.
+/// Pressing the emergency stop takes the power from drives and hold devices, whatever the outputs say; so does the relay on the
+/// heartbeat output, where the simulation file has one, when the output has not changed for its time.
+/// Faults ordered in the image (hardware/injected_faults.h) are applied to converters, drives, hold devices and encoders.
 class RobotSimulation {
  public:
   /// Throws InputError when the robot is no 3UPS+1RPU, or the start lengths are outside the stroke or belong to no pose.
@@ -46,6 +50,8 @@ class RobotSimulation {
   const PlantModel& model() const noexcept { return model_; }
   const PlantData& data() const noexcept { return data_; }
   const PlantLoads& loads() const noexcept { return loads_; }
+  /// The last step as a row of the truth log, without its time of the clock.
+  TruthRow truth() const noexcept;
   Lengths lengths() const { return legLengths(model_.rigid.mechanism, state_.pose); }
 
  private:
@@ -59,6 +65,7 @@ class RobotSimulation {
   };
 
   void readCards(double dt) noexcept;
+  bool relayIsClosed(unsigned outputs, double dt) noexcept;
   bool stepWithEffects(double dt) noexcept;
   void publish() noexcept;
 
@@ -72,6 +79,10 @@ class RobotSimulation {
   PlantLoads holds_;                  ///< the share of brakes and shorted windings
   std::vector<Axis> axes_;
   hardware::RobotImage& image_;
+  FaultInjector injector_;
+  FaultInjector::Values volts_{};
+  std::uint32_t outputs_ = 0, engaged_ = 0, generation_ = 0;
+  double heartbeat_age_s_ = 0.0;
   double time_s_ = 0.0;
 };
 

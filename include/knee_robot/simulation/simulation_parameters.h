@@ -34,6 +34,12 @@ struct Payload {
   double radius_of_gyration_m = 0.0;   ///< about any axis through its centre
 };
 
+/// Relay that is retriggered by every change of a digital output and takes the power from drives and hold devices otherwise.
+struct HeartbeatRelay {
+  int bit = 2;
+  double hold_s = 0.02;
+};
+
 /// Content of a simulation file (YAML, SI, unknown keys are errors):
 ///
 ///     start_lengths_m: [0.6, 0.6, 0.6, 0.6]  # optional; default: the robot file's home lengths
@@ -43,7 +49,8 @@ struct Payload {
 ///     stop_margin_m: 0.005                   # optional; mechanical stops lie this far beyond the robot file's lengths
 ///     drive_delay_s: 0.008                   # optional; from the enable output's change until the drive follows
 ///     digital_outputs: {drive_enable: 0, hold_release: 1}   # optional; bits 0 to 3 of the counter card
-///     digital_inputs: {emergency_stop_clear: 0}             # optional
+///     digital_inputs: {emergency_stop_clear: 0, hand_switch_clear: 1}   # optional; the second one too
+///     heartbeat_relay: {bit: 2, hold_s: 0.02}               # optional; no such relay without it
 ///     payload: {mass_kg: 15, center_m: [0, 0, 0.1], radius_of_gyration_m: 0.1}   # optional
 ///     substeps: 4                            # optional; integration steps per simulated period
 ///     effects:                               # optional; what else the machine has, see src/simulation/effects/
@@ -57,6 +64,8 @@ struct SimulationParameters {
   int drive_enable_bit = 0;
   int hold_release_bit = 1;
   int emergency_stop_clear_bit = 0;
+  std::optional<int> hand_switch_clear_bit;  ///< 1: not pressed and plugged in
+  std::optional<HeartbeatRelay> heartbeat_relay;
   std::optional<Payload> payload;
   int substeps = 4;
   EffectPrototypes effects;

@@ -1,0 +1,47 @@
+#pragma once
+
+#include <array>
+#include <atomic>
+#include <cstdint>
+
+namespace knee_robot::hardware {
+
+/// What goes wrong in one encoder of the simulated robot.
+enum class EncoderFault : std::uint8_t {
+  None,
+  Frozen,        ///< stays at the count at which the fault came
+  Jump,          ///< counts on, `encoder_size_m` beside the truth
+  WrongSign,     ///< counts backwards from where the fault came
+  Noise,         ///< uniform noise of +- `encoder_size_m` on every sample
+  Disconnected,  ///< open inputs of the card: stands where the fault came and dithers by two counts
+};
+
+/// Faults that a test or a fault campaign orders from the simulated robot (program inject_fault). All zero: none. Lies in the
+/// robot's image; the simulated robot applies them to its encoders, converters, drives and hold devices each step, so that the
+/// controller meets them as it would on a real machine. Bit a of a mask is axis a.
+struct InjectedFaults {
+  static constexpr std::size_t kChannelsOfFaults = 4;
+
+  std::array<std::atomic<std::uint8_t>, kChannelsOfFaults> encoder{};  ///< EncoderFault
+  std::array<std::atomic<double>, kChannelsOfFaults> encoder_size_m{};
+  std::atomic<std::uint8_t> converter_stuck{0};   ///< mask: the voltage stays what it was when the fault came
+  std::atomic<std::uint8_t> drive_dead{0};        ///< mask: the drive has no power; nothing tells the controller
+  std::atomic<std::uint8_t> drive_reversed{0};    ///< mask: the force has the wrong sign
+  std::atomic<std::uint8_t> hold_open{0};         ///< mask: the hold device does not engage
+  std::atomic<std::uint8_t> hold_closed{0};       ///< mask: the hold device is engaged whatever its output says
+  std::atomic<std::uint32_t> component_fault{0};  ///< for components of test programs; the simulated robot ignores it
+  std::atomic<std::uint32_t> generation{0};       ///< counts orders; written after the order, noted in the truth log
+};
+
+/// Takes all faults back. `generation` goes on.
+inline void clear(InjectedFaults& faults) noexcept {
+  for (auto& one : faults.encoder)
+    one.store(static_cast<std::uint8_t>(EncoderFault::None));
+  for (auto* mask :
+       {&faults.converter_stuck, &faults.drive_dead, &faults.drive_reversed, &faults.hold_open, &faults.hold_closed})
+    mask->store(0);
+  faults.component_fault.store(0);
+  faults.generation.fetch_add(1);
+}
+
+}  // namespace knee_robot::hardware

@@ -1,0 +1,36 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+
+#include "knee_robot/hardware/injected_faults.h"
+
+namespace knee_robot {
+
+/// Applies the ordered faults of the simulated robot's encoders and converters. Keeps what a fault needs to know of the moment in
+/// which it came. Real-time safe, deterministic.
+class FaultInjector {
+ public:
+  static constexpr std::size_t kChannels = hardware::InjectedFaults::kChannelsOfFaults;
+  using Values = std::array<double, kChannels>;
+
+  /// `faults` must outlive this.
+  explicit FaultInjector(const hardware::InjectedFaults& faults) : faults_(faults) {}
+
+  /// Once a step: voltages that the converters give when they were asked for these (V).
+  Values volts(const Values& asked) noexcept;
+  /// Once a step: what the encoders count when the truth is this (x4 counts, with fraction); `counts_per_m` is signed.
+  Values counts(const Values& truth, const Values& counts_per_m) noexcept;
+
+ private:
+  double random() noexcept;  ///< uniform in -1 .. 1
+
+  const hardware::InjectedFaults& faults_;
+  std::array<hardware::EncoderFault, kChannels> active_{};
+  Values at_onset_{};  ///< count
+  std::uint8_t stuck_ = 0;
+  Values stuck_at_{};  ///< V
+  std::uint64_t random_ = 0x9E3779B97F4A7C15ull;
+};
+
+}  // namespace knee_robot

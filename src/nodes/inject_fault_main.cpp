@@ -1,0 +1,128 @@
+// inject_fault --shm NAME FAULT [--axis N] [--size X]: orders a fault from the simulated robot while it runs (or takes all back:
+// inject_fault clear). The faults are applied on the robot's side of the registers; the controller is not told.
+
+#include <cmath>
+#include <cstdio>
+#include <functional>
+#include <map>
+
+#include "knee_robot/base/errors.h"
+#include "knee_robot/hardware/shared_image.h"
+#include "program.h"
+
+namespace {
+
+using namespace knee_robot;
+using hardware::EncoderFault;
+using hardware::InjectedFaults;
+using hardware::RobotImage;
+
+struct Order {
+  int axis = 0;       ///< 1 to 4; 0: all
+  double size = 0.0;  ///< meaning and unit depend on the fault
+};
+
+using Action = std::function<void(RobotImage&, const Order&)>;
+
+template <typename Do>
+void forAxes(const Order& order, Do&& action) {
+  for (std::size_t i = 0; i < InjectedFaults::kChannelsOfFaults; ++i) {
+    if (order.axis == 0 || static_cast<std::size_t>(order.axis) == i + 1) action(i);
+  }
+}
+
+Action encoder(EncoderFault fault) {
+  return [fault](RobotImage& image, const Order& order) {
+    forAxes(order, [&](std::size_t i) {
+      image.faults.encoder_size_m[i].store(order.size);
+      image.faults.encoder[i].store(static_cast<std::uint8_t>(fault));
+    });
+  };
+}
+
+Action mask(std::atomic<std::uint8_t> InjectedFaults::*which) {
+  return [which](RobotImage& image, const Order& order) {
+    unsigned bits = 0;
+    forAxes(order, [&](std::size_t i) { bits |= 1u << i; });
+    (image.faults.*which).fetch_or(static_cast<std::uint8_t>(bits));
+  };
+}
+
+void press(std::atomic<std::uint8_t>& button) {
+  button.store(1);
+}
+
+void takeAllBack(RobotImage& image, const Order&) {
+  image.analog.disconnected.store(0);
+  image.counter.disconnected.store(0);
+  image.counter.answer_delay_us.store(0);
+  image.surroundings.emergency_stop_pressed.store(0);
+  image.surroundings.hand_switch_pressed.store(0);
+  for (auto& force : image.surroundings.pose_force)
+    force.store(0.0);
+  hardware::clear(image.faults);
+}
+
+const std::map<std::string, Action>& actions() {
+  static const std::map<std::string, Action> all = {
+      {"encoder_frozen", encoder(EncoderFault::Frozen)},
+      {"encoder_jump", encoder(EncoderFault::Jump)},
+      {"encoder_wrong_sign", encoder(EncoderFault::WrongSign)},
+      {"encoder_noise", encoder(EncoderFault::Noise)},
+      {"encoder_disconnected", encoder(EncoderFault::Disconnected)},
+      {"converter_stuck", mask(&InjectedFaults::converter_stuck)},
+      {"drive_dead", mask(&InjectedFaults::drive_dead)},
+      {"drive_reversed", mask(&InjectedFaults::drive_reversed)},
+      {"hold_open", mask(&InjectedFaults::hold_open)},
+      {"hold_closed", mask(&InjectedFaults::hold_closed)},
+      {"analog_card_lost", [](RobotImage& image, const Order&) { image.analog.disconnected.store(1); }},
+      {"counter_card_lost", [](RobotImage& image, const Order&) { image.counter.disconnected.store(1); }},
+      {"slow_card",
+       [](RobotImage& image, const Order& order) {
+         image.counter.answer_delay_us.store(static_cast<std::uint32_t>(order.size));
+       }},
+      {"emergency_stop", [](RobotImage& image, const Order&) { press(image.surroundings.emergency_stop_pressed); }},
+      {"hand_switch", [](RobotImage& image, const Order&) { press(image.surroundings.hand_switch_pressed); }},
+      {"push_down", [](RobotImage& image, const Order& order) { image.surroundings.pose_force[1].store(-order.size); }},
+      {"component",
+       [](RobotImage& image, const Order& order) {
+         image.faults.component_fault.store(static_cast<std::uint32_t>(order.size));
+       }},
+      {"clear", takeAllBack},
+  };
+  return all;
+}
+
+std::string names() {
+  std::string list;
+  for (const auto& [name, action] : actions())
+    list += (list.empty() ? "" : ", ") + name;
+  return list;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  CLI::App app("Orders a fault from the simulated robot while it runs.", "inject_fault");
+  std::string shm = "/knee_robot_sim", name;
+  Order order;
+  app.add_option("--shm", shm, "shared memory of the simulated robot")->capture_default_str();
+  app.add_option("--axis", order.axis, "1 to 4; 0: all four")->check(CLI::Range(0, 4))->capture_default_str();
+  app.add_option("--size", order.size,
+                 "encoder_jump, encoder_noise: m; push_down: N; slow_card: us per access; component: number")
+      ->capture_default_str();
+  app.add_option("fault", name, names())->required();
+  return runProgram(app, argc, argv, [&] {
+    const auto found = actions().find(name);
+    if (found == actions().end())
+      throw InputError("there is no fault '" + name.substr(0, 40) + "'; there are " + names());
+    const bool counts_size = name == "slow_card" || name == "component";
+    if (!std::isfinite(order.size) || (counts_size && !(order.size >= 0.0 && order.size <= 1e6))) {
+      throw InputError("--size " + std::to_string(order.size) + " is no size for " + name);
+    }
+    hardware::SharedImage memory = hardware::SharedImage::attach(shm);
+    found->second(memory.image(), order);
+    if (name != "clear") memory.image().faults.generation.fetch_add(1);
+    return kExitDone;
+  });
+}
