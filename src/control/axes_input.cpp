@@ -28,6 +28,7 @@ void AxesInput::updateHook(const rt::Cycle& cycle) {
   out_.time = cycle.time;
   out_.read_at = cycle.wake;
   out_.fenced_out = bus_.isFencedOut();
+  out_.bus_failure = bus_.failure();
   if (out_.status == hardware::IoStatus::Ok) {
     convert(feedback, any_ ? rt::toSeconds(cycle.time - last_good_) : 0.0);
     last_good_ = cycle.time;

@@ -12,6 +12,7 @@ namespace {
 constexpr double kQuick_s = 1.0;
 constexpr double kSafeStop_s = 8.0;  // longest deceleration, settling, hold and disable delays together
 constexpr double kEnable_s = 12.0;
+constexpr double kRecovery_s = 0.05;  // components and drives that are taken out of a fault
 
 /// Rest to rest on a straight line in actuator space, minimum jerk, no axis faster than `speed` or half of its acceleration limit.
 Points straightLine(const AxisValues& from, const AxisValues& to, const Robot& robot, double speed) {
@@ -208,7 +209,8 @@ Answer ControlSystem::resetFaults() {
   for (const auto& component : deployment_->components()) {
     if (!revive(*component)) return {false, component->name() + " cannot be recovered: " + component->refusal()};
   }
-  waitUntil([] { return false; }, 0.02);  // a few cycles, so that what is answered is about the recovered components
+  bus_.acknowledgeFaults();
+  waitUntil([] { return false; }, kRecovery_s);  // a few cycles, so that what is answered is about the recovered components
   waitFor(MachineState::Disabled, kSafeStop_s);  // a safe stop that still runs; or the latched fault
   if (state() == MachineState::Disabled) return {true, "the components were recovered; the robot is disabled"};
   return request(RequestKind::Reset, kQuick_s);

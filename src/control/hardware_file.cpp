@@ -39,11 +39,22 @@ double HardwareFile::holdDelay() const {
   return delay;
 }
 
+std::array<hardware::can::AxisUnits, hardware::kAxes> canUnits(const Robot& robot) {
+  std::array<hardware::can::AxisUnits, hardware::kAxes> units{};
+  for (std::size_t i = 0; i < units.size(); ++i) {
+    const Actuator& actuator = robot.actuators.at(i);
+    units[i].force_per_volt_N = actuator.force_per_volt_N;
+    units[i].screw_lead_m = actuator.screw_lead_m;
+    units[i].counts_per_revolution = actuator.counts_per_revolution;
+  }
+  return units;
+}
+
 HardwareFile loadHardwareFile(const std::string& path) {
   StrictMap file = StrictMap::load(path);
   HardwareFile hardware;
   hardware.path = path;
-  hardware.backend = file.choice("backend", {"simulated", "pci"});
+  hardware.backend = file.choice("backend", {"simulated", "pci", "can"});
   hardware.bench_without_patient = file.flagOr("bench_without_patient", false);
   readOutputs(hardware, file.map("digital_outputs"));
   if (auto inputs = file.mapIfAny("digital_inputs")) {
@@ -58,6 +69,11 @@ HardwareFile loadHardwareFile(const std::string& path) {
   for (std::size_t i = 0; i < axes.size(); ++i)
     hardware.axes[i] = readAxis(axes[i], hardware.bench_without_patient);
   if (axes.size() == 1) hardware.axes.fill(hardware.axes[0]);
+  if (hardware.backend == "can") {
+    hardware.can = hardware::can::readCanSettings(file.map("can"));
+    hardware.can->drive_enable_bit = hardware.drive_enable_bit;
+    hardware.can->enable_delay_s = hardware.drive_enable_delay_s;
+  }
   file.finish();
   return hardware;
 }

@@ -2,6 +2,37 @@
 #include "knee_robot/control/supervisor.h"
 
 namespace knee_robot {
+namespace {
+
+Fault faultOf(hardware::BusFault fault) noexcept {
+  switch (fault) {
+    case hardware::BusFault::None:
+      return Fault::None;
+    case hardware::BusFault::InterfaceDown:
+      return Fault::BusDown;
+    case hardware::BusFault::BusOff:
+      return Fault::BusOff;
+    case hardware::BusFault::Flooded:
+      return Fault::BusFlooded;
+    case hardware::BusFault::DriveLost:
+      return Fault::DriveLost;
+    case hardware::BusFault::FeedbackLate:
+      return Fault::FeedbackLate;
+    case hardware::BusFault::DriveHeartbeatLost:
+      return Fault::DriveHeartbeatLost;
+    case hardware::BusFault::ControllerHeartbeatLost:
+      return Fault::ControllerHeartbeatLost;
+    case hardware::BusFault::DriveEmergency:
+      return Fault::DriveEmergency;
+    case hardware::BusFault::DriveFault:
+      return Fault::DriveFault;
+    case hardware::BusFault::DriveNotEnabled:
+      return Fault::DriveNotEnabled;
+  }
+  return Fault::None;
+}
+
+}  // namespace
 
 /// The first fault is latched; drives that are on are brought to rest by the safe stop first.
 void Supervisor::raise(Fault fault, int axis, int component) noexcept {
@@ -18,6 +49,9 @@ void Supervisor::raise(Fault fault, int axis, int component) noexcept {
 void Supervisor::lookForFaults() {
   // Before all others: after a pause of the whole process nearly everything else looks wrong, too.
   if (measured_.fenced_out) raise(Fault::GuardianActed, 0);
+  // An emergency stop takes the drives' power: what they complain about is not its cause.
+  if (measured_.bus_failure.fault != hardware::BusFault::None && emergencyInput()) raise(Fault::EmergencyStop, 0);
+  raise(faultOf(measured_.bus_failure.fault), measured_.bus_failure.axis);
   lookAtComponents();
   lookAtMeasurement();
   for (const AxisCommand& command : commands_) {
@@ -70,7 +104,7 @@ bool Supervisor::emergencyInput() const noexcept {
 }
 
 bool Supervisor::causeRemains() const noexcept {
-  if (emergencyInput()) return true;
+  if (emergencyInput() || measured_.bus_failure.fault != hardware::BusFault::None) return true;
   if (unreadable_ != 0 || written_.status != hardware::IoStatus::Ok) return true;
   for (const rt::TaskContext* one : watched_) {
     if (one->state() != rt::TaskState::Running) return true;

@@ -11,6 +11,7 @@
 #include "controller_topics.h"
 #include "folder.h"
 #include "knee_robot/base/errors.h"
+#include "knee_robot/hardware/can/can_axis_bus.h"
 #include "knee_robot/hardware/guarded_bus.h"
 #include "knee_robot/hardware/open_bus.h"
 
@@ -28,12 +29,13 @@ std::string requiredParameter(const ros::NodeHandle& node, const std::string& na
   return value;
 }
 
-/// The simulated robot starts beside this node: wait for it a little.
-std::unique_ptr<hardware::AxisBus> waitForSimulatedCards(const std::string& name) {
+/// A simulated robot starts beside this node: wait for it a little.
+template <typename Open>
+std::unique_ptr<hardware::AxisBus> waitFor(Open&& open) {
   const ros::WallTime give_up = ros::WallTime::now() + ros::WallDuration(10.0);
   while (true) {
     try {
-      return hardware::openSimulatedCards(name);
+      return open();
     } catch (const InputError&) {
       if (stop_requested || ros::WallTime::now() > give_up) throw;
     }
@@ -41,8 +43,15 @@ std::unique_ptr<hardware::AxisBus> waitForSimulatedCards(const std::string& name
   }
 }
 
-std::unique_ptr<hardware::AxisBus> openBus(const HardwareFile& hardware_file, const ros::NodeHandle& node) {
-  if (hardware_file.backend == "simulated") return waitForSimulatedCards(requiredParameter(node, "shm"));
+std::unique_ptr<hardware::AxisBus> openBus(const HardwareFile& hardware_file, const Robot& robot,
+                                           const ros::NodeHandle& node) {
+  if (hardware_file.backend == "simulated") {
+    const std::string name = requiredParameter(node, "shm");
+    return waitFor([&] { return hardware::openSimulatedCards(name); });
+  }
+  if (hardware_file.can) {
+    return waitFor([&] { return hardware::can::openCanDrives(*hardware_file.can, canUnits(robot)); });
+  }
   return hardware::openPciCards(std::nullopt, std::nullopt);
 }
 
@@ -55,9 +64,9 @@ struct Machine {
   hardware::AxisBus& bus() { return guarded ? static_cast<hardware::AxisBus&>(*guarded) : *cards; }
 };
 
-Machine openMachine(const HardwareFile& hardware_file, const ros::NodeHandle& node) {
+Machine openMachine(const HardwareFile& hardware_file, const Robot& robot, const ros::NodeHandle& node) {
   Machine machine;
-  machine.cards = openBus(hardware_file, node);
+  machine.cards = openBus(hardware_file, robot, node);
   const std::string link = node.param<std::string>("guardian", "");
   if (link.empty()) {
     ROS_WARN("NO GUARDIAN: when this process dies, the drives keep what they were given last");
@@ -103,14 +112,15 @@ class GuardianSupervision {
 int run() {
   ros::NodeHandle node("~");
   const Robot robot = loadRobot(requiredParameter(node, "robot"));
-  const HardwareFile hardware_file = loadHardwareFile(requiredParameter(node, "hardware"));
+  HardwareFile hardware_file = loadHardwareFile(requiredParameter(node, "hardware"));
+  if (hardware_file.can) node.param("can", hardware_file.can->interface, hardware_file.can->interface);
   const double rate_hz = node.param("rate_hz", 50.0);
   if (!(rate_hz >= 1.0 && rate_hz <= 500.0)) {
     throw InputError("parameter " + node.resolveName("rate_hz") + " is outside 1 .. 500; it is the rate of the topics");
   }
   const Folder references(requiredParameter(node, "references"));
   const Folder recordings(requiredParameter(node, "recordings"));
-  Machine machine = openMachine(hardware_file, node);
+  Machine machine = openMachine(hardware_file, robot, node);
 
   ControlSystem system(robot, hardware_file, requiredParameter(node, "deployment"), machine.bus(), {});
   const Answer started = system.start();

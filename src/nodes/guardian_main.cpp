@@ -13,6 +13,7 @@
 #include "knee_robot/base/errors.h"
 #include "knee_robot/control/guardian.h"
 #include "knee_robot/control/hardware_file.h"
+#include "knee_robot/hardware/can/can_axis_bus.h"
 #include "knee_robot/hardware/open_bus.h"
 #include "knee_robot/rt/activity.h"
 #include "program.h"
@@ -34,6 +35,7 @@ std::unique_ptr<hardware::EmergencyOutputs> openOutputs(const HardwareFile& file
   const auto give_up = std::chrono::steady_clock::now() + std::chrono::seconds(10);
   while (true) {
     try {
+      if (file.can) return hardware::can::openCanEmergencyOutputs(*file.can);
       return hardware::openSimulatedEmergencyOutputs(shm);
     } catch (const InputError&) {
       if (stop_requested || std::chrono::steady_clock::now() > give_up) throw;

@@ -97,7 +97,8 @@ RobotSimulation::RobotSimulation(const Robot& robot, RobotInertia inertia, const
 void RobotSimulation::readCards(double dt) noexcept {
   const hardware::InjectedFaults& faults = image_.faults;
   generation_ = faults.generation.load(std::memory_order_acquire);
-  const auto volts = volts_ = injector_.volts(hardware::outputVolts(image_.analog));
+  const auto asked = other_volts_ != nullptr ? *other_volts_ : hardware::outputVolts(image_.analog);
+  const auto volts = volts_ = injector_.volts(asked);
   const unsigned outputs = image_.counter.outputs.load(std::memory_order_acquire);
   const bool power = relayIsClosed(outputs, dt) && image_.surroundings.emergency_stop_pressed.load() == 0;
   const bool enable = power && (outputs >> parameters_.drive_enable_bit & 1u) != 0;

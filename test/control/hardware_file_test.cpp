@@ -63,7 +63,7 @@ TEST(HardwareFile, RefusesAnAxisThatNothingHoldsExceptOnABenchWithoutPatient) {
 TEST(HardwareFile, RefusesWhatIsSenselessByLine) {
   EXPECT_EQ(refusalOf("heartbeat: 2", "heartbeat: 1").rfind(":2: heartbeat: ", 0), 0u);
   EXPECT_EQ(refusalOf("heartbeat: 2", "heartbeat: 4").rfind(":2: heartbeat: 4 is outside 0 .. 3", 0), 0u);
-  EXPECT_EQ(refusalOf("backend: simulated", "backend: can").rfind(":1: backend: ", 0), 0u);
+  EXPECT_EQ(refusalOf("backend: simulated", "backend: relays").rfind(":1: backend: ", 0), 0u);
   EXPECT_EQ(
       refusalOf("  - {hold_device: shorted_windings, hold_delay_s: 0.01}\n", "").rfind(":4: axes: expected four", 0),
       0u);

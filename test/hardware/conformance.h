@@ -47,6 +47,8 @@ class ConformanceBench {
   virtual void reconnect() = 0;
   /// While set, the device's answers come after their time. False: not possible with this device.
   virtual bool answerLate(bool /*on*/) { return false; }
+  /// Switches drives on that give no force before. False: it failed.
+  virtual bool energise() { return true; }
   /// Lets what was asked or moved take effect, where the device needs cycles for that.
   virtual void settle() {}
 };
@@ -65,6 +67,10 @@ class AxisBusConformance : public ::testing::TestWithParam<Backend> {
   void ready() {
     const SelfTest result = bus().selfTest();
     ASSERT_TRUE(result.passed) << (result.findings.empty() ? "no finding" : result.findings.back());
+  }
+  void energised() {
+    ready();
+    ASSERT_TRUE(bench().energise());
   }
   AxisBus& bus() { return bench_->bus(); }
   ConformanceBench& bench() { return *bench_; }
@@ -95,7 +101,7 @@ TEST_P(AxisBusConformance, StartsWithDrivesDisabledZeroVoltsAndCountsAtZero) {
 }
 
 TEST_P(AxisBusConformance, ASecondSelfTestSilencesOutputsThatACrashLeft) {
-  ready();
+  energised();
   Volts written{};
   ASSERT_EQ(bus().writeVolts({5, -5, 5, -5}, written), IoStatus::Ok);
   ASSERT_EQ(bus().writeOutputs(0x0F), IoStatus::Ok);
@@ -105,7 +111,7 @@ TEST_P(AxisBusConformance, ASecondSelfTestSilencesOutputsThatACrashLeft) {
 }
 
 TEST_P(AxisBusConformance, WritesWhatItSaysWithinHalfAStep) {
-  ready();
+  energised();
   const double reach = 0.999 * std::min(-bench().lowestVolts(), bench().highestVolts());
   for (double volts = -reach; volts < reach; volts += 0.000371 * reach) {
     const Volts asked{volts, -volts, volts / 3, 0.01 * reach};
@@ -120,7 +126,7 @@ TEST_P(AxisBusConformance, WritesWhatItSaysWithinHalfAStep) {
 }
 
 TEST_P(AxisBusConformance, ClampsToTheRangeAndSaysSo) {
-  ready();
+  energised();
   Volts written{};
   ASSERT_EQ(bus().writeVolts({1e300, -1e300, 10.0, -10.0}, written), IoStatus::Ok);
   bench().settle();
@@ -131,7 +137,7 @@ TEST_P(AxisBusConformance, ClampsToTheRangeAndSaysSo) {
 }
 
 TEST_P(AxisBusConformance, RefusesACommandThatIsNotFiniteAsAWhole) {
-  ready();
+  energised();
   Volts before{};
   ASSERT_EQ(bus().writeVolts({1, 2, 3, 4}, before), IoStatus::Ok);
   const double infinity = std::numeric_limits<double>::infinity();
@@ -149,7 +155,7 @@ TEST_P(AxisBusConformance, RefusesACommandThatIsNotFiniteAsAWhole) {
 }
 
 TEST_P(AxisBusConformance, MovesTheFourOutputsAtOneInstant) {
-  ready();
+  energised();
   Volts first{};
   Volts second{};
   ASSERT_EQ(bus().writeVolts({-9, -3, 3, 9}, first), IoStatus::Ok);
@@ -208,7 +214,7 @@ TEST_P(AxisBusConformance, PassesDigitalLinesBothWays) {
 }
 
 TEST_P(AxisBusConformance, ReportsADisconnectAtEveryCallAndTouchesNothing) {
-  ready();
+  energised();
   Volts before{};
   ASSERT_EQ(bus().writeVolts({1, 2, 3, 4}, before), IoStatus::Ok);
   bench().disconnect();

@@ -25,6 +25,7 @@ struct AxesMeasurement {
   std::array<std::int64_t, kAxes> counts{};
   std::uint8_t digital_inputs = 0;
   bool fenced_out = false;  ///< a guardian has taken the outputs
+  hardware::BusFailure bus_failure;  ///< what a bus of drives tells beyond `status`
 };
 
 /// What Sync is doing.

@@ -37,8 +37,18 @@ enum class Fault : std::uint8_t {
   PatientPose,
   PatientSpeed,
   HomingFailed,
+  BusDown,
+  BusOff,
+  BusFlooded,
+  DriveLost,
+  FeedbackLate,
+  DriveHeartbeatLost,
+  ControllerHeartbeatLost,
+  DriveEmergency,
+  DriveFault,
+  DriveNotEnabled,
 };
-inline constexpr int kFaults = 31;
+inline constexpr int kFaults = 41;
 
 /// When resetFaults() clears a fault.
 enum class ResetRule : std::uint8_t {

@@ -6,6 +6,8 @@
 
 #include "knee_robot/base/strict_yaml.h"
 #include "knee_robot/hardware/axis_bus.h"
+#include "knee_robot/hardware/can/can_settings.h"
+#include "knee_robot/mechanism/robot.h"
 
 namespace knee_robot {
 
@@ -26,7 +28,8 @@ enum class HomingMethod {
 
 /// Content of a hardware file:
 ///
-///     backend: simulated              # or pci (the cards); the program that makes the AxisBus reads it
+///     backend: simulated              # or pci (the cards), can (drives on a CAN bus); the program that makes the AxisBus reads it
+///     can: {...}                      # backend can only: see hardware/can/can_settings.h
 ///     bench_without_patient: false    # optional; hold_device none needs true
 ///     digital_outputs: {drive_enable: 0, hold_release: 1, heartbeat: 2}   # bits 0 to 3, all different; 1 = enabled, released
 ///     digital_inputs: {emergency_stop_clear: 0}   # optional; 1 = not pressed, drive power present
@@ -43,6 +46,7 @@ struct HardwareFile {
 
   std::string path;
   std::string backend;
+  std::optional<hardware::can::CanSettings> can;  ///< engaged for backend can
   bool bench_without_patient = false;
   int drive_enable_bit = 0;
   int hold_release_bit = 1;
@@ -64,5 +68,8 @@ struct HardwareFile {
 /// Reads a hardware file strictly. InputError (file, line, limit) for anything unknown or senseless, and for hold_device none
 /// without bench_without_patient.
 HardwareFile loadHardwareFile(const std::string& path);
+
+/// What turns the robot's set values into drive torques; rated torques come from the `can` section.
+std::array<hardware::can::AxisUnits, hardware::kAxes> canUnits(const Robot& robot);
 
 }  // namespace knee_robot

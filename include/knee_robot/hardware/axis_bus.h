@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "knee_robot/hardware/bus_failure.h"
 #include "knee_robot/hardware/io_status.h"
 
 namespace knee_robot::hardware {
@@ -62,6 +63,13 @@ class AxisBus {
 
   /// Not real-time, from any thread, with the drives off: asks for the outputs again. FencedOut: not given back.
   virtual IoStatus reclaim() { return IoStatus::Ok; }
+
+  /// Why the machine has to stop although calls may still answer Ok; of the last read(). Real-time safe. Cards know nothing of it.
+  virtual BusFailure failure() const noexcept { return {}; }
+
+  /// From any thread, with the drives off: the operator has asked for a reset. Drives that are in Fault are to be taken out of it
+  /// in the next cycles.
+  virtual void acknowledgeFaults() noexcept {}
 };
 
 }  // namespace knee_robot::hardware

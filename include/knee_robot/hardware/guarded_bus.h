@@ -23,6 +23,8 @@ class GuardedBus : public AxisBus {
   bool isFencedOut() const noexcept override;
   /// Waits up to 0.3 s for the guardian.
   IoStatus reclaim() override;
+  BusFailure failure() const noexcept override { return bus_.failure(); }
+  void acknowledgeFaults() noexcept override { bus_.acknowledgeFaults(); }
 
  private:
   AxisBus& bus_;

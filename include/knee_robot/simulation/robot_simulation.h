@@ -45,6 +45,9 @@ class RobotSimulation {
   /// Real-time safe.
   bool step(double dt) noexcept;
 
+  /// Set values from elsewhere than the analog card: from drives on a bus. `volts` must outlive this.
+  void takeVoltsFrom(const std::array<double, hardware::kAxes>& volts) noexcept { other_volts_ = &volts; }
+
   double time() const noexcept { return time_s_; }
   const PlantState& state() const noexcept { return state_; }
   const PlantModel& model() const noexcept { return model_; }
@@ -83,6 +86,7 @@ class RobotSimulation {
   FaultInjector::Values volts_{};
   std::uint32_t outputs_ = 0, engaged_ = 0, generation_ = 0;
   double heartbeat_age_s_ = 0.0;
+  const std::array<double, hardware::kAxes>* other_volts_ = nullptr;
   double time_s_ = 0.0;
 };
 

@@ -1,0 +1,28 @@
+#pragma once
+
+#include <cstdint>
+
+namespace knee_robot::hardware {
+
+/// What a bus of intelligent drives may tell beyond IoStatus: why the machine has to stop, and which axis it is about.
+enum class BusFault : std::uint8_t {
+  None,
+  InterfaceDown,            ///< the CAN interface is down or gone
+  BusOff,                   ///< the CAN controller has left the bus
+  Flooded,                  ///< more frames than can be worth reading, or no room to send
+  DriveLost,                ///< a drive's feedback stays away, or it has left the operational state
+  FeedbackLate,             ///< feedback comes late, twice or out of order
+  DriveHeartbeatLost,       ///< no heartbeat of the drive
+  ControllerHeartbeatLost,  ///< the drive says that it missed ours, and has stopped
+  DriveEmergency,           ///< the drive has sent an emergency; `code` is its error code
+  DriveFault,               ///< the drive is in Fault
+  DriveNotEnabled,          ///< the drive left Operation Enabled or did not reach it
+};
+
+struct BusFailure {
+  BusFault fault = BusFault::None;
+  std::uint8_t axis = 0;   ///< 1 to 4; 0: all
+  std::uint16_t code = 0;  ///< the drive's emergency code, 0: none
+};
+
+}  // namespace knee_robot::hardware

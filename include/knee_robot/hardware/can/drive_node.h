@@ -1,0 +1,72 @@
+#pragma once
+
+#include <cstdint>
+
+#include "knee_robot/hardware/bus_failure.h"
+#include "knee_robot/hardware/can/canopen.h"
+#include "knee_robot/hardware/can/cia402.h"
+
+namespace knee_robot::hardware::can {
+
+/// Limits of what is tolerated of a drive.
+struct DriveTolerances {
+  int missed_feedback = 3;  ///< periods in a row
+  std::int64_t heartbeat_timeout_ns = 50'000'000;
+  std::int64_t enable_timeout_ns = 100'000'000;  ///< until Operation Enabled
+};
+
+/// What the controller knows of one drive while it runs, and what it concludes from that. Real-time safe.
+class DriveNode {
+ public:
+  DriveNode() = default;
+  DriveNode(int node, const DriveTolerances& tolerances) : node_(node), tolerances_(tolerances) {}
+
+  /// Takes the frame when it is this drive's feedback, heartbeat or emergency.
+  bool take(const Frame& frame) noexcept;
+  /// A SYNC goes out: from now on one feedback is expected.
+  void syncSent() noexcept { ++syncs_; }
+  /// Once a cycle, after all received frames have been taken.
+  void endCycle() noexcept;
+  /// Starts to expect what a running drive does.
+  void begin(std::int64_t now) noexcept;
+
+  void setGoal(DriveGoal goal, std::int64_t now) noexcept;
+  void requestFaultReset() noexcept;
+  /// Control word for the next cycle.
+  std::uint16_t nextControlWord() noexcept;
+
+  /// None, or the most telling of what is wrong; axis is left 0.
+  BusFailure failure(std::int64_t now) const noexcept;
+  bool hasFeedback() const noexcept { return heard_; }
+  bool isEnabled() const noexcept { return heard_ && state() == DriveState::OperationEnabled; }
+  DriveState state() const noexcept { return stateOf(status_word_); }
+  std::int32_t position() const noexcept { return position_; }  ///< counts
+  std::int16_t torque() const noexcept { return torque_; }      ///< per mille
+  std::uint8_t inputs() const noexcept { return inputs_; }      ///< bits 0..3
+  int node() const noexcept { return node_; }
+
+ private:
+  bool takeFeedback(const Frame& frame) noexcept;
+
+  int node_ = 0;
+  DriveTolerances tolerances_;
+  bool heard_ = false;
+  std::uint16_t status_word_ = 0;
+  std::int32_t position_ = 0;
+  std::int16_t torque_ = 0;
+  std::uint8_t inputs_ = 0;
+  int syncs_ = 0;      // since the last endCycle
+  int feedbacks_ = 0;  // since the last endCycle
+  int missed_ = 0;     // periods in a row
+  int irregular_ = 0;  // leaky count of periods with more than one feedback
+  std::int64_t heartbeat_ns_ = 0;
+  NmtState nmt_ = NmtState::Operational;
+  std::uint16_t emergency_ = 0;
+  int emergency_cycles_ = 0;  // since it came, up to 2
+  DriveGoal goal_ = DriveGoal::Off;
+  std::int64_t goal_since_ns_ = 0;
+  bool was_enabled_ = false;
+  FaultReset reset_;
+};
+
+}  // namespace knee_robot::hardware::can

@@ -1,0 +1,110 @@
+#include "knee_robot/hardware/can/drive_node.h"
+
+#include <algorithm>
+
+#include "knee_robot/hardware/can/cia402_objects.h"
+
+namespace knee_robot::hardware::can {
+namespace {
+
+constexpr int kLate = 8;  // what a period with more than one feedback adds; one with exactly one takes 1 off
+constexpr int kLargestIrregular = 20;
+constexpr std::uint16_t kHeartbeatMissed = 0x8130;
+
+}  // namespace
+
+void DriveNode::begin(std::int64_t now) noexcept {
+  const int node = node_;
+  const DriveTolerances tolerances = tolerances_;
+  *this = DriveNode(node, tolerances);
+  heartbeat_ns_ = now;
+  goal_since_ns_ = now;
+}
+
+bool DriveNode::takeFeedback(const Frame& frame) noexcept {
+  if (frame.length != 8) return false;
+  status_word_ = static_cast<std::uint16_t>(unsignedAt(frame, 0, 2));
+  position_ = static_cast<std::int32_t>(unsignedAt(frame, 2, 4));
+  torque_ = static_cast<std::int16_t>(unsignedAt(frame, 6, 2));
+  heard_ = true;
+  ++feedbacks_;
+  return true;
+}
+
+bool DriveNode::take(const Frame& frame) noexcept {
+  if (frame.extended || frame.remote || frame.error) return false;
+  const auto node = static_cast<std::uint32_t>(node_);
+  if (frame.id == kTransmitPdoBase + node) return takeFeedback(frame);
+  if (frame.id == kTransmitPdoBase + 0x100 + node && frame.length == 4) {
+    inputs_ = static_cast<std::uint8_t>(unsignedAt(frame, 0, 4) >> objects::kFirstLine & 0x0F);
+    return true;
+  }
+  if (const auto beat = parseHeartbeat(frame); beat && beat->node == node_) {
+    heartbeat_ns_ = std::max(heartbeat_ns_, frame.received_ns);
+    nmt_ = beat->state;
+    return true;
+  }
+  if (const auto emergency = parseEmergency(frame); emergency && emergency->node == node_) {
+    emergency_ = emergency->code;
+    emergency_cycles_ = 0;
+    return true;
+  }
+  return false;
+}
+
+/// Feedback of a SYNC comes within its period. What comes twice or not at all came late or out of order.
+void DriveNode::endCycle() noexcept {
+  if (feedbacks_ > 0) missed_ = 0;
+  if (syncs_ > 0) {
+    if (feedbacks_ == 0) ++missed_;
+    if (feedbacks_ > syncs_) irregular_ = std::min(irregular_ + kLate, 2 * kLargestIrregular);
+    if (feedbacks_ == syncs_) irregular_ = std::max(irregular_ - 1, 0);
+    syncs_ = 0;
+  }
+  feedbacks_ = 0;
+  emergency_cycles_ = std::min(emergency_cycles_ + 1, 2);
+  if (isEnabled()) was_enabled_ = goal_ == DriveGoal::Enabled;
+}
+
+void DriveNode::setGoal(DriveGoal goal, std::int64_t now) noexcept {
+  if (goal == goal_) return;
+  goal_ = goal;
+  goal_since_ns_ = now;
+  was_enabled_ = false;
+}
+
+void DriveNode::requestFaultReset() noexcept {
+  emergency_ = 0;
+  irregular_ = 0;
+  if (state() == DriveState::Fault) reset_.request();
+}
+
+std::uint16_t DriveNode::nextControlWord() noexcept {
+  // A drive that dropped out by itself comes back only after it has been switched off: no jump into an old motion.
+  const bool dropped_out = was_enabled_ && !isEnabled();
+  const DriveGoal goal = dropped_out ? DriveGoal::Off : goal_;
+  return reset_.controlWord(state(), can::controlWord(state(), goal));
+}
+
+BusFailure DriveNode::failure(std::int64_t now) const noexcept {
+  if (emergency_ == kHeartbeatMissed) return {BusFault::ControllerHeartbeatLost, 0, emergency_};
+  if (!reset_.pending() && (state() == DriveState::Fault || state() == DriveState::FaultReaction)) {
+    return {BusFault::DriveFault, 0, emergency_};
+  }
+  // The status word that tells whether the drive went to Fault with it comes up to a period later.
+  if (emergency_ != 0 && emergency_cycles_ >= 2) return {BusFault::DriveEmergency, 0, emergency_};
+  if (nmt_ != NmtState::Operational && nmt_ != NmtState::PreOperational) return {BusFault::DriveLost, 0, 0};
+  if (missed_ > tolerances_.missed_feedback) return {BusFault::DriveLost, 0, 0};
+  if (now - heartbeat_ns_ > tolerances_.heartbeat_timeout_ns) return {BusFault::DriveHeartbeatLost, 0, 0};
+  if (nmt_ == NmtState::PreOperational && now - goal_since_ns_ > tolerances_.heartbeat_timeout_ns) {
+    return {BusFault::DriveLost, 0, 0};
+  }
+  if (irregular_ >= kLargestIrregular) return {BusFault::FeedbackLate, 0, 0};
+  if (goal_ == DriveGoal::Enabled && !isEnabled()) {
+    const bool late = now - goal_since_ns_ > tolerances_.enable_timeout_ns;
+    if (was_enabled_ || late) return {BusFault::DriveNotEnabled, 0, 0};
+  }
+  return {};
+}
+
+}  // namespace knee_robot::hardware::can
