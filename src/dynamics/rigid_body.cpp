@@ -33,6 +33,10 @@ LinkInertia fromParameters(const LinkParameters& p) {
   return link;
 }
 
+Vector3 principalMoments(const LinkInertia& link) {
+  return Eigen::SelfAdjointEigenSolver<Matrix3>(link.inertia, Eigen::EigenvaluesOnly).eigenvalues();
+}
+
 std::string inconsistency(const LinkInertia& link) {
   if (!std::isfinite(link.mass) || !link.center.allFinite() || !link.inertia.allFinite()) {
     return "a value is not a finite number";
@@ -40,7 +44,7 @@ std::string inconsistency(const LinkInertia& link) {
   if (link.mass <= 0.0) return "mass " + shortNumber(link.mass) + " kg is not positive";
   const double size = link.inertia.norm();
   if ((link.inertia - link.inertia.transpose()).norm() > 1e-9 * size) return "the inertia tensor is not symmetric";
-  const Vector3 moments = Eigen::SelfAdjointEigenSolver<Matrix3>(link.inertia).eigenvalues();
+  const Vector3 moments = principalMoments(link);
   const double rounding = 1e-9 * size;
   if (moments[0] < -rounding) return "principal moment " + shortNumber(moments[0]) + " kg m^2 is negative";
   if (moments[2] > moments[0] + moments[1] + rounding) {

@@ -8,6 +8,8 @@
 namespace knee_robot {
 namespace {
 
+constexpr double kFilesApart_s = 1e6;
+
 /// One sample that is used, of one training file.
 struct Pick {
   std::size_t file;
@@ -95,11 +97,18 @@ Equations stackEquations(const std::vector<Observation>& training, const Observa
   const Eigen::Index columns = training.front().regressor.front().cols();
   e.a.resize(rows, columns);
   e.b.resize(rows);
+  e.step_s = training.front().signals.period_s * strideOf(training.front(), options);
   for (int i = 0; i < e.axes; ++i) {
+    double elapsed = 0.0;
+    std::size_t file = 0;
     for (const Pick& p : picks) {
+      if (p.file != file) elapsed = kFilesApart_s * static_cast<double>(file = p.file);
+      elapsed += e.step_s;
       if (!wanted(training[p.file], p.sample, i, independent)) continue;
       e.actuator.push_back(i);
       e.block.push_back(p.block);
+      e.time_s.push_back(kFilesApart_s * static_cast<double>(p.file) + p.sample * training[p.file].signals.period_s);
+      e.elapsed_s.push_back(elapsed);
       e.second.push_back(static_cast<int>(p.file) * 1000000 +
                          static_cast<int>(p.sample * training[p.file].signals.period_s));
     }

@@ -53,6 +53,18 @@ void refuseTooShort(const std::vector<Observation>& training, const Equations& e
                 " s are needed: record a longer motion");
 }
 
+void refuseRank(int asked, const Reduction& r, const std::vector<Observation>& training) {
+  if (asked == 0) return;
+  if (asked < r.minimalRank()) {
+    throw InputError("rank " + std::to_string(asked) + " is too small: friction and rotor inertia alone are " +
+                     std::to_string(r.minimalRank()) + " parameters, and are never truncated; ask for at least that");
+  }
+  if (asked > r.maximalRank()) {
+    throw Refusal(std::to_string(asked) + " directions were asked for, but " + namesOf(training) + " excites only " +
+                  std::to_string(r.maximalRank()) + "; ask for fewer, or record a richer motion");
+  }
+}
+
 std::vector<char> usedColumns(const std::vector<Column>& columns, bool friction) {
   std::vector<char> use(columns.size(), 1);
   for (std::size_t c = 0; c < columns.size(); ++c) {
@@ -150,6 +162,17 @@ void describeModel(const Robot& robot, const std::vector<Observation>& training,
     model.data.push_back({o.path, o.fingerprint});
 }
 
+/// What the physically consistent fit needs of the equations.
+void keepBlocks(Equations& e, const Eigen::VectorXd& weights, Identification& id) {
+  const Eigen::VectorXd root = weights.cwiseSqrt();
+  e.a.array().colwise() *= root.array();
+  e.b.array() *= root.array();
+  id.compressed = compressBlocks(e);
+  id.block_rows.assign(static_cast<std::size_t>(e.blocks), 0);
+  for (const int block : e.block)
+    ++id.block_rows[static_cast<std::size_t>(block)];
+}
+
 }  // namespace
 
 Identification identify(const Robot& robot, std::vector<Observation>& training, const IdentifyOptions& options) {
@@ -173,11 +196,12 @@ Identification identify(const Robot& robot, std::vector<Observation>& training, 
       setCoulombWidth(o, id.columns, widths);
     equations = stackEquations(training, options.observation);
   }
+  if (options.friction) refuseRank(options.rank, reductionOf(stage.equations, id.columns, use), training);
   stage = solveStage(equations, noiseAfter(equations, stage.parameters), id.columns, use, options.rank);
   stage = solveStage(equations, noiseAfter(equations, stage.parameters), id.columns, use, options.rank);
 
   const Reduction reduction = reductionOf(stage.equations, id.columns, use);
-  const RobustFit fit = robustFit(stage.equations, reduction, stage.rank.rank);
+  const RobustFit fit = robustFit(stage.equations, reduction, stage.rank.rank, options.outliers);
   describeModel(robot, training, options.observation, id.model);
   describeParameters(reduction, fit, id.columns, id.model);
   id.model.rank = stage.rank.rank;
@@ -195,6 +219,9 @@ Identification identify(const Robot& robot, std::vector<Observation>& training, 
   id.blocks = equations.blocks;
   id.duration_s = equations.duration_s;
   id.outlier_share = fit.outlier_share;
+  id.bootstrap_block_s = fit.block_s;
+  id.force_rms_N = rmsPerActuator(equations, equations.b);
+  keepBlocks(stage.equations, fit.weights, id);
   return id;
 }
 

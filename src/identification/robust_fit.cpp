@@ -3,12 +3,17 @@
 #include <ceres/ceres.h>
 
 #include <algorithm>
+#include <cmath>
 #include <stdexcept>
+
+#include "knee_robot/identification/bootstrap.h"
 
 namespace knee_robot {
 namespace {
 
-constexpr double kHuber = 1.345;  ///< 95 % efficient for normal residuals (Huber 1964)
+constexpr double kHuber = 1.345;     ///< 95 % efficient for normal residuals (Huber 1964)
+constexpr double kBisquare = 4.685;  ///< the same (Beaton and Tukey 1974)
+constexpr int kMostIterations = 50;
 
 using Rows = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
@@ -48,59 +53,19 @@ Rows reducedRows(const Equations& e, const Reduction& r, int rank) {
   return e.a * basis;
 }
 
-/// (X'WX)^-1 (sum of g g' over seconds) (X'WX)^-1, with the loss function's weights; coordinates at their bound are fixed.
-Eigen::MatrixXd clusterCovariance(const Equations& e, const Rows& x, const Eigen::VectorXd& z, int bounded) {
-  const Eigen::Index n = x.cols();
-  const Eigen::VectorXd residual = e.b - x * z;
-  Eigen::MatrixXd normal = Eigen::MatrixXd::Zero(n, n);
-  Eigen::MatrixXd meat = Eigen::MatrixXd::Zero(n, n);
-  std::vector<std::pair<int, Eigen::Index>> order;
-  for (Eigen::Index row = 0; row < x.rows(); ++row)
-    order.emplace_back(e.second[static_cast<std::size_t>(row)], row);
-  std::sort(order.begin(), order.end());
-  Eigen::VectorXd gradient = Eigen::VectorXd::Zero(n);
-  for (std::size_t k = 0; k < order.size(); ++k) {
-    const Eigen::Index row = order[k].second;
-    const double weight = std::min(1.0, kHuber / std::max(std::abs(residual[row]), 1e-300));
-    normal.selfadjointView<Eigen::Lower>().rankUpdate(x.row(row).transpose(), weight);
-    gradient += weight * residual[row] * x.row(row).transpose();
-    if (k + 1 == order.size() || order[k + 1].first != order[k].first) {
-      meat.noalias() += gradient * gradient.transpose();
-      gradient.setZero();
-    }
-  }
-  normal = normal.selfadjointView<Eigen::Lower>();
-  for (Eigen::Index i = 0; i < bounded; ++i) {
-    if (z[i] > 0.0) continue;
-    normal.row(i).setZero();
-    normal.col(i).setZero();
-    meat.row(i).setZero();
-    meat.col(i).setZero();
-    normal(i, i) = 1.0;
-  }
-  const Eigen::MatrixXd inverse = normal.ldlt().solve(Eigen::MatrixXd::Identity(n, n));
-  return inverse * meat * inverse;
-}
-
-}  // namespace
-
-RobustFit robustFit(const Equations& e, const Reduction& r, int rank) {
-  const Rows x = reducedRows(e, r, rank);
-  RobustFit fit;
-  fit.coordinates = solveReduced(r, rank);
-
+/// Huber's loss by Ceres, from a good start.
+int fitHuber(const Equations& e, const Rows& x, int bounded, Eigen::VectorXd& coordinates) {
   ceres::HuberLoss loss(kHuber);
   ceres::Problem::Options ownership;
   ownership.loss_function_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
   ceres::Problem problem(ownership);
-  double* const z = fit.coordinates.data();
-  problem.AddParameterBlock(z, rank);
-  for (Eigen::Index row = 0; row < x.rows(); ++row) {
-    problem.AddResidualBlock(new Equation(x.data() + row * x.cols(), rank, e.b[row]), &loss, z);
-  }
-  for (int i = 0; i < r.minimalRank(); ++i)
+  double* const z = coordinates.data();
+  const int size = static_cast<int>(x.cols());
+  problem.AddParameterBlock(z, size);
+  for (Eigen::Index row = 0; row < x.rows(); ++row)
+    problem.AddResidualBlock(new Equation(x.data() + row * x.cols(), size, e.b[row]), &loss, z);
+  for (int i = 0; i < bounded; ++i)
     problem.SetParameterLowerBound(z, i, 0.0);
-
   ceres::Solver::Options options;
   options.linear_solver_type = ceres::DENSE_QR;
   options.max_num_iterations = 100;
@@ -109,10 +74,71 @@ RobustFit robustFit(const Equations& e, const Reduction& r, int rank) {
   ceres::Solver::Summary summary;
   ceres::Solve(options, &problem, &summary);
   if (!summary.IsSolutionUsable()) throw std::runtime_error("Ceres failed: " + summary.message);
+  return static_cast<int>(summary.iterations.size());
+}
 
-  fit.iterations = static_cast<int>(summary.iterations.size());
-  fit.covariance = clusterCovariance(e, x, fit.coordinates, r.minimalRank());
-  fit.outlier_share = static_cast<double>(((e.b - x * fit.coordinates).array().abs() > kHuber).count()) / e.rows();
+double huberWeight(double residual) {
+  return std::abs(residual) <= kHuber ? 1.0 : kHuber / std::abs(residual);
+}
+
+double tukeyWeight(double residual) {
+  const double share = std::abs(residual) / kBisquare;
+  return share >= 1.0 ? 0.0 : (1.0 - share * share) * (1.0 - share * share);
+}
+
+/// Residuals in units of a scale that outliers do not reach: per actuator the median of their size over 0.6745.
+Eigen::VectorXd standardized(const Equations& e, Eigen::VectorXd residual) {
+  for (int i = 0; i < e.axes; ++i) {
+    std::vector<double> size;
+    for (int row = 0; row < e.rows(); ++row) {
+      if (e.actuator[static_cast<std::size_t>(row)] == i) size.push_back(std::abs(residual[row]));
+    }
+    if (size.empty()) continue;
+    const auto middle = size.begin() + static_cast<long>(size.size() / 2);
+    std::nth_element(size.begin(), middle, size.end());
+    const double scale = std::max(*middle / 0.6745, 1e-6);
+    for (int row = 0; row < e.rows(); ++row) {
+      if (e.actuator[static_cast<std::size_t>(row)] == i) residual[row] /= scale;
+    }
+  }
+  return residual;
+}
+
+/// Iteratively reweighted least squares: with Huber's weights first, because Tukey's loss has more than one minimum, then with
+/// Tukey's. Returns the weights.
+Eigen::VectorXd fitBisquare(const Equations& e, const Rows& x, int bounded, Eigen::VectorXd& z, int& iterations) {
+  Eigen::VectorXd weights;
+  for (const auto weight : {&huberWeight, &tukeyWeight}) {
+    for (int k = 0; k < kMostIterations; ++k, ++iterations) {
+      const Eigen::VectorXd before = z;
+      weights = standardized(e, e.b - x * z).unaryExpr(weight);
+      const Eigen::VectorXd root = weights.cwiseSqrt();
+      const Eigen::MatrixXd triangle = compress(root.asDiagonal() * x, root.cwiseProduct(e.b));
+      z = boundedLeastSquares(triangle.leftCols(x.cols()), triangle.col(x.cols()), bounded);
+      if ((z - before).norm() <= 1e-6 * z.norm()) break;
+    }
+  }
+  return weights;
+}
+
+}  // namespace
+
+RobustFit robustFit(const Equations& e, const Reduction& r, int rank, OutlierRule rule) {
+  const Rows x = reducedRows(e, r, rank);
+  const int bounded = r.minimalRank();
+  RobustFit fit;
+  fit.coordinates = solveReduced(r, rank);
+  if (rule == OutlierRule::Huber) fit.iterations = fitHuber(e, x, bounded, fit.coordinates);
+  fit.weights = Eigen::VectorXd::Ones(e.rows());
+  if (rule == OutlierRule::Bisquare) fit.weights = fitBisquare(e, x, bounded, fit.coordinates, fit.iterations);
+  fit.coordinates.head(bounded) = fit.coordinates.head(bounded).cwiseMax(0.0);
+
+  const Eigen::VectorXd residual = e.b - x * fit.coordinates;
+  if (rule == OutlierRule::Huber) fit.weights = residual.unaryExpr(&huberWeight);
+  fit.outlier_share = static_cast<double>((fit.weights.array() < 0.5).count()) / e.rows();
+  const Eigen::VectorXd root = fit.weights.cwiseSqrt();
+  fit.block_s = bootstrapBlock_s(e, residual);
+  fit.covariance = blockBootstrap(e, root.asDiagonal() * x, root.cwiseProduct(e.b), bounded, fit.block_s).covariance();
   return fit;
 }
 

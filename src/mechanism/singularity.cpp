@@ -2,6 +2,7 @@
 
 #include <Eigen/LU>
 #include <Eigen/SVD>
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <utility>
@@ -56,6 +57,25 @@ Singularity singularityAt(const Mechanism& mechanism, const Pose& pose) {
     dependent.col(k) = a.col(kDependent[k]);
   result.dependent_condition = conditionOf(extremes(dependent));
   return result;
+}
+
+double foldDistance(const Mechanism& mechanism, const Pose& pose) {
+  constexpr double kStep_m = 1e-4;
+  const double length = characteristicLength(mechanism);
+  const auto scaled = [&](const Pose& at) {
+    Matrix4 j = lengthJacobian(mechanism, at);
+    j.rightCols<2>() /= length;
+    return j;
+  };
+  const Eigen::JacobiSVD<Matrix4> svd(scaled(pose), Eigen::ComputeFullU | Eigen::ComputeFullV);
+  if (svd.info() != Eigen::Success) return 0.0;
+  const Vector4 u = svd.matrixU().col(3);
+  const Vector4 v = svd.matrixV().col(3);
+  Pose step = kStep_m * v;
+  step.tail<2>() /= length;
+  const double slope = u.dot((scaled(pose + step) - scaled(pose - step)) * v) / (2.0 * kStep_m);
+  const double smallest = svd.singularValues()[3];
+  return smallest * smallest / std::max(2.0 * std::abs(slope), std::numeric_limits<double>::min());
 }
 
 }  // namespace knee_robot

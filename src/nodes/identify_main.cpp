@@ -2,11 +2,13 @@
 
 #include <algorithm>
 #include <iostream>
+#include <map>
 #include <set>
 #include <string>
 #include <vector>
 
 #include "knee_robot/base/errors.h"
+#include "knee_robot/base/numbers.h"
 #include "knee_robot/report/identify_report.h"
 #include "program.h"
 
@@ -17,8 +19,9 @@ namespace {
 struct Arguments {
   std::string robot, output;
   std::vector<std::string> train, validate;
-  double cutoff_hz = 3.0;
+  double cutoff_hz = 0.0;  ///< 0: by the rule
   IdentifyOptions options;
+  bool physical = true;
 };
 
 void declare(CLI::App& app, Arguments& a) {
@@ -27,7 +30,11 @@ void declare(CLI::App& app, Arguments& a) {
   app.add_option("--train", a.train, "recordings that the model is fitted to")->required();
   app.add_option("--validate", a.validate, "recordings that judge the finished model");
   app.add_option("--output", a.output, "folder for model.yaml, report.json, report.html and predictions")->required();
-  app.add_option("--cutoff-hz", a.cutoff_hz, "zero-phase low-pass of both sides of the equation (3)")->check(positive);
+  app.add_option("--cutoff-hz", a.cutoff_hz,
+                 "zero-phase low-pass of both sides of the equation (from the training recordings' reference: what the "
+                 "rule found is "
+                 "printed)")
+      ->check(positive);
   app.add_option("--rate-hz", a.options.observation.signals.rate_hz,
                  "samples a second at most (100); a finer grid meets reversals of friction more exactly")
       ->check(CLI::Range(1.0, 1e4));
@@ -38,6 +45,11 @@ void declare(CLI::App& app, Arguments& a) {
                  "poses with a worse condition of the Jacobian (m, rad) are masked (the robot file's margin, 60 if "
                  "that is wide open)")
       ->check(CLI::Range(1.0, 1e12));
+  app.add_option(
+         "--fold-margin-m", a.options.observation.fold_margin_m,
+         "where the lengths are nearer than this to a singularity in which two assembly modes meet, samples are "
+         "masked (0.003); 0: the geometry is exact")
+      ->check(CLI::Range(0.0, 1.0));
   app.add_flag(
       "--joint-friction", a.options.joint_friction,
       "friction of the legs' passive joints too, as in the paper's eq. (22); needs a motion that tells it from "
@@ -46,19 +58,47 @@ void declare(CLI::App& app, Arguments& a) {
          "--narrowest-counts", a.options.narrowest_counts,
          "Coulomb friction builds up over at least this many encoder counts (2); fewer where no encoder flickers")
       ->check(CLI::Range(0.01, 1e3));
+  app.add_option("--outliers", a.options.outliers,
+                 "equations with large residuals: huber (default), bisquare (iteratively reweighted), none")
+      ->transform(CLI::CheckedTransformer(
+          std::map<std::string, OutlierRule>{
+              {"huber", OutlierRule::Huber}, {"bisquare", OutlierRule::Bisquare}, {"none", OutlierRule::None}},
+          CLI::ignore_case));
+  app.add_flag("!--no-physical", a.physical,
+               "without the physically consistent parameters (model_physical.yaml, identified.urdf), for which the "
+               "robot file must name a URDF");
   app.add_option("--rank", a.options.rank, "keep this many directions instead of choosing on the training data")
       ->check(CLI::Range(1, 1000));
 }
 
-std::vector<Observation> observeAll(const Robot& robot, const std::vector<std::string>& files,
-                                    const IdentifyOptions& options) {
-  std::vector<Observation> observations;
+std::vector<Recording> loadAll(const std::vector<std::string>& files) {
+  std::vector<Recording> recordings;
   for (const std::string& file : files) {
     std::cerr << "reading " << file << std::endl;
-    observations.push_back(
-        observe(robot, columnsOf(robot, options.joint_friction), loadRecording(file), options.observation));
+    recordings.push_back(loadRecording(file));
   }
+  return recordings;
+}
+
+std::vector<Observation> observeAll(const Robot& robot, const std::vector<Recording>& recordings,
+                                    const IdentifyOptions& options) {
+  std::vector<Observation> observations;
+  for (const Recording& recording : recordings)
+    observations.push_back(observe(robot, columnsOf(robot, options.joint_friction), recording, options.observation));
   return observations;
+}
+
+/// The low-pass of both sides, chosen on training recordings unless it was given.
+void decideCutoff(const std::vector<Recording>& training, double given_hz, IdentifyResults& r) {
+  std::vector<const Recording*> list;
+  for (const Recording& recording : training)
+    list.push_back(&recording);
+  r.cutoff = chooseCutoff(list);
+  if (given_hz > 0.0) {
+    r.cutoff.sentence = "Cut-off " + shortNumber(given_hz, 3) + " Hz, as was asked for. The rule: " + r.cutoff.sentence;
+    r.cutoff.cutoff_hz = given_hz;
+  }
+  r.options.observation.setCutoff(r.cutoff.cutoff_hz);
 }
 
 /// prediction_NAME.csv must be one file per recording.
@@ -93,16 +133,34 @@ std::string commandLine(int argc, char** argv) {
   return line;
 }
 
+/// The physically consistent parameters, or why there are none.
+void fitPossible(const Robot& robot, IdentifyResults& r) {
+  if (!robot.mechanism) {
+    r.no_physical = "axes on a bench have no links.";
+  } else if (robot.urdf.empty()) {
+    r.no_physical = "the robot file names no URDF, so there is no prior where the data are silent.";
+  } else {
+    std::cerr << "fitting physically consistent parameters" << std::endl;
+    r.urdf_path = robot.urdf;
+    r.prior = loadRobotInertia(robot);
+    r.physical = fitPhysical(robot, r.after, *r.prior);
+  }
+}
+
 int run(const Arguments& a, const std::string& command_line) {
   IdentifyResults r;
+  r.no_physical = "--no-physical was given.";
   r.command_line = command_line;
   r.robot_path = a.robot;
   r.options = a.options;
-  r.options.observation.setCutoff(a.cutoff_hz);
   refuseTrainingAgain(a);
   const Robot robot = loadRobot(a.robot);
-  r.train = observeAll(robot, a.train, r.options);
-  r.validate = observeAll(robot, a.validate, r.options);
+  {
+    const std::vector<Recording> training = loadAll(a.train);
+    decideCutoff(training, a.cutoff_hz, r);
+    r.train = observeAll(robot, training, r.options);
+  }
+  r.validate = observeAll(robot, loadAll(a.validate), r.options);
   refuseEqualNames(r.validate);
 
   std::cerr << "fitting" << std::endl;
@@ -113,8 +171,10 @@ int run(const Arguments& a, const std::string& command_line) {
   without_friction.rank = std::max(1, r.after.model.rank - frictionColumns(r.after.columns));
   r.before = identify(robot, r.train, without_friction);
 
-  // Both models are frozen; from here on only figures are computed.
-  const double cutoff_hz = a.cutoff_hz;
+  if (a.physical) fitPossible(robot, r);
+
+  // All models are frozen; from here on only figures are computed.
+  const double cutoff_hz = r.cutoff.cutoff_hz;
   r.train_before = applyModel(r.before.model, robot, r.train, cutoff_hz);
   r.train_after = applyModel(r.after.model, robot, r.train, cutoff_hz);
   r.train_by_rank = errorAgainstRank(r.after, r.train, cutoff_hz);
@@ -124,6 +184,10 @@ int run(const Arguments& a, const std::string& command_line) {
     r.validate_before = applyModel(r.before.model, robot, r.validate, cutoff_hz);
     r.validate_after = applyModel(r.after.model, robot, r.validate, cutoff_hz);
     r.validate_by_rank = errorAgainstRank(r.after, r.validate, cutoff_hz);
+  }
+  if (r.physical) {
+    r.train_physical = applyModel(r.physical->model, robot, r.train, cutoff_hz);
+    if (!r.validate.empty()) r.validate_physical = applyModel(r.physical->model, robot, r.validate, cutoff_hz);
   }
   writeIdentifyFiles(r, a.output);
   std::cout << identifySummary(r) << "written: " << a.output << "/report.html, report.json, model.yaml and predictions"

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "knee_robot/base/errors.h"
 #include "knee_robot/base/numbers.h"
@@ -119,6 +120,26 @@ void noteTiming(const std::vector<double>& time, double period, int rows_left_ou
   }
 }
 
+/// Smallest change between neighbouring rows of each axis: the encoder's step, where the motion is slow enough to show it.
+void noteQuantization(const Eigen::MatrixXd& position, double period, const SignalOptions& options, Signals& s) {
+  std::string steps, left;
+  // White rounding noise of step / root(12), of which a low-pass at f keeps the share 2 f * period of the power.
+  const double kept = std::sqrt(std::min(1.0, 2.0 * options.motion_cutoff_hz * period));
+  for (Eigen::Index i = 0; i < position.cols(); ++i) {
+    double smallest = std::numeric_limits<double>::infinity();
+    for (Eigen::Index k = 0; k + 1 < position.rows(); ++k) {
+      const double change = std::abs(position(k + 1, i) - position(k, i));
+      if (change > 1e-9) smallest = std::min(smallest, change);
+    }
+    if (!std::isfinite(smallest)) smallest = 0.0;
+    steps += (i ? ", " : "") + shortNumber(1e6 * smallest, 3);
+    left += (i ? ", " : "") + shortNumber(1e6 * smallest / std::sqrt(12.0) * kept, 2);
+  }
+  s.notes.push_back("Positions come in steps of " + steps + " um; rounded to these, the low-pass at " +
+                    shortNumber(options.motion_cutoff_hz) + " Hz leaves an error of about " + left +
+                    " um rms. Coulomb friction does not reverse within a step or two.");
+}
+
 }  // namespace
 
 double medianPeriod(const std::vector<double>& time) {
@@ -181,6 +202,7 @@ Signals resample(const Recording& r, const Eigen::MatrixXd& force_N, const Signa
   s.force_N = heldMeans(time, force_N.bottomRows(rows), s.time_s, s.period_s);
   s.known = knownSamples(time, s.time_s, options.gap_periods * period);
   s.notes = r.notes;
+  noteQuantization(r.position_m.bottomRows(rows), period, options, s);
   noteTiming(time, period, stale, s);
   return s;
 }

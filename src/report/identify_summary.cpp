@@ -1,6 +1,7 @@
 #include <cmath>
 #include <cstdio>
 
+#include "knee_robot/base/numbers.h"
 #include "knee_robot/report/identify_report.h"
 
 namespace knee_robot {
@@ -67,6 +68,37 @@ std::string rankText(const IdentifyResults& r) {
   return out;
 }
 
+/// Parameters with a value of their own; the others as a count.
+std::string parameterText(const Identification& id) {
+  std::string out =
+      "parameters (standard errors: bootstrap over blocks of " + shortNumber(id.bootstrap_block_s, 2) + " s)\n";
+  int silent = 0;
+  for (const ModelParameter& p : id.model.parameters) {
+    if (!std::isfinite(p.std)) {
+      ++silent;
+      continue;
+    }
+    char line[128];
+    std::snprintf(line, sizeof line, "  %-12s %10.4g +- %-9.2g %-9s %s\n", p.name.c_str(), p.value, p.std,
+                  p.unit.c_str(), verdictText(p.verdict).c_str());
+    out += line;
+  }
+  return out + "  " + std::to_string(silent) + " others: not identifiable on this data (" +
+         std::to_string(id.model.base.size()) + " combinations of them are; see model.yaml)\n";
+}
+
+std::string physicalText(const IdentifyResults& r) {
+  if (!r.physical) return "physically consistent parameters: not fitted, " + r.no_physical + "\n";
+  const bool validated = !r.validate.empty();
+  const Accuracy& physical = (validated ? r.validate_physical : r.train_physical).accuracy;
+  const Accuracy& base = (validated ? r.validate_after : r.train_after).accuracy;
+  std::string out = "physically consistent parameters: the data decide " + shortNumber(r.physical->supported, 3) +
+                    " directions, the URDF the rest; " + (validated ? "validation" : "training") + "\n";
+  out += row("physically consistent, moving", physical.rms_moving_N, "N") +
+         row("base fit, moving", base.rms_moving_N, "N");
+  return out + row("physically consistent, all", physical.rms_N, "N") + row("base fit, all", base.rms_N, "N");
+}
+
 }  // namespace
 
 std::string identifySummary(const IdentifyResults& r) {
@@ -78,9 +110,21 @@ std::string identifySummary(const IdentifyResults& r) {
         out += "  " + note + "\n";
     }
   }
-  out += "\n" + rankText(r) + "\n" + accuracyText("training", r.train_after.accuracy);
+  out += r.cutoff.sentence + "\n\n" + rankText(r) + "\n" + parameterText(r.after) + "\n" +
+         accuracyText("training", r.train_after.accuracy);
   if (!r.validate.empty()) out += accuracyText("validation", r.validate_after.accuracy);
-  return out;
+  return out + physicalText(r);
+}
+
+std::string outlierText(OutlierRule rule) {
+  switch (rule) {
+    case OutlierRule::Bisquare:
+      return "iteratively reweighted least squares with Tukey's weights";
+    case OutlierRule::None:
+      return "none, plain least squares";
+    default:
+      return "Huber's loss (beyond 1.345 times the noise linear)";
+  }
 }
 
 }  // namespace knee_robot

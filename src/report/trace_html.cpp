@@ -1,5 +1,6 @@
 #include <cmath>
 
+#include "html_parts.h"
 #include "knee_robot/base/numbers.h"
 #include "knee_robot/report/svg_plot.h"
 #include "knee_robot/report/trace_report.h"
@@ -7,71 +8,31 @@
 namespace knee_robot {
 namespace {
 
-constexpr const char* kBefore = "#9a9a9a";
-constexpr const char* kAfter = "#d1495b";
-constexpr const char* kMeasured = "#1b6ca8";
-
-constexpr const char* kStyle = R"(<style>
-body{font:15px/1.5 system-ui,sans-serif;color:#222;max-width:1040px;margin:2em auto;padding:0 1em}
-h1{font-size:1.6em;margin-bottom:.2em}h2{font-size:1.25em;margin-top:2em;border-bottom:1px solid #ccc}h3{font-size:1.05em;margin:1.4em 0 .2em}
-table{border-collapse:collapse;margin:.6em 0;font-variant-numeric:tabular-nums}
-th,td{padding:.2em .8em;text-align:right;border-bottom:1px solid #e3e3e3}
-th{font-weight:600;border-bottom:1px solid #999}td:first-child,th:first-child{text-align:left}
-tr.group td{font-weight:600;background:#f4f4f4}td.text{text-align:left;overflow-wrap:anywhere}
-svg{width:100%;height:auto;display:block;font:12px system-ui,sans-serif;fill:#333}
-svg .grid{stroke:#e6e6e6}svg .frame{fill:none;stroke:#888}svg .line{fill:none;stroke-width:1.4}
-svg .shade{fill:#f3efe2}svg .marker{stroke:#333;stroke-dasharray:4 3}
-.key{color:#555;font-size:.92em}.verdict{font-size:1.1em;background:#f4f4f4;padding:.6em 1em}
-code{background:#f4f4f4;padding:.1em .3em;word-break:break-all}li{margin:.2em 0}
-</style>
-)";
-
-std::string number(double value) {
-  return std::isfinite(value) ? shortNumber(value, 3) : std::string("&ndash;");
-}
-
-std::string row(const std::string& name, const Eigen::VectorXd& values) {
-  std::string out = "<tr><td>" + escapeHtml(name) + "</td>";
-  for (const double value : values)
-    out += "<td>" + number(value) + "</td>";
-  return out + "</tr>\n";
-}
-
-std::string head(const std::string& first, int axes) {
-  std::string out = "<table><tr><th>" + first + "</th>";
-  for (int i = 1; i <= axes; ++i)
-    out += "<th>actuator " + std::to_string(i) + "</th>";
-  return out + "</tr>\n";
-}
-
-std::string group(const std::string& title, int axes) {
-  return "<tr class=\"group\"><td colspan=\"" + std::to_string(axes + 1) + "\">" + escapeHtml(title) + "</td></tr>\n";
-}
-
 std::string errorRows(const std::string& title, const std::vector<Observation>& observations, const Applied& before,
                       const Applied& after) {
   const int axes = observations.front().axes();
   const Accuracy &b = before.accuracy, &a = after.accuracy;
   const GainInterval gain = bootstrapGain(observations, before, after, 1);
-  std::string out = group(title, axes);
-  out += row("before: rms, all samples, N", b.rms_N) + row("after: rms, all samples, N", a.rms_N);
-  out +=
-      row("change of rms, lower end of 95 %, N", gain.low_N) + row("change of rms, upper end of 95 %, N", gain.high_N);
-  out +=
-      row("before: rms / rms of the force, %", b.rms_percent) + row("after: rms / rms of the force, %", a.rms_percent);
-  out += row("before: rms, moving samples, N", b.rms_moving_N) + row("after: rms, moving samples, N", a.rms_moving_N);
-  return out + row("before: largest error, N", b.max_N) + row("after: largest error, N", a.max_N);
+  std::string out = tableGroup(title, axes);
+  out += tableRow("before: rms, all samples, N", b.rms_N) + tableRow("after: rms, all samples, N", a.rms_N);
+  out += tableRow("change of rms, lower end of 95 %, N", gain.low_N) +
+         tableRow("change of rms, upper end of 95 %, N", gain.high_N);
+  out += tableRow("before: rms / rms of the force, %", b.rms_percent) +
+         tableRow("after: rms / rms of the force, %", a.rms_percent);
+  out += tableRow("before: rms, moving samples, N", b.rms_moving_N) +
+         tableRow("after: rms, moving samples, N", a.rms_moving_N);
+  return out + tableRow("before: largest error, N", b.max_N) + tableRow("after: largest error, N", a.max_N);
 }
 
 std::string errorSection(const TraceResults& r) {
   const int axes = r.train.front().axes();
-  std::string out = "<h2>Errors before and after</h2>\n" + head("", axes);
+  std::string out = "<h2>Errors before and after</h2>\n" + tableHead("", axes);
   if (!r.validate.empty()) out += errorRows("Validation", r.validate, r.validate_before, r.validate_after);
   out += errorRows("Training", r.train, r.train_before, r.train_after);
-  out += group("Floor", axes) + row("noise floor, N", r.result.floor_N) + "</table>\n";
+  out += tableGroup("Floor", axes) + tableRow("noise floor, N", r.result.floor_N) + "</table>\n";
   return out + "<p class=\"key\">Floor: " + escapeHtml(r.result.floor_source) +
          ". Before: rigid body, Coulomb, viscous, rotor, offset. Both sides low-passed at " +
-         number(r.options.observation.cutoff_hz) + " Hz. Intervals: bootstrap over blocks of 2 s.</p>\n";
+         htmlNumber(r.options.observation.cutoff_hz) + " Hz. Intervals: bootstrap over blocks of 2 s.</p>\n";
 }
 
 std::string parameterText(const ModelEffect& m) {
@@ -98,22 +59,18 @@ std::string effectSection(const TraceResults& r) {
     Eigen::Index at = e.hypothesis.place.actuator;
     const bool shared = at < 0;
     if (shared) e.explained_rms_N.maxCoeff(&at);
-    out += "<tr><td>" + escapeHtml(m.name) + (m.transfers ? "" : " (does not transfer)") + "</td><td>" +
-           (shared ? "all" : std::to_string(at + 1)) + "</td><td class=\"text\">" + parameterText(m) + "</td><td>" +
-           number(e.explained_rms_N[at]) + "</td><td>" + number(e.null_rms_N[at]) + "</td><td>" + number(e.p) +
-           "</td><td>" + number(100.0 * e.gain) + " &plusmn; " + number(100.0 * e.gain_error) + " %</td><td>" +
-           (k < r.validate_gain_N.size() ? number(r.validate_gain_N[k][at]) : "&ndash;") + "</td><td class=\"text\">";
+    out +=
+        "<tr><td>" + escapeHtml(m.name) + (m.transfers ? "" : " (does not transfer)") + "</td><td>" +
+        (shared ? "all" : std::to_string(at + 1)) + "</td><td class=\"text\">" + parameterText(m) + "</td><td>" +
+        htmlNumber(e.explained_rms_N[at]) + "</td><td>" + htmlNumber(e.null_rms_N[at]) + "</td><td>" + htmlNumber(e.p) +
+        "</td><td>" + htmlNumber(100.0 * e.gain) + " &plusmn; " + htmlNumber(100.0 * e.gain_error) + " %</td><td>" +
+        (k < r.validate_gain_N.size() ? htmlNumber(r.validate_gain_N[k][at]) : "&ndash;") + "</td><td class=\"text\">";
     for (const std::string& name : e.indistinguishable_from)
       out += escapeHtml(name) + " ";
     out += "</td></tr>\n<tr><td colspan=\"9\" class=\"text key\">" +
            escapeHtml(e.hypothesis.place.candidate->sentence()) + "</td></tr>\n";
   }
   return out + "</table>\n";
-}
-
-std::vector<double> column(const Eigen::MatrixXd& m, int i) {
-  const Eigen::VectorXd values = m.col(i);
-  return {values.data(), values.data() + values.size()};
 }
 
 /// Mean of y in equal bins of x, the ends at the 1 % quantiles; empty bins interrupt the line.
@@ -151,10 +108,10 @@ std::string residualMaps(const Observation& o, const Prediction& before, const P
     style.y_label = "mean residual, N";
     style.x_label = "velocity, m/s";
     const Eigen::VectorXd v = o.signals.velocity_m_per_s.col(i);
-    out += svgPlot({binned("before", kBefore, v, b), binned("after", kAfter, v, a)}, style);
+    out += svgPlot({binned("before", kBeforeColor, v, b), binned("after", kModelColor, v, a)}, style);
     style.x_label = "position, m";
     const Eigen::VectorXd q = o.signals.position_m.col(i);
-    out += svgPlot({binned("before", kBefore, q, b), binned("after", kAfter, q, a)}, style);
+    out += svgPlot({binned("before", kBeforeColor, q, b), binned("after", kModelColor, q, a)}, style);
   }
   return out;
 }
@@ -169,34 +126,25 @@ std::string timePlots(const std::string& kind, const Observation& o, const Predi
     out += "<h3>Actuator " + std::to_string(i + 1) + "</h3>\n";
     style.height = 200.0;
     style.y_label = "force, N";
-    out += svgPlot({{"measured", kMeasured, t, column(o.force_filtered_N, i)},
-                    {"predicted after", kAfter, t, column(after.force_filtered_N, i)}},
+    out += svgPlot({{"measured", kMeasuredColor, t, series(o.force_filtered_N, i)},
+                    {"predicted after", kModelColor, t, series(after.force_filtered_N, i)}},
                    style);
     style.height = 160.0;
     style.y_label = "residual, N";
-    out += svgPlot({{"before", kBefore, t, column(o.force_filtered_N - before.force_filtered_N, i)},
-                    {"after", kAfter, t, column(o.force_filtered_N - after.force_filtered_N, i)}},
+    out += svgPlot({{"before", kBeforeColor, t, series(o.force_filtered_N - before.force_filtered_N, i)},
+                    {"after", kModelColor, t, series(o.force_filtered_N - after.force_filtered_N, i)}},
                    style);
   }
   return out;
 }
 
-std::string list(const std::string& title, const std::vector<std::string>& sentences) {
-  if (sentences.empty()) return {};
-  std::string out = "<h2>" + title + "</h2>\n<ul>\n";
-  for (const std::string& s : sentences)
-    out += "<li>" + escapeHtml(s) + "</li>\n";
-  return out + "</ul>\n";
-}
-
 }  // namespace
 
 std::string traceHtml(const TraceResults& r) {
-  std::string out = "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><title>Traced residual</title>\n";
-  out += kStyle;
-  out += "</head><body>\n<h1>Traced residual</h1>\n<p class=\"key\">Robot " + escapeHtml(r.robot_path) + " &middot; " +
-         std::to_string(r.train.size()) + " training and " + std::to_string(r.validate.size()) +
-         " validation recording(s) &middot; seed " + std::to_string(r.options.seed) + "</p>\n";
+  std::string out = pageHead("Traced residual");
+  out += "<p class=\"key\">Robot " + escapeHtml(r.robot_path) + " &middot; " + std::to_string(r.train.size()) +
+         " training and " + std::to_string(r.validate.size()) + " validation recording(s) &middot; seed " +
+         std::to_string(r.options.seed) + "</p>\n";
   out += "<p class=\"verdict\">" + escapeHtml(traceVerdict(r)) + "</p>\n";
   out += effectSection(r) + errorSection(r);
   const bool validated = !r.validate.empty();
@@ -210,16 +158,10 @@ std::string traceHtml(const TraceResults& r) {
     out += timePlots("Validation", r.validate[k], r.validate_before.predictions[k], r.validate_after.predictions[k]);
   for (std::size_t k = 0; k < r.train.size(); ++k)
     out += timePlots("Training", r.train[k], r.train_before.predictions[k], r.train_after.predictions[k]);
-  out += list("Absorbed by the baseline", r.result.absorbed);
-  out += list("Looked at and not added", r.result.rejected);
-  out += list("How the clean twins were made", r.result.notes);
-  if (r.train.size() == 1) {
-    out +=
-        "<p>There was a single training recording: every choice rests on contiguous parts of it, and evidence across "
-        "trajectories was not available.</p>\n";
-  }
-  out += "<h2>Reproduce</h2>\n<p><code>" + escapeHtml(r.command_line) + "</code></p>\n";
-  return out + "</body></html>\n";
+  out += sentenceList("Absorbed by the baseline", r.result.absorbed);
+  out += sentenceList("Looked at and not added", r.result.rejected);
+  out += sentenceList("How the clean twins were made", r.result.notes);
+  return out + singleRecordingNote(r.train.size()) + pageEnd(r.command_line);
 }
 
 }  // namespace knee_robot

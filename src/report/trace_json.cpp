@@ -1,7 +1,7 @@
 #include <cmath>
-#include <nlohmann/json.hpp>
 #include <random>
 
+#include "json_parts.h"
 #include "knee_robot/base/files.h"
 #include "knee_robot/base/numbers.h"
 #include "knee_robot/report/trace_report.h"
@@ -9,44 +9,11 @@
 namespace knee_robot {
 namespace {
 
-using Json = nlohmann::ordered_json;
-
-Json array(const Eigen::VectorXd& values) {
-  Json list = Json::array();
-  for (const double value : values)
-    list.push_back(std::isfinite(value) ? Json(value) : Json());
-  return list;
-}
-
-Json accuracyJson(const Accuracy& a) {
-  return {{"rms_N", array(a.rms_N)},
-          {"rms_moving_N", array(a.rms_moving_N)},
-          {"rms_raw_N", array(a.rms_raw_N)},
-          {"rms_percent", array(a.rms_percent)},
-          {"range_percent", array(a.range_percent)},
-          {"max_N", array(a.max_N)},
-          {"samples", a.samples},
-          {"moving_samples", a.moving_samples}};
-}
-
-Json sideJson(int parameters, const Applied& train, const Applied& validate) {
-  Json j = {{"parameters", parameters}, {"train", accuracyJson(train.accuracy)}};
-  j["validate"] = validate.predictions.empty() ? Json() : accuracyJson(validate.accuracy);
-  return j;
-}
-
-Json paths(const std::vector<Observation>& observations) {
-  Json list = Json::array();
-  for (const Observation& o : observations)
-    list.push_back(o.path);
-  return list;
-}
-
 Json parametersJson(const ModelEffect& e) {
   Json j = Json::object();
   for (const auto* group : {&e.shape, &e.coefficients}) {
     for (const EffectParameter& p : *group)
-      j[p.name] = {{"value", p.value}, {"std", std::isfinite(p.std) ? Json(p.std) : Json()}};
+      j[p.name] = {{"value", p.value}, {"std", jsonNumber(p.std)}};
   }
   return j;
 }
@@ -60,11 +27,11 @@ Json effectsJson(const TraceResults& r) {
               {"actuators", m.actuators},
               {"transfers", m.transfers},
               {"parameters", parametersJson(m)},
-              {"explained_rms_N", array(e.explained_rms_N)},
-              {"null_rms_N", array(e.null_rms_N)},
+              {"explained_rms_N", jsonArray(e.explained_rms_N)},
+              {"null_rms_N", jsonArray(e.null_rms_N)},
               {"p", e.p},
               {"held_back_gain", {{"share", e.gain}, {"standard_error", e.gain_error}}},
-              {"validate_gain_N", k < r.validate_gain_N.size() ? array(r.validate_gain_N[k]) : Json::array()},
+              {"validate_gain_N", k < r.validate_gain_N.size() ? jsonArray(r.validate_gain_N[k]) : Json::array()},
               {"indistinguishable_from",
                e.indistinguishable_from.size() > 2 ? std::vector<std::string>() : e.indistinguishable_from},
               {"sentence", e.hypothesis.place.candidate->sentence()}};
@@ -90,7 +57,7 @@ Json dependsJson(const TraceResults& r) {
 Json gainJson(const std::vector<Observation>& observations, const Applied& before, const Applied& after) {
   if (observations.empty()) return {};
   const GainInterval g = bootstrapGain(observations, before, after, 1);
-  return {{"rms_change_low_N", array(g.low_N)}, {"rms_change_high_N", array(g.high_N)}, {"level", 0.95}};
+  return {{"rms_change_low_N", jsonArray(g.low_N)}, {"rms_change_high_N", jsonArray(g.high_N)}, {"level", 0.95}};
 }
 
 /// Squared errors of one actuator in pieces of two seconds, before and after, over all recordings.
@@ -109,28 +76,6 @@ std::vector<std::array<double, 3>> pieces(const std::vector<Observation>& observ
     }
   }
   return out;
-}
-
-std::string predictionCsv(const Observation& o, const Prediction& before, const Prediction& after) {
-  const Eigen::Index axes = o.row_force_N.cols();
-  std::string csv = "time_s";
-  for (const char* name : {"force_", "predicted_", "before_"}) {
-    for (Eigen::Index i = 1; i <= axes; ++i)
-      csv += "," + (name + std::to_string(i)) + "_N";
-  }
-  csv += "\n";
-  for (std::size_t row = 0; row < o.row_time_s.size(); ++row) {
-    const Eigen::Index n = static_cast<Eigen::Index>(row);
-    csv += exactNumber(o.row_time_s[row]);
-    for (Eigen::Index i = 0; i < axes; ++i)
-      csv += "," + exactNumber(o.row_force_N(n, i));
-    for (const Prediction* p : {&after, &before}) {
-      for (Eigen::Index i = 0; i < axes; ++i)
-        csv += "," + shortNumber(p->row_force_N(n, i), 9);
-    }
-    csv += "\n";
-  }
-  return csv;
 }
 
 }  // namespace
@@ -161,18 +106,9 @@ GainInterval bootstrapGain(const std::vector<Observation>& observations, const A
 }
 
 std::string traceJson(const TraceResults& r) {
-  int samples = 0;
-  for (const Observation& o : r.train)
-    samples += o.samples();
   Json j;
   j["command"] = "trace";
-  j["data"] = {{"train", paths(r.train)},
-               {"validate", paths(r.validate)},
-               {"rate_hz", 1.0 / r.train.front().signals.period_s},
-               {"samples", samples},
-               {"cutoff_hz", r.options.observation.cutoff_hz},
-               {"moving_m_per_s", r.options.observation.moving_m_per_s},
-               {"evidence_across_trajectories", r.train.size() > 1}};
+  j["data"] = dataJson(r.train, r.validate, r.options.observation);
   int added = 0;
   for (const FoundEffect& e : r.result.effects)
     added += static_cast<int>(e.coefficients.size() + (e.hypothesis.place.candidate->name() == "unnamed"
@@ -182,9 +118,9 @@ std::string traceJson(const TraceResults& r) {
   j["after"] = sideJson(r.result.base.rank() + added, r.train_after, r.validate_after);
   j["effects"] = effectsJson(r);
   const bool validated = !r.validate.empty();
-  j["unexplained"] = {{"rms_N", array((validated ? r.validate_after : r.train_after).accuracy.rms_N)},
-                      {"training_rms_N", array(r.result.after_rms_N)},
-                      {"noise_floor_N", array(r.result.floor_N)},
+  j["unexplained"] = {{"rms_N", jsonArray((validated ? r.validate_after : r.train_after).accuracy.rms_N)},
+                      {"training_rms_N", jsonArray(r.result.after_rms_N)},
+                      {"noise_floor_N", jsonArray(r.result.floor_N)},
                       {"noise_floor_source", r.result.floor_source},
                       {"depends_on", dependsJson(r)}};
   j["pose"] = Json();
@@ -206,7 +142,7 @@ void writeTraceFiles(const TraceResults& r, const std::string& folder) {
   for (std::size_t i = 0; i < r.validate.size(); ++i) {
     writeFileAtomically(
         folder + "/prediction_" + r.validate[i].name + ".csv",
-        predictionCsv(r.validate[i], r.validate_before.predictions[i], r.validate_after.predictions[i]));
+        predictionTable(r.validate[i], r.validate_after.predictions[i], &r.validate_before.predictions[i]));
   }
   writeFileAtomically(folder + "/report.json", traceJson(r));
   writeFileAtomically(folder + "/report.html", traceHtml(r));

@@ -2,11 +2,14 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <iostream>
 #include <random>
 
 #include "knee_robot/base/errors.h"
 #include "knee_robot/identification/evaluation.h"
+#include "knee_robot/mechanism/singularity.h"
 #include "test/identification/synthetic.h"
 
 namespace knee_robot {
@@ -94,6 +97,29 @@ TEST(Identify, OutliersHardlyMoveTheRobustFit) {
   EXPECT_NEAR(parameterValue(id.model, "offset_1"), parameterValue(truth, "offset_1"), 0.5);
 }
 
+TEST(Identify, TukeysWeightsForgetOutliersThatHuberOnlySoftens) {
+  const Robot robot = syntheticBench(1);
+  const Model truth = syntheticModel(robot);
+  Recording r = syntheticRecording(robot, truth, 0, 60.0);
+  for (int k = 500; k < 5500; k += 500) {
+    for (int n = 0; n < 60; ++n)
+      r.force_N(k + n, 0) += 300.0;  // one push in eight samples, always to the same side
+  }
+  double error[3] = {};
+  for (const OutlierRule rule : {OutlierRule::None, OutlierRule::Huber, OutlierRule::Bisquare}) {
+    IdentifyOptions options;
+    options.outliers = rule;
+    auto train = observeOne(robot, r, options);
+    const Identification id = identify(robot, train, options);
+    error[static_cast<int>(rule)] = std::abs(parameterValue(id.model, "offset_1") - parameterValue(truth, "offset_1"));
+  }
+  std::cout << "error of the offset, N: least squares " << error[static_cast<int>(OutlierRule::None)] << ", Huber "
+            << error[static_cast<int>(OutlierRule::Huber)] << ", Tukey "
+            << error[static_cast<int>(OutlierRule::Bisquare)] << "\n";
+  EXPECT_LT(error[static_cast<int>(OutlierRule::Huber)], 0.7 * error[static_cast<int>(OutlierRule::None)]);
+  EXPECT_LT(error[static_cast<int>(OutlierRule::Bisquare)], 0.1 * error[static_cast<int>(OutlierRule::Huber)]);
+}
+
 TEST(Identify, RefusesDataThatCannotSupportAModel) {
   const Robot robot = syntheticBench(2);
   const Model truth = syntheticModel(robot);
@@ -118,6 +144,23 @@ TEST(Identify, RefusesDataThatCannotSupportAModel) {
   EXPECT_THROW(identify(robot, saturated, options), Refusal);
 }
 
+TEST(Identify, RefusesARankThatTheMotionDoesNotExcite) {
+  const Robot robot = syntheticBench(2);
+  auto train = observeOne(robot, syntheticRecording(robot, syntheticModel(robot), 0, 20.0), IdentifyOptions());
+  IdentifyOptions options;
+  options.rank = 8;
+  EXPECT_EQ(identify(robot, train, options).model.rank, 8);
+  options.rank = 9;
+  try {
+    identify(robot, train, options);
+    FAIL() << "two axes have eight parameters";
+  } catch (const Refusal& refusal) {
+    EXPECT_NE(std::string(refusal.what()).find("9 directions were asked for"), std::string::npos) << refusal.what();
+  }
+  options.rank = 3;
+  EXPECT_THROW(identify(robot, train, options), InputError);
+}
+
 TEST(Observe, RefusesARecordingOfAnotherRobot) {
   const Robot robot = syntheticRobot();
   const Robot bench = syntheticBench(4);
@@ -136,7 +179,38 @@ TEST(Observe, MasksPosesBeyondTheConditionLimit) {
       observe(robot, columnsOf(robot), syntheticRecording(robot, syntheticModel(robot), 0, 5.0), options.observation);
   for (const char usable : o.usable)
     ASSERT_EQ(usable, 0);
-  EXPECT_NE(o.notes[1].find("100 %"), std::string::npos) << o.notes[1];
+  EXPECT_EQ(o.masks.back().reason, "used in the fit");
+  EXPECT_EQ(o.masks.back().share, 0.0);
+  const bool said = std::any_of(o.notes.begin(), o.notes.end(), [](const std::string& note) {
+    return note.find("100 % of the samples have a Jacobian condition above 1") != std::string::npos;
+  });
+  EXPECT_TRUE(said);
+}
+
+TEST(Observe, MasksWhereTheLengthsDoNotTellTheAssemblyMode) {
+  const Robot robot = syntheticRobot();
+  const Recording r = syntheticRecording(robot, syntheticModel(robot), 0, 20.0);
+  IdentifyOptions options;
+  options.observation.condition_max = 1e9;
+  const Observation free = observe(robot, columnsOf(robot), r, options.observation);
+  double nearest = 1e9;
+  for (const Motion& motion : free.motion.motion)
+    nearest = std::min(nearest, foldDistance(*robot.mechanism, motion.pose));
+  options.observation.fold_margin_m = 1.1 * nearest;
+  const Observation some = observe(robot, columnsOf(robot), r, options.observation);
+  int left_out = 0;
+  for (int n = 0; n < some.samples(); ++n) {
+    const std::size_t i = static_cast<std::size_t>(n);
+    const bool near = foldDistance(*robot.mechanism, some.motion.motion[i].pose) < 1.1 * nearest;
+    EXPECT_TRUE(!near || !some.usable[i]);
+    left_out += free.usable[i] && !some.usable[i];
+  }
+  EXPECT_GT(left_out, 0);
+  EXPECT_LT(left_out, some.samples());
+  const bool said = std::any_of(some.notes.begin(), some.notes.end(), [](const std::string& note) {
+    return note.find("encoders cannot tell") != std::string::npos;
+  });
+  EXPECT_TRUE(said);
 }
 
 }  // namespace

@@ -6,6 +6,7 @@
 #include <filesystem>
 
 #include "knee_robot/identification/evaluation.h"
+#include "knee_robot/identification/physical_fit.h"
 
 namespace knee_robot {
 namespace {
@@ -55,6 +56,40 @@ TEST(MeasuredRobotB, ThePathsCanChangeRoles) {
   const Vector4 independent(5.9, 5.6, 4.1, 34.0);
   for (int i = 0; i < 4; ++i)
     EXPECT_LT(a.rms_moving_N[i], 1.2 * independent[i]) << "actuator " << i + 1;
+}
+
+TEST(MeasuredRobotB, PossibleBodiesPredictTheOtherPathNoWorseThanTheBaseFit) {
+  const std::string path_1 = measured("B_N_20_01_2021_161533"), path_2 = measured("B_N_01_02_2021_122900");
+  if (!std::filesystem::exists(path_1)) GTEST_SKIP() << path_1 << " is not here";
+  const Robot robot = robotFile("B.yaml");
+  for (const bool forward : {true, false}) {
+    std::vector<Observation> training = observeFile(robot, forward ? path_1 : path_2);
+    const std::vector<Observation> judging = observeFile(robot, forward ? path_2 : path_1);
+    const Identification id = identify(robot, training, IdentifyOptions());
+    const PhysicalFit fit = fitPhysical(robot, id, loadRobotInertia(robot));
+    const Accuracy base = applyModel(id.model, robot, judging, 3.0).accuracy;
+    const Accuracy physical = applyModel(fit.model, robot, judging, 3.0).accuracy;
+    std::cout << "moving: base " << base.rms_moving_N.transpose() << " N, possible bodies "
+              << physical.rms_moving_N.transpose() << " N\n";
+    for (const LinkInertia& body : fit.inertia.links)
+      EXPECT_EQ(inconsistency(body), "");
+    EXPECT_LT(physical.rms_moving_N.cwiseQuotient(base.rms_moving_N).mean(), 1.05);
+  }
+}
+
+/// The cameras saw this robot in its other assembly mode from 25.27 to 27.91 s.
+TEST(MeasuredRobotA, WhereCamerasSawTheOtherAssemblyModeIsMasked) {
+  const std::string path = measured("A_V_22_03_2021_155607");
+  if (!std::filesystem::exists(path)) GTEST_SKIP() << path << " is not here";
+  const Observation o = observeFile(robotFile("A.yaml"), path).front();
+  int masked = 0;
+  for (int n = 0; n < o.samples(); ++n) {
+    const std::size_t i = static_cast<std::size_t>(n);
+    masked += !o.usable[i];
+    const bool seen = o.signals.time_s[i] > 25.2 && o.signals.time_s[i] < 28.0;
+    EXPECT_FALSE(seen && o.usable[i]) << o.signals.time_s[i];
+  }
+  EXPECT_LT(masked, o.samples() / 2) << "most of the recording is told by its encoders";
 }
 
 TEST(MeasuredBench, ItsFrictionExplainsMostOfTheForce) {

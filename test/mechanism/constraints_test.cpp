@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/LU>
+#include <Eigen/SVD>
 
 #include "knee_robot/mechanism/singularity.h"
 #include "test/mechanism/random_poses.h"
@@ -124,6 +125,38 @@ TEST_F(Constraints, KeepTheScaledMeasuresWhenTheUnitOfLengthChanges) {
     EXPECT_NEAR(a.scaled_condition, b.scaled_condition, 1e-8 * a.scaled_condition);
     EXPECT_NEAR(a.force_amplification, b.force_amplification, 1e-8 * a.force_amplification);
     EXPECT_GT(std::abs(a.condition - b.condition), 1e-3);
+  }
+}
+
+TEST(FoldDistance, IsTheLengthChangeThatSeparatesTheRobotFromTheMeetingOfTwoAssemblyModes) {
+  Geometry g;  // the printed singular point
+  g.R = {0.3, 0.3, 0.3};
+  g.beta_FD = g.beta_FI = 50.0 * M_PI / 180.0;
+  g.Rm = {0.2, 0.2, 0.2};
+  g.beta_MD = g.beta_MI = 40.0 * M_PI / 180.0;
+  const Mechanism m(g);
+  // From a regular pose, not a symmetric one, along one coordinate until det J changes sign: a fold.
+  Pose from(0.05, 0.5, 0.05, 0.15), to = from;
+  for (double theta = 0.05; theta < 1.4; theta += 0.01) {
+    to[2] = theta;
+    if (lengthJacobian(m, to).determinant() * lengthJacobian(m, from).determinant() < 0.0) break;
+  }
+  ASSERT_LT(lengthJacobian(m, to).determinant() * lengthJacobian(m, from).determinant(), 0.0);
+  for (int k = 0; k < 60; ++k) {
+    const Pose middle = (from + to) / 2;
+    const bool same = lengthJacobian(m, middle).determinant() * lengthJacobian(m, from).determinant() > 0.0;
+    (same ? from : to) = middle;
+  }
+  EXPECT_LT(foldDistance(m, from), 1e-12);
+  const Eigen::JacobiSVD<Matrix4> svd(lengthJacobian(m, from), Eigen::ComputeFullU | Eigen::ComputeFullV);
+  const Vector4 free = svd.matrixV().col(3);   // moves without the lengths, to first order
+  const Vector4 bound = svd.matrixU().col(3);  // lengths that no motion reaches, to first order
+  for (const double step : {0.0025, 0.005, 0.01}) {
+    const Pose pose = from + step * free, mirrored = from - step * free;
+    const double needed = std::abs(bound.dot(legLengths(m, pose) - legLengths(m, from)));
+    EXPECT_NEAR(foldDistance(m, pose) / needed, 1.0, 0.2) << step;
+    EXPECT_LT((legLengths(m, pose) - legLengths(m, mirrored)).norm(), 0.2 * needed)
+        << "two poses, nearly the same lengths";
   }
 }
 

@@ -19,6 +19,9 @@ LinkParameters toParameters(const LinkInertia& link);
 /// Inverse of toParameters. Mass must not be zero.
 LinkInertia fromParameters(const LinkParameters& parameters);
 
+/// Principal moments about the centre of mass (kg m^2), smallest first.
+Vector3 principalMoments(const LinkInertia& link);
+
 /// Why no body can have this inertia: mass not positive, tensor not symmetric, a principal moment negative, or a
 /// principal moment larger than the sum of the two others (beyond rounding). Empty when a body can.
 std::string inconsistency(const LinkInertia& link);

@@ -16,6 +16,10 @@ struct Equations {
   std::vector<int> block;     ///< per row, 0 .. blocks - 1
   std::vector<int>
       second;  ///< per row: index of the second of data that it lies in, for autocorrelation-proof uncertainty
+  std::vector<double> time_s;  ///< per row: time of its sample; files follow each other far apart
+  std::vector<double>
+      elapsed_s;  ///< per row: usable motion before its sample, without what is masked between; each file starts anew
+  double step_s = 0.0;  ///< between neighbouring samples
   int blocks = 0;
   int axes = 0;
   double duration_s = 0.0;  ///< of the samples that are used

@@ -6,6 +6,7 @@
 #include "knee_robot/dynamics/model.h"
 #include "knee_robot/identification/accuracy.h"
 #include "knee_robot/identification/rank.h"
+#include "knee_robot/identification/robust_fit.h"
 
 namespace knee_robot {
 
@@ -18,6 +19,7 @@ struct IdentifyOptions {
   /// Narrowest width over which Coulomb friction may build up, in encoder counts. Smaller ones follow the encoder's flicker at rest;
   /// where nothing flickers they meet reversals more exactly.
   double narrowest_counts = 2.0;
+  OutlierRule outliers = OutlierRule::Huber;
 };
 
 /// A fitted model, and what its choices rest on. Nothing in here depends on validation data.
@@ -32,7 +34,10 @@ struct Identification {
   int blocks = 0;
   double duration_s = 0.0;  ///< of the motion that was fitted
   double outlier_share = 0.0;
-  std::vector<std::string> notes;
+  double bootstrap_block_s = 0.0;           ///< standard errors come from a bootstrap of blocks of this length
+  Eigen::VectorXd force_rms_N;              ///< per actuator, of the equations
+  std::vector<Eigen::MatrixXd> compressed;  ///< per block of cross-validation: compress() of its weighted equations
+  std::vector<int> block_rows;              ///< per block: equations
 };
 
 /// Identifies the force model of a robot: widths of the Coulomb step, noise of each actuator, rank by cross-validation, robust

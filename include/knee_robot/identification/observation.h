@@ -15,6 +15,9 @@ struct ObservationOptions {
   double cutoff_hz = 3.0;          ///< zero-phase low-pass of both sides of the equation
   double moving_m_per_s = 0.0015;  ///< an axis slower than this does not count as moving
   double condition_max = 0.0;      ///< poses with a worse condition of dq/dx (m, rad) are masked; 0: see conditionLimit
+  /// The actuator lengths' distance (m) from a fold (foldDistance) below which the assembly mode counts as unknown, until it is twice
+  /// as far again. A recording with cameras passed into the other mode from 2.3 mm: the geometry is not known better. 0: exact geometry.
+  double fold_margin_m = 0.003;
   SignalOptions signals;
 
   /// Sets the cut-off, and that of the positions to three times as much: wide enough that the second filter decides, narrow
@@ -23,6 +26,12 @@ struct ObservationOptions {
     cutoff_hz = hz;
     signals.motion_cutoff_hz = 3.0 * hz;
   }
+};
+
+/// Samples that are not used for one reason; a sample can have several.
+struct Mask {
+  std::string reason;
+  double share = 0.0;  ///< of all samples
 };
 
 /// A recording as equations: force = regressor * parameters, for every sample and actuator, not yet filtered.
@@ -42,6 +51,7 @@ struct Observation {
   std::vector<char> moving;  ///< every axis faster than the limit (velocity low-passed at cutoff_hz)
   Eigen::Matrix<char, Eigen::Dynamic, Eigen::Dynamic> axis_moving;  ///< the same for each axis alone
   double saturated_share = 0.0;                                     ///< of the samples
+  std::vector<Mask> masks;                                          ///< why samples are left out, and how many
   std::vector<std::string> notes;
 
   int samples() const { return signals.samples(); }

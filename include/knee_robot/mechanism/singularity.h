@@ -29,4 +29,10 @@ double characteristicLength(const Mechanism& mechanism);
 /// nothing allocates. In a control loop use conditionNumber().
 Singularity singularityAt(const Mechanism& mechanism, const Pose& pose);
 
+/// How much the actuator lengths (m, Euclidean norm over the four) would have to change until two assembly modes meet, to second
+/// order: s^2 / (2 |c|) with s the smallest singular value of the scaled J and c its slope along its own direction. Two poses have
+/// the lengths of a pose near such a fold; when the geometry is known less exactly than this distance, lengths alone do not tell
+/// on which of them the robot stands. Large far from singularities. Real-time safe.
+double foldDistance(const Mechanism& mechanism, const Pose& pose);
+
 }  // namespace knee_robot

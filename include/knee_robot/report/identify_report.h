@@ -1,9 +1,12 @@
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "knee_robot/identification/evaluation.h"
+#include "knee_robot/identification/physical_fit.h"
+#include "knee_robot/recording/cutoff.h"
 
 namespace knee_robot {
 
@@ -12,6 +15,7 @@ struct IdentifyResults {
   std::string command_line;  ///< that reproduces this
   std::string robot_path;
   IdentifyOptions options;
+  CutoffChoice cutoff;  ///< how the low-pass of both sides was chosen
   std::vector<Observation> train;
   std::vector<Observation> validate;  ///< may be empty
   Identification before, after;
@@ -19,6 +23,12 @@ struct IdentifyResults {
   Applied validate_before, validate_after;        ///< empty without validation recordings
   std::vector<Eigen::VectorXd> train_by_rank;     ///< errorAgainstRank
   std::vector<Eigen::VectorXd> validate_by_rank;  ///< empty without validation recordings
+
+  std::optional<RobotInertia> prior;    ///< of the robot's URDF
+  std::string urdf_path;                ///< that the prior came from
+  std::optional<PhysicalFit> physical;  ///< when there is a prior
+  std::string no_physical;              ///< why there is none
+  Applied train_physical, validate_physical;
 };
 
 /// report.json of design section 3, plus "rank", "parameters" and "signal_path".
@@ -33,8 +43,20 @@ std::string predictionCsv(const Observation& observation, const Prediction& pred
 /// What the program prints: errors per actuator, and error against rank.
 std::string identifySummary(const IdentifyResults& results);
 
+/// Verdict on a parameter for people, from ModelParameter::verdict.
+std::string verdictText(const std::string& verdict);
+
+/// The outlier rule in words.
+std::string outlierText(OutlierRule rule);
+
+/// Parts of the page, each with its heading.
+std::string identifySpectra(const IdentifyResults& results);
+std::string identifyParameters(const Identification& identification);
+std::string identifyPhysical(const IdentifyResults& results);
+std::string identifySignals(const IdentifyResults& results);
+
 /// Writes model.yaml, report.json, report.html and one prediction_NAME.csv per validation recording into `folder` (made when
-/// missing). Each file is whole or not there. InputError when it cannot be written.
+/// missing); with a physically consistent fit also model_physical.yaml and identified.urdf. Each file is whole or not there. InputError when it cannot be written.
 void writeIdentifyFiles(const IdentifyResults& results, const std::string& folder);
 
 }  // namespace knee_robot

@@ -1,0 +1,36 @@
+#pragma once
+
+#include <vector>
+
+#include "knee_robot/dynamics/robot_inertia.h"
+#include "knee_robot/identification/identify.h"
+
+namespace knee_robot {
+
+/// Error of the physically consistent fit with one strength of the prior. Errors are mean squares in units of the noise.
+struct PhysicalPoint {
+  double strength = 0.0;        ///< of the prior: information of the data at which prior and data count alike
+  double supported = 0.0;       ///< rigid directions and offsets that the data decide
+  double held_back = 0.0;       ///< on blocks of the training data that were left out in turn
+  double beyond_best = 0.0;     ///< held_back minus that of the best strength
+  double standard_error = 0.0;  ///< of beyond_best
+};
+
+/// Full parameters that a robot can have: positive masses, possible inertia tensors, friction and rotor inertia not negative.
+struct PhysicalFit {
+  Model model;           ///< like the base fit's, with these values; no base combinations
+  RobotInertia inertia;  ///< of the nine links and the rotors
+  double strength = 0.0;
+  double supported = 0.0;
+  std::vector<PhysicalPoint> curve;
+  std::vector<double>
+      moved;  ///< per link: size of the change from the prior in the prior's own metric (0: none; 1: as large as it)
+};
+
+/// Fits physically consistent parameters to the equations of a base fit, with the same noise, outlier weights and friction widths.
+/// The prior (the robot's URDF) decides where the data are silent. Its strength is chosen as the rank is: the strongest one whose
+/// error on left-out blocks of the training data is within one standard error of the best. Offsets have a prior of zero, of a size
+/// of a tenth of the actuator's rms force; friction and rotor have none.
+PhysicalFit fitPhysical(const Robot& robot, const Identification& base, const RobotInertia& prior);
+
+}  // namespace knee_robot

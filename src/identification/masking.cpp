@@ -1,0 +1,152 @@
+#include "knee_robot/identification/masking.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "knee_robot/base/numbers.h"
+#include "knee_robot/mechanism/singularity.h"
+#include "knee_robot/recording/filter.h"
+
+namespace knee_robot {
+namespace {
+
+constexpr double kSaturation = 0.999;  ///< of the largest command
+
+std::string percent(double share) {
+  return shortNumber(100.0 * share, 3) + " %";
+}
+
+/// Samples in whose interval some row's command is at its limit.
+std::vector<char> saturatedSamples(const Robot& robot, const Observation& o) {
+  const Signals& s = o.signals;
+  std::vector<char> saturated(static_cast<std::size_t>(s.samples()), 0);
+  for (std::size_t row = 0; row < o.row_time_s.size(); ++row) {
+    bool at_limit = false;
+    for (int i = 0; i < robot.axes(); ++i) {
+      const Actuator& a = robot.actuators[static_cast<std::size_t>(i)];
+      double limit = a.voltage_max_V * a.force_per_volt_N;
+      if (a.force_max_N > 0.0) limit = std::min(limit, a.force_max_N);
+      at_limit = at_limit || std::abs(o.row_force_N(static_cast<Eigen::Index>(row), i)) >= kSaturation * limit;
+    }
+    if (!at_limit) continue;
+    const double until = row + 1 < o.row_time_s.size() ? o.row_time_s[row + 1] : s.time_s.back();
+    const auto sample = [&](double time) {
+      return static_cast<int>(std::lround((time - s.time_s.front()) / s.period_s));
+    };
+    for (int n = std::max(0, sample(o.row_time_s[row])); n <= std::min(s.samples() - 1, sample(until)); ++n)
+      saturated[static_cast<std::size_t>(n)] = 1;
+  }
+  return saturated;
+}
+
+double share(const std::vector<char>& flags) {
+  return static_cast<double>(std::count(flags.begin(), flags.end(), 1)) / static_cast<double>(flags.size());
+}
+
+/// Clears `usable` at flagged samples and, as the filter spreads what is wrong there, within `reach` samples of them.
+void mask(const std::vector<char>& flagged, int reach, std::vector<char>& usable) {
+  const int n = static_cast<int>(flagged.size());
+  for (int i = 0; i < n; ++i) {
+    if (!flagged[static_cast<std::size_t>(i)]) continue;
+    for (int k = std::max(0, i - reach); k <= std::min(n - 1, i + reach); ++k)
+      usable[static_cast<std::size_t>(k)] = 0;
+  }
+}
+
+/// Samples at which the lengths do not tell the assembly mode: from coming within the margin of a fold until twice as far away.
+std::vector<char> ambiguousSamples(const Mechanism& mechanism, double margin_m, const MotionPath& path) {
+  std::vector<char> ambiguous(path.motion.size(), 0);
+  bool near = false;
+  for (std::size_t i = 0; margin_m > 0.0 && i < ambiguous.size(); ++i) {
+    const double distance = path.pose_known[i] ? foldDistance(mechanism, path.motion[i].pose) : 0.0;
+    near = distance < (near ? 2.0 * margin_m : margin_m);
+    ambiguous[i] = near;
+  }
+  return ambiguous;
+}
+
+void noteAmbiguous(const std::vector<char>& ambiguous, double margin_m, Observation& o) {
+  const auto first = std::find(ambiguous.begin(), ambiguous.end(), 1);
+  if (first == ambiguous.end()) return;
+  const auto last = std::find(ambiguous.rbegin(), ambiguous.rend(), 1).base() - 1;
+  const auto at = [&](std::vector<char>::const_iterator i) {
+    return shortNumber(o.signals.time_s[static_cast<std::size_t>(i - ambiguous.begin())], 4) + " s";
+  };
+  o.notes.push_back(
+      "Between " + at(first) + " and " + at(last) + ", at " + percent(share(ambiguous)) +
+      " of the samples, the lengths are within " + shortNumber(1e3 * margin_m) +
+      " mm of a singularity where two assembly modes meet: encoders cannot tell on which of them the robot "
+      "went on. They are masked until the lengths are twice as far away; what follows is taken to be the mode "
+      "before.");
+}
+
+}  // namespace
+
+void maskUnusable(const Robot& robot, const ObservationOptions& options, Observation& o) {
+  const std::size_t n = static_cast<std::size_t>(o.samples());
+  const int reach = static_cast<int>(0.25 / (options.cutoff_hz * o.signals.period_s));
+  o.usable.assign(n, 1);
+  o.masks.clear();
+  const auto leaveOut = [&](const std::string& reason, const std::vector<char>& flagged, int around) {
+    mask(flagged, around, o.usable);
+    o.masks.push_back({reason, share(flagged)});
+    return o.masks.back().share;
+  };
+
+  std::vector<char> unknown(n);
+  for (std::size_t i = 0; i < n; ++i)
+    unknown[i] = !o.signals.known[i];
+  leaveOut("in a gap between rows", unknown, reach);
+  o.saturated_share = leaveOut("a command at its limit", saturatedSamples(robot, o), reach);
+  if (o.saturated_share > 0.0) {
+    o.notes.push_back("At " + percent(o.saturated_share) +
+                      " of the samples a command is at its limit; they are masked.");
+  }
+  std::vector<char> ends(n, 0);
+  const int edge =
+      std::min(o.samples() / 2, ZeroPhaseLowPass(options.cutoff_hz, 1.0 / o.signals.period_s).edgeSamples());
+  std::fill_n(ends.begin(), edge, 1);
+  std::fill_n(ends.rbegin(), edge, 1);
+  leaveOut("at the recording's ends, where the low-pass reaches beyond", ends, 0);
+  if (!robot.mechanism) return;
+
+  const double limit = conditionLimit(robot, options);
+  std::vector<char> singular(n), lost(n);
+  for (std::size_t i = 0; i < n; ++i) {
+    lost[i] = !o.motion.pose_known[i];
+    singular[i] = lost[i] || o.motion.condition[i] > limit;
+  }
+  const double near =
+      leaveOut("pose near a singularity: Jacobian condition (m, rad) above " + shortNumber(limit), singular, reach);
+  o.notes.push_back(percent(near) + " of the samples have a Jacobian condition above " + shortNumber(limit) +
+                    " (m, rad) and are masked.");
+  const std::vector<char> ambiguous = ambiguousSamples(*robot.mechanism, options.fold_margin_m, o.motion);
+  leaveOut("assembly mode uncertain: lengths within " + shortNumber(1e3 * options.fold_margin_m) + " mm of a fold",
+           ambiguous, reach);
+  noteAmbiguous(ambiguous, options.fold_margin_m, o);
+}
+
+void findMoving(const ObservationOptions& options, Observation& o) {
+  Eigen::MatrixXd velocity = o.signals.velocity_m_per_s;
+  ZeroPhaseLowPass(options.cutoff_hz, 1.0 / o.signals.period_s).applyToColumns(velocity);
+  o.axis_moving.resize(o.samples(), velocity.cols());
+  o.moving.assign(static_cast<std::size_t>(o.samples()), 1);
+  for (int n = 0; n < o.samples(); ++n) {
+    for (int i = 0; i < velocity.cols(); ++i) {
+      o.axis_moving(n, i) = std::abs(velocity(n, i)) > options.moving_m_per_s;
+      if (!o.axis_moving(n, i)) o.moving[static_cast<std::size_t>(n)] = 0;
+    }
+  }
+  std::vector<char> resting(o.moving.size()), used(o.moving.size());
+  for (std::size_t n = 0; n < used.size(); ++n) {
+    resting[n] = !o.moving[n];
+    used[n] = o.moving[n] && o.usable[n];
+  }
+  o.masks.push_back({"some axis rests or reverses: slower than " + shortNumber(1e3 * options.moving_m_per_s) + " mm/s",
+                     share(resting)});
+  o.masks.push_back({"used in the fit", share(used)});
+  o.notes.push_back("At " + percent(share(o.moving)) + " of the samples every axis is faster than " +
+                    shortNumber(1e3 * options.moving_m_per_s) + " mm/s.");
+}
+
+}  // namespace knee_robot

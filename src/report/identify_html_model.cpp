@@ -1,0 +1,109 @@
+#include <cmath>
+
+#include "html_parts.h"
+#include "knee_robot/base/numbers.h"
+#include "knee_robot/report/identify_report.h"
+#include "knee_robot/report/svg_plot.h"
+
+namespace knee_robot {
+namespace {
+
+std::string parameterRow(const ModelParameter& p, bool own) {
+  return std::string(own ? "<tr>" : "<tr class=\"silent\">") + "<td>" + escapeHtml(p.name) + "</td><td>" +
+         (own ? shortNumber(p.value, 4) : "&ndash;") + "</td><td>" + htmlNumber(p.std) + "</td><td>" +
+         htmlNumber(own && p.value != 0.0 ? 100.0 * p.std / std::abs(p.value) : std::nan("")) +
+         "</td><td class=\"text\">" + p.unit + "</td><td class=\"text\">" + verdictText(p.verdict) + "</td></tr>\n";
+}
+
+constexpr const char* kParameterHead =
+    "<table><tr><th>parameter</th><th>value</th><th>standard error</th><th>%</th><th class=\"text\">unit</th><th "
+    "class=\"text\">verdict</th></tr>\n";
+
+std::string frictionTable(const Identification& id) {
+  std::string out =
+      "<table><tr><th>per actuator</th><th>friction builds up over, mm</th><th>residual (training, moving), "
+      "N</th></tr>\n";
+  for (std::size_t i = 0; i < id.model.coulomb_width_m.size(); ++i) {
+    out += "<tr><td>" + std::to_string(i + 1) + "</td><td>" + shortNumber(1e3 * id.model.coulomb_width_m[i], 3) +
+           "</td><td>" + shortNumber(id.model.residual_rms_N[i], 3) + "</td></tr>\n";
+  }
+  return out + "</table>\n";
+}
+
+std::string linkTable(const IdentifyResults& r) {
+  std::string out =
+      "<table><tr><th>link</th><th>mass, kg</th><th>prior, kg</th><th>centre of mass, mm</th><th>prior, "
+      "mm</th><th>principal "
+      "moments, g m<sup>2</sup></th><th>change from the prior, %</th></tr>\n";
+  const auto millimetres = [](const Vector3& c) {
+    return shortNumber(std::round(1e4 * c.x()) / 10) + ", " + shortNumber(std::round(1e4 * c.y()) / 10) + ", " +
+           shortNumber(std::round(1e4 * c.z()) / 10);
+  };
+  for (std::size_t k = 0; k < r.physical->inertia.links.size(); ++k) {
+    const LinkInertia& body = r.physical->inertia.links[k];
+    const LinkInertia& prior = r.prior->links[k];
+    const Vector3 moments = principalMoments(body);
+    out += "<tr><td>" + linkNames()[k] + "</td><td>" + shortNumber(body.mass, 3) + "</td><td>" +
+           shortNumber(prior.mass, 3) + "</td><td>" + millimetres(body.center) + "</td><td>" +
+           millimetres(prior.center) + "</td><td>" + shortNumber(1e3 * moments[0], 3) + ", " +
+           shortNumber(1e3 * moments[1], 3) + ", " + shortNumber(1e3 * moments[2], 3) + "</td><td>" +
+           shortNumber(100.0 * r.physical->moved[k], 3) + "</td></tr>\n";
+  }
+  return out + "</table>\n";
+}
+
+}  // namespace
+
+std::string verdictText(const std::string& verdict) {
+  return verdict == "not identifiable" ? "not identifiable on this data" : verdict;
+}
+
+std::string identifyParameters(const Identification& id) {
+  std::string out = std::string("<h2>Parameters</h2>\n") + kParameterHead;
+  std::string silent;
+  int count = 0;
+  for (const ModelParameter& p : id.model.parameters) {
+    const bool own = std::isfinite(p.std);
+    (own ? out : silent) += parameterRow(p, own);
+    count += !own;
+  }
+  out += "</table>\n<p class=\"key\">Standard errors: " + std::string("300 draws of a bootstrap over blocks of ") +
+         htmlNumber(id.bootstrap_block_s) +
+         " s, the length that the residual's autocorrelation asks for (Politis and White). Identified: standard error "
+         "below 10 % of the value. Friction and rotor inertia are kept from becoming negative.</p>\n";
+  out += "<details><summary>" + std::to_string(count) + " parameters that this data does not determine alone; " +
+         std::to_string(id.model.base.size()) +
+         " combinations of them are determined and are listed, with uncertainties, in model.yaml</summary>\n" +
+         kParameterHead + silent + "</table></details>\n";
+  return out + frictionTable(id);
+}
+
+std::string identifyPhysical(const IdentifyResults& r) {
+  std::string out = "<h2>Physically consistent parameters</h2>\n";
+  if (!r.physical) return out + "<p>Not fitted: " + escapeHtml(r.no_physical) + "</p>\n";
+  const PhysicalFit& fit = *r.physical;
+  PlotLine held{"held back", kModelColor, {}, {}};
+  for (const PhysicalPoint& p : fit.curve) {
+    held.x.push_back(std::log10(p.strength));
+    held.y.push_back(std::sqrt(p.held_back));
+  }
+  PlotStyle style;
+  style.x_label = "log10 of the prior's strength";
+  style.y_label = "rms / noise";
+  style.log_y = true;
+  style.markers = {std::log10(fit.strength)};
+  out +=
+      "<p>All 90 inertial parameters of nine bodies that can exist, with friction, rotors and offsets, fitted to the "
+      "same "
+      "equations. The data decide " +
+      htmlNumber(fit.supported) + " of " + std::to_string(kInertialParameters + r.after.model.axes) +
+      " directions (inertias and offsets); where they are silent the prior does: " + escapeHtml(r.urdf_path) +
+      ". Strength of the prior (dashed): the strongest whose error on held-back blocks of the training data is within "
+      "one standard error of the best.</p>\n";
+  out += svgPlot({held}, style) + linkTable(r);
+  return out +
+         "<p class=\"key\">Written to identified.urdf and model_physical.yaml. Change from the prior: 0 % is the prior "
+         "itself, 100 % a change as large as it, in its own metric.</p>\n";
+}
+
+}  // namespace knee_robot

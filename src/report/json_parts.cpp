@@ -1,0 +1,84 @@
+#include "json_parts.h"
+
+#include <cmath>
+
+#include "knee_robot/base/numbers.h"
+
+namespace knee_robot {
+namespace {
+
+Json accuracyJson(const Accuracy& a) {
+  return {{"rms_N", jsonArray(a.rms_N)},
+          {"rms_moving_N", jsonArray(a.rms_moving_N)},
+          {"rms_raw_N", jsonArray(a.rms_raw_N)},
+          {"rms_percent", jsonArray(a.rms_percent)},
+          {"range_percent", jsonArray(a.range_percent)},
+          {"max_N", jsonArray(a.max_N)},
+          {"samples", a.samples},
+          {"moving_samples", a.moving_samples}};
+}
+
+Json paths(const std::vector<Observation>& observations) {
+  Json list = Json::array();
+  for (const Observation& o : observations)
+    list.push_back(o.path);
+  return list;
+}
+
+}  // namespace
+
+Json jsonNumber(double value) {
+  return std::isfinite(value) ? Json(value) : Json();
+}
+
+Json jsonArray(const Eigen::VectorXd& values) {
+  Json list = Json::array();
+  for (const double value : values)
+    list.push_back(jsonNumber(value));
+  return list;
+}
+
+Json dataJson(const std::vector<Observation>& train, const std::vector<Observation>& validate,
+              const ObservationOptions& options) {
+  int samples = 0;
+  for (const Observation& o : train)
+    samples += o.samples();
+  return {{"train", paths(train)},
+          {"validate", paths(validate)},
+          {"rate_hz", 1.0 / train.front().signals.period_s},
+          {"samples", samples},
+          {"cutoff_hz", options.cutoff_hz},
+          {"moving_m_per_s", options.moving_m_per_s},
+          {"evidence_across_trajectories", train.size() > 1}};
+}
+
+Json sideJson(int parameters, const Applied& train, const Applied& validate) {
+  Json j = {{"parameters", parameters}, {"train", accuracyJson(train.accuracy)}};
+  j["validate"] = validate.predictions.empty() ? Json() : accuracyJson(validate.accuracy);
+  return j;
+}
+
+std::string predictionTable(const Observation& o, const Prediction& prediction, const Prediction* before) {
+  const Eigen::Index axes = o.row_force_N.cols();
+  std::string csv = "time_s";
+  for (const char* name : {"force_", "predicted_", "before_"}) {
+    if (before == nullptr && std::string(name) == "before_") continue;
+    for (Eigen::Index i = 1; i <= axes; ++i)
+      csv += "," + (name + std::to_string(i)) + "_N";
+  }
+  csv += "\n";
+  for (std::size_t row = 0; row < o.row_time_s.size(); ++row) {
+    const Eigen::Index n = static_cast<Eigen::Index>(row);
+    csv += exactNumber(o.row_time_s[row]);
+    for (Eigen::Index i = 0; i < axes; ++i)
+      csv += "," + exactNumber(o.row_force_N(n, i));
+    for (const Prediction* p : {&prediction, before}) {
+      for (Eigen::Index i = 0; p != nullptr && i < axes; ++i)
+        csv += "," + shortNumber(p->row_force_N(n, i), 9);
+    }
+    csv += "\n";
+  }
+  return csv;
+}
+
+}  // namespace knee_robot

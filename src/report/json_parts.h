@@ -1,0 +1,26 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "knee_robot/identification/evaluation.h"
+
+namespace knee_robot {
+
+using Json = nlohmann::ordered_json;
+
+/// null where a value is not finite.
+Json jsonNumber(double value);
+Json jsonArray(const Eigen::VectorXd& values);
+/// "data" of report.json.
+Json dataJson(const std::vector<Observation>& train, const std::vector<Observation>& validate,
+              const ObservationOptions& options);
+/// One side ("before" or "after") of report.json.
+Json sideJson(int parameters, const Applied& train, const Applied& validate);
+
+/// prediction_NAME.csv of one recording: time_s, force_i_N as recorded, predicted_i_N, and with `before` before_i_N.
+std::string predictionTable(const Observation& observation, const Prediction& prediction, const Prediction* before);
+
+}  // namespace knee_robot
