@@ -1,12 +1,17 @@
-// import_recording: other recorders' files -> recording.
+// import_recording: other recorders' files -> recording; motion capture beside a recording.
 
 #include <filesystem>
 #include <iostream>
 #include <string>
 #include <vector>
 
+#include "bag_import.h"
 #include "knee_robot/base/errors.h"
+#include "knee_robot/base/files.h"
+#include "knee_robot/identification/observation.h"
 #include "knee_robot/recording/import.h"
+#include "knee_robot/recording/markers.h"
+#include "knee_robot/tracing/pose_registration.h"
 #include "program.h"
 
 using namespace knee_robot;
@@ -14,13 +19,16 @@ using namespace knee_robot;
 namespace {
 
 struct Arguments {
-  std::string source, output, map;
+  std::string source, output, map, markers, marker_map, robot;
   std::vector<std::string> columns;
   SignalFolder folder;
+  BagSource bag;
 };
 
 void declare(CLI::App& app, Arguments& a) {
-  app.add_option("SOURCE", a.source, "folder of one table per signal, or one table (CSV, TSV)")->required();
+  app.add_option("SOURCE", a.source,
+                 "folder of one table per signal, one table (CSV, TSV), a rosbag, or with --markers a recording")
+      ->required();
   app.add_option("--output,-o", a.output, "recording to write; refused when it exists")->required();
   app.add_option("--command-unit", a.folder.command_unit, "folder: unit of the command, N or V")
       ->check(CLI::IsMember({"N", "V"}));
@@ -35,6 +43,16 @@ void declare(CLI::App& app, Arguments& a) {
       ->capture_default_str();
   app.add_option("--map", a.map, "table: YAML file that says what each column becomes, and in which unit it is");
   app.add_option("--column", a.columns, "table: one column, FROM=TO[,UNIT[,SCALE[,OFFSET]]]; may be repeated");
+  app.add_option("--topic", a.bag.topic,
+                 "rosbag: topic of type knee_robot/Tracking (default: the only one) or sensor_msgs/JointState");
+  app.add_option("--joints", a.bag.joints, "rosbag: joints of a JointState topic that are the actuators, in order")
+      ->delimiter(',');
+  app.add_option("--camera-topic", a.bag.camera, "rosbag: geometry_msgs/PoseStamped of the platform by a camera");
+  CLI::Option* markers =
+      app.add_option("--markers", a.markers, "motion-capture export (CSV, TSV) to be put beside the recording SOURCE");
+  app.add_option("--marker-map", a.marker_map, "YAML file: the export's columns and where each marker sits")
+      ->needs(markers);
+  app.add_option("--robot", a.robot, "robot file, for --markers")->needs(markers);
   app.footer(
       "A folder:  import_recording exp_20 --command-unit N -o run.csv\n"
       "  each file has the columns time_sec and time_nanosec, then one value an axis.\n"
@@ -47,11 +65,45 @@ void declare(CLI::App& app, Arguments& a) {
       "    decimal: comma      # point when left out\n"
       "    header: true        # false: columns are named by number, from 1\n"
       "    skip_lines: 0       # in front of the header\n"
-      "What was done to the time axis is printed. Rosbags are not read: export their topics to CSV first\n"
-      "(rostopic echo -b FILE.bag -p TOPIC), then use a map.");
+      "A rosbag:  import_recording run.bag -o run.csv\n"
+      "Markers:   import_recording run.csv --markers capture.tsv --marker-map markers.yaml --robot B.yaml -o "
+      "with_camera.csv\n"
+      "    time: {from: Time, unit: s}      # or rate_hz: 120\n"
+      "    unit: mm\n"
+      "    markers:                         # at least three\n"
+      "      - {columns: [M1X, M1Y, M1Z], platform_m: [-0.30, 0.00, 0.02]}\n"
+      "  rigid fit row by row; delay by cross-correlation, frame by rigid registration, both printed.\n"
+      "What was done to the time axis is printed.");
+}
+
+/// The recording with camera columns from a motion-capture export.
+Imported importMarkers(const Arguments& a) {
+  if (a.marker_map.empty()) throw InputError("--markers needs --marker-map: the export does not say where markers sit");
+  if (a.robot.empty()) throw InputError("--markers needs --robot: time and frame are aligned with forward kinematics");
+  const Robot robot = loadRobot(a.robot);
+  const std::string content = readFile(a.source);
+  const Recording recording = parseRecording(content, a.source);
+  const MarkerMap map = loadMarkerMap(a.marker_map);
+  const MarkerPoses capture = fitMarkers(TextTable::load(a.markers, map.format), map);
+  const RegisteredCapture registered = registerCapture(robot, recording, capture, conditionLimit(robot, {}));
+  Imported out;
+  out.csv = withCameraColumns(content, a.source, registered.pose);
+  out.rows = parseRecording(out.csv, a.source + " (with camera)").rows();
+  out.notes = registered.notes;
+  return out;
+}
+
+bool isBag(const std::string& path) {
+  return std::filesystem::path(path).extension() == ".bag";
 }
 
 Imported import(const Arguments& a) {
+  if (!a.markers.empty()) return importMarkers(a);
+  if (isBag(a.source) && !std::filesystem::is_directory(a.source)) {
+    BagSource bag = a.bag;
+    bag.path = a.source;
+    return importBag(bag);
+  }
   if (std::filesystem::is_directory(a.source)) {
     if (!a.map.empty() || !a.columns.empty())
       throw InputError(a.source + ": is a folder; --map and --column are for tables");

@@ -1,9 +1,12 @@
 // plan_exercise NAME --robot R -o FILE: a physiotherapist's movement as a checked reference file.
 
 #include <cstdio>
+#include <filesystem>
 
 #include "knee_robot/base/errors.h"
+#include "knee_robot/base/files.h"
 #include "knee_robot/base/numbers.h"
+#include "knee_robot/report/exercise_report.h"
 #include "knee_robot/trajectory/exercises.h"
 #include "program.h"
 
@@ -14,7 +17,7 @@ using namespace knee_robot;
 constexpr double kDegree = 3.14159265358979323846 / 180.0;
 
 struct Arguments {
-  std::string name, robot, output, space = "actuator";
+  std::string name, robot, output, picture, space = "actuator";
   double amplitude = 0.0, speed = 0.020, turning_speed_deg = 2.0, pause = 1.0;
   int repetitions = 1;
   bool scale = false;
@@ -54,7 +57,7 @@ void report(const Arguments& arguments, const Exercise& exercise, const Exercise
     std::printf("  %-24s %5.1f %% of its limit left, line %d\n", nameOf(margin.quantity), 100.0 * margin.left,
                 margin.line);
   }
-  std::printf("written to %s\n", arguments.output.c_str());
+  std::printf("written to %s, picture to %s\n", arguments.output.c_str(), arguments.picture.c_str());
 }
 
 }  // namespace
@@ -70,6 +73,8 @@ int main(int argc, char** argv) {
   app.add_option("NAME", arguments.name, names)->required();
   app.add_option("--robot", arguments.robot, "robot file (YAML)")->required();
   app.add_option("-o,--output", arguments.output, "reference file to write")->required();
+  app.add_option("--picture", arguments.picture,
+                 "SVG of pose, actuators and margins against time (default: the output's name with .svg)");
   const CLI::Option* amplitude = app.add_option("--amplitude", arguments.amplitude,
                                                 "m, or deg for knee_rotation and ankle_flexion; paper_test: of the "
                                                 "rise, the rest in proportion (default: the paper's)");
@@ -90,6 +95,12 @@ int main(int argc, char** argv) {
     writeReference(
         arguments.output, plan.reference,
         {exercise.name + ": " + exercise.meaning, "for " + arguments.robot, "starts at " + poseText(plan.start)});
+    if (arguments.picture.empty())
+      arguments.picture = std::filesystem::path(arguments.output).replace_extension(".svg").string();
+    if (arguments.picture == arguments.output)
+      throw InputError(arguments.output +
+                       ": is the reference file's name; give the picture another one with --picture");
+    writeFileAtomically(arguments.picture, exerciseSvg(exercise, robot, plan));
     report(arguments, exercise, plan);
     return kExitDone;
   });

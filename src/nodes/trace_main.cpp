@@ -86,6 +86,14 @@ std::vector<Eigen::VectorXd> gains(const Robot& robot, TraceResults& r, double c
   return out;
 }
 
+PoseTraceOptions poseOptions(const Robot& robot, const TraceOptions& options) {
+  PoseTraceOptions pose;
+  pose.condition_max = conditionLimit(robot, options.observation);
+  pose.seed = options.seed;
+  pose.progress = options.progress;
+  return pose;
+}
+
 int run(const Arguments& a, const std::string& command_line) {
   refuseBadFiles(a);
   TraceResults r;
@@ -105,7 +113,8 @@ int run(const Arguments& a, const std::string& command_line) {
   }
   const std::vector<Recording> train = load(a.train);
   r.train = observeAll(robot, train, r.options.observation);
-  r.validate = observeAll(robot, load(a.validate), r.options.observation);
+  const std::vector<Recording> validate = load(a.validate);
+  r.validate = observeAll(robot, validate, r.options.observation);
   r.result = trace(robot, train, r.train, r.options);
   r.model = tracedModel(robot, r.result, r.train, r.options);
 
@@ -119,6 +128,8 @@ int run(const Arguments& a, const std::string& command_line) {
   r.validate_after =
       apply(r.validate, cutoff_hz, [&](Observation& o, int) { return predictTraced(robot, r.result, o, -1, count); });
   if (!r.validate.empty()) r.validate_gain_N = gains(robot, r, cutoff_hz);
+  r.next = planNextExperiment(robot, r.result, r.train, r.options);
+  r.pose = tracePose(robot, train, validate, poseOptions(robot, r.options));
   writeTraceFiles(r, a.output);
   std::cout << traceSummary(r) << "written: " << a.output << "/report.html, report.json, model.yaml and predictions"
             << std::endl;

@@ -35,29 +35,6 @@ ErrorFigures errorFigures(const std::vector<double>& time_s, const Eigen::Vector
   return f;
 }
 
-PosePath posesOf(const Mechanism& mechanism, const Eigen::MatrixXd& lengths_m) {
-  const double nan = std::numeric_limits<double>::quiet_NaN();
-  PosePath path;
-  path.pose = Eigen::MatrixXd::Constant(lengths_m.rows(), 4, nan);
-  path.condition = Eigen::VectorXd::Constant(lengths_m.rows(), nan);
-  bool started = false;
-  Pose last = Pose::Zero();
-  for (Eigen::Index i = 0; i < lengths_m.rows(); ++i) {
-    const Lengths lengths = lengths_m.row(i).transpose();
-    const ForwardResult found =
-        started ? forwardKinematics(mechanism, lengths, last) : forwardKinematicsFromHome(mechanism, lengths);
-    if (!found.ok()) {
-      ++path.unknown;
-      continue;
-    }
-    started = true;
-    last = found.pose;
-    path.pose.row(i) = found.pose.transpose();
-    path.condition[i] = found.condition_bound;
-  }
-  return path;
-}
-
 namespace {
 
 void comparePoses(const Robot& robot, CompareResults& r) {

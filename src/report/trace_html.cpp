@@ -4,6 +4,8 @@
 #include "knee_robot/base/numbers.h"
 #include "knee_robot/report/svg_plot.h"
 #include "knee_robot/report/trace_report.h"
+#include "trace_next_report.h"
+#include "trace_pose_report.h"
 
 namespace knee_robot {
 namespace {
@@ -146,7 +148,7 @@ std::string traceHtml(const TraceResults& r) {
          " training and " + std::to_string(r.validate.size()) + " validation recording(s) &middot; seed " +
          std::to_string(r.options.seed) + "</p>\n";
   out += "<p class=\"verdict\">" + escapeHtml(traceVerdict(r)) + "</p>\n";
-  out += effectSection(r) + errorSection(r);
+  out += effectSection(r) + nextExperimentHtml(r.next) + errorSection(r) + tracePoseHtml(r.pose);
   const bool validated = !r.validate.empty();
   const Observation& shown = validated ? r.validate.front() : r.train.front();
   const Applied& before = validated ? r.validate_before : r.train_before;

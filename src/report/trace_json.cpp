@@ -5,6 +5,8 @@
 #include "knee_robot/base/files.h"
 #include "knee_robot/base/numbers.h"
 #include "knee_robot/report/trace_report.h"
+#include "trace_next_report.h"
+#include "trace_pose_report.h"
 
 namespace knee_robot {
 namespace {
@@ -123,8 +125,8 @@ std::string traceJson(const TraceResults& r) {
                       {"noise_floor_N", jsonArray(r.result.floor_N)},
                       {"noise_floor_source", r.result.floor_source},
                       {"depends_on", dependsJson(r)}};
-  j["pose"] = Json();
-  j["next_experiment"] = Json();
+  j["pose"] = tracePoseJson(r.pose);
+  j["next_experiment"] = nextExperimentJson(r.next);
   j["verdict"] = traceVerdict(r);
   j["gain_interval"] = {{"train", gainJson(r.train, r.train_before, r.train_after)},
                         {"validate", gainJson(r.validate, r.validate_before, r.validate_after)}};
@@ -144,6 +146,7 @@ void writeTraceFiles(const TraceResults& r, const std::string& folder) {
         folder + "/prediction_" + r.validate[i].name + ".csv",
         predictionTable(r.validate[i], r.validate_after.predictions[i], &r.validate_before.predictions[i]));
   }
+  writeNextExperiment(r.next, r.robot_path, folder);
   writeFileAtomically(folder + "/report.json", traceJson(r));
   writeFileAtomically(folder + "/report.html", traceHtml(r));
 }

@@ -3,6 +3,8 @@
 
 #include "knee_robot/base/numbers.h"
 #include "knee_robot/report/trace_report.h"
+#include "trace_next_report.h"
+#include "trace_pose_report.h"
 
 namespace knee_robot {
 namespace {
@@ -75,7 +77,7 @@ std::string traceSummary(const TraceResults& r) {
     out += effectLine(r.result.effects[k], r.model.effects[k]);
   out += row("floor, N", r.result.floor_N) + side("training", r.train_before, r.train_after);
   if (!r.validate.empty()) out += side("validation", r.validate_before, r.validate_after);
-  return out;
+  return out + nextExperimentSummary(r.next) + tracePoseSummary(r.pose);
 }
 
 }  // namespace knee_robot

@@ -6,6 +6,7 @@
 
 #include "knee_robot/mechanism/robot.h"
 #include "knee_robot/recording/recording.h"
+#include "knee_robot/tracing/pose_alignment.h"
 
 namespace knee_robot {
 
@@ -16,29 +17,6 @@ struct ErrorFigures {
   double time_of_max_s = 0.0;
 };
 ErrorFigures errorFigures(const std::vector<double>& time_s, const Eigen::VectorXd& error);
-
-/// Poses of one row each (Xm, Zm in m, theta, psi in rad), nan where forward kinematics found none.
-struct PosePath {
-  Eigen::MatrixXd pose;       ///< rows x 4
-  Eigen::VectorXd condition;  ///< upper bound of the Jacobian's condition number (m, rad); nan like the pose
-  int unknown = 0;            ///< rows without pose
-};
-/// Forward kinematics row by row, each started from the pose before; the first from the level platform above the base.
-PosePath posesOf(const Mechanism& mechanism, const Eigen::MatrixXd& lengths_m);
-
-/// How the camera's pose becomes that of forward kinematics. Both are fixed over the recording:
-///   (x, z)_robot = turn(rotation) (x, z)_camera + shift, theta_robot = theta_camera + rotation   (frame: a rigid motion in XZ)
-///   psi_robot = psi_camera + plate                                                               (how the markers sit)
-struct CameraAlignment {
-  bool known = false;
-  double delay_s = 0.0;  ///< the camera shows the pose this much later than the encoders; 0 when not determined
-  bool delay_known = false;
-  double correlation = 0.0;   ///< of the velocities at that delay
-  double rotation_rad = 0.0;  ///< about Y
-  double shift_x_m = 0.0, shift_z_m = 0.0;
-  double plate_rad = 0.0;  ///< about the platform's normal
-  int rows = 0;            ///< rows that the rigid fit rests on
-};
 
 /// Camera against forward kinematics.
 struct CameraComparison {
@@ -53,10 +31,7 @@ struct CameraComparison {
   double other_from_s = 0.0, other_to_s = 0.0;  ///< first and last such row
   ErrorFigures error_nearest[4];                ///< camera minus the nearer of the two poses
 };
-/// Delay by cross-correlation of the velocities (all four coordinates, within +-0.5 s), then a rigid fit by least squares.
-/// Both leave out rows with a condition above `condition_max`, and rows far from the rest (beyond five times the median distance
-/// of a first fit for the delay, three times for the fit). Points and angles are weighed with 0.3 m for 1 rad, a platform's
-/// radius.
+/// Aligns the camera (tracing/pose_alignment.h) and compares. alignment.known is false when there are too few rows.
 CameraComparison compareCamera(const Mechanism& mechanism, const Recording& recording, const PosePath& measured,
                                const Eigen::MatrixXd& reference, double condition_max);
 

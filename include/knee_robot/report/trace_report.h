@@ -4,6 +4,8 @@
 #include <vector>
 
 #include "knee_robot/identification/evaluation.h"
+#include "knee_robot/tracing/next_experiment.h"
+#include "knee_robot/tracing/pose_trace.h"
 #include "knee_robot/tracing/trace.h"
 
 namespace knee_robot {
@@ -21,6 +23,8 @@ struct TraceResults {
   Applied validate_before, validate_after;  ///< empty without validation recordings
   std::vector<Eigen::VectorXd>
       validate_gain_N;  ///< per effect: fall of the validation rms when it is put in, per actuator
+  PoseTrace pose;       ///< not available without camera columns
+  NextExperiment next;  ///< written as next_experiment.txt when planned
 };
 
 /// Errors of a block bootstrap: 95 % interval of the rms after minus before, per actuator (both sides low-passed).
@@ -38,7 +42,8 @@ std::string traceHtml(const TraceResults& results);
 std::string traceSummary(const TraceResults& results);
 /// One sentence on whether there was anything to explain.
 std::string traceVerdict(const TraceResults& results);
-/// model.yaml, report.json, report.html and prediction_NAME.csv (with before_i_N) of each validation recording.
+/// model.yaml, report.json, report.html, prediction_NAME.csv (with before_i_N) of each validation recording, and
+/// next_experiment.txt when there is something to separate.
 void writeTraceFiles(const TraceResults& results, const std::string& folder);
 
 }  // namespace knee_robot

@@ -1,0 +1,138 @@
+#include <algorithm>
+#include <cmath>
+
+#include "knee_robot/base/numbers.h"
+#include "knee_robot/report/exercise_report.h"
+#include "knee_robot/report/svg_plot.h"
+
+namespace knee_robot {
+namespace {
+
+constexpr double kDegrees = 180.0 / 3.14159265358979323846;
+constexpr double kWidth = 1000.0, kPanel = 190.0, kTitle = 64.0;
+constexpr const char* kColours[4] = {"#1b6ca8", "#d1495b", "#2e8b57", "#9a6bb0"};
+
+constexpr const char* kStyle =
+    "<style>svg{font:12px sans-serif;fill:#333}.grid{stroke:#e6e6e6}.frame{fill:none;stroke:#888}"
+    ".line{fill:none;stroke-width:1.4}.shade{fill:#f3efe2}.marker{stroke:#333;stroke-dasharray:4 3}"
+    ".title{font-size:17px;font-weight:600}</style>\n";
+
+std::vector<double> times(Eigen::Index points) {
+  std::vector<double> out;
+  for (Eigen::Index k = 0; k < points; ++k)
+    out.push_back(kStreamPeriod * static_cast<double>(k));
+  return out;
+}
+
+PlotLine line(const std::string& label, int colour, const std::vector<double>& t, const Eigen::VectorXd& values) {
+  return {label, kColours[colour], t, {values.data(), values.data() + values.size()}};
+}
+
+/// Share of each kind of limit that is left at one pose; 1 far away, 0 at the limit.
+struct Left {
+  double length = 1.0, base_angle = 1.0, platform_angle = 1.0, condition = 1.0;
+  double least() const { return std::min({length, base_angle, platform_angle, condition}); }
+};
+
+Left leftAt(const Robot& robot, const Pose& pose, const Lengths& lengths, double condition_max) {
+  Left left;
+  const JointAngles angles = jointAngles(*robot.mechanism, pose);
+  for (std::size_t i = 0; i < kLegs; ++i) {
+    const Actuator& a = robot.actuators[i];
+    const double half = 0.5 * (a.position_max_m - a.position_min_m), q = lengths[static_cast<Eigen::Index>(i)];
+    left.length = std::min({left.length, (q - a.position_min_m) / half, (a.position_max_m - q) / half});
+    left.base_angle = std::min(left.base_angle,
+                               1.0 - angles.base[i] / (i < 3 ? robot.joints.universal_max : robot.joints.revolute_max));
+    if (i < 3)
+      left.platform_angle = std::min(left.platform_angle, 1.0 - angles.platform[i] / robot.joints.spherical_max);
+  }
+  left.condition = 1.0 - conditionNumber(*robot.mechanism, pose) / condition_max;
+  return left;
+}
+
+/// Percent left of each kind of limit against time, and where it is least.
+std::vector<PlotLine> marginLines(const Robot& robot, const ExercisePlan& plan, const std::vector<double>& t,
+                                  Eigen::Index& tightest) {
+  const double condition_max = planningCondition(robot);
+  std::vector<PlotLine> lines = {{"lengths", kColours[0], t, {}},
+                                 {"base joints", kColours[1], t, {}},
+                                 {"spherical joints", kColours[2], t, {}},
+                                 {"singularity margin", kColours[3], t, {}}};
+  double least = 2.0;
+  tightest = 0;
+  for (Eigen::Index k = 0; k < plan.check.poses.rows(); ++k) {
+    const Left left =
+        leftAt(robot, plan.check.poses.row(k).transpose(), plan.check.lengths.row(k).transpose(), condition_max);
+    const double values[] = {left.length, left.base_angle, left.platform_angle, left.condition};
+    for (std::size_t n = 0; n < 4; ++n)
+      lines[n].y.push_back(100.0 * values[n]);
+    if (left.least() >= least) continue;
+    least = left.least();
+    tightest = k;
+  }
+  return lines;
+}
+
+std::string textAt(double y, const char* attributes, const std::string& content) {
+  return "<text x=\"64\" y=\"" + shortNumber(y) + "\" " + attributes + ">" + escapeHtml(content) + "</text>\n";
+}
+
+}  // namespace
+
+std::string stackedSvg(const std::string& title, const std::vector<std::string>& plots, double width,
+                       const std::vector<double>& heights) {
+  double height = kTitle;
+  for (const double h : heights)
+    height += h;
+  std::string out = "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 " + shortNumber(width) + " " +
+                    shortNumber(height) + "\" width=\"" + shortNumber(width) + "\" height=\"" + shortNumber(height) +
+                    "\">\n" + kStyle + "<rect width=\"100%\" height=\"100%\" fill=\"#fff\"/>\n";
+  const std::size_t end = title.find('\n');
+  out += textAt(26, "class=\"title\"", title.substr(0, end));
+  if (end != std::string::npos) out += textAt(48, "", title.substr(end + 1));
+  double y = kTitle;
+  for (std::size_t k = 0; k < plots.size(); ++k) {
+    out += "<svg x=\"0\" y=\"" + shortNumber(y) + "\" width=\"" + shortNumber(width) + "\" height=\"" +
+           shortNumber(heights[k]) + "\" " + plots[k].substr(5);  // behind "<svg "
+    y += heights[k];
+  }
+  return out + "</svg>\n";
+}
+
+std::string exerciseSvg(const Exercise& exercise, const Robot& robot, const ExercisePlan& plan) {
+  const Points &poses = plan.check.poses, &lengths = plan.check.lengths;
+  const std::vector<double> t = times(poses.rows());
+  Eigen::Index tightest = 0;
+  const std::vector<PlotLine> margins = marginLines(robot, plan, t, tightest);
+  PlotStyle style;
+  style.width = kWidth;
+  style.height = kPanel;
+  style.x_label = "time, s";
+  style.markers = {t[static_cast<std::size_t>(tightest)]};
+  std::vector<std::string> plots;
+  const auto add = [&](const std::string& label, const std::vector<PlotLine>& lines) {
+    style.y_label = label;
+    plots.push_back(svgPlot(lines, style));
+  };
+  add("position, mm", {line("Xm", 0, t, 1e3 * poses.col(0)), line("Zm", 1, t, 1e3 * poses.col(1))});
+  add("turn, deg", {line("theta", 2, t, kDegrees * poses.col(2)), line("psi", 3, t, kDegrees * poses.col(3))});
+  std::vector<PlotLine> length_lines, velocity_lines;
+  for (int i = 0; i < kLegs; ++i) {
+    const std::string name = "leg " + std::to_string(i + 1);
+    length_lines.push_back(line(name, i, t, 1e3 * lengths.col(i)));
+    Eigen::VectorXd velocity = Eigen::VectorXd::Zero(lengths.rows());
+    for (Eigen::Index k = 1; k < lengths.rows(); ++k)
+      velocity[k] = 1e3 * (lengths(k, i) - lengths(k - 1, i)) / kStreamPeriod;
+    velocity_lines.push_back(line(name, i, t, velocity));
+  }
+  add("length, mm", length_lines);
+  add("velocity, mm/s", velocity_lines);
+  add("left of the limit, %", margins);
+  const Margin nearest = nearestLimit(robot, poses.row(tightest).transpose(), planningCondition(robot));
+  const std::string title = exercise.name + ": " + exercise.meaning + "\nNearest limit: " + limitText(nearest) +
+                            " at " + shortNumber(t[static_cast<std::size_t>(tightest)], 4) + " s, " +
+                            shortNumber(100.0 * nearest.left, 3) + " % left; dashed. Robot " + robot.path;
+  return stackedSvg(title, plots, kWidth, std::vector<double>(plots.size(), kPanel));
+}
+
+}  // namespace knee_robot

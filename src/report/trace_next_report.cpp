@@ -1,0 +1,79 @@
+#include "trace_next_report.h"
+
+#include "knee_robot/base/numbers.h"
+#include "knee_robot/report/svg_plot.h"
+
+namespace knee_robot {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr double kDegrees = 180.0 / 3.14159265358979323846;
+
+std::string sentence(const NextExperiment& n) {
+  if (!n.planned) return "No next experiment: " + n.reason + ".";
+  return "To tell " + n.first + " from " + n.second + ", play " + kNextExperimentFile +
+         ": the angle between the two grows from " + shortNumber(kDegrees * n.now.angle_rad, 3) + " to " +
+         shortNumber(kDegrees * n.then.angle_rad, 3) + " deg, and what the second cannot mimic of the first from " +
+         shortNumber(n.now.visible_N, 2) + " to " + shortNumber(n.then.visible_N, 2) + " N rms.";
+}
+
+Json separationJson(const Separation& s) {
+  return {{"angle_deg", kDegrees * s.angle_rad}, {"visible_N", s.visible_N}};
+}
+
+}  // namespace
+
+nlohmann::ordered_json nextExperimentJson(const NextExperiment& n) {
+  if (n.first.empty()) return {};
+  Json j = {{"separates", {n.first, n.second}}, {"sentence", sentence(n)}};
+  j["training"] = separationJson(n.now);
+  if (!n.planned) {
+    j["reference"] = Json();
+    return j;
+  }
+  j["planned"] = separationJson(n.then);
+  j["reference"] = kNextExperimentFile;
+  j["seconds"] = n.reference.period_s * static_cast<double>(n.reference.points.rows() - 1);
+  j["motions_looked_at"] = n.motions;
+  j["margins"] = Json::array();
+  for (const Margin& m : n.check.margins)
+    j["margins"].push_back({{"quantity", nameOf(m.quantity)}, {"left", m.left}});
+  return j;
+}
+
+std::string nextExperimentSummary(const NextExperiment& n) {
+  return n.first.empty() ? std::string() : sentence(n) + "\n";
+}
+
+std::string nextExperimentHtml(const NextExperiment& n) {
+  if (n.first.empty()) return {};
+  std::string out = "<h2>Next experiment</h2>\n<p>" + escapeHtml(sentence(n)) + "</p>\n";
+  if (!n.planned) return out;
+  static const char* const kColours[4] = {"#1b6ca8", "#d1495b", "#2e8b57", "#9a6bb0"};
+  std::vector<PlotLine> lines;
+  for (int i = 0; i < 4; ++i) {
+    PlotLine line{"leg " + std::to_string(i + 1), kColours[i], {}, {}};
+    for (Eigen::Index k = 0; k < n.reference.points.rows(); ++k) {
+      line.x.push_back(n.reference.period_s * static_cast<double>(k));
+      line.y.push_back(1e3 * n.reference.points(k, i));
+    }
+    lines.push_back(std::move(line));
+  }
+  PlotStyle style;
+  style.x_label = "time, s";
+  style.y_label = "length, mm";
+  out += svgPlot(lines, style) + "<p class=\"key\">Margins to the limits:";
+  for (const Margin& m : n.check.margins)
+    out += std::string(" ") + nameOf(m.quantity) + " " + shortNumber(100.0 * m.left, 2) + " %;";
+  out.back() = '.';
+  return out + "</p>\n";
+}
+
+void writeNextExperiment(const NextExperiment& n, const std::string& robot_path, const std::string& folder) {
+  if (!n.planned) return;
+  writeReference(folder + "/" + kNextExperimentFile, n.reference,
+                 {"planned by trace for " + robot_path, "separates " + n.first + " from " + n.second});
+}
+
+}  // namespace knee_robot

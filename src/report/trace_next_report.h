@@ -1,0 +1,21 @@
+#pragma once
+
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include "knee_robot/tracing/next_experiment.h"
+
+namespace knee_robot {
+
+inline constexpr const char* kNextExperimentFile = "next_experiment.txt";
+
+/// "next_experiment" of report.json; null when there is nothing to separate.
+nlohmann::ordered_json nextExperimentJson(const NextExperiment& next);
+/// Section of report.html with the planned motion; empty when there is nothing to separate.
+std::string nextExperimentHtml(const NextExperiment& next);
+/// Lines for the terminal; empty when there is nothing to separate.
+std::string nextExperimentSummary(const NextExperiment& next);
+/// Writes the motion as a reference file into `folder`, when one was planned.
+void writeNextExperiment(const NextExperiment& next, const std::string& robot_path, const std::string& folder);
+
+}  // namespace knee_robot

@@ -1,0 +1,18 @@
+#pragma once
+
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include "knee_robot/tracing/pose_trace.h"
+
+namespace knee_robot {
+
+/// "pose" of report.json: before and after (rms_m of X and Z, rms_rad of theta and psi; on validation recordings when there are any,
+/// else on training), per recording, findings. Null without a camera.
+nlohmann::ordered_json tracePoseJson(const PoseTrace& pose);
+/// Section of report.html; empty without a camera.
+std::string tracePoseHtml(const PoseTrace& pose);
+/// Lines for the terminal; empty without a camera.
+std::string tracePoseSummary(const PoseTrace& pose);
+
+}  // namespace knee_robot

@@ -1,0 +1,282 @@
+#include "knee_robot/tracing/next_experiment.h"
+
+#include <Eigen/QR>
+#include <Eigen/SVD>
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <random>
+
+#include "knee_robot/trajectory/fourier_series.h"
+#include "knee_robot/trajectory/pose_limits.h"
+
+namespace knee_robot {
+namespace {
+
+constexpr double kVisible = 2.0;  ///< times the floor that an effect must leave to count in full
+
+Eigen::MatrixXd basisOf(const Eigen::MatrixXd& columns) {
+  const Eigen::VectorXd norms = columns.colwise().norm().cwiseMax(1e-300).transpose();
+  Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(columns.rows(), columns.cols());
+  qr.setThreshold(1e-9);
+  qr.compute(columns * norms.cwiseInverse().asDiagonal());
+  return qr.householderQ() * Eigen::MatrixXd::Identity(columns.rows(), qr.rank());
+}
+
+/// A group made orthogonal to q; empty columns when hardly anything is left of it.
+Eigen::MatrixXd without(const Eigen::MatrixXd& q, const Eigen::MatrixXd& columns) {
+  constexpr double kAbsorbed = 1e-3;
+  const Eigen::MatrixXd left = columns - q * (q.transpose() * columns);
+  std::vector<Eigen::Index> kept;
+  for (Eigen::Index c = 0; c < left.cols(); ++c) {
+    if (left.col(c).norm() > kAbsorbed * columns.col(c).norm()) kept.push_back(c);
+  }
+  Eigen::MatrixXd out(left.rows(), static_cast<Eigen::Index>(kept.size()));
+  for (std::size_t k = 0; k < kept.size(); ++k)
+    out.col(static_cast<Eigen::Index>(k)) = left.col(kept[k]);
+  return out;
+}
+
+/// Rows of the finished model along recordings: what hypotheses look at.
+TraceData rowsAlong(const Robot& robot, const TraceResult& result, std::vector<Observation> recordings,
+                    const ObservationOptions& options) {
+  TraceData data;
+  data.recordings = std::move(recordings);
+  for (Observation& o : data.recordings)
+    setFriction(o, result.base.columns, result.base.memory);
+  data.stack = makeStack(data.recordings, options);
+  BaseFit newtons = result.base;
+  newtons.noise_N.setOnes();
+  data.all_base_rows = baseRows(newtons, data.recordings, data.stack);
+  data.all_force_rows = Eigen::VectorXd::Zero(data.all_base_rows.rows());
+  setAttention(data, Attention::All);
+  const int count = static_cast<int>(data.recordings.size());
+  for (int r = 0; r < count; ++r) {
+    data.inputs.push_back(
+        effectInput(robot, data.recordings[static_cast<std::size_t>(r)], result.base.memory, r, count));
+    setForces(data.inputs.back(), result.base.columns, result.parameters, {});
+  }
+  return data;
+}
+
+double cosineOf(const Eigen::MatrixXd& a, const Eigen::MatrixXd& b) {
+  const Eigen::MatrixXd product = basisOf(a).transpose() * basisOf(b);
+  return std::min(1.0, Eigen::JacobiSVD<Eigen::MatrixXd>(product).singularValues()[0]);
+}
+
+std::string placeText(const Candidate& candidate, int actuator) {
+  return candidate.name() + (actuator < 0 ? "" : " on actuator " + std::to_string(actuator + 1));
+}
+
+/// The pair to be separated.
+struct Rivals {
+  const FoundEffect* first = nullptr;
+  const Candidate* second = nullptr;
+};
+
+Rivals confusablePair(const TraceResult& result) {
+  for (const FoundEffect& e : result.effects) {
+    for (const std::string& name : e.indistinguishable_from) {
+      for (const auto& candidate : *result.candidates) {
+        if (candidate->name() == name) return {&e, candidate.get()};
+      }
+    }
+  }
+  return {};
+}
+
+/// Random motions of one robot, scaled to its limits.
+class MotionDice {
+ public:
+  MotionDice(const Robot& robot, double duration_s, std::uint64_t seed) : robot_(robot), random_(seed) {
+    duration_s_ = duration_s;
+    if (robot.mechanism) {
+      robot_.singularity_condition_max = planningCondition(robot);
+      findCentre();
+    }
+    for (int i = 0; !robot.mechanism && i < robot.axes(); ++i) {
+      const Actuator& a = robot.actuators[static_cast<std::size_t>(i)];
+      centre_[i] = 0.5 * (a.position_min_m + a.position_max_m);
+    }
+  }
+
+  FourierSeries any() {
+    FourierSeries s;
+    s.space = robot_.mechanism ? Space::Platform : Space::Actuator;
+    s.shape.harmonics = 1 + static_cast<int>(random_() % 5);
+    s.shape.ramp_s = 2.0;
+    s.shape.duration_s = duration_s_;
+    s.shape.period_s = std::exp(std::log(3.0) + uniform() * std::log(duration_s_ / 3.0));
+    s.centre = centre_;
+    s.coefficients = Eigen::MatrixXd::Zero(4, coefficientColumns(s.shape));
+    for (int i = 0; i < moved(); ++i) {
+      const double size = uniform();
+      for (Eigen::Index c = 0; c < s.coefficients.cols(); ++c)
+        s.coefficients(i, c) = size * unit(i) * normal() / (1.0 + static_cast<double>(c / 2));
+    }
+    return s;
+  }
+
+  FourierSeries near(FourierSeries s, double step) {
+    for (int i = 0; i < moved(); ++i) {
+      for (Eigen::Index c = 0; c < s.coefficients.cols(); ++c)
+        s.coefficients(i, c) += step * unit(i) * normal();
+    }
+    s.shape.period_s = std::clamp(s.shape.period_s * std::exp(0.5 * step * normal()), 2.0, duration_s_);
+    return s;
+  }
+
+  /// The largest amplitude, up to twice the drawn one, that the limits allow; nothing when hardly any.
+  std::optional<FourierSeries> fitted(const FourierSeries& s) const {
+    double fits = 0.0, beyond = 2.0;
+    for (int round = 0; round < 7; ++round) {
+      const double middle = 0.5 * (fits + beyond);
+      (checkReference(sampledReference(scaled(s, middle)), robot_).ok() ? fits : beyond) = middle;
+    }
+    if (fits < 0.02) return std::nullopt;
+    return scaled(s, fits);
+  }
+
+  /// In actuator lengths, checked.
+  Reference reference(const FourierSeries& s, ReferenceCheck& check) const {
+    Reference r = sampledReference(s);
+    check = checkReference(r, robot_);
+    r.space = Space::Actuator;
+    r.points = check.lengths;
+    r.name = "next_experiment.txt";
+    check = checkReference(r, robot_);
+    return r;
+  }
+
+ private:
+  int moved() const { return robot_.mechanism ? 4 : robot_.axes(); }
+  double uniform() { return std::uniform_real_distribution<double>(0.0, 1.0)(random_); }
+  double normal() { return std::normal_distribution<double>(0.0, 1.0)(random_); }
+  double unit(int i) const { return robot_.mechanism ? (i < 2 ? 0.1 : 0.2) : 0.1; }
+
+  static FourierSeries scaled(FourierSeries s, double factor) {
+    s.coefficients *= factor;
+    return s;
+  }
+
+  /// Level pose that keeps furthest from all limits.
+  void findCentre() {
+    double best = -1e9;
+    for (double x = -0.2; x < 0.21; x += 0.05) {
+      for (double z = 0.3; z < 1.2; z += 0.025) {
+        const Pose pose(x, z, 0.0, 0.0);
+        const double left = nearestLimit(robot_, pose, robot_.singularity_condition_max).left;
+        if (left <= best) continue;
+        best = left;
+        centre_ = pose;
+      }
+    }
+  }
+
+  Robot robot_;
+  std::mt19937_64 random_;
+  double duration_s_ = 30.0;
+  Vector4 centre_ = Vector4::Zero();
+};
+
+double scoreOf(const Separation& s, double floor_N) {
+  return s.angle_rad * std::min(1.0, s.visible_N / std::max(1e-9, kVisible * floor_N));
+}
+
+}  // namespace
+
+Recording idealRecording(const Reference& reference, int axes) {
+  Recording r;
+  r.path = r.name = reference.name;
+  r.axes = axes;
+  r.position_m = reference.points.leftCols(axes);
+  r.force_N = Eigen::MatrixXd::Zero(reference.points.rows(), axes);
+  for (Eigen::Index n = 0; n < reference.points.rows(); ++n)
+    r.time_s.push_back(reference.period_s * static_cast<double>(n));
+  return r;
+}
+
+Separation separationOf(const Robot& robot, const TraceResult& result, const FoundEffect& first, const Candidate& rival,
+                        std::vector<Observation> recordings, const ObservationOptions& options) {
+  const TraceData data = rowsAlong(robot, result, std::move(recordings), options);
+  const Eigen::VectorXd& noise = result.after_rms_N;
+  const Eigen::MatrixXd q = basisOf(weighted(data.stack, data.base_rows, noise));
+  const Eigen::MatrixXd raw = weighted(data.stack, effectRows(data, first.hypothesis), noise);
+  const Eigen::MatrixXd a = without(q, raw);
+  Separation out;
+  if (a.cols() == 0) return out;
+  const Eigen::VectorXd effect = raw * first.coefficients, visible = effect - q * (q.transpose() * effect);
+  const int actuator = first.hypothesis.place.actuator;
+  out.angle_rad = 0.5 * 3.14159265358979323846;
+  double left = visible.norm();
+  for (std::vector<double>& shape : rival.shapes(data.inputs.front(), actuator)) {
+    const Hypothesis other{{&rival, actuator}, shape};
+    const Eigen::MatrixXd b = without(q, weighted(data.stack, effectRows(data, other), noise));
+    if (b.cols() == 0) continue;
+    out.angle_rad = std::min(out.angle_rad, std::acos(cosineOf(a, b)));
+    const Eigen::MatrixXd qb = basisOf(b);
+    left = std::min(left, (visible - qb * (qb.transpose() * visible)).norm());
+  }
+  const double unit = actuator < 0 ? noise.mean() : noise[actuator];
+  out.visible_N = unit * left / std::sqrt(static_cast<double>(data.stack.size()));
+  return out;
+}
+
+NextExperiment planNextExperiment(const Robot& robot, const TraceResult& result,
+                                  const std::vector<Observation>& training, const TraceOptions& options,
+                                  const NextExperimentOptions& plan) {
+  NextExperiment out;
+  const Rivals pair = confusablePair(result);
+  if (pair.first == nullptr) {
+    out.reason = "no effect in the model has another explanation that the data cannot tell from it";
+    return out;
+  }
+  const Place& place = pair.first->hypothesis.place;
+  out.first = placeText(*place.candidate, place.actuator);
+  out.second = placeText(*pair.second, place.actuator);
+  if (!place.candidate->transfers() || !pair.second->transfers()) {
+    out.reason = "one of " + out.first + " and " + out.second +
+                 " belongs to one recording only: no planned motion brings "
+                 "it back";
+    return out;
+  }
+  options.progress("planning the motion that separates " + out.first + " from " + out.second);
+  const ObservationOptions& observing = options.observation;
+  out.now = separationOf(robot, result, *pair.first, *pair.second, training, observing);
+  const double floor_N = place.actuator < 0 ? result.floor_N.mean() : result.floor_N[place.actuator];
+  const std::vector<Column> columns = columnsOf(robot);
+  MotionDice dice(robot, plan.duration_s, plan.seed);
+
+  double best_score = 0.0;
+  std::optional<FourierSeries> best;
+  const auto look = [&](const FourierSeries& drawn) {
+    const std::optional<FourierSeries> series = dice.fitted(drawn);
+    if (!series) return false;
+    ++out.motions;
+    ReferenceCheck check;
+    const Reference reference = dice.reference(*series, check);
+    if (!check.ok()) return false;
+    std::vector<Observation> along = {observe(robot, columns, idealRecording(reference, robot.axes()), observing)};
+    const Separation s = separationOf(robot, result, *pair.first, *pair.second, std::move(along), observing);
+    if (scoreOf(s, floor_N) <= best_score) return false;
+    best_score = scoreOf(s, floor_N);
+    best = series;
+    out.then = s;
+    out.reference = reference;
+    out.check = check;
+    return true;
+  };
+  for (int k = 0; k < plan.random; ++k)
+    look(dice.any());
+  double step = 0.5;
+  for (int k = 0; best && k < plan.improving; ++k)
+    step = look(dice.near(*best, step)) ? step * 1.2 : std::max(0.05, step * 0.93);
+  out.planned = best && scoreOf(out.then, floor_N) > scoreOf(out.now, floor_N);
+  if (!out.planned) {
+    out.reason = "none of " + std::to_string(out.motions) + " motions within the robot's limits separates " +
+                 out.first + " from " + out.second + " better than the training recordings do";
+  }
+  return out;
+}
+
+}  // namespace knee_robot

@@ -1,0 +1,340 @@
+#include "pose_search.h"
+
+#include <Eigen/QR>
+#include <algorithm>
+#include <cmath>
+#include <random>
+
+#include "knee_robot/base/numbers.h"
+
+namespace knee_robot {
+namespace {
+
+constexpr double kBlock_s = 5.0;
+constexpr double kLowered = 0.9;  ///< some coordinate's rms must fall below this share
+constexpr double kLargestP = 0.005;
+constexpr double kAbsorbed = 1e-4;     ///< share of a column's square that must survive the model's columns
+constexpr double kNearlyAsGood = 0.9;  ///< share of the best held-back gain at which a runner-up is looked at closely
+constexpr double kLeastSpread = 1e-9;
+
+bool isPlay(const PoseHypothesis& h) {
+  return h.cause == PoseCause::TravelClearance || h.cause == PoseCause::LoadClearance;
+}
+
+void weigh(Eigen::MatrixXd& rows, const Vector4& sigma) {
+  for (Eigen::Index k = 0; k < rows.rows(); ++k)
+    rows.row(k) /= sigma[k % 4];
+}
+
+/// Equations of the present model, weighed; columns of hypotheses are change of the residual per unit, so a solution is minus them.
+struct Weighed {
+  Eigen::VectorXd residual;
+  Eigen::MatrixXd model;  ///< frame and accepted causes
+  Eigen::MatrixXd tried;  ///< all hypotheses
+};
+
+Weighed equationsOf(const PoseSearch& s) {
+  PoseEquations e = poseEquations(*s.robot, *s.views, s.stack, s.model, s.hypotheses);
+  Eigen::MatrixXd residual = e.residual;
+  weigh(residual, s.sigma);
+  weigh(e.frame, s.sigma);
+  weigh(e.hypotheses, s.sigma);
+  Weighed w{residual, Eigen::MatrixXd(e.frame.rows(), 4 + static_cast<Eigen::Index>(s.model.causes.size())),
+            e.hypotheses};
+  w.model.leftCols(4) = e.frame;
+  for (std::size_t k = 0; k < s.model.causes.size(); ++k) {
+    const auto at = std::find(s.hypotheses.begin(), s.hypotheses.end(), s.model.causes[k]) - s.hypotheses.begin();
+    w.model.col(4 + static_cast<Eigen::Index>(k)) = w.tried.col(at);
+  }
+  return w;
+}
+
+Eigen::MatrixXd basisOf(const Eigen::MatrixXd& columns) {
+  const Eigen::VectorXd norms = columns.colwise().norm().cwiseMax(1e-300).transpose();
+  const Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(columns * norms.cwiseInverse().asDiagonal());
+  return qr.householderQ() * Eigen::MatrixXd::Identity(columns.rows(), qr.rank());
+}
+
+Eigen::MatrixXd without(const Eigen::MatrixXd& q, const Eigen::MatrixXd& columns) {
+  return columns - q * (q.transpose() * columns);
+}
+
+/// Square that a column explains of a residual, both orthogonal to the model; zero when the sign is not physical.
+double explained(const Eigen::VectorXd& column, const Eigen::VectorXd& residual, bool one_sign) {
+  const double square = column.squaredNorm(), along = column.dot(residual);
+  if (!(square > 0.0) || (one_sign && along > 0.0)) return 0.0;  // columns are minus the pose's change
+  return along * along / square;
+}
+
+/// Blocks of what nothing explains, all coordinates together, at random places with random signs.
+Eigen::VectorXd resampled(const PoseSearch& s, std::mt19937_64& random) {
+  const Eigen::Index n = s.noise.size() / 4;
+  const Eigen::Index block = std::clamp<Eigen::Index>(std::lround(kBlock_s * s.rate_hz), 2, n);
+  Eigen::VectorXd out(4 * n);
+  for (Eigen::Index at = 0; at < n; at += block) {
+    const auto from = static_cast<Eigen::Index>(random() % static_cast<std::uint64_t>(n));
+    const double sign = random() % 2 ? 1.0 : -1.0;
+    for (Eigen::Index k = 0; k < std::min(block, n - at); ++k)
+      out.segment<4>(4 * (at + k)) = sign * s.noise.segment<4>(4 * ((from + k) % n));
+  }
+  return out;
+}
+
+/// Root of the square explained on clean twins by every hypothesis, and the largest standardized one of each twin.
+struct PoseNull {
+  Eigen::VectorXd mean, spread;
+  std::vector<double> largest;  ///< ascending
+  double largest_square = 0.0;  ///< by any hypothesis on any twin
+
+  double standardized(Eigen::Index h, double square) const { return (std::sqrt(square) - mean[h]) / spread[h]; }
+};
+
+PoseNull nullOf(const PoseSearch& s, const Eigen::MatrixXd& q, const Eigen::MatrixXd& columns) {
+  std::mt19937_64 random(s.options->seed * 7919u + s.model.causes.size());
+  Eigen::MatrixXd roots(columns.cols(), s.options->draws);
+  for (int d = 0; d < s.options->draws; ++d) {
+    const Eigen::VectorXd twin = without(q, resampled(s, random));
+    for (Eigen::Index h = 0; h < columns.cols(); ++h)
+      roots(h, d) = std::sqrt(explained(columns.col(h), twin, isPlay(s.hypotheses[static_cast<std::size_t>(h)])));
+  }
+  PoseNull null;
+  null.mean = roots.rowwise().mean();
+  null.spread = ((roots.colwise() - null.mean).rowwise().squaredNorm() / (s.options->draws - 1.0))
+                    .cwiseSqrt()
+                    .cwiseMax(kLeastSpread);
+  for (int d = 0; d < s.options->draws; ++d)
+    null.largest.push_back(((roots.col(d) - null.mean).array() / null.spread.array()).maxCoeff());
+  std::sort(null.largest.begin(), null.largest.end());
+  null.largest_square = std::pow(roots.maxCoeff(), 2);
+  return null;
+}
+
+/// Squares that are left on each piece when the columns are fitted to the other pieces; the last column's values as well.
+struct HeldBack {
+  Eigen::VectorXd square, last;
+};
+
+HeldBack heldBack(const PoseSearch& s, const Eigen::MatrixXd& columns, const Eigen::VectorXd& residual) {
+  HeldBack out{Eigen::VectorXd::Zero(s.stack.pieces), Eigen::VectorXd::Zero(s.stack.pieces)};
+  const Eigen::VectorXd scale = columns.colwise().norm().cwiseMax(1e-300).transpose();
+  const Eigen::MatrixXd a = columns * scale.cwiseInverse().asDiagonal();
+  const Eigen::MatrixXd gram = a.transpose() * a;
+  const Eigen::VectorXd right = a.transpose() * residual;
+  for (int piece = 0; piece < s.stack.pieces; ++piece) {
+    Eigen::MatrixXd part_gram = gram;
+    Eigen::VectorXd part_right = right;
+    std::vector<Eigen::Index> rows;
+    for (std::size_t k = 0; k < s.stack.picks.size(); ++k) {
+      if (s.stack.picks[k].piece != piece) continue;
+      const auto at = 4 * static_cast<Eigen::Index>(k);
+      part_gram -= a.middleRows<4>(at).transpose() * a.middleRows<4>(at);
+      part_right -= a.middleRows<4>(at).transpose() * residual.segment<4>(at);
+      rows.push_back(at);
+    }
+    const Eigen::VectorXd x = part_gram.colPivHouseholderQr().solve(part_right);
+    for (const Eigen::Index at : rows)
+      out.square[piece] += (residual.segment<4>(at) - a.middleRows<4>(at) * x).squaredNorm();
+    out.last[piece] = -x[x.size() - 1] / scale[scale.size() - 1];
+  }
+  return out;
+}
+
+struct PoseTrial {
+  Eigen::Index at = 0;
+  double square = 0.0;
+  HeldBack held;
+  Eigen::VectorXd gain;
+  double mean = 0.0, error = 0.0;
+  Vector4 rms = Vector4::Zero();  ///< of the linear fit
+};
+
+void setMean(const Eigen::VectorXd& values, double& mean, double& error) {
+  const auto n = static_cast<double>(values.size());
+  mean = values.mean();
+  error = std::sqrt((values.array() - mean).square().sum() / (n * (n - 1.0)));
+}
+
+Vector4 rmsOf(const PoseSearch& s, const Eigen::VectorXd& weighed) {
+  Vector4 rms = Vector4::Zero();
+  for (Eigen::Index k = 0; k < weighed.size(); ++k)
+    rms[k % 4] += std::pow(weighed[k] * s.sigma[k % 4], 2);
+  return (rms / (static_cast<double>(weighed.size()) / 4.0)).cwiseSqrt();
+}
+
+PoseTrial tryOne(const PoseSearch& s, const Weighed& w, const Eigen::VectorXd& left, const Eigen::MatrixXd& columns,
+                 Eigen::Index at, const HeldBack& base) {
+  PoseTrial t;
+  t.at = at;
+  t.square = explained(columns.col(at), left, isPlay(s.hypotheses[static_cast<std::size_t>(at)]));
+  Eigen::MatrixXd all(w.model.rows(), w.model.cols() + 1);
+  all << w.model, w.tried.col(at);
+  t.held = heldBack(s, all, w.residual);
+  t.gain = base.square - t.held.square;
+  setMean(t.gain, t.mean, t.error);
+  const Eigen::VectorXd direction = columns.col(at).normalized();
+  t.rms = rmsOf(s, left - direction * direction.dot(left));
+  return t;
+}
+
+/// Empty when the trial may be accepted (but for the null); otherwise why not.
+std::string objection(const PoseSearch& s, const PoseTrial& t, const Vector4& before) {
+  if (t.square == 0.0) return "the sign that fits is not physical";
+  if (!((t.rms.array() < kLowered * before.array()).any())) return "lowers no coordinate's error by a tenth";
+  if ((t.held.last.array() > 0.0).any() && (t.held.last.array() < 0.0).any())
+    return "its sign changes when a part of the training data is left out";
+  if (isPlay(s.hypotheses[static_cast<std::size_t>(t.at)]) && t.held.last.minCoeff() < 0.0)
+    return "a part of the training data wants a sign that is not physical";
+  if (t.mean <= t.error) return "does not help on held-back parts of the training data";
+  return {};
+}
+
+/// Others that the data cannot tell from the best one: their held-back gain is within one standard error of the difference.
+std::vector<PoseHypothesis> confusedWith(const PoseSearch& s, const std::vector<PoseTrial>& trials,
+                                         const PoseTrial& best, const Vector4& before) {
+  std::vector<PoseHypothesis> out;
+  for (const PoseTrial& t : trials) {
+    if (t.at == best.at || t.mean < kNearlyAsGood * best.mean || !objection(s, t, before).empty()) continue;
+    double mean = 0.0, error = 0.0;
+    setMean(best.gain - t.gain, mean, error);
+    if (mean <= error) out.push_back(s.hypotheses[static_cast<std::size_t>(t.at)]);
+  }
+  return out;
+}
+
+void refit(PoseSearch& s) {
+  fitPose(*s.robot, *s.views, s.stack, s.sigma, {}, s.model);
+  for (std::size_t k = 0; k < s.findings.size(); ++k)
+    s.findings[k].value = s.model.values[static_cast<Eigen::Index>(k)];
+}
+
+void add(PoseSearch& s, PoseFinding finding) {
+  s.model.causes.push_back(finding.hypothesis);
+  s.model.values.conservativeResize(s.model.values.size() + 1);
+  s.model.values[s.model.values.size() - 1] = 0.0;
+  s.findings.push_back(std::move(finding));
+  refit(s);
+}
+
+void erase(PoseSearch& s, std::size_t k) {
+  s.model.causes.erase(s.model.causes.begin() + static_cast<std::ptrdiff_t>(k));
+  s.findings.erase(s.findings.begin() + static_cast<std::ptrdiff_t>(k));
+  Eigen::VectorXd rest(s.model.values.size() - 1);
+  rest << s.model.values.head(static_cast<Eigen::Index>(k)),
+      s.model.values.tail(s.model.values.size() - static_cast<Eigen::Index>(k) - 1);
+  s.model.values = rest;
+  refit(s);
+}
+
+/// Held-back gain of every cause in the model beside the others; takes out those that the others have made superfluous. Sets the
+/// standard errors by the jackknife over pieces.
+void judgeMembers(PoseSearch& s) {
+  for (std::size_t k = 0; k < s.findings.size();) {
+    const Weighed w = equationsOf(s);
+    const Eigen::Index count = w.model.cols(), at = 4 + static_cast<Eigen::Index>(k);
+    Eigen::MatrixXd fewer(w.model.rows(), count - 1), last(w.model.rows(), count);
+    fewer << w.model.leftCols(at), w.model.rightCols(count - at - 1);
+    last << fewer, w.model.col(at);
+    // Around zero of this cause: what it explains now is put back into the residual.
+    const Eigen::VectorXd residual = w.residual - w.model.col(at) * s.findings[k].value;
+    const HeldBack with = heldBack(s, last, residual), out = heldBack(s, fewer, residual);
+    double mean = 0.0, error = 0.0;
+    setMean(out.square - with.square, mean, error);
+    const auto n = static_cast<double>(s.stack.pieces);
+    s.findings[k].std = std::sqrt((n - 1.0) / n * (with.last.array() - with.last.mean()).square().sum());
+    if (mean > error || s.findings.size() == 1) {
+      ++k;
+      continue;
+    }
+    s.rejected.push_back(textOf(s.findings[k].hypothesis) + ": superfluous beside the others");
+    s.banned.push_back(s.findings[k].hypothesis);
+    erase(s, k);
+    k = 0;
+  }
+}
+
+void noteAbsorbed(PoseSearch& s, const Weighed& w, const Eigen::MatrixXd& columns) {
+  for (std::size_t h = 0; h < s.hypotheses.size(); ++h) {
+    const auto at = static_cast<Eigen::Index>(h);
+    if (columns.col(at).squaredNorm() < kAbsorbed * w.tried.col(at).squaredNorm())
+      s.absorbed.push_back(textOf(s.hypotheses[h]) + ": the fixed camera transform takes it up");
+  }
+}
+
+}  // namespace
+
+Vector4 poseRms(const PoseSearch& s) {
+  const PoseEquations e = poseEquations(*s.robot, *s.views, s.stack, s.model, {});
+  PoseSearch plain;
+  return rmsOf(plain, e.residual);
+}
+
+void startPoseSearch(PoseSearch& s) {
+  s.model.values.resize(0);
+  s.sigma << 1e-3, 1e-3, 1e-3 / kRadianLength_m, 1e-3 / kRadianLength_m;
+  for (int round = 0; round < 3; ++round) {
+    fitPose(*s.robot, *s.views, s.stack, s.sigma, {}, s.model);
+    const Weighed w = equationsOf(s);
+    Eigen::MatrixXd all(w.model.rows(), w.model.cols() + w.tried.cols());
+    all << w.model, w.tried;
+    s.noise = without(basisOf(all), w.residual);
+    const Vector4 rms = rmsOf(s, s.noise);
+    for (Eigen::Index k = 0; k < s.noise.size(); ++k)
+      s.noise[k] *= s.sigma[k % 4] / rms[k % 4];
+    s.sigma = rms.cwiseMax(1e-9);
+  }
+  const Weighed w = equationsOf(s);
+  noteAbsorbed(s, w, without(basisOf(w.model), w.tried));
+}
+
+void searchPose(PoseSearch& s) {
+  while (static_cast<int>(s.findings.size()) < s.options->most) {
+    const Weighed w = equationsOf(s);
+    const Eigen::MatrixXd q = basisOf(w.model);
+    const Eigen::VectorXd left = without(q, w.residual);
+    Eigen::MatrixXd columns = without(q, w.tried);
+    for (Eigen::Index h = 0; h < columns.cols(); ++h) {
+      const bool banned =
+          std::find(s.banned.begin(), s.banned.end(), s.hypotheses[static_cast<std::size_t>(h)]) != s.banned.end();
+      if (banned || columns.col(h).squaredNorm() < kAbsorbed * w.tried.col(h).squaredNorm()) columns.col(h).setZero();
+    }
+    const PoseNull null = nullOf(s, q, columns);
+    const HeldBack base = heldBack(s, w.model, w.residual);
+    const Vector4 before = rmsOf(s, left);
+    std::vector<PoseTrial> trials;
+    for (Eigen::Index h = 0; h < columns.cols(); ++h) {
+      if (columns.col(h).squaredNorm() > 0.0) trials.push_back(tryOne(s, w, left, columns, h, base));
+    }
+    std::sort(trials.begin(), trials.end(), [](const PoseTrial& a, const PoseTrial& b) { return a.square > b.square; });
+    const PoseTrial* best = nullptr;
+    std::string why;
+    double p = 1.0;
+    for (const PoseTrial& t : trials) {
+      const PoseHypothesis& h = s.hypotheses[static_cast<std::size_t>(t.at)];
+      const double value = null.standardized(t.at, t.square);
+      const auto reached = null.largest.end() - std::lower_bound(null.largest.begin(), null.largest.end(), value);
+      p = (1.0 + static_cast<double>(reached)) / (1.0 + static_cast<double>(null.largest.size()));
+      why = p > kLargestP ? "explains no more than chance does on clean twins (p = " + shortNumber(p, 2) + ")"
+                          : objection(s, t, before);
+      if (why.empty()) {
+        best = &t;
+        break;
+      }
+      if (&t == &trials.front()) s.rejected.push_back(textOf(h) + ": " + why);
+    }
+    if (best == nullptr) return;
+    PoseFinding f;
+    f.hypothesis = s.hypotheses[static_cast<std::size_t>(best->at)];
+    f.p = p;
+    f.explained = (before.cwiseAbs2() - best->rms.cwiseAbs2()).cwiseMax(0.0).cwiseSqrt();
+    f.share = best->square / left.squaredNorm();
+    f.null_share = null.largest_square / left.squaredNorm();
+    f.gain = best->gain.sum() / base.square.sum();
+    f.gain_error = best->error * static_cast<double>(best->gain.size()) / base.square.sum();
+    f.confusable = confusedWith(s, trials, *best, before);
+    add(s, std::move(f));
+    judgeMembers(s);
+    s.options->progress("pose: added " + textOf(s.findings.back().hypothesis));
+  }
+}
+
+}  // namespace knee_robot

@@ -1,0 +1,1 @@
+target_link_libraries(nodes_bag_import_test rosbag_storage)

@@ -1,0 +1,51 @@
+#include "knee_robot/report/exercise_report.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <string>
+
+namespace knee_robot {
+namespace {
+
+std::size_t count(const std::string& text, const std::string& what) {
+  std::size_t n = 0;
+  for (std::size_t at = text.find(what); at != std::string::npos; at = text.find(what, at + 1))
+    ++n;
+  return n;
+}
+
+TEST(ExerciseReport, ShowsEveryExerciseWithPoseActuatorsAndMarginsAsOnePicture) {
+  const Robot robot = loadRobot(std::string(KNEE_SOURCE_DIR) + "/config/robots/final.yaml");
+  for (const Exercise& exercise : exercises()) {
+    ExerciseOptions options;
+    options.scale_to_fit = true;
+    const ExercisePlan plan = planExercise(exercise, robot, options);
+    const std::string svg = exerciseSvg(exercise, robot, plan);
+    EXPECT_EQ(count(svg, "<svg "), 6u) << exercise.name;  // five panels in one picture
+    EXPECT_EQ(count(svg, "<svg "), count(svg, "</svg>"));
+    for (const char* label : {"position, mm", "turn, deg", "length, mm", "velocity, mm/s", "left of the limit, %",
+                              "singularity margin", "Nearest limit: "})
+      EXPECT_NE(svg.find(label), std::string::npos) << label;
+    EXPECT_EQ(svg.find("nan"), std::string::npos) << exercise.name;
+    EXPECT_EQ(svg.find("http", svg.find("viewBox")), std::string::npos) << "nothing from outside";
+  }
+}
+
+TEST(ExerciseReport, NamesTheSameNearestLimitAsTheCheckOfTheWay) {
+  const Robot robot = loadRobot(std::string(KNEE_SOURCE_DIR) + "/config/robots/final.yaml");
+  ExerciseOptions options;
+  options.scale_to_fit = true;
+  const ExercisePlan plan = planExercise(exerciseNamed("ankle_flexion"), robot, options);
+  double least = 1e9;
+  for (Eigen::Index k = 0; k < plan.check.poses.rows(); ++k)
+    least = std::min(least, nearestLimit(robot, plan.check.poses.row(k).transpose(), planningCondition(robot)).left);
+  const std::string svg = exerciseSvg(exerciseNamed("ankle_flexion"), robot, plan);
+  const std::size_t at = svg.find("% left");
+  ASSERT_NE(at, std::string::npos);
+  const std::size_t comma = svg.rfind(", ", at);
+  EXPECT_NEAR(std::stod(svg.substr(comma + 2, at - comma - 3)), 100.0 * least, 0.01 * 100.0 * least + 0.01);
+}
+
+}  // namespace
+}  // namespace knee_robot
