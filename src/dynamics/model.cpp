@@ -38,6 +38,11 @@ void requireModelOf(const Model& model, const std::string& model_path, const Rob
 
 ForceModel::ForceModel(const Model& model, const Robot& robot)
     : mechanism(robot.mechanism), gravity(robot.gravity), axes(model.axes) {
+  if (!model.effects.empty()) {
+    throw InputError("the model has an effect (" + model.effects.front().name +
+                     ") that is predicted along whole recordings only, not instant by instant; use the model that "
+                     "identify writes, or trace's predictions");
+  }
   parameters.setZero();
   axis_parameters.setZero();
   coulomb.setZero();

@@ -23,7 +23,7 @@ void declare(CLI::App& app, Arguments& a) {
   app.add_option("--robot", a.robot, "robot file")->required();
   app.add_option("RECORDING", a.recording, "recording with reference columns; camera columns are used if there are any")
       ->required();
-  app.add_option("--output", a.output, "folder for report.json and report.html")->required();
+  app.add_option("--output", a.output, "folder for report.html, report.json, actuators.svg and pose.svg")->required();
   app.add_option("--condition-max", a.condition_max,
                  "poses with a worse condition of the Jacobian (m, rad) count as near a singularity (the robot file's "
                  "margin, 60 if that is wide open)")
@@ -39,7 +39,8 @@ int run(const Arguments& a, const std::string& command_line) {
   CompareResults results = compare(robot, loadRecording(a.recording), condition_max);
   results.command_line = command_line;
   writeCompareFiles(results, a.output);
-  std::cout << compareSummary(results) << "written: " << a.output << "/report.html and report.json" << std::endl;
+  std::cout << compareSummary(results) << "written: " << a.output
+            << "/report.html, report.json, actuators.svg and pose.svg" << std::endl;
   return kExitDone;
 }
 

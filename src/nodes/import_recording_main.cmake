@@ -1,1 +1,2 @@
-target_link_libraries(import_recording_program PRIVATE rosbag_storage)  # reads bags (librosbag-storage-dev)
+find_package(rosbag_storage REQUIRED)
+target_link_libraries(import_recording_program PRIVATE ${rosbag_storage_LIBRARIES})

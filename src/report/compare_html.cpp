@@ -1,20 +1,16 @@
 #include <cmath>
 
+#include "compare_panels.h"
 #include "knee_robot/base/numbers.h"
-#include "knee_robot/report/compare.h"
 #include "knee_robot/report/svg_plot.h"
 
 namespace knee_robot {
 namespace {
 
-constexpr const char* kReference = "#555555";
-constexpr const char* kMeasured = "#1b6ca8";
-constexpr const char* kCamera = "#d1495b";
 constexpr double kPerMetre = 1e3;
 constexpr double kPerRadian = 180.0 / 3.14159265358979323846;
 
 const char* const kCoordinates[4] = {"X", "Z", "theta", "psi"};
-const char* const kAxes[4] = {"X, mm", "Z, mm", "theta (about Y), deg", "psi (about Z), deg"};
 
 constexpr const char* kStyle = R"(<style>
 body{font:15px/1.5 system-ui,sans-serif;color:#222;max-width:1040px;margin:2em auto;padding:0 1em}
@@ -36,11 +32,6 @@ double unitOf(int coordinate) {
 std::string cell(double value) {
   const double shown = std::abs(value) < 1e-6 ? 0.0 : value;  // means that the fit made zero
   return "<td>" + (std::isfinite(value) ? shortNumber(shown, 3) : std::string("&ndash;")) + "</td>";
-}
-
-std::vector<double> scaled(const Eigen::MatrixXd& m, int column, double factor) {
-  const Eigen::VectorXd values = factor * m.col(column);
-  return {values.data(), values.data() + values.size()};
 }
 
 /// One row of the table of errors. `factor` brings the figures to mm or deg.
@@ -74,70 +65,28 @@ std::string paperTable(const CompareResults& r) {
   return out;
 }
 
-std::string actuatorPlots(const CompareResults& r) {
-  std::string out = r.has_pose ? "<h2>Actuators (the paper's Fig. 15)</h2>\n" : "<h2>Axes</h2>\n";
-  const std::vector<double>& t = r.recording.time_s;
-  const Eigen::MatrixXd error = r.recording.position_m - r.recording.reference_m;
-  PlotStyle style;
-  style.x_label = "time, s";
-  for (int i = 0; i < r.recording.axes; ++i) {
-    out += "<h3>" + std::string(r.has_pose ? "Leg " : "Axis ") + std::to_string(i + 1) + "</h3>\n";
-    style.height = 230.0;
-    style.y_label = "length, mm";
-    out += svgPlot({{"reference", kReference, t, scaled(r.recording.reference_m, i, kPerMetre)},
-                    {"measured", kMeasured, t, scaled(r.recording.position_m, i, kPerMetre)}},
-                   style);
-    style.height = 150.0;
-    style.y_label = "error, mm";
-    out += svgPlot({{"measured minus reference", kMeasured, t, scaled(error, i, kPerMetre)}}, style);
+/// Panels below each other, each title once.
+std::string panelsHtml(const std::vector<ComparePanel>& panels) {
+  std::string out, last;
+  for (const ComparePanel& p : panels) {
+    if (p.title != last) out += "<h3>" + p.title + "</h3>\n";
+    last = p.title;
+    out += p.svg;
   }
   return out;
 }
 
-/// Stretches of time near a singularity.
-std::vector<std::pair<double, double>> singularStretches(const CompareResults& r) {
-  std::vector<std::pair<double, double>> out;
-  bool inside = false;
-  for (int i = 0; i < r.recording.rows(); ++i) {
-    const bool near = r.measured.condition[i] >= r.condition_max;
-    const double t = r.recording.time_s[static_cast<std::size_t>(i)];
-    if (near && !inside) out.emplace_back(t, t);
-    if (near) out.back().second = t;
-    inside = near;
-  }
-  return out;
+std::string actuatorPlots(const CompareResults& r) {
+  return (r.has_pose ? "<h2>Actuators (the paper's Fig. 15)</h2>\n" : "<h2>Axes</h2>\n") +
+         panelsHtml(actuatorPanels(r));
 }
 
 std::string posePlots(const CompareResults& r) {
-  const std::vector<std::pair<double, double>> shaded = singularStretches(r);
-  std::string out = "<h2>Pose (the paper's Fig. 16)</h2>\n<p class=\"key\">";
-  out += shaded.empty()
-             ? "The condition of the Jacobian stays below " + shortNumber(r.condition_max) + "."
-             : "Shaded: the condition of the Jacobian (m, rad) is above " + shortNumber(r.condition_max) + ".";
-  out += "</p>\n";
-  const std::vector<double>& t = r.recording.time_s;
-  const Eigen::MatrixXd error = r.measured.pose - r.reference.pose;
-  PlotStyle style;
-  style.x_label = "time, s";
-  style.shaded = shaded;
-  for (int k = 0; k < 4; ++k) {
-    const double unit = unitOf(k);
-    std::vector<PlotLine> lines = {{"reference", kReference, t, scaled(r.reference.pose, k, unit)},
-                                   {"encoders", kMeasured, t, scaled(r.measured.pose, k, unit)}};
-    std::vector<PlotLine> errors = {{"encoders minus reference", kMeasured, t, scaled(error, k, unit)}};
-    if (r.has_camera) {
-      lines.push_back({"camera", kCamera, t, scaled(r.camera.pose, k, unit)});
-      errors.push_back({"camera minus encoders", kCamera, t, scaled(r.camera.pose - r.measured.pose, k, unit)});
-    }
-    out += std::string("<h3>") + kCoordinates[k] + "</h3>\n";
-    style.height = 230.0;
-    style.y_label = kAxes[k];
-    out += svgPlot(lines, style);
-    style.height = 150.0;
-    style.y_label = std::string("error, ") + kPaperFigures[4 + k].unit;
-    out += svgPlot(errors, style);
-  }
-  return out;
+  const bool regular = singularStretches(r).empty();
+  return std::string("<h2>Pose (the paper's Fig. 16)</h2>\n<p class=\"key\">") +
+         (regular ? "The condition of the Jacobian stays below "
+                  : "Shaded: the condition of the Jacobian (m, rad) is above ") +
+         shortNumber(r.condition_max) + ".</p>\n" + panelsHtml(posePanels(r));
 }
 
 std::string cameraTable(const char* title, const ErrorFigures (&errors)[4]) {

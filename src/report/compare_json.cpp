@@ -2,9 +2,9 @@
 #include <cstdio>
 #include <nlohmann/json.hpp>
 
+#include "compare_panels.h"
 #include "knee_robot/base/files.h"
 #include "knee_robot/base/numbers.h"
-#include "knee_robot/report/compare.h"
 
 namespace knee_robot {
 namespace {
@@ -119,6 +119,16 @@ std::string compareSummary(const CompareResults& r) {
 
 void writeCompareFiles(const CompareResults& r, const std::string& folder) {
   makeFolder(folder);
+  const std::string name = r.recording.name;
+  writeFileAtomically(
+      folder + "/actuators.svg",
+      panelsSvg(name + ": actuators, reference and measured (as the paper's Fig. 15)", actuatorPanels(r)));
+  if (r.has_pose) {
+    writeFileAtomically(folder + "/pose.svg",
+                        panelsSvg(name + ": pose of the reference, of the encoders" +
+                                      (r.has_camera ? ", of the camera" : "") + " (as the paper's Fig. 16)",
+                                  posePanels(r)));
+  }
   writeFileAtomically(folder + "/report.json", compareJson(r));
   writeFileAtomically(folder + "/report.html", compareHtml(r));
 }

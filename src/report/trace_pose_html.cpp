@@ -54,10 +54,11 @@ std::string findings(const PoseTrace& pose) {
     const std::string parameter = parameterOf(f.hypothesis);
     const bool angle = parameter.find("_rad") != std::string::npos;
     const double factor = angle ? kDegrees : 1e3;
-    out += "<tr><td>" + escapeHtml(textOf(f.hypothesis)) + "</td><td>" + shortNumber(factor * f.value, 3) +
-           " &plusmn; " + shortNumber(factor * f.std, 2) + (angle ? " deg" : " mm") + "</td><td>" +
-           shortNumber(100.0 * f.share, 3) + "</td><td>" + shortNumber(100.0 * f.null_share, 2) + "</td><td>" +
-           shortNumber(f.p, 2) + "</td><td>" + shortNumber(100.0 * f.gain, 3) + " &plusmn; " +
+    out += "<tr><td>" + escapeHtml(textOf(f.hypothesis)) +
+           (f.transfers ? "" : " (does not transfer: home is set anew at every start)") + "</td><td>" +
+           shortNumber(factor * f.value, 3) + " &plusmn; " + shortNumber(factor * f.std, 2) + (angle ? " deg" : " mm") +
+           "</td><td>" + shortNumber(100.0 * f.share, 3) + "</td><td>" + shortNumber(100.0 * f.null_share, 2) +
+           "</td><td>" + shortNumber(f.p, 2) + "</td><td>" + shortNumber(100.0 * f.gain, 3) + " &plusmn; " +
            shortNumber(100.0 * f.gain_error, 2) + " %</td><td class=\"text\">";
     for (const PoseHypothesis& h : f.confusable)
       out += escapeHtml(textOf(h)) + "<br>";

@@ -47,6 +47,7 @@ Json findingJson(const PoseFinding& f) {
             {"share", f.share},
             {"null_share", f.null_share},
             {"p", f.p},
+            {"transfers", f.transfers},
             {"held_back_gain", {{"share", f.gain}, {"standard_error", f.gain_error}}}};
   Json names = Json::array(), places = Json::array();
   for (const PoseHypothesis& h : f.confusable) {
@@ -118,7 +119,7 @@ std::string tracePoseSummary(const PoseTrace& pose) {
            " %, p = " + shortNumber(f.p, 2);
     for (std::size_t k = 0; k < f.confusable.size(); ++k)
       out += (k ? ", " : "; not told from ") + textOf(f.confusable[k]);
-    out += "\n";
+    out += f.transfers ? "\n" : "; does not transfer: home is set anew at every start\n";
   }
   for (const std::string& note : pose.notes)
     out += note + "\n";

@@ -21,6 +21,14 @@ bool isPlay(const PoseHypothesis& h) {
   return h.cause == PoseCause::TravelClearance || h.cause == PoseCause::LoadClearance;
 }
 
+/// Beyond this size (m or rad) it would have been seen without a camera.
+double largestSize(const PoseHypothesis& h) {
+  constexpr double kOffset_m = 0.03, kDimension_m = 0.015, kAngle_rad = 0.06, kHalfPlay_m = 0.003;
+  if (h.cause == PoseCause::HomeOffset) return kOffset_m;
+  if (isPlay(h)) return kHalfPlay_m;
+  return parameterOf(h).find("_rad") != std::string::npos ? kAngle_rad : kDimension_m;
+}
+
 void weigh(Eigen::MatrixXd& rows, const Vector4& sigma) {
   for (Eigen::Index k = 0; k < rows.rows(); ++k)
     rows.row(k) /= sigma[k % 4];
@@ -179,11 +187,12 @@ PoseTrial tryOne(const PoseSearch& s, const Weighed& w, const Eigen::VectorXd& l
 /// Empty when the trial may be accepted (but for the null); otherwise why not.
 std::string objection(const PoseSearch& s, const PoseTrial& t, const Vector4& before) {
   if (t.square == 0.0) return "the sign that fits is not physical";
+  const PoseHypothesis& h = s.hypotheses[static_cast<std::size_t>(t.at)];
+  if (std::abs(t.held.last.mean()) > largestSize(h)) return "the size that fits is not plausible";
   if (!((t.rms.array() < kLowered * before.array()).any())) return "lowers no coordinate's error by a tenth";
   if ((t.held.last.array() > 0.0).any() && (t.held.last.array() < 0.0).any())
     return "its sign changes when a part of the training data is left out";
-  if (isPlay(s.hypotheses[static_cast<std::size_t>(t.at)]) && t.held.last.minCoeff() < 0.0)
-    return "a part of the training data wants a sign that is not physical";
+  if (isPlay(h) && t.held.last.minCoeff() < 0.0) return "a part of the training data wants a sign that is not physical";
   if (t.mean <= t.error) return "does not help on held-back parts of the training data";
   return {};
 }

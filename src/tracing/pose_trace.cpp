@@ -59,7 +59,18 @@ Eigen::MatrixXd errorOf(const Robot& robot, const PoseView& view, const PoseMode
   return error;
 }
 
-PoseRecording judge(const Robot& robot, const PoseView& view, const PoseTrace& trace, const Vector4& sigma) {
+/// The model as other recordings have it.
+PoseModel transferred(const PoseTrace& trace) {
+  PoseModel model = trace.model;
+  for (std::size_t k = 0; k < trace.findings.size(); ++k) {
+    if (!trace.findings[k].transfers) model.values[static_cast<Eigen::Index>(k)] = 0.0;
+  }
+  return model;
+}
+
+/// `model`: as this recording has it.
+PoseRecording judge(const Robot& robot, const PoseView& view, const PoseTrace& trace, const PoseModel& model,
+                    const Vector4& sigma) {
   PoseRecording out;
   out.path = view.recording->path;
   out.name = view.recording->name;
@@ -72,24 +83,28 @@ PoseRecording judge(const Robot& robot, const PoseView& view, const PoseTrace& t
   nothing.frame = trace.before;
   nothing.values.resize(0);
   out.before_error = errorOf(robot, view, nothing);
-  out.after_error = errorOf(robot, view, trace.model);
+  out.after_error = errorOf(robot, view, model);
   out.before = errorsOf(out.before_error, view.rows);
   out.after = errorsOf(out.after_error, view.rows);
   if (view.rows.empty()) return out;
   // What is left when only frame and delay are this recording's own: dimensions and offsets stay training's.
   std::vector<PoseView> own = {view};
   own.front().camera = cameraAtRows(*view.recording, view.own.delay_s);
+  std::vector<Eigen::Index>& rows = own.front().rows;
+  rows.erase(std::remove_if(rows.begin(), rows.end(),
+                            [&](Eigen::Index row) { return !own.front().camera.row(row).allFinite(); }),
+             rows.end());
   Robot changed = robot;
-  changed.mechanism = changedMechanism(*robot.mechanism, trace.model);
+  changed.mechanism = changedMechanism(*robot.mechanism, model);
   Recording moved = *view.recording;
-  moved.position_m = changedLengths(view, trace.model);
+  moved.position_m = changedLengths(view, model);
   own.front().recording = &moved;
   PoseModel frame;
-  frame.frame = trace.model.frame;
+  frame.frame = model.frame;
   frame.values.resize(0);
   fitPose(changed, own, stackPose(own, kPickRate_hz), sigma, {}, frame);
   Eigen::MatrixXd error(view.camera.rows(), 4);
-  const Eigen::MatrixXd poses = modelPoses(robot, trace.model, *view.recording, view.measured);
+  const Eigen::MatrixXd poses = modelPoses(robot, model, *view.recording, view.measured);
   for (Eigen::Index n = 0; n < error.rows(); ++n)
     error.row(n) = cameraInRobot(frame.frame, own.front().camera.row(n).transpose()).transpose() - poses.row(n);
   out.refitted = errorsOf(error, view.rows);
@@ -225,6 +240,8 @@ PoseTrace tracePose(const Robot& robot, const std::vector<Recording>& train, con
   searchPose(s);
   trace.model = s.model;
   trace.findings = s.findings;
+  for (PoseFinding& f : trace.findings)
+    f.transfers = f.hypothesis.cause != PoseCause::HomeOffset || views.size() > 1;
   trace.rejected = s.rejected;
   trace.absorbed = s.absorbed;
   if (views.size() == 1)
@@ -232,13 +249,13 @@ PoseTrace tracePose(const Robot& robot, const std::vector<Recording>& train, con
 
   for (const PoseView& view : views) {
     noteMask(view, trace.notes);
-    trace.train.push_back(judge(robot, view, trace, s.sigma));
+    trace.train.push_back(judge(robot, view, trace, trace.model, s.sigma));
   }
   for (const Recording& r : validate) {
     const PoseView view = viewPose(robot, r, options.condition_max, delay_s);
     if (view.rows.empty()) continue;
     noteMask(view, trace.notes);
-    trace.validate.push_back(judge(robot, view, trace, s.sigma));
+    trace.validate.push_back(judge(robot, view, trace, transferred(trace), s.sigma));
   }
   return trace;
 }

@@ -106,6 +106,68 @@ TEST(ModelFile, RefusesWhatItDoesNotUnderstand) {
   EXPECT_THROW(parseModel("", "m.yaml"), InputError);
 }
 
+Model withEffects(const Robot& robot) {
+  Model m = someModel(robot, 6);
+  ModelEffect stribeck;
+  stribeck.name = "stribeck";
+  stribeck.actuators = {2};
+  stribeck.shape = {{"velocity_m_per_s", 0.0061}};
+  stribeck.coefficients = {{"excess_N", 12.25, 0.5}};
+  ModelEffect push;
+  push.name = "external_force";
+  push.actuators = {1, 2, 3, 4};
+  push.transfers = false;
+  push.coefficients = {{"force_x_N", -3.5, 0.1}, {"force_z_N", 1e-17, 0.1}};
+  ModelEffect map;
+  map.name = "unnamed";
+  map.actuators = {4};
+  map.depends_on = "position_4_m \"and\" more";
+  m.effects = {stribeck, push, map};
+  return m;
+}
+
+TEST(ModelFile, WithEffectsIsFormatTwoAndIsReadBackExactly) {
+  const Model m = withEffects(parallelRobot());
+  const std::string text = modelToYaml(m);
+  EXPECT_NE(text.find("format: 2"), std::string::npos);
+  const Model r = parseModel(text, "model.yaml");
+  ASSERT_EQ(r.effects.size(), 3u);
+  EXPECT_EQ(r.effects[0].name, "stribeck");
+  EXPECT_EQ(r.effects[0].actuators, std::vector<int>({2}));
+  EXPECT_EQ(r.effects[0].shape[0].value, 0.0061);
+  EXPECT_TRUE(std::isnan(r.effects[0].shape[0].std));
+  EXPECT_EQ(r.effects[0].coefficients[0].std, 0.5);
+  EXPECT_TRUE(r.effects[0].transfers);
+  EXPECT_FALSE(r.effects[1].transfers);
+  EXPECT_EQ(r.effects[1].coefficients[1].value, 1e-17);
+  EXPECT_EQ(r.effects[2].depends_on, m.effects[2].depends_on);
+  EXPECT_EQ(modelToYaml(r), text);
+}
+
+TEST(ModelFile, WithEffectsRefusesUnknownActuatorsAndKeys) {
+  const std::string good = modelToYaml(withEffects(parallelRobot()));
+  const auto with = [&](const std::string& from, const std::string& to) {
+    std::string text = good;
+    text.replace(text.find(from), from.size(), to);
+    return text;
+  };
+  EXPECT_NO_THROW(parseModel(good, "m.yaml"));
+  EXPECT_THROW(parseModel(with("{actuator: 2}", "{actuator: 5}"), "m.yaml"), InputError);
+  EXPECT_THROW(parseModel(with("transfers: yes", "transfers: perhaps"), "m.yaml"), InputError);
+  EXPECT_THROW(parseModel(with("coefficients:", "coeficients:"), "m.yaml"), InputError);
+  EXPECT_THROW(parseModel(with("format: 2", "format: 1"), "m.yaml"), InputError);
+}
+
+TEST(ForceModel, RefusesAModelWithEffectsInsteadOfLeavingThemOut) {
+  const Robot robot = parallelRobot();
+  try {
+    const ForceModel force_model(withEffects(robot), robot);
+    FAIL() << "a force without the model's effects was promised";
+  } catch (const InputError& e) {
+    EXPECT_NE(std::string(e.what()).find("stribeck"), std::string::npos) << e.what();
+  }
+}
+
 TEST(ModelFile, BelongsToOneRobotFile) {
   Robot robot = parallelRobot();
   const Model m = someModel(robot, 3);

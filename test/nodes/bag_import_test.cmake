@@ -1,1 +1,2 @@
-target_link_libraries(nodes_bag_import_test rosbag_storage)
+target_include_directories(nodes_bag_import_test SYSTEM PRIVATE ${rosbag_storage_INCLUDE_DIRS})
+target_link_libraries(nodes_bag_import_test ${rosbag_storage_LIBRARIES})

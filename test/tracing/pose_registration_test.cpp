@@ -6,6 +6,7 @@
 #include <random>
 
 #include "knee_robot/base/errors.h"
+#include "knee_robot/mechanism/kinematics.h"
 
 namespace knee_robot {
 namespace {

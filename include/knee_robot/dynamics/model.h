@@ -43,8 +43,8 @@ struct EffectParameter {
   double std = std::numeric_limits<double>::quiet_NaN();  ///< nan: searched on a grid
 };
 
-/// An effect beyond rigid body, Coulomb and viscous friction, as trace found it. forceFromModel leaves effects out: they are
-/// predicted along whole recordings (tracing/trace.h).
+/// An effect beyond rigid body, Coulomb and viscous friction, as trace found it. Effects are predicted along whole recordings
+/// (tracing/trace.h), not instant by instant: ForceModel refuses a model that has some.
 struct ModelEffect {
   std::string name;            ///< of the list of effects, or "unnamed"
   std::string depends_on;      ///< signal of an unnamed one, otherwise empty
@@ -84,6 +84,7 @@ void requireModelOf(const Model& model, const std::string& model_path, const Rob
 
 /// The model as constants that forceFromModel needs.
 struct ForceModel {
+  /// InputError when the model has effects: a force without them would not be the model's.
   ForceModel(const Model& model, const Robot& robot);
 
   std::optional<Mechanism> mechanism;  ///< empty for bench axes

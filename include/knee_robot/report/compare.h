@@ -68,7 +68,7 @@ std::string compareJson(const CompareResults& results);
 std::string compareHtml(const CompareResults& results);
 /// What the program prints.
 std::string compareSummary(const CompareResults& results);
-/// Writes report.json and report.html into `folder` (made when missing).
+/// Writes report.json, report.html, actuators.svg and pose.svg into `folder` (made when missing).
 void writeCompareFiles(const CompareResults& results, const std::string& folder);
 
 }  // namespace knee_robot

@@ -12,8 +12,4 @@ namespace knee_robot {
 /// Self-contained.
 std::string exerciseSvg(const Exercise& exercise, const Robot& robot, const ExercisePlan& plan);
 
-/// Several plots, each as svgPlot writes it, below each other in one <svg> file with a title.
-std::string stackedSvg(const std::string& title, const std::vector<std::string>& plots, double width,
-                       const std::vector<double>& heights);
-
 }  // namespace knee_robot

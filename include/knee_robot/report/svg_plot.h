@@ -29,6 +29,10 @@ struct PlotStyle {
 /// keeping the smallest and largest value of every stretch.
 std::string svgPlot(const std::vector<PlotLine>& lines, const PlotStyle& style);
 
+/// Several plots, each as svgPlot writes it, below each other in one <svg> file with a title (a second line of it is smaller).
+std::string stackedSvg(const std::string& title, const std::vector<std::string>& plots, double width,
+                       const std::vector<double>& heights);
+
 /// Text with the characters that HTML reserves replaced.
 std::string escapeHtml(const std::string& text);
 

@@ -61,7 +61,10 @@ struct PoseFinding {
   double share = 0.0,
          null_share = 0.0;  ///< of the squared, weighed error: explained; by the best on the worst clean twin
   double p = 1.0;           ///< against clean twins
-  double gain = 0.0, gain_error = 0.0;     ///< held-back pieces: share of the squared error, and its standard error
+  double gain = 0.0, gain_error = 0.0;  ///< held-back pieces: share of the squared error, and its standard error
+  /// False for a home offset seen in one training recording only: encoders are set to home anew at every start, so that it predicts
+  /// nothing elsewhere. Left out on validation recordings then.
+  bool transfers = true;
   std::vector<PoseHypothesis> confusable;  ///< held-back gain as good within its error
 };
 

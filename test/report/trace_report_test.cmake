@@ -1,0 +1,1 @@
+target_link_libraries(report_trace_report_test knee_simulation)

@@ -1,0 +1,199 @@
+#include "knee_robot/report/trace_report.h"
+
+#include <gtest/gtest.h>
+#include <stdlib.h>
+
+#include <cmath>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <random>
+#include <sstream>
+
+#include "knee_robot/base/errors.h"
+#include "knee_robot/base/files.h"
+#include "knee_robot/simulation/camera.h"
+#include "test/identification/synthetic.h"
+
+namespace knee_robot {
+namespace {
+
+/// Two bench axes, the second with a drag that the model lacks, traced on one recording and judged on another.
+const TraceResults& traced() {
+  static const TraceResults results = [] {
+    Robot robot = syntheticBench(2);
+    for (Actuator& a : robot.actuators) {
+      a.position_max_m = 0.4;
+      a.velocity_max_m_per_s = 0.3;
+      a.acceleration_max_m_per_s2 = 5.0;
+    }
+    TraceResults r;
+    r.command_line = "trace --output \"<here>\"";
+    r.robot_path = "bench.yaml";
+    r.options.twins = 3;
+    std::mt19937 random(1);
+    std::normal_distribution<double> noise(0.0, 0.5);
+    std::vector<Recording> recordings;
+    for (int variant = 0; variant < 2; ++variant) {
+      recordings.push_back(
+          syntheticRecording(robot, syntheticModel(robot), variant, 30.0, [&] { return noise(random); }));
+      Recording& recording = recordings.back();
+      for (int k = 0; k + 1 < recording.rows(); ++k) {
+        const double v = (recording.position_m(k + 1, 1) - recording.position_m(k, 1)) / 0.01;
+        recording.force_N(k, 1) += 4000.0 * v * std::abs(v);
+      }
+      recording.reference_m = recording.position_m;
+    }
+    r.train.push_back(observe(robot, columnsOf(robot), recordings[0], r.options.observation));
+    r.validate.push_back(observe(robot, columnsOf(robot), recordings[1], r.options.observation));
+    r.result = trace(robot, {recordings[0]}, r.train, r.options);
+    r.model = tracedModel(robot, r.result, r.train, r.options);
+    const auto apply = [&](std::vector<Observation>& list, bool after, int recording) {
+      Applied applied;
+      for (Observation& o : list)
+        applied.predictions.push_back(makePrediction(
+            o, after ? predictTraced(robot, r.result, o, recording, 1) : predictBaseline(r.result, o), 3.0));
+      applied.accuracy = accuracyOf(list, applied.predictions);
+      return applied;
+    };
+    r.train_before = apply(r.train, false, 0);
+    r.train_after = apply(r.train, true, 0);
+    r.validate_before = apply(r.validate, false, -1);
+    r.validate_after = apply(r.validate, true, -1);
+    for (std::size_t k = 0; k < r.result.effects.size(); ++k)
+      r.validate_gain_N.push_back(r.validate_before.accuracy.rms_N - r.validate_after.accuracy.rms_N);
+    NextExperimentOptions quick;
+    quick.duration_s = 15.0;
+    quick.random = quick.improving = 6;
+    r.next = planNextExperiment(robot, r.result, r.train, r.options, quick);
+    return r;
+  }();
+  return results;
+}
+
+TEST(TraceJson, HasTheAgreedShape) {
+  const nlohmann::json j = nlohmann::json::parse(traceJson(traced()));
+  EXPECT_EQ(j["command"], "trace");
+  EXPECT_EQ(j["data"]["train"].size(), 1u);
+  EXPECT_EQ(j["data"]["validate"].size(), 1u);
+  for (const char* when : {"before", "after"}) {
+    EXPECT_TRUE(j[when]["parameters"].is_number_integer());
+    for (const char* set : {"train", "validate"}) {
+      for (const char* figure : {"rms_N", "rms_moving_N", "rms_raw_N", "rms_percent", "range_percent", "max_N"})
+        ASSERT_EQ(j[when][set][figure].size(), 2u) << when << set << figure;
+    }
+  }
+  ASSERT_EQ(j["effects"].size(), traced().result.effects.size());
+  for (const auto& e : j["effects"]) {
+    for (const char* key : {"name", "actuators", "transfers", "parameters", "explained_rms_N", "null_rms_N", "p",
+                            "validate_gain_N", "indistinguishable_from"})
+      EXPECT_TRUE(e.contains(key)) << key;
+    EXPECT_LE(e["indistinguishable_from"].size(), 2u);
+  }
+  for (const char* key : {"rms_N", "noise_floor_N", "depends_on"})
+    EXPECT_TRUE(j["unexplained"].contains(key)) << key;
+  EXPECT_TRUE(j.contains("pose"));
+  EXPECT_TRUE(j.contains("next_experiment"));
+}
+
+TEST(TraceReport, NamesTheDragOfTheSecondAxisAndShowsThatItsErrorIsGone) {
+  const TraceResults& r = traced();
+  ASSERT_FALSE(r.result.effects.empty()) << traceSummary(r);
+  std::string names;
+  for (const FoundEffect& e : r.result.effects) {
+    EXPECT_EQ(e.hypothesis.place.actuator, 1);
+    names += e.hypothesis.place.candidate->name();
+    for (const std::string& other : e.indistinguishable_from)
+      names += " " + other;
+  }
+  EXPECT_NE(names.find("quadratic_drag"), std::string::npos) << names;
+  EXPECT_LT(r.validate_after.accuracy.rms_N[1], 0.5 * r.validate_before.accuracy.rms_N[1]);
+  EXPECT_LT(r.validate_after.accuracy.rms_N[0], 1.05 * r.validate_before.accuracy.rms_N[0]);
+}
+
+TEST(TraceReport, PredictsWhatTheFilesModelSaysAndThatModelIsRefusedInstantByInstant) {
+  const TraceResults& r = traced();
+  const Model read = parseModel(modelToYaml(r.model), "model.yaml");
+  ASSERT_EQ(read.effects.size(), r.result.effects.size());
+  for (std::size_t k = 0; k < read.effects.size(); ++k) {
+    ASSERT_EQ(read.effects[k].coefficients.size(), static_cast<std::size_t>(r.result.effects[k].coefficients.size()));
+    for (std::size_t n = 0; n < read.effects[k].coefficients.size(); ++n)
+      EXPECT_DOUBLE_EQ(read.effects[k].coefficients[n].value,
+                       r.result.effects[k].coefficients[static_cast<Eigen::Index>(n)]);
+  }
+  EXPECT_THROW(ForceModel(read, syntheticBench(2)), InputError);
+}
+
+TEST(TraceHtml, IsSelfContainedAndComplete) {
+  const std::string html = traceHtml(traced());
+  EXPECT_EQ(html.find("http"), std::string::npos) << "nothing from outside";
+  EXPECT_EQ(html.find("<script"), std::string::npos);
+  EXPECT_NE(html.find("trace --output &quot;&lt;here&gt;&quot;"), std::string::npos);
+  for (const char* part : {"Errors before and after", "Effects", "Residual against velocity and position",
+                           "Validation: synthetic_1", "Training: synthetic_0", "noise floor", "Reproduce"})
+    EXPECT_NE(html.find(part), std::string::npos) << part;
+}
+
+TEST(WriteTraceFiles, LeavesAllFilesWithOneFinitePredictionARow) {
+  char pattern[] = "/tmp/knee_trace_XXXXXX";
+  const std::string folder = std::string(mkdtemp(pattern)) + "/a/b";
+  writeTraceFiles(traced(), folder);
+  for (const char* name : {"report.json", "report.html", "model.yaml", "prediction_synthetic_1.csv"})
+    EXPECT_TRUE(std::filesystem::exists(folder + "/" + name)) << name;
+  EXPECT_EQ(std::filesystem::exists(folder + "/next_experiment.txt"), traced().next.planned);
+  std::istringstream csv(readFile(folder + "/prediction_synthetic_1.csv"));
+  std::string line;
+  std::getline(csv, line);
+  EXPECT_EQ(line, "time_s,force_1_N,force_2_N,predicted_1_N,predicted_2_N,before_1_N,before_2_N");
+  int rows = 0;
+  for (; std::getline(csv, line); ++rows)
+    EXPECT_EQ(line.find("n"), std::string::npos) << line;  // nan, inf
+  EXPECT_EQ(rows, 3000);
+  std::filesystem::remove_all(pattern);
+}
+
+TEST(TraceReport, ShowsTheMotionThatSeparatesAPairAndWritesIt) {
+  TraceResults r = traced();
+  r.next.first = "quadratic_drag on actuator 2";
+  r.next.second = "stribeck on actuator 2";
+  r.next.planned = true;
+  r.next.now = {0.1, 0.5};
+  r.next.then = {0.4, 3.0};
+  r.next.reference.points = Points::Constant(50, 4, 0.2);
+  char pattern[] = "/tmp/knee_next_XXXXXX";
+  const std::string folder = mkdtemp(pattern);
+  writeTraceFiles(r, folder);
+  EXPECT_EQ(readReference(folder + "/next_experiment.txt").points.rows(), 50);
+  const nlohmann::json j = nlohmann::json::parse(readFile(folder + "/report.json"));
+  EXPECT_EQ(j["next_experiment"]["reference"], "next_experiment.txt");
+  EXPECT_NEAR(j["next_experiment"]["planned"]["angle_deg"].get<double>(), 22.9, 0.1);
+  EXPECT_NE(traceSummary(r).find("play next_experiment.txt"), std::string::npos);
+  EXPECT_NE(traceHtml(r).find("<h2>Next experiment</h2>"), std::string::npos);
+  std::filesystem::remove_all(pattern);
+}
+
+TEST(TraceReport, ShowsThePoseBeforeAndAfterWithItsFindings) {
+  Robot robot = syntheticRobot();
+  std::vector<Recording> recordings;
+  Geometry other = robot.mechanism->geometry;
+  other.Rm[1] += 0.006;
+  for (int variant = 0; variant < 2; ++variant) {
+    recordings.push_back(syntheticRecording(robot, syntheticModel(robot), variant, 25.0));
+    addCamera(other, {}, recordings.back());
+  }
+  TraceResults r = traced();
+  r.pose = tracePose(robot, {recordings[0]}, {recordings[1]}, {});
+  const nlohmann::json j = nlohmann::json::parse(traceJson(r))["pose"];
+  EXPECT_EQ(j["before"]["of"], "validate");
+  for (const char* when : {"before", "after"}) {
+    EXPECT_EQ(j[when]["rms_m"].size(), 2u);
+    EXPECT_EQ(j[when]["rms_rad"].size(), 2u);
+  }
+  ASSERT_FALSE(j["findings"].empty());
+  EXPECT_EQ(j["findings"][0]["name"], "geometry_error");
+  EXPECT_LT(j["after"]["rms_rad"][1].get<double>(), j["before"]["rms_rad"][1].get<double>());
+  EXPECT_NE(traceSummary(r).find("geometry_error in Rm_2_m"), std::string::npos) << traceSummary(r);
+  EXPECT_NE(traceHtml(r).find("Pose: camera against encoders"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace knee_robot

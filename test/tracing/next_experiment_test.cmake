@@ -1,0 +1,1 @@
+target_link_libraries(tracing_next_experiment_test knee_trajectory)
