@@ -1,0 +1,385 @@
+"""The faults of the campaign: how each is brought about, and what has to be said of it. Names of causes are those of
+src/control/faults.cpp; several where more than one is a true description of the same fault."""
+import dataclasses
+import os
+import pathlib
+import signal
+import subprocess
+import threading
+import time
+from typing import Callable
+
+import rospy
+from std_srvs.srv import Trigger
+
+from session import NoAnswer, is_alive
+
+# What is to come of a fault.
+SAFE_STOP = "safe stop, faulted"  # the controller lives and says why
+DOWN = "guardian brings down"     # the controller is dead or fenced out
+DISABLED = "safe stop, disabled"  # asked for
+GOES_ON = "goes on"               # nothing may happen to the movement
+
+
+@dataclasses.dataclass
+class Fault:
+    name: str
+    do: Callable                      # do(run): brings it about; run.at_injection() notes the time where the truth log does not
+    outcome: str = SAFE_STOP
+    causes: tuple = ()                # names of which one has to be reported; () with GOES_ON and DISABLED: none may be
+    process_death: bool = False       # counts for the 20 ms after a death
+    hold_works: bool = True           # a brake holds: the drop counts for the 5 mm
+    after: Callable = None            # after(run): further checks; returns a sentence about what is wrong, or None
+    simulation: dict = dataclasses.field(default_factory=dict)  # changes to the simulation file
+    fresh: bool = False               # needs a robot of its own
+    observe_s: float = 2.5
+
+
+def inject(kind, axis=0, size=0.0):
+    return lambda run: run.session.inject(kind, axis, size)
+
+
+def component(part, misbehaviour):
+    return inject("component", size=100 * part + misbehaviour)
+
+
+def send(*signals, wait_s=0.0, process="controller"):
+    """The signals one after the other, `wait_s` between."""
+    def do(run):
+        target = getattr(run.session, process)
+        run.at_injection()
+        for k, one in enumerate(signals):
+            if k > 0:
+                time.sleep(wait_s)
+            os.kill(target.pid, one)
+    return do
+
+
+# ---- processes
+
+def kill_guardian(run):
+    run.at_injection()
+    run.session.guardian.kill()
+    run.session.guardian.wait()
+
+
+def restart_guardian(run):
+    """As a service manager does; the controller must say that it was away."""
+    run.session.start_guardian()
+    time.sleep(0.5)
+    if "GUARDIAN IS SILENT" not in run.session.log_text("controller"):
+        return "the controller did not say that the guardian is silent"
+    return None
+
+
+def kill_both(run):
+    kill_guardian(run)
+    time.sleep(0.05)
+    run.at_injection()
+    run.session.controller.kill()
+    run.session.controller.wait()
+
+
+def kill_both_and_restart(run):
+    """The guardian comes back after a second, as launch file and service manager see to."""
+    kill_both(run)
+    timer = threading.Timer(1.0, run.session.start_guardian)
+    timer.start()
+
+
+def stop_guardian_for_a_while(run):
+    run.at_injection()
+    os.kill(run.session.guardian.pid, signal.SIGSTOP)
+    time.sleep(1.5)
+    os.kill(run.session.guardian.pid, signal.SIGCONT)
+
+
+def fenced_out(run):
+    """After SIGCONT: refused until reset."""
+    try:
+        if run.session.trigger("enable").success:
+            return "it may be enabled without a reset"
+    except NoAnswer as error:
+        return str(error)
+    return None
+
+
+def kill_master(run):
+    run.at_injection()
+    run.master.stop()
+
+
+def restart_master(run):
+    run.master.start()
+    run.session_is_spent = True  # its services are not registered any more
+    return None
+
+
+def second_controller(run):
+    """Another controller on the same robot: has to end by itself with a sentence."""
+    run.at_injection()
+    command = run.session.controller_command(name="second_controller", program="controller")
+    done = subprocess.run([str(c) for c in command], capture_output=True, text=True, timeout=25, check=False)
+    run.note = (done.stderr.strip().splitlines() or [""])[-1]
+    if done.returncode != 2:
+        run.wrong = f"the second controller ended with {done.returncode}"
+
+
+def second_robot(run):
+    run.at_injection()
+    files = run.session.files
+    done = subprocess.run([str(run.session.programs / "simulated_robot"), "--robot", str(files["robot"]), "--simulation",
+                           str(files["simulation"]), "--shm", run.session.shm, "--duration", "1"],
+                          capture_output=True, text=True, timeout=25, check=False)
+    run.note = (done.stderr.strip().splitlines() or [""])[-1]
+    if done.returncode != 2:
+        run.wrong = f"the second simulated robot ended with {done.returncode}"
+
+
+def second_guardian(run):
+    run.at_injection()
+    files = run.session.files
+    done = subprocess.run([str(run.session.programs / "guardian"), "--hardware", str(files["hardware"]), "--shm", run.session.shm,
+                           "--link", run.session.shm + "_guardian"], capture_output=True, text=True, timeout=25, check=False)
+    run.note = (done.stderr.strip().splitlines() or [""])[-1]
+    if done.returncode != 2:
+        run.wrong = f"the second guardian ended with {done.returncode}"
+
+
+# ---- operator and files
+
+def refuse(run, answer, *words):
+    """`answer` has to be a refusal that says these words."""
+    run.note = answer.message
+    if answer.success:
+        run.wrong = "was not refused: " + answer.message
+    for word in words:
+        if word not in answer.message:
+            run.wrong = f"refused without saying '{word}': {answer.message}"
+
+
+def start_twice(run):
+    run.at_injection()
+    refuse(run, run.session.trigger("start"), "playing")
+
+
+def load_while_playing(run):
+    run.at_injection()
+    refuse(run, run.session.load(run.reference.name))
+
+
+def replace_file(run):
+    """Another content under the same name while it is played, written over in place."""
+    run.at_injection()
+    run.reference.write_text("9 9 9 9\nnan inf 0 -1\n" * 200)
+
+
+def remove_recordings_folder(run):
+    """The recording's file is unlinked and its folder renamed under the controller."""
+    run.at_injection()
+    folder = run.session.recordings
+    os.rename(folder, str(folder) + "_gone")
+    time.sleep(0.7)
+    os.rename(str(folder) + "_gone", folder)
+
+
+def flood(run):
+    """Every service that may be called at any time, from eight callers at once, for a second and a half."""
+    run.at_injection()
+    end = time.monotonic() + 1.5
+    calls = [0]
+
+    def caller(number):
+        names = ("get_state", "start", "enable", "approach", "reset_faults", "load_reference")
+        while time.monotonic() < end:
+            name = names[(number + calls[0]) % len(names)]
+            try:
+                if name == "get_state":
+                    run.session.state()
+                elif name == "load_reference":
+                    run.session.load("no_such_file.txt")
+                else:
+                    rospy.ServiceProxy(f"/controller/{name}", Trigger)()
+            except (NoAnswer, rospy.ServiceException):
+                pass
+            calls[0] += 1
+
+    threads = [threading.Thread(target=caller, args=(i,)) for i in range(8)]
+    for one in threads:
+        one.start()
+    for one in threads:
+        one.join()
+    run.note = f"{calls[0]} calls"
+
+
+def bad_requests(run):
+    run.at_injection()
+    names = ("../../etc/passwd", "/dev/zero", "x" * 100000, "a\0b", "\n", "", ".", "\u00e4\u20ac", "%s%s%n")
+    for name in names:
+        for call in (lambda n=name: run.session.load(n), lambda n=name: run.session.load(run.reference.name, n),
+                     lambda n=name: run.session.record(True, n)):
+            try:
+                if call().success:
+                    run.wrong = f"accepted {name[:20]!r}"
+            except NoAnswer as error:
+                run.wrong = str(error)
+
+
+def abuse_parameters(run):
+    """The parameter server's values are set to rubbish and deleted while the robot moves."""
+    run.at_injection()
+    for name, value in (("robot", "/dev/null"), ("hardware", 5), ("deployment", ["x"] * 1000), ("guardian", ""), ("shm", "/x"),
+                        ("rate_hz", -1.0), ("recordings", "/"), ("references", {"a": 1})):
+        rospy.set_param(f"/controller/{name}", value)
+    for name in ("robot", "rate_hz"):
+        rospy.delete_param(f"/controller/{name}")
+
+
+def press_service(run):
+    run.at_injection()
+    answer = run.session.trigger("emergency_stop")
+    if not answer.success:
+        run.wrong = answer.message
+
+
+def disable(run):
+    run.at_injection()
+    run.session.trigger("disable")
+
+
+def disable_with_open_brake(axis):
+    def do(run):
+        run.session.inject("hold_open", axis)
+        disable(run)
+    return do
+
+
+def disconnect_and_back(kind):
+    def do(run):
+        run.session.inject(kind)
+        time.sleep(0.3)
+        run.session.inject("clear")
+    return do
+
+
+# ---- the list
+
+def per_channel():
+    causes = {"frozen": ("encoder_frozen", "following_error", "stalled"),
+              "jump": ("encoder_jump",),
+              "wrong_sign": ("runaway", "following_error", "encoder_frozen", "velocity_limit"),
+              "noise": ("encoder_jump", "acceleration_limit", "velocity_limit"),
+              "disconnected": ("encoder_frozen", "following_error", "stalled")}
+    size = {"jump": 0.005, "noise": 0.002}
+    for kind, names in causes.items():
+        for axis in range(1, 5):
+            yield Fault(f"encoder_{kind}_{axis}", inject("encoder_" + kind, axis, size.get(kind, 0.0)), causes=names)
+    for axis in range(1, 5):
+        yield Fault(f"dac_stuck_{axis}", inject("converter_stuck", axis), causes=("following_error", "runaway", "saturated", "stalled",
+                                                                                 "velocity_limit", "acceleration_limit"))
+
+
+def processes():
+    died = dict(outcome=DOWN, causes=("has died", "is silent"), process_death=True)
+    yield Fault("controller_killed", send(signal.SIGKILL), **died)
+    yield Fault("controller_aborted", send(signal.SIGABRT), **died)
+    yield Fault("controller_segmentation_fault", send(signal.SIGSEGV), **died)
+    yield Fault("controller_stopped", send(signal.SIGSTOP), **dict(died, causes=("is silent",)))
+    yield Fault("controller_stopped_and_continued", send(signal.SIGSTOP, signal.SIGCONT, wait_s=0.8), outcome=SAFE_STOP,
+                causes=("guardian_acted",), process_death=True, after=fenced_out)
+    yield Fault("controller_terminated", send(signal.SIGTERM), outcome=DISABLED)
+    yield Fault("controller_interrupted", send(signal.SIGINT), outcome=DISABLED)
+    yield Fault("guardian_killed", kill_guardian, outcome=GOES_ON, after=restart_guardian, observe_s=1.6)
+    yield Fault("guardian_stopped_for_a_while", stop_guardian_for_a_while, outcome=GOES_ON, observe_s=0.5)
+    yield Fault("guardian_killed_then_controller", kill_both_and_restart, process_death=False, outcome=DOWN, causes=("has died",),
+                hold_works=False, fresh=True, observe_s=3.0)
+    yield Fault("guardian_killed_then_controller_with_relay", kill_both, outcome=DOWN, causes=(), fresh=True,
+                simulation={"heartbeat_relay": {"bit": 2, "hold_s": 0.02}})
+    yield Fault("master_killed", kill_master, outcome=GOES_ON, after=restart_master, observe_s=1.0)
+    yield Fault("second_controller", second_controller, outcome=GOES_ON, observe_s=0.3)
+    yield Fault("second_simulated_robot", second_robot, outcome=GOES_ON, observe_s=0.3)
+    yield Fault("second_guardian", second_guardian, outcome=GOES_ON, observe_s=0.3)
+    yield Fault("clock_step_forward", inject("component", size=901), outcome=GOES_ON, observe_s=0.8)
+    yield Fault("clock_step_backward", inject("component", size=902), outcome=GOES_ON, observe_s=0.8)
+
+
+def components():
+    exception = dict(causes=("component_exception",))
+    for number, part in ((1, "sync"), (2, "driver"), (3, "supervisor"), (4, "axes_output"), (5, "axes_input"), (6, "recorder")):
+        yield Fault(f"exception_in_{part}", component(number, 1), **exception)
+    hang = dict(outcome=DOWN, causes=("is silent",), process_death=True, fresh=True)
+    for number, part in ((1, "sync"), (2, "driver")):
+        yield Fault(f"hang_in_{part}", component(number, 2), **hang)
+    yield Fault("fatal_in_driver", component(2, 3), causes=("component_fatal",), fresh=True)
+    yield Fault("run_time_error_in_driver", component(2, 9), causes=("component_stopped",))
+    yield Fault("sync_stale", component(1, 4), causes=("set_point_stale",))
+    yield Fault("driver_stale", component(2, 4), causes=("command_stale",))
+    yield Fault("supervisor_stale", component(3, 4), causes=("orders_stale",))
+    yield Fault("reference_nan", component(1, 5), causes=("not_a_number",))
+    yield Fault("reference_jump", component(1, 6), causes=("set_point_jump",))
+    yield Fault("command_nan", component(2, 5), causes=("not_a_number",))
+    yield Fault("command_of_1000_V", component(2, 6), causes=("following_error", "runaway", "velocity_limit", "acceleration_limit",
+                                                             "saturated"))
+    yield Fault("overrun_storm", component(2, 8), causes=("overrun",))
+    yield Fault("slow_card", inject("slow_card", size=1800), causes=("overrun",))
+
+
+def machine():
+    yield Fault("dac_write_error", inject("analog_card_lost"), causes=("output_lost",))
+    yield Fault("counter_card_lost", inject("counter_card_lost"), causes=("measurement_lost", "output_lost"), hold_works=False)
+    yield Fault("drive_power_lost", inject("drive_dead"), causes=("following_error", "stalled", "runaway", "velocity_limit",
+                                                                  "acceleration_limit"))
+    yield Fault("drive_power_lost_1", inject("drive_dead", 1), causes=("following_error", "stalled", "runaway", "velocity_limit",
+                                                                      "acceleration_limit"))
+    yield Fault("drive_reversed_2", inject("drive_reversed", 2), causes=("runaway", "following_error", "velocity_limit",
+                                                                        "acceleration_limit", "saturated"))
+    yield Fault("brake_closes_3", inject("hold_closed", 3), causes=("following_error", "stalled", "saturated", "acceleration_limit"))
+    yield Fault("brake_does_not_engage_4", disable_with_open_brake(4), outcome=DISABLED, hold_works=False, fresh=True)
+    yield Fault("no_brake_engages", disable_with_open_brake(0), outcome=DISABLED, hold_works=False, fresh=True)
+    yield Fault("emergency_stop_button", inject("emergency_stop"), causes=("emergency_stop",))
+    yield Fault("hand_switch", inject("hand_switch"), causes=("hand_switch",))
+    yield Fault("push_down_800_N", inject("push_down", size=800.0), causes=("following_error", "saturated", "velocity_limit",
+                                                                          "acceleration_limit", "runaway", "stalled"))
+
+
+def operator():
+    yield Fault("emergency_stop_service", press_service, causes=("emergency_stop",))
+    yield Fault("disable_while_moving", disable, outcome=DISABLED)
+    yield Fault("second_start", start_twice, outcome=GOES_ON, observe_s=0.3)
+    yield Fault("load_while_playing", load_while_playing, outcome=GOES_ON, observe_s=0.3)
+    yield Fault("file_replaced_while_playing", replace_file, outcome=GOES_ON, observe_s=0.8)
+    yield Fault("service_flood", flood, outcome=GOES_ON, observe_s=0.2)
+    yield Fault("bad_requests", bad_requests, outcome=GOES_ON, observe_s=0.2)
+    yield Fault("parameter_abuse", abuse_parameters, outcome=GOES_ON, observe_s=0.6)
+    yield Fault("recordings_folder_moved", remove_recordings_folder, outcome=GOES_ON, observe_s=0.2)
+
+
+def disk_full():
+    return Fault("disk_full_while_recording", fill_disk, outcome=GOES_ON, observe_s=1.2, after=says_disk_is_full)
+
+
+def fill_disk(run):
+    """Takes what the small file system of this run still has."""
+    run.at_injection()
+    with open(pathlib.Path(run.recording.parent) / "filler", "wb", buffering=0) as filler:
+        try:
+            while True:
+                filler.write(b"\0" * 65536)
+        except OSError:
+            pass
+
+
+def says_disk_is_full(run):
+    words = run.recording_answer or ""
+    if "No space left" not in words:
+        return f"the controller did not say that the disk is full: {words!r}"
+    return None
+
+
+def all_faults():
+    # Quick ones that leave the robot usable first: their sessions are shared.
+    faults = [*operator(), *machine(), *per_channel(), *components(), *processes(), disk_full()]
+    return sorted(faults, key=lambda fault: fault.fresh)
+
+
+__all__ = ["all_faults", "Fault", "is_alive", "SAFE_STOP", "DOWN", "DISABLED", "GOES_ON"]

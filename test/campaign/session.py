@@ -1,0 +1,198 @@
+"""One robot for the campaign: master, simulated robot, guardian and controller as processes of our own, without roslaunch, and the
+controller's public interface."""
+import concurrent.futures
+import os
+import pathlib
+import signal
+import socket
+import subprocess
+import sys
+import time
+import xmlrpc.client
+
+import rospy
+from std_srvs.srv import Trigger
+
+from knee_robot.srv import GetState, LoadReference, SetRecording
+
+import truth
+
+ANSWER_S = 5.0
+START_S = 30.0
+
+
+class NoAnswer(Exception):
+    """The controller did not answer; the sentence says to what."""
+
+
+def free_port():
+    with socket.socket() as one:
+        one.bind(("127.0.0.1", 0))
+        return one.getsockname()[1]
+
+
+def is_alive(process):
+    return process is not None and process.poll() is None
+
+
+class Master:
+    """A ROS master for the whole campaign."""
+
+    def __init__(self, folder):
+        self.folder = folder
+        self.port = free_port()
+        self.uri = f"http://127.0.0.1:{self.port}"
+        os.environ.update(ROS_MASTER_URI=self.uri, ROS_IP="127.0.0.1", ROS_LOG_DIR=str(folder / "ros"), ROS_HOME=str(folder / "ros"))
+        self.process = None
+        self.start()
+
+    def start(self):
+        self.process = subprocess.Popen(["rosmaster", "--core", "-p", str(self.port)], stdout=subprocess.DEVNULL,
+                                        stderr=subprocess.DEVNULL, start_new_session=True)
+        end = time.monotonic() + START_S
+        while time.monotonic() < end:
+            try:
+                xmlrpc.client.ServerProxy(self.uri).getPid("/fault_campaign")
+                return
+            except OSError:
+                time.sleep(0.05)
+        raise RuntimeError("the ROS master does not answer")
+
+    def stop(self):
+        if is_alive(self.process):
+            self.process.kill()
+            self.process.wait()
+
+
+class Session:
+    """The robot with its controller. `files`: robot, simulation, hardware, deployment; `programs`: folder of the programs."""
+
+    def __init__(self, folder, programs, files, silence_ms, real_time):
+        self.folder, self.programs, self.files = folder, pathlib.Path(programs), files
+        self.silence_ms, self.real_time = silence_ms, real_time
+        self.shm = f"/knee_campaign_{os.getpid()}"
+        self.references, self.recordings = folder / "references", folder / "recordings"
+        for one in (folder, self.references, self.recordings):
+            one.mkdir(parents=True, exist_ok=True)
+        self.robot = self.guardian = self.controller = None
+        self.others = []
+        self.pool = concurrent.futures.ThreadPoolExecutor(max_workers=16)
+        self.environment = dict(os.environ, KNEE_CAMPAIGN_SHM=self.shm)
+
+    # ---- processes
+
+    def spawn(self, name, *command, environment=None):
+        log = open(self.folder / f"{name}.log", "ab")
+        process = subprocess.Popen([str(c) for c in command], stdout=log, stderr=log, env=environment or self.environment,
+                                   start_new_session=True)
+        log.close()
+        return process
+
+    def start_guardian(self):
+        self.guardian = self.spawn("guardian", self.programs / "guardian", "--hardware", self.files["hardware"], "--shm", self.shm,
+                                   "--link", self.shm + "_guardian", "--silence-ms", self.silence_ms,
+                                   "--priority", 90 if self.real_time else 0)
+
+    def controller_command(self, name="controller", program="campaign_controller"):
+        parameters = {"robot": self.files["robot"], "hardware": self.files["hardware"], "deployment": self.files["deployment"],
+                      "shm": self.shm, "guardian": self.shm + "_guardian", "references": self.references,
+                      "recordings": self.recordings}
+        return [self.programs / program, f"__name:={name}"] + [f"_{key}:={value}" for key, value in parameters.items()]
+
+    def start_controller(self):
+        self.controller = self.spawn("controller", *self.controller_command())
+
+    def start(self):
+        """Brings everything up; ends when the controller answers."""
+        for name in ("guardian.log", "controller.log", "robot.log"):
+            (self.folder / name).write_bytes(b"")
+        self.robot = self.spawn("robot", self.programs / "simulated_robot", "--robot", self.files["robot"], "--simulation",
+                                self.files["simulation"], "--shm", self.shm, "--truth-rows", 40000,
+                                "--priority", 70 if self.real_time else 0)
+        self.wait_for_file("/dev/shm" + self.shm + "_truth", self.robot)
+        self.truth = truth.TruthLog(self.shm)
+        self.start_guardian()
+        self.start_controller()
+        end = time.monotonic() + START_S
+        while True:
+            try:
+                state = self.state()
+                break
+            except NoAnswer:
+                if not is_alive(self.controller) or time.monotonic() > end:
+                    raise RuntimeError(f"the controller did not come up, see {self.folder}/controller.log") from None
+                time.sleep(0.05)
+        if state.state == "faulted":
+            self.trigger("reset_faults")
+
+    def wait_for_file(self, path, process):
+        end = time.monotonic() + START_S
+        while not os.path.exists(path) or os.path.getsize(path) <= truth.HEAD:
+            if not is_alive(process) or time.monotonic() > end:
+                raise RuntimeError(f"the simulated robot did not come up, see {self.folder}/robot.log")
+            time.sleep(0.01)
+        time.sleep(0.05)
+
+    def stop(self):
+        """Ends everything, the controller first and in order when it can."""
+        for process in (*self.others, self.controller, self.guardian, self.robot):
+            if not is_alive(process):
+                continue
+            process.send_signal(signal.SIGCONT)
+            process.send_signal(signal.SIGTERM)
+            try:
+                process.wait(2.0)
+            except subprocess.TimeoutExpired:
+                process.kill()
+                process.wait()
+        self.others.clear()
+        for left in (self.shm, self.shm + "_truth", self.shm + "_guardian"):
+            if os.path.exists("/dev/shm" + left):
+                os.unlink("/dev/shm" + left)
+
+    def is_whole(self):
+        return all(is_alive(p) for p in (self.robot, self.guardian, self.controller))
+
+    def inject(self, fault, axis=0, size=0.0):
+        done = subprocess.run([self.programs / "inject_fault", "--shm", self.shm, "--axis", str(axis), "--size", str(size), fault],
+                              capture_output=True, text=True, check=False)
+        if done.returncode != 0:
+            raise RuntimeError(done.stderr.strip())
+
+    def log_text(self, name):
+        path = self.folder / f"{name}.log"
+        return path.read_text(errors="replace") if path.exists() else ""
+
+    # ---- the controller's services
+
+    def call(self, service, kind, *arguments):
+        """The answer; NoAnswer when there is none in ANSWER_S (a service has no time limit of its own)."""
+        waiting = self.pool.submit(rospy.ServiceProxy(f"/controller/{service}", kind), *arguments)
+        try:
+            return waiting.result(ANSWER_S)
+        except Exception as error:  # rospy raises many kinds, all of which mean that nobody answered
+            raise NoAnswer(f"{service}: {type(error).__name__} {error}") from None
+
+    def trigger(self, service):
+        return self.call(service, Trigger)
+
+    def state(self):
+        return self.call("get_state", GetState).state
+
+    def load(self, file, space=""):
+        return self.call("load_reference", LoadReference, str(file), space)
+
+    def record(self, on, file=""):
+        return self.call("set_recording", SetRecording, on, file)
+
+    def wait_for(self, wanted, seconds):
+        end = time.monotonic() + seconds
+        while True:
+            state = self.state()
+            if state.state in wanted or time.monotonic() > end:
+                return state
+            time.sleep(0.02)
+
+
+def complain(sentence):
+    print(f"fault_campaign: {sentence}", file=sys.stderr, flush=True)

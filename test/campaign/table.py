@@ -1,0 +1,108 @@
+"""The campaign's result as a Markdown table with the targets beside."""
+import statistics
+
+from faults import DISABLED, GOES_ON, all_faults
+
+DEATH_MS, DROP_MM = 20.0, 5.0
+
+
+def median_and_largest(values, digits=0):
+    values = [v for v in values if v is not None]
+    if not values:
+        return "never"
+    return f"{statistics.median(values):.{digits}f} / {max(values):.{digits}f}"
+
+
+def quantile(values, share):
+    ordered = sorted(values)
+    return ordered[min(len(ordered) - 1, int(share * len(ordered)))]
+
+
+def verdict(fault, runs):
+    """What is wrong with the runs of one fault; empty: nothing."""
+    found = []
+
+    def note(sentence, share):
+        if share:
+            found.append(sentence if share == len(runs) else f"{sentence} ({share} of {len(runs)})")
+
+    note("cause", sum(not r["cause_right"] for r in runs))
+    note("recording", sum(bool(r["recording"]) for r in runs if not fault.name.startswith("disk_full")))
+    note("above clamp", sum(r["above_clamp_V"] > 0.0 for r in runs))
+    note("beyond limits", sum(r["beyond_limits_mm"] > 0.0 for r in runs))
+    if fault.hold_works:
+        note("drop", sum(r["drop_mm"] > DROP_MM for r in runs))
+    if fault.outcome != GOES_ON:
+        note("not held", sum(r["held_ms"] is None for r in runs))
+    if fault.process_death:
+        note("later than 20 ms", sum(r["stop_begins_ms"] is None or r["stop_begins_ms"] > DEATH_MS for r in runs))
+    note("other", sum(bool(r["wrong"]) for r in runs))
+    return found
+
+
+def line(fault, runs):
+    stops = fault.outcome != GOES_ON
+    begins = median_and_largest([r["stop_begins_ms"] for r in runs], 1) if stops else "-"
+    held = median_and_largest([r["held_ms"] for r in runs]) if stops else "-"
+    reported = sorted({r["cause"] or "none" for r in runs})
+    expected = "any of " + ", ".join(fault.causes) if len(fault.causes) > 1 else (fault.causes or ("none",))[0]
+    wrong = verdict(fault, runs)
+    cells = [fault.name, str(len(runs)), begins, held, f"{max(r['drop_mm'] for r in runs):.2f}",
+             f"{max(r['beyond_limits_mm'] for r in runs):.1f}", f"{max(r['above_clamp_V'] for r in runs):.2f}",
+             ", ".join(sorted({r["state"] for r in runs})), ", ".join(reported),
+             "as reported" if all(r["cause_right"] for r in runs) else expected,
+             "intact" if not any(r["recording"] for r in runs) else "see below", "good" if not wrong else "**" + "; ".join(wrong) + "**"]
+    return "| " + " | ".join(cells) + " |"
+
+
+def summary(results, faults):
+    """The issue's targets over all runs."""
+    by_name = {f.name: f for f in faults}
+    runs = [r for r in results if r["fault"] in by_name]
+    deaths = [r["stop_begins_ms"] for r in runs if by_name[r["fault"]].process_death]
+    deaths_known = [d for d in deaths if d is not None]
+    stops = [r for r in runs if by_name[r["fault"]].outcome != GOES_ON]
+    braked = [r for r in stops if by_name[r["fault"]].hold_works]
+    disk = [r for r in runs if not r["fault"].startswith("disk_full")]
+    lines = ["| target | result |", "| --- | --- |",
+             f"| no output above its clamp, ever | {sum(r['above_clamp_V'] > 0 for r in runs)} of {len(runs)} runs above |",
+             f"| no axis beyond its limits | {sum(r['beyond_limits_mm'] > 0 for r in runs)} of {len(runs)} runs beyond |"]
+    if deaths_known:
+        lines.append(f"| stop begun within 20 ms of a process death (95 %) | 95 %: {quantile(deaths_known, 0.95):.1f} ms, "
+                     f"median {statistics.median(deaths_known):.1f} ms, largest {max(deaths_known):.1f} ms of {len(deaths)} |")
+    if braked:
+        lines.append(f"| drop below 5 mm with a brake | largest {max(r['drop_mm'] for r in braked):.2f} mm; "
+                     f"{sum(r['drop_mm'] > DROP_MM for r in braked)} of {len(braked)} above |")
+    lines += [f"| cause named correctly in all | {sum(r['cause_right'] for r in runs)} of {len(runs)} |",
+              f"| axes held in the end | {sum(r['held_ms'] is not None for r in stops)} of {len(stops)} |",
+              f"| recording intact | {sum(not r['recording'] for r in disk)} of {len(disk)} |"]
+    return lines
+
+
+def render(results, conditions):
+    faults = all_faults()
+    done = [f for f in faults if any(r["fault"] == f.name for r in results)]
+    text = [f"{len(done)} faults, {len([r for r in results if r['fault'] in {f.name for f in done}])} runs. {conditions}", "",
+            *summary(results, done), "",
+            "Times in ms: median / largest. Stop begins: brakes ordered to engage, or the reference slows down along its path, whichever "
+            "is first. Held: every axis braked and unpowered. Drop and excesses: largest of all runs.", "",
+            "| fault | runs | stop begins | held | drop mm | beyond limits mm | above clamp V | state | cause reported | cause expected "
+            "| recording | verdict |",
+            "| --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- |"]
+    remarks = []
+    for fault in done:
+        runs = [r for r in results if r["fault"] == fault.name]
+        text.append(line(fault, runs))
+        for what in sorted({r["recording"] for r in runs} | {r["wrong"] for r in runs}):
+            if what:
+                remarks.append(f"- `{fault.name}`: {what[:300]}")
+        for r in runs:
+            if not r["cause_right"] and r["sentence"]:
+                remarks.append(f"- `{fault.name}`: said \"{r['sentence'][:200]}\"")
+                break
+    if remarks:
+        text += ["", "Remarks:", "", *dict.fromkeys(remarks)]
+    return "\n".join(text) + "\n"
+
+
+__all__ = ["render", "DISABLED"]
