@@ -1,1 +1,3 @@
-
+catkin_install_python(PROGRAMS src/nodes/identification_session src/nodes/play_movement
+  DESTINATION ${CATKIN_PACKAGE_BIN_DESTINATION})
+install(DIRECTORY config launch urdf DESTINATION ${CATKIN_PACKAGE_SHARE_DESTINATION})

@@ -1,113 +1,65 @@
 #include "controller_services.h"
 
-#include <ctime>
-
 #include "controller_topics.h"
 #include "knee_robot/base/errors.h"
-#include "knee_robot/base/numbers.h"
+#include "played_goal.h"
 
 namespace knee_robot {
 namespace {
 
-std::optional<Space> requestedSpace(const std::string& name) {
-  if (name.empty()) return std::nullopt;
-  const std::optional<Space> space = spaceNamed(name);
-  if (!space)
-    throw InputError("'" + name.substr(0, 40) + "' is no space: use actuator, platform or relative, or leave it empty");
-  return space;
-}
-
-std::string nameAfterTheTime() {
-  const std::time_t now = std::time(nullptr);
-  std::tm local{};
-  localtime_r(&now, &local);
-  char name[64];
-  std::strftime(name, sizeof name, "recording_%Y-%m-%d_%H-%M-%S.csv", &local);
-  return name;
-}
-
-/// "ok" with the margin that is smallest.
-std::string marginSentence(const ReferenceCheck& check) {
-  const Margin* nearest = nullptr;
-  for (const Margin& margin : check.margins) {
-    if (nearest == nullptr || margin.left < nearest->left) nearest = &margin;
-  }
-  if (nearest == nullptr) return "";
-  return "; nearest to its limit is " + std::string(nameOf(nearest->quantity)) + " with " +
-         shortNumber(100.0 * nearest->left, 3) + " % left, line " + std::to_string(nearest->line);
-}
-
-/// Fills the common part of both responses; returns the reference when it may be played.
-template <typename Request, typename Response>
-std::optional<Reference> readAndCheck(const Request& request, Response& response, const Robot& robot,
-                                      const Folder& folder) {
-  try {
-    const Reference reference = readReference(folder.existingFile(request.file), requestedSpace(request.space));
-    const ReferenceCheck checked = requirePlayable(reference, robot);
-    response.points = static_cast<std::uint32_t>(reference.points.rows());
-    response.duration_s = static_cast<double>(reference.points.rows() - 1) * reference.period_s;
-    response.success = true;
-    response.message = reference.name + ": may be played" + marginSentence(checked);
-    return reference;
-  } catch (const InputError& error) {
-    response.success = false;
-    response.message = error.what();
-    return std::nullopt;
-  }
+template <typename Response>
+bool reply(const std::string& name, const Answer& answer, Response& response) {
+  response.success = answer.ok;
+  response.message = answer.sentence;
+  if (answer.ok) ROS_INFO("%s: %s", name.c_str(), answer.sentence.c_str());
+  if (!answer.ok) ROS_WARN("%s refused: %s", name.c_str(), answer.sentence.c_str());
+  return true;
 }
 
 }  // namespace
 
-ControllerServices::ControllerServices(ros::NodeHandle& node, ControlSystem& system, const Robot& robot,
-                                       const Folder& references, const Folder& recordings)
-    : system_(system), robot_(robot), references_(references), recordings_(recordings) {
-  servers_.push_back(node.advertiseService("check_reference", &ControllerServices::check, this));
-  servers_.push_back(node.advertiseService("load_reference", &ControllerServices::load, this));
-  servers_.push_back(node.advertiseService("set_recording", &ControllerServices::record, this));
-  servers_.push_back(node.advertiseService("get_state", &ControllerServices::getState, this));
-  offer(node, "enable", &ControlSystem::enable);
-  offer(node, "disable", &ControlSystem::disable);
-  offer(node, "start", &ControlSystem::play);
-  offer(node, "stop", &ControlSystem::stop);
-  offer(node, "emergency_stop", &ControlSystem::emergencyStop);
-  offer(node, "reset_faults", &ControlSystem::resetFaults);
-  const boost::function<bool(std_srvs::Trigger::Request&, std_srvs::Trigger::Response&)> approach =
-      [this](std_srvs::Trigger::Request&, std_srvs::Trigger::Response& response) {
-        const Answer answer = system_.approach();
-        response.success = answer.ok;
-        response.message = answer.sentence;
-        return true;
-      };
-  servers_.push_back(node.advertiseService("approach", approach));
+ControllerServices::ControllerServices(ros::NodeHandle& commands, ros::NodeHandle& stops, ControlSystem& system,
+                                       References& references, const Folder& recordings)
+    : system_(system), references_(references), recordings_(recordings) {
+  offer(stops, "emergency_stop", [this] { return system_.emergencyStop(); });
+  offer(stops, "stop", [this] { return system_.stop(); });
+  offer(stops, "pause", [this] { return system_.pause(); });
+  offer(stops, "disable", [this] { return system_.disable(); });
+  servers_.push_back(stops.advertiseService("set_speed", &ControllerServices::setSpeed, this));
+  offer(commands, "home", [this] { return system_.home(); });
+  offer(commands, "confirm_home", [this] { return system_.confirmHome(); });
+  offer(commands, "enable", [this] { return system_.enable(); });
+  offer(commands, "approach", [this] { return system_.approach(); });
+  offer(commands, "start", [this] { return system_.play(); });
+  offer(commands, "resume", [this] { return system_.resume(); });
+  offer(commands, "reset_faults", [this] { return system_.resetFaults(); });
+  servers_.push_back(commands.advertiseService("check_reference", &ControllerServices::check, this));
+  servers_.push_back(commands.advertiseService("load_reference", &ControllerServices::load, this));
+  servers_.push_back(commands.advertiseService("set_recording", &ControllerServices::record, this));
+  servers_.push_back(stops.advertiseService("get_state", &ControllerServices::getState, this));
 }
 
-void ControllerServices::offer(ros::NodeHandle& node, const std::string& name, Answer (ControlSystem::*command)()) {
-  const boost::function<bool(std_srvs::Trigger::Request&, std_srvs::Trigger::Response&)> serve =
-      [this, name, command](std_srvs::Trigger::Request&, std_srvs::Trigger::Response& response) {
-        const Answer answer = (system_.*command)();
-        response.success = answer.ok;
-        response.message = answer.sentence;
-        if (answer.ok) ROS_INFO("%s: %s", name.c_str(), answer.sentence.c_str());
-        if (!answer.ok) ROS_WARN("%s refused: %s", name.c_str(), answer.sentence.c_str());
-        return true;
-      };
+void ControllerServices::offer(ros::NodeHandle& node, const std::string& name, std::function<Answer()> command) {
+  using Request = std_srvs::Trigger::Request;
+  using Response = std_srvs::Trigger::Response;
+  const boost::function<bool(Request&, Response&)> serve = [name, command](Request&, Response& response) {
+    return reply(name, command(), response);
+  };
   servers_.push_back(node.advertiseService(name, serve));
 }
 
 bool ControllerServices::check(CheckReference::Request& request, CheckReference::Response& response) {
-  readAndCheck(request, response, robot_, references_);
-  return true;
+  const JudgedReference judged = references_.judge(request.file, request.space);
+  response.points = judged.points;
+  response.duration_s = judged.duration_s;
+  return reply("check_reference", judged.answer, response);
 }
 
 bool ControllerServices::load(LoadReference::Request& request, LoadReference::Response& response) {
-  const std::optional<Reference> reference = readAndCheck(request, response, robot_, references_);
-  if (reference) {
-    const Answer answer = system_.loadReference(*reference);
-    response.success = answer.ok;
-    response.message = answer.ok ? response.message + "; loaded" : answer.sentence;
-  }
-  if (!response.success) ROS_WARN("load_reference refused: %s", response.message.c_str());
-  return true;
+  const JudgedReference judged = references_.judge(request.file, request.space);
+  response.points = judged.points;
+  response.duration_s = judged.duration_s;
+  return reply("load_reference", references_.load(judged), response);
 }
 
 bool ControllerServices::record(SetRecording::Request& request, SetRecording::Response& response) {
@@ -116,13 +68,14 @@ bool ControllerServices::record(SetRecording::Request& request, SetRecording::Re
         request.record
             ? system_.startRecording(recordings_.newFile(request.file.empty() ? nameAfterTheTime() : request.file))
             : system_.stopRecording();
-    response.success = answer.ok;
-    response.message = answer.sentence;
+    return reply("set_recording", answer, response);
   } catch (const InputError& error) {
-    response.success = false;
-    response.message = error.what();
+    return reply("set_recording", {false, error.what()}, response);
   }
-  return true;
+}
+
+bool ControllerServices::setSpeed(SetSpeed::Request& request, SetSpeed::Response& response) {
+  return reply("set_speed", system_.setSpeed(request.percent), response);
 }
 
 bool ControllerServices::getState(GetState::Request& /*request*/, GetState::Response& response) {

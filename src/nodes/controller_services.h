@@ -4,11 +4,15 @@
 #include <knee_robot/GetState.h>
 #include <knee_robot/LoadReference.h>
 #include <knee_robot/SetRecording.h>
+#include <knee_robot/SetSpeed.h>
 #include <ros/ros.h>
 #include <std_srvs/Trigger.h>
 
+#include <functional>
+#include <string>
 #include <vector>
 
+#include "controller_references.h"
 #include "folder.h"
 #include "knee_robot/control/control_system.h"
 
@@ -17,23 +21,26 @@ namespace knee_robot {
 /// The operator's commands as services. Every answer says what happened, or why it did not.
 ///
 ///     ~check_reference, ~load_reference   files of the references folder only
-///     ~enable, ~disable, ~approach, ~start, ~stop, ~emergency_stop, ~reset_faults   std_srvs/Trigger
-///     ~set_recording, ~get_state
+///     ~home, ~confirm_home, ~enable, ~approach, ~start, ~resume, ~reset_faults   std_srvs/Trigger
+///     ~pause, ~stop, ~disable, ~emergency_stop                                   std_srvs/Trigger
+///     ~set_speed, ~set_recording, ~get_state
 class ControllerServices {
  public:
-  ControllerServices(ros::NodeHandle& node, ControlSystem& system, const Robot& robot, const Folder& references,
+  /// `commands` and `stops` are the same private namespace with callback queues of their own: what makes the robot slower or
+  /// stops it never waits behind a command that takes its time. ~get_state is advertised last.
+  ControllerServices(ros::NodeHandle& commands, ros::NodeHandle& stops, ControlSystem& system, References& references,
                      const Folder& recordings);
 
  private:
   bool check(CheckReference::Request& request, CheckReference::Response& response);
   bool load(LoadReference::Request& request, LoadReference::Response& response);
   bool record(SetRecording::Request& request, SetRecording::Response& response);
+  bool setSpeed(SetSpeed::Request& request, SetSpeed::Response& response);
   bool getState(GetState::Request& request, GetState::Response& response);
-  void offer(ros::NodeHandle& node, const std::string& name, Answer (ControlSystem::*command)());
+  void offer(ros::NodeHandle& node, const std::string& name, std::function<Answer()> command);
 
   ControlSystem& system_;
-  const Robot& robot_;
-  const Folder& references_;
+  References& references_;
   const Folder& recordings_;
   std::vector<ros::ServiceServer> servers_;
 };

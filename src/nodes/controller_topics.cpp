@@ -1,18 +1,30 @@
 #include "controller_topics.h"
 
 #include <geometry_msgs/PoseStamped.h>
+#include <knee_robot/Forces.h>
 #include <knee_robot/Tracking.h>
-#include <sensor_msgs/JointState.h>
 
-#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <limits>
 
-#include "knee_robot/mechanism/leg_motion.h"
+#include "controller_messages.h"
+#include "controller_pose.h"
 
 namespace knee_robot {
 namespace {
 
-constexpr const char* kBaseFrame = "base";
-constexpr double kStatePeriod = 0.5;  // s, without a change
+constexpr std::uint32_t kTopicQueue = 10;  // a subscriber that is slower than this loses the oldest
+constexpr double kStatePeriod = 0.5;       // s, without a change
+constexpr double kSlowPeriod = 0.1;        // s, margins and forces
+constexpr double kTimingPeriod = 1.0;      // s
+constexpr double kForceWindow = 10.0;      // s
+
+bool isDue(ros::WallTime& last, const ros::WallTime& now, double period_s) {
+  if (!last.isZero() && (now - last).toSec() < period_s) return false;
+  last = now;
+  return true;
+}
 
 }  // namespace
 
@@ -26,6 +38,12 @@ ControllerState stateMessage(const ControlSystem& system) {
   message.reference_file = status.reference;
   message.duration_s = status.path_duration_s;
   message.path_time_s = status.path_time_s;
+  message.playing = status.playing;
+  message.progress = status.progress;
+  message.time_scale = status.time_scale;
+  message.speed_percent = status.speed_percent;
+  for (std::size_t i = 0; i < kAxes; ++i)
+    message.homed[i] = status.axis_homed[i];
   message.recording = !status.recording.empty();
   message.dropped_rows = status.dropped_rows;
   for (const auto& activity : system.deployment().activities())
@@ -37,26 +55,52 @@ ControllerTopics::ControllerTopics(ros::NodeHandle& node, const ControlSystem& s
                                    double rate_hz)
     : system_(system),
       robot_(robot),
-      tracking_(node.advertise<Tracking>("tracking", 10)),
-      joints_(node.advertise<sensor_msgs::JointState>("joint_states", 10)),
-      pose_(node.advertise<geometry_msgs::PoseStamped>("pose", 10)),
-      state_(node.advertise<ControllerState>("state", 10, true)),
-      timer_(node.createTimer(ros::Duration(1.0 / rate_hz), [this](const ros::TimerEvent&) { publish(); })) {}
+      period_s_(1.0 / rate_hz),
+      tracking_(node.advertise<Tracking>("tracking", kTopicQueue)),
+      joints_(node.advertise<sensor_msgs::JointState>("joint_states", kTopicQueue)),
+      urdf_joints_(node.advertise<sensor_msgs::JointState>("urdf_joint_states", kTopicQueue)),
+      pose_(node.advertise<geometry_msgs::PoseStamped>("pose", kTopicQueue)),
+      state_(node.advertise<ControllerState>("state", kTopicQueue, true)),
+      margins_(node.advertise<Margins>("margins", kTopicQueue)),
+      forces_(node.advertise<Forces>("forces", kTopicQueue)),
+      timing_(node.advertise<Timing>("timing", kTopicQueue)) {
+  timingMessage(system_.deployment(), timing_before_);
+  timing_at_ = ros::WallTime::now();
+  timer_ = node.createWallTimer(ros::WallDuration(period_s_), [this](const ros::WallTimerEvent&) { publish(); });
+}
 
 void ControllerTopics::publish() {
+  const ros::WallTime now = ros::WallTime::now();
+  const ros::Time stamp = ros::Time::now();
   if (const std::optional<TrackingRow> row = system_.snapshot()) {
-    publishTracking(*row);
-    if (robot_.mechanism) publishJoints(*row);
+    publishTracking(*row, stamp);
+    followPose(*row);
+    if (forward_.ok()) publishJoints(*row, stamp);
+    for (std::size_t i = 0; i < kAxes; ++i)
+      mean_square_[i] += period_s_ / kForceWindow * (row->force_N[i] * row->force_N[i] - mean_square_[i]);
+    if (isDue(slow_at_, now, kSlowPeriod)) {
+      Margins margins = marginsMessage(robot_, forward_.ok() ? &forward_.pose : nullptr, *row);
+      margins.header.stamp = stamp;
+      margins_.publish(margins);
+      publishForces(*row, stamp);
+    }
+  }
+  const double window = (now - timing_at_).toSec();
+  if (isDue(timing_at_, now, kTimingPeriod)) {
+    Timing timing = timingMessage(system_.deployment(), timing_before_);
+    timing.header.stamp = stamp;
+    timing.window_s = window;
+    timing_.publish(timing);
   }
   publishState();
 }
 
-void ControllerTopics::publishTracking(const TrackingRow& row) {
+void ControllerTopics::publishTracking(const TrackingRow& row, const ros::Time& stamp) {
   Tracking message;
-  message.header.stamp = ros::Time::now();
+  message.header.stamp = stamp;
   message.sequence = row.sequence;
   message.path_time_s = row.path_time_s;
-  for (int i = 0; i < kAxes; ++i) {
+  for (std::size_t i = 0; i < kAxes; ++i) {
     message.reference_m[i] = row.reference_m[i];
     message.position_m[i] = row.position_m[i];
     message.error_m[i] = row.reference_m[i] - row.position_m[i];
@@ -67,45 +111,58 @@ void ControllerTopics::publishTracking(const TrackingRow& row) {
   tracking_.publish(message);
 }
 
-void ControllerTopics::publishJoints(const TrackingRow& row) {
-  const Mechanism& mechanism = *robot_.mechanism;
+void ControllerTopics::followPose(const TrackingRow& row) {
+  if (!robot_.mechanism) return;
   const Lengths lengths(row.position_m.data());
-  forward_ = forward_.ok() ? forwardKinematics(mechanism, lengths, forward_.pose)
-                           : forwardKinematicsFromHome(mechanism, lengths);
-  if (!forward_.ok()) {
+  if (forward_.ok()) forward_ = forwardKinematics(*robot_.mechanism, lengths, forward_.pose);
+  if (!forward_.ok()) forward_ = forwardKinematicsFromHome(*robot_.mechanism, lengths);
+  if (!forward_.ok())
     ROS_WARN_THROTTLE(5.0, "no platform pose belongs to the measured lengths: joint states and pose are not published");
-    return;
-  }
-  sensor_msgs::JointState joints;
-  joints.header.stamp = ros::Time::now();
-  const auto& names = urdfJointNames();
-  const auto positions = urdfJointPositions(mechanism, forward_.pose);
-  joints.name.assign(names.begin(), names.end());
-  joints.position.assign(positions.begin(), positions.end());
-  joints_.publish(joints);
+}
 
+void ControllerTopics::publishJoints(const TrackingRow& row, const ros::Time& stamp) {
+  sensor_msgs::JointState joints = coordinatesMessage(*robot_.mechanism, forward_.pose, row);
+  joints.header.stamp = stamp;
+  joints_.publish(joints);
+  joints = urdfJointsMessage(*robot_.mechanism, forward_.pose);
+  joints.header.stamp = stamp;
+  urdf_joints_.publish(joints);
   geometry_msgs::PoseStamped pose;
-  pose.header = joints.header;
+  pose.header.stamp = stamp;
   pose.header.frame_id = kBaseFrame;
-  pose.pose.position.x = forward_.pose[0];
-  pose.pose.position.z = forward_.pose[1];
-  const Eigen::Quaterniond turn(platformRotation(forward_.pose));
-  pose.pose.orientation.x = turn.x();
-  pose.pose.orientation.y = turn.y();
-  pose.pose.orientation.z = turn.z();
-  pose.pose.orientation.w = turn.w();
+  pose.pose = poseMessage(forward_.pose);
   pose_.publish(pose);
+}
+
+void ControllerTopics::publishForces(const TrackingRow& row, const ros::Time& stamp) {
+  Forces forces;
+  forces.header.stamp = stamp;
+  forces.window_s = kForceWindow;
+  const ControlStatus status = system_.status();
+  for (std::size_t i = 0; i < kAxes; ++i) {
+    const Actuator& actuator = robot_.actuators[i];
+    const double voltage_limit = actuator.voltage_max_V * actuator.force_per_volt_N;
+    forces.force_N[i] = row.force_N[i];
+    forces.thermal[i] = status.thermal[i];
+    forces.rms_N[i] = std::sqrt(mean_square_[i]);
+    forces.continuous_limit_N[i] =
+        actuator.force_continuous_N > 0.0 ? actuator.force_continuous_N : std::numeric_limits<double>::infinity();
+    forces.peak_limit_N[i] = actuator.force_max_N > 0.0 ? std::min(actuator.force_max_N, voltage_limit) : voltage_limit;
+  }
+  forces_.publish(forces);
 }
 
 void ControllerTopics::publishState() {
   const ControllerState message = stateMessage(system_);
   const std::string summary = message.state + '\n' + message.fault + '\n' + message.reference_file + '\n' +
+                              message.playing + '\n' + std::to_string(message.speed_percent) +
                               (message.recording ? "recording" : "") + std::to_string(message.dropped_rows);
-  if (summary == last_state_ && (message.header.stamp - last_state_at_).toSec() < kStatePeriod) return;
-  if (!message.fault.empty() && summary != last_state_)
-    ROS_ERROR("%s: %s", message.fault.c_str(), message.cause.c_str());
+  const ros::WallTime now = ros::WallTime::now();
+  const bool changed = summary != last_state_;
+  if (!changed && (now - state_at_).toSec() < kStatePeriod) return;
+  if (!message.fault.empty() && changed) ROS_ERROR("%s: %s", message.fault.c_str(), message.cause.c_str());
   last_state_ = summary;
-  last_state_at_ = message.header.stamp;
+  state_at_ = now;
   state_.publish(message);
 }
 

@@ -3,6 +3,8 @@
 #include <knee_robot/ControllerState.h>
 #include <ros/ros.h>
 
+#include <array>
+#include <optional>
 #include <string>
 
 #include "knee_robot/control/control_system.h"
@@ -10,33 +12,43 @@
 
 namespace knee_robot {
 
-/// The message that describes `status`, stamped now.
+/// The message that describes the machine's state, stamped now.
 ControllerState stateMessage(const ControlSystem& system);
 
-/// Publishes what the controller knows, at a rate of its own, from lock-free snapshots: a slow subscriber never reaches the
-/// real-time side.
+/// Publishes what the controller knows, from a thread of its own and lock-free snapshots: a slow subscriber loses messages (queues
+/// of kTopicQueue), and never reaches the real-time side.
 ///
-///     ~tracking      knee_robot/Tracking        reference, position, error, command, force per actuator
-///     ~joint_states  sensor_msgs/JointState     all joints of the URDF, passive ones by forward kinematics
-///     ~pose          geometry_msgs/PoseStamped  platform pose by forward kinematics, frame `base`
-///     ~state         knee_robot/ControllerState latched; on every change and every half second
+///     ~tracking            knee_robot/Tracking        at rate_hz: reference, position, error, command, force per actuator
+///     joint_states         sensor_msgs/JointState     at rate_hz: the paper's 15 coordinates with velocities and forces
+///     urdf_joint_states    sensor_msgs/JointState     at rate_hz: the URDF's 13 joints, for robot_state_publisher
+///     ~pose                geometry_msgs/PoseStamped  at rate_hz: platform pose by forward kinematics, frame `base`
+///     ~state               knee_robot/ControllerState latched; on every change and every half second
+///     ~margins             knee_robot/Margins         10 Hz
+///     ~forces              knee_robot/Forces          10 Hz
+///     ~timing              knee_robot/Timing          1 Hz
 class ControllerTopics {
  public:
+  /// `node`: the private namespace; its callback queue carries the timer.
   ControllerTopics(ros::NodeHandle& node, const ControlSystem& system, const Robot& robot, double rate_hz);
 
  private:
   void publish();
-  void publishTracking(const TrackingRow& row);
-  void publishJoints(const TrackingRow& row);
+  void publishTracking(const TrackingRow& row, const ros::Time& stamp);
+  void followPose(const TrackingRow& row);
+  void publishJoints(const TrackingRow& row, const ros::Time& stamp);
   void publishState();
+  void publishForces(const TrackingRow& row, const ros::Time& stamp);
 
   const ControlSystem& system_;
   const Robot& robot_;
-  ros::Publisher tracking_, joints_, pose_, state_;
-  ros::Timer timer_;
+  const double period_s_;
+  ros::Publisher tracking_, joints_, urdf_joints_, pose_, state_, margins_, forces_, timing_;
   ForwardResult forward_;  // newest pose: the guess for the next one
   std::string last_state_;
-  ros::Time last_state_at_;
+  ros::WallTime state_at_, slow_at_, timing_at_;
+  std::array<double, kAxes> mean_square_{};  // N^2
+  std::vector<rt::DurationHistogram::Snapshot> timing_before_;
+  ros::WallTimer timer_;  // last: goes first
 };
 
 }  // namespace knee_robot

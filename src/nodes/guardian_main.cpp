@@ -145,7 +145,7 @@ int main(int argc, char** argv) {
   app.allow_extras();  // roslaunch appends __name:= and __log:=
   return runProgram(app, argc, argv, [&] {
     for (const std::string& extra : app.remaining()) {
-      if (extra.rfind("__", 0) != 0) throw InputError("unknown argument " + extra + " (see --help)");
+      if (extra.find(":=") == std::string::npos) throw InputError("unknown argument " + extra + " (see --help)");
     }
     for (const int signal : {SIGINT, SIGTERM, SIGHUP})
       std::signal(signal, [](int) { stop_requested = 1; });

@@ -25,11 +25,30 @@ constexpr std::int64_t kPeriod_ns = 1000000;
 /// After a pause longer than this the missed time is left out: nobody can tell what the controller would have done in it.
 constexpr std::int64_t kLargestCatchUp_ns = 100 * kPeriod_ns;
 
-std::atomic<bool> stop_requested{false};
+/// roslaunch ends all at once: the machine stays until the controller has brought it down, as a machine does. A second signal ends it
+/// at once.
+constexpr double kLongestFarewell_s = 10.0, kAfterDrivesOff_s = 0.5;
+
+std::atomic<int> stops_requested{0};
 
 void requestStop(int /*signal*/) {
-  stop_requested.store(true);
+  stops_requested.fetch_add(1);
 }
+
+/// Whether the robot may go now.
+class Farewell {
+ public:
+  bool isOver(const hardware::RobotImage& image, double time_s) {
+    const int requests = stops_requested.load();
+    if (requests == 0) return false;
+    if (since_s_ < 0.0) since_s_ = off_since_s_ = time_s;
+    if (image.status.drives_enabled.load() != 0) off_since_s_ = time_s;
+    return requests > 1 || time_s - since_s_ > kLongestFarewell_s || time_s - off_since_s_ > kAfterDrivesOff_s;
+  }
+
+ private:
+  double since_s_ = -1.0, off_since_s_ = 0.0;
+};
 
 std::int64_t now() {
   timespec time{};
@@ -57,11 +76,12 @@ void askForPriority(int priority) {
 }
 
 /// Steps the robot along the clock; returns the milliseconds that were left out.
-std::int64_t run(RobotSimulation& simulation, double duration_s, TruthLog* truth) {
+std::int64_t run(RobotSimulation& simulation, const hardware::RobotImage& image, double duration_s, TruthLog* truth) {
   const double dt = static_cast<double>(kPeriod_ns) * 1e-9;
   std::int64_t left_out = 0;
   std::int64_t next = now();
-  while (!stop_requested.load() && (duration_s <= 0.0 || simulation.time() < duration_s)) {
+  Farewell farewell;
+  while (!farewell.isOver(image, simulation.time()) && (duration_s <= 0.0 || simulation.time() < duration_s)) {
     next += kPeriod_ns;
     sleepUntil(next);
     const std::int64_t late = now() - next;
@@ -99,7 +119,7 @@ int main(int argc, char** argv) {
   app.allow_extras();  // roslaunch appends __name:= and __log:=
   return runProgram(app, argc, argv, [&] {
     for (const std::string& extra : app.remaining()) {
-      if (extra.rfind("__", 0) != 0) throw InputError("unknown argument " + extra + " (see --help)");
+      if (extra.find(":=") == std::string::npos) throw InputError("unknown argument " + extra + " (see --help)");
     }
     const Robot robot = loadRobot(robot_file);
     const SimulationParameters parameters = loadSimulationParameters(simulation_file);
@@ -119,7 +139,7 @@ int main(int argc, char** argv) {
     std::printf("simulated_robot ready: %s, lengths %.4f %.4f %.4f %.4f m\n", shm.c_str(), start[0], start[1], start[2],
                 start[3]);
     std::fflush(stdout);
-    const std::int64_t left_out = run(simulation, duration_s, truth ? &*truth : nullptr);
+    const std::int64_t left_out = run(simulation, memory.image(), duration_s, truth ? &*truth : nullptr);
     // For whoever is still attached, the cards are gone from here on.
     memory.image().analog.disconnected.store(1);
     memory.image().counter.disconnected.store(1);

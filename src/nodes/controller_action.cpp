@@ -1,0 +1,147 @@
+#include "controller_action.h"
+
+#include "knee_robot/base/errors.h"
+#include "knee_robot/base/numbers.h"
+#include "played_goal.h"
+
+namespace knee_robot {
+namespace {
+
+constexpr double kSlowestPercent = 5.0;
+
+bool isMoving(MachineState state) {
+  return state != MachineState::Disabled && state != MachineState::Holding && state != MachineState::Faulted;
+}
+
+PlayResult resultOf(const std::string& sentence) {
+  PlayResult result;
+  result.message = sentence;
+  return result;
+}
+
+}  // namespace
+
+PlayActionServer::PlayActionServer(ros::NodeHandle& node, ControlSystem& system, References& references,
+                                   const Folder& recordings)
+    : system_(system),
+      references_(references),
+      recordings_(recordings),
+      server_(
+          node, "play", [this](Handle handle) { receive(handle); }, [this](Handle handle) { cancel(handle); }, false) {
+  worker_ = std::thread([this] { work(); });
+  server_.start();
+}
+
+PlayActionServer::~PlayActionServer() {
+  {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    ended_ = true;
+    interruption_ = Interruption::ShutDown;
+  }
+  arrived_.notify_all();
+  worker_.join();
+}
+
+Answer PlayActionServer::judgeMachine(const PlayGoal& goal) const {
+  const ControlStatus status = system_.status();
+  if (status.state == MachineState::Faulted) return {false, "the robot is faulted: " + status.fault_sentence};
+  if (status.state == MachineState::Disabled && !goal.enable)
+    return {false, "the robot is disabled; enable it first, or say enable in the goal"};
+  if (isMoving(status.state))
+    return {false, std::string("the robot is ") + toString(status.state) + " for somebody else; stop that first"};
+  return {true, ""};
+}
+
+Answer PlayActionServer::judge(const PlayGoal& goal, Job& job) const {
+  // Written so that not-a-number is refused.
+  if (!(goal.speed_percent == 0.0 || (goal.speed_percent >= kSlowestPercent && goal.speed_percent <= 100.0)))
+    return {false, "speed_percent must lie between 5 and 100, or be 0 for 100, not " + shortNumber(goal.speed_percent)};
+  if (!(goal.approach_speed == 0.0 || (goal.approach_speed >= 0.001 && goal.approach_speed <= 0.05)))
+    return {false,
+            "approach_speed must lie between 0.001 and 0.05 m/s, or be 0, not " + shortNumber(goal.approach_speed)};
+  if (goal.file.empty()) {
+    if (system_.status().reference.empty()) return {false, "no file was named and no reference is loaded"};
+  } else {
+    job.judged = references_.judge(goal.file, goal.space);
+    if (!job.judged.reference) return job.judged.answer;
+  }
+  if (!goal.record) return {true, ""};
+  try {
+    job.recording = recordings_.newFile(goal.recording.empty() ? nameAfterTheTime() : goal.recording);
+  } catch (const InputError& error) {
+    return {false, error.what()};
+  }
+  return {true, ""};
+}
+
+/// Called with actionlib's lock held: what is sent to handles here must not happen under mutex_, which the worker takes too.
+void PlayActionServer::receive(Handle handle) {
+  Job job;
+  job.handle = handle;
+  const PlayGoal& goal = *handle.getGoal();
+  Answer answer = judge(goal, job);
+  std::optional<Handle> replaced;
+  if (answer.ok) {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    if (ended_) answer = {false, "the controller is ending"};
+    if (answer.ok && !running_) answer = judgeMachine(goal);
+    if (answer.ok) {
+      if (next_) replaced = next_->handle;
+      if (running_) interruption_ = Interruption::Preempted;
+      next_ = std::move(job);
+    }
+  }
+  if (!answer.ok) {
+    ROS_WARN("play refused: %s", answer.sentence.c_str());
+    handle.setRejected(resultOf(answer.sentence), answer.sentence);
+    return;
+  }
+  const char* const sentence = "preempted by a newer goal before it began; nothing moved for it";
+  if (replaced) replaced->setCanceled(resultOf(sentence), sentence);
+  handle.setAccepted("accepted");
+  arrived_.notify_all();
+}
+
+void PlayActionServer::cancel(Handle handle) {
+  std::optional<Job> waiting;
+  {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    if (next_ && next_->handle == handle) {
+      waiting.swap(next_);
+    } else if (running_ && *running_ == handle && interruption_ == Interruption::None) {
+      interruption_ = Interruption::Cancelled;
+    }
+  }
+  const char* const sentence = "cancelled before it began; nothing moved for it";
+  if (waiting) handle.setCanceled(resultOf(sentence), sentence);
+}
+
+void PlayActionServer::work() {
+  while (true) {
+    Job job;
+    std::optional<Handle> done;
+    {
+      const std::lock_guard<std::mutex> lock(mutex_);
+      done.swap(running_);
+    }
+    done.reset();  // without the lock: handles take actionlib's lock, which is held where goals arrive
+    {
+      std::unique_lock<std::mutex> lock(mutex_);
+      arrived_.wait(lock, [this] { return next_ || ended_; });
+      if (ended_) break;
+      job = std::move(*next_);
+      next_.reset();
+      running_ = job.handle;
+      interruption_ = Interruption::None;
+    }
+    PlayedGoal(*this, job).run();
+  }
+  std::optional<Job> left;
+  {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    left.swap(next_);
+  }
+  if (left) left->handle.setAborted(resultOf("the controller is ending"), "the controller is ending");
+}
+
+}  // namespace knee_robot

@@ -1,0 +1,59 @@
+#pragma once
+
+#include <actionlib/server/action_server.h>
+#include <knee_robot/PlayAction.h>
+
+#include <atomic>
+#include <condition_variable>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <thread>
+
+#include "controller_references.h"
+#include "folder.h"
+#include "knee_robot/control/control_system.h"
+
+namespace knee_robot {
+
+/// The action `~play`: see action/Play.action for what it does and its policies. Goals are judged where they arrive; one thread
+/// plays them. The services stay available meanwhile: a pause pauses the goal, a stop or a fault aborts it.
+class PlayActionServer {
+ public:
+  PlayActionServer(ros::NodeHandle& node, ControlSystem& system, References& references, const Folder& recordings);
+  /// A goal that is being played is stopped along its path and aborted.
+  ~PlayActionServer();
+
+ private:
+  using Server = actionlib::ActionServer<PlayAction>;
+  using Handle = Server::GoalHandle;
+  struct Job {
+    Handle handle;
+    JudgedReference judged;  // empty: the loaded reference
+    std::string recording;   // full path, empty: none
+  };
+  enum class Interruption { None, Cancelled, Preempted, ShutDown };
+
+  void receive(Handle handle);
+  void cancel(Handle handle);
+  Answer judge(const PlayGoal& goal, Job& job) const;
+  Answer judgeMachine(const PlayGoal& goal) const;
+  void work();
+
+  ControlSystem& system_;
+  References& references_;
+  const Folder& recordings_;
+
+  std::mutex mutex_;
+  std::condition_variable arrived_;
+  std::optional<Job> next_;
+  std::optional<Handle> running_;
+  std::atomic<Interruption> interruption_{Interruption::None};
+  bool ended_ = false;
+  Server server_;
+  std::thread worker_;
+
+  friend class PlayedGoal;
+};
+
+}  // namespace knee_robot

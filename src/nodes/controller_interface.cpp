@@ -1,0 +1,18 @@
+#include "controller_interface.h"
+
+namespace knee_robot {
+
+ControllerInterface::ControllerInterface(const Parts& parts)
+    : references_(parts.references),
+      action_(actions_.node, parts.system, parts.references, parts.recordings),
+      gains_(commands_.node, parts.system),
+      topics_(topics_lane_.node, parts.system, parts.robot, parts.rate_hz),
+      diagnostics_(topics_lane_.node, parts.system, parts.robot, parts.guardian),
+      services_(commands_.node, stops_.node, parts.system, parts.references, parts.recordings),
+      running_{{&commands_, &stops_, &actions_, &topics_lane_}} {
+  parts.references.advertise(topics_lane_.node);
+  for (Lane* lane : running_.lanes)
+    lane->start();
+}
+
+}  // namespace knee_robot

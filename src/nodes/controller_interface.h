@@ -1,0 +1,71 @@
+#pragma once
+
+#include <ros/callback_queue.h>
+#include <ros/ros.h>
+
+#include <array>
+#include <atomic>
+#include <memory>
+
+#include "controller_action.h"
+#include "controller_diagnostics.h"
+#include "controller_gains.h"
+#include "controller_references.h"
+#include "controller_services.h"
+#include "controller_topics.h"
+
+namespace knee_robot {
+
+/// Everything of the controller that ROS sees: services, topics, the action, diagnostics, gains. One object so that it can be made
+/// anew when the master was restarted. Each group has its own callback queue and threads, so none waits for another:
+///
+///     commands (3 threads)  what may take seconds: enable, home, load, ...
+///     stops (4)             emergency_stop, stop, pause, disable, set_speed, get_state
+///     action (2)            goals and cancels of ~play
+///     topics (1)            publishing and diagnostics
+class ControllerInterface {
+ public:
+  struct Parts {
+    ControlSystem& system;
+    const Robot& robot;
+    References& references;
+    const Folder& recordings;
+    double rate_hz;
+    const std::atomic<GuardianSupervision::Guardian>& guardian;
+  };
+  explicit ControllerInterface(const Parts& parts);
+  ~ControllerInterface() { references_.withdraw(); }
+
+ private:
+  /// A private node handle with a queue that `threads` threads serve from start() on.
+  class Lane {
+   public:
+    explicit Lane(std::uint32_t threads) : spinner_(threads, &queue_) { node.setCallbackQueue(&queue_); }
+    void start() { spinner_.start(); }
+    void stop() { spinner_.stop(); }
+    ros::NodeHandle node{"~"};
+
+   private:
+    ros::CallbackQueue queue_;
+    ros::AsyncSpinner spinner_;
+  };
+  /// Stops the threads before anything that they call is gone.
+  struct Running {
+    std::array<Lane*, 4> lanes;
+    ~Running() {
+      for (Lane* lane : lanes)
+        lane->stop();
+    }
+  };
+
+  References& references_;
+  Lane commands_{3}, stops_{4}, actions_{2}, topics_lane_{1};
+  PlayActionServer action_;
+  ControllerGains gains_;
+  ControllerTopics topics_;
+  ControllerDiagnostics diagnostics_;
+  ControllerServices services_;
+  Running running_;
+};
+
+}  // namespace knee_robot

@@ -1,0 +1,87 @@
+#include "controller_machine.h"
+
+#include <chrono>
+#include <thread>
+
+#include "knee_robot/base/errors.h"
+#include "knee_robot/hardware/can/can_axis_bus.h"
+#include "knee_robot/hardware/open_bus.h"
+
+namespace knee_robot {
+namespace {
+
+constexpr double kPatience = 10.0;  // s
+
+/// A simulated robot starts beside this node: wait for it a little.
+template <typename Open>
+std::unique_ptr<hardware::AxisBus> waitFor(Open&& open, const std::function<bool()>& stop_requested) {
+  const ros::WallTime give_up = ros::WallTime::now() + ros::WallDuration(kPatience);
+  while (true) {
+    try {
+      return open();
+    } catch (const InputError&) {
+      if (stop_requested() || ros::WallTime::now() > give_up) throw;
+    }
+    std::this_thread::sleep_for(std::chrono::milliseconds(100));
+  }
+}
+
+std::unique_ptr<hardware::AxisBus> openBus(const HardwareFile& hardware_file, const Robot& robot,
+                                           const ros::NodeHandle& node, const std::function<bool()>& stop_requested) {
+  if (hardware_file.backend == "simulated") {
+    const std::string name = requiredParameter(node, "shm");
+    return waitFor([&] { return hardware::openSimulatedCards(name); }, stop_requested);
+  }
+  if (hardware_file.can) {
+    return waitFor([&] { return hardware::can::openCanDrives(*hardware_file.can, canUnits(robot)); }, stop_requested);
+  }
+  return hardware::openPciCards(std::nullopt, std::nullopt);
+}
+
+}  // namespace
+
+std::string requiredParameter(const ros::NodeHandle& node, const std::string& name) {
+  std::string value;
+  if (!node.getParam(name, value) || value.empty()) {
+    throw InputError("parameter " + node.resolveName(name) + " is missing; launch/controller.launch shows all of them");
+  }
+  return value;
+}
+
+Machine openMachine(const HardwareFile& hardware_file, const Robot& robot, const ros::NodeHandle& node,
+                    const std::function<bool()>& stop_requested) {
+  Machine machine;
+  machine.cards = openBus(hardware_file, robot, node, stop_requested);
+  const std::string link = node.param<std::string>("guardian", "");
+  if (link.empty()) {
+    ROS_WARN("NO GUARDIAN: when this process dies, the drives keep what they were given last");
+    return machine;
+  }
+  machine.memory.emplace(hardware::SharedGuardianLink::open(link));
+  const ros::WallTime give_up = ros::WallTime::now() + ros::WallDuration(kPatience);
+  const std::atomic<std::int32_t>& guardian = machine.memory->link().guardian_pid;
+  while (!hardware::processExists(guardian.load()) && !stop_requested() && ros::WallTime::now() < give_up)
+    std::this_thread::sleep_for(std::chrono::milliseconds(20));
+  const int power_bits = 1 << hardware_file.drive_enable_bit | 1 << hardware_file.hold_release_bit;
+  machine.guarded = std::make_unique<hardware::GuardedBus>(*machine.cards, machine.memory->link(),
+                                                           static_cast<std::uint8_t>(power_bits));
+  return machine;
+}
+
+GuardianSupervision::Guardian GuardianSupervision::look() {
+  if (!machine_.memory) return Guardian::None;
+  const std::uint64_t cycles = machine_.memory->link().guardian_cycles.load();
+  const ros::WallTime now = ros::WallTime::now();
+  if (cycles != cycles_ || moved_.isZero()) {
+    if (silent_) ROS_WARN("the guardian is back");
+    cycles_ = cycles;
+    moved_ = now;
+    silent_ = false;
+  } else if (!silent_ && (now - moved_).toSec() > 1.0) {
+    silent_ = true;
+    ROS_ERROR("THE GUARDIAN IS SILENT: nothing brings the outputs down when this process dies; disable the robot");
+  }
+  return silent_ ? Guardian::Silent : Guardian::Acts;
+}
+
+}  // namespace knee_robot

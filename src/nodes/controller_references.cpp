@@ -1,0 +1,94 @@
+#include "controller_references.h"
+
+#include <algorithm>
+#include <filesystem>
+
+#include "controller_pose.h"
+#include "knee_robot/base/errors.h"
+#include "knee_robot/base/numbers.h"
+
+namespace knee_robot {
+namespace {
+
+constexpr Eigen::Index kMostPathPoints = 4000;
+
+std::optional<Space> requestedSpace(const std::string& name) {
+  if (name.empty()) return std::nullopt;
+  const std::optional<Space> space = spaceNamed(name);
+  if (!space)
+    throw InputError("'" + name.substr(0, 40) + "' is no space: use actuator, platform or relative, or leave it empty");
+  return space;
+}
+
+std::string marginSentence(const ReferenceCheck& check) {
+  const auto nearest = std::min_element(check.margins.begin(), check.margins.end(),
+                                        [](const Margin& a, const Margin& b) { return a.left < b.left; });
+  if (nearest == check.margins.end()) return "";
+  return "; nearest to its limit is " + std::string(nameOf(nearest->quantity)) + " with " +
+         shortNumber(100.0 * nearest->left, 3) + " % left, line " + std::to_string(nearest->line);
+}
+
+}  // namespace
+
+JudgedReference References::judge(const std::string& file, const std::string& space) const {
+  JudgedReference judged;
+  try {
+    Reference reference = readReference(folder_.existingFile(file), requestedSpace(space));
+    judged.check = requirePlayable(reference, robot_);
+    judged.points = static_cast<std::uint32_t>(reference.points.rows());
+    judged.duration_s = static_cast<double>(reference.points.rows() - 1) * reference.period_s;
+    reference.name = std::filesystem::path(reference.name).lexically_relative(folder_.path()).string();
+    judged.answer = {true, reference.name + ": may be played" + marginSentence(judged.check)};
+    judged.reference = std::move(reference);
+  } catch (const InputError& error) {
+    judged.answer = {false, error.what()};
+  }
+  return judged;
+}
+
+Answer References::load(const JudgedReference& judged) {
+  if (!judged.reference) return judged.answer;
+  const Answer answer = system_.loadReference(*judged.reference);
+  if (!answer.ok) return answer;
+  {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    duration_s_ = judged.duration_s;
+  }
+  publishPath(judged.check, judged.reference->period_s);
+  return {true, judged.answer.sentence + "; loaded"};
+}
+
+double References::loadedDuration() const {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  return duration_s_;
+}
+
+void References::advertise(ros::NodeHandle& node) {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  publisher_ = node.advertise<nav_msgs::Path>("path", 1, true);
+  if (!path_.poses.empty()) publisher_.publish(path_);
+}
+
+void References::withdraw() {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  publisher_ = ros::Publisher();
+}
+
+void References::publishPath(const ReferenceCheck& check, double period_s) {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  path_.header.stamp = ros::Time::now();
+  path_.header.frame_id = kBaseFrame;
+  path_.poses.clear();
+  const Eigen::Index rows = check.poses.rows();
+  const Eigen::Index stride = std::max<Eigen::Index>(5, (rows + kMostPathPoints - 1) / kMostPathPoints);
+  for (Eigen::Index k = 0; k < rows; k = k + stride < rows || k == rows - 1 ? k + stride : rows - 1) {
+    geometry_msgs::PoseStamped pose;
+    pose.header.frame_id = kBaseFrame;
+    pose.header.stamp.fromSec(static_cast<double>(k) * period_s);
+    pose.pose = poseMessage(check.poses.row(k).transpose());
+    path_.poses.push_back(pose);
+  }
+  publisher_.publish(path_);
+}
+
+}  // namespace knee_robot

@@ -1,0 +1,55 @@
+#pragma once
+
+#include <nav_msgs/Path.h>
+#include <ros/ros.h>
+
+#include <mutex>
+#include <optional>
+#include <string>
+
+#include "folder.h"
+#include "knee_robot/control/control_system.h"
+
+namespace knee_robot {
+
+/// A reference file as the network named it, read and judged.
+struct JudgedReference {
+  std::optional<Reference> reference;  ///< empty: refused
+  ReferenceCheck check;
+  Answer answer;  ///< may be played, with the smallest margin; or the first limit that it breaks
+  std::uint32_t points = 0;
+  double duration_s = 0.0;
+};
+
+/// Reads reference files of one folder, hands them to the controller, and publishes the path of the loaded one:
+///
+///     ~path   nav_msgs/Path   latched; platform poses in frame `base`, stamp = time along the reference
+class References {
+ public:
+  References(ControlSystem& system, const Robot& robot, const Folder& folder)
+      : system_(system), robot_(robot), folder_(folder) {}
+
+  /// Nothing changes. `space`: actuator, platform, relative or empty.
+  JudgedReference judge(const std::string& file, const std::string& space) const;
+  /// Hands over what judge() let pass.
+  Answer load(const JudgedReference& judged);
+  /// Length (s) of the loaded reference; 0: none.
+  double loadedDuration() const;
+
+  void advertise(ros::NodeHandle& node);
+  /// Before the callback queue of that node handle goes.
+  void withdraw();
+
+ private:
+  void publishPath(const ReferenceCheck& check, double period_s);
+
+  ControlSystem& system_;
+  const Robot& robot_;
+  const Folder& folder_;
+  mutable std::mutex mutex_;
+  double duration_s_ = 0.0;
+  nav_msgs::Path path_;  // kept for a master that was restarted
+  ros::Publisher publisher_;
+};
+
+}  // namespace knee_robot

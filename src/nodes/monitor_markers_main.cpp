@@ -1,0 +1,104 @@
+// ROS node `monitor_markers`: what rviz shows beside the robot model, from the controller's topics. Any number of them may run, on any
+// machine; none is needed by the controller.
+//
+//     parameters    ~robot     robot file
+//                   ~rate_hz   of the markers, 15
+//     subscribes    controller/{state, tracking, margins, path}
+//     publishes     markers    visualization_msgs/MarkerArray; see monitor_scene.h
+//     tf            base -> platform_reference   pose that belongs to the reference lengths
+
+#include <geometry_msgs/TransformStamped.h>
+#include <ros/ros.h>
+#include <tf2_ros/transform_broadcaster.h>
+
+#include <cstdio>
+
+#include "controller_machine.h"
+#include "controller_pose.h"
+#include "knee_robot/base/errors.h"
+#include "loopback.h"
+#include "monitor_scene.h"
+
+namespace {
+
+using namespace knee_robot;
+
+constexpr double kSilence_s = 2.0;
+
+class MarkerMonitor {
+ public:
+  MarkerMonitor(ros::NodeHandle& node, const Robot& robot, double rate_hz)
+      : robot_(robot),
+        markers_(node.advertise<visualization_msgs::MarkerArray>("markers", 2)),
+        subscribers_{node.subscribe<ControllerState>("controller/state", 2,
+                                                     [this](const auto& message) { hear(heard_.state, *message); }),
+                     node.subscribe<Tracking>("controller/tracking", 2,
+                                              [this](const auto& message) { hear(heard_.tracking, *message); }),
+                     node.subscribe<Margins>("controller/margins", 2,
+                                             [this](const auto& message) { hear(heard_.margins, *message); }),
+                     node.subscribe<nav_msgs::Path>("controller/path", 2,
+                                                    [this](const auto& message) { hear(heard_.path, *message); })},
+        timer_(node.createWallTimer(ros::WallDuration(1.0 / rate_hz), [this](const auto&) { show(); })) {}
+
+ private:
+  template <typename Message>
+  void hear(std::optional<Message>& kept, const Message& message) {
+    kept = message;
+    heard_at_ = ros::WallTime::now();
+  }
+
+  void show() {
+    heard_.silent = (ros::WallTime::now() - heard_at_).toSec() > kSilence_s;
+    followReference();
+    markers_.publish(sceneOf(robot_, heard_));
+    if (!heard_.reference) return;
+    geometry_msgs::TransformStamped transform;
+    transform.header.stamp = ros::Time::now();
+    transform.header.frame_id = kBaseFrame;
+    transform.child_frame_id = "platform_reference";
+    const geometry_msgs::Pose pose = poseMessage(*heard_.reference);
+    transform.transform.translation.x = pose.position.x;
+    transform.transform.translation.y = pose.position.y;
+    transform.transform.translation.z = pose.position.z;
+    transform.transform.rotation = pose.orientation;
+    broadcaster_.sendTransform(transform);
+  }
+
+  void followReference() {
+    if (!robot_.mechanism || !heard_.tracking) return;
+    const Lengths lengths(heard_.tracking->reference_m.data());
+    if (forward_.ok()) forward_ = forwardKinematics(*robot_.mechanism, lengths, forward_.pose);
+    if (!forward_.ok()) forward_ = forwardKinematicsFromHome(*robot_.mechanism, lengths);
+    heard_.reference.reset();
+    if (forward_.ok()) heard_.reference = forward_.pose;
+  }
+
+  const Robot& robot_;
+  Heard heard_;
+  ros::WallTime heard_at_;
+  ForwardResult forward_;
+  tf2_ros::TransformBroadcaster broadcaster_;
+  ros::Publisher markers_;
+  std::array<ros::Subscriber, 4> subscribers_;
+  ros::WallTimer timer_;
+};
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  keepToLoopback();
+  ros::init(argc, argv, "monitor_markers");
+  try {
+    ros::NodeHandle own("~"), node;
+    const Robot robot = loadRobot(requiredParameter(own, "robot"));
+    const double rate_hz = own.param("rate_hz", 15.0);
+    if (!(rate_hz >= 1.0 && rate_hz <= 60.0))
+      throw InputError("parameter " + own.resolveName("rate_hz") + " is outside 1 .. 60");
+    MarkerMonitor monitor(node, robot, rate_hz);
+    ros::spin();
+    return kExitDone;
+  } catch (const InputError& error) {
+    std::fprintf(stderr, "monitor_markers: %s\n", error.what());
+    return kExitBadInput;
+  }
+}

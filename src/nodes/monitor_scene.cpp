@@ -1,0 +1,144 @@
+#include "monitor_scene.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "controller_pose.h"
+#include "knee_robot/base/numbers.h"
+#include "monitor_board.h"
+
+namespace knee_robot {
+namespace {
+
+using visualization_msgs::Marker;
+
+constexpr double kErrorScale_m = 0.005;  // whole length of an error's bar
+constexpr double kErrorNear_m = 0.001, kErrorBad_m = 0.002;
+constexpr double kMarginNear = 0.2, kMarginBad = 0.05;
+constexpr Color kGhost{0.10F, 0.65F, 0.35F, 0.45F}, kGhostLine{0.10F, 0.60F, 0.30F, 0.9F},
+    kPath{0.15F, 0.35F, 0.85F, 0.9F}, kPathEdge{0.15F, 0.35F, 0.85F, 0.45F};
+
+geometry_msgs::Point pointOf(const Vector3& p) {
+  geometry_msgs::Point point;
+  point.x = p.x();
+  point.y = p.y();
+  point.z = p.z();
+  return point;
+}
+
+/// Where a point of the platform is at this pose.
+Vector3 placed(const Pose& pose, const Vector3& point) {
+  return Vector3(pose[0], 0.0, pose[1]) + platformRotation(pose) * point;
+}
+
+void addGhost(Scene& scene, const Mechanism& mechanism, const Pose& pose) {
+  Marker& plate = scene.add("reference", Marker::TRIANGLE_LIST, kGhost);
+  constexpr double thickness = 0.012;  // m
+  for (int k = 0; k < 3; ++k) {
+    const Vector3 a = mechanism.platform_points[k], b = mechanism.platform_points[(k + 1) % 3];
+    for (const double z : {0.0, thickness}) {
+      const Vector3 up(0.0, 0.0, z);
+      for (const Vector3& p : {Vector3(up), Vector3(a + up), Vector3(b + up)})
+        plate.points.push_back(pointOf(placed(pose, p)));
+    }
+    const Vector3 up(0.0, 0.0, thickness);
+    for (const Vector3& p : {a, b, Vector3(b + up), a, Vector3(b + up), Vector3(a + up)})
+      plate.points.push_back(pointOf(placed(pose, p)));
+  }
+  Marker& legs = scene.add("reference", Marker::LINE_LIST, kGhostLine);
+  legs.scale.x = 0.008;
+  for (int i = 0; i < kLegs; ++i) {
+    const Vector3 tip = i < 3 ? mechanism.platform_points[i] : Vector3::Zero();
+    legs.points.push_back(pointOf(mechanism.base_points[i]));
+    legs.points.push_back(pointOf(placed(pose, tip)));
+  }
+}
+
+/// While something is played, only what is still to come; the approach to a path is not that path yet.
+void addPath(Scene& scene, const Mechanism& mechanism, const Heard& heard) {
+  double from = -1.0;
+  if (heard.state && heard.state->playing == heard.state->reference_file) from = heard.state->path_time_s;
+  for (const bool edge : {false, true}) {
+    const Vector3 shown = edge ? Vector3(mechanism.platform_points[0]) : Vector3::Zero();
+    std::vector<geometry_msgs::Point> points;
+    for (const geometry_msgs::PoseStamped& point : heard.path->poses) {
+      if (point.header.stamp.toSec() >= from) points.push_back(pointOf(placed(poseOf(point.pose), shown)));
+    }
+    if (points.size() < 2) continue;
+    Marker& line = scene.add("path", Marker::LINE_STRIP, edge ? kPathEdge : kPath);
+    line.scale.x = edge ? 0.004 : 0.008;
+    line.points = std::move(points);
+  }
+}
+
+void addErrors(Board& board, const Tracking& tracking) {
+  board.title("errors", "tracking error (bar: 5 mm)");
+  for (std::size_t i = 0; i < kLegs; ++i) {
+    const double error = tracking.error_m[i], size = std::abs(error);
+    const Color& color = size < kErrorNear_m ? kGood : size < kErrorBad_m ? kNear : kBad;
+    board.bar("errors", "leg " + std::to_string(i + 1), size / kErrorScale_m, fixedNumber(1e3 * error, 2) + " mm",
+              color);
+  }
+  board.gap();
+}
+
+void addMargin(Board& board, const std::string& name, double left) {
+  const Color& color = left > kMarginNear ? kGood : left > kMarginBad ? kNear : kBad;
+  board.bar("margins", name, left, std::isfinite(left) ? fixedNumber(100.0 * left, 0) + " %" : "unknown", color);
+}
+
+void addMargins(Board& board, const Margins& margins) {
+  board.title("margins", "left to the limit");
+  if (std::isfinite(margins.condition_limit))
+    addMargin(board, "singularity", 1.0 - margins.condition / margins.condition_limit);
+  for (std::size_t i = 0; i < kLegs; ++i)
+    addMargin(board, (i < 3 ? "universal " : "revolute ") + std::to_string(i + 1),
+              1.0 - margins.base_angle_rad[i] / margins.base_angle_limit_rad[i]);
+  for (std::size_t i = 0; i < 3; ++i)
+    addMargin(board, "spherical " + std::to_string(i + 1),
+              1.0 - margins.platform_angle_rad[i] / margins.platform_angle_limit_rad[i]);
+  for (std::size_t i = 0; i < kLegs; ++i) {
+    const double to_min = margins.length_m[i] - margins.length_min_m[i];
+    const double to_max = margins.length_max_m[i] - margins.length_m[i];
+    addMargin(board, "length " + std::to_string(i + 1),
+              2.0 * std::min(to_min, to_max) / (margins.length_max_m[i] - margins.length_min_m[i]));
+  }
+}
+
+std::string stateText(const ControllerState& state) {
+  std::string words = state.state;
+  if (!state.playing.empty())
+    words += ": " + state.playing + ", " + fixedNumber(state.path_time_s, 1) + " of " +
+             fixedNumber(state.duration_s, 1) + " s, speed " + fixedNumber(100.0 * state.time_scale, 0) + " %";
+  if (state.recording) words += ", recording";
+  return words;
+}
+
+void addText(Scene& scene, const Heard& heard) {
+  const Vector3 top(-0.05, 0.0, 1.16);
+  if (heard.silent || !heard.state) {
+    scene.text("text", "the controller is silent", top, 0.06, kBad);
+  } else if (heard.state->fault.empty()) {
+    scene.text("text", stateText(*heard.state), top, 0.045, kInk);
+  } else {
+    scene.text("text", "FAULT " + heard.state->fault + "\n" + wrapped(heard.state->cause, 70), top, 0.045, kBad);
+  }
+}
+
+}  // namespace
+
+visualization_msgs::MarkerArray sceneOf(const Robot& robot, const Heard& heard) {
+  visualization_msgs::MarkerArray array;
+  Scene scene(array);
+  addText(scene, heard);
+  if (robot.mechanism) {
+    if (heard.reference) addGhost(scene, *robot.mechanism, *heard.reference);
+    if (heard.path && !heard.path->poses.empty()) addPath(scene, *robot.mechanism, heard);
+  }
+  Board board(scene, Vector3(-0.56, 0.0, 1.02));
+  if (heard.tracking) addErrors(board, *heard.tracking);
+  if (heard.margins) addMargins(board, *heard.margins);
+  return array;
+}
+
+}  // namespace knee_robot

@@ -1,0 +1,35 @@
+#pragma once
+
+#include <knee_robot/ControllerState.h>
+#include <knee_robot/Margins.h>
+#include <knee_robot/Tracking.h>
+#include <nav_msgs/Path.h>
+#include <visualization_msgs/MarkerArray.h>
+
+#include <optional>
+
+#include "knee_robot/mechanism/kinematics.h"
+#include "knee_robot/mechanism/robot.h"
+
+namespace knee_robot {
+
+/// What the monitor has heard last. Empty: nothing yet.
+struct Heard {
+  std::optional<ControllerState> state;
+  std::optional<Tracking> tracking;
+  std::optional<Margins> margins;
+  std::optional<nav_msgs::Path> path;
+  std::optional<Pose> reference;  ///< platform pose that belongs to the reference lengths
+  bool silent = false;            ///< the controller has not been heard for a while
+};
+
+/// Markers in frame `base` for rviz, one namespace a subject, so that each can be switched off there:
+///
+///     reference   the reference pose as a ghost: platform, legs
+///     path        what is still to come of the loaded reference: of the platform's origin, and of leg 1's platform joint
+///     errors      tracking error per leg as bars
+///     margins     what is left to the singularity, joint angle and length limits, as bars
+///     text        state, and the fault
+visualization_msgs::MarkerArray sceneOf(const Robot& robot, const Heard& heard);
+
+}  // namespace knee_robot

@@ -1,0 +1,188 @@
+#!/usr/bin/python3
+"""The action `play` from another process: a whole exercise, pause and resume, speed, cancel, preempt, refusals, a fault on the way."""
+import math
+import os
+import pathlib
+import sys
+import time
+import unittest
+
+import rospy
+import rostest
+
+sys.path.insert(0, str(pathlib.Path(__file__).parent))
+import movements  # noqa: E402
+from knee_robot.msg import Tracking  # noqa: E402
+from robot_client import Player, RobotClient, read_recording  # noqa: E402
+
+
+class References:
+    """Reference positions that were published while this existed."""
+
+    def __init__(self, robot):
+        self.rows = []
+        self.subscriber = rospy.Subscriber(f"/{robot.name}/tracking", Tracking, self.rows.append, queue_size=1000)
+
+    def fastest(self):
+        """Largest speed of a reference between two messages, m/s, by the servo cycles in between."""
+        self.subscriber.unregister()
+        speeds = [0.0]
+        for a, b in zip(self.rows, self.rows[1:]):
+            cycles = b.sequence - a.sequence
+            if cycles > 0:
+                speeds += [abs(q - p) / (1e-3 * cycles) for p, q in zip(a.reference_m, b.reference_m)]
+        return max(speeds)
+
+
+class Action(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.robot = RobotClient()
+        cls.player, cls.other = Player(cls.robot), Player(cls.robot)
+        cls.folder = pathlib.Path(cls.robot.parameter("references"))
+        cls.recordings = pathlib.Path(cls.robot.parameter("recordings"))
+        movements.write(cls.folder, "rise.txt", movements.rise(3.0))
+        movements.write(cls.folder, "high.txt", movements.rise(6.0, height=0.06))
+        movements.write(cls.folder, "jump.txt", [(0, 0.6, 0, 0), (0, 0.65, 0, 0)])
+
+    def setUp(self):
+        self.robot.bring_to("holding")
+
+    def play(self, file="rise.txt", **fields):
+        return self.player.send(file, approach=True, approach_speed=0.05, **fields)
+
+    def test_a_whole_exercise_is_enabled_approached_recorded_and_played_to_its_end(self):
+        self.robot.bring_to("disabled")
+        name = f"action_{os.getpid()}.csv"
+        state, result = self.play(enable=True, record=True, recording=name).end()
+        self.assertEqual("SUCCEEDED", state, result)
+        self.assertTrue(result.success)
+        self.assertAlmostEqual(3.0, result.path_time_s, places=2)
+        self.assertEqual(str(self.recordings.resolve() / name), result.recording)
+        self.assertEqual("holding", self.robot.state().state)
+        phases = [f.phase for f in self.player.feedback]
+        self.assertLess(phases.index("approaching"), phases.index("playing"))
+        progress = [f.progress for f in self.player.feedback if f.phase == "playing"]
+        self.assertEqual(sorted(progress), progress)
+        self.assertGreater(len(progress), 10)
+        self.assertGreater(progress[-1], 0.9)
+        print("largest tracking errors, mm:", [round(1e3 * e, 3) for e in result.largest_error_m])
+        self.assertTrue(all(0.0 < e < 5e-3 for e in result.largest_error_m))
+        recording = read_recording(result.recording)
+        self.assertGreater(max(recording["position_4_m"]) - min(recording["position_4_m"]), 0.025)
+        self.assertFalse(self.robot.state().recording)
+
+    def test_pause_comes_to_rest_on_the_path_and_resume_goes_on_from_there(self):
+        references = References(self.robot)
+        self.play()
+        self.assertTrue(self.player.wait_for_phase("playing", path_time_s=0.5))
+        answer = self.robot.trigger("pause")
+        self.assertTrue(answer.success, answer.message)
+        self.assertEqual("paused", self.robot.wait_for("paused", 5).state)
+        before, at = self.robot.tracking(), self.robot.state().path_time_s
+        time.sleep(0.7)
+        after = self.robot.tracking()
+        self.assertEqual("paused", self.player.feedback[-1].phase)
+        self.assertEqual(-1.0, self.player.feedback[-1].remaining_s)
+        self.assertEqual(at, self.robot.state().path_time_s)
+        self.assertEqual(before.reference_m, after.reference_m)
+        self.assertLess(max(abs(a - b) for a, b in zip(before.position_m, after.position_m)), 2e-4)
+        self.assertTrue(self.robot.trigger("resume").success)
+        state, result = self.player.end()
+        self.assertEqual("SUCCEEDED", state, result)
+        self.assertAlmostEqual(3.0, result.path_time_s, places=2)
+        fastest = references.fastest()
+        print(f"fastest reference: {fastest:.3f} m/s")
+        self.assertLess(fastest, 0.08, "a jump")  # the movement itself: 0.04 m/s; the approach: 0.05 m/s
+
+    def test_the_speed_changes_on_the_way_and_the_path_stays(self):
+        references = References(self.robot)
+        self.play(speed_percent=100)
+        self.assertTrue(self.player.wait_for_phase("playing", path_time_s=0.5))
+        answer = self.robot.set_speed(40)
+        self.assertTrue(answer.success, answer.message)
+        self.assertTrue(self.player.wait_for_phase("playing", path_time_s=1.2))
+        self.assertAlmostEqual(40.0, self.player.feedback[-1].speed_percent, places=3)
+        self.assertTrue(self.robot.set_speed(100).success)
+        state, result = self.player.end()
+        self.assertEqual("SUCCEEDED", state, result)
+        self.assertLess(references.fastest(), 0.08, "a jump")
+
+    def test_a_goal_is_played_at_the_speed_that_it_asks_for(self):
+        begin = time.monotonic()
+        state, result = self.player.send("rise.txt", approach=True, approach_speed=0.05, speed_percent=50).end()
+        self.assertEqual("SUCCEEDED", state, result)
+        self.assertGreater(time.monotonic() - begin, 6.0)
+
+    def test_cancel_slows_down_along_the_path_and_holds(self):
+        self.play()
+        self.assertTrue(self.player.wait_for_phase("playing", path_time_s=0.5))
+        self.player.client.cancel_goal()
+        state, result = self.player.end(10)
+        self.assertEqual("PREEMPTED", state)
+        self.assertIn("cancelled", result.message)
+        self.assertFalse(result.success)
+        self.assertLess(result.path_time_s, 2.5)
+        self.assertEqual("holding", self.robot.state().state)
+
+    def test_a_newer_goal_preempts_and_is_played(self):
+        self.play("high.txt")
+        self.assertTrue(self.player.wait_for_phase("playing", path_time_s=0.5))
+        self.other.send("rise.txt", approach=True, approach_speed=0.05)
+        state, result = self.player.end(10)
+        self.assertEqual("PREEMPTED", state)
+        self.assertIn("preempted by a newer goal", result.message)
+        state, result = self.other.end()
+        self.assertEqual("SUCCEEDED", state, result)
+
+    def test_a_goal_that_may_not_be_played_disturbs_nothing(self):
+        self.play()
+        self.assertTrue(self.player.wait_for_phase("playing"))
+        state, result = self.other.send("jump.txt").end(10)
+        self.assertEqual("REJECTED", state)
+        self.assertIn("jump.txt:3", result.message)
+        state, result = self.player.end()
+        self.assertEqual("SUCCEEDED", state, result)
+
+    def test_a_fault_aborts_the_goal_with_its_cause(self):
+        self.play()
+        self.assertTrue(self.player.wait_for_phase("playing", path_time_s=0.3))
+        self.assertTrue(self.robot.trigger("emergency_stop").success)
+        state, result = self.player.end(15)
+        self.assertEqual("ABORTED", state)
+        self.assertEqual("faulted", self.robot.wait_for("faulted", 10).state)
+        state, result = self.other.send("rise.txt", enable=True).end(10)
+        self.assertEqual("REJECTED", state)
+        self.assertIn("faulted", result.message)
+        self.assertTrue(self.robot.trigger("reset_faults").success)
+
+    def test_somebody_elses_stop_aborts_the_goal_and_says_so(self):
+        self.play()
+        self.assertTrue(self.player.wait_for_phase("playing", path_time_s=0.3))
+        self.assertTrue(self.robot.trigger("stop").success)
+        state, result = self.player.end(15)
+        self.assertEqual("ABORTED", state)
+        self.assertIn("somebody else stopped it", result.message)
+
+    def test_every_goal_that_makes_no_sense_is_rejected_with_its_reason(self):
+        home = self.robot.tracking().position_m
+        for reason, fields in (("absent.txt", dict(file="absent.txt")),
+                               ("outside the folder", dict(file="/etc/passwd")),
+                               ("no space", dict(file="rise.txt", space="joint")),
+                               ("speed_percent", dict(file="rise.txt", speed_percent=200)),
+                               ("speed_percent", dict(file="rise.txt", speed_percent=math.nan)),
+                               ("approach_speed", dict(file="rise.txt", approach=True, approach_speed=1.0)),
+                               ("no name for a new file", dict(file="rise.txt", record=True, recording="../x.csv"))):
+            state, result = self.player.send(**fields).end(10)
+            self.assertEqual("REJECTED", state, fields)
+            self.assertIn(reason, result.message)
+        self.robot.bring_to("disabled")
+        state, result = self.player.send("rise.txt").end(10)
+        self.assertEqual("REJECTED", state)
+        self.assertIn("the robot is disabled", result.message)
+        self.assertLess(max(abs(a - b) for a, b in zip(home, self.robot.tracking().position_m)), 1e-3)
+
+
+if __name__ == "__main__":
+    rospy.init_node("action_test")
+    rostest.rosrun("knee_robot", "action", Action)
