@@ -1,0 +1,139 @@
+#!/usr/bin/python3
+"""What the controller and the monitor nodes publish, from another process: topics, frames, diagnostics, gains, bag."""
+import math
+import pathlib
+import sys
+import time
+import unittest
+
+import rospy
+import rostest
+import tf2_ros
+from diagnostic_msgs.msg import DiagnosticArray
+from dynamic_reconfigure.client import Client
+from nav_msgs.msg import Path
+from sensor_msgs.msg import JointState
+from visualization_msgs.msg import MarkerArray
+
+sys.path.insert(0, str(pathlib.Path(__file__).parent))
+import movements  # noqa: E402
+from knee_robot.msg import ControllerState, Forces, Margins, Timing, Tracking  # noqa: E402
+from robot_client import Player, RobotClient  # noqa: E402
+
+COORDINATES = "q11 q12 q13 q21 q22 q23 q31 q32 q33 q41 q42 Xm Zm theta psi".split()
+
+
+def hear(topic, kind, seconds=10):
+    return rospy.wait_for_message(topic, kind, seconds)
+
+
+class Interface(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.robot = RobotClient()
+        cls.folder = pathlib.Path(cls.robot.parameter("references"))
+        movements.write(cls.folder, "rise.txt", movements.rise(4.0, height=0.05))
+        cls.buffer = tf2_ros.Buffer()
+        cls.listener = tf2_ros.TransformListener(cls.buffer)
+
+    def translation(self, parent, child, at=rospy.Time(0)):
+        t = self.buffer.lookup_transform(parent, child, at, rospy.Duration(10)).transform.translation
+        return t.x, t.y, t.z
+
+    def test_the_state_is_latched(self):
+        state = hear("/controller/state", ControllerState)
+        self.assertEqual("", state.fault)
+        self.assertEqual([True] * 4, list(state.homed))
+
+    def test_joint_states_are_the_papers_15_coordinates(self):
+        joints = hear("/joint_states", JointState)
+        self.assertEqual(COORDINATES, joints.name)
+        for values in (joints.position, joints.velocity, joints.effort):
+            self.assertEqual(15, len(values))
+            self.assertTrue(all(math.isfinite(v) for v in values))
+        tracking = self.robot.tracking()
+        lengths = [joints.position[COORDINATES.index(n)] for n in ("q13", "q23", "q33", "q42")]
+        self.assertLess(max(abs(a - b) for a, b in zip(lengths, tracking.position_m)), 1e-3)
+
+    def test_the_frames_close_the_loops_also_in_motion(self):
+        self.robot.bring_to("holding")
+        player = Player(self.robot).send("rise.txt", approach=True, approach_speed=0.05)
+        self.assertTrue(player.wait_for_phase("playing", path_time_s=0.8))
+        gaps = []
+        for leg in (1, 2, 3):
+            # One message of joint states makes both frames, so they belong to the same instant.
+            at = self.buffer.lookup_transform("base", f"leg_{leg}_rod", rospy.Time(0), rospy.Duration(10)).header.stamp
+            rod, joint = self.translation("base", f"leg_{leg}_rod", at), self.translation("base", f"platform_point_{leg}", at)
+            gaps.append(math.dist(rod, joint))
+        print("largest gap of a loop, m:", max(gaps))
+        self.assertLess(max(gaps), 1e-6)
+        platform, ghost = self.translation("base", "platform"), self.translation("base", "platform_reference")
+        self.assertLess(math.dist(platform, ghost), 0.02)
+        self.assertGreater(platform[2], 0.602)
+        self.assertEqual("SUCCEEDED", player.end()[0])
+
+    def test_margins_forces_and_timing_are_published_with_their_limits(self):
+        margins = hear("/controller/margins", Margins)
+        self.assertTrue(margins.pose_known)
+        for value, low, high in zip(margins.length_m, margins.length_min_m, margins.length_max_m):
+            self.assertTrue(low < value < high)
+        self.assertTrue(all(0 <= a < limit for a, limit in zip(margins.base_angle_rad, margins.base_angle_limit_rad)))
+        self.assertTrue(1 < margins.condition < margins.condition_limit)
+        self.assertTrue(0 < margins.nearest_left < 1)
+        forces = hear("/controller/forces", Forces)
+        self.assertTrue(all(limit > 0 for limit in forces.peak_limit_N))
+        timing = hear("/controller/timing", Timing)
+        self.assertAlmostEqual(1.0, timing.window_s, delta=0.5)
+        servo = timing.activities[0]
+        self.assertEqual(0.001, servo.period_s)
+        self.assertGreater(servo.cycles, 100)
+        self.assertTrue(0 < servo.execution_mean_s < servo.execution_max_s)
+
+    def test_diagnostics_name_every_part(self):
+        names, end = {}, time.monotonic() + 10
+        while len(names) < 8 and time.monotonic() < end:
+            for status in hear("/diagnostics", DiagnosticArray).status:
+                names[status.name] = status
+        self.assertEqual({f"controller: {part}" for part in ("machine", "tracking", "limits", "motors", "timing", "guardian",
+                                                             "recording", "real time")}, set(names))
+        self.assertEqual("on guard", names["controller: guardian"].message)
+
+    def test_the_path_of_the_loaded_reference_and_the_markers_are_published(self):
+        self.robot.bring_to("holding")
+        loaded = self.robot.load("rise.txt")
+        self.assertTrue(loaded.success, loaded.message)
+        path = hear("/controller/path", Path)
+        self.assertEqual("base", path.header.frame_id)
+        self.assertAlmostEqual(4.0, path.poses[-1].header.stamp.to_sec(), places=6)
+        self.assertAlmostEqual(0.65, max(p.pose.position.z for p in path.poses), places=4)
+        time.sleep(0.5)
+        markers = hear("/markers", MarkerArray).markers
+        self.assertEqual({"reference", "path", "errors", "margins", "text"}, {m.ns for m in markers})
+        self.assertEqual(len(markers), len({(m.ns, m.id) for m in markers}))
+
+    def test_gains_change_within_their_bounds_and_without_a_bump(self):
+        self.robot.bring_to("holding")
+        client = Client("/controller/gains", timeout=10)
+        before = client.get_configuration()["proportional_1"]
+        self.assertEqual(60000.0, before, "the deployment file's, not cfg's default")
+        rows = []
+        subscriber = rospy.Subscriber("/controller/tracking", Tracking, rows.append, queue_size=1000)
+        time.sleep(0.3)
+        self.assertEqual(40000.0, client.update_configuration({"proportional_1": 40000.0})["proportional_1"])
+        time.sleep(0.5)
+        subscriber.unregister()
+        positions = [row.position_m[0] for row in rows]
+        print(f"position of leg 1 while P changed: within {1e6 * (max(positions) - min(positions)):.0f} um")
+        self.assertLess(max(positions) - min(positions), 2e-4)
+        self.assertEqual(1e6, client.update_configuration({"proportional_1": 1e9})["proportional_1"], "beyond its bound")
+        self.assertEqual(before, client.update_configuration({"proportional_1": before})["proportional_1"])
+        self.assertEqual("holding", self.robot.state().state)
+
+    def test_a_bag_is_being_recorded(self):
+        bags = list(pathlib.Path(self.robot.parameter("recordings")).glob("simulation_*.bag.active"))
+        self.assertEqual(1, len(bags))
+
+
+if __name__ == "__main__":
+    rospy.init_node("interface_test")
+    rostest.rosrun("knee_robot", "interface", Interface)
