@@ -8,7 +8,6 @@ namespace knee_robot::hardware::can {
 namespace {
 
 constexpr int kLate = 8;  // what a period with more than one feedback adds; one with exactly one takes 1 off
-constexpr int kLargestIrregular = 20;
 constexpr std::uint16_t kHeartbeatMissed = 0x8130;
 
 }  // namespace
@@ -57,7 +56,7 @@ void DriveNode::endCycle() noexcept {
   if (feedbacks_ > 0) missed_ = 0;
   if (syncs_ > 0) {
     if (feedbacks_ == 0) ++missed_;
-    if (feedbacks_ > syncs_) irregular_ = std::min(irregular_ + kLate, 2 * kLargestIrregular);
+    if (feedbacks_ > syncs_) irregular_ = std::min(irregular_ + kLate, 2 * kLate * tolerances_.missed_feedback);
     if (feedbacks_ == syncs_) irregular_ = std::max(irregular_ - 1, 0);
     syncs_ = 0;
   }
@@ -99,7 +98,7 @@ BusFailure DriveNode::failure(std::int64_t now) const noexcept {
   if (nmt_ == NmtState::PreOperational && now - goal_since_ns_ > tolerances_.heartbeat_timeout_ns) {
     return {BusFault::DriveLost, 0, 0};
   }
-  if (irregular_ >= kLargestIrregular) return {BusFault::FeedbackLate, 0, 0};
+  if (irregular_ >= kLate * tolerances_.missed_feedback) return {BusFault::FeedbackLate, 0, 0};
   if (goal_ == DriveGoal::Enabled && !isEnabled()) {
     const bool late = now - goal_since_ns_ > tolerances_.enable_timeout_ns;
     if (was_enabled_ || late) return {BusFault::DriveNotEnabled, 0, 0};
