@@ -221,6 +221,7 @@ void DriveModel::sync() noexcept {
   if (nmt_ != NmtState::Operational) return;
   for (int number = 0; number < 4; ++number)
     applyProcessData(number);
+  dictionary_.set(objects::kTorque, torque());
   for (int number = 0; number < 4; ++number) {
     const std::uint16_t index = pdoIndex(objects::kTransmitPdo, number);
     const auto* id = dictionary_.find(objects::object(index, 1));
@@ -251,7 +252,6 @@ void DriveModel::setState(DriveState state) noexcept {
   if (state == DriveState::QuickStopActive && state_ != state) quick_stop_ends_ns_ = now_ + kQuickStop_ns;
   state_ = state;
   dictionary_.set(objects::kStatusWord, statusWordOf(state));
-  dictionary_.set(objects::kTorque, torque());
 }
 
 void DriveModel::control(std::uint16_t word) noexcept {
