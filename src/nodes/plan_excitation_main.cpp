@@ -2,8 +2,14 @@
 
 #include <unistd.h>
 
+#include <algorithm>
+#include <chrono>
+#include <cmath>
 #include <csignal>
 #include <cstdio>
+#include <ctime>
+#include <map>
+#include <thread>
 
 #include "knee_robot/base/errors.h"
 #include "knee_robot/base/numbers.h"
@@ -19,26 +25,60 @@ void onInterrupt(int) {
   interrupted = true;
 }
 
+/// A line that is written over on a terminal; elsewhere one line for every tenth of a stage.
 void showProgress(const ExcitationProgress& progress) {
-  if (isatty(STDERR_FILENO) == 0) return;
-  std::fprintf(stderr, "\r%-10s %6d of %6d   best k %-12.6g", progress.stage, progress.done, progress.total,
-               progress.best_k);
+  const bool terminal = isatty(STDERR_FILENO) != 0;
+  const int tenth = std::max(1, progress.total / 10);
+  if (!terminal && progress.done % tenth != 0) return;
+  std::fprintf(stderr, "%s%-10s %6d of %6d   best %-12.6g%s", terminal ? "\r" : "", progress.stage, progress.done,
+               progress.total, progress.best, terminal ? "" : "\n");
 }
 
-void report(const ExcitationOptions& options, const ExcitationPlan& plan, const std::string& output) {
+void printConditions(const ExcitationPlan& plan) {
+  std::printf("%12s %14s %14s %22s %14s\n", "directions r", "k, scaled", "k, raw", "best random: scaled", "raw");
+  for (std::size_t i = 0; i < plan.conditions.size(); ++i) {
+    std::printf("%12d %14.5g %14.5g %22.5g %14.5g\n", plan.conditions[i].directions, plan.conditions[i].scaled,
+                plan.conditions[i].raw, plan.random_conditions[i].scaled, plan.random_conditions[i].raw);
+  }
+}
+
+void printLimits(const ExcitationPlan& plan, const Robot& robot, const ExcitationOptions& options) {
+  std::printf("limits, looked at every millisecond (closest actuator or joint):\n");
+  for (const char* kind : {"length", "velocity", "acceleration", "universal", "revolute", "spherical", "condition",
+                           "peak force", "rms force"}) {
+    const LimitUsed* closest = nullptr;
+    for (const LimitUsed& limit : plan.limits) {
+      if (limit.name.rfind(kind, 0) == 0 && (closest == nullptr || limit.share > closest->share)) closest = &limit;
+    }
+    if (closest == nullptr) continue;
+    std::printf("  %-28s %10.5g of %-10.5g %6.1f %% used\n", closest->name.c_str(), closest->value, closest->limit,
+                100.0 * closest->share);
+  }
+  if (robot.urdf.empty()) {
+    std::printf("  forces are not looked at: %s has no URDF\n", robot.path.c_str());
+  } else {
+    std::printf("  forces: inertia of %s, friction %g N s/m and %g N expected%s\n", robot.urdf.c_str(),
+                options.friction.viscous_N_s_per_m, options.friction.coulomb_N,
+                options.force_limits ? "" : "; not limited, as asked");
+  }
+}
+
+void report(const Robot& robot, const ExcitationOptions& options, const ExcitationPlan& plan, const std::string& output,
+            double seconds) {
   if (isatty(STDERR_FILENO) != 0) std::fprintf(stderr, "\n");
   std::printf("%d of %d random series keep the limits, the best has k = %.4g at r = %d\n", plan.feasible_candidates,
               options.candidates, plan.random_k, options.directions);
-  std::printf("after %d evaluations of the gradient: k = %.4g, %.2f times less%s\n", plan.evaluations, plan.k,
-              plan.random_k / plan.k, plan.cut_short ? " (stopped early: best so far)" : "");
-  std::printf("%12s %14s %14s\n", "directions r", "k, scaled", "k, raw");
-  for (const ConditionAt& at : plan.conditions)
-    std::printf("%12d %14.5g %14.5g\n", at.directions, at.scaled, at.raw);
-  for (const Margin& margin : plan.check.margins) {
-    std::printf("  %-24s %12.5g of %-10.5g %5.1f %% left\n", nameOf(margin.quantity), margin.value, margin.limit,
-                100.0 * margin.left);
+  std::printf("after %d evaluations: k = %.4g, %.2f times less%s\n", plan.evaluations, plan.k, plan.random_k / plan.k,
+              plan.cut_short ? " (stopped early: best so far)" : "");
+  if (options.criterion == ExcitationCriterion::Determinant) {
+    std::printf("geometric mean of the first %d singular values: %.4g times the best random one's\n",
+                options.directions, std::exp(plan.gain));
   }
-  std::printf("written to %s\n", output.c_str());
+  printConditions(plan);
+  printLimits(plan, robot, options);
+  const double cpu = static_cast<double>(std::clock()) / CLOCKS_PER_SEC;
+  std::printf("%.1f s, %.1f s of processor time on %u cores\nwritten to %s\n", seconds, cpu,
+              std::thread::hardware_concurrency(), output.c_str());
 }
 
 }  // namespace
@@ -47,11 +87,14 @@ int main(int argc, char** argv) {
   CLI::App app(
       "Plans an excitation for identification: a finite Fourier series per actuator within all limits that minimises "
       "the "
-      "condition number k of the column-scaled observation matrix at a stated number of directions.",
+      "condition number k of the column-scaled, noise-weighted observation matrix at a stated number of directions.",
       "plan_excitation");
   std::string robot_file, output;
   ExcitationOptions options;
   double condition_max = 0.0;
+  std::vector<double> noise;
+  const std::map<std::string, ExcitationCriterion> criteria = {{"condition", ExcitationCriterion::Condition},
+                                                               {"determinant", ExcitationCriterion::Determinant}};
   app.add_option("--robot", robot_file, "robot file (YAML)")->required();
   app.add_option("-o,--output", output, "reference file to write")->required();
   app.add_option("--duration", options.shape.duration_s, "s, ramps included")->capture_default_str();
@@ -65,22 +108,35 @@ int main(int argc, char** argv) {
   app.add_option("--directions", options.directions, "r at which k is minimised")->capture_default_str();
   app.add_option("--candidates", options.candidates, "random feasible series to start with")->capture_default_str();
   app.add_option("--starts", options.starts, "how many of them are improved")->capture_default_str();
-  app.add_option("--iterations", options.iterations, "of each start and round")->capture_default_str();
-  app.add_option("--seconds-budget", options.seconds_budget, "then the best so far is written, as on Ctrl-C")
+  app.add_option("--iterations", options.iterations, "evaluations of each start and round")->capture_default_str();
+  app.add_option("--seconds,--seconds-budget", options.seconds_budget, "then the best so far is written, as on Ctrl-C")
       ->capture_default_str();
+  app.add_option("--criterion", options.criterion, "condition (k) or determinant (D-optimality)")
+      ->transform(CLI::CheckedTransformer(criteria, CLI::ignore_case));
+  const CLI::Option* noise_option =
+      app.add_option("--noise", noise, "N, of the four actuators' forces (default: in proportion to force_per_volt_N)")
+          ->expected(4);
+  app.add_option("--viscous", options.friction.viscous_N_s_per_m, "N s/m expected in every actuator, for the forces")
+      ->capture_default_str();
+  app.add_option("--coulomb", options.friction.coulomb_N, "N expected in every actuator, for the forces")
+      ->capture_default_str();
+  app.add_flag("!--no-force-limits", options.force_limits, "let forces be what they are");
   app.add_flag("--twin-legs", options.twin_legs, "q23 and q33 identical, as in the paper's verification");
   return runProgram(app, argc, argv, [&]() -> int {
     const Robot robot = loadRobot(robot_file);
     if (margin->count() > 0) options.condition_max = condition_max;
+    if (noise_option->count() > 0) options.noise_N = Eigen::Map<const Vector4>(noise.data());
     options.progress = showProgress;
     options.interrupted = &interrupted;
     std::signal(SIGINT, onInterrupt);
+    const auto start = std::chrono::steady_clock::now();
     const ExcitationPlan plan = planExcitation(robot, options);
+    const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     writeReference(output, plan.reference,
                    {"excitation for " + robot_file + ", seed " + std::to_string(options.seed) + ", " +
                         std::to_string(options.shape.harmonics) + " harmonics",
                     "k = " + shortNumber(plan.k, 4) + " at r = " + std::to_string(options.directions)});
-    report(options, plan, output);
+    report(robot, options, plan, output, seconds);
     return kExitDone;
   });
 }

@@ -15,6 +15,8 @@ constexpr double kLengthInset = 0.02;  ///< share of each actuator's range that 
 constexpr double kLimitInset = 0.98;   ///< share of the other limits that is used between the instants looked at
 constexpr double kShrink = 0.97;       ///< of the amplitude, when the full check finds something between the instants
 constexpr int kShrinkRounds = 20;
+constexpr double kSignWidth = 0.02;  ///< of smoothed signs, as share of the velocity limit
+constexpr double kRadius_m = 0.3;    ///< turns it into an angular velocity
 const std::vector<int> kReportedDirections = {20, 30, 40, 51, 56, 73};
 
 void refuseOptions(const Robot& robot, const ExcitationOptions& options) {
@@ -41,6 +43,10 @@ void refuseOptions(const Robot& robot, const ExcitationOptions& options) {
   demand(options.candidates >= 2 && options.candidates <= 100000, "candidates are not in 2 to 100000");
   demand(options.starts >= 0 && options.starts <= options.candidates,
          "starts are not in 0 to the number of candidates");
+  demand(!options.noise_N || (options.noise_N->minCoeff() > 0.0 && options.noise_N->allFinite()),
+         "the noise of every actuator must be positive");
+  demand(options.friction.viscous_N_s_per_m >= 0.0 && options.friction.coulomb_N >= 0.0,
+         "the expected friction must not be negative");
   demand(options.iterations >= 1 && options.seconds_budget > 0.0, "iterations and budget must be positive");
 }
 
@@ -65,6 +71,9 @@ Robot insetRobot(const Robot& limited) {
     actuator.position_max_m -= room;
     actuator.velocity_max_m_per_s *= kLimitInset;
     actuator.acceleration_max_m_per_s2 *= kLimitInset;
+    actuator.voltage_max_V *= kLimitInset;
+    actuator.force_max_N *= kLimitInset;
+    actuator.force_continuous_N *= kLimitInset;
   }
   inset.joints.spherical_max *= kLimitInset;
   inset.joints.universal_max *= kLimitInset;
@@ -92,14 +101,56 @@ Pose withTwinLengths(const Mechanism& mechanism, Pose pose) {
   return pose;
 }
 
-void checkPlan(const Robot& limited, ExcitationPlan& plan) {
+/// Draws the series' amplitude in until every limit holds at every millisecond and at every point that is streamed.
+void checkPlan(const Robot& limited, const ExcitationOptions& options, ExcitationPlan& plan) {
   for (int round = 0;; ++round) {
     plan.reference = sampledReference(plan.series);
     plan.check = checkReference(plan.reference, limited);
-    if (plan.check.ok()) return;
-    if (round == kShrinkRounds) throw Refusal("the planned excitation: " + plan.check.violation->sentence);
+    const auto used = limitsUsed(limited, plan.series, options.friction);
+    const auto beyond = [&](const LimitUsed& limit) {
+      return limit.share > 1.0 && (options.force_limits || limit.name.find("force") == std::string::npos);
+    };
+    if (used) plan.limits = *used;
+    const auto worst = std::find_if(plan.limits.begin(), plan.limits.end(), beyond);
+    if (plan.check.ok() && used && worst == plan.limits.end()) return;
+    if (round == kShrinkRounds) {
+      throw Refusal("the planned excitation: " +
+                    (plan.check.ok() ? worst->name + " is beyond its limit" : plan.check.violation->sentence));
+    }
     plan.series.coefficients *= kShrink;
   }
+}
+
+ExcitationTask taskOf(const Robot& inset, const ExcitationOptions& options) {
+  ExcitationTask task;
+  task.robot = inset;
+  task.shape = completed(options.shape);
+  task.directions = options.directions;
+  task.criterion = options.criterion;
+  task.twin_legs = options.twin_legs;
+  if (options.force_limits) task.load = expectedLoad(inset, options.friction);
+  // Noise of a drive grows with its force per volt; only the ratios matter.
+  double fastest = 0.0;
+  for (int i = 0; i < kLegs; ++i) {
+    task.noise_N[i] = std::abs(inset.actuators[i].force_per_volt_N);
+    fastest = std::max(fastest, inset.actuators[i].velocity_max_m_per_s);
+  }
+  task.noise_N = options.noise_N.value_or(task.noise_N);
+  task.noise_N /= task.noise_N.minCoeff();
+  task.width = {kSignWidth * fastest, kSignWidth * fastest / kRadius_m};
+  return task;
+}
+
+std::vector<ConditionAt> conditionsAsPlayed(const ExcitationProblem& problem, const FourierSeries& series,
+                                            int directions, double& k) {
+  const auto observations = problem.observationsAsPlayed(series);
+  if (!observations) throw Refusal("the planned excitation cannot be followed by forward kinematics");
+  std::vector<int> all = kReportedDirections;
+  all.push_back(directions);
+  std::vector<ConditionAt> conditions = conditionsOf(*observations, all);
+  k = conditions.back().scaled;
+  conditions.pop_back();
+  return conditions;
 }
 
 }  // namespace
@@ -115,7 +166,7 @@ ExcitationPlan planExcitation(const Robot& robot, const ExcitationOptions& optio
     throw Refusal("no pose of " + robot.path + " has room for motion: even the best one is beyond " +
                   limitText(nearest));
   }
-  const ExcitationProblem problem(inset, completed(options.shape), options.directions, options.twin_legs, centre);
+  ExcitationProblem problem(taskOf(inset, options), centre);
   const SearchResult result = searchExcitation(problem, options);
   if (result.found.empty()) {
     throw Refusal("none of " + std::to_string(options.candidates) + " random series keeps the limits of " + robot.path +
@@ -123,19 +174,15 @@ ExcitationPlan planExcitation(const Robot& robot, const ExcitationOptions& optio
   }
   ExcitationPlan plan;
   plan.series = problem.series(result.found.front().variables);
-  plan.random_k = result.random_k;
+  plan.gain = result.random.cost - result.found.front().cost;
   plan.feasible_candidates = result.feasible;
   plan.evaluations = result.evaluations;
   plan.cut_short = result.cut_short;
-  checkPlan(limited, plan);
+  checkPlan(limited, options, plan);
   plan.check = requirePlayable(plan.reference, robot);
-  std::vector<int> directions = kReportedDirections;
-  directions.push_back(options.directions);
-  const auto observations = problem.observations(plan.series);
-  if (!observations) throw Refusal("the planned excitation cannot be followed by forward kinematics");
-  plan.conditions = conditionsOf(*observations, directions);
-  plan.k = plan.conditions.back().scaled;
-  plan.conditions.pop_back();
+  plan.conditions = conditionsAsPlayed(problem, plan.series, options.directions, plan.k);
+  plan.random_conditions =
+      conditionsAsPlayed(problem, problem.series(result.random.variables), options.directions, plan.random_k);
   return plan;
 }
 

@@ -2,8 +2,8 @@
 
 #include <optional>
 
-#include "knee_robot/trajectory/excitation.h"
-#include "observation_condition.h"
+#include "knee_robot/dynamics/robot_inertia.h"
+#include "spectral_cost.h"
 
 namespace knee_robot {
 
@@ -13,54 +13,95 @@ struct SampledBasis {
   std::vector<SeriesBasis> at;
 };
 
-/// How much of the limits an instant uses; 1 is exactly at a limit.
-struct LimitUse {
-  double worst = 0.0;    ///< largest ratio of value to limit
-  double penalty = 0.0;  ///< sum of squared excesses beyond 1
+/// What an excitation is sought for.
+struct ExcitationTask {
+  Robot robot;  ///< with the limits to be kept
+  SeriesShape shape;
+  int directions = 51;
+  ExcitationCriterion criterion = ExcitationCriterion::Condition;
+  Vector4 noise_N = Vector4::Ones();
+  bool twin_legs = false;
+  std::optional<ExpectedLoad> load;  ///< none: forces are not limited
+  CoulombWidth width{1e-3, 3e-3};    ///< smoothed signs, so that slopes exist; narrow beside the motion's velocities
+  Eigen::VectorXd fixed_scale;       ///< of the columns, for Determinant
 };
 
-/// The optimisation problem of planExcitation: actuator series -> log k and use of limits, with gradients. Constant after
+/// The optimisation problem of planExcitation: variables -> criterion and use of limits, with exact gradients. Constant after
 /// construction, so that several threads may share it.
 class ExcitationProblem {
  public:
-  /// `robot` has the limits to be kept; `centre` is the pose around which the variables are expressed.
-  ExcitationProblem(const Robot& robot, const SeriesShape& shape, int directions, bool twin_legs, const Pose& centre);
+  /// `centre` is the pose around which the variables are expressed.
+  ExcitationProblem(ExcitationTask task, const Pose& centre);
 
   /// 4 for the centre, then 4 a column of coefficients; about 0.1 m and 0.3 rad a unit.
-  int variables() const { return 4 + 8 * shape_.harmonics; }
+  int variables() const { return 4 + 8 * task_.shape.harmonics; }
   FourierSeries series(const Eigen::VectorXd& variables) const;
+  const ExcitationTask& task() const { return task_; }
+  void setFixedScale(const Eigen::VectorXd& scale) { task_.fixed_scale = scale; }
 
-  /// Log of k at the stated directions, plus `penalty_weight` times the penalty. Nothing when the mechanism cannot follow.
-  /// `gradient` may be null.
-  std::optional<double> cost(const Eigen::VectorXd& variables, double penalty_weight, Eigen::VectorXd* gradient) const;
+  /// Everything at one set of variables. Slopes are filled only when they are asked for.
+  struct Evaluation {
+    Eigen::VectorXd variables;
+    double cost = 0.0;
+    Eigen::VectorXd limits;  ///< use - 1 of every limit in every stretch of time: kept when not positive
+    Eigen::VectorXd cost_gradient;
+    Eigen::MatrixXd limit_gradients;  ///< variables x limits
+    bool has_slopes = false;
+  };
+  /// `exponent`: see SpectralCost. False when the mechanism cannot follow the series.
+  bool evaluate(const Eigen::VectorXd& variables, double exponent, bool with_slopes, Evaluation& out) const;
 
-  /// Largest use of any limit along the series; infinite when the mechanism cannot follow it.
-  double worstUse(const FourierSeries& series) const;
+  /// Each quantity's largest use is taken over stretches of a quarter of the highest harmonic's period, then one entry an actuator
+  /// for the rms force.
+  int limits() const { return kQuantities * stretches_ + kLegs; }
 
-  /// The stacked observations; nothing when the mechanism cannot follow.
+  /// Largest use of any limit along the series, at the instants that evaluate() looks at; infinite when the mechanism cannot
+  /// follow it. Stops looking beyond `enough`.
+  double worstUse(const Eigen::VectorXd& variables, double enough) const;
+
+  /// The observations, divided by the noise; nothing when the mechanism cannot follow. `rate_hz` and signs as in the motion that is
+  /// played, or those of evaluate().
   std::optional<std::vector<PaperRegressor>> observations(const FourierSeries& series) const;
+  std::optional<std::vector<PaperRegressor>> observationsAsPlayed(const FourierSeries& series) const;
 
   /// The series with all coefficients times the largest factor up to `largest` that keeps the limits, its centre drawn towards
   /// the middle when that alone is beyond them; nothing when no factor does.
   std::optional<Eigen::VectorXd> scaledToLimits(Eigen::VectorXd variables, double largest) const;
 
  private:
-  struct Instant;
-  bool evaluate(const SeriesPoint& point, const Pose& guess, bool with_limits, Instant& out) const;
-  void addGradient(const Instant& at, const SeriesPoint& point, const SeriesBasis& basis,
-                   const PaperRegressor& direction, double penalty_weight,
-                   Eigen::Matrix<double, 4, Eigen::Dynamic>& gradient) const;
-  LimitUse limitUse(const SeriesPoint& point, const Motion& motion) const;
+  static constexpr int kQuantities =
+      6 * kLegs;  ///< lengths, velocities, accelerations, forces; 7 angles and the condition
+  using Uses = Eigen::Matrix<double, kQuantities, 1>;
+  using UseSlopes = Eigen::Matrix<double, kQuantities, 3 * kLegs>;
+  struct Instant {
+    SeriesPoint point;
+    Motion motion;
+    PaperRegressor regressor;
+    Vector4 force = Vector4::Zero();
+    Uses uses;
+  };
+  bool visit(const SeriesPoint& point, const Pose& guess, const CoulombWidth& width, Instant& out) const;
+  void fillUses(Instant& instant) const;
+  void slopesOfUses(const Instant& instant, const InstantSlopes& slopes, UseSlopes& out) const;
+  void addSlopes(const std::vector<Instant>& instants, const SpectralCost& cost, Evaluation& out) const;
+  std::optional<std::vector<PaperRegressor>> observationsAt(const FourierSeries& series, const SampledBasis& basis,
+                                                            const CoulombWidth& width) const;
   Pose startPose(const FourierSeries& series, bool& ok) const;
+  int stretchOf(std::size_t instant) const;
 
-  Robot robot_;
-  SeriesShape shape_;
-  int directions_;
+  ExcitationTask task_;
   Lengths centre_lengths_;
   Pose centre_pose_;
-  Matrix4
-      unit_;  ///< actuator change of one unit of each variable: dq/dx times units, legs 2 and 3 tied if they are twins
-  SampledBasis coarse_, fine_;
+  /// Actuator change of one unit of each variable: dq/dx times units, legs 2 and 3 tied if they are twins.
+  Matrix4 unit_;
+  SampledBasis basis_;
+  int stretches_ = 1;
+  Vector4 peak_force_, rms_force_;  ///< N
+  JointLimits cosine_room_;         ///< 1 - cos of each joint's limit
+  double log_condition_max_ = 0.0;
 };
+
+/// The forces' parameters of a robot with a URDF; nothing without one.
+std::optional<ExpectedLoad> expectedLoad(const Robot& robot, const ExpectedFriction& friction);
 
 }  // namespace knee_robot

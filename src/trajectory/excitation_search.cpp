@@ -1,23 +1,28 @@
 #include "excitation_search.h"
 
-#include <ceres/gradient_problem.h>
-#include <ceres/gradient_problem_solver.h>
-
 #include <algorithm>
+#include <atomic>
 #include <chrono>
 #include <cmath>
 #include <mutex>
+#include <nlopt.hpp>
 #include <random>
 #include <thread>
 
 namespace knee_robot {
 namespace {
 
-constexpr double kPenaltyWeights[] = {3.0, 30.0, 300.0};  ///< one round of L-BFGS each
+constexpr double kExponents[] = {2.0, 8.0, 32.0};  ///< of SpectralCost, one round each
+constexpr double kKept = 1e-4;                     ///< a limit counts as kept up to this; scaling mends it
+constexpr double kReach = 0.3;                     ///< of one round, in units of the variables
+constexpr int kWayRounds = 8;                      ///< of bisection between two series
+constexpr int kProjection = 20;        ///< evaluations of the search for the nearest series within the limits
+constexpr double kPrice = 3.0;         ///< of going beyond a limit by all of it, in units of the cost
+constexpr double kFlat = 1e-4;         ///< a round ends when a step changes the cost by less
 constexpr double kCentreSpread = 0.3;  ///< standard deviation of the centre, in units of the variables
 constexpr double kLargestScale = 3.0;  ///< of random coefficients
 
-/// What all threads share: the clock, counters, the best k so far.
+/// What all threads share: the clock, counters, the best cost so far.
 class SearchBoard {
  public:
   explicit SearchBoard(const ExcitationOptions& options)
@@ -33,13 +38,13 @@ class SearchBoard {
   }
   bool stopped() const { return stopped_; }
 
-  void report(const char* stage, int total, double k) {
+  void report(const char* stage, int total, double cost) {
     const std::lock_guard<std::mutex> lock(mutex_);
     if (stage_ != stage) done_ = 0;
     stage_ = stage;
     ++done_;
-    if (k > 0.0 && (best_k_ == 0.0 || k < best_k_)) best_k_ = k;
-    if (options_.progress) options_.progress({stage, done_, total, best_k_});
+    best_cost_ = std::min(best_cost_, cost);
+    if (options_.progress) options_.progress({stage, done_, total, std::exp(best_cost_)});
   }
 
  private:
@@ -49,7 +54,7 @@ class SearchBoard {
   std::mutex mutex_;
   const char* stage_ = nullptr;
   int done_ = 0;
-  double best_k_ = 0.0;
+  double best_cost_ = HUGE_VAL;
 };
 
 /// Calls work(0) .. work(count - 1) from all cores.
@@ -69,119 +74,223 @@ void inParallel(int count, const Work& work) {
     thread.join();
 }
 
-double conditionOf(const ExcitationProblem& problem, const Eigen::VectorXd& variables) {
-  const std::optional<double> log_k = problem.cost(variables, 0.0, nullptr);
-  return log_k ? std::exp(*log_k) : std::numeric_limits<double>::infinity();
+double costOf(const ExcitationProblem& problem, const Eigen::VectorXd& variables) {
+  ExcitationProblem::Evaluation evaluation;
+  return problem.evaluate(variables, 0.0, false, evaluation) ? evaluation.cost
+                                                             : std::numeric_limits<double>::infinity();
 }
 
-/// Normal coefficients that fall with the harmonic's number (equal velocities), scaled up to the limits.
-std::optional<Candidate> randomCandidate(const ExcitationProblem& problem, unsigned seed, int number) {
+/// Normal coefficients that fall with the harmonic's number (equal velocities).
+Eigen::VectorXd randomVariables(const ExcitationProblem& problem, unsigned seed, int number) {
   std::seed_seq sequence{seed, static_cast<unsigned>(number)};
   std::mt19937_64 random(sequence);
   std::normal_distribution<double> normal;
-  Candidate candidate;
-  candidate.variables.resize(problem.variables());
-  for (Eigen::Index i = 0; i < candidate.variables.size(); ++i) {
+  Eigen::VectorXd variables(problem.variables());
+  for (Eigen::Index i = 0; i < variables.size(); ++i) {
     const Eigen::Index harmonic = 1 + (i - 4) / 8;  // sine and cosine of four actuators each
-    candidate.variables[i] = normal(random) * (i < 4 ? kCentreSpread : 1.0 / static_cast<double>(harmonic));
+    variables[i] = normal(random) * (i < 4 ? kCentreSpread : 1.0 / static_cast<double>(harmonic));
   }
-  const std::optional<Eigen::VectorXd> scaled = problem.scaledToLimits(candidate.variables, kLargestScale);
+  return variables;
+}
+
+/// Scaled up to the limits.
+std::optional<Candidate> randomCandidate(const ExcitationProblem& problem, unsigned seed, int number) {
+  const std::optional<Eigen::VectorXd> scaled =
+      problem.scaledToLimits(randomVariables(problem, seed, number), kLargestScale);
   if (!scaled) return std::nullopt;
-  candidate.variables = *scaled;
-  candidate.k = conditionOf(problem, *scaled);
-  return candidate;
+  return Candidate{*scaled, costOf(problem, *scaled)};
 }
 
-class PenalisedCost : public ceres::FirstOrderFunction {
- public:
-  PenalisedCost(const ExcitationProblem& problem, double weight, int& evaluations)
-      : problem_(problem), weight_(weight), evaluations_(evaluations) {}
+/// The columns' norms of the first random series that keeps the limits: units for D-optimality.
+void fixScale(ExcitationProblem& problem, const ExcitationOptions& options) {
+  for (int number = 0; number < options.candidates; ++number) {
+    Eigen::VectorXd variables = randomVariables(problem, options.seed, number);
+    const std::optional<Eigen::VectorXd> scaled = problem.scaledToLimits(variables, kLargestScale);
+    const auto observations = scaled ? problem.observations(problem.series(*scaled)) : std::nullopt;
+    if (!observations) continue;
+    problem.setFixedScale(columnScales(*observations));
+    return;
+  }
+  problem.setFixedScale(Eigen::VectorXd::Ones(kPaperParameters));
+}
 
-  bool Evaluate(const double* parameters, double* cost, double* gradient) const override {
-    const Eigen::VectorXd variables = Eigen::Map<const Eigen::VectorXd>(parameters, problem_.variables());
-    Eigen::VectorXd slope;
-    const std::optional<double> value = problem_.cost(variables, weight_, gradient ? &slope : nullptr);
+/// One start: NLopt asks for the criterion and for the limits at the same variables in turn, so the last evaluation is kept.
+class Start {
+ public:
+  Start(const ExcitationProblem& problem, const ExcitationOptions& options, SearchBoard& board, Candidate best)
+      : problem_(problem), options_(options), board_(board), best_(std::move(best)) {}
+
+  /// A round from the best so far. What it ends with may be a little beyond the limits: the nearest series that keeps them is
+  /// sought as well.
+  void improve(double exponent) {
+    exponent_ = exponent;
+    target_.resize(0);
+    run(best_.variables, options_.iterations);
+    if (found_.size() > 0) keep(found_);
+    if (nearly_.size() == 0) return;
+    keep(nearly_);
+    target_ = nearly_;
+    run(target_, kProjection);
+    if (found_.size() > 0) keep(found_);
+  }
+
+  const Candidate& best() const { return best_; }
+  int evaluations() const { return evaluations_; }
+
+ private:
+  /// SLSQP from `from`; what it finds on the way is kept in found_ and nearly_ (its own result is the best that keeps the limits
+  /// exactly, often the start).
+  void run(const Eigen::VectorXd& from, int evaluations) {
+    have_ = false;
+    found_.resize(0);
+    if (target_.size() == 0) nearly_.resize(0);
+    const std::size_t n = static_cast<std::size_t>(problem_.variables());
+    nlopt::opt solver(nlopt::LD_SLSQP, static_cast<unsigned>(n));
+    solver.set_min_objective(&Start::cost, this);
+    solver.add_inequality_mconstraint(&Start::limits, this,
+                                      std::vector<double>(static_cast<std::size_t>(problem_.limits()), kKept));
+    std::vector<double> x(from.data(), from.data() + n), low = x, high = x;
+    for (std::size_t i = 0; i < n; ++i) {
+      low[i] -= kReach;
+      high[i] += kReach;
+    }
+    solver.set_lower_bounds(low);
+    solver.set_upper_bounds(high);
+    solver.set_ftol_abs(target_.size() > 0 ? 1e-9 : kFlat);
+    solver.set_maxeval(evaluations);
+    double value = 0.0;
+    try {
+      solver.optimize(x, value);
+    } catch (const nlopt::forced_stop&) {
+    } catch (const nlopt::roundoff_limited&) {
+    } catch (const std::runtime_error&) {  // NLOPT_FAILURE: what was found on the way counts
+    }
+  }
+
+  /// The least cost so far with the limits kept, and with them nearly kept.
+  void note(const Eigen::VectorXd& variables) {
+    const double beyond = last_.limits.maxCoeff();
+    const double cost = target_.size() > 0 ? (variables - target_).squaredNorm() : last_.cost;
+    if (beyond <= kKept && (found_.size() == 0 || cost < found_cost_)) {
+      found_ = variables;
+      found_cost_ = cost;
+    }
+    const double merit = last_.cost + kPrice * std::max(0.0, beyond);
+    if (target_.size() == 0 && (nearly_.size() == 0 || merit < nearly_merit_)) {
+      nearly_ = variables;
+      nearly_merit_ = merit;
+    }
+  }
+
+  static double cost(const std::vector<double>& x, std::vector<double>& gradient, void* self) {
+    Start& start = *static_cast<Start*>(self);
+    if (start.target_.size() > 0) {
+      const Eigen::VectorXd away = Eigen::Map<const Eigen::VectorXd>(x.data(), start.target_.size()) - start.target_;
+      if (!gradient.empty()) Eigen::Map<Eigen::VectorXd>(gradient.data(), away.size()) = away;
+      return 0.5 * away.squaredNorm();
+    }
+    if (!start.at(x, !gradient.empty())) return HUGE_VAL;
+    if (!gradient.empty())
+      Eigen::Map<Eigen::VectorXd>(gradient.data(), start.problem_.variables()) = start.last_.cost_gradient;
+    return start.last_.cost;
+  }
+
+  static void limits(unsigned m, double* result, unsigned n, const double* x, double* gradient, void* self) {
+    Start& start = *static_cast<Start*>(self);
+    const bool ok = start.at(std::vector<double>(x, x + n), gradient != nullptr);
+    Eigen::Map<Eigen::VectorXd>(result, m) =
+        ok ? start.last_.limits : Eigen::VectorXd(Eigen::VectorXd::Constant(m, 1e3));
+    if (gradient == nullptr) return;
+    Eigen::Map<Eigen::MatrixXd> slopes(gradient, n, m);  // NLopt's rows are limits
+    if (ok) {
+      slopes = start.last_.limit_gradients;
+    } else {
+      slopes.setZero();
+    }
+  }
+
+  bool at(const std::vector<double>& x, bool with_slopes) {
+    const Eigen::VectorXd variables = Eigen::Map<const Eigen::VectorXd>(x.data(), problem_.variables());
+    if (have_ && variables == last_.variables && (last_.has_slopes || !with_slopes)) return true;
+    if (board_.mustStop()) throw nlopt::forced_stop();
+    have_ = problem_.evaluate(variables, exponent_, with_slopes, last_);
     ++evaluations_;
-    if (!value || !std::isfinite(*value)) return false;
-    *cost = *value;
-    if (gradient) Eigen::Map<Eigen::VectorXd>(gradient, problem_.variables()) = slope;
-    return true;
+    if (have_) note(variables);
+    board_.report("improving", options_.starts * options_.iterations * static_cast<int>(std::size(kExponents)),
+                  best_.cost);
+    return have_;
   }
-  int NumParameters() const override { return problem_.variables(); }
 
- private:
+  /// Brings variables that are a little beyond the limits back in two ways, less amplitude and the way back to the best so far, and
+  /// keeps what is better than that.
+  void keep(const Eigen::VectorXd& variables) {
+    const std::optional<Eigen::VectorXd> smaller = problem_.scaledToLimits(variables, 1.0);
+    if (smaller) keepIfBetter(*smaller);
+    const Eigen::VectorXd from = best_.variables;
+    double low = 0.0, high = 1.0;
+    for (int round = 0; round < kWayRounds; ++round) {
+      const double middle = round == 0 ? 1.0 : 0.5 * (low + high);
+      (problem_.worstUse(from + middle * (variables - from), 1.0) <= 1.0 ? low : high) = middle;
+      if (low == 1.0) break;
+    }
+    if (low > 0.0) keepIfBetter(from + low * (variables - from));
+  }
+
+  void keepIfBetter(const Eigen::VectorXd& variables) {
+    const double cost = costOf(problem_, variables);
+    if (cost < best_.cost) best_ = {variables, cost};
+  }
+
   const ExcitationProblem& problem_;
-  double weight_;
-  int& evaluations_;
-};
-
-class StopWatch : public ceres::IterationCallback {
- public:
-  StopWatch(SearchBoard& board, int total, const Candidate& best) : board_(board), total_(total), best_(best) {}
-  ceres::CallbackReturnType operator()(const ceres::IterationSummary&) override {
-    board_.report("improving", total_, best_.k);
-    return board_.mustStop() ? ceres::SOLVER_TERMINATE_SUCCESSFULLY : ceres::SOLVER_CONTINUE;
-  }
-
- private:
+  const ExcitationOptions& options_;
   SearchBoard& board_;
-  int total_;
-  const Candidate& best_;
+  Candidate best_;
+  double exponent_ = 0.0;
+  Eigen::VectorXd target_;  ///< not empty: seek the nearest series that keeps the limits
+  ExcitationProblem::Evaluation last_;
+  bool have_ = false;
+  Eigen::VectorXd found_;  ///< feasible, with the least smoothed cost of this round
+  double found_cost_ = 0.0;
+  Eigen::VectorXd nearly_;  ///< the best compromise of this round between cost and limits
+  double nearly_merit_ = 0.0;
+  int evaluations_ = 0;
 };
-
-/// L-BFGS from a feasible candidate; after each round the result is scaled back to the limits and kept if it is better.
-Candidate improved(const ExcitationProblem& problem, const ExcitationOptions& options, Candidate best,
-                   SearchBoard& board, int& evaluations) {
-  Eigen::VectorXd variables = best.variables;
-  const int total = options.starts * options.iterations * static_cast<int>(std::size(kPenaltyWeights));
-  for (const double weight : kPenaltyWeights) {
-    if (board.mustStop()) break;
-    ceres::GradientProblem ceres_problem(new PenalisedCost(problem, weight, evaluations));
-    StopWatch watch(board, total, best);
-    ceres::GradientProblemSolver::Options solver;
-    solver.line_search_direction_type = ceres::LBFGS;
-    solver.max_num_iterations = options.iterations;
-    solver.max_lbfgs_rank = 30;
-    solver.logging_type = ceres::SILENT;
-    solver.callbacks.push_back(&watch);
-    ceres::GradientProblemSolver::Summary summary;
-    ceres::Solve(solver, ceres_problem, variables.data(), &summary);
-    const std::optional<Eigen::VectorXd> feasible = problem.scaledToLimits(variables, 1.0);
-    if (!feasible) continue;
-    const double k = conditionOf(problem, *feasible);
-    if (k < best.k) best = {*feasible, k};
-  }
-  return best;
-}
 
 }  // namespace
 
-SearchResult searchExcitation(const ExcitationProblem& problem, const ExcitationOptions& options) {
+SearchResult searchExcitation(ExcitationProblem& problem, const ExcitationOptions& options) {
   SearchBoard board(options);
   SearchResult result;
+  if (options.criterion == ExcitationCriterion::Determinant) fixScale(problem, options);
   std::vector<std::optional<Candidate>> random(static_cast<std::size_t>(options.candidates));
   inParallel(options.candidates, [&](int number) {
     // The first two are always looked at: there must be something to return.
     if (number > 1 && board.mustStop()) return;
-    random[static_cast<std::size_t>(number)] = randomCandidate(problem, options.seed, number);
-    const std::optional<Candidate>& found = random[static_cast<std::size_t>(number)];
-    board.report("random", options.candidates, found ? found->k : 0.0);
+    std::optional<Candidate>& found = random[static_cast<std::size_t>(number)];
+    found = randomCandidate(problem, options.seed, number);
+    board.report("random", options.candidates, found ? found->cost : HUGE_VAL);
   });
   for (std::optional<Candidate>& candidate : random) {
-    if (candidate && std::isfinite(candidate->k)) result.found.push_back(std::move(*candidate));
+    if (candidate && std::isfinite(candidate->cost)) result.found.push_back(std::move(*candidate));
   }
-  const auto better = [](const Candidate& a, const Candidate& b) { return a.k < b.k; };
+  const auto better = [](const Candidate& a, const Candidate& b) { return a.cost < b.cost; };
   std::stable_sort(result.found.begin(), result.found.end(), better);
   result.feasible = static_cast<int>(result.found.size());
   if (result.found.empty()) return result;
-  result.random_k = result.found.front().k;
+  result.random = result.found.front();
   result.found.resize(
       std::min<std::size_t>(result.found.size(), static_cast<std::size_t>(std::max(1, options.starts))));
 
   std::vector<int> evaluations(result.found.size(), 0);
-  inParallel(std::min(options.starts, static_cast<int>(result.found.size())), [&](int start) {
-    const std::size_t i = static_cast<std::size_t>(start);
-    result.found[i] = improved(problem, options, result.found[i], board, evaluations[i]);
+  inParallel(std::min(options.starts, static_cast<int>(result.found.size())), [&](int number) {
+    const std::size_t i = static_cast<std::size_t>(number);
+    Start start(problem, options, board, result.found[i]);
+    for (const double exponent : kExponents) {
+      if (board.mustStop()) break;
+      start.improve(exponent);
+    }
+    result.found[i] = start.best();
+    evaluations[i] = start.evaluations();
   });
   for (const int count : evaluations)
     result.evaluations += count;
