@@ -26,6 +26,9 @@ void Recorder::updateHook(const rt::Cycle& cycle) {
   out_.digital_outputs = written_.digital_outputs;
   row.write(out_);
   if (out_.recording == 0 || measured_.status != hardware::IoStatus::Ok) return;
+  if (measured_.sequence == recorded_)
+    return;  // AxesInput does not run: a second row of the same moment would say nothing
+  recorded_ = measured_.sequence;
   if (!ring_.write(out_)) dropped_.fetch_add(1, std::memory_order_relaxed);
 }
 

@@ -104,14 +104,26 @@ void RecordingWriter::flush() {
     if (put < 0 && errno == EINTR) continue;
     if (put < 0) {
       const InputError error = failure(path_, "write");
-      std::memmove(buffer_.data(), buffer_.data() + done,
-                   used_ - done);  // a later flush goes on where this one stopped
-      used_ -= done;
+      takeBackHalfLine(done);
       throw error;
     }
     done += static_cast<std::size_t>(put);
   }
+  bytes_ += static_cast<std::int64_t>(done);
   used_ = 0;
+}
+
+/// The disk took `done` bytes of the buffer and no more: leaves whole lines in the file, and the rest for a later flush.
+void RecordingWriter::takeBackHalfLine(std::size_t done) {
+  std::size_t whole = done;
+  while (whole > 0 && buffer_[whole - 1] != '\n')
+    --whole;
+  bytes_ += static_cast<std::int64_t>(whole);
+  if (whole < done && (::ftruncate(file_, bytes_) != 0 || ::lseek(file_, bytes_, SEEK_SET) < 0)) {
+    whole = done;  // neither taken back nor written again
+  }
+  std::memmove(buffer_.data(), buffer_.data() + whole, used_ - whole);
+  used_ -= whole;
 }
 
 void RecordingWriter::close() {

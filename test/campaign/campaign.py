@@ -91,6 +91,7 @@ class Campaign:
                                real_time=os.geteuid() == 0)
         self.session_key = json.dumps(fault.simulation)
         self.session.start()
+        self.geometry.home_pose = self.session.truth.last()["pose"]
         return self.session
 
     def end_session(self):

@@ -57,6 +57,10 @@ def send(*signals, wait_s=0.0, process="controller"):
 
 # ---- processes
 
+# A retriggerable relay on the heartbeat output, as hardware files declare one: without it the counter card's outputs are the last word.
+RELAY = {"heartbeat_relay": {"bit": 2, "hold_s": 0.02}}
+
+
 def kill_guardian(run):
     run.at_injection()
     run.session.guardian.kill()
@@ -105,6 +109,7 @@ def fenced_out(run):
 
 
 def kill_master(run):
+    run.session.keep_connections()
     run.at_injection()
     run.master.stop()
 
@@ -294,7 +299,7 @@ def processes():
     yield Fault("guardian_killed_then_controller", kill_both_and_restart, process_death=False, outcome=DOWN, causes=("has died",),
                 hold_works=False, fresh=True, observe_s=3.0)
     yield Fault("guardian_killed_then_controller_with_relay", kill_both, outcome=DOWN, causes=(), fresh=True,
-                simulation={"heartbeat_relay": {"bit": 2, "hold_s": 0.02}})
+                simulation=RELAY)
     yield Fault("master_killed", kill_master, outcome=GOES_ON, after=restart_master, observe_s=1.0)
     yield Fault("second_controller", second_controller, outcome=GOES_ON, observe_s=0.3)
     yield Fault("second_simulated_robot", second_robot, outcome=GOES_ON, observe_s=0.3)
@@ -327,6 +332,8 @@ def components():
 def machine():
     yield Fault("dac_write_error", inject("analog_card_lost"), causes=("output_lost",))
     yield Fault("counter_card_lost", inject("counter_card_lost"), causes=("measurement_lost", "output_lost"), hold_works=False)
+    yield Fault("counter_card_lost_with_relay", inject("counter_card_lost"), causes=("measurement_lost", "output_lost"), fresh=True,
+                simulation=RELAY)
     yield Fault("drive_power_lost", inject("drive_dead"), causes=("following_error", "stalled", "runaway", "velocity_limit",
                                                                   "acceleration_limit"))
     yield Fault("drive_power_lost_1", inject("drive_dead", 1), causes=("following_error", "stalled", "runaway", "velocity_limit",

@@ -1,5 +1,4 @@
 """One fault, once: play, inject, look on, judge by what the simulated robot really did."""
-import math
 import os
 import pathlib
 import subprocess
@@ -44,8 +43,10 @@ class Run:
         answer = s.load(self.reference.name)
         if not answer.success:
             raise NotValid(answer.message)
+        before = s.truth.written()
         if not (answer := s.trigger("enable")).success:
             raise NotValid(f"enable: {answer.message}")
+        self.settle(before)
         self.recording = s.recordings / f"run_{self.number}.csv"
         if self.fault.name.startswith("disk_full"):
             self.mount_small_disk()
@@ -55,6 +56,15 @@ class Run:
         if not (answer := s.trigger("start")).success:
             raise NotValid(f"start: {answer.message}")
         time.sleep(BEFORE_S + 0.11 * (self.number % 5))
+
+    def settle(self, first_row):
+        """When the brakes open, the platform sinks until the Drivers carry it: waits, and notes how far."""
+        s = self.session
+        end = time.monotonic() + 2.0
+        while np.max(np.abs(s.truth.last()["length_m"] - self.points[0])) > 5e-4 and time.monotonic() < end:
+            time.sleep(0.02)
+        heights = s.truth.since(first_row)["pose"][:, 1]
+        self.sag_mm = 1e3 * float(heights[0] - np.min(heights))
 
     def mount_small_disk(self):
         done = subprocess.run(["mount", "-t", "tmpfs", "-o", "size=1m", "tmpfs", str(self.session.recordings)],
@@ -125,16 +135,16 @@ class Run:
     def measure_stop(self, result, before, after):
         at = self.injected_at
         held = truth.is_held(after)
-        unpowered = (after["outputs"] & truth.RELEASE_BIT) == 0
+        unpowered = (after["outputs"] & truth.POWER_BITS) != truth.POWER_BITS
         first = lambda mask: 1e3 * float(after["monotonic_s"][np.nonzero(mask)[0][0]] - at) if np.any(mask) else None
         # Held for good: the last time it became so.
         result["held_ms"] = None
         if held[-1]:
             free = np.nonzero(~held)[0]
             result["held_ms"] = 1e3 * float(after["monotonic_s"][min(len(after) - 1, free[-1] + 1) if len(free) else 0] - at)
-        result["outputs_down_ms"] = first(unpowered | (after["drives"] == 0))
+        result["outputs_down_ms"] = first(unpowered)
         result["drop_mm"] = 1e3 * float(before["pose"][-1][1] - np.min(after["pose"][:, 1]))
-        result["moved_down_for_ms"] = None
+        result["enable_sag_mm"] = self.sag_mm
         self.begins = [result["outputs_down_ms"]]
 
     def measure_excess(self, result, rows, after):
@@ -149,6 +159,11 @@ class Run:
         """What the controller or, when it is dead, the guardian says."""
         s = self.session
         self.state, self.cause = "none", ""
+        if self.fault.outcome == DISABLED and self.fault.name.startswith("controller_"):
+            try:
+                s.controller.wait(10.0)  # it ends by itself, in order
+            except subprocess.TimeoutExpired:
+                self.wrong = "the controller did not end"
         if is_alive(s.controller) and self.fault.outcome != DOWN:
             try:
                 end = time.monotonic() + 1.5
@@ -184,7 +199,6 @@ class Run:
 
     def judge_going_on(self, result, after):
         """Nothing may have stopped: drives on and brakes open in every row."""
-        result["outputs_down_ms"] = result["outputs_down_ms"]
         if np.any(after["drives"] != 15) or np.any(after["holds"] != 0):
             self.wrong = self.wrong or "the robot did not go on"
         speed = np.max(np.abs(after["length_m"][-1] - after["length_m"][max(0, len(after) - 300)]))
@@ -218,7 +232,7 @@ class Run:
             if lost > 1.0:
                 result["recording"] = result["recording"] or f"the last {lost:.2f} s before the fault are missing"
             left = data.leaves_path_at(self.points, self.injected_at - offset)
-            if left is not None and self.fault.outcome != GOES_ON:
+            if left is not None and result["held_ms"] is not None:
                 begins.append(1e3 * (left + offset - self.injected_at))
         elif not result["recording"]:
             result["recording"] = "does not show the movement"
@@ -242,6 +256,9 @@ class Run:
                 s.trigger("disable")
             if s.wait_for(("faulted", "disabled"), 2.0).state == "faulted" and not s.trigger("reset_faults").success:
                 return False
-            return s.state().state == "disabled" and os.path.isdir(s.recordings) and math.isfinite(float(s.truth.last()["pose"][1]))
+            # A platform that has sunk or tilted far has no room left for the next movement.
+            pose = np.abs(s.truth.last()["pose"] - self.geometry.home_pose)
+            near = bool(np.all(pose < (0.085, 0.004, 0.105, 0.125)))
+            return s.state().state == "disabled" and os.path.isdir(s.recordings) and near
         except (NoAnswer, RuntimeError):
             return False

@@ -67,15 +67,17 @@ class Master:
 class Session:
     """The robot with its controller. `files`: robot, simulation, hardware, deployment; `programs`: folder of the programs."""
 
-    def __init__(self, folder, programs, files, silence_ms, real_time):
+    def __init__(self, folder, programs, files, silence_ms, real_time, program="campaign_controller"):
         self.folder, self.programs, self.files = folder, pathlib.Path(programs), files
         self.silence_ms, self.real_time = silence_ms, real_time
+        self.program = program
         self.shm = f"/knee_campaign_{os.getpid()}"
         self.references, self.recordings = folder / "references", folder / "recordings"
         for one in (folder, self.references, self.recordings):
             one.mkdir(parents=True, exist_ok=True)
         self.robot = self.guardian = self.controller = None
         self.others = []
+        self.kept = {}
         self.pool = concurrent.futures.ThreadPoolExecutor(max_workers=16)
         self.environment = dict(os.environ, KNEE_CAMPAIGN_SHM=self.shm)
 
@@ -100,7 +102,7 @@ class Session:
         return [self.programs / program, f"__name:={name}"] + [f"_{key}:={value}" for key, value in parameters.items()]
 
     def start_controller(self):
-        self.controller = self.spawn("controller", *self.controller_command())
+        self.controller = self.spawn("controller", *self.controller_command(program=self.program))
 
     def start(self):
         """Brings everything up; ends when the controller answers."""
@@ -167,11 +169,19 @@ class Session:
 
     def call(self, service, kind, *arguments):
         """The answer; NoAnswer when there is none in ANSWER_S (a service has no time limit of its own)."""
-        waiting = self.pool.submit(rospy.ServiceProxy(f"/controller/{service}", kind), *arguments)
+        proxy = self.kept.get(service) or rospy.ServiceProxy(f"/controller/{service}", kind)
+        waiting = self.pool.submit(proxy, *arguments)
         try:
             return waiting.result(ANSWER_S)
         except Exception as error:  # rospy raises many kinds, all of which mean that nobody answered
             raise NoAnswer(f"{service}: {type(error).__name__} {error}") from None
+
+    def keep_connections(self):
+        """From here on these two need no master: their connections stay open."""
+        for service, kind in (("get_state", GetState), ("set_recording", SetRecording)):
+            self.kept[service] = rospy.ServiceProxy(f"/controller/{service}", kind, persistent=True)
+        self.state()
+        self.record(True, "..")  # refused
 
     def trigger(self, service):
         return self.call(service, Trigger)

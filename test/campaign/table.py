@@ -74,6 +74,7 @@ def summary(results, faults):
         lines.append(f"| drop below 5 mm with a brake | largest {max(r['drop_mm'] for r in braked):.2f} mm; "
                      f"{sum(r['drop_mm'] > DROP_MM for r in braked)} of {len(braked)} above |")
     lines += [f"| cause named correctly in all | {sum(r['cause_right'] for r in runs)} of {len(runs)} |",
+              f"| sinking when the brakes open (no target) | largest {max(r['enable_sag_mm'] for r in runs):.2f} mm |",
               f"| axes held in the end | {sum(r['held_ms'] is not None for r in stops)} of {len(stops)} |",
               f"| recording intact | {sum(not r['recording'] for r in disk)} of {len(disk)} |"]
     return lines

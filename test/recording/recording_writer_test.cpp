@@ -2,8 +2,10 @@
 
 #include <gtest/gtest.h>
 #include <stdlib.h>
+#include <sys/resource.h>
 
 #include <cmath>
+#include <csignal>
 #include <filesystem>
 #include <fstream>
 #include <limits>
@@ -69,6 +71,33 @@ TEST_F(RecordingWriterTest, AFileThatWasNeverClosedHoldsWholeLinesOnly) {
   const Recording r = loadRecording(path_);
   EXPECT_GT(r.rows(), 1000);
   EXPECT_TRUE(r.notes.empty());
+}
+
+TEST_F(RecordingWriterTest, ADiskThatFillsUpLeavesWholeLinesAndTheRestIsWrittenWhenThereIsRoomAgain) {
+  struct FileSizeLimit {  // stands for the full disk: the file may not grow beyond
+    explicit FileSizeLimit(rlim_t bytes) {
+      std::signal(SIGXFSZ, SIG_IGN);
+      getrlimit(RLIMIT_FSIZE, &before);
+      const rlimit small{bytes, before.rlim_max};
+      setrlimit(RLIMIT_FSIZE, &small);
+    }
+    ~FileSizeLimit() { setrlimit(RLIMIT_FSIZE, &before); }
+    rlimit before{};
+  };
+  RecordingWriter writer(path_, 4);
+  for (int k = 0; k < 100; ++k)
+    writer.write(row(k));
+  {
+    const FileSizeLimit limit(5011);
+    EXPECT_THROW(writer.flush(), InputError);
+  }
+  const std::string content = readFile(path_);
+  EXPECT_GT(content.size(), 4500u);
+  EXPECT_LE(content.size(), 5011u);
+  EXPECT_EQ(content.back(), '\n');
+  EXPECT_GT(loadRecording(path_).rows(), 15);
+  writer.close();
+  EXPECT_EQ(loadRecording(path_).rows(), 100);
 }
 
 TEST_F(RecordingWriterTest, NeverOverwritesARecording) {

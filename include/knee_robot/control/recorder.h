@@ -47,6 +47,7 @@ class Recorder : public rt::TaskContext {
   std::array<AxisCommand, kAxes> commands_{};
   AxesWritten written_;
   TrackingRow out_;
+  std::uint64_t recorded_ = 0;  ///< sequence of the last row
 };
 
 }  // namespace knee_robot

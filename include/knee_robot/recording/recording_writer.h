@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstddef>
+#include <cstdint>
 #include <string>
 #include <vector>
 
@@ -44,6 +45,7 @@ class RecordingWriter {
  private:
   void append(const char* text, std::size_t size);
   void appendNumber(double value, int decimals, char separator);
+  void takeBackHalfLine(std::size_t done);
 
   std::string path_;
   int axes_;
@@ -52,6 +54,7 @@ class RecordingWriter {
   double last_time_s_;
   std::vector<char> buffer_;
   std::size_t used_ = 0;
+  std::int64_t bytes_ = 0;  ///< in the file, whole lines
 };
 
 }  // namespace knee_robot
