@@ -85,7 +85,8 @@ std::string exerciseSvg(const Exercise& exercise, const Robot& robot, const Exer
     style.y_label = label;
     plots.push_back(svgPlot(lines, style));
   };
-  add("position, mm", {line("Xm", 0, t, 1e3 * poses.col(0)), line("Zm", 1, t, 1e3 * poses.col(1))});
+  add("Xm, mm", {line("Xm", 0, t, 1e3 * poses.col(0))});
+  add("Zm, mm", {line("Zm", 1, t, 1e3 * poses.col(1))});
   add("turn, deg", {line("theta", 2, t, kDegrees * poses.col(2)), line("psi", 3, t, kDegrees * poses.col(3))});
   std::vector<PlotLine> length_lines, velocity_lines;
   for (int i = 0; i < kLegs; ++i) {

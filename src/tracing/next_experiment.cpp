@@ -7,12 +7,15 @@
 #include <optional>
 #include <random>
 
+#include "knee_robot/base/numbers.h"
 #include "knee_robot/trajectory/fourier_series.h"
 #include "knee_robot/trajectory/pose_limits.h"
 
 namespace knee_robot {
 namespace {
 
+constexpr double kLeastAngle_rad = 0.0175;  ///< below a degree two explanations are one
+constexpr double kBetter = 1.1;
 constexpr double kVisible = 2.0;  ///< times the floor that an effect must leave to count in full
 
 Eigen::MatrixXd basisOf(const Eigen::MatrixXd& columns) {
@@ -271,10 +274,13 @@ NextExperiment planNextExperiment(const Robot& robot, const TraceResult& result,
   double step = 0.5;
   for (int k = 0; best && k < plan.improving; ++k)
     step = look(dice.near(*best, step)) ? step * 1.2 : std::max(0.05, step * 0.93);
-  out.planned = best && scoreOf(out.then, floor_N) > scoreOf(out.now, floor_N);
+  out.planned =
+      best && out.then.angle_rad > kLeastAngle_rad && scoreOf(out.then, floor_N) > kBetter * scoreOf(out.now, floor_N);
   if (!out.planned) {
     out.reason = "none of " + std::to_string(out.motions) + " motions within the robot's limits separates " +
-                 out.first + " from " + out.second + " better than the training recordings do";
+                 out.first + " from " + out.second + " clearly better than the training recordings do (largest angle " +
+                 shortNumber(57.29578 * out.then.angle_rad, 2) + " deg, before " +
+                 shortNumber(57.29578 * out.now.angle_rad, 2) + " deg)";
   }
   return out;
 }

@@ -19,6 +19,8 @@ constexpr double kWidthCounts = 10;  ///< distance over which a leg's play is ta
 constexpr double kWidth_m = 1e-4;
 constexpr double kLoadCutoff_hz = 2.0;
 constexpr double kLoadShare = 0.1;  ///< of the force's rms: width of the change of sign
+constexpr double kMoved_m = 2e-4;   ///< what stands still says the same again and again: one row in
+constexpr double kStanding_s = 1.0;
 constexpr int kDimensions = 11;
 constexpr double kStep = 1e-6;
 
@@ -113,6 +115,13 @@ PoseView viewPose(const Robot& robot, const Recording& recording, double conditi
   return view;
 }
 
+void setDelay(PoseView& view, double delay_s) {
+  view.camera = cameraAtRows(*view.recording, delay_s);
+  view.rows.erase(std::remove_if(view.rows.begin(), view.rows.end(),
+                                 [&](Eigen::Index row) { return !view.camera.row(row).allFinite(); }),
+                  view.rows.end());
+}
+
 std::vector<PoseHypothesis> poseHypotheses(const std::vector<PoseView>& views) {
   std::vector<PoseHypothesis> out;
   for (int i = 0; i < kLegs; ++i)
@@ -161,10 +170,14 @@ PoseStack stackPose(const std::vector<PoseView>& views, double rate_hz) {
   const bool several = views.size() > 1;
   for (std::size_t v = 0; v < views.size(); ++v) {
     double next = -std::numeric_limits<double>::infinity();
+    Eigen::RowVectorXd last;
     for (const Eigen::Index row : views[v].rows) {
       const double t = views[v].recording->time_s[static_cast<std::size_t>(row)];
-      if (t < next) continue;
+      const Eigen::RowVectorXd q = views[v].recording->position_m.row(row);
+      const bool stands = last.size() > 0 && (q - last).cwiseAbs().maxCoeff() < kMoved_m;
+      if (t < next || (stands && t < next + kStanding_s)) continue;
       next = t + 0.999 / rate_hz;
+      last = q;
       stack.picks.push_back({v, row, static_cast<int>(v)});
     }
   }

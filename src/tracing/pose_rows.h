@@ -21,6 +21,9 @@ struct PoseView {
 /// Without rows and camera when the recording has too few pictures. `delay_s`: nan: its own.
 PoseView viewPose(const Robot& robot, const Recording& recording, double condition_max, double delay_s);
 
+/// Reads the camera with another delay; drops rows that then have no picture.
+void setDelay(PoseView& view, double delay_s);
+
 /// All explanations that a robot allows, each with one unknown.
 std::vector<PoseHypothesis> poseHypotheses(const std::vector<PoseView>& views);
 
@@ -38,7 +41,7 @@ struct PoseStack {
   std::vector<Pick> picks;
   int pieces = 0;
 };
-/// At most `rate_hz` rows a second. Pieces: recordings when there are several, else eight contiguous parts.
+/// At most `rate_hz` rows a second, one a second at rest. Pieces: recordings when there are several, else eight contiguous parts.
 PoseStack stackPose(const std::vector<PoseView>& views, double rate_hz);
 
 /// Camera minus model at the picks (4 a pick), and its derivative by turn, shift X, shift Z, plate, and by the hypotheses.

@@ -89,11 +89,7 @@ PoseRecording judge(const Robot& robot, const PoseView& view, const PoseTrace& t
   if (view.rows.empty()) return out;
   // What is left when only frame and delay are this recording's own: dimensions and offsets stay training's.
   std::vector<PoseView> own = {view};
-  own.front().camera = cameraAtRows(*view.recording, view.own.delay_s);
-  std::vector<Eigen::Index>& rows = own.front().rows;
-  rows.erase(std::remove_if(rows.begin(), rows.end(),
-                            [&](Eigen::Index row) { return !own.front().camera.row(row).allFinite(); }),
-             rows.end());
+  setDelay(own.front(), view.own.delay_s);
   Robot changed = robot;
   changed.mechanism = changedMechanism(*robot.mechanism, model);
   Recording moved = *view.recording;
@@ -132,7 +128,7 @@ double commonDelay(std::vector<PoseView>& views, PoseTrace& trace) {
                                    : std::string()) +
                         ").");
   for (PoseView& view : views)
-    view.camera = cameraAtRows(*view.recording, sum / known);
+    setDelay(view, sum / known);
   return sum / known;
 }
 

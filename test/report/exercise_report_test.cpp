@@ -22,9 +22,9 @@ TEST(ExerciseReport, ShowsEveryExerciseWithPoseActuatorsAndMarginsAsOnePicture) 
     options.scale_to_fit = true;
     const ExercisePlan plan = planExercise(exercise, robot, options);
     const std::string svg = exerciseSvg(exercise, robot, plan);
-    EXPECT_EQ(count(svg, "<svg "), 6u) << exercise.name;  // five panels in one picture
+    EXPECT_EQ(count(svg, "<svg "), 7u) << exercise.name;  // six panels in one picture
     EXPECT_EQ(count(svg, "<svg "), count(svg, "</svg>"));
-    for (const char* label : {"position, mm", "turn, deg", "length, mm", "velocity, mm/s", "left of the limit, %",
+    for (const char* label : {"Xm, mm", "Zm, mm", "turn, deg", "length, mm", "velocity, mm/s", "left of the limit, %",
                               "singularity margin", "Nearest limit: "})
       EXPECT_NE(svg.find(label), std::string::npos) << label;
     EXPECT_EQ(svg.find("nan"), std::string::npos) << exercise.name;

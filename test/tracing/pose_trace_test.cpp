@@ -125,6 +125,7 @@ TEST(PoseTrace, NamesAHomeOffsetAndRemovesItsErrorElsewhere) {
   ASSERT_TRUE(found(t, {PoseCause::HomeOffset, 1})) << t.found;
   EXPECT_NEAR(t.trace.findings[0].value, 0.004, 4e-4);
   const PoseRecording& other = t.trace.validate[0];
+  EXPECT_GT(other.after.rows, 1000);
   EXPECT_GT(other.before.rms.cwiseQuotient(t.trace.noise).maxCoeff(), 2.0) << "it must matter elsewhere";
   EXPECT_LT(other.after.rms.cwiseQuotient(t.trace.noise).maxCoeff(), 1.3);
 }
@@ -180,6 +181,7 @@ TEST(PoseTrace, NamesWhatMattersExactlyOrWithItsRivals) {
         },
         k < 4 ? 2 : 1);
     const PoseErrors &before = t.trace.validate[0].before, &after = t.trace.validate[0].after;
+    ASSERT_GT(before.rows, 1000) << t.found;
     const double was = before.rms.cwiseQuotient(t.trace.noise).maxCoeff(),
                  is = after.rms.cwiseQuotient(t.trace.noise).maxCoeff();
     const bool matters = was > 1.5;

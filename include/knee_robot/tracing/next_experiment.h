@@ -19,7 +19,7 @@ struct Separation {
 
 /// The motion that would tell two explanations apart.
 struct NextExperiment {
-  bool planned = false;
+  bool planned = false;       ///< the angle grows by a tenth at least, and beyond a degree
   std::string first, second;  ///< "stribeck on actuator 3", "quadratic_drag on actuator 3"
   Separation now, then;       ///< along the training recordings; along the planned motion
   Reference reference;        ///< actuator lengths; checkReference accepts it
