@@ -71,16 +71,22 @@ void reportUntilDone(const GuardianReport& report, const hardware::GuardianLink&
 }
 
 struct Options {
-  std::string hardware_file, shm = "/knee_robot_sim", link = "/knee_robot_guardian";
+  std::string hardware_file, can, shm = "/knee_robot_sim", link = "/knee_robot_guardian";
   double silence_ms = 10.0;
   int priority = 90, cpu = -1;
   bool require_real_time = false, down_now = false;
 };
 
+HardwareFile loadFile(const Options& options) {
+  HardwareFile file = loadHardwareFile(options.hardware_file);
+  if (file.can && !options.can.empty()) file.can->interface = options.can;
+  return file;
+}
+
 /// What a service manager calls after the controller or its guardian has ended, for whatever reason. A guardian that lives does
 /// the same by itself and is left alone; a controller that lives is fenced out first.
 int bringDownNow(const Options& options) {
-  const HardwareFile file = loadHardwareFile(options.hardware_file);
+  const HardwareFile file = loadFile(options);
   hardware::SharedGuardianLink memory = hardware::SharedGuardianLink::open(options.link);
   const std::unique_ptr<hardware::EmergencyOutputs> outputs = openOutputs(file, options.shm);
   memory.link().tripped.store(1);
@@ -91,7 +97,7 @@ int bringDownNow(const Options& options) {
 }
 
 int run(const Options& options) {
-  const HardwareFile file = loadHardwareFile(options.hardware_file);
+  const HardwareFile file = loadFile(options);
   hardware::SharedGuardianLink memory = hardware::SharedGuardianLink::open(options.link);
   const std::int32_t other = memory.link().guardian_pid.load();
   if (hardware::processExists(other)) {
@@ -132,6 +138,8 @@ int main(int argc, char** argv) {
   app.add_option("--hardware", options.hardware_file, "hardware file (YAML): which cards")->required();
   app.add_option("--shm", options.shm, "shared memory of the simulated robot, for backend simulated")
       ->capture_default_str();
+  app.add_option("--can", options.can,
+                 "CAN interface or simulated bus' path, for backend can; default: the hardware file's");
   app.add_option("--link", options.link, "shared memory between controller and guardian")->capture_default_str();
   app.add_option("--silence-ms", options.silence_ms, "a controller that is silent for so long is dead")
       ->check(CLI::Range(3.0, 10000.0))
