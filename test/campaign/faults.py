@@ -120,6 +120,17 @@ def restart_master(run):
     return None
 
 
+def lose_master_for_a_moment(run):
+    kill_master(run)
+    time.sleep(0.4)
+    run.master.start()
+
+
+def spend(run):
+    run.session_is_spent = True
+    return None
+
+
 def second_controller(run):
     """Another controller on the same robot: has to end by itself with a sentence."""
     run.at_injection()
@@ -300,7 +311,8 @@ def processes():
                 hold_works=False, fresh=True, observe_s=3.0)
     yield Fault("guardian_killed_then_controller_with_relay", kill_both, outcome=DOWN, causes=(), fresh=True,
                 simulation=RELAY)
-    yield Fault("master_killed", kill_master, outcome=GOES_ON, after=restart_master, observe_s=1.0)
+    yield Fault("master_killed", kill_master, outcome=DISABLED, after=restart_master, observe_s=6.0)  # after master_timeout_s
+    yield Fault("master_lost_for_a_moment", lose_master_for_a_moment, outcome=GOES_ON, after=spend, observe_s=0.6)
     yield Fault("second_controller", second_controller, outcome=GOES_ON, observe_s=0.3)
     yield Fault("second_simulated_robot", second_robot, outcome=GOES_ON, observe_s=0.3)
     yield Fault("second_guardian", second_guardian, outcome=GOES_ON, observe_s=0.3)

@@ -1,0 +1,123 @@
+#pragma once
+
+#include <unistd.h>
+
+#include <cstdlib>
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "knee_robot/base/errors.h"
+#include "knee_robot/base/files.h"
+#include "knee_robot/base/numbers.h"
+#include "knee_robot/control/component_types.h"
+#include "knee_robot/control/hardware_file.h"
+#include "knee_robot/dynamics/model.h"
+#include "knee_robot/hardware/open_bus.h"
+#include "knee_robot/hardware/shared_image.h"
+#include "knee_robot/mechanism/robot.h"
+#include "knee_robot/recording/import.h"
+#include "knee_robot/recording/recording.h"
+#include "knee_robot/recording/text_table.h"
+#include "knee_robot/rt/deployer.h"
+#include "knee_robot/simulation/simulation_parameters.h"
+#include "knee_robot/trajectory/reference_file.h"
+
+/// Every reader of files that somebody else may have written: what the fuzzers and the random-bytes test feed.
+namespace knee_robot::fuzz {
+
+struct Parser {
+  const char* name;
+  std::vector<std::string> seeds;  ///< files below the repository's root, or whole texts when they hold a line end
+  std::function<void(const std::string& text)> read;
+};
+
+/// A file of this process alone for readers that take a path; rewritten for each input.
+inline std::string fileWith(const std::string& text) {
+  static const std::string path = [] {
+    const char* memory = "/dev/shm/knee_fuzz_XXXXXX";
+    std::string name = memory;
+    const int file = ::mkstemp(name.data());
+    if (file >= 0) ::close(file);
+    static const std::string kept = name;
+    std::atexit([] { ::unlink(kept.c_str()); });
+    return name;
+  }();
+  std::unique_ptr<FILE, int (*)(FILE*)> file(std::fopen(path.c_str(), "wb"), &std::fclose);
+  std::fwrite(text.data(), 1, text.size(), file.get());
+  return path;
+}
+
+inline void readDeployment(const std::string& text) {
+  static const Robot robot = loadRobot(KNEE_SOURCE_DIR "/config/robots/A.yaml");
+  static const HardwareFile hardware = loadHardwareFile(KNEE_SOURCE_DIR "/config/hardware/simulated.yaml");
+  static const auto image = std::make_unique<hardware::RobotImage>();
+  static const auto bus = hardware::openImageCards(*image);
+  const std::string path = fileWith(text);
+  rt::Deployment deployment(path, componentTypes(robot, hardware, *bus, AxisValues{}), rt::Execution::Stepped);
+}
+
+inline void readTable(const std::string& text) {
+  const TextTable table(text, "table");
+  for (int column = 0; column < table.columns(); ++column)
+    table.numbers(column, true);
+}
+
+inline void readMapped(const std::string& text) {
+  const std::size_t end = text.find('\n');
+  parseMapping(text.substr(0, end));
+  if (end != std::string::npos) parseColumnMap(text.substr(end + 1), "map");
+}
+
+inline const std::vector<Parser>& parsers() {
+  static const std::vector<Parser> all = {
+      {"reference",
+       {"# space: actuator\n# period_s: 0.01\n0.6 0.65 0.66 0.62\n0.6001\t0.65 0.66 0.62\r\n",
+        "# space: platform\n0 0.6 0 0\n0.001 0.6 0 0"},
+       [](const std::string& text) { parseReference(text, "reference"); }},
+      {"recording",
+       {"time_s,position_1_m,force_1_N\n0,0.6,1\n0.001,0.6,1.5\n0.002,0.6,nan\n",
+        "time_s,reference_1_m,position_1_m,command_1_V,force_1_N,mocap_x_m\n0.1,0.6,0.6,-0.00488,1e2,nan\n0.2,0,0,0,0,"
+        "1\n"},
+       [](const std::string& text) { parseRecording(text, "recording"); }},
+      {"robot",
+       {"config/robots/A.yaml", "config/robots/bench.yaml", "config/robots/final.yaml"},
+       [](const std::string& text) { loadRobot(fileWith(text)); }},
+      {"simulation",
+       {"config/simulation/A.yaml", "config/simulation/final.yaml",
+        "axes:\n  - {viscous_N_s_per_m: 1, coulomb_N: 1}\npayload: {mass_kg: 15, center_m: [0, 0, 0.1]}\neffects:\n  - "
+        "{name: stribeck, "
+        "actuators: [2], excess_N: 10, velocity_m_per_s: 0.005}\n"},
+       [](const std::string& text) { parseSimulationParameters(text, "simulation"); }},
+      {"hardware",
+       {"config/hardware/simulated.yaml", "config/hardware/can_simulated.yaml"},
+       [](const std::string& text) { loadHardwareFile(fileWith(text)); }},
+      {"deployment", {"config/deployment/simulation.yaml"}, [](const std::string& text) { readDeployment(text); }},
+      {"model",
+       {"format_version: 1\nmechanism: 3UPS+1RPU\naxes: 4\nrobot: abc\ndata: []\ncutoff_hz: 3\nmoving_m_per_s: "
+        "0.001\nrank: 2\n"},
+       [](const std::string& text) { parseModel(text, "model"); }},
+      {"table", {"a;b\n1;2\n3;4\n", "t x\n0 1\n1 2\n", "1,5;2\n"}, [](const std::string& text) { readTable(text); }},
+      {"column_map",
+       {"enc1=position_1_m,counts,5e-6,0.6\nseparator: tab\ndecimal: comma\ncolumns:\n  - {from: \"t [ms]\", to: "
+        "time_s, unit: ms}\n"},
+       [](const std::string& text) { readMapped(text); }},
+  };
+  return all;
+}
+
+inline std::string seedText(const std::string& seed) {
+  return seed.find('\n') != std::string::npos ? seed : readFile(std::string(KNEE_SOURCE_DIR "/") + seed);
+}
+
+/// Bad input is refused with an InputError or a Refusal; whatever else comes out of a reader is its fault.
+inline void feed(const Parser& parser, const std::string& text) {
+  try {
+    parser.read(text);
+  } catch (const InputError&) {
+  } catch (const Refusal&) {
+  }
+}
+
+}  // namespace knee_robot::fuzz
