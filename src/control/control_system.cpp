@@ -1,6 +1,7 @@
 #include "knee_robot/control/control_system.h"
 
 #include <chrono>
+#include <cmath>
 #include <thread>
 
 #include "control_parts.h"
@@ -21,6 +22,18 @@ AxisValues lengthsAtStart(const Robot& robot, const ControlSystem::Options& opti
   return lengths;
 }
 
+/// Drives on a bus are told the period, and the bus' load was computed with it.
+void requireBusPeriod(const HardwareFile& hardware, const rt::Deployment& deployment, const std::string& path) {
+  if (!hardware.can) return;
+  for (const auto& activity : deployment.activities()) {
+    const double period = rt::toSeconds(activity->options().period);
+    if (std::abs(period - hardware.can->period_s) < 1e-9) continue;
+    throw InputError(path + ": activity " + activity->name() + " has period_s " + shortNumber(period) + ", and " +
+                     hardware.path + " can.period_s " + shortNumber(hardware.can->period_s) +
+                     "; one servo cycle is one SYNC: make them equal");
+  }
+}
+
 const Robot& requireFourAxes(const Robot& robot) {
   if (robot.axes() != kAxes) {
     throw InputError(robot.path + ": actuators: the controller drives four actuators, not " +
@@ -38,6 +51,7 @@ ControlSystem::ControlSystem(const Robot& robot, const HardwareFile& hardware, c
   rt::TypeFactory types = options_.types;  // these win
   types.merge(componentTypes(robot, hardware, bus, lengths));
   deployment_ = std::make_unique<rt::Deployment>(deployment_path, types, options_.execution);
+  requireBusPeriod(hardware, *deployment_, deployment_path);
   parts_ = std::make_unique<Parts>(*deployment_);
   rt::connect(parts_->panel.request, parts_->supervisor->request, rt::ConnPolicy::buffer(16));
   rt::connect(parts_->supervisor->status, parts_->panel.status);

@@ -3,6 +3,7 @@
 
 #include <functional>
 
+#include "knee_robot/base/errors.h"
 #include "test/control/can_rig.h"
 
 namespace knee_robot::fake {
@@ -228,6 +229,17 @@ TEST(CanSystem, AControllerThatFallsSilentLeavesDrivesThatStopByThemselves) {
     EXPECT_NE(rig.plant.drive(axis).state(), can::DriveState::OperationEnabled);
   EXPECT_EQ(rig.brakesEngaged(), kAll);
   EXPECT_EQ(rig.drivesEnabled(), 0u);
+}
+
+TEST(CanSystem, RefusesADeploymentWhosePeriodIsNotTheBus) {
+  CanRig rig;
+  try {
+    ControlSystem other(rig.robot, rig.hardware, CanRig::file("config/deployment/simulation.yaml"), rig.bus,
+                        CanRig::stepped());
+    FAIL();
+  } catch (const InputError& error) {
+    EXPECT_NE(std::string(error.what()).find("has period_s 0.001"), std::string::npos) << error.what();
+  }
 }
 
 TEST(CanSystem, DoesNotStartWithAnotherDriveOrARefusedObjectAndSaysWhich) {
