@@ -147,8 +147,8 @@ void ControllerDiagnostics::timing(Status& status) {
         std::max(level, levelAbove(activity.lateness_p99_s, thresholds_.lateness_warn_s, thresholds_.lateness_error_s));
     level = std::max(level, levelAbove(activity.execution_p99_s / activity.period_s, thresholds_.execution_warn,
                                        thresholds_.execution_error));
-    sentence += activity.name + ": 99 % woke within " + shortNumber(1e6 * activity.lateness_p99_s, 3) +
-                " us and ran within " + shortNumber(1e6 * activity.execution_p99_s, 3) + " us; ";
+    sentence += activity.name + ": 99 % late by less than " + shortNumber(1e6 * activity.lateness_p99_s, 3) +
+                " us, ran for less than " + shortNumber(1e6 * activity.execution_p99_s, 3) + " us; ";
     status.add(activity.name + " cycles", activity.cycles);
     status.add(activity.name + " missed", activity.missed);
     status.add(activity.name + " largest lateness (s)", activity.lateness_max_s);
@@ -157,7 +157,7 @@ void ControllerDiagnostics::timing(Status& status) {
   const std::uint64_t missed_now = missed - missed_before_;
   missed_before_ = missed;
   if (missed_now > 0) level = std::max<unsigned char>(level, DiagnosticStatus::WARN);
-  status.summary(level, sentence + std::to_string(missed_now) + " cycles left out in the last second");
+  status.summary(level, sentence + std::to_string(missed_now) + " left out");
 }
 
 void ControllerDiagnostics::guardian(Status& status) {

@@ -81,7 +81,8 @@ void Board::bar(const std::string& subject, const std::string& name, double shar
 std::string fixedNumber(double value, int decimals) {
   char text[64];
   std::snprintf(text, sizeof text, "%.*f", decimals, value);
-  return text;
+  const bool zero = std::string(text).find_first_of("123456789in") == std::string::npos;
+  return zero && text[0] == '-' ? text + 1 : text;
 }
 
 std::string wrapped(const std::string& words, std::size_t width) {

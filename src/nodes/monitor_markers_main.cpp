@@ -29,14 +29,15 @@ class MarkerMonitor {
  public:
   MarkerMonitor(ros::NodeHandle& node, const Robot& robot, double rate_hz)
       : robot_(robot),
+        controller_(node.resolveName("controller")),
         markers_(node.advertise<visualization_msgs::MarkerArray>("markers", 2)),
-        subscribers_{node.subscribe<ControllerState>("controller/state", 2,
+        subscribers_{node.subscribe<ControllerState>(controller_ + "/state", 2,
                                                      [this](const auto& message) { hear(heard_.state, *message); }),
-                     node.subscribe<Tracking>("controller/tracking", 2,
+                     node.subscribe<Tracking>(controller_ + "/tracking", 2,
                                               [this](const auto& message) { hear(heard_.tracking, *message); }),
-                     node.subscribe<Margins>("controller/margins", 2,
+                     node.subscribe<Margins>(controller_ + "/margins", 2,
                                              [this](const auto& message) { hear(heard_.margins, *message); }),
-                     node.subscribe<nav_msgs::Path>("controller/path", 2,
+                     node.subscribe<nav_msgs::Path>(controller_ + "/path", 2,
                                                     [this](const auto& message) { hear(heard_.path, *message); })},
         timer_(node.createWallTimer(ros::WallDuration(1.0 / rate_hz), [this](const auto&) { show(); })) {}
 
@@ -74,6 +75,7 @@ class MarkerMonitor {
   }
 
   const Robot& robot_;
+  const std::string controller_;
   Heard heard_;
   ros::WallTime heard_at_;
   ForwardResult forward_;

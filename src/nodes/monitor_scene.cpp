@@ -15,7 +15,7 @@ using visualization_msgs::Marker;
 constexpr double kErrorScale_m = 0.005;  // whole length of an error's bar
 constexpr double kErrorNear_m = 0.001, kErrorBad_m = 0.002;
 constexpr double kMarginNear = 0.2, kMarginBad = 0.05;
-constexpr Color kGhost{0.10F, 0.65F, 0.35F, 0.45F}, kGhostLine{0.10F, 0.60F, 0.30F, 0.9F},
+constexpr Color kGhost{0.10F, 0.70F, 0.35F, 0.40F}, kGhostLine{0.10F, 0.60F, 0.30F, 0.9F},
     kPath{0.15F, 0.35F, 0.85F, 0.9F}, kPathEdge{0.15F, 0.35F, 0.85F, 0.45F};
 
 geometry_msgs::Point pointOf(const Vector3& p) {
@@ -31,24 +31,31 @@ Vector3 placed(const Pose& pose, const Vector3& point) {
   return Vector3(pose[0], 0.0, pose[1]) + platformRotation(pose) * point;
 }
 
+/// A ring around the platform, its joints and its legs: wider than the robot's own, so that it is seen where both coincide.
 void addGhost(Scene& scene, const Mechanism& mechanism, const Pose& pose) {
-  Marker& plate = scene.add("reference", Marker::TRIANGLE_LIST, kGhost);
-  constexpr double thickness = 0.012;  // m
-  for (int k = 0; k < 3; ++k) {
-    const Vector3 a = mechanism.platform_points[k], b = mechanism.platform_points[(k + 1) % 3];
-    for (const double z : {0.0, thickness}) {
-      const Vector3 up(0.0, 0.0, z);
-      for (const Vector3& p : {Vector3(up), Vector3(a + up), Vector3(b + up)})
-        plate.points.push_back(pointOf(placed(pose, p)));
-    }
-    const Vector3 up(0.0, 0.0, thickness);
-    for (const Vector3& p : {a, b, Vector3(b + up), a, Vector3(b + up), Vector3(a + up)})
-      plate.points.push_back(pointOf(placed(pose, p)));
+  constexpr int corners = 48;
+  constexpr double above = 0.032;  // m, over the drawn plate
+  double radius = 0.0;
+  for (const Vector3& point : mechanism.platform_points)
+    radius = std::max(radius, point.norm());
+  Marker& ring = scene.add("reference", Marker::LINE_STRIP, kGhostLine);
+  ring.scale.x = 0.010;
+  for (int k = 0; k <= corners; ++k) {
+    const double angle = 2.0 * M_PI * k / corners;
+    ring.points.push_back(
+        pointOf(placed(pose, {1.07 * radius * std::cos(angle), 1.07 * radius * std::sin(angle), 0.02})));
   }
-  Marker& legs = scene.add("reference", Marker::LINE_LIST, kGhostLine);
-  legs.scale.x = 0.008;
+  Marker& spokes = scene.add("reference", Marker::LINE_LIST, kGhostLine);
+  spokes.scale.x = 0.008;
+  Marker& legs = scene.add("reference", Marker::LINE_LIST, kGhost);
+  legs.scale.x = 0.034;
   for (int i = 0; i < kLegs; ++i) {
-    const Vector3 tip = i < 3 ? mechanism.platform_points[i] : Vector3::Zero();
+    const Vector3 tip = i < 3 ? Vector3(mechanism.platform_points[i]) : Vector3::Zero();
+    const Vector3 up(0.0, 0.0, above);
+    if (i < 3) {
+      spokes.points.push_back(pointOf(placed(pose, up)));
+      spokes.points.push_back(pointOf(placed(pose, 1.07 * tip + up)));
+    }
     legs.points.push_back(pointOf(mechanism.base_points[i]));
     legs.points.push_back(pointOf(placed(pose, tip)));
   }

@@ -40,7 +40,7 @@ void TextMonitor::listen(ros::NodeHandle& node, const std::string& topic, std::o
         kept = *message;
         heard_at_ = ros::WallTime::now();
       };
-  subscribers_.push_back(node.subscribe<Message>("controller/" + topic, 2, hear));
+  subscribers_.push_back(node.subscribe<Message>(controller_ + "/" + topic, 2, hear));
 }
 
 TextMonitor::TextMonitor(ros::NodeHandle& node) : controller_(node.resolveName("controller")) {
@@ -73,15 +73,15 @@ std::vector<std::string> TextMonitor::screen() const {
     lines.push_back(controller_ + ": SILENT - no controller is heard");
     if (!state_) return lines;
   } else {
-    lines.push_back(controller_ + ": " + state_->state + (state_->recording ? ", recording" : ""));
+    lines.push_back(controller_ + ": " + state_->state + (state_->playing.empty() ? "" : " " + state_->playing) +
+                    (state_->recording ? ", recording" : ""));
   }
   const ControllerState& state = *state_;
   lines.push_back(state.fault.empty() ? "fault        none" : "FAULT        " + state.fault + ": " + state.cause);
   lines.push_back("reference    " + (state.reference_file.empty() ? "none" : state.reference_file));
-  lines.push_back(format("progress     %s %5.1f of %5.1f s, speed %3.0f %% of %3.0f %% asked for  ",
+  lines.push_back(format("progress     %s %5.1f of %5.1f s, speed %3.0f %%, asked for %3.0f %%",
                          bar(state.progress, 30).c_str(), state.path_time_s, state.duration_s, 100.0 * state.time_scale,
-                         state.speed_percent) +
-                  state.playing);
+                         state.speed_percent));
   addLegs(lines);
   addTiming(lines);
   addDiagnostics(lines);

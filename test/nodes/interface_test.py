@@ -18,7 +18,7 @@ from visualization_msgs.msg import MarkerArray
 sys.path.insert(0, str(pathlib.Path(__file__).parent))
 import movements  # noqa: E402
 from knee_robot.msg import ControllerState, Forces, Margins, Timing, Tracking  # noqa: E402
-from robot_client import Player, RobotClient  # noqa: E402
+from robot_client import Player, RobotClient, run_program  # noqa: E402
 
 COORDINATES = "q11 q12 q13 q21 q22 q23 q31 q32 q33 q41 q42 Xm Zm theta psi".split()
 
@@ -114,20 +114,36 @@ class Interface(unittest.TestCase):
     def test_gains_change_within_their_bounds_and_without_a_bump(self):
         self.robot.bring_to("holding")
         client = Client("/controller/gains", timeout=10)
-        before = client.get_configuration()["proportional_1"]
+        before = client.get_configuration()["proportional_4"]
         self.assertEqual(60000.0, before, "the deployment file's, not cfg's default")
+        time.sleep(2.0)  # the hold devices have just let go: until the integrals carry the platform
         rows = []
         subscriber = rospy.Subscriber("/controller/tracking", Tracking, rows.append, queue_size=1000)
         time.sleep(0.3)
-        self.assertEqual(40000.0, client.update_configuration({"proportional_1": 40000.0})["proportional_1"])
+        changed = client.update_configuration({"proportional_4": 40000.0, "integral_4": 100000.0})
+        self.assertEqual((40000.0, 100000.0), (changed["proportional_4"], changed["integral_4"]))
         time.sleep(0.5)
         subscriber.unregister()
-        positions = [row.position_m[0] for row in rows]
-        print(f"position of leg 1 while P changed: within {1e6 * (max(positions) - min(positions)):.0f} um")
+        positions, forces = [row.position_m[3] for row in rows], [row.force_N[3] for row in rows]
+        print(f"leg 4 while P and I changed: position within {1e6 * (max(positions) - min(positions)):.0f} um, "
+              f"force within {max(forces) - min(forces):.2f} N of {forces[0]:.1f} N")
         self.assertLess(max(positions) - min(positions), 2e-4)
-        self.assertEqual(1e6, client.update_configuration({"proportional_1": 1e9})["proportional_1"], "beyond its bound")
-        self.assertEqual(before, client.update_configuration({"proportional_1": before})["proportional_1"])
+        # The integral carries the leg's share of the platform: taken over without care it would be a third of that at once.
+        self.assertLess(max(forces) - min(forces), 0.1 * abs(forces[0]))
+        self.assertEqual(1e6, client.update_configuration({"proportional_4": 1e9})["proportional_4"], "beyond its bound")
+        changed = client.update_configuration({"proportional_4": before, "integral_4": 300000.0})
+        self.assertEqual(before, changed["proportional_4"])
         self.assertEqual("holding", self.robot.state().state)
+
+    def test_the_terminal_monitor_says_it_all_and_is_plain_in_a_pipe(self):
+        once = run_program("monitor", "--once")
+        self.assertEqual(0, once.returncode, once.stderr)
+        for words in ("/controller: ", "fault        none", "lateness", "tracking", "limits", "guardian"):
+            self.assertIn(words, once.stdout)
+        self.assertNotIn("\x1b", once.stdout)
+        silent = run_program("monitor", "--once", "controller:=nobody")
+        self.assertEqual(1, silent.returncode)
+        self.assertIn("SILENT", silent.stdout)
 
     def test_a_bag_is_being_recorded(self):
         bags = list(pathlib.Path(self.robot.parameter("recordings")).glob("simulation_*.bag.active"))

@@ -1,5 +1,6 @@
 #!/usr/bin/python3
 """What may not be played is refused with a reason, and nothing moves."""
+import math
 import os
 import pathlib
 import sys
@@ -9,6 +10,7 @@ import rospy
 import rostest
 
 sys.path.insert(0, str(pathlib.Path(__file__).parent))
+import movements  # noqa: E402
 from robot_client import RobotClient, parameter  # noqa: E402
 
 
@@ -23,13 +25,17 @@ class Refusals(unittest.TestCase):
         (self.folder / name).write_text("".join(" ".join(map(str, point)) + "\n" for point in points))
         return name
 
+    def setUp(self):
+        self.robot.bring_to("disabled")
+
     def assert_refused(self, name, *words):
+        loaded = self.robot.state().reference_file
         answer = self.robot.load(name)
         self.assertFalse(answer.success, answer.message)
         for word in words:
             self.assertIn(word, answer.message)
         self.assertEqual("disabled", self.robot.state().state)
-        self.assertEqual("", self.robot.state().reference_file)
+        self.assertEqual(loaded, self.robot.state().reference_file)
         self.assertEqual(self.home, list(self.robot.tracking().position_m), "something moved")
         self.assertFalse(self.robot.trigger("start").success)
 
@@ -55,6 +61,45 @@ class Refusals(unittest.TestCase):
             os.symlink(outside, link)
         for name in (str(outside), "../outside.txt", "link.txt", "/etc/passwd"):
             self.assert_refused(name, "outside the folder")
+
+    def assert_services_refused(self, state, *services):
+        for service in services:
+            answer = self.robot.trigger(service)
+            self.assertFalse(answer.success, service)
+            self.assertGreater(len(answer.message), 10, service)
+            self.assertEqual(state, self.robot.state().state, service)
+
+    def test_what_the_state_forbids_is_refused_and_changes_nothing(self):
+        self.robot.bring_to("disabled")
+        self.assert_services_refused("disabled", "pause", "resume", "start", "approach")
+        self.robot.bring_to("holding")
+        self.assertTrue(self.robot.load(movements.write(self.folder, "rise.txt", movements.rise(4.0))).success)
+        self.assert_services_refused("holding", "pause", "resume", "reset_faults", "home", "confirm_home")
+        self.assertTrue(self.robot.trigger("approach").success)
+        self.robot.wait_for("holding", 20)
+        self.assertTrue(self.robot.trigger("start").success)
+        self.assert_services_refused("playing", "enable", "start", "approach", "reset_faults", "home", "confirm_home")
+        self.assertFalse(self.robot.load("rise.txt").success)
+        self.assertTrue(self.robot.trigger("emergency_stop").success)
+        self.assertEqual("faulted", self.robot.wait_for("faulted", 10).state)
+        self.assert_services_refused("faulted", "enable", "start", "approach", "pause", "resume", "home")
+        self.assertIn("emergency stop", self.robot.trigger("enable").message)
+        self.assertTrue(self.robot.trigger("reset_faults").success)
+        self.assertEqual("disabled", self.robot.state().state)
+
+    def test_impossible_speeds_are_refused(self):
+        for percent in (-1.0, 100.1, math.nan, math.inf):
+            self.assertFalse(self.robot.set_speed(percent).success, percent)
+        self.assertEqual(100.0, self.robot.state().speed_percent)
+
+    def test_a_huge_file_and_a_folder_are_refused(self):
+        huge = self.folder / "huge.txt"
+        with open(huge, "wb") as file:
+            file.truncate(100 << 20)
+        self.assert_refused("huge.txt", "more than the limit")
+        huge.unlink()
+        (self.folder / "folder.txt").mkdir(exist_ok=True)
+        self.assert_refused("folder.txt", "not a regular file")
 
     def test_recordings_get_plain_new_names_only(self):
         for name in ("../x.csv", "/tmp/x.csv", ".hidden", "a b.csv"):
