@@ -120,15 +120,11 @@ def restart_master(run):
     return None
 
 
-def lose_master_for_a_moment(run):
-    kill_master(run)
-    time.sleep(0.4)
-    run.master.start()
-
-
-def spend(run):
-    run.session_is_spent = True
-    return None
+def stop_master_for_a_moment(run):
+    run.at_injection()
+    os.kill(run.master.process.pid, signal.SIGSTOP)
+    time.sleep(0.8)
+    os.kill(run.master.process.pid, signal.SIGCONT)
 
 
 def second_controller(run):
@@ -312,7 +308,7 @@ def processes():
     yield Fault("guardian_killed_then_controller_with_relay", kill_both, outcome=DOWN, causes=(), fresh=True,
                 simulation=RELAY)
     yield Fault("master_killed", kill_master, outcome=DISABLED, after=restart_master, observe_s=6.0)  # after master_timeout_s
-    yield Fault("master_lost_for_a_moment", lose_master_for_a_moment, outcome=GOES_ON, after=spend, observe_s=0.6)
+    yield Fault("master_silent_for_a_moment", stop_master_for_a_moment, outcome=GOES_ON, observe_s=0.6)
     yield Fault("second_controller", second_controller, outcome=GOES_ON, observe_s=0.3)
     yield Fault("second_simulated_robot", second_robot, outcome=GOES_ON, observe_s=0.3)
     yield Fault("second_guardian", second_guardian, outcome=GOES_ON, observe_s=0.3)

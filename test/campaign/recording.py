@@ -1,5 +1,4 @@
 """What is left of a recording after a fault: whether it can be read, until when, and when the reference left its path."""
-import math
 
 import numpy as np
 
@@ -65,34 +64,31 @@ class Recording:
             step /= 3.0
         return float(best)
 
-    def leaves_path_at(self, points, after):
-        """Recording time of the first row after `after` whose reference went less far along the path than time did; None: never."""
+    def leaves_path_at(self, points, after, until):
+        """Recording time of the row from which on the reference never again went as far along the path as time did, between the
+        times `after` and `until`; None when the rows do not show it. A machine that pauses lets the reference wait for a moment,
+        too: only what does not come back is a stop."""
         reference = self.four("reference_{}_m")
-        first = int(np.searchsorted(self.time, after - 0.03))
-        last = int(np.searchsorted(self.time, after + 1.0))
-        place, near, found = None, None, []
+        first, last = np.searchsorted(self.time, [after - 0.03, until])
+        near, places, off_path = None, [], False
         for k in range(first, last):
             if near is None:
                 near = self.locate(points, reference[k])
-            here, distance = robot_path.path_time(points, reference[k], near)
-            if distance > 1e-5:
-                if self.time[k] > after:
-                    return float(self.time[k])  # off the path altogether
-                place, near = None, None
-                continue
-            if place is not None and self.time[k] > after:
-                steps = round((self.time[k] - self.time[k - 1]) / 0.001)
-                found.append((self.time[k], (here - place) < 0.000995 * min(steps, 1)))
-                if len(found) >= 2 and found[-1][1] and found[-2][1]:
-                    return float(found[-2][0])
-            place = near = here
-        return None
+            near, distance = robot_path.path_time(points, reference[k], near)
+            if distance > 1e-4:
+                last, off_path = k, True  # the Drivers hold where they are, or stop by themselves
+                break
+            places.append(near)
+        rates = np.diff(places) / np.maximum(1.0, np.rint(np.diff(self.time[first:last]) / 0.001)) / 0.001
+        full = np.nonzero(rates >= 0.995)[0]
+        if off_path and (len(full) == 0 or full[-1] + 4 > len(rates)):
+            return max(float(self.time[last]), after)
+        if len(full) == 0 or full[-1] + 4 > len(rates):
+            return None
+        begin = float(self.time[first + full[-1] + 2])
+        return max(begin, after)
 
     @staticmethod
     def locate(points, reference):
         gaps = np.sum(np.square(points - reference), axis=1)
         return float(np.argmin(gaps)) * robot_path.PERIOD_S
-
-
-def is_finite(value):
-    return value is not None and math.isfinite(value)

@@ -70,13 +70,9 @@ def path_time(points, reference, near_s):
     """Path time (s) at which the path has the lengths `reference`, nearest to `near_s`; the reference lies on the path exactly."""
     centre = int(near_s / PERIOD_S)
     first, last = max(0, centre - 15), min(len(points) - 2, centre + 15)
-    best = (math.inf, 0.0)
-    for k in range(first, last + 1):
-        step = points[k + 1] - points[k]
-        length = float(step @ step)
-        share = 0.0 if length == 0.0 else min(1.0, max(0.0, float((reference - points[k]) @ step) / length))
-        gap = reference - (points[k] + share * step)
-        distance = float(gap @ gap)
-        if distance < best[0] - 1e-18:
-            best = (distance, (k + share) * PERIOD_S)
-    return best[1], math.sqrt(best[0])
+    start, step = points[first:last + 1], points[first + 1:last + 2] - points[first:last + 1]
+    squared = np.maximum(np.sum(step * step, axis=1), 1e-30)
+    share = np.clip(np.sum((reference - start) * step, axis=1) / squared, 0.0, 1.0)
+    distances = np.linalg.norm(reference - (start + share[:, None] * step), axis=1)
+    best = int(np.argmin(distances))
+    return (first + best + float(share[best])) * PERIOD_S, float(distances[best])

@@ -61,7 +61,10 @@ class Run:
         """When the brakes open, the platform sinks until the Drivers carry it: waits, and notes how far."""
         s = self.session
         end = time.monotonic() + 2.0
-        while np.max(np.abs(s.truth.last()["length_m"] - self.points[0])) > 5e-4 and time.monotonic() < end:
+        at_rest_since = time.monotonic()
+        while time.monotonic() < min(end, at_rest_since + 0.25):
+            if np.max(np.abs(s.truth.last()["length_m"] - self.points[0])) > 5e-4:
+                at_rest_since = time.monotonic()
             time.sleep(0.02)
         heights = s.truth.since(first_row)["pose"][:, 1]
         self.sag_mm = 1e3 * float(heights[0] - np.min(heights))
@@ -142,7 +145,8 @@ class Run:
         if held[-1]:
             free = np.nonzero(~held)[0]
             result["held_ms"] = 1e3 * float(after["monotonic_s"][min(len(after) - 1, free[-1] + 1) if len(free) else 0] - at)
-        result["outputs_down_ms"] = first(unpowered)
+        # With a relay the outputs may stay as they were and the power goes all the same.
+        result["outputs_down_ms"] = first(unpowered) if np.any(unpowered) else first(after["drives"] == 0)
         result["drop_mm"] = 1e3 * float(before["pose"][-1][1] - np.min(after["pose"][:, 1]))
         result["enable_sag_mm"] = self.sag_mm
         self.begins = [result["outputs_down_ms"]]
@@ -231,9 +235,13 @@ class Run:
             result["recording_lost_s"] = max(0.0, float(lost))
             if lost > 1.0:
                 result["recording"] = result["recording"] or f"the last {lost:.2f} s before the fault are missing"
-            left = data.leaves_path_at(self.points, self.injected_at - offset)
-            if left is not None and result["held_ms"] is not None:
-                begins.append(1e3 * (left + offset - self.injected_at))
+            if result["held_ms"] is not None:
+                fault_at = self.injected_at - offset
+                # Once the brakes are ordered to engage the reference follows the measured position.
+                until = min(begins + [result["held_ms"]])
+                left = data.leaves_path_at(self.points, fault_at, fault_at + 1e-3 * until - 0.002)
+                if left is not None:
+                    begins.append(1e3 * (left - fault_at))
         elif not result["recording"]:
             result["recording"] = "does not show the movement"
         result["stop_begins_ms"] = max(0.0, min(begins)) if begins else None

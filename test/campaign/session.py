@@ -129,11 +129,10 @@ class Session:
 
     def wait_for_file(self, path, process):
         end = time.monotonic() + START_S
-        while not os.path.exists(path) or os.path.getsize(path) <= truth.HEAD:
+        while not truth.is_ready(path):
             if not is_alive(process) or time.monotonic() > end:
                 raise RuntimeError(f"the simulated robot did not come up, see {self.folder}/robot.log")
             time.sleep(0.01)
-        time.sleep(0.05)
 
     def stop(self):
         """Ends everything, the controller first and in order when it can."""

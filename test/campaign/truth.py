@@ -9,6 +9,16 @@ POWER_BITS = 3  # config/hardware/simulated.yaml: drive_enable and hold_release
 RELEASE_BIT = 2
 
 
+def is_ready(path):
+    """The log is there and has its first rows."""
+    try:
+        with open(path, "rb") as file:
+            head = np.frombuffer(file.read(HEAD), dtype="u8")
+    except FileNotFoundError:
+        return False
+    return len(head) == 4 and int(head[0]) == MAGIC and int(head[3]) > 10
+
+
 class TruthLog:
     def __init__(self, name):
         self.path = "/dev/shm" + name + "_truth"
