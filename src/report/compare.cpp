@@ -37,18 +37,18 @@ ErrorFigures errorFigures(const std::vector<double>& time_s, const Eigen::Vector
 
 namespace {
 
-void comparePoses(const Robot& robot, CompareResults& r) {
+void comparePoses(const Robot& robot, bool has_reference, CompareResults& r) {
   r.has_pose = true;
   r.measured = posesOf(*robot.mechanism, r.recording.position_m);
   r.reference = posesOf(*robot.mechanism, r.recording.reference_m);
   const int rows = r.recording.rows();
-  if (r.measured.unknown == rows || r.reference.unknown == rows) {
+  if (r.measured.unknown == rows || (has_reference && r.reference.unknown == rows)) {
     throw Refusal(r.recording.path + ": forward kinematics finds no pose for the " +
                   (r.measured.unknown == rows ? "measured" : "reference") +
                   " lengths of any row; is this the robot file of the machine that was recorded?");
   }
   for (const auto& [path, name] : {std::pair{&r.measured, "measured"}, std::pair{&r.reference, "reference"}}) {
-    if (path->unknown > 0) {
+    if (path->unknown > 0 && (has_reference || path == &r.measured)) {
       r.notes.push_back("Forward kinematics found no pose for the " + std::string(name) + " lengths of " +
                         std::to_string(path->unknown) + " of " + std::to_string(rows) + " rows; they are left out.");
     }
@@ -89,20 +89,26 @@ void addCamera(const Robot& robot, CompareResults& r) {
 
 CompareResults compare(const Robot& robot, const Recording& recording, double condition_max) {
   requireAxes(recording, robot.axes(), robot.path);
-  if (recording.reference_m.cols() == 0) {
+  const bool has_reference = recording.reference_m.cols() > 0;
+  if (!has_reference && (recording.mocap.cols() == 0 || !robot.mechanism)) {
     throw InputError(recording.path +
-                     ":1: column reference_1_m is missing; without a reference there is nothing to compare with");
+                     ":1: column reference_1_m is missing; without a reference, and without camera columns, there is nothing to compare with");
   }
   CompareResults r;
   r.robot_path = robot.path;
   r.recording = recording;
   r.condition_max = condition_max;
   r.notes = recording.notes;
-  const Eigen::MatrixXd error = recording.position_m - recording.reference_m;
+  if (!has_reference) {
+    r.recording.reference_m =
+        Eigen::MatrixXd::Constant(recording.rows(), recording.axes, std::numeric_limits<double>::quiet_NaN());
+    r.notes.push_back("The recording has no reference: only camera and encoders are compared.");
+  }
+  const Eigen::MatrixXd error = recording.position_m - r.recording.reference_m;
   for (int i = 0; i < recording.axes; ++i)
     r.actuators.push_back(errorFigures(recording.time_s, error.col(i)));
   if (!robot.mechanism) return r;
-  comparePoses(robot, r);
+  comparePoses(robot, has_reference, r);
   addCamera(robot, r);
   return r;
 }

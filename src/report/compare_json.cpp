@@ -53,6 +53,10 @@ Json cameraJson(const CameraComparison& camera) {
 std::string errorLine(const std::string& name, const std::string& unit, double factor, const ErrorFigures& e,
                       const std::string& paper) {
   char line[160];
+  if (e.rows == 0) {
+    std::snprintf(line, sizeof line, "%-8s %-4s %9s %9s   %s\n", name.c_str(), unit.c_str(), "-", "-", paper.c_str());
+    return line;
+  }
   std::snprintf(line, sizeof line, "%-8s %-4s %9.3f %9.3f   %s\n", name.c_str(), unit.c_str(), factor * e.max_abs,
                 factor * e.rms, paper.c_str());
   return line;

@@ -178,6 +178,38 @@ TEST(Compare, RefusesWhatCannotBeCompared) {
   EXPECT_NE(why([&] { compare(robot, two, 60.0); }).find("records 2 actuators"), std::string::npos);
 }
 
+TEST(Compare, ARecordingWithoutReferenceStillHasItsCamera) {
+  const Robot robot = robotB();
+  Recording r = recorded(robot);
+  r.mocap.resize(r.rows(), 4);
+  for (int i = 0; i < r.rows(); ++i)
+    r.mocap.row(i) = poseAt(r.time_s[static_cast<std::size_t>(i)]).transpose();
+  r.reference_m.resize(r.rows(), 0);
+  const CompareResults c = compare(robot, r, 60.0);
+  ASSERT_TRUE(c.has_camera);
+  EXPECT_GT(c.camera.error[0].rows, 100);
+  EXPECT_EQ(c.actuators[0].rows, 0);
+  EXPECT_TRUE(nlohmann::json::parse(compareJson(c))["actuators"][0]["rms_m"].is_null());
+  EXPECT_EQ(compareSummary(c).find("nan"), std::string::npos) << compareSummary(c);
+  EXPECT_EQ(compareHtml(c).find("nan"), std::string::npos);
+}
+
+TEST(Compare, WritesBothFiguresAsPictures) {
+  char pattern[] = "/tmp/knee_compare_XXXXXX";
+  const std::string folder = mkdtemp(pattern);
+  writeCompareFiles(compare(robotB(), recorded(robotB()), 60.0), folder);
+  for (const char* name : {"/actuators.svg", "/pose.svg"}) {
+    const std::string svg = readFile(folder + name);
+    EXPECT_EQ(svg.find("<svg xmlns"), 0u);
+    EXPECT_EQ(svg.find("nan"), std::string::npos);
+    std::size_t panels = 0;
+    for (std::size_t at = svg.find("<svg x="); at != std::string::npos; at = svg.find("<svg x=", at + 1))
+      ++panels;
+    EXPECT_EQ(panels, 8u) << name;  // value and error of each
+  }
+  std::filesystem::remove_all(folder);
+}
+
 TEST(Compare, IndependentAxesHaveNoPose) {
   Robot bench = robotB();
   bench.kind = MechanismKind::Axes;
