@@ -4,105 +4,19 @@
 #include <cmath>
 
 #include "excitation_search.h"
-#include "exercise_fit.h"
+#include "excitation_setup.h"
 #include "knee_robot/base/errors.h"
-#include "knee_robot/base/numbers.h"
 
 namespace knee_robot {
 namespace {
 
-constexpr double kLengthInset = 0.02;  ///< share of each actuator's range that is left unused at both ends
-constexpr double kLimitInset = 0.98;   ///< share of the other limits that is used between the instants looked at
-constexpr double kShrink = 0.97;       ///< of the amplitude, when the full check finds something between the instants
+constexpr double kShrink = 0.97;  ///< of the amplitude, when the full check finds something between the instants
 constexpr int kShrinkRounds = 20;
-constexpr double kSignWidth = 0.02;  ///< of smoothed signs, as share of the velocity limit
-constexpr double kRadius_m = 0.3;    ///< turns it into an angular velocity
 const std::vector<int> kReportedDirections = {20, 30, 40, 51, 56, 73};
 
-void refuseOptions(const Robot& robot, const ExcitationOptions& options) {
-  const auto demand = [](bool holds, const std::string& sentence) {
-    if (!holds) throw InputError(sentence);
-  };
-  const SeriesShape& shape = options.shape;
-  demand(robot.kind == MechanismKind::ThreeUpsOneRpu,
-         robot.path + " describes separate axes; an excitation moves a platform");
-  demand(shape.harmonics >= 1 && shape.harmonics <= 30,
-         "harmonics " + std::to_string(shape.harmonics) + " is not in 1 to 30");
-  demand(shape.ramp_s >= 0.2 && shape.duration_s >= 2.0 * shape.ramp_s + 1.0 && shape.duration_s <= 600.0,
-         "duration " + shortNumber(shape.duration_s) + " s is not between two ramps of " + shortNumber(shape.ramp_s) +
-             " s with a second between them and 600 s");
-  demand(options.velocity_max > 0.0 && options.velocity_max <= 1.0,
-         "velocity " + shortNumber(options.velocity_max) + " is not in (0, 1] m/s");
-  demand(options.acceleration_max > 0.0 && options.acceleration_max <= 100.0,
-         "acceleration " + shortNumber(options.acceleration_max) + " is not in (0, 100] m/s2");
-  demand(!options.condition_max || (*options.condition_max > 1.0 && *options.condition_max <= 1e6),
-         "the singularity margin is not in (1, 1e6]");
-  demand(
-      options.directions >= 2 && options.directions <= 73,
-      "directions " + std::to_string(options.directions) + " is not in 2 to 73, the rank of rich motion with friction");
-  demand(options.candidates >= 2 && options.candidates <= 100000, "candidates are not in 2 to 100000");
-  demand(options.starts >= 0 && options.starts <= options.candidates,
-         "starts are not in 0 to the number of candidates");
-  demand(!options.noise_N || (options.noise_N->minCoeff() > 0.0 && options.noise_N->allFinite()),
-         "the noise of every actuator must be positive");
-  demand(options.friction.viscous_N_s_per_m >= 0.0 && options.friction.coulomb_N >= 0.0,
-         "the expected friction must not be negative");
-  demand(options.iterations >= 1 && options.seconds_budget > 0.0, "iterations and budget must be positive");
-}
-
-/// The robot with the options' limits where they are stricter than its own.
-Robot limitedRobot(const Robot& robot, const ExcitationOptions& options) {
-  Robot limited = robot;
-  for (Actuator& actuator : limited.actuators) {
-    actuator.velocity_max_m_per_s = std::min(actuator.velocity_max_m_per_s, options.velocity_max);
-    actuator.acceleration_max_m_per_s2 = std::min(actuator.acceleration_max_m_per_s2, options.acceleration_max);
-  }
-  limited.singularity_condition_max =
-      std::min(robot.singularity_condition_max, options.condition_max.value_or(planningCondition(robot)));
-  return limited;
-}
-
-/// The limits that the search keeps at its instants, so that the real ones hold between them.
-Robot insetRobot(const Robot& limited) {
-  Robot inset = limited;
-  for (Actuator& actuator : inset.actuators) {
-    const double room = kLengthInset * (actuator.position_max_m - actuator.position_min_m);
-    actuator.position_min_m += room;
-    actuator.position_max_m -= room;
-    actuator.velocity_max_m_per_s *= kLimitInset;
-    actuator.acceleration_max_m_per_s2 *= kLimitInset;
-    actuator.voltage_max_V *= kLimitInset;
-    actuator.force_max_N *= kLimitInset;
-    actuator.force_continuous_N *= kLimitInset;
-  }
-  inset.joints.spherical_max *= kLimitInset;
-  inset.joints.universal_max *= kLimitInset;
-  inset.joints.revolute_max *= kLimitInset;
-  inset.singularity_condition_max *= kLimitInset;
-  return inset;
-}
-
-SeriesShape completed(SeriesShape shape) {
-  // Whole points: the last one must be exactly the centre.
-  shape.duration_s = std::round(shape.duration_s / kStreamPeriod) * kStreamPeriod;
-  shape.period_s = shape.duration_s - 2.0 * shape.ramp_s;
-  return shape;
-}
-
-/// The pose near `pose` at which legs 2 and 3 are equally long: Newton steps of least size, a radian counted as 1/3 m.
-Pose withTwinLengths(const Mechanism& mechanism, Pose pose) {
-  const Vector4 weight(1.0, 1.0, 9.0, 9.0);
-  for (int round = 0; round < 20; ++round) {
-    const Lengths lengths = legLengths(mechanism, pose);
-    const Matrix4 jacobian = lengthJacobian(mechanism, pose);
-    const Vector4 slope = (jacobian.row(1) - jacobian.row(2)).transpose();
-    pose -= (lengths[1] - lengths[2]) / slope.dot(weight.cwiseProduct(slope)) * weight.cwiseProduct(slope);
-  }
-  return pose;
-}
-
-/// Draws the series' amplitude in until every limit holds at every millisecond and at every point that is streamed.
-void checkPlan(const Robot& limited, const ExcitationOptions& options, ExcitationPlan& plan) {
+/// Draws the series' amplitude in until every limit holds at every millisecond and at every point that is streamed. Returns what is
+/// still beyond its limit when that does not help, empty when all is well.
+std::string checkPlan(const Robot& limited, const ExcitationOptions& options, ExcitationPlan& plan) {
   for (int round = 0;; ++round) {
     plan.reference = sampledReference(plan.series);
     plan.check = checkReference(plan.reference, limited);
@@ -112,33 +26,30 @@ void checkPlan(const Robot& limited, const ExcitationOptions& options, Excitatio
     };
     if (used) plan.limits = *used;
     const auto worst = std::find_if(plan.limits.begin(), plan.limits.end(), beyond);
-    if (plan.check.ok() && used && worst == plan.limits.end()) return;
+    if (plan.check.ok() && used && worst == plan.limits.end()) return {};
     if (round == kShrinkRounds) {
-      throw Refusal("the planned excitation: " +
-                    (plan.check.ok() ? worst->name + " is beyond its limit" : plan.check.violation->sentence));
+      if (!plan.check.ok()) return plan.check.violation->sentence;
+      return used ? worst->name + " is beyond its limit" : "the mechanism cannot follow it";
     }
     plan.series.coefficients *= kShrink;
   }
 }
 
-ExcitationTask taskOf(const Robot& inset, const ExcitationOptions& options) {
-  ExcitationTask task;
-  task.robot = inset;
-  task.shape = completed(options.shape);
-  task.directions = options.directions;
-  task.criterion = options.criterion;
-  task.twin_legs = options.twin_legs;
-  if (options.force_limits) task.load = expectedLoad(inset, options.friction);
-  // Noise of a drive grows with its force per volt; only the ratios matter.
-  double fastest = 0.0;
-  for (int i = 0; i < kLegs; ++i) {
-    task.noise_N[i] = std::abs(inset.actuators[i].force_per_volt_N);
-    fastest = std::max(fastest, inset.actuators[i].velocity_max_m_per_s);
+/// The best series that stands the full check.
+ExcitationPlan bestThatHolds(const ExcitationSetup& setup, const ExcitationOptions& options,
+                             const SearchResult& result) {
+  std::vector<Candidate> candidates = result.found;
+  candidates.push_back(result.random);
+  std::string reason;
+  for (const Candidate& candidate : candidates) {
+    ExcitationPlan plan;
+    plan.series = setup.problem.series(candidate.variables);
+    plan.gain = result.random.cost - candidate.cost;
+    const std::string beyond = checkPlan(setup.limited, options, plan);
+    if (beyond.empty()) return plan;
+    if (reason.empty()) reason = beyond;
   }
-  task.noise_N = options.noise_N.value_or(task.noise_N);
-  task.noise_N /= task.noise_N.minCoeff();
-  task.width = {kSignWidth * fastest, kSignWidth * fastest / kRadius_m};
-  return task;
+  throw Refusal("the planned excitation: " + reason);
 }
 
 std::vector<ConditionAt> conditionsAsPlayed(const ExcitationProblem& problem, const FourierSeries& series,
@@ -156,29 +67,17 @@ std::vector<ConditionAt> conditionsAsPlayed(const ExcitationProblem& problem, co
 }  // namespace
 
 ExcitationPlan planExcitation(const Robot& robot, const ExcitationOptions& options) {
-  refuseOptions(robot, options);
-  const Robot limited = limitedRobot(robot, options), inset = insetRobot(limited);
-  const Exercise standing{"excitation", "", false, 0.0, {}, std::nullopt};
-  Pose centre = startThatFitsMost(standing, inset, 0.0);
-  if (options.twin_legs) centre = withTwinLengths(*robot.mechanism, centre);
-  const Margin nearest = nearestLimit(inset, centre, inset.singularity_condition_max);
-  if (nearest.left <= 0.0) {
-    throw Refusal("no pose of " + robot.path + " has room for motion: even the best one is beyond " +
-                  limitText(nearest));
-  }
-  ExcitationProblem problem(taskOf(inset, options), centre);
+  const ExcitationSetup setup = setUpExcitation(robot, options);
+  ExcitationProblem problem = setup.problem;
   const SearchResult result = searchExcitation(problem, options);
   if (result.found.empty()) {
     throw Refusal("none of " + std::to_string(options.candidates) + " random series keeps the limits of " + robot.path +
                   "; plan with more candidates or a wider singularity margin");
   }
-  ExcitationPlan plan;
-  plan.series = problem.series(result.found.front().variables);
-  plan.gain = result.random.cost - result.found.front().cost;
+  ExcitationPlan plan = bestThatHolds(setup, options, result);
   plan.feasible_candidates = result.feasible;
   plan.evaluations = result.evaluations;
   plan.cut_short = result.cut_short;
-  checkPlan(limited, options, plan);
   plan.check = requirePlayable(plan.reference, robot);
   plan.conditions = conditionsAsPlayed(problem, plan.series, options.directions, plan.k);
   plan.random_conditions =

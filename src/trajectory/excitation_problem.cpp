@@ -10,6 +10,7 @@ namespace {
 
 constexpr double kSamplesPerPeriod = 20.0;  ///< of the highest harmonic
 constexpr double kLeastHertz = 10.0;
+constexpr int kFiner = 3;                 ///< times as many instants where a series is judged, not improved
 constexpr double kTranslationUnit = 0.1;  ///< m of pose that one unit of a variable moves
 constexpr double kRotationUnit = 0.3;     ///< rad
 constexpr int kCentreRounds = 6;  ///< of halving a centre's distance from the middle until it is within the limits
@@ -41,6 +42,7 @@ ExcitationProblem::ExcitationProblem(ExcitationTask task, const Pose& centre)
       unit_(lengthJacobian(*task_.robot.mechanism, centre) *
             Vector4(kTranslationUnit, kTranslationUnit, kRotationUnit, kRotationUnit).asDiagonal()),
       basis_(task_.shape, std::max(kLeastHertz, kSamplesPerPeriod * topHertz(task_.shape))),
+      fine_(task_.shape, kFiner * std::max(kLeastHertz, kSamplesPerPeriod * topHertz(task_.shape))),
       stretches_(std::max(1, static_cast<int>(std::ceil(4.0 * topHertz(task_.shape) * task_.shape.duration_s)))) {
   for (int i = 0; i < kLegs; ++i) {
     peak_force_[i] = peakForce(task_.robot.actuators[i]);
@@ -222,8 +224,8 @@ double ExcitationProblem::worstUse(const Eigen::VectorXd& variables, double enou
   Pose pose = startPose(series, ok);
   double worst = 0.0;
   Vector4 squares = Vector4::Zero();
-  for (std::size_t t = 0; ok && t < basis_.at.size(); ++t) {
-    ok = visit(pointAt(series, basis_.at[t]), pose, task_.width, instant);
+  for (std::size_t t = 0; ok && t < fine_.at.size(); ++t) {
+    ok = visit(pointAt(series, fine_.at[t]), pose, task_.width, instant);
     if (!ok) break;
     pose = instant.motion.pose;
     fillUses(instant);
@@ -232,7 +234,7 @@ double ExcitationProblem::worstUse(const Eigen::VectorXd& variables, double enou
     squares += instant.force.cwiseAbs2();
   }
   if (!ok) return std::numeric_limits<double>::infinity();
-  const Vector4 rms = (squares / static_cast<double>(basis_.at.size())).cwiseSqrt();
+  const Vector4 rms = (squares / static_cast<double>(fine_.at.size())).cwiseSqrt();
   return std::max(worst, rms.cwiseQuotient(rms_force_).maxCoeff());
 }
 

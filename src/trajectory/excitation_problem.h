@@ -55,12 +55,12 @@ class ExcitationProblem {
   /// for the rms force.
   int limits() const { return kQuantities * stretches_ + kLegs; }
 
-  /// Largest use of any limit along the series, at the instants that evaluate() looks at; infinite when the mechanism cannot
+  /// Largest use of any limit along the series, at three times as many instants as evaluate() looks at; infinite when the mechanism cannot
   /// follow it. Stops looking beyond `enough`.
   double worstUse(const Eigen::VectorXd& variables, double enough) const;
 
-  /// The observations, divided by the noise; nothing when the mechanism cannot follow. `rate_hz` and signs as in the motion that is
-  /// played, or those of evaluate().
+  /// The observations, divided by the noise; nothing when the mechanism cannot follow. At evaluate()'s instants with smoothed signs, or
+  /// at the streamed points with the signs themselves.
   std::optional<std::vector<PaperRegressor>> observations(const FourierSeries& series) const;
   std::optional<std::vector<PaperRegressor>> observationsAsPlayed(const FourierSeries& series) const;
 
@@ -94,7 +94,7 @@ class ExcitationProblem {
   Pose centre_pose_;
   /// Actuator change of one unit of each variable: dq/dx times units, legs 2 and 3 tied if they are twins.
   Matrix4 unit_;
-  SampledBasis basis_;
+  SampledBasis basis_, fine_;
   int stretches_ = 1;
   Vector4 peak_force_, rms_force_;  ///< N
   JointLimits cosine_room_;         ///< 1 - cos of each joint's limit

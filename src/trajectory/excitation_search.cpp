@@ -256,10 +256,23 @@ class Start {
   int evaluations_ = 0;
 };
 
-}  // namespace
+Candidate improved(const ExcitationProblem& problem, const ExcitationOptions& options, SearchBoard& board,
+                   const Candidate& from, int& evaluations) {
+  Start start(problem, options, board, from);
+  for (const double exponent : kExponents) {
+    if (board.mustStop()) break;
+    start.improve(exponent);
+  }
+  evaluations = start.evaluations();
+  return start.best();
+}
 
-SearchResult searchExcitation(ExcitationProblem& problem, const ExcitationOptions& options) {
-  SearchBoard board(options);
+bool cheaper(const Candidate& a, const Candidate& b) {
+  return a.cost < b.cost;
+}
+
+/// The best of the random candidates, best first; as many as will be improved.
+SearchResult randomSearch(ExcitationProblem& problem, const ExcitationOptions& options, SearchBoard& board) {
   SearchResult result;
   if (options.criterion == ExcitationCriterion::Determinant) fixScale(problem, options);
   std::vector<std::optional<Candidate>> random(static_cast<std::size_t>(options.candidates));
@@ -273,28 +286,40 @@ SearchResult searchExcitation(ExcitationProblem& problem, const ExcitationOption
   for (std::optional<Candidate>& candidate : random) {
     if (candidate && std::isfinite(candidate->cost)) result.found.push_back(std::move(*candidate));
   }
-  const auto better = [](const Candidate& a, const Candidate& b) { return a.cost < b.cost; };
-  std::stable_sort(result.found.begin(), result.found.end(), better);
+  std::stable_sort(result.found.begin(), result.found.end(), cheaper);
   result.feasible = static_cast<int>(result.found.size());
   if (result.found.empty()) return result;
   result.random = result.found.front();
   result.found.resize(
       std::min<std::size_t>(result.found.size(), static_cast<std::size_t>(std::max(1, options.starts))));
+  return result;
+}
 
+}  // namespace
+
+Candidate improveOne(const ExcitationProblem& problem, const ExcitationOptions& options, const Candidate& from) {
+  SearchBoard board(options);
+  int evaluations = 0;
+  return improved(problem, options, board, from, evaluations);
+}
+
+std::vector<Candidate> randomStarts(ExcitationProblem& problem, const ExcitationOptions& options) {
+  SearchBoard board(options);
+  return randomSearch(problem, options, board).found;
+}
+
+SearchResult searchExcitation(ExcitationProblem& problem, const ExcitationOptions& options) {
+  SearchBoard board(options);
+  SearchResult result = randomSearch(problem, options, board);
+  if (result.found.empty()) return result;
   std::vector<int> evaluations(result.found.size(), 0);
   inParallel(std::min(options.starts, static_cast<int>(result.found.size())), [&](int number) {
     const std::size_t i = static_cast<std::size_t>(number);
-    Start start(problem, options, board, result.found[i]);
-    for (const double exponent : kExponents) {
-      if (board.mustStop()) break;
-      start.improve(exponent);
-    }
-    result.found[i] = start.best();
-    evaluations[i] = start.evaluations();
+    result.found[i] = improved(problem, options, board, result.found[i], evaluations[i]);
   });
   for (const int count : evaluations)
     result.evaluations += count;
-  std::stable_sort(result.found.begin(), result.found.end(), better);
+  std::stable_sort(result.found.begin(), result.found.end(), cheaper);
   result.cut_short = board.stopped();
   return result;
 }

@@ -22,4 +22,10 @@ struct SearchResult {
 /// depends on the seed and its number alone, so the result does not depend on the number of threads.
 SearchResult searchExcitation(ExcitationProblem& problem, const ExcitationOptions& options);
 
+/// The best `options.starts` of the random candidates, not improved.
+std::vector<Candidate> randomStarts(ExcitationProblem& problem, const ExcitationOptions& options);
+
+/// One of these starts alone, on this thread.
+Candidate improveOne(const ExcitationProblem& problem, const ExcitationOptions& options, const Candidate& from);
+
 }  // namespace knee_robot
