@@ -17,8 +17,8 @@ Robot robotB() {
   return loadRobot(std::string(KNEE_SOURCE_DIR) + "/config/robots/B.yaml");
 }
 
-/// Encoders along sines of the pose, 100 rows a second, with stops; lengths in whole counts.
-Recording sines(const Robot& robot, int variant, double seconds) {
+/// Encoders along sines of the pose, 100 rows a second, with stops; lengths in whole counts. `only`: one coordinate moves, -1: all.
+Recording sines(const Robot& robot, int variant, double seconds, int only = -1) {
   const double center[] = {0.02, 0.78, 0.05, 0.0}, amplitude[] = {0.05, 0.06, 0.14, 0.12};
   const double hz[] = {0.11, 0.09, 0.13, 0.10}, f = 1.0 + 0.23 * variant, p = 0.9 * variant;
   Recording r;
@@ -158,6 +158,22 @@ TEST(PoseTrace, NamesThePlayOfALeg) {
   EXPECT_NEAR(t.trace.findings[0].value, 0.0015, 3e-4) << t.found;
   const PoseRecording& other = t.trace.validate[0];
   EXPECT_LT(other.after.rms[3], 0.8 * other.before.rms[3]) << t.found;
+}
+
+/// Along Zm alone a home offset and several dimensions do nearly the same to the pose.
+TEST(PoseTrace, ReportsWhatTheMovementCannotTellApartTogether) {
+  const Robot robot = robotB();
+  Recording r = sines(robot, 1, 60.0, 1);
+  CameraSimulation camera;
+  camera.home_offset_m = {0.0, 0.008, 0.0, 0.0};
+  addCamera(robot.mechanism->geometry, camera, r);
+  const PoseTrace trace = tracePose(robot, {r}, {}, {});
+  ASSERT_EQ(trace.findings.size(), 1u);
+  const PoseFinding& f = trace.findings[0];
+  const PoseHypothesis truth{PoseCause::HomeOffset, 1};
+  EXPECT_FALSE(f.confusable.empty());
+  EXPECT_TRUE(f.hypothesis == truth || std::find(f.confusable.begin(), f.confusable.end(), truth) != f.confusable.end())
+      << textOf(f.hypothesis);
 }
 
 /// Every offset, dimension and play once, strong enough to matter; prints what was named.
