@@ -13,8 +13,7 @@ namespace {
 constexpr double kBlock_s = 5.0;
 constexpr double kLowered = 0.9;  ///< some coordinate's rms must fall below this share
 constexpr double kLargestP = 0.005;
-constexpr double kAbsorbed = 1e-4;     ///< share of a column's square that must survive the model's columns
-constexpr double kNearlyAsGood = 0.9;  ///< share of the best held-back gain at which a runner-up is looked at closely
+constexpr double kAbsorbed = 1e-4;  ///< share of a column's square that must survive the model's columns
 constexpr double kLeastSpread = 1e-9;
 
 bool isPlay(const PoseHypothesis& h) {
@@ -197,17 +196,50 @@ std::string objection(const PoseSearch& s, const PoseTrial& t, const Vector4& be
   return {};
 }
 
-/// Others that the data cannot tell from the best one: their held-back gain is within one standard error of the difference.
-std::vector<PoseHypothesis> confusedWith(const PoseSearch& s, const std::vector<PoseTrial>& trials,
-                                         const PoseTrial& best, const Vector4& before) {
-  std::vector<PoseHypothesis> out;
-  for (const PoseTrial& t : trials) {
-    if (t.at == best.at || t.mean < kNearlyAsGood * best.mean || !objection(s, t, before).empty()) continue;
-    double mean = 0.0, error = 0.0;
-    setMean(best.gain - t.gain, mean, error);
-    if (mean <= error) out.push_back(s.hypotheses[static_cast<std::size_t>(t.at)]);
-  }
+/// A hypothesis fitted together with the model, on the whole forward kinematics.
+struct Refitted {
+  Eigen::Index at = 0;
+  double value = 0.0;
+  Eigen::VectorXd squares;  ///< left on every piece
+};
+
+Refitted refitted(const PoseSearch& s, Eigen::Index at) {
+  PoseModel model = s.model;
+  model.causes.push_back(s.hypotheses[static_cast<std::size_t>(at)]);
+  model.values.conservativeResize(model.values.size() + 1);
+  model.values[model.values.size() - 1] = 0.0;
+  fitPose(*s.robot, *s.views, s.stack, s.sigma, {}, model);
+  Refitted out{at, model.values[model.values.size() - 1], Eigen::VectorXd::Zero(s.stack.pieces)};
+  Eigen::MatrixXd residual = poseEquations(*s.robot, *s.views, s.stack, model, {}).residual;
+  weigh(residual, s.sigma);
+  for (std::size_t k = 0; k < s.stack.picks.size(); ++k)
+    out.squares[s.stack.picks[k].piece] += residual.middleRows<4>(4 * static_cast<Eigen::Index>(k)).squaredNorm();
   return out;
+}
+
+/// The best trial and those much like it, fitted to the end: straight columns are too crude to rank near relations. Best first; what
+/// follows leaves no more than the best does, but for one standard error over pieces.
+std::vector<Refitted> closestRivals(const PoseSearch& s, const std::vector<PoseTrial>& trials, const PoseTrial& best,
+                                    const Eigen::MatrixXd& columns, const Vector4& before) {
+  constexpr double kAlike = 0.6;  // cosine of the columns, or share of the square that is explained
+  std::vector<Refitted> all = {refitted(s, best.at)};
+  for (const PoseTrial& t : trials) {
+    if (t.at == best.at || !objection(s, t, before).empty()) continue;
+    const double cosine = std::abs(columns.col(t.at).normalized().dot(columns.col(best.at).normalized()));
+    if (cosine < kAlike && t.square < kAlike * best.square) continue;
+    const Refitted other = refitted(s, t.at);
+    if (std::abs(other.value) <= largestSize(s.hypotheses[static_cast<std::size_t>(t.at)]) && other.value != 0.0)
+      all.push_back(other);
+  }
+  std::stable_sort(all.begin(), all.end(),
+                   [](const Refitted& a, const Refitted& b) { return a.squares.sum() < b.squares.sum(); });
+  std::vector<Refitted> close = {all.front()};
+  for (std::size_t k = 1; k < all.size(); ++k) {
+    double mean = 0.0, error = 0.0;
+    setMean(all[k].squares - all.front().squares, mean, error);
+    if (mean <= error) close.push_back(all[k]);
+  }
+  return close;
 }
 
 void refit(PoseSearch& s) {
@@ -331,6 +363,10 @@ void searchPose(PoseSearch& s) {
       if (&t == &trials.front()) s.rejected.push_back(textOf(h) + ": " + why);
     }
     if (best == nullptr) return;
+    const std::vector<Refitted> rivals = closestRivals(s, trials, *best, columns, before);
+    for (const PoseTrial& t : trials) {
+      if (t.at == rivals.front().at) best = &t;
+    }
     PoseFinding f;
     f.hypothesis = s.hypotheses[static_cast<std::size_t>(best->at)];
     f.p = p;
@@ -339,7 +375,8 @@ void searchPose(PoseSearch& s) {
     f.null_share = null.largest_square / left.squaredNorm();
     f.gain = best->gain.sum() / base.square.sum();
     f.gain_error = best->error * static_cast<double>(best->gain.size()) / base.square.sum();
-    f.confusable = confusedWith(s, trials, *best, before);
+    for (std::size_t k = 1; k < rivals.size(); ++k)
+      f.confusable.push_back(s.hypotheses[static_cast<std::size_t>(rivals[k].at)]);
     add(s, std::move(f));
     judgeMembers(s);
     s.options->progress("pose: added " + textOf(s.findings.back().hypothesis));

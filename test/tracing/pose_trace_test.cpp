@@ -34,8 +34,8 @@ Recording sines(const Robot& robot, int variant, double seconds, int only = -1) 
     Pose pose;
     for (int i = 0; i < 4; ++i) {
       const double w = 2.0 * M_PI * hz[i] * f;
-      pose[i] =
-          center[i] + amplitude[i] * (0.75 * std::sin(w * moved + p + i) + 0.25 * std::sin(2.7 * w * moved + 2 * p));
+      const double size = only < 0 || only == i ? amplitude[i] : 0.0;
+      pose[i] = center[i] + size * (0.75 * std::sin(w * moved + p + i) + 0.25 * std::sin(2.7 * w * moved + 2 * p));
     }
     const Lengths lengths = legLengths(*robot.mechanism, pose);
     for (int i = 0; i < 4; ++i) {
@@ -95,7 +95,7 @@ bool found(const Traced& t, const PoseHypothesis& h) {
 /// KNEE_CLEAN_CAMERAS=50 for a longer look.
 TEST(PoseTrace, LeavesCleanCamerasAlone) {
   const char* wanted = std::getenv("KNEE_CLEAN_CAMERAS");
-  const unsigned count = wanted ? static_cast<unsigned>(std::atoi(wanted)) : 6u;
+  const unsigned count = wanted ? static_cast<unsigned>(std::atoi(wanted)) : 4u;
   for (unsigned seed = 1; seed <= count; ++seed) {
     CameraSimulation camera;
     camera.seed = 100 * seed;
@@ -160,20 +160,20 @@ TEST(PoseTrace, NamesThePlayOfALeg) {
   EXPECT_LT(other.after.rms[3], 0.8 * other.before.rms[3]) << t.found;
 }
 
-/// Along Zm alone a home offset and several dimensions do nearly the same to the pose.
+/// Along Xm alone a larger radius of leg 1 at the base does what a smaller one at the platform does.
 TEST(PoseTrace, ReportsWhatTheMovementCannotTellApartTogether) {
   const Robot robot = robotB();
-  Recording r = sines(robot, 1, 60.0, 1);
-  CameraSimulation camera;
-  camera.home_offset_m = {0.0, 0.008, 0.0, 0.0};
-  addCamera(robot.mechanism->geometry, camera, r);
+  Recording r = sines(robot, 1, 40.0, 0);
+  Geometry geometry = robot.mechanism->geometry;
+  geometry.R[0] += 0.006;
+  addCamera(geometry, {}, r);
   const PoseTrace trace = tracePose(robot, {r}, {}, {});
   ASSERT_EQ(trace.findings.size(), 1u);
-  const PoseFinding& f = trace.findings[0];
-  const PoseHypothesis truth{PoseCause::HomeOffset, 1};
-  EXPECT_FALSE(f.confusable.empty());
-  EXPECT_TRUE(f.hypothesis == truth || std::find(f.confusable.begin(), f.confusable.end(), truth) != f.confusable.end())
-      << textOf(f.hypothesis);
+  ASSERT_EQ(trace.findings[0].confusable.size(), 1u);
+  std::vector<std::string> names = {parameterOf(trace.findings[0].hypothesis),
+                                    parameterOf(trace.findings[0].confusable[0])};
+  std::sort(names.begin(), names.end());
+  EXPECT_EQ(names, (std::vector<std::string>{"R_1_m", "Rm_1_m"}));
 }
 
 /// Every offset, dimension and play once, strong enough to matter; prints what was named.
