@@ -72,6 +72,8 @@ void serve(const ros::NodeHandle& node, Machine& machine, const ControllerInterf
     }
     std::this_thread::sleep_for(std::chrono::milliseconds(20));
   }
+  // What moves slows down now: taking the interface down waits for the master and for calls under way. shutdown() does the rest.
+  parts.system.stop();
 }
 
 int run() {
