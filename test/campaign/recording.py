@@ -79,7 +79,8 @@ class Recording:
                 last, off_path = k, True  # the Drivers hold where they are, or stop by themselves
                 break
             places.append(near)
-        rates = np.diff(places) / np.maximum(1.0, np.rint(np.diff(self.time[first:last]) / 0.001)) / 0.001
+        cycles = np.floor(self.time[first:last] / 0.001 + 1e-4)  # rows are read a little after their planned time
+        rates = np.diff(places) / np.maximum(1.0, np.diff(cycles)) / 0.001
         full = np.nonzero(rates >= 0.995)[0]
         if off_path and (len(full) == 0 or full[-1] + 4 > len(rates)):
             return max(float(self.time[last]), after)
