@@ -17,25 +17,40 @@ constexpr int kMostIterations = 50;
 
 using Rows = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
-/// One equation: row * coordinates - target.
-class Equation : public ceres::CostFunction {
+constexpr int kChunk = 256;  ///< equations a residual block: each block has a fixed cost in Ceres
+
+/// Huber's loss of some equations as a least-squares problem: root(rho(r^2)) with the sign of r, whose square is the loss.
+class EquationChunk : public ceres::CostFunction {
  public:
-  Equation(const double* row, int size, double target) : row_(row), target_(target) {
-    set_num_residuals(1);
+  EquationChunk(const double* rows, const double* targets, int count, int size)
+      : rows_(rows), targets_(targets), count_(count) {
+    set_num_residuals(count);
     mutable_parameter_block_sizes()->push_back(size);
   }
 
   bool Evaluate(const double* const* parameters, double* residuals, double** jacobians) const override {
     const int size = parameter_block_sizes()[0];
-    const Eigen::Map<const Eigen::VectorXd> row(row_, size);
-    residuals[0] = row.dot(Eigen::Map<const Eigen::VectorXd>(parameters[0], size)) - target_;
-    if (jacobians != nullptr && jacobians[0] != nullptr) std::copy(row_, row_ + size, jacobians[0]);
+    const Eigen::Map<const Rows> rows(rows_, count_, size);
+    Eigen::Map<Eigen::VectorXd> out(residuals, count_);
+    out.noalias() = rows * Eigen::Map<const Eigen::VectorXd>(parameters[0], size);
+    out -= Eigen::Map<const Eigen::VectorXd>(targets_, count_);
+    Eigen::VectorXd slope = Eigen::VectorXd::Ones(count_);
+    for (int i = 0; i < count_; ++i) {
+      const double linear = std::abs(out[i]);
+      if (linear <= kHuber) continue;
+      const double root = std::sqrt(2.0 * kHuber * linear - kHuber * kHuber);
+      slope[i] = kHuber / root;
+      out[i] = std::copysign(root, out[i]);
+    }
+    if (jacobians != nullptr && jacobians[0] != nullptr)
+      Eigen::Map<Rows>(jacobians[0], count_, size).noalias() = slope.asDiagonal() * rows;
     return true;
   }
 
  private:
-  const double* row_;
-  double target_;
+  const double* rows_;
+  const double* targets_;
+  int count_;
 };
 
 /// Full (not compressed) equations in the reduction's coordinates.
@@ -55,19 +70,18 @@ Rows reducedRows(const Equations& e, const Reduction& r, int rank) {
 
 /// Huber's loss by Ceres, from a good start.
 int fitHuber(const Equations& e, const Rows& x, int bounded, Eigen::VectorXd& coordinates) {
-  ceres::HuberLoss loss(kHuber);
-  ceres::Problem::Options ownership;
-  ownership.loss_function_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
-  ceres::Problem problem(ownership);
+  ceres::Problem problem;
   double* const z = coordinates.data();
   const int size = static_cast<int>(x.cols());
   problem.AddParameterBlock(z, size);
-  for (Eigen::Index row = 0; row < x.rows(); ++row)
-    problem.AddResidualBlock(new Equation(x.data() + row * x.cols(), size, e.b[row]), &loss, z);
+  for (Eigen::Index row = 0; row < x.rows(); row += kChunk) {
+    const int count = static_cast<int>(std::min<Eigen::Index>(kChunk, x.rows() - row));
+    problem.AddResidualBlock(new EquationChunk(x.data() + row * x.cols(), e.b.data() + row, count, size), nullptr, z);
+  }
   for (int i = 0; i < bounded; ++i)
     problem.SetParameterLowerBound(z, i, 0.0);
   ceres::Solver::Options options;
-  options.linear_solver_type = ceres::DENSE_QR;
+  options.linear_solver_type = ceres::DENSE_NORMAL_CHOLESKY;
   options.max_num_iterations = 100;
   options.function_tolerance = 1e-10;
   options.logging_type = ceres::SILENT;

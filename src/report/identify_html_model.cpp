@@ -36,8 +36,10 @@ std::string linkTable(const IdentifyResults& r) {
       "mm</th><th>principal "
       "moments, g m<sup>2</sup></th><th>change from the prior, %</th></tr>\n";
   const auto millimetres = [](const Vector3& c) {
-    return shortNumber(std::round(1e4 * c.x()) / 10) + ", " + shortNumber(std::round(1e4 * c.y()) / 10) + ", " +
-           shortNumber(std::round(1e4 * c.z()) / 10);
+    std::string text;
+    for (const double value : c)
+      text += (text.empty() ? "" : ", ") + shortNumber(std::round(1e4 * value) / 10 + 0.0);  // + 0.0: no "-0"
+    return text;
   };
   for (std::size_t k = 0; k < r.physical->inertia.links.size(); ++k) {
     const LinkInertia& body = r.physical->inertia.links[k];

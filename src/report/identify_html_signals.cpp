@@ -11,8 +11,13 @@ namespace {
 
 constexpr double kSegment_s = 8.0;
 
-PlotLine spectrumLine(const std::string& label, const char* color, const Eigen::VectorXd& signal, double rate_hz) {
-  const Spectrum s = powerSpectrum(signal, rate_hz, kSegment_s);
+PlotLine spectrumLine(const std::string& label, const char* color, const Eigen::VectorXd& signal, double rate_hz,
+                      double highest_hz) {
+  Spectrum s = powerSpectrum(signal, rate_hz, kSegment_s);
+  while (!s.frequency_hz.empty() && s.frequency_hz.back() > highest_hz) {
+    s.frequency_hz.pop_back();
+    s.density.pop_back();
+  }
   return {label, color, s.frequency_hz, s.density};
 }
 
@@ -62,6 +67,7 @@ std::string identifySpectra(const IdentifyResults& r) {
   const Observation& o = validated ? r.validate.front() : r.train.front();
   const Prediction& p = (validated ? r.validate_after : r.train_after).predictions.front();
   const double rate_hz = 1.0 / o.signals.period_s;
+  const double highest_hz = 8.0 * r.options.observation.cutoff_hz;
   std::string out = "<h2>Spectrum of the residual: " + escapeHtml(o.name) +
                     "</h2>\n<p class=\"key\">Amplitude density, all " +
                     std::string(
@@ -76,8 +82,8 @@ std::string identifySpectra(const IdentifyResults& r) {
   for (int i = 0; i < o.axes(); ++i) {
     const Eigen::VectorXd force = o.signals.force_N.col(i);
     out += "<h3>Actuator " + std::to_string(i + 1) + "</h3>\n" +
-           svgPlot({spectrumLine("measured force", kMeasuredColor, force, rate_hz),
-                    spectrumLine("residual", kModelColor, force - p.force_N.col(i), rate_hz)},
+           svgPlot({spectrumLine("measured force", kMeasuredColor, force, rate_hz, highest_hz),
+                    spectrumLine("residual", kModelColor, force - p.force_N.col(i), rate_hz, highest_hz)},
                    style);
   }
   return out;

@@ -1,0 +1,126 @@
+// Times identification stage by stage, and leaves its compressed problem for other solvers (scripts/benchmark_identification).
+//
+// identify_benchmark ROBOT TRAIN.csv VALIDATE.csv CUTOFF_HZ FOLDER
+//
+// Prints one JSON object: seconds of CPU time per stage, peak memory, errors on the validation recording. Leaves in FOLDER, as plain text
+// matrices: data.txt target.txt (compressed weighted equations in prior coordinates), pull.txt mean.txt (prior residuals),
+// judge.txt judge_target.txt (the validation recording's equations in the same coordinates), nonnegative.txt.
+#include <sys/resource.h>
+
+#include <cmath>
+#include <ctime>
+#include <fstream>
+#include <iostream>
+
+#include "knee_robot/identification/evaluation.h"
+#include "knee_robot/identification/physical_fit.h"
+#include "knee_robot/identification/physical_problem.h"
+
+using namespace knee_robot;
+
+namespace {
+
+/// CPU time of this process: other work on the machine does not count.
+class Stopwatch {
+ public:
+  double lap() {
+    const double now = static_cast<double>(std::clock()) / CLOCKS_PER_SEC;
+    const double seconds = now - last_;
+    last_ = now;
+    return seconds;
+  }
+
+ private:
+  double last_ = static_cast<double>(std::clock()) / CLOCKS_PER_SEC;
+};
+
+void write(const std::string& path, const Eigen::MatrixXd& matrix) {
+  std::ofstream file(path);
+  file.precision(17);
+  file << matrix << "\n";
+}
+
+std::vector<Observation> read(const Robot& robot, const std::string& path, const ObservationOptions& options) {
+  std::vector<Observation> list;
+  list.push_back(observe(robot, columnsOf(robot), loadRecording(path), options));
+  return list;
+}
+
+void printArray(const char* name, const Eigen::VectorXd& values) {
+  std::cout << ",\n \"" << name << "\": [";
+  for (Eigen::Index i = 0; i < values.size(); ++i)
+    std::cout << (i ? ", " : "") << values[i];
+  std::cout << "]";
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  if (argc != 6) {
+    std::cerr << "identify_benchmark ROBOT TRAIN.csv VALIDATE.csv CUTOFF_HZ FOLDER\n";
+    return 2;
+  }
+  const std::string folder = std::string(argv[5]) + "/";
+  const Robot robot = loadRobot(argv[1]);
+  IdentifyOptions options;
+  options.observation.setCutoff(std::stod(argv[4]));
+  options.observation.fold_margin_m = 0.0;
+  options.narrowest_counts = 0.01;
+
+  Stopwatch watch;
+  std::vector<Observation> training = read(robot, argv[2], options.observation);
+  const double read_s = watch.lap();
+  const Identification id = identify(robot, training, options);
+  const double identify_s = watch.lap();
+  const RobotInertia prior = loadRobotInertia(robot);
+  watch.lap();
+  const PhysicalFit fit = fitPhysical(robot, id, prior);
+  const double physical_s = watch.lap();
+
+  // One fit alone, at the strength that was chosen: what another solver is asked to do.
+  const PhysicalCoordinates coordinates = physicalCoordinates(prior);
+  const Eigen::MatrixXd triangle = joinBlocks(id.compressed, -1);
+  const PhysicalProblem problem = physicalProblem(triangle, id.columns, coordinates, 0.1 * id.force_rms_N);
+  const PriorPull pull = priorPull(problem, fit.strength);
+  double single_s = 1e9, cost = 0.0;
+  for (int run = 0; run < 5; ++run) {
+    watch.lap();
+    cost = solvePhysical(problem, pull).cost;
+    single_s = std::min(single_s, watch.lap());
+  }
+  write(folder + "data.txt", problem.data);
+  write(folder + "target.txt", problem.target);
+  write(folder + "pull.txt", pull.root);
+  write(folder + "mean.txt", pull.mean);
+  Eigen::VectorXd bounded(problem.free_size.size());
+  for (Eigen::Index i = 0; i < bounded.size(); ++i)
+    bounded[i] = problem.nonnegative[static_cast<std::size_t>(i)];
+  write(folder + "nonnegative.txt", bounded);
+
+  std::vector<Observation> judging = read(robot, argv[3], options.observation);
+  for (Observation& o : judging)
+    setCoulombWidth(o, id.columns, id.model.coulomb_width_m);
+  Equations judge = stackEquations(judging, options.observation);
+  weightRows(judge, id.noise_N);
+  const PhysicalProblem held =
+      physicalProblem(compress(judge.a, judge.b) / std::sqrt(judge.rows()), id.columns, coordinates, id.force_rms_N);
+  write(folder + "judge.txt", held.data);
+  write(folder + "judge_target.txt", held.target);
+  const PhysicalSolution solution = solvePhysical(problem, pull);
+  Eigen::VectorXd z(solution.inertial.size() + solution.free.size());
+  z << solution.inertial, solution.free;
+
+  rusage usage{};
+  getrusage(RUSAGE_SELF, &usage);
+  std::cout << "{\"rows\": " << training.front().row_time_s.size() << ", \"read_s\": " << read_s
+            << ", \"identify_s\": " << identify_s << ", \"physical_with_choice_s\": " << physical_s
+            << ", \"physical_once_s\": " << single_s << ",\n \"physical_cost\": " << cost
+            << ", \"physical_held_out\": " << (held.data * z - held.target).norm()
+            << ", \"peak_MB\": " << static_cast<double>(usage.ru_maxrss) / 1024.0 << ", \"rank\": " << id.model.rank
+            << ", \"strength\": " << fit.strength;
+  const double cutoff_hz = options.observation.cutoff_hz;
+  printArray("base_moving_N", applyModel(id.model, robot, judging, cutoff_hz).accuracy.rms_moving_N);
+  printArray("physical_moving_N", applyModel(fit.model, robot, judging, cutoff_hz).accuracy.rms_moving_N);
+  std::cout << "}\n";
+  return 0;
+}
