@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include "knee_robot/recording/filter.h"
 
@@ -80,6 +81,26 @@ std::vector<Pick> assignBlocks(std::vector<std::vector<Pick>> runs, int& blocks)
   return picks;
 }
 
+/// Low-passed columns of the regressor; filtering column by column keeps one filtered column in memory, not a second regressor.
+void fill(const std::vector<Observation>& training, const ObservationOptions& options, const std::vector<Pick>& picks,
+          bool independent, const std::vector<int>& columns, Equations& e) {
+  std::vector<Eigen::VectorXd> filtered(training.size());
+  for (const int c : columns) {
+    Eigen::Index row = 0;
+    for (int i = 0; i < e.axes; ++i) {
+      for (std::size_t f = 0; f < training.size(); ++f) {
+        const Observation& o = training[f];
+        filtered[f] = o.regressor[static_cast<std::size_t>(i)].col(c);
+        if (filtered[f].isZero(0.0)) continue;
+        ZeroPhaseLowPass(options.cutoff_hz, 1.0 / o.signals.period_s).apply(filtered[f]);
+      }
+      for (const Pick& p : picks) {
+        if (wanted(training[p.file], p.sample, i, independent)) e.a(row++, c) = filtered[p.file][p.sample];
+      }
+    }
+  }
+}
+
 }  // namespace
 
 Equations stackEquations(const std::vector<Observation>& training, const ObservationOptions& options) {
@@ -113,24 +134,24 @@ Equations stackEquations(const std::vector<Observation>& training, const Observa
                          static_cast<int>(p.sample * training[p.file].signals.period_s));
     }
   }
-  // Filtering column by column keeps one filtered column in memory, not a second regressor.
-  for (Eigen::Index c = -1; c < columns; ++c) {
-    Eigen::Index row = 0;
-    for (int i = 0; i < e.axes; ++i) {
-      std::vector<Eigen::VectorXd> filtered(training.size());
-      for (std::size_t f = 0; f < training.size(); ++f) {
-        const Observation& o = training[f];
-        filtered[f] = c < 0 ? o.force_filtered_N.col(i) : o.regressor[static_cast<std::size_t>(i)].col(c);
-        if (c >= 0) ZeroPhaseLowPass(options.cutoff_hz, 1.0 / o.signals.period_s).apply(filtered[f]);
-      }
-      for (const Pick& p : picks) {
-        if (!wanted(training[p.file], p.sample, i, independent)) continue;
-        (c < 0 ? e.b(row) : e.a(row, c)) = filtered[p.file][p.sample];
-        ++row;
-      }
+  std::vector<int> all(static_cast<std::size_t>(columns));
+  std::iota(all.begin(), all.end(), 0);
+  fill(training, options, picks, independent, all, e);
+  Eigen::Index row = 0;
+  for (int i = 0; i < e.axes; ++i) {
+    for (const Pick& p : picks) {
+      if (wanted(training[p.file], p.sample, i, independent))
+        e.b[row++] = training[p.file].force_filtered_N(p.sample, i);
     }
   }
   return e;
+}
+
+void refillColumns(const std::vector<Observation>& training, const ObservationOptions& options,
+                   const std::vector<int>& columns, Equations& e) {
+  const bool independent = training.front().motion.motion.empty();
+  int blocks = 0;
+  fill(training, options, assignBlocks(findRuns(training, options, independent), blocks), independent, columns, e);
 }
 
 void weightRows(Equations& e, const Eigen::VectorXd& noise_N) {

@@ -73,6 +73,14 @@ std::vector<char> usedColumns(const std::vector<Column>& columns, bool friction)
   return use;
 }
 
+std::vector<int> coulombColumns(const std::vector<Column>& columns) {
+  std::vector<int> list;
+  for (std::size_t c = 0; c < columns.size(); ++c) {
+    if (columns[c].role == ColumnRole::Coulomb) list.push_back(static_cast<int>(c));
+  }
+  return list;
+}
+
 /// The equations unweighted, and what is fitted to them at one rank.
 struct Stage {
   Equations equations;  ///< weighted with noise_N
@@ -194,7 +202,7 @@ Identification identify(const Robot& robot, std::vector<Observation>& training, 
     widths = chooseCoulombWidths(robot, id.columns, training, stage.parameters, options);
     for (Observation& o : training)
       setCoulombWidth(o, id.columns, widths);
-    equations = stackEquations(training, options.observation);
+    refillColumns(training, options.observation, coulombColumns(id.columns), equations);
   }
   if (options.friction) refuseRank(options.rank, reductionOf(stage.equations, id.columns, use), training);
   stage = solveStage(equations, noiseAfter(equations, stage.parameters), id.columns, use, options.rank);
@@ -211,9 +219,8 @@ Identification identify(const Robot& robot, std::vector<Observation>& training, 
   id.model.residual_rms_N.assign(residual.data(), residual.data() + residual.size());
 
   id.rank = stage.rank;
-  for (const RankPoint& point : id.rank.curve) {
-    id.parameters_by_rank.push_back(toParameters(reduction, solveReduced(reduction, point.rank)));
-  }
+  for (const Eigen::VectorXd& coordinates : solveEveryRank(reduction))
+    id.parameters_by_rank.push_back(toParameters(reduction, coordinates));
   id.noise_N = stage.noise_N;
   id.equations = equations.rows();
   id.blocks = equations.blocks;

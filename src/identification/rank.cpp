@@ -39,9 +39,11 @@ HeldBack leaveBlocksOut(const Equations& e, const std::vector<Eigen::MatrixXd>& 
     const int rows = static_cast<int>(std::count(e.block.begin(), e.block.end(), block));
     h.share[block] = static_cast<double>(rows) / e.rows();
     const Reduction r = reduce(joinBlocks(blocks, block), e.rows() - rows, columns, use);
+    const std::vector<Eigen::VectorXd> solutions = solveEveryRank(r);
     for (int rank = first; rank <= last; ++rank) {
       const int possible = std::clamp(rank, r.minimalRank(), r.maximalRank());
-      const Eigen::VectorXd parameters = toParameters(r, solveReduced(r, possible));
+      const Eigen::VectorXd parameters =
+          toParameters(r, solutions[static_cast<std::size_t>(possible - r.minimalRank())]);
       h.error(block, rank - first) =
           std::min(kWorst, meanSquare(blocks[static_cast<std::size_t>(block)], parameters, rows));
     }
@@ -88,6 +90,7 @@ RankChoice chooseRank(const Equations& e, const std::vector<Column>& columns, co
   const int last = all.maximalRank();
   const HeldBack held = leaveBlocksOut(e, blocks, columns, use, first, last);
 
+  const std::vector<Eigen::VectorXd> solutions = solveEveryRank(all);
   RankChoice choice;
   const Eigen::RowVectorXd mean = held.share.transpose() * held.error;
   Eigen::Index best = 0;
@@ -95,7 +98,8 @@ RankChoice chooseRank(const Equations& e, const std::vector<Column>& columns, co
   for (int rank = first; rank <= last; ++rank) {
     RankPoint point;
     point.rank = rank;
-    point.training = meanSquare(everything, toParameters(all, solveReduced(all, rank)), e.rows());
+    point.training =
+        meanSquare(everything, toParameters(all, solutions[static_cast<std::size_t>(rank - first)]), e.rows());
     point.held_back = mean[rank - first];
     const Eigen::VectorXd worse = held.error.col(rank - first) - held.error.col(best);
     point.beyond_best = mean[rank - first] - mean[best];

@@ -100,6 +100,22 @@ Eigen::VectorXd solveReduced(const Reduction& r, int rank) {
   return boundedLeastSquares(r.design.leftCols(rank), r.target, r.minimalRank());
 }
 
+std::vector<Eigen::VectorXd> solveEveryRank(const Reduction& r) {
+  const Eigen::HouseholderQR<Eigen::MatrixXd> qr(r.design);
+  const Eigen::VectorXd right = qr.householderQ().adjoint() * r.target;
+  const bool full = r.design.rows() >= r.design.cols();
+  std::vector<Eigen::VectorXd> all;
+  for (int rank = r.minimalRank(); rank <= r.maximalRank(); ++rank) {
+    Eigen::VectorXd z;
+    if (full) {
+      z = qr.matrixQR().topLeftCorner(rank, rank).triangularView<Eigen::Upper>().solve(right.head(rank));
+    }
+    const bool bad = !full || !z.allFinite() || (r.minimalRank() > 0 && z.head(r.minimalRank()).minCoeff() < 0.0);
+    all.push_back(bad ? solveReduced(r, rank) : z);
+  }
+  return all;
+}
+
 Eigen::VectorXd toParameters(const Reduction& r, const Eigen::VectorXd& z) {
   Eigen::VectorXd parameters = Eigen::VectorXd::Zero(r.scale.size());
   const Eigen::Index kept = static_cast<Eigen::Index>(r.kept.size());

@@ -14,16 +14,17 @@ namespace {
 constexpr double kHuber = 1.345;     ///< 95 % efficient for normal residuals (Huber 1964)
 constexpr double kBisquare = 4.685;  ///< the same (Beaton and Tukey 1974)
 constexpr int kMostIterations = 50;
+constexpr double kSurelyInside = 0.8;  ///< of the quadratic part
 
 using Rows = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
 constexpr int kChunk = 256;  ///< equations a residual block: each block has a fixed cost in Ceres
 
-/// Huber's loss of some equations as a least-squares problem: root(rho(r^2)) with the sign of r, whose square is the loss.
+/// Some equations; with Huber's loss as a least-squares problem: root(rho(r^2)) with the sign of r, whose square is the loss.
 class EquationChunk : public ceres::CostFunction {
  public:
-  EquationChunk(const double* rows, const double* targets, int count, int size)
-      : rows_(rows), targets_(targets), count_(count) {
+  EquationChunk(const double* rows, const double* targets, int count, int size, bool huber)
+      : rows_(rows), targets_(targets), count_(count), huber_(huber) {
     set_num_residuals(count);
     mutable_parameter_block_sizes()->push_back(size);
   }
@@ -35,7 +36,7 @@ class EquationChunk : public ceres::CostFunction {
     out.noalias() = rows * Eigen::Map<const Eigen::VectorXd>(parameters[0], size);
     out -= Eigen::Map<const Eigen::VectorXd>(targets_, count_);
     Eigen::VectorXd slope = Eigen::VectorXd::Ones(count_);
-    for (int i = 0; i < count_; ++i) {
+    for (int i = 0; huber_ && i < count_; ++i) {
       const double linear = std::abs(out[i]);
       if (linear <= kHuber) continue;
       const double root = std::sqrt(2.0 * kHuber * linear - kHuber * kHuber);
@@ -51,6 +52,7 @@ class EquationChunk : public ceres::CostFunction {
   const double* rows_;
   const double* targets_;
   int count_;
+  bool huber_;
 };
 
 /// Full (not compressed) equations in the reduction's coordinates.
@@ -68,15 +70,41 @@ Rows reducedRows(const Equations& e, const Reduction& r, int rank) {
   return e.a * basis;
 }
 
-/// Huber's loss by Ceres, from a good start.
-int fitHuber(const Equations& e, const Rows& x, int bounded, Eigen::VectorXd& coordinates) {
+/// The least-squares part of a Huber problem in few rows, and the equations that may be in its linear part.
+struct HuberParts {
+  Rows square;  ///< triangle of the equations well within the quadratic part
+  Eigen::VectorXd square_target;
+  Rows rest;
+  Eigen::VectorXd rest_target;
+  std::vector<Eigen::Index> squared;  ///< rows that went into the triangle
+};
+
+HuberParts splitHuber(const Rows& x, const Eigen::VectorXd& b, const std::vector<char>& inside) {
+  HuberParts parts;
+  std::vector<Eigen::Index> rest;
+  for (Eigen::Index row = 0; row < x.rows(); ++row)
+    (inside[static_cast<std::size_t>(row)] ? parts.squared : rest).push_back(row);
+  const Eigen::MatrixXd triangle = compress(x(parts.squared, Eigen::all), b(parts.squared));
+  parts.square = triangle.leftCols(x.cols());
+  parts.square_target = triangle.col(x.cols());
+  parts.rest = x(rest, Eigen::all);
+  parts.rest_target = b(rest);
+  return parts;
+}
+
+int solveHuber(const HuberParts& parts, int bounded, Eigen::VectorXd& coordinates) {
   ceres::Problem problem;
   double* const z = coordinates.data();
-  const int size = static_cast<int>(x.cols());
+  const int size = static_cast<int>(coordinates.size());
   problem.AddParameterBlock(z, size);
-  for (Eigen::Index row = 0; row < x.rows(); row += kChunk) {
-    const int count = static_cast<int>(std::min<Eigen::Index>(kChunk, x.rows() - row));
-    problem.AddResidualBlock(new EquationChunk(x.data() + row * x.cols(), e.b.data() + row, count, size), nullptr, z);
+  problem.AddResidualBlock(new EquationChunk(parts.square.data(), parts.square_target.data(),
+                                             static_cast<int>(parts.square.rows()), size, false),
+                           nullptr, z);
+  for (Eigen::Index row = 0; row < parts.rest.rows(); row += kChunk) {
+    const int count = static_cast<int>(std::min<Eigen::Index>(kChunk, parts.rest.rows() - row));
+    problem.AddResidualBlock(
+        new EquationChunk(parts.rest.data() + row * size, parts.rest_target.data() + row, count, size, true), nullptr,
+        z);
   }
   for (int i = 0; i < bounded; ++i)
     problem.SetParameterLowerBound(z, i, 0.0);
@@ -89,6 +117,29 @@ int fitHuber(const Equations& e, const Rows& x, int bounded, Eigen::VectorXd& co
   ceres::Solve(options, &problem, &summary);
   if (!summary.IsSolutionUsable()) throw std::runtime_error("Ceres failed: " + summary.message);
   return static_cast<int>(summary.iterations.size());
+}
+
+/// Huber's loss by Ceres, from a good start. Equations well within the quadratic part are compressed first; when one of them
+/// leaves it after all, it joins the others and the fit goes on: the result is that of all equations.
+int fitHuber(const Equations& e, const Rows& x, int bounded, Eigen::VectorXd& z) {
+  std::vector<char> inside(static_cast<std::size_t>(x.rows()), 1);
+  Eigen::VectorXd size = (e.b - x * z).cwiseAbs();
+  for (Eigen::Index row = 0; row < x.rows(); ++row)
+    inside[static_cast<std::size_t>(row)] = size[row] < kSurelyInside * kHuber;
+  int iterations = 0;
+  for (int pass = 0; pass < kMostIterations; ++pass) {
+    const HuberParts parts = splitHuber(x, e.b, inside);
+    iterations += solveHuber(parts, bounded, z);
+    size = (e.b - x * z).cwiseAbs();
+    int left = 0;
+    for (const Eigen::Index row : parts.squared) {
+      if (size[row] <= kHuber) continue;
+      inside[static_cast<std::size_t>(row)] = 0;
+      ++left;
+    }
+    if (left == 0) break;
+  }
+  return iterations;
 }
 
 double huberWeight(double residual) {

@@ -34,6 +34,10 @@ inline constexpr int kBlocks = 10;
 /// run only when it is longer than a tenth of the data). Bench axes are independent: there an axis' row needs only its own motion.
 Equations stackEquations(const std::vector<Observation>& training, const ObservationOptions& options);
 
+/// Takes some columns of (unweighted) equations of the same observations anew, after the observations' regressors changed there.
+void refillColumns(const std::vector<Observation>& training, const ObservationOptions& options,
+                   const std::vector<int>& columns, Equations& equations);
+
 /// a and b with every row divided by its actuator's noise.
 void weightRows(Equations& equations, const Eigen::VectorXd& noise_N);
 

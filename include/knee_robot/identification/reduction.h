@@ -35,6 +35,10 @@ Reduction reduce(const Eigen::MatrixXd& triangle, int rows, const std::vector<Co
 /// column is negative. rank is between minimalRank() and maximalRank().
 Eigen::VectorXd solveReduced(const Reduction& reduction, int rank);
 
+/// solveReduced for every rank from minimalRank() to maximalRank(): one factorization, because the columns are nested; only ranks
+/// at which a bound is active are solved on their own.
+std::vector<Eigen::VectorXd> solveEveryRank(const Reduction& reduction);
+
 /// Parameters (all columns, unscaled) that belong to coordinates.
 Eigen::VectorXd toParameters(const Reduction& reduction, const Eigen::VectorXd& coordinates);
 
