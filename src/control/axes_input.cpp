@@ -24,6 +24,12 @@ bool AxesInput::startHook() {
 void AxesInput::updateHook(const rt::Cycle& cycle) {
   hardware::AxisFeedback feedback;
   out_.status = bus_.read(feedback);
+  HomeSetting setting;
+  if (home.read(setting) == rt::FlowStatus::NewData && setting.number != home_number_) {
+    home_number_ = setting.number;
+    for (std::size_t i = 0; i < kAxes; ++i)
+      lengths_at_start_[i] += setting.shift_m[i];
+  }
   ++out_.sequence;
   out_.time = cycle.time;
   out_.read_at = cycle.wake;

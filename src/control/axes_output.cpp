@@ -66,9 +66,11 @@ Fault AxesOutput::checkCommand(const AxisCommand& command, std::size_t axis, con
 
 void AxesOutput::readCommands(const rt::Cycle& cycle) {
   all_closed_ = true;
+  verdict.read(judged_);
   for (std::size_t i = 0; i < kAxes; ++i) {
     inputs_[i]->read(commands_[i]);
-    const Fault fault = checkCommand(commands_[i], i, cycle);
+    Fault fault = checkCommand(commands_[i], i, cycle);
+    if (fault == Fault::None && !closesLoop(judged_.fault[i])) fault = judged_.fault[i];
     closed_[i] = fault == Fault::None;
     if (closed_[i] || !all_closed_) continue;
     all_closed_ = false;

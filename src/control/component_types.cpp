@@ -2,7 +2,9 @@
 
 #include "knee_robot/control/axes_input.h"
 #include "knee_robot/control/axes_output.h"
+#include "knee_robot/control/black_box.h"
 #include "knee_robot/control/driver.h"
+#include "knee_robot/control/monitors.h"
 #include "knee_robot/control/recorder.h"
 #include "knee_robot/control/supervisor.h"
 #include "knee_robot/control/sync.h"
@@ -15,9 +17,11 @@ rt::TypeFactory componentTypes(const Robot& robot, const HardwareFile& hardware,
   rt::TypeFactory types;
   types["AxesInput"] = [=, &bus](Name name) { return std::make_unique<AxesInput>(name, robot, bus, lengths_at_start); };
   types["Sync"] = [=](Name name) { return std::make_unique<Sync>(name, robot); };
-  types["Driver"] = [=](Name name) { return std::make_unique<Driver>(name, robot); };
+  types["Driver"] = [=](Name name) { return std::make_unique<Driver>(name, robot, hardware); };
+  types["Monitors"] = [=](Name name) { return std::make_unique<Monitors>(name, robot); };
   types["Supervisor"] = [=](Name name) { return std::make_unique<Supervisor>(name, robot, hardware); };
   types["AxesOutput"] = [=, &bus](Name name) { return std::make_unique<AxesOutput>(name, robot, hardware, bus); };
+  types["BlackBox"] = [](Name name) { return std::make_unique<BlackBox>(name); };
   types["Recorder"] = [](Name name) { return std::make_unique<Recorder>(name); };
   return types;
 }

@@ -12,7 +12,8 @@ namespace {
 constexpr double kQuick_s = 1.0;
 constexpr double kSafeStop_s = 8.0;  // longest deceleration, settling, hold and disable delays together
 constexpr double kEnable_s = 12.0;
-constexpr double kRecovery_s = 0.05;  // components and drives that are taken out of a fault
+constexpr double kRecovery_s = 0.05;        // components and drives that are taken out of a fault
+constexpr double kSlowestApproach = 0.001;  // m/s
 
 /// Rest to rest on a straight line in actuator space, minimum jerk, no axis faster than `speed` or half of its acceleration limit.
 Points straightLine(const AxisValues& from, const AxisValues& to, const Robot& robot, double speed) {
@@ -95,7 +96,10 @@ Answer ControlSystem::setSpeed(double percent) {
 }
 
 Answer ControlSystem::home() {
-  return request(RequestKind::Home, kQuick_s);
+  const Answer answer = request(RequestKind::Home, kEnable_s);
+  if (!answer.ok) return answer;
+  if (!hardware_.homing.moves()) return {true, "homed: the robot stands at its home lengths"};
+  return {true, "homing has begun: one axis after the other, then the drives are switched off"};
 }
 
 Answer ControlSystem::confirmHome() {
@@ -124,6 +128,7 @@ Answer ControlSystem::loadReference(const Reference& reference) {
   }
   try {
     const ReferenceCheck check = requirePlayable(reference, robot_);
+    if (const auto limits = patient()) requireWithinPatient(check, reference, *limits);
     const std::lock_guard<std::mutex> lock(mutex_);
     parts_->reference = check.lengths;
     parts_->reference_name = reference.name;
@@ -180,11 +185,17 @@ Answer ControlSystem::approach(double speed_m_per_s) {
   if (!row) return {false, "nothing has been measured yet"};
   Reference line;
   line.name = "the approach to " + name;
-  line.points = straightLine(row->position_m, to, robot_, speed_m_per_s);
-  try {
-    return playPath(requirePlayable(line, robot_).lengths, line.name);
-  } catch (const InputError& error) {
-    return {false, error.what()};
+  const auto limits = patient();
+  // Slower until the patient's speeds allow it: what turns the platform how fast depends on the pose.
+  for (double speed = speed_m_per_s;; speed *= 0.5) {
+    line.points = straightLine(row->position_m, to, robot_, speed);
+    try {
+      const ReferenceCheck check = requirePlayable(line, robot_);
+      if (limits) requireWithinPatient(check, line, *limits);
+      return playPath(check.lengths, line.name);
+    } catch (const InputError& error) {
+      if (!limits || speed < kSlowestApproach) return {false, error.what()};
+    }
   }
 }
 
@@ -210,7 +221,8 @@ Answer ControlSystem::resetFaults() {
     if (!revive(*component)) return {false, component->name() + " cannot be recovered: " + component->refusal()};
   }
   bus_.acknowledgeFaults();
-  waitUntil([] { return false; }, kRecovery_s);  // a few cycles, so that what is answered is about the recovered components
+  waitUntil([] { return false; },
+            kRecovery_s);  // a few cycles, so that what is answered is about the recovered components
   waitFor(MachineState::Disabled, kSafeStop_s);  // a safe stop that still runs; or the latched fault
   if (state() == MachineState::Disabled) return {true, "the components were recovered; the robot is disabled"};
   return request(RequestKind::Reset, kQuick_s);

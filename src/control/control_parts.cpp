@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <iterator>
 
 #include "knee_robot/base/errors.h"
 
@@ -41,7 +42,9 @@ ControlSystem::Parts::Parts(const rt::Deployment& deployment)
       recorder(only<Recorder>(deployment, "Recorder")),
       supervisor(only<Supervisor>(deployment, "Supervisor")),
       input(only<AxesInput>(deployment, "AxesInput")),
-      output(only<AxesOutput>(deployment, "AxesOutput")) {
+      output(only<AxesOutput>(deployment, "AxesOutput")),
+      monitors(only<Monitors>(deployment, "Monitors")),
+      black_box(only<BlackBox>(deployment, "BlackBox")) {
   checkDrivers(deployment);
   checkOrder(deployment);
 }
@@ -52,17 +55,26 @@ void ControlSystem::Parts::checkOrder(const rt::Deployment& deployment) const {
   const rt::Activity* servo = deployment.activityOf(*input);
   const std::vector<rt::TaskContext*>& order = servo->components();
   const auto place = [&](const rt::TaskContext* component) { return std::find(order.begin(), order.end(), component); };
-  if (place(output) == order.end() || place(recorder) == order.end() || place(supervisor) == order.end()) {
-    throw InputError(where + "AxesInput, Supervisor, AxesOutput and Recorder must belong to one activity");
+  const rt::TaskContext* together[] = {output, recorder, supervisor, monitors, black_box};
+  if (std::any_of(std::begin(together), std::end(together),
+                  [&](const auto* one) { return place(one) == order.end(); })) {
+    throw InputError(where +
+                     "AxesInput, Monitors, Supervisor, AxesOutput, Recorder and BlackBox must belong to one activity");
   }
   if (place(input) != order.begin())
     throw InputError(where + "AxesInput must be the first of activity " + servo->name());
+  for (auto after = place(monitors); after != order.end(); ++after) {
+    if (dynamic_cast<const Driver*>(*after) != nullptr)
+      throw InputError(where + "Monitors must come after the Drivers");
+  }
+  if (place(supervisor) < place(monitors)) throw InputError(where + "Supervisor must come after Monitors");
   for (auto after = place(output); after != order.end(); ++after) {
     if (dynamic_cast<const Driver*>(*after) != nullptr || *after == supervisor) {
       throw InputError(where + "AxesOutput must come after the Supervisor and the Drivers of its activity");
     }
   }
-  if (place(recorder) < place(output)) throw InputError(where + "Recorder must come after AxesOutput");
+  if (place(recorder) < place(output) || place(black_box) < place(output))
+    throw InputError(where + "Recorder and BlackBox must come after AxesOutput");
 }
 
 }  // namespace knee_robot

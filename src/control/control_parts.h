@@ -5,8 +5,10 @@
 
 #include "knee_robot/control/axes_input.h"
 #include "knee_robot/control/axes_output.h"
+#include "knee_robot/control/black_box_writer.h"
 #include "knee_robot/control/control_system.h"
 #include "knee_robot/control/driver.h"
+#include "knee_robot/control/monitors.h"
 #include "knee_robot/control/recorder.h"
 #include "knee_robot/control/recording_drain.h"
 #include "knee_robot/control/supervisor.h"
@@ -21,6 +23,7 @@ class OperatorPanel : public rt::TaskContext {
   rt::OutputPort<Request> request{*this, "request", "to the Supervisor"};
   rt::InputPort<SupervisorStatus> status{*this, "status", "from the Supervisor"};
   rt::InputPort<TrackingRow> row{*this, "row", "from the Recorder"};
+  rt::InputPort<MonitorVerdict> verdict{*this, "verdict", "from Monitors"};
 };
 
 /// What a ControlSystem knows of the components of its deployment.
@@ -33,8 +36,12 @@ struct ControlSystem::Parts {
   Supervisor* supervisor = nullptr;
   AxesInput* input = nullptr;
   AxesOutput* output = nullptr;
+  Monitors* monitors = nullptr;
+  BlackBox* black_box = nullptr;
   OperatorPanel panel;
   std::unique_ptr<RecordingDrain> drain;
+  std::unique_ptr<BlackBoxWriter> black_box_writer;
+  std::optional<PatientLimits> patient;
   std::uint32_t requests = 0;
   std::string reference_name;
   std::string playing;  // what was played last

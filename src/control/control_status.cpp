@@ -41,7 +41,12 @@ ControlStatus ControlSystem::status() const {
   status.recorded_rows = recording.rows;
   status.dropped_rows = recording.dropped;
   status.skipped_cycles = recording.skipped;
+  status.black_box = parts_->black_box_writer->newest();
+  status.black_box_error = parts_->black_box_writer->error();
   const std::lock_guard<std::mutex> lock(mutex_);
+  MonitorVerdict verdict;
+  if (parts_->panel.verdict.read(verdict) != rt::FlowStatus::NoData) status.thermal = verdict.heat;
+  if (parts_->patient) status.patient = parts_->patient->name;
   status.reference = parts_->reference_name;
   const bool on_a_path = status.state == MachineState::Playing || status.state == MachineState::Paused ||
                          status.state == MachineState::Stopping;

@@ -55,6 +55,7 @@ ControlSystem::ControlSystem(const Robot& robot, const HardwareFile& hardware, c
   parts_ = std::make_unique<Parts>(*deployment_);
   rt::connect(parts_->panel.request, parts_->supervisor->request, rt::ConnPolicy::buffer(16));
   rt::connect(parts_->supervisor->status, parts_->panel.status);
+  rt::connect(parts_->monitors->verdict, parts_->panel.verdict);
   rt::connect(parts_->recorder->row, parts_->panel.row);
   for (const auto& component : deployment_->components()) {
     if (component.get() == parts_->supervisor) continue;
@@ -66,10 +67,13 @@ ControlSystem::ControlSystem(const Robot& robot, const HardwareFile& hardware, c
   }
   parts_->drain =
       std::make_unique<RecordingDrain>(*parts_->recorder, robot.axes(), options.execution == rt::Execution::Threads);
+  parts_->black_box_writer = std::make_unique<BlackBoxWriter>(*parts_->black_box, options.black_box_folder,
+                                                              options.execution == rt::Execution::Threads);
 }
 
 ControlSystem::~ControlSystem() {
   shutdown();
+  parts_->black_box_writer.reset();
   parts_->drain.reset();  // its thread uses the Recorder
 }
 
@@ -128,7 +132,10 @@ bool ControlSystem::waitUntil(const std::function<bool()>& done, double timeout_
 rt::Nanoseconds ControlSystem::step() {
   if (advance_plant_) advance_plant_(deployment_->nextRelease());
   const rt::Nanoseconds time = deployment_->step();
-  if (++parts_->steps % kStepsPerDrain == 0) parts_->drain->drain();
+  if (++parts_->steps % kStepsPerDrain == 0) {
+    parts_->drain->drain();
+    parts_->black_box_writer->write();
+  }
   return time;
 }
 

@@ -11,7 +11,8 @@ constexpr double kLongestStep_s = 0.005;
 
 }  // namespace
 
-Driver::Driver(const std::string& name, const Robot& robot) : TaskContext(name), robot_(robot) {}
+Driver::Driver(const std::string& name, const Robot& robot, const HardwareFile& hardware)
+    : TaskContext(name), robot_(robot), hardware_(hardware) {}
 
 bool Driver::configureHook() {
   index_ = static_cast<std::size_t>(axis.value()) - 1;
@@ -20,7 +21,7 @@ bool Driver::configureHook() {
   force_limit_ = actuator_.voltage_max_V * actuator_.force_per_volt_N;
   if (actuator_.force_max_N > 0.0) force_limit_ = std::min(force_limit_, actuator_.force_max_N);
   follower_ = SetPointFollower(static_cast<int>(index_), actuator_.position_min_m, actuator_.position_max_m,
-                               actuator_.velocity_max_m_per_s);
+                               actuator_.velocity_max_m_per_s, missing_set_points);
   pid_.setGains(gains());
   return true;
 }
@@ -33,6 +34,7 @@ bool Driver::startHook() {
   active_ = false;
   fault_ = Fault::None;
   unreadable_ = 0;
+  homing_ = HomingMove{};
   out_ = AxisCommand{};
   out_.axis = axis;
   return true;
@@ -58,8 +60,10 @@ void Driver::updateHook(const rt::Cycle& cycle) {
     out_.reference_m = measured_.position_m[index_];
     out_.reference_velocity = 0.0;
     out_.at_rest = true;
+    out_.homing = HomingPhase::Idle;
   }
   last_time_ = cycle.time;
+  out_.homed = order_.homed;
   out_.sequence = measured_.sequence;
   out_.time = cycle.time;
   out_.active = active_;
@@ -81,33 +85,56 @@ void Driver::takeOver(const rt::Cycle& cycle) {
   const double position = measured_.position_m[index_];
   follower_.takeOver(position, cycle.time);
   pid_.reset(position);
+  carried_N_ = 0.0;
+  homing_ = HomingMove{};
   last_time_ = cycle.time;
   active_ = true;
 }
 
-void Driver::checkReference(const rt::Cycle& cycle) {
+/// Homing begins where the axis stands and is over for good until the Drivers are switched off: nothing is played in between.
+SetPointFollower::Reference Driver::chooseReference(const rt::Cycle& cycle, double dt) noexcept {
+  force_now_ = force_limit_;
+  if (homing_.phase() == HomingPhase::Idle && isToHome()) {
+    const bool on_switch = hardware_.homing.method == HomingMethod::Switch;
+    homing_.begin(hardware_.homing.axes[index_], on_switch, measured_.position_m[index_]);
+    carried_N_ = pid_.takeIntegral();
+  }
+  if (homing_.phase() == HomingPhase::Idle) return follower_.at(cycle.time);
+  if (!isToHome()) homing_.abandon();
+  const bool switch_on =
+      hardware_.homing.switch_bit && (measured_.digital_inputs >> *hardware_.homing.switch_bit & 1) != 0;
+  const HomingMove::Output move =
+      homing_.step(measured_.position_m[index_], measured_.velocity_m_per_s[index_], switch_on, dt, force_limit_);
+  force_now_ = move.force_limit_N;
+  return {move.reference_m, move.velocity, move.velocity == 0.0};
+}
+
+void Driver::checkReference(const rt::Cycle& cycle, bool searching) {
   if (follower_.isStale(cycle.time, stale_set_points)) raise(Fault::SetPointStale);
   if (unreadable_ >= stale_measurements) raise(Fault::MeasurementLost);
   const double error = out_.reference_m - measured_.position_m[index_];
   const double limit = following_floor + following_slope * std::abs(out_.reference_velocity);
-  if (std::abs(error) > limit) raise(Fault::FollowingError);
+  if (!searching && std::abs(error) > limit) raise(Fault::FollowingError);
 }
 
 void Driver::control(const rt::Cycle& cycle) {
-  const SetPointFollower::Reference reference = follower_.at(cycle.time);
+  const double dt = std::min(rt::toSeconds(cycle.time - last_time_), kLongestStep_s);
+  const SetPointFollower::Reference reference = chooseReference(cycle, dt);
   out_.reference_m = reference.position;
   out_.reference_velocity = reference.velocity;
   out_.at_rest = reference.at_rest;
-  checkReference(cycle);
+  out_.homing = homing_.phase();
+  out_.home_m = homing_.found_m();
+  checkReference(cycle, homing_.phase() == HomingPhase::Searching);
 
   PidInput input;
   input.reference = reference.position;
   input.reference_velocity = reference.velocity;
   input.measured = measured_.position_m[index_];
   input.feedforward = load_;
-  input.dt = std::min(rt::toSeconds(cycle.time - last_time_), kLongestStep_s);
+  input.dt = dt;
   pid_.changeGains(gains(), input);
-  const double force = pid_.update(input, force_limit_);
+  const double force = std::clamp(pid_.update(input, force_now_) + carried_N_, -force_limit_, force_limit_);
   if (!std::isfinite(force)) raise(Fault::NotANumber);
   if (!closesLoop(fault_)) {
     active_ = false;

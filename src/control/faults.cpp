@@ -19,7 +19,7 @@ constexpr std::array<FaultDescription, kFaults> kTable = {{
      "find out where it came from: this is a fault of the program or of its data"},
     {F::FollowingError, "following_error", "the axis did not follow its reference", kAtOnce,
      "look for an obstacle, a brake that did not open, a reference that is too fast, a wrong sign"},
-    {F::SetPointStale, "set_point_stale", "no new set point came from Sync", kWhenGone,
+    {F::SetPointStale, "set_point_stale", "a set point of Sync came too late, or not at all", kWhenGone,
      "look at the state and the timing of Sync"},
     {F::SetPointJump, "set_point_jump", "the set point jumped", kAtOnce, "load the reference again"},
     {F::CommandStale, "command_stale", "no new command came from the axis' Driver", kWhenGone,
@@ -52,11 +52,14 @@ constexpr std::array<FaultDescription, kFaults> kTable = {{
      "look for a collision, gains that are too high, a loose encoder"},
     {F::Stalled, "stalled", "the drive pushes and the axis stands still", kAtOnce,
      "look for an obstacle, a brake that did not open, a drive without power"},
-    {F::Runaway, "runaway", "the axis moves against the force that it is given", kAtOnce,
-     "check encoder_sign and force_sign in the robot file and the wiring of motor and encoder"},
+    {F::Runaway, "runaway",
+     "the axis runs away from its reference against the force: a wrong sign, a drive without power, or a push that is "
+     "stronger",
+     kAtOnce,
+     "check the drive's supply, encoder_sign and force_sign in the robot file, the wiring of motor and encoder"},
     {F::EncoderFrozen, "encoder_frozen",
-     "the encoder stands still while the other axes and the force say that the axis moves", kAtOnce,
-     "check the encoder's cable and coupling"},
+     "the encoder does not count although the axis is driven: it is dead, or the axis is blocked", kAtOnce,
+     "check the encoder's cable and coupling, then look for an obstacle or a brake that did not open"},
     {F::EncoderJump, "encoder_jump", "the encoder jumped farther than the axis can move in one cycle", kAtOnce,
      "check the encoder's cable and shield; home again before moving"},
     {F::Saturated, "saturated", "the force was at its limit for too long", kAtOnce,
@@ -90,6 +93,8 @@ constexpr std::array<FaultDescription, kFaults> kTable = {{
      "look up the drive's error code; resetting also resets the drive"},
     {F::DriveNotEnabled, "drive_not_enabled", "the drive left Operation Enabled or did not reach it", kWhenGone,
      "look at the drive's enable input, power and settings"},
+    {F::MonitorsStale, "monitors_stale", "the monitors gave no verdict", kWhenGone,
+     "look at the state and the timing of the component Monitors and at the deployment's connections"},
 }};
 
 }  // namespace
@@ -98,8 +103,25 @@ const FaultDescription& describe(Fault fault) noexcept {
   return kTable[static_cast<std::size_t>(fault)];
 }
 
+bool concernsAllAxes(Fault fault) noexcept {
+  return fault == Fault::PatientPose || fault == Fault::PatientSpeed || fault == Fault::SetPointStale;
+}
+
 bool closesLoop(Fault fault) noexcept {
-  return fault == Fault::None || fault == Fault::SetPointStale;
+  switch (fault) {
+    case Fault::NotANumber:
+    case Fault::FollowingError:
+    case Fault::SetPointJump:
+    case Fault::MeasurementLost:
+    case Fault::CommandStale:
+    case Fault::Runaway:
+    case Fault::AccelerationLimit:  // a loop that shakes itself must not go on
+    case Fault::EncoderFrozen:
+    case Fault::EncoderJump:
+      return false;
+    default:
+      return true;
+  }
 }
 
 }  // namespace knee_robot

@@ -30,6 +30,77 @@ void readOutputs(HardwareFile& hardware, StrictMap map) {
   map.finish();
 }
 
+void readInputs(HardwareFile& hardware, StrictMap map) {
+  std::set<int> bits;
+  const auto bit = [&](const char* key, std::optional<int>& line) {
+    if (!map.has(key)) return;
+    line = map.integer(key, 0, 3);
+    if (!bits.insert(*line).second) map.refuse(key, "another input has this bit already; every input needs its own");
+  };
+  bit("emergency_stop_clear", hardware.emergency_stop_clear_bit);
+  bit("hand_switch_clear", hardware.hand_switch_clear_bit);
+  bit("home_switch", hardware.homing.switch_bit);
+  map.finish();
+}
+
+void readCards(HardwareFile& hardware, StrictMap map) {
+  if (hardware.backend != "pci") map.refuse("analog_board_id", "only backend pci has cards to choose from");
+  if (map.has("analog_board_id")) hardware.analog_board_id = map.integer("analog_board_id", 0, 15);
+  if (map.has("counter_board_id")) hardware.counter_board_id = map.integer("counter_board_id", 0, 15);
+  map.finish();
+}
+
+HomingAxis readHomingAxis(StrictMap& map) {
+  HomingAxis axis;
+  axis.length_m = map.number("length_m", -2.0, 2.0);
+  axis.direction = map.choice("direction", {"shorten", "lengthen"}) == "lengthen" ? 1 : -1;
+  axis.speed_m_per_s = map.numberOr("speed_m_per_s", axis.speed_m_per_s, 1e-4, 0.02);
+  axis.force_N = map.numberOr("force_N", axis.force_N, 1.0, 200.0);
+  axis.back_off_m = map.numberOr("back_off_m", axis.back_off_m, 0.0, 0.1);
+  axis.travel_m = map.numberOr("travel_m", axis.travel_m, 0.001, 2.0);
+  map.finish();
+  return axis;
+}
+
+void readHomingOrder(HardwareFile& hardware, StrictMap& map) {
+  if (!map.has("order")) return;
+  const std::vector<double> order = map.numbers("order", hardware.axes.size(), 1.0, 4.0);
+  std::set<int> seen;
+  for (std::size_t i = 0; i < order.size(); ++i) {
+    hardware.homing.order[i] = static_cast<int>(order[i]);
+    if (hardware.homing.order[i] != order[i] || !seen.insert(hardware.homing.order[i]).second)
+      map.refuse("order", "expected each of the axes 1 to 4 once");
+  }
+}
+
+void readHoming(HardwareFile& hardware, StrictMap map) {
+  const std::string method = map.choice("method", {"assumed", "hand_placed", "switch", "hard_stop"});
+  if (method == "assumed" && hardware.backend != "simulated" && !hardware.bench_without_patient) {
+    map.refuse(
+        "method",
+        "assumed takes for granted that the robot stands at home, which no encoder confirms; use hand_placed, switch "
+        "or hard_stop, or set bench_without_patient: true");
+  }
+  hardware.homing.method = method == "assumed"     ? HomingMethod::Assumed
+                           : method == "switch"    ? HomingMethod::Switch
+                           : method == "hard_stop" ? HomingMethod::HardStop
+                                                   : HomingMethod::HandPlaced;
+  if (hardware.homing.moves()) {
+    if (method == "switch" && !hardware.homing.switch_bit) {
+      map.refuse("method", "switch needs the bit of the switches: digital_inputs: {home_switch: ...}");
+    }
+    std::vector<StrictMap> axes = map.maps("axes");
+    if (axes.size() != 1 && axes.size() != hardware.axes.size()) {
+      map.refuse("axes", "expected four axes, or one that stands for all, not " + std::to_string(axes.size()));
+    }
+    for (std::size_t i = 0; i < axes.size(); ++i)
+      hardware.homing.axes[i] = readHomingAxis(axes[i]);
+    if (axes.size() == 1) hardware.homing.axes.fill(hardware.homing.axes[0]);
+    readHomingOrder(hardware, map);
+  }
+  map.finish();
+}
+
 }  // namespace
 
 double HardwareFile::holdDelay() const {
@@ -57,10 +128,11 @@ HardwareFile loadHardwareFile(const std::string& path) {
   hardware.backend = file.choice("backend", {"simulated", "pci", "can"});
   hardware.bench_without_patient = file.flagOr("bench_without_patient", false);
   readOutputs(hardware, file.map("digital_outputs"));
-  if (auto inputs = file.mapIfAny("digital_inputs")) {
-    hardware.emergency_stop_clear_bit = inputs->integer("emergency_stop_clear", 0, 3);
-    inputs->finish();
-  }
+  if (auto inputs = file.mapIfAny("digital_inputs")) readInputs(hardware, *inputs);
+  if (auto cards = file.mapIfAny("cards")) readCards(hardware, *cards);
+  hardware.starts_faulted = file.flagOr("starts_faulted", true);
+  hardware.homing.method = HomingMethod::HandPlaced;
+  if (auto homing = file.mapIfAny("homing")) readHoming(hardware, *homing);
   hardware.drive_enable_delay_s = file.numberOr("drive_enable_delay_s", hardware.drive_enable_delay_s, 0.008, 1.0);
   std::vector<StrictMap> axes = file.maps("axes");
   if (axes.size() != 1 && axes.size() != hardware.axes.size()) {

@@ -5,14 +5,20 @@
 
 namespace knee_robot {
 
-SetPointFollower::SetPointFollower(int axis, double position_min, double position_max, double velocity_max)
-    : axis_(static_cast<std::size_t>(axis)), min_(position_min), max_(position_max), velocity_max_(velocity_max) {}
+SetPointFollower::SetPointFollower(int axis, double position_min, double position_max, double velocity_max,
+                                   int missing_allowed)
+    : axis_(static_cast<std::size_t>(axis)),
+      min_(position_min),
+      max_(position_max),
+      velocity_max_(velocity_max),
+      missing_allowed_(missing_allowed) {}
 
 void SetPointFollower::takeOver(double position, rt::Nanoseconds now) noexcept {
   following_ = false;
   held_ = position;
   offset_ = 0.0;
   run_ = 0;
+  sequence_ = 0;
   heard_ = now;
 }
 
@@ -38,12 +44,14 @@ Fault SetPointFollower::accept(const SetPoint& set_point, rt::Nanoseconds now) n
                      set_point.to_m[axis_],
                      set_point.from_velocity[axis_],
                      set_point.to_velocity[axis_]};
+  const bool same_run = following_ && set_point.phase != SyncPhase::Idle && set_point.run == run_;
+  const std::uint64_t missing = same_run ? set_point.sequence - sequence_ - 1 : 0;
   if (set_point.phase != SyncPhase::Idle) {
     const Fault fault = check(next, set_point);
     if (fault != Fault::None) return fault;
     const bool new_run = !following_ || set_point.run != run_;
     const bool late = following_ && now > segment_.start + segment_.duration;
-    if (new_run || late) {
+    if (new_run || late || missing > 0) {
       offset_ = at(now).position - onSegment(next, now).position;
       offset_start_ = now;
     }
@@ -54,7 +62,7 @@ Fault SetPointFollower::accept(const SetPoint& set_point, rt::Nanoseconds now) n
   sequence_ = set_point.sequence;
   heard_ = set_point.start;
   if (set_point.duration > 0) expected_period_ = set_point.duration;
-  return Fault::None;
+  return missing > static_cast<std::uint64_t>(missing_allowed_) ? Fault::SetPointStale : Fault::None;
 }
 
 SetPointFollower::Reference SetPointFollower::onSegment(const Segment& segment, rt::Nanoseconds now) const noexcept {

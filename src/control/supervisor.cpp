@@ -21,7 +21,14 @@ bool Supervisor::startHook() {
   status_ = SupervisorStatus{};
   status_.answers = answers;
   status_.homed = homed;
-  if (hardware_.homing.method == HomingMethod::Assumed) status_.homed.fill(true);
+  if (hardware_.homing.method == HomingMethod::Assumed && !started_before_) status_.homed.fill(true);
+  if (hardware_.starts_faulted && !started_before_) {
+    status_.fault = Fault::NotReset;
+    status_.state = MachineState::Faulted;
+  }
+  started_before_ = true;
+  homing_ = home_found_ = false;
+  unjudged_ = 0;
   orders_ = Orders{};
   orders_.play = play;
   pending_ = 0;
@@ -52,6 +59,12 @@ void Supervisor::readPorts() {
   for (std::size_t i = 0; i < kAxes; ++i)
     inputs_[i]->read(commands_[i]);
   written.read(written_);
+  const bool judged = verdict.read(verdict_) == rt::FlowStatus::NewData && verdict_.sequence == measured_.sequence;
+  unjudged_ = judged ? 0 : unjudged_ + 1;
+}
+
+bool Supervisor::isHomed() const noexcept {
+  return std::all_of(status_.homed.begin(), status_.homed.end(), [](bool one) { return one; });
 }
 
 bool Supervisor::drivesAreOff() const noexcept {
@@ -72,6 +85,7 @@ void Supervisor::handle(const Request& asked, rt::Nanoseconds now) {
   if (!isPossible(status_.state, asked.kind)) return answer(asked.number, RequestResult::WrongState);
   switch (asked.kind) {
     case RequestKind::Enable:
+      homing_ = false;
       return enable(asked, now);
     case RequestKind::Disable:
       settlePending(RequestResult::Superseded);
@@ -92,6 +106,7 @@ void Supervisor::handle(const Request& asked, rt::Nanoseconds now) {
           (status_.state == MachineState::Holding && pending_ != 0)) {
         status_.state = MachineState::Stopping;
       }
+      if (status_.state == MachineState::Homing) status_.state = MachineState::SafeStopping;
       settlePending(RequestResult::Superseded);
       return answer(asked.number, RequestResult::Done);
     case RequestKind::EmergencyStop:
@@ -109,7 +124,7 @@ void Supervisor::handle(const Request& asked, rt::Nanoseconds now) {
       return answer(asked.number, RequestResult::Done);
     case RequestKind::Home:
     case RequestKind::ConfirmHome:
-      return home(asked);
+      return home(asked, now);
   }
 }
 
@@ -123,19 +138,11 @@ void Supervisor::enable(const Request& asked, rt::Nanoseconds now) {
   settlePending(RequestResult::Superseded);
   const bool output_is_idle = drivesAreOff() && written_.safe_stop == SafeStopPhase::Idle;
   if (!isReady() || !output_is_idle) return answer(asked.number, RequestResult::NotReady);
+  if (!isHomed() && !homing_) return answer(asked.number, RequestResult::NotHomed);
   status_.state = MachineState::Enabling;
   orders_.level = DriveLevel::Energised;
   enabling_since_ = step_since_ = now;
   pending_ = asked.number;
-}
-
-/// See control_system.h.
-void Supervisor::home(const Request& asked) {
-  const bool by_hand = hardware_.homing.method == HomingMethod::HandPlaced;
-  if (by_hand != (asked.kind == RequestKind::ConfirmHome)) return answer(asked.number, RequestResult::NoProcedure);
-  if (!isReady()) return answer(asked.number, RequestResult::NotReady);
-  status_.homed.fill(true);
-  answer(asked.number, RequestResult::Done);
 }
 
 void Supervisor::reset(const Request& asked) {
@@ -159,7 +166,7 @@ void Supervisor::advance(rt::Nanoseconds now) {
     case MachineState::Paused:
       return advancePlaying();
     case MachineState::Homing:
-      return;
+      return advanceHoming(now);
     case MachineState::SafeStopping:
       return advanceSafeStop();
     case MachineState::Disabled:
@@ -187,7 +194,8 @@ void Supervisor::advanceEnabling(rt::Nanoseconds now) {
       return;
     case DriveLevel::Released:
       if (elapsed < hardware_.holdDelay()) return;
-      status_.state = MachineState::Holding;
+      status_.state = homing_ ? MachineState::Homing : MachineState::Holding;
+      step_since_ = now;
       settlePending(RequestResult::Done);
       return;
   }
@@ -235,6 +243,7 @@ void Supervisor::advanceSafeStop() {
                                       (written_.safe_stop == SafeStopPhase::Idle && orders_.safe_stop));
   if (output_runs && !off) return;
   status_.state = status_.fault == Fault::None ? MachineState::Disabled : MachineState::Faulted;
+  endHoming();
   settlePending(status_.fault == Fault::None ? RequestResult::Done : RequestResult::Failed);
 }
 
@@ -243,6 +252,9 @@ void Supervisor::publish(rt::Nanoseconds now) {
   orders_.safe_stop = status_.state == MachineState::SafeStopping;
   orders_.stop_path = status_.state == MachineState::Stopping || orders_.safe_stop;
   if (!powered) orders_.level = DriveLevel::Off;
+  orders_.homed = isHomed();
+  orders_.homing = 0;
+  if (status_.state == MachineState::Homing) orders_.homing = homingBit();
   orders_.drivers_active = powered && orders_.level >= DriveLevel::HeldByDrivers;
   orders_.immediate = emergencyInput() || measured_.fenced_out;
   ++orders_.sequence;

@@ -4,6 +4,8 @@
 namespace knee_robot {
 namespace {
 
+constexpr double kCool = 0.8;  // of what is allowed, before a motor that was too hot may go on
+
 Fault faultOf(hardware::BusFault fault) noexcept {
   switch (fault) {
     case hardware::BusFault::None:
@@ -49,17 +51,31 @@ void Supervisor::raise(Fault fault, int axis, int component) noexcept {
 void Supervisor::lookForFaults() {
   // Before all others: after a pause of the whole process nearly everything else looks wrong, too.
   if (measured_.fenced_out) raise(Fault::GuardianActed, 0);
-  // An emergency stop takes the drives' power: what they complain about is not its cause.
-  if (measured_.bus_failure.fault != hardware::BusFault::None && emergencyInput()) raise(Fault::EmergencyStop, 0);
+  lookAtInputs();  // an emergency stop takes the power of the drives: what they complain about is not its cause
   raise(faultOf(measured_.bus_failure.fault), measured_.bus_failure.axis);
   lookAtComponents();
   lookAtMeasurement();
+  lookAtMonitors();
   for (const AxisCommand& command : commands_) {
-    raise(command.fault, command.fault == Fault::SetPointStale ? 0 : command.axis);  // Sync serves all four alike
+    raise(command.fault, concernsAllAxes(command.fault) ? 0 : command.axis);
   }
   raise(written_.fault, written_.fault_axis);
   if (overrun_.exchange(false, std::memory_order_relaxed)) raise(Fault::Overrun, 0);
+}
+
+/// Before the Drivers' faults: a monitor knows more about the cause of what makes a loop fail.
+void Supervisor::lookAtMonitors() {
+  if (unjudged_ >= stale_measurements && measured_.sequence != 0 && unreadable_ == 0) raise(Fault::MonitorsStale, 0);
+  for (std::size_t i = 0; i < kAxes; ++i) {
+    const Fault fault = verdict_.fault[i];
+    raise(fault, concernsAllAxes(fault) ? 0 : static_cast<int>(i) + 1);
+    if (fault == Fault::EncoderJump) status_.homed[i] = false;  // its counts mean nothing any more
+  }
+}
+
+void Supervisor::lookAtInputs() {
   if (emergencyInput()) raise(Fault::EmergencyStop, 0);
+  if (inputIsLow(hardware_.hand_switch_clear_bit)) raise(Fault::HandSwitch, 0);
 }
 
 void Supervisor::lookAtComponents() {
@@ -87,7 +103,7 @@ void Supervisor::lookAtMeasurement() {
   if (measured_.sequence == 0) return;  // before the first cycle; enabling is refused
   if (unreadable_ >= stale_measurements) raise(Fault::MeasurementLost, 0);
   if (written_.status != hardware::IoStatus::Ok && written_.sequence != 0) raise(Fault::OutputLost, 0);
-  if (drivesAreOff()) return;
+  if (drivesAreOff() || !orders_.homed) return;
   for (std::size_t i = 0; i < kAxes; ++i) {
     const Actuator& actuator = robot_.actuators[i];
     const double position = measured_.position_m[i];
@@ -99,12 +115,22 @@ void Supervisor::lookAtMeasurement() {
 }
 
 bool Supervisor::emergencyInput() const noexcept {
-  if (!hardware_.emergency_stop_clear_bit || measured_.sequence == 0) return false;
-  return (measured_.digital_inputs >> *hardware_.emergency_stop_clear_bit & 1) == 0;
+  return inputIsLow(hardware_.emergency_stop_clear_bit);
+}
+
+bool Supervisor::inputIsLow(const std::optional<int>& bit) const noexcept {
+  if (!bit || measured_.sequence == 0) return false;
+  return (measured_.digital_inputs >> *bit & 1) == 0;
 }
 
 bool Supervisor::causeRemains() const noexcept {
-  if (emergencyInput() || measured_.bus_failure.fault != hardware::BusFault::None) return true;
+  if (measured_.bus_failure.fault != hardware::BusFault::None) return true;
+  if (emergencyInput() || inputIsLow(hardware_.hand_switch_clear_bit)) return true;
+  if (status_.fault == Fault::ThermalOverload) {
+    for (const double heat : verdict_.heat) {
+      if (!(heat <= kCool)) return true;
+    }
+  }
   if (unreadable_ != 0 || written_.status != hardware::IoStatus::Ok) return true;
   for (const rt::TaskContext* one : watched_) {
     if (one->state() != rt::TaskState::Running) return true;

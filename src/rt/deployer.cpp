@@ -38,7 +38,7 @@ void Deployment::start() {
       throw InputError(path_ + ": component " + component->name() + " cannot be configured: " + component->refusal());
     }
   }
-  warnings_.clear();
+  warnings_ = passed_over_;
   epoch_ = monotonicNow();
   virtual_now_ = 0;
   try {

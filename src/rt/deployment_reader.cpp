@@ -91,7 +91,11 @@ class DeploymentReader {
     }
     target_.components_.push_back(make->second(name));
     TaskContext& component = *target_.components_.back();
-    if (auto properties = entry.mapIfAny("properties")) loadProperties(component, *properties);
+    const Loading loading = entry.flagOr("lenient", false) ? Loading::Lenient : Loading::Strict;
+    if (auto properties = entry.mapIfAny("properties")) {
+      for (std::string& sentence : loadProperties(component, *properties, loading))
+        target_.passed_over_.push_back(std::move(sentence));
+    }
 
     const std::string activity_name = entry.text("activity");
     Activity* activity = target_.activity(activity_name);

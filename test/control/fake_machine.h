@@ -54,6 +54,14 @@ class Machine : public hardware::AxisBus {
     double mass = 5.0, viscous = 100.0, load_N = 40.0;
     double position = kHome, velocity = 0.0;
     bool jammed = false;
+    bool encoder_frozen = false;               // the counter keeps what it has
+    double encoder_offset_m = 0.0;             // what a jump has added to it
+    bool wrong_sign = false;                   // motor wired the wrong way round
+    bool drive_dead = false;                   // enabled, but no force
+    double push_N = 0.0;                       // by somebody, positive lengthens
+    double stop_min = -10.0, stop_max = 10.0;  // ends of the stroke
+    double switch_below = -10.0;               // the home switch is closed below that position
+    std::int32_t frozen_counts = 0;
   };
   /// What went over the wire in one cycle.
   struct Event {
@@ -78,6 +86,8 @@ class Machine : public hardware::AxisBus {
   std::uint8_t bits = 0;
   AxisValues volts{};
   bool passes_self_test = true;
+  double encoder_zero = kHome;  // where the counters were reset
+  int switch_bit = -1;          // digital input of the home switches, -1: none
   double time_s = 0.0;
   double brake_delay_s = 0.03;
 
@@ -93,10 +103,21 @@ class Machine : public hardware::AxisBus {
     if (read_status != hardware::IoStatus::Ok) return read_status;
     for (std::size_t i = 0; i < kAxes; ++i) {
       const Actuator& actuator = robot_.actuators[i];
-      const double counts = actuator.encoder_sign * (axes[i].position - kHome) / actuator.metresPerCount();
-      feedback.counts[i] = static_cast<std::int32_t>(static_cast<std::int64_t>(std::llround(counts)));
+      Axis& axis = axes[i];
+      const double counts =
+          actuator.encoder_sign * (axis.position + axis.encoder_offset_m - encoder_zero) / actuator.metresPerCount();
+      if (!axis.encoder_frozen)
+        axis.frozen_counts = static_cast<std::int32_t>(static_cast<std::int64_t>(std::llround(counts)));
+      feedback.counts[i] = axis.frozen_counts;
     }
     feedback.digital_inputs = inputs;
+    if (switch_bit >= 0) {
+      bool closed = false;
+      for (const Axis& axis : axes)
+        closed = closed || axis.position < axis.switch_below;
+      feedback.digital_inputs &= static_cast<std::uint8_t>(~(1u << switch_bit));
+      if (closed) feedback.digital_inputs |= static_cast<std::uint8_t>(1u << switch_bit);
+    }
     return hardware::IoStatus::Ok;
   }
   hardware::IoStatus writeVolts(const AxisValues& wanted, AxisValues& written) noexcept override {
@@ -139,9 +160,13 @@ class Machine : public hardware::AxisBus {
       return;
     }
     const Actuator& actuator = robot_.actuators[i];
-    const double motor = enabled() ? actuator.force_sign * actuator.force_per_volt_N * volts[i] : 0.0;
-    axis.velocity += dt * (motor - axis.load_N - axis.viscous * axis.velocity) / axis.mass;
+    double motor = enabled() && !axis.drive_dead ? actuator.force_sign * actuator.force_per_volt_N * volts[i] : 0.0;
+    if (axis.wrong_sign) motor = -motor;
+    axis.velocity += dt * (motor + axis.push_N - axis.load_N - axis.viscous * axis.velocity) / axis.mass;
     axis.position += dt * axis.velocity;
+    const double inside = std::min(axis.stop_max, std::max(axis.stop_min, axis.position));
+    if (inside != axis.position) axis.velocity = 0.0;
+    axis.position = inside;
   }
 
   const Robot robot_;

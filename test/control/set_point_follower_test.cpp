@@ -109,11 +109,22 @@ TEST(SetPointFollower, TakesAJumpForAFaultAndGoesOnAsBefore) {
   EXPECT_TRUE(std::isfinite(axis.at(15 * kMs).position));
 }
 
-TEST(SetPointFollower, AcceptsALostPointAsFarAsTheAxisCouldHaveMoved) {
+TEST(SetPointFollower, ReportsAMissingPointAndGoesOnWithoutAJumpSoThatAllFourCanStopTogether) {
   SetPointFollower axis = follower();
   axis.takeOver(0.6, 0);
   axis.accept(segment(0, 0.6, 0.1), 0);
+  const double before = axis.at(2 * kPeriod - kMs).position;
+  EXPECT_EQ(axis.accept(segment(2, 0.6, 0.1), 2 * kPeriod), Fault::SetPointStale);
+  EXPECT_NEAR(axis.at(2 * kPeriod).position, before, 0.1 * 1e-3 + 1e-6);
+  EXPECT_TRUE(closesLoop(Fault::SetPointStale));
+}
+
+TEST(SetPointFollower, ToleratesAsManyMissingPointsAsItIsTold) {
+  SetPointFollower axis(0, 0.5, 1.0, 0.3, 1);
+  axis.takeOver(0.6, 0);
+  axis.accept(segment(0, 0.6, 0.1), 0);
   EXPECT_EQ(axis.accept(segment(2, 0.6, 0.1), 2 * kPeriod), Fault::None);
+  EXPECT_EQ(axis.accept(segment(5, 0.6, 0.1), 5 * kPeriod), Fault::SetPointStale);
 }
 
 }  // namespace

@@ -10,8 +10,10 @@
 #include "fake_machine.h"
 #include "knee_robot/control/axes_input.h"
 #include "knee_robot/control/axes_output.h"
+#include "knee_robot/control/black_box.h"
 #include "knee_robot/control/control_system.h"
 #include "knee_robot/control/driver.h"
+#include "knee_robot/control/monitors.h"
 #include "knee_robot/control/recorder.h"
 #include "knee_robot/control/supervisor.h"
 #include "knee_robot/control/sync.h"
@@ -69,7 +71,9 @@ inline rt::TypeFactory faultyTypes(Injection& injection, Machine& machine, const
       {"AxesInput", [=, &injection, &machine](
                         Name n) { return std::make_unique<Faulty<AxesInput>>(injection, n, r, machine, lengths); }},
       {"Sync", [=, &injection](Name n) { return std::make_unique<Faulty<Sync>>(injection, n, r); }},
-      {"Driver", [=, &injection](Name n) { return std::make_unique<Faulty<Driver>>(injection, n, r); }},
+      {"Driver", [=, &injection](Name n) { return std::make_unique<Faulty<Driver>>(injection, n, r, h); }},
+      {"Monitors", [=, &injection](Name n) { return std::make_unique<Faulty<Monitors>>(injection, n, r); }},
+      {"BlackBox", [=, &injection](Name n) { return std::make_unique<Faulty<BlackBox>>(injection, n); }},
       {"Supervisor", [=, &injection](Name n) { return std::make_unique<Faulty<Supervisor>>(injection, n, r, h); }},
       {"AxesOutput",
        [=, &injection, &machine](Name n) { return std::make_unique<Faulty<AxesOutput>>(injection, n, r, h, machine); }},
@@ -83,12 +87,14 @@ inline std::string deploymentFile() {
 
 /// The whole controller, stepped, on the fake machine.
 struct Rig {
-  explicit Rig(HardwareFile hardware_file = hardware())
-      : machine(robot()), system(robot(), hardware_file, deploymentFile(), machine, options(hardware_file)) {
+  explicit Rig(HardwareFile hardware_file = hardware(), const std::string& black_box_folder = "")
+      : machine(robot()),
+        system(robot(), hardware_file, deploymentFile(), machine, options(hardware_file, black_box_folder)) {
     system.setPlant([this](rt::Nanoseconds time) { machine.advanceTo(rt::toSeconds(time)); });
   }
-  ControlSystem::Options options(const HardwareFile& hardware_file) {
+  ControlSystem::Options options(const HardwareFile& hardware_file, const std::string& black_box_folder) {
     ControlSystem::Options all;
+    all.black_box_folder = black_box_folder;
     all.execution = rt::Execution::Stepped;
     all.types = faultyTypes(injection, machine, hardware_file);
     return all;

@@ -41,7 +41,7 @@ std::string deployment(const std::string& folder, bool sync_in_own_activity) {
     replace("type: Sync, activity: servo, period_s: 0.01",
             "type: Sync, activity: slow, properties: {orders_timeout_s: 1.0}");
     for (const char* axis : {"{axis: 1", "{axis: 2", "{axis: 3", "{axis: 4"}) {
-      replace(axis, std::string(axis) + ", stale_set_points: 100");
+      replace(axis, std::string(axis) + ", stale_set_points: 100, missing_set_points: 100");
     }
   }
   const std::string path = folder + "/deployment.yaml";
@@ -75,7 +75,7 @@ TEST_P(Threads, PlayWhileOperatorsAskRecordAndPublish) {
   });
   std::thread busybody([&] {
     while (!done) {
-      EXPECT_FALSE(system.enable().ok);
+      EXPECT_FALSE(system.enable().ok) << system.status().fault_sentence;
       EXPECT_FALSE(system.resetFaults().ok);
       std::this_thread::sleep_for(std::chrono::milliseconds(5));
     }
@@ -105,6 +105,33 @@ TEST_P(Threads, PlayWhileOperatorsAskRecordAndPublish) {
   EXPECT_GT(loadRecording(folder + "/r.csv").rows(), 1000);
   for (const char* name : {"/r.csv", "/deployment.yaml"})
     std::remove((folder + name).c_str());
+  std::remove(folder.c_str());
+}
+
+TEST(ThreadsAlone, PauseAndResumeInTheMiddleOfThePath) {
+  char pattern[] = "/tmp/threads_test_XXXXXX";
+  const std::string folder = mkdtemp(pattern);
+  LiveMachine machine(fake::robot());
+  ControlSystem system(fake::robot(), fake::hardware(), deployment(folder, false), machine, {});
+  ASSERT_TRUE(system.start().ok);
+  ASSERT_TRUE(system.enable().ok);
+  std::this_thread::sleep_for(std::chrono::milliseconds(700));
+  ASSERT_TRUE(system.loadReference(fake::smoothReference(kHome, 0.01, 1.0)).ok);
+  ASSERT_TRUE(system.play().ok);
+  ASSERT_TRUE(system.waitFor(MachineState::Playing, 5.0));
+  while (system.status().progress < 0.3)
+    std::this_thread::yield();
+  ASSERT_TRUE(system.pause().ok);
+  ASSERT_TRUE(system.waitFor(MachineState::Paused, 20.0)) << system.status().fault_sentence;
+  const double progress = system.status().progress;
+  EXPECT_LT(progress, 1.0);
+  std::this_thread::sleep_for(std::chrono::milliseconds(50));
+  EXPECT_EQ(system.status().progress, progress);
+  ASSERT_TRUE(system.resume().ok);
+  EXPECT_TRUE(system.waitFor(MachineState::Holding, 20.0)) << system.status().fault_sentence;
+  EXPECT_NEAR(system.status().progress, 1.0, 1e-9);
+  EXPECT_TRUE(system.shutdown().ok);
+  std::remove((folder + "/deployment.yaml").c_str());
   std::remove(folder.c_str());
 }
 

@@ -126,6 +126,18 @@ TEST_F(DeployerTest, StopsWhatWasStartedWhenAComponentRefuses) {
   EXPECT_EQ(log_of_starts, (std::vector<std::string>{"start K", "start S", "stop K"}));
 }
 
+TEST_F(DeployerTest, PassesOverUnknownPropertiesWhereToldToButNeverSilentlyAndNeverBadValues) {
+  writeFileAtomically(path(), with("properties: {step: 2.5}", "lenient: true, properties: {step: 2.5, stride: 1}"));
+  Deployment deployment(path(), factory(), Execution::Stepped);
+  deployment.start();
+  ASSERT_EQ(deployment.warnings().size(), 1u);
+  EXPECT_NE(deployment.warnings()[0].find("stride: passed over: component S has no such property"), std::string::npos)
+      << deployment.warnings()[0];
+  EXPECT_EQ(refusalOf(with("properties: {step: 2.5}", "lenient: true, properties: {step: 25}"))
+                .rfind("4: step: 25 is outside 0 .. 10", 0),
+            0u);
+}
+
 TEST_F(DeployerTest, RefusesWhatIsWrongByLineBeforeAnythingRuns) {
   const std::vector<std::pair<std::string, std::string>> cases = {
       {with("step: 2.5", "stride: 2.5"), "4: stride: component S has no such property; it has step, refuses"},

@@ -15,7 +15,7 @@ namespace knee_robot {
 /// outputs, the heartbeat toggled.
 ///
 /// Below HeldByDrivers 0 V are written. From there on each axis gets its Driver's command as long as it is fresh, finite, of
-/// this axis and its loop is closed; clamped to voltage_max and force_max here once more. Otherwise the axis gets its load
+/// this axis, its loop is closed and no monitor says that it must not go on; clamped to voltage_max and force_max here once more. Otherwise the axis gets its load
 /// estimate: the low-passed command of the last 0.2 s, which is about what carries the platform there, until the hold device
 /// holds it.
 ///
@@ -28,6 +28,7 @@ class AxesOutput : public rt::TaskContext {
 
   rt::InputPort<Orders> orders{*this, "orders", "from the Supervisor"};
   rt::InputPort<AxesMeasurement> measurement{*this, "measurement", "from AxesInput"};
+  rt::InputPort<MonitorVerdict> verdict{*this, "verdict", "from Monitors"};
   rt::InputPort<AxisCommand> command_1{*this, "command_1", "from the Driver of axis 1"};
   rt::InputPort<AxisCommand> command_2{*this, "command_2", "from the Driver of axis 2"};
   rt::InputPort<AxisCommand> command_3{*this, "command_3", "from the Driver of axis 3"};
@@ -66,6 +67,7 @@ class AxesOutput : public rt::TaskContext {
   Orders order_;
   bool heard_ = false;
   std::array<AxisCommand, kAxes> commands_{};
+  MonitorVerdict judged_;
   std::array<bool, kAxes> closed_{};
   bool all_closed_ = false;
   int open_axis_ = 0;

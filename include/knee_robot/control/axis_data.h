@@ -24,7 +24,7 @@ struct AxesMeasurement {
   AxisValues velocity_m_per_s{};  ///< low-passed difference
   std::array<std::int64_t, kAxes> counts{};
   std::uint8_t digital_inputs = 0;
-  bool fenced_out = false;  ///< a guardian has taken the outputs
+  bool fenced_out = false;           ///< a guardian has taken the outputs
   hardware::BusFailure bus_failure;  ///< what a bus of drives tells beyond `status`
 };
 
@@ -62,6 +62,15 @@ struct SetPoint {
   double refused_distance_m = 0.0;
 };
 
+/// Where an axis is in its homing.
+enum class HomingPhase : std::uint8_t { Idle, Searching, BackingOff, Found, Failed };
+
+/// Supervisor to AxesInput: a new number shifts the lengths of the axes, once. Only while the drives are off.
+struct HomeSetting {
+  std::uint32_t number = 0;
+  AxisValues shift_m{};
+};
+
 /// One Driver, once its period.
 struct AxisCommand {
   std::uint64_t sequence = 0;  ///< of the measurement that it answers
@@ -74,6 +83,18 @@ struct AxisCommand {
   double force_N = 0.0;  ///< what the volts ask for
   double reference_m = 0.0;
   double reference_velocity = 0.0;  ///< m/s
+  bool homed = false;               ///< as ordered: the lengths mean something
+  HomingPhase homing = HomingPhase::Idle;
+  double home_m = 0.0;  ///< measured where home was found; BackingOff and Found
+};
+
+/// Monitors, every servo cycle.
+struct MonitorVerdict {
+  std::uint64_t sequence = 0;  ///< of the measurement that it judges
+  rt::Nanoseconds time = 0;
+  std::array<Fault, kAxes>
+      fault{};        ///< kept until the Drivers are switched off; those of the whole platform are at axis 1
+  AxisValues heat{};  ///< I2t: 0 cold, 1 the fault
 };
 
 /// How far the drives are switched on. Going up one by one, down only through the safe stop.
@@ -96,6 +117,8 @@ struct Orders {
   bool stop_path = false;       ///< Sync slows path time down to zero and gives the path up
   bool pause_path = false;      ///< Sync slows path time down to zero and keeps the path
   double speed = 1.0;           ///< 0 to 1: time scale that Sync approaches without a jump
+  bool homed = false;           ///< all axes know where they are: soft limits and the patient's range hold
+  std::uint8_t homing = 0;      ///< bit i: the Driver of axis i + 1 looks for home; the others hold
 };
 
 /// Where the safe stop is.

@@ -8,7 +8,8 @@
 
 namespace knee_robot {
 
-/// The component types that a deployment file may name: AxesInput, Sync, Driver, Supervisor, AxesOutput, Recorder. `bus` must
+/// The component types that a deployment file may name: AxesInput, Sync, Driver, Monitors, Supervisor,
+/// AxesOutput, Recorder, BlackBox. `bus` must
 /// outlive the components; robot and hardware are copied.
 rt::TypeFactory componentTypes(const Robot& robot, const HardwareFile& hardware, hardware::AxisBus& bus,
                                const AxisValues& lengths_at_start);

@@ -11,6 +11,7 @@
 #include "knee_robot/control/axis_data.h"
 #include "knee_robot/control/hardware_file.h"
 #include "knee_robot/control/machine_state.h"
+#include "knee_robot/control/patient_limits.h"
 #include "knee_robot/mechanism/robot.h"
 #include "knee_robot/rt/deployer.h"
 #include "knee_robot/rt/property.h"
@@ -47,6 +48,9 @@ struct ControlStatus {
   std::string recording;                ///< path of the recording being written, empty: none
   std::uint64_t recorded_rows = 0;
   std::uint64_t dropped_rows = 0;    ///< measured but not in the file
+  std::string patient;               ///< name in the loaded patient file, empty: nobody is on the robot
+  std::string black_box;             ///< CSV of the newest fault, empty: none yet
+  std::string black_box_error;       ///< the disk's refusal, empty: none
   std::uint64_t skipped_cycles = 0;  ///< left out by the machine: gaps of time_s
 };
 
@@ -63,6 +67,8 @@ class ControlSystem {
     std::optional<AxisValues> lengths_at_start_m;
     /// Component types added to, or put in place of, the usual ones: for fault injection and new components.
     rt::TypeFactory types;
+    /// Where the last 5 s of all signals go on every fault (BlackBoxWriter); empty: nowhere.
+    std::string black_box_folder;
   };
 
   /// Reads the deployment, makes and connects everything; nothing runs. Throws InputError. `bus` must outlive this.
@@ -83,6 +89,11 @@ class ControlSystem {
   Answer disable();
   /// Checks the reference against the robot (everything that check_reference checks) and hands it over. Not while playing.
   Answer loadReference(const Reference& reference);
+  /// Reads a patient file (patient_limits.h) and holds the machine to it from now on: references and approaches are checked against it
+  /// on loading and playing, pose and speed are monitored during motion. Only while Disabled or Faulted; forgets the loaded reference.
+  Answer loadPatient(const std::string& path);
+  /// Nobody is on the robot any more: only its own limits hold. Only while Disabled or Faulted.
+  Answer clearPatient();
   /// Plays the loaded reference from its first point; refused unless the robot stands there.
   Answer play();
   /// Plays a slow straight approach (actuator space, rest to rest) from the measured position to the first point of the loaded
@@ -150,6 +161,8 @@ class ControlSystem {
   void overrideWhenSilent(SupervisorStatus& supervisor) const;
   void describeFault(const SupervisorStatus& supervisor, ControlStatus& status) const;
   bool revive(rt::TaskContext& component);
+  Answer usePatient(std::optional<PatientLimits> patient);
+  std::optional<PatientLimits> patient() const;
 
   const Robot robot_;
   const HardwareFile hardware_;

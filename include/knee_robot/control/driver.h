@@ -3,6 +3,8 @@
 #include <string>
 
 #include "knee_robot/control/axis_data.h"
+#include "knee_robot/control/hardware_file.h"
+#include "knee_robot/control/homing_move.h"
 #include "knee_robot/control/pid.h"
 #include "knee_robot/control/set_point_follower.h"
 #include "knee_robot/mechanism/robot.h"
@@ -19,13 +21,14 @@ namespace knee_robot {
 ///
 /// Gains may change while the loop is closed: the integral takes up the difference, so the force does not jump.
 /// Takes over (Orders::drivers_active) at the measured position with the integral at zero: no step of force. Faults are kept
-/// until the Drivers are switched off again:
-/// - SetPointStale: nothing from Sync for stale_set_points periods. The loop goes on and holds (the reference has come to rest).
+/// until the Drivers are switched off again. While Orders::homing has its bit, HomingMove gives reference and force limit instead.
+/// - SetPointStale: nothing from Sync for stale_set_points periods, or a set point is missing. The loop goes on (the reference comes
+///   to rest).
 /// - NotANumber, FollowingError, SetPointJump, MeasurementLost: the loop is given up (active = false, 0 V asked for); what the axis
 ///   gets from then on is AxesOutput's safe stop.
 class Driver : public rt::TaskContext {
  public:
-  Driver(const std::string& name, const Robot& robot);
+  Driver(const std::string& name, const Robot& robot, const HardwareFile& hardware = {});
 
   rt::InputPort<Orders> orders{*this, "orders", "from the Supervisor"};
   rt::InputPort<AxesMeasurement> measurement{*this, "measurement", "from AxesInput"};
@@ -47,6 +50,8 @@ class Driver : public rt::TaskContext {
       *this, "following_error_s", 0.1, "s", 0.0, 1.0, "added to it per m/s of reference velocity"};
   rt::Property<int> stale_set_points{
       *this, "stale_set_points", 3, "periods", 2, 100, "without set points for so long: fault"};
+  rt::Property<int> missing_set_points{
+      *this, "missing_set_points", 0, "set points", 0, 100, "in a row that may be missing without a fault"};
   rt::Property<int> stale_measurements{
       *this, "stale_measurements", 3, "cycles", 1, 100, "unreadable encoders in a row: fault"};
 
@@ -59,7 +64,9 @@ class Driver : public rt::TaskContext {
   void readPorts(const rt::Cycle& cycle);
   void takeOver(const rt::Cycle& cycle);
   void control(const rt::Cycle& cycle);
-  void checkReference(const rt::Cycle& cycle);
+  void checkReference(const rt::Cycle& cycle, bool searching);
+  SetPointFollower::Reference chooseReference(const rt::Cycle& cycle, double dt) noexcept;
+  bool isToHome() const noexcept { return (order_.homing >> index_ & 1) != 0; }
   void raise(Fault fault) noexcept;
   PidGains gains() const noexcept;
 
@@ -67,8 +74,12 @@ class Driver : public rt::TaskContext {
   Actuator actuator_;
   std::size_t index_ = 0;
   SetPointFollower follower_{0, 0.0, 0.0, 0.0};
+  const HardwareFile hardware_;
+  HomingMove homing_;
   Pid pid_;
   double force_limit_ = 0.0;  // N
+  double force_now_ = 0.0;    // N, limit of this cycle
+  double carried_N_ = 0.0;    // what the axis carried at rest when its homing began: the low force comes on top of it
   Orders order_;
   AxesMeasurement measured_;
   int unreadable_ = 0;

@@ -47,8 +47,9 @@ enum class Fault : std::uint8_t {
   DriveEmergency,
   DriveFault,
   DriveNotEnabled,
+  MonitorsStale,
 };
-inline constexpr int kFaults = 41;
+inline constexpr int kFaults = 42;
 
 /// When resetFaults() clears a fault.
 enum class ResetRule : std::uint8_t {
@@ -67,6 +68,9 @@ struct FaultDescription {
 
 /// The one table of faults. Constant data; real-time safe.
 const FaultDescription& describe(Fault fault) noexcept;
+
+/// True for faults of the platform as a whole, whatever axis reports them.
+bool concernsAllAxes(Fault fault) noexcept;
 
 /// True when the axis' position loop still works with this fault, so that the safe stop may decelerate under control.
 bool closesLoop(Fault fault) noexcept;

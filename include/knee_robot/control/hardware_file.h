@@ -5,6 +5,7 @@
 #include <string>
 
 #include "knee_robot/base/strict_yaml.h"
+#include "knee_robot/control/homing_move.h"
 #include "knee_robot/hardware/axis_bus.h"
 #include "knee_robot/hardware/can/can_settings.h"
 #include "knee_robot/mechanism/robot.h"
@@ -32,16 +33,31 @@ enum class HomingMethod {
 ///     can: {...}                      # backend can only: see hardware/can/can_settings.h
 ///     bench_without_patient: false    # optional; hold_device none needs true
 ///     digital_outputs: {drive_enable: 0, hold_release: 1, heartbeat: 2}   # bits 0 to 3, all different; 1 = enabled, released
-///     digital_inputs: {emergency_stop_clear: 0}   # optional; 1 = not pressed, drive power present
+///     digital_inputs:                 # optional, bits 0 to 3, all different; 1 = all well, so that a broken wire stops
+///       {emergency_stop_clear: 0,     # not pressed, drive power present
+///        hand_switch_clear: 1,        # the patient's hand switch is not pressed
+///        home_switch: 2}              # 1 = closed; for homing against a switch (one axis moves at a time, so one line is enough)
+///     cards: {analog_board_id: 0, counter_board_id: 1}   # optional, backend pci: the switches on the cards
 ///     drive_enable_delay_s: 0.02      # optional; until an enabled drive follows its set value, and a disabled one is off
 ///     starts_faulted: true            # optional; after every start the operator has to reset first (not_reset)
-///     homing: {method: hand_placed}   # default; or assumed, which needs backend simulated or bench_without_patient
+///     homing: {method: hand_placed}   # default; or assumed, which needs backend simulated or bench_without_patient; or
+///       # {method: switch, order: [4, 1, 2, 3], axes: [{length_m: 0.6, direction: shorten, speed_m_per_s: 0.003, force_N: 60,
+///       #  back_off_m: 0.01, travel_m: 0.35}]}    # or method hard_stop; four axes, or one that stands for all; see HomingAxis
 ///     axes:                           # four, or one that stands for all
 ///       - {hold_device: brake, hold_delay_s: 0.03}   # time from the output's change until the device holds (or lets go)
 struct HardwareFile {
   struct Axis {
     HoldDevice hold_device = HoldDevice::None;
     double hold_delay_s = 0.0;
+  };
+
+  struct Homing {
+    HomingMethod method = HomingMethod::Assumed;
+    std::array<HomingAxis, hardware::kAxes> axes{};      ///< of the methods that move
+    std::array<int, hardware::kAxes> order{1, 2, 3, 4};  ///< one axis after the other
+    std::optional<int> switch_bit;                       ///< digital input, 1 = closed
+
+    bool moves() const { return method == HomingMethod::Switch || method == HomingMethod::HardStop; }
   };
 
   std::string path;
@@ -53,11 +69,10 @@ struct HardwareFile {
   int heartbeat_bit = 2;
   std::optional<int> emergency_stop_clear_bit;
   std::optional<int> hand_switch_clear_bit;
-  struct Homing {
-    HomingMethod method = HomingMethod::Assumed;
-  };
   Homing homing;
   bool starts_faulted = false;
+  std::optional<int> analog_board_id;  ///< backend pci: which card, when there are several
+  std::optional<int> counter_board_id;
   double drive_enable_delay_s = 0.02;
   std::array<Axis, hardware::kAxes> axes{};
 

@@ -37,6 +37,12 @@ class Pid {
   /// Force in N, within +-`limit`.
   double update(const PidInput& input, double limit) noexcept;
   double integral() const noexcept { return integral_; }
+  /// The integral, N, which is zero from then on: for a caller that adds it itself.
+  double takeIntegral() noexcept {
+    const double taken = integral_;
+    integral_ = 0.0;
+    return taken;
+  }
 
  private:
   PidGains gains_;

@@ -10,7 +10,8 @@ namespace knee_robot {
 /// - When the next segment is late, it comes to rest with constant deceleration within kCoast, in the direction of travel; all
 ///   four axes do so in the same time, so the platform stays near its path.
 /// - Where a new run (or a late segment) begins away from the present reference, the difference fades out within kBlend.
-/// Within a run, a segment that does not continue the last one is a fault. Real-time safe.
+/// Within a run, a segment that does not continue the last one is a fault; so is a set point that did not come, which is bridged by the
+/// same fading. Real-time safe.
 class SetPointFollower {
  public:
   static constexpr rt::Nanoseconds kCoast = 100'000'000;
@@ -24,11 +25,12 @@ class SetPointFollower {
     bool at_rest = true;
   };
 
-  SetPointFollower(int axis, double position_min, double position_max, double velocity_max);
+  SetPointFollower(int axis, double position_min, double position_max, double velocity_max, int missing_allowed = 0);
 
   /// Holds at `position` from now on; what came before is forgotten.
   void takeOver(double position, rt::Nanoseconds now) noexcept;
-  /// A new set point. None, NotANumber or SetPointJump; after a fault the reference goes on as if it had not come.
+  /// A new set point. None, NotANumber, SetPointJump (the reference goes on as if it had not come), or SetPointStale: more
+  /// set points before it than `missing_allowed` did not come, but this one is followed.
   Fault accept(const SetPoint& set_point, rt::Nanoseconds now) noexcept;
   Reference at(rt::Nanoseconds now) const noexcept;
   /// Nothing new for more than `periods` set point periods.
@@ -44,6 +46,7 @@ class SetPointFollower {
 
   std::size_t axis_;
   double min_, max_, velocity_max_;
+  int missing_allowed_;
   bool following_ = false;
   double held_ = 0.0;
   Segment segment_;

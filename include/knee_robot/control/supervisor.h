@@ -19,6 +19,7 @@ bool isPossible(MachineState state, RequestKind request) noexcept;
 ///
 ///     Disabled --Enable--> Enabling --> Holding --Play--> Playing --Stop--> Stopping --> Holding
 ///                                                Playing <--Pause, Resume, SetSpeed--> Paused --Stop--> Stopping
+///     Disabled --Home--> Enabling --> Homing --all axes found--> SafeStopping --> Disabled, homed
 ///     any state with drives on --Disable--> SafeStopping --> Disabled
 ///     any state --fault--> SafeStopping --> Faulted --Reset--> Disabled
 ///
@@ -37,8 +38,10 @@ class Supervisor : public rt::TaskContext {
   rt::InputPort<AxisCommand> command_3{*this, "command_3", "from the Driver of axis 3"};
   rt::InputPort<AxisCommand> command_4{*this, "command_4", "from the Driver of axis 4"};
   rt::InputPort<AxesWritten> written{*this, "written", "from AxesOutput, of the last cycle"};
+  rt::InputPort<MonitorVerdict> verdict{*this, "verdict", "from Monitors, of this cycle"};
   rt::InputPort<Request> request{*this, "request", "from the operator", rt::Need::Optional};
   rt::OutputPort<Orders> orders{*this, "orders", "to Sync, Drivers and AxesOutput"};
+  rt::OutputPort<HomeSetting> home_setting{*this, "home", "to AxesInput: shifts the lengths"};
   rt::OutputPort<SupervisorStatus> status{*this, "status", "for the operator"};
 
   rt::Property<double> settle_time{*this, "settle_s", 0.05, "s", 0.0, 1.0, "closed loops before the release"};
@@ -72,7 +75,7 @@ class Supervisor : public rt::TaskContext {
   void handle(const Request& request, rt::Nanoseconds now);
   void enable(const Request& request, rt::Nanoseconds now);
   void reset(const Request& request);
-  void home(const Request& request);
+  void home(const Request& request, rt::Nanoseconds now);
   void answer(std::uint32_t number, RequestResult result, int axis = 0, double distance = 0.0) noexcept;
   void settlePending(RequestResult result) noexcept;
   void advance(rt::Nanoseconds now);
@@ -80,10 +83,19 @@ class Supervisor : public rt::TaskContext {
   void advancePlaying();
   void answerRefusedPlay() noexcept;
   void advanceSafeStop();
+  void advanceHoming(rt::Nanoseconds now);
+  bool isQuietForHoming(rt::Nanoseconds now) noexcept;
+  void endHoming() noexcept;
+  std::uint8_t homingBit() const noexcept;
+  void setHome(const AxisValues& lengths, const AxisValues& measured) noexcept;
+  void lookAtInputs();
+  void lookAtMonitors();
   bool isReady() const noexcept;
   bool causeRemains() const noexcept;
   bool drivesAreOff() const noexcept;
+  bool isHomed() const noexcept;
   bool emergencyInput() const noexcept;
+  bool inputIsLow(const std::optional<int>& bit) const noexcept;
   void publish(rt::Nanoseconds now);
 
   const Robot robot_;
@@ -98,6 +110,16 @@ class Supervisor : public rt::TaskContext {
   SetPoint set_point_;
   std::array<AxisCommand, kAxes> commands_{};
   AxesWritten written_;
+  MonitorVerdict verdict_;
+  int unjudged_ = 0;  // cycles without a verdict
+  bool started_before_ = false;
+  bool homing_ = false;             // this enabling leads to Homing
+  std::size_t homing_step_ = 0;     // place in the order of axes
+  bool homing_axis_begun_ = false;  // its Driver has been asked
+  bool home_found_ = false;         // the safe stop that runs is homing's end
+  AxisValues quiet_m_{};            // where the axes rest before the next one begins
+  AxisValues home_m_{};             // where home was found
+  HomeSetting setting_;
   SupervisorStatus status_;
   Orders orders_;
   std::uint32_t pending_ = 0;  // request that waits for its answer, 0: none

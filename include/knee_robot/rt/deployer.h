@@ -29,6 +29,7 @@ using TypeFactory = std::map<std::string, std::function<std::unique_ptr<TaskCont
 ///     components:                         # executed in this order within their activity
 ///       - {name: Sync, type: Sync, activity: servo, period_s: 0.01, properties: {stop_time_s: 0.3}}  # last two
 ///       optional
+///       # lenient: true                   # optional: properties that the component does not have are passed over and reported
 ///     connections:
 ///       - {from: Sync.set_point, to: Driver1.set_point, policy: data}   # or buffer, circular_buffer, both with size:
 ///       n
@@ -65,7 +66,7 @@ class Deployment {
   Activity* activity(const std::string& name) const;  ///< nullptr when there is none
   /// The activity that executes `component`.
   Activity* activityOf(const TaskContext& component) const;
-  /// Sentences about real-time privileges that were wanted and not obtained.
+  /// Sentences about real-time privileges that were wanted and not obtained, and about properties that were passed over.
   const std::vector<std::string>& warnings() const { return warnings_; }
   Execution execution() const { return execution_; }
   const std::string& path() const { return path_; }
@@ -78,6 +79,7 @@ class Deployment {
   std::vector<SteppedActivity*> stepped_;
   std::vector<TaskContext*> start_order_;
   std::vector<std::string> warnings_;
+  std::vector<std::string> passed_over_;
   Nanoseconds epoch_ = 0;
   Nanoseconds virtual_now_ = 0;
 

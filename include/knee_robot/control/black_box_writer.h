@@ -1,0 +1,42 @@
+#pragma once
+
+#include <atomic>
+#include <mutex>
+#include <string>
+#include <thread>
+
+#include "knee_robot/control/black_box.h"
+
+namespace knee_robot {
+
+/// Writes what a BlackBox has kept, outside the real-time threads: FOLDER/fault_<date>_<time>_<fault>.csv, a recording like any other
+/// (with more columns, which its readers pass over), and beside it the same name with .yaml: fault, sentence, axis, time. Whole files
+/// or none. A disk that refuses is reported by error(), and tried again with the next fault.
+class BlackBoxWriter {
+ public:
+  /// `threaded`: with an own thread; otherwise write() has to be called. An empty folder: nothing is written.
+  BlackBoxWriter(BlackBox& box, std::string folder, bool threaded);
+  /// Writes what still waits.
+  ~BlackBoxWriter();
+
+  /// Writes what waits now.
+  void write();
+  /// Path of the newest CSV; empty: none yet.
+  std::string newest() const;
+  std::string error() const;
+
+ private:
+  void loop();
+
+  BlackBox& box_;
+  const std::string folder_;
+  mutable std::mutex mutex_;
+  std::string newest_, error_;
+  std::atomic<bool> stop_{false};
+  std::thread thread_;
+};
+
+/// The dump as CSV text.
+std::string formatBlackBox(const BlackBoxDump& dump);
+
+}  // namespace knee_robot

@@ -1,0 +1,33 @@
+#pragma once
+
+namespace knee_robot {
+
+/// What a monitor sees of one axis in one cycle. Monitors are small state machines of their own: step() answers whether their limit is
+/// broken now, reset() forgets. Pure, real-time safe; what is not a number counts as broken.
+struct AxisView {
+  double dt = 0.0;       ///< s since the last measurement, over skipped cycles too
+  double moved_m = 0.0;  ///< by the encoder, since then
+  double position_m = 0.0;
+  double velocity = 0.0;  ///< m/s, low-passed
+  double reference_m = 0.0;
+  double reference_velocity = 0.0;  ///< m/s
+  double force_N = 0.0;             ///< written to the motor, after clamp, for the time that this measurement ends
+  double force_limit_N = 0.0;       ///< clamp of the axis
+};
+
+/// How long something has been true without a break.
+class TrueFor {
+ public:
+  /// True when `condition` has held for at least `limit_s`, this cycle's dt included.
+  bool step(bool condition, double dt, double limit_s) noexcept {
+    time_s_ = condition ? time_s_ + dt : 0.0;
+    return condition && time_s_ >= limit_s;
+  }
+  bool isTrue() const noexcept { return time_s_ > 0.0; }
+  void reset() noexcept { time_s_ = 0.0; }
+
+ private:
+  double time_s_ = 0.0;
+};
+
+}  // namespace knee_robot

@@ -1,0 +1,115 @@
+#pragma once
+
+#include <array>
+#include <mutex>
+
+#include "knee_robot/control/axis_data.h"
+#include "knee_robot/control/monitor_acceleration.h"
+#include "knee_robot/control/monitor_encoder_frozen.h"
+#include "knee_robot/control/monitor_encoder_jump.h"
+#include "knee_robot/control/monitor_patient.h"
+#include "knee_robot/control/monitor_runaway.h"
+#include "knee_robot/control/monitor_saturation.h"
+#include "knee_robot/control/monitor_soft_limit.h"
+#include "knee_robot/control/monitor_stall.h"
+#include "knee_robot/control/monitor_thermal.h"
+#include "knee_robot/control/monitor_velocity.h"
+#include "knee_robot/rt/channel.h"
+#include "knee_robot/rt/port.h"
+#include "knee_robot/rt/property.h"
+
+namespace knee_robot {
+
+/// Looks at all four axes once a servo cycle, after the Drivers and before the Supervisor and AxesOutput, so that a fault acts in the
+/// cycle in which it is seen. The limits' meaning is in the monitor_*.h, one file each. Encoder jump and heat are judged always; the
+/// others while the Drivers carry the platform (released, no safe stop running); soft limits and the patient's only when homed, and of
+/// an axis that looks for home only speed, acceleration and heat. The first fault of an axis is kept until the Drivers
+/// are switched off.
+///
+/// The following error is the Driver's; range (hard), readability of the encoders, components and inputs are the Supervisor's.
+class Monitors : public rt::TaskContext {
+ public:
+  Monitors(const std::string& name, const Robot& robot);
+
+  rt::InputPort<AxesMeasurement> measurement{*this, "measurement", "from AxesInput"};
+  rt::InputPort<AxisCommand> command_1{*this, "command_1", "from the Driver of axis 1"};
+  rt::InputPort<AxisCommand> command_2{*this, "command_2", "from the Driver of axis 2"};
+  rt::InputPort<AxisCommand> command_3{*this, "command_3", "from the Driver of axis 3"};
+  rt::InputPort<AxisCommand> command_4{*this, "command_4", "from the Driver of axis 4"};
+  rt::InputPort<AxesWritten> written{*this, "written", "from AxesOutput, of the last cycle"};
+  rt::OutputPort<MonitorVerdict> verdict{*this, "verdict", "to the Supervisor and AxesOutput"};
+
+  rt::Property<double> jump_factor{
+      *this, "jump_factor", 4.0, "", 1.0, 100.0, "of velocity_max: largest change of an encoder"};
+  rt::Property<double> jump_floor{*this, "jump_floor_m", 1e-3, "m", 1e-5, 0.1, "added to it"};
+  rt::Property<double> frozen_distance{
+      *this, "frozen_distance_m", 0.0015, "m", 1e-4, 0.1, "motion of the reference without one count"};
+  rt::Property<double> soft_margin{*this, "soft_margin_m", 5e-4, "m", 0.0, 0.05, "beyond the robot file's range"};
+  rt::Property<double> soft_speed{*this, "soft_speed_m_per_s", 2e-3, "m/s", 0.0, 0.1, "outwards"};
+  rt::Property<double> velocity_factor{*this, "velocity_factor", 1.3, "", 1.0, 10.0, "of velocity_max"};
+  rt::Property<double> velocity_floor{*this, "velocity_floor_m_per_s", 0.02, "m/s", 0.0, 1.0, "added to it: noise"};
+  rt::Property<double> velocity_time{*this, "velocity_s", 0.005, "s", 0.0, 1.0, "so long"};
+  rt::Property<double> acceleration_factor{*this, "acceleration_factor", 3.0, "", 1.0, 100.0, "of acceleration_max"};
+  rt::Property<double> stall_share{*this, "stall_share", 0.6, "", 0.05, 1.0, "of the force limit"};
+  rt::Property<double> stall_speed{*this, "stall_speed_m_per_s", 1e-3, "m/s", 0.0, 0.1, "slower than that"};
+  rt::Property<double> stall_error{*this, "stall_error_m", 1e-3, "m", 0.0, 0.1, "from the reference"};
+  rt::Property<double> stall_time{*this, "stall_s", 0.3, "s", 0.001, 10.0, "so long"};
+  rt::Property<double> runaway_error{*this, "runaway_error_m", 1e-3, "m", 0.0, 0.1, "from the reference"};
+  rt::Property<double> runaway_speed{*this, "runaway_speed_m_per_s", 0.03, "m/s", 0.0, 1.0, "away from it"};
+  rt::Property<double> runaway_time{*this, "runaway_s", 0.005, "s", 0.001, 1.0, "so long, and never slower"};
+  rt::Property<double> saturation_time{*this, "saturation_s", 0.25, "s", 0.001, 10.0, "force at its clamp for so long"};
+  rt::Property<double> thermal_time{
+      *this, "thermal_time_constant_s", 20.0, "s", 1.0, 1000.0, "of the winding; the RE40's is about twice as long"};
+  rt::Property<double> thermal_start{*this, "thermal_start", 0.0, "", 0.0, 1.0, "heat at the controller's start"};
+  rt::Property<double> patient_margin_m{*this, "patient_margin_m", 0.002, "m", 0.0, 0.02, "beyond the patient's range"};
+  rt::Property<double> patient_margin_rad{*this, "patient_margin_rad",        0.01, "rad", 0.0,
+                                          0.1,   "beyond the patient's range"};
+  rt::Property<double> patient_speed_factor{*this, "patient_speed_factor",   1.3, "", 1.0,
+                                            3.0,   "of the patient's speeds"};
+
+  /// Ordinary threads: limits that hold from the next cycle on; while the drives are off.
+  void setPatient(const PatientRange& range);
+
+ protected:
+  bool startHook() override;
+  void updateHook(const rt::Cycle& cycle) override;
+
+ private:
+  struct Axis {
+    EncoderJumpMonitor jump;
+    EncoderFrozenMonitor frozen;
+    SoftLimitMonitor soft;
+    VelocityMonitor velocity;
+    AccelerationMonitor acceleration;
+    StallMonitor stall;
+    RunawayMonitor runaway;
+    SaturationMonitor saturation;
+    ThermalMonitor thermal;
+    double force_limit_N = 0.0;
+    std::int64_t last_counts = 0;
+  };
+
+  void readPorts();
+  AxisView viewOf(std::size_t axis, double dt) noexcept;
+  Fault judge(std::size_t axis, const AxisView& view) noexcept;
+  Fault judgePatient(double dt) noexcept;
+  void raise(std::size_t axis, Fault fault) noexcept;
+  void forget() noexcept;
+
+  const Robot robot_;
+  const std::array<rt::InputPort<AxisCommand>*, kAxes> inputs_;
+  std::array<Axis, kAxes> axes_;
+  PatientMonitor patient_monitor_;
+  std::mutex offering_;
+  rt::DataChannel<PatientRange> offered_;
+  PatientRange patient_;
+  AxesMeasurement measured_;
+  std::array<AxisCommand, kAxes> commands_{};
+  AxesWritten written_;
+  bool any_ = false;
+  bool carried_ = false;
+  rt::Nanoseconds last_time_ = 0;
+  MonitorVerdict out_;
+};
+
+}  // namespace knee_robot

@@ -1,0 +1,140 @@
+#include "knee_robot/control/monitors.h"
+
+#include <algorithm>
+
+namespace knee_robot {
+
+Monitors::Monitors(const std::string& name, const Robot& robot)
+    : TaskContext(name),
+      robot_(robot),
+      inputs_{&command_1, &command_2, &command_3, &command_4},
+      patient_monitor_(robot) {
+  for (std::size_t i = 0; i < kAxes; ++i) {
+    const Actuator& actuator = robot_.actuators.at(i);
+    axes_[i].force_limit_N = actuator.voltage_max_V * actuator.force_per_volt_N;
+    if (actuator.force_max_N > 0.0) axes_[i].force_limit_N = std::min(axes_[i].force_limit_N, actuator.force_max_N);
+  }
+}
+
+void Monitors::setPatient(const PatientRange& range) {
+  const std::lock_guard<std::mutex> lock(offering_);
+  offered_.write(range);
+}
+
+bool Monitors::startHook() {
+  any_ = false;
+  if (out_.sequence == 0) {
+    for (Axis& axis : axes_)
+      axis.thermal.start(thermal_start);
+  }
+  forget();
+  return true;
+}
+
+void Monitors::forget() noexcept {
+  for (Axis& axis : axes_) {
+    axis.frozen.reset();
+    axis.velocity.reset();
+    axis.acceleration.reset();
+    axis.stall.reset();
+    axis.runaway.reset();
+    axis.saturation.reset();
+  }
+  patient_monitor_.reset();
+}
+
+void Monitors::readPorts() {
+  measurement.read(measured_);
+  written.read(written_);
+  offered_.read(patient_);
+  for (std::size_t i = 0; i < kAxes; ++i)
+    inputs_[i]->read(commands_[i]);
+}
+
+void Monitors::raise(std::size_t axis, Fault fault) noexcept {
+  if (out_.fault[axis] == Fault::None || (closesLoop(out_.fault[axis]) && !closesLoop(fault))) out_.fault[axis] = fault;
+}
+
+void Monitors::updateHook(const rt::Cycle& cycle) {
+  readPorts();
+  const bool powered = written_.level >= DriveLevel::HeldByDrivers;
+  if (!powered) out_.fault.fill(Fault::None);
+  carried_ = written_.level == DriveLevel::Released && written_.safe_stop == SafeStopPhase::Idle;
+  if (!carried_) forget();
+  out_.time = cycle.time;
+  const bool new_reading = measured_.status == hardware::IoStatus::Ok && measured_.sequence != out_.sequence;
+  out_.sequence = measured_.sequence;
+  if (new_reading) {
+    const double dt = any_ ? rt::toSeconds(measured_.time - last_time_) : 0.0;
+    for (std::size_t i = 0; i < kAxes; ++i)
+      raise(i, judge(i, viewOf(i, dt)));
+    raise(0, judgePatient(dt));
+    last_time_ = measured_.time;
+    any_ = true;
+  }
+  verdict.write(out_);
+}
+
+AxisView Monitors::viewOf(std::size_t i, double dt) noexcept {
+  const Actuator& actuator = robot_.actuators[i];
+  Axis& axis = axes_[i];
+  AxisView view;
+  view.dt = dt;
+  view.moved_m = any_ ? actuator.encoder_sign * actuator.metresPerCount() *
+                            static_cast<double>(measured_.counts[i] - axis.last_counts)
+                      : 0.0;
+  axis.last_counts = measured_.counts[i];
+  view.position_m = measured_.position_m[i];
+  view.velocity = measured_.velocity_m_per_s[i];
+  view.reference_m = commands_[i].reference_m;
+  view.reference_velocity = commands_[i].reference_velocity;
+  view.force_N = written_.force_N[i];
+  view.force_limit_N = axis.force_limit_N;
+  return view;
+}
+
+/// Those after which the loop must not go on come first.
+Fault Monitors::judge(std::size_t i, const AxisView& view) noexcept {
+  const Actuator& actuator = robot_.actuators[i];
+  Axis& axis = axes_[i];
+  const bool hot = axis.thermal.step(view, actuator.force_continuous_N, thermal_time);
+  out_.heat[i] = axis.thermal.heat();
+  if (any_ && axis.jump.step(view, actuator.velocity_max_m_per_s, jump_factor, jump_floor)) return Fault::EncoderJump;
+  if (hot) return Fault::ThermalOverload;
+  if (!carried_) return Fault::None;
+  const bool searching =
+      commands_[i].homing == HomingPhase::Searching;  // there, standing against a stop is what is wanted
+  if (searching) axis.frozen.reset();
+  if (!searching && axis.frozen.step(view, frozen_distance)) return Fault::EncoderFrozen;
+  if (axis.runaway.step(view, runaway_error, runaway_speed, runaway_time)) return Fault::Runaway;
+  if (axis.velocity.step(view, actuator.velocity_max_m_per_s, velocity_factor, velocity_floor, velocity_time)) {
+    return Fault::VelocityLimit;
+  }
+  if (axis.acceleration.step(view, acceleration_factor * actuator.acceleration_max_m_per_s2)) {
+    return axis.runaway.suspects() ? Fault::Runaway : Fault::AccelerationLimit;
+  }
+  if (commands_[i].homed &&
+      axis.soft.step(view, actuator.position_min_m, actuator.position_max_m, soft_margin, soft_speed)) {
+    return Fault::SoftLimit;
+  }
+  if (searching) return Fault::None;
+  if (axis.saturation.step(view, saturation_time)) return Fault::Saturated;
+  if (axis.stall.step(view, stall_share, stall_speed, stall_error, stall_time)) return Fault::Stalled;
+  return Fault::None;
+}
+
+Fault Monitors::judgePatient(double dt) noexcept {
+  if (!carried_ || !any_ || !commands_[0].homed) return Fault::None;
+  switch (patient_monitor_.step(patient_, measured_.position_m, measured_.velocity_m_per_s, dt, patient_margin_m,
+                                patient_margin_rad, patient_speed_factor)) {
+    case PatientMonitor::Verdict::Fine:
+      return Fault::None;
+    case PatientMonitor::Verdict::Pose:
+      return Fault::PatientPose;
+    case PatientMonitor::Verdict::Speed:
+      return Fault::PatientSpeed;
+  }
+  return Fault::None;
+}
+
+}  // namespace knee_robot

@@ -1,0 +1,54 @@
+#include "knee_robot/control/safety_tables.h"
+
+#include "knee_robot/control/supervisor.h"
+
+namespace knee_robot {
+namespace {
+
+const char* textOf(ResetRule rule) {
+  switch (rule) {
+    case ResetRule::OnRequest:
+      return "at once";
+    case ResetRule::WhenCauseIsGone:
+      return "when the cause is gone";
+    case ResetRule::Restart:
+      return "by a restart only";
+  }
+  return "?";
+}
+
+const char* const kRequestNames[kRequestKinds] = {"enable", "disable", "play",      "stop", "emergency stop", "reset",
+                                                  "pause",  "resume",  "set speed", "home", "confirm home"};
+
+}  // namespace
+
+std::string faultsTable() {
+  std::string text = "| number | fault | cause | stop | what to do | reset |\n| --- | --- | --- | --- | --- | --- |\n";
+  for (int i = 1; i < kFaults; ++i) {
+    const auto fault = static_cast<Fault>(i);
+    const FaultDescription& d = describe(fault);
+    text += "| " + std::to_string(i) + " | `" + d.name + "` | " + d.sentence + " | " +
+            (closesLoop(fault) ? "along the path" : "at once") + " | " + d.remedy + " | " + textOf(d.reset) + " |\n";
+  }
+  return text;
+}
+
+std::string requestsTable() {
+  std::string text = "| state |";
+  std::string rule = "| --- |";
+  for (const char* name : kRequestNames) {
+    text += std::string(" ") + name + " |";
+    rule += " --- |";
+  }
+  text += "\n" + rule + "\n";
+  for (int s = 0; s < kMachineStates; ++s) {
+    const auto state = static_cast<MachineState>(s);
+    text += std::string("| ") + toString(state) + " |";
+    for (int r = 0; r < kRequestKinds; ++r)
+      text += isPossible(state, static_cast<RequestKind>(r)) ? " yes |" : " - |";
+    text += "\n";
+  }
+  return text;
+}
+
+}  // namespace knee_robot

@@ -1,0 +1,96 @@
+// The last seconds of all signals, on every fault, readable by the same tools.
+#include <gtest/gtest.h>
+#include <stdlib.h>
+
+#include <filesystem>
+
+#include "knee_robot/base/files.h"
+#include "knee_robot/recording/recording.h"
+#include "system_rig.h"
+
+namespace knee_robot {
+namespace {
+
+using fake::Rig;
+
+class BlackBoxTest : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    char pattern[] = "/tmp/black_box_test_XXXXXX";
+    folder = mkdtemp(pattern);
+  }
+  void TearDown() override { std::filesystem::remove_all(folder); }
+  std::vector<std::string> dumps() const {
+    std::vector<std::string> all;
+    if (!std::filesystem::exists(folder + "/box")) return all;
+    for (const auto& entry : std::filesystem::directory_iterator(folder + "/box")) {
+      if (entry.path().extension() == ".csv") all.push_back(entry.path().string());
+    }
+    return all;
+  }
+  std::string folder;
+};
+
+struct BoxedRig : Rig {
+  explicit BoxedRig(const std::string& folder) : Rig(fake::hardware(), folder) {}
+};
+
+TEST_F(BlackBoxTest, KeepsFiveSecondsBeforeTheFaultAndWhatFollowed) {
+  BoxedRig rig(folder + "/box");
+  ASSERT_NO_FATAL_FAILURE(rig.play());
+  rig.system.run(4.0);
+  ASSERT_TRUE(dumps().empty()) << "nothing without a fault";
+  rig.machine.axes[1].encoder_offset_m = 0.01;
+  ASSERT_TRUE(rig.system.waitFor(MachineState::Faulted, 2.0));
+  rig.system.run(1.0);
+  const std::string path = rig.system.status().black_box;
+  ASSERT_EQ(dumps(), std::vector<std::string>{path});
+  EXPECT_NE(path.find("encoder_jump.csv"), std::string::npos) << path;
+  const Recording recording = loadRecording(path);
+  EXPECT_EQ(recording.rows(), 5500);
+  const std::string text = readFile(path);
+  EXPECT_NE(text.substr(0, text.find('\n')).find("drive_level"), std::string::npos);
+  const std::string sidecar = readFile(path.substr(0, path.size() - 4) + ".yaml");
+  EXPECT_NE(sidecar.find("fault: encoder_jump"), std::string::npos);
+  EXPECT_NE(sidecar.find("axis: 2"), std::string::npos);
+}
+
+TEST_F(BlackBoxTest, WritesEveryFaultEvenWhenTheyFollowOneAnother) {
+  BoxedRig rig(folder + "/box");
+  ASSERT_NO_FATAL_FAILURE(rig.hold());
+  for (int i = 0; i < 3; ++i) {
+    ASSERT_TRUE(rig.system.emergencyStop().ok);
+    ASSERT_TRUE(rig.system.waitFor(MachineState::Faulted, 2.0));
+    ASSERT_TRUE(rig.system.resetFaults().ok);
+    ASSERT_TRUE(rig.system.enable().ok);
+    rig.system.run(1.0);
+  }
+  EXPECT_EQ(dumps().size(), 3u);
+}
+
+TEST_F(BlackBoxTest, WritesAFaultThatShutdownFollowsAtOnce) {
+  {
+    BoxedRig rig(folder + "/box");
+    ASSERT_NO_FATAL_FAILURE(rig.hold());
+    ASSERT_TRUE(rig.system.emergencyStop().ok);
+    rig.system.run(0.01);
+    (void)rig.system.shutdown();
+  }
+  ASSERT_EQ(dumps().size(), 1u);
+  EXPECT_GT(loadRecording(dumps()[0]).rows(), 100);
+}
+
+TEST_F(BlackBoxTest, SaysThatTheDiskRefusedAndGoesOn) {
+  writeFileAtomically(folder + "/box", "a file where a folder should be");
+  BoxedRig rig(folder + "/box");
+  ASSERT_NO_FATAL_FAILURE(rig.hold());
+  ASSERT_TRUE(rig.system.emergencyStop().ok);
+  ASSERT_TRUE(rig.system.waitFor(MachineState::Faulted, 2.0));
+  rig.system.run(1.0);
+  EXPECT_NE(rig.system.status().black_box_error, "");
+  EXPECT_EQ(rig.system.status().black_box, "");
+  EXPECT_TRUE(rig.system.resetFaults().ok);
+}
+
+}  // namespace
+}  // namespace knee_robot

@@ -1,0 +1,197 @@
+// One test a failure that a monitor is there to prevent, and one that it does not see ghosts.
+#include "knee_robot/control/monitors.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+
+namespace knee_robot {
+namespace {
+
+constexpr double kDt = 1e-3;
+const double kNan = std::numeric_limits<double>::quiet_NaN();
+
+AxisView quiet() {
+  AxisView view;
+  view.dt = kDt;
+  view.force_limit_N = 270.0;
+  return view;
+}
+
+/// Cycles until `step` answers true, at most `limit`.
+template <typename Step>
+int cyclesUntil(Step&& step, int limit) {
+  for (int i = 1; i <= limit; ++i) {
+    if (step()) return i;
+  }
+  return -1;
+}
+
+TEST(EncoderJump, IsSeenInItsOwnCycleAndAPauseOfTheMachineIsNone) {
+  EncoderJumpMonitor monitor;
+  AxisView view = quiet();
+  view.moved_m = 0.3 * kDt;
+  EXPECT_FALSE(monitor.step(view, 0.3, 4.0, 1e-3));
+  view.moved_m = -0.003;
+  EXPECT_TRUE(monitor.step(view, 0.3, 4.0, 1e-3));
+  view.dt = 0.030;
+  view.moved_m = 0.009;
+  EXPECT_FALSE(monitor.step(view, 0.3, 4.0, 1e-3)) << "30 ms at full speed";
+  view.moved_m = kNan;
+  EXPECT_TRUE(monitor.step(view, 0.3, 4.0, 1e-3));
+}
+
+TEST(EncoderFrozen, IsSeenWhenTheReferenceMovesOnAndNotAtRest) {
+  EncoderFrozenMonitor monitor;
+  AxisView view = quiet();
+  EXPECT_EQ(cyclesUntil([&] { return monitor.step(view, 0.0015); }, 10000), -1)
+      << "standing still for ten seconds is no fault";
+  const auto moving = [&] {
+    view.reference_m += 0.02 * kDt;
+    return monitor.step(view, 0.0015);
+  };
+  EXPECT_NEAR(cyclesUntil(moving, 1000), 75, 2);
+  monitor.reset();
+  int dither = 0;
+  const auto disconnected = [&] {
+    view.reference_m += 0.02 * kDt;
+    view.moved_m = ++dither % 2 == 0 ? 40e-6 : -40e-6;
+    return monitor.step(view, 0.0015);
+  };
+  EXPECT_NEAR(cyclesUntil(disconnected, 1000), 75, 2) << "open inputs dither";
+  monitor.reset();
+  const auto slow = [&] {
+    view.reference_m += 0.001 * kDt;
+    static int cycle = 0;
+    view.moved_m = ++cycle % 20 == 0 ? 20e-6 : 0.0;  // 1 mm/s with 20 um counts: mostly no count at all
+    return monitor.step(view, 0.0015);
+  };
+  EXPECT_EQ(cyclesUntil(slow, 10000), -1);
+}
+
+TEST(Velocity, IsLimitedWithRoomForNoise) {
+  VelocityMonitor monitor;
+  AxisView view = quiet();
+  view.velocity = 0.3;
+  EXPECT_EQ(cyclesUntil([&] { return monitor.step(view, 0.3, 1.3, 0.02, 0.005); }, 100), -1);
+  view.velocity = -0.45;
+  EXPECT_EQ(cyclesUntil([&] { return monitor.step(view, 0.3, 1.3, 0.02, 0.005); }, 100), 5);
+  monitor.reset();
+  view.velocity = kNan;
+  EXPECT_GT(cyclesUntil([&] { return monitor.step(view, 0.3, 1.3, 0.02, 0.005); }, 100), 0);
+}
+
+TEST(Acceleration, IsLimitedOverAWindowSoThatOneCountIsNone) {
+  AccelerationMonitor monitor;
+  AxisView view = quiet();
+  int cycle = 0;
+  const auto noisy = [&] {
+    view.velocity =
+        ++cycle % 2 == 0 ? 0.006 : 0.0;  // 20 um in 1 ms behind a 60 Hz low-pass: 6 m/s2 from cycle to cycle
+    return monitor.step(view, 5.0);
+  };
+  EXPECT_EQ(cyclesUntil(noisy, 1000), -1);
+  const auto hit = [&] {
+    view.velocity += 20.0 * kDt;
+    return monitor.step(view, 15.0);
+  };
+  EXPECT_GT(cyclesUntil(hit, 100), 0);
+}
+
+TEST(SoftLimit, IsBrokenOutwardsOnlySoThatTheWayBackIsOpen) {
+  SoftLimitMonitor monitor;
+  AxisView view = quiet();
+  view.position_m = 0.902;
+  view.velocity = 0.01;
+  EXPECT_TRUE(monitor.step(view, 0.6, 0.9, 5e-4, 2e-3));
+  view.velocity = -0.01;
+  EXPECT_FALSE(monitor.step(view, 0.6, 0.9, 5e-4, 2e-3));
+  view.position_m = 0.598;
+  EXPECT_TRUE(monitor.step(view, 0.6, 0.9, 5e-4, 2e-3));
+  view.position_m = 0.75;
+  EXPECT_FALSE(monitor.step(view, 0.6, 0.9, 5e-4, 2e-3));
+  view.position_m = kNan;
+  view.velocity = kNan;
+  EXPECT_TRUE(monitor.step(view, 0.6, 0.9, 5e-4, 2e-3));
+}
+
+TEST(Stall, NeedsForceStandstillAndDistanceForItsTime) {
+  StallMonitor monitor;
+  AxisView view = quiet();
+  view.force_N = -200.0;
+  view.reference_m = -0.004;
+  const auto step = [&] { return monitor.step(view, 0.6, 1e-3, 1e-3, 0.3); };
+  EXPECT_NEAR(cyclesUntil(step, 1000), 300, 1);
+  monitor.reset();
+  view.reference_m = 0.0;
+  EXPECT_EQ(cyclesUntil(step, 2000), -1) << "carrying a heavy load at rest is no stall";
+  view.reference_m = -0.004;
+  view.velocity = -0.02;
+  EXPECT_EQ(cyclesUntil(step, 2000), -1) << "it moves";
+}
+
+TEST(Saturation, IsToleratedForATimeAndThenNot) {
+  SaturationMonitor monitor;
+  AxisView view = quiet();
+  view.force_N = 270.0;
+  EXPECT_NEAR(cyclesUntil([&] { return monitor.step(view, 0.25); }, 1000), 250, 1);
+  view.force_N = 200.0;
+  EXPECT_FALSE(monitor.step(view, 0.25));
+  view.force_N = -270.0;
+  EXPECT_NEAR(cyclesUntil([&] { return monitor.step(view, 0.25); }, 1000), 250, 1) << "counts anew";
+}
+
+TEST(Thermal, LetsTheContinuousForceGoOnForeverAndAPeakForSeconds) {
+  ThermalMonitor monitor;
+  AxisView view = quiet();
+  view.force_N = 118.0;
+  EXPECT_EQ(cyclesUntil([&] { return monitor.step(view, 118.0, 20.0); }, 600'000), -1) << "ten minutes";
+  EXPECT_NEAR(monitor.heat(), 1.0, 1e-6);
+  monitor.start(0.0);
+  view.force_N = -300.0;
+  const int cycles = cyclesUntil([&] { return monitor.step(view, 118.0, 20.0); }, 600'000);
+  const double ratio = 300.0 * 300.0 / (118.0 * 118.0);
+  EXPECT_NEAR(1e-3 * cycles, 20.0 * std::log(ratio / (ratio - 1.0)), 0.01) << "-tau ln(1 - 1 / ratio)";
+  monitor.start(0.0);
+  view.force_N = 568.0;
+  EXPECT_FALSE(monitor.step(view, 0.0, 20.0)) << "a robot file without continuous force has no such limit";
+}
+
+TEST(Thermal, CoolsDownWithTheDrivesOff) {
+  ThermalMonitor monitor;
+  monitor.start(1.2);
+  AxisView view = quiet();
+  EXPECT_TRUE(monitor.step(view, 118.0, 20.0));
+  for (int i = 0; i < 20'000; ++i)
+    monitor.step(view, 118.0, 20.0);
+  EXPECT_NEAR(monitor.heat(), 1.2 * std::exp(-1.0), 1e-3);
+}
+
+TEST(Runaway, IsSeenWithAWrongSignAndNotWhenSomebodyPushes) {
+  const auto run = [](double sign, double push_N, double seconds) {
+    RunawayMonitor monitor;
+    AxisView view = quiet();
+    double position = 0.0, velocity = 0.0, integral = 0.0;
+    return cyclesUntil(
+        [&] {
+          integral += 300000.0 * (0.0 - position) * kDt;
+          const double wanted = 60000.0 * (0.0 - position) - 1500.0 * velocity + integral;
+          view.force_N = std::min(270.0, std::max(-270.0, wanted));
+          velocity += kDt * (sign * view.force_N + push_N - 100.0 * velocity) / 5.0;
+          position += kDt * velocity;
+          view.position_m = position;
+          view.velocity = velocity;
+          return monitor.step(view, 1e-3, 0.03, 0.005);
+        },
+        static_cast<int>(seconds / kDt));
+  };
+  EXPECT_GT(run(-1.0, 1.0, 1.0), 0) << "wrong sign";
+  EXPECT_EQ(run(1.0, 0.0, 2.0), -1);
+  EXPECT_EQ(run(1.0, 150.0, 2.0), -1) << "a patient who pushes with 150 N";
+  EXPECT_EQ(run(1.0, -150.0, 2.0), -1);
+  EXPECT_GT(run(0.0, -40.0, 2.0), 0) << "a drive without power: the load takes the axis along";
+}
+
+}  // namespace
+}  // namespace knee_robot

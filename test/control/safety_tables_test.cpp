@@ -1,0 +1,38 @@
+// docs/safety.md holds a copy of the code's tables; this keeps it true.
+#include "knee_robot/control/safety_tables.h"
+
+#include <gtest/gtest.h>
+
+#include <set>
+#include <string>
+
+#include "knee_robot/base/files.h"
+#include "knee_robot/control/faults.h"
+
+namespace knee_robot {
+namespace {
+
+TEST(SafetyTables, AreCopiedFaithfullyIntoTheDocumentation) {
+  const std::string page = readFile(std::string(KNEE_SOURCE_DIR) + "/docs/safety.md");
+  EXPECT_NE(page.find(faultsTable()), std::string::npos) << "replace the table by the output of: safety_tables --faults";
+  EXPECT_NE(page.find(requestsTable()), std::string::npos) << "replace the table by the output of: safety_tables --requests";
+}
+
+TEST(Faults, EachHaveOneNameACauseAndARemedyAtTheirOwnPlace) {
+  std::set<std::string> names;
+  for (int i = 0; i < kFaults; ++i) {
+    const auto fault = static_cast<Fault>(i);
+    const FaultDescription& description = describe(fault);
+    EXPECT_EQ(description.fault, fault) << description.name << " stands at the wrong place of the table";
+    EXPECT_TRUE(names.insert(description.name).second) << description.name;
+    EXPECT_FALSE(std::string(description.sentence).empty());
+    if (fault != Fault::None) {
+      EXPECT_FALSE(std::string(description.remedy).empty()) << description.name;
+    }
+    for (const char c : std::string(description.name))
+      EXPECT_TRUE((c >= 'a' && c <= 'z') || c == '_') << description.name;
+  }
+}
+
+}  // namespace
+}  // namespace knee_robot
