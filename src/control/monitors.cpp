@@ -105,7 +105,8 @@ Fault Monitors::judge(std::size_t i, const AxisView& view) noexcept {
   const bool searching =
       commands_[i].homing == HomingPhase::Searching;  // there, standing against a stop is what is wanted
   if (searching) axis.frozen.reset();
-  if (!searching && axis.frozen.step(view, frozen_distance)) return Fault::EncoderFrozen;
+  if (!searching && axis.frozen.step(view, frozen_distance, frozen_share * view.force_limit_N))
+    return Fault::EncoderFrozen;
   if (axis.runaway.step(view, runaway_error, runaway_speed, runaway_time)) return Fault::Runaway;
   if (axis.velocity.step(view, actuator.velocity_max_m_per_s, velocity_factor, velocity_floor, velocity_time)) {
     return Fault::VelocityLimit;

@@ -35,7 +35,7 @@ std::unique_ptr<hardware::AxisBus> openBus(const HardwareFile& hardware_file, co
   if (hardware_file.can) {
     return waitFor([&] { return hardware::can::openCanDrives(*hardware_file.can, canUnits(robot)); }, stop_requested);
   }
-  return hardware::openPciCards(std::nullopt, std::nullopt);
+  return hardware::openPciCards(hardware_file.analog_board_id, hardware_file.counter_board_id);
 }
 
 }  // namespace

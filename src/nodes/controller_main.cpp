@@ -86,7 +86,9 @@ int run() {
   const Folder recordings(requiredParameter(node, "recordings"));
   Machine machine = openMachine(hardware_file, robot, node, [] { return stop_requested != 0; });
 
-  ControlSystem system(robot, hardware_file, requiredParameter(node, "deployment"), machine.bus(), {});
+  ControlSystem::Options options;
+  options.black_box_folder = recordings.path() + "/black_box";
+  ControlSystem system(robot, hardware_file, requiredParameter(node, "deployment"), machine.bus(), options);
   const Answer started = system.start();
   if (!started.ok) throw InputError(started.sentence);
   for (const std::string& warning : system.warnings())

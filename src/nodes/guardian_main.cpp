@@ -31,7 +31,7 @@ void pause() {
 
 /// The simulated robot starts beside this program: wait for it a little.
 std::unique_ptr<hardware::EmergencyOutputs> openOutputs(const HardwareFile& file, const std::string& shm) {
-  if (file.backend == "pci") return hardware::openPciEmergencyOutputs(std::nullopt, std::nullopt);
+  if (file.backend == "pci") return hardware::openPciEmergencyOutputs(file.analog_board_id, file.counter_board_id);
   const auto give_up = std::chrono::steady_clock::now() + std::chrono::seconds(10);
   while (true) {
     try {

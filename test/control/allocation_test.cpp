@@ -107,7 +107,7 @@ TEST(AllocationGuard, FindsNoneFromEnablingToPlayingToTheSafeStop) {
 }
 
 TEST(AllocationGuard, FindsNoneOnTheRoadsOfFaults) {
-  for (const char* silent : {"Sync", "Driver2", "AxesInput", "Supervisor"}) {
+  for (const char* silent : {"Sync", "Driver2", "AxesInput", "Supervisor", "Monitors"}) {
     Rig rig;
     ASSERT_NO_FATAL_FAILURE(rig.play());
     Guard guard(rig);
@@ -121,6 +121,54 @@ TEST(AllocationGuard, FindsNoneOnTheRoadsOfFaults) {
   rig.machine.read_status = hardware::IoStatus::Disconnected;
   rig.machine.volts_status = hardware::IoStatus::Disconnected;
   rig.system.run(1.0);
+  EXPECT_EQ(allocations, 0);
+}
+
+TEST(AllocationGuard, FindsNoneInMonitorsThatFindAFaultAndInTheBlackBoxThatHandsItOver) {
+  for (int kind = 0; kind < 5; ++kind) {
+    Rig rig;
+    ASSERT_NO_FATAL_FAILURE(rig.play());
+    Guard guard(rig);
+    rig.machine.axes[0].encoder_frozen = kind == 0;
+    rig.machine.axes[1].encoder_offset_m = kind == 1 ? 0.02 : 0.0;
+    rig.machine.axes[2].drive_dead = kind == 2;
+    rig.machine.axes[3].wrong_sign = kind == 3;
+    rig.machine.axes[0].push_N = kind == 4 ? 800.0 : 0.0;
+    rig.system.run(2.0);
+    EXPECT_EQ(rig.system.state(), MachineState::Faulted) << kind;
+    EXPECT_TRUE(guard.everyComponentRan());
+    EXPECT_EQ(allocations, 0) << kind;
+  }
+}
+
+TEST(AllocationGuard, FindsNoneWhilePausingAndScaling) {
+  Rig rig;
+  ASSERT_NO_FATAL_FAILURE(rig.play());
+  Guard guard(rig);
+  ASSERT_TRUE(rig.system.pause().ok);
+  rig.system.run(0.5);
+  ASSERT_TRUE(rig.system.setSpeed(30.0).ok);
+  ASSERT_TRUE(rig.system.setProperty("Driver2", "integral_N_per_m_s", "100000").ok);
+  ASSERT_TRUE(rig.system.resume().ok);
+  rig.system.run(1.0);
+  EXPECT_EQ(allocations, 0);
+}
+
+TEST(AllocationGuard, FindsNoneWhileHoming) {
+  HardwareFile hardware = fake::hardware();
+  hardware.homing.method = HomingMethod::HardStop;
+  HomingAxis axis;
+  axis.length_m = 0.59;
+  axis.speed_m_per_s = 0.02;
+  axis.force_N = 150.0;
+  hardware.homing.axes.fill(axis);
+  Rig rig(hardware);
+  for (auto& one : rig.machine.axes)
+    one.stop_min = 0.59;
+  ASSERT_TRUE(rig.system.start().ok);
+  Guard guard(rig);
+  ASSERT_TRUE(rig.system.home().ok);
+  EXPECT_TRUE(rig.system.waitFor(MachineState::Disabled, 30.0)) << rig.system.status().fault_sentence;
   EXPECT_EQ(allocations, 0);
 }
 

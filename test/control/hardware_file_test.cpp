@@ -70,6 +70,45 @@ TEST(HardwareFile, RefusesWhatIsSenselessByLine) {
   EXPECT_NE(refusalOf("hold_delay_s: 0.05", "hold_delay: 0.05"), "");
 }
 
+TEST(HardwareFile, StartsFaultedAndHomedByHandUnlessItSaysOtherwise) {
+  const HardwareFile plain = parsed(kGood);
+  EXPECT_TRUE(plain.starts_faulted);
+  EXPECT_EQ(plain.homing.method, HomingMethod::HandPlaced);
+  const HardwareFile file = parsed(std::string(kGood) + R"(starts_faulted: false
+digital_inputs: {emergency_stop_clear: 3, hand_switch_clear: 1, home_switch: 2}
+homing: {method: switch, order: [4, 1, 2, 3], axes: [{length_m: 0.61, direction: lengthen, force_N: 40}]}
+)");
+  EXPECT_FALSE(file.starts_faulted);
+  EXPECT_EQ(file.hand_switch_clear_bit, 1);
+  EXPECT_EQ(file.homing.method, HomingMethod::Switch);
+  EXPECT_EQ(file.homing.order[0], 4);
+  EXPECT_EQ(file.homing.axes[2].direction, 1);
+  EXPECT_DOUBLE_EQ(file.homing.axes[3].force_N, 40.0);
+}
+
+TEST(HardwareFile, RefusesHomingAndInputsThatCannotBe) {
+  const auto refusal = [](const std::string& more) {
+    std::string text;
+    parsed(std::string(kGood) + more, &text);
+    return text;
+  };
+  const std::string axes = "axes: [{length_m: 0.61, direction: shorten}]";
+  EXPECT_NE(
+      refusal("digital_inputs: {emergency_stop_clear: 1, hand_switch_clear: 1}\n").find("every input needs its own"),
+      std::string::npos);
+  EXPECT_NE(refusal("homing: {method: switch, " + axes + "}\n").find("home_switch"), std::string::npos);
+  EXPECT_NE(refusal("homing: {method: hard_stop}\n").find("axes"), std::string::npos);
+  EXPECT_NE(refusal("homing: {method: hard_stop, order: [1, 1, 2, 3], " + axes + "}\n").find("each of the axes"),
+            std::string::npos);
+  EXPECT_NE(refusal("homing: {method: hand_placed, " + axes + "}\n"), "") << "axes that nothing moves";
+  EXPECT_NE(refusal("homing: {method: guessed}\n"), "");
+  EXPECT_EQ(refusal("homing: {method: assumed}\n"), "") << "fine on the simulated backend";
+  std::string text;
+  std::string real = std::string(kGood) + "homing: {method: assumed}\n";
+  parsed(real.replace(real.find("simulated"), 9, "pci"), &text);
+  EXPECT_NE(text.find("takes for granted"), std::string::npos) << text;
+}
+
 TEST(HardwareFile, IsReadFromTheConfiguration) {
   const HardwareFile file = loadHardwareFile(std::string(KNEE_SOURCE_DIR) + "/config/hardware/simulated.yaml");
   EXPECT_EQ(file.backend, "simulated");

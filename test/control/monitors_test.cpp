@@ -45,29 +45,42 @@ TEST(EncoderJump, IsSeenInItsOwnCycleAndAPauseOfTheMachineIsNone) {
 TEST(EncoderFrozen, IsSeenWhenTheReferenceMovesOnAndNotAtRest) {
   EncoderFrozenMonitor monitor;
   AxisView view = quiet();
-  EXPECT_EQ(cyclesUntil([&] { return monitor.step(view, 0.0015); }, 10000), -1)
-      << "standing still for ten seconds is no fault";
+  const auto step = [&] { return monitor.step(view, 0.002, 40.0); };
+  EXPECT_EQ(cyclesUntil(step, 10000), -1) << "standing still for ten seconds is no fault";
   const auto moving = [&] {
     view.reference_m += 0.02 * kDt;
-    return monitor.step(view, 0.0015);
+    view.force_N += 60000.0 * 0.02 * kDt;
+    return step();
   };
-  EXPECT_NEAR(cyclesUntil(moving, 1000), 75, 2);
+  EXPECT_NEAR(cyclesUntil(moving, 1000), 100, 2) << "2 mm at 20 mm/s";
   monitor.reset();
   int dither = 0;
   const auto disconnected = [&] {
-    view.reference_m += 0.02 * kDt;
     view.moved_m = ++dither % 2 == 0 ? 40e-6 : -40e-6;
-    return monitor.step(view, 0.0015);
+    return moving();
   };
-  EXPECT_NEAR(cyclesUntil(disconnected, 1000), 75, 2) << "open inputs dither";
-  monitor.reset();
+  EXPECT_NEAR(cyclesUntil(disconnected, 1000), 100, 2) << "open inputs dither";
+}
+
+TEST(EncoderFrozen, IsNotSeenInSlowMotionOfFewCountsNorInStickingFriction) {
+  EncoderFrozenMonitor monitor;
+  AxisView view = quiet();
+  int cycle = 0;
   const auto slow = [&] {
     view.reference_m += 0.001 * kDt;
-    static int cycle = 0;
     view.moved_m = ++cycle % 20 == 0 ? 20e-6 : 0.0;  // 1 mm/s with 20 um counts: mostly no count at all
-    return monitor.step(view, 0.0015);
+    return monitor.step(view, 0.002, 40.0);
   };
   EXPECT_EQ(cyclesUntil(slow, 10000), -1);
+  monitor.reset();
+  view.moved_m = 0.0;
+  view.force_N = 0.0;
+  const auto sticking = [&] {
+    view.reference_m += 0.01 * kDt;
+    view.force_N = std::min(35.0, view.force_N + 0.1);  // the axis has not broken away yet
+    return monitor.step(view, 0.002, 40.0);
+  };
+  EXPECT_EQ(cyclesUntil(sticking, 500), -1);
 }
 
 TEST(Velocity, IsLimitedWithRoomForNoise) {

@@ -43,7 +43,14 @@ class Monitors : public rt::TaskContext {
       *this, "jump_factor", 4.0, "", 1.0, 100.0, "of velocity_max: largest change of an encoder"};
   rt::Property<double> jump_floor{*this, "jump_floor_m", 1e-3, "m", 1e-5, 0.1, "added to it"};
   rt::Property<double> frozen_distance{
-      *this, "frozen_distance_m", 0.0015, "m", 1e-4, 0.1, "motion of the reference without one count"};
+      *this, "frozen_distance_m", 0.002, "m", 1e-4, 0.1, "motion of the reference without one of the encoder"};
+  rt::Property<double> frozen_share{*this,
+                                    "frozen_share",
+                                    0.15,
+                                    "",
+                                    0.0,
+                                    1.0,
+                                    "of the force limit: change of force meanwhile, more than friction takes"};
   rt::Property<double> soft_margin{*this, "soft_margin_m", 5e-4, "m", 0.0, 0.05, "beyond the robot file's range"};
   rt::Property<double> soft_speed{*this, "soft_speed_m_per_s", 2e-3, "m/s", 0.0, 0.1, "outwards"};
   rt::Property<double> velocity_factor{*this, "velocity_factor", 1.3, "", 1.0, 10.0, "of velocity_max"};
@@ -59,7 +66,7 @@ class Monitors : public rt::TaskContext {
   rt::Property<double> runaway_time{*this, "runaway_s", 0.005, "s", 0.001, 1.0, "so long, and never slower"};
   rt::Property<double> saturation_time{*this, "saturation_s", 0.25, "s", 0.001, 10.0, "force at its clamp for so long"};
   rt::Property<double> thermal_time{
-      *this, "thermal_time_constant_s", 20.0, "s", 1.0, 1000.0, "of the winding; the RE40's is about twice as long"};
+      *this, "thermal_time_constant_s", 20.0, "s", 1.0, 2000.0, "of the winding; the RE40's is about twice as long"};
   rt::Property<double> thermal_start{*this, "thermal_start", 0.0, "", 0.0, 1.0, "heat at the controller's start"};
   rt::Property<double> patient_margin_m{*this, "patient_margin_m", 0.002, "m", 0.0, 0.02, "beyond the patient's range"};
   rt::Property<double> patient_margin_rad{*this, "patient_margin_rad",        0.01, "rad", 0.0,
