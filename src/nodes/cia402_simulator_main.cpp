@@ -2,14 +2,21 @@
 // a process of its own, in real time. B is a CAN interface, or the path of a socket to which controllers connect as to a bus.
 
 #include <poll.h>
+#include <sched.h>
+#include <sys/mman.h>
 
+#include <cerrno>
 #include <csignal>
 #include <cstdio>
+#include <cstring>
+#include <optional>
 
 #include "knee_robot/base/errors.h"
 #include "knee_robot/control/hardware_file.h"
 #include "knee_robot/hardware/can/bus_server.h"
+#include "knee_robot/hardware/can/faulty_port.h"
 #include "knee_robot/simulation/can_robot.h"
+#include "knee_robot/simulation/truth_log.h"
 #include "program.h"
 
 namespace {
@@ -33,6 +40,9 @@ class Bus {
     }
   }
   can::FramePort& port() { return server_ ? static_cast<can::FramePort&>(*server_) : *socket_; }
+  void hangUp(bool on) {
+    if (server_) server_->hangUp(on);
+  }
   void wait(std::int64_t deadline_ns) {
     if (server_) return server_->wait(deadline_ns);
     pollfd watched{socket_->descriptor(), POLLIN, 0};
@@ -46,73 +56,96 @@ class Bus {
   std::unique_ptr<can::CanSocket> socket_;
 };
 
-/// What goes wrong at a certain time: "drive_fault:2@3.5".
-struct Injection {
-  std::string kind;
-  int axis = 0;
-  double time_s = 0.0;
-  bool done = false;
+/// The faults that inject_fault orders of drives and wire.
+class Orders {
+ public:
+  Orders(const InjectedFaults& orders, Bus& bus, can::FaultyPort& wire, CanRobot& robot)
+      : orders_(orders), bus_(bus), wire_(wire), robot_(robot) {}
+  void follow() {
+    wire_.set(static_cast<can::WireFault>(orders_.can_wire.load()));
+    const bool hung_up = orders_.can_hung_up.load() != 0;
+    if (hung_up != hung_up_) bus_.hangUp(hung_up);
+    hung_up_ = hung_up;
+    for (std::size_t i = 0; i < static_cast<std::size_t>(kAxes); ++i) {
+      const auto ordered = [i](unsigned mask) { return (mask >> i & 1u) != 0; };
+      can::DriveModel& drive = robot_.drive(i);
+      drive.setSilent(ordered(orders_.can_silent.load()));
+      drive.setHeartbeat(!ordered(orders_.can_no_heartbeat.load()));
+      if (ordered(orders_.can_fault.load() & ~failed_)) drive.fail(0x2310);
+      if (ordered(orders_.can_emergency.load() & ~warned_)) drive.warn(0x4210);
+    }
+    failed_ = orders_.can_fault.load();
+    warned_ = orders_.can_emergency.load();
+  }
+
+ private:
+  const InjectedFaults& orders_;
+  Bus& bus_;
+  can::FaultyPort& wire_;
+  CanRobot& robot_;
+  bool hung_up_ = false;
+  unsigned failed_ = 0, warned_ = 0;
 };
 
-Injection parseInjection(const std::string& text) {
-  Injection injection;
-  char kind[32] = "";
-  const bool read = std::sscanf(text.c_str(), "%31[a-z_]:%d@%lf", kind, &injection.axis, &injection.time_s) == 3;
-  injection.kind = kind;
-  const bool known = injection.kind == "drive_fault" || injection.kind == "emergency" || injection.kind == "silent" ||
-                     injection.kind == "no_heartbeat";
-  if (!read || !known || injection.axis < 1 || injection.axis > kAxes || !(injection.time_s >= 0.0)) {
-    throw InputError(
-        "--inject " + text +
-        ": must be drive_fault, emergency, silent or no_heartbeat, then :AXIS@SECONDS, as in drive_fault:2@3.5");
-  }
-  return injection;
-}
-
-void inject(Injection& injection, CanRobot& robot, double time_s) {
-  if (injection.done || time_s < injection.time_s) return;
-  injection.done = true;
-  can::DriveModel& drive = robot.drive(static_cast<std::size_t>(injection.axis - 1));
-  if (injection.kind == "drive_fault") drive.fail(0x2310);
-  if (injection.kind == "emergency") drive.warn(0x4210);
-  if (injection.kind == "silent") drive.setSilent(true);
-  if (injection.kind == "no_heartbeat") drive.setHeartbeat(false);
-  std::printf("cia402_simulator: %s on axis %d\n", injection.kind.c_str(), injection.axis);
-  std::fflush(stdout);
-}
-
 /// Steps the robot along the clock, answers the bus in between. Returns the milliseconds that were left out.
-std::int64_t run(Bus& bus, CanRobot& robot, double duration_s, std::vector<Injection>& injections) {
-  std::int64_t left_out = 0;
-  can::FramePort& port = bus.port();
-  std::int64_t next = port.now() + kPeriod_ns;
-  robot.powerUp();
-  while (stop_requested == 0 && (duration_s <= 0.0 || robot.simulation().time() < duration_s)) {
-    bus.wait(next);
-    can::Frame frame;
-    for (int i = 0; i < 256 && port.receive(frame) == can::PortStatus::Ok; ++i)
-      robot.take(frame);
-    std::int64_t now = port.now();
-    if (now - next > kLargestCatchUp_ns) {
-      left_out += (now - next) / kPeriod_ns;
-      next += (now - next) / kPeriod_ns * kPeriod_ns;
-    }
-    for (; next <= now; next += kPeriod_ns) {
-      if (!robot.stepPlant(1e-9 * kPeriod_ns)) {
-        throw InputError("the plant's motion left all bounds; mend masses, friction or forces");
+class Simulation {
+ public:
+  Simulation(Bus& bus, can::FaultyPort& port, CanRobot& robot, Orders orders, TruthLog* truth)
+      : bus_(bus), port_(port), robot_(robot), orders_(orders), truth_(truth) {}
+
+  std::int64_t run(double duration_s) {
+    std::int64_t left_out = 0;
+    std::int64_t next = port_.now() + kPeriod_ns;
+    robot_.powerUp();
+    while (stop_requested == 0 && (duration_s <= 0.0 || robot_.simulation().time() < duration_s)) {
+      bus_.wait(next);
+      can::Frame frame;
+      for (int i = 0; i < 256 && port_.receive(frame) == can::PortStatus::Ok; ++i)
+        robot_.take(frame);
+      const std::int64_t now = port_.now();
+      if (now - next > kLargestCatchUp_ns) {
+        left_out += (now - next) / kPeriod_ns;
+        next += (now - next) / kPeriod_ns * kPeriod_ns;
       }
-      for (Injection& injection : injections)
-        inject(injection, robot, robot.simulation().time());
+      for (; next <= now; next += kPeriod_ns)
+        step();
+      robot_.stepDrives(now);
     }
-    robot.stepDrives(now);
+    return left_out;
   }
-  return left_out;
+
+ private:
+  void step() {
+    orders_.follow();
+    if (!robot_.stepPlant(1e-9 * kPeriod_ns)) {
+      throw InputError("the plant's motion left all bounds; mend masses, friction or forces");
+    }
+    if (truth_ != nullptr) truth_->append(robot_.simulation(), static_cast<double>(port_.now()) * 1e-9);
+  }
+
+  Bus& bus_;
+  can::FaultyPort& port_;
+  CanRobot& robot_;
+  Orders orders_;
+  TruthLog* truth_;
+};
+
+/// A real-time priority is asked for, never needed: the drives are late without it.
+void askForPriority(int priority) {
+  if (priority == 0) return;
+  sched_param parameter{};
+  parameter.sched_priority = priority;
+  if (::sched_setscheduler(0, SCHED_FIFO, &parameter) != 0 || ::mlockall(MCL_CURRENT | MCL_FUTURE) != 0) {
+    std::fprintf(stderr, "cia402_simulator: runs without real-time priority or locked memory: %s\n",
+                 std::strerror(errno));
+  }
 }
 
 struct Options {
   std::string robot, simulation, hardware, bus, objects, shm = "/knee_robot_sim";
   double duration_s = 0.0;
-  std::vector<std::string> injections;
+  int priority = 0;
+  std::uint64_t truth_rows = 0;
 };
 
 int simulate(const Options& options) {
@@ -121,20 +154,22 @@ int simulate(const Options& options) {
   if (!hardware.can) throw InputError(options.hardware + ": backend: must be can for drives on a CAN bus");
   const SimulationParameters parameters = loadSimulationParameters(options.simulation);
   const can::ObjectDictionary table = can::ObjectDictionary::load(options.objects);
-  std::vector<Injection> injections;
-  for (const std::string& text : options.injections)
-    injections.push_back(parseInjection(text));
   const RobotInertia inertia = loadRobotInertia(robot);
 
   for (const int signal : {SIGINT, SIGTERM})
     std::signal(signal, [](int) { stop_requested = 1; });
   SharedImage memory = SharedImage::create(options.shm);
   Bus bus(options.bus.empty() ? hardware.can->interface : options.bus);
-  CanRobot drives(robot, inertia, parameters, *hardware.can, canUnits(robot), table, memory.image(), bus.port());
+  can::FaultyPort port(bus.port());
+  CanRobot drives(robot, inertia, parameters, *hardware.can, canUnits(robot), table, memory.image(), port);
+  std::optional<TruthLog> truth;
+  if (options.truth_rows > 0) truth.emplace(options.shm + "_truth", options.truth_rows);
+  Simulation simulation(bus, port, drives, Orders(memory.image().faults, bus, port, drives), truth ? &*truth : nullptr);
+  askForPriority(options.priority);
   std::printf("cia402_simulator ready: four drives on %s, robot in %s\n",
               (options.bus.empty() ? hardware.can->interface : options.bus).c_str(), options.shm.c_str());
   std::fflush(stdout);
-  const std::int64_t left_out = run(bus, drives, options.duration_s, injections);
+  const std::int64_t left_out = simulation.run(options.duration_s);
   std::printf("cia402_simulator ends after %.3f s; %lld ms left out\n", drives.simulation().time(),
               static_cast<long long>(left_out));
   return kExitDone;
@@ -159,8 +194,13 @@ int main(int argc, char** argv) {
       ->capture_default_str();
   app.add_option("--duration", options.duration_s, "simulated seconds until it ends; 0: until SIGINT or SIGTERM")
       ->capture_default_str();
-  app.add_option("--inject", options.injections,
-                 "fault: KIND:AXIS@SECONDS; drive_fault, emergency, silent, no_heartbeat");
+  app.add_option("--priority", options.priority, "SCHED_FIFO priority; 0: none")
+      ->check(CLI::Range(0, 98))
+      ->capture_default_str();
+  app.add_option("--truth-rows", options.truth_rows,
+                 "keep so many steps in shared memory NAME_truth, for fault campaigns; 0: none")
+      ->check(CLI::Range(std::uint64_t{0}, std::uint64_t{1000000}))
+      ->capture_default_str();
   app.allow_extras();  // roslaunch appends __name:= and __log:=
   return runProgram(app, argc, argv, [&] {
     for (const std::string& extra : app.remaining()) {

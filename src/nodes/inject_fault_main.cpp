@@ -7,6 +7,7 @@
 #include <map>
 
 #include "knee_robot/base/errors.h"
+#include "knee_robot/hardware/can/faulty_port.h"
 #include "knee_robot/hardware/shared_image.h"
 #include "program.h"
 
@@ -46,6 +47,10 @@ Action mask(std::atomic<std::uint8_t> InjectedFaults::*which) {
     forAxes(order, [&](std::size_t i) { bits |= 1u << i; });
     (image.faults.*which).fetch_or(static_cast<std::uint8_t>(bits));
   };
+}
+
+Action wire(hardware::can::WireFault fault) {
+  return [fault](RobotImage& image, const Order&) { image.faults.can_wire.store(static_cast<std::uint8_t>(fault)); };
 }
 
 void press(std::atomic<std::uint8_t>& button) {
@@ -88,6 +93,16 @@ const std::map<std::string, Action>& actions() {
        [](RobotImage& image, const Order& order) {
          image.faults.component_fault.store(static_cast<std::uint32_t>(order.size));
        }},
+      {"can_silent", mask(&InjectedFaults::can_silent)},
+      {"can_no_heartbeat", mask(&InjectedFaults::can_no_heartbeat)},
+      {"can_drive_fault", mask(&InjectedFaults::can_fault)},
+      {"can_emergency", mask(&InjectedFaults::can_emergency)},
+      {"can_cut", wire(hardware::can::WireFault::Cut)},
+      {"can_delayed", wire(hardware::can::WireFault::Delayed)},
+      {"can_reordered", wire(hardware::can::WireFault::Reordered)},
+      {"can_flooded", wire(hardware::can::WireFault::Flooded)},
+      {"can_bus_off", wire(hardware::can::WireFault::BusOff)},
+      {"can_hung_up", [](RobotImage& image, const Order&) { image.faults.can_hung_up.store(1); }},
       {"clear", takeAllBack},
   };
   return all;

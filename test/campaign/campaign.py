@@ -81,15 +81,19 @@ class Campaign:
         return path
 
     def session_for(self, fault):
-        if self.session is not None and self.session_key == json.dumps(fault.simulation) and self.session.is_whole():
+        key = json.dumps([fault.simulation, fault.on_can])
+        if self.session is not None and self.session_key == key and self.session.is_whole():
             return self.session
         self.end_session()
         config = ROOT / "config"
         files = {"robot": self.robot_file, "simulation": self.simulation_file(fault.simulation),
                  "hardware": config / "hardware" / "simulated.yaml", "deployment": config / "deployment" / "simulation.yaml"}
+        if fault.on_can:
+            files.update(hardware=config / "hardware" / "can_simulated.yaml", deployment=config / "deployment" / "can.yaml",
+                         objects=config / "hardware" / "can_objects.yaml")
         self.session = Session(self.folder / "session", self.options.programs, files, self.options.silence_ms,
                                real_time=os.geteuid() == 0)
-        self.session_key = json.dumps(fault.simulation)
+        self.session_key = key
         self.session.start()
         self.geometry.home_pose = self.session.truth.last()["pose"]
         return self.session

@@ -33,6 +33,7 @@ class Fault:
     simulation: dict = dataclasses.field(default_factory=dict)  # changes to the simulation file
     fresh: bool = False               # needs a robot of its own
     observe_s: float = 2.5
+    on_can: bool = False              # the robot stands behind drives on a CAN bus instead of cards
 
 
 def inject(kind, axis=0, size=0.0):
@@ -391,10 +392,24 @@ def says_disk_is_full(run):
     return None
 
 
+def on_can_drives():
+    """docs/can.md. The controller's own heartbeat is lost with the wire cut: the drives stop by themselves."""
+    faults = [("can_silent", 2, ("drive_lost", "drive_heartbeat_lost")), ("can_no_heartbeat", 4, ("drive_heartbeat_lost",)),
+              ("can_drive_fault", 2, ("drive_fault",)), ("can_emergency", 3, ("drive_emergency",)),
+              ("can_cut", 0, ("drive_lost", "drive_heartbeat_lost", "controller_heartbeat_lost")),
+              ("can_delayed", 0, ("feedback_late",)), ("can_reordered", 0, ("feedback_late",)),
+              ("can_flooded", 0, ("bus_flooded",)), ("can_bus_off", 0, ("bus_off",)),
+              ("can_hung_up", 0, ("bus_down",))]
+    for name, axis, causes in faults:
+        yield Fault(name, inject(name, axis), causes=causes, on_can=True, fresh=name in ("can_hung_up", "can_cut", "can_bus_off"))
+    yield Fault("can_controller_killed", send(signal.SIGKILL), outcome=DOWN, causes=("has died",), process_death=True,
+                on_can=True, fresh=True)
+
+
 def all_faults():
     # Quick ones that leave the robot usable first: their sessions are shared.
-    faults = [*operator(), *machine(), *per_channel(), *components(), *processes(), disk_full()]
-    return sorted(faults, key=lambda fault: fault.fresh)
+    faults = [*operator(), *machine(), *per_channel(), *components(), *processes(), disk_full(), *on_can_drives()]
+    return sorted(faults, key=lambda fault: (fault.on_can, fault.fresh))
 
 
 __all__ = ["all_faults", "Fault", "is_alive", "SAFE_STOP", "DOWN", "DISABLED", "GOES_ON"]

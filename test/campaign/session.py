@@ -72,6 +72,8 @@ class Session:
         self.silence_ms, self.real_time = silence_ms, real_time
         self.program = program
         self.shm = f"/knee_campaign_{os.getpid()}"
+        self.on_can = "objects" in files  # drives on a simulated CAN bus instead of cards
+        self.bus = f"/tmp/knee_campaign_{os.getpid()}"
         self.references, self.recordings = folder / "references", folder / "recordings"
         for one in (folder, self.references, self.recordings):
             one.mkdir(parents=True, exist_ok=True)
@@ -92,13 +94,13 @@ class Session:
 
     def start_guardian(self):
         self.guardian = self.spawn("guardian", self.programs / "guardian", "--hardware", self.files["hardware"], "--shm", self.shm,
-                                   "--link", self.shm + "_guardian", "--silence-ms", self.silence_ms,
+                                   "--can", self.bus, "--link", self.shm + "_guardian", "--silence-ms", self.silence_ms,
                                    "--priority", 90 if self.real_time else 0)
 
     def controller_command(self, name="controller", program="campaign_controller"):
         parameters = {"robot": self.files["robot"], "hardware": self.files["hardware"], "deployment": self.files["deployment"],
                       "shm": self.shm, "guardian": self.shm + "_guardian", "references": self.references,
-                      "recordings": self.recordings, "master_timeout_s": 2.0}
+                      "recordings": self.recordings, "can": self.bus, "master_timeout_s": 2.0}
         return [self.programs / program, f"__name:={name}"] + [f"_{key}:={value}" for key, value in parameters.items()]
 
     def start_controller(self):
@@ -108,9 +110,10 @@ class Session:
         """Brings everything up; ends when the controller answers."""
         for name in ("guardian.log", "controller.log", "robot.log"):
             (self.folder / name).write_bytes(b"")
-        self.robot = self.spawn("robot", self.programs / "simulated_robot", "--robot", self.files["robot"], "--simulation",
-                                self.files["simulation"], "--shm", self.shm, "--truth-rows", 40000,
-                                "--priority", 70 if self.real_time else 0)
+        drives = ("--hardware", self.files["hardware"], "--objects", self.files["objects"], "--bus", self.bus) if self.on_can else ()
+        self.robot = self.spawn("robot", self.programs / ("cia402_simulator" if self.on_can else "simulated_robot"),
+                                "--robot", self.files["robot"], "--simulation", self.files["simulation"], "--shm", self.shm,
+                                "--truth-rows", 40000, "--priority", 70 if self.real_time else 0, *drives)
         self.wait_for_file("/dev/shm" + self.shm + "_truth", self.robot)
         self.truth = truth.TruthLog(self.shm)
         self.start_guardian()

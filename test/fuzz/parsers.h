@@ -1,8 +1,10 @@
 #pragma once
 
+#include <linux/can.h>
 #include <unistd.h>
 
 #include <cstdlib>
+#include <cstring>
 #include <functional>
 #include <memory>
 #include <string>
@@ -14,6 +16,10 @@
 #include "knee_robot/control/component_types.h"
 #include "knee_robot/control/hardware_file.h"
 #include "knee_robot/dynamics/model.h"
+#include "knee_robot/hardware/can/bus_errors.h"
+#include "knee_robot/hardware/can/can_socket.h"
+#include "knee_robot/hardware/can/drive_model.h"
+#include "knee_robot/hardware/can/drive_node.h"
 #include "knee_robot/hardware/open_bus.h"
 #include "knee_robot/hardware/shared_image.h"
 #include "knee_robot/mechanism/robot.h"
@@ -70,6 +76,36 @@ inline void readMapped(const std::string& text) {
   if (end != std::string::npos) parseColumnMap(text.substr(end + 1), "map");
 }
 
+/// Bytes as they could come over a socket, 16 a CAN frame: through every parser of frames and into a simulated drive.
+inline void takeFrames(const std::string& text) {
+  namespace can = hardware::can;
+  struct NoBus : can::FramePort {
+    can::PortStatus send(const can::Frame&) noexcept override { return can::PortStatus::Ok; }
+    can::PortStatus receive(can::Frame&) noexcept override { return can::PortStatus::Empty; }
+    std::int64_t now() noexcept override { return 0; }
+    void pause(std::int64_t) override {}
+  };
+  static const can::ObjectDictionary table =
+      can::ObjectDictionary::load(KNEE_SOURCE_DIR "/config/hardware/can_objects.yaml");
+  NoBus bus;
+  can::DriveModel drive(1, table, bus);
+  can::DriveNode node(1, {});
+  drive.powerUp();
+  for (std::size_t at = 0; at + sizeof(::can_frame) <= text.size(); at += sizeof(::can_frame)) {
+    ::can_frame raw{};
+    std::memcpy(&raw, text.data() + at, sizeof raw);
+    can::Frame frame;
+    if (!can::fromKernel(raw, frame)) continue;
+    can::toText(can::busErrors(frame));
+    can::parseAnswer(frame, 1);
+    node.take(frame);
+    drive.take(frame);
+    drive.step(static_cast<std::int64_t>(at) * 1000000);
+    node.endCycle();
+    node.failure(static_cast<std::int64_t>(at) * 1000000);
+  }
+}
+
 inline const std::vector<Parser>& parsers() {
   static const std::vector<Parser> all = {
       {"reference",
@@ -98,6 +134,12 @@ inline const std::vector<Parser>& parsers() {
        {"format_version: 1\nmechanism: 3UPS+1RPU\naxes: 4\nrobot: abc\ndata: []\ncutoff_hz: 3\nmoving_m_per_s: "
         "0.001\nrank: 2\n"},
        [](const std::string& text) { parseModel(text, "model"); }},
+      {"can_frames",
+       {std::string("\x01\x06\0\0\x08\0\0\0\x2B\x40\x60\0\x0F\0\0\0\n", 17)},
+       [](const std::string& text) { takeFrames(text); }},
+      {"can_objects",
+       {"objects:\n  - {object: \"6041:00\", type: u16, access: ro, value: 0x0240, mappable: true, name: status}\n"},
+       [](const std::string& text) { hardware::can::ObjectDictionary::load(fileWith(text)); }},
       {"table", {"a;b\n1;2\n3;4\n", "t x\n0 1\n1 2\n", "1,5;2\n"}, [](const std::string& text) { readTable(text); }},
       {"column_map",
        {"enc1=position_1_m,counts,5e-6,0.6\nseparator: tab\ndecimal: comma\ncolumns:\n  - {from: \"t [ms]\", to: "

@@ -30,6 +30,12 @@ struct InjectedFaults {
   std::atomic<std::uint8_t> hold_open{0};         ///< mask: the hold device does not engage
   std::atomic<std::uint8_t> hold_closed{0};       ///< mask: the hold device is engaged whatever its output says
   std::atomic<std::uint32_t> component_fault{0};  ///< for components of test programs; the simulated robot ignores it
+  std::atomic<std::uint8_t> can_silent{0};  ///< mask, CAN drives only, like the next: the drive is cut off the bus
+  std::atomic<std::uint8_t> can_no_heartbeat{0};  ///< mask: the drive's heartbeat stays away
+  std::atomic<std::uint8_t> can_fault{0};         ///< mask: the drive goes to Fault (over-current)
+  std::atomic<std::uint8_t> can_emergency{0};     ///< mask: the drive sends an emergency (over-temperature) and goes on
+  std::atomic<std::uint8_t> can_wire{0};          ///< hardware::can::WireFault
+  std::atomic<std::uint8_t> can_hung_up{0};       ///< the interface is gone: a simulated bus hangs up on everybody
   std::atomic<std::uint32_t> generation{0};       ///< counts orders; written after the order, noted in the truth log
 };
 
@@ -37,8 +43,9 @@ struct InjectedFaults {
 inline void clear(InjectedFaults& faults) noexcept {
   for (auto& one : faults.encoder)
     one.store(static_cast<std::uint8_t>(EncoderFault::None));
-  for (auto* mask :
-       {&faults.converter_stuck, &faults.drive_dead, &faults.drive_reversed, &faults.hold_open, &faults.hold_closed})
+  for (auto* mask : {&faults.converter_stuck, &faults.drive_dead, &faults.drive_reversed, &faults.hold_open,
+                     &faults.hold_closed, &faults.can_silent, &faults.can_no_heartbeat, &faults.can_fault,
+                     &faults.can_emergency, &faults.can_wire, &faults.can_hung_up})
     mask->store(0);
   faults.component_fault.store(0);
   faults.generation.fetch_add(1);

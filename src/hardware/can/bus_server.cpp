@@ -53,8 +53,17 @@ void BusServer::accept() {
   while (peers_.size() < kMostPeers) {
     const int descriptor = ::accept4(listener_, nullptr, nullptr, SOCK_NONBLOCK | SOCK_CLOEXEC);
     if (descriptor < 0) return;
+    if (hung_up_) {
+      ::close(descriptor);
+      continue;
+    }
     peers_.push_back(CanSocket::adopt(descriptor, {}));
   }
+}
+
+void BusServer::hangUp(bool on) {
+  hung_up_ = on;
+  if (on) peers_.clear();
 }
 
 void BusServer::forward(const Frame& frame, const CanSocket* sender) noexcept {

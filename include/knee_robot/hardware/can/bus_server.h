@@ -27,6 +27,9 @@ class BusServer : public FramePort {
   std::int64_t now() noexcept override;
   void pause(std::int64_t duration_ns) override;
 
+  /// While set nobody is connected: what a pulled adapter is to a program.
+  void hangUp(bool on);
+
   /// Waits for something to receive, at most until `deadline_ns`; lets new peers in.
   void wait(std::int64_t deadline_ns);
 
@@ -39,6 +42,7 @@ class BusServer : public FramePort {
   std::vector<std::unique_ptr<CanSocket>> peers_;
   std::vector<pollfd> watched_;
   std::size_t next_ = 0;
+  bool hung_up_ = false;
 };
 
 }  // namespace knee_robot::hardware::can
