@@ -402,7 +402,7 @@ def on_can_drives():
               ("can_hung_up", 0, ("bus_down",))]
     for name, axis, causes in faults:
         yield Fault(name, inject(name, axis), causes=causes, on_can=True, fresh=name in ("can_hung_up", "can_cut", "can_bus_off"))
-    yield Fault("can_controller_killed", send(signal.SIGKILL), outcome=DOWN, causes=("has died",), process_death=True,
+    yield Fault("can_controller_killed", send(signal.SIGKILL), outcome=DOWN, causes=("has died", "is silent"), process_death=True,
                 on_can=True, fresh=True)
 
 

@@ -115,7 +115,7 @@ TEST(CanFuzz, TheRunningBusStaysWithinBoundsWhateverItHears) {
       bench.wire.inject(frame);
     }
     const IoStatus status = bench.cycle({1.0, -1.0, 5.0, -5.0});
-    ASSERT_TRUE(status == IoStatus::Ok || status == IoStatus::Disconnected);
+    ASSERT_TRUE(status == IoStatus::Ok || status == IoStatus::Disconnected || status == IoStatus::DeviceError);
     for (const double volts : bench.written)
       ASSERT_TRUE(std::isfinite(volts) && std::abs(volts) <= kLargestVolts);
     ASSERT_LE(bench.bus().failure().axis, kAxes);

@@ -139,8 +139,8 @@ TEST(CanRealTimePath, EnablesDrivesAndMovesTorqueWithoutAllocating) {
   EXPECT_EQ(feedback.counts[0], 198) << "one period old";
   for (std::size_t axis = 0; axis < 4; ++axis)
     EXPECT_EQ(pair.drive(axis).state(), DriveState::OperationEnabled);
-  EXPECT_NE(pair.drive(3).torque(), 0);
-  EXPECT_EQ(pair.drive(3).torque(), -2 * pair.drive(0).torque());
+  EXPECT_EQ(pair.drive(0).torque(), 338);  // 1 V: 40 N at a screw of 10 mm, of 0.188136 Nm
+  EXPECT_EQ(pair.drive(3).torque(), -677);
 }
 
 TEST(CanRealTimePath, AllocatesNothingWhenTheBusIsGone) {

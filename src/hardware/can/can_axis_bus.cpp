@@ -172,6 +172,7 @@ IoStatus CanAxisBus::read(AxisFeedback& feedback) noexcept {
   const bool lost = failure_.fault == BusFault::InterfaceDown || failure_.fault == BusFault::BusOff ||
                     failure_.fault == BusFault::DriveLost;
   if (lost) return IoStatus::Disconnected;
+  if (backlog) return IoStatus::DeviceError;  // what has been read is old: nobody may close a loop over it
   for (std::size_t i = 0; i < drives_.size(); ++i) {
     if (!drives_[i].hasFeedback()) {  // before the first one the position is the one of the self test
       feedback.counts[i] = 0;
