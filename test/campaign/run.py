@@ -235,10 +235,10 @@ class Run:
             result["recording_lost_s"] = max(0.0, float(lost))
             if lost > 1.0:
                 result["recording"] = result["recording"] or f"the last {lost:.2f} s before the fault are missing"
-            if result["held_ms"] is not None:
+            if begins:
                 fault_at = self.injected_at - offset
                 # Once the brakes are ordered to engage the reference follows the measured position.
-                until = min(begins + [result["held_ms"]])
+                until = min(begins)
                 left = data.leaves_path_at(self.points, fault_at, fault_at + 1e-3 * until - 0.002)
                 if left is not None:
                     begins.append(1e3 * (left - fault_at))
