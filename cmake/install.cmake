@@ -1,3 +1,4 @@
+catkin_add_env_hooks(50.loopback SHELLS sh DIRECTORY ${CMAKE_SOURCE_DIR}/cmake/env-hooks)
 catkin_install_python(PROGRAMS src/nodes/identification_session src/nodes/play_movement
   DESTINATION ${CATKIN_PACKAGE_BIN_DESTINATION})
 install(DIRECTORY config launch urdf DESTINATION ${CATKIN_PACKAGE_SHARE_DESTINATION})

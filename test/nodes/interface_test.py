@@ -1,11 +1,14 @@
 #!/usr/bin/python3
 """What the controller and the monitor nodes publish, from another process: topics, frames, diagnostics, gains, bag."""
 import math
+import os
 import pathlib
 import sys
 import time
 import unittest
+import xmlrpc.client
 
+import rosgraph
 import rospy
 import rostest
 import tf2_ros
@@ -144,6 +147,17 @@ class Interface(unittest.TestCase):
         silent = run_program("monitor", "--once", "controller:=nobody")
         self.assertEqual(1, silent.returncode)
         self.assertIn("SILENT", silent.stdout)
+
+    def test_the_controller_listens_on_the_loopback_interface_only(self):
+        node = xmlrpc.client.ServerProxy(rosgraph.Master("/interface_test").lookupNode("/controller"))
+        pid = node.getPid("/interface_test")[2]
+        own = {os.readlink(link) for link in pathlib.Path(f"/proc/{pid}/fd").iterdir() if link.is_symlink()}
+        listening = []
+        for line in pathlib.Path(f"/proc/{pid}/net/tcp").read_text().splitlines()[1:]:
+            words = line.split()
+            if words[3] == "0A" and f"socket:[{words[9]}]" in own:
+                listening.append(words[1].split(":")[0])
+        self.assertEqual(["0100007F"] * 2, listening, "127.0.0.1 for the node itself, and for its topics and services")
 
     def test_a_bag_is_being_recorded(self):
         bags = list(pathlib.Path(self.robot.parameter("recordings")).glob("simulation_*.bag.active"))
