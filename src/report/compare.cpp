@@ -92,7 +92,8 @@ CompareResults compare(const Robot& robot, const Recording& recording, double co
   const bool has_reference = recording.reference_m.cols() > 0;
   if (!has_reference && (recording.mocap.cols() == 0 || !robot.mechanism)) {
     throw InputError(recording.path +
-                     ":1: column reference_1_m is missing; without a reference, and without camera columns, there is nothing to compare with");
+                     ":1: column reference_1_m is missing; without a reference, and without camera columns, there is "
+                     "nothing to compare with");
   }
   CompareResults r;
   r.robot_path = robot.path;

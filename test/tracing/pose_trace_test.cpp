@@ -231,8 +231,8 @@ TEST(PoseTrace, SaysWhenThereIsNoCamera) {
 
 TEST(PoseTrace, DoesNotLoseItselfInTheOtherAssemblyModeOfARecording) {
   const char* shared = std::getenv("KNEE_SHARED_DIR");
-  const std::string file = (shared ? std::string(shared) : std::string(KNEE_SOURCE_DIR) + "/../shared/data") +
-                           "/measured/A_V_22_03_2021_155607.csv";
+  const std::string file = (shared ? std::string(shared) : std::string(KNEE_SOURCE_DIR) + "/../shared") +
+                           "/data/measured/A_V_22_03_2021_155607.csv";
   if (!std::ifstream(file)) GTEST_SKIP() << file << " is not here";
   const Robot robot = loadRobot(std::string(KNEE_SOURCE_DIR) + "/config/robots/A.yaml");
   const PoseTrace t = tracePose(robot, {loadRecording(file)}, {}, {});
