@@ -1,6 +1,6 @@
 # -DKNEE_FUZZ=ON with clang: libFuzzer targets fuzz_PARSER for every parser of test/fuzz/parsers.h (scripts/fuzz).
 option(KNEE_FUZZ "libFuzzer targets, with clang only" OFF)
-set(knee_fuzz_parsers reference recording robot simulation hardware deployment model table column_map can_frames can_objects)
+set(knee_fuzz_parsers reference recording robot simulation hardware patient deployment model table column_map can_frames can_objects)
 if(KNEE_FUZZ)
   target_compile_options(knee_robot_options INTERFACE -fsanitize=fuzzer-no-link,address,undefined -fno-sanitize-recover=undefined -g1 -O1)
   target_compile_definitions(knee_robot_options INTERFACE EIGEN_MALLOC_ALREADY_ALIGNED=1)  # as in sanitize.cmake

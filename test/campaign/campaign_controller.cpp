@@ -50,7 +50,9 @@ rt::TypeFactory campaignTypes(const Robot& robot, const HardwareFile& hardware, 
     return std::make_unique<Misbehaving<AxesInput, Part::AxesInput>>(name, robot, bus, lengths_at_start);
   };
   types["Sync"] = [=](Name name) { return std::make_unique<Misbehaving<Sync, Part::Sync>>(name, robot); };
-  types["Driver"] = [=](Name name) { return std::make_unique<Misbehaving<Driver, Part::Driver>>(name, robot); };
+  types["Driver"] = [=](Name name) {
+    return std::make_unique<Misbehaving<Driver, Part::Driver>>(name, robot, hardware);
+  };
   types["Supervisor"] = [=](Name name) {
     return std::make_unique<Misbehaving<Supervisor, Part::Supervisor>>(name, robot, hardware);
   };

@@ -15,6 +15,7 @@
 #include "knee_robot/base/numbers.h"
 #include "knee_robot/control/component_types.h"
 #include "knee_robot/control/hardware_file.h"
+#include "knee_robot/control/patient_limits.h"
 #include "knee_robot/dynamics/model.h"
 #include "knee_robot/hardware/can/bus_errors.h"
 #include "knee_robot/hardware/can/can_socket.h"
@@ -62,6 +63,11 @@ inline void readDeployment(const std::string& text) {
   static const auto bus = hardware::openImageCards(*image);
   const std::string path = fileWith(text);
   rt::Deployment deployment(path, componentTypes(robot, hardware, *bus, AxisValues{}), rt::Execution::Stepped);
+}
+
+inline void readPatient(const std::string& text) {
+  static const Robot robot = loadRobot(KNEE_SOURCE_DIR "/config/robots/A.yaml");
+  loadPatientLimits(fileWith(text), robot);
 }
 
 inline void readTable(const std::string& text) {
@@ -129,6 +135,11 @@ inline const std::vector<Parser>& parsers() {
       {"hardware",
        {"config/hardware/simulated.yaml", "config/hardware/can_simulated.yaml"},
        [](const std::string& text) { loadHardwareFile(fileWith(text)); }},
+      {"patient",
+       {"patient: \"ab\"\npose: {X_m: [-0.05, 0.05], Z_m: [0.58, 0.65], theta_deg: [-5, 20], psi_deg: [-10, "
+        "10]}\nspeed: {linear_mm_per_s: 20, "
+        "angular_deg_per_s: 2}\n"},
+       [](const std::string& text) { readPatient(text); }},
       {"deployment", {"config/deployment/simulation.yaml"}, [](const std::string& text) { readDeployment(text); }},
       {"model",
        {"format_version: 1\nmechanism: 3UPS+1RPU\naxes: 4\nrobot: abc\ndata: []\ncutoff_hz: 3\nmoving_m_per_s: "
