@@ -85,7 +85,9 @@ TEST_P(Threads, PlayWhileOperatorsAskRecordAndPublish) {
   answer = system.play();
   EXPECT_TRUE(answer.ok) << answer.sentence;
   EXPECT_TRUE(system.waitFor(MachineState::Holding, 20.0)) << system.status().fault_sentence;
-  EXPECT_NEAR(system.snapshot()->reference_m[0], kHome + 0.01, 1e-3);
+  // A machine that pauses makes set points late; what the reference then coasted too far fades out within SetPointFollower::kBlend.
+  std::this_thread::sleep_for(std::chrono::milliseconds(700));
+  EXPECT_NEAR(system.snapshot()->reference_m[0], kHome + 0.01, 1e-4);
   done = true;
   publisher.join();
   busybody.join();
@@ -94,6 +96,7 @@ TEST_P(Threads, PlayWhileOperatorsAskRecordAndPublish) {
   answer = system.stopRecording();
   EXPECT_TRUE(answer.ok) << answer.sentence;
   std::printf("%s\n", answer.sentence.c_str());
+  const std::string answer_recorded = answer.sentence;
   const rt::ActivityStatistics& servo = system.deployment().activity("servo")->statistics();
   std::printf("servo cycle: median %.0f us, 99 %% %.0f us of processor or less; lateness 99 %% %.0f us\n",
               1e-3 * static_cast<double>(servo.execution.snapshot().quantile(0.5)),
@@ -102,7 +105,10 @@ TEST_P(Threads, PlayWhileOperatorsAskRecordAndPublish) {
   EXPECT_TRUE(system.shutdown().ok);
   EXPECT_GT(looks.load(), 0);
   EXPECT_EQ(machine.bits, 0u);
-  EXPECT_GT(loadRecording(folder + "/r.csv").rows(), 1000);
+  // However many cycles a loaded machine skipped: every row that was measured is there.
+  const std::size_t number = answer_recorded.find(" has ");
+  ASSERT_NE(number, std::string::npos);
+  EXPECT_EQ(loadRecording(folder + "/r.csv").rows(), std::atol(answer_recorded.c_str() + number + 5));
   for (const char* name : {"/r.csv", "/deployment.yaml"})
     std::remove((folder + name).c_str());
   std::remove(folder.c_str());
