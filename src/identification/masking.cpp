@@ -137,14 +137,17 @@ void findMoving(const ObservationOptions& options, Observation& o) {
       if (!o.axis_moving(n, i)) o.moving[static_cast<std::size_t>(n)] = 0;
     }
   }
+  const bool independent = o.motion.motion.empty();  // bench axes: each is fitted while it moves itself
   std::vector<char> resting(o.moving.size()), used(o.moving.size());
   for (std::size_t n = 0; n < used.size(); ++n) {
     resting[n] = !o.moving[n];
-    used[n] = o.moving[n] && o.usable[n];
+    const bool moves = independent ? o.axis_moving.row(static_cast<Eigen::Index>(n)).any() : o.moving[n] != 0;
+    used[n] = moves && o.usable[n];
   }
-  o.masks.push_back({"some axis rests or reverses: slower than " + shortNumber(1e3 * options.moving_m_per_s) + " mm/s",
+  o.masks.push_back({"some axis rests or reverses: slower than " + shortNumber(1e3 * options.moving_m_per_s) + " mm/s" +
+                         (independent ? " (axes are fitted one by one)" : ""),
                      share(resting)});
-  o.masks.push_back({"used in the fit", share(used)});
+  o.masks.push_back({independent ? "used in the fit of at least one axis" : "used in the fit", share(used)});
   o.notes.push_back("At " + percent(share(o.moving)) + " of the samples every axis is faster than " +
                     shortNumber(1e3 * options.moving_m_per_s) + " mm/s.");
 }
