@@ -20,41 +20,55 @@ ZeroPhaseLowPass::ZeroPhaseLowPass(double cutoff_hz, double rate_hz) {
   }
 }
 
-/// Forward pass in place, transposed direct form II, each section started in its steady state for the first value.
-void ZeroPhaseLowPass::run(Eigen::VectorXd& signal) const {
-  for (const Section& s : sections_) {
-    const double first = signal[0];
-    double z2 = (s.b2 - s.a2) * first;  // the gain at zero frequency is one: output = input = first
-    double z1 = (s.b1 - s.a1) * first + z2;
-    for (double& value : signal) {
-      const double in = value;
-      const double out = s.b0 * in + z1;
-      z1 = s.b1 * in - s.a1 * out + z2;
-      z2 = s.b2 * in - s.a2 * out;
+/// Forward pass in place, transposed direct form II, each section started in its steady state for the first value. Four signals
+/// and both sections go side by side: one alone would wait for its own last result all the time.
+void ZeroPhaseLowPass::run(Four& signals) const {
+  using State = Eigen::Array4d;
+  const State first = signals.col(0);  // the gain at zero frequency is one: output = input = first
+  State z1[2], z2[2];
+  for (int k = 0; k < 2; ++k) {
+    z2[k] = (sections_[k].b2 - sections_[k].a2) * first;
+    z1[k] = (sections_[k].b1 - sections_[k].a1) * first + z2[k];
+  }
+  for (Eigen::Index n = 0; n < signals.cols(); ++n) {
+    State value = signals.col(n);
+    for (int k = 0; k < 2; ++k) {
+      const Section& s = sections_[k];
+      const State out = s.b0 * value + z1[k];
+      z1[k] = s.b1 * value - s.a1 * out + z2[k];
+      z2[k] = s.b2 * value - s.a2 * out;
       value = out;
     }
+    signals.col(n) = value;
   }
 }
 
 void ZeroPhaseLowPass::apply(Eigen::Ref<Eigen::VectorXd> signal) const {
-  const Eigen::Index n = signal.size();
-  if (!active_ || n < 2) return;
-  const Eigen::Index pad = std::min<Eigen::Index>(padding_, n - 1);
-  Eigen::VectorXd work(n + 2 * pad);
-  for (Eigen::Index i = 0; i < pad; ++i) {
-    work[pad - 1 - i] = 2.0 * signal[0] - signal[i + 1];
-    work[pad + n + i] = 2.0 * signal[n - 1] - signal[n - 2 - i];
-  }
-  work.segment(pad, n) = signal;
-  run(work);
-  work.reverseInPlace();
-  run(work);
-  signal = work.segment(pad, n).reverse();
+  Eigen::MatrixXd one = signal;
+  applyToColumns(one);
+  signal = one.col(0);
 }
 
 void ZeroPhaseLowPass::applyToColumns(Eigen::MatrixXd& signals) const {
-  for (Eigen::Index i = 0; i < signals.cols(); ++i)
-    apply(signals.col(i));
+  const Eigen::Index n = signals.rows();
+  if (!active_ || n < 2) return;
+  const Eigen::Index pad = std::min<Eigen::Index>(padding_, n - 1);
+  Four work(4, n + 2 * pad);
+  for (Eigen::Index from = 0; from < signals.cols(); from += 4) {
+    const Eigen::Index count = std::min<Eigen::Index>(4, signals.cols() - from);
+    work.setZero();
+    work.block(0, pad, count, n) = signals.middleCols(from, count).transpose().array();
+    const Eigen::Array4d start = work.col(pad), end = work.col(pad + n - 1);
+    for (Eigen::Index i = 0; i < pad; ++i) {
+      work.col(pad - 1 - i) = 2.0 * start - work.col(pad + i + 1);
+      work.col(pad + n + i) = 2.0 * end - work.col(pad + n - 2 - i);
+    }
+    for (int direction = 0; direction < 2; ++direction) {
+      run(work);
+      work = work.rowwise().reverse().eval();
+    }
+    signals.middleCols(from, count) = work.block(0, pad, count, n).transpose().matrix();
+  }
 }
 
 Eigen::MatrixXd firstDerivative(const Eigen::MatrixXd& x, double h) {

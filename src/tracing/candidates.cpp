@@ -12,6 +12,14 @@ Eigen::VectorXd Candidate::elsewhere(const Eigen::VectorXd& coefficients) const 
   return transfers() ? coefficients : Eigen::VectorXd();
 }
 
+std::vector<std::vector<double>> Candidate::near(const std::vector<double>&, double) const {
+  return {};
+}
+
+bool Candidate::plausible(const Eigen::VectorXd&) const {
+  return true;
+}
+
 std::string Candidate::dependsOn(int) const {
   return {};
 }
@@ -38,6 +46,8 @@ CandidateList namedCandidates(const Robot& robot) {
   all.push_back(makeForceOffset());
   all.push_back(makeDelay());
   all.push_back(makeDriveLag());
+  all.push_back(makeBacklash());
+  all.push_back(makeFlexibleCoupling());
   all.push_back(makeSpring());
   all.push_back(makeExternalForce());
   CandidateList fit;

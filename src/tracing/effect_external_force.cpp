@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <cmath>
 
 #include "effects.h"
 
@@ -27,6 +28,13 @@ class ExternalForce : public Candidate {
         grid.push_back({input.recording + 1.0, from, duration});
     }
     return grid;
+  }
+  std::vector<std::vector<double>> near(const std::vector<double>& s, double step) const override {
+    const double aside = 0.25 * step * s[2], longer = std::pow(1.4, step);
+    return {{s[0], s[1] - aside, s[2]},
+            {s[0], s[1] + aside, s[2]},
+            {s[0], s[1], s[2] * longer},
+            {s[0], s[1], s[2] / longer}};
   }
   std::vector<Coefficient> coefficients(const EffectInput&) const override {
     return {{"force_x_N", false}, {"force_z_N", false}};

@@ -5,12 +5,14 @@
 #include <cmath>
 
 #include "knee_robot/dynamics/coulomb_memory.h"
+#include "knee_robot/dynamics/regressor.h"
 #include "knee_robot/mechanism/kinematics.h"
 #include "knee_robot/recording/filter.h"
 
 namespace knee_robot {
 namespace {
 
+constexpr int kMassSamples = 12;
 constexpr double kTurnCounts = 2.0;  ///< a smaller way back is the encoder's flicker, no reversal
 
 Eigen::VectorXd sinceReversal(const Eigen::VectorXd& position_m, double flicker_m) {
@@ -44,6 +46,29 @@ std::vector<Matrix4> poseForces(const Robot& robot, const Observation& o) {
     out.push_back(last);
   }
   return out;
+}
+
+/// Mass that each actuator moves beyond its own rotor: the model's force for one more m/s^2 of that actuator alone.
+Eigen::VectorXd movedMass(const EffectInput& in, const Eigen::VectorXd& parameters) {
+  Eigen::VectorXd mass = Eigen::VectorXd::Zero(in.axes());
+  if (!in.robot->mechanism) return mass;
+  RegressorData data;
+  ExtendedRegressor still = ExtendedRegressor::Zero(), pushed = still;
+  int counted = 0;
+  for (int k = 0; k < kMassSamples; ++k) {
+    const std::size_t n = static_cast<std::size_t>((2 * k + 1) * in.samples() / (2 * kMassSamples));
+    if (!in.observation->usable[n]) continue;
+    Motion motion = in.observation->motion.motion[n];
+    if (!extendedRegressor(*in.robot->mechanism, in.robot->gravity, motion, data, still)) continue;
+    ++counted;
+    for (int i = 0; i < in.axes(); ++i) {
+      motion.pose_acceleration =
+          in.observation->motion.motion[n].pose_acceleration + in.force_per_pose_force[n].row(i).transpose();
+      extendedRegressor(*in.robot->mechanism, in.robot->gravity, motion, data, pushed);
+      mass[i] += (pushed - still).row(i).head(kInertialParameters).dot(parameters.head(kInertialParameters));
+    }
+  }
+  return (mass / std::max(1, counted)).cwiseMax(0.0);
 }
 
 }  // namespace
@@ -108,6 +133,14 @@ void setForces(EffectInput& in, const std::vector<Column>& columns, const Eigen:
     in.force_N.col(i) = forces.col(1);
   }
   if (effects_N.size() > 0) in.force_N += effects_N;
+  in.coulomb_N = in.viscous = in.rotor_kg = Eigen::VectorXd::Zero(in.axes());
+  for (std::size_t c = 0; c < columns.size(); ++c) {
+    const double value = parameters[static_cast<Eigen::Index>(c)];
+    if (columns[c].role == ColumnRole::Coulomb) in.coulomb_N[columns[c].actuator] = value;
+    if (columns[c].role == ColumnRole::Viscous) in.viscous[columns[c].actuator] = value;
+    if (columns[c].role == ColumnRole::Rotor) in.rotor_kg[columns[c].actuator] = value;
+  }
+  in.moved_kg = movedMass(in, parameters);
 }
 
 }  // namespace knee_robot

@@ -6,6 +6,7 @@ namespace {
 class LoadDependentFriction : public Candidate {
  public:
   std::string name() const override { return "load_dependent_friction"; }
+  bool isFriction() const override { return true; }
   std::string sentence() const override {
     return "Dry friction of the screw grows with the axial force that it carries.";
   }

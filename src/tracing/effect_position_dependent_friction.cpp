@@ -1,3 +1,5 @@
+#include <cmath>
+
 #include "effects.h"
 
 namespace knee_robot {
@@ -7,6 +9,7 @@ namespace {
 class PositionDependentFriction : public Candidate {
  public:
   std::string name() const override { return "position_dependent_friction"; }
+  bool isFriction() const override { return true; }
   std::string sentence() const override {
     return "Dry friction changes along the stroke, as with a bent screw, a tight place or worn lubrication.";
   }
@@ -23,6 +26,13 @@ class PositionDependentFriction : public Candidate {
         grid.push_back({low + place * range, width * range, low, low + range});
     }
     return grid;
+  }
+  std::vector<std::vector<double>> near(const std::vector<double>& s, double step) const override {
+    const double aside = 0.3 * step * s[1], wider = std::pow(1.5, step);
+    return {{s[0] - aside, s[1], s[2], s[3]},
+            {s[0] + aside, s[1], s[2], s[3]},
+            {s[0], s[1] * wider, s[2], s[3]},
+            {s[0], s[1] / wider, s[2], s[3]}};
   }
   std::vector<Coefficient> coefficients(const EffectInput&) const override { return {{"amplitude_N", false}}; }
   Eigen::MatrixXd columns(const EffectInput& input, int actuator, const std::vector<double>& shape) const override {

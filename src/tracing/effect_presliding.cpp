@@ -9,6 +9,7 @@ namespace {
 class Presliding : public Candidate {
  public:
   std::string name() const override { return "presliding"; }
+  bool isFriction() const override { return true; }
   std::string sentence() const override {
     return "Dry friction builds up over a distance after each reversal, and keeps its value at rest (Dahl).";
   }

@@ -6,6 +6,7 @@ namespace {
 class QuadraticDrag : public Candidate {
  public:
   std::string name() const override { return "quadratic_drag"; }
+  bool isFriction() const override { return true; }
   std::string sentence() const override {
     return "Friction grows with the square of the velocity, as in churned grease or air.";
   }

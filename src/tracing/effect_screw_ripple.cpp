@@ -16,13 +16,13 @@ class ScrewRipple : public Candidate {
   }
   bool transfers() const override { return false; }
   std::vector<ShapeParameter> shapeParameters() const override { return {{"period_m", 0.002, 0.05}}; }
-  /// Fine enough that the phase drifts by less than a quarter turn over the range between two periods.
+  /// Fine enough that at the ends of the range the phase is off by no more than an eighth of a turn.
   std::vector<std::vector<double>> shapes(const EffectInput& input, int actuator) const override {
     const auto q = input.signals().position_m.col(actuator);
     const double range = std::max(1e-3, q.maxCoeff() - q.minCoeff());
     std::vector<std::vector<double>> grid;
     const double longest = std::min(0.05, 0.7 * range);
-    for (double turns = 1.0 / longest; turns <= 1.0 / 0.002 && grid.size() < 600; turns += 0.35 / range)
+    for (double turns = 1.0 / longest; turns <= 1.0 / 0.002 && grid.size() < 600; turns += 0.5 / range)
       grid.push_back({1.0 / turns});
     return grid;
   }
@@ -38,9 +38,12 @@ class ScrewRipple : public Candidate {
   Eigen::MatrixXd columns(const EffectInput& input, int actuator, const std::vector<double>& shape) const override {
     Eigen::MatrixXd out = Eigen::MatrixXd::Zero(input.samples(), 2 * input.recordings);
     const int pair = std::max(0, input.recording);  // elsewhere() puts the common phase into the first pair
-    const Eigen::ArrayXd phase = 2.0 * M_PI / shape[0] * input.signals().position_m.col(actuator).array();
-    out.col(2 * pair) = phase.sin();
-    out.col(2 * pair + 1) = phase.cos();
+    const auto q = input.signals().position_m.col(actuator);
+    for (int n = 0; n < input.samples(); ++n) {
+      const double phase = 2.0 * M_PI / shape[0] * q[n];
+      out(n, 2 * pair) = std::sin(phase);
+      out(n, 2 * pair + 1) = std::cos(phase);
+    }
     return out;
   }
   /// The mean, when training recordings agree on the phase: homing does not shift it then. One recording cannot tell.

@@ -6,6 +6,7 @@ namespace {
 class Stribeck : public Candidate {
  public:
   std::string name() const override { return "stribeck"; }
+  bool isFriction() const override { return true; }
   std::string sentence() const override {
     return "Dry friction is stronger at low velocity and falls off with a characteristic velocity.";
   }

@@ -9,6 +9,7 @@ namespace {
 class ThermalDrift : public Candidate {
  public:
   std::string name() const override { return "thermal_drift"; }
+  bool isFriction() const override { return true; }
   std::string sentence() const override {
     return "Friction changes while the drive warms up, with a time constant, from the start of each recording.";
   }

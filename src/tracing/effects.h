@@ -18,6 +18,8 @@ std::unique_ptr<Candidate> makeForceGain();
 std::unique_ptr<Candidate> makeForceOffset();
 std::unique_ptr<Candidate> makeDelay();
 std::unique_ptr<Candidate> makeDriveLag();
+std::unique_ptr<Candidate> makeBacklash();
+std::unique_ptr<Candidate> makeFlexibleCoupling();
 std::unique_ptr<Candidate> makeSpring();
 std::unique_ptr<Candidate> makeExternalForce();
 

@@ -8,6 +8,7 @@
 namespace knee_robot {
 namespace {
 
+constexpr double kEngineeringShare = 0.01;
 constexpr double kSameReference = 1e-4;  ///< m, rms
 
 bool repeats(const Recording& a, const Recording& b) {
@@ -37,6 +38,15 @@ double densityEstimate(const Observation& o, const Eigen::VectorXd& residual, do
   return quietSpread(high - low, static_cast<Eigen::Index>(rate)) / std::sqrt(3.0);  // the band is three cut-offs wide
 }
 
+/// What nobody would look for: a hundredth of the force, per actuator.
+Eigen::VectorXd engineeringSize(const TraceData& data) {
+  const Eigen::Index p = data.stack.size();
+  Eigen::VectorXd size(data.stack.axes);
+  for (int i = 0; i < data.stack.axes; ++i)
+    size[i] = kEngineeringShare * data.all_force_rows.segment(i * p, p).norm() / std::sqrt(static_cast<double>(p));
+  return size;
+}
+
 }  // namespace
 
 NoiseFloor noiseFloor(const std::vector<Recording>& recordings, const TraceData& data,
@@ -61,7 +71,7 @@ NoiseFloor noiseFloor(const std::vector<Recording>& recordings, const TraceData&
     }
   }
   if (samples > 0.0) {
-    floor.rms_N = (sum / samples).cwiseSqrt();
+    floor.rms_N = (sum / samples).cwiseSqrt().cwiseMax(engineeringSize(data));
     return floor;
   }
   floor.source =
@@ -76,6 +86,7 @@ NoiseFloor noiseFloor(const std::vector<Recording>& recordings, const TraceData&
     }
     floor.rms_N[i] = std::sqrt(noise + twin_residual_N[i] * twin_residual_N[i]);
   }
+  floor.rms_N = floor.rms_N.cwiseMax(engineeringSize(data));
   return floor;
 }
 

@@ -14,6 +14,18 @@ void addShapes(const Candidate& candidate, const EffectInput& input, int actuato
     list.push_back({{&candidate, actuator}, std::move(shape)});
 }
 
+/// Of columns made orthogonal to the model's, given the model's share of them. Empty when nothing is left.
+Eigen::MatrixXd inverseGram(const Eigen::MatrixXd& columns, const Eigen::MatrixXd& shadow, double& survives) {
+  const Eigen::MatrixXd whole = columns.transpose() * columns;
+  const Eigen::MatrixXd left = whole - shadow.transpose() * shadow;
+  const Eigen::VectorXd inverse_scale = whole.diagonal().cwiseSqrt().cwiseMax(1e-12).cwiseInverse();
+  const Eigen::MatrixXd scaled = inverse_scale.asDiagonal() * left * inverse_scale.asDiagonal();
+  survives = scaled.diagonal().maxCoeff();
+  if (survives < kAbsorbed) return {};
+  const Eigen::MatrixXd unit = Eigen::MatrixXd::Identity(scaled.rows(), scaled.cols());
+  return inverse_scale.asDiagonal() * (scaled + kAbsorbed * unit).ldlt().solve(unit) * inverse_scale.asDiagonal();
+}
+
 }  // namespace
 
 void setAttention(TraceData& data, Attention attention) {
@@ -73,39 +85,68 @@ Projection project(const Eigen::MatrixXd& columns, const Eigen::VectorXd& force)
   return p;
 }
 
-Probe makeProbe(const TraceData& data, const Hypothesis& h, const Projection& projection,
-                const Eigen::VectorXd& noise_N) {
-  Probe probe;
+Probes makeProbes(const TraceData& data, const std::vector<Hypothesis>& tried, const Projection& projection,
+                  const Eigen::VectorXd& noise_N) {
+  Probes probes;
   const Eigen::Index p = data.stack.size();
-  const std::vector<Coefficient> coefficients = h.place.candidate->coefficients(data.inputs.front());
-  probe.one_sign = coefficients.size() == 1 && coefficients.front().non_negative;
-  probe.columns = weighted(data.stack, effectRows(data, h), noise_N);
-  Eigen::MatrixXd shadow;
-  if (h.place.actuator >= 0) {
-    probe.first_row = h.place.actuator * p;
-    probe.columns = probe.columns.middleRows(probe.first_row, p).eval();
-    shadow = projection.q.middleRows(probe.first_row, p).transpose() * probe.columns;
-  } else {
-    shadow = projection.q.transpose() * probe.columns;
+  const Place& place = tried.front().place;
+  const std::vector<Coefficient> coefficients = place.candidate->coefficients(data.inputs.front());
+  const Eigen::Index each = static_cast<Eigen::Index>(coefficients.size());
+  probes.one_sign = each == 1 && coefficients.front().non_negative;
+  const int first = place.actuator < 0 ? 0 : place.actuator, last = place.actuator < 0 ? data.stack.axes - 1 : first;
+  probes.first_row = first * p;
+  probes.columns.resize((last - first + 1) * p, each * static_cast<Eigen::Index>(tried.size()));
+  for (int i = first; i <= last; ++i) {
+    std::vector<Eigen::MatrixXd> columns;
+    for (const EffectInput& input : data.inputs) {
+      columns.emplace_back(input.samples(), probes.columns.cols());
+      for (std::size_t k = 0; k < tried.size(); ++k)
+        columns.back().middleCols(static_cast<Eigen::Index>(k) * each, each) =
+            place.candidate->columns(input, i, tried[k].shape);
+    }
+    probes.columns.middleRows((i - first) * p, p) =
+        (data.scale.segment(i * p, p) / noise_N[i]).asDiagonal() *
+        gather(data.stack, data.recordings, std::move(columns));
   }
-  const Eigen::MatrixXd whole = probe.columns.transpose() * probe.columns;
-  const Eigen::MatrixXd left = whole - shadow.transpose() * shadow;
-  const Eigen::VectorXd scale = whole.diagonal().cwiseSqrt().cwiseMax(1e-12);
-  const Eigen::VectorXd inverse_scale = scale.cwiseInverse();
-  const Eigen::MatrixXd scaled = inverse_scale.asDiagonal() * left * inverse_scale.asDiagonal();
-  if (scaled.diagonal().maxCoeff() < kAbsorbed) return probe;
-  const Eigen::MatrixXd ridge = scaled + kAbsorbed * Eigen::MatrixXd::Identity(scaled.rows(), scaled.cols());
-  probe.inverse = inverse_scale.asDiagonal() *
-                  ridge.ldlt().solve(Eigen::MatrixXd::Identity(scaled.rows(), scaled.cols())) *
-                  inverse_scale.asDiagonal();
-  return probe;
+  const Eigen::MatrixXd shadow =
+      projection.q.middleRows(probes.first_row, probes.columns.rows()).transpose() * probes.columns;
+  for (std::size_t k = 0; k < tried.size(); ++k) {
+    const Eigen::Index at = static_cast<Eigen::Index>(k) * each;
+    probes.survives.push_back(0.0);
+    probes.inverse.push_back(
+        inverseGram(probes.columns.middleCols(at, each), shadow.middleCols(at, each), probes.survives.back()));
+  }
+  return probes;
 }
 
-double explained(const Probe& probe, const Eigen::VectorXd& residual) {
-  if (probe.inverse.size() == 0) return 0.0;
-  const Eigen::VectorXd b = probe.columns.transpose() * residual.segment(probe.first_row, probe.columns.rows());
-  if (probe.one_sign && b[0] <= 0.0) return 0.0;
-  return b.dot(probe.inverse * b);
+Eigen::MatrixXd explained(const Probes& probes, const Eigen::MatrixXd& residuals) {
+  const Eigen::Index each = probes.columns.cols() / static_cast<Eigen::Index>(probes.inverse.size());
+  const Eigen::MatrixXd all =
+      probes.columns.transpose() * residuals.middleRows(probes.first_row, probes.columns.rows());
+  Eigen::MatrixXd out = Eigen::MatrixXd::Zero(static_cast<Eigen::Index>(probes.inverse.size()), residuals.cols());
+  for (Eigen::Index k = 0; k < out.rows(); ++k) {
+    const Eigen::MatrixXd& inverse = probes.inverse[static_cast<std::size_t>(k)];
+    if (inverse.size() == 0) continue;
+    const auto b = all.middleRows(k * each, each);
+    out.row(k) = (inverse * b).cwiseProduct(b).colwise().sum();
+    if (probes.one_sign) out.row(k) = (b.row(0).array() > 0.0).select(out.row(k), 0.0);
+  }
+  return out;
+}
+
+double explained(const TraceData& data, const Hypothesis& hypothesis, const Projection& projection,
+                 const Eigen::VectorXd& noise_N) {
+  return explained(makeProbes(data, {hypothesis}, projection, noise_N), projection.residual)(0, 0);
+}
+
+std::vector<std::vector<Hypothesis>> byPlace(const std::vector<Hypothesis>& tried) {
+  std::vector<std::vector<Hypothesis>> groups;
+  for (const Hypothesis& h : tried) {
+    auto own = std::find_if(groups.begin(), groups.end(), [&](const auto& g) { return g.front().place == h.place; });
+    if (own == groups.end()) own = groups.insert(groups.end(), std::vector<Hypothesis>());
+    own->push_back(h);
+  }
+  return groups;
 }
 
 }  // namespace knee_robot

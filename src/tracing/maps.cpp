@@ -24,6 +24,7 @@ class Map : public Candidate {
            signal_ + ".";
   }
   bool worksOnBench() const override { return true; }
+  bool isFriction() const override { return friction_; }
   std::vector<ShapeParameter> shapeParameters() const override {
     std::vector<ShapeParameter> out;
     for (int k = 1; k <= kKnots; ++k)

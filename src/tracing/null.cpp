@@ -10,11 +10,21 @@ namespace {
 
 constexpr double kLeastSpread = 0.01;  ///< of a place's null values: absorbed places have none
 constexpr double kWorthwhile = 0.4;    ///< lowering the rms by a tenth explains 0.44 of it; less is never accepted
+constexpr int kFirstTwins = 4;         ///< after these it may already be hopeless
+constexpr double kSurely = 3.0;        ///< draws more than allowed: mean and spread still change a little
 constexpr double kBlock_s = 1.5;       ///< of resampled noise: several correlation times of the low-passed residual
 
+/// Sets a recording's forces to those of the model, effects that look at the force included.
+void setModelForces(EffectInput& input, const BaseFit& base, const TwinModel& model) {
+  setForces(input, base.columns, model.parameters, {});
+  if (model.effects.empty()) return;
+  const TwinEffects own = effectForces(input, model);
+  setForces(input, base.columns, model.parameters, own.friction_N + own.load_N);
+}
+
 TraceData makeTwin(const Robot& robot, const std::vector<Recording>& recordings, const TraceData& data,
-                   const BaseFit& base, const std::vector<TwinPlan>& plans, const ObservationOptions& options,
-                   std::uint64_t seed) {
+                   const BaseFit& base, const TwinModel& model, const std::vector<TwinPlan>& plans,
+                   const ObservationOptions& options, std::uint64_t seed) {
   TraceData twin;
   const int count = static_cast<int>(recordings.size());
   for (std::size_t r = 0; r < recordings.size(); ++r) {
@@ -28,18 +38,19 @@ TraceData makeTwin(const Robot& robot, const std::vector<Recording>& recordings,
   newtons.noise_N.setOnes();
   Eigen::VectorXd residual = forceRows(newtons, twin.recordings, twin.stack);
   for (int i = 0; i < twin.stack.axes; ++i) {
-    std::vector<Eigen::MatrixXd> model;
+    std::vector<Eigen::MatrixXd> force;
     for (const Observation& o : twin.recordings)
-      model.push_back(o.regressor[static_cast<std::size_t>(i)] * base.parameters);
-    residual.segment(i * twin.stack.size(), twin.stack.size()) -= gather(twin.stack, twin.recordings, std::move(model));
+      force.push_back(o.regressor[static_cast<std::size_t>(i)] * model.parameters);
+    residual.segment(i * twin.stack.size(), twin.stack.size()) -= gather(twin.stack, twin.recordings, std::move(force));
   }
-  chooseMemory(robot, twin.recordings, twin.stack, residual, newtons);  // as on the recordings themselves
+  if (model.effects.empty())
+    chooseMemory(robot, twin.recordings, twin.stack, residual, newtons);  // as on the recordings themselves
   twin.all_base_rows = baseRows(newtons, twin.recordings, twin.stack);
   twin.all_force_rows = forceRows(newtons, twin.recordings, twin.stack);
   setAttention(twin, Attention::Moving);
   for (int r = 0; r < count; ++r) {
     twin.inputs.push_back(effectInput(robot, twin.recordings[static_cast<std::size_t>(r)], newtons.memory, r, count));
-    setForces(twin.inputs.back(), base.columns, base.parameters, {});
+    setModelForces(twin.inputs.back(), base, model);
   }
   for (Observation& o : twin.recordings) {
     for (Eigen::MatrixXd& regressor : o.regressor)
@@ -85,20 +96,17 @@ Eigen::MatrixXd drawsOfTwin(const TraceData& twin, const TraceData& data, const 
   const Projection projection =
       project(modelColumns(twin, noise_N, accepted), weighted(twin.stack, twin.force_rows, noise_N));
   std::mt19937_64 random(seed);
-  std::vector<Eigen::VectorXd> noise;
-  for (int d = 0; d < draws; ++d) {
-    const Eigen::VectorXd raw = resampled(data, twin, residual, random);
-    noise.push_back(projection.residual + raw - projection.q * (projection.q.transpose() * raw));
-  }
+  Eigen::MatrixXd noise(projection.residual.size(), draws);
+  for (int d = 0; d < draws; ++d)
+    noise.col(d) = resampled(data, twin, residual, random);
+  noise -= projection.q * (projection.q.transpose() * noise).eval();
+  noise.colwise() += projection.residual;
   Eigen::MatrixXd best = Eigen::MatrixXd::Zero(static_cast<Eigen::Index>(places.size()), draws);
-  for (const Hypothesis& h : tried) {
-    const Probe probe = makeProbe(twin, h, projection, noise_N);
-    const Eigen::Index row = static_cast<Eigen::Index>(indexOf(places, h.place));
-    for (int d = 0; d < draws; ++d) {
-      const double share =
-          explained(probe, noise[static_cast<std::size_t>(d)]) / static_cast<double>(twin.stack.size());
-      best(row, d) = std::max(best(row, d), std::sqrt(std::max(0.0, share)));
-    }
+  Eigen::Index row = 0;
+  for (const std::vector<Hypothesis>& group : byPlace(tried)) {
+    const Eigen::MatrixXd squares = explained(makeProbes(twin, group, projection, noise_N), noise);
+    best.row(row++) =
+        (squares.colwise().maxCoeff().cwiseMax(0.0) / static_cast<double>(twin.stack.size())).cwiseSqrt();
   }
   return best;
 }
@@ -110,6 +118,18 @@ double largestOf(const Eigen::VectorXd& values, const NullDistribution& null) {
     if (values[row] >= kWorthwhile) largest = std::max(largest, (values[row] - null.mean[row]) / null.spread[row]);
   }
   return largest;
+}
+
+/// Mean and spread of every place, and the largest standardized value of every draw.
+void judge(const Eigen::MatrixXd& all, NullDistribution& null) {
+  null.mean = all.rowwise().mean();
+  null.spread = ((all.colwise() - null.mean).rowwise().squaredNorm() / static_cast<double>(all.cols() - 1))
+                    .cwiseSqrt()
+                    .cwiseMax(kLeastSpread);
+  null.largest.clear();
+  for (Eigen::Index d = 0; d < all.cols(); ++d)
+    null.largest.push_back(largestOf(all.col(d), null));
+  std::sort(null.largest.begin(), null.largest.end());
 }
 
 /// Results of `task(k)` for k = 0 .. count - 1, in order, computed in two threads.
@@ -129,20 +149,33 @@ std::vector<Result> inTwoThreads(int count, const Task& task) {
 }  // namespace
 
 std::vector<TraceData> makeTwins(const Robot& robot, const std::vector<Recording>& recordings, const TraceData& data,
-                                 const BaseFit& base, const std::vector<TwinPlan>& plans,
+                                 const BaseFit& base, const TwinModel& model, const std::vector<TwinPlan>& plans,
                                  const ObservationOptions& options, int count, std::uint64_t seed) {
   return inTwoThreads<TraceData>(count, [&](int k) {
-    return makeTwin(robot, recordings, data, base, plans, options, seed * 7919u + static_cast<std::uint64_t>(k) + 1u);
+    return makeTwin(robot, recordings, data, base, model, plans, options, seed * 7919u + static_cast<std::uint64_t>(k) + 1u);
   });
 }
 
-Eigen::VectorXd twinResidual(const std::vector<TraceData>& twins, const BaseFit& base) {
-  Eigen::MatrixXd left(twins.front().stack.axes, static_cast<Eigen::Index>(twins.size()));
-  for (std::size_t k = 0; k < twins.size(); ++k) {
+TwinEffects effectForces(const EffectInput& input, const TwinModel& model) {
+  TwinEffects out;
+  out.friction_N = out.load_N = Eigen::MatrixXd::Zero(input.samples(), input.axes());
+  for (std::size_t k = 0; k < model.effects.size(); ++k) {
+    Eigen::MatrixXd& kind = model.effects[k].place.candidate->isFriction() ? out.friction_N : out.load_N;
+    for (int i = 0; i < input.axes(); ++i)
+      kind.col(i) += effectColumns(input, model.effects[k], i) * model.coefficients[k];
+  }
+  return out;
+}
+
+Eigen::VectorXd twinResidual(const std::vector<TraceData>& twins, const BaseFit& base,
+                             const std::vector<Hypothesis>& effects, int first) {
+  const std::size_t start = static_cast<std::size_t>(first);
+  Eigen::MatrixXd left(twins.front().stack.axes, static_cast<Eigen::Index>(twins.size() - start));
+  for (std::size_t k = start; k < twins.size(); ++k) {
     const TraceData& twin = twins[k];
-    const Projection p = project(weighted(twin.stack, twin.base_rows, base.noise_N),
+    const Projection p = project(modelColumns(twin, base.noise_N, effects),
                                  weighted(twin.stack, twin.force_rows, base.noise_N));
-    left.col(static_cast<Eigen::Index>(k)) = rmsRows(base, twin.stack, p.residual);
+    left.col(static_cast<Eigen::Index>(k - start)) = rmsRows(base, twin.stack, p.residual);
   }
   Eigen::VectorXd median(left.rows());
   for (Eigen::Index i = 0; i < left.rows(); ++i) {
@@ -156,26 +189,32 @@ Eigen::VectorXd twinResidual(const std::vector<TraceData>& twins, const BaseFit&
 NullDistribution nullDistribution(const std::vector<TraceData>& twins, const TraceData& data,
                                   const Eigen::VectorXd& residual_N, const Eigen::VectorXd& noise_N,
                                   const std::vector<Hypothesis>& accepted, const std::vector<Hypothesis>& tried,
-                                  int draws, std::uint64_t seed) {
+                                  const std::vector<Hope>& hopes, double largest_p, int draws, std::uint64_t seed) {
   const int count = static_cast<int>(twins.size());
   const int each = (draws + count - 1) / count;
   const Eigen::VectorXd residual = weighted(data.stack, residual_N, noise_N);
   NullDistribution null;
   null.places = placesOf(tried);
-  const auto parts = inTwoThreads<Eigen::MatrixXd>(count, [&](int k) {
-    return drawsOfTwin(twins[static_cast<std::size_t>(k)], data, residual, noise_N, accepted, tried, null.places, each,
-                       seed * 104729u + static_cast<std::uint64_t>(k));
-  });
-  Eigen::MatrixXd all(static_cast<Eigen::Index>(null.places.size()), count * each);
-  for (int k = 0; k < count; ++k)
-    all.middleCols(k * each, each) = parts[static_cast<std::size_t>(k)];
-  null.mean = all.rowwise().mean();
-  null.spread = ((all.colwise() - null.mean).rowwise().squaredNorm() / static_cast<double>(all.cols() - 1))
-                    .cwiseSqrt()
-                    .cwiseMax(kLeastSpread);
-  for (Eigen::Index d = 0; d < all.cols(); ++d)
-    null.largest.push_back(largestOf(all.col(d), null));
-  std::sort(null.largest.begin(), null.largest.end());
+  Eigen::MatrixXd all(static_cast<Eigen::Index>(null.places.size()), 0);
+  for (int done = 0; done < count;) {
+    const int now = std::min(done == 0 ? kFirstTwins : count, count - done);
+    const auto parts = inTwoThreads<Eigen::MatrixXd>(now, [&](int k) {
+      return drawsOfTwin(twins[static_cast<std::size_t>(done + k)], data, residual, noise_N, accepted, tried,
+                         null.places, each, seed * 104729u + static_cast<std::uint64_t>(done + k));
+    });
+    all.conservativeResize(Eigen::NoChange, (done + now) * each);
+    for (int k = 0; k < now; ++k)
+      all.middleCols((done + k) * each, each) = parts[static_cast<std::size_t>(k)];
+    done += now;
+    judge(all, null);
+    const double most = largest_p * (1.0 + count * each) - 1.0;  // draws that may still reach a hope
+    null.hopeless = std::all_of(hopes.begin(), hopes.end(), [&](const Hope& hope) {
+      const double value = null.standardized(hope.first, hope.second);
+      return std::count_if(null.largest.begin(), null.largest.end(), [&](double x) { return x >= value; }) >
+             kSurely + most;
+    });
+    if (null.hopeless) break;
+  }
   return null;
 }
 

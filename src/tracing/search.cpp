@@ -9,6 +9,9 @@ namespace knee_robot {
 namespace {
 
 constexpr std::size_t kCompared = 10;  ///< places that are refined and cross-validated in every step
+constexpr int kRounds = 5;
+constexpr int kPasses = 4;        ///< of fitting and rebuilding what depends on the fit
+constexpr double kMostBlocks = 0.8;  ///< share of held-back blocks that must gain when the mean does not tell
 constexpr double kAboveFloor = 1.15;
 constexpr double kLowered = 0.9;  ///< the rms of some actuator must fall below this share
 constexpr double kLargestP = 0.005;
@@ -37,30 +40,37 @@ void setMean(const Eigen::VectorXd& values, double& mean, double& error) {
 }
 
 double shareOf(const Search& s, const Projection& projection, const Hypothesis& h) {
-  const Probe probe = makeProbe(*s.data, h, projection, s.rms_N);
-  return explained(probe, projection.residual) / static_cast<double>(s.data->stack.size());
+  return explained(*s.data, h, projection, s.rms_N) / static_cast<double>(s.data->stack.size());
 }
 
 /// Best shape of every place, best place first.
 std::vector<Trial> rankPlaces(const Search& s, const Projection& projection, const std::vector<Hypothesis>& tried) {
   std::vector<Trial> best;
-  for (const Hypothesis& h : tried) {
-    const double share = shareOf(s, projection, h);
-    auto same = std::find_if(best.begin(), best.end(), [&](const Trial& t) { return t.hypothesis.place == h.place; });
-    if (same == best.end()) {
-      best.push_back({h, share, {}, {}, 0.0, 0.0});
-    } else if (share > same->share) {
-      same->hypothesis.shape = h.shape;
-      same->share = share;
-    }
+  for (const std::vector<Hypothesis>& group : byPlace(tried)) {
+    const Eigen::VectorXd squares = explained(makeProbes(*s.data, group, projection, s.rms_N), projection.residual);
+    Eigen::Index at = 0;
+    const double most = squares.maxCoeff(&at);
+    best.push_back({group[static_cast<std::size_t>(at)], most / static_cast<double>(s.data->stack.size()), {}, {}, 0.0, 0.0});
   }
   std::sort(best.begin(), best.end(), [](const Trial& a, const Trial& b) { return a.share > b.share; });
   return best;
 }
 
-/// Narrows a single shape parameter down between its neighbours on the grid.
+/// Narrows the shape down between its neighbours on the grid.
 void refineShape(const Search& s, const Projection& projection, const std::vector<Hypothesis>& tried, Trial& t) {
-  if (t.hypothesis.shape.size() != 1) return;
+  if (t.hypothesis.shape.size() != 1) {
+    double step = 1.0;
+    for (int round = 0; round < kRounds; ++round, step *= 0.6) {
+      for (const std::vector<double>& shape : t.hypothesis.place.candidate->near(t.hypothesis.shape, step)) {
+        const Hypothesis h = {t.hypothesis.place, shape};
+        const double share = shareOf(s, projection, h);
+        if (share <= t.share) continue;
+        t.share = share;
+        t.hypothesis = h;
+      }
+    }
+    return;
+  }
   double low = 0.0, high = std::numeric_limits<double>::infinity();
   const double at = t.hypothesis.shape[0];
   for (const Hypothesis& h : tried) {
@@ -111,9 +121,13 @@ std::string objection(const Search& s, const Trial& t) {
   }
   if (!worth_it) return "does not lower the residual by a tenth where it is above the floor";
   if (t.fit.coefficients.back().cwiseAbs().maxCoeff() == 0.0) return "the sign that fits is not physical";
+  if (!t.hypothesis.place.candidate->plausible(t.fit.coefficients.back())) return "the size that fits is not physical";
   if (!t.fit.stable.back()) return "its sign changes when a part of the training data is left out";
   const double errors = t.hypothesis.place.candidate->name() == "unnamed" ? kMapErrors : 1.0;
-  if (t.mean_gain <= errors * t.gain_error) return "does not help on held-back parts of the training data";
+  const double gaining = (t.gain.array() > 0.0).cast<double>().mean();
+  const bool in_most = errors == 1.0 && gaining >= kMostBlocks;  // one block far outside must not veto
+  if (t.mean_gain <= errors * t.gain_error && !in_most) return "does not help on held-back parts of the training data (mean " + shortNumber(t.mean_gain, 3) + " +- " +
+           shortNumber(t.gain_error, 3) + ", " + shortNumber(100.0 * gaining, 3) + " % of them gain)";
   return {};
 }
 
@@ -200,24 +214,29 @@ bool addOne(Search& s, const CandidateList& candidates, std::uint64_t seed) {
     crossValidate(s, rows, t);
   }
   std::sort(trials.begin(), trials.end(), [](const Trial& a, const Trial& b) { return a.mean_gain > b.mean_gain; });
-  NullDistribution null;
+  std::vector<const Trial*> passing;
+  std::vector<Hope> hopes;
   for (const Trial& t : trials) {
     const std::string against = objection(s, t);
     if (!against.empty()) {
       s.rejected.push_back(placeText(t.hypothesis.place) + ": " + against);
       continue;
     }
-    if (null.largest.empty()) {
-      s.options->progress("comparing with clean twins");
-      null = nullDistribution(*s.twins, *s.data, s.fit.residual_N, s.rms_N, accepted, tried, s.options->draws, seed);
-    }
-    if (pOf(null, t) > kLargestP) {
-      s.rejected.push_back(placeText(t.hypothesis.place) +
-                           ": clean twins explain as much by chance (p = " + shortNumber(pOf(null, t), 2) + ")");
+    passing.push_back(&t);
+    hopes.emplace_back(t.hypothesis.place, t.share);
+  }
+  if (passing.empty()) return false;
+  s.options->progress("comparing with clean twins");
+  const NullDistribution null = nullDistribution(*s.twins, *s.data, s.fit.residual_N, s.rms_N, accepted, tried, hopes,
+                                                 kLargestP, s.options->draws, seed);
+  for (const Trial* t : passing) {
+    if (null.hopeless || pOf(null, *t) > kLargestP) {
+      s.rejected.push_back(placeText(t->hypothesis.place) +
+                           ": clean twins explain as much by chance (p = " + shortNumber(pOf(null, *t), 2) + ")");
       continue;
     }
-    FoundEffect e = found(s, t, null);
-    e.indistinguishable_from = confusedWith(s, t, trials);
+    FoundEffect e = found(s, *t, null);
+    e.indistinguishable_from = confusedWith(s, *t, trials);
     s.effects.push_back(e);
     s.options->progress("found " + placeText(e.hypothesis.place));
     return true;
@@ -234,23 +253,34 @@ std::vector<Hypothesis> hypothesesOf(const std::vector<FoundEffect>& effects) {
   return out;
 }
 
+TwinModel modelOf(const Search& s) {
+  TwinModel m;
+  m.parameters = s.base->basis * s.fit.base;
+  m.effects = hypothesesOf(s.effects);
+  m.coefficients = s.fit.coefficients;
+  return m;
+}
+
 void refit(Search& s) {
   const std::vector<Hypothesis> all = hypothesesOf(s.effects);
-  for (int pass = 0; pass < 3; ++pass) {
+  if (s.seen_parameters.size() == 0) s.seen_parameters = s.base->parameters;
+  const auto fit = [&] {
     std::vector<Eigen::MatrixXd> rows;
     for (const Hypothesis& h : all)
       rows.push_back(effectRows(*s.data, h));
     s.fit = fitJointly(*s.data, *s.base, s.rms_N, all, rows);
     s.rms_N = rmsOf(s.data->stack, s.fit.residual_N).cwiseMax(1e-9);
+  };
+  for (int pass = 0; pass < (all.empty() ? 1 : kPasses); ++pass) {
+    fit();
+    s.seen_parameters = 0.5 * (s.seen_parameters + s.base->basis * s.fit.base);  // all the way would swing
+    const TwinModel model = modelOf(s);
     for (EffectInput& input : s.data->inputs) {
-      Eigen::MatrixXd effects_N = Eigen::MatrixXd::Zero(input.samples(), input.axes());
-      for (std::size_t k = 0; k < all.size(); ++k) {
-        for (int i = 0; i < input.axes(); ++i)
-          effects_N.col(i) += effectColumns(input, all[k], i) * s.fit.coefficients[k];
-      }
-      setForces(input, s.base->columns, s.base->basis * s.fit.base, effects_N);
+      const TwinEffects effects = effectForces(input, model);
+      setForces(input, s.base->columns, s.seen_parameters, effects.friction_N + effects.load_N);
     }
   }
+  fit();
   for (std::size_t k = 0; k < s.effects.size(); ++k) {
     s.effects[k].coefficients = s.fit.coefficients[k];
     s.effects[k].std = s.fit.std[k];
@@ -264,6 +294,8 @@ void searchForward(Search& s, const CandidateList& candidates, int most, std::ui
     if (!addOne(s, candidates, seed + s.effects.size())) return;
     refit(s);
     prune(s, before);
+    s.options->progress("simulating twins that have what was found");
+    s.rebuild_twins();
   }
 }
 

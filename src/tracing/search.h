@@ -1,5 +1,7 @@
 #pragma once
 
+#include <functional>
+
 #include "knee_robot/tracing/floor.h"
 #include "knee_robot/tracing/null.h"
 #include "knee_robot/tracing/trace.h"
@@ -10,17 +12,22 @@ namespace knee_robot {
 struct Search {
   TraceData* data = nullptr;
   const BaseFit* base = nullptr;
-  const std::vector<TraceData>* twins = nullptr;
+  std::vector<TraceData>* twins = nullptr;
+  std::function<void()> rebuild_twins;  ///< with the effects found so far; sets the floor too
   const TraceOptions* options = nullptr;
   NoiseFloor floor;
   std::vector<FoundEffect> effects;
   JointFit fit;
+  Eigen::VectorXd seen_parameters;  ///< of the baseline, that loads and friction in the effects' columns rest on
   Eigen::VectorXd rms_N;  ///< per actuator, of fit
   std::vector<std::string> rejected;
 };
 
 /// Hypotheses of the effects found so far.
 std::vector<Hypothesis> hypothesesOf(const std::vector<FoundEffect>& effects);
+
+/// The model as it stands.
+TwinModel modelOf(const Search& search);
 
 /// Fits base and effects together and rebuilds what depends on the fit (loads, forces), twice.
 void refit(Search& search);

@@ -8,6 +8,8 @@
 namespace knee_robot {
 namespace {
 
+constexpr double kNothingLeft = 0.02;  ///< share of a column's square that the base parameters leave: absorbed
+
 TraceData makeData(const Robot& robot, std::vector<Observation> training, const TraceOptions& options, BaseFit& base) {
   TraceData data;
   data.recordings = std::move(training);
@@ -41,7 +43,7 @@ bool openLoops(const Eigen::VectorXd& twin_N, const Eigen::VectorXd& real_N, std
                std::vector<std::string>& notes) {
   bool any = false;
   for (Eigen::Index i = 0; i < twin_N.size(); ++i) {
-    if (twin_N[i] <= kTooMuch * real_N[i]) continue;
+    if (plans.front().open_loop[static_cast<std::size_t>(i)] || twin_N[i] <= kTooMuch * real_N[i]) continue;
     any = true;
     for (TwinPlan& plan : plans)
       plan.open_loop[static_cast<std::size_t>(i)] = 1;
@@ -65,9 +67,16 @@ void noteAbsorbed(const Search& s, const CandidateList& candidates, TraceResult&
                                         weighted(s.data->stack, s.data->force_rows, s.rms_N));
   for (const auto& candidate : candidates) {
     if (candidate->shared()) continue;
-    const std::vector<Hypothesis> one = {{{candidate.get(), 0}, candidate->shapes(s.data->inputs.front(), 0).front()}};
-    if (makeProbe(*s.data, one.front(), projection, s.rms_N).inverse.size() == 0)
-      result.absorbed.push_back(candidate->name() + ": the baseline's constant force per actuator takes it up");
+    double most = 0.0;  // of any shape on any actuator
+    for (int i = 0; i < s.data->stack.axes; ++i) {
+      std::vector<Hypothesis> all;
+      for (std::vector<double>& shape : candidate->shapes(s.data->inputs.front(), i))
+        all.push_back({{candidate.get(), i}, std::move(shape)});
+      for (const double survives : makeProbes(*s.data, all, projection, s.rms_N).survives)
+        most = std::max(most, survives);
+    }
+    if (most < kNothingLeft)
+      result.absorbed.push_back(candidate->name() + ": the baseline's constant force and friction of the actuator take it up");
   }
   result.absorbed.push_back("reflected_inertia: is a parameter of the baseline (rotor)");
   if (s.data->recordings.front().motion.motion.empty()) return;
@@ -88,20 +97,12 @@ TraceResult trace(const Robot& robot, const std::vector<Recording>& recordings, 
     plans.push_back(planTwin(robot, recordings[r], data.recordings[r], result.base));
     result.notes.push_back(plans.back().note + ".");
   }
+  const TwinModel clean = {result.base.parameters, {}, {}};
   options.progress("simulating " + std::to_string(options.twins) + " clean twins");
   std::vector<TraceData> twins =
-      makeTwins(robot, recordings, data, result.base, plans, options.observation, options.twins, options.seed);
-  Eigen::VectorXd left_N = twinResidual(twins, result.base);
-  if (openLoops(left_N, result.base.noise_N, plans, result.notes)) {
-    std::vector<TraceData> more = makeTwins(robot, recordings, data, result.base, plans, options.observation,
-                                            options.twins / 2, options.seed + 1u);
-    const Eigen::VectorXd open_N = twinResidual(more, result.base);
-    for (Eigen::Index i = 0; i < left_N.size(); ++i) {
-      if (plans.front().open_loop[static_cast<std::size_t>(i)]) left_N[i] = open_N[i];
-    }
-    for (TraceData& twin : more)  // beside those in closed loop: an effect must beat both
-      twins.push_back(std::move(twin));
-  }
+      makeTwins(robot, recordings, data, result.base, clean, plans, options.observation, options.twins, options.seed);
+  const Eigen::VectorXd left_N = twinResidual(twins, result.base, {});
+  const bool open = openLoops(left_N, result.base.noise_N, plans, result.notes);
 
   Search s;
   s.data = &data;
@@ -110,13 +111,50 @@ TraceResult trace(const Robot& robot, const std::vector<Recording>& recordings, 
   s.options = &options;
   s.rms_N = result.base.noise_N;
   result.candidates = std::make_shared<CandidateList>(namedCandidates(robot));
-  const auto attend = [&](Attention attention) {
+  Attention attention = Attention::Moving;
+  /// Half as many along the measured motion, beside those in closed loop: an effect must beat both.
+  const auto addOpen = [&](const TwinModel& model) {
+    if (!open) return;
+    std::vector<TraceData> more = makeTwins(robot, recordings, data, result.base, model, plans, options.observation,
+                                            options.twins / 2, options.seed + 1u);
+    for (TraceData& twin : more)
+      twins.push_back(std::move(twin));
+  };
+  const auto setFloor = [&] {
+    Eigen::VectorXd left = twinResidual(twins, result.base, hypothesesOf(s.effects));
+    if (open && attention == Attention::Moving) {
+      const Eigen::VectorXd open_N = twinResidual(twins, result.base, hypothesesOf(s.effects), options.twins);
+      for (Eigen::Index i = 0; i < left.size(); ++i) {
+        if (plans.front().open_loop[static_cast<std::size_t>(i)]) left[i] = open_N[i];
+      }
+    }
+    s.floor = noiseFloor(recordings, data, modelForces(data), left);
+  };
+  addOpen(clean);
+  s.rebuild_twins = [&] {
+    const TwinModel model = modelOf(s);
+    std::vector<TwinPlan> closed = plans;
+    for (std::size_t r = 0; r < plans.size(); ++r) {
+      refreshPlan(data.recordings[r], result.base, model.parameters, data.inputs[r].share,
+                  effectForces(data.inputs[r], model), plans[r]);
+      closed[r] = plans[r];
+      for (std::size_t i = 0; i < closed[r].open_loop.size(); ++i)
+        closed[r].open_loop[i] = !closed[r].controllers[i].recovered;
+    }
+    twins = makeTwins(robot, recordings, data, result.base, model, closed, options.observation, options.twins,
+                      options.seed + 17u * s.effects.size());
+    addOpen(model);
+    for (TraceData& twin : twins)
+      setAttention(twin, attention);
+    setFloor();
+  };
+  const auto attend = [&](Attention next) {
+    attention = next;
     setAttention(data, attention);
     for (TraceData& twin : twins)
       setAttention(twin, attention);
     refit(s);
-    if (attention == Attention::All || s.floor.rms_N.size() == 0)
-      s.floor = noiseFloor(recordings, data, modelForces(data), twinResidual(twins, result.base));
+    setFloor();
   };
   attend(Attention::All);
   const NoiseFloor all = s.floor;
@@ -124,12 +162,9 @@ TraceResult trace(const Robot& robot, const std::vector<Recording>& recordings, 
   result.base.parameters = result.base.basis * s.fit.base;
   noteAbsorbed(s, *result.candidates, result);
   attend(Attention::Moving);
-  s.floor = noiseFloor(recordings, data, modelForces(data), left_N);
   options.progress("looking at moving samples");
   searchForward(s, *result.candidates, options.most_effects, options.seed);
   result.rejected = s.rejected;
-  const NoiseFloor moving = s.floor;
-
   options.progress("looking at all samples");
   attend(Attention::All);
   searchForward(s, *result.candidates, options.most_effects - static_cast<int>(s.effects.size()), options.seed + 50u);
@@ -137,7 +172,6 @@ TraceResult trace(const Robot& robot, const std::vector<Recording>& recordings, 
 
   options.progress("looking for what no named effect explains");
   attend(Attention::Moving);
-  s.floor = moving;
   CandidateList maps = mapCandidates(data.inputs);
   searchForward(s, maps, options.most_maps, options.seed + 100u);
   for (auto& map : maps)
@@ -148,6 +182,7 @@ TraceResult trace(const Robot& robot, const std::vector<Recording>& recordings, 
 
   result.effects = s.effects;
   result.parameters = result.base.basis * s.fit.base;
+  result.seen_parameters = s.seen_parameters;
   result.floor_N = s.floor.rms_N;
   result.floor_source = s.floor.source;
   result.after_rms_N = s.rms_N;
@@ -160,7 +195,7 @@ Eigen::MatrixXd predictTraced(const Robot& robot, const TraceResult& result, Obs
   EffectInput input = effectInput(robot, o, result.base.memory, recording, recordings);
   Eigen::MatrixXd effects_N = Eigen::MatrixXd::Zero(o.samples(), o.axes());
   for (int pass = 0; pass < 2; ++pass) {  // some effects look at the whole force, which contains them
-    setForces(input, result.base.columns, result.parameters, effects_N);
+    setForces(input, result.base.columns, result.seen_parameters, effects_N);
     effects_N.setZero();
     for (const FoundEffect& e : result.effects) {
       const Eigen::VectorXd coefficients =

@@ -6,23 +6,29 @@
 #include <limits>
 #include <random>
 
-#include "knee_robot/base/numbers.h"
 
 namespace knee_robot {
 namespace {
 
 constexpr double kStep_s = 0.001;
-constexpr double kBandwidth_hz = 6.0;
 constexpr double kRecovered = 0.9;  ///< share of the force's variance that a recovered controller must explain
 constexpr double kLightest_kg = 2.0;
 constexpr double kDerivative_hz = 40.0;  ///< low-pass of the error's derivative: encoders flicker
 
-double meanOf(const BaseFit& base, ColumnRole role, int actuator) {
+double valueOf(const BaseFit& base, const Eigen::VectorXd& parameters, ColumnRole role, int actuator) {
   for (std::size_t c = 0; c < base.columns.size(); ++c) {
     if (base.columns[c].role == role && base.columns[c].actuator == actuator)
-      return base.parameters[static_cast<Eigen::Index>(c)];
+      return parameters[static_cast<Eigen::Index>(c)];
   }
   return 0.0;
+}
+
+/// The parameters without friction: what the motors carry.
+Eigen::VectorXd carriedOf(const BaseFit& base, Eigen::VectorXd parameters) {
+  for (std::size_t c = 0; c < base.columns.size(); ++c) {
+    if (base.columns[c].isFriction()) parameters[static_cast<Eigen::Index>(c)] = 0.0;
+  }
+  return parameters;
 }
 
 /// Mass that each axis moves: slope of the model's force over the acceleration, from the recording's own samples.
@@ -79,8 +85,7 @@ AxisController recover(const Recording& r, const Observation& o, const TwinPlan&
     c = {fit[0], std::max(0.0, fit[1]), std::max(0.0, fit[2]), true, forward};
     return c;
   }
-  const double w = 2.0 * M_PI * kBandwidth_hz, m = plan.mass_kg[i];
-  return {m * w * w, m * w * w * w / 5.0, 2.0 * m * w, false, true};
+  return c;
 }
 
 struct AxisState {
@@ -88,10 +93,10 @@ struct AxisState {
 };
 
 /// Semi-implicit step of a mass with viscous friction and stiction.
-void move(AxisState& a, const TwinPlan& plan, int i, double push, double h) {
+void move(AxisState& a, const TwinPlan& plan, int i, double push, double level, double h) {
   const double m = plan.mass_kg[i];
   const double free = (a.v + h / m * push) / (1.0 + h / m * plan.viscous[i]);
-  const double most = h / m * plan.coulomb_N[i];
+  const double most = h / m * level;
   a.v = std::abs(free) <= most ? 0.0 : free - std::copysign(most, free);
   a.q += h * a.v;
 }
@@ -126,7 +131,8 @@ void simulateAxis(const Robot& robot, const Recording& r, const Observation& o, 
     const int steps = std::max(1, static_cast<int>(std::ceil(interval / kStep_s - 1e-6)));
     for (int s = 0; s < steps; ++s) {
       const double now = time + (s + 0.5) * interval / steps;
-      move(axis, plan, i, force - at(o.signals, plan.load_N, i, now), interval / steps);
+      move(axis, plan, i, force - at(o.signals, plan.load_N, i, now), at(o.signals, plan.level_N, i, now),
+           interval / steps);
     }
   }
 }
@@ -183,33 +189,51 @@ TwinPlan planTwin(const Robot& robot, const Recording& r, const Observation& o, 
   plan.load_N.resize(o.samples(), o.axes());
   plan.mass_kg.resize(o.axes());
   plan.viscous.resize(o.axes());
-  plan.coulomb_N.resize(o.axes());
+  plan.level_N.resize(o.samples(), o.axes());
   plan.model_N.resize(o.samples(), o.axes());
   plan.open_loop.assign(static_cast<std::size_t>(o.axes()), 0);
-  Eigen::VectorXd carried = base.parameters;
-  for (std::size_t c = 0; c < base.columns.size(); ++c) {
-    if (base.columns[c].isFriction()) carried[static_cast<Eigen::Index>(c)] = 0.0;
-  }
+  const Eigen::VectorXd carried = carriedOf(base, base.parameters);
   int recovered = 0;
   for (int i = 0; i < o.axes(); ++i) {
     const Eigen::VectorXd load = o.regressor[static_cast<std::size_t>(i)] * carried;
     plan.model_N.col(i) = o.regressor[static_cast<std::size_t>(i)] * base.parameters;
     plan.mass_kg[i] = effectiveMass(o, load, i);
     plan.load_N.col(i) = load - plan.mass_kg[i] * o.signals.acceleration_m_per_s2.col(i);
-    plan.viscous[i] = meanOf(base, ColumnRole::Viscous, i);
-    plan.coulomb_N[i] = meanOf(base, ColumnRole::Coulomb, i);
+    plan.viscous[i] = valueOf(base, base.parameters, ColumnRole::Viscous, i);
+    plan.level_N.col(i).setConstant(valueOf(base, base.parameters, ColumnRole::Coulomb, i));
   }
   for (int i = 0; i < o.axes(); ++i) {
     plan.controllers.push_back(recover(r, o, plan, i));
     const Eigen::VectorXd load = o.regressor[static_cast<std::size_t>(i)] * carried;
-    chooseMass(robot, r, o, load, i, plan);
-    recovered += plan.controllers.back().recovered;
+    const bool known = plan.controllers.back().recovered;
+    plan.open_loop[static_cast<std::size_t>(i)] = !known;
+    if (known) chooseMass(robot, r, o, load, i, plan);
+    recovered += known;
   }
-  plan.note = o.name + ": clean twins in closed loop; controllers of " + std::to_string(recovered) + " of " +
-              std::to_string(o.axes()) + " axes recovered from the tracking error";
+  plan.note = o.name + ": controllers of " + std::to_string(recovered) + " of " +
+              std::to_string(o.axes()) + " axes recovered from the tracking error, their clean twins in closed loop";
   if (recovered < o.axes())
-    plan.note += ", the others assumed (PID of " + shortNumber(kBandwidth_hz) + " Hz with the load fed forward)";
+    plan.note += ", the twins of the others follow the measured motion";
   return plan;
+}
+
+void refreshPlan(const Observation& o, const BaseFit& base, const Eigen::VectorXd& parameters,
+                 const Eigen::MatrixXd& share, const TwinEffects& effects, TwinPlan& plan) {
+  const Eigen::VectorXd carried = carriedOf(base, parameters);
+  for (int i = 0; i < o.axes(); ++i) {
+    const Eigen::MatrixXd& regressor = o.regressor[static_cast<std::size_t>(i)];
+    plan.load_N.col(i) = regressor * carried - plan.mass_kg[i] * o.signals.acceleration_m_per_s2.col(i);
+    plan.model_N.col(i) = regressor * parameters;
+    plan.viscous[i] = valueOf(base, parameters, ColumnRole::Viscous, i);
+    plan.level_N.col(i).setConstant(valueOf(base, parameters, ColumnRole::Coulomb, i));
+    if (effects.load_N.size() == 0) continue;
+    plan.load_N.col(i) += effects.load_N.col(i);
+    plan.model_N.col(i) += effects.load_N.col(i) + effects.friction_N.col(i);
+    for (int n = 0; n < o.samples(); ++n) {
+      const double direction = share(n, i) < 0.0 ? -1.0 : 1.0;
+      plan.level_N(n, i) = std::max(0.0, plan.level_N(n, i) + direction * effects.friction_N(n, i));
+    }
+  }
 }
 
 Recording simulateTwin(const Robot& robot, const Recording& r, const Observation& o, const TwinPlan& plan,

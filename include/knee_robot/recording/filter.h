@@ -22,7 +22,8 @@ class ZeroPhaseLowPass {
   struct Section {
     double b0, b1, b2, a1, a2;
   };
-  void run(Eigen::VectorXd& signal) const;
+  using Four = Eigen::Array<double, 4, Eigen::Dynamic>;
+  void run(Four& signals) const;
 
   bool active_ = false;
   int padding_ = 0;

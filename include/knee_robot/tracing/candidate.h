@@ -32,18 +32,24 @@ class Candidate {
   virtual bool shared() const { return false; }
   /// False: belongs to one recording and predicts nothing elsewhere.
   virtual bool transfers() const { return true; }
+  /// True: changes sign with the direction of travel.
+  virtual bool isFriction() const { return false; }
   /// False: needs the platform.
   virtual bool worksOnBench() const { return !shared(); }
 
   virtual std::vector<ShapeParameter> shapeParameters() const { return {}; }
   /// Values of the shape parameters that are tried, given one of the recordings (`actuator` -1: shared).
   virtual std::vector<std::vector<double>> shapes(const EffectInput& input, int actuator) const;
+  /// Shapes beside one with several parameters, within `step` (1 and less) of the grid's distance: for refinement. None: as it is.
+  virtual std::vector<std::vector<double>> near(const std::vector<double>& shape, double step) const;
   virtual std::vector<Coefficient> coefficients(const EffectInput& input) const = 0;
   /// Force on `actuator` per unit of each coefficient: samples x coefficients.
   virtual Eigen::MatrixXd columns(const EffectInput& input, int actuator, const std::vector<double>& shape) const = 0;
   /// Coefficients for a recording that is none of the training ones; empty when the effect predicts nothing there. Usually those
   /// of training, if the effect transfers.
   virtual Eigen::VectorXd elsewhere(const Eigen::VectorXd& coefficients) const;
+  /// False: no machine has such coefficients.
+  virtual bool plausible(const Eigen::VectorXd& coefficients) const;
   /// What a map depends on, as report.json writes it; empty for named effects.
   virtual std::string dependsOn(int actuator) const;
 };

@@ -16,6 +16,8 @@ struct EffectInput {
   Eigen::MatrixXd friction_position_m;  ///< that the friction's memory sees
   Eigen::MatrixXd load_N;   ///< rigid body, rotor and offset: what the screw carries, without the actuator's friction
   Eigen::MatrixXd force_N;  ///< the whole current model
+  Eigen::VectorXd coulomb_N, viscous, rotor_kg;  ///< per actuator, of the current model
+  Eigen::VectorXd moved_kg;  ///< per actuator: what its screw moves, without the rotor (mean over the recording)
   Eigen::MatrixXd since_reversal_m;  ///< distance from the last turning point, never negative
   std::vector<Matrix4>
       force_per_pose_force;  ///< J^-T per sample: actuator forces that balance a pose force; bench: empty

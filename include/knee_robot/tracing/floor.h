@@ -15,7 +15,8 @@ struct NoiseFloor {
 
 /// From recordings that repeat each other's reference, when there are any: rms of the difference of their residuals over sqrt 2.
 /// Otherwise an estimate: what clean twins leave (`twin_residual_N`), together with the noise density of the unfiltered force
-/// residual just above the cut-off, carried down to it.
+/// residual just above the cut-off, carried down to it. Never below a hundredth of the rms force:
+/// what is smaller is not looked for.
 NoiseFloor noiseFloor(const std::vector<Recording>& recordings, const TraceData& data,
                       const std::vector<Eigen::MatrixXd>& model_force_N, const Eigen::VectorXd& twin_residual_N);
 

@@ -55,17 +55,27 @@ struct Projection {
 };
 Projection project(const Eigen::MatrixXd& columns, const Eigen::VectorXd& force);
 
-/// How a hypothesis can be scored against any residual of the same data: what its columns add to the model's.
-struct Probe {
-  Eigen::MatrixXd columns;  ///< weighted; only the rows of its actuator, all rows when shared
-  Eigen::MatrixXd inverse;  ///< of the Gram matrix of the columns made orthogonal to the model's; empty: absorbed
+/// How the shapes of one place can be scored against any residual of the same data: what their columns add to the model's.
+struct Probes {
+  Eigen::MatrixXd columns;  ///< weighted, shape after shape; only the rows of the place's actuator, all rows when shared
+  std::vector<Eigen::MatrixXd> inverse;  ///< per shape, of the Gram matrix made orthogonal to the model's; empty: absorbed
+  std::vector<double> survives;  ///< per shape: largest share of a column's square that the model's columns do not explain
   Eigen::Index first_row = 0;
   bool one_sign = false;
 };
-Probe makeProbe(const TraceData& data, const Hypothesis& hypothesis, const Projection& projection,
-                const Eigen::VectorXd& noise_N);
+/// `tried`: hypotheses of one and the same place.
+Probes makeProbes(const TraceData& data, const std::vector<Hypothesis>& tried, const Projection& projection,
+                  const Eigen::VectorXd& noise_N);
 
-/// Sum of squares (weighted) that the hypothesis explains of a residual that is orthogonal to the model's columns.
-double explained(const Probe& probe, const Eigen::VectorXd& residual);
+/// Sum of squares (weighted) that each shape (rows) explains of each of the residuals (columns), which are orthogonal to the
+/// model's columns.
+Eigen::MatrixXd explained(const Probes& probes, const Eigen::MatrixXd& residuals);
+
+/// The same for a single hypothesis and a single residual.
+double explained(const TraceData& data, const Hypothesis& hypothesis, const Projection& projection,
+                 const Eigen::VectorXd& noise_N);
+
+/// Hypotheses place by place, in order.
+std::vector<std::vector<Hypothesis>> byPlace(const std::vector<Hypothesis>& tried);
 
 }  // namespace knee_robot

@@ -41,6 +41,7 @@ struct TraceResult {
   std::shared_ptr<CandidateList> candidates;  ///< that the effects point into
   std::vector<FoundEffect> effects;
   Eigen::VectorXd parameters;                 ///< of the extended model's linear part
+  Eigen::VectorXd seen_parameters;            ///< those that effects looked at (loads, friction) when they were fitted
   Eigen::VectorXd floor_N;                    ///< per actuator
   std::string floor_source;                   ///< repeats, or how it was estimated
   Eigen::VectorXd before_rms_N, after_rms_N;  ///< training rows

@@ -11,7 +11,7 @@ namespace knee_robot {
 /// Controller of one axis as far as a recording shows it: force = kp e + ki int(e) + kd de/dt + share of the load fed forward.
 struct AxisController {
   double kp = 0.0, ki = 0.0, kd = 0.0;  ///< N/m, N/(m s), N s/m
-  bool recovered = false;               ///< false: assumed, with the stated bandwidth
+  bool recovered = false;               ///< false: unknown, the twin follows the measured motion
   bool feeds_load_forward = false;
 };
 
@@ -20,7 +20,7 @@ struct TwinPlan {
   Eigen::MatrixXd load_N;   ///< samples x axes: rigid forces and offset without the axis' own effective mass
   Eigen::VectorXd mass_kg;  ///< effective mass of each axis
   Eigen::VectorXd viscous;  ///< N s/m
-  Eigen::VectorXd coulomb_N;
+  Eigen::MatrixXd level_N;  ///< samples x axes: of dry friction, with what effects found so far make of it
   std::vector<AxisController> controllers;
   Eigen::MatrixXd model_N;      ///< samples x axes: the whole fitted model along the measured motion
   std::vector<char> open_loop;  ///< per axis: along the measured motion, because in closed loop it would leave too much
@@ -28,8 +28,19 @@ struct TwinPlan {
 };
 
 /// Recovers the controllers by least squares of the recorded force on the tracking error; where that explains less than nine
-/// tenths, a PID of 6 Hz bandwidth with the load fed forward is assumed.
+/// tenths, the axis' twin goes along the measured motion.
 TwinPlan planTwin(const Robot& robot, const Recording& recording, const Observation& observation, const BaseFit& base);
+
+/// What effects found so far do along the measured motion, samples x axes, N.
+struct TwinEffects {
+  Eigen::MatrixXd friction_N;  ///< changes sign with the direction of travel
+  Eigen::MatrixXd load_N;      ///< all others
+};
+
+/// Puts the current model into a plan: `parameters` of the baseline, and effects (empty: none). A twin without an effect that was
+/// found already would leave less at reversals than the recording does, and invent delays to mend that.
+void refreshPlan(const Observation& observation, const BaseFit& base, const Eigen::VectorXd& parameters,
+                 const Eigen::MatrixXd& share, const TwinEffects& effects, TwinPlan& plan);
 
 /// A recording as the fitted model would have left it: every axis a mass with stiction, Coulomb and viscous friction that carries
 /// the load of the measured motion, in closed loop with its controller and the recorded reference, through encoder
