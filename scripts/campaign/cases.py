@@ -11,8 +11,6 @@ import numpy as np
 from campaign import effects
 from campaign.records import Setting, low_passed_forces, run
 
-WEIGHTS = ["weak", "medium", "strong"]
-
 
 class Case:
     def __init__(self, kind, setting, parts, strength):
@@ -101,11 +99,9 @@ def play(case, shop, keep):
     if case.parts:
         result["size_percent"] = size_of(low_passed_forces(recordings[0]), clean_forces(case, shop))
     started = time.time()
-    before = os.times()
     run([shop.program("trace"), "--robot", shop.robot_file(case.setting), "--train", recordings[0], "--validate", recordings[1], "--output",
          folder + "/traced", "--seed", str(1 + case.draw.randrange(10**6))], folder + "/log.txt")
     result["seconds"] = time.time() - started
-    del before
     with open(folder + "/traced/report.json", encoding="utf-8") as source:
         report = json.load(source)
     result["effects"] = [{"name": e["name"], "actuators": e["actuators"], "alternatives": e["indistinguishable_from"], "p": e["p"]}

@@ -1,6 +1,7 @@
 """Recordings of the injection campaign. Everything is drawn from names, so that a record is the same whenever and in whatever order
 it is made. Development and judgement never share a reference, a friction or a seed."""
 import hashlib
+import itertools
 import os
 import random
 import subprocess
@@ -143,9 +144,12 @@ def low_passed_forces(recording):
     """Forces of a recording, means over tenths of a second (N): what sizes are measured on."""
     with open(recording, encoding="utf-8") as source:
         header = source.readline().strip().split(",")
-    columns = [header.index("time_s")] + [header.index(f"force_{i}_N") for i in range(1, 5)]
-    rows = np.loadtxt(recording, delimiter=",", skiprows=1, usecols=columns)
-    each = max(1, int(round(0.1 / np.median(np.diff(rows[:, 0])))))
+        columns = [header.index("time_s")] + [header.index(f"force_{i}_N") for i in range(1, 5)]
+        first, second = source.readline(), source.readline()
+        period = float(second.split(",")[columns[0]]) - float(first.split(",")[columns[0]])
+        every = max(1, int(round(0.01 / period)))
+        rows = np.loadtxt(itertools.islice(source, 0, None, every), delimiter=",", usecols=columns)
+    each = 10
     count = len(rows) // each
     return rows[:count * each, 1:].reshape(count, each, 4).mean(axis=1)
 

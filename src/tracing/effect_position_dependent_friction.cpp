@@ -10,6 +10,7 @@ class PositionDependentFriction : public Candidate {
  public:
   std::string name() const override { return "position_dependent_friction"; }
   bool isFriction() const override { return true; }
+  int positionOf(int actuator) const override { return actuator; }
   std::string sentence() const override {
     return "Dry friction changes along the stroke, as with a bent screw, a tight place or worn lubrication.";
   }

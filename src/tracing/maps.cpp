@@ -55,6 +55,10 @@ class Map : public Candidate {
     }
     return out;
   }
+  int positionOf(int actuator) const override {
+    if (signal_.rfind("position_", 0) != 0) return -1;
+    return signal_[9] == '#' ? actuator : signal_[9] - '1';
+  }
   std::string dependsOn(int actuator) const override {
     const std::string own = std::to_string(actuator + 1);
     std::string text = signal_;

@@ -1,6 +1,7 @@
 #include "knee_robot/tracing/trace.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "knee_robot/base/numbers.h"
 #include "search.h"
@@ -8,6 +9,7 @@
 namespace knee_robot {
 namespace {
 
+constexpr double kTogether = 0.9;  ///< correlation of two positions above which they are not told apart
 constexpr double kNothingLeft = 0.02;  ///< share of a column's square that the base parameters leave: absorbed
 
 TraceData makeData(const Robot& robot, std::vector<Observation> training, const TraceOptions& options, BaseFit& base) {
@@ -59,6 +61,37 @@ void settleNames(std::vector<FoundEffect>& effects) {
   for (FoundEffect& e : effects) {
     if (e.indistinguishable_from.size() <= 2) continue;
     e.verdict = "not separable from more than two other effects";
+  }
+}
+
+double correlation(const std::vector<Observation>& recordings, int a, int b) {
+  double aa = 0.0, bb = 0.0, ab = 0.0;
+  for (const Observation& o : recordings) {
+    const Eigen::ArrayXd x = o.signals.position_m.col(a).array() - o.signals.position_m.col(a).mean();
+    const Eigen::ArrayXd y = o.signals.position_m.col(b).array() - o.signals.position_m.col(b).mean();
+    aa += x.square().sum();
+    bb += y.square().sum();
+    ab += (x * y).sum();
+  }
+  return ab / std::sqrt(std::max(1e-300, aa * bb));
+}
+
+/// An effect that depends on a position which always went with another one in training is seen, but not what it depends on: on
+/// another path, where the two part, it would predict anything.
+void holdBackAmbiguous(const TraceData& data, std::vector<FoundEffect>& effects, std::vector<std::string>& notes) {
+  for (FoundEffect& e : effects) {
+    const int own = e.hypothesis.place.candidate->positionOf(e.hypothesis.place.actuator);
+    if (own < 0 || data.recordings.front().motion.motion.empty()) continue;
+    for (int k = 0; k < data.stack.axes && e.transfers; ++k) {
+      const double together = k == own ? 0.0 : correlation(data.recordings, own, k);
+      if (std::abs(together) < kTogether) continue;
+      e.transfers = false;
+      notes.push_back(e.hypothesis.place.candidate->name() + " on actuator " +
+                      std::to_string(e.hypothesis.place.actuator + 1) + ": in training position " +
+                      std::to_string(own + 1) + " went with position " + std::to_string(k + 1) + " (correlation " +
+                      shortNumber(together, 2) +
+                      "), so that which of them it depends on is not known; it is left out of predictions elsewhere.");
+    }
   }
 }
 
@@ -180,6 +213,7 @@ TraceResult trace(const Robot& robot, const std::vector<Recording>& recordings, 
   s.floor = all;
   settleNames(s.effects);
 
+  holdBackAmbiguous(data, s.effects, result.notes);
   result.effects = s.effects;
   result.parameters = result.base.basis * s.fit.base;
   result.seen_parameters = s.seen_parameters;
@@ -200,7 +234,7 @@ Eigen::MatrixXd predictTraced(const Robot& robot, const TraceResult& result, Obs
     for (const FoundEffect& e : result.effects) {
       const Eigen::VectorXd coefficients =
           recording < 0 ? e.hypothesis.place.candidate->elsewhere(e.coefficients) : e.coefficients;
-      if (coefficients.size() == 0) continue;
+      if (coefficients.size() == 0 || (recording < 0 && !e.transfers)) continue;
       for (int i = 0; i < o.axes(); ++i)
         effects_N.col(i) += effectColumns(input, e.hypothesis, i) * coefficients;
     }

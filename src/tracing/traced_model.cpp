@@ -9,7 +9,7 @@ ModelEffect modelEffect(const FoundEffect& e, const EffectInput& input, int axes
   ModelEffect m;
   m.name = candidate.name();
   m.depends_on = candidate.dependsOn(actuator);
-  m.transfers = candidate.elsewhere(e.coefficients).size() > 0;
+  m.transfers = e.transfers && candidate.elsewhere(e.coefficients).size() > 0;
   for (int i = 0; i < axes; ++i) {
     if (actuator < 0 || actuator == i) m.actuators.push_back(i + 1);
   }

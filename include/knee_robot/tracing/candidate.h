@@ -50,6 +50,8 @@ class Candidate {
   virtual Eigen::VectorXd elsewhere(const Eigen::VectorXd& coefficients) const;
   /// False: no machine has such coefficients.
   virtual bool plausible(const Eigen::VectorXd& coefficients) const;
+  /// Index of the actuator on whose position it depends when it sits on `actuator`; -1: on no position.
+  virtual int positionOf(int /*actuator*/) const { return -1; }
   /// What a map depends on, as report.json writes it; empty for named effects.
   virtual std::string dependsOn(int actuator) const;
 };

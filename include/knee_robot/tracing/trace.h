@@ -32,7 +32,8 @@ struct FoundEffect {
   double p = 1.0;
   double gain = 0.0, gain_error = 0.0;  ///< held-back blocks: share of the squared residual, and its standard error
   std::vector<std::string> indistinguishable_from;
-  std::string verdict;  ///< one sentence
+  bool transfers = true;  ///< false: predicts nothing in other recordings
+  std::string verdict;    ///< one sentence
 };
 
 /// What tracing learned from training recordings.
