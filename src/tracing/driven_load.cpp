@@ -8,7 +8,8 @@
 namespace knee_robot {
 namespace {
 
-constexpr double kDeflection_hz = 9.0;  ///< low-pass of the deflection before its acceleration is taken, as of all motion
+constexpr double kDeflection_hz =
+    9.0;  ///< low-pass of the deflection before its acceleration is taken, as of all motion
 
 double jointForce(const DriveJoint& joint, double wound) {
   return joint.stiffness_N_per_m * (wound - std::clamp(wound, -joint.half_gap_m, joint.half_gap_m));

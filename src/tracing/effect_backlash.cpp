@@ -14,7 +14,9 @@ class Backlash : public Candidate {
   std::vector<std::vector<double>> shapes(const EffectInput&, int) const override {
     return geometricGrid(1e-4, 4e-3, 6);
   }
-  std::vector<Coefficient> coefficients(const EffectInput&) const override { return {{"share_of_forward_model", true}}; }
+  std::vector<Coefficient> coefficients(const EffectInput&) const override {
+    return {{"share_of_forward_model", true}};
+  }
   bool plausible(const Eigen::VectorXd& c) const override { return c[0] > 0.5 && c[0] < 1.6; }
   Eigen::MatrixXd columns(const EffectInput& input, int actuator, const std::vector<double>& shape) const override {
     DriveJoint joint;

@@ -11,10 +11,10 @@ class FlexibleCoupling : public Candidate {
     return "Motor and screw are joined elastically: after each reversal the joint winds up before the screw follows.";
   }
   std::vector<ShapeParameter> shapeParameters() const override { return {{"stiffness_N_per_m", 1e4, 5e5}}; }
-  std::vector<std::vector<double>> shapes(const EffectInput&, int) const override {
-    return geometricGrid(1e4, 5e5, 7);
+  std::vector<std::vector<double>> shapes(const EffectInput&, int) const override { return geometricGrid(1e4, 5e5, 7); }
+  std::vector<Coefficient> coefficients(const EffectInput&) const override {
+    return {{"share_of_forward_model", true}};
   }
-  std::vector<Coefficient> coefficients(const EffectInput&) const override { return {{"share_of_forward_model", true}}; }
   bool plausible(const Eigen::VectorXd& c) const override { return c[0] > 0.5 && c[0] < 1.6; }
   Eigen::MatrixXd columns(const EffectInput& input, int actuator, const std::vector<double>& shape) const override {
     DriveJoint joint;

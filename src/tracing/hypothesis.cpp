@@ -104,9 +104,8 @@ Probes makeProbes(const TraceData& data, const std::vector<Hypothesis>& tried, c
         columns.back().middleCols(static_cast<Eigen::Index>(k) * each, each) =
             place.candidate->columns(input, i, tried[k].shape);
     }
-    probes.columns.middleRows((i - first) * p, p) =
-        (data.scale.segment(i * p, p) / noise_N[i]).asDiagonal() *
-        gather(data.stack, data.recordings, std::move(columns));
+    probes.columns.middleRows((i - first) * p, p) = (data.scale.segment(i * p, p) / noise_N[i]).asDiagonal() *
+                                                    gather(data.stack, data.recordings, std::move(columns));
   }
   const Eigen::MatrixXd shadow =
       projection.q.middleRows(probes.first_row, probes.columns.rows()).transpose() * probes.columns;

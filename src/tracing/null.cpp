@@ -105,8 +105,7 @@ Eigen::MatrixXd drawsOfTwin(const TraceData& twin, const TraceData& data, const 
   Eigen::Index row = 0;
   for (const std::vector<Hypothesis>& group : byPlace(tried)) {
     const Eigen::MatrixXd squares = explained(makeProbes(twin, group, projection, noise_N), noise);
-    best.row(row++) =
-        (squares.colwise().maxCoeff().cwiseMax(0.0) / static_cast<double>(twin.stack.size())).cwiseSqrt();
+    best.row(row++) = (squares.colwise().maxCoeff().cwiseMax(0.0) / static_cast<double>(twin.stack.size())).cwiseSqrt();
   }
   return best;
 }
@@ -152,7 +151,8 @@ std::vector<TraceData> makeTwins(const Robot& robot, const std::vector<Recording
                                  const BaseFit& base, const TwinModel& model, const std::vector<TwinPlan>& plans,
                                  const ObservationOptions& options, int count, std::uint64_t seed) {
   return inTwoThreads<TraceData>(count, [&](int k) {
-    return makeTwin(robot, recordings, data, base, model, plans, options, seed * 7919u + static_cast<std::uint64_t>(k) + 1u);
+    return makeTwin(robot, recordings, data, base, model, plans, options,
+                    seed * 7919u + static_cast<std::uint64_t>(k) + 1u);
   });
 }
 
@@ -173,8 +173,8 @@ Eigen::VectorXd twinResidual(const std::vector<TraceData>& twins, const BaseFit&
   Eigen::MatrixXd left(twins.front().stack.axes, static_cast<Eigen::Index>(twins.size() - start));
   for (std::size_t k = start; k < twins.size(); ++k) {
     const TraceData& twin = twins[k];
-    const Projection p = project(modelColumns(twin, base.noise_N, effects),
-                                 weighted(twin.stack, twin.force_rows, base.noise_N));
+    const Projection p =
+        project(modelColumns(twin, base.noise_N, effects), weighted(twin.stack, twin.force_rows, base.noise_N));
     left.col(static_cast<Eigen::Index>(k - start)) = rmsRows(base, twin.stack, p.residual);
   }
   Eigen::VectorXd median(left.rows());

@@ -11,7 +11,7 @@ namespace {
 
 constexpr std::size_t kCompared = 10;  ///< places that are refined and cross-validated in every step
 constexpr int kRounds = 5;
-constexpr int kPasses = 4;        ///< of fitting and rebuilding what depends on the fit
+constexpr int kPasses = 4;  ///< of fitting and rebuilding what depends on the fit
 constexpr double kSlightPull = 1e-6;
 constexpr double kMostBlocks = 0.5;  ///< share of held-back blocks that must gain
 constexpr double kAboveFloor = 1.15;
@@ -29,8 +29,9 @@ struct Trial {
   JointFit fit;
   Eigen::VectorXd joint_gain;    ///< per held-back block, weighted squares: everything fitted without the block
   Eigen::VectorXd partial_gain;  ///< the same with only the effect fitted without the block
-  bool by_joint = true;          ///< which of them speaks more clearly: where the baseline extrapolates badly the first says nothing
-  Eigen::VectorXd gain;          ///< that one
+  bool by_joint =
+      true;  ///< which of them speaks more clearly: where the baseline extrapolates badly the first says nothing
+  Eigen::VectorXd gain;  ///< that one
   double mean_gain = 0.0, gain_error = 0.0;
 };
 
@@ -168,7 +169,8 @@ std::string objection(const Search& s, const Trial& t) {
   if (!t.fit.stable.back()) return "its sign changes when a part of the training data is left out";
   const double errors = t.hypothesis.place.candidate->name() == "unnamed" ? kMapErrors : 1.0;
   const double gaining = (t.gain.array() > 0.0).cast<double>().mean();
-  if (t.mean_gain <= (t.by_joint ? errors : errors + 1.0) * t.gain_error || gaining < kMostBlocks) return "does not help on held-back parts of the training data (mean " + shortNumber(t.mean_gain, 3) + " +- " +
+  if (t.mean_gain <= (t.by_joint ? errors : errors + 1.0) * t.gain_error || gaining < kMostBlocks)
+    return "does not help on held-back parts of the training data (mean " + shortNumber(t.mean_gain, 3) + " +- " +
            shortNumber(t.gain_error, 3) + ", " + shortNumber(100.0 * gaining, 3) + " % of them gain)";
   return {};
 }
@@ -180,7 +182,9 @@ std::vector<std::string> confusedWith(const Search& s, const Trial& best, const 
     const std::string name = t.hypothesis.place.candidate->name();
     if (name == best.hypothesis.place.candidate->name() || name == "unnamed") continue;
     if (std::find(names.begin(), names.end(), name) != names.end()) continue;
-    if ((best.by_joint ? t.joint_gain : t.partial_gain).mean() < kNearlyAsGood * best.mean_gain || !objection(s, t).empty()) continue;
+    if ((best.by_joint ? t.joint_gain : t.partial_gain).mean() < kNearlyAsGood * best.mean_gain ||
+        !objection(s, t).empty())
+      continue;
     double mean = 0.0, error = 0.0;
     setMean(best.by_joint ? best.joint_gain - t.joint_gain : best.partial_gain - t.partial_gain, mean, error);
     if (mean <= error) names.push_back(name);

@@ -19,7 +19,7 @@ struct Search {
   std::vector<FoundEffect> effects;
   JointFit fit;
   Eigen::VectorXd seen_parameters;  ///< of the baseline, that loads and friction in the effects' columns rest on
-  Eigen::VectorXd rms_N;  ///< per actuator, of fit
+  Eigen::VectorXd rms_N;            ///< per actuator, of fit
   std::vector<std::string> rejected;
 };
 

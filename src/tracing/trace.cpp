@@ -9,7 +9,7 @@
 namespace knee_robot {
 namespace {
 
-constexpr double kTogether = 0.9;  ///< correlation of two positions above which they are not told apart
+constexpr double kTogether = 0.9;      ///< correlation of two positions above which they are not told apart
 constexpr double kNothingLeft = 0.02;  ///< share of a column's square that the base parameters leave: absorbed
 
 TraceData makeData(const Robot& robot, std::vector<Observation> training, const TraceOptions& options, BaseFit& base) {
@@ -109,7 +109,8 @@ void noteAbsorbed(const Search& s, const CandidateList& candidates, TraceResult&
         most = std::max(most, survives);
     }
     if (most < kNothingLeft)
-      result.absorbed.push_back(candidate->name() + ": the baseline's constant force and friction of the actuator take it up");
+      result.absorbed.push_back(candidate->name() +
+                                ": the baseline's constant force and friction of the actuator take it up");
   }
   result.absorbed.push_back("reflected_inertia: is a parameter of the baseline (rotor)");
   if (s.data->recordings.front().motion.motion.empty()) return;

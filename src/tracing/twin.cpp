@@ -6,7 +6,6 @@
 #include <limits>
 #include <random>
 
-
 namespace knee_robot {
 namespace {
 
@@ -210,10 +209,9 @@ TwinPlan planTwin(const Robot& robot, const Recording& r, const Observation& o, 
     if (known) chooseMass(robot, r, o, load, i, plan);
     recovered += known;
   }
-  plan.note = o.name + ": controllers of " + std::to_string(recovered) + " of " +
-              std::to_string(o.axes()) + " axes recovered from the tracking error, their clean twins in closed loop";
-  if (recovered < o.axes())
-    plan.note += ", the twins of the others follow the measured motion";
+  plan.note = o.name + ": controllers of " + std::to_string(recovered) + " of " + std::to_string(o.axes()) +
+              " axes recovered from the tracking error, their clean twins in closed loop";
+  if (recovered < o.axes()) plan.note += ", the twins of the others follow the measured motion";
   return plan;
 }
 

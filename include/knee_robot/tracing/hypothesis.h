@@ -57,9 +57,12 @@ Projection project(const Eigen::MatrixXd& columns, const Eigen::VectorXd& force)
 
 /// How the shapes of one place can be scored against any residual of the same data: what their columns add to the model's.
 struct Probes {
-  Eigen::MatrixXd columns;  ///< weighted, shape after shape; only the rows of the place's actuator, all rows when shared
-  std::vector<Eigen::MatrixXd> inverse;  ///< per shape, of the Gram matrix made orthogonal to the model's; empty: absorbed
-  std::vector<double> survives;  ///< per shape: largest share of a column's square that the model's columns do not explain
+  Eigen::MatrixXd
+      columns;  ///< weighted, shape after shape; only the rows of the place's actuator, all rows when shared
+  std::vector<Eigen::MatrixXd>
+      inverse;  ///< per shape, of the Gram matrix made orthogonal to the model's; empty: absorbed
+  std::vector<double>
+      survives;  ///< per shape: largest share of a column's square that the model's columns do not explain
   Eigen::Index first_row = 0;
   bool one_sign = false;
 };
