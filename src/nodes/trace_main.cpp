@@ -77,7 +77,15 @@ std::vector<Eigen::VectorXd> gains(const Robot& robot, TraceResults& r, double c
   std::vector<Eigen::VectorXd> out;
   for (std::size_t k = 0; k < r.result.effects.size(); ++k) {
     TraceResult without = r.result;
+    const Place place = without.effects[k].hypothesis.place;
     without.effects.erase(without.effects.begin() + static_cast<std::ptrdiff_t>(k));
+    if (without.elsewhere) {
+      TraceResult other = *without.elsewhere;
+      other.effects.erase(std::remove_if(other.effects.begin(), other.effects.end(),
+                                         [&](const FoundEffect& e) { return e.hypothesis.place == place; }),
+                          other.effects.end());
+      without.elsewhere = std::make_shared<const TraceResult>(std::move(other));
+    }
     const Applied applied = apply(r.validate, cutoff_hz, [&](Observation& o, int) {
       return predictTraced(robot, without, o, -1, static_cast<int>(r.train.size()));
     });

@@ -221,11 +221,24 @@ TraceResult trace(const Robot& robot, const std::vector<Recording>& recordings, 
   result.floor_N = s.floor.rms_N;
   result.floor_source = s.floor.source;
   result.after_rms_N = s.rms_N;
+  const auto transfers = [](const FoundEffect& e) { return e.transfers; };
+  if (!std::all_of(s.effects.begin(), s.effects.end(), transfers)) {
+    Search without = s;  // friction that was fitted beside an effect is wrong where that is left out
+    without.effects.erase(std::stable_partition(without.effects.begin(), without.effects.end(), transfers),
+                          without.effects.end());
+    refit(without);
+    TraceResult elsewhere = result;
+    elsewhere.effects = without.effects;
+    elsewhere.parameters = result.base.basis * without.fit.base;
+    elsewhere.seen_parameters = without.seen_parameters;
+    result.elsewhere = std::make_shared<const TraceResult>(std::move(elsewhere));
+  }
   return result;
 }
 
 Eigen::MatrixXd predictTraced(const Robot& robot, const TraceResult& result, Observation& o, int recording,
                               int recordings) {
+  if (recording < 0 && result.elsewhere) return predictTraced(robot, *result.elsewhere, o, recording, recordings);
   setFriction(o, result.base.columns, result.base.memory);
   EffectInput input = effectInput(robot, o, result.base.memory, recording, recordings);
   Eigen::MatrixXd effects_N = Eigen::MatrixXd::Zero(o.samples(), o.axes());

@@ -49,6 +49,8 @@ struct TraceResult {
   std::vector<std::string> absorbed;          ///< what the base parameters take up, one sentence each
   std::vector<std::string> rejected;          ///< what came close, and why it was not added
   std::vector<std::string> notes;
+  /// For other recordings: fitted without effects of which it is not known what they depend on. Empty: this result itself.
+  std::shared_ptr<const TraceResult> elsewhere;
 };
 
 /// Traces the residual of the training recordings. `recordings` and `training` belong together, in order.
