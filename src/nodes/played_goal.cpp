@@ -93,7 +93,7 @@ Answer PlayedGoal::follow(const std::string& phase, bool measure) {
   if (measure) result_.path_time_s = std::min(status.path_time_s, status.path_duration_s);
   const std::string where = phase + " ended " + shortNumber(status.path_time_s, 3) + " s after its begin, of " +
                             shortNumber(status.path_duration_s, 3) + " s: ";
-  if (status.state == MachineState::Faulted) return {false, where + status.fault_sentence};
+  if (!status.fault_sentence.empty()) return {false, where + status.fault_sentence};  // in the safe stop already
   if (status.state != MachineState::Holding) return {false, where + "the robot is " + toString(status.state)};
   if (status.path_time_s + 0.5 * kStreamPeriod < status.path_duration_s)
     return {false, where + "somebody else stopped it; the robot holds"};

@@ -79,6 +79,7 @@ class Action(unittest.TestCase):
         answer = self.robot.trigger("pause")
         self.assertTrue(answer.success, answer.message)
         self.assertEqual("paused", self.robot.wait_for("paused", 5).state)
+        time.sleep(0.1)  # the last set point is still being interpolated
         before, at = self.robot.tracking(), self.robot.state().path_time_s
         time.sleep(0.7)
         after = self.robot.tracking()
