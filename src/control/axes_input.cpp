@@ -36,8 +36,9 @@ void AxesInput::updateHook(const rt::Cycle& cycle) {
   out_.fenced_out = bus_.isFencedOut();
   out_.bus_failure = bus_.failure();
   if (out_.status == hardware::IoStatus::Ok) {
-    convert(feedback, any_ ? rt::toSeconds(cycle.time - last_good_) : 0.0);
-    last_good_ = cycle.time;
+    // By when it was read, not by when it was planned: a late cycle is no faster motion.
+    convert(feedback, any_ ? rt::toSeconds(cycle.wake - last_good_) : 0.0);
+    last_good_ = cycle.wake;
     any_ = true;
   }
   measurement.write(out_);

@@ -41,6 +41,7 @@ void Monitors::forget() noexcept {
     axis.saturation.reset();
   }
   patient_monitor_.reset();
+  carried_s_ = 0.0;
 }
 
 void Monitors::readPorts() {
@@ -65,11 +66,12 @@ void Monitors::updateHook(const rt::Cycle& cycle) {
   const bool new_reading = measured_.status == hardware::IoStatus::Ok && measured_.sequence != out_.sequence;
   out_.sequence = measured_.sequence;
   if (new_reading) {
-    const double dt = any_ ? rt::toSeconds(measured_.time - last_time_) : 0.0;
+    const double dt = any_ ? rt::toSeconds(measured_.read_at - last_read_) : 0.0;
+    if (carried_) carried_s_ += dt;
     for (std::size_t i = 0; i < kAxes; ++i)
       raise(i, judge(i, viewOf(i, dt)));
     raise(0, judgePatient(dt));
-    last_time_ = measured_.time;
+    last_read_ = measured_.read_at;
     any_ = true;
   }
   verdict.write(out_);
@@ -107,7 +109,8 @@ Fault Monitors::judge(std::size_t i, const AxisView& view) noexcept {
   if (searching) axis.frozen.reset();
   if (!searching && axis.frozen.step(view, frozen_distance, frozen_share * view.force_limit_N))
     return Fault::EncoderFrozen;
-  if (axis.runaway.step(view, runaway_error, runaway_speed, runaway_time)) return Fault::Runaway;
+  const double far = carried_s_ < release_time ? std::max<double>(runaway_error, release_error) : runaway_error;
+  if (axis.runaway.step(view, far, runaway_speed, runaway_time)) return Fault::Runaway;
   if (axis.velocity.step(view, actuator.velocity_max_m_per_s, velocity_factor, velocity_floor, velocity_time)) {
     return Fault::VelocityLimit;
   }

@@ -62,6 +62,15 @@ class Monitors : public rt::TaskContext {
   rt::Property<double> stall_error{*this, "stall_error_m", 1e-3, "m", 0.0, 0.1, "from the reference"};
   rt::Property<double> stall_time{*this, "stall_s", 0.3, "s", 0.001, 10.0, "so long"};
   rt::Property<double> runaway_error{*this, "runaway_error_m", 1e-3, "m", 0.0, 0.1, "from the reference"};
+  rt::Property<double> release_error{
+      *this,
+      "release_error_m",
+      8e-3,
+      "m",
+      0.0,
+      0.1,
+      "instead of runaway_error_m while the Drivers take over the load from the hold devices"};
+  rt::Property<double> release_time{*this, "release_s", 0.3, "s", 0.0, 2.0, "how long that may take"};
   rt::Property<double> runaway_speed{*this, "runaway_speed_m_per_s", 0.03, "m/s", 0.0, 1.0, "away from it"};
   rt::Property<double> runaway_time{*this, "runaway_s", 0.005, "s", 0.001, 1.0, "so long, and never slower"};
   rt::Property<double> saturation_time{*this, "saturation_s", 0.25, "s", 0.001, 10.0, "force at its clamp for so long"};
@@ -115,7 +124,8 @@ class Monitors : public rt::TaskContext {
   AxesWritten written_;
   bool any_ = false;
   bool carried_ = false;
-  rt::Nanoseconds last_time_ = 0;
+  double carried_s_ = 0.0;  // since the hold devices were released
+  rt::Nanoseconds last_read_ = 0;
   MonitorVerdict out_;
 };
 
