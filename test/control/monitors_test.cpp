@@ -206,5 +206,28 @@ TEST(Runaway, IsSeenWithAWrongSignAndNotWhenSomebodyPushes) {
   EXPECT_GT(run(0.0, -40.0, 2.0), 0) << "a drive without power: the load takes the axis along";
 }
 
+TEST(Runaway, IsNotAnAxisThatLagsBehindAFastReferenceOrOvershootsIt) {
+  RunawayMonitor monitor;
+  AxisView view = quiet();
+  double position = 0.0, velocity = 0.0;
+  const auto step = [&](double time) {  // soft gains, 0.15 m/s to and fro
+    view.reference_m = 0.1 * std::cos(1.5 * time);
+    view.reference_velocity = -0.15 * std::sin(1.5 * time);
+    view.force_N = 20000.0 * (view.reference_m - position) + 200.0 * (view.reference_velocity - velocity);
+    velocity += kDt * (view.force_N - 900.0 * velocity - 60.0) / 30.0;
+    position += kDt * velocity;
+    view.position_m = position;
+    view.velocity = velocity;
+    return monitor.step(view, 1e-3, 0.03, 0.005);
+  };
+  position = 0.1;
+  double largest = 0.0;
+  for (int i = 0; i < 20'000; ++i) {
+    ASSERT_FALSE(step(kDt * i)) << i;
+    largest = std::max(largest, std::abs(view.reference_m - position));
+  }
+  EXPECT_GT(largest, 3e-3) << "it lagged enough to matter";
+}
+
 }  // namespace
 }  // namespace knee_robot

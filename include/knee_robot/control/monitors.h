@@ -46,7 +46,7 @@ class Monitors : public rt::TaskContext {
       *this, "frozen_distance_m", 0.002, "m", 1e-4, 0.1, "motion of the reference without one of the encoder"};
   rt::Property<double> frozen_share{*this,
                                     "frozen_share",
-                                    0.15,
+                                    0.25,
                                     "",
                                     0.0,
                                     1.0,
