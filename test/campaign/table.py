@@ -1,4 +1,5 @@
 """The campaign's result as a Markdown table with the targets beside."""
+import re
 import statistics
 
 from faults import DISABLED, DOWN, GOES_ON, all_faults
@@ -11,6 +12,11 @@ def median_and_largest(values, digits=0):
     if not values:
         return "never"
     return f"{statistics.median(values):.{digits}f} / {max(values):.{digits}f}"
+
+
+def without_folders(sentence):
+    """Paths shortened to the file's name: the table is for other machines too."""
+    return re.sub(r"/\S*/", "", sentence)
 
 
 def quantile(values, share):
@@ -104,10 +110,10 @@ def render(results, conditions):
         text.append(line(fault, runs))
         for what in sorted({r["recording"] for r in runs} | {r["wrong"] for r in runs}):
             if what:
-                remarks.append(f"- `{fault.name}`: {what[:300]}")
+                remarks.append(f"- `{fault.name}`: {without_folders(what)[:300]}")
         for r in runs:
             if not r["cause_right"] and r["sentence"]:
-                remarks.append(f"- `{fault.name}`: said \"{r['sentence'][:200]}\"")
+                remarks.append(f"- `{fault.name}`: said \"{r['sentence']}\"")
                 break
     if remarks:
         text += ["", "Remarks:", "", *dict.fromkeys(remarks)]

@@ -14,8 +14,10 @@ namespace {
 
 TEST(SafetyTables, AreCopiedFaithfullyIntoTheDocumentation) {
   const std::string page = readFile(std::string(KNEE_SOURCE_DIR) + "/docs/safety.md");
-  EXPECT_NE(page.find(faultsTable()), std::string::npos) << "replace the table by the output of: safety_tables --faults";
-  EXPECT_NE(page.find(requestsTable()), std::string::npos) << "replace the table by the output of: safety_tables --requests";
+  EXPECT_NE(page.find(faultsTable()), std::string::npos)
+      << "replace the table by the output of: safety_tables --faults";
+  EXPECT_NE(page.find(requestsTable()), std::string::npos)
+      << "replace the table by the output of: safety_tables --requests";
 }
 
 TEST(Faults, EachHaveOneNameACauseAndARemedyAtTheirOwnPlace) {

@@ -17,9 +17,9 @@ struct RobustFit {
 
 /// How equations with large residuals are treated.
 enum class OutlierRule {
-  Huber,     ///< a residual beyond 1.345 times the noise counts linearly (Ceres)
+  Huber,  ///< a residual beyond 1.345 times the noise counts linearly (Ceres)
   Bisquare,  ///< iteratively reweighted least squares with Tukey's weights: beyond 4.685 times the scale (median) it counts nothing
-  None,      ///< plain least squares
+  None,  ///< plain least squares
 };
 
 /// Refines the truncated least-squares solution: robust, and with bounds that keep friction and rotor inertia from becoming negative.
