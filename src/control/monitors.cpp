@@ -105,11 +105,12 @@ Fault Monitors::judge(std::size_t i, const AxisView& view) noexcept {
   if (hot) return Fault::ThermalOverload;
   if (!carried_) return Fault::None;
   const bool searching =
-      commands_[i].homing == HomingPhase::Searching;  // there, standing against a stop is what is wanted
-  if (searching) axis.frozen.reset();
-  if (!searching && axis.frozen.step(view, frozen_distance, frozen_share * view.force_limit_N))
-    return Fault::EncoderFrozen;
-  const double far = carried_s_ < release_time ? std::max<double>(runaway_error, release_error) : runaway_error;
+      commands_[i].homing == HomingPhase::Searching;   // there, standing against a stop is what is wanted
+  const bool taking_over = carried_s_ < release_time;  // the force grows to what the axis carries
+  if (searching || taking_over) axis.frozen.reset();
+  const double stuck_N = std::min<double>(frozen_share * view.force_limit_N, frozen_force);
+  if (!searching && !taking_over && axis.frozen.step(view, frozen_distance, stuck_N)) return Fault::EncoderFrozen;
+  const double far = taking_over ? std::max<double>(runaway_error, release_error) : runaway_error;
   if (axis.runaway.step(view, far, runaway_speed, runaway_time)) return Fault::Runaway;
   if (axis.velocity.step(view, actuator.velocity_max_m_per_s, velocity_factor, velocity_floor, velocity_time)) {
     return Fault::VelocityLimit;

@@ -88,7 +88,7 @@ def summary(results, faults):
                      f"{sum(r['drop_mm'] > DROP_MM for r in braked)} of {len(braked)} above |")
     lines += [f"| cause named correctly in all | {sum(r['cause_right'] for r in runs)} of {len(runs)}; "
               f"by its own name, not only by what it led to, {sum(r['cause_right'] and named_itself(by_name[r['fault']], r) for r in runs)} |",
-              f"| sinking when the brakes open (no target) | largest {max(r['enable_sag_mm'] for r in runs):.2f} mm |",
+              f"| sinking when the brakes open (no target) | largest {max((r['enable_sag_mm'] for r in runs), default=0.0):.2f} mm |",
               f"| axes held in the end | {sum(r['held_ms'] is not None for r in stops)} of {len(stops)} |",
               f"| recording intact | {sum(not r['recording'] for r in disk)} of {len(disk)} |"]
     return lines

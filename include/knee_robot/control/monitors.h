@@ -43,7 +43,7 @@ class Monitors : public rt::TaskContext {
       *this, "jump_factor", 4.0, "", 1.0, 100.0, "of velocity_max: largest change of an encoder"};
   rt::Property<double> jump_floor{*this, "jump_floor_m", 1e-3, "m", 1e-5, 0.1, "added to it"};
   rt::Property<double> frozen_distance{
-      *this, "frozen_distance_m", 0.002, "m", 1e-4, 0.1, "motion of the reference without one of the encoder"};
+      *this, "frozen_distance_m", 0.001, "m", 1e-4, 0.1, "motion of the reference without one of the encoder"};
   rt::Property<double> frozen_share{*this,
                                     "frozen_share",
                                     0.25,
@@ -51,6 +51,13 @@ class Monitors : public rt::TaskContext {
                                     0.0,
                                     1.0,
                                     "of the force limit: change of force meanwhile, more than friction takes"};
+  rt::Property<double> frozen_force{*this,
+                                    "frozen_force_N",
+                                    200.0,
+                                    "N",
+                                    1.0,
+                                    5000.0,
+                                    "the same, where the clamp is so high that its share would come too late"};
   rt::Property<double> soft_margin{*this, "soft_margin_m", 5e-4, "m", 0.0, 0.05, "beyond the robot file's range"};
   rt::Property<double> soft_speed{*this, "soft_speed_m_per_s", 2e-3, "m/s", 0.0, 0.1, "outwards"};
   rt::Property<double> velocity_factor{*this, "velocity_factor", 1.3, "", 1.0, 10.0, "of velocity_max"};
