@@ -43,10 +43,10 @@ class Monitors : public rt::TaskContext {
       *this, "jump_factor", 4.0, "", 1.0, 100.0, "of velocity_max: largest change of an encoder"};
   rt::Property<double> jump_floor{*this, "jump_floor_m", 1e-3, "m", 1e-5, 0.1, "added to it"};
   rt::Property<double> frozen_distance{
-      *this, "frozen_distance_m", 0.001, "m", 1e-4, 0.1, "motion of the reference without one of the encoder"};
+      *this, "frozen_distance_m", 0.002, "m", 1e-4, 0.1, "motion of the reference without one of the encoder"};
   rt::Property<double> frozen_share{*this,
                                     "frozen_share",
-                                    0.25,
+                                    0.35,
                                     "",
                                     0.0,
                                     1.0,
