@@ -16,6 +16,7 @@
 #include "knee_robot/hardware/can/bus_server.h"
 #include "knee_robot/hardware/can/faulty_port.h"
 #include "knee_robot/simulation/can_robot.h"
+#include "knee_robot/simulation/lost_time.h"
 #include "knee_robot/simulation/truth_log.h"
 #include "program.h"
 
@@ -25,8 +26,6 @@ using namespace knee_robot;
 using namespace knee_robot::hardware;
 
 constexpr std::int64_t kPeriod_ns = 1'000'000;
-/// After a pause longer than this the missed time is left out: nobody can tell what the controller would have done in it.
-constexpr std::int64_t kLargestCatchUp_ns = 100 * kPeriod_ns;
 volatile std::sig_atomic_t stop_requested = 0;
 
 /// The bus, whichever it is, with a way to wait for its next frame.
@@ -103,10 +102,9 @@ class Simulation {
       for (int i = 0; i < 256 && port_.receive(frame) == can::PortStatus::Ok; ++i)
         robot_.take(frame);
       const std::int64_t now = port_.now();
-      if (now - next > kLargestCatchUp_ns) {
-        left_out += (now - next) / kPeriod_ns;
-        next += (now - next) / kPeriod_ns * kPeriod_ns;
-      }
+      const std::int64_t lost = lostPeriods(now - next, kPeriod_ns);
+      left_out += lost;
+      next += lost * kPeriod_ns;
       for (; next <= now; next += kPeriod_ns)
         step();
       robot_.stepDrives(now);

@@ -13,6 +13,7 @@
 #include <optional>
 
 #include "knee_robot/base/errors.h"
+#include "knee_robot/simulation/lost_time.h"
 #include "knee_robot/simulation/robot_simulation.h"
 #include "knee_robot/simulation/truth_log.h"
 #include "program.h"
@@ -22,8 +23,6 @@ namespace {
 using namespace knee_robot;
 
 constexpr std::int64_t kPeriod_ns = 1000000;
-/// After a pause longer than this the missed time is left out: nobody can tell what the controller would have done in it.
-constexpr std::int64_t kLargestCatchUp_ns = 100 * kPeriod_ns;
 
 /// roslaunch ends all at once: the machine stays until the controller has brought it down, as a machine does. A second signal ends it
 /// at once.
@@ -84,11 +83,9 @@ std::int64_t run(RobotSimulation& simulation, const hardware::RobotImage& image,
   while (!farewell.isOver(image, simulation.time()) && (duration_s <= 0.0 || simulation.time() < duration_s)) {
     next += kPeriod_ns;
     sleepUntil(next);
-    const std::int64_t late = now() - next;
-    if (late > kLargestCatchUp_ns) {
-      left_out += late / kPeriod_ns;
-      next += late / kPeriod_ns * kPeriod_ns;
-    }
+    const std::int64_t lost = lostPeriods(now() - next, kPeriod_ns);
+    left_out += lost;
+    next += lost * kPeriod_ns;
     if (!simulation.step(dt)) throw InputError("the plant's motion left all bounds; mend masses, friction or forces");
     if (truth != nullptr) truth->append(simulation, static_cast<double>(now()) * 1e-9);
   }
