@@ -1,27 +1,31 @@
 #include "knee_robot/control/monitor_patient.h"
 
-namespace knee_robot {
-namespace {
-constexpr double kSpeedTime_s = 0.032;  // 5 Hz
-}
+#include <algorithm>
 
-PatientMonitor::Verdict PatientMonitor::step(const PatientRange& range, const std::array<double, 4>& lengths,
-                                             const std::array<double, 4>& velocities, double dt, double margin_m,
-                                             double margin_rad, double speed_factor) noexcept {
+namespace knee_robot {
+
+PatientMonitor::Verdict PatientMonitor::step(const PatientRange& range, const std::array<double, 4>& lengths, double dt,
+                                             double margin_m, double margin_rad, double speed_factor) noexcept {
   if (!range.given || !mechanism_) return Verdict::Fine;
   const Lengths now(lengths[0], lengths[1], lengths[2], lengths[3]);
   const ForwardResult found =
-      known_ ? forwardKinematics(*mechanism_, now, pose_) : forwardKinematicsFromHome(*mechanism_, now);
+      kept_ > 0 ? forwardKinematics(*mechanism_, now, pose_) : forwardKinematicsFromHome(*mechanism_, now);
   if (!found.ok()) return Verdict::Pose;
-  if (!known_) speed_.setZero();
-  known_ = true;
+  time_ += dt;
   pose_ = found.pose;
   if (!range.contains(pose_, margin_m, margin_rad)) return Verdict::Pose;
-  Vector4 speed, ignored;
-  const Vector4 leg_speed(velocities[0], velocities[1], velocities[2], velocities[3]);
-  if (!poseRates(*mechanism_, pose_, leg_speed, Vector4::Zero(), speed, ignored)) return Verdict::Pose;
-  speed_ += (speed - speed_) * dt / (kSpeedTime_s + dt);
-  return range.allowsSpeed(speed_, speed_factor) ? Verdict::Fine : Verdict::Speed;
+  keep();
+  // Until the window has filled, the way of less than the window counts as that of the whole: a start is no speed.
+  const Passed& oldest = passed_[kept_ < kSteps ? 0 : kept_ % kSteps];
+  const Vector4 speed = (pose_ - oldest.pose) / std::max(kWindow_s, time_ - oldest.time);
+  return range.allowsSpeed(speed, speed_factor) ? Verdict::Fine : Verdict::Speed;
+}
+
+void PatientMonitor::keep() noexcept {
+  const Passed& newest = passed_[(kept_ + kSteps - 1) % kSteps];
+  if (kept_ > 0 && time_ - newest.time < kWindow_s / (kSteps - 1)) return;
+  passed_[kept_ % kSteps] = {time_, pose_};
+  ++kept_;
 }
 
 }  // namespace knee_robot

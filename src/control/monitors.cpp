@@ -105,8 +105,8 @@ Fault Monitors::judge(std::size_t i, const AxisView& view) noexcept {
   if (hot) return Fault::ThermalOverload;
   if (!carried_) return Fault::None;
   const bool searching =
-      commands_[i].homing == HomingPhase::Searching;   // there, standing against a stop is what is wanted
-  const bool taking_over = carried_s_ < release_time;  // the force grows to what the axis carries
+      commands_[i].homing == HomingPhase::Searching;  // there, standing against a stop is what is wanted
+  const bool taking_over = takingOver();
   if (searching || taking_over) axis.frozen.reset();
   const double stuck_N = std::min<double>(frozen_share * view.force_limit_N, frozen_force);
   if (!searching && !taking_over && axis.frozen.step(view, frozen_distance, stuck_N)) return Fault::EncoderFrozen;
@@ -130,14 +130,14 @@ Fault Monitors::judge(std::size_t i, const AxisView& view) noexcept {
 
 Fault Monitors::judgePatient(double dt) noexcept {
   if (!carried_ || !any_ || !commands_[0].homed) return Fault::None;
-  switch (patient_monitor_.step(patient_, measured_.position_m, measured_.velocity_m_per_s, dt, patient_margin_m,
-                                patient_margin_rad, patient_speed_factor)) {
+  switch (patient_monitor_.step(patient_, measured_.position_m, dt, patient_margin_m, patient_margin_rad,
+                                patient_speed_factor)) {
     case PatientMonitor::Verdict::Fine:
       return Fault::None;
     case PatientMonitor::Verdict::Pose:
       return Fault::PatientPose;
     case PatientMonitor::Verdict::Speed:
-      return Fault::PatientSpeed;
+      return takingOver() ? Fault::None : Fault::PatientSpeed;
   }
   return Fault::None;
 }

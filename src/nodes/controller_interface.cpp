@@ -8,7 +8,7 @@ ControllerInterface::ControllerInterface(const Parts& parts)
       gains_(commands_.node, parts.system),
       topics_(topics_lane_.node, parts.system, parts.robot, parts.rate_hz),
       diagnostics_(topics_lane_.node, parts.system, parts.robot, parts.guardian),
-      services_(commands_.node, stops_.node, parts.system, parts.references, parts.recordings),
+      services_(commands_.node, stops_.node, parts.system, parts.references, parts.patients, parts.recordings),
       running_{{&commands_, &stops_, &actions_, &topics_lane_}} {
   parts.references.advertise(topics_lane_.node);
   for (Lane* lane : running_.lanes)

@@ -29,6 +29,7 @@ class ControllerInterface {
     ControlSystem& system;
     const Robot& robot;
     References& references;
+    const Folder& patients;
     const Folder& recordings;
     double rate_hz;
     const std::atomic<GuardianSupervision::Guardian>& guardian;

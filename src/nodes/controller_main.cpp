@@ -83,6 +83,7 @@ int run() {
   if (hardware_file.can) node.param("can", hardware_file.can->interface, hardware_file.can->interface);
   const double rate_hz = boundedParameter(node, "rate_hz", 50.0, 1.0, 500.0, "the rate of the topics");
   const Folder reference_folder(requiredParameter(node, "references"));
+  const Folder patients(node.param("patients", reference_folder.path()));
   const Folder recordings(requiredParameter(node, "recordings"));
   Machine machine = openMachine(hardware_file, robot, node, [] { return stop_requested != 0; });
 
@@ -96,7 +97,7 @@ int run() {
   ROS_INFO("%s", started.sentence.c_str());
   References references(system, robot, reference_folder);
   std::atomic<GuardianSupervision::Guardian> guardian{GuardianSupervision::Guardian::None};
-  serve(node, machine, {system, robot, references, recordings, rate_hz, guardian}, guardian);
+  serve(node, machine, {system, robot, references, patients, recordings, rate_hz, guardian}, guardian);
   const Answer stopped = system.shutdown();
   std::printf("controller: %s\n", stopped.sentence.c_str());
   return stopped.ok ? kExitDone : 1;

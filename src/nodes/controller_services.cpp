@@ -19,8 +19,8 @@ bool reply(const std::string& name, const Answer& answer, Response& response) {
 }  // namespace
 
 ControllerServices::ControllerServices(ros::NodeHandle& commands, ros::NodeHandle& stops, ControlSystem& system,
-                                       References& references, const Folder& recordings)
-    : system_(system), references_(references), recordings_(recordings) {
+                                       References& references, const Folder& patients, const Folder& recordings)
+    : system_(system), references_(references), patients_(patients), recordings_(recordings) {
   offer(stops, "emergency_stop", [this] { return system_.emergencyStop(); });
   offer(stops, "stop", [this] { return system_.stop(); });
   offer(stops, "pause", [this] { return system_.pause(); });
@@ -35,6 +35,8 @@ ControllerServices::ControllerServices(ros::NodeHandle& commands, ros::NodeHandl
   offer(commands, "reset_faults", [this] { return system_.resetFaults(); });
   servers_.push_back(commands.advertiseService("check_reference", &ControllerServices::check, this));
   servers_.push_back(commands.advertiseService("load_reference", &ControllerServices::load, this));
+  servers_.push_back(commands.advertiseService("load_patient", &ControllerServices::loadPatient, this));
+  offer(commands, "clear_patient", [this] { return system_.clearPatient(); });
   servers_.push_back(commands.advertiseService("set_recording", &ControllerServices::record, this));
   servers_.push_back(stops.advertiseService("get_state", &ControllerServices::getState, this));
 }
@@ -60,6 +62,14 @@ bool ControllerServices::load(LoadReference::Request& request, LoadReference::Re
   response.points = judged.points;
   response.duration_s = judged.duration_s;
   return reply("load_reference", references_.load(judged), response);
+}
+
+bool ControllerServices::loadPatient(LoadPatient::Request& request, LoadPatient::Response& response) {
+  try {
+    return reply("load_patient", system_.loadPatient(patients_.existingFile(request.file)), response);
+  } catch (const InputError& error) {
+    return reply("load_patient", {false, error.what()}, response);
+  }
 }
 
 bool ControllerServices::record(SetRecording::Request& request, SetRecording::Response& response) {

@@ -2,6 +2,7 @@
 
 #include <knee_robot/CheckReference.h>
 #include <knee_robot/GetState.h>
+#include <knee_robot/LoadPatient.h>
 #include <knee_robot/LoadReference.h>
 #include <knee_robot/SetRecording.h>
 #include <knee_robot/SetSpeed.h>
@@ -21,6 +22,7 @@ namespace knee_robot {
 /// The operator's commands as services. Every answer says what happened, or why it did not.
 ///
 ///     ~check_reference, ~load_reference   files of the references folder only
+///     ~load_patient, ~clear_patient       files of the folder of patient files only
 ///     ~home, ~confirm_home, ~enable, ~approach, ~start, ~resume, ~reset_faults   std_srvs/Trigger
 ///     ~pause, ~stop, ~disable, ~emergency_stop                                   std_srvs/Trigger
 ///     ~set_speed, ~set_recording, ~get_state
@@ -29,11 +31,12 @@ class ControllerServices {
   /// `commands` and `stops` are the same private namespace with callback queues of their own: what makes the robot slower or
   /// stops it never waits behind a command that takes its time. ~get_state is advertised last.
   ControllerServices(ros::NodeHandle& commands, ros::NodeHandle& stops, ControlSystem& system, References& references,
-                     const Folder& recordings);
+                     const Folder& patients, const Folder& recordings);
 
  private:
   bool check(CheckReference::Request& request, CheckReference::Response& response);
   bool load(LoadReference::Request& request, LoadReference::Response& response);
+  bool loadPatient(LoadPatient::Request& request, LoadPatient::Response& response);
   bool record(SetRecording::Request& request, SetRecording::Response& response);
   bool setSpeed(SetSpeed::Request& request, SetSpeed::Response& response);
   bool getState(GetState::Request& request, GetState::Response& response);
@@ -41,6 +44,7 @@ class ControllerServices {
 
   ControlSystem& system_;
   References& references_;
+  const Folder& patients_;
   const Folder& recordings_;
   std::vector<ros::ServiceServer> servers_;
 };

@@ -38,6 +38,7 @@ ControllerState stateMessage(const ControlSystem& system) {
   message.reference_file = status.reference;
   message.duration_s = status.path_duration_s;
   message.path_time_s = status.path_time_s;
+  message.patient = status.patient;
   message.playing = status.playing;
   message.progress = status.progress;
   message.time_scale = status.time_scale;
@@ -155,7 +156,7 @@ void ControllerTopics::publishForces(const TrackingRow& row, const ros::Time& st
 void ControllerTopics::publishState() {
   const ControllerState message = stateMessage(system_);
   const std::string summary = message.state + '\n' + message.fault + '\n' + message.reference_file + '\n' +
-                              message.playing + '\n' + std::to_string(message.speed_percent) +
+                              message.playing + '\n' + message.patient + '\n' + std::to_string(message.speed_percent) +
                               (message.recording ? "recording" : "") + std::to_string(message.dropped_rows);
   const ros::WallTime now = ros::WallTime::now();
   const bool changed = summary != last_state_;

@@ -114,25 +114,32 @@ TEST_F(PatientFile, IsWatchedInMotionByPoseAndSpeed) {
   const Robot robot = finalRobot();
   const PatientLimits patient = loadPatientLimits(file(kGood), robot);
   using Verdict = PatientMonitor::Verdict;
-  /// Moves upwards at `speed` from 0.61 m and answers what the monitor says first.
-  const auto watch = [&](double speed, double seconds) {
+  /// Moves upwards from 0.61 m by `way(time)` and answers what the monitor says first, and when.
+  const auto watch = [&](auto way, double seconds) {
     PatientMonitor monitor(robot);
     for (int k = 0; k < static_cast<int>(seconds * 1000); ++k) {
-      const Pose pose(0.0, 0.61 + 1e-3 * speed * k, 0.0, 0.0);
-      const Lengths lengths = legLengths(*robot.mechanism, pose);
-      const Vector4 rates = lengthJacobian(*robot.mechanism, pose) * Vector4(0.0, speed, 0.0, 0.0);
-      const Verdict verdict = monitor.step(patient.range, {lengths[0], lengths[1], lengths[2], lengths[3]},
-                                           {rates[0], rates[1], rates[2], rates[3]}, 1e-3, 0.002, 0.01, 1.3);
-      if (verdict != Verdict::Fine) return verdict;
+      const Lengths lengths = legLengths(*robot.mechanism, Pose(0.0, 0.61 + way(1e-3 * k), 0.0, 0.0));
+      const Verdict verdict =
+          monitor.step(patient.range, {lengths[0], lengths[1], lengths[2], lengths[3]}, 1e-3, 0.002, 0.01, 1.3);
+      if (verdict != Verdict::Fine) return std::pair(verdict, 1e-3 * k);
     }
-    return Verdict::Fine;
+    return std::pair(Verdict::Fine, seconds);
   };
-  EXPECT_EQ(watch(0.015, 5.0), Verdict::Fine);
-  EXPECT_EQ(watch(0.015, 7.0), Verdict::Pose);
-  EXPECT_EQ(watch(0.025, 1.0), Verdict::Speed);
+  const auto steady = [](double speed) { return [speed](double t) { return speed * t; }; };
+  EXPECT_EQ(watch(steady(0.015), 5.0).first, Verdict::Fine);
+  EXPECT_EQ(watch(steady(0.015), 7.0).first, Verdict::Pose);
+  EXPECT_EQ(watch(steady(0.025), 1.0).first, Verdict::Speed);
+  const auto [fast, after] = watch([](double t) { return 0.01 * t + std::max(0.0, t - 2.0) * 0.06; }, 3.0);
+  EXPECT_EQ(fast, Verdict::Speed);
+  EXPECT_LT(after, 2.0 + PatientMonitor::kWindow_s);
+  const auto slips = [](double t) {  // a dry screw: stands for 0.08 s, makes up for it in 0.02 s
+    const double step = std::floor(t / 0.1);
+    return 0.01 * 0.1 * (step + std::max(0.0, (t / 0.1 - step - 0.8) / 0.2));
+  };
+  EXPECT_EQ(watch(slips, 3.0).first, Verdict::Fine) << "five times as fast for moments, but no way";
   PatientMonitor monitor(robot);
-  EXPECT_EQ(monitor.step(patient.range, {0.6, 0.6, std::nan(""), 0.6}, {}, 1e-3, 0.002, 0.01, 1.3), Verdict::Pose);
-  EXPECT_EQ(monitor.step(PatientRange{}, {0.1, 0.1, 0.1, 0.1}, {}, 1e-3, 0.002, 0.01, 1.3), Verdict::Fine)
+  EXPECT_EQ(monitor.step(patient.range, {0.6, 0.6, std::nan(""), 0.6}, 1e-3, 0.002, 0.01, 1.3), Verdict::Pose);
+  EXPECT_EQ(monitor.step(PatientRange{}, {0.1, 0.1, 0.1, 0.1}, 1e-3, 0.002, 0.01, 1.3), Verdict::Fine)
       << "nobody there";
 }
 

@@ -11,7 +11,7 @@ import rostest
 
 sys.path.insert(0, str(pathlib.Path(__file__).parent))
 import movements  # noqa: E402
-from robot_client import RobotClient, parameter  # noqa: E402
+from robot_client import Player, RobotClient, parameter  # noqa: E402
 
 
 class Refusals(unittest.TestCase):
@@ -19,7 +19,6 @@ class Refusals(unittest.TestCase):
     def setUpClass(cls):
         cls.robot = RobotClient()
         cls.folder = pathlib.Path(parameter("references"))
-        cls.home = list(cls.robot.tracking().position_m)
 
     def write(self, name, points):
         (self.folder / name).write_text("".join(" ".join(map(str, point)) + "\n" for point in points))
@@ -27,6 +26,7 @@ class Refusals(unittest.TestCase):
 
     def setUp(self):
         self.robot.bring_to("disabled")
+        self.home = list(self.robot.tracking().position_m)
 
     def assert_refused(self, name, *words):
         loaded = self.robot.state().reference_file
@@ -91,6 +91,36 @@ class Refusals(unittest.TestCase):
         for percent in (-1.0, 100.1, math.nan, math.inf):
             self.assertFalse(self.robot.set_speed(percent).success, percent)
         self.assertEqual(100.0, self.robot.state().speed_percent)
+
+    def test_a_patients_range_and_speed_bind_until_they_are_cleared(self):
+        (self.folder / "patient.yaml").write_text(
+            "patient: test\npose: {X_m: [-0.05, 0.05], Z_m: [0.59, 0.62], theta_deg: [-5, 5], psi_deg: [-5, 5]}\n")
+        self.robot.load(movements.write(self.folder, "before.txt", movements.rise(4.0)))
+        answer = self.robot.load_patient("patient.yaml")
+        self.assertTrue(answer.success, answer.message)
+        self.assertEqual("test", self.robot.state().patient)
+        self.assertEqual("", self.robot.state().reference_file, "it was judged for somebody else")
+        try:
+            self.assert_refused(movements.write(self.folder, "high.txt", movements.rise(8.0)), "Z")
+            self.assert_refused(movements.write(self.folder, "fast.txt", movements.rise(2.0, height=0.015, angle_deg=0.0)), "mm/s")
+            small = self.robot.load(movements.write(self.folder, "small.txt", movements.rise(6.0, height=0.015, angle_deg=1.0)))
+            self.assertTrue(small.success, small.message)
+            self.robot.bring_to("holding")
+            self.assertFalse(self.robot.load_patient("patient.yaml").success)
+            self.assertFalse(self.robot.trigger("clear_patient").success)
+            state, result = Player(self.robot).send("small.txt", approach=True).end()
+            self.assertEqual("SUCCEEDED", state, result)
+        finally:
+            self.robot.bring_to("disabled")
+            self.assertTrue(self.robot.trigger("clear_patient").success)
+        self.assertEqual("", self.robot.state().patient)
+        self.assertTrue(self.robot.load("high.txt").success)
+
+    def test_patient_files_are_read_strictly_and_from_their_folder_only(self):
+        (self.folder / "bad.yaml").write_text("patient: test\npose: {X_m: [0.1, -0.1]}\n")
+        for name in ("bad.yaml", "../outside.yaml", "/etc/passwd", "", "no_such.yaml"):
+            self.assertFalse(self.robot.load_patient(name).success, name)
+        self.assertEqual("", self.robot.state().patient)
 
     def test_a_huge_file_and_a_folder_are_refused(self):
         huge = self.folder / "huge.txt"

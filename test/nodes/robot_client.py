@@ -12,7 +12,7 @@ from actionlib_msgs.msg import GoalStatus
 from std_srvs.srv import Trigger
 
 from knee_robot.msg import ControllerState, PlayAction, PlayGoal, Tracking
-from knee_robot.srv import CheckReference, GetState, LoadReference, SetRecording, SetSpeed
+from knee_robot.srv import CheckReference, GetState, LoadPatient, LoadReference, SetRecording, SetSpeed
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 
@@ -32,6 +32,9 @@ class RobotClient:
 
     def load(self, file, space=""):
         return self.service("load_reference", LoadReference)(str(file), space)
+
+    def load_patient(self, file):
+        return self.service("load_patient", LoadPatient)(str(file))
 
     def check(self, file, space=""):
         return self.service("check_reference", CheckReference)(str(file), space)

@@ -115,6 +115,8 @@ class Monitors : public rt::TaskContext {
   void readPorts();
   AxisView viewOf(std::size_t axis, double dt) noexcept;
   Fault judge(std::size_t axis, const AxisView& view) noexcept;
+  /// The force still grows to what the axes carry: the platform sags, by a few mm at most (release_error).
+  bool takingOver() const noexcept { return carried_s_ < release_time; }
   Fault judgePatient(double dt) noexcept;
   void raise(std::size_t axis, Fault fault) noexcept;
   void forget() noexcept;
