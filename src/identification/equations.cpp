@@ -130,8 +130,6 @@ Equations stackEquations(const std::vector<Observation>& training, const Observa
       e.block.push_back(p.block);
       e.time_s.push_back(kFilesApart_s * static_cast<double>(p.file) + p.sample * training[p.file].signals.period_s);
       e.elapsed_s.push_back(elapsed);
-      e.second.push_back(static_cast<int>(p.file) * 1000000 +
-                         static_cast<int>(p.sample * training[p.file].signals.period_s));
     }
   }
   std::vector<int> all(static_cast<std::size_t>(columns));

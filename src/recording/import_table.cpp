@@ -159,12 +159,7 @@ ColumnMapping readMapping(StrictMap& entry) {
 ColumnMap parseColumnMap(const std::string& text, const std::string& path) {
   StrictMap file = StrictMap::parse(text, path);
   ColumnMap map;
-  const std::string separator = file.choiceOr("separator", "", {"", "tab", "comma", "semicolon", "blank"});
-  if (!separator.empty())
-    map.format.separator = separator == "tab" ? '\t' : separator == "comma" ? ',' : separator == "blank" ? ' ' : ';';
-  map.format.decimal_comma = file.choiceOr("decimal", "point", {"point", "comma"}) == "comma";
-  map.format.header = file.flagOr("header", true);
-  map.format.skip_lines = file.integerOr("skip_lines", 0, 0, 100000);
+  map.format = readTableFormat(file);
   for (StrictMap& entry : file.maps("columns"))
     map.columns.push_back(readMapping(entry));
   file.finish();

@@ -120,12 +120,7 @@ std::string share(int count, std::size_t of) {
 MarkerMap parseMarkerMap(const std::string& text, const std::string& path) {
   StrictMap file = StrictMap::parse(text, path);
   MarkerMap map;
-  const std::string separator = file.choiceOr("separator", "", {"", "tab", "comma", "semicolon", "blank"});
-  if (!separator.empty())
-    map.format.separator = separator == "tab" ? '\t' : separator == "comma" ? ',' : separator == "blank" ? ' ' : ';';
-  map.format.decimal_comma = file.choiceOr("decimal", "point", {"point", "comma"}) == "comma";
-  map.format.header = file.flagOr("header", true);
-  map.format.skip_lines = file.integerOr("skip_lines", 0, 0, 100000);
+  map.format = readTableFormat(file);
   map.zero_is_missing = file.flagOr("zero_is_missing", true);
   map.tolerance_m = 1e-3 * file.numberOr("tolerance_mm", 5.0, 0.01, 1000.0);
   map.metres = metresPer(file.choice("unit", {"m", "cm", "mm"}));

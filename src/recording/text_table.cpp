@@ -97,6 +97,17 @@ std::optional<double> parseWith(Text text, bool decimal_comma) {
 
 }  // namespace
 
+TableFormat readTableFormat(StrictMap& file) {
+  TableFormat format;
+  const std::string separator = file.choiceOr("separator", "", {"", "tab", "comma", "semicolon", "blank"});
+  if (!separator.empty())
+    format.separator = separator == "tab" ? '\t' : separator == "comma" ? ',' : separator == "blank" ? ' ' : ';';
+  format.decimal_comma = file.choiceOr("decimal", "point", {"point", "comma"}) == "comma";
+  format.header = file.flagOr("header", true);
+  format.skip_lines = file.integerOr("skip_lines", 0, 0, 100000);
+  return format;
+}
+
 TextTable TextTable::load(const std::string& path, const TableFormat& format) {
   return TextTable(readFile(path), path, format);
 }

@@ -35,7 +35,6 @@ Equations equationsOf(const std::vector<Observation>& training, const Stack& sta
     for (const Pick& pick : stack.picks) {
       e.actuator.push_back(i);
       e.block.push_back(pick.block);
-      e.second.push_back(static_cast<int>(pick.recording) * 1000000 + pick.sample / 100);
     }
   }
   weightRows(e, noise_N);

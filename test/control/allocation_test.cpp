@@ -1,45 +1,10 @@
 // Nothing allocates in any updateHook, whatever happens: operator new counts while a hook runs.
 #include <gtest/gtest.h>
 
-#include <cstdlib>
 #include <map>
-#include <new>
 
 #include "system_rig.h"
-
-namespace {
-
-thread_local bool armed = false;
-long allocations = 0;
-
-void* counted(std::size_t size) {
-  if (armed) ++allocations;
-  void* memory = std::malloc(size == 0 ? 1 : size);
-  if (memory == nullptr) throw std::bad_alloc();
-  return memory;
-}
-
-}  // namespace
-
-void* operator new(std::size_t size) {
-  return counted(size);
-}
-void* operator new[](std::size_t size) {
-  return counted(size);
-}
-void operator delete(void* memory) noexcept {
-  if (armed) ++allocations;
-  std::free(memory);
-}
-void operator delete[](void* memory) noexcept {
-  operator delete(memory);
-}
-void operator delete(void* memory, std::size_t) noexcept {
-  operator delete(memory);
-}
-void operator delete[](void* memory, std::size_t) noexcept {
-  operator delete(memory);
-}
+#include "test/allocation_guard.h"
 
 namespace knee_robot {
 namespace {

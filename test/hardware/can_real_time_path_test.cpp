@@ -4,45 +4,9 @@
 #include <time.h>
 #include <unistd.h>
 
-#include <cstdlib>
-#include <new>
-
 #include "knee_robot/hardware/can/can_axis_bus.h"
+#include "test/allocation_guard.h"
 #include "test/hardware/can_bench.h"
-
-namespace {
-
-thread_local bool armed = false;
-long allocations = 0;
-
-void* counted(std::size_t size) {
-  if (armed) ++allocations;
-  void* memory = std::malloc(size == 0 ? 1 : size);
-  if (memory == nullptr) throw std::bad_alloc();
-  return memory;
-}
-
-}  // namespace
-
-void* operator new(std::size_t size) {
-  return counted(size);
-}
-void* operator new[](std::size_t size) {
-  return counted(size);
-}
-void operator delete(void* memory) noexcept {
-  if (armed) ++allocations;
-  std::free(memory);
-}
-void operator delete[](void* memory) noexcept {
-  operator delete(memory);
-}
-void operator delete(void* memory, std::size_t) noexcept {
-  operator delete(memory);
-}
-void operator delete[](void* memory, std::size_t) noexcept {
-  operator delete(memory);
-}
 
 namespace knee_robot::hardware::can {
 namespace {

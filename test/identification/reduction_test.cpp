@@ -113,7 +113,6 @@ Equations fallingEquations(int alive, double noise, unsigned seed) {
   for (int row = 0; row < 600; ++row) {
     e.actuator.push_back(0);
     e.block.push_back(row / 60);
-    e.second.push_back(row / 10);
   }
   return e;
 }

@@ -63,6 +63,14 @@ TEST(SetUpIndustrialPc, NeverRestartsAControllerThatDied) {
   EXPECT_NE(controller.find("\nExecStopPost="), std::string::npos);
 }
 
+TEST(SetUpIndustrialPc, NamesAHardwareFileThatIsThereUnlessToldAnother) {
+  const Folder folder;
+  ASSERT_EQ(runScript("--into " + folder.path.string() + " --cpus 2,3"), 0);
+  const std::string guardian = contentOf(folder.path / "etc/systemd/system/knee-guardian.service");
+  const std::size_t begin = guardian.find("--hardware ") + 11;
+  EXPECT_TRUE(fs::exists(guardian.substr(begin, guardian.find(' ', begin) - begin)));
+}
+
 TEST(SetUpIndustrialPc, RefusesOneProcessorForBothAndUnknownArguments) {
   EXPECT_EQ(runScript("--into /nonexistent --cpus 2,2"), 2);
   EXPECT_EQ(runScript("--into /nonexistent --cpus two"), 2);

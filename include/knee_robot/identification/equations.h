@@ -10,12 +10,10 @@ namespace knee_robot {
 /// The equations that are fitted: a * parameters = b, both sides low-passed, only usable moving samples, thinned to what the
 /// cut-off leaves. Rows carry their actuator, and the block of training data that cross-validation leaves out together.
 struct Equations {
-  Eigen::MatrixXd a;          ///< rows x columns
-  Eigen::VectorXd b;          ///< N
-  std::vector<int> actuator;  ///< per row
-  std::vector<int> block;     ///< per row, 0 .. blocks - 1
-  std::vector<int>
-      second;  ///< per row: index of the second of data that it lies in, for autocorrelation-proof uncertainty
+  Eigen::MatrixXd a;           ///< rows x columns
+  Eigen::VectorXd b;           ///< N
+  std::vector<int> actuator;   ///< per row
+  std::vector<int> block;      ///< per row, 0 .. blocks - 1
   std::vector<double> time_s;  ///< per row: time of its sample; files follow each other far apart
   std::vector<double>
       elapsed_s;  ///< per row: usable motion before its sample, without what is masked between; each file starts anew

@@ -5,6 +5,8 @@
 #include <string_view>
 #include <vector>
 
+#include "knee_robot/base/strict_yaml.h"
+
 namespace knee_robot {
 
 /// How a foreign table is written.
@@ -14,6 +16,9 @@ struct TableFormat {
   bool decimal_comma = false;  ///< 0,5 instead of 0.5
   int skip_lines = 0;          ///< lines in front of the header
 };
+
+/// Keys separator, decimal, header and skip_lines of a map file; each optional.
+TableFormat readTableFormat(StrictMap& file);
 
 /// A table of another program: one line a row, columns by name or number. CRLF, blanks around values, a byte order mark and
 /// empty lines at the end are accepted. InputError (file, line) for an empty table, a doubled column name that is asked for, an
