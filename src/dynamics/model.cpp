@@ -41,7 +41,7 @@ ForceModel::ForceModel(const Model& model, const Robot& robot)
   if (!model.effects.empty()) {
     throw InputError("the model has an effect (" + model.effects.front().name +
                      ") that is predicted along whole recordings only, not instant by instant; use the model that "
-                     "identify writes, or trace's predictions");
+                     "identify writes, or predict");
   }
   parameters.setZero();
   axis_parameters.setZero();

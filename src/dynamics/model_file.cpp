@@ -10,8 +10,8 @@
 namespace knee_robot {
 namespace {
 
-constexpr int kFormat = 1;  ///< without effects
-constexpr int kFormatWithEffects = 2;
+constexpr int kFormat = 1;
+constexpr int kFormatOfTrace = 2;  ///< may have effects, and what predictions along recordings need
 constexpr double kLargest = 1e15;
 constexpr const char* kParallel = "3UPS+1RPU";
 constexpr const char* kAxes = "axes";
@@ -53,6 +53,30 @@ std::string effectText(const ModelEffect& e) {
   y += std::string("], transfers: ") + (e.transfers ? "yes" : "no");
   return y + ",\n     shape: " + effectParameters(e.shape) +
          ",\n     coefficients: " + effectParameters(e.coefficients) + "}\n";
+}
+
+std::string effectsText(const std::string& key, const std::vector<ModelEffect>& effects) {
+  std::string y = key + (effects.empty() ? ": []\n" : ":\n");
+  for (const ModelEffect& e : effects)
+    y += effectText(e);
+  return y;
+}
+
+bool ofTrace(const Model& m) {
+  return !m.effects.empty() || !m.friction_cutoff_hz.empty();
+}
+
+/// What only trace writes.
+std::string traceText(const Model& m) {
+  std::string y = "# Effects beyond the parameters above; shapes bend their columns, coefficients multiply them.\n";
+  y += effectsText("effects", m.effects);
+  if (!m.friction_cutoff_hz.empty()) y += "friction_cutoff_hz: " + list(m.friction_cutoff_hz) + "\n";
+  if (!m.effects_see.empty()) y += "effects_see: " + list(m.effects_see) + "\n";
+  if (!m.elsewhere) return y;
+  y += "# On recordings that are not listed under data.\n";
+  y += "parameters_elsewhere: " + list(m.elsewhere->parameters) + "\n";
+  y += "effects_see_elsewhere: " + list(m.elsewhere->effects_see) + "\n";
+  return y + effectsText("effects_elsewhere", m.elsewhere->effects);
 }
 
 ModelParameter readParameter(StrictMap map) {
@@ -102,6 +126,25 @@ ModelEffect readEffect(StrictMap map, int axes) {
   return e;
 }
 
+std::vector<ModelEffect> readEffects(StrictMap& file, const std::string& key, int axes) {
+  std::vector<ModelEffect> effects;
+  for (StrictMap& entry : file.maps(key))
+    effects.push_back(readEffect(entry, axes));
+  return effects;
+}
+
+void readTrace(StrictMap& file, Model& m) {
+  m.effects = readEffects(file, "effects", m.axes);
+  const std::size_t axes = static_cast<std::size_t>(m.axes), parameters = m.parameters.size();
+  if (file.has("friction_cutoff_hz")) m.friction_cutoff_hz = file.numbers("friction_cutoff_hz", axes, 0.0, 1e6);
+  if (file.has("effects_see")) m.effects_see = file.numbers("effects_see", parameters, -kLargest, kLargest);
+  if (!file.has("parameters_elsewhere")) return;
+  m.elsewhere.emplace();
+  m.elsewhere->parameters = file.numbers("parameters_elsewhere", parameters, -kLargest, kLargest);
+  m.elsewhere->effects_see = file.numbers("effects_see_elsewhere", parameters, -kLargest, kLargest);
+  m.elsewhere->effects = readEffects(file, "effects_elsewhere", m.axes);
+}
+
 void checkNames(const Model& model, const StrictMap& file) {
   const std::vector<std::string> names =
       model.kind == MechanismKind::Axes ? axisParameterNames(model.axes) : extendedParameterNames();
@@ -114,7 +157,7 @@ void checkNames(const Model& model, const StrictMap& file) {
 }
 
 Model readModel(StrictMap file) {
-  const int format = file.integer("format", kFormat, kFormatWithEffects);
+  const int format = file.integer("format", kFormat, kFormatOfTrace);
   Model m;
   m.kind = file.choice("mechanism", {kParallel, kAxes}) == kAxes ? MechanismKind::Axes : MechanismKind::ThreeUpsOneRpu;
   const bool bench = m.kind == MechanismKind::Axes;
@@ -137,10 +180,7 @@ Model readModel(StrictMap file) {
     m.parameters.push_back(readParameter(entry));
   for (StrictMap& entry : file.maps("base"))
     m.base.push_back(readBase(entry, m.parameters.size()));
-  if (format == kFormatWithEffects) {
-    for (StrictMap& entry : file.maps("effects"))
-      m.effects.push_back(readEffect(entry, m.axes));
-  }
+  if (format == kFormatOfTrace) readTrace(file, m);
   checkNames(m, file);
   file.finish();
   return m;
@@ -150,7 +190,7 @@ Model readModel(StrictMap file) {
 
 std::string modelToYaml(const Model& m) {
   std::string y = "# Force model of a robot, written by identify or trace. SI units.\n";
-  y += "format: " + std::to_string(m.effects.empty() ? kFormat : kFormatWithEffects) + "\n";
+  y += "format: " + std::to_string(ofTrace(m) ? kFormatOfTrace : kFormat) + "\n";
   y += std::string("mechanism: ") + (m.kind == MechanismKind::Axes ? kAxes : kParallel) + "\n";
   y += "axes: " + std::to_string(m.axes) + "\n";
   y += "robot_fingerprint: " + quoted(m.robot_fingerprint) + "\n";
@@ -175,11 +215,7 @@ std::string modelToYaml(const Model& m) {
     y += "  - {value: " + exactNumber(b.value) + ", std: " + exactNumber(b.std) + ", weights: " + list(b.weights) +
          "}\n";
   }
-  if (m.effects.empty()) return y;
-  y += "# Effects beyond the parameters above; shapes bend their columns, coefficients multiply them.\neffects:\n";
-  for (const ModelEffect& e : m.effects)
-    y += effectText(e);
-  return y;
+  return ofTrace(m) ? y + traceText(m) : y;
 }
 
 void saveModel(const Model& model, const std::string& path) {

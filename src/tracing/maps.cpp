@@ -93,17 +93,17 @@ std::vector<double> knotsOf(const std::vector<EffectInput>& inputs, const Signal
   return knots;
 }
 
-}  // namespace
+/// A signal that maps are made of.
+struct MapSignal {
+  std::string name;  ///< "#": number of the actuator itself
+  SignalOf of;
+  bool friction = false;
+};
 
-CandidateList mapCandidates(const std::vector<EffectInput>& inputs) {
-  CandidateList maps;
+std::vector<MapSignal> mapSignals(bool bench, int axes) {
+  std::vector<MapSignal> all;
   const auto add = [&](const std::string& name, const SignalOf& of, bool friction) {
-    std::vector<std::vector<double>> knots;
-    for (int i = 0; i < inputs.front().axes(); ++i) {
-      knots.push_back(knotsOf(inputs, of, i));
-      if (knots.back().empty()) return;
-    }
-    maps.push_back(std::make_unique<Map>(name, of, friction, knots));
+    all.push_back({name, of, friction});
   };
   const auto own_velocity = [](const EffectInput& in, int i) -> Eigen::VectorXd {
     return in.signals().velocity_m_per_s.col(i);
@@ -119,14 +119,13 @@ CandidateList mapCandidates(const std::vector<EffectInput>& inputs) {
   add("distance_since_reversal_#_m", since, true);
   add("time_s", time, false);
   add("time_s", time, true);
-  const bool bench = inputs.front().force_per_pose_force.empty();
   if (bench) {  // independent axes: another one's motion cannot matter
     const auto own = [](const EffectInput& in, int i) -> Eigen::VectorXd { return in.signals().position_m.col(i); };
     add("position_#_m", own, false);
     add("position_#_m", own, true);
-    return maps;
+    return all;
   }
-  for (int k = 0; k < inputs.front().axes(); ++k) {
+  for (int k = 0; k < axes; ++k) {
     const auto position = [k](const EffectInput& in, int) -> Eigen::VectorXd { return in.signals().position_m.col(k); };
     const auto velocity = [k](const EffectInput& in, int) -> Eigen::VectorXd {
       return in.signals().velocity_m_per_s.col(k);
@@ -146,7 +145,34 @@ CandidateList mapCandidates(const std::vector<EffectInput>& inputs) {
     add(pose[k], coordinate, false);
     add(pose[k], coordinate, true);
   }
+  return all;
+}
+
+}  // namespace
+
+CandidateList mapCandidates(const std::vector<EffectInput>& inputs) {
+  CandidateList maps;
+  for (const MapSignal& signal : mapSignals(inputs.front().force_per_pose_force.empty(), inputs.front().axes())) {
+    std::vector<std::vector<double>> knots;
+    for (int i = 0; i < inputs.front().axes(); ++i) {
+      knots.push_back(knotsOf(inputs, signal.of, i));
+      if (knots.back().empty()) break;
+    }
+    if (!knots.back().empty())
+      maps.push_back(std::make_unique<Map>(signal.name, signal.of, signal.friction, std::move(knots)));
+  }
   return maps;
+}
+
+std::unique_ptr<Candidate> mapCandidate(const Robot& robot, const std::string& depends_on, int actuator,
+                                        const std::vector<double>& knots) {
+  if (knots.size() != static_cast<std::size_t>(kKnots)) return nullptr;
+  for (const MapSignal& signal : mapSignals(!robot.mechanism, robot.axes())) {
+    std::vector<std::vector<double>> all(static_cast<std::size_t>(robot.axes()), knots);
+    auto map = std::make_unique<Map>(signal.name, signal.of, signal.friction, std::move(all));
+    if (map->dependsOn(actuator) == depends_on) return map;
+  }
+  return nullptr;
 }
 
 }  // namespace knee_robot

@@ -28,6 +28,10 @@ ModelEffect modelEffect(const FoundEffect& e, const EffectInput& input, int axes
   return m;
 }
 
+std::vector<double> valuesOf(const Eigen::VectorXd& v) {
+  return {v.data(), v.data() + v.size()};
+}
+
 }  // namespace
 
 Model tracedModel(const Robot& robot, const TraceResult& result, const std::vector<Observation>& training,
@@ -43,6 +47,9 @@ Model tracedModel(const Robot& robot, const TraceResult& result, const std::vect
   m.rank = result.base.rank();
   for (const FrictionMemory& memory : result.base.memory)
     m.coulomb_width_m.push_back(memory.width_m);
+  for (const FrictionMemory& memory : result.base.memory)
+    m.friction_cutoff_hz.push_back(memory.cutoff_hz);
+  m.effects_see = valuesOf(result.seen_parameters);
   m.residual_rms_N.assign(result.after_rms_N.data(), result.after_rms_N.data() + result.after_rms_N.size());
   for (std::size_t c = 0; c < result.base.columns.size(); ++c) {
     ModelParameter p;
@@ -55,6 +62,12 @@ Model tracedModel(const Robot& robot, const TraceResult& result, const std::vect
   input.recordings = static_cast<int>(training.size());
   for (const FoundEffect& e : result.effects)
     m.effects.push_back(modelEffect(e, input, m.axes));
+  if (!result.elsewhere) return m;
+  m.elsewhere.emplace();
+  m.elsewhere->parameters = valuesOf(result.elsewhere->parameters);
+  m.elsewhere->effects_see = valuesOf(result.elsewhere->seen_parameters);
+  for (const FoundEffect& e : result.elsewhere->effects)
+    m.elsewhere->effects.push_back(modelEffect(e, input, m.axes));
   return m;
 }
 

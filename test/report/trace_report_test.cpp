@@ -12,6 +12,7 @@
 #include "knee_robot/base/errors.h"
 #include "knee_robot/base/files.h"
 #include "knee_robot/simulation/camera.h"
+#include "knee_robot/tracing/model_prediction.h"
 #include "test/identification/synthetic.h"
 
 namespace knee_robot {
@@ -37,6 +38,7 @@ const TraceResults& traced() {
       recordings.push_back(
           syntheticRecording(robot, syntheticModel(robot), variant, 30.0, [&] { return noise(random); }));
       Recording& recording = recordings.back();
+      recording.fingerprint = "run" + std::to_string(variant);
       for (int k = 0; k + 1 < recording.rows(); ++k) {
         const double v = (recording.position_m(k + 1, 1) - recording.position_m(k, 1)) / 0.01;
         recording.force_N(k, 1) += 4000.0 * v * std::abs(v);
@@ -121,6 +123,11 @@ TEST(TraceReport, PredictsWhatTheFilesModelSaysAndThatModelIsRefusedInstantByIns
                        r.result.effects[k].coefficients[static_cast<Eigen::Index>(n)]);
   }
   EXPECT_THROW(ForceModel(read, syntheticBench(2)), InputError);
+  for (const bool training : {true, false}) {
+    Observation o = (training ? r.train : r.validate).front();
+    const Eigen::MatrixXd own = (training ? r.train_after : r.validate_after).predictions.front().force_N;
+    EXPECT_LT((predictModel(syntheticBench(2), read, "model.yaml", o) - own).cwiseAbs().maxCoeff(), 1e-9);
+  }
 }
 
 TEST(TraceHtml, IsSelfContainedAndComplete) {

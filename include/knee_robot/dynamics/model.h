@@ -44,7 +44,7 @@ struct EffectParameter {
 };
 
 /// An effect beyond rigid body, Coulomb and viscous friction, as trace found it. Effects are predicted along whole recordings
-/// (tracing/trace.h), not instant by instant: ForceModel refuses a model that has some.
+/// (predictModel, tracing/model_prediction.h), not instant by instant: ForceModel refuses a model that has some.
 struct ModelEffect {
   std::string name;            ///< of the list of effects, or "unnamed"
   std::string depends_on;      ///< signal of an unnamed one, otherwise empty
@@ -54,7 +54,15 @@ struct ModelEffect {
   std::vector<EffectParameter> coefficients;
 };
 
-/// The identified force model of a robot: what `identify` writes, and what the controller's feedforward and `trace` read.
+/// A model's numbers for recordings that it was not fitted on, where they differ: trace fits them without effects of which it is
+/// not known what they depend on.
+struct ModelElsewhere {
+  std::vector<double> parameters;   ///< values, in the order of Model::parameters
+  std::vector<double> effects_see;  ///< as Model::effects_see
+  std::vector<ModelEffect> effects;
+};
+
+/// The identified force model of a robot: what `identify` and `trace` write, and what predictions and `trace` read.
 struct Model {
   MechanismKind kind = MechanismKind::ThreeUpsOneRpu;
   int axes = 0;
@@ -68,12 +76,18 @@ struct Model {
   std::vector<ModelParameter> parameters;
   std::vector<BaseParameter> base;
   std::vector<ModelEffect> effects;  ///< written by trace; none from identify
+  // From trace only: predictions along whole recordings rest on them.
+  std::vector<double> friction_cutoff_hz;  ///< per actuator: low-pass of the positions that dry friction sees; 0: none
+  /// Values of the parameters, in order, that the effects' columns were computed with (loads, friction): the last but one of the
+  /// iterations between them and the fit.
+  std::vector<double> effects_see;
+  std::optional<ModelElsewhere> elsewhere;  ///< empty: the same everywhere
 };
 
 /// Fv_1 Fc_1 rotor_1 offset_1 Fv_2 ...: the parameters of `axes` bench axes.
 std::vector<std::string> axisParameterNames(int axes);
 
-/// Writes and reads model files (YAML; format version 1, or 2 when the model has effects). Reading is strict: InputError with file, line and key.
+/// Writes and reads model files (YAML; format version 1, or 2 when trace wrote it). Reading is strict: InputError with file, line and key.
 std::string modelToYaml(const Model& model);
 void saveModel(const Model& model, const std::string& path);
 Model loadModel(const std::string& path);

@@ -62,6 +62,9 @@ using CandidateList = std::vector<std::unique_ptr<Candidate>>;
 CandidateList namedCandidates(const Robot& robot);
 /// Smooth maps over every available signal, for what no named effect explains.
 CandidateList mapCandidates(const std::vector<EffectInput>& inputs);
+/// The map of a model file, by what it depends on (Candidate::dependsOn) and its knots; null when there is no such signal.
+std::unique_ptr<Candidate> mapCandidate(const Robot& robot, const std::string& depends_on, int actuator,
+                                        const std::vector<double>& knots);
 
 /// `count` values from low to high in equal ratios.
 std::vector<std::vector<double>> geometricGrid(double low, double high, int count);

@@ -1,0 +1,45 @@
+// predict: the forces that a model file predicts along recordings, beside the recorded ones.
+
+#include <iostream>
+#include <set>
+
+#include "knee_robot/base/errors.h"
+#include "knee_robot/report/predict_report.h"
+#include "program.h"
+
+using namespace knee_robot;
+
+namespace {
+
+struct Arguments {
+  std::string robot, model, output;
+  std::vector<std::string> recordings;
+};
+
+int run(const Arguments& a) {
+  const Robot robot = loadRobot(a.robot);
+  const Model model = loadModel(a.model);
+  std::vector<Recording> recordings;
+  std::set<std::string> names;
+  for (const std::string& file : a.recordings) {
+    recordings.push_back(loadRecording(file));
+    if (!names.insert(recordings.back().name).second)
+      throw InputError(file + ": another recording is named " + recordings.back().name + " too; rename one");
+  }
+  const PredictResults results = predictRecordings(robot, model, a.model, recordings);
+  writePredictFiles(results, a.output);
+  std::cout << predictSummary(results) << "written: " << a.output << "/prediction_NAME.csv" << std::endl;
+  return kExitDone;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  CLI::App app("Predicts actuator forces along recordings by a model of identify or trace.", "predict");
+  Arguments a;
+  app.add_option("--robot", a.robot, "robot file")->required();
+  app.add_option("--model", a.model, "model.yaml of identify or trace")->required();
+  app.add_option("RECORDINGS", a.recordings, "recordings to predict")->required();
+  app.add_option("--output", a.output, "folder for prediction_NAME.csv")->required();
+  return runProgram(app, argc, argv, [&] { return run(a); });
+}

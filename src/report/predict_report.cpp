@@ -1,0 +1,71 @@
+#include "knee_robot/report/predict_report.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+
+#include "json_parts.h"
+#include "knee_robot/base/files.h"
+
+namespace knee_robot {
+namespace {
+
+std::string row(const std::string& name, const Eigen::VectorXd& values) {
+  char text[64];
+  std::snprintf(text, sizeof text, "  %-34s", name.c_str());
+  std::string line = text;
+  for (const double value : values) {
+    std::snprintf(text, sizeof text, std::isfinite(value) ? "%9.2f" : "        -", value);
+    line += text;
+  }
+  return line + "\n";
+}
+
+}  // namespace
+
+PredictResults predictRecordings(const Robot& robot, const Model& model, const std::string& model_path,
+                                 const std::vector<Recording>& recordings) {
+  requireModelOf(model, model_path, robot);
+  PredictResults r;
+  r.model_path = model_path;
+  r.model = model;
+  for (const Recording& recording : recordings) {
+    r.observations.push_back(observe(robot, columnsOf(robot), recording, observationOptions(model)));
+    Observation& o = r.observations.back();
+    r.applied.predictions.push_back(makePrediction(o, predictModel(robot, model, model_path, o), model.cutoff_hz));
+  }
+  r.applied.accuracy = accuracyOf(r.observations, r.applied.predictions);
+  return r;
+}
+
+std::string predictSummary(const PredictResults& r) {
+  std::string out = r.model_path + (r.model.effects.empty() ? ": no effects beyond rigid body and friction" : ": with");
+  for (std::size_t k = 0; k < r.model.effects.size(); ++k) {
+    const ModelEffect& e = r.model.effects[k];
+    out += (k ? ", " : " ") + e.name;
+    if (e.actuators.size() == 1) out += " on actuator " + std::to_string(e.actuators.front());
+    if (!e.transfers) out += " (on its own recordings only)";
+  }
+  out += "\n";
+  for (std::size_t k = 0; k < r.observations.size(); ++k) {
+    const Observation& o = r.observations[k];
+    const bool own = std::any_of(r.model.data.begin(), r.model.data.end(),
+                                 [&](const ModelData& data) { return data.fingerprint == o.fingerprint; });
+    const Accuracy a = accuracyOf({o}, {r.applied.predictions[k]});
+    out += o.name + (own ? " (the model was fitted on it)" : "") + ", rms, N\n";
+    out += row("all samples", a.rms_N) + row("moving samples", a.rms_moving_N);
+    out += row("% of the force's rms", a.rms_percent);
+  }
+  return out;
+}
+
+void writePredictFiles(const PredictResults& r, const std::string& folder) {
+  makeFolder(folder);
+  for (std::size_t k = 0; k < r.observations.size(); ++k) {
+    const Observation& o = r.observations[k];
+    writeFileAtomically(folder + "/prediction_" + o.name + ".csv",
+                        predictionTable(o, r.applied.predictions[k], nullptr));
+  }
+}
+
+}  // namespace knee_robot

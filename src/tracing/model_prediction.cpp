@@ -1,0 +1,137 @@
+#include "knee_robot/tracing/model_prediction.h"
+
+#include <algorithm>
+
+#include "knee_robot/base/errors.h"
+#include "knee_robot/identification/prediction.h"
+
+namespace knee_robot {
+namespace {
+
+constexpr const char* kUnnamed = "unnamed";
+
+/// Values of the parameters in the order of the columns.
+Eigen::VectorXd inColumns(const Model& model, const std::vector<double>& values, const std::vector<Column>& columns) {
+  Eigen::VectorXd out = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(columns.size()));
+  for (std::size_t c = 0; c < columns.size(); ++c) {
+    for (std::size_t k = 0; k < model.parameters.size(); ++k) {
+      if (model.parameters[k].name == columns[c].name) out[static_cast<Eigen::Index>(c)] = values[k];
+    }
+  }
+  return out;
+}
+
+const Candidate* candidateOf(const Robot& robot, const ModelEffect& effect, int actuator,
+                             const std::vector<double>& shape, CandidateList& list) {
+  if (effect.name == kUnnamed) {
+    std::unique_ptr<Candidate> map = mapCandidate(robot, effect.depends_on, actuator, shape);
+    if (!map) return nullptr;
+    list.push_back(std::move(map));
+    return list.back().get();
+  }
+  for (const auto& candidate : list) {
+    if (candidate->name() == effect.name && effect.name != kUnnamed) return candidate.get();
+  }
+  return nullptr;
+}
+
+template <typename Expected>
+void requireNames(const std::vector<EffectParameter>& have, const std::vector<Expected>& expected,
+                  const std::string& effect, const std::string& model_path) {
+  if (have.size() != expected.size()) {
+    throw InputError(model_path + ": effect " + effect + " has " + std::to_string(have.size()) + " numbers where " +
+                     std::to_string(expected.size()) + " belong; trace again");
+  }
+  for (std::size_t k = 0; k < have.size(); ++k) {
+    if (have[k].name != expected[k].name) {
+      throw InputError(model_path + ": effect " + effect + " has the number " + have[k].name + " where " +
+                       expected[k].name + " belongs; trace again");
+    }
+  }
+}
+
+FoundEffect effectOf(const Robot& robot, const ModelEffect& m, int recordings, const std::string& model_path,
+                     CandidateList& list) {
+  FoundEffect e;
+  for (const EffectParameter& p : m.shape)
+    e.hypothesis.shape.push_back(p.value);
+  const int actuator = m.actuators.size() == 1 ? m.actuators.front() - 1 : -1;
+  const Candidate* candidate = candidateOf(robot, m, std::max(0, actuator), e.hypothesis.shape, list);
+  if (candidate == nullptr) {
+    throw InputError(model_path + ": effect " + m.name +
+                     (m.depends_on.empty() ? "" : " that depends on " + m.depends_on) +
+                     " is not known for this robot; trace again with this version");
+  }
+  if (!candidate->shared() && m.actuators.size() != 1)
+    throw InputError(model_path + ": effect " + m.name + " must sit on one actuator; write one entry for each");
+  EffectInput input;
+  input.recordings = recordings;
+  requireNames(m.shape, candidate->shapeParameters(), m.name, model_path);
+  requireNames(m.coefficients, candidate->coefficients(input), m.name, model_path);
+  e.hypothesis.place = {candidate, candidate->shared() ? -1 : actuator};
+  e.coefficients.resize(static_cast<Eigen::Index>(m.coefficients.size()));
+  e.std = e.coefficients;
+  for (std::size_t k = 0; k < m.coefficients.size(); ++k) {
+    e.coefficients[static_cast<Eigen::Index>(k)] = m.coefficients[k].value;
+    e.std[static_cast<Eigen::Index>(k)] = m.coefficients[k].std;
+  }
+  e.transfers = m.transfers;
+  return e;
+}
+
+}  // namespace
+
+ObservationOptions observationOptions(const Model& model) {
+  ObservationOptions options;
+  options.setCutoff(model.cutoff_hz);
+  options.moving_m_per_s = model.moving_m_per_s;
+  return options;
+}
+
+TraceResult resultOf(const Robot& robot, const Model& model, const std::string& model_path) {
+  requireModelOf(model, model_path, robot);
+  if (model.friction_cutoff_hz.empty() || model.effects_see.empty()) {
+    throw InputError(model_path + ": lacks friction_cutoff_hz and effects_see, without which its effects cannot be " +
+                     "computed; trace again with this version");
+  }
+  TraceResult r;
+  r.base.columns = columnsOf(robot);
+  for (int i = 0; i < model.axes; ++i) {
+    const std::size_t axis = static_cast<std::size_t>(i);
+    r.base.memory.push_back({model.coulomb_width_m[axis], model.friction_cutoff_hz[axis]});
+  }
+  r.candidates = std::make_shared<CandidateList>(namedCandidates(robot));
+  const int recordings = static_cast<int>(model.data.size());
+  const auto fill = [&](TraceResult& to, const std::vector<double>& parameters, const std::vector<double>& see,
+                        const std::vector<ModelEffect>& effects) {
+    to.parameters = inColumns(model, parameters, r.base.columns);
+    to.seen_parameters = inColumns(model, see, r.base.columns);
+    for (const ModelEffect& m : effects)
+      to.effects.push_back(effectOf(robot, m, recordings, model_path, *r.candidates));
+  };
+  if (model.elsewhere) {
+    TraceResult other = r;
+    fill(other, model.elsewhere->parameters, model.elsewhere->effects_see, model.elsewhere->effects);
+    r.elsewhere = std::make_shared<const TraceResult>(std::move(other));
+  }
+  std::vector<double> values;
+  for (const ModelParameter& p : model.parameters)
+    values.push_back(p.value);
+  fill(r, values, model.effects_see, model.effects);
+  r.base.parameters = r.parameters;
+  return r;
+}
+
+Eigen::MatrixXd predictModel(const Robot& robot, const Model& model, const std::string& model_path, Observation& o) {
+  if (model.friction_cutoff_hz.empty() && model.effects.empty()) {
+    requireModelOf(model, model_path, robot);
+    return predictForce(model, robot, o.signals, o.motion);
+  }
+  const TraceResult result = resultOf(robot, model, model_path);
+  const auto listed = std::find_if(model.data.begin(), model.data.end(),
+                                   [&](const ModelData& data) { return data.fingerprint == o.fingerprint; });
+  const int recording = listed == model.data.end() ? -1 : static_cast<int>(listed - model.data.begin());
+  return predictTraced(robot, result, o, recording, static_cast<int>(model.data.size()));
+}
+
+}  // namespace knee_robot

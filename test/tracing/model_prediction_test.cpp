@@ -1,0 +1,172 @@
+#include "knee_robot/tracing/model_prediction.h"
+
+#include <gtest/gtest.h>
+
+#include <random>
+
+#include "knee_robot/base/errors.h"
+#include "knee_robot/identification/prediction.h"
+#include "test/identification/synthetic.h"
+
+namespace knee_robot {
+namespace {
+
+constexpr double kSeconds = 12.0;
+
+/// Two training recordings and one other, with a baseline fitted to the first two.
+struct Fitted {
+  Robot robot;
+  TraceOptions options;
+  std::vector<Observation> training;
+  Observation other;
+  TraceResult result;
+};
+
+Fitted fitted(const Robot& robot) {
+  Fitted f;
+  f.robot = robot;
+  std::vector<Observation> all;
+  for (int variant = 0; variant < 3; ++variant) {
+    Recording r = syntheticRecording(robot, syntheticModel(robot), variant, kSeconds);
+    r.fingerprint = "fingerprint" + std::to_string(variant);
+    all.push_back(observe(robot, columnsOf(robot), r, f.options.observation));
+  }
+  f.other = all[2];
+  all.pop_back();
+  f.training = all;
+  f.result.base = fitBase(robot, f.training, makeStack(f.training, f.options.observation), columnsOf(robot),
+                          robot.mechanism ? 30 : 0);
+  f.result.base.memory[0].cutoff_hz = 8.0;
+  f.result.parameters = f.result.base.parameters;
+  f.result.seen_parameters = 0.97 * f.result.base.parameters;
+  f.result.after_rms_N = f.result.base.noise_N;
+  return f;
+}
+
+const Fitted& fittedRobot() {
+  static const Fitted f = fitted(syntheticRobot());
+  return f;
+}
+
+/// The effect at one place with a shape from the middle of its grid and random coefficients.
+FoundEffect someEffect(const Fitted& f, const Candidate& candidate, int actuator) {
+  std::vector<Observation> recordings = f.training;
+  EffectInput input = effectInput(f.robot, recordings[1], f.result.base.memory, 1, 2);
+  setForces(input, f.result.base.columns, f.result.seen_parameters, {});
+  FoundEffect e;
+  const std::vector<std::vector<double>> shapes = candidate.shapes(input, actuator);
+  e.hypothesis = {{&candidate, candidate.shared() ? -1 : actuator}, shapes[shapes.size() / 2]};
+  const Eigen::Index count = static_cast<Eigen::Index>(candidate.coefficients(input).size());
+  std::mt19937 random(7);
+  std::uniform_real_distribution<double> near_one(0.9, 1.1);
+  e.coefficients.resize(count);
+  for (double& c : e.coefficients)
+    c = near_one(random) * (candidate.name() == "delay" || candidate.name() == "drive_lag" ? 0.01 : 1.0);
+  e.std = 0.1 * e.coefficients;
+  return e;
+}
+
+/// The file's predictions of both kinds of recordings are those of the result, to rounding.
+void expectSame(const Fitted& f, const TraceResult& result) {
+  const Model written = tracedModel(f.robot, result, f.training, f.options);
+  const Model read = parseModel(modelToYaml(written), "model.yaml");
+  EXPECT_EQ(modelToYaml(read), modelToYaml(written));
+  std::vector<Observation> recordings = f.training;
+  recordings.push_back(f.other);
+  for (std::size_t k = 0; k < recordings.size(); ++k) {
+    const int index = k < 2 ? static_cast<int>(k) : -1;
+    const Eigen::MatrixXd expected = predictTraced(f.robot, result, recordings[k], index, 2);
+    Observation again = recordings[k];
+    const Eigen::MatrixXd predicted = predictModel(f.robot, read, "model.yaml", again);
+    EXPECT_TRUE(predicted.allFinite());
+    EXPECT_LT((predicted - expected).cwiseAbs().maxCoeff(), 1e-9 * expected.cwiseAbs().maxCoeff()) << "recording " << k;
+  }
+}
+
+void expectEveryEffectSame(const Fitted& f) {
+  TraceResult everything = f.result;
+  auto list = std::make_shared<CandidateList>(namedCandidates(f.robot));
+  std::vector<EffectInput> inputs;
+  for (int k = 0; k < 2; ++k) {
+    inputs.push_back(effectInput(f.robot, f.training[static_cast<std::size_t>(k)], f.result.base.memory, k, 2));
+    setForces(inputs.back(), f.result.base.columns, f.result.seen_parameters, {});
+  }
+  for (auto& map : mapCandidates(inputs))
+    list->push_back(std::move(map));
+  ASSERT_GT(list->size(), 12u);
+  for (const auto& candidate : *list) {
+    SCOPED_TRACE(candidate->name() + " " + candidate->dependsOn(1));
+    TraceResult result = f.result;
+    result.candidates = list;
+    result.effects = {someEffect(f, *candidate, 1)};
+    expectSame(f, result);
+    std::vector<Observation> recordings = f.training;
+    EXPECT_GT(
+        (predictTraced(f.robot, result, recordings[1], 1, 2) - predictTraced(f.robot, f.result, recordings[1], 1, 2))
+            .cwiseAbs()
+            .maxCoeff(),
+        1e-6)
+        << "the effect does nothing, so that nothing was tested";
+    everything.effects.push_back(result.effects.front());
+  }
+  everything.candidates = list;
+  expectSame(f, everything);
+}
+
+TEST(ModelPrediction, OfEveryEffectEqualsTheTracesOwnOnAParallelRobot) {
+  expectEveryEffectSame(fittedRobot());
+}
+
+TEST(ModelPrediction, OfEveryEffectEqualsTheTracesOwnOnBenchAxes) {
+  expectEveryEffectSame(fitted(syntheticBench(2)));
+}
+
+TEST(ModelPrediction, UsesTheNumbersForOtherRecordingsThere) {
+  const Fitted& f = fittedRobot();
+  TraceResult result = f.result;
+  result.candidates = std::make_shared<CandidateList>(namedCandidates(f.robot));
+  for (const auto& candidate : *result.candidates) {
+    if (candidate->name() == "stribeck" || candidate->name() == "position_dependent_friction")
+      result.effects.push_back(someEffect(f, *candidate, 2));
+  }
+  ASSERT_EQ(result.effects.size(), 2u);
+  TraceResult other = result;
+  other.effects.pop_back();
+  other.effects[0].coefficients[0] = 5.0;
+  other.parameters *= 1.1;
+  result.effects[1].transfers = false;
+  result.elsewhere = std::make_shared<const TraceResult>(other);
+  expectSame(f, result);
+}
+
+TEST(ModelPrediction, OfIdentifysModelIsTheInstantByInstantOne) {
+  const Fitted& f = fittedRobot();
+  const Model m = syntheticModel(f.robot);
+  Observation o = f.other;
+  EXPECT_EQ(predictModel(f.robot, m, "m.yaml", o), predictForce(m, f.robot, o.signals, o.motion));
+}
+
+TEST(ModelPrediction, RefusesAnEffectThatIsUnknownOrHasOthersNumbers) {
+  const Fitted& f = fittedRobot();
+  TraceResult result = f.result;
+  result.candidates = std::make_shared<CandidateList>(namedCandidates(f.robot));
+  for (const auto& candidate : *result.candidates) {
+    if (candidate->name() == "stribeck") result.effects.push_back(someEffect(f, *candidate, 2));
+  }
+  const std::string good = modelToYaml(tracedModel(f.robot, result, f.training, f.options));
+  const auto with = [&](const std::string& from, const std::string& to) {
+    std::string text = good;
+    text.replace(text.find(from), from.size(), to);
+    Observation o = f.other;
+    predictModel(f.robot, parseModel(text, "m.yaml"), "m.yaml", o);
+  };
+  EXPECT_NO_THROW(with("stribeck", "stribeck"));
+  EXPECT_THROW(with("\"stribeck\"", "\"stick\""), InputError);
+  EXPECT_THROW(with("velocity_m_per_s\", value", "velocity\", value"), InputError);
+  EXPECT_THROW(with("excess_N", "excess"), InputError);
+  EXPECT_THROW(with("[{actuator: 3}]", "[{actuator: 3}, {actuator: 4}]"), InputError);
+  EXPECT_THROW(with("effects_see", "# effects_see"), InputError);
+}
+
+}  // namespace
+}  // namespace knee_robot
