@@ -7,6 +7,7 @@ ControllerInterface::ControllerInterface(const Parts& parts)
       action_(actions_.node, parts.system, parts.references, parts.recordings),
       gains_(commands_.node, parts.system),
       topics_(topics_lane_.node, parts.system, parts.robot, parts.rate_hz),
+      timing_(topics_lane_.node, parts.system),
       diagnostics_(topics_lane_.node, parts.system, parts.robot, parts.guardian),
       services_(commands_.node, stops_.node, parts.system, parts.references, parts.patients, parts.recordings),
       running_{{&commands_, &stops_, &actions_, &topics_lane_}} {

@@ -12,6 +12,7 @@
 #include "controller_gains.h"
 #include "controller_references.h"
 #include "controller_services.h"
+#include "controller_timing.h"
 #include "controller_topics.h"
 
 namespace knee_robot {
@@ -64,6 +65,7 @@ class ControllerInterface {
   PlayActionServer action_;
   ControllerGains gains_;
   ControllerTopics topics_;
+  ControllerTiming timing_;
   ControllerDiagnostics diagnostics_;
   ControllerServices services_;
   Running running_;

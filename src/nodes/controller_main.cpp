@@ -98,7 +98,9 @@ int run() {
   References references(system, robot, reference_folder);
   std::atomic<GuardianSupervision::Guardian> guardian{GuardianSupervision::Guardian::None};
   serve(node, machine, {system, robot, references, patients, recordings, rate_hz, guardian}, guardian);
+  const std::string timing = rt::toText(system.statistics());
   const Answer stopped = system.shutdown();
+  std::printf("controller: timing since the start\n%s", timing.c_str());
   std::printf("controller: %s\n", stopped.sentence.c_str());
   return stopped.ok ? kExitDone : 1;
 }

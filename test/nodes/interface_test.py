@@ -20,7 +20,7 @@ from visualization_msgs.msg import MarkerArray
 
 sys.path.insert(0, str(pathlib.Path(__file__).parent))
 import movements  # noqa: E402
-from knee_robot.msg import ControllerState, Forces, Margins, Timing, Tracking  # noqa: E402
+from knee_robot.msg import ControllerState, Forces, Margins, Timing, TimingHistograms, Tracking  # noqa: E402
 from robot_client import Player, RobotClient, run_program  # noqa: E402
 
 COORDINATES = "q11 q12 q13 q21 q22 q23 q31 q32 q33 q41 q42 Xm Zm theta psi".split()
@@ -91,6 +91,16 @@ class Interface(unittest.TestCase):
         self.assertEqual(0.001, servo.period_s)
         self.assertGreater(servo.cycles, 100)
         self.assertTrue(0 < servo.execution_mean_s < servo.execution_max_s)
+
+    def test_every_component_has_its_histograms(self):
+        histograms = rospy.wait_for_message("/controller/timing_histograms", TimingHistograms, 15).histograms
+        servo = [h for h in histograms if h.activity == histograms[0].activity]
+        self.assertEqual("", servo[0].component)
+        self.assertTrue({"Sync", "Driver1", "Driver4", "Supervisor"} <= {h.component for h in histograms}, servo)
+        for one in servo:
+            self.assertGreater(one.updates, 100)
+            self.assertAlmostEqual(one.updates, sum(one.execution), delta=20)
+            self.assertLess(2.0 ** max(b for b in range(40) if one.execution[b]), 1e9 * one.execution_max_s + 1)
 
     def test_diagnostics_name_every_part(self):
         names, end = {}, time.monotonic() + 10

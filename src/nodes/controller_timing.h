@@ -1,0 +1,27 @@
+#pragma once
+
+#include <ros/ros.h>
+
+#include "knee_robot/control/control_system.h"
+
+namespace knee_robot {
+
+/// How the controller keeps its time, for a topic and for the log.
+///
+///     ~timing_histograms   knee_robot/TimingHistograms   every 10 s and latched: period, lateness, execution of every component
+///     log                  the same as a table of median, 99 % and largest, every 10 min
+class ControllerTiming {
+ public:
+  /// `node`: the private namespace; its callback queue carries the timer.
+  ControllerTiming(ros::NodeHandle& node, const ControlSystem& system);
+
+ private:
+  void publish();
+
+  const ControlSystem& system_;
+  ros::Publisher histograms_;
+  ros::WallTime logged_at_;
+  ros::WallTimer timer_;  // last: goes first
+};
+
+}  // namespace knee_robot
