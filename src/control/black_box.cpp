@@ -96,14 +96,14 @@ void BlackBox::stopHook() {
   if (triggered_) handOver();
 }
 
-const BlackBoxDump* BlackBox::waiting() const noexcept {
+const BlackBoxDump* BlackBox::findWaiting() const noexcept {
   for (const Slot& slot : slots_) {
     if (slot.waits.load(std::memory_order_acquire)) return &slot.dump;
   }
   return nullptr;
 }
 
-void BlackBox::release(const BlackBoxDump* written) noexcept {
+void BlackBox::giveBack(const BlackBoxDump* written) noexcept {
   for (Slot& slot : slots_) {
     if (&slot.dump == written) slot.waits.store(false, std::memory_order_release);
   }

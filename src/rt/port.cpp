@@ -1,10 +1,7 @@
 #include "knee_robot/rt/port.h"
 
-#include <cxxabi.h>
-
-#include <cstdlib>
-
 #include "knee_robot/base/errors.h"
+#include "knee_robot/rt/operation.h"
 
 namespace knee_robot::rt {
 
@@ -14,10 +11,7 @@ PortBase::PortBase(TaskContext& owner, std::string name, std::string description
 }
 
 std::string PortBase::typeName() const {
-  int status = 0;
-  std::unique_ptr<char, void (*)(void*)> readable(abi::__cxa_demangle(type_.name(), nullptr, nullptr, &status),
-                                                  std::free);
-  return status == 0 ? readable.get() : type_.name();
+  return rt::typeName(type_);
 }
 
 void connect(PortBase& output, PortBase& input, const ConnPolicy& policy) {

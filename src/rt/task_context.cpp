@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "knee_robot/base/errors.h"
+#include "knee_robot/rt/operation.h"
 #include "knee_robot/rt/port.h"
 #include "knee_robot/rt/property.h"
 
@@ -234,11 +235,21 @@ void TaskContext::addProperty(PropertyBase& property) {
   properties_.push_back(&property);
 }
 
+void TaskContext::addOperation(OperationBase& operation) {
+  if (this->operation(operation.name()) != nullptr) {
+    throw InputError("component " + name_ + " has two operations named " + operation.name() + "; rename one");
+  }
+  operations_.push_back(&operation);
+}
+
 PortBase* TaskContext::port(const std::string& name) const {
   return find(ports_, name);
 }
 PropertyBase* TaskContext::property(const std::string& name) const {
   return find(properties_, name);
+}
+OperationBase* TaskContext::operation(const std::string& name) const {
+  return find(operations_, name);
 }
 
 }  // namespace knee_robot::rt

@@ -7,7 +7,10 @@
 #include <string>
 
 #include "knee_robot/base/files.h"
+#include "knee_robot/control/component_types.h"
 #include "knee_robot/control/faults.h"
+#include "knee_robot/hardware/open_bus.h"
+#include "knee_robot/rt/component_page.h"
 
 namespace knee_robot {
 namespace {
@@ -18,6 +21,17 @@ TEST(SafetyTables, AreCopiedFaithfullyIntoTheDocumentation) {
       << "replace the table by the output of: safety_tables --faults";
   EXPECT_NE(page.find(requestsTable()), std::string::npos)
       << "replace the table by the output of: safety_tables --requests";
+}
+
+TEST(ComponentPage, IsCopiedFaithfullyIntoTheDocumentation) {
+  const std::string source = KNEE_SOURCE_DIR;
+  const auto image = std::make_unique<hardware::RobotImage>();
+  const auto bus = hardware::openImageCards(*image);
+  const HardwareFile hardware = loadHardwareFile(source + "/config/hardware/simulated.yaml");
+  const rt::TypeFactory types = componentTypes(loadRobot(source + "/config/robots/A.yaml"), hardware, *bus, {});
+  EXPECT_NE(readFile(source + "/docs/components.md").find(rt::componentPage(types)), std::string::npos)
+      << "replace the tables by the output of: components --robot config/robots/A.yaml --hardware "
+         "config/hardware/simulated.yaml";
 }
 
 TEST(Faults, EachHaveOneNameACauseAndARemedyAtTheirOwnPlace) {

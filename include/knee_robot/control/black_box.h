@@ -6,6 +6,7 @@
 
 #include "knee_robot/control/axis_data.h"
 #include "knee_robot/control/machine_state.h"
+#include "knee_robot/rt/operation.h"
 #include "knee_robot/rt/port.h"
 #include "knee_robot/rt/property.h"
 
@@ -65,10 +66,20 @@ class BlackBox : public rt::TaskContext {
       *this, "rows", 5500, "cycles", 10, 1000000, "kept: 5 s before the fault and what comes after, at 1 kHz"};
   rt::Property<int> rows_after{*this, "rows_after", 500, "cycles", 0, 1000000, "kept after the fault"};
 
-  /// Ordinary threads, one at a time: a ring that waits to be written, or nullptr. It stays untouched until release().
-  const BlackBoxDump* waiting() const noexcept;
-  void release(const BlackBoxDump* written) noexcept;
-  std::uint64_t lost() const noexcept { return lost_.load(std::memory_order_relaxed); }
+  rt::Operation<const BlackBoxDump*()> waiting{
+      *this,
+      "waiting",
+      {},
+      "a ring that waits to be written, or null; untouched until release(); one thread at a time",
+      [this] { return findWaiting(); }};
+  rt::Operation<void(const BlackBoxDump*)> release{
+      *this, "release", {"written"}, "gives a ring back that has been written", [this](const BlackBoxDump* written) {
+        giveBack(written);
+      }};
+  rt::Operation<std::uint64_t()> lost{
+      *this, "lost", {}, "faults whose ring could not be kept, as both were waiting", [this] {
+        return lost_.load(std::memory_order_relaxed);
+      }};
 
  protected:
   bool configureHook() override;
@@ -80,6 +91,8 @@ class BlackBox : public rt::TaskContext {
     BlackBoxDump dump;
     std::atomic<bool> waits{false};  // release: the dump is complete; acquire by the writer, and the other way round
   };
+  const BlackBoxDump* findWaiting() const noexcept;
+  void giveBack(const BlackBoxDump* written) noexcept;
   void fill(BlackBoxRow& row, const rt::Cycle& cycle);
   void watchFault() noexcept;
   void handOver() noexcept;

@@ -15,6 +15,7 @@
 #include "knee_robot/control/monitor_thermal.h"
 #include "knee_robot/control/monitor_velocity.h"
 #include "knee_robot/rt/channel.h"
+#include "knee_robot/rt/operation.h"
 #include "knee_robot/rt/port.h"
 #include "knee_robot/rt/property.h"
 
@@ -90,8 +91,13 @@ class Monitors : public rt::TaskContext {
   rt::Property<double> patient_speed_factor{*this, "patient_speed_factor",   1.3, "", 1.0,
                                             3.0,   "of the patient's speeds"};
 
-  /// Ordinary threads: limits that hold from the next cycle on; while the drives are off.
   void setPatient(const PatientRange& range);
+  rt::Operation<void(const PatientRange&)> set_patient{
+      *this,
+      "setPatient",
+      {"range"},
+      "limits that hold from the next cycle on; while the drives are off",
+      [this](const PatientRange& range) { setPatient(range); }};
 
  protected:
   bool startHook() override;

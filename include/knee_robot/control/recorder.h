@@ -5,6 +5,7 @@
 
 #include "knee_robot/control/axis_data.h"
 #include "knee_robot/rt/channel.h"
+#include "knee_robot/rt/operation.h"
 #include "knee_robot/rt/port.h"
 
 namespace knee_robot {
@@ -27,12 +28,20 @@ class Recorder : public rt::TaskContext {
   rt::InputPort<AxesWritten> written{*this, "written", "from AxesOutput"};
   rt::OutputPort<TrackingRow> row{*this, "row", "the row of this cycle"};
 
-  /// Ordinary threads: rows are pushed with this number from the next cycle on; 0: none.
-  void record(std::uint32_t number) noexcept { recording_.store(number, std::memory_order_release); }
-  /// The draining thread: next row. False: none there.
-  bool pop(TrackingRow& row) noexcept { return ring_.read(row); }
-  /// Rows that found the ring full since the construction.
-  std::uint64_t dropped() const noexcept { return dropped_.load(std::memory_order_relaxed); }
+  rt::Operation<void(std::uint32_t)> record{
+      *this,
+      "record",
+      {"number"},
+      "rows are pushed with this number from the next cycle on; 0: none",
+      [this](std::uint32_t number) { recording_.store(number, std::memory_order_release); }};
+  rt::Operation<bool(TrackingRow&)> pop{
+      *this, "pop", {"row"}, "next row, for one draining thread; false: none there", [this](TrackingRow& row) {
+        return ring_.read(row);
+      }};
+  rt::Operation<std::uint64_t()> dropped{
+      *this, "dropped", {}, "rows that found the ring full since the construction", [this] {
+        return dropped_.load(std::memory_order_relaxed);
+      }};
 
  protected:
   void updateHook(const rt::Cycle& cycle) override;

@@ -3,6 +3,7 @@
 #include "knee_robot/control/axis_data.h"
 #include "knee_robot/control/reference_store.h"
 #include "knee_robot/mechanism/robot.h"
+#include "knee_robot/rt/operation.h"
 #include "knee_robot/rt/port.h"
 #include "knee_robot/rt/property.h"
 
@@ -35,8 +36,10 @@ class Sync : public rt::TaskContext {
   rt::Property<double> orders_timeout_s{
       *this, "orders_timeout_s", 0.05, "s", 0.01, 1.0, "without orders for so long, it stops by itself"};
 
-  /// Where ordinary threads offer references; taken over while not playing.
-  ReferenceStore& store() { return store_; }
+  rt::Operation<ReferenceStore&()> store{
+      *this, "store", {}, "where references are offered; taken over while not playing", [this]() -> ReferenceStore& {
+        return store_;
+      }};
 
  protected:
   bool startHook() override;

@@ -20,6 +20,7 @@
 ///   written), *OldData* (nothing since the last read) or *NewData*. A *ConnPolicy* says what is kept in between: the
 ///   newest value (*Data*), the oldest n (*Buffer*) or the newest n (*CircularBuffer*).
 /// - A *property* is a named, typed, bounded parameter, set before the component is configured.
+/// - An *operation* is something that other threads may call on a component; it says itself what it does and takes.
 /// - The *Deployer* reads which components exist, which activity runs them and how their ports are connected.
 /// - *Hooks* are what a component's author writes; they are called in the states below and may refuse.
 ///
@@ -43,6 +44,7 @@ enum class TaskState : std::uint8_t {
 
 const char* toString(TaskState state) noexcept;
 
+class OperationBase;
 class PortBase;
 class PropertyBase;
 
@@ -89,12 +91,15 @@ class TaskContext {
 
   const std::vector<PortBase*>& ports() const { return ports_; }
   const std::vector<PropertyBase*>& properties() const { return properties_; }
-  PortBase* port(const std::string& name) const;          ///< nullptr when there is none
-  PropertyBase* property(const std::string& name) const;  ///< nullptr when there is none
+  const std::vector<OperationBase*>& operations() const { return operations_; }
+  PortBase* port(const std::string& name) const;            ///< nullptr when there is none
+  PropertyBase* property(const std::string& name) const;    ///< nullptr when there is none
+  OperationBase* operation(const std::string& name) const;  ///< nullptr when there is none
 
-  /// For ports, properties (in their constructors) and activities.
+  /// For ports, properties, operations (in their constructors) and activities.
   void addPort(PortBase& port);
   void addProperty(PropertyBase& property);
+  void addOperation(OperationBase& operation);
   void setExecutor(const Executor* executor) noexcept { executor_.store(executor, std::memory_order_release); }
 
  protected:
@@ -140,6 +145,7 @@ class TaskContext {
   Hook active_hook_ = Hook::None;
   std::vector<PortBase*> ports_;
   std::vector<PropertyBase*> properties_;
+  std::vector<OperationBase*> operations_;
 };
 
 }  // namespace knee_robot::rt

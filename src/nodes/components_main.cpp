@@ -1,0 +1,26 @@
+// components: what the controller's component types say of themselves, as Markdown (docs/components.md holds a copy).
+
+#include <cstdio>
+#include <memory>
+
+#include "knee_robot/base/errors.h"
+#include "knee_robot/control/component_types.h"
+#include "knee_robot/hardware/open_bus.h"
+#include "knee_robot/rt/component_page.h"
+#include "program.h"
+
+int main(int argc, char** argv) {
+  using namespace knee_robot;
+  CLI::App app("Prints ports, properties and operations of every component type that a deployment file may name.",
+               "components");
+  std::string robot_file, hardware_file;
+  app.add_option("--robot", robot_file, "robot file (YAML); defaults of properties may depend on it")->required();
+  app.add_option("--hardware", hardware_file, "hardware file (YAML)")->required();
+  return runProgram(app, argc, argv, [&] {
+    const Robot robot = loadRobot(robot_file);
+    const auto image = std::make_unique<hardware::RobotImage>();
+    const auto bus = hardware::openImageCards(*image);
+    std::printf("%s", rt::componentPage(componentTypes(robot, loadHardwareFile(hardware_file), *bus, {})).c_str());
+    return kExitDone;
+  });
+}
