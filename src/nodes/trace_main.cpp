@@ -6,6 +6,7 @@
 
 #include "knee_robot/base/errors.h"
 #include "knee_robot/report/trace_report.h"
+#include "knee_robot/tracing/model_prediction.h"
 #include "program.h"
 
 using namespace knee_robot;
@@ -24,7 +25,10 @@ void declare(CLI::App& app, Arguments& a) {
   app.add_option("--train", a.train, "recordings whose residual is traced; every choice rests on them")->required();
   app.add_option("--validate", a.validate, "recordings that judge the finished model");
   app.add_option("--output", a.output, "folder for model.yaml, report.json, report.html and predictions")->required();
-  app.add_option("--model", a.model, "model of identify: the baseline keeps its number of directions and its cut-off");
+  app.add_option("--model", a.model,
+                 "model of identify or trace to start from: before is that model unchanged, its effects are tried "
+                 "first, and only what it "
+                 "lacks is searched; its cut-off counts");
   app.add_option("--seed", a.options.seed, "of clean twins and resampling (1)");
   app.add_option("--cutoff-hz", a.cutoff_hz, "zero-phase low-pass of both sides of the equation (3)")
       ->check(CLI::Range(1e-6, 1e6));
@@ -113,10 +117,9 @@ int run(const Arguments& a, const std::string& command_line) {
   const Robot robot = loadRobot(a.robot);
   double cutoff_hz = a.cutoff_hz;
   if (!a.model.empty()) {
-    const Model given = loadModel(a.model);
-    requireModelOf(given, a.model, robot);
-    r.options.rank = given.rank;
-    cutoff_hz = given.cutoff_hz;
+    r.options.start = std::make_shared<const StartModel>(StartModel{loadModel(a.model), a.model});
+    requireModelOf(r.options.start->model, a.model, robot);
+    cutoff_hz = r.options.start->model.cutoff_hz;
     r.options.observation.setCutoff(cutoff_hz);
   }
   const std::vector<Recording> train = load(a.train);
@@ -128,7 +131,10 @@ int run(const Arguments& a, const std::string& command_line) {
 
   // The model is frozen; from here on only figures are computed.
   const int count = static_cast<int>(r.train.size());
-  const auto before = [&](Observation& o, int) { return predictBaseline(r.result, o); };
+  const auto before = [&](Observation& o, int) -> Eigen::MatrixXd {
+    if (r.options.start) return predictModel(robot, r.options.start->model, a.model, o);
+    return predictBaseline(r.result, o);
+  };
   r.train_before = apply(r.train, cutoff_hz, before);
   r.train_after =
       apply(r.train, cutoff_hz, [&](Observation& o, int k) { return predictTraced(robot, r.result, o, k, count); });
@@ -137,6 +143,14 @@ int run(const Arguments& a, const std::string& command_line) {
       apply(r.validate, cutoff_hz, [&](Observation& o, int) { return predictTraced(robot, r.result, o, -1, count); });
   if (!r.validate.empty()) r.validate_gain_N = gains(robot, r, cutoff_hz);
   r.next = planNextExperiment(robot, r.result, r.train, r.options);
+  for (std::size_t k = 0; r.options.start && k < r.validate.size(); ++k) {
+    for (const ModelData& data : r.options.start->model.data) {
+      if (data.fingerprint == r.validate[k].fingerprint)
+        r.result.notes.push_back(r.validate[k].path +
+                                 ": the given model was fitted on this validation recording, so "
+                                 "that before is flattered there.");
+    }
+  }
   r.pose = tracePose(robot, train, validate, poseOptions(robot, r.options));
   writeTraceFiles(r, a.output);
   std::cout << traceSummary(r) << "written: " << a.output << "/report.html, report.json, model.yaml and predictions"

@@ -4,6 +4,7 @@
 #include "knee_robot/base/numbers.h"
 #include "knee_robot/report/svg_plot.h"
 #include "knee_robot/report/trace_report.h"
+#include "trace_given_report.h"
 #include "trace_next_report.h"
 #include "trace_pose_report.h"
 
@@ -33,8 +34,10 @@ std::string errorSection(const TraceResults& r) {
   out += errorRows("Training", r.train, r.train_before, r.train_after);
   out += tableGroup("Floor", axes) + tableRow("noise floor, N", r.result.floor_N) + "</table>\n";
   return out + "<p class=\"key\">Floor: " + escapeHtml(r.result.floor_source) +
-         ". Before: rigid body, Coulomb, viscous, rotor, offset. Both sides low-passed at " +
-         htmlNumber(r.options.observation.cutoff_hz) + " Hz. Intervals: bootstrap over blocks of 2 s.</p>\n";
+         (r.result.given.path.empty() ? ". Before: rigid body, Coulomb, viscous, rotor, offset. Both sides"
+                                      : ". Before: the given model, unchanged. Both sides") +
+         " low-passed at " + htmlNumber(r.options.observation.cutoff_hz) +
+         " Hz. Intervals: bootstrap over blocks of 2 s.</p>\n";
 }
 
 std::string parameterText(const ModelEffect& m) {
@@ -148,7 +151,8 @@ std::string traceHtml(const TraceResults& r) {
          " training and " + std::to_string(r.validate.size()) + " validation recording(s) &middot; seed " +
          std::to_string(r.options.seed) + "</p>\n";
   out += "<p class=\"verdict\">" + escapeHtml(traceVerdict(r)) + "</p>\n";
-  out += effectSection(r) + nextExperimentHtml(r.next) + errorSection(r) + tracePoseHtml(r.pose);
+  out += effectSection(r) + givenModelHtml(r.result.given) + nextExperimentHtml(r.next) + errorSection(r) +
+         tracePoseHtml(r.pose);
   const bool validated = !r.validate.empty();
   const Observation& shown = validated ? r.validate.front() : r.train.front();
   const Applied& before = validated ? r.validate_before : r.train_before;

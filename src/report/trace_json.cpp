@@ -5,6 +5,7 @@
 #include "knee_robot/base/files.h"
 #include "knee_robot/base/numbers.h"
 #include "knee_robot/report/trace_report.h"
+#include "trace_given_report.h"
 #include "trace_next_report.h"
 #include "trace_pose_report.h"
 
@@ -31,7 +32,7 @@ Json effectsJson(const TraceResults& r) {
               {"parameters", parametersJson(m)},
               {"explained_rms_N", jsonArray(e.explained_rms_N)},
               {"null_rms_N", jsonArray(e.null_rms_N)},
-              {"p", e.p},
+              {"p", jsonNumber(e.p)},
               {"held_back_gain", {{"share", e.gain}, {"standard_error", e.gain_error}}},
               {"validate_gain_N", k < r.validate_gain_N.size() ? jsonArray(r.validate_gain_N[k]) : Json::array()},
               {"indistinguishable_from",
@@ -127,6 +128,7 @@ std::string traceJson(const TraceResults& r) {
                       {"depends_on", dependsJson(r)}};
   j["pose"] = tracePoseJson(r.pose);
   j["next_experiment"] = nextExperimentJson(r.next);
+  if (!r.result.given.path.empty()) j["given_model"] = givenModelJson(r.result.given);
   j["verdict"] = traceVerdict(r);
   j["gain_interval"] = {{"train", gainJson(r.train, r.train_before, r.train_after)},
                         {"validate", gainJson(r.validate, r.validate_before, r.validate_after)}};

@@ -3,6 +3,7 @@
 
 #include "knee_robot/base/numbers.h"
 #include "knee_robot/report/trace_report.h"
+#include "trace_given_report.h"
 #include "trace_next_report.h"
 #include "trace_pose_report.h"
 
@@ -39,7 +40,8 @@ std::string effectLine(const FoundEffect& e, const ModelEffect& m) {
         out += ", " + p.name + " = " + shortNumber(p.value, 3);
     }
   }
-  out += "; explains " + shortNumber(e.explained_rms_N.maxCoeff(), 3) + " N, p = " + shortNumber(e.p, 2);
+  out += "; explains " + shortNumber(e.explained_rms_N.maxCoeff(), 3) + " N";
+  out += std::isfinite(e.p) ? ", p = " + shortNumber(e.p, 2) : std::string(", of the given model");
   for (std::size_t k = 0; k < e.indistinguishable_from.size(); ++k)
     out += (k ? ", " : "; not told from ") + e.indistinguishable_from[k];
   return out + (m.transfers ? "\n" : "; does not transfer\n");
@@ -53,15 +55,21 @@ std::string traceVerdict(const TraceResults& r) {
   for (Eigen::Index i = 0; i < t.floor_N.size(); ++i)
     above = above || t.before_rms_N[i] > 1.15 * t.floor_N[i];
   if (!t.effects.empty()) {
-    std::string names;
+    std::string names, kept;
     for (std::size_t k = 0; k < t.effects.size(); ++k) {
       const ModelEffect& m = r.model.effects[k];
+      if (std::isnan(t.effects[k].p)) {
+        kept += (kept.empty() ? " Kept of the given model: " : ", ") + m.name +
+                (m.actuators.size() == 1 ? " (actuator " + std::to_string(m.actuators.front()) + ")" : "");
+        continue;
+      }
       names += (names.empty() ? "" : ", ") + m.name +
                (m.actuators.size() == 1 ? " (actuator " + std::to_string(m.actuators.front()) + ")" : "");
       for (std::size_t i = 0; i < t.effects[k].indistinguishable_from.size(); ++i)
         names += " or " + t.effects[k].indistinguishable_from[i];
     }
-    return "Added to the model: " + names + ".";
+    if (!kept.empty()) kept += ".";
+    return (names.empty() ? "Nothing was added to the given model." : "Added to the model: " + names + ".") + kept;
   }
   if (!above) return "There is nothing to explain: the baseline's residual is at the noise floor. Nothing was added.";
   return "The residual is above the floor, but no effect explains it better than clean twins do by chance. Nothing was "
@@ -72,7 +80,7 @@ std::string traceSummary(const TraceResults& r) {
   std::string out;
   for (const std::string& note : r.result.notes)
     out += note + "\n";
-  out += "\n" + traceVerdict(r) + "\n";
+  out += givenModelSummary(r.result.given) + "\n" + traceVerdict(r) + "\n";
   for (std::size_t k = 0; k < r.result.effects.size(); ++k)
     out += effectLine(r.result.effects[k], r.model.effects[k]);
   out += row("floor, N", r.result.floor_N) + side("training", r.train_before, r.train_after);

@@ -18,8 +18,9 @@ constexpr double kFine_m =
     2e-5;  ///< tried for finer encoders too: the filters' ringing moves an axis at rest by microns
 constexpr int kFewestSamples = 100;
 
-/// All rows as identification's equations, weighted by the noise.
-Equations equationsOf(const std::vector<Observation>& training, const Stack& stack, const Eigen::VectorXd& noise_N) {
+/// All rows as identification's equations, weighted by the noise; force less that of `start`.
+Equations equationsOf(const std::vector<Observation>& training, const Stack& stack, const Eigen::VectorXd& noise_N,
+                      const Eigen::VectorXd& start) {
   Equations e;
   e.axes = stack.axes;
   e.blocks = stack.blocks;
@@ -37,6 +38,7 @@ Equations equationsOf(const std::vector<Observation>& training, const Stack& sta
       e.block.push_back(pick.block);
     }
   }
+  e.b -= e.a * start;
   weightRows(e, noise_N);
   const Eigen::VectorXd scale = rowScale(stack, training, Attention::Moving);  // rest would blur the base directions
   e.a = scale.asDiagonal() * e.a;
@@ -59,8 +61,9 @@ Eigen::VectorXd solve(const Equations& e, BaseFit& base, int rank) {
   base.basis.resize(static_cast<Eigen::Index>(base.columns.size()), kept);
   for (int k = 0; k < kept; ++k)
     base.basis.col(k) = toParameters(r, Eigen::VectorXd::Unit(kept, k));
-  base.parameters = toParameters(r, solveReduced(r, kept));
-  return e.b - e.a * base.parameters;
+  const Eigen::VectorXd correction = toParameters(r, solveReduced(r, kept));
+  base.parameters = base.start + correction;
+  return e.b - e.a * correction;
 }
 
 std::vector<FrictionMemory> memories(const Actuator& actuator, double cutoff_hz) {
@@ -110,7 +113,7 @@ void chooseMemory(const Robot& robot, std::vector<Observation>& training, const 
 }
 
 BaseFit fitBase(const Robot& robot, std::vector<Observation>& training, const Stack& stack,
-                const std::vector<Column>& columns, int rank) {
+                const std::vector<Column>& columns, int rank, const Eigen::VectorXd* given) {
   if (stack.size() < kFewestSamples) {
     throw Refusal("only " + std::to_string(stack.size()) + " usable samples in the training recordings (at least " +
                   std::to_string(kFewestSamples) + " are needed): record a longer motion, away from singular poses");
@@ -119,10 +122,17 @@ BaseFit fitBase(const Robot& robot, std::vector<Observation>& training, const St
   base.columns = columns;
   for (const Actuator& a : robot.actuators)
     base.memory.push_back({a.metresPerCount(), 3.0 * stack.cutoff_hz});
+  base.start = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(columns.size()));
+  if (given != nullptr) {
+    base.start = *given;
+    for (std::size_t c = 0; c < columns.size(); ++c) {
+      if (columns[c].isNonNegative()) base.start[static_cast<Eigen::Index>(c)] = 0.0;
+    }
+  }
   for (Observation& o : training)
     setFriction(o, columns, base.memory);
   base.noise_N = Eigen::VectorXd::Ones(stack.axes);
-  Equations e = equationsOf(training, stack, base.noise_N);
+  Equations e = equationsOf(training, stack, base.noise_N, base.start);
   base.noise_N = rmsPerActuator(e, e.b).cwiseMax(1e-6);
   weightRows(e, base.noise_N);
   Eigen::VectorXd residual = solve(e, base, rank);
@@ -132,7 +142,7 @@ BaseFit fitBase(const Robot& robot, std::vector<Observation>& training, const St
     base.noise_N = rmsPerActuator(e, residual).cwiseMax(1e-6);
     const Eigen::VectorXd scale = rowScale(stack, training, Attention::Moving);
     if (pass == 0) chooseMemory(robot, training, stack, residual.cwiseQuotient(scale), base);
-    e = equationsOf(training, stack, base.noise_N);
+    e = equationsOf(training, stack, base.noise_N, base.start);
     residual = solve(e, base, rank);
   }
   return base;
@@ -151,8 +161,13 @@ Eigen::MatrixXd baseRows(const BaseFit& base, const std::vector<Observation>& re
 
 Eigen::VectorXd forceRows(const BaseFit& base, const std::vector<Observation>& recordings, const Stack& stack) {
   Eigen::VectorXd rows(stack.size() * stack.axes);
-  for (int i = 0; i < stack.axes; ++i)
-    rows.segment(i * stack.size(), stack.size()) = gatherForce(stack, recordings, i) / base.noise_N[i];
+  for (int i = 0; i < stack.axes; ++i) {
+    std::vector<Eigen::MatrixXd> known;
+    for (const Observation& o : recordings)
+      known.push_back(o.regressor[static_cast<std::size_t>(i)] * base.start);
+    rows.segment(i * stack.size(), stack.size()) =
+        (gatherForce(stack, recordings, i) - gather(stack, recordings, std::move(known))) / base.noise_N[i];
+  }
   return rows;
 }
 

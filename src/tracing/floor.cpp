@@ -40,10 +40,10 @@ double densityEstimate(const Observation& o, const Eigen::VectorXd& residual, do
 
 /// What nobody would look for: a hundredth of the force, per actuator.
 Eigen::VectorXd engineeringSize(const TraceData& data) {
-  const Eigen::Index p = data.stack.size();
+  const double root = std::sqrt(static_cast<double>(data.stack.size()));
   Eigen::VectorXd size(data.stack.axes);
   for (int i = 0; i < data.stack.axes; ++i)
-    size[i] = kEngineeringShare * data.all_force_rows.segment(i * p, p).norm() / std::sqrt(static_cast<double>(p));
+    size[i] = kEngineeringShare * gatherForce(data.stack, data.recordings, i).norm() / root;
   return size;
 }
 

@@ -99,6 +99,7 @@ JointFit fitJointly(const TraceData& data, const BaseFit& base, const Eigen::Vec
       ((left_out.colwise() - left_out.rowwise().mean()).rowwise().squaredNorm() * (e.blocks - 1.0) / e.blocks)
           .cwiseSqrt();
   fit.base.resize(base.rank());
+  fit.base_std.resize(base.rank());
   for (const Eigen::MatrixXd& rows : effect_rows) {
     fit.coefficients.push_back(Eigen::VectorXd::Zero(rows.cols()));
     fit.std.push_back(Eigen::VectorXd::Zero(rows.cols()));
@@ -109,6 +110,7 @@ JointFit fitJointly(const TraceData& data, const BaseFit& base, const Eigen::Vec
     const Eigen::Index at = static_cast<Eigen::Index>(c);
     if (effect < 0) {
       fit.base[column] = z[at];
+      fit.base_std[column] = spread[at];
       continue;
     }
     const std::size_t k = static_cast<std::size_t>(effect);

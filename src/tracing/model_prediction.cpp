@@ -4,33 +4,23 @@
 
 #include "knee_robot/base/errors.h"
 #include "knee_robot/identification/prediction.h"
+#include "model_effects.h"
 
 namespace knee_robot {
 namespace {
 
 constexpr const char* kUnnamed = "unnamed";
 
-/// Values of the parameters in the order of the columns.
-Eigen::VectorXd inColumns(const Model& model, const std::vector<double>& values, const std::vector<Column>& columns) {
-  Eigen::VectorXd out = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(columns.size()));
-  for (std::size_t c = 0; c < columns.size(); ++c) {
-    for (std::size_t k = 0; k < model.parameters.size(); ++k) {
-      if (model.parameters[k].name == columns[c].name) out[static_cast<Eigen::Index>(c)] = values[k];
-    }
-  }
-  return out;
-}
-
 const Candidate* candidateOf(const Robot& robot, const ModelEffect& effect, int actuator,
-                             const std::vector<double>& shape, CandidateList& list) {
+                             const std::vector<double>& shape, const CandidateList& named, CandidateList& maps) {
   if (effect.name == kUnnamed) {
     std::unique_ptr<Candidate> map = mapCandidate(robot, effect.depends_on, actuator, shape);
     if (!map) return nullptr;
-    list.push_back(std::move(map));
-    return list.back().get();
+    maps.push_back(std::move(map));
+    return maps.back().get();
   }
-  for (const auto& candidate : list) {
-    if (candidate->name() == effect.name && effect.name != kUnnamed) return candidate.get();
+  for (const auto& candidate : named) {
+    if (candidate->name() == effect.name) return candidate.get();
   }
   return nullptr;
 }
@@ -50,13 +40,25 @@ void requireNames(const std::vector<EffectParameter>& have, const std::vector<Ex
   }
 }
 
+}  // namespace
+
+Eigen::VectorXd inColumns(const Model& model, const std::vector<double>& values, const std::vector<Column>& columns) {
+  Eigen::VectorXd out = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(columns.size()));
+  for (std::size_t c = 0; c < columns.size(); ++c) {
+    for (std::size_t k = 0; k < model.parameters.size(); ++k) {
+      if (model.parameters[k].name == columns[c].name) out[static_cast<Eigen::Index>(c)] = values[k];
+    }
+  }
+  return out;
+}
+
 FoundEffect effectOf(const Robot& robot, const ModelEffect& m, int recordings, const std::string& model_path,
-                     CandidateList& list) {
+                     const CandidateList& named, CandidateList& maps) {
   FoundEffect e;
   for (const EffectParameter& p : m.shape)
     e.hypothesis.shape.push_back(p.value);
   const int actuator = m.actuators.size() == 1 ? m.actuators.front() - 1 : -1;
-  const Candidate* candidate = candidateOf(robot, m, std::max(0, actuator), e.hypothesis.shape, list);
+  const Candidate* candidate = candidateOf(robot, m, std::max(0, actuator), e.hypothesis.shape, named, maps);
   if (candidate == nullptr) {
     throw InputError(model_path + ": effect " + m.name +
                      (m.depends_on.empty() ? "" : " that depends on " + m.depends_on) +
@@ -79,8 +81,6 @@ FoundEffect effectOf(const Robot& robot, const ModelEffect& m, int recordings, c
   return e;
 }
 
-}  // namespace
-
 ObservationOptions observationOptions(const Model& model) {
   ObservationOptions options;
   options.setCutoff(model.cutoff_hz);
@@ -101,13 +101,14 @@ TraceResult resultOf(const Robot& robot, const Model& model, const std::string& 
     r.base.memory.push_back({model.coulomb_width_m[axis], model.friction_cutoff_hz[axis]});
   }
   r.candidates = std::make_shared<CandidateList>(namedCandidates(robot));
+  CandidateList maps;
   const int recordings = static_cast<int>(model.data.size());
   const auto fill = [&](TraceResult& to, const std::vector<double>& parameters, const std::vector<double>& see,
                         const std::vector<ModelEffect>& effects) {
     to.parameters = inColumns(model, parameters, r.base.columns);
     to.seen_parameters = inColumns(model, see, r.base.columns);
     for (const ModelEffect& m : effects)
-      to.effects.push_back(effectOf(robot, m, recordings, model_path, *r.candidates));
+      to.effects.push_back(effectOf(robot, m, recordings, model_path, *r.candidates, maps));
   };
   if (model.elsewhere) {
     TraceResult other = r;
@@ -118,7 +119,10 @@ TraceResult resultOf(const Robot& robot, const Model& model, const std::string& 
   for (const ModelParameter& p : model.parameters)
     values.push_back(p.value);
   fill(r, values, model.effects_see, model.effects);
+  for (auto& map : maps)
+    r.candidates->push_back(std::move(map));
   r.base.parameters = r.parameters;
+  r.base.start = Eigen::VectorXd::Zero(r.parameters.size());
   return r;
 }
 

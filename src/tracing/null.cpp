@@ -40,7 +40,7 @@ TraceData makeTwin(const Robot& robot, const std::vector<Recording>& recordings,
   for (int i = 0; i < twin.stack.axes; ++i) {
     std::vector<Eigen::MatrixXd> force;
     for (const Observation& o : twin.recordings)
-      force.push_back(o.regressor[static_cast<std::size_t>(i)] * model.parameters);
+      force.push_back(o.regressor[static_cast<std::size_t>(i)] * (model.parameters - base.start));
     residual.segment(i * twin.stack.size(), twin.stack.size()) -= gather(twin.stack, twin.recordings, std::move(force));
   }
   if (model.effects.empty())

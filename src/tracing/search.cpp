@@ -301,7 +301,7 @@ std::vector<Hypothesis> hypothesesOf(const std::vector<FoundEffect>& effects) {
 
 TwinModel modelOf(const Search& s) {
   TwinModel m;
-  m.parameters = s.base->basis * s.fit.base;
+  m.parameters = s.base->parametersOf(s.fit.base);
   m.effects = hypothesesOf(s.effects);
   m.coefficients = s.fit.coefficients;
   return m;
@@ -319,7 +319,7 @@ void refit(Search& s) {
   };
   for (int pass = 0; pass < (all.empty() ? 1 : kPasses); ++pass) {
     fit();
-    s.seen_parameters = 0.5 * (s.seen_parameters + s.base->basis * s.fit.base);  // all the way would swing
+    s.seen_parameters = 0.5 * (s.seen_parameters + s.base->parametersOf(s.fit.base));  // all the way would swing
     const TwinModel model = modelOf(s);
     for (EffectInput& input : s.data->inputs) {
       const TwinEffects effects = effectForces(input, model);

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "given_search.h"
 #include "knee_robot/base/numbers.h"
-#include "search.h"
 
 namespace knee_robot {
 namespace {
@@ -16,7 +16,9 @@ TraceData makeData(const Robot& robot, std::vector<Observation> training, const 
   TraceData data;
   data.recordings = std::move(training);
   data.stack = makeStack(data.recordings, options.observation);
-  base = fitBase(robot, data.recordings, data.stack, columnsOf(robot), options.rank);
+  Eigen::VectorXd given;
+  if (options.start) given = startParameters(*options.start, columnsOf(robot));
+  base = fitBase(robot, data.recordings, data.stack, columnsOf(robot), options.rank, options.start ? &given : nullptr);
   BaseFit newtons = base;
   newtons.noise_N.setOnes();
   data.all_base_rows = baseRows(newtons, data.recordings, data.stack);
@@ -191,9 +193,17 @@ TraceResult trace(const Robot& robot, const std::vector<Recording>& recordings, 
     setFloor();
   };
   attend(Attention::All);
+  CandidateList given_maps;
+  if (options.start) {
+    result.given = startFrom(robot, *options.start, *result.candidates, given_maps, s);
+    if (!s.effects.empty()) {
+      options.progress("simulating twins that have the given model's effects");
+      s.rebuild_twins();
+    }
+  }
   const NoiseFloor all = s.floor;
   result.before_rms_N = s.rms_N;
-  result.base.parameters = result.base.basis * s.fit.base;
+  result.base.parameters = result.base.parametersOf(s.fit.base);
   noteAbsorbed(s, *result.candidates, result);
   attend(Attention::Moving);
   options.progress("looking at moving samples");
@@ -208,15 +218,17 @@ TraceResult trace(const Robot& robot, const std::vector<Recording>& recordings, 
   attend(Attention::Moving);
   CandidateList maps = mapCandidates(data.inputs);
   searchForward(s, maps, options.most_maps, options.seed + 100u);
-  for (auto& map : maps)
-    result.candidates->push_back(std::move(map));
+  for (CandidateList* list : {&given_maps, &maps}) {
+    for (auto& map : *list)
+      result.candidates->push_back(std::move(map));
+  }
   attend(Attention::All);
   s.floor = all;
   settleNames(s.effects);
 
   holdBackAmbiguous(data, s.effects, result.notes);
   result.effects = s.effects;
-  result.parameters = result.base.basis * s.fit.base;
+  result.parameters = result.base.parametersOf(s.fit.base);
   result.seen_parameters = s.seen_parameters;
   result.floor_N = s.floor.rms_N;
   result.floor_source = s.floor.source;
@@ -229,7 +241,7 @@ TraceResult trace(const Robot& robot, const std::vector<Recording>& recordings, 
     refit(without);
     TraceResult elsewhere = result;
     elsewhere.effects = without.effects;
-    elsewhere.parameters = result.base.basis * without.fit.base;
+    elsewhere.parameters = result.base.parametersOf(without.fit.base);
     elsewhere.seen_parameters = without.seen_parameters;
     result.elsewhere = std::make_shared<const TraceResult>(std::move(elsewhere));
   }

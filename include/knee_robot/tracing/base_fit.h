@@ -14,23 +14,28 @@ namespace knee_robot {
 struct BaseFit {
   std::vector<Column> columns;
   std::vector<FrictionMemory> memory;  ///< per actuator
-  Eigen::MatrixXd basis;               ///< columns x rank: parameters = basis * coordinates
+  Eigen::VectorXd start;               ///< per column: from a given model, zero for parameters with a sign; else zero
+  Eigen::MatrixXd basis;               ///< columns x rank: parameters = start + basis * coordinates
   int bounded = 0;                     ///< the first coordinates (friction, rotor) are never negative
   Eigen::VectorXd noise_N;             ///< per actuator: rms residual that rows are weighted with
   Eigen::VectorXd parameters;
 
   int rank() const { return static_cast<int>(basis.cols()); }
+  Eigen::VectorXd parametersOf(const Eigen::VectorXd& coordinates) const { return start + basis * coordinates; }
 };
 
-/// Fits the baseline to training recordings, choosing widths and rank on them; sets their Coulomb columns. `rank` 0: chosen.
+/// Fits the baseline to training recordings, choosing widths and rank on them; sets their Coulomb columns. `rank` 0: chosen. With
+/// `given` (parameters of a given model, per column) the data correct those in as many directions as that helps held-back blocks;
+/// friction and rotors, which have a sign, are fitted anew, and friction's memory is chosen anew: a given one that does not
+/// fit that day's stops was taken for presliding.
 BaseFit fitBase(const Robot& robot, std::vector<Observation>& training, const Stack& stack,
-                const std::vector<Column>& columns, int rank);
+                const std::vector<Column>& columns, int rank, const Eigen::VectorXd* given = nullptr);
 
 /// Memory of each actuator's friction that leaves least, its own friction refitted to `residual_N` (rows); sets the Coulomb columns.
 void chooseMemory(const Robot& robot, std::vector<Observation>& recordings, const Stack& stack,
                   const Eigen::VectorXd& residual_N, BaseFit& base);
 
-/// Weighted regressor in base coordinates (rows: actuator after actuator, picks within) and weighted force.
+/// Weighted regressor in base coordinates (rows: actuator after actuator, picks within), and weighted force less that of `start`.
 Eigen::MatrixXd baseRows(const BaseFit& base, const std::vector<Observation>& recordings, const Stack& stack);
 Eigen::VectorXd forceRows(const BaseFit& base, const std::vector<Observation>& recordings, const Stack& stack);
 

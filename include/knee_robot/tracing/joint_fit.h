@@ -8,7 +8,7 @@ namespace knee_robot {
 
 /// Baseline and effects fitted together.
 struct JointFit {
-  Eigen::VectorXd base;                       ///< base coordinates
+  Eigen::VectorXd base, base_std;             ///< base coordinates; std by leaving blocks out in turn
   std::vector<Eigen::VectorXd> coefficients;  ///< per effect
   std::vector<Eigen::VectorXd> std;           ///< of those, by leaving blocks out in turn (jackknife)
   std::vector<char> stable;    ///< per effect: no left-out block changes the sign of its leading coefficient

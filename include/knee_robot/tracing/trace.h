@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "knee_robot/dynamics/model.h"
+#include "knee_robot/tracing/given_model.h"
 #include "knee_robot/tracing/joint_fit.h"
 
 namespace knee_robot {
@@ -14,12 +15,13 @@ namespace knee_robot {
 /// Everything that tracing may be told.
 struct TraceOptions {
   ObservationOptions observation;
-  int rank = 0;            ///< of the baseline; 0: chosen on the training data
-  std::uint64_t seed = 1;  ///< of twins and resampling
-  int twins = 10;          ///< simulated sets of recordings
-  int draws = 200;         ///< of the null distribution, at least
-  int most_effects = 6;    ///< named ones, places counted
-  int most_maps = 2;       ///< unnamed ones
+  int rank = 0;                             ///< of the baseline; 0: chosen on the training data
+  std::uint64_t seed = 1;                   ///< of twins and resampling
+  int twins = 10;                           ///< simulated sets of recordings
+  int draws = 200;                          ///< of the null distribution, at least
+  int most_effects = 6;                     ///< named ones, places counted
+  int most_maps = 2;                        ///< unnamed ones
+  std::shared_ptr<const StartModel> start;  ///< null: no model is given
   std::function<void(const std::string&)> progress = [](const std::string&) {};
 };
 
@@ -49,6 +51,7 @@ struct TraceResult {
   std::vector<std::string> absorbed;          ///< what the base parameters take up, one sentence each
   std::vector<std::string> rejected;          ///< what came close, and why it was not added
   std::vector<std::string> notes;
+  GivenModel given;  ///< what of the model that was started from still holds
   /// For other recordings: fitted without effects of which it is not known what they depend on. Empty: this result itself.
   std::shared_ptr<const TraceResult> elsewhere;
 };

@@ -1,0 +1,17 @@
+#pragma once
+
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include "knee_robot/tracing/given_model.h"
+
+namespace knee_robot {
+
+/// "given_model" of report.json; null when none was given.
+nlohmann::ordered_json givenModelJson(const GivenModel& given);
+/// Section of report.html; empty when none was given.
+std::string givenModelHtml(const GivenModel& given);
+/// Lines for the terminal; empty when none was given.
+std::string givenModelSummary(const GivenModel& given);
+
+}  // namespace knee_robot

@@ -1,0 +1,158 @@
+#include "knee_robot/tracing/given_model.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "given_search.h"
+#include "knee_robot/base/errors.h"
+#include "model_effects.h"
+
+namespace knee_robot {
+namespace {
+
+constexpr double kAgree = 2.0;        ///< standard errors within which a single coefficient is the same
+constexpr double kLeastShare = 1e-3;  ///< of held-back squares: less is rounding, or a coefficient at its bound
+constexpr double kSameSize =
+    1.5;  ///< ratio of the forces' rms within which an effect with several coefficients is the same
+
+struct Gain {
+  double mean = 0.0, error = 0.0, share = 0.0, share_error = 0.0;
+  Eigen::VectorXd explained_rms_N;
+};
+
+std::vector<Eigen::MatrixXd> rowsOf(const Search& s, const std::vector<Hypothesis>& effects) {
+  std::vector<Eigen::MatrixXd> rows;
+  for (const Hypothesis& h : effects)
+    rows.push_back(effectRows(*s.data, h));
+  return rows;
+}
+
+/// What effect k saves on held-back blocks beside the others.
+Gain gainOf(const Search& s, std::size_t k) {
+  std::vector<Hypothesis> others = hypothesesOf(s.effects);
+  const std::vector<Hypothesis> all = others;
+  others.erase(others.begin() + static_cast<std::ptrdiff_t>(k));
+  const JointFit with = fitJointly(*s.data, *s.base, s.rms_N, all, rowsOf(s, all));
+  const JointFit without = fitJointly(*s.data, *s.base, s.rms_N, others, rowsOf(s, others));
+  const Eigen::VectorXd saved = without.held_back - with.held_back;
+  const double n = static_cast<double>(saved.size());
+  Gain g;
+  g.mean = saved.mean();
+  g.error = std::sqrt((saved.array() - g.mean).square().sum() / (n * (n - 1.0)));
+  g.share = n * g.mean / without.held_back.sum();
+  g.share_error = n * g.error / without.held_back.sum();
+  g.explained_rms_N.resize(s.data->stack.axes);
+  const Eigen::Index rows = s.data->stack.size();
+  for (int i = 0; i < s.data->stack.axes; ++i) {
+    const double square = without.residual_N.segment(i * rows, rows).squaredNorm() -
+                          with.residual_N.segment(i * rows, rows).squaredNorm();
+    g.explained_rms_N[i] = std::sqrt(std::max(0.0, square / static_cast<double>(rows)));
+  }
+  return g;
+}
+
+/// Whether the refitted effect is the given one, as far as the two can be told apart.
+bool agrees(const Search& s, const FoundEffect& given, const FoundEffect& now) {
+  if (now.coefficients.size() == 1) {
+    const double given_std = std::isfinite(given.std[0]) ? given.std[0] : 0.0;
+    return std::abs(now.coefficients[0] - given.coefficients[0]) <= kAgree * std::hypot(now.std[0], given_std);
+  }
+  if (now.coefficients.size() != given.coefficients.size()) return true;  // fitted per recording: nothing to compare
+  const Eigen::MatrixXd rows = effectRows(*s.data, now.hypothesis);
+  const double ratio = (rows * now.coefficients).norm() / std::max(1e-300, (rows * given.coefficients).norm());
+  return ratio < kSameSize && ratio > 1.0 / kSameSize;
+}
+
+std::vector<EffectParameter> refitted(const FoundEffect& e, const EffectInput& input) {
+  std::vector<EffectParameter> out;
+  const std::vector<Coefficient> names = e.hypothesis.place.candidate->coefficients(input);
+  for (std::size_t k = 0; k < names.size(); ++k)
+    out.push_back({names[k].name, e.coefficients[static_cast<Eigen::Index>(k)], e.std[static_cast<Eigen::Index>(k)]});
+  return out;
+}
+
+void compareParameters(const Search& s, const StartModel& start, GivenModel& report) {
+  const BaseFit& base = *s.base;
+  std::vector<double> values;
+  for (const ModelParameter& p : start.model.parameters)
+    values.push_back(p.value);
+  const Eigen::VectorXd given = inColumns(start.model, values, base.columns);
+  for (int k = 0; k < base.bounded; ++k) {
+    Eigen::Index c = 0;
+    const double unit = base.basis.col(k).cwiseAbs().maxCoeff(&c);
+    const Column& column = base.columns[static_cast<std::size_t>(c)];
+    report.parameters.push_back({column.name, column.unit, given[c], unit * s.fit.base[k], unit * s.fit.base_std[k]});
+  }
+}
+
+}  // namespace
+
+Eigen::VectorXd startParameters(const StartModel& given, const std::vector<Column>& columns) {
+  std::vector<double> values;
+  for (const ModelParameter& p : given.model.parameters) {
+    values.push_back(p.value);
+    const bool known = std::any_of(columns.begin(), columns.end(), [&](const Column& c) { return c.name == p.name; });
+    if (known || p.value == 0.0) continue;
+    throw InputError(given.path + ": has the parameter " + p.name +
+                     ", which the baseline of trace does not have; identify without the joints' friction");
+  }
+  return inColumns(given.model, values, columns);
+}
+
+GivenModel startFrom(const Robot& robot, const StartModel& start, const CandidateList& named, CandidateList& maps,
+                     Search& s) {
+  GivenModel report;
+  report.path = start.path;
+  const int recordings = static_cast<int>(start.model.data.size());
+  std::vector<FoundEffect> given;     // of those in s.effects, in order
+  std::vector<std::size_t> reported;  // where
+  for (const ModelEffect& m : start.model.effects) {
+    report.effects.push_back({m, false, "belongs to its own recordings", {}, 0.0, 0.0});
+    const FoundEffect e = effectOf(robot, m, recordings, start.path, named, maps);
+    const Candidate& candidate = *e.hypothesis.place.candidate;
+    if (candidate.shared() && !candidate.transfers()) continue;
+    given.push_back(e);
+    reported.push_back(report.effects.size() - 1);
+  }
+  s.effects = given;
+  for (FoundEffect& e : s.effects)
+    e.p = std::numeric_limits<double>::quiet_NaN();  // its evidence is another recording's
+  refit(s);
+  for (bool changed = true; changed;) {
+    changed = false;
+    std::size_t worst = 0;
+    double least = std::numeric_limits<double>::infinity();
+    for (std::size_t k = 0; k < s.effects.size(); ++k) {
+      const Gain g = gainOf(s, k);
+      FoundEffect& e = s.effects[k];
+      e.gain = g.share;
+      e.gain_error = g.share_error;
+      e.explained_rms_N = g.explained_rms_N;
+      e.null_rms_N = Eigen::VectorXd::Constant(g.explained_rms_N.size(), std::numeric_limits<double>::quiet_NaN());
+      GivenEffect& r = report.effects[reported[k]];
+      r.gain = g.share;
+      r.gain_error = g.share_error;
+      r.now = refitted(e, s.data->inputs.front());
+      r.kept = true;
+      r.verdict = agrees(s, given[k], e) ? "still holds" : "has changed";
+      const double sure = g.share < kLeastShare ? std::min(-1e-9, g.share) : g.share - g.share_error;
+      if (sure >= std::min(least, 0.0)) continue;
+      least = sure;
+      worst = k;
+      changed = true;
+    }
+    if (!changed) break;
+    report.effects[reported[worst]].kept = false;
+    report.effects[reported[worst]].verdict = "is not needed here";
+    const auto at = static_cast<std::ptrdiff_t>(worst);
+    s.effects.erase(s.effects.begin() + at);
+    given.erase(given.begin() + at);
+    reported.erase(reported.begin() + at);
+    refit(s);
+  }
+  compareParameters(s, start, report);
+  return report;
+}
+
+}  // namespace knee_robot
