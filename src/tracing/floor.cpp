@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "knee_robot/base/numbers.h"
 #include "knee_robot/recording/filter.h"
+#include "repeats.h"
 
 namespace knee_robot {
 namespace {
@@ -69,6 +71,22 @@ NoiseFloor noiseFloor(const std::vector<Recording>& recordings, const TraceData&
       floor.source += (floor.source.empty() ? "repeats of one reference: " : "; ") + recordings[a].name + " and " +
                       recordings[b].name;
     }
+  }
+  for (std::size_t r = 0; r < recordings.size(); ++r) {
+    const Signals& signals = data.recordings[r].signals;
+    const RepeatedCycle cycle = findRepeatedCycle(recordings[r], signals);
+    if (cycle.lag == 0) continue;
+    Eigen::MatrixXd filtered = residual[r];
+    ZeroPhaseLowPass(data.stack.cutoff_hz, 1.0 / signals.period_s).applyToColumns(filtered);
+    const std::vector<char>& usable = data.recordings[r].usable;
+    for (const int n : cycle.first) {
+      if (!usable[static_cast<std::size_t>(n)] || !usable[static_cast<std::size_t>(n + cycle.lag)]) continue;
+      sum += 0.5 * (filtered.row(n + cycle.lag) - filtered.row(n)).cwiseAbs2().transpose();
+      samples += 1.0;
+    }
+    floor.source += (floor.source.empty() ? "" : "; ") + recordings[r].name + " repeats a cycle of " +
+                    shortNumber(cycle.lag * signals.period_s, 3) + " s within itself (" +
+                    shortNumber(static_cast<double>(cycle.first.size()) * signals.period_s, 3) + " s compared)";
   }
   if (samples > 0.0) {
     floor.rms_N = (sum / samples).cwiseSqrt().cwiseMax(engineeringSize(data));

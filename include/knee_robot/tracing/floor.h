@@ -13,7 +13,8 @@ struct NoiseFloor {
   std::string source;
 };
 
-/// From recordings that repeat each other's reference, when there are any: rms of the difference of their residuals over sqrt 2.
+/// From recordings that repeat each other's reference, and from cycles that a recording repeats within itself, when there are any
+/// (found by themselves): rms of the difference of their residuals over sqrt 2; `source` says which.
 /// Otherwise an estimate: what clean twins leave (`twin_residual_N`), together with the noise density of the unfiltered force
 /// residual just above the cut-off, carried down to it. Never below a hundredth of the rms force:
 /// what is smaller is not looked for.

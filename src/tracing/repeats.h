@@ -1,0 +1,19 @@
+#pragma once
+
+#include "knee_robot/recording/recording.h"
+#include "knee_robot/recording/signals.h"
+
+namespace knee_robot {
+
+/// A cycle of the reference that one recording contains more than once.
+struct RepeatedCycle {
+  int lag = 0;             ///< samples from one run to the next; 0: there is none
+  std::vector<int> first;  ///< samples n whose reference is that of n + lag
+};
+
+/// Looks for the lag at which the longest moving part of the reference, at least one whole cycle of 2 s or more in which some
+/// actuator's reference travels 5 mm, comes again within 0.1 mm (and half a sample of its motion). Of equally good lags the
+/// shortest. None without reference columns.
+RepeatedCycle findRepeatedCycle(const Recording& recording, const Signals& signals);
+
+}  // namespace knee_robot

@@ -1,0 +1,88 @@
+#include "knee_robot/tracing/floor.h"
+
+#include <gtest/gtest.h>
+
+#include <random>
+
+#include "test/identification/synthetic.h"
+
+namespace knee_robot {
+namespace {
+
+constexpr double kCycle_s = 7.3;
+constexpr double kForce_N = 100.0;
+
+/// One bench axis whose reference is `position`, with a force that depends on the position, and white noise of 2 N.
+Recording recorded(const std::function<double(double)>& position, double seconds, const std::string& name) {
+  std::mt19937 random(3);
+  std::normal_distribution<double> noise(0.0, 2.0);
+  Recording r;
+  r.name = name;
+  r.path = name + ".csv";
+  r.axes = 1;
+  const int rows = static_cast<int>(seconds * 100.0);
+  r.position_m.resize(rows, 1);
+  r.force_N.resize(rows, 1);
+  for (int k = 0; k < rows; ++k) {
+    r.time_s.push_back(0.01 * k);
+    r.position_m(k, 0) = position(0.01 * k);
+    r.force_N(k, 0) = kForce_N * std::sin(60.0 * r.position_m(k, 0)) + noise(random);
+  }
+  r.reference_m = r.position_m;
+  return r;
+}
+
+NoiseFloor floorOf(const std::vector<Recording>& recordings) {
+  const Robot robot = syntheticBench(1);
+  const ObservationOptions options;
+  TraceData data;
+  std::vector<Eigen::MatrixXd> model_N;
+  for (const Recording& r : recordings) {
+    data.recordings.push_back(observe(robot, columnsOf(robot), r, options));
+    model_N.push_back(Eigen::MatrixXd::Zero(data.recordings.back().samples(), 1));
+  }
+  data.stack = makeStack(data.recordings, options);
+  return noiseFloor(recordings, data, model_N, Eigen::VectorXd::Constant(1, 30.0));
+}
+
+double cycle(double t) {
+  const double w = 2.0 * M_PI / kCycle_s;
+  return 0.3 + 0.05 * std::sin(w * t) + 0.02 * std::sin(3.0 * w * t + 1.0);
+}
+
+/// White noise of 2 N at 100 Hz, low-passed at 3 Hz: the share of the band that is left.
+const double kNoise_N = 2.0 * std::sqrt(3.0 / 50.0);
+
+TEST(NoiseFloor, ComesFromTheCyclesWithinOneRecording) {
+  const NoiseFloor floor = floorOf({recorded(cycle, 40.0, "turns")});
+  EXPECT_NE(floor.source.find("turns repeats a cycle of 7.3 s within itself"), std::string::npos) << floor.source;
+  EXPECT_NEAR(floor.rms_N[0], std::max(kNoise_N, 0.01 * kForce_N / std::sqrt(2.0)), 0.25)
+      << "what every cycle has alike is no noise";
+}
+
+TEST(NoiseFloor, FindsCyclesBetweenRestsAndLeavesTheRestsOut) {
+  const auto position = [](double t) { return cycle(std::clamp(t - 6.0, 0.0, 2.6 * kCycle_s)); };
+  const NoiseFloor floor = floorOf({recorded(position, 40.0, "turns")});
+  EXPECT_NE(floor.source.find("cycle of 7.3 s"), std::string::npos) << floor.source;
+}
+
+TEST(NoiseFloor, TakesNoMotionThatDoesNotRepeatForOneThatDoes) {
+  for (const auto& position : std::vector<std::function<double(double)>>{
+           [](double t) { return 0.3 + 0.05 * std::sin(t) + 0.03 * std::sin(1.618 * t); },  // quasi-periodic
+           [](double t) { return 0.2 + 0.003 * t; },                                        // a ramp
+           [](double) { return 0.3; },                                                      // rest
+           [](double t) { return cycle(std::min(t, 1.5 * kCycle_s)); }}) {                  // half a cycle again
+    const NoiseFloor floor = floorOf({recorded(position, 40.0, "once")});
+    EXPECT_EQ(floor.source.find("repeats a cycle"), std::string::npos) << floor.source;
+    EXPECT_GE(floor.rms_N[0], 30.0) << "the estimate has what twins leave";
+  }
+}
+
+TEST(NoiseFloor, SaysWhenBothKindsOfRepeatsAreUsed) {
+  const NoiseFloor floor = floorOf({recorded(cycle, 30.0, "a"), recorded(cycle, 30.0, "b")});
+  EXPECT_NE(floor.source.find("repeats of one reference: a and b"), std::string::npos) << floor.source;
+  EXPECT_NE(floor.source.find("within itself"), std::string::npos) << floor.source;
+}
+
+}  // namespace
+}  // namespace knee_robot
