@@ -8,6 +8,7 @@
 #include "knee_robot/control/black_box_writer.h"
 #include "knee_robot/control/control_system.h"
 #include "knee_robot/control/driver.h"
+#include "knee_robot/control/heat_memory.h"
 #include "knee_robot/control/monitors.h"
 #include "knee_robot/control/recorder.h"
 #include "knee_robot/control/recording_drain.h"
@@ -41,6 +42,8 @@ struct ControlSystem::Parts {
   OperatorPanel panel;
   std::unique_ptr<RecordingDrain> drain;
   std::unique_ptr<BlackBoxWriter> black_box_writer;
+  std::unique_ptr<HeatMemory> heat_memory;
+  std::string heat_refused;  // why the motors count as hot
   std::optional<PatientLimits> patient;
   std::uint32_t requests = 0;
   std::string reference_name;

@@ -2,6 +2,7 @@
 
 #include <chrono>
 #include <cmath>
+#include <ctime>
 #include <thread>
 
 #include "control_parts.h"
@@ -69,10 +70,13 @@ ControlSystem::ControlSystem(const Robot& robot, const HardwareFile& hardware, c
       std::make_unique<RecordingDrain>(*parts_->recorder, robot.axes(), options.execution == rt::Execution::Threads);
   parts_->black_box_writer = std::make_unique<BlackBoxWriter>(*parts_->black_box, options.black_box_folder,
                                                               options.execution == rt::Execution::Threads);
+  parts_->heat_memory = std::make_unique<HeatMemory>(options.heat_file, options.execution == rt::Execution::Threads);
+  rt::connect(parts_->monitors->verdict, parts_->heat_memory->verdict);
 }
 
 ControlSystem::~ControlSystem() {
   shutdown();
+  parts_->heat_memory.reset();
   parts_->black_box_writer.reset();
   parts_->drain.reset();  // its thread uses the Recorder
 }
@@ -83,6 +87,8 @@ Answer ControlSystem::start() {
   if (!test.passed) {
     return {false, "the hardware's self test failed: " + (test.findings.empty() ? "no finding" : test.findings.back())};
   }
+  parts_->monitors->start_heat(rememberedHeat(options_.heat_file, static_cast<double>(std::time(nullptr)),
+                                              parts_->monitors->thermal_time, &parts_->heat_refused));
   try {
     deployment_->start();
   } catch (const InputError& error) {
@@ -95,8 +101,10 @@ Answer ControlSystem::start() {
   };
   if (!waitUntil(settled, 1.0)) return {false, "the components started, but nothing is measured"};
   const ControlStatus now = status();
-  if (now.state == MachineState::Faulted) return {true, "started with a fault, drives off: " + now.fault_sentence};
-  return {true, "ready: drives off, hold devices engaged"};
+  const std::string hot = parts_->heat_refused.empty() ? "" : "; the motors count as hot: " + parts_->heat_refused;
+  if (now.state == MachineState::Faulted)
+    return {true, "started with a fault, drives off: " + now.fault_sentence + hot};
+  return {true, "ready: drives off, hold devices engaged" + hot};
 }
 
 Answer ControlSystem::shutdown() {

@@ -24,8 +24,8 @@ void Monitors::setPatient(const PatientRange& range) {
 bool Monitors::startHook() {
   any_ = false;
   if (out_.sequence == 0) {
-    for (Axis& axis : axes_)
-      axis.thermal.start(thermal_start);
+    for (std::size_t i = 0; i < kAxes; ++i)
+      axes_[i].thermal.start(std::max<double>(thermal_start, known_heat_[i]));
   }
   forget();
   return true;

@@ -89,6 +89,7 @@ int run() {
 
   ControlSystem::Options options;
   options.black_box_folder = recordings.path() + "/black_box";
+  options.heat_file = options.black_box_folder + "/heat.yaml";
   ControlSystem system(robot, hardware_file, requiredParameter(node, "deployment"), machine.bus(), options);
   const Answer started = system.start();
   if (!started.ok) throw InputError(started.sentence);

@@ -35,6 +35,8 @@ inline Robot robot() {
   robot.actuators[3].counts_per_revolution = 2000;
   robot.actuators[3].force_per_volt_N = 246.6779;
   robot.actuators[3].force_max_N = 1000.0;
+  for (Actuator& one : robot.actuators)
+    one.force_continuous_N = 300.0;
   return robot;
 }
 

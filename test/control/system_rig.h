@@ -87,13 +87,16 @@ inline std::string deploymentFile() {
 
 /// The whole controller, stepped, on the fake machine.
 struct Rig {
-  explicit Rig(HardwareFile hardware_file = hardware(), const std::string& black_box_folder = "")
+  explicit Rig(HardwareFile hardware_file = hardware(), const std::string& black_box_folder = "",
+               const std::string& heat_file = "")
       : machine(robot()),
-        system(robot(), hardware_file, deploymentFile(), machine, options(hardware_file, black_box_folder)) {
+        system(robot(), hardware_file, deploymentFile(), machine, options(hardware_file, black_box_folder, heat_file)) {
     system.setPlant([this](rt::Nanoseconds time) { machine.advanceTo(rt::toSeconds(time)); });
   }
-  ControlSystem::Options options(const HardwareFile& hardware_file, const std::string& black_box_folder) {
+  ControlSystem::Options options(const HardwareFile& hardware_file, const std::string& black_box_folder,
+                                 const std::string& heat_file) {
     ControlSystem::Options all;
+    all.heat_file = heat_file;
     all.black_box_folder = black_box_folder;
     all.execution = rt::Execution::Stepped;
     all.types = faultyTypes(injection, machine, hardware_file);

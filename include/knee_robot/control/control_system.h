@@ -69,6 +69,8 @@ class ControlSystem {
     rt::TypeFactory types;
     /// Where the last 5 s of all signals go on every fault (BlackBoxWriter); empty: nowhere.
     std::string black_box_folder;
+    /// Where the motors' heat is kept from one start to the next (HeatMemory); empty: nowhere, they start cold.
+    std::string heat_file;
   };
 
   /// Reads the deployment, makes and connects everything; nothing runs. Throws InputError. `bus` must outlive this.

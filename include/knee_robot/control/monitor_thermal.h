@@ -6,7 +6,7 @@ namespace knee_robot {
 
 /// I2t: the winding's heat as a first-order lag of (force / continuous force)^2. 0 is cold, 1 what the continuous force leads to in
 /// the end; above 1 is the fault. Goes on through every state, and is not forgotten by a reset; a controller that is started anew
-/// knows nothing of what was before and begins at `start`.
+/// begins at `start` (HeatMemory knows what was before).
 class ThermalMonitor {
  public:
   bool step(const AxisView& axis, double force_continuous_N, double time_constant_s) noexcept {

@@ -98,6 +98,12 @@ class Monitors : public rt::TaskContext {
       {"range"},
       "limits that hold from the next cycle on; while the drives are off",
       [this](const PatientRange& range) { setPatient(range); }};
+  rt::Operation<void(const AxisValues&)> start_heat{
+      *this,
+      "startHeat",
+      {"heat"},
+      "of the motors, 0 to 1, when it is known from before; thermal_start is the least; before start()",
+      [this](const AxisValues& heat) { known_heat_ = heat; }};
 
  protected:
   bool startHook() override;
@@ -130,6 +136,7 @@ class Monitors : public rt::TaskContext {
   const Robot robot_;
   const std::array<rt::InputPort<AxisCommand>*, kAxes> inputs_;
   std::array<Axis, kAxes> axes_;
+  AxisValues known_heat_{};
   PatientMonitor patient_monitor_;
   std::mutex offering_;
   rt::DataChannel<PatientRange> offered_;

@@ -1,0 +1,79 @@
+#include "knee_robot/control/heat_memory.h"
+
+#include <unistd.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <ctime>
+
+#include "knee_robot/base/errors.h"
+#include "knee_robot/base/files.h"
+#include "knee_robot/base/numbers.h"
+#include "knee_robot/base/strict_yaml.h"
+
+namespace knee_robot {
+namespace {
+
+constexpr double kHottest = 10.0;  // beyond any that a monitor lets happen
+
+double secondsSince1970() {
+  timespec now{};
+  ::clock_gettime(CLOCK_REALTIME, &now);
+  return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
+}
+
+}  // namespace
+
+AxisValues rememberedHeat(const std::string& path, double time_s, double time_constant_s, std::string* error) {
+  AxisValues heat{};
+  if (path.empty() || ::access(path.c_str(), F_OK) != 0) return heat;
+  try {
+    StrictMap file = StrictMap::parse(readFile(path, 4096), path);
+    const std::vector<double> kept = file.numbers("heat", kAxes, 0.0, kHottest);
+    const double written_s = file.number("time_s", 0.0, 1e11);
+    file.finish();
+    const double cooling = std::exp(-std::max(0.0, time_s - written_s) / time_constant_s);
+    for (std::size_t i = 0; i < kAxes; ++i)
+      heat[i] = std::min(1.0, kept[i] * cooling);
+  } catch (const InputError& refused) {
+    if (error != nullptr) *error = refused.what();
+    heat.fill(1.0);
+  }
+  return heat;
+}
+
+HeatMemory::HeatMemory(std::string path, bool threaded) : TaskContext("HeatMemory"), path_(std::move(path)) {
+  if (threaded && !path_.empty()) thread_ = std::thread([this] { loop(); });
+}
+
+HeatMemory::~HeatMemory() {
+  stop_ = true;
+  if (thread_.joinable()) thread_.join();
+  write();
+}
+
+void HeatMemory::loop() {
+  constexpr int kLooks = 40;  // at stop_, in a period
+  for (int look = 1; !stop_; ++look) {
+    if (look % kLooks == 0) write();
+    std::this_thread::sleep_for(std::chrono::duration<double>(kPeriod_s / kLooks));
+  }
+}
+
+void HeatMemory::write() noexcept {
+  MonitorVerdict newest;
+  if (path_.empty() || verdict.read(newest) == rt::FlowStatus::NoData) return;
+  try {
+    std::string text =
+        "# Heat of the motors (I2t: 1 is what the continuous force leads to), for the next start.\nheat: [";
+    for (std::size_t i = 0; i < kAxes; ++i)
+      text += (i == 0 ? "" : ", ") + exactNumber(std::clamp(newest.heat[i], 0.0, kHottest));
+    makeFolder(path_.substr(0, path_.find_last_of('/')));
+    writeFileAtomically(path_, text + "]\ntime_s: " + exactNumber(secondsSince1970()) + "\n");
+  } catch (const std::exception&) {
+    // see the class: the next start finds the older file
+  }
+}
+
+}  // namespace knee_robot
