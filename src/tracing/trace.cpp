@@ -116,8 +116,7 @@ void noteAbsorbed(const Search& s, const CandidateList& candidates, TraceResult&
   }
   result.absorbed.push_back("reflected_inertia: is a parameter of the baseline (rotor)");
   if (s.data->recordings.front().motion.motion.empty()) return;
-  result.absorbed.push_back(
-      "payload: a mass on the platform changes the platform's inertia parameters, which are fitted");
+  result.absorbed.push_back(result.payload.sentence);
   result.absorbed.push_back("base_tilt: turns gravity, which the fitted first moments and offsets follow");
 }
 
@@ -204,6 +203,7 @@ TraceResult trace(const Robot& robot, const std::vector<Recording>& recordings, 
   const NoiseFloor all = s.floor;
   result.before_rms_N = s.rms_N;
   result.base.parameters = result.base.parametersOf(s.fit.base);
+  result.payload = testPayload(robot, data.recordings, data.stack, result.base, s.rms_N);
   noteAbsorbed(s, *result.candidates, result);
   attend(Attention::Moving);
   options.progress("looking at moving samples");

@@ -9,6 +9,7 @@
 #include "knee_robot/dynamics/model.h"
 #include "knee_robot/tracing/given_model.h"
 #include "knee_robot/tracing/joint_fit.h"
+#include "knee_robot/tracing/payload.h"
 
 namespace knee_robot {
 
@@ -51,7 +52,8 @@ struct TraceResult {
   std::vector<std::string> absorbed;          ///< what the base parameters take up, one sentence each
   std::vector<std::string> rejected;          ///< what came close, and why it was not added
   std::vector<std::string> notes;
-  GivenModel given;  ///< what of the model that was started from still holds
+  PayloadTest payload;  ///< against the URDF's inertia; its sentence is among `absorbed`
+  GivenModel given;     ///< what of the model that was started from still holds
   /// For other recordings: fitted without effects of which it is not known what they depend on. Empty: this result itself.
   std::shared_ptr<const TraceResult> elsewhere;
 };

@@ -1,0 +1,198 @@
+#include "knee_robot/tracing/payload.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "knee_robot/base/errors.h"
+#include "knee_robot/base/numbers.h"
+#include "knee_robot/dynamics/rigid_body.h"
+#include "knee_robot/dynamics/robot_inertia.h"
+#include "knee_robot/identification/rank.h"
+
+namespace knee_robot {
+namespace {
+
+constexpr int kMass = 4;             ///< mass and first moments
+constexpr double kErrors = 5.0;      ///< standard errors of the mass
+constexpr double kSmall = 0.02;      ///< of the platform's mass
+constexpr double kExplains = 0.5;    ///< of the squares by which the URDF misses the free fit
+constexpr double kAllButAll = 0.99;  ///< of those squares: then it need not be as good as the free fit
+constexpr double kAsGood = 1.25;     ///< rms of the free fit
+constexpr double kToldCenter_m = 0.1;
+constexpr int kPasses = 4;  ///< between first moments and moments of inertia
+
+/// Friction, rotor and offset columns of the baseline.
+std::vector<Eigen::Index> ownColumns(const BaseFit& base) {
+  std::vector<Eigen::Index> own;
+  for (const bool bounded : {true, false}) {
+    for (std::size_t c = 0; c < base.columns.size(); ++c) {
+      if (base.columns[c].role != ColumnRole::Rigid && base.columns[c].isNonNegative() == bounded)
+        own.push_back(static_cast<Eigen::Index>(c));
+    }
+  }
+  return own;
+}
+
+/// Directions of the 90 parameters: the URDF, the point mass's moments of inertia, mass and first moments.
+struct Directions {
+  Eigen::VectorXd known;
+  Eigen::MatrixXd mass = Eigen::MatrixXd::Zero(kInertialParameters, kMass);
+
+  explicit Directions(const RobotInertia& inertia) : known(toParameters(inertia)) {
+    constexpr int kPlatform = kPlatformLink * kLinkParameters;
+    mass(kPlatform + 9, 0) = 1.0;
+    for (int k = 0; k < 3; ++k)
+      mass(kPlatform + 6 + k, 1 + k) = 1.0;
+  }
+  /// The URDF with the moments of inertia (about the platform's origin) of a point mass.
+  Eigen::VectorXd with(double point_kg, const Vector3& center) const {
+    LinkInertia point;
+    point.mass = point_kg;
+    point.center = center;
+    Eigen::VectorXd out = known;
+    out.segment<6>(kPlatformLink * kLinkParameters) += toParameters(point).head<6>();
+    return out;
+  }
+};
+
+/// Rows of all actuators, weighted: own columns (those with a sign first), mass columns, and the 90 rigid ones apart.
+struct Rows {
+  Equations own;
+  Eigen::MatrixXd rigid;
+  int bounded = 0;
+};
+
+Rows rowsOf(const std::vector<Observation>& recordings, const Stack& stack, const BaseFit& base,
+            const Eigen::VectorXd& noise_N, const Directions& directions) {
+  const std::vector<Eigen::Index> own = ownColumns(base);
+  Rows rows;
+  for (const Eigen::Index c : own)
+    rows.bounded += base.columns[static_cast<std::size_t>(c)].isNonNegative() ? 1 : 0;
+  const Eigen::Index count = static_cast<Eigen::Index>(own.size()), p = stack.size();
+  rows.own.axes = stack.axes;
+  rows.own.blocks = stack.blocks;
+  rows.own.a.resize(p * stack.axes, count + kMass);
+  rows.own.b.resize(p * stack.axes);
+  rows.rigid.resize(p * stack.axes, kInertialParameters);
+  const Eigen::VectorXd scale = rowScale(stack, recordings, Attention::Moving);
+  for (int i = 0; i < stack.axes; ++i) {
+    std::vector<Eigen::MatrixXd> columns;
+    for (const Observation& o : recordings)
+      columns.push_back(o.regressor[static_cast<std::size_t>(i)]);
+    const Eigen::VectorXd weight = scale.segment(i * p, p) / noise_N[i];
+    const Eigen::MatrixXd all = weight.asDiagonal() * gather(stack, recordings, std::move(columns));
+    for (Eigen::Index c = 0; c < count; ++c)
+      rows.own.a.col(c).segment(i * p, p) = all.col(own[static_cast<std::size_t>(c)]);
+    rows.rigid.middleRows(i * p, p) = all.leftCols(kInertialParameters);
+    rows.own.b.segment(i * p, p) = weight.cwiseProduct(gatherForce(stack, recordings, i));
+    for (const Pick& pick : stack.picks) {
+      rows.own.actuator.push_back(i);
+      rows.own.block.push_back(pick.block);
+    }
+  }
+  rows.own.a.rightCols(kMass) = rows.rigid * directions.mass;
+  return rows;
+}
+
+Eigen::VectorXd solve(const Eigen::MatrixXd& triangle, int bounded) {
+  const Eigen::Index p = triangle.cols() - 1;
+  const Eigen::VectorXd scale = triangle.leftCols(p).colwise().norm().transpose().cwiseMax(1e-12);
+  return boundedLeastSquares(triangle.leftCols(p) * scale.cwiseInverse().asDiagonal(), triangle.col(p), bounded)
+      .cwiseQuotient(scale);
+}
+
+double rms(const Eigen::VectorXd& rows) {
+  return rows.norm() / std::sqrt(static_cast<double>(rows.size()));
+}
+
+std::string massText(const PayloadTest& t) {
+  return shortNumber(t.mass_kg, 3) + " +- " + shortNumber(t.mass_std_kg, 2) + " kg";
+}
+
+std::string centerText(const PayloadTest& t) {
+  std::string out;
+  for (int k = 0; k < 3; ++k) {
+    if (!(t.center_std_m[k] < kToldCenter_m)) continue;
+    out += (out.empty() ? " at " : ", ") + std::string(1, "xyz"[k]) + " = " + shortNumber(t.center_m[k], 2) + " +- " +
+           shortNumber(t.center_std_m[k], 2) + " m";
+  }
+  return out.empty() ? " at a place that the motion does not tell" : out + " (platform frame)";
+}
+
+void judge(double platform_kg, PayloadTest& t) {
+  const double missed = t.prior_rms * t.prior_rms - t.free_rms * t.free_rms;
+  const double explained = t.prior_rms * t.prior_rms - t.payload_rms * t.payload_rms;
+  const bool seen = t.mass_kg > kErrors * t.mass_std_kg && t.mass_kg > kSmall * platform_kg;
+  const bool alone = t.payload_rms <= kAsGood * t.free_rms;
+  t.stated = seen && (explained >= kAllButAll * missed || (alone && explained >= kExplains * missed));
+  if (t.stated) {
+    t.sentence = "payload: the change against the URDF's inertia is consistent with a payload of " + massText(t) +
+                 centerText(t) +
+                 " (or with a platform that much heavier than the URDF says); the base parameters have absorbed it";
+    return;
+  }
+  t.sentence =
+      "payload: a mass on the platform changes the platform's inertia parameters, which are fitted; against the "
+      "URDF's inertia ";
+  if (alone) {
+    t.sentence += "none is seen (" + massText(t) + ")";
+  } else {
+    t.sentence += "none can be told, because the fitted base differs from the URDF in more than a mass (rms " +
+                  shortNumber(t.prior_rms / t.free_rms, 3) + " times the free fit's, with a point mass still " +
+                  shortNumber(t.payload_rms / t.free_rms, 3) + ")";
+  }
+}
+
+}  // namespace
+
+PayloadTest testPayload(const Robot& robot, const std::vector<Observation>& recordings, const Stack& stack,
+                        const BaseFit& base, const Eigen::VectorXd& noise_N) {
+  PayloadTest t;
+  t.sentence = "payload: a mass on the platform changes the platform's inertia parameters, which are fitted";
+  if (!robot.mechanism || robot.urdf.empty()) return t;
+  RobotInertia inertia;
+  try {
+    inertia = loadRobotInertia(robot);
+  } catch (const InputError& e) {
+    t.sentence += std::string("; it was not compared with the URDF's inertia (") + e.what() + ")";
+    return t;
+  }
+  t.tested = true;
+  const Directions directions(inertia);
+  Rows rows = rowsOf(recordings, stack, base, noise_N, directions);
+  const Eigen::VectorXd force = rows.own.b;
+  const Eigen::Index own = rows.own.a.cols() - kMass;
+  Eigen::VectorXd z;
+  for (int pass = 0; pass < kPasses; ++pass) {
+    rows.own.b = force - rows.rigid * directions.with(std::max(0.0, t.mass_kg), t.center_m);
+    const std::vector<Eigen::MatrixXd> blocks = compressBlocks(rows.own);
+    z = solve(joinBlocks(blocks, -1), rows.bounded);
+    Eigen::MatrixXd left_out(z.size(), stack.blocks);
+    for (int b = 0; b < stack.blocks; ++b)
+      left_out.col(b) = solve(joinBlocks(blocks, b), rows.bounded);
+    const double factor = (stack.blocks - 1.0) / stack.blocks;
+    const auto stdOf = [&](const Eigen::RowVectorXd& v) {
+      return std::sqrt(factor * (v.array() - v.mean()).square().sum());
+    };
+    t.mass_kg = z[own];
+    t.mass_std_kg = stdOf(left_out.row(own));
+    for (int k = 0; k < 3; ++k) {
+      t.center_m[k] = std::clamp(z[own + 1 + k] / std::max(1e-3, std::abs(t.mass_kg)), -1.0, 1.0);
+      t.center_std_m[k] = stdOf(left_out.row(own + 1 + k)) / std::max(1e-3, std::abs(t.mass_kg));
+    }
+  }
+  t.payload_rms = rms(rows.own.b - rows.own.a * z);
+  rows.own.b = force - rows.rigid * directions.known;
+  rows.own.a.conservativeResize(Eigen::NoChange, own);
+  t.prior_rms = rms(rows.own.b - rows.own.a * solve(joinBlocks(compressBlocks(rows.own), -1), rows.bounded));
+  const Eigen::VectorXd scale = rowScale(stack, recordings, Attention::Moving);
+  BaseFit weighted = base;
+  weighted.noise_N = noise_N;
+  const Eigen::MatrixXd a = scale.asDiagonal() * baseRows(weighted, recordings, stack);
+  const Eigen::VectorXd b = scale.cwiseProduct(forceRows(weighted, recordings, stack));
+  t.free_rms = rms(b - a * boundedLeastSquares(a, b, base.bounded));
+  judge(inertia.links[kPlatformLink].mass, t);
+  return t;
+}
+
+}  // namespace knee_robot

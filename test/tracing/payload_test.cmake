@@ -1,0 +1,1 @@
+target_link_libraries(tracing_payload_test knee_simbody knee_trajectory)
