@@ -5,6 +5,8 @@
 #include <set>
 
 #include "knee_robot/base/errors.h"
+#include "knee_robot/base/numbers.h"
+#include "knee_robot/recording/cutoff.h"
 #include "knee_robot/report/trace_report.h"
 #include "knee_robot/tracing/model_prediction.h"
 #include "program.h"
@@ -17,6 +19,7 @@ struct Arguments {
   std::string robot, output, model;
   std::vector<std::string> train, validate;
   double cutoff_hz = 3.0;
+  bool cutoff_by_rule = false;
   TraceOptions options;
 };
 
@@ -32,6 +35,8 @@ void declare(CLI::App& app, Arguments& a) {
   app.add_option("--seed", a.options.seed, "of clean twins and resampling (1)");
   app.add_option("--cutoff-hz", a.cutoff_hz, "zero-phase low-pass of both sides of the equation (3)")
       ->check(CLI::Range(1e-6, 1e6));
+  app.add_flag("--cutoff-by-rule", a.cutoff_by_rule, "choose it on the training references as identify does")
+      ->excludes("--cutoff-hz");
   app.add_option("--moving-m-per-s", a.options.observation.moving_m_per_s,
                  "slower axes do not count as moving (0.0015)")
       ->check(CLI::Range(0.0, 10.0));
@@ -63,6 +68,13 @@ void refuseBadFiles(const Arguments& a) {
     if (!names.insert(name).second)
       throw InputError(file + ": another validation file is named " + name + " too; rename one");
   }
+}
+
+CutoffChoice cutoffOf(const std::vector<Recording>& training) {
+  std::vector<const Recording*> list;
+  for (const Recording& recording : training)
+    list.push_back(&recording);
+  return chooseCutoff(list);
 }
 
 Applied apply(std::vector<Observation>& observations, double cutoff_hz,
@@ -123,10 +135,18 @@ int run(const Arguments& a, const std::string& command_line) {
     r.options.observation.setCutoff(cutoff_hz);
   }
   const std::vector<Recording> train = load(a.train);
+  const CutoffChoice rule = cutoffOf(train);
+  std::string cutoff_note = "Cut-off " + shortNumber(cutoff_hz, 3) + " Hz. The rule of identify: " + rule.sentence;
+  if (a.cutoff_by_rule && a.model.empty()) {
+    cutoff_hz = rule.cutoff_hz;
+    r.options.observation.setCutoff(cutoff_hz);
+    cutoff_note = rule.sentence;
+  }
   r.train = observeAll(robot, train, r.options.observation);
   const std::vector<Recording> validate = load(a.validate);
   r.validate = observeAll(robot, validate, r.options.observation);
   r.result = trace(robot, train, r.train, r.options);
+  r.result.notes.push_back(cutoff_note);
   r.model = tracedModel(robot, r.result, r.train, r.options);
 
   // The model is frozen; from here on only figures are computed.

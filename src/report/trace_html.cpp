@@ -4,6 +4,7 @@
 #include "knee_robot/base/numbers.h"
 #include "knee_robot/report/svg_plot.h"
 #include "knee_robot/report/trace_report.h"
+#include "trace_angles_report.h"
 #include "trace_given_report.h"
 #include "trace_next_report.h"
 #include "trace_pose_report.h"
@@ -152,7 +153,7 @@ std::string traceHtml(const TraceResults& r) {
          std::to_string(r.options.seed) + "</p>\n";
   out += "<p class=\"verdict\">" + escapeHtml(traceVerdict(r)) + "</p>\n";
   out += effectSection(r) + givenModelHtml(r.result.given) + nextExperimentHtml(r.next) + errorSection(r) +
-         tracePoseHtml(r.pose);
+         errorSharesHtml(r) + anglesHtml(r) + tracePoseHtml(r.pose);
   const bool validated = !r.validate.empty();
   const Observation& shown = validated ? r.validate.front() : r.train.front();
   const Applied& before = validated ? r.validate_before : r.train_before;

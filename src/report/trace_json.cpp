@@ -5,6 +5,7 @@
 #include "knee_robot/base/files.h"
 #include "knee_robot/base/numbers.h"
 #include "knee_robot/report/trace_report.h"
+#include "trace_angles_report.h"
 #include "trace_given_report.h"
 #include "trace_next_report.h"
 #include "trace_pose_report.h"
@@ -126,6 +127,13 @@ std::string traceJson(const TraceResults& r) {
                       {"noise_floor_N", jsonArray(r.result.floor_N)},
                       {"noise_floor_source", r.result.floor_source},
                       {"depends_on", dependsJson(r)}};
+  j["unexplained"]["where"] = errorSharesJson(r);
+  j["angles"] = anglesJson(r);
+  if (r.result.payload.tested)
+    j["payload"] = {{"stated", r.result.payload.stated},
+                    {"mass_kg", r.result.payload.mass_kg},
+                    {"std_kg", r.result.payload.mass_std_kg},
+                    {"sentence", r.result.payload.sentence}};
   j["pose"] = tracePoseJson(r.pose);
   j["next_experiment"] = nextExperimentJson(r.next);
   if (!r.result.given.path.empty()) j["given_model"] = givenModelJson(r.result.given);

@@ -3,6 +3,7 @@
 
 #include "knee_robot/base/numbers.h"
 #include "knee_robot/report/trace_report.h"
+#include "trace_angles_report.h"
 #include "trace_given_report.h"
 #include "trace_next_report.h"
 #include "trace_pose_report.h"
@@ -83,8 +84,10 @@ std::string traceSummary(const TraceResults& r) {
   out += givenModelSummary(r.result.given) + "\n" + traceVerdict(r) + "\n";
   for (std::size_t k = 0; k < r.result.effects.size(); ++k)
     out += effectLine(r.result.effects[k], r.model.effects[k]);
+  out += anglesSummary(r);
   out += row("floor, N", r.result.floor_N) + side("training", r.train_before, r.train_after);
   if (!r.validate.empty()) out += side("validation", r.validate_before, r.validate_after);
+  out += errorSharesSummary(r);
   return out + nextExperimentSummary(r.next) + tracePoseSummary(r.pose);
 }
 

@@ -213,7 +213,7 @@ Separation separationOf(const Robot& robot, const TraceResult& result, const Fou
   out.angle_rad = 0.5 * 3.14159265358979323846;
   double left = visible.norm();
   for (std::vector<double>& shape : rival.shapes(data.inputs.front(), actuator)) {
-    const Hypothesis other{{&rival, actuator}, shape};
+    const Hypothesis other{{&rival, rival.shared() ? -1 : actuator}, shape};
     const Eigen::MatrixXd b = without(q, weighted(data.stack, effectRows(data, other), noise));
     if (b.cols() == 0) continue;
     out.angle_rad = std::min(out.angle_rad, std::acos(cosineOf(a, b)));

@@ -205,6 +205,9 @@ TraceResult trace(const Robot& robot, const std::vector<Recording>& recordings, 
   result.base.parameters = result.base.parametersOf(s.fit.base);
   result.payload = testPayload(robot, data.recordings, data.stack, result.base, s.rms_N);
   noteAbsorbed(s, *result.candidates, result);
+  result.angles = principalAngles(
+      data, *result.candidates,
+      project(weighted(data.stack, data.base_rows, s.rms_N), weighted(data.stack, data.force_rows, s.rms_N)), s.rms_N);
   attend(Attention::Moving);
   options.progress("looking at moving samples");
   searchForward(s, *result.candidates, options.most_effects, options.seed);

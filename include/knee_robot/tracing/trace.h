@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "knee_robot/dynamics/model.h"
+#include "knee_robot/tracing/angles.h"
 #include "knee_robot/tracing/given_model.h"
 #include "knee_robot/tracing/joint_fit.h"
 #include "knee_robot/tracing/payload.h"
@@ -52,8 +53,9 @@ struct TraceResult {
   std::vector<std::string> absorbed;          ///< what the base parameters take up, one sentence each
   std::vector<std::string> rejected;          ///< what came close, and why it was not added
   std::vector<std::string> notes;
-  PayloadTest payload;  ///< against the URDF's inertia; its sentence is among `absorbed`
-  GivenModel given;     ///< what of the model that was started from still holds
+  std::vector<PlaceAngles> angles;  ///< of all named candidates, along the training recordings
+  PayloadTest payload;              ///< against the URDF's inertia; its sentence is among `absorbed`
+  GivenModel given;                 ///< what of the model that was started from still holds
   /// For other recordings: fitted without effects of which it is not known what they depend on. Empty: this result itself.
   std::shared_ptr<const TraceResult> elsewhere;
 };

@@ -1,0 +1,150 @@
+#include "trace_angles_report.h"
+
+#include <cmath>
+
+#include "html_parts.h"
+#include "json_parts.h"
+#include "knee_robot/base/numbers.h"
+#include "knee_robot/report/svg_plot.h"
+
+namespace knee_robot {
+namespace {
+
+constexpr double kDegrees = 180.0 / 3.14159265358979323846;
+
+std::string placeText(const Place& p) {
+  return p.candidate->name() + (p.actuator < 0 ? "" : " on actuator " + std::to_string(p.actuator + 1));
+}
+
+std::string degrees(double angle) {
+  return shortNumber(std::round(kDegrees * angle), 3);
+}
+
+std::string nearestText(const PlaceAngles& a) {
+  std::string out;
+  for (const PlaceAngles::Neighbour& n : a.nearest)
+    out += (out.empty() ? "" : ", ") + n.place.candidate->name() + " " + degrees(n.angle) + " deg";
+  return out.empty() ? "-" : out;
+}
+
+/// Share of the squared error that is left, and share of the samples, in three kinds of samples.
+struct Shares {
+  Eigen::MatrixXd error, samples;  ///< moving, at rest, masked x actuators
+};
+
+Shares sharesOf(const TraceResults& r) {
+  const bool validated = !r.validate.empty();
+  const std::vector<Observation>& list = validated ? r.validate : r.train;
+  const Applied& applied = validated ? r.validate_after : r.train_after;
+  const int axes = list.front().axes();
+  Shares s{Eigen::MatrixXd::Zero(3, axes), Eigen::MatrixXd::Zero(3, axes)};
+  for (std::size_t f = 0; f < list.size(); ++f) {
+    const Observation& o = list[f];
+    const Eigen::MatrixXd error = applied.predictions[f].force_filtered_N - o.force_filtered_N;
+    for (int n = 0; n < o.samples(); ++n) {
+      for (int i = 0; i < axes; ++i) {
+        const int kind = !o.usable[static_cast<std::size_t>(n)] ? 2 : o.axis_moving(n, i) ? 0 : 1;
+        s.error(kind, i) += error(n, i) * error(n, i);
+        s.samples(kind, i) += 1.0;
+      }
+    }
+  }
+  for (int i = 0; i < axes; ++i) {
+    s.error.col(i) /= std::max(1e-300, s.error.col(i).sum());
+    s.samples.col(i) /= std::max(1.0, s.samples.col(i).sum());
+  }
+  return s;
+}
+
+constexpr const char* kKinds[] = {"moving", "at_rest", "masked"};
+constexpr const char* kKindTexts[] = {"while the axis moves", "at rest (friction may take any value)",
+                                      "masked (near a singular pose, in a gap)"};
+
+std::string shareLine(const std::string& name, const Eigen::VectorXd& error, const Eigen::VectorXd& samples) {
+  std::string line = "  " + name;
+  line.resize(46, ' ');
+  for (Eigen::Index i = 0; i < error.size(); ++i)
+    line += " " + shortNumber(std::round(100.0 * error[i]), 3) + " (" + shortNumber(std::round(100.0 * samples[i]), 3) +
+            ")";
+  return line + "\n";
+}
+
+}  // namespace
+
+nlohmann::ordered_json anglesJson(const TraceResults& r) {
+  Json list = Json::array();
+  for (const PlaceAngles& a : r.result.angles) {
+    Json j = {{"name", a.place.candidate->name()},
+              {"actuator", a.place.actuator < 0 ? Json() : Json(a.place.actuator + 1)},
+              {"to_base_deg", {kDegrees * a.base_smallest, kDegrees * a.base_largest}},
+              {"nearest", Json::array()}};
+    for (const PlaceAngles::Neighbour& n : a.nearest)
+      j["nearest"].push_back({{"name", n.place.candidate->name()},
+                              {"actuator", n.place.actuator < 0 ? Json() : Json(n.place.actuator + 1)},
+                              {"angle_deg", kDegrees * n.angle}});
+    list.push_back(j);
+  }
+  return list;
+}
+
+nlohmann::ordered_json errorSharesJson(const TraceResults& r) {
+  const Shares s = sharesOf(r);
+  Json j;
+  for (int k = 0; k < 3; ++k)
+    j[kKinds[k]] = {{"share_of_squared_error", jsonArray(s.error.row(k).transpose())},
+                    {"share_of_samples", jsonArray(s.samples.row(k).transpose())}};
+  return j;
+}
+
+std::string anglesHtml(const TraceResults& r) {
+  if (r.result.angles.empty()) return {};
+  std::string out =
+      "<details><summary>Principal angles between every candidate and the base, and its nearest "
+      "others</summary>\n<table><tr>"
+      "<th>candidate</th><th>to the base, smallest, deg</th><th>largest, deg</th><th>nearest others, base taken "
+      "out</th></tr>\n";
+  for (const PlaceAngles& a : r.result.angles) {
+    out += "<tr><td>" + escapeHtml(placeText(a.place)) + "</td><td>" + degrees(a.base_smallest) + "</td><td>" +
+           degrees(a.base_largest) + "</td><td class=\"text\">" + escapeHtml(nearestText(a)) + "</td></tr>\n";
+  }
+  return out +
+         "</table>\n<p class=\"key\">Along the training recordings, each candidate with the shape that explains most. "
+         "Near 0 "
+         "to the base: the base parameters take it up. Near 0 to another: these recordings hardly tell the two "
+         "apart.</p></details>\n";
+}
+
+std::string errorSharesHtml(const TraceResults& r) {
+  const Shares s = sharesOf(r);
+  const int axes = static_cast<int>(s.error.cols());
+  std::string out = "<h2>Where the error that is left lies</h2>\n" + tableHead("% of the squared error", axes);
+  for (int k = 0; k < 3; ++k)
+    out += tableRow(kKindTexts[k], 100.0 * s.error.row(k).transpose());
+  out += tableGroup("% of the samples", axes);
+  for (int k = 0; k < 3; ++k)
+    out += tableRow(kKindTexts[k], 100.0 * s.samples.row(k).transpose());
+  return out + "</table>\n";
+}
+
+std::string anglesSummary(const TraceResults& r) {
+  std::string out;
+  for (const FoundEffect& e : r.result.effects) {
+    for (const PlaceAngles& a : r.result.angles) {
+      if (a.place == e.hypothesis.place)
+        out += "  " + placeText(a.place) + ": " + degrees(a.base_largest) +
+               " deg from the base; nearest: " + nearestText(a) + "\n";
+    }
+  }
+  return out.empty() ? out : "angles along the training recordings\n" + out;
+}
+
+std::string errorSharesSummary(const TraceResults& r) {
+  const Shares s = sharesOf(r);
+  std::string out = std::string("left on ") + (r.validate.empty() ? "training" : "validation") +
+                    ", % of the squared error (of the samples)\n";
+  for (int k = 0; k < 3; ++k)
+    out += shareLine(kKindTexts[k], s.error.row(k).transpose(), s.samples.row(k).transpose());
+  return out;
+}
+
+}  // namespace knee_robot
