@@ -45,6 +45,7 @@ void BlackBox::fill(BlackBoxRow& row, const rt::Cycle& cycle) {
     inputs_[i]->read(commands_[i]);
     row.reference_m[i] = commands_[i].reference_m;
     row.asked_V[i] = commands_[i].volts;
+    row.feedforward_N[i] = commands_[i].feedforward_N;
     row.axis_fault[i] = commands_[i].fault != Fault::None ? commands_[i].fault : verdict_.fault[i];
   }
   row.time_s = rt::toSeconds(measured_.read_at);

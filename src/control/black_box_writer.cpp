@@ -27,7 +27,8 @@ std::string header() {
   for (std::size_t i = 1; i <= kAxes; ++i) {
     const int n = static_cast<int>(i);
     append(text, ",reference_%d_m,position_%d_m,velocity_%d_m_per_s", n, n, n);
-    append(text, ",command_%d_V,force_%d_N,asked_%d_V,heat_%d,counts_%d,axis_fault_%d", n, n, n, n, n, n);
+    append(text, ",command_%d_V,force_%d_N,asked_%d_V,feedforward_%d_N,heat_%d,counts_%d,axis_fault_%d", n, n, n, n, n,
+           n, n);
   }
   return text +
          ",cycle,lateness_s,path_time_s,time_scale,set_point,state,fault,sync_phase,drive_level,safe_stop,read_status,"
@@ -38,7 +39,7 @@ void appendRow(std::string& text, const BlackBoxRow& row) {
   append(text, "%.9f", row.time_s);
   for (std::size_t i = 0; i < kAxes; ++i) {
     append(text, ",%.9f,%.9f,%.9f", row.reference_m[i], row.position_m[i], row.velocity_m_per_s[i]);
-    append(text, ",%.9f,%.9f,%.9f", row.command_V[i], row.force_N[i], row.asked_V[i]);
+    append(text, ",%.9f,%.9f,%.9f,%.6f", row.command_V[i], row.force_N[i], row.asked_V[i], row.feedforward_N[i]);
     append(text, ",%.6f,%lld,%d", row.heat[i], static_cast<long long>(row.counts[i]),
            static_cast<int>(row.axis_fault[i]));
   }

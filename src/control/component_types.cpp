@@ -4,6 +4,7 @@
 #include "knee_robot/control/axes_output.h"
 #include "knee_robot/control/black_box.h"
 #include "knee_robot/control/driver.h"
+#include "knee_robot/control/model_feedforward.h"
 #include "knee_robot/control/monitors.h"
 #include "knee_robot/control/recorder.h"
 #include "knee_robot/control/supervisor.h"
@@ -18,6 +19,7 @@ rt::TypeFactory componentTypes(const Robot& robot, const HardwareFile& hardware,
   types["AxesInput"] = [=, &bus](Name name) { return std::make_unique<AxesInput>(name, robot, bus, lengths_at_start); };
   types["Sync"] = [=](Name name) { return std::make_unique<Sync>(name, robot); };
   types["Driver"] = [=](Name name) { return std::make_unique<Driver>(name, robot, hardware); };
+  types["ModelFeedforward"] = [=](Name name) { return std::make_unique<ModelFeedforward>(name, robot); };
   types["Monitors"] = [=](Name name) { return std::make_unique<Monitors>(name, robot); };
   types["Supervisor"] = [=](Name name) { return std::make_unique<Supervisor>(name, robot, hardware); };
   types["AxesOutput"] = [=, &bus](Name name) { return std::make_unique<AxesOutput>(name, robot, hardware, bus); };

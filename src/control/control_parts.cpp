@@ -5,12 +5,13 @@
 #include <iterator>
 
 #include "knee_robot/base/errors.h"
+#include "knee_robot/base/numbers.h"
 
 namespace knee_robot {
 namespace {
 
 template <typename Component>
-Component* only(const rt::Deployment& deployment, const char* type) {
+Component* atMostOne(const rt::Deployment& deployment, const char* type) {
   Component* found = nullptr;
   for (const auto& component : deployment.components()) {
     auto* one = dynamic_cast<Component*>(component.get());
@@ -18,6 +19,12 @@ Component* only(const rt::Deployment& deployment, const char* type) {
     if (found != nullptr) throw InputError(deployment.path() + ": components: there must be one " + type + ", not two");
     found = one;
   }
+  return found;
+}
+
+template <typename Component>
+Component* only(const rt::Deployment& deployment, const char* type) {
+  Component* found = atMostOne<Component>(deployment, type);
   if (found == nullptr) throw InputError(deployment.path() + ": components: there is no " + type + "; add one");
   return found;
 }
@@ -44,9 +51,25 @@ ControlSystem::Parts::Parts(const rt::Deployment& deployment)
       input(only<AxesInput>(deployment, "AxesInput")),
       output(only<AxesOutput>(deployment, "AxesOutput")),
       monitors(only<Monitors>(deployment, "Monitors")),
-      black_box(only<BlackBox>(deployment, "BlackBox")) {
+      black_box(only<BlackBox>(deployment, "BlackBox")),
+      feedforward(atMostOne<ModelFeedforward>(deployment, "ModelFeedforward")) {
   checkDrivers(deployment);
   checkOrder(deployment);
+}
+
+void ControlSystem::Parts::prepareFeedforward(const rt::Deployment& deployment, const Options& options) {
+  if (feedforward == nullptr) {
+    if (options.model.empty() && !options.payload_kg) return;
+    throw InputError(deployment.path() +
+                     ": components: there is no ModelFeedforward that could use a model or a payload");
+  }
+  if (!options.model.empty()) feedforward->model.set(options.model);
+  if (options.payload_kg &&
+      !(*options.payload_kg >= 0.0 && *options.payload_kg <= ModelFeedforward::kLargestPayload_kg))
+    throw InputError("a payload of " + shortNumber(*options.payload_kg) + " kg is outside 0 .. " +
+                     shortNumber(ModelFeedforward::kLargestPayload_kg) + " kg");
+  if (options.payload_kg) feedforward->payload.set(*options.payload_kg);
+  feedforward->loadModel();
 }
 
 /// One thread uses the bus; what is read in a cycle is answered in the same cycle, and a row of the recording is of one cycle.
@@ -67,6 +90,10 @@ void ControlSystem::Parts::checkOrder(const rt::Deployment& deployment) const {
     if (dynamic_cast<const Driver*>(*after) != nullptr)
       throw InputError(where + "Monitors must come after the Drivers");
   }
+  const auto is_driver = [](const rt::TaskContext* one) { return dynamic_cast<const Driver*>(one) != nullptr; };
+  const bool too_late =
+      feedforward != nullptr && std::find_if(order.begin(), order.end(), is_driver) < place(feedforward);
+  if (too_late) throw InputError(where + "ModelFeedforward must come before the Drivers, in their activity");
   if (place(supervisor) < place(monitors)) throw InputError(where + "Supervisor must come after Monitors");
   for (auto after = place(output); after != order.end(); ++after) {
     if (dynamic_cast<const Driver*>(*after) != nullptr || *after == supervisor) {

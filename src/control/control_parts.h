@@ -9,6 +9,7 @@
 #include "knee_robot/control/control_system.h"
 #include "knee_robot/control/driver.h"
 #include "knee_robot/control/heat_memory.h"
+#include "knee_robot/control/model_feedforward.h"
 #include "knee_robot/control/monitors.h"
 #include "knee_robot/control/recorder.h"
 #include "knee_robot/control/recording_drain.h"
@@ -31,6 +32,8 @@ class OperatorPanel : public rt::TaskContext {
 struct ControlSystem::Parts {
   /// Finds the components and checks that they can work together; InputError names the deployment file.
   explicit Parts(const rt::Deployment& deployment);
+  /// The operator's model and payload in place of the deployment's; reads the model.
+  void prepareFeedforward(const rt::Deployment& deployment, const Options& options);
 
   Sync* sync = nullptr;
   Recorder* recorder = nullptr;
@@ -39,6 +42,7 @@ struct ControlSystem::Parts {
   AxesOutput* output = nullptr;
   Monitors* monitors = nullptr;
   BlackBox* black_box = nullptr;
+  ModelFeedforward* feedforward = nullptr;  // may be missing
   OperatorPanel panel;
   std::unique_ptr<RecordingDrain> drain;
   std::unique_ptr<BlackBoxWriter> black_box_writer;

@@ -54,6 +54,7 @@ ControlSystem::ControlSystem(const Robot& robot, const HardwareFile& hardware, c
   deployment_ = std::make_unique<rt::Deployment>(deployment_path, types, options_.execution);
   requireBusPeriod(hardware, *deployment_, deployment_path);
   parts_ = std::make_unique<Parts>(*deployment_);
+  parts_->prepareFeedforward(*deployment_, options_);
   rt::connect(parts_->panel.request, parts_->supervisor->request, rt::ConnPolicy::buffer(16));
   rt::connect(parts_->supervisor->status, parts_->panel.status);
   rt::connect(parts_->monitors->verdict, parts_->panel.verdict);
@@ -166,6 +167,13 @@ bool ControlSystem::waitFor(MachineState wanted, double timeout_s) {
 
 std::vector<std::string> ControlSystem::warnings() const {
   return deployment_->warnings();
+}
+
+std::string ControlSystem::feedforward() const {
+  if (parts_->feedforward == nullptr) return "none: the deployment has no ModelFeedforward";
+  const double payload = parts_->feedforward->payload;
+  const std::string source = parts_->feedforward->source();
+  return payload > 0.0 ? source + ", and a payload of " + shortNumber(payload) + " kg" : source;
 }
 
 Answer ControlSystem::startRecording(const std::string& path) {

@@ -8,6 +8,8 @@ namespace {
 
 /// After a pause of the machine the integral must not jump.
 constexpr double kLongestStep_s = 0.005;
+/// Cycles without a new feedforward after which it counts as switched off.
+constexpr int kSilentFeedforward = 5;
 
 }  // namespace
 
@@ -54,6 +56,7 @@ void Driver::updateHook(const rt::Cycle& cycle) {
   }
   out_.volts = 0.0;
   out_.force_N = 0.0;
+  out_.feedforward_N = 0.0;
   if (active_) {
     control(cycle);
   } else {
@@ -67,17 +70,30 @@ void Driver::updateHook(const rt::Cycle& cycle) {
   out_.sequence = measured_.sequence;
   out_.time = cycle.time;
   out_.active = active_;
+  out_.loaded = !feedforward.isConnected() || foreseen_.complete;
   out_.fault = fault_;
   command.write(out_);
 }
 
 void Driver::readPorts(const rt::Cycle& cycle) {
   orders.read(order_);
-  feedforward.read(load_);
   const bool fresh = measurement.read(measured_) == rt::FlowStatus::NewData;
   unreadable_ = fresh && measured_.status == hardware::IoStatus::Ok ? 0 : unreadable_ + 1;
   SetPoint received;
   if (set_point.read(received) == rt::FlowStatus::NewData && active_) raise(follower_.accept(received, cycle.time));
+  readFeedforward(cycle);
+}
+
+void Driver::readFeedforward(const rt::Cycle& cycle) noexcept {
+  const bool heard = feedforward.read(foreseen_) != rt::FlowStatus::NoData;
+  const bool alive = heard && cycle.time - foreseen_.time <= kSilentFeedforward * cycle.period;
+  const double load = alive ? foreseen_.force_N[index_] : 0.0;
+  // Beginning or ending in the middle of a motion is switching, too.
+  const double step = alive == foresees_ ? foreseen_.switched_N[index_] - switched_ : load - load_;
+  if (active_ && step != 0.0) pid_.shiftIntegral(-step);
+  switched_ = foreseen_.switched_N[index_];
+  load_ = load;
+  foresees_ = alive;
 }
 
 void Driver::takeOver(const rt::Cycle& cycle) {
@@ -142,6 +158,7 @@ void Driver::control(const rt::Cycle& cycle) {
     return;
   }
   out_.force_N = force;
+  out_.feedforward_N = load_;
   out_.volts = actuator_.force_sign * force / actuator_.force_per_volt_N;
 }
 

@@ -32,6 +32,10 @@ void Pid::changeGains(const PidGains& gains, const PidInput& input) noexcept {
   gains_ = gains;
 }
 
+void Pid::shiftIntegral(double step) noexcept {
+  integral_ = clampKeepingNan(integral_ + step, last_limit_);
+}
+
 double Pid::update(const PidInput& input, double limit) noexcept {
   last_limit_ = limit;
   if (input.dt > 0.0) {

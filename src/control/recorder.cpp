@@ -12,6 +12,7 @@ void Recorder::updateHook(const rt::Cycle& cycle) {
   for (std::size_t i = 0; i < kAxes; ++i) {
     inputs_[i]->read(commands_[i]);
     out_.reference_m[i] = commands_[i].reference_m;
+    out_.feedforward_N[i] = commands_[i].feedforward_N;
   }
   out_.sequence = measured_.sequence;
   out_.recording = recording_.load(std::memory_order_acquire);

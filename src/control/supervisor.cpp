@@ -175,11 +175,11 @@ void Supervisor::advance(rt::Nanoseconds now) {
   }
 }
 
-/// Energised -> (drive delay) -> HeldByDrivers -> (loops closed for settle_s) -> Released -> (hold delay) -> Holding.
+/// Energised -> (drive delay) -> HeldByDrivers -> (loops closed, feedforward complete, for settle_s) -> Released -> (hold delay) -> Holding.
 void Supervisor::advanceEnabling(rt::Nanoseconds now) {
   if (now - enabling_since_ > rt::fromSeconds(enable_limit)) return raise(Fault::EnableTimeout, 0);
-  const auto closed = [](const AxisCommand& command) { return command.active; };
-  const bool all_closed = std::all_of(commands_.begin(), commands_.end(), closed);
+  const auto carries = [](const AxisCommand& command) { return command.active && command.loaded; };
+  const bool all_carry = std::all_of(commands_.begin(), commands_.end(), carries);
   if (written_.level != orders_.level) step_since_ = now;
   const double elapsed = rt::toSeconds(now - step_since_);
   switch (written_.level) {
@@ -189,7 +189,7 @@ void Supervisor::advanceEnabling(rt::Nanoseconds now) {
       if (elapsed >= hardware_.drive_enable_delay_s) orders_.level = DriveLevel::HeldByDrivers;
       return;
     case DriveLevel::HeldByDrivers:
-      if (!all_closed) step_since_ = now;
+      if (!all_carry) step_since_ = now;
       if (elapsed >= settle_time) orders_.level = DriveLevel::Released;
       return;
     case DriveLevel::Released:

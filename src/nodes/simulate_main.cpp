@@ -2,6 +2,9 @@
 // fast as the machine is. What roslaunch simulation.launch does in real time.
 
 #include <cstdio>
+#include <optional>
+#include <string>
+#include <vector>
 
 #include "knee_robot/base/errors.h"
 #include "knee_robot/control/control_system.h"
@@ -15,10 +18,81 @@ using namespace knee_robot;
 
 constexpr double kPlantStep = 0.001;  // s
 constexpr double kPatience = 3600.0;  // s of simulated time for one movement
+constexpr double kSagTime = 2.0;      // s after the take-over in which the platform may still sag
+
+/// How far the axes are from where they should be.
+class Deviation {
+ public:
+  void add(const Vector4& error, const Vector4& velocity) {
+    square_ += error.cwiseAbs2();
+    peak_ = peak_.cwiseMax(error.cwiseAbs());
+    fastest_ = fastest_.cwiseMax(velocity.cwiseAbs());
+    ++count_;
+  }
+  void print(const char* what) const {
+    if (count_ == 0) return;
+    const auto line = [&](const char* kind, const Vector4& v) {
+      std::printf("%s, %s: %.3f %.3f %.3f %.3f\n", what, kind, 1e3 * v[0], 1e3 * v[1], 1e3 * v[2], 1e3 * v[3]);
+    };
+    line("rms mm", (square_ / count_).cwiseSqrt());
+    line("peak mm", peak_);
+    line("fastest mm/s", fastest_);
+  }
+
+ private:
+  Vector4 square_ = Vector4::Zero(), peak_ = Vector4::Zero(), fastest_ = Vector4::Zero();
+  double count_ = 0.0;
+};
+
+/// Looks at every cycle of the plant and of the controller; tells what the controller's own recording does not: where the robot
+/// really was while the Drivers took over.
+class Watch {
+ public:
+  enum class What { Nothing, TakeOver, Play };
+  Watch(const RobotSimulation& plant, const ControlSystem& system) : plant_(plant), system_(system) {}
+  void begin(What what) {
+    what_ = what;
+    stood_ = plant_.lengths();
+    height_ = plant_.state().pose[1];
+  }
+  void look() {
+    if (what_ == What::Nothing) return;
+    const std::optional<TrackingRow> row = system_.snapshot();
+    if (!row) return;
+    const Vector4 velocity(row->velocity_m_per_s.data());
+    if (what_ == What::TakeOver) take_over_.add(plant_.lengths() - stood_, velocity);
+    if (what_ == What::TakeOver) sag_ = std::max(sag_, height_ - plant_.state().pose[1]);
+    if (what_ != What::Play) return;
+    play_.add(Vector4(row->reference_m.data()) - Vector4(row->position_m.data()), velocity);
+    foreseen_.add(1e-3 * (Vector4(row->force_N.data()) - Vector4(row->feedforward_N.data())), Vector4::Zero());
+  }
+  void print() const {
+    take_over_.print("take-over");
+    std::printf("take-over, platform sinks by mm: %.3f\n", 1e3 * sag_);
+    play_.print("playing, error");
+    foreseen_.print("playing, force left to the loops");
+  }
+
+ private:
+  const RobotSimulation& plant_;
+  const ControlSystem& system_;
+  What what_ = What::Nothing;
+  Vector4 stood_ = Vector4::Zero();
+  double height_ = 0.0, sag_ = 0.0;
+  Deviation take_over_, play_, foreseen_;
+};
 
 void require(const Answer& answer) {
   if (!answer.ok) throw InputError(answer.sentence);
   std::printf("%s\n", answer.sentence.c_str());
+}
+
+void set(ControlSystem& system, const std::string& setting) {
+  const std::size_t dot = setting.find('.'), equals = setting.find('=');
+  if (dot == std::string::npos || equals == std::string::npos || equals < dot)
+    throw InputError("--set " + setting + ": give COMPONENT.PROPERTY=VALUE, as Feedforward.share_friction=0.5");
+  require(system.setProperty(setting.substr(0, dot), setting.substr(dot + 1, equals - dot - 1),
+                             setting.substr(equals + 1)));
 }
 
 void requireHolding(ControlSystem& system) {
@@ -33,7 +107,9 @@ int main(int argc, char** argv) {
   CLI::App app(
       "Plays a reference file through the whole controller on the simulated robot, in simulated time, and records it.",
       "simulate");
-  std::string file, robot_file, simulation_file, hardware_file, deployment_file, output, space_name;
+  std::string file, robot_file, simulation_file, hardware_file, deployment_file, output, space_name, model;
+  double payload_kg = 0.0;
+  std::vector<std::string> settings;
   app.add_option("FILE", file, "reference file")->required();
   app.add_option("--robot", robot_file, "robot file (YAML)")->required();
   app.add_option("--simulation", simulation_file, "simulation file: friction, brakes, payload (YAML)")->required();
@@ -42,6 +118,10 @@ int main(int argc, char** argv) {
   app.add_option("-o,--output", output, "recording to write (CSV); must not exist")->required();
   app.add_option("--space", space_name, "what the columns are, when the file's header does not say it")
       ->check(CLI::IsMember({"actuator", "platform", "relative"}));
+  app.add_option("--model", model, "model file for the feedforward; default: the deployment's");
+  const CLI::Option* payload = app.add_option("--payload-kg", payload_kg, "payload that the feedforward is told of");
+  app.add_option("--set", settings,
+                 "COMPONENT.PROPERTY=VALUE, any number of times: properties that may change at run time");
   return runProgram(app, argc, argv, [&]() -> int {
     const Robot robot = loadRobot(robot_file);
     const HardwareFile hardware_description = loadHardwareFile(hardware_file);
@@ -51,19 +131,31 @@ int main(int argc, char** argv) {
 
     ControlSystem::Options options;
     options.execution = rt::Execution::Stepped;
+    options.model = model;
+    if (payload->count() > 0) options.payload_kg = payload_kg;
     ControlSystem system(robot, hardware_description, deployment_file, *bus, options);
+    Watch watch(plant, system);
     system.setPlant([&](rt::Nanoseconds time) {
       while (plant.time() + 0.5 * kPlantStep < 1e-9 * static_cast<double>(time))
         plant.step(kPlantStep);
+      watch.look();
     });
+    std::printf("feedforward: %s\n", system.feedforward().c_str());
     require(system.start());
+    for (const std::string& setting : settings)
+      set(system, setting);
     require(system.loadReference(readReference(file, spaceNamed(space_name))));
+    watch.begin(Watch::What::TakeOver);
     require(system.enable());
+    system.run(kSagTime);
+    watch.begin(Watch::What::Nothing);
     require(system.approach());
     requireHolding(system);
     require(system.startRecording(output));
+    watch.begin(Watch::What::Play);
     require(system.play());
     requireHolding(system);
+    watch.print();
     require(system.stopRecording());
     require(system.shutdown());
     return kExitDone;

@@ -16,7 +16,7 @@ struct Feed : rt::TaskContext {
   rt::OutputPort<Orders> orders{*this, "orders", ""};
   rt::OutputPort<AxesMeasurement> measurement{*this, "measurement", ""};
   rt::OutputPort<SetPoint> set_point{*this, "set_point", ""};
-  rt::OutputPort<double> load{*this, "load", ""};
+  rt::OutputPort<FeedforwardForce> load{*this, "load", ""};
   rt::InputPort<AxisCommand> command{*this, "command", ""};
 };
 
@@ -49,6 +49,11 @@ class DriverTest : public ::testing::TestWithParam<int> {
         feed.set_point.write(set_point);
       }
       feed.orders.write(orders);
+      if (foresees) {
+        ++foreseen.sequence;
+        foreseen.time = now;
+        feed.load.write(foreseen);
+      }
       rt::Cycle c;
       c.time = c.wake = now;
       c.period = 1'000'000;
@@ -68,6 +73,8 @@ class DriverTest : public ::testing::TestWithParam<int> {
   AxesMeasurement measured;
   SetPoint set_point;
   AxisCommand command;
+  FeedforwardForce foreseen;
+  bool foresees = false;
   bool measurements_come = true, set_points_come = true;
   rt::Nanoseconds now = 0;
 };
@@ -114,9 +121,11 @@ TEST_F(DriverTest, StaysWithinTheVoltageLimit) {
 }
 
 TEST_F(DriverTest, AddsTheFeedforward) {
-  feed.load.write(56.9256);
+  foresees = true;
+  foreseen.force_N[0] = 56.9256;
   takeOver();
   EXPECT_NEAR(command.volts, 2.0, 1e-9);
+  EXPECT_NEAR(command.feedforward_N, 56.9256, 1e-9);
 }
 
 TEST_F(DriverTest, GivesUpTheLoopOnAFollowingErrorAndKeepsTheFault) {
@@ -144,7 +153,8 @@ TEST_F(DriverTest, RefusesWhatIsNoNumberWhereverItComesFrom) {
 
 TEST_F(DriverTest, RefusesAFeedforwardThatIsNoNumber) {
   takeOver();
-  feed.load.write(std::nan(""));
+  foresees = true;
+  foreseen.force_N[0] = std::nan("");
   cycle();
   EXPECT_EQ(command.fault, Fault::NotANumber);
   EXPECT_TRUE(std::isfinite(command.volts));

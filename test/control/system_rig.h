@@ -13,6 +13,7 @@
 #include "knee_robot/control/black_box.h"
 #include "knee_robot/control/control_system.h"
 #include "knee_robot/control/driver.h"
+#include "knee_robot/control/model_feedforward.h"
 #include "knee_robot/control/monitors.h"
 #include "knee_robot/control/recorder.h"
 #include "knee_robot/control/supervisor.h"
@@ -72,6 +73,8 @@ inline rt::TypeFactory faultyTypes(Injection& injection, Machine& machine, const
                         Name n) { return std::make_unique<Faulty<AxesInput>>(injection, n, r, machine, lengths); }},
       {"Sync", [=, &injection](Name n) { return std::make_unique<Faulty<Sync>>(injection, n, r); }},
       {"Driver", [=, &injection](Name n) { return std::make_unique<Faulty<Driver>>(injection, n, r, h); }},
+      {"ModelFeedforward",
+       [=, &injection](Name n) { return std::make_unique<Faulty<ModelFeedforward>>(injection, n, r); }},
       {"Monitors", [=, &injection](Name n) { return std::make_unique<Faulty<Monitors>>(injection, n, r); }},
       {"BlackBox", [=, &injection](Name n) { return std::make_unique<Faulty<BlackBox>>(injection, n); }},
       {"Supervisor", [=, &injection](Name n) { return std::make_unique<Faulty<Supervisor>>(injection, n, r, h); }},

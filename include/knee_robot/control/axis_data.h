@@ -71,16 +71,27 @@ struct HomeSetting {
   AxisValues shift_m{};
 };
 
+/// ModelFeedforward, every servo cycle: what the model says that the axes carry.
+struct FeedforwardForce {
+  std::uint64_t sequence = 0;
+  rt::Nanoseconds time = 0;
+  AxisValues force_N{};
+  AxisValues switched_N{};  ///< sum of all changes of force_N that are no change of the load, ever since the start
+  bool complete = false;    ///< the whole force is there: the hold devices may be released
+};
+
 /// One Driver, once its period.
 struct AxisCommand {
   std::uint64_t sequence = 0;  ///< of the measurement that it answers
   rt::Nanoseconds time = 0;    ///< of that cycle
   int axis = 0;                ///< 1 to 4: a command on the wrong wire is refused
   bool active = false;         ///< the position loop is closed
+  bool loaded = true;          ///< the feedforward, where there is one, is complete
   bool at_rest = false;        ///< the reference stands still
   Fault fault = Fault::None;   ///< of this axis; with closesLoop(fault) the volts are still those of a working loop
   double volts = 0.0;
-  double force_N = 0.0;  ///< what the volts ask for
+  double force_N = 0.0;        ///< what the volts ask for
+  double feedforward_N = 0.0;  ///< the part of it that a model foresaw
   double reference_m = 0.0;
   double reference_velocity = 0.0;  ///< m/s
   bool homed = false;               ///< as ordered: the lengths mean something
@@ -150,6 +161,7 @@ struct TrackingRow {
   AxisValues velocity_m_per_s{};
   AxisValues command_V{};
   AxisValues force_N{};
+  AxisValues feedforward_N{};  ///< the part of it that a model foresaw; not in recordings
   double path_time_s = 0.0;
   std::uint8_t digital_inputs = 0;
   std::uint8_t digital_outputs = 0;

@@ -67,6 +67,9 @@ class ControlSystem {
     std::optional<AxisValues> lengths_at_start_m;
     /// Component types added to, or put in place of, the usual ones: for fault injection and new components.
     rt::TypeFactory types;
+    /// Model file and payload (kg, 0 to 50) of ModelFeedforward, in place of the deployment's.
+    std::string model;
+    std::optional<double> payload_kg;
     /// Where the last 5 s of all signals go on every fault (BlackBoxWriter); empty: nowhere.
     std::string black_box_folder;
     /// Where the motors' heat is kept from one start to the next (HeatMemory); empty: nowhere, they start cold.
@@ -141,6 +144,8 @@ class ControlSystem {
   /// range, without a jump of force. The sentence says what was before.
   Answer setProperty(const std::string& component, const std::string& property, const std::string& value);
 
+  /// Where the feedforward's forces come from, for the operator.
+  std::string feedforward() const;
   /// Sentences about real-time privileges that were wanted and not obtained; say them loudly.
   std::vector<std::string> warnings() const;
   const rt::Deployment& deployment() const { return *deployment_; }

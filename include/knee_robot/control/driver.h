@@ -19,8 +19,9 @@ namespace knee_robot {
 ///     force     = Pid(reference, measured) + feedforward   N; gains in N/m fit every motor and screw
 ///     volts     = force_sign * force / force_per_volt      clamped to voltage_max and force_max
 ///
+/// What the feedforward switches (a share, on, off), and a feedforward that falls silent, is taken up by the integral: no step of force.
 /// Gains may change while the loop is closed: the integral takes up the difference, so the force does not jump.
-/// Takes over (Orders::drivers_active) at the measured position with the integral at zero: no step of force. Faults are kept
+/// Takes over (Orders::drivers_active) at the measured position with the integral at zero: no force but the feedforward's. Faults are kept
 /// until the Drivers are switched off again. While Orders::homing has its bit, HomingMove gives reference and force limit instead.
 /// - SetPointStale: nothing from Sync for stale_set_points periods, or a set point is missing. The loop goes on (the reference comes
 ///   to rest).
@@ -33,8 +34,8 @@ class Driver : public rt::TaskContext {
   rt::InputPort<Orders> orders{*this, "orders", "from the Supervisor"};
   rt::InputPort<AxesMeasurement> measurement{*this, "measurement", "from AxesInput"};
   rt::InputPort<SetPoint> set_point{*this, "set_point", "from Sync"};
-  rt::InputPort<double> feedforward{*this, "feedforward_N", "load of this axis, added to the force",
-                                    rt::Need::Optional};
+  rt::InputPort<FeedforwardForce> feedforward{*this, "feedforward", "load of the axes, from ModelFeedforward",
+                                              rt::Need::Optional};
   rt::OutputPort<AxisCommand> command{*this, "command", "to AxesOutput"};
 
   rt::Property<int> axis{*this, "axis", 1, "", 1, kAxes, "actuator that is driven"};
@@ -64,6 +65,7 @@ class Driver : public rt::TaskContext {
   void readPorts(const rt::Cycle& cycle);
   void takeOver(const rt::Cycle& cycle);
   void control(const rt::Cycle& cycle);
+  void readFeedforward(const rt::Cycle& cycle) noexcept;
   void checkReference(const rt::Cycle& cycle, bool searching);
   SetPointFollower::Reference chooseReference(const rt::Cycle& cycle, double dt) noexcept;
   bool isToHome() const noexcept { return (order_.homing >> index_ & 1) != 0; }
@@ -83,7 +85,10 @@ class Driver : public rt::TaskContext {
   Orders order_;
   AxesMeasurement measured_;
   int unreadable_ = 0;
-  double load_ = 0.0;  // N
+  FeedforwardForce foreseen_;
+  double load_ = 0.0;      // N, of the feedforward
+  double switched_ = 0.0;  // N, as last seen
+  bool foresees_ = false;  // the feedforward is alive
   bool active_ = false;
   Fault fault_ = Fault::None;
   rt::Nanoseconds last_time_ = 0;

@@ -36,6 +36,8 @@ class Pid {
   void reset(double measured) noexcept;
   /// Force in N, within +-`limit`.
   double update(const PidInput& input, double limit) noexcept;
+  /// While the loop is closed: what the caller takes from the feedforward, or gives to it, N. The integral stays within the last limit.
+  void shiftIntegral(double step) noexcept;
   double integral() const noexcept { return integral_; }
   /// The integral, N, which is zero from then on: for a caller that adds it itself.
   double takeIntegral() noexcept {

@@ -24,7 +24,7 @@ bool isPossible(MachineState state, RequestKind request) noexcept;
 ///     any state --fault--> SafeStopping --> Faulted --Reset--> Disabled
 ///
 /// Enabling: 0 V and drives enabled; after their delay the Drivers take over at the measured position while the hold devices are
-/// still engaged; when all four loops have been closed for settle_s, the hold devices are released.
+/// still engaged; when all four loops have been closed and the feedforward has been complete for settle_s, the hold devices are released.
 /// Faults: the first one is latched with its axis and component; see faults.h. Components that are watched and do not run, bus
 /// failures, the axes' ranges, overruns, the emergency stop's input are looked at here; the Drivers and AxesOutput report theirs.
 class Supervisor : public rt::TaskContext {

@@ -1,0 +1,115 @@
+#pragma once
+
+#include <array>
+#include <memory>
+#include <string>
+
+#include "knee_robot/control/axis_data.h"
+#include "knee_robot/dynamics/force_parts.h"
+#include "knee_robot/mechanism/robot.h"
+#include "knee_robot/rt/port.h"
+#include "knee_robot/rt/property.h"
+
+namespace knee_robot {
+
+/// The load of the four axes by a model, once a servo cycle, which the Drivers add to their forces: weight at the measured pose,
+/// inertia and friction along the reference. What the model does not know is left to the Drivers' integrals.
+///
+///     force = level * (share_gravity * (weight + payload_kg * w) + share_inertia * (inertia + ...) + share_friction * friction)
+///
+/// - Model: by default the weights of the robot's URDF (nothing without URDF), otherwise everything in the file of `model`.
+/// - Taking over (Orders::drivers_active): `level` rises from 0 to 1 in take_over_s while the hold devices are engaged; the Supervisor
+///   releases them only when `complete`, onto a force that already carries the robot.
+/// - A share or the payload that changes moves there in switch_s. That is no change of the load: `switched_N` counts the newtons that
+///   were switched, the Drivers' integrals take up the difference, and the force on the motors stays.
+/// - Friction goes by the reference's velocity, smoothed, zero at rest: it can not make an axis move that should stand.
+/// - Every axis stays within largest_share of its force limit.
+/// - Pose unknown (forward kinematics without result, near a singularity), or a part that is no number: 0 N from this cycle on, taken up
+///   by the integrals like a share; when the pose is known again the force comes back in switch_s. Unreadable encoders: the last pose.
+/// - Homing: 0 N from its begin until the Drivers are switched off; not homed, lengths mean nothing.
+/// Runs between AxesInput and the Drivers. The Drivers' reference is that of the last cycle. No allocation, no lock.
+class ModelFeedforward : public rt::TaskContext {
+ public:
+  static constexpr double kLargestPayload_kg = 50.0;
+
+  ModelFeedforward(const std::string& name, const Robot& robot);
+
+  rt::InputPort<AxesMeasurement> measurement{*this, "measurement", "from AxesInput"};
+  rt::InputPort<Orders> orders{*this, "orders", "from the Supervisor"};
+  rt::InputPort<AxisCommand> command_1{*this, "command_1", "from the Driver of axis 1"};
+  rt::InputPort<AxisCommand> command_2{*this, "command_2", "from the Driver of axis 2"};
+  rt::InputPort<AxisCommand> command_3{*this, "command_3", "from the Driver of axis 3"};
+  rt::InputPort<AxisCommand> command_4{*this, "command_4", "from the Driver of axis 4"};
+  rt::OutputPort<FeedforwardForce> force{*this, "force", "to the Drivers"};
+
+  rt::Property<std::string> model{*this, "model", "", "model file of this robot; empty: the weights of its URDF"};
+  rt::Property<double> share_gravity{
+      *this, "share_gravity", 1.0, "", 0.0, 1.0, "of the weight, offsets included", rt::Change::AtRunTime};
+  rt::Property<double> share_inertia{
+      *this, "share_inertia", 1.0, "", 0.0, 1.0, "of the inertial forces", rt::Change::AtRunTime};
+  rt::Property<double> share_friction{
+      *this, "share_friction", 0.8, "", 0.0, 1.0, "of the friction", rt::Change::AtRunTime};
+  rt::Property<double> payload{*this,
+                               "payload_kg",
+                               0.0,
+                               "kg",
+                               0.0,
+                               kLargestPayload_kg,
+                               "on the platform's origin, beyond what the model knows of",
+                               rt::Change::AtRunTime};
+  rt::Property<double> largest_share{*this, "largest_share", 0.8, "", 0.0, 1.0, "of an axis' force limit"};
+  rt::Property<double> coulomb_speed{
+      *this, "coulomb_m_per_s", 0.001, "m/s", 1e-5, 0.1, "reference velocity at which friction has 76 % of its size"};
+  rt::Property<double> take_over_time{*this, "take_over_s", 0.03, "s", 0.0, 1.0, "until the whole force is there"};
+  rt::Property<double> switch_time{*this, "switch_s", 0.5, "s", 0.0, 10.0, "for a share from 0 to 1, or 50 kg"};
+
+  /// Ordinary thread, before configure(): reads the model. InputError names the file and the reason. configure() does it otherwise.
+  void loadModel();
+  /// Where the forces come from, for the operator. After loadModel().
+  const std::string& source() const { return source_; }
+
+ protected:
+  bool configureHook() override;
+  bool startHook() override;
+  void updateHook(const rt::Cycle& cycle) override;
+
+ private:
+  /// What parts are multiplied with now; they follow the properties.
+  struct Weights {
+    double gravity = 0.0, inertia = 0.0, friction = 0.0, payload_kg = 0.0;
+  };
+  Weights asked() const noexcept;
+  void readPorts() noexcept;
+  void followReference(std::size_t axis) noexcept;
+  void carry(double dt) noexcept;
+  void letGo() noexcept;
+  void drop() noexcept;
+  bool findParts() noexcept;
+  AxisValues total(const Weights& weights, double level) const noexcept;
+
+  const Robot robot_;
+  const std::array<rt::InputPort<AxisCommand>*, kAxes> inputs_;
+  std::unique_ptr<const PartedModel> model_;
+  std::string source_;
+  std::array<double, kAxes> largest_N_{};
+
+  AxesMeasurement measured_;
+  bool new_reading_ = false;
+  Orders order_;
+  std::array<AxisCommand, kAxes> commands_{};
+  Vector4 velocity_ = Vector4::Zero(), acceleration_ = Vector4::Zero();  // of the reference
+  ForcePartsData data_;
+  ForceParts parts_;
+  Pose pose_ = Pose::Zero();
+  bool pose_known_ = false;  // a guess for the next cycle
+  bool parts_known_ = false;
+  bool on_ = false;
+  bool homing_ = false;
+  bool taking_over_ = false;
+  double level_ = 0.0;
+  Weights weights_;
+  rt::Nanoseconds last_time_ = 0;
+  FeedforwardForce out_;
+};
+
+}  // namespace knee_robot

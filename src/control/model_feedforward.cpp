@@ -1,0 +1,177 @@
+#include "knee_robot/control/model_feedforward.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "knee_robot/base/errors.h"
+#include "knee_robot/mechanism/kinematics.h"
+
+namespace knee_robot {
+namespace {
+
+/// After a pause of the machine nothing may be switched in one step.
+constexpr double kLongestStep_s = 0.005;
+
+double approached(double from, double to, double step) noexcept {
+  return from + std::clamp(to - from, -step, step);
+}
+
+/// The share of a ramp of `duration` seconds that passes in dt.
+double rampStep(double dt, double duration) noexcept {
+  return duration > 0.0 ? std::min(1.0, dt / duration) : 1.0;
+}
+
+}  // namespace
+
+ModelFeedforward::ModelFeedforward(const std::string& name, const Robot& robot)
+    : TaskContext(name), robot_(robot), inputs_{&command_1, &command_2, &command_3, &command_4} {}
+
+void ModelFeedforward::loadModel() {
+  if (!model.value().empty()) {
+    const std::string& path = model.value();
+    const Model read = knee_robot::loadModel(path);
+    requireModelOf(read, path, robot_);
+    try {
+      model_ = std::make_unique<PartedModel>(read, robot_);
+    } catch (const InputError& error) {
+      throw InputError(path + ": " + error.what());
+    }
+    source_ = "the model " + path;
+    return;
+  }
+  std::optional<RobotInertia> inertia;
+  if (robot_.mechanism && !robot_.urdf.empty()) inertia = loadRobotInertia(robot_);
+  model_ = std::make_unique<PartedModel>(robot_, inertia);
+  source_ = inertia ? "the weights of " + robot_.urdf : "nothing but a payload: the robot file names no URDF";
+}
+
+bool ModelFeedforward::configureHook() {
+  if (robot_.axes() != kAxes) return refuse("the feedforward is for four axes");
+  try {
+    if (!model_) loadModel();
+  } catch (const InputError& error) {
+    return refuse(error.what());
+  }
+  for (std::size_t i = 0; i < kAxes; ++i) {
+    const Actuator& actuator = robot_.actuators[i];
+    double limit = actuator.voltage_max_V * actuator.force_per_volt_N;
+    if (actuator.force_max_N > 0.0) limit = std::min(limit, actuator.force_max_N);
+    largest_N_[i] = largest_share * limit;
+  }
+  return true;
+}
+
+bool ModelFeedforward::startHook() {
+  const std::uint64_t sequence = out_.sequence;
+  out_ = FeedforwardForce{};
+  out_.sequence = sequence;
+  on_ = pose_known_ = parts_known_ = false;
+  return true;
+}
+
+void ModelFeedforward::updateHook(const rt::Cycle& cycle) {
+  readPorts();
+  const double dt = std::clamp(rt::toSeconds(cycle.time - last_time_), 0.0, kLongestStep_s);
+  last_time_ = cycle.time;
+  if (order_.drivers_active) {
+    carry(dt);
+  } else {
+    letGo();
+  }
+  ++out_.sequence;
+  out_.time = cycle.time;
+  force.write(out_);
+}
+
+void ModelFeedforward::readPorts() noexcept {
+  orders.read(order_);
+  new_reading_ = measurement.read(measured_) == rt::FlowStatus::NewData && measured_.status == hardware::IoStatus::Ok;
+  for (std::size_t i = 0; i < kAxes; ++i)
+    followReference(i);
+}
+
+void ModelFeedforward::followReference(std::size_t i) noexcept {
+  AxisCommand now;
+  if (inputs_[i]->read(now) != rt::FlowStatus::NewData) return;
+  const auto k = static_cast<Eigen::Index>(i);
+  const double dt = rt::toSeconds(now.time - commands_[i].time);
+  const double limit = robot_.actuators[i].acceleration_max_m_per_s2;
+  const bool follows = now.active && commands_[i].active && dt > 0.0;
+  velocity_[k] = now.active ? now.reference_velocity : 0.0;
+  acceleration_[k] =
+      follows ? std::clamp((now.reference_velocity - commands_[i].reference_velocity) / dt, -limit, limit) : 0.0;
+  commands_[i] = now;
+}
+
+void ModelFeedforward::letGo() noexcept {
+  on_ = pose_known_ = parts_known_ = false;
+  out_.force_N = AxisValues{};
+  out_.complete = false;
+}
+
+/// Nothing is known: 0 N, and what was there counts as switched off.
+void ModelFeedforward::drop() noexcept {
+  for (std::size_t i = 0; i < kAxes; ++i)
+    out_.switched_N[i] -= out_.force_N[i];
+  out_.force_N = AxisValues{};
+  level_ = 0.0;
+  taking_over_ = false;
+  out_.complete = true;
+}
+
+void ModelFeedforward::carry(double dt) noexcept {
+  if (!on_) {
+    on_ = taking_over_ = true;
+    homing_ = false;
+    level_ = 0.0;
+    weights_ = asked();
+  }
+  homing_ = homing_ || order_.homing != 0 || !order_.homed;
+  if (homing_ || !findParts()) return drop();
+  const AxisValues kept = total(weights_, taking_over_ ? 1.0 : level_);
+  const double step = rampStep(dt, switch_time);
+  const Weights wanted = asked();
+  weights_.gravity = approached(weights_.gravity, wanted.gravity, step);
+  weights_.inertia = approached(weights_.inertia, wanted.inertia, step);
+  weights_.friction = approached(weights_.friction, wanted.friction, step);
+  weights_.payload_kg = approached(weights_.payload_kg, wanted.payload_kg, step * kLargestPayload_kg);
+  level_ = std::min(1.0, level_ + (taking_over_ ? rampStep(dt, take_over_time) : step));
+  out_.force_N = total(weights_, level_);
+  // While the hold devices carry, the integrals are empty and nothing has to be made up for.
+  for (std::size_t i = 0; i < kAxes && !taking_over_; ++i)
+    out_.switched_N[i] += out_.force_N[i] - kept[i];
+  if (level_ >= 1.0) taking_over_ = false;
+  out_.complete = !taking_over_;
+}
+
+ModelFeedforward::Weights ModelFeedforward::asked() const noexcept {
+  return {share_gravity, share_inertia, share_friction, payload};
+}
+
+bool ModelFeedforward::findParts() noexcept {
+  if (!new_reading_ && parts_known_) return true;
+  parts_known_ = false;
+  if (robot_.mechanism) {
+    const Lengths lengths(measured_.position_m.data());
+    const ForwardResult found = pose_known_ ? forwardKinematics(*robot_.mechanism, lengths, pose_)
+                                            : forwardKinematicsFromHome(*robot_.mechanism, lengths);
+    pose_known_ = found.ok();
+    if (!pose_known_) return false;
+    pose_ = found.pose;
+  }
+  parts_known_ =
+      forceParts(*model_, pose_, velocity_, acceleration_, coulomb_speed, data_, parts_) && parts_.allFinite();
+  return parts_known_;
+}
+
+AxisValues ModelFeedforward::total(const Weights& w, double level) const noexcept {
+  const Vector4 sum = w.gravity * (parts_.gravity + w.payload_kg * parts_.payload_gravity) +
+                      w.inertia * (parts_.inertia + w.payload_kg * parts_.payload_inertia) +
+                      w.friction * parts_.friction;
+  AxisValues forces{};
+  for (std::size_t i = 0; i < kAxes; ++i)
+    forces[i] = std::clamp(level * sum[static_cast<Eigen::Index>(i)], -largest_N_[i], largest_N_[i]);
+  return forces;
+}
+
+}  // namespace knee_robot
