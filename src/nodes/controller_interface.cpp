@@ -6,6 +6,7 @@ ControllerInterface::ControllerInterface(const Parts& parts)
     : references_(parts.references),
       action_(actions_.node, parts.system, parts.references, parts.recordings),
       gains_(commands_.node, parts.system),
+      feedforward_(commands_.node, parts.system),
       topics_(topics_lane_.node, parts.system, parts.robot, parts.rate_hz),
       timing_(topics_lane_.node, parts.system),
       diagnostics_(topics_lane_.node, parts.system, parts.robot, parts.guardian),

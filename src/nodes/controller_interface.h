@@ -9,6 +9,7 @@
 
 #include "controller_action.h"
 #include "controller_diagnostics.h"
+#include "controller_feedforward.h"
 #include "controller_gains.h"
 #include "controller_references.h"
 #include "controller_services.h"
@@ -64,6 +65,7 @@ class ControllerInterface {
   Lane commands_{3}, stops_{4}, actions_{2}, topics_lane_{1};
   PlayActionServer action_;
   ControllerGains gains_;
+  ControllerFeedforward feedforward_;
   ControllerTopics topics_;
   ControllerTiming timing_;
   ControllerDiagnostics diagnostics_;

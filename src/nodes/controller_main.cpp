@@ -10,6 +10,7 @@
 
 #include "controller_interface.h"
 #include "knee_robot/base/errors.h"
+#include "knee_robot/control/model_feedforward.h"
 #include "loopback.h"
 #include "master_watch.h"
 
@@ -90,12 +91,18 @@ int run() {
   ControlSystem::Options options;
   options.black_box_folder = recordings.path() + "/black_box";
   options.heat_file = options.black_box_folder + "/heat.yaml";
+  options.model = node.param<std::string>("model", "");
+  if (node.hasParam("payload_kg")) {
+    options.payload_kg = boundedParameter(node, "payload_kg", 0.0, 0.0, ModelFeedforward::kLargestPayload_kg,
+                                          "the payload that the feedforward is told of, in kg");
+  }
   ControlSystem system(robot, hardware_file, requiredParameter(node, "deployment"), machine.bus(), options);
   const Answer started = system.start();
   if (!started.ok) throw InputError(started.sentence);
   for (const std::string& warning : system.warnings())
     ROS_WARN("NOT REAL TIME: %s", warning.c_str());
   ROS_INFO("%s", started.sentence.c_str());
+  ROS_INFO("feedforward: %s", system.feedforward().c_str());
   References references(system, robot, reference_folder);
   std::atomic<GuardianSupervision::Guardian> guardian{GuardianSupervision::Guardian::None};
   serve(node, machine, {system, robot, references, patients, recordings, rate_hz, guardian}, guardian);

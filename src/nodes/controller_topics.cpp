@@ -144,6 +144,7 @@ void ControllerTopics::publishForces(const TrackingRow& row, const ros::Time& st
     const Actuator& actuator = robot_.actuators[i];
     const double voltage_limit = actuator.voltage_max_V * actuator.force_per_volt_N;
     forces.force_N[i] = row.force_N[i];
+    forces.feedforward_N[i] = row.feedforward_N[i];
     forces.thermal[i] = status.thermal[i];
     forces.rms_N[i] = std::sqrt(mean_square_[i]);
     forces.continuous_limit_N[i] =

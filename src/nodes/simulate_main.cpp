@@ -29,14 +29,18 @@ class Deviation {
     fastest_ = fastest_.cwiseMax(velocity.cwiseAbs());
     ++count_;
   }
-  void print(const char* what) const {
+  /// Legs 1 to 4, each in thousandths.
+  void print(const char* what, const char* unit) const {
     if (count_ == 0) return;
     const auto line = [&](const char* kind, const Vector4& v) {
-      std::printf("%s, %s: %.3f %.3f %.3f %.3f\n", what, kind, 1e3 * v[0], 1e3 * v[1], 1e3 * v[2], 1e3 * v[3]);
+      std::printf("%s, %s %s: %.3f %.3f %.3f %.3f\n", what, kind, unit, 1e3 * v[0], 1e3 * v[1], 1e3 * v[2], 1e3 * v[3]);
     };
-    line("rms mm", (square_ / count_).cwiseSqrt());
-    line("peak mm", peak_);
-    line("fastest mm/s", fastest_);
+    line("rms", (square_ / count_).cwiseSqrt());
+    line("peak", peak_);
+  }
+  void printSpeed(const char* what) const {
+    std::printf("%s, fastest mm/s: %.2f %.2f %.2f %.2f\n", what, 1e3 * fastest_[0], 1e3 * fastest_[1],
+                1e3 * fastest_[2], 1e3 * fastest_[3]);
   }
 
  private:
@@ -64,13 +68,17 @@ class Watch {
     if (what_ == What::TakeOver) sag_ = std::max(sag_, height_ - plant_.state().pose[1]);
     if (what_ != What::Play) return;
     play_.add(Vector4(row->reference_m.data()) - Vector4(row->position_m.data()), velocity);
-    foreseen_.add(1e-3 * (Vector4(row->force_N.data()) - Vector4(row->feedforward_N.data())), Vector4::Zero());
+    left_.add(1e-3 * (Vector4(row->force_N.data()) - Vector4(row->feedforward_N.data())), Vector4::Zero());
   }
-  void print() const {
-    take_over_.print("take-over");
+  void printTakeOver() const {
+    take_over_.print("take-over, axes move by", "mm");
+    take_over_.printSpeed("take-over");
     std::printf("take-over, platform sinks by mm: %.3f\n", 1e3 * sag_);
-    play_.print("playing, error");
-    foreseen_.print("playing, force left to the loops");
+  }
+  void printPlay() const {
+    play_.print("playing, error", "mm");
+    play_.printSpeed("playing");
+    left_.print("playing, force left to the loops", "N");
   }
 
  private:
@@ -79,7 +87,7 @@ class Watch {
   What what_ = What::Nothing;
   Vector4 stood_ = Vector4::Zero();
   double height_ = 0.0, sag_ = 0.0;
-  Deviation take_over_, play_, foreseen_;
+  Deviation take_over_, play_, left_;
 };
 
 void require(const Answer& answer) {
@@ -149,13 +157,14 @@ int main(int argc, char** argv) {
     require(system.enable());
     system.run(kSagTime);
     watch.begin(Watch::What::Nothing);
+    watch.printTakeOver();
     require(system.approach());
     requireHolding(system);
     require(system.startRecording(output));
     watch.begin(Watch::What::Play);
     require(system.play());
     requireHolding(system);
-    watch.print();
+    watch.printPlay();
     require(system.stopRecording());
     require(system.shutdown());
     return kExitDone;

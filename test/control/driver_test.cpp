@@ -128,6 +128,32 @@ TEST_F(DriverTest, AddsTheFeedforward) {
   EXPECT_NEAR(command.feedforward_N, 56.9256, 1e-9);
 }
 
+TEST_F(DriverTest, TakesUpWhatTheFeedforwardSwitchesWithoutAJump) {
+  foresees = true;
+  foreseen.force_N[0] = 50.0;
+  foreseen.complete = true;
+  takeOver();
+  EXPECT_TRUE(command.loaded);
+  foreseen.force_N[0] = 20.0;  // switched
+  foreseen.switched_N[0] = -30.0;
+  cycle();
+  EXPECT_NEAR(command.force_N, 50.0, 1e-9);
+  foreseen.force_N[0] = 35.0;  // the load has changed
+  cycle();
+  EXPECT_NEAR(command.force_N, 65.0, 1e-9);
+  foresees = false;  // silent
+  cycle(20);
+  EXPECT_NEAR(command.force_N, 65.0, 1e-9);
+  EXPECT_EQ(command.feedforward_N, 0.0);
+  foresees = true;
+  cycle();
+  EXPECT_NEAR(command.force_N, 65.0, 1e-9);
+  EXPECT_EQ(command.feedforward_N, 35.0);
+  foreseen.complete = false;
+  cycle();
+  EXPECT_FALSE(command.loaded) << "the Supervisor keeps the hold devices engaged";
+}
+
 TEST_F(DriverTest, GivesUpTheLoopOnAFollowingErrorAndKeepsTheFault) {
   takeOver();
   measured.position_m[0] -= 0.009;

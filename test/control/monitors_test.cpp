@@ -62,6 +62,22 @@ TEST(EncoderFrozen, IsSeenWhenTheReferenceMovesOnAndNotAtRest) {
   EXPECT_NEAR(cyclesUntil(disconnected, 1000), 100, 2) << "open inputs dither";
 }
 
+TEST(EncoderFrozen, IsNotAnAxisThatIsBackWhereItWasBehindATurningPoint) {
+  EncoderFrozenMonitor monitor;
+  AxisView view = quiet();
+  int cycle = 0;
+  const auto turning = [&] {
+    ++cycle;
+    const double way = cycle <= 60 ? 0.02 * kDt : -0.02 * kDt;  // 1.2 mm there, then back beyond the start
+    view.reference_m += way;
+    // It follows there, sticks for 1.2 mm behind the turning point, then slips back: at -2 mm it is where it was.
+    view.moved_m = cycle <= 60 ? way : cycle > 120 && cycle <= 130 ? -0.12e-3 : 0.0;
+    view.force_N = cycle <= 60 ? 60.0 : -60.0;
+    return monitor.step(view, 0.002, 105.0);
+  };
+  EXPECT_EQ(cyclesUntil(turning, 165), -1);
+}
+
 TEST(EncoderFrozen, IsNotSeenInSlowMotionOfFewCountsNorInStickingFriction) {
   EncoderFrozenMonitor monitor;
   AxisView view = quiet();
@@ -204,6 +220,20 @@ TEST(Runaway, IsSeenWithAWrongSignAndNotWhenSomebodyPushes) {
   EXPECT_EQ(run(1.0, 150.0, 2.0), -1) << "a patient who pushes with 150 N";
   EXPECT_EQ(run(1.0, -150.0, 2.0), -1);
   EXPECT_GT(run(0.0, -40.0, 2.0), 0) << "a drive without power: the load takes the axis along";
+}
+
+TEST(Runaway, IsNotAnAxisThatRunsALittleAheadOfAFastReference) {
+  RunawayMonitor monitor;
+  AxisView view = quiet();
+  const auto ahead = [&] {
+    view.reference_velocity = -0.075;
+    view.velocity = -0.080;
+    view.reference_m += view.reference_velocity * kDt;
+    view.position_m = view.reference_m - 0.0012;
+    view.force_N += 1.0;
+    return monitor.step(view, 1e-3, 0.03, 0.005);
+  };
+  EXPECT_EQ(cyclesUntil(ahead, 200), -1) << "the distance does not grow";
 }
 
 TEST(Runaway, IsNotAnAxisThatLagsBehindAFastReferenceOrOvershootsIt) {
