@@ -59,7 +59,7 @@ class ModelFeedforward : public rt::TaskContext {
                                rt::Change::AtRunTime};
   rt::Property<double> largest_share{*this, "largest_share", 0.8, "", 0.0, 1.0, "of an axis' force limit"};
   rt::Property<double> coulomb_speed{
-      *this, "coulomb_m_per_s", 0.001, "m/s", 1e-5, 0.1, "reference velocity at which friction has 76 % of its size"};
+      *this, "coulomb_m_per_s", 2e-4, "m/s", 1e-5, 0.1, "reference velocity at which friction has 76 % of its size"};
   rt::Property<double> take_over_time{*this, "take_over_s", 0.03, "s", 0.0, 1.0, "until the whole force is there"};
   rt::Property<double> switch_time{*this, "switch_s", 0.5, "s", 0.0, 10.0, "for a share from 0 to 1, or 50 kg"};
 
