@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "knee_robot/base/errors.h"
+#include "knee_robot/dynamics/force_parts.h"
 #include "knee_robot/dynamics/forward_dynamics.h"
 #include "knee_robot/dynamics/inverse_dynamics.h"
 #include "knee_robot/dynamics/regressor.h"
@@ -148,6 +149,24 @@ void extendedRegressorCase(benchmark::State& state) {
   }
 }
 BENCHMARK(extendedRegressorCase)->Name("extended_regressor");
+
+void forcePartsCase(benchmark::State& state) {
+  const Cases& c = cases();
+  Robot robot;
+  robot.mechanism = c.mechanism;
+  robot.actuators.resize(kLegs);
+  PartedModel model(robot, someInertia());
+  model.knows_motion = true;  // as an identified model: inertia and friction, too
+  const Vector4 velocity = Vector4::Constant(0.02), acceleration = Vector4::Constant(0.1);
+  ForcePartsData data;
+  ForceParts parts;
+  std::size_t k = 0;
+  for (auto _ : state) {
+    forceParts(model, c.motion(k++).pose, velocity, acceleration, 2e-4, data, parts);
+    benchmark::DoNotOptimize(parts);
+  }
+}
+BENCHMARK(forcePartsCase)->Name("force_parts");
 
 void coordinateMotionCase(benchmark::State& state) {
   const Cases& c = cases();

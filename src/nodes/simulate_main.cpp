@@ -139,6 +139,8 @@ int main(int argc, char** argv) {
 
     ControlSystem::Options options;
     options.execution = rt::Execution::Stepped;
+    const Lengths start = plant.lengths();
+    options.lengths_at_start_m = AxisValues{start[0], start[1], start[2], start[3]};
     options.model = model;
     if (payload->count() > 0) options.payload_kg = payload_kg;
     ControlSystem system(robot, hardware_description, deployment_file, *bus, options);

@@ -8,6 +8,7 @@
 
 #include "knee_robot/base/errors.h"
 #include "knee_robot/dynamics/inverse_dynamics.h"
+#include "some_model.h"
 
 namespace knee_robot {
 namespace {
@@ -22,33 +23,6 @@ struct Feed : rt::TaskContext {
       command_3{*this, "command_3", ""}, command_4{*this, "command_4", ""};
   rt::InputPort<FeedforwardForce> force{*this, "force", ""};
 };
-
-/// A model of `robot` with the weights of its URDF, and friction in the actuators.
-Model modelOf(const Robot& robot) {
-  Model model;
-  model.kind = robot.kind;
-  model.axes = robot.axes();
-  model.robot_fingerprint = robot.fingerprint;
-  model.cutoff_hz = 3.0;
-  model.moving_m_per_s = 0.001;
-  model.data = {{"train.csv", "0123"}};
-  model.rank = 1;
-  model.coulomb_width_m.assign(4, 1e-4);
-  model.residual_rms_N.assign(4, 1.0);
-  const InertialParameters links = toParameters(loadRobotInertia(robot));
-  const std::vector<std::string>& names = extendedParameterNames();
-  for (std::size_t i = 0; i < names.size(); ++i) {
-    ModelParameter one;
-    one.name = names[i];
-    one.unit = "x";
-    if (i < kInertialParameters) one.value = links[static_cast<Eigen::Index>(i)];
-    if (i >= extended::kViscous && i < extended::kCoulomb) one.value = 150.0;
-    if (i >= extended::kCoulomb && i < extended::kRotor) one.value = 15.0;
-    model.parameters.push_back(one);
-  }
-  model.base.push_back({1.0, 0.1, std::vector<double>(names.size(), 0.0)});
-  return model;
-}
 
 std::string temporaryFile(const char* name) {
   return ::testing::TempDir() + name;
@@ -243,7 +217,7 @@ TEST_F(ModelFeedforwardTest, GivesNothingWhileHomingNorWhenNotHomed) {
 
 TEST_F(ModelFeedforwardTest, AddsFrictionAlongTheReferenceAndNoneAtRest) {
   const std::string path = temporaryFile("model_feedforward_test.yaml");
-  saveModel(modelOf(robot), path);
+  saveModel(fake::modelOf(robot), path);
   component.model.set(path);
   component.share_friction.set(1.0);
   component.share_inertia.set(0.0);
@@ -269,7 +243,7 @@ TEST_F(ModelFeedforwardTest, AddsFrictionAlongTheReferenceAndNoneAtRest) {
 
 TEST_F(ModelFeedforwardTest, LetsNoReferenceThatIsNoNumberThrough) {
   const std::string path = temporaryFile("model_feedforward_nan_test.yaml");
-  saveModel(modelOf(robot), path);
+  saveModel(fake::modelOf(robot), path);
   component.model.set(path);
   begin();
   std::remove(path.c_str());
@@ -297,10 +271,10 @@ TEST_F(ModelFeedforwardTest, RefusesModelsThatAreNotThisRobotsByFileAndReason) {
     EXPECT_NE(sentence.find(path), std::string::npos) << sentence;
     return sentence;
   };
-  Model other = modelOf(robot);
+  Model other = fake::modelOf(robot);
   other.robot_fingerprint = "0";
   EXPECT_NE(refusal(other).find("another version of the robot file"), std::string::npos);
-  Model traced = modelOf(robot);
+  Model traced = fake::modelOf(robot);
   ModelEffect effect;
   effect.name = "stribeck";
   effect.actuators = {2};

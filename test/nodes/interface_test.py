@@ -124,6 +124,30 @@ class Interface(unittest.TestCase):
         self.assertEqual({"reference", "path", "errors", "margins", "text"}, {m.ns for m in markers})
         self.assertEqual(len(markers), len({(m.ns, m.id) for m in markers}))
 
+    def test_the_feedforward_carries_the_robot_and_its_share_changes_without_a_bump(self):
+        self.robot.bring_to("holding")
+        client = Client("/controller/feedforward", timeout=10)
+        before = client.get_configuration()
+        self.assertEqual((1.0, 0.0), (before["share_gravity"], before["payload_kg"]))
+        time.sleep(1.0)
+        forces = hear("/controller/forces", Forces)
+        print("leg 4: feedforward", forces.feedforward_N[3], "N of", forces.force_N[3], "N")
+        self.assertGreater(forces.feedforward_N[3], 20.0)
+        rows = []
+        subscriber = rospy.Subscriber("/controller/tracking", Tracking, rows.append, queue_size=1000)
+        time.sleep(0.3)
+        client.update_configuration({"share_gravity": 0.0, "payload_kg": 10.0})
+        time.sleep(1.0)
+        self.assertAlmostEqual(0.0, hear("/controller/forces", Forces).feedforward_N[3], delta=1e-6)
+        client.update_configuration({"share_gravity": 1.0, "payload_kg": 0.0})
+        time.sleep(1.0)
+        subscriber.unregister()
+        positions, sums = [row.position_m[3] for row in rows], [row.force_N[3] for row in rows]
+        self.assertLess(max(positions) - min(positions), 2e-4)
+        self.assertLess(max(sums) - min(sums), 0.2 * forces.feedforward_N[3])
+        self.assertAlmostEqual(forces.feedforward_N[3], hear("/controller/forces", Forces).feedforward_N[3], delta=1.0)
+        self.assertEqual("holding", self.robot.state().state)
+
     def test_gains_change_within_their_bounds_and_without_a_bump(self):
         self.robot.bring_to("holding")
         client = Client("/controller/gains", timeout=10)

@@ -73,7 +73,7 @@ class Monitors : public rt::TaskContext {
   rt::Property<double> release_error{
       *this,
       "release_error_m",
-      8e-3,
+      4e-3,
       "m",
       0.0,
       0.1,

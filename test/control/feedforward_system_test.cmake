@@ -1,0 +1,1 @@
+target_link_libraries(control_feedforward_system_test knee_simulation)

@@ -1,0 +1,200 @@
+// The whole controller with its feedforward on the simulated robot A, stepped: take-over, tracking, and faults that it must not hide.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <memory>
+
+#include "knee_robot/control/control_system.h"
+#include "knee_robot/hardware/open_bus.h"
+#include "knee_robot/simulation/robot_simulation.h"
+#include "some_model.h"
+
+namespace knee_robot {
+namespace {
+
+std::string file(const std::string& name) {
+  return std::string(KNEE_SOURCE_DIR) + "/" + name;
+}
+
+enum class Feedforward { None, Weights, Model };
+
+struct Rig {
+  explicit Rig(Feedforward feedforward, double payload_kg = 0.0, double declared_kg = 0.0)
+      : robot(loadRobot(file("config/robots/A.yaml"))),
+        plant(robot, loadRobotInertia(robot), parameters(payload_kg), image),
+        bus(hardware::openImageCards(image)) {
+    ControlSystem::Options options;
+    options.execution = rt::Execution::Stepped;
+    options.payload_kg = declared_kg;
+    const std::string path = ::testing::TempDir() + "feedforward_system_test.yaml";
+    if (feedforward == Feedforward::Model) {
+      saveModel(fake::modelOf(robot, 150.0, 15.0, 60.0), path);
+      options.model = path;
+    }
+    system = std::make_unique<ControlSystem>(robot, loadHardwareFile(file("config/hardware/simulated.yaml")),
+                                             file("config/deployment/simulation.yaml"), *bus, options);
+    std::remove(path.c_str());
+    system->setPlant([this](rt::Nanoseconds time) {
+      while (plant.time() + 0.0005 < 1e-9 * static_cast<double>(time))
+        plant.step(0.001);
+      look();
+    });
+    started = system->start();
+    if (feedforward == Feedforward::None) system->setProperty("Feedforward", "share_gravity", "0");
+  }
+  static SimulationParameters parameters(double payload_kg) {
+    SimulationParameters all = loadSimulationParameters(file("config/simulation/A.yaml"));
+    if (payload_kg > 0.0) all.payload = Payload{payload_kg, {0.0, 0.0, 0.1}, 0.1};
+    return all;
+  }
+  void look() {
+    const std::optional<TrackingRow> row = system->snapshot();
+    if (!row) return;
+    const bool released = (row->digital_outputs >> 1 & 1) != 0;
+    if (released && !released_) at_release = *row;
+    released_ = released;
+    lowest = std::min(lowest, plant.state().pose[1]);
+    for (std::size_t i = 0; i < kAxes; ++i)
+      largest_error[i] = std::max(largest_error[i], std::abs(row->reference_m[i] - row->position_m[i]));
+  }
+  /// Up and down by 60 mm every 8 s, at 23 mm/s where it is fastest; turning points at 4, 8, 12 s.
+  void play() {
+    ASSERT_TRUE(system->enable().ok);
+    Reference reference;
+    reference.name = "up_and_down";
+    const Pose home = plant.state().pose;
+    reference.points.resize(1601, 4);
+    for (int k = 0; k <= 1600; ++k) {
+      Pose pose = home;
+      pose[1] += 0.03 * (1.0 - std::cos(2.0 * M_PI * k / 800.0));
+      reference.points.row(k) = legLengths(*robot.mechanism, pose).transpose();
+    }
+    const Answer loaded = system->loadReference(reference);
+    ASSERT_TRUE(loaded.ok) << loaded.sentence;
+    const Answer moved = system->approach();
+    ASSERT_TRUE(moved.ok) << moved.sentence;
+    ASSERT_TRUE(system->waitFor(MachineState::Holding, 10.0));
+    const Answer played = system->play();
+    ASSERT_TRUE(played.ok) << played.sentence;
+    largest_error = {};
+  }
+
+  Robot robot;
+  hardware::RobotImage image;
+  RobotSimulation plant;
+  std::unique_ptr<hardware::AxisBus> bus;
+  std::unique_ptr<ControlSystem> system;
+  Answer started;
+  std::optional<TrackingRow> at_release;
+  double lowest = 1.0;
+  AxisValues largest_error{};
+
+ private:
+  bool released_ = false;
+};
+
+TEST(TakeOver, OpensTheHoldDevicesOntoAForceThatAlreadyCarriesTheRobot) {
+  for (const double payload_kg : {0.0, 15.0}) {
+    Rig rig(Feedforward::Weights, payload_kg, payload_kg);
+    ASSERT_TRUE(rig.started.ok) << rig.started.sentence;
+    const double height = rig.plant.state().pose[1];
+    ASSERT_TRUE(rig.system->enable().ok);
+    rig.system->run(1.0);
+    ASSERT_TRUE(rig.at_release.has_value());
+    EXPECT_GT(rig.at_release->force_N[3], 50.0) << "with the release, not after it";
+    EXPECT_NEAR(rig.at_release->force_N[3], rig.at_release->feedforward_N[3], 2.0);
+    EXPECT_LT(height - rig.lowest, 1e-4);
+    EXPECT_EQ(rig.system->state(), MachineState::Holding);
+  }
+}
+
+TEST(TakeOver, OfAPayloadThatNobodyDeclaredSinksLessThanWithoutFeedforward) {
+  double sinks[2];
+  for (const bool with : {false, true}) {
+    Rig rig(with ? Feedforward::Weights : Feedforward::None, 15.0);
+    ASSERT_TRUE(rig.started.ok);
+    const double height = rig.plant.state().pose[1];
+    ASSERT_TRUE(rig.system->enable().ok);
+    rig.system->run(1.0);
+    EXPECT_EQ(rig.system->state(), MachineState::Holding) << rig.system->status().fault_sentence;
+    sinks[with] = height - rig.lowest;
+  }
+  std::printf("15 kg sink by %.2f mm without feedforward, by %.2f mm undeclared\n", 1e3 * sinks[0], 1e3 * sinks[1]);
+  EXPECT_LT(sinks[1], 0.6 * sinks[0]);
+}
+
+TEST(Reversals, AreFollowedMoreCloselyWithAModelOfTheFriction) {
+  AxisValues largest[3];
+  for (const Feedforward kind : {Feedforward::None, Feedforward::Weights, Feedforward::Model}) {
+    Rig rig(kind);
+    ASSERT_NO_FATAL_FAILURE(rig.play());
+    ASSERT_TRUE(rig.system->waitFor(MachineState::Holding, 20.0)) << rig.system->status().fault_sentence;
+    AxisValues& error = largest[static_cast<int>(kind)];
+    error = rig.largest_error;
+    std::printf("largest errors, mm: %.2f %.2f %.2f %.2f\n", 1e3 * error[0], 1e3 * error[1], 1e3 * error[2],
+                1e3 * error[3]);
+  }
+  EXPECT_LT(largest[2][3], 0.7 * largest[0][3]);
+}
+
+/// A fault in the middle of the motion, or around a turning point.
+struct Case {
+  const char* what;
+  void (*inject)(hardware::InjectedFaults&, std::size_t axis);
+  std::vector<Fault> names;
+};
+
+void freeze(hardware::InjectedFaults& faults, std::size_t axis) {
+  faults.encoder[axis].store(static_cast<std::uint8_t>(hardware::EncoderFault::Frozen));
+}
+void turn(hardware::InjectedFaults& faults, std::size_t axis) {
+  faults.encoder[axis].store(static_cast<std::uint8_t>(hardware::EncoderFault::WrongSign));
+}
+void kill(hardware::InjectedFaults& faults, std::size_t axis) {
+  faults.drive_dead.store(static_cast<std::uint8_t>(1u << axis));
+}
+void reverse(hardware::InjectedFaults& faults, std::size_t axis) {
+  faults.drive_reversed.store(static_cast<std::uint8_t>(1u << axis));
+}
+void block(hardware::InjectedFaults& faults, std::size_t axis) {
+  faults.hold_closed.store(static_cast<std::uint8_t>(1u << axis));
+}
+
+class HiddenFault : public ::testing::TestWithParam<Feedforward> {};
+
+TEST_P(HiddenFault, IsFoundWithFeedforwardAsWithout) {
+  const std::vector<Case> cases = {
+      {"encoder frozen", freeze, {Fault::EncoderFrozen, Fault::Runaway, Fault::FollowingError, Fault::Stalled}},
+      {"encoder counts backwards", turn, {Fault::Runaway, Fault::FollowingError, Fault::EncoderFrozen}},
+      {"drive without power",
+       kill,
+       {Fault::Runaway, Fault::FollowingError, Fault::EncoderFrozen, Fault::Stalled, Fault::Saturated}},
+      {"drive reversed", reverse, {Fault::Runaway, Fault::FollowingError, Fault::AccelerationLimit}},
+      {"brake closed", block, {Fault::EncoderFrozen, Fault::FollowingError, Fault::Stalled}}};
+  for (const Case& one : cases) {
+    for (const std::size_t axis : {std::size_t{0}, std::size_t{3}}) {
+      for (const double when : {2.0, 3.8, 4.1}) {
+        Rig rig(GetParam());
+        ASSERT_NO_FATAL_FAILURE(rig.play());
+        rig.system->run(when);
+        ASSERT_EQ(rig.system->state(), MachineState::Playing);
+        rig.lowest = rig.plant.state().pose[1];
+        const double height = rig.lowest, begin = rig.plant.time();
+        one.inject(rig.image.faults, axis);
+        rig.system->waitFor(MachineState::Faulted, 5.0);
+        const ControlStatus status = rig.system->status();
+        std::printf("%-26s axis %zu at %.1f s: %-18s faulted after %4.0f ms, %.1f mm below\n", one.what, axis + 1, when,
+                    status.fault_name.c_str(), 1e3 * (rig.plant.time() - begin), 1e3 * (height - rig.lowest));
+        EXPECT_NE(std::find(one.names.begin(), one.names.end(), status.fault), one.names.end()) << status.fault_name;
+      }
+    }
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Feedforward, HiddenFault,
+                         ::testing::Values(Feedforward::None, Feedforward::Weights, Feedforward::Model));
+
+}  // namespace
+}  // namespace knee_robot

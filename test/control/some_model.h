@@ -1,0 +1,36 @@
+#pragma once
+
+#include "knee_robot/dynamics/model.h"
+#include "knee_robot/dynamics/robot_inertia.h"
+
+namespace knee_robot::fake {
+
+/// A model of `robot` with the weights of its URDF, and friction in the actuators.
+inline Model modelOf(const Robot& robot, double viscous = 150.0, double coulomb = 15.0, double coulomb_4 = 15.0) {
+  Model model;
+  model.kind = robot.kind;
+  model.axes = robot.axes();
+  model.robot_fingerprint = robot.fingerprint;
+  model.cutoff_hz = 3.0;
+  model.moving_m_per_s = 0.001;
+  model.data = {{"train.csv", "0123"}};
+  model.rank = 1;
+  model.coulomb_width_m.assign(4, 1e-4);
+  model.residual_rms_N.assign(4, 1.0);
+  const InertialParameters links = toParameters(loadRobotInertia(robot));
+  const std::vector<std::string>& names = extendedParameterNames();
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    ModelParameter one;
+    one.name = names[i];
+    one.unit = "x";
+    if (i < kInertialParameters) one.value = links[static_cast<Eigen::Index>(i)];
+    if (i >= extended::kViscous && i < extended::kCoulomb) one.value = viscous;
+    if (i >= extended::kCoulomb && i < extended::kRotor) one.value = coulomb;
+    if (i == extended::kCoulomb + 3) one.value = coulomb_4;
+    model.parameters.push_back(one);
+  }
+  model.base.push_back({1.0, 0.1, std::vector<double>(names.size(), 0.0)});
+  return model;
+}
+
+}  // namespace knee_robot::fake
