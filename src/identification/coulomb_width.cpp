@@ -74,7 +74,7 @@ std::vector<double> chooseCoulombWidths(const Robot& robot, const std::vector<Co
     for (double width = widths[static_cast<std::size_t>(i)]; width <= kWidest_m; width *= std::sqrt(2.0)) {
       std::vector<Eigen::VectorXd> share;
       for (const Observation& o : training)
-        share.push_back(lowPassed(o, coulombShare(o.signals, i, width), options));
+        share.push_back(lowPassed(o, frictionShare(o.sliding[static_cast<std::size_t>(i)], width), options));
       e.design.col(2) = usableOf(training, share);
       const Eigen::VectorXd own = (e.design.transpose() * e.design).ldlt().solve(e.design.transpose() * e.target);
       const double left = (e.target - e.design * own).squaredNorm();

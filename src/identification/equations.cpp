@@ -5,6 +5,7 @@
 #include <numeric>
 
 #include "knee_robot/recording/filter.h"
+#include "places.h"
 
 namespace knee_robot {
 namespace {
@@ -15,6 +16,7 @@ constexpr double kFilesApart_s = 1e6;
 struct Pick {
   std::size_t file;
   int sample;
+  int run;  ///< number of the contiguous stretch
   int block = 0;
 };
 
@@ -45,40 +47,62 @@ std::vector<std::vector<Pick>> findRuns(const std::vector<Observation>& training
       const bool now = wantedByAny(training[f], n, independent);
       if (now && !inside) runs.emplace_back();
       inside = now;
-      if (now && n % stride == 0) runs.back().push_back({f, n});
+      if (now && n % stride == 0) runs.back().push_back({f, n, static_cast<int>(runs.size())});
     }
   }
   return runs;
 }
 
-/// Numbers the blocks: whole runs are joined until a block has its share; a longer run is cut.
-std::vector<Pick> assignBlocks(std::vector<std::vector<Pick>> runs, int& blocks) {
-  std::size_t total = 0;
-  for (const auto& run : runs)
-    total += run.size();
-  const double share = std::max(1.0, static_cast<double>(total) / kBlocks);
+std::vector<Pick> findPicks(const std::vector<Observation>& training, const ObservationOptions& options,
+                            bool independent) {
   std::vector<Pick> picks;
-  std::size_t in_block = 0;
-  int block = 0;
-  for (auto& run : runs) {
-    const std::size_t file = run.empty() ? 0 : run.front().file;
-    const bool new_file = !picks.empty() && !run.empty() && picks.back().file != file;
-    if (in_block > 0 && (static_cast<double>(in_block) >= 0.75 * share || (new_file && in_block > share / 2))) {
+  for (const std::vector<Pick>& run : findRuns(training, options, independent))
+    picks.insert(picks.end(), run.begin(), run.end());
+  return picks;
+}
+
+/// Per pick the first one at the same place of another run.
+std::vector<int> firstVisitsOf(const std::vector<Observation>& training, const std::vector<Pick>& picks) {
+  const int axes = training.front().axes();
+  Eigen::MatrixXd state(static_cast<Eigen::Index>(picks.size()), 2 * axes);
+  std::vector<int> run;
+  for (std::size_t k = 0; k < picks.size(); ++k) {
+    const Signals& s = training[picks[k].file].signals;
+    state.row(static_cast<Eigen::Index>(k)) << s.position_m.row(picks[k].sample),
+        s.velocity_m_per_s.row(picks[k].sample);
+    run.push_back(picks[k].run);
+  }
+  return firstVisits(state, run);
+}
+
+/// Numbers the blocks: whole runs are joined until a block has its share; a longer run is cut. Later visits of a place go with the
+/// first one.
+int assignBlocks(const std::vector<Observation>& training, std::vector<Pick>& picks) {
+  if (picks.empty()) return 0;
+  const std::vector<int> first = firstVisitsOf(training, picks);
+  std::vector<int> visits(picks.size(), 0);
+  for (const int place : first)
+    ++visits[static_cast<std::size_t>(place)];
+  const double share = std::max(1.0, static_cast<double>(picks.size()) / kBlocks);
+  int block = 0, in_block = 0;
+  const Pick* before = nullptr;  // last one that is the first at its place
+  for (std::size_t k = 0; k < picks.size(); ++k) {
+    if (visits[k] == 0) {
+      picks[k].block = picks[static_cast<std::size_t>(first[k])].block;
+      continue;
+    }
+    const bool new_run = before != nullptr && picks[k].run != before->run;
+    const bool new_file = new_run && picks[k].file != before->file;
+    const bool enough = new_run && (in_block >= 0.75 * share || (new_file && in_block > share / 2));
+    if (in_block > 0 && (enough || in_block >= 1.5 * share)) {
       ++block;
       in_block = 0;
     }
-    for (Pick& pick : run) {
-      if (static_cast<double>(in_block) >= 1.5 * share) {
-        ++block;
-        in_block = 0;
-      }
-      pick.block = block;
-      picks.push_back(pick);
-      ++in_block;
-    }
+    picks[k].block = block;
+    in_block += visits[k];
+    before = &picks[k];
   }
-  blocks = picks.empty() ? 0 : block + 1;
-  return picks;
+  return block + 1;
 }
 
 /// Low-passed columns of the regressor; filtering column by column keeps one filtered column in memory, not a second regressor.
@@ -107,7 +131,8 @@ Equations stackEquations(const std::vector<Observation>& training, const Observa
   Equations e;
   e.axes = training.front().axes();
   const bool independent = training.front().motion.motion.empty();
-  const std::vector<Pick> picks = assignBlocks(findRuns(training, options, independent), e.blocks);
+  std::vector<Pick> picks = findPicks(training, options, independent);
+  e.blocks = assignBlocks(training, picks);
 
   int rows = 0;
   for (const Pick& p : picks) {
@@ -148,8 +173,7 @@ Equations stackEquations(const std::vector<Observation>& training, const Observa
 void refillColumns(const std::vector<Observation>& training, const ObservationOptions& options,
                    const std::vector<int>& columns, Equations& e) {
   const bool independent = training.front().motion.motion.empty();
-  int blocks = 0;
-  fill(training, options, assignBlocks(findRuns(training, options, independent), blocks), independent, columns, e);
+  fill(training, options, findPicks(training, options, independent), independent, columns, e);
 }
 
 void weightRows(Equations& e, const Eigen::VectorXd& noise_N) {

@@ -1,6 +1,5 @@
 #include "knee_robot/identification/observation.h"
 
-#include "knee_robot/dynamics/coulomb_memory.h"
 #include "knee_robot/dynamics/regressor.h"
 #include "knee_robot/identification/masking.h"
 #include "knee_robot/recording/filter.h"
@@ -31,6 +30,15 @@ void fillParallel(const Robot& robot, Observation& o) {
       Eigen::MatrixXd& regressor = o.regressor[static_cast<std::size_t>(leg)];
       regressor.row(n).head(kInertialParameters) = last.row(leg).head(kInertialParameters);
       regressor.row(n).tail(own) = last.row(leg).tail(own);
+    }
+  }
+  if (own < extended::kParameters - kInertialParameters) return;
+  const PassiveCoulomb passive(robot, o.signals, o.motion);
+  for (int n = 0; n < o.samples(); ++n) {
+    for (int joint = 0; joint < PassiveCoulomb::kJoints; ++joint) {
+      const Vector4 column = passive.column(n, joint);
+      for (int leg = 0; leg < kLegs; ++leg)
+        o.regressor[static_cast<std::size_t>(leg)](n, extended::kPassiveFriction + 2 * joint + 1) = column[leg];
     }
   }
 }
@@ -76,6 +84,7 @@ Observation observe(const Robot& robot, const std::vector<Column>& columns, cons
   o.fine_position_m = resample(recording, o.row_force_N, unfiltered).position_m;
   o.notes = o.signals.notes;
   o.motion = followPath(robot, o.signals);
+  o.sliding = actuatorPaths(robot, o.signals);
   o.regressor.assign(static_cast<std::size_t>(robot.axes()),
                      Eigen::MatrixXd::Zero(o.samples(), static_cast<Eigen::Index>(columns.size())));
   if (robot.mechanism) {
@@ -90,23 +99,12 @@ Observation observe(const Robot& robot, const std::vector<Column>& columns, cons
   return o;
 }
 
-Eigen::VectorXd coulombShare(const Signals& signals, int actuator, double width_m) {
-  CoulombMemory memory;
-  Eigen::VectorXd out(signals.samples());
-  double last = signals.position_m(0, actuator);
-  for (int n = 0; n < signals.samples(); ++n) {
-    out[n] = memory.step(signals.position_m(n, actuator) - last, width_m);
-    last = signals.position_m(n, actuator);
-  }
-  return out;
-}
-
 void setCoulombWidth(Observation& o, const std::vector<Column>& columns, const std::vector<double>& width_m) {
   for (std::size_t c = 0; c < columns.size(); ++c) {
     if (columns[c].role != ColumnRole::Coulomb) continue;
     const int i = columns[c].actuator;
     o.regressor[static_cast<std::size_t>(i)].col(static_cast<Eigen::Index>(c)) =
-        coulombShare(o.signals, i, width_m[static_cast<std::size_t>(i)]);
+        frictionShare(o.sliding[static_cast<std::size_t>(i)], width_m[static_cast<std::size_t>(i)]);
   }
 }
 

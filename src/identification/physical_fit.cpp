@@ -80,6 +80,7 @@ PhysicalFit fitPhysical(const Robot& robot, const Identification& base, const Ro
   const PhysicalSolution s = solvePhysical(problem, priorPull(problem, fit.strength));
   const Eigen::VectorXd parameters = physicalParameters(s, problem, setting.coordinates, base.columns);
 
+  fit.optimal = s.optimal;
   fit.model = base.model;
   fit.model.base.clear();
   for (std::size_t c = 0; c < base.columns.size(); ++c)

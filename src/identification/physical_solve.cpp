@@ -1,6 +1,10 @@
 #include <ceres/ceres.h>
 
+#include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
 #include <Eigen/QR>
+#include <algorithm>
+#include <cmath>
 #include <stdexcept>
 
 #include "knee_robot/identification/physical_problem.h"
@@ -11,6 +15,8 @@ namespace {
 constexpr int kPerLink = PhysicalCoordinates::kPerLink;
 constexpr double kSmallestLog = -8.0;  ///< of the diagonal of U
 constexpr double kLargestLog = 5.0;
+constexpr double kOptimal = 1e-6;  ///< of the cost: what a change of one body may still gain at an optimum
+constexpr int kPushes = 30;
 
 /// Coordinates of E = U U^T. x: logarithms of U's diagonal, then its upper triangle row by row; all zero: E = 1.
 template <typename T>
@@ -113,27 +119,73 @@ Stacked stack(const PhysicalProblem& p, const PriorPull& pull) {
   return s;
 }
 
-}  // namespace
+using Coordinates = Eigen::Matrix<double, kPerLink, 1>;
 
-PhysicalSolution solvePhysical(const PhysicalProblem& p, const PriorPull& pull) {
-  const Stacked s = stack(p, pull);
+/// The symmetric matrix with these coordinates.
+Eigen::Matrix4d matrixOf(const Eigen::Ref<const Coordinates>& c) {
+  Eigen::Matrix4d e = c.head<4>().asDiagonal();
+  int k = 4;
+  for (int row = 0; row < 4; ++row) {
+    for (int column = row + 1; column < 4; ++column)
+      e(row, column) = e(column, row) = c[k++] * M_SQRT1_2;
+  }
+  return e;
+}
+
+Coordinates coordinatesOf(const Eigen::Matrix4d& e) {
+  Coordinates c;
+  c.head<4>() = e.diagonal();
+  int k = 4;
+  for (int row = 0; row < 4; ++row) {
+    for (int column = row + 1; column < 4; ++column)
+      c[k++] = M_SQRT2 * e(row, column);
+  }
+  return c;
+}
+
+/// Root coordinates x of E (see coordinatesOfRoot): Cholesky from the last row up.
+void rootOfMatrix(const Eigen::Matrix4d& e, double* x) {
+  const Eigen::Matrix4d lower = e.reverse().eval().llt().matrixL();
+  const Eigen::Matrix4d u = lower.reverse();
+  int k = 4;
+  for (int row = 0; row < 4; ++row) {
+    x[row] = std::clamp(std::log(std::max(u(row, row), 1e-300)), kSmallestLog, kLargestLog);
+    for (int column = row + 1; column < 4; ++column)
+      x[k++] = u(row, column);
+  }
+}
+
+/// All unknowns: nine roots, then the free columns (scaled).
+struct Unknowns {
+  Eigen::VectorXd x;
+  double* root(int link) { return x.data() + link * kPerLink; }
+  double* free() { return x.data() + kLinks * kPerLink; }
+
+  Eigen::VectorXd coordinates() const {
+    Eigen::VectorXd z = x;
+    for (int link = 0; link < kLinks; ++link)
+      coordinatesOfRoot(x.data() + link * kPerLink, z.data() + link * kPerLink);
+    return z;
+  }
+};
+
+/// Ceres from where the unknowns are. Returns its iterations.
+int descend(const PhysicalProblem& p, const Stacked& s, Unknowns& unknowns) {
   const int free = static_cast<int>(p.free.size());
-  Eigen::VectorXd x = Eigen::VectorXd::Zero(kLinks * kPerLink + free);
   std::vector<double*> blocks;
   for (int link = 0; link < kLinks; ++link)
-    blocks.push_back(x.data() + link * kPerLink);
-  if (free > 0) blocks.push_back(x.data() + kLinks * kPerLink);
-
+    blocks.push_back(unknowns.root(link));
+  if (free > 0) blocks.push_back(unknowns.free());
   ceres::Problem problem;
   problem.AddResidualBlock(new Residuals(s.rows, s.target, free), nullptr, blocks);
   for (int link = 0; link < kLinks; ++link) {
     for (int k = 0; k < 4; ++k) {
-      problem.SetParameterLowerBound(blocks[static_cast<std::size_t>(link)], k, kSmallestLog);
-      problem.SetParameterUpperBound(blocks[static_cast<std::size_t>(link)], k, kLargestLog);
+      problem.SetParameterLowerBound(unknowns.root(link), k, kSmallestLog);
+      problem.SetParameterUpperBound(unknowns.root(link), k, kLargestLog);
     }
   }
   for (int i = 0; i < free; ++i) {
-    if (p.nonnegative[static_cast<std::size_t>(i)]) problem.SetParameterLowerBound(blocks.back(), i, 0.0);
+    if (p.nonnegative[static_cast<std::size_t>(i)]) problem.SetParameterLowerBound(unknowns.free(), i, 0.0);
   }
   ceres::Solver::Options options;
   options.linear_solver_type = ceres::DENSE_NORMAL_CHOLESKY;
@@ -143,14 +195,56 @@ PhysicalSolution solvePhysical(const PhysicalProblem& p, const PriorPull& pull) 
   ceres::Solver::Summary summary;
   ceres::Solve(options, &problem, &summary);
   if (!summary.IsSolutionUsable()) throw std::runtime_error("Ceres failed: " + summary.message);
+  return static_cast<int>(summary.iterations.size());
+}
 
+/// In the bodies themselves the problem is convex; in their roots it is not: at the boundary of what is possible the slope by a root
+/// vanishes although the body would still gain by growing. That body is pushed off: E grows by the multiple of v v^T, v the lowest
+/// eigenvector of the cost's slope, that gains most. Returns what all pushes gained; when no body gains, the point is the optimum.
+double push(const Stacked& s, Unknowns& unknowns) {
+  Eigen::VectorXd z = unknowns.coordinates();
+  Eigen::VectorXd residual = s.rows * z - s.target;
+  double gained = 0.0;
+  for (int link = 0; link < kLinks; ++link) {
+    const auto rows = s.rows.middleCols<kPerLink>(link * kPerLink);
+    const Coordinates slope = 2.0 * rows.transpose() * residual;
+    // <G, dE> = slope . d(coordinates), and the coordinates are an isometry.
+    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix4d> eigen(matrixOf(slope));
+    const double lowest = eigen.eigenvalues()[0];
+    if (lowest >= 0.0) continue;
+    const Eigen::Vector4d v = eigen.eigenvectors().col(0);
+    const Eigen::Matrix4d outer = v * v.transpose();
+    const Eigen::VectorXd moved = rows * coordinatesOf(outer);
+    const double curvature = moved.squaredNorm();
+    const double gain = curvature > 0.0 ? lowest * lowest / (4.0 * curvature) : 0.0;
+    if (gain <= kOptimal * (residual.squaredNorm() + s.left)) continue;
+    const double step = -lowest / (2.0 * curvature);
+    residual += step * moved;
+    gained += gain;
+    rootOfMatrix(matrixOf(z.segment<kPerLink>(link * kPerLink)) + step * outer, unknowns.root(link));
+  }
+  return gained;
+}
+
+}  // namespace
+
+PhysicalSolution solvePhysical(const PhysicalProblem& p, const PriorPull& pull) {
+  const Stacked s = stack(p, pull);
+  Unknowns unknowns{Eigen::VectorXd::Zero(kLinks * kPerLink + static_cast<Eigen::Index>(p.free.size()))};
   PhysicalSolution solution;
-  solution.inertial.resize(kLinks * kPerLink);
-  for (int link = 0; link < kLinks; ++link)
-    coordinatesOfRoot(x.data() + link * kPerLink, solution.inertial.data() + link * kPerLink);
-  solution.free = x.tail(free).cwiseProduct(s.free_scale);
-  solution.cost = 2.0 * summary.final_cost + s.left;
-  solution.iterations = static_cast<int>(summary.iterations.size());
+  solution.iterations = descend(p, s, unknowns);
+  Unknowns pushed = unknowns;
+  solution.optimal = push(s, pushed) == 0.0;
+  while (!solution.optimal && solution.pushes < kPushes) {
+    ++solution.pushes;
+    solution.iterations += descend(p, s, pushed);
+    unknowns = pushed;
+    solution.optimal = push(s, pushed) == 0.0;
+  }
+  const Eigen::VectorXd z = unknowns.coordinates();
+  solution.inertial = z.head(kLinks * kPerLink);
+  solution.free = z.tail(s.free_scale.size()).cwiseProduct(s.free_scale);
+  solution.cost = (s.rows * z - s.target).squaredNorm() + s.left;
   return solution;
 }
 

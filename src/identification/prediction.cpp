@@ -1,9 +1,63 @@
 #include "knee_robot/identification/prediction.h"
 
-namespace knee_robot {
+#include "knee_robot/dynamics/coulomb_memory.h"
+#include "knee_robot/identification/sliding_path.h"
+#include "knee_robot/recording/signals.h"
 
-Eigen::MatrixXd predictForce(const Model& model, const Robot& robot, const Signals& s, const MotionPath& path) {
-  const ForceModel force_model(model, robot);
+namespace knee_robot {
+namespace {
+
+/// Takes the passive joints' Coulomb friction out of the model: it acts along their sliding paths.
+Eigen::Matrix<double, PassiveCoulomb::kJoints, 1> takePassiveCoulomb(ForceModel& model) {
+  Eigen::Matrix<double, PassiveCoulomb::kJoints, 1> friction;
+  for (int joint = 0; joint < PassiveCoulomb::kJoints; ++joint) {
+    double& parameter = model.parameters[extended::kPassiveFriction + 2 * joint + 1];
+    friction[joint] = parameter;
+    parameter = 0.0;
+  }
+  return friction;
+}
+
+/// Share of full Coulomb friction at the samples themselves.
+Eigen::VectorXd shareAtSamples(const SlidingPath& path, double width) {
+  CoulombMemory memory;
+  Eigen::VectorXd share((path.position.size() - 1) / SlidingPath::kSubsteps + 1);
+  share[0] = 0.0;
+  for (Eigen::Index k = 1; k < path.position.size(); ++k) {
+    memory.step(path.position[k] - path.position[k - 1], width);
+    if (k % SlidingPath::kSubsteps == 0) share[k / SlidingPath::kSubsteps] = memory.share;
+  }
+  return share;
+}
+
+/// Coulomb friction along the whole motion, as identification takes it: with its reversals found in both directions of time.
+PredictedForce coulombForces(ForceModel& model, const Robot& robot, const Signals& s, const MotionPath& path) {
+  PredictedForce forces{Eigen::MatrixXd(s.samples(), robot.axes()), Eigen::MatrixXd(s.samples(), robot.axes())};
+  const std::vector<SlidingPath> sliding = actuatorPaths(robot, s);
+  for (int i = 0; i < robot.axes(); ++i) {
+    const SlidingPath& path_here = sliding[static_cast<std::size_t>(i)];
+    forces.mean_N.col(i) = model.coulomb[i] * frictionShare(path_here, model.coulomb_width_m[i]);
+    forces.at_sample_N.col(i) = model.coulomb[i] * shareAtSamples(path_here, model.coulomb_width_m[i]);
+  }
+  model.coulomb.setZero();
+  if (!model.mechanism) return forces;
+  const auto friction = takePassiveCoulomb(model);
+  if (friction.isZero(0.0)) return forces;
+  const PassiveCoulomb passive(robot, s, path);
+  for (int n = 0; n < s.samples(); ++n) {
+    for (int joint = 0; joint < PassiveCoulomb::kJoints; ++joint) {
+      forces.mean_N.row(n) += friction[joint] * passive.column(n, joint).transpose();
+      forces.at_sample_N.row(n) += friction[joint] * passive.column(n, joint).transpose();
+    }
+  }
+  return forces;
+}
+
+}  // namespace
+
+PredictedForce predictForce(const Model& model, const Robot& robot, const Signals& s, const MotionPath& path) {
+  ForceModel force_model(model, robot);
+  PredictedForce force = coulombForces(force_model, robot, s, path);
   ForceModelData data;
   Eigen::MatrixXd out(s.samples(), robot.axes());
   Vector4 forces = Vector4::Zero();
@@ -24,7 +78,15 @@ Eigen::MatrixXd predictForce(const Model& model, const Robot& robot, const Signa
   }
   for (int n = 0; n < first_known; ++n)
     out.row(n) = out.row(first_known);
-  return out;
+  force.mean_N += out;
+  force.at_sample_N += out;
+  return force;
+}
+
+Prediction makePrediction(const Observation& o, const PredictedForce& force, double cutoff_hz) {
+  Prediction prediction = makePrediction(o, force.mean_N, cutoff_hz);
+  prediction.row_force_N = atHoldIntervals(o.signals, force.at_sample_N, o.row_time_s);
+  return prediction;
 }
 
 }  // namespace knee_robot

@@ -19,7 +19,8 @@ namespace {
 struct Arguments {
   std::string robot, output;
   std::vector<std::string> train, validate;
-  double cutoff_hz = 0.0;  ///< 0: by the rule
+  double cutoff_hz = 0.0;         ///< 0: by the rule
+  double motion_cutoff_hz = 0.0;  ///< 0: three times the cut-off
   IdentifyOptions options;
   bool physical = true;
 };
@@ -34,6 +35,10 @@ void declare(CLI::App& app, Arguments& a) {
                  "zero-phase low-pass of both sides of the equation (from the training recordings' reference: what the "
                  "rule found is "
                  "printed)")
+      ->check(positive);
+  app.add_option("--motion-cutoff-hz", a.motion_cutoff_hz,
+                 "low-pass of the positions before they are differentiated (three times the cut-off); lower where the "
+                 "motion is known to be slow and the geometry amplifies the encoders' rounding")
       ->check(positive);
   app.add_option("--rate-hz", a.options.observation.signals.rate_hz,
                  "samples a second at most (100); a finer grid meets reversals of friction more exactly")
@@ -57,7 +62,7 @@ void declare(CLI::App& app, Arguments& a) {
   app.add_option(
          "--narrowest-counts", a.options.narrowest_counts,
          "Coulomb friction builds up over at least this many encoder counts (2); fewer where no encoder flickers")
-      ->check(CLI::Range(0.01, 1e3));
+      ->check(CLI::Range(1e-6, 1e3));
   app.add_option("--outliers", a.options.outliers,
                  "equations with large residuals: huber (default), bisquare (iteratively reweighted), none")
       ->transform(CLI::CheckedTransformer(
@@ -89,7 +94,7 @@ std::vector<Observation> observeAll(const Robot& robot, const std::vector<Record
 }
 
 /// The low-pass of both sides, chosen on training recordings unless it was given.
-void decideCutoff(const std::vector<Recording>& training, double given_hz, IdentifyResults& r) {
+void decideCutoff(const std::vector<Recording>& training, double given_hz, double motion_hz, IdentifyResults& r) {
   std::vector<const Recording*> list;
   for (const Recording& recording : training)
     list.push_back(&recording);
@@ -98,7 +103,7 @@ void decideCutoff(const std::vector<Recording>& training, double given_hz, Ident
     r.cutoff.sentence = "Cut-off " + shortNumber(given_hz, 3) + " Hz, as was asked for. The rule: " + r.cutoff.sentence;
     r.cutoff.cutoff_hz = given_hz;
   }
-  r.options.observation.setCutoff(r.cutoff.cutoff_hz);
+  r.options.observation.setCutoff(r.cutoff.cutoff_hz, motion_hz);
 }
 
 /// prediction_NAME.csv must be one file per recording.
@@ -157,7 +162,7 @@ int run(const Arguments& a, const std::string& command_line) {
   const Robot robot = loadRobot(a.robot);
   {
     const std::vector<Recording> training = loadAll(a.train);
-    decideCutoff(training, a.cutoff_hz, r);
+    decideCutoff(training, a.cutoff_hz, a.motion_cutoff_hz, r);
     r.train = observeAll(robot, training, r.options);
   }
   r.validate = observeAll(robot, loadAll(a.validate), r.options);

@@ -43,6 +43,22 @@ void ZeroPhaseLowPass::run(Four& signals) const {
   }
 }
 
+namespace {
+
+/// Value at the first of these samples of the straight line through all of them: what a signal's end is, whatever its last sample
+/// alone happens to be.
+Eigen::Array4d lineAtFirst(const Eigen::Ref<const Eigen::Array<double, 4, Eigen::Dynamic>>& samples) {
+  const Eigen::Index m = samples.cols();
+  Eigen::Array4d value = Eigen::Array4d::Zero();
+  for (Eigen::Index i = 0; i < m; ++i) {
+    const double weight = m == 1 ? 1.0 : (2.0 * (2.0 * m - 1.0) - 6.0 * static_cast<double>(i)) / (m * (m + 1.0));
+    value += weight * samples.col(i);
+  }
+  return value;
+}
+
+}  // namespace
+
 void ZeroPhaseLowPass::apply(Eigen::Ref<Eigen::VectorXd> signal) const {
   Eigen::MatrixXd one = signal;
   applyToColumns(one);
@@ -58,7 +74,10 @@ void ZeroPhaseLowPass::applyToColumns(Eigen::MatrixXd& signals) const {
     const Eigen::Index count = std::min<Eigen::Index>(4, signals.cols() - from);
     work.setZero();
     work.block(0, pad, count, n) = signals.middleCols(from, count).transpose().array();
-    const Eigen::Array4d start = work.col(pad), end = work.col(pad + n - 1);
+    // Reflection doubles its centre: a single odd sample at an end must not become the centre.
+    const Eigen::Index fitted = std::clamp<Eigen::Index>(edge_ / 4, 1, n);
+    const Eigen::Array4d start = lineAtFirst(work.middleCols(pad, fitted));
+    const Eigen::Array4d end = lineAtFirst(work.middleCols(pad + n - fitted, fitted).rowwise().reverse());
     for (Eigen::Index i = 0; i < pad; ++i) {
       work.col(pad - 1 - i) = 2.0 * start - work.col(pad + i + 1);
       work.col(pad + n + i) = 2.0 * end - work.col(pad + n - 2 - i);

@@ -201,6 +201,7 @@ Signals resample(const Recording& r, const Eigen::MatrixXd& force_N, const Signa
   s.acceleration_m_per_s2 = everyNth(secondDerivative(position, period), step, count);
   s.force_N = heldMeans(time, force_N.bottomRows(rows), s.time_s, s.period_s);
   s.known = knownSamples(time, s.time_s, options.gap_periods * period);
+  s.rounding_left = std::clamp(6.0 * std::sqrt(2.0 * options.motion_cutoff_hz * period / 12.0), 0.25, 1.0);
   s.notes = r.notes;
   noteQuantization(r.position_m.bottomRows(rows), period, options, s);
   noteTiming(time, period, stale, s);

@@ -181,7 +181,7 @@ std::string formatReference(const Reference& reference, const std::vector<std::s
   for (Eigen::Index k = 0; k < reference.points.rows(); ++k) {
     const auto point = reference.points.row(k);
     const int length =
-        std::snprintf(line, sizeof line, "%.9f %.9f %.9f %.9f\n", point[0], point[1], point[2], point[3]);
+        std::snprintf(line, sizeof line, "%.12f %.12f %.12f %.12f\n", point[0], point[1], point[2], point[3]);
     text.append(line, static_cast<std::size_t>(std::min<int>(length, sizeof line - 1)));
   }
   return text;

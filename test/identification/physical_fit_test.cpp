@@ -106,6 +106,53 @@ TEST(SolvePhysical, NeverLeavesThePossibleEvenWhereTheDataAskForIt) {
   }
 }
 
+/// A random possible set of bodies, in coordinates.
+Eigen::VectorXd randomBodies(std::mt19937& random) {
+  std::normal_distribution<double> normal(0.0, 2.0);
+  Eigen::VectorXd z(90);
+  for (int link = 0; link < 9; ++link) {
+    Eigen::Matrix4d u;
+    for (double& value : u.reshaped())
+      value = normal(random);
+    const Eigen::Matrix4d e = u * u.transpose();
+    z.segment<4>(10 * link) = e.diagonal();
+    int k = 4;
+    for (int row = 0; row < 4; ++row) {
+      for (int column = row + 1; column < 4; ++column)
+        z[10 * link + k++] = M_SQRT2 * e(row, column);
+    }
+  }
+  return z;
+}
+
+/// The problem is convex in the bodies: at its optimum no way to any possible set of bodies goes down. Targets so impossible that most
+/// bodies end on the boundary, and a prior that hardly pulls.
+TEST(SolvePhysical, EndsAtTheOptimumOnTheBoundaryToo) {
+  const PhysicalCoordinates c = physicalCoordinates(syntheticPrior(syntheticModel(syntheticRobot()), 0.0, 1));
+  int pushes = 0;
+  for (unsigned seed = 0; seed < 10; ++seed) {
+    std::mt19937 random(100 + seed);
+    std::normal_distribution<double> normal(0.0, 3.0);
+    Eigen::VectorXd impossible(90);
+    for (double& value : impossible)
+      value = normal(random);
+    const PhysicalProblem p = randomProblem(c, 150, impossible, 100 + seed);
+    const PriorPull pull = priorPull(p, 1e-2);
+    const PhysicalSolution s = solvePhysical(p, pull);
+    EXPECT_TRUE(s.optimal) << "seed " << seed;
+    pushes += s.pushes;
+    const Eigen::VectorXd slope = 2.0 * p.data.transpose() * (p.data * s.inertial - p.target) +
+                                  2.0 * pull.root.transpose() * (pull.root * (s.inertial - pull.mean));
+    for (int k = 0; k < 200; ++k) {
+      const Eigen::VectorXd way = randomBodies(random) - s.inertial;
+      const double curvature = (p.data * way).squaredNorm() + (pull.root * way).squaredNorm();
+      const double down = std::max(0.0, -slope.dot(way));
+      EXPECT_LT(down * down / (4.0 * curvature), 1e-4 * s.cost) << "gain along a straight way, seed " << seed;
+    }
+  }
+  std::cout << pushes << " pushes off the boundary in 10 problems\n";
+}
+
 std::vector<Observation> observeOne(const Robot& robot, const Recording& r, const IdentifyOptions& options) {
   std::vector<Observation> list;
   list.push_back(observe(robot, columnsOf(robot), r, options.observation));

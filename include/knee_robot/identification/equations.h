@@ -29,7 +29,8 @@ struct Equations {
 inline constexpr int kBlocks = 10;
 
 /// Stacks the training observations. Blocks are contiguous runs of motion, split at stops and at the ends of files (inside a
-/// run only when it is longer than a tenth of the data). Bench axes are independent: there an axis' row needs only its own motion.
+/// run only when it is longer than a tenth of the data). Where the robot comes again to a place where it was before, with the same
+/// velocity, that visit belongs to the first one's block: of a repeated motion a block is a stretch of it with all its repeats. Bench axes are independent: there an axis' row needs only its own motion.
 Equations stackEquations(const std::vector<Observation>& training, const ObservationOptions& options);
 
 /// Takes some columns of (unweighted) equations of the same observations anew, after the observations' regressors changed there.

@@ -5,6 +5,7 @@
 
 #include "knee_robot/identification/columns.h"
 #include "knee_robot/identification/motion_path.h"
+#include "knee_robot/identification/sliding_path.h"
 #include "knee_robot/recording/recording.h"
 #include "knee_robot/recording/signals.h"
 
@@ -20,11 +21,10 @@ struct ObservationOptions {
   double fold_margin_m = 0.003;
   SignalOptions signals;
 
-  /// Sets the cut-off, and that of the positions to three times as much: wide enough that the second filter decides, narrow
-  /// enough that the encoder's flicker at rest does not reverse the friction.
-  void setCutoff(double hz) {
+  /// Sets the cut-off, and that of the positions: three times as much unless given, wide enough that the second filter decides.
+  void setCutoff(double hz, double motion_hz = 0.0) {
     cutoff_hz = hz;
-    signals.motion_cutoff_hz = 3.0 * hz;
+    signals.motion_cutoff_hz = motion_hz > 0.0 ? motion_hz : 3.0 * hz;
   }
 };
 
@@ -45,6 +45,7 @@ struct Observation {
   Eigen::MatrixXd
       fine_position_m;  ///< as signals.position_m but not low-passed: a filter's ringing at a stop would reverse friction
   MotionPath motion;
+  std::vector<SlidingPath> sliding;        ///< per actuator: what Coulomb friction follows
   std::vector<Eigen::MatrixXd> regressor;  ///< per actuator: samples x columns; Coulomb columns by setCoulombWidth
   Eigen::MatrixXd force_filtered_N;        ///< signals.force_N, low-passed
   std::vector<char> usable;  ///< not in a gap, near a singular pose, saturated, or at an end of the recording
@@ -68,9 +69,6 @@ std::vector<double> forcePerVolt(const Robot& robot);
 /// rows.
 Observation observe(const Robot& robot, const std::vector<Column>& columns, const Recording& recording,
                     const ObservationOptions& options);
-
-/// Share of full Coulomb friction of one actuator along the samples, by CoulombMemory.
-Eigen::VectorXd coulombShare(const Signals& signals, int actuator, double width_m);
 
 /// Fills the Coulomb columns for these widths (m, one per actuator).
 void setCoulombWidth(Observation& observation, const std::vector<Column>& columns, const std::vector<double>& width_m);

@@ -53,11 +53,15 @@ struct PhysicalSolution {
   Eigen::VectorXd free;
   double cost = 0.0;  ///< sum of squares, data and prior
   int iterations = 0;
+  int pushes = 0;  ///< how often bodies were pushed off the boundary and the solver started again
+  bool optimal =
+      false;  ///< no change of a body gains more than a millionth of the cost: the problem is convex, so this is its optimum
 };
 
 /// Solves with Ceres: every E is U U^T with U upper triangular, positive on the diagonal (log-Cholesky, Rucker and Wensing 2022), so
 /// that each iterate is physically possible; friction and rotor inertia stay non-negative by bounds. Exact derivatives. The roots
-/// of E stay above exp(-8): an optimum on the boundary is met to that accuracy. Throws std::runtime_error when Ceres fails.
+/// of E stay above exp(-8): an optimum on the boundary is met to that accuracy. Roots can come to rest on the boundary above the
+/// optimum: there each body's slope tells, the body is pushed off along it and the solver goes on. Throws std::runtime_error when Ceres fails.
 PhysicalSolution solvePhysical(const PhysicalProblem& problem, const PriorPull& pull);
 
 /// Parameters of all columns.

@@ -5,8 +5,9 @@
 namespace knee_robot {
 
 /// Zero-phase low-pass: a Butterworth filter of 4th order run forward and backward over each column (the amplitude at the
-/// cut-off is 1/2). The signal is continued at both ends by its point reflection, and the filter starts in the steady state of
-/// the first value, so that constants and straight lines pass unchanged up to the ends.
+/// cut-off is 1/2). The signal is continued at both ends by its reflection at the point where a straight line through its outermost
+/// quarter period of the cut-off ends, and the filter starts in the steady state of the first value: constants and straight lines
+/// pass unchanged up to the ends, and no single sample is the end.
 class ZeroPhaseLowPass {
  public:
   /// `cutoff_hz` must be positive; at or above 0.45 of the sampling rate the filter does nothing.

@@ -1,0 +1,54 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "knee_robot/dynamics/parameters.h"
+#include "knee_robot/identification/motion_path.h"
+
+namespace knee_robot {
+
+/// The path of a joint as friction sees it: several points a sample, and no way back shorter than what the encoders tell apart. Friction
+/// that followed every wiggle of a rounded, low-passed position would reverse where the joint does not; friction that waited until
+/// the way back is certain would reverse late. So the turning points are found with the whole recording in view: each lies at
+/// the extreme itself, and counts when the path goes back from it by more than `resolution`.
+struct SlidingPath {
+  Eigen::VectorXd
+      position;  ///< kSubsteps per sample period, the samples included; rising or falling between turning points
+  int first_direction = 0;  ///< of the first movement that the encoders tell; 0: there is none
+  static constexpr int kSubsteps = 4;
+};
+
+/// From uniformly sampled positions and velocities (a cubic between neighbours), `period_s` apart. `resolution`: see above, in the
+/// position's unit, not negative.
+SlidingPath slidingPath(const Eigen::VectorXd& position, const Eigen::VectorXd& velocity, double period_s,
+                        double resolution);
+
+/// Share of full Coulomb friction at every sample by CoulombMemory, averaged over the sample's interval as the forces are. `width`
+/// in the path's unit, positive. It starts at zero, and grows as soon as the path moves: the first stretch has no way back either, so
+/// that what an encoder shows late is not taken for rest.
+Eigen::VectorXd frictionShare(const SlidingPath& path, double width);
+
+/// One path per actuator; resolution: what rounding leaves of an encoder count (Signals::rounding_left).
+std::vector<SlidingPath> actuatorPaths(const Robot& robot, const Signals& signals);
+
+/// Coulomb columns of the legs' seven passive joints, in the order of the passive friction parameters: 12 11 22 21 32 31 41. The sign
+/// of each is frictionShare of a narrow width along the joint's own path, whose resolution is what that much of
+/// a count of every encoder (root of the sum of squares) moves the joint by.
+class PassiveCoulomb {
+ public:
+  static constexpr int kJoints = extended::kPassiveFrictionCount / 2;
+
+  PassiveCoulomb(const Robot& robot, const Signals& signals, const MotionPath& motion);
+
+  /// Actuator forces (N) that hold against friction of 1 N m in the joint at a sample.
+  Vector4 column(int sample, int joint) const {
+    return share_(sample, joint) * levers_[static_cast<std::size_t>(joint)].col(sample);
+  }
+
+ private:
+  std::vector<Eigen::Matrix4Xd> levers_;  ///< per joint: a column a sample
+  Eigen::MatrixXd share_;
+};
+
+}  // namespace knee_robot

@@ -1,0 +1,140 @@
+#include "knee_robot/identification/sliding_path.h"
+
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+
+#include "knee_robot/dynamics/coulomb_memory.h"
+#include "knee_robot/mechanism/leg_motion.h"
+
+namespace knee_robot {
+namespace {
+
+constexpr double kNarrow_rad = 1e-9;
+
+/// The samples with a cubic between them.
+Eigen::VectorXd refined(const Eigen::VectorXd& position, const Eigen::VectorXd& velocity, double period_s) {
+  const Eigen::Index n = position.size();
+  Eigen::VectorXd fine((n - 1) * SlidingPath::kSubsteps + 1);
+  for (Eigen::Index k = 0; k + 1 < n; ++k) {
+    for (int i = 0; i < SlidingPath::kSubsteps; ++i) {
+      const double s = static_cast<double>(i) / SlidingPath::kSubsteps, r = 1.0 - s;
+      fine[k * SlidingPath::kSubsteps + i] = r * r * (1.0 + 2.0 * s) * position[k] +
+                                             s * s * (3.0 - 2.0 * s) * position[k + 1] +
+                                             s * r * period_s * (r * velocity[k] - s * velocity[k + 1]);
+    }
+  }
+  fine[fine.size() - 1] = position[n - 1];
+  return fine;
+}
+
+/// Places of the extremes from which the path goes back by more than `resolution`, and the direction before the first of them.
+std::vector<Eigen::Index> turningPoints(const Eigen::VectorXd& x, double resolution, int& first_direction) {
+  std::vector<Eigen::Index> turns;
+  Eigen::Index highest = 0, lowest = 0;
+  int direction = 0;
+  for (Eigen::Index k = 1; k < x.size(); ++k) {
+    if (x[k] > x[highest]) highest = k;
+    if (x[k] < x[lowest]) lowest = k;
+    if (direction >= 0 && x[k] < x[highest] - resolution) {
+      if (direction > 0) turns.push_back(highest);
+      direction = -1;
+      lowest = k;
+    } else if (direction <= 0 && x[k] > x[lowest] + resolution) {
+      if (direction < 0) turns.push_back(lowest);
+      direction = 1;
+      highest = k;
+    } else {
+      continue;
+    }
+    if (first_direction == 0) first_direction = direction;
+  }
+  return turns;
+}
+
+double furthest(double here, double neighbour, int direction) {
+  return direction > 0 ? std::max(here, neighbour) : direction < 0 ? std::min(here, neighbour) : neighbour;
+}
+
+}  // namespace
+
+SlidingPath slidingPath(const Eigen::VectorXd& position, const Eigen::VectorXd& velocity, double period_s,
+                        double resolution) {
+  SlidingPath path;
+  path.position = refined(position, velocity, period_s);
+  std::vector<Eigen::Index> turns = turningPoints(path.position, resolution, path.first_direction);
+  turns.push_back(path.position.size() - 1);
+  int direction = path.first_direction;
+  // The first stretch starts at its own lowest (highest) point: what a filter dips before a movement is none.
+  for (Eigen::Index k = turns.front() - 1; k >= 0; --k)
+    path.position[k] = furthest(path.position[k], path.position[k + 1], -direction);
+  for (std::size_t turn = 1; turn < turns.size(); ++turn) {
+    direction = -direction;
+    for (Eigen::Index k = turns[turn - 1] + 1; k <= turns[turn]; ++k)
+      path.position[k] = furthest(path.position[k], path.position[k - 1], direction);
+  }
+  return path;
+}
+
+Eigen::VectorXd frictionShare(const SlidingPath& path, double width) {
+  constexpr int kHalf = SlidingPath::kSubsteps / 2;
+  const Eigen::Index fine = path.position.size();
+  Eigen::VectorXd integral(fine);  // of the share, in substeps
+  CoulombMemory memory;
+  double before = memory.share;
+  integral[0] = 0.0;
+  for (Eigen::Index k = 1; k < fine; ++k) {
+    const double here = memory.step(path.position[k] - path.position[k - 1], width);
+    integral[k] = integral[k - 1] + 0.5 * (before + here);
+    before = here;
+  }
+  Eigen::VectorXd share((fine - 1) / SlidingPath::kSubsteps + 1);
+  for (Eigen::Index n = 0; n < share.size(); ++n) {
+    const Eigen::Index from = std::max<Eigen::Index>(0, n * SlidingPath::kSubsteps - kHalf);
+    const Eigen::Index to = std::min(fine - 1, n * SlidingPath::kSubsteps + kHalf);
+    share[n] = (integral[to] - integral[from]) / static_cast<double>(to - from);
+  }
+  return share;
+}
+
+std::vector<SlidingPath> actuatorPaths(const Robot& robot, const Signals& s) {
+  std::vector<SlidingPath> paths;
+  for (int i = 0; i < robot.axes(); ++i) {
+    paths.push_back(slidingPath(s.position_m.col(i), s.velocity_m_per_s.col(i), s.period_s,
+                                s.rounding_left * robot.actuators[static_cast<std::size_t>(i)].metresPerCount()));
+  }
+  return paths;
+}
+
+PassiveCoulomb::PassiveCoulomb(const Robot& robot, const Signals& s, const MotionPath& path)
+    : levers_(kJoints, Eigen::Matrix4Xd::Zero(kLegs, s.samples())), share_(s.samples(), kJoints) {
+  Eigen::MatrixXd angle(s.samples(), kJoints), rate(s.samples(), kJoints);
+  RobotMotion motion;
+  for (int n = 0; n < s.samples(); ++n) {
+    const Motion& here = path.motion[static_cast<std::size_t>(n)];
+    const auto joints = urdfJointPositions(*robot.mechanism, here.pose);
+    robotMotion(*robot.mechanism, here, motion);
+    const Matrix4 pose_per_length = motion.jacobian.inverse();
+    int column = 0;
+    for (std::size_t leg = 0; leg < kLegs; ++leg) {
+      for (int joint = 1; joint >= (leg == 3 ? 1 : 0); --joint, ++column) {
+        angle(n, column) = joints[leg == 3 ? 9 : 3 * leg + static_cast<std::size_t>(joint)];
+        rate(n, column) = motion.legs[leg].rate[joint];
+        const Vector4 lever = (motion.legs[leg].joints_per_pose.row(joint) * pose_per_length).transpose();
+        const std::size_t at = static_cast<std::size_t>(column);
+        levers_[at].col(n) = lever.allFinite() ? lever : n > 0 ? levers_[at].col(n - 1).eval() : Vector4::Zero().eval();
+      }
+    }
+  }
+  Vector4 count;
+  for (int i = 0; i < kLegs; ++i)
+    count[i] = s.rounding_left * robot.actuators[static_cast<std::size_t>(i)].metresPerCount();
+  for (int joint = 0; joint < kJoints; ++joint) {
+    const Eigen::Matrix4Xd& levers = levers_[static_cast<std::size_t>(joint)];
+    const double resolution = (count.asDiagonal() * levers).norm() / std::sqrt(s.samples());
+    share_.col(joint) =
+        frictionShare(slidingPath(angle.col(joint), rate.col(joint), s.period_s, resolution), kNarrow_rad);
+  }
+}
+
+}  // namespace knee_robot

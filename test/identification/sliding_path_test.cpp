@@ -1,0 +1,96 @@
+#include "knee_robot/identification/sliding_path.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+namespace knee_robot {
+namespace {
+
+constexpr double kPeriod = 0.01;
+constexpr double kCount = 5e-6;
+
+struct Sampled {
+  Eigen::VectorXd position, velocity;
+};
+
+/// x(t) = amplitude sin(w t) with a wiggle on top.
+Sampled sine(double amplitude, double w, double wiggle, int samples = 600) {
+  Sampled s{Eigen::VectorXd(samples), Eigen::VectorXd(samples)};
+  for (int n = 0; n < samples; ++n) {
+    const double t = n * kPeriod;
+    s.position[n] = amplitude * std::sin(w * t) + wiggle * std::sin(60.0 * t);
+    s.velocity[n] = amplitude * w * std::cos(w * t) + 60.0 * wiggle * std::cos(60.0 * t);
+  }
+  return s;
+}
+
+int signChanges(const Eigen::VectorXd& share) {
+  int changes = 0;
+  for (Eigen::Index n = 1; n < share.size(); ++n)
+    changes += (share[n] > 0.0) != (share[n - 1] > 0.0);
+  return changes;
+}
+
+TEST(SlidingPath, ReversesAtTheExtremeItselfAndNotForAWiggle) {
+  const double w = 1.7;
+  for (const double wiggle : {0.0, 0.3 * kCount}) {
+    const Sampled s = sine(1e-3, w, wiggle);
+    const Eigen::VectorXd share = frictionShare(slidingPath(s.position, s.velocity, kPeriod, kCount), 1e-9);
+    EXPECT_EQ(signChanges(share), 3) << "sin(1.7 t) turns three times in 6 s";
+    for (int turn = 0; turn < 3; ++turn) {
+      const double at = (M_PI / 2 + turn * M_PI) / w;
+      const double last = turn % 2 == 0 ? 1.0 : -1.0;
+      EXPECT_NEAR(share[static_cast<Eigen::Index>(at / kPeriod) - 4], last, 1e-9);
+      EXPECT_NEAR(share[static_cast<Eigen::Index>(at / kPeriod) + 6], -last, 1e-9) << "no later than 50 ms";
+    }
+  }
+}
+
+TEST(SlidingPath, AveragesAReversalOverTheSamplesInterval) {
+  const double w = 1.7;
+  const Sampled s = sine(1e-3, w, 0.0);
+  const Eigen::VectorXd share = frictionShare(slidingPath(s.position, s.velocity, kPeriod, kCount), 1e-12);
+  // The sum over all samples is the time spent going up less that going down, whatever the grid: exact to a quarter of it.
+  double up = 0.0;
+  for (int k = 0; k < 599 * 100; ++k)
+    up += std::cos(w * (k + 0.5) * kPeriod / 100.0) > 0.0 ? 0.01 : -0.01;
+  EXPECT_NEAR(share.sum() - 0.5 * (share[0] + share[599]), up, 3 * 2 * 0.25);
+  EXPECT_LE(share.cwiseAbs().maxCoeff(), 1.0);
+}
+
+TEST(SlidingPath, TakesUpItsWidthAfterAReversal) {
+  Sampled s{Eigen::VectorXd(400), Eigen::VectorXd(400)};
+  for (int n = 0; n < 400; ++n) {  // up at 1 mm/s, then down
+    s.position[n] = 1e-5 * (n < 200 ? n : 400 - n);
+    s.velocity[n] = n < 200 ? 1e-3 : -1e-3;
+  }
+  const Eigen::VectorXd share = frictionShare(slidingPath(s.position, s.velocity, kPeriod, kCount), 1e-4);
+  EXPECT_NEAR(share[199], 1.0, 1e-6);
+  EXPECT_NEAR(share[210], 0.0, 0.03) << "after 100 um of 200";
+  EXPECT_NEAR(share[225], -1.0, 1e-6);
+}
+
+TEST(SlidingPath, TakesADipBeforeTheFirstMovementForNone) {
+  Sampled s{Eigen::VectorXd::Zero(100), Eigen::VectorXd::Zero(100)};
+  for (int n = 0; n < 100; ++n) {
+    const double t = (n - 20) * kPeriod;  // down by 0.3 um until 0.2 s, then up
+    s.position[n] = (t < 0.0 ? 0.75e-5 : 1e-3) * t * t;
+    s.velocity[n] = 2.0 * (t < 0.0 ? 0.75e-5 : 1e-3) * t;
+  }
+  const SlidingPath path = slidingPath(s.position, s.velocity, kPeriod, kCount);
+  EXPECT_EQ(path.first_direction, 1);
+  const Eigen::VectorXd share = frictionShare(path, 1e-9);
+  EXPECT_GE(share.minCoeff(), 0.0);
+  EXPECT_NEAR(share[25], 1.0, 1e-9) << "2.5 um after it started, half a count";
+}
+
+TEST(SlidingPath, HasNoDirectionWhereNothingMoves) {
+  const Eigen::VectorXd rest = Eigen::VectorXd::Constant(50, 0.3), still = Eigen::VectorXd::Zero(50);
+  const SlidingPath path = slidingPath(rest, still, kPeriod, kCount);
+  EXPECT_EQ(path.first_direction, 0);
+  EXPECT_EQ(frictionShare(path, 1e-6), still);
+}
+
+}  // namespace
+}  // namespace knee_robot

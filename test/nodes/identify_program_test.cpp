@@ -1,0 +1,175 @@
+// identify and plan_excitation run as programs: exit statuses, one sentence, no half-written files, Ctrl-C.
+
+#include <gtest/gtest.h>
+#include <stdlib.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <chrono>
+#include <cmath>
+#include <csignal>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <functional>
+#include <sstream>
+#include <string>
+#include <thread>
+
+#include "knee_robot/trajectory/reference_file.h"
+
+namespace {
+
+namespace fs = std::filesystem;
+
+struct Folder {
+  Folder() {
+    std::string pattern = (fs::temp_directory_path() / "knee_identify_XXXXXX").string();
+    path = ::mkdtemp(pattern.data());
+  }
+  ~Folder() { fs::remove_all(path); }
+  fs::path path;
+};
+
+std::string contentOf(const fs::path& file) {
+  std::ifstream stream(file);
+  std::ostringstream text;
+  text << stream.rdbuf();
+  return text.str();
+}
+
+/// Two axes on a bench; a command of 300 N is all they have.
+fs::path writeRobot(const Folder& folder) {
+  const fs::path file = folder.path / "robot.yaml";
+  std::ofstream(file)
+      << "mechanism: axes\nactuators:\n"
+         "  - &axis {position_min_m: 0.0, position_max_m: 0.4, velocity_max_m_per_s: 1.0, acceleration_max_m_per_s2: "
+         "10.0, screw_lead_m: 0.010, counts_per_revolution: 5000, home_length_m: 0.1, force_per_volt_N: 100.0, "
+         "voltage_max_V: 10, force_max_N: 300}\n  - *axis\n";
+  return file;
+}
+
+using Signal = std::function<double(double)>;
+
+double sineMotion(double t) {
+  return 0.2 + 0.05 * std::sin(1.3 * t) + 0.02 * std::sin(3.1 * t);
+}
+double rubbing(double t) {
+  const double v = 0.065 * std::cos(1.3 * t) + 0.062 * std::cos(3.1 * t);
+  return 200.0 * v + (v > 0.0 ? 30.0 : -30.0);
+}
+
+fs::path writeRecording(const Folder& folder, double seconds, const Signal& second_position, const Signal& force) {
+  const fs::path file = folder.path / "recording.csv";
+  std::ofstream stream(file);
+  stream << "time_s,reference_1_m,position_1_m,force_1_N,reference_2_m,position_2_m,force_2_N\n";
+  for (int k = 0; k < seconds * 100.0; ++k) {
+    const double t = 0.01 * k;
+    stream << t << ',' << sineMotion(t) << ',' << sineMotion(t) << ',' << force(t + 0.005) << ',' << second_position(t)
+           << ',' << second_position(t) << ',' << force(t + 0.005) << '\n';
+  }
+  return file;
+}
+
+struct Ended {
+  int status = -1;
+  std::string errors;
+};
+
+/// Runs `identify` on the recording; cut-off given, because a few seconds do not show a spectrum.
+Ended identify(const Folder& folder, const fs::path& robot, const fs::path& recording, const std::string& more = "") {
+  const fs::path errors = folder.path / "errors.txt";
+  const std::string command = std::string(KNEE_IDENTIFY) + " --robot " + robot.string() + " --train " +
+                              recording.string() + " --cutoff-hz 3 --output " + (folder.path / "out").string() + " " +
+                              more + " > /dev/null 2> " + errors.string();
+  const int status = WEXITSTATUS(std::system(command.c_str()));
+  return {status, contentOf(errors)};
+}
+
+/// Refused with exit status 3, one sentence that holds `words`, and nothing written.
+void expectRefusal(const Folder& folder, const Ended& ended, const std::string& words) {
+  EXPECT_EQ(ended.status, 3) << ended.errors;
+  std::istringstream lines(ended.errors);
+  std::string line;
+  int sentences = 0;
+  while (std::getline(lines, line)) {
+    if (line.rfind("identify: ", 0) != 0) continue;  // progress
+    ++sentences;
+    EXPECT_NE(line.find(words), std::string::npos) << line;
+  }
+  EXPECT_EQ(sentences, 1) << ended.errors;
+  EXPECT_FALSE(fs::exists(folder.path / "out" / "model.yaml"));
+}
+
+TEST(IdentifyProgram, WritesItsFilesAndEndsWithZero) {
+  const Folder folder;
+  const Ended ended = identify(folder, writeRobot(folder), writeRecording(folder, 30.0, sineMotion, rubbing));
+  EXPECT_EQ(ended.status, 0) << ended.errors;
+  for (const char* name : {"model.yaml", "report.json", "report.html"})
+    EXPECT_TRUE(fs::exists(folder.path / "out" / name)) << name;
+}
+
+TEST(IdentifyProgram, RefusesWhatIsTooShort) {
+  const Folder folder;
+  expectRefusal(folder, identify(folder, writeRobot(folder), writeRecording(folder, 1.9, sineMotion, rubbing)),
+                "s of usable motion");
+  expectRefusal(folder, identify(folder, writeRobot(folder), writeRecording(folder, 0.1, sineMotion, rubbing)),
+                "rows are too few");
+}
+
+TEST(IdentifyProgram, RefusesAnAxisWithoutMotion) {
+  const Folder folder;
+  const Signal rest = [](double) { return 0.2; };
+  expectRefusal(folder, identify(folder, writeRobot(folder), writeRecording(folder, 30.0, rest, rubbing)),
+                "actuator 2 never moves faster");
+}
+
+TEST(IdentifyProgram, RefusesSaturatedCommands) {
+  const Folder folder;
+  const Signal saturated = [](double t) { return std::fmod(t, 3.0) < 1.0 ? 300.0 : rubbing(t); };
+  expectRefusal(folder, identify(folder, writeRobot(folder), writeRecording(folder, 30.0, sineMotion, saturated)),
+                "a command is at its limit");
+}
+
+TEST(IdentifyProgram, RefusesMoreDirectionsThanTheMotionExcites) {
+  const Folder folder;
+  expectRefusal(folder,
+                identify(folder, writeRobot(folder), writeRecording(folder, 30.0, sineMotion, rubbing), "--rank 50"),
+                "50 directions were asked for");
+}
+
+TEST(IdentifyProgram, EndsWithTwoOnBadInput) {
+  const Folder folder;
+  const Ended ended = identify(folder, writeRobot(folder), folder.path / "absent.csv");
+  EXPECT_EQ(ended.status, 2) << ended.errors;
+}
+
+/// Ctrl-C while it searches: the best so far is written whole, and that is a plan like any other: status 0.
+TEST(PlanExcitationProgram, WritesTheBestSoFarOnInterruptAndEndsWithZero) {
+  const Folder folder;
+  const std::string output = (folder.path / "plan.txt").string(), log = (folder.path / "log.txt").string();
+  const pid_t child = ::fork();
+  ASSERT_GE(child, 0);
+  if (child == 0) {
+    if (std::freopen(log.c_str(), "a", stderr) == nullptr || std::freopen(log.c_str(), "a", stdout) == nullptr)
+      ::_exit(100);
+    ::execl(KNEE_PLAN_EXCITATION, "plan_excitation", "--robot", KNEE_SOURCE_DIR "/config/robots/A.yaml", "--seconds",
+            "100000", "--iterations", "100000", "-o", output.c_str(), static_cast<char*>(nullptr));
+    ::_exit(101);
+  }
+  const fs::path progress = folder.path / "log.txt";
+  while (contentOf(progress).find("random") == std::string::npos && ::waitpid(child, nullptr, WNOHANG) == 0)
+    std::this_thread::sleep_for(
+        std::chrono::milliseconds(20));  // it has found something: from then on it may be stopped
+  EXPECT_FALSE(fs::exists(output)) << "nothing may be there before it is whole";
+  ASSERT_EQ(::kill(child, SIGINT), 0);
+  int status = 0;
+  ASSERT_EQ(::waitpid(child, &status, 0), child);
+  ASSERT_TRUE(WIFEXITED(status));
+  EXPECT_EQ(WEXITSTATUS(status), 0) << contentOf(progress);
+  EXPECT_NE(contentOf(progress).find("stopped early: best so far"), std::string::npos);
+  const knee_robot::Reference reference = knee_robot::readReference(output);
+  EXPECT_EQ(reference.points.rows(), 2001) << "20 s, to the end";
+}
+
+}  // namespace
