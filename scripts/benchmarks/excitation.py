@@ -6,7 +6,7 @@ compiled cost, once with our exact gradients and once with its own finite differ
 worse of the two final ones; a ratio above 1 says that SciPy took that many times as long, and "not reached" that it did not get
 there. k is that of a series drawn back to all limits. Started by scripts/benchmark_peers.
 
-Usage: excitation.py LIBRARY ROBOT [--starts N] [--iterations N] [--seconds S]
+Usage: excitation.py LIBRARY ROBOT [--starts N] [--iterations N] [--seconds S] [--markdown FILE]
 """
 import argparse
 import ctypes
@@ -121,6 +121,7 @@ def main():
     parser.add_argument("--velocity", type=float, default=0.01)
     parser.add_argument("--duration", type=float, default=20.0)
     parser.add_argument("--directions", type=int, default=51)
+    parser.add_argument("--markdown", help="file to write the table to as well")
     a = parser.parse_args()
     peer = Peer(a.library, a.robot, a.velocity, a.duration, a.directions, a.iterations)
     print(f"SLSQP of SciPy {scipy.__version__}: {peer.variables} variables, {peer.limits} limits, k at r = {a.directions}, {a.duration:g} s, "
@@ -128,8 +129,13 @@ def main():
     print(f"{'start':>6}{'first k':>10} | {'ours: k':>9}{'s':>7} | {'SciPy, exact gradients: k':>26}{'s':>7}{'equal k':>9}{'ratio':>7} | "
           f"{'SciPy, differences: k':>22}{'s':>7}{'equal k':>9}{'ratio':>7}")
     ratios = {True: [], False: []}
+    lines = [f"Excitation, k at r = {a.directions} ({a.duration:g} s, {a.velocity:g} m/s), SLSQP of SciPy {scipy.__version__}; s of processor time "
+             "from one start:\n",
+             "| start | first k | ours: k | s | SciPy, our gradients: k | s | s to equal k: SciPy / ours | SciPy, differences: k | s | "
+             "s to equal k: SciPy / ours |", "|" + " --- |" * 10]
     for number in range(min(a.starts, peer.starts)):
         own = peer.ours(number)
+        line = f"| {number + 1} | {own[0][1]:.1f} | {own[-1][1]:.1f} | {own[-1][0]:.1f} |"
         row = f"{number + 1:6}{own[0][1]:10.1f} | {own[-1][1]:9.1f}{own[-1][0]:7.1f}"
         for exact in (True, False):
             other = scipys(peer, number, exact, a.iterations, a.seconds)
@@ -138,13 +144,22 @@ def main():
             ratio = theirs / max(mine, 1e-3) if theirs > 0.0 else math.nan
             ratios[exact].append(ratio)
             row += f" | {other[-1][1]:{26 if exact else 22}.1f}{other[-1][0]:7.1f}{k:9.1f}" + (f"{ratio:7.1f}" if theirs > 0 else f"{'-':>7}")
+            line += (f" {other[-1][1]:.1f} | {other[-1][0]:.1f} | {mine:.2f} s, " +
+                     (f"{ratio:.1f}" if math.isfinite(ratio) else "not reached" if theirs > 0 else "no better than the start") + " |")
         print(row, flush=True)
+        lines.append(line)
+    summary = []
     for exact, name in ((True, "our exact gradients"), (False, "its own differences")):
         finite = sorted(r for r in ratios[exact] if math.isfinite(r))
         if finite:
-            print(f"SciPy with {name}: median {finite[len(finite) // 2]:.1f} times our time to equal k")
+            summary.append(f"SciPy with {name}: median {finite[len(finite) // 2]:.1f} times our time to equal k"
+                           + ("   MISSED" if finite[len(finite) // 2] < 1.0 else ""))
         else:
-            print(f"SciPy with {name}: never found a better series than the start")
+            summary.append(f"SciPy with {name}: never found a better series than the start")
+    print("\n".join(summary))
+    if a.markdown:
+        with open(a.markdown, "w", encoding="utf-8") as file:
+            file.write("\n".join(lines) + "\n\n" + "\n".join(f"- {line}" for line in summary) + "\n")
 
 
 if __name__ == "__main__":
