@@ -9,7 +9,7 @@ Applied applyModel(const Model& model, const Robot& robot, const std::vector<Obs
                    double cutoff_hz) {
   Applied applied;
   for (const Observation& o : observations) {
-    applied.predictions.push_back(makePrediction(o, predictForce(model, robot, o.signals, o.motion), cutoff_hz));
+    applied.predictions.push_back(makePrediction(o, predictForces(model, robot, o.signals, o.motion), cutoff_hz));
   }
   applied.accuracy = accuracyOf(observations, applied.predictions);
   return applied;

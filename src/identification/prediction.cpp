@@ -22,7 +22,7 @@ Eigen::Matrix<double, PassiveCoulomb::kJoints, 1> takePassiveCoulomb(ForceModel&
 Eigen::VectorXd shareAtSamples(const SlidingPath& path, double width) {
   CoulombMemory memory;
   Eigen::VectorXd share((path.position.size() - 1) / SlidingPath::kSubsteps + 1);
-  share[0] = 0.0;
+  share[0] = memory.share = path.shareAtStart(width);
   for (Eigen::Index k = 1; k < path.position.size(); ++k) {
     memory.step(path.position[k] - path.position[k - 1], width);
     if (k % SlidingPath::kSubsteps == 0) share[k / SlidingPath::kSubsteps] = memory.share;
@@ -55,7 +55,7 @@ PredictedForce coulombForces(ForceModel& model, const Robot& robot, const Signal
 
 }  // namespace
 
-PredictedForce predictForce(const Model& model, const Robot& robot, const Signals& s, const MotionPath& path) {
+PredictedForce predictForces(const Model& model, const Robot& robot, const Signals& s, const MotionPath& path) {
   ForceModel force_model(model, robot);
   PredictedForce force = coulombForces(force_model, robot, s, path);
   ForceModelData data;
@@ -81,6 +81,10 @@ PredictedForce predictForce(const Model& model, const Robot& robot, const Signal
   force.mean_N += out;
   force.at_sample_N += out;
   return force;
+}
+
+Eigen::MatrixXd predictForce(const Model& model, const Robot& robot, const Signals& s, const MotionPath& path) {
+  return predictForces(model, robot, s, path).at_sample_N;
 }
 
 Prediction makePrediction(const Observation& o, const PredictedForce& force, double cutoff_hz) {

@@ -61,6 +61,7 @@ double furthest(double here, double neighbour, int direction) {
 SlidingPath slidingPath(const Eigen::VectorXd& position, const Eigen::VectorXd& velocity, double period_s,
                         double resolution) {
   SlidingPath path;
+  path.resolution = resolution;
   path.position = refined(position, velocity, period_s);
   std::vector<Eigen::Index> turns = turningPoints(path.position, resolution, path.first_direction);
   turns.push_back(path.position.size() - 1);
@@ -81,6 +82,7 @@ Eigen::VectorXd frictionShare(const SlidingPath& path, double width) {
   const Eigen::Index fine = path.position.size();
   Eigen::VectorXd integral(fine);  // of the share, in substeps
   CoulombMemory memory;
+  memory.share = path.shareAtStart(width);
   double before = memory.share;
   integral[0] = 0.0;
   for (Eigen::Index k = 1; k < fine; ++k) {

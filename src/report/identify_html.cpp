@@ -99,7 +99,8 @@ std::string rankSection(const IdentifyResults& r) {
                     " (dashed), the smallest rank whose error on held-back blocks of the training data is within one "
                     "standard error of the best. " +
                     std::to_string(r.after.blocks) +
-                    " blocks, split at stops. The validation curve is shown for judgement; it played no part.</p>\n";
+                    " blocks, split at stops; repeats of a stretch of motion are held back together. The validation "
+                    "curve is shown for judgement; it played no part.</p>\n";
   out +=
       "<h3>Blocks of the training data, all actuators, in units of the noise</h3>\n" + svgPlot({held, fitted}, style);
   out += rankPlot(r, r.train_by_rank, "Training, per actuator");

@@ -101,7 +101,11 @@ std::string identifyPhysical(const IdentifyResults& r) {
       htmlNumber(fit.supported) + " of " + std::to_string(kInertialParameters + r.after.model.axes) +
       " directions (inertias and offsets); where they are silent the prior does: " + escapeHtml(r.urdf_path) +
       ". Strength of the prior (dashed): the strongest whose error on held-back blocks of the training data is within "
-      "one standard error of the best.</p>\n";
+      "one standard error of the best. " +
+      (fit.optimal ? "The solver ended at the optimum: no change of a body gains more than a millionth of the cost."
+                   : "The solver stopped short of the optimum, at the boundary of what is possible: take these bodies "
+                     "as possible ones, not as the best.") +
+      "</p>\n";
   out += svgPlot({held}, style) + linkTable(r);
   return out +
          "<p class=\"key\">Written to identified.urdf and model_physical.yaml. Change from the prior: 0 % is the prior "

@@ -66,6 +66,7 @@ Json physicalJson(const IdentifyResults& r) {
             {"prior", r.urdf_path},
             {"prior_strength", fit.strength},
             {"directions_from_data", fit.supported},
+            {"optimal", fit.optimal},
             {"rule", "strongest prior whose held-back error is within one standard error of the best"},
             {"curve", curve},
             {"links", links}};

@@ -65,7 +65,7 @@ int main(int argc, char** argv) {
   IdentifyOptions options;
   options.observation.setCutoff(std::stod(argv[4]));
   options.observation.fold_margin_m = 0.0;
-  options.narrowest_counts = 0.01;
+  options.narrowest_counts = 1e-4;  // the plant's friction is the sign of the velocity
 
   Stopwatch watch;
   std::vector<Observation> training = read(robot, argv[2], options.observation);

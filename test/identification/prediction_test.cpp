@@ -20,7 +20,7 @@ TEST(Prediction, IsFiniteForEveryRowEvenAcrossGapsJitterAndUnreachableLengths) {
     r.position_m(k, 0) = 3.0;  // no pose has such a leg
   const ObservationOptions options;
   const Observation o = observe(robot, columnsOf(robot), r, options);
-  const Prediction p = makePrediction(o, predictForce(model, robot, o.signals, o.motion), options.cutoff_hz);
+  const Prediction p = makePrediction(o, predictForces(model, robot, o.signals, o.motion), options.cutoff_hz);
   ASSERT_EQ(p.row_force_N.rows(), r.rows());
   EXPECT_TRUE(p.row_force_N.allFinite());
   EXPECT_TRUE(p.force_filtered_N.allFinite());
@@ -34,8 +34,8 @@ TEST(Prediction, DoesNotDependOnTheRecordedForces) {
   const Observation with = observe(robot, columnsOf(robot), r, options);
   r.force_N.setConstant(-7.0);
   const Observation without = observe(robot, columnsOf(robot), r, options);
-  EXPECT_EQ(predictForce(model, robot, with.signals, with.motion).mean_N,
-            predictForce(model, robot, without.signals, without.motion).mean_N);
+  EXPECT_EQ(predictForces(model, robot, with.signals, with.motion).mean_N,
+            predictForces(model, robot, without.signals, without.motion).mean_N);
 }
 
 TEST(Prediction, OfTheTrueModelMatchesEachRowsForce) {
@@ -45,7 +45,7 @@ TEST(Prediction, OfTheTrueModelMatchesEachRowsForce) {
   ObservationOptions options;
   options.signals.motion_cutoff_hz = 20.0;
   const Observation o = observe(robot, columnsOf(robot), r, options);
-  const Prediction p = makePrediction(o, predictForce(model, robot, o.signals, o.motion), options.cutoff_hz);
+  const Prediction p = makePrediction(o, predictForces(model, robot, o.signals, o.motion), options.cutoff_hz);
   const Eigen::MatrixXd error = (p.row_force_N - r.force_N).cwiseAbs();
   int compared = 0;
   for (int n = 30; n + 30 < o.samples(); ++n) {  // grid sample n is row n here

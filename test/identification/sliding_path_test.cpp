@@ -80,9 +80,11 @@ TEST(SlidingPath, TakesADipBeforeTheFirstMovementForNone) {
   }
   const SlidingPath path = slidingPath(s.position, s.velocity, kPeriod, kCount);
   EXPECT_EQ(path.first_direction, 1);
-  const Eigen::VectorXd share = frictionShare(path, 1e-9);
+  const Eigen::VectorXd share = frictionShare(path, 2e-5);
   EXPECT_GE(share.minCoeff(), 0.0);
-  EXPECT_NEAR(share[25], 1.0, 1e-9) << "2.5 um after it started, half a count";
+  EXPECT_EQ(share[10], 0.0) << "wider than a count: nothing is known of it before it moves";
+  EXPECT_NEAR(share[35], 1.0, 0.2) << "22 um after it started";
+  EXPECT_EQ(frictionShare(path, 1e-9)[0], 1.0) << "narrower: built up before the encoder shows it";
 }
 
 TEST(SlidingPath, HasNoDirectionWhereNothingMoves) {

@@ -14,7 +14,10 @@ struct PredictedForce {
 
 /// What the model predicts along a recorded motion, from motion and time alone. Every entry is finite: where the pose is not known, the
 /// last known force goes on.
-PredictedForce predictForce(const Model& model, const Robot& robot, const Signals& signals, const MotionPath& motion);
+PredictedForce predictForces(const Model& model, const Robot& robot, const Signals& signals, const MotionPath& motion);
+
+/// Only PredictedForce::at_sample_N.
+Eigen::MatrixXd predictForce(const Model& model, const Robot& robot, const Signals& signals, const MotionPath& motion);
 
 /// Brings predicted forces to the grid, to the low-passed grid and to the recording's rows.
 Prediction makePrediction(const Observation& observation, const PredictedForce& force, double cutoff_hz);

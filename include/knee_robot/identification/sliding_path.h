@@ -13,10 +13,14 @@ namespace knee_robot {
 /// the way back is certain would reverse late. So the turning points are found with the whole recording in view: each lies at
 /// the extreme itself, and counts when the path goes back from it by more than `resolution`.
 struct SlidingPath {
-  Eigen::VectorXd
-      position;  ///< kSubsteps per sample period, the samples included; rising or falling between turning points
-  int first_direction = 0;  ///< of the first movement that the encoders tell; 0: there is none
+  Eigen::VectorXd position;  ///< kSubsteps per sample period, the samples too; rising or falling between turning points
+  int first_direction = 0;   ///< of the first movement that the encoders tell; 0: there is none
+  double resolution = 0.0;   ///< in the position's unit: shorter ways back are not told apart from rounding
   static constexpr int kSubsteps = 4;
+
+  /// Share of full Coulomb friction when the recording starts. Friction that builds up over less than the encoders tell has done so
+  /// before they show any movement; otherwise nothing is known of it, and it is zero.
+  double shareAtStart(double width) const { return width < resolution ? first_direction : 0.0; }
 };
 
 /// From uniformly sampled positions and velocities (a cubic between neighbours), `period_s` apart. `resolution`: see above, in the
@@ -25,8 +29,8 @@ SlidingPath slidingPath(const Eigen::VectorXd& position, const Eigen::VectorXd& 
                         double resolution);
 
 /// Share of full Coulomb friction at every sample by CoulombMemory, averaged over the sample's interval as the forces are. `width`
-/// in the path's unit, positive. It starts at zero, and grows as soon as the path moves: the first stretch has no way back either, so
-/// that what an encoder shows late is not taken for rest.
+/// in the path's unit, positive. It starts with shareAtStart and changes as soon as the path moves: the first stretch has no way back
+/// either.
 Eigen::VectorXd frictionShare(const SlidingPath& path, double width);
 
 /// One path per actuator; resolution: what rounding leaves of an encoder count (Signals::rounding_left).
