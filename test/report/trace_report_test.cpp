@@ -130,6 +130,37 @@ TEST(TraceReport, PredictsWhatTheFilesModelSaysAndThatModelIsRefusedInstantByIns
   }
 }
 
+TEST(TraceJson, SaysHowFarEveryCandidateIsFromTheBaseAndWhereTheErrorLies) {
+  const nlohmann::json j = nlohmann::json::parse(traceJson(traced()));
+  int absorbed = 0, seen = 0;
+  for (const auto& a : j["angles"]) {
+    ASSERT_LE(a["to_base_deg"][0].get<double>(), a["to_base_deg"][1].get<double>() + 1e-9);
+    EXPECT_LE(a["nearest"].size(), 3u);
+    for (const auto& n : a["nearest"])
+      EXPECT_EQ(n["actuator"], a["actuator"]) << "bench axes share nothing";
+    if (a["name"] == "force_offset") {
+      ++absorbed;
+      EXPECT_LT(a["to_base_deg"][1].get<double>(), 0.1) << "the base has an offset";
+    }
+    if (a["name"] == "quadratic_drag") {
+      ++seen;
+      EXPECT_GT(a["to_base_deg"][1].get<double>(), 5.0);
+      EXPECT_FALSE(a["nearest"].empty());
+    }
+  }
+  EXPECT_EQ(absorbed, 2);
+  EXPECT_EQ(seen, 2);
+  for (int i = 0; i < 2; ++i) {
+    double error = 0.0, samples = 0.0;
+    for (const auto& kind : j["unexplained"]["where"]) {
+      error += kind["share_of_squared_error"][i].get<double>();
+      samples += kind["share_of_samples"][i].get<double>();
+    }
+    EXPECT_NEAR(error, 1.0, 1e-9);
+    EXPECT_NEAR(samples, 1.0, 1e-9);
+  }
+}
+
 TEST(TraceHtml, IsSelfContainedAndComplete) {
   const std::string html = traceHtml(traced());
   EXPECT_EQ(html.find("http"), std::string::npos) << "nothing from outside";
