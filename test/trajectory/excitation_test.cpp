@@ -91,7 +91,9 @@ TEST(Excitation, KeepsForceLimitsThatBindAndSaysSo) {
   EXPECT_GT(shareOf(plan.limits, "peak force"), 0.8);
   for (Actuator& actuator : robot.actuators)
     actuator.force_max_N = 10.0;  // less than gravity alone
-  EXPECT_THROW(planExcitation(robot, quick(1)), Refusal);
+  ExcitationOptions hopeless = quick(1);
+  hopeless.candidates = 2;
+  EXPECT_THROW(planExcitation(robot, hopeless), Refusal);
   ExcitationOptions careless = quick(1);
   careless.starts = 1;
   careless.iterations = 2;  // that force limits are let go shows in any series
