@@ -89,6 +89,16 @@ def clean_forces(case, shop):
     return np.load(path)
 
 
+def reachable(case, shop, folder):
+    """Error on the other path of whoever knows the effect's force at every moment and refits the baseline beside it. A ripple's phase on
+    another recording stays unknown: there the effect is left in."""
+    unknown = "screw_ripple" in case.parts
+    run([shop.program("trace"), "--most", "0", "--robot", shop.robot_file(case.setting), "--train", f"{folder}/ideal_1.csv", "--validate",
+         f"{folder}/path_2.csv" if unknown else f"{folder}/ideal_2.csv", "--output", folder + "/reachable"], folder + "/log.txt")
+    with open(folder + "/reachable/report.json", encoding="utf-8") as source:
+        return json.load(source)["before"]["validate"]["rms_N"]
+
+
 def play(case, shop, keep):
     """Makes the recordings, traces them, and returns what is judged."""
     folder = f"{shop.folder}/{case.name()}"
@@ -111,6 +121,8 @@ def play(case, shop, keep):
             result[f"{when}_{which}"] = report[when][which]["rms_N"]
     result["floor"] = report["unexplained"]["noise_floor_N"]
     result["absorbed"] = report["absorbed"]
+    if case.parts:
+        result["reachable"] = reachable(case, shop, folder)
     if not keep:
         shutil.rmtree(folder)
     return result

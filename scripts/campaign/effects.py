@@ -40,9 +40,10 @@ PAIRS = [("stribeck", "screw_ripple"), ("load_dependent_friction", "position_dep
 
 
 class Motion:
-    """Exact motion at the middle of every row's interval, and the force of the plant without the effect (rows x 4)."""
+    """Exact motion at the middle of every row's interval, and the force of the plant without the effect (rows x 4). `first`: the motion
+    of the machine's first recording, whose extremes give a law its constants: they belong to the machine, not to the path."""
 
-    def __init__(self, time, reference, force, coulomb, viscous):
+    def __init__(self, time, reference, force, coulomb, viscous, first=None):
         period = time[1] - time[0]
         self.t = time - time[0] + 0.5 * period
         self.q = reference + 0.5 * np.gradient(reference, period, axis=0) * period
@@ -50,15 +51,24 @@ class Motion:
         self.sign = np.tanh(self.v / 2e-4)
         self.force = force
         self.load = force - coulomb * self.sign - viscous * self.v
+        self.first = first or self
 
+    def top(self, what, a):
+        return np.abs(getattr(self.first, what)[:, a]).max()
 
-def _middle(m, a):
-    return m.q[:, a].min() + 0.45 * np.ptp(m.q[:, a])
+    def low(self, a):
+        return self.first.q[:, a].min()
+
+    def range(self, a):
+        return np.ptp(self.first.q[:, a])
+
+    def middle(self, a):
+        return self.low(a) + 0.45 * self.range(a)
 
 
 # Forces in addition on actuator `a`; `size` is about the force in N that is wanted at its largest.
 def _drag(m, a, size):
-    return size * (m.v[:, a] / np.abs(m.v[:, a]).max()) * np.abs(m.v[:, a] / np.abs(m.v[:, a]).max())
+    return size * m.v[:, a] * np.abs(m.v[:, a]) / m.top("v", a) ** 2
 
 
 def _thermal(m, a, size):
@@ -66,29 +76,29 @@ def _thermal(m, a, size):
 
 
 SIMBODY = {
-    "asymmetric_viscous": lambda m, a, size: size * np.abs(m.v[:, a]) / np.abs(m.v[:, a]).max(),
+    "asymmetric_viscous": lambda m, a, size: size * np.abs(m.v[:, a]) / m.top("v", a),
     "stribeck": lambda m, a, size: size * m.sign[:, a] * np.exp(-((m.v[:, a] / 0.012) ** 2)),
-    "load_dependent_friction": lambda m, a, size: size * m.sign[:, a] * np.abs(m.load[:, a]) / np.abs(m.load[:, a]).max(),
+    "load_dependent_friction": lambda m, a, size: size * m.sign[:, a] * np.abs(m.load[:, a]) / m.top("load", a),
     "screw_ripple": lambda m, a, size: 0.7 * size * np.sin(2 * np.pi * m.q[:, a] / 0.0117 + 0.5),
-    "position_dependent_friction": lambda m, a, size: size * m.sign[:, a] * np.exp(-(((m.q[:, a] - _middle(m, a)) / 0.04) ** 2)),
+    "position_dependent_friction": lambda m, a, size: size * m.sign[:, a] * np.exp(-(((m.q[:, a] - m.middle(a)) / 0.04) ** 2)),
     "quadratic_drag": _drag,
     "thermal_drift": _thermal,
-    "force_gain": lambda m, a, size: size / np.abs(m.force[:, a]).max() * m.force[:, a],
+    "force_gain": lambda m, a, size: size / m.top("force", a) * m.force[:, a],
 }
 
 # Test only: trace has no class for these.
 UNLISTED = {
     # a hose between two legs drags with the neighbour's velocity
-    "neighbour_drag": lambda m, a, size: size * m.v[:, (a + 1) % 4] / np.abs(m.v[:, (a + 1) % 4]).max(),
+    "neighbour_drag": lambda m, a, size: size * m.v[:, (a + 1) % 4] / m.top("v", (a + 1) % 4),
     # a cable tray that the neighbour bends
-    "neighbour_cable": lambda m, a, size: size * np.tanh((m.q[:, (a + 2) % 4] - _middle(m, (a + 2) % 4)) / 0.03),
+    "neighbour_cable": lambda m, a, size: size * np.tanh((m.q[:, (a + 2) % 4] - m.middle((a + 2) % 4)) / 0.03),
     # a seal that the neighbour's position tightens
-    "neighbour_seal": lambda m, a, size: size * m.sign[:, a] * (m.q[:, (a + 1) % 4] - m.q[:, (a + 1) % 4].min()) / np.ptp(m.q[:, (a + 1) % 4]),
+    "neighbour_seal": lambda m, a, size: size * m.sign[:, a] * (m.q[:, (a + 1) % 4] - m.low((a + 1) % 4)) / m.range((a + 1) % 4),
     # a bellows that is pressed together below a length
-    "bellows": lambda m, a, size: -size * np.maximum(0, _middle(m, a) - m.q[:, a]) / (_middle(m, a) - m.q[:, a].min()),
+    "bellows": lambda m, a, size: -size * np.maximum(0, m.middle(a) - m.q[:, a]) / (m.middle(a) - m.low(a)),
     # grease that thins with speed
-    "thinning_grease": lambda m, a, size: size * m.sign[:, a] * np.sqrt(np.abs(m.v[:, a]) / np.abs(m.v[:, a]).max()),
+    "thinning_grease": lambda m, a, size: size * m.sign[:, a] * np.sqrt(np.abs(m.v[:, a]) / m.top("v", a)),
     # a nut that binds with load times speed
-    "load_viscous": lambda m, a, size: size * m.v[:, a] * np.abs(m.load[:, a]) / np.abs(m.v[:, a] * m.load[:, a]).max(),
+    "load_viscous": lambda m, a, size: size * m.v[:, a] * np.abs(m.load[:, a]) / np.abs(m.first.v[:, a] * m.first.load[:, a]).max(),
 }
 SIZES = [4.0, 9.0, 18.0]  # N, weak, medium, strong

@@ -94,14 +94,18 @@ class Workshop:
         return write(folder + "/simulation.yaml", "\n".join(axes + tail) + "\n")
 
     def on_robot(self, setting, entries, folder):
-        """Two recordings of the simulated robot."""
+        """Two recordings of the simulated robot. Nobody pushes during the second one. With effects, the same two as a robot without
+        them would have needed (ideal_1.csv, ideal_2.csv): what the simulator took of every command for its effects is given back."""
         out = []
         for which in (0, 1):
-            path = f"{folder}/path_{which + 1}.csv"
+            path, truth = f"{folder}/path_{which + 1}.csv", f"{folder}/truth_{which + 1}.csv"
             remove(path)
+            kept = [e for e in entries if which == 0 or e[0] != "external_force"]
             run([self.program("simulate"), self.reference(setting, which), "--robot", self.robot_file(setting), "--simulation",
-                 self.simulation(setting, entries, folder), "--hardware", f"{ROOT}/config/hardware/simulated.yaml", "--deployment",
-                 self.deployment(setting, folder), "-o", path], folder + "/log.txt")
+                 self.simulation(setting, kept, folder), "--hardware", f"{ROOT}/config/hardware/simulated.yaml", "--deployment",
+                 self.deployment(setting, folder), "-o", path, "--truth", truth], folder + "/log.txt")
+            if entries:
+                write_ideal(path, truth, f"{folder}/ideal_{which + 1}.csv")
             out.append(path)
         return out
 
@@ -118,7 +122,7 @@ class Workshop:
 
     def on_simbody(self, setting, entries, folder):
         """Two recordings of the Simbody plant; `entries`: (force law, actuator from 0, size)."""
-        out = []
+        out, first = [], None
         for which in (0, 1):
             with open(self.simbody_base(setting, which), encoding="utf-8") as source:
                 header = source.readline().strip().split(",")
@@ -126,18 +130,37 @@ class Workshop:
             column = {name: k for k, name in enumerate(header)}
             pick = lambda kind: rows[:, [column[kind.replace("#", str(i))] for i in range(1, 5)]]
             force = pick("force_#_N")
-            motion = effects.Motion(rows[:, column["time_s"]], pick("reference_#_m"), force, SIMBODY_FRICTION[1], SIMBODY_FRICTION[0])
+            motion = effects.Motion(rows[:, column["time_s"]], pick("reference_#_m"), force, SIMBODY_FRICTION[1], SIMBODY_FRICTION[0], first)
+            first = first or motion
             added = force.copy()
             for law, actuator, size in entries:
                 added[:, actuator] += law(motion, actuator, size)
-            noise = np.random.default_rng(1000 * setting.number + which)
-            added += noise.normal(0.0, 0.5, added.shape)
+            noise = np.random.default_rng(1000 * setting.number + which).normal(0.0, 0.5, added.shape)
             keep = ["time_s"] + [f"{kind}_{i}_m" for i in range(1, 5) for kind in ("reference", "position")]
-            table = np.column_stack([rows[:, [column[name] for name in keep]], added])
-            path = f"{folder}/path_{which + 1}.csv"
-            np.savetxt(path, table, delimiter=",", fmt="%.9g", comments="", header=",".join(keep + [f"force_{i}_N" for i in range(1, 5)]))
-            out.append(path)
+            known = rows[:, [column[name] for name in keep]]
+            for name, forces in (("path", added), ("ideal", force)):
+                np.savetxt(f"{folder}/{name}_{which + 1}.csv", np.column_stack([known, forces + noise]), delimiter=",", fmt="%.9g", comments="",
+                           header=",".join(keep + [f"force_{i}_N" for i in range(1, 5)]))
+            out.append(f"{folder}/path_{which + 1}.csv")
         return out
+
+
+def read_table(path):
+    with open(path, encoding="utf-8") as source:
+        header = source.readline().strip().split(",")
+        values = np.fromstring(source.read().replace("\n", ","), sep=",")
+    return header, values.reshape(-1, len(header))
+
+
+def write_ideal(recording, truth, path):
+    """The recording (its times, positions and forces) without what effects took of the commands."""
+    header, rows = read_table(recording)
+    taken = read_table(truth)[1]
+    at = np.clip(np.searchsorted(taken[:, 0], rows[:, header.index("time_s")] - 5e-4), 0, len(taken) - 1)
+    names = ["time_s"] + [f"{kind}_{i}_{unit}" for i in range(1, 5) for kind, unit in (("position", "m"), ("force", "N"))]
+    table = rows[:, [header.index(name) for name in names]]
+    table[:, 2::2] -= taken[at, 1:5]
+    np.savetxt(path, table, delimiter=",", fmt="%.9g", comments="", header=",".join(names))
 
 
 def low_passed_forces(recording):

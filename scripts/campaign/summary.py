@@ -49,12 +49,17 @@ def worst(values):
     return max(range(len(values)), key=lambda k: values[k])
 
 
+def above_floor(result, clean):
+    """The effect's share of the baseline's training residual over the floor, where that is largest. The floor of an actuator is what the
+    effect-free robot leaves, that is, what the true model would leave, or the one that trace reports for it (a hundredth of the
+    actuator's force at least), whichever is larger."""
+    floor = [max(left, stated) for left, stated in zip(clean["before_train"], clean["floor"])]
+    return max(g / f for g, f in zip(gap(result["before_train"], clean["before_train"]), floor))
+
+
 def material(result, clean):
-    """The effect's share of the baseline's training residual exceeds twice what the effect-free robot leaves on that actuator, that is,
-    what the true model would leave. None without the effect-free record."""
-    if clean is None:
-        return None
-    return any(g > 2 * c for g, c in zip(gap(result["before_train"], clean["before_train"]), clean["before_train"]))
+    """The effect exceeds twice the floor. None without the effect-free record."""
+    return None if clean is None else above_floor(result, clean) > 2
 
 
 def share(part, whole):
@@ -116,9 +121,21 @@ def detection(results, clean):
     print(f"two effects at once: {share(parts.count('exact') + parts.count('pair'), len(parts))} of the parts named")
 
 
+def sizes(results, clean):
+    """What there was to find, kind by kind."""
+    print("\nsingle effects over the floor (their share of the training residual, in floors; above 2: material)")
+    kinds = {}
+    for r in results:
+        if r["kind"] in ("single", "unlisted") and r["setting"] in clean:
+            kinds.setdefault(r["truth"][0]["name"], []).append((r["strength"], above_floor(r, clean[r["setting"]])))
+    for name, found in sorted(kinds.items()):
+        print(f"  {name:30}" + "  ".join(f"{WEIGHTS[s]} {v:.2f}" for s, v in sorted(found)))
+
+
 def errors(results, clean):
-    print("\nerror on the other path, actuator with the largest excess over the effect-free twin, N: before, after, effect-free")
-    within, removed = [], []
+    print("\nerror on the other path, actuator with the largest excess over the effect-free twin, N: before, after, effect-free,"
+          " reachable by who knows the effect's force (but not a ripple's phase there)")
+    within, removed, reached = [], [], []
     for r in sorted(results, key=lambda r: (r["kind"], truth_text(r), r["strength"])):
         twin = clean.get(r["setting"])
         if twin is None or r["kind"] not in ("single", "unlisted"):
@@ -129,11 +146,14 @@ def errors(results, clean):
         is_material = material(r, twin)
         if r["kind"] == "single" and verdict in ("exact", "pair"):
             within.append((a <= 1.2 * c, is_material))
+            reached.append((a <= 1.2 * r["reachable"][i], is_material))
         if r["kind"] == "unlisted" and is_material:
             removed.append((b - a) / max(1e-9, b - c))
-        print(f"  {truth_text(r):34} {WEIGHTS[r['strength']]:6} {verdict:6}{'material' if is_material else '':9}{b:9.2f}{a:9.2f}{c:9.2f}")
+        print(f"  {truth_text(r):34} {WEIGHTS[r['strength']]:6} {verdict:6}{'material' if is_material else '':9}{b:9.2f}{a:9.2f}{c:9.2f}{r['reachable'][i]:9.2f}")
     print(f"named effects whose error afterwards is at most 1.2 times the twin's: {share(sum(1 for w in within if w[0]), len(within))}; "
           f"material ones {share(sum(1 for w in within if w[0] and w[1]), sum(1 for w in within if w[1]))}")
+    print(f"the same against what was reachable: {share(sum(1 for w in reached if w[0]), len(reached))}; "
+          f"material ones {share(sum(1 for w in reached if w[0] and w[1]), sum(1 for w in reached if w[1]))}")
     print(f"material effects without a class with at least half of the excess removed: {share(sum(1 for x in removed if x >= 0.5), len(removed))}")
 
 
@@ -151,6 +171,7 @@ def summary(results):
     print(f"effects that the base parameters absorb: {len(absorbed)} records, {sum(1 for r in absorbed if not r['effects'])} left alone")
     confusion(done)
     detection(done, clean)
+    sizes(done, clean)
     errors(done, clean)
     wrong = [verdicts(r)[1] for r in done]
     listed = [verdicts(r)[1] for r in done if r["kind"] != "unlisted"]

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "knee_robot/base/errors.h"
+#include "knee_robot/base/files.h"
 #include "knee_robot/control/control_system.h"
 #include "knee_robot/hardware/open_bus.h"
 #include "knee_robot/simulation/robot_simulation.h"
@@ -103,6 +104,13 @@ void set(ControlSystem& system, const std::string& setting) {
                              setting.substr(equals + 1)));
 }
 
+void appendRow(double time_s, const Vector4& effects_N, std::string& table) {
+  char row[128];
+  std::snprintf(row, sizeof row, "%.6f,%.6g,%.6g,%.6g,%.6g\n", time_s, effects_N[0], effects_N[1], effects_N[2],
+                effects_N[3]);
+  table += row;
+}
+
 void requireHolding(ControlSystem& system) {
   if (system.waitFor(MachineState::Holding, kPatience)) return;
   const ControlStatus status = system.status();
@@ -115,7 +123,7 @@ int main(int argc, char** argv) {
   CLI::App app(
       "Plays a reference file through the whole controller on the simulated robot, in simulated time, and records it.",
       "simulate");
-  std::string file, robot_file, simulation_file, hardware_file, deployment_file, output, space_name, model;
+  std::string file, robot_file, simulation_file, hardware_file, deployment_file, output, truth_file, space_name, model;
   double payload_kg = 0.0;
   std::vector<std::string> settings;
   app.add_option("FILE", file, "reference file")->required();
@@ -124,6 +132,9 @@ int main(int argc, char** argv) {
   app.add_option("--hardware", hardware_file, "hardware file (YAML)")->required();
   app.add_option("--deployment", deployment_file, "deployment file (YAML)")->required();
   app.add_option("-o,--output", output, "recording to write (CSV); must not exist")->required();
+  app.add_option(
+      "--truth", truth_file,
+      "table (CSV) to write: what the simulated effects take of every command, N, for those who judge a trace");
   app.add_option("--space", space_name, "what the columns are, when the file's header does not say it")
       ->check(CLI::IsMember({"actuator", "platform", "relative"}));
   app.add_option("--model", model, "model file for the feedforward; default: the deployment's");
@@ -145,9 +156,14 @@ int main(int argc, char** argv) {
     if (payload->count() > 0) options.payload_kg = payload_kg;
     ControlSystem system(robot, hardware_description, deployment_file, *bus, options);
     Watch watch(plant, system);
+    std::string truth = "time_s,effect_1_N,effect_2_N,effect_3_N,effect_4_N\n";
+    bool recording = false;
     system.setPlant([&](rt::Nanoseconds time) {
-      while (plant.time() + 0.5 * kPlantStep < 1e-9 * static_cast<double>(time))
+      while (plant.time() + 0.5 * kPlantStep < 1e-9 * static_cast<double>(time)) {
+        const double began = plant.time();
         plant.step(kPlantStep);
+        if (recording && !truth_file.empty()) appendRow(began, plant.unmodelled(), truth);
+      }
       watch.look();
     });
     std::printf("feedforward: %s\n", system.feedforward().c_str());
@@ -164,10 +180,13 @@ int main(int argc, char** argv) {
     requireHolding(system);
     require(system.startRecording(output));
     watch.begin(Watch::What::Play);
+    recording = true;
     require(system.play());
     requireHolding(system);
     watch.printPlay();
     require(system.stopRecording());
+    recording = false;
+    if (!truth_file.empty()) writeFileAtomically(truth_file, truth);
     require(system.shutdown());
     return kExitDone;
   });

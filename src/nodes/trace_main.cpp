@@ -32,6 +32,8 @@ void declare(CLI::App& app, Arguments& a) {
                  "model of identify or trace to start from: before is that model unchanged, its effects are tried "
                  "first, and only what it "
                  "lacks is searched; its cut-off counts");
+  app.add_option("--most", a.options.most_effects, "at most so many named effects (6); 0: the baseline only")
+      ->check(CLI::Range(0, 20));
   app.add_option("--seed", a.options.seed, "of clean twins and resampling (1)");
   app.add_option("--cutoff-hz", a.cutoff_hz, "zero-phase low-pass of both sides of the equation (3)")
       ->check(CLI::Range(1e-6, 1e6));
@@ -126,6 +128,10 @@ int run(const Arguments& a, const std::string& command_line) {
   r.options = a.options;
   r.options.observation.setCutoff(a.cutoff_hz);
   r.options.progress = [](const std::string& what) { std::cerr << what << std::endl; };
+  if (a.options.most_effects == 0) {  // nothing is compared with twins
+    r.options.most_maps = 0;
+    r.options.twins = 1;
+  }
   const Robot robot = loadRobot(a.robot);
   double cutoff_hz = a.cutoff_hz;
   if (!a.model.empty()) {

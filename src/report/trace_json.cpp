@@ -118,7 +118,7 @@ std::string traceJson(const TraceResults& r) {
     added += static_cast<int>(e.coefficients.size() + (e.hypothesis.place.candidate->name() == "unnamed"
                                                            ? 0
                                                            : static_cast<Eigen::Index>(e.hypothesis.shape.size())));
-  j["before"] = sideJson(r.result.base.rank(), r.train_before, r.validate_before);
+  j["before"] = sideJson(r.result.baseline.rank(), r.train_before, r.validate_before);
   j["after"] = sideJson(r.result.base.rank() + added, r.train_after, r.validate_after);
   j["effects"] = effectsJson(r);
   const bool validated = !r.validate.empty();

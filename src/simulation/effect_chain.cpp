@@ -1,8 +1,16 @@
 #include "knee_robot/simulation/effect_chain.h"
 
+#include <Eigen/LU>
+#include <cmath>
+
 #include "knee_robot/dynamics/inverse_dynamics.h"
 
 namespace knee_robot {
+namespace {
+
+constexpr double kAtRest = 1e-9;  ///< m/s
+
+}  // namespace
 
 EffectChain::EffectChain(const EffectPrototypes& prototypes, PlantModel& model) {
   for (const std::shared_ptr<const Effect>& prototype : prototypes) {
@@ -26,6 +34,8 @@ bool EffectChain::step(const PlantModel& model, const PlantLoads& loads, const P
                        double dt, PlantState& state, PlantData& data) noexcept {
   data.motor_work_J = 0.0;
   data.dissipated_J = 0.0;
+  const Vector4 command = loads.motor_force.cwiseProduct(driven);
+  unmodelled_.setZero();
   PlantLoads own = loads;
   for (const auto& effect : effects_)
     effect->changeForce(dt, own.motor_force);
@@ -50,6 +60,18 @@ bool EffectChain::step(const PlantModel& model, const PlantLoads& loads, const P
     at_.transmitted_N = acted_.motor_force + data.friction_force -
                         0.5 * acted_.viscous.cwiseProduct(before + at_.rates) -
                         model.rigid.rotor_mass.cwiseProduct(at_.rates - before) / h;
+    const Vector4 pushed = lengthJacobian(model.rigid.mechanism, state.pose)
+                               .transpose()
+                               .partialPivLu()
+                               .solve(Vector4(acted_.pose_force - loads.pose_force));
+    const Vector4 sliding = at_.transmitted_N + pushed + 0.5 * loads.viscous.cwiseProduct(before + at_.rates) +
+                            model.rigid.rotor_mass.cwiseProduct(at_.rates - before) / h;
+    for (int axis = 0; axis < kLegs; ++axis) {
+      const double dry = loads.coulomb[axis], over = command[axis] - sliding[axis];
+      const double rate = at_.rates[axis];
+      const double friction = std::abs(rate) > kAtRest ? std::copysign(dry, rate) : std::min(std::max(over, -dry), dry);
+      unmodelled_[axis] += (over - friction) / model.substeps;
+    }
     for (const auto& effect : effects_)
       effect->follow(at_);
   }

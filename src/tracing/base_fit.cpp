@@ -18,9 +18,9 @@ constexpr double kFine_m =
     2e-5;  ///< tried for finer encoders too: the filters' ringing moves an axis at rest by microns
 constexpr int kFewestSamples = 100;
 
-/// All rows as identification's equations, weighted by the noise; force less that of `start`.
+/// All rows as identification's equations, weighted by the noise; force less that of `start` and of effects.
 Equations equationsOf(const std::vector<Observation>& training, const Stack& stack, const Eigen::VectorXd& noise_N,
-                      const Eigen::VectorXd& start) {
+                      const Eigen::VectorXd& start, const Eigen::VectorXd& effects_N) {
   Equations e;
   e.axes = stack.axes;
   e.blocks = stack.blocks;
@@ -39,6 +39,7 @@ Equations equationsOf(const std::vector<Observation>& training, const Stack& sta
     }
   }
   e.b -= e.a * start;
+  if (effects_N.size() > 0) e.b -= effects_N;
   weightRows(e, noise_N);
   const Eigen::VectorXd scale = rowScale(stack, training, Attention::Moving);  // rest would blur the base directions
   e.a = scale.asDiagonal() * e.a;
@@ -113,7 +114,8 @@ void chooseMemory(const Robot& robot, std::vector<Observation>& training, const 
 }
 
 BaseFit fitBase(const Robot& robot, std::vector<Observation>& training, const Stack& stack,
-                const std::vector<Column>& columns, int rank, const Eigen::VectorXd* given) {
+                const std::vector<Column>& columns, int rank, const Eigen::VectorXd* given,
+                const Eigen::VectorXd& effects_N) {
   if (stack.size() < kFewestSamples) {
     throw Refusal("only " + std::to_string(stack.size()) + " usable samples in the training recordings (at least " +
                   std::to_string(kFewestSamples) + " are needed): record a longer motion, away from singular poses");
@@ -132,7 +134,7 @@ BaseFit fitBase(const Robot& robot, std::vector<Observation>& training, const St
   for (Observation& o : training)
     setFriction(o, columns, base.memory);
   base.noise_N = Eigen::VectorXd::Ones(stack.axes);
-  Equations e = equationsOf(training, stack, base.noise_N, base.start);
+  Equations e = equationsOf(training, stack, base.noise_N, base.start, effects_N);
   base.noise_N = rmsPerActuator(e, e.b).cwiseMax(1e-6);
   weightRows(e, base.noise_N);
   Eigen::VectorXd residual = solve(e, base, rank);
@@ -142,7 +144,7 @@ BaseFit fitBase(const Robot& robot, std::vector<Observation>& training, const St
     base.noise_N = rmsPerActuator(e, residual).cwiseMax(1e-6);
     const Eigen::VectorXd scale = rowScale(stack, training, Attention::Moving);
     if (pass == 0) chooseMemory(robot, training, stack, residual.cwiseQuotient(scale), base);
-    e = equationsOf(training, stack, base.noise_N, base.start);
+    e = equationsOf(training, stack, base.noise_N, base.start, effects_N);
     residual = solve(e, base, rank);
   }
   return base;

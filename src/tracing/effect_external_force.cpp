@@ -6,7 +6,7 @@
 namespace knee_robot {
 namespace {
 
-/// A push on the platform: constant X and Z force during part of one training recording.
+/// A push on the platform: constant force and moments (it need not go through the origin) during part of one training recording.
 class ExternalForce : public Candidate {
  public:
   std::string name() const override { return "external_force"; }
@@ -15,6 +15,7 @@ class ExternalForce : public Candidate {
   }
   bool shared() const override { return true; }
   bool transfers() const override { return false; }
+  bool local() const override { return true; }
   std::vector<ShapeParameter> shapeParameters() const override {
     return {{"recording", 1.0, 1e3}, {"from_s", 0.0, 1e6}, {"duration_s", 0.5, 1e3}};
   }
@@ -37,15 +38,15 @@ class ExternalForce : public Candidate {
             {s[0], s[1], s[2] / longer}};
   }
   std::vector<Coefficient> coefficients(const EffectInput&) const override {
-    return {{"force_x_N", false}, {"force_z_N", false}};
+    return {{"force_x_N", false}, {"force_z_N", false}, {"moment_theta_N_m", false}, {"moment_psi_N_m", false}};
   }
   Eigen::MatrixXd columns(const EffectInput& input, int actuator, const std::vector<double>& shape) const override {
-    Eigen::MatrixXd out = Eigen::MatrixXd::Zero(input.samples(), 2);
+    Eigen::MatrixXd out = Eigen::MatrixXd::Zero(input.samples(), 4);
     if (input.recording + 1 != static_cast<int>(shape[0])) return out;
     for (int n = 0; n < input.samples(); ++n) {
       const double since = input.time(n) - shape[1];
       if (since < 0.0 || since > shape[2]) continue;
-      out.row(n) = -input.force_per_pose_force[static_cast<std::size_t>(n)].row(actuator).head<2>();
+      out.row(n) = -input.force_per_pose_force[static_cast<std::size_t>(n)].row(actuator);
     }
     return out;
   }

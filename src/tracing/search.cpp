@@ -13,6 +13,8 @@ constexpr std::size_t kCompared = 10;  ///< places that are refined and cross-va
 constexpr int kRounds = 5;
 constexpr int kPasses = 4;  ///< of fitting and rebuilding what depends on the fit
 constexpr double kSlightPull = 1e-6;
+constexpr int kLocalPieces = 6;      ///< of a local effect that are held back in turn
+constexpr double kMostPieces = 0.8;  ///< share of those that must gain
 constexpr double kMostBlocks = 0.5;  ///< share of held-back blocks that must gain
 constexpr double kAboveFloor = 1.15;
 constexpr double kLowered = 0.9;  ///< the rms of some actuator must fall below this share
@@ -36,7 +38,10 @@ struct Trial {
 };
 
 std::string placeText(const Place& p) {
-  return p.candidate->name() + (p.actuator < 0 ? " (all actuators)" : " on actuator " + std::to_string(p.actuator + 1));
+  const std::string what = p.candidate->name() == "unnamed"
+                               ? "unnamed (" + p.candidate->dependsOn(std::max(0, p.actuator)) + ")"
+                               : p.candidate->name();
+  return what + (p.actuator < 0 ? " (all actuators)" : " on actuator " + std::to_string(p.actuator + 1));
 }
 
 void setMean(const Eigen::VectorXd& values, double& mean, double& error) {
@@ -45,19 +50,39 @@ void setMean(const Eigen::VectorXd& values, double& mean, double& error) {
   error = std::sqrt((values.array() - mean).square().sum() / (n * (n - 1.0)));
 }
 
+/// Which picks are held back together: the stack's blocks; of a local effect, pieces of the part in which it acts (-1: outside).
+std::vector<int> heldTogether(const Stack& stack, const Eigen::MatrixXd& columns, bool local, int& count) {
+  std::vector<int> block(static_cast<std::size_t>(stack.size()), -1);
+  count = local ? kLocalPieces : stack.blocks;
+  std::vector<std::size_t> inside;
+  for (std::size_t n = 0; n < block.size(); ++n) {
+    block[n] = local ? -1 : stack.picks[n].block;
+    bool acts = false;
+    for (int i = 0; i < stack.axes && !acts; ++i)
+      acts = columns.row(i * stack.size() + static_cast<Eigen::Index>(n)).squaredNorm() > 0.0;
+    if (acts) inside.push_back(n);
+  }
+  for (std::size_t k = 0; local && k < inside.size(); ++k)
+    block[inside[k]] = static_cast<int>(k * kLocalPieces / inside.size());
+  return block;
+}
+
 /// Gains of the held-back blocks when the effect's coefficients alone are fitted without them; the baseline is fitted to everything
 /// with and without the effect.
 Eigen::VectorXd partialGain(const Search& s, const Projection& projection, const Hypothesis& h) {
   const Stack& stack = s.data->stack;
   Eigen::MatrixXd c = weighted(stack, effectRows(*s.data, h), s.rms_N);
+  int blocks = 0;
+  const std::vector<int> together = heldTogether(stack, c, h.place.candidate->local(), blocks);
   c -= projection.q * (projection.q.transpose() * c).eval();
   const Eigen::Index k = c.cols();
-  std::vector<Eigen::MatrixXd> gram(static_cast<std::size_t>(stack.blocks), Eigen::MatrixXd::Zero(k, k));
-  Eigen::MatrixXd image = Eigen::MatrixXd::Zero(k, stack.blocks), all = Eigen::MatrixXd::Zero(k, k);
+  std::vector<Eigen::MatrixXd> gram(static_cast<std::size_t>(blocks) + 1, Eigen::MatrixXd::Zero(k, k));
+  Eigen::MatrixXd image = Eigen::MatrixXd::Zero(k, blocks + 1),
+                  all = Eigen::MatrixXd::Zero(k, k);  // last: never held back
   for (int i = 0; i < stack.axes; ++i) {
     for (Eigen::Index n = 0; n < stack.size(); ++n) {
       const auto row = c.row(i * stack.size() + n);
-      const int block = stack.picks[static_cast<std::size_t>(n)].block;
+      const int own = together[static_cast<std::size_t>(n)], block = own < 0 ? blocks : own;
       gram[static_cast<std::size_t>(block)] += row.transpose() * row;
       image.col(block) += row.transpose() * projection.residual[i * stack.size() + n];
     }
@@ -66,8 +91,8 @@ Eigen::VectorXd partialGain(const Search& s, const Projection& projection, const
     all += own;
   const Eigen::MatrixXd pull = kSlightPull * Eigen::MatrixXd(all.diagonal().asDiagonal());
   const Eigen::VectorXd whole = image.rowwise().sum();
-  Eigen::VectorXd gain(stack.blocks);
-  for (int b = 0; b < stack.blocks; ++b) {
+  Eigen::VectorXd gain(blocks);
+  for (int b = 0; b < blocks; ++b) {
     const Eigen::MatrixXd& own = gram[static_cast<std::size_t>(b)];
     const Eigen::VectorXd theta = (all - own + pull).ldlt().solve(whole - image.col(b));
     gain[b] = 2.0 * theta.dot(image.col(b)) - theta.dot(own * theta);
@@ -143,7 +168,7 @@ void crossValidate(const Search& s, const Projection& projection, const std::vec
   double partial = 0.0, partial_error = 0.0;
   setMean(t.joint_gain, t.mean_gain, t.gain_error);
   setMean(t.partial_gain, partial, partial_error);
-  t.by_joint = t.mean_gain * partial_error >= partial * t.gain_error;
+  t.by_joint = !t.hypothesis.place.candidate->local() && t.mean_gain * partial_error >= partial * t.gain_error;
   t.gain = t.by_joint ? t.joint_gain : t.partial_gain;
   setMean(t.gain, t.mean_gain, t.gain_error);
 }
@@ -169,6 +194,11 @@ std::string objection(const Search& s, const Trial& t) {
   if (!t.fit.stable.back()) return "its sign changes when a part of the training data is left out";
   const double errors = t.hypothesis.place.candidate->name() == "unnamed" ? kMapErrors : 1.0;
   const double gaining = (t.gain.array() > 0.0).cast<double>().mean();
+  if (t.hypothesis.place.candidate->local()) {  // few pieces, some of them with little motion: their number speaks
+    if (gaining >= kMostPieces && t.mean_gain > t.gain_error) return {};
+    return "does not help on held-back pieces of the time in which it acts (" + shortNumber(100.0 * gaining, 3) +
+           " % of them gain)";
+  }
   if (t.mean_gain <= (t.by_joint ? errors : errors + 1.0) * t.gain_error || gaining < kMostBlocks)
     return "does not help on held-back parts of the training data (mean " + shortNumber(t.mean_gain, 3) + " +- " +
            shortNumber(t.gain_error, 3) + ", " + shortNumber(100.0 * gaining, 3) + " % of them gain)";
@@ -182,6 +212,7 @@ std::vector<std::string> confusedWith(const Search& s, const Trial& best, const 
     const std::string name = t.hypothesis.place.candidate->name();
     if (name == best.hypothesis.place.candidate->name() || name == "unnamed") continue;
     if (std::find(names.begin(), names.end(), name) != names.end()) continue;
+    if (best.partial_gain.size() != t.partial_gain.size()) continue;  // held back in other pieces: one is local
     if ((best.by_joint ? t.joint_gain : t.partial_gain).mean() < kNearlyAsGood * best.mean_gain ||
         !objection(s, t).empty())
       continue;
@@ -213,6 +244,7 @@ FoundEffect found(const Search& s, const Trial& t, const NullDistribution& null)
 /// Drops effects that the others have made superfluous: without one of them held-back parts are predicted as well.
 void prune(Search& s, std::size_t first) {
   for (std::size_t k = first; k + 1 < s.effects.size(); ++k) {
+    if (s.effects[k].hypothesis.place.candidate->local()) continue;
     std::vector<Hypothesis> others = hypothesesOf(s.effects);
     others.erase(others.begin() + static_cast<std::ptrdiff_t>(k));
     std::vector<Eigen::MatrixXd> rows;
@@ -259,7 +291,7 @@ bool addOne(Search& s, const CandidateList& candidates, std::uint64_t seed) {
     refineShape(s, projection, tried, t);
     crossValidate(s, projection, rows, t);
   }
-  std::sort(trials.begin(), trials.end(), [](const Trial& a, const Trial& b) { return a.mean_gain > b.mean_gain; });
+  std::sort(trials.begin(), trials.end(), [](const Trial& a, const Trial& b) { return a.gain.sum() > b.gain.sum(); });
   std::vector<const Trial*> passing;
   std::vector<Hope> hopes;
   for (const Trial& t : trials) {
@@ -333,6 +365,30 @@ void refit(Search& s) {
   }
 }
 
+void rebase(Search& s) {
+  TraceData& data = *s.data;
+  const Robot& robot = *data.inputs.front().robot;
+  Eigen::VectorXd effects_N = Eigen::VectorXd::Zero(data.all_force_rows.size());
+  data.scale.setOnes();  // rows of effects in N
+  for (const FoundEffect& e : s.effects)
+    effects_N += effectRows(data, e.hypothesis) * e.coefficients;
+  const Eigen::VectorXd start = s.base->start;
+  *s.base = fitBase(robot, data.recordings, data.stack, s.base->columns, s.options->rank, &start, effects_N);
+  BaseFit newtons = *s.base;
+  newtons.noise_N.setOnes();
+  data.all_base_rows = baseRows(newtons, data.recordings, data.stack);
+  setAttention(data, s.attention);
+  const TwinModel model = {s.base->parameters, hypothesesOf(s.effects), s.fit.coefficients};
+  for (std::size_t r = 0; r < data.inputs.size(); ++r) {
+    const TwinEffects effects = effectForces(data.inputs[r], model);
+    data.inputs[r] =
+        effectInput(robot, data.recordings[r], s.base->memory, data.inputs[r].recording, data.inputs[r].recordings);
+    setForces(data.inputs[r], s.base->columns, s.base->parameters, effects.friction_N + effects.load_N);
+  }
+  s.seen_parameters = s.base->parameters;
+  refit(s);
+}
+
 void searchForward(Search& s, const CandidateList& candidates, int most, std::uint64_t seed) {
   const std::size_t before = s.effects.size();
   while (s.effects.size() < before + static_cast<std::size_t>(most)) {
@@ -340,6 +396,7 @@ void searchForward(Search& s, const CandidateList& candidates, int most, std::ui
     if (!addOne(s, candidates, seed + s.effects.size())) return;
     refit(s);
     prune(s, before);
+    rebase(s);
     s.options->progress("simulating twins that have what was found");
     s.rebuild_twins();
   }

@@ -11,7 +11,8 @@ namespace knee_robot {
 /// The state of the search: what is in the model, and how well it fits.
 struct Search {
   TraceData* data = nullptr;
-  const BaseFit* base = nullptr;
+  BaseFit* base = nullptr;
+  Attention attention = Attention::All;
   std::vector<TraceData>* twins = nullptr;
   std::function<void()> rebuild_twins;  ///< with the effects found so far; sets the floor too
   const TraceOptions* options = nullptr;
@@ -31,6 +32,9 @@ TwinModel modelOf(const Search& search);
 
 /// Fits base and effects together and rebuilds what depends on the fit (loads, forces), twice.
 void refit(Search& search);
+
+/// Chooses the baseline's directions and the memory of its friction anew, with the effects' forces taken off, and fits again.
+void rebase(Search& search);
 
 /// Adds effects of `candidates` one after the other while they pass every test; takes out what a later one makes superfluous.
 void searchForward(Search& search, const CandidateList& candidates, int most, std::uint64_t seed);

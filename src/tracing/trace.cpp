@@ -10,6 +10,8 @@ namespace knee_robot {
 namespace {
 
 constexpr double kTogether = 0.9;      ///< correlation of two positions above which they are not told apart
+constexpr double kClearly = 2.0;       ///< standard errors by which the one must explain more than the other
+constexpr double kWorseBy = 1.2;       ///< and the factor of the held-back squares
 constexpr double kNothingLeft = 0.02;  ///< share of a column's square that the base parameters leave: absorbed
 
 TraceData makeData(const Robot& robot, std::vector<Observation> training, const TraceOptions& options, BaseFit& base) {
@@ -78,21 +80,64 @@ double correlation(const std::vector<Observation>& recordings, int a, int b) {
   return ab / std::sqrt(std::max(1e-300, aa * bb));
 }
 
+/// The recordings with position `own` replaced by what position `other` says about it.
+std::vector<Observation> asSeenFrom(const TraceData& data, int own, int other) {
+  double xx = 0.0, xy = 0.0, n = 0.0, x = 0.0, y = 0.0;
+  for (const Observation& o : data.recordings) {
+    const auto from = o.signals.position_m.col(other).array(), to = o.signals.position_m.col(own).array();
+    xx += from.square().sum();
+    xy += (from * to).sum();
+    x += from.sum();
+    y += to.sum();
+    n += static_cast<double>(o.samples());
+  }
+  const double slope = (xy - x * y / n) / std::max(1e-300, xx - x * x / n), start = (y - slope * x) / n;
+  std::vector<Observation> out = data.recordings;
+  for (Observation& o : out)
+    o.signals.position_m.col(own) = start + slope * o.signals.position_m.col(other).array();
+  return out;
+}
+
+/// Does the effect explain the training data clearly better with its own position than with the one that went with it? Both are
+/// fitted with everything else; compared block by block.
+bool clearlyOwn(const Search& s, std::size_t effect, int own, int other) {
+  const std::vector<Hypothesis> all = hypothesesOf(s.effects);
+  std::vector<Eigen::MatrixXd> rows;
+  for (const Hypothesis& h : all)
+    rows.push_back(effectRows(*s.data, h));
+  const Eigen::VectorXd mine = fitJointly(*s.data, *s.base, s.rms_N, all, rows).held_back;
+  const std::vector<Observation> seen = asSeenFrom(*s.data, own, other);
+  std::vector<EffectInput> inputs = s.data->inputs;
+  for (std::size_t r = 0; r < inputs.size(); ++r)
+    inputs[r].observation = &seen[r];
+  inputs.swap(s.data->inputs);
+  rows[effect] = effectRows(*s.data, all[effect]);
+  inputs.swap(s.data->inputs);
+  const Eigen::VectorXd theirs = fitJointly(*s.data, *s.base, s.rms_N, all, rows).held_back;
+  const Eigen::ArrayXd worse = theirs - mine;
+  const double n = static_cast<double>(worse.size()), mean = worse.mean();
+  const double error = std::sqrt((worse - mean).square().sum() / (n * (n - 1.0)));
+  return mean > kClearly * error && theirs.sum() > kWorseBy * mine.sum();
+}
+
 /// An effect that depends on a position which always went with another one in training is seen, but not what it depends on: on
 /// another path, where the two part, it would predict anything.
-void holdBackAmbiguous(const TraceData& data, std::vector<FoundEffect>& effects, std::vector<std::string>& notes) {
-  for (FoundEffect& e : effects) {
+void holdBackAmbiguous(const Search& s, std::vector<FoundEffect>& effects, std::vector<std::string>& notes) {
+  const TraceData& data = *s.data;
+  for (std::size_t k = 0; k < effects.size(); ++k) {
+    FoundEffect& e = effects[k];
     const int own = e.hypothesis.place.candidate->positionOf(e.hypothesis.place.actuator);
     if (own < 0 || data.recordings.front().motion.motion.empty()) continue;
-    for (int k = 0; k < data.stack.axes && e.transfers; ++k) {
-      const double together = k == own ? 0.0 : correlation(data.recordings, own, k);
-      if (std::abs(together) < kTogether) continue;
+    for (int other = 0; other < data.stack.axes && e.transfers; ++other) {
+      const double together = other == own ? 0.0 : correlation(data.recordings, own, other);
+      if (std::abs(together) < kTogether || clearlyOwn(s, k, own, other)) continue;
       e.transfers = false;
       notes.push_back(e.hypothesis.place.candidate->name() + " on actuator " +
                       std::to_string(e.hypothesis.place.actuator + 1) + ": in training position " +
-                      std::to_string(own + 1) + " went with position " + std::to_string(k + 1) + " (correlation " +
+                      std::to_string(own + 1) + " went with position " + std::to_string(other + 1) + " (correlation " +
                       shortNumber(together, 2) +
-                      "), so that which of them it depends on is not known; it is left out of predictions elsewhere.");
+                      ") and explains as much, so that which of them it depends on is not known; it is left out of "
+                      "predictions elsewhere.");
     }
   }
 }
@@ -146,7 +191,7 @@ TraceResult trace(const Robot& robot, const std::vector<Recording>& recordings, 
   s.options = &options;
   s.rms_N = result.base.noise_N;
   result.candidates = std::make_shared<CandidateList>(namedCandidates(robot));
-  Attention attention = Attention::Moving;
+  result.baseline = result.base;
   /// Half as many along the measured motion, beside those in closed loop: an effect must beat both.
   const auto addOpen = [&](const TwinModel& model) {
     if (!open) return;
@@ -157,7 +202,7 @@ TraceResult trace(const Robot& robot, const std::vector<Recording>& recordings, 
   };
   const auto setFloor = [&] {
     Eigen::VectorXd left = twinResidual(twins, result.base, hypothesesOf(s.effects));
-    if (open && attention == Attention::Moving) {
+    if (open && s.attention == Attention::Moving) {
       const Eigen::VectorXd open_N = twinResidual(twins, result.base, hypothesesOf(s.effects), options.twins);
       for (Eigen::Index i = 0; i < left.size(); ++i) {
         if (plans.front().open_loop[static_cast<std::size_t>(i)]) left[i] = open_N[i];
@@ -180,14 +225,14 @@ TraceResult trace(const Robot& robot, const std::vector<Recording>& recordings, 
                       options.seed + 17u * s.effects.size());
     addOpen(model);
     for (TraceData& twin : twins)
-      setAttention(twin, attention);
+      setAttention(twin, s.attention);
     setFloor();
   };
   const auto attend = [&](Attention next) {
-    attention = next;
-    setAttention(data, attention);
+    s.attention = next;
+    setAttention(data, next);
     for (TraceData& twin : twins)
-      setAttention(twin, attention);
+      setAttention(twin, next);
     refit(s);
     setFloor();
   };
@@ -202,7 +247,7 @@ TraceResult trace(const Robot& robot, const std::vector<Recording>& recordings, 
   }
   const NoiseFloor all = s.floor;
   result.before_rms_N = s.rms_N;
-  result.base.parameters = result.base.parametersOf(s.fit.base);
+  result.base.parameters = result.baseline.parameters = result.base.parametersOf(s.fit.base);
   result.payload = testPayload(robot, data.recordings, data.stack, result.base, s.rms_N);
   noteAbsorbed(s, *result.candidates, result);
   result.angles = principalAngles(
@@ -221,6 +266,7 @@ TraceResult trace(const Robot& robot, const std::vector<Recording>& recordings, 
   attend(Attention::Moving);
   CandidateList maps = mapCandidates(data.inputs);
   searchForward(s, maps, options.most_maps, options.seed + 100u);
+  result.rejected.insert(result.rejected.end(), s.rejected.begin(), s.rejected.end());
   for (CandidateList* list : {&given_maps, &maps}) {
     for (auto& map : *list)
       result.candidates->push_back(std::move(map));
@@ -229,7 +275,7 @@ TraceResult trace(const Robot& robot, const std::vector<Recording>& recordings, 
   s.floor = all;
   settleNames(s.effects);
 
-  holdBackAmbiguous(data, s.effects, result.notes);
+  holdBackAmbiguous(s, s.effects, result.notes);
   result.effects = s.effects;
   result.parameters = result.base.parametersOf(s.fit.base);
   result.seen_parameters = s.seen_parameters;
@@ -273,10 +319,10 @@ Eigen::MatrixXd predictTraced(const Robot& robot, const TraceResult& result, Obs
 }
 
 Eigen::MatrixXd predictBaseline(const TraceResult& result, Observation& o) {
-  setFriction(o, result.base.columns, result.base.memory);
+  setFriction(o, result.baseline.columns, result.baseline.memory);
   Eigen::MatrixXd out(o.samples(), o.axes());
   for (int i = 0; i < o.axes(); ++i)
-    out.col(i) = o.regressor[static_cast<std::size_t>(i)] * result.base.parameters;
+    out.col(i) = o.regressor[static_cast<std::size_t>(i)] * result.baseline.parameters;
   return out;
 }
 

@@ -24,11 +24,15 @@ class EffectChain {
   Lengths encoders(Lengths lengths) const noexcept;
   /// What acted on the plant during the last substep.
   const PlantLoads& acted() const noexcept { return acted_; }
+  /// Mean over the last step of the command (N, per leg) less what a robot without effects would need for the same motion. At rest dry
+  /// friction takes what it can. A rotor behind a coupling or a play counts as an effect.
+  const Vector4& unmodelled() const noexcept { return unmodelled_; }
 
  private:
   std::vector<std::unique_ptr<Effect>> effects_;
   EffectStep at_;
   PlantLoads acted_;
+  Vector4 unmodelled_ = Vector4::Zero();
 };
 
 }  // namespace knee_robot

@@ -53,6 +53,8 @@ class RobotSimulation {
   const PlantModel& model() const noexcept { return model_; }
   const PlantData& data() const noexcept { return data_; }
   const PlantLoads& loads() const noexcept { return loads_; }
+  /// Mean over the last step of the command less what a robot without effects would need (see EffectChain).
+  Vector4 unmodelled() const noexcept { return effects_.unmodelled(); }
   /// The last step as a row of the truth log, without its time of the clock.
   TruthRow truth() const noexcept;
   Lengths lengths() const { return legLengths(model_.rigid.mechanism, state_.pose); }

@@ -27,9 +27,11 @@ struct BaseFit {
 /// Fits the baseline to training recordings, choosing widths and rank on them; sets their Coulomb columns. `rank` 0: chosen. With
 /// `given` (parameters of a given model, per column) the data correct those in as many directions as that helps held-back blocks;
 /// friction and rotors, which have a sign, are fitted anew, and friction's memory is chosen anew: a given one that does not
-/// fit that day's stops was taken for presliding.
+/// fit that day's stops was taken for presliding. `effects_N` (rows, N, low-passed; may be empty) is taken off the force first:
+/// directions that are chosen while an effect is still in the residual stand in for it, and fail on another path.
 BaseFit fitBase(const Robot& robot, std::vector<Observation>& training, const Stack& stack,
-                const std::vector<Column>& columns, int rank, const Eigen::VectorXd* given = nullptr);
+                const std::vector<Column>& columns, int rank, const Eigen::VectorXd* given = nullptr,
+                const Eigen::VectorXd& effects_N = {});
 
 /// Memory of each actuator's friction that leaves least, its own friction refitted to `residual_N` (rows); sets the Coulomb columns.
 void chooseMemory(const Robot& robot, std::vector<Observation>& recordings, const Stack& stack,

@@ -32,6 +32,9 @@ class Candidate {
   virtual bool shared() const { return false; }
   /// False: belongs to one recording and predicts nothing elsewhere.
   virtual bool transfers() const { return true; }
+  /// True: acts during a part of a recording only. What was held back outside it says nothing, and inside it there may be a single
+  /// block: pieces of that part are held back instead.
+  virtual bool local() const { return false; }
   /// True: changes sign with the direction of travel.
   virtual bool isFriction() const { return false; }
   /// False: needs the platform.

@@ -42,7 +42,8 @@ struct FoundEffect {
 
 /// What tracing learned from training recordings.
 struct TraceResult {
-  BaseFit base;
+  BaseFit baseline;                           ///< without effects
+  BaseFit base;                               ///< directions and friction's memory chosen anew beside the effects
   std::shared_ptr<CandidateList> candidates;  ///< that the effects point into
   std::vector<FoundEffect> effects;
   Eigen::VectorXd parameters;                 ///< of the extended model's linear part
