@@ -137,19 +137,23 @@ def errors(results, clean):
           " reachable by who knows the effect's force (but not a ripple's phase there)")
     within, removed, reached = [], [], []
     for r in sorted(results, key=lambda r: (r["kind"], truth_text(r), r["strength"])):
-        twin = clean.get(r["setting"])
-        if twin is None or r["kind"] not in ("single", "unlisted"):
+        if r["kind"] not in ("single", "unlisted"):
             continue
-        i = worst(gap(r["before_validate"], twin["before_validate"]))
-        b, a, c = r["before_validate"][i], r["after_validate"][i], twin["before_validate"][i]
+        twin = clean.get(r["setting"])
+        best = twin["before_validate"] if twin else r["reachable"]
+        i = worst(gap(r["before_validate"], best))
+        b, a, possible = r["before_validate"][i], r["after_validate"][i], r["reachable"][i]
         verdict = verdicts(r)[0][0]
         is_material = material(r, twin)
         if r["kind"] == "single" and verdict in ("exact", "pair"):
-            within.append((a <= 1.2 * c, is_material))
-            reached.append((a <= 1.2 * r["reachable"][i], is_material))
+            reached.append((a <= 1.2 * possible, is_material))
+            if twin:
+                within.append((a <= 1.2 * best[i], is_material))
         if r["kind"] == "unlisted" and is_material:
-            removed.append((b - a) / max(1e-9, b - c))
-        print(f"  {truth_text(r):34} {WEIGHTS[r['strength']]:6} {verdict:6}{'material' if is_material else '':9}{b:9.2f}{a:9.2f}{c:9.2f}{r['reachable'][i]:9.2f}")
+            removed.append((b - a) / max(1e-9, b - best[i]))
+        mark = {True: "material", False: "", None: "?"}[is_material]
+        free = f"{best[i]:9.2f}" if twin else f"{'?':>9}"
+        print(f"  {truth_text(r):34} {WEIGHTS[r['strength']]:6} {verdict:6}{mark:9}{b:9.2f}{a:9.2f}{free}{possible:9.2f}")
     print(f"named effects whose error afterwards is at most 1.2 times the twin's: {share(sum(1 for w in within if w[0]), len(within))}; "
           f"material ones {share(sum(1 for w in within if w[0] and w[1]), sum(1 for w in within if w[1]))}")
     print(f"the same against what was reachable: {share(sum(1 for w in reached if w[0]), len(reached))}; "

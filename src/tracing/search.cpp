@@ -11,7 +11,6 @@ namespace {
 
 constexpr std::size_t kCompared = 10;  ///< places that are refined and cross-validated in every step
 constexpr int kRounds = 5;
-constexpr int kPasses = 4;  ///< of fitting and rebuilding what depends on the fit
 constexpr double kSlightPull = 1e-6;
 constexpr int kLocalPieces = 6;      ///< of a local effect that are held back in turn
 constexpr double kMostPieces = 0.8;  ///< share of those that must gain
@@ -173,13 +172,6 @@ void crossValidate(const Search& s, const Projection& projection, const std::vec
   setMean(t.gain, t.mean_gain, t.gain_error);
 }
 
-Eigen::VectorXd rmsOf(const Stack& stack, const Eigen::VectorXd& residual_N) {
-  Eigen::VectorXd rms(stack.axes);
-  for (int i = 0; i < stack.axes; ++i)
-    rms[i] = residual_N.segment(i * stack.size(), stack.size()).norm() / std::sqrt(static_cast<double>(stack.size()));
-  return rms;
-}
-
 /// Empty when the trial may be accepted (but for the null); otherwise why not.
 std::string objection(const Search& s, const Trial& t) {
   const Eigen::VectorXd rms = rmsOf(s.data->stack, t.fit.residual_N);
@@ -323,71 +315,6 @@ bool addOne(Search& s, const CandidateList& candidates, std::uint64_t seed) {
 }
 
 }  // namespace
-
-std::vector<Hypothesis> hypothesesOf(const std::vector<FoundEffect>& effects) {
-  std::vector<Hypothesis> out;
-  for (const FoundEffect& e : effects)
-    out.push_back(e.hypothesis);
-  return out;
-}
-
-TwinModel modelOf(const Search& s) {
-  TwinModel m;
-  m.parameters = s.base->parametersOf(s.fit.base);
-  m.effects = hypothesesOf(s.effects);
-  m.coefficients = s.fit.coefficients;
-  return m;
-}
-
-void refit(Search& s) {
-  const std::vector<Hypothesis> all = hypothesesOf(s.effects);
-  if (s.seen_parameters.size() == 0) s.seen_parameters = s.base->parameters;
-  const auto fit = [&] {
-    std::vector<Eigen::MatrixXd> rows;
-    for (const Hypothesis& h : all)
-      rows.push_back(effectRows(*s.data, h));
-    s.fit = fitJointly(*s.data, *s.base, s.rms_N, all, rows);
-    s.rms_N = rmsOf(s.data->stack, s.fit.residual_N).cwiseMax(1e-9);
-  };
-  for (int pass = 0; pass < (all.empty() ? 1 : kPasses); ++pass) {
-    fit();
-    s.seen_parameters = 0.5 * (s.seen_parameters + s.base->parametersOf(s.fit.base));  // all the way would swing
-    const TwinModel model = modelOf(s);
-    for (EffectInput& input : s.data->inputs) {
-      const TwinEffects effects = effectForces(input, model);
-      setForces(input, s.base->columns, s.seen_parameters, effects.friction_N + effects.load_N);
-    }
-  }
-  fit();
-  for (std::size_t k = 0; k < s.effects.size(); ++k) {
-    s.effects[k].coefficients = s.fit.coefficients[k];
-    s.effects[k].std = s.fit.std[k];
-  }
-}
-
-void rebase(Search& s) {
-  TraceData& data = *s.data;
-  const Robot& robot = *data.inputs.front().robot;
-  Eigen::VectorXd effects_N = Eigen::VectorXd::Zero(data.all_force_rows.size());
-  data.scale.setOnes();  // rows of effects in N
-  for (const FoundEffect& e : s.effects)
-    effects_N += effectRows(data, e.hypothesis) * e.coefficients;
-  const Eigen::VectorXd start = s.base->start;
-  *s.base = fitBase(robot, data.recordings, data.stack, s.base->columns, s.options->rank, &start, effects_N);
-  BaseFit newtons = *s.base;
-  newtons.noise_N.setOnes();
-  data.all_base_rows = baseRows(newtons, data.recordings, data.stack);
-  setAttention(data, s.attention);
-  const TwinModel model = {s.base->parameters, hypothesesOf(s.effects), s.fit.coefficients};
-  for (std::size_t r = 0; r < data.inputs.size(); ++r) {
-    const TwinEffects effects = effectForces(data.inputs[r], model);
-    data.inputs[r] =
-        effectInput(robot, data.recordings[r], s.base->memory, data.inputs[r].recording, data.inputs[r].recordings);
-    setForces(data.inputs[r], s.base->columns, s.base->parameters, effects.friction_N + effects.load_N);
-  }
-  s.seen_parameters = s.base->parameters;
-  refit(s);
-}
 
 void searchForward(Search& s, const CandidateList& candidates, int most, std::uint64_t seed) {
   const std::size_t before = s.effects.size();

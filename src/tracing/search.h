@@ -24,6 +24,9 @@ struct Search {
   std::vector<std::string> rejected;
 };
 
+/// Root mean square per actuator of rows in N.
+Eigen::VectorXd rmsOf(const Stack& stack, const Eigen::VectorXd& residual_N);
+
 /// Hypotheses of the effects found so far.
 std::vector<Hypothesis> hypothesesOf(const std::vector<FoundEffect>& effects);
 

@@ -1,0 +1,33 @@
+#include "knee_robot/recording/filter.h"
+#include "test/tracing/simulated_recordings.h"
+
+namespace knee_robot {
+namespace {
+
+TEST(BaseFit, IsTheSameBesideAKnownEffectAsWithoutIt) {
+  const Robot robot = simulatedRobot();
+  const ObservationOptions options;
+  const std::vector<Column> columns = columnsOf(robot);
+  const Recording recording = simulatedRecording(robot, 1, 20.0, "");
+  std::vector<Observation> clean = {observe(robot, columns, recording, options)};
+  std::vector<Observation> changed = clean;
+  const Stack stack = makeStack(clean, options);
+
+  // 60 N at full speed against lengthening and shortening alike, on actuator 2
+  Eigen::MatrixXd effect = changed[0].signals.velocity_m_per_s.col(1).cwiseAbs();
+  effect *= 60.0 / effect.maxCoeff();
+  Eigen::VectorXd rows = Eigen::VectorXd::Zero(4 * stack.size());
+  rows.segment(stack.size(), stack.size()) = gather(stack, changed, {effect});
+  ZeroPhaseLowPass(options.cutoff_hz, 1.0 / changed[0].signals.period_s).applyToColumns(effect);
+  changed[0].force_filtered_N.col(1) += effect;
+
+  const BaseFit without = fitBase(robot, clean, stack, columns, 0);
+  const BaseFit beside = fitBase(robot, changed, stack, columns, 0, nullptr, rows);
+  const BaseFit ignoring = fitBase(robot, changed, stack, columns, 0);
+  EXPECT_EQ(beside.rank(), without.rank());
+  EXPECT_LT((beside.parameters - without.parameters).norm(), 1e-6 * without.parameters.norm());
+  EXPECT_GT((ignoring.parameters - without.parameters).norm(), 1e-2 * without.parameters.norm());
+}
+
+}  // namespace
+}  // namespace knee_robot

@@ -1,0 +1,1 @@
+target_link_libraries(tracing_push_test knee_control knee_simulation knee_trajectory)
