@@ -35,7 +35,7 @@ def all_cases(split, clean, seeds):
         groups += [("unlisted", [name], strength, "simbody") for name in effects.UNLISTED for strength in (2, 3)]
         for kind, parts, strength, plant in groups:
             numbers = clean if plant == "robot" else max(1, clean // 6)
-            cases.append(Case(kind, Setting(split, (7 * taken) % numbers, plant), parts, strength))
+            cases.append(Case(kind, Setting(split, (5 * taken) % numbers, plant), parts, strength))
             taken += 1
     random.Random(split).shuffle(cases)
     return cases
