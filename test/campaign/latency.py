@@ -200,7 +200,7 @@ def main():
         recording.unlink()
         if o.table:
             path = pathlib.Path(o.table)
-            content = path.read_text(encoding="utf-8")
+            content = path.read_text(encoding="utf-8") if path.exists() else f"{BEGIN}\n{END}\n"
             if BEGIN not in content or END not in content:
                 raise RuntimeError(f"{path} has no lines {BEGIN} and {END}")
             path.write_text(content.split(BEGIN)[0] + BEGIN + "\n" + result + END + content.split(END)[1], encoding="utf-8")
