@@ -18,7 +18,7 @@ struct BlackBoxRow {
   double lateness_s = 0.0;  ///< of the cycle
   std::int64_t cycle = 0;   ///< planned time in servo periods; a gap is a cycle that the machine skipped
   AxisValues reference_m{}, position_m{}, velocity_m_per_s{}, command_V{}, force_N{};
-  AxisValues asked_V{};  ///< by the Drivers, before AxesOutput's clamp and quantization
+  AxisValues asked_V{};        ///< by the Drivers, before AxesOutput's clamp and quantization
   AxisValues feedforward_N{};  ///< the part of what they asked for that a model foresaw
   AxisValues heat{};
   std::array<std::int64_t, kAxes> counts{};

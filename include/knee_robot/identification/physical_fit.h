@@ -22,7 +22,8 @@ struct PhysicalFit {
   RobotInertia inertia;  ///< of the nine links and the rotors
   double strength = 0.0;
   double supported = 0.0;
-  bool optimal = false;  ///< the solver ended at the optimum of the (convex) problem, not merely at the boundary of the possible
+  bool optimal =
+      false;  ///< the solver ended at the optimum of the (convex) problem, not merely at the boundary of the possible
   std::vector<PhysicalPoint> curve;
   std::vector<double>
       moved;  ///< per link: size of the change from the prior in the prior's own metric (0: none; 1: as large as it)
