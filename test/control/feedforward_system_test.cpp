@@ -1,5 +1,6 @@
 // The whole controller with its feedforward on the simulated robot A, stepped: take-over, tracking, and faults that it must not hide.
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <cmath>
@@ -28,7 +29,7 @@ struct Rig {
     ControlSystem::Options options;
     options.execution = rt::Execution::Stepped;
     options.payload_kg = declared_kg;
-    const std::string path = ::testing::TempDir() + "feedforward_system_test.yaml";
+    const std::string path = ::testing::TempDir() + "feedforward_system_test_" + std::to_string(::getpid()) + ".yaml";
     if (feedforward == Feedforward::Model) {
       saveModel(fake::modelOf(robot, 150.0, 15.0, 60.0), path);
       options.model = path;

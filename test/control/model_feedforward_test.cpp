@@ -2,6 +2,7 @@
 #include "knee_robot/control/model_feedforward.h"
 
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include <cmath>
 #include <cstdio>
@@ -25,7 +26,7 @@ struct Feed : rt::TaskContext {
 };
 
 std::string temporaryFile(const char* name) {
-  return ::testing::TempDir() + name;
+  return ::testing::TempDir() + std::to_string(::getpid()) + "_" + name;
 }
 
 class ModelFeedforwardTest : public ::testing::Test {

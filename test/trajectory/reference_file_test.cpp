@@ -1,6 +1,7 @@
 #include "knee_robot/trajectory/reference_file.h"
 
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include <filesystem>
 #include <random>
@@ -102,7 +103,7 @@ TEST(ReferenceFile, ReadsBackWhatItWrites) {
   Reference reference;
   reference.space = Space::Platform;
   reference.points = Points::Random(50, 4);
-  const std::string path = testing::TempDir() + "knee_reference_file_test.txt";
+  const std::string path = testing::TempDir() + "knee_reference_file_" + std::to_string(::getpid()) + ".txt";
   writeReference(path, reference, {"planned by a test", "second remark"});
   const Reference again = readReference(path);
   std::filesystem::remove(path);
