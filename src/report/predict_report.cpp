@@ -6,22 +6,9 @@
 
 #include "json_parts.h"
 #include "knee_robot/base/files.h"
+#include "number_row.h"
 
 namespace knee_robot {
-namespace {
-
-std::string row(const std::string& name, const Eigen::VectorXd& values) {
-  char text[64];
-  std::snprintf(text, sizeof text, "  %-34s", name.c_str());
-  std::string line = text;
-  for (const double value : values) {
-    std::snprintf(text, sizeof text, std::isfinite(value) ? "%9.2f" : "        -", value);
-    line += text;
-  }
-  return line + "\n";
-}
-
-}  // namespace
 
 PredictResults predictRecordings(const Robot& robot, const Model& model, const std::string& model_path,
                                  const std::vector<Recording>& recordings) {
@@ -53,8 +40,8 @@ std::string predictSummary(const PredictResults& r) {
                                  [&](const ModelData& data) { return data.fingerprint == o.fingerprint; });
     const Accuracy a = accuracyOf({o}, {r.applied.predictions[k]});
     out += o.name + (own ? " (the model was fitted on it)" : "") + ", rms, N\n";
-    out += row("all samples", a.rms_N) + row("moving samples", a.rms_moving_N);
-    out += row("% of the force's rms", a.rms_percent);
+    out += numberRow("all samples", a.rms_N) + numberRow("moving samples", a.rms_moving_N);
+    out += numberRow("% of the force's rms", a.rms_percent);
   }
   return out;
 }

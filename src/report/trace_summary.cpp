@@ -3,6 +3,7 @@
 
 #include "knee_robot/base/numbers.h"
 #include "knee_robot/report/trace_report.h"
+#include "number_row.h"
 #include "trace_angles_report.h"
 #include "trace_given_report.h"
 #include "trace_next_report.h"
@@ -11,22 +12,12 @@
 namespace knee_robot {
 namespace {
 
-std::string row(const std::string& name, const Eigen::VectorXd& values) {
-  char text[64];
-  std::snprintf(text, sizeof text, "  %-34s", name.c_str());
-  std::string line = text;
-  for (const double value : values) {
-    std::snprintf(text, sizeof text, std::isfinite(value) ? "%9.2f" : "        -", value);
-    line += text;
-  }
-  return line + "\n";
-}
-
 std::string side(const std::string& title, const Applied& before, const Applied& after) {
   std::string out = title + ", rms, N" + "\n";
-  out += row("before, all samples", before.accuracy.rms_N) + row("after, all samples", after.accuracy.rms_N);
-  return out + row("before, moving samples", before.accuracy.rms_moving_N) +
-         row("after, moving samples", after.accuracy.rms_moving_N);
+  out +=
+      numberRow("before, all samples", before.accuracy.rms_N) + numberRow("after, all samples", after.accuracy.rms_N);
+  return out + numberRow("before, moving samples", before.accuracy.rms_moving_N) +
+         numberRow("after, moving samples", after.accuracy.rms_moving_N);
 }
 
 std::string effectLine(const FoundEffect& e, const ModelEffect& m) {
@@ -85,7 +76,7 @@ std::string traceSummary(const TraceResults& r) {
   for (std::size_t k = 0; k < r.result.effects.size(); ++k)
     out += effectLine(r.result.effects[k], r.model.effects[k]);
   out += anglesSummary(r);
-  out += row("floor, N", r.result.floor_N) + side("training", r.train_before, r.train_after);
+  out += numberRow("floor, N", r.result.floor_N) + side("training", r.train_before, r.train_after);
   if (!r.validate.empty()) out += side("validation", r.validate_before, r.validate_after);
   out += errorSharesSummary(r);
   return out + nextExperimentSummary(r.next) + tracePoseSummary(r.pose);
