@@ -4,7 +4,7 @@ import pathlib
 import re
 import sys
 
-FLOORS = {"base": 0, "mechanism": 1, "rt": 1, "hardware": 1, "recording": 1, "dynamics": 2, "trajectory": 3, "simulation": 3,
+FLOORS = {"base": 0, "mechanism": 1, "rt": 1, "hardware": 1, "recording": 1, "dynamics": 2, "trajectory": 2, "excitation": 3, "simulation": 3,
           "identification": 3, "control": 4, "tracing": 4, "report": 5, "nodes": 6}
 LONGEST = 400
 

@@ -13,8 +13,8 @@
 
 #include "knee_robot/base/errors.h"
 #include "knee_robot/control/hardware_file.h"
-#include "knee_robot/hardware/can/bus_server.h"
-#include "knee_robot/hardware/can/faulty_port.h"
+#include "knee_robot/simulation/bus_server.h"
+#include "knee_robot/simulation/faulty_port.h"
 #include "knee_robot/simulation/can_robot.h"
 #include "knee_robot/simulation/lost_time.h"
 #include "knee_robot/simulation/truth_log.h"

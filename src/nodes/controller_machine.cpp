@@ -5,7 +5,8 @@
 
 #include "knee_robot/base/errors.h"
 #include "knee_robot/hardware/can/can_axis_bus.h"
-#include "knee_robot/hardware/open_bus.h"
+#include "knee_robot/hardware/pci_cards.h"
+"knee_robot/simulation/simulated_cards.h"
 
 namespace knee_robot {
 namespace {

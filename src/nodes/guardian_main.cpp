@@ -14,7 +14,8 @@
 #include "knee_robot/control/guardian.h"
 #include "knee_robot/control/hardware_file.h"
 #include "knee_robot/hardware/can/can_axis_bus.h"
-#include "knee_robot/hardware/open_bus.h"
+#include "knee_robot/hardware/pci_cards.h"
+"knee_robot/simulation/simulated_cards.h"
 #include "knee_robot/rt/activity.h"
 #include "program.h"
 

@@ -7,8 +7,8 @@
 #include <map>
 
 #include "knee_robot/base/errors.h"
-#include "knee_robot/hardware/can/faulty_port.h"
-#include "knee_robot/hardware/shared_image.h"
+#include "knee_robot/simulation/faulty_port.h"
+#include "knee_robot/simulation/shared_image.h"
 #include "program.h"
 
 namespace {

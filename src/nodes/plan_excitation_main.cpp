@@ -13,7 +13,7 @@
 
 #include "knee_robot/base/errors.h"
 #include "knee_robot/base/numbers.h"
-#include "knee_robot/trajectory/excitation.h"
+#include "knee_robot/excitation/excitation.h"
 #include "program.h"
 
 namespace {

@@ -6,7 +6,7 @@
 #include <thread>
 
 #include "knee_robot/base/errors.h"
-#include "knee_robot/hardware/shared_image.h"
+#include "knee_robot/simulation/shared_image.h"
 #include "knee_robot/rt/activity.h"
 #include "program.h"
 

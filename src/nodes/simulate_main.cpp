@@ -9,7 +9,7 @@
 #include "knee_robot/base/errors.h"
 #include "knee_robot/base/files.h"
 #include "knee_robot/control/control_system.h"
-#include "knee_robot/hardware/open_bus.h"
+#include "knee_robot/simulation/simulated_cards.h"
 #include "knee_robot/simulation/robot_simulation.h"
 #include "program.h"
 

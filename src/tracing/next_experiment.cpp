@@ -8,7 +8,7 @@
 #include <random>
 
 #include "knee_robot/base/numbers.h"
-#include "knee_robot/trajectory/fourier_series.h"
+#include "knee_robot/excitation/fourier_series.h"
 #include "knee_robot/trajectory/pose_limits.h"
 
 namespace knee_robot {

@@ -10,7 +10,7 @@
 #include "knee_robot/control/recorder.h"
 #include "knee_robot/control/supervisor.h"
 #include "knee_robot/control/sync.h"
-#include "knee_robot/hardware/shared_image.h"
+#include "knee_robot/simulation/shared_image.h"
 
 /// Components of the campaign's controller: the product's own, each with a hook that misbehaves when it is told to. What to do is
 /// hardware::InjectedFaults::component_fault = 100 * component + misbehaviour (program inject_fault, fault `component`).

@@ -8,7 +8,7 @@
 #include <memory>
 
 #include "knee_robot/control/control_system.h"
-#include "knee_robot/hardware/open_bus.h"
+#include "knee_robot/simulation/simulated_cards.h"
 #include "knee_robot/simulation/robot_simulation.h"
 #include "some_model.h"
 

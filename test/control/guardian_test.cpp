@@ -5,7 +5,7 @@
 #include <unistd.h>
 
 #include "knee_robot/hardware/guarded_bus.h"
-#include "knee_robot/hardware/open_bus.h"
+#include "knee_robot/simulation/simulated_cards.h"
 
 namespace knee_robot {
 namespace {

@@ -9,7 +9,7 @@
 #include "knee_robot/base/files.h"
 #include "knee_robot/control/component_types.h"
 #include "knee_robot/control/faults.h"
-#include "knee_robot/hardware/open_bus.h"
+#include "knee_robot/simulation/simulated_cards.h"
 #include "knee_robot/rt/component_page.h"
 
 namespace knee_robot {

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "knee_robot/hardware/can/can_axis_bus.h"
-#include "knee_robot/hardware/can/drive_model.h"
+#include "knee_robot/simulation/drive_model.h"
 #include "knee_robot/hardware/can/object_dictionary.h"
 
 namespace knee_robot::hardware::can {

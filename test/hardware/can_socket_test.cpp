@@ -13,7 +13,7 @@
 
 #include "knee_robot/base/errors.h"
 #include "knee_robot/hardware/can/bus_errors.h"
-#include "knee_robot/hardware/can/bus_server.h"
+#include "knee_robot/simulation/bus_server.h"
 
 namespace knee_robot::hardware::can {
 namespace {

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "knee_robot/hardware/pci_axis_bus.h"
-#include "knee_robot/hardware/shared_image.h"
+#include "knee_robot/simulation/shared_image.h"
 
 namespace knee_robot::hardware {
 

@@ -4,7 +4,7 @@
 #include <atomic>
 #include <thread>
 
-#include "knee_robot/hardware/open_bus.h"
+#include "knee_robot/simulation/simulated_cards.h"
 
 namespace knee_robot::hardware {
 namespace {

@@ -7,7 +7,7 @@
 #include "card_bench.h"
 #include "knee_robot/base/errors.h"
 #include "knee_robot/hardware/guarded_bus.h"
-#include "knee_robot/hardware/open_bus.h"
+#include "knee_robot/simulation/simulated_cards.h"
 
 namespace knee_robot::hardware {
 namespace {

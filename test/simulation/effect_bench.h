@@ -4,7 +4,7 @@
 
 #include <functional>
 
-#include "knee_robot/hardware/open_bus.h"
+#include "knee_robot/simulation/simulated_cards.h"
 #include "knee_robot/simulation/robot_simulation.h"
 #include "test/simulation/plant_bench.h"
 

@@ -8,7 +8,7 @@
 #include <functional>
 
 #include "knee_robot/base/errors.h"
-#include "knee_robot/hardware/open_bus.h"
+#include "knee_robot/simulation/simulated_cards.h"
 #include "test/simulation/plant_bench.h"
 
 namespace knee_robot {

@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "knee_robot/base/errors.h"
-#include "knee_robot/hardware/open_bus.h"
+#include "knee_robot/simulation/simulated_cards.h"
 
 namespace knee_robot {
 namespace {

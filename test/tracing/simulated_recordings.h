@@ -13,7 +13,7 @@
 
 #include "knee_robot/base/files.h"
 #include "knee_robot/control/control_system.h"
-#include "knee_robot/hardware/open_bus.h"
+#include "knee_robot/simulation/simulated_cards.h"
 #include "knee_robot/identification/accuracy.h"
 #include "knee_robot/simulation/robot_simulation.h"
 #include "knee_robot/tracing/trace.h"

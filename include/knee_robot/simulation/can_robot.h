@@ -3,7 +3,7 @@
 #include <memory>
 
 #include "knee_robot/hardware/can/can_settings.h"
-#include "knee_robot/hardware/can/drive_model.h"
+#include "knee_robot/simulation/drive_model.h"
 #include "knee_robot/simulation/robot_simulation.h"
 
 namespace knee_robot {

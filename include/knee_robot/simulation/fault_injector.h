@@ -3,7 +3,7 @@
 #include <array>
 #include <cstdint>
 
-#include "knee_robot/hardware/injected_faults.h"
+#include "knee_robot/simulation/injected_faults.h"
 
 namespace knee_robot {
 

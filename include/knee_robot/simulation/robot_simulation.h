@@ -2,7 +2,7 @@
 
 #include <vector>
 
-#include "knee_robot/hardware/shared_image.h"
+#include "knee_robot/simulation/shared_image.h"
 #include "knee_robot/simulation/effect_chain.h"
 #include "knee_robot/simulation/fault_injector.h"
 #include "knee_robot/simulation/simulation_parameters.h"

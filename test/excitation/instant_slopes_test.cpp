@@ -1,4 +1,4 @@
-#include "src/trajectory/instant_slopes.h"
+#include "src/excitation/instant_slopes.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "knee_robot/hardware/pci1720_model.h"
+#include "knee_robot/simulation/pci1720_model.h"
 
 #include "knee_robot/hardware/pci1720_registers.h"
 

@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "instant_slopes.h"
-#include "knee_robot/trajectory/excitation.h"
+#include "knee_robot/excitation/excitation.h"
 
 namespace knee_robot {
 

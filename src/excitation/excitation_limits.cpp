@@ -1,4 +1,4 @@
-#include "knee_robot/trajectory/excitation_limits.h"
+#include "knee_robot/excitation/excitation_limits.h"
 
 #include <algorithm>
 #include <cmath>

@@ -5,8 +5,8 @@
 #include <optional>
 #include <vector>
 
-#include "knee_robot/trajectory/excitation_limits.h"
-#include "knee_robot/trajectory/fourier_series.h"
+#include "knee_robot/excitation/excitation_limits.h"
+#include "knee_robot/excitation/fourier_series.h"
 #include "knee_robot/trajectory/reference_check.h"
 
 namespace knee_robot {

@@ -1,4 +1,4 @@
-#include "knee_robot/trajectory/excitation.h"
+#include "knee_robot/excitation/excitation.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "knee_robot/trajectory/fourier_series.h"
+#include "knee_robot/excitation/fourier_series.h"
 
 #include <gtest/gtest.h>
 

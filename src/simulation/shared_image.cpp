@@ -1,4 +1,4 @@
-#include "knee_robot/hardware/shared_image.h"
+#include "knee_robot/simulation/shared_image.h"
 
 #include <fcntl.h>
 #include <signal.h>

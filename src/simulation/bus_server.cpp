@@ -1,4 +1,4 @@
-#include "knee_robot/hardware/can/bus_server.h"
+#include "knee_robot/simulation/bus_server.h"
 
 #include <sys/socket.h>
 #include <sys/un.h>

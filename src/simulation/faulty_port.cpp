@@ -1,4 +1,4 @@
-#include "knee_robot/hardware/can/faulty_port.h"
+#include "knee_robot/simulation/faulty_port.h"
 
 #include "knee_robot/hardware/can/canopen.h"
 

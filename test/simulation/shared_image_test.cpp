@@ -1,4 +1,4 @@
-#include "knee_robot/hardware/shared_image.h"
+#include "knee_robot/simulation/shared_image.h"
 
 #include <fcntl.h>
 #include <gtest/gtest.h>
@@ -8,7 +8,7 @@
 #include <unistd.h>
 
 #include "knee_robot/base/errors.h"
-#include "knee_robot/hardware/open_bus.h"
+#include "knee_robot/simulation/simulated_cards.h"
 #include "test/hardware/card_bench.h"
 
 namespace knee_robot::hardware {

@@ -4,8 +4,8 @@
 #include <ctime>
 #include <memory>
 
-#include "src/trajectory/excitation_search.h"
-#include "src/trajectory/excitation_setup.h"
+#include "src/excitation/excitation_search.h"
+#include "src/excitation/excitation_setup.h"
 
 namespace {
 

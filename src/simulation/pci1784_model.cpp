@@ -1,4 +1,4 @@
-#include "knee_robot/hardware/pci1784_model.h"
+#include "knee_robot/simulation/pci1784_model.h"
 
 #include <chrono>
 

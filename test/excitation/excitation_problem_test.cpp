@@ -1,4 +1,4 @@
-#include "src/trajectory/excitation_problem.h"
+#include "src/excitation/excitation_problem.h"
 
 #include <gtest/gtest.h>
 

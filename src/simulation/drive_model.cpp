@@ -1,4 +1,4 @@
-#include "knee_robot/hardware/can/drive_model.h"
+#include "knee_robot/simulation/drive_model.h"
 
 #include <algorithm>
 

@@ -6,9 +6,9 @@
 #include <string>
 
 #include "knee_robot/hardware/axis_bus.h"
-#include "knee_robot/hardware/injected_faults.h"
-#include "knee_robot/hardware/pci1720_model.h"
-#include "knee_robot/hardware/pci1784_model.h"
+#include "knee_robot/simulation/injected_faults.h"
+#include "knee_robot/simulation/pci1720_model.h"
+#include "knee_robot/simulation/pci1784_model.h"
 
 namespace knee_robot::hardware {
 

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "knee_robot/mechanism/robot.h"
-#include "knee_robot/trajectory/fourier_series.h"
+#include "knee_robot/excitation/fourier_series.h"
 
 namespace knee_robot {
 
