@@ -1,6 +1,6 @@
 # campaign_controller: the product's controller with components that misbehave on order, for scripts/fault_campaign only. Not part of
 # "all", not installed. The linker puts test/campaign's component factory in place of the product's.
-set(factory _ZN10knee_robot14componentTypesB5cxx11ERKNS_5RobotERKNS_12HardwareFileERNS_8hardware7AxisBusERKSt5arrayIdLm4EE)
+set(factory _ZN10knee_robot7control14componentTypesB5cxx11ERKNS_9mechanism5RobotERKNS0_12HardwareFileERNS_8hardware7AxisBusERKSt5arrayIdLm4EE)
 add_executable(campaign_controller EXCLUDE_FROM_ALL src/nodes/controller_main.cpp test/campaign/campaign_controller.cpp)
 target_include_directories(campaign_controller PRIVATE ${CMAKE_SOURCE_DIR} ${CMAKE_SOURCE_DIR}/src/nodes)
 target_link_libraries(campaign_controller PRIVATE knee_nodes ${CMAKE_DL_LIBS})

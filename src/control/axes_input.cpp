@@ -1,15 +1,15 @@
 #include "knee_robot/control/axes_input.h"
 
-namespace knee_robot {
+namespace knee_robot::control {
 namespace {
 constexpr double kTwoPi = 6.283185307179586;
 }
 
-AxesInput::AxesInput(const std::string& name, const Robot& robot, hardware::AxisBus& bus,
+AxesInput::AxesInput(const std::string& name, const mechanism::Robot& robot, hardware::AxisBus& bus,
                      const AxisValues& lengths_at_start)
-    : TaskContext(name), bus_(bus), lengths_at_start_(lengths_at_start) {
-  for (std::size_t i = 0; i < kAxes; ++i) {
-    const Actuator& actuator = robot.actuators.at(i);
+    : rt::TaskContext(name), bus_(bus), lengths_at_start_(lengths_at_start) {
+  for (std::size_t i = 0; i < hardware::kAxes; ++i) {
+    const mechanism::Actuator& actuator = robot.actuators.at(i);
     metres_per_count_[i] = actuator.encoder_sign * actuator.metresPerCount();
   }
 }
@@ -27,7 +27,7 @@ void AxesInput::updateHook(const rt::Cycle& cycle) {
   HomeSetting setting;
   if (home.read(setting) == rt::FlowStatus::NewData && setting.number != home_number_) {
     home_number_ = setting.number;
-    for (std::size_t i = 0; i < kAxes; ++i)
+    for (std::size_t i = 0; i < hardware::kAxes; ++i)
       lengths_at_start_[i] += setting.shift_m[i];
   }
   ++out_.sequence;
@@ -46,7 +46,7 @@ void AxesInput::updateHook(const rt::Cycle& cycle) {
 
 void AxesInput::convert(const hardware::AxisFeedback& feedback, double dt) {
   const double tau = 1.0 / (kTwoPi * velocity_cutoff);
-  for (std::size_t i = 0; i < kAxes; ++i) {
+  for (std::size_t i = 0; i < hardware::kAxes; ++i) {
     const std::int32_t moved = hardware::countDifference(feedback.counts[i], last_counts_[i]);
     last_counts_[i] = feedback.counts[i];
     out_.counts[i] += moved;
@@ -59,4 +59,4 @@ void AxesInput::convert(const hardware::AxisFeedback& feedback, double dt) {
   out_.digital_inputs = feedback.digital_inputs;
 }
 
-}  // namespace knee_robot
+}  // namespace knee_robot::control

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace knee_robot {
+namespace knee_robot::control {
 namespace {
 constexpr double kLoadTime_s = 0.2;
 
@@ -13,9 +13,9 @@ Fault faultOf(hardware::IoStatus refused) noexcept {
 
 }  // namespace
 
-AxesOutput::AxesOutput(const std::string& name, const Robot& robot, const HardwareFile& hardware,
+AxesOutput::AxesOutput(const std::string& name, const mechanism::Robot& robot, const HardwareFile& hardware,
                        hardware::AxisBus& bus)
-    : TaskContext(name),
+    : rt::TaskContext(name),
       robot_(robot),
       hardware_(hardware),
       bus_(bus),
@@ -67,7 +67,7 @@ Fault AxesOutput::checkCommand(const AxisCommand& command, std::size_t axis, con
 void AxesOutput::readCommands(const rt::Cycle& cycle) {
   all_closed_ = true;
   verdict.read(judged_);
-  for (std::size_t i = 0; i < kAxes; ++i) {
+  for (std::size_t i = 0; i < hardware::kAxes; ++i) {
     inputs_[i]->read(commands_[i]);
     Fault fault = checkCommand(commands_[i], i, cycle);
     if (fault == Fault::None && !closesLoop(judged_.fault[i])) fault = judged_.fault[i];
@@ -117,7 +117,7 @@ void AxesOutput::runSafeStop(const rt::Cycle& cycle) {
 }
 
 double AxesOutput::clamped(double volts, std::size_t axis) const noexcept {
-  const Actuator& actuator = robot_.actuators[axis];
+  const mechanism::Actuator& actuator = robot_.actuators[axis];
   double limit = actuator.voltage_max_V;
   if (actuator.force_max_N > 0.0) limit = std::min(limit, actuator.force_max_N / actuator.force_per_volt_N);
   return std::clamp(volts, -limit, limit);
@@ -126,7 +126,7 @@ double AxesOutput::clamped(double volts, std::size_t axis) const noexcept {
 AxisValues AxesOutput::chooseVolts() const noexcept {
   AxisValues volts{};
   if (out_.level < DriveLevel::HeldByDrivers) return volts;
-  for (std::size_t i = 0; i < kAxes; ++i)
+  for (std::size_t i = 0; i < hardware::kAxes; ++i)
     volts[i] = clamped(closed_[i] ? commands_[i].volts : load_volts_[i], i);
   return volts;
 }
@@ -134,8 +134,8 @@ AxisValues AxesOutput::chooseVolts() const noexcept {
 void AxesOutput::writeVolts(const AxisValues& volts, rt::Nanoseconds now) {
   out_.status = bus_.writeVolts(volts, out_.volts);
   if (out_.status != hardware::IoStatus::Ok) beginSafeStop(faultOf(out_.status), 0, now);
-  for (std::size_t i = 0; i < kAxes; ++i) {
-    const Actuator& actuator = robot_.actuators[i];
+  for (std::size_t i = 0; i < hardware::kAxes; ++i) {
+    const mechanism::Actuator& actuator = robot_.actuators[i];
     out_.force_N[i] = actuator.force_sign * actuator.force_per_volt_N * out_.volts[i];
   }
 }
@@ -157,7 +157,7 @@ void AxesOutput::writeOutputs(rt::Nanoseconds now) {
 /// What carries the platform at this place, for an axis whose loop fails.
 void AxesOutput::estimateLoad(double dt) noexcept {
   if (out_.level != DriveLevel::Released || safe_stop_.phase() != SafeStopPhase::Idle) return;
-  for (std::size_t i = 0; i < kAxes; ++i)
+  for (std::size_t i = 0; i < hardware::kAxes; ++i)
     load_volts_[i] += (out_.volts[i] - load_volts_[i]) * dt / (kLoadTime_s + dt);
 }
 
@@ -175,4 +175,4 @@ void AxesOutput::stopHook() {
   written.write(out_);
 }
 
-}  // namespace knee_robot
+}  // namespace knee_robot::control

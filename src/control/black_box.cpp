@@ -2,10 +2,10 @@
 
 #include <algorithm>
 
-namespace knee_robot {
+namespace knee_robot::control {
 
 BlackBox::BlackBox(const std::string& name)
-    : TaskContext(name), inputs_{&command_1, &command_2, &command_3, &command_4} {}
+    : rt::TaskContext(name), inputs_{&command_1, &command_2, &command_3, &command_4} {}
 
 bool BlackBox::configureHook() {
   for (Slot& slot : slots_) {
@@ -41,7 +41,7 @@ void BlackBox::fill(BlackBoxRow& row, const rt::Cycle& cycle) {
   verdict.read(verdict_);
   written.read(written_);
   status.read(status_);
-  for (std::size_t i = 0; i < kAxes; ++i) {
+  for (std::size_t i = 0; i < hardware::kAxes; ++i) {
     inputs_[i]->read(commands_[i]);
     row.reference_m[i] = commands_[i].reference_m;
     row.asked_V[i] = commands_[i].volts;
@@ -110,4 +110,4 @@ void BlackBox::giveBack(const BlackBoxDump* written) noexcept {
   }
 }
 
-}  // namespace knee_robot
+}  // namespace knee_robot::control

@@ -10,7 +10,7 @@
 #include "knee_robot/base/errors.h"
 #include "knee_robot/base/files.h"
 
-namespace knee_robot {
+namespace knee_robot::control {
 namespace {
 
 __attribute__((format(printf, 2, 3))) void append(std::string& text, const char* format, ...) {
@@ -24,7 +24,7 @@ __attribute__((format(printf, 2, 3))) void append(std::string& text, const char*
 
 std::string header() {
   std::string text = "time_s";
-  for (std::size_t i = 1; i <= kAxes; ++i) {
+  for (std::size_t i = 1; i <= hardware::kAxes; ++i) {
     const int n = static_cast<int>(i);
     append(text, ",reference_%d_m,position_%d_m,velocity_%d_m_per_s", n, n, n);
     append(text, ",command_%d_V,force_%d_N,asked_%d_V,feedforward_%d_N,heat_%d,counts_%d,axis_fault_%d", n, n, n, n, n,
@@ -37,7 +37,7 @@ std::string header() {
 
 void appendRow(std::string& text, const BlackBoxRow& row) {
   append(text, "%.9f", row.time_s);
-  for (std::size_t i = 0; i < kAxes; ++i) {
+  for (std::size_t i = 0; i < hardware::kAxes; ++i) {
     append(text, ",%.9f,%.9f,%.9f", row.reference_m[i], row.position_m[i], row.velocity_m_per_s[i]);
     append(text, ",%.9f,%.9f,%.9f,%.6f", row.command_V[i], row.force_N[i], row.asked_V[i], row.feedforward_N[i]);
     append(text, ",%.6f,%lld,%d", row.heat[i], static_cast<long long>(row.counts[i]),
@@ -132,4 +132,4 @@ std::string BlackBoxWriter::error() const {
   return error_;
 }
 
-}  // namespace knee_robot
+}  // namespace knee_robot::control

@@ -10,9 +10,9 @@
 #include "knee_robot/control/supervisor.h"
 #include "knee_robot/control/sync.h"
 
-namespace knee_robot {
+namespace knee_robot::control {
 
-rt::TypeFactory componentTypes(const Robot& robot, const HardwareFile& hardware, hardware::AxisBus& bus,
+rt::TypeFactory componentTypes(const mechanism::Robot& robot, const HardwareFile& hardware, hardware::AxisBus& bus,
                                const AxisValues& lengths_at_start) {
   using Name = const std::string&;
   rt::TypeFactory types;
@@ -28,4 +28,4 @@ rt::TypeFactory componentTypes(const Robot& robot, const HardwareFile& hardware,
   return types;
 }
 
-}  // namespace knee_robot
+}  // namespace knee_robot::control

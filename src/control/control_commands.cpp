@@ -6,7 +6,7 @@
 #include "knee_robot/base/errors.h"
 #include "knee_robot/base/numbers.h"
 
-namespace knee_robot {
+namespace knee_robot::control {
 namespace {
 
 constexpr double kQuick_s = 1.0;
@@ -16,19 +16,20 @@ constexpr double kRecovery_s = 0.05;        // components and drives that are ta
 constexpr double kSlowestApproach = 0.001;  // m/s
 
 /// Rest to rest on a straight line in actuator space, minimum jerk, no axis faster than `speed` or half of its acceleration limit.
-Points straightLine(const AxisValues& from, const AxisValues& to, const Robot& robot, double speed) {
+trajectory::Points straightLine(const AxisValues& from, const AxisValues& to, const mechanism::Robot& robot,
+                                double speed) {
   double duration = 0.5;
-  for (std::size_t i = 0; i < kAxes; ++i) {
+  for (std::size_t i = 0; i < hardware::kAxes; ++i) {
     const double distance = std::abs(to[i] - from[i]);
     duration = std::max(duration, 1.875 * distance / speed);  // peaks of the minimum-jerk profile: 1.875 and 5.7735
     duration = std::max(duration, std::sqrt(5.7735 * distance / (0.5 * robot.actuators[i].acceleration_max_m_per_s2)));
   }
-  const auto intervals = static_cast<Eigen::Index>(std::ceil(duration / kStreamPeriod));
-  Points points(intervals + 1, 4);
+  const auto intervals = static_cast<Eigen::Index>(std::ceil(duration / trajectory::kStreamPeriod));
+  trajectory::Points points(intervals + 1, 4);
   for (Eigen::Index k = 0; k <= intervals; ++k) {
     const double x = static_cast<double>(k) / static_cast<double>(intervals);
     const double share = x * x * x * (10.0 + x * (6.0 * x - 15.0));
-    for (std::size_t i = 0; i < kAxes; ++i) {
+    for (std::size_t i = 0; i < hardware::kAxes; ++i) {
       points(k, static_cast<Eigen::Index>(i)) = from[i] + share * (to[i] - from[i]);
     }
   }
@@ -121,18 +122,18 @@ Answer ControlSystem::setProperty(const std::string& component, const std::strin
   }
 }
 
-Answer ControlSystem::loadReference(const Reference& reference) {
+Answer ControlSystem::loadReference(const trajectory::Reference& reference) {
   const MachineState now = state();
   if (now == MachineState::Playing || now == MachineState::Stopping || now == MachineState::Paused) {
     return {false, "a reference is being played; stop it before another one is loaded"};
   }
   try {
-    const ReferenceCheck check = requirePlayable(reference, robot_);
+    const trajectory::ReferenceCheck check = trajectory::requirePlayable(reference, robot_);
     if (const auto limits = patient()) requireWithinPatient(check, reference, *limits);
     const std::lock_guard<std::mutex> lock(mutex_);
     parts_->reference = check.lengths;
     parts_->reference_name = reference.name;
-    const double duration = kStreamPeriod * static_cast<double>(check.lengths.rows() - 1);
+    const double duration = trajectory::kStreamPeriod * static_cast<double>(check.lengths.rows() - 1);
     return {true, reference.name + ": " + std::to_string(check.lengths.rows()) + " points, " + shortNumber(duration) +
                       " s, within all limits of the robot"};
   } catch (const InputError& error) {
@@ -140,10 +141,10 @@ Answer ControlSystem::loadReference(const Reference& reference) {
   }
 }
 
-Answer ControlSystem::playPath(const Points& lengths, const std::string& what) {
+Answer ControlSystem::playPath(const trajectory::Points& lengths, const std::string& what) {
   std::vector<AxisValues> points(static_cast<std::size_t>(lengths.rows()));
   for (std::size_t k = 0; k < points.size(); ++k) {
-    for (std::size_t i = 0; i < kAxes; ++i) {
+    for (std::size_t i = 0; i < hardware::kAxes; ++i) {
       points[k][i] = lengths(static_cast<Eigen::Index>(k), static_cast<Eigen::Index>(i));
     }
   }
@@ -157,7 +158,7 @@ Answer ControlSystem::playPath(const Points& lengths, const std::string& what) {
 }
 
 Answer ControlSystem::play() {
-  Points lengths;
+  trajectory::Points lengths;
   std::string name;
   {
     const std::lock_guard<std::mutex> lock(mutex_);
@@ -178,19 +179,19 @@ Answer ControlSystem::approach(double speed_m_per_s) {
   {
     const std::lock_guard<std::mutex> lock(mutex_);
     if (parts_->reference.rows() == 0) return {false, "no reference is loaded"};
-    for (std::size_t i = 0; i < kAxes; ++i)
+    for (std::size_t i = 0; i < hardware::kAxes; ++i)
       to[i] = parts_->reference(0, static_cast<Eigen::Index>(i));
     name = parts_->reference_name;
   }
   if (!row) return {false, "nothing has been measured yet"};
-  Reference line;
+  trajectory::Reference line;
   line.name = "the approach to " + name;
   const auto limits = patient();
   // Slower until the patient's speeds allow it: what turns the platform how fast depends on the pose.
   for (double speed = speed_m_per_s;; speed *= 0.5) {
     line.points = straightLine(row->position_m, to, robot_, speed);
     try {
-      const ReferenceCheck check = requirePlayable(line, robot_);
+      const trajectory::ReferenceCheck check = trajectory::requirePlayable(line, robot_);
       if (limits) requireWithinPatient(check, line, *limits);
       return playPath(check.lengths, line.name);
     } catch (const InputError& error) {
@@ -228,4 +229,4 @@ Answer ControlSystem::resetFaults() {
   return request(RequestKind::Reset, kQuick_s);
 }
 
-}  // namespace knee_robot
+}  // namespace knee_robot::control

@@ -7,7 +7,7 @@
 #include "knee_robot/base/errors.h"
 #include "knee_robot/base/numbers.h"
 
-namespace knee_robot {
+namespace knee_robot::control {
 namespace {
 
 template <typename Component>
@@ -30,12 +30,12 @@ Component* only(const rt::Deployment& deployment, const char* type) {
 }
 
 void checkDrivers(const rt::Deployment& deployment) {
-  std::array<int, kAxes> drivers{};
+  std::array<int, hardware::kAxes> drivers{};
   for (const auto& component : deployment.components()) {
     const auto* driver = dynamic_cast<const Driver*>(component.get());
     if (driver != nullptr) ++drivers[static_cast<std::size_t>(driver->axis.value()) - 1];
   }
-  for (int i = 0; i < kAxes; ++i) {
+  for (int i = 0; i < hardware::kAxes; ++i) {
     if (drivers[static_cast<std::size_t>(i)] == 1) continue;
     throw InputError(deployment.path() + ": components: axis " + std::to_string(i + 1) + " has " +
                      std::to_string(drivers[static_cast<std::size_t>(i)]) + " Drivers; it needs one");
@@ -104,4 +104,4 @@ void ControlSystem::Parts::checkOrder(const rt::Deployment& deployment) const {
     throw InputError(where + "Recorder and BlackBox must come after AxesOutput");
 }
 
-}  // namespace knee_robot
+}  // namespace knee_robot::control

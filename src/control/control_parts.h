@@ -16,12 +16,12 @@
 #include "knee_robot/control/supervisor.h"
 #include "knee_robot/control/sync.h"
 
-namespace knee_robot {
+namespace knee_robot::control {
 
 /// The operator's end of the ports: a component that no activity executes.
 class OperatorPanel : public rt::TaskContext {
  public:
-  OperatorPanel() : TaskContext("Operator") {}
+  OperatorPanel() : rt::TaskContext("Operator") {}
   rt::OutputPort<Request> request{*this, "request", "to the Supervisor"};
   rt::InputPort<SupervisorStatus> status{*this, "status", "from the Supervisor"};
   rt::InputPort<TrackingRow> row{*this, "row", "from the Recorder"};
@@ -51,12 +51,12 @@ struct ControlSystem::Parts {
   std::optional<PatientLimits> patient;
   std::uint32_t requests = 0;
   std::string reference_name;
-  std::string playing;  // what was played last
-  Points reference;     // empty: none
+  std::string playing;           // what was played last
+  trajectory::Points reference;  // empty: none
   int steps = 0;
 
  private:
   void checkOrder(const rt::Deployment& deployment) const;
 };
 
-}  // namespace knee_robot
+}  // namespace knee_robot::control

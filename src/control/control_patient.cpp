@@ -3,7 +3,7 @@
 #include "knee_robot/base/errors.h"
 #include "knee_robot/base/numbers.h"
 
-namespace knee_robot {
+namespace knee_robot::control {
 
 std::optional<PatientLimits> ControlSystem::patient() const {
   const std::lock_guard<std::mutex> lock(mutex_);
@@ -17,7 +17,7 @@ Answer ControlSystem::usePatient(std::optional<PatientLimits> patient) {
   }
   const std::lock_guard<std::mutex> lock(mutex_);
   parts_->patient = std::move(patient);
-  parts_->reference = Points();  // it was checked for somebody else
+  parts_->reference = trajectory::Points();  // it was checked for somebody else
   parts_->reference_name.clear();
   parts_->monitors->setPatient(parts_->patient ? parts_->patient->range : PatientRange{});
   return {true, ""};
@@ -45,4 +45,4 @@ Answer ControlSystem::clearPatient() {
   return used.ok ? Answer{true, "no patient: only the robot's own limits hold"} : used;
 }
 
-}  // namespace knee_robot
+}  // namespace knee_robot::control

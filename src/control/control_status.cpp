@@ -4,7 +4,7 @@
 #include "control_parts.h"
 #include "knee_robot/base/numbers.h"
 
-namespace knee_robot {
+namespace knee_robot::control {
 namespace {
 
 /// Longer without a word from the Supervisor than any pause of a machine that may be let near the robot.
@@ -128,4 +128,4 @@ Answer ControlSystem::phrase(const RequestAnswer& answer) const {
   return {false, "?"};
 }
 
-}  // namespace knee_robot
+}  // namespace knee_robot::control

@@ -10,15 +10,15 @@
 #include "knee_robot/base/numbers.h"
 #include "knee_robot/control/component_types.h"
 
-namespace knee_robot {
+namespace knee_robot::control {
 namespace {
 
 constexpr int kStepsPerDrain = 64;
 
-AxisValues lengthsAtStart(const Robot& robot, const ControlSystem::Options& options) {
+AxisValues lengthsAtStart(const mechanism::Robot& robot, const ControlSystem::Options& options) {
   if (options.lengths_at_start_m) return *options.lengths_at_start_m;
   AxisValues lengths{};
-  for (std::size_t i = 0; i < kAxes; ++i)
+  for (std::size_t i = 0; i < hardware::kAxes; ++i)
     lengths[i] = robot.actuators[i].home_length_m;
   return lengths;
 }
@@ -35,8 +35,8 @@ void requireBusPeriod(const HardwareFile& hardware, const rt::Deployment& deploy
   }
 }
 
-const Robot& requireFourAxes(const Robot& robot) {
-  if (robot.axes() != kAxes) {
+const mechanism::Robot& requireFourAxes(const mechanism::Robot& robot) {
+  if (robot.axes() != hardware::kAxes) {
     throw InputError(robot.path + ": actuators: the controller drives four actuators, not " +
                      std::to_string(robot.axes()));
   }
@@ -45,8 +45,8 @@ const Robot& requireFourAxes(const Robot& robot) {
 
 }  // namespace
 
-ControlSystem::ControlSystem(const Robot& robot, const HardwareFile& hardware, const std::string& deployment_path,
-                             hardware::AxisBus& bus, Options options)
+ControlSystem::ControlSystem(const mechanism::Robot& robot, const HardwareFile& hardware,
+                             const std::string& deployment_path, hardware::AxisBus& bus, Options options)
     : robot_(requireFourAxes(robot)), hardware_(hardware), options_(options), bus_(bus) {
   const AxisValues lengths = lengthsAtStart(robot, options);
   rt::TypeFactory types = options_.types;  // these win
@@ -212,4 +212,4 @@ SupervisorStatus ControlSystem::supervisorStatus() const {
   return status;
 }
 
-}  // namespace knee_robot
+}  // namespace knee_robot::control

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace knee_robot {
+namespace knee_robot::control {
 namespace {
 
 /// After a pause of the machine the integral must not jump.
@@ -13,8 +13,8 @@ constexpr int kSilentFeedforward = 5;
 
 }  // namespace
 
-Driver::Driver(const std::string& name, const Robot& robot, const HardwareFile& hardware)
-    : TaskContext(name), robot_(robot), hardware_(hardware) {}
+Driver::Driver(const std::string& name, const mechanism::Robot& robot, const HardwareFile& hardware)
+    : rt::TaskContext(name), robot_(robot), hardware_(hardware) {}
 
 bool Driver::configureHook() {
   index_ = static_cast<std::size_t>(axis.value()) - 1;
@@ -162,4 +162,4 @@ void Driver::control(const rt::Cycle& cycle) {
   out_.volts = actuator_.force_sign * force / actuator_.force_per_volt_N;
 }
 
-}  // namespace knee_robot
+}  // namespace knee_robot::control

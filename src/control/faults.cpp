@@ -2,7 +2,7 @@
 
 #include <array>
 
-namespace knee_robot {
+namespace knee_robot::control {
 namespace {
 
 using F = Fault;
@@ -124,4 +124,4 @@ bool closesLoop(Fault fault) noexcept {
   }
 }
 
-}  // namespace knee_robot
+}  // namespace knee_robot::control

@@ -4,7 +4,7 @@
 
 #include <algorithm>
 
-namespace knee_robot {
+namespace knee_robot::control {
 
 void GuardianWatch::listen(const GuardianView& view) noexcept {
   const bool moved = !any_ || view.heartbeat != heartbeat_;
@@ -34,7 +34,7 @@ GuardianAction GuardianWatch::step(const GuardianView& view) noexcept {
 
 Guardian::Guardian(hardware::GuardianLink& link, hardware::EmergencyOutputs& outputs, rt::Nanoseconds silence_limit,
                    rt::Nanoseconds period, rt::Nanoseconds (*clock)() noexcept)
-    : TaskContext("Guardian"),
+    : rt::TaskContext("Guardian"),
       link_(link),
       outputs_(outputs),
       clock_(clock),
@@ -86,4 +86,4 @@ void Guardian::trip() noexcept {
   report_.trips.fetch_add(1, std::memory_order_release);
 }
 
-}  // namespace knee_robot
+}  // namespace knee_robot::control

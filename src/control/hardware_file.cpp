@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <set>
 
-namespace knee_robot {
+namespace knee_robot::control {
 namespace {
 
 HardwareFile::Axis readAxis(StrictMap& map, bool bench_without_patient) {
@@ -110,10 +110,10 @@ double HardwareFile::holdDelay() const {
   return delay;
 }
 
-std::array<hardware::can::AxisUnits, hardware::kAxes> canUnits(const Robot& robot) {
+std::array<hardware::can::AxisUnits, hardware::kAxes> canUnits(const mechanism::Robot& robot) {
   std::array<hardware::can::AxisUnits, hardware::kAxes> units{};
   for (std::size_t i = 0; i < units.size(); ++i) {
-    const Actuator& actuator = robot.actuators.at(i);
+    const mechanism::Actuator& actuator = robot.actuators.at(i);
     units[i].force_per_volt_N = actuator.force_per_volt_N;
     units[i].screw_lead_m = actuator.screw_lead_m;
     units[i].counts_per_revolution = actuator.counts_per_revolution;
@@ -150,4 +150,4 @@ HardwareFile loadHardwareFile(const std::string& path) {
   return hardware;
 }
 
-}  // namespace knee_robot
+}  // namespace knee_robot::control

@@ -12,7 +12,7 @@
 #include "knee_robot/base/numbers.h"
 #include "knee_robot/base/strict_yaml.h"
 
-namespace knee_robot {
+namespace knee_robot::control {
 namespace {
 
 constexpr double kHottest = 10.0;  // beyond any that a monitor lets happen
@@ -30,11 +30,11 @@ AxisValues rememberedHeat(const std::string& path, double time_s, double time_co
   if (path.empty() || ::access(path.c_str(), F_OK) != 0) return heat;
   try {
     StrictMap file = StrictMap::parse(readFile(path, 4096), path);
-    const std::vector<double> kept = file.numbers("heat", kAxes, 0.0, kHottest);
+    const std::vector<double> kept = file.numbers("heat", hardware::kAxes, 0.0, kHottest);
     const double written_s = file.number("time_s", 0.0, 1e11);
     file.finish();
     const double cooling = std::exp(-std::max(0.0, time_s - written_s) / time_constant_s);
-    for (std::size_t i = 0; i < kAxes; ++i)
+    for (std::size_t i = 0; i < hardware::kAxes; ++i)
       heat[i] = std::min(1.0, kept[i] * cooling);
   } catch (const InputError& refused) {
     if (error != nullptr) *error = refused.what();
@@ -43,7 +43,7 @@ AxisValues rememberedHeat(const std::string& path, double time_s, double time_co
   return heat;
 }
 
-HeatMemory::HeatMemory(std::string path, bool threaded) : TaskContext("HeatMemory"), path_(std::move(path)) {
+HeatMemory::HeatMemory(std::string path, bool threaded) : rt::TaskContext("HeatMemory"), path_(std::move(path)) {
   if (threaded && !path_.empty()) thread_ = std::thread([this] { loop(); });
 }
 
@@ -67,7 +67,7 @@ void HeatMemory::write() noexcept {
   try {
     std::string text =
         "# Heat of the motors (I2t: 1 is what the continuous force leads to), for the next start.\nheat: [";
-    for (std::size_t i = 0; i < kAxes; ++i)
+    for (std::size_t i = 0; i < hardware::kAxes; ++i)
       text += (i == 0 ? "" : ", ") + exactNumber(std::clamp(newest.heat[i], 0.0, kHottest));
     makeFolder(path_.substr(0, path_.find_last_of('/')));
     writeFileAtomically(path_, text + "]\ntime_s: " + exactNumber(secondsSince1970()) + "\n");
@@ -76,4 +76,4 @@ void HeatMemory::write() noexcept {
   }
 }
 
-}  // namespace knee_robot
+}  // namespace knee_robot::control

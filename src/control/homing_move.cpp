@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace knee_robot {
+namespace knee_robot::control {
 
 void HomingMove::begin(const HomingAxis& axis, bool on_switch, double position_m) noexcept {
   axis_ = axis;
@@ -64,4 +64,4 @@ void HomingMove::backOff(double dt) noexcept {
   phase_ = HomingPhase::Found;
 }
 
-}  // namespace knee_robot
+}  // namespace knee_robot::control

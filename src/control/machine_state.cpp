@@ -2,7 +2,7 @@
 
 #include "knee_robot/control/supervisor.h"
 
-namespace knee_robot {
+namespace knee_robot::control {
 namespace {
 
 /// Rows: Disabled, Enabling, Holding, Playing, Stopping, SafeStopping, Faulted, Paused, Homing.
@@ -49,4 +49,4 @@ bool isPossible(MachineState state, RequestKind request) noexcept {
   return kPossible[static_cast<int>(state)][static_cast<int>(request)];
 }
 
-}  // namespace knee_robot
+}  // namespace knee_robot::control

@@ -6,7 +6,7 @@
 #include "knee_robot/base/errors.h"
 #include "knee_robot/mechanism/kinematics.h"
 
-namespace knee_robot {
+namespace knee_robot::control {
 namespace {
 
 /// After a pause of the machine nothing may be switched in one step.
@@ -23,37 +23,37 @@ double rampStep(double dt, double duration) noexcept {
 
 }  // namespace
 
-ModelFeedforward::ModelFeedforward(const std::string& name, const Robot& robot)
-    : TaskContext(name), robot_(robot), inputs_{&command_1, &command_2, &command_3, &command_4} {}
+ModelFeedforward::ModelFeedforward(const std::string& name, const mechanism::Robot& robot)
+    : rt::TaskContext(name), robot_(robot), inputs_{&command_1, &command_2, &command_3, &command_4} {}
 
 void ModelFeedforward::loadModel() {
   if (!model.value().empty()) {
     const std::string& path = model.value();
-    const Model read = knee_robot::loadModel(path);
-    requireModelOf(read, path, robot_);
+    const dynamics::Model read = dynamics::loadModel(path);
+    dynamics::requireModelOf(read, path, robot_);
     try {
-      model_ = std::make_unique<PartedModel>(read, robot_);
+      model_ = std::make_unique<dynamics::PartedModel>(read, robot_);
     } catch (const InputError& error) {
       throw InputError(path + ": " + error.what());
     }
     source_ = "the model " + path;
     return;
   }
-  std::optional<RobotInertia> inertia;
-  if (robot_.mechanism && !robot_.urdf.empty()) inertia = loadRobotInertia(robot_);
-  model_ = std::make_unique<PartedModel>(robot_, inertia);
+  std::optional<dynamics::RobotInertia> inertia;
+  if (robot_.mechanism && !robot_.urdf.empty()) inertia = dynamics::loadRobotInertia(robot_);
+  model_ = std::make_unique<dynamics::PartedModel>(robot_, inertia);
   source_ = inertia ? "the weights of " + robot_.urdf : "nothing but a payload: the robot file names no URDF";
 }
 
 bool ModelFeedforward::configureHook() {
-  if (robot_.axes() != kAxes) return refuse("the feedforward is for four axes");
+  if (robot_.axes() != hardware::kAxes) return refuse("the feedforward is for four axes");
   try {
     if (!model_) loadModel();
   } catch (const InputError& error) {
     return refuse(error.what());
   }
-  for (std::size_t i = 0; i < kAxes; ++i) {
-    const Actuator& actuator = robot_.actuators[i];
+  for (std::size_t i = 0; i < hardware::kAxes; ++i) {
+    const mechanism::Actuator& actuator = robot_.actuators[i];
     double limit = actuator.voltage_max_V * actuator.force_per_volt_N;
     if (actuator.force_max_N > 0.0) limit = std::min(limit, actuator.force_max_N);
     largest_N_[i] = largest_share * limit;
@@ -86,7 +86,7 @@ void ModelFeedforward::updateHook(const rt::Cycle& cycle) {
 void ModelFeedforward::readPorts() noexcept {
   orders.read(order_);
   new_reading_ = measurement.read(measured_) == rt::FlowStatus::NewData && measured_.status == hardware::IoStatus::Ok;
-  for (std::size_t i = 0; i < kAxes; ++i)
+  for (std::size_t i = 0; i < hardware::kAxes; ++i)
     followReference(i);
 }
 
@@ -111,7 +111,7 @@ void ModelFeedforward::letGo() noexcept {
 
 /// Nothing is known: 0 N, and what was there counts as switched off.
 void ModelFeedforward::drop() noexcept {
-  for (std::size_t i = 0; i < kAxes; ++i)
+  for (std::size_t i = 0; i < hardware::kAxes; ++i)
     out_.switched_N[i] -= out_.force_N[i];
   out_.force_N = AxisValues{};
   level_ = 0.0;
@@ -138,7 +138,7 @@ void ModelFeedforward::carry(double dt) noexcept {
   level_ = std::min(1.0, level_ + (taking_over_ ? rampStep(dt, take_over_time) : step));
   out_.force_N = total(weights_, level_);
   // While the hold devices carry, the integrals are empty and nothing has to be made up for.
-  for (std::size_t i = 0; i < kAxes && !taking_over_; ++i)
+  for (std::size_t i = 0; i < hardware::kAxes && !taking_over_; ++i)
     out_.switched_N[i] += out_.force_N[i] - kept[i];
   if (level_ >= 1.0) taking_over_ = false;
   out_.complete = !taking_over_;
@@ -152,26 +152,27 @@ bool ModelFeedforward::findParts() noexcept {
   if (!new_reading_ && parts_known_) return true;
   parts_known_ = false;
   if (robot_.mechanism) {
-    const Lengths lengths(measured_.position_m.data());
-    const ForwardResult found = pose_known_ ? forwardKinematics(*robot_.mechanism, lengths, pose_)
-                                            : forwardKinematicsFromHome(*robot_.mechanism, lengths);
+    const mechanism::Lengths lengths(measured_.position_m.data());
+    const mechanism::ForwardResult found = pose_known_
+                                               ? mechanism::forwardKinematics(*robot_.mechanism, lengths, pose_)
+                                               : mechanism::forwardKinematicsFromHome(*robot_.mechanism, lengths);
     pose_known_ = found.ok();
     if (!pose_known_) return false;
     pose_ = found.pose;
   }
-  parts_known_ =
-      forceParts(*model_, pose_, velocity_, acceleration_, coulomb_speed, data_, parts_) && parts_.allFinite();
+  parts_known_ = dynamics::forceParts(*model_, pose_, velocity_, acceleration_, coulomb_speed, data_, parts_) &&
+                 parts_.allFinite();
   return parts_known_;
 }
 
 AxisValues ModelFeedforward::total(const Weights& w, double level) const noexcept {
-  const Vector4 sum = w.gravity * (parts_.gravity + w.payload_kg * parts_.payload_gravity) +
-                      w.inertia * (parts_.inertia + w.payload_kg * parts_.payload_inertia) +
-                      w.friction * parts_.friction;
+  const mechanism::Vector4 sum = w.gravity * (parts_.gravity + w.payload_kg * parts_.payload_gravity) +
+                                 w.inertia * (parts_.inertia + w.payload_kg * parts_.payload_inertia) +
+                                 w.friction * parts_.friction;
   AxisValues forces{};
-  for (std::size_t i = 0; i < kAxes; ++i)
+  for (std::size_t i = 0; i < hardware::kAxes; ++i)
     forces[i] = std::clamp(level * sum[static_cast<Eigen::Index>(i)], -largest_N_[i], largest_N_[i]);
   return forces;
 }
 
-}  // namespace knee_robot
+}  // namespace knee_robot::control

@@ -2,14 +2,14 @@
 
 #include <algorithm>
 
-namespace knee_robot {
+namespace knee_robot::control {
 
 PatientMonitor::Verdict PatientMonitor::step(const PatientRange& range, const std::array<double, 4>& lengths, double dt,
                                              double margin_m, double margin_rad, double speed_factor) noexcept {
   if (!range.given || !mechanism_) return Verdict::Fine;
-  const Lengths now(lengths[0], lengths[1], lengths[2], lengths[3]);
-  const ForwardResult found =
-      kept_ > 0 ? forwardKinematics(*mechanism_, now, pose_) : forwardKinematicsFromHome(*mechanism_, now);
+  const mechanism::Lengths now(lengths[0], lengths[1], lengths[2], lengths[3]);
+  const mechanism::ForwardResult found = kept_ > 0 ? mechanism::forwardKinematics(*mechanism_, now, pose_)
+                                                   : mechanism::forwardKinematicsFromHome(*mechanism_, now);
   if (!found.ok()) return Verdict::Pose;
   time_ += dt;
   pose_ = found.pose;
@@ -17,7 +17,7 @@ PatientMonitor::Verdict PatientMonitor::step(const PatientRange& range, const st
   keep();
   // Until the window has filled, the way of less than the window counts as that of the whole: a start is no speed.
   const Passed& oldest = passed_[kept_ < kSteps ? 0 : kept_ % kSteps];
-  const Vector4 speed = (pose_ - oldest.pose) / std::max(kWindow_s, time_ - oldest.time);
+  const mechanism::Vector4 speed = (pose_ - oldest.pose) / std::max(kWindow_s, time_ - oldest.time);
   return range.allowsSpeed(speed, speed_factor) ? Verdict::Fine : Verdict::Speed;
 }
 
@@ -28,4 +28,4 @@ void PatientMonitor::keep() noexcept {
   ++kept_;
 }
 
-}  // namespace knee_robot
+}  // namespace knee_robot::control

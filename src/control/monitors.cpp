@@ -2,15 +2,15 @@
 
 #include <algorithm>
 
-namespace knee_robot {
+namespace knee_robot::control {
 
-Monitors::Monitors(const std::string& name, const Robot& robot)
-    : TaskContext(name),
+Monitors::Monitors(const std::string& name, const mechanism::Robot& robot)
+    : rt::TaskContext(name),
       robot_(robot),
       inputs_{&command_1, &command_2, &command_3, &command_4},
       patient_monitor_(robot) {
-  for (std::size_t i = 0; i < kAxes; ++i) {
-    const Actuator& actuator = robot_.actuators.at(i);
+  for (std::size_t i = 0; i < hardware::kAxes; ++i) {
+    const mechanism::Actuator& actuator = robot_.actuators.at(i);
     axes_[i].force_limit_N = actuator.voltage_max_V * actuator.force_per_volt_N;
     if (actuator.force_max_N > 0.0) axes_[i].force_limit_N = std::min(axes_[i].force_limit_N, actuator.force_max_N);
   }
@@ -24,7 +24,7 @@ void Monitors::setPatient(const PatientRange& range) {
 bool Monitors::startHook() {
   any_ = false;
   if (out_.sequence == 0) {
-    for (std::size_t i = 0; i < kAxes; ++i)
+    for (std::size_t i = 0; i < hardware::kAxes; ++i)
       axes_[i].thermal.start(std::max<double>(thermal_start, known_heat_[i]));
   }
   forget();
@@ -48,7 +48,7 @@ void Monitors::readPorts() {
   measurement.read(measured_);
   written.read(written_);
   offered_.read(patient_);
-  for (std::size_t i = 0; i < kAxes; ++i)
+  for (std::size_t i = 0; i < hardware::kAxes; ++i)
     inputs_[i]->read(commands_[i]);
 }
 
@@ -68,7 +68,7 @@ void Monitors::updateHook(const rt::Cycle& cycle) {
   if (new_reading) {
     const double dt = any_ ? rt::toSeconds(measured_.read_at - last_read_) : 0.0;
     if (carried_) carried_s_ += dt;
-    for (std::size_t i = 0; i < kAxes; ++i)
+    for (std::size_t i = 0; i < hardware::kAxes; ++i)
       raise(i, judge(i, viewOf(i, dt)));
     raise(0, judgePatient(dt));
     last_read_ = measured_.read_at;
@@ -78,7 +78,7 @@ void Monitors::updateHook(const rt::Cycle& cycle) {
 }
 
 AxisView Monitors::viewOf(std::size_t i, double dt) noexcept {
-  const Actuator& actuator = robot_.actuators[i];
+  const mechanism::Actuator& actuator = robot_.actuators[i];
   Axis& axis = axes_[i];
   AxisView view;
   view.dt = dt;
@@ -97,7 +97,7 @@ AxisView Monitors::viewOf(std::size_t i, double dt) noexcept {
 
 /// Those after which the loop must not go on come first.
 Fault Monitors::judge(std::size_t i, const AxisView& view) noexcept {
-  const Actuator& actuator = robot_.actuators[i];
+  const mechanism::Actuator& actuator = robot_.actuators[i];
   Axis& axis = axes_[i];
   const bool hot = axis.thermal.step(view, actuator.force_continuous_N, thermal_time);
   out_.heat[i] = axis.thermal.heat();
@@ -142,4 +142,4 @@ Fault Monitors::judgePatient(double dt) noexcept {
   return Fault::None;
 }
 
-}  // namespace knee_robot
+}  // namespace knee_robot::control

@@ -7,7 +7,7 @@
 #include "knee_robot/base/numbers.h"
 #include "knee_robot/base/strict_yaml.h"
 
-namespace knee_robot {
+namespace knee_robot::control {
 namespace {
 
 constexpr double kDegree = 3.14159265358979323846 / 180.0;
@@ -23,16 +23,16 @@ constexpr Coordinate kCoordinates[4] = {{"X_m", "Xm", 1.0, "m"},
                                         {"theta_deg", "theta", kDegree, "deg"},
                                         {"psi_deg", "psi", kDegree, "deg"}};
 
-double longestLeg(const Robot& robot) {
+double longestLeg(const mechanism::Robot& robot) {
   double longest = 0.0;
-  for (const Actuator& actuator : robot.actuators)
+  for (const mechanism::Actuator& actuator : robot.actuators)
     longest = std::max(longest, actuator.position_max_m);
   return longest;
 }
 
-double slowestLimit(const Robot& robot) {
+double slowestLimit(const mechanism::Robot& robot) {
   double slowest = robot.actuators.front().velocity_max_m_per_s;
-  for (const Actuator& actuator : robot.actuators)
+  for (const mechanism::Actuator& actuator : robot.actuators)
     slowest = std::min(slowest, actuator.velocity_max_m_per_s);
   return slowest;
 }
@@ -51,7 +51,7 @@ void readPose(StrictMap map, double reach_m, PatientRange& range) {
 
 }  // namespace
 
-bool PatientRange::contains(const Pose& pose, double margin_m, double margin_rad) const noexcept {
+bool PatientRange::contains(const mechanism::Pose& pose, double margin_m, double margin_rad) const noexcept {
   for (int i = 0; i < 4; ++i) {
     const double margin = i < 2 ? margin_m : margin_rad;
     const auto k = static_cast<std::size_t>(i);
@@ -60,12 +60,12 @@ bool PatientRange::contains(const Pose& pose, double margin_m, double margin_rad
   return true;
 }
 
-bool PatientRange::allowsSpeed(const Vector4& speed, double factor) const noexcept {
+bool PatientRange::allowsSpeed(const mechanism::Vector4& speed, double factor) const noexcept {
   return std::hypot(speed[0], speed[1]) <= factor * linear_m_per_s &&
          std::abs(speed[2]) <= factor * angular_rad_per_s && std::abs(speed[3]) <= factor * angular_rad_per_s;
 }
 
-PatientLimits loadPatientLimits(const std::string& path, const Robot& robot) {
+PatientLimits loadPatientLimits(const std::string& path, const mechanism::Robot& robot) {
   if (!robot.mechanism) {
     throw InputError(path + ": a patient needs the platform, and " + robot.path + " describes axes on a bench");
   }
@@ -89,7 +89,8 @@ PatientLimits loadPatientLimits(const std::string& path, const Robot& robot) {
   return patient;
 }
 
-void requireWithinPatient(const ReferenceCheck& check, const Reference& reference, const PatientLimits& patient) {
+void requireWithinPatient(const trajectory::ReferenceCheck& check, const trajectory::Reference& reference,
+                          const PatientLimits& patient) {
   const auto refuse = [&](Eigen::Index k, const std::string& what) {
     throw InputError(reference.name + ":" + std::to_string(reference.lineOf(k)) + ": " + what + " (patient " +
                      patient.name + ", " + patient.path + ")");
@@ -100,7 +101,7 @@ void requireWithinPatient(const ReferenceCheck& check, const Reference& referenc
   constexpr double kRounding = 1e-9;       // m, rad
   constexpr double kSpeedRounding = 1e-5;  // of coordinates written with nanometres, 10 ms apart
   for (Eigen::Index k = 0; k < check.poses.rows(); ++k) {
-    const Pose pose = check.poses.row(k).transpose();
+    const mechanism::Pose pose = check.poses.row(k).transpose();
     for (int i = 0; i < 4; ++i) {
       const Coordinate& c = kCoordinates[i];
       const auto at = static_cast<std::size_t>(i);
@@ -110,7 +111,8 @@ void requireWithinPatient(const ReferenceCheck& check, const Reference& referenc
                     shortNumber(range.maximum[at] / c.unit, 4));
     }
     if (k == 0) continue;
-    const Vector4 speed = (pose - Pose(check.poses.row(k - 1).transpose())) / kStreamPeriod;
+    const mechanism::Vector4 speed =
+        (pose - mechanism::Pose(check.poses.row(k - 1).transpose())) / trajectory::kStreamPeriod;
     if (std::hypot(speed[0], speed[1]) > range.linear_m_per_s + kSpeedRounding) {
       refuse(k, "the platform moves at " + shortNumber(1e3 * std::hypot(speed[0], speed[1]), 4) +
                     " mm/s, faster than the patient's " + shortNumber(1e3 * range.linear_m_per_s, 4) +
@@ -124,4 +126,4 @@ void requireWithinPatient(const ReferenceCheck& check, const Reference& referenc
   }
 }
 
-}  // namespace knee_robot
+}  // namespace knee_robot::control

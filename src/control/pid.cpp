@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-namespace knee_robot {
+namespace knee_robot::control {
 namespace {
 
 constexpr double kTwoPi = 6.283185307179586;
@@ -53,4 +53,4 @@ double Pid::update(const PidInput& input, double limit) noexcept {
   return clampKeepingNan(others + integral_, limit);
 }
 
-}  // namespace knee_robot
+}  // namespace knee_robot::control

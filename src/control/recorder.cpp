@@ -1,15 +1,15 @@
 #include "knee_robot/control/recorder.h"
 
-namespace knee_robot {
+namespace knee_robot::control {
 
 Recorder::Recorder(const std::string& name)
-    : TaskContext(name), inputs_{&command_1, &command_2, &command_3, &command_4} {}
+    : rt::TaskContext(name), inputs_{&command_1, &command_2, &command_3, &command_4} {}
 
 void Recorder::updateHook(const rt::Cycle& cycle) {
   measurement.read(measured_);
   set_point.read(set_point_);
   written.read(written_);
-  for (std::size_t i = 0; i < kAxes; ++i) {
+  for (std::size_t i = 0; i < hardware::kAxes; ++i) {
     inputs_[i]->read(commands_[i]);
     out_.reference_m[i] = commands_[i].reference_m;
     out_.feedforward_N[i] = commands_[i].feedforward_N;
@@ -33,4 +33,4 @@ void Recorder::updateHook(const rt::Cycle& cycle) {
   if (!ring_.write(out_)) dropped_.fetch_add(1, std::memory_order_relaxed);
 }
 
-}  // namespace knee_robot
+}  // namespace knee_robot::control

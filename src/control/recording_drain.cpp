@@ -5,7 +5,7 @@
 
 #include "knee_robot/base/errors.h"
 
-namespace knee_robot {
+namespace knee_robot::control {
 namespace {
 
 constexpr auto kPause = std::chrono::milliseconds(100);  // twice as often as the promised 0.2 s
@@ -32,7 +32,7 @@ RecordingResult RecordingDrain::progress() const {
 void RecordingDrain::start(const std::string& path) {
   const std::lock_guard<std::mutex> lock(mutex_);
   if (writer_ != nullptr) throw InputError("a recording is being written to " + result_.path + "; stop it first");
-  writer_ = std::make_unique<RecordingWriter>(path, axes_);
+  writer_ = std::make_unique<recording::RecordingWriter>(path, axes_);
   TrackingRow left_over;
   while (recorder_.pop(left_over)) {
   }
@@ -100,7 +100,7 @@ void RecordingDrain::take(const TrackingRow& row) {
     ++result_.dropped;
     return;
   }
-  RecordingRow line;
+  recording::RecordingRow line;
   line.time_s = row.time_s;
   line.reference_m = row.reference_m;
   line.position_m = row.position_m;
@@ -116,4 +116,4 @@ void RecordingDrain::take(const TrackingRow& row) {
   }
 }
 
-}  // namespace knee_robot
+}  // namespace knee_robot::control

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <utility>
 
-namespace knee_robot {
+namespace knee_robot::control {
 namespace {
 
 struct Place {
@@ -34,7 +34,7 @@ ReferencePath ReferencePath::of(std::vector<AxisValues> points) {
   path.points = std::move(points);
   path.velocities.assign(path.points.size(), AxisValues{});
   for (std::size_t k = 1; k < path.points.size(); ++k) {
-    for (std::size_t i = 0; i < kAxes; ++i) {
+    for (std::size_t i = 0; i < hardware::kAxes; ++i) {
       path.fastest[i] = std::max(path.fastest[i], std::abs(path.points[k][i] - path.points[k - 1][i]) / kPointPeriod_s);
       if (k + 1 < path.points.size()) {
         path.velocities[k][i] = (path.points[k + 1][i] - path.points[k - 1][i]) / (2.0 * kPointPeriod_s);
@@ -76,4 +76,4 @@ const ReferencePath* ReferenceStore::adopt() noexcept {
   return path.empty() ? nullptr : &path;
 }
 
-}  // namespace knee_robot
+}  // namespace knee_robot::control

@@ -1,6 +1,6 @@
 #include "knee_robot/control/safe_stop.h"
 
-namespace knee_robot {
+namespace knee_robot::control {
 
 void SafeStop::enter(SafeStopPhase phase, rt::Nanoseconds now) noexcept {
   phase_ = phase;
@@ -44,4 +44,4 @@ void SafeStop::rearm() noexcept {
   if (phase_ == SafeStopPhase::Done) phase_ = SafeStopPhase::Idle;
 }
 
-}  // namespace knee_robot
+}  // namespace knee_robot::control

@@ -2,7 +2,7 @@
 
 #include "knee_robot/control/supervisor.h"
 
-namespace knee_robot {
+namespace knee_robot::control {
 namespace {
 
 const char* textOf(ResetRule rule) {
@@ -51,4 +51,4 @@ std::string requestsTable() {
   return text;
 }
 
-}  // namespace knee_robot
+}  // namespace knee_robot::control

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace knee_robot {
+namespace knee_robot::control {
 
 SetPointFollower::SetPointFollower(int axis, double position_min, double position_max, double velocity_max,
                                    int missing_allowed)
@@ -100,4 +100,4 @@ bool SetPointFollower::isStale(rt::Nanoseconds now, int periods) const noexcept 
   return now - heard_ > periods * expected_period_;
 }
 
-}  // namespace knee_robot
+}  // namespace knee_robot::control

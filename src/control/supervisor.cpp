@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-namespace knee_robot {
+namespace knee_robot::control {
 namespace {
 
 bool isPowered(MachineState state) noexcept {
@@ -11,12 +11,15 @@ bool isPowered(MachineState state) noexcept {
 
 }  // namespace
 
-Supervisor::Supervisor(const std::string& name, const Robot& robot, const HardwareFile& hardware)
-    : TaskContext(name), robot_(robot), hardware_(hardware), inputs_{&command_1, &command_2, &command_3, &command_4} {}
+Supervisor::Supervisor(const std::string& name, const mechanism::Robot& robot, const HardwareFile& hardware)
+    : rt::TaskContext(name),
+      robot_(robot),
+      hardware_(hardware),
+      inputs_{&command_1, &command_2, &command_3, &command_4} {}
 
 bool Supervisor::startHook() {
   const std::array<RequestAnswer, SupervisorStatus::kAnswers> answers = status_.answers;
-  const std::array<bool, kAxes> homed = status_.homed;
+  const std::array<bool, hardware::kAxes> homed = status_.homed;
   const std::uint32_t play = orders_.play;  // a play number is never used twice
   status_ = SupervisorStatus{};
   status_.answers = answers;
@@ -56,7 +59,7 @@ void Supervisor::readPorts() {
   const bool fresh = measurement.read(measured_) == rt::FlowStatus::NewData;
   unreadable_ = fresh && measured_.status == hardware::IoStatus::Ok ? 0 : unreadable_ + 1;
   set_point.read(set_point_);
-  for (std::size_t i = 0; i < kAxes; ++i)
+  for (std::size_t i = 0; i < hardware::kAxes; ++i)
     inputs_[i]->read(commands_[i]);
   written.read(written_);
   const bool judged = verdict.read(verdict_) == rt::FlowStatus::NewData && verdict_.sequence == measured_.sequence;
@@ -269,4 +272,4 @@ void Supervisor::publish(rt::Nanoseconds now) {
   status.write(status_);
 }
 
-}  // namespace knee_robot
+}  // namespace knee_robot::control

@@ -1,7 +1,7 @@
 // What the Supervisor looks at, and what it takes for a fault.
 #include "knee_robot/control/supervisor.h"
 
-namespace knee_robot {
+namespace knee_robot::control {
 namespace {
 
 constexpr double kCool = 0.8;  // of what is allowed, before a motor that was too hot may go on
@@ -66,7 +66,7 @@ void Supervisor::lookForFaults() {
 /// Before the Drivers' faults: a monitor knows more about the cause of what makes a loop fail.
 void Supervisor::lookAtMonitors() {
   if (unjudged_ >= stale_measurements && measured_.sequence != 0 && unreadable_ == 0) raise(Fault::MonitorsStale, 0);
-  for (std::size_t i = 0; i < kAxes; ++i) {
+  for (std::size_t i = 0; i < hardware::kAxes; ++i) {
     const Fault fault = verdict_.fault[i];
     raise(fault, concernsAllAxes(fault) ? 0 : static_cast<int>(i) + 1);
     if (fault == Fault::EncoderJump) status_.homed[i] = false;  // its counts mean nothing any more
@@ -104,8 +104,8 @@ void Supervisor::lookAtMeasurement() {
   if (unreadable_ >= stale_measurements) raise(Fault::MeasurementLost, 0);
   if (written_.status != hardware::IoStatus::Ok && written_.sequence != 0) raise(Fault::OutputLost, 0);
   if (drivesAreOff() || !orders_.homed) return;
-  for (std::size_t i = 0; i < kAxes; ++i) {
-    const Actuator& actuator = robot_.actuators[i];
+  for (std::size_t i = 0; i < hardware::kAxes; ++i) {
+    const mechanism::Actuator& actuator = robot_.actuators[i];
     const double position = measured_.position_m[i];
     // Written so that what is not a number counts as outside.
     const bool inside =
@@ -138,4 +138,4 @@ bool Supervisor::causeRemains() const noexcept {
   return false;
 }
 
-}  // namespace knee_robot
+}  // namespace knee_robot::control

@@ -3,7 +3,7 @@
 
 #include "knee_robot/control/supervisor.h"
 
-namespace knee_robot {
+namespace knee_robot::control {
 namespace {
 
 constexpr double kQuiet_m = 0.0002;
@@ -27,7 +27,7 @@ void Supervisor::home(const Request& asked, rt::Nanoseconds now) {
   }
   if (by_hand || !isHomed()) {
     AxisValues lengths{};
-    for (std::size_t i = 0; i < kAxes; ++i)
+    for (std::size_t i = 0; i < hardware::kAxes; ++i)
       lengths[i] = robot_.actuators[i].home_length_m;
     setHome(lengths, measured_.position_m);
   }
@@ -37,7 +37,7 @@ void Supervisor::home(const Request& asked, rt::Nanoseconds now) {
 /// From the next cycle on, what is `measured` now counts as `lengths`.
 void Supervisor::setHome(const AxisValues& lengths, const AxisValues& measured) noexcept {
   ++setting_.number;
-  for (std::size_t i = 0; i < kAxes; ++i)
+  for (std::size_t i = 0; i < hardware::kAxes; ++i)
     setting_.shift_m[i] = lengths[i] - measured[i];
   home_setting.write(setting_);
   status_.homed.fill(true);
@@ -50,7 +50,8 @@ std::uint8_t Supervisor::homingBit() const noexcept {
 
 /// The next axis begins when the platform has been at rest for kQuiet: only then does its integral say what it carries.
 bool Supervisor::isQuietForHoming(rt::Nanoseconds now) noexcept {
-  for (std::size_t i = 0; i < kAxes; ++i) {  // positions, because one count alone is a velocity of several mm/s
+  for (std::size_t i = 0; i < hardware::kAxes;
+       ++i) {  // positions, because one count alone is a velocity of several mm/s
     if (std::abs(measured_.position_m[i] - quiet_m_[i]) <= kQuiet_m) continue;
     quiet_m_ = measured_.position_m;
     step_since_ = now;
@@ -83,9 +84,9 @@ void Supervisor::endHoming() noexcept {
   homing_ = home_found_ = false;
   if (!found) return;
   AxisValues lengths{};
-  for (std::size_t i = 0; i < kAxes; ++i)
+  for (std::size_t i = 0; i < hardware::kAxes; ++i)
     lengths[i] = hardware_.homing.axes[i].length_m;
   setHome(lengths, home_m_);
 }
 
-}  // namespace knee_robot
+}  // namespace knee_robot::control

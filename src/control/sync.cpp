@@ -3,27 +3,27 @@
 #include <algorithm>
 #include <cmath>
 
-namespace knee_robot {
+namespace knee_robot::control {
 namespace {
 
-AxisValues accelerationLimits(const Robot& robot) {
+AxisValues accelerationLimits(const mechanism::Robot& robot) {
   AxisValues limits{};
-  for (std::size_t i = 0; i < kAxes; ++i)
+  for (std::size_t i = 0; i < hardware::kAxes; ++i)
     limits[i] = robot.actuators.at(i).acceleration_max_m_per_s2;
   return limits;
 }
 
 AxisValues scaled(const AxisValues& values, double factor) noexcept {
   AxisValues result{};
-  for (std::size_t i = 0; i < kAxes; ++i)
+  for (std::size_t i = 0; i < hardware::kAxes; ++i)
     result[i] = factor * values[i];
   return result;
 }
 
 }  // namespace
 
-Sync::Sync(const std::string& name, const Robot& robot)
-    : TaskContext(name), acceleration_max_(accelerationLimits(robot)) {}
+Sync::Sync(const std::string& name, const mechanism::Robot& robot)
+    : rt::TaskContext(name), acceleration_max_(accelerationLimits(robot)) {}
 
 bool Sync::startHook() {
   out_.phase = SyncPhase::Idle;
@@ -73,7 +73,7 @@ void Sync::tryToPlay(const Orders& order) {
   if (measured_.status != hardware::IoStatus::Ok || order.stop_path) refusal = PlayRefusal::NotReady;
   out_.refused_axis = 0;
   out_.refused_distance_m = 0.0;
-  for (std::size_t i = 0; i < kAxes && refusal == PlayRefusal::None; ++i) {
+  for (std::size_t i = 0; i < hardware::kAxes && refusal == PlayRefusal::None; ++i) {
     const double distance = std::abs(measured_.position_m[i] - path_->points.front()[i]);
     if (distance <= start_tolerance_m) continue;
     refusal = PlayRefusal::NotAtStart;
@@ -103,7 +103,7 @@ double Sync::targetScale(const Orders& order) noexcept {
 /// Largest change of the time scale per second. Slowing down in T adds at most fastest / T to an axis' acceleration.
 double Sync::scaleRate() const noexcept {
   double time = stop_time_s;
-  for (std::size_t i = 0; i < kAxes; ++i)
+  for (std::size_t i = 0; i < hardware::kAxes; ++i)
     time = std::max(time, path_->fastest[i] / (0.5 * acceleration_max_[i]));
   return 1.0 / time;
 }
@@ -142,4 +142,4 @@ void Sync::restSegment(SyncPhase phase) {
   out_.from_velocity = out_.to_velocity = AxisValues{};
 }
 
-}  // namespace knee_robot
+}  // namespace knee_robot::control

@@ -2,18 +2,19 @@
 
 #include "knee_robot/dynamics/parameters.h"
 
-namespace knee_robot {
+namespace knee_robot::dynamics {
 
 /// Force and moment (about the link frame's origin) of one rigid body as linear functions of its ten parameters; everything
 /// in the body's frame. `a` is the origin's acceleration minus gravity.
 struct BodyRegressor {
   Eigen::Matrix<double, 3, 6> moment_per_inertia;
-  Matrix3 moment_per_first_moment;  ///< -[a]x
-  Matrix3 force_per_first_moment;   ///< [alpha]x + [omega]x^2
-  Vector3 force_per_mass;           ///< a
+  mechanism::Matrix3 moment_per_first_moment;  ///< -[a]x
+  mechanism::Matrix3 force_per_first_moment;   ///< [alpha]x + [omega]x^2
+  mechanism::Vector3 force_per_mass;           ///< a
 };
 
-inline BodyRegressor bodyRegressor(const Vector3& w, const Vector3& e, const Vector3& a) {
+inline BodyRegressor bodyRegressor(const mechanism::Vector3& w, const mechanism::Vector3& e,
+                                   const mechanism::Vector3& a) {
   const double xx = w.x() * w.x(), yy = w.y() * w.y(), zz = w.z() * w.z();
   const double xy = w.x() * w.y(), xz = w.x() * w.z(), yz = w.y() * w.z();
   BodyRegressor r;
@@ -31,4 +32,4 @@ inline BodyRegressor bodyRegressor(const Vector3& w, const Vector3& e, const Vec
   return r;
 }
 
-}  // namespace knee_robot
+}  // namespace knee_robot::dynamics

@@ -4,7 +4,7 @@
 
 #include "knee_robot/base/errors.h"
 
-namespace knee_robot {
+namespace knee_robot::dynamics {
 namespace {
 
 /// Value of the named parameter; 0 when the model does not have it.
@@ -25,7 +25,7 @@ std::vector<std::string> axisParameterNames(int axes) {
   return names;
 }
 
-void requireModelOf(const Model& model, const std::string& model_path, const Robot& robot) {
+void requireModelOf(const Model& model, const std::string& model_path, const mechanism::Robot& robot) {
   if (model.kind != robot.kind || model.axes != robot.axes()) {
     throw InputError(model_path + ": is the model of another mechanism than " + robot.path +
                      "; identify this robot first");
@@ -36,7 +36,7 @@ void requireModelOf(const Model& model, const std::string& model_path, const Rob
   }
 }
 
-ForceModel::ForceModel(const Model& model, const Robot& robot)
+ForceModel::ForceModel(const Model& model, const mechanism::Robot& robot)
     : mechanism(robot.mechanism), gravity(robot.gravity), axes(model.axes) {
   if (!model.effects.empty()) {
     throw InputError("the model has an effect (" + model.effects.front().name +
@@ -53,8 +53,8 @@ ForceModel::ForceModel(const Model& model, const Robot& robot)
     const std::vector<std::string>& names = extendedParameterNames();
     for (int i = 0; i < extended::kParameters; ++i)
       parameters[i] = valueOf(model, names[static_cast<std::size_t>(i)]);
-    coulomb = parameters.segment<kLegs>(extended::kCoulomb);
-    parameters.segment<kLegs>(extended::kCoulomb).setZero();
+    coulomb = parameters.segment<mechanism::kLegs>(extended::kCoulomb);
+    parameters.segment<mechanism::kLegs>(extended::kCoulomb).setZero();
     return;
   }
   const std::vector<std::string> names = axisParameterNames(axes);
@@ -66,9 +66,10 @@ ForceModel::ForceModel(const Model& model, const Robot& robot)
   }
 }
 
-bool forceFromModel(const ForceModel& model, const Vector4& position, const Vector4& velocity,
-                    const Vector4& acceleration, const Motion& motion, ForceModelData& data, Vector4& forces) noexcept {
-  Vector4 smooth;
+bool forceFromModel(const ForceModel& model, const mechanism::Vector4& position, const mechanism::Vector4& velocity,
+                    const mechanism::Vector4& acceleration, const mechanism::Motion& motion, ForceModelData& data,
+                    mechanism::Vector4& forces) noexcept {
+  mechanism::Vector4 smooth;
   if (model.mechanism) {
     if (!extendedRegressor(*model.mechanism, model.gravity, motion, data.regressor, data.row)) return false;
     smooth.noalias() = data.row * model.parameters;
@@ -89,4 +90,4 @@ bool forceFromModel(const ForceModel& model, const Vector4& position, const Vect
   return true;
 }
 
-}  // namespace knee_robot
+}  // namespace knee_robot::dynamics

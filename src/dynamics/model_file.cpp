@@ -7,7 +7,7 @@
 #include "knee_robot/base/strict_yaml.h"
 #include "knee_robot/dynamics/model.h"
 
-namespace knee_robot {
+namespace knee_robot::dynamics {
 namespace {
 
 constexpr int kFormat = 1;
@@ -147,7 +147,7 @@ void readTrace(StrictMap& file, Model& m) {
 
 void checkNames(const Model& model, const StrictMap& file) {
   const std::vector<std::string> names =
-      model.kind == MechanismKind::Axes ? axisParameterNames(model.axes) : extendedParameterNames();
+      model.kind == mechanism::MechanismKind::Axes ? axisParameterNames(model.axes) : extendedParameterNames();
   std::set<std::string> allowed(names.begin(), names.end());
   for (const ModelParameter& parameter : model.parameters) {
     if (allowed.erase(parameter.name) == 0) {
@@ -159,9 +159,10 @@ void checkNames(const Model& model, const StrictMap& file) {
 Model readModel(StrictMap file) {
   const int format = file.integer("format", kFormat, kFormatOfTrace);
   Model m;
-  m.kind = file.choice("mechanism", {kParallel, kAxes}) == kAxes ? MechanismKind::Axes : MechanismKind::ThreeUpsOneRpu;
-  const bool bench = m.kind == MechanismKind::Axes;
-  m.axes = file.integer("axes", bench ? 1 : kLegs, kLegs);
+  m.kind = file.choice("mechanism", {kParallel, kAxes}) == kAxes ? mechanism::MechanismKind::Axes
+                                                                 : mechanism::MechanismKind::ThreeUpsOneRpu;
+  const bool bench = m.kind == mechanism::MechanismKind::Axes;
+  m.axes = file.integer("axes", bench ? 1 : mechanism::kLegs, mechanism::kLegs);
   m.robot_fingerprint = file.text("robot_fingerprint");
   for (StrictMap& entry : file.maps("data")) {
     ModelData data;
@@ -191,7 +192,7 @@ Model readModel(StrictMap file) {
 std::string modelToYaml(const Model& m) {
   std::string y = "# Force model of a robot, written by identify or trace. SI units.\n";
   y += "format: " + std::to_string(ofTrace(m) ? kFormatOfTrace : kFormat) + "\n";
-  y += std::string("mechanism: ") + (m.kind == MechanismKind::Axes ? kAxes : kParallel) + "\n";
+  y += std::string("mechanism: ") + (m.kind == mechanism::MechanismKind::Axes ? kAxes : kParallel) + "\n";
   y += "axes: " + std::to_string(m.axes) + "\n";
   y += "robot_fingerprint: " + quoted(m.robot_fingerprint) + "\n";
   y += "data:\n";
@@ -230,4 +231,4 @@ Model loadModel(const std::string& path) {
   return parseModel(readFile(path), path);
 }
 
-}  // namespace knee_robot
+}  // namespace knee_robot::dynamics

@@ -8,7 +8,7 @@
 
 #include "knee_robot/base/numbers.h"
 
-namespace knee_robot {
+namespace knee_robot::dynamics {
 namespace {
 
 /// Columns that are not in the span of those before them, in the order `preferred` (Gram-Schmidt, twice for its rounding).
@@ -97,12 +97,12 @@ int distinguishable(const Eigen::MatrixXd& w, const Eigen::VectorXd& typical, do
   return static_cast<int>((values.array() > noise_N * std::sqrt(double(w.rows()))).count());
 }
 
-Eigen::MatrixXd observationMatrix(const Mechanism& mechanism, const Vector3& gravity,
-                                  const std::vector<Motion>& motions) {
+Eigen::MatrixXd observationMatrix(const mechanism::Mechanism& mechanism, const mechanism::Vector3& gravity,
+                                  const std::vector<mechanism::Motion>& motions) {
   Eigen::MatrixXd w(4 * motions.size(), kPaperParameters);
   RegressorData data;
   Eigen::Index row = 0;
-  for (const Motion& motion : motions) {
+  for (const mechanism::Motion& motion : motions) {
     if (!projectedRegressor(mechanism, gravity, motion, data)) continue;
     w.middleRows<4>(row) = data.k;
     row += 4;
@@ -110,4 +110,4 @@ Eigen::MatrixXd observationMatrix(const Mechanism& mechanism, const Vector3& gra
   return w.topRows(row);
 }
 
-}  // namespace knee_robot
+}  // namespace knee_robot::dynamics

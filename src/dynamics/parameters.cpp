@@ -1,6 +1,6 @@
 #include "knee_robot/dynamics/parameters.h"
 
-namespace knee_robot {
+namespace knee_robot::dynamics {
 namespace {
 
 std::string linkSuffix(int link) {
@@ -23,7 +23,7 @@ std::vector<std::string> makeInertialNames() {
 
 std::vector<std::string> makeFrictionNames() {
   std::vector<std::string> names;
-  for (int leg = 0; leg < kLegs; ++leg) {
+  for (int leg = 0; leg < mechanism::kLegs; ++leg) {
     for (int joint = jointsOfLeg(leg); joint >= 1; --joint) {
       const std::string suffix = "_" + std::to_string(leg + 1) + std::to_string(joint);
       names.push_back("Fv" + suffix);
@@ -43,7 +43,7 @@ std::vector<std::string> makePaperNames() {
 std::vector<int> makeFrictionColumns() {
   std::vector<int> columns;
   int passive = extended::kPassiveFriction;
-  for (int leg = 0; leg < kLegs; ++leg) {
+  for (int leg = 0; leg < mechanism::kLegs; ++leg) {
     columns.push_back(extended::kViscous + leg);
     columns.push_back(extended::kCoulomb + leg);
     for (int k = 0; k < 2 * (jointsOfLeg(leg) - 1); ++k)
@@ -59,7 +59,7 @@ std::vector<std::string> makeExtendedNames() {
   const std::vector<int> columns = makeFrictionColumns();
   for (int k = 0; k < kFrictionParameters; ++k)
     names[columns[k]] = frictionParameterNames()[k];
-  for (int leg = 0; leg < kLegs; ++leg) {
+  for (int leg = 0; leg < mechanism::kLegs; ++leg) {
     names[extended::kRotor + leg] = "rotor_" + std::to_string(leg + 1);
     names[extended::kOffset + leg] = "offset_" + std::to_string(leg + 1);
   }
@@ -68,7 +68,7 @@ std::vector<std::string> makeExtendedNames() {
 
 std::vector<std::string> makeLinkNames() {
   std::vector<std::string> names;
-  for (int leg = 1; leg <= kLegs; ++leg) {
+  for (int leg = 1; leg <= mechanism::kLegs; ++leg) {
     names.push_back("leg_" + std::to_string(leg) + "_cylinder");
     names.push_back("leg_" + std::to_string(leg) + "_rod");
   }
@@ -112,4 +112,4 @@ ExtendedParameters toExtended(const PaperParameters& parameters) {
   return result;
 }
 
-}  // namespace knee_robot
+}  // namespace knee_robot::dynamics

@@ -11,7 +11,7 @@
 #include "knee_robot/base/files.h"
 #include "knee_robot/base/numbers.h"
 
-namespace knee_robot {
+namespace knee_robot::dynamics {
 namespace {
 
 constexpr double kGeometryTolerance = 1e-6;  // m; design: section 2. Also used for axes and rotations (1 m lever).
@@ -39,11 +39,11 @@ class UrdfReader {
     if (!link) refuse("link " + name + " is missing");
     if (!link->inertial) refuse("link " + name + " has no <inertial>");
     const urdf::Inertial& given = *link->inertial;
-    const Matrix3 turn = rotationOf(given.origin.rotation);
+    const mechanism::Matrix3 turn = rotationOf(given.origin.rotation);
     LinkInertia inertia;
     inertia.mass = given.mass;
-    inertia.center = Vector3(given.origin.position.x, given.origin.position.y, given.origin.position.z);
-    Matrix3 tensor;
+    inertia.center = mechanism::Vector3(given.origin.position.x, given.origin.position.y, given.origin.position.z);
+    mechanism::Matrix3 tensor;
     tensor << given.ixx, given.ixy, given.ixz, given.ixy, given.iyy, given.iyz, given.ixz, given.iyz, given.izz;
     inertia.inertia = turn * tensor * turn.transpose();
     const std::string reason = inconsistency(inertia);
@@ -53,7 +53,8 @@ class UrdfReader {
 
   /// Checks that joint `name` connects these links, is of this type and axis, and sits where the geometry says.
   void checkJoint(const std::string& name, const std::string& parent, const std::string& child, int type,
-                  const Vector3& axis, const Vector3& position, const Matrix3& rotation) const {
+                  const mechanism::Vector3& axis, const mechanism::Vector3& position,
+                  const mechanism::Matrix3& rotation) const {
     const urdf::JointConstSharedPtr joint = model_->getJoint(name);
     if (!joint) refuse("joint " + name + " is missing");
     if (joint->parent_link_name != parent || joint->child_link_name != child) {
@@ -63,21 +64,21 @@ class UrdfReader {
       refuse("joint " + name + " has the wrong type");
     }
     const urdf::Pose& at = joint->parent_to_joint_origin_transform;
-    const double shift = (Vector3(at.position.x, at.position.y, at.position.z) - position).norm();
+    const double shift = (mechanism::Vector3(at.position.x, at.position.y, at.position.z) - position).norm();
     if (!(shift <= kGeometryTolerance)) {
       refuse("joint " + name + " is " + shortNumber(shift) +
              " m from where the robot file's geometry puts it (limit 1e-6 m); write the URDF anew with "
              "scripts/write_urdf");
     }
     if (!((rotationOf(at.rotation) - rotation).norm() <= kGeometryTolerance)) refuse("joint " + name + " is turned");
-    const Vector3 given(joint->axis.x, joint->axis.y, joint->axis.z);
+    const mechanism::Vector3 given(joint->axis.x, joint->axis.y, joint->axis.z);
     if (type != urdf::Joint::FIXED && !((given.normalized() - axis).norm() <= kGeometryTolerance)) {
       refuse("joint " + name + " has the wrong axis");
     }
   }
 
  private:
-  static Matrix3 rotationOf(const urdf::Rotation& r) {
+  static mechanism::Matrix3 rotationOf(const urdf::Rotation& r) {
     return Eigen::Quaterniond(r.w, r.x, r.y, r.z).normalized().matrix();
   }
 
@@ -85,17 +86,18 @@ class UrdfReader {
   urdf::ModelInterfaceSharedPtr model_;
 };
 
-Matrix3 columns(const Vector3& x, const Vector3& y, const Vector3& z) {
-  Matrix3 matrix;
+mechanism::Matrix3 columns(const mechanism::Vector3& x, const mechanism::Vector3& y, const mechanism::Vector3& z) {
+  mechanism::Matrix3 matrix;
   matrix << x, y, z;
   return matrix;
 }
 
 /// The joints between the frames of parameters.h, all joint values zero (then every leg lies along the base's X).
-void checkGeometry(const UrdfReader& urdf, const Mechanism& mechanism) {
-  const Vector3 ex = Vector3::UnitX(), ey = Vector3::UnitY(), ez = Vector3::UnitZ(), none = Vector3::Zero();
-  const Matrix3 same = Matrix3::Identity();
-  const Matrix3 rod_in_cylinder = columns(ex, -ez, ey);
+void checkGeometry(const UrdfReader& urdf, const mechanism::Mechanism& mechanism) {
+  const mechanism::Vector3 ex = mechanism::Vector3::UnitX(), ey = mechanism::Vector3::UnitY(),
+                           ez = mechanism::Vector3::UnitZ(), none = mechanism::Vector3::Zero();
+  const mechanism::Matrix3 same = mechanism::Matrix3::Identity();
+  const mechanism::Matrix3 rod_in_cylinder = columns(ex, -ez, ey);
   for (int i = 0; i < 3; ++i) {
     const std::string k = std::to_string(i + 1), leg = "leg_" + k + "_";
     urdf.checkJoint("q" + k + "1", "base", leg + "cross", urdf::Joint::REVOLUTE, -ey, mechanism.base_points[i], same);
@@ -114,7 +116,7 @@ void checkGeometry(const UrdfReader& urdf, const Mechanism& mechanism) {
 
 }  // namespace
 
-RobotInertia loadRobotInertia(const Robot& robot) {
+RobotInertia loadRobotInertia(const mechanism::Robot& robot) {
   if (!robot.mechanism) throw InputError(robot.path + ": a bench of axes has no link inertias");
   if (robot.urdf.empty()) throw InputError(robot.path + ": the key urdf is missing; link inertias come from a URDF");
   const UrdfReader urdf(robot.urdf);
@@ -132,4 +134,4 @@ InertialParameters toParameters(const RobotInertia& inertia) {
   return all;
 }
 
-}  // namespace knee_robot
+}  // namespace knee_robot::dynamics

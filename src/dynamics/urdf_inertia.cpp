@@ -8,7 +8,7 @@
 #include "knee_robot/base/files.h"
 #include "knee_robot/base/numbers.h"
 
-namespace knee_robot {
+namespace knee_robot::dynamics {
 namespace {
 
 using tinyxml2::XMLElement;
@@ -32,7 +32,7 @@ void setInertial(tinyxml2::XMLDocument& document, XMLElement* link, const LinkIn
   origin->SetAttribute("rpy", "0 0 0");
   inertial->InsertNewChildElement("mass")->SetAttribute("value", exactNumber(body.mass).c_str());
   XMLElement* tensor = inertial->InsertNewChildElement("inertia");
-  const Matrix3& i = body.inertia;
+  const mechanism::Matrix3& i = body.inertia;
   const std::pair<const char*, double> entries[] = {{"ixx", i(0, 0)}, {"ixy", i(0, 1)}, {"ixz", i(0, 2)},
                                                     {"iyy", i(1, 1)}, {"iyz", i(1, 2)}, {"izz", i(2, 2)}};
   for (const auto& [name, value] : entries)
@@ -62,4 +62,4 @@ std::string urdfWithInertia(const std::string& path, const RobotInertia& inertia
   return printer.CStr();
 }
 
-}  // namespace knee_robot
+}  // namespace knee_robot::dynamics

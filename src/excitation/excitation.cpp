@@ -7,7 +7,7 @@
 #include "excitation_setup.h"
 #include "knee_robot/base/errors.h"
 
-namespace knee_robot {
+namespace knee_robot::excitation {
 namespace {
 
 constexpr double kShrink = 0.97;  ///< of the amplitude, when the full check finds something between the instants
@@ -16,10 +16,10 @@ const std::vector<int> kReportedDirections = {20, 30, 40, 51, 56, 73};
 
 /// Draws the series' amplitude in until every limit holds at every millisecond and at every point that is streamed. Returns what is
 /// still beyond its limit when that does not help, empty when all is well.
-std::string checkPlan(const Robot& limited, const ExcitationOptions& options, ExcitationPlan& plan) {
+std::string checkPlan(const mechanism::Robot& limited, const ExcitationOptions& options, ExcitationPlan& plan) {
   for (int round = 0;; ++round) {
     plan.reference = sampledReference(plan.series);
-    plan.check = checkReference(plan.reference, limited);
+    plan.check = trajectory::checkReference(plan.reference, limited);
     const auto used = limitsUsed(limited, plan.series, options.friction);
     const auto beyond = [&](const LimitUsed& limit) {
       return limit.share > 1.0 && (options.force_limits || limit.name.find("force") == std::string::npos);
@@ -66,7 +66,7 @@ std::vector<ConditionAt> conditionsAsPlayed(const ExcitationProblem& problem, co
 
 }  // namespace
 
-ExcitationPlan planExcitation(const Robot& robot, const ExcitationOptions& options) {
+ExcitationPlan planExcitation(const mechanism::Robot& robot, const ExcitationOptions& options) {
   const ExcitationSetup setup = setUpExcitation(robot, options);
   ExcitationProblem problem = setup.problem;
   const SearchResult result = searchExcitation(problem, options);
@@ -78,11 +78,11 @@ ExcitationPlan planExcitation(const Robot& robot, const ExcitationOptions& optio
   plan.feasible_candidates = result.feasible;
   plan.evaluations = result.evaluations;
   plan.cut_short = result.cut_short;
-  plan.check = requirePlayable(plan.reference, robot);
+  plan.check = trajectory::requirePlayable(plan.reference, robot);
   plan.conditions = conditionsAsPlayed(problem, plan.series, options.directions, plan.k);
   plan.random_conditions =
       conditionsAsPlayed(problem, problem.series(result.random.variables), options.directions, plan.random_k);
   return plan;
 }
 
-}  // namespace knee_robot
+}  // namespace knee_robot::excitation

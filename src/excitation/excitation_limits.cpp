@@ -5,7 +5,7 @@
 
 #include "excitation_problem.h"
 
-namespace knee_robot {
+namespace knee_robot::excitation {
 namespace {
 
 /// Keeps the closest approach of each quantity, in the order in which they first come.
@@ -26,9 +26,9 @@ class Closest {
   std::vector<LimitUsed> all_;
 };
 
-void takeMotion(const Robot& robot, const SeriesPoint& point, double time_s, Closest& closest) {
-  for (int i = 0; i < kLegs; ++i) {
-    const Actuator& a = robot.actuators[i];
+void takeMotion(const mechanism::Robot& robot, const SeriesPoint& point, double time_s, Closest& closest) {
+  for (int i = 0; i < mechanism::kLegs; ++i) {
+    const mechanism::Actuator& a = robot.actuators[i];
     const std::string of = " of actuator " + std::to_string(i + 1);
     const double middle = 0.5 * (a.position_min_m + a.position_max_m), half = a.position_max_m - middle;
     const double length = point.value[i];
@@ -41,9 +41,9 @@ void takeMotion(const Robot& robot, const SeriesPoint& point, double time_s, Clo
   }
 }
 
-void takePose(const Robot& robot, const Pose& pose, double time_s, Closest& closest) {
-  const JointAngles angles = jointAngles(*robot.mechanism, pose);
-  for (int i = 0; i < kLegs; ++i) {
+void takePose(const mechanism::Robot& robot, const mechanism::Pose& pose, double time_s, Closest& closest) {
+  const mechanism::JointAngles angles = mechanism::jointAngles(*robot.mechanism, pose);
+  for (int i = 0; i < mechanism::kLegs; ++i) {
     const std::string of = " of leg " + std::to_string(i + 1);
     const double base_max = i < 3 ? robot.joints.universal_max : robot.joints.revolute_max;
     closest.take((i < 3 ? "universal joint" : "revolute joint") + of, angles.base[i], base_max,
@@ -52,46 +52,46 @@ void takePose(const Robot& robot, const Pose& pose, double time_s, Closest& clos
     const double tip_max = robot.joints.spherical_max;
     closest.take("spherical joint" + of, angles.platform[i], tip_max, angles.platform[i] / tip_max, time_s);
   }
-  const double condition = conditionNumber(*robot.mechanism, pose), most = robot.singularity_condition_max;
+  const double condition = mechanism::conditionNumber(*robot.mechanism, pose), most = robot.singularity_condition_max;
   closest.take("condition number", condition, most, condition / most, time_s);
 }
 
 }  // namespace
 
-double peakForce(const Actuator& actuator) {
+double peakForce(const mechanism::Actuator& actuator) {
   const double by_voltage = actuator.voltage_max_V * std::abs(actuator.force_per_volt_N);
   return actuator.force_max_N > 0.0 ? std::min(actuator.force_max_N, by_voltage) : by_voltage;
 }
 
-std::optional<std::vector<LimitUsed>> limitsUsed(const Robot& robot, const FourierSeries& series,
+std::optional<std::vector<LimitUsed>> limitsUsed(const mechanism::Robot& robot, const FourierSeries& series,
                                                  const ExpectedFriction& friction, double step_s) {
   const std::optional<ExpectedLoad> load = expectedLoad(robot, friction);
-  const ForwardResult start = forwardKinematicsFromHome(*robot.mechanism, series.centre);
+  const mechanism::ForwardResult start = mechanism::forwardKinematicsFromHome(*robot.mechanism, series.centre);
   if (!start.ok()) return std::nullopt;
-  Motion motion;
+  mechanism::Motion motion;
   motion.pose = start.pose;
-  RegressorData data;
+  dynamics::RegressorData data;
   Closest closest;
-  Vector4 squares = Vector4::Zero();
+  mechanism::Vector4 squares = mechanism::Vector4::Zero();
   const long last = std::lround(series.shape.duration_s / step_s);
   for (long k = 0; k <= last; ++k) {
     const double time = static_cast<double>(k) * step_s;
     const SeriesPoint point = pointAt(series, seriesBasis(series.shape, time));
-    if (motionFromLengths(*robot.mechanism, point.value, point.rate, point.acceleration, motion.pose, motion) !=
-        ForwardStatus::Converged) {
+    if (mechanism::motionFromLengths(*robot.mechanism, point.value, point.rate, point.acceleration, motion.pose,
+                                     motion) != mechanism::ForwardStatus::Converged) {
       return std::nullopt;
     }
     takeMotion(robot, point, time, closest);
     takePose(robot, motion.pose, time, closest);
-    if (!load || !projectedRegressor(*robot.mechanism, robot.gravity, motion, data)) continue;
-    const Vector4 force = data.k * load->parameters + load->rotor_mass.cwiseProduct(point.acceleration);
+    if (!load || !dynamics::projectedRegressor(*robot.mechanism, robot.gravity, motion, data)) continue;
+    const mechanism::Vector4 force = data.k * load->parameters + load->rotor_mass.cwiseProduct(point.acceleration);
     squares += force.cwiseAbs2();
-    for (int i = 0; i < kLegs; ++i) {
+    for (int i = 0; i < mechanism::kLegs; ++i) {
       const double most = peakForce(robot.actuators[i]), size = std::abs(force[i]);
       closest.take("peak force of actuator " + std::to_string(i + 1), size, most, size / most, time);
     }
   }
-  for (int i = 0; load && i < kLegs; ++i) {
+  for (int i = 0; load && i < mechanism::kLegs; ++i) {
     const double most = robot.actuators[i].force_continuous_N;
     const double rms = std::sqrt(squares[i] / static_cast<double>(last + 1));
     if (most > 0.0) closest.take("rms force of actuator " + std::to_string(i + 1), rms, most, rms / most, 0.0);
@@ -99,4 +99,4 @@ std::optional<std::vector<LimitUsed>> limitsUsed(const Robot& robot, const Fouri
   return closest.all();
 }
 
-}  // namespace knee_robot
+}  // namespace knee_robot::excitation

@@ -5,7 +5,7 @@
 #include <limits>
 #include <utility>
 
-namespace knee_robot {
+namespace knee_robot::excitation {
 namespace {
 
 constexpr double kSamplesPerPeriod = 20.0;  ///< of the highest harmonic
@@ -35,21 +35,21 @@ SampledBasis::SampledBasis(const SeriesShape& shape, double rate_hz) {
     at.push_back(seriesBasis(shape, static_cast<double>(k) * shape.duration_s / static_cast<double>(last)));
 }
 
-ExcitationProblem::ExcitationProblem(ExcitationTask task, const Pose& centre)
+ExcitationProblem::ExcitationProblem(ExcitationTask task, const mechanism::Pose& centre)
     : task_(std::move(task)),
-      centre_lengths_(legLengths(*task_.robot.mechanism, centre)),
+      centre_lengths_(mechanism::legLengths(*task_.robot.mechanism, centre)),
       centre_pose_(centre),
-      unit_(lengthJacobian(*task_.robot.mechanism, centre) *
-            Vector4(kTranslationUnit, kTranslationUnit, kRotationUnit, kRotationUnit).asDiagonal()),
+      unit_(mechanism::lengthJacobian(*task_.robot.mechanism, centre) *
+            mechanism::Vector4(kTranslationUnit, kTranslationUnit, kRotationUnit, kRotationUnit).asDiagonal()),
       basis_(task_.shape, std::max(kLeastHertz, kSamplesPerPeriod * topHertz(task_.shape))),
       fine_(task_.shape, kFiner * std::max(kLeastHertz, kSamplesPerPeriod * topHertz(task_.shape))),
       stretches_(std::max(1, static_cast<int>(std::ceil(4.0 * topHertz(task_.shape) * task_.shape.duration_s)))) {
-  for (int i = 0; i < kLegs; ++i) {
+  for (int i = 0; i < mechanism::kLegs; ++i) {
     peak_force_[i] = peakForce(task_.robot.actuators[i]);
     const double continuous = task_.robot.actuators[i].force_continuous_N;
     rms_force_[i] = continuous > 0.0 ? continuous : std::numeric_limits<double>::infinity();
   }
-  const JointLimits& joints = task_.robot.joints;
+  const mechanism::JointLimits& joints = task_.robot.joints;
   cosine_room_ = {1.0 - std::cos(joints.spherical_max), 1.0 - std::cos(joints.universal_max),
                   1.0 - std::cos(joints.revolute_max)};
   log_condition_max_ = std::log(task_.robot.singularity_condition_max);
@@ -63,40 +63,41 @@ ExcitationProblem::ExcitationProblem(ExcitationTask task, const Pose& centre)
 FourierSeries ExcitationProblem::series(const Eigen::VectorXd& variables) const {
   FourierSeries series;
   series.shape = task_.shape;
-  series.space = Space::Actuator;
+  series.space = trajectory::Space::Actuator;
   series.centre = centre_lengths_ + unit_ * variables.head<4>();
   series.coefficients = unit_ * Eigen::Map<const Eigen::Matrix<double, 4, Eigen::Dynamic>>(
                                     variables.data() + 4, 4, coefficientColumns(task_.shape));
   return series;
 }
 
-Pose ExcitationProblem::startPose(const FourierSeries& series, bool& ok) const {
-  const ForwardResult start = forwardKinematics(*task_.robot.mechanism, series.centre, centre_pose_);
+mechanism::Pose ExcitationProblem::startPose(const FourierSeries& series, bool& ok) const {
+  const mechanism::ForwardResult start =
+      mechanism::forwardKinematics(*task_.robot.mechanism, series.centre, centre_pose_);
   ok = start.ok();
   return start.pose;
 }
 
-bool ExcitationProblem::visit(const SeriesPoint& point, const Pose& guess, const CoulombWidth& width,
-                              Instant& out) const {
-  static thread_local RegressorData data;
-  const Mechanism& mechanism = *task_.robot.mechanism;
+bool ExcitationProblem::visit(const SeriesPoint& point, const mechanism::Pose& guess,
+                              const dynamics::CoulombWidth& width, Instant& out) const {
+  static thread_local dynamics::RegressorData data;
+  const mechanism::Mechanism& mechanism = *task_.robot.mechanism;
   out.point = point;
-  if (motionFromLengths(mechanism, point.value, point.rate, point.acceleration, guess, out.motion) !=
-      ForwardStatus::Converged) {
+  if (mechanism::motionFromLengths(mechanism, point.value, point.rate, point.acceleration, guess, out.motion) !=
+      mechanism::ForwardStatus::Converged) {
     return false;
   }
-  if (!projectedRegressor(mechanism, task_.robot.gravity, out.motion, data, width)) return false;
+  if (!dynamics::projectedRegressor(mechanism, task_.robot.gravity, out.motion, data, width)) return false;
   out.regressor = data.k;
   if (task_.load) out.force = data.k * task_.load->parameters + task_.load->rotor_mass.cwiseProduct(point.acceleration);
   return true;
 }
 
 void ExcitationProblem::fillUses(Instant& instant) const {
-  const Robot& robot = task_.robot;
+  const mechanism::Robot& robot = task_.robot;
   const SeriesPoint& point = instant.point;
-  const JointAngles angles = jointAngles(*robot.mechanism, instant.motion.pose);
-  for (int i = 0; i < kLegs; ++i) {
-    const Actuator& actuator = robot.actuators[i];
+  const mechanism::JointAngles angles = mechanism::jointAngles(*robot.mechanism, instant.motion.pose);
+  for (int i = 0; i < mechanism::kLegs; ++i) {
+    const mechanism::Actuator& actuator = robot.actuators[i];
     const double middle = 0.5 * (actuator.position_min_m + actuator.position_max_m);
     instant.uses[kLength + i] = std::abs(point.value[i] - middle) / (actuator.position_max_m - middle);
     instant.uses[kVelocity + i] = std::abs(point.rate[i]) / actuator.velocity_max_m_per_s;
@@ -106,18 +107,20 @@ void ExcitationProblem::fillUses(Instant& instant) const {
     instant.uses[kBase + i] = (1.0 - std::cos(angles.base[i])) / base_room;
     if (i < 3) instant.uses[kTip + i] = (1.0 - std::cos(angles.platform[i])) / cosine_room_.spherical_max;
   }
-  instant.uses[kCondition] = std::log(conditionNumber(*robot.mechanism, instant.motion.pose)) / log_condition_max_;
+  instant.uses[kCondition] =
+      std::log(mechanism::conditionNumber(*robot.mechanism, instant.motion.pose)) / log_condition_max_;
 }
 
 void ExcitationProblem::slopesOfUses(const Instant& instant, const InstantSlopes& slopes, UseSlopes& out) const {
-  const Robot& robot = task_.robot;
+  const mechanism::Robot& robot = task_.robot;
   out.setZero();
-  for (int i = 0; i < kLegs; ++i) {
-    const Actuator& actuator = robot.actuators[i];
+  for (int i = 0; i < mechanism::kLegs; ++i) {
+    const mechanism::Actuator& actuator = robot.actuators[i];
     const double middle = 0.5 * (actuator.position_min_m + actuator.position_max_m);
     out(kLength + i, i) = sign(instant.point.value[i] - middle) / (actuator.position_max_m - middle);
-    out(kVelocity + i, kLegs + i) = sign(instant.point.rate[i]) / actuator.velocity_max_m_per_s;
-    out(kAcceleration + i, 2 * kLegs + i) = sign(instant.point.acceleration[i]) / actuator.acceleration_max_m_per_s2;
+    out(kVelocity + i, mechanism::kLegs + i) = sign(instant.point.rate[i]) / actuator.velocity_max_m_per_s;
+    out(kAcceleration + i, 2 * mechanism::kLegs + i) =
+        sign(instant.point.acceleration[i]) / actuator.acceleration_max_m_per_s2;
     out.row(kForce + i) = sign(instant.force[i]) / peak_force_[i] * slopes.slope.row(slope_row::kForce + i);
     const double base_room = i < 3 ? cosine_room_.universal_max : cosine_room_.revolute_max;
     out.row(kBase + i) = -slopes.slope.row(slope_row::kBaseCosine + i) / base_room;
@@ -133,9 +136,10 @@ int ExcitationProblem::stretchOf(std::size_t instant) const {
 void ExcitationProblem::addSlopes(const std::vector<Instant>& instants, const SpectralCost& cost,
                                   Evaluation& out) const {
   const Eigen::Index columns = coefficientColumns(task_.shape);
-  using ByActuator = Eigen::Matrix<double, kLegs, Eigen::Dynamic>;  // centre, then coefficients
-  ByActuator by_cost = ByActuator::Zero(kLegs, 1 + columns);
-  const auto add = [&](const Eigen::Matrix<double, 1, 3 * kLegs>& slope, const SeriesBasis& basis, ByActuator& sum) {
+  using ByActuator = Eigen::Matrix<double, mechanism::kLegs, Eigen::Dynamic>;  // centre, then coefficients
+  ByActuator by_cost = ByActuator::Zero(mechanism::kLegs, 1 + columns);
+  const auto add = [&](const Eigen::Matrix<double, 1, 3 * mechanism::kLegs>& slope, const SeriesBasis& basis,
+                       ByActuator& sum) {
     sum.col(0) += slope.head<4>().transpose();
     sum.rightCols(columns).noalias() += slope.head<4>().transpose() * basis.value +
                                         slope.segment<4>(4).transpose() * basis.rate +
@@ -154,9 +158,9 @@ void ExcitationProblem::addSlopes(const std::vector<Instant>& instants, const Sp
     }
   }
   out.limit_gradients.setZero(variables(), limits());
-  std::array<ByActuator, kLegs> by_rms;
-  by_rms.fill(ByActuator::Zero(kLegs, 1 + columns));
-  const Vector4 weight = task_.noise_N.cwiseInverse();
+  std::array<ByActuator, mechanism::kLegs> by_rms;
+  by_rms.fill(ByActuator::Zero(mechanism::kLegs, 1 + columns));
+  const mechanism::Vector4 weight = task_.noise_N.cwiseInverse();
   for (std::size_t t = 0; t < instants.size(); ++t) {
     const Instant& instant = instants[t];
     const PaperRegressor weights = weight.asDiagonal() * cost.gradient(weight.asDiagonal() * instant.regressor);
@@ -168,18 +172,18 @@ void ExcitationProblem::addSlopes(const std::vector<Instant>& instants, const Sp
     for (int q = 0; q < kQuantities; ++q) {
       const int place = stretchOf(t) * kQuantities + q;
       if (chosen[static_cast<std::size_t>(place)].second != t) continue;
-      ByActuator sum = ByActuator::Zero(kLegs, 1 + columns);
+      ByActuator sum = ByActuator::Zero(mechanism::kLegs, 1 + columns);
       add(use_slopes.row(q), basis_.at[t], sum);
       out.limit_gradients.col(place) = asVariables(sum);
     }
-    for (int i = 0; task_.load && i < kLegs; ++i) {
+    for (int i = 0; task_.load && i < mechanism::kLegs; ++i) {
       add(2.0 * instant.force[i] * slopes.slope.row(slope_row::kForce + i), basis_.at[t],
           by_rms[static_cast<std::size_t>(i)]);
     }
   }
   out.cost_gradient = asVariables(by_cost);
   const double count = static_cast<double>(instants.size());
-  for (int i = 0; i < kLegs; ++i) {
+  for (int i = 0; i < mechanism::kLegs; ++i) {
     out.limit_gradients.col(kQuantities * stretches_ + i) =
         asVariables(by_rms[static_cast<std::size_t>(i)]) / (count * rms_force_[i] * rms_force_[i]);
   }
@@ -190,15 +194,15 @@ bool ExcitationProblem::evaluate(const Eigen::VectorXd& variables, double expone
                                  Evaluation& out) const {
   const FourierSeries series = this->series(variables);
   bool ok = false;
-  Pose pose = startPose(series, ok);
+  mechanism::Pose pose = startPose(series, ok);
   std::vector<Instant> instants(basis_.at.size());
   std::vector<PaperRegressor> observations;
   observations.reserve(instants.size());
-  const Vector4 weight = task_.noise_N.cwiseInverse();
+  const mechanism::Vector4 weight = task_.noise_N.cwiseInverse();
   out.variables = variables;
   out.has_slopes = false;
   out.limits = Eigen::VectorXd::Constant(limits(), -1.0);
-  Vector4 squares = Vector4::Zero();
+  mechanism::Vector4 squares = mechanism::Vector4::Zero();
   for (std::size_t t = 0; t < instants.size(); ++t) {
     Instant& instant = instants[t];
     if (!ok || !visit(pointAt(series, basis_.at[t]), pose, task_.width, instant)) return false;
@@ -209,8 +213,8 @@ bool ExcitationProblem::evaluate(const Eigen::VectorXd& variables, double expone
     here = here.cwiseMax((instant.uses.array() - 1.0).matrix());
     squares += instant.force.cwiseAbs2();
   }
-  const Vector4 mean = squares / static_cast<double>(instants.size());
-  out.limits.tail<kLegs>() = (mean.array() / rms_force_.array().square() - 1.0).matrix();
+  const mechanism::Vector4 mean = squares / static_cast<double>(instants.size());
+  out.limits.tail<mechanism::kLegs>() = (mean.array() / rms_force_.array().square() - 1.0).matrix();
   const SpectralCost cost(observations, task_.directions, task_.criterion, exponent, task_.fixed_scale);
   out.cost = cost.value();
   if (with_slopes) addSlopes(instants, cost, out);
@@ -221,9 +225,9 @@ double ExcitationProblem::worstUse(const Eigen::VectorXd& variables, double enou
   const FourierSeries series = this->series(variables);
   bool ok = false;
   Instant instant;
-  Pose pose = startPose(series, ok);
+  mechanism::Pose pose = startPose(series, ok);
   double worst = 0.0;
-  Vector4 squares = Vector4::Zero();
+  mechanism::Vector4 squares = mechanism::Vector4::Zero();
   for (std::size_t t = 0; ok && t < fine_.at.size(); ++t) {
     ok = visit(pointAt(series, fine_.at[t]), pose, task_.width, instant);
     if (!ok) break;
@@ -234,15 +238,14 @@ double ExcitationProblem::worstUse(const Eigen::VectorXd& variables, double enou
     squares += instant.force.cwiseAbs2();
   }
   if (!ok) return std::numeric_limits<double>::infinity();
-  const Vector4 rms = (squares / static_cast<double>(fine_.at.size())).cwiseSqrt();
+  const mechanism::Vector4 rms = (squares / static_cast<double>(fine_.at.size())).cwiseSqrt();
   return std::max(worst, rms.cwiseQuotient(rms_force_).maxCoeff());
 }
 
-std::optional<std::vector<PaperRegressor>> ExcitationProblem::observationsAt(const FourierSeries& series,
-                                                                             const SampledBasis& basis,
-                                                                             const CoulombWidth& width) const {
+std::optional<std::vector<PaperRegressor>> ExcitationProblem::observationsAt(
+    const FourierSeries& series, const SampledBasis& basis, const dynamics::CoulombWidth& width) const {
   bool ok = false;
-  Pose pose = startPose(series, ok);
+  mechanism::Pose pose = startPose(series, ok);
   std::vector<PaperRegressor> all;
   Instant instant;
   for (const SeriesBasis& at : basis.at) {
@@ -258,7 +261,7 @@ std::optional<std::vector<PaperRegressor>> ExcitationProblem::observations(const
 }
 
 std::optional<std::vector<PaperRegressor>> ExcitationProblem::observationsAsPlayed(const FourierSeries& series) const {
-  return observationsAt(series, SampledBasis(series.shape, 1.0 / kStreamPeriod), {});
+  return observationsAt(series, SampledBasis(series.shape, 1.0 / trajectory::kStreamPeriod), {});
 }
 
 std::optional<Eigen::VectorXd> ExcitationProblem::scaledToLimits(Eigen::VectorXd variables, double largest) const {
@@ -288,15 +291,15 @@ std::optional<Eigen::VectorXd> ExcitationProblem::scaledToLimits(Eigen::VectorXd
   return std::nullopt;
 }
 
-std::optional<ExpectedLoad> expectedLoad(const Robot& robot, const ExpectedFriction& friction) {
+std::optional<ExpectedLoad> expectedLoad(const mechanism::Robot& robot, const ExpectedFriction& friction) {
   if (robot.urdf.empty()) return std::nullopt;
   ExpectedLoad load;
-  load.parameters.head<kInertialParameters>() = toParameters(loadRobotInertia(robot));
-  for (int i = 0; i < kLegs; ++i) {
-    load.parameters[kInertialParameters + 6 * i] = friction.viscous_N_s_per_m;
-    load.parameters[kInertialParameters + 6 * i + 1] = friction.coulomb_N;
+  load.parameters.head<dynamics::kInertialParameters>() = dynamics::toParameters(dynamics::loadRobotInertia(robot));
+  for (int i = 0; i < mechanism::kLegs; ++i) {
+    load.parameters[dynamics::kInertialParameters + 6 * i] = friction.viscous_N_s_per_m;
+    load.parameters[dynamics::kInertialParameters + 6 * i + 1] = friction.coulomb_N;
   }
   return load;
 }
 
-}  // namespace knee_robot
+}  // namespace knee_robot::excitation

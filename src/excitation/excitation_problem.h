@@ -5,7 +5,7 @@
 #include "knee_robot/dynamics/robot_inertia.h"
 #include "spectral_cost.h"
 
-namespace knee_robot {
+namespace knee_robot::excitation {
 
 /// The instants at which series of one shape are looked at, with the basis there.
 struct SampledBasis {
@@ -15,15 +15,16 @@ struct SampledBasis {
 
 /// What an excitation is sought for.
 struct ExcitationTask {
-  Robot robot;  ///< with the limits to be kept
+  mechanism::Robot robot;  ///< with the limits to be kept
   SeriesShape shape;
   int directions = 51;
   ExcitationCriterion criterion = ExcitationCriterion::Condition;
-  Vector4 noise_N = Vector4::Ones();
+  mechanism::Vector4 noise_N = mechanism::Vector4::Ones();
   bool twin_legs = false;
   std::optional<ExpectedLoad> load;  ///< none: forces are not limited
-  CoulombWidth width{1e-3, 3e-3};    ///< smoothed signs, so that slopes exist; narrow beside the motion's velocities
-  Eigen::VectorXd fixed_scale;       ///< of the columns, for Determinant
+  dynamics::CoulombWidth width{1e-3,
+                               3e-3};  ///< smoothed signs, so that slopes exist; narrow beside the motion's velocities
+  Eigen::VectorXd fixed_scale;         ///< of the columns, for Determinant
 };
 
 /// The optimisation problem of planExcitation: variables -> criterion and use of limits, with exact gradients. Constant after
@@ -31,7 +32,7 @@ struct ExcitationTask {
 class ExcitationProblem {
  public:
   /// `centre` is the pose around which the variables are expressed.
-  ExcitationProblem(ExcitationTask task, const Pose& centre);
+  ExcitationProblem(ExcitationTask task, const mechanism::Pose& centre);
 
   /// 4 for the centre, then 4 a column of coefficients; about 0.1 m and 0.3 rad a unit.
   int variables() const { return 4 + 8 * task_.shape.harmonics; }
@@ -53,7 +54,7 @@ class ExcitationProblem {
 
   /// Each quantity's largest use is taken over stretches of a quarter of the highest harmonic's period, then one entry an actuator
   /// for the rms force.
-  int limits() const { return kQuantities * stretches_ + kLegs; }
+  int limits() const { return kQuantities * stretches_ + mechanism::kLegs; }
 
   /// Largest use of any limit along the series, at three times as many instants as evaluate() looks at; infinite when the mechanism cannot
   /// follow it. Stops looking beyond `enough`.
@@ -70,38 +71,39 @@ class ExcitationProblem {
 
  private:
   static constexpr int kQuantities =
-      6 * kLegs;  ///< lengths, velocities, accelerations, forces; 7 angles and the condition
+      6 * mechanism::kLegs;  ///< lengths, velocities, accelerations, forces; 7 angles and the condition
   using Uses = Eigen::Matrix<double, kQuantities, 1>;
-  using UseSlopes = Eigen::Matrix<double, kQuantities, 3 * kLegs>;
+  using UseSlopes = Eigen::Matrix<double, kQuantities, 3 * mechanism::kLegs>;
   struct Instant {
     SeriesPoint point;
-    Motion motion;
+    mechanism::Motion motion;
     PaperRegressor regressor;
-    Vector4 force = Vector4::Zero();
+    mechanism::Vector4 force = mechanism::Vector4::Zero();
     Uses uses;
   };
-  bool visit(const SeriesPoint& point, const Pose& guess, const CoulombWidth& width, Instant& out) const;
+  bool visit(const SeriesPoint& point, const mechanism::Pose& guess, const dynamics::CoulombWidth& width,
+             Instant& out) const;
   void fillUses(Instant& instant) const;
   void slopesOfUses(const Instant& instant, const InstantSlopes& slopes, UseSlopes& out) const;
   void addSlopes(const std::vector<Instant>& instants, const SpectralCost& cost, Evaluation& out) const;
   std::optional<std::vector<PaperRegressor>> observationsAt(const FourierSeries& series, const SampledBasis& basis,
-                                                            const CoulombWidth& width) const;
-  Pose startPose(const FourierSeries& series, bool& ok) const;
+                                                            const dynamics::CoulombWidth& width) const;
+  mechanism::Pose startPose(const FourierSeries& series, bool& ok) const;
   int stretchOf(std::size_t instant) const;
 
   ExcitationTask task_;
-  Lengths centre_lengths_;
-  Pose centre_pose_;
+  mechanism::Lengths centre_lengths_;
+  mechanism::Pose centre_pose_;
   /// Actuator change of one unit of each variable: dq/dx times units, legs 2 and 3 tied if they are twins.
-  Matrix4 unit_;
+  mechanism::Matrix4 unit_;
   SampledBasis basis_, fine_;
   int stretches_ = 1;
-  Vector4 peak_force_, rms_force_;  ///< N
-  JointLimits cosine_room_;         ///< 1 - cos of each joint's limit
+  mechanism::Vector4 peak_force_, rms_force_;  ///< N
+  mechanism::JointLimits cosine_room_;         ///< 1 - cos of each joint's limit
   double log_condition_max_ = 0.0;
 };
 
 /// The forces' parameters of a robot with a URDF; nothing without one.
-std::optional<ExpectedLoad> expectedLoad(const Robot& robot, const ExpectedFriction& friction);
+std::optional<ExpectedLoad> expectedLoad(const mechanism::Robot& robot, const ExpectedFriction& friction);
 
-}  // namespace knee_robot
+}  // namespace knee_robot::excitation

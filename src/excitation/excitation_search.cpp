@@ -9,7 +9,7 @@
 #include <random>
 #include <thread>
 
-namespace knee_robot {
+namespace knee_robot::excitation {
 namespace {
 
 constexpr double kExponents[] = {2.0, 8.0, 32.0};  ///< of SpectralCost, one round each
@@ -111,7 +111,7 @@ void fixScale(ExcitationProblem& problem, const ExcitationOptions& options) {
     problem.setFixedScale(columnScales(*observations));
     return;
   }
-  problem.setFixedScale(Eigen::VectorXd::Ones(kPaperParameters));
+  problem.setFixedScale(Eigen::VectorXd::Ones(dynamics::kPaperParameters));
 }
 
 /// One start: NLopt asks for the criterion and for the limits at the same variables in turn, so the last evaluation is kept.
@@ -324,4 +324,4 @@ SearchResult searchExcitation(ExcitationProblem& problem, const ExcitationOption
   return result;
 }
 
-}  // namespace knee_robot
+}  // namespace knee_robot::excitation

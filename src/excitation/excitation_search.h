@@ -2,7 +2,7 @@
 
 #include "excitation_problem.h"
 
-namespace knee_robot {
+namespace knee_robot::excitation {
 
 /// A feasible series and its cost (SpectralCost, not smoothed).
 struct Candidate {
@@ -28,4 +28,4 @@ std::vector<Candidate> randomStarts(ExcitationProblem& problem, const Excitation
 /// One of these starts alone, on this thread.
 Candidate improveOne(const ExcitationProblem& problem, const ExcitationOptions& options, const Candidate& from);
 
-}  // namespace knee_robot
+}  // namespace knee_robot::excitation

@@ -3,11 +3,11 @@
 #include <algorithm>
 #include <cmath>
 
-#include "exercise_fit.h"
 #include "knee_robot/base/errors.h"
 #include "knee_robot/base/numbers.h"
+#include "knee_robot/trajectory/exercise_fit.h"
 
-namespace knee_robot {
+namespace knee_robot::excitation {
 namespace {
 
 constexpr double kLengthInset = 0.02;  ///< share of each actuator's range that is left unused at both ends
@@ -15,12 +15,12 @@ constexpr double kLimitInset = 0.98;   ///< share of the other limits that is us
 constexpr double kSignWidth = 0.02;    ///< of smoothed signs, as share of the velocity limit
 constexpr double kRadius_m = 0.3;      ///< turns it into an angular velocity
 
-void refuseOptions(const Robot& robot, const ExcitationOptions& options) {
+void refuseOptions(const mechanism::Robot& robot, const ExcitationOptions& options) {
   const auto demand = [](bool holds, const std::string& sentence) {
     if (!holds) throw InputError(sentence);
   };
   const SeriesShape& shape = options.shape;
-  demand(robot.kind == MechanismKind::ThreeUpsOneRpu,
+  demand(robot.kind == mechanism::MechanismKind::ThreeUpsOneRpu,
          robot.path + " describes separate axes; an excitation moves a platform");
   demand(shape.harmonics >= 1 && shape.harmonics <= 30,
          "harmonics " + std::to_string(shape.harmonics) + " is not in 1 to 30");
@@ -47,21 +47,21 @@ void refuseOptions(const Robot& robot, const ExcitationOptions& options) {
 }
 
 /// The robot with the options' limits where they are stricter than its own.
-Robot limitedRobot(const Robot& robot, const ExcitationOptions& options) {
-  Robot limited = robot;
-  for (Actuator& actuator : limited.actuators) {
+mechanism::Robot limitedRobot(const mechanism::Robot& robot, const ExcitationOptions& options) {
+  mechanism::Robot limited = robot;
+  for (mechanism::Actuator& actuator : limited.actuators) {
     actuator.velocity_max_m_per_s = std::min(actuator.velocity_max_m_per_s, options.velocity_max);
     actuator.acceleration_max_m_per_s2 = std::min(actuator.acceleration_max_m_per_s2, options.acceleration_max);
   }
   limited.singularity_condition_max =
-      std::min(robot.singularity_condition_max, options.condition_max.value_or(planningCondition(robot)));
+      std::min(robot.singularity_condition_max, options.condition_max.value_or(trajectory::planningCondition(robot)));
   return limited;
 }
 
 /// The limits that the search keeps at its instants, so that the real ones hold between them.
-Robot insetRobot(const Robot& limited) {
-  Robot inset = limited;
-  for (Actuator& actuator : inset.actuators) {
+mechanism::Robot insetRobot(const mechanism::Robot& limited) {
+  mechanism::Robot inset = limited;
+  for (mechanism::Actuator& actuator : inset.actuators) {
     const double room = kLengthInset * (actuator.position_max_m - actuator.position_min_m);
     actuator.position_min_m += room;
     actuator.position_max_m -= room;
@@ -80,24 +80,24 @@ Robot insetRobot(const Robot& limited) {
 
 SeriesShape completed(SeriesShape shape) {
   // Whole points: the last one must be exactly the centre.
-  shape.duration_s = std::round(shape.duration_s / kStreamPeriod) * kStreamPeriod;
+  shape.duration_s = std::round(shape.duration_s / trajectory::kStreamPeriod) * trajectory::kStreamPeriod;
   shape.period_s = shape.duration_s - 2.0 * shape.ramp_s;
   return shape;
 }
 
 /// The pose near `pose` at which legs 2 and 3 are equally long: Newton steps of least size, a radian counted as 1/3 m.
-Pose withTwinLengths(const Mechanism& mechanism, Pose pose) {
-  const Vector4 weight(1.0, 1.0, 9.0, 9.0);
+mechanism::Pose withTwinLengths(const mechanism::Mechanism& mechanism, mechanism::Pose pose) {
+  const mechanism::Vector4 weight(1.0, 1.0, 9.0, 9.0);
   for (int round = 0; round < 20; ++round) {
-    const Lengths lengths = legLengths(mechanism, pose);
-    const Matrix4 jacobian = lengthJacobian(mechanism, pose);
-    const Vector4 slope = (jacobian.row(1) - jacobian.row(2)).transpose();
+    const mechanism::Lengths lengths = mechanism::legLengths(mechanism, pose);
+    const mechanism::Matrix4 jacobian = mechanism::lengthJacobian(mechanism, pose);
+    const mechanism::Vector4 slope = (jacobian.row(1) - jacobian.row(2)).transpose();
     pose -= (lengths[1] - lengths[2]) / slope.dot(weight.cwiseProduct(slope)) * weight.cwiseProduct(slope);
   }
   return pose;
 }
 
-ExcitationTask taskOf(const Robot& inset, const ExcitationOptions& options) {
+ExcitationTask taskOf(const mechanism::Robot& inset, const ExcitationOptions& options) {
   ExcitationTask task;
   task.robot = inset;
   task.shape = completed(options.shape);
@@ -107,7 +107,7 @@ ExcitationTask taskOf(const Robot& inset, const ExcitationOptions& options) {
   if (options.force_limits) task.load = expectedLoad(inset, options.friction);
   // Noise of a drive grows with its force per volt; only the ratios matter.
   double fastest = 0.0;
-  for (int i = 0; i < kLegs; ++i) {
+  for (int i = 0; i < mechanism::kLegs; ++i) {
     task.noise_N[i] = std::abs(inset.actuators[i].force_per_volt_N);
     fastest = std::max(fastest, inset.actuators[i].velocity_max_m_per_s);
   }
@@ -119,18 +119,18 @@ ExcitationTask taskOf(const Robot& inset, const ExcitationOptions& options) {
 
 }  // namespace
 
-ExcitationSetup setUpExcitation(const Robot& robot, const ExcitationOptions& options) {
+ExcitationSetup setUpExcitation(const mechanism::Robot& robot, const ExcitationOptions& options) {
   refuseOptions(robot, options);
-  const Robot limited = limitedRobot(robot, options), inset = insetRobot(limited);
-  const Exercise standing{"excitation", "", false, 0.0, {}, std::nullopt};
-  Pose centre = startThatFitsMost(standing, inset, 0.0);
+  const mechanism::Robot limited = limitedRobot(robot, options), inset = insetRobot(limited);
+  const trajectory::Exercise standing{"excitation", "", false, 0.0, {}, std::nullopt};
+  mechanism::Pose centre = trajectory::startThatFitsMost(standing, inset, 0.0);
   if (options.twin_legs) centre = withTwinLengths(*robot.mechanism, centre);
-  const Margin nearest = nearestLimit(inset, centre, inset.singularity_condition_max);
+  const trajectory::Margin nearest = trajectory::nearestLimit(inset, centre, inset.singularity_condition_max);
   if (nearest.left <= 0.0) {
     throw Refusal("no pose of " + robot.path + " has room for motion: even the best one is beyond " +
-                  limitText(nearest));
+                  trajectory::limitText(nearest));
   }
   return {limited, ExcitationProblem(taskOf(inset, options), centre)};
 }
 
-}  // namespace knee_robot
+}  // namespace knee_robot::excitation

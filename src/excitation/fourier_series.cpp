@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-namespace knee_robot {
+namespace knee_robot::excitation {
 namespace {
 
 struct Window {
@@ -49,17 +49,17 @@ SeriesPoint pointAt(const FourierSeries& series, const SeriesBasis& basis) {
           series.coefficients * basis.acceleration.transpose()};
 }
 
-Reference sampledReference(const FourierSeries& series) {
-  Reference reference;
+trajectory::Reference sampledReference(const FourierSeries& series) {
+  trajectory::Reference reference;
   reference.name = "planned excitation";
   reference.space = series.space;
-  const Eigen::Index last = std::lround(series.shape.duration_s / kStreamPeriod);
+  const Eigen::Index last = std::lround(series.shape.duration_s / trajectory::kStreamPeriod);
   reference.points.resize(last + 1, 4);
   for (Eigen::Index k = 0; k <= last; ++k) {
-    const SeriesBasis basis = seriesBasis(series.shape, static_cast<double>(k) * kStreamPeriod);
+    const SeriesBasis basis = seriesBasis(series.shape, static_cast<double>(k) * trajectory::kStreamPeriod);
     reference.points.row(k) = pointAt(series, basis).value.transpose();
   }
   return reference;
 }
 
-}  // namespace knee_robot
+}  // namespace knee_robot::excitation

@@ -6,7 +6,7 @@
 #include <Eigen/LU>
 #include <Eigen/SVD>
 
-namespace knee_robot {
+namespace knee_robot::excitation {
 namespace {
 
 constexpr int kInputs = 12;  ///< pose, pose velocity, pose acceleration
@@ -14,7 +14,7 @@ using Dual = ceres::Jet<double, kInputs>;
 using Dual3 = Eigen::Matrix<Dual, 3, 1>;
 using Dual34 = Eigen::Matrix<Dual, 3, 4>;
 using Gradient = Eigen::Matrix<double, kInputs, 1>;
-using Weights = Eigen::Matrix<double, 4, kPaperParameters>;  ///< per pose coordinate
+using Weights = Eigen::Matrix<double, 4, dynamics::kPaperParameters>;  ///< per pose coordinate
 
 Dual dot(const Dual3& a, const Dual3& b) {
   return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
@@ -22,7 +22,7 @@ Dual dot(const Dual3& a, const Dual3& b) {
 Dual3 cross(const Dual3& a, const Dual3& b) {
   return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
 }
-Dual3 constant(const Vector3& v) {
+Dual3 constant(const mechanism::Vector3& v) {
   return v.cast<Dual>();
 }
 
@@ -32,7 +32,7 @@ struct DualPlatform {
 };
 
 /// Eq. (5), and its derivatives as in robotMotion.
-DualPlatform platformOf(const Motion& motion) {
+DualPlatform platformOf(const mechanism::Motion& motion) {
   Dual pose[4], rate[4], acceleration[4];
   for (int c = 0; c < 4; ++c) {
     pose[c] = Dual(motion.pose[c], c);
@@ -59,7 +59,7 @@ struct DualLeg {
   Dual34 joints_per_pose;
 };
 
-DualLeg legOf(const Mechanism& mechanism, const DualPlatform& p, int i) {
+DualLeg legOf(const mechanism::Mechanism& mechanism, const DualPlatform& p, int i) {
   const Dual zero(0.0), one(1.0);
   DualLeg leg;
   const Dual3 arm = p.rotation * constant(mechanism.platform_points[i]);
@@ -119,8 +119,8 @@ Dual coulombSign(const Dual& rate, double width) {
   return tanh(rate / width);
 }
 
-void addLeg(const DualLeg& leg, int i, const Vector3& gravity, const CoulombWidth& width, const Weights& weights,
-            const ExpectedLoad& load, Sums& sums) {
+void addLeg(const DualLeg& leg, int i, const mechanism::Vector3& gravity, const dynamics::CoulombWidth& width,
+            const Weights& weights, const ExpectedLoad& load, Sums& sums) {
   const Dual zero(0.0), one(1.0);
   const Dual c2 = leg.cos_q2, s2 = leg.sin_q2;
   const Dual3 &v = leg.rate, &acc = leg.acceleration;
@@ -138,21 +138,21 @@ void addLeg(const DualLeg& leg, int i, const Vector3& gravity, const CoulombWidt
     const Dual travel = j == 0 ? Dual(-leg.length * c2 * rod.force[1]) : Dual(-leg.length * rod.force[0]);
     return dot(axis[j], cylinder.moment) + dot(rod_axis[j], rod.moment) + travel;
   };
-  const int first = 2 * kLinkParameters * i, first_joint = i == 3 ? 1 : 0;
-  const LinkParameters cylinder_load = load.parameters.segment<10>(first),
-                       rod_load = load.parameters.segment<10>(first + 10);
+  const int first = 2 * dynamics::kLinkParameters * i, first_joint = i == 3 ? 1 : 0;
+  const dynamics::LinkParameters cylinder_load = load.parameters.segment<10>(first),
+                                 rod_load = load.parameters.segment<10>(first + 10);
   const Wrench loaded_cylinder = newtonEuler(cylinder_load, omega, alpha, cylinder_a),
                loaded_rod = newtonEuler(rod_load, rod_omega, rod_alpha, rod_a);
-  int friction = kInertialParameters + 6 * i;
+  int friction = dynamics::kInertialParameters + 6 * i;
   for (int j = 2; j >= first_joint; --j, friction += 2) {
     Eigen::Matrix<Dual, 10, 1> of_cylinder, of_rod;
     const auto weight = [&](int column) -> Dual {
       return leg.joints_per_pose(j, 0) * weights(0, column) + leg.joints_per_pose(j, 1) * weights(1, column) +
              leg.joints_per_pose(j, 2) * weights(2, column) + leg.joints_per_pose(j, 3) * weights(3, column);
     };
-    for (int k = 0; k < kLinkParameters; ++k) {
+    for (int k = 0; k < dynamics::kLinkParameters; ++k) {
       of_cylinder[k] = weight(first + k);
-      of_rod[k] = weight(first + kLinkParameters + k);
+      of_rod[k] = weight(first + dynamics::kLinkParameters + k);
     }
     const Dual sign = coulombSign(v[j], j == 2 ? width.linear_m_per_s : width.angular_rad_per_s);
     sums.observation += onJoint(j, newtonEuler(of_cylinder, omega, alpha, cylinder_a),
@@ -165,18 +165,19 @@ void addLeg(const DualLeg& leg, int i, const Vector3& gravity, const CoulombWidt
   }
 }
 
-void addPlatform(const DualPlatform& p, const Vector3& gravity, const Weights& weights, const ExpectedLoad& load,
-                 Sums& sums) {
+void addPlatform(const DualPlatform& p, const mechanism::Vector3& gravity, const Weights& weights,
+                 const ExpectedLoad& load, Sums& sums) {
   const Eigen::Matrix<Dual, 3, 3> to_body = p.rotation.transpose();
   const Dual3 omega = to_body * p.omega, alpha = to_body * p.alpha, a = to_body * (p.acceleration - constant(gravity));
   const auto onCoordinate = [&](int c, const Wrench& wrench) -> Dual {
     if (c == 3) return wrench.moment[2];
     return c == 2 ? dot(to_body.col(1), wrench.moment) : dot(to_body.col(2 * c), wrench.force);
   };
-  const LinkParameters own = load.parameters.segment<10>(kLinkParameters * kPlatformLink);
+  const dynamics::LinkParameters own = load.parameters.segment<10>(dynamics::kLinkParameters * dynamics::kPlatformLink);
   const Wrench loaded = newtonEuler(own, omega, alpha, a);
   for (int c = 0; c < 4; ++c) {
-    const LinkParameters row = weights.row(c).segment<10>(kLinkParameters * kPlatformLink).transpose();
+    const dynamics::LinkParameters row =
+        weights.row(c).segment<10>(dynamics::kLinkParameters * dynamics::kPlatformLink).transpose();
     sums.observation += onCoordinate(c, newtonEuler(row, omega, alpha, a));
     sums.force[c] += onCoordinate(c, loaded);
   }
@@ -184,31 +185,32 @@ void addPlatform(const DualPlatform& p, const Vector3& gravity, const Weights& w
 
 }  // namespace
 
-InstantSlopes instantSlopes(const Mechanism& mechanism, const Vector3& gravity, const Motion& motion,
-                            const CoulombWidth& width, const PaperRegressor& regressor, const PaperRegressor& weights,
-                            const ExpectedLoad& load) {
+InstantSlopes instantSlopes(const mechanism::Mechanism& mechanism, const mechanism::Vector3& gravity,
+                            const mechanism::Motion& motion, const dynamics::CoulombWidth& width,
+                            const PaperRegressor& regressor, const PaperRegressor& weights, const ExpectedLoad& load) {
   const DualPlatform platform = platformOf(motion);
-  DualLeg legs[kLegs];
-  for (int i = 0; i < kLegs; ++i)
+  DualLeg legs[mechanism::kLegs];
+  for (int i = 0; i < mechanism::kLegs; ++i)
     legs[i] = legOf(mechanism, platform, i);
-  Matrix4 jacobian;  // dq/dx
-  for (int i = 0; i < kLegs; ++i) {
+  mechanism::Matrix4 jacobian;  // dq/dx
+  for (int i = 0; i < mechanism::kLegs; ++i) {
     for (int c = 0; c < 4; ++c)
       jacobian(i, c) = legs[i].joints_per_pose(2, c).a;
   }
-  const Matrix4 inverse = jacobian.inverse();
+  const mechanism::Matrix4 inverse = jacobian.inverse();
 
   Sums sums;
   const Weights on_pose = inverse * weights;
-  for (int i = 0; i < kLegs; ++i)
+  for (int i = 0; i < mechanism::kLegs; ++i)
     addLeg(legs[i], i, gravity, width, on_pose, load, sums);
   addPlatform(platform, gravity, on_pose, load, sums);
 
   InstantSlopes result;
   Eigen::Matrix<double, slope_row::kRows, kInputs> by_pose;
-  const auto weighted = [&](const Matrix4& w) -> Gradient {  // derivative of sum of w times elements of dq/dx
+  const auto weighted =
+      [&](const mechanism::Matrix4& w) -> Gradient {  // derivative of sum of w times elements of dq/dx
     Gradient sum = Gradient::Zero();
-    for (int i = 0; i < kLegs; ++i) {
+    for (int i = 0; i < mechanism::kLegs; ++i) {
       for (int c = 0; c < 4; ++c)
         sum += w(i, c) * legs[i].joints_per_pose(2, c).v;
     }
@@ -221,24 +223,24 @@ InstantSlopes instantSlopes(const Mechanism& mechanism, const Vector3& gravity, 
     result.value[row] = dual.a;
     by_pose.row(row) = dual.v.transpose();
   };
-  for (int i = 0; i < kLegs; ++i) {
+  for (int i = 0; i < mechanism::kLegs; ++i) {
     set(slope_row::kBaseCosine + i, legs[i].u[2]);
     if (i < 3) set(slope_row::kTipCosine + i, dot(legs[i].u, platform.normal));
   }
-  const Eigen::JacobiSVD<Matrix4> svd(jacobian, Eigen::ComputeFullU | Eigen::ComputeFullV);
-  const Vector4 s = svd.singularValues();
+  const Eigen::JacobiSVD<mechanism::Matrix4> svd(jacobian, Eigen::ComputeFullU | Eigen::ComputeFullV);
+  const mechanism::Vector4 s = svd.singularValues();
   result.value[slope_row::kCondition] = std::log(s[0] / s[3]);
   by_pose.row(slope_row::kCondition) = weighted(svd.matrixU().col(0) * svd.matrixV().col(0).transpose() / s[0] -
                                                 svd.matrixU().col(3) * svd.matrixV().col(3).transpose() / s[3])
                                            .transpose();
-  Vector4 on_coordinates;
+  mechanism::Vector4 on_coordinates;
   for (int c = 0; c < 4; ++c)
     on_coordinates[c] = sums.force[c].a;
-  const Vector4 links = inverse.transpose() * on_coordinates;
-  for (int i = 0; i < kLegs; ++i) {
+  const mechanism::Vector4 links = inverse.transpose() * on_coordinates;
+  for (int i = 0; i < mechanism::kLegs; ++i) {
     const Dual& acceleration = legs[i].acceleration[2];
     result.value[slope_row::kForce + i] = links[i] + load.rotor_mass[i] * acceleration.a;
-    const Vector4 share = inverse.col(i);  // row i of J^-T
+    const mechanism::Vector4 share = inverse.col(i);  // row i of J^-T
     Gradient slope = load.rotor_mass[i] * acceleration.v - weighted(links * share.transpose());
     for (int c = 0; c < 4; ++c)
       slope += share[c] * sums.force[c].v;
@@ -246,13 +248,13 @@ InstantSlopes instantSlopes(const Mechanism& mechanism, const Vector3& gravity, 
   }
 
   Eigen::Matrix<double, kInputs, kInputs> actuators;  // lengths, velocities, accelerations by pose inputs
-  for (int i = 0; i < kLegs; ++i) {
+  for (int i = 0; i < mechanism::kLegs; ++i) {
     actuators.row(i) = legs[i].length.v.transpose();
-    actuators.row(kLegs + i) = legs[i].rate[2].v.transpose();
-    actuators.row(2 * kLegs + i) = legs[i].acceleration[2].v.transpose();
+    actuators.row(mechanism::kLegs + i) = legs[i].rate[2].v.transpose();
+    actuators.row(2 * mechanism::kLegs + i) = legs[i].acceleration[2].v.transpose();
   }
   result.slope = actuators.transpose().partialPivLu().solve(by_pose.transpose()).transpose();
   return result;
 }
 
-}  // namespace knee_robot
+}  // namespace knee_robot::excitation

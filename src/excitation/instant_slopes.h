@@ -2,14 +2,14 @@
 
 #include "knee_robot/dynamics/regressor.h"
 
-namespace knee_robot {
+namespace knee_robot::excitation {
 
-using PaperRegressor = Eigen::Matrix<double, kLegs, kPaperParameters>;
+using PaperRegressor = Eigen::Matrix<double, mechanism::kLegs, dynamics::kPaperParameters>;
 
 /// What the actuators are expected to have to push: parameters of eq. (28), and the drives' rotors.
 struct ExpectedLoad {
-  PaperParameters parameters = PaperParameters::Zero();
-  Vector4 rotor_mass = Vector4::Zero();  ///< kg, per actuator
+  dynamics::PaperParameters parameters = dynamics::PaperParameters::Zero();
+  mechanism::Vector4 rotor_mass = mechanism::Vector4::Zero();  ///< kg, per actuator
 };
 
 /// Rows of InstantSlopes.
@@ -25,15 +25,15 @@ inline constexpr int kRows = 13;
 /// Values at one instant with their exact slopes by lengths, velocities and accelerations of the four actuators (12 columns).
 struct InstantSlopes {
   Eigen::Matrix<double, slope_row::kRows, 1> value;
-  Eigen::Matrix<double, slope_row::kRows, 3 * kLegs> slope;
+  Eigen::Matrix<double, slope_row::kRows, 3 * mechanism::kLegs> slope;
 };
 
 /// Dual numbers (ceres::Jet) carry the derivatives by pose, pose velocity and pose acceleration through kinematics and
 /// Newton-Euler; the lengths' own derivatives by these turn them into derivatives by the actuators, so that the Newton iteration
 /// of the forward kinematics is never differentiated. `regressor` is K*(motion) with the same width, `weights` what its elements
 /// are multiplied with. `motion` must not be singular.
-InstantSlopes instantSlopes(const Mechanism& mechanism, const Vector3& gravity, const Motion& motion,
-                            const CoulombWidth& width, const PaperRegressor& regressor, const PaperRegressor& weights,
-                            const ExpectedLoad& load);
+InstantSlopes instantSlopes(const mechanism::Mechanism& mechanism, const mechanism::Vector3& gravity,
+                            const mechanism::Motion& motion, const dynamics::CoulombWidth& width,
+                            const PaperRegressor& regressor, const PaperRegressor& weights, const ExpectedLoad& load);
 
-}  // namespace knee_robot
+}  // namespace knee_robot::excitation

@@ -7,14 +7,14 @@
 #include <cmath>
 #include <limits>
 
-namespace knee_robot {
+namespace knee_robot::excitation {
 namespace {
 
 constexpr double kEmptyColumn = 1e-24;  ///< squared norm, as share of the largest, below which a column counts as zero
 constexpr double kNoDirection = 1e-13;  ///< singular value, as share of the largest, below which it is rounding
 
 Eigen::MatrixXd stacked(const std::vector<PaperRegressor>& observations) {
-  Eigen::MatrixXd all(4 * static_cast<Eigen::Index>(observations.size()), kPaperParameters);
+  Eigen::MatrixXd all(4 * static_cast<Eigen::Index>(observations.size()), dynamics::kPaperParameters);
   for (std::size_t t = 0; t < observations.size(); ++t)
     all.middleRows<4>(4 * static_cast<Eigen::Index>(t)) = observations[t];
   return all;
@@ -35,7 +35,7 @@ double conditionAt(const Eigen::VectorXd& singular_values, int directions) {
 }  // namespace
 
 Eigen::VectorXd columnScales(const std::vector<PaperRegressor>& observations) {
-  Eigen::VectorXd squares = Eigen::VectorXd::Zero(kPaperParameters);
+  Eigen::VectorXd squares = Eigen::VectorXd::Zero(dynamics::kPaperParameters);
   for (const PaperRegressor& observation : observations)
     squares += observation.colwise().squaredNorm().transpose();
   return scaleOf(squares);
@@ -47,7 +47,7 @@ SpectralCost::SpectralCost(const std::vector<PaperRegressor>& observations, int 
   const Eigen::VectorXd scale = by_condition ? columnScales(observations) : fixed_scale;
   // Columns without effect are left out: eigenvalue problems grow with the cube.
   std::vector<int> used;
-  for (int k = 0; k < kPaperParameters; ++k) {
+  for (int k = 0; k < dynamics::kPaperParameters; ++k) {
     if (scale[k] > 0.0) used.push_back(k);
   }
   const Eigen::VectorXd used_scale = scale(used);
@@ -79,7 +79,7 @@ SpectralCost::SpectralCost(const std::vector<PaperRegressor>& observations, int 
   const Eigen::MatrixXd y = used_scale.asDiagonal() * v;
   Eigen::MatrixXd slope = 2.0 * y * by_eigenvalue.matrix().asDiagonal() * y.transpose();
   if (by_condition) slope.diagonal() -= 2.0 * y.array().square().matrix() * (by_eigenvalue * l).matrix();
-  slope_ = Eigen::MatrixXd::Zero(kPaperParameters, kPaperParameters);
+  slope_ = Eigen::MatrixXd::Zero(dynamics::kPaperParameters, dynamics::kPaperParameters);
   slope_(used, used) = slope;
 }
 
@@ -102,4 +102,4 @@ std::vector<ConditionAt> conditionsOf(const std::vector<PaperRegressor>& observa
   return result;
 }
 
-}  // namespace knee_robot
+}  // namespace knee_robot::excitation

@@ -6,7 +6,7 @@
 #include "instant_slopes.h"
 #include "knee_robot/excitation/excitation.h"
 
-namespace knee_robot {
+namespace knee_robot::excitation {
 
 /// A cost of the eigenvalues l_1 >= l_2 >= ... of the scaled Gram matrix D W^T W D of an observation matrix W (4 rows an instant), by
 /// r directions. Gram matrices lose half of the digits: good as long as k stays below 1e6.
@@ -39,4 +39,4 @@ Eigen::VectorXd columnScales(const std::vector<PaperRegressor>& observations);
 std::vector<ConditionAt> conditionsOf(const std::vector<PaperRegressor>& observations,
                                       const std::vector<int>& directions);
 
-}  // namespace knee_robot
+}  // namespace knee_robot::excitation

@@ -5,7 +5,7 @@
 
 #include "knee_robot/recording/filter.h"
 
-namespace knee_robot {
+namespace knee_robot::identification {
 namespace {
 
 /// Sums over all recordings, per actuator.
@@ -46,8 +46,8 @@ Prediction makePrediction(const Observation& o, Eigen::MatrixXd force_N, double 
   Prediction p;
   p.force_N = std::move(force_N);
   p.force_filtered_N = p.force_N;
-  ZeroPhaseLowPass(cutoff_hz, 1.0 / o.signals.period_s).applyToColumns(p.force_filtered_N);
-  p.row_force_N = atHoldIntervals(o.signals, p.force_N, o.row_time_s);
+  recording::ZeroPhaseLowPass(cutoff_hz, 1.0 / o.signals.period_s).applyToColumns(p.force_filtered_N);
+  p.row_force_N = recording::atHoldIntervals(o.signals, p.force_N, o.row_time_s);
   return p;
 }
 
@@ -67,4 +67,4 @@ Accuracy accuracyOf(const std::vector<Observation>& observations, const std::vec
   return a;
 }
 
-}  // namespace knee_robot
+}  // namespace knee_robot::identification

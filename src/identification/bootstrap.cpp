@@ -8,7 +8,7 @@
 
 #include "knee_robot/identification/reduction.h"
 
-namespace knee_robot {
+namespace knee_robot::identification {
 namespace {
 
 constexpr int kFewestBlocks = 12;
@@ -136,4 +136,4 @@ Eigen::MatrixXd Bootstrap::covariance() const {
   return centered * centered.transpose() / std::max<Eigen::Index>(1, draws.cols() - 1);
 }
 
-}  // namespace knee_robot
+}  // namespace knee_robot::identification

@@ -5,7 +5,7 @@
 #include "knee_robot/identification/identify.h"
 #include "knee_robot/recording/filter.h"
 
-namespace knee_robot {
+namespace knee_robot::identification {
 namespace {
 
 constexpr double kWidest_m = 1e-3;  ///< beyond this it would be a spring, not a friction step
@@ -18,7 +18,7 @@ struct OwnEquations {
 };
 
 Eigen::VectorXd lowPassed(const Observation& o, Eigen::VectorXd signal, const ObservationOptions& options) {
-  ZeroPhaseLowPass(options.cutoff_hz, 1.0 / o.signals.period_s).apply(signal);
+  recording::ZeroPhaseLowPass(options.cutoff_hz, 1.0 / o.signals.period_s).apply(signal);
   return signal;
 }
 
@@ -56,14 +56,14 @@ OwnEquations ownEquations(const std::vector<Observation>& training, const std::v
 
 }  // namespace
 
-std::vector<double> narrowestCoulombWidths(const Robot& robot, double counts) {
+std::vector<double> narrowestCoulombWidths(const mechanism::Robot& robot, double counts) {
   std::vector<double> widths;
-  for (const Actuator& a : robot.actuators)
+  for (const mechanism::Actuator& a : robot.actuators)
     widths.push_back(std::min(kWidest_m, counts * a.metresPerCount()));
   return widths;
 }
 
-std::vector<double> chooseCoulombWidths(const Robot& robot, const std::vector<Column>& columns,
+std::vector<double> chooseCoulombWidths(const mechanism::Robot& robot, const std::vector<Column>& columns,
                                         const std::vector<Observation>& training, const Eigen::VectorXd& parameters,
                                         const IdentifyOptions& all_options) {
   const ObservationOptions& options = all_options.observation;
@@ -86,4 +86,4 @@ std::vector<double> chooseCoulombWidths(const Robot& robot, const std::vector<Co
   return widths;
 }
 
-}  // namespace knee_robot
+}  // namespace knee_robot::identification

@@ -7,7 +7,7 @@
 #include "knee_robot/recording/filter.h"
 #include "places.h"
 
-namespace knee_robot {
+namespace knee_robot::identification {
 namespace {
 
 constexpr double kFilesApart_s = 1e6;
@@ -67,7 +67,7 @@ std::vector<int> firstVisitsOf(const std::vector<Observation>& training, const s
   Eigen::MatrixXd state(static_cast<Eigen::Index>(picks.size()), 2 * axes);
   std::vector<int> run;
   for (std::size_t k = 0; k < picks.size(); ++k) {
-    const Signals& s = training[picks[k].file].signals;
+    const recording::Signals& s = training[picks[k].file].signals;
     state.row(static_cast<Eigen::Index>(k)) << s.position_m.row(picks[k].sample),
         s.velocity_m_per_s.row(picks[k].sample);
     run.push_back(picks[k].run);
@@ -116,7 +116,7 @@ void fill(const std::vector<Observation>& training, const ObservationOptions& op
         const Observation& o = training[f];
         filtered[f] = o.regressor[static_cast<std::size_t>(i)].col(c);
         if (filtered[f].isZero(0.0)) continue;
-        ZeroPhaseLowPass(options.cutoff_hz, 1.0 / o.signals.period_s).apply(filtered[f]);
+        recording::ZeroPhaseLowPass(options.cutoff_hz, 1.0 / o.signals.period_s).apply(filtered[f]);
       }
       for (const Pick& p : picks) {
         if (wanted(training[p.file], p.sample, i, independent)) e.a(row++, c) = filtered[p.file][p.sample];
@@ -195,4 +195,4 @@ Eigen::VectorXd rmsPerActuator(const Equations& e, const Eigen::VectorXd& residu
   return (sum.array() / count.array().max(1.0)).sqrt();
 }
 
-}  // namespace knee_robot
+}  // namespace knee_robot::identification

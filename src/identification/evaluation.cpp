@@ -3,10 +3,10 @@
 #include "knee_robot/identification/prediction.h"
 #include "knee_robot/recording/filter.h"
 
-namespace knee_robot {
+namespace knee_robot::identification {
 
-Applied applyModel(const Model& model, const Robot& robot, const std::vector<Observation>& observations,
-                   double cutoff_hz) {
+Applied applyModel(const dynamics::Model& model, const mechanism::Robot& robot,
+                   const std::vector<Observation>& observations, double cutoff_hz) {
   Applied applied;
   for (const Observation& o : observations) {
     applied.predictions.push_back(makePrediction(o, predictForces(model, robot, o.signals, o.motion), cutoff_hz));
@@ -27,7 +27,7 @@ std::vector<Eigen::VectorXd> errorAgainstRank(const Identification& id, const st
   for (const Observation& o : observations) {
     for (Eigen::Index i = 0; i < axes; ++i) {
       Eigen::MatrixXd force = o.regressor[static_cast<std::size_t>(i)] * parameters;
-      ZeroPhaseLowPass(cutoff_hz, 1.0 / o.signals.period_s).applyToColumns(force);
+      recording::ZeroPhaseLowPass(cutoff_hz, 1.0 / o.signals.period_s).applyToColumns(force);
       force.colwise() -= o.force_filtered_N.col(i);
       for (int n = 0; n < o.samples(); ++n) {
         if (o.moving[static_cast<std::size_t>(n)]) sum.row(i) += force.row(n).cwiseAbs2();
@@ -42,4 +42,4 @@ std::vector<Eigen::VectorXd> errorAgainstRank(const Identification& id, const st
   return rms;
 }
 
-}  // namespace knee_robot
+}  // namespace knee_robot::identification

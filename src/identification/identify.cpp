@@ -7,7 +7,7 @@
 #include "knee_robot/base/numbers.h"
 #include "knee_robot/identification/robust_fit.h"
 
-namespace knee_robot {
+namespace knee_robot::identification {
 namespace {
 
 constexpr double kShortestMotion_s = 2.0;
@@ -121,10 +121,11 @@ std::string verdictOf(double value, double std) {
   return std < kWellKnown * std::abs(value) ? "identified" : "weakly identified";
 }
 
-void describeParameters(const Reduction& r, const RobustFit& fit, const std::vector<Column>& columns, Model& model) {
+void describeParameters(const Reduction& r, const RobustFit& fit, const std::vector<Column>& columns,
+                        dynamics::Model& model) {
   const Eigen::VectorXd values = toParameters(r, fit.coordinates);
   for (std::size_t c = 0; c < columns.size(); ++c) {
-    ModelParameter p;
+    dynamics::ModelParameter p;
     p.name = columns[c].name;
     p.unit = columns[c].unit;
     p.value = values[static_cast<Eigen::Index>(c)];
@@ -133,7 +134,7 @@ void describeParameters(const Reduction& r, const RobustFit& fit, const std::vec
   const int kept = r.minimalRank();
   for (int i = 0; i < kept; ++i) {
     const int c = r.kept[static_cast<std::size_t>(i)];
-    ModelParameter& p = model.parameters[static_cast<std::size_t>(c)];
+    dynamics::ModelParameter& p = model.parameters[static_cast<std::size_t>(c)];
     p.std = std::sqrt(std::max(0.0, fit.covariance(i, i))) / r.scale[c];
     p.verdict = p.value > 0.0 ? verdictOf(p.value, p.std) : "at its bound";
   }
@@ -141,13 +142,13 @@ void describeParameters(const Reduction& r, const RobustFit& fit, const std::vec
   for (std::size_t k = 0; k < r.others.size(); ++k) {
     if (directions == 0 || determinedShare(r, k, directions) < kDetermined) continue;
     const Eigen::VectorXd row = r.directions.row(static_cast<Eigen::Index>(k)).head(directions).transpose();
-    ModelParameter& p = model.parameters[static_cast<std::size_t>(r.others[k])];
+    dynamics::ModelParameter& p = model.parameters[static_cast<std::size_t>(r.others[k])];
     p.std = std::sqrt(std::max(0.0, row.dot(fit.covariance.bottomRightCorner(directions, directions) * row))) /
             r.scale[r.others[k]];
     p.verdict = verdictOf(p.value, p.std);
   }
   for (int d = 0; d < directions; ++d) {
-    BaseParameter base;
+    dynamics::BaseParameter base;
     base.value = fit.coordinates[kept + d];
     base.std = std::sqrt(std::max(0.0, fit.covariance(kept + d, kept + d)));
     base.weights.assign(columns.size(), 0.0);
@@ -159,8 +160,8 @@ void describeParameters(const Reduction& r, const RobustFit& fit, const std::vec
   }
 }
 
-void describeModel(const Robot& robot, const std::vector<Observation>& training, const ObservationOptions& options,
-                   Model& model) {
+void describeModel(const mechanism::Robot& robot, const std::vector<Observation>& training,
+                   const ObservationOptions& options, dynamics::Model& model) {
   model.kind = robot.kind;
   model.axes = robot.axes();
   model.robot_fingerprint = robot.fingerprint;
@@ -183,7 +184,8 @@ void keepBlocks(Equations& e, const Eigen::VectorXd& weights, Identification& id
 
 }  // namespace
 
-Identification identify(const Robot& robot, std::vector<Observation>& training, const IdentifyOptions& options) {
+Identification identify(const mechanism::Robot& robot, std::vector<Observation>& training,
+                        const IdentifyOptions& options) {
   Identification id;
   id.columns = columnsOf(robot, options.joint_friction);
   refuseMotionless(training, options.observation);
@@ -232,4 +234,4 @@ Identification identify(const Robot& robot, std::vector<Observation>& training, 
   return id;
 }
 
-}  // namespace knee_robot
+}  // namespace knee_robot::identification

@@ -7,7 +7,7 @@
 #include "knee_robot/mechanism/singularity.h"
 #include "knee_robot/recording/filter.h"
 
-namespace knee_robot {
+namespace knee_robot::identification {
 namespace {
 
 constexpr double kSaturation = 0.999;  ///< of the largest command
@@ -17,13 +17,13 @@ std::string percent(double share) {
 }
 
 /// Samples in whose interval some row's command is at its limit.
-std::vector<char> saturatedSamples(const Robot& robot, const Observation& o) {
-  const Signals& s = o.signals;
+std::vector<char> saturatedSamples(const mechanism::Robot& robot, const Observation& o) {
+  const recording::Signals& s = o.signals;
   std::vector<char> saturated(static_cast<std::size_t>(s.samples()), 0);
   for (std::size_t row = 0; row < o.row_time_s.size(); ++row) {
     bool at_limit = false;
     for (int i = 0; i < robot.axes(); ++i) {
-      const Actuator& a = robot.actuators[static_cast<std::size_t>(i)];
+      const mechanism::Actuator& a = robot.actuators[static_cast<std::size_t>(i)];
       double limit = a.voltage_max_V * a.force_per_volt_N;
       if (a.force_max_N > 0.0) limit = std::min(limit, a.force_max_N);
       at_limit = at_limit || std::abs(o.row_force_N(static_cast<Eigen::Index>(row), i)) >= kSaturation * limit;
@@ -54,11 +54,11 @@ void mask(const std::vector<char>& flagged, int reach, std::vector<char>& usable
 }
 
 /// Samples at which the lengths do not tell the assembly mode: from coming within the margin of a fold until twice as far away.
-std::vector<char> ambiguousSamples(const Mechanism& mechanism, double margin_m, const MotionPath& path) {
+std::vector<char> ambiguousSamples(const mechanism::Mechanism& mechanism, double margin_m, const MotionPath& path) {
   std::vector<char> ambiguous(path.motion.size(), 0);
   bool near = false;
   for (std::size_t i = 0; margin_m > 0.0 && i < ambiguous.size(); ++i) {
-    const double distance = path.pose_known[i] ? foldDistance(mechanism, path.motion[i].pose) : 0.0;
+    const double distance = path.pose_known[i] ? mechanism::foldDistance(mechanism, path.motion[i].pose) : 0.0;
     near = distance < (near ? 2.0 * margin_m : margin_m);
     ambiguous[i] = near;
   }
@@ -82,7 +82,7 @@ void noteAmbiguous(const std::vector<char>& ambiguous, double margin_m, Observat
 
 }  // namespace
 
-void maskUnusable(const Robot& robot, const ObservationOptions& options, Observation& o) {
+void maskUnusable(const mechanism::Robot& robot, const ObservationOptions& options, Observation& o) {
   const std::size_t n = static_cast<std::size_t>(o.samples());
   const int reach = static_cast<int>(0.25 / (options.cutoff_hz * o.signals.period_s));
   o.usable.assign(n, 1);
@@ -104,7 +104,7 @@ void maskUnusable(const Robot& robot, const ObservationOptions& options, Observa
   }
   std::vector<char> ends(n, 0);
   const int edge =
-      std::min(o.samples() / 2, ZeroPhaseLowPass(options.cutoff_hz, 1.0 / o.signals.period_s).edgeSamples());
+      std::min(o.samples() / 2, recording::ZeroPhaseLowPass(options.cutoff_hz, 1.0 / o.signals.period_s).edgeSamples());
   std::fill_n(ends.begin(), edge, 1);
   std::fill_n(ends.rbegin(), edge, 1);
   leaveOut("at the recording's ends, where the low-pass reaches beyond", ends, 0);
@@ -128,7 +128,7 @@ void maskUnusable(const Robot& robot, const ObservationOptions& options, Observa
 
 void findMoving(const ObservationOptions& options, Observation& o) {
   Eigen::MatrixXd velocity = o.signals.velocity_m_per_s;
-  ZeroPhaseLowPass(options.cutoff_hz, 1.0 / o.signals.period_s).applyToColumns(velocity);
+  recording::ZeroPhaseLowPass(options.cutoff_hz, 1.0 / o.signals.period_s).applyToColumns(velocity);
   o.axis_moving.resize(o.samples(), velocity.cols());
   o.moving.assign(static_cast<std::size_t>(o.samples()), 1);
   for (int n = 0; n < o.samples(); ++n) {
@@ -152,4 +152,4 @@ void findMoving(const ObservationOptions& options, Observation& o) {
                     shortNumber(1e3 * options.moving_m_per_s) + " mm/s.");
 }
 
-}  // namespace knee_robot
+}  // namespace knee_robot::identification

@@ -6,15 +6,15 @@
 #include "knee_robot/base/errors.h"
 #include "knee_robot/base/numbers.h"
 
-namespace knee_robot {
+namespace knee_robot::identification {
 
-Vector4 actuatorRow(const Eigen::MatrixXd& values, int sample) {
-  Vector4 row = Vector4::Zero();
+mechanism::Vector4 actuatorRow(const Eigen::MatrixXd& values, int sample) {
+  mechanism::Vector4 row = mechanism::Vector4::Zero();
   row.head(values.cols()) = values.row(sample).transpose();
   return row;
 }
 
-MotionPath followPath(const Robot& robot, const Signals& signals) {
+MotionPath followPath(const mechanism::Robot& robot, const recording::Signals& signals) {
   MotionPath path;
   const std::size_t n = static_cast<std::size_t>(signals.samples());
   path.pose_known.assign(n, 1);
@@ -22,26 +22,26 @@ MotionPath followPath(const Robot& robot, const Signals& signals) {
   if (!robot.mechanism) return path;
 
   path.motion.resize(n);
-  Motion last;
+  mechanism::Motion last;
   bool have_last = false;
   std::size_t lost = 0;
   for (std::size_t i = 0; i < n; ++i) {
     const int sample = static_cast<int>(i);
-    const Lengths lengths = actuatorRow(signals.position_m, sample);
-    Pose guess = last.pose;
+    const mechanism::Lengths lengths = actuatorRow(signals.position_m, sample);
+    mechanism::Pose guess = last.pose;
     bool ok = have_last;
     if (!have_last) {
-      const ForwardResult home = forwardKinematicsFromHome(*robot.mechanism, lengths);
+      const mechanism::ForwardResult home = mechanism::forwardKinematicsFromHome(*robot.mechanism, lengths);
       ok = home.ok();
       guess = home.pose;
     }
-    ok = ok && motionFromLengths(*robot.mechanism, lengths, actuatorRow(signals.velocity_m_per_s, sample),
-                                 actuatorRow(signals.acceleration_m_per_s2, sample), guess,
-                                 path.motion[i]) == ForwardStatus::Converged;
+    ok = ok && mechanism::motionFromLengths(*robot.mechanism, lengths, actuatorRow(signals.velocity_m_per_s, sample),
+                                            actuatorRow(signals.acceleration_m_per_s2, sample), guess,
+                                            path.motion[i]) == mechanism::ForwardStatus::Converged;
     if (ok) {
       last = path.motion[i];
       have_last = true;
-      path.condition[i] = conditionNumber(*robot.mechanism, last.pose);
+      path.condition[i] = mechanism::conditionNumber(*robot.mechanism, last.pose);
       continue;
     }
     ++lost;
@@ -59,4 +59,4 @@ MotionPath followPath(const Robot& robot, const Signals& signals) {
   return path;
 }
 
-}  // namespace knee_robot
+}  // namespace knee_robot::identification

@@ -4,7 +4,7 @@
 #include "knee_robot/identification/masking.h"
 #include "knee_robot/recording/filter.h"
 
-namespace knee_robot {
+namespace knee_robot::identification {
 namespace {
 
 constexpr double kWideOpen = 1e6;
@@ -12,33 +12,34 @@ constexpr double kUsualCondition = 60.0;
 
 /// Regressor rows of the parallel robot, with the joints' friction or without. Where the pose is not known the row before is kept;
 /// such samples are masked.
-void fillParallel(const Robot& robot, Observation& o) {
-  RegressorData data;
-  ExtendedRegressor row = ExtendedRegressor::Zero();
-  ExtendedRegressor last = row;
-  const Eigen::Index own = o.regressor.front().cols() - kInertialParameters;
+void fillParallel(const mechanism::Robot& robot, Observation& o) {
+  dynamics::RegressorData data;
+  dynamics::ExtendedRegressor row = dynamics::ExtendedRegressor::Zero();
+  dynamics::ExtendedRegressor last = row;
+  const Eigen::Index own = o.regressor.front().cols() - dynamics::kInertialParameters;
   for (int n = 0; n < o.samples(); ++n) {
     const std::size_t i = static_cast<std::size_t>(n);
-    const bool known =
-        o.motion.pose_known[i] && extendedRegressor(*robot.mechanism, robot.gravity, o.motion.motion[i], data, row);
+    const bool known = o.motion.pose_known[i] &&
+                       dynamics::extendedRegressor(*robot.mechanism, robot.gravity, o.motion.motion[i], data, row);
     if (known) {
       last = row;
     } else {
       o.motion.pose_known[i] = 0;
     }
-    for (int leg = 0; leg < kLegs; ++leg) {
+    for (int leg = 0; leg < mechanism::kLegs; ++leg) {
       Eigen::MatrixXd& regressor = o.regressor[static_cast<std::size_t>(leg)];
-      regressor.row(n).head(kInertialParameters) = last.row(leg).head(kInertialParameters);
+      regressor.row(n).head(dynamics::kInertialParameters) = last.row(leg).head(dynamics::kInertialParameters);
       regressor.row(n).tail(own) = last.row(leg).tail(own);
     }
   }
-  if (own < extended::kParameters - kInertialParameters) return;
+  if (own < dynamics::extended::kParameters - dynamics::kInertialParameters) return;
   const PassiveCoulomb passive(robot, o.signals, o.motion);
   for (int n = 0; n < o.samples(); ++n) {
     for (int joint = 0; joint < PassiveCoulomb::kJoints; ++joint) {
-      const Vector4 column = passive.column(n, joint);
-      for (int leg = 0; leg < kLegs; ++leg)
-        o.regressor[static_cast<std::size_t>(leg)](n, extended::kPassiveFriction + 2 * joint + 1) = column[leg];
+      const mechanism::Vector4 column = passive.column(n, joint);
+      for (int leg = 0; leg < mechanism::kLegs; ++leg)
+        o.regressor[static_cast<std::size_t>(leg)](n, dynamics::extended::kPassiveFriction + 2 * joint + 1) =
+            column[leg];
     }
   }
 }
@@ -56,32 +57,32 @@ void fillAxes(const std::vector<Column>& columns, Observation& o) {
 
 }  // namespace
 
-double conditionLimit(const Robot& robot, const ObservationOptions& options) {
+double conditionLimit(const mechanism::Robot& robot, const ObservationOptions& options) {
   if (options.condition_max > 0.0) return options.condition_max;
   const bool open = !(robot.singularity_condition_max > 0.0 && robot.singularity_condition_max < kWideOpen);
   return open ? kUsualCondition : robot.singularity_condition_max;
 }
 
-std::vector<double> forcePerVolt(const Robot& robot) {
+std::vector<double> forcePerVolt(const mechanism::Robot& robot) {
   std::vector<double> factors;
-  for (const Actuator& a : robot.actuators)
+  for (const mechanism::Actuator& a : robot.actuators)
     factors.push_back(a.force_sign * a.force_per_volt_N);
   return factors;
 }
 
-Observation observe(const Robot& robot, const std::vector<Column>& columns, const Recording& recording,
-                    const ObservationOptions& options) {
-  requireAxes(recording, robot.axes(), robot.path);
+Observation observe(const mechanism::Robot& robot, const std::vector<Column>& columns,
+                    const recording::Recording& recording, const ObservationOptions& options) {
+  recording::requireAxes(recording, robot.axes(), robot.path);
   Observation o;
   o.path = recording.path;
   o.name = recording.name;
   o.fingerprint = recording.fingerprint;
   o.row_time_s = recording.time_s;
-  o.row_force_N = commandedForce(recording, forcePerVolt(robot));
-  o.signals = resample(recording, o.row_force_N, options.signals);
-  SignalOptions unfiltered = options.signals;
+  o.row_force_N = recording::commandedForce(recording, forcePerVolt(robot));
+  o.signals = recording::resample(recording, o.row_force_N, options.signals);
+  recording::SignalOptions unfiltered = options.signals;
   unfiltered.motion_cutoff_hz = 1e6;
-  o.fine_position_m = resample(recording, o.row_force_N, unfiltered).position_m;
+  o.fine_position_m = recording::resample(recording, o.row_force_N, unfiltered).position_m;
   o.notes = o.signals.notes;
   o.motion = followPath(robot, o.signals);
   o.sliding = actuatorPaths(robot, o.signals);
@@ -93,7 +94,7 @@ Observation observe(const Robot& robot, const std::vector<Column>& columns, cons
     fillAxes(columns, o);
   }
   o.force_filtered_N = o.signals.force_N;
-  ZeroPhaseLowPass(options.cutoff_hz, 1.0 / o.signals.period_s).applyToColumns(o.force_filtered_N);
+  recording::ZeroPhaseLowPass(options.cutoff_hz, 1.0 / o.signals.period_s).applyToColumns(o.force_filtered_N);
   maskUnusable(robot, options, o);
   findMoving(options, o);
   return o;
@@ -108,4 +109,4 @@ void setCoulombWidth(Observation& o, const std::vector<Column>& columns, const s
   }
 }
 
-}  // namespace knee_robot
+}  // namespace knee_robot::identification

@@ -6,7 +6,7 @@
 
 #include "knee_robot/identification/physical_problem.h"
 
-namespace knee_robot {
+namespace knee_robot::identification {
 namespace {
 
 constexpr double kOffsetShare = 0.1;  ///< of the rms force
@@ -71,7 +71,8 @@ void chooseStrength(const Setting& setting, PhysicalFit& fit) {
 
 }  // namespace
 
-PhysicalFit fitPhysical(const Robot& robot, const Identification& base, const RobotInertia& prior) {
+PhysicalFit fitPhysical(const mechanism::Robot& robot, const Identification& base,
+                        const dynamics::RobotInertia& prior) {
   if (!robot.mechanism) throw std::invalid_argument("bench axes have no link inertias");
   const Setting setting{base, physicalCoordinates(prior)};
   PhysicalFit fit;
@@ -85,9 +86,9 @@ PhysicalFit fitPhysical(const Robot& robot, const Identification& base, const Ro
   fit.model.base.clear();
   for (std::size_t c = 0; c < base.columns.size(); ++c)
     fit.model.parameters[c].value = parameters[static_cast<Eigen::Index>(c)];
-  for (int link = 0; link < kLinks; ++link) {
-    fit.inertia.links[static_cast<std::size_t>(link)] =
-        fromParameters(LinkParameters(parameters.segment<kLinkParameters>(link * kLinkParameters)));
+  for (int link = 0; link < dynamics::kLinks; ++link) {
+    fit.inertia.links[static_cast<std::size_t>(link)] = dynamics::fromParameters(
+        dynamics::LinkParameters(parameters.segment<dynamics::kLinkParameters>(link * dynamics::kLinkParameters)));
     Eigen::VectorXd change = s.inertial.segment<PhysicalCoordinates::kPerLink>(link * PhysicalCoordinates::kPerLink);
     change.head(4).array() -= 1.0;
     fit.moved.push_back(change.norm() / 2.0);  // the prior itself has the norm 2
@@ -99,4 +100,4 @@ PhysicalFit fitPhysical(const Robot& robot, const Identification& base, const Ro
   return fit;
 }
 
-}  // namespace knee_robot
+}  // namespace knee_robot::identification

@@ -7,14 +7,14 @@
 
 #include "knee_robot/dynamics/pseudo_inertia.h"
 
-namespace knee_robot {
+namespace knee_robot::identification {
 namespace {
 
 constexpr double kInside = 1e-6;
 constexpr int kPerLink = PhysicalCoordinates::kPerLink;
 
 /// Lower triangular root of a pseudo-inertia that may lie on the boundary.
-Matrix4 rootOf(Matrix4 j) {
+mechanism::Matrix4 rootOf(mechanism::Matrix4 j) {
   const double mass = j(3, 3);
   const double size = j.topLeftCorner<3, 3>().trace();
   j.diagonal().head<3>().array() += kInside * size;
@@ -23,8 +23,8 @@ Matrix4 rootOf(Matrix4 j) {
 }
 
 /// E of one unit coordinate.
-Matrix4 unitChange(int coordinate) {
-  Matrix4 e = Matrix4::Zero();
+mechanism::Matrix4 unitChange(int coordinate) {
+  mechanism::Matrix4 e = mechanism::Matrix4::Zero();
   if (coordinate < 4) {
     e(coordinate, coordinate) = 1.0;
     return e;
@@ -40,15 +40,16 @@ Matrix4 unitChange(int coordinate) {
 
 }  // namespace
 
-PhysicalCoordinates physicalCoordinates(const RobotInertia& prior) {
+PhysicalCoordinates physicalCoordinates(const dynamics::RobotInertia& prior) {
   PhysicalCoordinates c;
-  c.prior = toParameters(prior);
-  c.transform = Eigen::MatrixXd::Zero(kInertialParameters, kLinks * kPerLink);
-  for (int link = 0; link < kLinks; ++link) {
-    const Matrix4 root = rootOf(pseudoInertia(c.prior.segment<kLinkParameters>(link * kLinkParameters)));
+  c.prior = dynamics::toParameters(prior);
+  c.transform = Eigen::MatrixXd::Zero(dynamics::kInertialParameters, dynamics::kLinks * kPerLink);
+  for (int link = 0; link < dynamics::kLinks; ++link) {
+    const mechanism::Matrix4 root =
+        rootOf(dynamics::pseudoInertia(c.prior.segment<dynamics::kLinkParameters>(link * dynamics::kLinkParameters)));
     for (int k = 0; k < kPerLink; ++k) {
-      c.transform.block<kLinkParameters, 1>(link * kLinkParameters, link * kPerLink + k) =
-          parametersOfPseudoInertia(root * unitChange(k) * root.transpose());
+      c.transform.block<dynamics::kLinkParameters, 1>(link * dynamics::kLinkParameters, link * kPerLink + k) =
+          dynamics::parametersOfPseudoInertia(root * unitChange(k) * root.transpose());
     }
   }
   return c;
@@ -58,11 +59,12 @@ PhysicalProblem physicalProblem(const Eigen::MatrixXd& triangle, const std::vect
                                 const PhysicalCoordinates& coordinates, const Eigen::VectorXd& offset_size_N) {
   PhysicalProblem p;
   p.target = triangle.col(triangle.cols() - 1);
-  for (int c = kInertialParameters; c < static_cast<int>(columns.size()); ++c)
+  for (int c = dynamics::kInertialParameters; c < static_cast<int>(columns.size()); ++c)
     p.free.push_back(c);
   const Eigen::Index count = static_cast<Eigen::Index>(p.free.size());
   p.data.resize(triangle.rows(), coordinates.transform.cols() + count);
-  p.data.leftCols(coordinates.transform.cols()) = triangle.leftCols(kInertialParameters) * coordinates.transform;
+  p.data.leftCols(coordinates.transform.cols()) =
+      triangle.leftCols(dynamics::kInertialParameters) * coordinates.transform;
   p.free_size = Eigen::VectorXd::Zero(count);
   for (Eigen::Index i = 0; i < count; ++i) {
     const Column& column = columns[static_cast<std::size_t>(p.free[static_cast<std::size_t>(i)])];
@@ -108,10 +110,10 @@ PriorPull priorPull(const PhysicalProblem& p, double strength) {
 Eigen::VectorXd physicalParameters(const PhysicalSolution& s, const PhysicalProblem& p, const PhysicalCoordinates& c,
                                    const std::vector<Column>& columns) {
   Eigen::VectorXd parameters = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(columns.size()));
-  parameters.head<kInertialParameters>() = c.transform * s.inertial;
+  parameters.head<dynamics::kInertialParameters>() = c.transform * s.inertial;
   for (std::size_t i = 0; i < p.free.size(); ++i)
     parameters[p.free[i]] = s.free[static_cast<Eigen::Index>(i)];
   return parameters;
 }
 
-}  // namespace knee_robot
+}  // namespace knee_robot::identification

@@ -3,7 +3,7 @@
 #include <cmath>
 #include <unordered_map>
 
-namespace knee_robot {
+namespace knee_robot::identification {
 namespace {
 
 constexpr double kNewPlace = 0.1;  ///< of a coordinate's standard deviation: farther from all known places is a new one
@@ -78,4 +78,4 @@ std::vector<int> firstVisits(const Eigen::MatrixXd& state, const std::vector<int
   return first;
 }
 
-}  // namespace knee_robot
+}  // namespace knee_robot::identification

@@ -4,14 +4,14 @@
 #include "knee_robot/identification/sliding_path.h"
 #include "knee_robot/recording/signals.h"
 
-namespace knee_robot {
+namespace knee_robot::identification {
 namespace {
 
 /// Takes the passive joints' Coulomb friction out of the model: it acts along their sliding paths.
-Eigen::Matrix<double, PassiveCoulomb::kJoints, 1> takePassiveCoulomb(ForceModel& model) {
+Eigen::Matrix<double, PassiveCoulomb::kJoints, 1> takePassiveCoulomb(dynamics::ForceModel& model) {
   Eigen::Matrix<double, PassiveCoulomb::kJoints, 1> friction;
   for (int joint = 0; joint < PassiveCoulomb::kJoints; ++joint) {
-    double& parameter = model.parameters[extended::kPassiveFriction + 2 * joint + 1];
+    double& parameter = model.parameters[dynamics::extended::kPassiveFriction + 2 * joint + 1];
     friction[joint] = parameter;
     parameter = 0.0;
   }
@@ -20,7 +20,7 @@ Eigen::Matrix<double, PassiveCoulomb::kJoints, 1> takePassiveCoulomb(ForceModel&
 
 /// Share of full Coulomb friction at the samples themselves.
 Eigen::VectorXd shareAtSamples(const SlidingPath& path, double width) {
-  CoulombMemory memory;
+  dynamics::CoulombMemory memory;
   Eigen::VectorXd share((path.position.size() - 1) / SlidingPath::kSubsteps + 1);
   share[0] = memory.share = path.shareAtStart(width);
   for (Eigen::Index k = 1; k < path.position.size(); ++k) {
@@ -31,7 +31,8 @@ Eigen::VectorXd shareAtSamples(const SlidingPath& path, double width) {
 }
 
 /// Coulomb friction along the whole motion, as identification takes it: with its reversals found in both directions of time.
-PredictedForce coulombForces(ForceModel& model, const Robot& robot, const Signals& s, const MotionPath& path) {
+PredictedForce coulombForces(dynamics::ForceModel& model, const mechanism::Robot& robot, const recording::Signals& s,
+                             const MotionPath& path) {
   PredictedForce forces{Eigen::MatrixXd(s.samples(), robot.axes()), Eigen::MatrixXd(s.samples(), robot.axes())};
   const std::vector<SlidingPath> sliding = actuatorPaths(robot, s);
   for (int i = 0; i < robot.axes(); ++i) {
@@ -55,20 +56,22 @@ PredictedForce coulombForces(ForceModel& model, const Robot& robot, const Signal
 
 }  // namespace
 
-PredictedForce predictForces(const Model& model, const Robot& robot, const Signals& s, const MotionPath& path) {
-  ForceModel force_model(model, robot);
+PredictedForce predictForces(const dynamics::Model& model, const mechanism::Robot& robot, const recording::Signals& s,
+                             const MotionPath& path) {
+  dynamics::ForceModel force_model(model, robot);
   PredictedForce force = coulombForces(force_model, robot, s, path);
-  ForceModelData data;
+  dynamics::ForceModelData data;
   Eigen::MatrixXd out(s.samples(), robot.axes());
-  Vector4 forces = Vector4::Zero();
+  mechanism::Vector4 forces = mechanism::Vector4::Zero();
   int first_known = -1;
   for (int n = 0; n < s.samples(); ++n) {
     const std::size_t i = static_cast<std::size_t>(n);
-    const Motion motion = path.motion.empty() ? Motion() : path.motion[i];
+    const mechanism::Motion motion = path.motion.empty() ? mechanism::Motion() : path.motion[i];
     if (path.pose_known[i]) {
-      Vector4 here;
-      const bool ok = forceFromModel(force_model, actuatorRow(s.position_m, n), actuatorRow(s.velocity_m_per_s, n),
-                                     actuatorRow(s.acceleration_m_per_s2, n), motion, data, here);
+      mechanism::Vector4 here;
+      const bool ok =
+          dynamics::forceFromModel(force_model, actuatorRow(s.position_m, n), actuatorRow(s.velocity_m_per_s, n),
+                                   actuatorRow(s.acceleration_m_per_s2, n), motion, data, here);
       if (ok && here.allFinite()) {
         forces = here;
         if (first_known < 0) first_known = n;
@@ -83,14 +86,15 @@ PredictedForce predictForces(const Model& model, const Robot& robot, const Signa
   return force;
 }
 
-Eigen::MatrixXd predictForce(const Model& model, const Robot& robot, const Signals& s, const MotionPath& path) {
+Eigen::MatrixXd predictForce(const dynamics::Model& model, const mechanism::Robot& robot, const recording::Signals& s,
+                             const MotionPath& path) {
   return predictForces(model, robot, s, path).at_sample_N;
 }
 
 Prediction makePrediction(const Observation& o, const PredictedForce& force, double cutoff_hz) {
   Prediction prediction = makePrediction(o, force.mean_N, cutoff_hz);
-  prediction.row_force_N = atHoldIntervals(o.signals, force.at_sample_N, o.row_time_s);
+  prediction.row_force_N = recording::atHoldIntervals(o.signals, force.at_sample_N, o.row_time_s);
   return prediction;
 }
 
-}  // namespace knee_robot
+}  // namespace knee_robot::identification

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <limits>
 
-namespace knee_robot {
+namespace knee_robot::identification {
 namespace {
 
 constexpr double kWorst =
@@ -115,4 +115,4 @@ RankChoice chooseRank(const Equations& e, const std::vector<Column>& columns, co
   return choice;
 }
 
-}  // namespace knee_robot
+}  // namespace knee_robot::identification

@@ -4,7 +4,7 @@
 #include <Eigen/SVD>
 #include <cmath>
 
-namespace knee_robot {
+namespace knee_robot::identification {
 namespace {
 
 constexpr double kWeakest = 1e-9;
@@ -132,4 +132,4 @@ Eigen::VectorXd toParameters(const Reduction& r, const Eigen::VectorXd& z) {
   return parameters;
 }
 
-}  // namespace knee_robot
+}  // namespace knee_robot::identification

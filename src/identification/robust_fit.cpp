@@ -8,7 +8,7 @@
 
 #include "knee_robot/identification/bootstrap.h"
 
-namespace knee_robot {
+namespace knee_robot::identification {
 namespace {
 
 constexpr double kHuber = 1.345;     ///< 95 % efficient for normal residuals (Huber 1964)
@@ -207,4 +207,4 @@ RobustFit robustFit(const Equations& e, const Reduction& r, int rank, OutlierRul
   return fit;
 }
 
-}  // namespace knee_robot
+}  // namespace knee_robot::identification

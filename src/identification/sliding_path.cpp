@@ -7,7 +7,7 @@
 #include "knee_robot/dynamics/coulomb_memory.h"
 #include "knee_robot/mechanism/leg_motion.h"
 
-namespace knee_robot {
+namespace knee_robot::identification {
 namespace {
 
 constexpr double kNarrow_rad = 1e-9;
@@ -81,7 +81,7 @@ Eigen::VectorXd frictionShare(const SlidingPath& path, double width) {
   constexpr int kHalf = SlidingPath::kSubsteps / 2;
   const Eigen::Index fine = path.position.size();
   Eigen::VectorXd integral(fine);  // of the share, in substeps
-  CoulombMemory memory;
+  dynamics::CoulombMemory memory;
   memory.share = path.shareAtStart(width);
   double before = memory.share;
   integral[0] = 0.0;
@@ -99,7 +99,7 @@ Eigen::VectorXd frictionShare(const SlidingPath& path, double width) {
   return share;
 }
 
-std::vector<SlidingPath> actuatorPaths(const Robot& robot, const Signals& s) {
+std::vector<SlidingPath> actuatorPaths(const mechanism::Robot& robot, const recording::Signals& s) {
   std::vector<SlidingPath> paths;
   for (int i = 0; i < robot.axes(); ++i) {
     paths.push_back(slidingPath(s.position_m.col(i), s.velocity_m_per_s.col(i), s.period_s,
@@ -108,28 +108,30 @@ std::vector<SlidingPath> actuatorPaths(const Robot& robot, const Signals& s) {
   return paths;
 }
 
-PassiveCoulomb::PassiveCoulomb(const Robot& robot, const Signals& s, const MotionPath& path)
-    : levers_(kJoints, Eigen::Matrix4Xd::Zero(kLegs, s.samples())), share_(s.samples(), kJoints) {
+PassiveCoulomb::PassiveCoulomb(const mechanism::Robot& robot, const recording::Signals& s, const MotionPath& path)
+    : levers_(kJoints, Eigen::Matrix4Xd::Zero(mechanism::kLegs, s.samples())), share_(s.samples(), kJoints) {
   Eigen::MatrixXd angle(s.samples(), kJoints), rate(s.samples(), kJoints);
-  RobotMotion motion;
+  mechanism::RobotMotion motion;
   for (int n = 0; n < s.samples(); ++n) {
-    const Motion& here = path.motion[static_cast<std::size_t>(n)];
-    const auto joints = urdfJointPositions(*robot.mechanism, here.pose);
-    robotMotion(*robot.mechanism, here, motion);
-    const Matrix4 pose_per_length = motion.jacobian.inverse();
+    const mechanism::Motion& here = path.motion[static_cast<std::size_t>(n)];
+    const auto joints = mechanism::urdfJointPositions(*robot.mechanism, here.pose);
+    mechanism::robotMotion(*robot.mechanism, here, motion);
+    const mechanism::Matrix4 pose_per_length = motion.jacobian.inverse();
     int column = 0;
-    for (std::size_t leg = 0; leg < kLegs; ++leg) {
+    for (std::size_t leg = 0; leg < mechanism::kLegs; ++leg) {
       for (int joint = 1; joint >= (leg == 3 ? 1 : 0); --joint, ++column) {
         angle(n, column) = joints[leg == 3 ? 9 : 3 * leg + static_cast<std::size_t>(joint)];
         rate(n, column) = motion.legs[leg].rate[joint];
-        const Vector4 lever = (motion.legs[leg].joints_per_pose.row(joint) * pose_per_length).transpose();
+        const mechanism::Vector4 lever = (motion.legs[leg].joints_per_pose.row(joint) * pose_per_length).transpose();
         const std::size_t at = static_cast<std::size_t>(column);
-        levers_[at].col(n) = lever.allFinite() ? lever : n > 0 ? levers_[at].col(n - 1).eval() : Vector4::Zero().eval();
+        levers_[at].col(n) = lever.allFinite() ? lever
+                             : n > 0           ? levers_[at].col(n - 1).eval()
+                                               : mechanism::Vector4::Zero().eval();
       }
     }
   }
-  Vector4 count;
-  for (int i = 0; i < kLegs; ++i)
+  mechanism::Vector4 count;
+  for (int i = 0; i < mechanism::kLegs; ++i)
     count[i] = s.rounding_left * robot.actuators[static_cast<std::size_t>(i)].metresPerCount();
   for (int joint = 0; joint < kJoints; ++joint) {
     const Eigen::Matrix4Xd& levers = levers_[static_cast<std::size_t>(joint)];
@@ -139,4 +141,4 @@ PassiveCoulomb::PassiveCoulomb(const Robot& robot, const Signals& s, const Motio
   }
 }
 
-}  // namespace knee_robot
+}  // namespace knee_robot::identification

@@ -4,7 +4,7 @@
 #include <Eigen/LU>
 #include <cmath>
 
-namespace knee_robot {
+namespace knee_robot::mechanism {
 namespace {
 
 /// Leg i's axis u and its partial derivatives by q1 (c2 n) and q2 (t), from the joint angles, eq. (7)-(11).
@@ -179,4 +179,4 @@ bool coordinateRates(const Mechanism& mechanism, const Coordinates& q, const Vec
   return true;
 }
 
-}  // namespace knee_robot
+}  // namespace knee_robot::mechanism

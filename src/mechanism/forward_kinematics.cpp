@@ -5,7 +5,7 @@
 
 #include "knee_robot/mechanism/kinematics.h"
 
-namespace knee_robot {
+namespace knee_robot::mechanism {
 namespace {
 
 constexpr double kTolerance = 1e-11;         // m; documented at forwardKinematics
@@ -153,4 +153,4 @@ ForwardResult forwardKinematicsFromHome(const Mechanism& mechanism, const Length
   return result.status == ForwardStatus::NotConverged ? nearestToLevel(mechanism, lengths, home) : result;
 }
 
-}  // namespace knee_robot
+}  // namespace knee_robot::mechanism

@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-namespace knee_robot {
+namespace knee_robot::mechanism {
 namespace {
 
 Vector3 onCircle(double radius, double angle) {
@@ -18,4 +18,4 @@ Mechanism::Mechanism(const Geometry& g) : geometry(g) {
                      Vector3::Zero()};
 }
 
-}  // namespace knee_robot
+}  // namespace knee_robot::mechanism

@@ -7,7 +7,7 @@
 
 #include "knee_robot/mechanism/kinematics.h"
 
-namespace knee_robot {
+namespace knee_robot::mechanism {
 namespace {
 
 /// What the kinematics of one pose share: the platform's turned axes and points.
@@ -128,4 +128,4 @@ JointAngles jointAngles(const Mechanism& mechanism, const Pose& pose) {
   return angles;
 }
 
-}  // namespace knee_robot
+}  // namespace knee_robot::mechanism

@@ -3,7 +3,7 @@
 #include <Eigen/Geometry>
 #include <cmath>
 
-namespace knee_robot {
+namespace knee_robot::mechanism {
 namespace {
 
 /// d(arm)/d(theta) and d(arm)/d(psi) as columns 2 and 3; origin's translation as columns 0 and 1.
@@ -138,4 +138,4 @@ std::array<double, kUrdfJoints> urdfJointPositions(const Mechanism& mechanism, c
   return values;
 }
 
-}  // namespace knee_robot
+}  // namespace knee_robot::mechanism

@@ -9,7 +9,7 @@
 #include "knee_robot/base/strict_yaml.h"
 #include "knee_robot/mechanism/robot.h"
 
-namespace knee_robot {
+namespace knee_robot::mechanism {
 namespace {
 
 namespace fs = std::filesystem;
@@ -200,4 +200,4 @@ Robot loadRobot(const std::string& path) {
   return robot;
 }
 
-}  // namespace knee_robot
+}  // namespace knee_robot::mechanism

@@ -9,7 +9,7 @@
 
 #include "knee_robot/mechanism/constraints.h"
 
-namespace knee_robot {
+namespace knee_robot::mechanism {
 namespace {
 
 /// Largest and smallest singular value.
@@ -78,4 +78,4 @@ double foldDistance(const Mechanism& mechanism, const Pose& pose) {
   return smallest * smallest / std::max(2.0 * std::abs(slope), std::numeric_limits<double>::min());
 }
 
-}  // namespace knee_robot
+}  // namespace knee_robot::mechanism

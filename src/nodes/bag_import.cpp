@@ -16,7 +16,7 @@
 #include "knee_robot/recording/recording.h"
 #include "knee_robot/recording/signals.h"
 
-namespace knee_robot {
+namespace knee_robot::nodes {
 namespace {
 
 constexpr const char* kTracking = "knee_robot/Tracking";
@@ -146,8 +146,8 @@ int readCamera(const rosbag::Bag& bag, const BagSource& source, BagRows& rows) {
   return used;
 }
 
-Imported written(const BagRows& rows, const std::string& topic) {
-  Imported out;
+recording::Imported written(const BagRows& rows, const std::string& topic) {
+  recording::Imported out;
   out.csv = "time_s";
   for (const std::string& name : rows.names)
     out.csv += "," + name;
@@ -167,11 +167,11 @@ Imported written(const BagRows& rows, const std::string& topic) {
     longest = std::max(longest, time[k] - time[k - 1]);
   out.notes.push_back("Rows are the messages of " + topic + " by their header stamps, counted from the first (" +
                       std::to_string(first / 1000000000u) + " s): " + std::to_string(out.rows) + " rows, median " +
-                      shortNumber(1e3 * medianPeriod(time), 4) + " ms, longest " + shortNumber(1e3 * longest, 4) +
-                      " ms apart. " + std::to_string(rows.doubled) + " with the stamp of another and " +
-                      std::to_string(rows.unstamped) +
+                      shortNumber(1e3 * recording::medianPeriod(time), 4) + " ms, longest " +
+                      shortNumber(1e3 * longest, 4) + " ms apart. " + std::to_string(rows.doubled) +
+                      " with the stamp of another and " + std::to_string(rows.unstamped) +
                       " without stamp were dropped. Nothing was resampled, no signal was shifted.");
-  if (medianPeriod(time) > 0.0101)
+  if (recording::medianPeriod(time) > 0.0101)
     out.notes.push_back(
         "The topic is slower than a recording of the controller itself (set_recording): commands between its messages "
         "are missing, which identification takes for held.");
@@ -180,7 +180,7 @@ Imported written(const BagRows& rows, const std::string& topic) {
 
 }  // namespace
 
-Imported importBag(const BagSource& source) {
+recording::Imported importBag(const BagSource& source) {
   try {
     rosbag::Bag bag;
     bag.open(source.path, rosbag::bagmode::Read);
@@ -206,13 +206,13 @@ Imported importBag(const BagSource& source) {
       camera = std::to_string(readCamera(bag, source, rows)) + " pictures of " + source.camera +
                " were put beside the rows nearest in time.";
     }
-    Imported out = written(rows, topic);
+    recording::Imported out = written(rows, topic);
     if (!camera.empty()) out.notes.push_back(camera);
-    parseRecording(out.csv, source.path + " (as imported)");
+    recording::parseRecording(out.csv, source.path + " (as imported)");
     return out;
   } catch (const rosbag::BagException& e) {
     throw InputError(source.path + ": " + e.what());
   }
 }
 
-}  // namespace knee_robot
+}  // namespace knee_robot::nodes

@@ -5,7 +5,7 @@
 
 #include "knee_robot/recording/import.h"
 
-namespace knee_robot {
+namespace knee_robot::nodes {
 
 /// What to take out of a rosbag.
 struct BagSource {
@@ -18,6 +18,6 @@ struct BagSource {
 /// Makes a recording of a bag. Rows are the topic's messages by their header stamps (counted from the first), in order of time; those
 /// with the stamp of another are dropped and counted. A picture goes to the row that is nearest in time. InputError for what
 /// cannot be read, a topic that is not there (naming those that are), or another type.
-Imported importBag(const BagSource& source);
+recording::Imported importBag(const BagSource& source);
 
-}  // namespace knee_robot
+}  // namespace knee_robot::nodes

@@ -21,50 +21,53 @@ using namespace knee_robot;
 
 constexpr std::size_t kStates = 256;  // a power of two: cheap to cycle through, too many to predict
 
-Mechanism finalGeometry() {
+mechanism::Mechanism finalGeometry() {
   constexpr double kDegree = M_PI / 180.0;
-  return Mechanism({{0.4, 0.4, 0.4}, 0.15, 90 * kDegree, 45 * kDegree, {0.3, 0.3, 0.3}, 50 * kDegree, 90 * kDegree});
+  return mechanism::Mechanism(
+      {{0.4, 0.4, 0.4}, 0.15, 90 * kDegree, 45 * kDegree, {0.3, 0.3, 0.3}, 50 * kDegree, 90 * kDegree});
 }
 
-RobotInertia someInertia() {
-  RobotInertia inertia;
-  for (int leg = 0; leg < kLegs; ++leg) {
-    inertia.links[cylinderLink(leg)] = {2.5, {0.02, 0.2, 0.0}, Vector3(0.04, 0.002, 0.04).asDiagonal()};
-    inertia.links[rodLink(leg)] = {0.8, {0.0, 0.0, -0.25}, Vector3(0.02, 0.02, 0.0001).asDiagonal()};
+dynamics::RobotInertia someInertia() {
+  dynamics::RobotInertia inertia;
+  for (int leg = 0; leg < mechanism::kLegs; ++leg) {
+    inertia.links[dynamics::cylinderLink(leg)] = {
+        2.5, {0.02, 0.2, 0.0}, mechanism::Vector3(0.04, 0.002, 0.04).asDiagonal()};
+    inertia.links[dynamics::rodLink(leg)] = {
+        0.8, {0.0, 0.0, -0.25}, mechanism::Vector3(0.02, 0.02, 0.0001).asDiagonal()};
   }
-  inertia.links[kPlatformLink] = {9.0, {0.02, 0.01, 0.03}, Vector3(0.2, 0.2, 0.4).asDiagonal()};
+  inertia.links[dynamics::kPlatformLink] = {9.0, {0.02, 0.01, 0.03}, mechanism::Vector3(0.2, 0.2, 0.4).asDiagonal()};
   inertia.rotor_mass.setConstant(5.6);
   return inertia;
 }
 
 /// What all cases share.
 struct Cases {
-  Cases() : mechanism(finalGeometry()), model(mechanism, Vector3(0.0, 0.0, -9.81), someInertia()) {
+  Cases() : mechanism(finalGeometry()), model(mechanism, mechanism::Vector3(0.0, 0.0, -9.81), someInertia()) {
     std::mt19937 engine(1);
     const auto uniform = [&engine](double low, double high) {
       return std::uniform_real_distribution<double>(low, high)(engine);
     };
     while (motions.size() < kStates) {
-      Motion m;
-      m.pose = Pose(uniform(-0.1, 0.1), uniform(0.55, 0.8), uniform(-0.3, 0.3), uniform(-0.3, 0.3));
-      if (conditionNumber(mechanism, m.pose) > 60.0) continue;
+      mechanism::Motion m;
+      m.pose = mechanism::Pose(uniform(-0.1, 0.1), uniform(0.55, 0.8), uniform(-0.3, 0.3), uniform(-0.3, 0.3));
+      if (mechanism::conditionNumber(mechanism, m.pose) > 60.0) continue;
       for (int j = 0; j < 4; ++j) {
         m.pose_velocity[j] = uniform(-0.3, 0.3);
         m.pose_acceleration[j] = uniform(-1.0, 1.0);
       }
       motions.push_back(m);
-      lengths.push_back(legLengths(mechanism, m.pose));
+      lengths.push_back(mechanism::legLengths(mechanism, m.pose));
       // As in a control loop: the last pose, 1 ms at 0.2 m/s away.
       guesses.push_back(m.pose + 1e-3 * m.pose_velocity);
     }
   }
-  const Motion& motion(std::size_t k) const { return motions[k % kStates]; }
+  const mechanism::Motion& motion(std::size_t k) const { return motions[k % kStates]; }
 
-  Mechanism mechanism;
-  RigidModel model;
-  std::vector<Motion> motions;
-  std::vector<Lengths> lengths;
-  std::vector<Pose> guesses;
+  mechanism::Mechanism mechanism;
+  dynamics::RigidModel model;
+  std::vector<mechanism::Motion> motions;
+  std::vector<mechanism::Lengths> lengths;
+  std::vector<mechanism::Pose> guesses;
 };
 
 const Cases& cases() {
@@ -76,7 +79,7 @@ void inverseKinematicsCase(benchmark::State& state) {
   const Cases& c = cases();
   std::size_t k = 0;
   for (auto _ : state)
-    benchmark::DoNotOptimize(inverseKinematics(c.mechanism, c.motion(k++).pose));
+    benchmark::DoNotOptimize(mechanism::inverseKinematics(c.mechanism, c.motion(k++).pose));
 }
 BENCHMARK(inverseKinematicsCase)->Name("inverse_kinematics");
 
@@ -84,7 +87,7 @@ void forwardKinematicsCase(benchmark::State& state) {
   const Cases& c = cases();
   std::size_t k = 0;
   for (auto _ : state) {
-    benchmark::DoNotOptimize(forwardKinematics(c.mechanism, c.lengths[k % kStates], c.guesses[k % kStates]));
+    benchmark::DoNotOptimize(mechanism::forwardKinematics(c.mechanism, c.lengths[k % kStates], c.guesses[k % kStates]));
     ++k;
   }
 }
@@ -92,12 +95,13 @@ BENCHMARK(forwardKinematicsCase)->Name("forward_kinematics");
 
 void motionFromLengthsCase(benchmark::State& state) {
   const Cases& c = cases();
-  const Vector4 velocity = Vector4::Constant(0.1), acceleration = Vector4::Constant(0.5);
-  Motion motion;
+  const mechanism::Vector4 velocity = mechanism::Vector4::Constant(0.1),
+                           acceleration = mechanism::Vector4::Constant(0.5);
+  mechanism::Motion motion;
   std::size_t k = 0;
   for (auto _ : state) {
-    benchmark::DoNotOptimize(
-        motionFromLengths(c.mechanism, c.lengths[k % kStates], velocity, acceleration, c.guesses[k % kStates], motion));
+    benchmark::DoNotOptimize(mechanism::motionFromLengths(c.mechanism, c.lengths[k % kStates], velocity, acceleration,
+                                                          c.guesses[k % kStates], motion));
     ++k;
   }
 }
@@ -105,10 +109,10 @@ BENCHMARK(motionFromLengthsCase)->Name("motion_from_lengths");
 
 void inverseDynamicsCase(benchmark::State& state) {
   const Cases& c = cases();
-  Vector4 forces;
+  mechanism::Vector4 forces;
   std::size_t k = 0;
   for (auto _ : state) {
-    inverseDynamics(c.model, c.motion(k++), forces);
+    dynamics::inverseDynamics(c.model, c.motion(k++), forces);
     benchmark::DoNotOptimize(forces);
   }
 }
@@ -116,12 +120,12 @@ BENCHMARK(inverseDynamicsCase)->Name("inverse_dynamics");
 
 void forwardDynamicsCase(benchmark::State& state) {
   const Cases& c = cases();
-  const Vector4 forces = Vector4::Constant(50.0);
-  ForwardDynamicsData data;
+  const mechanism::Vector4 forces = mechanism::Vector4::Constant(50.0);
+  dynamics::ForwardDynamicsData data;
   std::size_t k = 0;
   for (auto _ : state) {
-    const Motion& m = c.motion(k++);
-    forwardDynamics(c.model, m.pose, m.pose_velocity, forces, data);
+    const mechanism::Motion& m = c.motion(k++);
+    dynamics::forwardDynamics(c.model, m.pose, m.pose_velocity, forces, data);
     benchmark::DoNotOptimize(data.acceleration);
   }
 }
@@ -129,10 +133,10 @@ BENCHMARK(forwardDynamicsCase)->Name("forward_dynamics");
 
 void projectedRegressorCase(benchmark::State& state) {
   const Cases& c = cases();
-  RegressorData data;
+  dynamics::RegressorData data;
   std::size_t k = 0;
   for (auto _ : state) {
-    projectedRegressor(c.mechanism, c.model.gravity, c.motion(k++), data);
+    dynamics::projectedRegressor(c.mechanism, c.model.gravity, c.motion(k++), data);
     benchmark::DoNotOptimize(data.k);
   }
 }
@@ -140,11 +144,11 @@ BENCHMARK(projectedRegressorCase)->Name("projected_regressor");
 
 void extendedRegressorCase(benchmark::State& state) {
   const Cases& c = cases();
-  RegressorData data;
-  ExtendedRegressor result;
+  dynamics::RegressorData data;
+  dynamics::ExtendedRegressor result;
   std::size_t k = 0;
   for (auto _ : state) {
-    extendedRegressor(c.mechanism, c.model.gravity, c.motion(k++), data, result);
+    dynamics::extendedRegressor(c.mechanism, c.model.gravity, c.motion(k++), data, result);
     benchmark::DoNotOptimize(result);
   }
 }
@@ -152,17 +156,18 @@ BENCHMARK(extendedRegressorCase)->Name("extended_regressor");
 
 void forcePartsCase(benchmark::State& state) {
   const Cases& c = cases();
-  Robot robot;
+  mechanism::Robot robot;
   robot.mechanism = c.mechanism;
-  robot.actuators.resize(kLegs);
-  PartedModel model(robot, someInertia());
+  robot.actuators.resize(mechanism::kLegs);
+  dynamics::PartedModel model(robot, someInertia());
   model.knows_motion = true;  // as an identified model: inertia and friction, too
-  const Vector4 velocity = Vector4::Constant(0.02), acceleration = Vector4::Constant(0.1);
-  ForcePartsData data;
-  ForceParts parts;
+  const mechanism::Vector4 velocity = mechanism::Vector4::Constant(0.02),
+                           acceleration = mechanism::Vector4::Constant(0.1);
+  dynamics::ForcePartsData data;
+  dynamics::ForceParts parts;
   std::size_t k = 0;
   for (auto _ : state) {
-    forceParts(model, c.motion(k++).pose, velocity, acceleration, 2e-4, data, parts);
+    dynamics::forceParts(model, c.motion(k++).pose, velocity, acceleration, 2e-4, data, parts);
     benchmark::DoNotOptimize(parts);
   }
 }
@@ -172,7 +177,7 @@ void coordinateMotionCase(benchmark::State& state) {
   const Cases& c = cases();
   std::size_t k = 0;
   for (auto _ : state)
-    benchmark::DoNotOptimize(coordinateMotion(c.mechanism, c.motion(k++)));
+    benchmark::DoNotOptimize(mechanism::coordinateMotion(c.mechanism, c.motion(k++)));
 }
 BENCHMARK(coordinateMotionCase)->Name("all_15_coordinates");
 
@@ -180,7 +185,7 @@ void singularityCase(benchmark::State& state) {
   const Cases& c = cases();
   std::size_t k = 0;
   for (auto _ : state)
-    benchmark::DoNotOptimize(singularityAt(c.mechanism, c.motion(k++).pose));
+    benchmark::DoNotOptimize(mechanism::singularityAt(c.mechanism, c.motion(k++).pose));
 }
 BENCHMARK(singularityCase)->Name("singularity_measures");
 

@@ -107,14 +107,14 @@ class Exchange {
 };
 
 int check(const Options& options) {
-  const Robot robot = loadRobot(options.robot);
-  HardwareFile hardware = loadHardwareFile(options.hardware);
+  const mechanism::Robot robot = mechanism::loadRobot(options.robot);
+  control::HardwareFile hardware = control::loadHardwareFile(options.hardware);
   if (!hardware.can) throw InputError(options.hardware + ": backend: must be can for drives on a CAN bus");
   can::CanSettings& settings = *hardware.can;
   if (!options.bus.empty()) settings.interface = options.bus;
   const auto process = can::CanSocket::open(settings.interface, can::processFilters(settings));
   const auto service = can::CanSocket::open(settings.interface, can::serviceFilters(settings));
-  can::CanAxisBus bus(*process, *service, settings, canUnits(robot));
+  can::CanAxisBus bus(*process, *service, settings, control::canUnits(robot));
   const SelfTest test = bus.selfTest();
   for (const std::string& finding : test.findings)
     std::printf("%s\n", finding.c_str());
@@ -149,5 +149,5 @@ int main(int argc, char** argv) {
       ->check(CLI::Range(0.01, 3600.0))
       ->capture_default_str();
   app.add_flag("--enable", options.enable, "also switch the drives on, at torque 0, hold devices engaged");
-  return runProgram(app, argc, argv, [&] { return check(options); });
+  return nodes::runProgram(app, argc, argv, [&] { return check(options); });
 }

@@ -15,21 +15,24 @@ using namespace knee_robot;
 
 constexpr double kDegrees = 180.0 / 3.14159265358979323846;
 
-void printMargins(const ReferenceCheck& check) {
+void printMargins(const trajectory::ReferenceCheck& check) {
   std::printf("%-24s %12s %12s %-5s %8s %6s %9s\n", "closest approach", "value", "limit", "", "left", "line",
               "actuator");
-  for (const Margin& margin : check.margins) {
-    const bool angle = margin.quantity == Quantity::BaseAngle || margin.quantity == Quantity::PlatformAngle;
+  for (const trajectory::Margin& margin : check.margins) {
+    const bool angle =
+        margin.quantity == trajectory::Quantity::BaseAngle || margin.quantity == trajectory::Quantity::PlatformAngle;
     const double scale = angle ? kDegrees : 1.0;
-    std::printf("%-24s %12.6g %12.6g %-5s %6.1f %% %6d %9s\n", nameOf(margin.quantity), scale * margin.value,
-                scale * margin.limit, angle ? "deg" : unitOf(margin.quantity), 100.0 * margin.left, margin.line,
+    std::printf("%-24s %12.6g %12.6g %-5s %6.1f %% %6d %9s\n", trajectory::nameOf(margin.quantity),
+                scale * margin.value, scale * margin.limit, angle ? "deg" : trajectory::unitOf(margin.quantity),
+                100.0 * margin.left, margin.line,
                 margin.actuator == 0 ? "all" : std::to_string(margin.actuator).c_str());
   }
 }
 
-void printPath(const Reference& reference, const ReferenceCheck& check, int axes) {
+void printPath(const trajectory::Reference& reference, const trajectory::ReferenceCheck& check, int axes) {
   std::printf("%s: %ld points, %.2f s, space %s\n", reference.name.c_str(), static_cast<long>(reference.points.rows()),
-              static_cast<double>(reference.points.rows() - 1) * reference.period_s, nameOf(reference.space));
+              static_cast<double>(reference.points.rows() - 1) * reference.period_s,
+              trajectory::nameOf(reference.space));
   for (int i = 0; i < axes; ++i) {
     std::printf("  actuator %d: %.6f to %.6f m, starts at %.6f m\n", i + 1, check.lengths.col(i).minCoeff(),
                 check.lengths.col(i).maxCoeff(), check.lengths(0, i));
@@ -58,7 +61,8 @@ struct Worst {
 };
 
 /// Both kinds of singularity (mechanism/singularity.h) along the path. Only the condition number has a limit of its own.
-void printSingularity(const Reference& reference, const ReferenceCheck& check, const Mechanism& mechanism) {
+void printSingularity(const trajectory::Reference& reference, const trajectory::ReferenceCheck& check,
+                      const mechanism::Mechanism& mechanism) {
   Worst worst[] = {{"type I, product of cos q2", true, 0.0},
                    {"type II, |det dq/dx|", true, 0.0},
                    {"condition, scaled", false, 0.0},
@@ -66,13 +70,13 @@ void printSingularity(const Reference& reference, const ReferenceCheck& check, c
                    {"force amplification", false, 0.0}};
   double spherical = 0.0;
   for (Eigen::Index k = 0; k < check.poses.rows(); ++k) {
-    const Pose pose = check.poses.row(k).transpose();
-    const Singularity at = singularityAt(mechanism, pose);
+    const mechanism::Pose pose = check.poses.row(k).transpose();
+    const mechanism::Singularity at = mechanism::singularityAt(mechanism, pose);
     const double values[] = {at.type_one, std::abs(at.determinant), at.scaled_condition, at.dependent_condition,
                              at.force_amplification};
     for (std::size_t i = 0; i < std::size(values); ++i)
       worst[i].see(values[i], reference.lineOf(k));
-    const JointAngles angles = jointAngles(mechanism, pose);
+    const mechanism::JointAngles angles = mechanism::jointAngles(mechanism, pose);
     spherical = std::max(spherical, *std::max_element(angles.platform.begin(), angles.platform.end()));
   }
   std::printf("nearest to a singularity\n");
@@ -93,10 +97,10 @@ int main(int argc, char** argv) {
   app.add_option("--robot", robot_file, "robot file (YAML)")->required();
   app.add_option("--space", space_name, "what the columns are, when the file's header does not say it")
       ->check(CLI::IsMember({"actuator", "platform", "relative"}));
-  return runProgram(app, argc, argv, [&]() -> int {
-    const Robot robot = loadRobot(robot_file);
-    const Reference reference = readReference(file, spaceNamed(space_name));
-    const ReferenceCheck check = checkReference(reference, robot);
+  return nodes::runProgram(app, argc, argv, [&]() -> int {
+    const mechanism::Robot robot = mechanism::loadRobot(robot_file);
+    const trajectory::Reference reference = trajectory::readReference(file, trajectory::spaceNamed(space_name));
+    const trajectory::ReferenceCheck check = trajectory::checkReference(reference, robot);
     printPath(reference, check, robot.axes());
     printMargins(check);
     if (robot.mechanism && check.poses.rows() > 0) printSingularity(reference, check, *robot.mechanism);

@@ -14,8 +14,8 @@
 #include "knee_robot/base/errors.h"
 #include "knee_robot/control/hardware_file.h"
 #include "knee_robot/simulation/bus_server.h"
-#include "knee_robot/simulation/faulty_port.h"
 #include "knee_robot/simulation/can_robot.h"
+#include "knee_robot/simulation/faulty_port.h"
 #include "knee_robot/simulation/lost_time.h"
 #include "knee_robot/simulation/truth_log.h"
 #include "program.h"
@@ -33,7 +33,7 @@ class Bus {
  public:
   explicit Bus(const std::string& name) {
     if (name.find('/') != std::string::npos) {
-      server_ = std::make_unique<can::BusServer>(name);
+      server_ = std::make_unique<simulation::BusServer>(name);
     } else {
       socket_ = can::CanSocket::open(name, {});
     }
@@ -51,23 +51,23 @@ class Bus {
   }
 
  private:
-  std::unique_ptr<can::BusServer> server_;
+  std::unique_ptr<simulation::BusServer> server_;
   std::unique_ptr<can::CanSocket> socket_;
 };
 
 /// The faults that inject_fault orders of drives and wire.
 class Orders {
  public:
-  Orders(const InjectedFaults& orders, Bus& bus, can::FaultyPort& wire, CanRobot& robot)
+  Orders(const simulation::InjectedFaults& orders, Bus& bus, simulation::FaultyPort& wire, simulation::CanRobot& robot)
       : orders_(orders), bus_(bus), wire_(wire), robot_(robot) {}
   void follow() {
-    wire_.set(static_cast<can::WireFault>(orders_.can_wire.load()));
+    wire_.set(static_cast<simulation::WireFault>(orders_.can_wire.load()));
     const bool hung_up = orders_.can_hung_up.load() != 0;
     if (hung_up != hung_up_) bus_.hangUp(hung_up);
     hung_up_ = hung_up;
     for (std::size_t i = 0; i < static_cast<std::size_t>(kAxes); ++i) {
       const auto ordered = [i](unsigned mask) { return (mask >> i & 1u) != 0; };
-      can::DriveModel& drive = robot_.drive(i);
+      simulation::DriveModel& drive = robot_.drive(i);
       drive.setSilent(ordered(orders_.can_silent.load()));
       drive.setHeartbeat(!ordered(orders_.can_no_heartbeat.load()));
       if (ordered(orders_.can_fault.load() & ~failed_)) drive.fail(0x2310);
@@ -78,10 +78,10 @@ class Orders {
   }
 
  private:
-  const InjectedFaults& orders_;
+  const simulation::InjectedFaults& orders_;
   Bus& bus_;
-  can::FaultyPort& wire_;
-  CanRobot& robot_;
+  simulation::FaultyPort& wire_;
+  simulation::CanRobot& robot_;
   bool hung_up_ = false;
   unsigned failed_ = 0, warned_ = 0;
 };
@@ -89,7 +89,8 @@ class Orders {
 /// Steps the robot along the clock, answers the bus in between. Returns the milliseconds that were left out.
 class Simulation {
  public:
-  Simulation(Bus& bus, can::FaultyPort& port, CanRobot& robot, Orders orders, TruthLog* truth)
+  Simulation(Bus& bus, simulation::FaultyPort& port, simulation::CanRobot& robot, Orders orders,
+             simulation::TruthLog* truth)
       : bus_(bus), port_(port), robot_(robot), orders_(orders), truth_(truth) {}
 
   std::int64_t run(double duration_s) {
@@ -102,7 +103,7 @@ class Simulation {
       for (int i = 0; i < 256 && port_.receive(frame) == can::PortStatus::Ok; ++i)
         robot_.take(frame);
       const std::int64_t now = port_.now();
-      const std::int64_t lost = lostPeriods(now - next, kPeriod_ns);
+      const std::int64_t lost = simulation::lostPeriods(now - next, kPeriod_ns);
       left_out += lost;
       next += lost * kPeriod_ns;
       for (; next <= now; next += kPeriod_ns)
@@ -122,10 +123,10 @@ class Simulation {
   }
 
   Bus& bus_;
-  can::FaultyPort& port_;
-  CanRobot& robot_;
+  simulation::FaultyPort& port_;
+  simulation::CanRobot& robot_;
   Orders orders_;
-  TruthLog* truth_;
+  simulation::TruthLog* truth_;
 };
 
 /// A real-time priority is asked for, never needed: the drives are late without it.
@@ -147,20 +148,21 @@ struct Options {
 };
 
 int simulate(const Options& options) {
-  const Robot robot = loadRobot(options.robot);
-  const HardwareFile hardware = loadHardwareFile(options.hardware);
+  const mechanism::Robot robot = mechanism::loadRobot(options.robot);
+  const control::HardwareFile hardware = control::loadHardwareFile(options.hardware);
   if (!hardware.can) throw InputError(options.hardware + ": backend: must be can for drives on a CAN bus");
-  const SimulationParameters parameters = loadSimulationParameters(options.simulation);
+  const simulation::SimulationParameters parameters = simulation::loadSimulationParameters(options.simulation);
   const can::ObjectDictionary table = can::ObjectDictionary::load(options.objects);
-  const RobotInertia inertia = loadRobotInertia(robot);
+  const dynamics::RobotInertia inertia = dynamics::loadRobotInertia(robot);
 
   for (const int signal : {SIGINT, SIGTERM})
     std::signal(signal, [](int) { stop_requested = 1; });
-  SharedImage memory = SharedImage::create(options.shm);
+  simulation::SharedImage memory = simulation::SharedImage::create(options.shm);
   Bus bus(options.bus.empty() ? hardware.can->interface : options.bus);
-  can::FaultyPort port(bus.port());
-  CanRobot drives(robot, inertia, parameters, *hardware.can, canUnits(robot), table, memory.image(), port);
-  std::optional<TruthLog> truth;
+  simulation::FaultyPort port(bus.port());
+  simulation::CanRobot drives(robot, inertia, parameters, *hardware.can, control::canUnits(robot), table,
+                              memory.image(), port);
+  std::optional<simulation::TruthLog> truth;
   if (options.truth_rows > 0) truth.emplace(options.shm + "_truth", options.truth_rows);
   Simulation simulation(bus, port, drives, Orders(memory.image().faults, bus, port, drives), truth ? &*truth : nullptr);
   askForPriority(options.priority);
@@ -200,7 +202,7 @@ int main(int argc, char** argv) {
       ->check(CLI::Range(std::uint64_t{0}, std::uint64_t{1000000}))
       ->capture_default_str();
   app.allow_extras();  // roslaunch appends __name:= and __log:=
-  return runProgram(app, argc, argv, [&] {
+  return nodes::runProgram(app, argc, argv, [&] {
     for (const std::string& extra : app.remaining()) {
       if (extra.find(":=") == std::string::npos) throw InputError("unknown argument " + extra + " (see --help)");
     }

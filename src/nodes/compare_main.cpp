@@ -31,15 +31,15 @@ void declare(CLI::App& app, Arguments& a) {
 }
 
 int run(const Arguments& a, const std::string& command_line) {
-  const Robot robot = loadRobot(a.robot);
+  const mechanism::Robot robot = mechanism::loadRobot(a.robot);
   double condition_max = a.condition_max;
   if (condition_max == 0.0) {
     condition_max = robot.singularity_condition_max < kWideOpen ? robot.singularity_condition_max : kUsualConditionMax;
   }
-  CompareResults results = compare(robot, loadRecording(a.recording), condition_max);
+  report::CompareResults results = report::compare(robot, recording::loadRecording(a.recording), condition_max);
   results.command_line = command_line;
-  writeCompareFiles(results, a.output);
-  std::cout << compareSummary(results) << "written: " << a.output
+  report::writeCompareFiles(results, a.output);
+  std::cout << report::compareSummary(results) << "written: " << a.output
             << "/report.html, report.json, actuators.svg and pose.svg" << std::endl;
   return kExitDone;
 }
@@ -53,5 +53,5 @@ int main(int argc, char** argv) {
   std::string command_line = "rosrun knee_robot compare";
   for (int i = 1; i < argc; ++i)
     command_line += std::string(" ") + argv[i];
-  return runProgram(app, argc, argv, [&] { return run(arguments, command_line); });
+  return nodes::runProgram(app, argc, argv, [&] { return run(arguments, command_line); });
 }

@@ -5,8 +5,8 @@
 
 #include "knee_robot/base/errors.h"
 #include "knee_robot/control/component_types.h"
-#include "knee_robot/simulation/simulated_cards.h"
 #include "knee_robot/rt/component_page.h"
+#include "knee_robot/simulation/simulated_cards.h"
 #include "program.h"
 
 int main(int argc, char** argv) {
@@ -16,11 +16,13 @@ int main(int argc, char** argv) {
   std::string robot_file, hardware_file;
   app.add_option("--robot", robot_file, "robot file (YAML); defaults of properties may depend on it")->required();
   app.add_option("--hardware", hardware_file, "hardware file (YAML)")->required();
-  return runProgram(app, argc, argv, [&] {
-    const Robot robot = loadRobot(robot_file);
-    const auto image = std::make_unique<hardware::RobotImage>();
-    const auto bus = hardware::openImageCards(*image);
-    std::printf("%s", rt::componentPage(componentTypes(robot, loadHardwareFile(hardware_file), *bus, {})).c_str());
+  return nodes::runProgram(app, argc, argv, [&] {
+    const mechanism::Robot robot = mechanism::loadRobot(robot_file);
+    const auto image = std::make_unique<simulation::RobotImage>();
+    const auto bus = simulation::openImageCards(*image);
+    std::printf(
+        "%s",
+        rt::componentPage(control::componentTypes(robot, control::loadHardwareFile(hardware_file), *bus, {})).c_str());
     return kExitDone;
   });
 }

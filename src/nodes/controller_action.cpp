@@ -4,13 +4,14 @@
 #include "knee_robot/base/numbers.h"
 #include "played_goal.h"
 
-namespace knee_robot {
+namespace knee_robot::nodes {
 namespace {
 
 constexpr double kSlowestPercent = 5.0;
 
-bool isMoving(MachineState state) {
-  return state != MachineState::Disabled && state != MachineState::Holding && state != MachineState::Faulted;
+bool isMoving(control::MachineState state) {
+  return state != control::MachineState::Disabled && state != control::MachineState::Holding &&
+         state != control::MachineState::Faulted;
 }
 
 PlayResult resultOf(const std::string& sentence) {
@@ -21,7 +22,7 @@ PlayResult resultOf(const std::string& sentence) {
 
 }  // namespace
 
-PlayActionServer::PlayActionServer(ros::NodeHandle& node, ControlSystem& system, References& references,
+PlayActionServer::PlayActionServer(ros::NodeHandle& node, control::ControlSystem& system, References& references,
                                    const Folder& recordings)
     : system_(system),
       references_(references),
@@ -42,17 +43,18 @@ PlayActionServer::~PlayActionServer() {
   worker_.join();
 }
 
-Answer PlayActionServer::judgeMachine(const PlayGoal& goal) const {
-  const ControlStatus status = system_.status();
-  if (status.state == MachineState::Faulted) return {false, "the robot is faulted: " + status.fault_sentence};
-  if (status.state == MachineState::Disabled && !goal.enable)
+control::Answer PlayActionServer::judgeMachine(const PlayGoal& goal) const {
+  const control::ControlStatus status = system_.status();
+  if (status.state == control::MachineState::Faulted) return {false, "the robot is faulted: " + status.fault_sentence};
+  if (status.state == control::MachineState::Disabled && !goal.enable)
     return {false, "the robot is disabled; enable it first, or say enable in the goal"};
   if (isMoving(status.state))
-    return {false, std::string("the robot is ") + toString(status.state) + " for somebody else; stop that first"};
+    return {false,
+            std::string("the robot is ") + control::toString(status.state) + " for somebody else; stop that first"};
   return {true, ""};
 }
 
-Answer PlayActionServer::judge(const PlayGoal& goal, Job& job) const {
+control::Answer PlayActionServer::judge(const PlayGoal& goal, Job& job) const {
   // Written so that not-a-number is refused.
   if (!(goal.speed_percent == 0.0 || (goal.speed_percent >= kSlowestPercent && goal.speed_percent <= 100.0)))
     return {false, "speed_percent must lie between 5 and 100, or be 0 for 100, not " + shortNumber(goal.speed_percent)};
@@ -79,7 +81,7 @@ void PlayActionServer::receive(Handle handle) {
   Job job;
   job.handle = handle;
   const PlayGoal& goal = *handle.getGoal();
-  Answer answer = judge(goal, job);
+  control::Answer answer = judge(goal, job);
   std::optional<Handle> replaced;
   if (answer.ok) {
     const std::lock_guard<std::mutex> lock(mutex_);
@@ -144,4 +146,4 @@ void PlayActionServer::work() {
   if (left) left->handle.setAborted(resultOf("the controller is ending"), "the controller is ending");
 }
 
-}  // namespace knee_robot
+}  // namespace knee_robot::nodes

@@ -14,13 +14,14 @@
 #include "folder.h"
 #include "knee_robot/control/control_system.h"
 
-namespace knee_robot {
+namespace knee_robot::nodes {
 
 /// The action `~play`: see action/Play.action for what it does and its policies. Goals are judged where they arrive; one thread
 /// plays them. The services stay available meanwhile: a pause pauses the goal, a stop or a fault aborts it.
 class PlayActionServer {
  public:
-  PlayActionServer(ros::NodeHandle& node, ControlSystem& system, References& references, const Folder& recordings);
+  PlayActionServer(ros::NodeHandle& node, control::ControlSystem& system, References& references,
+                   const Folder& recordings);
   /// A goal that is being played is stopped along its path and aborted.
   ~PlayActionServer();
 
@@ -36,11 +37,11 @@ class PlayActionServer {
 
   void receive(Handle handle);
   void cancel(Handle handle);
-  Answer judge(const PlayGoal& goal, Job& job) const;
-  Answer judgeMachine(const PlayGoal& goal) const;
+  control::Answer judge(const PlayGoal& goal, Job& job) const;
+  control::Answer judgeMachine(const PlayGoal& goal) const;
   void work();
 
-  ControlSystem& system_;
+  control::ControlSystem& system_;
   References& references_;
   const Folder& recordings_;
 
@@ -56,4 +57,4 @@ class PlayActionServer {
   friend class PlayedGoal;
 };
 
-}  // namespace knee_robot
+}  // namespace knee_robot::nodes

@@ -7,7 +7,7 @@
 #include "knee_robot/base/errors.h"
 #include "knee_robot/base/numbers.h"
 
-namespace knee_robot {
+namespace knee_robot::nodes {
 namespace {
 
 using diagnostic_msgs::DiagnosticStatus;
@@ -53,8 +53,8 @@ DiagnosticThresholds DiagnosticThresholds::of(const ros::NodeHandle& node) {
   return t;
 }
 
-ControllerDiagnostics::ControllerDiagnostics(ros::NodeHandle& node, const ControlSystem& system, const Robot& robot,
-                                             const std::atomic<Guardian>& guardian)
+ControllerDiagnostics::ControllerDiagnostics(ros::NodeHandle& node, const control::ControlSystem& system,
+                                             const mechanism::Robot& robot, const std::atomic<Guardian>& guardian)
     : system_(system),
       robot_(robot),
       guardian_(guardian),
@@ -74,25 +74,26 @@ ControllerDiagnostics::ControllerDiagnostics(ros::NodeHandle& node, const Contro
 }
 
 void ControllerDiagnostics::look() {
-  const MachineState state = system_.state();
-  const bool follows = state != MachineState::Disabled && state != MachineState::Faulted;
-  if (const std::optional<TrackingRow> row = system_.snapshot(); row && follows) {
-    for (std::size_t i = 0; i < kAxes; ++i)
+  const control::MachineState state = system_.state();
+  const bool follows = state != control::MachineState::Disabled && state != control::MachineState::Faulted;
+  if (const std::optional<control::TrackingRow> row = system_.snapshot(); row && follows) {
+    for (std::size_t i = 0; i < hardware::kAxes; ++i)
       largest_error_[i] = std::max(largest_error_[i], std::abs(row->reference_m[i] - row->position_m[i]));
   }
   if (++looks_ % kLooksPerUpdate == 0) updater_.force_update();
 }
 
 void ControllerDiagnostics::machine(Status& status) {
-  const ControlStatus now = system_.status();
-  if (now.state == MachineState::Faulted) {
+  const control::ControlStatus now = system_.status();
+  if (now.state == control::MachineState::Faulted) {
     status.summary(DiagnosticStatus::ERROR, now.fault_name + ": " + now.fault_sentence);
   } else if (!now.homed) {
-    status.summary(DiagnosticStatus::WARN, std::string(toString(now.state)) + "; not homed: nothing may move yet");
+    status.summary(DiagnosticStatus::WARN,
+                   std::string(control::toString(now.state)) + "; not homed: nothing may move yet");
   } else {
-    status.summary(DiagnosticStatus::OK, toString(now.state));
+    status.summary(DiagnosticStatus::OK, control::toString(now.state));
   }
-  status.add("state", toString(now.state));
+  status.add("state", control::toString(now.state));
   status.add("reference", now.reference);
   status.add("playing", now.playing);
   status.add("progress", now.progress);
@@ -104,18 +105,18 @@ void ControllerDiagnostics::tracking(Status& status) {
   status.summary(levelAbove(*worst, thresholds_.tracking_warn_m, thresholds_.tracking_error_m),
                  "largest error of the last second " + shortNumber(1e3 * *worst, 3) + " mm, leg " +
                      std::to_string(worst - largest_error_.begin() + 1));
-  for (std::size_t i = 0; i < kAxes; ++i)
+  for (std::size_t i = 0; i < hardware::kAxes; ++i)
     status.add("error " + std::to_string(i + 1) + " (m)", largest_error_[i]);
   largest_error_.fill(0.0);
 }
 
 void ControllerDiagnostics::limits(Status& status) {
-  const std::optional<TrackingRow> row = system_.snapshot();
+  const std::optional<control::TrackingRow> row = system_.snapshot();
   if (!row) return status.summary(DiagnosticStatus::ERROR, "nothing is measured");
   if (robot_.mechanism) {
-    const Lengths lengths(row->position_m.data());
-    if (forward_.ok()) forward_ = forwardKinematics(*robot_.mechanism, lengths, forward_.pose);
-    if (!forward_.ok()) forward_ = forwardKinematicsFromHome(*robot_.mechanism, lengths);
+    const mechanism::Lengths lengths(row->position_m.data());
+    if (forward_.ok()) forward_ = mechanism::forwardKinematics(*robot_.mechanism, lengths, forward_.pose);
+    if (!forward_.ok()) forward_ = mechanism::forwardKinematicsFromHome(*robot_.mechanism, lengths);
     if (!forward_.ok())
       return status.summary(DiagnosticStatus::ERROR, "no platform pose belongs to the measured lengths");
   }
@@ -127,12 +128,12 @@ void ControllerDiagnostics::limits(Status& status) {
 }
 
 void ControllerDiagnostics::motors(Status& status) {
-  const ControlStatus now = system_.status();
+  const control::ControlStatus now = system_.status();
   const auto hottest = std::max_element(now.thermal.begin(), now.thermal.end());
   status.summary(
       levelAbove(*hottest, thresholds_.thermal_warn, thresholds_.thermal_error),
       "largest I2t share " + shortNumber(*hottest, 3) + ", leg " + std::to_string(hottest - now.thermal.begin() + 1));
-  for (std::size_t i = 0; i < kAxes; ++i)
+  for (std::size_t i = 0; i < hardware::kAxes; ++i)
     status.add("I2t " + std::to_string(i + 1), now.thermal[i]);
 }
 
@@ -174,7 +175,7 @@ void ControllerDiagnostics::guardian(Status& status) {
 }
 
 void ControllerDiagnostics::recording(Status& status) {
-  const ControlStatus now = system_.status();
+  const control::ControlStatus now = system_.status();
   if (now.dropped_rows > 0) {
     status.summary(DiagnosticStatus::ERROR, std::to_string(now.dropped_rows) + " rows were dropped");
   } else {
@@ -193,4 +194,4 @@ void ControllerDiagnostics::realTime(Status& status) {
     status.add("warning " + std::to_string(i + 1), warnings[i]);
 }
 
-}  // namespace knee_robot
+}  // namespace knee_robot::nodes

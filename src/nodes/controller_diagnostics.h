@@ -12,7 +12,7 @@
 #include "knee_robot/mechanism/kinematics.h"
 #include "knee_robot/rt/statistics.h"
 
-namespace knee_robot {
+namespace knee_robot::nodes {
 
 /// From where on a figure is a warning or an error; private parameters `~diagnostics/NAME`.
 struct DiagnosticThresholds {
@@ -32,7 +32,7 @@ class ControllerDiagnostics {
   using Guardian = GuardianSupervision::Guardian;
 
   /// `node`: the private namespace, with a callback queue that one thread serves.
-  ControllerDiagnostics(ros::NodeHandle& node, const ControlSystem& system, const Robot& robot,
+  ControllerDiagnostics(ros::NodeHandle& node, const control::ControlSystem& system, const mechanism::Robot& robot,
                         const std::atomic<Guardian>& guardian);
 
  private:
@@ -47,17 +47,17 @@ class ControllerDiagnostics {
   void recording(Status& status);
   void realTime(Status& status);
 
-  const ControlSystem& system_;
-  const Robot& robot_;
+  const control::ControlSystem& system_;
+  const mechanism::Robot& robot_;
   const std::atomic<Guardian>& guardian_;
   const DiagnosticThresholds thresholds_;
   diagnostic_updater::Updater updater_;
-  std::array<double, kAxes> largest_error_{};  // m, since the last update
+  std::array<double, hardware::kAxes> largest_error_{};  // m, since the last update
   std::vector<rt::DurationHistogram::Snapshot> timing_before_;
   std::uint64_t missed_before_ = 0;
-  ForwardResult forward_;
+  mechanism::ForwardResult forward_;
   int looks_ = 0;
   ros::WallTimer timer_;
 };
 
-}  // namespace knee_robot
+}  // namespace knee_robot::nodes

@@ -9,28 +9,28 @@
 #include "knee_robot/base/numbers.h"
 #include "knee_robot/control/model_feedforward.h"
 
-namespace knee_robot {
+namespace knee_robot::nodes {
 namespace {
 
 struct Part {
   const char* property;
-  rt::Property<double> ModelFeedforward::*value;
+  rt::Property<double> control::ModelFeedforward::*value;
   double FeedforwardConfig::*field;
 };
 
 const std::array<Part, 4>& parts() {
   static const std::array<Part, 4> table = {{
-      {"share_gravity", &ModelFeedforward::share_gravity, &FeedforwardConfig::share_gravity},
-      {"share_inertia", &ModelFeedforward::share_inertia, &FeedforwardConfig::share_inertia},
-      {"share_friction", &ModelFeedforward::share_friction, &FeedforwardConfig::share_friction},
-      {"payload_kg", &ModelFeedforward::payload, &FeedforwardConfig::payload_kg},
+      {"share_gravity", &control::ModelFeedforward::share_gravity, &FeedforwardConfig::share_gravity},
+      {"share_inertia", &control::ModelFeedforward::share_inertia, &FeedforwardConfig::share_inertia},
+      {"share_friction", &control::ModelFeedforward::share_friction, &FeedforwardConfig::share_friction},
+      {"payload_kg", &control::ModelFeedforward::payload, &FeedforwardConfig::payload_kg},
   }};
   return table;
 }
 
-const ModelFeedforward* find(const ControlSystem& system) {
+const control::ModelFeedforward* find(const control::ControlSystem& system) {
   for (const auto& component : system.deployment().components()) {
-    if (const auto* found = dynamic_cast<const ModelFeedforward*>(component.get())) return found;
+    if (const auto* found = dynamic_cast<const control::ModelFeedforward*>(component.get())) return found;
   }
   return nullptr;
 }
@@ -39,7 +39,7 @@ const ModelFeedforward* find(const ControlSystem& system) {
 
 class ControllerFeedforward::Server {
  public:
-  Server(ros::NodeHandle& node, ControlSystem& system, const ModelFeedforward& component)
+  Server(ros::NodeHandle& node, control::ControlSystem& system, const control::ModelFeedforward& component)
       : system_(system), component_(component), server_(mutex_, ros::NodeHandle(node, "feedforward")) {
     FeedforwardConfig config;
     server_.getConfigDefault(config);
@@ -54,7 +54,7 @@ class ControllerFeedforward::Server {
     for (const Part& part : parts()) {
       const double wanted = asked.*part.field;
       if (wanted == (component_.*part.value).value()) continue;
-      const Answer answer = system_.setProperty(component_.name(), part.property, exactNumber(wanted));
+      const control::Answer answer = system_.setProperty(component_.name(), part.property, exactNumber(wanted));
       if (answer.ok) ROS_INFO("feedforward: %s", answer.sentence.c_str());
       if (!answer.ok) ROS_WARN("feedforward refused: %s", answer.sentence.c_str());
     }
@@ -66,15 +66,16 @@ class ControllerFeedforward::Server {
       config.*part.field = (component_.*part.value).value();
   }
 
-  ControlSystem& system_;
-  const ModelFeedforward& component_;
+  control::ControlSystem& system_;
+  const control::ModelFeedforward& component_;
   boost::recursive_mutex mutex_;
   dynamic_reconfigure::Server<FeedforwardConfig> server_;
 };
 
-ControllerFeedforward::ControllerFeedforward(ros::NodeHandle& node, ControlSystem& system) {
-  if (const ModelFeedforward* component = find(system)) server_ = std::make_unique<Server>(node, system, *component);
+ControllerFeedforward::ControllerFeedforward(ros::NodeHandle& node, control::ControlSystem& system) {
+  if (const control::ModelFeedforward* component = find(system))
+    server_ = std::make_unique<Server>(node, system, *component);
 }
 ControllerFeedforward::~ControllerFeedforward() = default;
 
-}  // namespace knee_robot
+}  // namespace knee_robot::nodes

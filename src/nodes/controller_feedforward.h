@@ -8,13 +8,13 @@ namespace ros {
 class NodeHandle;
 }
 
-namespace knee_robot {
+namespace knee_robot::nodes {
 
 /// Shares and payload of the feedforward under dynamic_reconfigure (`~feedforward`, cfg/Feedforward.cfg), as ControllerGains. Nothing
 /// is advertised when the deployment has no ModelFeedforward.
 class ControllerFeedforward {
  public:
-  ControllerFeedforward(ros::NodeHandle& node, ControlSystem& system);
+  ControllerFeedforward(ros::NodeHandle& node, control::ControlSystem& system);
   ~ControllerFeedforward();
 
  private:
@@ -22,4 +22,4 @@ class ControllerFeedforward {
   std::unique_ptr<Server> server_;
 };
 
-}  // namespace knee_robot
+}  // namespace knee_robot::nodes

@@ -7,27 +7,29 @@
 #include "knee_robot/base/numbers.h"
 #include "knee_robot/control/driver.h"
 
-namespace knee_robot {
+namespace knee_robot::nodes {
 namespace {
 
 struct Gain {
   const char* property;
-  rt::Property<double> Driver::*value;
-  std::array<double GainsConfig::*, kAxes> field;
+  rt::Property<double> control::Driver::*value;
+  std::array<double GainsConfig::*, hardware::kAxes> field;
 };
 
 const std::array<Gain, 4>& gains() {
   using C = GainsConfig;
   static const std::array<Gain, 4> table = {{
       {"proportional_N_per_m",
-       &Driver::proportional,
+       &control::Driver::proportional,
        {&C::proportional_1, &C::proportional_2, &C::proportional_3, &C::proportional_4}},
-      {"integral_N_per_m_s", &Driver::integral, {&C::integral_1, &C::integral_2, &C::integral_3, &C::integral_4}},
+      {"integral_N_per_m_s",
+       &control::Driver::integral,
+       {&C::integral_1, &C::integral_2, &C::integral_3, &C::integral_4}},
       {"derivative_N_s_per_m",
-       &Driver::derivative,
+       &control::Driver::derivative,
        {&C::derivative_1, &C::derivative_2, &C::derivative_3, &C::derivative_4}},
       {"derivative_cutoff_hz",
-       &Driver::derivative_cutoff,
+       &control::Driver::derivative_cutoff,
        {&C::derivative_cutoff_1, &C::derivative_cutoff_2, &C::derivative_cutoff_3, &C::derivative_cutoff_4}},
   }};
   return table;
@@ -37,7 +39,7 @@ const std::array<Gain, 4>& gains() {
 
 class ControllerGains::Server {
  public:
-  Server(ros::NodeHandle& node, ControlSystem& system)
+  Server(ros::NodeHandle& node, control::ControlSystem& system)
       : system_(system), server_(mutex_, ros::NodeHandle(node, "gains")) {
     GainsConfig config;
     server_.getConfigDefault(config);
@@ -50,13 +52,13 @@ class ControllerGains::Server {
  private:
   void change(GainsConfig& asked) {
     for (const auto& component : system_.deployment().components()) {
-      const auto* driver = dynamic_cast<const Driver*>(component.get());
+      const auto* driver = dynamic_cast<const control::Driver*>(component.get());
       if (driver == nullptr) continue;
       const auto axis = static_cast<std::size_t>(driver->axis.value()) - 1;
       for (const Gain& gain : gains()) {
         const double wanted = asked.*gain.field[axis];
         if (wanted == (driver->*gain.value).value()) continue;
-        const Answer answer = system_.setProperty(driver->name(), gain.property, exactNumber(wanted));
+        const control::Answer answer = system_.setProperty(driver->name(), gain.property, exactNumber(wanted));
         if (answer.ok) ROS_INFO("gains: %s", answer.sentence.c_str());
         if (!answer.ok) ROS_WARN("gains refused: %s", answer.sentence.c_str());
       }
@@ -66,20 +68,20 @@ class ControllerGains::Server {
 
   void readBack(GainsConfig& config) const {
     for (const auto& component : system_.deployment().components()) {
-      const auto* driver = dynamic_cast<const Driver*>(component.get());
+      const auto* driver = dynamic_cast<const control::Driver*>(component.get());
       if (driver == nullptr) continue;
       for (const Gain& gain : gains())
         config.*gain.field[static_cast<std::size_t>(driver->axis.value()) - 1] = (driver->*gain.value).value();
     }
   }
 
-  ControlSystem& system_;
+  control::ControlSystem& system_;
   boost::recursive_mutex mutex_;
   dynamic_reconfigure::Server<GainsConfig> server_;
 };
 
-ControllerGains::ControllerGains(ros::NodeHandle& node, ControlSystem& system)
+ControllerGains::ControllerGains(ros::NodeHandle& node, control::ControlSystem& system)
     : server_(std::make_unique<Server>(node, system)) {}
 ControllerGains::~ControllerGains() = default;
 
-}  // namespace knee_robot
+}  // namespace knee_robot::nodes

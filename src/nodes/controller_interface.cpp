@@ -1,6 +1,6 @@
 #include "controller_interface.h"
 
-namespace knee_robot {
+namespace knee_robot::nodes {
 
 ControllerInterface::ControllerInterface(const Parts& parts)
     : references_(parts.references),
@@ -17,4 +17,4 @@ ControllerInterface::ControllerInterface(const Parts& parts)
     lane->start();
 }
 
-}  // namespace knee_robot
+}  // namespace knee_robot::nodes

@@ -16,7 +16,7 @@
 #include "controller_timing.h"
 #include "controller_topics.h"
 
-namespace knee_robot {
+namespace knee_robot::nodes {
 
 /// Everything of the controller that ROS sees: services, topics, the action, diagnostics, gains. One object so that it can be made
 /// anew when the master was restarted. Each group has its own callback queue and threads, so none waits for another:
@@ -28,8 +28,8 @@ namespace knee_robot {
 class ControllerInterface {
  public:
   struct Parts {
-    ControlSystem& system;
-    const Robot& robot;
+    control::ControlSystem& system;
+    const mechanism::Robot& robot;
     References& references;
     const Folder& patients;
     const Folder& recordings;
@@ -73,4 +73,4 @@ class ControllerInterface {
   Running running_;
 };
 
-}  // namespace knee_robot
+}  // namespace knee_robot::nodes

@@ -6,9 +6,9 @@
 #include "knee_robot/base/errors.h"
 #include "knee_robot/hardware/can/can_axis_bus.h"
 #include "knee_robot/hardware/pci_cards.h"
-"knee_robot/simulation/simulated_cards.h"
+#include "knee_robot/simulation/simulated_cards.h"
 
-namespace knee_robot {
+namespace knee_robot::nodes {
 namespace {
 
 constexpr double kPatience = 10.0;  // s
@@ -27,14 +27,15 @@ std::unique_ptr<hardware::AxisBus> waitFor(Open&& open, const std::function<bool
   }
 }
 
-std::unique_ptr<hardware::AxisBus> openBus(const HardwareFile& hardware_file, const Robot& robot,
+std::unique_ptr<hardware::AxisBus> openBus(const control::HardwareFile& hardware_file, const mechanism::Robot& robot,
                                            const ros::NodeHandle& node, const std::function<bool()>& stop_requested) {
   if (hardware_file.backend == "simulated") {
     const std::string name = requiredParameter(node, "shm");
-    return waitFor([&] { return hardware::openSimulatedCards(name); }, stop_requested);
+    return waitFor([&] { return simulation::openSimulatedCards(name); }, stop_requested);
   }
   if (hardware_file.can) {
-    return waitFor([&] { return hardware::can::openCanDrives(*hardware_file.can, canUnits(robot)); }, stop_requested);
+    return waitFor([&] { return hardware::can::openCanDrives(*hardware_file.can, control::canUnits(robot)); },
+                   stop_requested);
   }
   return hardware::openPciCards(hardware_file.analog_board_id, hardware_file.counter_board_id);
 }
@@ -49,8 +50,8 @@ std::string requiredParameter(const ros::NodeHandle& node, const std::string& na
   return value;
 }
 
-Machine openMachine(const HardwareFile& hardware_file, const Robot& robot, const ros::NodeHandle& node,
-                    const std::function<bool()>& stop_requested) {
+Machine openMachine(const control::HardwareFile& hardware_file, const mechanism::Robot& robot,
+                    const ros::NodeHandle& node, const std::function<bool()>& stop_requested) {
   Machine machine;
   machine.cards = openBus(hardware_file, robot, node, stop_requested);
   const std::string link = node.param<std::string>("guardian", "");
@@ -85,4 +86,4 @@ GuardianSupervision::Guardian GuardianSupervision::look() {
   return silent_ ? Guardian::Silent : Guardian::Acts;
 }
 
-}  // namespace knee_robot
+}  // namespace knee_robot::nodes

@@ -10,7 +10,7 @@
 #include "knee_robot/control/hardware_file.h"
 #include "knee_robot/hardware/guarded_bus.h"
 
-namespace knee_robot {
+namespace knee_robot::nodes {
 
 /// A private parameter that must be there; InputError says where to look.
 std::string requiredParameter(const ros::NodeHandle& node, const std::string& name);
@@ -26,8 +26,8 @@ struct Machine {
 
 /// Opens them as hardware file and parameters say. A simulated robot and a guardian that start beside this node are waited for,
 /// 10 s at most and not beyond `stop_requested`.
-Machine openMachine(const HardwareFile& hardware_file, const Robot& robot, const ros::NodeHandle& node,
-                    const std::function<bool()>& stop_requested);
+Machine openMachine(const control::HardwareFile& hardware_file, const mechanism::Robot& robot,
+                    const ros::NodeHandle& node, const std::function<bool()>& stop_requested);
 
 /// Notices when the guardian's cycle stands still for a second.
 class GuardianSupervision {
@@ -45,4 +45,4 @@ class GuardianSupervision {
   bool silent_ = false;
 };
 
-}  // namespace knee_robot
+}  // namespace knee_robot::nodes

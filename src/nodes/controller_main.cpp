@@ -32,43 +32,43 @@ double boundedParameter(const ros::NodeHandle& node, const std::string& name, do
 /// Without a master no operator's tool finds the controller: what moves is stopped along its path, and the drives are switched off.
 class MasterLoss {
  public:
-  MasterLoss(ControlSystem& system, double timeout_s) : system_(system), timeout_s_(timeout_s) {}
+  MasterLoss(control::ControlSystem& system, double timeout_s) : system_(system), timeout_s_(timeout_s) {}
   void look(double silence_s) {
     if (timeout_s_ == 0.0 || silence_s < timeout_s_) {
       acted_ = false;
       return;
     }
-    const MachineState state = system_.state();
-    if (acted_ || state == MachineState::Disabled || state == MachineState::Faulted) return;
+    const control::MachineState state = system_.state();
+    if (acted_ || state == control::MachineState::Disabled || state == control::MachineState::Faulted) return;
     acted_ = true;
     ROS_ERROR("the ROS master is gone for %.1f s: stopping along the path, then disabling", silence_s);
-    if (system_.stop().ok) system_.waitFor(MachineState::Holding, 10.0);
-    const Answer answer = system_.disable();
+    if (system_.stop().ok) system_.waitFor(control::MachineState::Holding, 10.0);
+    const control::Answer answer = system_.disable();
     ROS_ERROR("after the loss of the ROS master: %s", answer.sentence.c_str());
   }
 
  private:
-  ControlSystem& system_;
+  control::ControlSystem& system_;
   const double timeout_s_;
   bool acted_ = false;
 };
 
-void serve(const ros::NodeHandle& node, Machine& machine, const ControllerInterface::Parts& parts,
-           std::atomic<GuardianSupervision::Guardian>& guardian) {
+void serve(const ros::NodeHandle& node, nodes::Machine& machine, const nodes::ControllerInterface::Parts& parts,
+           std::atomic<nodes::GuardianSupervision::Guardian>& guardian) {
   const double timeout_s =
       boundedParameter(node, "master_timeout_s", 2.0, 0.0, 60.0, "how long the ROS master may be gone; 0: for ever");
   ros::master::setRetryTimeout(ros::WallDuration(5.0));  // never wait for ever for a master that goes away again
-  auto interface = std::make_unique<ControllerInterface>(parts);
-  GuardianSupervision supervision(machine);
+  auto interface = std::make_unique<nodes::ControllerInterface>(parts);
+  nodes::GuardianSupervision supervision(machine);
   MasterLoss loss(parts.system, timeout_s);
-  MasterWatch watch(node.resolveName("get_state"));
+  nodes::MasterWatch watch(node.resolveName("get_state"));
   while (!stop_requested && ros::ok()) {
     guardian = supervision.look();
     loss.look(watch.silence());
     if (watch.isForgotten()) {
       ROS_WARN("the ROS master does not know this node any more (was it restarted?): advertising everything anew");
       interface.reset();
-      interface = std::make_unique<ControllerInterface>(parts);
+      interface = std::make_unique<nodes::ControllerInterface>(parts);
       watch.remember();
     }
     std::this_thread::sleep_for(std::chrono::milliseconds(20));
@@ -79,35 +79,36 @@ void serve(const ros::NodeHandle& node, Machine& machine, const ControllerInterf
 
 int run() {
   ros::NodeHandle node("~");
-  const Robot robot = loadRobot(requiredParameter(node, "robot"));
-  HardwareFile hardware_file = loadHardwareFile(requiredParameter(node, "hardware"));
+  const mechanism::Robot robot = mechanism::loadRobot(nodes::requiredParameter(node, "robot"));
+  control::HardwareFile hardware_file = control::loadHardwareFile(nodes::requiredParameter(node, "hardware"));
   if (hardware_file.can) node.param("can", hardware_file.can->interface, hardware_file.can->interface);
   const double rate_hz = boundedParameter(node, "rate_hz", 50.0, 1.0, 500.0, "the rate of the topics");
-  const Folder reference_folder(requiredParameter(node, "references"));
-  const Folder patients(node.param("patients", reference_folder.path()));
-  const Folder recordings(requiredParameter(node, "recordings"));
-  Machine machine = openMachine(hardware_file, robot, node, [] { return stop_requested != 0; });
+  const nodes::Folder reference_folder(nodes::requiredParameter(node, "references"));
+  const nodes::Folder patients(node.param("patients", reference_folder.path()));
+  const nodes::Folder recordings(nodes::requiredParameter(node, "recordings"));
+  nodes::Machine machine = nodes::openMachine(hardware_file, robot, node, [] { return stop_requested != 0; });
 
-  ControlSystem::Options options;
+  control::ControlSystem::Options options;
   options.black_box_folder = recordings.path() + "/black_box";
   options.heat_file = options.black_box_folder + "/heat.yaml";
   options.model = node.param<std::string>("model", "");
   if (node.hasParam("payload_kg")) {
-    options.payload_kg = boundedParameter(node, "payload_kg", 0.0, 0.0, ModelFeedforward::kLargestPayload_kg,
+    options.payload_kg = boundedParameter(node, "payload_kg", 0.0, 0.0, control::ModelFeedforward::kLargestPayload_kg,
                                           "the payload that the feedforward is told of, in kg");
   }
-  ControlSystem system(robot, hardware_file, requiredParameter(node, "deployment"), machine.bus(), options);
-  const Answer started = system.start();
+  control::ControlSystem system(robot, hardware_file, nodes::requiredParameter(node, "deployment"), machine.bus(),
+                                options);
+  const control::Answer started = system.start();
   if (!started.ok) throw InputError(started.sentence);
   for (const std::string& warning : system.warnings())
     ROS_WARN("NOT REAL TIME: %s", warning.c_str());
   ROS_INFO("%s", started.sentence.c_str());
   ROS_INFO("feedforward: %s", system.feedforward().c_str());
-  References references(system, robot, reference_folder);
-  std::atomic<GuardianSupervision::Guardian> guardian{GuardianSupervision::Guardian::None};
+  nodes::References references(system, robot, reference_folder);
+  std::atomic<nodes::GuardianSupervision::Guardian> guardian{nodes::GuardianSupervision::Guardian::None};
   serve(node, machine, {system, robot, references, patients, recordings, rate_hz, guardian}, guardian);
   const std::string timing = rt::toText(system.statistics());
-  const Answer stopped = system.shutdown();
+  const control::Answer stopped = system.shutdown();
   std::printf("controller: timing since the start\n%s", timing.c_str());
   std::printf("controller: %s\n", stopped.sentence.c_str());
   return stopped.ok ? kExitDone : 1;
@@ -116,7 +117,7 @@ int run() {
 }  // namespace
 
 int main(int argc, char** argv) {
-  keepToLoopback();
+  nodes::keepToLoopback();
   ros::init(argc, argv, "controller", ros::init_options::NoSigintHandler);
   for (const int signal : {SIGINT, SIGTERM, SIGHUP})
     std::signal(signal, [](int) { stop_requested = 1; });

@@ -5,7 +5,7 @@
 
 #include "knee_robot/mechanism/leg_motion.h"
 
-namespace knee_robot {
+namespace knee_robot::nodes {
 namespace {
 
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
@@ -35,9 +35,9 @@ class Nearest {
   Margins& margins_;
 };
 
-void lookAtAngles(const Robot& robot, const Pose& pose, Margins& margins, Nearest& nearest) {
-  const JointAngles angles = jointAngles(*robot.mechanism, pose);
-  for (std::size_t i = 0; i < kAxes; ++i) {
+void lookAtAngles(const mechanism::Robot& robot, const mechanism::Pose& pose, Margins& margins, Nearest& nearest) {
+  const mechanism::JointAngles angles = mechanism::jointAngles(*robot.mechanism, pose);
+  for (std::size_t i = 0; i < hardware::kAxes; ++i) {
     margins.base_angle_rad[i] = angles.base[i];
     nearest.look(1.0 - angles.base[i] / margins.base_angle_limit_rad[i],
                  std::string(i < 3 ? "universal" : "revolute") + " joint of leg " + std::to_string(i + 1));
@@ -47,20 +47,21 @@ void lookAtAngles(const Robot& robot, const Pose& pose, Margins& margins, Neares
     nearest.look(1.0 - angles.platform[i] / margins.platform_angle_limit_rad[i],
                  "spherical joint of leg " + std::to_string(i + 1));
   }
-  margins.condition = conditionNumber(*robot.mechanism, pose);
+  margins.condition = mechanism::conditionNumber(*robot.mechanism, pose);
   if (std::isfinite(margins.condition_limit))
     nearest.look(1.0 - margins.condition / margins.condition_limit, "singularity");
 }
 
 }  // namespace
 
-sensor_msgs::JointState coordinatesMessage(const Mechanism& mechanism, const Pose& pose, const TrackingRow& row) {
+sensor_msgs::JointState coordinatesMessage(const mechanism::Mechanism& mechanism, const mechanism::Pose& pose,
+                                           const control::TrackingRow& row) {
   static const std::array<const char*, 15> names = {"q11", "q12", "q13", "q21", "q22", "q23",   "q31", "q32",
                                                     "q33", "q41", "q42", "Xm",  "Zm",  "theta", "psi"};
   sensor_msgs::JointState message;
   message.name.assign(names.begin(), names.end());
   message.effort.assign(names.size(), 0.0);
-  const JointCoordinates q = inverseKinematics(mechanism, pose);
+  const mechanism::JointCoordinates q = mechanism::inverseKinematics(mechanism, pose);
   for (std::size_t i = 0; i < 3; ++i) {
     for (const double value : {q.q1[i], q.q2[i], q.q3[i]})
       message.position.push_back(value);
@@ -70,13 +71,14 @@ sensor_msgs::JointState coordinatesMessage(const Mechanism& mechanism, const Pos
   message.position.insert(message.position.end(), pose.data(), pose.data() + 4);
   message.effort[10] = row.force_N[3];
 
-  Motion motion;
+  mechanism::Motion motion;
   motion.pose = pose;
-  const Vector4 rates(row.velocity_m_per_s.data());
-  if (!poseRates(mechanism, pose, rates, Vector4::Zero(), motion.pose_velocity, motion.pose_acceleration))
+  const mechanism::Vector4 rates(row.velocity_m_per_s.data());
+  if (!mechanism::poseRates(mechanism, pose, rates, mechanism::Vector4::Zero(), motion.pose_velocity,
+                            motion.pose_acceleration))
     return message;
-  RobotMotion legs;
-  robotMotion(mechanism, motion, legs);
+  mechanism::RobotMotion legs;
+  mechanism::robotMotion(mechanism, motion, legs);
   for (std::size_t i = 0; i < 3; ++i) {
     for (int k = 0; k < 3; ++k)
       message.velocity.push_back(legs.legs[i].rate[k]);
@@ -86,20 +88,20 @@ sensor_msgs::JointState coordinatesMessage(const Mechanism& mechanism, const Pos
   return message;
 }
 
-sensor_msgs::JointState urdfJointsMessage(const Mechanism& mechanism, const Pose& pose) {
+sensor_msgs::JointState urdfJointsMessage(const mechanism::Mechanism& mechanism, const mechanism::Pose& pose) {
   sensor_msgs::JointState message;
-  const auto& names = urdfJointNames();
-  const auto positions = urdfJointPositions(mechanism, pose);
+  const auto& names = mechanism::urdfJointNames();
+  const auto positions = mechanism::urdfJointPositions(mechanism, pose);
   message.name.assign(names.begin(), names.end());
   message.position.assign(positions.begin(), positions.end());
   return message;
 }
 
-Margins marginsMessage(const Robot& robot, const Pose* pose, const TrackingRow& row) {
+Margins marginsMessage(const mechanism::Robot& robot, const mechanism::Pose* pose, const control::TrackingRow& row) {
   Margins margins;
   Nearest nearest(margins);
-  for (std::size_t i = 0; i < kAxes; ++i) {
-    const Actuator& actuator = robot.actuators[i];
+  for (std::size_t i = 0; i < hardware::kAxes; ++i) {
+    const mechanism::Actuator& actuator = robot.actuators[i];
     margins.length_m[i] = row.position_m[i];
     margins.length_min_m[i] = actuator.position_min_m;
     margins.length_max_m[i] = actuator.position_max_m;
@@ -147,4 +149,4 @@ Timing timingMessage(const rt::Deployment& deployment, std::vector<rt::DurationH
   return message;
 }
 
-}  // namespace knee_robot
+}  // namespace knee_robot::nodes

@@ -7,24 +7,25 @@
 #include "knee_robot/base/errors.h"
 #include "knee_robot/base/numbers.h"
 
-namespace knee_robot {
+namespace knee_robot::nodes {
 namespace {
 
 constexpr Eigen::Index kMostPathPoints = 4000;
 
-std::optional<Space> requestedSpace(const std::string& name) {
+std::optional<trajectory::Space> requestedSpace(const std::string& name) {
   if (name.empty()) return std::nullopt;
-  const std::optional<Space> space = spaceNamed(name);
+  const std::optional<trajectory::Space> space = trajectory::spaceNamed(name);
   if (!space)
     throw InputError("'" + name.substr(0, 40) + "' is no space: use actuator, platform or relative, or leave it empty");
   return space;
 }
 
-std::string marginSentence(const ReferenceCheck& check) {
-  const auto nearest = std::min_element(check.margins.begin(), check.margins.end(),
-                                        [](const Margin& a, const Margin& b) { return a.left < b.left; });
+std::string marginSentence(const trajectory::ReferenceCheck& check) {
+  const auto nearest =
+      std::min_element(check.margins.begin(), check.margins.end(),
+                       [](const trajectory::Margin& a, const trajectory::Margin& b) { return a.left < b.left; });
   if (nearest == check.margins.end()) return "";
-  return "; nearest to its limit is " + std::string(nameOf(nearest->quantity)) + " with " +
+  return "; nearest to its limit is " + std::string(trajectory::nameOf(nearest->quantity)) + " with " +
          shortNumber(100.0 * nearest->left, 3) + " % left, line " + std::to_string(nearest->line);
 }
 
@@ -33,8 +34,8 @@ std::string marginSentence(const ReferenceCheck& check) {
 JudgedReference References::judge(const std::string& file, const std::string& space) const {
   JudgedReference judged;
   try {
-    Reference reference = readReference(folder_.existingFile(file), requestedSpace(space));
-    judged.check = requirePlayable(reference, robot_);
+    trajectory::Reference reference = trajectory::readReference(folder_.existingFile(file), requestedSpace(space));
+    judged.check = trajectory::requirePlayable(reference, robot_);
     judged.points = static_cast<std::uint32_t>(reference.points.rows());
     judged.duration_s = static_cast<double>(reference.points.rows() - 1) * reference.period_s;
     reference.name = std::filesystem::path(reference.name).lexically_relative(folder_.path()).string();
@@ -46,9 +47,9 @@ JudgedReference References::judge(const std::string& file, const std::string& sp
   return judged;
 }
 
-Answer References::load(const JudgedReference& judged) {
+control::Answer References::load(const JudgedReference& judged) {
   if (!judged.reference) return judged.answer;
-  const Answer answer = system_.loadReference(*judged.reference);
+  const control::Answer answer = system_.loadReference(*judged.reference);
   if (!answer.ok) return answer;
   {
     const std::lock_guard<std::mutex> lock(mutex_);
@@ -74,7 +75,7 @@ void References::withdraw() {
   publisher_ = ros::Publisher();
 }
 
-void References::publishPath(const ReferenceCheck& check, double period_s) {
+void References::publishPath(const trajectory::ReferenceCheck& check, double period_s) {
   const std::lock_guard<std::mutex> lock(mutex_);
   path_.header.stamp = ros::Time::now();
   path_.header.frame_id = kBaseFrame;
@@ -91,4 +92,4 @@ void References::publishPath(const ReferenceCheck& check, double period_s) {
   publisher_.publish(path_);
 }
 
-}  // namespace knee_robot
+}  // namespace knee_robot::nodes

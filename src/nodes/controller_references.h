@@ -10,13 +10,13 @@
 #include "folder.h"
 #include "knee_robot/control/control_system.h"
 
-namespace knee_robot {
+namespace knee_robot::nodes {
 
 /// A reference file as the network named it, read and judged.
 struct JudgedReference {
-  std::optional<Reference> reference;  ///< empty: refused
-  ReferenceCheck check;
-  Answer answer;  ///< may be played, with the smallest margin; or the first limit that it breaks
+  std::optional<trajectory::Reference> reference;  ///< empty: refused
+  trajectory::ReferenceCheck check;
+  control::Answer answer;  ///< may be played, with the smallest margin; or the first limit that it breaks
   std::uint32_t points = 0;
   double duration_s = 0.0;
 };
@@ -26,13 +26,13 @@ struct JudgedReference {
 ///     ~path   nav_msgs/Path   latched; platform poses in frame `base`, stamp = time along the reference
 class References {
  public:
-  References(ControlSystem& system, const Robot& robot, const Folder& folder)
+  References(control::ControlSystem& system, const mechanism::Robot& robot, const Folder& folder)
       : system_(system), robot_(robot), folder_(folder) {}
 
   /// Nothing changes. `space`: actuator, platform, relative or empty.
   JudgedReference judge(const std::string& file, const std::string& space) const;
   /// Hands over what judge() let pass.
-  Answer load(const JudgedReference& judged);
+  control::Answer load(const JudgedReference& judged);
   /// Length (s) of the loaded reference; 0: none.
   double loadedDuration() const;
 
@@ -41,10 +41,10 @@ class References {
   void withdraw();
 
  private:
-  void publishPath(const ReferenceCheck& check, double period_s);
+  void publishPath(const trajectory::ReferenceCheck& check, double period_s);
 
-  ControlSystem& system_;
-  const Robot& robot_;
+  control::ControlSystem& system_;
+  const mechanism::Robot& robot_;
   const Folder& folder_;
   mutable std::mutex mutex_;
   double duration_s_ = 0.0;
@@ -52,4 +52,4 @@ class References {
   ros::Publisher publisher_;
 };
 
-}  // namespace knee_robot
+}  // namespace knee_robot::nodes

@@ -4,11 +4,11 @@
 #include "knee_robot/base/errors.h"
 #include "played_goal.h"
 
-namespace knee_robot {
+namespace knee_robot::nodes {
 namespace {
 
 template <typename Response>
-bool reply(const std::string& name, const Answer& answer, Response& response) {
+bool reply(const std::string& name, const knee_robot::control::Answer& answer, Response& response) {
   response.success = answer.ok;
   response.message = answer.sentence;
   if (answer.ok) ROS_INFO("%s: %s", name.c_str(), answer.sentence.c_str());
@@ -18,8 +18,9 @@ bool reply(const std::string& name, const Answer& answer, Response& response) {
 
 }  // namespace
 
-ControllerServices::ControllerServices(ros::NodeHandle& commands, ros::NodeHandle& stops, ControlSystem& system,
-                                       References& references, const Folder& patients, const Folder& recordings)
+ControllerServices::ControllerServices(ros::NodeHandle& commands, ros::NodeHandle& stops,
+                                       control::ControlSystem& system, References& references, const Folder& patients,
+                                       const Folder& recordings)
     : system_(system), references_(references), patients_(patients), recordings_(recordings) {
   offer(stops, "emergency_stop", [this] { return system_.emergencyStop(); });
   offer(stops, "stop", [this] { return system_.stop(); });
@@ -41,7 +42,8 @@ ControllerServices::ControllerServices(ros::NodeHandle& commands, ros::NodeHandl
   servers_.push_back(stops.advertiseService("get_state", &ControllerServices::getState, this));
 }
 
-void ControllerServices::offer(ros::NodeHandle& node, const std::string& name, std::function<Answer()> command) {
+void ControllerServices::offer(ros::NodeHandle& node, const std::string& name,
+                               std::function<control::Answer()> command) {
   using Request = std_srvs::Trigger::Request;
   using Response = std_srvs::Trigger::Response;
   const boost::function<bool(Request&, Response&)> serve = [name, command](Request&, Response& response) {
@@ -74,7 +76,7 @@ bool ControllerServices::loadPatient(LoadPatient::Request& request, LoadPatient:
 
 bool ControllerServices::record(SetRecording::Request& request, SetRecording::Response& response) {
   try {
-    const Answer answer =
+    const control::Answer answer =
         request.record
             ? system_.startRecording(recordings_.newFile(request.file.empty() ? nameAfterTheTime() : request.file))
             : system_.stopRecording();
@@ -93,4 +95,4 @@ bool ControllerServices::getState(GetState::Request& /*request*/, GetState::Resp
   return true;
 }
 
-}  // namespace knee_robot
+}  // namespace knee_robot::nodes

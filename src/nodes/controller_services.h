@@ -17,7 +17,7 @@
 #include "folder.h"
 #include "knee_robot/control/control_system.h"
 
-namespace knee_robot {
+namespace knee_robot::nodes {
 
 /// The operator's commands as services. Every answer says what happened, or why it did not.
 ///
@@ -30,8 +30,8 @@ class ControllerServices {
  public:
   /// `commands` and `stops` are the same private namespace with callback queues of their own: what makes the robot slower or
   /// stops it never waits behind a command that takes its time. ~get_state is advertised last.
-  ControllerServices(ros::NodeHandle& commands, ros::NodeHandle& stops, ControlSystem& system, References& references,
-                     const Folder& patients, const Folder& recordings);
+  ControllerServices(ros::NodeHandle& commands, ros::NodeHandle& stops, control::ControlSystem& system,
+                     References& references, const Folder& patients, const Folder& recordings);
 
  private:
   bool check(CheckReference::Request& request, CheckReference::Response& response);
@@ -40,13 +40,13 @@ class ControllerServices {
   bool record(SetRecording::Request& request, SetRecording::Response& response);
   bool setSpeed(SetSpeed::Request& request, SetSpeed::Response& response);
   bool getState(GetState::Request& request, GetState::Response& response);
-  void offer(ros::NodeHandle& node, const std::string& name, std::function<Answer()> command);
+  void offer(ros::NodeHandle& node, const std::string& name, std::function<control::Answer()> command);
 
-  ControlSystem& system_;
+  control::ControlSystem& system_;
   References& references_;
   const Folder& patients_;
   const Folder& recordings_;
   std::vector<ros::ServiceServer> servers_;
 };
 
-}  // namespace knee_robot
+}  // namespace knee_robot::nodes

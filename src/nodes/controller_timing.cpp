@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <type_traits>
 
-namespace knee_robot {
+namespace knee_robot::nodes {
 namespace {
 
 constexpr double kPublishPeriod = 10.0, kLogPeriod = 600.0;  // s
@@ -32,7 +32,7 @@ ComponentHistograms message(const std::string& activity, const std::string& comp
 
 }  // namespace
 
-ControllerTiming::ControllerTiming(ros::NodeHandle& node, const ControlSystem& system)
+ControllerTiming::ControllerTiming(ros::NodeHandle& node, const control::ControlSystem& system)
     : system_(system),
       histograms_(node.advertise<TimingHistograms>("timing_histograms", 1, true)),
       logged_at_(ros::WallTime::now()) {
@@ -55,4 +55,4 @@ void ControllerTiming::publish() {
   ROS_INFO("timing since the start:\n%s", rt::toText(reports).c_str());
 }
 
-}  // namespace knee_robot
+}  // namespace knee_robot::nodes

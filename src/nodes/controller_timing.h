@@ -4,7 +4,7 @@
 
 #include "knee_robot/control/control_system.h"
 
-namespace knee_robot {
+namespace knee_robot::nodes {
 
 /// How the controller keeps its time, for a topic and for the log.
 ///
@@ -13,15 +13,15 @@ namespace knee_robot {
 class ControllerTiming {
  public:
   /// `node`: the private namespace; its callback queue carries the timer.
-  ControllerTiming(ros::NodeHandle& node, const ControlSystem& system);
+  ControllerTiming(ros::NodeHandle& node, const control::ControlSystem& system);
 
  private:
   void publish();
 
-  const ControlSystem& system_;
+  const control::ControlSystem& system_;
   ros::Publisher histograms_;
   ros::WallTime logged_at_;
   ros::WallTimer timer_;  // last: goes first
 };
 
-}  // namespace knee_robot
+}  // namespace knee_robot::nodes

@@ -11,7 +11,7 @@
 #include "controller_messages.h"
 #include "controller_pose.h"
 
-namespace knee_robot {
+namespace knee_robot::nodes {
 namespace {
 
 constexpr std::uint32_t kTopicQueue = 10;  // a subscriber that is slower than this loses the oldest
@@ -28,11 +28,11 @@ bool isDue(ros::WallTime& last, const ros::WallTime& now, double period_s) {
 
 }  // namespace
 
-ControllerState stateMessage(const ControlSystem& system) {
-  const ControlStatus status = system.status();
+ControllerState stateMessage(const control::ControlSystem& system) {
+  const control::ControlStatus status = system.status();
   ControllerState message;
   message.header.stamp = ros::Time::now();
-  message.state = toString(status.state);
+  message.state = control::toString(status.state);
   message.fault = status.fault_name;
   message.cause = status.fault_sentence;
   message.reference_file = status.reference;
@@ -43,7 +43,7 @@ ControllerState stateMessage(const ControlSystem& system) {
   message.progress = status.progress;
   message.time_scale = status.time_scale;
   message.speed_percent = status.speed_percent;
-  for (std::size_t i = 0; i < kAxes; ++i)
+  for (std::size_t i = 0; i < hardware::kAxes; ++i)
     message.homed[i] = status.axis_homed[i];
   message.recording = !status.recording.empty();
   message.dropped_rows = status.dropped_rows;
@@ -52,8 +52,8 @@ ControllerState stateMessage(const ControlSystem& system) {
   return message;
 }
 
-ControllerTopics::ControllerTopics(ros::NodeHandle& node, const ControlSystem& system, const Robot& robot,
-                                   double rate_hz)
+ControllerTopics::ControllerTopics(ros::NodeHandle& node, const control::ControlSystem& system,
+                                   const mechanism::Robot& robot, double rate_hz)
     : system_(system),
       robot_(robot),
       period_s_(1.0 / rate_hz),
@@ -73,11 +73,11 @@ ControllerTopics::ControllerTopics(ros::NodeHandle& node, const ControlSystem& s
 void ControllerTopics::publish() {
   const ros::WallTime now = ros::WallTime::now();
   const ros::Time stamp = ros::Time::now();
-  if (const std::optional<TrackingRow> row = system_.snapshot()) {
+  if (const std::optional<control::TrackingRow> row = system_.snapshot()) {
     publishTracking(*row, stamp);
     followPose(*row);
     if (forward_.ok()) publishJoints(*row, stamp);
-    for (std::size_t i = 0; i < kAxes; ++i)
+    for (std::size_t i = 0; i < hardware::kAxes; ++i)
       mean_square_[i] += period_s_ / kForceWindow * (row->force_N[i] * row->force_N[i] - mean_square_[i]);
     if (isDue(slow_at_, now, kSlowPeriod)) {
       Margins margins = marginsMessage(robot_, forward_.ok() ? &forward_.pose : nullptr, *row);
@@ -96,12 +96,12 @@ void ControllerTopics::publish() {
   publishState();
 }
 
-void ControllerTopics::publishTracking(const TrackingRow& row, const ros::Time& stamp) {
+void ControllerTopics::publishTracking(const control::TrackingRow& row, const ros::Time& stamp) {
   Tracking message;
   message.header.stamp = stamp;
   message.sequence = row.sequence;
   message.path_time_s = row.path_time_s;
-  for (std::size_t i = 0; i < kAxes; ++i) {
+  for (std::size_t i = 0; i < hardware::kAxes; ++i) {
     message.reference_m[i] = row.reference_m[i];
     message.position_m[i] = row.position_m[i];
     message.error_m[i] = row.reference_m[i] - row.position_m[i];
@@ -112,16 +112,16 @@ void ControllerTopics::publishTracking(const TrackingRow& row, const ros::Time& 
   tracking_.publish(message);
 }
 
-void ControllerTopics::followPose(const TrackingRow& row) {
+void ControllerTopics::followPose(const control::TrackingRow& row) {
   if (!robot_.mechanism) return;
-  const Lengths lengths(row.position_m.data());
-  if (forward_.ok()) forward_ = forwardKinematics(*robot_.mechanism, lengths, forward_.pose);
-  if (!forward_.ok()) forward_ = forwardKinematicsFromHome(*robot_.mechanism, lengths);
+  const mechanism::Lengths lengths(row.position_m.data());
+  if (forward_.ok()) forward_ = mechanism::forwardKinematics(*robot_.mechanism, lengths, forward_.pose);
+  if (!forward_.ok()) forward_ = mechanism::forwardKinematicsFromHome(*robot_.mechanism, lengths);
   if (!forward_.ok())
     ROS_WARN_THROTTLE(5.0, "no platform pose belongs to the measured lengths: joint states and pose are not published");
 }
 
-void ControllerTopics::publishJoints(const TrackingRow& row, const ros::Time& stamp) {
+void ControllerTopics::publishJoints(const control::TrackingRow& row, const ros::Time& stamp) {
   sensor_msgs::JointState joints = coordinatesMessage(*robot_.mechanism, forward_.pose, row);
   joints.header.stamp = stamp;
   joints_.publish(joints);
@@ -135,13 +135,13 @@ void ControllerTopics::publishJoints(const TrackingRow& row, const ros::Time& st
   pose_.publish(pose);
 }
 
-void ControllerTopics::publishForces(const TrackingRow& row, const ros::Time& stamp) {
+void ControllerTopics::publishForces(const control::TrackingRow& row, const ros::Time& stamp) {
   Forces forces;
   forces.header.stamp = stamp;
   forces.window_s = kForceWindow;
-  const ControlStatus status = system_.status();
-  for (std::size_t i = 0; i < kAxes; ++i) {
-    const Actuator& actuator = robot_.actuators[i];
+  const control::ControlStatus status = system_.status();
+  for (std::size_t i = 0; i < hardware::kAxes; ++i) {
+    const mechanism::Actuator& actuator = robot_.actuators[i];
     const double voltage_limit = actuator.voltage_max_V * actuator.force_per_volt_N;
     forces.force_N[i] = row.force_N[i];
     forces.feedforward_N[i] = row.feedforward_N[i];
@@ -168,4 +168,4 @@ void ControllerTopics::publishState() {
   state_.publish(message);
 }
 
-}  // namespace knee_robot
+}  // namespace knee_robot::nodes

@@ -10,10 +10,10 @@
 #include "knee_robot/control/control_system.h"
 #include "knee_robot/mechanism/kinematics.h"
 
-namespace knee_robot {
+namespace knee_robot::nodes {
 
 /// The message that describes the machine's state, stamped now.
-ControllerState stateMessage(const ControlSystem& system);
+ControllerState stateMessage(const control::ControlSystem& system);
 
 /// Publishes what the controller knows, from a thread of its own and lock-free snapshots: a slow subscriber loses messages (queues
 /// of kTopicQueue), and never reaches the real-time side.
@@ -29,26 +29,27 @@ ControllerState stateMessage(const ControlSystem& system);
 class ControllerTopics {
  public:
   /// `node`: the private namespace; its callback queue carries the timer.
-  ControllerTopics(ros::NodeHandle& node, const ControlSystem& system, const Robot& robot, double rate_hz);
+  ControllerTopics(ros::NodeHandle& node, const control::ControlSystem& system, const mechanism::Robot& robot,
+                   double rate_hz);
 
  private:
   void publish();
-  void publishTracking(const TrackingRow& row, const ros::Time& stamp);
-  void followPose(const TrackingRow& row);
-  void publishJoints(const TrackingRow& row, const ros::Time& stamp);
+  void publishTracking(const control::TrackingRow& row, const ros::Time& stamp);
+  void followPose(const control::TrackingRow& row);
+  void publishJoints(const control::TrackingRow& row, const ros::Time& stamp);
   void publishState();
-  void publishForces(const TrackingRow& row, const ros::Time& stamp);
+  void publishForces(const control::TrackingRow& row, const ros::Time& stamp);
 
-  const ControlSystem& system_;
-  const Robot& robot_;
+  const control::ControlSystem& system_;
+  const mechanism::Robot& robot_;
   const double period_s_;
   ros::Publisher tracking_, joints_, urdf_joints_, pose_, state_, margins_, forces_, timing_;
-  ForwardResult forward_;  // newest pose: the guess for the next one
+  mechanism::ForwardResult forward_;  // newest pose: the guess for the next one
   std::string last_state_;
   ros::WallTime state_at_, slow_at_, timing_at_;
-  std::array<double, kAxes> mean_square_{};  // N^2
+  std::array<double, hardware::kAxes> mean_square_{};  // N^2
   std::vector<rt::DurationHistogram::Snapshot> timing_before_;
   ros::WallTimer timer_;  // last: goes first
 };
 
-}  // namespace knee_robot
+}  // namespace knee_robot::nodes

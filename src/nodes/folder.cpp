@@ -6,7 +6,7 @@
 #include "knee_robot/base/errors.h"
 #include "knee_robot/base/files.h"
 
-namespace knee_robot {
+namespace knee_robot::nodes {
 namespace fs = std::filesystem;
 
 Folder::Folder(const std::string& path) {
@@ -38,4 +38,4 @@ std::string Folder::newFile(const std::string& name) const {
   return path.string();
 }
 
-}  // namespace knee_robot
+}  // namespace knee_robot::nodes

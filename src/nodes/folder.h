@@ -2,7 +2,7 @@
 
 #include <string>
 
-namespace knee_robot {
+namespace knee_robot::nodes {
 
 /// A folder that services may read from or write into, and nothing beside it. Names come from the network: they are resolved,
 /// links included, and refused (InputError, one sentence) when what they lead to lies elsewhere.
@@ -21,4 +21,4 @@ class Folder {
   std::string path_;  // resolved
 };
 
-}  // namespace knee_robot
+}  // namespace knee_robot::nodes

@@ -15,8 +15,8 @@
 #include "knee_robot/control/hardware_file.h"
 #include "knee_robot/hardware/can/can_axis_bus.h"
 #include "knee_robot/hardware/pci_cards.h"
-"knee_robot/simulation/simulated_cards.h"
 #include "knee_robot/rt/activity.h"
+#include "knee_robot/simulation/simulated_cards.h"
 #include "program.h"
 
 namespace {
@@ -31,13 +31,13 @@ void pause() {
 }
 
 /// The simulated robot starts beside this program: wait for it a little.
-std::unique_ptr<hardware::EmergencyOutputs> openOutputs(const HardwareFile& file, const std::string& shm) {
+std::unique_ptr<hardware::EmergencyOutputs> openOutputs(const control::HardwareFile& file, const std::string& shm) {
   if (file.backend == "pci") return hardware::openPciEmergencyOutputs(file.analog_board_id, file.counter_board_id);
   const auto give_up = std::chrono::steady_clock::now() + std::chrono::seconds(10);
   while (true) {
     try {
       if (file.can) return hardware::can::openCanEmergencyOutputs(*file.can);
-      return hardware::openSimulatedEmergencyOutputs(shm);
+      return simulation::openSimulatedEmergencyOutputs(shm);
     } catch (const InputError&) {
       if (stop_requested || std::chrono::steady_clock::now() > give_up) throw;
     }
@@ -45,12 +45,12 @@ std::unique_ptr<hardware::EmergencyOutputs> openOutputs(const HardwareFile& file
   }
 }
 
-void tellTrip(const GuardianReport& report) {
+void tellTrip(const control::GuardianReport& report) {
   const std::int32_t pid = report.controller_pid.load();
   // pid 0: it ended in order, but could not write the outputs any more.
-  const char* what = pid == 0                                            ? "has ended"
-                     : report.cause.load() == GuardianCause::ProcessGone ? "has died"
-                                                                         : "is silent";
+  const char* what = pid == 0                                                     ? "has ended"
+                     : report.cause.load() == control::GuardianCause::ProcessGone ? "has died"
+                                                                                  : "is silent";
   std::printf(
       "guardian: TRIPPED: controller (process %d) %s while drives were on; outputs %s %.2f ms after its last "
       "heartbeat (writes %.3f ms); fenced out until reset\n",
@@ -60,7 +60,7 @@ void tellTrip(const GuardianReport& report) {
 }
 
 /// Reports until a signal comes; and then as long as drives are on: what it is there for may still happen.
-void reportUntilDone(const GuardianReport& report, const hardware::GuardianLink& link) {
+void reportUntilDone(const control::GuardianReport& report, const hardware::GuardianLink& link) {
   std::uint32_t told = 0;
   while (!stop_requested || (link.armed.load() != 0 && link.tripped.load() == 0)) {
     pause();
@@ -78,8 +78,8 @@ struct Options {
   bool require_real_time = false, down_now = false;
 };
 
-HardwareFile loadFile(const Options& options) {
-  HardwareFile file = loadHardwareFile(options.hardware_file);
+control::HardwareFile loadFile(const Options& options) {
+  control::HardwareFile file = control::loadHardwareFile(options.hardware_file);
   if (file.can && !options.can.empty()) file.can->interface = options.can;
   return file;
 }
@@ -87,7 +87,7 @@ HardwareFile loadFile(const Options& options) {
 /// What a service manager calls after the controller or its guardian has ended, for whatever reason. A guardian that lives does
 /// the same by itself and is left alone; a controller that lives is fenced out first.
 int bringDownNow(const Options& options) {
-  const HardwareFile file = loadFile(options);
+  const control::HardwareFile file = loadFile(options);
   hardware::SharedGuardianLink memory = hardware::SharedGuardianLink::open(options.link);
   const std::unique_ptr<hardware::EmergencyOutputs> outputs = openOutputs(file, options.shm);
   memory.link().tripped.store(1);
@@ -98,7 +98,7 @@ int bringDownNow(const Options& options) {
 }
 
 int run(const Options& options) {
-  const HardwareFile file = loadFile(options);
+  const control::HardwareFile file = loadFile(options);
   hardware::SharedGuardianLink memory = hardware::SharedGuardianLink::open(options.link);
   const std::int32_t other = memory.link().guardian_pid.load();
   if (hardware::processExists(other)) {
@@ -106,7 +106,8 @@ int run(const Options& options) {
   }
   memory.link().guardian_pid.store(::getpid());
   const std::unique_ptr<hardware::EmergencyOutputs> outputs = openOutputs(file, options.shm);
-  Guardian guardian(memory.link(), *outputs, rt::fromSeconds(options.silence_ms * 1e-3), kPeriod, rt::monotonicNow);
+  control::Guardian guardian(memory.link(), *outputs, rt::fromSeconds(options.silence_ms * 1e-3), kPeriod,
+                             rt::monotonicNow);
   rt::ActivityOptions activity_options;
   activity_options.name = "guardian";
   activity_options.period = kPeriod;
@@ -152,7 +153,7 @@ int main(int argc, char** argv) {
   app.add_flag("--require-real-time", options.require_real_time, "refuse to start without real-time privileges");
   app.add_flag("--down-now", options.down_now, "fence a controller out, bring the outputs down once, and end");
   app.allow_extras();  // roslaunch appends __name:= and __log:=
-  return runProgram(app, argc, argv, [&] {
+  return nodes::runProgram(app, argc, argv, [&] {
     for (const std::string& extra : app.remaining()) {
       if (extra.find(":=") == std::string::npos) throw InputError("unknown argument " + extra + " (see --help)");
     }

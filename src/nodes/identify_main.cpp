@@ -21,7 +21,7 @@ struct Arguments {
   std::vector<std::string> train, validate;
   double cutoff_hz = 0.0;         ///< 0: by the rule
   double motion_cutoff_hz = 0.0;  ///< 0: three times the cut-off
-  IdentifyOptions options;
+  identification::IdentifyOptions options;
   bool physical = true;
 };
 
@@ -66,8 +66,9 @@ void declare(CLI::App& app, Arguments& a) {
   app.add_option("--outliers", a.options.outliers,
                  "equations with large residuals: huber (default), bisquare (iteratively reweighted), none")
       ->transform(CLI::CheckedTransformer(
-          std::map<std::string, OutlierRule>{
-              {"huber", OutlierRule::Huber}, {"bisquare", OutlierRule::Bisquare}, {"none", OutlierRule::None}},
+          std::map<std::string, identification::OutlierRule>{{"huber", identification::OutlierRule::Huber},
+                                                             {"bisquare", identification::OutlierRule::Bisquare},
+                                                             {"none", identification::OutlierRule::None}},
           CLI::ignore_case));
   app.add_flag("!--no-physical", a.physical,
                "without the physically consistent parameters (model_physical.yaml, identified.urdf), for which the "
@@ -76,29 +77,32 @@ void declare(CLI::App& app, Arguments& a) {
       ->check(CLI::Range(1, 1000));
 }
 
-std::vector<Recording> loadAll(const std::vector<std::string>& files) {
-  std::vector<Recording> recordings;
+std::vector<recording::Recording> loadAll(const std::vector<std::string>& files) {
+  std::vector<recording::Recording> recordings;
   for (const std::string& file : files) {
     std::cerr << "reading " << file << std::endl;
-    recordings.push_back(loadRecording(file));
+    recordings.push_back(recording::loadRecording(file));
   }
   return recordings;
 }
 
-std::vector<Observation> observeAll(const Robot& robot, const std::vector<Recording>& recordings,
-                                    const IdentifyOptions& options) {
-  std::vector<Observation> observations;
-  for (const Recording& recording : recordings)
-    observations.push_back(observe(robot, columnsOf(robot, options.joint_friction), recording, options.observation));
+std::vector<identification::Observation> observeAll(const mechanism::Robot& robot,
+                                                    const std::vector<recording::Recording>& recordings,
+                                                    const identification::IdentifyOptions& options) {
+  std::vector<identification::Observation> observations;
+  for (const recording::Recording& recording : recordings)
+    observations.push_back(identification::observe(robot, identification::columnsOf(robot, options.joint_friction),
+                                                   recording, options.observation));
   return observations;
 }
 
 /// The low-pass of both sides, chosen on training recordings unless it was given.
-void decideCutoff(const std::vector<Recording>& training, double given_hz, double motion_hz, IdentifyResults& r) {
-  std::vector<const Recording*> list;
-  for (const Recording& recording : training)
+void decideCutoff(const std::vector<recording::Recording>& training, double given_hz, double motion_hz,
+                  report::IdentifyResults& r) {
+  std::vector<const recording::Recording*> list;
+  for (const recording::Recording& recording : training)
     list.push_back(&recording);
-  r.cutoff = chooseCutoff(list);
+  r.cutoff = recording::chooseCutoff(list);
   if (given_hz > 0.0) {
     r.cutoff.sentence = "Cut-off " + shortNumber(given_hz, 3) + " Hz, as was asked for. The rule: " + r.cutoff.sentence;
     r.cutoff.cutoff_hz = given_hz;
@@ -107,9 +111,9 @@ void decideCutoff(const std::vector<Recording>& training, double given_hz, doubl
 }
 
 /// prediction_NAME.csv must be one file per recording.
-void refuseEqualNames(const std::vector<Observation>& observations) {
+void refuseEqualNames(const std::vector<identification::Observation>& observations) {
   std::set<std::string> names;
-  for (const Observation& o : observations) {
+  for (const identification::Observation& o : observations) {
     if (!names.insert(o.name).second) {
       throw InputError(o.path + ": another validation file is named " + o.name +
                        " too, and both would write prediction_" + o.name + ".csv; rename one");
@@ -117,9 +121,9 @@ void refuseEqualNames(const std::vector<Observation>& observations) {
   }
 }
 
-int frictionColumns(const std::vector<Column>& columns) {
+int frictionColumns(const std::vector<identification::Column>& columns) {
   return static_cast<int>(
-      std::count_if(columns.begin(), columns.end(), [](const Column& c) { return c.isFriction(); }));
+      std::count_if(columns.begin(), columns.end(), [](const identification::Column& c) { return c.isFriction(); }));
 }
 
 /// A recording that the model was fitted to cannot judge it.
@@ -139,7 +143,7 @@ std::string commandLine(int argc, char** argv) {
 }
 
 /// The physically consistent parameters, or why there are none.
-void fitPossible(const Robot& robot, IdentifyResults& r) {
+void fitPossible(const mechanism::Robot& robot, report::IdentifyResults& r) {
   if (!robot.mechanism) {
     r.no_physical = "axes on a bench have no links.";
   } else if (robot.urdf.empty()) {
@@ -147,21 +151,21 @@ void fitPossible(const Robot& robot, IdentifyResults& r) {
   } else {
     std::cerr << "fitting physically consistent parameters" << std::endl;
     r.urdf_path = robot.urdf;
-    r.prior = loadRobotInertia(robot);
-    r.physical = fitPhysical(robot, r.after, *r.prior);
+    r.prior = dynamics::loadRobotInertia(robot);
+    r.physical = identification::fitPhysical(robot, r.after, *r.prior);
   }
 }
 
 int run(const Arguments& a, const std::string& command_line) {
-  IdentifyResults r;
+  report::IdentifyResults r;
   r.no_physical = "--no-physical was given.";
   r.command_line = command_line;
   r.robot_path = a.robot;
   r.options = a.options;
   refuseTrainingAgain(a);
-  const Robot robot = loadRobot(a.robot);
+  const mechanism::Robot robot = mechanism::loadRobot(a.robot);
   {
-    const std::vector<Recording> training = loadAll(a.train);
+    const std::vector<recording::Recording> training = loadAll(a.train);
     decideCutoff(training, a.cutoff_hz, a.motion_cutoff_hz, r);
     r.train = observeAll(robot, training, r.options);
   }
@@ -169,34 +173,35 @@ int run(const Arguments& a, const std::string& command_line) {
   refuseEqualNames(r.validate);
 
   std::cerr << "fitting" << std::endl;
-  r.after = identify(robot, r.train, r.options);
-  IdentifyOptions without_friction =
+  r.after = identification::identify(robot, r.train, r.options);
+  identification::IdentifyOptions without_friction =
       r.options;  // the same rigid directions, so that the difference is friction's alone
   without_friction.friction = false;
   without_friction.rank = std::max(1, r.after.model.rank - frictionColumns(r.after.columns));
-  r.before = identify(robot, r.train, without_friction);
+  r.before = identification::identify(robot, r.train, without_friction);
 
   if (a.physical) fitPossible(robot, r);
 
   // All models are frozen; from here on only figures are computed.
   const double cutoff_hz = r.cutoff.cutoff_hz;
-  r.train_before = applyModel(r.before.model, robot, r.train, cutoff_hz);
-  r.train_after = applyModel(r.after.model, robot, r.train, cutoff_hz);
-  r.train_by_rank = errorAgainstRank(r.after, r.train, cutoff_hz);
+  r.train_before = identification::applyModel(r.before.model, robot, r.train, cutoff_hz);
+  r.train_after = identification::applyModel(r.after.model, robot, r.train, cutoff_hz);
+  r.train_by_rank = identification::errorAgainstRank(r.after, r.train, cutoff_hz);
   if (!r.validate.empty()) {
-    for (Observation& o : r.validate)
-      setCoulombWidth(o, r.after.columns, r.after.model.coulomb_width_m);
-    r.validate_before = applyModel(r.before.model, robot, r.validate, cutoff_hz);
-    r.validate_after = applyModel(r.after.model, robot, r.validate, cutoff_hz);
-    r.validate_by_rank = errorAgainstRank(r.after, r.validate, cutoff_hz);
+    for (identification::Observation& o : r.validate)
+      identification::setCoulombWidth(o, r.after.columns, r.after.model.coulomb_width_m);
+    r.validate_before = identification::applyModel(r.before.model, robot, r.validate, cutoff_hz);
+    r.validate_after = identification::applyModel(r.after.model, robot, r.validate, cutoff_hz);
+    r.validate_by_rank = identification::errorAgainstRank(r.after, r.validate, cutoff_hz);
   }
   if (r.physical) {
-    r.train_physical = applyModel(r.physical->model, robot, r.train, cutoff_hz);
-    if (!r.validate.empty()) r.validate_physical = applyModel(r.physical->model, robot, r.validate, cutoff_hz);
+    r.train_physical = identification::applyModel(r.physical->model, robot, r.train, cutoff_hz);
+    if (!r.validate.empty())
+      r.validate_physical = identification::applyModel(r.physical->model, robot, r.validate, cutoff_hz);
   }
-  writeIdentifyFiles(r, a.output);
-  std::cout << identifySummary(r) << "written: " << a.output << "/report.html, report.json, model.yaml and predictions"
-            << std::endl;
+  report::writeIdentifyFiles(r, a.output);
+  std::cout << report::identifySummary(r) << "written: " << a.output
+            << "/report.html, report.json, model.yaml and predictions" << std::endl;
   return kExitDone;
 }
 
@@ -206,5 +211,5 @@ int main(int argc, char** argv) {
   CLI::App app("Identifies the force model of a robot from recordings.", "identify");
   Arguments arguments;
   declare(app, arguments);
-  return runProgram(app, argc, argv, [&] { return run(arguments, commandLine(argc, argv)); });
+  return nodes::runProgram(app, argc, argv, [&] { return run(arguments, commandLine(argc, argv)); });
 }

@@ -21,8 +21,8 @@ namespace {
 struct Arguments {
   std::string source, output, map, markers, marker_map, robot;
   std::vector<std::string> columns;
-  SignalFolder folder;
-  BagSource bag;
+  recording::SignalFolder folder;
+  nodes::BagSource bag;
 };
 
 void declare(CLI::App& app, Arguments& a) {
@@ -77,18 +77,19 @@ void declare(CLI::App& app, Arguments& a) {
 }
 
 /// The recording with camera columns from a motion-capture export.
-Imported importMarkers(const Arguments& a) {
+recording::Imported importMarkers(const Arguments& a) {
   if (a.marker_map.empty()) throw InputError("--markers needs --marker-map: the export does not say where markers sit");
   if (a.robot.empty()) throw InputError("--markers needs --robot: time and frame are aligned with forward kinematics");
-  const Robot robot = loadRobot(a.robot);
+  const mechanism::Robot robot = mechanism::loadRobot(a.robot);
   const std::string content = readFile(a.source);
-  const Recording recording = parseRecording(content, a.source);
-  const MarkerMap map = loadMarkerMap(a.marker_map);
-  const MarkerPoses capture = fitMarkers(TextTable::load(a.markers, map.format), map);
-  const RegisteredCapture registered = registerCapture(robot, recording, capture, conditionLimit(robot, {}));
-  Imported out;
-  out.csv = withCameraColumns(content, a.source, registered.pose);
-  out.rows = parseRecording(out.csv, a.source + " (with camera)").rows();
+  const recording::Recording recording = recording::parseRecording(content, a.source);
+  const recording::MarkerMap map = recording::loadMarkerMap(a.marker_map);
+  const recording::MarkerPoses capture = recording::fitMarkers(recording::TextTable::load(a.markers, map.format), map);
+  const tracing::RegisteredCapture registered =
+      tracing::registerCapture(robot, recording, capture, identification::conditionLimit(robot, {}));
+  recording::Imported out;
+  out.csv = recording::withCameraColumns(content, a.source, registered.pose);
+  out.rows = recording::parseRecording(out.csv, a.source + " (with camera)").rows();
   out.notes = registered.notes;
   return out;
 }
@@ -97,34 +98,34 @@ bool isBag(const std::string& path) {
   return std::filesystem::path(path).extension() == ".bag";
 }
 
-Imported import(const Arguments& a) {
+recording::Imported import(const Arguments& a) {
   if (!a.markers.empty()) return importMarkers(a);
   if (isBag(a.source) && !std::filesystem::is_directory(a.source)) {
-    BagSource bag = a.bag;
+    nodes::BagSource bag = a.bag;
     bag.path = a.source;
-    return importBag(bag);
+    return nodes::importBag(bag);
   }
   if (std::filesystem::is_directory(a.source)) {
     if (!a.map.empty() || !a.columns.empty())
       throw InputError(a.source + ": is a folder; --map and --column are for tables");
     if (a.folder.command_unit.empty()) throw InputError("--command-unit N or V is needed: the files do not say it");
-    SignalFolder folder = a.folder;
+    recording::SignalFolder folder = a.folder;
     folder.path = a.source;
-    return importFolder(folder);
+    return recording::importFolder(folder);
   }
   if (a.map.empty() && a.columns.empty()) {
     throw InputError(a.source + ": is a table, so --map or --column must say what its columns are");
   }
-  ColumnMap map;
-  if (!a.map.empty()) map = loadColumnMap(a.map);
+  recording::ColumnMap map;
+  if (!a.map.empty()) map = recording::loadColumnMap(a.map);
   for (const std::string& text : a.columns)
-    map.columns.push_back(parseMapping(text));
-  return importTable(TextTable::load(a.source, map.format), map);
+    map.columns.push_back(recording::parseMapping(text));
+  return recording::importTable(recording::TextTable::load(a.source, map.format), map);
 }
 
 int run(const Arguments& a) {
-  const Imported imported = import(a);
-  writeImported(imported, a.output);
+  const recording::Imported imported = import(a);
+  recording::writeImported(imported, a.output);
   for (const std::string& note : imported.notes)
     std::cout << note << "\n";
   std::cout << "written: " << a.output << ", " << imported.rows << " rows" << std::endl;
@@ -137,5 +138,5 @@ int main(int argc, char** argv) {
   CLI::App app("Makes a recording of other recorders' files.", "import_recording");
   Arguments arguments;
   declare(app, arguments);
-  return runProgram(app, argc, argv, [&] { return run(arguments); });
+  return nodes::runProgram(app, argc, argv, [&] { return run(arguments); });
 }

@@ -14,9 +14,9 @@
 namespace {
 
 using namespace knee_robot;
-using hardware::EncoderFault;
-using hardware::InjectedFaults;
-using hardware::RobotImage;
+using simulation::EncoderFault;
+using simulation::InjectedFaults;
+using simulation::RobotImage;
 
 struct Order {
   int axis = 0;       ///< 1 to 4; 0: all
@@ -41,7 +41,7 @@ Action encoder(EncoderFault fault) {
   };
 }
 
-Action mask(std::atomic<std::uint8_t> InjectedFaults::*which) {
+Action mask(std::atomic<std::uint8_t> simulation::InjectedFaults::*which) {
   return [which](RobotImage& image, const Order& order) {
     unsigned bits = 0;
     forAxes(order, [&](std::size_t i) { bits |= 1u << i; });
@@ -49,7 +49,7 @@ Action mask(std::atomic<std::uint8_t> InjectedFaults::*which) {
   };
 }
 
-Action wire(hardware::can::WireFault fault) {
+Action wire(simulation::WireFault fault) {
   return [fault](RobotImage& image, const Order&) { image.faults.can_wire.store(static_cast<std::uint8_t>(fault)); };
 }
 
@@ -65,7 +65,7 @@ void takeAllBack(RobotImage& image, const Order&) {
   image.surroundings.hand_switch_pressed.store(0);
   for (auto& force : image.surroundings.pose_force)
     force.store(0.0);
-  hardware::clear(image.faults);
+  simulation::clear(image.faults);
 }
 
 const std::map<std::string, Action>& actions() {
@@ -97,11 +97,11 @@ const std::map<std::string, Action>& actions() {
       {"can_no_heartbeat", mask(&InjectedFaults::can_no_heartbeat)},
       {"can_drive_fault", mask(&InjectedFaults::can_fault)},
       {"can_emergency", mask(&InjectedFaults::can_emergency)},
-      {"can_cut", wire(hardware::can::WireFault::Cut)},
-      {"can_delayed", wire(hardware::can::WireFault::Delayed)},
-      {"can_reordered", wire(hardware::can::WireFault::Reordered)},
-      {"can_flooded", wire(hardware::can::WireFault::Flooded)},
-      {"can_bus_off", wire(hardware::can::WireFault::BusOff)},
+      {"can_cut", wire(simulation::WireFault::Cut)},
+      {"can_delayed", wire(simulation::WireFault::Delayed)},
+      {"can_reordered", wire(simulation::WireFault::Reordered)},
+      {"can_flooded", wire(simulation::WireFault::Flooded)},
+      {"can_bus_off", wire(simulation::WireFault::BusOff)},
       {"can_hung_up", [](RobotImage& image, const Order&) { image.faults.can_hung_up.store(1); }},
       {"clear", takeAllBack},
   };
@@ -127,7 +127,7 @@ int main(int argc, char** argv) {
                  "encoder_jump, encoder_noise: m; push_down: N; slow_card: us per access; component: number")
       ->capture_default_str();
   app.add_option("fault", name, names())->required();
-  return runProgram(app, argc, argv, [&] {
+  return nodes::runProgram(app, argc, argv, [&] {
     const auto found = actions().find(name);
     if (found == actions().end())
       throw InputError("there is no fault '" + name.substr(0, 40) + "'; there are " + names());
@@ -135,7 +135,7 @@ int main(int argc, char** argv) {
     if (!std::isfinite(order.size) || (counts_size && !(order.size >= 0.0 && order.size <= 1e6))) {
       throw InputError("--size " + std::to_string(order.size) + " is no size for " + name);
     }
-    hardware::SharedImage memory = hardware::SharedImage::attach(shm);
+    simulation::SharedImage memory = simulation::SharedImage::attach(shm);
     found->second(memory.image(), order);
     if (name != "clear") memory.image().faults.generation.fetch_add(1);
     return kExitDone;

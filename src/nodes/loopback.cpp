@@ -34,10 +34,10 @@ bool XmlRpc::XmlRpcSocket::bind(int socket, int port) {
   return ::bind(socket, reinterpret_cast<const sockaddr*>(&address), sizeof address) == 0;
 }
 
-namespace knee_robot {
+namespace knee_robot::nodes {
 
 void keepToLoopback() {
   // Being linked is enough; the call sees to that.
 }
 
-}  // namespace knee_robot
+}  // namespace knee_robot::nodes

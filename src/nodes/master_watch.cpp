@@ -3,7 +3,7 @@
 #include <ros/master.h>
 #include <ros/this_node.h>
 
-namespace knee_robot {
+namespace knee_robot::nodes {
 namespace {
 
 constexpr auto kPeriod = std::chrono::milliseconds(500);
@@ -40,4 +40,4 @@ void MasterWatch::run() {
   }
 }
 
-}  // namespace knee_robot
+}  // namespace knee_robot::nodes

@@ -5,7 +5,7 @@
 #include <string>
 #include <thread>
 
-namespace knee_robot {
+namespace knee_robot::nodes {
 
 /// Asks the ROS master twice a second, from a thread of its own, whether it is there and still knows `service` of this node. A
 /// master that was restarted knows nobody: then what is advertised has to be advertised anew.
@@ -33,4 +33,4 @@ class MasterWatch {
   std::thread thread_;
 };
 
-}  // namespace knee_robot
+}  // namespace knee_robot::nodes

@@ -7,14 +7,14 @@
 
 #include "controller_pose.h"
 
-namespace knee_robot {
+namespace knee_robot::nodes {
 namespace {
 
 constexpr double kLifetime = 1.0;  // s: what is not drawn any more goes by itself
 constexpr double kLine = 0.058, kLetters = 0.036, kBarLength = 0.30, kBarHeight = 0.026;  // m
 constexpr double kNameWidth = 0.20, kValueWidth = 0.17;                                   // m
 
-geometry_msgs::Point pointOf(const Vector3& p) {
+geometry_msgs::Point pointOf(const mechanism::Vector3& p) {
   geometry_msgs::Point point;
   point.x = p.x();
   point.y = p.y();
@@ -44,7 +44,7 @@ visualization_msgs::Marker& Scene::add(const std::string& subject, int type, con
   return out_.markers.back();
 }
 
-void Scene::text(const std::string& subject, const std::string& words, const Vector3& at, double height,
+void Scene::text(const std::string& subject, const std::string& words, const mechanism::Vector3& at, double height,
                  const Color& color) {
   visualization_msgs::Marker& marker = add(subject, visualization_msgs::Marker::TEXT_VIEW_FACING, color);
   marker.pose.position = pointOf(at);
@@ -52,10 +52,11 @@ void Scene::text(const std::string& subject, const std::string& words, const Vec
   marker.text = words;
 }
 
-void Scene::box(const std::string& subject, const Vector3& corner, const Vector3& opposite, const Color& color) {
+void Scene::box(const std::string& subject, const mechanism::Vector3& corner, const mechanism::Vector3& opposite,
+                const Color& color) {
   visualization_msgs::Marker& marker = add(subject, visualization_msgs::Marker::CUBE, color);
   marker.pose.position = pointOf(0.5 * (corner + opposite));
-  const Vector3 size = (opposite - corner).cwiseAbs().cwiseMax(1e-4);
+  const mechanism::Vector3 size = (opposite - corner).cwiseAbs().cwiseMax(1e-4);
   marker.scale.x = size.x();
   marker.scale.y = size.y();
   marker.scale.z = size.z();
@@ -63,18 +64,19 @@ void Scene::box(const std::string& subject, const Vector3& corner, const Vector3
 
 void Board::title(const std::string& subject, const std::string& words) {
   const double middle = 0.5 * (kNameWidth + kBarLength + kValueWidth);
-  scene_.text(subject, words, at_ - Vector3(middle, 0.0, 0.0), kLetters, kInk);
+  scene_.text(subject, words, at_ - mechanism::Vector3(middle, 0.0, 0.0), kLetters, kInk);
   at_.z() -= kLine;
 }
 
 void Board::bar(const std::string& subject, const std::string& name, double share, const std::string& value,
                 const Color& color) {
   const double length = kBarLength * std::clamp(std::isfinite(share) ? share : 0.0, 0.0, 1.0);
-  const Vector3 begin = at_ - Vector3(kNameWidth, 0.0, 0.0), half(0.0, 0.004, 0.5 * kBarHeight);
-  scene_.text(subject, name, at_ - Vector3(0.5 * kNameWidth - 0.01, 0.0, 0.0), kLetters, kInk);
-  scene_.box(subject, begin - half, begin + half / 3.0 - Vector3(kBarLength, 0.0, 0.0), kTrack);
-  scene_.box(subject, begin - half, begin + half - Vector3(length, 0.0, 0.0), color);
-  scene_.text(subject, value, at_ - Vector3(kNameWidth + kBarLength + 0.5 * kValueWidth, 0.0, 0.0), kLetters, kInk);
+  const mechanism::Vector3 begin = at_ - mechanism::Vector3(kNameWidth, 0.0, 0.0), half(0.0, 0.004, 0.5 * kBarHeight);
+  scene_.text(subject, name, at_ - mechanism::Vector3(0.5 * kNameWidth - 0.01, 0.0, 0.0), kLetters, kInk);
+  scene_.box(subject, begin - half, begin + half / 3.0 - mechanism::Vector3(kBarLength, 0.0, 0.0), kTrack);
+  scene_.box(subject, begin - half, begin + half - mechanism::Vector3(length, 0.0, 0.0), color);
+  scene_.text(subject, value, at_ - mechanism::Vector3(kNameWidth + kBarLength + 0.5 * kValueWidth, 0.0, 0.0), kLetters,
+              kInk);
   at_.z() -= kLine;
 }
 
@@ -103,4 +105,4 @@ std::string wrapped(const std::string& words, std::size_t width) {
   return out;
 }
 
-}  // namespace knee_robot
+}  // namespace knee_robot::nodes

@@ -6,7 +6,7 @@
 
 #include "knee_robot/mechanism/geometry.h"
 
-namespace knee_robot {
+namespace knee_robot::nodes {
 
 struct Color {
   float r = 1.0F, g = 1.0F, b = 1.0F, a = 1.0F;
@@ -21,9 +21,11 @@ class Scene {
 
   visualization_msgs::Marker& add(const std::string& subject, int type, const Color& color);
   /// Text of this height (m), centred at `at`, facing the viewer.
-  void text(const std::string& subject, const std::string& words, const Vector3& at, double height, const Color& color);
+  void text(const std::string& subject, const std::string& words, const mechanism::Vector3& at, double height,
+            const Color& color);
   /// Box between two corners.
-  void box(const std::string& subject, const Vector3& corner, const Vector3& opposite, const Color& color);
+  void box(const std::string& subject, const mechanism::Vector3& corner, const mechanism::Vector3& opposite,
+           const Color& color);
 
  private:
   visualization_msgs::MarkerArray& out_;
@@ -32,7 +34,7 @@ class Scene {
 /// Rows of bars beside the robot, from `top` downwards; a bar grows towards -x.
 class Board {
  public:
-  Board(Scene& scene, const Vector3& top) : scene_(scene), at_(top) {}
+  Board(Scene& scene, const mechanism::Vector3& top) : scene_(scene), at_(top) {}
   void title(const std::string& subject, const std::string& words);
   /// `share` 0 to 1 of the bar's whole length; `value` is written behind it.
   void bar(const std::string& subject, const std::string& name, double share, const std::string& value,
@@ -41,7 +43,7 @@ class Board {
 
  private:
   Scene& scene_;
-  Vector3 at_;
+  mechanism::Vector3 at_;
 };
 
 /// `value` with so many decimals.
@@ -50,4 +52,4 @@ std::string fixedNumber(double value, int decimals);
 /// Lines of at most `width` letters, broken between words.
 std::string wrapped(const std::string& words, std::size_t width);
 
-}  // namespace knee_robot
+}  // namespace knee_robot::nodes

@@ -33,7 +33,7 @@ void refresh(const std::vector<std::string>& lines) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  keepToLoopback();
+  nodes::keepToLoopback();
   ros::init(argc, argv, "monitor", ros::init_options::AnonymousName);
   CLI::App app(
       "Shows the controller's state, errors and timing as text: refreshed in place on a terminal, a line a period "
@@ -47,7 +47,7 @@ int main(int argc, char** argv) {
   app.add_flag("--once", once, "print everything once and end; exit status 1 when the controller is silent");
   app.add_flag("--plain", plain, "a line a period, on a terminal too");
   app.allow_extras();
-  return runProgram(app, argc, argv, [&]() -> int {
+  return nodes::runProgram(app, argc, argv, [&]() -> int {
     for (const std::string& extra : app.remaining()) {
       if (extra.find(":=") == std::string::npos) throw InputError("unknown argument " + extra + " (see --help)");
     }
@@ -55,7 +55,7 @@ int main(int argc, char** argv) {
       throw InputError("no ROS master answers at " + ros::master::getURI() +
                        "; set ROS_MASTER_URI, or start the robot");
     ros::NodeHandle node;
-    TextMonitor monitor(node);
+    nodes::TextMonitor monitor(node);
     const bool in_place = !plain && !once && ::isatty(STDOUT_FILENO) != 0;
     if (in_place) std::fputs("\x1b[2J", stdout);
     const ros::WallTime begin = ros::WallTime::now();

@@ -27,7 +27,7 @@ constexpr double kSilence_s = 2.0;
 
 class MarkerMonitor {
  public:
-  MarkerMonitor(ros::NodeHandle& node, const Robot& robot, double rate_hz)
+  MarkerMonitor(ros::NodeHandle& node, const mechanism::Robot& robot, double rate_hz)
       : robot_(robot),
         controller_(node.resolveName("controller")),
         markers_(node.advertise<visualization_msgs::MarkerArray>("markers", 2)),
@@ -51,13 +51,13 @@ class MarkerMonitor {
   void show() {
     heard_.silent = (ros::WallTime::now() - heard_at_).toSec() > kSilence_s;
     followReference();
-    markers_.publish(sceneOf(robot_, heard_));
+    markers_.publish(nodes::sceneOf(robot_, heard_));
     if (!heard_.reference) return;
     geometry_msgs::TransformStamped transform;
     transform.header.stamp = ros::Time::now();
-    transform.header.frame_id = kBaseFrame;
+    transform.header.frame_id = nodes::kBaseFrame;
     transform.child_frame_id = "platform_reference";
-    const geometry_msgs::Pose pose = poseMessage(*heard_.reference);
+    const geometry_msgs::Pose pose = nodes::poseMessage(*heard_.reference);
     transform.transform.translation.x = pose.position.x;
     transform.transform.translation.y = pose.position.y;
     transform.transform.translation.z = pose.position.z;
@@ -67,18 +67,18 @@ class MarkerMonitor {
 
   void followReference() {
     if (!robot_.mechanism || !heard_.tracking) return;
-    const Lengths lengths(heard_.tracking->reference_m.data());
-    if (forward_.ok()) forward_ = forwardKinematics(*robot_.mechanism, lengths, forward_.pose);
-    if (!forward_.ok()) forward_ = forwardKinematicsFromHome(*robot_.mechanism, lengths);
+    const mechanism::Lengths lengths(heard_.tracking->reference_m.data());
+    if (forward_.ok()) forward_ = mechanism::forwardKinematics(*robot_.mechanism, lengths, forward_.pose);
+    if (!forward_.ok()) forward_ = mechanism::forwardKinematicsFromHome(*robot_.mechanism, lengths);
     heard_.reference.reset();
     if (forward_.ok()) heard_.reference = forward_.pose;
   }
 
-  const Robot& robot_;
+  const mechanism::Robot& robot_;
   const std::string controller_;
-  Heard heard_;
+  nodes::Heard heard_;
   ros::WallTime heard_at_;
-  ForwardResult forward_;
+  mechanism::ForwardResult forward_;
   tf2_ros::TransformBroadcaster broadcaster_;
   ros::Publisher markers_;
   std::array<ros::Subscriber, 4> subscribers_;
@@ -88,11 +88,11 @@ class MarkerMonitor {
 }  // namespace
 
 int main(int argc, char** argv) {
-  keepToLoopback();
+  nodes::keepToLoopback();
   ros::init(argc, argv, "monitor_markers");
   try {
     ros::NodeHandle own("~"), node;
-    const Robot robot = loadRobot(requiredParameter(own, "robot"));
+    const mechanism::Robot robot = mechanism::loadRobot(nodes::requiredParameter(own, "robot"));
     const double rate_hz = own.param("rate_hz", 15.0);
     if (!(rate_hz >= 1.0 && rate_hz <= 60.0))
       throw InputError("parameter " + own.resolveName("rate_hz") + " is outside 1 .. 60");

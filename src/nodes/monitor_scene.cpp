@@ -7,7 +7,7 @@
 #include "knee_robot/base/numbers.h"
 #include "monitor_board.h"
 
-namespace knee_robot {
+namespace knee_robot::nodes {
 namespace {
 
 using visualization_msgs::Marker;
@@ -18,7 +18,7 @@ constexpr double kMarginNear = 0.2, kMarginBad = 0.05;
 constexpr Color kGhost{0.10F, 0.70F, 0.35F, 0.40F}, kGhostLine{0.10F, 0.60F, 0.30F, 0.9F},
     kPath{0.15F, 0.35F, 0.85F, 0.9F}, kPathEdge{0.15F, 0.35F, 0.85F, 0.45F};
 
-geometry_msgs::Point pointOf(const Vector3& p) {
+geometry_msgs::Point pointOf(const mechanism::Vector3& p) {
   geometry_msgs::Point point;
   point.x = p.x();
   point.y = p.y();
@@ -27,16 +27,16 @@ geometry_msgs::Point pointOf(const Vector3& p) {
 }
 
 /// Where a point of the platform is at this pose.
-Vector3 placed(const Pose& pose, const Vector3& point) {
-  return Vector3(pose[0], 0.0, pose[1]) + platformRotation(pose) * point;
+mechanism::Vector3 placed(const mechanism::Pose& pose, const mechanism::Vector3& point) {
+  return mechanism::Vector3(pose[0], 0.0, pose[1]) + mechanism::platformRotation(pose) * point;
 }
 
 /// A ring around the platform, its joints and its legs: wider than the robot's own, so that it is seen where both coincide.
-void addGhost(Scene& scene, const Mechanism& mechanism, const Pose& pose) {
+void addGhost(Scene& scene, const mechanism::Mechanism& mechanism, const mechanism::Pose& pose) {
   constexpr int corners = 48;
   constexpr double above = 0.032;  // m, over the drawn plate
   double radius = 0.0;
-  for (const Vector3& point : mechanism.platform_points)
+  for (const mechanism::Vector3& point : mechanism.platform_points)
     radius = std::max(radius, point.norm());
   Marker& ring = scene.add("reference", Marker::LINE_STRIP, kGhostLine);
   ring.scale.x = 0.010;
@@ -49,9 +49,10 @@ void addGhost(Scene& scene, const Mechanism& mechanism, const Pose& pose) {
   spokes.scale.x = 0.008;
   Marker& legs = scene.add("reference", Marker::LINE_LIST, kGhost);
   legs.scale.x = 0.034;
-  for (int i = 0; i < kLegs; ++i) {
-    const Vector3 tip = i < 3 ? Vector3(mechanism.platform_points[i]) : Vector3::Zero();
-    const Vector3 up(0.0, 0.0, above);
+  for (int i = 0; i < mechanism::kLegs; ++i) {
+    const mechanism::Vector3 tip =
+        i < 3 ? mechanism::Vector3(mechanism.platform_points[i]) : mechanism::Vector3::Zero();
+    const mechanism::Vector3 up(0.0, 0.0, above);
     if (i < 3) {
       spokes.points.push_back(pointOf(placed(pose, up)));
       spokes.points.push_back(pointOf(placed(pose, 1.07 * tip + up)));
@@ -62,11 +63,12 @@ void addGhost(Scene& scene, const Mechanism& mechanism, const Pose& pose) {
 }
 
 /// While something is played, only what is still to come; the approach to a path is not that path yet.
-void addPath(Scene& scene, const Mechanism& mechanism, const Heard& heard) {
+void addPath(Scene& scene, const mechanism::Mechanism& mechanism, const Heard& heard) {
   double from = -1.0;
   if (heard.state && heard.state->playing == heard.state->reference_file) from = heard.state->path_time_s;
   for (const bool edge : {false, true}) {
-    const Vector3 shown = edge ? Vector3(mechanism.platform_points[0]) : Vector3::Zero();
+    const mechanism::Vector3 shown =
+        edge ? mechanism::Vector3(mechanism.platform_points[0]) : mechanism::Vector3::Zero();
     std::vector<geometry_msgs::Point> points;
     for (const geometry_msgs::PoseStamped& point : heard.path->poses) {
       if (point.header.stamp.toSec() >= from) points.push_back(pointOf(placed(poseOf(point.pose), shown)));
@@ -80,7 +82,7 @@ void addPath(Scene& scene, const Mechanism& mechanism, const Heard& heard) {
 
 void addErrors(Board& board, const Tracking& tracking) {
   board.title("errors", "tracking error (bar: 5 mm)");
-  for (std::size_t i = 0; i < kLegs; ++i) {
+  for (std::size_t i = 0; i < mechanism::kLegs; ++i) {
     const double error = tracking.error_m[i], size = std::abs(error);
     const Color& color = size < kErrorNear_m ? kGood : size < kErrorBad_m ? kNear : kBad;
     board.bar("errors", "leg " + std::to_string(i + 1), size / kErrorScale_m, fixedNumber(1e3 * error, 2) + " mm",
@@ -98,13 +100,13 @@ void addMargins(Board& board, const Margins& margins) {
   board.title("margins", "left to the limit");
   if (std::isfinite(margins.condition_limit))
     addMargin(board, "singularity", 1.0 - margins.condition / margins.condition_limit);
-  for (std::size_t i = 0; i < kLegs; ++i)
+  for (std::size_t i = 0; i < mechanism::kLegs; ++i)
     addMargin(board, (i < 3 ? "universal " : "revolute ") + std::to_string(i + 1),
               1.0 - margins.base_angle_rad[i] / margins.base_angle_limit_rad[i]);
   for (std::size_t i = 0; i < 3; ++i)
     addMargin(board, "spherical " + std::to_string(i + 1),
               1.0 - margins.platform_angle_rad[i] / margins.platform_angle_limit_rad[i]);
-  for (std::size_t i = 0; i < kLegs; ++i) {
+  for (std::size_t i = 0; i < mechanism::kLegs; ++i) {
     const double to_min = margins.length_m[i] - margins.length_min_m[i];
     const double to_max = margins.length_max_m[i] - margins.length_m[i];
     addMargin(board, "length " + std::to_string(i + 1),
@@ -122,7 +124,7 @@ std::string stateText(const ControllerState& state) {
 }
 
 void addText(Scene& scene, const Heard& heard) {
-  const Vector3 top(-0.05, 0.0, 1.16);
+  const mechanism::Vector3 top(-0.05, 0.0, 1.16);
   if (heard.silent || !heard.state) {
     scene.text("text", "the controller is silent", top, 0.06, kBad);
   } else if (heard.state->fault.empty()) {
@@ -134,7 +136,7 @@ void addText(Scene& scene, const Heard& heard) {
 
 }  // namespace
 
-visualization_msgs::MarkerArray sceneOf(const Robot& robot, const Heard& heard) {
+visualization_msgs::MarkerArray sceneOf(const mechanism::Robot& robot, const Heard& heard) {
   visualization_msgs::MarkerArray array;
   Scene scene(array);
   addText(scene, heard);
@@ -142,10 +144,10 @@ visualization_msgs::MarkerArray sceneOf(const Robot& robot, const Heard& heard) 
     if (heard.reference) addGhost(scene, *robot.mechanism, *heard.reference);
     if (heard.path && !heard.path->poses.empty()) addPath(scene, *robot.mechanism, heard);
   }
-  Board board(scene, Vector3(-0.56, 0.0, 1.02));
+  Board board(scene, mechanism::Vector3(-0.56, 0.0, 1.02));
   if (heard.tracking) addErrors(board, *heard.tracking);
   if (heard.margins) addMargins(board, *heard.margins);
   return array;
 }
 
-}  // namespace knee_robot
+}  // namespace knee_robot::nodes

@@ -11,7 +11,7 @@
 #include "knee_robot/mechanism/kinematics.h"
 #include "knee_robot/mechanism/robot.h"
 
-namespace knee_robot {
+namespace knee_robot::nodes {
 
 /// What the monitor has heard last. Empty: nothing yet.
 struct Heard {
@@ -19,8 +19,8 @@ struct Heard {
   std::optional<Tracking> tracking;
   std::optional<Margins> margins;
   std::optional<nav_msgs::Path> path;
-  std::optional<Pose> reference;  ///< platform pose that belongs to the reference lengths
-  bool silent = false;            ///< the controller has not been heard for a while
+  std::optional<mechanism::Pose> reference;  ///< platform pose that belongs to the reference lengths
+  bool silent = false;                       ///< the controller has not been heard for a while
 };
 
 /// Markers in frame `base` for rviz, one namespace a subject, so that each can be switched off there:
@@ -30,6 +30,6 @@ struct Heard {
 ///     errors      tracking error per leg as bars
 ///     margins     what is left to the singularity, joint angle and length limits, as bars
 ///     text        state, and the fault
-visualization_msgs::MarkerArray sceneOf(const Robot& robot, const Heard& heard);
+visualization_msgs::MarkerArray sceneOf(const mechanism::Robot& robot, const Heard& heard);
 
-}  // namespace knee_robot
+}  // namespace knee_robot::nodes

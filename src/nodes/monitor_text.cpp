@@ -5,7 +5,7 @@
 #include <cstdarg>
 #include <cstdio>
 
-namespace knee_robot {
+namespace knee_robot::nodes {
 namespace {
 
 constexpr double kSilence_s = 2.0;
@@ -34,7 +34,8 @@ const char* levelName(int level) {
 }  // namespace
 
 template <typename Message>
-void TextMonitor::listen(ros::NodeHandle& node, const std::string& topic, std::optional<Message>& kept) {
+void knee_robot::nodes::TextMonitor::listen(ros::NodeHandle& node, const std::string& topic,
+                                            std::optional<Message>& kept) {
   const boost::function<void(const boost::shared_ptr<const Message>&)> hear =
       [this, &kept](const boost::shared_ptr<const Message>& message) {
         kept = *message;
@@ -137,4 +138,4 @@ std::string TextMonitor::line() const {
   return line;
 }
 
-}  // namespace knee_robot
+}  // namespace knee_robot::nodes

@@ -13,7 +13,7 @@
 #include <string>
 #include <vector>
 
-namespace knee_robot {
+namespace knee_robot::nodes {
 
 /// Listens to controller/{state, tracking, margins, forces, timing} and to the diagnostics, and says them in text.
 class TextMonitor {
@@ -46,4 +46,4 @@ class TextMonitor {
   std::vector<ros::Subscriber> subscribers_;
 };
 
-}  // namespace knee_robot
+}  // namespace knee_robot::nodes

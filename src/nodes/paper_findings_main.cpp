@@ -31,7 +31,7 @@ double percentile(std::vector<double> values, double share) {
 }
 
 /// A pose drawn evenly from a box that holds the workspace of both geometries (m, 34 deg).
-Pose randomPose(std::mt19937& engine) {
+mechanism::Pose randomPose(std::mt19937& engine) {
   const auto uniform = [&engine](double low, double high) {
     return std::uniform_real_distribution<double>(low, high)(engine);
   };
@@ -39,30 +39,30 @@ Pose randomPose(std::mt19937& engine) {
 }
 
 /// Conditions of dq/dx at random poses whose lengths are within the robot's limits.
-std::vector<double> conditionsWithinLengths(const Robot& robot) {
+std::vector<double> conditionsWithinLengths(const mechanism::Robot& robot) {
   std::mt19937 engine(1);
   std::vector<double> conditions;
   while (conditions.size() < 20000) {
-    const Pose pose = randomPose(engine);
-    const Lengths lengths = legLengths(*robot.mechanism, pose);
+    const mechanism::Pose pose = randomPose(engine);
+    const mechanism::Lengths lengths = mechanism::legLengths(*robot.mechanism, pose);
     bool within = true;
-    for (int i = 0; i < kLegs; ++i) {
+    for (int i = 0; i < mechanism::kLegs; ++i) {
       within =
           within && lengths[i] >= robot.actuators[i].position_min_m && lengths[i] <= robot.actuators[i].position_max_m;
     }
-    if (within) conditions.push_back(conditionNumber(*robot.mechanism, pose));
+    if (within) conditions.push_back(mechanism::conditionNumber(*robot.mechanism, pose));
   }
   return conditions;
 }
 
 /// The random pose that keeps furthest from all of the robot's limits.
-Pose roomiestPose(const Robot& robot) {
+mechanism::Pose roomiestPose(const mechanism::Robot& robot) {
   std::mt19937 engine(4);
-  Pose best = Pose::Zero();
+  mechanism::Pose best = mechanism::Pose::Zero();
   double left = -1e300;
   for (int k = 0; k < 20000; ++k) {
-    const Pose pose = randomPose(engine);
-    const Margin margin = nearestLimit(robot, pose, robot.singularity_condition_max);
+    const mechanism::Pose pose = randomPose(engine);
+    const trajectory::Margin margin = trajectory::nearestLimit(robot, pose, robot.singularity_condition_max);
     if (margin.left > left) {
       left = margin.left;
       best = pose;
@@ -71,13 +71,13 @@ Pose roomiestPose(const Robot& robot) {
   return best;
 }
 
-void startingGeometry(const Robot& starting, const Robot& final_robot) {
+void startingGeometry(const mechanism::Robot& starting, const mechanism::Robot& final_robot) {
   title("1. The limits of eq. (31) belong to the starting geometry of Table 1, which is close to singular there");
   std::printf("   shortest leg 1 of eq. (31): 0.4257 m; sqrt(0.2^2 + 0.3758^2) = %.4f m: level, Z = shortest leg 4\n",
               std::hypot(0.2, 0.3758));
   double low = 1e300, high = 0.0;
   for (double z = 0.3758; z <= 0.57531; z += 0.0005) {
-    const double condition = conditionNumber(*starting.mechanism, Pose(0.0, z, 0.0, 0.0));
+    const double condition = mechanism::conditionNumber(*starting.mechanism, mechanism::Pose(0.0, z, 0.0, 0.0));
     low = std::min(low, condition);
     high = std::max(high, condition);
   }
@@ -92,17 +92,18 @@ void startingGeometry(const Robot& starting, const Robot& final_robot) {
 
 void printedPoint() {
   title("2. The printed singular point is neither column of Table 1");
-  const Mechanism m({{0.3, 0.3, 0.3}, 0.0, 50 * kDegree, 40 * kDegree, {0.2, 0.2, 0.2}, 40 * kDegree, 30 * kDegree});
-  const Pose pose(0.0, 0.2, 0.0, 0.0);
-  const Lengths q = legLengths(m, pose);
+  const mechanism::Mechanism m(
+      {{0.3, 0.3, 0.3}, 0.0, 50 * kDegree, 40 * kDegree, {0.2, 0.2, 0.2}, 40 * kDegree, 30 * kDegree});
+  const mechanism::Pose pose(0.0, 0.2, 0.0, 0.0);
+  const mechanism::Lengths q = mechanism::legLengths(m, pose);
   std::printf("   printed:                               0.2236067977 0.2276468090 0.2276468089 0.2000000000\n");
   std::printf("   R = 0.3, Rm = 0.2, starting angles, ds = 0, level at Z = 0.2: %.10f %.10f %.10f %.10f\n", q[0], q[1],
               q[2], q[3]);
-  const Singularity s = singularityAt(m, pose);
+  const mechanism::Singularity s = mechanism::singularityAt(m, pose);
   std::printf("   there det J = %.2e, condition %.0f\n", s.determinant, s.condition);
 }
 
-void exercises(const Robot& robot, const char* name) {
+void exercises(const mechanism::Robot& robot, const char* name) {
   title((std::string("3. The paper's exercises in the ") + name + " geometry").c_str());
   struct Movement {
     const char* what;
@@ -121,16 +122,16 @@ void exercises(const Robot& robot, const char* name) {
               middle);
   for (const Movement& movement : movements) {
     for (const double spherical : {30.0, 50.0}) {
-      Robot limits = robot;
+      mechanism::Robot limits = robot;
       limits.joints.spherical_max = spherical * kDegree;
       double reached = 0.0;
       std::string obstacle = "fits";
-      Pose pose(0.0, middle, 0.0, 0.0);
+      mechanism::Pose pose(0.0, middle, 0.0, 0.0);
       for (int k = 0; k <= 200; ++k) {
         pose[movement.axis] = movement.from + (movement.to - movement.from) * k / 200.0;
-        const Margin margin = nearestLimit(limits, pose, robot.singularity_condition_max);
+        const trajectory::Margin margin = trajectory::nearestLimit(limits, pose, robot.singularity_condition_max);
         if (margin.left < -1e-9) {
-          obstacle = limitText(margin);
+          obstacle = trajectory::limitText(margin);
           break;
         }
         reached = k / 2.0;
@@ -139,34 +140,34 @@ void exercises(const Robot& robot, const char* name) {
     }
   }
   std::printf("   condition at theta = -30 deg, Z = 0.7 m: %.0f\n",
-              conditionNumber(*robot.mechanism, Pose(0.0, 0.7, -30 * kDegree, 0.0)));
-  const Lengths low = legLengths(*robot.mechanism, Pose(0.0, z0, 0.0, 0.0)),
-                high = legLengths(*robot.mechanism, Pose(0.0, z0 + 0.2, 0.0, 0.0));
+              mechanism::conditionNumber(*robot.mechanism, mechanism::Pose(0.0, 0.7, -30 * kDegree, 0.0)));
+  const mechanism::Lengths low = mechanism::legLengths(*robot.mechanism, mechanism::Pose(0.0, z0, 0.0, 0.0)),
+                           high = mechanism::legLengths(*robot.mechanism, mechanism::Pose(0.0, z0 + 0.2, 0.0, 0.0));
   std::printf("   stroke that Z by 0.2 m needs: %.0f %.0f %.0f %.0f mm (type code 100 mm, text 300 mm)\n",
               1e3 * (high - low)[0], 1e3 * (high - low)[1], 1e3 * (high - low)[2], 1e3 * (high - low)[3]);
 }
 
 /// Rich motion: independent random poses, velocities and accelerations.
-std::vector<Motion> richMotion(const Mechanism& mechanism) {
+std::vector<mechanism::Motion> richMotion(const mechanism::Mechanism& mechanism) {
   std::mt19937 engine(2);
   const auto uniform = [&engine](double size) { return std::uniform_real_distribution<double>(-size, size)(engine); };
-  std::vector<Motion> motions;
+  std::vector<mechanism::Motion> motions;
   while (motions.size() < 300) {
-    Motion m;
-    m.pose = Pose(uniform(0.15), 0.65 + uniform(0.15), uniform(0.4), uniform(0.4));
+    mechanism::Motion m;
+    m.pose = mechanism::Pose(uniform(0.15), 0.65 + uniform(0.15), uniform(0.4), uniform(0.4));
     for (int j = 0; j < 4; ++j) {
       m.pose_velocity[j] = uniform(3.0);
       m.pose_acceleration[j] = uniform(20.0);
     }
-    if (conditionNumber(mechanism, m.pose) < 100.0) motions.push_back(m);
+    if (mechanism::conditionNumber(mechanism, m.pose) < 100.0) motions.push_back(m);
   }
   return motions;
 }
 
 /// 20 s of 7 harmonics sampled every 0.1 s as in section 2.1.5, in platform coordinates around `center`, its size scaled until
 /// the fastest actuator moves at `speed` (or the condition would exceed `condition_max`).
-std::vector<Motion> fourierMotion(const Mechanism& mechanism, const Pose& center, double speed, double condition_max,
-                                  unsigned seed) {
+std::vector<mechanism::Motion> fourierMotion(const mechanism::Mechanism& mechanism, const mechanism::Pose& center,
+                                             double speed, double condition_max, unsigned seed) {
   constexpr int kHarmonics = 7;
   constexpr double kDuration = 20.0, kStep = 0.1;
   std::mt19937 engine(seed);
@@ -178,9 +179,9 @@ std::vector<Motion> fourierMotion(const Mechanism& mechanism, const Pose& center
   for (auto& row : cosine)
     for (double& v : row)
       v = normal(engine);
-  const Vector4 unit(1.0, 1.0, 4.0, 4.0);  // 1 m against 4 rad
+  const mechanism::Vector4 unit(1.0, 1.0, 4.0, 4.0);  // 1 m against 4 rad
   const auto motionAt = [&](double t, double scale) {
-    Motion m;
+    mechanism::Motion m;
     m.pose = center;
     for (int j = 0; j < 4; ++j) {
       for (int k = 0; k < kHarmonics; ++k) {
@@ -195,16 +196,17 @@ std::vector<Motion> fourierMotion(const Mechanism& mechanism, const Pose& center
   };
   const auto fits = [&](double scale) {
     for (double t = 0.0; t < kDuration; t += kStep) {
-      const Motion m = motionAt(t, scale);
-      const Vector4 rate = lengthJacobian(mechanism, m.pose) * m.pose_velocity;
-      if (rate.cwiseAbs().maxCoeff() > speed || conditionNumber(mechanism, m.pose) > condition_max) return false;
+      const mechanism::Motion m = motionAt(t, scale);
+      const mechanism::Vector4 rate = mechanism::lengthJacobian(mechanism, m.pose) * m.pose_velocity;
+      if (rate.cwiseAbs().maxCoeff() > speed || mechanism::conditionNumber(mechanism, m.pose) > condition_max)
+        return false;
     }
     return true;
   };
   double scale = 1.0;
   while (!fits(scale))
     scale *= 0.9;
-  std::vector<Motion> motions;
+  std::vector<mechanism::Motion> motions;
   for (double t = 0.0; t < kDuration; t += kStep)
     motions.push_back(motionAt(t, scale));
   return motions;
@@ -212,66 +214,69 @@ std::vector<Motion> fourierMotion(const Mechanism& mechanism, const Pose& center
 
 /// Sizes that one would not be surprised by: kg m^2, kg m, kg; N s/m and N along, N m s and N m about.
 Eigen::VectorXd typicalSizes() {
-  Eigen::VectorXd sizes(kPaperParameters);
-  for (int link = 0; link < kLinks; ++link) {
+  Eigen::VectorXd sizes(dynamics::kPaperParameters);
+  for (int link = 0; link < dynamics::kLinks; ++link) {
     sizes.segment<6>(10 * link).setConstant(0.1);
     sizes.segment<3>(10 * link + 6).setConstant(0.3);
     sizes[10 * link + 9] = 1.0;
   }
-  for (int k = 0; k < kFrictionParameters; ++k) {
-    const std::string& name = frictionParameterNames()[k];
+  for (int k = 0; k < dynamics::kFrictionParameters; ++k) {
+    const std::string& name = dynamics::frictionParameterNames()[k];
     const bool along = name.back() == '3' || name == "Fv_42" || name == "Fc_42";
-    sizes[kInertialParameters + k] = along ? (name[1] == 'v' ? 500.0 : 20.0) : 0.5;
+    sizes[dynamics::kInertialParameters + k] = along ? (name[1] == 'v' ? 500.0 : 20.0) : 0.5;
   }
   return sizes;
 }
 
 /// How many directions of the parameters a trajectory supports, in newtons per typical size: Coulomb columns count fully at any
 /// speed, inertia hardly at 0.01 m/s.
-void trajectoryCount(const Robot& robot, const Pose& center, double speed, double noise) {
-  const Mechanism& m = *robot.mechanism;
-  const std::vector<Motion> motions =
+void trajectoryCount(const mechanism::Robot& robot, const mechanism::Pose& center, double speed, double noise) {
+  const mechanism::Mechanism& m = *robot.mechanism;
+  const std::vector<mechanism::Motion> motions =
       fourierMotion(m, center, speed, std::max(60.0, robot.singularity_condition_max), 3);
   double fastest = 0.0;
-  for (const Motion& motion : motions) {
-    fastest = std::max(fastest, (lengthJacobian(m, motion.pose) * motion.pose_velocity).cwiseAbs().maxCoeff());
+  for (const mechanism::Motion& motion : motions) {
+    fastest =
+        std::max(fastest, (mechanism::lengthJacobian(m, motion.pose) * motion.pose_velocity).cwiseAbs().maxCoeff());
   }
-  const Eigen::MatrixXd w = observationMatrix(m, robot.gravity, motions);
-  const Eigen::MatrixXd rigid = w.leftCols<kInertialParameters>();
-  const Eigen::VectorXd sizes = typicalSizes(), rigid_sizes = sizes.head<kInertialParameters>();
+  const Eigen::MatrixXd w = dynamics::observationMatrix(m, robot.gravity, motions);
+  const Eigen::MatrixXd rigid = w.leftCols<dynamics::kInertialParameters>();
+  const Eigen::VectorXd sizes = typicalSizes(), rigid_sizes = sizes.head<dynamics::kInertialParameters>();
   const double averaged = noise / std::sqrt(double(w.rows()));
   std::printf(
       "   20 s of 7 harmonics, fastest actuator %.3f m/s: %d (rigid alone %d) change the forces by more than %.2f N "
       "rms;\n",
-      fastest, distinguishable(w, sizes, noise), distinguishable(rigid, rigid_sizes, noise), noise);
+      fastest, dynamics::distinguishable(w, sizes, noise), dynamics::distinguishable(rigid, rigid_sizes, noise), noise);
   std::printf(
       "     least squares over all %d equations with white noise of that size finds %d (rigid alone %d) better than "
       "their typical size\n",
-      int(w.rows()), distinguishable(w, sizes, averaged), distinguishable(rigid, rigid_sizes, averaged));
+      int(w.rows()), dynamics::distinguishable(w, sizes, averaged),
+      dynamics::distinguishable(rigid, rigid_sizes, averaged));
 }
 
-void parameterCounts(const Robot& robot, const char* name) {
+void parameterCounts(const mechanism::Robot& robot, const char* name) {
   title((std::string("4. Base parameters of the ") + name + " geometry (the paper: 16 null columns, 34 + 22 = 56)")
             .c_str());
-  const Mechanism& m = *robot.mechanism;
-  const Eigen::MatrixXd w = observationMatrix(m, robot.gravity, richMotion(m));
-  const ParameterStructure all = parameterStructure(w), rigid = parameterStructure(w.leftCols<kInertialParameters>());
+  const mechanism::Mechanism& m = *robot.mechanism;
+  const Eigen::MatrixXd w = dynamics::observationMatrix(m, robot.gravity, richMotion(m));
+  const dynamics::ParameterStructure all = dynamics::parameterStructure(w),
+                                     rigid = dynamics::parameterStructure(w.leftCols<dynamics::kInertialParameters>());
   std::printf("   null columns: %zu:", all.null_columns.size());
   for (const int column : all.null_columns)
-    std::printf(" %s", paperParameterNames()[column].c_str());
+    std::printf(" %s", dynamics::paperParameterNames()[column].c_str());
   std::printf("\n   structural number for rich motion: %d rigid + %d friction = %d\n", rigid.rank,
               all.rank - rigid.rank, all.rank);
   std::printf("   relative singular values %d and %d: %.1e and %.1e\n", all.rank, all.rank + 1,
               all.singular_values[all.rank - 1] / all.singular_values[0],
               all.singular_values[all.rank] / all.singular_values[0]);
-  const Pose center = roomiestPose(robot);
+  const mechanism::Pose center = roomiestPose(robot);
   constexpr double kNoise = 0.28;  // N: one DAC step
   for (const double speed : {0.01, 0.2})
     trajectoryCount(robot, center, speed, kNoise);
   if (std::string(name) != "final") return;
   std::printf("   what is lumped into what (the others stand alone):\n");
   for (int k = 0; k < all.rank; ++k) {
-    const std::string text = combinationText(all, k, paperParameterNames());
+    const std::string text = dynamics::combinationText(all, k, dynamics::paperParameterNames());
     if (text.find(' ') != std::string::npos) std::printf("     %s\n", text.c_str());
   }
 }
@@ -298,8 +303,9 @@ int main(int argc, char** argv) {
   app.add_option("--final", final_file, "robot file of the final geometry (config/robots/final.yaml)")->required();
   app.add_option("--starting", starting_file, "robot file of the starting geometry (config/robots/starting.yaml)")
       ->required();
-  return runProgram(app, argc, argv, [&] {
-    const Robot final_robot = loadRobot(final_file), starting = loadRobot(starting_file);
+  return nodes::runProgram(app, argc, argv, [&] {
+    const mechanism::Robot final_robot = mechanism::loadRobot(final_file),
+                           starting = mechanism::loadRobot(starting_file);
     if (!final_robot.mechanism || !starting.mechanism) throw InputError("both robot files must describe a 3UPS+1RPU");
     startingGeometry(starting, final_robot);
     printedPoint();

@@ -26,7 +26,7 @@ void onInterrupt(int) {
 }
 
 /// A line that is written over on a terminal; elsewhere one line for every tenth of a stage.
-void showProgress(const ExcitationProgress& progress) {
+void showProgress(const excitation::ExcitationProgress& progress) {
   const bool terminal = isatty(STDERR_FILENO) != 0;
   const int tenth = std::max(1, progress.total / 10);
   if (!terminal && progress.done % tenth != 0) return;
@@ -34,7 +34,7 @@ void showProgress(const ExcitationProgress& progress) {
                progress.total, progress.best, terminal ? "" : "\n");
 }
 
-void printConditions(const ExcitationPlan& plan) {
+void printConditions(const excitation::ExcitationPlan& plan) {
   std::printf("%12s %14s %14s %22s %14s\n", "directions r", "k, scaled", "k, raw", "best random: scaled", "raw");
   for (std::size_t i = 0; i < plan.conditions.size(); ++i) {
     std::printf("%12d %14.5g %14.5g %22.5g %14.5g\n", plan.conditions[i].directions, plan.conditions[i].scaled,
@@ -42,12 +42,13 @@ void printConditions(const ExcitationPlan& plan) {
   }
 }
 
-void printLimits(const ExcitationPlan& plan, const Robot& robot, const ExcitationOptions& options) {
+void printLimits(const excitation::ExcitationPlan& plan, const mechanism::Robot& robot,
+                 const excitation::ExcitationOptions& options) {
   std::printf("limits, looked at every millisecond (closest actuator or joint):\n");
   for (const char* kind : {"length", "velocity", "acceleration", "universal", "revolute", "spherical", "condition",
                            "peak force", "rms force"}) {
-    const LimitUsed* closest = nullptr;
-    for (const LimitUsed& limit : plan.limits) {
+    const excitation::LimitUsed* closest = nullptr;
+    for (const excitation::LimitUsed& limit : plan.limits) {
       if (limit.name.rfind(kind, 0) == 0 && (closest == nullptr || limit.share > closest->share)) closest = &limit;
     }
     if (closest == nullptr) continue;
@@ -63,14 +64,14 @@ void printLimits(const ExcitationPlan& plan, const Robot& robot, const Excitatio
   }
 }
 
-void report(const Robot& robot, const ExcitationOptions& options, const ExcitationPlan& plan, const std::string& output,
-            double seconds) {
+void report(const mechanism::Robot& robot, const excitation::ExcitationOptions& options,
+            const excitation::ExcitationPlan& plan, const std::string& output, double seconds) {
   if (isatty(STDERR_FILENO) != 0) std::fprintf(stderr, "\n");
   std::printf("%d of %d random series keep the limits, the best has k = %.4g at r = %d\n", plan.feasible_candidates,
               options.candidates, plan.random_k, options.directions);
   std::printf("after %d evaluations: k = %.4g, %.2f times less%s\n", plan.evaluations, plan.k, plan.random_k / plan.k,
               plan.cut_short ? " (stopped early: best so far)" : "");
-  if (options.criterion == ExcitationCriterion::Determinant) {
+  if (options.criterion == excitation::ExcitationCriterion::Determinant) {
     std::printf("geometric mean of the first %d singular values: %.4g times the best random one's\n",
                 options.directions, std::exp(plan.gain));
   }
@@ -90,11 +91,12 @@ int main(int argc, char** argv) {
       "condition number k of the column-scaled, noise-weighted observation matrix at a stated number of directions.",
       "plan_excitation");
   std::string robot_file, output;
-  ExcitationOptions options;
+  excitation::ExcitationOptions options;
   double condition_max = 0.0;
   std::vector<double> noise;
-  const std::map<std::string, ExcitationCriterion> criteria = {{"condition", ExcitationCriterion::Condition},
-                                                               {"determinant", ExcitationCriterion::Determinant}};
+  const std::map<std::string, excitation::ExcitationCriterion> criteria = {
+      {"condition", excitation::ExcitationCriterion::Condition},
+      {"determinant", excitation::ExcitationCriterion::Determinant}};
   app.add_option("--robot", robot_file, "robot file (YAML)")->required();
   app.add_option("-o,--output", output, "reference file to write")->required();
   app.add_option("--duration", options.shape.duration_s, "s, ramps included")->capture_default_str();
@@ -122,20 +124,20 @@ int main(int argc, char** argv) {
       ->capture_default_str();
   app.add_flag("!--no-force-limits", options.force_limits, "let forces be what they are");
   app.add_flag("--twin-legs", options.twin_legs, "q23 and q33 identical, as in the paper's verification");
-  return runProgram(app, argc, argv, [&]() -> int {
-    const Robot robot = loadRobot(robot_file);
+  return nodes::runProgram(app, argc, argv, [&]() -> int {
+    const mechanism::Robot robot = mechanism::loadRobot(robot_file);
     if (margin->count() > 0) options.condition_max = condition_max;
-    if (noise_option->count() > 0) options.noise_N = Eigen::Map<const Vector4>(noise.data());
+    if (noise_option->count() > 0) options.noise_N = Eigen::Map<const mechanism::Vector4>(noise.data());
     options.progress = showProgress;
     options.interrupted = &interrupted;
     std::signal(SIGINT, onInterrupt);
     const auto start = std::chrono::steady_clock::now();
-    const ExcitationPlan plan = planExcitation(robot, options);
+    const excitation::ExcitationPlan plan = excitation::planExcitation(robot, options);
     const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-    writeReference(output, plan.reference,
-                   {"excitation for " + robot_file + ", seed " + std::to_string(options.seed) + ", " +
-                        std::to_string(options.shape.harmonics) + " harmonics",
-                    "k = " + shortNumber(plan.k, 4) + " at r = " + std::to_string(options.directions)});
+    trajectory::writeReference(output, plan.reference,
+                               {"excitation for " + robot_file + ", seed " + std::to_string(options.seed) + ", " +
+                                    std::to_string(options.shape.harmonics) + " harmonics",
+                                "k = " + shortNumber(plan.k, 4) + " at r = " + std::to_string(options.directions)});
     report(robot, options, plan, output, seconds);
     return kExitDone;
   });

@@ -24,38 +24,39 @@ struct Arguments {
   std::vector<double> start;
 };
 
-ExerciseOptions optionsOf(const Arguments& arguments, const Exercise& exercise, bool has_amplitude) {
-  ExerciseOptions options;
+trajectory::ExerciseOptions optionsOf(const Arguments& arguments, const trajectory::Exercise& exercise,
+                                      bool has_amplitude) {
+  trajectory::ExerciseOptions options;
   if (has_amplitude) options.amplitude = arguments.amplitude * (exercise.rotation ? kDegree : 1.0);
   options.speed = arguments.speed;
   options.turning_speed = arguments.turning_speed_deg * kDegree;
   options.repetitions = arguments.repetitions;
   options.pause_s = arguments.pause;
   options.scale_to_fit = arguments.scale;
-  options.space = *spaceNamed(arguments.space);
+  options.space = *trajectory::spaceNamed(arguments.space);
   if (!arguments.start.empty()) {
     const std::vector<double>& s = arguments.start;
-    options.start = Pose(s[0], s[1], s[2] * kDegree, s[3] * kDegree);
+    options.start = mechanism::Pose(s[0], s[1], s[2] * kDegree, s[3] * kDegree);
   }
   return options;
 }
 
-std::string poseText(const Pose& pose) {
+std::string poseText(const mechanism::Pose& pose) {
   return "Xm " + shortNumber(pose[0], 4) + " m, Zm " + shortNumber(pose[1], 4) + " m, theta " +
          shortNumber(pose[2] / kDegree, 4) + " deg, psi " + shortNumber(pose[3] / kDegree, 4) + " deg";
 }
 
-void report(const Arguments& arguments, const Exercise& exercise, const ExercisePlan& plan) {
+void tell(const Arguments& arguments, const trajectory::Exercise& exercise, const trajectory::ExercisePlan& plan) {
   for (const std::string& note : plan.notes)
     std::printf("note: %s\n", note.c_str());
   std::printf("%s (%s): amplitude %s %s, %d repetition(s), %.1f s\n", exercise.name.c_str(), exercise.meaning.c_str(),
               shortNumber(exercise.rotation ? plan.amplitude / kDegree : plan.amplitude, 4).c_str(),
               exercise.rotation ? "deg" : "m", arguments.repetitions,
-              static_cast<double>(plan.reference.points.rows() - 1) * kStreamPeriod);
+              static_cast<double>(plan.reference.points.rows() - 1) * trajectory::kStreamPeriod);
   std::printf("starts at %s\n", poseText(plan.start).c_str());
-  for (const Margin& margin : plan.check.margins) {
-    std::printf("  %-24s %5.1f %% of its limit left, line %d\n", nameOf(margin.quantity), 100.0 * margin.left,
-                margin.line);
+  for (const trajectory::Margin& margin : plan.check.margins) {
+    std::printf("  %-24s %5.1f %% of its limit left, line %d\n", trajectory::nameOf(margin.quantity),
+                100.0 * margin.left, margin.line);
   }
   std::printf("written to %s, picture to %s\n", arguments.output.c_str(), arguments.picture.c_str());
 }
@@ -68,7 +69,7 @@ int main(int argc, char** argv) {
       "plan_exercise");
   Arguments arguments;
   std::string names = "one of";
-  for (const Exercise& exercise : exercises())
+  for (const trajectory::Exercise& exercise : trajectory::exercises())
     names += " " + exercise.name;
   app.add_option("NAME", arguments.name, names)->required();
   app.add_option("--robot", arguments.robot, "robot file (YAML)")->required();
@@ -88,11 +89,12 @@ int main(int argc, char** argv) {
       ->check(CLI::IsMember({"actuator", "platform"}))
       ->capture_default_str();
   app.add_flag("--scale", arguments.scale, "reduce amplitude and speed to what fits instead of refusing");
-  return runProgram(app, argc, argv, [&]() -> int {
-    const Exercise& exercise = exerciseNamed(arguments.name);
-    const Robot robot = loadRobot(arguments.robot);
-    const ExercisePlan plan = planExercise(exercise, robot, optionsOf(arguments, exercise, amplitude->count() > 0));
-    writeReference(
+  return nodes::runProgram(app, argc, argv, [&]() -> int {
+    const trajectory::Exercise& exercise = trajectory::exerciseNamed(arguments.name);
+    const mechanism::Robot robot = mechanism::loadRobot(arguments.robot);
+    const trajectory::ExercisePlan plan =
+        trajectory::planExercise(exercise, robot, optionsOf(arguments, exercise, amplitude->count() > 0));
+    trajectory::writeReference(
         arguments.output, plan.reference,
         {exercise.name + ": " + exercise.meaning, "for " + arguments.robot, "starts at " + poseText(plan.start)});
     if (arguments.picture.empty())
@@ -100,8 +102,8 @@ int main(int argc, char** argv) {
     if (arguments.picture == arguments.output)
       throw InputError(arguments.output +
                        ": is the reference file's name; give the picture another one with --picture");
-    writeFileAtomically(arguments.picture, exerciseSvg(exercise, robot, plan));
-    report(arguments, exercise, plan);
+    writeFileAtomically(arguments.picture, report::exerciseSvg(exercise, robot, plan));
+    tell(arguments, exercise, plan);
     return kExitDone;
   });
 }

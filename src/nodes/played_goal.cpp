@@ -7,7 +7,7 @@
 
 #include "knee_robot/base/numbers.h"
 
-namespace knee_robot {
+namespace knee_robot::nodes {
 namespace {
 
 constexpr auto kLook = std::chrono::milliseconds(10);
@@ -15,8 +15,9 @@ constexpr double kFeedbackPeriod = 0.1;  // s
 constexpr double kLongestStop = 30.0;    // s, from the largest speed to rest, with room
 constexpr double kApproachSpeed = 0.01;  // m/s
 
-bool isOnPath(MachineState state) {
-  return state == MachineState::Playing || state == MachineState::Stopping || state == MachineState::Paused;
+bool isOnPath(control::MachineState state) {
+  return state == control::MachineState::Playing || state == control::MachineState::Stopping ||
+         state == control::MachineState::Paused;
 }
 
 }  // namespace
@@ -31,11 +32,11 @@ std::string nameAfterTheTime() {
 }
 
 void PlayedGoal::run() {
-  const Answer answer = endRecording(play());
+  const control::Answer answer = endRecording(play());
   result_.success = answer.ok;
   result_.message = answer.sentence;
   if (samples_ > 0) {
-    for (std::size_t i = 0; i < kAxes; ++i)
+    for (std::size_t i = 0; i < hardware::kAxes; ++i)
       result_.rms_error_m[i] = std::sqrt(square_[i] / static_cast<double>(samples_));
   }
   if (answer.ok) {
@@ -49,37 +50,38 @@ void PlayedGoal::run() {
   job_.handle.setAborted(result_, answer.sentence);
 }
 
-Answer PlayedGoal::play() {
+control::Answer PlayedGoal::play() {
   const PlayGoal& goal = *job_.handle.getGoal();
-  if (system_.state() == MachineState::Disabled) {
+  if (system_.state() == control::MachineState::Disabled) {
     if (!goal.enable) return {false, "the robot is disabled; enable it first, or say enable in the goal"};
     feedBack("enabling", system_.status());
-    if (const Answer answer = system_.enable(); !answer.ok) return answer;
+    if (const control::Answer answer = system_.enable(); !answer.ok) return answer;
   }
   if (job_.judged.reference) {
-    if (const Answer answer = server_.references_.load(job_.judged); !answer.ok) return answer;
+    if (const control::Answer answer = server_.references_.load(job_.judged); !answer.ok) return answer;
   }
   result_.duration_s = server_.references_.loadedDuration();
   if (isInterrupted()) return breakOff();
   if (goal.approach) {
-    if (const Answer answer = system_.setSpeed(100.0); !answer.ok) return answer;
-    const Answer begun = system_.approach(goal.approach_speed > 0.0 ? goal.approach_speed : kApproachSpeed);
+    if (const control::Answer answer = system_.setSpeed(100.0); !answer.ok) return answer;
+    const control::Answer begun = system_.approach(goal.approach_speed > 0.0 ? goal.approach_speed : kApproachSpeed);
     if (!begun.ok) return begun;
-    if (const Answer answer = follow("approaching", false); !answer.ok) return answer;
+    if (const control::Answer answer = follow("approaching", false); !answer.ok) return answer;
   }
-  if (const Answer answer = system_.setSpeed(goal.speed_percent > 0.0 ? goal.speed_percent : 100.0); !answer.ok)
+  if (const control::Answer answer = system_.setSpeed(goal.speed_percent > 0.0 ? goal.speed_percent : 100.0);
+      !answer.ok)
     return answer;
   if (!job_.recording.empty()) {
-    if (const Answer answer = system_.startRecording(job_.recording); !answer.ok) return answer;
+    if (const control::Answer answer = system_.startRecording(job_.recording); !answer.ok) return answer;
     result_.recording = job_.recording;
   }
-  if (const Answer answer = system_.play(); !answer.ok) return answer;
+  if (const control::Answer answer = system_.play(); !answer.ok) return answer;
   return follow("playing", true);
 }
 
 /// Until the path is at its end, or is ended by whatever.
-Answer PlayedGoal::follow(const std::string& phase, bool measure) {
-  ControlStatus status = system_.status();
+control::Answer PlayedGoal::follow(const std::string& phase, bool measure) {
+  control::ControlStatus status = system_.status();
   while (isOnPath(status.state)) {
     if (measure) {
       measureErrors();
@@ -94,69 +96,70 @@ Answer PlayedGoal::follow(const std::string& phase, bool measure) {
   const std::string where = phase + " ended " + shortNumber(status.path_time_s, 3) + " s after its begin, of " +
                             shortNumber(status.path_duration_s, 3) + " s: ";
   if (!status.fault_sentence.empty()) return {false, where + status.fault_sentence};  // in the safe stop already
-  if (status.state != MachineState::Holding) return {false, where + "the robot is " + toString(status.state)};
-  if (status.path_time_s + 0.5 * kStreamPeriod < status.path_duration_s)
+  if (status.state != control::MachineState::Holding)
+    return {false, where + "the robot is " + control::toString(status.state)};
+  if (status.path_time_s + 0.5 * trajectory::kStreamPeriod < status.path_duration_s)
     return {false, where + "somebody else stopped it; the robot holds"};
   return {true, status.reference + " was played to its end in " + shortNumber(status.path_duration_s, 4) +
                     " s of path time; the robot holds"};
 }
 
 /// Cancelled, preempted, ended: along the path to rest.
-Answer PlayedGoal::breakOff() {
+control::Answer PlayedGoal::breakOff() {
   const Interruption why = server_.interruption_;
   const std::string who = why == Interruption::Preempted   ? "preempted by a newer goal"
                           : why == Interruption::Cancelled ? "cancelled"
                                                            : "the controller's interface is ending";
-  if (!isOnPath(system_.state())) return {false, who + "; the robot is " + toString(system_.state())};
-  const Answer stopped = system_.stop();
+  if (!isOnPath(system_.state())) return {false, who + "; the robot is " + control::toString(system_.state())};
+  const control::Answer stopped = system_.stop();
   if (!stopped.ok && isOnPath(system_.state())) return {false, who + ", but the stop was refused: " + stopped.sentence};
   const ros::WallTime give_up = ros::WallTime::now() + ros::WallDuration(kLongestStop);
   while (isOnPath(system_.state()) && ros::WallTime::now() < give_up) {
     feedBack("stopping", system_.status());
     std::this_thread::sleep_for(kLook);
   }
-  const ControlStatus status = system_.status();
+  const control::ControlStatus status = system_.status();
   return {false, who + ": slowed down along the path, " + shortNumber(status.path_time_s, 3) +
                      " s after its begin, of " + shortNumber(status.path_duration_s, 3) + " s; the robot is " +
-                     toString(status.state)};
+                     control::toString(status.state)};
 }
 
-Answer PlayedGoal::endRecording(Answer answer) {
+control::Answer PlayedGoal::endRecording(control::Answer answer) {
   if (result_.recording.empty()) return answer;
-  const Answer closed = system_.stopRecording();
+  const control::Answer closed = system_.stopRecording();
   if (!closed.ok) return {false, answer.sentence + "; " + closed.sentence};
   answer.sentence += "; " + closed.sentence;
   return answer;
 }
 
-void PlayedGoal::feedBack(const std::string& phase, const ControlStatus& status) {
+void PlayedGoal::feedBack(const std::string& phase, const control::ControlStatus& status) {
   const ros::WallTime now = ros::WallTime::now();
   if ((now - fed_back_).toSec() < kFeedbackPeriod) return;
   fed_back_ = now;
   PlayFeedback feedback;
-  feedback.phase = status.state == MachineState::Paused ? "paused" : phase;
+  feedback.phase = status.state == control::MachineState::Paused ? "paused" : phase;
   feedback.path_time_s = status.path_time_s;
   feedback.duration_s = status.path_duration_s;
   feedback.speed_percent = 100.0 * status.time_scale;
   const double left = std::max(0.0, status.path_duration_s - status.path_time_s);
   feedback.progress = status.progress;
   feedback.remaining_s = status.time_scale > 1e-3 ? left / status.time_scale : -1.0;
-  if (const std::optional<TrackingRow> row = system_.snapshot()) {
-    for (std::size_t i = 0; i < kAxes; ++i)
+  if (const std::optional<control::TrackingRow> row = system_.snapshot()) {
+    for (std::size_t i = 0; i < hardware::kAxes; ++i)
       feedback.error_m[i] = row->reference_m[i] - row->position_m[i];
   }
   job_.handle.publishFeedback(feedback);
 }
 
 void PlayedGoal::measureErrors() {
-  const std::optional<TrackingRow> row = system_.snapshot();
+  const std::optional<control::TrackingRow> row = system_.snapshot();
   if (!row) return;
   ++samples_;
-  for (std::size_t i = 0; i < kAxes; ++i) {
+  for (std::size_t i = 0; i < hardware::kAxes; ++i) {
     const double error = std::abs(row->reference_m[i] - row->position_m[i]);
     square_[i] += error * error;
     result_.largest_error_m[i] = std::max(result_.largest_error_m[i], error);
   }
 }
 
-}  // namespace knee_robot
+}  // namespace knee_robot::nodes

@@ -5,7 +5,7 @@
 
 #include "controller_action.h"
 
-namespace knee_robot {
+namespace knee_robot::nodes {
 
 /// "recording_DATE_TIME.csv".
 std::string nameAfterTheTime();
@@ -22,21 +22,21 @@ class PlayedGoal {
  private:
   using Interruption = PlayActionServer::Interruption;
 
-  Answer play();
-  Answer follow(const std::string& phase, bool measure);
-  Answer breakOff();
-  Answer endRecording(Answer answer);
-  void feedBack(const std::string& phase, const ControlStatus& status);
+  control::Answer play();
+  control::Answer follow(const std::string& phase, bool measure);
+  control::Answer breakOff();
+  control::Answer endRecording(control::Answer answer);
+  void feedBack(const std::string& phase, const control::ControlStatus& status);
   void measureErrors();
   bool isInterrupted() const { return server_.interruption_ != Interruption::None; }
 
   PlayActionServer& server_;
-  ControlSystem& system_;
+  control::ControlSystem& system_;
   PlayActionServer::Job& job_;
   PlayResult result_;
-  std::array<double, kAxes> square_{};  // m^2
+  std::array<double, hardware::kAxes> square_{};  // m^2
   std::uint64_t samples_ = 0;
   ros::WallTime fed_back_;
 };
 
-}  // namespace knee_robot
+}  // namespace knee_robot::nodes

@@ -17,18 +17,18 @@ struct Arguments {
 };
 
 int run(const Arguments& a) {
-  const Robot robot = loadRobot(a.robot);
-  const Model model = loadModel(a.model);
-  std::vector<Recording> recordings;
+  const mechanism::Robot robot = mechanism::loadRobot(a.robot);
+  const dynamics::Model model = dynamics::loadModel(a.model);
+  std::vector<recording::Recording> recordings;
   std::set<std::string> names;
   for (const std::string& file : a.recordings) {
-    recordings.push_back(loadRecording(file));
+    recordings.push_back(recording::loadRecording(file));
     if (!names.insert(recordings.back().name).second)
       throw InputError(file + ": another recording is named " + recordings.back().name + " too; rename one");
   }
-  const PredictResults results = predictRecordings(robot, model, a.model, recordings);
-  writePredictFiles(results, a.output);
-  std::cout << predictSummary(results) << "written: " << a.output << "/prediction_NAME.csv" << std::endl;
+  const report::PredictResults results = report::predictRecordings(robot, model, a.model, recordings);
+  report::writePredictFiles(results, a.output);
+  std::cout << report::predictSummary(results) << "written: " << a.output << "/prediction_NAME.csv" << std::endl;
   return kExitDone;
 }
 
@@ -41,5 +41,5 @@ int main(int argc, char** argv) {
   app.add_option("--model", a.model, "model.yaml of identify or trace")->required();
   app.add_option("RECORDINGS", a.recordings, "recordings to predict")->required();
   app.add_option("--output", a.output, "folder for prediction_NAME.csv")->required();
-  return runProgram(app, argc, argv, [&] { return run(a); });
+  return nodes::runProgram(app, argc, argv, [&] { return run(a); });
 }

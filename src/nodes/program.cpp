@@ -7,7 +7,7 @@
 
 #include "knee_robot/base/errors.h"
 
-namespace knee_robot {
+namespace knee_robot::nodes {
 namespace {
 
 /// Line breaks would make two lines of one sentence.
@@ -46,4 +46,4 @@ int runProgram(CLI::App& app, int argc, const char* const* argv, const std::func
   }
 }
 
-}  // namespace knee_robot
+}  // namespace knee_robot::nodes

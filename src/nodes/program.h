@@ -3,7 +3,7 @@
 #include <CLI/CLI.hpp>
 #include <functional>
 
-namespace knee_robot {
+namespace knee_robot::nodes {
 
 /// What every program's main does around its work: parses the command line into `app`'s options, runs `body`, and turns
 /// what is thrown into one line on standard error ("NAME: sentence") and an exit status: bad command line or InputError
@@ -15,4 +15,4 @@ namespace knee_robot {
 ///     return runProgram(app, argc, argv, [&] { ...; return kExitDone; });
 int runProgram(CLI::App& app, int argc, const char* const* argv, const std::function<int()>& body);
 
-}  // namespace knee_robot
+}  // namespace knee_robot::nodes

@@ -6,8 +6,8 @@
 #include <thread>
 
 #include "knee_robot/base/errors.h"
-#include "knee_robot/simulation/shared_image.h"
 #include "knee_robot/rt/activity.h"
+#include "knee_robot/simulation/shared_image.h"
 #include "program.h"
 
 namespace {
@@ -22,14 +22,14 @@ void printHeader() {
 }
 
 /// monotonic_s: CLOCK_MONOTONIC at which the row was read.
-void printRow(const hardware::RobotImage& image) {
-  const hardware::RobotStatus& status = image.status;
+void printRow(const simulation::RobotImage& image) {
+  const simulation::RobotStatus& status = image.status;
   std::printf("%.6f,%.6f", rt::toSeconds(rt::monotonicNow()), status.time_s.load());
   for (const auto* values : {&status.lengths_m, &status.pose}) {
     for (const std::atomic<double>& value : *values)
       std::printf(",%.9g", value.load());
   }
-  for (const double volts : hardware::outputVolts(image.analog))
+  for (const double volts : simulation::outputVolts(image.analog))
     std::printf(",%.9g", volts);
   std::printf(",%u,%u,%u\n", image.counter.outputs.load(), status.drives_enabled.load(), status.brakes_engaged.load());
 }
@@ -44,9 +44,9 @@ int main(int argc, char** argv) {
   app.add_option("--duration", duration_s, "seconds to look on; 0: one row")
       ->check(CLI::Range(0.0, 3600.0))
       ->capture_default_str();
-  return runProgram(app, argc, argv, [&] {
-    hardware::SharedImage memory = hardware::SharedImage::attach(shm);
-    const hardware::RobotImage& image = memory.image();
+  return nodes::runProgram(app, argc, argv, [&] {
+    simulation::SharedImage memory = simulation::SharedImage::attach(shm);
+    const simulation::RobotImage& image = memory.image();
     const rt::Nanoseconds end = rt::monotonicNow() + rt::fromSeconds(duration_s);
     std::uint64_t last = image.plant_heartbeat.load();
     printHeader();

@@ -18,7 +18,7 @@ int main(int argc, char** argv) {
     std::fprintf(stderr, "safety_tables: %s\n", error.what());
     return 2;
   }
-  if (!requests) std::printf("%s\n", knee_robot::faultsTable().c_str());
-  if (!faults) std::printf("%s", knee_robot::requestsTable().c_str());
+  if (!requests) std::printf("%s\n", knee_robot::control::faultsTable().c_str());
+  if (!faults) std::printf("%s", knee_robot::control::requestsTable().c_str());
   return 0;
 }

@@ -9,8 +9,8 @@
 #include "knee_robot/base/errors.h"
 #include "knee_robot/base/files.h"
 #include "knee_robot/control/control_system.h"
-#include "knee_robot/simulation/simulated_cards.h"
 #include "knee_robot/simulation/robot_simulation.h"
+#include "knee_robot/simulation/simulated_cards.h"
 #include "program.h"
 
 namespace {
@@ -24,7 +24,7 @@ constexpr double kSagTime = 2.0;      // s after the take-over in which the plat
 /// How far the axes are from where they should be.
 class Deviation {
  public:
-  void add(const Vector4& error, const Vector4& velocity) {
+  void add(const mechanism::Vector4& error, const mechanism::Vector4& velocity) {
     square_ += error.cwiseAbs2();
     peak_ = peak_.cwiseMax(error.cwiseAbs());
     fastest_ = fastest_.cwiseMax(velocity.cwiseAbs());
@@ -33,7 +33,7 @@ class Deviation {
   /// Legs 1 to 4, each in thousandths.
   void print(const char* what, const char* unit) const {
     if (count_ == 0) return;
-    const auto line = [&](const char* kind, const Vector4& v) {
+    const auto line = [&](const char* kind, const mechanism::Vector4& v) {
       std::printf("%s, %s %s: %.3f %.3f %.3f %.3f\n", what, kind, unit, 1e3 * v[0], 1e3 * v[1], 1e3 * v[2], 1e3 * v[3]);
     };
     line("rms", (square_ / count_).cwiseSqrt());
@@ -45,7 +45,8 @@ class Deviation {
   }
 
  private:
-  Vector4 square_ = Vector4::Zero(), peak_ = Vector4::Zero(), fastest_ = Vector4::Zero();
+  mechanism::Vector4 square_ = mechanism::Vector4::Zero(), peak_ = mechanism::Vector4::Zero(),
+                     fastest_ = mechanism::Vector4::Zero();
   double count_ = 0.0;
 };
 
@@ -54,7 +55,8 @@ class Deviation {
 class Watch {
  public:
   enum class What { Nothing, TakeOver, Play };
-  Watch(const RobotSimulation& plant, const ControlSystem& system) : plant_(plant), system_(system) {}
+  Watch(const simulation::RobotSimulation& plant, const control::ControlSystem& system)
+      : plant_(plant), system_(system) {}
   void begin(What what) {
     what_ = what;
     stood_ = plant_.lengths();
@@ -62,14 +64,15 @@ class Watch {
   }
   void look() {
     if (what_ == What::Nothing) return;
-    const std::optional<TrackingRow> row = system_.snapshot();
+    const std::optional<control::TrackingRow> row = system_.snapshot();
     if (!row) return;
-    const Vector4 velocity(row->velocity_m_per_s.data());
+    const mechanism::Vector4 velocity(row->velocity_m_per_s.data());
     if (what_ == What::TakeOver) take_over_.add(plant_.lengths() - stood_, velocity);
     if (what_ == What::TakeOver) sag_ = std::max(sag_, height_ - plant_.state().pose[1]);
     if (what_ != What::Play) return;
-    play_.add(Vector4(row->reference_m.data()) - Vector4(row->position_m.data()), velocity);
-    left_.add(1e-3 * (Vector4(row->force_N.data()) - Vector4(row->feedforward_N.data())), Vector4::Zero());
+    play_.add(mechanism::Vector4(row->reference_m.data()) - mechanism::Vector4(row->position_m.data()), velocity);
+    left_.add(1e-3 * (mechanism::Vector4(row->force_N.data()) - mechanism::Vector4(row->feedforward_N.data())),
+              mechanism::Vector4::Zero());
   }
   void printTakeOver() const {
     take_over_.print("take-over, axes move by", "mm");
@@ -83,20 +86,20 @@ class Watch {
   }
 
  private:
-  const RobotSimulation& plant_;
-  const ControlSystem& system_;
+  const simulation::RobotSimulation& plant_;
+  const control::ControlSystem& system_;
   What what_ = What::Nothing;
-  Vector4 stood_ = Vector4::Zero();
+  mechanism::Vector4 stood_ = mechanism::Vector4::Zero();
   double height_ = 0.0, sag_ = 0.0;
   Deviation take_over_, play_, left_;
 };
 
-void require(const Answer& answer) {
+void require(const control::Answer& answer) {
   if (!answer.ok) throw InputError(answer.sentence);
   std::printf("%s\n", answer.sentence.c_str());
 }
 
-void set(ControlSystem& system, const std::string& setting) {
+void set(control::ControlSystem& system, const std::string& setting) {
   const std::size_t dot = setting.find('.'), equals = setting.find('=');
   if (dot == std::string::npos || equals == std::string::npos || equals < dot)
     throw InputError("--set " + setting + ": give COMPONENT.PROPERTY=VALUE, as Feedforward.share_friction=0.5");
@@ -104,17 +107,17 @@ void set(ControlSystem& system, const std::string& setting) {
                              setting.substr(equals + 1)));
 }
 
-void appendRow(double time_s, const Vector4& effects_N, std::string& table) {
+void appendRow(double time_s, const mechanism::Vector4& effects_N, std::string& table) {
   char row[128];
   std::snprintf(row, sizeof row, "%.6f,%.6g,%.6g,%.6g,%.6g\n", time_s, effects_N[0], effects_N[1], effects_N[2],
                 effects_N[3]);
   table += row;
 }
 
-void requireHolding(ControlSystem& system) {
-  if (system.waitFor(MachineState::Holding, kPatience)) return;
-  const ControlStatus status = system.status();
-  throw Refusal("the movement ended in " + std::string(toString(status.state)) + ": " + status.fault_sentence);
+void requireHolding(control::ControlSystem& system) {
+  if (system.waitFor(control::MachineState::Holding, kPatience)) return;
+  const control::ControlStatus status = system.status();
+  throw Refusal("the movement ended in " + std::string(control::toString(status.state)) + ": " + status.fault_sentence);
 }
 
 }  // namespace
@@ -141,20 +144,21 @@ int main(int argc, char** argv) {
   const CLI::Option* payload = app.add_option("--payload-kg", payload_kg, "payload that the feedforward is told of");
   app.add_option("--set", settings,
                  "COMPONENT.PROPERTY=VALUE, any number of times: properties that may change at run time");
-  return runProgram(app, argc, argv, [&]() -> int {
-    const Robot robot = loadRobot(robot_file);
-    const HardwareFile hardware_description = loadHardwareFile(hardware_file);
-    hardware::RobotImage image;
-    RobotSimulation plant(robot, loadRobotInertia(robot), loadSimulationParameters(simulation_file), image);
-    const std::unique_ptr<hardware::AxisBus> bus = hardware::openImageCards(image);
+  return nodes::runProgram(app, argc, argv, [&]() -> int {
+    const mechanism::Robot robot = mechanism::loadRobot(robot_file);
+    const control::HardwareFile hardware_description = control::loadHardwareFile(hardware_file);
+    simulation::RobotImage image;
+    simulation::RobotSimulation plant(robot, dynamics::loadRobotInertia(robot),
+                                      simulation::loadSimulationParameters(simulation_file), image);
+    const std::unique_ptr<hardware::AxisBus> bus = simulation::openImageCards(image);
 
-    ControlSystem::Options options;
+    control::ControlSystem::Options options;
     options.execution = rt::Execution::Stepped;
-    const Lengths start = plant.lengths();
-    options.lengths_at_start_m = AxisValues{start[0], start[1], start[2], start[3]};
+    const mechanism::Lengths start = plant.lengths();
+    options.lengths_at_start_m = control::AxisValues{start[0], start[1], start[2], start[3]};
     options.model = model;
     if (payload->count() > 0) options.payload_kg = payload_kg;
-    ControlSystem system(robot, hardware_description, deployment_file, *bus, options);
+    control::ControlSystem system(robot, hardware_description, deployment_file, *bus, options);
     Watch watch(plant, system);
     std::string truth = "time_s,effect_1_N,effect_2_N,effect_3_N,effect_4_N\n";
     bool recording = false;
@@ -170,7 +174,7 @@ int main(int argc, char** argv) {
     require(system.start());
     for (const std::string& setting : settings)
       set(system, setting);
-    require(system.loadReference(readReference(file, spaceNamed(space_name))));
+    require(system.loadReference(trajectory::readReference(file, trajectory::spaceNamed(space_name))));
     watch.begin(Watch::What::TakeOver);
     require(system.enable());
     system.run(kSagTime);

@@ -37,7 +37,7 @@ void requestStop(int /*signal*/) {
 /// Whether the robot may go now.
 class Farewell {
  public:
-  bool isOver(const hardware::RobotImage& image, double time_s) {
+  bool isOver(const simulation::RobotImage& image, double time_s) {
     const int requests = stops_requested.load();
     if (requests == 0) return false;
     if (since_s_ < 0.0) since_s_ = off_since_s_ = time_s;
@@ -75,7 +75,8 @@ void askForPriority(int priority) {
 }
 
 /// Steps the robot along the clock; returns the milliseconds that were left out.
-std::int64_t run(RobotSimulation& simulation, const hardware::RobotImage& image, double duration_s, TruthLog* truth) {
+std::int64_t run(simulation::RobotSimulation& simulation, const simulation::RobotImage& image, double duration_s,
+                 simulation::TruthLog* truth) {
   const double dt = static_cast<double>(kPeriod_ns) * 1e-9;
   std::int64_t left_out = 0;
   std::int64_t next = now();
@@ -83,7 +84,7 @@ std::int64_t run(RobotSimulation& simulation, const hardware::RobotImage& image,
   while (!farewell.isOver(image, simulation.time()) && (duration_s <= 0.0 || simulation.time() < duration_s)) {
     next += kPeriod_ns;
     sleepUntil(next);
-    const std::int64_t lost = lostPeriods(now() - next, kPeriod_ns);
+    const std::int64_t lost = simulation::lostPeriods(now() - next, kPeriod_ns);
     left_out += lost;
     next += lost * kPeriod_ns;
     if (!simulation.step(dt)) throw InputError("the plant's motion left all bounds; mend masses, friction or forces");
@@ -114,25 +115,25 @@ int main(int argc, char** argv) {
       ->check(CLI::Range(std::uint64_t{0}, std::uint64_t{1000000}))
       ->capture_default_str();
   app.allow_extras();  // roslaunch appends __name:= and __log:=
-  return runProgram(app, argc, argv, [&] {
+  return nodes::runProgram(app, argc, argv, [&] {
     for (const std::string& extra : app.remaining()) {
       if (extra.find(":=") == std::string::npos) throw InputError("unknown argument " + extra + " (see --help)");
     }
-    const Robot robot = loadRobot(robot_file);
-    const SimulationParameters parameters = loadSimulationParameters(simulation_file);
-    const RobotInertia inertia = loadRobotInertia(robot);
+    const mechanism::Robot robot = mechanism::loadRobot(robot_file);
+    const simulation::SimulationParameters parameters = simulation::loadSimulationParameters(simulation_file);
+    const dynamics::RobotInertia inertia = dynamics::loadRobotInertia(robot);
     // Checked on the heap first, so that a bad file leaves no shared memory behind for even a moment.
-    auto rehearsal = std::make_unique<hardware::RobotImage>();
-    RobotSimulation(robot, inertia, parameters, *rehearsal);
+    auto rehearsal = std::make_unique<simulation::RobotImage>();
+    simulation::RobotSimulation(robot, inertia, parameters, *rehearsal);
 
     std::signal(SIGINT, requestStop);
     std::signal(SIGTERM, requestStop);
-    hardware::SharedImage memory = hardware::SharedImage::create(shm);
-    RobotSimulation simulation(robot, inertia, parameters, memory.image());
-    std::optional<TruthLog> truth;
+    simulation::SharedImage memory = simulation::SharedImage::create(shm);
+    simulation::RobotSimulation simulation(robot, inertia, parameters, memory.image());
+    std::optional<simulation::TruthLog> truth;
     if (truth_rows > 0) truth.emplace(shm + "_truth", truth_rows);
     askForPriority(priority);
-    const Lengths start = simulation.lengths();
+    const mechanism::Lengths start = simulation.lengths();
     std::printf("simulated_robot ready: %s, lengths %.4f %.4f %.4f %.4f m\n", shm.c_str(), start[0], start[1], start[2],
                 start[3]);
     std::fflush(stdout);

@@ -20,7 +20,7 @@ struct Arguments {
   std::vector<std::string> train, validate;
   double cutoff_hz = 3.0;
   bool cutoff_by_rule = false;
-  TraceOptions options;
+  tracing::TraceOptions options;
 };
 
 void declare(CLI::App& app, Arguments& a) {
@@ -44,20 +44,21 @@ void declare(CLI::App& app, Arguments& a) {
       ->check(CLI::Range(0.0, 10.0));
 }
 
-std::vector<Recording> load(const std::vector<std::string>& files) {
-  std::vector<Recording> recordings;
+std::vector<recording::Recording> load(const std::vector<std::string>& files) {
+  std::vector<recording::Recording> recordings;
   for (const std::string& file : files) {
     std::cerr << "reading " << file << std::endl;
-    recordings.push_back(loadRecording(file));
+    recordings.push_back(recording::loadRecording(file));
   }
   return recordings;
 }
 
-std::vector<Observation> observeAll(const Robot& robot, const std::vector<Recording>& recordings,
-                                    const ObservationOptions& options) {
-  std::vector<Observation> observations;
-  for (const Recording& r : recordings)
-    observations.push_back(observe(robot, columnsOf(robot), r, options));
+std::vector<identification::Observation> observeAll(const mechanism::Robot& robot,
+                                                    const std::vector<recording::Recording>& recordings,
+                                                    const identification::ObservationOptions& options) {
+  std::vector<identification::Observation> observations;
+  for (const recording::Recording& r : recordings)
+    observations.push_back(identification::observe(robot, identification::columnsOf(robot), r, options));
   return observations;
 }
 
@@ -72,49 +73,49 @@ void refuseBadFiles(const Arguments& a) {
   }
 }
 
-CutoffChoice cutoffOf(const std::vector<Recording>& training) {
-  std::vector<const Recording*> list;
-  for (const Recording& recording : training)
+recording::CutoffChoice cutoffOf(const std::vector<recording::Recording>& training) {
+  std::vector<const recording::Recording*> list;
+  for (const recording::Recording& recording : training)
     list.push_back(&recording);
-  return chooseCutoff(list);
+  return recording::chooseCutoff(list);
 }
 
-Applied apply(std::vector<Observation>& observations, double cutoff_hz,
-              const std::function<Eigen::MatrixXd(Observation&, int)>& predict) {
-  Applied applied;
+identification::Applied apply(std::vector<identification::Observation>& observations, double cutoff_hz,
+                              const std::function<Eigen::MatrixXd(identification::Observation&, int)>& predict) {
+  identification::Applied applied;
   if (observations.empty()) return applied;
   for (std::size_t k = 0; k < observations.size(); ++k)
     applied.predictions.push_back(
-        makePrediction(observations[k], predict(observations[k], static_cast<int>(k)), cutoff_hz));
-  applied.accuracy = accuracyOf(observations, applied.predictions);
+        identification::makePrediction(observations[k], predict(observations[k], static_cast<int>(k)), cutoff_hz));
+  applied.accuracy = identification::accuracyOf(observations, applied.predictions);
   return applied;
 }
 
 /// Fall of the validation rms when effect k is put back into the finished model.
-std::vector<Eigen::VectorXd> gains(const Robot& robot, TraceResults& r, double cutoff_hz) {
+std::vector<Eigen::VectorXd> gains(const mechanism::Robot& robot, report::TraceResults& r, double cutoff_hz) {
   std::vector<Eigen::VectorXd> out;
   for (std::size_t k = 0; k < r.result.effects.size(); ++k) {
-    TraceResult without = r.result;
-    const Place place = without.effects[k].hypothesis.place;
+    tracing::TraceResult without = r.result;
+    const tracing::Place place = without.effects[k].hypothesis.place;
     without.effects.erase(without.effects.begin() + static_cast<std::ptrdiff_t>(k));
     if (without.elsewhere) {
-      TraceResult other = *without.elsewhere;
+      tracing::TraceResult other = *without.elsewhere;
       other.effects.erase(std::remove_if(other.effects.begin(), other.effects.end(),
-                                         [&](const FoundEffect& e) { return e.hypothesis.place == place; }),
+                                         [&](const tracing::FoundEffect& e) { return e.hypothesis.place == place; }),
                           other.effects.end());
-      without.elsewhere = std::make_shared<const TraceResult>(std::move(other));
+      without.elsewhere = std::make_shared<const tracing::TraceResult>(std::move(other));
     }
-    const Applied applied = apply(r.validate, cutoff_hz, [&](Observation& o, int) {
-      return predictTraced(robot, without, o, -1, static_cast<int>(r.train.size()));
+    const identification::Applied applied = apply(r.validate, cutoff_hz, [&](identification::Observation& o, int) {
+      return tracing::predictTraced(robot, without, o, -1, static_cast<int>(r.train.size()));
     });
     out.push_back(applied.accuracy.rms_N - r.validate_after.accuracy.rms_N);
   }
   return out;
 }
 
-PoseTraceOptions poseOptions(const Robot& robot, const TraceOptions& options) {
-  PoseTraceOptions pose;
-  pose.condition_max = conditionLimit(robot, options.observation);
+tracing::PoseTraceOptions poseOptions(const mechanism::Robot& robot, const tracing::TraceOptions& options) {
+  tracing::PoseTraceOptions pose;
+  pose.condition_max = identification::conditionLimit(robot, options.observation);
   pose.seed = options.seed;
   pose.progress = options.progress;
   return pose;
@@ -122,7 +123,7 @@ PoseTraceOptions poseOptions(const Robot& robot, const TraceOptions& options) {
 
 int run(const Arguments& a, const std::string& command_line) {
   refuseBadFiles(a);
-  TraceResults r;
+  report::TraceResults r;
   r.command_line = command_line;
   r.robot_path = a.robot;
   r.options = a.options;
@@ -132,16 +133,17 @@ int run(const Arguments& a, const std::string& command_line) {
     r.options.most_maps = 0;
     r.options.twins = 1;
   }
-  const Robot robot = loadRobot(a.robot);
+  const mechanism::Robot robot = mechanism::loadRobot(a.robot);
   double cutoff_hz = a.cutoff_hz;
   if (!a.model.empty()) {
-    r.options.start = std::make_shared<const StartModel>(StartModel{loadModel(a.model), a.model});
-    requireModelOf(r.options.start->model, a.model, robot);
+    r.options.start =
+        std::make_shared<const tracing::StartModel>(tracing::StartModel{dynamics::loadModel(a.model), a.model});
+    dynamics::requireModelOf(r.options.start->model, a.model, robot);
     cutoff_hz = r.options.start->model.cutoff_hz;
     r.options.observation.setCutoff(cutoff_hz);
   }
-  const std::vector<Recording> train = load(a.train);
-  const CutoffChoice rule = cutoffOf(train);
+  const std::vector<recording::Recording> train = load(a.train);
+  const recording::CutoffChoice rule = cutoffOf(train);
   std::string cutoff_note = "Cut-off " + shortNumber(cutoff_hz, 3) + " Hz. The rule of identify: " + rule.sentence;
   if (a.cutoff_by_rule && a.model.empty()) {
     cutoff_hz = rule.cutoff_hz;
@@ -149,38 +151,40 @@ int run(const Arguments& a, const std::string& command_line) {
     cutoff_note = rule.sentence;
   }
   r.train = observeAll(robot, train, r.options.observation);
-  const std::vector<Recording> validate = load(a.validate);
+  const std::vector<recording::Recording> validate = load(a.validate);
   r.validate = observeAll(robot, validate, r.options.observation);
-  r.result = trace(robot, train, r.train, r.options);
+  r.result = tracing::trace(robot, train, r.train, r.options);
   r.result.notes.push_back(cutoff_note);
-  r.model = tracedModel(robot, r.result, r.train, r.options);
+  r.model = tracing::tracedModel(robot, r.result, r.train, r.options);
 
   // The model is frozen; from here on only figures are computed.
   const int count = static_cast<int>(r.train.size());
-  const auto before = [&](Observation& o, int) -> Eigen::MatrixXd {
-    if (r.options.start) return predictModel(robot, r.options.start->model, a.model, o);
-    return predictBaseline(r.result, o);
+  const auto before = [&](identification::Observation& o, int) -> Eigen::MatrixXd {
+    if (r.options.start) return tracing::predictModel(robot, r.options.start->model, a.model, o);
+    return tracing::predictBaseline(r.result, o);
   };
   r.train_before = apply(r.train, cutoff_hz, before);
-  r.train_after =
-      apply(r.train, cutoff_hz, [&](Observation& o, int k) { return predictTraced(robot, r.result, o, k, count); });
+  r.train_after = apply(r.train, cutoff_hz, [&](identification::Observation& o, int k) {
+    return tracing::predictTraced(robot, r.result, o, k, count);
+  });
   r.validate_before = apply(r.validate, cutoff_hz, before);
-  r.validate_after =
-      apply(r.validate, cutoff_hz, [&](Observation& o, int) { return predictTraced(robot, r.result, o, -1, count); });
+  r.validate_after = apply(r.validate, cutoff_hz, [&](identification::Observation& o, int) {
+    return tracing::predictTraced(robot, r.result, o, -1, count);
+  });
   if (!r.validate.empty()) r.validate_gain_N = gains(robot, r, cutoff_hz);
-  r.next = planNextExperiment(robot, r.result, r.train, r.options);
+  r.next = tracing::planNextExperiment(robot, r.result, r.train, r.options);
   for (std::size_t k = 0; r.options.start && k < r.validate.size(); ++k) {
-    for (const ModelData& data : r.options.start->model.data) {
+    for (const dynamics::ModelData& data : r.options.start->model.data) {
       if (data.fingerprint == r.validate[k].fingerprint)
         r.result.notes.push_back(r.validate[k].path +
                                  ": the given model was fitted on this validation recording, so "
                                  "that before is flattered there.");
     }
   }
-  r.pose = tracePose(robot, train, validate, poseOptions(robot, r.options));
-  writeTraceFiles(r, a.output);
-  std::cout << traceSummary(r) << "written: " << a.output << "/report.html, report.json, model.yaml and predictions"
-            << std::endl;
+  r.pose = tracing::tracePose(robot, train, validate, poseOptions(robot, r.options));
+  report::writeTraceFiles(r, a.output);
+  std::cout << report::traceSummary(r) << "written: " << a.output
+            << "/report.html, report.json, model.yaml and predictions" << std::endl;
   return kExitDone;
 }
 
@@ -193,5 +197,5 @@ int main(int argc, char** argv) {
   std::string line = "rosrun knee_robot trace";
   for (int i = 1; i < argc; ++i)
     line += std::string(" ") + argv[i];
-  return runProgram(app, argc, argv, [&] { return run(arguments, line); });
+  return nodes::runProgram(app, argc, argv, [&] { return run(arguments, line); });
 }

@@ -13,11 +13,11 @@ namespace {
 using namespace knee_robot;
 
 /// "VISCOUS COULOMB" after an option.
-JointFriction frictionOf(const std::vector<double>& values) {
+simulation::JointFriction frictionOf(const std::vector<double>& values) {
   return {values[0], values[1]};
 }
 
-void report(const VirtualRun& run, const std::string& output) {
+void report(const simulation::VirtualRun& run, const std::string& output) {
   std::printf("%d rows; forces rms %.1f %.1f %.1f %.1f N, largest %.1f %.1f %.1f %.1f N\n", run.rows, run.force_rms[0],
               run.force_rms[1], run.force_rms[2], run.force_rms[3], run.force_max[0], run.force_max[1],
               run.force_max[2], run.force_max[3]);
@@ -36,7 +36,7 @@ int main(int argc, char** argv) {
   std::string file, robot_file, output, space_name;
   std::vector<double> actuator = {0.0, 0.0}, passive = {0.0, 0.0}, spherical = {0.0, 0.0}, presliding = {0.0, 0.0};
   double rotor_mass = 0.0;
-  VirtualRecorder recorder;
+  simulation::VirtualRecorder recorder;
   const auto amount = CLI::Range(0.0, 1e5);
   app.add_option("FILE", file, "reference file")->required();
   app.add_option("--robot", robot_file, "robot file (YAML) with a URDF")->required();
@@ -70,19 +70,21 @@ int main(int argc, char** argv) {
   app.add_option("--seed", recorder.seed, "of the noise")->capture_default_str();
   app.add_option("--period", recorder.period_s, "s between rows")->check(CLI::Range(1e-4, 0.1))->capture_default_str();
   app.add_flag("--exact-encoders", recorder.exact_encoders, "record positions as they are, not as whole counts");
-  return runProgram(app, argc, argv, [&]() -> int {
-    const Robot robot = loadRobot(robot_file);
+  return nodes::runProgram(app, argc, argv, [&]() -> int {
+    const mechanism::Robot robot = mechanism::loadRobot(robot_file);
     if (!robot.mechanism) throw InputError(robot_file + ": describes separate axes; the virtual plant is a 3UPS+1RPU");
-    const ReferenceCheck check = requirePlayable(readReference(file, spaceNamed(space_name)), robot);
-    VirtualPlantParameters parameters;
-    parameters.friction = equalFriction(frictionOf(actuator), frictionOf(passive));
+    const trajectory::ReferenceCheck check =
+        trajectory::requirePlayable(trajectory::readReference(file, trajectory::spaceNamed(space_name)), robot);
+    simulation::VirtualPlantParameters parameters;
+    parameters.friction = simulation::equalFriction(frictionOf(actuator), frictionOf(passive));
     parameters.spherical = frictionOf(spherical);
     parameters.rotor_mass.setConstant(rotor_mass);
     parameters.presliding_m = presliding[0];
     parameters.presliding_rad = presliding[1];
-    VirtualPlant plant(*robot.mechanism, robot.gravity, loadRobotInertia(robot), check.poses.row(0).transpose(),
-                       parameters);
-    const VirtualRun run = recordVirtualPlant(robot, plant, AxisPath(check.lengths, kStreamPeriod), recorder, output);
+    simulation::VirtualPlant plant(*robot.mechanism, robot.gravity, dynamics::loadRobotInertia(robot),
+                                   check.poses.row(0).transpose(), parameters);
+    const simulation::VirtualRun run = simulation::recordVirtualPlant(
+        robot, plant, simulation::AxisPath(check.lengths, trajectory::kStreamPeriod), recorder, output);
     report(run, output);
     return kExitDone;
   });

@@ -27,7 +27,7 @@ struct Panel {
   std::string title;
   int across, up;
   double low[2], high[2];  ///< across, up (m, rad)
-  Pose center;
+  mechanism::Pose center;
 };
 
 struct Line {
@@ -56,17 +56,17 @@ constexpr Verdict kVerdicts[] = {{"free", "#3a9d5d", "within all limits, conditi
                                  {"universal", "#c77cd6", "universal or revolute joint beyond its limit"},
                                  {"length", "#d5d9dd", "a leg too short or too long"}};
 
-int verdictAt(const Robot& robot, const Pose& pose) {
-  const double limit = planningCondition(robot);
-  const Margin margin = nearestLimit(robot, pose, limit);
-  if (margin.left >= 0.0) return conditionNumber(*robot.mechanism, pose) < 0.5 * limit ? 0 : 1;
+int verdictAt(const mechanism::Robot& robot, const mechanism::Pose& pose) {
+  const double limit = trajectory::planningCondition(robot);
+  const trajectory::Margin margin = trajectory::nearestLimit(robot, pose, limit);
+  if (margin.left >= 0.0) return mechanism::conditionNumber(*robot.mechanism, pose) < 0.5 * limit ? 0 : 1;
   switch (margin.quantity) {
-    case Quantity::PlatformAngle:
+    case trajectory::Quantity::PlatformAngle:
       return 3;
-    case Quantity::BaseAngle:
+    case trajectory::Quantity::BaseAngle:
       return 4;
-    case Quantity::ShortestLength:
-    case Quantity::LongestLength:
+    case trajectory::Quantity::ShortestLength:
+    case trajectory::Quantity::LongestLength:
       return 5;
     default:
       return 2;
@@ -75,7 +75,7 @@ int verdictAt(const Robot& robot, const Pose& pose) {
 
 class Drawing {
  public:
-  explicit Drawing(const Robot& robot) : robot_(robot) {}
+  explicit Drawing(const mechanism::Robot& robot) : robot_(robot) {}
 
   void panel(const Panel& panel, int place, const std::vector<Line>& lines) {
     const double x0 = kLeft + (place % 2) * (kColumns * kCell + kGap), y0 = kTop + (place / 2) * (kRows * kCell + kGap);
@@ -109,7 +109,7 @@ class Drawing {
       for (int column = 0; column <= kColumns; ++column) {
         int verdict = -1;
         if (column < kColumns) {
-          Pose pose = p.center;
+          mechanism::Pose pose = p.center;
           pose[p.across] = value(p, 0, (column + 0.5) / kColumns);
           pose[p.up] = value(p, 1, 1.0 - (row + 0.5) / kRows);
           verdict = verdictAt(robot_, pose);
@@ -148,7 +148,7 @@ class Drawing {
     if (line.axis != p.across && line.axis != p.up) return;
     const double w = kColumns * kCell, h = kRows * kCell;
     const auto place = [&](double v) {
-      Pose pose = p.center;
+      mechanism::Pose pose = p.center;
       pose[line.axis] = v;
       const double x = (pose[p.across] - p.low[0]) / (p.high[0] - p.low[0]),
                    y = (pose[p.up] - p.low[1]) / (p.high[1] - p.low[1]);
@@ -170,16 +170,16 @@ class Drawing {
     return out.str();
   }
 
-  const Robot& robot_;
+  const mechanism::Robot& robot_;
   std::ostringstream out_;
 };
 
-std::string draw(const Robot& robot) {
+std::string draw(const mechanism::Robot& robot) {
   // The lowest level pose whose lengths are all allowed; the exercises start there or 0.1 m above.
   double floor = 0.1;
   const auto tooShort = [&robot](double z) {
-    const Lengths lengths = legLengths(*robot.mechanism, Pose(0.0, z, 0.0, 0.0));
-    for (int i = 0; i < kLegs; ++i) {
+    const mechanism::Lengths lengths = mechanism::legLengths(*robot.mechanism, mechanism::Pose(0.0, z, 0.0, 0.0));
+    for (int i = 0; i < mechanism::kLegs; ++i) {
       if (lengths[i] < robot.actuators[i].position_min_m) return true;
     }
     return false;
@@ -187,7 +187,7 @@ std::string draw(const Robot& robot) {
   while (floor < 2.0 && tooShort(floor))
     floor += 0.001;
   const double middle = floor + 0.1;
-  const Pose center(0.0, middle, 0.0, 0.0);
+  const mechanism::Pose center(0.0, middle, 0.0, 0.0);
   const double angle = 40 * kDegree;
   const std::vector<Line> lines = {{1, floor, floor + 0.2, "hip flexion"},
                                    {0, -0.11, 0.2, "knee flexion"},
@@ -201,7 +201,7 @@ std::string draw(const Robot& robot) {
   drawing.panel({"X = 0, theta = 0", 3, 1, {-angle, floor - 0.1}, {angle, floor + 0.4}, center}, 3, {lines[2]});
   return drawing.finish("Workspace of " + robot.path.substr(robot.path.find_last_of('/') + 1) +
                         ", spherical joints up to " + shortNumber(robot.joints.spherical_max / kDegree, 3) +
-                        " deg, condition up to " + shortNumber(planningCondition(robot), 4));
+                        " deg, condition up to " + shortNumber(trajectory::planningCondition(robot), 4));
 }
 
 }  // namespace
@@ -214,8 +214,8 @@ int main(int argc, char** argv) {
   app.add_option("-o,--output", output, "SVG to write")->required();
   app.add_option("--spherical-deg", spherical_deg, "limit of the spherical joints instead of the robot file's")
       ->check(CLI::Range(1.0, 180.0));
-  return runProgram(app, argc, argv, [&] {
-    Robot robot = loadRobot(robot_file);
+  return nodes::runProgram(app, argc, argv, [&] {
+    mechanism::Robot robot = mechanism::loadRobot(robot_file);
     if (!robot.mechanism) throw InputError(robot_file + ": a bench of axes has no workspace to draw");
     if (spherical_deg > 0.0) robot.joints.spherical_max = spherical_deg * kDegree;
     writeFileAtomically(output, draw(robot));

@@ -8,7 +8,7 @@
 #include "knee_robot/base/numbers.h"
 #include "knee_robot/recording/signals.h"
 
-namespace knee_robot {
+namespace knee_robot::recording {
 namespace {
 
 constexpr double kGridRate_hz = 100.0;
@@ -195,4 +195,4 @@ CutoffChoice chooseCutoff(const std::vector<const Recording*>& recordings, const
   return chooseCutoff(motions, rule);
 }
 
-}  // namespace knee_robot
+}  // namespace knee_robot::recording

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace knee_robot {
+namespace knee_robot::recording {
 
 ZeroPhaseLowPass::ZeroPhaseLowPass(double cutoff_hz, double rate_hz) {
   if (!(cutoff_hz > 0.0) || cutoff_hz >= 0.45 * rate_hz) return;
@@ -121,4 +121,4 @@ Eigen::MatrixXd secondDerivative(const Eigen::MatrixXd& x, double h) {
   return d;
 }
 
-}  // namespace knee_robot
+}  // namespace knee_robot::recording

@@ -9,7 +9,7 @@
 #include "knee_robot/base/numbers.h"
 #include "knee_robot/recording/import.h"
 
-namespace knee_robot {
+namespace knee_robot::recording {
 namespace fs = std::filesystem;
 
 namespace {
@@ -261,4 +261,4 @@ Imported importFolder(const SignalFolder& folder) {
   return out;
 }
 
-}  // namespace knee_robot
+}  // namespace knee_robot::recording

@@ -5,7 +5,7 @@
 
 #include "knee_robot/recording/import.h"
 
-namespace knee_robot {
+namespace knee_robot::recording {
 
 /// A header line.
 inline std::string joined(const std::vector<std::string>& names) {
@@ -18,4 +18,4 @@ inline std::string joined(const std::vector<std::string>& names) {
 /// InputError unless the recordings' reader accepts the content.
 void requireRecording(const Imported& imported, const std::string& source);
 
-}  // namespace knee_robot
+}  // namespace knee_robot::recording

@@ -12,7 +12,7 @@
 #include "knee_robot/recording/recording.h"
 #include "knee_robot/recording/signals.h"
 
-namespace knee_robot {
+namespace knee_robot::recording {
 namespace {
 
 constexpr double kDegree = 3.14159265358979323846 / 180.0;
@@ -243,4 +243,4 @@ void writeImported(const Imported& imported, const std::string& path) {
   writeFileAtomically(path, imported.csv);
 }
 
-}  // namespace knee_robot
+}  // namespace knee_robot::recording

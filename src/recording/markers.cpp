@@ -11,7 +11,7 @@
 #include "knee_robot/base/numbers.h"
 #include "knee_robot/base/strict_yaml.h"
 
-namespace knee_robot {
+namespace knee_robot::recording {
 namespace {
 
 constexpr int kFewestRows = 20;
@@ -246,4 +246,4 @@ std::string withCameraColumns(const std::string& csv, const std::string& path, c
   return out;
 }
 
-}  // namespace knee_robot
+}  // namespace knee_robot::recording

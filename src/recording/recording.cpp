@@ -12,7 +12,7 @@
 #include "knee_robot/base/files.h"
 #include "knee_robot/base/numbers.h"
 
-namespace knee_robot {
+namespace knee_robot::recording {
 namespace {
 
 using Text = std::string_view;
@@ -306,4 +306,4 @@ void requireAxes(const Recording& recording, int axes, const std::string& robot_
                    robot_path + " has " + std::to_string(axes));
 }
 
-}  // namespace knee_robot
+}  // namespace knee_robot::recording

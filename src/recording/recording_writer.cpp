@@ -12,7 +12,7 @@
 #include "knee_robot/base/errors.h"
 #include "knee_robot/base/numbers.h"
 
-namespace knee_robot {
+namespace knee_robot::recording {
 namespace {
 
 constexpr std::size_t kBufferBytes = 1u << 16;
@@ -142,4 +142,4 @@ void RecordingWriter::close() {
   if (::close(file) != 0 || !synced) throw error;
 }
 
-}  // namespace knee_robot
+}  // namespace knee_robot::recording

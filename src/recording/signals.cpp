@@ -8,7 +8,7 @@
 #include "knee_robot/base/numbers.h"
 #include "knee_robot/recording/filter.h"
 
-namespace knee_robot {
+namespace knee_robot::recording {
 namespace {
 
 constexpr int kFewestRows = 20;
@@ -222,4 +222,4 @@ Eigen::MatrixXd atHoldIntervals(const Signals& s, const Eigen::MatrixXd& values,
   return out;
 }
 
-}  // namespace knee_robot
+}  // namespace knee_robot::recording

@@ -5,7 +5,7 @@
 #include <complex>
 #include <unsupported/Eigen/FFT>
 
-namespace knee_robot {
+namespace knee_robot::recording {
 namespace {
 
 /// First samples of the segments that lie wholly within used runs.
@@ -50,4 +50,4 @@ Spectrum powerSpectrum(const Eigen::VectorXd& signal, double rate_hz, double seg
   return s;
 }
 
-}  // namespace knee_robot
+}  // namespace knee_robot::recording

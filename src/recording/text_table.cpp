@@ -10,7 +10,7 @@
 #include "knee_robot/base/files.h"
 #include "knee_robot/base/numbers.h"
 
-namespace knee_robot {
+namespace knee_robot::recording {
 namespace {
 
 using Text = std::string_view;
@@ -216,4 +216,4 @@ void TextTable::refuse(int row, int column, const std::string& sentence) const {
   throw InputError(path_ + ":" + std::to_string(line(row)) + ": column " + name + ": " + sentence);
 }
 
-}  // namespace knee_robot
+}  // namespace knee_robot::recording

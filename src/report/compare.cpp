@@ -7,7 +7,7 @@
 #include "knee_robot/base/numbers.h"
 #include "knee_robot/mechanism/kinematics.h"
 
-namespace knee_robot {
+namespace knee_robot::report {
 
 const PaperFigure kPaperFigures[8] = {
     {"leg 1", "mm", "below 1"}, {"leg 2", "mm", "below 1"}, {"leg 3", "mm", "below 1"}, {"leg 4", "mm", "above 2"},
@@ -37,10 +37,10 @@ ErrorFigures errorFigures(const std::vector<double>& time_s, const Eigen::Vector
 
 namespace {
 
-void comparePoses(const Robot& robot, bool has_reference, CompareResults& r) {
+void comparePoses(const mechanism::Robot& robot, bool has_reference, CompareResults& r) {
   r.has_pose = true;
-  r.measured = posesOf(*robot.mechanism, r.recording.position_m);
-  r.reference = posesOf(*robot.mechanism, r.recording.reference_m);
+  r.measured = tracing::posesOf(*robot.mechanism, r.recording.position_m);
+  r.reference = tracing::posesOf(*robot.mechanism, r.recording.reference_m);
   const int rows = r.recording.rows();
   if (r.measured.unknown == rows || (has_reference && r.reference.unknown == rows)) {
     throw Refusal(r.recording.path + ": forward kinematics finds no pose for the " +
@@ -63,7 +63,7 @@ void comparePoses(const Robot& robot, bool has_reference, CompareResults& r) {
                     " rows: there small errors of length are large errors of pose.");
 }
 
-void addCamera(const Robot& robot, CompareResults& r) {
+void addCamera(const mechanism::Robot& robot, CompareResults& r) {
   r.has_camera = r.recording.mocap.cols() == 4;
   if (!r.has_camera) return;
   r.camera = compareCamera(*robot.mechanism, r.recording, r.measured, r.reference.pose, r.condition_max);
@@ -87,8 +87,8 @@ void addCamera(const Robot& robot, CompareResults& r) {
 
 }  // namespace
 
-CompareResults compare(const Robot& robot, const Recording& recording, double condition_max) {
-  requireAxes(recording, robot.axes(), robot.path);
+CompareResults compare(const mechanism::Robot& robot, const recording::Recording& recording, double condition_max) {
+  recording::requireAxes(recording, robot.axes(), robot.path);
   const bool has_reference = recording.reference_m.cols() > 0;
   if (!has_reference && (recording.mocap.cols() == 0 || !robot.mechanism)) {
     throw InputError(recording.path +
@@ -114,4 +114,4 @@ CompareResults compare(const Robot& robot, const Recording& recording, double co
   return r;
 }
 
-}  // namespace knee_robot
+}  // namespace knee_robot::report

@@ -2,21 +2,22 @@
 
 #include "knee_robot/report/compare.h"
 
-namespace knee_robot {
+namespace knee_robot::report {
 namespace {
 
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 
-void fillFigures(const Mechanism& mechanism, const Recording& recording, const PosePath& measured,
-                 const Eigen::MatrixXd& reference, double condition_max, CameraComparison& out) {
+void fillFigures(const mechanism::Mechanism& mechanism, const recording::Recording& recording,
+                 const tracing::PosePath& measured, const Eigen::MatrixXd& reference, double condition_max,
+                 CameraComparison& out) {
   const Eigen::MatrixXd error = out.pose - measured.pose, of_reference = out.pose - reference;
   Eigen::MatrixXd nearest = error, regular = Eigen::MatrixXd::Constant(error.rows(), 4, kNan);
   for (Eigen::Index i = 0; i < error.rows(); ++i) {
     if (!error.row(i).allFinite()) continue;
-    Pose other;
+    mechanism::Pose other;
     const Eigen::Vector4d camera = out.pose.row(i).transpose();
-    if (otherSolution(mechanism, recording.position_m.row(i).transpose(), camera, measured.pose.row(i).transpose(),
-                      other)) {
+    if (tracing::otherSolution(mechanism, recording.position_m.row(i).transpose(), camera,
+                               measured.pose.row(i).transpose(), other)) {
       nearest.row(i) = (camera - other).transpose();
       out.other_to_s = recording.time_s[static_cast<std::size_t>(i)];
       if (out.other_solution++ == 0) out.other_from_s = out.other_to_s;
@@ -34,16 +35,17 @@ void fillFigures(const Mechanism& mechanism, const Recording& recording, const P
 
 }  // namespace
 
-CameraComparison compareCamera(const Mechanism& mechanism, const Recording& recording, const PosePath& measured,
-                               const Eigen::MatrixXd& reference, double condition_max) {
+CameraComparison compareCamera(const mechanism::Mechanism& mechanism, const recording::Recording& recording,
+                               const tracing::PosePath& measured, const Eigen::MatrixXd& reference,
+                               double condition_max) {
   CameraComparison out;
-  out.alignment = alignCamera(recording, measured, condition_max);
+  out.alignment = tracing::alignCamera(recording, measured, condition_max);
   if (!out.alignment.known) return out;
-  out.pose = cameraAtRows(recording, out.alignment.delay_s);
+  out.pose = tracing::cameraAtRows(recording, out.alignment.delay_s);
   for (Eigen::Index i = 0; i < out.pose.rows(); ++i)
-    out.pose.row(i) = cameraInRobot(out.alignment, out.pose.row(i).transpose()).transpose();
+    out.pose.row(i) = tracing::cameraInRobot(out.alignment, out.pose.row(i).transpose()).transpose();
   fillFigures(mechanism, recording, measured, reference, condition_max, out);
   return out;
 }
 
-}  // namespace knee_robot
+}  // namespace knee_robot::report

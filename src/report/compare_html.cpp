@@ -4,7 +4,7 @@
 #include "knee_robot/base/numbers.h"
 #include "knee_robot/report/svg_plot.h"
 
-namespace knee_robot {
+namespace knee_robot::report {
 namespace {
 
 constexpr double kPerMetre = 1e3;
@@ -99,7 +99,7 @@ std::string cameraTable(const char* title, const ErrorFigures (&errors)[4]) {
 }
 
 std::string cameraSection(const CompareResults& r) {
-  const CameraAlignment& a = r.camera.alignment;
+  const tracing::CameraAlignment& a = r.camera.alignment;
   std::string out = "<h2>Camera</h2>\n<table><tr><th>alignment, fixed over the recording</th><th></th></tr>\n";
   const auto row = [&](const std::string& what, const std::string& value) {
     out += "<tr><td>" + what + "</td><td>" + value + "</td></tr>\n";
@@ -146,4 +146,4 @@ std::string compareHtml(const CompareResults& r) {
   return out + "</body></html>\n";
 }
 
-}  // namespace knee_robot
+}  // namespace knee_robot::report

@@ -6,7 +6,7 @@
 #include "knee_robot/base/files.h"
 #include "knee_robot/base/numbers.h"
 
-namespace knee_robot {
+namespace knee_robot::report {
 namespace {
 
 using Json = nlohmann::ordered_json;
@@ -34,7 +34,7 @@ Json poseFigures(const ErrorFigures (&errors)[4]) {
 }
 
 Json cameraJson(const CameraComparison& camera) {
-  const CameraAlignment& a = camera.alignment;
+  const tracing::CameraAlignment& a = camera.alignment;
   return {{"alignment",
            {{"delay_s", a.delay_known ? Json(a.delay_s) : Json()},
             {"correlation", number(a.correlation)},
@@ -101,7 +101,7 @@ std::string compareSummary(const CompareResults& r) {
     out += "  " + errorLine(kPaperFigures[4 + k].quantity, kPaperFigures[4 + k].unit, unitOf(k), r.pose[k],
                             kPaperFigures[4 + k].paper);
   if (r.has_camera) {
-    const CameraAlignment& a = r.camera.alignment;
+    const tracing::CameraAlignment& a = r.camera.alignment;
     out += "camera minus encoders, away from singularities (delay " +
            (a.delay_known ? shortNumber(1e3 * a.delay_s, 3) + " ms" : std::string("not determined")) +
            ", frame turned " + shortNumber(kPerRadian * a.rotation_rad, 3) + " deg, shifted " +
@@ -137,4 +137,4 @@ void writeCompareFiles(const CompareResults& r, const std::string& folder) {
   writeFileAtomically(folder + "/report.html", compareHtml(r));
 }
 
-}  // namespace knee_robot
+}  // namespace knee_robot::report

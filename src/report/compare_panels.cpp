@@ -2,7 +2,7 @@
 
 #include "knee_robot/report/svg_plot.h"
 
-namespace knee_robot {
+namespace knee_robot::report {
 namespace {
 
 constexpr const char* kReference = "#555555";
@@ -98,4 +98,4 @@ std::string panelsSvg(const std::string& title, const std::vector<ComparePanel>&
   return stackedSvg(title, plots, PlotStyle().width, heights);
 }
 
-}  // namespace knee_robot
+}  // namespace knee_robot::report

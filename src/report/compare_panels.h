@@ -6,7 +6,7 @@
 
 #include "knee_robot/report/compare.h"
 
-namespace knee_robot {
+namespace knee_robot::report {
 
 /// One plot of a comparison, as svgPlot writes it.
 struct ComparePanel {
@@ -24,4 +24,4 @@ std::vector<std::pair<double, double>> singularStretches(const CompareResults& r
 /// Panels as one picture.
 std::string panelsSvg(const std::string& title, const std::vector<ComparePanel>& panels);
 
-}  // namespace knee_robot
+}  // namespace knee_robot::report

@@ -5,7 +5,7 @@
 #include "knee_robot/report/exercise_report.h"
 #include "knee_robot/report/svg_plot.h"
 
-namespace knee_robot {
+namespace knee_robot::report {
 namespace {
 
 constexpr double kDegrees = 180.0 / 3.14159265358979323846;
@@ -15,7 +15,7 @@ constexpr const char* kColours[4] = {"#1b6ca8", "#d1495b", "#2e8b57", "#9a6bb0"}
 std::vector<double> times(Eigen::Index points) {
   std::vector<double> out;
   for (Eigen::Index k = 0; k < points; ++k)
-    out.push_back(kStreamPeriod * static_cast<double>(k));
+    out.push_back(trajectory::kStreamPeriod * static_cast<double>(k));
   return out;
 }
 
@@ -29,11 +29,12 @@ struct Left {
   double least() const { return std::min({length, base_angle, platform_angle, condition}); }
 };
 
-Left leftAt(const Robot& robot, const Pose& pose, const Lengths& lengths, double condition_max) {
+Left leftAt(const mechanism::Robot& robot, const mechanism::Pose& pose, const mechanism::Lengths& lengths,
+            double condition_max) {
   Left left;
-  const JointAngles angles = jointAngles(*robot.mechanism, pose);
-  for (std::size_t i = 0; i < kLegs; ++i) {
-    const Actuator& a = robot.actuators[i];
+  const mechanism::JointAngles angles = mechanism::jointAngles(*robot.mechanism, pose);
+  for (std::size_t i = 0; i < mechanism::kLegs; ++i) {
+    const mechanism::Actuator& a = robot.actuators[i];
     const double half = 0.5 * (a.position_max_m - a.position_min_m), q = lengths[static_cast<Eigen::Index>(i)];
     left.length = std::min({left.length, (q - a.position_min_m) / half, (a.position_max_m - q) / half});
     left.base_angle = std::min(left.base_angle,
@@ -41,14 +42,14 @@ Left leftAt(const Robot& robot, const Pose& pose, const Lengths& lengths, double
     if (i < 3)
       left.platform_angle = std::min(left.platform_angle, 1.0 - angles.platform[i] / robot.joints.spherical_max);
   }
-  left.condition = 1.0 - conditionNumber(*robot.mechanism, pose) / condition_max;
+  left.condition = 1.0 - mechanism::conditionNumber(*robot.mechanism, pose) / condition_max;
   return left;
 }
 
 /// Percent left of each kind of limit against time, and where it is least.
-std::vector<PlotLine> marginLines(const Robot& robot, const ExercisePlan& plan, const std::vector<double>& t,
-                                  Eigen::Index& tightest) {
-  const double condition_max = planningCondition(robot);
+std::vector<PlotLine> marginLines(const mechanism::Robot& robot, const trajectory::ExercisePlan& plan,
+                                  const std::vector<double>& t, Eigen::Index& tightest) {
+  const double condition_max = trajectory::planningCondition(robot);
   std::vector<PlotLine> lines = {{"lengths", kColours[0], t, {}},
                                  {"base joints", kColours[1], t, {}},
                                  {"spherical joints", kColours[2], t, {}},
@@ -70,8 +71,9 @@ std::vector<PlotLine> marginLines(const Robot& robot, const ExercisePlan& plan, 
 
 }  // namespace
 
-std::string exerciseSvg(const Exercise& exercise, const Robot& robot, const ExercisePlan& plan) {
-  const Points &poses = plan.check.poses, &lengths = plan.check.lengths;
+std::string exerciseSvg(const trajectory::Exercise& exercise, const mechanism::Robot& robot,
+                        const trajectory::ExercisePlan& plan) {
+  const trajectory::Points &poses = plan.check.poses, &lengths = plan.check.lengths;
   const std::vector<double> t = times(poses.rows());
   Eigen::Index tightest = 0;
   const std::vector<PlotLine> margins = marginLines(robot, plan, t, tightest);
@@ -89,22 +91,24 @@ std::string exerciseSvg(const Exercise& exercise, const Robot& robot, const Exer
   add("Zm, mm", {line("Zm", 1, t, 1e3 * poses.col(1))});
   add("turn, deg", {line("theta", 2, t, kDegrees * poses.col(2)), line("psi", 3, t, kDegrees * poses.col(3))});
   std::vector<PlotLine> length_lines, velocity_lines;
-  for (int i = 0; i < kLegs; ++i) {
+  for (int i = 0; i < mechanism::kLegs; ++i) {
     const std::string name = "leg " + std::to_string(i + 1);
     length_lines.push_back(line(name, i, t, 1e3 * lengths.col(i)));
     Eigen::VectorXd velocity = Eigen::VectorXd::Zero(lengths.rows());
     for (Eigen::Index k = 1; k < lengths.rows(); ++k)
-      velocity[k] = 1e3 * (lengths(k, i) - lengths(k - 1, i)) / kStreamPeriod;
+      velocity[k] = 1e3 * (lengths(k, i) - lengths(k - 1, i)) / trajectory::kStreamPeriod;
     velocity_lines.push_back(line(name, i, t, velocity));
   }
   add("length, mm", length_lines);
   add("velocity, mm/s", velocity_lines);
   add("left of the limit, %", margins);
-  const Margin nearest = nearestLimit(robot, poses.row(tightest).transpose(), planningCondition(robot));
-  const std::string title = exercise.name + ": " + exercise.meaning + "\nNearest limit: " + limitText(nearest) +
-                            " at " + shortNumber(t[static_cast<std::size_t>(tightest)], 4) + " s, " +
+  const trajectory::Margin nearest =
+      trajectory::nearestLimit(robot, poses.row(tightest).transpose(), trajectory::planningCondition(robot));
+  const std::string title = exercise.name + ": " + exercise.meaning +
+                            "\nNearest limit: " + trajectory::limitText(nearest) + " at " +
+                            shortNumber(t[static_cast<std::size_t>(tightest)], 4) + " s, " +
                             shortNumber(100.0 * nearest.left, 3) + " % left; dashed. Robot " + robot.path;
   return stackedSvg(title, plots, kWidth, std::vector<double>(plots.size(), kPanel));
 }
 
-}  // namespace knee_robot
+}  // namespace knee_robot::report

@@ -5,7 +5,7 @@
 #include "knee_robot/base/numbers.h"
 #include "knee_robot/report/svg_plot.h"
 
-namespace knee_robot {
+namespace knee_robot::report {
 namespace {
 
 constexpr const char* kStyle = R"(<style>
@@ -77,7 +77,7 @@ std::vector<double> series(const Eigen::MatrixXd& matrix, int column) {
   return {values.data(), values.data() + values.size()};
 }
 
-std::vector<std::pair<double, double>> movingStretches(const Observation& o) {
+std::vector<std::pair<double, double>> movingStretches(const identification::Observation& o) {
   std::vector<std::pair<double, double>> out;
   for (int n = 0; n < o.samples(); ++n) {
     const std::size_t i = static_cast<std::size_t>(n);
@@ -89,4 +89,4 @@ std::vector<std::pair<double, double>> movingStretches(const Observation& o) {
   return out;
 }
 
-}  // namespace knee_robot
+}  // namespace knee_robot::report

@@ -7,7 +7,7 @@
 
 #include "knee_robot/identification/observation.h"
 
-namespace knee_robot {
+namespace knee_robot::report {
 
 /// Colours of what every report shows.
 inline constexpr const char* kMeasuredColor = "#1b6ca8";
@@ -35,6 +35,6 @@ std::string pageEnd(const std::string& command_line);
 /// Column of a matrix for a plot.
 std::vector<double> series(const Eigen::MatrixXd& matrix, int column);
 /// Stretches of time in which every axis moves.
-std::vector<std::pair<double, double>> movingStretches(const Observation& observation);
+std::vector<std::pair<double, double>> movingStretches(const identification::Observation& observation);
 
-}  // namespace knee_robot
+}  // namespace knee_robot::report

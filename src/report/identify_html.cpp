@@ -6,10 +6,10 @@
 #include "knee_robot/report/identify_report.h"
 #include "knee_robot/report/svg_plot.h"
 
-namespace knee_robot {
+namespace knee_robot::report {
 namespace {
 
-std::string accuracyRows(const std::string& title, const Accuracy& a) {
+std::string accuracyRows(const std::string& title, const identification::Accuracy& a) {
   const int axes = static_cast<int>(a.rms_N.size());
   std::string out = tableGroup(
       title + " (" + std::to_string(a.samples) + " samples, " + std::to_string(a.moving_samples) + " of them moving)",
@@ -40,7 +40,8 @@ std::string accuracySection(const IdentifyResults& r) {
          htmlNumber(1e3 * r.options.observation.moving_m_per_s) + " mm/s.</p>\n";
 }
 
-std::string forcePlots(const std::string& kind, const Observation& o, const Prediction& p, const Prediction& without) {
+std::string forcePlots(const std::string& kind, const identification::Observation& o,
+                       const identification::Prediction& p, const identification::Prediction& without) {
   std::string out =
       "<h2>" + kind + ": " + escapeHtml(o.name) + "</h2>\n<p class=\"key\">Shaded: every axis moves.</p>\n";
   PlotStyle style;
@@ -84,7 +85,7 @@ std::string rankPlot(const IdentifyResults& r, const std::vector<Eigen::VectorXd
 
 std::string rankSection(const IdentifyResults& r) {
   PlotLine held{"held back", kModelColor, {}, {}}, fitted{"fitted", kMeasuredColor, {}, {}};
-  for (const RankPoint& p : r.after.rank.curve) {
+  for (const identification::RankPoint& p : r.after.rank.curve) {
     held.x.push_back(p.rank);
     held.y.push_back(std::sqrt(p.held_back));
     fitted.x.push_back(p.rank);
@@ -126,4 +127,4 @@ std::string identifyHtml(const IdentifyResults& r) {
   return out + pageEnd(r.command_line);
 }
 
-}  // namespace knee_robot
+}  // namespace knee_robot::report

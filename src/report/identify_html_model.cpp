@@ -5,10 +5,10 @@
 #include "knee_robot/report/identify_report.h"
 #include "knee_robot/report/svg_plot.h"
 
-namespace knee_robot {
+namespace knee_robot::report {
 namespace {
 
-std::string parameterRow(const ModelParameter& p, bool own) {
+std::string parameterRow(const dynamics::ModelParameter& p, bool own) {
   return std::string(own ? "<tr>" : "<tr class=\"silent\">") + "<td>" + escapeHtml(p.name) + "</td><td>" +
          (own ? shortNumber(p.value, 4) : "&ndash;") + "</td><td>" + htmlNumber(p.std) + "</td><td>" +
          htmlNumber(own && p.value != 0.0 ? 100.0 * p.std / std::abs(p.value) : std::nan("")) +
@@ -19,7 +19,7 @@ constexpr const char* kParameterHead =
     "<table><tr><th>parameter</th><th>value</th><th>standard error</th><th>%</th><th class=\"text\">unit</th><th "
     "class=\"text\">verdict</th></tr>\n";
 
-std::string frictionTable(const Identification& id) {
+std::string frictionTable(const identification::Identification& id) {
   std::string out =
       "<table><tr><th>per actuator</th><th>friction builds up over, mm</th><th>residual (training, moving), "
       "N</th></tr>\n";
@@ -35,17 +35,17 @@ std::string linkTable(const IdentifyResults& r) {
       "<table><tr><th>link</th><th>mass, kg</th><th>prior, kg</th><th>centre of mass, mm</th><th>prior, "
       "mm</th><th>principal "
       "moments, g m<sup>2</sup></th><th>change from the prior, %</th></tr>\n";
-  const auto millimetres = [](const Vector3& c) {
+  const auto millimetres = [](const mechanism::Vector3& c) {
     std::string text;
     for (const double value : c)
       text += (text.empty() ? "" : ", ") + shortNumber(std::round(1e4 * value) / 10 + 0.0);  // + 0.0: no "-0"
     return text;
   };
   for (std::size_t k = 0; k < r.physical->inertia.links.size(); ++k) {
-    const LinkInertia& body = r.physical->inertia.links[k];
-    const LinkInertia& prior = r.prior->links[k];
-    const Vector3 moments = principalMoments(body);
-    out += "<tr><td>" + linkNames()[k] + "</td><td>" + shortNumber(body.mass, 3) + "</td><td>" +
+    const dynamics::LinkInertia& body = r.physical->inertia.links[k];
+    const dynamics::LinkInertia& prior = r.prior->links[k];
+    const mechanism::Vector3 moments = dynamics::principalMoments(body);
+    out += "<tr><td>" + dynamics::linkNames()[k] + "</td><td>" + shortNumber(body.mass, 3) + "</td><td>" +
            shortNumber(prior.mass, 3) + "</td><td>" + millimetres(body.center) + "</td><td>" +
            millimetres(prior.center) + "</td><td>" + shortNumber(1e3 * moments[0], 3) + ", " +
            shortNumber(1e3 * moments[1], 3) + ", " + shortNumber(1e3 * moments[2], 3) + "</td><td>" +
@@ -60,11 +60,11 @@ std::string verdictText(const std::string& verdict) {
   return verdict == "not identifiable" ? "not identifiable on this data" : verdict;
 }
 
-std::string identifyParameters(const Identification& id) {
+std::string identifyParameters(const identification::Identification& id) {
   std::string out = std::string("<h2>Parameters</h2>\n") + kParameterHead;
   std::string silent;
   int count = 0;
-  for (const ModelParameter& p : id.model.parameters) {
+  for (const dynamics::ModelParameter& p : id.model.parameters) {
     const bool own = std::isfinite(p.std);
     (own ? out : silent) += parameterRow(p, own);
     count += !own;
@@ -83,9 +83,9 @@ std::string identifyParameters(const Identification& id) {
 std::string identifyPhysical(const IdentifyResults& r) {
   std::string out = "<h2>Physically consistent parameters</h2>\n";
   if (!r.physical) return out + "<p>Not fitted: " + escapeHtml(r.no_physical) + "</p>\n";
-  const PhysicalFit& fit = *r.physical;
+  const identification::PhysicalFit& fit = *r.physical;
   PlotLine held{"held back", kModelColor, {}, {}};
-  for (const PhysicalPoint& p : fit.curve) {
+  for (const identification::PhysicalPoint& p : fit.curve) {
     held.x.push_back(std::log10(p.strength));
     held.y.push_back(std::sqrt(p.held_back));
   }
@@ -98,7 +98,7 @@ std::string identifyPhysical(const IdentifyResults& r) {
       "<p>All 90 inertial parameters of nine bodies that can exist, with friction, rotors and offsets, fitted to the "
       "same "
       "equations. The data decide " +
-      htmlNumber(fit.supported) + " of " + std::to_string(kInertialParameters + r.after.model.axes) +
+      htmlNumber(fit.supported) + " of " + std::to_string(dynamics::kInertialParameters + r.after.model.axes) +
       " directions (inertias and offsets); where they are silent the prior does: " + escapeHtml(r.urdf_path) +
       ". Strength of the prior (dashed): the strongest whose error on held-back blocks of the training data is within "
       "one standard error of the best. " +
@@ -112,4 +112,4 @@ std::string identifyPhysical(const IdentifyResults& r) {
          "itself, 100 % a change as large as it, in its own metric.</p>\n";
 }
 
-}  // namespace knee_robot
+}  // namespace knee_robot::report

@@ -6,14 +6,14 @@
 #include "knee_robot/report/identify_report.h"
 #include "knee_robot/report/svg_plot.h"
 
-namespace knee_robot {
+namespace knee_robot::report {
 namespace {
 
 constexpr double kSegment_s = 8.0;
 
 PlotLine spectrumLine(const std::string& label, const char* color, const Eigen::VectorXd& signal, double rate_hz,
                       double highest_hz) {
-  Spectrum s = powerSpectrum(signal, rate_hz, kSegment_s);
+  recording::Spectrum s = recording::powerSpectrum(signal, rate_hz, kSegment_s);
   while (!s.frequency_hz.empty() && s.frequency_hz.back() > highest_hz) {
     s.frequency_hz.pop_back();
     s.density.pop_back();
@@ -21,14 +21,14 @@ PlotLine spectrumLine(const std::string& label, const char* color, const Eigen::
   return {label, color, s.frequency_hz, s.density};
 }
 
-std::string maskTable(const std::vector<const Observation*>& observations) {
+std::string maskTable(const std::vector<const identification::Observation*>& observations) {
   std::string out = "<table><tr><th>share of the samples, %</th>";
-  for (const Observation* o : observations)
+  for (const identification::Observation* o : observations)
     out += "<th>" + escapeHtml(o->name) + "</th>";
   out += "</tr>\n";
   for (std::size_t k = 0; k < observations.front()->masks.size(); ++k) {
     out += "<tr><td>" + escapeHtml(observations.front()->masks[k].reason) + "</td>";
-    for (const Observation* o : observations)
+    for (const identification::Observation* o : observations)
       out += "<td>" + htmlNumber(100.0 * o->masks[k].share) + "</td>";
     out += "</tr>\n";
   }
@@ -64,8 +64,8 @@ std::string cutoffPart(const IdentifyResults& r) {
 
 std::string identifySpectra(const IdentifyResults& r) {
   const bool validated = !r.validate.empty();
-  const Observation& o = validated ? r.validate.front() : r.train.front();
-  const Prediction& p = (validated ? r.validate_after : r.train_after).predictions.front();
+  const identification::Observation& o = validated ? r.validate.front() : r.train.front();
+  const identification::Prediction& p = (validated ? r.validate_after : r.train_after).predictions.front();
   const double rate_hz = 1.0 / o.signals.period_s;
   const double highest_hz = 8.0 * r.options.observation.cutoff_hz;
   std::string out = "<h2>Spectrum of the residual: " + escapeHtml(o.name) +
@@ -90,20 +90,20 @@ std::string identifySpectra(const IdentifyResults& r) {
 }
 
 std::string identifySignals(const IdentifyResults& r) {
-  std::vector<const Observation*> all;
+  std::vector<const identification::Observation*> all;
   for (const auto* group : {&r.train, &r.validate}) {
-    for (const Observation& o : *group)
+    for (const identification::Observation& o : *group)
       all.push_back(&o);
   }
   std::string out =
       "<h2>What was left out</h2>\n" + maskTable(all) + cutoffPart(r) + "<h2>What was done with the signals</h2>\n";
-  for (const Observation* o : all) {
+  for (const identification::Observation* o : all) {
     out += "<h3>" + escapeHtml(o->path) + "</h3>\n<ul>\n";
     for (const std::string& note : o->notes)
       out += "<li>" + escapeHtml(note) + "</li>\n";
     out += "</ul>\n";
   }
-  const ObservationOptions& options = r.options.observation;
+  const identification::ObservationOptions& options = r.options.observation;
   out += "<ul><li>Positions: zero-phase low-pass at " + htmlNumber(options.signals.motion_cutoff_hz) +
          " Hz, then five-point differences. Both sides of the equation: zero-phase low-pass (4th-order Butterworth, "
          "forward and "
@@ -119,4 +119,4 @@ std::string identifySignals(const IdentifyResults& r) {
   return out + singleRecordingNote(r.train.size());
 }
 
-}  // namespace knee_robot
+}  // namespace knee_robot::report

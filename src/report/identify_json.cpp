@@ -5,13 +5,13 @@
 #include "knee_robot/dynamics/urdf_inertia.h"
 #include "knee_robot/report/identify_report.h"
 
-namespace knee_robot {
+namespace knee_robot::report {
 namespace {
 
 Json rankJson(const IdentifyResults& r) {
   Json curve = Json::array();
   for (std::size_t k = 0; k < r.after.rank.curve.size(); ++k) {
-    const RankPoint& p = r.after.rank.curve[k];
+    const identification::RankPoint& p = r.after.rank.curve[k];
     Json point = {{"rank", p.rank},
                   {"held_back", p.held_back},
                   {"beyond_best", p.beyond_best},
@@ -26,9 +26,9 @@ Json rankJson(const IdentifyResults& r) {
           {"curve", curve}};
 }
 
-Json parametersJson(const Model& model) {
+Json parametersJson(const dynamics::Model& model) {
   Json list = Json::array();
-  for (const ModelParameter& p : model.parameters) {
+  for (const dynamics::ModelParameter& p : model.parameters) {
     const bool own = std::isfinite(p.std);
     list.push_back({{"name", p.name},
                     {"unit", p.unit},
@@ -42,9 +42,9 @@ Json parametersJson(const Model& model) {
 /// The full parameters; "share" is how much of each value the data decide, where they decide it alone.
 Json physicalJson(const IdentifyResults& r) {
   if (!r.physical) return {{"done", false}, {"why", r.no_physical}};
-  const PhysicalFit& fit = *r.physical;
+  const identification::PhysicalFit& fit = *r.physical;
   Json curve = Json::array();
-  for (const PhysicalPoint& p : fit.curve) {
+  for (const identification::PhysicalPoint& p : fit.curve) {
     curve.push_back({{"prior_strength", p.strength},
                      {"directions_from_data", p.supported},
                      {"held_back", p.held_back},
@@ -52,15 +52,15 @@ Json physicalJson(const IdentifyResults& r) {
                      {"standard_error", p.standard_error}});
   }
   Json links = Json::array();
-  for (int link = 0; link < kLinks; ++link) {
+  for (int link = 0; link < dynamics::kLinks; ++link) {
     const std::size_t k = static_cast<std::size_t>(link);
-    const LinkInertia& body = fit.inertia.links[k];
-    links.push_back({{"link", linkNames()[k]},
+    const dynamics::LinkInertia& body = fit.inertia.links[k];
+    links.push_back({{"link", dynamics::linkNames()[k]},
                      {"mass_kg", body.mass},
                      {"center_m", {body.center.x(), body.center.y(), body.center.z()}},
                      {"prior_mass_kg", r.prior->links[k].mass},
                      {"change_from_prior", fit.moved[k]},
-                     {"possible", inconsistency(body).empty()}});
+                     {"possible", dynamics::inconsistency(body).empty()}});
   }
   Json j = {{"done", true},
             {"prior", r.urdf_path},
@@ -77,7 +77,7 @@ Json physicalJson(const IdentifyResults& r) {
 Json notesJson(const IdentifyResults& r) {
   Json j = Json::object();
   for (const auto* group : {&r.train, &r.validate}) {
-    for (const Observation& o : *group)
+    for (const identification::Observation& o : *group)
       j[o.path] = o.notes;
   }
   return j;
@@ -86,8 +86,8 @@ Json notesJson(const IdentifyResults& r) {
 Json masksJson(const IdentifyResults& r) {
   Json j = Json::object();
   for (const auto* group : {&r.train, &r.validate}) {
-    for (const Observation& o : *group) {
-      for (const Mask& mask : o.masks)
+    for (const identification::Observation& o : *group) {
+      for (const identification::Mask& mask : o.masks)
         j[o.path][mask.reason] = mask.share;
     }
   }
@@ -127,19 +127,20 @@ std::string identifyJson(const IdentifyResults& r) {
   return j.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 
-std::string predictionCsv(const Observation& o, const Prediction& p) {
+std::string predictionCsv(const identification::Observation& o, const identification::Prediction& p) {
   return predictionTable(o, p, nullptr);
 }
 
 void writeIdentifyFiles(const IdentifyResults& r, const std::string& folder) {
   makeFolder(folder);
-  saveModel(r.after.model, folder + "/model.yaml");
+  dynamics::saveModel(r.after.model, folder + "/model.yaml");
   if (r.physical) {
-    saveModel(r.physical->model, folder + "/model_physical.yaml");
-    writeFileAtomically(folder + "/identified.urdf",
-                        urdfWithInertia(r.urdf_path, r.physical->inertia,
-                                        "Inertias identified from recordings, with those of the given URDF where the "
-                                        "recordings say nothing; rotor inertia is in model_physical.yaml."));
+    dynamics::saveModel(r.physical->model, folder + "/model_physical.yaml");
+    writeFileAtomically(
+        folder + "/identified.urdf",
+        dynamics::urdfWithInertia(r.urdf_path, r.physical->inertia,
+                                  "Inertias identified from recordings, with those of the given URDF where the "
+                                  "recordings say nothing; rotor inertia is in model_physical.yaml."));
   }
   for (std::size_t i = 0; i < r.validate.size(); ++i) {
     writeFileAtomically(folder + "/prediction_" + r.validate[i].name + ".csv",
@@ -149,4 +150,4 @@ void writeIdentifyFiles(const IdentifyResults& r, const std::string& folder) {
   writeFileAtomically(folder + "/report.html", identifyHtml(r));
 }
 
-}  // namespace knee_robot
+}  // namespace knee_robot::report

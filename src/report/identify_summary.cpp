@@ -4,7 +4,7 @@
 #include "knee_robot/base/numbers.h"
 #include "knee_robot/report/identify_report.h"
 
-namespace knee_robot {
+namespace knee_robot::report {
 namespace {
 
 constexpr std::size_t kEveryRank = 24;  ///< a longer curve is printed near the choice, and every fourth rank elsewhere
@@ -28,7 +28,7 @@ std::string row(const std::string& name, const Eigen::VectorXd& values, const ch
   return line + "  " + unit + "\n";
 }
 
-std::string accuracyText(const std::string& title, const Accuracy& a) {
+std::string accuracyText(const std::string& title, const identification::Accuracy& a) {
   std::string out =
       title + " (" + std::to_string(a.samples) + " samples, " + std::to_string(a.moving_samples) + " moving)\n";
   out += row("rms, moving samples", a.rms_moving_N, "N") + row("rms, all samples", a.rms_N, "N");
@@ -37,7 +37,7 @@ std::string accuracyText(const std::string& title, const Accuracy& a) {
   return out + row("rms / range(force), all samples", a.range_percent, "%") + row("largest error", a.max_N, "N");
 }
 
-bool printed(const std::vector<RankPoint>& curve, std::size_t k, int chosen) {
+bool printed(const std::vector<identification::RankPoint>& curve, std::size_t k, int chosen) {
   return curve.size() <= kEveryRank || std::abs(curve[k].rank - chosen) <= 3 || curve[k].rank % 4 == 0 ||
          k + 1 == curve.size();
 }
@@ -49,7 +49,7 @@ std::string rankText(const IdentifyResults& r) {
   out += "   rank  held back | training";
   out += std::string(static_cast<std::size_t>(8 * r.after.model.axes - 8), ' ');
   out += r.validate_by_rank.empty() ? "\n" : "  | validation\n";
-  const std::vector<RankPoint>& curve = r.after.rank.curve;
+  const std::vector<identification::RankPoint>& curve = r.after.rank.curve;
   for (std::size_t k = 0; k < curve.size(); ++k) {
     if (!printed(curve, k, r.after.model.rank)) continue;
     char head[48];
@@ -69,11 +69,11 @@ std::string rankText(const IdentifyResults& r) {
 }
 
 /// Parameters with a value of their own; the others as a count.
-std::string parameterText(const Identification& id) {
+std::string parameterText(const identification::Identification& id) {
   std::string out =
       "parameters (standard errors: bootstrap over blocks of " + shortNumber(id.bootstrap_block_s, 2) + " s)\n";
   int silent = 0;
-  for (const ModelParameter& p : id.model.parameters) {
+  for (const dynamics::ModelParameter& p : id.model.parameters) {
     if (!std::isfinite(p.std)) {
       ++silent;
       continue;
@@ -90,8 +90,8 @@ std::string parameterText(const Identification& id) {
 std::string physicalText(const IdentifyResults& r) {
   if (!r.physical) return "physically consistent parameters: not fitted, " + r.no_physical + "\n";
   const bool validated = !r.validate.empty();
-  const Accuracy& physical = (validated ? r.validate_physical : r.train_physical).accuracy;
-  const Accuracy& base = (validated ? r.validate_after : r.train_after).accuracy;
+  const identification::Accuracy& physical = (validated ? r.validate_physical : r.train_physical).accuracy;
+  const identification::Accuracy& base = (validated ? r.validate_after : r.train_after).accuracy;
   std::string out = "physically consistent parameters: the data decide " + shortNumber(r.physical->supported, 3) +
                     " directions, the URDF the rest; " + (validated ? "validation" : "training") + "\n";
   out += row("physically consistent, moving", physical.rms_moving_N, "N") +
@@ -104,7 +104,7 @@ std::string physicalText(const IdentifyResults& r) {
 std::string identifySummary(const IdentifyResults& r) {
   std::string out;
   for (const auto* group : {&r.train, &r.validate}) {
-    for (const Observation& o : *group) {
+    for (const identification::Observation& o : *group) {
       out += o.path + "\n";
       for (const std::string& note : o.notes)
         out += "  " + note + "\n";
@@ -116,15 +116,15 @@ std::string identifySummary(const IdentifyResults& r) {
   return out + physicalText(r);
 }
 
-std::string outlierText(OutlierRule rule) {
+std::string outlierText(identification::OutlierRule rule) {
   switch (rule) {
-    case OutlierRule::Bisquare:
+    case identification::OutlierRule::Bisquare:
       return "iteratively reweighted least squares with Tukey's weights";
-    case OutlierRule::None:
+    case identification::OutlierRule::None:
       return "none, plain least squares";
     default:
       return "Huber's loss (beyond 1.345 times the noise linear)";
   }
 }
 
-}  // namespace knee_robot
+}  // namespace knee_robot::report

@@ -4,10 +4,10 @@
 
 #include "knee_robot/base/numbers.h"
 
-namespace knee_robot {
+namespace knee_robot::report {
 namespace {
 
-Json accuracyJson(const Accuracy& a) {
+Json accuracyJson(const identification::Accuracy& a) {
   return {{"rms_N", jsonArray(a.rms_N)},
           {"rms_moving_N", jsonArray(a.rms_moving_N)},
           {"rms_raw_N", jsonArray(a.rms_raw_N)},
@@ -18,9 +18,9 @@ Json accuracyJson(const Accuracy& a) {
           {"moving_samples", a.moving_samples}};
 }
 
-Json paths(const std::vector<Observation>& observations) {
+Json paths(const std::vector<identification::Observation>& observations) {
   Json list = Json::array();
-  for (const Observation& o : observations)
+  for (const identification::Observation& o : observations)
     list.push_back(o.path);
   return list;
 }
@@ -38,10 +38,11 @@ Json jsonArray(const Eigen::VectorXd& values) {
   return list;
 }
 
-Json dataJson(const std::vector<Observation>& train, const std::vector<Observation>& validate,
-              const ObservationOptions& options) {
+Json dataJson(const std::vector<identification::Observation>& train,
+              const std::vector<identification::Observation>& validate,
+              const identification::ObservationOptions& options) {
   int samples = 0;
-  for (const Observation& o : train)
+  for (const identification::Observation& o : train)
     samples += o.samples();
   return {{"train", paths(train)},
           {"validate", paths(validate)},
@@ -52,13 +53,14 @@ Json dataJson(const std::vector<Observation>& train, const std::vector<Observati
           {"evidence_across_trajectories", train.size() > 1}};
 }
 
-Json sideJson(int parameters, const Applied& train, const Applied& validate) {
+Json sideJson(int parameters, const identification::Applied& train, const identification::Applied& validate) {
   Json j = {{"parameters", parameters}, {"train", accuracyJson(train.accuracy)}};
   j["validate"] = validate.predictions.empty() ? Json() : accuracyJson(validate.accuracy);
   return j;
 }
 
-std::string predictionTable(const Observation& o, const Prediction& prediction, const Prediction* before) {
+std::string predictionTable(const identification::Observation& o, const identification::Prediction& prediction,
+                            const identification::Prediction* before) {
   const Eigen::Index axes = o.row_force_N.cols();
   std::string csv = "time_s";
   for (const char* name : {"force_", "predicted_", "before_"}) {
@@ -72,7 +74,7 @@ std::string predictionTable(const Observation& o, const Prediction& prediction, 
     csv += exactNumber(o.row_time_s[row]);
     for (Eigen::Index i = 0; i < axes; ++i)
       csv += "," + exactNumber(o.row_force_N(n, i));
-    for (const Prediction* p : {&prediction, before}) {
+    for (const identification::Prediction* p : {&prediction, before}) {
       for (Eigen::Index i = 0; p != nullptr && i < axes; ++i)
         csv += "," + shortNumber(p->row_force_N(n, i), 9);
     }
@@ -81,4 +83,4 @@ std::string predictionTable(const Observation& o, const Prediction& prediction, 
   return csv;
 }
 
-}  // namespace knee_robot
+}  // namespace knee_robot::report

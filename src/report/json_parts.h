@@ -7,7 +7,7 @@
 
 #include "knee_robot/identification/evaluation.h"
 
-namespace knee_robot {
+namespace knee_robot::report {
 
 using Json = nlohmann::ordered_json;
 
@@ -15,12 +15,14 @@ using Json = nlohmann::ordered_json;
 Json jsonNumber(double value);
 Json jsonArray(const Eigen::VectorXd& values);
 /// "data" of report.json.
-Json dataJson(const std::vector<Observation>& train, const std::vector<Observation>& validate,
-              const ObservationOptions& options);
+Json dataJson(const std::vector<identification::Observation>& train,
+              const std::vector<identification::Observation>& validate,
+              const identification::ObservationOptions& options);
 /// One side ("before" or "after") of report.json.
-Json sideJson(int parameters, const Applied& train, const Applied& validate);
+Json sideJson(int parameters, const identification::Applied& train, const identification::Applied& validate);
 
 /// prediction_NAME.csv of one recording: time_s, force_i_N as recorded, predicted_i_N, and with `before` before_i_N.
-std::string predictionTable(const Observation& observation, const Prediction& prediction, const Prediction* before);
+std::string predictionTable(const identification::Observation& observation,
+                            const identification::Prediction& prediction, const identification::Prediction* before);
 
-}  // namespace knee_robot
+}  // namespace knee_robot::report

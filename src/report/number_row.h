@@ -5,7 +5,7 @@
 #include <cstdio>
 #include <string>
 
-namespace knee_robot {
+namespace knee_robot::report {
 
 /// A line of a terminal table: a name, then a figure per actuator with two decimals; "-" for what is not a number.
 inline std::string numberRow(const std::string& name, const Eigen::VectorXd& values) {
@@ -19,4 +19,4 @@ inline std::string numberRow(const std::string& name, const Eigen::VectorXd& val
   return line + "\n";
 }
 
-}  // namespace knee_robot
+}  // namespace knee_robot::report

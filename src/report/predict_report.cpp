@@ -8,37 +8,39 @@
 #include "knee_robot/base/files.h"
 #include "number_row.h"
 
-namespace knee_robot {
+namespace knee_robot::report {
 
-PredictResults predictRecordings(const Robot& robot, const Model& model, const std::string& model_path,
-                                 const std::vector<Recording>& recordings) {
-  requireModelOf(model, model_path, robot);
+PredictResults predictRecordings(const mechanism::Robot& robot, const dynamics::Model& model,
+                                 const std::string& model_path, const std::vector<recording::Recording>& recordings) {
+  dynamics::requireModelOf(model, model_path, robot);
   PredictResults r;
   r.model_path = model_path;
   r.model = model;
-  for (const Recording& recording : recordings) {
-    r.observations.push_back(observe(robot, columnsOf(robot), recording, observationOptions(model)));
-    Observation& o = r.observations.back();
-    r.applied.predictions.push_back(makePrediction(o, predictModel(robot, model, model_path, o), model.cutoff_hz));
+  for (const recording::Recording& recording : recordings) {
+    r.observations.push_back(identification::observe(robot, identification::columnsOf(robot), recording,
+                                                     tracing::observationOptions(model)));
+    identification::Observation& o = r.observations.back();
+    r.applied.predictions.push_back(
+        identification::makePrediction(o, tracing::predictModel(robot, model, model_path, o), model.cutoff_hz));
   }
-  r.applied.accuracy = accuracyOf(r.observations, r.applied.predictions);
+  r.applied.accuracy = identification::accuracyOf(r.observations, r.applied.predictions);
   return r;
 }
 
 std::string predictSummary(const PredictResults& r) {
   std::string out = r.model_path + (r.model.effects.empty() ? ": no effects beyond rigid body and friction" : ": with");
   for (std::size_t k = 0; k < r.model.effects.size(); ++k) {
-    const ModelEffect& e = r.model.effects[k];
+    const dynamics::ModelEffect& e = r.model.effects[k];
     out += (k ? ", " : " ") + e.name;
     if (e.actuators.size() == 1) out += " on actuator " + std::to_string(e.actuators.front());
     if (!e.transfers) out += " (on its own recordings only)";
   }
   out += "\n";
   for (std::size_t k = 0; k < r.observations.size(); ++k) {
-    const Observation& o = r.observations[k];
+    const identification::Observation& o = r.observations[k];
     const bool own = std::any_of(r.model.data.begin(), r.model.data.end(),
-                                 [&](const ModelData& data) { return data.fingerprint == o.fingerprint; });
-    const Accuracy a = accuracyOf({o}, {r.applied.predictions[k]});
+                                 [&](const dynamics::ModelData& data) { return data.fingerprint == o.fingerprint; });
+    const identification::Accuracy a = identification::accuracyOf({o}, {r.applied.predictions[k]});
     out += o.name + (own ? " (the model was fitted on it)" : "") + ", rms, N\n";
     out += numberRow("all samples", a.rms_N) + numberRow("moving samples", a.rms_moving_N);
     out += numberRow("% of the force's rms", a.rms_percent);
@@ -49,10 +51,10 @@ std::string predictSummary(const PredictResults& r) {
 void writePredictFiles(const PredictResults& r, const std::string& folder) {
   makeFolder(folder);
   for (std::size_t k = 0; k < r.observations.size(); ++k) {
-    const Observation& o = r.observations[k];
+    const identification::Observation& o = r.observations[k];
     writeFileAtomically(folder + "/prediction_" + o.name + ".csv",
                         predictionTable(o, r.applied.predictions[k], nullptr));
   }
 }
 
-}  // namespace knee_robot
+}  // namespace knee_robot::report

@@ -7,7 +7,7 @@
 
 #include "knee_robot/base/numbers.h"
 
-namespace knee_robot {
+namespace knee_robot::report {
 namespace {
 
 constexpr double kLeft = 64.0, kRight = 12.0, kTop = 22.0, kBottom = 40.0;
@@ -209,4 +209,4 @@ std::string svgPlot(const std::vector<PlotLine>& lines, const PlotStyle& style) 
   return out + drawLegend(f, lines) + "</svg>\n";
 }
 
-}  // namespace knee_robot
+}  // namespace knee_robot::report

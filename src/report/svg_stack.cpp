@@ -1,7 +1,7 @@
 #include "knee_robot/base/numbers.h"
 #include "knee_robot/report/svg_plot.h"
 
-namespace knee_robot {
+namespace knee_robot::report {
 namespace {
 
 constexpr double kTitle = 64.0;
@@ -37,4 +37,4 @@ std::string stackedSvg(const std::string& title, const std::vector<std::string>&
   return out + "</svg>\n";
 }
 
-}  // namespace knee_robot
+}  // namespace knee_robot::report

@@ -7,12 +7,12 @@
 #include "knee_robot/base/numbers.h"
 #include "knee_robot/report/svg_plot.h"
 
-namespace knee_robot {
+namespace knee_robot::report {
 namespace {
 
 constexpr double kDegrees = 180.0 / 3.14159265358979323846;
 
-std::string placeText(const Place& p) {
+std::string placeText(const tracing::Place& p) {
   return p.candidate->name() + (p.actuator < 0 ? "" : " on actuator " + std::to_string(p.actuator + 1));
 }
 
@@ -20,9 +20,9 @@ std::string degrees(double angle) {
   return shortNumber(std::round(kDegrees * angle), 3);
 }
 
-std::string nearestText(const PlaceAngles& a) {
+std::string nearestText(const tracing::PlaceAngles& a) {
   std::string out;
-  for (const PlaceAngles::Neighbour& n : a.nearest)
+  for (const tracing::PlaceAngles::Neighbour& n : a.nearest)
     out += (out.empty() ? "" : ", ") + n.place.candidate->name() + " " + degrees(n.angle) + " deg";
   return out.empty() ? "-" : out;
 }
@@ -34,12 +34,12 @@ struct Shares {
 
 Shares sharesOf(const TraceResults& r) {
   const bool validated = !r.validate.empty();
-  const std::vector<Observation>& list = validated ? r.validate : r.train;
-  const Applied& applied = validated ? r.validate_after : r.train_after;
+  const std::vector<identification::Observation>& list = validated ? r.validate : r.train;
+  const identification::Applied& applied = validated ? r.validate_after : r.train_after;
   const int axes = list.front().axes();
   Shares s{Eigen::MatrixXd::Zero(3, axes), Eigen::MatrixXd::Zero(3, axes)};
   for (std::size_t f = 0; f < list.size(); ++f) {
-    const Observation& o = list[f];
+    const identification::Observation& o = list[f];
     const Eigen::MatrixXd error = applied.predictions[f].force_filtered_N - o.force_filtered_N;
     for (int n = 0; n < o.samples(); ++n) {
       for (int i = 0; i < axes; ++i) {
@@ -73,12 +73,12 @@ std::string shareLine(const std::string& name, const Eigen::VectorXd& error, con
 
 nlohmann::ordered_json anglesJson(const TraceResults& r) {
   Json list = Json::array();
-  for (const PlaceAngles& a : r.result.angles) {
+  for (const tracing::PlaceAngles& a : r.result.angles) {
     Json j = {{"name", a.place.candidate->name()},
               {"actuator", a.place.actuator < 0 ? Json() : Json(a.place.actuator + 1)},
               {"to_base_deg", {kDegrees * a.base_smallest, kDegrees * a.base_largest}},
               {"nearest", Json::array()}};
-    for (const PlaceAngles::Neighbour& n : a.nearest)
+    for (const tracing::PlaceAngles::Neighbour& n : a.nearest)
       j["nearest"].push_back({{"name", n.place.candidate->name()},
                               {"actuator", n.place.actuator < 0 ? Json() : Json(n.place.actuator + 1)},
                               {"angle_deg", kDegrees * n.angle}});
@@ -103,7 +103,7 @@ std::string anglesHtml(const TraceResults& r) {
       "others</summary>\n<table><tr>"
       "<th>candidate</th><th>to the base, smallest, deg</th><th>largest, deg</th><th>nearest others, base taken "
       "out</th></tr>\n";
-  for (const PlaceAngles& a : r.result.angles) {
+  for (const tracing::PlaceAngles& a : r.result.angles) {
     out += "<tr><td>" + escapeHtml(placeText(a.place)) + "</td><td>" + degrees(a.base_smallest) + "</td><td>" +
            degrees(a.base_largest) + "</td><td class=\"text\">" + escapeHtml(nearestText(a)) + "</td></tr>\n";
   }
@@ -128,8 +128,8 @@ std::string errorSharesHtml(const TraceResults& r) {
 
 std::string anglesSummary(const TraceResults& r) {
   std::string out;
-  for (const FoundEffect& e : r.result.effects) {
-    for (const PlaceAngles& a : r.result.angles) {
+  for (const tracing::FoundEffect& e : r.result.effects) {
+    for (const tracing::PlaceAngles& a : r.result.angles) {
       if (a.place == e.hypothesis.place)
         out += "  " + placeText(a.place) + ": " + degrees(a.base_largest) +
                " deg from the base; nearest: " + nearestText(a) + "\n";
@@ -147,4 +147,4 @@ std::string errorSharesSummary(const TraceResults& r) {
   return out;
 }
 
-}  // namespace knee_robot
+}  // namespace knee_robot::report

@@ -5,7 +5,7 @@
 
 #include "knee_robot/report/trace_report.h"
 
-namespace knee_robot {
+namespace knee_robot::report {
 
 /// "angles" of report.json: for every candidate and place the principal angles to the base, and the nearest others.
 nlohmann::ordered_json anglesJson(const TraceResults& results);
@@ -18,4 +18,4 @@ std::string errorSharesHtml(const TraceResults& results);
 std::string anglesSummary(const TraceResults& results);
 std::string errorSharesSummary(const TraceResults& results);
 
-}  // namespace knee_robot
+}  // namespace knee_robot::report

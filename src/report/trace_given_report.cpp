@@ -7,17 +7,17 @@
 #include "knee_robot/base/numbers.h"
 #include "knee_robot/report/svg_plot.h"
 
-namespace knee_robot {
+namespace knee_robot::report {
 namespace {
 
 constexpr double kDiffers = 2.0;  ///< standard errors of the new value
 
-std::string placeText(const ModelEffect& e) {
+std::string placeText(const dynamics::ModelEffect& e) {
   return e.name + (e.depends_on.empty() ? "" : " (" + e.depends_on + ")") +
          (e.actuators.size() == 1 ? " on actuator " + std::to_string(e.actuators.front()) : " on all actuators");
 }
 
-std::string effectSentence(const GivenEffect& g) {
+std::string effectSentence(const tracing::GivenEffect& g) {
   std::string out = placeText(g.effect) + ": " + g.verdict;
   if (g.now.empty()) return out;
   out += "; held-back gain " + shortNumber(100.0 * g.gain, 2) + " +- " + shortNumber(100.0 * g.gain_error, 2) + " %";
@@ -29,21 +29,21 @@ std::string effectSentence(const GivenEffect& g) {
   return out;
 }
 
-bool differs(const GivenParameter& p) {
+bool differs(const tracing::GivenParameter& p) {
   return std::abs(p.now - p.given) > kDiffers * p.std;
 }
 
-std::string parameterSentence(const GivenParameter& p) {
+std::string parameterSentence(const tracing::GivenParameter& p) {
   return p.name + " " + shortNumber(p.given, 3) + " -> " + shortNumber(p.now, 3) + " +- " + shortNumber(p.std, 2) +
          " " + p.unit + (differs(p) ? " (differs)" : "");
 }
 
 }  // namespace
 
-nlohmann::ordered_json givenModelJson(const GivenModel& given) {
+nlohmann::ordered_json givenModelJson(const tracing::GivenModel& given) {
   if (given.path.empty()) return {};
   Json j = {{"file", given.path}, {"effects", Json::array()}, {"parameters", Json::array()}};
-  for (const GivenEffect& g : given.effects) {
+  for (const tracing::GivenEffect& g : given.effects) {
     Json e = {{"name", g.effect.name},
               {"actuators", g.effect.actuators},
               {"verdict", g.verdict},
@@ -51,13 +51,13 @@ nlohmann::ordered_json givenModelJson(const GivenModel& given) {
               {"held_back_gain", {{"share", g.gain}, {"standard_error", g.gain_error}}},
               {"given", Json::object()},
               {"now", Json::object()}};
-    for (const EffectParameter& p : g.effect.coefficients)
+    for (const dynamics::EffectParameter& p : g.effect.coefficients)
       e["given"][p.name] = {{"value", p.value}, {"std", jsonNumber(p.std)}};
-    for (const EffectParameter& p : g.now)
+    for (const dynamics::EffectParameter& p : g.now)
       e["now"][p.name] = {{"value", p.value}, {"std", jsonNumber(p.std)}};
     j["effects"].push_back(e);
   }
-  for (const GivenParameter& p : given.parameters) {
+  for (const tracing::GivenParameter& p : given.parameters) {
     j["parameters"].push_back({{"name", p.name},
                                {"unit", p.unit},
                                {"given", p.given},
@@ -68,22 +68,22 @@ nlohmann::ordered_json givenModelJson(const GivenModel& given) {
   return j;
 }
 
-std::string givenModelSummary(const GivenModel& given) {
+std::string givenModelSummary(const tracing::GivenModel& given) {
   if (given.path.empty()) return {};
   std::string out = "started from " + given.path + "; on these recordings\n";
-  for (const GivenEffect& g : given.effects)
+  for (const tracing::GivenEffect& g : given.effects)
     out += "  " + effectSentence(g) + "\n";
-  for (const GivenParameter& p : given.parameters)
+  for (const tracing::GivenParameter& p : given.parameters)
     out += "  " + parameterSentence(p) + "\n";
   return out;
 }
 
-std::string givenModelHtml(const GivenModel& given) {
+std::string givenModelHtml(const tracing::GivenModel& given) {
   if (given.path.empty()) return {};
   std::vector<std::string> sentences;
-  for (const GivenEffect& g : given.effects)
+  for (const tracing::GivenEffect& g : given.effects)
     sentences.push_back(effectSentence(g));
-  for (const GivenParameter& p : given.parameters)
+  for (const tracing::GivenParameter& p : given.parameters)
     sentences.push_back(parameterSentence(p));
   return sentenceList("What of the given model still holds", sentences) +
          "<p class=\"key\">Given model: " + escapeHtml(given.path) +
@@ -91,4 +91,4 @@ std::string givenModelHtml(const GivenModel& given) {
          "than two of them.</p>\n";
 }
 
-}  // namespace knee_robot
+}  // namespace knee_robot::report

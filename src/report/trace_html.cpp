@@ -9,13 +9,13 @@
 #include "trace_next_report.h"
 #include "trace_pose_report.h"
 
-namespace knee_robot {
+namespace knee_robot::report {
 namespace {
 
-std::string errorRows(const std::string& title, const std::vector<Observation>& observations, const Applied& before,
-                      const Applied& after) {
+std::string errorRows(const std::string& title, const std::vector<identification::Observation>& observations,
+                      const identification::Applied& before, const identification::Applied& after) {
   const int axes = observations.front().axes();
-  const Accuracy &b = before.accuracy, &a = after.accuracy;
+  const identification::Accuracy &b = before.accuracy, &a = after.accuracy;
   const GainInterval gain = bootstrapGain(observations, before, after, 1);
   std::string out = tableGroup(title, axes);
   out += tableRow("before: rms, all samples, N", b.rms_N) + tableRow("after: rms, all samples, N", a.rms_N);
@@ -41,11 +41,11 @@ std::string errorSection(const TraceResults& r) {
          " Hz. Intervals: bootstrap over blocks of 2 s.</p>\n";
 }
 
-std::string parameterText(const ModelEffect& m) {
+std::string parameterText(const dynamics::ModelEffect& m) {
   std::string out;
   if (!m.depends_on.empty()) return escapeHtml("depends on " + m.depends_on);
   for (const auto* list : {&m.shape, &m.coefficients}) {
-    for (const EffectParameter& p : *list) {
+    for (const dynamics::EffectParameter& p : *list) {
       out += (out.empty() ? "" : "<br>") + escapeHtml(p.name) + " = " + shortNumber(p.value, 3);
       if (std::isfinite(p.std)) out += " &plusmn; " + shortNumber(p.std, 2);
     }
@@ -60,8 +60,8 @@ std::string effectSection(const TraceResults& r) {
       "<th>clean twins explain at most, N</th><th>p</th><th>held-back gain</th><th>gain on validation, N</th>"
       "<th>cannot be told from</th></tr>\n";
   for (std::size_t k = 0; k < r.result.effects.size(); ++k) {
-    const FoundEffect& e = r.result.effects[k];
-    const ModelEffect& m = r.model.effects[k];
+    const tracing::FoundEffect& e = r.result.effects[k];
+    const dynamics::ModelEffect& m = r.model.effects[k];
     Eigen::Index at = e.hypothesis.place.actuator;
     const bool shared = at < 0;
     if (shared) e.explained_rms_N.maxCoeff(&at);
@@ -103,7 +103,8 @@ PlotLine binned(const std::string& label, const std::string& color, const Eigen:
   return line;
 }
 
-std::string residualMaps(const Observation& o, const Prediction& before, const Prediction& after) {
+std::string residualMaps(const identification::Observation& o, const identification::Prediction& before,
+                         const identification::Prediction& after) {
   std::string out;
   for (int i = 0; i < o.axes(); ++i) {
     const Eigen::VectorXd b = o.force_filtered_N.col(i) - before.force_filtered_N.col(i);
@@ -122,8 +123,8 @@ std::string residualMaps(const Observation& o, const Prediction& before, const P
   return out;
 }
 
-std::string timePlots(const std::string& kind, const Observation& o, const Prediction& before,
-                      const Prediction& after) {
+std::string timePlots(const std::string& kind, const identification::Observation& o,
+                      const identification::Prediction& before, const identification::Prediction& after) {
   std::string out = "<h2>" + kind + ": " + escapeHtml(o.name) + "</h2>\n";
   PlotStyle style;
   style.x_label = "time, s";
@@ -155,9 +156,9 @@ std::string traceHtml(const TraceResults& r) {
   out += effectSection(r) + givenModelHtml(r.result.given) + nextExperimentHtml(r.next) + errorSection(r) +
          errorSharesHtml(r) + anglesHtml(r) + tracePoseHtml(r.pose);
   const bool validated = !r.validate.empty();
-  const Observation& shown = validated ? r.validate.front() : r.train.front();
-  const Applied& before = validated ? r.validate_before : r.train_before;
-  const Applied& after = validated ? r.validate_after : r.train_after;
+  const identification::Observation& shown = validated ? r.validate.front() : r.train.front();
+  const identification::Applied& before = validated ? r.validate_before : r.train_before;
+  const identification::Applied& after = validated ? r.validate_after : r.train_after;
   out += "<h2>Residual against velocity and position, " + std::string(validated ? "validation" : "training") + ": " +
          escapeHtml(shown.name) + "</h2>\n<p class=\"key\">Means over bins, all samples.</p>\n";
   out += residualMaps(shown, before.predictions.front(), after.predictions.front());
@@ -171,4 +172,4 @@ std::string traceHtml(const TraceResults& r) {
   return out + singleRecordingNote(r.train.size()) + pageEnd(r.command_line);
 }
 
-}  // namespace knee_robot
+}  // namespace knee_robot::report

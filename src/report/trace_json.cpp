@@ -10,13 +10,13 @@
 #include "trace_next_report.h"
 #include "trace_pose_report.h"
 
-namespace knee_robot {
+namespace knee_robot::report {
 namespace {
 
-Json parametersJson(const ModelEffect& e) {
+Json parametersJson(const dynamics::ModelEffect& e) {
   Json j = Json::object();
   for (const auto* group : {&e.shape, &e.coefficients}) {
-    for (const EffectParameter& p : *group)
+    for (const dynamics::EffectParameter& p : *group)
       j[p.name] = {{"value", p.value}, {"std", jsonNumber(p.std)}};
   }
   return j;
@@ -25,8 +25,8 @@ Json parametersJson(const ModelEffect& e) {
 Json effectsJson(const TraceResults& r) {
   Json list = Json::array();
   for (std::size_t k = 0; k < r.result.effects.size(); ++k) {
-    const FoundEffect& e = r.result.effects[k];
-    const ModelEffect& m = r.model.effects[k];
+    const tracing::FoundEffect& e = r.result.effects[k];
+    const dynamics::ModelEffect& m = r.model.effects[k];
     Json j = {{"name", e.indistinguishable_from.size() > 2 ? "unnamed" : m.name},
               {"actuators", m.actuators},
               {"transfers", m.transfers},
@@ -49,7 +49,7 @@ Json effectsJson(const TraceResults& r) {
 Json dependsJson(const TraceResults& r) {
   Json list = Json::array();
   for (std::size_t k = 0; k < r.result.effects.size(); ++k) {
-    const FoundEffect& e = r.result.effects[k];
+    const tracing::FoundEffect& e = r.result.effects[k];
     if (r.model.effects[k].depends_on.empty()) continue;
     const int i = e.hypothesis.place.actuator;
     const double share = std::pow(e.explained_rms_N[i] / r.result.before_rms_N[i], 2);
@@ -58,18 +58,20 @@ Json dependsJson(const TraceResults& r) {
   return list;
 }
 
-Json gainJson(const std::vector<Observation>& observations, const Applied& before, const Applied& after) {
+Json gainJson(const std::vector<identification::Observation>& observations, const identification::Applied& before,
+              const identification::Applied& after) {
   if (observations.empty()) return {};
   const GainInterval g = bootstrapGain(observations, before, after, 1);
   return {{"rms_change_low_N", jsonArray(g.low_N)}, {"rms_change_high_N", jsonArray(g.high_N)}, {"level", 0.95}};
 }
 
 /// Squared errors of one actuator in pieces of two seconds, before and after, over all recordings.
-std::vector<std::array<double, 3>> pieces(const std::vector<Observation>& observations, const Applied& before,
-                                          const Applied& after, int i) {
+std::vector<std::array<double, 3>> pieces(const std::vector<identification::Observation>& observations,
+                                          const identification::Applied& before, const identification::Applied& after,
+                                          int i) {
   std::vector<std::array<double, 3>> out;
   for (std::size_t f = 0; f < observations.size(); ++f) {
-    const Observation& o = observations[f];
+    const identification::Observation& o = observations[f];
     const int length = std::max(1, static_cast<int>(2.0 / o.signals.period_s));
     for (int n = 0; n < o.samples(); ++n) {
       if (n % length == 0) out.push_back({0.0, 0.0, 0.0});
@@ -84,8 +86,8 @@ std::vector<std::array<double, 3>> pieces(const std::vector<Observation>& observ
 
 }  // namespace
 
-GainInterval bootstrapGain(const std::vector<Observation>& observations, const Applied& before, const Applied& after,
-                           unsigned seed) {
+GainInterval bootstrapGain(const std::vector<identification::Observation>& observations,
+                           const identification::Applied& before, const identification::Applied& after, unsigned seed) {
   constexpr int kDraws = 400;
   const int axes = observations.front().axes();
   GainInterval g{Eigen::VectorXd(axes), Eigen::VectorXd(axes)};
@@ -114,7 +116,7 @@ std::string traceJson(const TraceResults& r) {
   j["command"] = "trace";
   j["data"] = dataJson(r.train, r.validate, r.options.observation);
   int added = 0;
-  for (const FoundEffect& e : r.result.effects)
+  for (const tracing::FoundEffect& e : r.result.effects)
     added += static_cast<int>(e.coefficients.size() + (e.hypothesis.place.candidate->name() == "unnamed"
                                                            ? 0
                                                            : static_cast<Eigen::Index>(e.hypothesis.shape.size())));
@@ -150,7 +152,7 @@ std::string traceJson(const TraceResults& r) {
 
 void writeTraceFiles(const TraceResults& r, const std::string& folder) {
   makeFolder(folder);
-  saveModel(r.model, folder + "/model.yaml");
+  dynamics::saveModel(r.model, folder + "/model.yaml");
   for (std::size_t i = 0; i < r.validate.size(); ++i) {
     writeFileAtomically(
         folder + "/prediction_" + r.validate[i].name + ".csv",
@@ -161,4 +163,4 @@ void writeTraceFiles(const TraceResults& r, const std::string& folder) {
   writeFileAtomically(folder + "/report.html", traceHtml(r));
 }
 
-}  // namespace knee_robot
+}  // namespace knee_robot::report

@@ -3,14 +3,14 @@
 #include "knee_robot/base/numbers.h"
 #include "knee_robot/report/svg_plot.h"
 
-namespace knee_robot {
+namespace knee_robot::report {
 namespace {
 
 using Json = nlohmann::ordered_json;
 
 constexpr double kDegrees = 180.0 / 3.14159265358979323846;
 
-std::string sentence(const NextExperiment& n) {
+std::string sentence(const tracing::NextExperiment& n) {
   if (!n.planned) return "No next experiment: " + n.reason + ".";
   return "To tell " + n.first + " from " + n.second + ", play " + kNextExperimentFile +
          ": the angle between the two grows from " + shortNumber(kDegrees * n.now.angle_rad, 3) + " to " +
@@ -18,13 +18,13 @@ std::string sentence(const NextExperiment& n) {
          shortNumber(n.now.visible_N, 2) + " to " + shortNumber(n.then.visible_N, 2) + " N rms.";
 }
 
-Json separationJson(const Separation& s) {
+Json separationJson(const tracing::Separation& s) {
   return {{"angle_deg", kDegrees * s.angle_rad}, {"visible_N", s.visible_N}};
 }
 
 }  // namespace
 
-nlohmann::ordered_json nextExperimentJson(const NextExperiment& n) {
+nlohmann::ordered_json nextExperimentJson(const tracing::NextExperiment& n) {
   if (n.first.empty()) return {};
   Json j = {{"separates", {n.first, n.second}}, {"sentence", sentence(n)}};
   j["training"] = separationJson(n.now);
@@ -37,16 +37,16 @@ nlohmann::ordered_json nextExperimentJson(const NextExperiment& n) {
   j["seconds"] = n.reference.period_s * static_cast<double>(n.reference.points.rows() - 1);
   j["motions_looked_at"] = n.motions;
   j["margins"] = Json::array();
-  for (const Margin& m : n.check.margins)
-    j["margins"].push_back({{"quantity", nameOf(m.quantity)}, {"left", m.left}});
+  for (const trajectory::Margin& m : n.check.margins)
+    j["margins"].push_back({{"quantity", trajectory::nameOf(m.quantity)}, {"left", m.left}});
   return j;
 }
 
-std::string nextExperimentSummary(const NextExperiment& n) {
+std::string nextExperimentSummary(const tracing::NextExperiment& n) {
   return n.first.empty() ? std::string() : sentence(n) + "\n";
 }
 
-std::string nextExperimentHtml(const NextExperiment& n) {
+std::string nextExperimentHtml(const tracing::NextExperiment& n) {
   if (n.first.empty()) return {};
   std::string out = "<h2>Next experiment</h2>\n<p>" + escapeHtml(sentence(n)) + "</p>\n";
   if (!n.planned) return out;
@@ -64,16 +64,16 @@ std::string nextExperimentHtml(const NextExperiment& n) {
   style.x_label = "time, s";
   style.y_label = "length, mm";
   out += svgPlot(lines, style) + "<p class=\"key\">Margins to the limits:";
-  for (const Margin& m : n.check.margins)
-    out += std::string(" ") + nameOf(m.quantity) + " " + shortNumber(100.0 * m.left, 2) + " %;";
+  for (const trajectory::Margin& m : n.check.margins)
+    out += std::string(" ") + trajectory::nameOf(m.quantity) + " " + shortNumber(100.0 * m.left, 2) + " %;";
   out.back() = '.';
   return out + "</p>\n";
 }
 
-void writeNextExperiment(const NextExperiment& n, const std::string& robot_path, const std::string& folder) {
+void writeNextExperiment(const tracing::NextExperiment& n, const std::string& robot_path, const std::string& folder) {
   if (!n.planned) return;
-  writeReference(folder + "/" + kNextExperimentFile, n.reference,
-                 {"planned by trace for " + robot_path, "separates " + n.first + " from " + n.second});
+  trajectory::writeReference(folder + "/" + kNextExperimentFile, n.reference,
+                             {"planned by trace for " + robot_path, "separates " + n.first + " from " + n.second});
 }
 
-}  // namespace knee_robot
+}  // namespace knee_robot::report

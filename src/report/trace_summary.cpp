@@ -9,10 +9,11 @@
 #include "trace_next_report.h"
 #include "trace_pose_report.h"
 
-namespace knee_robot {
+namespace knee_robot::report {
 namespace {
 
-std::string side(const std::string& title, const Applied& before, const Applied& after) {
+std::string side(const std::string& title, const identification::Applied& before,
+                 const identification::Applied& after) {
   std::string out = title + ", rms, N" + "\n";
   out +=
       numberRow("before, all samples", before.accuracy.rms_N) + numberRow("after, all samples", after.accuracy.rms_N);
@@ -20,7 +21,7 @@ std::string side(const std::string& title, const Applied& before, const Applied&
          numberRow("after, moving samples", after.accuracy.rms_moving_N);
 }
 
-std::string effectLine(const FoundEffect& e, const ModelEffect& m) {
+std::string effectLine(const tracing::FoundEffect& e, const dynamics::ModelEffect& m) {
   std::string out =
       "  " + m.name +
       (m.actuators.size() == 1 ? " on actuator " + std::to_string(m.actuators.front()) : " on all actuators");
@@ -28,7 +29,7 @@ std::string effectLine(const FoundEffect& e, const ModelEffect& m) {
     out += ", depends on " + m.depends_on;
   } else {
     for (const auto* list : {&m.shape, &m.coefficients}) {
-      for (const EffectParameter& p : *list)
+      for (const dynamics::EffectParameter& p : *list)
         out += ", " + p.name + " = " + shortNumber(p.value, 3);
     }
   }
@@ -42,14 +43,14 @@ std::string effectLine(const FoundEffect& e, const ModelEffect& m) {
 }  // namespace
 
 std::string traceVerdict(const TraceResults& r) {
-  const TraceResult& t = r.result;
+  const tracing::TraceResult& t = r.result;
   bool above = false;
   for (Eigen::Index i = 0; i < t.floor_N.size(); ++i)
     above = above || t.before_rms_N[i] > 1.15 * t.floor_N[i];
   if (!t.effects.empty()) {
     std::string names, kept;
     for (std::size_t k = 0; k < t.effects.size(); ++k) {
-      const ModelEffect& m = r.model.effects[k];
+      const dynamics::ModelEffect& m = r.model.effects[k];
       if (std::isnan(t.effects[k].p)) {
         kept += (kept.empty() ? " Kept of the given model: " : ", ") + m.name +
                 (m.actuators.size() == 1 ? " (actuator " + std::to_string(m.actuators.front()) + ")" : "");
@@ -82,4 +83,4 @@ std::string traceSummary(const TraceResults& r) {
   return out + nextExperimentSummary(r.next) + tracePoseSummary(r.pose);
 }
 
-}  // namespace knee_robot
+}  // namespace knee_robot::report

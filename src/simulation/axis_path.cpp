@@ -4,10 +4,10 @@
 #include <cmath>
 #include <vector>
 
-namespace knee_robot {
+namespace knee_robot::simulation {
 
-AxisPath::AxisPath(const Eigen::Matrix<double, Eigen::Dynamic, kLegs>& points, double period_s)
-    : points_(points), curvature_(points.rows(), kLegs), period_s_(period_s) {
+AxisPath::AxisPath(const Eigen::Matrix<double, Eigen::Dynamic, mechanism::kLegs>& points, double period_s)
+    : points_(points), curvature_(points.rows(), mechanism::kLegs), period_s_(period_s) {
   // Clamped cubic spline: M[k-1] + 4 M[k] + M[k+1] = 6 / h^2 (p[k-1] - 2 p[k] + p[k+1]), at the ends 2 M[0] + M[1] =
   // 6 / h^2 (p[1] - p[0]); solved by elimination and back substitution.
   const Eigen::Index last = points.rows() - 1;
@@ -39,12 +39,12 @@ AxisMotion AxisPath::at(double time_s) const {
       std::min(static_cast<Eigen::Index>(std::floor(time_s / h)), static_cast<Eigen::Index>(points_.rows() - 2));
   const double b = time_s / h - static_cast<double>(k);
   const double a = 1.0 - b;
-  const Vector4 p0 = points_.row(k).transpose(), p1 = points_.row(k + 1).transpose();
-  const Vector4 m0 = curvature_.row(k).transpose(), m1 = curvature_.row(k + 1).transpose();
+  const mechanism::Vector4 p0 = points_.row(k).transpose(), p1 = points_.row(k + 1).transpose();
+  const mechanism::Vector4 m0 = curvature_.row(k).transpose(), m1 = curvature_.row(k + 1).transpose();
   motion.position = a * p0 + b * p1 + h * h / 6.0 * ((a * a * a - a) * m0 + (b * b * b - b) * m1);
   motion.velocity = (p1 - p0) / h + h / 6.0 * ((3.0 * b * b - 1.0) * m1 - (3.0 * a * a - 1.0) * m0);
   motion.acceleration = a * m0 + b * m1;
   return motion;
 }
 
-}  // namespace knee_robot
+}  // namespace knee_robot::simulation

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <limits>
 
-namespace knee_robot {
+namespace knee_robot::simulation {
 namespace {
 
 constexpr double kImpossible = std::numeric_limits<double>::infinity();
@@ -16,12 +16,12 @@ bool isFree(const ImpulseBox& box, int axis) {
 }
 
 /// Impulses under the assumption `contacts`.
-Vector4 impulsesFor(const Matrix4& mobility, const Vector4& velocity, const ImpulseBox& box,
-                    const AxisContacts& contacts) {
-  Matrix4 system = Matrix4::Identity();
-  Vector4 right = Vector4::Zero();
+mechanism::Vector4 impulsesFor(const mechanism::Matrix4& mobility, const mechanism::Vector4& velocity,
+                               const ImpulseBox& box, const AxisContacts& contacts) {
+  mechanism::Matrix4 system = mechanism::Matrix4::Identity();
+  mechanism::Vector4 right = mechanism::Vector4::Zero();
   bool any_held = false;
-  for (int axis = 0; axis < kLegs; ++axis) {
+  for (int axis = 0; axis < mechanism::kLegs; ++axis) {
     const AxisContact contact = contacts[static_cast<std::size_t>(axis)];
     if (contact == AxisContact::Held) {
       system.row(axis) = mobility.row(axis);
@@ -36,12 +36,12 @@ Vector4 impulsesFor(const Matrix4& mobility, const Vector4& velocity, const Impu
 }
 
 /// How far `impulses` contradict the assumption that led to them, as the largest impulse (N s) by which an axis is off.
-double contradiction(const Matrix4& mobility, const Vector4& velocity, const ImpulseBox& box,
-                     const AxisContacts& contacts, const Vector4& impulses) {
+double contradiction(const mechanism::Matrix4& mobility, const mechanism::Vector4& velocity, const ImpulseBox& box,
+                     const AxisContacts& contacts, const mechanism::Vector4& impulses) {
   if (!impulses.allFinite()) return kImpossible;
-  const Vector4 result = velocity + mobility * impulses;
+  const mechanism::Vector4 result = velocity + mobility * impulses;
   double worst = 0.0;
-  for (int axis = 0; axis < kLegs; ++axis) {
+  for (int axis = 0; axis < mechanism::kLegs; ++axis) {
     if (isFree(box, axis)) continue;
     const double per_impulse = mobility(axis, axis);
     double off = 0.0;
@@ -81,7 +81,7 @@ bool advance(AxisContacts& contacts) {
 
 /// An axis without friction has one way only; a bound that is infinite cannot be reached.
 bool possible(const ImpulseBox& box, const AxisContacts& contacts) {
-  for (int axis = 0; axis < kLegs; ++axis) {
+  for (int axis = 0; axis < mechanism::kLegs; ++axis) {
     const AxisContact contact = contacts[static_cast<std::size_t>(axis)];
     if (isFree(box, axis) && contact != AxisContact::AtLow) return false;
     if (contact == AxisContact::AtLow && std::isinf(box.low[axis])) return false;
@@ -92,15 +92,15 @@ bool possible(const ImpulseBox& box, const AxisContacts& contacts) {
 
 }  // namespace
 
-Vector4 solveBoxFriction(const Matrix4& mobility, const Vector4& velocity, const ImpulseBox& box,
-                         AxisContacts& contacts) {
+mechanism::Vector4 solveBoxFriction(const mechanism::Matrix4& mobility, const mechanism::Vector4& velocity,
+                                    const ImpulseBox& box, AxisContacts& contacts) {
   AxisContacts trial = contacts;
   AxisContacts best = contacts;
-  Vector4 best_impulses = Vector4::Zero();
+  mechanism::Vector4 best_impulses = mechanism::Vector4::Zero();
   double best_contradiction = kImpossible;
   const auto consider = [&] {
     if (!possible(box, trial)) return;
-    const Vector4 impulses = impulsesFor(mobility, velocity, box, trial);
+    const mechanism::Vector4 impulses = impulsesFor(mobility, velocity, box, trial);
     const double found = contradiction(mobility, velocity, box, trial, impulses);
     if (found < best_contradiction) {
       best_contradiction = found;
@@ -119,4 +119,4 @@ Vector4 solveBoxFriction(const Matrix4& mobility, const Vector4& velocity, const
   return best_impulses.cwiseMax(box.low).cwiseMin(box.high);
 }
 
-}  // namespace knee_robot
+}  // namespace knee_robot::simulation

@@ -11,7 +11,7 @@
 
 #include "knee_robot/base/errors.h"
 
-namespace knee_robot::hardware::can {
+namespace knee_robot::simulation {
 namespace {
 
 constexpr std::size_t kMostPeers = 16;
@@ -57,7 +57,7 @@ void BusServer::accept() {
       ::close(descriptor);
       continue;
     }
-    peers_.push_back(CanSocket::adopt(descriptor, {}));
+    peers_.push_back(hardware::can::CanSocket::adopt(descriptor, {}));
   }
 }
 
@@ -66,36 +66,36 @@ void BusServer::hangUp(bool on) {
   if (on) peers_.clear();
 }
 
-void BusServer::forward(const Frame& frame, const CanSocket* sender) noexcept {
+void BusServer::forward(const hardware::can::Frame& frame, const hardware::can::CanSocket* sender) noexcept {
   for (const auto& peer : peers_)
     if (peer.get() != sender) peer->send(frame);
 }
 
-PortStatus BusServer::send(const Frame& frame) noexcept {
+hardware::can::PortStatus BusServer::send(const hardware::can::Frame& frame) noexcept {
   forward(frame, nullptr);
-  return PortStatus::Ok;
+  return hardware::can::PortStatus::Ok;
 }
 
-PortStatus BusServer::receive(Frame& frame) noexcept {
+hardware::can::PortStatus BusServer::receive(hardware::can::Frame& frame) noexcept {
   for (std::size_t tried = 0; tried < peers_.size();) {
     next_ = next_ % peers_.size();
-    const CanSocket* sender = peers_[next_].get();
-    const PortStatus status = peers_[next_].get()->receive(frame);
-    if (status == PortStatus::Ok) {
+    const hardware::can::CanSocket* sender = peers_[next_].get();
+    const hardware::can::PortStatus status = peers_[next_].get()->receive(frame);
+    if (status == hardware::can::PortStatus::Ok) {
       ++next_;
       forward(frame, sender);
       return status;
     }
-    if (status == PortStatus::Down) {
+    if (status == hardware::can::PortStatus::Down) {
       peers_.erase(peers_.begin() + static_cast<std::ptrdiff_t>(next_));
       continue;
     }
-    if (status == PortStatus::Empty) {
+    if (status == hardware::can::PortStatus::Empty) {
       ++next_;
       ++tried;
     }
   }
-  return PortStatus::Empty;
+  return hardware::can::PortStatus::Empty;
 }
 
 std::int64_t BusServer::now() noexcept {
@@ -119,4 +119,4 @@ void BusServer::wait(std::int64_t deadline_ns) {
   accept();
 }
 
-}  // namespace knee_robot::hardware::can
+}  // namespace knee_robot::simulation

@@ -2,11 +2,10 @@
 
 #include <cmath>
 
-namespace knee_robot {
+namespace knee_robot::simulation {
 namespace {
 
 namespace objects = hardware::can::objects;
-using hardware::can::DriveModel;
 
 hardware::can::ObjectDictionary dictionaryFor(hardware::can::ObjectDictionary table,
                                               const hardware::can::CanSettings& settings, std::size_t axis) {
@@ -23,9 +22,9 @@ hardware::can::ObjectDictionary dictionaryFor(hardware::can::ObjectDictionary ta
 
 }  // namespace
 
-CanRobot::CanRobot(const Robot& robot, const RobotInertia& inertia, const SimulationParameters& parameters,
-                   const hardware::can::CanSettings& settings, const Units& units,
-                   const hardware::can::ObjectDictionary& table, hardware::RobotImage& image,
+CanRobot::CanRobot(const mechanism::Robot& robot, const dynamics::RobotInertia& inertia,
+                   const SimulationParameters& parameters, const hardware::can::CanSettings& settings,
+                   const Units& units, const hardware::can::ObjectDictionary& table, RobotImage& image,
                    hardware::can::FramePort& bus)
     : units_(units),
       drive_enable_bit_(parameters.drive_enable_bit),
@@ -68,7 +67,7 @@ void CanRobot::readDrives() noexcept {
 }
 
 void CanRobot::tellDrives() noexcept {
-  const auto counts = hardware::publishedCounts(image_.counter);
+  const auto counts = publishedCounts(image_.counter);
   for (std::size_t i = 0; i < drives_.size(); ++i) {
     drives_[i]->setPosition(static_cast<std::int32_t>(counts[i]));
     drives_[i]->setInputs(image_.counter.inputs.load());
@@ -82,4 +81,4 @@ bool CanRobot::stepPlant(double dt) noexcept {
   return good;
 }
 
-}  // namespace knee_robot
+}  // namespace knee_robot::simulation

@@ -4,7 +4,7 @@
 
 #include "knee_robot/base/errors.h"
 
-namespace knee_robot {
+namespace knee_robot::simulation {
 namespace {
 
 constexpr double kBearingViscous = 20.0;  ///< N s/m: viscous friction of a motor by itself
@@ -12,7 +12,7 @@ constexpr double kBearingViscous = 20.0;  ///< N s/m: viscous friction of a moto
 }  // namespace
 
 void CoupledMotors::takeRotors(PlantModel& model) {
-  for (int i = 0; i < kLegs; ++i) {
+  for (int i = 0; i < mechanism::kLegs; ++i) {
     if (coupling_.actuators[i] == 0.0) continue;
     mass_[i] = model.rigid.rotor_mass[i];
     model.rigid.rotor_mass[i] = 0.0;
@@ -27,7 +27,7 @@ void CoupledMotors::takeRotors(PlantModel& model) {
 void CoupledMotors::push(const EffectStep& at, PlantLoads& loads) noexcept {
   const double h = at.dt_s;
   const double both = coupling_.stiffness_N_per_m * h + coupling_.damping_N_s_per_m;
-  for (int i = 0; i < kLegs; ++i) {
+  for (int i = 0; i < mechanism::kLegs; ++i) {
     if (coupling_.actuators[i] == 0.0) continue;
     motor_force_[i] = loads.motor_force[i] - kBearingViscous * velocity_[i];
     const double free_velocity = velocity_[i] + h * motor_force_[i] / mass_[i];
@@ -52,7 +52,7 @@ void CoupledMotors::push(const EffectStep& at, PlantLoads& loads) noexcept {
 }
 
 void CoupledMotors::follow(const EffectStep& now) noexcept {
-  for (int i = 0; i < kLegs; ++i) {
+  for (int i = 0; i < mechanism::kLegs; ++i) {
     if (coupling_.actuators[i] == 0.0) continue;
     const double joint = constant_[i] - slope_[i] * now.rates[i];
     velocity_[i] += now.dt_s * (motor_force_[i] - joint) / mass_[i];
@@ -60,10 +60,10 @@ void CoupledMotors::follow(const EffectStep& now) noexcept {
   }
 }
 
-void CoupledMotors::replace(Lengths& seen) const noexcept {
-  for (int i = 0; i < kLegs; ++i) {
+void CoupledMotors::replace(mechanism::Lengths& seen) const noexcept {
+  for (int i = 0; i < mechanism::kLegs; ++i) {
     if (coupling_.actuators[i] != 0.0) seen[i] = position_[i];
   }
 }
 
-}  // namespace knee_robot
+}  // namespace knee_robot::simulation

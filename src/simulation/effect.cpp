@@ -3,7 +3,7 @@
 #include <Eigen/Geometry>
 #include <cmath>
 
-namespace knee_robot {
+namespace knee_robot::simulation {
 
 std::vector<std::string> effectNames() {
   std::vector<std::string> names;
@@ -23,10 +23,10 @@ std::shared_ptr<const Effect> readEffect(StrictMap& entry) {
   entry.refuse("name", "there is no effect " + name);
 }
 
-Vector4 readActuators(StrictMap& entry) {
-  if (!entry.has("actuators")) return Vector4::Ones();
-  Vector4 chosen = Vector4::Zero();
-  const std::vector<double> listed = entry.numbers("actuators", 0, 1.0, kLegs);
+mechanism::Vector4 readActuators(StrictMap& entry) {
+  if (!entry.has("actuators")) return mechanism::Vector4::Ones();
+  mechanism::Vector4 chosen = mechanism::Vector4::Zero();
+  const std::vector<double> listed = entry.numbers("actuators", 0, 1.0, mechanism::kLegs);
   if (listed.empty()) entry.refuse("actuators", "is empty; list some of 1 to 4, or leave the key out for all of them");
   for (const double number : listed) {
     if (number != std::floor(number)) entry.refuse("actuators", "are whole numbers from 1 to 4");
@@ -35,20 +35,21 @@ Vector4 readActuators(StrictMap& entry) {
   return chosen;
 }
 
-Vector3 readVector3(StrictMap& entry, const std::string& key, double minimum, double maximum) {
+mechanism::Vector3 readVector3(StrictMap& entry, const std::string& key, double minimum, double maximum) {
   const std::vector<double> v = entry.numbers(key, 3, minimum, maximum);
   return {v[0], v[1], v[2]};
 }
 
-Vector4 poseForceOf(const Pose& pose, const Vector3& point, const Vector3& force) noexcept {
-  const Matrix3 rotation = platformRotation(pose);
-  const Vector3 arm = rotation * point;
-  const Vector3 moment = arm.cross(force);
+mechanism::Vector4 poseForceOf(const mechanism::Pose& pose, const mechanism::Vector3& point,
+                               const mechanism::Vector3& force) noexcept {
+  const mechanism::Matrix3 rotation = mechanism::platformRotation(pose);
+  const mechanism::Vector3 arm = rotation * point;
+  const mechanism::Vector3 moment = arm.cross(force);
   return {force.x(), force.z(), moment.y(), moment.dot(rotation.col(2))};
 }
 
-Vector3 platformPoint(const Pose& pose, const Vector3& point) noexcept {
-  return Vector3(pose[0], 0.0, pose[1]) + platformRotation(pose) * point;
+mechanism::Vector3 platformPoint(const mechanism::Pose& pose, const mechanism::Vector3& point) noexcept {
+  return mechanism::Vector3(pose[0], 0.0, pose[1]) + mechanism::platformRotation(pose) * point;
 }
 
-}  // namespace knee_robot
+}  // namespace knee_robot::simulation

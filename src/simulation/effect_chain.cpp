@@ -5,7 +5,7 @@
 
 #include "knee_robot/dynamics/inverse_dynamics.h"
 
-namespace knee_robot {
+namespace knee_robot::simulation {
 namespace {
 
 constexpr double kAtRest = 1e-9;  ///< m/s
@@ -21,20 +21,21 @@ EffectChain::EffectChain(const EffectPrototypes& prototypes, PlantModel& model) 
 
 void EffectChain::start(const PlantModel& model, const PlantState& state) {
   at_.pose = state.pose;
-  at_.lengths = legLengths(model.rigid.mechanism, state.pose);
-  Motion rest;
+  at_.lengths = mechanism::legLengths(model.rigid.mechanism, state.pose);
+  mechanism::Motion rest;
   rest.pose = state.pose;
-  Vector4 weight = Vector4::Zero();
-  if (inverseDynamics(model.rigid, rest, weight)) at_.transmitted_N = weight;  // what carries the robot before it moves
+  mechanism::Vector4 weight = mechanism::Vector4::Zero();
+  if (dynamics::inverseDynamics(model.rigid, rest, weight))
+    at_.transmitted_N = weight;  // what carries the robot before it moves
   for (const auto& effect : effects_)
     effect->start(at_);
 }
 
-bool EffectChain::step(const PlantModel& model, const PlantLoads& loads, const PlantLoads& holds, const Vector4& driven,
-                       double dt, PlantState& state, PlantData& data) noexcept {
+bool EffectChain::step(const PlantModel& model, const PlantLoads& loads, const PlantLoads& holds,
+                       const mechanism::Vector4& driven, double dt, PlantState& state, PlantData& data) noexcept {
   data.motor_work_J = 0.0;
   data.dissipated_J = 0.0;
-  const Vector4 command = loads.motor_force.cwiseProduct(driven);
+  const mechanism::Vector4 command = loads.motor_force.cwiseProduct(driven);
   unmodelled_.setZero();
   PlantLoads own = loads;
   for (const auto& effect : effects_)
@@ -52,21 +53,22 @@ bool EffectChain::step(const PlantModel& model, const PlantLoads& loads, const P
     acted_.coulomb += holds.coulomb;
     if (!substepPlant(model, acted_, h, state, data)) return false;
 
-    const Vector4 before = at_.rates;
+    const mechanism::Vector4 before = at_.rates;
     at_.time_s += h;
     at_.pose = state.pose;
-    at_.lengths = legLengths(model.rigid.mechanism, state.pose);
-    at_.rates = lengthJacobian(model.rigid.mechanism, state.pose) * state.pose_velocity;
+    at_.lengths = mechanism::legLengths(model.rigid.mechanism, state.pose);
+    at_.rates = mechanism::lengthJacobian(model.rigid.mechanism, state.pose) * state.pose_velocity;
     at_.transmitted_N = acted_.motor_force + data.friction_force -
                         0.5 * acted_.viscous.cwiseProduct(before + at_.rates) -
                         model.rigid.rotor_mass.cwiseProduct(at_.rates - before) / h;
-    const Vector4 pushed = lengthJacobian(model.rigid.mechanism, state.pose)
-                               .transpose()
-                               .partialPivLu()
-                               .solve(Vector4(acted_.pose_force - loads.pose_force));
-    const Vector4 sliding = at_.transmitted_N + pushed + 0.5 * loads.viscous.cwiseProduct(before + at_.rates) +
-                            model.rigid.rotor_mass.cwiseProduct(at_.rates - before) / h;
-    for (int axis = 0; axis < kLegs; ++axis) {
+    const mechanism::Vector4 pushed = mechanism::lengthJacobian(model.rigid.mechanism, state.pose)
+                                          .transpose()
+                                          .partialPivLu()
+                                          .solve(mechanism::Vector4(acted_.pose_force - loads.pose_force));
+    const mechanism::Vector4 sliding = at_.transmitted_N + pushed +
+                                       0.5 * loads.viscous.cwiseProduct(before + at_.rates) +
+                                       model.rigid.rotor_mass.cwiseProduct(at_.rates - before) / h;
+    for (int axis = 0; axis < mechanism::kLegs; ++axis) {
       const double dry = loads.coulomb[axis], over = command[axis] - sliding[axis];
       const double rate = at_.rates[axis];
       const double friction = std::abs(rate) > kAtRest ? std::copysign(dry, rate) : std::min(std::max(over, -dry), dry);
@@ -78,10 +80,10 @@ bool EffectChain::step(const PlantModel& model, const PlantLoads& loads, const P
   return true;
 }
 
-Lengths EffectChain::encoders(Lengths lengths) const noexcept {
+mechanism::Lengths EffectChain::encoders(mechanism::Lengths lengths) const noexcept {
   for (const auto& effect : effects_)
     effect->changeEncoders(lengths);
   return lengths;
 }
 
-}  // namespace knee_robot
+}  // namespace knee_robot::simulation

@@ -1,8 +1,6 @@
 #include "knee_robot/simulation/fault_injector.h"
 
-namespace knee_robot {
-
-using hardware::EncoderFault;
+namespace knee_robot::simulation {
 
 FaultInjector::Values FaultInjector::volts(const Values& asked) noexcept {
   const std::uint8_t mask = faults_.converter_stuck.load(std::memory_order_relaxed);
@@ -55,4 +53,4 @@ double FaultInjector::random() noexcept {
   return 2.0 * static_cast<double>(random_ >> 11) / 9007199254740992.0 - 1.0;
 }
 
-}  // namespace knee_robot
+}  // namespace knee_robot::simulation

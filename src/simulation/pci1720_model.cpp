@@ -2,7 +2,7 @@
 
 #include "knee_robot/hardware/pci1720_registers.h"
 
-namespace knee_robot::hardware {
+namespace knee_robot::simulation {
 namespace {
 
 static_assert(std::atomic<std::uint64_t>::is_always_lock_free && std::atomic<std::uint16_t>::is_always_lock_free &&
@@ -14,49 +14,49 @@ constexpr std::uint64_t kCodesMask = 0x0000FFFFFFFFFFFFull;
 constexpr std::uint64_t kRangeMask = 0xFFull << kRangeShift;
 
 constexpr std::uint64_t codeAt(int channel, std::uint64_t code) {
-  return (code & pci1720::kMaxCode) << (12 * channel);
+  return (code & hardware::pci1720::kMaxCode) << (12 * channel);
 }
 
 }  // namespace
 
-std::array<double, kChannels> outputVolts(const Pci1720Image& image) noexcept {
+std::array<double, hardware::kChannels> outputVolts(const Pci1720Image& image) noexcept {
   const std::uint64_t word = image.converters.load(std::memory_order_acquire);
-  std::array<double, kChannels> volts{};
-  for (int channel = 0; channel < kChannels; ++channel) {
-    const auto code = static_cast<std::uint16_t>((word >> (12 * channel)) & pci1720::kMaxCode);
+  std::array<double, hardware::kChannels> volts{};
+  for (int channel = 0; channel < hardware::kChannels; ++channel) {
+    const auto code = static_cast<std::uint16_t>((word >> (12 * channel)) & hardware::pci1720::kMaxCode);
     const auto range = static_cast<unsigned>((word >> (kRangeShift + 2 * channel)) & 3);
-    volts[static_cast<std::size_t>(channel)] = pci1720::toVolts(code, range);
+    volts[static_cast<std::size_t>(channel)] = hardware::pci1720::toVolts(code, range);
   }
   return volts;
 }
 
-IoStatus Pci1720Model::read8(std::uint32_t offset, std::uint8_t& value) noexcept {
-  if (image_.disconnected.load() != 0) return IoStatus::Disconnected;
-  if (offset < pci1720::kRange) {
+hardware::IoStatus Pci1720Model::read8(std::uint32_t offset, std::uint8_t& value) noexcept {
+  if (image_.disconnected.load() != 0) return hardware::IoStatus::Disconnected;
+  if (offset < hardware::pci1720::kRange) {
     value = 0;
-    return IoStatus::Ok;
+    return hardware::IoStatus::Ok;
   }
   switch (offset) {
-    case pci1720::kRange:
+    case hardware::pci1720::kRange:
       value = static_cast<std::uint8_t>((image_.converters.load() & kRangeMask) >> kRangeShift);
-      return IoStatus::Ok;
-    case pci1720::kSynchronousMode:
+      return hardware::IoStatus::Ok;
+    case hardware::pci1720::kSynchronousMode:
       value = image_.synchronous.load();
-      return IoStatus::Ok;
-    case pci1720::kBoardId:
+      return hardware::IoStatus::Ok;
+    case hardware::pci1720::kBoardId:
       value = image_.board_id.load();
-      return IoStatus::Ok;
+      return hardware::IoStatus::Ok;
     default:
-      return IoStatus::OutOfRange;
+      return hardware::IoStatus::OutOfRange;
   }
 }
 
-IoStatus Pci1720Model::read32(std::uint32_t /*offset*/, std::uint32_t& /*value*/) noexcept {
-  return image_.disconnected.load() != 0 ? IoStatus::Disconnected : IoStatus::OutOfRange;
+hardware::IoStatus Pci1720Model::read32(std::uint32_t /*offset*/, std::uint32_t& /*value*/) noexcept {
+  return image_.disconnected.load() != 0 ? hardware::IoStatus::Disconnected : hardware::IoStatus::OutOfRange;
 }
 
-IoStatus Pci1720Model::write32(std::uint32_t /*offset*/, std::uint32_t /*value*/) noexcept {
-  return image_.disconnected.load() != 0 ? IoStatus::Disconnected : IoStatus::OutOfRange;
+hardware::IoStatus Pci1720Model::write32(std::uint32_t /*offset*/, std::uint32_t /*value*/) noexcept {
+  return image_.disconnected.load() != 0 ? hardware::IoStatus::Disconnected : hardware::IoStatus::OutOfRange;
 }
 
 void Pci1720Model::setConverters(std::uint64_t mask, std::uint64_t value) noexcept {
@@ -77,34 +77,34 @@ void Pci1720Model::writeData(std::uint32_t offset, std::uint8_t value) noexcept 
   image_.staged[channel].store(code);
   if ((image_.synchronous.load() & 1) == 0) {
     const int number = static_cast<int>(channel);
-    setConverters(codeAt(number, pci1720::kMaxCode), codeAt(number, code));
+    setConverters(codeAt(number, hardware::pci1720::kMaxCode), codeAt(number, code));
   }
 }
 
-IoStatus Pci1720Model::write8(std::uint32_t offset, std::uint8_t value) noexcept {
-  if (image_.disconnected.load() != 0) return IoStatus::Disconnected;
-  if (offset < pci1720::kRange) {
+hardware::IoStatus Pci1720Model::write8(std::uint32_t offset, std::uint8_t value) noexcept {
+  if (image_.disconnected.load() != 0) return hardware::IoStatus::Disconnected;
+  if (offset < hardware::pci1720::kRange) {
     writeData(offset, value);
-    return IoStatus::Ok;
+    return hardware::IoStatus::Ok;
   }
   switch (offset) {
-    case pci1720::kRange:
+    case hardware::pci1720::kRange:
       setConverters(kRangeMask, static_cast<std::uint64_t>(value) << kRangeShift);
-      return IoStatus::Ok;
-    case pci1720::kSynchronise: {
+      return hardware::IoStatus::Ok;
+    case hardware::pci1720::kSynchronise: {
       std::uint64_t codes = 0;
-      for (int channel = 0; channel < kChannels; ++channel) {
+      for (int channel = 0; channel < hardware::kChannels; ++channel) {
         codes |= codeAt(channel, image_.staged[static_cast<std::size_t>(channel)].load());
       }
       setConverters(kCodesMask, codes);
-      return IoStatus::Ok;
+      return hardware::IoStatus::Ok;
     }
-    case pci1720::kSynchronousMode:
+    case hardware::pci1720::kSynchronousMode:
       image_.synchronous.store(value & 1);
-      return IoStatus::Ok;
+      return hardware::IoStatus::Ok;
     default:
-      return IoStatus::OutOfRange;
+      return hardware::IoStatus::OutOfRange;
   }
 }
 
-}  // namespace knee_robot::hardware
+}  // namespace knee_robot::simulation

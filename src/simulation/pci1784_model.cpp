@@ -4,7 +4,7 @@
 
 #include "knee_robot/hardware/pci1784_registers.h"
 
-namespace knee_robot::hardware {
+namespace knee_robot::simulation {
 namespace {
 
 static_assert(std::atomic<std::uint32_t>::is_always_lock_free && std::atomic<std::uint64_t>::is_always_lock_free,
@@ -19,7 +19,7 @@ constexpr int channelAt(std::uint32_t offset) {
 
 }  // namespace
 
-void publishCounts(Pci1784Image& image, const std::array<std::uint32_t, kChannels>& sums) noexcept {
+void publishCounts(Pci1784Image& image, const std::array<std::uint32_t, hardware::kChannels>& sums) noexcept {
   const std::uint64_t next = image.published.load(std::memory_order_relaxed) + 1;
   auto& slot = image.live[next % Pci1784Image::kSlots];
   for (std::size_t channel = 0; channel < sums.size(); ++channel)
@@ -27,8 +27,8 @@ void publishCounts(Pci1784Image& image, const std::array<std::uint32_t, kChannel
   image.published.store(next, std::memory_order_release);
 }
 
-std::array<std::uint32_t, kChannels> publishedCounts(const Pci1784Image& image) noexcept {
-  std::array<std::uint32_t, kChannels> sums{};
+std::array<std::uint32_t, hardware::kChannels> publishedCounts(const Pci1784Image& image) noexcept {
+  std::array<std::uint32_t, hardware::kChannels> sums{};
   // A set is overwritten only kSlots - 1 publications later; whoever was interrupted for that long reads again,
   // boundedly.
   for (int attempt = 0; attempt < 4; ++attempt) {
@@ -51,7 +51,8 @@ void Pci1784Model::latch(std::uint32_t mask) noexcept {
   const auto sums = publishedCounts(image_);
   for (std::size_t channel = 0; channel < sums.size(); ++channel) {
     const std::uint32_t mode = image_.modes[channel].load();
-    const bool counts = (mode & pci1784::kModeQuadratureMask) != 0 && (mode & pci1784::kModeSoftwareLatch) != 0;
+    const bool counts =
+        (mode & hardware::pci1784::kModeQuadratureMask) != 0 && (mode & hardware::pci1784::kModeSoftwareLatch) != 0;
     if ((mask >> channel & 1) != 0 && counts)
       image_.latched[channel].store(sums[channel] - image_.offsets[channel].load());
   }
@@ -61,65 +62,65 @@ void Pci1784Model::reset(std::uint32_t mask) noexcept {
   const auto sums = publishedCounts(image_);
   for (std::size_t channel = 0; channel < sums.size(); ++channel) {
     if ((mask >> channel & 1) == 0) continue;
-    const bool to_zero = (image_.modes[channel].load() & pci1784::kModeResetToZero) != 0;
-    image_.offsets[channel].store(sums[channel] - (to_zero ? 0u : pci1784::kResetValueWithoutZeroBit));
+    const bool to_zero = (image_.modes[channel].load() & hardware::pci1784::kModeResetToZero) != 0;
+    image_.offsets[channel].store(sums[channel] - (to_zero ? 0u : hardware::pci1784::kResetValueWithoutZeroBit));
   }
 }
 
-IoStatus Pci1784Model::read8(std::uint32_t offset, std::uint8_t& value) noexcept {
-  if (image_.disconnected.load() != 0) return IoStatus::Disconnected;
-  if (offset != pci1784::kDigital) return IoStatus::OutOfRange;
+hardware::IoStatus Pci1784Model::read8(std::uint32_t offset, std::uint8_t& value) noexcept {
+  if (image_.disconnected.load() != 0) return hardware::IoStatus::Disconnected;
+  if (offset != hardware::pci1784::kDigital) return hardware::IoStatus::OutOfRange;
   value = static_cast<std::uint8_t>((image_.inputs.load() & 0x0F) << 4);
-  return IoStatus::Ok;
+  return hardware::IoStatus::Ok;
 }
 
-IoStatus Pci1784Model::read32(std::uint32_t offset, std::uint32_t& value) noexcept {
-  if (image_.disconnected.load() != 0) return IoStatus::Disconnected;
+hardware::IoStatus Pci1784Model::read32(std::uint32_t offset, std::uint32_t& value) noexcept {
+  if (image_.disconnected.load() != 0) return hardware::IoStatus::Disconnected;
   if (const int channel = channelAt(offset); channel >= 0) {
     value = image_.latched[static_cast<std::size_t>(channel)].load();
-    return IoStatus::Ok;
+    return hardware::IoStatus::Ok;
   }
-  if (offset != pci1784::kBoardId) return IoStatus::OutOfRange;
+  if (offset != hardware::pci1784::kBoardId) return hardware::IoStatus::OutOfRange;
   value = image_.board_id.load();
-  return IoStatus::Ok;
+  return hardware::IoStatus::Ok;
 }
 
-IoStatus Pci1784Model::write8(std::uint32_t offset, std::uint8_t value) noexcept {
-  if (image_.disconnected.load() != 0) return IoStatus::Disconnected;
+hardware::IoStatus Pci1784Model::write8(std::uint32_t offset, std::uint8_t value) noexcept {
+  if (image_.disconnected.load() != 0) return hardware::IoStatus::Disconnected;
   switch (offset) {
-    case pci1784::kDigital:
+    case hardware::pci1784::kDigital:
       image_.outputs.store(value & 0x0F);
-      return IoStatus::Ok;
-    case pci1784::kOutputMode:
+      return hardware::IoStatus::Ok;
+    case hardware::pci1784::kOutputMode:
       image_.output_mode.store(value);
-      return IoStatus::Ok;
+      return hardware::IoStatus::Ok;
     default:
-      return IoStatus::OutOfRange;
+      return hardware::IoStatus::OutOfRange;
   }
 }
 
-IoStatus Pci1784Model::write32(std::uint32_t offset, std::uint32_t value) noexcept {
-  if (image_.disconnected.load() != 0) return IoStatus::Disconnected;
+hardware::IoStatus Pci1784Model::write32(std::uint32_t offset, std::uint32_t value) noexcept {
+  if (image_.disconnected.load() != 0) return hardware::IoStatus::Disconnected;
   if (const int channel = channelAt(offset); channel >= 0) {
     image_.modes[static_cast<std::size_t>(channel)].store(value);
-    return IoStatus::Ok;
+    return hardware::IoStatus::Ok;
   }
   switch (offset) {
-    case pci1784::kInterrupts:
+    case hardware::pci1784::kInterrupts:
       image_.interrupts.store(value);
-      return IoStatus::Ok;
-    case pci1784::kFilterClock:
+      return hardware::IoStatus::Ok;
+    case hardware::pci1784::kFilterClock:
       image_.filter_clock.store(value);
-      return IoStatus::Ok;
-    case pci1784::kLatch:
+      return hardware::IoStatus::Ok;
+    case hardware::pci1784::kLatch:
       latch(value);
-      return IoStatus::Ok;
-    case pci1784::kReset:
+      return hardware::IoStatus::Ok;
+    case hardware::pci1784::kReset:
       reset(value);
-      return IoStatus::Ok;
+      return hardware::IoStatus::Ok;
     default:
-      return IoStatus::OutOfRange;
+      return hardware::IoStatus::OutOfRange;
   }
 }
 
-}  // namespace knee_robot::hardware
+}  // namespace knee_robot::simulation

@@ -5,52 +5,55 @@
 #include "knee_robot/base/errors.h"
 #include "knee_robot/base/numbers.h"
 
-namespace knee_robot {
+namespace knee_robot::simulation {
 namespace {
 
-LinkInertia withPayload(const LinkInertia& platform, const Payload& payload) {
-  LinkInertia load;
+dynamics::LinkInertia withPayload(const dynamics::LinkInertia& platform, const Payload& payload) {
+  dynamics::LinkInertia load;
   load.mass = payload.mass_kg;
   load.center = payload.center_m;
-  load.inertia = payload.mass_kg * payload.radius_of_gyration_m * payload.radius_of_gyration_m * Matrix3::Identity();
-  return fromParameters(toParameters(platform) + toParameters(load));
+  load.inertia =
+      payload.mass_kg * payload.radius_of_gyration_m * payload.radius_of_gyration_m * mechanism::Matrix3::Identity();
+  return dynamics::fromParameters(dynamics::toParameters(platform) + dynamics::toParameters(load));
 }
 
-PlantModel makeModel(const Robot& robot, RobotInertia inertia, const SimulationParameters& parameters) {
+PlantModel makeModel(const mechanism::Robot& robot, dynamics::RobotInertia inertia,
+                     const SimulationParameters& parameters) {
   if (!robot.mechanism) {
     throw InputError(robot.path + ": mechanism axes cannot be simulated yet; use a robot file of the 3UPS+1RPU");
   }
-  Lengths shortest;
-  Lengths longest;
-  for (int i = 0; i < kLegs; ++i) {
+  mechanism::Lengths shortest;
+  mechanism::Lengths longest;
+  for (int i = 0; i < mechanism::kLegs; ++i) {
     const auto axis = static_cast<std::size_t>(i);
     shortest[i] = robot.actuators[axis].position_min_m - parameters.stop_margin_m;
     longest[i] = robot.actuators[axis].position_max_m + parameters.stop_margin_m;
     inertia.rotor_mass[i] = parameters.axes[axis].rotor_mass_kg;
   }
   if (parameters.payload) {
-    inertia.links[kPlatformLink] = withPayload(inertia.links[kPlatformLink], *parameters.payload);
+    inertia.links[dynamics::kPlatformLink] = withPayload(inertia.links[dynamics::kPlatformLink], *parameters.payload);
   }
-  PlantModel model(RigidModel(*robot.mechanism, robot.gravity, inertia), shortest, longest);
+  PlantModel model(dynamics::RigidModel(*robot.mechanism, robot.gravity, inertia), shortest, longest);
   model.substeps = parameters.substeps;
   return model;
 }
 
-Pose startPose(const Robot& robot, const SimulationParameters& parameters, const PlantModel& model) {
-  Lengths lengths;
-  for (int i = 0; i < kLegs; ++i)
+mechanism::Pose startPose(const mechanism::Robot& robot, const SimulationParameters& parameters,
+                          const PlantModel& model) {
+  mechanism::Lengths lengths;
+  for (int i = 0; i < mechanism::kLegs; ++i)
     lengths[i] = robot.actuators[static_cast<std::size_t>(i)].home_length_m;
   if (parameters.start_lengths_m) lengths = *parameters.start_lengths_m;
   const std::string source =
       parameters.start_lengths_m ? parameters.path + ": start_lengths_m" : robot.path + ": home_length_m";
-  for (int i = 0; i < kLegs; ++i) {
+  for (int i = 0; i < mechanism::kLegs; ++i) {
     if (lengths[i] < model.shortest_m[i] || lengths[i] > model.longest_m[i]) {
       throw InputError(source + ": leg " + std::to_string(i + 1) + " at " + shortNumber(lengths[i]) +
                        " m is beyond its stops, " + shortNumber(model.shortest_m[i]) + " to " +
                        shortNumber(model.longest_m[i]) + " m");
     }
   }
-  const ForwardResult found = forwardKinematicsFromHome(model.rigid.mechanism, lengths);
+  const mechanism::ForwardResult found = mechanism::forwardKinematicsFromHome(model.rigid.mechanism, lengths);
   if (!found.ok())
     throw InputError(source + ": the legs cannot have these lengths together; give others as start_lengths_m");
   return found.pose;
@@ -72,8 +75,8 @@ bool DelayedSwitch::step(bool input, double dt) noexcept {
   return on_;
 }
 
-RobotSimulation::RobotSimulation(const Robot& robot, RobotInertia inertia, const SimulationParameters& parameters,
-                                 hardware::RobotImage& image)
+RobotSimulation::RobotSimulation(const mechanism::Robot& robot, dynamics::RobotInertia inertia,
+                                 const SimulationParameters& parameters, RobotImage& image)
     : parameters_(parameters),
       model_(makeModel(robot, std::move(inertia), parameters)),
       effects_(parameters.effects, model_),
@@ -82,8 +85,8 @@ RobotSimulation::RobotSimulation(const Robot& robot, RobotInertia inertia, const
       heartbeat_age_s_(1e9) {
   state_.pose = startPose(robot, parameters, model_);
   effects_.start(model_, state_);
-  for (std::size_t i = 0; i < static_cast<std::size_t>(kLegs); ++i) {
-    const Actuator& actuator = robot.actuators[i];
+  for (std::size_t i = 0; i < static_cast<std::size_t>(mechanism::kLegs); ++i) {
+    const mechanism::Actuator& actuator = robot.actuators[i];
     const AxisParameters& axis = parameters.axes[i];
     axes_.push_back(Axis{axis, DelayedSwitch(parameters.drive_delay_s, parameters.drive_delay_s),
                          DelayedSwitch(axis.hold_release_delay_s, axis.hold_engage_delay_s),
@@ -95,9 +98,9 @@ RobotSimulation::RobotSimulation(const Robot& robot, RobotInertia inertia, const
 }
 
 void RobotSimulation::readCards(double dt) noexcept {
-  const hardware::InjectedFaults& faults = image_.faults;
+  const InjectedFaults& faults = image_.faults;
   generation_ = faults.generation.load(std::memory_order_acquire);
-  const auto asked = other_volts_ != nullptr ? *other_volts_ : hardware::outputVolts(image_.analog);
+  const auto asked = other_volts_ != nullptr ? *other_volts_ : outputVolts(image_.analog);
   const auto volts = volts_ = injector_.volts(asked);
   const unsigned outputs = image_.counter.outputs.load(std::memory_order_acquire);
   const bool power = relayIsClosed(outputs, dt) && image_.surroundings.emergency_stop_pressed.load() == 0;
@@ -146,8 +149,8 @@ bool RobotSimulation::relayIsClosed(unsigned outputs, double dt) noexcept {
 }
 
 void RobotSimulation::publish() noexcept {
-  const Lengths now = lengths();
-  const Lengths seen = effects_.encoders(now);
+  const mechanism::Lengths now = lengths();
+  const mechanism::Lengths seen = effects_.encoders(now);
   FaultInjector::Values true_counts{};
   FaultInjector::Values counts_per_m{};
   for (std::size_t i = 0; i < axes_.size(); ++i) {
@@ -163,7 +166,7 @@ void RobotSimulation::publish() noexcept {
     image_.status.pose[i].store(state_.pose[leg], std::memory_order_relaxed);
     image_.status.motor_force_N[i].store(loads_.motor_force[leg], std::memory_order_relaxed);
   }
-  hardware::publishCounts(image_.counter, sums);
+  publishCounts(image_.counter, sums);
   image_.status.time_s.store(time_s_);
   image_.plant_heartbeat.fetch_add(1, std::memory_order_release);
 }
@@ -171,7 +174,7 @@ void RobotSimulation::publish() noexcept {
 TruthRow RobotSimulation::truth() const noexcept {
   TruthRow row{};
   row.time_s = time_s_;
-  const Lengths now = lengths();
+  const mechanism::Lengths now = lengths();
   for (std::size_t i = 0; i < axes_.size(); ++i) {
     const auto leg = static_cast<Eigen::Index>(i);
     row.length_m[i] = now[leg];
@@ -207,4 +210,4 @@ bool RobotSimulation::step(double dt) noexcept {
   return good;
 }
 
-}  // namespace knee_robot
+}  // namespace knee_robot::simulation

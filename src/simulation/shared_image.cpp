@@ -13,7 +13,7 @@
 
 #include "knee_robot/base/errors.h"
 
-namespace knee_robot::hardware {
+namespace knee_robot::simulation {
 namespace {
 
 static_assert(std::atomic<double>::is_always_lock_free, "the status lies in shared memory");
@@ -124,4 +124,4 @@ SharedImage::~SharedImage() {
   if (image_ != nullptr) ::munmap(image_, sizeof(RobotImage));
 }
 
-}  // namespace knee_robot::hardware
+}  // namespace knee_robot::simulation

@@ -2,7 +2,7 @@
 
 #include "knee_robot/hardware/owning_bus.h"
 
-namespace knee_robot {
+namespace knee_robot::simulation {
 namespace {
 
 /// Models over an image; on the heap, so that the references held by the bus survive a move of this.
@@ -34,7 +34,8 @@ ModelCards modelCards(RobotImage& image) {
 }  // namespace
 
 std::unique_ptr<hardware::AxisBus> openSimulatedCards(const std::string& shared_memory_name) {
-  return std::make_unique<hardware::OwningBus<ModelCards>>(attachModelCards(shared_memory_name), hardware::PciAxisBus::Options{});
+  return std::make_unique<hardware::OwningBus<ModelCards>>(attachModelCards(shared_memory_name),
+                                                           hardware::PciAxisBus::Options{});
 }
 
 std::unique_ptr<hardware::AxisBus> openImageCards(RobotImage& image) {
@@ -49,4 +50,4 @@ std::unique_ptr<hardware::EmergencyOutputs> openImageEmergencyOutputs(RobotImage
   return std::make_unique<hardware::OwningEmergencyOutputs<ModelCards>>(modelCards(image));
 }
 
-}  // namespace knee_robot
+}  // namespace knee_robot::simulation

@@ -4,7 +4,7 @@
 
 #include "knee_robot/base/strict_yaml.h"
 
-namespace knee_robot {
+namespace knee_robot::simulation {
 namespace {
 
 AxisParameters readAxis(StrictMap& axis) {
@@ -82,8 +82,8 @@ SimulationParameters read(StrictMap file, const std::string& path) {
   SimulationParameters result;
   result.path = path;
   if (file.has("start_lengths_m")) {
-    const std::vector<double> lengths = file.numbers("start_lengths_m", kLegs, 0.01, 10.0);
-    result.start_lengths_m = Vector4(lengths[0], lengths[1], lengths[2], lengths[3]);
+    const std::vector<double> lengths = file.numbers("start_lengths_m", mechanism::kLegs, 0.01, 10.0);
+    result.start_lengths_m = mechanism::Vector4(lengths[0], lengths[1], lengths[2], lengths[3]);
   }
   readAxes(file, result);
   result.stop_margin_m = file.numberOr("stop_margin_m", result.stop_margin_m, 0.0, 1.0);
@@ -110,4 +110,4 @@ SimulationParameters parseSimulationParameters(const std::string& text, const st
   return read(StrictMap::parse(text, name), name);
 }
 
-}  // namespace knee_robot
+}  // namespace knee_robot::simulation

@@ -10,7 +10,7 @@
 
 #include "knee_robot/base/errors.h"
 
-namespace knee_robot {
+namespace knee_robot::simulation {
 
 TruthLog::TruthLog(const std::string& name, std::uint64_t capacity)
     : name_(name), bytes_(sizeof(Head) + capacity * sizeof(TruthRow)) {
@@ -47,4 +47,4 @@ void TruthLog::append(const RobotSimulation& simulation, double monotonic_s) noe
   head_->written.store(number + 1, std::memory_order_release);
 }
 
-}  // namespace knee_robot
+}  // namespace knee_robot::simulation

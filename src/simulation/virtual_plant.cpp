@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-namespace knee_robot {
+namespace knee_robot::simulation {
 namespace {
 
 /// Joint of a JointVector that each of the eleven pairs of eq. (22) belongs to: 13 12 11 23 22 21 33 32 31 42 41.
@@ -17,7 +17,8 @@ bool isActuated(int joint) {
 }
 
 /// Force of the friction on each joint.
-JointVector frictionForces(const FrictionParameters& friction, const JointVector& rates, const JointVector& shares) {
+JointVector frictionForces(const dynamics::FrictionParameters& friction, const JointVector& rates,
+                           const JointVector& shares) {
   JointVector forces = JointVector::Zero();
   for (std::size_t k = 0; k < kFrictionJoints.size(); ++k) {
     const int joint = kFrictionJoints[k];
@@ -27,16 +28,16 @@ JointVector frictionForces(const FrictionParameters& friction, const JointVector
   return forces;
 }
 
-Vector3 sphericalTorque(const JointFriction& friction, const Vector3& rate) {
+mechanism::Vector3 sphericalTorque(const JointFriction& friction, const mechanism::Vector3& rate) {
   const double speed = rate.norm();
-  if (speed == 0.0) return Vector3::Zero();
+  if (speed == 0.0) return mechanism::Vector3::Zero();
   return -(friction.viscous + friction.coulomb / speed) * rate;
 }
 
 }  // namespace
 
-FrictionParameters equalFriction(const JointFriction& actuators, const JointFriction& passive) {
-  FrictionParameters result;
+dynamics::FrictionParameters equalFriction(const JointFriction& actuators, const JointFriction& passive) {
+  dynamics::FrictionParameters result;
   for (std::size_t k = 0; k < kFrictionJoints.size(); ++k) {
     const int joint = kFrictionJoints[k];
     const JointFriction& friction = isActuated(joint) ? actuators : passive;
@@ -45,18 +46,19 @@ FrictionParameters equalFriction(const JointFriction& actuators, const JointFric
   return result;
 }
 
-VirtualPlant::VirtualPlant(const Mechanism& mechanism, const Vector3& gravity, const RobotInertia& inertia,
-                           const Pose& start, const VirtualPlantParameters& parameters)
+VirtualPlant::VirtualPlant(const mechanism::Mechanism& mechanism, const mechanism::Vector3& gravity,
+                           const dynamics::RobotInertia& inertia, const mechanism::Pose& start,
+                           const VirtualPlantParameters& parameters)
     : robot_(mechanism, gravity, inertia), parameters_(parameters) {
-  Motion rest;
+  mechanism::Motion rest;
   rest.pose = start;
-  robot_.set(coordinateMotion(mechanism, rest));
+  robot_.set(mechanism::coordinateMotion(mechanism, rest));
   last_position_ = robot_.positions();
 }
 
 JointVector VirtualPlant::coulombShares(const JointVector& rates) {
   const JointVector position = robot_.positions();
-  for (int joint = 0; joint < kUrdfJoints; ++joint) {
+  for (int joint = 0; joint < mechanism::kUrdfJoints; ++joint) {
     const double width = isActuated(joint) ? parameters_.presliding_m : parameters_.presliding_rad;
     const double moved = position[joint] - last_position_[joint];
     share_[joint] = width > 0.0 ? std::clamp(share_[joint] + moved / width, -1.0, 1.0) : sign(rates[joint]);
@@ -69,8 +71,8 @@ bool VirtualPlant::follow(const AxisMotion& motion, VirtualPlantOutput& output) 
   if (!robot_.follow(motion)) return false;
   const JointVector rates = robot_.rates();
   const JointVector friction = frictionForces(parameters_.friction, rates, coulombShares(rates));
-  const std::array<Vector3, 3> turning = robot_.sphericalRates();
-  std::array<Vector3, 3> torques;
+  const std::array<mechanism::Vector3, 3> turning = robot_.sphericalRates();
+  std::array<mechanism::Vector3, 3> torques;
   output.friction_power_W = friction.dot(rates);
   for (std::size_t i = 0; i < 3; ++i) {
     torques[i] = sphericalTorque(parameters_.spherical, turning[i]);
@@ -84,11 +86,11 @@ bool VirtualPlant::follow(const AxisMotion& motion, VirtualPlantOutput& output) 
 double VirtualPlant::energy() const {
   const JointVector rates = robot_.rates();
   double rotors = 0.0;
-  for (int i = 0; i < kLegs; ++i) {
+  for (int i = 0; i < mechanism::kLegs; ++i) {
     const double rate = rates[kActuatedJoints[static_cast<std::size_t>(i)]];
     rotors += 0.5 * parameters_.rotor_mass[i] * rate * rate;
   }
   return robot_.energy() + rotors;
 }
 
-}  // namespace knee_robot
+}  // namespace knee_robot::simulation

@@ -8,12 +8,12 @@
 #include "knee_robot/base/numbers.h"
 #include "knee_robot/recording/recording_writer.h"
 
-namespace knee_robot {
+namespace knee_robot::simulation {
 namespace {
 
 constexpr double kLongestInstant_s = 0.001;
 
-double encoded(const Actuator& actuator, double length) {
+double encoded(const mechanism::Actuator& actuator, double length) {
   const double step = actuator.metresPerCount();
   return actuator.home_length_m + step * std::round((length - actuator.home_length_m) / step);
 }
@@ -30,9 +30,9 @@ struct Books {
 
 }  // namespace
 
-VirtualRun recordVirtualPlant(const Robot& robot, VirtualPlant& plant, const AxisPath& path,
+VirtualRun recordVirtualPlant(const mechanism::Robot& robot, VirtualPlant& plant, const AxisPath& path,
                               const VirtualRecorder& recorder, const std::string& file) {
-  RecordingWriter writer(file, kLegs);
+  recording::RecordingWriter writer(file, mechanism::kLegs);
   std::mt19937_64 random(recorder.seed);
   std::normal_distribution<double> noise(0.0, 1.0);
   const int instants = std::max(1, static_cast<int>(std::ceil(recorder.period_s / kLongestInstant_s - 1e-9)));
@@ -48,10 +48,10 @@ VirtualRun recordVirtualPlant(const Robot& robot, VirtualPlant& plant, const Axi
   };
   move(0.0);
   books.start_J = plant.energy();
-  Lengths last_position;
+  mechanism::Lengths last_position;
   for (int row = 0; row < rows; ++row) {
     const double time = row * recorder.period_s;
-    Vector4 force = Vector4::Zero();
+    mechanism::Vector4 force = mechanism::Vector4::Zero();
     for (int k = 0; k < instants; ++k) {
       move(time + (k + 0.5) * dt);
       force += output.force / instants;
@@ -59,12 +59,12 @@ VirtualRun recordVirtualPlant(const Robot& robot, VirtualPlant& plant, const Axi
       move(time + (k + 1) * dt);
       books.add(middle, dt, plant.energy());
     }
-    const Lengths position = path.at(time).position;
-    RecordingRow values;
+    const mechanism::Lengths position = path.at(time).position;
+    recording::RecordingRow values;
     values.time_s = time;
-    for (int i = 0; i < kLegs; ++i) {
+    for (int i = 0; i < mechanism::kLegs; ++i) {
       const auto axis = static_cast<std::size_t>(i);
-      const Actuator& actuator = robot.actuators[axis];
+      const mechanism::Actuator& actuator = robot.actuators[axis];
       force[i] += recorder.force_noise_N * noise(random);
       values.reference_m[axis] = position[i];
       values.position_m[axis] = recorder.exact_encoders ? position[i] : encoded(actuator, position[i]);
@@ -85,4 +85,4 @@ VirtualRun recordVirtualPlant(const Robot& robot, VirtualPlant& plant, const Axi
   return run;
 }
 
-}  // namespace knee_robot
+}  // namespace knee_robot::simulation

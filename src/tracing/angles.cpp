@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace knee_robot {
+namespace knee_robot::tracing {
 namespace {
 
 constexpr double kAbsorbed = 1e-3;  ///< share of a column's norm that must be left beside the base
@@ -80,4 +80,4 @@ std::vector<PlaceAngles> principalAngles(const TraceData& data, const CandidateL
   return out;
 }
 
-}  // namespace knee_robot
+}  // namespace knee_robot::tracing

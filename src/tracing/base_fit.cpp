@@ -9,7 +9,7 @@
 #include "knee_robot/identification/rank.h"
 #include "knee_robot/tracing/effect_input.h"
 
-namespace knee_robot {
+namespace knee_robot::tracing {
 namespace {
 
 const double kWidths[] = {0.5, 1.0, 2.0, 4.0};    ///< encoder counts
@@ -19,9 +19,10 @@ constexpr double kFine_m =
 constexpr int kFewestSamples = 100;
 
 /// All rows as identification's equations, weighted by the noise; force less that of `start` and of effects.
-Equations equationsOf(const std::vector<Observation>& training, const Stack& stack, const Eigen::VectorXd& noise_N,
-                      const Eigen::VectorXd& start, const Eigen::VectorXd& effects_N) {
-  Equations e;
+identification::Equations equationsOf(const std::vector<identification::Observation>& training, const Stack& stack,
+                                      const Eigen::VectorXd& noise_N, const Eigen::VectorXd& start,
+                                      const Eigen::VectorXd& effects_N) {
+  identification::Equations e;
   e.axes = stack.axes;
   e.blocks = stack.blocks;
   const Eigen::Index p = training.front().regressor.front().cols();
@@ -29,7 +30,7 @@ Equations equationsOf(const std::vector<Observation>& training, const Stack& sta
   e.b.resize(stack.size() * stack.axes);
   for (int i = 0; i < stack.axes; ++i) {
     std::vector<Eigen::MatrixXd> columns;
-    for (const Observation& o : training)
+    for (const identification::Observation& o : training)
       columns.push_back(o.regressor[static_cast<std::size_t>(i)]);
     e.a.middleRows(i * stack.size(), stack.size()) = gather(stack, training, std::move(columns));
     e.b.segment(i * stack.size(), stack.size()) = gatherForce(stack, training, i);
@@ -40,34 +41,37 @@ Equations equationsOf(const std::vector<Observation>& training, const Stack& sta
   }
   e.b -= e.a * start;
   if (effects_N.size() > 0) e.b -= effects_N;
-  weightRows(e, noise_N);
+  identification::weightRows(e, noise_N);
   const Eigen::VectorXd scale = rowScale(stack, training, Attention::Moving);  // rest would blur the base directions
   e.a = scale.asDiagonal() * e.a;
   e.b = scale.cwiseProduct(e.b);
   return e;
 }
 
-Eigen::VectorXd solve(const Equations& e, BaseFit& base, int rank) {
+Eigen::VectorXd solve(const identification::Equations& e, BaseFit& base, int rank) {
   const std::vector<char> use(base.columns.size(), 1);
   int chosen = rank;
   if (chosen == 0) {  // the best one, not the most parsimonious: an effect must not stand in for a base direction
-    const std::vector<RankPoint> curve = chooseRank(e, base.columns, use).curve;
-    chosen = std::min_element(curve.begin(), curve.end(), [](const RankPoint& a, const RankPoint& b) {
-               return a.held_back < b.held_back;
-             })->rank;
+    const std::vector<identification::RankPoint> curve = identification::chooseRank(e, base.columns, use).curve;
+    chosen = std::min_element(curve.begin(), curve.end(),
+                              [](const identification::RankPoint& a, const identification::RankPoint& b) {
+                                return a.held_back < b.held_back;
+                              })
+                 ->rank;
   }
-  const Reduction r = reduce(joinBlocks(compressBlocks(e), -1), e.rows(), base.columns, use);
+  const identification::Reduction r = identification::reduce(
+      identification::joinBlocks(identification::compressBlocks(e), -1), e.rows(), base.columns, use);
   const int kept = std::clamp(chosen, r.minimalRank(), r.maximalRank());
   base.bounded = r.minimalRank();
   base.basis.resize(static_cast<Eigen::Index>(base.columns.size()), kept);
   for (int k = 0; k < kept; ++k)
-    base.basis.col(k) = toParameters(r, Eigen::VectorXd::Unit(kept, k));
-  const Eigen::VectorXd correction = toParameters(r, solveReduced(r, kept));
+    base.basis.col(k) = identification::toParameters(r, Eigen::VectorXd::Unit(kept, k));
+  const Eigen::VectorXd correction = identification::toParameters(r, identification::solveReduced(r, kept));
   base.parameters = base.start + correction;
   return e.b - e.a * correction;
 }
 
-std::vector<FrictionMemory> memories(const Actuator& actuator, double cutoff_hz) {
+std::vector<FrictionMemory> memories(const mechanism::Actuator& actuator, double cutoff_hz) {
   std::vector<FrictionMemory> all;
   for (const double factor : kMemoryCutoffs) {
     for (const double counts : kWidths)
@@ -79,15 +83,16 @@ std::vector<FrictionMemory> memories(const Actuator& actuator, double cutoff_hz)
 
 }  // namespace
 
-void chooseMemory(const Robot& robot, std::vector<Observation>& training, const Stack& stack,
+void chooseMemory(const mechanism::Robot& robot, std::vector<identification::Observation>& training, const Stack& stack,
                   const Eigen::VectorXd& residual_N, BaseFit& base) {
   for (int i = 0; i < stack.axes; ++i) {
     const std::size_t axis = static_cast<std::size_t>(i);
-    const auto column = std::find_if(base.columns.begin(), base.columns.end(),
-                                     [&](const Column& c) { return c.role == ColumnRole::Coulomb && c.actuator == i; });
+    const auto column = std::find_if(base.columns.begin(), base.columns.end(), [&](const identification::Column& c) {
+      return c.role == identification::ColumnRole::Coulomb && c.actuator == i;
+    });
     const double coulomb = base.parameters[column - base.columns.begin()];
     std::vector<Eigen::MatrixXd> now, velocity;
-    for (const Observation& o : training) {
+    for (const identification::Observation& o : training) {
       now.push_back(frictionShare(o, i, base.memory[axis]));
       velocity.push_back(o.signals.velocity_m_per_s.col(i));
     }
@@ -99,7 +104,7 @@ void chooseMemory(const Robot& robot, std::vector<Observation>& training, const 
     double least = std::numeric_limits<double>::infinity();
     for (const FrictionMemory& memory : memories(robot.actuators[axis], stack.cutoff_hz)) {
       std::vector<Eigen::MatrixXd> share;
-      for (const Observation& o : training)
+      for (const identification::Observation& o : training)
         share.push_back(frictionShare(o, i, memory));
       design.col(2) = gather(stack, training, share);
       const Eigen::VectorXd own = (design.transpose() * design).ldlt().solve(design.transpose() * target);
@@ -109,12 +114,12 @@ void chooseMemory(const Robot& robot, std::vector<Observation>& training, const 
       base.memory[axis] = memory;
     }
   }
-  for (Observation& o : training)
+  for (identification::Observation& o : training)
     setFriction(o, base.columns, base.memory);
 }
 
-BaseFit fitBase(const Robot& robot, std::vector<Observation>& training, const Stack& stack,
-                const std::vector<Column>& columns, int rank, const Eigen::VectorXd* given,
+BaseFit fitBase(const mechanism::Robot& robot, std::vector<identification::Observation>& training, const Stack& stack,
+                const std::vector<identification::Column>& columns, int rank, const Eigen::VectorXd* given,
                 const Eigen::VectorXd& effects_N) {
   if (stack.size() < kFewestSamples) {
     throw Refusal("only " + std::to_string(stack.size()) + " usable samples in the training recordings (at least " +
@@ -122,7 +127,7 @@ BaseFit fitBase(const Robot& robot, std::vector<Observation>& training, const St
   }
   BaseFit base;
   base.columns = columns;
-  for (const Actuator& a : robot.actuators)
+  for (const mechanism::Actuator& a : robot.actuators)
     base.memory.push_back({a.metresPerCount(), 3.0 * stack.cutoff_hz});
   base.start = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(columns.size()));
   if (given != nullptr) {
@@ -131,17 +136,17 @@ BaseFit fitBase(const Robot& robot, std::vector<Observation>& training, const St
       if (columns[c].isNonNegative()) base.start[static_cast<Eigen::Index>(c)] = 0.0;
     }
   }
-  for (Observation& o : training)
+  for (identification::Observation& o : training)
     setFriction(o, columns, base.memory);
   base.noise_N = Eigen::VectorXd::Ones(stack.axes);
-  Equations e = equationsOf(training, stack, base.noise_N, base.start, effects_N);
-  base.noise_N = rmsPerActuator(e, e.b).cwiseMax(1e-6);
-  weightRows(e, base.noise_N);
+  identification::Equations e = equationsOf(training, stack, base.noise_N, base.start, effects_N);
+  base.noise_N = identification::rmsPerActuator(e, e.b).cwiseMax(1e-6);
+  identification::weightRows(e, base.noise_N);
   Eigen::VectorXd residual = solve(e, base, rank);
   for (int pass = 0; pass < 2; ++pass) {
     for (int i = 0; i < stack.axes; ++i)
       residual.segment(i * stack.size(), stack.size()) *= base.noise_N[i];
-    base.noise_N = rmsPerActuator(e, residual).cwiseMax(1e-6);
+    base.noise_N = identification::rmsPerActuator(e, residual).cwiseMax(1e-6);
     const Eigen::VectorXd scale = rowScale(stack, training, Attention::Moving);
     if (pass == 0) chooseMemory(robot, training, stack, residual.cwiseQuotient(scale), base);
     e = equationsOf(training, stack, base.noise_N, base.start, effects_N);
@@ -150,22 +155,24 @@ BaseFit fitBase(const Robot& robot, std::vector<Observation>& training, const St
   return base;
 }
 
-Eigen::MatrixXd baseRows(const BaseFit& base, const std::vector<Observation>& recordings, const Stack& stack) {
+Eigen::MatrixXd baseRows(const BaseFit& base, const std::vector<identification::Observation>& recordings,
+                         const Stack& stack) {
   Eigen::MatrixXd rows(stack.size() * stack.axes, base.rank());
   for (int i = 0; i < stack.axes; ++i) {
     std::vector<Eigen::MatrixXd> columns;
-    for (const Observation& o : recordings)
+    for (const identification::Observation& o : recordings)
       columns.push_back(o.regressor[static_cast<std::size_t>(i)] * base.basis);
     rows.middleRows(i * stack.size(), stack.size()) = gather(stack, recordings, std::move(columns)) / base.noise_N[i];
   }
   return rows;
 }
 
-Eigen::VectorXd forceRows(const BaseFit& base, const std::vector<Observation>& recordings, const Stack& stack) {
+Eigen::VectorXd forceRows(const BaseFit& base, const std::vector<identification::Observation>& recordings,
+                          const Stack& stack) {
   Eigen::VectorXd rows(stack.size() * stack.axes);
   for (int i = 0; i < stack.axes; ++i) {
     std::vector<Eigen::MatrixXd> known;
-    for (const Observation& o : recordings)
+    for (const identification::Observation& o : recordings)
       known.push_back(o.regressor[static_cast<std::size_t>(i)] * base.start);
     rows.segment(i * stack.size(), stack.size()) =
         (gatherForce(stack, recordings, i) - gather(stack, recordings, std::move(known))) / base.noise_N[i];
@@ -180,4 +187,4 @@ Eigen::VectorXd rmsRows(const BaseFit& base, const Stack& stack, const Eigen::Ve
   return rms;
 }
 
-}  // namespace knee_robot
+}  // namespace knee_robot::tracing

@@ -2,7 +2,7 @@
 
 #include "effects.h"
 
-namespace knee_robot {
+namespace knee_robot::tracing {
 
 std::vector<std::vector<double>> Candidate::shapes(const EffectInput&, int) const {
   return {{}};
@@ -31,7 +31,7 @@ std::vector<std::vector<double>> geometricGrid(double low, double high, int coun
   return grid;
 }
 
-CandidateList namedCandidates(const Robot& robot) {
+CandidateList namedCandidates(const mechanism::Robot& robot) {
   CandidateList all;
   all.push_back(makeAsymmetricCoulomb());
   all.push_back(makeAsymmetricViscous());
@@ -57,4 +57,4 @@ CandidateList namedCandidates(const Robot& robot) {
   return fit;
 }
 
-}  // namespace knee_robot
+}  // namespace knee_robot::tracing

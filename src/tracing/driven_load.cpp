@@ -5,7 +5,7 @@
 
 #include "knee_robot/recording/filter.h"
 
-namespace knee_robot {
+namespace knee_robot::tracing {
 namespace {
 
 constexpr double kDeflection_hz =
@@ -43,10 +43,10 @@ Eigen::VectorXd changeByJoint(const EffectInput& in, int i, const DriveJoint& jo
     wound[n] = motor[n] - screw;
     force[n] = jointForce(joint, wound[n]) - load;  // friction, as the joint shows it
   }
-  ZeroPhaseLowPass(kDeflection_hz, 1.0 / period).apply(wound);
-  const Eigen::VectorXd missing = in.moved_kg[i] * secondDerivative(wound, period);
+  recording::ZeroPhaseLowPass(kDeflection_hz, 1.0 / period).apply(wound);
+  const Eigen::VectorXd missing = in.moved_kg[i] * recording::secondDerivative(wound, period);
   const Eigen::VectorXd model = dry * in.share.col(i) + viscous * rate;
   return force - missing - model;
 }
 
-}  // namespace knee_robot
+}  // namespace knee_robot::tracing

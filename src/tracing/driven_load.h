@@ -2,7 +2,7 @@
 
 #include "knee_robot/tracing/effect_input.h"
 
-namespace knee_robot {
+namespace knee_robot::tracing {
 
 /// Joint between motor and screw: elastic, with play. The encoder and the rotor are on the motor's side, friction is on the screw's.
 struct DriveJoint {
@@ -17,4 +17,4 @@ struct DriveJoint {
 /// load itself is taken at the measured pose, and what this actuator's deflection does to the other legs is left out.
 Eigen::VectorXd changeByJoint(const EffectInput& input, int actuator, const DriveJoint& joint);
 
-}  // namespace knee_robot
+}  // namespace knee_robot::tracing

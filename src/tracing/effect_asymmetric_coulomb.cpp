@@ -1,6 +1,6 @@
 #include "effects.h"
 
-namespace knee_robot {
+namespace knee_robot::tracing {
 namespace {
 
 class AsymmetricCoulomb : public Candidate {
@@ -21,4 +21,4 @@ std::unique_ptr<Candidate> makeAsymmetricCoulomb() {
   return std::make_unique<AsymmetricCoulomb>();
 }
 
-}  // namespace knee_robot
+}  // namespace knee_robot::tracing

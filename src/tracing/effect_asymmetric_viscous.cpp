@@ -1,6 +1,6 @@
 #include "effects.h"
 
-namespace knee_robot {
+namespace knee_robot::tracing {
 namespace {
 
 class AsymmetricViscous : public Candidate {
@@ -23,4 +23,4 @@ std::unique_ptr<Candidate> makeAsymmetricViscous() {
   return std::make_unique<AsymmetricViscous>();
 }
 
-}  // namespace knee_robot
+}  // namespace knee_robot::tracing

@@ -1,7 +1,7 @@
 #include "driven_load.h"
 #include "effects.h"
 
-namespace knee_robot {
+namespace knee_robot::tracing {
 namespace {
 
 class Backlash : public Candidate {
@@ -31,4 +31,4 @@ std::unique_ptr<Candidate> makeBacklash() {
   return std::make_unique<Backlash>();
 }
 
-}  // namespace knee_robot
+}  // namespace knee_robot::tracing

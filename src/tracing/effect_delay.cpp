@@ -1,7 +1,7 @@
 #include "effects.h"
 #include "knee_robot/recording/filter.h"
 
-namespace knee_robot {
+namespace knee_robot::tracing {
 namespace {
 
 class Delay : public Candidate {
@@ -12,7 +12,7 @@ class Delay : public Candidate {
   }
   std::vector<Coefficient> coefficients(const EffectInput&) const override { return {{"delay_s", true}}; }
   Eigen::MatrixXd columns(const EffectInput& input, int actuator, const std::vector<double>&) const override {
-    return firstDerivative(input.force_N.col(actuator), input.signals().period_s);
+    return recording::firstDerivative(input.force_N.col(actuator), input.signals().period_s);
   }
 };
 
@@ -22,4 +22,4 @@ std::unique_ptr<Candidate> makeDelay() {
   return std::make_unique<Delay>();
 }
 
-}  // namespace knee_robot
+}  // namespace knee_robot::tracing

@@ -1,7 +1,7 @@
 #include "effects.h"
 #include "knee_robot/recording/filter.h"
 
-namespace knee_robot {
+namespace knee_robot::tracing {
 namespace {
 
 class DriveLag : public Candidate {
@@ -10,7 +10,7 @@ class DriveLag : public Candidate {
   std::string sentence() const override { return "The drive follows its command as a first-order lag."; }
   std::vector<Coefficient> coefficients(const EffectInput&) const override { return {{"time_constant_s", true}}; }
   Eigen::MatrixXd columns(const EffectInput& input, int actuator, const std::vector<double>&) const override {
-    return firstDerivative(input.force_N.col(actuator), input.signals().period_s);
+    return recording::firstDerivative(input.force_N.col(actuator), input.signals().period_s);
   }
 };
 
@@ -20,4 +20,4 @@ std::unique_ptr<Candidate> makeDriveLag() {
   return std::make_unique<DriveLag>();
 }
 
-}  // namespace knee_robot
+}  // namespace knee_robot::tracing

@@ -3,7 +3,7 @@
 
 #include "effects.h"
 
-namespace knee_robot {
+namespace knee_robot::tracing {
 namespace {
 
 /// A push on the platform: constant force and moments (it need not go through the origin) during part of one training recording.
@@ -58,4 +58,4 @@ std::unique_ptr<Candidate> makeExternalForce() {
   return std::make_unique<ExternalForce>();
 }
 
-}  // namespace knee_robot
+}  // namespace knee_robot::tracing

@@ -1,7 +1,7 @@
 #include "driven_load.h"
 #include "effects.h"
 
-namespace knee_robot {
+namespace knee_robot::tracing {
 namespace {
 
 class FlexibleCoupling : public Candidate {
@@ -29,4 +29,4 @@ std::unique_ptr<Candidate> makeFlexibleCoupling() {
   return std::make_unique<FlexibleCoupling>();
 }
 
-}  // namespace knee_robot
+}  // namespace knee_robot::tracing

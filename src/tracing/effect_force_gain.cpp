@@ -1,6 +1,6 @@
 #include "effects.h"
 
-namespace knee_robot {
+namespace knee_robot::tracing {
 namespace {
 
 class ForceGain : public Candidate {
@@ -21,4 +21,4 @@ std::unique_ptr<Candidate> makeForceGain() {
   return std::make_unique<ForceGain>();
 }
 
-}  // namespace knee_robot
+}  // namespace knee_robot::tracing

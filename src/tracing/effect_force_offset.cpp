@@ -1,6 +1,6 @@
 #include "effects.h"
 
-namespace knee_robot {
+namespace knee_robot::tracing {
 namespace {
 
 class ForceOffset : public Candidate {
@@ -19,4 +19,4 @@ std::unique_ptr<Candidate> makeForceOffset() {
   return std::make_unique<ForceOffset>();
 }
 
-}  // namespace knee_robot
+}  // namespace knee_robot::tracing

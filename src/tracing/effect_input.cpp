@@ -9,7 +9,7 @@
 #include "knee_robot/mechanism/kinematics.h"
 #include "knee_robot/recording/filter.h"
 
-namespace knee_robot {
+namespace knee_robot::tracing {
 namespace {
 
 constexpr int kMassSamples = 12;
@@ -34,13 +34,13 @@ Eigen::VectorXd sinceReversal(const Eigen::VectorXd& position_m, double flicker_
   return out;
 }
 
-std::vector<Matrix4> poseForces(const Robot& robot, const Observation& o) {
-  std::vector<Matrix4> out;
-  Matrix4 last = Matrix4::Zero();
+std::vector<mechanism::Matrix4> poseForces(const mechanism::Robot& robot, const identification::Observation& o) {
+  std::vector<mechanism::Matrix4> out;
+  mechanism::Matrix4 last = mechanism::Matrix4::Zero();
   for (int n = 0; n < o.samples(); ++n) {
     const std::size_t i = static_cast<std::size_t>(n);
     if (o.motion.pose_known[i]) {
-      const Matrix4 inverse = lengthJacobian(*robot.mechanism, o.motion.motion[i].pose).inverse();
+      const mechanism::Matrix4 inverse = mechanism::lengthJacobian(*robot.mechanism, o.motion.motion[i].pose).inverse();
       if (inverse.allFinite()) last = inverse.transpose();
     }
     out.push_back(last);
@@ -52,20 +52,23 @@ std::vector<Matrix4> poseForces(const Robot& robot, const Observation& o) {
 Eigen::VectorXd movedMass(const EffectInput& in, const Eigen::VectorXd& parameters) {
   Eigen::VectorXd mass = Eigen::VectorXd::Zero(in.axes());
   if (!in.robot->mechanism) return mass;
-  RegressorData data;
-  ExtendedRegressor still = ExtendedRegressor::Zero(), pushed = still;
+  dynamics::RegressorData data;
+  dynamics::ExtendedRegressor still = dynamics::ExtendedRegressor::Zero(), pushed = still;
   int counted = 0;
   for (int k = 0; k < kMassSamples; ++k) {
     const std::size_t n = static_cast<std::size_t>((2 * k + 1) * in.samples() / (2 * kMassSamples));
     if (!in.observation->usable[n]) continue;
-    Motion motion = in.observation->motion.motion[n];
-    if (!extendedRegressor(*in.robot->mechanism, in.robot->gravity, motion, data, still)) continue;
+    mechanism::Motion motion = in.observation->motion.motion[n];
+    if (!dynamics::extendedRegressor(*in.robot->mechanism, in.robot->gravity, motion, data, still)) continue;
     ++counted;
     for (int i = 0; i < in.axes(); ++i) {
       motion.pose_acceleration =
           in.observation->motion.motion[n].pose_acceleration + in.force_per_pose_force[n].row(i).transpose();
-      extendedRegressor(*in.robot->mechanism, in.robot->gravity, motion, data, pushed);
-      mass[i] += (pushed - still).row(i).head(kInertialParameters).dot(parameters.head(kInertialParameters));
+      dynamics::extendedRegressor(*in.robot->mechanism, in.robot->gravity, motion, data, pushed);
+      mass[i] += (pushed - still)
+                     .row(i)
+                     .head(dynamics::kInertialParameters)
+                     .dot(parameters.head(dynamics::kInertialParameters));
     }
   }
   return (mass / std::max(1, counted)).cwiseMax(0.0);
@@ -73,32 +76,33 @@ Eigen::VectorXd movedMass(const EffectInput& in, const Eigen::VectorXd& paramete
 
 }  // namespace
 
-Eigen::VectorXd frictionPosition(const Observation& o, int actuator, const FrictionMemory& memory) {
+Eigen::VectorXd frictionPosition(const identification::Observation& o, int actuator, const FrictionMemory& memory) {
   Eigen::VectorXd position = o.fine_position_m.col(actuator);
-  if (memory.cutoff_hz > 0.0) ZeroPhaseLowPass(memory.cutoff_hz, 1.0 / o.signals.period_s).apply(position);
+  if (memory.cutoff_hz > 0.0) recording::ZeroPhaseLowPass(memory.cutoff_hz, 1.0 / o.signals.period_s).apply(position);
   return position;
 }
 
-Eigen::VectorXd frictionShare(const Observation& o, int actuator, const FrictionMemory& memory) {
+Eigen::VectorXd frictionShare(const identification::Observation& o, int actuator, const FrictionMemory& memory) {
   const Eigen::VectorXd position = frictionPosition(o, actuator, memory);
-  CoulombMemory state;
+  dynamics::CoulombMemory state;
   Eigen::VectorXd out(o.samples());
   for (int n = 0; n < o.samples(); ++n)
     out[n] = state.step(position[n] - position[std::max(0, n - 1)], memory.width_m);
   return out;
 }
 
-void setFriction(Observation& o, const std::vector<Column>& columns, const std::vector<FrictionMemory>& memory) {
+void setFriction(identification::Observation& o, const std::vector<identification::Column>& columns,
+                 const std::vector<FrictionMemory>& memory) {
   for (std::size_t c = 0; c < columns.size(); ++c) {
-    if (columns[c].role != ColumnRole::Coulomb) continue;
+    if (columns[c].role != identification::ColumnRole::Coulomb) continue;
     const int i = columns[c].actuator;
     o.regressor[static_cast<std::size_t>(i)].col(static_cast<Eigen::Index>(c)) =
         frictionShare(o, i, memory[static_cast<std::size_t>(i)]);
   }
 }
 
-EffectInput effectInput(const Robot& robot, const Observation& o, const std::vector<FrictionMemory>& memory,
-                        int recording, int recordings) {
+EffectInput effectInput(const mechanism::Robot& robot, const identification::Observation& o,
+                        const std::vector<FrictionMemory>& memory, int recording, int recordings) {
   EffectInput in;
   in.robot = &robot;
   in.observation = &o;
@@ -119,7 +123,7 @@ EffectInput effectInput(const Robot& robot, const Observation& o, const std::vec
   return in;
 }
 
-void setForces(EffectInput& in, const std::vector<Column>& columns, const Eigen::VectorXd& parameters,
+void setForces(EffectInput& in, const std::vector<identification::Column>& columns, const Eigen::VectorXd& parameters,
                const Eigen::MatrixXd& effects_N) {
   Eigen::VectorXd carried = parameters;
   for (std::size_t c = 0; c < columns.size(); ++c) {
@@ -136,11 +140,11 @@ void setForces(EffectInput& in, const std::vector<Column>& columns, const Eigen:
   in.coulomb_N = in.viscous = in.rotor_kg = Eigen::VectorXd::Zero(in.axes());
   for (std::size_t c = 0; c < columns.size(); ++c) {
     const double value = parameters[static_cast<Eigen::Index>(c)];
-    if (columns[c].role == ColumnRole::Coulomb) in.coulomb_N[columns[c].actuator] = value;
-    if (columns[c].role == ColumnRole::Viscous) in.viscous[columns[c].actuator] = value;
-    if (columns[c].role == ColumnRole::Rotor) in.rotor_kg[columns[c].actuator] = value;
+    if (columns[c].role == identification::ColumnRole::Coulomb) in.coulomb_N[columns[c].actuator] = value;
+    if (columns[c].role == identification::ColumnRole::Viscous) in.viscous[columns[c].actuator] = value;
+    if (columns[c].role == identification::ColumnRole::Rotor) in.rotor_kg[columns[c].actuator] = value;
   }
   in.moved_kg = movedMass(in, parameters);
 }
 
-}  // namespace knee_robot
+}  // namespace knee_robot::tracing

@@ -1,6 +1,6 @@
 #include "effects.h"
 
-namespace knee_robot {
+namespace knee_robot::tracing {
 namespace {
 
 class LoadDependentFriction : public Candidate {
@@ -22,4 +22,4 @@ std::unique_ptr<Candidate> makeLoadDependentFriction() {
   return std::make_unique<LoadDependentFriction>();
 }
 
-}  // namespace knee_robot
+}  // namespace knee_robot::tracing

@@ -2,7 +2,7 @@
 
 #include "effects.h"
 
-namespace knee_robot {
+namespace knee_robot::tracing {
 namespace {
 
 /// A place along the stroke where friction is higher or lower; a wide one is a trend along the stroke.
@@ -49,4 +49,4 @@ std::unique_ptr<Candidate> makePositionDependentFriction() {
   return std::make_unique<PositionDependentFriction>();
 }
 
-}  // namespace knee_robot
+}  // namespace knee_robot::tracing

@@ -2,7 +2,7 @@
 
 #include "effects.h"
 
-namespace knee_robot {
+namespace knee_robot::tracing {
 namespace {
 
 /// Dahl's friction state: ds/dx = (1 - s sign(dx)) / length, integrated exactly over each displacement.
@@ -38,4 +38,4 @@ std::unique_ptr<Candidate> makePresliding() {
   return std::make_unique<Presliding>();
 }
 
-}  // namespace knee_robot
+}  // namespace knee_robot::tracing

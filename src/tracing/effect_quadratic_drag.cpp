@@ -1,6 +1,6 @@
 #include "effects.h"
 
-namespace knee_robot {
+namespace knee_robot::tracing {
 namespace {
 
 class QuadraticDrag : public Candidate {
@@ -23,4 +23,4 @@ std::unique_ptr<Candidate> makeQuadraticDrag() {
   return std::make_unique<QuadraticDrag>();
 }
 
-}  // namespace knee_robot
+}  // namespace knee_robot::tracing

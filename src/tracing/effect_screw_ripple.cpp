@@ -2,7 +2,7 @@
 
 #include "effects.h"
 
-namespace knee_robot {
+namespace knee_robot::tracing {
 namespace {
 
 constexpr double kSamePhase = 0.4;  ///< largest deviation from the mean, in amplitudes
@@ -64,4 +64,4 @@ std::unique_ptr<Candidate> makeScrewRipple() {
   return std::make_unique<ScrewRipple>();
 }
 
-}  // namespace knee_robot
+}  // namespace knee_robot::tracing

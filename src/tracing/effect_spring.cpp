@@ -1,6 +1,6 @@
 #include "effects.h"
 
-namespace knee_robot {
+namespace knee_robot::tracing {
 namespace {
 
 /// A potential of second order in the pose, V = f x + x' K x / 2: what any spring between base and platform looks like near the
@@ -27,8 +27,8 @@ class Spring : public Candidate {
     Eigen::MatrixXd out(input.samples(), 14);
     for (int n = 0; n < input.samples(); ++n) {
       const std::size_t sample = static_cast<std::size_t>(n);
-      const Vector4 lever = input.force_per_pose_force[sample].row(actuator).transpose();
-      const Pose& x = input.observation->motion.motion[sample].pose;
+      const mechanism::Vector4 lever = input.force_per_pose_force[sample].row(actuator).transpose();
+      const mechanism::Pose& x = input.observation->motion.motion[sample].pose;
       int column = 0;
       for (int i = 0; i < 4; ++i) {
         for (int k = i; k < 4; ++k)
@@ -46,4 +46,4 @@ std::unique_ptr<Candidate> makeSpring() {
   return std::make_unique<Spring>();
 }
 
-}  // namespace knee_robot
+}  // namespace knee_robot::tracing

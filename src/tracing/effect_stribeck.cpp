@@ -1,6 +1,6 @@
 #include "effects.h"
 
-namespace knee_robot {
+namespace knee_robot::tracing {
 namespace {
 
 class Stribeck : public Candidate {
@@ -27,4 +27,4 @@ std::unique_ptr<Candidate> makeStribeck() {
   return std::make_unique<Stribeck>();
 }
 
-}  // namespace knee_robot
+}  // namespace knee_robot::tracing

@@ -2,7 +2,7 @@
 
 #include "effects.h"
 
-namespace knee_robot {
+namespace knee_robot::tracing {
 namespace {
 
 /// Friction that fades as the drive warms up from the start of the recording.
@@ -37,4 +37,4 @@ std::unique_ptr<Candidate> makeThermalDrift() {
   return std::make_unique<ThermalDrift>();
 }
 
-}  // namespace knee_robot
+}  // namespace knee_robot::tracing

@@ -2,7 +2,7 @@
 
 #include "knee_robot/tracing/candidate.h"
 
-namespace knee_robot {
+namespace knee_robot::tracing {
 
 // One file an effect: effect_NAME.cpp.
 std::unique_ptr<Candidate> makeAsymmetricCoulomb();
@@ -23,4 +23,4 @@ std::unique_ptr<Candidate> makeFlexibleCoupling();
 std::unique_ptr<Candidate> makeSpring();
 std::unique_ptr<Candidate> makeExternalForce();
 
-}  // namespace knee_robot
+}  // namespace knee_robot::tracing

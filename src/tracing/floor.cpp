@@ -7,13 +7,13 @@
 #include "knee_robot/recording/filter.h"
 #include "repeats.h"
 
-namespace knee_robot {
+namespace knee_robot::tracing {
 namespace {
 
 constexpr double kEngineeringShare = 0.01;
 constexpr double kSameReference = 1e-4;  ///< m, rms
 
-bool repeats(const Recording& a, const Recording& b) {
+bool repeats(const recording::Recording& a, const recording::Recording& b) {
   if (a.reference_m.cols() == 0 || b.reference_m.cols() == 0) return false;
   const int rows = std::min(a.rows(), b.rows());
   if (rows < 0.9 * std::max(a.rows(), b.rows())) return false;
@@ -32,11 +32,11 @@ double quietSpread(const Eigen::VectorXd& signal, Eigen::Index piece) {
 }
 
 /// White noise below the cut-off, from the band between 3 and 6 times it.
-double densityEstimate(const Observation& o, const Eigen::VectorXd& residual, double cutoff_hz) {
+double densityEstimate(const identification::Observation& o, const Eigen::VectorXd& residual, double cutoff_hz) {
   const double rate = 1.0 / o.signals.period_s;
   Eigen::VectorXd high = residual, low = residual;
-  ZeroPhaseLowPass(6.0 * cutoff_hz, rate).apply(high);
-  ZeroPhaseLowPass(3.0 * cutoff_hz, rate).apply(low);
+  recording::ZeroPhaseLowPass(6.0 * cutoff_hz, rate).apply(high);
+  recording::ZeroPhaseLowPass(3.0 * cutoff_hz, rate).apply(low);
   return quietSpread(high - low, static_cast<Eigen::Index>(rate)) / std::sqrt(3.0);  // the band is three cut-offs wide
 }
 
@@ -51,7 +51,7 @@ Eigen::VectorXd engineeringSize(const TraceData& data) {
 
 }  // namespace
 
-NoiseFloor noiseFloor(const std::vector<Recording>& recordings, const TraceData& data,
+NoiseFloor noiseFloor(const std::vector<recording::Recording>& recordings, const TraceData& data,
                       const std::vector<Eigen::MatrixXd>& model_force_N, const Eigen::VectorXd& twin_residual_N) {
   const int axes = data.stack.axes;
   NoiseFloor floor;
@@ -65,7 +65,8 @@ NoiseFloor noiseFloor(const std::vector<Recording>& recordings, const TraceData&
       if (!repeats(recordings[a], recordings[b])) continue;
       const Eigen::Index n = std::min(residual[a].rows(), residual[b].rows());
       Eigen::MatrixXd difference = residual[a].topRows(n) - residual[b].topRows(n);
-      ZeroPhaseLowPass(data.stack.cutoff_hz, 1.0 / data.recordings[a].signals.period_s).applyToColumns(difference);
+      recording::ZeroPhaseLowPass(data.stack.cutoff_hz, 1.0 / data.recordings[a].signals.period_s)
+          .applyToColumns(difference);
       sum += 0.5 * difference.colwise().squaredNorm().transpose();
       samples += static_cast<double>(n);
       floor.source += (floor.source.empty() ? "repeats of one reference: " : "; ") + recordings[a].name + " and " +
@@ -73,11 +74,11 @@ NoiseFloor noiseFloor(const std::vector<Recording>& recordings, const TraceData&
     }
   }
   for (std::size_t r = 0; r < recordings.size(); ++r) {
-    const Signals& signals = data.recordings[r].signals;
+    const recording::Signals& signals = data.recordings[r].signals;
     const RepeatedCycle cycle = findRepeatedCycle(recordings[r], signals);
     if (cycle.lag == 0) continue;
     Eigen::MatrixXd filtered = residual[r];
-    ZeroPhaseLowPass(data.stack.cutoff_hz, 1.0 / signals.period_s).applyToColumns(filtered);
+    recording::ZeroPhaseLowPass(data.stack.cutoff_hz, 1.0 / signals.period_s).applyToColumns(filtered);
     const std::vector<char>& usable = data.recordings[r].usable;
     for (const int n : cycle.first) {
       if (!usable[static_cast<std::size_t>(n)] || !usable[static_cast<std::size_t>(n + cycle.lag)]) continue;
@@ -108,4 +109,4 @@ NoiseFloor noiseFloor(const std::vector<Recording>& recordings, const TraceData&
   return floor;
 }
 
-}  // namespace knee_robot
+}  // namespace knee_robot::tracing

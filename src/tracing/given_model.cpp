@@ -8,7 +8,7 @@
 #include "knee_robot/base/errors.h"
 #include "model_effects.h"
 
-namespace knee_robot {
+namespace knee_robot::tracing {
 namespace {
 
 constexpr double kAgree = 2.0;        ///< standard errors within which a single coefficient is the same
@@ -64,8 +64,8 @@ bool agrees(const Search& s, const FoundEffect& given, const FoundEffect& now) {
   return ratio < kSameSize && ratio > 1.0 / kSameSize;
 }
 
-std::vector<EffectParameter> refitted(const FoundEffect& e, const EffectInput& input) {
-  std::vector<EffectParameter> out;
+std::vector<dynamics::EffectParameter> refitted(const FoundEffect& e, const EffectInput& input) {
+  std::vector<dynamics::EffectParameter> out;
   const std::vector<Coefficient> names = e.hypothesis.place.candidate->coefficients(input);
   for (std::size_t k = 0; k < names.size(); ++k)
     out.push_back({names[k].name, e.coefficients[static_cast<Eigen::Index>(k)], e.std[static_cast<Eigen::Index>(k)]});
@@ -75,24 +75,25 @@ std::vector<EffectParameter> refitted(const FoundEffect& e, const EffectInput& i
 void compareParameters(const Search& s, const StartModel& start, GivenModel& report) {
   const BaseFit& base = *s.base;
   std::vector<double> values;
-  for (const ModelParameter& p : start.model.parameters)
+  for (const dynamics::ModelParameter& p : start.model.parameters)
     values.push_back(p.value);
   const Eigen::VectorXd given = inColumns(start.model, values, base.columns);
   for (int k = 0; k < base.bounded; ++k) {
     Eigen::Index c = 0;
     const double unit = base.basis.col(k).cwiseAbs().maxCoeff(&c);
-    const Column& column = base.columns[static_cast<std::size_t>(c)];
+    const identification::Column& column = base.columns[static_cast<std::size_t>(c)];
     report.parameters.push_back({column.name, column.unit, given[c], unit * s.fit.base[k], unit * s.fit.base_std[k]});
   }
 }
 
 }  // namespace
 
-Eigen::VectorXd startParameters(const StartModel& given, const std::vector<Column>& columns) {
+Eigen::VectorXd startParameters(const StartModel& given, const std::vector<identification::Column>& columns) {
   std::vector<double> values;
-  for (const ModelParameter& p : given.model.parameters) {
+  for (const dynamics::ModelParameter& p : given.model.parameters) {
     values.push_back(p.value);
-    const bool known = std::any_of(columns.begin(), columns.end(), [&](const Column& c) { return c.name == p.name; });
+    const bool known =
+        std::any_of(columns.begin(), columns.end(), [&](const identification::Column& c) { return c.name == p.name; });
     if (known || p.value == 0.0) continue;
     throw InputError(given.path + ": has the parameter " + p.name +
                      ", which the baseline of trace does not have; identify without the joints' friction");
@@ -100,14 +101,14 @@ Eigen::VectorXd startParameters(const StartModel& given, const std::vector<Colum
   return inColumns(given.model, values, columns);
 }
 
-GivenModel startFrom(const Robot& robot, const StartModel& start, const CandidateList& named, CandidateList& maps,
-                     Search& s) {
+GivenModel startFrom(const mechanism::Robot& robot, const StartModel& start, const CandidateList& named,
+                     CandidateList& maps, Search& s) {
   GivenModel report;
   report.path = start.path;
   const int recordings = static_cast<int>(start.model.data.size());
   std::vector<FoundEffect> given;     // of those in s.effects, in order
   std::vector<std::size_t> reported;  // where
-  for (const ModelEffect& m : start.model.effects) {
+  for (const dynamics::ModelEffect& m : start.model.effects) {
     report.effects.push_back({m, false, "belongs to its own recordings", {}, 0.0, 0.0});
     const FoundEffect e = effectOf(robot, m, recordings, start.path, named, maps);
     const Candidate& candidate = *e.hypothesis.place.candidate;
@@ -155,4 +156,4 @@ GivenModel startFrom(const Robot& robot, const StartModel& start, const Candidat
   return report;
 }
 
-}  // namespace knee_robot
+}  // namespace knee_robot::tracing

@@ -4,7 +4,7 @@
 #include <Eigen/QR>
 #include <algorithm>
 
-namespace knee_robot {
+namespace knee_robot::tracing {
 namespace {
 
 constexpr double kAbsorbed = 1e-3;  ///< share of a column's square that must survive the model's columns
@@ -148,4 +148,4 @@ std::vector<std::vector<Hypothesis>> byPlace(const std::vector<Hypothesis>& trie
   return groups;
 }
 
-}  // namespace knee_robot
+}  // namespace knee_robot::tracing

@@ -4,7 +4,7 @@
 
 #include "knee_robot/identification/rank.h"
 
-namespace knee_robot {
+namespace knee_robot::tracing {
 namespace {
 
 constexpr double kPull = 0.02;  ///< relative to a column's norm
@@ -33,9 +33,9 @@ Layout layoutOf(const BaseFit& base, const std::vector<Hypothesis>& effects, con
   return layout;
 }
 
-Equations equationsOf(const TraceData& data, const Eigen::VectorXd& noise_N, const Layout& layout,
-                      const std::vector<Eigen::MatrixXd>& effect_rows) {
-  Equations e;
+identification::Equations equationsOf(const TraceData& data, const Eigen::VectorXd& noise_N, const Layout& layout,
+                                      const std::vector<Eigen::MatrixXd>& effect_rows) {
+  identification::Equations e;
   e.axes = data.stack.axes;
   e.blocks = data.stack.blocks;
   e.a.resize(data.force_rows.size(), static_cast<Eigen::Index>(layout.source.size()));
@@ -51,7 +51,7 @@ Equations equationsOf(const TraceData& data, const Eigen::VectorXd& noise_N, con
       e.block.push_back(pick.block);
     }
   }
-  weightRows(e, noise_N);
+  identification::weightRows(e, noise_N);
   return e;
 }
 
@@ -67,7 +67,7 @@ Eigen::VectorXd solve(const Eigen::MatrixXd& triangle, int bounded, const std::v
   target.head(triangle.rows()) = triangle.col(p);
   for (Eigen::Index k = 0; k < pulls; ++k)
     scaled(triangle.rows() + k, groups[static_cast<std::size_t>(k)]) = kPull;
-  return boundedLeastSquares(scaled, target, bounded).cwiseQuotient(scale);
+  return identification::boundedLeastSquares(scaled, target, bounded).cwiseQuotient(scale);
 }
 
 }  // namespace
@@ -75,14 +75,14 @@ Eigen::VectorXd solve(const Eigen::MatrixXd& triangle, int bounded, const std::v
 JointFit fitJointly(const TraceData& data, const BaseFit& base, const Eigen::VectorXd& noise_N,
                     const std::vector<Hypothesis>& effects, const std::vector<Eigen::MatrixXd>& effect_rows) {
   const Layout layout = layoutOf(base, effects, data.inputs.front());
-  const Equations e = equationsOf(data, noise_N, layout, effect_rows);
-  const std::vector<Eigen::MatrixXd> blocks = compressBlocks(e);
+  const identification::Equations e = equationsOf(data, noise_N, layout, effect_rows);
+  const std::vector<Eigen::MatrixXd> blocks = identification::compressBlocks(e);
   std::vector<int> groups;
   for (std::size_t c = 0; c < layout.source.size(); ++c) {
     const int effect = layout.source[c].first;
     if (effect >= 0 && effect_rows[static_cast<std::size_t>(effect)].cols() > 2) groups.push_back(static_cast<int>(c));
   }
-  const Eigen::VectorXd z = solve(joinBlocks(blocks, -1), layout.bounded, groups);
+  const Eigen::VectorXd z = solve(identification::joinBlocks(blocks, -1), layout.bounded, groups);
   JointFit fit;
   fit.residual_N = e.b - e.a * z;
   for (int i = 0; i < e.axes; ++i)
@@ -90,7 +90,7 @@ JointFit fitJointly(const TraceData& data, const BaseFit& base, const Eigen::Vec
   fit.held_back.resize(e.blocks);
   Eigen::MatrixXd left_out(z.size(), e.blocks);
   for (int b = 0; b < e.blocks; ++b) {
-    left_out.col(b) = solve(joinBlocks(blocks, b), layout.bounded, groups);
+    left_out.col(b) = solve(identification::joinBlocks(blocks, b), layout.bounded, groups);
     const Eigen::MatrixXd& own = blocks[static_cast<std::size_t>(b)];
     fit.held_back[b] =
         own.rows() == 0 ? 0.0 : (own.rightCols(1) - own.leftCols(z.size()) * left_out.col(b)).squaredNorm();
@@ -121,4 +121,4 @@ JointFit fitJointly(const TraceData& data, const BaseFit& base, const Eigen::Vec
   return fit;
 }
 
-}  // namespace knee_robot
+}  // namespace knee_robot::tracing

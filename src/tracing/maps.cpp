@@ -4,7 +4,7 @@
 
 #include "knee_robot/tracing/candidate.h"
 
-namespace knee_robot {
+namespace knee_robot::tracing {
 namespace {
 
 constexpr int kKnots = 8;
@@ -164,7 +164,7 @@ CandidateList mapCandidates(const std::vector<EffectInput>& inputs) {
   return maps;
 }
 
-std::unique_ptr<Candidate> mapCandidate(const Robot& robot, const std::string& depends_on, int actuator,
+std::unique_ptr<Candidate> mapCandidate(const mechanism::Robot& robot, const std::string& depends_on, int actuator,
                                         const std::vector<double>& knots) {
   if (knots.size() != static_cast<std::size_t>(kKnots)) return nullptr;
   for (const MapSignal& signal : mapSignals(!robot.mechanism, robot.axes())) {
@@ -175,4 +175,4 @@ std::unique_ptr<Candidate> mapCandidate(const Robot& robot, const std::string& d
   return nullptr;
 }
 
-}  // namespace knee_robot
+}  // namespace knee_robot::tracing

@@ -6,12 +6,12 @@
 #include "knee_robot/identification/prediction.h"
 #include "model_effects.h"
 
-namespace knee_robot {
+namespace knee_robot::tracing {
 namespace {
 
 constexpr const char* kUnnamed = "unnamed";
 
-const Candidate* candidateOf(const Robot& robot, const ModelEffect& effect, int actuator,
+const Candidate* candidateOf(const mechanism::Robot& robot, const dynamics::ModelEffect& effect, int actuator,
                              const std::vector<double>& shape, const CandidateList& named, CandidateList& maps) {
   if (effect.name == kUnnamed) {
     std::unique_ptr<Candidate> map = mapCandidate(robot, effect.depends_on, actuator, shape);
@@ -26,7 +26,7 @@ const Candidate* candidateOf(const Robot& robot, const ModelEffect& effect, int 
 }
 
 template <typename Expected>
-void requireNames(const std::vector<EffectParameter>& have, const std::vector<Expected>& expected,
+void requireNames(const std::vector<knee_robot::dynamics::EffectParameter>& have, const std::vector<Expected>& expected,
                   const std::string& effect, const std::string& model_path) {
   if (have.size() != expected.size()) {
     throw InputError(model_path + ": effect " + effect + " has " + std::to_string(have.size()) + " numbers where " +
@@ -42,7 +42,8 @@ void requireNames(const std::vector<EffectParameter>& have, const std::vector<Ex
 
 }  // namespace
 
-Eigen::VectorXd inColumns(const Model& model, const std::vector<double>& values, const std::vector<Column>& columns) {
+Eigen::VectorXd inColumns(const dynamics::Model& model, const std::vector<double>& values,
+                          const std::vector<identification::Column>& columns) {
   Eigen::VectorXd out = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(columns.size()));
   for (std::size_t c = 0; c < columns.size(); ++c) {
     for (std::size_t k = 0; k < model.parameters.size(); ++k) {
@@ -52,10 +53,10 @@ Eigen::VectorXd inColumns(const Model& model, const std::vector<double>& values,
   return out;
 }
 
-FoundEffect effectOf(const Robot& robot, const ModelEffect& m, int recordings, const std::string& model_path,
-                     const CandidateList& named, CandidateList& maps) {
+FoundEffect effectOf(const mechanism::Robot& robot, const dynamics::ModelEffect& m, int recordings,
+                     const std::string& model_path, const CandidateList& named, CandidateList& maps) {
   FoundEffect e;
-  for (const EffectParameter& p : m.shape)
+  for (const dynamics::EffectParameter& p : m.shape)
     e.hypothesis.shape.push_back(p.value);
   const int actuator = m.actuators.size() == 1 ? m.actuators.front() - 1 : -1;
   const Candidate* candidate = candidateOf(robot, m, std::max(0, actuator), e.hypothesis.shape, named, maps);
@@ -81,21 +82,21 @@ FoundEffect effectOf(const Robot& robot, const ModelEffect& m, int recordings, c
   return e;
 }
 
-ObservationOptions observationOptions(const Model& model) {
-  ObservationOptions options;
+identification::ObservationOptions observationOptions(const dynamics::Model& model) {
+  identification::ObservationOptions options;
   options.setCutoff(model.cutoff_hz);
   options.moving_m_per_s = model.moving_m_per_s;
   return options;
 }
 
-TraceResult resultOf(const Robot& robot, const Model& model, const std::string& model_path) {
-  requireModelOf(model, model_path, robot);
+TraceResult resultOf(const mechanism::Robot& robot, const dynamics::Model& model, const std::string& model_path) {
+  dynamics::requireModelOf(model, model_path, robot);
   if (model.friction_cutoff_hz.empty() || model.effects_see.empty()) {
     throw InputError(model_path + ": lacks friction_cutoff_hz and effects_see, without which its effects cannot be " +
                      "computed; trace again with this version");
   }
   TraceResult r;
-  r.base.columns = columnsOf(robot);
+  r.base.columns = identification::columnsOf(robot);
   for (int i = 0; i < model.axes; ++i) {
     const std::size_t axis = static_cast<std::size_t>(i);
     r.base.memory.push_back({model.coulomb_width_m[axis], model.friction_cutoff_hz[axis]});
@@ -104,10 +105,10 @@ TraceResult resultOf(const Robot& robot, const Model& model, const std::string& 
   CandidateList maps;
   const int recordings = static_cast<int>(model.data.size());
   const auto fill = [&](TraceResult& to, const std::vector<double>& parameters, const std::vector<double>& see,
-                        const std::vector<ModelEffect>& effects) {
+                        const std::vector<dynamics::ModelEffect>& effects) {
     to.parameters = inColumns(model, parameters, r.base.columns);
     to.seen_parameters = inColumns(model, see, r.base.columns);
-    for (const ModelEffect& m : effects)
+    for (const dynamics::ModelEffect& m : effects)
       to.effects.push_back(effectOf(robot, m, recordings, model_path, *r.candidates, maps));
   };
   if (model.elsewhere) {
@@ -116,7 +117,7 @@ TraceResult resultOf(const Robot& robot, const Model& model, const std::string& 
     r.elsewhere = std::make_shared<const TraceResult>(std::move(other));
   }
   std::vector<double> values;
-  for (const ModelParameter& p : model.parameters)
+  for (const dynamics::ModelParameter& p : model.parameters)
     values.push_back(p.value);
   fill(r, values, model.effects_see, model.effects);
   for (auto& map : maps)
@@ -126,16 +127,17 @@ TraceResult resultOf(const Robot& robot, const Model& model, const std::string& 
   return r;
 }
 
-Eigen::MatrixXd predictModel(const Robot& robot, const Model& model, const std::string& model_path, Observation& o) {
+Eigen::MatrixXd predictModel(const mechanism::Robot& robot, const dynamics::Model& model, const std::string& model_path,
+                             identification::Observation& o) {
   if (model.friction_cutoff_hz.empty() && model.effects.empty()) {
-    requireModelOf(model, model_path, robot);
-    return predictForce(model, robot, o.signals, o.motion);
+    dynamics::requireModelOf(model, model_path, robot);
+    return identification::predictForce(model, robot, o.signals, o.motion);
   }
   const TraceResult result = resultOf(robot, model, model_path);
   const auto listed = std::find_if(model.data.begin(), model.data.end(),
-                                   [&](const ModelData& data) { return data.fingerprint == o.fingerprint; });
+                                   [&](const dynamics::ModelData& data) { return data.fingerprint == o.fingerprint; });
   const int recording = listed == model.data.end() ? -1 : static_cast<int>(listed - model.data.begin());
   return predictTraced(robot, result, o, recording, static_cast<int>(model.data.size()));
 }
 
-}  // namespace knee_robot
+}  // namespace knee_robot::tracing

@@ -11,7 +11,7 @@
 #include "knee_robot/excitation/fourier_series.h"
 #include "knee_robot/trajectory/pose_limits.h"
 
-namespace knee_robot {
+namespace knee_robot::tracing {
 namespace {
 
 constexpr double kLeastAngle_rad = 0.0175;  ///< below a degree two explanations are one
@@ -41,11 +41,12 @@ Eigen::MatrixXd without(const Eigen::MatrixXd& q, const Eigen::MatrixXd& columns
 }
 
 /// Rows of the finished model along recordings: what hypotheses look at.
-TraceData rowsAlong(const Robot& robot, const TraceResult& result, std::vector<Observation> recordings,
-                    const ObservationOptions& options) {
+TraceData rowsAlong(const mechanism::Robot& robot, const TraceResult& result,
+                    std::vector<identification::Observation> recordings,
+                    const identification::ObservationOptions& options) {
   TraceData data;
   data.recordings = std::move(recordings);
-  for (Observation& o : data.recordings)
+  for (identification::Observation& o : data.recordings)
     setFriction(o, result.base.columns, result.base.memory);
   data.stack = makeStack(data.recordings, options);
   BaseFit newtons = result.base;
@@ -91,27 +92,27 @@ Rivals confusablePair(const TraceResult& result) {
 /// Random motions of one robot, scaled to its limits.
 class MotionDice {
  public:
-  MotionDice(const Robot& robot, double duration_s, std::uint64_t seed) : robot_(robot), random_(seed) {
+  MotionDice(const mechanism::Robot& robot, double duration_s, std::uint64_t seed) : robot_(robot), random_(seed) {
     duration_s_ = duration_s;
     if (robot.mechanism) {
-      robot_.singularity_condition_max = planningCondition(robot);
+      robot_.singularity_condition_max = trajectory::planningCondition(robot);
       findCentre();
     }
     for (int i = 0; !robot.mechanism && i < robot.axes(); ++i) {
-      const Actuator& a = robot.actuators[static_cast<std::size_t>(i)];
+      const mechanism::Actuator& a = robot.actuators[static_cast<std::size_t>(i)];
       centre_[i] = 0.5 * (a.position_min_m + a.position_max_m);
     }
   }
 
-  FourierSeries any() {
-    FourierSeries s;
-    s.space = robot_.mechanism ? Space::Platform : Space::Actuator;
+  excitation::FourierSeries any() {
+    excitation::FourierSeries s;
+    s.space = robot_.mechanism ? trajectory::Space::Platform : trajectory::Space::Actuator;
     s.shape.harmonics = 1 + static_cast<int>(random_() % 5);
     s.shape.ramp_s = 2.0;
     s.shape.duration_s = duration_s_;
     s.shape.period_s = std::exp(std::log(3.0) + uniform() * std::log(duration_s_ / 3.0));
     s.centre = centre_;
-    s.coefficients = Eigen::MatrixXd::Zero(4, coefficientColumns(s.shape));
+    s.coefficients = Eigen::MatrixXd::Zero(4, excitation::coefficientColumns(s.shape));
     for (int i = 0; i < moved(); ++i) {
       const double size = uniform();
       for (Eigen::Index c = 0; c < s.coefficients.cols(); ++c)
@@ -120,7 +121,7 @@ class MotionDice {
     return s;
   }
 
-  FourierSeries near(FourierSeries s, double step) {
+  excitation::FourierSeries near(excitation::FourierSeries s, double step) {
     for (int i = 0; i < moved(); ++i) {
       for (Eigen::Index c = 0; c < s.coefficients.cols(); ++c)
         s.coefficients(i, c) += step * unit(i) * normal();
@@ -130,24 +131,25 @@ class MotionDice {
   }
 
   /// The largest amplitude, up to twice the drawn one, that the limits allow; nothing when hardly any.
-  std::optional<FourierSeries> fitted(const FourierSeries& s) const {
+  std::optional<excitation::FourierSeries> fitted(const excitation::FourierSeries& s) const {
     double fits = 0.0, beyond = 2.0;
     for (int round = 0; round < 7; ++round) {
       const double middle = 0.5 * (fits + beyond);
-      (checkReference(sampledReference(scaled(s, middle)), robot_).ok() ? fits : beyond) = middle;
+      (trajectory::checkReference(excitation::sampledReference(scaled(s, middle)), robot_).ok() ? fits : beyond) =
+          middle;
     }
     if (fits < 0.02) return std::nullopt;
     return scaled(s, fits);
   }
 
   /// In actuator lengths, checked.
-  Reference reference(const FourierSeries& s, ReferenceCheck& check) const {
-    Reference r = sampledReference(s);
-    check = checkReference(r, robot_);
-    r.space = Space::Actuator;
+  trajectory::Reference reference(const excitation::FourierSeries& s, trajectory::ReferenceCheck& check) const {
+    trajectory::Reference r = excitation::sampledReference(s);
+    check = trajectory::checkReference(r, robot_);
+    r.space = trajectory::Space::Actuator;
     r.points = check.lengths;
     r.name = "next_experiment.txt";
-    check = checkReference(r, robot_);
+    check = trajectory::checkReference(r, robot_);
     return r;
   }
 
@@ -157,7 +159,7 @@ class MotionDice {
   double normal() { return std::normal_distribution<double>(0.0, 1.0)(random_); }
   double unit(int i) const { return robot_.mechanism ? (i < 2 ? 0.1 : 0.2) : 0.1; }
 
-  static FourierSeries scaled(FourierSeries s, double factor) {
+  static excitation::FourierSeries scaled(excitation::FourierSeries s, double factor) {
     s.coefficients *= factor;
     return s;
   }
@@ -167,8 +169,8 @@ class MotionDice {
     double best = -1e9;
     for (double x = -0.2; x < 0.21; x += 0.05) {
       for (double z = 0.3; z < 1.2; z += 0.025) {
-        const Pose pose(x, z, 0.0, 0.0);
-        const double left = nearestLimit(robot_, pose, robot_.singularity_condition_max).left;
+        const mechanism::Pose pose(x, z, 0.0, 0.0);
+        const double left = trajectory::nearestLimit(robot_, pose, robot_.singularity_condition_max).left;
         if (left <= best) continue;
         best = left;
         centre_ = pose;
@@ -176,10 +178,10 @@ class MotionDice {
     }
   }
 
-  Robot robot_;
+  mechanism::Robot robot_;
   std::mt19937_64 random_;
   double duration_s_ = 30.0;
-  Vector4 centre_ = Vector4::Zero();
+  mechanism::Vector4 centre_ = mechanism::Vector4::Zero();
 };
 
 double scoreOf(const Separation& s, double floor_N) {
@@ -188,8 +190,8 @@ double scoreOf(const Separation& s, double floor_N) {
 
 }  // namespace
 
-Recording idealRecording(const Reference& reference, int axes) {
-  Recording r;
+recording::Recording idealRecording(const trajectory::Reference& reference, int axes) {
+  recording::Recording r;
   r.path = r.name = reference.name;
   r.axes = axes;
   r.position_m = reference.points.leftCols(axes);
@@ -199,8 +201,9 @@ Recording idealRecording(const Reference& reference, int axes) {
   return r;
 }
 
-Separation separationOf(const Robot& robot, const TraceResult& result, const FoundEffect& first, const Candidate& rival,
-                        std::vector<Observation> recordings, const ObservationOptions& options) {
+Separation separationOf(const mechanism::Robot& robot, const TraceResult& result, const FoundEffect& first,
+                        const Candidate& rival, std::vector<identification::Observation> recordings,
+                        const identification::ObservationOptions& options) {
   const TraceData data = rowsAlong(robot, result, std::move(recordings), options);
   const Eigen::VectorXd& noise = result.after_rms_N;
   const Eigen::MatrixXd q = basisOf(weighted(data.stack, data.base_rows, noise));
@@ -225,8 +228,8 @@ Separation separationOf(const Robot& robot, const TraceResult& result, const Fou
   return out;
 }
 
-NextExperiment planNextExperiment(const Robot& robot, const TraceResult& result,
-                                  const std::vector<Observation>& training, const TraceOptions& options,
+NextExperiment planNextExperiment(const mechanism::Robot& robot, const TraceResult& result,
+                                  const std::vector<identification::Observation>& training, const TraceOptions& options,
                                   const NextExperimentOptions& plan) {
   NextExperiment out;
   const Rivals pair = confusablePair(result);
@@ -244,22 +247,23 @@ NextExperiment planNextExperiment(const Robot& robot, const TraceResult& result,
     return out;
   }
   options.progress("planning the motion that separates " + out.first + " from " + out.second);
-  const ObservationOptions& observing = options.observation;
+  const identification::ObservationOptions& observing = options.observation;
   out.now = separationOf(robot, result, *pair.first, *pair.second, training, observing);
   const double floor_N = place.actuator < 0 ? result.floor_N.mean() : result.floor_N[place.actuator];
-  const std::vector<Column> columns = columnsOf(robot);
+  const std::vector<identification::Column> columns = identification::columnsOf(robot);
   MotionDice dice(robot, plan.duration_s, plan.seed);
 
   double best_score = 0.0;
-  std::optional<FourierSeries> best;
-  const auto look = [&](const FourierSeries& drawn) {
-    const std::optional<FourierSeries> series = dice.fitted(drawn);
+  std::optional<excitation::FourierSeries> best;
+  const auto look = [&](const excitation::FourierSeries& drawn) {
+    const std::optional<excitation::FourierSeries> series = dice.fitted(drawn);
     if (!series) return false;
     ++out.motions;
-    ReferenceCheck check;
-    const Reference reference = dice.reference(*series, check);
+    trajectory::ReferenceCheck check;
+    const trajectory::Reference reference = dice.reference(*series, check);
     if (!check.ok()) return false;
-    std::vector<Observation> along = {observe(robot, columns, idealRecording(reference, robot.axes()), observing)};
+    std::vector<identification::Observation> along = {
+        identification::observe(robot, columns, idealRecording(reference, robot.axes()), observing)};
     const Separation s = separationOf(robot, result, *pair.first, *pair.second, std::move(along), observing);
     if (scoreOf(s, floor_N) <= best_score) return false;
     best_score = scoreOf(s, floor_N);
@@ -285,4 +289,4 @@ NextExperiment planNextExperiment(const Robot& robot, const TraceResult& result,
   return out;
 }
 
-}  // namespace knee_robot
+}  // namespace knee_robot::tracing

@@ -5,7 +5,7 @@
 #include <future>
 #include <random>
 
-namespace knee_robot {
+namespace knee_robot::tracing {
 namespace {
 
 constexpr double kLeastSpread = 0.01;  ///< of a place's null values: absorbed places have none
@@ -22,15 +22,16 @@ void setModelForces(EffectInput& input, const BaseFit& base, const TwinModel& mo
   setForces(input, base.columns, model.parameters, own.friction_N + own.load_N);
 }
 
-TraceData makeTwin(const Robot& robot, const std::vector<Recording>& recordings, const TraceData& data,
-                   const BaseFit& base, const TwinModel& model, const std::vector<TwinPlan>& plans,
-                   const ObservationOptions& options, std::uint64_t seed) {
+TraceData makeTwin(const mechanism::Robot& robot, const std::vector<recording::Recording>& recordings,
+                   const TraceData& data, const BaseFit& base, const TwinModel& model,
+                   const std::vector<TwinPlan>& plans, const identification::ObservationOptions& options,
+                   std::uint64_t seed) {
   TraceData twin;
   const int count = static_cast<int>(recordings.size());
   for (std::size_t r = 0; r < recordings.size(); ++r) {
-    const Recording simulated =
+    const recording::Recording simulated =
         simulateTwin(robot, recordings[r], data.recordings[r], plans[r], seed * 1000003u + 17u * r);
-    twin.recordings.push_back(observe(robot, base.columns, simulated, options));
+    twin.recordings.push_back(identification::observe(robot, base.columns, simulated, options));
     setFriction(twin.recordings.back(), base.columns, base.memory);
   }
   twin.stack = makeStack(twin.recordings, options);
@@ -39,7 +40,7 @@ TraceData makeTwin(const Robot& robot, const std::vector<Recording>& recordings,
   Eigen::VectorXd residual = forceRows(newtons, twin.recordings, twin.stack);
   for (int i = 0; i < twin.stack.axes; ++i) {
     std::vector<Eigen::MatrixXd> force;
-    for (const Observation& o : twin.recordings)
+    for (const identification::Observation& o : twin.recordings)
       force.push_back(o.regressor[static_cast<std::size_t>(i)] * (model.parameters - base.start));
     residual.segment(i * twin.stack.size(), twin.stack.size()) -= gather(twin.stack, twin.recordings, std::move(force));
   }
@@ -52,7 +53,7 @@ TraceData makeTwin(const Robot& robot, const std::vector<Recording>& recordings,
     twin.inputs.push_back(effectInput(robot, twin.recordings[static_cast<std::size_t>(r)], newtons.memory, r, count));
     setModelForces(twin.inputs.back(), base, model);
   }
-  for (Observation& o : twin.recordings) {
+  for (identification::Observation& o : twin.recordings) {
     for (Eigen::MatrixXd& regressor : o.regressor)
       regressor.resize(0, 0);  // tens of megabytes that nobody needs any more
   }
@@ -147,9 +148,10 @@ std::vector<Result> inTwoThreads(int count, const Task& task) {
 
 }  // namespace
 
-std::vector<TraceData> makeTwins(const Robot& robot, const std::vector<Recording>& recordings, const TraceData& data,
-                                 const BaseFit& base, const TwinModel& model, const std::vector<TwinPlan>& plans,
-                                 const ObservationOptions& options, int count, std::uint64_t seed) {
+std::vector<TraceData> makeTwins(const mechanism::Robot& robot, const std::vector<recording::Recording>& recordings,
+                                 const TraceData& data, const BaseFit& base, const TwinModel& model,
+                                 const std::vector<TwinPlan>& plans, const identification::ObservationOptions& options,
+                                 int count, std::uint64_t seed) {
   return inTwoThreads<TraceData>(count, [&](int k) {
     return makeTwin(robot, recordings, data, base, model, plans, options,
                     seed * 7919u + static_cast<std::uint64_t>(k) + 1u);
@@ -251,4 +253,4 @@ Eigen::MatrixXd modelColumns(const TraceData& data, const Eigen::VectorXd& noise
   return weighted(data.stack, std::move(all), noise_N);
 }
 
-}  // namespace knee_robot
+}  // namespace knee_robot::tracing

@@ -9,7 +9,7 @@
 #include "knee_robot/dynamics/robot_inertia.h"
 #include "knee_robot/identification/rank.h"
 
-namespace knee_robot {
+namespace knee_robot::tracing {
 namespace {
 
 constexpr int kMass = 4;             ///< mass and first moments
@@ -26,7 +26,7 @@ std::vector<Eigen::Index> ownColumns(const BaseFit& base) {
   std::vector<Eigen::Index> own;
   for (const bool bounded : {true, false}) {
     for (std::size_t c = 0; c < base.columns.size(); ++c) {
-      if (base.columns[c].role != ColumnRole::Rigid && base.columns[c].isNonNegative() == bounded)
+      if (base.columns[c].role != identification::ColumnRole::Rigid && base.columns[c].isNonNegative() == bounded)
         own.push_back(static_cast<Eigen::Index>(c));
     }
   }
@@ -36,33 +36,33 @@ std::vector<Eigen::Index> ownColumns(const BaseFit& base) {
 /// Directions of the 90 parameters: the URDF, the point mass's moments of inertia, mass and first moments.
 struct Directions {
   Eigen::VectorXd known;
-  Eigen::MatrixXd mass = Eigen::MatrixXd::Zero(kInertialParameters, kMass);
+  Eigen::MatrixXd mass = Eigen::MatrixXd::Zero(dynamics::kInertialParameters, kMass);
 
-  explicit Directions(const RobotInertia& inertia) : known(toParameters(inertia)) {
-    constexpr int kPlatform = kPlatformLink * kLinkParameters;
+  explicit Directions(const dynamics::RobotInertia& inertia) : known(dynamics::toParameters(inertia)) {
+    constexpr int kPlatform = dynamics::kPlatformLink * dynamics::kLinkParameters;
     mass(kPlatform + 9, 0) = 1.0;
     for (int k = 0; k < 3; ++k)
       mass(kPlatform + 6 + k, 1 + k) = 1.0;
   }
   /// The URDF with the moments of inertia (about the platform's origin) of a point mass.
-  Eigen::VectorXd with(double point_kg, const Vector3& center) const {
-    LinkInertia point;
+  Eigen::VectorXd with(double point_kg, const mechanism::Vector3& center) const {
+    dynamics::LinkInertia point;
     point.mass = point_kg;
     point.center = center;
     Eigen::VectorXd out = known;
-    out.segment<6>(kPlatformLink * kLinkParameters) += toParameters(point).head<6>();
+    out.segment<6>(dynamics::kPlatformLink * dynamics::kLinkParameters) += dynamics::toParameters(point).head<6>();
     return out;
   }
 };
 
 /// Rows of all actuators, weighted: own columns (those with a sign first), mass columns, and the 90 rigid ones apart.
 struct Rows {
-  Equations own;
+  identification::Equations own;
   Eigen::MatrixXd rigid;
   int bounded = 0;
 };
 
-Rows rowsOf(const std::vector<Observation>& recordings, const Stack& stack, const BaseFit& base,
+Rows rowsOf(const std::vector<identification::Observation>& recordings, const Stack& stack, const BaseFit& base,
             const Eigen::VectorXd& noise_N, const Directions& directions) {
   const std::vector<Eigen::Index> own = ownColumns(base);
   Rows rows;
@@ -73,17 +73,17 @@ Rows rowsOf(const std::vector<Observation>& recordings, const Stack& stack, cons
   rows.own.blocks = stack.blocks;
   rows.own.a.resize(p * stack.axes, count + kMass);
   rows.own.b.resize(p * stack.axes);
-  rows.rigid.resize(p * stack.axes, kInertialParameters);
+  rows.rigid.resize(p * stack.axes, dynamics::kInertialParameters);
   const Eigen::VectorXd scale = rowScale(stack, recordings, Attention::Moving);
   for (int i = 0; i < stack.axes; ++i) {
     std::vector<Eigen::MatrixXd> columns;
-    for (const Observation& o : recordings)
+    for (const identification::Observation& o : recordings)
       columns.push_back(o.regressor[static_cast<std::size_t>(i)]);
     const Eigen::VectorXd weight = scale.segment(i * p, p) / noise_N[i];
     const Eigen::MatrixXd all = weight.asDiagonal() * gather(stack, recordings, std::move(columns));
     for (Eigen::Index c = 0; c < count; ++c)
       rows.own.a.col(c).segment(i * p, p) = all.col(own[static_cast<std::size_t>(c)]);
-    rows.rigid.middleRows(i * p, p) = all.leftCols(kInertialParameters);
+    rows.rigid.middleRows(i * p, p) = all.leftCols(dynamics::kInertialParameters);
     rows.own.b.segment(i * p, p) = weight.cwiseProduct(gatherForce(stack, recordings, i));
     for (const Pick& pick : stack.picks) {
       rows.own.actuator.push_back(i);
@@ -97,7 +97,8 @@ Rows rowsOf(const std::vector<Observation>& recordings, const Stack& stack, cons
 Eigen::VectorXd solve(const Eigen::MatrixXd& triangle, int bounded) {
   const Eigen::Index p = triangle.cols() - 1;
   const Eigen::VectorXd scale = triangle.leftCols(p).colwise().norm().transpose().cwiseMax(1e-12);
-  return boundedLeastSquares(triangle.leftCols(p) * scale.cwiseInverse().asDiagonal(), triangle.col(p), bounded)
+  return identification::boundedLeastSquares(triangle.leftCols(p) * scale.cwiseInverse().asDiagonal(), triangle.col(p),
+                                             bounded)
       .cwiseQuotient(scale);
 }
 
@@ -145,14 +146,14 @@ void judge(double platform_kg, PayloadTest& t) {
 
 }  // namespace
 
-PayloadTest testPayload(const Robot& robot, const std::vector<Observation>& recordings, const Stack& stack,
-                        const BaseFit& base, const Eigen::VectorXd& noise_N) {
+PayloadTest testPayload(const mechanism::Robot& robot, const std::vector<identification::Observation>& recordings,
+                        const Stack& stack, const BaseFit& base, const Eigen::VectorXd& noise_N) {
   PayloadTest t;
   t.sentence = "payload: a mass on the platform changes the platform's inertia parameters, which are fitted";
   if (!robot.mechanism || robot.urdf.empty()) return t;
-  RobotInertia inertia;
+  dynamics::RobotInertia inertia;
   try {
-    inertia = loadRobotInertia(robot);
+    inertia = dynamics::loadRobotInertia(robot);
   } catch (const InputError& e) {
     t.sentence += std::string("; it was not compared with the URDF's inertia (") + e.what() + ")";
     return t;
@@ -165,11 +166,11 @@ PayloadTest testPayload(const Robot& robot, const std::vector<Observation>& reco
   Eigen::VectorXd z;
   for (int pass = 0; pass < kPasses; ++pass) {
     rows.own.b = force - rows.rigid * directions.with(std::max(0.0, t.mass_kg), t.center_m);
-    const std::vector<Eigen::MatrixXd> blocks = compressBlocks(rows.own);
-    z = solve(joinBlocks(blocks, -1), rows.bounded);
+    const std::vector<Eigen::MatrixXd> blocks = identification::compressBlocks(rows.own);
+    z = solve(identification::joinBlocks(blocks, -1), rows.bounded);
     Eigen::MatrixXd left_out(z.size(), stack.blocks);
     for (int b = 0; b < stack.blocks; ++b)
-      left_out.col(b) = solve(joinBlocks(blocks, b), rows.bounded);
+      left_out.col(b) = solve(identification::joinBlocks(blocks, b), rows.bounded);
     const double factor = (stack.blocks - 1.0) / stack.blocks;
     const auto stdOf = [&](const Eigen::RowVectorXd& v) {
       return std::sqrt(factor * (v.array() - v.mean()).square().sum());
@@ -184,15 +185,17 @@ PayloadTest testPayload(const Robot& robot, const std::vector<Observation>& reco
   t.payload_rms = rms(rows.own.b - rows.own.a * z);
   rows.own.b = force - rows.rigid * directions.known;
   rows.own.a.conservativeResize(Eigen::NoChange, own);
-  t.prior_rms = rms(rows.own.b - rows.own.a * solve(joinBlocks(compressBlocks(rows.own), -1), rows.bounded));
+  t.prior_rms =
+      rms(rows.own.b -
+          rows.own.a * solve(identification::joinBlocks(identification::compressBlocks(rows.own), -1), rows.bounded));
   const Eigen::VectorXd scale = rowScale(stack, recordings, Attention::Moving);
   BaseFit weighted = base;
   weighted.noise_N = noise_N;
   const Eigen::MatrixXd a = scale.asDiagonal() * baseRows(weighted, recordings, stack);
   const Eigen::VectorXd b = scale.cwiseProduct(forceRows(weighted, recordings, stack));
-  t.free_rms = rms(b - a * boundedLeastSquares(a, b, base.bounded));
-  judge(inertia.links[kPlatformLink].mass, t);
+  t.free_rms = rms(b - a * identification::boundedLeastSquares(a, b, base.bounded));
+  judge(inertia.links[dynamics::kPlatformLink].mass, t);
   return t;
 }
 
-}  // namespace knee_robot
+}  // namespace knee_robot::tracing

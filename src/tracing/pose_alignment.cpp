@@ -6,7 +6,7 @@
 
 #include "knee_robot/recording/signals.h"
 
-namespace knee_robot {
+namespace knee_robot::tracing {
 namespace {
 
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
@@ -64,7 +64,7 @@ double correlationAt(const Eigen::MatrixXd& a, const Eigen::MatrixXd& b, Eigen::
 /// Adds to the delay what the camera is still late, or sets it to zero when that cannot be told.
 void findDelay(const std::vector<double>& time_s, const Eigen::MatrixXd& measured, const Eigen::MatrixXd& camera,
                CameraAlignment& alignment) {
-  const double period = std::max(kGrid_s, medianPeriod(time_s));  // cameras take about 100 pictures a second
+  const double period = std::max(kGrid_s, recording::medianPeriod(time_s));  // cameras take about 100 pictures a second
   std::vector<double> grid;
   const auto samples = static_cast<std::size_t>(std::min(1e6, (time_s.back() - time_s.front()) / period));
   for (std::size_t n = 0; n < samples; ++n)
@@ -172,17 +172,17 @@ Eigen::MatrixXd trustedPoses(const CameraAlignment& rough, const Eigen::MatrixXd
 
 }  // namespace
 
-PosePath posesOf(const Mechanism& mechanism, const Eigen::MatrixXd& lengths_m) {
+PosePath posesOf(const mechanism::Mechanism& mechanism, const Eigen::MatrixXd& lengths_m) {
   const double nan = std::numeric_limits<double>::quiet_NaN();
   PosePath path;
   path.pose = Eigen::MatrixXd::Constant(lengths_m.rows(), 4, nan);
   path.condition = Eigen::VectorXd::Constant(lengths_m.rows(), nan);
   bool started = false;
-  Pose last = Pose::Zero();
+  mechanism::Pose last = mechanism::Pose::Zero();
   for (Eigen::Index i = 0; i < lengths_m.rows(); ++i) {
-    const Lengths lengths = lengths_m.row(i).transpose();
-    const ForwardResult found =
-        started ? forwardKinematics(mechanism, lengths, last) : forwardKinematicsFromHome(mechanism, lengths);
+    const mechanism::Lengths lengths = lengths_m.row(i).transpose();
+    const mechanism::ForwardResult found = started ? mechanism::forwardKinematics(mechanism, lengths, last)
+                                                   : mechanism::forwardKinematicsFromHome(mechanism, lengths);
     if (!found.ok()) {
       ++path.unknown;
       continue;
@@ -195,18 +195,18 @@ PosePath posesOf(const Mechanism& mechanism, const Eigen::MatrixXd& lengths_m) {
   return path;
 }
 
-Pose cameraInRobot(const CameraAlignment& a, const Pose& pose) {
+mechanism::Pose cameraInRobot(const CameraAlignment& a, const mechanism::Pose& pose) {
   // A turn about Y takes Z towards X: x' = x cos + z sin, z' = -x sin + z cos.
   const double c = std::cos(a.rotation_rad), s = std::sin(a.rotation_rad);
   return {c * pose[0] + s * pose[1] + a.shift_x_m, -s * pose[0] + c * pose[1] + a.shift_z_m, pose[2] + a.rotation_rad,
           pose[3] + a.plate_rad};
 }
 
-double poseDistance(const Pose& a, const Pose& b) {
+double poseDistance(const mechanism::Pose& a, const mechanism::Pose& b) {
   return (a - b).cwiseProduct(kWeights).norm();
 }
 
-Eigen::MatrixXd cameraAtRows(const Recording& recording, double delay_s) {
+Eigen::MatrixXd cameraAtRows(const recording::Recording& recording, double delay_s) {
   std::vector<double> pictures_s, when_s = recording.time_s;
   Eigen::MatrixXd poses(recording.rows(), 4);
   Eigen::Index pictures = 0;
@@ -221,7 +221,7 @@ Eigen::MatrixXd cameraAtRows(const Recording& recording, double delay_s) {
 }
 
 /// A turned frame mixes X and Z and with it moves the peak of the correlation, and a delay moves the frame: so in turns.
-CameraAlignment alignCamera(const Recording& recording, const PosePath& measured, double condition_max) {
+CameraAlignment alignCamera(const recording::Recording& recording, const PosePath& measured, double condition_max) {
   constexpr int kRounds = 4;
   CameraAlignment alignment;
   for (int round = 0;; ++round) {
@@ -235,13 +235,13 @@ CameraAlignment alignCamera(const Recording& recording, const PosePath& measured
   }
 }
 
-bool otherSolution(const Mechanism& mechanism, const Lengths& lengths, const Pose& camera, const Pose& measured,
-                   Pose& other) {
+bool otherSolution(const mechanism::Mechanism& mechanism, const mechanism::Lengths& lengths,
+                   const mechanism::Pose& camera, const mechanism::Pose& measured, mechanism::Pose& other) {
   constexpr double kApart_m = 1e-3;
-  const ForwardResult found = forwardKinematics(mechanism, lengths, camera);
+  const mechanism::ForwardResult found = mechanism::forwardKinematics(mechanism, lengths, camera);
   if (!found.ok() || poseDistance(found.pose, measured) < kApart_m) return false;
   other = found.pose;
   return poseDistance(camera, other) < poseDistance(camera, measured);
 }
 
-}  // namespace knee_robot
+}  // namespace knee_robot::tracing

@@ -9,7 +9,7 @@
 #include "knee_robot/recording/signals.h"
 #include "knee_robot/tracing/pose_alignment.h"
 
-namespace knee_robot {
+namespace knee_robot::tracing {
 namespace {
 
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
@@ -21,14 +21,14 @@ constexpr double kLongestGap_s = 0.05;
 constexpr std::size_t kFewest = 50;
 constexpr double kDegrees = 180.0 / 3.14159265358979323846;
 
-Eigen::Isometry3d platformIn(const Pose& pose) {
+Eigen::Isometry3d platformIn(const mechanism::Pose& pose) {
   Eigen::Isometry3d out = Eigen::Isometry3d::Identity();
-  out.linear() = platformRotation(pose);
+  out.linear() = mechanism::platformRotation(pose);
   out.translation() << pose[0], 0.0, pose[1];
   return out;
 }
 
-Pose poseOf(const Eigen::Isometry3d& platform) {
+mechanism::Pose poseOf(const Eigen::Isometry3d& platform) {
   const Eigen::Matrix3d r = platform.linear();
   return {platform.translation()[0], platform.translation()[2], std::atan2(r(0, 2), r(2, 2)),
           std::atan2(r(1, 0), r(1, 1))};
@@ -57,7 +57,7 @@ struct Track {
   }
 };
 
-Track encoderTrack(const Recording& recording, const PosePath& measured) {
+Track encoderTrack(const recording::Recording& recording, const PosePath& measured) {
   Track track;
   for (int i = 0; i < recording.rows(); ++i) {
     if (!measured.pose.row(i).allFinite()) continue;
@@ -67,7 +67,7 @@ Track encoderTrack(const Recording& recording, const PosePath& measured) {
   return track;
 }
 
-Track captureTrack(const MarkerPoses& capture) {
+Track captureTrack(const recording::MarkerPoses& capture) {
   Track track;
   for (std::size_t i = 0; i < capture.time_s.size(); ++i) {
     if (!capture.known[i]) continue;
@@ -144,8 +144,8 @@ void findDelay(const Track& encoders, const Track& capture, RegisteredCapture& o
 }
 
 /// Rigid motion that brings the platform's joints of the capture onto those of forward kinematics, robustly.
-void registerFrame(const Mechanism& mechanism, const Recording& recording, const PosePath& measured,
-                   const Track& capture, double condition_max, RegisteredCapture& out) {
+void registerFrame(const mechanism::Mechanism& mechanism, const recording::Recording& recording,
+                   const PosePath& measured, const Track& capture, double condition_max, RegisteredCapture& out) {
   std::vector<Eigen::Isometry3d> seen, known;
   for (int i = 0; i < recording.rows(); ++i) {
     Eigen::Isometry3d platform;
@@ -188,10 +188,10 @@ void registerFrame(const Mechanism& mechanism, const Recording& recording, const
 
 }  // namespace
 
-RegisteredCapture registerCapture(const Robot& robot, const Recording& recording, const MarkerPoses& capture,
-                                  double condition_max) {
+RegisteredCapture registerCapture(const mechanism::Robot& robot, const recording::Recording& recording,
+                                  const recording::MarkerPoses& capture, double condition_max) {
   if (!robot.mechanism) throw InputError(robot.path + " describes separate axes; markers belong to a platform");
-  requireAxes(recording, robot.axes(), robot.path);
+  recording::requireAxes(recording, robot.axes(), robot.path);
   RegisteredCapture out;
   out.notes = capture.notes;
   const PosePath measured = posesOf(*robot.mechanism, recording.position_m);
@@ -235,4 +235,4 @@ RegisteredCapture registerCapture(const Robot& robot, const Recording& recording
   return out;
 }
 
-}  // namespace knee_robot
+}  // namespace knee_robot::tracing

@@ -10,7 +10,7 @@
 #include "knee_robot/identification/observation.h"
 #include "knee_robot/recording/filter.h"
 
-namespace knee_robot {
+namespace knee_robot::tracing {
 namespace {
 
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
@@ -24,7 +24,7 @@ constexpr double kStanding_s = 1.0;
 constexpr int kDimensions = 11;
 constexpr double kStep = 1e-6;
 
-double* dimension(Geometry& g, int index) {
+double* dimension(mechanism::Geometry& g, int index) {
   const auto at = static_cast<std::size_t>(index);
   if (index < 3) return &g.R[at];
   if (index == 3) return &g.ds;
@@ -34,27 +34,27 @@ double* dimension(Geometry& g, int index) {
   return index == 9 ? &g.beta_MD : &g.beta_MI;
 }
 
-Mechanism withDimension(const Mechanism& mechanism, int index, double change) {
-  Geometry geometry = mechanism.geometry;
+mechanism::Mechanism withDimension(const mechanism::Mechanism& mechanism, int index, double change) {
+  mechanism::Geometry geometry = mechanism.geometry;
   *dimension(geometry, index) += change;
-  return Mechanism(geometry);
+  return mechanism::Mechanism(geometry);
 }
 
-Eigen::MatrixXd travelOf(const Robot& robot, const Recording& r) {
+Eigen::MatrixXd travelOf(const mechanism::Robot& robot, const recording::Recording& r) {
   Eigen::MatrixXd out(r.rows(), r.position_m.cols());
   for (Eigen::Index i = 0; i < out.cols(); ++i) {
     const double width =
         std::max(kWidth_m, kWidthCounts * robot.actuators[static_cast<std::size_t>(i)].metresPerCount());
-    CoulombMemory memory;
+    dynamics::CoulombMemory memory;
     for (Eigen::Index n = 0; n < out.rows(); ++n)
       out(n, i) = memory.step(r.position_m(n, i) - r.position_m(std::max<Eigen::Index>(0, n - 1), i), width);
   }
   return out;
 }
 
-Eigen::MatrixXd loadOf(const Robot& robot, const Recording& r) {
-  Eigen::MatrixXd force = commandedForce(r, forcePerVolt(robot));
-  const ZeroPhaseLowPass filter(kLoadCutoff_hz, 1.0 / medianPeriod(r.time_s));
+Eigen::MatrixXd loadOf(const mechanism::Robot& robot, const recording::Recording& r) {
+  Eigen::MatrixXd force = recording::commandedForce(r, identification::forcePerVolt(robot));
+  const recording::ZeroPhaseLowPass filter(kLoadCutoff_hz, 1.0 / recording::medianPeriod(r.time_s));
   filter.applyToColumns(force);
   for (Eigen::Index i = 0; i < force.cols(); ++i) {
     const double width = std::max(1e-9, kLoadShare * std::sqrt(force.col(i).squaredNorm() / force.rows()));
@@ -64,15 +64,15 @@ Eigen::MatrixXd loadOf(const Robot& robot, const Recording& r) {
 }
 
 /// Rows that can be compared: known, regular, on the camera's branch, and not far from all others.
-void chooseRows(const Mechanism& mechanism, double condition_max, PoseView& view) {
-  const Recording& r = *view.recording;
+void chooseRows(const mechanism::Mechanism& mechanism, double condition_max, PoseView& view) {
+  const recording::Recording& r = *view.recording;
   std::vector<double> distance;
   std::vector<Eigen::Index> regular;
   for (Eigen::Index i = 0; i < view.camera.rows(); ++i) {
     if (!view.camera.row(i).allFinite() || !view.measured.pose.row(i).allFinite()) continue;
-    const Pose camera = cameraInRobot(view.own, view.camera.row(i).transpose());
-    const Pose measured = view.measured.pose.row(i).transpose();
-    Pose other;
+    const mechanism::Pose camera = cameraInRobot(view.own, view.camera.row(i).transpose());
+    const mechanism::Pose measured = view.measured.pose.row(i).transpose();
+    mechanism::Pose other;
     if (otherSolution(mechanism, r.position_m.row(i).transpose(), camera, measured, other)) {
       ++view.other_solution;
     } else if (view.measured.condition[i] >= condition_max) {
@@ -100,7 +100,8 @@ double directionOf(const PoseView& view, const PoseHypothesis& h, Eigen::Index r
 
 }  // namespace
 
-PoseView viewPose(const Robot& robot, const Recording& recording, double condition_max, double delay_s) {
+PoseView viewPose(const mechanism::Robot& robot, const recording::Recording& recording, double condition_max,
+                  double delay_s) {
   PoseView view;
   view.recording = &recording;
   if (recording.mocap.cols() != 4) return view;
@@ -124,13 +125,13 @@ void setDelay(PoseView& view, double delay_s) {
 
 std::vector<PoseHypothesis> poseHypotheses(const std::vector<PoseView>& views) {
   std::vector<PoseHypothesis> out;
-  for (int i = 0; i < kLegs; ++i)
+  for (int i = 0; i < mechanism::kLegs; ++i)
     out.push_back({PoseCause::HomeOffset, i});
   for (int i = 0; i < kDimensions; ++i)
     out.push_back({PoseCause::GeometryError, i});
-  for (int i = 0; i < kLegs; ++i)
+  for (int i = 0; i < mechanism::kLegs; ++i)
     out.push_back({PoseCause::TravelClearance, i});
-  for (int i = 0; i < kLegs; ++i) {
+  for (int i = 0; i < mechanism::kLegs; ++i) {
     double least = 1.0, most = -1.0;  // a force that never changes its sign says nothing
     for (const PoseView& view : views) {
       for (const Eigen::Index row : view.rows) {
@@ -143,13 +144,13 @@ std::vector<PoseHypothesis> poseHypotheses(const std::vector<PoseView>& views) {
   return out;
 }
 
-Mechanism changedMechanism(const Mechanism& mechanism, const PoseModel& model) {
-  Geometry geometry = mechanism.geometry;
+mechanism::Mechanism changedMechanism(const mechanism::Mechanism& mechanism, const PoseModel& model) {
+  mechanism::Geometry geometry = mechanism.geometry;
   for (std::size_t k = 0; k < model.causes.size(); ++k) {
     if (model.causes[k].cause != PoseCause::GeometryError) continue;
     *dimension(geometry, model.causes[k].index) += model.values[static_cast<Eigen::Index>(k)];
   }
-  return Mechanism(geometry);
+  return mechanism::Mechanism(geometry);
 }
 
 Eigen::MatrixXd changedLengths(const PoseView& view, const PoseModel& model) {
@@ -188,10 +189,10 @@ PoseStack stackPose(const std::vector<PoseView>& views, double rate_hz) {
   return stack;
 }
 
-PoseEquations poseEquations(const Robot& robot, const std::vector<PoseView>& views, const PoseStack& stack,
+PoseEquations poseEquations(const mechanism::Robot& robot, const std::vector<PoseView>& views, const PoseStack& stack,
                             const PoseModel& model, const std::vector<PoseHypothesis>& hypotheses) {
-  const Mechanism mechanism = changedMechanism(*robot.mechanism, model);
-  std::vector<std::pair<Mechanism, Mechanism>> varied;
+  const mechanism::Mechanism mechanism = changedMechanism(*robot.mechanism, model);
+  std::vector<std::pair<mechanism::Mechanism, mechanism::Mechanism>> varied;
   for (int i = 0; i < kDimensions; ++i)
     varied.emplace_back(withDimension(mechanism, i, kStep), withDimension(mechanism, i, -kStep));
   std::vector<Eigen::MatrixXd> lengths;
@@ -204,20 +205,21 @@ PoseEquations poseEquations(const Robot& robot, const std::vector<PoseView>& vie
   for (Eigen::Index k = 0; k < n; ++k) {
     const PoseStack::Pick& pick = stack.picks[static_cast<std::size_t>(k)];
     const PoseView& view = views[pick.view];
-    const Lengths q = lengths[pick.view].row(pick.row).transpose();
-    const ForwardResult found = forwardKinematics(mechanism, q, view.measured.pose.row(pick.row).transpose());
+    const mechanism::Lengths q = lengths[pick.view].row(pick.row).transpose();
+    const mechanism::ForwardResult found =
+        mechanism::forwardKinematics(mechanism, q, view.measured.pose.row(pick.row).transpose());
     if (!found.ok()) continue;  // a zero row says nothing
-    const Pose camera = cameraInRobot(model.frame, view.camera.row(pick.row).transpose());
+    const mechanism::Pose camera = cameraInRobot(model.frame, view.camera.row(pick.row).transpose());
     out.residual.segment<4>(4 * k) = camera - found.pose;
     const double x = camera[0] - model.frame.shift_x_m, z = camera[1] - model.frame.shift_z_m;
     out.frame.block<4, 4>(4 * k, 0) << z, 1, 0, 0, -x, 0, 1, 0, 1, 0, 0, 0, 0, 0, 0, 1;
-    const Matrix4 per_length = lengthJacobian(mechanism, found.pose).inverse();
+    const mechanism::Matrix4 per_length = mechanism::lengthJacobian(mechanism, found.pose).inverse();
     for (std::size_t h = 0; h < hypotheses.size(); ++h) {
       const PoseHypothesis& hypothesis = hypotheses[h];
-      Vector4 change = Vector4::Zero();  // of the lengths that this pose stands for
+      mechanism::Vector4 change = mechanism::Vector4::Zero();  // of the lengths that this pose stands for
       if (hypothesis.cause == PoseCause::GeometryError) {
         const auto& [up, down] = varied[static_cast<std::size_t>(hypothesis.index)];
-        change = -(legLengths(up, found.pose) - legLengths(down, found.pose)) / (2.0 * kStep);
+        change = -(mechanism::legLengths(up, found.pose) - mechanism::legLengths(down, found.pose)) / (2.0 * kStep);
       } else {
         change[hypothesis.index] =
             hypothesis.cause == PoseCause::HomeOffset ? 1.0 : -directionOf(view, hypothesis, pick.row);
@@ -228,8 +230,8 @@ PoseEquations poseEquations(const Robot& robot, const std::vector<PoseView>& vie
   return out;
 }
 
-void fitPose(const Robot& robot, const std::vector<PoseView>& views, const PoseStack& stack, const Vector4& sigma,
-             const std::vector<char>& use, PoseModel& model) {
+void fitPose(const mechanism::Robot& robot, const std::vector<PoseView>& views, const PoseStack& stack,
+             const mechanism::Vector4& sigma, const std::vector<char>& use, PoseModel& model) {
   constexpr int kSteps = 5;
   const auto count = static_cast<Eigen::Index>(model.causes.size());
   for (int step = 0; step < kSteps; ++step) {
@@ -262,22 +264,22 @@ void fitPose(const Robot& robot, const std::vector<PoseView>& views, const PoseS
   }
 }
 
-Eigen::MatrixXd modelPoses(const Robot& robot, const PoseModel& model, const Recording& recording,
+Eigen::MatrixXd modelPoses(const mechanism::Robot& robot, const PoseModel& model, const recording::Recording& recording,
                            const PosePath& measured) {
   PoseView view;
   view.recording = &recording;
   view.travel = travelOf(robot, recording);
   view.load = loadOf(robot, recording);
-  const Mechanism mechanism = changedMechanism(*robot.mechanism, model);
+  const mechanism::Mechanism mechanism = changedMechanism(*robot.mechanism, model);
   const Eigen::MatrixXd lengths = changedLengths(view, model);
   Eigen::MatrixXd out = Eigen::MatrixXd::Constant(recording.rows(), 4, kNan);
   for (Eigen::Index n = 0; n < out.rows(); ++n) {
     if (!measured.pose.row(n).allFinite()) continue;
-    const ForwardResult found =
-        forwardKinematics(mechanism, lengths.row(n).transpose(), measured.pose.row(n).transpose());
+    const mechanism::ForwardResult found =
+        mechanism::forwardKinematics(mechanism, lengths.row(n).transpose(), measured.pose.row(n).transpose());
     if (found.ok()) out.row(n) = found.pose.transpose();
   }
   return out;
 }
 
-}  // namespace knee_robot
+}  // namespace knee_robot::tracing

@@ -4,11 +4,11 @@
 
 #include "knee_robot/tracing/pose_trace.h"
 
-namespace knee_robot {
+namespace knee_robot::tracing {
 
 /// One recording with a camera, prepared: what does not depend on the fit.
 struct PoseView {
-  const Recording* recording = nullptr;
+  const recording::Recording* recording = nullptr;
   PosePath measured;
   CameraAlignment own;
   Eigen::MatrixXd camera;          ///< rows x 4, camera's frame, at the encoders' times
@@ -19,7 +19,8 @@ struct PoseView {
 };
 
 /// Without rows and camera when the recording has too few pictures. `delay_s`: nan: its own.
-PoseView viewPose(const Robot& robot, const Recording& recording, double condition_max, double delay_s);
+PoseView viewPose(const mechanism::Robot& robot, const recording::Recording& recording, double condition_max,
+                  double delay_s);
 
 /// Reads the camera with another delay; drops rows that then have no picture.
 void setDelay(PoseView& view, double delay_s);
@@ -28,7 +29,7 @@ void setDelay(PoseView& view, double delay_s);
 std::vector<PoseHypothesis> poseHypotheses(const std::vector<PoseView>& views);
 
 /// The mechanism with the model's dimensions, and the lengths (rows x 4) with its offsets and clearances.
-Mechanism changedMechanism(const Mechanism& mechanism, const PoseModel& model);
+mechanism::Mechanism changedMechanism(const mechanism::Mechanism& mechanism, const PoseModel& model);
 Eigen::MatrixXd changedLengths(const PoseView& view, const PoseModel& model);
 
 /// Rows that a fit sees: views one after the other, four coordinates a row, thinned.
@@ -50,12 +51,12 @@ struct PoseEquations {
   Eigen::MatrixXd frame;       ///< 4 n x 4
   Eigen::MatrixXd hypotheses;  ///< 4 n x count
 };
-PoseEquations poseEquations(const Robot& robot, const std::vector<PoseView>& views, const PoseStack& stack,
+PoseEquations poseEquations(const mechanism::Robot& robot, const std::vector<PoseView>& views, const PoseStack& stack,
                             const PoseModel& model, const std::vector<PoseHypothesis>& hypotheses);
 
 /// Gauss-Newton on frame and causes from the model's present values, with rows weighed by 1 / sigma of their coordinate and only
 /// those of `use` (all when empty). Half plays stay at zero or above.
-void fitPose(const Robot& robot, const std::vector<PoseView>& views, const PoseStack& stack, const Vector4& sigma,
-             const std::vector<char>& use, PoseModel& model);
+void fitPose(const mechanism::Robot& robot, const std::vector<PoseView>& views, const PoseStack& stack,
+             const mechanism::Vector4& sigma, const std::vector<char>& use, PoseModel& model);
 
-}  // namespace knee_robot
+}  // namespace knee_robot::tracing

@@ -7,7 +7,7 @@
 
 #include "knee_robot/base/numbers.h"
 
-namespace knee_robot {
+namespace knee_robot::tracing {
 namespace {
 
 constexpr double kBlock_s = 5.0;
@@ -28,7 +28,7 @@ double largestSize(const PoseHypothesis& h) {
   return parameterOf(h).find("_rad") != std::string::npos ? kAngle_rad : kDimension_m;
 }
 
-void weigh(Eigen::MatrixXd& rows, const Vector4& sigma) {
+void weigh(Eigen::MatrixXd& rows, const mechanism::Vector4& sigma) {
   for (Eigen::Index k = 0; k < rows.rows(); ++k)
     rows.row(k) /= sigma[k % 4];
 }
@@ -152,7 +152,7 @@ struct PoseTrial {
   HeldBack held;
   Eigen::VectorXd gain;
   double mean = 0.0, error = 0.0;
-  Vector4 rms = Vector4::Zero();  ///< of the linear fit
+  mechanism::Vector4 rms = mechanism::Vector4::Zero();  ///< of the linear fit
 };
 
 void setMean(const Eigen::VectorXd& values, double& mean, double& error) {
@@ -161,8 +161,8 @@ void setMean(const Eigen::VectorXd& values, double& mean, double& error) {
   error = std::sqrt((values.array() - mean).square().sum() / (n * (n - 1.0)));
 }
 
-Vector4 rmsOf(const PoseSearch& s, const Eigen::VectorXd& weighed) {
-  Vector4 rms = Vector4::Zero();
+mechanism::Vector4 rmsOf(const PoseSearch& s, const Eigen::VectorXd& weighed) {
+  mechanism::Vector4 rms = mechanism::Vector4::Zero();
   for (Eigen::Index k = 0; k < weighed.size(); ++k)
     rms[k % 4] += std::pow(weighed[k] * s.sigma[k % 4], 2);
   return (rms / (static_cast<double>(weighed.size()) / 4.0)).cwiseSqrt();
@@ -184,7 +184,7 @@ PoseTrial tryOne(const PoseSearch& s, const Weighed& w, const Eigen::VectorXd& l
 }
 
 /// Empty when the trial may be accepted (but for the null); otherwise why not.
-std::string objection(const PoseSearch& s, const PoseTrial& t, const Vector4& before) {
+std::string objection(const PoseSearch& s, const PoseTrial& t, const mechanism::Vector4& before) {
   if (t.square == 0.0) return "the sign that fits is not physical";
   const PoseHypothesis& h = s.hypotheses[static_cast<std::size_t>(t.at)];
   if (std::abs(t.held.last.mean()) > largestSize(h)) return "the size that fits is not plausible";
@@ -220,7 +220,7 @@ Refitted refitted(const PoseSearch& s, Eigen::Index at) {
 /// The best trial and those much like it, fitted to the end: straight columns are too crude to rank near relations. Best first; what
 /// follows leaves no more than the best does, but for one standard error over pieces.
 std::vector<Refitted> closestRivals(const PoseSearch& s, const std::vector<PoseTrial>& trials, const PoseTrial& best,
-                                    const Eigen::MatrixXd& columns, const Vector4& before) {
+                                    const Eigen::MatrixXd& columns, const mechanism::Vector4& before) {
   constexpr double kAlike = 0.6;  // cosine of the columns, or share of the square that is explained
   std::vector<Refitted> all = {refitted(s, best.at)};
   for (const PoseTrial& t : trials) {
@@ -303,7 +303,7 @@ void noteAbsorbed(PoseSearch& s, const Weighed& w, const Eigen::MatrixXd& column
 
 }  // namespace
 
-Vector4 poseRms(const PoseSearch& s) {
+mechanism::Vector4 poseRms(const PoseSearch& s) {
   const PoseEquations e = poseEquations(*s.robot, *s.views, s.stack, s.model, {});
   PoseSearch plain;
   return rmsOf(plain, e.residual);
@@ -318,7 +318,7 @@ void startPoseSearch(PoseSearch& s) {
     Eigen::MatrixXd all(w.model.rows(), w.model.cols() + w.tried.cols());
     all << w.model, w.tried;
     s.noise = without(basisOf(all), w.residual);
-    const Vector4 rms = rmsOf(s, s.noise);
+    const mechanism::Vector4 rms = rmsOf(s, s.noise);
     for (Eigen::Index k = 0; k < s.noise.size(); ++k)
       s.noise[k] *= s.sigma[k % 4] / rms[k % 4];
     s.sigma = rms.cwiseMax(1e-9);
@@ -340,7 +340,7 @@ void searchPose(PoseSearch& s) {
     }
     const PoseNull null = nullOf(s, q, columns);
     const HeldBack base = heldBack(s, w.model, w.residual);
-    const Vector4 before = rmsOf(s, left);
+    const mechanism::Vector4 before = rmsOf(s, left);
     std::vector<PoseTrial> trials;
     for (Eigen::Index h = 0; h < columns.cols(); ++h) {
       if (columns.col(h).squaredNorm() > 0.0) trials.push_back(tryOne(s, w, left, columns, h, base));
@@ -383,4 +383,4 @@ void searchPose(PoseSearch& s) {
   }
 }
 
-}  // namespace knee_robot
+}  // namespace knee_robot::tracing

@@ -2,17 +2,17 @@
 
 #include "pose_rows.h"
 
-namespace knee_robot {
+namespace knee_robot::tracing {
 
 /// The state of the search for explanations of the pose.
 struct PoseSearch {
-  const Robot* robot = nullptr;
+  const mechanism::Robot* robot = nullptr;
   const std::vector<PoseView>* views = nullptr;
   const PoseTraceOptions* options = nullptr;
   PoseStack stack;
   std::vector<PoseHypothesis> hypotheses;
-  Vector4 sigma = Vector4::Ones();  ///< of what nothing explains, per coordinate
-  Eigen::VectorXd noise;            ///< what nothing explains, in units of sigma: blocks of it make clean twins
+  mechanism::Vector4 sigma = mechanism::Vector4::Ones();  ///< of what nothing explains, per coordinate
+  Eigen::VectorXd noise;  ///< what nothing explains, in units of sigma: blocks of it make clean twins
   double rate_hz = 0.0;
   PoseModel model;
   std::vector<PoseFinding> findings;
@@ -25,6 +25,6 @@ void startPoseSearch(PoseSearch& search);
 /// Adds explanations one after the other while they pass every test; takes out what a later one makes superfluous.
 void searchPose(PoseSearch& search);
 /// Root mean square per coordinate (m, m, rad, rad) of the present model over the picks.
-Vector4 poseRms(const PoseSearch& search);
+mechanism::Vector4 poseRms(const PoseSearch& search);
 
-}  // namespace knee_robot
+}  // namespace knee_robot::tracing

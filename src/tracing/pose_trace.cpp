@@ -7,7 +7,7 @@
 #include "knee_robot/base/numbers.h"
 #include "pose_search.h"
 
-namespace knee_robot {
+namespace knee_robot::tracing {
 namespace {
 
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
@@ -16,7 +16,7 @@ constexpr double kDegrees = 180.0 / 3.14159265358979323846;
 
 /// Standard deviation of single pictures: second differences of neighbours, robustly (1.4826 times the median magnitude), over
 /// sqrt(6).
-Vector4 pictureNoise(const std::vector<PoseView>& views) {
+mechanism::Vector4 pictureNoise(const std::vector<PoseView>& views) {
   std::vector<double> second[4];
   for (const PoseView& view : views) {
     std::vector<Eigen::Index> pictures;
@@ -29,7 +29,7 @@ Vector4 pictureNoise(const std::vector<PoseView>& views) {
         second[k].push_back(std::abs(m(pictures[n - 1], k) - 2.0 * m(pictures[n], k) + m(pictures[n + 1], k)));
     }
   }
-  Vector4 noise = Vector4::Zero();
+  mechanism::Vector4 noise = mechanism::Vector4::Zero();
   for (int k = 0; k < 4; ++k) {
     if (second[k].empty()) continue;
     const auto middle = second[k].begin() + static_cast<std::ptrdiff_t>(second[k].size() / 2);
@@ -52,7 +52,7 @@ PoseErrors errorsOf(const Eigen::MatrixXd& error, const std::vector<Eigen::Index
 }
 
 /// Camera in the robot's frame minus the model's pose.
-Eigen::MatrixXd errorOf(const Robot& robot, const PoseView& view, const PoseModel& model) {
+Eigen::MatrixXd errorOf(const mechanism::Robot& robot, const PoseView& view, const PoseModel& model) {
   Eigen::MatrixXd error = -modelPoses(robot, model, *view.recording, view.measured);
   for (Eigen::Index n = 0; n < error.rows(); ++n)
     error.row(n) += cameraInRobot(model.frame, view.camera.row(n).transpose()).transpose();
@@ -69,8 +69,8 @@ PoseModel transferred(const PoseTrace& trace) {
 }
 
 /// `model`: as this recording has it.
-PoseRecording judge(const Robot& robot, const PoseView& view, const PoseTrace& trace, const PoseModel& model,
-                    const Vector4& sigma) {
+PoseRecording judge(const mechanism::Robot& robot, const PoseView& view, const PoseTrace& trace, const PoseModel& model,
+                    const mechanism::Vector4& sigma) {
   PoseRecording out;
   out.path = view.recording->path;
   out.name = view.recording->name;
@@ -90,9 +90,9 @@ PoseRecording judge(const Robot& robot, const PoseView& view, const PoseTrace& t
   // What is left when only frame and delay are this recording's own: dimensions and offsets stay training's.
   std::vector<PoseView> own = {view};
   setDelay(own.front(), view.own.delay_s);
-  Robot changed = robot;
+  mechanism::Robot changed = robot;
   changed.mechanism = changedMechanism(*robot.mechanism, model);
-  Recording moved = *view.recording;
+  recording::Recording moved = *view.recording;
   moved.position_m = changedLengths(view, model);
   own.front().recording = &moved;
   PoseModel frame;
@@ -199,8 +199,8 @@ std::string parameterOf(const PoseHypothesis& h) {
   return "half_play_" + leg;
 }
 
-PoseTrace tracePose(const Robot& robot, const std::vector<Recording>& train, const std::vector<Recording>& validate,
-                    const PoseTraceOptions& options) {
+PoseTrace tracePose(const mechanism::Robot& robot, const std::vector<recording::Recording>& train,
+                    const std::vector<recording::Recording>& validate, const PoseTraceOptions& options) {
   PoseTrace trace;
   trace.condition_max = options.condition_max;
   if (!robot.mechanism) {
@@ -208,7 +208,7 @@ PoseTrace tracePose(const Robot& robot, const std::vector<Recording>& train, con
     return trace;
   }
   std::vector<PoseView> views;
-  for (const Recording& r : train) {
+  for (const recording::Recording& r : train) {
     PoseView view = viewPose(robot, r, options.condition_max, kNan);
     if (!view.rows.empty()) views.push_back(std::move(view));
   }
@@ -247,7 +247,7 @@ PoseTrace tracePose(const Robot& robot, const std::vector<Recording>& train, con
     noteMask(view, trace.notes);
     trace.train.push_back(judge(robot, view, trace, trace.model, s.sigma));
   }
-  for (const Recording& r : validate) {
+  for (const recording::Recording& r : validate) {
     const PoseView view = viewPose(robot, r, options.condition_max, delay_s);
     if (view.rows.empty()) continue;
     noteMask(view, trace.notes);
@@ -256,4 +256,4 @@ PoseTrace tracePose(const Robot& robot, const std::vector<Recording>& train, con
   return trace;
 }
 
-}  // namespace knee_robot
+}  // namespace knee_robot::tracing

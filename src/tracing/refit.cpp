@@ -3,7 +3,7 @@
 
 #include "search.h"
 
-namespace knee_robot {
+namespace knee_robot::tracing {
 namespace {
 
 constexpr int kPasses = 4;  ///< of fitting and rebuilding what depends on the fit
@@ -60,7 +60,7 @@ void refit(Search& s) {
 
 void rebase(Search& s) {
   TraceData& data = *s.data;
-  const Robot& robot = *data.inputs.front().robot;
+  const mechanism::Robot& robot = *data.inputs.front().robot;
   Eigen::VectorXd effects_N = Eigen::VectorXd::Zero(data.all_force_rows.size());
   data.scale.setOnes();  // rows of effects in N
   for (const FoundEffect& e : s.effects)
@@ -82,4 +82,4 @@ void rebase(Search& s) {
   refit(s);
 }
 
-}  // namespace knee_robot
+}  // namespace knee_robot::tracing

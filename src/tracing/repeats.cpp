@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace knee_robot {
+namespace knee_robot::tracing {
 namespace {
 
 constexpr double kSame_m = 1e-4;
@@ -18,7 +18,7 @@ struct OnGrid {
   Eigen::MatrixXd reference_m, half_step_m;
 };
 
-OnGrid onGrid(const Recording& r, const Signals& s) {
+OnGrid onGrid(const recording::Recording& r, const recording::Signals& s) {
   OnGrid g;
   g.reference_m.resize(s.samples(), r.reference_m.cols());
   std::size_t row = 0;
@@ -68,7 +68,7 @@ std::vector<int> matches(const OnGrid& g, int lag, int stride) {
 
 }  // namespace
 
-RepeatedCycle findRepeatedCycle(const Recording& recording, const Signals& signals) {
+RepeatedCycle findRepeatedCycle(const recording::Recording& recording, const recording::Signals& signals) {
   RepeatedCycle best;
   if (recording.reference_m.cols() == 0 || recording.rows() < 3) return best;
   const OnGrid g = onGrid(recording, signals);
@@ -85,4 +85,4 @@ RepeatedCycle findRepeatedCycle(const Recording& recording, const Signals& signa
   return best.first.empty() ? RepeatedCycle() : best;
 }
 
-}  // namespace knee_robot
+}  // namespace knee_robot::tracing

@@ -3,7 +3,7 @@
 #include "knee_robot/recording/recording.h"
 #include "knee_robot/recording/signals.h"
 
-namespace knee_robot {
+namespace knee_robot::tracing {
 
 /// A cycle of the reference that one recording contains more than once.
 struct RepeatedCycle {
@@ -14,6 +14,6 @@ struct RepeatedCycle {
 /// Looks for the lag at which the longest moving part of the reference, at least one whole cycle of 2 s or more in which some
 /// actuator's reference travels 5 mm, comes again within 0.1 mm (and half a sample of its motion). Of equally good lags the
 /// shortest. None without reference columns.
-RepeatedCycle findRepeatedCycle(const Recording& recording, const Signals& signals);
+RepeatedCycle findRepeatedCycle(const recording::Recording& recording, const recording::Signals& signals);
 
-}  // namespace knee_robot
+}  // namespace knee_robot::tracing

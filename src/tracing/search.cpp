@@ -6,7 +6,7 @@
 
 #include "knee_robot/base/numbers.h"
 
-namespace knee_robot {
+namespace knee_robot::tracing {
 namespace {
 
 constexpr std::size_t kCompared = 10;  ///< places that are refined and cross-validated in every step
@@ -329,4 +329,4 @@ void searchForward(Search& s, const CandidateList& candidates, int most, std::ui
   }
 }
 
-}  // namespace knee_robot
+}  // namespace knee_robot::tracing

@@ -6,7 +6,7 @@
 #include "knee_robot/tracing/null.h"
 #include "knee_robot/tracing/trace.h"
 
-namespace knee_robot {
+namespace knee_robot::tracing {
 
 /// The state of the search: what is in the model, and how well it fits.
 struct Search {
@@ -42,4 +42,4 @@ void rebase(Search& search);
 /// Adds effects of `candidates` one after the other while they pass every test; takes out what a later one makes superfluous.
 void searchForward(Search& search, const CandidateList& candidates, int most, std::uint64_t seed);
 
-}  // namespace knee_robot
+}  // namespace knee_robot::tracing

@@ -5,7 +5,7 @@
 
 #include "knee_robot/recording/filter.h"
 
-namespace knee_robot {
+namespace knee_robot::tracing {
 namespace {
 
 constexpr double kRest = 0.1;   ///< weight at rest
@@ -14,12 +14,12 @@ constexpr int kTraceBlocks = 12;
 constexpr double kSamplesPerCutoff =
     6.0;  ///< the low-passed signals hold about two independent values per cut-off period
 
-double totalSpeed(const Observation& o, int sample) {
+double totalSpeed(const identification::Observation& o, int sample) {
   return o.signals.velocity_m_per_s.row(sample).cwiseAbs().sum();
 }
 
 /// First samples of the pieces of a recording, moved to the slowest sample nearby.
-std::vector<int> cuts(const Observation& o, int pieces) {
+std::vector<int> cuts(const identification::Observation& o, int pieces) {
   std::vector<int> out;
   const double length = static_cast<double>(o.samples()) / pieces;
   for (int k = 1; k < pieces; ++k) {
@@ -33,7 +33,7 @@ std::vector<int> cuts(const Observation& o, int pieces) {
   return out;
 }
 
-bool nearRest(const Observation& o, int sample, int actuator, double reach_s) {
+bool nearRest(const identification::Observation& o, int sample, int actuator, double reach_s) {
   const int reach = static_cast<int>(reach_s / o.signals.period_s);
   for (int n = std::max(0, sample - reach); n <= std::min(o.samples() - 1, sample + reach); ++n) {
     if (!o.axis_moving(n, actuator)) return true;
@@ -43,15 +43,16 @@ bool nearRest(const Observation& o, int sample, int actuator, double reach_s) {
 
 }  // namespace
 
-Stack makeStack(const std::vector<Observation>& recordings, const ObservationOptions& options) {
+Stack makeStack(const std::vector<identification::Observation>& recordings,
+                const identification::ObservationOptions& options) {
   Stack stack;
   stack.axes = recordings.front().axes();
   stack.cutoff_hz = options.cutoff_hz;
   double total = 0.0;
-  for (const Observation& o : recordings)
+  for (const identification::Observation& o : recordings)
     total += o.samples();
   for (std::size_t r = 0; r < recordings.size(); ++r) {
-    const Observation& o = recordings[r];
+    const identification::Observation& o = recordings[r];
     const int stride =
         std::max(1, static_cast<int>(std::floor(1.0 / (kSamplesPerCutoff * options.cutoff_hz * o.signals.period_s))));
     stack.rate_hz = 1.0 / (stride * o.signals.period_s);
@@ -67,7 +68,8 @@ Stack makeStack(const std::vector<Observation>& recordings, const ObservationOpt
   return stack;
 }
 
-Eigen::VectorXd rowScale(const Stack& stack, const std::vector<Observation>& recordings, Attention attention) {
+Eigen::VectorXd rowScale(const Stack& stack, const std::vector<identification::Observation>& recordings,
+                         Attention attention) {
   Eigen::VectorXd scale = Eigen::VectorXd::Ones(stack.size() * stack.axes);
   if (attention == Attention::All) return scale;
   for (int i = 0; i < stack.axes; ++i) {
@@ -81,10 +83,10 @@ Eigen::VectorXd rowScale(const Stack& stack, const std::vector<Observation>& rec
   return scale;
 }
 
-Eigen::MatrixXd gather(const Stack& stack, const std::vector<Observation>& recordings,
+Eigen::MatrixXd gather(const Stack& stack, const std::vector<identification::Observation>& recordings,
                        std::vector<Eigen::MatrixXd> columns) {
   for (std::size_t r = 0; r < recordings.size(); ++r)
-    ZeroPhaseLowPass(stack.cutoff_hz, 1.0 / recordings[r].signals.period_s).applyToColumns(columns[r]);
+    recording::ZeroPhaseLowPass(stack.cutoff_hz, 1.0 / recordings[r].signals.period_s).applyToColumns(columns[r]);
   Eigen::MatrixXd out(stack.size(), columns.front().cols());
   for (Eigen::Index k = 0; k < stack.size(); ++k) {
     const Pick& pick = stack.picks[static_cast<std::size_t>(k)];
@@ -93,7 +95,8 @@ Eigen::MatrixXd gather(const Stack& stack, const std::vector<Observation>& recor
   return out;
 }
 
-Eigen::VectorXd gatherForce(const Stack& stack, const std::vector<Observation>& recordings, int actuator) {
+Eigen::VectorXd gatherForce(const Stack& stack, const std::vector<identification::Observation>& recordings,
+                            int actuator) {
   Eigen::VectorXd out(stack.size());
   for (Eigen::Index k = 0; k < stack.size(); ++k) {
     const Pick& pick = stack.picks[static_cast<std::size_t>(k)];
@@ -102,4 +105,4 @@ Eigen::VectorXd gatherForce(const Stack& stack, const std::vector<Observation>& 
   return out;
 }
 
-}  // namespace knee_robot
+}  // namespace knee_robot::tracing

@@ -6,7 +6,7 @@
 #include "given_search.h"
 #include "knee_robot/base/numbers.h"
 
-namespace knee_robot {
+namespace knee_robot::tracing {
 namespace {
 
 constexpr double kTogether = 0.9;      ///< correlation of two positions above which they are not told apart
@@ -14,13 +14,15 @@ constexpr double kClearly = 2.0;       ///< standard errors by which the one mus
 constexpr double kWorseBy = 1.2;       ///< and the factor of the held-back squares
 constexpr double kNothingLeft = 0.02;  ///< share of a column's square that the base parameters leave: absorbed
 
-TraceData makeData(const Robot& robot, std::vector<Observation> training, const TraceOptions& options, BaseFit& base) {
+TraceData makeData(const mechanism::Robot& robot, std::vector<identification::Observation> training,
+                   const TraceOptions& options, BaseFit& base) {
   TraceData data;
   data.recordings = std::move(training);
   data.stack = makeStack(data.recordings, options.observation);
   Eigen::VectorXd given;
-  if (options.start) given = startParameters(*options.start, columnsOf(robot));
-  base = fitBase(robot, data.recordings, data.stack, columnsOf(robot), options.rank, options.start ? &given : nullptr);
+  if (options.start) given = startParameters(*options.start, identification::columnsOf(robot));
+  base = fitBase(robot, data.recordings, data.stack, identification::columnsOf(robot), options.rank,
+                 options.start ? &given : nullptr);
   BaseFit newtons = base;
   newtons.noise_N.setOnes();
   data.all_base_rows = baseRows(newtons, data.recordings, data.stack);
@@ -68,9 +70,9 @@ void settleNames(std::vector<FoundEffect>& effects) {
   }
 }
 
-double correlation(const std::vector<Observation>& recordings, int a, int b) {
+double correlation(const std::vector<identification::Observation>& recordings, int a, int b) {
   double aa = 0.0, bb = 0.0, ab = 0.0;
-  for (const Observation& o : recordings) {
+  for (const identification::Observation& o : recordings) {
     const Eigen::ArrayXd x = o.signals.position_m.col(a).array() - o.signals.position_m.col(a).mean();
     const Eigen::ArrayXd y = o.signals.position_m.col(b).array() - o.signals.position_m.col(b).mean();
     aa += x.square().sum();
@@ -81,9 +83,9 @@ double correlation(const std::vector<Observation>& recordings, int a, int b) {
 }
 
 /// The recordings with position `own` replaced by what position `other` says about it.
-std::vector<Observation> asSeenFrom(const TraceData& data, int own, int other) {
+std::vector<identification::Observation> asSeenFrom(const TraceData& data, int own, int other) {
   double xx = 0.0, xy = 0.0, n = 0.0, x = 0.0, y = 0.0;
-  for (const Observation& o : data.recordings) {
+  for (const identification::Observation& o : data.recordings) {
     const auto from = o.signals.position_m.col(other).array(), to = o.signals.position_m.col(own).array();
     xx += from.square().sum();
     xy += (from * to).sum();
@@ -92,8 +94,8 @@ std::vector<Observation> asSeenFrom(const TraceData& data, int own, int other) {
     n += static_cast<double>(o.samples());
   }
   const double slope = (xy - x * y / n) / std::max(1e-300, xx - x * x / n), start = (y - slope * x) / n;
-  std::vector<Observation> out = data.recordings;
-  for (Observation& o : out)
+  std::vector<identification::Observation> out = data.recordings;
+  for (identification::Observation& o : out)
     o.signals.position_m.col(own) = start + slope * o.signals.position_m.col(other).array();
   return out;
 }
@@ -106,7 +108,7 @@ bool clearlyOwn(const Search& s, std::size_t effect, int own, int other) {
   for (const Hypothesis& h : all)
     rows.push_back(effectRows(*s.data, h));
   const Eigen::VectorXd mine = fitJointly(*s.data, *s.base, s.rms_N, all, rows).held_back;
-  const std::vector<Observation> seen = asSeenFrom(*s.data, own, other);
+  const std::vector<identification::Observation> seen = asSeenFrom(*s.data, own, other);
   std::vector<EffectInput> inputs = s.data->inputs;
   for (std::size_t r = 0; r < inputs.size(); ++r)
     inputs[r].observation = &seen[r];
@@ -167,8 +169,8 @@ void noteAbsorbed(const Search& s, const CandidateList& candidates, TraceResult&
 
 }  // namespace
 
-TraceResult trace(const Robot& robot, const std::vector<Recording>& recordings, std::vector<Observation> training,
-                  const TraceOptions& options) {
+TraceResult trace(const mechanism::Robot& robot, const std::vector<recording::Recording>& recordings,
+                  std::vector<identification::Observation> training, const TraceOptions& options) {
   TraceResult result;
   options.progress("fitting the baseline");
   TraceData data = makeData(robot, std::move(training), options, result.base);
@@ -297,8 +299,8 @@ TraceResult trace(const Robot& robot, const std::vector<Recording>& recordings, 
   return result;
 }
 
-Eigen::MatrixXd predictTraced(const Robot& robot, const TraceResult& result, Observation& o, int recording,
-                              int recordings) {
+Eigen::MatrixXd predictTraced(const mechanism::Robot& robot, const TraceResult& result, identification::Observation& o,
+                              int recording, int recordings) {
   if (recording < 0 && result.elsewhere) return predictTraced(robot, *result.elsewhere, o, recording, recordings);
   setFriction(o, result.base.columns, result.base.memory);
   EffectInput input = effectInput(robot, o, result.base.memory, recording, recordings);
@@ -318,7 +320,7 @@ Eigen::MatrixXd predictTraced(const Robot& robot, const TraceResult& result, Obs
   return input.force_N;
 }
 
-Eigen::MatrixXd predictBaseline(const TraceResult& result, Observation& o) {
+Eigen::MatrixXd predictBaseline(const TraceResult& result, identification::Observation& o) {
   setFriction(o, result.baseline.columns, result.baseline.memory);
   Eigen::MatrixXd out(o.samples(), o.axes());
   for (int i = 0; i < o.axes(); ++i)
@@ -326,4 +328,4 @@ Eigen::MatrixXd predictBaseline(const TraceResult& result, Observation& o) {
   return out;
 }
 
-}  // namespace knee_robot
+}  // namespace knee_robot::tracing

@@ -1,12 +1,12 @@
 #include "knee_robot/tracing/trace.h"
 
-namespace knee_robot {
+namespace knee_robot::tracing {
 namespace {
 
-ModelEffect modelEffect(const FoundEffect& e, const EffectInput& input, int axes) {
+dynamics::ModelEffect modelEffect(const FoundEffect& e, const EffectInput& input, int axes) {
   const Candidate& candidate = *e.hypothesis.place.candidate;
   const int actuator = e.hypothesis.place.actuator;
-  ModelEffect m;
+  dynamics::ModelEffect m;
   m.name = candidate.name();
   m.depends_on = candidate.dependsOn(actuator);
   m.transfers = e.transfers && candidate.elsewhere(e.coefficients).size() > 0;
@@ -15,7 +15,7 @@ ModelEffect modelEffect(const FoundEffect& e, const EffectInput& input, int axes
   }
   const std::vector<ShapeParameter> shapes = candidate.shapeParameters();
   for (std::size_t k = 0; k < shapes.size(); ++k) {
-    EffectParameter p;
+    dynamics::EffectParameter p;
     p.name = shapes[k].name;
     p.value = e.hypothesis.shape[k];
     m.shape.push_back(p);
@@ -34,13 +34,13 @@ std::vector<double> valuesOf(const Eigen::VectorXd& v) {
 
 }  // namespace
 
-Model tracedModel(const Robot& robot, const TraceResult& result, const std::vector<Observation>& training,
-                  const TraceOptions& options) {
-  Model m;
+dynamics::Model tracedModel(const mechanism::Robot& robot, const TraceResult& result,
+                            const std::vector<identification::Observation>& training, const TraceOptions& options) {
+  dynamics::Model m;
   m.kind = robot.kind;
   m.axes = robot.axes();
   m.robot_fingerprint = robot.fingerprint;
-  for (const Observation& o : training)
+  for (const identification::Observation& o : training)
     m.data.push_back({o.path, o.fingerprint});
   m.cutoff_hz = options.observation.cutoff_hz;
   m.moving_m_per_s = options.observation.moving_m_per_s;
@@ -52,7 +52,7 @@ Model tracedModel(const Robot& robot, const TraceResult& result, const std::vect
   m.effects_see = valuesOf(result.seen_parameters);
   m.residual_rms_N.assign(result.after_rms_N.data(), result.after_rms_N.data() + result.after_rms_N.size());
   for (std::size_t c = 0; c < result.base.columns.size(); ++c) {
-    ModelParameter p;
+    dynamics::ModelParameter p;
     p.name = result.base.columns[c].name;
     p.unit = result.base.columns[c].unit;
     p.value = result.parameters[static_cast<Eigen::Index>(c)];
@@ -71,4 +71,4 @@ Model tracedModel(const Robot& robot, const TraceResult& result, const std::vect
   return m;
 }
 
-}  // namespace knee_robot
+}  // namespace knee_robot::tracing

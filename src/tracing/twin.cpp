@@ -6,7 +6,7 @@
 #include <limits>
 #include <random>
 
-namespace knee_robot {
+namespace knee_robot::tracing {
 namespace {
 
 constexpr double kStep_s = 0.001;
@@ -14,7 +14,7 @@ constexpr double kRecovered = 0.9;  ///< share of the force's variance that a re
 constexpr double kLightest_kg = 2.0;
 constexpr double kDerivative_hz = 40.0;  ///< low-pass of the error's derivative: encoders flicker
 
-double valueOf(const BaseFit& base, const Eigen::VectorXd& parameters, ColumnRole role, int actuator) {
+double valueOf(const BaseFit& base, const Eigen::VectorXd& parameters, identification::ColumnRole role, int actuator) {
   for (std::size_t c = 0; c < base.columns.size(); ++c) {
     if (base.columns[c].role == role && base.columns[c].actuator == actuator)
       return parameters[static_cast<Eigen::Index>(c)];
@@ -31,7 +31,7 @@ Eigen::VectorXd carriedOf(const BaseFit& base, Eigen::VectorXd parameters) {
 }
 
 /// Mass that each axis moves: slope of the model's force over the acceleration, from the recording's own samples.
-double effectiveMass(const Observation& o, const Eigen::VectorXd& load, int i) {
+double effectiveMass(const identification::Observation& o, const Eigen::VectorXd& load, int i) {
   const Eigen::VectorXd a = o.signals.acceleration_m_per_s2.col(i);
   Eigen::MatrixXd design(o.samples(), 6);
   design.col(0) = a;
@@ -43,12 +43,12 @@ double effectiveMass(const Observation& o, const Eigen::VectorXd& load, int i) {
   return std::max(kLightest_kg, fit[0]);
 }
 
-Eigen::MatrixXd referenceOf(const Recording& r) {
+Eigen::MatrixXd referenceOf(const recording::Recording& r) {
   return r.reference_m.cols() > 0 ? r.reference_m : r.position_m;
 }
 
 /// A grid signal at a time, linear.
-double at(const Signals& s, const Eigen::MatrixXd& values, int column, double time) {
+double at(const recording::Signals& s, const Eigen::MatrixXd& values, int column, double time) {
   const double place = (time - s.time_s.front()) / s.period_s;
   const int k = std::clamp(static_cast<int>(place), 0, s.samples() - 2);
   const double part = std::clamp(place - k, 0.0, 1.0);
@@ -61,9 +61,10 @@ double explainedShare(const Eigen::MatrixXd& design, const Eigen::VectorXd& targ
   return 1.0 - (target - design * fit).squaredNorm() / std::max(1e-12, (target.array() - mean).square().sum());
 }
 
-AxisController recover(const Recording& r, const Observation& o, const TwinPlan& plan, int i) {
+AxisController recover(const recording::Recording& r, const identification::Observation& o, const TwinPlan& plan,
+                       int i) {
   const Eigen::VectorXd error = referenceOf(r).col(i) - r.position_m.col(i);
-  const double period = medianPeriod(r.time_s);
+  const double period = recording::medianPeriod(r.time_s);
   Eigen::MatrixXd design(r.rows(), 4);
   Eigen::VectorXd load(r.rows());
   double sum = 0.0, rate = 0.0;
@@ -101,15 +102,15 @@ void move(AxisState& a, const TwinPlan& plan, int i, double push, double level, 
 }
 
 /// One axis of a twin: fills its column of positions and forces.
-void simulateAxis(const Robot& robot, const Recording& r, const Observation& o, const TwinPlan& plan, int i,
-                  double phase, Recording& twin) {
-  const Actuator& a = robot.actuators[static_cast<std::size_t>(i)];
+void simulateAxis(const mechanism::Robot& robot, const recording::Recording& r, const identification::Observation& o,
+                  const TwinPlan& plan, int i, double phase, recording::Recording& twin) {
+  const mechanism::Actuator& a = robot.actuators[static_cast<std::size_t>(i)];
   const AxisController& c = plan.controllers[static_cast<std::size_t>(i)];
   const Eigen::MatrixXd reference = referenceOf(r);
-  const double period = medianPeriod(r.time_s);
+  const double period = recording::medianPeriod(r.time_s);
   const double fast = std::min(1.0, 2.0 * M_PI * kDerivative_hz * period);
   const double count = a.metresPerCount();
-  const double dac = kDacStep_V * a.force_per_volt_N, limit = a.voltage_max_V * a.force_per_volt_N;
+  const double dac = recording::kDacStep_V * a.force_per_volt_N, limit = a.voltage_max_V * a.force_per_volt_N;
   AxisState axis{r.position_m(0, i), 0.0, 0.0, 0.0, 0.0, 0.0};
   axis.start_force = o.row_force_N(0, i) - (c.feeds_load_forward ? plan.load_N(0, i) : 0.0) -
                      c.kp * (reference(0, i) - r.position_m(0, i));
@@ -137,11 +138,11 @@ void simulateAxis(const Robot& robot, const Recording& r, const Observation& o, 
 }
 
 /// One axis of a twin along the measured motion: the model's force, encoder counts with another phase.
-void followMeasured(const Robot& robot, const Recording& r, const Observation& o, const TwinPlan& plan, int i,
-                    double phase, Recording& twin) {
-  const Actuator& a = robot.actuators[static_cast<std::size_t>(i)];
-  const double dac = kDacStep_V * a.force_per_volt_N;
-  const double half = 0.5 * medianPeriod(r.time_s);
+void followMeasured(const mechanism::Robot& robot, const recording::Recording& r, const identification::Observation& o,
+                    const TwinPlan& plan, int i, double phase, recording::Recording& twin) {
+  const mechanism::Actuator& a = robot.actuators[static_cast<std::size_t>(i)];
+  const double dac = recording::kDacStep_V * a.force_per_volt_N;
+  const double half = 0.5 * recording::medianPeriod(r.time_s);
   for (int k = 0; k < r.rows(); ++k) {
     const double time = r.time_s[static_cast<std::size_t>(k)];
     const double q = r.position_m(k, i) + (phase - 0.5) * a.metresPerCount();
@@ -150,8 +151,8 @@ void followMeasured(const Robot& robot, const Recording& r, const Observation& o
   }
 }
 
-Recording emptyTwin(const Recording& r) {
-  Recording twin = r;
+recording::Recording emptyTwin(const recording::Recording& r) {
+  recording::Recording twin = r;
   twin.force_N.resize(r.rows(), r.axes);
   twin.command_V.resize(r.rows(), 0);
   twin.velocity_m_per_s.resize(r.rows(), 0);
@@ -160,11 +161,11 @@ Recording emptyTwin(const Recording& r) {
 
 /// The effective mass that makes the twin follow the recorded motion best. A regression over the acceleration gives too much where
 /// something else goes with the acceleration, and a twin that is too heavy overshoots where the machine stops.
-void chooseMass(const Robot& robot, const Recording& r, const Observation& o, const Eigen::VectorXd& load, int i,
-                TwinPlan& plan) {
+void chooseMass(const mechanism::Robot& robot, const recording::Recording& r, const identification::Observation& o,
+                const Eigen::VectorXd& load, int i, TwinPlan& plan) {
   const double fitted = plan.mass_kg[i];
   double best = fitted, least = std::numeric_limits<double>::infinity();
-  Recording twin = emptyTwin(r);
+  recording::Recording twin = emptyTwin(r);
   const auto use = [&](double mass) {
     plan.mass_kg[i] = mass;
     plan.load_N.col(i) = load - mass * o.signals.acceleration_m_per_s2.col(i);
@@ -183,7 +184,8 @@ void chooseMass(const Robot& robot, const Recording& r, const Observation& o, co
 
 }  // namespace
 
-TwinPlan planTwin(const Robot& robot, const Recording& r, const Observation& o, const BaseFit& base) {
+TwinPlan planTwin(const mechanism::Robot& robot, const recording::Recording& r, const identification::Observation& o,
+                  const BaseFit& base) {
   TwinPlan plan;
   plan.load_N.resize(o.samples(), o.axes());
   plan.mass_kg.resize(o.axes());
@@ -198,8 +200,8 @@ TwinPlan planTwin(const Robot& robot, const Recording& r, const Observation& o, 
     plan.model_N.col(i) = o.regressor[static_cast<std::size_t>(i)] * base.parameters;
     plan.mass_kg[i] = effectiveMass(o, load, i);
     plan.load_N.col(i) = load - plan.mass_kg[i] * o.signals.acceleration_m_per_s2.col(i);
-    plan.viscous[i] = valueOf(base, base.parameters, ColumnRole::Viscous, i);
-    plan.level_N.col(i).setConstant(valueOf(base, base.parameters, ColumnRole::Coulomb, i));
+    plan.viscous[i] = valueOf(base, base.parameters, identification::ColumnRole::Viscous, i);
+    plan.level_N.col(i).setConstant(valueOf(base, base.parameters, identification::ColumnRole::Coulomb, i));
   }
   for (int i = 0; i < o.axes(); ++i) {
     plan.controllers.push_back(recover(r, o, plan, i));
@@ -215,15 +217,15 @@ TwinPlan planTwin(const Robot& robot, const Recording& r, const Observation& o, 
   return plan;
 }
 
-void refreshPlan(const Observation& o, const BaseFit& base, const Eigen::VectorXd& parameters,
+void refreshPlan(const identification::Observation& o, const BaseFit& base, const Eigen::VectorXd& parameters,
                  const Eigen::MatrixXd& share, const TwinEffects& effects, TwinPlan& plan) {
   const Eigen::VectorXd carried = carriedOf(base, parameters);
   for (int i = 0; i < o.axes(); ++i) {
     const Eigen::MatrixXd& regressor = o.regressor[static_cast<std::size_t>(i)];
     plan.load_N.col(i) = regressor * carried - plan.mass_kg[i] * o.signals.acceleration_m_per_s2.col(i);
     plan.model_N.col(i) = regressor * parameters;
-    plan.viscous[i] = valueOf(base, parameters, ColumnRole::Viscous, i);
-    plan.level_N.col(i).setConstant(valueOf(base, parameters, ColumnRole::Coulomb, i));
+    plan.viscous[i] = valueOf(base, parameters, identification::ColumnRole::Viscous, i);
+    plan.level_N.col(i).setConstant(valueOf(base, parameters, identification::ColumnRole::Coulomb, i));
     if (effects.load_N.size() == 0) continue;
     plan.load_N.col(i) += effects.load_N.col(i);
     plan.model_N.col(i) += effects.load_N.col(i) + effects.friction_N.col(i);
@@ -234,11 +236,11 @@ void refreshPlan(const Observation& o, const BaseFit& base, const Eigen::VectorX
   }
 }
 
-Recording simulateTwin(const Robot& robot, const Recording& r, const Observation& o, const TwinPlan& plan,
-                       std::uint64_t seed) {
+recording::Recording simulateTwin(const mechanism::Robot& robot, const recording::Recording& r,
+                                  const identification::Observation& o, const TwinPlan& plan, std::uint64_t seed) {
   std::mt19937_64 random(seed);
   std::uniform_real_distribution<double> uniform(0.0, 1.0);
-  Recording twin = emptyTwin(r);
+  recording::Recording twin = emptyTwin(r);
   for (int i = 0; i < r.axes; ++i) {
     if (plan.open_loop[static_cast<std::size_t>(i)]) {
       followMeasured(robot, r, o, plan, i, uniform(random), twin);
@@ -249,4 +251,4 @@ Recording simulateTwin(const Robot& robot, const Recording& r, const Observation
   return twin;
 }
 
-}  // namespace knee_robot
+}  // namespace knee_robot::tracing

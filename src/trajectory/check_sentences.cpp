@@ -4,25 +4,25 @@
 
 #include "knee_robot/base/numbers.h"
 
-namespace knee_robot {
+namespace knee_robot::trajectory {
 namespace {
 
 constexpr double kDegrees = 180.0 / 3.14159265358979323846;
 
-bool lengthsInRange(const Robot& robot, const Lengths& lengths) {
+bool lengthsInRange(const mechanism::Robot& robot, const mechanism::Lengths& lengths) {
   for (int i = 0; i < robot.axes(); ++i) {
-    const Actuator& actuator = robot.actuators[i];
+    const mechanism::Actuator& actuator = robot.actuators[i];
     if (!(lengths[i] >= actuator.position_min_m && lengths[i] <= actuator.position_max_m)) return false;
   }
   return true;
 }
 
 /// A file that is out of range at its first point is often one of another space: says so when that would fit.
-std::string otherSpaceHint(const Reference& reference, const Robot& robot) {
+std::string otherSpaceHint(const Reference& reference, const mechanism::Robot& robot) {
   for (const Space space : {Space::Actuator, Space::Platform, Space::Relative}) {
     if (space == reference.space) continue;
-    if (space == Space::Platform && robot.kind != MechanismKind::ThreeUpsOneRpu) continue;
-    const Lengths lengths = referenceLengths(robot, space, reference.points.row(0).transpose());
+    if (space == Space::Platform && robot.kind != mechanism::MechanismKind::ThreeUpsOneRpu) continue;
+    const mechanism::Lengths lengths = referenceLengths(robot, space, reference.points.row(0).transpose());
     if (lengthsInRange(robot, lengths)) {
       return std::string(" (its first point would be in range with --space ") + nameOf(space) + ")";
     }
@@ -30,7 +30,7 @@ std::string otherSpaceHint(const Reference& reference, const Robot& robot) {
   return "";
 }
 
-std::string lengthSentence(const Margin& at, const Reference& reference, const Robot& robot) {
+std::string lengthSentence(const Margin& at, const Reference& reference, const mechanism::Robot& robot) {
   const bool below = at.quantity == Quantity::ShortestLength;
   std::string sentence = "actuator " + std::to_string(at.actuator) + " is sent to " + shortNumber(at.value, 7) +
                          " m, " + (below ? "below its minimum of " : "above its maximum of ") +
@@ -40,7 +40,7 @@ std::string lengthSentence(const Margin& at, const Reference& reference, const R
   return sentence;
 }
 
-std::string differenceSentence(const Margin& at, const Robot& robot) {
+std::string differenceSentence(const Margin& at, const mechanism::Robot& robot) {
   const bool velocity = at.quantity == Quantity::Velocity;
   const double factor = velocity ? at.value / at.limit : std::sqrt(at.value / at.limit);
   return "actuator " + std::to_string(at.actuator) + (velocity ? " moves with " : " accelerates with ") +
@@ -49,7 +49,7 @@ std::string differenceSentence(const Margin& at, const Robot& robot) {
          shortNumber(std::ceil(factor * 100.0) / 100.0, 4) + " times";
 }
 
-std::string angleSentence(const Margin& at, const Robot& robot) {
+std::string angleSentence(const Margin& at, const mechanism::Robot& robot) {
   const char* joint = at.quantity == Quantity::PlatformAngle ? "spherical"
                       : at.actuator == 4                     ? "revolute"
                                                              : "universal";
@@ -101,7 +101,7 @@ const char* unitOf(Quantity quantity) {
   return "";
 }
 
-std::string violationSentence(const Margin& at, const Reference& reference, const Robot& robot) {
+std::string violationSentence(const Margin& at, const Reference& reference, const mechanism::Robot& robot) {
   const std::string where = reference.name + ":" + std::to_string(at.line) + ": ";
   switch (at.quantity) {
     case Quantity::ShortestLength:
@@ -128,4 +128,4 @@ std::string violationSentence(const Margin& at, const Reference& reference, cons
          shortNumber(at.value, 4) + " just before); lead it around, on the side where it starts";
 }
 
-}  // namespace knee_robot
+}  // namespace knee_robot::trajectory

@@ -1,10 +1,10 @@
-#include "exercise_fit.h"
+#include "knee_robot/trajectory/exercise_fit.h"
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
-namespace knee_robot {
+namespace knee_robot::trajectory {
 namespace {
 
 constexpr double kFineTranslation = 0.002;  ///< m between poses that are looked at
@@ -13,9 +13,10 @@ constexpr double kCoarse = 10.0;            ///< times as far while a start is s
 constexpr int kAmplitudeRounds = 7;         ///< of bisection while the start is searched with the amplitude
 constexpr double kTiltCost = 0.5;           ///< share of a limit that a rad of tilt at the start must win
 
-Margin nearestOnWay(const Exercise& exercise, const Robot& robot, const Pose& start, double amplitude, double spacing) {
+Margin nearestOnWay(const Exercise& exercise, const mechanism::Robot& robot, const mechanism::Pose& start,
+                    double amplitude, double spacing) {
   const double condition_max = planningCondition(robot);
-  Pose pose = start;
+  mechanism::Pose pose = start;
   Margin nearest = nearestLimit(robot, pose, condition_max);
   for (const ExerciseStroke& stroke : exercise.strokes) {
     const double distance = stroke.share * amplitude;
@@ -33,14 +34,14 @@ Margin nearestOnWay(const Exercise& exercise, const Robot& robot, const Pose& st
 
 /// A start pose and how good it is: the share of a limit that is left on the whole way, less a price for tilt.
 struct Start {
-  Pose pose = Pose::Zero();
+  mechanism::Pose pose = mechanism::Pose::Zero();
   double score = -std::numeric_limits<double>::infinity();
 };
 
 /// Looks for the best start of one exercise at one amplitude.
 class StartSearch {
  public:
-  StartSearch(const Exercise& exercise, const Robot& robot, double amplitude)
+  StartSearch(const Exercise& exercise, const mechanism::Robot& robot, double amplitude)
       : exercise_(exercise), robot_(robot), amplitude_(amplitude) {}
 
   Start search() {
@@ -64,7 +65,7 @@ class StartSearch {
                        [&](const auto& s) { return s.axis == axis; });
   }
 
-  void tryStart(const Pose& pose) {
+  void tryStart(const mechanism::Pose& pose) {
     const double cost = kTiltCost * (std::abs(pose[2]) + std::abs(pose[3]));
     // The start alone bounds what the way can reach: most of the grid is done with here.
     if (nearestLimit(robot_, pose, planningCondition(robot_)).left - cost <= best_.score) return;
@@ -76,35 +77,36 @@ class StartSearch {
   void refine() {
     for (double step = 0.0125; step > 0.0003;) {
       const double before = best_.score;
-      const Pose from = best_.pose;
+      const mechanism::Pose from = best_.pose;
       for (const double sign : {-1.0, 1.0}) {
-        if (!exercise_.start_x) tryStart(from + Pose(sign * step, 0.0, 0.0, 0.0));
-        tryStart(from + Pose(0.0, sign * step, 0.0, 0.0));
+        if (!exercise_.start_x) tryStart(from + mechanism::Pose(sign * step, 0.0, 0.0, 0.0));
+        tryStart(from + mechanism::Pose(0.0, sign * step, 0.0, 0.0));
       }
       if (best_.score <= before) step *= 0.5;
     }
   }
 
   const Exercise& exercise_;
-  const Robot& robot_;
+  const mechanism::Robot& robot_;
   double amplitude_;
   Start best_;
 };
 
 }  // namespace
 
-Margin nearestOnWay(const Exercise& exercise, const Robot& robot, const Pose& start, double amplitude) {
+Margin nearestOnWay(const Exercise& exercise, const mechanism::Robot& robot, const mechanism::Pose& start,
+                    double amplitude) {
   return nearestOnWay(exercise, robot, start, amplitude, 1.0);
 }
 
-Pose startThatFitsMost(const Exercise& exercise, const Robot& robot, double amplitude) {
-  Pose start = StartSearch(exercise, robot, amplitude).search().pose;
+mechanism::Pose startThatFitsMost(const Exercise& exercise, const mechanism::Robot& robot, double amplitude) {
+  mechanism::Pose start = StartSearch(exercise, robot, amplitude).search().pose;
   if (nearestOnWay(exercise, robot, start, amplitude).left >= 0.0) return start;
-  Pose fitting = start;
+  mechanism::Pose fitting = start;
   double fits = 0.0, beyond = amplitude;
   for (int round = 0; round < kAmplitudeRounds; ++round) {
     const double middle = 0.5 * (fits + beyond);
-    const Pose found = StartSearch(exercise, robot, middle).search().pose;
+    const mechanism::Pose found = StartSearch(exercise, robot, middle).search().pose;
     if (nearestOnWay(exercise, robot, found, middle).left >= 0.0) {
       fits = middle;
       fitting = found;
@@ -115,7 +117,8 @@ Pose startThatFitsMost(const Exercise& exercise, const Robot& robot, double ampl
   return fitting;
 }
 
-double largestAmplitude(const Exercise& exercise, const Robot& robot, const Pose& start, double asked) {
+double largestAmplitude(const Exercise& exercise, const mechanism::Robot& robot, const mechanism::Pose& start,
+                        double asked) {
   double fits = 0.0, beyond = asked;
   while (beyond - fits > 0.0005 * asked) {
     const double middle = 0.5 * (fits + beyond);
@@ -128,4 +131,4 @@ double largestAmplitude(const Exercise& exercise, const Robot& robot, const Pose
   return std::floor(fits / unit * scale) / scale * unit;
 }
 
-}  // namespace knee_robot
+}  // namespace knee_robot::trajectory

@@ -3,11 +3,11 @@
 #include <algorithm>
 #include <cmath>
 
-#include "exercise_fit.h"
 #include "knee_robot/base/errors.h"
 #include "knee_robot/base/numbers.h"
+#include "knee_robot/trajectory/exercise_fit.h"
 
-namespace knee_robot {
+namespace knee_robot::trajectory {
 namespace {
 
 constexpr double kDegree = 3.14159265358979323846 / 180.0;
@@ -19,11 +19,11 @@ std::string amplitudeText(const Exercise& exercise, double amplitude) {
   return exercise.rotation ? shortNumber(amplitude / kDegree, 3) + " deg" : shortNumber(amplitude, 3) + " m";
 }
 
-void refuseOptions(const Exercise& exercise, const Robot& robot, const ExerciseOptions& options) {
+void refuseOptions(const Exercise& exercise, const mechanism::Robot& robot, const ExerciseOptions& options) {
   const auto demand = [](bool holds, const std::string& sentence) {
     if (!holds) throw InputError(sentence);
   };
-  demand(robot.kind == MechanismKind::ThreeUpsOneRpu,
+  demand(robot.kind == mechanism::MechanismKind::ThreeUpsOneRpu,
          robot.path + " describes separate axes; exercises move a platform");
   const double amplitude = options.amplitude.value_or(exercise.amplitude);
   const double largest = exercise.rotation ? 90.0 * kDegree : 1.0;
@@ -43,7 +43,7 @@ void refuseOptions(const Exercise& exercise, const Robot& robot, const ExerciseO
 /// Appends rows to a reference's poses.
 class PoseWriter {
  public:
-  explicit PoseWriter(const Pose& start) : pose_(start) { rows_.push_back(start); }
+  explicit PoseWriter(const mechanism::Pose& start) : pose_(start) { rows_.push_back(start); }
 
   void rest(double seconds) {
     for (long n = std::lround(seconds / kStreamPeriod); n > 0; --n)
@@ -51,7 +51,7 @@ class PoseWriter {
   }
   void stroke(int axis, double distance, const ProfileLimits& limits) {
     const PointToPoint profile(distance, limits);
-    const Pose from = pose_;
+    const mechanism::Pose from = pose_;
     const long steps = static_cast<long>(std::ceil(profile.duration() / kStreamPeriod - 1e-9));
     for (long k = 1; k <= steps; ++k) {
       pose_ = from;
@@ -71,8 +71,8 @@ class PoseWriter {
   }
 
  private:
-  Pose pose_;
-  std::vector<Pose> rows_;
+  mechanism::Pose pose_;
+  std::vector<mechanism::Pose> rows_;
 };
 
 Points sampled(const Exercise& exercise, const ExercisePlan& plan, const ExerciseOptions& options) {
@@ -97,7 +97,7 @@ Points sampled(const Exercise& exercise, const ExercisePlan& plan, const Exercis
 }
 
 /// The largest amplitude that fits, or the one asked for when that does.
-double fittingAmplitude(const Exercise& exercise, const Robot& robot, const ExerciseOptions& options,
+double fittingAmplitude(const Exercise& exercise, const mechanism::Robot& robot, const ExerciseOptions& options,
                         ExercisePlan& plan) {
   const double asked = options.amplitude.value_or(exercise.amplitude);
   plan.start = options.start ? *options.start : startThatFitsMost(exercise, robot, asked);
@@ -118,7 +118,7 @@ double fittingAmplitude(const Exercise& exercise, const Robot& robot, const Exer
   return largest;
 }
 
-void fill(const Exercise& exercise, const Robot& robot, const ExerciseOptions& options, ExercisePlan& plan) {
+void fill(const Exercise& exercise, const mechanism::Robot& robot, const ExerciseOptions& options, ExercisePlan& plan) {
   plan.reference.name = exercise.name;
   plan.reference.space = Space::Platform;
   plan.reference.points = sampled(exercise, plan, options);
@@ -173,7 +173,7 @@ const Exercise& exerciseNamed(const std::string& name) {
   throw InputError("there is no exercise '" + name + "'; choose one of " + names);
 }
 
-ExercisePlan planExercise(const Exercise& exercise, const Robot& robot, const ExerciseOptions& options) {
+ExercisePlan planExercise(const Exercise& exercise, const mechanism::Robot& robot, const ExerciseOptions& options) {
   refuseOptions(exercise, robot, options);
   ExercisePlan plan;
   plan.amplitude = fittingAmplitude(exercise, robot, options, plan);
@@ -197,4 +197,4 @@ ExercisePlan planExercise(const Exercise& exercise, const Robot& robot, const Ex
   return plan;
 }
 
-}  // namespace knee_robot
+}  // namespace knee_robot::trajectory

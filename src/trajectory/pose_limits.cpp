@@ -7,7 +7,7 @@
 
 #include "knee_robot/base/numbers.h"
 
-namespace knee_robot {
+namespace knee_robot::trajectory {
 namespace {
 
 constexpr double kDegrees = 180.0 / 3.14159265358979323846;
@@ -23,33 +23,34 @@ void keepNearest(Margin& nearest, Quantity quantity, double value, double limit,
 
 }  // namespace
 
-double homeBranch(const Robot& robot) {
-  const Actuator& leg = robot.actuators[3];
+double homeBranch(const mechanism::Robot& robot) {
+  const mechanism::Actuator& leg = robot.actuators[3];
   const double length = 0.5 * (leg.position_min_m + leg.position_max_m), reach = robot.mechanism->geometry.ds;
-  const Pose level(0.0, std::sqrt(std::max(length * length - reach * reach, 0.01 * length * length)), 0.0, 0.0);
-  return lengthJacobian(*robot.mechanism, level).determinant() < 0.0 ? -1.0 : 1.0;
+  const mechanism::Pose level(0.0, std::sqrt(std::max(length * length - reach * reach, 0.01 * length * length)), 0.0,
+                              0.0);
+  return mechanism::lengthJacobian(*robot.mechanism, level).determinant() < 0.0 ? -1.0 : 1.0;
 }
 
-double planningCondition(const Robot& robot) {
+double planningCondition(const mechanism::Robot& robot) {
   const bool wide_open = robot.singularity_condition_max > kWideOpenCondition;
   return wide_open ? kPlanningCondition : robot.singularity_condition_max;
 }
 
-Margin nearestLimit(const Robot& robot, const Pose& pose, double condition_max) {
+Margin nearestLimit(const mechanism::Robot& robot, const mechanism::Pose& pose, double condition_max) {
   Margin nearest;
   nearest.left = std::numeric_limits<double>::infinity();
-  const Mechanism& mechanism = *robot.mechanism;
-  const Lengths lengths = legLengths(mechanism, pose);
-  for (int i = 0; i < kLegs; ++i) {
-    const Actuator& actuator = robot.actuators[i];
+  const mechanism::Mechanism& mechanism = *robot.mechanism;
+  const mechanism::Lengths lengths = mechanism::legLengths(mechanism, pose);
+  for (int i = 0; i < mechanism::kLegs; ++i) {
+    const mechanism::Actuator& actuator = robot.actuators[i];
     const double half = 0.5 * (actuator.position_max_m - actuator.position_min_m);
     keepNearest(nearest, Quantity::ShortestLength, lengths[i], actuator.position_min_m, i + 1,
                 (lengths[i] - actuator.position_min_m) / half);
     keepNearest(nearest, Quantity::LongestLength, lengths[i], actuator.position_max_m, i + 1,
                 (actuator.position_max_m - lengths[i]) / half);
   }
-  const JointAngles angles = jointAngles(mechanism, pose);
-  for (int i = 0; i < kLegs; ++i) {
+  const mechanism::JointAngles angles = mechanism::jointAngles(mechanism, pose);
+  for (int i = 0; i < mechanism::kLegs; ++i) {
     const double base_max = i < 3 ? robot.joints.universal_max : robot.joints.revolute_max;
     keepNearest(nearest, Quantity::BaseAngle, angles.base[i], base_max, i + 1, 1.0 - angles.base[i] / base_max);
     if (i == 3) continue;
@@ -57,9 +58,10 @@ Margin nearestLimit(const Robot& robot, const Pose& pose, double condition_max) 
     keepNearest(nearest, Quantity::PlatformAngle, angles.platform[i], platform_max, i + 1,
                 1.0 - angles.platform[i] / platform_max);
   }
-  const double condition = conditionNumber(mechanism, pose);
+  const double condition = mechanism::conditionNumber(mechanism, pose);
   keepNearest(nearest, Quantity::Condition, condition, condition_max, 0, 1.0 - condition / condition_max);
-  const bool usual_branch = pose[1] > 0.0 && lengthJacobian(mechanism, pose).determinant() * homeBranch(robot) > 0.0;
+  const bool usual_branch =
+      pose[1] > 0.0 && mechanism::lengthJacobian(mechanism, pose).determinant() * homeBranch(robot) > 0.0;
   if (!usual_branch)
     keepNearest(nearest, Quantity::Assembly, condition, condition_max, 0, std::min(-1.0, nearest.left));
   return nearest;
@@ -92,4 +94,4 @@ std::string limitText(const Margin& margin) {
   return "a singularity on the way";
 }
 
-}  // namespace knee_robot
+}  // namespace knee_robot::trajectory

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace knee_robot {
+namespace knee_robot::trajectory {
 
 PointToPoint::PointToPoint(double distance, const ProfileLimits& limits) : distance_(distance), jerk_(limits.jerk) {
   const double d = std::abs(distance), v = limits.velocity, a = limits.acceleration, j = limits.jerk;
@@ -53,4 +53,4 @@ ProfilePoint PointToPoint::at(double time) const {
   return {sign * point.position, sign * point.velocity, sign * point.acceleration};
 }
 
-}  // namespace knee_robot
+}  // namespace knee_robot::trajectory

@@ -9,7 +9,7 @@
 #include "knee_robot/base/numbers.h"
 #include "path_following.h"
 
-namespace knee_robot {
+namespace knee_robot::trajectory {
 namespace {
 
 constexpr double kLengthRounding = 1e-9;    ///< m: arithmetic, not measurement
@@ -45,7 +45,7 @@ class Watch {
 /// Everything that the checks share; `finish` turns watches into margins and the first violation.
 struct CheckRun {
   const Reference& reference;
-  const Robot& robot;
+  const mechanism::Robot& robot;
   ReferenceCheck result;
 
   void close(const Watch& watch) {
@@ -61,7 +61,7 @@ void checkLengths(CheckRun& run) {
   Watch shortest(Quantity::ShortestLength), longest(Quantity::LongestLength);
   for (Eigen::Index k = 0; k < run.result.lengths.rows(); ++k) {
     for (int i = 0; i < run.robot.axes(); ++i) {
-      const Actuator& actuator = run.robot.actuators[i];
+      const mechanism::Actuator& actuator = run.robot.actuators[i];
       const double range = actuator.position_max_m - actuator.position_min_m;
       const double length = run.result.lengths(k, i);
       const int line = run.reference.lineOf(k);
@@ -84,7 +84,7 @@ void checkDifferences(CheckRun& run) {
   for (Eigen::Index k = 0; k <= last; ++k) {
     const Eigen::Index before = std::max<Eigen::Index>(k - 1, 0), after = std::min(k + 1, last);
     for (int i = 0; i < run.robot.axes(); ++i) {
-      const Actuator& actuator = run.robot.actuators[i];
+      const mechanism::Actuator& actuator = run.robot.actuators[i];
       const int line = run.reference.lineOf(k);
       const double first = (q(k, i) - q(before, i)) / period;
       const double second = (q(after, i) - 2.0 * q(k, i) + q(before, i)) / (period * period);
@@ -99,22 +99,24 @@ void checkDifferences(CheckRun& run) {
 struct PoseWatches {
   Watch base{Quantity::BaseAngle}, platform{Quantity::PlatformAngle}, condition{Quantity::Condition};
 
-  void take(const Robot& robot, const Pose& pose, int line) {
-    const JointAngles angles = jointAngles(*robot.mechanism, pose);
-    for (int i = 0; i < kLegs; ++i) {
+  void take(const mechanism::Robot& robot, const mechanism::Pose& pose, int line) {
+    const mechanism::JointAngles angles = mechanism::jointAngles(*robot.mechanism, pose);
+    for (int i = 0; i < mechanism::kLegs; ++i) {
       const double limit = i < 3 ? robot.joints.universal_max : robot.joints.revolute_max;
       base.takeBelow(angles.base[i], limit, line, i + 1);
       if (i < 3) platform.takeBelow(angles.platform[i], robot.joints.spherical_max, line, i + 1);
     }
-    condition.takeBelow(conditionNumber(*robot.mechanism, pose), robot.singularity_condition_max, line, 0);
+    condition.takeBelow(mechanism::conditionNumber(*robot.mechanism, pose), robot.singularity_condition_max, line, 0);
   }
 };
 
 /// The pose at the first point. A platform file says which of the assembly branches it means.
-std::optional<Pose> firstPose(const Reference& reference, const Robot& robot, const Lengths& lengths) {
-  const ForwardResult result = reference.space == Space::Platform
-                                   ? forwardKinematics(*robot.mechanism, lengths, reference.points.row(0).transpose())
-                                   : forwardKinematicsFromHome(*robot.mechanism, lengths);
+std::optional<mechanism::Pose> firstPose(const Reference& reference, const mechanism::Robot& robot,
+                                         const mechanism::Lengths& lengths) {
+  const mechanism::ForwardResult result =
+      reference.space == Space::Platform
+          ? mechanism::forwardKinematics(*robot.mechanism, lengths, reference.points.row(0).transpose())
+          : mechanism::forwardKinematicsFromHome(*robot.mechanism, lengths);
   if (!result.ok()) return std::nullopt;
   return result.pose;
 }
@@ -126,7 +128,7 @@ void checkPath(CheckRun& run) {
     assembly.take(condition, 1e6, -1.0, run.reference.lineOf(point), 0);
     run.close(assembly);
   };
-  const std::optional<Pose> first = firstPose(run.reference, run.robot, q.row(0).transpose());
+  const std::optional<mechanism::Pose> first = firstPose(run.reference, run.robot, q.row(0).transpose());
   if (!first) return lostAt(0, std::numeric_limits<double>::infinity());
 
   PathFollower follower(*run.robot.mechanism, q.row(0).transpose(), *first);
@@ -137,7 +139,7 @@ void checkPath(CheckRun& run) {
   Eigen::Index lost = 0;
   for (Eigen::Index k = 1; k < q.rows() && lost == 0; ++k) {
     for (const double share : {0.5, 1.0}) {
-      const Lengths target = (1.0 - share) * q.row(k - 1).transpose() + share * q.row(k).transpose();
+      const mechanism::Lengths target = (1.0 - share) * q.row(k - 1).transpose() + share * q.row(k).transpose();
       if (!follower.moveTo(target)) {
         lost = k;
         break;
@@ -154,23 +156,23 @@ void checkPath(CheckRun& run) {
   run.close(watches.base);
   run.close(watches.platform);
   run.close(watches.condition);
-  if (lost != 0) return lostAt(lost, conditionNumber(*run.robot.mechanism, follower.pose()));
+  if (lost != 0) return lostAt(lost, mechanism::conditionNumber(*run.robot.mechanism, follower.pose()));
   run.result.poses = std::move(poses);
 }
 
 /// A robot and a reference that cannot be brought together at all.
-void refuseMismatch(const Reference& reference, const Robot& robot) {
+void refuseMismatch(const Reference& reference, const mechanism::Robot& robot) {
   if (std::abs(reference.period_s - kStreamPeriod) > 1e-9) {
     throw InputError(reference.name + ": period_s is " + shortNumber(reference.period_s) +
                      ", but points are streamed every " + shortNumber(kStreamPeriod) +
                      " s; resample the reference to that period");
   }
-  if (robot.kind == MechanismKind::ThreeUpsOneRpu) return;
+  if (robot.kind == mechanism::MechanismKind::ThreeUpsOneRpu) return;
   if (reference.space == Space::Platform) {
     throw InputError(reference.name + ": holds platform coordinates, but " + robot.path +
                      " describes separate axes without a platform; use actuator or relative positions");
   }
-  for (int i = robot.axes(); i < kLegs; ++i) {
+  for (int i = robot.axes(); i < mechanism::kLegs; ++i) {
     for (Eigen::Index k = 0; k < reference.points.rows(); ++k) {
       if (reference.points(k, i) == 0.0) continue;
       throw InputError(reference.name + ":" + std::to_string(reference.lineOf(k)) + ": column " +
@@ -182,22 +184,22 @@ void refuseMismatch(const Reference& reference, const Robot& robot) {
 
 }  // namespace
 
-Lengths referenceLengths(const Robot& robot, Space space, const Vector4& point) {
+mechanism::Lengths referenceLengths(const mechanism::Robot& robot, Space space, const mechanism::Vector4& point) {
   switch (space) {
     case Space::Actuator:
       return point;
     case Space::Platform:
-      return legLengths(*robot.mechanism, point);
+      return mechanism::legLengths(*robot.mechanism, point);
     case Space::Relative:
       break;
   }
-  Lengths lengths = point;
+  mechanism::Lengths lengths = point;
   for (int i = 0; i < robot.axes(); ++i)
     lengths[i] += robot.actuators[i].home_length_m;
   return lengths;
 }
 
-ReferenceCheck checkReference(const Reference& reference, const Robot& robot) {
+ReferenceCheck checkReference(const Reference& reference, const mechanism::Robot& robot) {
   refuseMismatch(reference, robot);
   CheckRun run{reference, robot, {}};
   run.result.lengths.resize(reference.points.rows(), 4);
@@ -208,14 +210,14 @@ ReferenceCheck checkReference(const Reference& reference, const Robot& robot) {
   checkLengths(run);
   checkDifferences(run);
   // Beyond its lengths or with jumps a path is not worth following: what would be found there does not help to mend it.
-  if (run.result.ok() && robot.kind == MechanismKind::ThreeUpsOneRpu) checkPath(run);
+  if (run.result.ok() && robot.kind == mechanism::MechanismKind::ThreeUpsOneRpu) checkPath(run);
   return std::move(run.result);
 }
 
-ReferenceCheck requirePlayable(const Reference& reference, const Robot& robot) {
+ReferenceCheck requirePlayable(const Reference& reference, const mechanism::Robot& robot) {
   ReferenceCheck check = checkReference(reference, robot);
   if (check.violation) throw InputError(check.violation->sentence);
   return check;
 }
 
-}  // namespace knee_robot
+}  // namespace knee_robot::trajectory

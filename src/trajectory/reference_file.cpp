@@ -10,7 +10,7 @@
 #include "knee_robot/base/files.h"
 #include "knee_robot/base/numbers.h"
 
-namespace knee_robot {
+namespace knee_robot::trajectory {
 namespace {
 
 constexpr std::string_view kBlanks = " \t\r";
@@ -191,4 +191,4 @@ void writeReference(const std::string& path, const Reference& reference, const s
   writeFileAtomically(path, formatReference(reference, comments));
 }
 
-}  // namespace knee_robot
+}  // namespace knee_robot::trajectory

@@ -14,52 +14,52 @@
 
 namespace knee_robot::campaign {
 namespace {
-std::atomic<hardware::RobotImage*> attached{nullptr};
+std::atomic<simulation::RobotImage*> attached{nullptr};
 constexpr std::uint32_t kClockForward = 901;  // orders in component_fault
 constexpr std::uint32_t kClockBackward = 902;
 constexpr time_t kStep_s = 3600;
 }  // namespace
 
-hardware::RobotImage& image() {
-  static hardware::SharedImage* memory = nullptr;
+simulation::RobotImage& image() {
+  static simulation::SharedImage* memory = nullptr;
   if (memory == nullptr) {
     const char* name = std::getenv("KNEE_CAMPAIGN_SHM");
     if (name == nullptr)
       throw InputError("KNEE_CAMPAIGN_SHM is not set: this controller is for scripts/fault_campaign");
-    memory = new hardware::SharedImage(hardware::SharedImage::attach(name));
+    memory = new simulation::SharedImage(simulation::SharedImage::attach(name));
     attached.store(&memory->image());
   }
   return memory->image();
 }
 
 rt::TypeFactory
-productTypes(const Robot& robot, const HardwareFile& hardware, hardware::AxisBus& bus, const AxisValues& lengths_at_start) __asm__(
+productTypes(const mechanism::Robot& robot, const control::HardwareFile& hardware, hardware::AxisBus& bus, const control::AxisValues& lengths_at_start) __asm__(
     "__real__ZN10knee_robot14componentTypesB5cxx11ERKNS_5RobotERKNS_12HardwareFileERNS_"
     "8hardware7AxisBusERKSt5arrayIdLm4EE");
 
 rt::TypeFactory
-campaignTypes(const Robot& robot, const HardwareFile& hardware, hardware::AxisBus& bus, const AxisValues& lengths_at_start) __asm__(
+campaignTypes(const mechanism::Robot& robot, const control::HardwareFile& hardware, hardware::AxisBus& bus, const control::AxisValues& lengths_at_start) __asm__(
     "__wrap__ZN10knee_robot14componentTypesB5cxx11ERKNS_5RobotERKNS_12HardwareFileERNS_"
     "8hardware7AxisBusERKSt5arrayIdLm4EE");
 
-rt::TypeFactory campaignTypes(const Robot& robot, const HardwareFile& hardware, hardware::AxisBus& bus,
-                              const AxisValues& lengths_at_start) {
+rt::TypeFactory campaignTypes(const mechanism::Robot& robot, const control::HardwareFile& hardware,
+                              hardware::AxisBus& bus, const control::AxisValues& lengths_at_start) {
   using Name = const std::string&;
   rt::TypeFactory types = productTypes(robot, hardware, bus, lengths_at_start);
   types["AxesInput"] = [=, &bus](Name name) {
-    return std::make_unique<Misbehaving<AxesInput, Part::AxesInput>>(name, robot, bus, lengths_at_start);
+    return std::make_unique<Misbehaving<control::AxesInput, Part::AxesInput>>(name, robot, bus, lengths_at_start);
   };
-  types["Sync"] = [=](Name name) { return std::make_unique<Misbehaving<Sync, Part::Sync>>(name, robot); };
+  types["Sync"] = [=](Name name) { return std::make_unique<Misbehaving<control::Sync, Part::Sync>>(name, robot); };
   types["Driver"] = [=](Name name) {
-    return std::make_unique<Misbehaving<Driver, Part::Driver>>(name, robot, hardware);
+    return std::make_unique<Misbehaving<control::Driver, Part::Driver>>(name, robot, hardware);
   };
   types["Supervisor"] = [=](Name name) {
-    return std::make_unique<Misbehaving<Supervisor, Part::Supervisor>>(name, robot, hardware);
+    return std::make_unique<Misbehaving<control::Supervisor, Part::Supervisor>>(name, robot, hardware);
   };
   types["AxesOutput"] = [=, &bus](Name name) {
-    return std::make_unique<Misbehaving<AxesOutput, Part::AxesOutput>>(name, robot, hardware, bus);
+    return std::make_unique<Misbehaving<control::AxesOutput, Part::AxesOutput>>(name, robot, hardware, bus);
   };
-  types["Recorder"] = [](Name name) { return std::make_unique<Misbehaving<Recorder, Part::Recorder>>(name); };
+  types["Recorder"] = [](Name name) { return std::make_unique<Misbehaving<control::Recorder, Part::Recorder>>(name); };
   return types;
 }
 

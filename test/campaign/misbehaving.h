@@ -32,7 +32,7 @@ enum class Misbehaviour {
 };
 
 /// Image of the simulated robot named by environment variable KNEE_CAMPAIGN_SHM, attached at the first call.
-hardware::RobotImage& image();
+simulation::RobotImage& image();
 
 inline Misbehaviour ordered(Part part) {
   const std::uint32_t order = image().faults.component_fault.load(std::memory_order_relaxed);
@@ -45,7 +45,7 @@ inline void busy(std::chrono::microseconds time) {
   }
 }
 
-inline void poison(SetPoint& point, double value) {
+inline void poison(control::SetPoint& point, double value) {
   for (auto* values : {&point.from_m, &point.to_m}) {
     for (double& one : *values)
       one += value;
@@ -58,12 +58,12 @@ struct Tap {};
 template <>
 struct Tap<Part::Sync> {
   rt::TaskContext owner{"campaign_tap"};
-  rt::InputPort<SetPoint> port{owner, "tap", ""};
+  rt::InputPort<control::SetPoint> port{owner, "tap", ""};
 };
 template <>
 struct Tap<Part::Driver> {
   rt::TaskContext owner{"campaign_tap"};
-  rt::InputPort<AxisCommand> port{owner, "tap", ""};
+  rt::InputPort<control::AxisCommand> port{owner, "tap", ""};
 };
 
 template <class Component, Part part>
@@ -118,13 +118,13 @@ class Misbehaving : public Component {
   /// Writes once more what the component has just written, spoilt.
   void falsify(double by) {
     if constexpr (part == Part::Sync) {
-      SetPoint spoilt;
+      knee_robot::control::SetPoint spoilt;
       tap_.port.read(spoilt);
       poison(spoilt, by);
       this->set_point.write(spoilt);
     }
     if constexpr (part == Part::Driver) {
-      AxisCommand spoilt;
+      knee_robot::control::AxisCommand spoilt;
       tap_.port.read(spoilt);
       spoilt.volts += by;
       this->command.write(spoilt);

@@ -6,7 +6,7 @@
 #include "system_rig.h"
 #include "test/allocation_guard.h"
 
-namespace knee_robot {
+namespace knee_robot::control {
 namespace {
 
 using fake::kHome;
@@ -60,7 +60,7 @@ TEST(AllocationGuard, FindsNoneFromEnablingToPlayingToTheSafeStop) {
   Guard guard(rig);
   ASSERT_TRUE(rig.system.enable().ok);
   rig.system.run(1.0);
-  ASSERT_TRUE(rig.system.loadReference(fake::smoothReference(kHome, 0.03, 2.0)).ok);
+  ASSERT_TRUE(rig.system.loadReference(fake::smoothReference(fake::kHome, 0.03, 2.0)).ok);
   ASSERT_TRUE(rig.system.play().ok);
   rig.system.run(0.5);
   ASSERT_TRUE(rig.system.stop().ok);
@@ -154,4 +154,4 @@ TEST(AllocationGuard, FindsNoneWhileTheRecorderRuns) {
 }
 
 }  // namespace
-}  // namespace knee_robot
+}  // namespace knee_robot::control

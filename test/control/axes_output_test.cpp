@@ -7,11 +7,11 @@
 
 #include "fake_machine.h"
 
-namespace knee_robot {
+namespace knee_robot::control {
 namespace {
 
 struct Feed : rt::TaskContext {
-  Feed() : TaskContext("Feed") {}
+  Feed() : rt::TaskContext("Feed") {}
   rt::OutputPort<Orders> orders{*this, "orders", ""};
   rt::OutputPort<AxesMeasurement> measurement{*this, "measurement", ""};
   rt::OutputPort<AxisCommand> command_1{*this, "command_1", ""};
@@ -34,7 +34,7 @@ class AxesOutputTest : public ::testing::Test {
     rt::connect(output.written, feed.written);
     ASSERT_TRUE(output.configure());
     ASSERT_TRUE(output.start());
-    for (std::size_t i = 0; i < kAxes; ++i) {
+    for (std::size_t i = 0; i < hardware::kAxes; ++i) {
       commands[i].axis = static_cast<int>(i) + 1;
       commands[i].active = commands[i].at_rest = true;
       commands[i].volts = 0.5 + static_cast<double>(i);
@@ -47,7 +47,7 @@ class AxesOutputTest : public ::testing::Test {
       orders.time = now;
       if (orders_come) feed.orders.write(orders);
       rt::OutputPort<AxisCommand>* const ports[] = {&feed.command_1, &feed.command_2, &feed.command_3, &feed.command_4};
-      for (std::size_t i = 0; i < kAxes; ++i) {
+      for (std::size_t i = 0; i < hardware::kAxes; ++i) {
         commands[i].time = now;
         if (comes[i]) ports[i]->write(commands[i]);
       }
@@ -69,8 +69,8 @@ class AxesOutputTest : public ::testing::Test {
   AxesOutput output{"AxesOutput", fake::robot(), fake::hardware(), machine};
   Feed feed;
   Orders orders;
-  std::array<AxisCommand, kAxes> commands{};
-  std::array<bool, kAxes> comes{true, true, true, true};
+  std::array<AxisCommand, hardware::kAxes> commands{};
+  std::array<bool, hardware::kAxes> comes{true, true, true, true};
   bool orders_come = true;
   AxesWritten written;
   rt::Nanoseconds now = 0;
@@ -177,4 +177,4 @@ TEST_F(AxesOutputTest, GoesDownOnlyThroughTheSafeStopAndUpAgainOnlyAfterItWasOff
 }
 
 }  // namespace
-}  // namespace knee_robot
+}  // namespace knee_robot::control

@@ -8,7 +8,7 @@
 #include "knee_robot/recording/recording.h"
 #include "system_rig.h"
 
-namespace knee_robot {
+namespace knee_robot::control {
 namespace {
 
 using fake::Rig;
@@ -32,7 +32,7 @@ class BlackBoxTest : public ::testing::Test {
 };
 
 struct BoxedRig : Rig {
-  explicit BoxedRig(const std::string& folder) : Rig(fake::hardware(), folder) {}
+  explicit BoxedRig(const std::string& folder) : fake::Rig(fake::hardware(), folder) {}
 };
 
 TEST_F(BlackBoxTest, KeepsFiveSecondsBeforeTheFaultAndWhatFollowed) {
@@ -46,7 +46,7 @@ TEST_F(BlackBoxTest, KeepsFiveSecondsBeforeTheFaultAndWhatFollowed) {
   const std::string path = rig.system.status().black_box;
   ASSERT_EQ(dumps(), std::vector<std::string>{path});
   EXPECT_NE(path.find("encoder_jump.csv"), std::string::npos) << path;
-  const Recording recording = loadRecording(path);
+  const recording::Recording recording = recording::loadRecording(path);
   EXPECT_EQ(recording.rows(), 5500);
   const std::string text = readFile(path);
   EXPECT_NE(text.substr(0, text.find('\n')).find("drive_level"), std::string::npos);
@@ -77,7 +77,7 @@ TEST_F(BlackBoxTest, WritesAFaultThatShutdownFollowsAtOnce) {
     (void)rig.system.shutdown();
   }
   ASSERT_EQ(dumps().size(), 1u);
-  EXPECT_GT(loadRecording(dumps()[0]).rows(), 100);
+  EXPECT_GT(recording::loadRecording(dumps()[0]).rows(), 100);
 }
 
 TEST_F(BlackBoxTest, SaysThatTheDiskRefusedAndGoesOn) {
@@ -93,4 +93,4 @@ TEST_F(BlackBoxTest, SaysThatTheDiskRefusedAndGoesOn) {
 }
 
 }  // namespace
-}  // namespace knee_robot
+}  // namespace knee_robot::control

@@ -14,12 +14,13 @@ namespace knee_robot::fake {
 class CanRig {
  public:
   CanRig()
-      : robot(loadRobot(file("config/robots/A.yaml"))),
-        hardware(loadHardwareFile(file("config/hardware/can_simulated.yaml"))),
-        plant(robot, loadRobotInertia(robot), loadSimulationParameters(file("config/simulation/A.yaml")), *hardware.can,
-              canUnits(robot), hardware::can::driveTable(), image, wire.drivesPort()),
+      : robot(mechanism::loadRobot(file("config/robots/A.yaml"))),
+        hardware(control::loadHardwareFile(file("config/hardware/can_simulated.yaml"))),
+        plant(robot, dynamics::loadRobotInertia(robot),
+              simulation::loadSimulationParameters(file("config/simulation/A.yaml")), *hardware.can,
+              control::canUnits(robot), hardware::can::driveTable(), image, wire.drivesPort()),
         bus(wire.addPort(hardware::can::processFilters(*hardware.can)),
-            wire.addPort(hardware::can::serviceFilters(*hardware.can)), *hardware.can, canUnits(robot)),
+            wire.addPort(hardware::can::serviceFilters(*hardware.can)), *hardware.can, control::canUnits(robot)),
         system(robot, hardware, file("config/deployment/can.yaml"), bus, stepped()) {
     wire.to_drives = [this](const hardware::can::Frame& frame) { plant.take(frame); };
     wire.on_time = [this](std::int64_t now) {
@@ -33,28 +34,28 @@ class CanRig {
   }
 
   static std::string file(const std::string& name) { return std::string(KNEE_SOURCE_DIR) + "/" + name; }
-  static ControlSystem::Options stepped() {
-    ControlSystem::Options options;
+  static control::ControlSystem::Options stepped() {
+    control::ControlSystem::Options options;
     options.execution = rt::Execution::Stepped;
     return options;
   }
 
-  Answer hold() {
-    Answer answer = system.start();
+  control::Answer hold() {
+    control::Answer answer = system.start();
     if (answer.ok) answer = system.enable();
     if (answer.ok) system.run(0.5);
     return answer;
   }
   /// In the middle of a motion of `distance` up in all legs, rest to rest.
-  Answer play(double distance = 0.02, double seconds = 4.0) {
-    Answer answer = hold();
+  control::Answer play(double distance = 0.02, double seconds = 4.0) {
+    control::Answer answer = hold();
     if (answer.ok) answer = system.loadReference(lift(distance, seconds));
     if (answer.ok) answer = system.play();
     if (answer.ok) system.run(seconds / 2);
     return answer;
   }
-  Reference lift(double distance, double seconds) const {
-    Reference reference;
+  trajectory::Reference lift(double distance, double seconds) const {
+    trajectory::Reference reference;
     reference.name = "lift";
     const auto intervals = static_cast<Eigen::Index>(std::lround(seconds / 0.01));
     reference.points.resize(intervals + 1, 4);
@@ -71,13 +72,13 @@ class CanRig {
   unsigned brakesEngaged() const { return image.status.brakes_engaged.load(); }
   unsigned drivesEnabled() const { return image.status.drives_enabled.load(); }
 
-  Robot robot;
-  HardwareFile hardware;
-  hardware::RobotImage image;
+  mechanism::Robot robot;
+  control::HardwareFile hardware;
+  simulation::RobotImage image;
   hardware::can::BenchBus wire;
-  CanRobot plant;
+  simulation::CanRobot plant;
   hardware::can::CanAxisBus bus;
-  ControlSystem system;
+  control::ControlSystem system;
 
  private:
   std::int64_t last_ = 0;

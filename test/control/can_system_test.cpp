@@ -15,23 +15,23 @@ constexpr unsigned kAll = 0x0F;
 
 TEST(CanSystem, PlaysAMotionAndStopsWithBrakesEngaged) {
   CanRig rig;
-  const Answer started = rig.play();
+  const control::Answer started = rig.play();
   ASSERT_TRUE(started.ok) << started.sentence;
-  ASSERT_EQ(rig.system.state(), MachineState::Playing) << rig.system.status().fault_sentence;
+  ASSERT_EQ(rig.system.state(), control::MachineState::Playing) << rig.system.status().fault_sentence;
   double worst = 0.0;
-  for (int i = 0; i < 1500 && rig.system.state() == MachineState::Playing; ++i) {
+  for (int i = 0; i < 1500 && rig.system.state() == control::MachineState::Playing; ++i) {
     rig.system.step();
     const auto row = rig.system.snapshot();
     for (std::size_t axis = 0; axis < 4; ++axis)
       worst = std::max(worst, std::abs(row->reference_m[axis] - row->position_m[axis]));
   }
-  EXPECT_EQ(rig.system.state(), MachineState::Holding) << rig.system.status().fault_sentence;
+  EXPECT_EQ(rig.system.state(), control::MachineState::Holding) << rig.system.status().fault_sentence;
   RecordProperty("largest_tracking_error_um", static_cast<int>(worst * 1e6));
   EXPECT_LT(worst, 1e-3);
   const auto row = rig.system.snapshot();
   for (std::size_t axis = 0; axis < 4; ++axis)
     EXPECT_NEAR(row->position_m[axis], rig.robot.actuators[axis].home_length_m + 0.02, 2e-4);
-  const Answer stopped = rig.system.disable();
+  const control::Answer stopped = rig.system.disable();
   EXPECT_TRUE(stopped.ok) << stopped.sentence;
   rig.system.run(0.2);
   EXPECT_EQ(rig.brakesEngaged(), kAll);
@@ -182,9 +182,9 @@ class CanFaults : public ::testing::TestWithParam<std::size_t> {};
 TEST_P(CanFaults, DuringAMotionLeadsToTheSafeStopWithItsCauseAndCanBeReset) {
   const FaultCase& fault = faultCases()[GetParam()];
   CanRig rig;
-  const Answer started = rig.play();
+  const control::Answer started = rig.play();
   ASSERT_TRUE(started.ok) << started.sentence;
-  ASSERT_EQ(rig.system.state(), MachineState::Playing) << rig.system.status().fault_sentence;
+  ASSERT_EQ(rig.system.state(), control::MachineState::Playing) << rig.system.status().fault_sentence;
   const double before = rig.plant.simulation().lengths().minCoeff();
 
   fault.begin(rig);
@@ -192,8 +192,8 @@ TEST_P(CanFaults, DuringAMotionLeadsToTheSafeStopWithItsCauseAndCanBeReset) {
     fault.each_cycle(rig);
     rig.system.step();
   }
-  const ControlStatus status = rig.system.status();
-  EXPECT_EQ(status.state, MachineState::Faulted);
+  const control::ControlStatus status = rig.system.status();
+  EXPECT_EQ(status.state, control::MachineState::Faulted);
   EXPECT_EQ(status.fault_name, fault.fault) << status.fault_sentence;
   EXPECT_EQ(status.fault_axis, fault.axis) << status.fault_sentence;
   EXPECT_EQ(rig.brakesEngaged(), kAll);
@@ -204,12 +204,12 @@ TEST_P(CanFaults, DuringAMotionLeadsToTheSafeStopWithItsCauseAndCanBeReset) {
 
   fault.end(rig);
   rig.system.run(0.5);
-  const Answer reset = rig.system.resetFaults();
+  const control::Answer reset = rig.system.resetFaults();
   ASSERT_TRUE(reset.ok) << reset.sentence;
-  const Answer enabled = rig.system.enable();
+  const control::Answer enabled = rig.system.enable();
   EXPECT_TRUE(enabled.ok) << enabled.sentence;
   rig.system.run(0.5);
-  EXPECT_EQ(rig.system.state(), MachineState::Holding) << rig.system.status().fault_sentence;
+  EXPECT_EQ(rig.system.state(), control::MachineState::Holding) << rig.system.status().fault_sentence;
 }
 
 INSTANTIATE_TEST_SUITE_P(Campaign, CanFaults, ::testing::Range<std::size_t>(0, faultCases().size()),
@@ -239,8 +239,8 @@ TEST(CanSystem, AControllerThatFallsSilentLeavesDrivesThatStopByThemselves) {
 TEST(CanSystem, RefusesADeploymentWhosePeriodIsNotTheBus) {
   CanRig rig;
   try {
-    ControlSystem other(rig.robot, rig.hardware, CanRig::file("config/deployment/simulation.yaml"), rig.bus,
-                        CanRig::stepped());
+    control::ControlSystem other(rig.robot, rig.hardware, CanRig::file("config/deployment/simulation.yaml"), rig.bus,
+                                 CanRig::stepped());
     FAIL();
   } catch (const InputError& error) {
     EXPECT_NE(std::string(error.what()).find("has period_s 0.001"), std::string::npos) << error.what();
@@ -250,7 +250,7 @@ TEST(CanSystem, RefusesADeploymentWhosePeriodIsNotTheBus) {
 TEST(CanSystem, DoesNotStartWithAnotherDriveOrARefusedObjectAndSaysWhich) {
   CanRig wrong;
   wrong.plant.drive(2).dictionary().set(can::objects::kProduct, 7);
-  Answer answer = wrong.system.start();
+  control::Answer answer = wrong.system.start();
   EXPECT_FALSE(answer.ok);
   EXPECT_NE(answer.sentence.find("node 3: wrong identity: product 7 instead of 1615855616"), std::string::npos)
       << answer.sentence;

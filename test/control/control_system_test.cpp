@@ -6,7 +6,7 @@
 
 #include "system_rig.h"
 
-namespace knee_robot {
+namespace knee_robot::control {
 namespace {
 
 using fake::kHome;
@@ -57,21 +57,22 @@ TEST(ControlSystem, EnablesInTheOrderZeroVoltsDriveLoopsRelease) {
 TEST(ControlSystem, CatchesThePlatformWithoutDroppingItWhenTheBrakesOpen) {
   Rig rig;
   rig.hold();
-  EXPECT_GT(rig.lowest(), kHome - 0.001) << "with the integral at its place the robot is back within a millimetre";
+  EXPECT_GT(rig.lowest(), fake::kHome - 0.001)
+      << "with the integral at its place the robot is back within a millimetre";
 }
 
 TEST(ControlSystem, PlaysAReferenceToItsEndAndHoldsThere) {
   Rig rig;
   rig.hold();
-  ASSERT_TRUE(rig.system.loadReference(fake::smoothReference(kHome, 0.03, 2.0)).ok);
+  ASSERT_TRUE(rig.system.loadReference(fake::smoothReference(fake::kHome, 0.03, 2.0)).ok);
   ASSERT_TRUE(rig.system.play().ok);
   EXPECT_TRUE(rig.system.waitFor(MachineState::Playing, 0.5));
-  EXPECT_FALSE(rig.system.loadReference(fake::smoothReference(kHome, 0.01, 2.0)).ok) << "not while playing";
+  EXPECT_FALSE(rig.system.loadReference(fake::smoothReference(fake::kHome, 0.01, 2.0)).ok) << "not while playing";
   double worst = 0.0;
   while (rig.system.state() == MachineState::Playing) {
     rig.system.step();
     const TrackingRow row = *rig.system.snapshot();
-    for (std::size_t i = 0; i < kAxes; ++i)
+    for (std::size_t i = 0; i < hardware::kAxes; ++i)
       worst = std::max(worst, std::abs(row.reference_m[i] - row.position_m[i]));
   }
   EXPECT_EQ(rig.system.state(), MachineState::Holding);
@@ -81,20 +82,20 @@ TEST(ControlSystem, PlaysAReferenceToItsEndAndHoldsThere) {
   std::printf("largest tracking error %.3f mm\n", 1e3 * worst);
   rig.system.run(1.0);
   for (const auto& axis : rig.machine.axes)
-    EXPECT_NEAR(axis.position, kHome + 0.03, 2e-4);
+    EXPECT_NEAR(axis.position, fake::kHome + 0.03, 2e-4);
 }
 
 TEST(ControlSystem, RefusesToPlayWhereTheRobotDoesNotStandAndApproachesSlowlyOnRequest) {
   Rig rig;
   rig.hold();
   EXPECT_EQ(rig.system.play().sentence, "no reference is loaded");
-  ASSERT_TRUE(rig.system.loadReference(fake::smoothReference(kHome + 0.02, 0.01, 1.0)).ok);
+  ASSERT_TRUE(rig.system.loadReference(fake::smoothReference(fake::kHome + 0.02, 0.01, 1.0)).ok);
   const Answer refused = rig.system.play();
   EXPECT_FALSE(refused.ok);
   EXPECT_NE(refused.sentence.find("mm from the reference's first point"), std::string::npos) << refused.sentence;
   rig.system.run(0.2);
   EXPECT_EQ(rig.system.state(), MachineState::Holding);
-  EXPECT_NEAR(rig.machine.axes[0].position, kHome, 1e-3) << "nothing moved";
+  EXPECT_NEAR(rig.machine.axes[0].position, fake::kHome, 1e-3) << "nothing moved";
   const Answer approach = rig.system.approach(0.01);
   ASSERT_TRUE(approach.ok) << approach.sentence;
   double fastest = 0.0;
@@ -135,7 +136,7 @@ TEST(ControlSystem, StopsAlongThePathWithoutAJumpAndHolds) {
 TEST(ControlSystem, RefusesABadReferenceAsAWhole) {
   Rig rig;
   rig.hold();
-  Reference jump = fake::smoothReference(kHome, 0.01, 1.0);
+  trajectory::Reference jump = fake::smoothReference(fake::kHome, 0.01, 1.0);
   jump.points(50, 2) += 0.02;
   const Answer answer = rig.system.loadReference(jump);
   EXPECT_FALSE(answer.ok);
@@ -203,11 +204,11 @@ TEST(ControlSystem, StartsFaultedWhileTheEmergencyStopIsPressed) {
 TEST(ControlSystem, UnwrapsCountersAndKeepsSignsApart) {
   Rig rig;
   rig.play();
-  for (std::size_t i = 0; i < kAxes; ++i) {
+  for (std::size_t i = 0; i < hardware::kAxes; ++i) {
     EXPECT_NEAR(rig.system.snapshot()->position_m[i], rig.machine.axes[i].position, 1e-3) << i;
   }
   ASSERT_TRUE(rig.system.waitFor(MachineState::Holding, 3.0));
 }
 
 }  // namespace
-}  // namespace knee_robot
+}  // namespace knee_robot::control

@@ -6,7 +6,7 @@
 #include "fake_machine.h"
 #include "knee_robot/control/control_system.h"
 
-namespace knee_robot {
+namespace knee_robot::control {
 namespace {
 
 std::vector<std::string> filesIn(const std::string& folder) {
@@ -40,4 +40,4 @@ TEST(HardwareFiles, OfRealMachinesStartFaultedAndNotHomed) {
 }
 
 }  // namespace
-}  // namespace knee_robot
+}  // namespace knee_robot::control

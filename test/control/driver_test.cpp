@@ -6,13 +6,13 @@
 
 #include "fake_machine.h"
 
-namespace knee_robot {
+namespace knee_robot::control {
 namespace {
 
 using fake::kHome;
 
 struct Feed : rt::TaskContext {
-  Feed() : TaskContext("Feed") {}
+  Feed() : rt::TaskContext("Feed") {}
   rt::OutputPort<Orders> orders{*this, "orders", ""};
   rt::OutputPort<AxesMeasurement> measurement{*this, "measurement", ""};
   rt::OutputPort<SetPoint> set_point{*this, "set_point", ""};
@@ -34,7 +34,7 @@ class DriverTest : public ::testing::TestWithParam<int> {
     ASSERT_TRUE(driver.configure());
     ASSERT_TRUE(driver.start());
     measured.status = hardware::IoStatus::Ok;
-    measured.position_m.fill(kHome);
+    measured.position_m.fill(fake::kHome);
     set_point.duration = 10'000'000;
   }
   void cycle(int count = 1) {
@@ -160,7 +160,7 @@ TEST_F(DriverTest, GivesUpTheLoopOnAFollowingErrorAndKeepsTheFault) {
   cycle();
   EXPECT_EQ(command.fault, Fault::FollowingError);
   EXPECT_FALSE(command.active);
-  measured.position_m[0] = kHome;
+  measured.position_m[0] = fake::kHome;
   cycle(10);
   EXPECT_EQ(command.fault, Fault::FollowingError) << "latched";
   orders.drivers_active = false;
@@ -193,7 +193,7 @@ TEST_F(DriverTest, HoldsUnderControlWhenSetPointsStopComing) {
   cycle(35);
   EXPECT_EQ(command.fault, Fault::SetPointStale);
   EXPECT_TRUE(command.active) << "the loop goes on";
-  EXPECT_EQ(command.reference_m, kHome);
+  EXPECT_EQ(command.reference_m, fake::kHome);
 }
 
 TEST_F(DriverTest, GivesUpAfterThreeUnreadableCyclesButNotAfterOne) {
@@ -214,7 +214,7 @@ TEST_F(DriverTest, RefusesASetPointThatIsNoNumber) {
   takeOver();
   set_point.phase = SyncPhase::Playing;
   set_point.run = 1;
-  set_point.from_m.fill(kHome);
+  set_point.from_m.fill(fake::kHome);
   set_point.to_m.fill(std::nan(""));
   cycle(10);
   EXPECT_EQ(command.fault, Fault::NotANumber);
@@ -226,8 +226,8 @@ class OneSetOfGains : public ::testing::TestWithParam<std::tuple<int, double>> {
 
 TEST_P(OneSetOfGains, HoldsEveryMassUnderGravityWithoutOscillating) {
   const auto [axis, mass] = GetParam();
-  const Robot robot = fake::robot();
-  const Actuator& actuator = robot.actuators[static_cast<std::size_t>(axis) - 1];
+  const mechanism::Robot robot = fake::robot();
+  const mechanism::Actuator& actuator = robot.actuators[static_cast<std::size_t>(axis) - 1];
   Driver driver("Driver", robot);
   driver.axis.set(axis);
   Feed feed;
@@ -236,13 +236,14 @@ TEST_P(OneSetOfGains, HoldsEveryMassUnderGravityWithoutOscillating) {
   rt::connect(feed.set_point, driver.set_point);
   rt::connect(driver.command, feed.command);
   ASSERT_TRUE(driver.configure() && driver.start());
-  double position = kHome, velocity = 0.0, lowest = kHome, late_speed = 0.0;
+  double position = fake::kHome, velocity = 0.0, lowest = fake::kHome, late_speed = 0.0;
   for (int ms = 0; ms < 3000; ++ms) {
     AxesMeasurement measured;
     measured.sequence = static_cast<std::uint64_t>(ms) + 1;
     measured.status = hardware::IoStatus::Ok;
     const double step = actuator.metresPerCount();
-    measured.position_m[static_cast<std::size_t>(axis) - 1] = kHome + step * std::round((position - kHome) / step);
+    measured.position_m[static_cast<std::size_t>(axis) - 1] =
+        fake::kHome + step * std::round((position - fake::kHome) / step);
     feed.measurement.write(measured);
     Orders orders;
     orders.drivers_active = true;
@@ -269,10 +270,10 @@ TEST_P(OneSetOfGains, HoldsEveryMassUnderGravityWithoutOscillating) {
     lowest = std::min(lowest, position);
     if (ms > 2500) late_speed = std::max(late_speed, std::abs(velocity));
   }
-  EXPECT_NEAR(position, kHome, 5e-5);
-  EXPECT_GT(lowest, kHome - 0.004) << "60 N appear at once, as if the brake had opened";
+  EXPECT_NEAR(position, fake::kHome, 5e-5);
+  EXPECT_GT(lowest, fake::kHome - 0.004) << "60 N appear at once, as if the brake had opened";
   EXPECT_LT(late_speed, 0.01);
-  std::printf("axis %d, %4.1f kg: sinks %.2f mm, at rest below %.2f mm/s\n", axis, mass, 1e3 * (kHome - lowest),
+  std::printf("axis %d, %4.1f kg: sinks %.2f mm, at rest below %.2f mm/s\n", axis, mass, 1e3 * (fake::kHome - lowest),
               1e3 * late_speed);
 }
 
@@ -280,4 +281,4 @@ INSTANTIATE_TEST_SUITE_P(Fit, OneSetOfGains,
                          ::testing::Combine(::testing::Values(1, 3, 4), ::testing::Values(3.0, 10.0, 30.0)));
 
 }  // namespace
-}  // namespace knee_robot
+}  // namespace knee_robot::control

@@ -14,11 +14,11 @@ namespace knee_robot::fake {
 inline constexpr double kHome = 0.6;
 
 /// Four actuators without platform: three legs of 28.46 N/V and one of 246.7 N/V.
-inline Robot robot() {
-  Robot robot;
+inline mechanism::Robot robot() {
+  mechanism::Robot robot;
   robot.path = "fake.yaml";
-  robot.kind = MechanismKind::Axes;
-  Actuator leg;
+  robot.kind = mechanism::MechanismKind::Axes;
+  mechanism::Actuator leg;
   leg.position_min_m = 0.5;
   leg.position_max_m = 1.0;
   leg.velocity_max_m_per_s = 0.3;
@@ -35,16 +35,16 @@ inline Robot robot() {
   robot.actuators[3].counts_per_revolution = 2000;
   robot.actuators[3].force_per_volt_N = 246.6779;
   robot.actuators[3].force_max_N = 1000.0;
-  for (Actuator& one : robot.actuators)
+  for (mechanism::Actuator& one : robot.actuators)
     one.force_continuous_N = 300.0;
   return robot;
 }
 
-inline HardwareFile hardware() {
-  HardwareFile hardware;
+inline control::HardwareFile hardware() {
+  control::HardwareFile hardware;
   hardware.path = "fake_hardware.yaml";
   hardware.backend = "simulated";
-  hardware.axes.fill({HoldDevice::Brake, 0.03});
+  hardware.axes.fill({control::HoldDevice::Brake, 0.03});
   return hardware;
 }
 
@@ -69,24 +69,24 @@ class Machine : public hardware::AxisBus {
   struct Event {
     double time_s;
     unsigned bits;
-    AxisValues volts;
+    control::AxisValues volts;
   };
 
-  explicit Machine(const Robot& robot) : robot_(robot) {
+  explicit Machine(const mechanism::Robot& robot) : robot_(robot) {
     axes[0].mass = 1.4;
     axes[3].mass = 30.0;
     axes[3].load_N = 120.0;
     events.reserve(200'000);
   }
 
-  std::array<Axis, kAxes> axes;
+  std::array<Axis, hardware::kAxes> axes;
   std::vector<Event> events;
   hardware::IoStatus read_status = hardware::IoStatus::Ok;
   hardware::IoStatus volts_status = hardware::IoStatus::Ok;
   hardware::IoStatus outputs_status = hardware::IoStatus::Ok;
   std::uint8_t inputs = 0xf;
   std::uint8_t bits = 0;
-  AxisValues volts{};
+  control::AxisValues volts{};
   bool passes_self_test = true;
   double encoder_zero = kHome;  // where the counters were reset
   int switch_bit = -1;          // digital input of the home switches, -1: none
@@ -103,8 +103,8 @@ class Machine : public hardware::AxisBus {
   }
   hardware::IoStatus read(hardware::AxisFeedback& feedback) noexcept override {
     if (read_status != hardware::IoStatus::Ok) return read_status;
-    for (std::size_t i = 0; i < kAxes; ++i) {
-      const Actuator& actuator = robot_.actuators[i];
+    for (std::size_t i = 0; i < hardware::kAxes; ++i) {
+      const mechanism::Actuator& actuator = robot_.actuators[i];
       Axis& axis = axes[i];
       const double counts =
           actuator.encoder_sign * (axis.position + axis.encoder_offset_m - encoder_zero) / actuator.metresPerCount();
@@ -122,12 +122,12 @@ class Machine : public hardware::AxisBus {
     }
     return hardware::IoStatus::Ok;
   }
-  hardware::IoStatus writeVolts(const AxisValues& wanted, AxisValues& written) noexcept override {
+  hardware::IoStatus writeVolts(const control::AxisValues& wanted, control::AxisValues& written) noexcept override {
     if (volts_status != hardware::IoStatus::Ok) return volts_status;
     for (double value : wanted) {
       if (!std::isfinite(value)) return hardware::IoStatus::NotFinite;
     }
-    for (std::size_t i = 0; i < kAxes; ++i) {
+    for (std::size_t i = 0; i < hardware::kAxes; ++i) {
       volts[i] = std::round(std::min(10.0, std::max(-10.0, wanted[i])) / kStep) * kStep;
     }
     written = volts;
@@ -147,7 +147,7 @@ class Machine : public hardware::AxisBus {
     while (time_s + 0.5 * kDt < end_s) {
       time_s += kDt;
       const bool braked = !released() && time_s - brake_ordered_s_ >= brake_delay_s;
-      for (std::size_t i = 0; i < kAxes; ++i)
+      for (std::size_t i = 0; i < hardware::kAxes; ++i)
         move(i, braked, kDt);
     }
   }
@@ -161,7 +161,7 @@ class Machine : public hardware::AxisBus {
       axis.velocity = 0.0;
       return;
     }
-    const Actuator& actuator = robot_.actuators[i];
+    const mechanism::Actuator& actuator = robot_.actuators[i];
     double motor = enabled() && !axis.drive_dead ? actuator.force_sign * actuator.force_per_volt_N * volts[i] : 0.0;
     if (axis.wrong_sign) motor = -motor;
     axis.velocity += dt * (motor + axis.push_N - axis.load_N - axis.viscous * axis.velocity) / axis.mass;
@@ -171,15 +171,15 @@ class Machine : public hardware::AxisBus {
     axis.position = inside;
   }
 
-  const Robot robot_;
+  const mechanism::Robot robot_;
   double brake_ordered_s_ = -1.0;
 };
 
 /// Rest to rest over `distance` from `start`, `seconds` long, the same on all axes (minimum jerk).
-inline Reference smoothReference(double start, double distance, double seconds) {
-  Reference reference;
+inline trajectory::Reference smoothReference(double start, double distance, double seconds) {
+  trajectory::Reference reference;
   reference.name = "smooth.txt";
-  const auto intervals = static_cast<Eigen::Index>(std::lround(seconds / kStreamPeriod));
+  const auto intervals = static_cast<Eigen::Index>(std::lround(seconds / trajectory::kStreamPeriod));
   reference.points.resize(intervals + 1, 4);
   for (Eigen::Index k = 0; k <= intervals; ++k) {
     const double x = static_cast<double>(k) / static_cast<double>(intervals);

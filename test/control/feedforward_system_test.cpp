@@ -8,11 +8,11 @@
 #include <memory>
 
 #include "knee_robot/control/control_system.h"
-#include "knee_robot/simulation/simulated_cards.h"
 #include "knee_robot/simulation/robot_simulation.h"
+#include "knee_robot/simulation/simulated_cards.h"
 #include "some_model.h"
 
-namespace knee_robot {
+namespace knee_robot::control {
 namespace {
 
 std::string file(const std::string& name) {
@@ -23,15 +23,15 @@ enum class Feedforward { None, Weights, Model };
 
 struct Rig {
   explicit Rig(Feedforward feedforward, double payload_kg = 0.0, double declared_kg = 0.0)
-      : robot(loadRobot(file("config/robots/A.yaml"))),
-        plant(robot, loadRobotInertia(robot), parameters(payload_kg), image),
-        bus(hardware::openImageCards(image)) {
+      : robot(mechanism::loadRobot(file("config/robots/A.yaml"))),
+        plant(robot, dynamics::loadRobotInertia(robot), parameters(payload_kg), image),
+        bus(simulation::openImageCards(image)) {
     ControlSystem::Options options;
     options.execution = rt::Execution::Stepped;
     options.payload_kg = declared_kg;
     const std::string path = ::testing::TempDir() + "feedforward_system_test_" + std::to_string(::getpid()) + ".yaml";
     if (feedforward == Feedforward::Model) {
-      saveModel(fake::modelOf(robot, 150.0, 15.0, 60.0), path);
+      dynamics::saveModel(fake::modelOf(robot, 150.0, 15.0, 60.0), path);
       options.model = path;
     }
     system = std::make_unique<ControlSystem>(robot, loadHardwareFile(file("config/hardware/simulated.yaml")),
@@ -45,9 +45,9 @@ struct Rig {
     started = system->start();
     if (feedforward == Feedforward::None) system->setProperty("Feedforward", "share_gravity", "0");
   }
-  static SimulationParameters parameters(double payload_kg) {
-    SimulationParameters all = loadSimulationParameters(file("config/simulation/A.yaml"));
-    if (payload_kg > 0.0) all.payload = Payload{payload_kg, {0.0, 0.0, 0.1}, 0.1};
+  static simulation::SimulationParameters parameters(double payload_kg) {
+    simulation::SimulationParameters all = simulation::loadSimulationParameters(file("config/simulation/A.yaml"));
+    if (payload_kg > 0.0) all.payload = simulation::Payload{payload_kg, {0.0, 0.0, 0.1}, 0.1};
     return all;
   }
   void look() {
@@ -57,20 +57,20 @@ struct Rig {
     if (released && !released_) at_release = *row;
     released_ = released;
     lowest = std::min(lowest, plant.state().pose[1]);
-    for (std::size_t i = 0; i < kAxes; ++i)
+    for (std::size_t i = 0; i < hardware::kAxes; ++i)
       largest_error[i] = std::max(largest_error[i], std::abs(row->reference_m[i] - row->position_m[i]));
   }
   /// Up and down by 60 mm every 8 s, at 23 mm/s where it is fastest; turning points at 4, 8, 12 s.
   void play() {
     ASSERT_TRUE(system->enable().ok);
-    Reference reference;
+    trajectory::Reference reference;
     reference.name = "up_and_down";
-    const Pose home = plant.state().pose;
+    const mechanism::Pose home = plant.state().pose;
     reference.points.resize(1601, 4);
     for (int k = 0; k <= 1600; ++k) {
-      Pose pose = home;
+      mechanism::Pose pose = home;
       pose[1] += 0.03 * (1.0 - std::cos(2.0 * M_PI * k / 800.0));
-      reference.points.row(k) = legLengths(*robot.mechanism, pose).transpose();
+      reference.points.row(k) = mechanism::legLengths(*robot.mechanism, pose).transpose();
     }
     const Answer loaded = system->loadReference(reference);
     ASSERT_TRUE(loaded.ok) << loaded.sentence;
@@ -82,9 +82,9 @@ struct Rig {
     largest_error = {};
   }
 
-  Robot robot;
-  hardware::RobotImage image;
-  RobotSimulation plant;
+  mechanism::Robot robot;
+  simulation::RobotImage image;
+  simulation::RobotSimulation plant;
   std::unique_ptr<hardware::AxisBus> bus;
   std::unique_ptr<ControlSystem> system;
   Answer started;
@@ -143,25 +143,25 @@ TEST(Reversals, AreFollowedMoreCloselyWithAModelOfTheFriction) {
 /// A fault in the middle of the motion, or around a turning point.
 struct Case {
   const char* what;
-  void (*inject)(hardware::InjectedFaults&, std::size_t axis);
+  void (*inject)(simulation::InjectedFaults&, std::size_t axis);
   std::vector<Fault> names;
   double longest_s,
       deepest_m;  // half as much again as was measured: what is left of the time and of the drop may not grow
 };
 
-void freeze(hardware::InjectedFaults& faults, std::size_t axis) {
-  faults.encoder[axis].store(static_cast<std::uint8_t>(hardware::EncoderFault::Frozen));
+void freeze(simulation::InjectedFaults& faults, std::size_t axis) {
+  faults.encoder[axis].store(static_cast<std::uint8_t>(simulation::EncoderFault::Frozen));
 }
-void turn(hardware::InjectedFaults& faults, std::size_t axis) {
-  faults.encoder[axis].store(static_cast<std::uint8_t>(hardware::EncoderFault::WrongSign));
+void turn(simulation::InjectedFaults& faults, std::size_t axis) {
+  faults.encoder[axis].store(static_cast<std::uint8_t>(simulation::EncoderFault::WrongSign));
 }
-void kill(hardware::InjectedFaults& faults, std::size_t axis) {
+void kill(simulation::InjectedFaults& faults, std::size_t axis) {
   faults.drive_dead.store(static_cast<std::uint8_t>(1u << axis));
 }
-void reverse(hardware::InjectedFaults& faults, std::size_t axis) {
+void reverse(simulation::InjectedFaults& faults, std::size_t axis) {
   faults.drive_reversed.store(static_cast<std::uint8_t>(1u << axis));
 }
-void block(hardware::InjectedFaults& faults, std::size_t axis) {
+void block(simulation::InjectedFaults& faults, std::size_t axis) {
   faults.hold_closed.store(static_cast<std::uint8_t>(1u << axis));
 }
 
@@ -208,4 +208,4 @@ INSTANTIATE_TEST_SUITE_P(Feedforward, HiddenFault,
                          ::testing::Values(Feedforward::None, Feedforward::Weights, Feedforward::Model));
 
 }  // namespace
-}  // namespace knee_robot
+}  // namespace knee_robot::control

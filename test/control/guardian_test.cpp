@@ -7,7 +7,7 @@
 #include "knee_robot/hardware/guarded_bus.h"
 #include "knee_robot/simulation/simulated_cards.h"
 
-namespace knee_robot {
+namespace knee_robot::control {
 namespace {
 
 using hardware::IoStatus;
@@ -135,12 +135,12 @@ class GuardedCards : public ::testing::Test {
     const IoStatus outputs = bus_.writeOutputs(heartbeat_ | 3);  // drives enabled, hold devices released
     return status == IoStatus::Ok ? outputs : status;
   }
-  double volts(std::size_t channel) const { return hardware::outputVolts(image_.analog)[channel]; }
+  double volts(std::size_t channel) const { return simulation::outputVolts(image_.analog)[channel]; }
 
-  hardware::RobotImage image_;
+  simulation::RobotImage image_;
   hardware::GuardianLink link_;
-  std::unique_ptr<hardware::AxisBus> cards_ = hardware::openImageCards(image_);
-  std::unique_ptr<hardware::EmergencyOutputs> outputs_ = hardware::openImageEmergencyOutputs(image_);
+  std::unique_ptr<hardware::AxisBus> cards_ = simulation::openImageCards(image_);
+  std::unique_ptr<hardware::EmergencyOutputs> outputs_ = simulation::openImageEmergencyOutputs(image_);
   hardware::GuardedBus bus_{*cards_, link_, 3};
   Guardian guardian_{link_, *outputs_, 10 * kMs, kMs, testClock};
   std::array<double, hardware::kAxes> written_{};
@@ -250,4 +250,4 @@ TEST_F(GuardedCards, AreLeftAsTheyAreWhenOneOfThemIsLostButTheOtherIsStillBrough
 }
 
 }  // namespace
-}  // namespace knee_robot
+}  // namespace knee_robot::control

@@ -7,7 +7,7 @@
 #include "knee_robot/base/errors.h"
 #include "knee_robot/base/files.h"
 
-namespace knee_robot {
+namespace knee_robot::control {
 namespace {
 
 const char* const kGood = R"(backend: simulated
@@ -116,4 +116,4 @@ TEST(HardwareFile, IsReadFromTheConfiguration) {
 }
 
 }  // namespace
-}  // namespace knee_robot
+}  // namespace knee_robot::control

@@ -9,7 +9,7 @@
 #include "knee_robot/base/files.h"
 #include "system_rig.h"
 
-namespace knee_robot {
+namespace knee_robot::control {
 namespace {
 
 class HeatFile : public ::testing::Test {
@@ -54,7 +54,7 @@ TEST_F(HeatFile, IsColdWhereThereIsNoneAndHotWhereItCannotBeUnderstood) {
 }
 
 TEST_F(HeatFile, OutlivesTheController) {
-  std::array<double, kAxes> before{};
+  std::array<double, hardware::kAxes> before{};
   {
     fake::Rig rig(fake::hardware(), "", path());
     rig.hold();
@@ -65,7 +65,7 @@ TEST_F(HeatFile, OutlivesTheController) {
   fake::Rig again(fake::hardware(), "", path());
   ASSERT_TRUE(again.system.start().ok);
   again.system.run(0.1);
-  for (std::size_t i = 0; i < kAxes; ++i)
+  for (std::size_t i = 0; i < hardware::kAxes; ++i)
     EXPECT_NEAR(again.system.status().thermal[i], before[i], 0.1 * before[i]) << i;  // a real second or two of cooling
 }
 
@@ -79,4 +79,4 @@ TEST_F(HeatFile, ThatCannotBeReadIsNamedAtTheStart) {
 }
 
 }  // namespace
-}  // namespace knee_robot
+}  // namespace knee_robot::control

@@ -5,7 +5,7 @@
 
 #include "system_rig.h"
 
-namespace knee_robot {
+namespace knee_robot::control {
 namespace {
 
 using fake::kHome;
@@ -29,13 +29,13 @@ HardwareFile withHoming(HomingMethod method) {
 
 /// The robot really stands 0.03 m above home, and nobody knows.
 void displace(Rig& rig) {
-  rig.machine.encoder_zero = kHome + 0.03;
+  rig.machine.encoder_zero = fake::kHome + 0.03;
   for (auto& axis : rig.machine.axes)
-    axis.position = kHome + 0.03;
+    axis.position = fake::kHome + 0.03;
 }
 
 void expectLengthsAreTrue(const Rig& rig) {
-  for (std::size_t i = 0; i < kAxes; ++i)
+  for (std::size_t i = 0; i < hardware::kAxes; ++i)
     EXPECT_NEAR(rig.system.snapshot()->position_m[i], rig.machine.axes[i].position, 3e-4) << "axis " << i + 1;
 }
 
@@ -187,4 +187,4 @@ TEST(Homing, IsLostWithAnEncoderThatJumped) {
 }
 
 }  // namespace
-}  // namespace knee_robot
+}  // namespace knee_robot::control

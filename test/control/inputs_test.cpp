@@ -3,7 +3,7 @@
 
 #include "system_rig.h"
 
-namespace knee_robot {
+namespace knee_robot::control {
 namespace {
 
 using fake::Rig;
@@ -75,4 +75,4 @@ TEST(Inputs, EmergencyStopIsNamedAlthoughTheDrivesFailAtTheSameMoment) {
 }
 
 }  // namespace
-}  // namespace knee_robot
+}  // namespace knee_robot::control

@@ -11,13 +11,13 @@
 #include "knee_robot/dynamics/inverse_dynamics.h"
 #include "some_model.h"
 
-namespace knee_robot {
+namespace knee_robot::control {
 namespace {
 
 const std::string kFinal = std::string(KNEE_SOURCE_DIR) + "/config/robots/final.yaml";
 
 struct Feed : rt::TaskContext {
-  Feed() : TaskContext("Feed") {}
+  Feed() : rt::TaskContext("Feed") {}
   rt::OutputPort<Orders> orders{*this, "orders", ""};
   rt::OutputPort<AxesMeasurement> measurement{*this, "measurement", ""};
   rt::OutputPort<AxisCommand> command_1{*this, "command_1", ""}, command_2{*this, "command_2", ""},
@@ -42,7 +42,7 @@ class ModelFeedforwardTest : public ::testing::Test {
     ASSERT_TRUE(component.configure()) << component.refusal();
     ASSERT_TRUE(component.start());
     measured.status = hardware::IoStatus::Ok;
-    for (std::size_t i = 0; i < kAxes; ++i)
+    for (std::size_t i = 0; i < hardware::kAxes; ++i)
       measured.position_m[i] = robot.actuators[i].home_length_m;
     orders.homed = true;
   }
@@ -72,22 +72,24 @@ class ModelFeedforwardTest : public ::testing::Test {
     cycle(40);
     ASSERT_TRUE(force.complete);
   }
-  Vector4 weightAtHome() const {
-    Motion motion;
-    motion.pose = forwardKinematicsFromHome(*robot.mechanism, Lengths(measured.position_m.data())).pose;
-    Vector4 forces = Vector4::Zero();
-    EXPECT_TRUE(inverseDynamics(RigidModel(*robot.mechanism, robot.gravity, loadRobotInertia(robot)), motion, forces));
+  mechanism::Vector4 weightAtHome() const {
+    mechanism::Motion motion;
+    motion.pose =
+        mechanism::forwardKinematicsFromHome(*robot.mechanism, mechanism::Lengths(measured.position_m.data())).pose;
+    mechanism::Vector4 forces = mechanism::Vector4::Zero();
+    EXPECT_TRUE(dynamics::inverseDynamics(
+        dynamics::RigidModel(*robot.mechanism, robot.gravity, dynamics::loadRobotInertia(robot)), motion, forces));
     return forces;
   }
   /// What motors get beside the loops: the part of the force that the integrals did not have to make up for.
   AxisValues felt() const {
     AxisValues values{};
-    for (std::size_t i = 0; i < kAxes; ++i)
+    for (std::size_t i = 0; i < hardware::kAxes; ++i)
       values[i] = force.force_N[i] - force.switched_N[i];
     return values;
   }
 
-  Robot robot = loadRobot(kFinal);
+  mechanism::Robot robot = mechanism::loadRobot(kFinal);
   ModelFeedforward component{"Feedforward", robot};
   Feed feed;
   Orders orders;
@@ -103,8 +105,8 @@ TEST_F(ModelFeedforwardTest, IsTheWeightOfTheUrdfAtTheMeasuredPose) {
   EXPECT_EQ(force.force_N, AxisValues{}) << "the Drivers do not carry yet";
   EXPECT_FALSE(force.complete);
   carry();
-  const Vector4 weight = weightAtHome();
-  for (std::size_t i = 0; i < kAxes; ++i) {
+  const mechanism::Vector4 weight = weightAtHome();
+  for (std::size_t i = 0; i < hardware::kAxes; ++i) {
     EXPECT_NEAR(force.force_N[i], weight[static_cast<Eigen::Index>(i)], 1e-6);
     EXPECT_EQ(force.switched_N[i], 0.0);
   }
@@ -137,7 +139,7 @@ TEST_F(ModelFeedforwardTest, HandsWhatIsSwitchedToTheIntegralsSoThatTheMotorsFee
   AxisValues last = force.force_N;
   for (int k = 0; k < 800; ++k) {
     cycle();
-    for (std::size_t i = 0; i < kAxes; ++i) {
+    for (std::size_t i = 0; i < hardware::kAxes; ++i) {
       EXPECT_NEAR(felt()[i], before[i], 1e-9);
       EXPECT_LT(std::abs(force.force_N[i] - last[i]), 2.0) << "not at once either";
     }
@@ -150,15 +152,17 @@ TEST_F(ModelFeedforwardTest, CarriesADeclaredPayloadAsAMassAtThePlatformsOrigin)
   component.payload.set(15.0);
   begin();
   carry();
-  RobotInertia inertia = loadRobotInertia(robot);
-  LinkParameters platform = toParameters(inertia.links[kPlatformLink]);
+  dynamics::RobotInertia inertia = dynamics::loadRobotInertia(robot);
+  dynamics::LinkParameters platform = dynamics::toParameters(inertia.links[dynamics::kPlatformLink]);
   platform[9] += 15.0;
-  inertia.links[kPlatformLink] = fromParameters(platform);
-  Motion motion;
-  motion.pose = forwardKinematicsFromHome(*robot.mechanism, Lengths(measured.position_m.data())).pose;
-  Vector4 forces = Vector4::Zero();
-  ASSERT_TRUE(inverseDynamics(RigidModel(*robot.mechanism, robot.gravity, inertia), motion, forces));
-  for (std::size_t i = 0; i < kAxes; ++i) {
+  inertia.links[dynamics::kPlatformLink] = dynamics::fromParameters(platform);
+  mechanism::Motion motion;
+  motion.pose =
+      mechanism::forwardKinematicsFromHome(*robot.mechanism, mechanism::Lengths(measured.position_m.data())).pose;
+  mechanism::Vector4 forces = mechanism::Vector4::Zero();
+  ASSERT_TRUE(
+      dynamics::inverseDynamics(dynamics::RigidModel(*robot.mechanism, robot.gravity, inertia), motion, forces));
+  for (std::size_t i = 0; i < hardware::kAxes; ++i) {
     const double limit = 0.8 * 300.0;
     EXPECT_NEAR(force.force_N[i], std::clamp(forces[static_cast<Eigen::Index>(i)], -limit, limit), 1e-6);
   }
@@ -185,7 +189,7 @@ TEST_F(ModelFeedforwardTest, GivesNothingWithoutAPoseAndLeavesItToTheIntegrals) 
     cycle();
     EXPECT_EQ(force.force_N, AxisValues{}) << bad;
     EXPECT_TRUE(force.complete) << "the hold devices are not kept waiting for ever";
-    for (std::size_t i = 0; i < kAxes; ++i)
+    for (std::size_t i = 0; i < hardware::kAxes; ++i)
       EXPECT_NEAR(felt()[i], before[i], 1e-9);
     measured.position_m = good;
     cycle(100);
@@ -218,7 +222,7 @@ TEST_F(ModelFeedforwardTest, GivesNothingWhileHomingNorWhenNotHomed) {
 
 TEST_F(ModelFeedforwardTest, AddsFrictionAlongTheReferenceAndNoneAtRest) {
   const std::string path = temporaryFile("model_feedforward_test.yaml");
-  saveModel(fake::modelOf(robot), path);
+  dynamics::saveModel(fake::modelOf(robot), path);
   component.model.set(path);
   component.share_friction.set(1.0);
   component.share_inertia.set(0.0);
@@ -226,32 +230,32 @@ TEST_F(ModelFeedforwardTest, AddsFrictionAlongTheReferenceAndNoneAtRest) {
   std::remove(path.c_str());
   carry();
   const AxisValues rest = force.force_N;
-  const Vector4 weight = weightAtHome();
-  for (std::size_t i = 0; i < kAxes; ++i)
+  const mechanism::Vector4 weight = weightAtHome();
+  for (std::size_t i = 0; i < hardware::kAxes; ++i)
     EXPECT_NEAR(rest[i], weight[static_cast<Eigen::Index>(i)], 1e-6);
   for (const double velocity : {0.01, -0.01}) {
     reference_velocity = velocity;
     cycle(3);
-    for (std::size_t i = 0; i < kAxes; ++i)
+    for (std::size_t i = 0; i < hardware::kAxes; ++i)
       EXPECT_NEAR(force.force_N[i] - rest[i], std::copysign(15.0, velocity) + 150.0 * velocity, 1e-6);
   }
   reference_velocity = 0.0;
   cycle(3);
-  for (std::size_t i = 0; i < kAxes; ++i)
+  for (std::size_t i = 0; i < hardware::kAxes; ++i)
     EXPECT_NEAR(force.force_N[i], rest[i], 1e-9);
   EXPECT_EQ(force.switched_N, AxisValues{}) << "friction is a load, nothing that is switched";
 }
 
 TEST_F(ModelFeedforwardTest, LetsNoReferenceThatIsNoNumberThrough) {
   const std::string path = temporaryFile("model_feedforward_nan_test.yaml");
-  saveModel(fake::modelOf(robot), path);
+  dynamics::saveModel(fake::modelOf(robot), path);
   component.model.set(path);
   begin();
   std::remove(path.c_str());
   carry();
   reference_velocity = std::nan("");
   cycle(3);
-  for (std::size_t i = 0; i < kAxes; ++i) {
+  for (std::size_t i = 0; i < hardware::kAxes; ++i) {
     EXPECT_TRUE(std::isfinite(force.force_N[i]));
     EXPECT_TRUE(std::isfinite(force.switched_N[i]));
   }
@@ -259,8 +263,8 @@ TEST_F(ModelFeedforwardTest, LetsNoReferenceThatIsNoNumberThrough) {
 
 TEST_F(ModelFeedforwardTest, RefusesModelsThatAreNotThisRobotsByFileAndReason) {
   const std::string path = temporaryFile("model_feedforward_refused_test.yaml");
-  const auto refusal = [&](const Model& model) {
-    saveModel(model, path);
+  const auto refusal = [&](const dynamics::Model& model) {
+    dynamics::saveModel(model, path);
     component.model.set(path);
     std::string sentence;
     try {
@@ -272,11 +276,11 @@ TEST_F(ModelFeedforwardTest, RefusesModelsThatAreNotThisRobotsByFileAndReason) {
     EXPECT_NE(sentence.find(path), std::string::npos) << sentence;
     return sentence;
   };
-  Model other = fake::modelOf(robot);
+  dynamics::Model other = fake::modelOf(robot);
   other.robot_fingerprint = "0";
   EXPECT_NE(refusal(other).find("another version of the robot file"), std::string::npos);
-  Model traced = fake::modelOf(robot);
-  ModelEffect effect;
+  dynamics::Model traced = fake::modelOf(robot);
+  dynamics::ModelEffect effect;
   effect.name = "stribeck";
   effect.actuators = {2};
   effect.shape = {{"velocity_m_per_s", 0.01, 0.001}};
@@ -289,4 +293,4 @@ TEST_F(ModelFeedforwardTest, RefusesModelsThatAreNotThisRobotsByFileAndReason) {
 }
 
 }  // namespace
-}  // namespace knee_robot
+}  // namespace knee_robot::control

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <limits>
 
-namespace knee_robot {
+namespace knee_robot::control {
 namespace {
 
 constexpr double kDt = 1e-3;
@@ -260,4 +260,4 @@ TEST(Runaway, IsNotAnAxisThatLagsBehindAFastReferenceOrOvershootsIt) {
 }
 
 }  // namespace
-}  // namespace knee_robot
+}  // namespace knee_robot::control

@@ -11,7 +11,7 @@
 #include "knee_robot/control/patient_limits.h"
 #include "system_rig.h"
 
-namespace knee_robot {
+namespace knee_robot::control {
 namespace {
 
 constexpr double kDegree = 3.14159265358979323846 / 180.0;
@@ -20,8 +20,8 @@ pose: {X_m: [-0.05, 0.05], Z_m: [0.60, 0.70], theta_deg: [-5, 20], psi_deg: [-10
 speed: {linear_mm_per_s: 15}
 )";
 
-Robot finalRobot() {
-  return loadRobot(std::string(KNEE_SOURCE_DIR) + "/config/robots/final.yaml");
+mechanism::Robot finalRobot() {
+  return mechanism::loadRobot(std::string(KNEE_SOURCE_DIR) + "/config/robots/final.yaml");
 }
 
 class PatientFile : public ::testing::Test {
@@ -77,11 +77,11 @@ TEST_F(PatientFile, IsRefusedByLineWhenSenselessOrAboveTheRobot) {
   EXPECT_THROW(loadPatientLimits(file(kGood), fake::robot()), InputError) << "a bench has no platform";
 }
 
-Reference platformReference(double from_z, double to_z, double turn_deg, double seconds) {
-  Reference reference;
+trajectory::Reference platformReference(double from_z, double to_z, double turn_deg, double seconds) {
+  trajectory::Reference reference;
   reference.name = "exercise.txt";
-  reference.space = Space::Platform;
-  const auto intervals = static_cast<Eigen::Index>(std::lround(seconds / kStreamPeriod));
+  reference.space = trajectory::Space::Platform;
+  const auto intervals = static_cast<Eigen::Index>(std::lround(seconds / trajectory::kStreamPeriod));
   reference.points.resize(intervals + 1, 4);
   for (Eigen::Index k = 0; k <= intervals; ++k) {
     const double x = static_cast<double>(k) / static_cast<double>(intervals);
@@ -91,9 +91,9 @@ Reference platformReference(double from_z, double to_z, double turn_deg, double 
   return reference;
 }
 
-std::string verdict(const Reference& reference, const PatientLimits& patient) {
+std::string verdict(const trajectory::Reference& reference, const PatientLimits& patient) {
   try {
-    requireWithinPatient(requirePlayable(reference, finalRobot()), reference, patient);
+    requireWithinPatient(trajectory::requirePlayable(reference, finalRobot()), reference, patient);
   } catch (const InputError& error) {
     return error.what();
   }
@@ -111,14 +111,15 @@ TEST_F(PatientFile, HoldsReferencesToItsRangeAndSpeeds) {
 }
 
 TEST_F(PatientFile, IsWatchedInMotionByPoseAndSpeed) {
-  const Robot robot = finalRobot();
+  const mechanism::Robot robot = finalRobot();
   const PatientLimits patient = loadPatientLimits(file(kGood), robot);
   using Verdict = PatientMonitor::Verdict;
   /// Moves upwards from 0.61 m by `way(time)` and answers what the monitor says first, and when.
   const auto watch = [&](auto way, double seconds) {
-    PatientMonitor monitor(robot);
+    knee_robot::control::PatientMonitor monitor(robot);
     for (int k = 0; k < static_cast<int>(seconds * 1000); ++k) {
-      const Lengths lengths = legLengths(*robot.mechanism, Pose(0.0, 0.61 + way(1e-3 * k), 0.0, 0.0));
+      const mechanism::Lengths lengths =
+          mechanism::legLengths(*robot.mechanism, mechanism::Pose(0.0, 0.61 + way(1e-3 * k), 0.0, 0.0));
       const Verdict verdict =
           monitor.step(patient.range, {lengths[0], lengths[1], lengths[2], lengths[3]}, 1e-3, 0.002, 0.01, 1.3);
       if (verdict != Verdict::Fine) return std::pair(verdict, 1e-3 * k);
@@ -153,4 +154,4 @@ TEST(Patient, MayNotBeOnABenchThatSaysSo) {
 }
 
 }  // namespace
-}  // namespace knee_robot
+}  // namespace knee_robot::control

@@ -5,7 +5,7 @@
 
 #include "system_rig.h"
 
-namespace knee_robot {
+namespace knee_robot::control {
 namespace {
 
 using fake::kHome;
@@ -26,7 +26,7 @@ class PausedPath : public ::testing::Test {
     const double cycles = static_cast<double>(row.cycle - cycle_);  // a command takes cycles of its own
     const double speed = (now[0] - last_[0]) / (1e-3 * cycles);
     if (known_) hardest = std::max(hardest, std::abs(speed - speed_) / cycles);
-    for (std::size_t i = 1; i < kAxes; ++i)
+    for (std::size_t i = 1; i < hardware::kAxes; ++i)
       apart = std::max(apart, std::abs(now[i] - now[0]));
     backwards = std::min(backwards, now[0] - last_[0]);
     fastest = std::max(fastest, speed);
@@ -76,7 +76,7 @@ TEST_F(PausedPath, ComesToRestOnThePathAndGoesOnToItsEnd) {
   ASSERT_TRUE(rig.system.resume().ok);
   ASSERT_TRUE(stepsUntil(MachineState::Holding, 3.0));
   EXPECT_NEAR(rig.system.status().progress, 1.0, 1e-9);
-  EXPECT_NEAR(rig.system.snapshot()->reference_m[0], kHome + 0.03, 1e-9);
+  EXPECT_NEAR(rig.system.snapshot()->reference_m[0], fake::kHome + 0.03, 1e-9);
   expectSmooth();
 }
 
@@ -114,7 +114,7 @@ TEST_F(PausedPath, StaysSmoothHoweverOftenAndHoweverOddlyItIsAsked) {
   ASSERT_TRUE(rig.system.setSpeed(100).ok);
   (void)rig.system.resume();
   ASSERT_TRUE(stepsUntil(MachineState::Holding, 5.0));
-  EXPECT_NEAR(rig.system.snapshot()->reference_m[0], kHome + 0.03, 1e-9);
+  EXPECT_NEAR(rig.system.snapshot()->reference_m[0], fake::kHome + 0.03, 1e-9);
   expectSmooth();
 }
 
@@ -129,7 +129,7 @@ TEST_F(PausedPath, IsGivenUpByStopAndNotResumedAfterwards) {
   ASSERT_TRUE(rig.system.pause().ok);
   ASSERT_TRUE(stepsUntil(MachineState::Paused, 1.0));
   EXPECT_FALSE(rig.system.play().ok) << "stop first";
-  EXPECT_FALSE(rig.system.loadReference(fake::smoothReference(kHome, 0.01, 1.0)).ok);
+  EXPECT_FALSE(rig.system.loadReference(fake::smoothReference(fake::kHome, 0.01, 1.0)).ok);
   ASSERT_TRUE(rig.system.stop().ok);
   ASSERT_TRUE(stepsUntil(MachineState::Holding, 1.0));
   EXPECT_FALSE(rig.system.resume().ok);
@@ -161,7 +161,7 @@ TEST(SpeedScaling, StartsAtTheSpeedThatWasSetBefore) {
   Rig rig;
   rig.hold();
   ASSERT_TRUE(rig.system.setSpeed(50.0).ok);
-  ASSERT_TRUE(rig.system.loadReference(fake::smoothReference(kHome, 0.03, 2.0)).ok);
+  ASSERT_TRUE(rig.system.loadReference(fake::smoothReference(fake::kHome, 0.03, 2.0)).ok);
   ASSERT_TRUE(rig.system.play().ok);
   rig.system.run(2.0);
   EXPECT_NEAR(rig.system.status().path_time_s, 1.0, 0.03);
@@ -221,4 +221,4 @@ TEST(Statistics, CountEveryComponentsUpdates) {
 }
 
 }  // namespace
-}  // namespace knee_robot
+}  // namespace knee_robot::control

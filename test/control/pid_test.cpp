@@ -5,7 +5,7 @@
 #include <cmath>
 #include <limits>
 
-namespace knee_robot {
+namespace knee_robot::control {
 namespace {
 
 constexpr PidGains kGains{1000.0, 500.0, 50.0, 50.0};
@@ -77,4 +77,4 @@ TEST(Pid, AddsTheFeedforwardWithinTheLimit) {
 }
 
 }  // namespace
-}  // namespace knee_robot
+}  // namespace knee_robot::control

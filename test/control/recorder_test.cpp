@@ -9,7 +9,7 @@
 #include "knee_robot/recording/recording.h"
 #include "system_rig.h"
 
-namespace knee_robot {
+namespace knee_robot::control {
 namespace {
 
 using fake::Rig;
@@ -40,14 +40,14 @@ TEST_F(RecorderTest, WritesEveryCycleOfAMotionAsTheMachineGotIt) {
   ASSERT_TRUE(rig.system.waitFor(MachineState::Holding, 2.0));
   const Answer answer = rig.system.stopRecording();
   EXPECT_TRUE(answer.ok) << answer.sentence;
-  const Recording recording = loadRecording(path());
+  const recording::Recording recording = recording::loadRecording(path());
   ASSERT_EQ(static_cast<std::size_t>(recording.rows()), rig.machine.events.size()) << "one row a cycle";
   ASSERT_GT(recording.rows(), 1000);
-  const Robot robot = fake::robot();
+  const mechanism::Robot robot = fake::robot();
   for (int row = 0; row < recording.rows(); ++row) {
     const fake::Machine::Event& event = rig.machine.events[static_cast<std::size_t>(row)];
     EXPECT_NEAR(recording.time_s[static_cast<std::size_t>(row)], event.time_s, 1e-6);
-    for (int i = 0; i < kAxes; ++i) {
+    for (int i = 0; i < hardware::kAxes; ++i) {
       const auto axis = static_cast<std::size_t>(i);
       const double signed_gain = robot.actuators[axis].force_sign * robot.actuators[axis].force_per_volt_N;
       EXPECT_NEAR(recording.command_V(row, i), event.volts[axis], 1e-6);
@@ -55,9 +55,9 @@ TEST_F(RecorderTest, WritesEveryCycleOfAMotionAsTheMachineGotIt) {
     }
   }
   std::vector<double> gains;
-  for (const Actuator& actuator : robot.actuators)
+  for (const mechanism::Actuator& actuator : robot.actuators)
     gains.push_back(actuator.force_sign * actuator.force_per_volt_N);
-  EXPECT_NO_THROW(commandedForce(recording, gains)) << "force and volts agree";
+  EXPECT_NO_THROW(recording::commandedForce(recording, gains)) << "force and volts agree";
   EXPECT_NEAR(recording.reference_m(recording.rows() - 1, 2), fake::kHome + 0.02, 1e-6);
 }
 
@@ -76,14 +76,14 @@ TEST_F(RecorderTest, IsReadableAtAnyMomentBeforeItIsClosed) {
   rig.hold();
   ASSERT_TRUE(rig.system.startRecording(path()).ok);
   rig.system.run(1.0);
-  const Recording recording = loadRecording(path());  // as after a kill: nothing was closed
+  const recording::Recording recording = recording::loadRecording(path());  // as after a kill: nothing was closed
   EXPECT_GE(recording.rows(), 900);
   EXPECT_EQ(rig.system.status().recording, path());
 }
 
 /// A Recorder fed by hand, without anybody draining it.
 struct Feed : rt::TaskContext {
-  Feed() : TaskContext("Feed") {}
+  Feed() : rt::TaskContext("Feed") {}
   rt::OutputPort<AxesMeasurement> measurement{*this, "measurement", ""};
 };
 
@@ -115,7 +115,7 @@ TEST_F(RecorderTest, CountsRowsThatTheRingCouldNotTakeAndSaysSo) {
   EXPECT_EQ(result.dropped, 100u);
   EXPECT_EQ(result.rows, kRows - 100 + 10);
   EXPECT_EQ(result.skipped, 0u);
-  EXPECT_EQ(static_cast<std::uint64_t>(loadRecording(path()).rows()), result.rows);
+  EXPECT_EQ(static_cast<std::uint64_t>(recording::loadRecording(path()).rows()), result.rows);
 }
 
 TEST_F(RecorderTest, TellsSkippedCyclesFromDroppedRows) {
@@ -133,4 +133,4 @@ TEST_F(RecorderTest, TellsSkippedCyclesFromDroppedRows) {
 }
 
 }  // namespace
-}  // namespace knee_robot
+}  // namespace knee_robot::control

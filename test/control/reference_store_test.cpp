@@ -5,7 +5,7 @@
 #include <atomic>
 #include <thread>
 
-namespace knee_robot {
+namespace knee_robot::control {
 namespace {
 
 ReferencePath filled(std::size_t count, double value) {
@@ -72,4 +72,4 @@ TEST(ReferenceStore, NeverShowsAHalfFilledPathBetweenTwoThreads) {
 }
 
 }  // namespace
-}  // namespace knee_robot
+}  // namespace knee_robot::control

@@ -9,7 +9,7 @@
 
 #include "system_rig.h"
 
-namespace knee_robot {
+namespace knee_robot::control {
 namespace {
 
 using fake::Machine;
@@ -265,4 +265,4 @@ TEST(SafeRoad, OfAFailedSupervisorLeadsBackToo) {
 }
 
 }  // namespace
-}  // namespace knee_robot
+}  // namespace knee_robot::control

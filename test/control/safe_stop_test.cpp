@@ -4,7 +4,7 @@
 
 #include <vector>
 
-namespace knee_robot {
+namespace knee_robot::control {
 namespace {
 
 constexpr rt::Nanoseconds kMs = 1'000'000;
@@ -87,4 +87,4 @@ TEST(SafeStop, RunsOnceUntilRearmed) {
 }
 
 }  // namespace
-}  // namespace knee_robot
+}  // namespace knee_robot::control

@@ -9,10 +9,10 @@
 #include "knee_robot/base/files.h"
 #include "knee_robot/control/component_types.h"
 #include "knee_robot/control/faults.h"
-#include "knee_robot/simulation/simulated_cards.h"
 #include "knee_robot/rt/component_page.h"
+#include "knee_robot/simulation/simulated_cards.h"
 
-namespace knee_robot {
+namespace knee_robot::control {
 namespace {
 
 TEST(SafetyTables, AreCopiedFaithfullyIntoTheDocumentation) {
@@ -25,10 +25,11 @@ TEST(SafetyTables, AreCopiedFaithfullyIntoTheDocumentation) {
 
 TEST(ComponentPage, IsCopiedFaithfullyIntoTheDocumentation) {
   const std::string source = KNEE_SOURCE_DIR;
-  const auto image = std::make_unique<hardware::RobotImage>();
-  const auto bus = hardware::openImageCards(*image);
+  const auto image = std::make_unique<simulation::RobotImage>();
+  const auto bus = simulation::openImageCards(*image);
   const HardwareFile hardware = loadHardwareFile(source + "/config/hardware/simulated.yaml");
-  const rt::TypeFactory types = componentTypes(loadRobot(source + "/config/robots/A.yaml"), hardware, *bus, {});
+  const rt::TypeFactory types =
+      componentTypes(mechanism::loadRobot(source + "/config/robots/A.yaml"), hardware, *bus, {});
   EXPECT_NE(readFile(source + "/docs/components.md").find(rt::componentPage(types)), std::string::npos)
       << "replace the tables by the output of: components --robot config/robots/A.yaml --hardware "
          "config/hardware/simulated.yaml";
@@ -51,4 +52,4 @@ TEST(Faults, EachHaveOneNameACauseAndARemedyAtTheirOwnPlace) {
 }
 
 }  // namespace
-}  // namespace knee_robot
+}  // namespace knee_robot::control

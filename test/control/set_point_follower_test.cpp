@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-namespace knee_robot {
+namespace knee_robot::control {
 namespace {
 
 constexpr rt::Nanoseconds kMs = 1'000'000;
@@ -128,4 +128,4 @@ TEST(SetPointFollower, ToleratesAsManyMissingPointsAsItIsTold) {
 }
 
 }  // namespace
-}  // namespace knee_robot
+}  // namespace knee_robot::control

@@ -6,8 +6,9 @@
 namespace knee_robot::fake {
 
 /// A model of `robot` with the weights of its URDF, and friction in the actuators.
-inline Model modelOf(const Robot& robot, double viscous = 150.0, double coulomb = 15.0, double coulomb_4 = 15.0) {
-  Model model;
+inline dynamics::Model modelOf(const mechanism::Robot& robot, double viscous = 150.0, double coulomb = 15.0,
+                               double coulomb_4 = 15.0) {
+  dynamics::Model model;
   model.kind = robot.kind;
   model.axes = robot.axes();
   model.robot_fingerprint = robot.fingerprint;
@@ -17,16 +18,16 @@ inline Model modelOf(const Robot& robot, double viscous = 150.0, double coulomb 
   model.rank = 1;
   model.coulomb_width_m.assign(4, 1e-4);
   model.residual_rms_N.assign(4, 1.0);
-  const InertialParameters links = toParameters(loadRobotInertia(robot));
-  const std::vector<std::string>& names = extendedParameterNames();
+  const dynamics::InertialParameters links = dynamics::toParameters(dynamics::loadRobotInertia(robot));
+  const std::vector<std::string>& names = dynamics::extendedParameterNames();
   for (std::size_t i = 0; i < names.size(); ++i) {
-    ModelParameter one;
+    dynamics::ModelParameter one;
     one.name = names[i];
     one.unit = "x";
-    if (i < kInertialParameters) one.value = links[static_cast<Eigen::Index>(i)];
-    if (i >= extended::kViscous && i < extended::kCoulomb) one.value = viscous;
-    if (i >= extended::kCoulomb && i < extended::kRotor) one.value = coulomb;
-    if (i == extended::kCoulomb + 3) one.value = coulomb_4;
+    if (i < dynamics::kInertialParameters) one.value = links[static_cast<Eigen::Index>(i)];
+    if (i >= dynamics::extended::kViscous && i < dynamics::extended::kCoulomb) one.value = viscous;
+    if (i >= dynamics::extended::kCoulomb && i < dynamics::extended::kRotor) one.value = coulomb;
+    if (i == dynamics::extended::kCoulomb + 3) one.value = coulomb_4;
     model.parameters.push_back(one);
   }
   model.base.push_back({1.0, 0.1, std::vector<double>(names.size(), 0.0)});

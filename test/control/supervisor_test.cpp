@@ -5,11 +5,11 @@
 
 #include "fake_machine.h"
 
-namespace knee_robot {
+namespace knee_robot::control {
 namespace {
 
 struct Feed : rt::TaskContext {
-  Feed() : TaskContext("Feed") {}
+  Feed() : rt::TaskContext("Feed") {}
   rt::OutputPort<AxesMeasurement> measurement{*this, "measurement", ""};
   rt::OutputPort<SetPoint> set_point{*this, "set_point", ""};
   rt::OutputPort<AxisCommand> command_1{*this, "command_1", ""}, command_2{*this, "command_2", ""},
@@ -181,4 +181,4 @@ TEST_F(SupervisorTest, KeepsTheFirstFaultWhateverFollows) {
 }
 
 }  // namespace
-}  // namespace knee_robot
+}  // namespace knee_robot::control

@@ -6,13 +6,13 @@
 
 #include "fake_machine.h"
 
-namespace knee_robot {
+namespace knee_robot::control {
 namespace {
 
 using fake::kHome;
 
 struct Feed : rt::TaskContext {
-  Feed() : TaskContext("Feed") {}
+  Feed() : rt::TaskContext("Feed") {}
   rt::OutputPort<Orders> orders{*this, "orders", ""};
   rt::OutputPort<AxesMeasurement> measurement{*this, "measurement", ""};
   rt::InputPort<SetPoint> set_point{*this, "set_point", ""};
@@ -28,15 +28,15 @@ class SyncTest : public ::testing::Test {
     ASSERT_TRUE(sync.configure() && sync.start());
     orders.drivers_active = true;
     measured.status = hardware::IoStatus::Ok;
-    measured.position_m.fill(kHome);
+    measured.position_m.fill(fake::kHome);
   }
   /// `distance` on all axes in `seconds`, from home.
   void load(double distance, double seconds) {
-    const Reference reference = fake::smoothReference(kHome, distance, seconds);
+    const trajectory::Reference reference = fake::smoothReference(fake::kHome, distance, seconds);
     points.clear();
     for (Eigen::Index k = 0; k < reference.points.rows(); ++k) {
       AxisValues point{};
-      for (std::size_t i = 0; i < kAxes; ++i)
+      for (std::size_t i = 0; i < hardware::kAxes; ++i)
         point[i] = reference.points(k, static_cast<Eigen::Index>(i));
       points.push_back(point);
     }
@@ -80,7 +80,7 @@ TEST_F(SyncTest, StreamsEveryPointOnItsTickWithoutAGapAndHoldsTheLast) {
   for (std::size_t k = 0; k + 1 < points.size(); ++k) {
     tick();
     ASSERT_EQ(out.phase, SyncPhase::Playing);
-    for (std::size_t i = 0; i < kAxes; ++i) {
+    for (std::size_t i = 0; i < hardware::kAxes; ++i) {
       EXPECT_NEAR(out.from_m[i], points[k][i], 1e-12) << k;
       EXPECT_NEAR(out.to_m[i], points[k + 1][i], 1e-12) << k;
     }
@@ -189,12 +189,12 @@ TEST_F(SyncTest, GoesOnWhereItWasAfterAPauseOfTheMachine) {
 }
 
 TEST_F(SyncTest, HoldsAtOnceAReferenceOfASinglePoint) {
-  sync.store().offer(ReferencePath::of({AxisValues{kHome, kHome, kHome, kHome}}));
+  sync.store().offer(ReferencePath::of({AxisValues{fake::kHome, fake::kHome, fake::kHome, fake::kHome}}));
   ++orders.play;
   EXPECT_EQ(tick().phase, SyncPhase::Holding);
   EXPECT_EQ(out.run, orders.play);
-  EXPECT_EQ(out.to_m[1], kHome);
+  EXPECT_EQ(out.to_m[1], fake::kHome);
 }
 
 }  // namespace
-}  // namespace knee_robot
+}  // namespace knee_robot::control

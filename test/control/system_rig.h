@@ -64,23 +64,28 @@ class Faulty : public Base {
   Injection& injection_;
 };
 
-inline rt::TypeFactory faultyTypes(Injection& injection, Machine& machine, const HardwareFile& h) {
+inline rt::TypeFactory faultyTypes(Injection& injection, Machine& machine, const control::HardwareFile& h) {
   using Name = const std::string&;
-  const Robot r = robot();
-  const AxisValues lengths{kHome, kHome, kHome, kHome};
+  const mechanism::Robot r = robot();
+  const control::AxisValues lengths{kHome, kHome, kHome, kHome};
   return {
-      {"AxesInput", [=, &injection, &machine](
-                        Name n) { return std::make_unique<Faulty<AxesInput>>(injection, n, r, machine, lengths); }},
-      {"Sync", [=, &injection](Name n) { return std::make_unique<Faulty<Sync>>(injection, n, r); }},
-      {"Driver", [=, &injection](Name n) { return std::make_unique<Faulty<Driver>>(injection, n, r, h); }},
+      {"AxesInput",
+       [=, &injection, &machine](Name n) {
+         return std::make_unique<Faulty<control::AxesInput>>(injection, n, r, machine, lengths);
+       }},
+      {"Sync", [=, &injection](Name n) { return std::make_unique<Faulty<control::Sync>>(injection, n, r); }},
+      {"Driver", [=, &injection](Name n) { return std::make_unique<Faulty<control::Driver>>(injection, n, r, h); }},
       {"ModelFeedforward",
-       [=, &injection](Name n) { return std::make_unique<Faulty<ModelFeedforward>>(injection, n, r); }},
-      {"Monitors", [=, &injection](Name n) { return std::make_unique<Faulty<Monitors>>(injection, n, r); }},
-      {"BlackBox", [=, &injection](Name n) { return std::make_unique<Faulty<BlackBox>>(injection, n); }},
-      {"Supervisor", [=, &injection](Name n) { return std::make_unique<Faulty<Supervisor>>(injection, n, r, h); }},
+       [=, &injection](Name n) { return std::make_unique<Faulty<control::ModelFeedforward>>(injection, n, r); }},
+      {"Monitors", [=, &injection](Name n) { return std::make_unique<Faulty<control::Monitors>>(injection, n, r); }},
+      {"BlackBox", [=, &injection](Name n) { return std::make_unique<Faulty<control::BlackBox>>(injection, n); }},
+      {"Supervisor",
+       [=, &injection](Name n) { return std::make_unique<Faulty<control::Supervisor>>(injection, n, r, h); }},
       {"AxesOutput",
-       [=, &injection, &machine](Name n) { return std::make_unique<Faulty<AxesOutput>>(injection, n, r, h, machine); }},
-      {"Recorder", [=, &injection](Name n) { return std::make_unique<Faulty<Recorder>>(injection, n); }},
+       [=, &injection, &machine](Name n) {
+         return std::make_unique<Faulty<control::AxesOutput>>(injection, n, r, h, machine);
+       }},
+      {"Recorder", [=, &injection](Name n) { return std::make_unique<Faulty<control::Recorder>>(injection, n); }},
   };
 }
 
@@ -90,15 +95,15 @@ inline std::string deploymentFile() {
 
 /// The whole controller, stepped, on the fake machine.
 struct Rig {
-  explicit Rig(HardwareFile hardware_file = hardware(), const std::string& black_box_folder = "",
+  explicit Rig(control::HardwareFile hardware_file = hardware(), const std::string& black_box_folder = "",
                const std::string& heat_file = "")
       : machine(robot()),
         system(robot(), hardware_file, deploymentFile(), machine, options(hardware_file, black_box_folder, heat_file)) {
     system.setPlant([this](rt::Nanoseconds time) { machine.advanceTo(rt::toSeconds(time)); });
   }
-  ControlSystem::Options options(const HardwareFile& hardware_file, const std::string& black_box_folder,
-                                 const std::string& heat_file) {
-    ControlSystem::Options all;
+  control::ControlSystem::Options options(const control::HardwareFile& hardware_file,
+                                          const std::string& black_box_folder, const std::string& heat_file) {
+    control::ControlSystem::Options all;
     all.heat_file = heat_file;
     all.black_box_folder = black_box_folder;
     all.execution = rt::Execution::Stepped;
@@ -108,20 +113,20 @@ struct Rig {
   /// Holding at home.
   void hold() {
     ASSERT_TRUE(system.start().ok);
-    const Answer answer = system.enable();
+    const control::Answer answer = system.enable();
     ASSERT_TRUE(answer.ok) << answer.sentence;
     system.run(2.0);
-    ASSERT_EQ(system.state(), MachineState::Holding);
+    ASSERT_EQ(system.state(), control::MachineState::Holding);
   }
   /// In the middle of a motion of 30 mm in 2 s.
   void play() {
     hold();
-    const Answer loaded = system.loadReference(smoothReference(kHome, 0.03, 2.0));
+    const control::Answer loaded = system.loadReference(smoothReference(kHome, 0.03, 2.0));
     ASSERT_TRUE(loaded.ok) << loaded.sentence;
-    const Answer played = system.play();
+    const control::Answer played = system.play();
     ASSERT_TRUE(played.ok) << played.sentence;
     system.run(1.0);
-    ASSERT_EQ(system.state(), MachineState::Playing);
+    ASSERT_EQ(system.state(), control::MachineState::Playing);
   }
   double lowest() const {
     double low = 1.0;
@@ -132,7 +137,7 @@ struct Rig {
 
   Machine machine;
   Injection injection;
-  ControlSystem system;
+  control::ControlSystem system;
 };
 
 }  // namespace knee_robot::fake

@@ -12,7 +12,7 @@
 #include "knee_robot/recording/recording.h"
 #include "knee_robot/rt/activity.h"
 
-namespace knee_robot {
+namespace knee_robot::control {
 namespace {
 
 using fake::kHome;
@@ -21,10 +21,10 @@ using fake::kHome;
 /// loaded machine must not make the platform fall.
 class LiveMachine : public fake::Machine {
  public:
-  using Machine::Machine;
+  using fake::Machine::Machine;
   hardware::IoStatus read(hardware::AxisFeedback& feedback) noexcept override {
     advanceTo(time_s + 0.001);
-    return Machine::read(feedback);
+    return fake::Machine::read(feedback);
   }
 };
 
@@ -54,7 +54,7 @@ class Threads : public ::testing::TestWithParam<bool> {};
 TEST_P(Threads, PlayWhileOperatorsAskRecordAndPublish) {
   char pattern[] = "/tmp/threads_test_XXXXXX";
   const std::string folder = mkdtemp(pattern);
-  const Robot robot = fake::robot();
+  const mechanism::Robot robot = fake::robot();
   LiveMachine machine(robot);
   ControlSystem::Options options;
   ControlSystem system(robot, fake::hardware(), deployment(folder, GetParam()), machine, options);
@@ -62,7 +62,7 @@ TEST_P(Threads, PlayWhileOperatorsAskRecordAndPublish) {
   Answer answer = system.enable();
   ASSERT_TRUE(answer.ok) << answer.sentence;
   ASSERT_TRUE(system.startRecording(folder + "/r.csv").ok);
-  ASSERT_TRUE(system.loadReference(fake::smoothReference(kHome, 0.01, 1.0)).ok);
+  ASSERT_TRUE(system.loadReference(fake::smoothReference(fake::kHome, 0.01, 1.0)).ok);
 
   std::atomic<bool> done{false};
   std::atomic<int> looks{0};
@@ -87,7 +87,7 @@ TEST_P(Threads, PlayWhileOperatorsAskRecordAndPublish) {
   EXPECT_TRUE(system.waitFor(MachineState::Holding, 20.0)) << system.status().fault_sentence;
   // A machine that pauses makes set points late; what the reference then coasted too far fades out within SetPointFollower::kBlend.
   std::this_thread::sleep_for(std::chrono::milliseconds(700));
-  EXPECT_NEAR(system.snapshot()->reference_m[0], kHome + 0.01, 1e-4);
+  EXPECT_NEAR(system.snapshot()->reference_m[0], fake::kHome + 0.01, 1e-4);
   done = true;
   publisher.join();
   busybody.join();
@@ -108,7 +108,7 @@ TEST_P(Threads, PlayWhileOperatorsAskRecordAndPublish) {
   // However many cycles a loaded machine skipped: every row that was measured is there.
   const std::size_t number = answer_recorded.find(" has ");
   ASSERT_NE(number, std::string::npos);
-  EXPECT_EQ(loadRecording(folder + "/r.csv").rows(), std::atol(answer_recorded.c_str() + number + 5));
+  EXPECT_EQ(recording::loadRecording(folder + "/r.csv").rows(), std::atol(answer_recorded.c_str() + number + 5));
   for (const char* name : {"/r.csv", "/deployment.yaml"})
     std::remove((folder + name).c_str());
   std::remove(folder.c_str());
@@ -122,7 +122,7 @@ TEST(ThreadsAlone, PauseAndResumeInTheMiddleOfThePath) {
   ASSERT_TRUE(system.start().ok);
   ASSERT_TRUE(system.enable().ok);
   std::this_thread::sleep_for(std::chrono::milliseconds(700));
-  ASSERT_TRUE(system.loadReference(fake::smoothReference(kHome, 0.01, 1.0)).ok);
+  ASSERT_TRUE(system.loadReference(fake::smoothReference(fake::kHome, 0.01, 1.0)).ok);
   ASSERT_TRUE(system.play().ok);
   ASSERT_TRUE(system.waitFor(MachineState::Playing, 5.0));
   while (system.status().progress < 0.3)
@@ -146,7 +146,7 @@ INSTANTIATE_TEST_SUITE_P(Of, Threads, ::testing::Bool(), [](const ::testing::Tes
 });
 
 TEST(ThreadsAlone, ShutDownSafelyWhenTheControllerIsDestroyedInMotion) {
-  const Robot robot = fake::robot();
+  const mechanism::Robot robot = fake::robot();
   char pattern[] = "/tmp/threads_test_XXXXXX";
   const std::string folder = mkdtemp(pattern);
   LiveMachine machine(robot);
@@ -162,4 +162,4 @@ TEST(ThreadsAlone, ShutDownSafelyWhenTheControllerIsDestroyedInMotion) {
 }
 
 }  // namespace
-}  // namespace knee_robot
+}  // namespace knee_robot::control

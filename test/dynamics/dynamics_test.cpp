@@ -7,34 +7,35 @@
 #include "knee_robot/dynamics/regressor.h"
 #include "test/dynamics/random_robots.h"
 
-namespace knee_robot {
+namespace knee_robot::dynamics {
 namespace {
 
-const Vector3 kTiltedGravity(0.6, -0.8, -9.7);  // all three components matter
+const mechanism::Vector3 kTiltedGravity(0.6, -0.8, -9.7);  // all three components matter
 
 class Dynamics : public testing::Test {
  protected:
-  RandomPoses random_{11};
-  std::vector<Mechanism> mechanisms_{finalMechanism(), startingMechanism(), mechanismB()};
+  mechanism::RandomPoses random_{11};
+  std::vector<mechanism::Mechanism> mechanisms_{mechanism::finalMechanism(), mechanism::startingMechanism(),
+                                                mechanism::mechanismB()};
 };
 
-double relative(const Vector4& a, const Vector4& b) {
+double relative(const mechanism::Vector4& a, const mechanism::Vector4& b) {
   return (a - b).norm() / std::max(1.0, b.norm());
 }
 
 TEST_F(Dynamics, OfTheRegressorTimesParametersIsTheInverseDynamics) {
-  for (const Mechanism& m : mechanisms_) {
+  for (const mechanism::Mechanism& m : mechanisms_) {
     for (int k = 0; k < 300; ++k) {
       const RobotInertia inertia = randomInertia(random_);
       const RigidModel model(m, kTiltedGravity, inertia);
-      const Motion motion = randomMotion(random_, m);
+      const mechanism::Motion motion = randomMotion(random_, m);
       RegressorData data;
       ExtendedRegressor extended;
       ASSERT_TRUE(extendedRegressor(m, kTiltedGravity, motion, data, extended));
       ExtendedParameters parameters = ExtendedParameters::Zero();
       parameters.head<kInertialParameters>() = toParameters(inertia);
-      parameters.segment<kLegs>(extended::kRotor) = inertia.rotor_mass;
-      Vector4 forces;
+      parameters.segment<mechanism::kLegs>(extended::kRotor) = inertia.rotor_mass;
+      mechanism::Vector4 forces;
       ASSERT_TRUE(inverseDynamics(model, motion, forces));
       EXPECT_LT(relative(extended * parameters, forces), 1e-10);
     }
@@ -42,11 +43,11 @@ TEST_F(Dynamics, OfTheRegressorTimesParametersIsTheInverseDynamics) {
 }
 
 TEST_F(Dynamics, ForwardUndoesInverse) {
-  for (const Mechanism& m : mechanisms_) {
+  for (const mechanism::Mechanism& m : mechanisms_) {
     for (int k = 0; k < 300; ++k) {
       const RigidModel model(m, kTiltedGravity, randomInertia(random_));
-      const Motion motion = randomMotion(random_, m);
-      Vector4 forces;
+      const mechanism::Motion motion = randomMotion(random_, m);
+      mechanism::Vector4 forces;
       ASSERT_TRUE(inverseDynamics(model, motion, forces));
       ForwardDynamicsData data;
       ASSERT_TRUE(forwardDynamics(model, motion.pose, motion.pose_velocity, forces, data));
@@ -57,18 +58,18 @@ TEST_F(Dynamics, ForwardUndoesInverse) {
 
 TEST_F(Dynamics, FollowsLagrangesEquationsOfItsOwnEnergies) {
   // d/dt (dT/dxd) - dT/dx + dU/dx = J^T tau, every derivative by central differences of the energies alone.
-  const Mechanism m = finalMechanism();
+  const mechanism::Mechanism m = mechanism::finalMechanism();
   for (int k = 0; k < 100; ++k) {
     const RigidModel model(m, kTiltedGravity, randomInertia(random_));
-    const Motion s = randomMotion(random_, m);
+    const mechanism::Motion s = randomMotion(random_, m);
     constexpr double h = 1e-4;
-    const auto momentum = [&](const Pose& x, const Vector4& v, int j) {
-      const Vector4 e = 0.5 * Vector4::Unit(j);  // T is quadratic in v: the difference is exact
+    const auto momentum = [&](const mechanism::Pose& x, const mechanism::Vector4& v, int j) {
+      const mechanism::Vector4 e = 0.5 * mechanism::Vector4::Unit(j);  // T is quadratic in v: the difference is exact
       return kineticEnergy(model, x, v + e) - kineticEnergy(model, x, v - e);
     };
-    Vector4 expected;
+    mechanism::Vector4 expected;
     for (int j = 0; j < 4; ++j) {
-      const Vector4 e = h * Vector4::Unit(j);
+      const mechanism::Vector4 e = h * mechanism::Vector4::Unit(j);
       const auto momentumAt = [&](double t) {
         return momentum(s.pose + t * s.pose_velocity + 0.5 * t * t * s.pose_acceleration,
                         s.pose_velocity + t * s.pose_acceleration, j);
@@ -79,40 +80,40 @@ TEST_F(Dynamics, FollowsLagrangesEquationsOfItsOwnEnergies) {
               (2 * h) +
           (potentialEnergy(model, s.pose + e) - potentialEnergy(model, s.pose - e)) / (2 * h);
     }
-    Vector4 forces;
+    mechanism::Vector4 forces;
     ASSERT_TRUE(inverseDynamics(model, s, forces));
-    EXPECT_LT(relative(lengthJacobian(m, s.pose).transpose() * forces, expected), 1e-6);
+    EXPECT_LT(relative(mechanism::lengthJacobian(m, s.pose).transpose() * forces, expected), 1e-6);
   }
 }
 
 TEST_F(Dynamics, HoldsStillAgainstTheGradientOfThePotentialEnergy) {
-  for (const Mechanism& m : mechanisms_) {
+  for (const mechanism::Mechanism& m : mechanisms_) {
     for (int k = 0; k < 100; ++k) {
       const RigidModel model(m, kTiltedGravity, randomInertia(random_));
-      const Motion still{random_.pose(m), Vector4::Zero(), Vector4::Zero()};
-      Vector4 forces, gradient;
+      const mechanism::Motion still{random_.pose(m), mechanism::Vector4::Zero(), mechanism::Vector4::Zero()};
+      mechanism::Vector4 forces, gradient;
       ASSERT_TRUE(inverseDynamics(model, still, forces));
       for (int j = 0; j < 4; ++j) {
-        const Vector4 e = 1e-5 * Vector4::Unit(j);
+        const mechanism::Vector4 e = 1e-5 * mechanism::Vector4::Unit(j);
         gradient[j] = (potentialEnergy(model, still.pose + e) - potentialEnergy(model, still.pose - e)) / 2e-5;
       }
-      EXPECT_LT(relative(lengthJacobian(m, still.pose).transpose() * forces, gradient), 1e-8);
+      EXPECT_LT(relative(mechanism::lengthJacobian(m, still.pose).transpose() * forces, gradient), 1e-8);
     }
   }
 }
 
 TEST_F(Dynamics, TurnsActuatorPowerIntoEnergy) {
-  const Mechanism m = finalMechanism();
+  const mechanism::Mechanism m = mechanism::finalMechanism();
   for (int k = 0; k < 200; ++k) {
     const RigidModel model(m, kTiltedGravity, randomInertia(random_));
-    const Motion s = randomMotion(random_, m);
-    Vector4 forces;
+    const mechanism::Motion s = randomMotion(random_, m);
+    mechanism::Vector4 forces;
     ASSERT_TRUE(inverseDynamics(model, s, forces));
     const auto energyAt = [&](double t) {
-      const Pose x = s.pose + t * s.pose_velocity + 0.5 * t * t * s.pose_acceleration;
+      const mechanism::Pose x = s.pose + t * s.pose_velocity + 0.5 * t * t * s.pose_acceleration;
       return kineticEnergy(model, x, s.pose_velocity + t * s.pose_acceleration) + potentialEnergy(model, x);
     };
-    const double power = forces.dot(lengthJacobian(m, s.pose) * s.pose_velocity);
+    const double power = forces.dot(mechanism::lengthJacobian(m, s.pose) * s.pose_velocity);
     constexpr double h = 1e-4;
     EXPECT_NEAR(power, (energyAt(h) - energyAt(-h)) / (2 * h), 1e-5 * std::max(1.0, std::abs(power)));
   }
@@ -121,16 +122,17 @@ TEST_F(Dynamics, TurnsActuatorPowerIntoEnergy) {
 TEST_F(Dynamics, CarriesAPlatformOfKnownMassWithItsWeight) {
   // Only the platform has mass, centred over leg 4: the vertical sum of the leg forces is its weight.
   RobotInertia inertia;
-  inertia.links[kPlatformLink] = {10.0, Vector3(0.05, 0.02, 0.0), 0.1 * Matrix3::Identity()};
-  const Mechanism m = finalMechanism();
-  const RigidModel model(m, Vector3(0, 0, -9.81), inertia);
-  const Motion still{Pose(0.05, 0.7, 0.1, 0.1), Vector4::Zero(), Vector4::Zero()};
-  Vector4 forces;
+  inertia.links[kPlatformLink] = {10.0, mechanism::Vector3(0.05, 0.02, 0.0), 0.1 * mechanism::Matrix3::Identity()};
+  const mechanism::Mechanism m = mechanism::finalMechanism();
+  const RigidModel model(m, mechanism::Vector3(0, 0, -9.81), inertia);
+  const mechanism::Motion still{mechanism::Pose(0.05, 0.7, 0.1, 0.1), mechanism::Vector4::Zero(),
+                                mechanism::Vector4::Zero()};
+  mechanism::Vector4 forces;
   ASSERT_TRUE(inverseDynamics(model, still, forces));
-  RobotMotion motion;
-  robotMotion(m, still, motion);
+  mechanism::RobotMotion motion;
+  mechanism::robotMotion(m, still, motion);
   double lift = 0.0, push = 0.0;
-  for (int i = 0; i < kLegs; ++i) {
+  for (int i = 0; i < mechanism::kLegs; ++i) {
     lift += forces[i] * motion.legs[i].u.z();
     push += forces[i] * motion.legs[i].u.x();
   }
@@ -140,9 +142,9 @@ TEST_F(Dynamics, CarriesAPlatformOfKnownMassWithItsWeight) {
 
 TEST_F(Dynamics, PassesFrictionThroughTheVelocitiesOfThePassiveJoints) {
   // Virtual power: actuator friction forces times actuator velocities equal the power lost in all joints.
-  const Mechanism m = finalMechanism();
+  const mechanism::Mechanism m = mechanism::finalMechanism();
   for (int k = 0; k < 100; ++k) {
-    const Motion s = randomMotion(random_, m);
+    const mechanism::Motion s = randomMotion(random_, m);
     RegressorData data;
     ASSERT_TRUE(projectedRegressor(m, kTiltedGravity, s, data));
     FrictionParameters friction;
@@ -150,25 +152,26 @@ TEST_F(Dynamics, PassesFrictionThroughTheVelocitiesOfThePassiveJoints) {
       friction[j] = random_.uniform(0.0, 2.0);
     double lost = 0.0;
     int column = 0;
-    for (int leg = 0; leg < kLegs; ++leg) {
+    for (int leg = 0; leg < mechanism::kLegs; ++leg) {
       for (int joint = 2; joint >= (leg == 3 ? 1 : 0); --joint, column += 2) {
         const double rate = data.motion.legs[leg].rate[joint];
         lost += friction[column] * rate * rate + friction[column + 1] * std::abs(rate);
       }
     }
-    const Vector4 forces = data.k.rightCols<kFrictionParameters>() * friction;
+    const mechanism::Vector4 forces = data.k.rightCols<kFrictionParameters>() * friction;
     EXPECT_NEAR(forces.dot(data.motion.lengthVelocity()), lost, 1e-9 * (1 + lost));
   }
 }
 
 TEST_F(Dynamics, RefusesToProjectAtASingularPose) {
-  const Mechanism m(geometryOf({0.3, 0.3, 0.3}, 0.0, 60, 60, {0.2, 0.2, 0.2}, 60, 60));
-  const Motion still{Pose(0.0, 0.7, 0.0, 0.0), Vector4::Zero(), Vector4::Zero()};
+  const mechanism::Mechanism m(mechanism::geometryOf({0.3, 0.3, 0.3}, 0.0, 60, 60, {0.2, 0.2, 0.2}, 60, 60));
+  const mechanism::Motion still{mechanism::Pose(0.0, 0.7, 0.0, 0.0), mechanism::Vector4::Zero(),
+                                mechanism::Vector4::Zero()};
   RegressorData data;
   EXPECT_FALSE(projectedRegressor(m, kTiltedGravity, still, data));
-  Vector4 forces;
+  mechanism::Vector4 forces;
   EXPECT_FALSE(inverseDynamics(RigidModel(m, kTiltedGravity, randomInertia(random_)), still, forces));
 }
 
 }  // namespace
-}  // namespace knee_robot
+}  // namespace knee_robot::dynamics

@@ -28,16 +28,16 @@ void operator delete(void* memory, std::size_t) noexcept {
   std::free(memory);
 }
 
-namespace knee_robot {
+namespace knee_robot::dynamics {
 namespace {
 
 struct State {
-  Pose pose;
-  Vector4 velocity;
+  mechanism::Pose pose;
+  mechanism::Vector4 velocity;
 };
 
 State derivative(const RigidModel& model, const State& s, ForwardDynamicsData& data) {
-  forwardDynamics(model, s.pose, s.velocity, Vector4::Zero(), data);
+  forwardDynamics(model, s.pose, s.velocity, mechanism::Vector4::Zero(), data);
   return {s.velocity, data.acceleration};
 }
 
@@ -51,11 +51,11 @@ State step(const RigidModel& model, const State& s, double h, ForwardDynamicsDat
 }
 
 double drift(double h) {
-  RandomPoses random(61);
+  mechanism::RandomPoses random(61);
   const RobotInertia inertia = randomInertia(random);
-  const RigidModel model(finalMechanism(), Vector3::Zero(),
+  const RigidModel model(mechanism::finalMechanism(), mechanism::Vector3::Zero(),
                          inertia);  // weightless: 2 s of fall would leave the workspace
-  State s{Pose(0.0, 0.7, 0.1, 0.1), Vector4(0.6, 0.8, 1.5, -1.5)};
+  State s{mechanism::Pose(0.0, 0.7, 0.1, 0.1), mechanism::Vector4(0.6, 0.8, 1.5, -1.5)};
   s.velocity *= std::sqrt(45.0 / kineticEnergy(model, s.pose, s.velocity));
   const double start = kineticEnergy(model, s.pose, s.velocity);
   ForwardDynamicsData data;
@@ -76,33 +76,36 @@ TEST(FreeMotion, KeepsItsEnergyWithTheIntegratorsOrder) {
 }
 
 TEST(RealTimeFunctions, DoNotAllocate) {
-  RandomPoses random(62);
-  const Mechanism m = finalMechanism();
-  const RigidModel model(m, Vector3(0, 0, -9.81), randomInertia(random));
-  const Motion motion = randomMotion(random, m);
+  mechanism::RandomPoses random(62);
+  const mechanism::Mechanism m = mechanism::finalMechanism();
+  const RigidModel model(m, mechanism::Vector3(0, 0, -9.81), randomInertia(random));
+  const mechanism::Motion motion = randomMotion(random, m);
   RegressorData regressor;
   ExtendedRegressor extended;
   ForwardDynamicsData data;
-  Vector4 forces = Vector4::Zero();
-  Motion found;
-  Coordinates velocity, acceleration;
-  DependentJacobian x;
-  RobotMotion all;
-  const Lengths lengths = legLengths(m, motion.pose);
-  const Pose guess = motion.pose + Vector4::Constant(0.001);
+  mechanism::Vector4 forces = mechanism::Vector4::Zero();
+  mechanism::Motion found;
+  mechanism::Coordinates velocity, acceleration;
+  mechanism::DependentJacobian x;
+  mechanism::RobotMotion all;
+  const mechanism::Lengths lengths = mechanism::legLengths(m, motion.pose);
+  const mechanism::Pose guess = motion.pose + mechanism::Vector4::Constant(0.001);
 
   const long before = allocations;
   bool done = extendedRegressor(m, model.gravity, motion, regressor, extended);
   done = inverseDynamics(model, motion, forces) && done;
   done = forwardDynamics(model, motion.pose, motion.pose_velocity, forces, data) && done;
-  done = motionFromLengths(m, lengths, forces * 1e-3, forces * 1e-3, guess, found) == ForwardStatus::Converged && done;
-  const CoordinateMotion q = coordinateMotion(m, motion);
-  done = coordinateRates(m, q.position, forces * 1e-3, forces * 1e-3, velocity, acceleration) && done;
-  done = dependentJacobian(m, q.position, x) && done;
-  robotMotion(m, motion, all);
+  done = mechanism::motionFromLengths(m, lengths, forces * 1e-3, forces * 1e-3, guess, found) ==
+             mechanism::ForwardStatus::Converged &&
+         done;
+  const mechanism::CoordinateMotion q = mechanism::coordinateMotion(m, motion);
+  done = mechanism::coordinateRates(m, q.position, forces * 1e-3, forces * 1e-3, velocity, acceleration) && done;
+  done = mechanism::dependentJacobian(m, q.position, x) && done;
+  mechanism::robotMotion(m, motion, all);
   forces += sphericalJointForces(model, all, forces)[0].homogeneous();
-  done = singularityAt(m, motion.pose).condition > 1.0 && jointAngles(m, motion.pose).base[0] > -1.0 && done;
-  done = forwardKinematicsFromHome(m, lengths).iterations > 0 && done;
+  done = mechanism::singularityAt(m, motion.pose).condition > 1.0 &&
+         mechanism::jointAngles(m, motion.pose).base[0] > -1.0 && done;
+  done = mechanism::forwardKinematicsFromHome(m, lengths).iterations > 0 && done;
   const double energy = kineticEnergy(model, motion.pose, motion.pose_velocity) + potentialEnergy(model, motion.pose);
   const long after = allocations;
   EXPECT_TRUE(done);
@@ -111,4 +114,4 @@ TEST(RealTimeFunctions, DoNotAllocate) {
 }
 
 }  // namespace
-}  // namespace knee_robot
+}  // namespace knee_robot::dynamics

@@ -8,14 +8,14 @@
 #include "knee_robot/base/errors.h"
 #include "knee_robot/dynamics/rigid_body.h"
 
-namespace knee_robot {
+namespace knee_robot::dynamics {
 namespace {
 
-Robot parallelRobot() {
-  Robot robot;
+mechanism::Robot parallelRobot() {
+  mechanism::Robot robot;
   robot.path = "r.yaml";
   robot.fingerprint = "00ff";
-  Geometry g;
+  mechanism::Geometry g;
   g.R = {0.4, 0.4, 0.4};
   g.ds = 0.15;
   g.beta_FD = M_PI / 2;
@@ -23,12 +23,12 @@ Robot parallelRobot() {
   g.Rm = {0.3, 0.3, 0.3};
   g.beta_MD = 0.872664;
   g.beta_MI = M_PI / 2;
-  robot.mechanism = Mechanism(g);
-  robot.actuators.assign(4, Actuator());
+  robot.mechanism = mechanism::Mechanism(g);
+  robot.actuators.assign(4, mechanism::Actuator());
   return robot;
 }
 
-Model someModel(const Robot& robot, unsigned seed) {
+Model someModel(const mechanism::Robot& robot, unsigned seed) {
   std::mt19937 random(seed);
   std::normal_distribution<double> normal;
   Model m;
@@ -67,7 +67,7 @@ Model someModel(const Robot& robot, unsigned seed) {
 }
 
 TEST(ModelFile, IsReadBackExactly) {
-  const Robot robot = parallelRobot();
+  const mechanism::Robot robot = parallelRobot();
   const Model m = someModel(robot, 1);
   const Model r = parseModel(modelToYaml(m), "model.yaml");
   EXPECT_EQ(r.kind, m.kind);
@@ -106,7 +106,7 @@ TEST(ModelFile, RefusesWhatItDoesNotUnderstand) {
   EXPECT_THROW(parseModel("", "m.yaml"), InputError);
 }
 
-Model withEffects(const Robot& robot) {
+Model withEffects(const mechanism::Robot& robot) {
   Model m = someModel(robot, 6);
   ModelEffect stribeck;
   stribeck.name = "stribeck";
@@ -159,7 +159,7 @@ TEST(ModelFile, WithEffectsRefusesUnknownActuatorsAndKeys) {
 }
 
 TEST(ForceModel, RefusesAModelWithEffectsInsteadOfLeavingThemOut) {
-  const Robot robot = parallelRobot();
+  const mechanism::Robot robot = parallelRobot();
   try {
     const ForceModel force_model(withEffects(robot), robot);
     FAIL() << "a force without the model's effects was promised";
@@ -169,13 +169,13 @@ TEST(ForceModel, RefusesAModelWithEffectsInsteadOfLeavingThemOut) {
 }
 
 TEST(ModelFile, BelongsToOneRobotFile) {
-  Robot robot = parallelRobot();
+  mechanism::Robot robot = parallelRobot();
   const Model m = someModel(robot, 3);
   EXPECT_NO_THROW(requireModelOf(m, "m.yaml", robot));
   robot.fingerprint = "beef";
   EXPECT_THROW(requireModelOf(m, "m.yaml", robot), InputError);
   robot.fingerprint = m.robot_fingerprint;
-  robot.kind = MechanismKind::Axes;
+  robot.kind = mechanism::MechanismKind::Axes;
   EXPECT_THROW(requireModelOf(m, "m.yaml", robot), InputError);
 }
 
@@ -190,7 +190,7 @@ TEST(CoulombMemory, IsTheSignWhileMovingAndKeepsItAtRest) {
 }
 
 TEST(ForceFromModel, EqualsTheRegressorTimesTheParametersWhileEveryAxisMovesOn) {
-  const Robot robot = parallelRobot();
+  const mechanism::Robot robot = parallelRobot();
   const Model m = someModel(robot, 4);
   const ForceModel force_model(m, robot);
   ExtendedParameters parameters;
@@ -201,15 +201,15 @@ TEST(ForceFromModel, EqualsTheRegressorTimesTheParametersWhileEveryAxisMovesOn) 
   ExtendedRegressor row;
   // Straight up at 0.1 m/s with some acceleration: all legs lengthen, so that sign(v) is 1 for all.
   for (int k = 0; k < 20; ++k) {
-    Motion motion;
-    motion.pose = Pose(0.0, 0.65 + 0.001 * k, 0.05, 0.02);
-    motion.pose_velocity = Vector4(0.0, 0.1, 0.0, 0.0);
-    motion.pose_acceleration = Vector4(0.0, 0.3, 0.0, 0.0);
-    const Vector4 q = legLengths(*robot.mechanism, motion.pose);
+    mechanism::Motion motion;
+    motion.pose = mechanism::Pose(0.0, 0.65 + 0.001 * k, 0.05, 0.02);
+    motion.pose_velocity = mechanism::Vector4(0.0, 0.1, 0.0, 0.0);
+    motion.pose_acceleration = mechanism::Vector4(0.0, 0.3, 0.0, 0.0);
+    const mechanism::Vector4 q = mechanism::legLengths(*robot.mechanism, motion.pose);
     ASSERT_TRUE(extendedRegressor(*robot.mechanism, robot.gravity, motion, regressor, row));
-    const Vector4 v = regressor.motion.lengthVelocity();
+    const mechanism::Vector4 v = regressor.motion.lengthVelocity();
     ASSERT_GT(v.minCoeff(), 0.0);
-    Vector4 force;
+    mechanism::Vector4 force;
     ASSERT_TRUE(forceFromModel(force_model, q, v, regressor.motion.lengthAcceleration(), motion, data, force));
     if (k > 0) {
       EXPECT_LT((force - row * parameters).cwiseAbs().maxCoeff(), 1e-9);
@@ -218,16 +218,16 @@ TEST(ForceFromModel, EqualsTheRegressorTimesTheParametersWhileEveryAxisMovesOn) 
 }
 
 TEST(ForceFromModel, TreatsBenchAxesOneByOne) {
-  Robot robot;
-  robot.kind = MechanismKind::Axes;
-  robot.actuators.assign(2, Actuator());
+  mechanism::Robot robot;
+  robot.kind = mechanism::MechanismKind::Axes;
+  robot.actuators.assign(2, mechanism::Actuator());
   const Model m = someModel(robot, 5);
   const ForceModel force_model(m, robot);
   ForceModelData data;
-  Vector4 force = Vector4::Zero();
-  const Vector4 v(0.1, -0.2, 0.0, 0.0), a(1.0, 2.0, 0.0, 0.0);
-  forceFromModel(force_model, Vector4::Zero(), v, a, {}, data, force);
-  forceFromModel(force_model, Vector4(0.01, -0.01, 0, 0), v, a, {}, data, force);
+  mechanism::Vector4 force = mechanism::Vector4::Zero();
+  const mechanism::Vector4 v(0.1, -0.2, 0.0, 0.0), a(1.0, 2.0, 0.0, 0.0);
+  forceFromModel(force_model, mechanism::Vector4::Zero(), v, a, {}, data, force);
+  forceFromModel(force_model, mechanism::Vector4(0.01, -0.01, 0, 0), v, a, {}, data, force);
   for (int i = 0; i < 2; ++i) {
     const auto p = [&](int k) { return m.parameters[static_cast<std::size_t>(4 * i + k)].value; };
     EXPECT_NEAR(force[i], p(0) * v[i] + p(1) * (v[i] > 0 ? 1.0 : -1.0) + p(2) * a[i] + p(3), 1e-12);
@@ -236,4 +236,4 @@ TEST(ForceFromModel, TreatsBenchAxesOneByOne) {
 }
 
 }  // namespace
-}  // namespace knee_robot
+}  // namespace knee_robot::dynamics

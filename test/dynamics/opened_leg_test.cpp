@@ -8,19 +8,20 @@
 #include "knee_robot/dynamics/robot_inertia.h"
 #include "test/dynamics/random_robots.h"
 
-namespace knee_robot {
+namespace knee_robot::dynamics {
 namespace {
 
 class OpenedLeg : public testing::TestWithParam<const char*> {};
 
 TEST_P(OpenedLeg, NeedsTheForcesThatKdlComputes) {
-  const Robot robot = loadRobot(std::string(KNEE_SOURCE_DIR) + "/config/robots/" + GetParam() + ".yaml");
+  const mechanism::Robot robot =
+      mechanism::loadRobot(std::string(KNEE_SOURCE_DIR) + "/config/robots/" + GetParam() + ".yaml");
   const RobotInertia inertia = loadRobotInertia(robot);
   KDL::Tree tree;
   ASSERT_TRUE(kdl_parser::treeFromFile(robot.urdf, tree));
-  const Vector3 gravity(0.5, -0.7, -9.7);
-  RandomPoses random(51);
-  for (int i = 0; i < kLegs; ++i) {
+  const mechanism::Vector3 gravity(0.5, -0.7, -9.7);
+  mechanism::RandomPoses random(51);
+  for (int i = 0; i < mechanism::kLegs; ++i) {
     KDL::Chain chain;
     ASSERT_TRUE(tree.getChain("base", "leg_" + std::to_string(i + 1) + "_rod", chain));
     const int joints = i == 3 ? 2 : 3;
@@ -29,10 +30,10 @@ TEST_P(OpenedLeg, NeedsTheForcesThatKdlComputes) {
     Eigen::Matrix<double, 2 * kLinkParameters, 1> parameters;
     parameters << toParameters(inertia.links[cylinderLink(i)]), toParameters(inertia.links[rodLink(i)]);
     for (int k = 0; k < 500; ++k) {
-      const Motion motion = randomMotion(random, *robot.mechanism, 1.0, 5.0);
+      const mechanism::Motion motion = randomMotion(random, *robot.mechanism, 1.0, 5.0);
       RegressorData data;
       ASSERT_TRUE(projectedRegressor(*robot.mechanism, gravity, motion, data));
-      const auto values = urdfJointPositions(*robot.mechanism, motion.pose);
+      const auto values = mechanism::urdfJointPositions(*robot.mechanism, motion.pose);
       KDL::JntArray q(joints), v(joints), a(joints), torque(joints);
       for (int j = 0; j < joints; ++j) {
         const int row = i == 3 ? j + 1 : j;  // leg 4 has no q1
@@ -41,7 +42,7 @@ TEST_P(OpenedLeg, NeedsTheForcesThatKdlComputes) {
         a(j) = data.motion.legs[i].acceleration[row];
       }
       ASSERT_EQ(solver.CartToJnt(q, v, a, KDL::Wrenches(chain.getNrOfSegments(), KDL::Wrench::Zero()), torque), 0);
-      const Vector3 ours = data.leg[i] * parameters;
+      const mechanism::Vector3 ours = data.leg[i] * parameters;
       for (int j = 0; j < joints; ++j)
         EXPECT_NEAR(ours[i == 3 ? j + 1 : j], torque(j), 1e-9);
     }
@@ -51,4 +52,4 @@ TEST_P(OpenedLeg, NeedsTheForcesThatKdlComputes) {
 INSTANTIATE_TEST_SUITE_P(BothGeometries, OpenedLeg, testing::Values("final", "starting"));
 
 }  // namespace
-}  // namespace knee_robot
+}  // namespace knee_robot::dynamics

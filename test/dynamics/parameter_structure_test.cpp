@@ -8,14 +8,14 @@
 #include "knee_robot/mechanism/constraints.h"
 #include "test/dynamics/random_robots.h"
 
-namespace knee_robot {
+namespace knee_robot::dynamics {
 namespace {
 
-const Vector3 kGravity(0.0, 0.0, -9.81);
+const mechanism::Vector3 kGravity(0.0, 0.0, -9.81);
 
-std::vector<Motion> richMotions(const Mechanism& mechanism, int count, unsigned seed) {
-  RandomPoses random(seed, 100.0);
-  std::vector<Motion> motions;
+std::vector<mechanism::Motion> richMotions(const mechanism::Mechanism& mechanism, int count, unsigned seed) {
+  mechanism::RandomPoses random(seed, 100.0);
+  std::vector<mechanism::Motion> motions;
   for (int k = 0; k < count; ++k)
     motions.push_back(randomMotion(random, mechanism, 3.0, 20.0));
   return motions;
@@ -23,8 +23,9 @@ std::vector<Motion> richMotions(const Mechanism& mechanism, int count, unsigned 
 
 class Structure : public testing::TestWithParam<int> {
  protected:
-  Mechanism mechanism() const {
-    return GetParam() == 0 ? finalMechanism() : (GetParam() == 1 ? startingMechanism() : mechanismB());
+  mechanism::Mechanism mechanism() const {
+    return GetParam() == 0 ? mechanism::finalMechanism()
+                           : (GetParam() == 1 ? mechanism::startingMechanism() : mechanism::mechanismB());
   }
 };
 
@@ -52,7 +53,7 @@ TEST_P(Structure, Has51RigidAnd22FrictionBaseParametersForRichMotion) {
 }
 
 TEST_P(Structure, LumpsTheOtherColumnsIntoTheBaseColumns) {
-  const std::vector<Motion> motions = richMotions(mechanism(), 100, 3);
+  const std::vector<mechanism::Motion> motions = richMotions(mechanism(), 100, 3);
   const Eigen::MatrixXd w = observationMatrix(mechanism(), kGravity, motions);
   const ParameterStructure s = parameterStructure(w);
   // On other motions the base columns and the lumped parameters give the same forces as all 112.
@@ -67,13 +68,13 @@ TEST_P(Structure, LumpsTheOtherColumnsIntoTheBaseColumns) {
 
 TEST_P(Structure, SupportsFewerDirectionsOnASlowTrajectory) {
   // 20 s below 0.01 m/s, as the paper's: inertia is hardly excited.
-  RandomPoses random(5, 100.0);
-  const Mechanism m = mechanism();
-  const Pose start = random.pose(m);
-  std::vector<Motion> motions;
+  mechanism::RandomPoses random(5, 100.0);
+  const mechanism::Mechanism m = mechanism();
+  const mechanism::Pose start = random.pose(m);
+  std::vector<mechanism::Motion> motions;
   for (double t = 0.0; t < 20.0; t += 0.1) {
-    const Vector4 size(0.004, 0.004, 0.01, 0.01), rate(1.0, 1.4, 0.7, 1.7);
-    Motion motion;
+    const mechanism::Vector4 size(0.004, 0.004, 0.01, 0.01), rate(1.0, 1.4, 0.7, 1.7);
+    mechanism::Motion motion;
     for (int j = 0; j < 4; ++j) {
       motion.pose[j] = start[j] + size[j] * std::sin(rate[j] * t);
       motion.pose_velocity[j] = size[j] * rate[j] * std::cos(rate[j] * t);
@@ -103,7 +104,7 @@ TEST(ParameterStructure, CountsWhatNoiseLeavesInNewtons) {
 TEST(ParameterStructure, LumpsAsWorkedByHand) {
   // A leg's cylinder and rod turn together; rod i's mass sits at the platform's joint i: at leg 1 (-0.3, 0, 0) it adds m_12 to m_M,
   // 0.09 m_12 to IYY_M and IZZ_M, -0.3 m_12 to mX_M.
-  const Mechanism m = finalMechanism();
+  const mechanism::Mechanism m = mechanism::finalMechanism();
   const ParameterStructure s = parameterStructure(observationMatrix(m, kGravity, richMotions(m, 200, 6)));
   std::set<std::string> texts;
   for (int k = 0; k < s.rank; ++k)
@@ -118,34 +119,35 @@ TEST(ParameterStructure, LumpsAsWorkedByHand) {
 
 TEST(ProjectedRegressor, EqualsThePapersProjectionThroughX) {
   // Eq. (19) and (24): K* = K_i - X^T K_d with X from the constraint Jacobian, against the projection through the pose.
-  RandomPoses random(7, 200.0);
-  for (const Mechanism& m : {finalMechanism(), startingMechanism(), mechanismB()}) {
+  mechanism::RandomPoses random(7, 200.0);
+  for (const mechanism::Mechanism& m :
+       {mechanism::finalMechanism(), mechanism::startingMechanism(), mechanism::mechanismB()}) {
     for (int k = 0; k < 200; ++k) {
-      const Motion motion = randomMotion(random, m);
+      const mechanism::Motion motion = randomMotion(random, m);
       RegressorData data;
       TreeRegressor k1;
       TreeFrictionRegressor k1f;
       treeRegressor(m, kGravity, motion, data, k1);
       treeFrictionRegressor(m, motion, data, k1f);
       ASSERT_TRUE(projectedRegressor(m, kGravity, motion, data));
-      DependentJacobian x;
-      ASSERT_TRUE(dependentJacobian(m, coordinateMotion(m, motion).position, x));
-      Eigen::Matrix<double, kCoordinates, kPaperParameters> tree;
+      mechanism::DependentJacobian x;
+      ASSERT_TRUE(mechanism::dependentJacobian(m, mechanism::coordinateMotion(m, motion).position, x));
+      Eigen::Matrix<double, mechanism::kCoordinates, kPaperParameters> tree;
       tree << k1, k1f;
-      Eigen::Matrix<double, kLegs, kPaperParameters> expected;
-      for (int i = 0; i < kLegs; ++i)
-        expected.row(i) = tree.row(kIndependent[i]);
-      for (int j = 0; j < kConstraints; ++j)
-        expected -= x.row(j).transpose() * tree.row(kDependent[j]);
+      Eigen::Matrix<double, mechanism::kLegs, kPaperParameters> expected;
+      for (int i = 0; i < mechanism::kLegs; ++i)
+        expected.row(i) = tree.row(mechanism::kIndependent[i]);
+      for (int j = 0; j < mechanism::kConstraints; ++j)
+        expected -= x.row(j).transpose() * tree.row(mechanism::kDependent[j]);
       EXPECT_LT((data.k - expected).norm(), 1e-10 * expected.norm());
     }
   }
 }
 
 TEST(ExtendedRegressor, PutsThePapersColumnsIntoTheirBlocks) {
-  RandomPoses random(8);
-  const Mechanism m = finalMechanism();
-  const Motion motion = randomMotion(random, m);
+  mechanism::RandomPoses random(8);
+  const mechanism::Mechanism m = mechanism::finalMechanism();
+  const mechanism::Motion motion = randomMotion(random, m);
   RegressorData data;
   ExtendedRegressor extended;
   ASSERT_TRUE(extendedRegressor(m, kGravity, motion, data, extended));
@@ -158,9 +160,9 @@ TEST(ExtendedRegressor, PutsThePapersColumnsIntoTheirBlocks) {
   EXPECT_EQ(names[extended::kPassiveFriction], "Fv_12");
   EXPECT_EQ(names[extended::kViscous + 3], "Fv_42");
   EXPECT_EQ(names[extended::kOffset], "offset_1");
-  for (int i = 0; i < kLegs; ++i)
+  for (int i = 0; i < mechanism::kLegs; ++i)
     EXPECT_DOUBLE_EQ(extended(i, extended::kOffset + i), 1.0);
 }
 
 }  // namespace
-}  // namespace knee_robot
+}  // namespace knee_robot::dynamics

@@ -14,14 +14,14 @@ using namespace knee_robot;
 
 struct Peers {
   Peers()
-      : robot(loadRobot(std::string(KNEE_SOURCE_DIR) + "/config/robots/final.yaml")),
-        simbody(*robot.mechanism, robot.gravity, loadRobotInertia(robot)) {
-    for (const Motion& m : peerMotions(*robot.mechanism))
-      motions.push_back(coordinateMotion(*robot.mechanism, m));
+      : robot(mechanism::loadRobot(std::string(KNEE_SOURCE_DIR) + "/config/robots/final.yaml")),
+        simbody(*robot.mechanism, robot.gravity, dynamics::loadRobotInertia(robot)) {
+    for (const mechanism::Motion& m : dynamics::peerMotions(*robot.mechanism))
+      motions.push_back(mechanism::coordinateMotion(*robot.mechanism, m));
   }
-  Robot robot;
-  SimbodyRobot simbody;
-  std::vector<CoordinateMotion> motions;
+  mechanism::Robot robot;
+  simulation::SimbodyRobot simbody;
+  std::vector<mechanism::CoordinateMotion> motions;
 };
 
 Peers& peers() {
@@ -33,7 +33,7 @@ void simbodyInverse(benchmark::State& state) {
   Peers& p = peers();
   std::size_t k = 0;
   for (auto _ : state) {
-    const CoordinateMotion& m = p.motions[k++ % kPeerStates];
+    const mechanism::CoordinateMotion& m = p.motions[k++ % dynamics::kPeerStates];
     p.simbody.set(m);
     benchmark::DoNotOptimize(p.simbody.actuatorForces(m));
   }
@@ -42,10 +42,10 @@ BENCHMARK(simbodyInverse)->Name("simbody_inverse_dynamics");
 
 void simbodyForward(benchmark::State& state) {
   Peers& p = peers();
-  const Vector4 forces = Vector4::Constant(50.0);
+  const mechanism::Vector4 forces = mechanism::Vector4::Constant(50.0);
   std::size_t k = 0;
   for (auto _ : state) {
-    p.simbody.set(p.motions[k++ % kPeerStates]);
+    p.simbody.set(p.motions[k++ % dynamics::kPeerStates]);
     benchmark::DoNotOptimize(p.simbody.actuatorAccelerations(forces));
   }
 }
@@ -62,7 +62,7 @@ void kdlLeg(benchmark::State& state) {
   KDL::JntArray q(3), v(3), a(3), torque(3);
   std::size_t k = 0;
   for (auto _ : state) {
-    const CoordinateMotion& m = p.motions[k++ % kPeerStates];
+    const mechanism::CoordinateMotion& m = p.motions[k++ % dynamics::kPeerStates];
     for (int j = 0; j < 3; ++j) {
       q(j) = m.position[2 - j];
       v(j) = m.velocity[2 - j];

@@ -22,8 +22,8 @@ pin::Inertia inertiaOf(const LinkInertia& link) {
   return {link.mass, link.center, link.inertia};
 }
 
-Matrix3 columns(const Vector3& x, const Vector3& y, const Vector3& z) {
-  Matrix3 m;
+mechanism::Matrix3 columns(const mechanism::Vector3& x, const mechanism::Vector3& y, const mechanism::Vector3& z) {
+  mechanism::Matrix3 m;
   m << x, y, z;
   return m;
 }
@@ -31,7 +31,7 @@ Matrix3 columns(const Vector3& x, const Vector3& y, const Vector3& z) {
 /// The tree of the URDF: every leg to its tip, leg 4 with the platform.
 struct Peer {
   Peer() {
-    const Robot robot = loadRobot(std::string(KNEE_SOURCE_DIR) + "/config/robots/final.yaml");
+    const mechanism::Robot robot = mechanism::loadRobot(std::string(KNEE_SOURCE_DIR) + "/config/robots/final.yaml");
     mechanism = std::make_unique<Mechanism>(*robot.mechanism);
     inertia = loadRobotInertia(robot);
     build();
@@ -49,10 +49,10 @@ struct Peer {
   }
 
   void build() {
-    const Vector3 ex = Vector3::UnitX(), ey = Vector3::UnitY(), ez = Vector3::UnitZ();
+    const mechanism::Vector3 ex = Vector3::UnitX(), ey = Vector3::UnitY(), ez = Vector3::UnitZ();
     const pin::SE3 rod(columns(ex, -ez, ey), Vector3::Zero());
     std::array<pin::JointIndex, kLegs> tips;
-    for (int i = 0; i < kLegs; ++i) {
+    for (int i = 0; i < mechanism::kLegs; ++i) {
       const std::string k = std::to_string(i + 1);
       pin::JointIndex cylinder;
       if (i < 3) {
@@ -90,13 +90,13 @@ struct Peer {
 
   /// Largest relative difference of the actuators' accelerations from the project's.
   double disagreement() {
-    const RigidModel ours(*mechanism, Vector3(0, 0, -9.81), inertia);
+    const dynamics::RigidModel ours(*mechanism, Vector3(0, 0, -9.81), inertia);
     double worst = 0.0;
-    for (std::size_t k = 0; k < kPeerStates; ++k) {
-      ForwardDynamicsData d;
-      const Motion& m = motions[k];
-      forwardDynamics(ours, m.pose, m.pose_velocity, Vector4::Constant(50.0), d);
-      const Vector4 expected = d.jacobian * d.acceleration + lengthBias(*mechanism, m.pose, m.pose_velocity);
+    for (std::size_t k = 0; k < dynamics::kPeerStates; ++k) {
+      dynamics::ForwardDynamicsData d;
+      const mechanism::Motion& m = motions[k];
+      dynamics::forwardDynamics(ours, m.pose, m.pose_velocity, mechanism::Vector4::Constant(50.0), d);
+      const mechanism::Vector4 expected = d.jacobian * d.acceleration + lengthBias(*mechanism, m.pose, m.pose_velocity);
       const Eigen::VectorXd& got = forward(k, force());
       worst = std::max(worst, (Vector4(got[2], got[5], got[8], got[10]) - expected).norm() / expected.norm());
     }
@@ -111,7 +111,7 @@ struct Peer {
   }
 
   std::unique_ptr<Mechanism> mechanism;
-  RobotInertia inertia;
+  dynamics::RobotInertia inertia;
   pin::Model model;
   std::unique_ptr<pin::Data> data;
   std::vector<pin::RigidConstraintModel, Eigen::aligned_allocator<pin::RigidConstraintModel>> loops;
@@ -139,7 +139,7 @@ void regressorCase(benchmark::State& state) {
   Peer& p = peer();
   std::size_t k = 0;
   for (auto _ : state) {
-    const std::size_t i = k++ % kPeerStates;
+    const std::size_t i = k++ % dynamics::kPeerStates;
     benchmark::DoNotOptimize(pin::computeJointTorqueRegressor(p.model, *p.data, p.q[i], p.v[i], p.a[i]).data());
   }
 }
@@ -150,7 +150,7 @@ BENCHMARK(regressorCase)->Name("pinocchio_tree_regressor");
 int main(int argc, char** argv) {
   const double worst = peer().disagreement();
   std::fprintf(stderr, "pinocchio: largest relative difference of the actuators' accelerations over %zu states: %.1e\n",
-               kPeerStates, worst);
+               dynamics::kPeerStates, worst);
   if (!(worst < 1e-6)) return 1;
   benchmark::Initialize(&argc, argv);
   benchmark::RunSpecifiedBenchmarks();

@@ -9,13 +9,13 @@
 #include "knee_robot/base/errors.h"
 #include "knee_robot/base/files.h"
 
-namespace knee_robot {
+namespace knee_robot::dynamics {
 namespace {
 
 namespace fs = std::filesystem;
 
-Robot configured(const std::string& name) {
-  return loadRobot(std::string(KNEE_SOURCE_DIR) + "/config/robots/" + name + ".yaml");
+mechanism::Robot configured(const std::string& name) {
+  return mechanism::loadRobot(std::string(KNEE_SOURCE_DIR) + "/config/robots/" + name + ".yaml");
 }
 
 /// The final robot with a changed copy of its URDF.
@@ -42,7 +42,7 @@ class RobotInertiaFile : public testing::Test {
     }
     return "accepted";
   }
-  Robot robot_;
+  mechanism::Robot robot_;
   std::string text_;
 };
 
@@ -100,7 +100,7 @@ TEST_F(RobotInertiaFile, NamesAMissingLinkAndAFileThatIsNoUrdf) {
 }
 
 TEST(RobotInertia, NeedsAUrdf) {
-  Robot robot = configured("final");
+  mechanism::Robot robot = configured("final");
   robot.urdf.clear();
   EXPECT_THROW(loadRobotInertia(robot), InputError);
 }
@@ -108,7 +108,7 @@ TEST(RobotInertia, NeedsAUrdf) {
 TEST(RigidBody, ConvertsToParametersAboutTheOriginAndBack) {
   LinkInertia link;
   link.mass = 2.0;
-  link.center = Vector3(0.1, -0.2, 0.3);
+  link.center = mechanism::Vector3(0.1, -0.2, 0.3);
   link.inertia << 0.05, 0.001, 0.002, 0.001, 0.06, 0.003, 0.002, 0.003, 0.07;
   const LinkParameters p = toParameters(link);
   EXPECT_NEAR(p[0], 0.05 + 2.0 * (0.04 + 0.09), 1e-15);  // Ixx
@@ -120,15 +120,15 @@ TEST(RigidBody, ConvertsToParametersAboutTheOriginAndBack) {
 }
 
 TEST(RigidBody, SaysWhyAnInertiaIsImpossible) {
-  LinkInertia link{1.0, Vector3::Zero(), Vector3(1, 1, 1.5).asDiagonal()};
+  LinkInertia link{1.0, mechanism::Vector3::Zero(), mechanism::Vector3(1, 1, 1.5).asDiagonal()};
   EXPECT_EQ(inconsistency(link), "");
-  link.inertia = Vector3(1, 1, 2.1).asDiagonal();  // larger than the sum of the others
+  link.inertia = mechanism::Vector3(1, 1, 2.1).asDiagonal();  // larger than the sum of the others
   EXPECT_NE(inconsistency(link).find("exceeds the sum"), std::string::npos);
-  link.inertia = Vector3(-0.1, 1, 1).asDiagonal();
+  link.inertia = mechanism::Vector3(-0.1, 1, 1).asDiagonal();
   EXPECT_NE(inconsistency(link).find("negative"), std::string::npos);
-  link = {0.0, Vector3::Zero(), Matrix3::Identity()};
+  link = {0.0, mechanism::Vector3::Zero(), mechanism::Matrix3::Identity()};
   EXPECT_NE(inconsistency(link).find("mass 0"), std::string::npos);
 }
 
 }  // namespace
-}  // namespace knee_robot
+}  // namespace knee_robot::dynamics

@@ -11,44 +11,44 @@
 #include "knee_robot/base/files.h"
 #include "knee_robot/dynamics/pseudo_inertia.h"
 
-namespace knee_robot {
+namespace knee_robot::dynamics {
 namespace {
 
-Robot finalRobot() {
-  return loadRobot(std::string(KNEE_SOURCE_DIR) + "/config/robots/final.yaml");
+mechanism::Robot finalRobot() {
+  return mechanism::loadRobot(std::string(KNEE_SOURCE_DIR) + "/config/robots/final.yaml");
 }
 
 TEST(PseudoInertia, IsInvertedExactlyAndPositiveForBodiesThatExist) {
   const RobotInertia robot = loadRobotInertia(finalRobot());
   for (const LinkInertia& body : robot.links) {
     const LinkParameters p = toParameters(body);
-    const Matrix4 j = pseudoInertia(p);
+    const mechanism::Matrix4 j = pseudoInertia(p);
     EXPECT_LT((parametersOfPseudoInertia(j) - p).norm(), 1e-14);
-    EXPECT_GE(Eigen::SelfAdjointEigenSolver<Matrix4>(j).eigenvalues()[0], -1e-12);
+    EXPECT_GE(Eigen::SelfAdjointEigenSolver<mechanism::Matrix4>(j).eigenvalues()[0], -1e-12);
   }
 }
 
 TEST(PseudoInertia, IsIndefiniteWhereThePrincipalMomentsBreakTheTriangleInequality) {
   LinkInertia body;
   body.mass = 2.0;
-  body.center = Vector3(0.1, -0.2, 0.05);
-  body.inertia = Vector3(0.01, 0.02, 0.04).asDiagonal();
-  EXPECT_LT(Eigen::SelfAdjointEigenSolver<Matrix4>(pseudoInertia(toParameters(body))).eigenvalues()[0], 0.0);
+  body.center = mechanism::Vector3(0.1, -0.2, 0.05);
+  body.inertia = mechanism::Vector3(0.01, 0.02, 0.04).asDiagonal();
+  EXPECT_LT(Eigen::SelfAdjointEigenSolver<mechanism::Matrix4>(pseudoInertia(toParameters(body))).eigenvalues()[0], 0.0);
   body.inertia(2, 2) = 0.029;
-  EXPECT_GT(Eigen::SelfAdjointEigenSolver<Matrix4>(pseudoInertia(toParameters(body))).eigenvalues()[0], 0.0);
+  EXPECT_GT(Eigen::SelfAdjointEigenSolver<mechanism::Matrix4>(pseudoInertia(toParameters(body))).eigenvalues()[0], 0.0);
 }
 
 TEST(UrdfWithInertia, IsReadBackAsItWasWritten) {
-  Robot robot = finalRobot();
+  mechanism::Robot robot = finalRobot();
   RobotInertia inertia = loadRobotInertia(robot);
   std::mt19937 random(4);
   std::uniform_real_distribution<double> uniform(0.7, 1.3);
   for (LinkInertia& body : inertia.links) {
     body.mass *= uniform(random);
-    body.center += Vector3(0.001, -0.002, 0.003) * uniform(random);
+    body.center += mechanism::Vector3(0.001, -0.002, 0.003) * uniform(random);
     body.inertia *= uniform(random);
   }
-  Matrix3& platform = inertia.links[kPlatformLink].inertia;
+  mechanism::Matrix3& platform = inertia.links[kPlatformLink].inertia;
   platform(0, 1) = platform(1, 0) = 0.05 * platform(0, 0);
   char folder[] = "/tmp/knee_urdf_XXXXXX";
   const std::string path = std::string(mkdtemp(folder)) + "/identified.urdf";
@@ -63,7 +63,7 @@ TEST(UrdfWithInertia, IsReadBackAsItWasWritten) {
 }
 
 TEST(UrdfWithInertia, NeverWritesWhatNoBodyCanHave) {
-  const Robot robot = finalRobot();
+  const mechanism::Robot robot = finalRobot();
   RobotInertia inertia = loadRobotInertia(robot);
   inertia.links[3].mass = -1.0;
   EXPECT_THROW(urdfWithInertia(robot.urdf, inertia, ""), std::invalid_argument);
@@ -71,4 +71,4 @@ TEST(UrdfWithInertia, NeverWritesWhatNoBodyCanHave) {
 }
 
 }  // namespace
-}  // namespace knee_robot
+}  // namespace knee_robot::dynamics

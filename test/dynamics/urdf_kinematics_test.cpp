@@ -8,19 +8,20 @@
 #include "knee_robot/mechanism/robot.h"
 #include "test/mechanism/random_poses.h"
 
-namespace knee_robot {
+namespace knee_robot::dynamics {
 namespace {
 
 /// KDL's placement of `link` at the joint values of `pose`.
-KDL::Frame placement(const KDL::Tree& tree, const std::string& link, const Mechanism& mechanism, const Pose& pose) {
+KDL::Frame placement(const KDL::Tree& tree, const std::string& link, const mechanism::Mechanism& mechanism,
+                     const mechanism::Pose& pose) {
   KDL::Chain chain;
   EXPECT_TRUE(tree.getChain("base", link, chain));
-  const auto values = urdfJointPositions(mechanism, pose);
+  const auto values = mechanism::urdfJointPositions(mechanism, pose);
   KDL::JntArray joints(chain.getNrOfJoints());
   unsigned filled = 0;
   for (const KDL::Segment& segment : chain.segments) {
-    for (int k = 0; k < kUrdfJoints; ++k) {
-      if (segment.getJoint().getName() == urdfJointNames()[k]) joints(filled++) = values[k];
+    for (int k = 0; k < mechanism::kUrdfJoints; ++k) {
+      if (segment.getJoint().getName() == mechanism::urdfJointNames()[k]) joints(filled++) = values[k];
     }
   }
   EXPECT_EQ(filled, joints.rows());
@@ -29,22 +30,23 @@ KDL::Frame placement(const KDL::Tree& tree, const std::string& link, const Mecha
   return frame;
 }
 
-Vector3 position(const KDL::Frame& frame) {
+mechanism::Vector3 position(const KDL::Frame& frame) {
   return {frame.p.x(), frame.p.y(), frame.p.z()};
 }
 
 class Urdf : public testing::TestWithParam<const char*> {};
 
 TEST_P(Urdf, ClosesItsLoopsAtRandomPoses) {
-  const Robot robot = loadRobot(std::string(KNEE_SOURCE_DIR) + "/config/robots/" + GetParam() + ".yaml");
+  const mechanism::Robot robot =
+      mechanism::loadRobot(std::string(KNEE_SOURCE_DIR) + "/config/robots/" + GetParam() + ".yaml");
   KDL::Tree tree;
   ASSERT_TRUE(kdl_parser::treeFromFile(robot.urdf, tree));
-  RandomPoses random(21);
+  mechanism::RandomPoses random(21);
   for (int k = 0; k < 200; ++k) {
-    const Pose pose = random.pose(*robot.mechanism);
+    const mechanism::Pose pose = random.pose(*robot.mechanism);
     const KDL::Frame platform = placement(tree, "platform", *robot.mechanism, pose);
-    EXPECT_LT((position(platform) - Vector3(pose[0], 0.0, pose[1])).norm(), 1e-12);
-    const Matrix3 rotation = platformRotation(pose);
+    EXPECT_LT((position(platform) - mechanism::Vector3(pose[0], 0.0, pose[1])).norm(), 1e-12);
+    const mechanism::Matrix3 rotation = mechanism::platformRotation(pose);
     for (int row = 0; row < 3; ++row) {
       for (int column = 0; column < 3; ++column)
         EXPECT_NEAR(platform.M(row, column), rotation(row, column), 1e-12);
@@ -58,17 +60,18 @@ TEST_P(Urdf, ClosesItsLoopsAtRandomPoses) {
 }
 
 TEST_P(Urdf, HasTheLegBasisAsTheFramesOfCylinderAndRod) {
-  const Robot robot = loadRobot(std::string(KNEE_SOURCE_DIR) + "/config/robots/" + GetParam() + ".yaml");
+  const mechanism::Robot robot =
+      mechanism::loadRobot(std::string(KNEE_SOURCE_DIR) + "/config/robots/" + GetParam() + ".yaml");
   KDL::Tree tree;
   ASSERT_TRUE(kdl_parser::treeFromFile(robot.urdf, tree));
-  RandomPoses random(22);
+  mechanism::RandomPoses random(22);
   for (int k = 0; k < 50; ++k) {
-    Motion still;
+    mechanism::Motion still;
     still.pose = random.pose(*robot.mechanism);
-    RobotMotion motion;
-    robotMotion(*robot.mechanism, still, motion);
-    for (int i = 0; i < kLegs; ++i) {
-      const LegMotion& leg = motion.legs[i];
+    mechanism::RobotMotion motion;
+    mechanism::robotMotion(*robot.mechanism, still, motion);
+    for (int i = 0; i < mechanism::kLegs; ++i) {
+      const mechanism::LegMotion& leg = motion.legs[i];
       const std::string name = "leg_" + std::to_string(i + 1) + "_";
       const KDL::Frame cylinder = placement(tree, name + "cylinder", *robot.mechanism, still.pose);
       const KDL::Frame rod = placement(tree, name + "rod", *robot.mechanism, still.pose);
@@ -86,4 +89,4 @@ TEST_P(Urdf, HasTheLegBasisAsTheFramesOfCylinderAndRod) {
 INSTANTIATE_TEST_SUITE_P(EveryRobot, Urdf, testing::Values("final", "starting", "A", "B"));
 
 }  // namespace
-}  // namespace knee_robot
+}  // namespace knee_robot::dynamics

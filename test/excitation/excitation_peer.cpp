@@ -11,9 +11,9 @@ namespace {
 
 using namespace knee_robot;
 
-std::unique_ptr<ExcitationSetup> setup;
-ExcitationOptions options;
-std::vector<Candidate> starts;
+std::unique_ptr<excitation::ExcitationSetup> setup;
+excitation::ExcitationOptions options;
+std::vector<excitation::Candidate> starts;
 
 double cpuSeconds() {
   timespec now{};
@@ -38,11 +38,11 @@ int peer_open(const char* robot_file, double velocity, double duration, int dire
   options.iterations = iterations;
   options.starts = 8;
   options.seconds_budget = 1e9;
-  const Robot robot = loadRobot(robot_file);
-  setup = std::make_unique<ExcitationSetup>(setUpExcitation(robot, options));
+  const mechanism::Robot robot = mechanism::loadRobot(robot_file);
+  setup = std::make_unique<excitation::ExcitationSetup>(excitation::setUpExcitation(robot, options));
   sizes[0] = setup->problem.variables();
   sizes[1] = setup->problem.limits();
-  starts = randomStarts(setup->problem, options);
+  starts = excitation::randomStarts(setup->problem, options);
   return static_cast<int>(starts.size());
 }
 
@@ -52,7 +52,7 @@ void peer_start(int number, double* x) {
 
 /// Cost and limits (kept when not positive); with their gradients (limits x variables) unless these are null. 0: cannot follow.
 int peer_evaluate(const double* x, double exponent, double* cost, double* limits, double* gradient, double* gradients) {
-  static ExcitationProblem::Evaluation at;
+  static excitation::ExcitationProblem::Evaluation at;
   if (!setup->problem.evaluate(asVariables(x), exponent, gradient != nullptr, at)) return 0;
   *cost = at.cost;
   Eigen::Map<Eigen::VectorXd>(limits, at.limits.size()) = at.limits;
@@ -66,7 +66,7 @@ int peer_evaluate(const double* x, double exponent, double* cost, double* limits
 /// k of the series drawn back to the limits; infinity when it cannot be.
 double peer_feasible_k(const double* x) {
   const auto scaled = setup->problem.scaledToLimits(asVariables(x), 1.0);
-  ExcitationProblem::Evaluation at;
+  excitation::ExcitationProblem::Evaluation at;
   if (!scaled || !setup->problem.evaluate(*scaled, 0.0, false, at)) return HUGE_VAL;
   return std::exp(at.cost);
 }
@@ -82,9 +82,9 @@ int peer_ours(int number, int most, double* times, double* ks) {
       ks[count++] = k;
     }
   };
-  ExcitationOptions traced = options;
-  traced.progress = [&](const ExcitationProgress& progress) { take(progress.best); };
-  take(std::exp(improveOne(setup->problem, traced, starts[static_cast<std::size_t>(number)]).cost));
+  excitation::ExcitationOptions traced = options;
+  traced.progress = [&](const excitation::ExcitationProgress& progress) { take(progress.best); };
+  take(std::exp(excitation::improveOne(setup->problem, traced, starts[static_cast<std::size_t>(number)]).cost));
   return count;
 }
 }

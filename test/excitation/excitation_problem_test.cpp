@@ -6,28 +6,28 @@
 #include <limits>
 #include <random>
 
-#include "src/trajectory/exercise_fit.h"
+#include "knee_robot/trajectory/exercise_fit.h"
 #include "test/trajectory/robots.h"
 
-namespace knee_robot {
+namespace knee_robot::excitation {
 namespace {
 
 /// Where planExcitation starts from.
-Pose centreOf(const Robot& robot) {
-  return startThatFitsMost({"excitation", "", false, 0.0, {}, std::nullopt}, robot, 0.0);
+mechanism::Pose centreOf(const mechanism::Robot& robot) {
+  return trajectory::startThatFitsMost({"excitation", "", false, 0.0, {}, std::nullopt}, robot, 0.0);
 }
 
-Robot moderateRobot(const std::string& name) {
-  Robot robot = configuredRobot(name);
+mechanism::Robot moderateRobot(const std::string& name) {
+  mechanism::Robot robot = trajectory::configuredRobot(name);
   robot.singularity_condition_max = 60.0;
-  for (Actuator& actuator : robot.actuators) {
+  for (mechanism::Actuator& actuator : robot.actuators) {
     actuator.velocity_max_m_per_s = 0.1;
     actuator.acceleration_max_m_per_s2 = 1.0;
   }
   return robot;
 }
 
-ExcitationTask taskOf(const Robot& robot, int directions) {
+ExcitationTask taskOf(const mechanism::Robot& robot, int directions) {
   ExcitationTask task;
   task.robot = robot;
   task.shape = {3, 6.0, 2.0, 10.0};
@@ -117,15 +117,15 @@ TEST(ExcitationProblem, QuickConditionAgreesWithTheSingularValues) {
 
 TEST(ExcitationProblem, NoiseOfAnActuatorMattersAsARatioOnly) {
   ExcitationTask task = taskOf(moderateRobot("A"), 40);
-  const auto costAt = [&](const Vector4& noise) {
+  const auto costAt = [&](const mechanism::Vector4& noise) {
     task.noise_N = noise;
     const ExcitationProblem problem(task, centreOf(task.robot));
     ExcitationProblem::Evaluation evaluation;
     EXPECT_TRUE(problem.evaluate(*problem.scaledToLimits(randomVariables(problem, 5), 3.0), 0.0, false, evaluation));
     return evaluation.cost;
   };
-  EXPECT_NEAR(costAt(Vector4(1, 1, 1, 8)), costAt(Vector4(3, 3, 3, 24)), 1e-6);
-  EXPECT_GT(std::abs(costAt(Vector4(1, 1, 1, 8)) - costAt(Vector4(1, 1, 1, 1))), 1e-3);
+  EXPECT_NEAR(costAt(mechanism::Vector4(1, 1, 1, 8)), costAt(mechanism::Vector4(3, 3, 3, 24)), 1e-6);
+  EXPECT_GT(std::abs(costAt(mechanism::Vector4(1, 1, 1, 8)) - costAt(mechanism::Vector4(1, 1, 1, 1))), 1e-3);
 }
 
 TEST(ExcitationProblem, ScalingToTheLimitsUsesThemFully) {
@@ -140,4 +140,4 @@ TEST(ExcitationProblem, ScalingToTheLimitsUsesThemFully) {
 }
 
 }  // namespace
-}  // namespace knee_robot
+}  // namespace knee_robot::excitation

@@ -7,15 +7,15 @@
 #include "knee_robot/base/errors.h"
 #include "knee_robot/dynamics/inverse_dynamics.h"
 #include "knee_robot/dynamics/robot_inertia.h"
-#include "src/trajectory/exercise_fit.h"
+#include "knee_robot/trajectory/exercise_fit.h"
 #include "test/trajectory/robots.h"
 
-namespace knee_robot {
+namespace knee_robot::excitation {
 namespace {
 
 /// Where planExcitation starts from.
-Pose centreOf(const Robot& robot) {
-  return startThatFitsMost({"excitation", "", false, 0.0, {}, std::nullopt}, robot, 0.0);
+mechanism::Pose centreOf(const mechanism::Robot& robot) {
+  return trajectory::startThatFitsMost({"excitation", "", false, 0.0, {}, std::nullopt}, robot, 0.0);
 }
 
 /// Small enough for a test, large enough to improve.
@@ -31,14 +31,14 @@ ExcitationOptions quick(unsigned seed) {
 
 /// What several tests look at: planned once.
 const ExcitationPlan& finalPlan() {
-  static const ExcitationPlan plan = planExcitation(configuredRobot("final"), quick(1));
+  static const ExcitationPlan plan = planExcitation(trajectory::configuredRobot("final"), quick(1));
   return plan;
 }
 
-Robot moderateRobot(const std::string& name) {
-  Robot robot = configuredRobot(name);
+mechanism::Robot moderateRobot(const std::string& name) {
+  mechanism::Robot robot = trajectory::configuredRobot(name);
   robot.singularity_condition_max = 60.0;
-  for (Actuator& actuator : robot.actuators) {
+  for (mechanism::Actuator& actuator : robot.actuators) {
     actuator.velocity_max_m_per_s = 0.1;
     actuator.acceleration_max_m_per_s2 = 1.0;
   }
@@ -54,17 +54,17 @@ double shareOf(const std::vector<LimitUsed>& limits, const std::string& name) {
 }
 
 TEST(ExcitationLimits, CountTheForcesOfInverseDynamicsWithFriction) {
-  const Robot robot = moderateRobot("final");
+  const mechanism::Robot robot = moderateRobot("final");
   FourierSeries series;
   series.shape = {1, 6.0, 2.0, 10.0};
-  series.centre = legLengths(*robot.mechanism, centreOf(robot));
+  series.centre = mechanism::legLengths(*robot.mechanism, centreOf(robot));
   series.coefficients = Eigen::Matrix<double, 4, 2>::Zero();
   // At rest only gravity acts; friction of a standing axis is not counted.
-  const RigidModel model(*robot.mechanism, robot.gravity, loadRobotInertia(robot));
-  Motion still;
+  const dynamics::RigidModel model(*robot.mechanism, robot.gravity, dynamics::loadRobotInertia(robot));
+  mechanism::Motion still;
   still.pose = centreOf(robot);
-  Vector4 forces;
-  ASSERT_TRUE(inverseDynamics(model, still, forces));
+  mechanism::Vector4 forces;
+  ASSERT_TRUE(dynamics::inverseDynamics(model, still, forces));
   const auto resting = limitsUsed(robot, series, {150.0, 15.0}, 0.1);
   ASSERT_TRUE(resting);
   for (int i = 0; i < 4; ++i) {
@@ -82,14 +82,14 @@ TEST(ExcitationLimits, CountTheForcesOfInverseDynamicsWithFriction) {
 }
 
 TEST(Excitation, KeepsForceLimitsThatBindAndSaysSo) {
-  Robot robot = configuredRobot("final");
+  mechanism::Robot robot = trajectory::configuredRobot("final");
   const double free_peak = 300.0 * shareOf(finalPlan().limits, "peak force");
-  for (Actuator& actuator : robot.actuators)
+  for (mechanism::Actuator& actuator : robot.actuators)
     actuator.force_max_N = 0.9 * free_peak;
   const ExcitationPlan plan = planExcitation(robot, quick(1));
   EXPECT_LE(shareOf(plan.limits, "force"), 1.0);
   EXPECT_GT(shareOf(plan.limits, "peak force"), 0.8);
-  for (Actuator& actuator : robot.actuators)
+  for (mechanism::Actuator& actuator : robot.actuators)
     actuator.force_max_N = 10.0;  // less than gravity alone
   ExcitationOptions hopeless = quick(1);
   hopeless.candidates = 2;
@@ -104,7 +104,7 @@ TEST(Excitation, KeepsForceLimitsThatBindAndSaysSo) {
 TEST(Excitation, KeepsEveryLimitAtEveryMillisecond) {
   ExcitationOptions options = quick(2);
   options.starts = 1;
-  const ExcitationPlan of_b = planExcitation(configuredRobot("B"), options);
+  const ExcitationPlan of_b = planExcitation(trajectory::configuredRobot("B"), options);
   for (const ExcitationPlan& plan : {of_b, finalPlan()}) {
     ASSERT_GE(plan.limits.size(), 24u);
     for (const LimitUsed& limit : plan.limits)
@@ -116,7 +116,7 @@ TEST(Excitation, KeepsEveryLimitAtEveryMillisecond) {
 TEST(Excitation, StartsAndEndsAtRestAndRepeatsItself) {
   ExcitationOptions options = quick(1);
   options.shape.duration_s = 24.0;
-  const ExcitationPlan plan = planExcitation(configuredRobot("A"), options);
+  const ExcitationPlan plan = planExcitation(trajectory::configuredRobot("A"), options);
   const FourierSeries& series = plan.series;
   for (const double time : {0.0, 24.0}) {
     const SeriesPoint end = pointAt(series, seriesBasis(series.shape, time));
@@ -132,28 +132,30 @@ TEST(Excitation, StartsAndEndsAtRestAndRepeatsItself) {
 TEST(Excitation, ByDeterminantImprovesTheDeterminant) {
   ExcitationOptions options = quick(1);
   options.criterion = ExcitationCriterion::Determinant;
-  const ExcitationPlan plan = planExcitation(configuredRobot("final"), options);
+  const ExcitationPlan plan = planExcitation(trajectory::configuredRobot("final"), options);
   EXPECT_GT(plan.gain, 0.05);
   EXPECT_TRUE(plan.check.ok());
 }
 
 TEST(Excitation, OfRobotAPlaysWithinModerateLimitsAndFarFromSingularities) {
-  const Robot robot = configuredRobot("A");
+  const mechanism::Robot robot = trajectory::configuredRobot("A");
   ExcitationOptions options = quick(1);
   options.iterations = 30;
   const ExcitationPlan plan = planExcitation(robot, options);
   std::printf("A: k = %.3g at r = 51, best random %.3g\n", plan.k, plan.random_k);
   EXPECT_EQ(plan.reference.points.rows(), 2001);
-  Robot strict = robot;
+  mechanism::Robot strict = robot;
   strict.singularity_condition_max = 60.0;
-  for (Actuator& actuator : strict.actuators) {
+  for (mechanism::Actuator& actuator : strict.actuators) {
     actuator.velocity_max_m_per_s = 0.1;
     actuator.acceleration_max_m_per_s2 = 1.0;
   }
-  const ReferenceCheck check = checkReference(parseReference(formatReference(plan.reference), "plan"), strict);
+  const trajectory::ReferenceCheck check = trajectory::checkReference(
+      trajectory::parseReference(trajectory::formatReference(plan.reference), "plan"), strict);
   EXPECT_TRUE(check.ok()) << check.violation->sentence;
   // Every actuator moves, there and back, with a good part of the speed that it may have.
-  const Points steps = (check.lengths.bottomRows(2000) - check.lengths.topRows(2000)) / kStreamPeriod;
+  const trajectory::Points steps =
+      (check.lengths.bottomRows(2000) - check.lengths.topRows(2000)) / trajectory::kStreamPeriod;
   for (int i = 0; i < 4; ++i) {
     EXPECT_GT(steps.col(i).maxCoeff(), 0.03);
     EXPECT_LT(steps.col(i).minCoeff(), -0.03);
@@ -165,15 +167,15 @@ TEST(Excitation, OfRobotAPlaysWithinModerateLimitsAndFarFromSingularities) {
 }
 
 TEST(Excitation, OfTheFinalRobotKeepsItsTighterLimits) {
-  const Robot robot = configuredRobot("final");
+  const mechanism::Robot robot = trajectory::configuredRobot("final");
   const ExcitationPlan& plan = finalPlan();
   std::printf("final: k = %.3g at r = 51, best random %.3g\n", plan.k, plan.random_k);
-  EXPECT_TRUE(checkReference(plan.reference, robot).ok());
+  EXPECT_TRUE(trajectory::checkReference(plan.reference, robot).ok());
   EXPECT_LE(plan.k, plan.random_k);
 }
 
 TEST(Excitation, IsTheSameForTheSameSeedAndAnotherForAnother) {
-  const Robot robot = configuredRobot("A");
+  const mechanism::Robot robot = trajectory::configuredRobot("A");
   ExcitationOptions one = quick(1);
   one.candidates = 4;
   one.starts = 1;
@@ -191,7 +193,7 @@ TEST(Excitation, WithTwinLegsMovesLegsTwoAndThreeIdentically) {
   options.shape.duration_s = 10.0;
   options.twin_legs = true;
   options.iterations = 2;
-  const ExcitationPlan plan = planExcitation(configuredRobot("A"), options);
+  const ExcitationPlan plan = planExcitation(trajectory::configuredRobot("A"), options);
   EXPECT_EQ(plan.reference.points.rows(), 1001);
   EXPECT_LE((plan.reference.points.col(1) - plan.reference.points.col(2)).cwiseAbs().maxCoeff(), 1e-12);
 }
@@ -200,14 +202,14 @@ TEST(Excitation, ReturnsTheBestSoFarWhenItIsInterruptedAtOnce) {
   const std::atomic<bool> interrupted{true};
   ExcitationOptions options = quick(1);
   options.interrupted = &interrupted;
-  const ExcitationPlan plan = planExcitation(configuredRobot("A"), options);
+  const ExcitationPlan plan = planExcitation(trajectory::configuredRobot("A"), options);
   EXPECT_TRUE(plan.cut_short);
   EXPECT_TRUE(plan.check.ok());
   EXPECT_EQ(plan.k > 0.0 && std::isfinite(plan.k), true);
 }
 
 TEST(Excitation, RefusesImpossibleOptionsABenchAndARobotWithoutRoom) {
-  const Robot robot = configuredRobot("A");
+  const mechanism::Robot robot = trajectory::configuredRobot("A");
   const auto refused = [&](void (*change)(ExcitationOptions&)) {
     ExcitationOptions options = quick(1);
     change(options);
@@ -218,13 +220,13 @@ TEST(Excitation, RefusesImpossibleOptionsABenchAndARobotWithoutRoom) {
   refused([](ExcitationOptions& o) { o.velocity_max = 0.0; });
   refused([](ExcitationOptions& o) { o.directions = 74; });
   refused([](ExcitationOptions& o) { o.condition_max = 0.5; });
-  refused([](ExcitationOptions& o) { o.noise_N = Vector4(1, 1, 0, 1); });
+  refused([](ExcitationOptions& o) { o.noise_N = mechanism::Vector4(1, 1, 0, 1); });
   refused([](ExcitationOptions& o) { o.friction.coulomb_N = -1.0; });
-  EXPECT_THROW(planExcitation(testBench(4), quick(1)), InputError);
+  EXPECT_THROW(planExcitation(trajectory::testBench(4), quick(1)), InputError);
   ExcitationOptions narrow = quick(1);
   narrow.condition_max = 5.0;  // robot A is nowhere that well conditioned
   EXPECT_THROW(planExcitation(robot, narrow), Refusal);
 }
 
 }  // namespace
-}  // namespace knee_robot
+}  // namespace knee_robot::excitation

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace knee_robot {
+namespace knee_robot::excitation {
 namespace {
 
 FourierSeries anySeries() {
@@ -48,7 +48,7 @@ TEST(FourierSeries, RatesAreTheDerivativesOfItsValuesRampsIncluded) {
 
 TEST(FourierSeries, IsSampledEveryTenMillisecondsFromRestToRest) {
   const FourierSeries series = anySeries();
-  const Reference reference = sampledReference(series);
+  const trajectory::Reference reference = sampledReference(series);
   ASSERT_EQ(reference.points.rows(), 1501);
   EXPECT_EQ(reference.points.row(0).transpose(), series.centre);
   EXPECT_LE((reference.points.row(1500).transpose() - series.centre).norm(), 1e-12);
@@ -56,4 +56,4 @@ TEST(FourierSeries, IsSampledEveryTenMillisecondsFromRestToRest) {
 }
 
 }  // namespace
-}  // namespace knee_robot
+}  // namespace knee_robot::excitation

@@ -8,59 +8,59 @@
 #include "knee_robot/dynamics/inverse_dynamics.h"
 #include "test/trajectory/robots.h"
 
-namespace knee_robot {
+namespace knee_robot::excitation {
 namespace {
 
-constexpr CoulombWidth kWidth{2e-3, 5e-3};
+constexpr dynamics::CoulombWidth kWidth{2e-3, 5e-3};
 using Inputs = Eigen::Matrix<double, 12, 1>;
 
 /// One instant of a robot, looked at through actuator lengths, velocities and accelerations.
 class Looked {
  public:
-  Looked(const std::string& name, unsigned seed) : robot_(configuredRobot(name)), random_(seed) {
-    const RobotInertia inertia = loadRobotInertia(robot_);
-    load_.parameters.head<kInertialParameters>() = toParameters(inertia);
-    for (int k = kInertialParameters; k < kPaperParameters; ++k)
+  Looked(const std::string& name, unsigned seed) : robot_(trajectory::configuredRobot(name)), random_(seed) {
+    const dynamics::RobotInertia inertia = dynamics::loadRobotInertia(robot_);
+    load_.parameters.head<dynamics::kInertialParameters>() = dynamics::toParameters(inertia);
+    for (int k = dynamics::kInertialParameters; k < dynamics::kPaperParameters; ++k)
       load_.parameters[k] = k % 2 == 0 ? 40.0 : 8.0;
     load_.rotor_mass << 5.0, 6.0, 7.0, 8.0;
-    pose_ = Pose(0.02, 0.68, 0.12, -0.08) + 0.05 * noise<4>();
-    inputs_ << legLengths(*robot_.mechanism, pose_), 0.02 * noise<4>(), 0.3 * noise<4>();
+    pose_ = mechanism::Pose(0.02, 0.68, 0.12, -0.08) + 0.05 * noise<4>();
+    inputs_ << mechanism::legLengths(*robot_.mechanism, pose_), 0.02 * noise<4>(), 0.3 * noise<4>();
     for (double& w : weights_.reshaped())
       w = normal_(random_);
   }
 
-  Motion motion(const Inputs& inputs) const {
-    Motion motion;
-    EXPECT_EQ(
-        motionFromLengths(*robot_.mechanism, inputs.head<4>(), inputs.segment<4>(4), inputs.tail<4>(), pose_, motion),
-        ForwardStatus::Converged);
+  mechanism::Motion motion(const Inputs& inputs) const {
+    mechanism::Motion motion;
+    EXPECT_EQ(mechanism::motionFromLengths(*robot_.mechanism, inputs.head<4>(), inputs.segment<4>(4), inputs.tail<4>(),
+                                           pose_, motion),
+              mechanism::ForwardStatus::Converged);
     return motion;
   }
 
-  PaperRegressor regressor(const Motion& motion) const {
-    RegressorData data;
-    EXPECT_TRUE(projectedRegressor(*robot_.mechanism, robot_.gravity, motion, data, kWidth));
+  PaperRegressor regressor(const mechanism::Motion& motion) const {
+    dynamics::RegressorData data;
+    EXPECT_TRUE(dynamics::projectedRegressor(*robot_.mechanism, robot_.gravity, motion, data, kWidth));
     return data.k;
   }
 
   /// The same quantities from the ordinary functions of mechanism and dynamics.
   Eigen::Matrix<double, slope_row::kRows, 1> values(const Inputs& inputs) const {
-    const Motion at = motion(inputs);
+    const mechanism::Motion at = motion(inputs);
     const PaperRegressor k = regressor(at);
-    const JointAngles angles = jointAngles(*robot_.mechanism, at.pose);
+    const mechanism::JointAngles angles = mechanism::jointAngles(*robot_.mechanism, at.pose);
     Eigen::Matrix<double, slope_row::kRows, 1> v;
     v[slope_row::kObservation] = k.cwiseProduct(weights_).sum();
     for (int i = 0; i < 4; ++i)
       v[slope_row::kBaseCosine + i] = std::cos(angles.base[i]);
     for (int i = 0; i < 3; ++i)
       v[slope_row::kTipCosine + i] = std::cos(angles.platform[i]);
-    v[slope_row::kCondition] = std::log(conditionNumber(*robot_.mechanism, at.pose));
-    v.tail<4>() = k * load_.parameters + load_.rotor_mass.cwiseProduct(Vector4(inputs.tail<4>()));
+    v[slope_row::kCondition] = std::log(mechanism::conditionNumber(*robot_.mechanism, at.pose));
+    v.tail<4>() = k * load_.parameters + load_.rotor_mass.cwiseProduct(mechanism::Vector4(inputs.tail<4>()));
     return v;
   }
 
   InstantSlopes slopes() const {
-    const Motion at = motion(inputs_);
+    const mechanism::Motion at = motion(inputs_);
     return instantSlopes(*robot_.mechanism, robot_.gravity, at, kWidth, regressor(at), weights_, load_);
   }
 
@@ -75,12 +75,12 @@ class Looked {
     return v;
   }
 
-  Robot robot_;
+  mechanism::Robot robot_;
   std::mt19937 random_;
   std::normal_distribution<double> normal_;
   ExpectedLoad load_;
   PaperRegressor weights_;
-  Pose pose_;
+  mechanism::Pose pose_;
   Inputs inputs_;
 };
 
@@ -122,4 +122,4 @@ TEST(InstantSlopes, AgreeWithDifferencesOfTheValues) {
 }
 
 }  // namespace
-}  // namespace knee_robot
+}  // namespace knee_robot::excitation

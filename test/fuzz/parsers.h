@@ -19,15 +19,15 @@
 #include "knee_robot/dynamics/model.h"
 #include "knee_robot/hardware/can/bus_errors.h"
 #include "knee_robot/hardware/can/can_socket.h"
-#include "knee_robot/simulation/drive_model.h"
 #include "knee_robot/hardware/can/drive_node.h"
-#include "knee_robot/simulation/simulated_cards.h"
-#include "knee_robot/simulation/shared_image.h"
 #include "knee_robot/mechanism/robot.h"
 #include "knee_robot/recording/import.h"
 #include "knee_robot/recording/recording.h"
 #include "knee_robot/recording/text_table.h"
 #include "knee_robot/rt/deployer.h"
+#include "knee_robot/simulation/drive_model.h"
+#include "knee_robot/simulation/shared_image.h"
+#include "knee_robot/simulation/simulated_cards.h"
 #include "knee_robot/simulation/simulation_parameters.h"
 #include "knee_robot/trajectory/reference_file.h"
 
@@ -57,29 +57,31 @@ inline std::string fileWith(const std::string& text) {
 }
 
 inline void readDeployment(const std::string& text) {
-  static const Robot robot = loadRobot(KNEE_SOURCE_DIR "/config/robots/A.yaml");
-  static const HardwareFile hardware = loadHardwareFile(KNEE_SOURCE_DIR "/config/hardware/simulated.yaml");
-  static const auto image = std::make_unique<hardware::RobotImage>();
-  static const auto bus = hardware::openImageCards(*image);
+  static const mechanism::Robot robot = mechanism::loadRobot(KNEE_SOURCE_DIR "/config/robots/A.yaml");
+  static const control::HardwareFile hardware =
+      control::loadHardwareFile(KNEE_SOURCE_DIR "/config/hardware/simulated.yaml");
+  static const auto image = std::make_unique<simulation::RobotImage>();
+  static const auto bus = simulation::openImageCards(*image);
   const std::string path = fileWith(text);
-  rt::Deployment deployment(path, componentTypes(robot, hardware, *bus, AxisValues{}), rt::Execution::Stepped);
+  rt::Deployment deployment(path, control::componentTypes(robot, hardware, *bus, control::AxisValues{}),
+                            rt::Execution::Stepped);
 }
 
 inline void readPatient(const std::string& text) {
-  static const Robot robot = loadRobot(KNEE_SOURCE_DIR "/config/robots/A.yaml");
-  loadPatientLimits(fileWith(text), robot);
+  static const mechanism::Robot robot = mechanism::loadRobot(KNEE_SOURCE_DIR "/config/robots/A.yaml");
+  control::loadPatientLimits(fileWith(text), robot);
 }
 
 inline void readTable(const std::string& text) {
-  const TextTable table(text, "table");
+  const recording::TextTable table(text, "table");
   for (int column = 0; column < table.columns(); ++column)
     table.numbers(column, true);
 }
 
 inline void readMapped(const std::string& text) {
   const std::size_t end = text.find('\n');
-  parseMapping(text.substr(0, end));
-  if (end != std::string::npos) parseColumnMap(text.substr(end + 1), "map");
+  recording::parseMapping(text.substr(0, end));
+  if (end != std::string::npos) recording::parseColumnMap(text.substr(end + 1), "map");
 }
 
 /// Bytes as they could come over a socket, 16 a CAN frame: through every parser of frames and into a simulated drive.
@@ -94,7 +96,7 @@ inline void takeFrames(const std::string& text) {
   static const can::ObjectDictionary table =
       can::ObjectDictionary::load(KNEE_SOURCE_DIR "/config/hardware/can_objects.yaml");
   NoBus bus;
-  can::DriveModel drive(1, table, bus);
+  simulation::DriveModel drive(1, table, bus);
   can::DriveNode node(1, {});
   drive.powerUp();
   for (std::size_t at = 0; at + sizeof(::can_frame) <= text.size(); at += sizeof(::can_frame)) {
@@ -117,24 +119,24 @@ inline const std::vector<Parser>& parsers() {
       {"reference",
        {"# space: actuator\n# period_s: 0.01\n0.6 0.65 0.66 0.62\n0.6001\t0.65 0.66 0.62\r\n",
         "# space: platform\n0 0.6 0 0\n0.001 0.6 0 0"},
-       [](const std::string& text) { parseReference(text, "reference"); }},
+       [](const std::string& text) { trajectory::parseReference(text, "reference"); }},
       {"recording",
        {"time_s,position_1_m,force_1_N\n0,0.6,1\n0.001,0.6,1.5\n0.002,0.6,nan\n",
         "time_s,reference_1_m,position_1_m,command_1_V,force_1_N,mocap_x_m\n0.1,0.6,0.6,-0.00488,1e2,nan\n0.2,0,0,0,0,"
         "1\n"},
-       [](const std::string& text) { parseRecording(text, "recording"); }},
+       [](const std::string& text) { recording::parseRecording(text, "recording"); }},
       {"robot",
        {"config/robots/A.yaml", "config/robots/bench.yaml", "config/robots/final.yaml"},
-       [](const std::string& text) { loadRobot(fileWith(text)); }},
+       [](const std::string& text) { mechanism::loadRobot(fileWith(text)); }},
       {"simulation",
        {"config/simulation/A.yaml", "config/simulation/final.yaml",
         "axes:\n  - {viscous_N_s_per_m: 1, coulomb_N: 1}\npayload: {mass_kg: 15, center_m: [0, 0, 0.1]}\neffects:\n  - "
         "{name: stribeck, "
         "actuators: [2], excess_N: 10, velocity_m_per_s: 0.005}\n"},
-       [](const std::string& text) { parseSimulationParameters(text, "simulation"); }},
+       [](const std::string& text) { simulation::parseSimulationParameters(text, "simulation"); }},
       {"hardware",
        {"config/hardware/simulated.yaml", "config/hardware/can_simulated.yaml"},
-       [](const std::string& text) { loadHardwareFile(fileWith(text)); }},
+       [](const std::string& text) { control::loadHardwareFile(fileWith(text)); }},
       {"patient",
        {"patient: \"ab\"\npose: {X_m: [-0.05, 0.05], Z_m: [0.58, 0.65], theta_deg: [-5, 20], psi_deg: [-10, "
         "10]}\nspeed: {linear_mm_per_s: 20, "
@@ -144,7 +146,7 @@ inline const std::vector<Parser>& parsers() {
       {"model",
        {"format_version: 1\nmechanism: 3UPS+1RPU\naxes: 4\nrobot: abc\ndata: []\ncutoff_hz: 3\nmoving_m_per_s: "
         "0.001\nrank: 2\n"},
-       [](const std::string& text) { parseModel(text, "model"); }},
+       [](const std::string& text) { dynamics::parseModel(text, "model"); }},
       {"can_frames",
        {std::string("\x01\x06\0\0\x08\0\0\0\x2B\x40\x60\0\x0F\0\0\0\n", 17)},
        [](const std::string& text) { takeFrames(text); }},

@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "knee_robot/hardware/can/can_axis_bus.h"
-#include "knee_robot/simulation/drive_model.h"
 #include "knee_robot/hardware/can/object_dictionary.h"
+#include "knee_robot/simulation/drive_model.h"
 
 namespace knee_robot::hardware::can {
 
@@ -130,7 +130,7 @@ class CanBench {
   explicit CanBench(CanSettings settings = benchSettings(), CanAxisBus::Units units = benchUnits())
       : settings_(std::move(settings)), units_(units) {
     for (std::size_t i = 0; i < drives_.size(); ++i) {
-      drives_[i] = std::make_unique<DriveModel>(settings_.drives[i].node, driveTable(), wire.drivesPort());
+      drives_[i] = std::make_unique<simulation::DriveModel>(settings_.drives[i].node, driveTable(), wire.drivesPort());
     }
     wire.to_drives = [this](const Frame& frame) {
       for (const auto& drive : drives_)
@@ -153,7 +153,7 @@ class CanBench {
 
   AxisBus& bus() { return *bus_; }
   CanAxisBus& canBus() { return *bus_; }
-  DriveModel& drive(std::size_t axis) { return *drives_.at(axis); }
+  simulation::DriveModel& drive(std::size_t axis) { return *drives_.at(axis); }
 
   /// Brings the drives to Operation Enabled, with the enabling bit as the only output.
   bool energise() {
@@ -218,7 +218,7 @@ class CanBench {
  private:
   CanSettings settings_;
   CanAxisBus::Units units_;
-  std::array<std::unique_ptr<DriveModel>, kAxes> drives_;
+  std::array<std::unique_ptr<simulation::DriveModel>, kAxes> drives_;
   std::unique_ptr<CanAxisBus> bus_;
   std::vector<std::array<double, kAxes>> seen_outputs_;
   bool moving_ = false;

@@ -24,12 +24,12 @@ class PairedBus {
     }
     drives_port_.owner = this;
     for (std::size_t i = 0; i < drives_.size(); ++i)
-      drives_[i] = std::make_unique<DriveModel>(settings_.drives[i].node, driveTable(), drives_port_);
+      drives_[i] = std::make_unique<simulation::DriveModel>(settings_.drives[i].node, driveTable(), drives_port_);
     bus_ = std::make_unique<CanAxisBus>(near_[0], near_[1], settings_, benchUnits());
   }
 
   CanAxisBus& bus() { return *bus_; }
-  DriveModel& drive(std::size_t axis) { return *drives_.at(axis); }
+  simulation::DriveModel& drive(std::size_t axis) { return *drives_.at(axis); }
   /// Lets the drives take what was sent, and act on it.
   void pump() {
     now_ += 2'000'000;
@@ -75,7 +75,7 @@ class PairedBus {
   std::array<Near, 2> near_;
   std::array<std::unique_ptr<CanSocket>, 2> far_;
   OfDrives drives_port_;
-  std::array<std::unique_ptr<DriveModel>, kAxes> drives_;
+  std::array<std::unique_ptr<simulation::DriveModel>, kAxes> drives_;
   std::unique_ptr<CanAxisBus> bus_;
 };
 

@@ -132,7 +132,7 @@ TEST(BusErrors, AreNamed) {
 
 TEST(BusServer, PassesAFrameToAllOthersAndSurvivesAPeerThatGoes) {
   const std::string path = ::testing::TempDir() + "knee_can_" + std::to_string(::getpid());
-  BusServer server(path);
+  simulation::BusServer server(path);
   auto first = CanSocket::open(path, {});
   auto second = CanSocket::open(path, {});
   server.wait(server.now());
@@ -146,7 +146,7 @@ TEST(BusServer, PassesAFrameToAllOthersAndSurvivesAPeerThatGoes) {
   ASSERT_EQ(server.send(frameOf(0x181, {1})), PortStatus::Ok);
   ASSERT_EQ(first->receive(frame), PortStatus::Ok);
   EXPECT_EQ(server.receive(frame), PortStatus::Empty);
-  EXPECT_THROW(BusServer{path}, InputError) << "it is served already";
+  EXPECT_THROW(simulation::BusServer{path}, InputError) << "it is served already";
 }
 
 TEST(CanSocket, SaysHowToMendWhatIsMissing) {

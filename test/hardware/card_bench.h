@@ -48,14 +48,14 @@ inline std::string uniqueShmName(const std::string& purpose) {
 /// The two cards over an image, with what the conformance suite needs to see and to do at their far side.
 class CardBench {
  public:
-  explicit CardBench(RobotImage& image)
+  explicit CardBench(simulation::RobotImage& image)
       : image_(image),
         analog_model_(image.analog),
         counter_model_(image.counter),
         analog_spy_(analog_model_),
         counter_spy_(counter_model_),
         bus_(analog_spy_, counter_spy_, PciAxisBus::Options{}) {
-    analog_spy_.after_access = [this] { seen_outputs_.push_back(outputVolts(image_.analog)); };
+    analog_spy_.after_access = [this] { seen_outputs_.push_back(simulation::outputVolts(image_.analog)); };
     counter_spy_.after_access = [this] {
       if (moving_) move(1);
     };
@@ -66,15 +66,15 @@ class CardBench {
   static double highestVolts() { return 10.0 - 20.0 / 4096.0; }
   static double voltStep() { return 20.0 / 4096.0; }
 
-  std::array<double, kAxes> terminalVolts() const { return outputVolts(image_.analog); }
+  std::array<double, kAxes> terminalVolts() const { return simulation::outputVolts(image_.analog); }
   std::uint8_t terminalOutputs() const { return image_.counter.outputs.load(); }
   void setInputs(std::uint8_t bits) { image_.counter.inputs.store(bits); }
   /// Turns all four encoders on by these counts.
   void move(std::uint32_t counts) {
-    auto sums = publishedCounts(image_.counter);
+    auto sums = simulation::publishedCounts(image_.counter);
     for (std::uint32_t& sum : sums)
       sum += counts;
-    publishCounts(image_.counter, sums);
+    simulation::publishCounts(image_.counter, sums);
   }
   /// While set, all four encoders turn on by one count between any two accesses to the card.
   void keepMoving(bool on) { moving_ = on; }
@@ -87,12 +87,12 @@ class CardBench {
     image_.analog.disconnected.store(0);
     image_.counter.disconnected.store(0);
   }
-  RobotImage& image() { return image_; }
+  simulation::RobotImage& image() { return image_; }
 
  private:
-  RobotImage& image_;
-  Pci1720Model analog_model_;
-  Pci1784Model counter_model_;
+  simulation::RobotImage& image_;
+  simulation::Pci1720Model analog_model_;
+  simulation::Pci1784Model counter_model_;
   SpyRegisters analog_spy_;
   SpyRegisters counter_spy_;
   PciAxisBus bus_;
@@ -102,14 +102,14 @@ class CardBench {
 
 /// Cards whose image lies on the heap (stepped simulation).
 struct HeapCards {
-  RobotImage image;
+  simulation::RobotImage image;
   CardBench bench{image};
 };
 
 /// Cards whose image lies in shared memory: the plant's handle and the controller's are two mappings.
 struct SharedCards {
-  SharedImage plant = SharedImage::create(uniqueShmName("bench"));
-  SharedImage controller = SharedImage::attach(plant.name());
+  simulation::SharedImage plant = simulation::SharedImage::create(uniqueShmName("bench"));
+  simulation::SharedImage controller = simulation::SharedImage::attach(plant.name());
   CardBench bench{controller.image()};
 };
 

@@ -30,36 +30,36 @@ TEST(Pci1720, RoundsToTheNearestCodeAndClamps) {
 }
 
 TEST(Pci1720Model, StandsAtZeroVoltsInTheFiveVoltRangeAfterAColdStart) {
-  const Pci1720Image image;
-  EXPECT_EQ(outputVolts(image), (std::array<double, 4>{0, 0, 0, 0}));
+  const simulation::Pci1720Image image;
+  EXPECT_EQ(simulation::outputVolts(image), (std::array<double, 4>{0, 0, 0, 0}));
 }
 
 TEST(Pci1720Model, JumpsToMinusTenVoltsWhenTheRangeIsSetFirst) {
-  Pci1720Image image;
-  Pci1720Model model(image);
+  simulation::Pci1720Image image;
+  simulation::Pci1720Model model(image);
   ASSERT_EQ(model.write8(pci1720::kRange, pci1720::kAllBipolar10V), IoStatus::Ok);
-  EXPECT_DOUBLE_EQ(outputVolts(image)[0], -10.0);
+  EXPECT_DOUBLE_EQ(simulation::outputVolts(image)[0], -10.0);
 }
 
 TEST(Pci1720Model, SetsTheRangeOfEachChannelByTwoBits) {
-  Pci1720Image image;
-  Pci1720Model model(image);
+  simulation::Pci1720Image image;
+  simulation::Pci1720Model model(image);
   ASSERT_EQ(model.write8(pci1720::kRange, 0b11100100),
             IoStatus::Ok);  // channel 0: 0..5 V, 1: 0..10 V, 2: +-5 V, 3: +-10 V
-  EXPECT_EQ(outputVolts(image), (std::array<double, 4>{0, 0, -5, -10}));
+  EXPECT_EQ(simulation::outputVolts(image), (std::array<double, 4>{0, 0, -5, -10}));
 }
 
 TEST(Pci1720Model, UpdatesAtOnceUnlessSynchronous) {
-  Pci1720Image image;
-  Pci1720Model model(image);
+  simulation::Pci1720Image image;
+  simulation::Pci1720Model model(image);
   model.write8(pci1720::lowByte(2), 0x00);
   model.write8(pci1720::highByte(2), 0xF8);  // the upper four bits do not exist
-  EXPECT_DOUBLE_EQ(outputVolts(image)[2], 2.5);
+  EXPECT_DOUBLE_EQ(simulation::outputVolts(image)[2], 2.5);
   model.write8(pci1720::kSynchronousMode, 1);
   model.write8(pci1720::highByte(2), 0x04);
-  EXPECT_DOUBLE_EQ(outputVolts(image)[2], 2.5);
+  EXPECT_DOUBLE_EQ(simulation::outputVolts(image)[2], 2.5);
   model.write8(pci1720::kSynchronise, 0);
-  EXPECT_DOUBLE_EQ(outputVolts(image)[2], 1.25);
+  EXPECT_DOUBLE_EQ(simulation::outputVolts(image)[2], 1.25);
 }
 
 TEST(Pci1720, NeverGivesANegativePulseWhenAColdCardIsInitialised) {
@@ -87,9 +87,9 @@ TEST(Pci1720, MovesAWarmCardStraightFromWhatItHeldToZero) {
 }
 
 TEST(PciAxisBus, DisablesTheDrivesBeforeItTouchesTheAnalogOutputs) {
-  RobotImage image;
-  Pci1720Model analog(image.analog);
-  Pci1784Model counter(image.counter);
+  simulation::RobotImage image;
+  simulation::Pci1720Model analog(image.analog);
+  simulation::Pci1784Model counter(image.counter);
   image.counter.outputs.store(0x0F);  // left on by a process that died
   SpyRegisters analog_spy(analog);
   int accesses = 0;
@@ -103,10 +103,10 @@ TEST(PciAxisBus, DisablesTheDrivesBeforeItTouchesTheAnalogOutputs) {
 }
 
 TEST(PciAxisBus, RefusesAnotherBoardIdAndSaysWhich) {
-  RobotImage image;
+  simulation::RobotImage image;
   image.analog.board_id.store(3);
-  Pci1720Model analog(image.analog);
-  Pci1784Model counter(image.counter);
+  simulation::Pci1720Model analog(image.analog);
+  simulation::Pci1784Model counter(image.counter);
   PciAxisBus::Options options;
   options.analog_board_id = 5;
   PciAxisBus bus(analog, counter, options);
@@ -145,18 +145,18 @@ class EmptySlot : public RegisterAccess {
 TEST(PciAxisBus, FailsTheSelfTestWhenNobodyAnswers) {
   EmptySlot empty;
   HeapCards cards;
-  Pci1784Model counter(cards.image.counter);
+  simulation::Pci1784Model counter(cards.image.counter);
   EXPECT_FALSE(PciAxisBus(empty, empty, {}).selfTest().passed);
   EXPECT_FALSE(PciAxisBus(empty, counter, {}).selfTest().passed);
 }
 
 TEST(Pci1784Model, LatchesOnlyTheCountersWhoseBitIsWritten) {
-  Pci1784Image image;
-  Pci1784Model model(image);
+  simulation::Pci1784Image image;
+  simulation::Pci1784Model model(image);
   for (int channel = 0; channel < 4; ++channel)
     model.write32(pci1784::counter(channel), pci1784::kModeX4);
   model.write32(pci1784::kReset, 0x0F);
-  publishCounts(image, {10, 20, 30, 40});
+  simulation::publishCounts(image, {10, 20, 30, 40});
   model.write32(pci1784::kLatch, 0x05);
   const std::array<std::uint32_t, 4> expected{10, 0, 30, 0};
   for (int channel = 0; channel < 4; ++channel) {
@@ -167,9 +167,9 @@ TEST(Pci1784Model, LatchesOnlyTheCountersWhoseBitIsWritten) {
 }
 
 TEST(Pci1784Model, ResetsToTwoToThe31WithoutTheModeBitForZero) {
-  Pci1784Image image;
-  Pci1784Model model(image);
-  publishCounts(image, {5, 5, 5, 5});
+  simulation::Pci1784Image image;
+  simulation::Pci1784Model model(image);
+  simulation::publishCounts(image, {5, 5, 5, 5});
   model.write32(pci1784::counter(0), pci1784::kModeX4);
   model.write32(pci1784::counter(1), pci1784::kModeX4 & ~pci1784::kModeResetToZero);
   model.write32(pci1784::kReset, 0x0F);
@@ -182,14 +182,14 @@ TEST(Pci1784Model, ResetsToTwoToThe31WithoutTheModeBitForZero) {
 }
 
 TEST(Pci1784, FailsTheSelfTestWhenACounterDoesNotReset) {
-  RobotImage image;
-  Pci1720Model analog(image.analog);
-  Pci1784Model counter(image.counter);
+  simulation::RobotImage image;
+  simulation::Pci1720Model analog(image.analog);
+  simulation::Pci1784Model counter(image.counter);
   SpyRegisters racing(counter);
   racing.after_access = [&] {  // an encoder that runs by itself: noise, or a moving axis
-    auto sums = publishedCounts(image.counter);
+    auto sums = simulation::publishedCounts(image.counter);
     sums[2] += 100;
-    publishCounts(image.counter, sums);
+    simulation::publishCounts(image.counter, sums);
   };
   const SelfTest result = PciAxisBus(analog, racing, {}).selfTest();
   EXPECT_FALSE(result.passed);
@@ -197,9 +197,9 @@ TEST(Pci1784, FailsTheSelfTestWhenACounterDoesNotReset) {
 }
 
 TEST(CardModels, RefuseRegistersThatTheTablesDoNotHave) {
-  RobotImage image;
-  Pci1720Model analog(image.analog);
-  Pci1784Model counter(image.counter);
+  simulation::RobotImage image;
+  simulation::Pci1720Model analog(image.analog);
+  simulation::Pci1784Model counter(image.counter);
   std::uint8_t byte = 0;
   std::uint32_t word = 0;
   EXPECT_EQ(analog.read8(0x0A, byte), IoStatus::OutOfRange);

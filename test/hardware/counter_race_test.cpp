@@ -10,13 +10,13 @@ namespace knee_robot::hardware {
 namespace {
 
 TEST(CounterImage, GivesTheFourCountsOfOneInstantWhileThePlantPublishes) {
-  RobotImage image;
-  const auto bus = openImageCards(image);
+  simulation::RobotImage image;
+  const auto bus = simulation::openImageCards(image);
   ASSERT_TRUE(bus->selfTest().passed);
   std::atomic<bool> stop{false};
   std::thread plant([&] {
     for (std::uint32_t sum = 1; !stop.load(); ++sum) {
-      publishCounts(image.counter, {sum, sum, sum, sum});
+      simulation::publishCounts(image.counter, {sum, sum, sum, sum});
       std::this_thread::yield();
     }
   });

@@ -46,15 +46,15 @@ TEST(GuardianLink, RefusesWhatIsNone) {
   EXPECT_THROW(SharedGuardianLink::open("without_slash"), InputError);
   const std::string name = uniqueShmName("link");
   {
-    SharedImage image = SharedImage::create(name);
+    simulation::SharedImage image = simulation::SharedImage::create(name);
     EXPECT_THROW(SharedGuardianLink::open(name), InputError);
   }
 }
 
 TEST(GuardedBus, RefusesToStartWithoutAGuardian) {
-  RobotImage image;
+  simulation::RobotImage image;
   GuardianLink link;
-  const std::unique_ptr<AxisBus> cards = openImageCards(image);
+  const std::unique_ptr<AxisBus> cards = simulation::openImageCards(image);
   GuardedBus bus(*cards, link, 3);
   const SelfTest test = bus.selfTest();
   EXPECT_FALSE(test.passed);
@@ -63,10 +63,10 @@ TEST(GuardedBus, RefusesToStartWithoutAGuardian) {
 }
 
 TEST(GuardedBus, RefusesASecondController) {
-  RobotImage image;
+  simulation::RobotImage image;
   GuardianLink link;
   link.controller_pid.store(1);  // init lives
-  const std::unique_ptr<AxisBus> cards = openImageCards(image);
+  const std::unique_ptr<AxisBus> cards = simulation::openImageCards(image);
   GuardedBus bus(*cards, link, 3);
   const SelfTest test = bus.selfTest();
   EXPECT_FALSE(test.passed);
@@ -75,9 +75,9 @@ TEST(GuardedBus, RefusesASecondController) {
 }
 
 TEST(GuardedBus, IsArmedBeforeTheDrivesGetPowerAndDisarmedAfterTheyLostIt) {
-  RobotImage image;
+  simulation::RobotImage image;
   GuardianLink link;
-  const std::unique_ptr<AxisBus> cards = openImageCards(image);
+  const std::unique_ptr<AxisBus> cards = simulation::openImageCards(image);
   ASSERT_TRUE(cards->selfTest().passed);
   GuardedBus bus(*cards, link, 3);
   EXPECT_EQ(bus.writeOutputs(4), IoStatus::Ok);

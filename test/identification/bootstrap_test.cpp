@@ -8,7 +8,7 @@
 #include <iostream>
 #include <random>
 
-namespace knee_robot {
+namespace knee_robot::identification {
 namespace {
 
 /// One actuator, one hundred samples a second, three regressors that change slowly, noise with correlation `phi` from sample to
@@ -83,4 +83,4 @@ TEST(BlockBootstrap, KeepsBoundsAndRepeatsWithItsSeed) {
 }
 
 }  // namespace
-}  // namespace knee_robot
+}  // namespace knee_robot::identification

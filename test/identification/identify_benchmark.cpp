@@ -40,9 +40,11 @@ void write(const std::string& path, const Eigen::MatrixXd& matrix) {
   file << matrix << "\n";
 }
 
-std::vector<Observation> read(const Robot& robot, const std::string& path, const ObservationOptions& options) {
-  std::vector<Observation> list;
-  list.push_back(observe(robot, columnsOf(robot), loadRecording(path), options));
+std::vector<identification::Observation> read(const mechanism::Robot& robot, const std::string& path,
+                                              const identification::ObservationOptions& options) {
+  std::vector<identification::Observation> list;
+  list.push_back(
+      identification::observe(robot, identification::columnsOf(robot), recording::loadRecording(path), options));
   return list;
 }
 
@@ -61,31 +63,32 @@ int main(int argc, char** argv) {
     return 2;
   }
   const std::string folder = std::string(argv[5]) + "/";
-  const Robot robot = loadRobot(argv[1]);
-  IdentifyOptions options;
+  const mechanism::Robot robot = mechanism::loadRobot(argv[1]);
+  identification::IdentifyOptions options;
   options.observation.setCutoff(std::stod(argv[4]));
   options.observation.fold_margin_m = 0.0;
   options.narrowest_counts = 1e-4;  // the plant's friction is the sign of the velocity
 
   Stopwatch watch;
-  std::vector<Observation> training = read(robot, argv[2], options.observation);
+  std::vector<identification::Observation> training = read(robot, argv[2], options.observation);
   const double read_s = watch.lap();
-  const Identification id = identify(robot, training, options);
+  const identification::Identification id = identification::identify(robot, training, options);
   const double identify_s = watch.lap();
-  const RobotInertia prior = loadRobotInertia(robot);
+  const dynamics::RobotInertia prior = dynamics::loadRobotInertia(robot);
   watch.lap();
-  const PhysicalFit fit = fitPhysical(robot, id, prior);
+  const identification::PhysicalFit fit = identification::fitPhysical(robot, id, prior);
   const double physical_s = watch.lap();
 
   // One fit alone, at the strength that was chosen: what another solver is asked to do.
-  const PhysicalCoordinates coordinates = physicalCoordinates(prior);
-  const Eigen::MatrixXd triangle = joinBlocks(id.compressed, -1);
-  const PhysicalProblem problem = physicalProblem(triangle, id.columns, coordinates, 0.1 * id.force_rms_N);
-  const PriorPull pull = priorPull(problem, fit.strength);
+  const identification::PhysicalCoordinates coordinates = identification::physicalCoordinates(prior);
+  const Eigen::MatrixXd triangle = identification::joinBlocks(id.compressed, -1);
+  const identification::PhysicalProblem problem =
+      identification::physicalProblem(triangle, id.columns, coordinates, 0.1 * id.force_rms_N);
+  const identification::PriorPull pull = identification::priorPull(problem, fit.strength);
   double single_s = 1e9, cost = 0.0;
   for (int run = 0; run < 5; ++run) {
     watch.lap();
-    cost = solvePhysical(problem, pull).cost;
+    cost = identification::solvePhysical(problem, pull).cost;
     single_s = std::min(single_s, watch.lap());
   }
   write(folder + "data.txt", problem.data);
@@ -97,16 +100,16 @@ int main(int argc, char** argv) {
     bounded[i] = problem.nonnegative[static_cast<std::size_t>(i)];
   write(folder + "nonnegative.txt", bounded);
 
-  std::vector<Observation> judging = read(robot, argv[3], options.observation);
-  for (Observation& o : judging)
-    setCoulombWidth(o, id.columns, id.model.coulomb_width_m);
-  Equations judge = stackEquations(judging, options.observation);
-  weightRows(judge, id.noise_N);
-  const PhysicalProblem held =
-      physicalProblem(compress(judge.a, judge.b) / std::sqrt(judge.rows()), id.columns, coordinates, id.force_rms_N);
+  std::vector<identification::Observation> judging = read(robot, argv[3], options.observation);
+  for (identification::Observation& o : judging)
+    identification::setCoulombWidth(o, id.columns, id.model.coulomb_width_m);
+  identification::Equations judge = identification::stackEquations(judging, options.observation);
+  identification::weightRows(judge, id.noise_N);
+  const identification::PhysicalProblem held = identification::physicalProblem(
+      identification::compress(judge.a, judge.b) / std::sqrt(judge.rows()), id.columns, coordinates, id.force_rms_N);
   write(folder + "judge.txt", held.data);
   write(folder + "judge_target.txt", held.target);
-  const PhysicalSolution solution = solvePhysical(problem, pull);
+  const identification::PhysicalSolution solution = identification::solvePhysical(problem, pull);
   Eigen::VectorXd z(solution.inertial.size() + solution.free.size());
   z << solution.inertial, solution.free;
 
@@ -119,8 +122,9 @@ int main(int argc, char** argv) {
             << ", \"peak_MB\": " << static_cast<double>(usage.ru_maxrss) / 1024.0 << ", \"rank\": " << id.model.rank
             << ", \"strength\": " << fit.strength;
   const double cutoff_hz = options.observation.cutoff_hz;
-  printArray("base_moving_N", applyModel(id.model, robot, judging, cutoff_hz).accuracy.rms_moving_N);
-  printArray("physical_moving_N", applyModel(fit.model, robot, judging, cutoff_hz).accuracy.rms_moving_N);
+  printArray("base_moving_N", identification::applyModel(id.model, robot, judging, cutoff_hz).accuracy.rms_moving_N);
+  printArray("physical_moving_N",
+             identification::applyModel(fit.model, robot, judging, cutoff_hz).accuracy.rms_moving_N);
   std::cout << "}\n";
   return 0;
 }

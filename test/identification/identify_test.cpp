@@ -12,18 +12,19 @@
 #include "knee_robot/mechanism/singularity.h"
 #include "test/identification/synthetic.h"
 
-namespace knee_robot {
+namespace knee_robot::identification {
 namespace {
 
-std::vector<Observation> observeOne(const Robot& robot, const Recording& r, const IdentifyOptions& options) {
+std::vector<Observation> observeOne(const mechanism::Robot& robot, const recording::Recording& r,
+                                    const IdentifyOptions& options) {
   std::vector<Observation> list;
   list.push_back(observe(robot, columnsOf(robot), r, options.observation));
   return list;
 }
 
 TEST(Identify, RecoversKnownFrictionAndPredictsAnotherTrajectory) {
-  const Robot robot = syntheticRobot();
-  const Model truth = syntheticModel(robot);
+  const mechanism::Robot robot = syntheticRobot();
+  const dynamics::Model truth = syntheticModel(robot);
   std::mt19937 random(11);
   std::normal_distribution<double> normal(0.0, 0.5);
   const auto noise = [&] { return normal(random); };
@@ -45,14 +46,14 @@ TEST(Identify, RecoversKnownFrictionAndPredictsAnotherTrajectory) {
 }
 
 TEST(Identify, StandardErrorsCoverTheTruth) {
-  const Robot robot = syntheticBench(3);
-  const Model truth = syntheticModel(robot);
+  const mechanism::Robot robot = syntheticBench(3);
+  const dynamics::Model truth = syntheticModel(robot);
   std::mt19937 random(5);
   std::normal_distribution<double> normal(0.0, 2.0);
   const IdentifyOptions options;
   auto train = observeOne(robot, syntheticRecording(robot, truth, 0, 60.0, [&] { return normal(random); }), options);
   const Identification id = identify(robot, train, options);
-  for (const ModelParameter& p : id.model.parameters) {
+  for (const dynamics::ModelParameter& p : id.model.parameters) {
     EXPECT_GT(p.std, 0.0) << p.name;
     EXPECT_NEAR(p.value, parameterValue(truth, p.name), 6.0 * p.std + 0.01 * std::abs(p.value)) << p.name;
   }
@@ -60,21 +61,21 @@ TEST(Identify, StandardErrorsCoverTheTruth) {
 
 TEST(Identify, WorksForBenchAxesOfAnyNumber) {
   for (int axes = 1; axes <= 4; ++axes) {
-    const Robot robot = syntheticBench(axes);
-    const Model truth = syntheticModel(robot);
+    const mechanism::Robot robot = syntheticBench(axes);
+    const dynamics::Model truth = syntheticModel(robot);
     const IdentifyOptions options;
     auto train = observeOne(robot, syntheticRecording(robot, truth, 0, 40.0), options);
     const Identification id = identify(robot, train, options);
     EXPECT_EQ(id.model.rank, 4 * axes);
-    for (const ModelParameter& p : truth.parameters) {
+    for (const dynamics::ModelParameter& p : truth.parameters) {
       EXPECT_NEAR(parameterValue(id.model, p.name), p.value, 0.03 * std::abs(p.value)) << p.name;
     }
   }
 }
 
 TEST(Identify, NeverMakesFrictionOrRotorInertiaNegative) {
-  const Robot robot = syntheticBench(2);
-  Model truth = syntheticModel(robot);
+  const mechanism::Robot robot = syntheticBench(2);
+  dynamics::Model truth = syntheticModel(robot);
   truth.parameters[0].value = -50.0;  // a viscous coefficient that no friction has
   const IdentifyOptions options;
   auto train = observeOne(robot, syntheticRecording(robot, truth, 0, 40.0), options);
@@ -85,10 +86,10 @@ TEST(Identify, NeverMakesFrictionOrRotorInertiaNegative) {
 }
 
 TEST(Identify, OutliersHardlyMoveTheRobustFit) {
-  const Robot robot = syntheticBench(1);
-  const Model truth = syntheticModel(robot);
+  const mechanism::Robot robot = syntheticBench(1);
+  const dynamics::Model truth = syntheticModel(robot);
   const IdentifyOptions options;
-  Recording r = syntheticRecording(robot, truth, 0, 60.0);
+  recording::Recording r = syntheticRecording(robot, truth, 0, 60.0);
   for (int k = 1000; k < 1040; ++k)
     r.force_N(k, 0) += 400.0;  // something pushed
   auto train = observeOne(robot, r, options);
@@ -98,9 +99,9 @@ TEST(Identify, OutliersHardlyMoveTheRobustFit) {
 }
 
 TEST(Identify, TukeysWeightsForgetOutliersThatHuberOnlySoftens) {
-  const Robot robot = syntheticBench(1);
-  const Model truth = syntheticModel(robot);
-  Recording r = syntheticRecording(robot, truth, 0, 60.0);
+  const mechanism::Robot robot = syntheticBench(1);
+  const dynamics::Model truth = syntheticModel(robot);
+  recording::Recording r = syntheticRecording(robot, truth, 0, 60.0);
   for (int k = 500; k < 5500; k += 470) {
     for (int n = 0; n < 60; ++n)
       r.force_N(k + n, 0) += 300.0;  // one push in eight samples, always to the same side, here and there on the way
@@ -121,11 +122,11 @@ TEST(Identify, TukeysWeightsForgetOutliersThatHuberOnlySoftens) {
 }
 
 TEST(Identify, RefusesDataThatCannotSupportAModel) {
-  const Robot robot = syntheticBench(2);
-  const Model truth = syntheticModel(robot);
+  const mechanism::Robot robot = syntheticBench(2);
+  const dynamics::Model truth = syntheticModel(robot);
   const IdentifyOptions options;
 
-  Recording still = syntheticRecording(robot, truth, 0, 20.0);
+  recording::Recording still = syntheticRecording(robot, truth, 0, 20.0);
   still.position_m.col(1).setConstant(0.2);
   auto motionless = observeOne(robot, still, options);
   try {
@@ -138,14 +139,14 @@ TEST(Identify, RefusesDataThatCannotSupportAModel) {
   auto brief = observeOne(robot, syntheticRecording(robot, truth, 0, 1.0), options);
   EXPECT_THROW(identify(robot, brief, options), Refusal);
 
-  Recording loud = syntheticRecording(robot, truth, 0, 20.0);
+  recording::Recording loud = syntheticRecording(robot, truth, 0, 20.0);
   loud.force_N.setConstant(1000.0);  // 10 V times 100 N/V
   auto saturated = observeOne(robot, loud, options);
   EXPECT_THROW(identify(robot, saturated, options), Refusal);
 }
 
 TEST(Identify, RefusesARankThatTheMotionDoesNotExcite) {
-  const Robot robot = syntheticBench(2);
+  const mechanism::Robot robot = syntheticBench(2);
   auto train = observeOne(robot, syntheticRecording(robot, syntheticModel(robot), 0, 20.0), IdentifyOptions());
   IdentifyOptions options;
   options.rank = 8;
@@ -162,17 +163,18 @@ TEST(Identify, RefusesARankThatTheMotionDoesNotExcite) {
 }
 
 TEST(Observe, RefusesARecordingOfAnotherRobot) {
-  const Robot robot = syntheticRobot();
-  const Robot bench = syntheticBench(4);
+  const mechanism::Robot robot = syntheticRobot();
+  const mechanism::Robot bench = syntheticBench(4);
   const IdentifyOptions options;
-  const Recording from_bench = syntheticRecording(bench, syntheticModel(bench), 0, 5.0);  // positions of 0.13 to 0.27 m
+  const recording::Recording from_bench =
+      syntheticRecording(bench, syntheticModel(bench), 0, 5.0);  // positions of 0.13 to 0.27 m
   EXPECT_THROW(observe(robot, columnsOf(robot), from_bench, options.observation), Refusal);
-  const Robot two = syntheticBench(2);
+  const mechanism::Robot two = syntheticBench(2);
   EXPECT_THROW(observe(two, columnsOf(two), from_bench, options.observation), InputError);
 }
 
 TEST(Observe, MasksPosesBeyondTheConditionLimit) {
-  const Robot robot = syntheticRobot();
+  const mechanism::Robot robot = syntheticRobot();
   IdentifyOptions options;
   options.observation.condition_max = 1.0;  // no pose is that good
   const Observation o =
@@ -188,20 +190,20 @@ TEST(Observe, MasksPosesBeyondTheConditionLimit) {
 }
 
 TEST(Observe, MasksWhereTheLengthsDoNotTellTheAssemblyMode) {
-  const Robot robot = syntheticRobot();
-  const Recording r = syntheticRecording(robot, syntheticModel(robot), 0, 20.0);
+  const mechanism::Robot robot = syntheticRobot();
+  const recording::Recording r = syntheticRecording(robot, syntheticModel(robot), 0, 20.0);
   IdentifyOptions options;
   options.observation.condition_max = 1e9;
   const Observation free = observe(robot, columnsOf(robot), r, options.observation);
   double nearest = 1e9;
-  for (const Motion& motion : free.motion.motion)
-    nearest = std::min(nearest, foldDistance(*robot.mechanism, motion.pose));
+  for (const mechanism::Motion& motion : free.motion.motion)
+    nearest = std::min(nearest, mechanism::foldDistance(*robot.mechanism, motion.pose));
   options.observation.fold_margin_m = 1.1 * nearest;
   const Observation some = observe(robot, columnsOf(robot), r, options.observation);
   int left_out = 0;
   for (int n = 0; n < some.samples(); ++n) {
     const std::size_t i = static_cast<std::size_t>(n);
-    const bool near = foldDistance(*robot.mechanism, some.motion.motion[i].pose) < 1.1 * nearest;
+    const bool near = mechanism::foldDistance(*robot.mechanism, some.motion.motion[i].pose) < 1.1 * nearest;
     EXPECT_TRUE(!near || !some.usable[i]);
     left_out += free.usable[i] && !some.usable[i];
   }
@@ -214,4 +216,4 @@ TEST(Observe, MasksWhereTheLengthsDoNotTellTheAssemblyMode) {
 }
 
 }  // namespace
-}  // namespace knee_robot
+}  // namespace knee_robot::identification

@@ -8,7 +8,7 @@
 #include "knee_robot/identification/evaluation.h"
 #include "knee_robot/identification/physical_fit.h"
 
-namespace knee_robot {
+namespace knee_robot::identification {
 namespace {
 
 std::string measured(const std::string& name) {
@@ -17,18 +17,18 @@ std::string measured(const std::string& name) {
   return root + "/data/measured/" + name + ".csv";
 }
 
-Robot robotFile(const std::string& name) {
-  return loadRobot(std::string(KNEE_SOURCE_DIR) + "/config/robots/" + name);
+mechanism::Robot robotFile(const std::string& name) {
+  return mechanism::loadRobot(std::string(KNEE_SOURCE_DIR) + "/config/robots/" + name);
 }
 
-std::vector<Observation> observeFile(const Robot& robot, const std::string& path) {
+std::vector<Observation> observeFile(const mechanism::Robot& robot, const std::string& path) {
   std::vector<Observation> list;
-  list.push_back(observe(robot, columnsOf(robot), loadRecording(path), ObservationOptions()));
+  list.push_back(observe(robot, columnsOf(robot), recording::loadRecording(path), ObservationOptions()));
   return list;
 }
 
 Accuracy validated(const std::string& robot_name, const std::string& train, const std::string& validate) {
-  const Robot robot = robotFile(robot_name);
+  const mechanism::Robot robot = robotFile(robot_name);
   std::vector<Observation> training = observeFile(robot, train);
   const Identification id = identify(robot, training, IdentifyOptions());
   const Accuracy a = applyModel(id.model, robot, observeFile(robot, validate), 3.0).accuracy;
@@ -42,7 +42,7 @@ TEST(MeasuredRobotB, OtherPathIsPredictedWithinAFifthOfTheIndependentAnalysis) {
   const std::string path_1 = measured("B_N_20_01_2021_161533"), path_2 = measured("B_N_01_02_2021_122900");
   if (!std::filesystem::exists(path_1)) GTEST_SKIP() << path_1 << " is not here";
   const Accuracy a = validated("B.yaml", path_1, path_2);
-  const Vector4 independent(5.9, 5.6, 4.1, 34.0);
+  const mechanism::Vector4 independent(5.9, 5.6, 4.1, 34.0);
   for (int i = 0; i < 4; ++i)
     EXPECT_LT(a.rms_moving_N[i], 1.2 * independent[i]) << "actuator " << i + 1;
   EXPECT_LT(a.rms_percent.maxCoeff(), 30.0)
@@ -53,7 +53,7 @@ TEST(MeasuredRobotB, ThePathsCanChangeRoles) {
   const std::string path_1 = measured("B_N_20_01_2021_161533"), path_2 = measured("B_N_01_02_2021_122900");
   if (!std::filesystem::exists(path_1)) GTEST_SKIP() << path_1 << " is not here";
   const Accuracy a = validated("B.yaml", path_2, path_1);
-  const Vector4 independent(5.9, 5.6, 4.1, 34.0);
+  const mechanism::Vector4 independent(5.9, 5.6, 4.1, 34.0);
   for (int i = 0; i < 4; ++i)
     EXPECT_LT(a.rms_moving_N[i], 1.2 * independent[i]) << "actuator " << i + 1;
 }
@@ -61,18 +61,18 @@ TEST(MeasuredRobotB, ThePathsCanChangeRoles) {
 TEST(MeasuredRobotB, PossibleBodiesPredictTheOtherPathNoWorseThanTheBaseFit) {
   const std::string path_1 = measured("B_N_20_01_2021_161533"), path_2 = measured("B_N_01_02_2021_122900");
   if (!std::filesystem::exists(path_1)) GTEST_SKIP() << path_1 << " is not here";
-  const Robot robot = robotFile("B.yaml");
+  const mechanism::Robot robot = robotFile("B.yaml");
   for (const bool forward : {true, false}) {
     std::vector<Observation> training = observeFile(robot, forward ? path_1 : path_2);
     const std::vector<Observation> judging = observeFile(robot, forward ? path_2 : path_1);
     const Identification id = identify(robot, training, IdentifyOptions());
-    const PhysicalFit fit = fitPhysical(robot, id, loadRobotInertia(robot));
+    const PhysicalFit fit = fitPhysical(robot, id, dynamics::loadRobotInertia(robot));
     const Accuracy base = applyModel(id.model, robot, judging, 3.0).accuracy;
     const Accuracy physical = applyModel(fit.model, robot, judging, 3.0).accuracy;
     std::cout << "moving: base " << base.rms_moving_N.transpose() << " N, possible bodies "
               << physical.rms_moving_N.transpose() << " N\n";
-    for (const LinkInertia& body : fit.inertia.links)
-      EXPECT_EQ(inconsistency(body), "");
+    for (const dynamics::LinkInertia& body : fit.inertia.links)
+      EXPECT_EQ(dynamics::inconsistency(body), "");
     EXPECT_LT(physical.rms_moving_N.cwiseQuotient(base.rms_moving_N).mean(), 1.05);
   }
 }
@@ -95,7 +95,7 @@ TEST(MeasuredRobotA, WhereCamerasSawTheOtherAssemblyModeIsMasked) {
 TEST(MeasuredBench, ItsFrictionExplainsMostOfTheForce) {
   const std::string path = measured("BENCH_V_17_12_2020_125008");
   if (!std::filesystem::exists(path)) GTEST_SKIP() << path << " is not here";
-  const Robot robot = robotFile("bench.yaml");
+  const mechanism::Robot robot = robotFile("bench.yaml");
   std::vector<Observation> training = observeFile(robot, path);
   const Identification id = identify(robot, training, IdentifyOptions());
   EXPECT_EQ(id.model.rank, 16);
@@ -104,4 +104,4 @@ TEST(MeasuredBench, ItsFrictionExplainsMostOfTheForce) {
 }
 
 }  // namespace
-}  // namespace knee_robot
+}  // namespace knee_robot::identification

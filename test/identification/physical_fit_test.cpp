@@ -11,19 +11,19 @@
 #include "knee_robot/identification/physical_problem.h"
 #include "test/identification/synthetic.h"
 
-namespace knee_robot {
+namespace knee_robot::identification {
 namespace {
 
 /// The inertias that syntheticModel has, each mass and length off by up to `wrong` (relative).
-RobotInertia syntheticPrior(const Model& truth, double wrong, unsigned seed) {
+dynamics::RobotInertia syntheticPrior(const dynamics::Model& truth, double wrong, unsigned seed) {
   std::mt19937 random(seed);
   std::uniform_real_distribution<double> uniform(-wrong, wrong);
-  RobotInertia prior;
-  for (int link = 0; link < kLinks; ++link) {
-    LinkParameters p;
-    for (int k = 0; k < kLinkParameters; ++k)
-      p[k] = truth.parameters[static_cast<std::size_t>(link * kLinkParameters + k)].value;
-    LinkInertia body = fromParameters(p);
+  dynamics::RobotInertia prior;
+  for (int link = 0; link < dynamics::kLinks; ++link) {
+    dynamics::LinkParameters p;
+    for (int k = 0; k < dynamics::kLinkParameters; ++k)
+      p[k] = truth.parameters[static_cast<std::size_t>(link * dynamics::kLinkParameters + k)].value;
+    dynamics::LinkInertia body = dynamics::fromParameters(p);
     const double mass = 1.0 + uniform(random), size = 1.0 + uniform(random);
     body.mass *= mass;
     body.center *= size;
@@ -33,15 +33,15 @@ RobotInertia syntheticPrior(const Model& truth, double wrong, unsigned seed) {
   return prior;
 }
 
-Eigen::VectorXd inertialOf(const Model& model) {
-  Eigen::VectorXd values(kInertialParameters);
-  for (int i = 0; i < kInertialParameters; ++i)
+Eigen::VectorXd inertialOf(const dynamics::Model& model) {
+  Eigen::VectorXd values(dynamics::kInertialParameters);
+  for (int i = 0; i < dynamics::kInertialParameters; ++i)
     values[i] = model.parameters[static_cast<std::size_t>(i)].value;
   return values;
 }
 
 TEST(PhysicalCoordinates, OneIsThePriorAndTheTransformIsLinear) {
-  const RobotInertia prior = syntheticPrior(syntheticModel(syntheticRobot()), 0.3, 1);
+  const dynamics::RobotInertia prior = syntheticPrior(syntheticModel(syntheticRobot()), 0.3, 1);
   const PhysicalCoordinates c = physicalCoordinates(prior);
   Eigen::VectorXd one = Eigen::VectorXd::Zero(90);
   for (int k = 0; k < 90; ++k)
@@ -63,7 +63,7 @@ PhysicalProblem randomProblem(const PhysicalCoordinates& c, int seen, const Eige
 }
 
 TEST(SolvePhysical, ReproducesPossibleParametersThatTheDataDetermine) {
-  const Model truth = syntheticModel(syntheticRobot());
+  const dynamics::Model truth = syntheticModel(syntheticRobot());
   const PhysicalCoordinates c = physicalCoordinates(syntheticPrior(truth, 0.3, 2));
   const Eigen::VectorXd coordinates = c.transform.fullPivLu().solve(inertialOf(truth));
   const PhysicalProblem p = randomProblem(c, 200, coordinates, 3);
@@ -98,9 +98,10 @@ TEST(SolvePhysical, NeverLeavesThePossibleEvenWhereTheDataAskForIt) {
     const PhysicalProblem p = randomProblem(c, 150, impossible, seed);
     const PhysicalSolution s = solvePhysical(p, priorPull(p, 1.0));
     const Eigen::VectorXd inertial = c.transform * s.inertial;
-    for (int link = 0; link < kLinks; ++link) {
-      const LinkInertia body = fromParameters(LinkParameters(inertial.segment<10>(10 * link)));
-      EXPECT_EQ(inconsistency(body), "") << "seed " << seed << ", link " << link;
+    for (int link = 0; link < dynamics::kLinks; ++link) {
+      const dynamics::LinkInertia body =
+          dynamics::fromParameters(dynamics::LinkParameters(inertial.segment<10>(10 * link)));
+      EXPECT_EQ(dynamics::inconsistency(body), "") << "seed " << seed << ", link " << link;
     }
     EXPECT_GT(s.cost, 1.0);
   }
@@ -153,15 +154,16 @@ TEST(SolvePhysical, EndsAtTheOptimumOnTheBoundaryToo) {
   std::cout << pushes << " pushes off the boundary in 10 problems\n";
 }
 
-std::vector<Observation> observeOne(const Robot& robot, const Recording& r, const IdentifyOptions& options) {
+std::vector<Observation> observeOne(const mechanism::Robot& robot, const recording::Recording& r,
+                                    const IdentifyOptions& options) {
   std::vector<Observation> list;
   list.push_back(observe(robot, columnsOf(robot), r, options.observation));
   return list;
 }
 
 TEST(FitPhysical, PredictsAnotherTrajectoryWithPossibleBodiesFromAWrongPrior) {
-  const Robot robot = syntheticRobot();
-  const Model truth = syntheticModel(robot);
+  const mechanism::Robot robot = syntheticRobot();
+  const dynamics::Model truth = syntheticModel(robot);
   std::mt19937 random(12);
   std::normal_distribution<double> normal(0.0, 0.5);
   const auto noise = [&] { return normal(random); };
@@ -169,16 +171,16 @@ TEST(FitPhysical, PredictsAnotherTrajectoryWithPossibleBodiesFromAWrongPrior) {
   auto train = observeOne(robot, syntheticRecording(robot, truth, 0, 40.0, noise), options);
   auto validate = observeOne(robot, syntheticRecording(robot, truth, 1, 30.0, noise), options);
   const Identification id = identify(robot, train, options);
-  const RobotInertia prior = syntheticPrior(truth, 0.4, 7);
+  const dynamics::RobotInertia prior = syntheticPrior(truth, 0.4, 7);
   const PhysicalFit fit = fitPhysical(robot, id, prior);
-  for (const LinkInertia& body : fit.inertia.links)
-    EXPECT_EQ(inconsistency(body), "");
+  for (const dynamics::LinkInertia& body : fit.inertia.links)
+    EXPECT_EQ(dynamics::inconsistency(body), "");
   const double cutoff = options.observation.cutoff_hz;
   const Accuracy physical = applyModel(fit.model, robot, validate, cutoff).accuracy;
   const Accuracy base = applyModel(id.model, robot, validate, cutoff).accuracy;
-  Model untouched = fit.model;  // the prior as it is, with the friction that was fitted
-  const InertialParameters given = toParameters(prior);
-  for (int i = 0; i < kInertialParameters; ++i)
+  dynamics::Model untouched = fit.model;  // the prior as it is, with the friction that was fitted
+  const dynamics::InertialParameters given = dynamics::toParameters(prior);
+  for (int i = 0; i < dynamics::kInertialParameters; ++i)
     untouched.parameters[static_cast<std::size_t>(i)].value = given[i];
   const Accuracy before = applyModel(untouched, robot, validate, cutoff).accuracy;
   std::cout << "strength " << fit.strength << ", supported " << fit.supported << ", moving, N: physical "
@@ -189,4 +191,4 @@ TEST(FitPhysical, PredictsAnotherTrajectoryWithPossibleBodiesFromAWrongPrior) {
 }
 
 }  // namespace
-}  // namespace knee_robot
+}  // namespace knee_robot::identification

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <random>
 
-namespace knee_robot {
+namespace knee_robot::identification {
 namespace {
 
 /// Two axes along sums of sines whose frequencies have no common period (repeat_s = 0) or that start anew every repeat_s; a little noise.
@@ -68,4 +68,4 @@ TEST(FirstVisits, TakeAnAxisAtRestForNoReasonToDoubt) {
 }
 
 }  // namespace
-}  // namespace knee_robot
+}  // namespace knee_robot::identification

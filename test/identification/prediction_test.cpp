@@ -7,13 +7,13 @@
 #include "knee_robot/identification/evaluation.h"
 #include "test/identification/synthetic.h"
 
-namespace knee_robot {
+namespace knee_robot::identification {
 namespace {
 
 TEST(Prediction, IsFiniteForEveryRowEvenAcrossGapsJitterAndUnreachableLengths) {
-  const Robot robot = syntheticRobot();
-  const Model model = syntheticModel(robot);
-  Recording r = syntheticRecording(robot, model, 0, 20.0);
+  const mechanism::Robot robot = syntheticRobot();
+  const dynamics::Model model = syntheticModel(robot);
+  recording::Recording r = syntheticRecording(robot, model, 0, 20.0);
   for (int k = 0; k < r.rows(); ++k)
     r.time_s[k] += (k % 3) * 0.002 + (k > 900 ? 0.3 : 0.0);
   for (int k = 500; k < 520; ++k)
@@ -27,9 +27,9 @@ TEST(Prediction, IsFiniteForEveryRowEvenAcrossGapsJitterAndUnreachableLengths) {
 }
 
 TEST(Prediction, DoesNotDependOnTheRecordedForces) {
-  const Robot robot = syntheticRobot();
-  const Model model = syntheticModel(robot);
-  Recording r = syntheticRecording(robot, model, 1, 10.0);
+  const mechanism::Robot robot = syntheticRobot();
+  const dynamics::Model model = syntheticModel(robot);
+  recording::Recording r = syntheticRecording(robot, model, 1, 10.0);
   const ObservationOptions options;
   const Observation with = observe(robot, columnsOf(robot), r, options);
   r.force_N.setConstant(-7.0);
@@ -39,9 +39,9 @@ TEST(Prediction, DoesNotDependOnTheRecordedForces) {
 }
 
 TEST(Prediction, OfTheTrueModelMatchesEachRowsForce) {
-  const Robot robot = syntheticRobot();
-  const Model model = syntheticModel(robot);
-  const Recording r = syntheticRecording(robot, model, 0, 30.0);
+  const mechanism::Robot robot = syntheticRobot();
+  const dynamics::Model model = syntheticModel(robot);
+  const recording::Recording r = syntheticRecording(robot, model, 0, 30.0);
   ObservationOptions options;
   options.signals.motion_cutoff_hz = 20.0;
   const Observation o = observe(robot, columnsOf(robot), r, options);
@@ -58,8 +58,8 @@ TEST(Prediction, OfTheTrueModelMatchesEachRowsForce) {
 }
 
 TEST(Accuracy, ComputesTheFiguresOfTheReport) {
-  const Robot robot = syntheticBench(1);
-  const Model model = syntheticModel(robot);
+  const mechanism::Robot robot = syntheticBench(1);
+  const dynamics::Model model = syntheticModel(robot);
   const ObservationOptions options;
   std::vector<Observation> list = {
       observe(robot, columnsOf(robot), syntheticRecording(robot, model, 0, 20.0), options)};
@@ -76,9 +76,9 @@ TEST(Accuracy, ComputesTheFiguresOfTheReport) {
 }
 
 TEST(Accuracy, SaysNothingAboutMovingSamplesWhereThereAreNone) {
-  const Robot robot = syntheticBench(2);
-  const Model model = syntheticModel(robot);
-  Recording r = syntheticRecording(robot, model, 0, 20.0);
+  const mechanism::Robot robot = syntheticBench(2);
+  const dynamics::Model model = syntheticModel(robot);
+  recording::Recording r = syntheticRecording(robot, model, 0, 20.0);
   r.position_m.col(1).setConstant(0.2);
   const ObservationOptions options;
   std::vector<Observation> list = {observe(robot, columnsOf(robot), r, options)};
@@ -88,4 +88,4 @@ TEST(Accuracy, SaysNothingAboutMovingSamplesWhereThereAreNone) {
 }
 
 }  // namespace
-}  // namespace knee_robot
+}  // namespace knee_robot::identification

@@ -9,7 +9,7 @@
 
 #include "knee_robot/identification/rank.h"
 
-namespace knee_robot {
+namespace knee_robot::identification {
 namespace {
 
 Eigen::MatrixXd randomMatrix(int rows, int columns, unsigned seed) {
@@ -141,4 +141,4 @@ TEST(ChooseRank, TrainingErrorFallsWithRank) {
 }
 
 }  // namespace
-}  // namespace knee_robot
+}  // namespace knee_robot::identification

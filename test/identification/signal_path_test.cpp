@@ -10,18 +10,18 @@
 #include "knee_robot/identification/identify.h"
 #include "test/identification/synthetic.h"
 
-namespace knee_robot {
+namespace knee_robot::identification {
 namespace {
 
 constexpr double kSeconds = 50.0;
 
 /// Two bench axes recorded at these row times; row k's force is that in the middle of its hold interval.
-Recording recordedAt(const std::vector<double>& times) {
-  const Robot robot = syntheticBench(2);
-  const ForceModel model(syntheticModel(robot), robot);
+recording::Recording recordedAt(const std::vector<double>& times) {
+  const mechanism::Robot robot = syntheticBench(2);
+  const dynamics::ForceModel model(syntheticModel(robot), robot);
   const std::vector<Sines> sines = syntheticMotion(true, 0);
-  ForceModelData data;
-  Recording r;
+  dynamics::ForceModelData data;
+  recording::Recording r;
   r.name = r.path = "bench.csv";
   r.axes = 2;
   r.time_s = times;
@@ -32,10 +32,10 @@ Recording recordedAt(const std::vector<double>& times) {
     const double hold =
         k + 1 < r.rows() ? times[static_cast<std::size_t>(k) + 1] - times[static_cast<std::size_t>(k)] : 0.01;
     const double middle = times[static_cast<std::size_t>(k)] + hold / 2;
-    Vector4 force = Vector4::Zero();
+    mechanism::Vector4 force = mechanism::Vector4::Zero();
     for (; t <= middle; t += 0.001) {  // the friction's memory sees the whole path
       const SyntheticState s = syntheticState(robot, sines, t, kSeconds);
-      forceFromModel(model, s.q, s.v, s.a, s.motion, data, force);
+      dynamics::forceFromModel(model, s.q, s.v, s.a, s.motion, data, force);
     }
     r.position_m.row(k) =
         syntheticState(robot, sines, times[static_cast<std::size_t>(k)], kSeconds).q.head(2).transpose();
@@ -63,8 +63,8 @@ struct Outcome {
   }
 };
 
-Outcome identified(const Recording& r) {
-  const Robot robot = syntheticBench(2);
+Outcome identified(const recording::Recording& r) {
+  const mechanism::Robot robot = syntheticBench(2);
   const IdentifyOptions options;
   std::vector<Observation> training = {observe(robot, columnsOf(robot), r, options.observation)};
   Outcome out;
@@ -77,8 +77,8 @@ Outcome identified(const Recording& r) {
 
 /// Friction and rotor within `percent` of the truth.
 void expectTruth(const Outcome& out, double percent) {
-  const Model truth = syntheticModel(syntheticBench(2));
-  for (const ModelParameter& p : truth.parameters) {
+  const dynamics::Model truth = syntheticModel(syntheticBench(2));
+  for (const dynamics::ModelParameter& p : truth.parameters) {
     EXPECT_NEAR(parameterValue(out.id.model, p.name), p.value, percent / 100.0 * std::max(20.0, std::abs(p.value)))
         << p.name;
   }
@@ -111,7 +111,7 @@ TEST(SignalPath, MissingRowsAreBridgedAndGapsAreLeftOut) {
 }
 
 TEST(SignalPath, SaturatedCommandsAreLeftOutAndTooManyAreRefused) {
-  Recording r = recordedAt(evenTimes());
+  recording::Recording r = recordedAt(evenTimes());
   const Outcome clean = identified(r);
   for (int k = 2000; k < 2200; ++k)
     r.force_N(k, 1) = 1000.0;  // 10 V times 100 N/V
@@ -135,15 +135,15 @@ TEST(SignalPath, ForceAtRestMeansNothingAndIsNotFitted) {
   std::vector<double> own = times;
   for (double& t : own)
     t = t < 20.0 ? t : std::max(20.0, t - 10.0);
-  Recording r = recordedAt(times);
-  const Robot robot = syntheticBench(2);
+  recording::Recording r = recordedAt(times);
+  const mechanism::Robot robot = syntheticBench(2);
   const std::vector<Sines> sines = syntheticMotion(true, 0);
   for (int k = 2000; k < 3000; ++k) {
     r.position_m.row(k) = syntheticState(robot, sines, 20.0, kSeconds).q.head(2).transpose();
     for (int i = 0; i < 2; ++i)
       r.force_N(k, i) = 10.0 + 20.0 * std::sin(0.8 * k * 0.01 + i);
   }
-  const Recording moving = recordedAt(times);
+  const recording::Recording moving = recordedAt(times);
   for (int k = 3000; k < 5000; ++k) {
     r.position_m.row(k) = moving.position_m.row(k - 1000);
     r.force_N.row(k) = moving.force_N.row(k - 1000);
@@ -155,7 +155,7 @@ TEST(SignalPath, ForceAtRestMeansNothingAndIsNotFitted) {
 }
 
 TEST(SignalPath, StaleFirstRowsAreDropped) {
-  Recording r = recordedAt(evenTimes());
+  recording::Recording r = recordedAt(evenTimes());
   for (int k = 0; k < 4; ++k)
     r.position_m.row(k).setConstant(0.35);  // of the run before
   const Outcome out = identified(r);
@@ -165,7 +165,7 @@ TEST(SignalPath, StaleFirstRowsAreDropped) {
 
 TEST(SignalPath, EncoderStepsAreFilteredAndNamed) {
   for (const double step_m : {5e-6, 20e-6}) {
-    Recording r = recordedAt(evenTimes());
+    recording::Recording r = recordedAt(evenTimes());
     r.position_m = (r.position_m / step_m).array().round() * step_m;
     const Outcome out = identified(r);
     expectTruth(out, 4.0);
@@ -175,8 +175,8 @@ TEST(SignalPath, EncoderStepsAreFilteredAndNamed) {
 
 TEST(SignalPath, ACommandHoldsFromItsRowToTheNext) {
   // The same forces, but stamped one row late: the fit must see the difference, else it ignores when commands act.
-  const Recording r = recordedAt(evenTimes());
-  Recording late = r;
+  const recording::Recording r = recordedAt(evenTimes());
+  recording::Recording late = r;
   late.force_N.bottomRows(r.rows() - 1) = r.force_N.topRows(r.rows() - 1);
   const Outcome right = identified(r), wrong = identified(late);
   expectNote(right, "commands averaged over the time they were held");
@@ -190,7 +190,7 @@ TEST(SignalPath, AllOfItTogetherIsSurvived) {
   for (double& t : times)
     t += late(random);
   times.erase(times.begin() + 3500, times.begin() + 3560);
-  Recording r = recordedAt(times);
+  recording::Recording r = recordedAt(times);
   r.position_m = (r.position_m / 20e-6).array().round() * 20e-6;
   for (int k = 0; k < 3; ++k)
     r.position_m.row(k).setConstant(0.35);
@@ -200,4 +200,4 @@ TEST(SignalPath, AllOfItTogetherIsSurvived) {
 }
 
 }  // namespace
-}  // namespace knee_robot
+}  // namespace knee_robot::identification

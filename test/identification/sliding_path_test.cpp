@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-namespace knee_robot {
+namespace knee_robot::identification {
 namespace {
 
 constexpr double kPeriod = 0.01;
@@ -95,4 +95,4 @@ TEST(SlidingPath, HasNoDirectionWhereNothingMoves) {
 }
 
 }  // namespace
-}  // namespace knee_robot
+}  // namespace knee_robot::identification

@@ -12,39 +12,39 @@
 #include "knee_robot/mechanism/robot.h"
 #include "knee_robot/recording/recording.h"
 
-namespace knee_robot {
+namespace knee_robot::identification {
 
 /// A robot whose parameters are known, made without files.
-inline Robot syntheticRobot() {
-  Robot robot;
+inline mechanism::Robot syntheticRobot() {
+  mechanism::Robot robot;
   robot.path = "synthetic.yaml";
   robot.fingerprint = "0123456789abcdef";
-  Geometry g;
+  mechanism::Geometry g;
   g.R = {0.5, 0.45, 0.45};
   g.ds = 0.15;
   g.beta_FD = g.beta_FI = 1.221730;
   g.Rm = {0.3, 0.3, 0.3};
   g.beta_MD = g.beta_MI = 0.174533;
-  robot.mechanism = Mechanism(g);
-  robot.actuators.assign(4, Actuator());
-  for (Actuator& a : robot.actuators) {
+  robot.mechanism = mechanism::Mechanism(g);
+  robot.actuators.assign(4, mechanism::Actuator());
+  for (mechanism::Actuator& a : robot.actuators) {
     a.counts_per_revolution = 5000.0;  // 2 um
     a.force_per_volt_N = 100.0;
   }
   return robot;
 }
 
-inline Robot syntheticBench(int axes) {
-  Robot robot = syntheticRobot();
-  robot.kind = MechanismKind::Axes;
+inline mechanism::Robot syntheticBench(int axes) {
+  mechanism::Robot robot = syntheticRobot();
+  robot.kind = mechanism::MechanismKind::Axes;
   robot.mechanism.reset();
   robot.actuators.resize(static_cast<std::size_t>(axes));
   return robot;
 }
 
 /// Known parameters: links of 1 to 12 kg that a body could have, friction, rotors; widths of 10 um.
-inline Model syntheticModel(const Robot& robot) {
-  Model m;
+inline dynamics::Model syntheticModel(const mechanism::Robot& robot) {
+  dynamics::Model m;
   m.kind = robot.kind;
   m.axes = robot.axes();
   m.robot_fingerprint = robot.fingerprint;
@@ -55,34 +55,34 @@ inline Model syntheticModel(const Robot& robot) {
   m.coulomb_width_m.assign(robot.actuators.size(), 1e-5);
   m.residual_rms_N.assign(robot.actuators.size(), 0.0);
   const auto add = [&](const std::string& name, double value) {
-    ModelParameter p;
+    dynamics::ModelParameter p;
     p.name = name;
     p.unit = "SI";
     p.value = value;
     m.parameters.push_back(p);
   };
-  if (robot.kind == MechanismKind::Axes) {
-    const std::vector<std::string> names = axisParameterNames(robot.axes());
+  if (robot.kind == mechanism::MechanismKind::Axes) {
+    const std::vector<std::string> names = dynamics::axisParameterNames(robot.axes());
     const double values[] = {200.0, 30.0, 80.0, 10.0};  // Fv, Fc, rotor, offset
     for (std::size_t i = 0; i < names.size(); ++i)
       add(names[i], values[i % 4] * (1.0 + 0.2 * static_cast<double>(i / 4)));
     return m;
   }
-  ExtendedParameters p = ExtendedParameters::Zero();
-  for (int link = 0; link < kLinks; ++link) {
-    LinkInertia body;
-    body.mass = link == kPlatformLink ? 12.0 : 1.0 + 0.5 * link;
-    body.center = Vector3(0.01 * link, -0.02, link % 2 ? -0.15 : 0.1);
-    body.inertia = Matrix3(Vector3(0.02, 0.03, 0.04).asDiagonal()) * body.mass;
-    p.segment<kLinkParameters>(link * kLinkParameters) = toParameters(body);
+  dynamics::ExtendedParameters p = dynamics::ExtendedParameters::Zero();
+  for (int link = 0; link < dynamics::kLinks; ++link) {
+    dynamics::LinkInertia body;
+    body.mass = link == dynamics::kPlatformLink ? 12.0 : 1.0 + 0.5 * link;
+    body.center = mechanism::Vector3(0.01 * link, -0.02, link % 2 ? -0.15 : 0.1);
+    body.inertia = mechanism::Matrix3(mechanism::Vector3(0.02, 0.03, 0.04).asDiagonal()) * body.mass;
+    p.segment<dynamics::kLinkParameters>(link * dynamics::kLinkParameters) = dynamics::toParameters(body);
   }
-  for (int leg = 0; leg < kLegs; ++leg) {
-    p[extended::kViscous + leg] = 200.0 + 50.0 * leg;
-    p[extended::kCoulomb + leg] = 25.0 + 5.0 * leg;
-    p[extended::kRotor + leg] = 60.0 + 20.0 * leg;
+  for (int leg = 0; leg < mechanism::kLegs; ++leg) {
+    p[dynamics::extended::kViscous + leg] = 200.0 + 50.0 * leg;
+    p[dynamics::extended::kCoulomb + leg] = 25.0 + 5.0 * leg;
+    p[dynamics::extended::kRotor + leg] = 60.0 + 20.0 * leg;
   }
-  for (int i = 0; i < extended::kParameters; ++i)
-    add(extendedParameterNames()[static_cast<std::size_t>(i)], p[i]);
+  for (int i = 0; i < dynamics::extended::kParameters; ++i)
+    add(dynamics::extendedParameterNames()[static_cast<std::size_t>(i)], p[i]);
   return m;
 }
 
@@ -119,8 +119,8 @@ inline std::vector<Sines> syntheticMotion(bool bench, int variant) {
 
 /// Position, velocity, acceleration of the actuators, and the platform's motion, at time t.
 struct SyntheticState {
-  Vector4 q = Vector4::Zero(), v = Vector4::Zero(), a = Vector4::Zero();
-  Motion motion;
+  mechanism::Vector4 q = mechanism::Vector4::Zero(), v = mechanism::Vector4::Zero(), a = mechanism::Vector4::Zero();
+  mechanism::Motion motion;
 };
 
 /// Clock of a motion that starts and ends at rest: its own time, rate and change of rate, smooth over the first and last 2 s.
@@ -140,10 +140,11 @@ struct Clock {
   }
 };
 
-inline SyntheticState syntheticState(const Robot& robot, const std::vector<Sines>& sines, double t, double end) {
+inline SyntheticState syntheticState(const mechanism::Robot& robot, const std::vector<Sines>& sines, double t,
+                                     double end) {
   SyntheticState s;
   const Clock clock(t, end);
-  Vector4 x[3];
+  mechanism::Vector4 x[3];
   for (int i = 0; i < 4; ++i) {
     const Sines& sine = sines[static_cast<std::size_t>(i)];
     x[0][i] = sine.at(clock.at, 0);
@@ -158,22 +159,22 @@ inline SyntheticState syntheticState(const Robot& robot, const std::vector<Sines
     return s;
   }
   s.motion = {x[0], x[1], x[2]};
-  const Matrix4 j = lengthJacobian(*robot.mechanism, x[0]);
-  s.q = legLengths(*robot.mechanism, x[0]);
+  const mechanism::Matrix4 j = mechanism::lengthJacobian(*robot.mechanism, x[0]);
+  s.q = mechanism::legLengths(*robot.mechanism, x[0]);
   s.v = j * x[1];
-  s.a = j * x[2] + lengthBias(*robot.mechanism, x[0], x[1]);
+  s.a = j * x[2] + mechanism::lengthBias(*robot.mechanism, x[0], x[1]);
   return s;
 }
 
 /// Recording of `seconds` at 100 Hz whose forces follow from the model exactly: row k's force is that in the middle of its hold
 /// interval. `noise` adds to each force.
-inline Recording syntheticRecording(
-    const Robot& robot, const Model& model, int variant, double seconds,
+inline recording::Recording syntheticRecording(
+    const mechanism::Robot& robot, const dynamics::Model& model, int variant, double seconds,
     const std::function<double()>& noise = [] { return 0.0; }) {
   const std::vector<Sines> sines = syntheticMotion(!robot.mechanism, variant);
-  const ForceModel force_model(model, robot);
-  ForceModelData data;
-  Recording r;
+  const dynamics::ForceModel force_model(model, robot);
+  dynamics::ForceModelData data;
+  recording::Recording r;
   r.name = "synthetic_" + std::to_string(variant);
   r.path = r.name + ".csv";
   r.axes = robot.axes();
@@ -184,8 +185,8 @@ inline Recording syntheticRecording(
     const double t = 0.01 * k;
     r.time_s.push_back(t);
     const SyntheticState middle = syntheticState(robot, sines, t + 0.005, seconds);
-    Vector4 force;
-    forceFromModel(force_model, middle.q, middle.v, middle.a, middle.motion, data, force);
+    mechanism::Vector4 force;
+    dynamics::forceFromModel(force_model, middle.q, middle.v, middle.a, middle.motion, data, force);
     r.position_m.row(k) = syntheticState(robot, sines, t, seconds).q.head(r.axes).transpose();
     for (int i = 0; i < r.axes; ++i)
       r.force_N(k, i) = force[i] + noise();
@@ -193,11 +194,11 @@ inline Recording syntheticRecording(
   return r;
 }
 
-inline double parameterValue(const Model& model, const std::string& name) {
-  for (const ModelParameter& p : model.parameters) {
+inline double parameterValue(const dynamics::Model& model, const std::string& name) {
+  for (const dynamics::ModelParameter& p : model.parameters) {
     if (p.name == name) return p.value;
   }
   return std::nan("");
 }
 
-}  // namespace knee_robot
+}  // namespace knee_robot::identification

@@ -8,7 +8,7 @@
 #include "knee_robot/mechanism/singularity.h"
 #include "test/mechanism/random_poses.h"
 
-namespace knee_robot {
+namespace knee_robot::mechanism {
 namespace {
 
 class Constraints : public testing::Test {
@@ -161,4 +161,4 @@ TEST(FoldDistance, IsTheLengthChangeThatSeparatesTheRobotFromTheMeetingOfTwoAsse
 }
 
 }  // namespace
-}  // namespace knee_robot
+}  // namespace knee_robot::mechanism

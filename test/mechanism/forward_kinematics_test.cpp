@@ -5,7 +5,7 @@
 
 #include "test/mechanism/random_poses.h"
 
-namespace knee_robot {
+namespace knee_robot::mechanism {
 namespace {
 
 TEST(ForwardKinematics, ReturnsThePoseThatInverseKinematicsStartedFrom) {
@@ -123,4 +123,4 @@ TEST(ForwardKinematicsFromHome, ReportsLengthsThatNoPoseHas) {
 }
 
 }  // namespace
-}  // namespace knee_robot
+}  // namespace knee_robot::mechanism

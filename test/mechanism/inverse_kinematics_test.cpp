@@ -4,7 +4,7 @@
 
 #include "test/mechanism/random_poses.h"
 
-namespace knee_robot {
+namespace knee_robot::mechanism {
 namespace {
 
 TEST(Mechanism, PlacesTheJointsWhereTableOneSays) {
@@ -134,4 +134,4 @@ TEST(ConditionNumber, OfASymmetricLevelPoseIsInfinite) {
 }
 
 }  // namespace
-}  // namespace knee_robot
+}  // namespace knee_robot::mechanism

@@ -5,7 +5,7 @@
 
 #include "knee_robot/mechanism/kinematics.h"
 
-namespace knee_robot {
+namespace knee_robot::mechanism {
 
 /// The geometries of the paper's Table 1 and of the sister robot B, as tests need them.
 inline Geometry geometryOf(std::array<double, 3> R, double ds, double fd_deg, double fi_deg, std::array<double, 3> Rm,
@@ -44,4 +44,4 @@ class RandomPoses {
   double condition_max_;
 };
 
-}  // namespace knee_robot
+}  // namespace knee_robot::mechanism

@@ -8,7 +8,7 @@
 #include "knee_robot/base/errors.h"
 #include "knee_robot/mechanism/robot.h"
 
-namespace knee_robot {
+namespace knee_robot::mechanism {
 namespace {
 
 namespace fs = std::filesystem;
@@ -138,4 +138,4 @@ TEST_F(RobotFile, RemembersTheFilesFingerprint) {
 }
 
 }  // namespace
-}  // namespace knee_robot
+}  // namespace knee_robot::mechanism

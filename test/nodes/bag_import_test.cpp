@@ -13,7 +13,7 @@
 #include "knee_robot/base/errors.h"
 #include "knee_robot/recording/recording.h"
 
-namespace knee_robot {
+namespace knee_robot::nodes {
 namespace {
 
 /// A bag with 50 tracking messages 10 ms apart (one of them twice), joint states, and pictures 4 ms after every second message.
@@ -67,8 +67,8 @@ class BagImport : public ::testing::Test {
 };
 
 TEST_F(BagImport, TakesTheControllersTopicByItsStampsAndSaysSo) {
-  const Imported imported = importBag(source_);
-  const Recording r = parseRecording(imported.csv, "imported");
+  const recording::Imported imported = importBag(source_);
+  const recording::Recording r = recording::parseRecording(imported.csv, "imported");
   ASSERT_EQ(r.rows(), 50);
   EXPECT_EQ(r.axes, 4);
   EXPECT_NEAR(r.time_s[49], 0.49, 1e-9);
@@ -81,7 +81,7 @@ TEST_F(BagImport, TakesTheControllersTopicByItsStampsAndSaysSo) {
 
 TEST_F(BagImport, PutsPicturesBesideTheNearestRows) {
   source_.camera = "/camera";
-  const Recording r = parseRecording(importBag(source_).csv, "imported");
+  const recording::Recording r = recording::parseRecording(importBag(source_).csv, "imported");
   ASSERT_EQ(r.mocap.cols(), 4);
   EXPECT_NEAR(r.mocap(4, 2), 0.2, 1e-9);
   EXPECT_DOUBLE_EQ(r.mocap(4, 1), 0.8);
@@ -91,7 +91,7 @@ TEST_F(BagImport, PutsPicturesBesideTheNearestRows) {
 TEST_F(BagImport, TakesJointStatesOfOtherMachines) {
   source_.topic = "/joints";
   source_.joints = {"axis2", "axis0"};
-  const Recording r = parseRecording(importBag(source_).csv, "imported");
+  const recording::Recording r = recording::parseRecording(importBag(source_).csv, "imported");
   EXPECT_EQ(r.axes, 2);
   EXPECT_DOUBLE_EQ(r.position_m(0, 0), 0.62);
   EXPECT_DOUBLE_EQ(r.force_N(0, 1), 5.0);
@@ -114,4 +114,4 @@ TEST_F(BagImport, RefusesWhatIsNoBag) {
 }
 
 }  // namespace
-}  // namespace knee_robot
+}  // namespace knee_robot::nodes

@@ -8,7 +8,7 @@
 #include "knee_robot/base/errors.h"
 #include "knee_robot/base/files.h"
 
-namespace knee_robot {
+namespace knee_robot::nodes {
 namespace {
 
 namespace fs = std::filesystem;
@@ -53,4 +53,4 @@ TEST_F(FolderTest, MakesPlainNewNamesOnly) {
 }
 
 }  // namespace
-}  // namespace knee_robot
+}  // namespace knee_robot::nodes

@@ -168,7 +168,7 @@ TEST(PlanExcitationProgram, WritesTheBestSoFarOnInterruptAndEndsWithZero) {
   ASSERT_TRUE(WIFEXITED(status));
   EXPECT_EQ(WEXITSTATUS(status), 0) << contentOf(progress);
   EXPECT_NE(contentOf(progress).find("stopped early: best so far"), std::string::npos);
-  const knee_robot::Reference reference = knee_robot::readReference(output);
+  const knee_robot::trajectory::Reference reference = knee_robot::trajectory::readReference(output);
   EXPECT_EQ(reference.points.rows(), 2001) << "20 s, to the end";
 }
 

@@ -9,7 +9,7 @@
 #include "../../src/nodes/controller_pose.h"
 #include "../../src/nodes/monitor_board.h"
 
-namespace knee_robot {
+namespace knee_robot::nodes {
 namespace {
 
 class MonitorScene : public testing::Test {
@@ -21,12 +21,13 @@ class MonitorScene : public testing::Test {
     return text;
   }
 
-  const Robot robot_ = loadRobot(KNEE_SOURCE_DIR "/config/robots/final.yaml");
+  const mechanism::Robot robot_ = mechanism::loadRobot(KNEE_SOURCE_DIR "/config/robots/final.yaml");
   Heard heard_;
 };
 
 TEST_F(MonitorScene, APoseComesBackFromItsMessage) {
-  for (const Pose& pose : {Pose(0.1, 0.7, 0.2, -0.3), Pose(-0.05, 0.65, -0.5, 0.4), Pose(0.0, 0.6, 0.0, 0.0)})
+  for (const mechanism::Pose& pose : {mechanism::Pose(0.1, 0.7, 0.2, -0.3), mechanism::Pose(-0.05, 0.65, -0.5, 0.4),
+                                      mechanism::Pose(0.0, 0.6, 0.0, 0.0)})
     EXPECT_LT((poseOf(poseMessage(pose)) - pose).norm(), 1e-12);
 }
 
@@ -48,7 +49,7 @@ TEST_F(MonitorScene, ShowsOnlyThePathToCome) {
   for (int k = 0; k <= 10; ++k) {
     heard_.path->poses.emplace_back();
     heard_.path->poses.back().header.stamp.fromSec(k);
-    heard_.path->poses.back().pose = poseMessage(Pose(0.0, 0.6 + 0.01 * k, 0.0, 0.0));
+    heard_.path->poses.back().pose = poseMessage(mechanism::Pose(0.0, 0.6 + 0.01 * k, 0.0, 0.0));
   }
   const auto points = [&] {
     const auto scene = sceneOf(robot_, heard_);
@@ -69,9 +70,9 @@ TEST_F(MonitorScene, ShowsOnlyThePathToCome) {
 TEST_F(MonitorScene, NumbersEveryMarkerOnce) {
   heard_.state.emplace();
   heard_.tracking.emplace();
-  TrackingRow row;
+  control::TrackingRow row;
   row.position_m = {0.7, 0.7, 0.7, 0.7};
-  const Pose pose(0.0, 0.7, 0.1, 0.1);
+  const mechanism::Pose pose(0.0, 0.7, 0.1, 0.1);
   heard_.reference = pose;
   heard_.margins = marginsMessage(robot_, &pose, row);
   std::set<std::pair<std::string, int>> seen;
@@ -82,8 +83,8 @@ TEST_F(MonitorScene, NumbersEveryMarkerOnce) {
 }
 
 TEST(Messages, NameTheNearestLimit) {
-  const Robot robot = loadRobot(KNEE_SOURCE_DIR "/config/robots/final.yaml");
-  TrackingRow row;
+  const mechanism::Robot robot = mechanism::loadRobot(KNEE_SOURCE_DIR "/config/robots/final.yaml");
+  control::TrackingRow row;
   row.position_m = {0.75, 0.75, 0.8999, 0.75};
   const Margins margins = marginsMessage(robot, nullptr, row);
   EXPECT_FALSE(margins.pose_known);
@@ -92,11 +93,11 @@ TEST(Messages, NameTheNearestLimit) {
 }
 
 TEST(Messages, CoordinatesHaveTheRatesOfTheirDifferences) {
-  const Robot robot = loadRobot(KNEE_SOURCE_DIR "/config/robots/final.yaml");
-  const Pose pose(0.02, 0.7, 0.1, -0.2), rate(0.03, -0.02, 0.1, 0.2);
+  const mechanism::Robot robot = mechanism::loadRobot(KNEE_SOURCE_DIR "/config/robots/final.yaml");
+  const mechanism::Pose pose(0.02, 0.7, 0.1, -0.2), rate(0.03, -0.02, 0.1, 0.2);
   constexpr double h = 1e-6;
-  const Vector4 length_rate = lengthJacobian(*robot.mechanism, pose) * rate;
-  TrackingRow row;
+  const mechanism::Vector4 length_rate = mechanism::lengthJacobian(*robot.mechanism, pose) * rate;
+  control::TrackingRow row;
   std::copy_n(length_rate.data(), 4, row.velocity_m_per_s.begin());
   const auto now = coordinatesMessage(*robot.mechanism, pose, row);
   const auto after = coordinatesMessage(*robot.mechanism, pose + h * rate, row);
@@ -113,4 +114,4 @@ TEST(Text, IsWrappedBetweenWords) {
 }
 
 }  // namespace
-}  // namespace knee_robot
+}  // namespace knee_robot::nodes

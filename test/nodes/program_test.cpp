@@ -6,7 +6,7 @@
 
 #include "knee_robot/base/errors.h"
 
-namespace knee_robot {
+namespace knee_robot::nodes {
 namespace {
 
 struct Outcome {
@@ -63,4 +63,4 @@ TEST(RunProgram, ShowsHelp) {
 }
 
 }  // namespace
-}  // namespace knee_robot
+}  // namespace knee_robot::nodes

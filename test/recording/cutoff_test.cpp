@@ -7,7 +7,7 @@
 #include <filesystem>
 #include <random>
 
-namespace knee_robot {
+namespace knee_robot::recording {
 namespace {
 
 constexpr double kRate = 100.0;
@@ -156,4 +156,4 @@ TEST(Cutoff, OfTheMeasuredRecordingsIsNearWhatAnIndependentAnalysisChose) {
 }
 
 }  // namespace
-}  // namespace knee_robot
+}  // namespace knee_robot::recording

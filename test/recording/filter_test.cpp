@@ -5,7 +5,7 @@
 #include <cmath>
 #include <random>
 
-namespace knee_robot {
+namespace knee_robot::recording {
 namespace {
 
 constexpr double kRate = 100.0;
@@ -106,4 +106,4 @@ TEST(Derivatives, AreExactForPolynomialsOfLowDegreeAndOfFourthOrderForSines) {
 }
 
 }  // namespace
-}  // namespace knee_robot
+}  // namespace knee_robot::recording

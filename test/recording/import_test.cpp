@@ -15,7 +15,7 @@
 #include "knee_robot/base/files.h"
 #include "knee_robot/recording/recording.h"
 
-namespace knee_robot {
+namespace knee_robot::recording {
 namespace {
 
 namespace fs = std::filesystem;
@@ -303,4 +303,4 @@ TEST_F(ImportTest, MutatedFoldersGiveASoundRecordingOrADeclaredError) {
 }
 
 }  // namespace
-}  // namespace knee_robot
+}  // namespace knee_robot::recording

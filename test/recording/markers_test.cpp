@@ -9,7 +9,7 @@
 
 #include "knee_robot/base/errors.h"
 
-namespace knee_robot {
+namespace knee_robot::recording {
 namespace {
 
 constexpr const char* kMap =
@@ -140,4 +140,4 @@ TEST(Markers, CameraColumnsAreAddedOnceAndKeepTheRecordingAsItWas) {
 }
 
 }  // namespace
-}  // namespace knee_robot
+}  // namespace knee_robot::recording

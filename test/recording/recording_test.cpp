@@ -7,7 +7,7 @@
 
 #include "knee_robot/base/errors.h"
 
-namespace knee_robot {
+namespace knee_robot::recording {
 namespace {
 
 const std::string kHeader =
@@ -173,4 +173,4 @@ TEST(Recording, SurvivesArbitraryDamageWithAnInputErrorOrAValidRecording) {
 }
 
 }  // namespace
-}  // namespace knee_robot
+}  // namespace knee_robot::recording

@@ -14,7 +14,7 @@
 #include "knee_robot/base/files.h"
 #include "knee_robot/recording/recording.h"
 
-namespace knee_robot {
+namespace knee_robot::recording {
 namespace {
 
 class RecordingWriterTest : public ::testing::Test {
@@ -121,4 +121,4 @@ TEST_F(RecordingWriterTest, RefusesWhatTheReaderWouldRefuse) {
 }
 
 }  // namespace
-}  // namespace knee_robot
+}  // namespace knee_robot::recording

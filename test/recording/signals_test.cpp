@@ -8,7 +8,7 @@
 #include "knee_robot/base/errors.h"
 #include "knee_robot/recording/filter.h"
 
-namespace knee_robot {
+namespace knee_robot::recording {
 namespace {
 
 double path(double t) {
@@ -135,4 +135,4 @@ TEST(AtHoldIntervals, LooksInTheMiddleOfTheIntervalInWhichTheRowsForceHolds) {
 }
 
 }  // namespace
-}  // namespace knee_robot
+}  // namespace knee_robot::recording

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <random>
 
-namespace knee_robot {
+namespace knee_robot::recording {
 namespace {
 
 TEST(PowerSpectrum, OfWhiteNoiseIntegratesToItsVariance) {
@@ -49,4 +49,4 @@ TEST(PowerSpectrum, IsEmptyForNothing) {
 }
 
 }  // namespace
-}  // namespace knee_robot
+}  // namespace knee_robot::recording

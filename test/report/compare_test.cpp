@@ -16,7 +16,7 @@
 #include "knee_robot/base/files.h"
 #include "knee_robot/mechanism/kinematics.h"
 
-namespace knee_robot {
+namespace knee_robot::report {
 namespace {
 
 namespace fs = std::filesystem;
@@ -24,18 +24,19 @@ namespace fs = std::filesystem;
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 constexpr double kDegree = M_PI / 180.0;
 
-Robot robotB() {
-  return loadRobot(KNEE_SOURCE_DIR "/config/robots/B.yaml");
+mechanism::Robot robotB() {
+  return mechanism::loadRobot(KNEE_SOURCE_DIR "/config/robots/B.yaml");
 }
 
-Pose poseAt(double t) {
+mechanism::Pose poseAt(double t) {
   return {0.05 * std::sin(0.9 * t), 0.76 + 0.03 * std::sin(1.3 * t), 0.12 + 0.1 * std::sin(0.7 * t),
           0.05 * std::sin(1.1 * t)};
 }
 
 /// 20 s along poseAt; the measured pose is the reference's plus `error`.
-Recording recorded(const Robot& robot, const Pose& error = Pose::Zero(), double period_s = 0.01) {
-  Recording r;
+recording::Recording recorded(const mechanism::Robot& robot, const mechanism::Pose& error = mechanism::Pose::Zero(),
+                              double period_s = 0.01) {
+  recording::Recording r;
   r.path = "run <1>.csv";
   r.name = "run <1>";
   r.axes = 4;
@@ -45,17 +46,17 @@ Recording recorded(const Robot& robot, const Pose& error = Pose::Zero(), double 
   for (Eigen::Index i = 0; i < rows; ++i) {
     const double t = static_cast<double>(i) * period_s;
     r.time_s.push_back(t);
-    r.reference_m.row(i) = legLengths(*robot.mechanism, poseAt(t)).transpose();
-    r.position_m.row(i) = legLengths(*robot.mechanism, poseAt(t) + error).transpose();
+    r.reference_m.row(i) = mechanism::legLengths(*robot.mechanism, poseAt(t)).transpose();
+    r.position_m.row(i) = mechanism::legLengths(*robot.mechanism, poseAt(t) + error).transpose();
   }
   return r;
 }
 
 /// What a camera sees of poseAt: late, in a turned and shifted frame, with markers put on askew.
-void film(Recording& r, double delay_s, double turn, double shift_x, double shift_z, double plate) {
+void film(recording::Recording& r, double delay_s, double turn, double shift_x, double shift_z, double plate) {
   r.mocap.resize(r.rows(), 4);
   for (int i = 0; i < r.rows(); ++i) {
-    const Pose p = poseAt(r.time_s[static_cast<std::size_t>(i)] - delay_s);
+    const mechanism::Pose p = poseAt(r.time_s[static_cast<std::size_t>(i)] - delay_s);
     const double x = p[0] - shift_x, z = p[1] - shift_z, c = std::cos(turn), s = std::sin(turn);
     r.mocap.row(i) << c * x - s * z, s * x + c * z, p[2] - turn, p[3] - plate;
   }
@@ -71,8 +72,8 @@ std::string why(const std::function<void()>& action) {
 }
 
 TEST(Compare, GivesLargestRmsAndMeanErrorPerActuator) {
-  const Robot robot = robotB();
-  Recording r = recorded(robot);
+  const mechanism::Robot robot = robotB();
+  recording::Recording r = recorded(robot);
   r.position_m.col(1).array() += 0.001;
   r.position_m(700, 1) += 0.004;
   const CompareResults c = compare(robot, r, 60.0);
@@ -84,8 +85,8 @@ TEST(Compare, GivesLargestRmsAndMeanErrorPerActuator) {
 }
 
 TEST(Compare, FindsThePoseErrorBehindTheLengths) {
-  const Robot robot = robotB();
-  const Pose error(0.003, -0.001, 0.5 * kDegree, -1.0 * kDegree);
+  const mechanism::Robot robot = robotB();
+  const mechanism::Pose error(0.003, -0.001, 0.5 * kDegree, -1.0 * kDegree);
   const CompareResults c = compare(robot, recorded(robot, error), 60.0);
   ASSERT_TRUE(c.has_pose);
   EXPECT_EQ(c.measured.unknown + c.reference.unknown, 0);
@@ -97,8 +98,8 @@ TEST(Compare, FindsThePoseErrorBehindTheLengths) {
 }
 
 TEST(Compare, RecoversTheCamerasDelayAndFrame) {
-  const Robot robot = robotB();
-  Recording r = recorded(robot);
+  const mechanism::Robot robot = robotB();
+  recording::Recording r = recorded(robot);
   film(r, 0.0374, 3.0 * kDegree, 0.2, -0.05, -4.0 * kDegree);
   for (int i = 0; i < 150; ++i)
     r.mocap.row(i).setConstant(kNan);
@@ -106,7 +107,7 @@ TEST(Compare, RecoversTheCamerasDelayAndFrame) {
     r.mocap.row(i).setConstant(kNan);
   const CompareResults c = compare(robot, r, 60.0);
   ASSERT_TRUE(c.has_camera);
-  const CameraAlignment& a = c.camera.alignment;
+  const tracing::CameraAlignment& a = c.camera.alignment;
   ASSERT_TRUE(a.delay_known);
   EXPECT_NEAR(a.delay_s, 0.0374, 5e-4);
   EXPECT_NEAR(a.rotation_rad, 3.0 * kDegree, 1e-4);
@@ -119,29 +120,29 @@ TEST(Compare, RecoversTheCamerasDelayAndFrame) {
 }
 
 TEST(Compare, AlignsACameraThatIsEarlyAsWell) {
-  const Robot robot = robotB();
-  Recording r = recorded(robot, Pose::Zero(), 0.005);
+  const mechanism::Robot robot = robotB();
+  recording::Recording r = recorded(robot, mechanism::Pose::Zero(), 0.005);
   film(r, -0.12, 0.0, 0.0, 0.0, 0.0);
   EXPECT_NEAR(compare(robot, r, 60.0).camera.alignment.delay_s, -0.12, 5e-4);
 }
 
 TEST(Compare, SwappedMarkersInATenthOfThePicturesDoNotMoveTheFrame) {
-  const Robot robot = robotB();
-  Recording r = recorded(robot);
+  const mechanism::Robot robot = robotB();
+  recording::Recording r = recorded(robot);
   film(r, 0.0, 1.0 * kDegree, 0.01, 0.02, 0.0);
   std::mt19937 random(3);
   for (int i = 0; i < r.rows(); ++i) {
     if (random() % 10 == 0) r.mocap.row(i) += Eigen::RowVector4d(0.2, -0.1, 0.5, 1.0);
   }
-  const CameraAlignment a = compare(robot, r, 60.0).camera.alignment;
+  const tracing::CameraAlignment a = compare(robot, r, 60.0).camera.alignment;
   EXPECT_NEAR(a.rotation_rad, 1.0 * kDegree, 1e-5);
   EXPECT_NEAR(a.shift_x_m, 0.01, 1e-5);
   EXPECT_NEAR(a.shift_z_m, 0.02, 1e-5);
 }
 
 TEST(Compare, DoesNotInventADelayWithoutMotion) {
-  const Robot robot = robotB();
-  Recording r = recorded(robot);
+  const mechanism::Robot robot = robotB();
+  recording::Recording r = recorded(robot);
   r.position_m.rowwise() = r.position_m.row(0).eval();
   film(r, 0.0, 0.0, 0.0, 0.0, 0.0);
   std::mt19937 random(5);
@@ -157,8 +158,8 @@ TEST(Compare, DoesNotInventADelayWithoutMotion) {
 }
 
 TEST(Compare, ACameraWithoutPicturesIsSaidToBeUseless) {
-  const Robot robot = robotB();
-  Recording r = recorded(robot);
+  const mechanism::Robot robot = robotB();
+  recording::Recording r = recorded(robot);
   r.mocap = Eigen::MatrixXd::Constant(r.rows(), 4, kNan);
   const CompareResults c = compare(robot, r, 60.0);
   EXPECT_FALSE(c.has_camera);
@@ -166,21 +167,21 @@ TEST(Compare, ACameraWithoutPicturesIsSaidToBeUseless) {
 }
 
 TEST(Compare, RefusesWhatCannotBeCompared) {
-  const Robot robot = robotB();
-  Recording r = recorded(robot);
+  const mechanism::Robot robot = robotB();
+  recording::Recording r = recorded(robot);
   r.reference_m.resize(r.rows(), 0);
   EXPECT_NE(why([&] { compare(robot, r, 60.0); }).find("reference_1_m is missing"), std::string::npos);
-  Recording foreign = recorded(robot);
+  recording::Recording foreign = recorded(robot);
   foreign.position_m.array() *= 0.01;
   EXPECT_THROW(compare(robot, foreign, 60.0), Refusal);
-  Recording two = recorded(robot);
+  recording::Recording two = recorded(robot);
   two.axes = 2;
   EXPECT_NE(why([&] { compare(robot, two, 60.0); }).find("records 2 actuators"), std::string::npos);
 }
 
 TEST(Compare, ARecordingWithoutReferenceStillHasItsCamera) {
-  const Robot robot = robotB();
-  Recording r = recorded(robot);
+  const mechanism::Robot robot = robotB();
+  recording::Recording r = recorded(robot);
   r.mocap.resize(r.rows(), 4);
   for (int i = 0; i < r.rows(); ++i)
     r.mocap.row(i) = poseAt(r.time_s[static_cast<std::size_t>(i)]).transpose();
@@ -211,8 +212,8 @@ TEST(Compare, WritesBothFiguresAsPictures) {
 }
 
 TEST(Compare, IndependentAxesHaveNoPose) {
-  Robot bench = robotB();
-  bench.kind = MechanismKind::Axes;
+  mechanism::Robot bench = robotB();
+  bench.kind = mechanism::MechanismKind::Axes;
   bench.mechanism.reset();
   CompareResults c = compare(bench, recorded(robotB()), 60.0);
   EXPECT_FALSE(c.has_pose);
@@ -221,8 +222,8 @@ TEST(Compare, IndependentAxesHaveNoPose) {
 }
 
 TEST(CompareFiles, AreSelfContainedEscapedAndParsable) {
-  const Robot robot = robotB();
-  Recording r = recorded(robot, Pose(0.001, 0, 0, 0));
+  const mechanism::Robot robot = robotB();
+  recording::Recording r = recorded(robot, mechanism::Pose(0.001, 0, 0, 0));
   film(r, 0.02, 0.0, 0.0, 0.0, 0.0);
   CompareResults c = compare(robot, r, 60.0);
   c.command_line = "compare \"<x>\"";
@@ -251,8 +252,9 @@ TEST(CompareFiles, AreSelfContainedEscapedAndParsable) {
 class MeasuredTest : public ::testing::TestWithParam<const char*> {
  protected:
   CompareResults compareMeasured(const std::string& name) {
-    const Robot robot = loadRobot(KNEE_SOURCE_DIR "/config/robots/" + name.substr(0, 1) + ".yaml");
-    return compare(robot, loadRecording(folder() + name + ".csv"), 60.0);
+    const mechanism::Robot robot =
+        mechanism::loadRobot(KNEE_SOURCE_DIR "/config/robots/" + name.substr(0, 1) + ".yaml");
+    return compare(robot, recording::loadRecording(folder() + name + ".csv"), 60.0);
   }
   static std::string folder() {
     const char* shared = std::getenv("KNEE_SHARED_DIR");
@@ -289,4 +291,4 @@ TEST_F(MeasuredTest, WhereTheCamerasLeaveForwardKinematicsTheLengthsHaveASecondP
 }
 
 }  // namespace
-}  // namespace knee_robot
+}  // namespace knee_robot::report

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <string>
 
-namespace knee_robot {
+namespace knee_robot::report {
 namespace {
 
 std::size_t count(const std::string& text, const std::string& what) {
@@ -16,11 +16,11 @@ std::size_t count(const std::string& text, const std::string& what) {
 }
 
 TEST(ExerciseReport, ShowsEveryExerciseWithPoseActuatorsAndMarginsAsOnePicture) {
-  const Robot robot = loadRobot(std::string(KNEE_SOURCE_DIR) + "/config/robots/final.yaml");
-  for (const Exercise& exercise : exercises()) {
-    ExerciseOptions options;
+  const mechanism::Robot robot = mechanism::loadRobot(std::string(KNEE_SOURCE_DIR) + "/config/robots/final.yaml");
+  for (const trajectory::Exercise& exercise : trajectory::exercises()) {
+    trajectory::ExerciseOptions options;
     options.scale_to_fit = true;
-    const ExercisePlan plan = planExercise(exercise, robot, options);
+    const trajectory::ExercisePlan plan = trajectory::planExercise(exercise, robot, options);
     const std::string svg = exerciseSvg(exercise, robot, plan);
     EXPECT_EQ(count(svg, "<svg "), 7u) << exercise.name;  // six panels in one picture
     EXPECT_EQ(count(svg, "<svg "), count(svg, "</svg>"));
@@ -33,14 +33,17 @@ TEST(ExerciseReport, ShowsEveryExerciseWithPoseActuatorsAndMarginsAsOnePicture) 
 }
 
 TEST(ExerciseReport, NamesTheSameNearestLimitAsTheCheckOfTheWay) {
-  const Robot robot = loadRobot(std::string(KNEE_SOURCE_DIR) + "/config/robots/final.yaml");
-  ExerciseOptions options;
+  const mechanism::Robot robot = mechanism::loadRobot(std::string(KNEE_SOURCE_DIR) + "/config/robots/final.yaml");
+  trajectory::ExerciseOptions options;
   options.scale_to_fit = true;
-  const ExercisePlan plan = planExercise(exerciseNamed("ankle_flexion"), robot, options);
+  const trajectory::ExercisePlan plan =
+      trajectory::planExercise(trajectory::exerciseNamed("ankle_flexion"), robot, options);
   double least = 1e9;
   for (Eigen::Index k = 0; k < plan.check.poses.rows(); ++k)
-    least = std::min(least, nearestLimit(robot, plan.check.poses.row(k).transpose(), planningCondition(robot)).left);
-  const std::string svg = exerciseSvg(exerciseNamed("ankle_flexion"), robot, plan);
+    least = std::min(least, trajectory::nearestLimit(robot, plan.check.poses.row(k).transpose(),
+                                                     trajectory::planningCondition(robot))
+                                .left);
+  const std::string svg = exerciseSvg(trajectory::exerciseNamed("ankle_flexion"), robot, plan);
   const std::size_t at = svg.find("% left");
   ASSERT_NE(at, std::string::npos);
   const std::size_t comma = svg.rfind(", ", at);
@@ -48,4 +51,4 @@ TEST(ExerciseReport, NamesTheSameNearestLimitAsTheCheckOfTheWay) {
 }
 
 }  // namespace
-}  // namespace knee_robot
+}  // namespace knee_robot::report

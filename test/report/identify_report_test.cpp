@@ -11,35 +11,36 @@
 #include "knee_robot/base/files.h"
 #include "test/identification/synthetic.h"
 
-namespace knee_robot {
+namespace knee_robot::report {
 namespace {
 
 /// A small but complete result, of two bench axes.
 IdentifyResults results(bool with_validation) {
-  const Robot robot = syntheticBench(2);
-  const Model truth = syntheticModel(robot);
+  const mechanism::Robot robot = identification::syntheticBench(2);
+  const dynamics::Model truth = identification::syntheticModel(robot);
   IdentifyResults r;
   r.command_line = "identify --output \"<here>\"";
   r.robot_path = "bench.yaml";
-  const auto add = [&](std::vector<Observation>& list, int variant) {
-    list.push_back(
-        observe(robot, columnsOf(robot), syntheticRecording(robot, truth, variant, 20.0), r.options.observation));
+  const auto add = [&](std::vector<identification::Observation>& list, int variant) {
+    list.push_back(identification::observe(robot, identification::columnsOf(robot),
+                                           identification::syntheticRecording(robot, truth, variant, 20.0),
+                                           r.options.observation));
   };
   add(r.train, 0);
   if (with_validation) add(r.validate, 1);
-  r.after = identify(robot, r.train, r.options);
-  IdentifyOptions without = r.options;
+  r.after = identification::identify(robot, r.train, r.options);
+  identification::IdentifyOptions without = r.options;
   without.friction = false;
-  r.before = identify(robot, r.train, without);
+  r.before = identification::identify(robot, r.train, without);
   const double cutoff = r.options.observation.cutoff_hz;
-  r.train_before = applyModel(r.before.model, robot, r.train, cutoff);
-  r.train_after = applyModel(r.after.model, robot, r.train, cutoff);
-  r.train_by_rank = errorAgainstRank(r.after, r.train, cutoff);
+  r.train_before = identification::applyModel(r.before.model, robot, r.train, cutoff);
+  r.train_after = identification::applyModel(r.after.model, robot, r.train, cutoff);
+  r.train_by_rank = identification::errorAgainstRank(r.after, r.train, cutoff);
   if (with_validation) {
-    setCoulombWidth(r.validate[0], r.after.columns, r.after.model.coulomb_width_m);
-    r.validate_before = applyModel(r.before.model, robot, r.validate, cutoff);
-    r.validate_after = applyModel(r.after.model, robot, r.validate, cutoff);
-    r.validate_by_rank = errorAgainstRank(r.after, r.validate, cutoff);
+    identification::setCoulombWidth(r.validate[0], r.after.columns, r.after.model.coulomb_width_m);
+    r.validate_before = identification::applyModel(r.before.model, robot, r.validate, cutoff);
+    r.validate_after = identification::applyModel(r.after.model, robot, r.validate, cutoff);
+    r.validate_by_rank = identification::errorAgainstRank(r.after, r.validate, cutoff);
   }
   return r;
 }
@@ -108,7 +109,7 @@ TEST(WriteIdentifyFiles, LeavesAllFilesAndAModelThatCanBeRead) {
   for (const char* name : {"report.json", "report.html", "model.yaml", "prediction_synthetic_1.csv"}) {
     EXPECT_TRUE(std::filesystem::exists(folder + "/" + name)) << name;
   }
-  const Model m = loadModel(folder + "/model.yaml");
+  const dynamics::Model m = dynamics::loadModel(folder + "/model.yaml");
   EXPECT_EQ(m.parameters.size(), r.after.model.parameters.size());
   EXPECT_EQ(m.parameters[1].value, r.after.model.parameters[1].value);
   EXPECT_THROW(writeIdentifyFiles(r, folder + "/model.yaml"), InputError);  // a file is in its place
@@ -122,4 +123,4 @@ TEST(IdentifySummary, ShowsErrorsAndTheRankCurve) {
 }
 
 }  // namespace
-}  // namespace knee_robot
+}  // namespace knee_robot::report

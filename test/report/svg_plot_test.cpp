@@ -6,7 +6,7 @@
 #include <cmath>
 #include <limits>
 
-namespace knee_robot {
+namespace knee_robot::report {
 namespace {
 
 std::size_t count(const std::string& text, const std::string& part) {
@@ -73,4 +73,4 @@ TEST(SvgPlot, SurvivesEmptyAndConstantData) {
 }
 
 }  // namespace
-}  // namespace knee_robot
+}  // namespace knee_robot::report

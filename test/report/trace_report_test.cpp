@@ -15,14 +15,14 @@
 #include "knee_robot/tracing/model_prediction.h"
 #include "test/identification/synthetic.h"
 
-namespace knee_robot {
+namespace knee_robot::report {
 namespace {
 
 /// Two bench axes, the second with a drag that the model lacks, traced on one recording and judged on another.
 const TraceResults& traced() {
   static const TraceResults results = [] {
-    Robot robot = syntheticBench(2);
-    for (Actuator& a : robot.actuators) {
+    mechanism::Robot robot = identification::syntheticBench(2);
+    for (mechanism::Actuator& a : robot.actuators) {
       a.position_max_m = 0.4;
       a.velocity_max_m_per_s = 0.3;
       a.acceleration_max_m_per_s2 = 5.0;
@@ -33,11 +33,11 @@ const TraceResults& traced() {
     r.options.twins = 3;
     std::mt19937 random(1);
     std::normal_distribution<double> noise(0.0, 0.5);
-    std::vector<Recording> recordings;
+    std::vector<recording::Recording> recordings;
     for (int variant = 0; variant < 2; ++variant) {
-      recordings.push_back(
-          syntheticRecording(robot, syntheticModel(robot), variant, 30.0, [&] { return noise(random); }));
-      Recording& recording = recordings.back();
+      recordings.push_back(identification::syntheticRecording(robot, identification::syntheticModel(robot), variant,
+                                                              30.0, [&] { return noise(random); }));
+      recording::Recording& recording = recordings.back();
       recording.fingerprint = "run" + std::to_string(variant);
       for (int k = 0; k + 1 < recording.rows(); ++k) {
         const double v = (recording.position_m(k + 1, 1) - recording.position_m(k, 1)) / 0.01;
@@ -45,16 +45,19 @@ const TraceResults& traced() {
       }
       recording.reference_m = recording.position_m;
     }
-    r.train.push_back(observe(robot, columnsOf(robot), recordings[0], r.options.observation));
-    r.validate.push_back(observe(robot, columnsOf(robot), recordings[1], r.options.observation));
-    r.result = trace(robot, {recordings[0]}, r.train, r.options);
-    r.model = tracedModel(robot, r.result, r.train, r.options);
-    const auto apply = [&](std::vector<Observation>& list, bool after, int recording) {
-      Applied applied;
-      for (Observation& o : list)
-        applied.predictions.push_back(makePrediction(
-            o, after ? predictTraced(robot, r.result, o, recording, 1) : predictBaseline(r.result, o), 3.0));
-      applied.accuracy = accuracyOf(list, applied.predictions);
+    r.train.push_back(
+        identification::observe(robot, identification::columnsOf(robot), recordings[0], r.options.observation));
+    r.validate.push_back(
+        identification::observe(robot, identification::columnsOf(robot), recordings[1], r.options.observation));
+    r.result = tracing::trace(robot, {recordings[0]}, r.train, r.options);
+    r.model = tracing::tracedModel(robot, r.result, r.train, r.options);
+    const auto apply = [&](std::vector<identification::Observation>& list, bool after, int recording) {
+      identification::Applied applied;
+      for (identification::Observation& o : list)
+        applied.predictions.push_back(identification::makePrediction(
+            o, after ? tracing::predictTraced(robot, r.result, o, recording, 1) : tracing::predictBaseline(r.result, o),
+            3.0));
+      applied.accuracy = identification::accuracyOf(list, applied.predictions);
       return applied;
     };
     r.train_before = apply(r.train, false, 0);
@@ -63,10 +66,10 @@ const TraceResults& traced() {
     r.validate_after = apply(r.validate, true, -1);
     for (std::size_t k = 0; k < r.result.effects.size(); ++k)
       r.validate_gain_N.push_back(r.validate_before.accuracy.rms_N - r.validate_after.accuracy.rms_N);
-    NextExperimentOptions quick;
+    tracing::NextExperimentOptions quick;
     quick.duration_s = 15.0;
     quick.random = quick.improving = 6;
-    r.next = planNextExperiment(robot, r.result, r.train, r.options, quick);
+    r.next = tracing::planNextExperiment(robot, r.result, r.train, r.options, quick);
     return r;
   }();
   return results;
@@ -101,7 +104,7 @@ TEST(TraceReport, NamesTheDragOfTheSecondAxisAndShowsThatItsErrorIsGone) {
   const TraceResults& r = traced();
   ASSERT_FALSE(r.result.effects.empty()) << traceSummary(r);
   std::string names;
-  for (const FoundEffect& e : r.result.effects) {
+  for (const tracing::FoundEffect& e : r.result.effects) {
     EXPECT_EQ(e.hypothesis.place.actuator, 1);
     names += e.hypothesis.place.candidate->name();
     for (const std::string& other : e.indistinguishable_from)
@@ -114,7 +117,7 @@ TEST(TraceReport, NamesTheDragOfTheSecondAxisAndShowsThatItsErrorIsGone) {
 
 TEST(TraceReport, PredictsWhatTheFilesModelSaysAndThatModelIsRefusedInstantByInstant) {
   const TraceResults& r = traced();
-  const Model read = parseModel(modelToYaml(r.model), "model.yaml");
+  const dynamics::Model read = dynamics::parseModel(dynamics::modelToYaml(r.model), "model.yaml");
   ASSERT_EQ(read.effects.size(), r.result.effects.size());
   for (std::size_t k = 0; k < read.effects.size(); ++k) {
     ASSERT_EQ(read.effects[k].coefficients.size(), static_cast<std::size_t>(r.result.effects[k].coefficients.size()));
@@ -122,11 +125,13 @@ TEST(TraceReport, PredictsWhatTheFilesModelSaysAndThatModelIsRefusedInstantByIns
       EXPECT_DOUBLE_EQ(read.effects[k].coefficients[n].value,
                        r.result.effects[k].coefficients[static_cast<Eigen::Index>(n)]);
   }
-  EXPECT_THROW(ForceModel(read, syntheticBench(2)), InputError);
+  EXPECT_THROW(dynamics::ForceModel(read, identification::syntheticBench(2)), InputError);
   for (const bool training : {true, false}) {
-    Observation o = (training ? r.train : r.validate).front();
+    identification::Observation o = (training ? r.train : r.validate).front();
     const Eigen::MatrixXd own = (training ? r.train_after : r.validate_after).predictions.front().force_N;
-    EXPECT_LT((predictModel(syntheticBench(2), read, "model.yaml", o) - own).cwiseAbs().maxCoeff(), 1e-9);
+    EXPECT_LT(
+        (tracing::predictModel(identification::syntheticBench(2), read, "model.yaml", o) - own).cwiseAbs().maxCoeff(),
+        1e-9);
   }
 }
 
@@ -196,11 +201,11 @@ TEST(TraceReport, ShowsTheMotionThatSeparatesAPairAndWritesIt) {
   r.next.planned = true;
   r.next.now = {0.1, 0.5};
   r.next.then = {0.4, 3.0};
-  r.next.reference.points = Points::Constant(50, 4, 0.2);
+  r.next.reference.points = trajectory::Points::Constant(50, 4, 0.2);
   char pattern[] = "/tmp/knee_next_XXXXXX";
   const std::string folder = mkdtemp(pattern);
   writeTraceFiles(r, folder);
-  EXPECT_EQ(readReference(folder + "/next_experiment.txt").points.rows(), 50);
+  EXPECT_EQ(trajectory::readReference(folder + "/next_experiment.txt").points.rows(), 50);
   const nlohmann::json j = nlohmann::json::parse(readFile(folder + "/report.json"));
   EXPECT_EQ(j["next_experiment"]["reference"], "next_experiment.txt");
   EXPECT_NEAR(j["next_experiment"]["planned"]["angle_deg"].get<double>(), 22.9, 0.1);
@@ -210,16 +215,17 @@ TEST(TraceReport, ShowsTheMotionThatSeparatesAPairAndWritesIt) {
 }
 
 TEST(TraceReport, ShowsThePoseBeforeAndAfterWithItsFindings) {
-  Robot robot = syntheticRobot();
-  std::vector<Recording> recordings;
-  Geometry other = robot.mechanism->geometry;
+  mechanism::Robot robot = identification::syntheticRobot();
+  std::vector<recording::Recording> recordings;
+  mechanism::Geometry other = robot.mechanism->geometry;
   other.Rm[1] += 0.006;
   for (int variant = 0; variant < 2; ++variant) {
-    recordings.push_back(syntheticRecording(robot, syntheticModel(robot), variant, 25.0));
-    addCamera(other, {}, recordings.back());
+    recordings.push_back(
+        identification::syntheticRecording(robot, identification::syntheticModel(robot), variant, 25.0));
+    simulation::addCamera(other, {}, recordings.back());
   }
   TraceResults r = traced();
-  r.pose = tracePose(robot, {recordings[0]}, {recordings[1]}, {});
+  r.pose = tracing::tracePose(robot, {recordings[0]}, {recordings[1]}, {});
   const nlohmann::json j = nlohmann::json::parse(traceJson(r))["pose"];
   EXPECT_EQ(j["before"]["of"], "validate");
   for (const char* when : {"before", "after"}) {
@@ -234,4 +240,4 @@ TEST(TraceReport, ShowsThePoseBeforeAndAfterWithItsFindings) {
 }
 
 }  // namespace
-}  // namespace knee_robot
+}  // namespace knee_robot::report

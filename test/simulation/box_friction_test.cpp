@@ -5,14 +5,14 @@
 #include <limits>
 #include <random>
 
-namespace knee_robot {
+namespace knee_robot::simulation {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 struct Case {
-  Matrix4 mobility;
-  Vector4 velocity;
+  mechanism::Matrix4 mobility;
+  mechanism::Vector4 velocity;
   ImpulseBox box;
 };
 
@@ -20,10 +20,10 @@ Case randomCase(std::mt19937& generator) {
   std::normal_distribution<double> normal;
   std::uniform_real_distribution<double> uniform(0.0, 1.0);
   Case result;
-  Matrix4 root;
+  mechanism::Matrix4 root;
   for (int i = 0; i < 16; ++i)
     root(i / 4, i % 4) = normal(generator);
-  result.mobility = root * root.transpose() + 1e-3 * Matrix4::Identity();
+  result.mobility = root * root.transpose() + 1e-3 * mechanism::Matrix4::Identity();
   for (int axis = 0; axis < 4; ++axis) {
     result.velocity[axis] = normal(generator);
     const double bound = uniform(generator) < 0.2 ? 0.0 : uniform(generator);
@@ -36,8 +36,8 @@ Case randomCase(std::mt19937& generator) {
 }
 
 /// Largest violation of: p in the box, and w > 0 only at the lower, w < 0 only at the upper bound.
-double violation(const Case& problem, const Vector4& impulses) {
-  const Vector4 result = problem.velocity + problem.mobility * impulses;
+double violation(const Case& problem, const mechanism::Vector4& impulses) {
+  const mechanism::Vector4 result = problem.velocity + problem.mobility * impulses;
   double worst = 0.0;
   for (int axis = 0; axis < 4; ++axis) {
     worst = std::max({worst, impulses[axis] - problem.box.high[axis], problem.box.low[axis] - impulses[axis]});
@@ -53,7 +53,7 @@ TEST(BoxFriction, OpposesMotionOrStopsItInThousandsOfRandomCases) {
   for (int i = 0; i < 5000; ++i) {
     const Case problem = randomCase(generator);
     AxisContacts contacts{};
-    const Vector4 impulses = solveBoxFriction(problem.mobility, problem.velocity, problem.box, contacts);
+    const mechanism::Vector4 impulses = solveBoxFriction(problem.mobility, problem.velocity, problem.box, contacts);
     worst = std::max(worst, violation(problem, impulses));
   }
   EXPECT_LT(worst, 1e-10);
@@ -64,23 +64,23 @@ TEST(BoxFriction, FindsTheSameImpulsesFromAnyGuess) {
   for (int i = 0; i < 300; ++i) {
     const Case problem = randomCase(generator);
     AxisContacts from_rest{};
-    const Vector4 expected = solveBoxFriction(problem.mobility, problem.velocity, problem.box, from_rest);
+    const mechanism::Vector4 expected = solveBoxFriction(problem.mobility, problem.velocity, problem.box, from_rest);
     for (const AxisContact guess : {AxisContact::AtLow, AxisContact::AtHigh}) {
       AxisContacts contacts;
       contacts.fill(guess);
-      const Vector4 impulses = solveBoxFriction(problem.mobility, problem.velocity, problem.box, contacts);
+      const mechanism::Vector4 impulses = solveBoxFriction(problem.mobility, problem.velocity, problem.box, contacts);
       EXPECT_LT((impulses - expected).norm(), 1e-9 * (1.0 + expected.norm()));
     }
   }
 }
 
 TEST(BoxFriction, GivesTheHandWorkedAnswerForIndependentAxes) {
-  const Matrix4 mobility = Vector4(1.0, 1.0, 0.5, 2.0).asDiagonal();
+  const mechanism::Matrix4 mobility = mechanism::Vector4(1.0, 1.0, 0.5, 2.0).asDiagonal();
   ImpulseBox box;
-  box.high = Vector4(1.0, 1.0, 1.0, 0.0);
+  box.high = mechanism::Vector4(1.0, 1.0, 1.0, 0.0);
   box.low = -box.high;
   AxisContacts contacts{};
-  const Vector4 impulses = solveBoxFriction(mobility, {0.4, -3.0, 0.4, 5.0}, box, contacts);
+  const mechanism::Vector4 impulses = solveBoxFriction(mobility, {0.4, -3.0, 0.4, 5.0}, box, contacts);
   EXPECT_NEAR(impulses[0], -0.4, 1e-15);  // stopped
   EXPECT_NEAR(impulses[1], 1.0, 1e-15);   // slowed down from -3 to -2
   EXPECT_NEAR(impulses[2], -0.8, 1e-15);  // stopped, half as mobile
@@ -90,4 +90,4 @@ TEST(BoxFriction, GivesTheHandWorkedAnswerForIndependentAxes) {
 }
 
 }  // namespace
-}  // namespace knee_robot
+}  // namespace knee_robot::simulation

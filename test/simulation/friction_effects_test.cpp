@@ -4,7 +4,7 @@
 
 #include "test/simulation/effect_bench.h"
 
-namespace knee_robot {
+namespace knee_robot::simulation {
 namespace {
 
 constexpr int kAxis = 1;
@@ -56,7 +56,7 @@ TEST(FrictionEffects, LoadDependenceFollowsTheLoad) {
   int count = 0;
   double friction = 0.0;
   bench.follow(
-      1.0, [](double t) { return Vector4(0.0, 0.0, 0.0, 0.02 * std::max(0.0, t)); },
+      1.0, [](double t) { return mechanism::Vector4(0.0, 0.0, 0.0, 0.02 * std::max(0.0, t)); },
       [&](const EffectSample& s) {
         if (s.time_s < 0.5) return;
         load += s.force[3] - s.friction[3];  // what frictionless rigid links take
@@ -76,7 +76,7 @@ TEST(FrictionEffects, ATightPlaceIsFeltThereOnly) {
   double at_place = 0.0, away = 0.0;
   int n_place = 0, n_away = 0;
   bench.follow(
-      1.0, [](double t) { return Vector4(0.0, 0.03 * std::max(0.0, t), 0.0, 0.0); },
+      1.0, [](double t) { return mechanism::Vector4(0.0, 0.03 * std::max(0.0, t), 0.0, 0.0); },
       [&](const EffectSample& s) {
         const double distance = std::abs(s.truth[kAxis] - 0.71);
         if (s.time_s < 0.15) return;
@@ -94,7 +94,7 @@ TEST(FrictionEffects, RippleRepeatsWithTheScrew) {
   double sine = 0.0, cosine = 0.0;
   int count = 0;
   bench.follow(
-      1.0, [](double t) { return Vector4(0.0, 0.02 * std::max(0.0, t), 0.0, 0.0); },
+      1.0, [](double t) { return mechanism::Vector4(0.0, 0.02 * std::max(0.0, t), 0.0, 0.0); },
       [&](const EffectSample& s) {
         if (s.time_s < 0.25) return;  // three periods
         const double angle = 2.0 * M_PI * s.truth[kAxis] / 0.005;
@@ -128,7 +128,7 @@ TEST(FrictionEffects, PreslidingYieldsElasticallyAndRemembers) {
   bench.push(bench.weight(), 0.5);
   bench.pushGently();
   const double rest = bench.simulation().lengths()[kAxis];
-  bench.push(bench.weight() + 8.0 * Vector4::Unit(kAxis), 0.5);
+  bench.push(bench.weight() + 8.0 * mechanism::Vector4::Unit(kAxis), 0.5);
   const double pushed = bench.simulation().lengths()[kAxis] - rest;
   bench.push(bench.weight(), 0.5);
   const double kept = bench.simulation().lengths()[kAxis] - rest;
@@ -142,9 +142,9 @@ TEST(FrictionEffects, PreslidingYieldsElasticallyAndRemembers) {
 TEST(FrictionEffects, TrueRestHoldsUpToTheLevelAtRest) {
   const auto movedBy = [](const std::string& effects, int axis, double beyond_N) {
     EffectBench bench(effects);
-    const Pose start = bench.simulation().state().pose;
-    bench.push(bench.weight() + beyond_N * Vector4::Unit(axis), 1.0);
-    return Vector4(bench.simulation().state().pose - start).norm();
+    const mechanism::Pose start = bench.simulation().state().pose;
+    bench.push(bench.weight() + beyond_N * mechanism::Vector4::Unit(axis), 1.0);
+    return mechanism::Vector4(bench.simulation().state().pose - start).norm();
   };
   EXPECT_EQ(movedBy("", 1, 14.0), 0.0);
   EXPECT_GT(movedBy("", 1, 16.5), 1e-4);
@@ -162,4 +162,4 @@ TEST(FrictionEffects, TrueRestHoldsUpToTheLevelAtRest) {
 }
 
 }  // namespace
-}  // namespace knee_robot
+}  // namespace knee_robot::simulation

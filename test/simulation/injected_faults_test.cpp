@@ -7,7 +7,7 @@
 #include "knee_robot/hardware/pci1720_registers.h"
 #include "knee_robot/simulation/robot_simulation.h"
 
-namespace knee_robot {
+namespace knee_robot::simulation {
 namespace {
 
 constexpr double kStep = 0.001;
@@ -16,7 +16,7 @@ constexpr std::uint8_t kPower = 3;  // drive_enable and hold_release of config/s
 class InjectedFaultsTest : public testing::Test {
  protected:
   void make() {
-    simulation_ = std::make_unique<RobotSimulation>(robot_, loadRobotInertia(robot_), parameters_, *image_);
+    simulation_ = std::make_unique<RobotSimulation>(robot_, dynamics::loadRobotInertia(robot_), parameters_, *image_);
   }
   void powerUp() {
     image_->counter.outputs.store(kPower);
@@ -34,34 +34,34 @@ class InjectedFaultsTest : public testing::Test {
       ASSERT_TRUE(simulation_->step(kStep));
   }
   std::int32_t count(std::size_t axis) const {
-    return static_cast<std::int32_t>(hardware::publishedCounts(image_->counter)[axis]);
+    return static_cast<std::int32_t>(publishedCounts(image_->counter)[axis]);
   }
-  void order(hardware::EncoderFault fault, std::size_t axis, double size = 0.0) {
+  void order(EncoderFault fault, std::size_t axis, double size = 0.0) {
     image_->faults.encoder_size_m[axis].store(size);
     image_->faults.encoder[axis].store(static_cast<std::uint8_t>(fault));
   }
   double trueCount(std::size_t axis) const {
-    const Actuator& actuator = robot_.actuators[axis];
+    const mechanism::Actuator& actuator = robot_.actuators[axis];
     return (simulation_->truth().length_m[axis] - actuator.home_length_m) / actuator.metresPerCount();
   }
 
-  const Robot robot_ = loadRobot(KNEE_SOURCE_DIR "/config/robots/A.yaml");
+  const mechanism::Robot robot_ = mechanism::loadRobot(KNEE_SOURCE_DIR "/config/robots/A.yaml");
   SimulationParameters parameters_ = loadSimulationParameters(KNEE_SOURCE_DIR "/config/simulation/A.yaml");
-  std::unique_ptr<hardware::RobotImage> image_ = std::make_unique<hardware::RobotImage>();
+  std::unique_ptr<RobotImage> image_ = std::make_unique<RobotImage>();
   std::unique_ptr<RobotSimulation> simulation_;
 };
 
 TEST_F(InjectedFaultsTest, aFrozenEncoderStaysWhileTheOthersCountAndComesBackWithTheTruth) {
   make();
   powerUp();
-  order(hardware::EncoderFault::Frozen, 0);
+  order(EncoderFault::Frozen, 0);
   run(kStep);
   const std::int32_t frozen = count(0);
   const std::int32_t other = count(1);
   run(0.2);  // nothing carries the platform
   EXPECT_EQ(count(0), frozen);
   EXPECT_NE(count(1), other);
-  order(hardware::EncoderFault::None, 0);
+  order(EncoderFault::None, 0);
   run(kStep);
   EXPECT_NEAR(count(0), trueCount(0), 1.0);
 }
@@ -69,10 +69,10 @@ TEST_F(InjectedFaultsTest, aFrozenEncoderStaysWhileTheOthersCountAndComesBackWit
 TEST_F(InjectedFaultsTest, aJumpIsOfTheOrderedSizeAndAWrongSignMirrorsTheMotionFromWhereItCame) {
   make();
   powerUp();
-  order(hardware::EncoderFault::Jump, 1, 0.002);
+  order(EncoderFault::Jump, 1, 0.002);
   run(kStep);
   EXPECT_NEAR(count(1) - trueCount(1), 0.002 / robot_.actuators[1].metresPerCount(), 1.0);
-  order(hardware::EncoderFault::WrongSign, 2);
+  order(EncoderFault::WrongSign, 2);
   run(kStep);
   const double onset = trueCount(2);
   run(0.2);
@@ -83,8 +83,8 @@ TEST_F(InjectedFaultsTest, aJumpIsOfTheOrderedSizeAndAWrongSignMirrorsTheMotionF
 TEST_F(InjectedFaultsTest, noiseStaysWithinItsSizeAndADisconnectedEncoderDithersByTwoCounts) {
   make();
   run(kStep);
-  order(hardware::EncoderFault::Noise, 0, 0.001);
-  order(hardware::EncoderFault::Disconnected, 3);
+  order(EncoderFault::Noise, 0, 0.001);
+  order(EncoderFault::Disconnected, 3);
   const double bound = 0.001 / robot_.actuators[0].metresPerCount() + 1.0;
   double largest = 0.0;
   int changes = 0;
@@ -174,4 +174,4 @@ TEST_F(InjectedFaultsTest, theHandSwitchIsReadOnItsOwnInput) {
 }
 
 }  // namespace
-}  // namespace knee_robot
+}  // namespace knee_robot::simulation

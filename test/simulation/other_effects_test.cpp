@@ -5,7 +5,7 @@
 #include "knee_robot/base/errors.h"
 #include "test/simulation/effect_bench.h"
 
-namespace knee_robot {
+namespace knee_robot::simulation {
 namespace {
 
 constexpr int kAxis = 1;
@@ -29,10 +29,10 @@ TEST(DriveEffects, GainAndOffsetShowInBothDirections) {
 TEST(DriveEffects, DelayAndLagFollowTheCommandLater) {
   const auto stepResponse = [](const std::string& effect) {
     EffectBench bench(effect);
-    bench.push(Vector4::Zero(), 0.1);
+    bench.push(mechanism::Vector4::Zero(), 0.1);
     std::vector<double> response;
     for (int i = 0; i < 12; ++i) {
-      bench.push(Vector4::Constant(100.0), EffectBench::kStep);
+      bench.push(mechanism::Vector4::Constant(100.0), EffectBench::kStep);
       response.push_back(bench.simulation().loads().motor_force[kAxis]);
     }
     return response;
@@ -48,22 +48,22 @@ TEST(DriveEffects, DelayAndLagFollowTheCommandLater) {
 }
 
 TEST(DriveEffects, ExertNothingWhenTheDrivesAreOff) {
-  const Robot robot = configuredRobot("final");
-  hardware::RobotImage image;
+  const mechanism::Robot robot = configuredRobot("final");
+  RobotImage image;
   RobotSimulation simulation(
-      robot, loadRobotInertia(robot),
+      robot, dynamics::loadRobotInertia(robot),
       parseSimulationParameters(
           "axes: [{viscous_N_s_per_m: 150, coulomb_N: 15}]\neffects: [{name: force_offset, force_N: 4}]", "off.yaml"),
       image);
   ASSERT_TRUE(simulation.step(1e-3));
-  EXPECT_EQ(simulation.loads().motor_force, Vector4(Vector4::Zero()));
+  EXPECT_EQ(simulation.loads().motor_force, mechanism::Vector4(mechanism::Vector4::Zero()));
 }
 
 TEST(EncoderEffects, AFlexibleCouplingWindsUpByForceOverStiffness) {
   EffectBench bench("{name: flexible_coupling, actuators: [4], stiffness_N_per_m: 2e5, damping_N_s_per_m: 300}");
   double wound = 0.0, force = 0.0;
   bench.follow(
-      1.0, [](double) { return Vector4(Vector4::Zero()); },
+      1.0, [](double) { return mechanism::Vector4(mechanism::Vector4::Zero()); },
       [&](const EffectSample& s) {
         if (s.time_s < 0.9) return;
         wound += 0.01 * (s.seen - s.truth)[3];
@@ -79,7 +79,7 @@ TEST(EncoderEffects, BacklashIsCrossedAtReversals) {
   double ahead[2] = {0.0, 0.0};
   int count[2] = {0, 0};
   bench.follow(
-      4.0, [](double t) { return Vector4(0.0, wave(t, 0.01, 0.5)[1], 0.0, 0.0); },
+      4.0, [](double t) { return mechanism::Vector4(0.0, wave(t, 0.01, 0.5)[1], 0.0, 0.0); },
       [&](const EffectSample& s) {
         if (s.time_s < 0.3 || std::abs(s.rates[kAxis]) < 0.02) return;
         const int way = s.rates[kAxis] > 0.0 ? 1 : 0;
@@ -93,41 +93,43 @@ TEST(EncoderEffects, BacklashIsCrossedAtReversals) {
 }
 
 TEST(MassEffects, ChangeThePlantAsPhysicsSays) {
-  const Pose pose(0.02, 0.66, 0.05, -0.1);
-  Motion rest;
+  const mechanism::Pose pose(0.02, 0.66, 0.05, -0.1);
+  mechanism::Motion rest;
   rest.pose = pose;
   const auto weightOf = [&](const EffectBench& bench) {
-    const RigidModel& rigid = bench.simulation().model().rigid;
-    RobotMotion all;
-    robotMotion(rigid.mechanism, rest, all);
-    return poseForces(rigid, all);
+    const dynamics::RigidModel& rigid = bench.simulation().model().rigid;
+    mechanism::RobotMotion all;
+    mechanism::robotMotion(rigid.mechanism, rest, all);
+    return dynamics::poseForces(rigid, all);
   };
   const EffectBench plain("");
-  const Vector4 before = weightOf(plain);
+  const mechanism::Vector4 before = weightOf(plain);
   const EffectBench payload("{name: payload, mass_kg: 5, center_m: [0, 0, 0.1]}");
   EXPECT_NEAR(weightOf(payload)[1] - before[1], 5.0 * 9.81, 1e-9);
-  const double arm = (platformPoint(pose, Vector3(0, 0, 0.1)) - platformPoint(pose, Vector3::Zero())).x();
+  const double arm =
+      (platformPoint(pose, mechanism::Vector3(0, 0, 0.1)) - platformPoint(pose, mechanism::Vector3::Zero())).x();
   EXPECT_NEAR(weightOf(payload)[2] - before[2], -5.0 * 9.81 * arm, 1e-9);
   const EffectBench tilted("{name: base_tilt, about_x_deg: 0, about_y_deg: 2}");
-  const Vector3 gravity = tilted.simulation().model().rigid.gravity;
+  const mechanism::Vector3 gravity = tilted.simulation().model().rigid.gravity;
   EXPECT_NEAR(gravity.norm(), 9.81, 1e-12);
   EXPECT_NEAR(gravity.x(), 9.81 * std::sin(2.0 * M_PI / 180.0), 1e-12);  // the base's X now points downhill
   const EffectBench heavy("{name: reflected_inertia, actuators: [2], mass_kg: 6}");
   EXPECT_EQ(heavy.simulation().model().rigid.rotor_mass,
-            Vector4(plain.simulation().model().rigid.rotor_mass + 6.0 * Vector4::Unit(kAxis)));
+            mechanism::Vector4(plain.simulation().model().rigid.rotor_mass + 6.0 * mechanism::Vector4::Unit(kAxis)));
 }
 
 TEST(PlatformEffects, ASpringPullsDownItsPotential) {
   EffectBench bench(
       "{name: spring, stiffness_N_per_m: 400, anchor_m: [0.2, 0.3, 0], point_m: [0.2, 0.2, 0], free_length_m: 0.5}");
-  const Pose pose = bench.simulation().state().pose;
+  const mechanism::Pose pose = bench.simulation().state().pose;
   bench.push(bench.weight(), EffectBench::kStep);
-  const auto potential = [](const Pose& at) {
-    const double stretch = (platformPoint(at, Vector3(0.2, 0.2, 0)) - Vector3(0.2, 0.3, 0)).norm() - 0.5;
+  const auto potential = [](const mechanism::Pose& at) {
+    const double stretch =
+        (platformPoint(at, mechanism::Vector3(0.2, 0.2, 0)) - mechanism::Vector3(0.2, 0.3, 0)).norm() - 0.5;
     return 0.5 * 400.0 * stretch * stretch;
   };
   for (int i = 0; i < 4; ++i) {
-    const Vector4 step = 1e-6 * Vector4::Unit(i);
+    const mechanism::Vector4 step = 1e-6 * mechanism::Vector4::Unit(i);
     const double slope = (potential(pose + step) - potential(pose - step)) / 2e-6;
     EXPECT_NEAR(bench.simulation().loads().pose_force[i], -slope, 1e-5) << i;
   }
@@ -203,4 +205,4 @@ TEST(Effects, ThatNeedARotorRefuseAnAxisWithoutOne) {
 }
 
 }  // namespace
-}  // namespace knee_robot
+}  // namespace knee_robot::simulation

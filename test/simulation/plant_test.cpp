@@ -7,12 +7,12 @@
 
 #include "test/simulation/plant_bench.h"
 
-namespace knee_robot {
+namespace knee_robot::simulation {
 namespace {
 
-const Pose kLevel(0.0, 0.65, 0.0, 0.0);
+const mechanism::Pose kLevel(0.0, 0.65, 0.0, 0.0);
 
-PlantState at(const Pose& pose, const Vector4& velocity = Vector4::Zero()) {
+PlantState at(const mechanism::Pose& pose, const mechanism::Vector4& velocity = mechanism::Vector4::Zero()) {
   PlantState state;
   state.pose = pose;
   state.pose_velocity = velocity;
@@ -21,9 +21,9 @@ PlantState at(const Pose& pose, const Vector4& velocity = Vector4::Zero()) {
 
 /// In motion in all four coordinates with this kinetic energy.
 PlantState moving(const PlantModel& model, double energy_J) {
-  const Pose pose(0.05, 0.65, 0.1, -0.1);
-  const Vector4 direction(0.4, 0.5, 0.7, 0.9);
-  return at(pose, direction * std::sqrt(energy_J / kineticEnergy(model.rigid, pose, direction)));
+  const mechanism::Pose pose(0.05, 0.65, 0.1, -0.1);
+  const mechanism::Vector4 direction(0.4, 0.5, 0.7, 0.9);
+  return at(pose, direction * std::sqrt(energy_J / dynamics::kineticEnergy(model.rigid, pose, direction)));
 }
 
 /// Largest energy drift (J) during 2 s of free motion, accurate and real-time integrator.
@@ -42,7 +42,7 @@ void runFree(const PlantModel& model, const char* name, double& accurate_drift, 
     ASSERT_TRUE(stepPlant(model, free, 1e-3, real_time, data));
     accurate_drift = std::max(accurate_drift, std::abs(totalEnergy(model, accurate) - energy));
     real_time_drift = std::max(real_time_drift, std::abs(totalEnergy(model, real_time) - energy));
-    const double kinetic = kineticEnergy(model.rigid, accurate.pose, accurate.pose_velocity);
+    const double kinetic = dynamics::kineticEnergy(model.rigid, accurate.pose, accurate.pose_velocity);
     kinetic_min = std::min(kinetic_min, kinetic);
     kinetic_max = std::max(kinetic_max, kinetic);
   }
@@ -75,7 +75,7 @@ TEST(Plant, IsOfSecondOrderWhereMotionIsSmooth) {
       EXPECT_TRUE(stepPlant(model, loads, 1e-3, state, data));
     return state.pose;
   };
-  const Pose exact = endPose(64);
+  const mechanism::Pose exact = endPose(64);
   const double coarse = (endPose(1) - exact).norm();
   const double fine = (endPose(2) - exact).norm();
   std::printf("error after 0.2 s: %.2e at 1 ms, %.2e at 0.5 ms\n", coarse, fine);
@@ -85,7 +85,7 @@ TEST(Plant, IsOfSecondOrderWhereMotionIsSmooth) {
 TEST(Plant, StaysAtRestToTheLastBitBelowItsCoulombForces) {
   for (const char* name : {"final", "B"}) {
     const PlantModel model = plantOf(name);
-    const PlantState start = at(Pose(0.03, 0.68, 0.05, -0.04));
+    const PlantState start = at(mechanism::Pose(0.03, 0.68, 0.05, -0.04));
     PlantLoads loads;
     loads.coulomb = 1.001 * holdingForces(model, start.pose).cwiseAbs();
     PlantState state = start;
@@ -93,7 +93,7 @@ TEST(Plant, StaysAtRestToTheLastBitBelowItsCoulombForces) {
     for (int i = 0; i < 10000; ++i)
       ASSERT_TRUE(stepPlant(model, loads, 1e-3, state, data));
     EXPECT_EQ(state.pose, start.pose) << name;
-    EXPECT_EQ(state.pose_velocity, Vector4(Vector4::Zero())) << name;
+    EXPECT_EQ(state.pose_velocity, mechanism::Vector4(mechanism::Vector4::Zero())) << name;
     EXPECT_NEAR((data.friction_force - holdingForces(model, start.pose)).norm(), 0.0, 1e-8);
   }
 }
@@ -101,8 +101,8 @@ TEST(Plant, StaysAtRestToTheLastBitBelowItsCoulombForces) {
 TEST(Plant, StartsToMoveAboveItsCoulombForce) {
   const PlantModel model = plantOf("final");
   const PlantState start = at(kLevel);
-  const Vector4 holding = holdingForces(model, start.pose);
-  for (int axis = 0; axis < kLegs; ++axis) {
+  const mechanism::Vector4 holding = holdingForces(model, start.pose);
+  for (int axis = 0; axis < mechanism::kLegs; ++axis) {
     PlantLoads loads;
     loads.coulomb = 1.001 * holding.cwiseAbs();
     loads.coulomb[axis] = 0.98 * std::abs(holding[axis]);
@@ -110,7 +110,8 @@ TEST(Plant, StartsToMoveAboveItsCoulombForce) {
     PlantData data;
     for (int i = 0; i < 200; ++i)
       ASSERT_TRUE(stepPlant(model, loads, 1e-3, state, data));
-    const Lengths moved = legLengths(model.rigid.mechanism, state.pose) - legLengths(model.rigid.mechanism, start.pose);
+    const mechanism::Lengths moved = mechanism::legLengths(model.rigid.mechanism, state.pose) -
+                                     mechanism::legLengths(model.rigid.mechanism, start.pose);
     EXPECT_LT(moved[axis] * holding[axis], 0.0) << axis;  // gives way to the load
     EXPECT_GT(std::abs(moved[axis]), 1e-6) << axis;
   }
@@ -128,7 +129,8 @@ TEST(Plant, KeepsTheOtherThreeLengthsWhileOneAxisMoves) {
   PlantData data;
   for (int i = 0; i < 500; ++i)
     ASSERT_TRUE(stepPlant(model, loads, 1e-3, state, data));
-  const Lengths moved = legLengths(model.rigid.mechanism, state.pose) - legLengths(model.rigid.mechanism, start.pose);
+  const mechanism::Lengths moved = mechanism::legLengths(model.rigid.mechanism, state.pose) -
+                                   mechanism::legLengths(model.rigid.mechanism, start.pose);
   std::printf("moved %.4f m; the held lengths crept by %.1e, %.1e, %.1e m\n", moved[1], moved[0], moved[2], moved[3]);
   EXPECT_GT(moved[1], 0.02);
   for (const int axis : {0, 2, 3})
@@ -142,20 +144,21 @@ TEST(Plant, BalancesPowerWithFriction) {
   double work = 0.0, dissipated = 0.0, largest_loss = 0.0;
   const double before = totalEnergy(model, state);
   int reversals = 0;
-  Vector4 last_rate = Vector4::Zero();
+  mechanism::Vector4 last_rate = mechanism::Vector4::Zero();
   for (int i = 0; i < 3000; ++i) {
     PlantLoads loads;
     const double t = 1e-3 * i;
-    loads.viscous = Vector4(150, 150, 150, 400);
-    loads.coulomb = Vector4(15, 15, 15, 60);
-    loads.motor_force = holdingForces(model, state.pose) + Vector4(60 * std::sin(5 * t), 70 * std::sin(6 * t),
-                                                                   50 * std::sin(7 * t), 120 * std::sin(4 * t));
+    loads.viscous = mechanism::Vector4(150, 150, 150, 400);
+    loads.coulomb = mechanism::Vector4(15, 15, 15, 60);
+    loads.motor_force =
+        holdingForces(model, state.pose) +
+        mechanism::Vector4(60 * std::sin(5 * t), 70 * std::sin(6 * t), 50 * std::sin(7 * t), 120 * std::sin(4 * t));
     ASSERT_TRUE(stepPlant(model, loads, 1e-3, state, data));
     work += data.motor_work_J;
     dissipated += data.dissipated_J;
     ASSERT_GE(data.dissipated_J, -1e-12);  // friction never drives
-    const Vector4 rate = lengthJacobian(model.rigid.mechanism, state.pose) * state.pose_velocity;
-    for (int axis = 0; axis < kLegs; ++axis)
+    const mechanism::Vector4 rate = mechanism::lengthJacobian(model.rigid.mechanism, state.pose) * state.pose_velocity;
+    for (int axis = 0; axis < mechanism::kLegs; ++axis)
       reversals += rate[axis] * last_rate[axis] < 0.0 || rate[axis] == 0.0;
     last_rate = rate;
     const double gained = totalEnergy(model, state) - before;
@@ -171,20 +174,20 @@ TEST(Plant, BalancesPowerWithFriction) {
 TEST(Plant, ComesToRestOnItsStops) {
   PlantModel model = plantOf("final");
   PlantState state = at(kLevel);
-  const Lengths start = legLengths(model.rigid.mechanism, state.pose);
-  model.shortest_m = start - Lengths::Constant(0.02);
-  model.longest_m = start + Lengths::Constant(0.02);
+  const mechanism::Lengths start = mechanism::legLengths(model.rigid.mechanism, state.pose);
+  model.shortest_m = start - mechanism::Lengths::Constant(0.02);
+  model.longest_m = start + mechanism::Lengths::Constant(0.02);
   PlantLoads loads;
   loads.coulomb.setConstant(1.0);
   PlantData data;
   for (int i = 0; i < 2000; ++i)
     ASSERT_TRUE(stepPlant(model, loads, 1e-3, state, data));
-  const Lengths end = legLengths(model.rigid.mechanism, state.pose);
-  for (int axis = 0; axis < kLegs; ++axis) {
+  const mechanism::Lengths end = mechanism::legLengths(model.rigid.mechanism, state.pose);
+  for (int axis = 0; axis < mechanism::kLegs; ++axis) {
     EXPECT_GT(end[axis], model.shortest_m[axis] - 1e-3);
     EXPECT_LT(end[axis], model.longest_m[axis] + 1e-3);
   }
-  EXPECT_EQ(state.pose_velocity, Vector4(Vector4::Zero()));
+  EXPECT_EQ(state.pose_velocity, mechanism::Vector4(mechanism::Vector4::Zero()));
   EXPECT_LT(state.pose[1], 0.645);  // it did fall
 }
 
@@ -204,4 +207,4 @@ TEST(Plant, BrakesAStrongShortCircuitWithoutOscillating) {
 }
 
 }  // namespace
-}  // namespace knee_robot
+}  // namespace knee_robot::simulation

@@ -5,8 +5,8 @@
 #include <cstdlib>
 #include <new>
 
-#include "knee_robot/simulation/simulated_cards.h"
 #include "knee_robot/simulation/robot_simulation.h"
+#include "knee_robot/simulation/simulated_cards.h"
 #include "test/simulation/plant_bench.h"
 
 namespace {
@@ -38,15 +38,15 @@ void operator delete[](void* memory, std::size_t) noexcept {
   std::free(memory);
 }
 
-namespace knee_robot {
+namespace knee_robot::simulation {
 namespace {
 
 TEST(RealTimePath, OfBusAndPlantAllocatesNothing) {
-  const Robot robot = configuredRobot("A");
+  const mechanism::Robot robot = configuredRobot("A");
   const auto parameters = loadSimulationParameters(std::string(KNEE_SOURCE_DIR) + "/config/simulation/A.yaml");
-  hardware::RobotImage image;
-  RobotSimulation simulation(robot, loadRobotInertia(robot), parameters, image);
-  const auto bus = hardware::openImageCards(image);
+  RobotImage image;
+  RobotSimulation simulation(robot, dynamics::loadRobotInertia(robot), parameters, image);
+  const auto bus = openImageCards(image);
   ASSERT_TRUE(bus->selfTest().passed);
   const long before = allocations;
   ASSERT_GT(before, 0);  // the counter counts
@@ -65,7 +65,7 @@ TEST(RealTimePath, OfBusAndPlantAllocatesNothing) {
 }
 
 TEST(RealTimePath, OfAllEffectsAllocatesNothing) {
-  const Robot robot = configuredRobot("final");
+  const mechanism::Robot robot = configuredRobot("final");
   const auto parameters = parseSimulationParameters(R"(
 axes: [{viscous_N_s_per_m: 150, coulomb_N: 15}]
 effects:
@@ -92,9 +92,9 @@ effects:
 )",
                                                     "all.yaml");
   ASSERT_EQ(parameters.effects.size(), effectNames().size());  // every effect of the folder is here
-  hardware::RobotImage image;
-  RobotSimulation simulation(robot, loadRobotInertia(robot), parameters, image);
-  const auto bus = hardware::openImageCards(image);
+  RobotImage image;
+  RobotSimulation simulation(robot, dynamics::loadRobotInertia(robot), parameters, image);
+  const auto bus = openImageCards(image);
   ASSERT_TRUE(bus->selfTest().passed);
   const long before = allocations;
   std::array<double, 4> written{};
@@ -109,4 +109,4 @@ effects:
 }
 
 }  // namespace
-}  // namespace knee_robot
+}  // namespace knee_robot::simulation

@@ -11,7 +11,7 @@
 #include "knee_robot/simulation/simulated_cards.h"
 #include "test/hardware/card_bench.h"
 
-namespace knee_robot::hardware {
+namespace knee_robot::simulation {
 namespace {
 
 std::string messageOf(const std::function<void()>& action) {
@@ -24,7 +24,7 @@ std::string messageOf(const std::function<void()>& action) {
 }
 
 TEST(SharedImage, IsSeenByBothSidesAndGoneAfterItsCreator) {
-  const std::string name = uniqueShmName("both");
+  const std::string name = hardware::uniqueShmName("both");
   {
     SharedImage plant = SharedImage::create(name);
     SharedImage controller = SharedImage::attach(name);
@@ -36,16 +36,17 @@ TEST(SharedImage, IsSeenByBothSidesAndGoneAfterItsCreator) {
 }
 
 TEST(SharedImage, SurvivesAControllerThatIsKilledWithItsOutputsHeld) {
-  SharedImage plant = SharedImage::create(uniqueShmName("kill"));
+  SharedImage plant = SharedImage::create(hardware::uniqueShmName("kill"));
   int ready[2];
   ASSERT_EQ(::pipe(ready), 0);
   const pid_t controller = ::fork();
   ASSERT_GE(controller, 0);
   if (controller == 0) {
     const auto bus = openSimulatedCards(plant.name());
-    std::array<double, kAxes> written{};
-    const bool good = bus->selfTest().passed && bus->writeVolts({1.25, -2.5, 5.0, 0.0}, written) == IoStatus::Ok &&
-                      bus->writeOutputs(0x03) == IoStatus::Ok;
+    std::array<double, hardware::kAxes> written{};
+    const bool good = bus->selfTest().passed &&
+                      bus->writeVolts({1.25, -2.5, 5.0, 0.0}, written) == hardware::IoStatus::Ok &&
+                      bus->writeOutputs(0x03) == hardware::IoStatus::Ok;
     const char answer = good ? 'y' : 'n';
     if (::write(ready[1], &answer, 1) != 1) ::_exit(1);
     for (;;)
@@ -69,14 +70,14 @@ TEST(SharedImage, SurvivesAControllerThatIsKilledWithItsOutputsHeld) {
 }
 
 TEST(SharedImage, RefusesASecondPlantUnderTheSameName) {
-  const SharedImage plant = SharedImage::create(uniqueShmName("second"));
+  const SharedImage plant = SharedImage::create(hardware::uniqueShmName("second"));
   const std::string message = messageOf([&] { SharedImage::create(plant.name()); });
   EXPECT_NE(message.find("already simulates"), std::string::npos) << message;
   EXPECT_NE(message.find(std::to_string(::getpid())), std::string::npos) << message;
 }
 
 TEST(SharedImage, ReplacesWhatADeadPlantLeft) {
-  const std::string name = uniqueShmName("dead");
+  const std::string name = hardware::uniqueShmName("dead");
   const pid_t dead = ::fork();
   ASSERT_GE(dead, 0);
   if (dead == 0) {
@@ -90,7 +91,7 @@ TEST(SharedImage, ReplacesWhatADeadPlantLeft) {
 }
 
 TEST(SharedImage, RefusesForeignMemoryAndMalformedNames) {
-  const std::string name = uniqueShmName("foreign");
+  const std::string name = hardware::uniqueShmName("foreign");
   const int descriptor = ::shm_open(name.c_str(), O_RDWR | O_CREAT | O_EXCL, 0600);
   ASSERT_GE(descriptor, 0);
   EXPECT_NE(messageOf([&] { SharedImage::attach(name); }).find("just starting"), std::string::npos);
@@ -106,10 +107,10 @@ TEST(SharedImage, RefusesForeignMemoryAndMalformedNames) {
 }
 
 TEST(SharedImage, RefusesAnotherVersion) {
-  SharedImage plant = SharedImage::create(uniqueShmName("version"));
+  SharedImage plant = SharedImage::create(hardware::uniqueShmName("version"));
   plant.image().version = RobotImage::kVersion + 1;
   EXPECT_NE(messageOf([&] { SharedImage::attach(plant.name()); }).find("build both"), std::string::npos);
 }
 
 }  // namespace
-}  // namespace knee_robot::hardware
+}  // namespace knee_robot::simulation

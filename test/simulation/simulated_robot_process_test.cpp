@@ -12,7 +12,7 @@
 #include "knee_robot/base/errors.h"
 #include "knee_robot/simulation/simulated_cards.h"
 
-namespace knee_robot {
+namespace knee_robot::simulation {
 namespace {
 
 using hardware::IoStatus;
@@ -85,7 +85,7 @@ std::vector<std::string> command(const std::string& shm) {
 }
 
 /// Waits until the plant has made this many more steps.
-bool awaitSteps(hardware::RobotImage& image, std::uint64_t steps) {
+bool awaitSteps(RobotImage& image, std::uint64_t steps) {
   const std::uint64_t until = image.plant_heartbeat.load() + steps;
   for (int i = 0; i < 10000 && image.plant_heartbeat.load() < until; ++i)
     ::usleep(1000);
@@ -96,10 +96,10 @@ TEST(SimulatedRobotProcess, OutlivesAKilledControllerAndIsFoundAgain) {
   const std::string name = shmName("kill");
   Process robot(command(name));
   ASSERT_NE(robot.line().find("ready"), std::string::npos);
-  hardware::SharedImage memory = hardware::SharedImage::attach(name);
+  SharedImage memory = SharedImage::attach(name);
   const pid_t controller = ::fork();
   if (controller == 0) {
-    const auto bus = hardware::openSimulatedCards(name);
+    const auto bus = openSimulatedCards(name);
     std::array<double, 4> written{};
     const bool good = bus->selfTest().passed && bus->writeVolts({1, 1, 1, 1}, written) == IoStatus::Ok &&
                       bus->writeOutputs(3) == IoStatus::Ok;
@@ -112,7 +112,7 @@ TEST(SimulatedRobotProcess, OutlivesAKilledControllerAndIsFoundAgain) {
   EXPECT_TRUE(awaitSteps(memory.image(), 50));
   EXPECT_EQ(memory.image().counter.outputs.load(), 3);  // the drives are still on: a crash leaves the motors driven
   EXPECT_EQ(memory.image().status.drives_enabled.load(), 0x0F);
-  const auto successor = hardware::openSimulatedCards(name);
+  const auto successor = openSimulatedCards(name);
   EXPECT_TRUE(successor->selfTest().passed);
   EXPECT_TRUE(awaitSteps(memory.image(), 100));
   EXPECT_EQ(memory.image().status.brakes_engaged.load(), 0x0F);
@@ -122,13 +122,13 @@ TEST(SimulatedRobotProcess, TakesItsCardsAwayWhenItIsAskedToEnd) {
   const std::string name = shmName("end");
   Process robot(command(name));
   ASSERT_NE(robot.line().find("ready"), std::string::npos);
-  const auto bus = hardware::openSimulatedCards(name);
+  const auto bus = openSimulatedCards(name);
   ASSERT_TRUE(bus->selfTest().passed);
   ::kill(robot.pid(), SIGTERM);
   EXPECT_EQ(robot.exitStatus(), 0);
   hardware::AxisFeedback feedback;
   EXPECT_EQ(bus->read(feedback), IoStatus::Disconnected);
-  EXPECT_THROW(hardware::openSimulatedCards(name), InputError);
+  EXPECT_THROW(openSimulatedCards(name), InputError);
 }
 
 TEST(SimulatedRobotProcess, RefusesASecondOneUnderTheSameNameAndBadFiles) {
@@ -155,4 +155,4 @@ TEST(SimulatedRobotProcess, EndsAfterItsDuration) {
 }
 
 }  // namespace
-}  // namespace knee_robot
+}  // namespace knee_robot::simulation

@@ -4,7 +4,7 @@
 #include "knee_robot/simulation/robot_simulation.h"
 #include "test/simulation/plant_bench.h"
 
-namespace knee_robot {
+namespace knee_robot::simulation {
 namespace {
 
 std::string refusalOf(const std::string& text) {
@@ -18,11 +18,11 @@ std::string refusalOf(const std::string& text) {
 
 TEST(SimulationFiles, OfTheRepositoryStandStillOnTheirBrakes) {
   for (const char* name : {"A", "B", "final", "starting"}) {
-    const Robot robot = configuredRobot(name);
+    const mechanism::Robot robot = configuredRobot(name);
     const std::string path = std::string(KNEE_SOURCE_DIR) + "/config/simulation/" + name + ".yaml";
-    hardware::RobotImage image;
-    RobotSimulation simulation(robot, loadRobotInertia(robot), loadSimulationParameters(path), image);
-    const Pose start = simulation.state().pose;
+    RobotImage image;
+    RobotSimulation simulation(robot, dynamics::loadRobotInertia(robot), loadSimulationParameters(path), image);
+    const mechanism::Pose start = simulation.state().pose;
     for (int i = 0; i < 500; ++i)
       ASSERT_TRUE(simulation.step(1e-3)) << name;
     EXPECT_EQ(simulation.state().pose, start) << name;
@@ -51,4 +51,4 @@ TEST(SimulationFiles, RefuseUnknownKeysWrongNumbersAndSharedBits) {
 }
 
 }  // namespace
-}  // namespace knee_robot
+}  // namespace knee_robot::simulation

@@ -13,7 +13,7 @@
 #include "knee_robot/recording/recording.h"
 #include "knee_robot/simulation/virtual_recording.h"
 
-namespace knee_robot {
+namespace knee_robot::simulation {
 namespace {
 
 constexpr double kPeriod_s = 0.01;
@@ -22,44 +22,44 @@ constexpr double kPeriod_s = 0.01;
 class VirtualPlants : public testing::TestWithParam<const char*> {
  protected:
   VirtualPlants()
-      : robot_(loadRobot(std::string(KNEE_SOURCE_DIR) + "/config/robots/" + GetParam() + ".yaml")),
-        inertia_(loadRobotInertia(robot_)),
+      : robot_(mechanism::loadRobot(std::string(KNEE_SOURCE_DIR) + "/config/robots/" + GetParam() + ".yaml")),
+        inertia_(dynamics::loadRobotInertia(robot_)),
         start_(poseAt(0.0)) {}
 
-  const Mechanism& mechanism() const { return *robot_.mechanism; }
+  const mechanism::Mechanism& mechanism() const { return *robot_.mechanism; }
 
-  Pose poseAt(double t) const {
-    Lengths home;
-    for (int i = 0; i < kLegs; ++i)
+  mechanism::Pose poseAt(double t) const {
+    mechanism::Lengths home;
+    for (int i = 0; i < mechanism::kLegs; ++i)
       home[i] = robot_.actuators[static_cast<std::size_t>(i)].home_length_m + 0.03;
-    const Pose centre = forwardKinematicsFromHome(mechanism(), home).pose;
+    const mechanism::Pose centre = mechanism::forwardKinematicsFromHome(mechanism(), home).pose;
     const double s = t / kDuration_s, window = 64.0 * std::pow(s * (1.0 - s), 3);
-    return centre + window * Vector4(0.03 * std::sin(3.0 * t), 0.04 * std::sin(2.0 * t), 0.10 * std::sin(2.5 * t),
-                                     0.15 * std::cos(4.0 * t));
+    return centre + window * mechanism::Vector4(0.03 * std::sin(3.0 * t), 0.04 * std::sin(2.0 * t),
+                                                0.10 * std::sin(2.5 * t), 0.15 * std::cos(4.0 * t));
   }
   AxisPath path() const {
     const Eigen::Index points = std::lround(kDuration_s / kPeriod_s) + 1;
-    Eigen::Matrix<double, Eigen::Dynamic, kLegs> lengths(points, kLegs);
+    Eigen::Matrix<double, Eigen::Dynamic, mechanism::kLegs> lengths(points, mechanism::kLegs);
     for (Eigen::Index k = 0; k < points; ++k)
-      lengths.row(k) = legLengths(mechanism(), poseAt(static_cast<double>(k) * kPeriod_s)).transpose();
+      lengths.row(k) = mechanism::legLengths(mechanism(), poseAt(static_cast<double>(k) * kPeriod_s)).transpose();
     return {lengths, kPeriod_s};
   }
   VirtualPlant plant(const VirtualPlantParameters& parameters) const {
     return {mechanism(), robot_.gravity, inertia_, start_, parameters};
   }
   /// The platform's motion that belongs to the actuators', by our own kinematics.
-  Motion motionOf(const AxisMotion& axes, Pose& guess) const {
-    Motion motion;
-    EXPECT_EQ(motionFromLengths(mechanism(), axes.position, axes.velocity, axes.acceleration, guess, motion),
-              ForwardStatus::Converged);
+  mechanism::Motion motionOf(const AxisMotion& axes, mechanism::Pose& guess) const {
+    mechanism::Motion motion;
+    EXPECT_EQ(mechanism::motionFromLengths(mechanism(), axes.position, axes.velocity, axes.acceleration, guess, motion),
+              mechanism::ForwardStatus::Converged);
     guess = motion.pose;
     return motion;
   }
 
   static constexpr double kDuration_s = 5.0;
-  Robot robot_;
-  RobotInertia inertia_;
-  Pose start_;
+  mechanism::Robot robot_;
+  dynamics::RobotInertia inertia_;
+  mechanism::Pose start_;
 };
 
 VirtualPlantParameters frictionOfAll(double spherical) {
@@ -73,15 +73,16 @@ VirtualPlantParameters frictionOfAll(double spherical) {
 TEST_P(VirtualPlants, MoveAllJointsAsOurKinematicsSays) {
   VirtualPlant virtual_plant = plant({});
   const AxisPath motion = path();
-  Pose pose = start_;
+  mechanism::Pose pose = start_;
   for (double t = 0.0; t < kDuration_s; t += 0.01) {
     VirtualPlantOutput output;
     ASSERT_TRUE(virtual_plant.follow(motion.at(t), output));
-    const Motion platform = motionOf(motion.at(t), pose);
-    const auto ours = urdfJointPositions(mechanism(), platform.pose);
+    const mechanism::Motion platform = motionOf(motion.at(t), pose);
+    const auto ours = mechanism::urdfJointPositions(mechanism(), platform.pose);
     const JointVector theirs = virtual_plant.robot().positions();
-    for (int joint = 0; joint < kUrdfJoints; ++joint)
-      ASSERT_NEAR(ours[static_cast<std::size_t>(joint)], theirs[joint], 1e-9) << urdfJointNames()[joint] << " at " << t;
+    for (int joint = 0; joint < mechanism::kUrdfJoints; ++joint)
+      ASSERT_NEAR(ours[static_cast<std::size_t>(joint)], theirs[joint], 1e-9)
+          << mechanism::urdfJointNames()[joint] << " at " << t;
   }
 }
 
@@ -89,17 +90,17 @@ TEST_P(VirtualPlants, AgreeWithOurInverseDynamicsWithoutFriction) {
   VirtualPlantParameters parameters;
   parameters.rotor_mass << 5.0, 6.0, 7.0, 8.0;
   VirtualPlant virtual_plant = plant(parameters);
-  RobotInertia inertia = inertia_;
+  dynamics::RobotInertia inertia = inertia_;
   inertia.rotor_mass = parameters.rotor_mass;
-  const RigidModel model(mechanism(), robot_.gravity, inertia);
+  const dynamics::RigidModel model(mechanism(), robot_.gravity, inertia);
   const AxisPath motion = path();
-  Pose pose = start_;
+  mechanism::Pose pose = start_;
   double worst = 0.0;
   for (double t = 0.0; t < kDuration_s; t += 0.007) {
     VirtualPlantOutput output;
     ASSERT_TRUE(virtual_plant.follow(motion.at(t), output));
-    Vector4 ours;
-    ASSERT_TRUE(inverseDynamics(model, motionOf(motion.at(t), pose), ours));
+    mechanism::Vector4 ours;
+    ASSERT_TRUE(dynamics::inverseDynamics(model, motionOf(motion.at(t), pose), ours));
     worst = std::max(worst, (ours - output.force).norm() / ours.norm());
     EXPECT_EQ(output.friction_power_W, 0.0);
   }
@@ -110,19 +111,20 @@ TEST_P(VirtualPlants, AgreeWithOurInverseDynamicsWithoutFriction) {
 TEST_P(VirtualPlants, AgreeWithTheLinearModelWithFriction) {
   const VirtualPlantParameters parameters = frictionOfAll(0.0);
   VirtualPlant virtual_plant = plant(parameters);
-  PaperParameters paper;
-  paper << toParameters(inertia_), parameters.friction;
-  ExtendedParameters extended_parameters = toExtended(paper);
-  extended_parameters.segment<kLegs>(extended::kRotor) = parameters.rotor_mass;
+  dynamics::PaperParameters paper;
+  paper << dynamics::toParameters(inertia_), parameters.friction;
+  dynamics::ExtendedParameters extended_parameters = dynamics::toExtended(paper);
+  extended_parameters.segment<mechanism::kLegs>(dynamics::extended::kRotor) = parameters.rotor_mass;
   const AxisPath motion = path();
-  Pose pose = start_;
-  RegressorData data;
-  ExtendedRegressor regressor;
+  mechanism::Pose pose = start_;
+  dynamics::RegressorData data;
+  dynamics::ExtendedRegressor regressor;
   for (double t = 0.2; t < kDuration_s; t += 0.0137) {
     VirtualPlantOutput output;
     ASSERT_TRUE(virtual_plant.follow(motion.at(t), output));
-    ASSERT_TRUE(extendedRegressor(mechanism(), robot_.gravity, motionOf(motion.at(t), pose), data, regressor));
-    const Vector4 ours = regressor * extended_parameters;
+    ASSERT_TRUE(
+        dynamics::extendedRegressor(mechanism(), robot_.gravity, motionOf(motion.at(t), pose), data, regressor));
+    const mechanism::Vector4 ours = regressor * extended_parameters;
     ASSERT_LT((ours - output.force).norm(), 1e-6 * ours.norm()) << t;
   }
 }
@@ -159,14 +161,14 @@ TEST_P(VirtualPlants, RecordWholeCountsAndHeldForces) {
   VirtualPlant virtual_plant = plant(frictionOfAll(0.0));
   const AxisPath motion = path();
   const VirtualRun run = recordVirtualPlant(robot_, virtual_plant, motion, {}, file);
-  const Recording recording = loadRecording(file);
+  const recording::Recording recording = recording::loadRecording(file);
   EXPECT_EQ(recording.rows(), run.rows);
   EXPECT_EQ(recording.rows(), 501);
   VirtualPlant again = plant(frictionOfAll(0.0));
   for (int row : {100, 200, 300}) {
     const double time = recording.time_s[static_cast<std::size_t>(row)];
-    for (int i = 0; i < kLegs; ++i) {
-      const Actuator& actuator = robot_.actuators[static_cast<std::size_t>(i)];
+    for (int i = 0; i < mechanism::kLegs; ++i) {
+      const mechanism::Actuator& actuator = robot_.actuators[static_cast<std::size_t>(i)];
       const double counts = (recording.position_m(row, i) - actuator.home_length_m) / actuator.metresPerCount();
       EXPECT_NEAR(counts, std::round(counts), 1e-3);
       EXPECT_NEAR(recording.position_m(row, i), motion.at(time).position[i], 0.51 * actuator.metresPerCount());
@@ -175,7 +177,7 @@ TEST_P(VirtualPlants, RecordWholeCountsAndHeldForces) {
     VirtualPlantOutput output;
     for (double t = 0.0; t < time; t += kPeriod_s)  // small steps to get there
       ASSERT_TRUE(again.follow(motion.at(t), output));
-    Vector4 mean = Vector4::Zero();
+    mechanism::Vector4 mean = mechanism::Vector4::Zero();
     for (int k = 0; k < 10; ++k) {
       ASSERT_TRUE(again.follow(motion.at(time + (k + 0.5) * 1e-3), output));
       mean += 0.1 * output.force;
@@ -189,7 +191,7 @@ TEST_P(VirtualPlants, RecordWholeCountsAndHeldForces) {
 INSTANTIATE_TEST_SUITE_P(BothGeometries, VirtualPlants, testing::Values("final", "starting"));
 
 TEST(AxisPaths, PassThroughTheirPointsWithTheRightDerivatives) {
-  Eigen::Matrix<double, Eigen::Dynamic, kLegs> points(201, kLegs);
+  Eigen::Matrix<double, Eigen::Dynamic, mechanism::kLegs> points(201, mechanism::kLegs);
   const auto exact = [](double t) { return std::pow(std::sin(1.5707963267948966 * t), 4); };  // at rest at 0 and 2
   for (Eigen::Index k = 0; k <= 200; ++k)
     points.row(k).setConstant(exact(0.01 * static_cast<double>(k)));
@@ -203,26 +205,26 @@ TEST(AxisPaths, PassThroughTheirPointsWithTheRightDerivatives) {
     EXPECT_NEAR(path.at(t).acceleration[2], acceleration, 2e-2);
   }
   for (const double t : {-1.0, 0.0, 2.0, 3.0}) {
-    EXPECT_EQ(path.at(t).velocity, Vector4(Vector4::Zero()));
+    EXPECT_EQ(path.at(t).velocity, mechanism::Vector4(mechanism::Vector4::Zero()));
     EXPECT_NEAR(path.at(t).position[0], 0.0, 1e-12);
   }
 }
 
 TEST(VirtualPlantFriction, BuildsUpOverThePreslidingDisplacementAndStays) {
-  const Robot robot = loadRobot(std::string(KNEE_SOURCE_DIR) + "/config/robots/final.yaml");
+  const mechanism::Robot robot = mechanism::loadRobot(std::string(KNEE_SOURCE_DIR) + "/config/robots/final.yaml");
   VirtualPlantParameters parameters;
   parameters.friction = equalFriction({0.0, 15.0}, {});
   parameters.presliding_m = 1e-5;
-  Lengths start;
-  for (int i = 0; i < kLegs; ++i)
+  mechanism::Lengths start;
+  for (int i = 0; i < mechanism::kLegs; ++i)
     start[i] = robot.actuators[static_cast<std::size_t>(i)].home_length_m + 0.05;
-  const Pose pose = forwardKinematicsFromHome(*robot.mechanism, start).pose;
-  const RobotInertia inertia = loadRobotInertia(robot);
+  const mechanism::Pose pose = mechanism::forwardKinematicsFromHome(*robot.mechanism, start).pose;
+  const dynamics::RobotInertia inertia = dynamics::loadRobotInertia(robot);
   VirtualPlant with(*robot.mechanism, robot.gravity, inertia, pose, parameters);
   VirtualPlant without(*robot.mechanism, robot.gravity, inertia, pose, {});
   const auto frictionAfter = [&](double displacement) {
     AxisMotion motion;
-    motion.position = start + displacement * Vector4::Unit(1);
+    motion.position = start + displacement * mechanism::Vector4::Unit(1);
     VirtualPlantOutput a, b;
     EXPECT_TRUE(with.follow(motion, a));
     EXPECT_TRUE(without.follow(motion, b));
@@ -235,4 +237,4 @@ TEST(VirtualPlantFriction, BuildsUpOverThePreslidingDisplacementAndStays) {
 }
 
 }  // namespace
-}  // namespace knee_robot
+}  // namespace knee_robot::simulation

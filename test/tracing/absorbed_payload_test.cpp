@@ -1,6 +1,6 @@
 #include "test/tracing/simulated_recordings.h"
 
-namespace knee_robot {
+namespace knee_robot::tracing {
 namespace {
 
 TEST(Trace, SaysThatThePlatformsInertiaAbsorbsAPayloadAndHowHeavyItIs) {
@@ -14,4 +14,4 @@ TEST(Trace, SaysThatThePlatformsInertiaAbsorbsAPayloadAndHowHeavyItIs) {
 }
 
 }  // namespace
-}  // namespace knee_robot
+}  // namespace knee_robot::tracing

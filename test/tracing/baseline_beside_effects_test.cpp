@@ -1,16 +1,16 @@
 #include "knee_robot/recording/filter.h"
 #include "test/tracing/simulated_recordings.h"
 
-namespace knee_robot {
+namespace knee_robot::tracing {
 namespace {
 
 TEST(BaseFit, IsTheSameBesideAKnownEffectAsWithoutIt) {
-  const Robot robot = simulatedRobot();
-  const ObservationOptions options;
-  const std::vector<Column> columns = columnsOf(robot);
-  const Recording recording = simulatedRecording(robot, 1, 20.0, "");
-  std::vector<Observation> clean = {observe(robot, columns, recording, options)};
-  std::vector<Observation> changed = clean;
+  const mechanism::Robot robot = simulatedRobot();
+  const identification::ObservationOptions options;
+  const std::vector<identification::Column> columns = identification::columnsOf(robot);
+  const recording::Recording recording = simulatedRecording(robot, 1, 20.0, "");
+  std::vector<identification::Observation> clean = {identification::observe(robot, columns, recording, options)};
+  std::vector<identification::Observation> changed = clean;
   const Stack stack = makeStack(clean, options);
 
   // 60 N at full speed against lengthening and shortening alike, on actuator 2
@@ -18,7 +18,7 @@ TEST(BaseFit, IsTheSameBesideAKnownEffectAsWithoutIt) {
   effect *= 60.0 / effect.maxCoeff();
   Eigen::VectorXd rows = Eigen::VectorXd::Zero(4 * stack.size());
   rows.segment(stack.size(), stack.size()) = gather(stack, changed, {effect});
-  ZeroPhaseLowPass(options.cutoff_hz, 1.0 / changed[0].signals.period_s).applyToColumns(effect);
+  recording::ZeroPhaseLowPass(options.cutoff_hz, 1.0 / changed[0].signals.period_s).applyToColumns(effect);
   changed[0].force_filtered_N.col(1) += effect;
 
   const BaseFit without = fitBase(robot, clean, stack, columns, 0);
@@ -30,4 +30,4 @@ TEST(BaseFit, IsTheSameBesideAKnownEffectAsWithoutIt) {
 }
 
 }  // namespace
-}  // namespace knee_robot
+}  // namespace knee_robot::tracing

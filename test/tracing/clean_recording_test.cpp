@@ -1,6 +1,6 @@
 #include "test/tracing/simulated_recordings.h"
 
-namespace knee_robot {
+namespace knee_robot::tracing {
 namespace {
 
 TEST(Trace, LeavesACleanRecordingAlone) {
@@ -11,4 +11,4 @@ TEST(Trace, LeavesACleanRecordingAlone) {
 }
 
 }  // namespace
-}  // namespace knee_robot
+}  // namespace knee_robot::tracing

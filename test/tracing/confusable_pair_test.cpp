@@ -1,10 +1,10 @@
 #include "test/tracing/simulated_recordings.h"
 
-namespace knee_robot {
+namespace knee_robot::tracing {
 namespace {
 
 /// The command of actuator 4 runs ahead by this many rows of 1 ms, as before a drive with a delay.
-void runAhead(Recording& r) {
+void runAhead(recording::Recording& r) {
   constexpr Eigen::Index kRows = 80;
   const Eigen::Index rest = r.force_N.rows() - kRows;
   r.force_N.col(3).head(rest) = r.force_N.col(3).tail(rest).eval();
@@ -23,4 +23,4 @@ TEST(Trace, ReportsDelayAndDriveLagAsOnePair) {
 }
 
 }  // namespace
-}  // namespace knee_robot
+}  // namespace knee_robot::tracing

@@ -6,17 +6,17 @@
 
 #include "test/identification/synthetic.h"
 
-namespace knee_robot {
+namespace knee_robot::tracing {
 namespace {
 
 constexpr double kCycle_s = 7.3;
 constexpr double kForce_N = 100.0;
 
 /// One bench axis whose reference is `position`, with a force that depends on the position, and white noise of 2 N.
-Recording recorded(const std::function<double(double)>& position, double seconds, const std::string& name) {
+recording::Recording recorded(const std::function<double(double)>& position, double seconds, const std::string& name) {
   std::mt19937 random(3);
   std::normal_distribution<double> noise(0.0, 2.0);
-  Recording r;
+  recording::Recording r;
   r.name = name;
   r.path = name + ".csv";
   r.axes = 1;
@@ -32,13 +32,13 @@ Recording recorded(const std::function<double(double)>& position, double seconds
   return r;
 }
 
-NoiseFloor floorOf(const std::vector<Recording>& recordings) {
-  const Robot robot = syntheticBench(1);
-  const ObservationOptions options;
+NoiseFloor floorOf(const std::vector<recording::Recording>& recordings) {
+  const mechanism::Robot robot = identification::syntheticBench(1);
+  const identification::ObservationOptions options;
   TraceData data;
   std::vector<Eigen::MatrixXd> model_N;
-  for (const Recording& r : recordings) {
-    data.recordings.push_back(observe(robot, columnsOf(robot), r, options));
+  for (const recording::Recording& r : recordings) {
+    data.recordings.push_back(identification::observe(robot, identification::columnsOf(robot), r, options));
     model_N.push_back(Eigen::MatrixXd::Zero(data.recordings.back().samples(), 1));
   }
   data.stack = makeStack(data.recordings, options);
@@ -85,4 +85,4 @@ TEST(NoiseFloor, SaysWhenBothKindsOfRepeatsAreUsed) {
 }
 
 }  // namespace
-}  // namespace knee_robot
+}  // namespace knee_robot::tracing

@@ -8,7 +8,7 @@
 #include "knee_robot/tracing/model_prediction.h"
 #include "test/identification/synthetic.h"
 
-namespace knee_robot {
+namespace knee_robot::tracing {
 namespace {
 
 /// What the bench axes of one recording have beyond rigid motion and friction.
@@ -17,14 +17,15 @@ struct Hidden {
   double ripple_1 = 0.0;  ///< N, with a period of 10 mm, on axis 1
 };
 
-Robot bench() {
-  return syntheticBench(2);
+mechanism::Robot bench() {
+  return identification::syntheticBench(2);
 }
 
-Recording recorded(int variant, const Hidden& hidden) {
+recording::Recording recorded(int variant, const Hidden& hidden) {
   std::mt19937 random(static_cast<unsigned>(variant));
   std::normal_distribution<double> noise(0.0, 0.5);
-  Recording r = syntheticRecording(bench(), syntheticModel(bench()), variant, 30.0, [&] { return noise(random); });
+  recording::Recording r = identification::syntheticRecording(bench(), identification::syntheticModel(bench()), variant,
+                                                              30.0, [&] { return noise(random); });
   r.fingerprint = "run" + std::to_string(variant);
   for (int k = 0; k + 1 < r.rows(); ++k) {
     const double v = (r.position_m(k + 1, 1) - r.position_m(k, 1)) / 0.01;
@@ -37,18 +38,20 @@ Recording recorded(int variant, const Hidden& hidden) {
 
 struct Traced {
   TraceResult result;
-  Model model;
+  dynamics::Model model;
 };
 
-Traced traced(int variant, const Hidden& hidden, const Model* start) {
-  const Recording recording = recorded(variant, hidden);
+Traced traced(int variant, const Hidden& hidden, const dynamics::Model* start) {
+  const recording::Recording recording = recorded(variant, hidden);
   TraceOptions options;
   options.twins = 3;
   if (start != nullptr) options.start = std::make_shared<const StartModel>(StartModel{*start, "given.yaml"});
-  const std::vector<Observation> training = {observe(bench(), columnsOf(bench()), recording, options.observation)};
+  const std::vector<identification::Observation> training = {
+      identification::observe(bench(), identification::columnsOf(bench()), recording, options.observation)};
   Traced t;
   t.result = trace(bench(), {recording}, training, options);
-  t.model = parseModel(modelToYaml(tracedModel(bench(), t.result, training, options)), "given.yaml");
+  t.model =
+      dynamics::parseModel(dynamics::modelToYaml(tracedModel(bench(), t.result, training, options)), "given.yaml");
   return t;
 }
 
@@ -58,8 +61,8 @@ bool has(const std::vector<FoundEffect>& effects, const std::string& name, int a
   });
 }
 
-const Model& given() {
-  static const Model model = traced(0, {4000.0, 0.0}, nullptr).model;
+const dynamics::Model& given() {
+  static const dynamics::Model model = traced(0, {4000.0, 0.0}, nullptr).model;
   return model;
 }
 
@@ -98,20 +101,21 @@ TEST(GivenModel, SaysThatAnEffectHasChanged) {
 }
 
 TEST(GivenModel, IsCorrectedInTheDirectionsThatTheDataKnow) {
-  Model start = syntheticModel(syntheticRobot());
-  const Robot robot = syntheticRobot();
-  Recording recording = syntheticRecording(robot, start, 1, 20.0);
-  std::vector<Observation> training = {observe(robot, columnsOf(robot), recording, {})};
-  const Eigen::VectorXd known = startParameters({start, "given.yaml"}, columnsOf(robot));
-  const BaseFit base = fitBase(robot, training, makeStack(training, {}), columnsOf(robot), 0, &known);
+  dynamics::Model start = identification::syntheticModel(identification::syntheticRobot());
+  const mechanism::Robot robot = identification::syntheticRobot();
+  recording::Recording recording = identification::syntheticRecording(robot, start, 1, 20.0);
+  std::vector<identification::Observation> training = {
+      identification::observe(robot, identification::columnsOf(robot), recording, {})};
+  const Eigen::VectorXd known = startParameters({start, "given.yaml"}, identification::columnsOf(robot));
+  const BaseFit base = fitBase(robot, training, makeStack(training, {}), identification::columnsOf(robot), 0, &known);
   for (std::size_t c = 0; c < base.columns.size(); ++c) {
     const double value = known[static_cast<Eigen::Index>(c)];
     EXPECT_NEAR(base.parameters[static_cast<Eigen::Index>(c)], value, 0.05 * std::abs(value) + 0.2)
         << base.columns[c].name << ": exact data leave nothing to correct, also where they say nothing";
   }
   start.parameters.front().name = "joint";
-  EXPECT_THROW(startParameters({start, "given.yaml"}, columnsOf(robot)), InputError);
+  EXPECT_THROW(startParameters({start, "given.yaml"}, identification::columnsOf(robot)), InputError);
 }
 
 }  // namespace
-}  // namespace knee_robot
+}  // namespace knee_robot::tracing

@@ -8,34 +8,35 @@
 #include "knee_robot/identification/prediction.h"
 #include "test/identification/synthetic.h"
 
-namespace knee_robot {
+namespace knee_robot::tracing {
 namespace {
 
 constexpr double kSeconds = 12.0;
 
 /// Two training recordings and one other, with a baseline fitted to the first two.
 struct Fitted {
-  Robot robot;
+  mechanism::Robot robot;
   TraceOptions options;
-  std::vector<Observation> training;
-  Observation other;
+  std::vector<identification::Observation> training;
+  identification::Observation other;
   TraceResult result;
 };
 
-Fitted fitted(const Robot& robot) {
+Fitted fitted(const mechanism::Robot& robot) {
   Fitted f;
   f.robot = robot;
-  std::vector<Observation> all;
+  std::vector<identification::Observation> all;
   for (int variant = 0; variant < 3; ++variant) {
-    Recording r = syntheticRecording(robot, syntheticModel(robot), variant, kSeconds);
+    recording::Recording r =
+        identification::syntheticRecording(robot, identification::syntheticModel(robot), variant, kSeconds);
     r.fingerprint = "fingerprint" + std::to_string(variant);
-    all.push_back(observe(robot, columnsOf(robot), r, f.options.observation));
+    all.push_back(identification::observe(robot, identification::columnsOf(robot), r, f.options.observation));
   }
   f.other = all[2];
   all.pop_back();
   f.training = all;
-  f.result.base = fitBase(robot, f.training, makeStack(f.training, f.options.observation), columnsOf(robot),
-                          robot.mechanism ? 30 : 0);
+  f.result.base = fitBase(robot, f.training, makeStack(f.training, f.options.observation),
+                          identification::columnsOf(robot), robot.mechanism ? 30 : 0);
   f.result.base.memory[0].cutoff_hz = 8.0;
   f.result.parameters = f.result.base.parameters;
   f.result.seen_parameters = 0.97 * f.result.base.parameters;
@@ -44,13 +45,13 @@ Fitted fitted(const Robot& robot) {
 }
 
 const Fitted& fittedRobot() {
-  static const Fitted f = fitted(syntheticRobot());
+  static const Fitted f = fitted(identification::syntheticRobot());
   return f;
 }
 
 /// The effect at one place with a shape from the middle of its grid and random coefficients.
 FoundEffect someEffect(const Fitted& f, const Candidate& candidate, int actuator) {
-  std::vector<Observation> recordings = f.training;
+  std::vector<identification::Observation> recordings = f.training;
   EffectInput input = effectInput(f.robot, recordings[1], f.result.base.memory, 1, 2);
   setForces(input, f.result.base.columns, f.result.seen_parameters, {});
   FoundEffect e;
@@ -68,15 +69,15 @@ FoundEffect someEffect(const Fitted& f, const Candidate& candidate, int actuator
 
 /// The file's predictions of both kinds of recordings are those of the result, to rounding.
 void expectSame(const Fitted& f, const TraceResult& result) {
-  const Model written = tracedModel(f.robot, result, f.training, f.options);
-  const Model read = parseModel(modelToYaml(written), "model.yaml");
-  EXPECT_EQ(modelToYaml(read), modelToYaml(written));
-  std::vector<Observation> recordings = f.training;
+  const dynamics::Model written = tracedModel(f.robot, result, f.training, f.options);
+  const dynamics::Model read = dynamics::parseModel(dynamics::modelToYaml(written), "model.yaml");
+  EXPECT_EQ(dynamics::modelToYaml(read), dynamics::modelToYaml(written));
+  std::vector<identification::Observation> recordings = f.training;
   recordings.push_back(f.other);
   for (std::size_t k = 0; k < recordings.size(); ++k) {
     const int index = k < 2 ? static_cast<int>(k) : -1;
     const Eigen::MatrixXd expected = predictTraced(f.robot, result, recordings[k], index, 2);
-    Observation again = recordings[k];
+    identification::Observation again = recordings[k];
     const Eigen::MatrixXd predicted = predictModel(f.robot, read, "model.yaml", again);
     EXPECT_TRUE(predicted.allFinite());
     EXPECT_LT((predicted - expected).cwiseAbs().maxCoeff(), 1e-9 * expected.cwiseAbs().maxCoeff()) << "recording " << k;
@@ -100,7 +101,7 @@ void expectEveryEffectSame(const Fitted& f) {
     result.candidates = list;
     result.effects = {someEffect(f, *candidate, 1)};
     expectSame(f, result);
-    std::vector<Observation> recordings = f.training;
+    std::vector<identification::Observation> recordings = f.training;
     EXPECT_GT(
         (predictTraced(f.robot, result, recordings[1], 1, 2) - predictTraced(f.robot, f.result, recordings[1], 1, 2))
             .cwiseAbs()
@@ -118,7 +119,7 @@ TEST(ModelPrediction, OfEveryEffectEqualsTheTracesOwnOnAParallelRobot) {
 }
 
 TEST(ModelPrediction, OfEveryEffectEqualsTheTracesOwnOnBenchAxes) {
-  expectEveryEffectSame(fitted(syntheticBench(2)));
+  expectEveryEffectSame(fitted(identification::syntheticBench(2)));
 }
 
 TEST(ModelPrediction, UsesTheNumbersForOtherRecordingsThere) {
@@ -141,9 +142,9 @@ TEST(ModelPrediction, UsesTheNumbersForOtherRecordingsThere) {
 
 TEST(ModelPrediction, OfIdentifysModelIsTheInstantByInstantOne) {
   const Fitted& f = fittedRobot();
-  const Model m = syntheticModel(f.robot);
-  Observation o = f.other;
-  EXPECT_EQ(predictModel(f.robot, m, "m.yaml", o), predictForce(m, f.robot, o.signals, o.motion));
+  const dynamics::Model m = identification::syntheticModel(f.robot);
+  identification::Observation o = f.other;
+  EXPECT_EQ(predictModel(f.robot, m, "m.yaml", o), identification::predictForce(m, f.robot, o.signals, o.motion));
 }
 
 TEST(ModelPrediction, RefusesAnEffectThatIsUnknownOrHasOthersNumbers) {
@@ -153,12 +154,12 @@ TEST(ModelPrediction, RefusesAnEffectThatIsUnknownOrHasOthersNumbers) {
   for (const auto& candidate : *result.candidates) {
     if (candidate->name() == "stribeck") result.effects.push_back(someEffect(f, *candidate, 2));
   }
-  const std::string good = modelToYaml(tracedModel(f.robot, result, f.training, f.options));
+  const std::string good = dynamics::modelToYaml(tracedModel(f.robot, result, f.training, f.options));
   const auto with = [&](const std::string& from, const std::string& to) {
     std::string text = good;
     text.replace(text.find(from), from.size(), to);
-    Observation o = f.other;
-    predictModel(f.robot, parseModel(text, "m.yaml"), "m.yaml", o);
+    identification::Observation o = f.other;
+    predictModel(f.robot, dynamics::parseModel(text, "m.yaml"), "m.yaml", o);
   };
   EXPECT_NO_THROW(with("stribeck", "stribeck"));
   EXPECT_THROW(with("\"stribeck\"", "\"stick\""), InputError);
@@ -169,4 +170,4 @@ TEST(ModelPrediction, RefusesAnEffectThatIsUnknownOrHasOthersNumbers) {
 }
 
 }  // namespace
-}  // namespace knee_robot
+}  // namespace knee_robot::tracing

@@ -1,6 +1,6 @@
 #include "test/tracing/simulated_recordings.h"
 
-namespace knee_robot {
+namespace knee_robot::tracing {
 namespace {
 
 TEST(Trace, NamesPreslidingAndRemovesItsErrorOnAnotherPath) {
@@ -15,4 +15,4 @@ TEST(Trace, NamesPreslidingAndRemovesItsErrorOnAnotherPath) {
 }
 
 }  // namespace
-}  // namespace knee_robot
+}  // namespace knee_robot::tracing

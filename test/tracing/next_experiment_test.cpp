@@ -6,32 +6,33 @@
 
 #include "test/identification/synthetic.h"
 
-namespace knee_robot {
+namespace knee_robot::tracing {
 namespace {
 
-Robot robotB() {
-  return loadRobot(std::string(KNEE_SOURCE_DIR) + "/config/robots/B.yaml");
+mechanism::Robot robotB() {
+  return mechanism::loadRobot(std::string(KNEE_SOURCE_DIR) + "/config/robots/B.yaml");
 }
 
-Model modelOf(const Robot& robot) {
-  return syntheticModel(robot);
+dynamics::Model modelOf(const mechanism::Robot& robot) {
+  return identification::syntheticModel(robot);
 }
 
 /// A finished trace whose only effect, quadratic drag on actuator 3, could as well be Stribeck friction: the training motion is slow.
 struct Case {
-  Robot robot;
-  std::vector<Observation> training;
+  mechanism::Robot robot;
+  std::vector<identification::Observation> training;
   TraceResult result;
   TraceOptions options;
 };
 
-Case confusable(const Robot& robot) {
+Case confusable(const mechanism::Robot& robot) {
   Case c{robot, {}, {}, {}};
-  const Recording recording = syntheticRecording(robot, modelOf(robot), 1, 20.0);
-  c.training.push_back(observe(robot, columnsOf(robot), recording, c.options.observation));
-  std::vector<Observation> copy = c.training;
+  const recording::Recording recording = identification::syntheticRecording(robot, modelOf(robot), 1, 20.0);
+  c.training.push_back(
+      identification::observe(robot, identification::columnsOf(robot), recording, c.options.observation));
+  std::vector<identification::Observation> copy = c.training;
   const Stack stack = makeStack(copy, c.options.observation);
-  c.result.base = fitBase(robot, copy, stack, columnsOf(robot), robot.mechanism ? 20 : 0);
+  c.result.base = fitBase(robot, copy, stack, identification::columnsOf(robot), robot.mechanism ? 20 : 0);
   c.result.parameters = c.result.base.parameters;
   c.result.candidates = std::make_shared<CandidateList>(namedCandidates(robot));
   c.result.floor_N = c.result.after_rms_N = Eigen::VectorXd::Ones(robot.axes());
@@ -62,11 +63,12 @@ void expectThatTheAngleGrows(const Case& c) {
               57.3 * next.then.angle_rad, next.now.visible_N, next.then.visible_N, next.motions);
 
   // What is written is what was judged: read back, playable, and with the same angle when it is played.
-  const Reference read = parseReference(formatReference(next.reference), "next_experiment.txt");
-  EXPECT_EQ(read.space, Space::Actuator);
-  EXPECT_TRUE(checkReference(read, c.robot).ok());
-  std::vector<Observation> played = {
-      observe(c.robot, columnsOf(c.robot), idealRecording(read, c.robot.axes()), c.options.observation)};
+  const trajectory::Reference read =
+      trajectory::parseReference(trajectory::formatReference(next.reference), "next_experiment.txt");
+  EXPECT_EQ(read.space, trajectory::Space::Actuator);
+  EXPECT_TRUE(trajectory::checkReference(read, c.robot).ok());
+  std::vector<identification::Observation> played = {identification::observe(
+      c.robot, identification::columnsOf(c.robot), idealRecording(read, c.robot.axes()), c.options.observation)};
   const Candidate* rival = nullptr;
   for (const auto& candidate : *c.result.candidates) {
     if (candidate->name() == "stribeck") rival = candidate.get();
@@ -80,8 +82,8 @@ TEST(NextExperiment, MakesTheAngleBetweenTwoExplanationsGrowOnTheRobot) {
 }
 
 TEST(NextExperiment, MakesItGrowOnABenchToo) {
-  Robot bench = syntheticBench(2);
-  for (Actuator& a : bench.actuators) {
+  mechanism::Robot bench = identification::syntheticBench(2);
+  for (mechanism::Actuator& a : bench.actuators) {
     a.position_min_m = 0.0;
     a.position_max_m = 0.4;
     a.velocity_max_m_per_s = 0.3;
@@ -103,4 +105,4 @@ TEST(NextExperiment, IsNotPlannedWithoutAPairOrForWhatDoesNotTransfer) {
 }
 
 }  // namespace
-}  // namespace knee_robot
+}  // namespace knee_robot::tracing

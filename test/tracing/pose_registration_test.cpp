@@ -8,40 +8,41 @@
 #include "knee_robot/base/errors.h"
 #include "knee_robot/mechanism/kinematics.h"
 
-namespace knee_robot {
+namespace knee_robot::tracing {
 namespace {
 
-Robot robotB() {
-  return loadRobot(std::string(KNEE_SOURCE_DIR) + "/config/robots/B.yaml");
+mechanism::Robot robotB() {
+  return mechanism::loadRobot(std::string(KNEE_SOURCE_DIR) + "/config/robots/B.yaml");
 }
 
-Pose poseAt(double t) {
+mechanism::Pose poseAt(double t) {
   return {0.02 + 0.05 * std::sin(0.7 * t) + 0.01 * std::sin(2.3 * t), 0.78 + 0.06 * std::sin(0.5 * t + 1.0),
           0.05 + 0.14 * std::sin(0.8 * t + 2.0), 0.12 * std::sin(0.63 * t) + 0.03 * std::sin(1.9 * t)};
 }
 
-Recording recorded(const Robot& robot, double seconds) {
-  Recording r;
+recording::Recording recorded(const mechanism::Robot& robot, double seconds) {
+  recording::Recording r;
   r.path = r.name = "run";
   r.axes = 4;
   r.position_m.resize(static_cast<Eigen::Index>(100 * seconds), 4);
   for (Eigen::Index n = 0; n < r.position_m.rows(); ++n) {
     r.time_s.push_back(0.01 * static_cast<double>(n));
-    r.position_m.row(n) = legLengths(*robot.mechanism, poseAt(r.time_s.back())).transpose();
+    r.position_m.row(n) = mechanism::legLengths(*robot.mechanism, poseAt(r.time_s.back())).transpose();
   }
   return r;
 }
 
 /// A capture at 120 pictures a second that starts `early_s` before the recording, with a clock of its own and a frame whose second
 /// axis points up.
-MarkerPoses captured(double seconds, double early_s, double clock_s, const Eigen::Isometry3d& robot_in_capture) {
-  MarkerPoses c;
+recording::MarkerPoses captured(double seconds, double early_s, double clock_s,
+                                const Eigen::Isometry3d& robot_in_capture) {
+  recording::MarkerPoses c;
   std::mt19937 random(5);
   std::normal_distribution<double> noise(0.0, 1.0);
   for (double t = -early_s; t < seconds; t += 1.0 / 120.0) {
-    const Pose pose = poseAt(t);
+    const mechanism::Pose pose = poseAt(t);
     Eigen::Isometry3d platform = Eigen::Isometry3d::Identity();
-    platform.linear() = platformRotation(pose);
+    platform.linear() = mechanism::platformRotation(pose);
     platform.translation() << pose[0], 0.0, pose[1];
     platform.translation() += 1e-4 * Eigen::Vector3d(noise(random), noise(random), noise(random));
     platform.linear() =
@@ -63,8 +64,8 @@ Eigen::Isometry3d yUp() {
 }
 
 TEST(PoseRegistration, FindsClockAndFrameOfACaptureThatKnowsNeither) {
-  const Robot robot = robotB();
-  const Recording r = recorded(robot, 30.0);
+  const mechanism::Robot robot = robotB();
+  const recording::Recording r = recorded(robot, 30.0);
   const RegisteredCapture c = registerCapture(robot, r, captured(34.0, 3.7, 81234.56, yUp()), 60.0);
   EXPECT_NEAR(c.delay_s, 81234.56, 2e-3);
   EXPECT_GT(c.correlation, 0.95);
@@ -83,8 +84,8 @@ TEST(PoseRegistration, FindsClockAndFrameOfACaptureThatKnowsNeither) {
 }
 
 TEST(PoseRegistration, RefusesACaptureOfAnotherMovement) {
-  const Robot robot = robotB();
-  MarkerPoses other = captured(30.0, 0.0, 0.0, yUp());
+  const mechanism::Robot robot = robotB();
+  recording::MarkerPoses other = captured(30.0, 0.0, 0.0, yUp());
   for (std::size_t k = 0; k < other.pose.size(); ++k) {
     const double t = other.time_s[k];
     other.pose[k].translation() = Eigen::Vector3d(0.3 * std::sin(5.1 * t * t / 30.0), 0.0, 0.2);
@@ -94,4 +95,4 @@ TEST(PoseRegistration, RefusesACaptureOfAnotherMovement) {
 }
 
 }  // namespace
-}  // namespace knee_robot
+}  // namespace knee_robot::tracing

@@ -10,18 +10,18 @@
 
 #include "knee_robot/simulation/camera.h"
 
-namespace knee_robot {
+namespace knee_robot::tracing {
 namespace {
 
-Robot robotB() {
-  return loadRobot(std::string(KNEE_SOURCE_DIR) + "/config/robots/B.yaml");
+mechanism::Robot robotB() {
+  return mechanism::loadRobot(std::string(KNEE_SOURCE_DIR) + "/config/robots/B.yaml");
 }
 
 /// Encoders along sines of the pose, 100 rows a second, with stops; lengths in whole counts. `only`: one coordinate moves, -1: all.
-Recording sines(const Robot& robot, int variant, double seconds, int only = -1) {
+recording::Recording sines(const mechanism::Robot& robot, int variant, double seconds, int only = -1) {
   const double center[] = {0.02, 0.78, 0.05, 0.0}, amplitude[] = {0.05, 0.06, 0.14, 0.12};
   const double hz[] = {0.11, 0.09, 0.13, 0.10}, f = 1.0 + 0.23 * variant, p = 0.9 * variant;
-  Recording r;
+  recording::Recording r;
   r.path = r.name = "sines_" + std::to_string(variant);
   r.axes = 4;
   const auto rows = static_cast<Eigen::Index>(100.0 * seconds);
@@ -31,13 +31,13 @@ Recording sines(const Robot& robot, int variant, double seconds, int only = -1) 
     const double t = 0.01 * static_cast<double>(n);
     r.time_s.push_back(t);
     const double moved = t - 0.35 * std::sin(2.0 * M_PI * t / 2.2);  // nearly stops every 2.2 s
-    Pose pose;
+    mechanism::Pose pose;
     for (int i = 0; i < 4; ++i) {
       const double w = 2.0 * M_PI * hz[i] * f;
       const double size = only < 0 || only == i ? amplitude[i] : 0.0;
       pose[i] = center[i] + size * (0.75 * std::sin(w * moved + p + i) + 0.25 * std::sin(2.7 * w * moved + 2 * p));
     }
-    const Lengths lengths = legLengths(*robot.mechanism, pose);
+    const mechanism::Lengths lengths = mechanism::legLengths(*robot.mechanism, pose);
     for (int i = 0; i < 4; ++i) {
       const double count = robot.actuators[static_cast<std::size_t>(i)].metresPerCount();
       r.position_m(n, i) = count * std::round(lengths[i] / count);
@@ -53,21 +53,22 @@ struct Traced {
 
 /// Trained on the first `training` of that many and one more recordings of 60 s.
 Traced traceCamera(
-    const CameraSimulation& camera, const std::function<void(Geometry&)>& change = [](Geometry&) {}, int training = 1) {
-  const Robot robot = robotB();
-  Geometry geometry = robot.mechanism->geometry;
+    const simulation::CameraSimulation& camera,
+    const std::function<void(mechanism::Geometry&)>& change = [](mechanism::Geometry&) {}, int training = 1) {
+  const mechanism::Robot robot = robotB();
+  mechanism::Geometry geometry = robot.mechanism->geometry;
   change(geometry);
-  std::vector<Recording> recordings;
+  std::vector<recording::Recording> recordings;
   for (int variant = 1; variant <= training + 1; ++variant) {
     recordings.push_back(sines(robot, variant, 60.0));
-    CameraSimulation each = camera;
+    simulation::CameraSimulation each = camera;
     each.seed += static_cast<unsigned>(variant);
     each.rotation_rad = 0.03;
     each.shift_x_m = 0.4;
     each.shift_z_m = -0.2;
     each.plate_rad = -0.05;
     each.delay_s = 0.04;
-    addCamera(geometry, each, recordings.back());
+    simulation::addCamera(geometry, each, recordings.back());
   }
   Traced t;
   t.trace = tracePose(robot, {recordings.begin(), recordings.end() - 1}, {recordings.back()}, {});
@@ -97,7 +98,7 @@ TEST(PoseTrace, LeavesCleanCamerasAlone) {
   const char* wanted = std::getenv("KNEE_CLEAN_CAMERAS");
   const unsigned count = wanted ? static_cast<unsigned>(std::atoi(wanted)) : 4u;
   for (unsigned seed = 1; seed <= count; ++seed) {
-    CameraSimulation camera;
+    simulation::CameraSimulation camera;
     camera.seed = 100 * seed;
     camera.missing_share = 0.05;
     const Traced t = traceCamera(camera);
@@ -117,10 +118,10 @@ TEST(PoseTrace, FindsTheFrameAndTheNoiseOfACleanCamera) {
 }
 
 TEST(PoseTrace, NamesAHomeOffsetAndRemovesItsErrorElsewhere) {
-  CameraSimulation camera;
+  simulation::CameraSimulation camera;
   camera.home_offset_m = {0.0, 0.004, 0.0, 0.0};
   const Traced t = traceCamera(
-      camera, [](Geometry&) {}, 2);
+      camera, [](mechanism::Geometry&) {}, 2);
   ASSERT_EQ(t.trace.findings.size(), 1u) << t.found;
   ASSERT_TRUE(found(t, {PoseCause::HomeOffset, 1})) << t.found;
   EXPECT_NEAR(t.trace.findings[0].value, 0.004, 4e-4);
@@ -131,7 +132,7 @@ TEST(PoseTrace, NamesAHomeOffsetAndRemovesItsErrorElsewhere) {
 }
 
 TEST(PoseTrace, DoesNotExpectTheHomeOffsetOfOneRecordingElsewhere) {
-  CameraSimulation camera;
+  simulation::CameraSimulation camera;
   camera.home_offset_m = {0.0, 0.004, 0.0, 0.0};
   const Traced t = traceCamera(camera);
   ASSERT_EQ(t.trace.findings.size(), 1u) << t.found;
@@ -141,7 +142,7 @@ TEST(PoseTrace, DoesNotExpectTheHomeOffsetOfOneRecordingElsewhere) {
 }
 
 TEST(PoseTrace, NamesADimensionThatIsWrong) {
-  const Traced t = traceCamera({}, [](Geometry& g) { g.Rm[1] += 0.006; });
+  const Traced t = traceCamera({}, [](mechanism::Geometry& g) { g.Rm[1] += 0.006; });
   ASSERT_FALSE(t.trace.findings.empty()) << t.found;
   ASSERT_TRUE(found(t, {PoseCause::GeometryError, 7})) << t.found;
   EXPECT_NEAR(t.trace.findings[0].value, 0.006, 1e-3) << t.found;
@@ -150,7 +151,7 @@ TEST(PoseTrace, NamesADimensionThatIsWrong) {
 }
 
 TEST(PoseTrace, NamesThePlayOfALeg) {
-  CameraSimulation camera;
+  simulation::CameraSimulation camera;
   camera.half_play_m = {0.0, 0.0, 0.0015, 0.0};
   const Traced t = traceCamera(camera);
   ASSERT_FALSE(t.trace.findings.empty()) << t.found;
@@ -162,11 +163,11 @@ TEST(PoseTrace, NamesThePlayOfALeg) {
 
 /// Along Xm alone a larger radius of leg 1 at the base does what a smaller one at the platform does.
 TEST(PoseTrace, ReportsWhatTheMovementCannotTellApartTogether) {
-  const Robot robot = robotB();
-  Recording r = sines(robot, 1, 40.0, 0);
-  Geometry geometry = robot.mechanism->geometry;
+  const mechanism::Robot robot = robotB();
+  recording::Recording r = sines(robot, 1, 40.0, 0);
+  mechanism::Geometry geometry = robot.mechanism->geometry;
   geometry.R[0] += 0.006;
-  addCamera(geometry, {}, r);
+  simulation::addCamera(geometry, {}, r);
   const PoseTrace trace = tracePose(robot, {r}, {}, {});
   ASSERT_EQ(trace.findings.size(), 1u);
   ASSERT_EQ(trace.findings[0].confusable.size(), 1u);
@@ -180,7 +181,7 @@ TEST(PoseTrace, ReportsWhatTheMovementCannotTellApartTogether) {
 TEST(PoseTrace, NamesWhatMattersExactlyOrWithItsRivals) {
   int material = 0, exact = 0, among_rivals = 0, extra = 0;
   for (int k = 0; k < 19; ++k) {
-    CameraSimulation camera;
+    simulation::CameraSimulation camera;
     camera.seed = static_cast<unsigned>(1000 + k);
     PoseHypothesis truth{k < 4   ? PoseCause::HomeOffset
                          : k < 8 ? PoseCause::TravelClearance
@@ -190,7 +191,7 @@ TEST(PoseTrace, NamesWhatMattersExactlyOrWithItsRivals) {
     if (k >= 4 && k < 8) camera.half_play_m[static_cast<std::size_t>(k - 4)] = 0.0015;
     const Traced t = traceCamera(
         camera,
-        [&](Geometry& g) {
+        [&](mechanism::Geometry& g) {
           double* const dimensions[] = {&g.R[0],  &g.R[1],  &g.R[2],  &g.ds,      &g.beta_FD, &g.beta_FI,
                                         &g.Rm[0], &g.Rm[1], &g.Rm[2], &g.beta_MD, &g.beta_MI};
           if (k >= 8) *dimensions[truth.index] += 0.008;
@@ -223,7 +224,7 @@ TEST(PoseTrace, NamesWhatMattersExactlyOrWithItsRivals) {
 }
 
 TEST(PoseTrace, SaysWhenThereIsNoCamera) {
-  const Robot robot = robotB();
+  const mechanism::Robot robot = robotB();
   const PoseTrace t = tracePose(robot, {sines(robot, 1, 10.0)}, {}, {});
   EXPECT_FALSE(t.available);
   EXPECT_EQ(t.reason, "no training recording has enough camera poses");
@@ -234,8 +235,8 @@ TEST(PoseTrace, DoesNotLoseItselfInTheOtherAssemblyModeOfARecording) {
   const std::string file = (shared ? std::string(shared) : std::string(KNEE_SOURCE_DIR) + "/../shared") +
                            "/data/measured/A_V_22_03_2021_155607.csv";
   if (!std::ifstream(file)) GTEST_SKIP() << file << " is not here";
-  const Robot robot = loadRobot(std::string(KNEE_SOURCE_DIR) + "/config/robots/A.yaml");
-  const PoseTrace t = tracePose(robot, {loadRecording(file)}, {}, {});
+  const mechanism::Robot robot = mechanism::loadRobot(std::string(KNEE_SOURCE_DIR) + "/config/robots/A.yaml");
+  const PoseTrace t = tracePose(robot, {recording::loadRecording(file)}, {}, {});
   ASSERT_TRUE(t.available);
   EXPECT_GT(t.train[0].other_solution, 100);  // 25.3 to 27.8 s
   for (Eigen::Index n = 0; n < t.train[0].after_error.rows(); ++n) {
@@ -247,4 +248,4 @@ TEST(PoseTrace, DoesNotLoseItselfInTheOtherAssemblyModeOfARecording) {
 }
 
 }  // namespace
-}  // namespace knee_robot
+}  // namespace knee_robot::tracing

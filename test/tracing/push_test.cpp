@@ -1,29 +1,34 @@
 #include "test/tracing/simulated_recordings.h"
 
-namespace knee_robot {
+namespace knee_robot::tracing {
 namespace {
 
 constexpr double kSeconds = 30.0, kFrom_s = 12.0, kDuration_s = 4.0;
 
 TEST(Trace, FindsAStrongPushAndKeepsItOutOfWhatItPredictsElsewhere) {
-  const Robot robot = simulatedRobot();
+  const mechanism::Robot robot = simulatedRobot();
   TraceOptions options;
   options.twins = 5;
-  const std::vector<Column> columns = columnsOf(robot);
-  const Recording quiet = simulatedRecording(robot, 1, kSeconds, "");
+  const std::vector<identification::Column> columns = identification::columnsOf(robot);
+  const recording::Recording quiet = simulatedRecording(robot, 1, kSeconds, "");
   const double start = quiet.time_s.front() + kFrom_s;
-  const Recording pushed = simulatedRecording(robot, 1, kSeconds,
-                                              "  - {name: external_force, start_s: " + std::to_string(start) +
-                                                  ", end_s: " + std::to_string(start + kDuration_s) +
-                                                  ", force_N: [0, 0, -60], point_m: [0.1, 0, 0]}\n");
-  Observation other = observe(robot, columns, simulatedRecording(robot, 2, kSeconds, ""), options.observation);
+  const recording::Recording pushed = simulatedRecording(
+      robot, 1, kSeconds,
+      "  - {name: external_force, start_s: " + std::to_string(start) +
+          ", end_s: " + std::to_string(start + kDuration_s) + ", force_N: [0, 0, -60], point_m: [0.1, 0, 0]}\n");
+  identification::Observation other =
+      identification::observe(robot, columns, simulatedRecording(robot, 2, kSeconds, ""), options.observation);
   const auto errorOf = [&](const Eigen::MatrixXd& force_N) {
-    return accuracyOf({other}, {makePrediction(other, force_N, options.observation.cutoff_hz)}).rms_N;
+    return identification::accuracyOf({other},
+                                      {identification::makePrediction(other, force_N, options.observation.cutoff_hz)})
+        .rms_N;
   };
 
-  const TraceResult found = trace(robot, {pushed}, {observe(robot, columns, pushed, options.observation)}, options);
+  const TraceResult found =
+      trace(robot, {pushed}, {identification::observe(robot, columns, pushed, options.observation)}, options);
   options.most_effects = options.most_maps = 0;
-  const TraceResult clean = trace(robot, {quiet}, {observe(robot, columns, quiet, options.observation)}, options);
+  const TraceResult clean =
+      trace(robot, {quiet}, {identification::observe(robot, columns, quiet, options.observation)}, options);
 
   ASSERT_EQ(found.effects.size(), 1u);
   const FoundEffect& push = found.effects[0];
@@ -38,4 +43,4 @@ TEST(Trace, FindsAStrongPushAndKeepsItOutOfWhatItPredictsElsewhere) {
 }
 
 }  // namespace
-}  // namespace knee_robot
+}  // namespace knee_robot::tracing

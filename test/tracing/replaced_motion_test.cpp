@@ -2,7 +2,7 @@
 
 #include "test/tracing/simulated_recordings.h"
 
-namespace knee_robot {
+namespace knee_robot::tracing {
 namespace {
 
 TEST(Trace, FindsAFlexibleCouplingByTheMotionOfTheScrew) {
@@ -17,4 +17,4 @@ TEST(Trace, FindsAFlexibleCouplingByTheMotionOfTheScrew) {
 }
 
 }  // namespace
-}  // namespace knee_robot
+}  // namespace knee_robot::tracing

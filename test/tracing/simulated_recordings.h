@@ -13,44 +13,45 @@
 
 #include "knee_robot/base/files.h"
 #include "knee_robot/control/control_system.h"
-#include "knee_robot/simulation/simulated_cards.h"
 #include "knee_robot/identification/accuracy.h"
 #include "knee_robot/simulation/robot_simulation.h"
+#include "knee_robot/simulation/simulated_cards.h"
 #include "knee_robot/tracing/trace.h"
 
-namespace knee_robot {
+namespace knee_robot::tracing {
 
 /// Robot B with its simulator, as scripts and launch files use them.
-inline Robot simulatedRobot() {
-  return loadRobot(std::string(KNEE_SOURCE_DIR) + "/config/robots/B.yaml");
+inline mechanism::Robot simulatedRobot() {
+  return mechanism::loadRobot(std::string(KNEE_SOURCE_DIR) + "/config/robots/B.yaml");
 }
 
 /// A reference of `seconds` along sines of the pose, at rest at both ends; `variant` makes another trajectory.
-inline Reference sineReference(const Robot& robot, int variant, double seconds) {
+inline trajectory::Reference sineReference(const mechanism::Robot& robot, int variant, double seconds) {
   const double f = 1.0 + 0.23 * variant, p = 0.9 * variant;
   const double center[] = {0.02, 0.78, 0.05, 0.0}, amplitude[] = {0.05, 0.06, 0.14, 0.12};
   const double hz[] = {0.11, 0.09, 0.13, 0.10};
-  Reference reference;
+  trajectory::Reference reference;
   reference.name = "sines";
-  reference.points.resize(static_cast<Eigen::Index>(seconds / kStreamPeriod), 4);
+  reference.points.resize(static_cast<Eigen::Index>(seconds / trajectory::kStreamPeriod), 4);
   for (Eigen::Index k = 0; k < reference.points.rows(); ++k) {
-    const double t = kStreamPeriod * static_cast<double>(k);
+    const double t = trajectory::kStreamPeriod * static_cast<double>(k);
     const double edge = std::min(1.0, std::min(t, seconds - t) / 3.0);
     const double fade = edge * edge * edge * (10.0 - 15.0 * edge + 6.0 * edge * edge);
-    Pose pose;
+    mechanism::Pose pose;
     for (int i = 0; i < 4; ++i) {
       const double w = 2.0 * M_PI * hz[i] * f;
       pose[i] =
           center[i] + fade * amplitude[i] * (0.75 * std::sin(w * t + p + i) + 0.25 * std::sin(2.7 * w * t + 2.0 * p));
     }
-    reference.points.row(k) = legLengths(*robot.mechanism, pose).transpose();
+    reference.points.row(k) = mechanism::legLengths(*robot.mechanism, pose).transpose();
   }
   return reference;
 }
 
 /// What the controller records when the simulated robot plays sineReference. `effects`: entries of the simulation file's list.
-inline Recording simulatedRecording(const Robot& robot, int variant, double seconds, const std::string& effects) {
-  const auto require = [](const Answer& answer) {
+inline recording::Recording simulatedRecording(const mechanism::Robot& robot, int variant, double seconds,
+                                               const std::string& effects) {
+  const auto require = [](const control::Answer& answer) {
     if (!answer.ok) throw std::runtime_error(answer.sentence);
   };
   const std::string source = KNEE_SOURCE_DIR;
@@ -59,20 +60,22 @@ inline Recording simulatedRecording(const Robot& robot, int variant, double seco
   const std::string path =
       testing::TempDir() + "traced_" + std::to_string(getpid()) + "_" + std::to_string(variant) + ".csv";
   std::remove(path.c_str());
-  hardware::RobotImage image;
-  RobotSimulation plant(robot, loadRobotInertia(robot), parseSimulationParameters(simulation, "simulation"), image);
-  const std::unique_ptr<hardware::AxisBus> bus = hardware::openImageCards(image);
-  ControlSystem::Options options;
+  simulation::RobotImage image;
+  simulation::RobotSimulation plant(robot, dynamics::loadRobotInertia(robot),
+                                    simulation::parseSimulationParameters(simulation, "simulation"), image);
+  const std::unique_ptr<hardware::AxisBus> bus = simulation::openImageCards(image);
+  control::ControlSystem::Options options;
   options.execution = rt::Execution::Stepped;
   {
-    ControlSystem system(robot, loadHardwareFile(source + "/config/hardware/simulated.yaml"),
-                         source + "/config/deployment/simulation.yaml", *bus, options);
+    control::ControlSystem system(robot, control::loadHardwareFile(source + "/config/hardware/simulated.yaml"),
+                                  source + "/config/deployment/simulation.yaml", *bus, options);
     system.setPlant([&](rt::Nanoseconds time) {
       while (plant.time() + 0.0005 < 1e-9 * static_cast<double>(time))
         plant.step(0.001);
     });
     const auto hold = [&] {
-      if (!system.waitFor(MachineState::Holding, 600.0)) throw std::runtime_error(system.status().fault_sentence);
+      if (!system.waitFor(control::MachineState::Holding, 600.0))
+        throw std::runtime_error(system.status().fault_sentence);
     };
     require(system.start());
     require(system.loadReference(sineReference(robot, variant, seconds)));
@@ -85,7 +88,7 @@ inline Recording simulatedRecording(const Robot& robot, int variant, double seco
     require(system.stopRecording());
     require(system.shutdown());
   }
-  Recording recording = loadRecording(path);
+  recording::Recording recording = recording::loadRecording(path);
   std::remove(path.c_str());
   return recording;
 }
@@ -98,24 +101,29 @@ struct TracedCase {
 
 /// `change` is applied to both recordings.
 inline TracedCase traceSimulated(
-    const std::string& effects, const std::function<void(Recording&)>& change = [](Recording&) {}) {
+    const std::string& effects,
+    const std::function<void(recording::Recording&)>& change = [](recording::Recording&) {}) {
   constexpr double kSeconds = 30.0;
-  const Robot robot = simulatedRobot();
+  const mechanism::Robot robot = simulatedRobot();
   TraceOptions options;
   options.twins = 5;
-  const std::vector<Column> columns = columnsOf(robot);
-  Recording train = simulatedRecording(robot, 1, kSeconds, effects);
-  Recording second = simulatedRecording(robot, 2, kSeconds, effects);
+  const std::vector<identification::Column> columns = identification::columnsOf(robot);
+  recording::Recording train = simulatedRecording(robot, 1, kSeconds, effects);
+  recording::Recording second = simulatedRecording(robot, 2, kSeconds, effects);
   change(train);
   change(second);
-  Observation other = observe(robot, columns, second, options.observation);
+  identification::Observation other = identification::observe(robot, columns, second, options.observation);
   TracedCase c;
-  c.result = trace(robot, {train}, {observe(robot, columns, train, options.observation)}, options);
+  c.result = trace(robot, {train}, {identification::observe(robot, columns, train, options.observation)}, options);
   const double cutoff_hz = options.observation.cutoff_hz;
-  c.before_N = accuracyOf({other}, {makePrediction(other, predictBaseline(c.result, other), cutoff_hz)}).rms_N;
+  c.before_N = identification::accuracyOf(
+                   {other}, {identification::makePrediction(other, predictBaseline(c.result, other), cutoff_hz)})
+                   .rms_N;
   c.after_N =
-      accuracyOf({other}, {makePrediction(other, predictTraced(robot, c.result, other, -1, 1), cutoff_hz)}).rms_N;
+      identification::accuracyOf(
+          {other}, {identification::makePrediction(other, predictTraced(robot, c.result, other, -1, 1), cutoff_hz)})
+          .rms_N;
   return c;
 }
 
-}  // namespace knee_robot
+}  // namespace knee_robot::tracing

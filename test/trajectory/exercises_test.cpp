@@ -7,7 +7,7 @@
 #include "knee_robot/base/errors.h"
 #include "test/trajectory/robots.h"
 
-namespace knee_robot {
+namespace knee_robot::trajectory {
 namespace {
 
 constexpr double kDegree = 3.14159265358979323846 / 180.0;
@@ -32,7 +32,7 @@ TEST(Exercises, HipFlexionRaisesThePlatformByItsAmplitudeAtItsSpeedAndReturns) {
 TEST(Exercises, KneeFlexionGoesFromZeroTo200AndToMinus110Millimetres) {
   ExerciseOptions options;
   options.space = Space::Platform;
-  Robot robot = testRobot();
+  mechanism::Robot robot = testRobot();
   const ExercisePlan plan = planExercise(exerciseNamed("knee_flexion"), robot, options);
   EXPECT_EQ(plan.reference.space, Space::Platform);
   EXPECT_EQ(plan.start[0], 0.0);
@@ -42,7 +42,7 @@ TEST(Exercises, KneeFlexionGoesFromZeroTo200AndToMinus110Millimetres) {
 
 TEST(Exercises, EveryExerciseOnEveryRobotIsPlannedOrRefusedWithTheLimitAndWhatFits) {
   for (const char* robot_name : {"A", "B", "final", "starting"}) {
-    const Robot robot = configuredRobot(robot_name);
+    const mechanism::Robot robot = configuredRobot(robot_name);
     for (const Exercise& exercise : exercises()) {
       const std::string what = exercise.name + " on " + robot_name;
       try {
@@ -77,10 +77,10 @@ TEST(Exercises, EveryExerciseOnEveryRobotIsPlannedOrRefusedWithTheLimitAndWhatFi
 }
 
 TEST(Exercises, AnkleFlexionOfThirtyDegreesIsNearlySingularAtSeventyCentimetresInTheFinalGeometry) {
-  Robot robot = testRobot();
+  mechanism::Robot robot = testRobot();
   robot.singularity_condition_max = 60.0;
   ExerciseOptions options;
-  options.start = Pose(0.0, 0.7, 0.0, 0.0);
+  options.start = mechanism::Pose(0.0, 0.7, 0.0, 0.0);
   try {
     planExercise(exerciseNamed("ankle_flexion"), robot, options);
     FAIL() << "theta = -30 deg has a condition number of 690";
@@ -95,7 +95,7 @@ TEST(Exercises, RepetitionsAndPausesTakeTheirTime) {
   options.repetitions = 3;
   options.pause_s = 2.0;
   const Exercise& exercise = exerciseNamed("knee_rotation");
-  const Robot robot = configuredRobot("B");
+  const mechanism::Robot robot = configuredRobot("B");
   const ExercisePlan three = planExercise(exercise, robot, options);
   options.repetitions = 1;
   const ExercisePlan one = planExercise(exercise, robot, options);
@@ -105,8 +105,8 @@ TEST(Exercises, RepetitionsAndPausesTakeTheirTime) {
 }
 
 TEST(Exercises, RefusesASpeedThatAnActuatorCannotFollowAndSaysWhichOneItCan) {
-  Robot robot = testRobot();
-  for (Actuator& actuator : robot.actuators)
+  mechanism::Robot robot = testRobot();
+  for (mechanism::Actuator& actuator : robot.actuators)
     actuator.velocity_max_m_per_s = 0.015;
   const Exercise& exercise = exerciseNamed("hip_flexion");
   EXPECT_THROW(planExercise(exercise, robot), Refusal);
@@ -131,7 +131,7 @@ TEST(Exercises, RefusesUnknownNamesImpossibleOptionsAndABench) {
   options.repetitions = 0;
   EXPECT_THROW(planExercise(exercise, testRobot(), options), InputError);
   options = {};
-  options.start = Pose(0.0, 0.2, 0.0, 0.0);
+  options.start = mechanism::Pose(0.0, 0.2, 0.0, 0.0);
   EXPECT_THROW(planExercise(exercise, testRobot(), options), Refusal);
   EXPECT_THROW(planExercise(exercise, testBench(4)), InputError);
 }
@@ -147,4 +147,4 @@ TEST(Exercises, KeepsTheSpeedOfTurnsInDegreesPerSecond) {
 }
 
 }  // namespace
-}  // namespace knee_robot
+}  // namespace knee_robot::trajectory

@@ -10,7 +10,7 @@
 #include "knee_robot/trajectory/reference_check.h"
 #include "test/trajectory/robots.h"
 
-namespace knee_robot {
+namespace knee_robot::trajectory {
 namespace {
 
 std::string referenceFolder() {
@@ -22,7 +22,7 @@ std::string referenceFolder() {
   if (!std::filesystem::is_directory(referenceFolder())) GTEST_SKIP() << "no laboratory files in " << referenceFolder()
 
 /// "played", or the quantity that refuses it, or "mismatch" for a robot without the space.
-std::string verdict(const std::string& file, const Robot& robot, Space space) {
+std::string verdict(const std::string& file, const mechanism::Robot& robot, Space space) {
   try {
     const ReferenceCheck check = checkReference(readReference(referenceFolder() + file, space), robot);
     return check.ok() ? "played" : nameOf(check.violation->at.quantity);
@@ -45,7 +45,7 @@ const std::map<std::string, Kind> kFiles = {
 TEST(LaboratoryReferences, PlayOnTheParallelRobotsInTheirOwnSpaceAndInNoOther) {
   SKIP_WITHOUT_LABORATORY_FILES();
   for (const char* robot_name : {"A", "B"}) {
-    const Robot robot = configuredRobot(robot_name);
+    const mechanism::Robot robot = configuredRobot(robot_name);
     for (const auto& [file, kind] : kFiles) {
       SCOPED_TRACE(file + " on " + robot_name);
       const bool lengths = kind == Kind::Lengths;
@@ -67,7 +67,7 @@ TEST(LaboratoryReferences, PlayOnTheParallelRobotsInTheirOwnSpaceAndInNoOther) {
 /// from home start with exactly 0, so on a bench, whose home is 0, they are positions as well.
 TEST(LaboratoryReferences, OnlyTheOnesFromHomePlayOnTheBench) {
   SKIP_WITHOUT_LABORATORY_FILES();
-  const Robot bench = configuredRobot("bench");
+  const mechanism::Robot bench = configuredRobot("bench");
   for (const auto& [file, kind] : kFiles) {
     SCOPED_TRACE(file);
     const std::string expected = kind == Kind::FromHome  ? "played"
@@ -95,7 +95,7 @@ TEST(LaboratoryReferences, TheCartesianTrr8IsTheActuatorTrr8OnRobotAAndNotOnB) {
 /// The final geometry as the paper built it has shorter legs and tighter joints than the laboratory's robot A.
 TEST(LaboratoryReferences, MeetTheTighterLimitsOfTheFinalRobot) {
   SKIP_WITHOUT_LABORATORY_FILES();
-  const Robot robot = configuredRobot("final");
+  const mechanism::Robot robot = configuredRobot("final");
   EXPECT_EQ(verdict("ref_qinde_TRR0_CF1_IdV1.txt", robot, Space::Actuator), "played");
   EXPECT_EQ(verdict("refeprism_indep_TRR8.txt", robot, Space::Actuator), "platform joint angle");
   EXPECT_EQ(verdict("ref_qinde_TRR17_CF1_5P_IdV1.txt", robot, Space::Actuator), "longest length");
@@ -115,4 +115,4 @@ TEST(LaboratoryReferences, HaveTheAccelerationsThatTheirRecordsMention) {
 }
 
 }  // namespace
-}  // namespace knee_robot
+}  // namespace knee_robot::trajectory

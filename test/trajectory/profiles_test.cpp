@@ -6,7 +6,7 @@
 #include <cmath>
 #include <random>
 
-namespace knee_robot {
+namespace knee_robot::trajectory {
 namespace {
 
 TEST(PointToPoint, TakesTheTimeWorkedByHandInEachOfItsFourShapes) {
@@ -51,4 +51,4 @@ TEST(PointToPoint, StandsStillOverNoDistance) {
 }
 
 }  // namespace
-}  // namespace knee_robot
+}  // namespace knee_robot::trajectory

@@ -9,13 +9,13 @@
 #include "knee_robot/base/errors.h"
 #include "test/trajectory/robots.h"
 
-namespace knee_robot {
+namespace knee_robot::trajectory {
 namespace {
 
-const Pose kStart(0.05, 0.65, 0.10, -0.10);
+const mechanism::Pose kStart(0.05, 0.65, 0.10, -0.10);
 
 /// `points` copies of a pose's lengths: a reference that stands still.
-Reference standing(const Vector4& point, Space space, Eigen::Index points = 200) {
+Reference standing(const mechanism::Vector4& point, Space space, Eigen::Index points = 200) {
   Reference reference;
   reference.name = "file.txt";
   reference.space = space;
@@ -33,13 +33,13 @@ Reference moving(int axis, double distance) {
   return reference;
 }
 
-std::string verdict(const Reference& reference, const Robot& robot) {
+std::string verdict(const Reference& reference, const mechanism::Robot& robot) {
   const ReferenceCheck check = checkReference(reference, robot);
   return check.violation ? check.violation->sentence : "";
 }
 
 TEST(ReferenceCheck, AcceptsASmoothMovementAndReportsEveryMargin) {
-  const Robot robot = testRobot();
+  const mechanism::Robot robot = testRobot();
   const ReferenceCheck check = checkReference(moving(1, 0.1), robot);
   ASSERT_TRUE(check.ok()) << check.violation->sentence;
   ASSERT_EQ(check.margins.size(), 7u);
@@ -52,7 +52,7 @@ TEST(ReferenceCheck, AcceptsASmoothMovementAndReportsEveryMargin) {
 }
 
 TEST(ReferenceCheck, FollowsActuatorLengthsToThePosesThatTheyCameFrom) {
-  const Robot robot = testRobot();
+  const mechanism::Robot robot = testRobot();
   const Reference platform = moving(3, 0.2);
   Reference actuator = standing(kStart, Space::Actuator, 201);
   actuator.points = checkReference(platform, robot).lengths;
@@ -66,8 +66,8 @@ TEST(ReferenceCheck, FollowsActuatorLengthsToThePosesThatTheyCameFrom) {
 }
 
 TEST(ReferenceCheck, NamesLineActuatorValueLimitAndRemedyOfALengthOutOfRange) {
-  Robot robot = testRobot();
-  Reference reference = standing(legLengths(*robot.mechanism, kStart), Space::Actuator);
+  mechanism::Robot robot = testRobot();
+  Reference reference = standing(mechanism::legLengths(*robot.mechanism, kStart), Space::Actuator);
   reference.first_line = 3;
   reference.points(40, 1) = 0.49;
   reference.points(41, 2) = 1.02;
@@ -81,17 +81,18 @@ TEST(ReferenceCheck, NamesLineActuatorValueLimitAndRemedyOfALengthOutOfRange) {
 }
 
 TEST(ReferenceCheck, SuggestsTheSpaceThatAMisdeclaredFileProbablyHas) {
-  const Robot robot = testRobot();
+  const mechanism::Robot robot = testRobot();
   EXPECT_NE(verdict(standing(kStart, Space::Actuator), robot).find("--space platform"), std::string::npos);
   EXPECT_NE(verdict(standing({0.0, 0.001, 0.0, 0.0}, Space::Actuator), robot).find("--space relative"),
             std::string::npos);
-  EXPECT_NE(verdict(standing(legLengths(*robot.mechanism, kStart), Space::Relative), robot).find("--space actuator"),
+  EXPECT_NE(verdict(standing(mechanism::legLengths(*robot.mechanism, kStart), Space::Relative), robot)
+                .find("--space actuator"),
             std::string::npos);
 }
 
 TEST(ReferenceCheck, RefusesAJumpByItsVelocityAndABendByItsAcceleration) {
-  const Robot robot = testRobot();
-  const Lengths lengths = legLengths(*robot.mechanism, kStart);
+  const mechanism::Robot robot = testRobot();
+  const mechanism::Lengths lengths = mechanism::legLengths(*robot.mechanism, kStart);
   Reference jump = standing(lengths, Space::Actuator);
   jump.points.bottomRows(100).col(3).array() += 0.0031;
   ReferenceCheck check = checkReference(jump, robot);
@@ -114,8 +115,8 @@ TEST(ReferenceCheck, RefusesAJumpByItsVelocityAndABendByItsAcceleration) {
 }
 
 TEST(ReferenceCheck, CountsTheStartAndTheEndAsRest) {
-  const Robot robot = testRobot();
-  Reference reference = standing(legLengths(*robot.mechanism, kStart), Space::Actuator, 10);
+  const mechanism::Robot robot = testRobot();
+  Reference reference = standing(mechanism::legLengths(*robot.mechanism, kStart), Space::Actuator, 10);
   for (int k = 0; k < 10; ++k)
     reference.points(k, 2) += 0.0006 * k;  // constant speed, no bend inside
   const ReferenceCheck check = checkReference(reference, robot);
@@ -125,8 +126,8 @@ TEST(ReferenceCheck, CountsTheStartAndTheEndAsRest) {
 }
 
 TEST(ReferenceCheck, AcceptsWhatIsExactlyAtALimit) {
-  Robot robot = testRobot();
-  const Lengths lengths = legLengths(*robot.mechanism, kStart);
+  mechanism::Robot robot = testRobot();
+  const mechanism::Lengths lengths = mechanism::legLengths(*robot.mechanism, kStart);
   for (int i = 0; i < 4; ++i)
     robot.actuators[i].position_min_m = lengths[i];
   EXPECT_EQ(verdict(standing(lengths, Space::Actuator), robot), "");
@@ -135,9 +136,9 @@ TEST(ReferenceCheck, AcceptsWhatIsExactlyAtALimit) {
 }
 
 TEST(ReferenceCheck, NamesTheJointThatIsBentTooFar) {
-  Robot robot = testRobot();
+  mechanism::Robot robot = testRobot();
   const Reference reference = moving(2, 0.2);
-  const double spherical = jointAngles(*robot.mechanism, reference.points.row(200).transpose()).platform[0];
+  const double spherical = mechanism::jointAngles(*robot.mechanism, reference.points.row(200).transpose()).platform[0];
   robot.joints.spherical_max = spherical - 0.01;
   ReferenceCheck check = checkReference(reference, robot);
   ASSERT_FALSE(check.ok());
@@ -150,10 +151,10 @@ TEST(ReferenceCheck, NamesTheJointThatIsBentTooFar) {
 }
 
 TEST(ReferenceCheck, RefusesAPathInsideTheSingularityMargin) {
-  Robot robot = testRobot();
+  mechanism::Robot robot = testRobot();
   const Reference reference = moving(2, -0.35);
-  const double at_start = conditionNumber(*robot.mechanism, kStart);
-  const double at_end = conditionNumber(*robot.mechanism, reference.points.row(200).transpose());
+  const double at_start = mechanism::conditionNumber(*robot.mechanism, kStart);
+  const double at_end = mechanism::conditionNumber(*robot.mechanism, reference.points.row(200).transpose());
   ASSERT_GT(at_end, at_start + 5.0);
   robot.singularity_condition_max = 0.5 * (at_start + at_end);
   const ReferenceCheck check = checkReference(reference, robot);
@@ -166,13 +167,13 @@ TEST(ReferenceCheck, RefusesAPathInsideTheSingularityMargin) {
 }
 
 TEST(ReferenceCheck, RefusesAPathThroughASingularityEvenWithTheMarginWideOpen) {
-  Robot robot = testRobot();
+  mechanism::Robot robot = testRobot();
   robot.singularity_condition_max = std::numeric_limits<double>::infinity();
-  for (Actuator& actuator : robot.actuators)
+  for (mechanism::Actuator& actuator : robot.actuators)
     actuator.position_min_m = 0.01;
   Reference reference = moving(2, -1.2);  // theta to -63 deg: through the singularity near -30 deg
   const auto determinant = [&](int k) {
-    return lengthJacobian(*robot.mechanism, reference.points.row(k).transpose()).determinant();
+    return mechanism::lengthJacobian(*robot.mechanism, reference.points.row(k).transpose()).determinant();
   };
   ASSERT_LT(determinant(0) * determinant(200), 0.0) << "this movement should cross a singularity";
   const ReferenceCheck check = checkReference(reference, robot);
@@ -182,7 +183,7 @@ TEST(ReferenceCheck, RefusesAPathThroughASingularityEvenWithTheMarginWideOpen) {
 }
 
 TEST(ReferenceCheck, ChecksBenchAxesOneByOneWithoutAnyPose) {
-  Reference reference = standing(Vector4::Zero(), Space::Relative);
+  Reference reference = standing(mechanism::Vector4::Zero(), Space::Relative);
   for (int k = 0; k < 200; ++k)
     reference.points(k, 1) = 0.1 * (1.0 - std::cos(k * 3.14159265 / 200.0));
   EXPECT_EQ(verdict(reference, testBench(4)), "");
@@ -202,4 +203,4 @@ TEST(ReferenceCheck, RefusesAPeriodThatIsNotStreamed) {
 }
 
 }  // namespace
-}  // namespace knee_robot
+}  // namespace knee_robot::trajectory

@@ -8,7 +8,7 @@
 
 #include "knee_robot/base/errors.h"
 
-namespace knee_robot {
+namespace knee_robot::trajectory {
 namespace {
 
 /// The message of the InputError that parsing `text` throws; empty when it throws none.
@@ -151,4 +151,4 @@ TEST(ReferenceFile, SurvivesRandomDamageToAFile) {
 }
 
 }  // namespace
-}  // namespace knee_robot
+}  // namespace knee_robot::trajectory

@@ -6,18 +6,18 @@
 
 #include "knee_robot/mechanism/robot.h"
 
-namespace knee_robot {
+namespace knee_robot::trajectory {
 
 /// config/robots/NAME.yaml of this repository.
-inline Robot configuredRobot(const std::string& name) {
-  return loadRobot(std::string(KNEE_SOURCE_DIR) + "/config/robots/" + name + ".yaml");
+inline mechanism::Robot configuredRobot(const std::string& name) {
+  return mechanism::loadRobot(std::string(KNEE_SOURCE_DIR) + "/config/robots/" + name + ".yaml");
 }
 
 /// A robot of the paper's final geometry with limits that tests can rely on: lengths 0.5 to 1.0 m, 0.3 m/s, 5 m/s^2, joints
 /// 90 deg, condition 1000; home 0.65, 0.66, 0.66, 0.61 m.
-inline Robot testRobot() {
+inline mechanism::Robot testRobot() {
   constexpr double kDegree = 3.14159265358979323846 / 180.0;
-  Geometry geometry;
+  mechanism::Geometry geometry;
   geometry.R = {0.4, 0.4, 0.4};
   geometry.ds = 0.15;
   geometry.beta_FD = 90.0 * kDegree;
@@ -25,10 +25,10 @@ inline Robot testRobot() {
   geometry.Rm = {0.3, 0.3, 0.3};
   geometry.beta_MD = 50.0 * kDegree;
   geometry.beta_MI = 90.0 * kDegree;
-  Robot robot;
+  mechanism::Robot robot;
   robot.path = "robot.yaml";
   robot.mechanism.emplace(geometry);
-  Actuator actuator;
+  mechanism::Actuator actuator;
   actuator.position_min_m = 0.5;
   actuator.position_max_m = 1.0;
   actuator.velocity_max_m_per_s = 0.3;
@@ -43,11 +43,11 @@ inline Robot testRobot() {
 }
 
 /// `axes` separate actuators from -0.005 to 0.3 m.
-inline Robot testBench(int axes) {
-  Robot robot;
+inline mechanism::Robot testBench(int axes) {
+  mechanism::Robot robot;
   robot.path = "bench.yaml";
-  robot.kind = MechanismKind::Axes;
-  Actuator actuator;
+  robot.kind = mechanism::MechanismKind::Axes;
+  mechanism::Actuator actuator;
   actuator.position_min_m = -0.005;
   actuator.position_max_m = 0.3;
   actuator.velocity_max_m_per_s = 0.3;
@@ -56,4 +56,4 @@ inline Robot testBench(int axes) {
   return robot;
 }
 
-}  // namespace knee_robot
+}  // namespace knee_robot::trajectory

@@ -6,7 +6,7 @@
 #include "knee_robot/rt/port.h"
 #include "knee_robot/rt/property.h"
 
-namespace knee_robot {
+namespace knee_robot::control {
 
 /// First in the servo cycle: latches the counters, unwraps them and turns them into lengths.
 ///
@@ -16,7 +16,8 @@ namespace knee_robot {
 /// velocity is a low-passed difference. A failed read repeats the last good values with the status of the failure.
 class AxesInput : public rt::TaskContext {
  public:
-  AxesInput(const std::string& name, const Robot& robot, hardware::AxisBus& bus, const AxisValues& lengths_at_start);
+  AxesInput(const std::string& name, const mechanism::Robot& robot, hardware::AxisBus& bus,
+            const AxisValues& lengths_at_start);
 
   rt::InputPort<HomeSetting> home{*this, "home", "from the Supervisor", rt::Need::Optional};
   rt::OutputPort<AxesMeasurement> measurement{*this, "measurement", "position, velocity and digital inputs"};
@@ -35,9 +36,9 @@ class AxesInput : public rt::TaskContext {
   std::uint32_t home_number_ = 0;
   AxisValues metres_per_count_{};  // signed
   AxesMeasurement out_;
-  std::array<std::int32_t, kAxes> last_counts_{};
+  std::array<std::int32_t, hardware::kAxes> last_counts_{};
   rt::Nanoseconds last_good_ = 0;
   bool any_ = false;
 };
 
-}  // namespace knee_robot
+}  // namespace knee_robot::control

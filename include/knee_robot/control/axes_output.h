@@ -9,7 +9,7 @@
 #include "knee_robot/rt/port.h"
 #include "knee_robot/rt/property.h"
 
-namespace knee_robot {
+namespace knee_robot::control {
 
 /// Last in the servo cycle, and the only place that writes to the machine. Once a cycle: four set values at once, the digital
 /// outputs, the heartbeat toggled.
@@ -24,7 +24,8 @@ namespace knee_robot {
 /// (stopHook) engages the hold devices, disables the drives and writes 0 V at once, without waiting: nobody would call again.
 class AxesOutput : public rt::TaskContext {
  public:
-  AxesOutput(const std::string& name, const Robot& robot, const HardwareFile& hardware, hardware::AxisBus& bus);
+  AxesOutput(const std::string& name, const mechanism::Robot& robot, const HardwareFile& hardware,
+             hardware::AxisBus& bus);
 
   rt::InputPort<Orders> orders{*this, "orders", "from the Supervisor"};
   rt::InputPort<AxesMeasurement> measurement{*this, "measurement", "from AxesInput"};
@@ -59,16 +60,16 @@ class AxesOutput : public rt::TaskContext {
   void writeOutputs(rt::Nanoseconds now);
   void estimateLoad(double dt) noexcept;
 
-  const Robot robot_;
+  const mechanism::Robot robot_;
   const HardwareFile hardware_;
   hardware::AxisBus& bus_;
-  const std::array<rt::InputPort<AxisCommand>*, kAxes> inputs_;
+  const std::array<rt::InputPort<AxisCommand>*, hardware::kAxes> inputs_;
   SafeStop safe_stop_{SafeStopTiming{}};
   Orders order_;
   bool heard_ = false;
-  std::array<AxisCommand, kAxes> commands_{};
+  std::array<AxisCommand, hardware::kAxes> commands_{};
   MonitorVerdict judged_;
-  std::array<bool, kAxes> closed_{};
+  std::array<bool, hardware::kAxes> closed_{};
   bool all_closed_ = false;
   int open_axis_ = 0;
   Fault open_fault_ = Fault::None;
@@ -77,4 +78,4 @@ class AxesOutput : public rt::TaskContext {
   AxesWritten out_;
 };
 
-}  // namespace knee_robot
+}  // namespace knee_robot::control

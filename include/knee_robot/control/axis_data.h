@@ -9,10 +9,10 @@
 
 /// What travels between the real-time components: plain structures, copied through ports. SI units; time in ns of the deployment's
 /// clock; arrays are per actuator, legs 1 to 4.
-namespace knee_robot {
+namespace knee_robot::control {
 
 using hardware::kAxes;
-using AxisValues = std::array<double, kAxes>;
+using AxisValues = std::array<double, hardware::kAxes>;
 
 /// AxesInput, once a servo cycle.
 struct AxesMeasurement {
@@ -22,7 +22,7 @@ struct AxesMeasurement {
   hardware::IoStatus status = hardware::IoStatus::NotReady;  ///< unless Ok, what follows is that of the last good cycle
   AxisValues position_m{};
   AxisValues velocity_m_per_s{};  ///< low-passed difference
-  std::array<std::int64_t, kAxes> counts{};
+  std::array<std::int64_t, hardware::kAxes> counts{};
   std::uint8_t digital_inputs = 0;
   bool fenced_out = false;           ///< a guardian has taken the outputs
   hardware::BusFailure bus_failure;  ///< what a bus of drives tells beyond `status`
@@ -103,7 +103,7 @@ struct AxisCommand {
 struct MonitorVerdict {
   std::uint64_t sequence = 0;  ///< of the measurement that it judges
   rt::Nanoseconds time = 0;
-  std::array<Fault, kAxes>
+  std::array<Fault, hardware::kAxes>
       fault{};        ///< kept until the Drivers are switched off; those of the whole platform are at axis 1
   AxisValues heat{};  ///< I2t: 0 cold, 1 the fault
 };
@@ -167,4 +167,4 @@ struct TrackingRow {
   std::uint8_t digital_outputs = 0;
 };
 
-}  // namespace knee_robot
+}  // namespace knee_robot::control

@@ -10,7 +10,7 @@
 #include "knee_robot/rt/port.h"
 #include "knee_robot/rt/property.h"
 
-namespace knee_robot {
+namespace knee_robot::control {
 
 /// All signals of one servo cycle.
 struct BlackBoxRow {
@@ -21,8 +21,8 @@ struct BlackBoxRow {
   AxisValues asked_V{};        ///< by the Drivers, before AxesOutput's clamp and quantization
   AxisValues feedforward_N{};  ///< the part of what they asked for that a model foresaw
   AxisValues heat{};
-  std::array<std::int64_t, kAxes> counts{};
-  std::array<Fault, kAxes> axis_fault{};  ///< of the Drivers and Monitors
+  std::array<std::int64_t, hardware::kAxes> counts{};
+  std::array<Fault, hardware::kAxes> axis_fault{};  ///< of the Drivers and Monitors
   double path_time_s = 0.0, time_scale = 0.0;
   std::uint64_t set_point = 0;  ///< sequence number
   MachineState state = MachineState::Disabled;
@@ -98,7 +98,7 @@ class BlackBox : public rt::TaskContext {
   void watchFault() noexcept;
   void handOver() noexcept;
 
-  const std::array<rt::InputPort<AxisCommand>*, kAxes> inputs_;
+  const std::array<rt::InputPort<AxisCommand>*, hardware::kAxes> inputs_;
   std::array<Slot, 2> slots_;
   std::size_t active_ = 0;
   std::atomic<std::uint64_t> lost_{0};
@@ -106,11 +106,11 @@ class BlackBox : public rt::TaskContext {
   int left_ = 0;  // rows until the ring is handed over
   AxesMeasurement measured_;
   SetPoint set_point_;
-  std::array<AxisCommand, kAxes> commands_{};
+  std::array<AxisCommand, hardware::kAxes> commands_{};
   MonitorVerdict verdict_;
   AxesWritten written_;
   SupervisorStatus status_;
   Fault last_fault_ = Fault::None;
 };
 
-}  // namespace knee_robot
+}  // namespace knee_robot::control

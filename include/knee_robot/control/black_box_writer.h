@@ -7,7 +7,7 @@
 
 #include "knee_robot/control/black_box.h"
 
-namespace knee_robot {
+namespace knee_robot::control {
 
 /// Writes what a BlackBox has kept, outside the real-time threads: FOLDER/fault_<date>_<time>_<fault>.csv, a recording like any other
 /// (with more columns, which its readers pass over), and beside it the same name with .yaml: fault, sentence, axis, time. Whole files
@@ -39,4 +39,4 @@ class BlackBoxWriter {
 /// The dump as CSV text.
 std::string formatBlackBox(const BlackBoxDump& dump);
 
-}  // namespace knee_robot
+}  // namespace knee_robot::control

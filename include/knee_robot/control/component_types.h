@@ -6,12 +6,12 @@
 #include "knee_robot/mechanism/robot.h"
 #include "knee_robot/rt/deployer.h"
 
-namespace knee_robot {
+namespace knee_robot::control {
 
 /// The component types that a deployment file may name: AxesInput, Sync, Driver, Monitors, Supervisor,
 /// AxesOutput, Recorder, BlackBox. `bus` must
 /// outlive the components; robot and hardware are copied.
-rt::TypeFactory componentTypes(const Robot& robot, const HardwareFile& hardware, hardware::AxisBus& bus,
+rt::TypeFactory componentTypes(const mechanism::Robot& robot, const HardwareFile& hardware, hardware::AxisBus& bus,
                                const AxisValues& lengths_at_start);
 
-}  // namespace knee_robot
+}  // namespace knee_robot::control

@@ -18,7 +18,7 @@
 #include "knee_robot/rt/statistics_report.h"
 #include "knee_robot/trajectory/reference_check.h"
 
-namespace knee_robot {
+namespace knee_robot::control {
 
 /// Answer to an operator's command: done or begun, or why not; one sentence for the operator either way.
 struct Answer {
@@ -40,12 +40,12 @@ struct ControlStatus {
   double progress = 0.0;         ///< path_time / path_duration, 0 to 1; 0 before anything was played
   double time_scale = 0.0;       ///< speed of path time now, 0 to 1
   double speed_percent = 100.0;  ///< asked for by setSpeed()
-  std::array<bool, kAxes> axis_homed{};
+  std::array<bool, hardware::kAxes> axis_homed{};
   bool homed = false;  ///< all axes: motion is possible
   bool bench_without_patient = false;
-  std::array<double, kAxes> thermal{};  ///< I2t of each motor: 0 cold, 1 is the fault
-  std::uint32_t safe_stops = 0;         ///< completed since start()
-  std::string recording;                ///< path of the recording being written, empty: none
+  std::array<double, hardware::kAxes> thermal{};  ///< I2t of each motor: 0 cold, 1 is the fault
+  std::uint32_t safe_stops = 0;                   ///< completed since start()
+  std::string recording;                          ///< path of the recording being written, empty: none
   std::uint64_t recorded_rows = 0;
   std::uint64_t dropped_rows = 0;    ///< measured but not in the file
   std::string patient;               ///< name in the loaded patient file, empty: nobody is on the robot
@@ -77,7 +77,7 @@ class ControlSystem {
   };
 
   /// Reads the deployment, makes and connects everything; nothing runs. Throws InputError. `bus` must outlive this.
-  ControlSystem(const Robot& robot, const HardwareFile& hardware, const std::string& deployment_path,
+  ControlSystem(const mechanism::Robot& robot, const HardwareFile& hardware, const std::string& deployment_path,
                 hardware::AxisBus& bus, Options options);
   /// shutdown().
   ~ControlSystem();
@@ -93,7 +93,7 @@ class ControlSystem {
   /// Holding, Playing -> Disabled by the safe stop.
   Answer disable();
   /// Checks the reference against the robot (everything that check_reference checks) and hands it over. Not while playing.
-  Answer loadReference(const Reference& reference);
+  Answer loadReference(const trajectory::Reference& reference);
   /// Reads a patient file (patient_limits.h) and holds the machine to it from now on: references and approaches are checked against it
   /// on loading and playing, pose and speed are monitored during motion. Only while Disabled or Faulted; forgets the loaded reference.
   Answer loadPatient(const std::string& path);
@@ -162,7 +162,7 @@ class ControlSystem {
   Answer request(RequestKind kind, double timeout_s, double value = 0.0);
   Answer phrase(const RequestAnswer& answer) const;
   Answer noProcedure() const;
-  Answer playPath(const Points& lengths, const std::string& what);
+  Answer playPath(const trajectory::Points& lengths, const std::string& what);
   bool waitUntil(const std::function<bool()>& done, double timeout_s);
   SupervisorStatus supervisorStatus() const;
   void overrideWhenSilent(SupervisorStatus& supervisor) const;
@@ -171,7 +171,7 @@ class ControlSystem {
   Answer usePatient(std::optional<PatientLimits> patient);
   std::optional<PatientLimits> patient() const;
 
-  const Robot robot_;
+  const mechanism::Robot robot_;
   const HardwareFile hardware_;
   const Options options_;
   hardware::AxisBus& bus_;
@@ -182,4 +182,4 @@ class ControlSystem {
   std::atomic<bool> started_{false};
 };
 
-}  // namespace knee_robot
+}  // namespace knee_robot::control

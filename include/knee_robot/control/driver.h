@@ -11,7 +11,7 @@
 #include "knee_robot/rt/port.h"
 #include "knee_robot/rt/property.h"
 
-namespace knee_robot {
+namespace knee_robot::control {
 
 /// Position control of one axis, once its period (default 1 ms).
 ///
@@ -29,7 +29,7 @@ namespace knee_robot {
 ///   gets from then on is AxesOutput's safe stop.
 class Driver : public rt::TaskContext {
  public:
-  Driver(const std::string& name, const Robot& robot, const HardwareFile& hardware = {});
+  Driver(const std::string& name, const mechanism::Robot& robot, const HardwareFile& hardware = {});
 
   rt::InputPort<Orders> orders{*this, "orders", "from the Supervisor"};
   rt::InputPort<AxesMeasurement> measurement{*this, "measurement", "from AxesInput"};
@@ -38,7 +38,7 @@ class Driver : public rt::TaskContext {
                                               rt::Need::Optional};
   rt::OutputPort<AxisCommand> command{*this, "command", "to AxesOutput"};
 
-  rt::Property<int> axis{*this, "axis", 1, "", 1, kAxes, "actuator that is driven"};
+  rt::Property<int> axis{*this, "axis", 1, "", 1, hardware::kAxes, "actuator that is driven"};
   rt::Property<double> proportional{*this, "proportional_N_per_m", 40000.0, "N/m", 0.0, 1e6,
                                     "P",   rt::Change::AtRunTime};
   rt::Property<double> integral{*this, "integral_N_per_m_s", 200000.0, "N/(m s)", 0.0, 1e7, "I", rt::Change::AtRunTime};
@@ -72,8 +72,8 @@ class Driver : public rt::TaskContext {
   void raise(Fault fault) noexcept;
   PidGains gains() const noexcept;
 
-  const Robot robot_;
-  Actuator actuator_;
+  const mechanism::Robot robot_;
+  mechanism::Actuator actuator_;
   std::size_t index_ = 0;
   SetPointFollower follower_{0, 0.0, 0.0, 0.0};
   const HardwareFile hardware_;
@@ -95,4 +95,4 @@ class Driver : public rt::TaskContext {
   AxisCommand out_;
 };
 
-}  // namespace knee_robot
+}  // namespace knee_robot::control

@@ -2,7 +2,7 @@
 
 #include <cstdint>
 
-namespace knee_robot {
+namespace knee_robot::control {
 
 /// Everything that leads to the safe stop and stays latched until it is reset.
 enum class Fault : std::uint8_t {
@@ -75,4 +75,4 @@ bool concernsAllAxes(Fault fault) noexcept;
 /// True when the axis' position loop still works with this fault, so that the safe stop may decelerate under control.
 bool closesLoop(Fault fault) noexcept;
 
-}  // namespace knee_robot
+}  // namespace knee_robot::control

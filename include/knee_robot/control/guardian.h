@@ -7,7 +7,7 @@
 #include "knee_robot/hardware/process_watch.h"
 #include "knee_robot/rt/task_context.h"
 
-namespace knee_robot {
+namespace knee_robot::control {
 
 enum class GuardianCause : std::uint8_t { None, Silent, ProcessGone };
 
@@ -94,4 +94,4 @@ class Guardian : public rt::TaskContext {
   GuardianReport report_;
 };
 
-}  // namespace knee_robot
+}  // namespace knee_robot::control

@@ -10,7 +10,7 @@
 #include "knee_robot/hardware/can/can_settings.h"
 #include "knee_robot/mechanism/robot.h"
 
-namespace knee_robot {
+namespace knee_robot::control {
 
 /// What holds an axis when its drive is disabled.
 enum class HoldDevice {
@@ -85,6 +85,6 @@ struct HardwareFile {
 HardwareFile loadHardwareFile(const std::string& path);
 
 /// What turns the robot's set values into drive torques; rated torques come from the `can` section.
-std::array<hardware::can::AxisUnits, hardware::kAxes> canUnits(const Robot& robot);
+std::array<hardware::can::AxisUnits, hardware::kAxes> canUnits(const mechanism::Robot& robot);
 
-}  // namespace knee_robot
+}  // namespace knee_robot::control

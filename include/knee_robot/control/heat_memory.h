@@ -7,7 +7,7 @@
 #include "knee_robot/control/axis_data.h"
 #include "knee_robot/rt/port.h"
 
-namespace knee_robot {
+namespace knee_robot::control {
 
 /// What the motors' heat (I2t, 0 to 1) was when a controller wrote it last, and by now. `time_s`: seconds since 1970. A file that is
 /// missing: cold. One that cannot be understood: hot (1), because it is not known; `error`, when given, gets the sentence. A clock that
@@ -36,4 +36,4 @@ class HeatMemory : public rt::TaskContext {
   std::thread thread_;
 };
 
-}  // namespace knee_robot
+}  // namespace knee_robot::control

@@ -2,7 +2,7 @@
 
 #include "knee_robot/control/axis_data.h"
 
-namespace knee_robot {
+namespace knee_robot::control {
 
 /// How one axis is homed; of the hardware file.
 struct HomingAxis {
@@ -54,4 +54,4 @@ class HomingMove {
   double time_s_ = 0.0, standing_s_ = 0.0;
 };
 
-}  // namespace knee_robot
+}  // namespace knee_robot::control

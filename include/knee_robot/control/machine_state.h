@@ -5,7 +5,7 @@
 
 #include "knee_robot/control/axis_data.h"
 
-namespace knee_robot {
+namespace knee_robot::control {
 
 /// The Supervisor's states.
 enum class MachineState : std::uint8_t {
@@ -79,10 +79,10 @@ struct SupervisorStatus {
   std::array<RequestAnswer, kAnswers> answers{};  ///< to request n at n modulo kAnswers
   double path_time_s = 0.0;
   double path_duration_s = 0.0;
-  double time_scale = 0.0;          ///< speed of path time now, 0 to 1
-  double speed = 1.0;               ///< asked for, 0 to 1
-  std::array<bool, kAxes> homed{};  ///< axes that know where they are
+  double time_scale = 0.0;                    ///< speed of path time now, 0 to 1
+  double speed = 1.0;                         ///< asked for, 0 to 1
+  std::array<bool, hardware::kAxes> homed{};  ///< axes that know where they are
   std::uint32_t safe_stops = 0;
 };
 
-}  // namespace knee_robot
+}  // namespace knee_robot::control

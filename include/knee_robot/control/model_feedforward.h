@@ -10,7 +10,7 @@
 #include "knee_robot/rt/port.h"
 #include "knee_robot/rt/property.h"
 
-namespace knee_robot {
+namespace knee_robot::control {
 
 /// The load of the four axes by a model, once a servo cycle, which the Drivers add to their forces: weight at the measured pose,
 /// inertia and friction along the reference. What the model does not know is left to the Drivers' integrals.
@@ -32,7 +32,7 @@ class ModelFeedforward : public rt::TaskContext {
  public:
   static constexpr double kLargestPayload_kg = 50.0;
 
-  ModelFeedforward(const std::string& name, const Robot& robot);
+  ModelFeedforward(const std::string& name, const mechanism::Robot& robot);
 
   rt::InputPort<AxesMeasurement> measurement{*this, "measurement", "from AxesInput"};
   rt::InputPort<Orders> orders{*this, "orders", "from the Supervisor"};
@@ -87,20 +87,21 @@ class ModelFeedforward : public rt::TaskContext {
   bool findParts() noexcept;
   AxisValues total(const Weights& weights, double level) const noexcept;
 
-  const Robot robot_;
-  const std::array<rt::InputPort<AxisCommand>*, kAxes> inputs_;
-  std::unique_ptr<const PartedModel> model_;
+  const mechanism::Robot robot_;
+  const std::array<rt::InputPort<AxisCommand>*, hardware::kAxes> inputs_;
+  std::unique_ptr<const dynamics::PartedModel> model_;
   std::string source_;
-  std::array<double, kAxes> largest_N_{};
+  std::array<double, hardware::kAxes> largest_N_{};
 
   AxesMeasurement measured_;
   bool new_reading_ = false;
   Orders order_;
-  std::array<AxisCommand, kAxes> commands_{};
-  Vector4 velocity_ = Vector4::Zero(), acceleration_ = Vector4::Zero();  // of the reference
-  ForcePartsData data_;
-  ForceParts parts_;
-  Pose pose_ = Pose::Zero();
+  std::array<AxisCommand, hardware::kAxes> commands_{};
+  mechanism::Vector4 velocity_ = mechanism::Vector4::Zero(),
+                     acceleration_ = mechanism::Vector4::Zero();  // of the reference
+  dynamics::ForcePartsData data_;
+  dynamics::ForceParts parts_;
+  mechanism::Pose pose_ = mechanism::Pose::Zero();
   bool pose_known_ = false;  // a guess for the next cycle
   bool parts_known_ = false;
   bool on_ = false;
@@ -112,4 +113,4 @@ class ModelFeedforward : public rt::TaskContext {
   FeedforwardForce out_;
 };
 
-}  // namespace knee_robot
+}  // namespace knee_robot::control

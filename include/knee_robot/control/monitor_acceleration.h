@@ -5,7 +5,7 @@
 
 #include "knee_robot/control/monitor_view.h"
 
-namespace knee_robot {
+namespace knee_robot::control {
 
 /// Change of the low-passed velocity over kWindow cycles, against `limit` (m/s^2): over a single cycle, one count of an encoder alone
 /// would be several m/s^2.
@@ -36,4 +36,4 @@ class AccelerationMonitor {
   double time_ = 0.0;
 };
 
-}  // namespace knee_robot
+}  // namespace knee_robot::control

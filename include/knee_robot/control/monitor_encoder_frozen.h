@@ -5,7 +5,7 @@
 
 #include "knee_robot/control/monitor_view.h"
 
-namespace knee_robot {
+namespace knee_robot::control {
 
 /// An encoder that does not count while its reference moves on, or only dithers as an open input does. Judged when the reference has
 /// moved by `distance_m` and the force has changed by `force_N`, which must be more than sticking friction takes: broken when the
@@ -40,4 +40,4 @@ class EncoderFrozenMonitor {
   double lowest_m_ = 0.0, highest_m_ = 0.0;  // of moved_m_
 };
 
-}  // namespace knee_robot
+}  // namespace knee_robot::control

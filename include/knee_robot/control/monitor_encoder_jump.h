@@ -4,7 +4,7 @@
 
 #include "knee_robot/control/monitor_view.h"
 
-namespace knee_robot {
+namespace knee_robot::control {
 
 /// A counter that changes by more than the axis can move: interference, a loose cable, a lost index. Broken when
 /// |moved| > factor * velocity_max * dt + floor. The loop must not see such a position: no command follows it.
@@ -15,4 +15,4 @@ class EncoderJumpMonitor {
   }
 };
 
-}  // namespace knee_robot
+}  // namespace knee_robot::control

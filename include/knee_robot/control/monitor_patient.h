@@ -5,7 +5,7 @@
 #include "knee_robot/control/patient_limits.h"
 #include "knee_robot/mechanism/kinematics.h"
 
-namespace knee_robot {
+namespace knee_robot::control {
 
 /// The platform's pose and speed against a patient's limits, by forward kinematics of the measured lengths, once a cycle. The speed is
 /// the way over the last kWindow_s: encoder steps and the slips of a dry screw at its reversals are shorter, a joint feels neither;
@@ -15,7 +15,7 @@ class PatientMonitor {
   static constexpr double kWindow_s = 0.25;
   enum class Verdict { Fine, Pose, Speed };
 
-  explicit PatientMonitor(const Robot& robot) : mechanism_(robot.mechanism) {}
+  explicit PatientMonitor(const mechanism::Robot& robot) : mechanism_(robot.mechanism) {}
 
   /// `lengths` m; `dt` s since the last call; `speed_factor` of the patient's speeds is allowed.
   Verdict step(const PatientRange& range, const std::array<double, 4>& lengths, double dt, double margin_m,
@@ -25,17 +25,17 @@ class PatientMonitor {
  private:
   struct Passed {
     double time = 0.0;
-    Pose pose = Pose::Zero();
+    mechanism::Pose pose = mechanism::Pose::Zero();
   };
   static constexpr std::size_t kSteps = 16;  // the window moves on by a step at a time
 
   void keep() noexcept;
 
-  std::optional<Mechanism> mechanism_;
+  std::optional<mechanism::Mechanism> mechanism_;
   double time_ = 0.0;
-  Pose pose_ = Pose::Zero();
+  mechanism::Pose pose_ = mechanism::Pose::Zero();
   std::array<Passed, kSteps> passed_;  // a ring; the oldest is where the next will be put
   std::size_t kept_ = 0;               // ever since reset
 };
 
-}  // namespace knee_robot
+}  // namespace knee_robot::control

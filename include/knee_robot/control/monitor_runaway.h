@@ -5,7 +5,7 @@
 
 #include "knee_robot/control/monitor_view.h"
 
-namespace knee_robot {
+namespace knee_robot::control {
 
 /// The axis moves away from its reference, faster and faster, while the force pushes towards it more than it did at rest: a wrong
 /// sign of encoder, drive or wiring (the loop then drives itself away), a drive that gives no force although it is enabled (the load
@@ -40,4 +40,4 @@ class RunawayMonitor {
   double last_force_N_ = 0.0;
 };
 
-}  // namespace knee_robot
+}  // namespace knee_robot::control

@@ -4,7 +4,7 @@
 
 #include "knee_robot/control/monitor_view.h"
 
-namespace knee_robot {
+namespace knee_robot::control {
 
 /// The force has been at its clamp for time_s: the loop is not in control any more.
 class SaturationMonitor {
@@ -18,4 +18,4 @@ class SaturationMonitor {
   TrueFor clamped_;
 };
 
-}  // namespace knee_robot
+}  // namespace knee_robot::control

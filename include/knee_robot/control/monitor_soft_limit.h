@@ -2,7 +2,7 @@
 
 #include "knee_robot/control/monitor_view.h"
 
-namespace knee_robot {
+namespace knee_robot::control {
 
 /// The robot file's range, while the axis moves outwards: one that stands outside may be brought back inside. (The hard limit, a
 /// margin farther, is the Supervisor's position_out_of_range.)
@@ -15,4 +15,4 @@ class SoftLimitMonitor {
   }
 };
 
-}  // namespace knee_robot
+}  // namespace knee_robot::control

@@ -4,7 +4,7 @@
 
 #include "knee_robot/control/monitor_view.h"
 
-namespace knee_robot {
+namespace knee_robot::control {
 
 /// The drive pushes and the axis stands: |force| >= share * limit and |velocity| < speed for time_s, away from where it should be.
 class StallMonitor {
@@ -21,4 +21,4 @@ class StallMonitor {
   TrueFor stalled_;
 };
 
-}  // namespace knee_robot
+}  // namespace knee_robot::control

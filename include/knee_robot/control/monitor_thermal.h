@@ -2,7 +2,7 @@
 
 #include "knee_robot/control/monitor_view.h"
 
-namespace knee_robot {
+namespace knee_robot::control {
 
 /// I2t: the winding's heat as a first-order lag of (force / continuous force)^2. 0 is cold, 1 what the continuous force leads to in
 /// the end; above 1 is the fault. Goes on through every state, and is not forgotten by a reset; a controller that is started anew
@@ -22,4 +22,4 @@ class ThermalMonitor {
   double heat_ = 0.0;
 };
 
-}  // namespace knee_robot
+}  // namespace knee_robot::control

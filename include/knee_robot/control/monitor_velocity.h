@@ -4,7 +4,7 @@
 
 #include "knee_robot/control/monitor_view.h"
 
-namespace knee_robot {
+namespace knee_robot::control {
 
 /// |velocity| <= factor * velocity_max + floor, for longer than a few noisy counts.
 class VelocityMonitor {
@@ -18,4 +18,4 @@ class VelocityMonitor {
   TrueFor above_;
 };
 
-}  // namespace knee_robot
+}  // namespace knee_robot::control

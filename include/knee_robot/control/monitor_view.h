@@ -1,6 +1,6 @@
 #pragma once
 
-namespace knee_robot {
+namespace knee_robot::control {
 
 /// What a monitor sees of one axis in one cycle. Monitors are small state machines of their own: step() answers whether their limit is
 /// broken now, reset() forgets. Pure, real-time safe; what is not a number counts as broken.
@@ -30,4 +30,4 @@ class TrueFor {
   double time_s_ = 0.0;
 };
 
-}  // namespace knee_robot
+}  // namespace knee_robot::control

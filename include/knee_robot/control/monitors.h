@@ -19,7 +19,7 @@
 #include "knee_robot/rt/port.h"
 #include "knee_robot/rt/property.h"
 
-namespace knee_robot {
+namespace knee_robot::control {
 
 /// Looks at all four axes once a servo cycle, after the Drivers and before the Supervisor and AxesOutput, so that a fault acts in the
 /// cycle in which it is seen. The limits' meaning is in the monitor_*.h, one file each. Encoder jump and heat are judged always; the
@@ -30,7 +30,7 @@ namespace knee_robot {
 /// The following error is the Driver's; range (hard), readability of the encoders, components and inputs are the Supervisor's.
 class Monitors : public rt::TaskContext {
  public:
-  Monitors(const std::string& name, const Robot& robot);
+  Monitors(const std::string& name, const mechanism::Robot& robot);
 
   rt::InputPort<AxesMeasurement> measurement{*this, "measurement", "from AxesInput"};
   rt::InputPort<AxisCommand> command_1{*this, "command_1", "from the Driver of axis 1"};
@@ -133,16 +133,16 @@ class Monitors : public rt::TaskContext {
   void raise(std::size_t axis, Fault fault) noexcept;
   void forget() noexcept;
 
-  const Robot robot_;
-  const std::array<rt::InputPort<AxisCommand>*, kAxes> inputs_;
-  std::array<Axis, kAxes> axes_;
+  const mechanism::Robot robot_;
+  const std::array<rt::InputPort<AxisCommand>*, hardware::kAxes> inputs_;
+  std::array<Axis, hardware::kAxes> axes_;
   AxisValues known_heat_{};
   PatientMonitor patient_monitor_;
   std::mutex offering_;
   rt::DataChannel<PatientRange> offered_;
   PatientRange patient_;
   AxesMeasurement measured_;
-  std::array<AxisCommand, kAxes> commands_{};
+  std::array<AxisCommand, hardware::kAxes> commands_{};
   AxesWritten written_;
   bool any_ = false;
   bool carried_ = false;
@@ -151,4 +151,4 @@ class Monitors : public rt::TaskContext {
   MonitorVerdict out_;
 };
 
-}  // namespace knee_robot
+}  // namespace knee_robot::control

@@ -5,7 +5,7 @@
 #include "knee_robot/mechanism/robot.h"
 #include "knee_robot/trajectory/reference_check.h"
 
-namespace knee_robot {
+namespace knee_robot::control {
 
 /// Where and how fast one patient's leg may be moved. Plain data, so that it can be handed to the real-time side.
 struct PatientRange {
@@ -15,8 +15,8 @@ struct PatientRange {
   double linear_m_per_s = 0.020;           ///< of the platform's origin: 20 mm/s is the paper's
   double angular_rad_per_s = 0.034906585;  ///< of theta and of psi: 2 deg/s is the paper's
 
-  bool contains(const Pose& pose, double margin_m, double margin_rad) const noexcept;
-  bool allowsSpeed(const Vector4& pose_velocity, double factor) const noexcept;
+  bool contains(const mechanism::Pose& pose, double margin_m, double margin_rad) const noexcept;
+  bool allowsSpeed(const mechanism::Vector4& pose_velocity, double factor) const noexcept;
 };
 
 /// Content of a patient file (YAML, strict):
@@ -33,10 +33,11 @@ struct PatientLimits {
 
 /// InputError (file, line, limit) for anything unknown or senseless: an empty interval, lengths that no leg reaches, a speed above the
 /// robot's own. Throws InputError for a robot without platform (mechanism axes), too.
-PatientLimits loadPatientLimits(const std::string& path, const Robot& robot);
+PatientLimits loadPatientLimits(const std::string& path, const mechanism::Robot& robot);
 
 /// Judges a reference that the robot's own check has let through: every pose inside the range, every interval within the speeds.
 /// Throws InputError naming the reference's line, what was broken and by how much.
-void requireWithinPatient(const ReferenceCheck& check, const Reference& reference, const PatientLimits& patient);
+void requireWithinPatient(const trajectory::ReferenceCheck& check, const trajectory::Reference& reference,
+                          const PatientLimits& patient);
 
-}  // namespace knee_robot
+}  // namespace knee_robot::control

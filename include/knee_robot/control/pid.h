@@ -1,6 +1,6 @@
 #pragma once
 
-namespace knee_robot {
+namespace knee_robot::control {
 
 struct PidGains {
   double proportional = 0.0;          ///< N/m
@@ -54,4 +54,4 @@ class Pid {
   double last_limit_ = 0.0;  // N
 };
 
-}  // namespace knee_robot
+}  // namespace knee_robot::control

@@ -8,7 +8,7 @@
 #include "knee_robot/rt/operation.h"
 #include "knee_robot/rt/port.h"
 
-namespace knee_robot {
+namespace knee_robot::control {
 
 /// Real-time side of the recording, after AxesOutput in the servo cycle: puts together what was read, asked for and written in
 /// this cycle, publishes it, and pushes it into a preallocated ring while a recording runs. RecordingDrain empties the ring.
@@ -47,16 +47,16 @@ class Recorder : public rt::TaskContext {
   void updateHook(const rt::Cycle& cycle) override;
 
  private:
-  const std::array<rt::InputPort<AxisCommand>*, kAxes> inputs_;
+  const std::array<rt::InputPort<AxisCommand>*, hardware::kAxes> inputs_;
   rt::BufferChannel<TrackingRow> ring_{kRingRows};
   std::atomic<std::uint32_t> recording_{0};
   std::atomic<std::uint64_t> dropped_{0};
   AxesMeasurement measured_;
   SetPoint set_point_;
-  std::array<AxisCommand, kAxes> commands_{};
+  std::array<AxisCommand, hardware::kAxes> commands_{};
   AxesWritten written_;
   TrackingRow out_;
   std::uint64_t recorded_ = 0;  ///< sequence of the last row
 };
 
-}  // namespace knee_robot
+}  // namespace knee_robot::control

@@ -10,7 +10,7 @@
 #include "knee_robot/control/recorder.h"
 #include "knee_robot/recording/recording_writer.h"
 
-namespace knee_robot {
+namespace knee_robot::control {
 
 /// What became of a recording.
 struct RecordingResult {
@@ -49,7 +49,7 @@ class RecordingDrain {
   const int axes_;
   const bool threaded_;
   mutable std::mutex mutex_;
-  std::unique_ptr<RecordingWriter> writer_;
+  std::unique_ptr<recording::RecordingWriter> writer_;
   RecordingResult result_;
   std::uint32_t number_ = 0;
   std::uint64_t last_sequence_ = 0;
@@ -59,4 +59,4 @@ class RecordingDrain {
   std::atomic<bool> stop_{false};
 };
 
-}  // namespace knee_robot
+}  // namespace knee_robot::control

@@ -8,7 +8,7 @@
 
 #include "knee_robot/control/axis_data.h"
 
-namespace knee_robot {
+namespace knee_robot::control {
 
 /// What Sync plays: points kPointPeriod apart, with what was calculated from them beforehand.
 struct ReferencePath {
@@ -44,4 +44,4 @@ class ReferenceStore {
   std::mutex offering_;
 };
 
-}  // namespace knee_robot
+}  // namespace knee_robot::control

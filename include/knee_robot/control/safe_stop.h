@@ -2,7 +2,7 @@
 
 #include "knee_robot/control/axis_data.h"
 
-namespace knee_robot {
+namespace knee_robot::control {
 
 struct SafeStopTiming {
   rt::Nanoseconds decelerate_limit = 1'000'000'000;  ///< longest wait for the reference to come to rest
@@ -51,4 +51,4 @@ class SafeStop {
   std::uint32_t completed_ = 0;
 };
 
-}  // namespace knee_robot
+}  // namespace knee_robot::control

@@ -2,7 +2,7 @@
 
 #include "knee_robot/control/axis_data.h"
 
-namespace knee_robot {
+namespace knee_robot::control {
 
 /// From set points to one axis' reference, free of jumps.
 /// - Before the first segment that moves (SyncPhase::Idle) the reference stays where the axis was taken over.
@@ -58,4 +58,4 @@ class SetPointFollower {
   rt::Nanoseconds expected_period_ = 10'000'000;
 };
 
-}  // namespace knee_robot
+}  // namespace knee_robot::control

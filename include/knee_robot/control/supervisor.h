@@ -10,7 +10,7 @@
 #include "knee_robot/rt/port.h"
 #include "knee_robot/rt/property.h"
 
-namespace knee_robot {
+namespace knee_robot::control {
 
 /// Whether a request is possible in a state: the table of the machine. EmergencyStop always is.
 bool isPossible(MachineState state, RequestKind request) noexcept;
@@ -29,7 +29,7 @@ bool isPossible(MachineState state, RequestKind request) noexcept;
 /// failures, the axes' ranges, overruns, the emergency stop's input are looked at here; the Drivers and AxesOutput report theirs.
 class Supervisor : public rt::TaskContext {
  public:
-  Supervisor(const std::string& name, const Robot& robot, const HardwareFile& hardware);
+  Supervisor(const std::string& name, const mechanism::Robot& robot, const HardwareFile& hardware);
 
   rt::InputPort<AxesMeasurement> measurement{*this, "measurement", "from AxesInput"};
   rt::InputPort<SetPoint> set_point{*this, "set_point", "from Sync"};
@@ -98,17 +98,17 @@ class Supervisor : public rt::TaskContext {
   bool inputIsLow(const std::optional<int>& bit) const noexcept;
   void publish(rt::Nanoseconds now);
 
-  const Robot robot_;
+  const mechanism::Robot robot_;
   const HardwareFile hardware_;
   std::vector<const rt::TaskContext*> watched_;
   const rt::TaskContext* output_ = nullptr;
   std::atomic<bool> overrun_{false};
-  const std::array<rt::InputPort<AxisCommand>*, kAxes> inputs_;
+  const std::array<rt::InputPort<AxisCommand>*, hardware::kAxes> inputs_;
 
   AxesMeasurement measured_;
   int unreadable_ = 0;
   SetPoint set_point_;
-  std::array<AxisCommand, kAxes> commands_{};
+  std::array<AxisCommand, hardware::kAxes> commands_{};
   AxesWritten written_;
   MonitorVerdict verdict_;
   int unjudged_ = 0;  // cycles without a verdict
@@ -127,4 +127,4 @@ class Supervisor : public rt::TaskContext {
   rt::Nanoseconds step_since_ = 0;  // of the present step of enabling
 };
 
-}  // namespace knee_robot
+}  // namespace knee_robot::control

@@ -7,7 +7,7 @@
 #include "knee_robot/rt/port.h"
 #include "knee_robot/rt/property.h"
 
-namespace knee_robot {
+namespace knee_robot::control {
 
 /// Streams the reference: one set point per period (10 ms), all four axes in one message, so they start and stop on one tick.
 ///
@@ -19,7 +19,7 @@ namespace knee_robot {
 /// Holds at the last point. Stops by itself when the Supervisor's orders do not come any more.
 class Sync : public rt::TaskContext {
  public:
-  Sync(const std::string& name, const Robot& robot);
+  Sync(const std::string& name, const mechanism::Robot& robot);
 
   rt::InputPort<Orders> orders{*this, "orders", "from the Supervisor"};
   rt::InputPort<AxesMeasurement> measurement{*this, "measurement", "from AxesInput"};
@@ -64,4 +64,4 @@ class Sync : public rt::TaskContext {
   std::uint32_t handled_play_ = 0;
 };
 
-}  // namespace knee_robot
+}  // namespace knee_robot::control

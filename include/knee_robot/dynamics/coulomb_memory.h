@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-namespace knee_robot {
+namespace knee_robot::dynamics {
 
 /// Coulomb friction that remembers: the share of full friction, in [-1, 1], follows the displacement and saturates after
 /// `width_m` (the stop operator of Prandtl; Dahl's model in its ideally plastic limit). Moving, it equals sign(v); at rest it keeps
@@ -17,4 +17,4 @@ struct CoulombMemory {
   }
 };
 
-}  // namespace knee_robot
+}  // namespace knee_robot::dynamics

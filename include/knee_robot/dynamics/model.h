@@ -10,7 +10,7 @@
 #include "knee_robot/dynamics/regressor.h"
 #include "knee_robot/mechanism/robot.h"
 
-namespace knee_robot {
+namespace knee_robot::dynamics {
 
 /// One column of the linear model. The values together are one representative of what the data determine: only the combinations
 /// in Model::base have a meaning of their own where `verdict` is not "identified".
@@ -64,7 +64,7 @@ struct ModelElsewhere {
 
 /// The identified force model of a robot: what `identify` and `trace` write, and what predictions and `trace` read.
 struct Model {
-  MechanismKind kind = MechanismKind::ThreeUpsOneRpu;
+  mechanism::MechanismKind kind = mechanism::MechanismKind::ThreeUpsOneRpu;
   int axes = 0;
   std::string robot_fingerprint;  ///< of the robot file that it was identified with
   std::vector<ModelData> data;
@@ -94,35 +94,36 @@ Model loadModel(const std::string& path);
 Model parseModel(const std::string& text, const std::string& path);
 
 /// InputError unless the model was identified with this robot file.
-void requireModelOf(const Model& model, const std::string& model_path, const Robot& robot);
+void requireModelOf(const Model& model, const std::string& model_path, const mechanism::Robot& robot);
 
 /// The model as constants that forceFromModel needs.
 struct ForceModel {
   /// InputError when the model has effects: a force without them would not be the model's.
-  ForceModel(const Model& model, const Robot& robot);
+  ForceModel(const Model& model, const mechanism::Robot& robot);
 
-  std::optional<Mechanism> mechanism;  ///< empty for bench axes
-  Vector3 gravity;
+  std::optional<mechanism::Mechanism> mechanism;  ///< empty for bench axes
+  mechanism::Vector3 gravity;
   int axes;
-  ExtendedParameters parameters;  ///< of the parallel robot
-  Matrix4 axis_parameters;        ///< of bench axes: column i holds viscous, Coulomb, rotor, offset of axis i
-  Vector4 coulomb;                ///< N, taken out of `parameters`: it acts through the memory
-  Vector4 coulomb_width_m;
+  ExtendedParameters parameters;       ///< of the parallel robot
+  mechanism::Matrix4 axis_parameters;  ///< of bench axes: column i holds viscous, Coulomb, rotor, offset of axis i
+  mechanism::Vector4 coulomb;          ///< N, taken out of `parameters`: it acts through the memory
+  mechanism::Vector4 coulomb_width_m;
 };
 
 /// Workspace of forceFromModel, and the friction's memory. One per motion.
 struct ForceModelData {
   RegressorData regressor;
   ExtendedRegressor row;
-  std::array<CoulombMemory, kLegs> memory;
-  Vector4 last_position = Vector4::Zero();
+  std::array<CoulombMemory, mechanism::kLegs> memory;
+  mechanism::Vector4 last_position = mechanism::Vector4::Zero();
   bool started = false;
 };
 
 /// Actuator forces (N) for one instant of a motion: positions (m), velocities and accelerations of the actuators (unused entries
 /// zero), and for the parallel robot the platform's motion that belongs to them (motionFromLengths). Call it once per instant in
 /// order of time: the friction remembers. False, with `forces` untouched, where the mechanism is singular. Real-time safe.
-bool forceFromModel(const ForceModel& model, const Vector4& position, const Vector4& velocity,
-                    const Vector4& acceleration, const Motion& motion, ForceModelData& data, Vector4& forces) noexcept;
+bool forceFromModel(const ForceModel& model, const mechanism::Vector4& position, const mechanism::Vector4& velocity,
+                    const mechanism::Vector4& acceleration, const mechanism::Motion& motion, ForceModelData& data,
+                    mechanism::Vector4& forces) noexcept;
 
-}  // namespace knee_robot
+}  // namespace knee_robot::dynamics

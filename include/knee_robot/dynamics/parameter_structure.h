@@ -6,7 +6,7 @@
 
 #include "knee_robot/dynamics/regressor.h"
 
-namespace knee_robot {
+namespace knee_robot::dynamics {
 
 /// What a noise-free observation matrix W (rows: equations, columns: parameters) can tell apart: null columns, rank, and which
 /// parameters are lumped into which base parameter. For the structure of a mechanism, stack W along rich random motion; the
@@ -38,7 +38,7 @@ std::string combinationText(const ParameterStructure& structure, int k, const st
 int distinguishable(const Eigen::MatrixXd& w, const Eigen::VectorXd& typical, double noise_N);
 
 /// K* (4 x 112 each) stacked along motions: 4 * motions rows. Motions at singular poses are left out.
-Eigen::MatrixXd observationMatrix(const Mechanism& mechanism, const Vector3& gravity,
-                                  const std::vector<Motion>& motions);
+Eigen::MatrixXd observationMatrix(const mechanism::Mechanism& mechanism, const mechanism::Vector3& gravity,
+                                  const std::vector<mechanism::Motion>& motions);
 
-}  // namespace knee_robot
+}  // namespace knee_robot::dynamics

@@ -6,7 +6,7 @@
 
 #include "knee_robot/mechanism/geometry.h"
 
-namespace knee_robot {
+namespace knee_robot::dynamics {
 
 /// Links in the paper's order: (leg, 1) cylinder and (leg, 2) rod of legs 1 to 4, then the platform.
 ///
@@ -40,13 +40,13 @@ inline constexpr int kPaperParameters = kInertialParameters + kFrictionParameter
 /// Passive friction keeps the paper's order: Fv_12 Fc_12 Fv_11 Fc_11 ... Fv_41 Fc_41. Rotor: motor and screw inertia
 /// reflected to the actuator, kg. Offset: constant force, N.
 namespace extended {
-inline constexpr int kPassiveFriction = kInertialParameters;  // first column of each block
+inline constexpr int kPassiveFriction = dynamics::kInertialParameters;  // first column of each block
 inline constexpr int kPassiveFrictionCount = 14;
 inline constexpr int kViscous = kPassiveFriction + kPassiveFrictionCount;
-inline constexpr int kCoulomb = kViscous + kLegs;
-inline constexpr int kRotor = kCoulomb + kLegs;
-inline constexpr int kOffset = kRotor + kLegs;
-inline constexpr int kParameters = kOffset + kLegs;  // 120
+inline constexpr int kCoulomb = kViscous + mechanism::kLegs;
+inline constexpr int kRotor = kCoulomb + mechanism::kLegs;
+inline constexpr int kOffset = kRotor + mechanism::kLegs;
+inline constexpr int kParameters = kOffset + mechanism::kLegs;  // 120
 }  // namespace extended
 
 using LinkParameters = Eigen::Matrix<double, kLinkParameters, 1>;
@@ -68,4 +68,4 @@ const std::vector<std::string>& linkNames();
 /// The 112 paper parameters as extended ones, rotor and offset zero.
 ExtendedParameters toExtended(const PaperParameters& parameters);
 
-}  // namespace knee_robot
+}  // namespace knee_robot::dynamics

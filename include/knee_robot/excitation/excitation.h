@@ -9,7 +9,7 @@
 #include "knee_robot/excitation/fourier_series.h"
 #include "knee_robot/trajectory/reference_check.h"
 
-namespace knee_robot {
+namespace knee_robot::excitation {
 
 /// How far the search is; for a line on a terminal.
 struct ExcitationProgress {
@@ -34,13 +34,13 @@ struct ExcitationOptions {
   bool force_limits = true;             ///< keep the drives' forces (needs the robot's URDF; without one it cannot)
   ExpectedFriction friction;            ///< of the forces that are expected
   ExcitationCriterion criterion = ExcitationCriterion::Condition;
-  int directions = 51;             ///< r; 51 is the rank of the rigid body in rich motion, 73 that with friction
-  std::optional<Vector4> noise_N;  ///< of the actuators' forces; default: in proportion to force_per_volt_N
-  int candidates = 100;            ///< random feasible series to start with
-  int starts = 6;                  ///< the best of them are improved
-  int iterations = 150;            ///< evaluations of each start, in each round
-  double seconds_budget = 60.0;    ///< then the best so far is returned
-  bool twin_legs = false;          ///< q23 and q33 identical, as in the paper's verification (sect. 2.1.5)
+  int directions = 51;  ///< r; 51 is the rank of the rigid body in rich motion, 73 that with friction
+  std::optional<mechanism::Vector4> noise_N;  ///< of the actuators' forces; default: in proportion to force_per_volt_N
+  int candidates = 100;                       ///< random feasible series to start with
+  int starts = 6;                             ///< the best of them are improved
+  int iterations = 150;                       ///< evaluations of each start, in each round
+  double seconds_budget = 60.0;               ///< then the best so far is returned
+  bool twin_legs = false;                     ///< q23 and q33 identical, as in the paper's verification (sect. 2.1.5)
   std::function<void(const ExcitationProgress&)> progress;  ///< called from several threads, one at a time
   const std::atomic<bool>* interrupted = nullptr;           ///< set: stop and return the best so far
 };
@@ -54,8 +54,8 @@ struct ConditionAt {
 
 struct ExcitationPlan {
   FourierSeries series;
-  Reference reference;  ///< actuator lengths, checked: it may be played
-  ReferenceCheck check;
+  trajectory::Reference reference;  ///< actuator lengths, checked: it may be played
+  trajectory::ReferenceCheck check;
   std::vector<LimitUsed> limits;        ///< how much of each limit the series uses, looked at every millisecond
   std::vector<ConditionAt> conditions;  ///< at r = 20, 30, 40, 51, 56, 73, as played (100 Hz, sign of the velocity)
   std::vector<ConditionAt> random_conditions;  ///< of the best random candidate, the same way
@@ -73,6 +73,6 @@ struct ExcitationPlan {
 /// gradients, over the coefficients expressed through dq/dx at the centre (a unit of every variable then moves the pose by a similar
 /// amount; in plain actuator coordinates one direction is twenty times as touchy as the others).
 /// InputError: options out of range, or a robot without a platform. Refusal: no pose has room for any motion.
-ExcitationPlan planExcitation(const Robot& robot, const ExcitationOptions& options = {});
+ExcitationPlan planExcitation(const mechanism::Robot& robot, const ExcitationOptions& options = {});
 
-}  // namespace knee_robot
+}  // namespace knee_robot::excitation

@@ -4,10 +4,10 @@
 #include <string>
 #include <vector>
 
-#include "knee_robot/mechanism/robot.h"
 #include "knee_robot/excitation/fourier_series.h"
+#include "knee_robot/mechanism/robot.h"
 
-namespace knee_robot {
+namespace knee_robot::excitation {
 
 /// Friction that an expected force counts with: a robot file has none.
 struct ExpectedFriction {
@@ -28,10 +28,10 @@ struct LimitUsed {
 /// singularity margin; with a URDF also the peak and rms of the force that the links' inertia, gravity and the expected friction
 /// need, against force_max_N (or the voltage) and force_continuous_N. One entry per quantity and actuator. Nothing when the mechanism
 /// cannot follow the series.
-std::optional<std::vector<LimitUsed>> limitsUsed(const Robot& robot, const FourierSeries& series,
+std::optional<std::vector<LimitUsed>> limitsUsed(const mechanism::Robot& robot, const FourierSeries& series,
                                                  const ExpectedFriction& friction, double step_s = 0.001);
 
 /// Largest force (N) that an actuator may exert for a moment: force_max_N or what the largest voltage gives, whichever is less.
-double peakForce(const Actuator& actuator);
+double peakForce(const mechanism::Actuator& actuator);
 
-}  // namespace knee_robot
+}  // namespace knee_robot::excitation

@@ -5,7 +5,7 @@
 #include "knee_robot/mechanism/geometry.h"
 #include "knee_robot/trajectory/reference_file.h"
 
-namespace knee_robot {
+namespace knee_robot::excitation {
 
 /// Shape of a finite Fourier series with smooth ends: the series is multiplied by a window that rises from 0 to 1 within
 /// `ramp_s`, stays at 1 for one or more periods, and falls back, both by the quintic 10 s^3 - 15 s^4 + 6 s^5. So the motion is
@@ -32,18 +32,18 @@ SeriesBasis seriesBasis(const SeriesShape& shape, double time);
 /// Series of four coordinates: actuator lengths (m), or platform coordinates.
 struct FourierSeries {
   SeriesShape shape;
-  Space space = Space::Actuator;
-  Vector4 centre = Vector4::Zero();
+  trajectory::Space space = trajectory::Space::Actuator;
+  mechanism::Vector4 centre = mechanism::Vector4::Zero();
   Eigen::Matrix<double, 4, Eigen::Dynamic> coefficients;  ///< 4 x 2 harmonics, columns as in SeriesBasis
 };
 
 /// The four coordinates with their derivatives at one instant.
 struct SeriesPoint {
-  Vector4 value, rate, acceleration;
+  mechanism::Vector4 value, rate, acceleration;
 };
 SeriesPoint pointAt(const FourierSeries& series, const SeriesBasis& basis);
 
 /// The series sampled every kStreamPeriod, first and last point at rest in the centre.
-Reference sampledReference(const FourierSeries& series);
+trajectory::Reference sampledReference(const FourierSeries& series);
 
-}  // namespace knee_robot
+}  // namespace knee_robot::excitation

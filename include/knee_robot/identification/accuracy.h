@@ -6,7 +6,7 @@
 
 #include "knee_robot/identification/observation.h"
 
-namespace knee_robot {
+namespace knee_robot::identification {
 
 /// How far predictions are from commanded forces; one entry per actuator (design: section 3).
 struct Accuracy {
@@ -33,4 +33,4 @@ Prediction makePrediction(const Observation& observation, Eigen::MatrixXd force_
 /// Over several recordings together. `predictions` belong to `observations`, in order; both may not be empty.
 Accuracy accuracyOf(const std::vector<Observation>& observations, const std::vector<Prediction>& predictions);
 
-}  // namespace knee_robot
+}  // namespace knee_robot::identification

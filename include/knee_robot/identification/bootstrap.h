@@ -4,7 +4,7 @@
 
 #include "knee_robot/identification/equations.h"
 
-namespace knee_robot {
+namespace knee_robot::identification {
 
 /// Block length that the residual's autocorrelation asks for: the automatic choice of Politis and White (2004, corrected 2009) on each
 /// actuator's residual, the longest of them. Between one sample of the equations and a twelfth of the data, s.
@@ -27,4 +27,4 @@ struct Bootstrap {
 Bootstrap blockBootstrap(const Equations& equations, const Eigen::MatrixXd& x, const Eigen::VectorXd& b, int bounded,
                          double block_s, int draws = 300, unsigned seed = 1);
 
-}  // namespace knee_robot
+}  // namespace knee_robot::identification

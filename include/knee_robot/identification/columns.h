@@ -5,7 +5,7 @@
 
 #include "knee_robot/mechanism/robot.h"
 
-namespace knee_robot {
+namespace knee_robot::identification {
 
 /// What a column of the linear model stands for.
 enum class ColumnRole { Rigid, JointFriction, Viscous, Coulomb, Rotor, Offset };
@@ -27,6 +27,6 @@ struct Column {
 /// legs' seven passive joints (eq. (22)-(23)), then viscous, Coulomb, rotor and offset of the four actuators. The joints' own
 /// friction is left out unless asked for: on recordings of real robots of this kind it is hardly told apart from the actuators'
 /// friction, and made the error on another trajectory larger. Bench axes: viscous, Coulomb, rotor, offset per axis.
-std::vector<Column> columnsOf(const Robot& robot, bool joint_friction = false);
+std::vector<Column> columnsOf(const mechanism::Robot& robot, bool joint_friction = false);
 
-}  // namespace knee_robot
+}  // namespace knee_robot::identification

@@ -5,7 +5,7 @@
 
 #include "knee_robot/identification/observation.h"
 
-namespace knee_robot {
+namespace knee_robot::identification {
 
 /// The equations that are fitted: a * parameters = b, both sides low-passed, only usable moving samples, thinned to what the
 /// cut-off leaves. Rows carry their actuator, and the block of training data that cross-validation leaves out together.
@@ -43,4 +43,4 @@ void weightRows(Equations& equations, const Eigen::VectorXd& noise_N);
 /// Root mean square of `residual` (one entry a row) for each actuator; 0 where an actuator has no rows.
 Eigen::VectorXd rmsPerActuator(const Equations& equations, const Eigen::VectorXd& residual);
 
-}  // namespace knee_robot
+}  // namespace knee_robot::identification

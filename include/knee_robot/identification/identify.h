@@ -8,7 +8,7 @@
 #include "knee_robot/identification/rank.h"
 #include "knee_robot/identification/robust_fit.h"
 
-namespace knee_robot {
+namespace knee_robot::identification {
 
 /// Everything that identification may be told.
 struct IdentifyOptions {
@@ -24,7 +24,7 @@ struct IdentifyOptions {
 
 /// A fitted model, and what its choices rest on. Nothing in here depends on validation data.
 struct Identification {
-  Model model;
+  dynamics::Model model;
   RankChoice rank;
   std::vector<Eigen::VectorXd>
       parameters_by_rank;  ///< least-squares parameters (all columns) for every point of rank.curve
@@ -43,16 +43,17 @@ struct Identification {
 /// Identifies the force model of a robot: widths of the Coulomb step, noise of each actuator, rank by cross-validation, robust
 /// bounded fit. Sets the Coulomb columns of `training` to the widths that were chosen. Refusal when the data cannot support it:
 /// an axis hardly moves, too little motion, too many saturated samples.
-Identification identify(const Robot& robot, std::vector<Observation>& training, const IdentifyOptions& options);
+Identification identify(const mechanism::Robot& robot, std::vector<Observation>& training,
+                        const IdentifyOptions& options);
 
 /// Widths (m, per actuator) over which Coulomb friction builds up: for each actuator the one that leaves the smallest residual
 /// over all usable training samples, at rest too, when its own friction and offset are refitted to the residual of
 /// `parameters`. At least options.narrowest_counts encoder counts.
-std::vector<double> chooseCoulombWidths(const Robot& robot, const std::vector<Column>& columns,
+std::vector<double> chooseCoulombWidths(const mechanism::Robot& robot, const std::vector<Column>& columns,
                                         const std::vector<Observation>& training, const Eigen::VectorXd& parameters,
                                         const IdentifyOptions& options);
 
 /// The narrowest of those widths for every actuator.
-std::vector<double> narrowestCoulombWidths(const Robot& robot, double counts);
+std::vector<double> narrowestCoulombWidths(const mechanism::Robot& robot, double counts);
 
-}  // namespace knee_robot
+}  // namespace knee_robot::identification

@@ -6,20 +6,20 @@
 #include "knee_robot/mechanism/robot.h"
 #include "knee_robot/recording/signals.h"
 
-namespace knee_robot {
+namespace knee_robot::identification {
 
 /// The platform's motion along a recording, one entry per sample.
 struct MotionPath {
-  std::vector<Motion> motion;     ///< empty for bench axes; the last good one where the pose is not known
-  std::vector<char> pose_known;   ///< 0 where forward kinematics failed
-  std::vector<double> condition;  ///< of the Jacobian (m, rad); infinite where the pose is not known
+  std::vector<mechanism::Motion> motion;  ///< empty for bench axes; the last good one where the pose is not known
+  std::vector<char> pose_known;           ///< 0 where forward kinematics failed
+  std::vector<double> condition;          ///< of the Jacobian (m, rad); infinite where the pose is not known
 };
 
 /// Forward kinematics along the samples, each starting from the one before so that the assembly branch is kept; the first from
 /// the branch in which the robot was built. Refusal when no pose of the recording can be reached by this geometry.
-MotionPath followPath(const Robot& robot, const Signals& signals);
+MotionPath followPath(const mechanism::Robot& robot, const recording::Signals& signals);
 
 /// Row `sample` of a matrix of up to four actuators, filled up with zeros.
-Vector4 actuatorRow(const Eigen::MatrixXd& values, int sample);
+mechanism::Vector4 actuatorRow(const Eigen::MatrixXd& values, int sample);
 
-}  // namespace knee_robot
+}  // namespace knee_robot::identification

@@ -9,7 +9,7 @@
 #include "knee_robot/recording/recording.h"
 #include "knee_robot/recording/signals.h"
 
-namespace knee_robot {
+namespace knee_robot::identification {
 
 /// What decides which samples are used, and how they are filtered.
 struct ObservationOptions {
@@ -19,7 +19,7 @@ struct ObservationOptions {
   /// The actuator lengths' distance (m) from a fold (foldDistance) below which the assembly mode counts as unknown, until it is twice
   /// as far again. A recording with cameras passed into the other mode from 2.3 mm: the geometry is not known better. 0: exact geometry.
   double fold_margin_m = 0.003;
-  SignalOptions signals;
+  recording::SignalOptions signals;
 
   /// Sets the cut-off, and that of the positions: three times as much unless given, wide enough that the second filter decides.
   void setCutoff(double hz, double motion_hz = 0.0) {
@@ -41,7 +41,7 @@ struct Observation {
   std::string fingerprint;         ///< of the recording
   std::vector<double> row_time_s;  ///< of the recording's rows
   Eigen::MatrixXd row_force_N;     ///< commanded, one row per row of the recording
-  Signals signals;
+  recording::Signals signals;
   Eigen::MatrixXd
       fine_position_m;  ///< as signals.position_m but not low-passed: a filter's ringing at a stop would reverse friction
   MotionPath motion;
@@ -60,17 +60,17 @@ struct Observation {
 };
 
 /// The limit in force: that of the options, else the robot file's margin, else (when that is wide open, above 1e6) 60.
-double conditionLimit(const Robot& robot, const ObservationOptions& options);
+double conditionLimit(const mechanism::Robot& robot, const ObservationOptions& options);
 
 /// Signed force per volt of every actuator.
-std::vector<double> forcePerVolt(const Robot& robot);
+std::vector<double> forcePerVolt(const mechanism::Robot& robot);
 
 /// Builds the equations of a recording. InputError when recording and robot do not fit together; Refusal when there are too few
 /// rows.
-Observation observe(const Robot& robot, const std::vector<Column>& columns, const Recording& recording,
-                    const ObservationOptions& options);
+Observation observe(const mechanism::Robot& robot, const std::vector<Column>& columns,
+                    const recording::Recording& recording, const ObservationOptions& options);
 
 /// Fills the Coulomb columns for these widths (m, one per actuator).
 void setCoulombWidth(Observation& observation, const std::vector<Column>& columns, const std::vector<double>& width_m);
 
-}  // namespace knee_robot
+}  // namespace knee_robot::identification

@@ -5,7 +5,7 @@
 #include "knee_robot/dynamics/robot_inertia.h"
 #include "knee_robot/identification/identify.h"
 
-namespace knee_robot {
+namespace knee_robot::identification {
 
 /// Error of the physically consistent fit with one strength of the prior. Errors are mean squares in units of the noise.
 struct PhysicalPoint {
@@ -18,8 +18,8 @@ struct PhysicalPoint {
 
 /// Full parameters that a robot can have: positive masses, possible inertia tensors, friction and rotor inertia not negative.
 struct PhysicalFit {
-  Model model;           ///< like the base fit's, with these values; no base combinations
-  RobotInertia inertia;  ///< of the nine links and the rotors
+  dynamics::Model model;           ///< like the base fit's, with these values; no base combinations
+  dynamics::RobotInertia inertia;  ///< of the nine links and the rotors
   double strength = 0.0;
   double supported = 0.0;
   bool optimal =
@@ -33,6 +33,6 @@ struct PhysicalFit {
 /// The prior (the robot's URDF) decides where the data are silent. Its strength is chosen as the rank is: the strongest one whose
 /// error on left-out blocks of the training data is within one standard error of the best. Offsets have a prior of zero, of a size
 /// of a tenth of the actuator's rms force; friction and rotor have none.
-PhysicalFit fitPhysical(const Robot& robot, const Identification& base, const RobotInertia& prior);
+PhysicalFit fitPhysical(const mechanism::Robot& robot, const Identification& base, const dynamics::RobotInertia& prior);
 
-}  // namespace knee_robot
+}  // namespace knee_robot::identification

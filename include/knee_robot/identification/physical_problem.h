@@ -6,21 +6,21 @@
 #include "knee_robot/dynamics/robot_inertia.h"
 #include "knee_robot/identification/columns.h"
 
-namespace knee_robot {
+namespace knee_robot::identification {
 
 /// Coordinates in which a robot's inertias are fitted: each link's pseudo-inertia as L E L^T, where L L^T is the prior's. E = 1 is
 /// the prior, and a change of E of size 1 is as large as the prior itself (the natural metric of Lee, Wensing and Park 2020, at
 /// the prior). Ten coordinates a link: the diagonal of E, then sqrt(2) times its upper triangle, row by row.
 struct PhysicalCoordinates {
-  InertialParameters prior;   ///< the robot's URDF
-  Eigen::MatrixXd transform;  ///< 90 x 90, block diagonal: inertial parameters = transform * coordinates
+  dynamics::InertialParameters prior;  ///< the robot's URDF
+  Eigen::MatrixXd transform;           ///< 90 x 90, block diagonal: inertial parameters = transform * coordinates
 
   static constexpr int kPerLink = 10;
 };
 
 /// InputError-free: every LinkInertia that loadRobotInertia returns is possible. A body on the boundary of what is possible (a
 /// point mass, a thin disc) is moved inside by 1e-6 of its size.
-PhysicalCoordinates physicalCoordinates(const RobotInertia& prior);
+PhysicalCoordinates physicalCoordinates(const dynamics::RobotInertia& prior);
 
 /// A weighted linear least-squares problem over physically possible inertias, without a word about the prior:
 /// |data * [coordinates; free] - target|^2, `free` being all columns that are not Rigid.
@@ -68,4 +68,4 @@ PhysicalSolution solvePhysical(const PhysicalProblem& problem, const PriorPull& 
 Eigen::VectorXd physicalParameters(const PhysicalSolution& solution, const PhysicalProblem& problem,
                                    const PhysicalCoordinates& coordinates, const std::vector<Column>& columns);
 
-}  // namespace knee_robot
+}  // namespace knee_robot::identification

@@ -5,7 +5,7 @@
 #include "knee_robot/identification/equations.h"
 #include "knee_robot/identification/reduction.h"
 
-namespace knee_robot {
+namespace knee_robot::identification {
 
 /// Error of the fit with one number of coordinates. Errors are mean squares in units of the noise.
 struct RankPoint {
@@ -32,4 +32,4 @@ std::vector<Eigen::MatrixXd> compressBlocks(const Equations& equations);
 /// Compressed blocks on top of each other, compressed again, without block `left_out` (-1: all).
 Eigen::MatrixXd joinBlocks(const std::vector<Eigen::MatrixXd>& blocks, int left_out);
 
-}  // namespace knee_robot
+}  // namespace knee_robot::identification

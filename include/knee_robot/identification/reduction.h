@@ -5,7 +5,7 @@
 
 #include "knee_robot/identification/columns.h"
 
-namespace knee_robot {
+namespace knee_robot::identification {
 
 /// A linear least-squares problem prepared for truncation. Columns with a physical sign (friction, rotor inertia) are kept as
 /// they are; of all others only combinations count that those do not explain: the singular directions of the others after
@@ -45,4 +45,4 @@ Eigen::VectorXd toParameters(const Reduction& reduction, const Eigen::VectorXd& 
 /// Least squares min |x z - y| with z[i] >= 0 for i < bounded, by an active set.
 Eigen::VectorXd boundedLeastSquares(const Eigen::MatrixXd& x, const Eigen::VectorXd& y, int bounded);
 
-}  // namespace knee_robot
+}  // namespace knee_robot::identification

@@ -3,7 +3,7 @@
 #include "knee_robot/identification/equations.h"
 #include "knee_robot/identification/reduction.h"
 
-namespace knee_robot {
+namespace knee_robot::identification {
 
 /// Result of robustFit.
 struct RobustFit {
@@ -28,4 +28,4 @@ enum class OutlierRule {
 RobustFit robustFit(const Equations& equations, const Reduction& reduction, int rank,
                     OutlierRule rule = OutlierRule::Huber);
 
-}  // namespace knee_robot
+}  // namespace knee_robot::identification

@@ -6,7 +6,7 @@
 #include "knee_robot/dynamics/parameters.h"
 #include "knee_robot/identification/motion_path.h"
 
-namespace knee_robot {
+namespace knee_robot::identification {
 
 /// The path of a joint as friction sees it: several points a sample, and no way back shorter than what the encoders tell apart. Friction
 /// that followed every wiggle of a rounded, low-passed position would reverse where the joint does not; friction that waited until
@@ -34,19 +34,19 @@ SlidingPath slidingPath(const Eigen::VectorXd& position, const Eigen::VectorXd& 
 Eigen::VectorXd frictionShare(const SlidingPath& path, double width);
 
 /// One path per actuator; resolution: what rounding leaves of an encoder count (Signals::rounding_left).
-std::vector<SlidingPath> actuatorPaths(const Robot& robot, const Signals& signals);
+std::vector<SlidingPath> actuatorPaths(const mechanism::Robot& robot, const recording::Signals& signals);
 
 /// Coulomb columns of the legs' seven passive joints, in the order of the passive friction parameters: 12 11 22 21 32 31 41. The sign
 /// of each is frictionShare of a narrow width along the joint's own path, whose resolution is what that much of
 /// a count of every encoder (root of the sum of squares) moves the joint by.
 class PassiveCoulomb {
  public:
-  static constexpr int kJoints = extended::kPassiveFrictionCount / 2;
+  static constexpr int kJoints = dynamics::extended::kPassiveFrictionCount / 2;
 
-  PassiveCoulomb(const Robot& robot, const Signals& signals, const MotionPath& motion);
+  PassiveCoulomb(const mechanism::Robot& robot, const recording::Signals& signals, const MotionPath& motion);
 
   /// Actuator forces (N) that hold against friction of 1 N m in the joint at a sample.
-  Vector4 column(int sample, int joint) const {
+  mechanism::Vector4 column(int sample, int joint) const {
     return share_(sample, joint) * levers_[static_cast<std::size_t>(joint)].col(sample);
   }
 
@@ -55,4 +55,4 @@ class PassiveCoulomb {
   Eigen::MatrixXd share_;
 };
 
-}  // namespace knee_robot
+}  // namespace knee_robot::identification

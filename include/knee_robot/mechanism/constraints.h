@@ -2,7 +2,7 @@
 
 #include "knee_robot/mechanism/leg_motion.h"
 
-namespace knee_robot {
+namespace knee_robot::mechanism {
 
 /// Numbers of generalized coordinates and of constraint equations, eq. (2)-(3): 15 - 11 = 4 degrees of freedom.
 inline constexpr int kCoordinates = 15;
@@ -47,4 +47,4 @@ bool dependentJacobian(const Mechanism& mechanism, const Coordinates& q, Depende
 bool coordinateRates(const Mechanism& mechanism, const Coordinates& q, const Vector4& length_velocity,
                      const Vector4& length_acceleration, Coordinates& velocity, Coordinates& acceleration);
 
-}  // namespace knee_robot
+}  // namespace knee_robot::mechanism

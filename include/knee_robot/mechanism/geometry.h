@@ -3,7 +3,7 @@
 #include <Eigen/Core>
 #include <array>
 
-namespace knee_robot {
+namespace knee_robot::mechanism {
 
 using Vector3 = Eigen::Vector3d;
 using Vector4 = Eigen::Vector4d;
@@ -34,4 +34,4 @@ struct Mechanism {
   std::array<Vector3, kLegs> platform_points;  ///< A, B, C and (0, 0, 0), platform frame
 };
 
-}  // namespace knee_robot
+}  // namespace knee_robot::mechanism

@@ -4,7 +4,7 @@
 
 #include "knee_robot/mechanism/geometry.h"
 
-namespace knee_robot {
+namespace knee_robot::mechanism {
 
 /// Platform pose x = (Xm, Zm, theta, psi): metres and radians, base frame; rotation by eq. (5).
 using Pose = Vector4;
@@ -78,4 +78,4 @@ struct JointAngles {
 };
 JointAngles jointAngles(const Mechanism& mechanism, const Pose& pose);
 
-}  // namespace knee_robot
+}  // namespace knee_robot::mechanism

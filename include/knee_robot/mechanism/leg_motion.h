@@ -4,7 +4,7 @@
 
 #include "knee_robot/mechanism/kinematics.h"
 
-namespace knee_robot {
+namespace knee_robot::mechanism {
 
 using Matrix34 = Eigen::Matrix<double, 3, 4>;
 
@@ -64,4 +64,4 @@ inline constexpr int kUrdfJoints = 13;
 const std::array<const char*, kUrdfJoints>& urdfJointNames();
 std::array<double, kUrdfJoints> urdfJointPositions(const Mechanism& mechanism, const Pose& pose);
 
-}  // namespace knee_robot
+}  // namespace knee_robot::mechanism

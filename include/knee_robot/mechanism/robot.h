@@ -6,7 +6,7 @@
 
 #include "knee_robot/mechanism/geometry.h"
 
-namespace knee_robot {
+namespace knee_robot::mechanism {
 
 /// One actuated axis: motor, screw, encoder, amplifier and their limits. SI units.
 struct Actuator {
@@ -60,4 +60,4 @@ struct Robot {
 /// KNEE_ROBOT_PATH; the URDF's existence is checked here, its content in dynamics/.
 Robot loadRobot(const std::string& path);
 
-}  // namespace knee_robot
+}  // namespace knee_robot::mechanism

@@ -2,7 +2,7 @@
 
 #include "knee_robot/mechanism/kinematics.h"
 
-namespace knee_robot {
+namespace knee_robot::mechanism {
 
 /// How near a pose is to the mechanism's singularities.
 ///
@@ -35,4 +35,4 @@ Singularity singularityAt(const Mechanism& mechanism, const Pose& pose);
 /// on which of them the robot stands. Large far from singularities. Real-time safe.
 double foldDistance(const Mechanism& mechanism, const Pose& pose);
 
-}  // namespace knee_robot
+}  // namespace knee_robot::mechanism

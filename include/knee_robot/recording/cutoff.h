@@ -5,7 +5,7 @@
 
 #include "knee_robot/recording/recording.h"
 
-namespace knee_robot {
+namespace knee_robot::recording {
 
 /// The rule by which the low-pass of both sides of the identification's equation is chosen (see chooseCutoff).
 struct CutoffRule {
@@ -54,4 +54,4 @@ struct UniformMotion {
 };
 CutoffChoice chooseCutoff(const std::vector<UniformMotion>& motions, const CutoffRule& rule = {});
 
-}  // namespace knee_robot
+}  // namespace knee_robot::recording

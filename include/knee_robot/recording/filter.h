@@ -2,7 +2,7 @@
 
 #include <Eigen/Core>
 
-namespace knee_robot {
+namespace knee_robot::recording {
 
 /// Zero-phase low-pass: a Butterworth filter of 4th order run forward and backward over each column (the amplitude at the
 /// cut-off is 1/2). The signal is continued at both ends by its reflection at the point where a straight line through its outermost
@@ -38,4 +38,4 @@ Eigen::MatrixXd firstDerivative(const Eigen::MatrixXd& signals, double period_s)
 /// Second derivative in the same way; the two outermost rows repeat their neighbours. At least three rows.
 Eigen::MatrixXd secondDerivative(const Eigen::MatrixXd& signals, double period_s);
 
-}  // namespace knee_robot
+}  // namespace knee_robot::recording

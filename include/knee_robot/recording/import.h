@@ -5,7 +5,7 @@
 
 #include "knee_robot/recording/text_table.h"
 
-namespace knee_robot {
+namespace knee_robot::recording {
 
 /// A recording (design: section 2) made of other recorders' files, not yet written.
 struct Imported {
@@ -72,4 +72,4 @@ Imported importTable(const TextTable& table, const ColumnMap& map);
 /// Writes the recording. InputError when `path` exists already: a recording is never overwritten.
 void writeImported(const Imported& imported, const std::string& path);
 
-}  // namespace knee_robot
+}  // namespace knee_robot::recording

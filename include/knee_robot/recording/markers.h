@@ -7,7 +7,7 @@
 
 #include "knee_robot/recording/text_table.h"
 
-namespace knee_robot {
+namespace knee_robot::recording {
 
 /// One marker of a motion-capture export.
 struct Marker {
@@ -62,4 +62,4 @@ MarkerPoses fitMarkers(const TextTable& table, const MarkerMap& map);
 /// of the recording, nan where there is no picture). InputError when it has such columns already.
 std::string withCameraColumns(const std::string& csv, const std::string& path, const Eigen::MatrixXd& camera);
 
-}  // namespace knee_robot
+}  // namespace knee_robot::recording

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-namespace knee_robot {
+namespace knee_robot::recording {
 
 /// One recording (design: section 2), as it stands in the file: not resampled, not filtered. Matrices have one row per
 /// row of the file and one column per actuator; a signal that the file does not have is a matrix without columns.
@@ -47,4 +47,4 @@ Eigen::MatrixXd commandedForce(const Recording& recording, const std::vector<dou
 /// InputError unless the recording has as many actuators as the robot.
 void requireAxes(const Recording& recording, int axes, const std::string& robot_path);
 
-}  // namespace knee_robot
+}  // namespace knee_robot::recording

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-namespace knee_robot {
+namespace knee_robot::recording {
 
 /// One row of our own recordings; only the first `axes` entries are written.
 struct RecordingRow {
@@ -57,4 +57,4 @@ class RecordingWriter {
   std::int64_t bytes_ = 0;  ///< in the file, whole lines
 };
 
-}  // namespace knee_robot
+}  // namespace knee_robot::recording

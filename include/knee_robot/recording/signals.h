@@ -5,7 +5,7 @@
 
 #include "knee_robot/recording/recording.h"
 
-namespace knee_robot {
+namespace knee_robot::recording {
 
 /// How a recording is brought onto a uniform grid.
 struct SignalOptions {
@@ -52,4 +52,4 @@ Eigen::MatrixXd atHoldIntervals(const Signals& signals, const Eigen::MatrixXd& v
 /// Median interval between rows, s. At least two rows.
 double medianPeriod(const std::vector<double>& time_s);
 
-}  // namespace knee_robot
+}  // namespace knee_robot::recording

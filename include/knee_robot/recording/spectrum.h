@@ -3,7 +3,7 @@
 #include <Eigen/Core>
 #include <vector>
 
-namespace knee_robot {
+namespace knee_robot::recording {
 
 /// One-sided amplitude spectrum: rms of the signal within each band of `1 / segment_s` width would be root(density * width).
 struct Spectrum {
@@ -17,4 +17,4 @@ struct Spectrum {
 Spectrum powerSpectrum(const Eigen::VectorXd& signal, double rate_hz, double segment_s,
                        const std::vector<char>& use = {});
 
-}  // namespace knee_robot
+}  // namespace knee_robot::recording

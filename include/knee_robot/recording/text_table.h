@@ -7,7 +7,7 @@
 
 #include "knee_robot/base/strict_yaml.h"
 
-namespace knee_robot {
+namespace knee_robot::recording {
 
 /// How a foreign table is written.
 struct TableFormat {
@@ -62,4 +62,4 @@ class TextTable {
   int first_line_ = 1;
 };
 
-}  // namespace knee_robot
+}  // namespace knee_robot::recording

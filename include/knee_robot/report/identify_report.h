@@ -8,27 +8,27 @@
 #include "knee_robot/identification/physical_fit.h"
 #include "knee_robot/recording/cutoff.h"
 
-namespace knee_robot {
+namespace knee_robot::report {
 
 /// Everything that identify's files say. `before` is the model without actuator friction, `after` the identified one.
 struct IdentifyResults {
   std::string command_line;  ///< that reproduces this
   std::string robot_path;
-  IdentifyOptions options;
-  CutoffChoice cutoff;  ///< how the low-pass of both sides was chosen
-  std::vector<Observation> train;
-  std::vector<Observation> validate;  ///< may be empty
-  Identification before, after;
-  Applied train_before, train_after;
-  Applied validate_before, validate_after;        ///< empty without validation recordings
-  std::vector<Eigen::VectorXd> train_by_rank;     ///< errorAgainstRank
-  std::vector<Eigen::VectorXd> validate_by_rank;  ///< empty without validation recordings
+  identification::IdentifyOptions options;
+  recording::CutoffChoice cutoff;  ///< how the low-pass of both sides was chosen
+  std::vector<identification::Observation> train;
+  std::vector<identification::Observation> validate;  ///< may be empty
+  identification::Identification before, after;
+  identification::Applied train_before, train_after;
+  identification::Applied validate_before, validate_after;  ///< empty without validation recordings
+  std::vector<Eigen::VectorXd> train_by_rank;               ///< errorAgainstRank
+  std::vector<Eigen::VectorXd> validate_by_rank;            ///< empty without validation recordings
 
-  std::optional<RobotInertia> prior;    ///< of the robot's URDF
-  std::string urdf_path;                ///< that the prior came from
-  std::optional<PhysicalFit> physical;  ///< when there is a prior
-  std::string no_physical;              ///< why there is none
-  Applied train_physical, validate_physical;
+  std::optional<dynamics::RobotInertia> prior;          ///< of the robot's URDF
+  std::string urdf_path;                                ///< that the prior came from
+  std::optional<identification::PhysicalFit> physical;  ///< when there is a prior
+  std::string no_physical;                              ///< why there is none
+  identification::Applied train_physical, validate_physical;
 };
 
 /// report.json of design section 3, plus "rank", "parameters" and "signal_path".
@@ -38,7 +38,7 @@ std::string identifyJson(const IdentifyResults& results);
 std::string identifyHtml(const IdentifyResults& results);
 
 /// prediction_NAME.csv of one recording: time_s, force_i_N as recorded, predicted_i_N.
-std::string predictionCsv(const Observation& observation, const Prediction& prediction);
+std::string predictionCsv(const identification::Observation& observation, const identification::Prediction& prediction);
 
 /// What the program prints: errors per actuator, and error against rank.
 std::string identifySummary(const IdentifyResults& results);
@@ -47,11 +47,11 @@ std::string identifySummary(const IdentifyResults& results);
 std::string verdictText(const std::string& verdict);
 
 /// The outlier rule in words.
-std::string outlierText(OutlierRule rule);
+std::string outlierText(identification::OutlierRule rule);
 
 /// Parts of the page, each with its heading.
 std::string identifySpectra(const IdentifyResults& results);
-std::string identifyParameters(const Identification& identification);
+std::string identifyParameters(const identification::Identification& identification);
 std::string identifyPhysical(const IdentifyResults& results);
 std::string identifySignals(const IdentifyResults& results);
 
@@ -59,4 +59,4 @@ std::string identifySignals(const IdentifyResults& results);
 /// missing); with a physically consistent fit also model_physical.yaml and identified.urdf. Each file is whole or not there. InputError when it cannot be written.
 void writeIdentifyFiles(const IdentifyResults& results, const std::string& folder);
 
-}  // namespace knee_robot
+}  // namespace knee_robot::report

@@ -4,7 +4,7 @@
 #include <utility>
 #include <vector>
 
-namespace knee_robot {
+namespace knee_robot::report {
 
 /// One line of a plot. x and y have the same length; points that are not finite interrupt the line.
 struct PlotLine {
@@ -36,4 +36,4 @@ std::string stackedSvg(const std::string& title, const std::vector<std::string>&
 /// Text with the characters that HTML reserves replaced.
 std::string escapeHtml(const std::string& text);
 
-}  // namespace knee_robot
+}  // namespace knee_robot::report

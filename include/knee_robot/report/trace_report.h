@@ -8,31 +8,31 @@
 #include "knee_robot/tracing/pose_trace.h"
 #include "knee_robot/tracing/trace.h"
 
-namespace knee_robot {
+namespace knee_robot::report {
 
 /// Everything that trace's files say.
 struct TraceResults {
   std::string command_line;  ///< that reproduces this
   std::string robot_path;
-  TraceOptions options;
-  TraceResult result;
-  Model model;
-  std::vector<Observation> train;
-  std::vector<Observation> validate;  ///< may be empty
-  Applied train_before, train_after;
-  Applied validate_before, validate_after;  ///< empty without validation recordings
+  tracing::TraceOptions options;
+  tracing::TraceResult result;
+  dynamics::Model model;
+  std::vector<identification::Observation> train;
+  std::vector<identification::Observation> validate;  ///< may be empty
+  identification::Applied train_before, train_after;
+  identification::Applied validate_before, validate_after;  ///< empty without validation recordings
   std::vector<Eigen::VectorXd>
-      validate_gain_N;  ///< per effect: fall of the validation rms when it is put in, per actuator
-  PoseTrace pose;       ///< not available without camera columns
-  NextExperiment next;  ///< written as next_experiment.txt when planned
+      validate_gain_N;           ///< per effect: fall of the validation rms when it is put in, per actuator
+  tracing::PoseTrace pose;       ///< not available without camera columns
+  tracing::NextExperiment next;  ///< written as next_experiment.txt when planned
 };
 
 /// Errors of a block bootstrap: 95 % interval of the rms after minus before, per actuator (both sides low-passed).
 struct GainInterval {
   Eigen::VectorXd low_N, high_N;
 };
-GainInterval bootstrapGain(const std::vector<Observation>& observations, const Applied& before, const Applied& after,
-                           unsigned seed);
+GainInterval bootstrapGain(const std::vector<identification::Observation>& observations,
+                           const identification::Applied& before, const identification::Applied& after, unsigned seed);
 
 /// report.json of design section 3, plus "absorbed", "not_added", "notes", "verdict".
 std::string traceJson(const TraceResults& results);
@@ -46,4 +46,4 @@ std::string traceVerdict(const TraceResults& results);
 /// next_experiment.txt when there is something to separate.
 void writeTraceFiles(const TraceResults& results, const std::string& folder);
 
-}  // namespace knee_robot
+}  // namespace knee_robot::report

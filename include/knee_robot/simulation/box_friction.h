@@ -4,7 +4,7 @@
 
 #include "knee_robot/mechanism/geometry.h"
 
-namespace knee_robot {
+namespace knee_robot::simulation {
 
 /// What the friction (or stop) of one axis does during a step.
 enum class AxisContact {
@@ -12,13 +12,13 @@ enum class AxisContact {
   AtLow,   ///< the impulse is at its lower bound: the axis moves in positive direction
   AtHigh,  ///< the impulse is at its upper bound: the axis moves in negative direction
 };
-using AxisContacts = std::array<AxisContact, kLegs>;
+using AxisContacts = std::array<AxisContact, mechanism::kLegs>;
 
 /// Bounds of the impulses (N s) along the axes during one step: low <= 0 <= high. Coulomb friction F for dt seconds: -F dt and
 /// F dt. A stop at the short end adds an infinite upper bound, one at the long end an infinite lower bound. Both zero: nothing.
 struct ImpulseBox {
-  Vector4 low = Vector4::Zero();
-  Vector4 high = Vector4::Zero();
+  mechanism::Vector4 low = mechanism::Vector4::Zero();
+  mechanism::Vector4 high = mechanism::Vector4::Zero();
 };
 
 /// Friction at velocity level (maximal dissipation): impulses p in the box such that with w = velocity + mobility p each axis
@@ -28,7 +28,7 @@ struct ImpulseBox {
 /// `contacts` goes in as the guess (last step's) and comes out as found. Exact, by enumeration of the at most 81 combinations
 /// (the guess first); when rounding leaves no combination without contradiction, the one with the smallest is taken.
 /// Returns p. Real-time safe, bounded.
-Vector4 solveBoxFriction(const Matrix4& mobility, const Vector4& velocity, const ImpulseBox& box,
-                         AxisContacts& contacts);
+mechanism::Vector4 solveBoxFriction(const mechanism::Matrix4& mobility, const mechanism::Vector4& velocity,
+                                    const ImpulseBox& box, AxisContacts& contacts);
 
-}  // namespace knee_robot
+}  // namespace knee_robot::simulation

@@ -6,7 +6,7 @@
 #include "knee_robot/mechanism/robot.h"
 #include "knee_robot/recording/recording.h"
 
-namespace knee_robot {
+namespace knee_robot::simulation {
 
 /// A camera beside the simulated robot, and what the robot file does not say about the mechanism it looks at.
 struct CameraSimulation {
@@ -27,6 +27,7 @@ struct CameraSimulation {
 
 /// Gives a recording of the simulated robot camera columns, as a camera would see the mechanism `true_geometry` at the true
 /// lengths: those of the encoders with offset and play. Rows without a picture are nan.
-void addCamera(const Geometry& true_geometry, const CameraSimulation& camera, Recording& recording);
+void addCamera(const mechanism::Geometry& true_geometry, const CameraSimulation& camera,
+               recording::Recording& recording);
 
-}  // namespace knee_robot
+}  // namespace knee_robot::simulation

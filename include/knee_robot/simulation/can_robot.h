@@ -6,7 +6,7 @@
 #include "knee_robot/simulation/drive_model.h"
 #include "knee_robot/simulation/robot_simulation.h"
 
-namespace knee_robot {
+namespace knee_robot::simulation {
 
 /// The simulated robot behind four simulated CiA 402 drives on a bus instead of cards: the drives' torques move the plant, their
 /// position objects follow it. A drive that is not in Operation Enabled gives no force. A digital output (hold
@@ -18,9 +18,9 @@ class CanRobot {
 
   /// Screws and set values are those of `units`; node numbers, rated torque and currents are those of `settings`, so that the drives are what the hardware file describes; all
   /// other objects come from the table. `image` and `bus` must outlive this. Throws InputError.
-  CanRobot(const Robot& robot, const RobotInertia& inertia, const SimulationParameters& parameters,
+  CanRobot(const mechanism::Robot& robot, const dynamics::RobotInertia& inertia, const SimulationParameters& parameters,
            const hardware::can::CanSettings& settings, const Units& units, const hardware::can::ObjectDictionary& table,
-           hardware::RobotImage& image, hardware::can::FramePort& bus);
+           RobotImage& image, hardware::can::FramePort& bus);
 
   void powerUp() noexcept;
   /// A frame from the bus, to all drives.
@@ -30,7 +30,7 @@ class CanRobot {
   /// Advances the plant by dt (s). False when it left the numbers.
   bool stepPlant(double dt) noexcept;
 
-  hardware::can::DriveModel& drive(std::size_t axis) { return *drives_.at(axis); }
+  DriveModel& drive(std::size_t axis) { return *drives_.at(axis); }
   RobotSimulation& simulation() noexcept { return simulation_; }
 
  private:
@@ -38,11 +38,11 @@ class CanRobot {
   void tellDrives() noexcept;
 
   Units units_;
-  std::array<std::unique_ptr<hardware::can::DriveModel>, hardware::kAxes> drives_;
+  std::array<std::unique_ptr<DriveModel>, hardware::kAxes> drives_;
   std::array<double, hardware::kAxes> volts_{};
   const int drive_enable_bit_;
-  hardware::RobotImage& image_;
+  RobotImage& image_;
   RobotSimulation simulation_;
 };
 
-}  // namespace knee_robot
+}  // namespace knee_robot::simulation

@@ -2,11 +2,11 @@
 
 #include "knee_robot/simulation/effect.h"
 
-namespace knee_robot {
+namespace knee_robot::simulation {
 
 /// Elastic joint between motor and screw.
 struct Coupling {
-  Vector4 actuators = Vector4::Zero();  ///< 1: has it
+  mechanism::Vector4 actuators = mechanism::Vector4::Zero();  ///< 1: has it
   double stiffness_N_per_m = 0.0;
   double damping_N_s_per_m = 0.0;
   double half_gap_m = 0.0;  ///< free play to either side
@@ -21,21 +21,22 @@ class CoupledMotors {
 
   /// Takes the rotors out of the plant. InputError when an axis has none.
   void takeRotors(PlantModel& model);
-  void start(const Lengths& lengths) noexcept { position_ = lengths; }
+  void start(const mechanism::Lengths& lengths) noexcept { position_ = lengths; }
   /// Replaces the motors' forces by the joints'.
   void push(const EffectStep& at, PlantLoads& loads) noexcept;
   void follow(const EffectStep& now) noexcept;
   /// Encoders see the motors.
-  void replace(Lengths& seen) const noexcept;
+  void replace(mechanism::Lengths& seen) const noexcept;
 
  private:
   Coupling coupling_;
-  Vector4 mass_ = Vector4::Zero();
-  Vector4 position_ = Vector4::Zero();
-  Vector4 velocity_ = Vector4::Zero();
-  Vector4 motor_force_ = Vector4::Zero();
-  Vector4 constant_ = Vector4::Zero();  ///< joint's force = constant - slope * end velocity of the screw
-  Vector4 slope_ = Vector4::Zero();
+  mechanism::Vector4 mass_ = mechanism::Vector4::Zero();
+  mechanism::Vector4 position_ = mechanism::Vector4::Zero();
+  mechanism::Vector4 velocity_ = mechanism::Vector4::Zero();
+  mechanism::Vector4 motor_force_ = mechanism::Vector4::Zero();
+  mechanism::Vector4 constant_ =
+      mechanism::Vector4::Zero();  ///< joint's force = constant - slope * end velocity of the screw
+  mechanism::Vector4 slope_ = mechanism::Vector4::Zero();
 };
 
-}  // namespace knee_robot
+}  // namespace knee_robot::simulation

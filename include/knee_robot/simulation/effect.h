@@ -8,16 +8,17 @@
 #include "knee_robot/base/strict_yaml.h"
 #include "knee_robot/simulation/plant.h"
 
-namespace knee_robot {
+namespace knee_robot::simulation {
 
 /// Where the plant is at the beginning (or end) of a substep.
 struct EffectStep {
   double time_s = 0.0;  ///< since the simulation began
   double dt_s = 0.0;    ///< of the substep
-  Pose pose = Pose::Zero();
-  Lengths lengths = Lengths::Zero();
-  Vector4 rates = Vector4::Zero();          ///< m/s, of the lengths
-  Vector4 transmitted_N = Vector4::Zero();  ///< force that each leg passes on to the mechanism, last substep
+  mechanism::Pose pose = mechanism::Pose::Zero();
+  mechanism::Lengths lengths = mechanism::Lengths::Zero();
+  mechanism::Vector4 rates = mechanism::Vector4::Zero();  ///< m/s, of the lengths
+  mechanism::Vector4 transmitted_N =
+      mechanism::Vector4::Zero();  ///< force that each leg passes on to the mechanism, last substep
 };
 
 /// Something that the simulated robot has and its model does not: one physical deviation from rigid links, constant Coulomb and
@@ -33,7 +34,7 @@ class Effect {
   /// Once, when the plant stands at its start.
   virtual void start(const EffectStep& /*at*/) noexcept {}
   /// Every simulated period of `dt_s`: between the drives' command and the motors (N).
-  virtual void changeForce(double /*dt_s*/, Vector4& /*motor_force*/) noexcept {}
+  virtual void changeForce(double /*dt_s*/, mechanism::Vector4& /*motor_force*/) noexcept {}
   /// Every substep, first of all: levels of Coulomb and viscous friction. Brakes come later and are not in `loads`.
   virtual void changeFriction(const EffectStep& /*at*/, PlantLoads& /*loads*/) noexcept {}
   /// Every substep, when all friction levels are known: forces.
@@ -41,14 +42,16 @@ class Effect {
   /// Every substep, when the plant has moved: states of its own.
   virtual void follow(const EffectStep& /*now*/) noexcept {}
   /// What the encoders are fixed to, in place of the lengths (m).
-  virtual void changeEncoders(Lengths& /*seen*/) const noexcept {}
+  virtual void changeEncoders(mechanism::Lengths& /*seen*/) const noexcept {}
 };
 
 /// Base of a concrete effect; supplies clone().
 template <class Self>
 class EffectOf : public Effect {
  public:
-  std::unique_ptr<Effect> clone() const override { return std::make_unique<Self>(static_cast<const Self&>(*this)); }
+  std::unique_ptr<knee_robot::simulation::Effect> clone() const override {
+    return std::make_unique<Self>(static_cast<const Self&>(*this));
+  }
 };
 
 using EffectPrototypes = std::vector<std::shared_ptr<const Effect>>;
@@ -68,12 +71,13 @@ struct NamedEffectMaker {
 const std::vector<NamedEffectMaker>& effectMakers();
 
 /// Optional key `actuators`: [1, 4] and the like, all four by default. 1 for those that are named, else 0.
-Vector4 readActuators(StrictMap& entry);
+mechanism::Vector4 readActuators(StrictMap& entry);
 /// A key with three numbers.
-Vector3 readVector3(StrictMap& entry, const std::string& key, double minimum, double maximum);
+mechanism::Vector3 readVector3(StrictMap& entry, const std::string& key, double minimum, double maximum);
 /// Generalized force on the pose coordinates of `force` (N, base frame) on the platform's `point` (m, platform frame).
-Vector4 poseForceOf(const Pose& pose, const Vector3& point, const Vector3& force) noexcept;
+mechanism::Vector4 poseForceOf(const mechanism::Pose& pose, const mechanism::Vector3& point,
+                               const mechanism::Vector3& force) noexcept;
 /// The platform's `point` (m, platform frame) in the base frame.
-Vector3 platformPoint(const Pose& pose, const Vector3& point) noexcept;
+mechanism::Vector3 platformPoint(const mechanism::Pose& pose, const mechanism::Vector3& point) noexcept;
 
-}  // namespace knee_robot
+}  // namespace knee_robot::simulation

@@ -4,7 +4,7 @@
 #include <atomic>
 #include <cstdint>
 
-namespace knee_robot::hardware {
+namespace knee_robot::simulation {
 
 /// What goes wrong in one encoder of the simulated robot.
 enum class EncoderFault : std::uint8_t {
@@ -51,4 +51,4 @@ inline void clear(InjectedFaults& faults) noexcept {
   faults.generation.fetch_add(1);
 }
 
-}  // namespace knee_robot::hardware
+}  // namespace knee_robot::simulation

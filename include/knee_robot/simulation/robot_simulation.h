@@ -2,13 +2,13 @@
 
 #include <vector>
 
-#include "knee_robot/simulation/shared_image.h"
 #include "knee_robot/simulation/effect_chain.h"
 #include "knee_robot/simulation/fault_injector.h"
+#include "knee_robot/simulation/shared_image.h"
 #include "knee_robot/simulation/simulation_parameters.h"
 #include "knee_robot/simulation/truth_row.h"
 
-namespace knee_robot {
+namespace knee_robot::simulation {
 
 /// Output that follows its input once that has differed for the delay: a brake, a drive's enable input.
 class DelayedSwitch {
@@ -38,8 +38,8 @@ class RobotSimulation {
  public:
   /// Throws InputError when the robot is no 3UPS+1RPU, or the start lengths are outside the stroke or belong to no pose.
   /// `image` must outlive this. The rotor masses of `inertia` are replaced by those of `parameters`.
-  RobotSimulation(const Robot& robot, RobotInertia inertia, const SimulationParameters& parameters,
-                  hardware::RobotImage& image);
+  RobotSimulation(const mechanism::Robot& robot, dynamics::RobotInertia inertia, const SimulationParameters& parameters,
+                  RobotImage& image);
 
   /// Advances by dt (s). False when the plant left the numbers (massless or not finite): it then stays where it was.
   /// Real-time safe.
@@ -54,10 +54,10 @@ class RobotSimulation {
   const PlantData& data() const noexcept { return data_; }
   const PlantLoads& loads() const noexcept { return loads_; }
   /// Mean over the last step of the command less what a robot without effects would need (see EffectChain).
-  Vector4 unmodelled() const noexcept { return effects_.unmodelled(); }
+  mechanism::Vector4 unmodelled() const noexcept { return effects_.unmodelled(); }
   /// The last step as a row of the truth log, without its time of the clock.
   TruthRow truth() const noexcept;
-  Lengths lengths() const { return legLengths(model_.rigid.mechanism, state_.pose); }
+  mechanism::Lengths lengths() const { return mechanism::legLengths(model_.rigid.mechanism, state_.pose); }
 
  private:
   struct Axis {
@@ -79,11 +79,11 @@ class RobotSimulation {
   EffectChain effects_;
   PlantState state_;
   PlantData data_;
-  PlantLoads loads_;                  ///< all of them
-  Vector4 driven_ = Vector4::Zero();  ///< 1: the drive is on
-  PlantLoads holds_;                  ///< the share of brakes and shorted windings
+  PlantLoads loads_;                                        ///< all of them
+  mechanism::Vector4 driven_ = mechanism::Vector4::Zero();  ///< 1: the drive is on
+  PlantLoads holds_;                                        ///< the share of brakes and shorted windings
   std::vector<Axis> axes_;
-  hardware::RobotImage& image_;
+  RobotImage& image_;
   FaultInjector injector_;
   FaultInjector::Values volts_{};
   std::uint32_t outputs_ = 0, engaged_ = 0, generation_ = 0;
@@ -92,4 +92,4 @@ class RobotSimulation {
   double time_s_ = 0.0;
 };
 
-}  // namespace knee_robot
+}  // namespace knee_robot::simulation

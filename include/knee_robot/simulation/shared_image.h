@@ -10,15 +10,15 @@
 #include "knee_robot/simulation/pci1720_model.h"
 #include "knee_robot/simulation/pci1784_model.h"
 
-namespace knee_robot::hardware {
+namespace knee_robot::simulation {
 
 /// What the simulated robot tells about itself for displays and tests. No controller may use it: it is the truth, which
 /// a real robot does not tell.
 struct RobotStatus {
-  std::atomic<double> time_s{0.0};                     ///< simulated time
-  std::array<std::atomic<double>, kAxes> lengths_m{};  ///< true leg lengths
-  std::array<std::atomic<double>, kAxes> pose{};       ///< Xm, Zm (m), theta, psi (rad)
-  std::array<std::atomic<double>, kAxes> motor_force_N{};
+  std::atomic<double> time_s{0.0};                               ///< simulated time
+  std::array<std::atomic<double>, hardware::kAxes> lengths_m{};  ///< true leg lengths
+  std::array<std::atomic<double>, hardware::kAxes> pose{};       ///< Xm, Zm (m), theta, psi (rad)
+  std::array<std::atomic<double>, hardware::kAxes> motor_force_N{};
   std::atomic<std::uint8_t> drives_enabled{0};  ///< bit a: axis a
   std::atomic<std::uint8_t> brakes_engaged{0};  ///< bit a: axis a
 };
@@ -27,7 +27,7 @@ struct RobotStatus {
 struct RobotSurroundings {
   std::atomic<std::uint8_t> emergency_stop_pressed{0};
   std::atomic<std::uint8_t> hand_switch_pressed{0};
-  std::array<std::atomic<double>, kAxes> pose_force{};  ///< on Xm, Zm (N), theta, psi (N m)
+  std::array<std::atomic<double>, hardware::kAxes> pose_force{};  ///< on Xm, Zm (N), theta, psi (N m)
 };
 
 /// The "hardware" of the simulated robot: both cards and the robot's status. Lies in shared memory of its own, or on
@@ -76,4 +76,4 @@ class SharedImage {
   bool owner_;
 };
 
-}  // namespace knee_robot::hardware
+}  // namespace knee_robot::simulation

@@ -7,7 +7,7 @@
 #include "knee_robot/hardware/emergency_outputs.h"
 #include "knee_robot/simulation/shared_image.h"
 
-namespace knee_robot {
+namespace knee_robot::simulation {
 
 /// The cards of the simulated robot that runs under this shared memory name, through the same drivers as the real ones.
 /// Throws InputError.
@@ -20,4 +20,4 @@ std::unique_ptr<hardware::AxisBus> openImageCards(RobotImage& image);
 std::unique_ptr<hardware::EmergencyOutputs> openSimulatedEmergencyOutputs(const std::string& shared_memory_name);
 std::unique_ptr<hardware::EmergencyOutputs> openImageEmergencyOutputs(RobotImage& image);
 
-}  // namespace knee_robot
+}  // namespace knee_robot::simulation

@@ -6,7 +6,7 @@
 
 #include "knee_robot/simulation/effect.h"
 
-namespace knee_robot {
+namespace knee_robot::simulation {
 
 /// What holds a simulated axis while its hold output is 0.
 enum class SimulatedHold {
@@ -30,8 +30,8 @@ struct AxisParameters {
 /// Mass fixed to the platform.
 struct Payload {
   double mass_kg = 0.0;
-  Vector3 center_m = Vector3::Zero();  ///< platform frame
-  double radius_of_gyration_m = 0.0;   ///< about any axis through its centre
+  mechanism::Vector3 center_m = mechanism::Vector3::Zero();  ///< platform frame
+  double radius_of_gyration_m = 0.0;                         ///< about any axis through its centre
 };
 
 /// Relay that is retriggered by every change of a digital output and takes the power from drives and hold devices otherwise.
@@ -57,8 +57,8 @@ struct HeartbeatRelay {
 ///       - {name: stribeck, actuators: [2], excess_N: 10, velocity_m_per_s: 0.005}
 struct SimulationParameters {
   std::string path;
-  std::optional<Vector4> start_lengths_m;
-  std::array<AxisParameters, kLegs> axes{};
+  std::optional<mechanism::Vector4> start_lengths_m;
+  std::array<AxisParameters, mechanism::kLegs> axes{};
   double stop_margin_m = 0.005;
   double drive_delay_s = 0.008;
   int drive_enable_bit = 0;
@@ -76,4 +76,4 @@ SimulationParameters loadSimulationParameters(const std::string& path);
 /// The same from a text; `name` stands for the file in messages.
 SimulationParameters parseSimulationParameters(const std::string& text, const std::string& name);
 
-}  // namespace knee_robot
+}  // namespace knee_robot::simulation

@@ -6,7 +6,7 @@
 
 #include "knee_robot/simulation/robot_simulation.h"
 
-namespace knee_robot {
+namespace knee_robot::simulation {
 
 /// The last rows of a simulated robot in POSIX shared memory, every step, for those who judge a controller from outside: a ring of
 /// `capacity` rows after a head of magic, row size, capacity and number of rows written so far (8 bytes each). Writing is
@@ -36,4 +36,4 @@ class TruthLog {
   TruthRow* rows_ = nullptr;
 };
 
-}  // namespace knee_robot
+}  // namespace knee_robot::simulation

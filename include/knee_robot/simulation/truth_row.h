@@ -3,7 +3,7 @@
 #include <array>
 #include <cstdint>
 
-namespace knee_robot {
+namespace knee_robot::simulation {
 
 /// One step of the simulated robot, as it really was. Plain data for readers in other languages: no padding.
 struct TruthRow {
@@ -20,4 +20,4 @@ struct TruthRow {
 };
 static_assert(sizeof(TruthRow) == 160, "readers rely on it");
 
-}  // namespace knee_robot
+}  // namespace knee_robot::simulation

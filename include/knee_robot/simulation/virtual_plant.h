@@ -3,7 +3,7 @@
 #include "knee_robot/dynamics/parameters.h"
 #include "knee_robot/simulation/simbody_robot.h"
 
-namespace knee_robot {
+namespace knee_robot::simulation {
 
 /// Viscous (N s/m, N m s/rad) and Coulomb (N, N m) friction of one joint.
 struct JointFriction {
@@ -13,11 +13,12 @@ struct JointFriction {
 
 /// Friction and rotors of the virtual plant.
 struct VirtualPlantParameters {
-  FrictionParameters friction =
-      FrictionParameters::Zero();  ///< of the 11 leg joints of eq. (23), in the order of eq. (22)
+  dynamics::FrictionParameters friction =
+      dynamics::FrictionParameters::Zero();  ///< of the 11 leg joints of eq. (23), in the order of eq. (22)
   /// Of each spherical joint: a torque against the relative angular velocity. The paper's model has no such term.
   JointFriction spherical;
-  Vector4 rotor_mass = Vector4::Zero();  ///< kg, reflected to the actuators; the paper leaves it out
+  mechanism::Vector4 rotor_mass =
+      mechanism::Vector4::Zero();  ///< kg, reflected to the actuators; the paper leaves it out
   /// Displacement (m, rad) over which the Coulomb friction of the leg joints builds up and reverses, and which it remembers at rest
   /// (simulation packages call it stiction displacement). 0: the sign of the velocity, nothing at rest.
   double presliding_m = 0.0;
@@ -25,13 +26,13 @@ struct VirtualPlantParameters {
 };
 
 /// The same friction in all actuators and in all seven passive joints of the legs, in the order of eq. (22).
-FrictionParameters equalFriction(const JointFriction& actuators, const JointFriction& passive);
+dynamics::FrictionParameters equalFriction(const JointFriction& actuators, const JointFriction& passive);
 
 /// What the plant did at one instant.
 struct VirtualPlantOutput {
-  Vector4 force = Vector4::Zero();  ///< N, exerted by the actuators
-  double motor_power_W = 0.0;       ///< of these forces
-  double friction_power_W = 0.0;    ///< of all friction; never positive unless presliding gives back
+  mechanism::Vector4 force = mechanism::Vector4::Zero();  ///< N, exerted by the actuators
+  double motor_power_W = 0.0;                             ///< of these forces
+  double friction_power_W = 0.0;  ///< of all friction; never positive unless presliding gives back
 };
 
 /// Stand-in for the virtual plant of section 3.1.1 (there Adams/View): takes the motion of the four actuators and gives the forces
@@ -41,7 +42,8 @@ struct VirtualPlantOutput {
 class VirtualPlant {
  public:
   /// Starts assembled at `start`, a pose of the branch in which the robot was built.
-  VirtualPlant(const Mechanism& mechanism, const Vector3& gravity, const RobotInertia& inertia, const Pose& start,
+  VirtualPlant(const mechanism::Mechanism& mechanism, const mechanism::Vector3& gravity,
+               const dynamics::RobotInertia& inertia, const mechanism::Pose& start,
                const VirtualPlantParameters& parameters);
 
   /// Moves on to `motion` (a small step from the last one) and fills `output`. False when the closed mechanism cannot follow.
@@ -61,4 +63,4 @@ class VirtualPlant {
   JointVector last_position_;
 };
 
-}  // namespace knee_robot
+}  // namespace knee_robot::simulation

@@ -6,7 +6,7 @@
 #include "knee_robot/simulation/axis_path.h"
 #include "knee_robot/simulation/virtual_plant.h"
 
-namespace knee_robot {
+namespace knee_robot::simulation {
 
 /// How the virtual plant's motion is recorded.
 struct VirtualRecorder {
@@ -19,8 +19,8 @@ struct VirtualRecorder {
 /// What happened on the way, for the program's last line.
 struct VirtualRun {
   int rows = 0;
-  Vector4 force_rms = Vector4::Zero();  ///< N, of the rows
-  Vector4 force_max = Vector4::Zero();  ///< N, largest magnitude of the rows
+  mechanism::Vector4 force_rms = mechanism::Vector4::Zero();  ///< N, of the rows
+  mechanism::Vector4 force_max = mechanism::Vector4::Zero();  ///< N, largest magnitude of the rows
   double dissipated_J = 0.0;
   double energy_error_J =
       0.0;  ///< largest |motor work - dissipated - gain of energy|: what the instants do not resolve
@@ -29,7 +29,7 @@ struct VirtualRun {
 /// Moves the plant along `path` and writes a recording (design: section 2). A row's position is that of its instant; its force is
 /// the mean over the interval until the next row, in which a command holds, taken at instants at most 1 ms apart. command_V is
 /// that force as voltage. InputError when the file exists; Refusal when the closed mechanism cannot follow the path.
-VirtualRun recordVirtualPlant(const Robot& robot, VirtualPlant& plant, const AxisPath& path,
+VirtualRun recordVirtualPlant(const mechanism::Robot& robot, VirtualPlant& plant, const AxisPath& path,
                               const VirtualRecorder& recorder, const std::string& file);
 
-}  // namespace knee_robot
+}  // namespace knee_robot::simulation

@@ -4,7 +4,7 @@
 
 #include "knee_robot/tracing/hypothesis.h"
 
-namespace knee_robot {
+namespace knee_robot::tracing {
 
 /// How far one candidate at one place is from what the base parameters can do, and from the other candidates there, along the
 /// training recordings. Columns low-passed, weighed by each actuator's noise; of every candidate the shape that explains most of the
@@ -25,4 +25,4 @@ struct PlaceAngles {
 std::vector<PlaceAngles> principalAngles(const TraceData& data, const CandidateList& candidates, const Projection& base,
                                          const Eigen::VectorXd& noise_N);
 
-}  // namespace knee_robot
+}  // namespace knee_robot::tracing

@@ -6,7 +6,7 @@
 
 #include "knee_robot/tracing/effect_input.h"
 
-namespace knee_robot {
+namespace knee_robot::tracing {
 
 /// A parameter that bends the columns (a Stribeck velocity, a screw's pitch), searched on a grid.
 struct ShapeParameter {
@@ -62,14 +62,14 @@ class Candidate {
 using CandidateList = std::vector<std::unique_ptr<Candidate>>;
 
 /// All named effects that can be traced on this kind of robot.
-CandidateList namedCandidates(const Robot& robot);
+CandidateList namedCandidates(const mechanism::Robot& robot);
 /// Smooth maps over every available signal, for what no named effect explains.
 CandidateList mapCandidates(const std::vector<EffectInput>& inputs);
 /// The map of a model file, by what it depends on (Candidate::dependsOn) and its knots; null when there is no such signal.
-std::unique_ptr<Candidate> mapCandidate(const Robot& robot, const std::string& depends_on, int actuator,
+std::unique_ptr<Candidate> mapCandidate(const mechanism::Robot& robot, const std::string& depends_on, int actuator,
                                         const std::vector<double>& knots);
 
 /// `count` values from low to high in equal ratios.
 std::vector<std::vector<double>> geometricGrid(double low, double high, int count);
 
-}  // namespace knee_robot
+}  // namespace knee_robot::tracing

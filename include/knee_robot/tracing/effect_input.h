@@ -5,13 +5,13 @@
 
 #include "knee_robot/identification/observation.h"
 
-namespace knee_robot {
+namespace knee_robot::tracing {
 
 /// What a hypothesis may look at along one recording. Matrices have one row per sample of the grid and one column per actuator;
 /// nothing is low-passed at the cut-off yet. Forces are the current model's, not the recorded ones.
 struct EffectInput {
-  const Robot* robot = nullptr;
-  const Observation* observation = nullptr;
+  const mechanism::Robot* robot = nullptr;
+  const identification::Observation* observation = nullptr;
   Eigen::MatrixXd share;                ///< of full Coulomb friction, in [-1, 1]: the direction, remembered at rest
   Eigen::MatrixXd friction_position_m;  ///< that the friction's memory sees
   Eigen::MatrixXd load_N;   ///< rigid body, rotor and offset: what the screw carries, without the actuator's friction
@@ -19,14 +19,14 @@ struct EffectInput {
   Eigen::VectorXd coulomb_N, viscous, rotor_kg;  ///< per actuator, of the current model
   Eigen::VectorXd moved_kg;  ///< per actuator: what its screw moves, without the rotor (mean over the recording)
   Eigen::MatrixXd since_reversal_m;  ///< distance from the last turning point, never negative
-  std::vector<Matrix4>
+  std::vector<mechanism::Matrix4>
       force_per_pose_force;  ///< J^-T per sample: actuator forces that balance a pose force; bench: empty
   int recording = 0;         ///< index among the training recordings; -1: none of them
   int recordings = 1;        ///< number of training recordings
 
   int samples() const { return observation->samples(); }
   int axes() const { return observation->axes(); }
-  const Signals& signals() const { return observation->signals; }
+  const recording::Signals& signals() const { return observation->signals; }
   double time(int sample) const {
     return signals().time_s[static_cast<std::size_t>(sample)] - signals().time_s.front();
   }
@@ -40,19 +40,21 @@ struct FrictionMemory {
 };
 
 /// Positions that friction sees.
-Eigen::VectorXd frictionPosition(const Observation& observation, int actuator, const FrictionMemory& memory);
+Eigen::VectorXd frictionPosition(const identification::Observation& observation, int actuator,
+                                 const FrictionMemory& memory);
 /// Share of full Coulomb friction of one actuator along the samples.
-Eigen::VectorXd frictionShare(const Observation& observation, int actuator, const FrictionMemory& memory);
+Eigen::VectorXd frictionShare(const identification::Observation& observation, int actuator,
+                              const FrictionMemory& memory);
 /// Fills the Coulomb columns with it.
-void setFriction(Observation& observation, const std::vector<Column>& columns,
+void setFriction(identification::Observation& observation, const std::vector<identification::Column>& columns,
                  const std::vector<FrictionMemory>& memory);
 
 /// What does not depend on the model's parameters; forces are zero until setForces.
-EffectInput effectInput(const Robot& robot, const Observation& observation, const std::vector<FrictionMemory>& memory,
-                        int recording, int recordings);
+EffectInput effectInput(const mechanism::Robot& robot, const identification::Observation& observation,
+                        const std::vector<FrictionMemory>& memory, int recording, int recordings);
 
 /// Forces of a linear model along the recording. `effects_N` (samples x axes, may be empty) are those of effects found so far.
-void setForces(EffectInput& input, const std::vector<Column>& columns, const Eigen::VectorXd& parameters,
-               const Eigen::MatrixXd& effects_N);
+void setForces(EffectInput& input, const std::vector<identification::Column>& columns,
+               const Eigen::VectorXd& parameters, const Eigen::MatrixXd& effects_N);
 
-}  // namespace knee_robot
+}  // namespace knee_robot::tracing

@@ -5,7 +5,7 @@
 
 #include "knee_robot/tracing/hypothesis.h"
 
-namespace knee_robot {
+namespace knee_robot::tracing {
 
 /// Rms per actuator (N) below which nothing can be explained.
 struct NoiseFloor {
@@ -18,7 +18,7 @@ struct NoiseFloor {
 /// Otherwise an estimate: what clean twins leave (`twin_residual_N`), together with the noise density of the unfiltered force
 /// residual just above the cut-off, carried down to it. Never below a hundredth of the rms force:
 /// what is smaller is not looked for.
-NoiseFloor noiseFloor(const std::vector<Recording>& recordings, const TraceData& data,
+NoiseFloor noiseFloor(const std::vector<recording::Recording>& recordings, const TraceData& data,
                       const std::vector<Eigen::MatrixXd>& model_force_N, const Eigen::VectorXd& twin_residual_N);
 
-}  // namespace knee_robot
+}  // namespace knee_robot::tracing

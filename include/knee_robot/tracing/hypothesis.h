@@ -5,11 +5,11 @@
 #include "knee_robot/tracing/base_fit.h"
 #include "knee_robot/tracing/candidate.h"
 
-namespace knee_robot {
+namespace knee_robot::tracing {
 
 /// Recordings with what hypotheses look at, and the baseline's rows. Of the training recordings, or of a twin of them.
 struct TraceData {
-  std::vector<Observation> recordings;
+  std::vector<identification::Observation> recordings;
   std::vector<EffectInput> inputs;  ///< point into `recordings`: fill after those are complete
   Stack stack;
   Eigen::VectorXd scale;           ///< of the rows, by attention
@@ -81,4 +81,4 @@ double explained(const TraceData& data, const Hypothesis& hypothesis, const Proj
 /// Hypotheses place by place, in order.
 std::vector<std::vector<Hypothesis>> byPlace(const std::vector<Hypothesis>& tried);
 
-}  // namespace knee_robot
+}  // namespace knee_robot::tracing

@@ -4,7 +4,7 @@
 
 #include "knee_robot/tracing/hypothesis.h"
 
-namespace knee_robot {
+namespace knee_robot::tracing {
 
 /// Baseline and effects fitted together.
 struct JointFit {
@@ -21,4 +21,4 @@ struct JointFit {
 JointFit fitJointly(const TraceData& data, const BaseFit& base, const Eigen::VectorXd& noise_N,
                     const std::vector<Hypothesis>& effects, const std::vector<Eigen::MatrixXd>& effect_rows);
 
-}  // namespace knee_robot
+}  // namespace knee_robot::tracing

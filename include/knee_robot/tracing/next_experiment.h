@@ -6,7 +6,7 @@
 #include "knee_robot/tracing/trace.h"
 #include "knee_robot/trajectory/reference_check.h"
 
-namespace knee_robot {
+namespace knee_robot::tracing {
 
 /// How far apart two explanations are along a motion. Columns are low-passed as in the fit, weighed by each actuator's noise, and
 /// made orthogonal to the baseline's.
@@ -19,11 +19,11 @@ struct Separation {
 
 /// The motion that would tell two explanations apart.
 struct NextExperiment {
-  bool planned = false;       ///< the angle grows by a tenth at least, and beyond a degree
-  std::string first, second;  ///< "stribeck on actuator 3", "quadratic_drag on actuator 3"
-  Separation now, then;       ///< along the training recordings; along the planned motion
-  Reference reference;        ///< actuator lengths; checkReference accepts it
-  ReferenceCheck check;
+  bool planned = false;             ///< the angle grows by a tenth at least, and beyond a degree
+  std::string first, second;        ///< "stribeck on actuator 3", "quadratic_drag on actuator 3"
+  Separation now, then;             ///< along the training recordings; along the planned motion
+  trajectory::Reference reference;  ///< actuator lengths; checkReference accepts it
+  trajectory::ReferenceCheck check;
   int motions = 0;     ///< that were looked at
   std::string reason;  ///< why none was planned
 };
@@ -39,15 +39,16 @@ struct NextExperimentOptions {
 /// the axis) with smooth ends, scaled to the robot's limits (lengths, velocity, acceleration, joint angles, planningCondition);
 /// random ones first, then random steps from the best. It maximises the principal angle; an effect that would stay below twice
 /// the noise floor counts less in proportion.
-NextExperiment planNextExperiment(const Robot& robot, const TraceResult& result,
-                                  const std::vector<Observation>& training, const TraceOptions& options,
+NextExperiment planNextExperiment(const mechanism::Robot& robot, const TraceResult& result,
+                                  const std::vector<identification::Observation>& training, const TraceOptions& options,
                                   const NextExperimentOptions& plan = {});
 
 /// Separation of effect `first` from `rival` (a candidate, at the same actuator or shared) along recordings.
-Separation separationOf(const Robot& robot, const TraceResult& result, const FoundEffect& first, const Candidate& rival,
-                        std::vector<Observation> recordings, const ObservationOptions& options);
+Separation separationOf(const mechanism::Robot& robot, const TraceResult& result, const FoundEffect& first,
+                        const Candidate& rival, std::vector<identification::Observation> recordings,
+                        const identification::ObservationOptions& options);
 
 /// What an ideal robot would record along a reference of actuator lengths: positions exactly those, no force.
-Recording idealRecording(const Reference& reference, int axes);
+recording::Recording idealRecording(const trajectory::Reference& reference, int axes);
 
-}  // namespace knee_robot
+}  // namespace knee_robot::tracing

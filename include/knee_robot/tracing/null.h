@@ -6,7 +6,7 @@
 #include "knee_robot/tracing/hypothesis.h"
 #include "knee_robot/tracing/twin.h"
 
-namespace knee_robot {
+namespace knee_robot::tracing {
 
 /// The current model: baseline parameters and effects found so far.
 struct TwinModel {
@@ -20,9 +20,10 @@ TwinEffects effectForces(const EffectInput& input, const TwinModel& model);
 
 /// Twins of all training recordings that have the model's effects and no other: `count` times the whole set, each with other
 /// encoder phases. Their regressors are reduced to base coordinates. Runs in two threads.
-std::vector<TraceData> makeTwins(const Robot& robot, const std::vector<Recording>& recordings, const TraceData& data,
-                                 const BaseFit& base, const TwinModel& model, const std::vector<TwinPlan>& plans,
-                                 const ObservationOptions& options, int count, std::uint64_t seed);
+std::vector<TraceData> makeTwins(const mechanism::Robot& robot, const std::vector<recording::Recording>& recordings,
+                                 const TraceData& data, const BaseFit& base, const TwinModel& model,
+                                 const std::vector<TwinPlan>& plans, const identification::ObservationOptions& options,
+                                 int count, std::uint64_t seed);
 
 /// What such twins leave, rms per actuator in N: median over the twins from `first` on.
 Eigen::VectorXd twinResidual(const std::vector<TraceData>& twins, const BaseFit& base,
@@ -60,4 +61,4 @@ double monteCarloP(const std::vector<double>& null_values, double value);
 Eigen::MatrixXd modelColumns(const TraceData& data, const Eigen::VectorXd& noise_N,
                              const std::vector<Hypothesis>& effects);
 
-}  // namespace knee_robot
+}  // namespace knee_robot::tracing

@@ -8,7 +8,7 @@
 #include "knee_robot/recording/markers.h"
 #include "knee_robot/recording/recording.h"
 
-namespace knee_robot {
+namespace knee_robot::tracing {
 
 /// A motion capture brought beside a recording: its time and its frame.
 struct RegisteredCapture {
@@ -27,7 +27,7 @@ struct RegisteredCapture {
 /// enough overlap, then frame alignment by rigid registration (Umeyama) of the platform's four joints between capture and forward
 /// kinematics, where those are regular, without rows beyond three times the median distance. InputError for a robot without
 /// platform; Refusal when the speeds do not correlate or too few rows overlap.
-RegisteredCapture registerCapture(const Robot& robot, const Recording& recording, const MarkerPoses& capture,
-                                  double condition_max);
+RegisteredCapture registerCapture(const mechanism::Robot& robot, const recording::Recording& recording,
+                                  const recording::MarkerPoses& capture, double condition_max);
 
-}  // namespace knee_robot
+}  // namespace knee_robot::tracing

@@ -8,7 +8,7 @@
 #include "knee_robot/mechanism/robot.h"
 #include "knee_robot/tracing/pose_alignment.h"
 
-namespace knee_robot {
+namespace knee_robot::tracing {
 
 /// The kinds of explanation for a pose that is not the one of forward kinematics.
 enum class PoseCause {
@@ -43,21 +43,22 @@ struct PoseModel {
 };
 
 /// Poses (rows x 4) that the model gives for the measured lengths; nan where `measured` is.
-Eigen::MatrixXd modelPoses(const Robot& robot, const PoseModel& model, const Recording& recording,
+Eigen::MatrixXd modelPoses(const mechanism::Robot& robot, const PoseModel& model, const recording::Recording& recording,
                            const PosePath& measured);
 
 /// Camera minus encoders in the robot's frame, over rows away from singularities and with a trusted picture.
 struct PoseErrors {
   int rows = 0;
-  Vector4 rms = Vector4::Zero();  ///< m, m, rad, rad
-  Vector4 max = Vector4::Zero();
+  mechanism::Vector4 rms = mechanism::Vector4::Zero();  ///< m, m, rad, rad
+  mechanism::Vector4 max = mechanism::Vector4::Zero();
 };
 
 /// An explanation that was accepted, and what speaks for it.
 struct PoseFinding {
   PoseHypothesis hypothesis;
-  double value = 0.0, std = 0.0;        ///< std from held-back pieces (jackknife)
-  Vector4 explained = Vector4::Zero();  ///< fall of the rms of each coordinate when it is added, m and rad
+  double value = 0.0, std = 0.0;  ///< std from held-back pieces (jackknife)
+  mechanism::Vector4 explained =
+      mechanism::Vector4::Zero();  ///< fall of the rms of each coordinate when it is added, m and rad
   double share = 0.0,
          null_share = 0.0;  ///< of the squared, weighed error: explained; by the best on the worst clean twin
   double p = 1.0;           ///< against clean twins
@@ -88,7 +89,7 @@ struct PoseTrace {
   CameraAlignment before;  ///< fixed transform with nothing else, fitted on training
   PoseModel model;
   std::vector<PoseFinding> findings;
-  Vector4 noise = Vector4::Zero();  ///< of single pictures, from second differences; m and rad
+  mechanism::Vector4 noise = mechanism::Vector4::Zero();  ///< of single pictures, from second differences; m and rad
   std::vector<PoseRecording> train, validate;
   std::vector<std::string> rejected, absorbed, notes;
   double condition_max = 0.0;
@@ -108,7 +109,7 @@ struct PoseTraceOptions {
 /// by a tenth, gain on held-back pieces beyond one standard error, physical sign, sign stable when any piece is left out. Explained
 /// together with the frame by Gauss-Newton on the whole forward kinematics. Validation recordings are judged with training's
 /// frame and delay.
-PoseTrace tracePose(const Robot& robot, const std::vector<Recording>& train, const std::vector<Recording>& validate,
-                    const PoseTraceOptions& options);
+PoseTrace tracePose(const mechanism::Robot& robot, const std::vector<recording::Recording>& train,
+                    const std::vector<recording::Recording>& validate, const PoseTraceOptions& options);
 
-}  // namespace knee_robot
+}  // namespace knee_robot::tracing

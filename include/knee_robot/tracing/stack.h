@@ -6,7 +6,7 @@
 
 #include "knee_robot/identification/observation.h"
 
-namespace knee_robot {
+namespace knee_robot::tracing {
 
 /// One sample that is fitted: of which recording, in which block of cross-validation.
 struct Pick {
@@ -27,7 +27,8 @@ struct Stack {
   Eigen::Index size() const { return static_cast<Eigen::Index>(picks.size()); }
 };
 
-Stack makeStack(const std::vector<Observation>& recordings, const ObservationOptions& options);
+Stack makeStack(const std::vector<identification::Observation>& recordings,
+                const identification::ObservationOptions& options);
 
 /// Which samples count. At rest friction may take any value, so that stops and reversals leave much that is no effect; but
 /// presliding lives there.
@@ -37,13 +38,15 @@ enum class Attention {
 };
 
 /// Factor of every row (actuator after actuator); mean square 1 for each actuator.
-Eigen::VectorXd rowScale(const Stack& stack, const std::vector<Observation>& recordings, Attention attention);
+Eigen::VectorXd rowScale(const Stack& stack, const std::vector<identification::Observation>& recordings,
+                         Attention attention);
 
 /// Columns along the recordings (one matrix per recording: samples x columns), low-passed as the force is, at the picks.
-Eigen::MatrixXd gather(const Stack& stack, const std::vector<Observation>& recordings,
+Eigen::MatrixXd gather(const Stack& stack, const std::vector<identification::Observation>& recordings,
                        std::vector<Eigen::MatrixXd> columns);
 
 /// What is already low-passed, at the picks: recorded force minus nothing.
-Eigen::VectorXd gatherForce(const Stack& stack, const std::vector<Observation>& recordings, int actuator);
+Eigen::VectorXd gatherForce(const Stack& stack, const std::vector<identification::Observation>& recordings,
+                            int actuator);
 
-}  // namespace knee_robot
+}  // namespace knee_robot::tracing

@@ -12,11 +12,11 @@
 #include "knee_robot/tracing/joint_fit.h"
 #include "knee_robot/tracing/payload.h"
 
-namespace knee_robot {
+namespace knee_robot::tracing {
 
 /// Everything that tracing may be told.
 struct TraceOptions {
-  ObservationOptions observation;
+  identification::ObservationOptions observation;
   int rank = 0;                             ///< of the baseline; 0: chosen on the training data
   std::uint64_t seed = 1;                   ///< of twins and resampling
   int twins = 10;                           ///< simulated sets of recordings
@@ -62,18 +62,18 @@ struct TraceResult {
 };
 
 /// Traces the residual of the training recordings. `recordings` and `training` belong together, in order.
-TraceResult trace(const Robot& robot, const std::vector<Recording>& recordings, std::vector<Observation> training,
-                  const TraceOptions& options);
+TraceResult trace(const mechanism::Robot& robot, const std::vector<recording::Recording>& recordings,
+                  std::vector<identification::Observation> training, const TraceOptions& options);
 
 /// The extended model as a file holds it.
-Model tracedModel(const Robot& robot, const TraceResult& result, const std::vector<Observation>& training,
-                  const TraceOptions& options);
+dynamics::Model tracedModel(const mechanism::Robot& robot, const TraceResult& result,
+                            const std::vector<identification::Observation>& training, const TraceOptions& options);
 
 /// Force (N, samples x actuators) that a traced model predicts along a recording, from motion and time alone. `recording`: index
 /// among the training recordings, -1 for others; there effects that do not transfer are left out.
-Eigen::MatrixXd predictTraced(const Robot& robot, const TraceResult& result, Observation& observation, int recording,
-                              int recordings);
+Eigen::MatrixXd predictTraced(const mechanism::Robot& robot, const TraceResult& result,
+                              identification::Observation& observation, int recording, int recordings);
 /// The same of the baseline alone.
-Eigen::MatrixXd predictBaseline(const TraceResult& result, Observation& observation);
+Eigen::MatrixXd predictBaseline(const TraceResult& result, identification::Observation& observation);
 
-}  // namespace knee_robot
+}  // namespace knee_robot::tracing

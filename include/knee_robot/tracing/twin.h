@@ -6,7 +6,7 @@
 
 #include "knee_robot/tracing/base_fit.h"
 
-namespace knee_robot {
+namespace knee_robot::tracing {
 
 /// Controller of one axis as far as a recording shows it: force = kp e + ki int(e) + kd de/dt + share of the load fed forward.
 struct AxisController {
@@ -29,7 +29,8 @@ struct TwinPlan {
 
 /// Recovers the controllers by least squares of the recorded force on the tracking error; where that explains less than nine
 /// tenths, the axis' twin goes along the measured motion.
-TwinPlan planTwin(const Robot& robot, const Recording& recording, const Observation& observation, const BaseFit& base);
+TwinPlan planTwin(const mechanism::Robot& robot, const recording::Recording& recording,
+                  const identification::Observation& observation, const BaseFit& base);
 
 /// What effects found so far do along the measured motion, samples x axes, N.
 struct TwinEffects {
@@ -39,13 +40,14 @@ struct TwinEffects {
 
 /// Puts the current model into a plan: `parameters` of the baseline, and effects (empty: none). A twin without an effect that was
 /// found already would leave less at reversals than the recording does, and invent delays to mend that.
-void refreshPlan(const Observation& observation, const BaseFit& base, const Eigen::VectorXd& parameters,
+void refreshPlan(const identification::Observation& observation, const BaseFit& base, const Eigen::VectorXd& parameters,
                  const Eigen::MatrixXd& share, const TwinEffects& effects, TwinPlan& plan);
 
 /// A recording as the fitted model would have left it: every axis a mass with stiction, Coulomb and viscous friction that carries
 /// the load of the measured motion, in closed loop with its controller and the recorded reference, through encoder
 /// (random phase), hold and DAC. Axes influence each other through the measured motion only.
-Recording simulateTwin(const Robot& robot, const Recording& recording, const Observation& observation,
-                       const TwinPlan& plan, std::uint64_t seed);
+recording::Recording simulateTwin(const mechanism::Robot& robot, const recording::Recording& recording,
+                                  const identification::Observation& observation, const TwinPlan& plan,
+                                  std::uint64_t seed);
 
-}  // namespace knee_robot
+}  // namespace knee_robot::tracing

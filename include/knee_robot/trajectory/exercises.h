@@ -8,7 +8,7 @@
 #include "knee_robot/trajectory/pose_limits.h"
 #include "knee_robot/trajectory/profiles.h"
 
-namespace knee_robot {
+namespace knee_robot::trajectory {
 
 /// One part of an exercise: platform coordinate `axis` moves by `share` times the exercise's amplitude.
 struct ExerciseStroke {
@@ -39,17 +39,17 @@ struct ExerciseOptions {
   double speed = 0.020;  ///< m/s of translations (paper: 20 mm/s)
   double turning_speed = 0.0349066;  ///< rad/s of rotations (paper: 2 deg/s)
   int repetitions = 1;
-  double pause_s = 1.0;           ///< at rest between strokes
-  std::optional<Pose> start;      ///< default: the start from which the exercise keeps furthest from all limits
-  bool scale_to_fit = false;      ///< reduce amplitude and speed to what fits instead of refusing
-  Space space = Space::Actuator;  ///< of the written reference: actuator or platform
+  double pause_s = 1.0;                  ///< at rest between strokes
+  std::optional<mechanism::Pose> start;  ///< default: the start from which the exercise keeps furthest from all limits
+  bool scale_to_fit = false;             ///< reduce amplitude and speed to what fits instead of refusing
+  Space space = Space::Actuator;         ///< of the written reference: actuator or platform
 };
 
 /// A planned exercise, checked by checkReference: it may be played.
 struct ExercisePlan {
   Reference reference;
   ReferenceCheck check;
-  Pose start = Pose::Zero();
+  mechanism::Pose start = mechanism::Pose::Zero();
   double amplitude = 0.0;          ///< m or rad, as planned
   double speed_share = 1.0;        ///< of the speeds that were asked for
   std::vector<std::string> notes;  ///< what was scaled and why
@@ -59,6 +59,6 @@ struct ExercisePlan {
 /// deg/s^3). Limits: those of the robot file, and planningCondition. InputError: options out of range, or a robot without a
 /// platform. Refusal: the exercise does not fit; the sentence names the limiting joint, length or singularity and the largest
 /// amplitude (by bisection) or speed that fits.
-ExercisePlan planExercise(const Exercise& exercise, const Robot& robot, const ExerciseOptions& options = {});
+ExercisePlan planExercise(const Exercise& exercise, const mechanism::Robot& robot, const ExerciseOptions& options = {});
 
-}  // namespace knee_robot
+}  // namespace knee_robot::trajectory

@@ -1,6 +1,6 @@
 #pragma once
 
-namespace knee_robot {
+namespace knee_robot::trajectory {
 
 /// Bounds of a movement along one coordinate, all positive; SI units of that coordinate (m or rad, per s, s^2, s^3).
 struct ProfileLimits {
@@ -38,4 +38,4 @@ class PointToPoint {
   double jerk_ = 0.0;
 };
 
-}  // namespace knee_robot
+}  // namespace knee_robot::trajectory

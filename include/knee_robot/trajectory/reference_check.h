@@ -8,7 +8,7 @@
 #include "knee_robot/mechanism/robot.h"
 #include "knee_robot/trajectory/reference_file.h"
 
-namespace knee_robot {
+namespace knee_robot::trajectory {
 
 /// What a reference is checked for, in the order of the checks.
 enum class Quantity {
@@ -56,7 +56,7 @@ struct ReferenceCheck {
 
 /// Actuator lengths (m) that `point` of that space stands for: platform by inverse kinematics, relative with
 /// home_length_m added. Precondition: Platform only for a robot with a mechanism.
-Lengths referenceLengths(const Robot& robot, Space space, const Vector4& point);
+mechanism::Lengths referenceLengths(const mechanism::Robot& robot, Space space, const mechanism::Vector4& point);
 
 /// Converts a reference to actuator lengths (platform: inverse kinematics; relative: home_length_m added) and checks it
 /// against all limits of the robot, between the points too (the Driver interpolates linearly between points, so lengths
@@ -67,9 +67,9 @@ Lengths referenceLengths(const Robot& robot, Space space, const Vector4& point);
 /// Poses are followed from the first point on: a platform file names its own, otherwise the branch in which the robot
 /// was built. Never throws for a reference that may not be played; throws InputError when robot and space do not belong
 /// together (platform coordinates on a bench).
-ReferenceCheck checkReference(const Reference& reference, const Robot& robot);
+ReferenceCheck checkReference(const Reference& reference, const mechanism::Robot& robot);
 
 /// The checked lengths; throws InputError(violation's sentence) when the reference may not be played.
-ReferenceCheck requirePlayable(const Reference& reference, const Robot& robot);
+ReferenceCheck requirePlayable(const Reference& reference, const mechanism::Robot& robot);
 
-}  // namespace knee_robot
+}  // namespace knee_robot::trajectory

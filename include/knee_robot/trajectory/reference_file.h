@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-namespace knee_robot {
+namespace knee_robot::trajectory {
 
 /// What the four columns of a reference file mean.
 enum class Space {
@@ -56,4 +56,4 @@ std::string formatReference(const Reference& reference, const std::vector<std::s
 /// formatReference written atomically.
 void writeReference(const std::string& path, const Reference& reference, const std::vector<std::string>& comments = {});
 
-}  // namespace knee_robot
+}  // namespace knee_robot::trajectory

@@ -2,7 +2,7 @@
 // Coulomb friction is half the difference larger while the leg lengthens and as much smaller while it shortens (never negative).
 #include "knee_robot/simulation/effect.h"
 
-namespace knee_robot {
+namespace knee_robot::simulation {
 namespace {
 
 class AsymmetricCoulomb : public EffectOf<AsymmetricCoulomb> {
@@ -14,7 +14,7 @@ class AsymmetricCoulomb : public EffectOf<AsymmetricCoulomb> {
   }
 
  private:
-  Vector4 half_N_;
+  mechanism::Vector4 half_N_;
 };
 
 }  // namespace
@@ -23,4 +23,4 @@ std::unique_ptr<Effect> makeAsymmetricCoulomb(StrictMap& entry) {
   return std::make_unique<AsymmetricCoulomb>(entry);
 }
 
-}  // namespace knee_robot
+}  // namespace knee_robot::simulation

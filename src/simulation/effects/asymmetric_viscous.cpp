@@ -2,7 +2,7 @@
 // Viscous friction is half the difference larger while the leg lengthens and as much smaller while it shortens (never negative).
 #include "knee_robot/simulation/effect.h"
 
-namespace knee_robot {
+namespace knee_robot::simulation {
 namespace {
 
 class AsymmetricViscous : public EffectOf<AsymmetricViscous> {
@@ -14,7 +14,7 @@ class AsymmetricViscous : public EffectOf<AsymmetricViscous> {
   }
 
  private:
-  Vector4 half_;
+  mechanism::Vector4 half_;
 };
 
 }  // namespace
@@ -23,4 +23,4 @@ std::unique_ptr<Effect> makeAsymmetricViscous(StrictMap& entry) {
   return std::make_unique<AsymmetricViscous>(entry);
 }
 
-}  // namespace knee_robot
+}  // namespace knee_robot::simulation

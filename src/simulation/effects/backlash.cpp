@@ -3,7 +3,7 @@
 // and damping (optional) are those of the contact.
 #include "knee_robot/simulation/coupled_motors.h"
 
-namespace knee_robot {
+namespace knee_robot::simulation {
 namespace {
 
 class Backlash : public EffectOf<Backlash> {
@@ -15,7 +15,7 @@ class Backlash : public EffectOf<Backlash> {
   void start(const EffectStep& at) noexcept override { motors_.start(at.lengths); }
   void addLoads(const EffectStep& at, PlantLoads& loads) noexcept override { motors_.push(at, loads); }
   void follow(const EffectStep& now) noexcept override { motors_.follow(now); }
-  void changeEncoders(Lengths& seen) const noexcept override { motors_.replace(seen); }
+  void changeEncoders(mechanism::Lengths& seen) const noexcept override { motors_.replace(seen); }
 
  private:
   CoupledMotors motors_;
@@ -27,4 +27,4 @@ std::unique_ptr<Effect> makeBacklash(StrictMap& entry) {
   return std::make_unique<Backlash>(entry);
 }
 
-}  // namespace knee_robot
+}  // namespace knee_robot::simulation

@@ -4,7 +4,7 @@
 
 #include "knee_robot/simulation/effect.h"
 
-namespace knee_robot {
+namespace knee_robot::simulation {
 namespace {
 
 class BaseTilt : public EffectOf<BaseTilt> {
@@ -13,8 +13,9 @@ class BaseTilt : public EffectOf<BaseTilt> {
       : about_x_(kDegree * entry.numberOr("about_x_deg", 0.0, -45.0, 45.0)),
         about_y_(kDegree * entry.numberOr("about_y_deg", 0.0, -45.0, 45.0)) {}
   void changePlant(PlantModel& model) override {
-    const Matrix3 base = (Eigen::AngleAxisd(about_x_, Vector3::UnitX()) * Eigen::AngleAxisd(about_y_, Vector3::UnitY()))
-                             .toRotationMatrix();
+    const mechanism::Matrix3 base = (Eigen::AngleAxisd(about_x_, mechanism::Vector3::UnitX()) *
+                                     Eigen::AngleAxisd(about_y_, mechanism::Vector3::UnitY()))
+                                        .toRotationMatrix();
     model.rigid.gravity = base.transpose() * model.rigid.gravity;
   }
 
@@ -30,4 +31,4 @@ std::unique_ptr<Effect> makeBaseTilt(StrictMap& entry) {
   return std::make_unique<BaseTilt>(entry);
 }
 
-}  // namespace knee_robot
+}  // namespace knee_robot::simulation

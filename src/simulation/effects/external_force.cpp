@@ -5,7 +5,7 @@
 
 #include "knee_robot/simulation/effect.h"
 
-namespace knee_robot {
+namespace knee_robot::simulation {
 namespace {
 
 class ExternalForce : public EffectOf<ExternalForce> {
@@ -28,8 +28,8 @@ class ExternalForce : public EffectOf<ExternalForce> {
   double start_s_;
   double end_s_;
   double rise_s_;
-  Vector3 force_N_;
-  Vector3 point_m_;
+  mechanism::Vector3 force_N_;
+  mechanism::Vector3 point_m_;
 };
 
 }  // namespace
@@ -38,4 +38,4 @@ std::unique_ptr<Effect> makeExternalForce(StrictMap& entry) {
   return std::make_unique<ExternalForce>(entry);
 }
 
-}  // namespace knee_robot
+}  // namespace knee_robot::simulation

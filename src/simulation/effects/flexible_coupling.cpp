@@ -2,7 +2,7 @@
 // Motor and screw are joined elastically; the encoder is on the motor (see coupled_motors.h).
 #include "knee_robot/simulation/coupled_motors.h"
 
-namespace knee_robot {
+namespace knee_robot::simulation {
 namespace {
 
 class FlexibleCoupling : public EffectOf<FlexibleCoupling> {
@@ -14,7 +14,7 @@ class FlexibleCoupling : public EffectOf<FlexibleCoupling> {
   void start(const EffectStep& at) noexcept override { motors_.start(at.lengths); }
   void addLoads(const EffectStep& at, PlantLoads& loads) noexcept override { motors_.push(at, loads); }
   void follow(const EffectStep& now) noexcept override { motors_.follow(now); }
-  void changeEncoders(Lengths& seen) const noexcept override { motors_.replace(seen); }
+  void changeEncoders(mechanism::Lengths& seen) const noexcept override { motors_.replace(seen); }
 
  private:
   CoupledMotors motors_;
@@ -26,4 +26,4 @@ std::unique_ptr<Effect> makeFlexibleCoupling(StrictMap& entry) {
   return std::make_unique<FlexibleCoupling>(entry);
 }
 
-}  // namespace knee_robot
+}  // namespace knee_robot::simulation

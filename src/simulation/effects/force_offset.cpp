@@ -3,16 +3,16 @@
 // when the drive is off.
 #include "knee_robot/simulation/effect.h"
 
-namespace knee_robot {
+namespace knee_robot::simulation {
 namespace {
 
 class ForceOffset : public EffectOf<ForceOffset> {
  public:
   explicit ForceOffset(StrictMap& entry) : force_N_(entry.number("force_N", -1e3, 1e3) * readActuators(entry)) {}
-  void changeForce(double /*dt_s*/, Vector4& motor_force) noexcept override { motor_force += force_N_; }
+  void changeForce(double /*dt_s*/, mechanism::Vector4& motor_force) noexcept override { motor_force += force_N_; }
 
  private:
-  Vector4 force_N_;
+  mechanism::Vector4 force_N_;
 };
 
 }  // namespace
@@ -21,4 +21,4 @@ std::unique_ptr<Effect> makeForceOffset(StrictMap& entry) {
   return std::make_unique<ForceOffset>(entry);
 }
 
-}  // namespace knee_robot
+}  // namespace knee_robot::simulation

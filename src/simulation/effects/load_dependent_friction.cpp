@@ -2,7 +2,7 @@
 // Coulomb friction grows with the load on the screw: share times the force that the leg passes on (of the substep before).
 #include "knee_robot/simulation/effect.h"
 
-namespace knee_robot {
+namespace knee_robot::simulation {
 namespace {
 
 class LoadDependentFriction : public EffectOf<LoadDependentFriction> {
@@ -13,7 +13,7 @@ class LoadDependentFriction : public EffectOf<LoadDependentFriction> {
   }
 
  private:
-  Vector4 share_;
+  mechanism::Vector4 share_;
 };
 
 }  // namespace
@@ -22,4 +22,4 @@ std::unique_ptr<Effect> makeLoadDependentFriction(StrictMap& entry) {
   return std::make_unique<LoadDependentFriction>(entry);
 }
 
-}  // namespace knee_robot
+}  // namespace knee_robot::simulation

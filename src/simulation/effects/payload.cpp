@@ -3,7 +3,7 @@
 // simulation file's own key `payload` does the same.
 #include "knee_robot/simulation/effect.h"
 
-namespace knee_robot {
+namespace knee_robot::simulation {
 namespace {
 
 class HiddenPayload : public EffectOf<HiddenPayload> {
@@ -13,16 +13,17 @@ class HiddenPayload : public EffectOf<HiddenPayload> {
         center_m_(readVector3(entry, "center_m", -2.0, 2.0)),
         gyration_m_(entry.numberOr("radius_of_gyration_m", 0.0, 0.0, 2.0)) {}
   void changePlant(PlantModel& model) override {
-    BodyConstants& platform = model.rigid.platform;
+    dynamics::BodyConstants& platform = model.rigid.platform;
     platform.mass += mass_kg_;
     platform.first_moment += mass_kg_ * center_m_;
-    platform.inertia += mass_kg_ * ((center_m_.squaredNorm() + gyration_m_ * gyration_m_) * Matrix3::Identity() -
-                                    center_m_ * center_m_.transpose());
+    platform.inertia +=
+        mass_kg_ * ((center_m_.squaredNorm() + gyration_m_ * gyration_m_) * mechanism::Matrix3::Identity() -
+                    center_m_ * center_m_.transpose());
   }
 
  private:
   double mass_kg_;
-  Vector3 center_m_;
+  mechanism::Vector3 center_m_;
   double gyration_m_;
 };
 
@@ -32,4 +33,4 @@ std::unique_ptr<Effect> makePayload(StrictMap& entry) {
   return std::make_unique<HiddenPayload>(entry);
 }
 
-}  // namespace knee_robot
+}  // namespace knee_robot::simulation

@@ -4,7 +4,7 @@
 
 #include "knee_robot/simulation/effect.h"
 
-namespace knee_robot {
+namespace knee_robot::simulation {
 namespace {
 
 class PositionDependentFriction : public EffectOf<PositionDependentFriction> {
@@ -14,14 +14,14 @@ class PositionDependentFriction : public EffectOf<PositionDependentFriction> {
         center_m_(entry.number("center_m", 0.0, 10.0)),
         width_m_(entry.number("width_m", 1e-4, 10.0)) {}
   void changeFriction(const EffectStep& at, PlantLoads& loads) noexcept override {
-    for (int i = 0; i < kLegs; ++i) {
+    for (int i = 0; i < mechanism::kLegs; ++i) {
       const double away = (at.lengths[i] - center_m_) / width_m_;
       loads.coulomb[i] = std::max(0.0, loads.coulomb[i] + amplitude_N_[i] * std::exp(-away * away));
     }
   }
 
  private:
-  Vector4 amplitude_N_;
+  mechanism::Vector4 amplitude_N_;
   double center_m_;
   double width_m_;
 };
@@ -32,4 +32,4 @@ std::unique_ptr<Effect> makePositionDependentFriction(StrictMap& entry) {
   return std::make_unique<PositionDependentFriction>(entry);
 }
 
-}  // namespace knee_robot
+}  // namespace knee_robot::simulation

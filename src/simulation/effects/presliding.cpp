@@ -7,7 +7,7 @@
 
 #include "knee_robot/simulation/effect.h"
 
-namespace knee_robot {
+namespace knee_robot::simulation {
 namespace {
 
 class Presliding : public EffectOf<Presliding> {
@@ -21,7 +21,7 @@ class Presliding : public EffectOf<Presliding> {
 
   /// The bristles' force at the end of the substep, linear in the velocity there: stable however stiff.
   void addLoads(const EffectStep& at, PlantLoads& loads) noexcept override {
-    for (int i = 0; i < kLegs; ++i) {
+    for (int i = 0; i < mechanism::kLegs; ++i) {
       if (actuators_[i] == 0.0) continue;
       lengthening_[i] = std::max(0.0, loads.coulomb[i] + loads.coulomb_asymmetry[i]);
       shortening_[i] = std::max(0.0, loads.coulomb[i] - loads.coulomb_asymmetry[i]);
@@ -36,7 +36,7 @@ class Presliding : public EffectOf<Presliding> {
   }
 
   void follow(const EffectStep& now) noexcept override {
-    for (int i = 0; i < kLegs; ++i) {
+    for (int i = 0; i < mechanism::kLegs; ++i) {
       const double moved = now.lengths[i] - last_[i];
       const double level = moved > 0.0 ? lengthening_[i] : -shortening_[i];
       force_[i] = level == 0.0 ? 0.0 : level + (force_[i] - level) * std::exp(-stiffness_ * moved / level);
@@ -45,12 +45,12 @@ class Presliding : public EffectOf<Presliding> {
   }
 
  private:
-  Vector4 actuators_;
+  mechanism::Vector4 actuators_;
   double stiffness_;
   double damping_;
-  Vector4 force_ = Vector4::Zero();  ///< N, against lengthening
-  Vector4 lengthening_ = Vector4::Zero(), shortening_ = Vector4::Zero();
-  Lengths last_ = Lengths::Zero();
+  mechanism::Vector4 force_ = mechanism::Vector4::Zero();  ///< N, against lengthening
+  mechanism::Vector4 lengthening_ = mechanism::Vector4::Zero(), shortening_ = mechanism::Vector4::Zero();
+  mechanism::Lengths last_ = mechanism::Lengths::Zero();
 };
 
 }  // namespace
@@ -59,4 +59,4 @@ std::unique_ptr<Effect> makePresliding(StrictMap& entry) {
   return std::make_unique<Presliding>(entry);
 }
 
-}  // namespace knee_robot
+}  // namespace knee_robot::simulation

@@ -2,7 +2,7 @@
 // A resistance of drag v |v|.
 #include "knee_robot/simulation/effect.h"
 
-namespace knee_robot {
+namespace knee_robot::simulation {
 namespace {
 
 class QuadraticDrag : public EffectOf<QuadraticDrag> {
@@ -13,7 +13,7 @@ class QuadraticDrag : public EffectOf<QuadraticDrag> {
   }
 
  private:
-  Vector4 drag_;
+  mechanism::Vector4 drag_;
 };
 
 }  // namespace
@@ -22,4 +22,4 @@ std::unique_ptr<Effect> makeQuadraticDrag(StrictMap& entry) {
   return std::make_unique<QuadraticDrag>(entry);
 }
 
-}  // namespace knee_robot
+}  // namespace knee_robot::simulation

@@ -2,7 +2,7 @@
 // Rotor and screw are heavier than rotor_mass_kg says.
 #include "knee_robot/simulation/effect.h"
 
-namespace knee_robot {
+namespace knee_robot::simulation {
 namespace {
 
 class ReflectedInertia : public EffectOf<ReflectedInertia> {
@@ -11,7 +11,7 @@ class ReflectedInertia : public EffectOf<ReflectedInertia> {
   void changePlant(PlantModel& model) override { model.rigid.rotor_mass += mass_kg_; }
 
  private:
-  Vector4 mass_kg_;
+  mechanism::Vector4 mass_kg_;
 };
 
 }  // namespace
@@ -20,4 +20,4 @@ std::unique_ptr<Effect> makeReflectedInertia(StrictMap& entry) {
   return std::make_unique<ReflectedInertia>(entry);
 }
 
-}  // namespace knee_robot
+}  // namespace knee_robot::simulation

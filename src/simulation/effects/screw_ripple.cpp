@@ -4,7 +4,7 @@
 
 #include "knee_robot/simulation/effect.h"
 
-namespace knee_robot {
+namespace knee_robot::simulation {
 namespace {
 
 class ScrewRipple : public EffectOf<ScrewRipple> {
@@ -14,13 +14,13 @@ class ScrewRipple : public EffectOf<ScrewRipple> {
         wave_number_(kTurn / entry.number("period_m", 1e-4, 1.0)),
         phase_(kTurn / 360.0 * entry.numberOr("phase_deg", 0.0, -360.0, 360.0)) {}
   void addLoads(const EffectStep& at, PlantLoads& loads) noexcept override {
-    for (int i = 0; i < kLegs; ++i)
+    for (int i = 0; i < mechanism::kLegs; ++i)
       loads.motor_force[i] += amplitude_N_[i] * std::sin(wave_number_ * at.lengths[i] + phase_);
   }
 
  private:
   static constexpr double kTurn = 6.283185307179586;
-  Vector4 amplitude_N_;
+  mechanism::Vector4 amplitude_N_;
   double wave_number_;
   double phase_;
 };
@@ -31,4 +31,4 @@ std::unique_ptr<Effect> makeScrewRipple(StrictMap& entry) {
   return std::make_unique<ScrewRipple>(entry);
 }
 
-}  // namespace knee_robot
+}  // namespace knee_robot::simulation

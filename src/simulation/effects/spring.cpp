@@ -3,7 +3,7 @@
 // pushes below it.
 #include "knee_robot/simulation/effect.h"
 
-namespace knee_robot {
+namespace knee_robot::simulation {
 namespace {
 
 class Spring : public EffectOf<Spring> {
@@ -14,7 +14,7 @@ class Spring : public EffectOf<Spring> {
         point_m_(readVector3(entry, "point_m", -2.0, 2.0)),
         free_length_m_(entry.numberOr("free_length_m", 0.0, 0.0, 10.0)) {}
   void addLoads(const EffectStep& at, PlantLoads& loads) noexcept override {
-    const Vector3 span = platformPoint(at.pose, point_m_) - anchor_m_;
+    const mechanism::Vector3 span = platformPoint(at.pose, point_m_) - anchor_m_;
     const double length = span.norm();
     if (length < 1e-6) return;  // no direction
     loads.pose_force += poseForceOf(at.pose, point_m_, -stiffness_ * (1.0 - free_length_m_ / length) * span);
@@ -22,8 +22,8 @@ class Spring : public EffectOf<Spring> {
 
  private:
   double stiffness_;
-  Vector3 anchor_m_;
-  Vector3 point_m_;
+  mechanism::Vector3 anchor_m_;
+  mechanism::Vector3 point_m_;
   double free_length_m_;
 };
 
@@ -33,4 +33,4 @@ std::unique_ptr<Effect> makeSpring(StrictMap& entry) {
   return std::make_unique<Spring>(entry);
 }
 
-}  // namespace knee_robot
+}  // namespace knee_robot::simulation

@@ -4,7 +4,7 @@
 
 #include "knee_robot/simulation/effect.h"
 
-namespace knee_robot {
+namespace knee_robot::simulation {
 namespace {
 
 class Stribeck : public EffectOf<Stribeck> {
@@ -14,12 +14,12 @@ class Stribeck : public EffectOf<Stribeck> {
         velocity_(entry.number("velocity_m_per_s", 1e-5, 1.0)),
         exponent_(entry.numberOr("exponent", 2.0, 0.3, 4.0)) {}
   void changeFriction(const EffectStep& at, PlantLoads& loads) noexcept override {
-    for (int i = 0; i < kLegs; ++i)
+    for (int i = 0; i < mechanism::kLegs; ++i)
       loads.coulomb[i] += excess_N_[i] * std::exp(-std::pow(std::abs(at.rates[i]) / velocity_, exponent_));
   }
 
  private:
-  Vector4 excess_N_;
+  mechanism::Vector4 excess_N_;
   double velocity_;
   double exponent_;
 };
@@ -30,4 +30,4 @@ std::unique_ptr<Effect> makeStribeck(StrictMap& entry) {
   return std::make_unique<Stribeck>(entry);
 }
 
-}  // namespace knee_robot
+}  // namespace knee_robot::simulation

@@ -5,7 +5,7 @@
 
 #include "knee_robot/simulation/effect.h"
 
-namespace knee_robot {
+namespace knee_robot::simulation {
 namespace {
 
 class ThermalDrift : public EffectOf<ThermalDrift> {
@@ -22,7 +22,7 @@ class ThermalDrift : public EffectOf<ThermalDrift> {
   }
 
  private:
-  Vector4 actuators_;
+  mechanism::Vector4 actuators_;
   double viscous_change_;
   double coulomb_change_;
   double time_constant_s_;
@@ -34,4 +34,4 @@ std::unique_ptr<Effect> makeThermalDrift(StrictMap& entry) {
   return std::make_unique<ThermalDrift>(entry);
 }
 
-}  // namespace knee_robot
+}  // namespace knee_robot::simulation
