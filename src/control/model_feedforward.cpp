@@ -80,7 +80,7 @@ void ModelFeedforward::updateHook(const rt::Cycle& cycle) {
   }
   ++out_.sequence;
   out_.time = cycle.time;
-  force.write(out_);
+  feedforward.write(out_);
 }
 
 void ModelFeedforward::readPorts() noexcept {

@@ -44,8 +44,11 @@ class DeploymentReader {
       readActivity(entry, require_real_time);
     for (StrictMap& entry : file_.maps("components"))
       readComponent(entry);
-    for (StrictMap& entry : file_.maps("connections"))
-      readConnection(entry);
+    if (file_.has("connections")) {
+      for (StrictMap& entry : file_.maps("connections"))
+        readConnection(entry);
+    }
+    connectByName();
     requireConnections();
     readStartOrder();
     file_.finish();
@@ -126,22 +129,55 @@ class DeploymentReader {
   void readConnection(StrictMap& entry) {
     PortBase& from = findPort(entry, "from");
     PortBase& to = findPort(entry, "to");
-    const std::string kind = entry.choiceOr("policy", "data", {"data", "buffer", "circular_buffer"});
     ConnPolicy policy;
-    if (kind != "data") {
-      const auto size = static_cast<std::size_t>(entry.integer("size", 1, 1'000'000));
-      policy = kind == "buffer" ? ConnPolicy::buffer(size) : ConnPolicy::circularBuffer(size);
+    if (entry.choiceOr("policy", "data", {"data", "buffer"}) == "buffer") {
+      policy = ConnPolicy::buffer(static_cast<std::size_t>(entry.integer("size", 1, 1'000'000)));
     }
     at(entry, "from", [&] { connect(from, to, policy); });
     entry.finish();
+  }
+
+  /// The output that an input's name stands for: `x` of another component, or for `x_2` the `x` of a component whose name ends in 2.
+  static bool isMeant(const TaskContext& sender, const PortBase& output, const PortBase& input) {
+    if (!output.isOutput() || output.type() != input.type()) return false;
+    if (output.name() == input.name()) return true;
+    const std::size_t digits = sender.name().find_last_not_of("0123456789") + 1;
+    return digits < sender.name().size() && input.name() == output.name() + "_" + sender.name().substr(digits);
+  }
+
+  std::vector<PortBase*> outputsFor(const TaskContext& receiver, const PortBase& input) {
+    std::vector<PortBase*> found;
+    for (const auto& sender : target_.components_) {
+      if (sender.get() == &receiver) continue;
+      for (PortBase* output : sender->ports()) {
+        if (isMeant(*sender, *output, input)) found.push_back(output);
+      }
+    }
+    return found;
+  }
+
+  void connectByName() {
+    for (const auto& receiver : target_.components_) {
+      for (PortBase* input : receiver->ports()) {
+        if (input->isOutput() || input->isConnected()) continue;
+        const std::vector<PortBase*> outputs = outputsFor(*receiver, *input);
+        if (outputs.size() > 1) {
+          file_.refuse("components", "the input " + input->fullName() + " could be connected to " +
+                                         outputs[0]->fullName() + " or " + outputs[1]->fullName() +
+                                         ": say which under connections");
+        }
+        if (outputs.size() == 1) connect(*outputs[0], *input);
+      }
+    }
   }
 
   void requireConnections() {
     for (const auto& component : target_.components_) {
       for (const PortBase* port : component->ports()) {
         if (!port->isOutput() && port->isRequired() && !port->isConnected()) {
-          file_.refuse("connections", "the input " + port->fullName() + " (" + port->typeName() +
-                                          ") is not connected: add {from: ..., to: " + port->fullName() + "}");
+          file_.refuse("components", "the input " + port->fullName() + " (" + port->typeName() +
+                                         ") is not connected: no output has its name and type; add {from: ..., to: " +
+                                         port->fullName() + "} under connections");
         }
       }
     }

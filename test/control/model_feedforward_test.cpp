@@ -38,7 +38,7 @@ class ModelFeedforwardTest : public ::testing::Test {
     rt::connect(feed.command_2, component.command_2);
     rt::connect(feed.command_3, component.command_3);
     rt::connect(feed.command_4, component.command_4);
-    rt::connect(component.force, feed.force);
+    rt::connect(component.feedforward, feed.force);
     ASSERT_TRUE(component.configure()) << component.refusal();
     ASSERT_TRUE(component.start());
     measured.status = hardware::IoStatus::Ok;

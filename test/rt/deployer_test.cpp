@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 #include <stdlib.h>
 
+#include <array>
 #include <string>
 #include <vector>
 
@@ -51,9 +52,23 @@ class Sink : public TaskContext {
   void stopHook() override { log_of_starts.push_back("stop " + name()); }
 };
 
+class Pair : public TaskContext {
+ public:
+  explicit Pair(const std::string& name) : TaskContext(name) {}
+  InputPort<double> value_1{*this, "value_1", "of the first"}, value_2{*this, "value_2", "of the second"};
+  double first = 0.0, second = 0.0;
+
+ protected:
+  void updateHook(const Cycle&) override {
+    value_1.read(first);
+    value_2.read(second);
+  }
+};
+
 TypeFactory factory() {
   return {{"Source", [](const std::string& name) { return std::make_unique<Source>(name); }},
-          {"Sink", [](const std::string& name) { return std::make_unique<Sink>(name); }}};
+          {"Sink", [](const std::string& name) { return std::make_unique<Sink>(name); }},
+          {"Pair", [](const std::string& name) { return std::make_unique<Pair>(name); }}};
 }
 
 const char* const kGood = R"(activities:
@@ -110,6 +125,40 @@ TEST_F(DeployerTest, BuildsConnectsStartsInOrderAndStopsInReverse) {
   EXPECT_EQ(log_of_starts, (std::vector<std::string>{"start K", "start S", "stop S", "stop K"}));
 }
 
+TEST_F(DeployerTest, ConnectsByNameAndTypeWhatNoLineConnects) {
+  writeFileAtomically(path(), with("connections:\n  - {from: S.value, to: K.value, policy: data}\n", ""));
+  Deployment deployment(path(), factory(), Execution::Stepped);
+  deployment.start();
+  deployment.stepUntil(5'000'000);
+  const auto& sink = dynamic_cast<Sink&>(*deployment.component("K"));
+  EXPECT_DOUBLE_EQ(sink.last, 3 * 2.5);
+  EXPECT_FALSE(sink.other.isConnected()) << "optional, and nobody sends an int of that name";
+}
+
+TEST_F(DeployerTest, ConnectsANumberedInputToTheComponentOfThatNumber) {
+  writeFileAtomically(path(), R"(activities: [{name: servo, period_s: 0.001}]
+components:
+  - {name: Source2, type: Source, activity: servo, properties: {step: 2}}
+  - {name: Source1, type: Source, activity: servo, properties: {step: 1}}
+  - {name: P, type: Pair, activity: servo}
+start_order: [P, Source1, Source2]
+)");
+  Deployment deployment(path(), factory(), Execution::Stepped);
+  deployment.start();
+  deployment.stepUntil(1'000'000);
+  const auto& pair = dynamic_cast<Pair&>(*deployment.component("P"));
+  EXPECT_EQ((std::array<double, 2>{pair.first, pair.second}), (std::array<double, 2>{1.0, 2.0}));
+}
+
+TEST_F(DeployerTest, RefusesARequiredInputThatNobodyFeeds) {
+  const std::string refusal = refusalOf(R"(activities: [{name: servo, period_s: 0.001}]
+components: [{name: K, type: Sink, activity: servo}]
+start_order: [K]
+)");
+  EXPECT_EQ(refusal.rfind("2: components: the input K.value (double) is not connected: no output has its name", 0), 0u)
+      << refusal;
+}
+
 TEST_F(DeployerTest, RunsTheSameFileOnThreads) {
   writeFileAtomically(path(), kGood);
   Deployment deployment(path(), factory(), Execution::Threads);
@@ -142,7 +191,7 @@ TEST_F(DeployerTest, RefusesWhatIsWrongByLineBeforeAnythingRuns) {
   const std::vector<std::pair<std::string, std::string>> cases = {
       {with("step: 2.5", "stride: 2.5"), "4: stride: component S has no such property; it has step, refuses"},
       {with("step: 2.5", "step: 25"), "4: step: 25 is outside 0 .. 10"},
-      {with("type: Source", "type: Sauce"), "4: type: there is no component type Sauce; there are Sink, Source"},
+      {with("type: Source", "type: Sauce"), "4: type: there is no component type Sauce; there are Pair, Sink, Source"},
       {with("activity: servo, period_s: 0.002", "activity: slow"),
        "4: activity: there is no activity slow; there are servo"},
       {with("period_s: 0.002", "period_s: 0.0015"),
@@ -152,8 +201,12 @@ TEST_F(DeployerTest, RefusesWhatIsWrongByLineBeforeAnythingRuns) {
       {with("to: K.value", "to: K.valve"), "7: to: component K has no port valve; it has value, other"},
       {with("from: S.value", "from: T.value"), "7: from: there is no component T; there are S, K"},
       {with("policy: data", "policy: buffer"), "7: the key size is missing"},
-      {with("  - {from: S.value, to: K.value, policy: data}", "  []"),
-       "7: connections: the input K.value (double) is not"},
+      {with("policy: data", "policy: circular"), "7: policy"},
+      {with("  - {name: K, type: Sink, activity: servo}\nconnections:\n  - {from: S.value, to: K.value, policy: data}",
+            "  - {name: K, type: Sink, activity: servo}\n  - {name: T, type: Source, activity: servo}"),
+       "4: components: the input K.value could be connected to S.value or T.value: say which under connections"},
+      {with("type: Source, activity: servo, period_s: 0.002, properties: {step: 2.5}", "type: Sink, activity: servo"),
+       "7: from: S"},
       {with("[K, S]", "[K]"), "8: start_order: S is missing"},
       {with("[K, S]", "[K, S, K]"), "8: start_order: K stands there twice"},
       {with("start_order", "strat_order"), "1: the key start_order is missing"},

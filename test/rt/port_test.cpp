@@ -66,21 +66,6 @@ TEST(Port, BufferKeepsTheOldestAndSaysThatItIsFull) {
   EXPECT_EQ(pair.in.read(value), FlowStatus::OldData);
 }
 
-TEST(Port, CircularBufferKeepsTheNewestAndSaysThatOneWasLost) {
-  Pair pair;
-  connect(pair.out, pair.in, ConnPolicy::circularBuffer(2));
-  EXPECT_TRUE(pair.out.write(1));
-  EXPECT_TRUE(pair.out.write(2));
-  EXPECT_FALSE(pair.out.write(3));
-  int value = 0;
-  EXPECT_EQ(pair.in.read(value), FlowStatus::NewData);
-  EXPECT_EQ(value, 2);
-  EXPECT_EQ(pair.in.read(value), FlowStatus::NewData);
-  EXPECT_EQ(value, 3);
-  EXPECT_EQ(pair.in.read(value), FlowStatus::OldData);
-  EXPECT_TRUE(pair.out.write(4));
-}
-
 TEST(Port, OneOutputFeedsSeveralInputsEachWithItsOwnPolicy) {
   Pair pair;
   InputPort<int> second(pair.reader, "second", "");
@@ -163,7 +148,6 @@ std::uint64_t stress(const ConnPolicy& policy, std::uint64_t count, Check&& chec
 TEST(Port, NeverTearsAValueBetweenTwoThreads) {
   constexpr std::uint64_t kCount = 100'000;
   stress(ConnPolicy::data(), kCount, [](std::uint64_t, std::uint64_t) {});
-  stress(ConnPolicy::circularBuffer(8), kCount, [](std::uint64_t, std::uint64_t) {});
 }
 
 TEST(Port, LosesNothingThroughABufferBetweenTwoThreads) {

@@ -40,7 +40,7 @@ class ModelFeedforward : public rt::TaskContext {
   rt::InputPort<AxisCommand> command_2{*this, "command_2", "from the Driver of axis 2"};
   rt::InputPort<AxisCommand> command_3{*this, "command_3", "from the Driver of axis 3"};
   rt::InputPort<AxisCommand> command_4{*this, "command_4", "from the Driver of axis 4"};
-  rt::OutputPort<FeedforwardForce> force{*this, "force", "to the Drivers"};
+  rt::OutputPort<FeedforwardForce> feedforward{*this, "feedforward", "to the Drivers"};
 
   rt::Property<std::string> model{*this, "model", "", "model file of this robot; empty: the weights of its URDF"};
   rt::Property<double> share_gravity{

@@ -30,10 +30,13 @@ using TypeFactory = std::map<std::string, std::function<std::unique_ptr<TaskCont
 ///       - {name: Sync, type: Sync, activity: servo, period_s: 0.01, properties: {stop_time_s: 0.3}}  # last two
 ///       optional
 ///       # lenient: true                   # optional: properties that the component does not have are passed over and reported
-///     connections:
-///       - {from: Sync.set_point, to: Driver1.set_point, policy: data}   # or buffer, circular_buffer, both with size:
-///       n
+///     connections:                        # optional: only what the ports' names and types do not say
+///       - {from: Sync.set_point, to: Driver1.set_point, policy: data}   # or policy: buffer with size: n
 ///     start_order: [Sync, Driver1]        # every component once; stopped in reverse
+///
+/// An input that no line of `connections` names is connected (policy data) to the one output of another component that has its name
+/// and type, or, for an input `x_2`, to the output `x` of the component whose name ends in 2 (Driver2). Two such outputs, or none
+/// for a required input, are refused.
 ///
 /// Not real-time. Throws InputError (one sentence, file and line); nothing runs when anything is wrong.
 class Deployment {

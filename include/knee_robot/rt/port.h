@@ -17,13 +17,12 @@ enum class FlowStatus { NoData, OldData, NewData };
 
 /// What a connection keeps between a write and the next read.
 struct ConnPolicy {
-  enum class Kind { Data, Buffer, CircularBuffer };
+  enum class Kind { Data, Buffer };
   Kind kind = Kind::Data;
   std::size_t size = 1;  ///< values kept by buffers
 
   static ConnPolicy data() { return {}; }
   static ConnPolicy buffer(std::size_t size) { return {Kind::Buffer, size}; }
-  static ConnPolicy circularBuffer(std::size_t size) { return {Kind::CircularBuffer, size}; }
 };
 
 /// Whether a component works without a connection to this input.
@@ -67,7 +66,7 @@ void connect(PortBase& output, PortBase& input, const ConnPolicy& policy = ConnP
 template <typename T>
 class OutputPort;
 
-/// Receives values of one output. read() is wait-free (a circular buffer: bounded), never allocates.
+/// Receives values of one output. read() is wait-free, never allocates.
 template <typename T>
 class InputPort final : public PortBase {
   static_assert(std::is_trivially_copyable_v<T>, "ports carry trivially copyable values: no strings, no vectors");
@@ -128,9 +127,6 @@ class OutputPort final : public PortBase {
         break;
       case ConnPolicy::Kind::Buffer:
         channel = std::make_shared<BufferChannel<T>>(policy.size);
-        break;
-      case ConnPolicy::Kind::CircularBuffer:
-        channel = std::make_shared<CircularChannel<T>>(policy.size);
         break;
     }
     static_cast<InputPort<T>&>(input).channel_ = channel;

@@ -18,7 +18,7 @@
 ///   order, once a period.
 /// - A *port* carries values of one type from one component to another, without locks. Reading answers *NoData* (never
 ///   written), *OldData* (nothing since the last read) or *NewData*. A *ConnPolicy* says what is kept in between: the
-///   newest value (*Data*), the oldest n (*Buffer*) or the newest n (*CircularBuffer*).
+///   newest value (*Data*) or the oldest n (*Buffer*).
 /// - A *property* is a named, typed, bounded parameter, set before the component is configured.
 /// - An *operation* is something that other threads may call on a component; it says itself what it does and takes.
 /// - The *Deployer* reads which components exist, which activity runs them and how their ports are connected.
