@@ -11,7 +11,7 @@ import sys
 # map.number("key", ...) and the like; helpers that take the map first: degrees(map, "key"), readSign(map, "key"), bit("key", ...).
 ASKED = re.compile(r'(?:\.|->)(?:text|textOr|number|numberOr|integer|integerOr|flagOr|numbers|texts|choice|choiceOr|map|mapIfAny|maps)'
                    r'\(\s*"(\w+)"|\b(?:degrees|readSign|unsignedNumber|readVector3|readEffects|findPort|bit)\((?:\s*\w+\s*,)?\s*"(\w+)"'
-                   r'|^constexpr Coordinate|\{"(\w+_(?:m|deg))", "')
+                   r'|\{"(\w+_(?:m|deg))", "')
 WRITTEN = re.compile(r'\{"(\w+)",|\["(\w+)"\]')
 TABLE_KEY = re.compile(r"^\| `([\w]+)` \|")
 # Folders whose files pages may name; "NAME" and "*" in a path stand for any name.
@@ -27,7 +27,7 @@ def sources(root, names):
             yield name, None
         for file in sorted(path.rglob("*.cpp")) if path.is_dir() else [path]:
             if file.exists():  # lists of names are no keys
-                yield name, "\n".join(line for line in file.read_text().splitlines() if "const char*" not in line or "Coordinate" in line)
+                yield name, "\n".join(line for line in file.read_text().splitlines() if "const char*" not in line)
 
 
 def sections(text):
