@@ -82,15 +82,29 @@ class Geometry:
         slope[:, 12, 3] = 1.0
         return q, slope
 
-    def poses(self, lengths):
-        pose = np.tile([0.0, lengths[:, 3].mean(), 0.0, 0.0], (len(lengths), 1))
-        for _ in range(20):
+    def newton(self, lengths, pose, steps=50):
+        """Poses of these rows by Newton's method from `pose`, a row each; which of them converged."""
+        pose = pose.copy()
+        for _ in range(steps):
             q, slope = self.joints(pose)
             step = np.linalg.solve(slope[:, ACTUATED], (lengths - q[:, ACTUATED])[:, :, None])[:, :, 0]
             pose += np.clip(step, -0.1, 0.1)
             if np.abs(step).max() < 1e-12:
-                return pose
-        raise SystemExit("forward kinematics did not converge")
+                break
+        return pose, np.abs(step).max(axis=1) < 1e-9
+
+    def poses(self, lengths, stride):
+        """Follows the assembly branch: one row in `stride` after the other, then all rows from their nearest neighbours there."""
+        guess, knots = np.array([[0.0, lengths[0, 3], 0.0, 0.0]]), []
+        for row in range(0, len(lengths), stride):
+            guess, converged = self.newton(lengths[row:row + 1], guess)
+            if not converged.all():
+                raise SystemExit(f"forward kinematics did not converge in row {row}")
+            knots.append(guess[0])
+        pose, converged = self.newton(lengths, np.repeat(np.array(knots), stride, axis=0)[:len(lengths)])
+        if not converged.all():
+            raise SystemExit(f"forward kinematics did not converge in row {int(np.argmin(converged))}")
+        return pose
 
 
 ACTUATED = [2, 5, 8, 10]
@@ -126,7 +140,7 @@ def observe(geometry, urdf, path, cutoff_hz):
     force = (held[high] - held[low]) / (high - low)[:, None]
 
     step = GRID * period
-    pose = geometry.poses(position)
+    pose = geometry.poses(position, max(1, 250 // GRID))  # a quarter of a second
     q, slope = geometry.joints(pose)
     v = np.gradient(q, step, axis=0, edge_order=2)
     a = np.gradient(v, step, axis=0, edge_order=2)
