@@ -46,9 +46,8 @@ ForceModel::ForceModel(const Model& model, const mechanism::Robot& robot)
   parameters.setZero();
   axis_parameters.setZero();
   coulomb.setZero();
-  coulomb_width_m.setOnes();
   for (int i = 0; i < axes; ++i)
-    coulomb_width_m[i] = model.coulomb_width_m[static_cast<std::size_t>(i)];
+    friction[static_cast<std::size_t>(i)] = model.friction[static_cast<std::size_t>(i)];
   if (mechanism) {
     const std::vector<std::string>& names = extendedParameterNames();
     for (int i = 0; i < extended::kParameters; ++i)
@@ -68,7 +67,7 @@ ForceModel::ForceModel(const Model& model, const mechanism::Robot& robot)
 
 bool forceFromModel(const ForceModel& model, const mechanism::Vector4& position, const mechanism::Vector4& velocity,
                     const mechanism::Vector4& acceleration, const mechanism::Motion& motion, ForceModelData& data,
-                    mechanism::Vector4& forces) noexcept {
+                    mechanism::Vector4& forces, double period_s) noexcept {
   mechanism::Vector4 smooth;
   if (model.mechanism) {
     if (!extendedRegressor(*model.mechanism, model.gravity, motion, data.regressor, data.row)) return false;
@@ -81,8 +80,8 @@ bool forceFromModel(const ForceModel& model, const mechanism::Vector4& position,
   }
   for (int i = 0; i < model.axes; ++i) {
     const double displacement = data.started ? position[i] - data.last_position[i] : 0.0;
-    smooth[i] +=
-        model.coulomb[i] * data.memory[static_cast<std::size_t>(i)].step(displacement, model.coulomb_width_m[i]);
+    const std::size_t axis = static_cast<std::size_t>(i);
+    smooth[i] += model.coulomb[i] * data.memory[axis].step(model.friction[axis], displacement, period_s);
   }
   data.last_position = position;
   data.started = true;

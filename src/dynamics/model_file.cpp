@@ -1,6 +1,7 @@
 #include <cmath>
 #include <set>
 
+#include "friction_file.h"
 #include "knee_robot/base/errors.h"
 #include "knee_robot/base/files.h"
 #include "knee_robot/base/numbers.h"
@@ -10,8 +11,9 @@
 namespace knee_robot::dynamics {
 namespace {
 
-constexpr int kFormat = 1;
-constexpr int kFormatOfTrace = 2;  ///< may have effects, and what predictions along recordings need
+constexpr int kFirstFormat = 1;  ///< of identify: one stop per actuator
+constexpr int kFormat = 3;
+constexpr int kFormatOfTrace = 4;  ///< may have effects, and what predictions along recordings need
 constexpr double kLargest = 1e15;
 constexpr const char* kParallel = "3UPS+1RPU";
 constexpr const char* kAxes = "axes";
@@ -63,14 +65,13 @@ std::string effectsText(const std::string& key, const std::vector<ModelEffect>& 
 }
 
 bool ofTrace(const Model& m) {
-  return !m.effects.empty() || !m.friction_cutoff_hz.empty();
+  return !m.effects.empty() || !m.effects_see.empty();
 }
 
 /// What only trace writes.
 std::string traceText(const Model& m) {
   std::string y = "# Effects beyond the parameters above; shapes bend their columns, coefficients multiply them.\n";
   y += effectsText("effects", m.effects);
-  if (!m.friction_cutoff_hz.empty()) y += "friction_cutoff_hz: " + list(m.friction_cutoff_hz) + "\n";
   if (!m.effects_see.empty()) y += "effects_see: " + list(m.effects_see) + "\n";
   if (!m.elsewhere) return y;
   y += "# On recordings that are not listed under data.\n";
@@ -135,8 +136,7 @@ std::vector<ModelEffect> readEffects(StrictMap& file, const std::string& key, in
 
 void readTrace(StrictMap& file, Model& m) {
   m.effects = readEffects(file, "effects", m.axes);
-  const std::size_t axes = static_cast<std::size_t>(m.axes), parameters = m.parameters.size();
-  if (file.has("friction_cutoff_hz")) m.friction_cutoff_hz = file.numbers("friction_cutoff_hz", axes, 0.0, 1e6);
+  const std::size_t parameters = m.parameters.size();
   if (file.has("effects_see")) m.effects_see = file.numbers("effects_see", parameters, -kLargest, kLargest);
   if (!file.has("parameters_elsewhere")) return;
   m.elsewhere.emplace();
@@ -157,7 +157,9 @@ void checkNames(const Model& model, const StrictMap& file) {
 }
 
 Model readModel(StrictMap file) {
-  const int format = file.integer("format", kFormat, kFormatOfTrace);
+  const int format = file.integer("format", kFirstFormat, kFormatOfTrace);
+  if (format == 2)
+    file.refuse("format", "2 was written by an older trace, whose friction is not known any more; trace again");
   Model m;
   m.kind = file.choice("mechanism", {kParallel, kAxes}) == kAxes ? mechanism::MechanismKind::Axes
                                                                  : mechanism::MechanismKind::ThreeUpsOneRpu;
@@ -175,7 +177,12 @@ Model readModel(StrictMap file) {
   m.cutoff_hz = file.number("cutoff_hz", 1e-6, 1e6);
   m.moving_m_per_s = file.number("moving_m_per_s", 0.0, 1e3);
   m.rank = file.integer("rank", 1, 1000);
-  m.coulomb_width_m = file.numbers("coulomb_width_m", axes, 1e-12, 1e3);
+  if (format == kFirstFormat) {
+    for (const double width_m : file.numbers("coulomb_width_m", axes, 1e-12, 1e3))
+      m.friction.push_back(stopLaw(width_m));
+  } else {
+    m.friction = readFriction(file, m.axes);
+  }
   m.residual_rms_N = file.numbers("residual_rms_N", axes, 0.0, kLargest);
   for (StrictMap& entry : file.maps("parameters"))
     m.parameters.push_back(readParameter(entry));
@@ -201,7 +208,7 @@ std::string modelToYaml(const Model& m) {
   y += "cutoff_hz: " + exactNumber(m.cutoff_hz) + "\n";
   y += "moving_m_per_s: " + exactNumber(m.moving_m_per_s) + "\n";
   y += "rank: " + std::to_string(m.rank) + "\n";
-  y += "coulomb_width_m: " + list(m.coulomb_width_m) + "\n";
+  y += frictionText(m.friction);
   y += "residual_rms_N: " + list(m.residual_rms_N) + "\n";
   y += "# One representative of the identified combinations; parameters without std have no value of their own.\n";
   y += "parameters:\n";

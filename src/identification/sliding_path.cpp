@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "knee_robot/dynamics/coulomb_memory.h"
 #include "knee_robot/mechanism/leg_motion.h"
 
 namespace knee_robot::identification {
@@ -62,7 +61,8 @@ SlidingPath slidingPath(const Eigen::VectorXd& position, const Eigen::VectorXd& 
                         double resolution) {
   SlidingPath path;
   path.resolution = resolution;
-  path.position = refined(position, velocity, period_s);
+  path.position = path.measured = refined(position, velocity, period_s);
+  path.period_s = period_s;
   std::vector<Eigen::Index> turns = turningPoints(path.position, resolution, path.first_direction);
   turns.push_back(path.position.size() - 1);
   int direction = path.first_direction;
@@ -77,26 +77,71 @@ SlidingPath slidingPath(const Eigen::VectorXd& position, const Eigen::VectorXd& 
   return path;
 }
 
-Eigen::VectorXd frictionShare(const SlidingPath& path, double width) {
-  constexpr int kHalf = SlidingPath::kSubsteps / 2;
-  const Eigen::Index fine = path.position.size();
-  Eigen::VectorXd integral(fine);  // of the share, in substeps
-  dynamics::CoulombMemory memory;
-  memory.share = path.shareAtStart(width);
-  double before = memory.share;
-  integral[0] = 0.0;
-  for (Eigen::Index k = 1; k < fine; ++k) {
-    const double here = memory.step(path.position[k] - path.position[k - 1], width);
-    integral[k] = integral[k - 1] + 0.5 * (before + here);
-    before = here;
-  }
-  Eigen::VectorXd share((fine - 1) / SlidingPath::kSubsteps + 1);
-  for (Eigen::Index n = 0; n < share.size(); ++n) {
-    const Eigen::Index from = std::max<Eigen::Index>(0, n * SlidingPath::kSubsteps - kHalf);
-    const Eigen::Index to = std::min(fine - 1, n * SlidingPath::kSubsteps + kHalf);
-    share[n] = (integral[to] - integral[from]) / static_cast<double>(to - from);
-  }
+namespace {
+
+/// Share after every substep.
+Eigen::VectorXd fineShare(const SlidingPath& path, const dynamics::FrictionElement& element) {
+  dynamics::FrictionLaw law;
+  law.elements[0] = element;
+  law.elements[0].share = 1.0;
+  const bool stop = element.kind == dynamics::FrictionKind::Stop;
+  const Eigen::VectorXd& position = stop ? path.position : path.measured;
+  const double step_s = path.period_s / SlidingPath::kSubsteps;
+  dynamics::FrictionState state;
+  Eigen::VectorXd share(position.size());
+  share[0] = element.kind == dynamics::FrictionKind::Smooth ? 0.0 : path.shareAtStart(element.width_m);
+  state.start(share[0]);
+  for (Eigen::Index k = 1; k < position.size(); ++k)
+    share[k] = state.step(law, position[k] - position[k - 1], step_s);
+  if (element.kind == dynamics::FrictionKind::Smooth && share.size() > 1) share[0] = share[1];
   return share;
+}
+
+Eigen::VectorXd fineShare(const SlidingPath& path, const dynamics::FrictionLaw& law) {
+  Eigen::VectorXd sum = Eigen::VectorXd::Zero(path.position.size());
+  for (int k = 0; k < law.count; ++k) {
+    const dynamics::FrictionElement& e = law.elements[static_cast<std::size_t>(k)];
+    sum += e.share * fineShare(path, e);
+  }
+  return sum;
+}
+
+Eigen::VectorXd meanOverSamples(const Eigen::VectorXd& fine) {
+  constexpr int kHalf = SlidingPath::kSubsteps / 2;
+  const Eigen::Index size = fine.size();
+  Eigen::VectorXd integral(size);  // in substeps
+  integral[0] = 0.0;
+  for (Eigen::Index k = 1; k < size; ++k)
+    integral[k] = integral[k - 1] + 0.5 * (fine[k - 1] + fine[k]);
+  Eigen::VectorXd mean((size - 1) / SlidingPath::kSubsteps + 1);
+  for (Eigen::Index n = 0; n < mean.size(); ++n) {
+    const Eigen::Index from = std::max<Eigen::Index>(0, n * SlidingPath::kSubsteps - kHalf);
+    const Eigen::Index to = std::min(size - 1, n * SlidingPath::kSubsteps + kHalf);
+    mean[n] = (integral[to] - integral[from]) / static_cast<double>(to - from);
+  }
+  return mean;
+}
+
+}  // namespace
+
+Eigen::VectorXd frictionShare(const SlidingPath& path, const dynamics::FrictionLaw& law) {
+  return meanOverSamples(fineShare(path, law));
+}
+
+Eigen::VectorXd elementShare(const SlidingPath& path, const dynamics::FrictionElement& element) {
+  return meanOverSamples(fineShare(path, element));
+}
+
+Eigen::VectorXd shareAtSamples(const SlidingPath& path, const dynamics::FrictionLaw& law) {
+  const Eigen::VectorXd fine = fineShare(path, law);
+  Eigen::VectorXd share((fine.size() - 1) / SlidingPath::kSubsteps + 1);
+  for (Eigen::Index n = 0; n < share.size(); ++n)
+    share[n] = fine[n * SlidingPath::kSubsteps];
+  return share;
+}
+
+Eigen::VectorXd frictionShare(const SlidingPath& path, double width) {
+  return frictionShare(path, dynamics::stopLaw(width));
 }
 
 std::vector<SlidingPath> actuatorPaths(const mechanism::Robot& robot, const recording::Signals& s) {

@@ -16,7 +16,7 @@ inline dynamics::Model modelOf(const mechanism::Robot& robot, double viscous = 1
   model.moving_m_per_s = 0.001;
   model.data = {{"train.csv", "0123"}};
   model.rank = 1;
-  model.coulomb_width_m.assign(4, 1e-4);
+  model.friction.assign(4, dynamics::stopLaw(1e-4));
   model.residual_rms_N.assign(4, 1.0);
   const dynamics::InertialParameters links = dynamics::toParameters(dynamics::loadRobotInertia(robot));
   const std::vector<std::string>& names = dynamics::extendedParameterNames();

@@ -40,7 +40,12 @@ Model someModel(const mechanism::Robot& robot, unsigned seed) {
   m.moving_m_per_s = 0.0015;
   m.rank = 28;
   for (int i = 0; i < m.axes; ++i) {
-    m.coulomb_width_m.push_back(1e-5 * (i + 1));
+    m.friction.push_back(i == 0   ? stopLaw(1e-5)
+                         : i == 1 ? smoothLaw(1e-3)
+                         : i == 2 ? bristleLaw(1e-4, 2e-5, 1e-3)
+                                  : lawOf({{FrictionKind::Stop, 0.3, 9e-6, 0.0, 0.0},
+                                           {FrictionKind::Stop, 0.6, 1e-4, 0.0, 0.0},
+                                           {FrictionKind::Smooth, 0.1, 0.0, 1e-3, 0.0}}));
     m.residual_rms_N.push_back(std::abs(normal(random)));
   }
   const auto names = robot.mechanism ? extendedParameterNames() : axisParameterNames(m.axes);
@@ -74,7 +79,7 @@ TEST(ModelFile, IsReadBackExactly) {
   EXPECT_EQ(r.rank, m.rank);
   EXPECT_EQ(r.data[0].file, m.data[0].file);
   EXPECT_EQ(r.data[1].fingerprint, "34cd");
-  EXPECT_EQ(r.coulomb_width_m, m.coulomb_width_m);
+  EXPECT_EQ(r.friction, m.friction);
   EXPECT_EQ(r.residual_rms_N, m.residual_rms_N);
   ASSERT_EQ(r.parameters.size(), m.parameters.size());
   for (std::size_t i = 0; i < m.parameters.size(); ++i) {
@@ -96,7 +101,7 @@ TEST(ModelFile, RefusesWhatItDoesNotUnderstand) {
     return text;
   };
   EXPECT_NO_THROW(parseModel(good, "m.yaml"));
-  EXPECT_THROW(parseModel(with("format: 1", "format: 2"), "m.yaml"), InputError);
+  EXPECT_THROW(parseModel(with("format: 3", "format: 2"), "m.yaml"), InputError);
   EXPECT_THROW(parseModel(with("cutoff_hz", "cutof_hz"), "m.yaml"), InputError);
   EXPECT_THROW(parseModel(with("rank: 28", "rank: many"), "m.yaml"), InputError);
   EXPECT_THROW(parseModel(with("\"Fc_13\"", "\"Fc_99\""), "m.yaml"), InputError);
@@ -126,10 +131,10 @@ Model withEffects(const mechanism::Robot& robot) {
   return m;
 }
 
-TEST(ModelFile, WithEffectsIsFormatTwoAndIsReadBackExactly) {
+TEST(ModelFile, WithEffectsIsAFormatOfItsOwnAndIsReadBackExactly) {
   const Model m = withEffects(parallelRobot());
   const std::string text = modelToYaml(m);
-  EXPECT_NE(text.find("format: 2"), std::string::npos);
+  EXPECT_NE(text.find("format: 4"), std::string::npos);
   const Model r = parseModel(text, "model.yaml");
   ASSERT_EQ(r.effects.size(), 3u);
   EXPECT_EQ(r.effects[0].name, "stribeck");
@@ -155,7 +160,7 @@ TEST(ModelFile, WithEffectsRefusesUnknownActuatorsAndKeys) {
   EXPECT_THROW(parseModel(with("{actuator: 2}", "{actuator: 5}"), "m.yaml"), InputError);
   EXPECT_THROW(parseModel(with("transfers: yes", "transfers: perhaps"), "m.yaml"), InputError);
   EXPECT_THROW(parseModel(with("coefficients:", "coeficients:"), "m.yaml"), InputError);
-  EXPECT_THROW(parseModel(with("format: 2", "format: 1"), "m.yaml"), InputError);
+  EXPECT_THROW(parseModel(with("format: 4", "format: 3"), "m.yaml"), InputError);
 }
 
 TEST(ForceModel, RefusesAModelWithEffectsInsteadOfLeavingThemOut) {
@@ -179,19 +184,21 @@ TEST(ModelFile, BelongsToOneRobotFile) {
   EXPECT_THROW(requireModelOf(m, "m.yaml", robot), InputError);
 }
 
-TEST(CoulombMemory, IsTheSignWhileMovingAndKeepsItAtRest) {
-  CoulombMemory memory;
-  EXPECT_DOUBLE_EQ(memory.step(0.0, 1e-4), 0.0);
-  EXPECT_DOUBLE_EQ(memory.step(3e-5, 1e-4), 0.3);
-  EXPECT_DOUBLE_EQ(memory.step(1e-2, 1e-4), 1.0);
-  EXPECT_DOUBLE_EQ(memory.step(0.0, 1e-4), 1.0);
-  EXPECT_DOUBLE_EQ(memory.step(-5e-5, 1e-4), 0.5);
-  EXPECT_DOUBLE_EQ(memory.step(-1.0, 1e-4), -1.0);
+TEST(FrictionState, OfAStopIsTheSignWhileMovingAndKeepsItAtRest) {
+  const FrictionLaw law = stopLaw(1e-4);
+  FrictionState state;
+  EXPECT_DOUBLE_EQ(state.step(law, 0.0, 0.01), 0.0);
+  EXPECT_DOUBLE_EQ(state.step(law, 3e-5, 0.01), 0.3);
+  EXPECT_DOUBLE_EQ(state.step(law, 1e-2, 0.01), 1.0);
+  EXPECT_DOUBLE_EQ(state.step(law, 0.0, 0.01), 1.0);
+  EXPECT_DOUBLE_EQ(state.step(law, -5e-5, 0.01), 0.5);
+  EXPECT_DOUBLE_EQ(state.step(law, -1.0, 0.01), -1.0);
 }
 
 TEST(ForceFromModel, EqualsTheRegressorTimesTheParametersWhileEveryAxisMovesOn) {
   const mechanism::Robot robot = parallelRobot();
-  const Model m = someModel(robot, 4);
+  Model m = someModel(robot, 4);
+  m.friction.assign(4, stopLaw(1e-5));
   const ForceModel force_model(m, robot);
   ExtendedParameters parameters;
   for (int i = 0; i < extended::kParameters; ++i)

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "knee_robot/dynamics/coulomb_memory.h"
+#include "knee_robot/dynamics/friction_law.h"
 #include "knee_robot/dynamics/regressor.h"
 #include "knee_robot/mechanism/robot.h"
 
@@ -70,14 +70,13 @@ struct Model {
   std::vector<ModelData> data;
   double cutoff_hz = 0.0;
   double moving_m_per_s = 0.0;
-  int rank = 0;                         ///< directions kept
-  std::vector<double> coulomb_width_m;  ///< per actuator, of CoulombMemory
-  std::vector<double> residual_rms_N;   ///< per actuator, training data, moving samples
+  int rank = 0;                        ///< directions kept
+  std::vector<FrictionLaw> friction;   ///< per actuator: how Coulomb friction acts near rest
+  std::vector<double> residual_rms_N;  ///< per actuator, training data, moving samples
   std::vector<ModelParameter> parameters;
   std::vector<BaseParameter> base;
   std::vector<ModelEffect> effects;  ///< written by trace; none from identify
   // From trace only: predictions along whole recordings rest on them.
-  std::vector<double> friction_cutoff_hz;  ///< per actuator: low-pass of the positions that dry friction sees; 0: none
   /// Values of the parameters, in order, that the effects' columns were computed with (loads, friction): the last but one of the
   /// iterations between them and the fit.
   std::vector<double> effects_see;
@@ -87,7 +86,7 @@ struct Model {
 /// Fv_1 Fc_1 rotor_1 offset_1 Fv_2 ...: the parameters of `axes` bench axes.
 std::vector<std::string> axisParameterNames(int axes);
 
-/// Writes and reads model files (YAML; format version 1, or 2 when trace wrote it). Reading is strict: InputError with file, line and key.
+/// Writes and reads model files (YAML; format version 3, or 4 when trace wrote it; files of identify in version 1 are read). Reading is strict: InputError with file, line and key.
 std::string modelToYaml(const Model& model);
 void saveModel(const Model& model, const std::string& path);
 Model loadModel(const std::string& path);
@@ -107,23 +106,23 @@ struct ForceModel {
   ExtendedParameters parameters;       ///< of the parallel robot
   mechanism::Matrix4 axis_parameters;  ///< of bench axes: column i holds viscous, Coulomb, rotor, offset of axis i
   mechanism::Vector4 coulomb;          ///< N, taken out of `parameters`: it acts through the memory
-  mechanism::Vector4 coulomb_width_m;
+  std::array<FrictionLaw, mechanism::kLegs> friction;  ///< per actuator
 };
 
 /// Workspace of forceFromModel, and the friction's memory. One per motion.
 struct ForceModelData {
   RegressorData regressor;
   ExtendedRegressor row;
-  std::array<CoulombMemory, mechanism::kLegs> memory;
+  std::array<FrictionState, mechanism::kLegs> memory;
   mechanism::Vector4 last_position = mechanism::Vector4::Zero();
   bool started = false;
 };
 
 /// Actuator forces (N) for one instant of a motion: positions (m), velocities and accelerations of the actuators (unused entries
 /// zero), and for the parallel robot the platform's motion that belongs to them (motionFromLengths). Call it once per instant in
-/// order of time: the friction remembers. False, with `forces` untouched, where the mechanism is singular. Real-time safe.
+/// order of time, `period_s` after the last one: the friction remembers. False, with `forces` untouched, where the mechanism is singular. Real-time safe.
 bool forceFromModel(const ForceModel& model, const mechanism::Vector4& position, const mechanism::Vector4& velocity,
                     const mechanism::Vector4& acceleration, const mechanism::Motion& motion, ForceModelData& data,
-                    mechanism::Vector4& forces) noexcept;
+                    mechanism::Vector4& forces, double period_s = 0.01) noexcept;
 
 }  // namespace knee_robot::dynamics

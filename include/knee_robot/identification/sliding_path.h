@@ -3,6 +3,7 @@
 #include <Eigen/Core>
 #include <vector>
 
+#include "knee_robot/dynamics/friction_law.h"
 #include "knee_robot/dynamics/parameters.h"
 #include "knee_robot/identification/motion_path.h"
 
@@ -14,8 +15,11 @@ namespace knee_robot::identification {
 /// the extreme itself, and counts when the path goes back from it by more than `resolution`.
 struct SlidingPath {
   Eigen::VectorXd position;  ///< kSubsteps per sample period, the samples too; rising or falling between turning points
-  int first_direction = 0;   ///< of the first movement that the encoders tell; 0: there is none
-  double resolution = 0.0;   ///< in the position's unit: shorter ways back are not told apart from rounding
+  Eigen::VectorXd
+      measured;             ///< the same without this: for laws that follow velocity, which small ways back do not harm
+  double period_s = 0.01;   ///< of the samples
+  int first_direction = 0;  ///< of the first movement that the encoders tell; 0: there is none
+  double resolution = 0.0;  ///< in the position's unit: shorter ways back are not told apart from rounding
   static constexpr int kSubsteps = 4;
 
   /// Share of full Coulomb friction when the recording starts. Friction that builds up over less than the encoders tell has done so
@@ -28,9 +32,14 @@ struct SlidingPath {
 SlidingPath slidingPath(const Eigen::VectorXd& position, const Eigen::VectorXd& velocity, double period_s,
                         double resolution);
 
-/// Share of full Coulomb friction at every sample by CoulombMemory, averaged over the sample's interval as the forces are. `width`
-/// in the path's unit, positive. It starts with shareAtStart and changes as soon as the path moves: the first stretch has no way back
-/// either.
+/// Share of full Coulomb friction at every sample, averaged over the sample's interval as the forces are. It starts with shareAtStart
+/// and changes as soon as the path moves: the first stretch has no way back either.
+Eigen::VectorXd frictionShare(const SlidingPath& path, const dynamics::FrictionLaw& law);
+/// The same of one element, as if it carried all friction.
+Eigen::VectorXd elementShare(const SlidingPath& path, const dynamics::FrictionElement& element);
+/// Share at the samples themselves.
+Eigen::VectorXd shareAtSamples(const SlidingPath& path, const dynamics::FrictionLaw& law);
+/// One stop; `width` in the path's unit, positive.
 Eigen::VectorXd frictionShare(const SlidingPath& path, double width);
 
 /// One path per actuator; resolution: what rounding leaves of an encoder count (Signals::rounding_left).

@@ -1,0 +1,74 @@
+#pragma once
+
+#include <array>
+#include <string>
+#include <vector>
+
+namespace knee_robot::dynamics {
+
+/// How one part of dry friction builds up near rest.
+enum class FrictionKind {
+  Stop,      ///< with the way since the last reversal, up to a width (stop operator of Prandtl); rest keeps what it was
+  Smooth,    ///< with velocity: tanh(v / speed); none at rest
+  Bristles,  ///< bristles that bend over a width (Dahl; LuGre without its Stribeck curve) and slip back at a creep speed
+};
+
+/// One part of the law of one actuator.
+///
+/// Bristles: with the way r = sqrt(dx^2 + (creep dt)^2), the share follows dz = (dx - r z) / width. Creep speed 0 is Dahl's model; at rest
+/// the share decays with the time width / creep (an axis that trembles by less than its encoder shows lets go of its
+/// bristles). What they press is z + damping dz/dt, the micro-damping of LuGre.
+struct FrictionElement {
+  FrictionKind kind = FrictionKind::Stop;
+  double share = 1.0;          ///< of the actuator's Coulomb friction
+  double width_m = 1e-5;       ///< Stop, Bristles
+  double speed_m_per_s = 0.0;  ///< Smooth: of tanh; Bristles: creep
+  double damping_s = 0.0;      ///< Bristles
+
+  bool operator==(const FrictionElement& o) const {
+    return kind == o.kind && share == o.share && width_m == o.width_m && speed_m_per_s == o.speed_m_per_s &&
+           damping_s == o.damping_s;
+  }
+};
+
+inline constexpr int kMostFrictionElements = 8;
+
+/// Law of friction near rest of one actuator: which share of full Coulomb friction, in [-1, 1], acts. A sum of elements whose shares
+/// add up to 1: a spectrum of stops (Prandtl-Ishlinskii, Maxwell slip), smooth laws, bristles, or a mixture. Away from rest every
+/// law is sign(v). Fixed size: a real-time program may copy it.
+struct FrictionLaw {
+  std::array<FrictionElement, kMostFrictionElements> elements{};
+  int count = 1;
+
+  bool operator==(const FrictionLaw& o) const;
+  bool operator!=(const FrictionLaw& o) const { return !(*this == o); }
+};
+
+FrictionLaw stopLaw(double width_m);
+FrictionLaw smoothLaw(double speed_m_per_s);
+FrictionLaw bristleLaw(double width_m, double creep_m_per_s = 0.0, double damping_s = 0.0);
+
+/// The law of these elements, shares brought to a sum of 1. std::invalid_argument when there are none or too many, or a sum is 0.
+FrictionLaw lawOf(const std::vector<FrictionElement>& elements);
+
+/// "one stop", "tanh of velocity", "bristles (Dahl)", "creeping bristles", "two stops", "spectrum of stops", "mixture".
+std::string nameOf(const FrictionLaw& law);
+/// With numbers: "stop 9 um (61 %) + stop 100 um (39 %)".
+std::string describe(const FrictionLaw& law);
+
+/// Longest way over which some element builds up, m; 0 when all are smooth.
+double longestWidth(const FrictionLaw& law) noexcept;
+
+/// The memory of one actuator's friction. Real-time safe.
+class FrictionState {
+ public:
+  /// Moves by `displacement_m` within `duration_s` (positive); returns the new share of full Coulomb friction.
+  double step(const FrictionLaw& law, double displacement_m, double duration_s) noexcept;
+  /// All that remembers starts with this share in [-1, 1].
+  void start(double share) noexcept { z_.fill(share); }
+
+ private:
+  std::array<double, kMostFrictionElements> z_{};
+};
+
+}  // namespace knee_robot::dynamics

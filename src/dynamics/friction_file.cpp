@@ -1,0 +1,88 @@
+#include "friction_file.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "knee_robot/base/numbers.h"
+
+namespace knee_robot::dynamics {
+namespace {
+
+constexpr double kNarrowest_m = 1e-12, kWidest_m = 1e3;
+constexpr double kSlowest_m_per_s = 1e-9, kFastest_m_per_s = 1e3;
+
+std::string elementText(const FrictionElement& e) {
+  const std::string share = ", share: " + exactNumber(e.share) + "}";
+  const std::string width = ", width_m: " + exactNumber(e.width_m);
+  const std::string speed = ", speed_m_per_s: " + exactNumber(e.speed_m_per_s);
+  switch (e.kind) {
+    case FrictionKind::Stop:
+      return "{law: stop" + width + share;
+    case FrictionKind::Smooth:
+      return "{law: tanh" + speed + share;
+    default:
+      return "{law: bristles" + width + speed + ", damping_s: " + exactNumber(e.damping_s) + share;
+  }
+}
+
+FrictionElement readElement(StrictMap map) {
+  FrictionElement e;
+  const std::string law = map.choice("law", {"stop", "tanh", "bristles"});
+  e.kind = law == "stop" ? FrictionKind::Stop : law == "tanh" ? FrictionKind::Smooth : FrictionKind::Bristles;
+  e.share = map.number("share", 1e-9, 1.0);
+  e.width_m = e.kind == FrictionKind::Smooth ? 0.0 : map.number("width_m", kNarrowest_m, kWidest_m);
+  if (e.kind == FrictionKind::Smooth) e.speed_m_per_s = map.number("speed_m_per_s", kSlowest_m_per_s, kFastest_m_per_s);
+  if (e.kind == FrictionKind::Bristles) {
+    e.speed_m_per_s = map.number("speed_m_per_s", 0.0, kFastest_m_per_s);
+    e.damping_s = map.number("damping_s", 0.0, 1.0);
+  }
+  map.finish();
+  return e;
+}
+
+}  // namespace
+
+std::string frictionText(const std::vector<FrictionLaw>& laws) {
+  std::string y =
+      "# Law of friction near rest: elements whose shares of the actuator's Coulomb friction (Fc) add up to 1.\n"
+      "friction_near_rest:\n";
+  for (std::size_t i = 0; i < laws.size(); ++i) {
+    y += "  - {actuator: " + std::to_string(i + 1) + ", elements: [";
+    for (int k = 0; k < laws[i].count; ++k)
+      y += (k > 0 ? ", " : "") + elementText(laws[i].elements[static_cast<std::size_t>(k)]);
+    y += "]}\n";
+  }
+  return y;
+}
+
+std::vector<FrictionLaw> readFriction(StrictMap& file, int axes) {
+  std::vector<StrictMap> entries = file.maps("friction_near_rest");
+  if (entries.size() != static_cast<std::size_t>(axes))
+    file.refuse("friction_near_rest", "has " + std::to_string(entries.size()) + " entries where " +
+                                          std::to_string(axes) + " actuators need one each");
+  std::vector<FrictionLaw> laws;
+  for (StrictMap& entry : entries) {
+    const int actuator = static_cast<int>(laws.size()) + 1;
+    if (entry.integer("actuator", 1, axes) != actuator)
+      entry.refuse("actuator", "belongs to entry " + std::to_string(actuator) + "; list the actuators in order");
+    std::vector<FrictionElement> elements;
+    double sum = 0.0;
+    for (StrictMap& element : entry.maps("elements")) {
+      elements.push_back(readElement(element));
+      sum += elements.back().share;
+    }
+    if (elements.empty() || elements.size() > static_cast<std::size_t>(kMostFrictionElements) ||
+        std::abs(sum - 1.0) > 1e-6) {
+      entry.refuse("elements", "must be 1 to " + std::to_string(kMostFrictionElements) +
+                                   " elements whose shares add up to 1 (they add up to " + shortNumber(sum) + ")");
+    }
+    entry.finish();
+    FrictionLaw law;  // as written: lawOf would bring the shares to their sum again, and lose a bit
+    law.count = static_cast<int>(elements.size());
+    std::copy(elements.begin(), elements.end(), law.elements.begin());
+    laws.push_back(law);
+  }
+  return laws;
+}
+
+}  // namespace knee_robot::dynamics

@@ -1,0 +1,15 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "knee_robot/base/strict_yaml.h"
+#include "knee_robot/dynamics/friction_law.h"
+
+namespace knee_robot::dynamics {
+
+/// `friction_near_rest` of a model file: one entry per actuator.
+std::string frictionText(const std::vector<FrictionLaw>& laws);
+std::vector<FrictionLaw> readFriction(StrictMap& file, int axes);
+
+}  // namespace knee_robot::dynamics

@@ -1,0 +1,117 @@
+#include "knee_robot/dynamics/friction_law.h"
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+
+#include "knee_robot/base/numbers.h"
+
+namespace knee_robot::dynamics {
+namespace {
+
+bool all(const FrictionLaw& law, FrictionKind kind) {
+  return std::all_of(law.elements.begin(), law.elements.begin() + law.count,
+                     [kind](const FrictionElement& e) { return e.kind == kind; });
+}
+
+std::string elementText(const FrictionElement& e) {
+  switch (e.kind) {
+    case FrictionKind::Stop:
+      return "stop " + shortNumber(1e6 * e.width_m, 3) + " um";
+    case FrictionKind::Smooth:
+      return "tanh(v / " + shortNumber(1e3 * e.speed_m_per_s, 3) + " mm/s)";
+    default:
+      break;
+  }
+  std::string text = "bristles " + shortNumber(1e6 * e.width_m, 3) + " um";
+  if (e.speed_m_per_s > 0.0) text += ", creep " + shortNumber(1e3 * e.speed_m_per_s, 3) + " mm/s";
+  if (e.damping_s > 0.0) text += ", damping " + shortNumber(1e3 * e.damping_s, 3) + " ms";
+  return text;
+}
+
+}  // namespace
+
+bool FrictionLaw::operator==(const FrictionLaw& o) const {
+  return count == o.count && std::equal(elements.begin(), elements.begin() + count, o.elements.begin());
+}
+
+FrictionLaw stopLaw(double width_m) {
+  return lawOf({{FrictionKind::Stop, 1.0, width_m, 0.0, 0.0}});
+}
+
+FrictionLaw smoothLaw(double speed_m_per_s) {
+  return lawOf({{FrictionKind::Smooth, 1.0, 0.0, speed_m_per_s, 0.0}});
+}
+
+FrictionLaw bristleLaw(double width_m, double creep_m_per_s, double damping_s) {
+  return lawOf({{FrictionKind::Bristles, 1.0, width_m, creep_m_per_s, damping_s}});
+}
+
+FrictionLaw lawOf(const std::vector<FrictionElement>& elements) {
+  double sum = 0.0;
+  for (const FrictionElement& e : elements)
+    sum += e.share;
+  if (elements.empty() || elements.size() > static_cast<std::size_t>(kMostFrictionElements) || !(sum > 0.0))
+    throw std::invalid_argument("a law of friction has 1 to 8 elements with positive shares");
+  FrictionLaw law;
+  law.count = static_cast<int>(elements.size());
+  for (std::size_t k = 0; k < elements.size(); ++k) {
+    law.elements[k] = elements[k];
+    law.elements[k].share /= sum;
+  }
+  return law;
+}
+
+std::string nameOf(const FrictionLaw& law) {
+  const FrictionElement& first = law.elements.front();
+  if (all(law, FrictionKind::Stop))
+    return law.count == 1 ? "one stop" : law.count == 2 ? "two stops" : "spectrum of stops";
+  if (law.count > 1) return all(law, FrictionKind::Smooth) ? "sum of tanh of velocity" : "mixture";
+  if (first.kind == FrictionKind::Smooth) return "tanh of velocity";
+  return first.speed_m_per_s > 0.0 ? "creeping bristles" : "bristles (Dahl)";
+}
+
+std::string describe(const FrictionLaw& law) {
+  if (law.count == 1) return elementText(law.elements.front());
+  std::string text;
+  for (int k = 0; k < law.count; ++k) {
+    const FrictionElement& e = law.elements[static_cast<std::size_t>(k)];
+    text += (k > 0 ? " + " : "") + elementText(e) + " (" + shortNumber(100.0 * e.share, 3) + " %)";
+  }
+  return text;
+}
+
+double longestWidth(const FrictionLaw& law) noexcept {
+  double longest = 0.0;
+  for (int k = 0; k < law.count; ++k) {
+    const FrictionElement& e = law.elements[static_cast<std::size_t>(k)];
+    if (e.kind != FrictionKind::Smooth) longest = std::max(longest, e.width_m);
+  }
+  return longest;
+}
+
+double FrictionState::step(const FrictionLaw& law, double displacement_m, double duration_s) noexcept {
+  double sum = 0.0;
+  for (int k = 0; k < law.count; ++k) {
+    const FrictionElement& e = law.elements[static_cast<std::size_t>(k)];
+    double& z = z_[static_cast<std::size_t>(k)];
+    if (e.kind == FrictionKind::Stop) {
+      z = std::clamp(z + displacement_m / e.width_m, -1.0, 1.0);
+      sum += e.share * z;
+    } else if (e.kind == FrictionKind::Smooth) {
+      z = std::tanh(displacement_m / (duration_s * e.speed_m_per_s));
+      sum += e.share * z;
+    } else {
+      const double before = z;
+      const double way = std::hypot(displacement_m, e.speed_m_per_s * duration_s);
+      if (way > 0.0) {  // exact for a constant velocity within the step
+        const double settled = displacement_m / way;
+        z = settled + (z - settled) * std::exp(-way / e.width_m);
+      }
+      sum += e.share * (z + e.damping_s * (z - before) / duration_s);
+    }
+  }
+  return sum;
+}
+
+}  // namespace knee_robot::dynamics
