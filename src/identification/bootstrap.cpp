@@ -86,7 +86,7 @@ double bootstrapBlock_s(const Equations& e, const Eigen::VectorXd& residual) {
 }
 
 Bootstrap blockBootstrap(const Equations& e, const Eigen::MatrixXd& x, const Eigen::VectorXd& b, int bounded,
-                         double block_s, int draws, unsigned seed) {
+                         double block_s, int draws, unsigned seed, const Eigen::VectorXd& ridge) {
   const Eigen::Index n = x.cols();
   const std::vector<std::vector<int>> blocks = cut(e, block_s);
   Bootstrap result;
@@ -95,7 +95,10 @@ Bootstrap blockBootstrap(const Equations& e, const Eigen::MatrixXd& x, const Eig
   result.draws.resize(n, draws);
 
   // In coordinates in which the whole data's normal matrix is 1, sums of squares over blocks lose no accuracy.
-  const Eigen::MatrixXd triangle = compress(x, b);
+  Eigen::MatrixXd whole(x.rows() + ridge.size(), n);
+  whole.topRows(x.rows()) = x;
+  if (ridge.size() > 0) whole.bottomRows(n) = Eigen::MatrixXd(ridge.cwiseSqrt().asDiagonal());
+  const Eigen::MatrixXd triangle = compress(whole, Eigen::VectorXd::Zero(whole.rows()));
   const Eigen::MatrixXd r = triangle.topLeftCorner(n, n);
   std::vector<Eigen::MatrixXd> normal;
   std::vector<Eigen::VectorXd> right;
@@ -105,9 +108,15 @@ Bootstrap blockBootstrap(const Equations& e, const Eigen::MatrixXd& x, const Eig
     normal.push_back(own.transpose() * own);
     right.push_back(own.transpose() * b(rows));
   }
+  Eigen::MatrixXd always = Eigen::MatrixXd::Zero(n, n);
+  if (ridge.size() > 0) {
+    const Eigen::MatrixXd own =
+        r.transpose().triangularView<Eigen::Lower>().solve(Eigen::MatrixXd(ridge.cwiseSqrt().asDiagonal())).transpose();
+    always = own.transpose() * own;
+  }
   std::mt19937 random(seed);
   for (int draw = 0; draw < draws; ++draw) {
-    Eigen::MatrixXd sum = Eigen::MatrixXd::Zero(n, n);
+    Eigen::MatrixXd sum = always;
     Eigen::VectorXd pull = Eigen::VectorXd::Zero(n);
     for (std::size_t k = 0; k < blocks.size(); ++k) {
       // Exponential by inversion: the standard's distributions differ between libraries, its generators do not.

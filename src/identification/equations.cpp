@@ -20,34 +20,45 @@ struct Pick {
   int block = 0;
 };
 
-bool wanted(const Observation& o, int sample, int actuator, bool independent) {
-  if (!o.usable[static_cast<std::size_t>(sample)]) return false;
-  return independent ? o.axis_moving(sample, actuator) != 0 : o.moving[static_cast<std::size_t>(sample)] != 0;
+constexpr double kReach = 0.6;  ///< of the low-pass, in periods of the cut-off: so far a reversal is seen
+
+bool movesAt(const Observation& o, int sample, bool independent) {
+  return independent ? o.axis_moving.row(sample).any() : o.moving[static_cast<std::size_t>(sample)] != 0;
 }
 
-bool wantedByAny(const Observation& o, int sample, bool independent) {
-  for (int i = 0; i < o.axes(); ++i) {
-    if (wanted(o, sample, i, independent)) return true;
+/// Per sample: the actuator rests, or does so within the filter's reach.
+std::vector<char> nearRest(const Observation& o, int actuator, double reach_s) {
+  const int reach = static_cast<int>(reach_s / o.signals.period_s);
+  std::vector<char> near(static_cast<std::size_t>(o.samples()), 0);
+  int last = -reach - 1;  // the last sample at rest
+  for (int n = 0; n < o.samples(); ++n) {
+    if (!o.axis_moving(n, actuator)) last = n;
+    if (n - last <= reach) near[static_cast<std::size_t>(n)] = 1;
   }
-  return false;
+  last = o.samples() + reach;
+  for (int n = o.samples() - 1; n >= 0; --n) {
+    if (!o.axis_moving(n, actuator)) last = n;
+    if (last - n <= reach) near[static_cast<std::size_t>(n)] = 1;
+  }
+  return near;
 }
 
 int strideOf(const Observation& o, const ObservationOptions& options) {
   return std::max(1, static_cast<int>(std::floor(1.0 / (10.0 * options.cutoff_hz * o.signals.period_s))));
 }
 
-/// Runs of consecutive wanted samples, in the order of the files.
+/// Runs of consecutive usable samples in which the robot moves, or in which it does not, in the order of the files.
 std::vector<std::vector<Pick>> findRuns(const std::vector<Observation>& training, const ObservationOptions& options,
                                         bool independent) {
   std::vector<std::vector<Pick>> runs;
   for (std::size_t f = 0; f < training.size(); ++f) {
     const int stride = strideOf(training[f], options);
-    bool inside = false;
+    int before = -1;  // 0: rests, 1: moves, -1: not usable
     for (int n = 0; n < training[f].samples(); ++n) {
-      const bool now = wantedByAny(training[f], n, independent);
-      if (now && !inside) runs.emplace_back();
-      inside = now;
-      if (now && n % stride == 0) runs.back().push_back({f, n, static_cast<int>(runs.size())});
+      const int now = training[f].usable[static_cast<std::size_t>(n)] ? movesAt(training[f], n, independent) : -1;
+      if (now >= 0 && now != before) runs.emplace_back();
+      before = now;
+      if (now >= 0 && n % stride == 0) runs.back().push_back({f, n, static_cast<int>(runs.size())});
     }
   }
   return runs;
@@ -107,7 +118,7 @@ int assignBlocks(const std::vector<Observation>& training, std::vector<Pick>& pi
 
 /// Low-passed columns of the regressor; filtering column by column keeps one filtered column in memory, not a second regressor.
 void fill(const std::vector<Observation>& training, const ObservationOptions& options, const std::vector<Pick>& picks,
-          bool independent, const std::vector<int>& columns, Equations& e) {
+          const std::vector<int>& columns, Equations& e) {
   std::vector<Eigen::VectorXd> filtered(training.size());
   for (const int c : columns) {
     Eigen::Index row = 0;
@@ -118,9 +129,8 @@ void fill(const std::vector<Observation>& training, const ObservationOptions& op
         if (filtered[f].isZero(0.0)) continue;
         recording::ZeroPhaseLowPass(options.cutoff_hz, 1.0 / o.signals.period_s).apply(filtered[f]);
       }
-      for (const Pick& p : picks) {
-        if (wanted(training[p.file], p.sample, i, independent)) e.a(row++, c) = filtered[p.file][p.sample];
-      }
+      for (const Pick& p : picks)
+        e.a(row++, c) = filtered[p.file][p.sample];
     }
   }
 }
@@ -134,11 +144,10 @@ Equations stackEquations(const std::vector<Observation>& training, const Observa
   std::vector<Pick> picks = findPicks(training, options, independent);
   e.blocks = assignBlocks(training, picks);
 
-  int rows = 0;
+  const int rows = static_cast<int>(picks.size()) * e.axes;
   for (const Pick& p : picks) {
-    for (int i = 0; i < e.axes; ++i)
-      rows += wanted(training[p.file], p.sample, i, independent);
-    e.duration_s += training[p.file].signals.period_s * strideOf(training[p.file], options);
+    if (movesAt(training[p.file], p.sample, independent))
+      e.duration_s += training[p.file].signals.period_s * strideOf(training[p.file], options);
   }
   const Eigen::Index columns = training.front().regressor.front().cols();
   e.a.resize(rows, columns);
@@ -147,11 +156,16 @@ Equations stackEquations(const std::vector<Observation>& training, const Observa
   for (int i = 0; i < e.axes; ++i) {
     double elapsed = 0.0;
     std::size_t file = 0;
+    std::vector<std::vector<char>> rest;
+    for (const Observation& o : training)
+      rest.push_back(nearRest(o, i, kReach / options.cutoff_hz));
     for (const Pick& p : picks) {
       if (p.file != file) elapsed = kFilesApart_s * static_cast<double>(file = p.file);
       elapsed += e.step_s;
-      if (!wanted(training[p.file], p.sample, i, independent)) continue;
       e.actuator.push_back(i);
+      e.file.push_back(p.file);
+      e.sample.push_back(p.sample);
+      e.rest.push_back(rest[p.file][static_cast<std::size_t>(p.sample)]);
       e.block.push_back(p.block);
       e.time_s.push_back(kFilesApart_s * static_cast<double>(p.file) + p.sample * training[p.file].signals.period_s);
       e.elapsed_s.push_back(elapsed);
@@ -159,13 +173,11 @@ Equations stackEquations(const std::vector<Observation>& training, const Observa
   }
   std::vector<int> all(static_cast<std::size_t>(columns));
   std::iota(all.begin(), all.end(), 0);
-  fill(training, options, picks, independent, all, e);
+  fill(training, options, picks, all, e);
   Eigen::Index row = 0;
   for (int i = 0; i < e.axes; ++i) {
-    for (const Pick& p : picks) {
-      if (wanted(training[p.file], p.sample, i, independent))
-        e.b[row++] = training[p.file].force_filtered_N(p.sample, i);
-    }
+    for (const Pick& p : picks)
+      e.b[row++] = training[p.file].force_filtered_N(p.sample, i);
   }
   return e;
 }
@@ -173,15 +185,51 @@ Equations stackEquations(const std::vector<Observation>& training, const Observa
 void refillColumns(const std::vector<Observation>& training, const ObservationOptions& options,
                    const std::vector<int>& columns, Equations& e) {
   const bool independent = training.front().motion.motion.empty();
-  fill(training, options, findPicks(training, options, independent), independent, columns, e);
+  fill(training, options, findPicks(training, options, independent), columns, e);
 }
 
 void weightRows(Equations& e, const Eigen::VectorXd& noise_N) {
   for (int row = 0; row < e.rows(); ++row) {
-    const double noise = noise_N[e.actuator[static_cast<std::size_t>(row)]];
+    const std::size_t at = static_cast<std::size_t>(row);
+    const bool second = noise_N.size() > e.axes && e.rest[at];
+    const double noise = noise_N[e.actuator[at] + (second ? e.axes : 0)];
     e.a.row(row) /= noise;
     e.b[row] /= noise;
   }
+}
+
+Eigen::VectorXd noiseInMotionAndNearRest(const Equations& e, const Eigen::VectorXd& residual) {
+  Eigen::VectorXd sum = Eigen::VectorXd::Zero(2 * e.axes), count = sum;
+  for (int row = 0; row < e.rows(); ++row) {
+    const std::size_t at = static_cast<std::size_t>(row);
+    const int class_of = e.actuator[at] + (e.rest[at] ? e.axes : 0);
+    sum[class_of] += residual[row] * residual[row];
+    count[class_of] += 1.0;
+  }
+  const double least = 1e-6 * std::max(1e-6, std::sqrt(residual.squaredNorm() / std::max(1, e.rows())));
+  Eigen::VectorXd noise(2 * e.axes);
+  for (int i = 0; i < e.axes; ++i) {
+    const bool moves = count[i] > 0.0;
+    const double all = std::sqrt((sum[i] + sum[e.axes + i]) / std::max(1.0, count[i] + count[e.axes + i]));
+    noise[i] = std::max(least, moves ? std::sqrt(sum[i] / count[i]) : all);
+    const double rest = count[e.axes + i] > 0.0 ? std::sqrt(sum[e.axes + i] / count[e.axes + i]) : all;
+    noise[e.axes + i] = std::max(noise[i], rest);
+  }
+  return noise;
+}
+
+Eigen::VectorXd atRows(const std::vector<Observation>& training, const ObservationOptions& options, const Equations& e,
+                       int actuator, const std::vector<Eigen::VectorXd>& signals) {
+  std::vector<Eigen::VectorXd> filtered = signals;
+  for (std::size_t f = 0; f < training.size(); ++f)
+    recording::ZeroPhaseLowPass(options.cutoff_hz, 1.0 / training[f].signals.period_s).apply(filtered[f]);
+  const Eigen::Index each = e.rows() / e.axes;
+  Eigen::VectorXd out(each);
+  for (Eigen::Index k = 0; k < each; ++k) {
+    const std::size_t row = static_cast<std::size_t>(actuator * each + k);
+    out[k] = filtered[e.file[row]][e.sample[row]];
+  }
+  return out;
 }
 
 Eigen::VectorXd rmsPerActuator(const Equations& e, const Eigen::VectorXd& residual) {

@@ -1,10 +1,12 @@
 #include "knee_robot/identification/identify.h"
 
+#include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
 
 #include "knee_robot/base/errors.h"
 #include "knee_robot/base/numbers.h"
+#include "knee_robot/identification/prior.h"
 #include "knee_robot/identification/robust_fit.h"
 
 namespace knee_robot::identification {
@@ -81,56 +83,109 @@ std::vector<int> coulombColumns(const std::vector<Column>& columns) {
   return list;
 }
 
-/// The equations unweighted, and what is fitted to them at one rank.
+constexpr int kFrictionPasses = 3;
+constexpr double kOutlier = 2.0;         ///< noises
+constexpr double kAskedStrength = 1e-6;  ///< when a number of directions was asked for, those are fitted freely
+constexpr double kWidestNarrow_m = 1e-3;
+constexpr double kFirstStrength = 1.0;  ///< of the prior, until it is chosen
+
+/// What is fitted to equations weighted with some noise.
 struct Stage {
   Equations equations;  ///< weighted with noise_N
   Eigen::VectorXd noise_N;
-  RankChoice rank;
+  Reduction reduction;
   Eigen::VectorXd parameters;
 };
 
-Reduction reductionOf(const Equations& e, const std::vector<Column>& columns, const std::vector<char>& use) {
-  return reduce(joinBlocks(compressBlocks(e), -1), e.rows(), columns, use);
+/// Everything that stays the same from stage to stage.
+struct Setting {
+  const std::vector<Column>& columns;
+  const std::vector<char>& use;
+  Prior prior;
+  int rank = 0;  ///< that was asked for; 0: all directions
+
+  int rankOf(const Reduction& r) const {
+    return rank > 0 ? std::clamp(rank, r.minimalRank(), r.maximalRank()) : r.maximalRank();
+  }
+};
+
+/// Huber's weights: one push must not decide how much the prior counts.
+void softenOutliers(Equations& weighted, const Eigen::VectorXd& parameters) {
+  const Eigen::VectorXd residual = weighted.b - weighted.a * parameters;
+  for (int row = 0; row < weighted.rows(); ++row) {
+    const double size = std::abs(residual[row]);
+    if (size <= kOutlier) continue;
+    const double root = std::sqrt(kOutlier / size);
+    weighted.a.row(row) *= root;
+    weighted.b[row] *= root;
+  }
 }
 
-/// Weights with `noise_N`, chooses the rank (unless it is given), solves.
-Stage solveStage(Equations equations, const Eigen::VectorXd& noise_N, const std::vector<Column>& columns,
-                 const std::vector<char>& use, int given_rank) {
+/// `soften`: parameters of the fit before, by whose residuals outliers count less; null: all rows count.
+Stage solveStage(Equations equations, const Eigen::VectorXd& noise_N, const Setting& setting, double strength,
+                 const Eigen::VectorXd* soften = nullptr) {
   Stage s;
   s.noise_N = noise_N;
   s.equations = std::move(equations);
   weightRows(s.equations, noise_N);
-  s.rank = chooseRank(s.equations, columns, use);
-  const Reduction r = reductionOf(s.equations, columns, use);
-  if (given_rank > 0) s.rank.rank = std::clamp(given_rank, r.minimalRank(), r.maximalRank());
-  s.parameters = toParameters(r, solveReduced(r, s.rank.rank));
+  if (soften != nullptr) softenOutliers(s.equations, *soften);
+  s.reduction = reduce(joinBlocks(compressBlocks(s.equations), -1), setting.columns, setting.use, setting.prior);
+  s.parameters = toParameters(s.reduction, solveWithPrior(s.reduction, setting.rankOf(s.reduction), strength));
   return s;
 }
 
 Eigen::VectorXd noiseAfter(const Equations& unweighted, const Eigen::VectorXd& parameters) {
-  const Eigen::VectorXd rms = rmsPerActuator(unweighted, unweighted.b - unweighted.a * parameters);
-  return rms.cwiseMax(1e-6 * std::max(1e-6, rms.maxCoeff()));  // an exact fit must not divide by zero
-}
-
-/// Share of column c's own direction that lies in the kept directions (1: determined alone).
-double determinedShare(const Reduction& r, std::size_t other, int directions) {
-  return r.directions.row(static_cast<Eigen::Index>(other)).head(directions).squaredNorm();
+  return noiseInMotionAndNearRest(unweighted, unweighted.b - unweighted.a * parameters);
 }
 
 std::string verdictOf(double value, double std) {
   return std < kWellKnown * std::abs(value) ? "identified" : "weakly identified";
 }
 
-void describeParameters(const Reduction& r, const RobustFit& fit, const std::vector<Column>& columns,
+/// Share of what the prior leaves open of a column that the data decide, 0 to 1.
+double decidedShare(const Reduction& r, const Prior& prior, std::size_t other, int directions, double strength) {
+  const double open = prior.transform.row(r.others[other]).squaredNorm();
+  double decided = 0.0;
+  for (int d = 0; d < directions; ++d) {
+    const double part = r.directions(static_cast<Eigen::Index>(other), d);
+    decided += part * part * r.information[d] / (r.information[d] + strength);
+  }
+  return open > 0.0 ? decided / open : 0.0;
+}
+
+/// Combinations of parameters that the data decide rather than the prior.
+void describeBase(const Reduction& r, const RobustFit& fit, const Prior& prior, double strength,
+                  dynamics::Model& model) {
+  const int kept = r.minimalRank();
+  const Eigen::MatrixXd units = prior.transform(r.others, Eigen::all);
+  const Eigen::MatrixXd back = units.completeOrthogonalDecomposition().pseudoInverse();  // unit coordinates of a change
+  for (int d = 0; d < static_cast<int>(fit.coordinates.size()) - kept; ++d) {
+    if (r.information[d] < strength) continue;
+    const Eigen::VectorXd weights = back.transpose() * (back * r.directions.col(d));
+    dynamics::BaseParameter base;
+    base.std = std::sqrt(std::max(0.0, fit.covariance(kept + d, kept + d)));
+    base.weights.assign(model.parameters.size(), 0.0);
+    base.value = fit.coordinates[kept + d];
+    for (std::size_t k = 0; k < r.others.size(); ++k) {
+      const double weight = weights[static_cast<Eigen::Index>(k)];
+      base.weights[static_cast<std::size_t>(r.others[k])] = weight;
+      base.value += weight * r.start[r.others[k]];
+    }
+    model.base.push_back(base);
+  }
+}
+
+void describeParameters(const Reduction& r, const RobustFit& fit, const Setting& setting, double strength,
                         dynamics::Model& model) {
   const Eigen::VectorXd values = toParameters(r, fit.coordinates);
-  for (std::size_t c = 0; c < columns.size(); ++c) {
+  for (std::size_t c = 0; c < setting.columns.size(); ++c) {
     dynamics::ModelParameter p;
-    p.name = columns[c].name;
-    p.unit = columns[c].unit;
+    p.name = setting.columns[c].name;
+    p.unit = setting.columns[c].unit;
     p.value = values[static_cast<Eigen::Index>(c)];
     model.parameters.push_back(p);
   }
+  if (fit.covariance.size() == 0) return;
   const int kept = r.minimalRank();
   for (int i = 0; i < kept; ++i) {
     const int c = r.kept[static_cast<std::size_t>(i)];
@@ -140,24 +195,13 @@ void describeParameters(const Reduction& r, const RobustFit& fit, const std::vec
   }
   const int directions = static_cast<int>(fit.coordinates.size()) - kept;
   for (std::size_t k = 0; k < r.others.size(); ++k) {
-    if (directions == 0 || determinedShare(r, k, directions) < kDetermined) continue;
+    if (directions == 0 || decidedShare(r, setting.prior, k, directions, strength) < kDetermined) continue;
     const Eigen::VectorXd row = r.directions.row(static_cast<Eigen::Index>(k)).head(directions).transpose();
     dynamics::ModelParameter& p = model.parameters[static_cast<std::size_t>(r.others[k])];
-    p.std = std::sqrt(std::max(0.0, row.dot(fit.covariance.bottomRightCorner(directions, directions) * row))) /
-            r.scale[r.others[k]];
+    p.std = std::sqrt(std::max(0.0, row.dot(fit.covariance.bottomRightCorner(directions, directions) * row)));
     p.verdict = verdictOf(p.value, p.std);
   }
-  for (int d = 0; d < directions; ++d) {
-    dynamics::BaseParameter base;
-    base.value = fit.coordinates[kept + d];
-    base.std = std::sqrt(std::max(0.0, fit.covariance(kept + d, kept + d)));
-    base.weights.assign(columns.size(), 0.0);
-    for (std::size_t k = 0; k < r.others.size(); ++k) {
-      const std::size_t c = static_cast<std::size_t>(r.others[k]);
-      base.weights[c] = r.directions(static_cast<Eigen::Index>(k), d) * r.scale[r.others[k]];
-    }
-    model.base.push_back(base);
-  }
+  describeBase(r, fit, setting.prior, strength, model);
 }
 
 void describeModel(const mechanism::Robot& robot, const std::vector<Observation>& training,
@@ -184,6 +228,13 @@ void keepBlocks(Equations& e, const Eigen::VectorXd& weights, Identification& id
 
 }  // namespace
 
+std::vector<double> narrowestWidths(const mechanism::Robot& robot, double counts) {
+  std::vector<double> widths;
+  for (const mechanism::Actuator& a : robot.actuators)
+    widths.push_back(std::min(kWidestNarrow_m, counts * a.metresPerCount()));
+  return widths;
+}
+
 Identification identify(const mechanism::Robot& robot, std::vector<Observation>& training,
                         const IdentifyOptions& options) {
   Identification id;
@@ -191,45 +242,67 @@ Identification identify(const mechanism::Robot& robot, std::vector<Observation>&
   refuseMotionless(training, options.observation);
   refuseSaturated(training);
   const std::vector<char> use = usedColumns(id.columns, options.friction);
-
-  // First with narrow friction steps and weights from the forces' own size, then with what that fit says about both.
-  std::vector<double> widths = narrowestCoulombWidths(robot, options.narrowest_counts);
+  const std::vector<double> narrowest = narrowestWidths(robot, options.narrowest_counts);
+  for (const double width : narrowest)
+    id.model.friction.push_back(dynamics::stopLaw(width));
   for (Observation& o : training)
-    setCoulombWidth(o, id.columns, widths);
+    setFriction(o, id.columns, id.model.friction);
+
+  // First with narrow stops and weights from the forces' own size, then with what that fit says about both.
   Equations equations = stackEquations(training, options.observation);
   refuseTooShort(training, equations, options.observation);
-  Stage stage = solveStage(equations, noiseAfter(equations, Eigen::VectorXd::Zero(equations.a.cols())), id.columns, use,
-                           options.rank);
-  if (options.friction) {
-    widths = chooseCoulombWidths(robot, id.columns, training, stage.parameters, options);
-    for (Observation& o : training)
-      setCoulombWidth(o, id.columns, widths);
-    refillColumns(training, options.observation, coulombColumns(id.columns), equations);
+  id.force_rms_N = rmsPerActuator(equations, equations.b);
+  Setting setting{id.columns, use, priorOf(robot, id.columns, id.force_rms_N), options.rank};
+  for (std::size_t c = 0; options.towards.size() > 0 && c < id.columns.size(); ++c) {
+    const Eigen::Index at = static_cast<Eigen::Index>(c);
+    if (!id.columns[c].isNonNegative()) setting.prior.mean[at] = options.towards[at];
   }
-  if (options.friction) refuseRank(options.rank, reductionOf(stage.equations, id.columns, use), training);
-  stage = solveStage(equations, noiseAfter(equations, stage.parameters), id.columns, use, options.rank);
-  stage = solveStage(equations, noiseAfter(equations, stage.parameters), id.columns, use, options.rank);
+  double strength = kFirstStrength;
+  Stage stage =
+      solveStage(equations, noiseAfter(equations, Eigen::VectorXd::Zero(equations.a.cols())), setting, strength);
+  const auto fitAgain = [&] {
+    stage = solveStage(equations, noiseAfter(equations, stage.parameters), setting, strength);
+  };
+  fitAgain();
+  for (int pass = 0; options.friction && pass < kFrictionPasses; ++pass) {
+    id.friction = chooseFriction(training, options.observation, id.columns, stage.equations, stage.noise_N,
+                                 stage.reduction, strength, narrowest, id.friction);
+    for (std::size_t i = 0; i < narrowest.size(); ++i)
+      id.model.friction[i] = id.friction[i].law;
+    for (Observation& o : training)
+      setFriction(o, id.columns, id.model.friction);
+    refillColumns(training, options.observation, coulombColumns(id.columns), equations);
+    stage = solveStage(equations, stage.noise_N, setting, strength);
+    fitAgain();
+  }
+  const Eigen::VectorXd before = stage.parameters;
+  stage = solveStage(equations, noiseAfter(equations, before), setting, strength, &before);
+  if (options.friction) refuseRank(options.rank, stage.reduction, training);
+  id.rank = chooseStrength(stage.equations, id.columns, use, setting.prior);
+  strength = options.rank > 0 ? kAskedStrength : id.rank.strength;
+  stage = solveStage(equations, noiseAfter(equations, stage.parameters), setting, strength);
 
-  const Reduction reduction = reductionOf(stage.equations, id.columns, use);
-  const RobustFit fit = robustFit(stage.equations, reduction, stage.rank.rank, options.outliers);
+  id.reduction = stage.reduction;
+  const int rank = setting.rankOf(id.reduction);
+  const RobustFit fit = robustFit(stage.equations, id.reduction, rank, options.outliers, strength, options.uncertainty);
+  id.coordinates = Eigen::VectorXd::Zero(id.reduction.maximalRank());
+  id.coordinates.head(rank) = fit.coordinates;
+  id.parameters = toParameters(id.reduction, fit.coordinates);
+  id.rank.strength = strength;
+  if (options.rank > 0) id.rank.rank = rank;
   describeModel(robot, training, options.observation, id.model);
-  describeParameters(reduction, fit, id.columns, id.model);
-  id.model.rank = stage.rank.rank;
-  id.model.coulomb_width_m = widths;
-  const Eigen::VectorXd residual =
-      rmsPerActuator(equations, equations.b - equations.a * toParameters(reduction, fit.coordinates));
+  describeParameters(id.reduction, fit, setting, strength, id.model);
+  id.model.rank = id.rank.rank;
+  const Eigen::VectorXd residual = noiseAfter(equations, id.parameters).head(equations.axes);
   id.model.residual_rms_N.assign(residual.data(), residual.data() + residual.size());
 
-  id.rank = stage.rank;
-  for (const Eigen::VectorXd& coordinates : solveEveryRank(reduction))
-    id.parameters_by_rank.push_back(toParameters(reduction, coordinates));
+  id.parameters_by_rank = parametersByStrength(id.reduction, id.rank);
   id.noise_N = stage.noise_N;
   id.equations = equations.rows();
   id.blocks = equations.blocks;
   id.duration_s = equations.duration_s;
   id.outlier_share = fit.outlier_share;
   id.bootstrap_block_s = fit.block_s;
-  id.force_rms_N = rmsPerActuator(equations, equations.b);
   keepBlocks(stage.equations, fit.weights, id);
   return id;
 }

@@ -100,12 +100,11 @@ Observation observe(const mechanism::Robot& robot, const std::vector<Column>& co
   return o;
 }
 
-void setCoulombWidth(Observation& o, const std::vector<Column>& columns, const std::vector<double>& width_m) {
+void setFriction(Observation& o, const std::vector<Column>& columns, const std::vector<dynamics::FrictionLaw>& laws) {
   for (std::size_t c = 0; c < columns.size(); ++c) {
     if (columns[c].role != ColumnRole::Coulomb) continue;
-    const int i = columns[c].actuator;
-    o.regressor[static_cast<std::size_t>(i)].col(static_cast<Eigen::Index>(c)) =
-        frictionShare(o.sliding[static_cast<std::size_t>(i)], width_m[static_cast<std::size_t>(i)]);
+    const std::size_t i = static_cast<std::size_t>(columns[c].actuator);
+    o.regressor[i].col(static_cast<Eigen::Index>(c)) = frictionShare(o.sliding[i], laws[i]);
   }
 }
 

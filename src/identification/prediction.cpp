@@ -1,6 +1,5 @@
 #include "knee_robot/identification/prediction.h"
 
-#include "knee_robot/dynamics/coulomb_memory.h"
 #include "knee_robot/identification/sliding_path.h"
 #include "knee_robot/recording/signals.h"
 
@@ -18,27 +17,15 @@ Eigen::Matrix<double, PassiveCoulomb::kJoints, 1> takePassiveCoulomb(dynamics::F
   return friction;
 }
 
-/// Share of full Coulomb friction at the samples themselves.
-Eigen::VectorXd shareAtSamples(const SlidingPath& path, double width) {
-  dynamics::CoulombMemory memory;
-  Eigen::VectorXd share((path.position.size() - 1) / SlidingPath::kSubsteps + 1);
-  share[0] = memory.share = path.shareAtStart(width);
-  for (Eigen::Index k = 1; k < path.position.size(); ++k) {
-    memory.step(path.position[k] - path.position[k - 1], width);
-    if (k % SlidingPath::kSubsteps == 0) share[k / SlidingPath::kSubsteps] = memory.share;
-  }
-  return share;
-}
-
 /// Coulomb friction along the whole motion, as identification takes it: with its reversals found in both directions of time.
 PredictedForce coulombForces(dynamics::ForceModel& model, const mechanism::Robot& robot, const recording::Signals& s,
                              const MotionPath& path) {
   PredictedForce forces{Eigen::MatrixXd(s.samples(), robot.axes()), Eigen::MatrixXd(s.samples(), robot.axes())};
   const std::vector<SlidingPath> sliding = actuatorPaths(robot, s);
   for (int i = 0; i < robot.axes(); ++i) {
-    const SlidingPath& path_here = sliding[static_cast<std::size_t>(i)];
-    forces.mean_N.col(i) = model.coulomb[i] * frictionShare(path_here, model.coulomb_width_m[i]);
-    forces.at_sample_N.col(i) = model.coulomb[i] * shareAtSamples(path_here, model.coulomb_width_m[i]);
+    const std::size_t axis = static_cast<std::size_t>(i);
+    forces.mean_N.col(i) = model.coulomb[i] * frictionShare(sliding[axis], model.friction[axis]);
+    forces.at_sample_N.col(i) = model.coulomb[i] * shareAtSamples(sliding[axis], model.friction[axis]);
   }
   model.coulomb.setZero();
   if (!model.mechanism) return forces;

@@ -10,6 +10,8 @@ namespace {
 constexpr double kWorst =
     1e6;  ///< an error beyond this counts as this: one block must not decide alone by an absurd figure
 
+const double kStrengths[] = {1e7, 1e6, 1e5, 1e4, 1e3, 3e2, 1e2, 3e1, 1e1, 1.0, 1e-1};
+
 std::vector<int> rowsOfBlock(const Equations& e, int block) {
   std::vector<int> rows;
   for (int row = 0; row < e.rows(); ++row) {
@@ -49,6 +51,21 @@ HeldBack leaveBlocksOut(const Equations& e, const std::vector<Eigen::MatrixXd>& 
     }
   }
   return h;
+}
+
+/// Standard errors of the points, paired with the best one.
+void comparePoints(const HeldBack& held, int blocks, RankChoice& choice) {
+  const Eigen::RowVectorXd mean = held.share.transpose() * held.error;
+  Eigen::Index best = 0;
+  mean.minCoeff(&best);
+  for (Eigen::Index k = 0; k < mean.size(); ++k) {
+    RankPoint& point = choice.curve[static_cast<std::size_t>(k)];
+    point.held_back = mean[k];
+    const Eigen::VectorXd worse = held.error.col(k) - held.error.col(best);
+    point.beyond_best = mean[k] - mean[best];
+    const double variance = (held.share.array() * (worse.array() - point.beyond_best).square()).sum();
+    point.standard_error = blocks > 1 ? std::sqrt(variance / (blocks - 1)) : 0.0;
+  }
 }
 
 }  // namespace
@@ -92,24 +109,66 @@ RankChoice chooseRank(const Equations& e, const std::vector<Column>& columns, co
 
   const std::vector<Eigen::VectorXd> solutions = solveEveryRank(all);
   RankChoice choice;
-  const Eigen::RowVectorXd mean = held.share.transpose() * held.error;
-  Eigen::Index best = 0;
-  mean.minCoeff(&best);
   for (int rank = first; rank <= last; ++rank) {
     RankPoint point;
     point.rank = rank;
     point.training =
         meanSquare(everything, toParameters(all, solutions[static_cast<std::size_t>(rank - first)]), e.rows());
-    point.held_back = mean[rank - first];
-    const Eigen::VectorXd worse = held.error.col(rank - first) - held.error.col(best);
-    point.beyond_best = mean[rank - first] - mean[best];
-    const double variance = (held.share.array() * (worse.array() - point.beyond_best).square()).sum();
-    point.standard_error = e.blocks > 1 ? std::sqrt(variance / (e.blocks - 1)) : 0.0;
     choice.curve.push_back(point);
   }
+  comparePoints(held, e.blocks, choice);
   for (const RankPoint& point : choice.curve) {
     if (point.beyond_best > point.standard_error) continue;
     choice.rank = point.rank;
+    break;
+  }
+  return choice;
+}
+
+int supportedRank(const Reduction& r, double strength) {
+  const double supported = (r.information.array() / (r.information.array() + strength)).sum();
+  return r.minimalRank() + static_cast<int>(std::lround(supported));
+}
+
+std::vector<Eigen::VectorXd> parametersByStrength(const Reduction& r, const RankChoice& choice) {
+  std::vector<Eigen::VectorXd> all;
+  for (const RankPoint& point : choice.curve)
+    all.push_back(toParameters(r, solveWithPrior(r, r.maximalRank(), point.strength)));
+  return all;
+}
+
+RankChoice chooseStrength(const Equations& e, const std::vector<Column>& columns, const std::vector<char>& use,
+                          const Prior& prior) {
+  const std::vector<Eigen::MatrixXd> blocks = compressBlocks(e);
+  HeldBack held;
+  held.error.resize(e.blocks, static_cast<Eigen::Index>(std::size(kStrengths)));
+  held.share.resize(e.blocks);
+  for (int block = 0; block < e.blocks; ++block) {
+    const int rows = static_cast<int>(std::count(e.block.begin(), e.block.end(), block));
+    held.share[block] = static_cast<double>(rows) / e.rows();
+    const Reduction r = reduce(joinBlocks(blocks, block), columns, use, prior);
+    for (std::size_t k = 0; k < std::size(kStrengths); ++k) {
+      const Eigen::VectorXd parameters = toParameters(r, solveWithPrior(r, r.maximalRank(), kStrengths[k]));
+      held.error(block, static_cast<Eigen::Index>(k)) =
+          std::min(kWorst, meanSquare(blocks[static_cast<std::size_t>(block)], parameters, rows));
+    }
+  }
+  const Eigen::MatrixXd everything = joinBlocks(blocks, -1);
+  const Reduction all = reduce(everything, columns, use, prior);
+  RankChoice choice;
+  for (const double strength : kStrengths) {
+    RankPoint point;
+    point.strength = strength;
+    point.rank = supportedRank(all, strength);
+    point.training =
+        meanSquare(everything, toParameters(all, solveWithPrior(all, all.maximalRank(), strength)), e.rows());
+    choice.curve.push_back(point);
+  }
+  comparePoints(held, e.blocks, choice);
+  for (const RankPoint& point : choice.curve) {
+    if (point.beyond_best > point.standard_error) continue;
+    choice.rank = point.rank;
+    choice.strength = point.strength;
     break;
   }
   return choice;

@@ -8,6 +8,7 @@ namespace knee_robot::identification {
 namespace {
 
 constexpr double kWeakest = 1e-9;
+constexpr double kSilent = 1e-2;   ///< singular value: square root of the least information
 constexpr int kMostChanges = 100;  ///< of the active set; a cycle ends here with a feasible solution
 
 Eigen::MatrixXd pickColumns(const Eigen::MatrixXd& m, const std::vector<int>& columns) {
@@ -60,6 +61,62 @@ Reduction reduce(const Eigen::MatrixXd& triangle, int rows, const std::vector<Co
   r.design.leftCols(kept.cols()) = kept;
   if (count > 0) r.design.rightCols(count) = others * r.directions;
   return r;
+}
+
+Reduction reduce(const Eigen::MatrixXd& triangle, const std::vector<Column>& columns, const std::vector<char>& use,
+                 const Prior& prior) {
+  Reduction r;
+  const Eigen::Index p = triangle.cols() - 1;
+  r.start = prior.mean;
+  r.scale = Eigen::VectorXd::Ones(p);
+  r.target = triangle.col(p) - triangle.leftCols(p) * prior.mean;
+  Eigen::MatrixXd scaled = triangle.leftCols(p);
+  const double largest = scaled.colwise().norm().maxCoeff();
+  for (int c = 0; c < static_cast<int>(p); ++c) {
+    if (!columns[static_cast<std::size_t>(c)].isNonNegative()) {
+      r.others.push_back(c);
+      continue;
+    }
+    const double size = scaled.col(c).norm();
+    if (size <= 1e-12 * largest || !use[static_cast<std::size_t>(c)]) {
+      r.scale[c] = 0.0;
+      continue;
+    }
+    r.scale[c] = size;
+    scaled.col(c) /= size;
+    r.kept.push_back(c);
+  }
+  const Eigen::MatrixXd kept = pickColumns(scaled, r.kept);
+  const Eigen::MatrixXd units = triangle.leftCols(p) * prior.transform;
+  Eigen::MatrixXd free = units;
+  if (kept.cols() > 0) free -= kept * kept.householderQr().solve(units);
+  const Eigen::BDCSVD<Eigen::MatrixXd> svd(free, Eigen::ComputeThinV);
+  Eigen::Index count = 0;
+  while (count < svd.singularValues().size() && svd.singularValues()[count] > kSilent)
+    ++count;
+  r.information = svd.singularValues().head(count).cwiseAbs2();
+  r.singular =
+      count > 0 ? Eigen::VectorXd(svd.singularValues().head(count) / svd.singularValues()[0]) : Eigen::VectorXd();
+  const Eigen::MatrixXd in_columns = prior.transform * svd.matrixV().leftCols(count);
+  r.directions.resize(static_cast<Eigen::Index>(r.others.size()), count);
+  for (std::size_t k = 0; k < r.others.size(); ++k)
+    r.directions.row(static_cast<Eigen::Index>(k)) = in_columns.row(r.others[k]);
+  r.design.resize(triangle.rows(), kept.cols() + count);
+  r.design.leftCols(kept.cols()) = kept;
+  r.design.rightCols(count) = units * svd.matrixV().leftCols(count);
+  return r;
+}
+
+Eigen::VectorXd solveWithPrior(const Reduction& r, int rank, double strength) {
+  const Eigen::Index kept = r.minimalRank(), pulled = rank - kept;
+  Eigen::MatrixXd x = Eigen::MatrixXd::Zero(r.design.rows() + pulled, rank);
+  x.topRows(r.design.rows()) = r.design.leftCols(rank);
+  x.bottomRightCorner(pulled, pulled).diagonal().setConstant(std::sqrt(strength));
+  Eigen::VectorXd y = Eigen::VectorXd::Zero(x.rows());
+  y.head(r.design.rows()) = r.target;
+  const Eigen::VectorXd z = x.householderQr().solve(y);
+  if (z.allFinite() && (kept == 0 || z.head(kept).minCoeff() >= 0.0)) return z;
+  return boundedLeastSquares(x, y, static_cast<int>(kept));
 }
 
 Eigen::VectorXd boundedLeastSquares(const Eigen::MatrixXd& x, const Eigen::VectorXd& y, int bounded) {
@@ -117,17 +174,18 @@ std::vector<Eigen::VectorXd> solveEveryRank(const Reduction& r) {
 }
 
 Eigen::VectorXd toParameters(const Reduction& r, const Eigen::VectorXd& z) {
-  Eigen::VectorXd parameters = Eigen::VectorXd::Zero(r.scale.size());
+  Eigen::VectorXd parameters = r.start;
+  if (parameters.size() == 0) parameters.setZero(r.scale.size());
   const Eigen::Index kept = static_cast<Eigen::Index>(r.kept.size());
   for (Eigen::Index i = 0; i < kept; ++i) {
     const int c = r.kept[static_cast<std::size_t>(i)];
-    parameters[c] = z[i] / r.scale[c];
+    parameters[c] += z[i] / r.scale[c];
   }
   const Eigen::Index count = z.size() - kept;
   if (count == 0) return parameters;
   const Eigen::VectorXd others = r.directions.leftCols(count) * z.tail(count);
   for (std::size_t i = 0; i < r.others.size(); ++i) {
-    parameters[r.others[i]] = others[static_cast<Eigen::Index>(i)] / r.scale[r.others[i]];
+    parameters[r.others[i]] += others[static_cast<Eigen::Index>(i)] / r.scale[r.others[i]];
   }
   return parameters;
 }

@@ -70,6 +70,21 @@ Rows reducedRows(const Equations& e, const Reduction& r, int rank) {
   return e.a * basis;
 }
 
+/// The prior's pull as further equations.
+Rows pulled(const Rows& x, const Eigen::VectorXd& ridge) {
+  if (ridge.size() == 0) return x;
+  Rows more(x.rows() + ridge.size(), x.cols());
+  more.topRows(x.rows()) = x;
+  more.bottomRows(ridge.size()) = Eigen::MatrixXd(ridge.cwiseSqrt().asDiagonal());
+  return more;
+}
+
+Eigen::VectorXd padded(const Eigen::VectorXd& b, const Eigen::VectorXd& ridge) {
+  Eigen::VectorXd more = Eigen::VectorXd::Zero(b.size() + ridge.size());
+  more.head(b.size()) = b;
+  return more;
+}
+
 /// The least-squares part of a Huber problem in few rows, and the equations that may be in its linear part.
 struct HuberParts {
   Rows square;  ///< triangle of the equations well within the quadratic part
@@ -79,12 +94,14 @@ struct HuberParts {
   std::vector<Eigen::Index> squared;  ///< rows that went into the triangle
 };
 
-HuberParts splitHuber(const Rows& x, const Eigen::VectorXd& b, const std::vector<char>& inside) {
+HuberParts splitHuber(const Rows& x, const Eigen::VectorXd& b, const std::vector<char>& inside,
+                      const Eigen::VectorXd& ridge) {
   HuberParts parts;
   std::vector<Eigen::Index> rest;
   for (Eigen::Index row = 0; row < x.rows(); ++row)
     (inside[static_cast<std::size_t>(row)] ? parts.squared : rest).push_back(row);
-  const Eigen::MatrixXd triangle = compress(x(parts.squared, Eigen::all), b(parts.squared));
+  const Eigen::MatrixXd triangle =
+      compress(pulled(x(parts.squared, Eigen::all), ridge), padded(b(parts.squared), ridge));
   parts.square = triangle.leftCols(x.cols());
   parts.square_target = triangle.col(x.cols());
   parts.rest = x(rest, Eigen::all);
@@ -121,16 +138,16 @@ int solveHuber(const HuberParts& parts, int bounded, Eigen::VectorXd& coordinate
 
 /// Huber's loss by Ceres, from a good start. Equations well within the quadratic part are compressed first; when one of them
 /// leaves it after all, it joins the others and the fit goes on: the result is that of all equations.
-int fitHuber(const Equations& e, const Rows& x, int bounded, Eigen::VectorXd& z) {
+int fitHuber(const Rows& x, const Eigen::VectorXd& b, int bounded, const Eigen::VectorXd& ridge, Eigen::VectorXd& z) {
   std::vector<char> inside(static_cast<std::size_t>(x.rows()), 1);
-  Eigen::VectorXd size = (e.b - x * z).cwiseAbs();
+  Eigen::VectorXd size = (b - x * z).cwiseAbs();
   for (Eigen::Index row = 0; row < x.rows(); ++row)
     inside[static_cast<std::size_t>(row)] = size[row] < kSurelyInside * kHuber;
   int iterations = 0;
   for (int pass = 0; pass < kMostIterations; ++pass) {
-    const HuberParts parts = splitHuber(x, e.b, inside);
+    const HuberParts parts = splitHuber(x, b, inside, ridge);
     iterations += solveHuber(parts, bounded, z);
-    size = (e.b - x * z).cwiseAbs();
+    size = (b - x * z).cwiseAbs();
     int left = 0;
     for (const Eigen::Index row : parts.squared) {
       if (size[row] <= kHuber) continue;
@@ -171,14 +188,16 @@ Eigen::VectorXd standardized(const Equations& e, Eigen::VectorXd residual) {
 
 /// Iteratively reweighted least squares: with Huber's weights first, because Tukey's loss has more than one minimum, then with
 /// Tukey's. Returns the weights.
-Eigen::VectorXd fitBisquare(const Equations& e, const Rows& x, int bounded, Eigen::VectorXd& z, int& iterations) {
+Eigen::VectorXd fitBisquare(const Equations& e, const Rows& x, const Eigen::VectorXd& b, int bounded,
+                            const Eigen::VectorXd& ridge, Eigen::VectorXd& z, int& iterations) {
   Eigen::VectorXd weights;
   for (const auto weight : {&huberWeight, &tukeyWeight}) {
     for (int k = 0; k < kMostIterations; ++k, ++iterations) {
       const Eigen::VectorXd before = z;
-      weights = standardized(e, e.b - x * z).unaryExpr(weight);
+      weights = standardized(e, b - x * z).unaryExpr(weight);
       const Eigen::VectorXd root = weights.cwiseSqrt();
-      const Eigen::MatrixXd triangle = compress(root.asDiagonal() * x, root.cwiseProduct(e.b));
+      const Eigen::MatrixXd triangle =
+          compress(pulled(root.asDiagonal() * x, ridge), padded(root.cwiseProduct(b), ridge));
       z = boundedLeastSquares(triangle.leftCols(x.cols()), triangle.col(x.cols()), bounded);
       if ((z - before).norm() <= 1e-6 * z.norm()) break;
     }
@@ -188,22 +207,32 @@ Eigen::VectorXd fitBisquare(const Equations& e, const Rows& x, int bounded, Eige
 
 }  // namespace
 
-RobustFit robustFit(const Equations& e, const Reduction& r, int rank, OutlierRule rule) {
+RobustFit robustFit(const Equations& e, const Reduction& r, int rank, OutlierRule rule, double strength,
+                    bool uncertainty) {
   const Rows x = reducedRows(e, r, rank);
+  const Eigen::VectorXd b = r.start.size() > 0 ? Eigen::VectorXd(e.b - e.a * r.start) : e.b;
   const int bounded = r.minimalRank();
+  Eigen::VectorXd ridge;
+  if (strength > 0.0) {
+    ridge = Eigen::VectorXd::Zero(rank);
+    ridge.tail(rank - bounded).setConstant(strength);
+  }
   RobustFit fit;
-  fit.coordinates = solveReduced(r, rank);
-  if (rule == OutlierRule::Huber) fit.iterations = fitHuber(e, x, bounded, fit.coordinates);
+  fit.coordinates = strength > 0.0 ? solveWithPrior(r, rank, strength) : solveReduced(r, rank);
+  if (rule == OutlierRule::Huber) fit.iterations = fitHuber(x, b, bounded, ridge, fit.coordinates);
   fit.weights = Eigen::VectorXd::Ones(e.rows());
-  if (rule == OutlierRule::Bisquare) fit.weights = fitBisquare(e, x, bounded, fit.coordinates, fit.iterations);
+  if (rule == OutlierRule::Bisquare)
+    fit.weights = fitBisquare(e, x, b, bounded, ridge, fit.coordinates, fit.iterations);
   fit.coordinates.head(bounded) = fit.coordinates.head(bounded).cwiseMax(0.0);
 
-  const Eigen::VectorXd residual = e.b - x * fit.coordinates;
+  const Eigen::VectorXd residual = b - x * fit.coordinates;
   if (rule == OutlierRule::Huber) fit.weights = residual.unaryExpr(&huberWeight);
   fit.outlier_share = static_cast<double>((fit.weights.array() < 0.5).count()) / e.rows();
+  if (!uncertainty) return fit;
   const Eigen::VectorXd root = fit.weights.cwiseSqrt();
   fit.block_s = bootstrapBlock_s(e, residual);
-  fit.covariance = blockBootstrap(e, root.asDiagonal() * x, root.cwiseProduct(e.b), bounded, fit.block_s).covariance();
+  fit.covariance =
+      blockBootstrap(e, root.asDiagonal() * x, root.cwiseProduct(b), bounded, fit.block_s, 300, 1, ridge).covariance();
   return fit;
 }
 

@@ -189,7 +189,7 @@ int run(const Arguments& a, const std::string& command_line) {
   r.train_by_rank = identification::errorAgainstRank(r.after, r.train, cutoff_hz);
   if (!r.validate.empty()) {
     for (identification::Observation& o : r.validate)
-      identification::setCoulombWidth(o, r.after.columns, r.after.model.coulomb_width_m);
+      identification::setFriction(o, r.after.columns, r.after.model.friction);
     r.validate_before = identification::applyModel(r.before.model, robot, r.validate, cutoff_hz);
     r.validate_after = identification::applyModel(r.after.model, robot, r.validate, cutoff_hz);
     r.validate_by_rank = identification::errorAgainstRank(r.after, r.validate, cutoff_hz);

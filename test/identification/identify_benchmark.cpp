@@ -102,7 +102,7 @@ int main(int argc, char** argv) {
 
   std::vector<identification::Observation> judging = read(robot, argv[3], options.observation);
   for (identification::Observation& o : judging)
-    identification::setCoulombWidth(o, id.columns, id.model.coulomb_width_m);
+    identification::setFriction(o, id.columns, id.model.friction);
   identification::Equations judge = identification::stackEquations(judging, options.observation);
   identification::weightRows(judge, id.noise_N);
   const identification::PhysicalProblem held = identification::physicalProblem(

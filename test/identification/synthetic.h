@@ -52,7 +52,7 @@ inline dynamics::Model syntheticModel(const mechanism::Robot& robot) {
   m.cutoff_hz = 3.0;
   m.moving_m_per_s = 0.0015;
   m.rank = 1;
-  m.coulomb_width_m.assign(robot.actuators.size(), 1e-5);
+  m.friction.assign(robot.actuators.size(), dynamics::stopLaw(1e-5));
   m.residual_rms_N.assign(robot.actuators.size(), 0.0);
   const auto add = [&](const std::string& name, double value) {
     dynamics::ModelParameter p;

@@ -22,9 +22,9 @@ struct Bootstrap {
 
 /// Block bootstrap of min |x z - b| with z[i] >= 0 for i < bounded: the data are cut into contiguous blocks, which keep all actuators
 /// and all correlation in time together, and every draw weights the blocks with exponential random numbers (Rubin's Bayesian
-/// bootstrap: no draw loses a direction that only one block excites). `x` and `b` have one row per row of `equations`. The same
-/// `seed` gives the same draws.
+/// bootstrap: no draw loses a direction that only one block excites). `x` and `b` have one row per row of `equations`. `ridge`, per
+/// coordinate: a pull towards zero that every draw has, or empty. The same `seed` gives the same draws.
 Bootstrap blockBootstrap(const Equations& equations, const Eigen::MatrixXd& x, const Eigen::VectorXd& b, int bounded,
-                         double block_s, int draws = 300, unsigned seed = 1);
+                         double block_s, int draws = 300, unsigned seed = 1, const Eigen::VectorXd& ridge = {});
 
 }  // namespace knee_robot::identification

@@ -5,6 +5,7 @@
 
 #include "knee_robot/dynamics/model.h"
 #include "knee_robot/identification/accuracy.h"
+#include "knee_robot/identification/friction_choice.h"
 #include "knee_robot/identification/rank.h"
 #include "knee_robot/identification/robust_fit.h"
 
@@ -20,16 +21,25 @@ struct IdentifyOptions {
   /// where nothing flickers they meet reversals more exactly.
   double narrowest_counts = 2.0;
   OutlierRule outliers = OutlierRule::Huber;
+  bool uncertainty = true;  ///< false: no bootstrap, no standard errors
+  /// Parameters, per column, that the fit is pulled towards instead of the robot's own prior; those with a sign do not count. Empty: the
+  /// prior's.
+  Eigen::VectorXd towards;
 };
 
 /// A fitted model, and what its choices rest on. Nothing in here depends on validation data.
 struct Identification {
   dynamics::Model model;
-  RankChoice rank;
+  RankChoice rank;                       ///< strength of the prior, by held-back blocks
+  std::vector<FrictionChoice> friction;  ///< per actuator; empty without friction
+  Reduction reduction;                   ///< the coordinates that were fitted, and
+  Eigen::VectorXd coordinates;           ///< their values
+  Eigen::VectorXd parameters;            ///< per column
   std::vector<Eigen::VectorXd>
       parameters_by_rank;  ///< least-squares parameters (all columns) for every point of rank.curve
   std::vector<Column> columns;
-  Eigen::VectorXd noise_N;  ///< per actuator: rms residual that the equations were weighted with
+  Eigen::VectorXd
+      noise_N;  ///< per actuator: rms residual that the equations were weighted with, moving ones, then those near rest
   int equations = 0;
   int blocks = 0;
   double duration_s = 0.0;  ///< of the motion that was fitted
@@ -40,20 +50,14 @@ struct Identification {
   std::vector<int> block_rows;              ///< per block: equations
 };
 
-/// Identifies the force model of a robot: widths of the Coulomb step, noise of each actuator, rank by cross-validation, robust
-/// bounded fit. Sets the Coulomb columns of `training` to the widths that were chosen. Refusal when the data cannot support it:
-/// an axis hardly moves, too little motion, too many saturated samples.
+/// Identifies the force model of a robot: law of each actuator's friction near rest, noise of each actuator in motion and near rest,
+/// strength of the prior by cross-validation, robust bounded fit to all usable samples. Sets the Coulomb columns of `training` to the
+/// laws that were chosen. Refusal when the data cannot support it: an axis hardly moves, too little motion, too many saturated
+/// samples.
 Identification identify(const mechanism::Robot& robot, std::vector<Observation>& training,
                         const IdentifyOptions& options);
 
-/// Widths (m, per actuator) over which Coulomb friction builds up: for each actuator the one that leaves the smallest residual
-/// over all usable training samples, at rest too, when its own friction and offset are refitted to the residual of
-/// `parameters`. At least options.narrowest_counts encoder counts.
-std::vector<double> chooseCoulombWidths(const mechanism::Robot& robot, const std::vector<Column>& columns,
-                                        const std::vector<Observation>& training, const Eigen::VectorXd& parameters,
-                                        const IdentifyOptions& options);
-
-/// The narrowest of those widths for every actuator.
-std::vector<double> narrowestCoulombWidths(const mechanism::Robot& robot, double counts);
+/// Width (m) of the narrowest stop that is tried, per actuator: so many encoder counts.
+std::vector<double> narrowestWidths(const mechanism::Robot& robot, double counts);
 
 }  // namespace knee_robot::identification

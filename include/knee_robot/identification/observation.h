@@ -46,7 +46,7 @@ struct Observation {
       fine_position_m;  ///< as signals.position_m but not low-passed: a filter's ringing at a stop would reverse friction
   MotionPath motion;
   std::vector<SlidingPath> sliding;        ///< per actuator: what Coulomb friction follows
-  std::vector<Eigen::MatrixXd> regressor;  ///< per actuator: samples x columns; Coulomb columns by setCoulombWidth
+  std::vector<Eigen::MatrixXd> regressor;  ///< per actuator: samples x columns; Coulomb columns by setFriction
   Eigen::MatrixXd force_filtered_N;        ///< signals.force_N, low-passed
   std::vector<char> usable;  ///< not in a gap, near a singular pose, saturated, or at an end of the recording
   std::vector<char> moving;  ///< every axis faster than the limit (velocity low-passed at cutoff_hz)
@@ -70,7 +70,8 @@ std::vector<double> forcePerVolt(const mechanism::Robot& robot);
 Observation observe(const mechanism::Robot& robot, const std::vector<Column>& columns,
                     const recording::Recording& recording, const ObservationOptions& options);
 
-/// Fills the Coulomb columns for these widths (m, one per actuator).
-void setCoulombWidth(Observation& observation, const std::vector<Column>& columns, const std::vector<double>& width_m);
+/// Fills the Coulomb columns for these laws of friction near rest, one per actuator.
+void setFriction(Observation& observation, const std::vector<Column>& columns,
+                 const std::vector<dynamics::FrictionLaw>& laws);
 
 }  // namespace knee_robot::identification

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "knee_robot/identification/columns.h"
+#include "knee_robot/identification/prior.h"
 
 namespace knee_robot::identification {
 
@@ -18,6 +19,10 @@ struct Reduction {
   Eigen::VectorXd singular;    ///< per direction, relative to the strongest
   Eigen::MatrixXd design;      ///< compressed equations: kept columns (scaled), then the directions
   Eigen::VectorXd target;      ///< compressed right-hand side
+  // With a prior only:
+  Eigen::VectorXd start;  ///< parameters where all coordinates are zero; empty: zero
+  Eigen::VectorXd
+      information;  ///< per direction: sum of squares that a change as large as the prior makes in the equations
 
   int maximalRank() const { return static_cast<int>(design.cols()); }
   int minimalRank() const { return static_cast<int>(kept.size()); }
@@ -30,6 +35,16 @@ Eigen::MatrixXd compress(const Eigen::MatrixXd& a, const Eigen::VectorXd& b);
 /// are dropped. Columns for which `use` is 0 are left out.
 Reduction reduce(const Eigen::MatrixXd& triangle, int rows, const std::vector<Column>& columns,
                  const std::vector<char>& use);
+
+/// The same with a prior: directions are those of the prior's unit coordinates, so that a pull of equal strength on each is a pull
+/// towards the prior. Directions of which the data say next to nothing (information below 1e-4) are dropped: they stay at the
+/// prior's mean.
+Reduction reduce(const Eigen::MatrixXd& triangle, const std::vector<Column>& columns, const std::vector<char>& use,
+                 const Prior& prior);
+
+/// Coordinates of the least-squares solution with the prior: |design z - target|^2 + strength |directions of z|^2, no kept column
+/// negative.
+Eigen::VectorXd solveWithPrior(const Reduction& reduction, int rank, double strength);
 
 /// Coordinates (kept columns, then directions; scaled) of the least-squares solution with `rank` coordinates in which no kept
 /// column is negative. rank is between minimalRank() and maximalRank().

@@ -1,0 +1,39 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "knee_robot/dynamics/friction_law.h"
+#include "knee_robot/identification/equations.h"
+#include "knee_robot/identification/reduction.h"
+
+namespace knee_robot::identification {
+
+/// One family of laws that was tried for an actuator.
+struct TriedLaw {
+  dynamics::FrictionLaw law;  ///< the best of its family on all training data
+  int numbers = 1;            ///< shape parameters
+  double held_back = 0.0;    ///< mean square over left-out blocks, in units of the noise; its shape chosen without each
+  double beyond_best = 0.0;  ///< held_back minus that of the best family
+  double standard_error = 0.0;  ///< of beyond_best, over the blocks
+};
+
+/// How one actuator's friction acts near rest, and what that rests on.
+struct FrictionChoice {
+  dynamics::FrictionLaw law;
+  std::vector<TriedLaw> tried;  ///< simplest first
+};
+
+/// Chooses every actuator's law among one stop, tanh of velocity, bristles (Dahl's, creeping, damped), sums of two, and sums of
+/// up to six elements with non-negative shares. Blocks of the training data are left out in turn; within each turn shape and shares are
+/// chosen without the block, the other parameters follow by least squares with the prior of `strength`. Chosen is the simplest family
+/// within a quarter of a standard error of the best. `equations`: weighted, their Coulomb columns set with `present` laws; other
+/// actuators keep theirs. `narrowest_m`, per actuator: no stop is narrower. `around`: an earlier
+/// choice, between whose shapes and their neighbours finer steps are tried too.
+std::vector<FrictionChoice> chooseFriction(const std::vector<Observation>& training, const ObservationOptions& options,
+                                           const std::vector<Column>& columns, const Equations& equations,
+                                           const Eigen::VectorXd& noise_N, const Reduction& reduction, double strength,
+                                           const std::vector<double>& narrowest_m,
+                                           const std::vector<FrictionChoice>& around = {});
+
+}  // namespace knee_robot::identification

@@ -1,0 +1,124 @@
+// The law of friction near rest, chosen from recordings that each law made by itself: its own integration, at 0.1 ms, without the
+// candidates' code.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <functional>
+#include <random>
+
+#include "knee_robot/identification/evaluation.h"
+#include "test/identification/synthetic.h"
+
+namespace knee_robot::identification {
+namespace {
+
+constexpr double kStep_s = 1e-4;
+constexpr double kCoulomb_N = 30.0, kNoise_N = 0.3;
+
+/// A law by its own words: the share of Coulomb friction after moving at velocity v for kStep_s, with three numbers of memory.
+struct OwnLaw {
+  std::string name;
+  std::function<double(double v, double* memory)> share;
+};
+
+double plasticSpring(double v, double width, double& bent) {
+  bent += v * kStep_s;
+  if (bent > width) bent = width;
+  if (bent < -width) bent = -width;
+  return bent / width;
+}
+
+std::vector<OwnLaw> ownLaws() {
+  return {
+      {"one stop of 30 um", [](double v, double* m) { return plasticSpring(v, 30e-6, m[0]); }},
+      {"stops of 20 um and 400 um",
+       [](double v, double* m) { return 0.6 * plasticSpring(v, 20e-6, m[0]) + 0.4 * plasticSpring(v, 400e-6, m[1]); }},
+      {"tanh of 1 mm/s", [](double v, double*) { return std::tanh(v / 1e-3); }},
+      {"arc tangent of 0.7 mm/s", [](double v, double*) { return 2.0 / M_PI * std::atan(v / 7e-4); }},
+      {"v / sqrt(v^2 + (2 mm/s)^2)", [](double v, double*) { return v / std::sqrt(v * v + 4e-6); }},
+      {"Dahl's of 100 um",
+       [](double v, double* m) {
+         m[0] += (v - std::abs(v) * m[0]) * kStep_s / 100e-6;
+         return m[0];
+       }},
+      {"LuGre of 150 um with damping of 2 ms, creeping at 0.1 mm/s",
+       [](double v, double* m) {
+         const double rate = (v - std::sqrt(v * v + 1e-8) * m[0]) / 150e-6;
+         m[0] += rate * kStep_s;
+         return m[0] + 2e-3 * rate;
+       }},
+  };
+}
+
+/// One axis, slow enough to spend time near rest, whose forces follow from `law`.
+recording::Recording ownRecording(const mechanism::Robot& robot, const OwnLaw& law, int variant, double seconds) {
+  std::vector<Sines> sines = syntheticMotion(true, variant);
+  for (double& hz : sines[0].hz)
+    hz *= 0.4;
+  std::mt19937 random(static_cast<unsigned>(variant) + 11u);
+  std::normal_distribution<double> noise(0.0, kNoise_N);
+  recording::Recording r;
+  r.name = "own_" + std::to_string(variant);
+  r.path = r.name + ".csv";
+  r.axes = 1;
+  const int rows = static_cast<int>(seconds * 100.0);
+  r.position_m.resize(rows, 1);
+  r.force_N.resize(rows, 1);
+  double memory[3] = {};
+  const double count = robot.actuators[0].metresPerCount();
+  for (int k = 0; k < rows; ++k) {
+    const double t = 0.01 * k;
+    r.time_s.push_back(t);
+    r.position_m(k, 0) = count * std::round(syntheticState(robot, sines, t, seconds).q[0] / count);
+    double sum = 0.0;  // mean over the 10 ms for which the row's force is held
+    for (int i = 0; i < 100; ++i) {
+      const SyntheticState now = syntheticState(robot, sines, t + (i + 0.5) * kStep_s, seconds);
+      sum += 200.0 * now.v[0] + 80.0 * now.a[0] + 10.0 + kCoulomb_N * law.share(now.v[0], memory);
+    }
+    r.force_N(k, 0) = sum / 100.0 + noise(random);
+  }
+  return r;
+}
+
+class LawNearRest : public testing::TestWithParam<std::size_t> {};
+
+TEST_P(LawNearRest, IsPredictedOnAnotherMotionWhateverLawMadeIt) {
+  const OwnLaw law = ownLaws()[GetParam()];
+  const mechanism::Robot robot = syntheticBench(1);
+  IdentifyOptions options;
+  options.uncertainty = false;
+  std::vector<Observation> train, other;
+  train.push_back(observe(robot, columnsOf(robot), ownRecording(robot, law, 0, 60.0), options.observation));
+  other.push_back(observe(robot, columnsOf(robot), ownRecording(robot, law, 1, 30.0), options.observation));
+  const Identification id = identify(robot, train, options);
+  const double error = applyModel(id.model, robot, other, options.observation.cutoff_hz).accuracy.rms_N[0];
+  std::cout << law.name << ": chosen " << dynamics::describe(id.model.friction[0]) << ", Fc "
+            << parameterValue(id.model, "Fc_1") << " N, error on the other motion " << error << " N\n";
+  EXPECT_LT(error, 0.02 * kCoulomb_N) << law.name;
+  EXPECT_NEAR(parameterValue(id.model, "Fc_1"), kCoulomb_N, 0.1 * kCoulomb_N) << law.name;
+}
+
+INSTANTIATE_TEST_SUITE_P(EveryLaw, LawNearRest, testing::Range<std::size_t>(0, 7));
+
+TEST(LawOfOneElement, IsFoundForWhatItIs) {
+  const mechanism::Robot robot = syntheticBench(1);
+  IdentifyOptions options;
+  options.uncertainty = false;
+  const auto chosen = [&](std::size_t k) {
+    std::vector<Observation> train = {
+        observe(robot, columnsOf(robot), ownRecording(robot, ownLaws()[k], 0, 60.0), options.observation)};
+    const dynamics::FrictionLaw law = identify(robot, train, options).model.friction[0];
+    return *std::max_element(law.elements.begin(), law.elements.begin() + law.count,
+                             [](const auto& a, const auto& b) { return a.share < b.share; });
+  };
+  const dynamics::FrictionElement stop = chosen(0), smooth = chosen(2), bristles = chosen(5);
+  EXPECT_EQ(stop.kind, dynamics::FrictionKind::Stop);
+  EXPECT_NEAR(stop.width_m, 30e-6, 10e-6);
+  EXPECT_EQ(smooth.kind, dynamics::FrictionKind::Smooth);
+  EXPECT_NEAR(smooth.speed_m_per_s, 1e-3, 2e-4);
+  EXPECT_EQ(bristles.kind, dynamics::FrictionKind::Bristles);
+  EXPECT_NEAR(bristles.width_m, 100e-6, 25e-6);
+}
+
+}  // namespace
+}  // namespace knee_robot::identification
