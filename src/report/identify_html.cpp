@@ -76,7 +76,7 @@ std::string rankPlot(const IdentifyResults& r, const std::vector<Eigen::VectorXd
     lines.push_back(line);
   }
   PlotStyle style;
-  style.x_label = "rank";
+  style.x_label = "directions that the data decide (the prior's pull falls to the right)";
   style.y_label = "rms, moving, N";
   style.log_y = true;
   style.markers = {static_cast<double>(r.after.model.rank)};
@@ -92,16 +92,18 @@ std::string rankSection(const IdentifyResults& r) {
     fitted.y.push_back(std::sqrt(p.training));
   }
   PlotStyle style;
-  style.x_label = "rank";
+  style.x_label = "directions that the data decide (the prior's pull falls to the right)";
   style.y_label = "rms / noise";
   style.log_y = true;
   style.markers = {static_cast<double>(r.after.model.rank)};
-  std::string out = "<h2>Error against rank</h2>\n<p>Chosen: " + std::to_string(r.after.model.rank) +
-                    " (dashed), the smallest rank whose error on held-back blocks of the training data is within one "
-                    "standard error of the best. " +
-                    std::to_string(r.after.blocks) +
-                    " blocks, split at stops; repeats of a stretch of motion are held back together. The validation "
-                    "curve is shown for judgement; it played no part.</p>\n";
+  std::string out =
+      "<h2>Error against the prior's strength</h2>\n<p>Chosen: " + std::to_string(r.after.model.rank) +
+      " directions, friction and rotors included, that the data decide (dashed); the others stay near the "
+      "prior. All are fitted; the pull towards the prior is the strongest whose error on held-back blocks of "
+      "the training data is within one standard error of the best. " +
+      std::to_string(r.after.blocks) +
+      " blocks, split at stops; repeats of a stretch of motion are held back together. The validation "
+      "curve is shown for judgement; it played no part.</p>\n";
   out +=
       "<h3>Blocks of the training data, all actuators, in units of the noise</h3>\n" + svgPlot({held, fitted}, style);
   out += rankPlot(r, r.train_by_rank, "Training, per actuator");

@@ -1,5 +1,6 @@
 #include <cmath>
 
+#include "friction_html.h"
 #include "html_parts.h"
 #include "knee_robot/base/numbers.h"
 #include "knee_robot/report/identify_report.h"
@@ -21,11 +22,12 @@ constexpr const char* kParameterHead =
 
 std::string frictionTable(const identification::Identification& id) {
   std::string out =
-      "<table><tr><th>per actuator</th><th>friction builds up over, mm</th><th>residual (training, moving), "
+      "<table><tr><th>per actuator</th><th class=\"text\">friction near rest</th><th>residual (training, moving), "
       "N</th></tr>\n";
-  for (std::size_t i = 0; i < id.model.coulomb_width_m.size(); ++i) {
-    out += "<tr><td>" + std::to_string(i + 1) + "</td><td>" + shortNumber(1e3 * id.model.coulomb_width_m[i], 3) +
-           "</td><td>" + shortNumber(id.model.residual_rms_N[i], 3) + "</td></tr>\n";
+  for (std::size_t i = 0; i < id.model.friction.size(); ++i) {
+    out += "<tr><td>" + std::to_string(i + 1) + "</td><td class=\"text\">" + dynamics::nameOf(id.model.friction[i]) +
+           ": " + escapeHtml(dynamics::describe(id.model.friction[i])) + "</td><td>" +
+           shortNumber(id.model.residual_rms_N[i], 3) + "</td></tr>\n";
   }
   return out + "</table>\n";
 }
@@ -77,7 +79,7 @@ std::string identifyParameters(const identification::Identification& id) {
          std::to_string(id.model.base.size()) +
          " combinations of them are determined and are listed, with uncertainties, in model.yaml</summary>\n" +
          kParameterHead + silent + "</table></details>\n";
-  return out + frictionTable(id);
+  return out + frictionTable(id) + frictionHtml(id.model.friction, id.friction);
 }
 
 std::string identifyPhysical(const IdentifyResults& r) {

@@ -118,7 +118,7 @@ std::string identifyJson(const IdentifyResults& r) {
                  {"follow_hz", jsonNumber(r.cutoff.follow_hz)}};
   j["uncertainty"] = {{"method", "bootstrap of contiguous blocks"}, {"block_s", r.after.bootstrap_block_s}};
   j["physical"] = physicalJson(r);
-  j["coulomb_width_m"] = r.after.model.coulomb_width_m;
+  j["friction_near_rest"] = frictionJson(r.after.model.friction);
   j["noise_N"] = jsonArray(r.after.noise_N);
   j["outlier_share"] = r.after.outlier_share;
   j["masks"] = masksJson(r);

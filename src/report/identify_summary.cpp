@@ -42,10 +42,18 @@ bool printed(const std::vector<identification::RankPoint>& curve, std::size_t k,
          k + 1 == curve.size();
 }
 
+std::string frictionText(const std::vector<dynamics::FrictionLaw>& laws) {
+  std::string out = "friction near rest, chosen on training data:\n";
+  for (std::size_t i = 0; i < laws.size(); ++i)
+    out += "  actuator " + std::to_string(i + 1) + ": " + dynamics::describe(laws[i]) + "\n";
+  return out;
+}
+
 std::string rankText(const IdentifyResults& r) {
   std::string out =
-      "error against rank: rms of moving samples in N, * = chosen on training data (held back: rms / noise on left-out "
-      "blocks)\n";
+      "error against the directions that the data decide rather than the prior: rms of moving samples in N, * = chosen "
+      "on training "
+      "data (held back: rms / noise on left-out blocks)\n";
   out += "   rank  held back | training";
   out += std::string(static_cast<std::size_t>(8 * r.after.model.axes - 8), ' ');
   out += r.validate_by_rank.empty() ? "\n" : "  | validation\n";
@@ -110,8 +118,8 @@ std::string identifySummary(const IdentifyResults& r) {
         out += "  " + note + "\n";
     }
   }
-  out += r.cutoff.sentence + "\n\n" + rankText(r) + "\n" + parameterText(r.after) + "\n" +
-         accuracyText("training", r.train_after.accuracy);
+  out += r.cutoff.sentence + "\n\n" + rankText(r) + "\n" + frictionText(r.after.model.friction) + "\n" +
+         parameterText(r.after) + "\n" + accuracyText("training", r.train_after.accuracy);
   if (!r.validate.empty()) out += accuracyText("validation", r.validate_after.accuracy);
   return out + physicalText(r);
 }

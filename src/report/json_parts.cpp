@@ -38,6 +38,24 @@ Json jsonArray(const Eigen::VectorXd& values) {
   return list;
 }
 
+Json frictionJson(const std::vector<dynamics::FrictionLaw>& laws) {
+  Json list = Json::array();
+  for (const dynamics::FrictionLaw& law : laws) {
+    Json elements = Json::array();
+    for (int k = 0; k < law.count; ++k) {
+      const dynamics::FrictionElement& e = law.elements[static_cast<std::size_t>(k)];
+      const bool smooth = e.kind == dynamics::FrictionKind::Smooth, stop = e.kind == dynamics::FrictionKind::Stop;
+      Json element = {{"law", stop ? "stop" : smooth ? "tanh" : "bristles"}, {"share", e.share}};
+      if (!smooth) element["width_m"] = e.width_m;
+      if (!stop) element["speed_m_per_s"] = e.speed_m_per_s;
+      if (!stop && !smooth) element["damping_s"] = e.damping_s;
+      elements.push_back(element);
+    }
+    list.push_back({{"law", dynamics::nameOf(law)}, {"in_words", dynamics::describe(law)}, {"elements", elements}});
+  }
+  return list;
+}
+
 Json dataJson(const std::vector<identification::Observation>& train,
               const std::vector<identification::Observation>& validate,
               const identification::ObservationOptions& options) {

@@ -18,6 +18,8 @@ Json jsonArray(const Eigen::VectorXd& values);
 Json dataJson(const std::vector<identification::Observation>& train,
               const std::vector<identification::Observation>& validate,
               const identification::ObservationOptions& options);
+/// Laws of friction near rest, one entry per actuator: name, in words, elements.
+Json frictionJson(const std::vector<dynamics::FrictionLaw>& laws);
 /// One side ("before" or "after") of report.json.
 Json sideJson(int parameters, const identification::Applied& train, const identification::Applied& validate);
 

@@ -1,5 +1,6 @@
 #include <cmath>
 
+#include "friction_html.h"
 #include "html_parts.h"
 #include "knee_robot/base/numbers.h"
 #include "knee_robot/report/svg_plot.h"
@@ -154,7 +155,8 @@ std::string traceHtml(const TraceResults& r) {
          std::to_string(r.options.seed) + "</p>\n";
   out += "<p class=\"verdict\">" + escapeHtml(traceVerdict(r)) + "</p>\n";
   out += effectSection(r) + givenModelHtml(r.result.given) + nextExperimentHtml(r.next) + errorSection(r) +
-         errorSharesHtml(r) + anglesHtml(r) + tracePoseHtml(r.pose);
+         errorSharesHtml(r) + frictionHtml(r.model.friction, r.result.baseline.choices) + anglesHtml(r) +
+         tracePoseHtml(r.pose);
   const bool validated = !r.validate.empty();
   const identification::Observation& shown = validated ? r.validate.front() : r.train.front();
   const identification::Applied& before = validated ? r.validate_before : r.train_before;

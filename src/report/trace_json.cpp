@@ -143,6 +143,7 @@ std::string traceJson(const TraceResults& r) {
   j["gain_interval"] = {{"train", gainJson(r.train, r.train_before, r.train_after)},
                         {"validate", gainJson(r.validate, r.validate_before, r.validate_after)}};
   j["absorbed"] = r.result.absorbed;
+  j["friction_near_rest"] = frictionJson(r.model.friction);
   j["not_added"] = r.result.rejected;
   j["notes"] = r.result.notes;
   j["seed"] = r.options.seed;

@@ -1,157 +1,95 @@
 #include "knee_robot/tracing/base_fit.h"
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
-#include <limits>
+#include <stdexcept>
 
 #include "knee_robot/base/errors.h"
-#include "knee_robot/identification/rank.h"
+#include "knee_robot/recording/filter.h"
 #include "knee_robot/tracing/effect_input.h"
 
 namespace knee_robot::tracing {
 namespace {
 
-const double kWidths[] = {0.5, 1.0, 2.0, 4.0};    ///< encoder counts
-const double kMemoryCutoffs[] = {3.0, 8.0, 0.0};  ///< times the cut-off; 0: no low-pass
-constexpr double kFine_m =
-    2e-5;  ///< tried for finer encoders too: the filters' ringing moves an axis at rest by microns
 constexpr int kFewestSamples = 100;
 
-/// All rows as identification's equations, weighted by the noise; force less that of `start` and of effects.
-identification::Equations equationsOf(const std::vector<identification::Observation>& training, const Stack& stack,
-                                      const Eigen::VectorXd& noise_N, const Eigen::VectorXd& start,
-                                      const Eigen::VectorXd& effects_N) {
-  identification::Equations e;
-  e.axes = stack.axes;
-  e.blocks = stack.blocks;
-  const Eigen::Index p = training.front().regressor.front().cols();
-  e.a.resize(stack.size() * stack.axes, p);
-  e.b.resize(stack.size() * stack.axes);
-  for (int i = 0; i < stack.axes; ++i) {
-    std::vector<Eigen::MatrixXd> columns;
-    for (const identification::Observation& o : training)
-      columns.push_back(o.regressor[static_cast<std::size_t>(i)]);
-    e.a.middleRows(i * stack.size(), stack.size()) = gather(stack, training, std::move(columns));
-    e.b.segment(i * stack.size(), stack.size()) = gatherForce(stack, training, i);
-    for (const Pick& pick : stack.picks) {
-      e.actuator.push_back(i);
-      e.block.push_back(pick.block);
+/// Takes effects off the recorded force while it lives.
+class WithoutEffects {
+ public:
+  WithoutEffects(std::vector<identification::Observation>& recordings, const std::vector<Eigen::MatrixXd>& effects_N,
+                 double cutoff_hz)
+      : recordings_(recordings) {
+    for (std::size_t r = 0; r < effects_N.size(); ++r) {
+      recorded_.push_back(recordings[r].force_filtered_N);
+      Eigen::MatrixXd low = effects_N[r];
+      recording::ZeroPhaseLowPass(cutoff_hz, 1.0 / recordings[r].signals.period_s).applyToColumns(low);
+      recordings[r].force_filtered_N -= low;
     }
   }
-  e.b -= e.a * start;
-  if (effects_N.size() > 0) e.b -= effects_N;
-  identification::weightRows(e, noise_N);
-  const Eigen::VectorXd scale = rowScale(stack, training, Attention::Moving);  // rest would blur the base directions
-  e.a = scale.asDiagonal() * e.a;
-  e.b = scale.cwiseProduct(e.b);
-  return e;
-}
-
-Eigen::VectorXd solve(const identification::Equations& e, BaseFit& base, int rank) {
-  const std::vector<char> use(base.columns.size(), 1);
-  int chosen = rank;
-  if (chosen == 0) {  // the best one, not the most parsimonious: an effect must not stand in for a base direction
-    const std::vector<identification::RankPoint> curve = identification::chooseRank(e, base.columns, use).curve;
-    chosen = std::min_element(curve.begin(), curve.end(),
-                              [](const identification::RankPoint& a, const identification::RankPoint& b) {
-                                return a.held_back < b.held_back;
-                              })
-                 ->rank;
+  WithoutEffects(const WithoutEffects&) = delete;
+  WithoutEffects& operator=(const WithoutEffects&) = delete;
+  ~WithoutEffects() {
+    for (std::size_t r = 0; r < recorded_.size(); ++r)
+      recordings_[r].force_filtered_N = std::move(recorded_[r]);
   }
-  const identification::Reduction r = identification::reduce(
-      identification::joinBlocks(identification::compressBlocks(e), -1), e.rows(), base.columns, use);
-  const int kept = std::clamp(chosen, r.minimalRank(), r.maximalRank());
-  base.bounded = r.minimalRank();
-  base.basis.resize(static_cast<Eigen::Index>(base.columns.size()), kept);
-  for (int k = 0; k < kept; ++k)
-    base.basis.col(k) = identification::toParameters(r, Eigen::VectorXd::Unit(kept, k));
-  const Eigen::VectorXd correction = identification::toParameters(r, identification::solveReduced(r, kept));
-  base.parameters = base.start + correction;
-  return e.b - e.a * correction;
-}
 
-std::vector<FrictionMemory> memories(const mechanism::Actuator& actuator, double cutoff_hz) {
-  std::vector<FrictionMemory> all;
-  for (const double factor : kMemoryCutoffs) {
-    for (const double counts : kWidths)
-      all.push_back({counts * actuator.metresPerCount(), factor * cutoff_hz});
-    if (kWidths[3] * actuator.metresPerCount() < kFine_m) all.push_back({kFine_m, factor * cutoff_hz});
-  }
-  return all;
+ private:
+  std::vector<identification::Observation>& recordings_;
+  std::vector<Eigen::MatrixXd> recorded_;
+};
+
+BaseFit inCoordinates(const identification::Identification& id, const Stack& stack) {
+  BaseFit base;
+  base.columns = id.columns;
+  base.memory = id.model.friction;
+  base.choices = id.friction;
+  base.start = id.reduction.start;
+  base.bounded = id.reduction.minimalRank();
+  const Eigen::Index coordinates = id.reduction.maximalRank();
+  base.basis.resize(static_cast<Eigen::Index>(base.columns.size()), coordinates);
+  for (Eigen::Index k = 0; k < coordinates; ++k)
+    base.basis.col(k) = identification::toParameters(id.reduction, Eigen::VectorXd::Unit(coordinates, k)) - base.start;
+  // The strength was chosen for as many equations as identification has.
+  const double rows = static_cast<double>(stack.size() * stack.axes) / std::max(1, id.equations);
+  base.pull = Eigen::VectorXd::Constant(coordinates, std::sqrt(id.rank.strength * rows));
+  base.pull.head(base.bounded).setZero();
+  base.parameters = id.parameters;
+  return base;
 }
 
 }  // namespace
 
-void chooseMemory(const mechanism::Robot& robot, std::vector<identification::Observation>& training, const Stack& stack,
-                  const Eigen::VectorXd& residual_N, BaseFit& base) {
-  for (int i = 0; i < stack.axes; ++i) {
-    const std::size_t axis = static_cast<std::size_t>(i);
-    const auto column = std::find_if(base.columns.begin(), base.columns.end(), [&](const identification::Column& c) {
-      return c.role == identification::ColumnRole::Coulomb && c.actuator == i;
-    });
-    const double coulomb = base.parameters[column - base.columns.begin()];
-    std::vector<Eigen::MatrixXd> now, velocity;
-    for (const identification::Observation& o : training) {
-      now.push_back(frictionShare(o, i, base.memory[axis]));
-      velocity.push_back(o.signals.velocity_m_per_s.col(i));
-    }
-    Eigen::MatrixXd design(stack.size(), 3);
-    const Eigen::VectorXd target =
-        residual_N.segment(i * stack.size(), stack.size()) + coulomb * gather(stack, training, now).col(0);
-    design.col(0) = gather(stack, training, velocity);
-    design.col(1).setOnes();
-    double least = std::numeric_limits<double>::infinity();
-    for (const FrictionMemory& memory : memories(robot.actuators[axis], stack.cutoff_hz)) {
-      std::vector<Eigen::MatrixXd> share;
-      for (const identification::Observation& o : training)
-        share.push_back(frictionShare(o, i, memory));
-      design.col(2) = gather(stack, training, share);
-      const Eigen::VectorXd own = (design.transpose() * design).ldlt().solve(design.transpose() * target);
-      const double left = (target - design * own).squaredNorm();
-      if (left >= least) continue;
-      least = left;
-      base.memory[axis] = memory;
-    }
-  }
-  for (identification::Observation& o : training)
-    setFriction(o, base.columns, base.memory);
-}
-
 BaseFit fitBase(const mechanism::Robot& robot, std::vector<identification::Observation>& training, const Stack& stack,
                 const std::vector<identification::Column>& columns, int rank, const Eigen::VectorXd* given,
-                const Eigen::VectorXd& effects_N) {
+                const std::vector<Eigen::MatrixXd>& effects_N) {
   if (stack.size() < kFewestSamples) {
     throw Refusal("only " + std::to_string(stack.size()) + " usable samples in the training recordings (at least " +
                   std::to_string(kFewestSamples) + " are needed): record a longer motion, away from singular poses");
   }
+  identification::IdentifyOptions options;
+  options.observation.cutoff_hz = stack.cutoff_hz;
+  options.rank = rank;
+  options.uncertainty = false;
+  if (given != nullptr) options.towards = *given;
   BaseFit base;
-  base.columns = columns;
-  for (const mechanism::Actuator& a : robot.actuators)
-    base.memory.push_back({a.metresPerCount(), 3.0 * stack.cutoff_hz});
-  base.start = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(columns.size()));
-  if (given != nullptr) {
-    base.start = *given;
-    for (std::size_t c = 0; c < columns.size(); ++c) {
-      if (columns[c].isNonNegative()) base.start[static_cast<Eigen::Index>(c)] = 0.0;
+  Eigen::VectorXd residual(stack.size() * stack.axes);
+  {
+    const WithoutEffects without(training, effects_N, stack.cutoff_hz);
+    base = inCoordinates(identification::identify(robot, training, options), stack);
+    for (int i = 0; i < stack.axes; ++i) {
+      std::vector<Eigen::MatrixXd> modelled;
+      for (const identification::Observation& o : training)
+        modelled.push_back(o.regressor[static_cast<std::size_t>(i)] * base.parameters);
+      residual.segment(i * stack.size(), stack.size()) =
+          gatherForce(stack, training, i) - gather(stack, training, std::move(modelled)).col(0);
     }
   }
-  for (identification::Observation& o : training)
-    setFriction(o, columns, base.memory);
-  base.noise_N = Eigen::VectorXd::Ones(stack.axes);
-  identification::Equations e = equationsOf(training, stack, base.noise_N, base.start, effects_N);
-  base.noise_N = identification::rmsPerActuator(e, e.b).cwiseMax(1e-6);
-  identification::weightRows(e, base.noise_N);
-  Eigen::VectorXd residual = solve(e, base, rank);
-  for (int pass = 0; pass < 2; ++pass) {
-    for (int i = 0; i < stack.axes; ++i)
-      residual.segment(i * stack.size(), stack.size()) *= base.noise_N[i];
-    base.noise_N = identification::rmsPerActuator(e, residual).cwiseMax(1e-6);
-    const Eigen::VectorXd scale = rowScale(stack, training, Attention::Moving);
-    if (pass == 0) chooseMemory(robot, training, stack, residual.cwiseQuotient(scale), base);
-    e = equationsOf(training, stack, base.noise_N, base.start, effects_N);
-    residual = solve(e, base, rank);
+  base.noise_N.resize(stack.axes);
+  for (int i = 0; i < stack.axes; ++i) {
+    base.noise_N[i] = std::max(
+        1e-6, residual.segment(i * stack.size(), stack.size()).norm() / std::sqrt(static_cast<double>(stack.size())));
   }
+  if (base.columns.size() != columns.size()) throw std::invalid_argument("columns of another robot");
   return base;
 }
 

@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "knee_robot/dynamics/coulomb_memory.h"
 #include "knee_robot/dynamics/regressor.h"
 #include "knee_robot/mechanism/kinematics.h"
 #include "knee_robot/recording/filter.h"
@@ -76,31 +75,6 @@ Eigen::VectorXd movedMass(const EffectInput& in, const Eigen::VectorXd& paramete
 
 }  // namespace
 
-Eigen::VectorXd frictionPosition(const identification::Observation& o, int actuator, const FrictionMemory& memory) {
-  Eigen::VectorXd position = o.fine_position_m.col(actuator);
-  if (memory.cutoff_hz > 0.0) recording::ZeroPhaseLowPass(memory.cutoff_hz, 1.0 / o.signals.period_s).apply(position);
-  return position;
-}
-
-Eigen::VectorXd frictionShare(const identification::Observation& o, int actuator, const FrictionMemory& memory) {
-  const Eigen::VectorXd position = frictionPosition(o, actuator, memory);
-  dynamics::CoulombMemory state;
-  Eigen::VectorXd out(o.samples());
-  for (int n = 0; n < o.samples(); ++n)
-    out[n] = state.step(position[n] - position[std::max(0, n - 1)], memory.width_m);
-  return out;
-}
-
-void setFriction(identification::Observation& o, const std::vector<identification::Column>& columns,
-                 const std::vector<FrictionMemory>& memory) {
-  for (std::size_t c = 0; c < columns.size(); ++c) {
-    if (columns[c].role != identification::ColumnRole::Coulomb) continue;
-    const int i = columns[c].actuator;
-    o.regressor[static_cast<std::size_t>(i)].col(static_cast<Eigen::Index>(c)) =
-        frictionShare(o, i, memory[static_cast<std::size_t>(i)]);
-  }
-}
-
 EffectInput effectInput(const mechanism::Robot& robot, const identification::Observation& o,
                         const std::vector<FrictionMemory>& memory, int recording, int recordings) {
   EffectInput in;
@@ -113,8 +87,10 @@ EffectInput effectInput(const mechanism::Robot& robot, const identification::Obs
   in.since_reversal_m.resize(o.samples(), o.axes());
   for (int i = 0; i < o.axes(); ++i) {
     const std::size_t axis = static_cast<std::size_t>(i);
-    in.friction_position_m.col(i) = frictionPosition(o, i, memory[axis]);
-    in.share.col(i) = frictionShare(o, i, memory[axis]);
+    const identification::SlidingPath& path = o.sliding[axis];
+    for (int n = 0; n < o.samples(); ++n)
+      in.friction_position_m(n, i) = path.position[n * identification::SlidingPath::kSubsteps];
+    in.share.col(i) = identification::frictionShare(path, memory[axis]);
     in.since_reversal_m.col(i) =
         sinceReversal(in.friction_position_m.col(i), kTurnCounts * robot.actuators[axis].metresPerCount());
   }

@@ -11,6 +11,7 @@
 namespace knee_robot::tracing {
 namespace {
 
+constexpr double kNoChange = 0.05;  ///< of an effect: its standard error knows nothing of the baseline beside it
 constexpr double kAgree = 2.0;        ///< standard errors within which a single coefficient is the same
 constexpr double kLeastShare = 1e-3;  ///< of held-back squares: less is rounding, or a coefficient at its bound
 constexpr double kSameSize =
@@ -56,7 +57,9 @@ Gain gainOf(const Search& s, std::size_t k) {
 bool agrees(const Search& s, const FoundEffect& given, const FoundEffect& now) {
   if (now.coefficients.size() == 1) {
     const double given_std = std::isfinite(given.std[0]) ? given.std[0] : 0.0;
-    return std::abs(now.coefficients[0] - given.coefficients[0]) <= kAgree * std::hypot(now.std[0], given_std);
+    const double told_apart =
+        std::max(kAgree * std::hypot(now.std[0], given_std), kNoChange * std::abs(given.coefficients[0]));
+    return std::abs(now.coefficients[0] - given.coefficients[0]) <= told_apart;
   }
   if (now.coefficients.size() != given.coefficients.size()) return true;  // fitted per recording: nothing to compare
   const Eigen::MatrixXd rows = effectRows(*s.data, now.hypothesis);

@@ -56,13 +56,15 @@ identification::Equations equationsOf(const TraceData& data, const Eigen::Vector
 }
 
 /// `groups`: columns of effects with several coefficients, which get a slight pull to zero: hat functions add up to a constant
-/// that the base has already.
-Eigen::VectorXd solve(const Eigen::MatrixXd& triangle, int bounded, const std::vector<int>& groups) {
+/// that the base has already. `prior`: per column, root of the weight of a pull to zero.
+Eigen::VectorXd solve(const Eigen::MatrixXd& triangle, int bounded, const std::vector<int>& groups,
+                      const Eigen::VectorXd& prior) {
   const Eigen::Index p = triangle.cols() - 1;
   const Eigen::VectorXd scale = triangle.leftCols(p).colwise().norm().transpose().cwiseMax(1e-12);
   const Eigen::Index pulls = static_cast<Eigen::Index>(groups.size());
-  Eigen::MatrixXd scaled = Eigen::MatrixXd::Zero(triangle.rows() + pulls, p);
-  Eigen::VectorXd target = Eigen::VectorXd::Zero(triangle.rows() + pulls);
+  Eigen::MatrixXd scaled = Eigen::MatrixXd::Zero(triangle.rows() + pulls + p, p);
+  Eigen::VectorXd target = Eigen::VectorXd::Zero(scaled.rows());
+  scaled.bottomRows(p).diagonal() = prior.cwiseQuotient(scale);
   scaled.topRows(triangle.rows()) = triangle.leftCols(p) * scale.cwiseInverse().asDiagonal();
   target.head(triangle.rows()) = triangle.col(p);
   for (Eigen::Index k = 0; k < pulls; ++k)
@@ -82,7 +84,11 @@ JointFit fitJointly(const TraceData& data, const BaseFit& base, const Eigen::Vec
     const int effect = layout.source[c].first;
     if (effect >= 0 && effect_rows[static_cast<std::size_t>(effect)].cols() > 2) groups.push_back(static_cast<int>(c));
   }
-  const Eigen::VectorXd z = solve(identification::joinBlocks(blocks, -1), layout.bounded, groups);
+  Eigen::VectorXd prior = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(layout.source.size()));
+  for (std::size_t c = 0; c < layout.source.size(); ++c) {
+    if (layout.source[c].first < 0) prior[static_cast<Eigen::Index>(c)] = base.pull[layout.source[c].second];
+  }
+  const Eigen::VectorXd z = solve(identification::joinBlocks(blocks, -1), layout.bounded, groups, prior);
   JointFit fit;
   fit.residual_N = e.b - e.a * z;
   for (int i = 0; i < e.axes; ++i)
@@ -90,7 +96,7 @@ JointFit fitJointly(const TraceData& data, const BaseFit& base, const Eigen::Vec
   fit.held_back.resize(e.blocks);
   Eigen::MatrixXd left_out(z.size(), e.blocks);
   for (int b = 0; b < e.blocks; ++b) {
-    left_out.col(b) = solve(identification::joinBlocks(blocks, b), layout.bounded, groups);
+    left_out.col(b) = solve(identification::joinBlocks(blocks, b), layout.bounded, groups, prior);
     const Eigen::MatrixXd& own = blocks[static_cast<std::size_t>(b)];
     fit.held_back[b] =
         own.rows() == 0 ? 0.0 : (own.rightCols(1) - own.leftCols(z.size()) * left_out.col(b)).squaredNorm();

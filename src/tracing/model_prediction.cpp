@@ -91,16 +91,13 @@ identification::ObservationOptions observationOptions(const dynamics::Model& mod
 
 TraceResult resultOf(const mechanism::Robot& robot, const dynamics::Model& model, const std::string& model_path) {
   dynamics::requireModelOf(model, model_path, robot);
-  if (model.friction_cutoff_hz.empty() || model.effects_see.empty()) {
-    throw InputError(model_path + ": lacks friction_cutoff_hz and effects_see, without which its effects cannot be " +
+  if (model.effects_see.empty()) {
+    throw InputError(model_path + ": lacks effects_see, without which its effects cannot be " +
                      "computed; trace again with this version");
   }
   TraceResult r;
   r.base.columns = identification::columnsOf(robot);
-  for (int i = 0; i < model.axes; ++i) {
-    const std::size_t axis = static_cast<std::size_t>(i);
-    r.base.memory.push_back({model.coulomb_width_m[axis], model.friction_cutoff_hz[axis]});
-  }
+  r.base.memory = model.friction;
   r.candidates = std::make_shared<CandidateList>(namedCandidates(robot));
   CandidateList maps;
   const int recordings = static_cast<int>(model.data.size());
@@ -129,7 +126,7 @@ TraceResult resultOf(const mechanism::Robot& robot, const dynamics::Model& model
 
 Eigen::MatrixXd predictModel(const mechanism::Robot& robot, const dynamics::Model& model, const std::string& model_path,
                              identification::Observation& o) {
-  if (model.friction_cutoff_hz.empty() && model.effects.empty()) {
+  if (model.effects_see.empty() && model.effects.empty()) {
     dynamics::requireModelOf(model, model_path, robot);
     return identification::predictForce(model, robot, o.signals, o.motion);
   }

@@ -37,15 +37,6 @@ TraceData makeTwin(const mechanism::Robot& robot, const std::vector<recording::R
   twin.stack = makeStack(twin.recordings, options);
   BaseFit newtons = base;
   newtons.noise_N.setOnes();
-  Eigen::VectorXd residual = forceRows(newtons, twin.recordings, twin.stack);
-  for (int i = 0; i < twin.stack.axes; ++i) {
-    std::vector<Eigen::MatrixXd> force;
-    for (const identification::Observation& o : twin.recordings)
-      force.push_back(o.regressor[static_cast<std::size_t>(i)] * (model.parameters - base.start));
-    residual.segment(i * twin.stack.size(), twin.stack.size()) -= gather(twin.stack, twin.recordings, std::move(force));
-  }
-  if (model.effects.empty())
-    chooseMemory(robot, twin.recordings, twin.stack, residual, newtons);  // as on the recordings themselves
   twin.all_base_rows = baseRows(newtons, twin.recordings, twin.stack);
   twin.all_force_rows = forceRows(newtons, twin.recordings, twin.stack);
   setAttention(twin, Attention::Moving);

@@ -61,10 +61,12 @@ void refit(Search& s) {
 void rebase(Search& s) {
   TraceData& data = *s.data;
   const mechanism::Robot& robot = *data.inputs.front().robot;
-  Eigen::VectorXd effects_N = Eigen::VectorXd::Zero(data.all_force_rows.size());
-  data.scale.setOnes();  // rows of effects in N
-  for (const FoundEffect& e : s.effects)
-    effects_N += effectRows(data, e.hypothesis) * e.coefficients;
+  const TwinModel now = {s.base->parameters, hypothesesOf(s.effects), s.fit.coefficients};
+  std::vector<Eigen::MatrixXd> effects_N;
+  for (const EffectInput& input : data.inputs) {
+    const TwinEffects effects = effectForces(input, now);
+    effects_N.push_back(effects.friction_N + effects.load_N);
+  }
   const Eigen::VectorXd start = s.base->start;
   *s.base = fitBase(robot, data.recordings, data.stack, s.base->columns, s.options->rank, &start, effects_N);
   BaseFit newtons = *s.base;

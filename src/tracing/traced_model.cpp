@@ -45,10 +45,7 @@ dynamics::Model tracedModel(const mechanism::Robot& robot, const TraceResult& re
   m.cutoff_hz = options.observation.cutoff_hz;
   m.moving_m_per_s = options.observation.moving_m_per_s;
   m.rank = result.base.rank();
-  for (const FrictionMemory& memory : result.base.memory)
-    m.coulomb_width_m.push_back(memory.width_m);
-  for (const FrictionMemory& memory : result.base.memory)
-    m.friction_cutoff_hz.push_back(memory.cutoff_hz);
+  m.friction = result.base.memory;
   m.effects_see = valuesOf(result.seen_parameters);
   m.residual_rms_N.assign(result.after_rms_N.data(), result.after_rms_N.data() + result.after_rms_N.size());
   for (std::size_t c = 0; c < result.base.columns.size(); ++c) {

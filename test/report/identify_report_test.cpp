@@ -37,7 +37,7 @@ IdentifyResults results(bool with_validation) {
   r.train_after = identification::applyModel(r.after.model, robot, r.train, cutoff);
   r.train_by_rank = identification::errorAgainstRank(r.after, r.train, cutoff);
   if (with_validation) {
-    identification::setCoulombWidth(r.validate[0], r.after.columns, r.after.model.coulomb_width_m);
+    identification::setFriction(r.validate[0], r.after.columns, r.after.model.friction);
     r.validate_before = identification::applyModel(r.before.model, robot, r.validate, cutoff);
     r.validate_after = identification::applyModel(r.after.model, robot, r.validate, cutoff);
     r.validate_by_rank = identification::errorAgainstRank(r.after, r.validate, cutoff);
@@ -80,7 +80,7 @@ TEST(IdentifyHtml, IsSelfContainedAndComplete) {
   EXPECT_EQ(html.find("http"), std::string::npos) << "nothing from outside";
   EXPECT_EQ(html.find("<script"), std::string::npos);
   EXPECT_NE(html.find("identify --output &quot;&lt;here&gt;&quot;"), std::string::npos);
-  for (const char* part : {"<h2>Errors</h2>", "Error against rank", "Parameters", "What was done with the signals",
+  for (const char* part : {"<h2>Errors</h2>", "Error against the prior's strength", "Friction near rest", "Parameters", "What was done with the signals",
                            "Reproduce", "Validation: synthetic_1", "Fc_2"}) {
     EXPECT_NE(html.find(part), std::string::npos) << part;
   }

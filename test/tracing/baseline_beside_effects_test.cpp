@@ -16,13 +16,13 @@ TEST(BaseFit, IsTheSameBesideAKnownEffectAsWithoutIt) {
   // 60 N at full speed against lengthening and shortening alike, on actuator 2
   Eigen::MatrixXd effect = changed[0].signals.velocity_m_per_s.col(1).cwiseAbs();
   effect *= 60.0 / effect.maxCoeff();
-  Eigen::VectorXd rows = Eigen::VectorXd::Zero(4 * stack.size());
-  rows.segment(stack.size(), stack.size()) = gather(stack, changed, {effect});
+  Eigen::MatrixXd effects = Eigen::MatrixXd::Zero(effect.size(), 4);
+  effects.col(1) = effect;
   recording::ZeroPhaseLowPass(options.cutoff_hz, 1.0 / changed[0].signals.period_s).applyToColumns(effect);
   changed[0].force_filtered_N.col(1) += effect;
 
   const BaseFit without = fitBase(robot, clean, stack, columns, 0);
-  const BaseFit beside = fitBase(robot, changed, stack, columns, 0, nullptr, rows);
+  const BaseFit beside = fitBase(robot, changed, stack, columns, 0, nullptr, {effects});
   const BaseFit ignoring = fitBase(robot, changed, stack, columns, 0);
   EXPECT_EQ(beside.rank(), without.rank());
   EXPECT_LT((beside.parameters - without.parameters).norm(), 1e-6 * without.parameters.norm());

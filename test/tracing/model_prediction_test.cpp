@@ -37,7 +37,7 @@ Fitted fitted(const mechanism::Robot& robot) {
   f.training = all;
   f.result.base = fitBase(robot, f.training, makeStack(f.training, f.options.observation),
                           identification::columnsOf(robot), robot.mechanism ? 30 : 0);
-  f.result.base.memory[0].cutoff_hz = 8.0;
+  f.result.base.memory[0] = dynamics::smoothLaw(1e-3);
   f.result.parameters = f.result.base.parameters;
   f.result.seen_parameters = 0.97 * f.result.base.parameters;
   f.result.after_rms_N = f.result.base.noise_N;
@@ -167,6 +167,28 @@ TEST(ModelPrediction, RefusesAnEffectThatIsUnknownOrHasOthersNumbers) {
   EXPECT_THROW(with("excess_N", "excess"), InputError);
   EXPECT_THROW(with("[{actuator: 3}]", "[{actuator: 3}, {actuator: 4}]"), InputError);
   EXPECT_THROW(with("effects_see", "# effects_see"), InputError);
+}
+
+TEST(Baseline, OfTraceIsTheModelOfIdentify) {
+  const mechanism::Robot robot = identification::syntheticRobot();
+  const identification::ObservationOptions options;
+  const std::vector<identification::Column> columns = identification::columnsOf(robot);
+  std::vector<identification::Observation> training;
+  for (int variant = 0; variant < 2; ++variant) {
+    training.push_back(identification::observe(
+        robot, columns, identification::syntheticRecording(robot, identification::syntheticModel(robot), variant, 12.0),
+        options));
+  }
+  std::vector<identification::Observation> same = training;
+  const identification::Identification id = identification::identify(robot, same, {});
+  TraceResult result;
+  result.baseline = fitBase(robot, training, makeStack(training, options), columns, 0);
+  for (std::size_t k = 0; k < training.size(); ++k) {
+    const Eigen::MatrixXd before = predictBaseline(result, training[k]);
+    const Eigen::MatrixXd after =
+        identification::predictForces(id.model, robot, same[k].signals, same[k].motion).mean_N;
+    EXPECT_LT((before - after).cwiseAbs().maxCoeff(), 1e-6) << "recording " << k;
+  }
 }
 
 }  // namespace

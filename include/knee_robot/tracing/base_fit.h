@@ -2,40 +2,36 @@
 
 #include <vector>
 
-#include "knee_robot/identification/columns.h"
+#include "knee_robot/identification/identify.h"
 #include "knee_robot/tracing/effect_input.h"
 #include "knee_robot/tracing/stack.h"
 
 namespace knee_robot::tracing {
 
-/// The baseline: rigid body, Coulomb and viscous friction, rotor and offset per actuator, in the directions that the training
-/// data support. Coulomb friction keeps its direction at rest, but builds up within a few encoder counts: what builds up over a
-/// longer distance is an effect (presliding), not baseline.
+/// The baseline: rigid body, Coulomb and viscous friction, rotor and offset per actuator, with the law of friction near rest that
+/// held-back data chose: what `identify` fits, in coordinates that the search can fit again beside effects.
 struct BaseFit {
   std::vector<identification::Column> columns;
-  std::vector<FrictionMemory> memory;  ///< per actuator
-  Eigen::VectorXd start;               ///< per column: from a given model, zero for parameters with a sign; else zero
-  Eigen::MatrixXd basis;               ///< columns x rank: parameters = start + basis * coordinates
+  std::vector<FrictionMemory> memory;  ///< per actuator: law of friction near rest
+  Eigen::VectorXd start;               ///< per column: where the prior pulls to (of a given model, when there is one)
+  Eigen::MatrixXd basis;               ///< columns x coordinates: parameters = start + basis * coordinates
   int bounded = 0;                     ///< the first coordinates (friction, rotor) are never negative
-  Eigen::VectorXd noise_N;             ///< per actuator: rms residual that rows are weighted with
+  Eigen::VectorXd pull;     ///< per coordinate, 0 for bounded ones: root of the prior's weight, for rows of unit noise
+  Eigen::VectorXd noise_N;  ///< per actuator: rms residual
   Eigen::VectorXd parameters;
+  std::vector<identification::FrictionChoice> choices;  ///< per actuator: what the law rests on
 
   int rank() const { return static_cast<int>(basis.cols()); }
   Eigen::VectorXd parametersOf(const Eigen::VectorXd& coordinates) const { return start + basis * coordinates; }
 };
 
-/// Fits the baseline to training recordings, choosing widths and rank on them; sets their Coulomb columns. `rank` 0: chosen. With
-/// `given` (parameters of a given model, per column) the data correct those in as many directions as that helps held-back blocks;
-/// friction and rotors, which have a sign, are fitted anew, and friction's memory is chosen anew: a given one that does not
-/// fit that day's stops was taken for presliding. `effects_N` (rows, N, low-passed; may be empty) is taken off the force first:
-/// directions that are chosen while an effect is still in the residual stand in for it, and fail on another path.
+/// `identify` without standard errors: the same equations, weights, loss, prior, laws. Sets the Coulomb columns of `training`.
+/// `rank` 0: all directions, pulled towards the prior as held-back blocks choose. With `given` (parameters of a given model, per column)
+/// the pull is towards those; friction and rotors, which have a sign, are fitted anew. `effects_N` (per recording, samples x
+/// axes, N; may be empty) is taken off the force first.
 BaseFit fitBase(const mechanism::Robot& robot, std::vector<identification::Observation>& training, const Stack& stack,
                 const std::vector<identification::Column>& columns, int rank, const Eigen::VectorXd* given = nullptr,
-                const Eigen::VectorXd& effects_N = {});
-
-/// Memory of each actuator's friction that leaves least, its own friction refitted to `residual_N` (rows); sets the Coulomb columns.
-void chooseMemory(const mechanism::Robot& robot, std::vector<identification::Observation>& recordings,
-                  const Stack& stack, const Eigen::VectorXd& residual_N, BaseFit& base);
+                const std::vector<Eigen::MatrixXd>& effects_N = {});
 
 /// Weighted regressor in base coordinates (rows: actuator after actuator, picks within), and weighted force less that of `start`.
 Eigen::MatrixXd baseRows(const BaseFit& base, const std::vector<identification::Observation>& recordings,

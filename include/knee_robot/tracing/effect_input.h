@@ -12,8 +12,8 @@ namespace knee_robot::tracing {
 struct EffectInput {
   const mechanism::Robot* robot = nullptr;
   const identification::Observation* observation = nullptr;
-  Eigen::MatrixXd share;                ///< of full Coulomb friction, in [-1, 1]: the direction, remembered at rest
-  Eigen::MatrixXd friction_position_m;  ///< that the friction's memory sees
+  Eigen::MatrixXd share;  ///< of full Coulomb friction, in [-1, 1], by the law that was chosen for the actuator
+  Eigen::MatrixXd friction_position_m;  ///< without ways back that the encoder does not tell
   Eigen::MatrixXd load_N;   ///< rigid body, rotor and offset: what the screw carries, without the actuator's friction
   Eigen::MatrixXd force_N;  ///< the whole current model
   Eigen::VectorXd coulomb_N, viscous, rotor_kg;  ///< per actuator, of the current model
@@ -32,22 +32,8 @@ struct EffectInput {
   }
 };
 
-/// How one actuator's Coulomb friction remembers its direction.
-struct FrictionMemory {
-  double width_m = 1e-5;  ///< it builds up over this distance
-  double cutoff_hz =
-      0.0;  ///< low-pass of the positions that it sees: wide for fine encoders, narrow for coarse ones; 0: none
-};
-
-/// Positions that friction sees.
-Eigen::VectorXd frictionPosition(const identification::Observation& observation, int actuator,
-                                 const FrictionMemory& memory);
-/// Share of full Coulomb friction of one actuator along the samples.
-Eigen::VectorXd frictionShare(const identification::Observation& observation, int actuator,
-                              const FrictionMemory& memory);
-/// Fills the Coulomb columns with it.
-void setFriction(identification::Observation& observation, const std::vector<identification::Column>& columns,
-                 const std::vector<FrictionMemory>& memory);
+/// How one actuator's Coulomb friction acts near rest.
+using FrictionMemory = dynamics::FrictionLaw;
 
 /// What does not depend on the model's parameters; forces are zero until setForces.
 EffectInput effectInput(const mechanism::Robot& robot, const identification::Observation& observation,
