@@ -8,6 +8,7 @@
 #include "knee_robot/mechanism/singularity.h"
 #include "knee_robot/trajectory/reference_check.h"
 #include "program.h"
+#include "reference_json.h"
 
 namespace {
 
@@ -97,10 +98,16 @@ int main(int argc, char** argv) {
   app.add_option("--robot", robot_file, "robot file (YAML)")->required();
   app.add_option("--space", space_name, "what the columns are, when the file's header does not say it")
       ->check(CLI::IsMember({"actuator", "platform", "relative"}));
+  bool json = false;
+  app.add_flag("--json", json, "print margins and path for programs, also of a reference that may not be played");
   return nodes::runProgram(app, argc, argv, [&]() -> int {
     const mechanism::Robot robot = mechanism::loadRobot(robot_file);
     const trajectory::Reference reference = trajectory::readReference(file, trajectory::spaceNamed(space_name));
     const trajectory::ReferenceCheck check = trajectory::checkReference(reference, robot);
+    if (json) {
+      std::printf("%s\n", nodes::referenceJson(reference, check).dump().c_str());
+      return kExitDone;
+    }
     printPath(reference, check, robot.axes());
     printMargins(check);
     if (robot.mechanism && check.poses.rows() > 0) printSingularity(reference, check, *robot.mechanism);

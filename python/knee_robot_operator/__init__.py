@@ -1,0 +1,1 @@
+"""The operator's page: a web server beside the controller (docs/operator.md). No part of the safety chain."""

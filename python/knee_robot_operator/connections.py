@@ -1,0 +1,93 @@
+"""What aiohttp leaves open: how many connections there may be, how long a request may take to arrive, how long an answer to leave."""
+import asyncio
+
+from aiohttp import web
+from aiohttp.web_protocol import RequestHandler
+
+MOST_CONNECTIONS = 200
+MOST_PER_ADDRESS = 40
+FIRST_REQUEST_S = 10.0
+BODY_S = 10.0
+
+
+class _Connection(RequestHandler):
+    """Closes itself when its first request has not arrived whole after FIRST_REQUEST_S. Later ones are bounded by keepalive_timeout."""
+
+    def __init__(self, gate, *arguments, **options):
+        super().__init__(*arguments, **options)
+        self._gate = gate
+        self._address = None
+        self._deadline = None
+
+    def connection_made(self, transport):
+        super().connection_made(transport)
+        peer = transport.get_extra_info("peername")
+        self._address = peer[0] if peer else "?"
+        if not self._gate.admit(self._address):
+            self._address = None
+            transport.abort()
+            return
+        self._deadline = asyncio.get_running_loop().call_later(self._gate.first_request_s, transport.abort)
+
+    def request_arrived(self):
+        if self._deadline:
+            self._deadline.cancel()
+            self._deadline = None
+
+    def connection_lost(self, exc):
+        self.request_arrived()
+        if self._address is not None:
+            self._gate.leave(self._address)
+            self._address = None
+        super().connection_lost(exc)
+
+
+class Gate:
+    """Counts the connections of each address. A protocol factory: pass protocol() to loop.create_server."""
+
+    def __init__(self, runner, first_request_s=FIRST_REQUEST_S, most=MOST_CONNECTIONS, most_per_address=MOST_PER_ADDRESS):
+        self._server = runner.server
+        self.first_request_s = first_request_s
+        self._most, self._most_per_address = most, most_per_address
+        self._count = {}
+
+    def admit(self, address):
+        if sum(self._count.values()) >= self._most or self._count.get(address, 0) >= self._most_per_address:
+            return False
+        self._count[address] = self._count.get(address, 0) + 1
+        return True
+
+    def leave(self, address):
+        self._count[address] -= 1
+        if not self._count[address]:
+            del self._count[address]
+
+    def protocol(self):
+        # What aiohttp's Server does when it is called, with our class.
+        return _Connection(self, self._server, loop=asyncio.get_running_loop(), **self._server._kwargs)
+
+
+@web.middleware
+async def bounded_request(request, handler):
+    """Notes that the request's head has arrived, and reads its body within BODY_S and the size that the application allows."""
+    if isinstance(request.protocol, _Connection):
+        request.protocol.request_arrived()
+    if request.body_exists:
+        try:
+            await asyncio.wait_for(request.read(), request.app["body_s"])
+        except asyncio.TimeoutError:
+            answer = web.json_response({"success": False, "message": "the request took too long to arrive"}, status=408)
+            answer.force_close()
+            return answer
+    return await handler(request)
+
+
+async def serve(app, address, port, tls=None, **limits):
+    """Starts serving; returns (runner, server). `runner.cleanup()` and `server.close()` end it."""
+    runner = web.AppRunner(app, access_log=None, keepalive_timeout=15.0, lingering_time=1.0, tcp_keepalive=True, handle_signals=False)
+    await runner.setup()
+    gate = Gate(runner, **limits)
+    handshake = {"ssl_handshake_timeout": gate.first_request_s} if tls else {}
+    server = await asyncio.get_running_loop().create_server(gate.protocol, address, port, ssl=tls, backlog=64, reuse_address=True,
+                                                            **handshake)
+    return runner, server

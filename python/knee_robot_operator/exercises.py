@@ -1,0 +1,49 @@
+"""The exercise list: what each reference file looks like and how near it comes to the limits, by the program check_reference."""
+import asyncio
+import collections
+import json
+import os
+
+from .answer import Refused
+
+_MOST_REMEMBERED = 200
+_LONGEST_S = 30.0
+_LARGEST_ANSWER = 2_000_000
+
+
+class Exercises:
+    """Pictures and margins are computed once per version of a file, one file at a time and at low priority."""
+
+    def __init__(self, folder, robot_file, program):
+        """`program`: the path of check_reference."""
+        self.folder, self._robot_file, self._program = folder, robot_file, program
+        self._known = collections.OrderedDict()
+        self._one_at_a_time = asyncio.Lock()
+
+    async def picture(self, name):
+        """{points, duration_s, margins, violation, path} as check_reference --json prints it; Refused when it cannot."""
+        path = self.folder.existing(name)
+        status = path.stat()
+        key = (name, status.st_mtime_ns, status.st_size)
+        async with self._one_at_a_time:
+            if key not in self._known:
+                self._known[key] = await self._look(path)
+                while len(self._known) > _MOST_REMEMBERED:
+                    self._known.popitem(last=False)
+        return self._known[key]
+
+    async def _look(self, path):
+        process = await asyncio.create_subprocess_exec(
+            self._program, str(path), "--robot", self._robot_file, "--json", stdin=asyncio.subprocess.DEVNULL,
+            stdout=asyncio.subprocess.PIPE, stderr=asyncio.subprocess.PIPE, limit=_LARGEST_ANSWER, preexec_fn=lambda: os.nice(10))
+        try:
+            out, error = await asyncio.wait_for(process.communicate(), _LONGEST_S)
+        except asyncio.TimeoutError:
+            process.kill()
+            await process.wait()
+            raise Refused(503, f"{path.name} could not be checked within {_LONGEST_S:g} s") from None
+        try:
+            return json.loads(out)
+        except ValueError:
+            sentence = error.decode(errors="replace").strip().replace(str(path), path.name)
+            return {"violation": sentence or f"{path.name} could not be checked", "margins": [], "path": None}

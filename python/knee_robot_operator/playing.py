@@ -1,0 +1,133 @@
+"""One exercise, repeated as often as asked for, as a course of requests to the robot."""
+import asyncio
+import time
+
+from .answer import Answer
+
+SLOWEST_PERCENT, FASTEST_PERCENT = 5.0, 100.0
+MOST_REPETITIONS = 100
+_LOOK_S = 0.1
+_WIND_UP_S = 5.0
+
+
+class Playing:
+    """What runs now, and how STOP ends it.
+
+    Nothing is ever queued: a request that the robot cannot follow now is refused with the reason. Every STOP raises `stops`, and whatever
+    was begun before looks at it after each wait: nothing moves by a Start that is older than the last STOP."""
+
+    def __init__(self, robot, journal):
+        self._robot, self._journal = robot, journal
+        self.stops = 0
+        self._task = None
+        self.ending = True
+        self.repetition = self.repetitions = 0
+        self.message = ""
+        self.succeeded = False
+        self.recordings = []  # names, of the last start
+        self.speed_percent = FASTEST_PERCENT
+
+    @property
+    def active(self):
+        return self._task is not None and not self._task.done()
+
+    def as_dict(self):
+        state = self._robot.state
+        left = None
+        if self.active and state and state["duration_s"] > 0:
+            share = max(self.speed_percent, 1.0) / 100.0
+            rest = max(0.0, state["duration_s"] - state["path_time_s"]) if state["playing"] else state["duration_s"]
+            left = (rest + (self.repetitions - self.repetition) * state["duration_s"]) / share
+        return {"active": self.active, "repetition": self.repetition, "repetitions": self.repetitions, "left_s": left,
+                "message": self.message, "speed_percent": self.speed_percent}
+
+    async def start(self, repetitions, record):
+        """Begins at the first point of the loaded exercise. Answers when the first repetition has begun, or with why not."""
+        stops = self.stops
+        if not 1 <= repetitions <= MOST_REPETITIONS:
+            return Answer(False, f"the exercise can be repeated 1 to {MOST_REPETITIONS} times")
+        state = self._robot.state
+        if state and state["state"] in ("stopping", "safe_stopping"):
+            return Answer(False, "the robot is still slowing down; start again when it holds")
+        if self.active and not self.ending:
+            return Answer(False, "an exercise is being played already")
+        if self.active:  # stopped, and its recording is being closed
+            await asyncio.wait({self._task}, timeout=_WIND_UP_S)
+            if self.active:
+                return Answer(False, "what was stopped has not ended yet; start again in a moment")
+        if stops != self.stops:
+            return Answer(False, "stopped before it began")
+        if not state or not state["reference_file"]:
+            return Answer(False, "choose an exercise first")
+        self.repetition, self.repetitions, self.message = 1, repetitions, ""
+        self.succeeded, self.recordings = False, []
+        begun = asyncio.get_running_loop().create_future()
+        self.ending = False
+        self._task = asyncio.create_task(self._run(stops, record, begun))
+        return await begun
+
+    async def stop(self):
+        """To be called before the robot is asked to stop. Never waits."""
+        self.stops += 1
+        self.ending = True
+        self._robot.cancel_play()
+
+    async def close(self):
+        await self.stop()
+        if self.active:
+            await asyncio.wait({self._task}, timeout=_WIND_UP_S)
+
+    async def _run(self, stops, record, begun):
+        def on_begin():
+            if not begun.done():
+                begun.set_result(Answer(True, "the exercise has begun"))
+
+        answer = Answer(False, "stopped before it began")
+        try:
+            stem = self._robot.state["reference_file"].rsplit("/", 1)[-1].rsplit(".", 1)[0]
+            stamp = time.strftime("%Y-%m-%d_%H-%M-%S")
+            for k in range(1, self.repetitions + 1):
+                self.repetition = k
+                if k > 1:
+                    answer = await self._return_to_start(stops)
+                    if not answer.success:
+                        break
+                if stops != self.stops:
+                    break
+                recording = f"{stem}_{stamp}_{k}.csv" if record else ""
+                answer = await self._robot.play(self.speed_percent, recording, on_begin)
+                if recording:
+                    self.recordings.append(recording)
+                if not answer.success or stops != self.stops:
+                    break
+            else:
+                self.succeeded = True
+        except Exception as error:  # the course ends, the server goes on
+            answer = Answer(False, f"the exercise was given up: {error}")
+            self._robot.cancel_play()
+        finally:
+            self.ending = True
+            self.message = answer.message
+            if not begun.done():
+                begun.set_result(answer)
+            self._journal.add("page", answer.message)
+
+    async def _return_to_start(self, stops):
+        """Where the exercise does not end where it begins: slowly and straight to its first point."""
+        if self._robot.at_start():
+            return Answer(True, "")
+        answer = await self._robot.ask("approach")
+        if not answer.success:
+            return answer
+        while stops == self.stops:
+            state = await self._robot.fresh_state()
+            if state is None:
+                return Answer(False, "the controller does not answer")
+            if state["state"] not in ("playing", "paused", "stopping"):
+                break
+            await asyncio.sleep(_LOOK_S)
+        if stops != self.stops:
+            return Answer(False, "stopped between two repetitions")
+        if state["state"] != "holding":
+            return Answer(False, state["cause"] or f"the robot is {state['state']}")
+        return Answer(True, "")

@@ -1,0 +1,227 @@
+#!/usr/bin/python3
+"""Playing, STOP and their races; what pages are told; languages."""
+import asyncio
+import json
+import re
+import sys
+import unittest
+
+import rosunit
+from page_rig import PAGE, PageTest, Rig, ToyRobot
+
+from knee_robot_operator.answer import Answer
+
+
+async def until(condition, seconds=5.0):
+    end = asyncio.get_running_loop().time() + seconds
+    while not condition():
+        if asyncio.get_running_loop().time() > end:
+            raise AssertionError("it did not come about")
+        await asyncio.sleep(0.01)
+
+
+START = {"repetitions": 1, "record": False}
+
+
+class Playing(PageTest):
+    async def start(self, browser, **more):
+        return (await browser.post("/api/robot/start", {**START, **more}))[1]
+
+    async def test_an_exercise_is_repeated_as_often_as_asked_for(self):
+        async with Rig(ToyRobot(play_s=0.1)) as rig, rig.browser() as browser:
+            self.assertTrue((await self.start(browser, repetitions=3, record=True))["success"])
+            await until(lambda: not rig.server.playing.active)
+            self.assertEqual(3, rig.robot.goals)
+            self.assertEqual([f"_{k}.csv" for k in (1, 2, 3)], [name[-6:] for name in rig.server.playing.recordings])
+
+    async def test_the_second_start_while_one_is_played_is_refused(self):
+        async with Rig() as rig, rig.browser() as browser:
+            first, second = await asyncio.gather(self.start(browser), self.start(browser))
+            self.assertEqual({True, False}, {first["success"], second["success"]})
+            self.assertEqual(1, rig.robot.goals)
+
+    async def test_stop_ends_all_repetitions(self):
+        async with Rig(ToyRobot(play_s=0.5, stop_s=0.1)) as rig, rig.browser() as browser:
+            await self.start(browser, repetitions=5)
+            await browser.post("/api/stop")
+            await until(lambda: not rig.server.playing.active)
+            await asyncio.sleep(0.3)
+            self.assertEqual((1, "holding"), (rig.robot.goals, rig.robot.state["state"]))
+
+    async def test_stop_between_two_repetitions_ends_them(self):
+        robot = ToyRobot(play_s=0.1)
+        async with Rig(robot) as rig, rig.browser() as browser:
+            await self.start(browser, repetitions=2)
+            robot.here = False  # it has to go back to the start slowly
+            await until(lambda: robot.state["playing"] == "approach")
+            await browser.post("/api/stop")
+            await until(lambda: not rig.server.playing.active)
+            self.assertEqual(1, robot.goals)
+
+    async def test_start_while_the_robot_slows_down_is_refused_and_nothing_of_it_stays(self):
+        async with Rig(ToyRobot(stop_s=0.3)) as rig, rig.browser() as browser:
+            await self.start(browser)
+            await browser.post("/api/stop")
+            answer = await self.start(browser)
+            self.assertEqual((False, "the robot is still slowing down; start again when it holds"), (answer["success"], answer["message"]))
+            await until(lambda: rig.robot.state["state"] == "holding")
+            await asyncio.sleep(0.3)
+            self.assertEqual((1, "holding"), (rig.robot.goals, rig.robot.state["state"]))
+
+    async def test_start_stop_and_start_again_at_any_moment_end_in_what_was_asked_for_last(self):
+        for pause in (0.0, 0.01, 0.05, 0.1, 0.2):
+            robot = ToyRobot(stop_s=0.05, play_s=0.6)
+            async with Rig(robot) as rig, rig.browser() as browser:
+                self.assertTrue((await self.start(browser))["success"])
+                await asyncio.sleep(pause)
+                await browser.post("/api/stop")
+                await asyncio.sleep(pause)
+                robot.here = True
+                answer = await self.start(browser)
+                if not answer["success"]:  # by a sentence, and then it works
+                    self.assertIn("slowing down", answer["message"])
+                    await until(lambda: robot.state["state"] == "holding")
+                    await until(lambda: not rig.server.playing.active)
+                    robot.here = True
+                    answer = await self.start(browser)
+                self.assertTrue(answer["success"], answer)
+                await until(lambda: not rig.server.playing.active)
+                self.assertEqual((2, "holding", True), (robot.goals, robot.state["state"], rig.server.playing.succeeded), pause)
+
+    async def test_stop_and_start_at_once_never_leave_the_robot_moving(self):
+        for order in ((0, 1), (1, 0)):
+            async with Rig(ToyRobot(stop_s=0.05, play_s=2.0)) as rig, rig.browser() as browser:
+                calls = [browser.post("/api/stop"), browser.post("/api/robot/start", START)]
+                await asyncio.gather(*(calls[k] for k in order))
+                await browser.post("/api/stop")
+                await until(lambda: rig.robot.state["state"] == "holding")
+                await until(lambda: not rig.server.playing.active)
+
+    async def test_a_controller_that_falls_silent_ends_what_is_played(self):
+        robot = ToyRobot()
+
+        async def play(_speed, _recording, on_begin):
+            on_begin()
+            return Answer(False, "the controller fell silent")
+
+        robot.play = play
+        async with Rig(robot) as rig, rig.browser() as browser:
+            await self.start(browser, repetitions=3)
+            await until(lambda: not rig.server.playing.active)
+            self.assertEqual("the controller fell silent", rig.server.playing.message)
+            robot.silent = True
+            self.assertFalse((await self.start(browser))["success"])
+            self.assertIsNone(rig.server.snapshot()["robot"])
+
+
+class Stop(PageTest):
+    def services(self, rig):
+        return [service for service, _ in rig.robot.asked]
+
+    async def test_stop_does_not_wait_behind_an_order_that_hangs(self):
+        robot = ToyRobot()
+        robot.answers["enable"] = 30.0
+        async with Rig(robot) as rig, rig.browser() as browser, rig.browser() as other:
+            hanging = asyncio.create_task(other.post("/api/robot/enable"))
+            await until(lambda: "enable" in self.services(rig))
+            self.assertTrue((await asyncio.wait_for(browser.post("/api/stop"), 2))[1]["success"])
+            hanging.cancel()
+
+    async def test_stop_that_is_refused_unanswered_or_pressed_again_becomes_the_safe_stop(self):
+        for state, answer in (("playing", Answer(False, "no")), ("playing", 30.0), ("enabling", None), ("homing", None)):
+            robot = ToyRobot(state)
+            if answer is not None:
+                robot.answers["stop"] = answer
+            async with Rig(robot) as rig, rig.browser() as browser:
+                await browser.post("/api/stop")
+                self.assertEqual("emergency_stop", self.services(rig)[-1], (state, answer))
+        robot = ToyRobot("playing", stop_s=5.0)
+        async with Rig(robot) as rig, rig.browser() as browser:
+            await browser.post("/api/stop")
+            self.assertEqual(["stop"], self.services(rig))
+            await asyncio.sleep(0.6)
+            await browser.post("/api/stop")
+            self.assertEqual("emergency_stop", self.services(rig)[-1])
+
+    async def test_a_robot_that_does_not_come_to_rest_is_stopped_safely(self):
+        async with Rig(ToyRobot("playing", stop_s=30.0)) as rig, rig.browser() as browser:
+            await browser.post("/api/stop")
+            await until(lambda: "emergency_stop" in self.services(rig), 8.0)
+
+    async def test_a_finger_that_trembles_stops_once(self):
+        async with Rig(ToyRobot("playing", stop_s=0.2)) as rig, rig.browser() as browser:
+            await asyncio.gather(*(browser.post("/api/stop") for _ in range(5)))
+            await until(lambda: rig.robot.state["state"] == "holding")
+            self.assertNotIn("emergency_stop", self.services(rig))
+
+    async def test_nobody_who_answers_is_said(self):
+        robot = ToyRobot("playing")
+        robot.answers.update(stop=30.0, emergency_stop=30.0)
+        async with Rig(robot) as rig, rig.browser() as browser:
+            answer = (await browser.post("/api/stop"))[1]
+            self.assertFalse(answer["success"])
+            self.assertIn("hand switch", answer["message"])
+
+    async def test_stop_works_as_a_plain_form_too(self):
+        async with Rig() as rig, rig.browser() as browser:
+            async with browser.session.post(rig.url + "/api/stop", data={}) as answer:
+                self.assertEqual(200, answer.status)
+            self.assertEqual(["stop"], self.services(rig))
+
+
+class Telling(PageTest):
+    async def test_a_fault_is_told_at_once_and_stands_in_the_log(self):
+        async with Rig() as rig, rig.browser() as browser:
+            async with browser.session.ws_connect(rig.url + "/api/live") as socket:
+                rig.robot.become("faulted", fault="stalled", cause="leg 2: the drive pushes and the axis stands still; look")
+                kinds = {}
+                while "event" not in kinds or kinds["state"]["robot"]["state"] != "faulted":
+                    message = await socket.receive_json(timeout=3)
+                    kinds[message["type"]] = message["content"]
+                self.assertEqual(("fault", "stalled"), (kinds["event"]["kind"], kinds["event"]["name"]))
+
+    async def test_what_others_ask_is_in_the_log_and_what_we_ask_only_once(self):
+        async with Rig() as rig, rig.browser() as browser:
+            rig.robot.say(True, "start refused: no reference is loaded")
+            rig.robot.answers["enable"] = Answer(False, "the axes do not know where they are")
+            await browser.post("/api/robot/enable")
+            rig.robot.say(True, "enable refused: the axes do not know where they are")
+            texts = [e["text"] for e in (await browser.get("/api/events"))[1]["events"]]
+            self.assertIn("start refused: no reference is loaded", texts)
+            self.assertEqual(1, sum("enable" in t for t in texts))
+
+    async def test_a_lost_page_pauses_only_where_configured(self):
+        for patience, expected in ((0.0, False), (0.2, True)):
+            async with Rig(ToyRobot("playing"), lost_page_pause_s=patience) as rig, rig.browser() as browser:
+                async with browser.session.ws_connect(rig.url + "/api/live"):
+                    await asyncio.sleep(0.6)
+                    self.assertNotIn(("pause", {}), rig.robot.asked)
+                await asyncio.sleep(0.8)
+                self.assertEqual(expected, ("pause", {}) in rig.robot.asked)
+
+
+class Languages(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.words = {f.stem: json.loads(f.read_text()) for f in (PAGE / "languages").glob("*.json")}
+
+    def test_every_language_has_every_word(self):
+        base = set(self.words["en"])
+        for code, words in self.words.items():
+            own = {key for key in words if not key.startswith("fault.")}
+            self.assertEqual(base, own, code)
+
+    def test_the_page_uses_words_that_there_are(self):
+        text = "".join(f.read_text() for f in PAGE.glob("*.*"))
+        used = set(re.findall(r'data-(?:text|say)="([\w.]+)"', text)) | set(re.findall(r'text\("([\w.]+)"', text))
+        self.assertEqual(set(), used - set(self.words["en"]))
+        self.assertGreater(len(used), 60)
+
+    def test_translated_sentences_have_the_places_of_their_originals(self):
+        for code, words in self.words.items():
+            for original, translated in words["sentences"].items():
+                self.assertLessEqual(set(re.findall(r"\{\d\}", translated)), set(re.findall(r"\{\d\}", original)), (code, original))
+
+
+if __name__ == "__main__":
+    rosunit.unitrun("knee_robot", "operator_page", "page_test", sys.argv)
