@@ -18,6 +18,14 @@ foreach(test_file ${room_tests})
   endif()
 endforeach()
 
+# test/operator/NAME_test.py: unit tests of the operator's page; they need neither a master nor a robot.
+file(GLOB page_tests RELATIVE ${CMAKE_SOURCE_DIR} CONFIGURE_DEPENDS ${CMAKE_SOURCE_DIR}/test/operator/*_test.py)
+foreach(page_test ${page_tests})
+  get_filename_component(name ${page_test} NAME_WE)
+  add_test(NAME operator_${name} COMMAND ${CMAKE_BINARY_DIR}/catkin_generated/env_cached.sh ${PYTHON_EXECUTABLE} ${CMAKE_SOURCE_DIR}/${page_test}
+    --gtest_output=xml:${CMAKE_BINARY_DIR}/test_results/knee_robot/operator-${name}.xml)
+endforeach()
+
 # Each rostest has a roscore and a simulated robot of its own. They run one at a time: a robot that shares the machine with
 # compute-bound tests would measure those.
 file(GLOB ros_tests RELATIVE ${CMAKE_SOURCE_DIR} CONFIGURE_DEPENDS ${CMAKE_SOURCE_DIR}/test/nodes/*.test)

@@ -83,11 +83,18 @@ async def bounded_request(request, handler):
 
 
 async def serve(app, address, port, tls=None, **limits):
-    """Starts serving; returns (runner, server). `runner.cleanup()` and `server.close()` end it."""
+    """Starts serving; returns (listening server, coroutine function that ends it)."""
     runner = web.AppRunner(app, access_log=None, keepalive_timeout=15.0, lingering_time=1.0, tcp_keepalive=True, handle_signals=False)
     await runner.setup()
     gate = Gate(runner, **limits)
     handshake = {"ssl_handshake_timeout": gate.first_request_s} if tls else {}
     server = await asyncio.get_running_loop().create_server(gate.protocol, address, port, ssl=tls, backlog=64, reuse_address=True,
                                                             **handshake)
-    return runner, server
+
+    async def end():
+        server.close()
+        await runner.shutdown()
+        await runner.server.shutdown(2.0)
+        await runner.cleanup()
+
+    return server, end

@@ -73,7 +73,10 @@ class ReportFolders:
         self.path = pathlib.Path(path)
 
     def existing(self, name, file):
-        return Folder(self.path / plain_name(name), self.ENDINGS).existing(file)
+        folder = self.path / plain_name(name)
+        if folder.is_symlink():
+            raise Refused(404, f"there is no report {name}")
+        return Folder(folder, self.ENDINGS).existing(file)
 
     def entries(self):
         """[{name, changed, files}] of the folders that hold a report, the newest first."""

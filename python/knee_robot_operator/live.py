@@ -33,14 +33,14 @@ class Live:
     def __init__(self, snapshot, curves, sessions):
         self._snapshot, self._curves, self._sessions = snapshot, curves, sessions
         self._pages = set()
-        self._changed = asyncio.Event()
+        self._has_changed = False
 
     def operators(self):
         """Open pages that may operate."""
         return sum(may(page.session.role, "operate") for page in self._pages)
 
     def changed(self):
-        self._changed.set()
+        self._has_changed = True
 
     def tell(self, kind, content):
         if self._pages:
@@ -49,22 +49,18 @@ class Live:
                 page.offer(text)
 
     async def run(self):
-        told, curve = 0.0, None
+        told, drawn, curve = 0.0, 0.0, None
         while True:
-            try:
-                await asyncio.wait_for(self._changed.wait(), LIVE_S)
-            except asyncio.TimeoutError:
-                pass
+            await asyncio.sleep(LIVE_S / 2)
             now = time.monotonic()
-            if self._changed.is_set() or now - told >= STATE_S:
-                self._changed.clear()
+            if self._has_changed or now - told >= STATE_S:
+                self._has_changed = False
                 told = now
                 self.tell("state", self._snapshot())
-            newest = self._curves() if self._pages else None
+            newest = self._curves() if self._pages and now - drawn >= LIVE_S else None
             if newest and newest != curve:
-                curve = newest
+                curve, drawn = newest, now
                 self.tell("live", curve)
-            await asyncio.sleep(LIVE_S / 2)  # however often things change
 
     async def serve(self, request, session):
         """GET /api/live, a WebSocket; whatever the page says on it is ignored."""

@@ -164,9 +164,8 @@ class Rig:
         app = self.server.application()
         if self._body_s:
             app["body_s"] = self._body_s
-        runner, listener = await serve(app, settings.address, 0, settings.tls_context(), **self._limits)
-        self._stack.push_async_callback(runner.cleanup)
-        self._stack.callback(listener.close)
+        listener, end = await serve(app, settings.address, 0, settings.tls_context(), **self._limits)
+        self._stack.push_async_callback(end)
         self.port = listener.sockets[0].getsockname()[1]
         self.scheme = "https" if settings.tls else "http"
         self.url = f"{self.scheme}://127.0.0.1:{self.port}"
