@@ -40,7 +40,7 @@ function row(recording) {
   box.checked = chosen.has(recording.name);
   box.onchange = () => { if (box.checked) chosen.add(recording.name); else chosen.delete(recording.name); mark(); };
   name.textContent = recording.name.replace(/\.csv$/, "");
-  size.textContent = `${when(recording.changed)} · ${number(recording.bytes / 1e6, 1)} MB`;
+  size.textContent = `${number(recording.bytes / 1e6, 1)} MB`;
   line.append(box, name, size);
   return line;
 }

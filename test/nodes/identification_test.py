@@ -117,5 +117,5 @@ class Identification(unittest.TestCase):
 
 
 if __name__ == "__main__":
-    rospy.init_node("identification_test")
-    rostest.rosrun("knee_robot", "identification", Identification)
+    rospy.init_node("identified")
+    rostest.rosrun("knee_robot", "identified", Identification)
