@@ -132,6 +132,13 @@ export function update(now, new_role) {
   mark();
 }
 
+// Without the parts that only an engineer reads; the log has all of it.
+export function shortly(message) {
+  const parts = message.split("; ");
+  const without = parts.filter((part, k) => k === 0 || !(part.includes("/") || part.includes("cycles")));
+  return without.join("; ");
+}
+
 function progress(robot, playing) {
   const moves = robot && ["playing", "paused", "stopping"].includes(robot.state);
   $("progress").value = moves ? robot.progress : 0;
@@ -141,7 +148,7 @@ function progress(robot, playing) {
   } else if (moves) {
     words = text("progress.moving", { percent: number(100 * robot.progress, 0) });
   } else if (playing.message) {
-    words = sentence(playing.message);
+    words = sentence(shortly(playing.message));
   }
   $("progress-words").textContent = words;
 }

@@ -89,7 +89,7 @@ function show() {
   $("job-share").value = job.share;
   let words = "";
   if (job.active) words = `${text(`job.${job.command}`)}: ${sentence(job.stage)}`;
-  else if (job.message) words = sentence(job.message);
+  else if (job.message) words = job.message.includes("/") ? text("job.done") : sentence(job.message);
   $("job-words").textContent = words;
   const key = JSON.stringify(job.result || null) + document.documentElement.lang;
   if ($("job-result").dataset.shown === key) return;

@@ -9,7 +9,10 @@ function show(state, what, next) {
   if ($("status-next").textContent !== next) $("status-next").textContent = next;
 }
 
-export function lost() { show("lost", text("state.lost"), text("next.lost")); }
+export function lost() {
+  document.body.classList.add("lost");  // what is seen is old: no order may rest on it. STOP is always there.
+  show("lost", text("state.lost"), text("next.lost"));
+}
 export function anonymous() { show("unknown", text("login.title"), ""); $("status-patient").textContent = ""; }
 
 // The next step: a key of the languages without "next.", and the order that belongs to it.
@@ -41,6 +44,7 @@ export function occupancy(robot) {
 }
 
 export function update(content) {
+  document.body.classList.remove("lost");
   const robot = content.robot;
   $("status-patient").textContent = occupancy(robot);
   if (!robot) return show("lost", text("state.silent"), text("next.silent"));

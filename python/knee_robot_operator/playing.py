@@ -59,6 +59,8 @@ class Playing:
             return Answer(False, "stopped before it began")
         if not state or not state["reference_file"]:
             return Answer(False, "choose an exercise first")
+        if state["state"] == "holding" and not self._robot.at_start():
+            return Answer(False, "the robot does not stand at the exercise's start; go to the start first")
         self.repetition, self.repetitions, self.message = 1, repetitions, ""
         self.succeeded, self.recordings = False, []
         begun = asyncio.get_running_loop().create_future()

@@ -130,24 +130,26 @@ class RosRobot:
         return await self._loop.run_in_executor(None, look)
 
     async def play(self, speed_percent, recording, on_begin):
-        """Plays the loaded reference once through the action `play`; answers when it has ended. `on_begin` when the goal is active."""
+        """Plays the loaded reference once through the action `play`; answers when it has ended. `on_begin` when the robot has set off: a
+        goal that is accepted may still be refused where it would begin."""
         done = self._loop.create_future()
 
         def transition(handle):
-            status = handle.get_goal_status()
-            if status == GoalStatus.ACTIVE:
-                self._loop.call_soon_threadsafe(on_begin)
             if handle.get_comm_state() == actionlib.CommState.DONE:
                 result = handle.get_result()
                 sentence = (result.message if result else "") or handle.get_goal_status_text() or "no result came"
                 answer = Answer(handle.get_terminal_state() == GoalStatus.SUCCEEDED, sentence)
                 self._loop.call_soon_threadsafe(lambda: done.done() or done.set_result(answer))
 
+        def feedback(_handle, message):
+            if message.phase == "playing":
+                self._loop.call_soon_threadsafe(on_begin)
+
         def send():
             if not self._client.wait_for_server(rospy.Duration(5.0)):
                 raise rospy.ROSException("no action server")
             goal = PlayGoal(speed_percent=speed_percent, record=bool(recording), recording=recording)
-            self._goal = self._client.send_goal(goal, transition_cb=transition)
+            self._goal = self._client.send_goal(goal, transition_cb=transition, feedback_cb=feedback)
             return self._goal
 
         try:

@@ -21,6 +21,9 @@ from .stopping import Stopping
 _TYPES = {".html": "text/html", ".js": "text/javascript", ".css": "text/css", ".json": "application/json", ".svg": "image/svg+xml"}
 
 
+_OTHERS_S = 1.0
+
+
 def read_pages(folder):
     """Every file of the page's folder by its path; nothing else can be asked for, whatever a request's path says."""
     folder = pathlib.Path(folder)
@@ -75,10 +78,12 @@ class Server:
         self.live.changed()
 
     def on_log(self, is_warning, sentence):
-        """What the controller says, other people's requests among it; our own are in the log already."""
-        if any(own and own in sentence for own in self._own_sentences):
-            return
-        self.events.add("controller", sentence, warning=is_warning)
+        """What the controller says, other people's requests among it. A second later, when it is known which were our own."""
+        def add():
+            if not any(own and own in sentence for own in (*self._own_sentences, self.playing.message)):
+                self.events.add("controller", sentence, warning=is_warning)
+
+        asyncio.get_running_loop().call_later(_OTHERS_S, add)
 
     def note(self, request, session, what, answer):
         """One request and its answer, into both logs."""

@@ -139,6 +139,8 @@ class OperatorPage(unittest.TestCase):
             page.run("document.querySelector('[data-order=start]').click()")  # faster than a finger
             page.run("document.querySelector('[data-order=start]').disabled = false; document.querySelector('[data-order=start]').click()")
             page.wait_for_state("holding")
+            page.wait(lambda: "STOP" not in page.text("#answer") and page.find("#answer").is_displayed(), what="why Start was refused")
+            self.assertNotIn("ha empezado", page.text("#answer"))
             if attempt == 0:
                 page.photograph("phone_stopped")
             time.sleep(1.0)

@@ -166,6 +166,7 @@ class Injection(PageTest):
         async with Rig() as rig, rig.browser() as browser:
             rig.robot.say(True, 'refused\n{"kind": "request", "user": "chief"}')
             await browser.post("/api/jobs", {"command": 'x"\n{"kind":"request"}', "train": []})
+            await asyncio.sleep(1.2)
             lines = (rig.folder / "log" / "events.jsonl").read_text().splitlines()
             self.assertTrue(all(json.loads(line)["kind"] in ("page", "controller") for line in lines), lines)
 

@@ -34,6 +34,15 @@ class Playing(PageTest):
             self.assertEqual(3, rig.robot.goals)
             self.assertEqual([f"_{k}.csv" for k in (1, 2, 3)], [name[-6:] for name in rig.server.playing.recordings])
 
+    async def test_start_away_from_the_start_is_refused_and_nothing_is_recorded(self):
+        robot = ToyRobot()
+        robot.here = False
+        async with Rig(robot) as rig, rig.browser() as browser:
+            answer = await self.start(browser, record=True)
+            self.assertFalse(answer["success"])
+            self.assertIn("go to the start", answer["message"])
+            self.assertEqual((0, []), (robot.goals, rig.server.playing.recordings))
+
     async def test_the_second_start_while_one_is_played_is_refused(self):
         async with Rig() as rig, rig.browser() as browser:
             first, second = await asyncio.gather(self.start(browser), self.start(browser))
@@ -186,6 +195,8 @@ class Telling(PageTest):
             rig.robot.answers["enable"] = Answer(False, "the axes do not know where they are")
             await browser.post("/api/robot/enable")
             rig.robot.say(True, "enable refused: the axes do not know where they are")
+            await until(lambda: any("start refused" in e["text"] for e in rig.server.events.entries()))
+            await asyncio.sleep(0.2)
             texts = [e["text"] for e in (await browser.get("/api/events"))[1]["events"]]
             self.assertIn("start refused: no reference is loaded", texts)
             self.assertEqual(1, sum("enable" in t for t in texts))
