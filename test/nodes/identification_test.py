@@ -32,7 +32,7 @@ class Identification(unittest.TestCase):
         cls.folder = pathlib.Path(rospy.get_param("~folder"))
         cls.report = cls.folder / "identified" / "report.json"
         began = rospy.get_time()
-        wait_until(lambda: cls.report.exists() and cls.report.stat().st_mtime > began - 60, 200, "the report of identification.launch")
+        wait_until(lambda: cls.report.exists() and cls.report.stat().st_mtime > began - 60, 420, "the report of identification.launch")
         cls.recordings = [p.name for p in sorted((cls.folder / "recordings").glob("excitation_*.csv"))][-2:]
         cls.client = actionlib.SimpleActionClient("identify_recordings", IdentifyRecordingsAction)
         assert cls.client.wait_for_server(rospy.Duration(30)), "no action server"

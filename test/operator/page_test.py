@@ -7,7 +7,7 @@ import sys
 import unittest
 
 import rosunit
-from page_rig import PAGE, PageTest, Rig, ToyRobot
+from page_rig import PAGE, ROOT, PageTest, Rig, ToyRobot
 
 from knee_robot_operator.answer import Answer
 
@@ -221,6 +221,13 @@ class Languages(unittest.TestCase):
         for code, words in self.words.items():
             own = {key for key in words if not key.startswith("fault.")}
             self.assertEqual(base, own, code)
+
+    def test_every_fault_of_the_machine_has_its_sentence_in_every_other_language(self):
+        faults = re.findall(r"^\| \d+ \| `(\w+)` \|", (ROOT / "docs" / "safety.md").read_text(), re.MULTILINE)
+        self.assertGreater(len(faults), 40)
+        for code, words in self.words.items():
+            missing = [] if code == "en" else [f for f in faults if f"fault.{f}" not in words]
+            self.assertEqual([], missing, f"add them to operator/languages/{code}.json")
 
     def test_the_page_uses_words_that_there_are(self):
         text = "".join(f.read_text() for f in PAGE.glob("*.*"))
