@@ -14,12 +14,10 @@ let tab = "exercise", session = null, endListening = null, state = null;
 
 // ---- STOP: works before everything else, without login, and never asks back
 function wireStop() {
-  let pressed = 0;
   const press = async (event) => {
     event.preventDefault();
-    const now = performance.now();
-    if (event.type === "click" && now - pressed < 600) return;  // the click that follows a pointerdown
-    pressed = now;
+    // The click that follows a finger's pointerdown, however late: only a keyboard's click has no detail.
+    if (event.type === "click" && event.detail !== 0) return;
     $("stop").classList.add("sent");
     const answer = await stop();
     $("stop").classList.remove("sent");

@@ -8,6 +8,7 @@
 #include <memory>
 
 #include "controller_action.h"
+#include "controller_components.h"
 #include "controller_diagnostics.h"
 #include "controller_feedforward.h"
 #include "controller_gains.h"
@@ -21,7 +22,7 @@ namespace knee_robot::nodes {
 /// Everything of the controller that ROS sees: services, topics, the action, diagnostics, gains. One object so that it can be made
 /// anew when the master was restarted. Each group has its own callback queue and threads, so none waits for another:
 ///
-///     commands (3 threads)  what may take seconds: enable, home, load, ...
+///     commands (3 threads)  what may take seconds: enable, home, load, ...; the components
 ///     stops (4)             emergency_stop, stop, pause, disable, set_speed, get_state
 ///     action (2)            goals and cancels of ~play
 ///     topics (1)            publishing and diagnostics
@@ -69,6 +70,7 @@ class ControllerInterface {
   ControllerTopics topics_;
   ControllerTiming timing_;
   ControllerDiagnostics diagnostics_;
+  ControllerComponents components_;
   ControllerServices services_;
   Running running_;
 };

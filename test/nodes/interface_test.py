@@ -21,6 +21,7 @@ from visualization_msgs.msg import MarkerArray
 sys.path.insert(0, str(pathlib.Path(__file__).parent))
 import movements  # noqa: E402
 from knee_robot.msg import ControllerState, Forces, Margins, Timing, TimingHistograms, Tracking  # noqa: E402
+from knee_robot.srv import ListComponents, SetProperty  # noqa: E402
 from robot_client import Player, RobotClient, run_program  # noqa: E402
 
 COORDINATES = "q11 q12 q13 q21 q22 q23 q31 q32 q33 q41 q42 Xm Zm theta psi".split()
@@ -147,6 +148,36 @@ class Interface(unittest.TestCase):
         self.assertLess(max(sums) - min(sums), 0.2 * forces.feedforward_N[3])
         self.assertAlmostEqual(forces.feedforward_N[3], hear("/controller/forces", Forces).feedforward_N[3], delta=1.0)
         self.assertEqual("holding", self.robot.state().state)
+
+    def test_every_component_shows_its_state_ports_properties_and_operations_while_it_runs(self):
+        list_components = self.robot.service("list_components", ListComponents)
+        components = {c.name: c for c in list_components("").components}
+        self.assertTrue({"AxesInput", "Sync", "Driver1", "Driver4", "Supervisor", "AxesOutput"} <= set(components), components.keys())
+        self.assertEqual({"Running"}, {c.state for c in components.values()})
+        driver = list_components("Driver4").components[0]
+        self.assertTrue(any(p.output and p.connected for p in driver.ports))
+        self.assertTrue(all(p.description and p.type for p in driver.ports))
+        proportional = next(p for p in driver.properties if p.name == "proportional_N_per_m")
+        self.assertTrue(proportional.at_run_time and float(proportional.value) > 0 and proportional.range, proportional)
+        self.assertTrue(components["Sync"].operations or components["Recorder"].operations or components["Supervisor"].operations)
+        self.assertFalse(list_components("Driver9").success)
+
+    def test_properties_change_within_their_range_only(self):
+        set_property = self.robot.service("set_property", SetProperty)
+        value = lambda: next(p.value for p in self.robot.service("list_components", ListComponents)("Driver1").components[0].properties
+                             if p.name == "proportional_N_per_m")
+        before = value()
+        changed = set_property("Driver1", "proportional_N_per_m", "31000")
+        self.assertTrue(changed.success, changed.message)
+        self.assertEqual(31000.0, float(value()))
+        for component, name, wrong in (("Driver1", "proportional_N_per_m", "-1"), ("Driver1", "proportional_N_per_m", "1e12"),
+                                       ("Driver1", "proportional_N_per_m", "nan"), ("Driver1", "proportional_N_per_m", "1\n2"),
+                                       ("Driver1", "axis", "2"), ("Driver1", "no_such", "1"), ("Driver9", "axis", "1"), ("", "", "")):
+            answer = set_property(component, name, wrong)
+            self.assertFalse(answer.success, (component, name, wrong))
+            self.assertTrue(answer.message)
+        self.assertEqual(31000.0, float(value()))
+        self.assertTrue(set_property("Driver1", "proportional_N_per_m", before).success)
 
     def test_gains_change_within_their_bounds_and_without_a_bump(self):
         self.robot.bring_to("holding")
