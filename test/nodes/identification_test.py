@@ -46,7 +46,7 @@ class Identification(unittest.TestCase):
 
         self.client.send_goal(IdentifyRecordingsGoal(**fields), feedback_cb=listen)
 
-    def end(self, seconds=120):
+    def end(self, seconds=240):
         self.assertTrue(self.client.wait_for_result(rospy.Duration(seconds)), "the goal has no result")
         return GoalStatus.to_string(self.client.get_state()), self.client.get_result()
 
@@ -101,7 +101,7 @@ class Identification(unittest.TestCase):
 
     def test_5_a_run_can_be_cancelled_a_second_goal_is_rejected_meanwhile_and_nothing_stays(self):
         self.send(command="trace", train=self.recordings[:1], validate=self.recordings[1:], output="cancelled")
-        self.assertTrue(self.heard.wait(30))
+        self.assertTrue(self.heard.wait(120))
         second = actionlib.SimpleActionClient("identify_recordings", IdentifyRecordingsAction)
         self.assertTrue(second.wait_for_server(rospy.Duration(10)))
         second.send_goal(IdentifyRecordingsGoal(command="compare", train=self.recordings[:1]))
