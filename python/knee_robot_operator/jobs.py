@@ -3,6 +3,7 @@ import asyncio
 import os
 import pathlib
 import shutil
+import signal
 import time
 
 from .answer import Answer
@@ -120,12 +121,12 @@ class Jobs:
         process = await asyncio.create_subprocess_exec(
             self._plan, "--robot", self._settings.robot, "--seed", str(seed), "--duration", str(_EXCITATION_S), "--seconds", str(_PLANNING_S),
             "-o", str(folder / name), stdin=asyncio.subprocess.DEVNULL, stdout=asyncio.subprocess.DEVNULL, stderr=asyncio.subprocess.PIPE,
-            preexec_fn=lambda: os.nice(10))
+            start_new_session=True, preexec_fn=lambda: os.nice(10))
         talk = asyncio.create_task(process.communicate())
         while not talk.done():
             await asyncio.wait({talk}, timeout=0.2)
             if self._cancelled:
-                process.terminate()
+                os.killpg(process.pid, signal.SIGTERM)  # with whatever it has started
                 await talk
                 raise _Ended("cancelled; nothing of it was kept")
         if process.returncode != 0:
