@@ -81,6 +81,8 @@ class ToyRobot:
         if service == "stop" and self._state["state"] in ("playing", "paused"):
             self.become("stopping")
             asyncio.get_running_loop().call_later(self.stop_s, self._rest)
+        if service == "load_reference":
+            self._state["reference_file"] = fields["file"]
         if service == "emergency_stop":
             self.become("safe_stopping")
         if service == "approach":
