@@ -25,6 +25,7 @@ foreach(page_test ${page_tests})
   add_test(NAME operator_${name} COMMAND ${CMAKE_BINARY_DIR}/catkin_generated/env_cached.sh ${PYTHON_EXECUTABLE} ${CMAKE_SOURCE_DIR}/${page_test}
     --gtest_output=xml:${CMAKE_BINARY_DIR}/test_results/knee_robot/operator-${name}.xml)
 endforeach()
+set_tests_properties(operator_browser_test PROPERTIES RUN_SERIAL ON)  # a browser beside compute-bound tests takes a minute to start
 
 # Each rostest has a roscore and a simulated robot of its own. They run one at a time: a robot that shares the machine with
 # compute-bound tests would measure those.

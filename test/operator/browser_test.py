@@ -1,0 +1,86 @@
+#!/usr/bin/python3
+"""The page itself in a real browser, with a robot that only remembers: what the rostest's robot does not come to. Skipped, and said so,
+where there is no Chromium."""
+import asyncio
+import pathlib
+import sys
+import unittest
+
+import rosunit
+from page_rig import ROOT, PageTest, Rig, ToyRobot
+
+sys.path.insert(0, str(ROOT / "test" / "nodes"))
+import page_browser  # noqa: E402
+
+WHY_NOT = page_browser.why_not()
+
+
+@unittest.skipIf(WHY_NOT, f"NO BROWSER TEST: {WHY_NOT}; scripts/install_dependencies installs it")
+class ThePageInABrowser(PageTest):
+    async def use(self, robot, work, size=page_browser.PHONE):
+        """work(page) on a thread, beside the server's loop."""
+        async with Rig(robot) as rig:
+            def run():
+                page = page_browser.Page(rig.url, size, pathlib.Path(rig.folder))
+                try:
+                    return work(page)
+                finally:
+                    page.close()
+            await asyncio.get_running_loop().run_in_executor(None, run)
+            return [service for service, _ in rig.robot.asked]
+
+    async def test_nothing_is_offered_before_somebody_says_who_is_on_the_robot(self):
+        robot = ToyRobot("disabled")
+        robot._state.update(occupancy="unknown")
+
+        def work(page):
+            page.wait_for_state("disabled")
+            page.wait(lambda: "who is on the robot" in page.text("#status-next"), what="the question")
+            self.assertFalse(page.find("[data-order=enable]").is_enabled())
+            page.tab("patient")
+            page.order("declare_empty")
+            robot._state.update(occupancy="empty")
+            page.wait(lambda: "Nobody" in page.text("#status-patient"), what="the answer")
+            page.tab("exercise")
+            page.order("enable")
+
+        self.assertEqual(["declare_empty", "enable"], await self.use(robot, work))
+
+    async def test_one_press_of_stop_is_one_stop_however_slow_the_tablet(self):
+        def work(page):
+            page.wait_for_state("playing")
+            page.run("addEventListener('pointerdown', () => { const end = performance.now() + 900; while (performance.now() < end); }, true)")
+            page.stop()
+            page.wait(lambda: page.find("#answer").is_displayed(), what="STOP's answer")
+
+        self.assertEqual(["stop"], await self.use(ToyRobot("playing", stop_s=2.0), work))
+
+    async def test_a_fault_is_said_in_spanish_with_what_to_do(self):
+        robot = ToyRobot("faulted")
+        robot._state.update(fault="stalled", cause="leg 2: the drive pushes and the axis stands still; look for an obstacle")
+
+        def work(page):
+            page.wait_for_state("faulted")
+            page.language("es")
+            page.wait(lambda: "El motor empuja" in page.text("#status-next"), what="the sentence")
+            self.assertIn("Atienda primero al paciente", page.text("#status-next"))
+            self.assertTrue(page.stop_is_on_top())
+            page.order("reset_faults")
+
+        self.assertEqual(["reset_faults"], await self.use(robot, work))
+
+    async def test_a_silent_controller_is_said_and_nothing_can_be_ordered_but_stop(self):
+        robot = ToyRobot()
+        robot.silent = True
+
+        def work(page):
+            page.wait_for_state("lost")
+            self.assertIn("hand switch", page.text("#status-next"))
+            self.assertFalse(any(b.is_enabled() for b in page.all("[data-order]")))
+            page.stop()
+
+        self.assertEqual(["stop"], await self.use(robot, work))
+
+
+if __name__ == "__main__":
+    rosunit.unitrun("knee_robot", "operator_browser", "browser_test", sys.argv)
