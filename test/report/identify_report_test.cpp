@@ -80,8 +80,8 @@ TEST(IdentifyHtml, IsSelfContainedAndComplete) {
   EXPECT_EQ(html.find("http"), std::string::npos) << "nothing from outside";
   EXPECT_EQ(html.find("<script"), std::string::npos);
   EXPECT_NE(html.find("identify --output &quot;&lt;here&gt;&quot;"), std::string::npos);
-  for (const char* part : {"<h2>Errors</h2>", "Error against the prior's strength", "Friction near rest", "Parameters", "What was done with the signals",
-                           "Reproduce", "Validation: synthetic_1", "Fc_2"}) {
+  for (const char* part : {"<h2>Errors</h2>", "Error against the prior's strength", "Friction near rest", "Parameters",
+                           "What was done with the signals", "Reproduce", "Validation: synthetic_1", "Fc_2"}) {
     EXPECT_NE(html.find(part), std::string::npos) << part;
   }
 }
