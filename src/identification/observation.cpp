@@ -1,5 +1,8 @@
 #include "knee_robot/identification/observation.h"
 
+#include <algorithm>
+#include <cmath>
+
 #include "knee_robot/dynamics/regressor.h"
 #include "knee_robot/identification/masking.h"
 #include "knee_robot/recording/filter.h"
@@ -9,6 +12,7 @@ namespace {
 
 constexpr double kWideOpen = 1e6;
 constexpr double kUsualCondition = 60.0;
+constexpr double kVelocityNoise_m_per_s = 1e-4;
 
 /// Regressor rows of the parallel robot, with the joints' friction or without. Where the pose is not known the row before is kept;
 /// such samples are masked.
@@ -63,6 +67,15 @@ double conditionLimit(const mechanism::Robot& robot, const ObservationOptions& o
   return open ? kUsualCondition : robot.singularity_condition_max;
 }
 
+double motionCutoff(const mechanism::Robot& robot, double cutoff_hz, double rate_hz) {
+  double count = 0.0;
+  for (const mechanism::Actuator& a : robot.actuators)
+    count = std::max(count, a.metresPerCount());
+  // White rounding noise, count / sqrt(12), below f, differentiated: count / sqrt(12) * sqrt(2 f / rate) * 2 pi f / sqrt(3).
+  const double at_1_hz = count / std::sqrt(12.0) * std::sqrt(2.0 / rate_hz) * 2.0 * M_PI / std::sqrt(3.0);
+  return std::clamp(std::pow(kVelocityNoise_m_per_s / at_1_hz, 2.0 / 3.0), 3.0 * cutoff_hz, 5.0 * cutoff_hz);
+}
+
 std::vector<double> forcePerVolt(const mechanism::Robot& robot) {
   std::vector<double> factors;
   for (const mechanism::Actuator& a : robot.actuators)
@@ -79,8 +92,11 @@ Observation observe(const mechanism::Robot& robot, const std::vector<Column>& co
   o.fingerprint = recording.fingerprint;
   o.row_time_s = recording.time_s;
   o.row_force_N = recording::commandedForce(recording, forcePerVolt(robot));
-  o.signals = recording::resample(recording, o.row_force_N, options.signals);
-  recording::SignalOptions unfiltered = options.signals;
+  recording::SignalOptions wanted = options.signals;
+  if (!options.motion_cutoff_given && recording.time_s.size() > 1)
+    wanted.motion_cutoff_hz = motionCutoff(robot, options.cutoff_hz, 1.0 / recording::medianPeriod(recording.time_s));
+  o.signals = recording::resample(recording, o.row_force_N, wanted);
+  recording::SignalOptions unfiltered = wanted;
   unfiltered.motion_cutoff_hz = 1e6;
   o.fine_position_m = recording::resample(recording, o.row_force_N, unfiltered).position_m;
   o.notes = o.signals.notes;

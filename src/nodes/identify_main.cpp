@@ -37,7 +37,8 @@ void declare(CLI::App& app, Arguments& a) {
                  "printed)")
       ->check(positive);
   app.add_option("--motion-cutoff-hz", a.motion_cutoff_hz,
-                 "low-pass of the positions before they are differentiated (three times the cut-off); lower where the "
+                 "low-pass of the positions before they are differentiated (three to five times the cut-off, as the "
+                 "encoders allow); lower where the "
                  "motion is known to be slow and the geometry amplifies the encoders' rounding")
       ->check(positive);
   app.add_option("--rate-hz", a.options.observation.signals.rate_hz,

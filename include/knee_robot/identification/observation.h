@@ -21,10 +21,13 @@ struct ObservationOptions {
   double fold_margin_m = 0.003;
   recording::SignalOptions signals;
 
-  /// Sets the cut-off, and that of the positions: three times as much unless given, wide enough that the second filter decides.
+  bool motion_cutoff_given = false;  ///< false: see motionCutoff
+
+  /// Sets the cut-off, and that of the positions unless it follows from the encoders.
   void setCutoff(double hz, double motion_hz = 0.0) {
     cutoff_hz = hz;
-    signals.motion_cutoff_hz = motion_hz > 0.0 ? motion_hz : 3.0 * hz;
+    motion_cutoff_given = motion_hz > 0.0;
+    signals.motion_cutoff_hz = motion_cutoff_given ? motion_hz : 3.0 * hz;
   }
 };
 
@@ -61,6 +64,10 @@ struct Observation {
 
 /// The limit in force: that of the options, else the robot file's margin, else (when that is wide open, above 1e6) 60.
 double conditionLimit(const mechanism::Robot& robot, const ObservationOptions& options);
+
+/// Low-pass (Hz) of the positions before they are differentiated: as wide as the coarsest encoder allows, so that friction near rest
+/// keeps its shape. Its rounding may leave 0.1 mm/s rms of velocity; three to five times the cut-off.
+double motionCutoff(const mechanism::Robot& robot, double cutoff_hz, double rate_hz);
 
 /// Signed force per volt of every actuator.
 std::vector<double> forcePerVolt(const mechanism::Robot& robot);
