@@ -20,7 +20,7 @@ struct Arguments {
   std::string robot, output;
   std::vector<std::string> train, validate;
   double cutoff_hz = 0.0;         ///< 0: by the rule
-  double motion_cutoff_hz = 0.0;  ///< 0: three times the cut-off
+  double motion_cutoff_hz = 0.0;  ///< 0: as the encoders allow
   identification::IdentifyOptions options;
   bool physical = true;
 };

@@ -104,8 +104,10 @@ std::string identifySignals(const IdentifyResults& r) {
     out += "</ul>\n";
   }
   const identification::ObservationOptions& options = r.options.observation;
-  out += "<ul><li>Positions: zero-phase low-pass at " + htmlNumber(options.signals.motion_cutoff_hz) +
-         " Hz, then five-point differences. Both sides of the equation: zero-phase low-pass (4th-order Butterworth, "
+  out += "<ul><li>Positions: zero-phase low-pass at " +
+         (options.motion_cutoff_given ? htmlNumber(options.signals.motion_cutoff_hz) + " Hz"
+                                      : std::string("three to five times the cut-off, as the encoders allow")) +
+         ", then five-point differences. Both sides of the equation: zero-phase low-pass (4th-order Butterworth, "
          "forward and "
          "backward) at " +
          htmlNumber(options.cutoff_hz) + " Hz.</li>\n<li>Fitted: " + std::to_string(r.after.equations) +

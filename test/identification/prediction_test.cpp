@@ -44,6 +44,7 @@ TEST(Prediction, OfTheTrueModelMatchesEachRowsForce) {
   const recording::Recording r = syntheticRecording(robot, model, 0, 30.0);
   ObservationOptions options;
   options.signals.motion_cutoff_hz = 20.0;
+  options.motion_cutoff_given = true;
   const Observation o = observe(robot, columnsOf(robot), r, options);
   const Prediction p = makePrediction(o, predictForces(model, robot, o.signals, o.motion), options.cutoff_hz);
   const Eigen::MatrixXd error = (p.row_force_N - r.force_N).cwiseAbs();
