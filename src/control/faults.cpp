@@ -8,93 +8,112 @@ namespace {
 using F = Fault;
 constexpr ResetRule kAtOnce = ResetRule::OnRequest;
 constexpr ResetRule kWhenGone = ResetRule::WhenCauseIsGone;
+constexpr Loop kWorks = Loop::Works;
+constexpr Loop kLost = Loop::Lost;  // a loop that shakes itself counts as lost, too: it must not go on
+constexpr StopCategory kNoStop = StopCategory::None;
+constexpr StopCategory kZero = StopCategory::Zero;
+constexpr StopCategory kOne = StopCategory::One;
 
 constexpr std::array<FaultDescription, kFaults> kTable = {{
-    {F::None, "none", "no fault", kAtOnce, ""},
-    {F::MeasurementLost, "measurement_lost", "the encoders could not be read", kWhenGone,
+    {F::None, "none", "no fault", kAtOnce, kWorks, kNoStop, ""},
+    {F::MeasurementLost, "measurement_lost", "the encoders could not be read", kWhenGone, kLost, kOne,
      "check the counter card and its cable"},
-    {F::OutputLost, "output_lost", "the outputs could not be written", kWhenGone,
+    {F::OutputLost, "output_lost", "the outputs could not be written", kWhenGone, kWorks, kOne,
      "check the analog and the digital outputs"},
-    {F::NotANumber, "not_a_number", "a reference, a measurement or a command was not a number", kAtOnce,
+    {F::NotANumber, "not_a_number", "a reference, a measurement or a command was not a number", kAtOnce, kLost, kOne,
      "find out where it came from: this is a fault of the program or of its data"},
-    {F::FollowingError, "following_error", "the axis did not follow its reference", kAtOnce,
+    {F::FollowingError, "following_error", "the axis did not follow its reference", kAtOnce, kLost, kOne,
      "look for an obstacle, a brake that did not open, a reference that is too fast, a wrong sign"},
-    {F::SetPointStale, "set_point_stale", "a set point of Sync came too late, or not at all", kWhenGone,
+    {F::SetPointStale, "set_point_stale", "a set point of Sync came too late, or not at all", kWhenGone, kWorks, kOne,
      "look at the state and the timing of Sync"},
-    {F::SetPointJump, "set_point_jump", "the set point jumped", kAtOnce, "load the reference again"},
-    {F::CommandStale, "command_stale", "no new command came from the axis' Driver", kWhenGone,
+    {F::SetPointJump, "set_point_jump", "the set point jumped", kAtOnce, kLost, kOne, "load the reference again"},
+    {F::CommandStale, "command_stale", "no new command came from the axis' Driver", kWhenGone, kLost, kOne,
      "look at the state and the timing of the Driver and at the deployment's connections"},
-    {F::OrdersStale, "orders_stale", "no new orders came from the Supervisor", kWhenGone,
+    {F::OrdersStale, "orders_stale", "no new orders came from the Supervisor", kWhenGone, kWorks, kOne,
      "look at the state and the timing of the Supervisor"},
-    {F::PositionOutOfRange, "position_out_of_range", "the axis left its range", kAtOnce,
+    {F::PositionOutOfRange, "position_out_of_range", "the axis left its range", kAtOnce, kWorks, kOne,
      "move it back by hand with the drives off, check the home position"},
-    {F::ComponentException, "component_exception", "a component failed with an exception", kWhenGone,
+    {F::ComponentException, "component_exception", "a component failed with an exception", kWhenGone, kWorks, kOne,
      "resetting recovers the component"},
-    {F::ComponentFatal, "component_fatal", "a component failed for good", ResetRule::Restart, "restart the controller"},
-    {F::ComponentStopped, "component_stopped", "a component that is needed does not run", kWhenGone,
+    {F::ComponentFatal, "component_fatal", "a component failed for good", ResetRule::Restart, kWorks, kOne,
+     "restart the controller"},
+    {F::ComponentStopped, "component_stopped", "a component that is needed does not run", kWhenGone, kWorks, kOne,
      "resetting starts the component again"},
-    {F::Overrun, "overrun", "the servo cycle was late too many times in a row", kAtOnce,
+    {F::Overrun, "overrun", "the servo cycle was late too many times in a row", kAtOnce, kWorks, kOne,
      "look for what takes the processor: the deployment's priorities, other programs, the machine"},
-    {F::EnableTimeout, "enable_timeout", "the drives could not be enabled in time", kAtOnce,
+    {F::EnableTimeout, "enable_timeout", "the drives could not be enabled in time", kAtOnce, kWorks, kOne,
      "look at the states of the components and at the drives"},
-    {F::EmergencyStop, "emergency_stop", "emergency stop", kWhenGone, "release the emergency stop"},
+    {F::EmergencyStop, "emergency_stop", "emergency stop", kWhenGone, kWorks, kZero, "release the emergency stop"},
     {F::GuardianActed, "guardian_acted", "the guardian found the controller silent and took its outputs away",
-     kWhenGone, "look for what stopped the controller; resetting asks the guardian for the outputs"},
-    {F::NotReset, "not_reset", "the controller has just started and nobody has reset it yet", kWhenGone,
+     kWhenGone, kWorks, kZero, "look for what stopped the controller; resetting asks the guardian for the outputs"},
+    {F::NotReset, "not_reset", "the controller has just started and nobody has reset it yet", kWhenGone, kWorks, kOne,
      "look at the robot, then reset"},
-    {F::HandSwitch, "hand_switch", "the patient's hand switch", kWhenGone,
+    {F::HandSwitch, "hand_switch", "the patient's hand switch", kWhenGone, kWorks, kOne,
      "ask the patient; the switch has to be in its rest position and plugged in"},
-    {F::SoftLimit, "soft_limit", "the axis moves beyond its soft limit", kAtOnce,
+    {F::SoftLimit, "soft_limit", "the axis moves beyond its soft limit", kAtOnce, kWorks, kOne,
      "look why the reference or the platform went there; move it back by hand with the drives off"},
-    {F::VelocityLimit, "velocity_limit", "the axis is faster than its velocity limit", kAtOnce,
+    {F::VelocityLimit, "velocity_limit", "the axis is faster than its velocity limit", kAtOnce, kWorks, kOne,
      "look for a reference that is too fast, gains that are too high, a push from outside"},
-    {F::AccelerationLimit, "acceleration_limit", "the axis accelerates beyond its limit", kAtOnce,
+    {F::AccelerationLimit, "acceleration_limit", "the axis accelerates beyond its limit", kAtOnce, kLost, kOne,
      "look for a collision, gains that are too high, a loose encoder"},
-    {F::Stalled, "stalled", "the drive pushes and the axis stands still", kAtOnce,
+    {F::Stalled, "stalled", "the drive pushes and the axis stands still", kAtOnce, kWorks, kOne,
      "look for an obstacle, a brake that did not open, a drive without power"},
     {F::Runaway, "runaway",
      "the axis runs away from its reference against the force: a wrong sign, a drive without power, or a push that is "
      "stronger",
-     kAtOnce,
+     kAtOnce, kLost, kOne,
      "check the drive's supply, encoder_sign and force_sign in the robot file, the wiring of motor and encoder"},
     {F::EncoderFrozen, "encoder_frozen",
-     "the encoder does not count although the axis is driven: it is dead, or the axis is blocked", kAtOnce,
+     "the encoder does not count although the axis is driven: it is dead, or the axis is blocked", kAtOnce, kLost, kOne,
      "check the encoder's cable and coupling, then look for an obstacle or a brake that did not open"},
-    {F::EncoderJump, "encoder_jump", "the encoder jumped farther than the axis can move in one cycle", kAtOnce,
-     "check the encoder's cable and shield; home again before moving"},
-    {F::Saturated, "saturated", "the force was at its limit for too long", kAtOnce,
+    {F::EncoderJump, "encoder_jump", "the encoder jumped farther than the axis can move in one cycle", kAtOnce, kLost,
+     kOne, "check the encoder's cable and shield; home again before moving"},
+    {F::Saturated, "saturated", "the force was at its limit for too long", kAtOnce, kWorks, kOne,
      "look for an obstacle, a load that is too heavy, a reference that is too fast"},
     {F::ThermalOverload, "thermal_overload", "the motor got more than its continuous force for too long (I2t)",
-     kWhenGone, "let the motor cool down, then reset; lighten the load"},
-    {F::PatientPose, "patient_pose", "the platform left the range that the patient file allows", kAtOnce,
+     kWhenGone, kWorks, kOne, "let the motor cool down, then reset; lighten the load"},
+    {F::PatientPose, "patient_pose", "the platform left the range that the patient file allows", kAtOnce, kWorks, kOne,
      "bring the platform back by hand with the drives off, or correct the patient file"},
-    {F::PatientSpeed, "patient_speed", "the platform was faster than the patient file allows", kAtOnce,
+    {F::PatientSpeed, "patient_speed", "the platform was faster than the patient file allows", kAtOnce, kWorks, kOne,
      "play at a lower speed, or correct the patient file"},
     {F::HomingFailed, "homing_failed", "the axis did not find its home within the distance and time allowed", kAtOnce,
-     "look at the switch or the stop, the direction and the force in the hardware file, then home again"},
-    {F::BusDown, "bus_down", "the CAN interface is down or gone", kWhenGone,
+     kWorks, kOne, "look at the switch or the stop, the direction and the force in the hardware file, then home again"},
+    {F::BusDown, "bus_down", "the CAN interface is down or gone", kWhenGone, kWorks, kOne,
      "check adapter and cable, bring the interface up, then restart the controller if the drives lost their power"},
-    {F::BusOff, "bus_off", "the CAN controller has left the bus after too many errors", kWhenGone,
+    {F::BusOff, "bus_off", "the CAN controller has left the bus after too many errors", kWhenGone, kWorks, kOne,
      "check cable, termination and bit rate; ip link set with restart-ms brings it back"},
-    {F::BusFlooded, "bus_flooded", "the CAN bus carries more frames than it should", kWhenGone,
+    {F::BusFlooded, "bus_flooded", "the CAN bus carries more frames than it should", kWhenGone, kWorks, kOne,
      "look with candump for what sends them"},
-    {F::DriveLost, "drive_lost", "the drive sends no feedback, or has restarted", kWhenGone,
+    {F::DriveLost, "drive_lost", "the drive sends no feedback, or has restarted", kWhenGone, kWorks, kOne,
      "check the drive's power and cable; a drive that has restarted needs a restart of the controller"},
-    {F::FeedbackLate, "feedback_late", "the drive's feedback came late, twice or out of order", kAtOnce,
+    {F::FeedbackLate, "feedback_late", "the drive's feedback came late, twice or out of order", kAtOnce, kWorks, kOne,
      "look for what delays the bus or the controller: other traffic, the adapter, the machine"},
-    {F::DriveHeartbeatLost, "drive_heartbeat_lost", "the drive's heartbeat stays away", kWhenGone,
+    {F::DriveHeartbeatLost, "drive_heartbeat_lost", "the drive's heartbeat stays away", kWhenGone, kWorks, kOne,
      "check the drive's power and cable"},
     {F::ControllerHeartbeatLost, "controller_heartbeat_lost",
-     "the drive missed the controller's heartbeat and stopped by itself", kWhenGone,
+     "the drive missed the controller's heartbeat and stopped by itself", kWhenGone, kWorks, kOne,
      "look for what stopped the controller or its frames for so long"},
-    {F::DriveEmergency, "drive_emergency", "the drive has sent an emergency", kWhenGone,
+    {F::DriveEmergency, "drive_emergency", "the drive has sent an emergency", kWhenGone, kWorks, kOne,
      "look up the drive's error code"},
-    {F::DriveFault, "drive_fault", "the drive is in fault", kWhenGone,
+    {F::DriveFault, "drive_fault", "the drive is in fault", kWhenGone, kWorks, kOne,
      "look up the drive's error code; resetting also resets the drive"},
-    {F::DriveNotEnabled, "drive_not_enabled", "the drive left Operation Enabled or did not reach it", kWhenGone,
-     "look at the drive's enable input, power and settings"},
-    {F::MonitorsStale, "monitors_stale", "the monitors gave no verdict", kWhenGone,
+    {F::DriveNotEnabled, "drive_not_enabled", "the drive left Operation Enabled or did not reach it", kWhenGone, kWorks,
+     kOne, "look at the drive's enable input, power and settings"},
+    {F::MonitorsStale, "monitors_stale", "the monitors gave no verdict", kWhenGone, kWorks, kOne,
      "look at the state and the timing of the component Monitors and at the deployment's connections"},
+    {F::GuardianSilent, "guardian_silent",
+     "the guardian is silent: nothing would take the outputs away if this controller died", kWhenGone, kWorks, kOne,
+     "look for what stopped the guardian, start it again, then reset"},
+    {F::HoldDeviceSlips, "hold_device_slips",
+     "the holding brake does not hold its axis; the drives do while the robot is "
+     "safe_stopping",
+     kAtOnce, kWorks, kOne,
+     "get the patient off and support the platform before you disable again; then mend the brake"},
+    {F::InputsStale, "inputs_stale",
+     "the drive that reads emergency stop and hand switch does not report them any more", kWhenGone, kWorks, kOne,
+     "check that drive's power, cable and PDO 2"},
+    {F::DriveTorque, "drive_torque", "the drive reports another torque than it was told to give", kAtOnce, kLost, kOne,
+     "check the drive's limits and settings, its motor cable and the motor"},
 }};
 
 }  // namespace
@@ -108,20 +127,7 @@ bool concernsAllAxes(Fault fault) noexcept {
 }
 
 bool closesLoop(Fault fault) noexcept {
-  switch (fault) {
-    case Fault::NotANumber:
-    case Fault::FollowingError:
-    case Fault::SetPointJump:
-    case Fault::MeasurementLost:
-    case Fault::CommandStale:
-    case Fault::Runaway:
-    case Fault::AccelerationLimit:  // a loop that shakes itself must not go on
-    case Fault::EncoderFrozen:
-    case Fault::EncoderJump:
-      return false;
-    default:
-      return true;
-  }
+  return describe(fault).loop == Loop::Works;
 }
 
 }  // namespace knee_robot::control

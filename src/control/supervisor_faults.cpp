@@ -30,6 +30,12 @@ Fault faultOf(hardware::BusFault fault) noexcept {
       return Fault::DriveFault;
     case hardware::BusFault::DriveNotEnabled:
       return Fault::DriveNotEnabled;
+    case hardware::BusFault::InputsStale:
+      return Fault::InputsStale;
+    case hardware::BusFault::TorqueDeviates:
+      return Fault::DriveTorque;
+    case hardware::BusFault::GuardianSilent:
+      return Fault::GuardianSilent;
   }
   return Fault::None;
 }

@@ -48,8 +48,12 @@ enum class Fault : std::uint8_t {
   DriveFault,
   DriveNotEnabled,
   MonitorsStale,
+  GuardianSilent,
+  HoldDeviceSlips,
+  InputsStale,
+  DriveTorque,
 };
-inline constexpr int kFaults = 42;
+inline constexpr int kFaults = 46;
 
 /// When resetFaults() clears a fault.
 enum class ResetRule : std::uint8_t {
@@ -58,11 +62,26 @@ enum class ResetRule : std::uint8_t {
   Restart,          ///< never in this process
 };
 
+/// What is left of the position loop of the axis that has the fault.
+enum class Loop : std::uint8_t {
+  Works,  ///< the safe stop may slow down along the path (SS1)
+  Lost,   ///< the holding brakes engage at once; until they hold, the axis gets what carried it
+};
+
+/// Stop category of IEC 60204-1.
+enum class StopCategory : std::uint8_t {
+  None,
+  Zero,  ///< power is gone or taken at once: STO and SBC together
+  One,   ///< power stays until the robot is at rest and the brakes hold: SS1, then SBC, then STO
+};
+
 struct FaultDescription {
   Fault fault;
   const char* name;      ///< one word, as published
   const char* sentence;  ///< cause, for the operator
   ResetRule reset;
+  Loop loop;
+  StopCategory stop;
   const char* remedy;  ///< what to do before resetting
 };
 

@@ -17,6 +17,9 @@ enum class BusFault : std::uint8_t {
   DriveEmergency,           ///< the drive has sent an emergency; `code` is its error code
   DriveFault,               ///< the drive is in Fault
   DriveNotEnabled,          ///< the drive left Operation Enabled or did not reach it
+  InputsStale,              ///< the drive that reads the safety inputs does not report them any more
+  TorqueDeviates,           ///< the drive gives another torque than it was told
+  GuardianSilent,           ///< nobody would bring the outputs down if the controller died
 };
 
 struct BusFailure {
