@@ -42,6 +42,7 @@ Guardian::Guardian(hardware::GuardianLink& link, hardware::EmergencyOutputs& out
 
 bool Guardian::startHook() {
   link_.guardian_pid.store(::getpid());
+  first_cycle_ = true;
   return true;
 }
 
@@ -49,7 +50,14 @@ void Guardian::updateHook(const rt::Cycle& /*cycle*/) {
   GuardianView view;
   view.now = clock_();
   view.heartbeat = link_.heartbeat.load(std::memory_order_acquire);
-  view.process_gone = process_.isGone(link_.controller_pid.load());
+  const std::int32_t controller = link_.controller_pid.load();
+  view.process_gone = process_.isGone(controller);
+  if (first_cycle_ && (controller == 0 || view.process_gone)) {
+    // Nobody is in charge, and the link does not say for certain what a dead controller has left switched on.
+    report_.written.store(outputs_.down() == hardware::IoStatus::Ok);
+    report_.found_nobody.store(true);
+  }
+  first_cycle_ = false;
   const std::uint32_t request = link_.reset_request.load();
   view.fenced = link_.tripped.load() != 0;
   view.reset_asked = request != link_.reset_done.load();

@@ -1,9 +1,13 @@
 #include "knee_robot/hardware/guarded_bus.h"
 
+#include <time.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <chrono>
 #include <thread>
+
+#include "knee_robot/hardware/process_watch.h"
 
 namespace knee_robot::hardware {
 namespace {
@@ -21,20 +25,66 @@ bool waitFor(Condition&& condition) {
 
 }  // namespace
 
-GuardedBus::GuardedBus(AxisBus& bus, GuardianLink& link, std::uint8_t power_bits)
-    : bus_(bus), link_(link), power_bits_(power_bits) {}
+std::int64_t monotonicTime() noexcept {
+  timespec now{};
+  ::clock_gettime(CLOCK_MONOTONIC, &now);
+  return now.tv_sec * 1'000'000'000LL + now.tv_nsec;
+}
+
+GuardedBus::GuardedBus(AxisBus& bus, GuardianLink& link, std::uint8_t power_bits, Options options)
+    : bus_(bus), link_(link), power_bits_(power_bits), options_(options) {}
+
+/// One of several that start at once gets the robot.
+std::int32_t GuardedBus::claim() noexcept {
+  std::int32_t other = link_.controller_pid.load();
+  while (other != ::getpid()) {
+    if (other > 0 && !ProcessWatch().isGone(other)) return other;
+    if (link_.controller_pid.compare_exchange_strong(other, ::getpid())) break;
+  }
+  return 0;
+}
+
+/// What a dead controller has left switched on goes first, whether a guardian answers or not; until it is off the link says armed.
+std::string GuardedBus::takeOver() {
+  if (const std::int32_t other = claim())
+    return "process " + std::to_string(other) + " already controls this robot; end it first.";
+  if (options_.outputs != nullptr && options_.outputs->down() != IoStatus::Ok)
+    return "the outputs of an earlier controller cannot be brought down: a card refuses.";
+  return "";
+}
 
 SelfTest GuardedBus::selfTest() {
-  const std::int32_t other = link_.controller_pid.load();
-  if (other != ::getpid() && processExists(other)) {
-    return {false, {"process " + std::to_string(other) + " already controls this robot; end it first."}};
-  }
+  if (const std::string refusal = takeOver(); !refusal.empty()) return {false, {refusal}};
+  SelfTest result;
+  if (options_.outputs == nullptr) result = bus_.selfTest();
+  if (options_.outputs == nullptr && !result.passed) return result;
   link_.armed.store(0);
-  link_.controller_pid.store(::getpid());
-  if (reclaim() != IoStatus::Ok) return {false, {"no guardian answers; start it (guardian) before the controller."}};
-  SelfTest result = bus_.selfTest();
+  if (reclaim() != IoStatus::Ok) {
+    return {false, {"no guardian answers; start it (guardian) before the controller. The outputs are down."}};
+  }
+  if (options_.outputs != nullptr) result = bus_.selfTest();
   result.findings.insert(result.findings.begin(), "guardian: watches.");
   return result;
+}
+
+IoStatus GuardedBus::read(AxisFeedback& feedback) noexcept {
+  listen();
+  return bus_.read(feedback);
+}
+
+/// A pause of this process counts as one step: a guardian that could not run either is not to blame for it.
+void GuardedBus::listen() noexcept {
+  const std::uint64_t cycles = link_.guardian_cycles.load(std::memory_order_acquire);
+  const std::int64_t now = options_.clock();
+  const bool moved = last_read_ns_ == 0 || cycles != guardian_cycles_;
+  silence_ns_ = moved ? 0 : silence_ns_ + std::min(now - last_read_ns_, kLongestStep_ns);
+  guardian_cycles_ = cycles;
+  last_read_ns_ = now;
+}
+
+BusFailure GuardedBus::failure() const noexcept {
+  if (silence_ns_ >= options_.guardian_silence_ns) return {BusFault::GuardianSilent, 0, 0};
+  return bus_.failure();
 }
 
 bool GuardedBus::isFencedOut() const noexcept {

@@ -40,6 +40,15 @@ std::unique_ptr<hardware::AxisBus> openBus(const control::HardwareFile& hardware
   return hardware::openPciCards(hardware_file.analog_board_id, hardware_file.counter_board_id);
 }
 
+/// The same cards a second time, as the guardian opens them: to bring down what a dead controller left on.
+std::unique_ptr<hardware::EmergencyOutputs> openOutputs(const control::HardwareFile& hardware_file,
+                                                        const ros::NodeHandle& node) {
+  if (hardware_file.backend == "simulated")
+    return simulation::openSimulatedEmergencyOutputs(requiredParameter(node, "shm"));
+  if (hardware_file.can) return hardware::can::openCanEmergencyOutputs(*hardware_file.can);
+  return hardware::openPciEmergencyOutputs(hardware_file.analog_board_id, hardware_file.counter_board_id);
+}
+
 }  // namespace
 
 std::string requiredParameter(const ros::NodeHandle& node, const std::string& name) {
@@ -60,13 +69,23 @@ Machine openMachine(const control::HardwareFile& hardware_file, const mechanism:
     return machine;
   }
   machine.memory.emplace(hardware::SharedGuardianLink::open(link));
+  const int power_bits = 1 << hardware_file.drive_enable_bit | 1 << hardware_file.hold_release_bit;
+  machine.outputs = openOutputs(hardware_file, node);
+  hardware::GuardedBus::Options options;
+  options.outputs = machine.outputs.get();
+  const double silent_ms = node.param("silent_guardian_ms", 50.0);
+  if (!(silent_ms >= 5.0 && silent_ms <= 10000.0)) {
+    throw InputError("parameter " + node.resolveName("silent_guardian_ms") +
+                     " is outside 5 .. 10000; it is the silence in ms after which the guardian counts as dead");
+  }
+  options.guardian_silence_ns = static_cast<std::int64_t>(silent_ms * 1e6);
+  machine.guarded = std::make_unique<hardware::GuardedBus>(*machine.cards, machine.memory->link(),
+                                                           static_cast<std::uint8_t>(power_bits), options);
+  machine.guarded->takeOver();  // the self test says why not
   const ros::WallTime give_up = ros::WallTime::now() + ros::WallDuration(kPatience);
   const std::atomic<std::int32_t>& guardian = machine.memory->link().guardian_pid;
   while (!hardware::processExists(guardian.load()) && !stop_requested() && ros::WallTime::now() < give_up)
     std::this_thread::sleep_for(std::chrono::milliseconds(20));
-  const int power_bits = 1 << hardware_file.drive_enable_bit | 1 << hardware_file.hold_release_bit;
-  machine.guarded = std::make_unique<hardware::GuardedBus>(*machine.cards, machine.memory->link(),
-                                                           static_cast<std::uint8_t>(power_bits));
   return machine;
 }
 

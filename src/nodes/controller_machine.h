@@ -19,6 +19,7 @@ std::string requiredParameter(const ros::NodeHandle& node, const std::string& na
 struct Machine {
   std::unique_ptr<hardware::AxisBus> cards;
   std::optional<hardware::SharedGuardianLink> memory;
+  std::unique_ptr<hardware::EmergencyOutputs> outputs;
   std::unique_ptr<hardware::GuardedBus> guarded;
 
   hardware::AxisBus& bus() { return guarded ? static_cast<hardware::AxisBus&>(*guarded) : *cards; }

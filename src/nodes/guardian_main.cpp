@@ -117,9 +117,16 @@ int run(const Options& options) {
   activity_options.overrun_limit = 0;
   rt::PeriodicActivity activity(activity_options);
   activity.add(guardian, 0);
+  const std::uint64_t before = memory.link().guardian_cycles.load();
   if (!guardian.configure() || !guardian.start()) throw InputError(guardian.refusal());
   for (const std::string& lacking : activity.start(rt::monotonicNow()))
     std::fprintf(stderr, "guardian: NOT REAL TIME: %s\n", lacking.c_str());
+  while (memory.link().guardian_cycles.load() == before && !stop_requested)
+    pause();
+  if (guardian.report().found_nobody.load()) {
+    std::printf("guardian: no controller holds %s: outputs %s\n", options.link.c_str(),
+                guardian.report().written.load() ? "brought down" : "NOT ALL DOWN, a card refused");
+  }
   std::printf("guardian ready: %s, acts when the controller is gone or silent for %g ms%s\n", options.link.c_str(),
               options.silence_ms,
               guardian.report().trips.load() == 0 && memory.link().tripped.load() != 0

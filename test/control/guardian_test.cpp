@@ -208,6 +208,29 @@ TEST_F(GuardedCards, StayDownUnderAGuardianThatIsStartedAnew) {
   EXPECT_EQ(image_.counter.outputs.load(), 0);
 }
 
+TEST_F(GuardedCards, AreBroughtDownByAGuardianThatStartsAndFindsNobodyInCharge) {
+  hold();
+  link_.armed.store(0);  // a refused controller has been there, or the link's memory is new
+  link_.controller_pid.store(0);
+  Guardian second(link_, *outputs_, 10 * kMs, kMs, testClock);
+  second.configure();
+  second.start();
+  second.update({testTime(), testTime(), kMs});
+  EXPECT_TRUE(second.report().found_nobody.load());
+  EXPECT_EQ(image_.counter.outputs.load(), 0);
+  EXPECT_EQ(volts(0), 0.0);
+}
+
+TEST_F(GuardedCards, AreLeftToALiveControllerByAGuardianThatStarts) {
+  hold();
+  Guardian second(link_, *outputs_, 10 * kMs, kMs, testClock);
+  second.configure();
+  second.start();
+  second.update({testTime(), testTime(), kMs});
+  EXPECT_FALSE(second.report().found_nobody.load());
+  EXPECT_EQ(image_.counter.outputs.load() & 3, 3);
+}
+
 TEST_F(GuardedCards, MayBeLeftWithTheDrivesOff) {
   hold();
   cycle();

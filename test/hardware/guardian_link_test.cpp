@@ -93,5 +93,78 @@ TEST(GuardedBus, IsArmedBeforeTheDrivesGetPowerAndDisarmedAfterTheyLostIt) {
   EXPECT_EQ(link.heartbeat.load(), 4u);
 }
 
+/// Drives on and brakes open, as a controller that died left them.
+void leaveOn(simulation::RobotImage& image, GuardianLink& link) {
+  const std::unique_ptr<AxisBus> cards = simulation::openImageCards(image);
+  ASSERT_TRUE(cards->selfTest().passed);
+  std::array<double, kAxes> written{};
+  cards->writeVolts({3.0, 3.0, 3.0, 3.0}, written);
+  cards->writeOutputs(3);
+  link.armed.store(1);
+  link.controller_pid.store(0x3ffffff);  // nobody has that number
+}
+
+TEST(GuardedBus, BringsDownWhatADeadControllerLeftOnEvenWhenNoGuardianAnswers) {
+  simulation::RobotImage image;
+  GuardianLink link;
+  leaveOn(image, link);
+  const std::unique_ptr<AxisBus> cards = simulation::openImageCards(image);
+  const std::unique_ptr<EmergencyOutputs> outputs = simulation::openImageEmergencyOutputs(image);
+  GuardedBus::Options options;
+  options.outputs = outputs.get();
+  GuardedBus bus(*cards, link, 3, options);
+  EXPECT_FALSE(bus.selfTest().passed);
+  EXPECT_EQ(image.counter.outputs.load(), 0);
+  EXPECT_EQ(simulation::outputVolts(image.analog)[0], 0.0);
+  EXPECT_EQ(link.armed.load(), 0u);
+}
+
+TEST(GuardedBus, StaysArmedWhenTheCardsDoNotLetItBringTheOutputsDown) {
+  simulation::RobotImage image;
+  GuardianLink link;
+  leaveOn(image, link);
+  image.counter.disconnected.store(1);
+  const std::unique_ptr<AxisBus> cards = simulation::openImageCards(image);
+  const std::unique_ptr<EmergencyOutputs> outputs = simulation::openImageEmergencyOutputs(image);
+  GuardedBus::Options options;
+  options.outputs = outputs.get();
+  GuardedBus bus(*cards, link, 3, options);
+  EXPECT_FALSE(bus.selfTest().passed);
+  EXPECT_EQ(link.armed.load(), 1u) << "a guardian that comes now must act";
+}
+
+std::int64_t& testTime() {
+  static std::int64_t time = 0;
+  return time;
+}
+std::int64_t testClock() noexcept {
+  return testTime();
+}
+
+TEST(GuardedBus, CallsAGuardianThatDoesNotCycleSilentAndItsReturnNotAndBlamesItForNoPauseOfItsOwn) {
+  simulation::RobotImage image;
+  GuardianLink link;
+  const std::unique_ptr<AxisBus> cards = simulation::openImageCards(image);
+  ASSERT_TRUE(cards->selfTest().passed);
+  GuardedBus::Options options;
+  options.clock = testClock;
+  GuardedBus bus(*cards, link, 3, options);
+  AxisFeedback feedback;
+  testTime() = 1'000'000;
+  const auto cycle = [&](std::int64_t ms, bool guardian_lives) {
+    testTime() += ms * 1'000'000;
+    if (guardian_lives) link.guardian_cycles.fetch_add(1);
+    bus.read(feedback);
+    return bus.failure().fault;
+  };
+  for (int k = 0; k < 200; ++k)
+    ASSERT_EQ(cycle(1, true), BusFault::None);
+  for (int k = 1; k < 50; ++k)
+    ASSERT_EQ(cycle(1, false), BusFault::None) << k;
+  EXPECT_EQ(cycle(1, false), BusFault::GuardianSilent);
+  EXPECT_EQ(cycle(1, true), BusFault::None) << "it is back; the Supervisor keeps its fault";
+  EXPECT_EQ(cycle(500, false), BusFault::None) << "this process stood still, and perhaps the guardian with it";
+}
+
 }  // namespace
 }  // namespace knee_robot::hardware

@@ -67,10 +67,11 @@ struct GuardianReport {
   std::atomic<rt::Nanoseconds> reaction{0};  ///< from the last heartbeat seen until the outputs were down
   std::atomic<rt::Nanoseconds> writing{0};   ///< the part of it that the writes took
   std::atomic<bool> written{true};           ///< the cards took all writes
+  std::atomic<bool> found_nobody{false};     ///< no controller lived at the start: outputs brought down
 };
 
-/// The guardian's cycle: looks at the link and at the controller's process, and brings the outputs down when it is dead. Never
-/// writes to the cards otherwise. One a robot, in a process of its own with higher priority than the controller's.
+/// The guardian's cycle: looks at the link and at the controller's process, and brings the outputs down when it is dead, and once
+/// at its own start unless a controller lives that holds the link. Never writes to the cards otherwise. One a robot, in a process of its own with higher priority than the controller's.
 class Guardian : public rt::TaskContext {
  public:
   /// All must outlive this. `clock` gives ns; the cycle's wake and `clock` count from one zero.
@@ -91,6 +92,7 @@ class Guardian : public rt::TaskContext {
   rt::Nanoseconds (*clock_)() noexcept;
   GuardianWatch watch_;
   hardware::ProcessWatch process_;
+  bool first_cycle_ = true;
   GuardianReport report_;
 };
 

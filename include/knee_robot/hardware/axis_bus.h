@@ -61,6 +61,12 @@ class AxisBus {
   /// True while somebody else has taken the outputs (GuardedBus): every write is refused. Real-time safe.
   virtual bool isFencedOut() const noexcept { return false; }
 
+  /// True when the device engages the hold devices by itself as soon as nobody reaches it: drives that miss a heartbeat.
+  virtual bool stopsByItself() const noexcept { return false; }
+
+  /// True when a process of its own brings the outputs down if this one dies (GuardedBus).
+  virtual bool isGuarded() const noexcept { return false; }
+
   /// Not real-time, from any thread, with the drives off: asks for the outputs again. FencedOut: not given back.
   virtual IoStatus reclaim() { return IoStatus::Ok; }
 

@@ -1,35 +1,67 @@
 #pragma once
 
+#include <string>
+
 #include "knee_robot/hardware/axis_bus.h"
+#include "knee_robot/hardware/emergency_outputs.h"
 #include "knee_robot/hardware/guardian_link.h"
 
 namespace knee_robot::hardware {
 
+/// CLOCK_MONOTONIC in ns.
+std::int64_t monotonicTime() noexcept;
+
 /// The controller's bus while a guardian watches: passes everything on, tells the guardian that the controller lives and whether
-/// drives are on, and refuses every write (FencedOut) from the moment at which the guardian has acted until reclaim().
+/// drives are on, and refuses every write (FencedOut) from the moment at which the guardian has acted until reclaim(). The watch is mutual: a guardian that falls silent is a failure of
+/// this bus.
 ///
 /// A controller that was stopped between the look at the fence and the write behind it, and comes back, still gets that one
 /// write through: the guardian's next cycle takes it back.
 class GuardedBus : public AxisBus {
  public:
-  /// Both must outlive this. `power_bits`: digital outputs that enable drives or release hold devices.
-  GuardedBus(AxisBus& bus, GuardianLink& link, std::uint8_t power_bits);
+  struct Options {
+    EmergencyOutputs* outputs =
+        nullptr;  ///< what brings the outputs down before anything else; none: the bus' self test does
+    std::int64_t guardian_silence_ns = 50'000'000;  ///< a guardian that does not cycle for so long is dead
+    std::int64_t (*clock)() noexcept = monotonicTime;
+  };
 
-  /// Fails when another controller lives, or no guardian answers. Takes a guardian's latch back: the drives are off.
+  /// All must outlive this. `power_bits`: digital outputs that enable drives or release hold devices.
+  GuardedBus(AxisBus& bus, GuardianLink& link, std::uint8_t power_bits, Options options);
+  GuardedBus(AxisBus& bus, GuardianLink& link, std::uint8_t power_bits)
+      : GuardedBus(bus, link, power_bits, Options()) {}
+
+  /// Before a guardian is waited for: this process takes the robot unless another controller lives, and brings the outputs down.
+  /// Empty, or why not. Not real-time.
+  std::string takeOver();
+  /// Fails when another controller lives: nothing is touched then. Otherwise the outputs go down before the guardian is asked for
+  /// them; fails when it does not answer. Takes a guardian's latch back: the drives are off.
   SelfTest selfTest() override;
-  IoStatus read(AxisFeedback& feedback) noexcept override { return bus_.read(feedback); }
+  IoStatus read(AxisFeedback& feedback) noexcept override;
   IoStatus writeVolts(const std::array<double, kAxes>& volts, std::array<double, kAxes>& written) noexcept override;
   IoStatus writeOutputs(std::uint8_t bits) noexcept override;
   bool isFencedOut() const noexcept override;
+  bool isGuarded() const noexcept override { return true; }
+  bool stopsByItself() const noexcept override { return bus_.stopsByItself(); }
   /// Waits up to 0.3 s for the guardian.
   IoStatus reclaim() override;
-  BusFailure failure() const noexcept override { return bus_.failure(); }
+  /// GuardianSilent from guardian_silence_ns without a cycle of the guardian on, counted in read().
+  BusFailure failure() const noexcept override;
   void acknowledgeFaults() noexcept override { bus_.acknowledgeFaults(); }
 
  private:
+  static constexpr std::int64_t kLongestStep_ns = 4'000'000;  // twice the slowest servo period
+
+  std::int32_t claim() noexcept;
+  void listen() noexcept;
+
   AxisBus& bus_;
   GuardianLink& link_;
   const std::uint8_t power_bits_;
+  const Options options_;
+  std::uint64_t guardian_cycles_ = 0;
+  std::int64_t last_read_ns_ = 0;
+  std::int64_t silence_ns_ = 0;
 };
 
 }  // namespace knee_robot::hardware
