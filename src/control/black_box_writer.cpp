@@ -112,7 +112,7 @@ void BlackBoxWriter::write() {
       path = freePath(folder_, describe(dump->fault).name);
       writeFileAtomically(path + ".yaml", sidecar(*dump));
       writeFileAtomically(path + ".csv", formatBlackBox(*dump));
-    } catch (const InputError& refused) {
+    } catch (const std::exception& refused) {  // no memory, a folder that is none: this thread must not end the process
       error = refused.what();
     }
     const std::lock_guard<std::mutex> lock(mutex_);

@@ -29,6 +29,7 @@ PlayActionServer::PlayActionServer(ros::NodeHandle& node, control::ControlSystem
       recordings_(recordings),
       server_(
           node, "play", [this](Handle handle) { receive(handle); }, [this](Handle handle) { cancel(handle); }, false) {
+  judge_ = std::thread([this] { judgeArrivals(); });
   worker_ = std::thread([this] { work(); });
   server_.start();
 }
@@ -40,6 +41,7 @@ PlayActionServer::~PlayActionServer() {
     interruption_ = Interruption::ShutDown;
   }
   arrived_.notify_all();
+  judge_.join();
   worker_.join();
 }
 
@@ -70,44 +72,82 @@ control::Answer PlayActionServer::judge(const PlayGoal& goal, Job& job) const {
   if (!goal.record) return {true, ""};
   try {
     job.recording = recordings_.newFile(goal.recording.empty() ? nameAfterTheTime() : goal.recording);
-  } catch (const InputError& error) {
+  } catch (const std::exception& error) {  // InputError, a file system that fails, no memory
     return {false, error.what()};
   }
   return {true, ""};
 }
 
-/// Called with actionlib's lock held: what is sent to handles here must not happen under mutex_, which the worker takes too.
+/// Called with actionlib's lock held: nothing here may take long, and what is sent to handles must not happen under mutex_, which the
+/// worker takes too.
 void PlayActionServer::receive(Handle handle) {
-  Job job;
-  job.handle = handle;
-  const PlayGoal& goal = *handle.getGoal();
-  control::Answer answer = judge(goal, job);
-  std::optional<Handle> replaced;
-  if (answer.ok) {
+  bool ended = false;
+  {
     const std::lock_guard<std::mutex> lock(mutex_);
-    if (ended_) answer = {false, "the controller is ending"};
-    if (answer.ok && !running_) answer = judgeMachine(goal);
-    if (answer.ok) {
-      if (next_) replaced = next_->handle;
-      if (running_) interruption_ = Interruption::Preempted;
-      next_ = std::move(job);
+    ended = ended_;
+    if (!ended) unjudged_.emplace_back().handle = handle;
+  }
+  if (ended) handle.setRejected(resultOf("the controller is ending"), "the controller is ending");
+  arrived_.notify_all();
+}
+
+void PlayActionServer::judgeArrivals() {
+  while (true) {
+    Job job;
+    {
+      std::unique_lock<std::mutex> lock(mutex_);
+      arrived_.wait(lock, [this] { return !unjudged_.empty() || ended_; });
+      if (unjudged_.empty()) return;
+      job.handle = unjudged_.front().handle;
     }
+    const control::Answer answer = judge(*job.handle.getGoal(), job);
+    decide(job, answer);
+    std::optional<Job> done;  // goes without the lock: handles take actionlib's lock, which is held where goals arrive
+    const std::lock_guard<std::mutex> lock(mutex_);
+    done.emplace(std::move(unjudged_.front()));
+    unjudged_.pop_front();
+  }
+}
+
+/// The goal stays in unjudged_ meanwhile: a cancel that comes at any moment finds it there or in next_.
+void PlayActionServer::decide(Job& job, control::Answer answer) {
+  Handle handle = job.handle;
+  {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    if (unjudged_.front().cancelled) return;
+    if (ended_) answer = {false, "the controller is ending"};
+    if (answer.ok && !running_) answer = judgeMachine(*handle.getGoal());
   }
   if (!answer.ok) {
     ROS_WARN("play refused: %s", answer.sentence.c_str());
     handle.setRejected(resultOf(answer.sentence), answer.sentence);
     return;
   }
+  handle.setAccepted("accepted");
+  std::optional<Handle> replaced;
+  {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    if (unjudged_.front().cancelled) return;
+    if (next_) replaced = next_->handle;
+    if (running_) interruption_ = Interruption::Preempted;
+    next_ = std::move(job);
+    unjudged_.front().cancelled = true;  // from here on next_ is what a cancel finds
+  }
   const char* const sentence = "preempted by a newer goal before it began; nothing moved for it";
   if (replaced) replaced->setCanceled(resultOf(sentence), sentence);
-  handle.setAccepted("accepted");
   arrived_.notify_all();
 }
 
+/// Called with actionlib's lock held.
 void PlayActionServer::cancel(Handle handle) {
   std::optional<Job> waiting;
+  bool unjudged = false;
   {
     const std::lock_guard<std::mutex> lock(mutex_);
+    for (Job& job : unjudged_) {
+      if (!(job.handle == handle) || job.cancelled) continue;
+      job.cancelled = unjudged = true;
+    }
     if (next_ && next_->handle == handle) {
       waiting.swap(next_);
     } else if (running_ && *running_ == handle && interruption_ == Interruption::None) {
@@ -115,7 +155,8 @@ void PlayActionServer::cancel(Handle handle) {
     }
   }
   const char* const sentence = "cancelled before it began; nothing moved for it";
-  if (waiting) handle.setCanceled(resultOf(sentence), sentence);
+  if (unjudged) handle.setCanceled(resultOf(sentence), sentence);
+  if (waiting) waiting->handle.setCanceled(resultOf(sentence), sentence);
 }
 
 void PlayActionServer::work() {

@@ -5,6 +5,7 @@
 
 #include <atomic>
 #include <condition_variable>
+#include <deque>
 #include <memory>
 #include <mutex>
 #include <optional>
@@ -16,8 +17,8 @@
 
 namespace knee_robot::nodes {
 
-/// The action `~play`: see action/Play.action for what it does and its policies. Goals are judged where they arrive; one thread
-/// plays them. The services stay available meanwhile: a pause pauses the goal, a stop or a fault aborts it.
+/// The action `~play`: see action/Play.action for what it does and its policies. One thread judges the goals in the order in which
+/// they arrive (a long file takes its time, and cancelling must not wait for it), another one plays them. The services stay available meanwhile: a pause pauses the goal, a stop or a fault aborts it.
 class PlayActionServer {
  public:
   PlayActionServer(ros::NodeHandle& node, control::ControlSystem& system, References& references,
@@ -32,11 +33,14 @@ class PlayActionServer {
     Handle handle;
     JudgedReference judged;  // empty: the loaded reference
     std::string recording;   // full path, empty: none
+    bool cancelled = false;  // before it was judged
   };
   enum class Interruption { None, Cancelled, Preempted, ShutDown };
 
   void receive(Handle handle);
   void cancel(Handle handle);
+  void judgeArrivals();
+  void decide(Job& job, control::Answer answer);
   control::Answer judge(const PlayGoal& goal, Job& job) const;
   control::Answer judgeMachine(const PlayGoal& goal) const;
   void work();
@@ -47,12 +51,13 @@ class PlayActionServer {
 
   std::mutex mutex_;
   std::condition_variable arrived_;
+  std::deque<Job> unjudged_;  // the first is being judged
   std::optional<Job> next_;
   std::optional<Handle> running_;
   std::atomic<Interruption> interruption_{Interruption::None};
   bool ended_ = false;
   Server server_;
-  std::thread worker_;
+  std::thread judge_, worker_;
 
   friend class PlayedGoal;
 };

@@ -41,7 +41,7 @@ JudgedReference References::judge(const std::string& file, const std::string& sp
     reference.name = std::filesystem::path(reference.name).lexically_relative(folder_.path()).string();
     judged.answer = {true, reference.name + ": may be played" + marginSentence(judged.check)};
     judged.reference = std::move(reference);
-  } catch (const InputError& error) {
+  } catch (const std::exception& error) {  // InputError, a file system that fails, no memory
     judged.answer = {false, error.what()};
   }
   return judged;

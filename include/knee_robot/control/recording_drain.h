@@ -1,11 +1,11 @@
 #pragma once
 
-#include <atomic>
+#include <chrono>
+#include <condition_variable>
 #include <cstdint>
 #include <memory>
 #include <mutex>
 #include <string>
-#include <thread>
 
 #include "knee_robot/control/recorder.h"
 #include "knee_robot/recording/recording_writer.h"
@@ -24,8 +24,14 @@ struct RecordingResult {
 /// Other side of the recording, outside the real-time path: empties the Recorder's ring into a file, with a thread of its own or,
 /// in stepped execution, when asked. Whole lines reach the file at least every 0.2 s. Missing rows are found by their sequence
 /// numbers.
+///
+/// Any number of threads may call: one of several that stop at once gets the recording's result, the others that there is none.
+/// No call waits for the disk without end: progress() never does, and a disk that has not answered for kPatience is given up
+/// together with the thread that waits for it, which touches nothing but its own file when it comes back.
 class RecordingDrain {
  public:
+  static constexpr std::chrono::seconds kPatience{3};
+
   /// `threaded`: with an own thread while a recording runs.
   RecordingDrain(Recorder& recorder, int axes, bool threaded);
   ~RecordingDrain();
@@ -38,25 +44,18 @@ class RecordingDrain {
   void drain();
   /// Of the running recording, or empty.
   RecordingResult progress() const;
-  bool isRecording() const;
+  bool isRecording() const { return !progress().path.empty(); }
 
  private:
-  void drainLocked();
-  void take(const TrackingRow& row);
-  void loop();
+  class Job;
 
   Recorder& recorder_;
   const int axes_;
   const bool threaded_;
-  mutable std::mutex mutex_;
-  std::unique_ptr<recording::RecordingWriter> writer_;
-  RecordingResult result_;
+  mutable std::mutex mutex_;  // of the two below; never held while a disk is waited for
+  std::shared_ptr<Job> job_;
+  bool starting_ = false;
   std::uint32_t number_ = 0;
-  std::uint64_t last_sequence_ = 0;
-  std::int64_t last_cycle_ = 0;
-  std::uint64_t dropped_before_ = 0;
-  std::thread thread_;
-  std::atomic<bool> stop_{false};
 };
 
 }  // namespace knee_robot::control
