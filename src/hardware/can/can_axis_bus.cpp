@@ -101,6 +101,7 @@ bool CanAxisBus::awaitFeedback(std::vector<std::string>& findings) {
       return false;
     }
     zero_counts_[i] = drives_[i].position();
+    if (i == 0) drives_[i].expectInputs();
     drives_[i].begin(now);
   }
   // Once more, for a status word and positions that the next read finds.
@@ -220,6 +221,7 @@ IoStatus CanAxisBus::writeVolts(const std::array<double, kAxes>& volts, std::arr
     const std::int16_t torque =
         drives_[i].isEnabled() ? toPerMille(volts[i], units_[i], torque_limits_[i]) : std::int16_t{0};
     note(sendCommand(i, torque));
+    drives_[i].torqueSent(torque);
     sent[i] = voltsOf(torque, units_[i]);
   }
   note(process_.send(syncFrame()));

@@ -9,13 +9,17 @@ namespace {
 
 constexpr int kLate = 8;  // what a period with more than one feedback adds; one with exactly one takes 1 off
 constexpr std::uint16_t kHeartbeatMissed = 0x8130;
+constexpr int kTorqueBand = 150;    // per mille of the rated torque, beside every set value of the last periods
+constexpr int kTorquePeriods = 10;  // in a row
 
 }  // namespace
 
 void DriveNode::begin(std::int64_t now) noexcept {
   const int node = node_;
   const DriveTolerances tolerances = tolerances_;
+  const bool expects_inputs = expects_inputs_;
   *this = DriveNode(node, tolerances);
+  expects_inputs_ = expects_inputs;
   heartbeat_ns_ = now;
   goal_since_ns_ = now;
 }
@@ -36,6 +40,7 @@ bool DriveNode::take(const Frame& frame) noexcept {
   if (frame.id == kTransmitPdoBase + node) return takeFeedback(frame);
   if (frame.id == kTransmitPdoBase + 0x100 + node && frame.length == 4) {
     inputs_ = static_cast<std::uint8_t>(unsignedAt(frame, 0, 4) >> objects::kFirstLine & 0x0F);
+    ++inputs_seen_;
     return true;
   }
   if (const auto beat = parseHeartbeat(frame); beat && beat->node == node_) {
@@ -54,15 +59,31 @@ bool DriveNode::take(const Frame& frame) noexcept {
 /// Feedback of a SYNC comes within its period. What comes twice or not at all came late or out of order.
 void DriveNode::endCycle() noexcept {
   if (feedbacks_ > 0) missed_ = 0;
+  if (inputs_seen_ > 0) inputs_missed_ = 0;
+  judgeTorque();
   if (syncs_ > 0) {
     if (feedbacks_ == 0) ++missed_;
+    if (inputs_seen_ == 0 && expects_inputs_) ++inputs_missed_;
     if (feedbacks_ > syncs_) irregular_ = std::min(irregular_ + kLate, 2 * kLate * tolerances_.missed_feedback);
     if (feedbacks_ == syncs_) irregular_ = std::max(irregular_ - 1, 0);
     syncs_ = 0;
   }
-  feedbacks_ = 0;
+  feedbacks_ = inputs_seen_ = 0;
   emergency_cycles_ = std::min(emergency_cycles_ + 1, 2);
   if (isEnabled()) was_enabled_ = goal_ == DriveGoal::Enabled;
+}
+
+void DriveNode::torqueSent(std::int16_t torque) noexcept {
+  std::rotate(sent_.rbegin(), sent_.rbegin() + 1, sent_.rend());
+  sent_[0] = torque;
+}
+
+/// What the drive reports belongs to one of the last set values: it acts at SYNC and answers with the next.
+void DriveNode::judgeTorque() noexcept {
+  if (feedbacks_ == 0) return;
+  const auto [low, high] = std::minmax_element(sent_.begin(), sent_.end());
+  const bool fits = torque_ >= *low - kTorqueBand && torque_ <= *high + kTorqueBand;
+  deviating_ = fits || !isEnabled() ? 0 : std::min(deviating_ + 1, kTorquePeriods);
 }
 
 void DriveNode::setGoal(DriveGoal goal, std::int64_t now) noexcept {
@@ -94,11 +115,13 @@ BusFailure DriveNode::failure(std::int64_t now) const noexcept {
   if (emergency_ != 0 && emergency_cycles_ >= 2) return {BusFault::DriveEmergency, 0, emergency_};
   if (nmt_ != NmtState::Operational && nmt_ != NmtState::PreOperational) return {BusFault::DriveLost, 0, 0};
   if (missed_ > tolerances_.missed_feedback) return {BusFault::DriveLost, 0, 0};
+  if (inputs_missed_ > tolerances_.missed_feedback) return {BusFault::InputsStale, 0, 0};
   if (now - heartbeat_ns_ > tolerances_.heartbeat_timeout_ns) return {BusFault::DriveHeartbeatLost, 0, 0};
   if (nmt_ == NmtState::PreOperational && now - goal_since_ns_ > tolerances_.heartbeat_timeout_ns) {
     return {BusFault::DriveLost, 0, 0};
   }
   if (irregular_ >= kLate * tolerances_.missed_feedback) return {BusFault::FeedbackLate, 0, 0};
+  if (deviating_ >= kTorquePeriods) return {BusFault::TorqueDeviates, 0, 0};
   if (goal_ == DriveGoal::Enabled && !isEnabled()) {
     const bool late = now - goal_since_ns_ > tolerances_.enable_timeout_ns;
     if (was_enabled_ || late) return {BusFault::DriveNotEnabled, 0, 0};

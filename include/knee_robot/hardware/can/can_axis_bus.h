@@ -36,6 +36,7 @@ class CanAxisBus : public AxisBus {
   IoStatus writeVolts(const std::array<double, kAxes>& volts, std::array<double, kAxes>& written) noexcept override;
   IoStatus writeOutputs(std::uint8_t bits) noexcept override;
   BusFailure failure() const noexcept override { return failure_; }
+  bool stopsByItself() const noexcept override { return true; }
   void acknowledgeFaults() noexcept override { reset_wanted_.store(true); }
 
   const DriveNode& drive(std::size_t axis) const { return drives_.at(axis); }

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 
 #include "knee_robot/hardware/bus_failure.h"
@@ -27,6 +28,10 @@ class DriveNode {
   void syncSent() noexcept { ++syncs_; }
   /// Once a cycle, after all received frames have been taken.
   void endCycle() noexcept;
+  /// This drive reads the machine's safety inputs: they have to come with every SYNC.
+  void expectInputs() noexcept { expects_inputs_ = true; }
+  /// Per mille that goes out now; 0 until the drive is enabled.
+  void torqueSent(std::int16_t torque) noexcept;
   /// Starts to expect what a running drive does.
   void begin(std::int64_t now) noexcept;
 
@@ -47,6 +52,7 @@ class DriveNode {
 
  private:
   bool takeFeedback(const Frame& frame) noexcept;
+  void judgeTorque() noexcept;
 
   int node_ = 0;
   DriveTolerances tolerances_;
@@ -58,7 +64,12 @@ class DriveNode {
   int syncs_ = 0;      // since the last endCycle
   int feedbacks_ = 0;  // since the last endCycle
   int missed_ = 0;     // periods in a row
-  int irregular_ = 0;  // leaky count of periods with more than one feedback
+  bool expects_inputs_ = false;
+  int inputs_seen_ = 0;                 // since the last endCycle
+  int inputs_missed_ = 0;               // periods in a row
+  std::array<std::int16_t, 4> sent_{};  // the newest first
+  int deviating_ = 0;                   // periods in a row
+  int irregular_ = 0;                   // leaky count of periods with more than one feedback
   std::int64_t heartbeat_ns_ = 0;
   NmtState nmt_ = NmtState::Operational;
   std::uint16_t emergency_ = 0;
