@@ -6,6 +6,7 @@
 namespace knee_robot::control {
 namespace {
 constexpr double kLoadTime_s = 0.2;
+constexpr double kRestTime_s = 1.0;
 
 Fault faultOf(hardware::IoStatus refused) noexcept {
   return refused == hardware::IoStatus::FencedOut ? Fault::GuardianActed : Fault::OutputLost;
@@ -25,6 +26,10 @@ bool AxesOutput::configureHook() {
   SafeStopTiming timing;
   timing.decelerate_limit = rt::fromSeconds(decelerate_limit);
   timing.settle = rt::fromSeconds(settle_time);
+  // Shorted windings let the platform sink by their nature, and nothing else has to be expected of nothing.
+  const auto is_brake = [](const HardwareFile::Axis& axis) { return axis.hold_device == HoldDevice::Brake; };
+  const bool brakes = std::all_of(hardware_.axes.begin(), hardware_.axes.end(), is_brake);
+  timing.transfer = brakes ? rt::fromSeconds(transfer_time) : 0;
   timing.hold_delay = rt::fromSeconds(hardware_.holdDelay());
   timing.disable_delay = rt::fromSeconds(hardware_.drive_enable_delay_s);
   safe_stop_ = SafeStop(timing);
@@ -48,11 +53,12 @@ void AxesOutput::updateHook(const rt::Cycle& cycle) {
   out_.time = cycle.time;
   readCommands(cycle);
   followOrders(cycle);
-  runSafeStop(cycle);
+  runSafeStop(cycle, measured);
   writeVolts(chooseVolts(), cycle.time);
   writeOutputs(cycle.time);
   estimateLoad(rt::toSeconds(cycle.period));
   out_.safe_stop = safe_stop_.phase();
+  out_.transfer = order_.transfer;
   written.write(out_);
 }
 
@@ -106,14 +112,44 @@ void AxesOutput::followOrders(const rt::Cycle& cycle) {
   const auto next = static_cast<DriveLevel>(static_cast<int>(out_.level) + 1);
   if (next >= DriveLevel::HeldByDrivers && !all_closed_) return;  // the Drivers have to take over first
   out_.level = next;
-  if (next == DriveLevel::HeldByDrivers) load_volts_ = AxisValues{};
+  if (next != DriveLevel::HeldByDrivers) return;
+  for (std::size_t i = 0; i < hardware::kAxes; ++i) {
+    load_volts_[i] =
+        commands_[i].volts;  // what the feedforward knows; the first second is no time to start from nothing
+    rest_volts_[i] = load_volts_[i];
+  }
 }
 
-void AxesOutput::runSafeStop(const rt::Cycle& cycle) {
+void AxesOutput::runSafeStop(const rt::Cycle& cycle, const AxesMeasurement& measured) {
   const auto at_rest = [](const AxisCommand& command) { return command.at_rest; };
-  safe_stop_.step(cycle.time, all_closed_, std::all_of(commands_.begin(), commands_.end(), at_rest), order_.immediate);
+  const HoldView hold{!outputs_refused_, slips(measured), order_.transfer};
+  safe_stop_.step(cycle.time, all_closed_, std::all_of(commands_.begin(), commands_.end(), at_rest), order_.immediate,
+                  hold);
   out_.safe_stops = safe_stop_.completed();
   if (safe_stop_.phase() == SafeStopPhase::Done) out_.level = DriveLevel::Off;
+}
+
+/// While the load is handed over no axis may move.
+bool AxesOutput::slips(const AxesMeasurement& measured) noexcept {
+  if (!safe_stop_.isTransferring()) {
+    transfer_m_ = measured.position_m;
+    return false;
+  }
+  for (std::size_t i = 0; i < hardware::kAxes; ++i) {
+    if (std::abs(measured.position_m[i] - transfer_m_[i]) <= slip) continue;
+    out_.fault = Fault::HoldDeviceSlips;
+    out_.fault_axis = static_cast<int>(i) + 1;
+    return true;
+  }
+  return false;
+}
+
+void AxesOutput::testBrakes(AxisValues& volts) const noexcept {
+  if (out_.level != DriveLevel::Energised || safe_stop_.phase() != SafeStopPhase::Idle) return;
+  for (std::size_t i = 0; i < hardware::kAxes; ++i) {
+    const mechanism::Actuator& actuator = robot_.actuators[i];
+    volts[i] = clamped(actuator.force_sign * order_.brake_test_N[i] / actuator.force_per_volt_N, i);
+  }
 }
 
 double AxesOutput::clamped(double volts, std::size_t axis) const noexcept {
@@ -125,9 +161,16 @@ double AxesOutput::clamped(double volts, std::size_t axis) const noexcept {
 
 AxisValues AxesOutput::chooseVolts() const noexcept {
   AxisValues volts{};
-  if (out_.level < DriveLevel::HeldByDrivers) return volts;
-  for (std::size_t i = 0; i < hardware::kAxes; ++i)
-    volts[i] = clamped(closed_[i] ? commands_[i].volts : load_volts_[i], i);
+  if (out_.level < DriveLevel::HeldByDrivers) {
+    testBrakes(volts);
+    return volts;
+  }
+  // Nobody can engage the brakes, and the axis has no loop: what it carried at rest is the best that is left.
+  const bool stranded = outputs_refused_ && safe_stop_.engagesHold();
+  for (std::size_t i = 0; i < hardware::kAxes; ++i) {
+    const double load = stranded ? rest_volts_[i] : load_volts_[i];
+    volts[i] = clamped(safe_stop_.share() * (closed_[i] ? commands_[i].volts : load), i);
+  }
   return volts;
 }
 
@@ -149,6 +192,8 @@ void AxesOutput::writeOutputs(rt::Nanoseconds now) {
   if (release) bits |= 1u << hardware_.hold_release_bit;
   out_.digital_outputs = static_cast<std::uint8_t>(bits);
   const hardware::IoStatus status = bus_.writeOutputs(out_.digital_outputs);
+  outputs_refused_ =
+      status != hardware::IoStatus::Ok && status != hardware::IoStatus::FencedOut && !bus_.stopsByItself();
   if (status == hardware::IoStatus::Ok) return;
   out_.status = status;
   beginSafeStop(faultOf(status), 0, now);
@@ -157,8 +202,12 @@ void AxesOutput::writeOutputs(rt::Nanoseconds now) {
 /// What carries the platform at this place, for an axis whose loop fails.
 void AxesOutput::estimateLoad(double dt) noexcept {
   if (out_.level != DriveLevel::Released || safe_stop_.phase() != SafeStopPhase::Idle) return;
-  for (std::size_t i = 0; i < hardware::kAxes; ++i)
+  for (std::size_t i = 0; i < hardware::kAxes; ++i) {
+    const mechanism::Actuator& actuator = robot_.actuators[i];
+    const double moving = actuator.force_sign * commands_[i].moving_N / actuator.force_per_volt_N;
     load_volts_[i] += (out_.volts[i] - load_volts_[i]) * dt / (kLoadTime_s + dt);
+    rest_volts_[i] += (out_.volts[i] - moving - rest_volts_[i]) * dt / (kRestTime_s + dt);
+  }
 }
 
 void AxesOutput::stopHook() {

@@ -105,7 +105,7 @@ void ModelFeedforward::followReference(std::size_t i) noexcept {
 
 void ModelFeedforward::letGo() noexcept {
   on_ = pose_known_ = parts_known_ = false;
-  out_.force_N = AxisValues{};
+  out_.force_N = out_.moving_N = AxisValues{};
   out_.complete = false;
 }
 
@@ -113,7 +113,7 @@ void ModelFeedforward::letGo() noexcept {
 void ModelFeedforward::drop() noexcept {
   for (std::size_t i = 0; i < hardware::kAxes; ++i)
     out_.switched_N[i] -= out_.force_N[i];
-  out_.force_N = AxisValues{};
+  out_.force_N = out_.moving_N = AxisValues{};
   level_ = 0.0;
   taking_over_ = false;
   out_.complete = true;
@@ -137,6 +137,10 @@ void ModelFeedforward::carry(double dt) noexcept {
   weights_.payload_kg = approached(weights_.payload_kg, wanted.payload_kg, step * kLargestPayload_kg);
   level_ = std::min(1.0, level_ + (taking_over_ ? rampStep(dt, take_over_time) : step));
   out_.force_N = total(weights_, level_);
+  const Weights at_rest{weights_.gravity, 0.0, 0.0, weights_.payload_kg};
+  const AxisValues still = total(at_rest, level_);
+  for (std::size_t i = 0; i < hardware::kAxes; ++i)
+    out_.moving_N[i] = out_.force_N[i] - still[i];
   // While the hold devices carry, the integrals are empty and nothing has to be made up for.
   for (std::size_t i = 0; i < hardware::kAxes && !taking_over_; ++i)
     out_.switched_N[i] += out_.force_N[i] - kept[i];

@@ -1,5 +1,7 @@
 #include "knee_robot/control/safe_stop.h"
 
+#include <algorithm>
+
 namespace knee_robot::control {
 
 void SafeStop::enter(SafeStopPhase phase, rt::Nanoseconds now) noexcept {
@@ -10,10 +12,12 @@ void SafeStop::enter(SafeStopPhase phase, rt::Nanoseconds now) noexcept {
 
 void SafeStop::trigger(rt::Nanoseconds now, bool released) noexcept {
   if (phase_ != SafeStopPhase::Idle) return;
+  share_ = 1.0;
   enter(released ? SafeStopPhase::Decelerating : SafeStopPhase::Disabling, now);
 }
 
-void SafeStop::step(rt::Nanoseconds now, bool loops_closed, bool at_rest, bool immediate) noexcept {
+void SafeStop::step(rt::Nanoseconds now, bool loops_closed, bool at_rest, bool immediate,
+                    const HoldView& hold) noexcept {
   const bool carried = loops_closed && !immediate;
   const rt::Nanoseconds elapsed = now - entered_;
   switch (phase_) {
@@ -28,7 +32,23 @@ void SafeStop::step(rt::Nanoseconds now, bool loops_closed, bool at_rest, bool i
       if (!carried || elapsed >= timing_.settle) enter(SafeStopPhase::Engaging, now);
       return;
     case SafeStopPhase::Engaging:
-      if (elapsed >= timing_.hold_delay) enter(SafeStopPhase::Disabling, now);
+      again_ = hold.again;
+      if (!hold.ordered && !immediate) return enter(SafeStopPhase::Engaging, now);
+      if (elapsed < timing_.hold_delay) return;
+      return enter(carried && timing_.transfer > 0 ? SafeStopPhase::Transferring : SafeStopPhase::Disabling, now);
+    case SafeStopPhase::Transferring:
+      if (!carried) return enter(SafeStopPhase::Disabling, now);
+      if (hold.slipped) {
+        share_ = 1.0;
+        return enter(SafeStopPhase::Carrying, now);
+      }
+      share_ = std::max(0.0, 1.0 - static_cast<double>(elapsed) / static_cast<double>(timing_.transfer));
+      if (elapsed >= timing_.transfer + timing_.watch) enter(SafeStopPhase::Disabling, now);
+      return;
+    case SafeStopPhase::Carrying:
+      if (!carried) return enter(SafeStopPhase::Disabling, now);
+      if (hold.again != again_) enter(SafeStopPhase::Transferring, now);
+      again_ = hold.again;
       return;
     case SafeStopPhase::Disabling:
       if (elapsed >= timing_.disable_delay) enter(SafeStopPhase::Done, now);
@@ -41,7 +61,9 @@ void SafeStop::finishAtOnce() noexcept {
 }
 
 void SafeStop::rearm() noexcept {
-  if (phase_ == SafeStopPhase::Done) phase_ = SafeStopPhase::Idle;
+  if (phase_ != SafeStopPhase::Done) return;
+  phase_ = SafeStopPhase::Idle;
+  share_ = 1.0;
 }
 
 }  // namespace knee_robot::control

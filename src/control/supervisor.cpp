@@ -1,6 +1,7 @@
 #include "knee_robot/control/supervisor.h"
 
 #include <algorithm>
+#include <cmath>
 
 namespace knee_robot::control {
 namespace {
@@ -21,6 +22,7 @@ bool Supervisor::startHook() {
   const std::array<RequestAnswer, SupervisorStatus::kAnswers> answers = status_.answers;
   const std::array<bool, hardware::kAxes> homed = status_.homed;
   const std::uint32_t play = orders_.play;  // a play number is never used twice
+  const std::uint32_t transfer = orders_.transfer;
   status_ = SupervisorStatus{};
   status_.answers = answers;
   status_.homed = homed;
@@ -34,6 +36,7 @@ bool Supervisor::startHook() {
   unjudged_ = 0;
   orders_ = Orders{};
   orders_.play = play;
+  orders_.transfer = transfer;
   pending_ = 0;
   unreadable_ = 0;
   written.read(written_);
@@ -92,6 +95,7 @@ void Supervisor::handle(const Request& asked, rt::Nanoseconds now) {
       return enable(asked, now);
     case RequestKind::Disable:
       settlePending(RequestResult::Superseded);
+      if (written_.safe_stop == SafeStopPhase::Carrying) ++orders_.transfer;
       if (status_.state == MachineState::Disabled) return answer(asked.number, RequestResult::Done);
       status_.state = MachineState::SafeStopping;
       pending_ = asked.number;
@@ -189,7 +193,11 @@ void Supervisor::advanceEnabling(rt::Nanoseconds now) {
     case DriveLevel::Off:
       return;
     case DriveLevel::Energised:
-      if (elapsed >= hardware_.drive_enable_delay_s) orders_.level = DriveLevel::HeldByDrivers;
+      if (elapsed < hardware_.drive_enable_delay_s) {
+        brake_test_m_ = measured_.position_m;
+      } else if (testBrakes(now)) {
+        orders_.level = DriveLevel::HeldByDrivers;
+      }
       return;
     case DriveLevel::HeldByDrivers:
       if (!all_carry) step_since_ = now;
@@ -202,6 +210,27 @@ void Supervisor::advanceEnabling(rt::Nanoseconds now) {
       settlePending(RequestResult::Done);
       return;
   }
+}
+
+/// One axis after the other, shortening first, then lengthening: the force rises for kRise, stays, and is gone. True: all hold.
+bool Supervisor::testBrakes(rt::Nanoseconds now) {
+  constexpr double kRise_s = 0.02, kStep_s = 0.05;
+  orders_.brake_test_N = AxisValues{};
+  if (brake_test <= 0.0) return true;
+  const double time = rt::toSeconds(now - step_since_) - hardware_.drive_enable_delay_s;
+  const int step = static_cast<int>(time / kStep_s);
+  const auto axis = static_cast<std::size_t>(step / 2);
+  if (axis >= hardware::kAxes) return true;
+  for (std::size_t i = 0; i < hardware::kAxes; ++i) {
+    const bool holds = std::abs(measured_.position_m[i] - brake_test_m_[i]) <= brake_slip;
+    if (holds || hardware_.axes[i].hold_device != HoldDevice::Brake) continue;
+    raise(Fault::HoldDeviceSlips, static_cast<int>(i) + 1);
+    return false;
+  }
+  if (hardware_.axes[axis].hold_device != HoldDevice::Brake) return false;
+  const double rise = std::min(1.0, (time - step * kStep_s) / kRise_s);
+  orders_.brake_test_N[axis] = (step % 2 == 0 ? -rise : rise) * brake_test;
+  return false;
 }
 
 void Supervisor::advancePlaying() {
@@ -241,6 +270,8 @@ void Supervisor::answerRefusedPlay() noexcept {
 }
 
 void Supervisor::advanceSafeStop() {
+  if (written_.safe_stop == SafeStopPhase::Carrying && written_.transfer == orders_.transfer)
+    settlePending(RequestResult::Failed);
   const bool output_runs = output_ == nullptr || output_->state() == rt::TaskState::Running;
   const bool off = drivesAreOff() && (written_.safe_stop == SafeStopPhase::Done ||
                                       (written_.safe_stop == SafeStopPhase::Idle && orders_.safe_stop));
@@ -255,6 +286,7 @@ void Supervisor::publish(rt::Nanoseconds now) {
   orders_.safe_stop = status_.state == MachineState::SafeStopping;
   orders_.stop_path = status_.state == MachineState::Stopping || orders_.safe_stop;
   if (!powered) orders_.level = DriveLevel::Off;
+  if (status_.state != MachineState::Enabling) orders_.brake_test_N = AxisValues{};
   orders_.homed = isHomed();
   orders_.homing = 0;
   if (status_.state == MachineState::Homing) orders_.homing = homingBit();

@@ -141,10 +141,15 @@ TEST_P(SafeRoads, RunTheSafeStopOnceOnAllFourChannels) {
   rig.system.run(2.5);
 
   const Wires wires = wiresAfter(rig.machine, left);
-  EXPECT_EQ(wires.order, "edz") << "engage, disable, zero";
+  // With loops that work the force goes down, watched, before the drives go off; without, it stays until they are off.
+  EXPECT_EQ(wires.order, road.decelerates ? "ezd" : "edz") << "engage, disable, zero";
   EXPECT_EQ(wires.runs, 1);
   EXPECT_GE(wires.disable_s - wires.engage_s, 0.03 - 1e-9) << "the brake's delay was waited for";
-  EXPECT_GE(wires.zero_s - wires.disable_s, 0.02 - 1e-9) << "the drive was off before 0 V";
+  if (road.decelerates) {
+    EXPECT_GE(wires.zero_s - wires.engage_s, 0.03 + 0.07) << "the brake's delay, then the force down in 80 ms";
+  } else {
+    EXPECT_GE(wires.zero_s - wires.disable_s, 0.02 - 1e-9) << "the drive was off before 0 V";
+  }
   const double until_engaged = wires.engage_s - left;
   if (road.decelerates) {
     EXPECT_GT(until_engaged, 0.1);
@@ -198,7 +203,7 @@ TEST(SafeRoad, OfAShutdownWhilePlayingIsTheWholeSafeStop) {
   const double left = rig.machine.time_s;
   const Answer answer = rig.system.shutdown();
   EXPECT_TRUE(answer.ok) << answer.sentence;
-  EXPECT_EQ(wiresAfter(rig.machine, left).order, "edz");
+  EXPECT_EQ(wiresAfter(rig.machine, left).order, "ezd");
   EXPECT_EQ(rig.machine.bits, 0u) << "the heartbeat rests, too";
 }
 

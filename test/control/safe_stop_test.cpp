@@ -69,6 +69,72 @@ TEST(SafeStop, DisablesAtOnceWhenTheHoldDevicesAreStillEngaged) {
   EXPECT_EQ(course(false, 0, 1000).phases, (std::vector<Phase>{Phase::Disabling, Phase::Done}));
 }
 
+/// A safe stop that hands the load over in 20 ms and watches for 10 ms more; stepped every ms up to `ms`.
+struct Transfer {
+  Transfer() : stop(with()) { stop.trigger(0, true); }
+  static SafeStopTiming with() {
+    SafeStopTiming all = timing();
+    all.transfer = 20 * kMs;
+    all.watch = 10 * kMs;
+    return all;
+  }
+  void run(int ms, const HoldView& hold = {}, bool loops = true) {
+    for (int end = now + ms; now < end;)
+      stop.step(++now * kMs, loops, true, false, hold);
+  }
+  SafeStop stop;
+  int now = 0;
+};
+
+TEST(SafeStop, TakesTheForceDownSlowlyBeforeTheDrivesGoOff) {
+  Transfer t;
+  t.run(42);  // at rest, settled, engaged
+  ASSERT_EQ(t.stop.phase(), Phase::Transferring);
+  t.run(10);
+  EXPECT_NEAR(t.stop.share(), 0.5, 0.06);
+  t.run(12);
+  EXPECT_EQ(t.stop.share(), 0.0);
+  EXPECT_EQ(t.stop.phase(), Phase::Transferring) << "still watched";
+  t.run(10);
+  EXPECT_EQ(t.stop.phase(), Phase::Disabling);
+  t.run(30);
+  EXPECT_EQ(t.stop.phase(), Phase::Done);
+  t.stop.rearm();
+  EXPECT_EQ(t.stop.share(), 1.0) << "whoever enables again is carried";
+}
+
+TEST(SafeStop, TakesTheLoadBackWhenAnAxisMovesAndKeepsItUntilItIsAskedAgain) {
+  Transfer t;
+  t.run(52);
+  HoldView slips;
+  slips.slipped = true;
+  t.run(1, slips);
+  EXPECT_EQ(t.stop.phase(), Phase::Carrying);
+  EXPECT_EQ(t.stop.share(), 1.0);
+  t.run(10000);
+  EXPECT_EQ(t.stop.phase(), Phase::Carrying);
+  HoldView again;
+  again.again = 1;
+  t.run(100, again);
+  EXPECT_EQ(t.stop.phase(), Phase::Done) << "somebody has put a support under it";
+  Transfer power;
+  power.run(52);
+  power.run(1, slips);
+  power.run(100, {}, false);
+  EXPECT_EQ(power.stop.phase(), Phase::Done) << "no loop carries any more";
+}
+
+TEST(SafeStop, NeverGoesToZeroWhileTheHoldDevicesCannotBeOrdered) {
+  Transfer t;
+  HoldView deaf;
+  deaf.ordered = false;
+  t.run(10000, deaf, false);
+  EXPECT_EQ(t.stop.phase(), Phase::Engaging);
+  EXPECT_EQ(t.stop.share(), 1.0);
+  t.run(100, {}, false);
+  EXPECT_EQ(t.stop.phase(), Phase::Done);
+}
+
 TEST(SafeStop, RunsOnceUntilRearmed) {
   SafeStop stop(timing());
   EXPECT_FALSE(stop.isRunning());

@@ -85,7 +85,7 @@ class SupervisorTest : public ::testing::Test {
   }
   void play() {
     ask(RequestKind::Enable);
-    cycles(300);
+    cycles(800);  // the test of the brakes takes 400
     ASSERT_EQ(status.state, MachineState::Holding);
     ask(RequestKind::Play);
     set_point.run = orders.play;

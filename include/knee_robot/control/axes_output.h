@@ -41,6 +41,9 @@ class AxesOutput : public rt::TaskContext {
   rt::Property<double> decelerate_limit{
       *this, "decelerate_limit_s", 1.0, "s", 0.0, 5.0, "longest wait for rest in a safe stop"};
   rt::Property<double> settle_time{*this, "settle_s", 0.05, "s", 0.0, 1.0, "holding at rest before engaging"};
+  rt::Property<double> transfer_time{
+      *this, "transfer_s", 0.08, "s", 0.0, 5.0, "in which the brakes are given the load; 0: at once, unwatched"};
+  rt::Property<double> slip{*this, "slip_m", 5e-4, "m", 1e-5, 0.01, "of an axis meanwhile: its brake does not hold"};
 
  protected:
   bool configureHook() override;
@@ -53,12 +56,14 @@ class AxesOutput : public rt::TaskContext {
   Fault checkCommand(const AxisCommand& command, std::size_t axis, const rt::Cycle& cycle) const noexcept;
   void followOrders(const rt::Cycle& cycle);
   void beginSafeStop(Fault fault, int axis, rt::Nanoseconds now) noexcept;
-  void runSafeStop(const rt::Cycle& cycle);
+  void runSafeStop(const rt::Cycle& cycle, const AxesMeasurement& measured);
+  bool slips(const AxesMeasurement& measured) noexcept;
   AxisValues chooseVolts() const noexcept;
   double clamped(double volts, std::size_t axis) const noexcept;
   void writeVolts(const AxisValues& volts, rt::Nanoseconds now);
   void writeOutputs(rt::Nanoseconds now);
   void estimateLoad(double dt) noexcept;
+  void testBrakes(AxisValues& volts) const noexcept;
 
   const mechanism::Robot robot_;
   const HardwareFile hardware_;
@@ -74,6 +79,9 @@ class AxesOutput : public rt::TaskContext {
   int open_axis_ = 0;
   Fault open_fault_ = Fault::None;
   AxisValues load_volts_{};
+  AxisValues rest_volts_{};  // likewise, of longer, and without what the motion takes
+  AxisValues transfer_m_{};  // where the axes stood when the transfer began
+  bool outputs_refused_ = false;
   bool heartbeat_ = false;
   AxesWritten out_;
 };

@@ -76,6 +76,7 @@ struct FeedforwardForce {
   std::uint64_t sequence = 0;
   rt::Nanoseconds time = 0;
   AxisValues force_N{};
+  AxisValues moving_N{};    ///< the part of force_N for inertia and friction: gone when the axes rest
   AxisValues switched_N{};  ///< sum of all changes of force_N that are no change of the load, ever since the start
   bool complete = false;    ///< the whole force is there: the hold devices may be released
 };
@@ -92,6 +93,7 @@ struct AxisCommand {
   double volts = 0.0;
   double force_N = 0.0;        ///< what the volts ask for
   double feedforward_N = 0.0;  ///< the part of it that a model foresaw
+  double moving_N = 0.0;       ///< the part of that which is for the motion: gone when the axis rests
   double reference_m = 0.0;
   double reference_velocity = 0.0;  ///< m/s
   bool homed = false;               ///< as ordered: the lengths mean something
@@ -128,12 +130,23 @@ struct Orders {
   bool stop_path = false;       ///< Sync slows path time down to zero and gives the path up
   bool pause_path = false;      ///< Sync slows path time down to zero and keeps the path
   double speed = 1.0;           ///< 0 to 1: time scale that Sync approaches without a jump
+  AxisValues brake_test_N{};    ///< while Energised: pushed against the engaged hold devices
+  std::uint32_t transfer = 0;   ///< a new number: a safe stop that is Carrying tries to hand over the load again
   bool homed = false;           ///< all axes know where they are: soft limits and the patient's range hold
   std::uint8_t homing = 0;      ///< bit i: the Driver of axis i + 1 looks for home; the others hold
 };
 
 /// Where the safe stop is.
-enum class SafeStopPhase : std::uint8_t { Idle, Decelerating, Settling, Engaging, Disabling, Done };
+enum class SafeStopPhase : std::uint8_t {
+  Idle,
+  Decelerating,
+  Settling,
+  Engaging,
+  Transferring,  ///< the force goes down while the positions are watched
+  Carrying,      ///< a hold device slipped: the drives carry on
+  Disabling,
+  Done,
+};
 
 /// AxesOutput, every servo cycle.
 struct AxesWritten {
@@ -145,6 +158,7 @@ struct AxesWritten {
   Fault fault = Fault::None;     ///< why AxesOutput itself began the safe stop
   int fault_axis = 0;            ///< 1 to 4, 0: none in particular
   std::uint32_t safe_stops = 0;  ///< completed since the start
+  std::uint32_t transfer = 0;    ///< Supervisor's number that was heard last
   std::uint8_t digital_outputs = 0;
   AxisValues volts{};    ///< as the converter got them, after clamp and quantization
   AxisValues force_N{};  ///< that these volts ask for

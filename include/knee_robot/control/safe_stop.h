@@ -4,10 +4,19 @@
 
 namespace knee_robot::control {
 
+/// What is known of the hold devices in a cycle.
+struct HoldView {
+  bool ordered = true;      ///< the output that engages them can be written
+  bool slipped = false;     ///< an axis has moved since the transfer began
+  std::uint32_t again = 0;  ///< a new number: hand over the load again
+};
+
 struct SafeStopTiming {
   rt::Nanoseconds decelerate_limit = 1'000'000'000;  ///< longest wait for the reference to come to rest
   rt::Nanoseconds settle = 50'000'000;               ///< holding at rest before the hold devices engage
   rt::Nanoseconds hold_delay = 0;                    ///< until the slowest hold device holds
+  rt::Nanoseconds transfer = 0;                      ///< the force goes down in so long, watched; 0: in one step
+  rt::Nanoseconds watch = 20'000'000;                ///< without force, still watched
   rt::Nanoseconds disable_delay = 20'000'000;        ///< until a disabled drive gives no torque
 };
 
@@ -16,8 +25,14 @@ struct SafeStopTiming {
 ///     Decelerating  along the path, position loops closed        (left out when a loop is not closed any more)
 ///     Settling      hold at rest                                 (likewise)
 ///     Engaging      hold devices engage; loops go on until the slowest device holds
+///     Transferring  the drives' force goes down to nothing while the positions are watched
+///     Carrying      an axis moved: its hold device does not hold. The loops take the load back and keep it until they are asked to
+///                   hand it over again, or have no power any more
 ///     Disabling     drives disabled; set values stay until the drives are off
 ///     Done          0 V
+///
+/// Transferring needs loops that work; without them it is left out, and the set values stay until the drives are off. Hold devices
+/// that cannot be ordered to engage (the output card is gone) end it in Engaging: 0 V would let the platform fall.
 ///
 /// One state machine for all four channels, so they go together. trigger() any number of times runs it once, until rearm().
 /// Pure: no clock, no hardware; real-time safe.
@@ -30,7 +45,7 @@ class SafeStop {
   void trigger(rt::Nanoseconds now, bool released) noexcept;
   /// One cycle. `loops_closed`: all four position loops work. `at_rest`: all four references stand still. `immediate`: do
   /// not decelerate (drive power is gone).
-  void step(rt::Nanoseconds now, bool loops_closed, bool at_rest, bool immediate) noexcept;
+  void step(rt::Nanoseconds now, bool loops_closed, bool at_rest, bool immediate, const HoldView& hold = {}) noexcept;
   /// To the end without waiting: for a component that will not be called again.
   void finishAtOnce() noexcept;
   /// Done -> Idle: the next trigger() runs again.
@@ -40,6 +55,10 @@ class SafeStop {
   bool isRunning() const noexcept { return phase_ != SafeStopPhase::Idle && phase_ != SafeStopPhase::Done; }
   bool engagesHold() const noexcept { return phase_ >= SafeStopPhase::Engaging; }
   bool disablesDrive() const noexcept { return phase_ >= SafeStopPhase::Disabling; }
+  bool isTransferring() const noexcept { return phase_ == SafeStopPhase::Transferring; }
+  bool isCarrying() const noexcept { return phase_ == SafeStopPhase::Carrying; }
+  /// Of the set values that may be written now: 1, less while the load is handed over, 0 when it has been.
+  double share() const noexcept { return share_; }
   std::uint32_t completed() const noexcept { return completed_; }
 
  private:
@@ -48,6 +67,8 @@ class SafeStop {
   SafeStopTiming timing_;
   SafeStopPhase phase_ = SafeStopPhase::Idle;
   rt::Nanoseconds entered_ = 0;
+  double share_ = 1.0;
+  std::uint32_t again_ = 0;
   std::uint32_t completed_ = 0;
 };
 

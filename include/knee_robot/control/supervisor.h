@@ -45,7 +45,15 @@ class Supervisor : public rt::TaskContext {
   rt::OutputPort<SupervisorStatus> status{*this, "status", "for the operator"};
 
   rt::Property<double> settle_time{*this, "settle_s", 0.05, "s", 0.0, 1.0, "closed loops before the release"};
-  rt::Property<double> enable_limit{*this, "enable_limit_s", 1.0, "s", 0.1, 10.0, "longest enabling"};
+  rt::Property<double> brake_test{*this,
+                                  "brake_test_N",
+                                  120.0,
+                                  "N",
+                                  0.0,
+                                  2000.0,
+                                  "pushed against each brake at enabling, both ways; 0: not at all"};
+  rt::Property<double> brake_slip{*this, "brake_slip_m", 5e-4, "m", 1e-5, 0.01, "that a brake may give way meanwhile"};
+  rt::Property<double> enable_limit{*this, "enable_limit_s", 2.0, "s", 0.1, 10.0, "longest enabling"};
   rt::Property<double> range_margin{
       *this, "range_margin_m", 0.005, "m", 0.0, 0.1, "beyond the axes' range before it is a fault"};
   rt::Property<int> stale_measurements{
@@ -80,6 +88,7 @@ class Supervisor : public rt::TaskContext {
   void settlePending(RequestResult result) noexcept;
   void advance(rt::Nanoseconds now);
   void advanceEnabling(rt::Nanoseconds now);
+  bool testBrakes(rt::Nanoseconds now);
   void advancePlaying();
   void answerRefusedPlay() noexcept;
   void advanceSafeStop();
@@ -125,6 +134,7 @@ class Supervisor : public rt::TaskContext {
   std::uint32_t pending_ = 0;  // request that waits for its answer, 0: none
   rt::Nanoseconds enabling_since_ = 0;
   rt::Nanoseconds step_since_ = 0;  // of the present step of enabling
+  AxisValues brake_test_m_{};       // where the axes stood before the brakes are tested
 };
 
 }  // namespace knee_robot::control
