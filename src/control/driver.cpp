@@ -133,6 +133,24 @@ void Driver::checkReference(const rt::Cycle& cycle, bool searching) {
   if (!searching && std::abs(error) > limit) raise(Fault::FollowingError);
 }
 
+/// At rest the axes take turns.
+double Driver::probeEncoder(double dt) noexcept {
+  constexpr double kRest_s = 0.5;
+  const bool carries = order_.level == DriveLevel::Released && !order_.safe_stop && order_.homed &&
+                       order_.homing == 0 && unreadable_ == 0;
+  if (!carries) {
+    carried_s_ = 0.0;
+    probe_.reset();
+    return 0.0;
+  }
+  carried_s_ += dt;
+  if (carried_s_ < kRest_s) return 0.0;  // the hold devices are still opening, the platform sags a little
+  const double first = kRest_s + probe_period * static_cast<double>(index_) / hardware::kAxes;
+  const EncoderProbe::Settings settings{first, probe_period, probe_share * force_limit_};
+  if (!probe_.step(out_.at_rest, dt, measured_.counts[index_], settings)) raise(Fault::EncoderFrozen);
+  return probe_.force_N();
+}
+
 void Driver::control(const rt::Cycle& cycle) {
   const double dt = std::min(rt::toSeconds(cycle.time - last_time_), kLongestStep_s);
   const SetPointFollower::Reference reference = chooseReference(cycle, dt);
@@ -150,7 +168,8 @@ void Driver::control(const rt::Cycle& cycle) {
   input.feedforward = load_;
   input.dt = dt;
   pid_.changeGains(gains(), input);
-  const double force = std::clamp(pid_.update(input, force_now_) + carried_N_, -force_limit_, force_limit_);
+  const double asked = pid_.update(input, force_now_) + carried_N_ + probeEncoder(dt);
+  const double force = std::clamp(asked, -force_limit_, force_limit_);
   if (!std::isfinite(force)) raise(Fault::NotANumber);
   if (!closesLoop(fault_)) {
     active_ = false;
@@ -159,6 +178,7 @@ void Driver::control(const rt::Cycle& cycle) {
   }
   out_.force_N = force;
   out_.feedforward_N = load_;
+  out_.moving_N = foresees_ ? foreseen_.moving_N[index_] : 0.0;
   out_.volts = actuator_.force_sign * force / actuator_.force_per_volt_N;
 }
 

@@ -3,6 +3,7 @@
 #include <string>
 
 #include "knee_robot/control/axis_data.h"
+#include "knee_robot/control/encoder_probe.h"
 #include "knee_robot/control/hardware_file.h"
 #include "knee_robot/control/homing_move.h"
 #include "knee_robot/control/pid.h"
@@ -23,6 +24,7 @@ namespace knee_robot::control {
 /// Gains may change while the loop is closed: the integral takes up the difference, so the force does not jump.
 /// Takes over (Orders::drivers_active) at the measured position with the integral at zero: no force but the feedforward's. Faults are kept
 /// until the Drivers are switched off again. While Orders::homing has its bit, HomingMove gives reference and force limit instead.
+/// EncoderProbe looks at rest every probe_s, and around turning points, whether the encoder still counts: EncoderFrozen.
 /// - SetPointStale: nothing from Sync for stale_set_points periods, or a set point is missing. The loop goes on (the reference comes
 ///   to rest).
 /// - NotANumber, FollowingError, SetPointJump, MeasurementLost: the loop is given up (active = false, 0 V asked for); what the axis
@@ -53,6 +55,10 @@ class Driver : public rt::TaskContext {
       *this, "stale_set_points", 3, "periods", 2, 100, "without set points for so long: fault"};
   rt::Property<int> missing_set_points{
       *this, "missing_set_points", 0, "set points", 0, 100, "in a row that may be missing without a fault"};
+  rt::Property<double> probe_period{
+      *this, "probe_s", 0.6, "s", 0.0, 60.0, "between two looks whether the standing encoder counts; 0: never"};
+  rt::Property<double> probe_share{
+      *this, "probe_share", 0.5, "", 0.05, 1.0, "of the force limit: the strongest pulse for that"};
   rt::Property<int> stale_measurements{
       *this, "stale_measurements", 3, "cycles", 1, 100, "unreadable encoders in a row: fault"};
 
@@ -67,6 +73,7 @@ class Driver : public rt::TaskContext {
   void control(const rt::Cycle& cycle);
   void readFeedforward(const rt::Cycle& cycle) noexcept;
   void checkReference(const rt::Cycle& cycle, bool searching);
+  double probeEncoder(double dt) noexcept;
   SetPointFollower::Reference chooseReference(const rt::Cycle& cycle, double dt) noexcept;
   bool isToHome() const noexcept { return (order_.homing >> index_ & 1) != 0; }
   void raise(Fault fault) noexcept;
@@ -78,6 +85,8 @@ class Driver : public rt::TaskContext {
   SetPointFollower follower_{0, 0.0, 0.0, 0.0};
   const HardwareFile hardware_;
   HomingMove homing_;
+  EncoderProbe probe_;
+  double carried_s_ = 0.0;  // since the hold device was ordered to let go
   Pid pid_;
   double force_limit_ = 0.0;  // N
   double force_now_ = 0.0;    // N, limit of this cycle
