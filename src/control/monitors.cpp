@@ -99,7 +99,7 @@ AxisView Monitors::viewOf(std::size_t i, double dt) noexcept {
 Fault Monitors::judge(std::size_t i, const AxisView& view) noexcept {
   const mechanism::Actuator& actuator = robot_.actuators[i];
   Axis& axis = axes_[i];
-  const bool hot = axis.thermal.step(view, actuator.force_continuous_N, thermal_time);
+  const bool hot = axis.thermal.step(view, actuator.force_continuous_N, thermal_time, thermal_share, thermal_housing);
   out_.heat[i] = axis.thermal.heat();
   if (any_ && axis.jump.step(view, actuator.velocity_max_m_per_s, jump_factor, jump_floor)) return Fault::EncoderJump;
   if (hot) return Fault::ThermalOverload;

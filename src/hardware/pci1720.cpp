@@ -73,7 +73,12 @@ IoStatus Pci1720::checkPresence() noexcept {
   const IoStatus status = registers_.read8(pci1720::kBoardId, id);
   if (status != IoStatus::Ok) return status;
   if (id == kNobodyThere) return IoStatus::Disconnected;
-  return (id & kBoardIdMask) == board_id_ ? IoStatus::Ok : IoStatus::DeviceError;
+  if ((id & kBoardIdMask) != board_id_) return IoStatus::DeviceError;
+  // A card that was reset stands in 0..5 V: the code for 0 V would be 2.5 V there.
+  std::uint8_t range = 0;
+  const IoStatus answer = registers_.read8(pci1720::kRange, range);
+  if (answer != IoStatus::Ok) return answer;
+  return range == pci1720::kAllBipolar10V ? IoStatus::Ok : IoStatus::DeviceError;
 }
 
 IoStatus Pci1720::writeVolts(const std::array<double, kChannels>& volts,

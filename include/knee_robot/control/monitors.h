@@ -83,7 +83,11 @@ class Monitors : public rt::TaskContext {
   rt::Property<double> runaway_time{*this, "runaway_s", 0.005, "s", 0.001, 1.0, "so long, and never slower"};
   rt::Property<double> saturation_time{*this, "saturation_s", 0.25, "s", 0.001, 10.0, "force at its clamp for so long"};
   rt::Property<double> thermal_time{
-      *this, "thermal_time_constant_s", 20.0, "s", 1.0, 2000.0, "of the winding; the RE40's is about twice as long"};
+      *this, "thermal_time_constant_s", 40.0, "s", 1.0, 2000.0, "of the winding above its housing; an RE40's"};
+  rt::Property<double> thermal_housing{
+      *this, "thermal_housing_s", 1100.0, "s", 1.0, 20000.0, "of the housing above the room; an RE40's in free air"};
+  rt::Property<double> thermal_share{
+      *this, "thermal_winding_share", 0.29, "", 0.0, 1.0, "of the final rise that lies between winding and housing"};
   rt::Property<double> thermal_start{*this, "thermal_start", 0.0, "", 0.0, 1.0, "heat at the controller's start"};
   rt::Property<double> patient_margin_m{*this, "patient_margin_m", 0.002, "m", 0.0, 0.02, "beyond the patient's range"};
   rt::Property<double> patient_margin_rad{*this, "patient_margin_rad",        0.01, "rad", 0.0,
