@@ -10,7 +10,7 @@ start_robot() {
   local port
   port=$(free_port)
   export ROS_MASTER_URI=http://127.0.0.1:$port
-  roslaunch --port "$port" knee_robot simulation.launch "shm:=/knee_robot_$port" "$@" > "$folder/roslaunch.log" 2>&1 &
+  roslaunch --port "$port" knee_robot simulation.launch "shm:=/knee_robot_$port" empty:=true "$@" > "$folder/roslaunch.log" 2>&1 &
   ROBOT_PID=$!
   trap stop_robot EXIT
   local tries

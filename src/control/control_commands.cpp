@@ -62,8 +62,21 @@ Answer ControlSystem::request(RequestKind kind, double timeout_s, double value) 
   return phrase(answer);
 }
 
+/// A request that switches the drives on: who is on the robot has to be known, and does not change meanwhile.
+Answer ControlSystem::powered(RequestKind kind) {
+  if (const std::string why = whyNobodyMoves(); !why.empty()) return {false, why};
+  const auto count = [this](int change) {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    parts_->powering += change;
+    return parts_->occupancy != Occupancy::Unknown;
+  };
+  const Answer answer = count(1) ? request(kind, kEnable_s) : Answer{false, whyNobodyMoves()};
+  count(-1);
+  return answer;
+}
+
 Answer ControlSystem::enable() {
-  return request(RequestKind::Enable, kEnable_s);
+  return powered(RequestKind::Enable);
 }
 Answer ControlSystem::disable() {
   return request(RequestKind::Disable, kSafeStop_s);
@@ -97,13 +110,15 @@ Answer ControlSystem::setSpeed(double percent) {
 }
 
 Answer ControlSystem::home() {
-  const Answer answer = request(RequestKind::Home, kEnable_s);
+  if (patient()) return {false, "a patient is loaded: home the robot before somebody is on it"};
+  const Answer answer = powered(RequestKind::Home);
   if (!answer.ok) return answer;
   if (!hardware_.homing.moves()) return {true, "homed: the robot stands at its home lengths"};
   return {true, "homing has begun: one axis after the other, then the drives are switched off"};
 }
 
 Answer ControlSystem::confirmHome() {
+  if (patient()) return {false, "a patient is loaded: home the robot before somebody is on it"};
   const Answer answer = request(RequestKind::ConfirmHome, kQuick_s);
   return answer.ok ? Answer{true, "the robot stands at its home lengths"} : answer;
 }
@@ -111,6 +126,7 @@ Answer ControlSystem::confirmHome() {
 Answer ControlSystem::setProperty(const std::string& component, const std::string& property, const std::string& value) {
   rt::TaskContext* found = deployment_->component(component);
   if (found == nullptr) return {false, "there is no component " + component.substr(0, 60)};
+  if (const Answer allowed = allowChange(component, property, value); !allowed.ok) return allowed;
   try {
     const rt::PropertyBase* changed = found->property(property);
     const std::string before = changed == nullptr ? "" : changed->valueText();

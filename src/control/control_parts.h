@@ -48,7 +48,12 @@ struct ControlSystem::Parts {
   std::unique_ptr<BlackBoxWriter> black_box_writer;
   std::unique_ptr<HeatMemory> heat_memory;
   std::string heat_refused;  // why the motors count as hot
+  Occupancy occupancy = Occupancy::Unknown;
   std::optional<PatientLimits> patient;
+  PatientMemory patient_memory{""};
+  std::string patient_refused;                 // why the patient of the last run is not loaded
+  std::vector<rt::PropertyReport> at_loading;  // properties when the patient was loaded
+  int powering = 0;                            // requests under way that switch the drives on
   std::uint32_t requests = 0;
   std::string reference_name;
   std::string playing;           // what was played last

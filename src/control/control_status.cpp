@@ -46,6 +46,7 @@ ControlStatus ControlSystem::status() const {
   const std::lock_guard<std::mutex> lock(mutex_);
   MonitorVerdict verdict;
   if (parts_->panel.verdict.read(verdict) != rt::FlowStatus::NoData) status.thermal = verdict.heat;
+  status.occupancy = parts_->occupancy;
   if (parts_->patient) status.patient = parts_->patient->name;
   status.reference = parts_->reference_name;
   const bool on_a_path = status.state == MachineState::Playing || status.state == MachineState::Paused ||
@@ -120,6 +121,11 @@ Answer ControlSystem::phrase(const RequestAnswer& answer) const {
       return {false, "the axes do not know where they are; home the robot first"};
     case RequestResult::NoProcedure:
       return noProcedure();
+    case RequestResult::HomeShifted:
+      return {false,
+              "axis " + std::to_string(answer.axis) + " stands " + shortNumber(1e3 * answer.distance_m, 4) +
+                  " mm from its home length by the counters: either they lost counts (restart the controller) or the "
+                  "robot was not placed at home"};
     case RequestResult::OutOfRange:
       return {false, "the value is not allowed"};
     case RequestResult::Failed:

@@ -1,5 +1,6 @@
 #include "knee_robot/control/control_system.h"
 
+#include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <ctime>
@@ -55,6 +56,7 @@ ControlSystem::ControlSystem(const mechanism::Robot& robot, const HardwareFile& 
   requireBusPeriod(hardware, *deployment_, deployment_path);
   parts_ = std::make_unique<Parts>(*deployment_);
   parts_->prepareFeedforward(*deployment_, options_);
+  parts_->patient_memory = PatientMemory(options_.patient_memory);
   rt::connect(parts_->panel.request, parts_->supervisor->request, rt::ConnPolicy::buffer(16));
   rt::connect(parts_->supervisor->status, parts_->panel.status);
   rt::connect(parts_->monitors->verdict, parts_->panel.verdict);
@@ -76,7 +78,7 @@ ControlSystem::ControlSystem(const mechanism::Robot& robot, const HardwareFile& 
 }
 
 ControlSystem::~ControlSystem() {
-  shutdown();
+  end(true);
   parts_->heat_memory.reset();
   parts_->black_box_writer.reset();
   parts_->drain.reset();  // its thread uses the Recorder
@@ -88,8 +90,10 @@ Answer ControlSystem::start() {
   if (!test.passed) {
     return {false, "the hardware's self test failed: " + (test.findings.empty() ? "no finding" : test.findings.back())};
   }
-  parts_->monitors->start_heat(rememberedHeat(options_.heat_file, static_cast<double>(std::time(nullptr)),
-                                              parts_->monitors->thermal_time, &parts_->heat_refused));
+  parts_->monitors->start_heat(rememberedHeat(
+      options_.heat_file, static_cast<double>(std::time(nullptr)),
+      std::max<double>(parts_->monitors->thermal_time, parts_->monitors->thermal_housing), &parts_->heat_refused));
+  recallPatient();
   try {
     deployment_->start();
   } catch (const InputError& error) {
@@ -105,14 +109,24 @@ Answer ControlSystem::start() {
   const std::string hot = parts_->heat_refused.empty() ? "" : "; the motors count as hot: " + parts_->heat_refused;
   if (now.state == MachineState::Faulted)
     return {true, "started with a fault, drives off: " + now.fault_sentence + hot};
-  return {true, "ready: drives off, hold devices engaged" + hot};
+  const std::string who = whyNobodyMoves();
+  return {true, "ready: drives off, hold devices engaged" + hot +
+                    (now.patient.empty() ? "" : "; patient " + now.patient + " is still loaded") +
+                    (who.empty() ? "" : "; " + who)};
 }
 
 Answer ControlSystem::shutdown() {
+  return end(false);
+}
+
+Answer ControlSystem::end(bool at_any_rate) {
   if (!started_) return {true, "the controller does not run"};
   const MachineState before = state();
   Answer stopped{true, "drives off, hold devices engaged"};
   if (before != MachineState::Disabled && before != MachineState::Faulted) stopped = disable();
+  const ControlStatus now = status();
+  const bool carries = now.state == MachineState::SafeStopping && now.fault == Fault::HoldDeviceSlips;
+  if (carries && !at_any_rate) return {false, "not shut down: " + now.fault_sentence};
   const Answer recorded = stopRecording();
   deployment_->stop();  // whatever still moves: AxesOutput's stopHook
   started_ = false;

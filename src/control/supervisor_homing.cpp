@@ -7,6 +7,7 @@ namespace knee_robot::control {
 namespace {
 
 constexpr double kQuiet_m = 0.0002;
+constexpr double kLargestShift_m = 0.005;
 constexpr rt::Nanoseconds kQuiet = 500'000'000;
 
 }  // namespace
@@ -29,6 +30,11 @@ void Supervisor::home(const Request& asked, rt::Nanoseconds now) {
     AxisValues lengths{};
     for (std::size_t i = 0; i < hardware::kAxes; ++i)
       lengths[i] = robot_.actuators[i].home_length_m;
+    for (std::size_t i = 0; i < hardware::kAxes && isHomed(); ++i) {
+      const double shift = std::abs(lengths[i] - measured_.position_m[i]);
+      if (shift > kLargestShift_m)
+        return answer(asked.number, RequestResult::HomeShifted, static_cast<int>(i) + 1, shift);
+    }
     setHome(lengths, measured_.position_m);
   }
   answer(asked.number, RequestResult::Done);

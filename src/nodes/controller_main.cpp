@@ -91,6 +91,8 @@ int run() {
   control::ControlSystem::Options options;
   options.black_box_folder = recordings.path() + "/black_box";
   options.heat_file = options.black_box_folder + "/heat.yaml";
+  options.patient_memory = options.black_box_folder + "/patient.txt";
+  options.empty = node.param("empty", false);
   options.model = node.param<std::string>("model", "");
   if (node.hasParam("payload_kg")) {
     options.payload_kg = boundedParameter(node, "payload_kg", 0.0, 0.0, control::ModelFeedforward::kLargestPayload_kg,
@@ -108,7 +110,12 @@ int run() {
   std::atomic<nodes::GuardianSupervision::Guardian> guardian{nodes::GuardianSupervision::Guardian::None};
   serve(node, machine, {system, robot, references, patients, recordings, rate_hz, guardian}, guardian);
   const std::string timing = rt::toText(system.statistics());
-  const control::Answer stopped = system.shutdown();
+  control::Answer stopped = system.shutdown();
+  while (!stopped.ok && system.state() == control::MachineState::SafeStopping) {  // only the drives carry the platform
+    ROS_ERROR("%s", stopped.sentence.c_str());
+    std::this_thread::sleep_for(std::chrono::seconds(5));
+    stopped = system.shutdown();
+  }
   std::printf("controller: timing since the start\n%s", timing.c_str());
   std::printf("controller: %s\n", stopped.sentence.c_str());
   return stopped.ok ? kExitDone : 1;
@@ -126,5 +133,8 @@ int main(int argc, char** argv) {
   } catch (const InputError& error) {
     std::fprintf(stderr, "controller: %s\n", error.what());
     return kExitBadInput;
+  } catch (const std::exception& error) {  // unwinding has shut the robot down in order
+    std::fprintf(stderr, "controller: %s\n", error.what());
+    return 1;
   }
 }

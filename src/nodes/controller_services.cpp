@@ -38,6 +38,7 @@ ControllerServices::ControllerServices(ros::NodeHandle& commands, ros::NodeHandl
   servers_.push_back(commands.advertiseService("load_reference", &ControllerServices::load, this));
   servers_.push_back(commands.advertiseService("load_patient", &ControllerServices::loadPatient, this));
   offer(commands, "clear_patient", [this] { return system_.clearPatient(); });
+  offer(commands, "declare_empty", [this] { return system_.declareEmpty(); });
   servers_.push_back(commands.advertiseService("set_recording", &ControllerServices::record, this));
   servers_.push_back(stops.advertiseService("get_state", &ControllerServices::getState, this));
 }

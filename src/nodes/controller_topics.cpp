@@ -39,6 +39,7 @@ ControllerState stateMessage(const control::ControlSystem& system) {
   message.duration_s = status.path_duration_s;
   message.path_time_s = status.path_time_s;
   message.patient = status.patient;
+  message.occupancy = toString(status.occupancy);
   message.playing = status.playing;
   message.progress = status.progress;
   message.time_scale = status.time_scale;
@@ -157,8 +158,9 @@ void ControllerTopics::publishForces(const control::TrackingRow& row, const ros:
 void ControllerTopics::publishState() {
   const ControllerState message = stateMessage(system_);
   const std::string summary = message.state + '\n' + message.fault + '\n' + message.reference_file + '\n' +
-                              message.playing + '\n' + message.patient + '\n' + std::to_string(message.speed_percent) +
-                              (message.recording ? "recording" : "") + std::to_string(message.dropped_rows);
+                              message.playing + '\n' + message.patient + '\n' + message.occupancy + '\n' +
+                              std::to_string(message.speed_percent) + (message.recording ? "recording" : "") +
+                              std::to_string(message.dropped_rows);
   const ros::WallTime now = ros::WallTime::now();
   const bool changed = summary != last_state_;
   if (!changed && (now - state_at_).toSec() < kStatePeriod) return;

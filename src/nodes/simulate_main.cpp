@@ -154,6 +154,7 @@ int main(int argc, char** argv) {
 
     control::ControlSystem::Options options;
     options.execution = rt::Execution::Stepped;
+    options.empty = true;
     const mechanism::Lengths start = plant.lengths();
     options.lengths_at_start_m = control::AxisValues{start[0], start[1], start[2], start[3]};
     options.model = model;

@@ -21,6 +21,7 @@ TEST(Deployments, MakeAControllerThatStartsEach) {
   for (const std::string& path : filesIn("/config/deployment")) {
     fake::Machine machine(fake::robot());
     ControlSystem::Options options;
+    options.empty = true;
     options.execution = rt::Execution::Stepped;
     ControlSystem system(fake::robot(), fake::hardware(), path, machine, options);
     const Answer started = system.start();

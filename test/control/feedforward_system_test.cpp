@@ -27,6 +27,7 @@ struct Rig {
         plant(robot, dynamics::loadRobotInertia(robot), parameters(payload_kg), image),
         bus(simulation::openImageCards(image)) {
     ControlSystem::Options options;
+    options.empty = true;
     options.execution = rt::Execution::Stepped;
     options.payload_kg = declared_kg;
     const std::string path = ::testing::TempDir() + "feedforward_system_test_" + std::to_string(::getpid()) + ".yaml";

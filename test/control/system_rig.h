@@ -107,6 +107,7 @@ struct Rig {
     all.heat_file = heat_file;
     all.black_box_folder = black_box_folder;
     all.execution = rt::Execution::Stepped;
+    all.empty = true;
     all.types = faultyTypes(injection, machine, hardware_file);
     return all;
   }

@@ -15,6 +15,12 @@
 namespace knee_robot::control {
 namespace {
 
+ControlSystem::Options nobodyOnIt() {
+  ControlSystem::Options options;
+  options.empty = true;
+  return options;
+}
+
 using fake::kHome;
 
 /// The fake machine moves on by one millisecond a cycle, however long the cycle took: what is tested here are threads, and a
@@ -57,6 +63,7 @@ TEST_P(Threads, PlayWhileOperatorsAskRecordAndPublish) {
   const mechanism::Robot robot = fake::robot();
   LiveMachine machine(robot);
   ControlSystem::Options options;
+  options.empty = true;
   ControlSystem system(robot, fake::hardware(), deployment(folder, GetParam()), machine, options);
   ASSERT_TRUE(system.start().ok);
   Answer answer = system.enable();
@@ -118,7 +125,7 @@ TEST(ThreadsAlone, PauseAndResumeInTheMiddleOfThePath) {
   char pattern[] = "/tmp/threads_test_XXXXXX";
   const std::string folder = mkdtemp(pattern);
   LiveMachine machine(fake::robot());
-  ControlSystem system(fake::robot(), fake::hardware(), deployment(folder, false), machine, {});
+  ControlSystem system(fake::robot(), fake::hardware(), deployment(folder, false), machine, nobodyOnIt());
   ASSERT_TRUE(system.start().ok);
   ASSERT_TRUE(system.enable().ok);
   std::this_thread::sleep_for(std::chrono::milliseconds(700));
@@ -151,7 +158,7 @@ TEST(ThreadsAlone, ShutDownSafelyWhenTheControllerIsDestroyedInMotion) {
   const std::string folder = mkdtemp(pattern);
   LiveMachine machine(robot);
   {
-    ControlSystem system(robot, fake::hardware(), deployment(folder, false), machine, {});
+    ControlSystem system(robot, fake::hardware(), deployment(folder, false), machine, nobodyOnIt());
     ASSERT_TRUE(system.start().ok);
     ASSERT_TRUE(system.enable().ok);
   }

@@ -44,7 +44,7 @@ class MasterRestart(unittest.TestCase):
         self.processes = []
         self.start_master()
         self.robot = self.start("roslaunch", "knee_robot", "simulation.launch", "name:=A", f"shm:={SHARED_MEMORY}",
-                                f"references:={self.folder}", f"recordings:={self.folder}", "master_timeout_s:=1.0")
+                                f"references:={self.folder}", f"recordings:={self.folder}", "master_timeout_s:=1.0", "empty:=true")
 
     def tearDown(self):
         for process in reversed(self.processes):

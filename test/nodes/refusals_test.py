@@ -113,6 +113,12 @@ class Refusals(unittest.TestCase):
         finally:
             self.robot.bring_to("disabled")
             self.assertTrue(self.robot.trigger("clear_patient").success)
+            self.assertEqual("unknown", self.robot.state().occupancy)
+            refused = self.robot.trigger("enable")
+            self.assertFalse(refused.success)
+            self.assertIn("declare_empty", refused.message)
+            self.assertTrue(self.robot.trigger("declare_empty").success)
+            self.assertEqual("empty", self.robot.state().occupancy)
         self.assertEqual("", self.robot.state().patient)
         self.assertTrue(self.robot.load("high.txt").success)
 

@@ -66,6 +66,7 @@ inline recording::Recording simulatedRecording(const mechanism::Robot& robot, in
   const std::unique_ptr<hardware::AxisBus> bus = simulation::openImageCards(image);
   control::ControlSystem::Options options;
   options.execution = rt::Execution::Stepped;
+  options.empty = true;
   {
     control::ControlSystem system(robot, control::loadHardwareFile(source + "/config/hardware/simulated.yaml"),
                                   source + "/config/deployment/simulation.yaml", *bus, options);

@@ -12,6 +12,7 @@
 #include "knee_robot/control/hardware_file.h"
 #include "knee_robot/control/machine_state.h"
 #include "knee_robot/control/patient_limits.h"
+#include "knee_robot/control/patient_memory.h"
 #include "knee_robot/mechanism/robot.h"
 #include "knee_robot/rt/deployer.h"
 #include "knee_robot/rt/property.h"
@@ -47,11 +48,12 @@ struct ControlStatus {
   std::uint32_t safe_stops = 0;                   ///< completed since start()
   std::string recording;                          ///< path of the recording being written, empty: none
   std::uint64_t recorded_rows = 0;
-  std::uint64_t dropped_rows = 0;    ///< measured but not in the file
-  std::string patient;               ///< name in the loaded patient file, empty: nobody is on the robot
-  std::string black_box;             ///< CSV of the newest fault, empty: none yet
-  std::string black_box_error;       ///< the disk's refusal, empty: none
-  std::uint64_t skipped_cycles = 0;  ///< left out by the machine: gaps of time_s
+  std::uint64_t dropped_rows = 0;            ///< measured but not in the file
+  Occupancy occupancy = Occupancy::Unknown;  ///< nothing moves while it is Unknown
+  std::string patient;                       ///< name in the loaded patient file, empty: none is loaded
+  std::string black_box;                     ///< CSV of the newest fault, empty: none yet
+  std::string black_box_error;               ///< the disk's refusal, empty: none
+  std::uint64_t skipped_cycles = 0;          ///< left out by the machine: gaps of time_s
 };
 
 /// The whole controller: components from a deployment file on a robot, a hardware file and an axis bus, and the operator's
@@ -74,6 +76,10 @@ class ControlSystem {
     std::string black_box_folder;
     /// Where the motors' heat is kept from one start to the next (HeatMemory); empty: nowhere, they start cold.
     std::string heat_file;
+    /// Where the loaded patient is remembered from one start to the next (PatientMemory); empty: nowhere.
+    std::string patient_memory;
+    /// Somebody declares that nobody is on the robot. A remembered patient wins.
+    bool empty = false;
   };
 
   /// Reads the deployment, makes and connects everything; nothing runs. Throws InputError. `bus` must outlive this.
@@ -85,9 +91,11 @@ class ControlSystem {
   /// Self test of the bus (drives off, hold devices engaged), then all components are started. Ends in Disabled, or Faulted
   /// where a fault is there from the beginning (an emergency stop that is pressed): ok, but the sentence says so.
   Answer start();
-  /// Safe stop if anything moves or holds, recording closed, components stopped in reverse. Can not be undone.
+  /// Safe stop if anything moves or holds, recording closed, components stopped in reverse. Can not be undone. Refused while the
+  /// drives carry the platform because a holding brake slipped: support it, then try again (the destructor does not ask).
   Answer shutdown();
 
+  /// Refused unless a patient is loaded or nobody is on the robot, explicitly.
   /// Disabled -> Holding: 0 V, drives enabled, Drivers take over at the measured position, hold devices released.
   Answer enable();
   /// Holding, Playing -> Disabled by the safe stop.
@@ -95,10 +103,13 @@ class ControlSystem {
   /// Checks the reference against the robot (everything that check_reference checks) and hands it over. Not while playing.
   Answer loadReference(const trajectory::Reference& reference);
   /// Reads a patient file (patient_limits.h) and holds the machine to it from now on: references and approaches are checked against it
-  /// on loading and playing, pose and speed are monitored during motion. Only while Disabled or Faulted; forgets the loaded reference.
+  /// on loading and playing, pose and speed are monitored during motion. Refused with every reason why no patient may be on this machine
+  /// (docs/safety.md; with the simulated backend they are only told). Only while Disabled; forgets the loaded reference.
   Answer loadPatient(const std::string& path);
-  /// Nobody is on the robot any more: only its own limits hold. Only while Disabled or Faulted.
+  /// The patient has left, and who is on the robot now has to be declared before anything moves. Only while Disabled.
   Answer clearPatient();
+  /// Nobody is on the robot: only its own limits hold. Only while Disabled.
+  Answer declareEmpty();
   /// Plays the loaded reference from its first point; refused unless the robot stands there.
   Answer play();
   /// Plays a slow straight approach (actuator space, rest to rest) from the measured position to the first point of the loaded
@@ -168,7 +179,13 @@ class ControlSystem {
   void overrideWhenSilent(SupervisorStatus& supervisor) const;
   void describeFault(const SupervisorStatus& supervisor, ControlStatus& status) const;
   bool revive(rt::TaskContext& component);
-  Answer usePatient(std::optional<PatientLimits> patient);
+  Answer usePatient(Occupancy occupancy, std::optional<PatientLimits> patient);
+  Answer powered(RequestKind kind);
+  Answer end(bool at_any_rate);
+  void recallPatient();
+  std::string whyNobodyMoves() const;
+  std::string patientObstacles() const;
+  Answer allowChange(const std::string& component, const std::string& property, const std::string& value) const;
   std::optional<PatientLimits> patient() const;
 
   const mechanism::Robot robot_;

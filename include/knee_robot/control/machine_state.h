@@ -57,14 +57,15 @@ enum class RequestResult : std::uint8_t {
   Failed,        ///< a fault came before it was done
   NotHomed,      ///< nobody knows yet where the axes are
   NoProcedure,   ///< home() where the hardware file leaves homing to the operator, or the other way round
+  HomeShifted,   ///< a home that is confirmed anew lies far from what the counters say
   OutOfRange,    ///< the value is not allowed
 };
 
 struct RequestAnswer {
   std::uint32_t number = 0;  ///< of the request; 0: none yet
   RequestResult result = RequestResult::Done;
-  int axis = 0;             ///< NotAtStart: 1 to 4
-  double distance_m = 0.0;  ///< NotAtStart
+  int axis = 0;             ///< NotAtStart, HomeShifted: 1 to 4
+  double distance_m = 0.0;  ///< likewise
 };
 
 /// Supervisor, every servo cycle.

@@ -1,0 +1,48 @@
+#include "knee_robot/control/patient_memory.h"
+
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstring>
+#include <filesystem>
+
+#include "knee_robot/base/errors.h"
+#include "knee_robot/base/files.h"
+
+namespace knee_robot::control {
+namespace {
+
+constexpr std::size_t kLongest = 4096;
+
+}  // namespace
+
+const char* toString(Occupancy occupancy) noexcept {
+  switch (occupancy) {
+    case Occupancy::Unknown:
+      return "unknown";
+    case Occupancy::Patient:
+      return "patient";
+    case Occupancy::Empty:
+      return "empty";
+  }
+  return "?";
+}
+
+void PatientMemory::remember(const std::string& patient_file) const {
+  if (path_.empty()) return;
+  makeFolder(path_.substr(0, path_.find_last_of('/')));
+  writeFileAtomically(path_, std::filesystem::absolute(patient_file).string() + "\n");
+}
+
+void PatientMemory::forget() const {
+  if (path_.empty() || ::unlink(path_.c_str()) == 0 || errno == ENOENT) return;
+  throw InputError(path_ + ": cannot be removed: " + std::strerror(errno));
+}
+
+std::string PatientMemory::remembered() const {
+  if (path_.empty() || ::access(path_.c_str(), F_OK) != 0) return "";
+  const std::string text = readFile(path_, kLongest);
+  return text.substr(0, text.find('\n'));
+}
+
+}  // namespace knee_robot::control
