@@ -5,3 +5,9 @@ add_executable(campaign_controller EXCLUDE_FROM_ALL src/nodes/controller_main.cp
 target_include_directories(campaign_controller PRIVATE ${CMAKE_SOURCE_DIR} ${CMAKE_SOURCE_DIR}/src/nodes)
 target_link_libraries(campaign_controller PRIVATE knee_nodes ${CMAKE_DL_LIBS})
 target_link_options(campaign_controller PRIVATE -Wl,--wrap=${factory} -rdynamic)
+
+# false_trips: the stepped controller on healthy and on blind robots, for scripts/false_trips only.
+add_executable(false_trips EXCLUDE_FROM_ALL test/campaign/false_trips.cpp)
+target_include_directories(false_trips PRIVATE ${CMAKE_SOURCE_DIR})
+target_compile_definitions(false_trips PRIVATE KNEE_SOURCE_DIR="${CMAKE_SOURCE_DIR}")
+target_link_libraries(false_trips PRIVATE knee_control knee_simulation CLI11::CLI11)

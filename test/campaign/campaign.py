@@ -32,6 +32,7 @@ def arguments():
     p.add_argument("--output", default=str(ROOT / "output" / "fault_campaign"))
     p.add_argument("--payload", type=float, default=15.0, help="kg")
     p.add_argument("--robot", default="A", help="of config/robots")
+    p.add_argument("--hardware", default="simulated", help="of config/hardware; cards: its delays, homing and start, on the simulated robot")
     p.add_argument("--silence-ms", type=float, default=10.0, help="of the guardian")
     p.add_argument("--minutes", type=float, default=0.0, help="begin no further fault after so long; 0: no limit")
     p.add_argument("--programs", default=str(ROOT / "build" / "devel" / "lib" / "knee_robot"), help=argparse.SUPPRESS)
@@ -75,10 +76,30 @@ class Campaign:
             content = yaml.safe_load(file)
         if self.options.payload > 0:
             content["payload"] = {"mass_kg": self.options.payload, "center_m": [0, 0, 0.1], "radius_of_gyration_m": 0.1}
+        self.hold_delays(content)
         content.update(changes)
         path = self.folder / f"simulation_{abs(hash(json.dumps(changes, sort_keys=True))) % 10**8}.yaml"
         path.write_text(yaml.safe_dump(content))
         return path
+
+    def hardware_file(self):
+        """What the controller is told of the machine, with the simulated robot behind it whatever the file's cards are."""
+        path = ROOT / "config" / "hardware" / f"{self.options.hardware}.yaml"
+        content = yaml.safe_load(path.read_text(encoding="utf-8"))
+        if content["backend"] == "simulated":
+            return path
+        content["backend"] = "simulated"
+        content.pop("cards", None)
+        here = self.folder / f"{self.options.hardware}_simulated.yaml"
+        here.write_text(yaml.safe_dump(content))
+        return here
+
+    def hold_delays(self, content):
+        """The simulated brakes take as long as the hardware file says."""
+        told = yaml.safe_load(self.hardware_file().read_text(encoding="utf-8"))["axes"]
+        for k, axis in enumerate(content["axes"]):
+            delay = told[min(k, len(told) - 1)]["hold_delay_s"]
+            axis.update(hold_engage_delay_s=delay, hold_release_delay_s=delay)
 
     def session_for(self, fault):
         key = json.dumps([fault.simulation, fault.on_can])
@@ -87,7 +108,7 @@ class Campaign:
         self.end_session()
         config = ROOT / "config"
         files = {"robot": self.robot_file, "simulation": self.simulation_file(fault.simulation),
-                 "hardware": config / "hardware" / "simulated.yaml", "deployment": config / "deployment" / "simulation.yaml"}
+                 "hardware": self.hardware_file(), "deployment": config / "deployment" / "simulation.yaml"}
         if fault.on_can:
             files.update(hardware=config / "hardware" / "can_simulated.yaml", deployment=config / "deployment" / "can.yaml",
                          objects=config / "hardware" / "can_objects.yaml")
@@ -196,7 +217,7 @@ def main():
     campaign.execute(faults)
     results = campaign.results()
     loads = [r["load_average"] for r in results] or [0.0]
-    conditions = (f"Robot {options.robot}, {options.payload:g} kg, guardian's silence {options.silence_ms:g} ms, {os.cpu_count()} processors, "
+    conditions = (f"Robot {options.robot}, hardware file {options.hardware}, {options.payload:g} kg, guardian's silence {options.silence_ms:g} ms, {os.cpu_count()} processors, "
                   f"load average {min(loads):.1f} to {max(loads):.1f}.")
     text = render(results, conditions)
     print("\n" + text)

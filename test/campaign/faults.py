@@ -17,6 +17,7 @@ SAFE_STOP = "safe stop, faulted"  # the controller lives and says why
 DOWN = "guardian brings down"     # the controller is dead or fenced out
 DISABLED = "safe stop, disabled"  # asked for
 GOES_ON = "goes on"               # nothing may happen to the movement
+CARRIED = "the drives carry on"   # a brake slipped: safe_stopping with its fault until somebody supports the platform
 
 
 @dataclasses.dataclass
@@ -31,6 +32,7 @@ class Fault:
     simulation: dict = dataclasses.field(default_factory=dict)  # changes to the simulation file
     fresh: bool = False               # needs a robot of its own
     observe_s: float = 2.5
+    at_rest: bool = False             # holding instead of playing
     on_can: bool = False              # the robot stands behind drives on a CAN bus instead of cards
 
 
@@ -67,12 +69,13 @@ def kill_guardian(run):
 
 
 def restart_guardian(run):
-    """As a service manager does; the controller must say that it was away."""
+    """As a service manager does; until then the robot may not be enabled."""
+    if run.session.trigger("enable").success:
+        return "it may be enabled without a guardian"
     run.session.start_guardian()
     time.sleep(0.5)
-    if "GUARDIAN IS SILENT" not in run.session.log_text("controller"):
-        return "the controller did not say that the guardian is silent"
-    return None
+    answer = run.session.trigger("reset_faults")
+    return None if answer.success else f"not to be reset with the guardian back: {answer.message}"
 
 
 def kill_both(run):
@@ -184,8 +187,8 @@ def processes():
                 causes=("guardian_acted",), process_death=True, after=fenced_out)
     yield Fault("controller_terminated", send(signal.SIGTERM), outcome=DISABLED)
     yield Fault("controller_interrupted", send(signal.SIGINT), outcome=DISABLED)
-    yield Fault("guardian_killed", kill_guardian, outcome=GOES_ON, after=restart_guardian, observe_s=1.6)
-    yield Fault("guardian_stopped_for_a_while", stop_guardian_for_a_while, outcome=GOES_ON, observe_s=0.5)
+    yield Fault("guardian_killed", kill_guardian, causes=("guardian_silent",), after=restart_guardian, observe_s=1.6)
+    yield Fault("guardian_stopped_for_a_while", stop_guardian_for_a_while, causes=("guardian_silent",), observe_s=0.5)
     yield Fault("guardian_killed_then_controller", kill_both_and_restart, process_death=False, outcome=DOWN, causes=("has died",),
                 hold_works=False, fresh=True, observe_s=3.0)
     yield Fault("guardian_killed_then_controller_with_relay", kill_both, outcome=DOWN, causes=(), fresh=True,
@@ -232,12 +235,41 @@ def machine():
     yield Fault("drive_reversed_2", inject("drive_reversed", 2), causes=("runaway", "following_error", "velocity_limit",
                                                                         "acceleration_limit", "saturated"))
     yield Fault("brake_closes_3", inject("hold_closed", 3), causes=("following_error", "stalled", "saturated", "acceleration_limit"))
-    yield Fault("brake_does_not_engage_4", disable_with_open_brake(4), outcome=DISABLED, hold_works=False, fresh=True)
-    yield Fault("no_brake_engages", disable_with_open_brake(0), outcome=DISABLED, hold_works=False, fresh=True)
+    yield Fault("brake_does_not_engage_4", disable_with_open_brake(4), outcome=CARRIED, causes=("hold_device_slips",), fresh=True)
+    yield Fault("no_brake_engages", disable_with_open_brake(0), outcome=CARRIED, causes=("hold_device_slips",), fresh=True)
     yield Fault("emergency_stop_button", inject("emergency_stop"), causes=("emergency_stop",))
     yield Fault("hand_switch", inject("hand_switch"), causes=("hand_switch",))
     yield Fault("push_down_800_N", inject("push_down", size=800.0), causes=("following_error", "saturated", "velocity_limit",
                                                                           "acceleration_limit", "runaway", "stalled"))
+
+
+def then_push(fault, axis, newton, wait_s):
+    """A fault at rest, and a push on the platform `wait_s` later."""
+    def do(run):
+        run.session.inject(fault, axis)
+        time.sleep(wait_s)
+        run.session.inject("push_down", size=newton)
+    return do
+
+
+def at_rest():
+    """Holding: what stands still hides a fault."""
+    for axis in range(1, 5):
+        yield Fault(f"encoder_frozen_{axis}_at_rest", inject("encoder_frozen", axis), causes=("encoder_frozen",), at_rest=True, observe_s=4.0)
+        yield Fault(f"encoder_frozen_{axis}_at_rest_then_150_N", then_push("encoder_frozen", axis, 150.0, 2.5), causes=("encoder_frozen",),
+                    at_rest=True, observe_s=4.0)
+    yield Fault("encoder_frozen_4_at_rest_150_N_at_once", then_push("encoder_frozen", 4, 150.0, 0.02), causes=("encoder_frozen",), at_rest=True,
+                observe_s=4.0)
+    yield Fault("brake_closes_3_at_rest", inject("hold_closed", 3), causes=("encoder_frozen", "stalled"), at_rest=True, observe_s=4.0)
+    yield Fault("drive_power_lost_at_rest", inject("drive_dead"), causes=("following_error", "stalled", "runaway", "velocity_limit",
+                                                                          "acceleration_limit"), at_rest=True)
+    yield Fault("emergency_stop_button_at_rest", inject("emergency_stop"), causes=("emergency_stop",), at_rest=True)
+    yield Fault("counter_card_lost_at_rest", inject("counter_card_lost"), causes=("measurement_lost", "output_lost"), at_rest=True, fresh=True)
+    yield Fault("analog_card_lost_at_rest", inject("analog_card_lost"), causes=("output_lost",), at_rest=True)
+    yield Fault("controller_killed_at_rest", send(signal.SIGKILL), outcome=DOWN, causes=("has died", "is silent"), process_death=True,
+                at_rest=True)
+    yield Fault("controller_stopped_at_rest", send(signal.SIGSTOP), outcome=DOWN, causes=("is silent",), process_death=True, at_rest=True)
+    yield Fault("guardian_killed_at_rest", kill_guardian, causes=("guardian_silent",), after=restart_guardian, at_rest=True, observe_s=1.6)
 
 
 def operator():
@@ -272,8 +304,8 @@ def on_can_drives():
 
 def all_faults():
     # Quick ones that leave the robot usable first: their sessions are shared.
-    faults = [*operator(), *machine(), *per_channel(), *components(), *processes(), disk_full(), *on_can_drives()]
+    faults = [*operator(), *machine(), *at_rest(), *per_channel(), *components(), *processes(), disk_full(), *on_can_drives()]
     return sorted(faults, key=lambda fault: (fault.on_can, fault.fresh))
 
 
-__all__ = ["all_faults", "Fault", "is_alive", "SAFE_STOP", "DOWN", "DISABLED", "GOES_ON"]
+__all__ = ["all_faults", "Fault", "is_alive", "SAFE_STOP", "DOWN", "DISABLED", "GOES_ON", "CARRIED"]

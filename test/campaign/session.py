@@ -100,7 +100,7 @@ class Session:
     def controller_command(self, name="controller", program="campaign_controller"):
         parameters = {"robot": self.files["robot"], "hardware": self.files["hardware"], "deployment": self.files["deployment"],
                       "shm": self.shm, "guardian": self.shm + "_guardian", "references": self.references,
-                      "recordings": self.recordings, "can": self.bus, "master_timeout_s": 2.0}
+                      "recordings": self.recordings, "can": self.bus, "master_timeout_s": 2.0, "empty": "true"}
         return [self.programs / program, f"__name:={name}"] + [f"_{key}:={value}" for key, value in parameters.items()]
 
     def start_controller(self):
@@ -129,6 +129,8 @@ class Session:
                 time.sleep(0.05)
         if state.state == "faulted":
             self.trigger("reset_faults")
+        if not all(state.homed):
+            self.trigger("confirm_home")
 
     def wait_for_file(self, path, process):
         end = time.monotonic() + START_S
