@@ -17,6 +17,16 @@ REFERENCES = 8  # per robot, speed and split
 SIMBODY_FRICTION = (150.0, 20.0)  # N s/m, N
 
 
+# Laws of friction near rest of the split "unlike" (src/simulation/effects/near_rest_friction.cpp); the first is the plant's stiction.
+NEAR_REST = [
+    lambda draw: None,
+    lambda draw: f"law: tanh, speed_m_per_s: {draw.choice((0.0004, 0.001, 0.002))}",
+    lambda draw: f"law: rational, speed_m_per_s: {draw.choice((0.0003, 0.0008))}",
+    lambda draw: f"law: lugre, distance_m: {draw.choice((5e-5, 1e-4, 2e-4)):.1e}",
+    lambda draw: f"law: maxwell_slip, distance_m: {draw.choice((5e-5, 2e-4)):.1e}",
+]
+
+
 class Failed(Exception):
     """A program of the chain ended badly."""
 
@@ -32,13 +42,15 @@ class Setting:
         self.controller = CONTROLLERS[draw.randrange(len(CONTROLLERS))] if plant == "robot" else (0, 0, 0)
         self.paths = draw.sample(range(REFERENCES if plant == "robot" else 4), 2)
         self.friction = [(draw.uniform(0.7, 1.4), draw.uniform(0.7, 1.4)) for _ in range(4)]
+        # The split "unlike": machines that rub near rest by laws of their own, in code that trace does not share.
+        self.near_rest = NEAR_REST[number % len(NEAR_REST)](draw) if split == "unlike" and plant == "robot" else None
 
     def name(self):
         return f"{self.split}-{self.plant}-{self.number}"
 
     def text(self):
         kp, ki, kd = self.controller
-        return f"{self.plant} {self.robot} {self.speed} m/s P {kp} I {ki} D {kd}"
+        return f"{self.plant} {self.robot} {self.speed} m/s P {kp} I {ki} D {kd} {self.near_rest or ''}".rstrip()
 
 
 def run(command, log):
@@ -89,6 +101,8 @@ class Workshop:
             base = (150, 15, 1000) if i < 3 else (400, 60, 1500)
             axes.append(f"  - {{viscous_N_s_per_m: {base[0] * viscous:.6g}, coulomb_N: {base[1] * coulomb:.6g}, rotor_mass_kg: 5.6, hold_device: brake, "
                         f"holding_force_N: {base[2]}, hold_engage_delay_s: 0.03, hold_release_delay_s: 0.03}}")
+        if setting.near_rest:
+            entries = entries + [("near_rest_friction", setting.near_rest)]  # last: on levels that the effects have changed
         if entries:
             tail += ["effects:"] + [f"  - {{name: {name}, {text}}}" for name, text in entries]
         return write(folder + "/simulation.yaml", "\n".join(axes + tail) + "\n")

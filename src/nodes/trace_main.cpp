@@ -32,9 +32,9 @@ void declare(CLI::App& app, Arguments& a) {
                  "model of identify or trace to start from: before is that model unchanged, its effects are tried "
                  "first, and only what it "
                  "lacks is searched; its cut-off counts");
-  app.add_option("--most", a.options.most_effects, "at most so many named effects (6); 0: the baseline only")
+  app.add_option("--most", a.options.most_effects, "at most so many additions (6), the same effect on several actuators counting once; 0: the baseline only")
       ->check(CLI::Range(0, 20));
-  app.add_option("--seed", a.options.seed, "of clean twins and resampling (1)");
+  app.add_option("--seed", a.options.seed, "of surrogates and resampling (1)");
   app.add_option("--cutoff-hz", a.cutoff_hz, "zero-phase low-pass of both sides of the equation (3)")
       ->check(CLI::Range(1e-6, 1e6));
   app.add_flag("--cutoff-by-rule", a.cutoff_by_rule, "choose it on the training references as identify does")
@@ -129,10 +129,7 @@ int run(const Arguments& a, const std::string& command_line) {
   r.options = a.options;
   r.options.observation.setCutoff(a.cutoff_hz);
   r.options.progress = [](const std::string& what) { std::cerr << what << std::endl; };
-  if (a.options.most_effects == 0) {  // nothing is compared with twins
-    r.options.most_maps = 0;
-    r.options.twins = 1;
-  }
+  if (a.options.most_effects == 0) r.options.twins = 2;  // nothing is compared with surrogates
   const mechanism::Robot robot = mechanism::loadRobot(a.robot);
   double cutoff_hz = a.cutoff_hz;
   if (!a.model.empty()) {

@@ -58,7 +58,7 @@ std::string effectSection(const TraceResults& r) {
   if (r.result.effects.empty()) return {};
   std::string out =
       "<h2>Effects</h2>\n<table><tr><th>effect</th><th>actuator</th><th>parameters</th><th>explains, N</th>"
-      "<th>clean twins explain at most, N</th><th>p</th><th>held-back gain</th><th>gain on validation, N</th>"
+      "<th>surrogates explain at most, N</th><th>p</th><th>held-back gain</th><th>gain on validation, N</th>"
       "<th>cannot be told from</th></tr>\n";
   for (std::size_t k = 0; k < r.result.effects.size(); ++k) {
     const tracing::FoundEffect& e = r.result.effects[k];
@@ -153,7 +153,7 @@ std::string traceHtml(const TraceResults& r) {
   out += "<p class=\"key\">Robot " + escapeHtml(r.robot_path) + " &middot; " + std::to_string(r.train.size()) +
          " training and " + std::to_string(r.validate.size()) + " validation recording(s) &middot; seed " +
          std::to_string(r.options.seed) + "</p>\n";
-  out += "<p class=\"verdict\">" + escapeHtml(traceVerdict(r)) + "</p>\n";
+  out += "<p class=\"verdict\">" + escapeHtml(traceOutcome(r)) + " " + escapeHtml(traceVerdict(r)) + "</p>\n";
   out += effectSection(r) + givenModelHtml(r.result.given) + nextExperimentHtml(r.next) + errorSection(r) +
          errorSharesHtml(r) + frictionHtml(r.model.friction, r.result.baseline.choices) + anglesHtml(r) +
          tracePoseHtml(r.pose);

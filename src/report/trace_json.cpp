@@ -34,6 +34,8 @@ Json effectsJson(const TraceResults& r) {
               {"explained_rms_N", jsonArray(e.explained_rms_N)},
               {"null_rms_N", jsonArray(e.null_rms_N)},
               {"p", jsonNumber(e.p)},
+              {"probability", e.probability},
+              {"held_back_positions_gain", e.elsewhere_gain},
               {"held_back_gain", {{"share", e.gain}, {"standard_error", e.gain_error}}},
               {"validate_gain_N", k < r.validate_gain_N.size() ? jsonArray(r.validate_gain_N[k]) : Json::array()},
               {"indistinguishable_from",
@@ -139,6 +141,7 @@ std::string traceJson(const TraceResults& r) {
   j["pose"] = tracePoseJson(r.pose);
   j["next_experiment"] = nextExperimentJson(r.next);
   if (!r.result.given.path.empty()) j["given_model"] = givenModelJson(r.result.given);
+  j["outcome"] = traceOutcome(r);
   j["verdict"] = traceVerdict(r);
   j["gain_interval"] = {{"train", gainJson(r.train, r.train_before, r.train_after)},
                         {"validate", gainJson(r.validate, r.validate_before, r.validate_after)}};

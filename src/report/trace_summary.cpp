@@ -37,6 +37,7 @@ std::string effectLine(const tracing::FoundEffect& e, const dynamics::ModelEffec
   out += std::isfinite(e.p) ? ", p = " + shortNumber(e.p, 2) : std::string(", of the given model");
   for (std::size_t k = 0; k < e.indistinguishable_from.size(); ++k)
     out += (k ? ", " : "; not told from ") + e.indistinguishable_from[k];
+  if (e.probability < 0.995) out += "; probability of the name " + shortNumber(e.probability, 2);
   return out + (m.transfers ? "\n" : "; does not transfer\n");
 }
 
@@ -65,12 +66,12 @@ std::string traceVerdict(const TraceResults& r) {
     return (names.empty() ? "Nothing was added to the given model." : "Added to the model: " + names + ".") + kept;
   }
   if (!above) return "There is nothing to explain: the baseline's residual is at the noise floor. Nothing was added.";
-  return "The residual is above the floor, but no effect explains it better than clean twins do by chance. Nothing was "
+  return "The residual is above the floor, but no effect explains it better than surrogates do by chance. Nothing was "
          "added.";
 }
 
 std::string traceSummary(const TraceResults& r) {
-  std::string out;
+  std::string out = traceOutcome(r) + "\n";
   for (const std::string& note : r.result.notes)
     out += note + "\n";
   out += givenModelSummary(r.result.given) + "\n" + traceVerdict(r) + "\n";

@@ -50,13 +50,14 @@ Eigen::VectorXd cosines(const Eigen::MatrixXd& a, const Eigen::MatrixXd& b) {
 
 }  // namespace
 
-std::vector<PlaceAngles> principalAngles(const TraceData& data, const CandidateList& candidates, const Projection& base,
-                                         const Eigen::VectorXd& noise_N) {
+std::vector<PlaceAngles> principalAngles(const TraceData& data, const std::vector<PlaceColumns>& places,
+                                         const Projection& base, const Eigen::VectorXd& noise_N) {
   std::vector<Group> groups;
-  for (const std::vector<Hypothesis>& tried : byPlace(listHypotheses(candidates, data.inputs))) {
+  for (const PlaceColumns& p : places) {
+    if (p.place().candidate->name() == "unnamed") continue;
     Eigen::Index best = 0;
-    explained(makeProbes(data, tried, base, noise_N), base.residual).col(0).maxCoeff(&best);
-    groups.push_back(groupOf(data, tried[static_cast<std::size_t>(best)], base, noise_N));
+    explained(makeProbes(data, p.tried, p.rows, p.first_row, base, noise_N), base.residual).col(0).maxCoeff(&best);
+    groups.push_back(groupOf(data, p.tried[static_cast<std::size_t>(best)], base, noise_N));
   }
   std::vector<PlaceAngles> out;
   for (const Group& g : groups) {

@@ -50,6 +50,9 @@ CandidateList namedCandidates(const mechanism::Robot& robot) {
   all.push_back(makeFlexibleCoupling());
   all.push_back(makeSpring());
   all.push_back(makeExternalForce());
+  all.push_back(makePowerFlowFriction());
+  all.push_back(makeLoadDependentViscous());
+  all.push_back(makeDashpot());
   CandidateList fit;
   for (auto& candidate : all) {
     if (robot.mechanism || candidate->worksOnBench()) fit.push_back(std::move(candidate));

@@ -6,6 +6,7 @@ namespace {
 class AsymmetricCoulomb : public Candidate {
  public:
   std::string name() const override { return "asymmetric_coulomb"; }
+  bool restsOnModel() const override { return false; }
   std::string sentence() const override {
     return "Dry friction is stronger in one direction of travel than in the other.";
   }

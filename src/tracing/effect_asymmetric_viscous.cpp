@@ -6,6 +6,7 @@ namespace {
 class AsymmetricViscous : public Candidate {
  public:
   std::string name() const override { return "asymmetric_viscous"; }
+  bool restsOnModel() const override { return false; }
   std::string sentence() const override {
     return "Viscous friction is stronger in one direction of travel than in the other.";
   }

@@ -10,6 +10,7 @@ namespace {
 class ExternalForce : public Candidate {
  public:
   std::string name() const override { return "external_force"; }
+  bool restsOnModel() const override { return false; }
   std::string sentence() const override {
     return "Something pushed the platform during part of one recording; this cannot happen again in another one.";
   }
@@ -17,7 +18,7 @@ class ExternalForce : public Candidate {
   bool transfers() const override { return false; }
   bool local() const override { return true; }
   std::vector<ShapeParameter> shapeParameters() const override {
-    return {{"recording", 1.0, 1e3}, {"from_s", 0.0, 1e6}, {"duration_s", 0.5, 1e3}};
+    return {{"recording", 1.0, 1e3, true}, {"from_s", 0.0, 1e6, true}, {"duration_s", 0.5, 1e3, true}};
   }
   /// `input` is one recording; the windows of the others are added when they are asked for themselves.
   std::vector<std::vector<double>> shapes(const EffectInput& input, int) const override {

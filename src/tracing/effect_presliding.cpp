@@ -10,6 +10,7 @@ class Presliding : public Candidate {
  public:
   std::string name() const override { return "presliding"; }
   bool isFriction() const override { return true; }
+  bool restsOnModel() const override { return false; }
   std::string sentence() const override {
     return "Dry friction builds up over a distance after each reversal, and keeps its value at rest (Dahl).";
   }

@@ -7,6 +7,7 @@ class QuadraticDrag : public Candidate {
  public:
   std::string name() const override { return "quadratic_drag"; }
   bool isFriction() const override { return true; }
+  bool restsOnModel() const override { return false; }
   std::string sentence() const override {
     return "Friction grows with the square of the velocity, as in churned grease or air.";
   }

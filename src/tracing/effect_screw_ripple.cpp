@@ -11,6 +11,7 @@ constexpr double kSamePhase = 0.4;  ///< largest deviation from the mean, in amp
 class ScrewRipple : public Candidate {
  public:
   std::string name() const override { return "screw_ripple"; }
+  bool restsOnModel() const override { return false; }
   std::string sentence() const override {
     return "The force varies periodically with the position, as with a screw's or motor's turn.";
   }

@@ -1,41 +1,39 @@
 #include "effects.h"
+#include "line_between.h"
 
 namespace knee_robot::tracing {
 namespace {
 
-/// A potential of second order in the pose, V = f x + x' K x / 2: what any spring between base and platform looks like near the
-/// middle of the workspace, wherever it is anchored. Ten entries of K, and the constant force on each coordinate.
+/// A straight spring between a point of the base and a point of the platform: force k (d - d0) along their distance d. Stiffness and
+/// k d0 are linear; where it is anchored is searched. Heights are left at 0: to first order they are a change of d0.
 class Spring : public Candidate {
  public:
   std::string name() const override { return "spring"; }
+  bool restsOnModel() const override { return false; }
   std::string sentence() const override {
-    return "A spring acts between base and platform: the force is the gradient of a potential of the pose.";
+    return "A spring acts between a point of the base and a point of the platform: its force grows with their distance.";
   }
   bool shared() const override { return true; }
-  std::vector<Coefficient> coefficients(const EffectInput&) const override {
-    static const char* const kNames[] = {"x", "z", "theta", "psi"};
-    std::vector<Coefficient> out;
-    for (int i = 0; i < 4; ++i) {
-      for (int k = i; k < 4; ++k)
-        out.push_back({std::string("stiffness_") + kNames[i] + "_" + kNames[k] + "_SI", false});
-    }
-    for (const char* name : kNames)
-      out.push_back({std::string("force_") + name + "_SI", false});
+  std::vector<ShapeParameter> shapeParameters() const override {
+    std::vector<ShapeParameter> out;
+    for (const char* name : kAnchorNames)
+      out.push_back({name, -1.0, 1.0});
     return out;
   }
-  Eigen::MatrixXd columns(const EffectInput& input, int actuator, const std::vector<double>&) const override {
-    Eigen::MatrixXd out(input.samples(), 14);
-    for (int n = 0; n < input.samples(); ++n) {
-      const std::size_t sample = static_cast<std::size_t>(n);
-      const mechanism::Vector4 lever = input.force_per_pose_force[sample].row(actuator).transpose();
-      const mechanism::Pose& x = input.observation->motion.motion[sample].pose;
-      int column = 0;
-      for (int i = 0; i < 4; ++i) {
-        for (int k = i; k < 4; ++k)
-          out(n, column++) = lever[i] * x[k] + (k > i ? lever[k] * x[i] : 0.0);
-      }
-      out.row(n).tail<4>() = lever.transpose();
-    }
+  std::vector<std::vector<double>> shapes(const EffectInput& input, int) const override {
+    return anchorGrid(*input.robot);
+  }
+  std::vector<std::vector<double>> near(const std::vector<double>& s, double step) const override {
+    return anchorsNear(s, step);
+  }
+  std::vector<Coefficient> coefficients(const EffectInput&) const override {
+    return {{"stiffness_N_per_m", true}, {"stiffness_times_free_length_N", false}};
+  }
+  Eigen::MatrixXd columns(const EffectInput& input, int actuator, const std::vector<double>& shape) const override {
+    const LineForces line = lineForces(input, actuator, anchorsOf(shape));
+    Eigen::MatrixXd out(input.samples(), 2);
+    out.col(0) = line.lever.cwiseProduct(line.length_m);
+    out.col(1) = -line.lever;
     return out;
   }
 };

@@ -10,6 +10,7 @@ class ThermalDrift : public Candidate {
  public:
   std::string name() const override { return "thermal_drift"; }
   bool isFriction() const override { return true; }
+  bool restsOnModel() const override { return false; }
   std::string sentence() const override {
     return "Friction changes while the drive warms up, with a time constant, from the start of each recording.";
   }

@@ -22,5 +22,8 @@ std::unique_ptr<Candidate> makeBacklash();
 std::unique_ptr<Candidate> makeFlexibleCoupling();
 std::unique_ptr<Candidate> makeSpring();
 std::unique_ptr<Candidate> makeExternalForce();
+std::unique_ptr<Candidate> makePowerFlowFriction();
+std::unique_ptr<Candidate> makeLoadDependentViscous();
+std::unique_ptr<Candidate> makeDashpot();
 
 }  // namespace knee_robot::tracing

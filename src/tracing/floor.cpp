@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include "knee_robot/base/numbers.h"
 #include "knee_robot/recording/filter.h"
@@ -10,7 +11,9 @@
 namespace knee_robot::tracing {
 namespace {
 
-constexpr double kEngineeringShare = 0.01;
+constexpr double kEngineeringShare = 0.003;  ///< of the rms force; above what DAC and encoder steps leave
+constexpr double kBlock_s = 1.0;            ///< of differences between repeats: several correlation times
+constexpr double kEvent = 9.0;              ///< factor of the median square above which a block is an event, not noise
 constexpr double kSameReference = 1e-4;  ///< m, rms
 
 bool repeats(const recording::Recording& a, const recording::Recording& b) {
@@ -40,7 +43,41 @@ double densityEstimate(const identification::Observation& o, const Eigen::Vector
   return quietSpread(high - low, static_cast<Eigen::Index>(rate)) / std::sqrt(3.0);  // the band is three cut-offs wide
 }
 
-/// What nobody would look for: a hundredth of the force, per actuator.
+/// Squared differences between repeats, per actuator, block by block. Noise is alike everywhere; what is larger in few blocks
+/// happened in one run and not in the other: an event, to be traced.
+class RepeatDifferences {
+ public:
+  explicit RepeatDifferences(int axes) : squares_(static_cast<std::size_t>(axes)) {}
+
+  void add(const Eigen::MatrixXd& differences, Eigen::Index block) {
+    for (Eigen::Index at = 0; at + block <= differences.rows(); at += block) {
+      for (std::size_t i = 0; i < squares_.size(); ++i)
+        squares_[i].push_back(0.5 * differences.col(static_cast<Eigen::Index>(i)).segment(at, block).squaredNorm() /
+                              static_cast<double>(block));
+    }
+  }
+  bool empty() const { return squares_.front().empty(); }
+  /// Mean over the blocks that are no events: noise has bursts too, which a median would leave out.
+  double noise_N(int actuator) const {
+    std::vector<double> own = squares_[static_cast<std::size_t>(actuator)];
+    std::sort(own.begin(), own.end());
+    const double limit = kEvent * own[own.size() / 2];
+    const auto end = std::upper_bound(own.begin(), own.end(), limit);
+    return std::sqrt(std::accumulate(own.begin(), end, 0.0) / static_cast<double>(end - own.begin()));
+  }
+  double eventShare(int actuator) const {
+    std::vector<double> own = squares_[static_cast<std::size_t>(actuator)];
+    std::sort(own.begin(), own.end());
+    const double limit = kEvent * own[own.size() / 2];
+    return static_cast<double>(own.end() - std::upper_bound(own.begin(), own.end(), limit)) /
+           static_cast<double>(own.size());
+  }
+
+ private:
+  std::vector<std::vector<double>> squares_;
+};
+
+/// What nobody would look for: a small share of the force, per actuator.
 Eigen::VectorXd engineeringSize(const TraceData& data) {
   const double root = std::sqrt(static_cast<double>(data.stack.size()));
   Eigen::VectorXd size(data.stack.axes);
@@ -55,20 +92,20 @@ NoiseFloor noiseFloor(const std::vector<recording::Recording>& recordings, const
                       const std::vector<Eigen::MatrixXd>& model_force_N, const Eigen::VectorXd& twin_residual_N) {
   const int axes = data.stack.axes;
   NoiseFloor floor;
-  Eigen::VectorXd sum = Eigen::VectorXd::Zero(axes);
-  double samples = 0.0;
+  RepeatDifferences differences(axes);
   std::vector<Eigen::MatrixXd> residual;
   for (std::size_t r = 0; r < recordings.size(); ++r)
     residual.push_back(data.recordings[r].signals.force_N - model_force_N[r]);
+  const auto blockOf = [&](std::size_t r) {
+    return std::max<Eigen::Index>(2, std::lround(kBlock_s / data.recordings[r].signals.period_s));
+  };
   for (std::size_t a = 0; a < recordings.size(); ++a) {
     for (std::size_t b = a + 1; b < recordings.size(); ++b) {
       if (!repeats(recordings[a], recordings[b])) continue;
       const Eigen::Index n = std::min(residual[a].rows(), residual[b].rows());
       Eigen::MatrixXd difference = residual[a].topRows(n) - residual[b].topRows(n);
-      recording::ZeroPhaseLowPass(data.stack.cutoff_hz, 1.0 / data.recordings[a].signals.period_s)
-          .applyToColumns(difference);
-      sum += 0.5 * difference.colwise().squaredNorm().transpose();
-      samples += static_cast<double>(n);
+      recording::ZeroPhaseLowPass(data.stack.cutoff_hz, 1.0 / data.recordings[a].signals.period_s).applyToColumns(difference);
+      differences.add(difference, blockOf(a));
       floor.source += (floor.source.empty() ? "repeats of one reference: " : "; ") + recordings[a].name + " and " +
                       recordings[b].name;
     }
@@ -80,17 +117,28 @@ NoiseFloor noiseFloor(const std::vector<recording::Recording>& recordings, const
     Eigen::MatrixXd filtered = residual[r];
     recording::ZeroPhaseLowPass(data.stack.cutoff_hz, 1.0 / signals.period_s).applyToColumns(filtered);
     const std::vector<char>& usable = data.recordings[r].usable;
+    Eigen::MatrixXd difference(static_cast<Eigen::Index>(cycle.first.size()), axes);
+    Eigen::Index kept = 0;
     for (const int n : cycle.first) {
       if (!usable[static_cast<std::size_t>(n)] || !usable[static_cast<std::size_t>(n + cycle.lag)]) continue;
-      sum += 0.5 * (filtered.row(n + cycle.lag) - filtered.row(n)).cwiseAbs2().transpose();
-      samples += 1.0;
+      difference.row(kept++) = filtered.row(n + cycle.lag) - filtered.row(n);
     }
+    differences.add(difference.topRows(kept), blockOf(r));
     floor.source += (floor.source.empty() ? "" : "; ") + recordings[r].name + " repeats a cycle of " +
                     shortNumber(cycle.lag * signals.period_s, 3) + " s within itself (" +
                     shortNumber(static_cast<double>(cycle.first.size()) * signals.period_s, 3) + " s compared)";
   }
-  if (samples > 0.0) {
-    floor.rms_N = (sum / samples).cwiseSqrt().cwiseMax(engineeringSize(data));
+  if (!differences.empty()) {
+    floor.rms_N.resize(axes);
+    double events = 0.0;
+    for (int i = 0; i < axes; ++i) {
+      floor.rms_N[i] = differences.noise_N(i);
+      events = std::max(events, differences.eventShare(i));
+    }
+    if (events > 0.0)
+      floor.source += "; without events, " + shortNumber(100.0 * events, 2) +
+                      " % of the time, in which the repeats differ by more than three times their noise";
+    floor.rms_N = floor.rms_N.cwiseMax(engineeringSize(data));
     return floor;
   }
   floor.source =

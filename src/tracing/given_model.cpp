@@ -22,20 +22,13 @@ struct Gain {
   Eigen::VectorXd explained_rms_N;
 };
 
-std::vector<Eigen::MatrixXd> rowsOf(const Search& s, const std::vector<Hypothesis>& effects) {
-  std::vector<Eigen::MatrixXd> rows;
-  for (const Hypothesis& h : effects)
-    rows.push_back(effectRows(*s.data, h));
-  return rows;
-}
-
 /// What effect k saves on held-back blocks beside the others.
 Gain gainOf(const Search& s, std::size_t k) {
   std::vector<Hypothesis> others = hypothesesOf(s.effects);
   const std::vector<Hypothesis> all = others;
   others.erase(others.begin() + static_cast<std::ptrdiff_t>(k));
-  const JointFit with = fitJointly(*s.data, *s.base, s.rms_N, all, rowsOf(s, all));
-  const JointFit without = fitJointly(*s.data, *s.base, s.rms_N, others, rowsOf(s, others));
+  const JointFit with = fitOf(s, all);
+  const JointFit without = fitOf(s, others);
   const Eigen::VectorXd saved = without.held_back - with.held_back;
   const double n = static_cast<double>(saved.size());
   Gain g;

@@ -8,6 +8,7 @@ namespace knee_robot::tracing {
 namespace {
 
 constexpr double kAbsorbed = 1e-3;  ///< share of a column's square that must survive the model's columns
+constexpr Eigen::Index kColumnsAtOnce = 96;  ///< that are built on the grid before they are thinned
 
 void addShapes(const Candidate& candidate, const EffectInput& input, int actuator, std::vector<Hypothesis>& list) {
   for (std::vector<double>& shape : candidate.shapes(input, actuator))
@@ -85,28 +86,44 @@ Projection project(const Eigen::MatrixXd& columns, const Eigen::VectorXd& force)
   return p;
 }
 
-Probes makeProbes(const TraceData& data, const std::vector<Hypothesis>& tried, const Projection& projection,
-                  const Eigen::VectorXd& noise_N) {
-  Probes probes;
+Eigen::MatrixXd placeRows(const TraceData& data, const std::vector<Hypothesis>& tried, Eigen::Index& first_row) {
   const Eigen::Index p = data.stack.size();
   const Place& place = tried.front().place;
-  const std::vector<Coefficient> coefficients = place.candidate->coefficients(data.inputs.front());
+  const Eigen::Index each = static_cast<Eigen::Index>(place.candidate->coefficients(data.inputs.front()).size());
+  const int first = place.actuator < 0 ? 0 : place.actuator, last = place.actuator < 0 ? data.stack.axes - 1 : first;
+  first_row = first * p;
+  Eigen::MatrixXd rows((last - first + 1) * p, each * static_cast<Eigen::Index>(tried.size()));
+  const std::size_t at_once = static_cast<std::size_t>(std::max<Eigen::Index>(1, kColumnsAtOnce / each));
+  for (int i = first; i <= last; ++i) {
+    for (std::size_t from = 0; from < tried.size(); from += at_once) {
+      const std::size_t to = std::min(tried.size(), from + at_once);
+      std::vector<Eigen::MatrixXd> columns;
+      for (const EffectInput& input : data.inputs) {
+        columns.emplace_back(input.samples(), each * static_cast<Eigen::Index>(to - from));
+        for (std::size_t k = from; k < to; ++k)
+          columns.back().middleCols(static_cast<Eigen::Index>(k - from) * each, each) =
+              place.candidate->columns(input, i, tried[k].shape);
+      }
+      rows.block((i - first) * p, static_cast<Eigen::Index>(from) * each, p,
+                 each * static_cast<Eigen::Index>(to - from)) =
+          gather(data.stack, data.recordings, std::move(columns));
+    }
+  }
+  return rows;
+}
+
+Probes makeProbes(const TraceData& data, const std::vector<Hypothesis>& tried, const Eigen::MatrixXd& rows,
+                  Eigen::Index first_row, const Projection& projection, const Eigen::VectorXd& noise_N) {
+  Probes probes;
+  const Eigen::Index p = data.stack.size();
+  const std::vector<Coefficient> coefficients = tried.front().place.candidate->coefficients(data.inputs.front());
   const Eigen::Index each = static_cast<Eigen::Index>(coefficients.size());
   probes.one_sign = each == 1 && coefficients.front().non_negative;
-  const int first = place.actuator < 0 ? 0 : place.actuator, last = place.actuator < 0 ? data.stack.axes - 1 : first;
-  probes.first_row = first * p;
-  probes.columns.resize((last - first + 1) * p, each * static_cast<Eigen::Index>(tried.size()));
-  for (int i = first; i <= last; ++i) {
-    std::vector<Eigen::MatrixXd> columns;
-    for (const EffectInput& input : data.inputs) {
-      columns.emplace_back(input.samples(), probes.columns.cols());
-      for (std::size_t k = 0; k < tried.size(); ++k)
-        columns.back().middleCols(static_cast<Eigen::Index>(k) * each, each) =
-            place.candidate->columns(input, i, tried[k].shape);
-    }
-    probes.columns.middleRows((i - first) * p, p) = (data.scale.segment(i * p, p) / noise_N[i]).asDiagonal() *
-                                                    gather(data.stack, data.recordings, std::move(columns));
-  }
+  probes.first_row = first_row;
+  Eigen::VectorXd weight = data.scale.segment(first_row, rows.rows());
+  for (Eigen::Index k = 0; k < weight.size(); ++k)
+    weight[k] /= noise_N[(first_row + k) / p];
+  probes.columns = weight.asDiagonal() * rows;
   const Eigen::MatrixXd shadow =
       projection.q.middleRows(probes.first_row, probes.columns.rows()).transpose() * probes.columns;
   for (std::size_t k = 0; k < tried.size(); ++k) {
@@ -116,6 +133,13 @@ Probes makeProbes(const TraceData& data, const std::vector<Hypothesis>& tried, c
         inverseGram(probes.columns.middleCols(at, each), shadow.middleCols(at, each), probes.survives.back()));
   }
   return probes;
+}
+
+Probes makeProbes(const TraceData& data, const std::vector<Hypothesis>& tried, const Projection& projection,
+                  const Eigen::VectorXd& noise_N) {
+  Eigen::Index first_row = 0;
+  const Eigen::MatrixXd rows = placeRows(data, tried, first_row);
+  return makeProbes(data, tried, rows, first_row, projection, noise_N);
 }
 
 Eigen::MatrixXd explained(const Probes& probes, const Eigen::MatrixXd& residuals) {

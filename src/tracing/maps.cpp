@@ -2,6 +2,7 @@
 #include <cmath>
 #include <functional>
 
+#include "knee_robot/mechanism/kinematics.h"
 #include "knee_robot/tracing/candidate.h"
 
 namespace knee_robot::tracing {
@@ -11,24 +12,40 @@ constexpr int kKnots = 8;
 
 using SignalOf = std::function<Eigen::VectorXd(const EffectInput&, int actuator)>;
 
-/// Piecewise linear function of one signal: hat functions on knots at equal shares of the training samples. Optionally times the
-/// direction of travel, for friction that depends on the signal.
+/// What a map's function multiplies.
+enum class MapFactor {
+  One,        ///< a force
+  Direction,  ///< dry friction
+  Velocity,   ///< viscous friction
+};
+
+/// A signal that maps are made of.
+struct MapSignal {
+  std::string name;  ///< "#": number of the actuator itself
+  SignalOf of;
+  MapFactor factor = MapFactor::One;
+  bool rests_on_model = false;
+};
+
+/// Piecewise linear function of one signal, times its factor: hat functions on knots at equal shares of the training samples.
 class Map : public Candidate {
  public:
-  Map(std::string signal, SignalOf of, bool friction, std::vector<std::vector<double>> knots)
-      : signal_(std::move(signal)), of_(std::move(of)), friction_(friction), knots_(std::move(knots)) {}
+  Map(MapSignal signal, std::vector<std::vector<double>> knots)
+      : signal_(std::move(signal)), knots_(std::move(knots)) {}
 
   std::string name() const override { return "unnamed"; }
   std::string sentence() const override {
-    return std::string("No named effect fits; the ") + (friction_ ? "friction" : "force") + " depends smoothly on " +
-           signal_ + ".";
+    const char* const what[] = {"force", "dry friction", "viscous friction"};
+    return std::string("No named effect fits; the ") + what[static_cast<int>(signal_.factor)] +
+           " depends smoothly on " + signal_.name + ".";
   }
   bool worksOnBench() const override { return true; }
-  bool isFriction() const override { return friction_; }
+  bool restsOnModel() const override { return signal_.rests_on_model; }
+  bool isFriction() const override { return signal_.factor == MapFactor::Direction; }
   std::vector<ShapeParameter> shapeParameters() const override {
     std::vector<ShapeParameter> out;
     for (int k = 1; k <= kKnots; ++k)
-      out.push_back({"knot_" + std::to_string(k), -1e9, 1e9});
+      out.push_back({"knot_" + std::to_string(k), -1e9, 1e9, true});
     return out;
   }
   std::vector<std::vector<double>> shapes(const EffectInput&, int actuator) const override {
@@ -41,36 +58,37 @@ class Map : public Candidate {
     return out;
   }
   Eigen::MatrixXd columns(const EffectInput& input, int actuator, const std::vector<double>& knots) const override {
-    const Eigen::VectorXd x = of_(input, actuator);
+    const Eigen::VectorXd x = signal_.of(input, actuator);
     Eigen::MatrixXd out = Eigen::MatrixXd::Zero(x.size(), kKnots);
     for (Eigen::Index n = 0; n < x.size(); ++n) {
-      const double sign = friction_ ? input.share(n, actuator) : 1.0;
+      const double factor = signal_.factor == MapFactor::One         ? 1.0
+                            : signal_.factor == MapFactor::Direction ? input.share(n, actuator)
+                                                                     : input.signals().velocity_m_per_s(n, actuator);
       const double at = std::clamp(x[n], knots.front(), knots.back());  // constant beyond what training has seen
       std::size_t k = 0;
       while (k + 2 < knots.size() && at > knots[k + 1])
         ++k;
       const double part = (at - knots[k]) / (knots[k + 1] - knots[k]);
-      out(n, static_cast<Eigen::Index>(k)) = sign * (1.0 - part);
-      out(n, static_cast<Eigen::Index>(k) + 1) = sign * part;
+      out(n, static_cast<Eigen::Index>(k)) = factor * (1.0 - part);
+      out(n, static_cast<Eigen::Index>(k) + 1) = factor * part;
     }
     return out;
   }
   int positionOf(int actuator) const override {
-    if (signal_.rfind("position_", 0) != 0) return -1;
-    return signal_[9] == '#' ? actuator : signal_[9] - '1';
+    if (signal_.name.rfind("position_", 0) != 0) return -1;
+    return signal_.name[9] == '#' ? actuator : signal_.name[9] - '1';
   }
   std::string dependsOn(int actuator) const override {
     const std::string own = std::to_string(actuator + 1);
-    std::string text = signal_;
+    const char* const factor[] = {"", "_times_direction", "_times_velocity"};
+    std::string text = signal_.name;
     const std::size_t at = text.find('#');
     if (at != std::string::npos) text.replace(at, 1, own);
-    return text + (friction_ ? "_times_direction" : "");
+    return text + factor[static_cast<int>(signal_.factor)];
   }
 
  private:
-  std::string signal_;
-  SignalOf of_;
-  bool friction_;
+  MapSignal signal_;
   std::vector<std::vector<double>> knots_;  ///< per actuator
 };
 
@@ -93,57 +111,69 @@ std::vector<double> knotsOf(const std::vector<EffectInput>& inputs, const Signal
   return knots;
 }
 
-/// A signal that maps are made of.
-struct MapSignal {
-  std::string name;  ///< "#": number of the actuator itself
-  SignalOf of;
-  bool friction = false;
-};
+/// The bearing of the actuator's own leg: angles of its universal (leg 4: revolute) joint.
+Eigen::VectorXd legAngle(const EffectInput& in, int i, bool second) {
+  Eigen::VectorXd out(in.samples());
+  for (int n = 0; n < in.samples(); ++n) {
+    const mechanism::JointCoordinates q =
+        mechanism::inverseKinematics(*in.robot->mechanism, in.observation->motion.motion[static_cast<std::size_t>(n)].pose);
+    const std::size_t leg = static_cast<std::size_t>(i);
+    out[n] = i == 3 ? q.q41 : second ? q.q2[leg] : q.q1[leg];
+  }
+  return out;
+}
 
-std::vector<MapSignal> mapSignals(bool bench, int axes) {
-  std::vector<MapSignal> all;
-  const auto add = [&](const std::string& name, const SignalOf& of, bool friction) {
-    all.push_back({name, of, friction});
-  };
-  const auto own_velocity = [](const EffectInput& in, int i) -> Eigen::VectorXd {
+Eigen::VectorXd poseCoordinate(const EffectInput& in, int k) {
+  Eigen::VectorXd out(in.samples());
+  for (int n = 0; n < in.samples(); ++n)
+    out[n] = in.observation->motion.motion[static_cast<std::size_t>(n)].pose[k];
+  return out;
+}
+
+/// Signals of the actuator itself.
+void addOwnSignals(std::vector<MapSignal>& all) {
+  const auto velocity = [](const EffectInput& in, int i) -> Eigen::VectorXd {
     return in.signals().velocity_m_per_s.col(i);
   };
-  const auto own_load = [](const EffectInput& in, int i) -> Eigen::VectorXd { return in.load_N.col(i); };
+  const auto load = [](const EffectInput& in, int i) -> Eigen::VectorXd { return in.load_N.col(i); };
   const auto since = [](const EffectInput& in, int i) -> Eigen::VectorXd { return in.since_reversal_m.col(i); };
   const auto time = [](const EffectInput& in, int) -> Eigen::VectorXd {
     return Eigen::VectorXd::LinSpaced(in.samples(), 0.0, in.time(in.samples() - 1));
   };
-  add("velocity_#_m_per_s", own_velocity, false);
-  add("load_#_N", own_load, false);
-  add("load_#_N", own_load, true);
-  add("distance_since_reversal_#_m", since, true);
-  add("time_s", time, false);
-  add("time_s", time, true);
-  if (bench) {  // independent axes: another one's motion cannot matter
-    const auto own = [](const EffectInput& in, int i) -> Eigen::VectorXd { return in.signals().position_m.col(i); };
-    add("position_#_m", own, false);
-    add("position_#_m", own, true);
-    return all;
+  all.push_back({"velocity_#_m_per_s", velocity});
+  all.push_back({"distance_since_reversal_#_m", since, MapFactor::Direction});
+  for (const MapFactor factor : {MapFactor::One, MapFactor::Direction, MapFactor::Velocity}) {
+    all.push_back({"load_#_N", load, factor, true});
+    all.push_back({"time_s", time, factor});
   }
-  for (int k = 0; k < axes; ++k) {
-    const auto position = [k](const EffectInput& in, int) -> Eigen::VectorXd { return in.signals().position_m.col(k); };
+}
+
+std::vector<MapSignal> mapSignals(bool bench, int axes) {
+  std::vector<MapSignal> all;
+  addOwnSignals(all);
+  for (const MapFactor factor : {MapFactor::One, MapFactor::Direction, MapFactor::Velocity}) {
+    if (bench) {  // independent axes: another one's motion cannot matter
+      const auto own = [](const EffectInput& in, int i) -> Eigen::VectorXd { return in.signals().position_m.col(i); };
+      all.push_back({"position_#_m", own, factor});
+      continue;
+    }
+    for (int k = 0; k < axes; ++k) {
+      const auto position = [k](const EffectInput& in, int) -> Eigen::VectorXd {
+        return in.signals().position_m.col(k);
+      };
+      all.push_back({"position_" + std::to_string(k + 1) + "_m", position, factor});
+    }
+    const char* const pose[] = {"pose_x_m", "pose_z_m", "pose_theta_rad", "pose_psi_rad"};
+    for (int k = 0; k < 4; ++k)
+      all.push_back({pose[k], [k](const EffectInput& in, int) { return poseCoordinate(in, k); }, factor});
+    all.push_back({"leg_#_angle_q1_rad", [](const EffectInput& in, int i) { return legAngle(in, i, false); }, factor});
+    all.push_back({"leg_#_angle_q2_rad", [](const EffectInput& in, int i) { return legAngle(in, i, true); }, factor});
+  }
+  for (int k = 0; k < axes && !bench; ++k) {
     const auto velocity = [k](const EffectInput& in, int) -> Eigen::VectorXd {
       return in.signals().velocity_m_per_s.col(k);
     };
-    add("position_" + std::to_string(k + 1) + "_m", position, false);
-    add("position_" + std::to_string(k + 1) + "_m", position, true);
-    add("velocity_" + std::to_string(k + 1) + "_m_per_s", velocity, false);
-  }
-  const char* const pose[] = {"pose_x_m", "pose_z_m", "pose_theta_rad", "pose_psi_rad"};
-  for (int k = 0; k < 4; ++k) {
-    const auto coordinate = [k](const EffectInput& in, int) {
-      Eigen::VectorXd out(in.samples());
-      for (int n = 0; n < in.samples(); ++n)
-        out[n] = in.observation->motion.motion[static_cast<std::size_t>(n)].pose[k];
-      return out;
-    };
-    add(pose[k], coordinate, false);
-    add(pose[k], coordinate, true);
+    all.push_back({"velocity_" + std::to_string(k + 1) + "_m_per_s", velocity});
   }
   return all;
 }
@@ -159,7 +189,7 @@ CandidateList mapCandidates(const std::vector<EffectInput>& inputs) {
       if (knots.back().empty()) break;
     }
     if (!knots.back().empty())
-      maps.push_back(std::make_unique<Map>(signal.name, signal.of, signal.friction, std::move(knots)));
+      maps.push_back(std::make_unique<Map>(signal, std::move(knots)));
   }
   return maps;
 }
@@ -169,7 +199,7 @@ std::unique_ptr<Candidate> mapCandidate(const mechanism::Robot& robot, const std
   if (knots.size() != static_cast<std::size_t>(kKnots)) return nullptr;
   for (const MapSignal& signal : mapSignals(!robot.mechanism, robot.axes())) {
     std::vector<std::vector<double>> all(static_cast<std::size_t>(robot.axes()), knots);
-    auto map = std::make_unique<Map>(signal.name, signal.of, signal.friction, std::move(all));
+    auto map = std::make_unique<Map>(signal, std::move(all));
     if (map->dependsOn(actuator) == depends_on) return map;
   }
   return nullptr;

@@ -24,6 +24,13 @@ std::vector<Hypothesis> hypothesesOf(const std::vector<FoundEffect>& effects) {
   return out;
 }
 
+JointFit fitOf(const Search& s, const std::vector<Hypothesis>& effects) {
+  std::vector<Eigen::MatrixXd> rows;
+  for (const Hypothesis& h : effects)
+    rows.push_back(effectRows(*s.data, h));
+  return fitJointly(*s.data, *s.base, s.rms_N, effects, rows);
+}
+
 TwinModel modelOf(const Search& s) {
   TwinModel m;
   m.parameters = s.base->parametersOf(s.fit.base);
@@ -36,10 +43,7 @@ void refit(Search& s) {
   const std::vector<Hypothesis> all = hypothesesOf(s.effects);
   if (s.seen_parameters.size() == 0) s.seen_parameters = s.base->parameters;
   const auto fit = [&] {
-    std::vector<Eigen::MatrixXd> rows;
-    for (const Hypothesis& h : all)
-      rows.push_back(effectRows(*s.data, h));
-    s.fit = fitJointly(*s.data, *s.base, s.rms_N, all, rows);
+    s.fit = fitOf(s, all);
     s.rms_N = rmsOf(s.data->stack, s.fit.residual_N).cwiseMax(1e-9);
   };
   for (int pass = 0; pass < (all.empty() ? 1 : kPasses); ++pass) {
@@ -58,7 +62,7 @@ void refit(Search& s) {
   }
 }
 
-void rebase(Search& s) {
+bool rebase(Search& s) {
   TraceData& data = *s.data;
   const mechanism::Robot& robot = *data.inputs.front().robot;
   const TwinModel now = {s.base->parameters, hypothesesOf(s.effects), s.fit.coefficients};
@@ -73,15 +77,19 @@ void rebase(Search& s) {
   newtons.noise_N.setOnes();
   data.all_base_rows = baseRows(newtons, data.recordings, data.stack);
   setAttention(data, s.attention);
+  bool changed = false;
   const TwinModel model = {s.base->parameters, hypothesesOf(s.effects), s.fit.coefficients};
   for (std::size_t r = 0; r < data.inputs.size(); ++r) {
     const TwinEffects effects = effectForces(data.inputs[r], model);
+    const Eigen::MatrixXd share = data.inputs[r].share;
     data.inputs[r] =
         effectInput(robot, data.recordings[r], s.base->memory, data.inputs[r].recording, data.inputs[r].recordings);
     setForces(data.inputs[r], s.base->columns, s.base->parameters, effects.friction_N + effects.load_N);
+    changed = changed || data.inputs[r].share != share;
   }
   s.seen_parameters = s.base->parameters;
   refit(s);
+  return changed;
 }
 
 }  // namespace knee_robot::tracing

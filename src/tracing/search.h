@@ -4,7 +4,8 @@
 
 #include "knee_robot/tracing/floor.h"
 #include "knee_robot/tracing/null.h"
-#include "knee_robot/tracing/trace.h"
+#include "knee_robot/tracing/trace_result.h"
+#include "library.h"
 
 namespace knee_robot::tracing {
 
@@ -12,9 +13,12 @@ namespace knee_robot::tracing {
 struct Search {
   TraceData* data = nullptr;
   BaseFit* base = nullptr;
+  Library* library = nullptr;  ///< columns of everything that may be added
+  /// What other laws of friction near rest would change: rows in N, not scaled. Nothing is found that they explain as well.
+  Eigen::MatrixXd near_rest;
   Attention attention = Attention::All;
-  std::vector<TraceData>* twins = nullptr;
-  std::function<void()> rebuild_twins;  ///< with the effects found so far; sets the floor too
+  std::vector<Surrogate> surrogates;          ///< with the effects found so far
+  std::function<void()> rebuild_surrogates;  ///< after the model has changed; sets the floor too
   const TraceOptions* options = nullptr;
   NoiseFloor floor;
   std::vector<FoundEffect> effects;
@@ -30,6 +34,9 @@ Eigen::VectorXd rmsOf(const Stack& stack, const Eigen::VectorXd& residual_N);
 /// Hypotheses of the effects found so far.
 std::vector<Hypothesis> hypothesesOf(const std::vector<FoundEffect>& effects);
 
+/// Base and these effects fitted together, with every block left out in turn.
+JointFit fitOf(const Search& search, const std::vector<Hypothesis>& effects);
+
 /// The model as it stands.
 TwinModel modelOf(const Search& search);
 
@@ -37,9 +44,35 @@ TwinModel modelOf(const Search& search);
 void refit(Search& search);
 
 /// Chooses the baseline's directions and the memory of its friction anew, with the effects' forces taken off, and fits again.
-void rebase(Search& search);
+/// True when the law of friction has changed.
+bool rebase(Search& search);
 
-/// Adds effects of `candidates` one after the other while they pass every test; takes out what a later one makes superfluous.
-void searchForward(Search& search, const CandidateList& candidates, int most, std::uint64_t seed);
+/// Fills search.near_rest for the law that the base has now.
+void updateNearRest(Search& search);
+
+/// Least squares onto the model as it stands (`effects`), and what other laws near rest would change.
+Projection projectModel(const Search& search, const std::vector<Hypothesis>& effects);
+
+/// Adds what the library holds, named effects and maps in the same pass, one after the other while they pass every test; the same
+/// effect on other actuators follows at once. At most `most` additions, those not counted.
+void searchForward(Search& search, int most, std::uint64_t seed);
+
+/// Takes out, the least needed first, effects without which held-back blocks are predicted as well; those of a given model
+/// included.
+void eliminateBackward(Search& search);
+
+/// Refines the shapes of all effects together: variable projection, coefficients solved for at every step.
+void refineShapes(Search& search);
+
+/// Held-back stretches of other positions: what each effect saves there, as a share of the squared residual. Effects that lose
+/// there are not predicted elsewhere.
+void judgeElsewhere(Search& search, std::vector<std::string>& notes);
+
+/// An effect that depends on a position which always went with another one in training is seen, but not what it depends on: on
+/// another path, where the two part, it would predict anything. Such effects are not predicted elsewhere.
+void holdBackAmbiguous(Search& search, std::vector<std::string>& notes);
+
+/// "stribeck on actuator 2".
+std::string placeText(const Place& place);
 
 }  // namespace knee_robot::tracing

@@ -26,7 +26,7 @@ TEST(Trace, FindsAStrongPushAndKeepsItOutOfWhatItPredictsElsewhere) {
 
   const TraceResult found =
       trace(robot, {pushed}, {identification::observe(robot, columns, pushed, options.observation)}, options);
-  options.most_effects = options.most_maps = 0;
+  options.most_effects = 0;
   const TraceResult clean =
       trace(robot, {quiet}, {identification::observe(robot, columns, quiet, options.observation)}, options);
 

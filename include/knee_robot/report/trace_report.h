@@ -40,6 +40,8 @@ std::string traceJson(const TraceResults& results);
 std::string traceHtml(const TraceResults& results);
 /// What the program prints.
 std::string traceSummary(const TraceResults& results);
+/// One sentence on what adding effects did to the error on the held-out recordings: down or up. The first of terminal and report.
+std::string traceOutcome(const TraceResults& results);
 /// One sentence on whether there was anything to explain.
 std::string traceVerdict(const TraceResults& results);
 /// model.yaml, report.json, report.html, prediction_NAME.csv (with before_i_N) of each validation recording, and

@@ -21,8 +21,8 @@ struct PlaceAngles {
   std::vector<Neighbour> nearest;  ///< at most three, nearest first; same actuator, or shared
 };
 
-/// For every place of the candidates. Places that leave nothing beside the base have no neighbours.
-std::vector<PlaceAngles> principalAngles(const TraceData& data, const CandidateList& candidates, const Projection& base,
-                                         const Eigen::VectorXd& noise_N);
+/// For every place of named effects. Places that leave nothing beside the base have no neighbours.
+std::vector<PlaceAngles> principalAngles(const TraceData& data, const std::vector<PlaceColumns>& places,
+                                         const Projection& base, const Eigen::VectorXd& noise_N);
 
 }  // namespace knee_robot::tracing

@@ -12,6 +12,7 @@ namespace knee_robot::tracing {
 struct ShapeParameter {
   std::string name;  ///< as in report.json, unit in the name
   double low = 0.0, high = 0.0;
+  bool fixed = false;  ///< chosen on the grid, or follows from the recording: not refined together with other shapes
 };
 
 /// A parameter that multiplies a column.
@@ -28,6 +29,8 @@ class Candidate {
 
   virtual std::string name() const = 0;      ///< of design.md's list
   virtual std::string sentence() const = 0;  ///< the physics, for the report
+  /// Name of the simpler effect that is a special case of this one; this one must be clearly better to be preferred. Empty: none.
+  virtual std::string generalizes() const { return {}; }
   /// True: one set of coefficients acts on all actuators together (a spring at the platform).
   virtual bool shared() const { return false; }
   /// False: belongs to one recording and predicts nothing elsewhere.
@@ -37,6 +40,8 @@ class Candidate {
   virtual bool local() const { return false; }
   /// True: changes sign with the direction of travel.
   virtual bool isFriction() const { return false; }
+  /// True: its columns look at loads, forces or friction's size, which every fit changes. False lets them be kept.
+  virtual bool restsOnModel() const { return true; }
   /// False: needs the platform.
   virtual bool worksOnBench() const { return !shared(); }
 

@@ -66,6 +66,22 @@ struct Probes {
   Eigen::Index first_row = 0;
   bool one_sign = false;
 };
+/// All shapes of one place with their columns: low-passed, at the picks, in N, neither weighted nor scaled.
+struct PlaceColumns {
+  std::vector<Hypothesis> tried;
+  Eigen::MatrixXd rows;         ///< shape after shape; of the place's actuator only, of all when shared
+  Eigen::Index first_row = 0;   ///< of the stack's rows
+  bool rests_on_model = false;  ///< looks at loads or forces, which every fit changes
+
+  const Place& place() const { return tried.front().place; }
+};
+
+/// Columns of hypotheses of one and the same place, shape after shape, low-passed, at the picks, in N, neither weighted nor scaled.
+/// Rows of the place's actuator only (all when shared), which begin at `first_row` of the stack's.
+Eigen::MatrixXd placeRows(const TraceData& data, const std::vector<Hypothesis>& tried, Eigen::Index& first_row);
+/// `rows`: of placeRows.
+Probes makeProbes(const TraceData& data, const std::vector<Hypothesis>& tried, const Eigen::MatrixXd& rows,
+                  Eigen::Index first_row, const Projection& projection, const Eigen::VectorXd& noise_N);
 /// `tried`: hypotheses of one and the same place.
 Probes makeProbes(const TraceData& data, const std::vector<Hypothesis>& tried, const Projection& projection,
                   const Eigen::VectorXd& noise_N);

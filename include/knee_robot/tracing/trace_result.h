@@ -1,0 +1,66 @@
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "knee_robot/tracing/angles.h"
+#include "knee_robot/tracing/given_model.h"
+#include "knee_robot/tracing/joint_fit.h"
+#include "knee_robot/tracing/payload.h"
+
+namespace knee_robot::tracing {
+
+/// Everything that tracing may be told.
+struct TraceOptions {
+  identification::ObservationOptions observation;
+  int rank = 0;                             ///< of the baseline; 0: chosen on the training data
+  std::uint64_t seed = 1;                   ///< of twins and resampling
+  int twins = 10;                           ///< surrogates of the recordings, simulated
+  int draws = 240;                          ///< of the null distribution, at least
+  int most_effects = 6;                     ///< additions; the same effect on several actuators counts once
+  bool maps = true;                         ///< unnamed ones are tried as well
+  std::shared_ptr<const StartModel> start;  ///< null: no model is given
+  std::function<void(const std::string&)> progress = [](const std::string&) {};
+};
+
+/// An effect that was added to the model, and what speaks for it. Vectors: per actuator.
+struct FoundEffect {
+  Hypothesis hypothesis;
+  Eigen::VectorXd coefficients, std;
+  Eigen::VectorXd explained_rms_N;  ///< how much the residual's rms falls when it is added: sqrt(before^2 - after^2)
+  Eigen::VectorXd null_rms_N;       ///< the same for the best hypothesis on the worst of the clean twins
+  double p = 1.0;
+  double gain = 0.0, gain_error = 0.0;  ///< held-back blocks: share of the squared residual, and its standard error
+  std::vector<std::string> indistinguishable_from;
+  /// That the name is right, against the rival that comes closest on held-back blocks: normal approximation, not calibrated.
+  double probability = 1.0;
+  double elsewhere_gain = 0.0;  ///< held-back stretches of other positions: share of the squared residual
+  bool transfers = true;  ///< false: predicts nothing in other recordings
+  std::string verdict;    ///< one sentence
+};
+
+/// What tracing learned from training recordings.
+struct TraceResult {
+  BaseFit baseline;                           ///< without effects
+  BaseFit base;                               ///< directions and friction's memory chosen anew beside the effects
+  std::shared_ptr<CandidateList> candidates;  ///< that the effects point into
+  std::vector<FoundEffect> effects;
+  Eigen::VectorXd parameters;                 ///< of the extended model's linear part
+  Eigen::VectorXd seen_parameters;            ///< those that effects looked at (loads, friction) when they were fitted
+  Eigen::VectorXd floor_N;                    ///< per actuator
+  std::string floor_source;                   ///< repeats, or how it was estimated
+  Eigen::VectorXd before_rms_N, after_rms_N;  ///< training rows
+  std::vector<std::string> absorbed;          ///< what the base parameters take up, one sentence each
+  std::vector<std::string> rejected;          ///< what came close, and why it was not added
+  std::vector<std::string> notes;
+  std::vector<PlaceAngles> angles;  ///< of all named candidates, along the training recordings
+  PayloadTest payload;              ///< against the URDF's inertia; its sentence is among `absorbed`
+  GivenModel given;                 ///< what of the model that was started from still holds
+  /// For other recordings: fitted without effects of which it is not known what they depend on. Empty: this result itself.
+  std::shared_ptr<const TraceResult> elsewhere;
+};
+
+}  // namespace knee_robot::tracing

@@ -1,0 +1,153 @@
+#include <gtest/gtest.h>
+
+#include <random>
+#include <set>
+
+#include "knee_robot/recording/filter.h"
+#include "knee_robot/tracing/hypothesis.h"
+#include "src/tracing/library.h"
+#include "test/identification/synthetic.h"
+
+namespace knee_robot::tracing {
+namespace {
+
+constexpr double kSeconds = 24.0;
+constexpr int kActuator = 1;
+constexpr double kSize_N = 5.0;  ///< rms of the effect
+
+/// Two recordings of a machine that has the baseline and nothing else, with what hypotheses look at.
+struct Machine {
+  mechanism::Robot robot = syntheticRobot();
+  identification::ObservationOptions options;
+  TraceData data;
+  BaseFit base;
+  CandidateList candidates = namedCandidates(robot);
+};
+
+void project(Machine& m) {
+  BaseFit newtons = m.base;
+  newtons.noise_N.setOnes();
+  m.data.all_base_rows = baseRows(newtons, m.data.recordings, m.data.stack);
+  m.data.all_force_rows = forceRows(newtons, m.data.recordings, m.data.stack);
+  setAttention(m.data, Attention::All);
+}
+
+const Machine& machine() {
+  static const Machine made = [] {
+    Machine m;
+    std::mt19937 random(1);
+    std::normal_distribution<double> noise(0.0, 0.3);
+    for (int variant = 0; variant < 2; ++variant)
+      m.data.recordings.push_back(
+          identification::observe(m.robot, identification::columnsOf(m.robot),
+                  syntheticRecording(m.robot, syntheticModel(m.robot), variant, kSeconds, [&] { return noise(random); }),
+                  m.options));
+    m.data.stack = makeStack(m.data.recordings, m.options);
+    m.base = fitBase(m.robot, m.data.recordings, m.data.stack, identification::columnsOf(m.robot), 0);
+    project(m);
+    return m;
+  }();
+  return made;
+}
+
+std::vector<std::string> names() {
+  std::vector<std::string> all;
+  for (const auto& candidate : namedCandidates(syntheticRobot()))
+    all.push_back(candidate->name());
+  return all;
+}
+
+class EveryEffect : public testing::TestWithParam<std::string> {
+ protected:
+  EveryEffect() : m_(machine()) {
+    for (std::size_t r = 0; r < m_.data.recordings.size(); ++r) {
+      m_.data.inputs.push_back(effectInput(m_.robot, machine().data.recordings[r], m_.base.memory, static_cast<int>(r), 2));
+      setForces(m_.data.inputs.back(), m_.base.columns, m_.base.parameters, {});
+    }
+    for (const auto& candidate : machine().candidates) {
+      if (candidate->name() == GetParam()) candidate_ = candidate.get();
+    }
+  }
+
+  /// From the middle of its grid.
+  Hypothesis hypothesis() const {
+    const int actuator = candidate_->shared() ? -1 : kActuator;
+    const std::vector<std::vector<double>> shapes = candidate_->shapes(m_.data.inputs.front(), actuator);
+    return {{candidate_, actuator}, shapes[shapes.size() / 2]};
+  }
+  /// All coefficients alike, at which the effect has a size that matters.
+  Eigen::VectorXd effectForce() const {
+    const Eigen::MatrixXd rows = effectRows(m_.data, hypothesis());
+    Eigen::VectorXd force = rows.rowwise().sum();
+    return force * (kSize_N * std::sqrt(static_cast<double>(m_.data.stack.size())) / std::max(1e-300, force.norm()));
+  }
+
+  Machine m_;
+  const Candidate* candidate_ = nullptr;
+};
+
+TEST_P(EveryEffect, HasFiniteColumnsThatActOnItsActuatorOnly) {
+  const Hypothesis h = hypothesis();
+  for (const EffectInput& input : m_.data.inputs) {
+    for (int i = 0; i < input.axes(); ++i) {
+      const Eigen::MatrixXd columns = effectColumns(input, h, i);
+      EXPECT_EQ(columns.rows(), input.samples());
+      EXPECT_EQ(columns.cols(), static_cast<Eigen::Index>(candidate_->coefficients(input).size()));
+      EXPECT_TRUE(columns.allFinite());
+      if (!candidate_->shared() && i != kActuator) EXPECT_EQ(columns.norm(), 0.0);
+    }
+  }
+  EXPECT_GT(effectRows(m_.data, h).norm(), 0.0) << "the effect does nothing";
+}
+
+TEST_P(EveryEffect, KeepsShapesWithinItsBounds) {
+  const std::vector<ShapeParameter> bounds = candidate_->shapeParameters();
+  const Hypothesis h = hypothesis();
+  std::vector<std::vector<double>> all = candidate_->shapes(m_.data.inputs.front(), h.place.actuator);
+  for (const std::vector<double>& shape : all) {
+    ASSERT_EQ(shape.size(), bounds.size());
+    for (std::size_t k = 0; k < shape.size(); ++k) {
+      EXPECT_GE(shape[k], bounds[k].low - 1e-12) << bounds[k].name;
+      EXPECT_LE(shape[k], bounds[k].high + 1e-12) << bounds[k].name;
+    }
+  }
+  EXPECT_FALSE(candidate_->sentence().empty());
+}
+
+/// With the effect in the force, no other place explains more than its own does, but for those that contain it.
+TEST_P(EveryEffect, ExplainsItselfBestUnlessTheBaselineTakesItUp) {
+  m_.data.all_force_rows += effectForce();
+  setAttention(m_.data, Attention::All);
+  const Projection projection = knee_robot::project(weighted(m_.data.stack, m_.data.base_rows, m_.base.noise_N),
+                                                    weighted(m_.data.stack, m_.data.force_rows, m_.base.noise_N));
+  Library library;
+  library.add(machine().candidates, m_.data);
+  double own = 0.0, best = 0.0, survives = 0.0;
+  std::string winner;
+  for (const PlaceColumns& p : library.places()) {
+    const Probes probes = makeProbes(m_.data, p.tried, p.rows, p.first_row, projection, m_.base.noise_N);
+    const double square = explained(probes, projection.residual).col(0).maxCoeff();
+    if (p.place() == hypothesis().place) {
+      own = square;
+      survives = *std::max_element(probes.survives.begin(), probes.survives.end());
+    }
+    if (square <= best) continue;
+    best = square;
+    winner = p.place().candidate->name();
+  }
+  const std::set<std::string> absorbed = {"asymmetric_coulomb", "force_offset"};
+  if (absorbed.count(GetParam()) > 0) {
+    EXPECT_LT(survives, 0.05) << "friction and offset of the baseline are said to take it up";
+    return;
+  }
+  EXPECT_GT(own, 0.9 * best) << winner << " explains more";
+}
+
+std::string nameOf(const testing::TestParamInfo<std::string>& info) {
+  return info.param;
+}
+
+INSTANTIATE_TEST_SUITE_P(Catalogue, EveryEffect, testing::ValuesIn(names()), nameOf);
+
+}  // namespace
+}  // namespace knee_robot::tracing
