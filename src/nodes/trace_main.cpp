@@ -32,7 +32,9 @@ void declare(CLI::App& app, Arguments& a) {
                  "model of identify or trace to start from: before is that model unchanged, its effects are tried "
                  "first, and only what it "
                  "lacks is searched; its cut-off counts");
-  app.add_option("--most", a.options.most_effects, "at most so many additions (6), the same effect on several actuators counting once; 0: the baseline only")
+  app.add_option(
+         "--most", a.options.most_effects,
+         "at most so many additions (6), the same effect on several actuators counting once; 0: the baseline only")
       ->check(CLI::Range(0, 20));
   app.add_option("--seed", a.options.seed, "of surrogates and resampling (1)");
   app.add_option("--cutoff-hz", a.cutoff_hz, "zero-phase low-pass of both sides of the equation (3)")

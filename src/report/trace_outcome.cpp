@@ -17,7 +17,8 @@ double together(const Eigen::VectorXd& rms_N) {
 
 std::string traceOutcome(const TraceResults& r) {
   if (r.validate.empty())
-    return "No held-out recording was given, so that nothing is known of the error elsewhere; choices rest on held-back parts of "
+    return "No held-out recording was given, so that nothing is known of the error elsewhere; choices rest on "
+           "held-back parts of "
            "the training recordings.";
   const Eigen::VectorXd &before = r.validate_before.accuracy.rms_N, &after = r.validate_after.accuracy.rms_N;
   const double from = together(before), to = together(after), change = to / from - 1.0;

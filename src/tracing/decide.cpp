@@ -12,7 +12,7 @@
 namespace knee_robot::tracing {
 namespace {
 
-constexpr double kErrors = 1.0;        ///< standard errors by which a member must help beside the others, all fitted together
+constexpr double kErrors = 1.0;  ///< standard errors by which a member must help beside the others, all fitted together
 constexpr double kNestedErrors = 2.0;  ///< the same with only itself fitted
 constexpr int kStretches = 6;          ///< of positions, along each of two directions
 

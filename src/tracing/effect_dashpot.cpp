@@ -13,7 +13,8 @@ class Dashpot : public Candidate {
   std::string name() const override { return "dashpot"; }
   bool restsOnModel() const override { return false; }
   std::string sentence() const override {
-    return "A damper, or a rubbing part, acts between a point of the base and a point of the platform: its force follows a power of "
+    return "A damper, or a rubbing part, acts between a point of the base and a point of the platform: its force "
+           "follows a power of "
            "the rate at which their distance changes.";
   }
   bool shared() const override { return true; }
@@ -42,7 +43,9 @@ class Dashpot : public Candidate {
     }
     return out;
   }
-  std::vector<Coefficient> coefficients(const EffectInput&) const override { return {{"damping_N_per_speed_power", true}}; }
+  std::vector<Coefficient> coefficients(const EffectInput&) const override {
+    return {{"damping_N_per_speed_power", true}};
+  }
   Eigen::MatrixXd columns(const EffectInput& input, int actuator, const std::vector<double>& shape) const override {
     const LineForces line = lineForces(input, actuator, anchorsOf(shape));
     const Eigen::ArrayXd speed = (line.rate_m_per_s.array().square() + kSlow * kSlow).sqrt();

@@ -16,7 +16,8 @@ class PositionDependentFriction : public Candidate {
     return "Dry friction changes along the stroke, as with a bent screw, a tight place or worn lubrication.";
   }
   std::vector<ShapeParameter> shapeParameters() const override {
-    return {{"center_m", -10.0, 10.0}, {"width_m", 1e-3, 10.0}, {"from_m", -10.0, 10.0, true}, {"to_m", -10.0, 10.0, true}};
+    return {
+        {"center_m", -10.0, 10.0}, {"width_m", 1e-3, 10.0}, {"from_m", -10.0, 10.0, true}, {"to_m", -10.0, 10.0, true}};
   }
   /// The last two are the range of training: beyond it friction stays as at its end.
   std::vector<std::vector<double>> shapes(const EffectInput& input, int actuator) const override {

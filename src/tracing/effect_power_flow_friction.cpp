@@ -13,7 +13,8 @@ class PowerFlowFriction : public Candidate {
   std::string generalizes() const override { return "load_dependent_friction"; }
   bool isFriction() const override { return true; }
   std::string sentence() const override {
-    return "Dry friction grows with the axial force, and with its square; how much depends on whether the motor drives the load or "
+    return "Dry friction grows with the axial force, and with its square; how much depends on whether the motor drives "
+           "the load or "
            "the load drives the motor.";
   }
   std::vector<Coefficient> coefficients(const EffectInput&) const override {

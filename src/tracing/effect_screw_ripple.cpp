@@ -5,27 +5,37 @@
 namespace knee_robot::tracing {
 namespace {
 
-constexpr double kSamePhase = 0.4;  ///< largest deviation from the mean, in amplitudes
+constexpr double kNear_per_m = 1.25;  ///< half a step of the grid over 0.2 m, per period
+constexpr double kSamePhase = 0.4;    ///< largest deviation from the mean, in amplitudes
 
-/// Sine and cosine of the screw's phase, separately for every recording: homing may shift the phase.
+/// Sine and cosine of the screw's phase, separately for every recording: homing may shift the phase. A ripple of the force, or (second
+/// shape parameter 1) of the dry friction, as a bent screw or a worn gear has.
 class ScrewRipple : public Candidate {
  public:
   std::string name() const override { return "screw_ripple"; }
   bool restsOnModel() const override { return false; }
   std::string sentence() const override {
-    return "The force varies periodically with the position, as with a screw's or motor's turn.";
+    return "The force, or the dry friction, varies periodically with the position, as with a screw's or motor's turn.";
   }
   bool transfers() const override { return false; }
-  std::vector<ShapeParameter> shapeParameters() const override { return {{"period_m", 0.002, 0.05}}; }
+  std::vector<ShapeParameter> shapeParameters() const override {
+    return {{"period_m", 0.002, 0.05}, {"of_friction", 0.0, 1.0, true}};
+  }
   /// Fine enough that at the ends of the range the phase is off by no more than an eighth of a turn.
   std::vector<std::vector<double>> shapes(const EffectInput& input, int actuator) const override {
     const auto q = input.signals().position_m.col(actuator);
     const double range = std::max(1e-3, q.maxCoeff() - q.minCoeff());
     std::vector<std::vector<double>> grid;
     const double longest = std::min(0.05, 0.7 * range);
-    for (double turns = 1.0 / longest; turns <= 1.0 / 0.002 && grid.size() < 600; turns += 0.5 / range)
-      grid.push_back({1.0 / turns});
+    for (double turns = 1.0 / longest; turns <= 1.0 / 0.002 && grid.size() < 1000; turns += 0.5 / range) {
+      for (const double of_friction : {0.0, 1.0})
+        grid.push_back({1.0 / turns, of_friction});
+    }
     return grid;
+  }
+  std::vector<std::vector<double>> near(const std::vector<double>& s, double step) const override {
+    const double aside = std::min(0.05, kNear_per_m * s[0]) * step;
+    return {{s[0] * (1.0 - aside), s[1]}, {s[0] * (1.0 + aside), s[1]}};
   }
   std::vector<Coefficient> coefficients(const EffectInput& input) const override {
     std::vector<Coefficient> out;
@@ -42,8 +52,9 @@ class ScrewRipple : public Candidate {
     const auto q = input.signals().position_m.col(actuator);
     for (int n = 0; n < input.samples(); ++n) {
       const double phase = 2.0 * M_PI / shape[0] * q[n];
-      out(n, 2 * pair) = std::sin(phase);
-      out(n, 2 * pair + 1) = std::cos(phase);
+      const double factor = shape[1] > 0.5 ? input.share(n, actuator) : 1.0;
+      out(n, 2 * pair) = factor * std::sin(phase);
+      out(n, 2 * pair + 1) = factor * std::cos(phase);
     }
     return out;
   }

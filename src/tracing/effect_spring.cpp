@@ -11,7 +11,8 @@ class Spring : public Candidate {
   std::string name() const override { return "spring"; }
   bool restsOnModel() const override { return false; }
   std::string sentence() const override {
-    return "A spring acts between a point of the base and a point of the platform: its force grows with their distance.";
+    return "A spring acts between a point of the base and a point of the platform: its force grows with their "
+           "distance.";
   }
   bool shared() const override { return true; }
   std::vector<ShapeParameter> shapeParameters() const override {

@@ -12,9 +12,9 @@ namespace knee_robot::tracing {
 namespace {
 
 constexpr double kEngineeringShare = 0.003;  ///< of the rms force; above what DAC and encoder steps leave
-constexpr double kBlock_s = 1.0;            ///< of differences between repeats: several correlation times
-constexpr double kEvent = 9.0;              ///< factor of the median square above which a block is an event, not noise
-constexpr double kSameReference = 1e-4;  ///< m, rms
+constexpr double kBlock_s = 1.0;             ///< of differences between repeats: several correlation times
+constexpr double kEvent = 9.0;               ///< factor of the median square above which a block is an event, not noise
+constexpr double kSameReference = 1e-4;      ///< m, rms
 
 bool repeats(const recording::Recording& a, const recording::Recording& b) {
   if (a.reference_m.cols() == 0 || b.reference_m.cols() == 0) return false;
@@ -104,7 +104,8 @@ NoiseFloor noiseFloor(const std::vector<recording::Recording>& recordings, const
       if (!repeats(recordings[a], recordings[b])) continue;
       const Eigen::Index n = std::min(residual[a].rows(), residual[b].rows());
       Eigen::MatrixXd difference = residual[a].topRows(n) - residual[b].topRows(n);
-      recording::ZeroPhaseLowPass(data.stack.cutoff_hz, 1.0 / data.recordings[a].signals.period_s).applyToColumns(difference);
+      recording::ZeroPhaseLowPass(data.stack.cutoff_hz, 1.0 / data.recordings[a].signals.period_s)
+          .applyToColumns(difference);
       differences.add(difference, blockOf(a));
       floor.source += (floor.source.empty() ? "repeats of one reference: " : "; ") + recordings[a].name + " and " +
                       recordings[b].name;

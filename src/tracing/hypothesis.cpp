@@ -7,7 +7,7 @@
 namespace knee_robot::tracing {
 namespace {
 
-constexpr double kAbsorbed = 1e-3;  ///< share of a column's square that must survive the model's columns
+constexpr double kAbsorbed = 1e-3;           ///< share of a column's square that must survive the model's columns
 constexpr Eigen::Index kColumnsAtOnce = 96;  ///< that are built on the grid before they are thinned
 
 void addShapes(const Candidate& candidate, const EffectInput& input, int actuator, std::vector<Hypothesis>& list) {
@@ -78,10 +78,13 @@ Eigen::MatrixXd weighted(const Stack& stack, Eigen::MatrixXd rows, const Eigen::
   return rows;
 }
 
-Projection project(const Eigen::MatrixXd& columns, const Eigen::VectorXd& force) {
-  const Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(columns);
+Projection project(const Eigen::MatrixXd& columns, const Eigen::VectorXd& force, const Eigen::VectorXd& pull) {
+  Eigen::MatrixXd all = Eigen::MatrixXd::Zero(columns.rows() + pull.size(), columns.cols());
+  all.topRows(columns.rows()) = columns;
+  all.bottomLeftCorner(pull.size(), pull.size()).diagonal() = pull;
+  const Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(all);
   Projection p;
-  p.q = qr.householderQ() * Eigen::MatrixXd::Identity(columns.rows(), qr.rank());
+  p.q = (qr.householderQ() * Eigen::MatrixXd::Identity(all.rows(), qr.rank())).topRows(columns.rows());
   p.residual = force - p.q * (p.q.transpose() * force);
   return p;
 }
@@ -105,8 +108,7 @@ Eigen::MatrixXd placeRows(const TraceData& data, const std::vector<Hypothesis>& 
               place.candidate->columns(input, i, tried[k].shape);
       }
       rows.block((i - first) * p, static_cast<Eigen::Index>(from) * each, p,
-                 each * static_cast<Eigen::Index>(to - from)) =
-          gather(data.stack, data.recordings, std::move(columns));
+                 each * static_cast<Eigen::Index>(to - from)) = gather(data.stack, data.recordings, std::move(columns));
     }
   }
   return rows;

@@ -13,7 +13,8 @@ struct Anchors {
 /// The straight line between them at one sample.
 struct LineBetween {
   double length_m = 0.0, rate_m_per_s = 0.0;
-  mechanism::Vector4 force_on_pose = mechanism::Vector4::Zero();  ///< generalized force (N, N, N m, N m) that lengthens it, per newton along the line
+  mechanism::Vector4 force_on_pose =
+      mechanism::Vector4::Zero();  ///< generalized force (N, N, N m, N m) that lengthens it, per newton along the line
 };
 LineBetween lineBetween(const mechanism::Motion& motion, const Anchors& anchors);
 

@@ -115,8 +115,8 @@ std::vector<double> knotsOf(const std::vector<EffectInput>& inputs, const Signal
 Eigen::VectorXd legAngle(const EffectInput& in, int i, bool second) {
   Eigen::VectorXd out(in.samples());
   for (int n = 0; n < in.samples(); ++n) {
-    const mechanism::JointCoordinates q =
-        mechanism::inverseKinematics(*in.robot->mechanism, in.observation->motion.motion[static_cast<std::size_t>(n)].pose);
+    const mechanism::JointCoordinates q = mechanism::inverseKinematics(
+        *in.robot->mechanism, in.observation->motion.motion[static_cast<std::size_t>(n)].pose);
     const std::size_t leg = static_cast<std::size_t>(i);
     out[n] = i == 3 ? q.q41 : second ? q.q2[leg] : q.q1[leg];
   }
@@ -188,8 +188,7 @@ CandidateList mapCandidates(const std::vector<EffectInput>& inputs) {
       knots.push_back(knotsOf(inputs, signal.of, i));
       if (knots.back().empty()) break;
     }
-    if (!knots.back().empty())
-      maps.push_back(std::make_unique<Map>(signal, std::move(knots)));
+    if (!knots.back().empty()) maps.push_back(std::make_unique<Map>(signal, std::move(knots)));
   }
   return maps;
 }

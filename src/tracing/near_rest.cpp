@@ -5,13 +5,9 @@ namespace {
 
 /// Laws beside the one that was chosen: stops from fine to long, smooth laws from steep to flat. The data chose among laws of few
 /// shapes; a machine's own is none of them, and what is left of it looks like a delay, like Stribeck friction, like presliding.
-std::vector<FrictionMemory> otherLaws(const FrictionMemory& chosen) {
-  std::vector<FrictionMemory> all;
-  for (const double width : {2e-5, 6e-5, 2e-4})
-    all.push_back({width, chosen.cutoff_hz, 0.0});
-  for (const double speed : {0.0005, 0.002})
-    all.push_back({chosen.width_m, chosen.cutoff_hz, speed});
-  return all;
+std::vector<FrictionMemory> otherLaws() {
+  return {dynamics::stopLaw(2e-5),     dynamics::stopLaw(6e-5),    dynamics::stopLaw(2e-4),
+          dynamics::smoothLaw(0.0005), dynamics::smoothLaw(0.002), dynamics::bristleLaw(1e-4)};
 }
 
 }  // namespace
@@ -19,19 +15,15 @@ std::vector<FrictionMemory> otherLaws(const FrictionMemory& chosen) {
 void updateNearRest(Search& s) {
   const TraceData& data = *s.data;
   const Eigen::Index p = data.stack.size();
-  std::vector<std::vector<FrictionMemory>> laws;
-  Eigen::Index count = 0;
-  for (const FrictionMemory& chosen : s.base->memory) {
-    laws.push_back(otherLaws(chosen));
-    count += static_cast<Eigen::Index>(laws.back().size());
-  }
-  s.near_rest = Eigen::MatrixXd::Zero(p * data.stack.axes, count);
+  const std::vector<FrictionMemory> laws = otherLaws();
+  s.near_rest = Eigen::MatrixXd::Zero(p * data.stack.axes, data.stack.axes * static_cast<Eigen::Index>(laws.size()));
   Eigen::Index at = 0;
   for (int i = 0; i < data.stack.axes; ++i) {
-    for (const FrictionMemory& law : laws[static_cast<std::size_t>(i)]) {
+    for (const FrictionMemory& law : laws) {
       std::vector<Eigen::MatrixXd> columns;
       for (std::size_t r = 0; r < data.recordings.size(); ++r)
-        columns.push_back(frictionShare(data.recordings[r], i, law) - data.inputs[r].share.col(i));
+        columns.push_back(identification::frictionShare(data.recordings[r].sliding[static_cast<std::size_t>(i)], law) -
+                          data.inputs[r].share.col(i));
       s.near_rest.col(at++).segment(i * p, p) = gather(data.stack, data.recordings, std::move(columns));
     }
   }
@@ -41,7 +33,7 @@ Projection projectModel(const Search& s, const std::vector<Hypothesis>& effects)
   const Eigen::MatrixXd model = modelColumns(*s.data, s.rms_N, effects);
   Eigen::MatrixXd all(model.rows(), model.cols() + s.near_rest.cols());
   all << model, weighted(s.data->stack, s.data->scale.asDiagonal() * s.near_rest, s.rms_N);
-  return project(all, weighted(s.data->stack, s.data->force_rows, s.rms_N));
+  return project(all, weighted(s.data->stack, s.data->force_rows, s.rms_N), s.base->pull);
 }
 
 }  // namespace knee_robot::tracing

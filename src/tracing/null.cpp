@@ -9,7 +9,7 @@
 namespace knee_robot::tracing {
 namespace {
 
-constexpr double kBlock_s = 1.5;       ///< of resampled noise: several correlation times of the low-passed residual
+constexpr double kBlock_s = 1.5;  ///< of resampled noise: several correlation times of the low-passed residual
 
 /// Sets a recording's forces to those of the model, effects that look at the force included.
 void setModelForces(EffectInput& input, const BaseFit& base, const TwinModel& model) {
@@ -19,9 +19,10 @@ void setModelForces(EffectInput& input, const BaseFit& base, const TwinModel& mo
   setForces(input, base.columns, model.parameters, own.friction_N + own.load_N);
 }
 
-Surrogate makeSurrogate(const mechanism::Robot& robot, const std::vector<recording::Recording>& recordings, const TraceData& data,
-                        const BaseFit& base, const TwinModel& model, const std::vector<TwinPlan>& plans,
-                        const identification::ObservationOptions& options, std::uint64_t seed) {
+Surrogate makeSurrogate(const mechanism::Robot& robot, const std::vector<recording::Recording>& recordings,
+                        const TraceData& data, const BaseFit& base, const TwinModel& model,
+                        const std::vector<TwinPlan>& plans, const identification::ObservationOptions& options,
+                        std::uint64_t seed) {
   TraceData twin;
   twin.stack = data.stack;
   const int count = static_cast<int>(recordings.size());
@@ -30,11 +31,12 @@ Surrogate makeSurrogate(const mechanism::Robot& robot, const std::vector<recordi
         simulateTwin(robot, recordings[r], data.recordings[r], plans[r], seed * 1000003u + 17u * r);
     twin.recordings.push_back(identification::observe(robot, base.columns, simulated, options));
     if (twin.recordings.back().samples() != data.recordings[r].samples()) twin.recordings.back() = data.recordings[r];
-    setFriction(twin.recordings.back(), base.columns, base.memory);
+    identification::setFriction(twin.recordings.back(), base.columns, base.memory);
   }
   BaseFit newtons = base;
   newtons.noise_N.setOnes();
   Surrogate s;
+  s.pull = base.pull;
   s.force_rows = forceRows(newtons, twin.recordings, twin.stack);
   const Eigen::MatrixXd base_rows = baseRows(newtons, twin.recordings, twin.stack);
   for (int r = 0; r < count && !model.effects.empty(); ++r) {
@@ -61,7 +63,7 @@ Surrogate makeSurrogate(const mechanism::Robot& robot, const std::vector<recordi
 /// Weighted residual of a surrogate, its own model refitted.
 Eigen::VectorXd leftOf(const Surrogate& s, const TraceData& data, const Eigen::VectorXd& noise_N) {
   return project(weighted(data.stack, data.scale.asDiagonal() * s.model_rows, noise_N),
-                 weighted(data.stack, data.scale.asDiagonal() * s.force_rows, noise_N))
+                 weighted(data.stack, data.scale.asDiagonal() * s.force_rows, noise_N), s.pull)
       .residual;
 }
 
@@ -83,9 +85,10 @@ Eigen::VectorXd resampled(const Stack& stack, const Eigen::VectorXd& residual, s
 
 }  // namespace
 
-std::vector<Surrogate> makeSurrogates(const mechanism::Robot& robot, const std::vector<recording::Recording>& recordings,
-                                      const TraceData& data, const BaseFit& base, const TwinModel& model,
-                                      const std::vector<TwinPlan>& plans, const identification::ObservationOptions& options, int count,
+std::vector<Surrogate> makeSurrogates(const mechanism::Robot& robot,
+                                      const std::vector<recording::Recording>& recordings, const TraceData& data,
+                                      const BaseFit& base, const TwinModel& model, const std::vector<TwinPlan>& plans,
+                                      const identification::ObservationOptions& options, int count,
                                       std::uint64_t seed) {
   std::vector<Surrogate> all(static_cast<std::size_t>(count));
   inParallel(all.size(), [&](std::size_t k) {
@@ -125,9 +128,8 @@ Eigen::MatrixXd nullResiduals(const std::vector<Surrogate>& surrogates, const Tr
                               const Projection& projection, int draws, std::uint64_t seed) {
   const Eigen::VectorXd residual = weighted(data.stack, residual_N, noise_N);
   Eigen::MatrixXd own(residual.size(), static_cast<Eigen::Index>(surrogates.size()));
-  inParallel(surrogates.size(), [&](std::size_t k) {
-    own.col(static_cast<Eigen::Index>(k)) = leftOf(surrogates[k], data, noise_N);
-  });
+  inParallel(surrogates.size(),
+             [&](std::size_t k) { own.col(static_cast<Eigen::Index>(k)) = leftOf(surrogates[k], data, noise_N); });
   std::mt19937_64 random(seed);
   Eigen::MatrixXd out(residual.size(), draws);
   for (int d = 0; d < draws; ++d)

@@ -24,7 +24,7 @@ class LeftBeside {
       : s_(s),
         entries_(std::move(entries)),
         base_(project(weighted(s.data->stack, s.data->base_rows, s.rms_N),
-                      weighted(s.data->stack, s.data->force_rows, s.rms_N))),
+                      weighted(s.data->stack, s.data->force_rows, s.rms_N), s.base->pull)),
         shapes_(hypothesesOf(s.effects)),
         columns_(shapes_.size()) {
     for (std::size_t k = 0; k < shapes_.size(); ++k)
@@ -82,8 +82,8 @@ void refineShapes(Search& s) {
   if (entries.empty()) return;
   ceres::NumericDiffOptions step;
   step.relative_step_size = kRelativeStep;
-  auto* cost = new ceres::DynamicNumericDiffCostFunction<LeftBeside, ceres::CENTRAL>(
-      new LeftBeside(s, entries), ceres::TAKE_OWNERSHIP, step);
+  auto* cost = new ceres::DynamicNumericDiffCostFunction<LeftBeside, ceres::CENTRAL>(new LeftBeside(s, entries),
+                                                                                     ceres::TAKE_OWNERSHIP, step);
   cost->AddParameterBlock(static_cast<int>(values.size()));
   cost->SetNumResiduals(static_cast<int>(s.data->force_rows.size()));
   ceres::Problem problem;
@@ -92,8 +92,10 @@ void refineShapes(Search& s) {
     const Hypothesis& h = s.effects[entries[k].effect].hypothesis;
     const ShapeParameter bounds = h.place.candidate->shapeParameters()[entries[k].parameter];
     const double a = values[k] / kFarthest, b = values[k] * kFarthest;
-    problem.SetParameterLowerBound(values.data(), static_cast<int>(k), std::min(values[k], std::max(bounds.low, std::min(a, b))));
-    problem.SetParameterUpperBound(values.data(), static_cast<int>(k), std::max(values[k], std::min(bounds.high, std::max(a, b))));
+    problem.SetParameterLowerBound(values.data(), static_cast<int>(k),
+                                   std::min(values[k], std::max(bounds.low, std::min(a, b))));
+    problem.SetParameterUpperBound(values.data(), static_cast<int>(k),
+                                   std::max(values[k], std::min(bounds.high, std::max(a, b))));
   }
   ceres::Solver::Options options;
   options.max_num_iterations = kSteps;

@@ -12,13 +12,13 @@ namespace knee_robot::tracing {
 namespace {
 
 constexpr double kLargestP = 0.005;
-constexpr double kSiblingP = 0.01;       ///< of the same effect on another actuator
-constexpr double kWorthwhile = 0.4;      ///< lowering the rms by a tenth explains 0.44 of it; less is never accepted
-constexpr double kSiblingWorth = 0.2;    ///< lowering it by three hundredths explains 0.24
-constexpr double kLeastSpread = 0.01;    ///< of a place's null values: absorbed places have none
-constexpr double kSure = 0.8;            ///< probability of a name below which its rivals are named too
-constexpr double kNearlyAsGood = 0.8;    ///< share of the best one's held-back gain at which a runner-up is a rival
-constexpr double kDiscount = 0.8;  ///< a map must explain this much more than a named effect to be preferred
+constexpr double kSiblingP = 0.01;     ///< of the same effect on another actuator
+constexpr double kWorthwhile = 0.4;    ///< lowering the rms by a tenth explains 0.44 of it; less is never accepted
+constexpr double kSiblingWorth = 0.2;  ///< lowering it by three hundredths explains 0.24
+constexpr double kLeastSpread = 0.01;  ///< of a place's null values: absorbed places have none
+constexpr double kSure = 0.8;          ///< probability of a name below which its rivals are named too
+constexpr double kNearlyAsGood = 0.8;  ///< share of the best one's held-back gain at which a runner-up is a rival
+constexpr double kDiscount = 0.8;      ///< a map must explain this much more than a named effect to be preferred
 
 /// Sum of the held-back gains by which trials are ranked; of maps and generalizations what they surely gain, because they bend to
 /// much.
@@ -31,7 +31,8 @@ double worth(const Trial& t) {
 
 /// The one is a special case of the other: no alternative.
 bool related(const Trial& a, const Trial& b) {
-  return a.hypothesis.place.candidate->generalizes() == b.name() || b.hypothesis.place.candidate->generalizes() == a.name();
+  return a.hypothesis.place.candidate->generalizes() == b.name() ||
+         b.hypothesis.place.candidate->generalizes() == a.name();
 }
 
 /// Roots of the shares that the best shape of every place (rows; only those with a row number) explains of residuals (columns).
@@ -79,13 +80,15 @@ class ForceSelection : public SelectionProblem {
     Ranking r = rankPlaces(s_, only_);
     projection_ = std::move(r.projection);
     trials_ = std::move(r.trials);
-    std::stable_sort(trials_.begin(), trials_.end(), [](const Trial& a, const Trial& b) { return worth(a) > worth(b); });
+    std::stable_sort(trials_.begin(), trials_.end(),
+                     [](const Trial& a, const Trial& b) { return worth(a) > worth(b); });
     row_.clear();
     for (std::size_t k = 0; k < s_.library->places().size(); ++k) {
       const Place& place = s_.library->places()[k].place();
       const bool taken = std::any_of(s_.effects.begin(), s_.effects.end(),
                                      [&](const FoundEffect& e) { return e.hypothesis.place == place; });
       if (taken || (only_ != nullptr && place.candidate != only_)) continue;
+      if (!s_.maps && place.candidate->name() == "unnamed") continue;
       const Eigen::Index next = static_cast<Eigen::Index>(row_.size());
       row_[k] = next;
     }
@@ -99,9 +102,8 @@ class ForceSelection : public SelectionProblem {
   /// What the best hypothesis leaves is the noise: the effect itself is none.
   MaxNull null() override {
     s_.options->progress("comparing with surrogates");
-    const auto best = std::find_if(trials_.begin(), trials_.end(), [&](const Trial& t) {
-      return objection(s_, t, only_ != nullptr).empty();
-    });
+    const auto best = std::find_if(trials_.begin(), trials_.end(),
+                                   [&](const Trial& t) { return objection(s_, t, only_ != nullptr).empty(); });
     const Eigen::MatrixXd residuals = nullResiduals(s_.surrogates, *s_.data, best->fit.residual_N, s_.rms_N,
                                                     projection_, s_.options->draws, seed_ + s_.effects.size());
     return maxNull(rootsOf(s_, projection_, row_, residuals), only_ != nullptr ? kSiblingWorth : kWorthwhile,

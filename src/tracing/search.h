@@ -17,7 +17,8 @@ struct Search {
   /// What other laws of friction near rest would change: rows in N, not scaled. Nothing is found that they explain as well.
   Eigen::MatrixXd near_rest;
   Attention attention = Attention::All;
-  std::vector<Surrogate> surrogates;          ///< with the effects found so far
+  bool maps = true;                          ///< unnamed ones compete too
+  std::vector<Surrogate> surrogates;         ///< with the effects found so far
   std::function<void()> rebuild_surrogates;  ///< after the model has changed; sets the floor too
   const TraceOptions* options = nullptr;
   NoiseFloor floor;

@@ -19,7 +19,8 @@ constexpr double kTooMuch = 1.3;       ///< factor by which a surrogate may leav
 /// One run of tracing: its stages in order, and what they share.
 class Tracing {
  public:
-  Tracing(const mechanism::Robot& robot, const std::vector<recording::Recording>& recordings, const TraceOptions& options)
+  Tracing(const mechanism::Robot& robot, const std::vector<recording::Recording>& recordings,
+          const TraceOptions& options)
       : robot_(robot), recordings_(recordings), options_(options) {}
 
   TraceResult run(std::vector<identification::Observation> training) {
@@ -113,9 +114,10 @@ bool Tracing::openLoops() {
     any = true;
     for (TwinPlan& plan : plans_)
       plan.open_loop[static_cast<std::size_t>(i)] = 1;
-    result_.notes.push_back("Actuator " + std::to_string(i + 1) + ": a surrogate in closed loop leaves " +
-                            shortNumber(left_N[i], 3) + " N, more than the recording (" + shortNumber(real_N[i], 3) +
-                            " N), so its surrogates follow the measured motion; they miss part of what reversals leave.");
+    result_.notes.push_back(
+        "Actuator " + std::to_string(i + 1) + ": a surrogate in closed loop leaves " + shortNumber(left_N[i], 3) +
+        " N, more than the recording (" + shortNumber(real_N[i], 3) +
+        " N), so its surrogates follow the measured motion; they miss part of what reversals leave.");
   }
   return any;
 }
@@ -174,7 +176,7 @@ void Tracing::startFromGivenModel() {
 void Tracing::describeBaseline() {
   result_.payload = testPayload(robot_, data_.recordings, data_.stack, result_.base, s_.rms_N);
   const Projection projection = project(weighted(data_.stack, data_.base_rows, s_.rms_N),
-                                        weighted(data_.stack, data_.force_rows, s_.rms_N));
+                                        weighted(data_.stack, data_.force_rows, s_.rms_N), result_.base.pull);
   noteAbsorbed(projection);
   result_.angles = principalAngles(data_, library_.places(), projection, s_.rms_N);
 }
@@ -204,6 +206,7 @@ void Tracing::searchEffects() {
   const std::size_t given = s_.effects.size();
   for (const Attention attention : {Attention::Moving, Attention::All}) {
     attend(attention);
+    s_.maps = attention == Attention::Moving;  // near rest a map over velocity mends the law of friction
     options_.progress(attention == Attention::Moving ? "looking at moving samples" : "looking at all samples");
     std::set<const Candidate*> kinds;
     for (std::size_t k = given; k < s_.effects.size(); ++k)
@@ -245,8 +248,8 @@ void Tracing::predictElsewhere() {
 
 }  // namespace
 
-TraceResult trace(const mechanism::Robot& robot, const std::vector<recording::Recording>& recordings, std::vector<identification::Observation> training,
-                  const TraceOptions& options) {
+TraceResult trace(const mechanism::Robot& robot, const std::vector<recording::Recording>& recordings,
+                  std::vector<identification::Observation> training, const TraceOptions& options) {
   return Tracing(robot, recordings, options).run(std::move(training));
 }
 

@@ -2,8 +2,8 @@
 
 namespace knee_robot::tracing {
 
-Eigen::MatrixXd predictTraced(const mechanism::Robot& robot, const TraceResult& result, identification::Observation& o, int recording,
-                              int recordings) {
+Eigen::MatrixXd predictTraced(const mechanism::Robot& robot, const TraceResult& result, identification::Observation& o,
+                              int recording, int recordings) {
   if (recording < 0 && result.elsewhere) return predictTraced(robot, *result.elsewhere, o, recording, recordings);
   setFriction(o, result.base.columns, result.base.memory);
   EffectInput input = effectInput(robot, o, result.base.memory, recording, recordings);

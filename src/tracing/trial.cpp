@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <map>
 
 #include "knee_robot/base/numbers.h"
 #include "parallel.h"
@@ -11,8 +12,10 @@
 namespace knee_robot::tracing {
 namespace {
 
-constexpr std::size_t kCompared = 8;  ///< places that are refined and cross-validated in every pass: named ones, and maps
-constexpr std::size_t kNested = 8;    ///< shapes among which held-back blocks choose
+constexpr std::size_t kCompared =
+    8;                         ///< places that are refined and cross-validated in every pass: named ones, and maps
+constexpr int kOfOneKind = 2;  ///< of the same candidate at most: delays of four axes would leave no room for others
+constexpr std::size_t kNested = 8;  ///< shapes among which held-back blocks choose
 constexpr int kRounds = 5;
 constexpr double kSlightPull = 1e-6;
 constexpr double kMapPull = 1e-3;    ///< hat functions add up to columns that the model has already
@@ -20,9 +23,10 @@ constexpr int kLocalPieces = 6;      ///< of a local effect that are held back i
 constexpr double kMostPieces = 0.8;  ///< share of those that must gain
 constexpr double kMostBlocks = 0.5;  ///< share of held-back blocks that must gain
 constexpr double kAboveFloor = 1.15;
-constexpr double kLowered = 0.9;         ///< the rms of some actuator must fall below this share
-constexpr double kSiblingLowered = 0.97; ///< where the same effect was found on another actuator
-constexpr double kMapErrors = 2.5;       ///< standard errors by which a map must help: it bends to much, and extrapolates badly
+constexpr double kLowered = 0.9;          ///< the rms of some actuator must fall below this share
+constexpr double kSiblingLowered = 0.97;  ///< where the same effect was found on another actuator
+constexpr double kMapErrors =
+    2.5;  ///< standard errors by which a map must help: it bends to much, and extrapolates badly
 constexpr double kSiblingErrors = 2.0;
 
 /// Which picks are held back together: the stack's blocks; of a local effect, pieces of the part in which it acts (-1: outside).
@@ -173,10 +177,12 @@ Ranking rankPlaces(Search& s, const Candidate* only) {
   std::vector<Eigen::VectorXd> squares(places.size());
   inParallel(places.size(), [&](std::size_t k) {
     const PlaceColumns& p = places[k];
+    if (!s.maps && p.place().candidate->name() == "unnamed") return;
     if (only != nullptr && p.place().candidate != only) return;
-    if (std::any_of(accepted.begin(), accepted.end(), [&](const Hypothesis& h) { return h.place == p.place(); })) return;
-    squares[k] = explained(makeProbes(*s.data, p.tried, p.rows, p.first_row, r.projection, s.rms_N),
-                           r.projection.residual);
+    if (std::any_of(accepted.begin(), accepted.end(), [&](const Hypothesis& h) { return h.place == p.place(); }))
+      return;
+    squares[k] =
+        explained(makeProbes(*s.data, p.tried, p.rows, p.first_row, r.projection, s.rms_N), r.projection.residual);
   });
   std::vector<Trial> trials[2];  // named, maps
   for (std::size_t k = 0; k < places.size(); ++k) {
@@ -190,9 +196,13 @@ Ranking rankPlaces(Search& s, const Candidate* only) {
   }
   for (std::vector<Trial>& list : trials) {
     std::sort(list.begin(), list.end(), [](const Trial& a, const Trial& b) { return a.share > b.share; });
-    list.resize(std::min(list.size(), kCompared));
-    for (Trial& t : list)
+    std::map<const Candidate*, int> taken;
+    std::size_t kept = 0;
+    for (Trial& t : list) {
+      if (kept >= kCompared || (only == nullptr && ++taken[t.hypothesis.place.candidate] > kOfOneKind)) continue;
+      ++kept;
       r.trials.push_back(std::move(t));
+    }
   }
   inParallel(r.trials.size(), [&](std::size_t k) {
     Trial& t = r.trials[k];

@@ -13,7 +13,8 @@ struct Trial {
   JointFit fit;
   Eigen::VectorXd joint_gain;   ///< per held-back block, weighted squares: everything fitted without the block
   Eigen::VectorXd nested_gain;  ///< only the effect fitted without the block, its shape chosen without it too
-  bool by_joint = true;  ///< which of them speaks more clearly: where the baseline extrapolates badly the first says nothing
+  bool by_joint =
+      true;  ///< which of them speaks more clearly: where the baseline extrapolates badly the first says nothing
   Eigen::VectorXd gain;  ///< that one
   HeldBackGain held;     ///< of it
 
@@ -23,8 +24,8 @@ struct Trial {
 
 /// The places that are compared in a pass, with the columns that they are scored by.
 struct Ranking {
-  Projection projection;       ///< onto the model as it stands
-  std::vector<Trial> trials;   ///< with refined shapes and held-back gains; best held-back gain first
+  Projection projection;      ///< onto the model as it stands
+  std::vector<Trial> trials;  ///< with refined shapes and held-back gains; best held-back gain first
 };
 
 /// Compares the library's places (`only`: those of one candidate; null: all) beside the model as it stands. Sets search.fit.

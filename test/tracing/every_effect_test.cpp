@@ -17,14 +17,14 @@ constexpr double kSize_N = 5.0;  ///< rms of the effect
 
 /// Two recordings of a machine that has the baseline and nothing else, with what hypotheses look at.
 struct Machine {
-  mechanism::Robot robot = syntheticRobot();
+  mechanism::Robot robot = identification::syntheticRobot();
   identification::ObservationOptions options;
   TraceData data;
   BaseFit base;
   CandidateList candidates = namedCandidates(robot);
 };
 
-void project(Machine& m) {
+void makeRows(Machine& m) {
   BaseFit newtons = m.base;
   newtons.noise_N.setOnes();
   m.data.all_base_rows = baseRows(newtons, m.data.recordings, m.data.stack);
@@ -40,11 +40,12 @@ const Machine& machine() {
     for (int variant = 0; variant < 2; ++variant)
       m.data.recordings.push_back(
           identification::observe(m.robot, identification::columnsOf(m.robot),
-                  syntheticRecording(m.robot, syntheticModel(m.robot), variant, kSeconds, [&] { return noise(random); }),
-                  m.options));
+                                  identification::syntheticRecording(m.robot, identification::syntheticModel(m.robot),
+                                                                     variant, kSeconds, [&] { return noise(random); }),
+                                  m.options));
     m.data.stack = makeStack(m.data.recordings, m.options);
     m.base = fitBase(m.robot, m.data.recordings, m.data.stack, identification::columnsOf(m.robot), 0);
-    project(m);
+    makeRows(m);
     return m;
   }();
   return made;
@@ -52,7 +53,7 @@ const Machine& machine() {
 
 std::vector<std::string> names() {
   std::vector<std::string> all;
-  for (const auto& candidate : namedCandidates(syntheticRobot()))
+  for (const auto& candidate : namedCandidates(identification::syntheticRobot()))
     all.push_back(candidate->name());
   return all;
 }
@@ -61,7 +62,8 @@ class EveryEffect : public testing::TestWithParam<std::string> {
  protected:
   EveryEffect() : m_(machine()) {
     for (std::size_t r = 0; r < m_.data.recordings.size(); ++r) {
-      m_.data.inputs.push_back(effectInput(m_.robot, machine().data.recordings[r], m_.base.memory, static_cast<int>(r), 2));
+      m_.data.inputs.push_back(
+          effectInput(m_.robot, machine().data.recordings[r], m_.base.memory, static_cast<int>(r), 2));
       setForces(m_.data.inputs.back(), m_.base.columns, m_.base.parameters, {});
     }
     for (const auto& candidate : machine().candidates) {
@@ -118,8 +120,8 @@ TEST_P(EveryEffect, KeepsShapesWithinItsBounds) {
 TEST_P(EveryEffect, ExplainsItselfBestUnlessTheBaselineTakesItUp) {
   m_.data.all_force_rows += effectForce();
   setAttention(m_.data, Attention::All);
-  const Projection projection = knee_robot::project(weighted(m_.data.stack, m_.data.base_rows, m_.base.noise_N),
-                                                    weighted(m_.data.stack, m_.data.force_rows, m_.base.noise_N));
+  const Projection projection = tracing::project(weighted(m_.data.stack, m_.data.base_rows, m_.base.noise_N),
+                                                 weighted(m_.data.stack, m_.data.force_rows, m_.base.noise_N));
   Library library;
   library.add(machine().candidates, m_.data);
   double own = 0.0, best = 0.0, survives = 0.0;

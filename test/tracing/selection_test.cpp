@@ -57,7 +57,10 @@ class Listed : public SelectionProblem {
 };
 
 TEST(SelectForward, TakesTheBestThatNothingSpeaksAgainstUntilTheNullEndsIt) {
-  Listed problem({{0, 9.0, "wrong sign", "the sign is not physical"}, {1, 8.0, "first", ""}, {2, 7.0, "second", ""}, {3, 0.1, "chance", ""}});
+  Listed problem({{0, 9.0, "wrong sign", "the sign is not physical"},
+                  {1, 8.0, "first", ""},
+                  {2, 7.0, "second", ""},
+                  {3, 0.1, "chance", ""}});
   std::vector<std::string> rejected;
   EXPECT_EQ(selectForward(problem, 5, 0.005, rejected), 2);
   EXPECT_EQ(problem.accepted, (std::vector<std::string>{"first", "second"}));

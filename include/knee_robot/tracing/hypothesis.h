@@ -50,10 +50,12 @@ Eigen::MatrixXd weighted(const Stack& stack, Eigen::MatrixXd rows, const Eigen::
 
 /// Weighted least squares onto the columns that are in the model already.
 struct Projection {
-  Eigen::MatrixXd q;         ///< orthonormal basis of those columns
+  Eigen::MatrixXd
+      q;  ///< orthonormal basis of those columns; with a pull, its rows of data: what it takes is q q^T of what it is given
   Eigen::VectorXd residual;  ///< of the force
 };
-Projection project(const Eigen::MatrixXd& columns, const Eigen::VectorXd& force);
+/// `pull`: roots of the weights with which the first coefficients are pulled to zero (the prior's); may be empty.
+Projection project(const Eigen::MatrixXd& columns, const Eigen::VectorXd& force, const Eigen::VectorXd& pull = {});
 
 /// How the shapes of one place can be scored against any residual of the same data: what their columns add to the model's.
 struct Probes {

@@ -22,17 +22,17 @@ TwinEffects effectForces(const EffectInput& input, const TwinModel& model);
 struct Surrogate {
   Eigen::MatrixXd model_rows;  ///< base coordinates, then effects; N, not scaled by attention
   Eigen::VectorXd force_rows;  ///< N, not scaled
+  Eigen::VectorXd pull;        ///< of the base coordinates, for rows of unit noise
 };
 
 /// `count` surrogates, each with other encoder phases, at the picks of the recordings themselves.
-std::vector<Surrogate> makeSurrogates(const mechanism::Robot& robot, const std::vector<recording::Recording>& recordings,
-                                      const TraceData& data, const BaseFit& base, const TwinModel& model,
-                                      const std::vector<TwinPlan>& plans, const identification::ObservationOptions& options, int count,
-                                      std::uint64_t seed);
+std::vector<Surrogate> makeSurrogates(const mechanism::Robot& robot,
+                                      const std::vector<recording::Recording>& recordings, const TraceData& data,
+                                      const BaseFit& base, const TwinModel& model, const std::vector<TwinPlan>& plans,
+                                      const identification::ObservationOptions& options, int count, std::uint64_t seed);
 
 /// What such surrogates leave, rms per actuator in N: median over them.
-Eigen::VectorXd surrogateResidual(const std::vector<Surrogate>& surrogates, const TraceData& data,
-                                  const BaseFit& base);
+Eigen::VectorXd surrogateResidual(const std::vector<Surrogate>& surrogates, const TraceData& data, const BaseFit& base);
 
 /// Residuals (weighted rows x draws) that hold nothing but what is in the model already. A draw is one surrogate's own artefact plus
 /// `residual_N` (what the best hypothesis leaves of the real data: the effect itself is no noise), resampled in blocks with

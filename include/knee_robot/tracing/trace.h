@@ -8,17 +8,17 @@
 namespace knee_robot::tracing {
 
 /// Traces the residual of the training recordings. `recordings` and `training` belong together, in order.
-TraceResult trace(const mechanism::Robot& robot, const std::vector<recording::Recording>& recordings, std::vector<identification::Observation> training,
-                  const TraceOptions& options);
+TraceResult trace(const mechanism::Robot& robot, const std::vector<recording::Recording>& recordings,
+                  std::vector<identification::Observation> training, const TraceOptions& options);
 
 /// The extended model as a file holds it.
-dynamics::Model tracedModel(const mechanism::Robot& robot, const TraceResult& result, const std::vector<identification::Observation>& training,
-                  const TraceOptions& options);
+dynamics::Model tracedModel(const mechanism::Robot& robot, const TraceResult& result,
+                            const std::vector<identification::Observation>& training, const TraceOptions& options);
 
 /// Force (N, samples x actuators) that a traced model predicts along a recording, from motion and time alone. `recording`: index
 /// among the training recordings, -1 for others; there effects that do not transfer are left out.
-Eigen::MatrixXd predictTraced(const mechanism::Robot& robot, const TraceResult& result, identification::Observation& observation, int recording,
-                              int recordings);
+Eigen::MatrixXd predictTraced(const mechanism::Robot& robot, const TraceResult& result,
+                              identification::Observation& observation, int recording, int recordings);
 /// The same of the baseline alone.
 Eigen::MatrixXd predictBaseline(const TraceResult& result, identification::Observation& observation);
 

@@ -38,8 +38,8 @@ struct FoundEffect {
   /// That the name is right, against the rival that comes closest on held-back blocks: normal approximation, not calibrated.
   double probability = 1.0;
   double elsewhere_gain = 0.0;  ///< held-back stretches of other positions: share of the squared residual
-  bool transfers = true;  ///< false: predicts nothing in other recordings
-  std::string verdict;    ///< one sentence
+  bool transfers = true;        ///< false: predicts nothing in other recordings
+  std::string verdict;          ///< one sentence
 };
 
 /// What tracing learned from training recordings.

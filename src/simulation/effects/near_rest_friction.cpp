@@ -61,7 +61,7 @@ class NearRestFriction : public EffectOf<NearRestFriction> {
   }
 
  private:
-  static constexpr double kDamping = 200.0;        ///< N s/m of the bristles, while slow
+  static constexpr double kDamping = 200.0;       ///< N s/m of the bristles, while slow
   static constexpr double kSlow_m_per_s = 0.005;  ///< they are straight when it is faster
 
   double share(int i) const noexcept {
