@@ -6,6 +6,7 @@
 #include <random>
 
 #include "knee_robot/base/numbers.h"
+#include "selection.h"
 
 namespace knee_robot::tracing {
 namespace {
@@ -87,13 +88,10 @@ Eigen::VectorXd resampled(const PoseSearch& s, std::mt19937_64& random) {
   return out;
 }
 
-/// Root of the square explained on clean twins by every hypothesis, and the largest standardized one of each twin.
+/// What surrogates explain by chance, and the largest square by any hypothesis on any of them.
 struct PoseNull {
-  Eigen::VectorXd mean, spread;
-  std::vector<double> largest;  ///< ascending
-  double largest_square = 0.0;  ///< by any hypothesis on any twin
-
-  double standardized(Eigen::Index h, double square) const { return (std::sqrt(square) - mean[h]) / spread[h]; }
+  MaxNull roots;
+  double largest_square = 0.0;
 };
 
 PoseNull nullOf(const PoseSearch& s, const Eigen::MatrixXd& q, const Eigen::MatrixXd& columns) {
@@ -104,15 +102,7 @@ PoseNull nullOf(const PoseSearch& s, const Eigen::MatrixXd& q, const Eigen::Matr
     for (Eigen::Index h = 0; h < columns.cols(); ++h)
       roots(h, d) = std::sqrt(explained(columns.col(h), twin, isPlay(s.hypotheses[static_cast<std::size_t>(h)])));
   }
-  PoseNull null;
-  null.mean = roots.rowwise().mean();
-  null.spread = ((roots.colwise() - null.mean).rowwise().squaredNorm() / (s.options->draws - 1.0))
-                    .cwiseSqrt()
-                    .cwiseMax(kLeastSpread);
-  for (int d = 0; d < s.options->draws; ++d)
-    null.largest.push_back(((roots.col(d) - null.mean).array() / null.spread.array()).maxCoeff());
-  std::sort(null.largest.begin(), null.largest.end());
-  null.largest_square = std::pow(roots.maxCoeff(), 2);
+  PoseNull null{maxNull(roots, 0.0, kLeastSpread), std::pow(roots.maxCoeff(), 2)};
   return null;
 }
 
@@ -151,15 +141,9 @@ struct PoseTrial {
   double square = 0.0;
   HeldBack held;
   Eigen::VectorXd gain;
-  double mean = 0.0, error = 0.0;
+  HeldBackGain worth;
   mechanism::Vector4 rms = mechanism::Vector4::Zero();  ///< of the linear fit
 };
-
-void setMean(const Eigen::VectorXd& values, double& mean, double& error) {
-  const auto n = static_cast<double>(values.size());
-  mean = values.mean();
-  error = std::sqrt((values.array() - mean).square().sum() / (n * (n - 1.0)));
-}
 
 mechanism::Vector4 rmsOf(const PoseSearch& s, const Eigen::VectorXd& weighed) {
   mechanism::Vector4 rms = mechanism::Vector4::Zero();
@@ -177,7 +161,7 @@ PoseTrial tryOne(const PoseSearch& s, const Weighed& w, const Eigen::VectorXd& l
   all << w.model, w.tried.col(at);
   t.held = heldBack(s, all, w.residual);
   t.gain = base.square - t.held.square;
-  setMean(t.gain, t.mean, t.error);
+  t.worth = heldBackGain(t.gain);
   const Eigen::VectorXd direction = columns.col(at).normalized();
   t.rms = rmsOf(s, left - direction * direction.dot(left));
   return t;
@@ -192,7 +176,7 @@ std::string objection(const PoseSearch& s, const PoseTrial& t, const mechanism::
   if ((t.held.last.array() > 0.0).any() && (t.held.last.array() < 0.0).any())
     return "its sign changes when a part of the training data is left out";
   if (isPlay(h) && t.held.last.minCoeff() < 0.0) return "a part of the training data wants a sign that is not physical";
-  if (t.mean <= t.error) return "does not help on held-back parts of the training data";
+  if (t.worth.mean <= t.worth.error) return "does not help on held-back parts of the training data";
   return {};
 }
 
@@ -235,9 +219,8 @@ std::vector<Refitted> closestRivals(const PoseSearch& s, const std::vector<PoseT
                    [](const Refitted& a, const Refitted& b) { return a.squares.sum() < b.squares.sum(); });
   std::vector<Refitted> close = {all.front()};
   for (std::size_t k = 1; k < all.size(); ++k) {
-    double mean = 0.0, error = 0.0;
-    setMean(all[k].squares - all.front().squares, mean, error);
-    if (mean <= error) close.push_back(all[k]);
+    const HeldBackGain more = heldBackGain(all[k].squares - all.front().squares);
+    if (more.mean <= more.error) close.push_back(all[k]);
   }
   return close;
 }
@@ -278,11 +261,10 @@ void judgeMembers(PoseSearch& s) {
     // Around zero of this cause: what it explains now is put back into the residual.
     const Eigen::VectorXd residual = w.residual - w.model.col(at) * s.findings[k].value;
     const HeldBack with = heldBack(s, last, residual), out = heldBack(s, fewer, residual);
-    double mean = 0.0, error = 0.0;
-    setMean(out.square - with.square, mean, error);
+    const HeldBackGain worth = heldBackGain(out.square - with.square);
     const auto n = static_cast<double>(s.stack.pieces);
     s.findings[k].std = std::sqrt((n - 1.0) / n * (with.last.array() - with.last.mean()).square().sum());
-    if (mean > error || s.findings.size() == 1) {
+    if (worth.mean > worth.error || s.findings.size() == 1) {
       ++k;
       continue;
     }
@@ -351,10 +333,8 @@ void searchPose(PoseSearch& s) {
     double p = 1.0;
     for (const PoseTrial& t : trials) {
       const PoseHypothesis& h = s.hypotheses[static_cast<std::size_t>(t.at)];
-      const double value = null.standardized(t.at, t.square);
-      const auto reached = null.largest.end() - std::lower_bound(null.largest.begin(), null.largest.end(), value);
-      p = (1.0 + static_cast<double>(reached)) / (1.0 + static_cast<double>(null.largest.size()));
-      why = p > kLargestP ? "explains no more than chance does on clean twins (p = " + shortNumber(p, 2) + ")"
+      p = null.roots.p(t.at, std::sqrt(t.square));
+      why = p > kLargestP ? "explains no more than chance does on surrogates (p = " + shortNumber(p, 2) + ")"
                           : objection(s, t, before);
       if (why.empty()) {
         best = &t;
@@ -374,7 +354,7 @@ void searchPose(PoseSearch& s) {
     f.share = best->square / left.squaredNorm();
     f.null_share = null.largest_square / left.squaredNorm();
     f.gain = best->gain.sum() / base.square.sum();
-    f.gain_error = best->error * static_cast<double>(best->gain.size()) / base.square.sum();
+    f.gain_error = best->worth.error * static_cast<double>(best->gain.size()) / base.square.sum();
     for (std::size_t k = 1; k < rivals.size(); ++k)
       f.confusable.push_back(s.hypotheses[static_cast<std::size_t>(rivals[k].at)]);
     add(s, std::move(f));
