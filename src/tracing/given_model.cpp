@@ -11,7 +11,7 @@
 namespace knee_robot::tracing {
 namespace {
 
-constexpr double kNoChange = 0.05;  ///< of an effect: its standard error knows nothing of the baseline beside it
+constexpr double kNoChange = 0.05;    ///< of an effect: its standard error knows nothing of the baseline beside it
 constexpr double kAgree = 2.0;        ///< standard errors within which a single coefficient is the same
 constexpr double kLeastShare = 1e-3;  ///< of held-back squares: less is rounding, or a coefficient at its bound
 constexpr double kSameSize =

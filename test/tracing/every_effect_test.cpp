@@ -98,7 +98,9 @@ TEST_P(EveryEffect, HasFiniteColumnsThatActOnItsActuatorOnly) {
       EXPECT_EQ(columns.rows(), input.samples());
       EXPECT_EQ(columns.cols(), static_cast<Eigen::Index>(candidate_->coefficients(input).size()));
       EXPECT_TRUE(columns.allFinite());
-      if (!candidate_->shared() && i != kActuator) EXPECT_EQ(columns.norm(), 0.0);
+      if (!candidate_->shared() && i != kActuator) {
+        EXPECT_EQ(columns.norm(), 0.0);
+      }
     }
   }
   EXPECT_GT(effectRows(m_.data, h).norm(), 0.0) << "the effect does nothing";
@@ -139,7 +141,8 @@ TEST_P(EveryEffect, ExplainsItselfBestUnlessTheBaselineTakesItUp) {
     best = square;
     winner = p.place().candidate->name();
   }
-  const std::set<std::string> absorbed = {"asymmetric_coulomb", "force_offset", "spring"};  // gravity takes a weak spring up
+  const std::set<std::string> absorbed = {"asymmetric_coulomb", "force_offset",
+                                          "spring"};  // gravity takes a weak spring up
   if (absorbed.count(GetParam()) > 0) {
     EXPECT_LT(survives, 0.05) << "the baseline is said to take it up";
     return;
