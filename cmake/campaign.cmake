@@ -2,7 +2,7 @@
 # "all", not installed. The linker puts test/campaign's component factory in place of the product's.
 set(factory _ZN10knee_robot7control14componentTypesB5cxx11ERKNS_9mechanism5RobotERKNS0_12HardwareFileERNS_8hardware7AxisBusERKSt5arrayIdLm4EE)
 add_executable(campaign_controller EXCLUDE_FROM_ALL src/nodes/controller_main.cpp test/campaign/campaign_controller.cpp)
-target_include_directories(campaign_controller PRIVATE ${CMAKE_SOURCE_DIR} ${CMAKE_SOURCE_DIR}/src/nodes)
+target_include_directories(campaign_controller PRIVATE ${PROJECT_SOURCE_DIR} ${PROJECT_SOURCE_DIR}/src/nodes)
 target_link_libraries(campaign_controller PRIVATE knee_nodes ${CMAKE_DL_LIBS})
 target_link_options(campaign_controller PRIVATE -Wl,--wrap=${factory} -rdynamic)
 

@@ -1,6 +1,6 @@
 # src/simulation/effects/NAME.cpp defines make<Name>(StrictMap&): the table of them is written here, so that adding an effect is
 # adding one file.
-file(GLOB effect_files CONFIGURE_DEPENDS ${CMAKE_SOURCE_DIR}/src/simulation/effects/*.cpp)
+file(GLOB effect_files CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/src/simulation/effects/*.cpp)
 set(effect_declarations "")
 set(effect_entries "")
 foreach(effect_file ${effect_files})
@@ -16,5 +16,5 @@ foreach(effect_file ${effect_files})
   string(APPEND effect_declarations "std::unique_ptr<Effect> ${effect_function}(StrictMap& entry);\n")
   string(APPEND effect_entries "      {\"${effect_name}\", ${effect_function}},\n")
 endforeach()
-configure_file(${CMAKE_SOURCE_DIR}/cmake/effect_table.cpp.in ${CMAKE_BINARY_DIR}/generated/effect_table.cpp @ONLY)
-target_sources(knee_simulation PRIVATE ${effect_files} ${CMAKE_BINARY_DIR}/generated/effect_table.cpp)
+configure_file(${PROJECT_SOURCE_DIR}/cmake/effect_table.cpp.in ${PROJECT_BINARY_DIR}/generated/effect_table.cpp @ONLY)
+target_sources(knee_simulation PRIVATE ${effect_files} ${PROJECT_BINARY_DIR}/generated/effect_table.cpp)

@@ -1,8 +1,8 @@
 # Messages, services, actions and the parameters that may be changed while running.
-file(GLOB message_files RELATIVE ${CMAKE_SOURCE_DIR}/msg CONFIGURE_DEPENDS ${CMAKE_SOURCE_DIR}/msg/*.msg)
-file(GLOB service_files RELATIVE ${CMAKE_SOURCE_DIR}/srv CONFIGURE_DEPENDS ${CMAKE_SOURCE_DIR}/srv/*.srv)
-file(GLOB action_files RELATIVE ${CMAKE_SOURCE_DIR}/action CONFIGURE_DEPENDS ${CMAKE_SOURCE_DIR}/action/*.action)
-file(GLOB parameter_files RELATIVE ${CMAKE_SOURCE_DIR} CONFIGURE_DEPENDS ${CMAKE_SOURCE_DIR}/cfg/*.cfg)
+file(GLOB message_files RELATIVE ${PROJECT_SOURCE_DIR}/msg CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/msg/*.msg)
+file(GLOB service_files RELATIVE ${PROJECT_SOURCE_DIR}/srv CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/srv/*.srv)
+file(GLOB action_files RELATIVE ${PROJECT_SOURCE_DIR}/action CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/action/*.action)
+file(GLOB parameter_files RELATIVE ${PROJECT_SOURCE_DIR} CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/cfg/*.cfg)
 add_message_files(FILES ${message_files})
 add_service_files(FILES ${service_files})
 add_action_files(FILES ${action_files})

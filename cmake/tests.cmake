@@ -1,35 +1,76 @@
-# test/ROOM/NAME_test.cpp: one gtest program a file, linked with its room. test/nodes/*.test: rostests.
-# "make tests", then ctest -j; every test writes JUnit XML that scripts/test counts.
-file(GLOB room_tests RELATIVE ${CMAKE_SOURCE_DIR}/test CONFIGURE_DEPENDS ${CMAKE_SOURCE_DIR}/test/*/*_test.cpp)
-foreach(test_file ${room_tests})
-  get_filename_component(room ${test_file} DIRECTORY)
-  get_filename_component(name ${test_file} NAME_WE)
-  catkin_add_gtest(${room}_${name} test/${test_file} WORKING_DIRECTORY ${CMAKE_SOURCE_DIR})
-  if(TARGET ${room}_${name})
-    target_link_libraries(${room}_${name} knee_${room} ${GTEST_MAIN_LIBRARIES})
-    if(room MATCHES "^(hardware|control)$")
-      target_link_libraries(${room}_${name} knee_simulation)  # the models of cards and drives
+# One gtest program a room, ROOM_tests of test/ROOM/*_test.cpp; one ctest entry a source file, which the program is told by --file.
+# Libraries that a room's tests need beyond their room: test/ROOM/room.cmake. A test with NAME_test.cmake beside it is a program of its own.
+# test/nodes/*.test: rostests. "ninja tests", then ctest -j; every entry writes JUnit XML that scripts/test counts.
+
+add_library(knee_test_main STATIC test/main.cpp test/allocation_guard.cpp)
+target_include_directories(knee_test_main PUBLIC ${PROJECT_SOURCE_DIR} PRIVATE ${GTEST_INCLUDE_DIRS})
+# main changes to the source folder. The tests' own flags hold no absolute path: the compiler cache serves every checkout.
+set_source_files_properties(test/main.cpp PROPERTIES COMPILE_DEFINITIONS KNEE_CHECKOUT="${PROJECT_SOURCE_DIR}")
+target_compile_definitions(knee_test_main PUBLIC KNEE_SOURCE_DIR=".")
+target_link_libraries(knee_test_main PUBLIC knee_robot_options ${GTEST_LIBRARIES})
+set_target_properties(knee_test_main PROPERTIES EXCLUDE_FROM_ALL ON)
+if(KNEE_PRECOMPILED)
+  knee_precompiled(test LIBRARIES Eigen3::Eigen ${GTEST_LIBRARIES} HEADERS <gtest/gtest.h> <Eigen/Dense>)
+endif()
+
+function(knee_test_program name room)
+  catkin_add_executable_with_gtest(${name} ${ARGN} EXCLUDE_FROM_ALL)
+  target_link_libraries(${name} knee_${room} knee_test_main)
+  knee_use_precompiled(${name} test)
+  add_dependencies(tests ${name})
+endfunction()
+
+# The ctest entry of a program, or of one source of it (ARGN: --file=NAME)
+function(knee_test_entry entry program)
+  get_target_property(folder ${program} RUNTIME_OUTPUT_DIRECTORY)
+  catkin_run_tests_target(gtest ${entry} gtest-${entry}.xml DEPENDENCIES ${program} WORKING_DIRECTORY ${PROJECT_SOURCE_DIR}
+    COMMAND "${folder}/${program} ${ARGN} --gtest_output=xml:${CATKIN_TEST_RESULTS_DIR}/${PROJECT_NAME}/gtest-${entry}.xml")
+endfunction()
+
+# test/ROOM/NAME.cpp runs these programs as a user does; KNEE_<PROGRAM> is the path.
+function(knee_runs_programs room name)
+  foreach(program ${ARGN})
+    string(TOUPPER ${program} upper)
+    add_dependencies(${room}_tests ${program}_program)
+    set_property(SOURCE ${PROJECT_SOURCE_DIR}/test/${room}/${name}.cpp APPEND PROPERTY
+      COMPILE_DEFINITIONS KNEE_${upper}="$<TARGET_FILE:${program}_program>")
+  endforeach()
+endfunction()
+
+foreach(room ${knee_rooms} nodes)
+  file(GLOB test_files CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/test/${room}/*_test.cpp)
+  set(together ${test_files})
+  foreach(test_file ${test_files})
+    get_filename_component(name ${test_file} NAME_WE)
+    if(EXISTS ${PROJECT_SOURCE_DIR}/test/${room}/${name}.cmake)
+      list(REMOVE_ITEM together ${test_file})
+      knee_test_program(${room}_${name} ${room} ${test_file})
+      knee_test_entry(${room}_${name} ${room}_${name})
+      include(${PROJECT_SOURCE_DIR}/test/${room}/${name}.cmake)
     endif()
-    target_include_directories(${room}_${name} PRIVATE ${CMAKE_SOURCE_DIR})
-    target_compile_definitions(${room}_${name} PRIVATE KNEE_SOURCE_DIR="${CMAKE_SOURCE_DIR}")
-    if(EXISTS ${CMAKE_SOURCE_DIR}/test/${room}/${name}.cmake)
-      include(${CMAKE_SOURCE_DIR}/test/${room}/${name}.cmake)  # extra libraries of this one test (Simbody, ...)
-    endif()
+  endforeach()
+  if(together)
+    knee_test_program(${room}_tests ${room} ${together})
+    include(${PROJECT_SOURCE_DIR}/test/${room}/room.cmake OPTIONAL)
+    foreach(test_file ${together})
+      get_filename_component(name ${test_file} NAME_WE)
+      knee_test_entry(${room}_${name} ${room}_tests --file=${name})
+    endforeach()
   endif()
 endforeach()
 
 # test/operator/NAME_test.py: unit tests of the operator's page; they need neither a master nor a robot.
-file(GLOB page_tests RELATIVE ${CMAKE_SOURCE_DIR} CONFIGURE_DEPENDS ${CMAKE_SOURCE_DIR}/test/operator/*_test.py)
+file(GLOB page_tests RELATIVE ${PROJECT_SOURCE_DIR} CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/test/operator/*_test.py)
 foreach(page_test ${page_tests})
   get_filename_component(name ${page_test} NAME_WE)
-  add_test(NAME operator_${name} COMMAND ${CMAKE_BINARY_DIR}/catkin_generated/env_cached.sh ${PYTHON_EXECUTABLE} ${CMAKE_SOURCE_DIR}/${page_test}
-    --gtest_output=xml:${CMAKE_BINARY_DIR}/test_results/knee_robot/operator-${name}.xml)
+  add_test(NAME operator_${name} COMMAND ${PROJECT_BINARY_DIR}/catkin_generated/env_cached.sh ${PYTHON_EXECUTABLE} ${PROJECT_SOURCE_DIR}/${page_test}
+    --gtest_output=xml:${PROJECT_BINARY_DIR}/test_results/knee_robot/operator-${name}.xml)
 endforeach()
 set_tests_properties(operator_browser_test PROPERTIES RUN_SERIAL ON)  # a browser beside compute-bound tests takes a minute to start
 
 # Each rostest has a roscore and a simulated robot of its own. They run one at a time: a robot that shares the machine with
 # compute-bound tests would measure those.
-file(GLOB ros_tests RELATIVE ${CMAKE_SOURCE_DIR} CONFIGURE_DEPENDS ${CMAKE_SOURCE_DIR}/test/nodes/*.test)
+file(GLOB ros_tests RELATIVE ${PROJECT_SOURCE_DIR} CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/test/nodes/*.test)
 foreach(ros_test ${ros_tests})
   get_filename_component(name ${ros_test} NAME_WE)
   add_rostest(${ros_test})
@@ -37,13 +78,13 @@ foreach(ros_test ${ros_tests})
 endforeach()
 
 # test/ROOM/NAME_benchmark.cpp: other engines beside ours, on request only (scripts/benchmark_peers).
-file(GLOB room_benchmarks RELATIVE ${CMAKE_SOURCE_DIR}/test CONFIGURE_DEPENDS ${CMAKE_SOURCE_DIR}/test/*/*_benchmark.cpp)
+file(GLOB room_benchmarks RELATIVE ${PROJECT_SOURCE_DIR}/test CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/test/*/*_benchmark.cpp)
 foreach(benchmark_file ${room_benchmarks})
   get_filename_component(room ${benchmark_file} DIRECTORY)
   get_filename_component(name ${benchmark_file} NAME_WE)
   add_executable(${room}_${name} EXCLUDE_FROM_ALL test/${benchmark_file})
   target_link_libraries(${room}_${name} knee_${room})
-  target_include_directories(${room}_${name} PRIVATE ${CMAKE_SOURCE_DIR})
-  target_compile_definitions(${room}_${name} PRIVATE KNEE_SOURCE_DIR="${CMAKE_SOURCE_DIR}")
-  include(${CMAKE_SOURCE_DIR}/test/${room}/${name}.cmake OPTIONAL)
+  target_include_directories(${room}_${name} PRIVATE ${PROJECT_SOURCE_DIR})
+  target_compile_definitions(${room}_${name} PRIVATE KNEE_SOURCE_DIR="${PROJECT_SOURCE_DIR}")
+  include(${PROJECT_SOURCE_DIR}/test/${room}/${name}.cmake OPTIONAL)
 endforeach()

@@ -1,41 +1,15 @@
 #pragma once
-// Replaces operator new and delete of the whole test program and counts what a thread does while it is `armed`. Include it in one
-// source file of a program only.
+// Counts what a thread allocates and releases while it is `armed`. A test program that includes this gets allocation_guard.cpp's
+// operator new and delete instead of the library's.
 
-#include <cstdlib>
-#include <new>
-
-namespace {
+namespace allocation_guard {
 
 /// This thread's allocations and releases are counted.
-thread_local bool armed = false;
-long allocations = 0;
+extern thread_local bool armed;
+/// Of all armed threads since the last reset by hand.
+extern long allocations;
 
-void* counted(std::size_t size) {
-  if (armed) ++allocations;
-  void* memory = std::malloc(size == 0 ? 1 : size);
-  if (memory == nullptr) throw std::bad_alloc();
-  return memory;
-}
+}  // namespace allocation_guard
 
-}  // namespace
-
-void* operator new(std::size_t size) {
-  return counted(size);
-}
-void* operator new[](std::size_t size) {
-  return counted(size);
-}
-void operator delete(void* memory) noexcept {
-  if (armed) ++allocations;
-  std::free(memory);
-}
-void operator delete[](void* memory) noexcept {
-  operator delete(memory);
-}
-void operator delete(void* memory, std::size_t) noexcept {
-  operator delete(memory);
-}
-void operator delete[](void* memory, std::size_t) noexcept {
-  operator delete(memory);
-}
+using allocation_guard::allocations;
+using allocation_guard::armed;

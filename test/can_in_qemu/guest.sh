@@ -45,12 +45,12 @@ drives() { "$programs/check_drives" --hardware hardware.yaml --robot "$robot" "$
 
 # Everything is read once before anything is timed: time in the guest goes on while it waits for the host's files.
 for program in check_drives cia402_simulator; do "$programs/$program" --help; done >/dev/null
-"$programs/hardware_can_socket_test" --gtest_list_tests >/dev/null
+"$programs/hardware_tests" --file=can_socket_test --gtest_list_tests >/dev/null
 "$python" -c "import canopen, can.interfaces.socketcan, dictionary; dictionary.load('$objects')"
 candump --help >/dev/null 2>&1
 say "$(uname -rv)"
 ip link add dev vcan0 type vcan && ip link set vcan0 up
-check "socket tests on vcan0" env KNEE_CAN_INTERFACE=vcan0 TEST_TMPDIR=$work "$programs/hardware_can_socket_test"
+check "socket tests on vcan0" env KNEE_CAN_INTERFACE=vcan0 TEST_TMPDIR=$work "$programs/hardware_tests" --file=can_socket_test
 say "our controller, our drives, vcan0"
 simulate vcan0
 candump -L vcan0 >dump.log & dump=$!

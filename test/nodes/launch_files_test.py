@@ -1,14 +1,21 @@
 #!/usr/bin/python3
-"""Launch files started with roslaunch as a user does, each with a master of its own: industrial_pc.launch on a machine without cards."""
+"""identification.launch, monitor.launch beside a robot that plays a movement, and industrial_pc.launch on a machine without cards,
+each started with roslaunch as a user does."""
+import json
 import os
 import pathlib
 import signal
 import socket
 import subprocess
+import sys
 import tempfile
+import time
 import unittest
 
 import rostest
+
+sys.path.insert(0, str(pathlib.Path(__file__).parent))
+import movements  # noqa: E402
 
 
 def free_port():
@@ -30,6 +37,10 @@ class Session:
         self.running.append(subprocess.Popen(["roslaunch", "--port", str(self.port), "knee_robot", file, *map(str, arguments)],
                                              stdout=log, stderr=subprocess.STDOUT, env=self.environment))
         return self.running[-1]
+
+    def run(self, *command, seconds=60):
+        return subprocess.run(list(map(str, command)), env=self.environment, capture_output=True, text=True, timeout=seconds,
+                              check=False)
 
     def output(self, file):
         return (self.folder / f"{file}.log").read_text(encoding="utf-8", errors="replace")
@@ -56,13 +67,47 @@ class LaunchFiles(unittest.TestCase):
     def folders(self):
         return [f"references:={self.folder}/references", f"recordings:={self.folder}/recordings"]
 
+    def wait_for(self, condition, seconds, what):
+        end = time.monotonic() + seconds
+        while not condition():
+            self.assertLess(time.monotonic(), end, what)
+            time.sleep(0.5)
+
+    def test_a_movement_is_played_while_the_monitor_shows_it(self):
+        self.session.launch("simulation.launch", "name:=A", f"shm:=/knee_robot_launch_{os.getpid()}", *self.folders())
+        movements.write(self.folder / "references", "rise.txt", movements.rise(4.0))
+        self.wait_for(lambda: self.session.run("rosservice", "call", "/controller/get_state").returncode == 0, 60, "no robot")
+        self.session.launch("monitor.launch", "name:=A", "rviz:=false", "terminal:=true")
+        played = self.session.run("rosrun", "knee_robot", "play_movement", "rise.txt", "--enable", "--approach", "--approach-speed", 0.03,
+                                  "--record", "rise.csv", seconds=120)
+        self.assertEqual(0, played.returncode, played.stdout + played.stderr)
+        self.assertTrue((self.folder / "recordings" / "rise.csv").exists())
+        self.wait_for(lambda: "holding" in self.session.output("monitor.launch"), 20, self.session.output("monitor.launch"))
+        topics = self.session.run("rostopic", "list").stdout
+        self.assertIn("marker", topics)
+
+        refused = self.session.run("rosrun", "knee_robot", "play_movement", "none.txt")
+        self.assertEqual(3, refused.returncode, refused.stdout + refused.stderr)
+        self.assertIn("none.txt", refused.stderr)
+
+    def test_identification_plans_plays_and_identifies(self):
+        process = self.session.launch("identification.launch", "name:=A", "duration_s:=10", f"output:={self.folder}/identified",
+                                      f"shm:=/knee_robot_launch_{os.getpid()}", *self.folders())
+        process.wait(200)
+        report = self.folder / "identified" / "report.json"
+        self.assertTrue(report.exists(), self.session.output("identification.launch")[-3000:])
+        error = json.loads(report.read_text())["after"]["validate"]["rms_percent"]
+        print("rms error on the validation recording, % of measured force:", error)
+        self.assertLess(max(error), 40.0)
+        self.assertEqual(2, len(list((self.folder / "recordings").glob("*.csv"))))
+
     @unittest.skipIf(pathlib.Path("/sys/bus/pci/devices").exists() and any(
         (device / "device").exists() and (device / "device").read_text().strip() in ("0x1720", "0x1784")
         for device in pathlib.Path("/sys/bus/pci/devices").iterdir()), "this machine has the cards")
     def test_the_industrial_pc_without_cards_refuses_in_one_sentence_and_ends(self):
         process = self.session.launch("industrial_pc.launch", "bag:=false", f"guardian_link:=/knee_robot_launch_guardian_{os.getpid()}",
                                       *self.folders())
-        process.wait(150)
+        process.wait(60)
         said = self.session.output("industrial_pc.launch")
         self.assertRegex(said, r"no PCI card 13fe:17(20|84)", said[-3000:])
         self.assertNotIn("Traceback", said)

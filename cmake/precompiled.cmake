@@ -1,0 +1,31 @@
+# Precompiled headers: reading Eigen, gtest or ROS costs about a second a source file, which is half of what most files take.
+# Three of them, shared by every target that is compiled with the same flags:
+#   knee_precompiled_room      Eigen, for the rooms' libraries (position independent)
+#   knee_precompiled_program   ROS and the command line, for src/nodes
+#   knee_precompiled_test      gtest and Eigen, for the tests
+# -DKNEE_PRECOMPILED=OFF shows the includes that a source forgot.
+option(KNEE_PRECOMPILED "precompiled headers" ON)
+set(knee_standard_headers <algorithm> <array> <atomic> <cmath> <cstdint> <functional> <limits> <map> <memory>
+  <optional> <string> <vector>)
+
+# knee_precompiled(KIND LIBRARY... HEADERS HEADER...): the library knee_precompiled_KIND of nothing but the header. Where the linked
+# libraries are only needed for their folders they are linked too: flags must equal those of the users.
+function(knee_precompiled kind)
+  cmake_parse_arguments(given "POSITION_INDEPENDENT" "" "LIBRARIES;HEADERS" ${ARGN})
+  add_library(knee_precompiled_${kind} OBJECT ${PROJECT_SOURCE_DIR}/cmake/empty.cpp)
+  target_link_libraries(knee_precompiled_${kind} PRIVATE knee_robot_options ${given_LIBRARIES})
+  if(given_POSITION_INDEPENDENT)
+    set_target_properties(knee_precompiled_${kind} PROPERTIES POSITION_INDEPENDENT_CODE ON)
+  endif()
+  target_precompile_headers(knee_precompiled_${kind} PRIVATE ${knee_standard_headers} ${given_HEADERS})
+endfunction()
+
+function(knee_use_precompiled target kind)
+  if(KNEE_PRECOMPILED AND TARGET knee_precompiled_${kind})
+    target_precompile_headers(${target} REUSE_FROM knee_precompiled_${kind})
+  endif()
+endfunction()
+
+if(KNEE_PRECOMPILED)
+  knee_precompiled(room POSITION_INDEPENDENT LIBRARIES Eigen3::Eigen HEADERS <Eigen/Dense>)
+endif()

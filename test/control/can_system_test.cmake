@@ -1,1 +1,0 @@
-target_link_libraries(control_can_system_test knee_simulation)

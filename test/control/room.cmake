@@ -1,0 +1,1 @@
+target_link_libraries(control_tests knee_simulation)

@@ -1,0 +1,1 @@
+target_link_libraries(dynamics_tests knee_simbody)

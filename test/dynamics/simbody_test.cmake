@@ -1,1 +1,0 @@
-target_link_libraries(dynamics_simbody_test knee_simbody)

@@ -1,2 +1,0 @@
-target_include_directories(nodes_bag_import_test SYSTEM PRIVATE ${rosbag_storage_INCLUDE_DIRS})
-target_link_libraries(nodes_bag_import_test ${rosbag_storage_LIBRARIES})

@@ -1,5 +1,0 @@
-foreach(program identify plan_excitation)
-  add_dependencies(nodes_identify_program_test ${program}_program)
-  string(TOUPPER ${program} upper)
-  target_compile_definitions(nodes_identify_program_test PRIVATE KNEE_${upper}="$<TARGET_FILE:${program}_program>")
-endforeach()

@@ -1,5 +1,0 @@
-foreach(program plan_exercise check_reference plan_excitation simulate compare trace predict import_recording virtual_plant)
-  add_dependencies(nodes_programs_test ${program}_program)
-  string(TOUPPER ${program} upper)
-  target_compile_definitions(nodes_programs_test PRIVATE KNEE_${upper}="$<TARGET_FILE:${program}_program>")
-endforeach()

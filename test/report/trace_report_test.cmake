@@ -1,1 +1,0 @@
-target_link_libraries(report_trace_report_test knee_simulation)

@@ -1,0 +1,2 @@
+target_link_libraries(simulation_tests knee_simbody)
+knee_runs_programs(simulation simulated_robot_process_test simulated_robot)

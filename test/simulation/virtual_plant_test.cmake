@@ -1,1 +1,0 @@
-target_link_libraries(simulation_virtual_plant_test knee_simbody)

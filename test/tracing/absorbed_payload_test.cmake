@@ -1,1 +1,0 @@
-target_link_libraries(tracing_absorbed_payload_test knee_control knee_simulation knee_trajectory)

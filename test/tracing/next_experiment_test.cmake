@@ -1,1 +1,0 @@
-target_link_libraries(tracing_next_experiment_test knee_trajectory)

@@ -1,1 +1,0 @@
-target_link_libraries(tracing_payload_test knee_simbody knee_trajectory)

@@ -1,1 +1,0 @@
-target_link_libraries(tracing_pose_trace_test knee_simulation knee_trajectory)

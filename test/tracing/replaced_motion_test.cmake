@@ -1,1 +1,0 @@
-target_link_libraries(tracing_replaced_motion_test knee_control knee_simulation knee_trajectory)

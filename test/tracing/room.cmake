@@ -1,0 +1,1 @@
+target_link_libraries(tracing_tests knee_control knee_simbody knee_trajectory)
