@@ -9,7 +9,7 @@ import time
 import numpy as np
 
 from campaign import effects
-from campaign.records import Setting, low_passed_forces, run
+from campaign.records import Failed, Setting, Workshop, low_passed_forces, run
 
 
 class Case:
@@ -126,3 +126,11 @@ def play(case, shop, keep):
     if not keep:
         shutil.rmtree(folder)
     return result
+
+
+def play_one(case, programs, folder, keep):
+    """What a worker is given: a chain of programs that ends badly is a result."""
+    try:
+        return play(case, Workshop(programs, folder), keep)
+    except Failed as failure:
+        return {"id": case.name(), "kind": case.kind, "setting": case.setting.name(), "failed": str(failure)}
