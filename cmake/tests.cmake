@@ -88,3 +88,7 @@ foreach(benchmark_file ${room_benchmarks})
   target_compile_definitions(${room}_${name} PRIVATE KNEE_SOURCE_DIR="${PROJECT_SOURCE_DIR}")
   include(${PROJECT_SOURCE_DIR}/test/${room}/${name}.cmake OPTIONAL)
 endforeach()
+
+# test/fleet: pytest on the fleet's Python package (scripts/fleet_tests), with the programs of this build.
+add_test(NAME fleet COMMAND ${CMAKE_SOURCE_DIR}/scripts/fleet_tests --junitxml=${CMAKE_BINARY_DIR}/test_results/fleet/pytest-fleet.xml)
+set_tests_properties(fleet PROPERTIES ENVIRONMENT "KNEE_BUILD=${CMAKE_BINARY_DIR}" TIMEOUT 900)
