@@ -175,8 +175,9 @@ void Tracing::startFromGivenModel() {
 
 void Tracing::describeBaseline() {
   result_.payload = testPayload(robot_, data_.recordings, data_.stack, result_.base, s_.rms_N);
-  const Projection projection = project(weighted(data_.stack, data_.base_rows, s_.rms_N),
-                                        weighted(data_.stack, data_.force_rows, s_.rms_N), result_.base.pull);
+  // Without the prior: what the columns of the baseline can do, not what it is ready to believe.
+  const Projection projection =
+      project(weighted(data_.stack, data_.base_rows, s_.rms_N), weighted(data_.stack, data_.force_rows, s_.rms_N));
   noteAbsorbed(projection);
   result_.angles = principalAngles(data_, library_.places(), projection, s_.rms_N);
 }
