@@ -48,6 +48,7 @@ Answer ControlSystem::usePatient(Occupancy occupancy, std::optional<PatientLimit
   parts_->patient_refused.clear();
   parts_->reference = trajectory::Points();  // it was checked for somebody else
   parts_->reference_name.clear();
+  chooseTestPulses();
   parts_->monitors->setPatient(parts_->patient ? parts_->patient->range : PatientRange{});
   parts_->at_loading = properties();
   return {true, ""};

@@ -197,11 +197,21 @@ Answer ControlSystem::startRecording(const std::string& path) {
   } catch (const InputError& error) {
     return {false, error.what()};
   }
+  chooseTestPulses();
   return {true, "recording to " + path};
+}
+
+/// Test pulses are forces that no model explains: a recording of a robot that is declared empty has none. With a patient they stay.
+void ControlSystem::chooseTestPulses() {
+  const bool allowed = !parts_->drain->isRecording() || parts_->occupancy != Occupancy::Empty;
+  for (const auto& component : deployment().components()) {
+    if (auto* driver = dynamic_cast<Driver*>(component.get())) driver->allowTestPulses(allowed);
+  }
 }
 
 Answer ControlSystem::stopRecording() {
   const RecordingResult result = parts_->drain->stop();
+  chooseTestPulses();
   if (result.path.empty()) return {true, "nothing was being recorded"};
   std::string sentence = result.path + " has " + std::to_string(result.rows) + " rows";
   if (result.skipped > 0) {

@@ -137,7 +137,7 @@ void Driver::checkReference(const rt::Cycle& cycle, bool searching) {
 double Driver::probeEncoder(double dt) noexcept {
   constexpr double kRest_s = 0.5;
   const bool carries = order_.level == DriveLevel::Released && !order_.safe_stop && order_.homed &&
-                       order_.homing == 0 && unreadable_ == 0;
+                       order_.homing == 0 && unreadable_ == 0 && test_pulses_.load(std::memory_order_relaxed);
   if (!carries) {
     carried_s_ = 0.0;
     probe_.reset();

@@ -63,6 +63,8 @@ effects:
   - {name: drive_lag, time_constant_s: 0.003}
   - {name: flexible_coupling, actuators: [2], stiffness_N_per_m: 2e5}
   - {name: backlash, actuators: [3], width_m: 0.0002}
+  - {name: near_rest_friction, law: lugre, distance_m: 0.0001}
+  - {name: neighbour_seal, actuators: [2], friction_N: 3, neighbour: 1, center_m: 0.7, width_m: 0.02}
 )",
                                                     "all.yaml");
   ASSERT_EQ(parameters.effects.size(), effectNames().size());  // every effect of the folder is here

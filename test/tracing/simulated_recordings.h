@@ -60,6 +60,15 @@ inline recording::Recording simulatedRecording(const mechanism::Robot& robot, in
   const std::string path =
       testing::TempDir() + "traced_" + std::to_string(getpid()) + "_" + std::to_string(variant) + ".csv";
   std::remove(path.c_str());
+  // The give of a hidden flexible coupling is no brake that slips.
+  std::string deployment = readFile(source + "/config/deployment/simulation.yaml");
+  for (const auto& [component, property] :
+       {std::pair{"Supervisor", "brake_test_N: 0"}, std::pair{"AxesOutput", "slip_m: 0.01"}}) {
+    const std::string line = std::string("type: ") + component + ", activity: servo";
+    deployment.insert(deployment.find(line) + line.size(), std::string(", properties: {") + property + "}");
+  }
+  const std::string deployment_path = path + ".yaml";
+  writeFileAtomically(deployment_path, deployment);
   simulation::RobotImage image;
   simulation::RobotSimulation plant(robot, dynamics::loadRobotInertia(robot),
                                     simulation::parseSimulationParameters(simulation, "simulation"), image);
@@ -69,7 +78,7 @@ inline recording::Recording simulatedRecording(const mechanism::Robot& robot, in
   options.empty = true;
   {
     control::ControlSystem system(robot, control::loadHardwareFile(source + "/config/hardware/simulated.yaml"),
-                                  source + "/config/deployment/simulation.yaml", *bus, options);
+                                  deployment_path, *bus, options);
     system.setPlant([&](rt::Nanoseconds time) {
       while (plant.time() + 0.0005 < 1e-9 * static_cast<double>(time))
         plant.step(0.001);
@@ -91,6 +100,7 @@ inline recording::Recording simulatedRecording(const mechanism::Robot& robot, in
   }
   recording::Recording recording = recording::loadRecording(path);
   std::remove(path.c_str());
+  std::remove(deployment_path.c_str());
   return recording;
 }
 

@@ -180,6 +180,7 @@ class ControlSystem {
   void describeFault(const SupervisorStatus& supervisor, ControlStatus& status) const;
   bool revive(rt::TaskContext& component);
   Answer usePatient(Occupancy occupancy, std::optional<PatientLimits> patient);
+  void chooseTestPulses();
   Answer powered(RequestKind kind);
   Answer end(bool at_any_rate);
   void recallPatient();

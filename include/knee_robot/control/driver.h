@@ -1,5 +1,6 @@
 #pragma once
 
+#include <atomic>
 #include <string>
 
 #include "knee_robot/control/axis_data.h"
@@ -62,6 +63,9 @@ class Driver : public rt::TaskContext {
   rt::Property<int> stale_measurements{
       *this, "stale_measurements", 3, "cycles", 1, 100, "unreadable encoders in a row: fault"};
 
+  /// Whether EncoderProbe may pulse (yes, until told otherwise). Any thread.
+  void allowTestPulses(bool allowed) noexcept { test_pulses_.store(allowed, std::memory_order_relaxed); }
+
  protected:
   bool configureHook() override;
   bool startHook() override;
@@ -86,6 +90,7 @@ class Driver : public rt::TaskContext {
   const HardwareFile hardware_;
   HomingMove homing_;
   EncoderProbe probe_;
+  std::atomic<bool> test_pulses_{true};
   double carried_s_ = 0.0;  // since the hold device was ordered to let go
   Pid pid_;
   double force_limit_ = 0.0;  // N
