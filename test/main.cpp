@@ -33,7 +33,9 @@ int main(int argc, char** argv) {
     const std::string word = argv[i];
     const std::string cases = word.rfind(option, 0) == 0 ? casesOf(word.substr(option.size())) : "";
     if (cases.empty()) {
-      std::fprintf(stderr, "%s: '%s' is neither --file=NAME of a test source NAME.cpp of this program nor an option of gtest\n", argv[0], argv[i]);
+      std::fprintf(stderr,
+                   "%s: '%s' is neither --file=NAME of a test source NAME.cpp of this program nor an option of gtest\n",
+                   argv[0], argv[i]);
       return 2;
     }
     testing::GTEST_FLAG(filter) = cases;

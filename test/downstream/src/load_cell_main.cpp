@@ -54,7 +54,9 @@ class LoadCell : public rt::TaskContext {
   double height_m = 0.0;
 
  protected:
-  bool configureHook() override { return robot_.mechanism.has_value() || refuse("the robot file describes no platform"); }
+  bool configureHook() override {
+    return robot_.mechanism.has_value() || refuse("the robot file describes no platform");
+  }
   void updateHook(const rt::Cycle& cycle) override {
     Hanging now{};
     if (lengths.read(now) == rt::FlowStatus::NoData) return;
