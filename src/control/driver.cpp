@@ -10,6 +10,7 @@ namespace {
 constexpr double kLongestStep_s = 0.005;
 /// Cycles without a new feedforward after which it counts as switched off.
 constexpr int kSilentFeedforward = 5;
+constexpr double kSmallestError_m = 1e-5;
 
 }  // namespace
 
@@ -133,22 +134,76 @@ void Driver::checkReference(const rt::Cycle& cycle, bool searching) {
   if (!searching && std::abs(error) > limit) raise(Fault::FollowingError);
 }
 
-/// At rest the axes take turns.
+/// At rest the axes take turns; a suspicion is asked of all at once.
 double Driver::probeEncoder(double dt) noexcept {
   constexpr double kRest_s = 0.5;
+  disturbance.read(disturbed_);
   const bool carries = order_.level == DriveLevel::Released && !order_.safe_stop && order_.homed &&
-                       order_.homing == 0 && unreadable_ == 0 && test_pulses_.load(std::memory_order_relaxed);
-  if (!carries) {
+                       order_.homing == 0 && unreadable_ == 0;
+  if (!carries || probe_period <= 0.0) {
     carried_s_ = 0.0;
+    suspicion_ = disturbed_.suspicion;
+    challenge_.reset();
     probe_.reset();
     return 0.0;
   }
   carried_s_ += dt;
   if (carried_s_ < kRest_s) return 0.0;  // the hold devices are still opening, the platform sags a little
   const double first = kRest_s + probe_period * static_cast<double>(index_) / hardware::kAxes;
-  const EncoderProbe::Settings settings{first, probe_period, probe_share * force_limit_};
+  const EncoderProbe::Settings settings{first, probe_period, probe_share * force_limit_, disturbance.isConnected()};
+  if (challengeEncoder(dt, settings)) return challenge_.force_N();
+  if (!test_pulses_.load(std::memory_order_relaxed)) {
+    if (!disturbance.isConnected()) probe_.reset();
+    return 0.0;
+  }
   if (!probe_.step(out_.at_rest, dt, measured_.counts[index_], settings)) raise(Fault::EncoderFrozen);
   return probe_.force_N();
+}
+
+/// True while it asks, or brings its pulse to an end.
+bool Driver::challengeEncoder(double dt, const EncoderProbe::Settings& settings) noexcept {
+  const std::int64_t counts = measured_.counts[index_];
+  const bool disturbed = disturbed_.suspicion != suspicion_;
+  const bool suspected = standsUnderForce(dt, counts);
+  suspicion_ = disturbed_.suspicion;
+  if (((disturbed && !standing_.counts()) || suspected) && !challenge_.isActive()) {
+    const double away = (out_.reference_m - measured_.position_m[index_]) / actuator_.metresPerCount();
+    challenge_.begin(counts, {probe_.enoughForce_N(), probe_.certainForce_N(settings), away, standing_.dithers(),
+                              !disturbed && out_.at_rest});
+  }
+  switch (challenge_.step(dt, counts)) {
+    case EncoderChallenge::Verdict::Alive:
+      probe_.acceptAnswer(counts);
+      break;
+    case EncoderChallenge::Verdict::Dead:
+      raise(Fault::EncoderFrozen);
+      break;
+    case EncoderChallenge::Verdict::None:
+      break;
+  }
+  return challenge_.isActive();
+}
+
+/// A healthy axis that hunts at rest is asked less and less often.
+bool Driver::standsUnderForce(double dt, std::int64_t counts) noexcept {
+  constexpr double kAgain_s = 0.5, kSeldom_s = 4.0, kAgainMoving_s = 0.15, kTimes = 4.0;
+  const bool rests = out_.at_rest;
+  const double force = pid_.integral() + proportional * (out_.reference_m - measured_.position_m[index_]);
+  standing_.step(dt, counts, force, challenge_.isActive());
+  if (rests != stood_at_rest_) {
+    standing_.begin(counts);
+    again_s_ = kAgain_s;
+  }
+  stood_at_rest_ = rests;
+  asked_s_ += dt;
+  const double limit_N = rests ? standing_force : turning_force;
+  const double again_s = !rests ? kAgainMoving_s : standing_.changed_N() > kTimes * limit_N ? kAgain_s : again_s_;
+  if (!disturbance.isConnected() || asked_s_ < again_s || standing_.changed_N() < limit_N) return false;
+  if (!test_pulses_.load(std::memory_order_relaxed)) return false;
+  standing_.begin(counts);
+  asked_s_ = 0.0;
+  again_s_ = std::min(kSeldom_s, 2.0 * again_s_);
+  return true;
 }
 
 void Driver::control(const rt::Cycle& cycle) {
@@ -168,7 +223,12 @@ void Driver::control(const rt::Cycle& cycle) {
   input.feedforward = load_;
   input.dt = dt;
   pid_.changeGains(gains(), input);
-  const double asked = pid_.update(input, force_now_) + carried_N_ + probeEncoder(dt);
+  // At rest an error that the encoder hardly resolves is no reason to hunt; a blind axis would wander off by it.
+  input.integral_dead_band = reference.at_rest ? std::max(actuator_.metresPerCount(), kSmallestError_m) : 0.0;
+  const double loop_N = pid_.update(input, force_now_);
+  const double pulse_N = probeEncoder(dt);
+  const double asked = loop_N + carried_N_ + pulse_N;
+  out_.test_pulse = pulse_N != 0.0;
   const double force = std::clamp(asked, -force_limit_, force_limit_);
   if (!std::isfinite(force)) raise(Fault::NotANumber);
   if (!closesLoop(fault_)) {

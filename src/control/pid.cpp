@@ -46,7 +46,9 @@ double Pid::update(const PidInput& input, double limit) noexcept {
   const double error = input.reference - input.measured;
   const double others =
       gains_.proportional * error + gains_.derivative * (input.reference_velocity - velocity_) + input.feedforward;
-  const double increment = gains_.integral * error * input.dt;
+  const double seen =
+      std::abs(error) <= input.integral_dead_band ? 0.0 : error - std::copysign(input.integral_dead_band, error);
+  const double increment = gains_.integral * seen * input.dt;
   const double unclamped = others + integral_ + increment;
   const bool winds_up = (unclamped > limit && increment > 0.0) || (unclamped < -limit && increment < 0.0);
   if (!winds_up) integral_ = clampKeepingNan(integral_ + increment, limit);

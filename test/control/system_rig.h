@@ -12,6 +12,7 @@
 #include "knee_robot/control/axes_output.h"
 #include "knee_robot/control/black_box.h"
 #include "knee_robot/control/control_system.h"
+#include "knee_robot/control/disturbance_observer.h"
 #include "knee_robot/control/driver.h"
 #include "knee_robot/control/model_feedforward.h"
 #include "knee_robot/control/monitors.h"
@@ -77,6 +78,8 @@ inline rt::TypeFactory faultyTypes(Injection& injection, Machine& machine, const
       {"Driver", [=, &injection](Name n) { return std::make_unique<Faulty<control::Driver>>(injection, n, r, h); }},
       {"ModelFeedforward",
        [=, &injection](Name n) { return std::make_unique<Faulty<control::ModelFeedforward>>(injection, n, r); }},
+      {"DisturbanceObserver",
+       [=, &injection](Name n) { return std::make_unique<Faulty<control::DisturbanceObserver>>(injection, n, r); }},
       {"Monitors", [=, &injection](Name n) { return std::make_unique<Faulty<control::Monitors>>(injection, n, r); }},
       {"BlackBox", [=, &injection](Name n) { return std::make_unique<Faulty<control::BlackBox>>(injection, n); }},
       {"Supervisor",

@@ -97,6 +97,7 @@ struct AxisCommand {
   double reference_m = 0.0;
   double reference_velocity = 0.0;  ///< m/s
   bool homed = false;               ///< as ordered: the lengths mean something
+  bool test_pulse = false;          ///< some of the force asks whether the encoder counts
   HomingPhase homing = HomingPhase::Idle;
   double home_m = 0.0;  ///< measured where home was found; BackingOff and Found
 };
@@ -108,6 +109,13 @@ struct MonitorVerdict {
   std::array<Fault, hardware::kAxes>
       fault{};        ///< kept until the Drivers are switched off; those of the whole platform are at axis 1
   AxisValues heat{};  ///< I2t: 0 cold, 1 the fault
+};
+
+/// DisturbanceObserver, every servo cycle: what acts on the robot that nobody commanded.
+struct Disturbance {
+  std::uint64_t sequence = 0;  ///< of the measurement that it is calculated from
+  rt::Nanoseconds time = 0;
+  std::uint32_t suspicion = 0;  ///< a new number: something disturbs the standing robot, the encoders are to be asked
 };
 
 /// How far the drives are switched on. Going up one by one, down only through the safe stop.

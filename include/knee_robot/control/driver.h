@@ -4,11 +4,13 @@
 #include <string>
 
 #include "knee_robot/control/axis_data.h"
+#include "knee_robot/control/encoder_challenge.h"
 #include "knee_robot/control/encoder_probe.h"
 #include "knee_robot/control/hardware_file.h"
 #include "knee_robot/control/homing_move.h"
 #include "knee_robot/control/pid.h"
 #include "knee_robot/control/set_point_follower.h"
+#include "knee_robot/control/standing_axis.h"
 #include "knee_robot/mechanism/robot.h"
 #include "knee_robot/rt/port.h"
 #include "knee_robot/rt/property.h"
@@ -25,7 +27,9 @@ namespace knee_robot::control {
 /// Gains may change while the loop is closed: the integral takes up the difference, so the force does not jump.
 /// Takes over (Orders::drivers_active) at the measured position with the integral at zero: no force but the feedforward's. Faults are kept
 /// until the Drivers are switched off again. While Orders::homing has its bit, HomingMove gives reference and force limit instead.
-/// EncoderProbe looks at rest every probe_s, and around turning points, whether the encoder still counts: EncoderFrozen.
+/// Whether the encoder still counts (EncoderFrozen): with a DisturbanceObserver EncoderProbe asks once when the hold devices have opened;
+/// from then on EncoderChallenge asks on suspicion only: the standing robot is disturbed, or the loop pushes while the encoder stands
+/// (StandingAxis). Without one EncoderProbe asks every probe_s at rest, and around turning points.
 /// - SetPointStale: nothing from Sync for stale_set_points periods, or a set point is missing. The loop goes on (the reference comes
 ///   to rest).
 /// - NotANumber, FollowingError, SetPointJump, MeasurementLost: the loop is given up (active = false, 0 V asked for); what the axis
@@ -39,6 +43,7 @@ class Driver : public rt::TaskContext {
   rt::InputPort<SetPoint> set_point{*this, "set_point", "from Sync"};
   rt::InputPort<FeedforwardForce> feedforward{*this, "feedforward", "load of the axes, from ModelFeedforward",
                                               rt::Need::Optional};
+  rt::InputPort<Disturbance> disturbance{*this, "disturbance", "from the DisturbanceObserver", rt::Need::Optional};
   rt::OutputPort<AxisCommand> command{*this, "command", "to AxesOutput"};
 
   rt::Property<int> axis{*this, "axis", 1, "", 1, hardware::kAxes, "actuator that is driven"};
@@ -56,14 +61,30 @@ class Driver : public rt::TaskContext {
       *this, "stale_set_points", 3, "periods", 2, 100, "without set points for so long: fault"};
   rt::Property<int> missing_set_points{
       *this, "missing_set_points", 0, "set points", 0, 100, "in a row that may be missing without a fault"};
-  rt::Property<double> probe_period{
-      *this, "probe_s", 0.6, "s", 0.0, 60.0, "between two looks whether the standing encoder counts; 0: never"};
+  rt::Property<double> probe_period{*this,
+                                    "probe_s",
+                                    0.6,
+                                    "s",
+                                    0.0,
+                                    60.0,
+                                    "between two looks whether the standing encoder counts, without a "
+                                    "DisturbanceObserver; 0: never, with one neither"};
   rt::Property<double> probe_share{
       *this, "probe_share", 0.5, "", 0.05, 1.0, "of the force limit: the strongest pulse for that"};
+  rt::Property<double> standing_force{
+      *this,
+      "standing_force_N",
+      5.0,
+      "N",
+      0.1,
+      1000.0,
+      "change of the loop's force at rest without a count that asks the encoder, with a DisturbanceObserver"};
+  rt::Property<double> turning_force{
+      *this, "turning_force_N", 15.0, "N", 0.1, 1000.0, "the same while the reference moves"};
   rt::Property<int> stale_measurements{
       *this, "stale_measurements", 3, "cycles", 1, 100, "unreadable encoders in a row: fault"};
 
-  /// Whether EncoderProbe may pulse (yes, until told otherwise). Any thread.
+  /// Whether test pulses are allowed (yes, until told otherwise) where the observer sees no disturbance at rest. Any thread.
   void allowTestPulses(bool allowed) noexcept { test_pulses_.store(allowed, std::memory_order_relaxed); }
 
  protected:
@@ -78,6 +99,8 @@ class Driver : public rt::TaskContext {
   void readFeedforward(const rt::Cycle& cycle) noexcept;
   void checkReference(const rt::Cycle& cycle, bool searching);
   double probeEncoder(double dt) noexcept;
+  bool challengeEncoder(double dt, const EncoderProbe::Settings& settings) noexcept;
+  bool standsUnderForce(double dt, std::int64_t counts) noexcept;
   SetPointFollower::Reference chooseReference(const rt::Cycle& cycle, double dt) noexcept;
   bool isToHome() const noexcept { return (order_.homing >> index_ & 1) != 0; }
   void raise(Fault fault) noexcept;
@@ -90,6 +113,13 @@ class Driver : public rt::TaskContext {
   const HardwareFile hardware_;
   HomingMove homing_;
   EncoderProbe probe_;
+  EncoderChallenge challenge_;
+  Disturbance disturbed_;
+  std::uint32_t suspicion_ = 0;  // answered last
+  StandingAxis standing_;
+  bool stood_at_rest_ = false;
+  double asked_s_ = 0.0;  // since it was asked because of that
+  double again_s_ = 0.0;  // until it may be asked again
   std::atomic<bool> test_pulses_{true};
   double carried_s_ = 0.0;  // since the hold device was ordered to let go
   Pid pid_;

@@ -16,7 +16,7 @@ namespace knee_robot::control {
 /// answers to. A = s and T = 6 ms up to A = `largest_N`; above, T grows so that A T^2, which is what moves a heavy axis, grows with s.
 /// No answer: again with half as much more, twice, then with four times and 80 N more than what has been enough (before anything has: in
 /// steps up to T = 13 ms); none to that either, twice: the encoder is dead, or the axis is blocked.
-/// At rest every `period_s`; while the reference moves, as soon as the encoder has stood for kStands_s.
+/// At rest every `period_s`; while the reference moves, as soon as the encoder has stood for kStands_s. `once`: only until it has answered.
 /// One a Driver; real-time safe.
 class EncoderProbe {
  public:
@@ -29,13 +29,14 @@ class EncoderProbe {
   static constexpr int kDither = 4;          // counts, of an open input
 
   struct Settings {
-    double first_s;    // rest before the first probe
-    double period_s;   // at rest; 0: no probe at all
-    double largest_N;  // A
+    double first_s;     // rest before the first probe
+    double period_s;    // at rest; 0: no probe at all
+    double largest_N;   // A
+    bool once = false;  // only until the encoder has answered since reset()
   };
 
   void reset() noexcept {
-    pulsing_ = false;
+    pulsing_ = answered_ = false;
     failures_ = 0;
     wait_s_ = 0.0;
     rest_s_ = stood_s_ = 0.0;
@@ -78,10 +79,24 @@ class EncoderProbe {
   /// To be added to the axis' force in this cycle.
   double force_N() const noexcept { return force_N_; }
   double strength_N() const noexcept { return strength_N_; }
+  /// For EncoderChallenge: what has been enough, with something to spare, and what certainly is (N).
+  double enoughForce_N() const noexcept { return kStep * std::max(strength_N_, enough_N_); }
+  double certainForce_N(const Settings& settings) const noexcept {
+    return std::min(settings.largest_N, limit_N(settings));
+  }
+  /// Somebody else has seen the encoder count: what is being asked is answered.
+  void acceptAnswer(std::int64_t counts) noexcept {
+    begin(counts);
+    pulsing_ = false;
+    answered_ = true;
+    failures_ = 0;
+    force_N_ = 0.0;
+  }
 
  private:
   bool isDue(const Settings& settings) const noexcept {
     if (failures_ > 0) return true;
+    if (settings.once && answered_) return false;
     const bool turning = rest_s_ < 0.5 * settings.first_s;
     return turning ? stood_s_ >= kStands_s : rest_s_ >= settings.first_s;
   }
@@ -89,21 +104,25 @@ class EncoderProbe {
     lowest_ = highest_ = counts;
     stood_s_ = 0.0;
   }
+  double limit_N(const Settings& settings) const noexcept {
+    const double utmost_N = kHeaviest * settings.largest_N;
+    return enough_N_ > 0.0 ? std::min(utmost_N, kTimes * enough_N_ + kMore_N) : utmost_N;
+  }
   bool judge(const Settings& settings) noexcept {
     const std::int64_t answer = highest_ - lowest_;
     if (answer >= kAnswer) {
       enough_N_ = std::max(strength_N_, 0.95 * enough_N_);
       if (answer > 3 * kAnswer) strength_N_ = std::max(kLeast_N, 0.85 * strength_N_);
       failures_ = 0;
+      answered_ = true;
       wait_s_ = rest_s_ > 0.0 ? settings.period_s : kMoving_s;
       return true;
     }
-    const double utmost_N = kHeaviest * settings.largest_N;
-    const double limit_N = enough_N_ > 0.0 ? std::min(utmost_N, kTimes * enough_N_ + kMore_N) : utmost_N;
-    failures_ += strength_N_ >= limit_N ? kAtLargest : 1;
+    const double most_N = limit_N(settings);
+    failures_ += strength_N_ >= most_N ? kAtLargest : 1;
     // Where much less has been enough, two steps are patience enough; a healthy axis must not get the strongest at once.
     const bool sure = enough_N_ > 0.0 && failures_ > 2;
-    strength_N_ = sure ? limit_N : std::min(limit_N, kStep * strength_N_);
+    strength_N_ = sure ? most_N : std::min(most_N, kStep * strength_N_);
     wait_s_ = kAgain_s;
     return failures_ < 2 * kAtLargest;
   }
@@ -122,6 +141,7 @@ class EncoderProbe {
   double rest_s_ = 0.0;                            // of the reference
   double stood_s_ = 0.0;                           // of the encoder, within what an open input dithers by
   bool pulsing_ = false;
+  bool answered_ = false;  // since reset()
   std::int64_t lowest_ = 0, highest_ = 0;
   int failures_ = 0;  // tries in a row without an answer, those with the largest pulse counted kAtLargest times
   double force_N_ = 0.0;

@@ -20,11 +20,13 @@ struct PidInput {
   double measured = 0.0;            ///< m
   double feedforward = 0.0;         ///< N, added to the output
   double dt = 0.0;                  ///< s since the last update
+  double integral_dead_band = 0.0;  ///< m; the integral sees only what the error is beyond it
 };
 
 /// F = P (r - q) + I integral(r - q) + D (r' - q'), with q' a low-passed difference of the measured position (so that the
 /// reference's velocity is not filtered), + feedforward; clamped to +-limit. Anti-windup by conditional integration: while
-/// the output is clamped, the integral only moves towards the inside; it never exceeds the limit by itself.
+/// the output is clamped, the integral only moves towards the inside; it never exceeds the limit by itself. A dead band for the
+/// integral keeps a sticking axis from hunting for an error that its encoder can not resolve.
 /// Real-time safe. Anything that is not a number in leads to not a number out, for the caller to refuse.
 class Pid {
  public:

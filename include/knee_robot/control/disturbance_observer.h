@@ -1,0 +1,50 @@
+#pragma once
+
+#include "knee_robot/control/axis_data.h"
+#include "knee_robot/control/rest_watch.h"
+#include "knee_robot/mechanism/robot.h"
+#include "knee_robot/rt/port.h"
+#include "knee_robot/rt/property.h"
+
+namespace knee_robot::control {
+
+/// Says what acts on the robot that nobody commanded.
+///
+/// - Suspicion: RestWatch sees the standing robot disturbed; the Drivers ask their encoders then, and only then.
+/// Runs between AxesInput and the Drivers; commands and outputs are those of the last cycle. No allocation, no lock, bounded time.
+class DisturbanceObserver : public rt::TaskContext {
+ public:
+  DisturbanceObserver(const std::string& name, const mechanism::Robot& robot);
+
+  rt::InputPort<AxesMeasurement> measurement{*this, "measurement", "from AxesInput"};
+  rt::InputPort<Orders> orders{*this, "orders", "from the Supervisor"};
+  rt::InputPort<AxesWritten> written{*this, "written", "from AxesOutput, of the last cycle"};
+  rt::InputPort<AxisCommand> command_1{*this, "command_1", "from the Driver of axis 1"};
+  rt::InputPort<AxisCommand> command_2{*this, "command_2", "from the Driver of axis 2"};
+  rt::InputPort<AxisCommand> command_3{*this, "command_3", "from the Driver of axis 3"};
+  rt::InputPort<AxisCommand> command_4{*this, "command_4", "from the Driver of axis 4"};
+  rt::OutputPort<Disturbance> disturbance{*this, "disturbance", "to the Drivers"};
+
+ protected:
+  bool configureHook() override;
+  bool startHook() override;
+  void updateHook(const rt::Cycle& cycle) override;
+
+ private:
+  void readPorts() noexcept;
+  bool rests() const noexcept;
+
+  const mechanism::Robot robot_;
+  const std::array<rt::InputPort<AxisCommand>*, hardware::kAxes> inputs_;
+  AxesMeasurement measured_;
+  bool new_reading_ = false;
+  Orders order_;
+  AxesWritten written_;
+  std::array<AxisCommand, hardware::kAxes> commands_{};
+  RestWatch rest_;
+  RestWatch::Axes count_m_{};
+  rt::Nanoseconds last_time_ = 0;
+  Disturbance out_;
+};
+
+}  // namespace knee_robot::control

@@ -1,0 +1,66 @@
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+
+namespace knee_robot::control {
+
+/// How far the loop's force has changed since the encoder counted last. A loop that pushes more and more while the encoder stands pushes an axis
+/// that sticks, or one that is blind and about to leave: only asking tells. Less than an open input dithers by is no counting.
+/// One a Driver; real-time safe.
+class StandingAxis {
+ public:
+  static constexpr std::int64_t kDither = 4;  // counts
+  static constexpr double kWindow_s = 0.025;
+  static constexpr int kTurns = 4;  // within that; an open input has many more
+
+  /// `force_N`: of integral and proportional term; the derivative fades by itself when an axis comes to rest. `pulsed`: what it
+  /// counts now is what it is made to.
+  void step(double dt, std::int64_t counts, double force_N, bool pulsed = false) noexcept {
+    time_s_ += dt;
+    if (time_s_ >= kWindow_s) {
+      time_s_ = 0.0;
+      before_ = now_;
+      now_ = {counts, counts, 0};
+    }
+    now_.take(counts);
+    since_.take(counts);
+    const std::int64_t moved = counts - last_;
+    if (!pulsed && moved != 0 && moved * last_moved_ < 0) ++now_.turns;
+    if (moved != 0) last_moved_ = moved;
+    last_ = counts;
+    force_N_ = force_N;
+    if (since_.range() > kDither) begin(counts);
+  }
+  /// From here on.
+  void begin(std::int64_t counts) noexcept {
+    since_ = {counts, counts, 0};
+    began_N_ = force_N_;
+  }
+  /// It moves, more than an open input seems to, within the last kWindow_s to twice that: nobody has to ask.
+  bool counts() const noexcept {
+    const Range& more = now_.range() > before_.range() ? now_ : before_;
+    return more.range() > kDither && more.turns < kTurns;
+  }
+  double changed_N() const noexcept { return std::abs(force_N_ - began_N_); }
+  /// Counts that it goes up and down by; none where it only moves on, or stands.
+  std::int64_t dithers() const noexcept { return std::max(now_.dithers(), before_.dithers()); }
+
+ private:
+  struct Range {
+    std::int64_t lowest = 0, highest = 0;
+    int turns = 0;
+    void take(std::int64_t counts) noexcept {
+      lowest = std::min(lowest, counts);
+      highest = std::max(highest, counts);
+    }
+    std::int64_t range() const noexcept { return highest - lowest; }
+    std::int64_t dithers() const noexcept { return turns >= kTurns ? std::min(kDither, range()) : 0; }
+  };
+  Range now_, before_, since_;
+  std::int64_t last_ = 0, last_moved_ = 0;
+  double time_s_ = 0.0, force_N_ = 0.0, began_N_ = 0.0;
+};
+
+}  // namespace knee_robot::control
