@@ -101,8 +101,8 @@ function possible(name) {
   if (!robot) return false;
   switch (name) {
     case "enable": return robot.state === "disabled" && robot.homed && robot.occupancy !== "unknown";
-    case "approach": return robot.state === "holding" && Boolean(robot.reference_file) && !content.at_start && !busy;
-    case "start": return robot.state === "holding" && content.at_start && !busy;
+    case "approach": return robot.state === "holding" && Boolean(robot.reference_file) && !robot.at_start && !busy;
+    case "start": return robot.state === "holding" && robot.at_start && !busy;
     case "pause": return robot.state === "playing";
     case "resume": return robot.state === "paused";
     case "disable": return !["disabled", "faulted", "safe_stopping"].includes(robot.state);

@@ -29,7 +29,7 @@ export function nextStep(content) {
     case "holding":
       if (busy) return { key: "wait", order: "" };
       if (!robot.reference_file) return { key: "exercise", order: "" };
-      return content.at_start ? { key: "start", order: "start" } : { key: "approach", order: "approach" };
+      return robot.at_start ? { key: "start", order: "start" } : { key: "approach", order: "approach" };
     case "playing": return { key: robot.playing === robot.reference_file || busy ? "playing" : "approaching", order: "" };
     case "paused": return { key: "paused", order: "resume" };
     default: return { key: "wait", order: "" };

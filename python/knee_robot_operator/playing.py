@@ -59,7 +59,7 @@ class Playing:
             return Answer(False, "stopped before it began")
         if not state or not state["reference_file"]:
             return Answer(False, "choose an exercise first")
-        if state["state"] == "holding" and not self._robot.at_start():
+        if state["state"] == "holding" and not state["at_start"]:
             return Answer(False, "the robot does not stand at the exercise's start; go to the start first")
         self.repetition, self.repetitions, self.message = 1, repetitions, ""
         self.succeeded, self.recordings = False, []
@@ -116,7 +116,10 @@ class Playing:
 
     async def _return_to_start(self, stops):
         """Where the exercise does not end where it begins: slowly and straight to its first point."""
-        if self._robot.at_start():
+        state = await self._robot.fresh_state()
+        if state is None:
+            return Answer(False, "the controller does not answer")
+        if state["at_start"]:
             return Answer(True, "")
         answer = await self._robot.ask("approach")
         if not answer.success:

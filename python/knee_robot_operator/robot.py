@@ -9,8 +9,6 @@ import rosgraph
 import rospy
 import rosservice
 from actionlib_msgs.msg import GoalStatus
-from geometry_msgs.msg import PoseStamped
-from nav_msgs.msg import Path
 from rosgraph_msgs.msg import Log
 from std_srvs.srv import Trigger
 
@@ -20,8 +18,6 @@ from knee_robot.srv import CheckReference, GetState, LoadPatient, LoadReference,
 from .answer import Answer
 
 SILENT_S = 2.0     # the state comes twice a second
-_START_M = 0.004   # only a hint for the page; the controller judges itself
-_START_RAD = 0.02
 _KINDS = {"load_reference": LoadReference, "check_reference": CheckReference, "set_speed": SetSpeed, "load_patient": LoadPatient,
           "get_state": GetState}
 _PATIENCE_S = {"enable": 30.0, "disable": 15.0, "check_reference": 30.0, "load_reference": 30.0}
@@ -29,21 +25,13 @@ _MOST_THREADS = 40
 
 
 def _state_dict(message):
-    names = ("state", "fault", "cause", "reference_file", "patient", "playing", "duration_s", "path_time_s", "progress", "time_scale",
+    names = ("state", "fault", "cause", "reference_file", "patient", "playing", "at_start", "duration_s", "path_time_s", "progress", "time_scale",
              "speed_percent", "recording")
     state = {name: getattr(message, name) for name in names}
     state["homed"] = all(message.homed)
     # unknown, patient or empty; "" by a controller that does not ask who is on the robot before anything moves
     state["occupancy"] = getattr(message, "occupancy", "")
     return state
-
-
-def _offset(a, b):
-    """Distance (m) and angle (rad) between two geometry_msgs/Pose."""
-    p, q = a.position, b.position
-    u, v = a.orientation, b.orientation
-    cosine = abs(u.x * v.x + u.y * v.y + u.z * v.z + u.w * v.w)
-    return math.dist((p.x, p.y, p.z), (q.x, q.y, q.z)), 2.0 * math.acos(min(1.0, cosine))
 
 
 class RosRobot:
@@ -53,7 +41,7 @@ class RosRobot:
         self._loop, self._name = loop, rospy.resolve_name(controller)
         self._threads = threading.BoundedSemaphore(_MOST_THREADS)
         self._listeners, self._log_listeners = [], []
-        self._state = self._tracking = self._forces = self._margins = self._pose = self._path = None
+        self._state = self._tracking = self._forces = self._margins = None
         self._heard = -math.inf
         self._goal = None
         name = self._name
@@ -62,8 +50,6 @@ class RosRobot:
             rospy.Subscriber(f"{name}/tracking", Tracking, lambda m: setattr(self, "_tracking", m), queue_size=1),
             rospy.Subscriber(f"{name}/forces", Forces, lambda m: setattr(self, "_forces", m), queue_size=1),
             rospy.Subscriber(f"{name}/margins", Margins, lambda m: setattr(self, "_margins", m), queue_size=1),
-            rospy.Subscriber(f"{name}/pose", PoseStamped, lambda m: setattr(self, "_pose", m.pose), queue_size=1),
-            rospy.Subscriber(f"{name}/path", Path, self._on_path, queue_size=1),
             rospy.Subscriber("/rosout", Log, self._on_log, queue_size=50)]
         self._client = actionlib.ActionClient(f"{name}/play", PlayAction)
 
@@ -91,13 +77,6 @@ class RosRobot:
         except (asyncio.TimeoutError, rospy.ServiceException, rospy.ROSException, OSError):
             return None
         return self._remember(message.state)
-
-    def at_start(self):
-        """Whether the platform stands about where the loaded reference begins."""
-        if not (self._path and self._path.poses and self._pose):
-            return False
-        distance, angle = _offset(self._path.poses[0].pose, self._pose)
-        return distance < _START_M and angle < _START_RAD
 
     def live(self):
         """What the plots show, rounded: mm and N per actuator; None before the first messages."""
@@ -210,9 +189,6 @@ class RosRobot:
         self._remember(message)
         for listener in self._listeners:
             self._loop.call_soon_threadsafe(listener, self._state)
-
-    def _on_path(self, message):
-        self._path = message
 
     def _on_log(self, message):
         if message.name == self._name and message.level >= Log.INFO:

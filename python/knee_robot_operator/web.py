@@ -64,7 +64,7 @@ class Server:
 
     def snapshot(self):
         state = self.robot.state
-        return {"robot": state, "at_start": self.robot.at_start() if state else False, "playing": self.playing.as_dict(),
+        return {"robot": state, "playing": self.playing.as_dict(),
                 "job": self.jobs.as_dict()}
 
     def on_state(self, state):

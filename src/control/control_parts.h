@@ -34,6 +34,8 @@ struct ControlSystem::Parts {
   explicit Parts(const rt::Deployment& deployment);
   /// The operator's model and payload in place of the deployment's; reads the model.
   void prepareFeedforward(const rt::Deployment& deployment, const Options& options);
+  /// Where Sync would let the loaded reference begin. Under the system's mutex.
+  bool standsAtStart();
 
   Sync* sync = nullptr;
   Recorder* recorder = nullptr;
@@ -53,6 +55,7 @@ struct ControlSystem::Parts {
   PatientMemory patient_memory{""};
   std::string patient_refused;                 // why the patient of the last run is not loaded
   std::vector<rt::PropertyReport> at_loading;  // properties when the patient was loaded
+  bool changing_occupancy = false;             // somebody is saying who is on the robot: nothing is enabled
   int powering = 0;                            // requests under way that switch the drives on
   std::uint32_t requests = 0;
   std::string reference_name;

@@ -1,5 +1,6 @@
 // What the operator is told: state, faults, answers.
 #include <algorithm>
+#include <cmath>
 
 #include "control_parts.h"
 #include "knee_robot/base/numbers.h"
@@ -11,6 +12,16 @@ namespace {
 constexpr rt::Nanoseconds kSilence = 200'000'000;
 
 }  // namespace
+
+bool ControlSystem::Parts::standsAtStart() {
+  TrackingRow row;
+  if (reference.rows() == 0 || panel.row.read(row) == rt::FlowStatus::NoData) return false;
+  for (std::size_t i = 0; i < hardware::kAxes; ++i) {
+    const double first = reference(0, static_cast<Eigen::Index>(i));
+    if (!(std::abs(row.position_m[i] - first) <= sync->start_tolerance_m)) return false;
+  }
+  return true;
+}
 
 std::vector<rt::PropertyReport> ControlSystem::properties() const {
   std::vector<rt::PropertyReport> all;
@@ -49,6 +60,7 @@ ControlStatus ControlSystem::status() const {
   status.occupancy = parts_->occupancy;
   if (parts_->patient) status.patient = parts_->patient->name;
   status.reference = parts_->reference_name;
+  status.at_start = parts_->standsAtStart();
   const bool on_a_path = status.state == MachineState::Playing || status.state == MachineState::Paused ||
                          status.state == MachineState::Stopping;
   if (on_a_path) status.playing = parts_->playing;

@@ -36,6 +36,7 @@ ControllerState stateMessage(const control::ControlSystem& system) {
   message.fault = status.fault_name;
   message.cause = status.fault_sentence;
   message.reference_file = status.reference;
+  message.at_start = status.at_start;
   message.duration_s = status.path_duration_s;
   message.path_time_s = status.path_time_s;
   message.patient = status.patient;
@@ -160,7 +161,7 @@ void ControllerTopics::publishState() {
   const std::string summary = message.state + '\n' + message.fault + '\n' + message.reference_file + '\n' +
                               message.playing + '\n' + message.patient + '\n' + message.occupancy + '\n' +
                               std::to_string(message.speed_percent) + (message.recording ? "recording" : "") +
-                              std::to_string(message.dropped_rows);
+                              (message.at_start ? "at start" : "") + std::to_string(message.dropped_rows);
   const ros::WallTime now = ros::WallTime::now();
   const bool changed = summary != last_state_;
   if (!changed && (now - state_at_).toSec() < kStatePeriod) return;

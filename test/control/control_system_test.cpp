@@ -111,6 +111,19 @@ TEST(ControlSystem, RefusesToPlayWhereTheRobotDoesNotStandAndApproachesSlowlyOnR
   EXPECT_FALSE(rig.system.play().ok) << "a second run from the first point while the robot stands at the last";
 }
 
+TEST(ControlSystem, SaysThatItStandsAtTheStartExactlyWherePlayingWouldBegin) {
+  for (const double away_mm : {0.5, 1.8, 2.2, 3.9}) {
+    Rig rig;
+    rig.hold();
+    EXPECT_FALSE(rig.system.status().at_start) << "without a reference there is no start";
+    ASSERT_TRUE(rig.system.loadReference(fake::smoothReference(fake::kHome + 1e-3 * away_mm, 0.01, 1.0)).ok);
+    rig.system.run(0.05);
+    const bool said = rig.system.status().at_start;
+    EXPECT_EQ(said, away_mm < 2.0) << away_mm << " mm";
+    EXPECT_EQ(rig.system.play().ok, said) << away_mm << " mm";
+  }
+}
+
 TEST(ControlSystem, StopsAlongThePathWithoutAJumpAndHolds) {
   Rig rig;
   rig.play();

@@ -45,13 +45,10 @@ class ToyRobot:
 
     @property
     def state(self):
-        return None if self.silent else dict(self._state)
+        return None if self.silent else dict(self._state, at_start=self.here)
 
     async def fresh_state(self):
         return self.state
-
-    def at_start(self):
-        return self.here
 
     def live(self):
         return {"t": asyncio.get_running_loop().time(), "reference": [1] * 4, "position": [1] * 4, "force": [1] * 4, "residual": [0] * 4, "heat": 0}

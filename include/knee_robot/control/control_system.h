@@ -35,6 +35,7 @@ struct ControlStatus {
   std::string fault_name;      ///< empty without fault
   std::string fault_sentence;  ///< cause, place and remedy; empty without fault
   std::string reference;       ///< name of the loaded reference, empty: none
+  bool at_start = false;       ///< measured within Sync's start tolerance of the loaded reference's first point
   std::string playing;         ///< what is being played or paused (the reference or the approach to it), empty: nothing
   double path_time_s = 0.0;
   double path_duration_s = 0.0;
