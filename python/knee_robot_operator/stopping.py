@@ -6,7 +6,7 @@ from .answer import Answer
 
 ANSWER_S = 1.0
 TO_REST_S = 4.0
-_AGAIN_S = (0.5, 6.0)  # a second press in this time, while the robot still moves, means: it does not stop as it should
+_AGAIN_S = (0.5, 6.0)  # a second press in this time, while the robot has not come to rest since, means: it does not stop as it should
 _MOVING = ("enabling", "homing", "playing", "paused", "stopping")
 
 
@@ -54,8 +54,8 @@ class Stopping:
         while self._clock() < end:
             await asyncio.sleep(0.1)
             state = (self._robot.state or {}).get("state")
-            if state not in ("playing", "stopping", "paused"):
+            has_started_anew = self._playing.active and not self._playing.ending
+            if state not in ("playing", "stopping", "paused") or has_started_anew:
+                self._pressed = None  # that STOP has done its work: the next one is a first one
                 return
-            if self._playing.active and not self._playing.ending:
-                return  # somebody has started anew since
         await self._safe_stop(f"the robot did not come to rest within {TO_REST_S:g} s of STOP")

@@ -70,6 +70,17 @@ class Page:
     def said(self):
         return " | ".join(self.text(s) for s in ("#status-what", "#status-next", "#answer", "#progress-words") if self.find(s).is_displayed())
 
+    def keep_answers(self):
+        """From now on every sentence that the page answers with is kept for answers(), however short it is seen."""
+        self.run("""const box = document.getElementById('answer');
+            window.answers = [];
+            if (window.answer_watch) window.answer_watch.disconnect();
+            window.answer_watch = new MutationObserver(() => window.answers.push(box.textContent));
+            window.answer_watch.observe(box, {childList: true, characterData: true, subtree: true})""")
+
+    def answers(self):
+        return self.run("return window.answers")
+
     def order(self, name, seconds=20.0):
         """Presses the order's button as soon as the page lets it be pressed."""
         selector = f"[data-order={name}]"

@@ -152,6 +152,17 @@ class Stop(PageTest):
             await browser.post("/api/stop")
             self.assertEqual("emergency_stop", self.services(rig)[-1])
 
+    async def test_stop_of_what_was_started_after_a_stop_is_a_first_one_again(self):
+        robot = ToyRobot("playing", stop_s=0.1)
+        async with Rig(robot) as rig, rig.browser() as browser:
+            await browser.post("/api/stop")
+            await until(lambda: robot.state["state"] == "holding")
+            await asyncio.sleep(0.8)
+            robot.become("playing", playing="lift.txt")
+            await browser.post("/api/stop")
+            await until(lambda: robot.state["state"] == "holding")
+            self.assertNotIn("emergency_stop", self.services(rig))
+
     async def test_a_robot_that_does_not_come_to_rest_is_stopped_safely(self):
         async with Rig(ToyRobot("playing", stop_s=30.0)) as rig, rig.browser() as browser:
             await browser.post("/api/stop")
