@@ -68,9 +68,10 @@ Answer ControlSystem::powered(RequestKind kind) {
   const auto count = [this](int change) {
     const std::lock_guard<std::mutex> lock(mutex_);
     parts_->powering += change;
-    return parts_->occupancy != Occupancy::Unknown;
+    return parts_->occupancy != Occupancy::Unknown && !parts_->changing_occupancy;
   };
-  const Answer answer = count(1) ? request(kind, kEnable_s) : Answer{false, whyNobodyMoves()};
+  const Answer answer =
+      count(1) ? request(kind, kEnable_s) : Answer{false, "who is on the robot was just being changed; try again"};
   count(-1);
   return answer;
 }

@@ -10,6 +10,7 @@ namespace {
 
 constexpr double kLargestChange = 0.2;         // of a property's value when the patient was loaded
 constexpr double kLargestPayloadChange = 2.0;  // kg
+constexpr double kOpenMargin = 1e3;            // condition of dq/dx beyond which a margin protects nobody
 constexpr double kWideAcceleration = 10.0;     // factor of the acceleration monitor that sees no collision any more
 
 }  // namespace
@@ -22,6 +23,7 @@ std::optional<PatientLimits> ControlSystem::patient() const {
 /// Why nothing may move; empty: it may.
 std::string ControlSystem::whyNobodyMoves() const {
   const std::lock_guard<std::mutex> lock(mutex_);
+  if (parts_->changing_occupancy) return "who is on the robot is just being changed; try again";
   if (parts_->occupancy != Occupancy::Unknown) return "";
   const std::string why =
       "nobody has said who is on the robot: load the patient's file (load_patient), or declare that "
@@ -36,13 +38,22 @@ Answer ControlSystem::usePatient(Occupancy occupancy, std::optional<PatientLimit
     return {false, std::string("not possible while the robot is ") + toString(now) +
                        (now == MachineState::Faulted ? "; look at the robot and reset first" : "; disable it first")};
   }
+  {
+    // From here on nothing can be enabled: without occupancy nothing moves, and the disk may take its time.
+    const std::lock_guard<std::mutex> lock(mutex_);
+    if (parts_->powering > 0) return {false, "not possible while the robot is being enabled"};
+    if (parts_->changing_occupancy) return {false, "somebody else is just saying who is on the robot; try again"};
+    parts_->changing_occupancy = true;
+  }
+  std::string why;
   try {
     occupancy == Occupancy::Patient ? parts_->patient_memory.remember(patient->path) : parts_->patient_memory.forget();
   } catch (const std::exception& error) {
-    return {false, std::string("who is on the robot cannot be remembered: ") + error.what()};
+    why = std::string("who is on the robot cannot be remembered: ") + error.what();
   }
   const std::lock_guard<std::mutex> lock(mutex_);
-  if (parts_->powering > 0) return {false, "not possible while the robot is being enabled"};
+  parts_->changing_occupancy = false;
+  if (!why.empty()) return {false, why};
   parts_->occupancy = occupancy;
   parts_->patient = std::move(patient);
   parts_->patient_refused.clear();
@@ -93,7 +104,7 @@ std::string ControlSystem::patientObstacles() const {
   for (const mechanism::Actuator& actuator : robot_.actuators)
     limited = limited && actuator.force_continuous_N > 0.0 && actuator.force_max_N > 0.0;
   require(limited, "an actuator has no force limits (robot file: force_continuous_N, force_max_N)");
-  require(std::isfinite(robot_.singularity_condition_max),
+  require(robot_.singularity_condition_max <= kOpenMargin,
           "the singularity margin is wide open (robot file: singularity_margin: condition_max)");
   const double factor = parts_->monitors->acceleration_factor;
   require(factor <= kWideAcceleration, "the acceleration monitor is opened wide (deployment: acceleration_factor " +
@@ -128,7 +139,9 @@ void ControlSystem::recallPatient() {
     parts_->patient_refused = std::string("the patient file of the last run cannot be loaded: ") + error.what();
     return;
   }
-  if (options_.empty || hardware_.bench_without_patient) usePatient(Occupancy::Empty, std::nullopt);
+  if (!options_.empty && !hardware_.bench_without_patient) return;
+  const Answer used = usePatient(Occupancy::Empty, std::nullopt);
+  if (!used.ok) parts_->patient_refused = used.sentence;
 }
 
 /// With a patient loaded nothing may be changed far from what it was then, in however many steps.
