@@ -107,6 +107,33 @@ TEST_F(Programs, CompareShowsReferenceAgainstMeasured) {
     EXPECT_TRUE(fs::exists(in("compared/") + name)) << name;
 }
 
+TEST_F(Programs, SimulatedCameraAddsWhatItSawAndCompareFindsItsDelayAndItsPlace) {
+  std::ofstream(in("camera.yaml")) << "delay_s: 0.05\nrotation_rad: 0.05\nshift_x_m: 0.8\n";
+  const std::string command = KNEE_SIMULATED_CAMERA + kRobot + "--camera " + in("camera.yaml") + " ";
+  const Ended looked = run(command + recording(1) + " -o " + in("seen.csv"));
+  ASSERT_EQ(0, looked.status) << looked.output;
+  EXPECT_EQ(linesOf(recording(1)), linesOf(in("seen.csv")));
+  const Ended compared = run(KNEE_COMPARE + kRobot + in("seen.csv") + " --output " + in("seen"));
+  ASSERT_EQ(0, compared.status) << compared.output;
+  const nlohmann::json camera = report("seen")["camera"];
+  EXPECT_NEAR(-0.05, camera["alignment"]["rotation_rad"].get<double>(), 2e-3);
+  EXPECT_NEAR(0.05, camera["alignment"]["delay_s"].get<double>(), 5e-3);
+  EXPECT_GT(camera["camera_minus_encoders"]["x"]["rows"].get<int>(), 1000);
+
+  const Ended shipped = run(KNEE_SIMULATED_CAMERA + kRobot + "--camera " + kConfig + "/simulation/camera.yaml " +
+                            recording(1) + " -o " + in("shipped.csv"));
+  EXPECT_EQ(0, shipped.status) << shipped.output;
+  const Ended twice = run(command + in("seen.csv") + " -o " + in("twice.csv"));
+  EXPECT_EQ(2, twice.status);
+  EXPECT_NE(std::string::npos, twice.output.find("has camera columns already")) << twice.output;
+  EXPECT_FALSE(fs::exists(in("twice.csv")));
+  std::ofstream(in("blurred.yaml")) << "noise_m: blurred\n";
+  const Ended refused = run(KNEE_SIMULATED_CAMERA + kRobot + "--camera " + in("blurred.yaml") + " " + recording(1) +
+                            " -o " + in("no.csv"));
+  EXPECT_EQ(2, refused.status);
+  EXPECT_NE(std::string::npos, refused.output.find("blurred.yaml:1: noise_m")) << refused.output;
+}
+
 TEST_F(Programs, TraceReportsBeforeAndAfterAndPredictAppliesItsModel) {
   const Ended traced = run(KNEE_TRACE + kRobot + "--train " + recording(1) + " --validate " + recording(2) +
                            " --output " + in("traced"));

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <string>
 
 #include "knee_robot/mechanism/kinematics.h"
 #include "knee_robot/mechanism/robot.h"
@@ -29,5 +30,12 @@ struct CameraSimulation {
 /// lengths: those of the encoders with offset and play. Rows without a picture are nan.
 void addCamera(const mechanism::Geometry& true_geometry, const CameraSimulation& camera,
                recording::Recording& recording);
+
+/// Camera file (YAML, docs/files.md): keys as the members above, every one optional. InputError names file, line, key and limit.
+CameraSimulation loadCameraSimulation(const std::string& path);
+
+/// `content`, the CSV that `recording` was read from, with the four columns of recording.mocap added. InputError when it has
+/// camera columns already.
+std::string withCameraColumns(const std::string& content, const recording::Recording& recording);
 
 }  // namespace knee_robot::simulation
