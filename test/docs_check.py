@@ -6,6 +6,7 @@ Usage: docs_check.py [ROOT]     exit status 1 when anything is wrong, one line e
 """
 import pathlib
 import re
+import subprocess
 import sys
 
 # map.number("key", ...) and the like; helpers that take the map first: degrees(map, "key"), readSign(map, "key"), bit("key", ...).
@@ -100,8 +101,14 @@ def unlisted(root):
             yield f"{root / 'docs' / 'README.md'}: does not list {name}"
 
 
+def never_run(root):
+    """Scripts of README.md that scripts/check_everything would leave out."""
+    listed = subprocess.run([root / "scripts" / "check_everything", "--list"], capture_output=True, text=True, check=False)
+    yield from listed.stderr.splitlines()
+
+
 def main(root):
-    faults = [*wrong_keys(root), *wrong_names(root), *unlisted(root)]
+    faults = [*wrong_keys(root), *wrong_names(root), *unlisted(root), *never_run(root)]
     print("\n".join(faults) or "the docs name what is there")
     return 1 if faults else 0
 
