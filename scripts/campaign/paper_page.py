@@ -2,6 +2,7 @@
 """Tables of scripts/paper_evaluation beside the paper's figures, in Markdown on the terminal and as one HTML page.
 
 Usage: paper_page.py FOLDER ROBOT        (FOLDER as scripts/paper_evaluation leaves it)"""
+import base64
 import html
 import json
 import math
@@ -50,12 +51,13 @@ class Page:
         self.parts.append(f"<pre>{html.escape(content)}</pre>")
 
     def picture(self, path):
-        self.parts.append(re.sub(r"^.*?(?=<svg)", "", path.read_text(encoding="utf-8"), flags=re.S))
+        data = base64.b64encode(path.read_bytes()).decode()
+        self.parts.append(f'<img alt="{html.escape(path.stem)}" src="data:image/svg+xml;base64,{data}">')
 
     def write(self, path):
         style = ("body{font:16px/1.5 sans-serif;max-width:72em;margin:2em auto;padding:0 1em}table{border-collapse:collapse}"
                  "td,th{border:1px solid #bbb;padding:.2em .6em;text-align:right}td:first-child,th:first-child{text-align:left}"
-                 "svg{max-width:100%;height:auto}pre{overflow-x:auto;background:#f6f6f6;padding:1em;font-size:12px}")
+                 "img{max-width:100%;height:auto}pre{overflow-x:auto;background:#f6f6f6;padding:1em;font-size:12px}")
         path.write_text("<!DOCTYPE html><html lang=en><meta charset=utf-8><title>The paper's evaluation</title><style>" + style +
                         "</style><body><h1>The paper's evaluation, redone</h1>" + "\n".join(self.parts) + "</body></html>\n", encoding="utf-8")
 
