@@ -2,13 +2,16 @@
 add_library(rt_posix INTERFACE)
 target_link_libraries(rt_posix INTERFACE rt)
 
-# knee_room(NAME DEPENDENCY...): static library knee_NAME of src/NAME/*.cpp and, for hardware, src/hardware/can/*.cpp. A dependency that is a room is named plainly.
+# knee_room(NAME DEPENDENCY...): static library knee_NAME of src/NAME/*.cpp and, for hardware, src/hardware/can/*.cpp, for dynamics, src/dynamics/effects/*.cpp. A dependency that is a room is named plainly.
 set(knee_rooms base mechanism rt hardware recording dynamics trajectory excitation simulation identification control tracing report)
 function(knee_room name)
   file(GLOB sources CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/src/${name}/*.cpp)
   if(name STREQUAL hardware)
     file(GLOB can_sources CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/src/hardware/can/*.cpp)
     list(APPEND sources ${can_sources})
+  elseif(name STREQUAL dynamics)
+    file(GLOB law_sources CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/src/dynamics/effects/*.cpp)
+    list(APPEND sources ${law_sources})
   endif()
   set(dependencies knee_robot_options)
   foreach(dependency ${ARGN})

@@ -11,6 +11,8 @@ namespace {
 
 /// After a pause of the machine nothing may be switched in one step.
 constexpr double kLongestStep_s = 0.005;
+/// Between two evaluations of the model.
+constexpr double kShortestPeriod_s = 1e-6, kLongestPeriod_s = 0.1;
 
 double approached(double from, double to, double step) noexcept {
   return from + std::clamp(to - from, -step, step);
@@ -37,6 +39,8 @@ void ModelFeedforward::loadModel() {
       throw InputError(path + ": " + error.what());
     }
     source_ = "the model " + path;
+    for (const dynamics::LeftOutEffect& e : model_->identified->effects.left_out)
+      source_ += "; without " + e.name + " of " + e.where + " (" + e.reason + ")";
     return;
   }
   std::optional<dynamics::RobotInertia> inertia;
@@ -76,7 +80,7 @@ void ModelFeedforward::updateHook(const rt::Cycle& cycle) {
   if (order_.drivers_active) {
     carry(dt);
   } else {
-    letGo();
+    letGo(dt);
   }
   ++out_.sequence;
   out_.time = cycle.time;
@@ -103,7 +107,8 @@ void ModelFeedforward::followReference(std::size_t i) noexcept {
   commands_[i] = now;
 }
 
-void ModelFeedforward::letGo() noexcept {
+void ModelFeedforward::letGo(double dt) noexcept {
+  dynamics::restParts(*model_, dt, data_);
   on_ = pose_known_ = parts_known_ = false;
   out_.force_N = out_.moving_N = AxisValues{};
   out_.complete = false;
@@ -164,8 +169,17 @@ bool ModelFeedforward::findParts() noexcept {
     if (!pose_known_) return false;
     pose_ = found.pose;
   }
-  parts_known_ = dynamics::forceParts(*model_, pose_, velocity_, acceleration_, coulomb_speed, data_, parts_) &&
-                 parts_.allFinite();
+  if (!velocity_.allFinite() || !acceleration_.allFinite()) return false;
+  dynamics::WantedInstant at;
+  at.period_s = std::clamp(rt::toSeconds(last_time_ - parts_time_), kShortestPeriod_s, kLongestPeriod_s);
+  parts_time_ = last_time_;
+  at.position_m = mechanism::Vector4(measured_.position_m.data());
+  at.velocity_m_per_s = velocity_;
+  at.acceleration_m_per_s2 = acceleration_;
+  at.coulomb_m_per_s = coulomb_speed;
+  at.rest_s = rest_time;
+  parts_known_ = dynamics::forceParts(*model_, pose_, at, data_, parts_) && parts_.allFinite();
+  if (!parts_known_) data_.memory = dynamics::MotionMemory{};
   return parts_known_;
 }
 

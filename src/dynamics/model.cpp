@@ -3,15 +3,24 @@
 #include <algorithm>
 
 #include "knee_robot/base/errors.h"
+#include "named_values.h"
 
 namespace knee_robot::dynamics {
 namespace {
 
-/// Value of the named parameter; 0 when the model does not have it.
-double valueOf(const Model& model, const std::string& name) {
+/// Value of the named parameter among `values`; 0 when the model does not have it.
+double valueOf(const Model& model, const std::vector<double>& values, const std::string& name) {
   const auto found = std::find_if(model.parameters.begin(), model.parameters.end(),
                                   [&](const ModelParameter& parameter) { return parameter.name == name; });
-  return found == model.parameters.end() ? 0.0 : found->value;
+  return found == model.parameters.end() ? 0.0 : values[static_cast<std::size_t>(found - model.parameters.begin())];
+}
+
+std::vector<double> valuesOf(const Model& model) {
+  if (model.elsewhere) return model.elsewhere->parameters;
+  std::vector<double> values;
+  for (const ModelParameter& p : model.parameters)
+    values.push_back(p.value);
+  return values;
 }
 
 }  // namespace
@@ -36,57 +45,40 @@ void requireModelOf(const Model& model, const std::string& model_path, const mec
   }
 }
 
-ForceModel::ForceModel(const Model& model, const mechanism::Robot& robot)
-    : mechanism(robot.mechanism), gravity(robot.gravity), axes(model.axes) {
-  if (!model.effects.empty()) {
-    throw InputError("the model has an effect (" + model.effects.front().name +
-                     ") that is predicted along whole recordings only, not instant by instant; use the model that "
-                     "identify writes, or predict");
+ExtendedParameters extendedValues(const Model& model, const std::vector<double>& values) {
+  ExtendedParameters out;
+  const std::vector<std::string>& names = extendedParameterNames();
+  for (int i = 0; i < extended::kParameters; ++i)
+    out[i] = valueOf(model, values, names[static_cast<std::size_t>(i)]);
+  return out;
+}
+
+mechanism::Matrix4 axisValues(const Model& model, const std::vector<double>& values) {
+  mechanism::Matrix4 out = mechanism::Matrix4::Zero();
+  const std::vector<std::string> names = axisParameterNames(model.axes);
+  for (int i = 0; i < model.axes; ++i) {
+    for (int k = 0; k < 4; ++k)
+      out(k, i) = valueOf(model, values, names[static_cast<std::size_t>(4 * i + k)]);
   }
+  return out;
+}
+
+ForceModel::ForceModel(const Model& model, const mechanism::Robot& robot)
+    : mechanism(robot.mechanism), gravity(robot.gravity), axes(model.axes), effects(model, robot) {
+  const std::vector<double> values = valuesOf(model);
   parameters.setZero();
   axis_parameters.setZero();
-  coulomb.setZero();
   for (int i = 0; i < axes; ++i)
     friction[static_cast<std::size_t>(i)] = model.friction[static_cast<std::size_t>(i)];
   if (mechanism) {
-    const std::vector<std::string>& names = extendedParameterNames();
-    for (int i = 0; i < extended::kParameters; ++i)
-      parameters[i] = valueOf(model, names[static_cast<std::size_t>(i)]);
+    parameters = extendedValues(model, values);
     coulomb = parameters.segment<mechanism::kLegs>(extended::kCoulomb);
     parameters.segment<mechanism::kLegs>(extended::kCoulomb).setZero();
     return;
   }
-  const std::vector<std::string> names = axisParameterNames(axes);
-  for (int i = 0; i < axes; ++i) {
-    for (int k = 0; k < 4; ++k)
-      axis_parameters(k, i) = valueOf(model, names[static_cast<std::size_t>(4 * i + k)]);
-    coulomb[i] = axis_parameters(1, i);
-    axis_parameters(1, i) = 0.0;
-  }
-}
-
-bool forceFromModel(const ForceModel& model, const mechanism::Vector4& position, const mechanism::Vector4& velocity,
-                    const mechanism::Vector4& acceleration, const mechanism::Motion& motion, ForceModelData& data,
-                    mechanism::Vector4& forces, double period_s) noexcept {
-  mechanism::Vector4 smooth;
-  if (model.mechanism) {
-    if (!extendedRegressor(*model.mechanism, model.gravity, motion, data.regressor, data.row)) return false;
-    smooth.noalias() = data.row * model.parameters;
-  } else {
-    smooth.setZero();
-    for (int i = 0; i < model.axes; ++i) {
-      smooth[i] = actuatorRegressor(velocity[i], acceleration[i]).dot(model.axis_parameters.col(i));
-    }
-  }
-  for (int i = 0; i < model.axes; ++i) {
-    const double displacement = data.started ? position[i] - data.last_position[i] : 0.0;
-    const std::size_t axis = static_cast<std::size_t>(i);
-    smooth[i] += model.coulomb[i] * data.memory[axis].step(model.friction[axis], displacement, period_s);
-  }
-  data.last_position = position;
-  data.started = true;
-  forces = smooth;
-  return true;
+  axis_parameters = axisValues(model, values);
+  coulomb = axis_parameters.row(1).transpose();
+  axis_parameters.row(1).setZero();
 }
 
 }  // namespace knee_robot::dynamics

@@ -1,5 +1,6 @@
 #include "knee_robot/identification/prediction.h"
 
+#include "knee_robot/base/errors.h"
 #include "knee_robot/identification/sliding_path.h"
 #include "knee_robot/recording/signals.h"
 
@@ -45,6 +46,8 @@ PredictedForce coulombForces(dynamics::ForceModel& model, const mechanism::Robot
 
 PredictedForce predictForces(const dynamics::Model& model, const mechanism::Robot& robot, const recording::Signals& s,
                              const MotionPath& path) {
+  if (!model.effects.empty())
+    throw InputError("the model has an effect (" + model.effects.front().name + "); predict it along the recording");
   dynamics::ForceModel force_model(model, robot);
   PredictedForce force = coulombForces(force_model, robot, s, path);
   dynamics::ForceModelData data;

@@ -173,6 +173,65 @@ void forcePartsCase(benchmark::State& state) {
 }
 BENCHMARK(forcePartsCase)->Name("force_parts");
 
+/// A model of trace with ten effects, those that cost most among them.
+dynamics::Model tracedModel() {
+  dynamics::Model model;
+  model.axes = mechanism::kLegs;
+  model.friction.assign(mechanism::kLegs, dynamics::bristleLaw(1e-4, 1e-5));
+  const dynamics::InertialParameters links = dynamics::toParameters(someInertia());
+  for (const std::string& name : dynamics::extendedParameterNames()) {
+    dynamics::ModelParameter parameter;
+    parameter.name = name;
+    const auto k = static_cast<Eigen::Index>(model.parameters.size());
+    parameter.value = k < links.size() ? links[k] : 20.0;
+    model.parameters.push_back(parameter);
+    model.effects_see.push_back(parameter.value);
+  }
+  const auto add = [&](const char* name, int actuator, const std::vector<double>& shape, int coefficients,
+                       const char* depends_on = "") {
+    dynamics::ModelEffect effect;
+    effect.name = name;
+    effect.depends_on = depends_on;
+    effect.actuators = {actuator};
+    for (const double value : shape)
+      effect.shape.push_back({"shape", value});
+    for (int k = 0; k < coefficients; ++k)
+      effect.coefficients.push_back({"coefficient", 0.01});
+    model.effects.push_back(effect);
+  };
+  add("stribeck", 1, {0.006}, 1);
+  add("presliding", 2, {1e-3}, 1);
+  add("power_flow_friction", 3, {}, 4);
+  add("position_dependent_friction", 4, {0.7, 0.05, 0.6, 0.8}, 1);
+  add("screw_ripple", 1, {0.01, 0.0}, 2);
+  add("thermal_drift", 2, {40.0}, 2);
+  add("delay", 3, {}, 1);  // the whole model a second time, for the force to come
+  add("spring", 1, {0.3, 0.0, 0.1, 0.0}, 2);
+  add("dashpot", 1, {0.0, 0.3, 0.0, 0.1, 0.5}, 1);
+  add("unnamed", 4, {-1.0, -0.5, 0.0, 0.5, 1.0}, 5, "leg_4_angle_q1_rad");
+  return model;
+}
+
+void forcePartsWithEffectsCase(benchmark::State& state) {
+  const Cases& c = cases();
+  mechanism::Robot robot;
+  robot.mechanism = c.mechanism;
+  robot.actuators.resize(mechanism::kLegs);
+  const dynamics::PartedModel model(tracedModel(), robot);
+  dynamics::ForcePartsData data;
+  dynamics::ForceParts parts;
+  dynamics::WantedInstant at;
+  at.acceleration_m_per_s2.setConstant(0.1);
+  std::size_t k = 0;
+  for (auto _ : state) {
+    at.position_m = c.lengths[k % kStates];
+    at.velocity_m_per_s.setConstant(k % 64 < 32 ? 0.02 : -0.02);
+    dynamics::forceParts(model, c.motion(k++).pose, at, data, parts);
+    benchmark::DoNotOptimize(parts);
+  }
+}
+BENCHMARK(forcePartsWithEffectsCase)->Name("force_parts_ten_effects");
+
 void coordinateMotionCase(benchmark::State& state) {
   const Cases& c = cases();
   std::size_t k = 0;

@@ -220,7 +220,7 @@ TEST_F(ModelFeedforwardTest, GivesNothingWhileHomingNorWhenNotHomed) {
   EXPECT_EQ(force.force_N, AxisValues{}) << "until the Drivers are switched off";
 }
 
-TEST_F(ModelFeedforwardTest, AddsFrictionAlongTheReferenceAndNoneAtRest) {
+TEST_F(ModelFeedforwardTest, AddsFrictionAlongTheReferenceAndLetsGoOfItAtRest) {
   const std::string path = temporaryFile("model_feedforward_test.yaml");
   dynamics::saveModel(fake::modelOf(robot), path);
   component.model.set(path);
@@ -235,15 +235,45 @@ TEST_F(ModelFeedforwardTest, AddsFrictionAlongTheReferenceAndNoneAtRest) {
     EXPECT_NEAR(rest[i], weight[static_cast<Eigen::Index>(i)], 1e-6);
   for (const double velocity : {0.01, -0.01}) {
     reference_velocity = velocity;
-    cycle(3);
+    cycle(25);  // its friction builds up over 0.1 mm, and has to turn
     for (std::size_t i = 0; i < hardware::kAxes; ++i)
       EXPECT_NEAR(force.force_N[i] - rest[i], std::copysign(15.0, velocity) + 150.0 * velocity, 1e-6);
   }
   reference_velocity = 0.0;
-  cycle(3);
+  cycle(1);
   for (std::size_t i = 0; i < hardware::kAxes; ++i)
-    EXPECT_NEAR(force.force_N[i], rest[i], 1e-9);
+    EXPECT_NEAR(force.force_N[i] - rest[i], -15.0, 0.1) << "held where the reference turns";
+  cycle(6000);
+  for (std::size_t i = 0; i < hardware::kAxes; ++i)
+    EXPECT_NEAR(force.force_N[i], rest[i], 1e-6);
   EXPECT_EQ(force.switched_N, AxisValues{}) << "friction is a load, nothing that is switched";
+}
+
+TEST_F(ModelFeedforwardTest, ForeseesTracedEffectsAndNamesThoseThatItLeavesOut) {
+  const std::string path = temporaryFile("model_feedforward_traced_test.yaml");
+  dynamics::Model model = fake::modelOf(robot);
+  for (const dynamics::ModelParameter& p : model.parameters)
+    model.effects_see.push_back(p.value);
+  dynamics::ModelEffect offset = fake::stribeckOf(1), play = fake::stribeckOf(3);
+  offset.name = "force_offset";
+  offset.shape.clear();
+  play.name = "backlash";
+  model.effects = {fake::stribeckOf(2), offset, play};
+  dynamics::saveModel(model, path);
+  component.model.set(path);
+  component.share_friction.set(1.0);
+  component.share_inertia.set(0.0);
+  begin();
+  std::remove(path.c_str());
+  EXPECT_NE(component.source().find("without backlash of axis 3 (it moves"), std::string::npos) << component.source();
+  carry();
+  const mechanism::Vector4 weight = weightAtHome();
+  EXPECT_NEAR(force.force_N[0], weight[0] + 10.0, 1e-6) << "an offset is there at rest";
+  EXPECT_NEAR(force.force_N[1], weight[1], 1e-6);
+  reference_velocity = 0.01;
+  cycle(25);
+  EXPECT_NEAR(force.force_N[1] - weight[1], 15.0 + 1.5 + 10.0 * std::exp(-1.0), 1e-6);
+  EXPECT_NEAR(force.force_N[2] - weight[2], 15.0 + 1.5, 1e-6);
 }
 
 TEST_F(ModelFeedforwardTest, LetsNoReferenceThatIsNoNumberThrough) {
@@ -280,13 +310,9 @@ TEST_F(ModelFeedforwardTest, RefusesModelsThatAreNotThisRobotsByFileAndReason) {
   other.robot_fingerprint = "0";
   EXPECT_NE(refusal(other).find("another version of the robot file"), std::string::npos);
   dynamics::Model traced = fake::modelOf(robot);
-  dynamics::ModelEffect effect;
-  effect.name = "stribeck";
-  effect.actuators = {2};
-  effect.shape = {{"velocity_m_per_s", 0.01, 0.001}};
-  effect.coefficients = {{"excess_N", 10.0, 1.0}};
-  traced.effects = {effect};
-  EXPECT_NE(refusal(traced).find("stribeck"), std::string::npos);
+  traced.effects = {fake::stribeckOf(2)};
+  traced.effects.front().name = "stick";
+  EXPECT_NE(refusal(traced).find("stick"), std::string::npos);
   component.model.set("/nowhere/model.yaml");
   EXPECT_THROW(component.loadModel(), InputError);
   EXPECT_FALSE(component.configure());

@@ -34,4 +34,14 @@ inline dynamics::Model modelOf(const mechanism::Robot& robot, double viscous = 1
   return model;
 }
 
+/// 10 N more at rest, falling off with 0.01 m/s.
+inline dynamics::ModelEffect stribeckOf(int actuator) {
+  dynamics::ModelEffect effect;
+  effect.name = "stribeck";
+  effect.actuators = {actuator};
+  effect.shape = {{"velocity_m_per_s", 0.01, 0.001}};
+  effect.coefficients = {{"excess_N", 10.0, 1.0}};
+  return effect;
+}
+
 }  // namespace knee_robot::fake

@@ -163,16 +163,6 @@ TEST(ModelFile, WithEffectsRefusesUnknownActuatorsAndKeys) {
   EXPECT_THROW(parseModel(with("format: 4", "format: 3"), "m.yaml"), InputError);
 }
 
-TEST(ForceModel, RefusesAModelWithEffectsInsteadOfLeavingThemOut) {
-  const mechanism::Robot robot = parallelRobot();
-  try {
-    const ForceModel force_model(withEffects(robot), robot);
-    FAIL() << "a force without the model's effects was promised";
-  } catch (const InputError& e) {
-    EXPECT_NE(std::string(e.what()).find("stribeck"), std::string::npos) << e.what();
-  }
-}
-
 TEST(ModelFile, BelongsToOneRobotFile) {
   mechanism::Robot robot = parallelRobot();
   const Model m = someModel(robot, 3);

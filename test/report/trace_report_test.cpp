@@ -115,7 +115,7 @@ TEST(TraceReport, NamesTheDragOfTheSecondAxisAndShowsThatItsErrorIsGone) {
   EXPECT_LT(r.validate_after.accuracy.rms_N[0], 1.05 * r.validate_before.accuracy.rms_N[0]);
 }
 
-TEST(TraceReport, PredictsWhatTheFilesModelSaysAndThatModelIsRefusedInstantByInstant) {
+TEST(TraceReport, PredictsWhatTheFilesModelSaysAndThatModelRunsInstantByInstant) {
   const TraceResults& r = traced();
   const dynamics::Model read = dynamics::parseModel(dynamics::modelToYaml(r.model), "model.yaml");
   ASSERT_EQ(read.effects.size(), r.result.effects.size());
@@ -125,7 +125,7 @@ TEST(TraceReport, PredictsWhatTheFilesModelSaysAndThatModelIsRefusedInstantByIns
       EXPECT_DOUBLE_EQ(read.effects[k].coefficients[n].value,
                        r.result.effects[k].coefficients[static_cast<Eigen::Index>(n)]);
   }
-  EXPECT_THROW(dynamics::ForceModel(read, identification::syntheticBench(2)), InputError);
+  EXPECT_TRUE(dynamics::ForceModel(read, identification::syntheticBench(2)).effects.any());
   for (const bool training : {true, false}) {
     identification::Observation o = (training ? r.train : r.validate).front();
     const Eigen::MatrixXd own = (training ? r.train_after : r.validate_after).predictions.front().force_N;

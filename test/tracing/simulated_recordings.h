@@ -48,9 +48,15 @@ inline trajectory::Reference sineReference(const mechanism::Robot& robot, int va
   return reference;
 }
 
+/// How the controller foresees forces: a model file (empty: the URDF's weights), and the share of every part.
+struct Foreseen {
+  std::string model;
+  double share = 1.0;
+};
+
 /// What the controller records when the simulated robot plays sineReference. `effects`: entries of the simulation file's list.
 inline recording::Recording simulatedRecording(const mechanism::Robot& robot, int variant, double seconds,
-                                               const std::string& effects) {
+                                               const std::string& effects, const Foreseen& foreseen = {}) {
   const auto require = [](const control::Answer& answer) {
     if (!answer.ok) throw std::runtime_error(answer.sentence);
   };
@@ -76,6 +82,7 @@ inline recording::Recording simulatedRecording(const mechanism::Robot& robot, in
   control::ControlSystem::Options options;
   options.execution = rt::Execution::Stepped;
   options.empty = true;
+  options.model = foreseen.model;
   {
     control::ControlSystem system(robot, control::loadHardwareFile(source + "/config/hardware/simulated.yaml"),
                                   deployment_path, *bus, options);
@@ -88,6 +95,9 @@ inline recording::Recording simulatedRecording(const mechanism::Robot& robot, in
         throw std::runtime_error(system.status().fault_sentence);
     };
     require(system.start());
+    for (const char* part : {"share_gravity", "share_inertia", "share_friction"}) {
+      if (foreseen.share < 1.0) require(system.setProperty("Feedforward", part, std::to_string(foreseen.share)));
+    }
     require(system.loadReference(sineReference(robot, variant, seconds)));
     require(system.enable());
     require(system.approach());

@@ -22,7 +22,11 @@ namespace knee_robot::control {
 ///   releases them only when `complete`, onto a force that already carries the robot.
 /// - A share or the payload that changes moves there in switch_s. That is no change of the load: `switched_N` counts the newtons that
 ///   were switched, the Drivers' integrals take up the difference, and the force on the motors stays.
-/// - Friction goes by the reference's velocity, smoothed, zero at rest: it can not make an axis move that should stand.
+/// - Friction goes by the reference's motion, never by the measured one: by the law near rest that was identified, which builds up over
+///   a way and is held at a turning point. Where the reference rests it is let go of in rest_s: it can not make an axis move that should
+///   stand.
+/// - Effects of `trace` act in the part they belong to: springs, offsets, ripples with the weight; friction's with friction; a delay or
+///   drive lag with the inertia, as the force of that much later on the reference as it goes on. source() names those that are left out.
 /// - Every axis stays within largest_share of its force limit.
 /// - Pose unknown (forward kinematics without result, near a singularity), or a part that is no number: 0 N from this cycle on, taken up
 ///   by the integrals like a share; when the pose is known again the force comes back in switch_s. Unreadable encoders: the last pose.
@@ -58,8 +62,14 @@ class ModelFeedforward : public rt::TaskContext {
                                "on the platform's origin, beyond what the model knows of",
                                rt::Change::AtRunTime};
   rt::Property<double> largest_share{*this, "largest_share", 0.8, "", 0.0, 1.0, "of an axis' force limit"};
-  rt::Property<double> coulomb_speed{
-      *this, "coulomb_m_per_s", 2e-4, "m/s", 1e-5, 0.1, "reference velocity at which friction has 76 % of its size"};
+  rt::Property<double> coulomb_speed{*this,
+                                     "coulomb_m_per_s",
+                                     2e-4,
+                                     "m/s",
+                                     1e-5,
+                                     0.1,
+                                     "reference velocity at which friction without a law has 76 % of its size"};
+  rt::Property<double> rest_time{*this, "rest_s", 0.3, "s", 0.01, 60.0, "in which friction is let go of at rest"};
   rt::Property<double> take_over_time{*this, "take_over_s", 0.03, "s", 0.0, 1.0, "until the whole force is there"};
   rt::Property<double> switch_time{*this, "switch_s", 0.5, "s", 0.0, 10.0, "for a share from 0 to 1, or 50 kg"};
 
@@ -82,7 +92,7 @@ class ModelFeedforward : public rt::TaskContext {
   void readPorts() noexcept;
   void followReference(std::size_t axis) noexcept;
   void carry(double dt) noexcept;
-  void letGo() noexcept;
+  void letGo(double dt) noexcept;
   void drop() noexcept;
   bool findParts() noexcept;
   AxisValues total(const Weights& weights, double level) const noexcept;
@@ -109,7 +119,7 @@ class ModelFeedforward : public rt::TaskContext {
   bool taking_over_ = false;
   double level_ = 0.0;
   Weights weights_;
-  rt::Nanoseconds last_time_ = 0;
+  rt::Nanoseconds last_time_ = 0, parts_time_ = 0;
   FeedforwardForce out_;
 };
 

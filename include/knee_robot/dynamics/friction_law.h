@@ -66,6 +66,11 @@ class FrictionState {
   double step(const FrictionLaw& law, double displacement_m, double duration_s) noexcept;
   /// All that remembers starts with this share in [-1, 1].
   void start(double share) noexcept { z_.fill(share); }
+  /// Lets go of this share of what is remembered, as an axis at rest does when the force that bent its bristles is taken away.
+  void fade(double factor) noexcept {
+    for (double& z : z_)
+      z *= factor;
+  }
 
  private:
   std::array<double, kMostFrictionElements> z_{};

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "knee_robot/dynamics/acting_effects.h"
 #include "knee_robot/dynamics/friction_law.h"
 #include "knee_robot/dynamics/regressor.h"
 #include "knee_robot/mechanism/robot.h"
@@ -43,8 +44,8 @@ struct EffectParameter {
   double std = std::numeric_limits<double>::quiet_NaN();  ///< nan: searched on a grid
 };
 
-/// An effect beyond rigid body, Coulomb and viscous friction, as trace found it. Effects are predicted along whole recordings
-/// (predictModel, tracing/model_prediction.h), not instant by instant: ForceModel refuses a model that has some.
+/// An effect beyond rigid body, Coulomb and viscous friction, as trace found it. Predicted along whole recordings by predictModel
+/// (tracing/model_prediction.h), instant by instant by ForceModel (ActingEffects says which are).
 struct ModelEffect {
   std::string name;            ///< of the list of effects, or "unnamed"
   std::string depends_on;      ///< signal of an unnamed one, otherwise empty
@@ -95,9 +96,10 @@ Model parseModel(const std::string& text, const std::string& path);
 /// InputError unless the model was identified with this robot file.
 void requireModelOf(const Model& model, const std::string& model_path, const mechanism::Robot& robot);
 
-/// The model as constants that forceFromModel needs.
+/// The model as constants that forceFromModel needs. The model's numbers `elsewhere` count where it has some: what it is used for is
+/// none of its training recordings.
 struct ForceModel {
-  /// InputError when the model has effects: a force without them would not be the model's.
+  /// InputError when an effect is unknown or lacks its numbers.
   ForceModel(const Model& model, const mechanism::Robot& robot);
 
   std::optional<mechanism::Mechanism> mechanism;  ///< empty for bench axes
@@ -107,20 +109,22 @@ struct ForceModel {
   mechanism::Matrix4 axis_parameters;  ///< of bench axes: column i holds viscous, Coulomb, rotor, offset of axis i
   mechanism::Vector4 coulomb;          ///< N, taken out of `parameters`: it acts through the memory
   std::array<FrictionLaw, mechanism::kLegs> friction;  ///< per actuator
+  ActingEffects effects;                               ///< and which are left out
 };
 
-/// Workspace of forceFromModel, and the friction's memory. One per motion.
+/// Workspace of forceFromModel, and what remembers. One per motion.
 struct ForceModelData {
   RegressorData regressor;
   ExtendedRegressor row;
-  std::array<FrictionState, mechanism::kLegs> memory;
+  MotionMemory memory;
   mechanism::Vector4 last_position = mechanism::Vector4::Zero();
   bool started = false;
 };
 
 /// Actuator forces (N) for one instant of a motion: positions (m), velocities and accelerations of the actuators (unused entries
 /// zero), and for the parallel robot the platform's motion that belongs to them (motionFromLengths). Call it once per instant in
-/// order of time, `period_s` after the last one: the friction remembers. False, with `forces` untouched, where the mechanism is singular. Real-time safe.
+/// order of time, `period_s` after the last one: friction and effects remember. What acts later than it is asked for (delay, drive
+/// lag) is predicted: the force of that much later, on the motion as it goes on from here with its acceleration and jerk. False, with `forces` untouched, where the mechanism is singular. Real-time safe.
 bool forceFromModel(const ForceModel& model, const mechanism::Vector4& position, const mechanism::Vector4& velocity,
                     const mechanism::Vector4& acceleration, const mechanism::Motion& motion, ForceModelData& data,
                     mechanism::Vector4& forces, double period_s = 0.01) noexcept;

@@ -1,0 +1,195 @@
+#include "knee_robot/dynamics/acting_effects.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "knee_robot/base/errors.h"
+#include "knee_robot/dynamics/model.h"
+#include "named_values.h"
+
+namespace knee_robot::dynamics {
+namespace {
+
+constexpr double kSegment_s = 0.01;  ///< of a reference
+constexpr double kTurnCounts = 2.0;  ///< as in tracing: a smaller way back is the encoder's flicker
+
+std::string nameOf(const ModelEffect& e) {
+  return e.depends_on.empty() ? e.name : e.name + " (" + e.depends_on + ")";
+}
+
+std::vector<double> valuesOf(const std::vector<EffectParameter>& parameters) {
+  std::vector<double> values;
+  for (const EffectParameter& p : parameters)
+    values.push_back(p.value);
+  return values;
+}
+
+/// A ripple has a sine and a cosine per training recording. What another recording has of them: their mean, as far as they agree
+/// (the mean's square less its expectation for phases at random).
+std::vector<double> commonPhase(const std::vector<double>& each) {
+  const Eigen::Index recordings = static_cast<Eigen::Index>(each.size() / 2);
+  const Eigen::Map<const Eigen::Matrix2Xd> pairs(each.data(), 2, recordings);
+  const Eigen::Vector2d mean = pairs.rowwise().mean();
+  return {mean[0], mean[1]};
+}
+
+class Reader {
+ public:
+  Reader(const mechanism::Robot& robot, ActingEffects& to) : robot_(robot), to_(to) {}
+
+  void add(const ModelEffect& e) {
+    std::vector<double> coefficients = valuesOf(e.coefficients);
+    if (!e.transfers) return leaveOut(e, "it belongs to the recordings of its training");
+    std::shared_ptr<const EffectLaw> law = effectLaw(e.name, e.depends_on, valuesOf(e.shape));
+    if (!law) {
+      const std::string reason = whyNotInstantly(e.name);
+      if (reason.empty()) throw InputError("effect " + nameOf(e) + " is not known, or has other numbers; trace again");
+      return leaveOut(e, reason);
+    }
+    if (e.name == "screw_ripple" && coefficients.size() > 2) coefficients = commonPhase(coefficients);
+    if (coefficients.size() != static_cast<std::size_t>(law->coefficients()) || e.actuators.empty() ||
+        (law->shared() && !robot_.mechanism)) {
+      throw InputError("effect " + nameOf(e) + " has " + std::to_string(coefficients.size()) + " coefficients where " +
+                       std::to_string(law->coefficients()) + " belong; trace again");
+    }
+    ActingEffect acting;
+    acting.law = std::move(law);
+    std::copy(coefficients.begin(), coefficients.end(), acting.coefficients.begin());
+    if (acting.law->shared()) return put(acting);
+    for (const int actuator : e.actuators) {
+      acting.actuator = actuator - 1;
+      put(acting);
+    }
+  }
+
+ private:
+  void put(const ActingEffect& acting) {
+    if (acting.law->part() == EffectPart::Gain) {
+      to_.gain[acting.actuator] += acting.coefficients[0];
+    } else if (acting.law->part() == EffectPart::Ahead) {
+      to_.ahead_s[acting.actuator] += acting.coefficients[0];
+    } else {
+      if (to_.acting.size() == static_cast<std::size_t>(kMostActingEffects))
+        throw InputError("the model has more than " + std::to_string(kMostActingEffects) + " effects");
+      to_.acting.push_back(acting);
+    }
+  }
+  void leaveOut(const ModelEffect& e, const std::string& reason) {
+    const bool one = e.actuators.size() == 1;
+    to_.left_out.push_back({nameOf(e), one ? "axis " + std::to_string(e.actuators.front()) : "the platform", reason});
+  }
+
+  const mechanism::Robot& robot_;
+  ActingEffects& to_;
+};
+
+EffectsSee seenBy(const Model& model, const std::vector<double>& values, bool bench) {
+  EffectsSee see;
+  if (bench) {
+    see.axis_load = axisValues(model, values);
+    see.coulomb = see.axis_load.row(1).transpose();
+    see.axis_rubbing.row(0) = see.axis_load.row(0);
+    see.axis_load.topRows<2>().setZero();
+    return see;
+  }
+  see.load = extendedValues(model, values);
+  constexpr int kRubbing = extended::kRotor - extended::kPassiveFriction;
+  see.rubbing.segment<kRubbing>(extended::kPassiveFriction) = see.load.segment<kRubbing>(extended::kPassiveFriction);
+  see.coulomb = see.load.segment<mechanism::kLegs>(extended::kCoulomb);
+  see.rubbing.segment<mechanism::kLegs>(extended::kCoulomb).setZero();
+  see.load.segment<kRubbing>(extended::kPassiveFriction).setZero();
+  return see;
+}
+
+}  // namespace
+
+ActingEffects::ActingEffects(const Model& model, const mechanism::Robot& robot) {
+  Reader reader(robot, *this);
+  for (const ModelEffect& e : model.elsewhere ? model.elsewhere->effects : model.effects)
+    reader.add(e);
+  if (model.elsewhere) {  // what training recordings have of their own is left out as well
+    for (const ModelEffect& e : model.effects) {
+      if (!e.transfers) reader.add(e);
+    }
+  }
+  for (int i = 0; i < robot.axes(); ++i)
+    turn_m[i] = kTurnCounts * robot.actuators[static_cast<std::size_t>(i)].metresPerCount();
+  if (!any()) return;
+  const std::vector<double>& values = model.elsewhere ? model.elsewhere->effects_see : model.effects_see;
+  if (values.size() != model.parameters.size())
+    throw InputError("lacks effects_see, without which its effects cannot be computed; trace again with this version");
+  see = seenBy(model, values, !robot.mechanism);
+}
+
+double ReversalDistance::step(double displacement_m, double turn_m) noexcept {
+  at_ += displacement_m;
+  if (direction_ == 0.0 && std::abs(at_ - turn_) > turn_m) direction_ = at_ > turn_ ? 1.0 : -1.0;
+  if (direction_ * (at_ - extreme_) > 0.0 || direction_ == 0.0) extreme_ = at_;
+  if (direction_ * (extreme_ - at_) > turn_m) {
+    turn_ = extreme_;
+    direction_ = -direction_;
+    extreme_ = at_;
+  }
+  return std::abs(at_ - turn_);
+}
+
+void MotionMemory::follow(const mechanism::Vector4& now, double period_s) noexcept {
+  if (moved && period_s > 0.0) jerk += std::min(1.0, period_s / kSegment_s) * ((now - acceleration) / period_s - jerk);
+  acceleration = now;
+  moved = true;
+}
+
+EffectForces effectForces(const ActingEffects& effects, int axes, const EffectsInstant& at,
+                          MotionMemory& memory) noexcept {
+  EffectForces forces;
+  EffectInstant one;
+  one.period_s = at.period_s;
+  one.position_m = at.position_m;
+  one.velocity_m_per_s = at.velocity_m_per_s;
+  one.mechanism = at.mechanism;
+  one.motion = at.motion;
+  mechanism::Vector4 since_reversal;
+  for (int i = 0; i < axes; ++i)
+    since_reversal[i] = memory.turned[static_cast<std::size_t>(i)].step(at.displacement_m[i], effects.turn_m[i]);
+  mechanism::Vector4 carried_pose = mechanism::Vector4::Zero(), friction_pose = mechanism::Vector4::Zero();
+  for (std::size_t k = 0; k < effects.acting.size(); ++k) {
+    const ActingEffect& e = effects.acting[k];
+    const bool carried = e.law->part() == EffectPart::Carried;
+    const int count = e.law->coefficients();
+    if (e.actuator < 0) {
+      PoseColumns columns;
+      e.law->poseColumns(*at.motion, columns);
+      for (int c = 0; c < count; ++c)
+        (carried ? carried_pose : friction_pose) += e.coefficients[static_cast<std::size_t>(c)] * columns.col(c);
+      continue;
+    }
+    one.actuator = e.actuator;
+    one.share = at.share[e.actuator];
+    one.displacement_m = at.displacement_m[e.actuator];
+    one.since_reversal_m = since_reversal[e.actuator];
+    one.load_N = at.load_N[e.actuator];
+    one.fade = at.fade[e.actuator];
+    EffectColumns columns;
+    e.law->columns(one, memory.effects[k], columns);
+    double force = 0.0;
+    for (std::size_t c = 0; c < static_cast<std::size_t>(count); ++c)
+      force += e.coefficients[c] * columns[c];
+    (carried ? forces.carried : forces.friction)[e.actuator] += force;
+  }
+  if (at.pose_per_length != nullptr) {
+    forces.carried.noalias() += at.pose_per_length->transpose() * carried_pose;
+    forces.friction.noalias() += at.pose_per_length->transpose() * friction_pose;
+  }
+  return forces;
+}
+
+void rest(const ActingEffects& effects, double duration_s, MotionMemory& memory) noexcept {
+  memory.friction.fill(FrictionState{});
+  memory.turned.fill(ReversalDistance{});
+  memory.jerk.setZero();
+  memory.moved = false;
+  for (std::size_t k = 0; k < effects.acting.size(); ++k)
+    effects.acting[k].law->rest(duration_s, memory.effects[k]);
+}
+
+}  // namespace knee_robot::dynamics

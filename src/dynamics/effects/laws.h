@@ -1,0 +1,30 @@
+#pragma once
+
+#include "knee_robot/dynamics/effect_law.h"
+
+namespace knee_robot::dynamics {
+
+using Law = std::unique_ptr<const EffectLaw>;
+using Shape = std::vector<double>;
+
+// One file a law: NAME.cpp.
+Law asymmetricCoulombLaw(const Shape& shape);
+Law asymmetricViscousLaw(const Shape& shape);
+Law stribeckLaw(const Shape& shape);
+Law preslidingLaw(const Shape& shape);
+Law loadDependentFrictionLaw(const Shape& shape);
+Law loadDependentViscousLaw(const Shape& shape);
+Law powerFlowFrictionLaw(const Shape& shape);
+Law positionDependentFrictionLaw(const Shape& shape);
+Law screwRippleLaw(const Shape& shape);
+Law quadraticDragLaw(const Shape& shape);
+Law thermalDriftLaw(const Shape& shape);
+Law forceGainLaw(const Shape& shape);
+Law forceOffsetLaw(const Shape& shape);
+Law delayLaw(const Shape& shape);
+Law springLaw(const Shape& shape);
+Law dashpotLaw(const Shape& shape);
+/// Null when there is no such signal, or it means nothing while a robot runs on (time since a recording began).
+Law mapLaw(const std::string& depends_on, const Shape& knots);
+
+}  // namespace knee_robot::dynamics
