@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "knee_robot/base/numbers.h"
+#include "knee_robot/mechanism/chain.h"
 
 namespace knee_robot::dynamics {
 namespace {
@@ -11,10 +12,16 @@ namespace {
 constexpr double kNarrowest_m = 1e-12, kWidest_m = 1e3;
 constexpr double kSlowest_m_per_s = 1e-9, kFastest_m_per_s = 1e3;
 
-std::string elementText(const FrictionElement& e) {
+double radiusOf(bool revolute) {
+  return revolute ? mechanism::kJointRadius_m : 1.0;
+}
+
+std::string elementText(const FrictionElement& e, bool revolute) {
+  const double radius = radiusOf(revolute);
+  const std::string unit = revolute ? "rad" : "m";
   const std::string share = ", share: " + exactNumber(e.share) + "}";
-  const std::string width = ", width_m: " + exactNumber(e.width_m);
-  const std::string speed = ", speed_m_per_s: " + exactNumber(e.speed_m_per_s);
+  const std::string width = ", width_" + unit + ": " + exactNumber(e.width_m / radius);
+  const std::string speed = ", speed_" + unit + "_per_s: " + exactNumber(e.speed_m_per_s / radius);
   switch (e.kind) {
     case FrictionKind::Stop:
       return "{law: stop" + width + share;
@@ -25,15 +32,18 @@ std::string elementText(const FrictionElement& e) {
   }
 }
 
-FrictionElement readElement(StrictMap map) {
+FrictionElement readElement(StrictMap map, bool revolute) {
+  const double radius = radiusOf(revolute);
+  const std::string width = revolute ? "width_rad" : "width_m";
+  const std::string speed = revolute ? "speed_rad_per_s" : "speed_m_per_s";
   FrictionElement e;
   const std::string law = map.choice("law", {"stop", "tanh", "bristles"});
   e.kind = law == "stop" ? FrictionKind::Stop : law == "tanh" ? FrictionKind::Smooth : FrictionKind::Bristles;
   e.share = map.number("share", 1e-9, 1.0);
-  e.width_m = e.kind == FrictionKind::Smooth ? 0.0 : map.number("width_m", kNarrowest_m, kWidest_m);
-  if (e.kind == FrictionKind::Smooth) e.speed_m_per_s = map.number("speed_m_per_s", kSlowest_m_per_s, kFastest_m_per_s);
+  e.width_m = e.kind == FrictionKind::Smooth ? 0.0 : radius * map.number(width, kNarrowest_m, kWidest_m);
+  if (e.kind == FrictionKind::Smooth) e.speed_m_per_s = radius * map.number(speed, kSlowest_m_per_s, kFastest_m_per_s);
   if (e.kind == FrictionKind::Bristles) {
-    e.speed_m_per_s = map.number("speed_m_per_s", 0.0, kFastest_m_per_s);
+    e.speed_m_per_s = radius * map.number(speed, 0.0, kFastest_m_per_s);
     e.damping_s = map.number("damping_s", 0.0, 1.0);
   }
   map.finish();
@@ -49,13 +59,13 @@ std::string frictionText(const std::vector<FrictionLaw>& laws) {
   for (std::size_t i = 0; i < laws.size(); ++i) {
     y += "  - {actuator: " + std::to_string(i + 1) + ", elements: [";
     for (int k = 0; k < laws[i].count; ++k)
-      y += (k > 0 ? ", " : "") + elementText(laws[i].elements[static_cast<std::size_t>(k)]);
+      y += (k > 0 ? ", " : "") + elementText(laws[i].elements[static_cast<std::size_t>(k)], laws[i].revolute);
     y += "]}\n";
   }
   return y;
 }
 
-std::vector<FrictionLaw> readFriction(StrictMap& file, int axes) {
+std::vector<FrictionLaw> readFriction(StrictMap& file, int axes, const std::vector<char>& revolute) {
   std::vector<StrictMap> entries = file.maps("friction_near_rest");
   if (entries.size() != static_cast<std::size_t>(axes))
     file.refuse("friction_near_rest", "has " + std::to_string(entries.size()) + " entries where " +
@@ -67,8 +77,9 @@ std::vector<FrictionLaw> readFriction(StrictMap& file, int axes) {
       entry.refuse("actuator", "belongs to entry " + std::to_string(actuator) + "; list the actuators in order");
     std::vector<FrictionElement> elements;
     double sum = 0.0;
+    const bool turns = !revolute.empty() && revolute[laws.size()];
     for (StrictMap& element : entry.maps("elements")) {
-      elements.push_back(readElement(element));
+      elements.push_back(readElement(element, turns));
       sum += elements.back().share;
     }
     if (elements.empty() || elements.size() > static_cast<std::size_t>(kMostFrictionElements) ||
@@ -79,6 +90,7 @@ std::vector<FrictionLaw> readFriction(StrictMap& file, int axes) {
     entry.finish();
     FrictionLaw law;  // as written: lawOf would bring the shares to their sum again, and lose a bit
     law.count = static_cast<int>(elements.size());
+    law.revolute = turns;
     std::copy(elements.begin(), elements.end(), law.elements.begin());
     laws.push_back(law);
   }

@@ -10,6 +10,7 @@ namespace knee_robot::dynamics {
 
 /// `friction_near_rest` of a model file: one entry per actuator.
 std::string frictionText(const std::vector<FrictionLaw>& laws);
-std::vector<FrictionLaw> readFriction(StrictMap& file, int axes);
+/// `revolute`: one entry an actuator, or empty where none is.
+std::vector<FrictionLaw> readFriction(StrictMap& file, int axes, const std::vector<char>& revolute = {});
 
 }  // namespace knee_robot::dynamics

@@ -5,6 +5,7 @@
 #include <stdexcept>
 
 #include "knee_robot/base/numbers.h"
+#include "knee_robot/mechanism/chain.h"
 
 namespace knee_robot::dynamics {
 namespace {
@@ -14,17 +15,20 @@ bool all(const FrictionLaw& law, FrictionKind kind) {
                      [kind](const FrictionElement& e) { return e.kind == kind; });
 }
 
-std::string elementText(const FrictionElement& e) {
+std::string elementText(const FrictionElement& e, bool revolute) {
+  const double radius = revolute ? mechanism::kJointRadius_m : 1.0;
+  const std::string width = shortNumber(1e6 * e.width_m / radius, 3) + (revolute ? " urad" : " um");
+  const std::string speed = shortNumber(1e3 * e.speed_m_per_s / radius, 3) + (revolute ? " mrad/s" : " mm/s");
   switch (e.kind) {
     case FrictionKind::Stop:
-      return "stop " + shortNumber(1e6 * e.width_m, 3) + " um";
+      return "stop " + width;
     case FrictionKind::Smooth:
-      return "tanh(v / " + shortNumber(1e3 * e.speed_m_per_s, 3) + " mm/s)";
+      return "tanh(v / " + speed + ")";
     default:
       break;
   }
-  std::string text = "bristles " + shortNumber(1e6 * e.width_m, 3) + " um";
-  if (e.speed_m_per_s > 0.0) text += ", creep " + shortNumber(1e3 * e.speed_m_per_s, 3) + " mm/s";
+  std::string text = "bristles " + width;
+  if (e.speed_m_per_s > 0.0) text += ", creep " + speed;
   if (e.damping_s > 0.0) text += ", damping " + shortNumber(1e3 * e.damping_s, 3) + " ms";
   return text;
 }
@@ -72,11 +76,11 @@ std::string nameOf(const FrictionLaw& law) {
 }
 
 std::string describe(const FrictionLaw& law) {
-  if (law.count == 1) return elementText(law.elements.front());
+  if (law.count == 1) return elementText(law.elements.front(), law.revolute);
   std::string text;
   for (int k = 0; k < law.count; ++k) {
     const FrictionElement& e = law.elements[static_cast<std::size_t>(k)];
-    text += (k > 0 ? " + " : "") + elementText(e) + " (" + shortNumber(100.0 * e.share, 3) + " %)";
+    text += (k > 0 ? " + " : "") + elementText(e, law.revolute) + " (" + shortNumber(100.0 * e.share, 3) + " %)";
   }
   return text;
 }

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "knee_robot/base/errors.h"
+#include "knee_robot/dynamics/chain_regressor.h"
 #include "named_values.h"
 
 namespace knee_robot::dynamics {
@@ -32,6 +33,23 @@ std::vector<std::string> axisParameterNames(int axes) {
       names.push_back(name + std::to_string(i));
   }
   return names;
+}
+
+std::vector<std::string> chainParameterNames(int joints) {
+  std::vector<std::string> names = chainInertialNames(joints);
+  for (const char* name : {"Fv_", "Fc_", "rotor_", "offset_"}) {
+    for (int i = 1; i <= joints; ++i)
+      names.push_back(name + std::to_string(i));
+  }
+  return names;
+}
+
+std::vector<ModelJoint> modelJoints(const mechanism::Robot& robot) {
+  std::vector<ModelJoint> joints;
+  if (robot.kind != mechanism::MechanismKind::Chain) return joints;
+  for (const mechanism::Actuator& a : robot.actuators)
+    joints.push_back({a.name, a.revolute, mechanism::forceUnit(a), a.torque_per_ampere, a.torque_per_ampere_std});
+  return joints;
 }
 
 void requireModelOf(const Model& model, const std::string& model_path, const mechanism::Robot& robot) {
@@ -65,6 +83,8 @@ mechanism::Matrix4 axisValues(const Model& model, const std::vector<double>& val
 
 ForceModel::ForceModel(const Model& model, const mechanism::Robot& robot)
     : mechanism(robot.mechanism), gravity(robot.gravity), axes(model.axes), effects(model, robot) {
+  if (robot.kind == mechanism::MechanismKind::Chain)
+    throw InputError(robot.path + ": is a chain; its model predicts recordings, and drives no controller");
   const std::vector<double> values = valuesOf(model);
   parameters.setZero();
   axis_parameters.setZero();

@@ -17,6 +17,8 @@ constexpr int kFormatOfTrace = 4;  ///< may have effects, and what predictions a
 constexpr double kLargest = 1e15;
 constexpr const char* kParallel = "3UPS+1RPU";
 constexpr const char* kAxes = "axes";
+constexpr const char* kChain = "chain";
+constexpr int kMostJoints = 12;
 
 std::string list(const std::vector<double>& values) {
   std::string text = "[";
@@ -146,8 +148,10 @@ void readTrace(StrictMap& file, Model& m) {
 }
 
 void checkNames(const Model& model, const StrictMap& file) {
-  const std::vector<std::string> names =
-      model.kind == mechanism::MechanismKind::Axes ? axisParameterNames(model.axes) : extendedParameterNames();
+  const std::vector<std::string> names = model.kind == mechanism::MechanismKind::Axes ? axisParameterNames(model.axes)
+                                         : model.kind == mechanism::MechanismKind::Chain
+                                             ? chainParameterNames(model.axes)
+                                             : extendedParameterNames();
   std::set<std::string> allowed(names.begin(), names.end());
   for (const ModelParameter& parameter : model.parameters) {
     if (allowed.erase(parameter.name) == 0) {
@@ -156,15 +160,49 @@ void checkNames(const Model& model, const StrictMap& file) {
   }
 }
 
+std::string jointsText(const std::vector<ModelJoint>& joints) {
+  std::string y = "joints:\n";
+  for (const ModelJoint& j : joints) {
+    y += "  - {name: " + quoted(j.name) + ", kind: " + (j.revolute ? "revolute" : "prismatic") +
+         ", force_unit: " + j.force_unit;
+    if (j.torque_per_ampere > 0.0) y += ", torque_per_ampere_Nm: " + exactNumber(j.torque_per_ampere);
+    if (j.torque_per_ampere_std > 0.0) y += ", torque_per_ampere_std_Nm: " + exactNumber(j.torque_per_ampere_std);
+    y += "}\n";
+  }
+  return y;
+}
+
+void readJoints(StrictMap& file, Model& m) {
+  for (StrictMap& entry : file.maps("joints")) {
+    ModelJoint joint;
+    joint.name = entry.text("name");
+    joint.revolute = entry.choice("kind", {"revolute", "prismatic"}) == "revolute";
+    joint.force_unit = entry.choice("force_unit", {"N", "Nm", "A"});
+    joint.torque_per_ampere = entry.numberOr("torque_per_ampere_Nm", 0.0, 0.0, 1e6);
+    joint.torque_per_ampere_std = entry.numberOr("torque_per_ampere_std_Nm", 0.0, 0.0, 1e6);
+    entry.finish();
+    m.joints.push_back(joint);
+  }
+  if (static_cast<int>(m.joints.size()) != m.axes)
+    file.refuse("joints", "has " + std::to_string(m.joints.size()) + " entries where " + std::to_string(m.axes) +
+                              " axes need one each");
+}
+
 Model readModel(StrictMap file) {
   const int format = file.integer("format", kFirstFormat, kFormatOfTrace);
   if (format == 2)
     file.refuse("format", "2 was written by an older trace, whose friction is not known any more; trace again");
   Model m;
-  m.kind = file.choice("mechanism", {kParallel, kAxes}) == kAxes ? mechanism::MechanismKind::Axes
-                                                                 : mechanism::MechanismKind::ThreeUpsOneRpu;
-  const bool bench = m.kind == mechanism::MechanismKind::Axes;
-  m.axes = file.integer("axes", bench ? 1 : mechanism::kLegs, mechanism::kLegs);
+  const std::string kind = file.choice("mechanism", {kParallel, kAxes, kChain});
+  m.kind = kind == kAxes    ? mechanism::MechanismKind::Axes
+           : kind == kChain ? mechanism::MechanismKind::Chain
+                            : mechanism::MechanismKind::ThreeUpsOneRpu;
+  const bool chain = kind == kChain;
+  m.axes = file.integer("axes", kind == kParallel ? mechanism::kLegs : 1, chain ? kMostJoints : mechanism::kLegs);
+  if (chain) readJoints(file, m);
+  std::vector<char> revolute;
+  for (const ModelJoint& joint : m.joints)
+    revolute.push_back(joint.revolute);
   m.robot_fingerprint = file.text("robot_fingerprint");
   for (StrictMap& entry : file.maps("data")) {
     ModelData data;
@@ -181,9 +219,9 @@ Model readModel(StrictMap file) {
     for (const double width_m : file.numbers("coulomb_width_m", axes, 1e-12, 1e3))
       m.friction.push_back(stopLaw(width_m));
   } else {
-    m.friction = readFriction(file, m.axes);
+    m.friction = readFriction(file, m.axes, revolute);
   }
-  m.residual_rms_N = file.numbers("residual_rms_N", axes, 0.0, kLargest);
+  m.residual_rms_N = file.numbers(chain ? "residual_rms" : "residual_rms_N", axes, 0.0, kLargest);
   for (StrictMap& entry : file.maps("parameters"))
     m.parameters.push_back(readParameter(entry));
   for (StrictMap& entry : file.maps("base"))
@@ -191,16 +229,22 @@ Model readModel(StrictMap file) {
   if (format == kFormatOfTrace) readTrace(file, m);
   checkNames(m, file);
   file.finish();
-  return m;
+  return chain ? fromJointUnits(std::move(m)) : m;
+}
+
+const char* nameOf(mechanism::MechanismKind kind) {
+  return kind == mechanism::MechanismKind::Axes ? kAxes : kind == mechanism::MechanismKind::Chain ? kChain : kParallel;
 }
 
 }  // namespace
 
-std::string modelToYaml(const Model& m) {
+std::string modelToYaml(const Model& model) {
+  const Model m = inJointUnits(model);
   std::string y = "# Force model of a robot, written by identify or trace. SI units.\n";
   y += "format: " + std::to_string(ofTrace(m) ? kFormatOfTrace : kFormat) + "\n";
-  y += std::string("mechanism: ") + (m.kind == mechanism::MechanismKind::Axes ? kAxes : kParallel) + "\n";
+  y += std::string("mechanism: ") + nameOf(m.kind) + "\n";
   y += "axes: " + std::to_string(m.axes) + "\n";
+  if (!m.joints.empty()) y += jointsText(m.joints);
   y += "robot_fingerprint: " + quoted(m.robot_fingerprint) + "\n";
   y += "data:\n";
   for (const ModelData& d : m.data)
@@ -209,7 +253,7 @@ std::string modelToYaml(const Model& m) {
   y += "moving_m_per_s: " + exactNumber(m.moving_m_per_s) + "\n";
   y += "rank: " + std::to_string(m.rank) + "\n";
   y += frictionText(m.friction);
-  y += "residual_rms_N: " + list(m.residual_rms_N) + "\n";
+  y += (m.joints.empty() ? "residual_rms_N: " : "residual_rms: ") + list(m.residual_rms_N) + "\n";
   y += "# One representative of the identified combinations; parameters without std have no value of their own.\n";
   y += "parameters:\n";
   for (const ModelParameter& p : m.parameters) {

@@ -42,6 +42,10 @@ void add(const Observation& o, const Prediction& p, Sums& s) {
 
 }  // namespace
 
+double Accuracy::togetherPercent() const {
+  return 100.0 * rms_N.norm() / (100.0 * rms_N.cwiseQuotient(rms_percent)).norm();
+}
+
 Prediction makePrediction(const Observation& o, Eigen::MatrixXd force_N, double cutoff_hz) {
   Prediction p;
   p.force_N = std::move(force_N);

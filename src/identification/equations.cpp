@@ -140,7 +140,7 @@ void fill(const std::vector<Observation>& training, const ObservationOptions& op
 Equations stackEquations(const std::vector<Observation>& training, const ObservationOptions& options) {
   Equations e;
   e.axes = training.front().axes();
-  const bool independent = training.front().motion.motion.empty();
+  const bool independent = !training.front().motion.coupled;
   std::vector<Pick> picks = findPicks(training, options, independent);
   e.blocks = assignBlocks(training, picks);
 
@@ -184,7 +184,7 @@ Equations stackEquations(const std::vector<Observation>& training, const Observa
 
 void refillColumns(const std::vector<Observation>& training, const ObservationOptions& options,
                    const std::vector<int>& columns, Equations& e) {
-  const bool independent = training.front().motion.motion.empty();
+  const bool independent = !training.front().motion.coupled;
   fill(training, options, findPicks(training, options, independent), columns, e);
 }
 

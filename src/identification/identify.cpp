@@ -208,11 +208,24 @@ void describeModel(const mechanism::Robot& robot, const std::vector<Observation>
                    const ObservationOptions& options, dynamics::Model& model) {
   model.kind = robot.kind;
   model.axes = robot.axes();
+  model.joints = dynamics::modelJoints(robot);
   model.robot_fingerprint = robot.fingerprint;
   model.cutoff_hz = options.cutoff_hz;
   model.moving_m_per_s = options.moving_m_per_s;
   for (const Observation& o : training)
     model.data.push_back({o.path, o.fingerprint});
+}
+
+/// Laws of revolute joints are described in rad.
+void markRevolute(const mechanism::Robot& robot, Identification& id) {
+  for (std::size_t i = 0; i < robot.actuators.size(); ++i) {
+    const bool revolute = robot.actuators[i].revolute;
+    id.model.friction[i].revolute = revolute;
+    if (id.friction.empty()) continue;
+    id.friction[i].law.revolute = revolute;
+    for (TriedLaw& tried : id.friction[i].tried)
+      tried.law.revolute = revolute;
+  }
 }
 
 /// What the physically consistent fit needs of the equations.
@@ -293,6 +306,7 @@ Identification identify(const mechanism::Robot& robot, std::vector<Observation>&
   describeModel(robot, training, options.observation, id.model);
   describeParameters(id.reduction, fit, setting, strength, id.model);
   id.model.rank = id.rank.rank;
+  markRevolute(robot, id);
   const Eigen::VectorXd residual = noiseAfter(equations, id.parameters).head(equations.axes);
   id.model.residual_rms_N.assign(residual.data(), residual.data() + residual.size());
 

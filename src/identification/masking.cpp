@@ -137,7 +137,7 @@ void findMoving(const ObservationOptions& options, Observation& o) {
       if (!o.axis_moving(n, i)) o.moving[static_cast<std::size_t>(n)] = 0;
     }
   }
-  const bool independent = o.motion.motion.empty();  // bench axes: each is fitted while it moves itself
+  const bool independent = !o.motion.coupled;  // bench axes: each is fitted while it moves itself
   std::vector<char> resting(o.moving.size()), used(o.moving.size());
   for (std::size_t n = 0; n < used.size(); ++n) {
     resting[n] = !o.moving[n];

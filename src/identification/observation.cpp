@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "knee_robot/dynamics/regressor.h"
 #include "knee_robot/identification/masking.h"
+#include "knee_robot/identification/motion_model.h"
 #include "knee_robot/recording/filter.h"
 
 namespace knee_robot::identification {
@@ -13,51 +13,6 @@ namespace {
 constexpr double kWideOpen = 1e6;
 constexpr double kUsualCondition = 60.0;
 constexpr double kVelocityNoise_m_per_s = 1e-4;
-
-/// Regressor rows of the parallel robot, with the joints' friction or without. Where the pose is not known the row before is kept;
-/// such samples are masked.
-void fillParallel(const mechanism::Robot& robot, Observation& o) {
-  dynamics::RegressorData data;
-  dynamics::ExtendedRegressor row = dynamics::ExtendedRegressor::Zero();
-  dynamics::ExtendedRegressor last = row;
-  const Eigen::Index own = o.regressor.front().cols() - dynamics::kInertialParameters;
-  for (int n = 0; n < o.samples(); ++n) {
-    const std::size_t i = static_cast<std::size_t>(n);
-    const bool known = o.motion.pose_known[i] &&
-                       dynamics::extendedRegressor(*robot.mechanism, robot.gravity, o.motion.motion[i], data, row);
-    if (known) {
-      last = row;
-    } else {
-      o.motion.pose_known[i] = 0;
-    }
-    for (int leg = 0; leg < mechanism::kLegs; ++leg) {
-      Eigen::MatrixXd& regressor = o.regressor[static_cast<std::size_t>(leg)];
-      regressor.row(n).head(dynamics::kInertialParameters) = last.row(leg).head(dynamics::kInertialParameters);
-      regressor.row(n).tail(own) = last.row(leg).tail(own);
-    }
-  }
-  if (own < dynamics::extended::kParameters - dynamics::kInertialParameters) return;
-  const PassiveCoulomb passive(robot, o.signals, o.motion);
-  for (int n = 0; n < o.samples(); ++n) {
-    for (int joint = 0; joint < PassiveCoulomb::kJoints; ++joint) {
-      const mechanism::Vector4 column = passive.column(n, joint);
-      for (int leg = 0; leg < mechanism::kLegs; ++leg)
-        o.regressor[static_cast<std::size_t>(leg)](n, dynamics::extended::kPassiveFriction + 2 * joint + 1) =
-            column[leg];
-    }
-  }
-}
-
-void fillAxes(const std::vector<Column>& columns, Observation& o) {
-  for (std::size_t c = 0; c < columns.size(); ++c) {
-    const int i = columns[c].actuator;
-    Eigen::MatrixXd& regressor = o.regressor[static_cast<std::size_t>(i)];
-    const Eigen::Index at = static_cast<Eigen::Index>(c);
-    if (columns[c].role == ColumnRole::Viscous) regressor.col(at) = o.signals.velocity_m_per_s.col(i);
-    if (columns[c].role == ColumnRole::Rotor) regressor.col(at) = o.signals.acceleration_m_per_s2.col(i);
-    if (columns[c].role == ColumnRole::Offset) regressor.col(at).setOnes();
-  }
-}
 
 }  // namespace
 
@@ -91,6 +46,8 @@ Observation observe(const mechanism::Robot& robot, const std::vector<Column>& co
   o.name = recording.name;
   o.fingerprint = recording.fingerprint;
   o.row_time_s = recording.time_s;
+  for (const mechanism::Actuator& a : robot.actuators)
+    o.force_unit.push_back(mechanism::forceUnit(a));
   o.row_force_N = recording::commandedForce(recording, forcePerVolt(robot));
   recording::SignalOptions wanted = options.signals;
   if (!options.motion_cutoff_given && recording.time_s.size() > 1)
@@ -100,15 +57,12 @@ Observation observe(const mechanism::Robot& robot, const std::vector<Column>& co
   unfiltered.motion_cutoff_hz = 1e6;
   o.fine_position_m = recording::resample(recording, o.row_force_N, unfiltered).position_m;
   o.notes = o.signals.notes;
-  o.motion = followPath(robot, o.signals);
+  const std::unique_ptr<MotionModel> model = motionModelOf(robot);
+  o.motion = model->follow(o.signals);
   o.sliding = actuatorPaths(robot, o.signals);
   o.regressor.assign(static_cast<std::size_t>(robot.axes()),
                      Eigen::MatrixXd::Zero(o.samples(), static_cast<Eigen::Index>(columns.size())));
-  if (robot.mechanism) {
-    fillParallel(robot, o);
-  } else {
-    fillAxes(columns, o);
-  }
+  model->fillRegressor(columns, o);
   o.force_filtered_N = o.signals.force_N;
   recording::ZeroPhaseLowPass(options.cutoff_hz, 1.0 / o.signals.period_s).applyToColumns(o.force_filtered_N);
   maskUnusable(robot, options, o);
@@ -120,7 +74,7 @@ void setFriction(Observation& o, const std::vector<Column>& columns, const std::
   for (std::size_t c = 0; c < columns.size(); ++c) {
     if (columns[c].role != ColumnRole::Coulomb) continue;
     const std::size_t i = static_cast<std::size_t>(columns[c].actuator);
-    o.regressor[i].col(static_cast<Eigen::Index>(c)) = frictionShare(o.sliding[i], laws[i]);
+    o.regressor[i].col(static_cast<Eigen::Index>(c)) = columns[c].newtons * frictionShare(o.sliding[i], laws[i]);
   }
 }
 

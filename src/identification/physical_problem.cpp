@@ -41,10 +41,15 @@ mechanism::Matrix4 unitChange(int coordinate) {
 }  // namespace
 
 PhysicalCoordinates physicalCoordinates(const dynamics::RobotInertia& prior) {
+  return physicalCoordinates(Eigen::VectorXd(dynamics::toParameters(prior)));
+}
+
+PhysicalCoordinates physicalCoordinates(const Eigen::VectorXd& prior) {
   PhysicalCoordinates c;
-  c.prior = dynamics::toParameters(prior);
-  c.transform = Eigen::MatrixXd::Zero(dynamics::kInertialParameters, dynamics::kLinks * kPerLink);
-  for (int link = 0; link < dynamics::kLinks; ++link) {
+  c.prior = prior;
+  const int links = static_cast<int>(prior.size()) / dynamics::kLinkParameters;
+  c.transform = Eigen::MatrixXd::Zero(prior.size(), links * kPerLink);
+  for (int link = 0; link < links; ++link) {
     const mechanism::Matrix4 root =
         rootOf(dynamics::pseudoInertia(c.prior.segment<dynamics::kLinkParameters>(link * dynamics::kLinkParameters)));
     for (int k = 0; k < kPerLink; ++k) {
@@ -59,12 +64,12 @@ PhysicalProblem physicalProblem(const Eigen::MatrixXd& triangle, const std::vect
                                 const PhysicalCoordinates& coordinates, const Eigen::VectorXd& offset_size_N) {
   PhysicalProblem p;
   p.target = triangle.col(triangle.cols() - 1);
-  for (int c = dynamics::kInertialParameters; c < static_cast<int>(columns.size()); ++c)
+  const Eigen::Index inertial = coordinates.transform.rows();
+  for (int c = static_cast<int>(inertial); c < static_cast<int>(columns.size()); ++c)
     p.free.push_back(c);
   const Eigen::Index count = static_cast<Eigen::Index>(p.free.size());
   p.data.resize(triangle.rows(), coordinates.transform.cols() + count);
-  p.data.leftCols(coordinates.transform.cols()) =
-      triangle.leftCols(dynamics::kInertialParameters) * coordinates.transform;
+  p.data.leftCols(coordinates.transform.cols()) = triangle.leftCols(inertial) * coordinates.transform;
   p.free_size = Eigen::VectorXd::Zero(count);
   for (Eigen::Index i = 0; i < count; ++i) {
     const Column& column = columns[static_cast<std::size_t>(p.free[static_cast<std::size_t>(i)])];
@@ -110,7 +115,7 @@ PriorPull priorPull(const PhysicalProblem& p, double strength) {
 Eigen::VectorXd physicalParameters(const PhysicalSolution& s, const PhysicalProblem& p, const PhysicalCoordinates& c,
                                    const std::vector<Column>& columns) {
   Eigen::VectorXd parameters = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(columns.size()));
-  parameters.head<dynamics::kInertialParameters>() = c.transform * s.inertial;
+  parameters.head(c.transform.rows()) = c.transform * s.inertial;
   for (std::size_t i = 0; i < p.free.size(); ++i)
     parameters[p.free[i]] = s.free[static_cast<Eigen::Index>(i)];
   return parameters;

@@ -3,6 +3,7 @@
 #include <filesystem>
 #include <limits>
 
+#include "chain_file.h"
 #include "knee_robot/base/errors.h"
 #include "knee_robot/base/files.h"
 #include "knee_robot/base/numbers.h"
@@ -182,7 +183,14 @@ Robot loadRobot(const std::string& path) {
   Robot robot;
   robot.path = path;
   robot.fingerprint = fingerprint(text);
-  const bool parallel = file.choice("mechanism", {"3UPS+1RPU", "axes"}) == "3UPS+1RPU";
+  const std::string kind = file.choice("mechanism", {"3UPS+1RPU", "axes", "chain"});
+  if (kind == "chain") {
+    robot.urdf = resolveUrdf(file, path);
+    readChainRobot(file, robot);
+    file.finish();
+    return robot;
+  }
+  const bool parallel = kind == "3UPS+1RPU";
   robot.kind = parallel ? MechanismKind::ThreeUpsOneRpu : MechanismKind::Axes;
   // A bench file needs only `actuators`; what else of a robot file stands there must still be right.
   if (parallel || file.has("geometry")) {

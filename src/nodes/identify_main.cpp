@@ -9,7 +9,10 @@
 
 #include "knee_robot/base/errors.h"
 #include "knee_robot/base/numbers.h"
+#include "knee_robot/identification/drive_gains.h"
+#include "knee_robot/identification/recording_units.h"
 #include "knee_robot/report/identify_report.h"
+#include "knee_robot/report/recorded_units.h"
 #include "program.h"
 
 using namespace knee_robot;
@@ -78,11 +81,12 @@ void declare(CLI::App& app, Arguments& a) {
       ->check(CLI::Range(1, 1000));
 }
 
-std::vector<recording::Recording> loadAll(const std::vector<std::string>& files) {
+std::vector<recording::Recording> loadAll(mechanism::Robot& robot, const std::vector<std::string>& files) {
   std::vector<recording::Recording> recordings;
   for (const std::string& file : files) {
     std::cerr << "reading " << file << std::endl;
     recordings.push_back(recording::loadRecording(file));
+    identification::toActuatorUnits(robot, recordings.back());
   }
   return recordings;
 }
@@ -145,7 +149,9 @@ std::string commandLine(int argc, char** argv) {
 
 /// The physically consistent parameters, or why there are none.
 void fitPossible(const mechanism::Robot& robot, report::IdentifyResults& r) {
-  if (!robot.mechanism) {
+  if (robot.chain) {
+    r.no_physical = "for chains only the base fit is there yet.";
+  } else if (!robot.mechanism) {
     r.no_physical = "axes on a bench have no links.";
   } else if (robot.urdf.empty()) {
     r.no_physical = "the robot file names no URDF, so there is no prior where the data are silent.";
@@ -164,13 +170,15 @@ int run(const Arguments& a, const std::string& command_line) {
   r.robot_path = a.robot;
   r.options = a.options;
   refuseTrainingAgain(a);
-  const mechanism::Robot robot = mechanism::loadRobot(a.robot);
+  mechanism::Robot robot = mechanism::loadRobot(a.robot);
   {
-    const std::vector<recording::Recording> training = loadAll(a.train);
+    const std::vector<recording::Recording> training = loadAll(robot, a.train);
     decideCutoff(training, a.cutoff_hz, a.motion_cutoff_hz, r);
     r.train = observeAll(robot, training, r.options);
   }
-  r.validate = observeAll(robot, loadAll(a.validate), r.options);
+  if (identification::gainsByUrdf(robot, r.train, r.options.observation))
+    r.train = observeAll(robot, loadAll(robot, a.train), r.options);
+  r.validate = observeAll(robot, loadAll(robot, a.validate), r.options);
   refuseEqualNames(r.validate);
 
   std::cerr << "fitting" << std::endl;
@@ -200,8 +208,9 @@ int run(const Arguments& a, const std::string& command_line) {
     if (!r.validate.empty())
       r.validate_physical = identification::applyModel(r.physical->model, robot, r.validate, cutoff_hz);
   }
+  report::toRecordedUnits(robot, r);
   report::writeIdentifyFiles(r, a.output);
-  std::cout << report::identifySummary(r) << "written: " << a.output
+  std::cout << report::withUnits(r.units, report::identifySummary(r)) << "written: " << a.output
             << "/report.html, report.json, model.yaml and predictions" << std::endl;
   return kExitDone;
 }

@@ -4,7 +4,9 @@
 #include <set>
 
 #include "knee_robot/base/errors.h"
+#include "knee_robot/identification/recording_units.h"
 #include "knee_robot/report/predict_report.h"
+#include "knee_robot/report/recorded_units.h"
 #include "program.h"
 
 using namespace knee_robot;
@@ -17,18 +19,22 @@ struct Arguments {
 };
 
 int run(const Arguments& a) {
-  const mechanism::Robot robot = mechanism::loadRobot(a.robot);
+  mechanism::Robot robot = mechanism::loadRobot(a.robot);
   const dynamics::Model model = dynamics::loadModel(a.model);
+  identification::takeGains(model, robot);
   std::vector<recording::Recording> recordings;
   std::set<std::string> names;
   for (const std::string& file : a.recordings) {
     recordings.push_back(recording::loadRecording(file));
+    identification::toActuatorUnits(robot, recordings.back());
     if (!names.insert(recordings.back().name).second)
       throw InputError(file + ": another recording is named " + recordings.back().name + " too; rename one");
   }
-  const report::PredictResults results = report::predictRecordings(robot, model, a.model, recordings);
+  report::PredictResults results = report::predictRecordings(robot, model, a.model, recordings);
+  report::toRecordedUnits(robot, results);
   report::writePredictFiles(results, a.output);
-  std::cout << report::predictSummary(results) << "written: " << a.output << "/prediction_NAME.csv" << std::endl;
+  std::cout << report::withUnits(results.units, report::predictSummary(results)) << "written: " << a.output
+            << "/prediction_NAME.csv" << std::endl;
   return kExitDone;
 }
 

@@ -6,7 +6,10 @@
 
 #include "knee_robot/base/errors.h"
 #include "knee_robot/base/numbers.h"
+#include "knee_robot/identification/drive_gains.h"
+#include "knee_robot/identification/recording_units.h"
 #include "knee_robot/recording/cutoff.h"
+#include "knee_robot/report/recorded_units.h"
 #include "knee_robot/report/trace_report.h"
 #include "knee_robot/tracing/model_prediction.h"
 #include "program.h"
@@ -46,11 +49,12 @@ void declare(CLI::App& app, Arguments& a) {
       ->check(CLI::Range(0.0, 10.0));
 }
 
-std::vector<recording::Recording> load(const std::vector<std::string>& files) {
+std::vector<recording::Recording> load(mechanism::Robot& robot, const std::vector<std::string>& files) {
   std::vector<recording::Recording> recordings;
   for (const std::string& file : files) {
     std::cerr << "reading " << file << std::endl;
     recordings.push_back(recording::loadRecording(file));
+    identification::toActuatorUnits(robot, recordings.back());
   }
   return recordings;
 }
@@ -132,16 +136,17 @@ int run(const Arguments& a, const std::string& command_line) {
   r.options.observation.setCutoff(a.cutoff_hz);
   r.options.progress = [](const std::string& what) { std::cerr << what << std::endl; };
   if (a.options.most_effects == 0) r.options.twins = 2;  // nothing is compared with surrogates
-  const mechanism::Robot robot = mechanism::loadRobot(a.robot);
+  mechanism::Robot robot = mechanism::loadRobot(a.robot);
   double cutoff_hz = a.cutoff_hz;
   if (!a.model.empty()) {
     r.options.start =
         std::make_shared<const tracing::StartModel>(tracing::StartModel{dynamics::loadModel(a.model), a.model});
     dynamics::requireModelOf(r.options.start->model, a.model, robot);
+    identification::takeGains(r.options.start->model, robot);
     cutoff_hz = r.options.start->model.cutoff_hz;
     r.options.observation.setCutoff(cutoff_hz);
   }
-  const std::vector<recording::Recording> train = load(a.train);
+  std::vector<recording::Recording> train = load(robot, a.train);
   const recording::CutoffChoice rule = cutoffOf(train);
   std::string cutoff_note = "Cut-off " + shortNumber(cutoff_hz, 3) + " Hz. The rule of identify: " + rule.sentence;
   if (a.cutoff_by_rule && a.model.empty()) {
@@ -150,7 +155,11 @@ int run(const Arguments& a, const std::string& command_line) {
     cutoff_note = rule.sentence;
   }
   r.train = observeAll(robot, train, r.options.observation);
-  const std::vector<recording::Recording> validate = load(a.validate);
+  if (identification::gainsByUrdf(robot, r.train, r.options.observation)) {
+    train = load(robot, a.train);
+    r.train = observeAll(robot, train, r.options.observation);
+  }
+  const std::vector<recording::Recording> validate = load(robot, a.validate);
   r.validate = observeAll(robot, validate, r.options.observation);
   r.result = tracing::trace(robot, train, r.train, r.options);
   r.result.notes.push_back(cutoff_note);
@@ -181,8 +190,9 @@ int run(const Arguments& a, const std::string& command_line) {
     }
   }
   r.pose = tracing::tracePose(robot, train, validate, poseOptions(robot, r.options));
+  report::toRecordedUnits(robot, r);
   report::writeTraceFiles(r, a.output);
-  std::cout << report::traceSummary(r) << "written: " << a.output
+  std::cout << report::withUnits(r.units, report::traceSummary(r)) << "written: " << a.output
             << "/report.html, report.json, model.yaml and predictions" << std::endl;
   return kExitDone;
 }

@@ -19,7 +19,7 @@ using Text = std::string_view;
 
 constexpr double kLargestValue = 1e6;
 constexpr double kLargestTime_s = 1e11;
-constexpr int kMostAxes = 4;
+constexpr int kMostAxes = 12;
 constexpr std::size_t kMostColumns = 10000;
 
 Text trim(Text text) {
@@ -90,8 +90,8 @@ class Header {
 
  private:
   static bool known(const std::string& name) {
-    static const char* const kStarts[] = {"time_s",   "position_", "reference_", "velocity_",
-                                          "command_", "force_",    "mocap_"};
+    static const char* const kStarts[] = {"time_s", "position_", "reference_", "velocity_", "command_",
+                                          "force_", "mocap_",    "torque_",    "current_"};
     return std::any_of(std::begin(kStarts), std::end(kStarts),
                        [&](const char* start) { return name.rfind(start, 0) == 0; });
   }
@@ -101,37 +101,80 @@ class Header {
   std::map<std::string, std::size_t> where_;
 };
 
-/// All columns of one signal over the axes; none when the file has none of them. One without the others is an error.
-std::vector<Column> signalColumns(const Header& header, const char* signal, const char* unit, int axes) {
+/// Unit of a signal's column on one axis: the first of `units` that the file has; null when it has none of them.
+const char* unitOn(const Header& header, const char* signal, int axis, const std::vector<const char*>& units) {
+  for (const char* unit : units) {
+    if (header.has(Header::axisName(signal, axis, unit))) return unit;
+  }
+  return nullptr;
+}
+
+/// All columns of one signal over the axes, each in any of `units`; none when the file has none of them. One without the others is an
+/// error.
+std::vector<Column> signalColumns(const Header& header, const char* signal, const std::vector<const char*>& units,
+                                  int axes) {
   bool any = false;
   for (int i = 1; i <= kMostAxes; ++i)
-    any = any || header.has(Header::axisName(signal, i, unit));
+    any = any || unitOn(header, signal, i, units) != nullptr;
   std::vector<Column> columns;
   if (!any) return columns;
   for (int i = 1; i <= axes; ++i) {
-    columns.push_back(header.need(Header::axisName(signal, i, unit), ", though other axes have it"));
+    const char* const unit = unitOn(header, signal, i, units);
+    columns.push_back(header.need(Header::axisName(signal, i, unit != nullptr ? unit : units.front()),
+                                  ", though other axes have it"));
   }
   return columns;
 }
 
+const std::vector<const char*> kPositionUnits = {"_m", "_rad"};
+
 int countAxes(const Header& header) {
   int axes = 1;
-  header.need("position_1_m", "");
+  if (unitOn(header, "position", 1, kPositionUnits) == nullptr) header.need("position_1_m", "");
   for (int i = 2; i <= kMostAxes; ++i) {
-    if (header.has(Header::axisName("position", i, "_m"))) axes = i;
+    if (unitOn(header, "position", i, kPositionUnits) != nullptr) axes = i;
   }
-  for (int i = 2; i <= axes; ++i)
-    header.need(Header::axisName("position", i, "_m"), ", though a later axis has it");
+  for (int i = 2; i <= axes; ++i) {
+    if (unitOn(header, "position", i, kPositionUnits) == nullptr)
+      header.need(Header::axisName("position", i, "_m"), ", though a later axis has it");
+  }
   return axes;
+}
+
+/// Force (N) or torque (N m) of every axis, as columns force_i_N and torque_i_Nm.
+std::vector<Column> effortColumns(const Header& header, int axes) {
+  std::vector<Column> columns;
+  for (int i = 1; i <= axes; ++i) {
+    const std::string force = Header::axisName("force", i, "_N"), torque = Header::axisName("torque", i, "_Nm");
+    if (header.has(force) || header.has(torque)) {
+      columns.push_back(header.need(header.has(force) ? force : torque, ""));
+      continue;
+    }
+    if (!columns.empty())
+      header.need(columns.back().name.front() == 't' ? torque : force, ", though other axes have it");
+    for (int k = i + 1; k <= axes; ++k) {
+      if (header.has(Header::axisName("force", k, "_N"))) header.need(force, ", though other axes have it");
+      if (header.has(Header::axisName("torque", k, "_Nm"))) header.need(torque, ", though other axes have it");
+    }
+    return columns;
+  }
+  return columns;
+}
+
+std::vector<std::string> unitsOf(const std::vector<Column>& columns) {
+  std::vector<std::string> units;
+  for (const Column& column : columns)
+    units.push_back(column.name.substr(column.name.find_last_of('_') + 1));
+  return units;
 }
 
 struct Columns {
   Column time;
-  std::vector<Column> position, reference, velocity, command, force, mocap;
+  std::vector<Column> position, reference, velocity, command, force, current, mocap;
 
   std::vector<Column*> all() {
     std::vector<Column*> list = {&time};
-    for (auto* group : {&position, &reference, &velocity, &command, &force, &mocap}) {
+    for (auto* group : {&position, &reference, &velocity, &command, &force, &current, &mocap}) {
       for (Column& column : *group)
         list.push_back(&column);
     }
@@ -142,13 +185,17 @@ struct Columns {
 Columns findColumns(const Header& header, int axes) {
   Columns c;
   c.time = header.need("time_s", "");
-  c.position = signalColumns(header, "position", "_m", axes);
-  c.reference = signalColumns(header, "reference", "_m", axes);
-  c.velocity = signalColumns(header, "velocity", "_m_per_s", axes);
-  c.command = signalColumns(header, "command", "_V", axes);
-  c.force = signalColumns(header, "force", "_N", axes);
-  if (c.command.empty() && c.force.empty())
+  c.position = signalColumns(header, "position", kPositionUnits, axes);
+  c.reference = signalColumns(header, "reference", kPositionUnits, axes);
+  c.velocity = signalColumns(header, "velocity", {"_m_per_s", "_rad_per_s"}, axes);
+  c.command = signalColumns(header, "command", {"_V"}, axes);
+  c.force = effortColumns(header, axes);
+  c.current = signalColumns(header, "current", {"_A"}, axes);
+  if (c.command.empty() && c.force.empty() && c.current.empty()) {
+    if (c.position.front().name == "position_1_rad")
+      header.need("torque_1_Nm", ", and so is current_1_A; one of the two is needed");
     header.need("command_1_V", ", and so is force_1_N; one of the two is needed");
+  }
   const char* const mocap[] = {"mocap_x_m", "mocap_z_m", "mocap_theta_rad", "mocap_psi_rad"};
   if (std::any_of(std::begin(mocap), std::end(mocap), [&](const char* name) { return header.has(name); })) {
     for (const char* name : mocap) {
@@ -265,11 +312,14 @@ Recording parseRecording(const std::string& content, const std::string& path) {
   readRows(rest, header.count(), path, columns, r.notes);
   r.time_s = std::move(columns.time.values);
   if (r.time_s.empty()) throw InputError(path + ": has a header but no complete row");
+  r.position_unit = unitsOf(columns.position);
+  r.force_unit = unitsOf(columns.force);
   r.position_m = toMatrix(columns.position, r.rows());
   r.reference_m = toMatrix(columns.reference, r.rows());
   r.velocity_m_per_s = toMatrix(columns.velocity, r.rows());
   r.command_V = toMatrix(columns.command, r.rows());
   r.force_N = toMatrix(columns.force, r.rows());
+  r.current_A = toMatrix(columns.current, r.rows());
   r.mocap = toMatrix(columns.mocap, r.rows());
   return r;
 }

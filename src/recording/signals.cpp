@@ -83,6 +83,14 @@ Eigen::MatrixXd everyNth(const Eigen::MatrixXd& x, int step, int count) {
   return out;
 }
 
+/// Where each row's share of the time begins, when a row stands for the time around it.
+std::vector<double> midpoints(const std::vector<double>& time) {
+  std::vector<double> out = time;
+  for (std::size_t k = 1; k < time.size(); ++k)
+    out[k] = 0.5 * (time[k - 1] + time[k]);
+  return out;
+}
+
 /// Marks grid samples inside long intervals without rows.
 std::vector<char> knownSamples(const std::vector<double>& time, const std::vector<double>& grid, double longest_s) {
   std::vector<char> known(grid.size(), 1);
@@ -199,7 +207,8 @@ Signals resample(const Recording& r, const Eigen::MatrixXd& force_N, const Signa
   s.position_m = everyNth(position, step, count);
   s.velocity_m_per_s = everyNth(firstDerivative(position, period), step, count);
   s.acceleration_m_per_s2 = everyNth(secondDerivative(position, period), step, count);
-  s.force_N = heldMeans(time, force_N.bottomRows(rows), s.time_s, s.period_s);
+  s.force_is_measured = r.force_is_measured;
+  s.force_N = heldMeans(r.force_is_measured ? midpoints(time) : time, force_N.bottomRows(rows), s.time_s, s.period_s);
   s.known = knownSamples(time, s.time_s, options.gap_periods * period);
   s.rounding_left = std::clamp(6.0 * std::sqrt(2.0 * options.motion_cutoff_hz * period / 12.0), 0.25, 1.0);
   s.notes = r.notes;
@@ -213,7 +222,8 @@ Eigen::MatrixXd atHoldIntervals(const Signals& s, const Eigen::MatrixXd& values,
   Eigen::MatrixXd out(static_cast<Eigen::Index>(row_time.size()), values.cols());
   for (std::size_t k = 0; k < row_time.size(); ++k) {
     const double hold = k + 1 < row_time.size() ? std::min(row_time[k + 1] - row_time[k], 2.0 * usual) : usual;
-    const double place = (row_time[k] + hold / 2 - s.time_s.front()) / s.period_s;
+    const double middle = s.force_is_measured ? row_time[k] : row_time[k] + hold / 2;
+    const double place = (middle - s.time_s.front()) / s.period_s;
     const double inside = std::clamp(place, 0.0, static_cast<double>(s.samples() - 1));
     const int i = std::min(static_cast<int>(inside), s.samples() - 2);
     const double f = inside - i;

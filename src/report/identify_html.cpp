@@ -17,6 +17,8 @@ std::string accuracyRows(const std::string& title, const identification::Accurac
   out += tableRow("rms, moving samples, N", a.rms_moving_N) + tableRow("rms, all samples, N", a.rms_N);
   out += tableRow("rms, all rows, force unfiltered, N", a.rms_raw_N) +
          tableRow("rms / rms of the force, %", a.rms_percent);
+  out +=
+      tableRow("rms / rms of the force, all actuators together, %", Eigen::VectorXd::Constant(1, a.togetherPercent()));
   return out + tableRow("rms / range of the force, %", a.range_percent) + tableRow("largest error, N", a.max_N);
 }
 

@@ -4,6 +4,7 @@
 #include "knee_robot/base/files.h"
 #include "knee_robot/dynamics/urdf_inertia.h"
 #include "knee_robot/report/identify_report.h"
+#include "knee_robot/report/recorded_units.h"
 
 namespace knee_robot::report {
 namespace {
@@ -146,8 +147,8 @@ void writeIdentifyFiles(const IdentifyResults& r, const std::string& folder) {
     writeFileAtomically(folder + "/prediction_" + r.validate[i].name + ".csv",
                         predictionCsv(r.validate[i], r.validate_after.predictions[i]));
   }
-  writeFileAtomically(folder + "/report.json", identifyJson(r));
-  writeFileAtomically(folder + "/report.html", identifyHtml(r));
+  writeFileAtomically(folder + "/report.json", jsonWithUnits(r.units, identifyJson(r)));
+  writeFileAtomically(folder + "/report.html", withUnits(r.units, identifyHtml(r)));
 }
 
 }  // namespace knee_robot::report

@@ -33,7 +33,8 @@ std::string accuracyText(const std::string& title, const identification::Accurac
       title + " (" + std::to_string(a.samples) + " samples, " + std::to_string(a.moving_samples) + " moving)\n";
   out += row("rms, moving samples", a.rms_moving_N, "N") + row("rms, all samples", a.rms_N, "N");
   out += row("rms, all rows, force unfiltered", a.rms_raw_N, "N") +
-         row("rms / rms(force), all samples", a.rms_percent, "%");
+         row("rms / rms(force), all samples", a.rms_percent, "%") +
+         row("the same, all actuators together", Eigen::VectorXd::Constant(1, a.togetherPercent()), "%");
   return out + row("rms / range(force), all samples", a.range_percent, "%") + row("largest error", a.max_N, "N");
 }
 

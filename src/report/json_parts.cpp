@@ -14,6 +14,7 @@ Json accuracyJson(const identification::Accuracy& a) {
           {"rms_percent", jsonArray(a.rms_percent)},
           {"range_percent", jsonArray(a.range_percent)},
           {"max_N", jsonArray(a.max_N)},
+          {"together_percent", jsonNumber(a.togetherPercent())},
           {"samples", a.samples},
           {"moving_samples", a.moving_samples}};
 }
@@ -83,8 +84,11 @@ std::string predictionTable(const identification::Observation& o, const identifi
   std::string csv = "time_s";
   for (const char* name : {"force_", "predicted_", "before_"}) {
     if (before == nullptr && std::string(name) == "before_") continue;
-    for (Eigen::Index i = 1; i <= axes; ++i)
-      csv += "," + (name + std::to_string(i)) + "_N";
+    for (Eigen::Index i = 1; i <= axes; ++i) {
+      const std::string unit = o.force_unit.empty() ? "N" : o.force_unit[static_cast<std::size_t>(i - 1)];
+      const char* const effort = unit == "A" ? "current_" : unit == "Nm" ? "torque_" : "force_";
+      csv += "," + ((std::string(name) == "force_" ? effort : name) + std::to_string(i)) + "_" + unit;
+    }
   }
   csv += "\n";
   for (std::size_t row = 0; row < o.row_time_s.size(); ++row) {

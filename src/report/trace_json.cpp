@@ -4,6 +4,7 @@
 #include "json_parts.h"
 #include "knee_robot/base/files.h"
 #include "knee_robot/base/numbers.h"
+#include "knee_robot/report/recorded_units.h"
 #include "knee_robot/report/trace_report.h"
 #include "trace_angles_report.h"
 #include "trace_given_report.h"
@@ -22,8 +23,21 @@ Json parametersJson(const dynamics::ModelEffect& e) {
   return j;
 }
 
+/// A payload that was told against a given model is an effect, though the base parameters carry it.
+Json payloadEffect(const tracing::PayloadTest& p, int axes) {
+  std::vector<int> actuators;
+  for (int i = 1; i <= axes; ++i)
+    actuators.push_back(i);
+  Json parameters = {{"mass_kg", {{"value", p.mass_kg}, {"std", p.mass_std_kg}}}};
+  for (int k = 0; k < 3; ++k)
+    parameters[std::string("center_") + "xyz"[k] + "_m"] = {{"value", p.center_m[k]}, {"std", p.center_std_m[k]}};
+  return {{"name", "payload"},        {"actuators", actuators}, {"transfers", true},
+          {"parameters", parameters}, {"sentence", p.sentence}, {"indistinguishable_from", Json::array()}};
+}
+
 Json effectsJson(const TraceResults& r) {
   Json list = Json::array();
+  if (r.result.payload.is_effect) list.push_back(payloadEffect(r.result.payload, r.model.axes));
   for (std::size_t k = 0; k < r.result.effects.size(); ++k) {
     const tracing::FoundEffect& e = r.result.effects[k];
     const dynamics::ModelEffect& m = r.model.effects[k];
@@ -163,8 +177,8 @@ void writeTraceFiles(const TraceResults& r, const std::string& folder) {
         predictionTable(r.validate[i], r.validate_after.predictions[i], &r.validate_before.predictions[i]));
   }
   writeNextExperiment(r.next, r.robot_path, folder);
-  writeFileAtomically(folder + "/report.json", traceJson(r));
-  writeFileAtomically(folder + "/report.html", traceHtml(r));
+  writeFileAtomically(folder + "/report.json", jsonWithUnits(r.units, traceJson(r)));
+  writeFileAtomically(folder + "/report.html", withUnits(r.units, traceHtml(r)));
 }
 
 }  // namespace knee_robot::report

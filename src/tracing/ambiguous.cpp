@@ -70,7 +70,7 @@ void holdBackAmbiguous(Search& s, std::vector<std::string>& notes) {
   for (std::size_t k = 0; k < s.effects.size(); ++k) {
     FoundEffect& e = s.effects[k];
     const int own = e.hypothesis.place.candidate->positionOf(e.hypothesis.place.actuator);
-    if (own < 0 || data.recordings.front().motion.motion.empty()) continue;
+    if (own < 0 || !data.recordings.front().motion.coupled) continue;
     for (int other = 0; other < data.stack.axes && e.transfers; ++other) {
       const double together = other == own ? 0.0 : correlation(data.recordings, own, other);
       if (std::abs(together) < kTogether || clearlyOwn(s, k, own, other)) continue;

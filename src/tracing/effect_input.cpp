@@ -115,7 +115,7 @@ void setForces(EffectInput& in, const std::vector<identification::Column>& colum
   if (effects_N.size() > 0) in.force_N += effects_N;
   in.coulomb_N = in.viscous = in.rotor_kg = Eigen::VectorXd::Zero(in.axes());
   for (std::size_t c = 0; c < columns.size(); ++c) {
-    const double value = parameters[static_cast<Eigen::Index>(c)];
+    const double value = parameters[static_cast<Eigen::Index>(c)] * columns[c].newtons;
     if (columns[c].role == identification::ColumnRole::Coulomb) in.coulomb_N[columns[c].actuator] = value;
     if (columns[c].role == identification::ColumnRole::Viscous) in.viscous[columns[c].actuator] = value;
     if (columns[c].role == identification::ColumnRole::Rotor) in.rotor_kg[columns[c].actuator] = value;

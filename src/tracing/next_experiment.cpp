@@ -237,6 +237,10 @@ NextExperiment planNextExperiment(const mechanism::Robot& robot, const TraceResu
     out.reason = "no effect in the model has another explanation that the data cannot tell from it";
     return out;
   }
+  if (robot.chain) {
+    out.reason = "motions that separate two explanations are not planned for chains";
+    return out;
+  }
   const Place& place = pair.first->hypothesis.place;
   out.first = placeText(*place.candidate, place.actuator);
   out.second = placeText(*pair.second, place.actuator);

@@ -6,7 +6,7 @@
 #include "knee_robot/base/errors.h"
 #include "knee_robot/base/numbers.h"
 #include "knee_robot/dynamics/rigid_body.h"
-#include "knee_robot/dynamics/robot_inertia.h"
+#include "knee_robot/identification/motion_model.h"
 #include "knee_robot/identification/rank.h"
 
 namespace knee_robot::tracing {
@@ -33,29 +33,32 @@ std::vector<Eigen::Index> ownColumns(const BaseFit& base) {
   return own;
 }
 
-/// Directions of the 90 parameters: the URDF, the point mass's moments of inertia, mass and first moments.
+/// Directions of the rigid parameters: what is known, the point mass's moments of inertia, mass and first moments on the last body.
 struct Directions {
   Eigen::VectorXd known;
-  Eigen::MatrixXd mass = Eigen::MatrixXd::Zero(dynamics::kInertialParameters, kMass);
+  Eigen::MatrixXd mass;
 
-  explicit Directions(const dynamics::RobotInertia& inertia) : known(dynamics::toParameters(inertia)) {
-    constexpr int kPlatform = dynamics::kPlatformLink * dynamics::kLinkParameters;
-    mass(kPlatform + 9, 0) = 1.0;
+  explicit Directions(Eigen::VectorXd parameters)
+      : known(std::move(parameters)), mass(Eigen::MatrixXd::Zero(known.size(), kMass)) {
+    mass(last() + 9, 0) = 1.0;
     for (int k = 0; k < 3; ++k)
-      mass(kPlatform + 6 + k, 1 + k) = 1.0;
+      mass(last() + 6 + k, 1 + k) = 1.0;
   }
-  /// The URDF with the moments of inertia (about the platform's origin) of a point mass.
+  /// First parameter of the body that carries: the platform, or a chain's last one.
+  Eigen::Index last() const { return known.size() - dynamics::kLinkParameters; }
+  double carrier_kg(const Eigen::VectorXd& prior) const { return prior[last() + 9]; }
+  /// The same with the moments of inertia (about the body's origin) of a point mass.
   Eigen::VectorXd with(double point_kg, const mechanism::Vector3& center) const {
     dynamics::LinkInertia point;
     point.mass = point_kg;
     point.center = center;
     Eigen::VectorXd out = known;
-    out.segment<6>(dynamics::kPlatformLink * dynamics::kLinkParameters) += dynamics::toParameters(point).head<6>();
+    out.segment<6>(last()) += dynamics::toParameters(point).head<6>();
     return out;
   }
 };
 
-/// Rows of all actuators, weighted: own columns (those with a sign first), mass columns, and the 90 rigid ones apart.
+/// Rows of all actuators, weighted: own columns (those with a sign first), mass columns, and the rigid ones apart.
 struct Rows {
   identification::Equations own;
   Eigen::MatrixXd rigid;
@@ -73,7 +76,8 @@ Rows rowsOf(const std::vector<identification::Observation>& recordings, const St
   rows.own.blocks = stack.blocks;
   rows.own.a.resize(p * stack.axes, count + kMass);
   rows.own.b.resize(p * stack.axes);
-  rows.rigid.resize(p * stack.axes, dynamics::kInertialParameters);
+  const Eigen::Index rigid = directions.known.size();
+  rows.rigid.resize(p * stack.axes, rigid);
   const Eigen::VectorXd scale = rowScale(stack, recordings, Attention::Moving);
   for (int i = 0; i < stack.axes; ++i) {
     std::vector<Eigen::MatrixXd> columns;
@@ -83,7 +87,7 @@ Rows rowsOf(const std::vector<identification::Observation>& recordings, const St
     const Eigen::MatrixXd all = weight.asDiagonal() * gather(stack, recordings, std::move(columns));
     for (Eigen::Index c = 0; c < count; ++c)
       rows.own.a.col(c).segment(i * p, p) = all.col(own[static_cast<std::size_t>(c)]);
-    rows.rigid.middleRows(i * p, p) = all.leftCols(dynamics::kInertialParameters);
+    rows.rigid.middleRows(i * p, p) = all.leftCols(rigid);
     rows.own.b.segment(i * p, p) = weight.cwiseProduct(gatherForce(stack, recordings, i));
     for (const Pick& pick : stack.picks) {
       rows.own.actuator.push_back(i);
@@ -144,22 +148,37 @@ void judge(double platform_kg, PayloadTest& t) {
   }
 }
 
+/// The same sentence of a body that is no platform.
+void speakOfChain(const mechanism::Chain& chain, PayloadTest& t) {
+  const auto replace = [&](const std::string& from, const std::string& to) {
+    for (std::size_t at = t.sentence.find(from); at != std::string::npos; at = t.sentence.find(from, at + to.size()))
+      t.sentence.replace(at, from.size(), to);
+  };
+  replace("platform frame", "frame of joint " + chain.joints.back().name);
+  replace("a platform that much heavier than the URDF says", "a last body that much heavier");
+  replace("the platform's inertia", "the last body's inertia");
+  replace("the platform", "the last body");
+  replace("the URDF's inertia", "what is known of the bodies (URDF, or given model)");
+  replace("the URDF", "that");
+}
+
 }  // namespace
 
 PayloadTest testPayload(const mechanism::Robot& robot, const std::vector<identification::Observation>& recordings,
                         const Stack& stack, const BaseFit& base, const Eigen::VectorXd& noise_N) {
   PayloadTest t;
   t.sentence = "payload: a mass on the platform changes the platform's inertia parameters, which are fitted";
-  if (!robot.mechanism || robot.urdf.empty()) return t;
-  dynamics::RobotInertia inertia;
+  if (robot.kind == mechanism::MechanismKind::Axes || robot.urdf.empty()) return t;
+  Eigen::VectorXd prior;
   try {
-    inertia = dynamics::loadRobotInertia(robot);
+    prior = identification::motionModelOf(robot)->bodies().prior;
   } catch (const InputError& e) {
     t.sentence += std::string("; it was not compared with the URDF's inertia (") + e.what() + ")";
     return t;
   }
   t.tested = true;
-  const Directions directions(inertia);
+  // A chain's URDF is often a guess: against a given model, its parameters are what is known.
+  const Directions directions(robot.chain ? Eigen::VectorXd(base.start.head(prior.size())) : prior);
   Rows rows = rowsOf(recordings, stack, base, noise_N, directions);
   const Eigen::VectorXd force = rows.own.b;
   const Eigen::Index own = rows.own.a.cols() - kMass;
@@ -194,7 +213,8 @@ PayloadTest testPayload(const mechanism::Robot& robot, const std::vector<identif
   const Eigen::MatrixXd a = scale.asDiagonal() * baseRows(weighted, recordings, stack);
   const Eigen::VectorXd b = scale.cwiseProduct(forceRows(weighted, recordings, stack));
   t.free_rms = rms(b - a * identification::boundedLeastSquares(a, b, base.bounded));
-  judge(inertia.links[dynamics::kPlatformLink].mass, t);
+  judge(directions.carrier_kg(prior), t);
+  if (robot.chain) speakOfChain(*robot.chain, t);
   return t;
 }
 

@@ -175,6 +175,7 @@ void Tracing::startFromGivenModel() {
 
 void Tracing::describeBaseline() {
   result_.payload = testPayload(robot_, data_.recordings, data_.stack, result_.base, s_.rms_N);
+  result_.payload.is_effect = robot_.chain && options_.start && result_.payload.stated;
   // Without the prior: what the columns of the baseline can do, not what it is ready to believe.
   const Projection projection =
       project(weighted(data_.stack, data_.base_rows, s_.rms_N), weighted(data_.stack, data_.force_rows, s_.rms_N));
@@ -196,7 +197,7 @@ void Tracing::noteAbsorbed(const Projection& projection) {
                                  ": the baseline's constant force and friction of the actuator take it up");
   }
   result_.absorbed.push_back("reflected_inertia: is a parameter of the baseline (rotor)");
-  if (data_.recordings.front().motion.motion.empty()) return;
+  if (!data_.recordings.front().motion.coupled) return;
   result_.absorbed.push_back(result_.payload.sentence);
   result_.absorbed.push_back("base_tilt: turns gravity, which the fitted first moments and offsets follow");
 }

@@ -39,6 +39,7 @@ dynamics::Model tracedModel(const mechanism::Robot& robot, const TraceResult& re
   dynamics::Model m;
   m.kind = robot.kind;
   m.axes = robot.axes();
+  m.joints = dynamics::modelJoints(robot);
   m.robot_fingerprint = robot.fingerprint;
   for (const identification::Observation& o : training)
     m.data.push_back({o.path, o.fingerprint});

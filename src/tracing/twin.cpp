@@ -17,7 +17,7 @@ constexpr double kDerivative_hz = 40.0;  ///< low-pass of the error's derivative
 double valueOf(const BaseFit& base, const Eigen::VectorXd& parameters, identification::ColumnRole role, int actuator) {
   for (std::size_t c = 0; c < base.columns.size(); ++c) {
     if (base.columns[c].role == role && base.columns[c].actuator == actuator)
-      return parameters[static_cast<Eigen::Index>(c)];
+      return parameters[static_cast<Eigen::Index>(c)] * base.columns[c].newtons;
   }
   return 0.0;
 }

@@ -39,6 +39,7 @@ inline constexpr int kMostFrictionElements = 8;
 struct FrictionLaw {
   std::array<FrictionElement, kMostFrictionElements> elements{};
   int count = 1;
+  bool revolute = false;  ///< of a revolute joint, counted at mechanism::kJointRadius_m: described in rad
 
   bool operator==(const FrictionLaw& o) const;
   bool operator!=(const FrictionLaw& o) const { return !(*this == o); }

@@ -63,11 +63,22 @@ struct ModelElsewhere {
   std::vector<ModelEffect> effects;
 };
 
+/// What a chain's model file says of a joint.
+struct ModelJoint {
+  std::string name;
+  bool revolute = true;
+  std::string force_unit;          ///< recorded and predicted: N, Nm or A
+  double torque_per_ampere = 0.0;  ///< N m/A (prismatic: N/A); 0: not known, or nothing to convert
+  double torque_per_ampere_std = 0.0;
+};
+
 /// The identified force model of a robot: what `identify` and `trace` write, and what predictions and `trace` read.
 struct Model {
   mechanism::MechanismKind kind = mechanism::MechanismKind::ThreeUpsOneRpu;
   int axes = 0;
-  std::string robot_fingerprint;  ///< of the robot file that it was identified with
+  std::vector<ModelJoint> joints;  ///< of a chain, one an axis; otherwise empty
+  bool in_joint_units = false;     ///< see inJointUnits
+  std::string robot_fingerprint;   ///< of the robot file that it was identified with
   std::vector<ModelData> data;
   double cutoff_hz = 0.0;
   double moving_m_per_s = 0.0;
@@ -86,6 +97,17 @@ struct Model {
 
 /// Fv_1 Fc_1 rotor_1 offset_1 Fv_2 ...: the parameters of `axes` bench axes.
 std::vector<std::string> axisParameterNames(int axes);
+
+/// IXX_1 ... m_n of the bodies, then Fv_1 .., Fc_1 .., rotor_1 .., offset_1 ..: the parameters of a chain.
+std::vector<std::string> chainParameterNames(int joints);
+
+/// What the model file says of the robot's joints; empty unless it is a chain.
+std::vector<ModelJoint> modelJoints(const mechanism::Robot& robot);
+
+/// A chain's residuals and effects with their numbers in the joints' own units (N m, rad), as its file has them, or back in metres and
+/// newtons. A model that is there already stays as it is.
+Model inJointUnits(Model model);
+Model fromJointUnits(Model model);
 
 /// Writes and reads model files (YAML; format version 3, or 4 when trace wrote it; files of identify in version 1 are read). Reading is strict: InputError with file, line and key.
 std::string modelToYaml(const Model& model);

@@ -16,6 +16,8 @@ struct Accuracy {
   Eigen::VectorXd rms_percent;    ///< 100 rms_N / rms(measured)
   Eigen::VectorXd range_percent;  ///< 100 rms_N / range(measured)
   Eigen::VectorXd max_N;          ///< largest error, both sides low-passed
+  /// 100 rms(error) / rms(measured) over all actuators together, as publications on serial arms do.
+  double togetherPercent() const;
   int samples = 0;
   int moving_samples = 0;
 };

@@ -41,9 +41,10 @@ struct Mask {
 struct Observation {
   std::string path;
   std::string name;
-  std::string fingerprint;         ///< of the recording
-  std::vector<double> row_time_s;  ///< of the recording's rows
-  Eigen::MatrixXd row_force_N;     ///< commanded, one row per row of the recording
+  std::string fingerprint;              ///< of the recording
+  std::vector<double> row_time_s;       ///< of the recording's rows
+  Eigen::MatrixXd row_force_N;          ///< commanded, one row per row of the recording
+  std::vector<std::string> force_unit;  ///< per actuator, as recorded: N, Nm or A
   recording::Signals signals;
   Eigen::MatrixXd
       fine_position_m;  ///< as signals.position_m but not low-passed: a filter's ringing at a stop would reverse friction

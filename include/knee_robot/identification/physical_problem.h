@@ -12,8 +12,8 @@ namespace knee_robot::identification {
 /// the prior, and a change of E of size 1 is as large as the prior itself (the natural metric of Lee, Wensing and Park 2020, at
 /// the prior). Ten coordinates a link: the diagonal of E, then sqrt(2) times its upper triangle, row by row.
 struct PhysicalCoordinates {
-  dynamics::InertialParameters prior;  ///< the robot's URDF
-  Eigen::MatrixXd transform;           ///< 90 x 90, block diagonal: inertial parameters = transform * coordinates
+  Eigen::VectorXd prior;      ///< inertial parameters of the robot's URDF, ten a link
+  Eigen::MatrixXd transform;  ///< square, block diagonal: inertial parameters = transform * coordinates
 
   static constexpr int kPerLink = 10;
 };
@@ -21,6 +21,8 @@ struct PhysicalCoordinates {
 /// InputError-free: every LinkInertia that loadRobotInertia returns is possible. A body on the boundary of what is possible (a
 /// point mass, a thin disc) is moved inside by 1e-6 of its size.
 PhysicalCoordinates physicalCoordinates(const dynamics::RobotInertia& prior);
+/// The same of any links' parameters, ten each.
+PhysicalCoordinates physicalCoordinates(const Eigen::VectorXd& prior);
 
 /// A weighted linear least-squares problem over physically possible inertias, without a word about the prior:
 /// |data * [coordinates; free] - target|^2, `free` being all columns that are not Rigid.

@@ -4,9 +4,13 @@
 #include <string>
 #include <vector>
 
+#include "knee_robot/mechanism/chain.h"
 #include "knee_robot/mechanism/geometry.h"
 
 namespace knee_robot::mechanism {
+
+/// What a recording holds of a drive's effort.
+enum class Recorded { Force, Torque, Current };
 
 /// One actuated axis: motor, screw, encoder, amplifier and their limits. SI units.
 struct Actuator {
@@ -24,8 +28,26 @@ struct Actuator {
   double force_continuous_N = 0.0;        ///< thermal limit; 0: none beyond the voltage
   double force_max_N = 0.0;               ///< peak limit; 0: none beyond the voltage
 
+  // Joints of a chain only; see kJointRadius_m.
+  std::string name;                     ///< of the joint; empty: leg or axis
+  bool revolute = false;                ///< recorded in rad
+  Recorded recorded = Recorded::Force;  ///< what the recorder wrote as the drive's effort
+  double torque_per_ampere = 0.0;       ///< N m/A (prismatic: N/A) at the joint; 0: not known
+  double torque_per_ampere_std = 0.0;   ///< 0: given, not estimated
+  double jointRadius() const { return revolute ? kJointRadius_m : 1.0; }
+  double position_per_m() const { return 1.0 / jointRadius(); }  ///< recorded unit per m
+  /// Recorded unit per N: N m, N or A.
+  double force_per_N() const {
+    return recorded == Recorded::Current ? jointRadius() / (torque_per_ampere > 0.0 ? torque_per_ampere : 1.0)
+                                         : jointRadius();
+  }
+
   double metresPerCount() const { return screw_lead_m / counts_per_revolution; }
 };
+
+/// Units as files write them: "m" or "rad"; "N", "Nm" or "A".
+const char* positionUnit(const Actuator& actuator);
+const char* forceUnit(const Actuator& actuator);
 
 /// Largest angle between a leg's axis and the joint's neutral axis (platform normal for the spherical joint, base Z for
 /// universal and revolute joint), rad.
@@ -38,6 +60,7 @@ struct JointLimits {
 enum class MechanismKind {
   ThreeUpsOneRpu,  ///< the parallel robot
   Axes,            ///< one to four independent actuators on a bench
+  Chain,           ///< open chain from a URDF, 1 to 12 joints
 };
 
 /// Content of a robot file (design: section 2). Constant after loading.
@@ -46,8 +69,9 @@ struct Robot {
   std::string fingerprint;  ///< of the file's bytes; a model remembers it
   MechanismKind kind = MechanismKind::ThreeUpsOneRpu;
   std::optional<Mechanism> mechanism;      ///< engaged for ThreeUpsOneRpu
+  std::optional<Chain> chain;              ///< engaged for Chain
   Vector3 gravity{0.0, 0.0, -9.81};        ///< m/s^2, base frame
-  std::vector<Actuator> actuators;         ///< four for ThreeUpsOneRpu, one to four for Axes
+  std::vector<Actuator> actuators;         ///< four for ThreeUpsOneRpu, one to four for Axes, the chain's moving joints
   JointLimits joints;                      ///< only for ThreeUpsOneRpu
   double singularity_condition_max = 0.0;  ///< limit of conditionNumber(); infinity: margin wide open
   std::string urdf;                        ///< resolved path of the URDF, empty: none

@@ -9,16 +9,20 @@ namespace knee_robot::recording {
 /// One recording (design: section 2), as it stands in the file: not resampled, not filtered. Matrices have one row per
 /// row of the file and one column per actuator; a signal that the file does not have is a matrix without columns.
 struct Recording {
-  std::string path;            ///< as given to loadRecording
-  std::string name;            ///< file name without folder and ".csv": NAME of prediction_NAME.csv
-  std::string fingerprint;     ///< of the file's bytes
-  int axes = 0;                ///< number of actuators, from the position_i_m columns
-  std::vector<double> time_s;  ///< strictly increasing
-  Eigen::MatrixXd position_m;
-  Eigen::MatrixXd reference_m;       ///< optional
-  Eigen::MatrixXd velocity_m_per_s;  ///< optional
-  Eigen::MatrixXd command_V;         ///< optional, but one of command and force is there
-  Eigen::MatrixXd force_N;           ///< optional: the commanded actuator force
+  std::string path;                        ///< as given to loadRecording
+  std::string name;                        ///< file name without folder and ".csv": NAME of prediction_NAME.csv
+  std::string fingerprint;                 ///< of the file's bytes
+  int axes = 0;                            ///< number of actuators, from the position_i_m columns
+  std::vector<double> time_s;              ///< strictly increasing
+  Eigen::MatrixXd position_m;              ///< as the file has it: in position_unit
+  Eigen::MatrixXd reference_m;             ///< optional
+  Eigen::MatrixXd velocity_m_per_s;        ///< optional
+  Eigen::MatrixXd command_V;               ///< optional, but one of command and force is there
+  Eigen::MatrixXd force_N;                 ///< optional: the commanded actuator force; in force_unit
+  Eigen::MatrixXd current_A;               ///< optional: motor current (chains)
+  std::vector<std::string> position_unit;  ///< per actuator: m, or rad (chains)
+  std::vector<std::string> force_unit;     ///< per actuator: N, or Nm (chains)
+  bool force_is_measured = false;  ///< true: the force belongs to its row's time; false: it holds until the next row
   Eigen::MatrixXd mocap;  ///< optional: x, z (m), theta, psi (rad) of the camera; nan where there was no picture
   std::vector<std::string> notes;  ///< what the reader tolerated, one sentence each
 

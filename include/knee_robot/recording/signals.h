@@ -22,7 +22,8 @@ struct Signals {
   Eigen::MatrixXd velocity_m_per_s;
   Eigen::MatrixXd acceleration_m_per_s2;
   Eigen::MatrixXd force_N;  ///< mean of the held command over the grid interval around the sample; otherwise unfiltered
-  std::vector<char> known;  ///< 0 in gaps
+  bool force_is_measured = false;  ///< then force_N is the force at the sample (Recording::force_is_measured)
+  std::vector<char> known;         ///< 0 in gaps
   /// Of an encoder's step: what rounding leaves in position_m, from peak to peak (six standard deviations of white rounding noise
   /// after the low-pass; at least a quarter, because a filtered staircase overshoots; at most one).
   double rounding_left = 1.0;

@@ -7,11 +7,13 @@
 #include "knee_robot/identification/evaluation.h"
 #include "knee_robot/identification/physical_fit.h"
 #include "knee_robot/recording/cutoff.h"
+#include "knee_robot/report/recorded_units_of.h"
 
 namespace knee_robot::report {
 
 /// Everything that identify's files say. `before` is the model without actuator friction, `after` the identified one.
 struct IdentifyResults {
+  RecordedUnits units;       ///< see toRecordedUnits; plain: m and N
   std::string command_line;  ///< that reproduces this
   std::string robot_path;
   identification::IdentifyOptions options;

@@ -4,12 +4,14 @@
 #include <vector>
 
 #include "knee_robot/identification/evaluation.h"
+#include "knee_robot/report/recorded_units_of.h"
 #include "knee_robot/tracing/model_prediction.h"
 
 namespace knee_robot::report {
 
 /// A model file applied to recordings.
 struct PredictResults {
+  RecordedUnits units;  ///< see toRecordedUnits; plain: m and N
   std::string model_path;
   dynamics::Model model;
   std::vector<identification::Observation> observations;  ///< at least one

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "knee_robot/identification/evaluation.h"
+#include "knee_robot/report/recorded_units_of.h"
 #include "knee_robot/tracing/next_experiment.h"
 #include "knee_robot/tracing/pose_trace.h"
 #include "knee_robot/tracing/trace.h"
@@ -12,6 +13,7 @@ namespace knee_robot::report {
 
 /// Everything that trace's files say.
 struct TraceResults {
+  RecordedUnits units;       ///< see toRecordedUnits; plain: m and N
   std::string command_line;  ///< that reproduces this
   std::string robot_path;
   tracing::TraceOptions options;

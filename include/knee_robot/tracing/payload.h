@@ -9,8 +9,9 @@ namespace knee_robot::tracing {
 /// Whether what the base parameters have taken up looks like a mass on the platform, judged against the robot's own inertia (its
 /// URDF). The base model alone cannot tell: a payload is a change of its parameters.
 struct PayloadTest {
-  bool tested = false;  ///< the robot has a URDF and a platform
-  bool stated = false;  ///< the data separate it
+  bool tested = false;     ///< the robot has a URDF and a body that can carry
+  bool is_effect = false;  ///< against a given model of a chain: counted among the effects
+  bool stated = false;     ///< the data separate it
   double mass_kg = 0.0, mass_std_kg = 0.0;
   mechanism::Vector3 center_m = mechanism::Vector3::Zero();      ///< in the platform frame, of what can be told
   mechanism::Vector3 center_std_m = mechanism::Vector3::Zero();  ///< large: not told

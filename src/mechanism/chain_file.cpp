@@ -1,0 +1,136 @@
+#include "chain_file.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "knee_robot/base/numbers.h"
+
+namespace knee_robot::mechanism {
+namespace {
+
+constexpr double kTiny = 1e-12;
+constexpr double kUsualStep_rad = 1e-4, kUsualStep_m = 1e-5;  ///< of an encoder of which nothing is said
+constexpr double kUsualRange_rad = M_PI, kUsualRange_m = 1.0;
+constexpr double kUsualSpeed = 1.0;         ///< rad/s or m/s
+constexpr double kUsualAcceleration = 5.0;  ///< rad/s^2 or m/s^2
+// A chain's effort is recorded, not commanded through a converter: a step that is far below any sensor's, and no limit.
+constexpr double kForceStepPerVolt_N = 1e-3, kNoLimit_V = 1e12;
+
+/// The joints that the file names, before the URDF has told what they are.
+struct Entry {
+  StrictMap map;
+  NamedJoint joint;
+};
+
+std::vector<Entry> readEntries(StrictMap& file) {
+  std::vector<Entry> entries;
+  if (!file.has("joints")) return entries;
+  for (StrictMap& map : file.maps("joints")) {
+    NamedJoint joint;
+    joint.name = map.text("name");
+    for (const Entry& other : entries) {
+      if (other.joint.name == joint.name) map.refuse("name", joint.name + " occurs twice under `joints`");
+    }
+    for (const char* key : {"locked_at_rad", "locked_at_m"}) {
+      if (!map.has(key)) continue;
+      joint.locked = true;
+      joint.locked_at = map.number(key, -1e3, 1e3);
+    }
+    if (joint.locked) map.finish();
+    entries.push_back({map, joint});
+  }
+  return entries;
+}
+
+void readRecorded(StrictMap& map, Actuator& a) {
+  const std::string own = a.revolute ? "torque" : "force";
+  const std::string gain = a.revolute ? "torque_per_ampere_Nm" : "force_per_ampere_N";
+  const bool known = map.has(gain);
+  if (known) a.torque_per_ampere = map.number(gain, kTiny, 1e6);
+  const std::string recorded = map.choiceOr("recorded", known ? "current" : own, {own, "current"});
+  a.recorded = recorded == "current" ? Recorded::Current : a.revolute ? Recorded::Torque : Recorded::Force;
+}
+
+/// Limits are for planning; what the file leaves open the URDF says.
+void readLimits(StrictMap& map, const ChainLimits& limits, Actuator& a) {
+  const std::string unit = positionUnit(a);
+  const double usual = a.revolute ? kUsualRange_rad : kUsualRange_m, r = a.jointRadius();
+  const bool bounded = limits.position_min < limits.position_max;
+  a.position_min_m = r * map.numberOr("position_min_" + unit, bounded ? limits.position_min : -usual, -1e3, 1e3);
+  a.position_max_m = r * map.numberOr("position_max_" + unit, bounded ? limits.position_max : usual, -1e3, 1e3);
+  if (!(a.position_min_m < a.position_max_m))
+    map.refuse("position_max_" + unit, "must be greater than position_min_" + unit);
+  const double speed = limits.velocity_max > 0.0 ? limits.velocity_max : kUsualSpeed;
+  a.velocity_max_m_per_s = r * map.numberOr("velocity_max_" + unit + "_per_s", speed, kTiny, 1e3);
+  a.acceleration_max_m_per_s2 =
+      r * map.numberOr("acceleration_max_" + unit + "_per_s2", kUsualAcceleration, kTiny, 1e5);
+  a.home_length_m = 0.5 * (a.position_min_m + a.position_max_m);
+}
+
+void readEncoder(StrictMap& map, Actuator& a) {
+  const std::string resolution = std::string("resolution_") + positionUnit(a);
+  if (map.has("counts_per_revolution") && map.has(resolution))
+    map.refuse(resolution, "and counts_per_revolution say the same; give one");
+  if (!a.revolute && map.has("counts_per_revolution"))
+    map.refuse("counts_per_revolution", "belongs to revolute joints; give resolution_m");
+  const double turn = a.revolute ? 2.0 * M_PI : 1.0;
+  double step = map.numberOr(resolution, a.revolute ? kUsualStep_rad : kUsualStep_m, kTiny, 1.0);
+  if (map.has("counts_per_revolution")) step = turn / map.number("counts_per_revolution", 1.0, 1e12);
+  a.screw_lead_m = a.jointRadius() * turn;
+  a.counts_per_revolution = turn / step;
+}
+
+Actuator readJoint(StrictMap map, const ChainJoint& joint, const ChainLimits& limits) {
+  Actuator a;
+  a.name = map.text("name");
+  a.revolute = !joint.prismatic;
+  readRecorded(map, a);
+  readLimits(map, limits, a);
+  readEncoder(map, a);
+  a.force_per_volt_N = kForceStepPerVolt_N;
+  a.voltage_max_V = kNoLimit_V;
+  map.finish();
+  return a;
+}
+
+}  // namespace
+
+const char* positionUnit(const Actuator& a) {
+  return a.revolute ? "rad" : "m";
+}
+
+const char* forceUnit(const Actuator& a) {
+  return a.recorded == Recorded::Current ? "A" : a.recorded == Recorded::Torque ? "Nm" : "N";
+}
+
+void readChainRobot(StrictMap& file, Robot& robot) {
+  robot.kind = MechanismKind::Chain;
+  if (robot.urdf.empty()) file.text("urdf");  // refuses: a chain is nothing without
+  const std::string base = file.text("base_link"), tip = file.text("tip_link");
+  if (file.has("gravity_m_per_s2")) robot.gravity = Vector3(file.numbers("gravity_m_per_s2", 3, -100.0, 100.0).data());
+  const std::vector<Entry> entries = readEntries(file);
+  std::vector<NamedJoint> named;
+  for (const Entry& entry : entries)
+    named.push_back(entry.joint);
+  std::vector<ChainLimits> limits;
+  robot.chain = readChain(robot.urdf, base, tip, named, limits);
+  std::vector<std::string> order;  // moving joints, as the file lists them
+  for (const Entry& entry : entries) {
+    if (!entry.joint.locked) order.push_back(entry.joint.name);
+  }
+  for (std::size_t i = 0; i < robot.chain->joints.size(); ++i) {
+    const ChainJoint& joint = robot.chain->joints[i];
+    if (i < order.size() && order[i] != joint.name) {
+      file.refuse("joints",
+                  order[i] + " stands where " + joint.name +
+                      " comes from base to tip; list the joints in that order, it is that of the recording's columns");
+    }
+    const auto entry =
+        std::find_if(entries.begin(), entries.end(), [&](const Entry& e) { return e.joint.name == joint.name; });
+    const StrictMap own =
+        entry == entries.end() ? StrictMap::parse("{name: " + joint.name + "}", robot.path) : entry->map;
+    robot.actuators.push_back(readJoint(own, joint, limits[i]));
+  }
+}
+
+}  // namespace knee_robot::mechanism

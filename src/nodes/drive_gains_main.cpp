@@ -1,0 +1,66 @@
+// drive_gains: torque per ampere of a chain's drives from recordings without and with a payload of known mass.
+
+#include <yaml-cpp/yaml.h>
+
+#include <filesystem>
+#include <iostream>
+
+#include "knee_robot/base/errors.h"
+#include "knee_robot/base/files.h"
+#include "knee_robot/identification/drive_gains.h"
+#include "knee_robot/identification/recording_units.h"
+#include "knee_robot/report/drive_gains_report.h"
+#include "program.h"
+
+using namespace knee_robot;
+
+namespace {
+
+struct Arguments {
+  std::string robot, output;
+  std::vector<std::string> unloaded, loaded;
+  double payload_kg = 0.0, cutoff_hz = 5.0;
+};
+
+std::vector<identification::Observation> observeAll(mechanism::Robot& robot, const std::vector<std::string>& files,
+                                                    const identification::ObservationOptions& options) {
+  std::vector<identification::Observation> all;
+  for (const recording::Recording& r : identification::loadRecordings(robot, files))
+    all.push_back(identification::observe(robot, identification::columnsOf(robot), r, options));
+  return all;
+}
+
+int run(const Arguments& a) {
+  mechanism::Robot robot = mechanism::loadRobot(a.robot);
+  if (!robot.chain) throw InputError(a.robot + ": drive gains belong to `mechanism: chain`");
+  for (mechanism::Actuator& actuator : robot.actuators) {
+    actuator.recorded = mechanism::Recorded::Current;
+    actuator.torque_per_ampere = 0.0;  // found anew, whatever the file says
+  }
+  identification::ObservationOptions options;
+  options.setCutoff(a.cutoff_hz);
+  const std::vector<identification::Observation> unloaded = observeAll(robot, a.unloaded, options);
+  const std::vector<identification::Observation> loaded = observeAll(robot, a.loaded, options);
+  const identification::DriveGains gains = identification::driveGains(robot, unloaded, loaded, a.payload_kg, options);
+  report::writeDriveGains(robot, gains, a.output);
+  std::cout << report::driveGainsSummary(robot, gains) << "written: " << a.output
+            << "/report.json, and robot.yaml with these gains" << std::endl;
+  return kExitDone;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  CLI::App app(
+      "Torque per ampere of a chain's drives, from currents recorded without and with a payload of known mass.",
+      "drive_gains");
+  Arguments a;
+  app.add_option("--robot", a.robot, "robot file (mechanism: chain)")->required();
+  app.add_option("--unloaded", a.unloaded, "recordings without the payload")->required();
+  app.add_option("--loaded", a.loaded, "recordings with it, fixed to the last link")->required();
+  app.add_option("--payload-kg", a.payload_kg, "its mass")->required()->check(CLI::Range(1e-3, 1e4));
+  app.add_option("--cutoff-hz", a.cutoff_hz, "zero-phase low-pass of both sides of the equation (5)")
+      ->check(CLI::Range(1e-6, 1e6));
+  app.add_option("--output", a.output, "folder for report.json and robot.yaml")->required();
+  return nodes::runProgram(app, argc, argv, [&] { return run(a); });
+}
