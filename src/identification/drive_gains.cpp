@@ -16,7 +16,7 @@ constexpr double kSmooth_m_per_s = 2e-3;  ///< of Coulomb friction while nothing
 constexpr double kByPayload = 1e-3;  ///< pull towards the URDF: keeps directions that no data decide where they are
 constexpr double kByUrdf = 10.0;
 constexpr int kMostIterations = 60;
-constexpr double kConverged = 1e-7;
+constexpr double kConverged = 1e-5;
 constexpr double kFelt = 5.0;  ///< standard errors of a gain below which the payload does not tell it
 
 constexpr int kBody = dynamics::kLinkParameters;

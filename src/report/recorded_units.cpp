@@ -218,7 +218,7 @@ std::string withUnits(const RecordedUnits& units, std::string text) {
   std::string force = units.commonForce();
   if (force == "Nm") force = "N m";
   if (force.empty()) force = "N or N m";
-  for (const char* end : {"<", "\n", "\"", ")", ";", " rms", " ->"}) {
+  for (const char* end : {"<", "\n", "\"", ")", ";", ". ", ".\n", ".<", ", p", " rms", " ->"}) {
     replaceAll(text, std::string(", N") + end, ", " + force + end);
     replaceAll(text, std::string(" N") + end, " " + force + end);
   }
@@ -233,6 +233,11 @@ std::string withUnits(const RecordedUnits& units, std::string text) {
   replaceAll(text, "actuator\x01", "joint ");
   replaceAll(text, "Measured means commanded: no force sensor exists.", "Measured is what the recorder wrote.");
   if (!units.allRevolute()) return text;
+  for (const char* end : {")", "_times_"}) {  // signals that a map depends on
+    replaceAll(text, std::string("_m_per_s") + end, std::string("_rad_per_s") + end);
+    replaceAll(text, std::string("_m") + end, std::string("_rad") + end);
+    replaceAll(text, std::string("_N") + end, std::string("_Nm") + end);
+  }
   constexpr double kPerMetre = 1.0 / mechanism::kJointRadius_m;
   scaleNumbers(text, "mm/s", "mrad/s", kPerMetre);
   scaleNumbers(text, "mm", "mrad", kPerMetre);

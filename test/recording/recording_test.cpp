@@ -52,6 +52,23 @@ TEST(Recording, ReadsColumnsByNameInAnyOrderAndIgnoresUnknownOnes) {
   EXPECT_TRUE(r.notes.empty());
 }
 
+TEST(Recording, ReadsAChainsRadiansTorquesAndCurrents) {
+  const Recording r = parseRecording(
+      "time_s,position_1_rad,position_2_m,torque_1_Nm,force_2_N,current_1_A,current_2_A\n0,0.1,0.2,3,4,5,6\n", "r.csv");
+  EXPECT_EQ(r.axes, 2);
+  EXPECT_EQ(r.position_unit, (std::vector<std::string>{"rad", "m"}));
+  EXPECT_EQ(r.force_unit, (std::vector<std::string>{"Nm", "N"}));
+  EXPECT_EQ(r.force_N(0, 1), 4.0);
+  EXPECT_EQ(r.current_A(0, 1), 6.0);
+}
+
+TEST(Recording, NamesWhatAChainsJointLacks) {
+  expectRefused("time_s,position_1_rad\n0,0.1\n", "torque_1_Nm is missing");
+  expectRefused("time_s,position_1_rad,position_2_rad,torque_2_Nm\n0,0.1,0.2,1\n", "torque_1_Nm is missing");
+  expectRefused("time_s,position_1_rad,position_2_rad,current_1_A\n0,0.1,0.2,1\n", "current_2_A is missing");
+  expectRefused("time_s,position_1_rad,position_3_rad,current_1_A\n0,0.1,0.2,1\n", "position_2_m is missing");
+}
+
 TEST(Recording, AcceptsNanInCameraColumnsOnly) {
   const Recording r = parseRecording(kGood, "r.csv");
   EXPECT_TRUE(std::isnan(r.mocap(0, 0)));
