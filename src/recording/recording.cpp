@@ -331,6 +331,8 @@ Recording loadRecording(const std::string& path) {
 Eigen::MatrixXd commandedForce(const Recording& r, const std::vector<double>& force_per_volt_N) {
   const Eigen::Map<const Eigen::RowVectorXd> factor(force_per_volt_N.data(),
                                                     static_cast<Eigen::Index>(force_per_volt_N.size()));
+  if (r.command_V.cols() == 0 && r.force_N.cols() == 0)
+    throw InputError(r.path + ":1: column command_1_V is missing, and so is force_1_N; one of the two is needed");
   if (r.command_V.cols() == 0) return r.force_N;
   const Eigen::MatrixXd from_command = r.command_V.array().rowwise() * factor.array();
   if (r.force_N.cols() == 0) return from_command;

@@ -62,6 +62,11 @@ TEST(Recording, ReadsAChainsRadiansTorquesAndCurrents) {
   EXPECT_EQ(r.current_A(0, 1), 6.0);
 }
 
+TEST(Recording, RefusesCurrentsWhereARobotNeedsForces) {
+  const Recording r = parseRecording(replaced(kGood, "command_1_V", "current_1_A"), "r.csv");
+  EXPECT_THROW(commandedForce(r, {56.8}), InputError);
+}
+
 TEST(Recording, NamesWhatAChainsJointLacks) {
   expectRefused("time_s,position_1_rad\n0,0.1\n", "torque_1_Nm is missing");
   expectRefused("time_s,position_1_rad,position_2_rad,torque_2_Nm\n0,0.1,0.2,1\n", "torque_1_Nm is missing");
@@ -103,7 +108,7 @@ TEST(Recording, LeavesOutALastLineThatACrashCutOffAndSaysSo) {
 TEST(Recording, NamesTheMissingColumn) {
   expectRefused(replaced(kGood, "time_s", "time"), "r.csv:1: column time_s is missing");
   expectRefused(replaced(kGood, "position_1_m", "pos_1_m"), "column position_1_m is missing");
-  expectRefused(replaced(kGood, "command_1_V", "current_1_A"), "column command_1_V is missing, and so is force_1_N");
+  expectRefused(replaced(kGood, "command_1_V", "voltage_1"), "column command_1_V is missing, and so is force_1_N");
   expectRefused(replaced(kGood, "mocap_psi_rad", "psi"), "column mocap_psi_rad is missing");
   expectRefused("time_s,position_1_m,position_3_m,command_1_V\n0,1,1,1\n", "column position_2_m is missing");
   expectRefused("time_s,position_1_m,position_2_m,command_1_V\n0,1,1,1\n", "column command_2_V is missing");
