@@ -178,6 +178,14 @@ std::string resolveUrdf(StrictMap& file, const std::string& robot_path) {
 }  // namespace
 
 Robot loadRobot(const std::string& path) {
+  Robot robot = loadAnyRobot(path);
+  if (robot.kind == MechanismKind::Chain)
+    throw InputError(
+        path + ": is a chain, which only identify, trace, predict and drive_gains know; give a 3UPS+1RPU or axes");
+  return robot;
+}
+
+Robot loadAnyRobot(const std::string& path) {
   const std::string text = readFile(path, 16u << 20);
   StrictMap file = StrictMap::parse(text, path);
   Robot robot;

@@ -31,7 +31,7 @@ std::vector<identification::Observation> observeAll(mechanism::Robot& robot, con
 }
 
 int run(const Arguments& a) {
-  mechanism::Robot robot = mechanism::loadRobot(a.robot);
+  mechanism::Robot robot = mechanism::loadAnyRobot(a.robot);
   if (!robot.chain) throw InputError(a.robot + ": drive gains belong to `mechanism: chain`");
   for (mechanism::Actuator& actuator : robot.actuators) {
     actuator.recorded = mechanism::Recorded::Current;

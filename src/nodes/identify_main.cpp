@@ -170,7 +170,7 @@ int run(const Arguments& a, const std::string& command_line) {
   r.robot_path = a.robot;
   r.options = a.options;
   refuseTrainingAgain(a);
-  mechanism::Robot robot = mechanism::loadRobot(a.robot);
+  mechanism::Robot robot = mechanism::loadAnyRobot(a.robot);
   {
     const std::vector<recording::Recording> training = loadAll(robot, a.train);
     decideCutoff(training, a.cutoff_hz, a.motion_cutoff_hz, r);

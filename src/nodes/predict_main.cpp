@@ -19,7 +19,7 @@ struct Arguments {
 };
 
 int run(const Arguments& a) {
-  mechanism::Robot robot = mechanism::loadRobot(a.robot);
+  mechanism::Robot robot = mechanism::loadAnyRobot(a.robot);
   const dynamics::Model model = dynamics::loadModel(a.model);
   identification::takeGains(model, robot);
   std::vector<recording::Recording> recordings;

@@ -136,7 +136,7 @@ int run(const Arguments& a, const std::string& command_line) {
   r.options.observation.setCutoff(a.cutoff_hz);
   r.options.progress = [](const std::string& what) { std::cerr << what << std::endl; };
   if (a.options.most_effects == 0) r.options.twins = 2;  // nothing is compared with surrogates
-  mechanism::Robot robot = mechanism::loadRobot(a.robot);
+  mechanism::Robot robot = mechanism::loadAnyRobot(a.robot);
   double cutoff_hz = a.cutoff_hz;
   if (!a.model.empty()) {
     r.options.start =

@@ -33,7 +33,7 @@ class ChainTest : public testing::Test {
     std::ofstream(folder_ / "robot.yaml") << "mechanism: chain\nurdf: " << fs::absolute(urdf).string()
                                           << "\nbase_link: " << base << "\ntip_link: " << tip << "\n"
                                           << more;
-    return mechanism::loadRobot((folder_ / "robot.yaml").string());
+    return mechanism::loadAnyRobot((folder_ / "robot.yaml").string());
   }
   mechanism::Robot arm() { return robot(KNEE_SOURCE_DIR "/test/dynamics/chain.urdf", "base", "tool"); }
 
@@ -73,8 +73,8 @@ recording::Recording recorded(const mechanism::Robot& robot, int seed, double pa
     }
     dynamics::chainRegressor(*robot.chain, robot.gravity, q, v, a, data);
     r.position_m.row(k) = q.transpose();
-    r.force_N.row(k) = (data.regressor * parameters + kViscous * v +
-                        kFriction * (v.array() / 0.005).tanh().matrix()).transpose();
+    r.force_N.row(k) =
+        (data.regressor * parameters + kViscous * v + kFriction * (v.array() / 0.005).tanh().matrix()).transpose();
   }
   for (const mechanism::Actuator& joint : robot.actuators) {
     r.position_unit.push_back(mechanism::positionUnit(joint));
@@ -133,7 +133,8 @@ TEST_F(ChainTest, DriveGainsFollowFromAPayloadOfKnownMass) {
   EXPECT_STREQ(mechanism::forceUnit(robot.actuators[3]), "A") << "nothing but current was recorded";
   const DriveGains found = driveGains(robot, {both[0]}, {both[1]}, 2.5, options);
   for (int i = 0; i < 6; ++i)
-    EXPECT_NEAR(found.gain[i], gain[i], std::max(0.03 * gain[i], 3.0 * found.std[i])) << robot.actuators[static_cast<std::size_t>(i)].name;
+    EXPECT_NEAR(found.gain[i], gain[i], std::max(0.03 * gain[i], 3.0 * found.std[i]))
+        << robot.actuators[static_cast<std::size_t>(i)].name;
   EXPECT_LT((found.center_m - kPayloadAt).norm(), 0.01) << found.center_m.transpose();
 }
 

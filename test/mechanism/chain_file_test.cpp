@@ -28,10 +28,10 @@ class ChainFile : public testing::Test {
 
   Robot load(const std::string& more = "", const std::string& base = "base", const std::string& tip = "tool") {
     std::ofstream(folder_ / "arm.urdf") << urdf_;
-    std::ofstream(folder_ / "robot.yaml") << "mechanism: chain\nurdf: arm.urdf\nbase_link: " << base
-                                          << "\ntip_link: " << tip << "\n"
-                                          << more;
-    return loadRobot((folder_ / "robot.yaml").string());
+    std::ofstream(folder_ / "robot.yaml")
+        << "mechanism: chain\nurdf: arm.urdf\nbase_link: " << base << "\ntip_link: " << tip << "\n"
+        << more;
+    return loadAnyRobot((folder_ / "robot.yaml").string());
   }
 
   /// The refusal, which names the words in it.
@@ -71,8 +71,14 @@ TEST_F(ChainFile, TakesEveryMovingJointBetweenBaseAndTip) {
   EXPECT_EQ(robot.chain->joints.back().links.size(), 3u) << "wrist, the tool fixed to it, the finger beside the chain";
 }
 
+TEST_F(ChainFile, IsRefusedWhereOnlyAParallelRobotOrAxesWillDo) {
+  load();
+  EXPECT_THROW(loadRobot((folder_ / "robot.yaml").string()), InputError);
+}
+
 TEST_F(ChainFile, FoldsLockedJointsIntoTheBodyThatCarriesThem) {
-  const Robot robot = load("joints: [{name: waist}, {name: shoulder}, {name: elbow, locked_at_rad: 0.5}, {name: roll}]\n");
+  const Robot robot =
+      load("joints: [{name: waist}, {name: shoulder}, {name: elbow, locked_at_rad: 0.5}, {name: roll}]\n");
   ASSERT_EQ(robot.axes(), 3);
   EXPECT_EQ(robot.actuators[2].name, "roll");
   EXPECT_EQ(robot.chain->joints[1].links.size(), 2u) << "upper arm and forearm";
@@ -90,8 +96,9 @@ TEST_F(ChainFile, ReadsEncoderStepLimitsAndDriveGain) {
 }
 
 TEST_F(ChainFile, RefusesALoop) {
-  replace("</robot>", "<joint name=\"strut\" type=\"revolute\"><parent link=\"base\"/><child link=\"fore\"/><axis xyz=\"0 0 1\"/>"
-                      "<limit lower=\"-1\" upper=\"1\" effort=\"1\" velocity=\"1\"/></joint></robot>");
+  replace("</robot>",
+          "<joint name=\"strut\" type=\"revolute\"><parent link=\"base\"/><child link=\"fore\"/><axis xyz=\"0 0 1\"/>"
+          "<limit lower=\"-1\" upper=\"1\" effort=\"1\" velocity=\"1\"/></joint></robot>");
   refuses({"arm.urdf", "fore", "strut", "loop"});
 }
 
