@@ -34,16 +34,22 @@ std::string elementText(const FrictionElement& e, bool revolute) {
 
 FrictionElement readElement(StrictMap map, bool revolute) {
   const double radius = radiusOf(revolute);
-  const std::string width = revolute ? "width_rad" : "width_m";
-  const std::string speed = revolute ? "speed_rad_per_s" : "speed_m_per_s";
+  const auto width = [&] {
+    return radius * (revolute ? map.number("width_rad", kNarrowest_m, kWidest_m)
+                              : map.number("width_m", kNarrowest_m, kWidest_m));
+  };
+  const auto speed = [&](double slowest) {
+    return radius * (revolute ? map.number("speed_rad_per_s", slowest, kFastest_m_per_s)
+                              : map.number("speed_m_per_s", slowest, kFastest_m_per_s));
+  };
   FrictionElement e;
   const std::string law = map.choice("law", {"stop", "tanh", "bristles"});
   e.kind = law == "stop" ? FrictionKind::Stop : law == "tanh" ? FrictionKind::Smooth : FrictionKind::Bristles;
   e.share = map.number("share", 1e-9, 1.0);
-  e.width_m = e.kind == FrictionKind::Smooth ? 0.0 : radius * map.number(width, kNarrowest_m, kWidest_m);
-  if (e.kind == FrictionKind::Smooth) e.speed_m_per_s = radius * map.number(speed, kSlowest_m_per_s, kFastest_m_per_s);
+  e.width_m = e.kind == FrictionKind::Smooth ? 0.0 : width();
+  if (e.kind == FrictionKind::Smooth) e.speed_m_per_s = speed(kSlowest_m_per_s);
   if (e.kind == FrictionKind::Bristles) {
-    e.speed_m_per_s = radius * map.number(speed, 0.0, kFastest_m_per_s);
+    e.speed_m_per_s = speed(0.0);
     e.damping_s = map.number("damping_s", 0.0, 1.0);
   }
   map.finish();

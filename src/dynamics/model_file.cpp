@@ -221,7 +221,8 @@ Model readModel(StrictMap file) {
   } else {
     m.friction = readFriction(file, m.axes, revolute);
   }
-  m.residual_rms_N = file.numbers(chain ? "residual_rms" : "residual_rms_N", axes, 0.0, kLargest);
+  m.residual_rms_N =
+      chain ? file.numbers("residual_rms", axes, 0.0, kLargest) : file.numbers("residual_rms_N", axes, 0.0, kLargest);
   for (StrictMap& entry : file.maps("parameters"))
     m.parameters.push_back(readParameter(entry));
   for (StrictMap& entry : file.maps("base"))

@@ -11,6 +11,7 @@ namespace knee_robot::identification {
 namespace {
 
 constexpr double kSaturation = 0.999;  ///< of the largest command
+constexpr double kStand_s = 0.5;       ///< a chain that stands longer: friction may take any value
 
 std::string percent(double share) {
   return shortNumber(100.0 * share, 3) + " %";
@@ -51,6 +52,20 @@ void mask(const std::vector<char>& flagged, int reach, std::vector<char>& usable
     for (int k = std::max(0, i - reach); k <= std::min(n - 1, i + reach); ++k)
       usable[static_cast<std::size_t>(k)] = 0;
   }
+}
+
+/// Samples of stretches longer than kStand_s in which no joint moves. A gear holds a torque that nothing tells; a stop is one number, and
+/// its many samples would decide over everything that tells standing from moving.
+std::vector<char> standingSamples(const ObservationOptions& options, const recording::Signals& s) {
+  std::vector<char> standing(static_cast<std::size_t>(s.samples()), 0);
+  const int least = static_cast<int>(kStand_s / s.period_s);
+  for (int n = 0, from = 0; n <= s.samples(); ++n) {
+    const bool stands = n < s.samples() && s.velocity_m_per_s.row(n).cwiseAbs().maxCoeff() <= options.moving_m_per_s;
+    if (stands) continue;
+    if (n - from > least) std::fill(standing.begin() + from, standing.begin() + n, 1);
+    from = n + 1;
+  }
+  return standing;
 }
 
 /// Samples at which the lengths do not tell the assembly mode: from coming within the margin of a fold until twice as far away.
@@ -108,6 +123,7 @@ void maskUnusable(const mechanism::Robot& robot, const ObservationOptions& optio
   std::fill_n(ends.begin(), edge, 1);
   std::fill_n(ends.rbegin(), edge, 1);
   leaveOut("at the recording's ends, where the low-pass reaches beyond", ends, 0);
+  if (robot.chain) leaveOut("all joints stand for longer than half a second", standingSamples(options, o.signals), 0);
   if (!robot.mechanism) return;
 
   const double limit = conditionLimit(robot, options);

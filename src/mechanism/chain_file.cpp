@@ -31,11 +31,9 @@ std::vector<Entry> readEntries(StrictMap& file) {
     for (const Entry& other : entries) {
       if (other.joint.name == joint.name) map.refuse("name", joint.name + " occurs twice under `joints`");
     }
-    for (const char* key : {"locked_at_rad", "locked_at_m"}) {
-      if (!map.has(key)) continue;
-      joint.locked = true;
-      joint.locked_at = map.number(key, -1e3, 1e3);
-    }
+    joint.locked = map.has("locked_at_rad") || map.has("locked_at_m");
+    if (map.has("locked_at_rad")) joint.locked_at = map.number("locked_at_rad", -1e3, 1e3);
+    if (map.has("locked_at_m")) joint.locked_at = map.number("locked_at_m", -1e3, 1e3);
     if (joint.locked) map.finish();
     entries.push_back({map, joint});
   }
@@ -43,41 +41,50 @@ std::vector<Entry> readEntries(StrictMap& file) {
 }
 
 void readRecorded(StrictMap& map, Actuator& a) {
-  const std::string own = a.revolute ? "torque" : "force";
   const std::string gain = a.revolute ? "torque_per_ampere_Nm" : "force_per_ampere_N";
   const bool known = map.has(gain);
-  if (known) a.torque_per_ampere = map.number(gain, kTiny, 1e6);
+  if (known)
+    a.torque_per_ampere =
+        a.revolute ? map.number("torque_per_ampere_Nm", kTiny, 1e6) : map.number("force_per_ampere_N", kTiny, 1e6);
+  const std::string own = a.revolute ? "torque" : "force";
   const std::string recorded = map.choiceOr("recorded", known ? "current" : own, {own, "current"});
   a.recorded = recorded == "current" ? Recorded::Current : a.revolute ? Recorded::Torque : Recorded::Force;
 }
 
-/// Limits are for planning; what the file leaves open the URDF says.
+/// Limits are for planning; what the file leaves open the URDF says. In rad or m; the actuator's are at jointRadius().
 void readLimits(StrictMap& map, const ChainLimits& limits, Actuator& a) {
-  const std::string unit = positionUnit(a);
   const double usual = a.revolute ? kUsualRange_rad : kUsualRange_m, r = a.jointRadius();
   const bool bounded = limits.position_min < limits.position_max;
-  a.position_min_m = r * map.numberOr("position_min_" + unit, bounded ? limits.position_min : -usual, -1e3, 1e3);
-  a.position_max_m = r * map.numberOr("position_max_" + unit, bounded ? limits.position_max : usual, -1e3, 1e3);
-  if (!(a.position_min_m < a.position_max_m))
-    map.refuse("position_max_" + unit, "must be greater than position_min_" + unit);
+  const double low = bounded ? limits.position_min : -usual, high = bounded ? limits.position_max : usual;
   const double speed = limits.velocity_max > 0.0 ? limits.velocity_max : kUsualSpeed;
-  a.velocity_max_m_per_s = r * map.numberOr("velocity_max_" + unit + "_per_s", speed, kTiny, 1e3);
-  a.acceleration_max_m_per_s2 =
-      r * map.numberOr("acceleration_max_" + unit + "_per_s2", kUsualAcceleration, kTiny, 1e5);
+  if (a.revolute) {
+    a.position_min_m = r * map.numberOr("position_min_rad", low, -1e3, 1e3);
+    a.position_max_m = r * map.numberOr("position_max_rad", high, -1e3, 1e3);
+    a.velocity_max_m_per_s = r * map.numberOr("velocity_max_rad_per_s", speed, kTiny, 1e3);
+    a.acceleration_max_m_per_s2 = r * map.numberOr("acceleration_max_rad_per_s2", kUsualAcceleration, kTiny, 1e5);
+  } else {
+    a.position_min_m = map.numberOr("position_min_m", low, -1e3, 1e3);
+    a.position_max_m = map.numberOr("position_max_m", high, -1e3, 1e3);
+    a.velocity_max_m_per_s = map.numberOr("velocity_max_m_per_s", speed, kTiny, 1e3);
+    a.acceleration_max_m_per_s2 = map.numberOr("acceleration_max_m_per_s2", kUsualAcceleration, kTiny, 1e5);
+  }
+  if (!(a.position_min_m < a.position_max_m)) {
+    const std::string unit = positionUnit(a);
+    map.refuse("position_max_" + unit, "must be greater than position_min_" + unit);
+  }
   a.home_length_m = 0.5 * (a.position_min_m + a.position_max_m);
 }
 
 void readEncoder(StrictMap& map, Actuator& a) {
-  const std::string resolution = std::string("resolution_") + positionUnit(a);
-  if (map.has("counts_per_revolution") && map.has(resolution))
-    map.refuse(resolution, "and counts_per_revolution say the same; give one");
-  if (!a.revolute && map.has("counts_per_revolution"))
-    map.refuse("counts_per_revolution", "belongs to revolute joints; give resolution_m");
-  const double turn = a.revolute ? 2.0 * M_PI : 1.0;
-  double step = map.numberOr(resolution, a.revolute ? kUsualStep_rad : kUsualStep_m, kTiny, 1.0);
-  if (map.has("counts_per_revolution")) step = turn / map.number("counts_per_revolution", 1.0, 1e12);
-  a.screw_lead_m = a.jointRadius() * turn;
-  a.counts_per_revolution = turn / step;
+  a.screw_lead_m = a.revolute ? 2.0 * M_PI * kJointRadius_m : 1.0;  // per turn of a joint; a rail has none
+  if (!a.revolute) {
+    a.counts_per_revolution = 1.0 / map.numberOr("resolution_m", kUsualStep_m, kTiny, 1.0);
+    return;
+  }
+  if (map.has("counts_per_revolution") && map.has("resolution_rad"))
+    map.refuse("resolution_rad", "and counts_per_revolution say the same; give one");
+  const double counts = 2.0 * M_PI / map.numberOr("resolution_rad", kUsualStep_rad, kTiny, 1.0);
+  a.counts_per_revolution = map.numberOr("counts_per_revolution", counts, 1.0, 1e12);
 }
 
 Actuator readJoint(StrictMap map, const ChainJoint& joint, const ChainLimits& limits) {

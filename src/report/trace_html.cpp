@@ -24,6 +24,9 @@ std::string errorRows(const std::string& title, const std::vector<identification
          tableRow("change of rms, upper end of 95 %, N", gain.high_N);
   out += tableRow("before: rms / rms of the force, %", b.rms_percent) +
          tableRow("after: rms / rms of the force, %", a.rms_percent);
+  Eigen::VectorXd together(2);
+  together << b.togetherPercent(), a.togetherPercent();
+  out += tableRow("before, after: rms / rms of the force, all actuators together, %", together);
   out += tableRow("before: rms, moving samples, N", b.rms_moving_N) +
          tableRow("after: rms, moving samples, N", a.rms_moving_N);
   return out + tableRow("before: largest error, N", b.max_N) + tableRow("after: largest error, N", a.max_N);

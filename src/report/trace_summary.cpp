@@ -17,8 +17,11 @@ std::string side(const std::string& title, const identification::Applied& before
   std::string out = title + ", rms, N" + "\n";
   out +=
       numberRow("before, all samples", before.accuracy.rms_N) + numberRow("after, all samples", after.accuracy.rms_N);
+  Eigen::VectorXd together(2);
+  together << before.accuracy.togetherPercent(), after.accuracy.togetherPercent();
   return out + numberRow("before, moving samples", before.accuracy.rms_moving_N) +
-         numberRow("after, moving samples", after.accuracy.rms_moving_N);
+         numberRow("after, moving samples", after.accuracy.rms_moving_N) +
+         numberRow("% of rms(force), all together: before, after", together);
 }
 
 std::string effectLine(const tracing::FoundEffect& e, const dynamics::ModelEffect& m) {
@@ -70,11 +73,16 @@ std::string traceVerdict(const TraceResults& r) {
          "added.";
 }
 
+/// The payload beside a given model, which is no column of its own.
+std::string payloadLine(const tracing::PayloadTest& p) {
+  return p.is_effect ? "Payload: " + p.sentence + "\n" : "";
+}
+
 std::string traceSummary(const TraceResults& r) {
   std::string out = traceOutcome(r) + "\n";
   for (const std::string& note : r.result.notes)
     out += note + "\n";
-  out += givenModelSummary(r.result.given) + "\n" + traceVerdict(r) + "\n";
+  out += givenModelSummary(r.result.given) + "\n" + payloadLine(r.result.payload) + traceVerdict(r) + "\n";
   for (std::size_t k = 0; k < r.result.effects.size(); ++k)
     out += effectLine(r.result.effects[k], r.model.effects[k]);
   out += anglesSummary(r);
