@@ -33,7 +33,8 @@ void refuseSaturated(const std::vector<Observation>& training) {
   }
 }
 
-void refuseMotionless(const std::vector<Observation>& training, const ObservationOptions& options) {
+void refuseMotionless(const mechanism::Robot& robot, const std::vector<Observation>& training,
+                      const ObservationOptions& options) {
   const int axes = training.front().axes();
   for (int i = 0; i < axes; ++i) {
     double fastest = 0.0;
@@ -41,6 +42,13 @@ void refuseMotionless(const std::vector<Observation>& training, const Observatio
       fastest = std::max(fastest, o.signals.velocity_m_per_s.col(i).cwiseAbs().maxCoeff());
     }
     if (fastest > options.moving_m_per_s) continue;
+    const mechanism::Actuator& a = robot.actuators[static_cast<std::size_t>(i)];
+    if (!a.name.empty()) {
+      throw Refusal("joint " + a.name + " never moves faster than " + shortNumber(fastest * a.position_per_m(), 3) +
+                    " " + mechanism::positionUnit(a) + "/s in " + namesOf(training) +
+                    "; record a motion of all joints, or lock it in the robot file (locked_at_" +
+                    mechanism::positionUnit(a) + ")");
+    }
     throw Refusal("actuator " + std::to_string(i + 1) + " never moves faster than " + shortNumber(1e3 * fastest, 3) +
                   " mm/s in " + namesOf(training) + " (moving means more than " +
                   shortNumber(1e3 * options.moving_m_per_s, 3) + " mm/s); record a motion of all actuators");
@@ -252,7 +260,7 @@ Identification identify(const mechanism::Robot& robot, std::vector<Observation>&
                         const IdentifyOptions& options) {
   Identification id;
   id.columns = columnsOf(robot, options.joint_friction);
-  refuseMotionless(training, options.observation);
+  refuseMotionless(robot, training, options.observation);
   refuseSaturated(training);
   const std::vector<char> use = usedColumns(id.columns, options.friction);
   const std::vector<double> narrowest = narrowestWidths(robot, options.narrowest_counts);

@@ -43,9 +43,35 @@ void settle(mechanism::Actuator& a, int i, const recording::Recording& r) {
                   (a.revolute ? "revolute" : "prismatic"));
 }
 
+constexpr double kStands = 0.01;  ///< rad or m: a joint that goes less far in a whole recording stands still
+
+/// Columns of joints that the robot file locks: of a recording with more columns than the chain has moving joints, those that stand
+/// still are left out, if exactly the chain's are left then.
+void leaveOutLocked(const mechanism::Robot& robot, recording::Recording& r) {
+  if (!robot.chain || r.axes <= robot.axes()) return;
+  std::vector<Eigen::Index> moving;
+  for (int i = 0; i < r.axes; ++i) {
+    if (r.position_m.col(i).maxCoeff() - r.position_m.col(i).minCoeff() > kStands) moving.push_back(i);
+  }
+  if (static_cast<int>(moving.size()) != robot.axes()) return;
+  for (Eigen::MatrixXd* m : {&r.position_m, &r.reference_m, &r.velocity_m_per_s, &r.force_N, &r.current_A}) {
+    if (m->cols() == r.axes) *m = (*m)(Eigen::all, moving).eval();
+  }
+  for (std::vector<std::string>* units : {&r.position_unit, &r.force_unit}) {
+    std::vector<std::string> kept;
+    for (const Eigen::Index i : moving) {
+      if (units->size() == static_cast<std::size_t>(r.axes)) kept.push_back((*units)[static_cast<std::size_t>(i)]);
+    }
+    *units = kept;
+  }
+  r.axes = robot.axes();
+  r.notes.push_back("Columns of joints that stand still were left out: the robot file locks them.");
+}
+
 }  // namespace
 
 void toActuatorUnits(mechanism::Robot& robot, recording::Recording& r) {
+  leaveOutLocked(robot, r);
   recording::requireAxes(r, robot.axes(), robot.path);
   requirePositions(robot, r);
   if (robot.kind != mechanism::MechanismKind::Chain) {

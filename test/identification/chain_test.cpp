@@ -138,6 +138,19 @@ TEST_F(ChainTest, DriveGainsFollowFromAPayloadOfKnownMass) {
   EXPECT_LT((found.center_m - kPayloadAt).norm(), 0.01) << found.center_m.transpose();
 }
 
+TEST_F(ChainTest, LeavesOutTheColumnsOfLockedJoints) {
+  mechanism::Robot all = arm();
+  recording::Recording r = recorded(all, 1);
+  for (const int stands : {0, 3, 4, 5})
+    r.position_m.col(stands).setConstant(0.2);
+  mechanism::Robot two = robot(KNEE_SOURCE_DIR "/test/dynamics/chain.urdf", "base", "tool",
+                               "joints: [{name: waist}, {name: shoulder}, {name: roll, locked_at_rad: 0.2}]\n");
+  const double torque = r.force_N(7, 1);
+  toActuatorUnits(two, r);
+  ASSERT_EQ(r.axes, 2);
+  EXPECT_NEAR(r.force_N(7, 0) * two.actuators[0].force_per_N(), torque, 1e-12);
+}
+
 TEST_F(ChainTest, RefusesColumnsOfAnotherRobot) {
   mechanism::Robot robot = arm();
   const auto refusal = [&](recording::Recording r) -> std::string {
