@@ -52,7 +52,8 @@ ControlSystem::Parts::Parts(const rt::Deployment& deployment)
       output(only<AxesOutput>(deployment, "AxesOutput")),
       monitors(only<Monitors>(deployment, "Monitors")),
       black_box(only<BlackBox>(deployment, "BlackBox")),
-      feedforward(atMostOne<ModelFeedforward>(deployment, "ModelFeedforward")) {
+      feedforward(atMostOne<ModelFeedforward>(deployment, "ModelFeedforward")),
+      observer(atMostOne<DisturbanceObserver>(deployment, "DisturbanceObserver")) {
   checkDrivers(deployment);
   checkOrder(deployment);
 }
@@ -70,6 +71,9 @@ void ControlSystem::Parts::prepareFeedforward(const rt::Deployment& deployment, 
                      shortNumber(ModelFeedforward::kLargestPayload_kg) + " kg");
   if (options.payload_kg) feedforward->payload.set(*options.payload_kg);
   feedforward->loadModel();
+  if (observer == nullptr) return;
+  if (observer->model.value().empty()) observer->model.set(feedforward->model.value());
+  observer->loadModel();
 }
 
 /// One thread uses the bus; what is read in a cycle is answered in the same cycle, and a row of the recording is of one cycle.
@@ -94,6 +98,8 @@ void ControlSystem::Parts::checkOrder(const rt::Deployment& deployment) const {
   const bool too_late =
       feedforward != nullptr && std::find_if(order.begin(), order.end(), is_driver) < place(feedforward);
   if (too_late) throw InputError(where + "ModelFeedforward must come before the Drivers, in their activity");
+  const bool looks_late = observer != nullptr && std::find_if(order.begin(), order.end(), is_driver) < place(observer);
+  if (looks_late) throw InputError(where + "DisturbanceObserver must come before the Drivers, in their activity");
   if (place(supervisor) < place(monitors)) throw InputError(where + "Supervisor must come after Monitors");
   for (auto after = place(output); after != order.end(); ++after) {
     if (dynamic_cast<const Driver*>(*after) != nullptr || *after == supervisor) {

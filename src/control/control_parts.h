@@ -7,6 +7,7 @@
 #include "knee_robot/control/axes_output.h"
 #include "knee_robot/control/black_box_writer.h"
 #include "knee_robot/control/control_system.h"
+#include "knee_robot/control/disturbance_observer.h"
 #include "knee_robot/control/driver.h"
 #include "knee_robot/control/heat_memory.h"
 #include "knee_robot/control/model_feedforward.h"
@@ -26,6 +27,7 @@ class OperatorPanel : public rt::TaskContext {
   rt::InputPort<SupervisorStatus> status{*this, "status", "from the Supervisor"};
   rt::InputPort<TrackingRow> row{*this, "row", "from the Recorder"};
   rt::InputPort<MonitorVerdict> verdict{*this, "verdict", "from Monitors"};
+  rt::InputPort<Disturbance> disturbance{*this, "disturbance", "from the DisturbanceObserver", rt::Need::Optional};
 };
 
 /// What a ControlSystem knows of the components of its deployment.
@@ -45,6 +47,7 @@ struct ControlSystem::Parts {
   Monitors* monitors = nullptr;
   BlackBox* black_box = nullptr;
   ModelFeedforward* feedforward = nullptr;  // may be missing
+  DisturbanceObserver* observer = nullptr;  // may be missing
   OperatorPanel panel;
   std::unique_ptr<RecordingDrain> drain;
   std::unique_ptr<BlackBoxWriter> black_box_writer;

@@ -73,6 +73,10 @@ Answer ControlSystem::loadPatient(const std::string& path) {
     PatientLimits patient = loadPatientLimits(path, robot_);
     const PatientRange range = patient.range;
     const std::string name = patient.name;
+    if (range.limitsForce() && !knowsForces())
+      return {false, path +
+                         ": force: its limits are judged by the residual of an identified model; start the controller "
+                         "with one (model:=)"};
     const std::string obstacles = patientObstacles();
     // The simulated robot hurts nobody, and without this there would be no way to try patient files.
     if (!obstacles.empty() && hardware_.backend != "simulated")
@@ -85,6 +89,10 @@ Answer ControlSystem::loadPatient(const std::string& path) {
   } catch (const InputError& error) {
     return {false, error.what()};
   }
+}
+
+bool ControlSystem::knowsForces() const {
+  return parts_->observer != nullptr && !parts_->observer->model.value().empty();
 }
 
 /// What stands against a patient on this machine as it is configured; each with what mends it.

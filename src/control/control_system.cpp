@@ -61,6 +61,7 @@ ControlSystem::ControlSystem(const mechanism::Robot& robot, const HardwareFile& 
   rt::connect(parts_->supervisor->status, parts_->panel.status);
   rt::connect(parts_->monitors->verdict, parts_->panel.verdict);
   rt::connect(parts_->recorder->row, parts_->panel.row);
+  if (parts_->observer != nullptr) rt::connect(parts_->observer->disturbance, parts_->panel.disturbance);
   for (const auto& component : deployment_->components()) {
     if (component.get() == parts_->supervisor) continue;
     component.get() == parts_->output ? parts_->supervisor->watchOutput(*component)
@@ -227,6 +228,14 @@ std::optional<TrackingRow> ControlSystem::snapshot() const {
   TrackingRow row;
   if (parts_->panel.row.read(row) == rt::FlowStatus::NoData) return std::nullopt;
   return row;
+}
+
+std::optional<Disturbance> ControlSystem::disturbance() const {
+  if (parts_->observer == nullptr) return std::nullopt;
+  const std::lock_guard<std::mutex> lock(mutex_);
+  Disturbance found;
+  if (parts_->panel.disturbance.read(found) == rt::FlowStatus::NoData) return std::nullopt;
+  return found;
 }
 
 SupervisorStatus ControlSystem::supervisorStatus() const {

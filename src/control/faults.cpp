@@ -114,6 +114,9 @@ constexpr std::array<FaultDescription, kFaults> kTable = {{
      "check that drive's power, cable and PDO 2"},
     {F::DriveTorque, "drive_torque", "the drive reports another torque than it was told to give", kAtOnce, kLost, kOne,
      "check the drive's limits and settings, its motor cable and the motor"},
+    {F::PatientForce, "patient_force",
+     "the platform presses harder than the patient file allows, or somebody presses against it", kAtOnce, kWorks, kOne,
+     "ask the patient; look what the platform touches; declare the weight that it carries (payload_kg)"},
 }};
 
 }  // namespace
@@ -123,7 +126,8 @@ const FaultDescription& describe(Fault fault) noexcept {
 }
 
 bool concernsAllAxes(Fault fault) noexcept {
-  return fault == Fault::PatientPose || fault == Fault::PatientSpeed || fault == Fault::SetPointStale;
+  return fault == Fault::PatientPose || fault == Fault::PatientSpeed || fault == Fault::PatientForce ||
+         fault == Fault::SetPointStale;
 }
 
 bool closesLoop(Fault fault) noexcept {

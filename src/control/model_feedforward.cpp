@@ -84,6 +84,7 @@ void ModelFeedforward::updateHook(const rt::Cycle& cycle) {
   }
   ++out_.sequence;
   out_.time = cycle.time;
+  out_.payload_kg = payload;
   feedforward.write(out_);
 }
 

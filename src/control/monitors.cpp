@@ -41,6 +41,7 @@ void Monitors::forget() noexcept {
     axis.saturation.reset();
   }
   patient_monitor_.reset();
+  too_strong_.reset();
   carried_s_ = 0.0;
 }
 
@@ -48,6 +49,7 @@ void Monitors::readPorts() {
   measurement.read(measured_);
   written.read(written_);
   offered_.read(patient_);
+  disturbance.read(disturbed_);
   for (std::size_t i = 0; i < hardware::kAxes; ++i)
     inputs_[i]->read(commands_[i]);
 }
@@ -71,6 +73,7 @@ void Monitors::updateHook(const rt::Cycle& cycle) {
     for (std::size_t i = 0; i < hardware::kAxes; ++i)
       raise(i, judge(i, viewOf(i, dt)));
     raise(0, judgePatient(dt));
+    raise(0, judgeForce(dt));
     last_read_ = measured_.read_at;
     any_ = true;
   }
@@ -126,6 +129,13 @@ Fault Monitors::judge(std::size_t i, const AxisView& view) noexcept {
   if (axis.saturation.step(view, saturation_time)) return Fault::Saturated;
   if (axis.stall.step(view, stall_share, stall_speed, stall_error, stall_time)) return Fault::Stalled;
   return Fault::None;
+}
+
+/// Only what a model explains can be told from a force on the patient.
+Fault Monitors::judgeForce(double dt) noexcept {
+  const bool judged = carried_ && patient_.given && disturbed_.identified && disturbed_.known && !takingOver();
+  const bool too_strong = judged && !patient_.allowsForce(disturbed_.wrench);
+  return too_strong_.step(too_strong, dt, patient_force_time) ? Fault::PatientForce : Fault::None;
 }
 
 Fault Monitors::judgePatient(double dt) noexcept {

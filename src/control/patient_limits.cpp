@@ -60,6 +60,11 @@ bool PatientRange::contains(const mechanism::Pose& pose, double margin_m, double
   return true;
 }
 
+bool PatientRange::allowsForce(const std::array<double, 4>& wrench) const noexcept {
+  return std::hypot(wrench[0], wrench[1]) <= force_N && std::abs(wrench[2]) <= moment_Nm &&
+         std::abs(wrench[3]) <= moment_Nm;
+}
+
 bool PatientRange::allowsSpeed(const mechanism::Vector4& speed, double factor) const noexcept {
   return std::hypot(speed[0], speed[1]) <= factor * linear_m_per_s &&
          std::abs(speed[2]) <= factor * angular_rad_per_s && std::abs(speed[3]) <= factor * angular_rad_per_s;
@@ -83,6 +88,12 @@ PatientLimits loadPatientLimits(const std::string& path, const mechanism::Robot&
     speed->finish();
   } else {
     patient.range.linear_m_per_s = std::min(patient.range.linear_m_per_s, slowestLimit(robot));
+  }
+  if (auto force = file.mapIfAny("force")) {
+    const double infinite = std::numeric_limits<double>::infinity();
+    patient.range.force_N = force->numberOr("force_N", infinite, 5.0, 1000.0);
+    patient.range.moment_Nm = force->numberOr("moment_Nm", infinite, 1.0, 300.0);
+    force->finish();
   }
   file.finish();
   patient.range.given = true;

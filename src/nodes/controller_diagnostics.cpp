@@ -6,6 +6,7 @@
 #include "controller_messages.h"
 #include "knee_robot/base/errors.h"
 #include "knee_robot/base/numbers.h"
+#include "knee_robot/control/disturbance_sentences.h"
 
 namespace knee_robot::nodes {
 namespace {
@@ -65,6 +66,7 @@ ControllerDiagnostics::ControllerDiagnostics(ros::NodeHandle& node, const contro
   updater_.add("tracking", this, &ControllerDiagnostics::tracking);
   updater_.add("limits", this, &ControllerDiagnostics::limits);
   updater_.add("motors", this, &ControllerDiagnostics::motors);
+  updater_.add("residual", this, &ControllerDiagnostics::residual);
   updater_.add("timing", this, &ControllerDiagnostics::timing);
   updater_.add("guardian", this, &ControllerDiagnostics::guardian);
   updater_.add("recording", this, &ControllerDiagnostics::recording);
@@ -135,6 +137,27 @@ void ControllerDiagnostics::motors(Status& status) {
       "largest I2t share " + shortNumber(*hottest, 3) + ", leg " + std::to_string(hottest - now.thermal.begin() + 1));
   for (std::size_t i = 0; i < hardware::kAxes; ++i)
     status.add("I2t " + std::to_string(i + 1), now.thermal[i]);
+}
+
+void ControllerDiagnostics::residual(Status& status) {
+  const std::optional<control::Disturbance> now = system_.disturbance();
+  if (!now) return status.summary(DiagnosticStatus::OK, "not watched: the deployment has no DisturbanceObserver");
+  const std::vector<control::Notice> notices = control::noticesOf(*now);
+  unsigned char level = DiagnosticStatus::OK;
+  std::string sentence;
+  for (const control::Notice& notice : notices) {
+    level = std::max<unsigned char>(
+        level, notice.level == control::Notice::Level::Error ? DiagnosticStatus::ERROR : DiagnosticStatus::WARN);
+    sentence += (sentence.empty() ? "" : "; ") + notice.sentence;
+  }
+  if (sentence.empty())
+    sentence = now->identified ? "nothing acts on the robot but what the model expects"
+                               : "not judged: there is no identified model";
+  status.summary(level, sentence);
+  for (std::size_t i = 0; i < hardware::kAxes; ++i) {
+    status.add("rms " + std::to_string(i + 1) + " (N)", now->rms_N[i]);
+    status.add("band " + std::to_string(i + 1) + " (N)", now->band_N[i]);
+  }
 }
 
 void ControllerDiagnostics::timing(Status& status) {

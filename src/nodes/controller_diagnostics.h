@@ -26,7 +26,7 @@ struct DiagnosticThresholds {
   static DiagnosticThresholds of(const ros::NodeHandle& node);
 };
 
-/// Diagnostics once a second by diagnostic_updater: machine, tracking, limits, motors, timing, guardian, recording, real time.
+/// Diagnostics once a second by diagnostic_updater: machine, tracking, limits, motors, residual, timing, guardian, recording, real time.
 class ControllerDiagnostics {
  public:
   using Guardian = GuardianSupervision::Guardian;
@@ -42,6 +42,7 @@ class ControllerDiagnostics {
   void tracking(Status& status);
   void limits(Status& status);
   void motors(Status& status);
+  void residual(Status& status);
   void timing(Status& status);
   void guardian(Status& status);
   void recording(Status& status);

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <limits>
 
+#include "knee_robot/control/disturbance_sentences.h"
 #include "knee_robot/mechanism/leg_motion.h"
 
 namespace knee_robot::nodes {
@@ -146,6 +147,27 @@ Timing timingMessage(const rt::Deployment& deployment, std::vector<rt::DurationH
     message.activities.push_back(timing);
   }
   before = std::move(now);
+  return message;
+}
+
+Residual residualMessage(const control::Disturbance& disturbance) {
+  Residual message;
+  message.known = disturbance.known;
+  message.identified = disturbance.identified;
+  for (std::size_t i = 0; i < hardware::kAxes; ++i) {
+    message.expected_N[i] = disturbance.expected_N[i];
+    message.residual_N[i] = disturbance.residual_N[i];
+    message.certain_N[i] = disturbance.certain_N[i];
+    message.rms_N[i] = disturbance.rms_N[i];
+    message.band_N[i] = disturbance.band_N[i];
+    message.wrench[i] = disturbance.wrench[i];
+    message.wrench_band[i] = disturbance.wrench_band[i];
+    message.pose[i] = disturbance.pose[i];
+    message.friction_growth[i] = disturbance.friction_growth[i];
+  }
+  message.load_kg = disturbance.load_kg;
+  for (const control::Notice& notice : control::noticesOf(disturbance))
+    (notice.level == control::Notice::Level::Error ? message.errors : message.warnings).push_back(notice.sentence);
   return message;
 }
 

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <knee_robot/Margins.h>
+#include <knee_robot/Residual.h>
 #include <knee_robot/Timing.h>
 #include <sensor_msgs/JointState.h>
 
@@ -22,6 +23,9 @@ sensor_msgs::JointState urdfJointsMessage(const mechanism::Mechanism& mechanism,
 
 /// `pose`: nullptr when none belongs to the lengths.
 Margins marginsMessage(const mechanism::Robot& robot, const mechanism::Pose* pose, const control::TrackingRow& row);
+
+/// Numbers of the disturbance observer, and what they say in plain words.
+Residual residualMessage(const control::Disturbance& disturbance);
 
 /// `before`: two snapshots an activity of the window's begin (lateness, execution); replaced by those of now.
 Timing timingMessage(const rt::Deployment& deployment, std::vector<rt::DurationHistogram::Snapshot>& before);

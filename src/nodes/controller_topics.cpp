@@ -66,6 +66,7 @@ ControllerTopics::ControllerTopics(ros::NodeHandle& node, const control::Control
       state_(node.advertise<ControllerState>("state", kTopicQueue, true)),
       margins_(node.advertise<Margins>("margins", kTopicQueue)),
       forces_(node.advertise<Forces>("forces", kTopicQueue)),
+      residual_(node.advertise<Residual>("residual", kTopicQueue)),
       timing_(node.advertise<Timing>("timing", kTopicQueue)) {
   timingMessage(system_.deployment(), timing_before_);
   timing_at_ = ros::WallTime::now();
@@ -86,6 +87,7 @@ void ControllerTopics::publish() {
       margins.header.stamp = stamp;
       margins_.publish(margins);
       publishForces(*row, stamp);
+      publishResidual(stamp);
     }
   }
   const double window = (now - timing_at_).toSec();
@@ -135,6 +137,14 @@ void ControllerTopics::publishJoints(const control::TrackingRow& row, const ros:
   pose.header.frame_id = kBaseFrame;
   pose.pose = poseMessage(forward_.pose);
   pose_.publish(pose);
+}
+
+void ControllerTopics::publishResidual(const ros::Time& stamp) {
+  const std::optional<control::Disturbance> disturbance = system_.disturbance();
+  if (!disturbance) return;
+  Residual message = residualMessage(*disturbance);
+  message.header.stamp = stamp;
+  residual_.publish(message);
 }
 
 void ControllerTopics::publishForces(const control::TrackingRow& row, const ros::Time& stamp) {

@@ -25,6 +25,7 @@ ControllerState stateMessage(const control::ControlSystem& system);
 ///     ~state               knee_robot/ControllerState latched; on every change and every half second
 ///     ~margins             knee_robot/Margins         10 Hz
 ///     ~forces              knee_robot/Forces          10 Hz
+///     ~residual            knee_robot/Residual        10 Hz, where the deployment has a DisturbanceObserver
 ///     ~timing              knee_robot/Timing          1 Hz
 class ControllerTopics {
  public:
@@ -38,12 +39,13 @@ class ControllerTopics {
   void followPose(const control::TrackingRow& row);
   void publishJoints(const control::TrackingRow& row, const ros::Time& stamp);
   void publishState();
+  void publishResidual(const ros::Time& stamp);
   void publishForces(const control::TrackingRow& row, const ros::Time& stamp);
 
   const control::ControlSystem& system_;
   const mechanism::Robot& robot_;
   const double period_s_;
-  ros::Publisher tracking_, joints_, urdf_joints_, pose_, state_, margins_, forces_, timing_;
+  ros::Publisher tracking_, joints_, urdf_joints_, pose_, state_, margins_, forces_, residual_, timing_;
   mechanism::ForwardResult forward_;  // newest pose: the guess for the next one
   std::string last_state_;
   ros::WallTime state_at_, slow_at_, timing_at_;

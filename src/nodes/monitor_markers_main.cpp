@@ -3,7 +3,7 @@
 //
 //     parameters    ~robot     robot file
 //                   ~rate_hz   of the markers, 15
-//     subscribes    controller/{state, tracking, margins, path}
+//     subscribes    controller/{state, tracking, margins, residual, path}
 //     publishes     markers    visualization_msgs/MarkerArray; see monitor_scene.h
 //     tf            base -> platform_reference   pose that belongs to the reference lengths
 
@@ -37,6 +37,8 @@ class MarkerMonitor {
                                               [this](const auto& message) { hear(heard_.tracking, *message); }),
                      node.subscribe<Margins>(controller_ + "/margins", 2,
                                              [this](const auto& message) { hear(heard_.margins, *message); }),
+                     node.subscribe<Residual>(controller_ + "/residual", 2,
+                                              [this](const auto& message) { hear(heard_.residual, *message); }),
                      node.subscribe<nav_msgs::Path>(controller_ + "/path", 2,
                                                     [this](const auto& message) { hear(heard_.path, *message); })},
         timer_(node.createWallTimer(ros::WallDuration(1.0 / rate_hz), [this](const auto&) { show(); })) {}
@@ -81,7 +83,7 @@ class MarkerMonitor {
   mechanism::ForwardResult forward_;
   tf2_ros::TransformBroadcaster broadcaster_;
   ros::Publisher markers_;
-  std::array<ros::Subscriber, 4> subscribers_;
+  std::array<ros::Subscriber, 5> subscribers_;
   ros::WallTimer timer_;
 };
 

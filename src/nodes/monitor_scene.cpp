@@ -114,6 +114,31 @@ void addMargins(Board& board, const Margins& margins) {
   }
 }
 
+/// The force that would explain the residual, at the platform: 100 N are 0.1 m. Within what the bands can look like there is none.
+void addResidual(Scene& scene, const Residual& residual) {
+  constexpr double kMetresPerNewton = 0.001;
+  const double force = std::hypot(residual.wrench[0], residual.wrench[1]);
+  if (!residual.known || !residual.identified || force < std::hypot(residual.wrench_band[0], residual.wrench_band[1]))
+    return;
+  const bool said = !residual.warnings.empty() || !residual.errors.empty();
+  const mechanism::Vector3 at(residual.pose[0], 0.0, residual.pose[1]);
+  const mechanism::Vector3 way = kMetresPerNewton * mechanism::Vector3(residual.wrench[0], 0.0, residual.wrench[1]);
+  Marker& arrow = scene.add("residual", Marker::ARROW, said ? kBad : kNear);
+  arrow.points = {pointOf(at), pointOf(at + way)};
+  arrow.scale.x = 0.015;  // shaft and head, m
+  arrow.scale.y = 0.03;
+  scene.text("residual", fixedNumber(force, 0) + " N", at + way, 0.03, kInk);
+}
+
+void addNotices(Scene& scene, const Residual& residual) {
+  std::string words;
+  for (const auto* all : {&residual.errors, &residual.warnings}) {
+    for (const std::string& sentence : *all)
+      words += (words.empty() ? "" : "\n") + wrapped(sentence, 70);
+  }
+  if (!words.empty()) scene.text("residual", words, {-0.05, 0.0, 1.08}, 0.03, residual.errors.empty() ? kNear : kBad);
+}
+
 std::string stateText(const ControllerState& state) {
   std::string words = state.state;
   if (!state.playing.empty())
@@ -140,6 +165,10 @@ visualization_msgs::MarkerArray sceneOf(const mechanism::Robot& robot, const Hea
   visualization_msgs::MarkerArray array;
   Scene scene(array);
   addText(scene, heard);
+  if (heard.residual && !heard.silent) {
+    addResidual(scene, *heard.residual);
+    addNotices(scene, *heard.residual);
+  }
   if (robot.mechanism) {
     if (heard.reference) addGhost(scene, *robot.mechanism, *heard.reference);
     if (heard.path && !heard.path->poses.empty()) addPath(scene, *robot.mechanism, heard);

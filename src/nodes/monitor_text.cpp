@@ -49,6 +49,7 @@ TextMonitor::TextMonitor(ros::NodeHandle& node) : controller_(node.resolveName("
   listen(node, "tracking", tracking_);
   listen(node, "margins", margins_);
   listen(node, "forces", forces_);
+  listen(node, "residual", residual_);
   listen(node, "timing", timing_);
   const boost::function<void(const diagnostic_msgs::DiagnosticArray::ConstPtr&)> hear =
       [this](const diagnostic_msgs::DiagnosticArray::ConstPtr& message) {
@@ -84,6 +85,7 @@ std::vector<std::string> TextMonitor::screen() const {
                          bar(state.progress, 30).c_str(), state.path_time_s, state.duration_s, 100.0 * state.time_scale,
                          state.speed_percent));
   addLegs(lines);
+  addResidual(lines);
   addTiming(lines);
   addDiagnostics(lines);
   for (std::string& line : lines) {
@@ -104,6 +106,18 @@ void TextMonitor::addLegs(std::vector<std::string>& lines) const {
   if (margins_)
     lines.push_back("limits       " + bar(margins_->nearest_left, 30) +
                     format(" %.0f %% left to the nearest: ", 100.0 * margins_->nearest_left) + margins_->nearest);
+}
+
+void TextMonitor::addResidual(std::vector<std::string>& lines) const {
+  if (!residual_ || !residual_->known) return;
+  const Residual& r = *residual_;
+  lines.push_back(format("residual/N   %6.1f %6.1f %6.1f %6.1f   platform %.0f N, %.0f N, %.1f N m, %.1f N m%s",
+                         r.certain_N[0], r.certain_N[1], r.certain_N[2], r.certain_N[3], r.wrench[0], r.wrench[1],
+                         r.wrench[2], r.wrench[3], r.identified ? "" : "   (no model)"));
+  for (const std::string& sentence : r.errors)
+    lines.push_back("             " + sentence);
+  for (const std::string& sentence : r.warnings)
+    lines.push_back("             " + sentence);
 }
 
 void TextMonitor::addTiming(std::vector<std::string>& lines) const {

@@ -4,6 +4,7 @@
 #include <knee_robot/ControllerState.h>
 #include <knee_robot/Forces.h>
 #include <knee_robot/Margins.h>
+#include <knee_robot/Residual.h>
 #include <knee_robot/Timing.h>
 #include <knee_robot/Tracking.h>
 #include <ros/ros.h>
@@ -30,6 +31,7 @@ class TextMonitor {
  private:
   bool isSilent() const;
   void addLegs(std::vector<std::string>& lines) const;
+  void addResidual(std::vector<std::string>& lines) const;
   void addTiming(std::vector<std::string>& lines) const;
   void addDiagnostics(std::vector<std::string>& lines) const;
   template <typename Message>
@@ -39,6 +41,7 @@ class TextMonitor {
   std::optional<Tracking> tracking_;
   std::optional<Margins> margins_;
   std::optional<Forces> forces_;
+  std::optional<Residual> residual_;
   std::optional<Timing> timing_;
   std::map<std::string, diagnostic_msgs::DiagnosticStatus> diagnostics_;
   ros::WallTime heard_at_;

@@ -1,5 +1,6 @@
 // false_trips: how often the stepped controller stops a healthy robot in simulated hours of ordinary use, with friction that nobody told
-// it of; and with --frozen, what becomes of an encoder that dies. scripts/false_trips starts it. Its figures are those of docs/faults.md.
+// it of; with --warnings, what the disturbance observer says of a robot that is as its model says; and with --frozen, what becomes of an
+// encoder that dies. scripts/false_trips starts it. Its figures are those of docs/faults.md.
 #include <unistd.h>
 
 #include <CLI/CLI.hpp>
@@ -7,10 +8,13 @@
 #include <cstdio>
 #include <map>
 #include <random>
+#include <set>
 
+#include "../control/some_model.h"
 #include "knee_robot/base/errors.h"
 #include "knee_robot/base/files.h"
 #include "knee_robot/control/control_system.h"
+#include "knee_robot/control/disturbance_sentences.h"
 #include "knee_robot/dynamics/robot_inertia.h"
 #include "knee_robot/mechanism/kinematics.h"
 #include "knee_robot/simulation/robot_simulation.h"
@@ -58,6 +62,20 @@ std::string deployment(double probe_s) {
   return path;
 }
 double probe_period = 0.6;
+bool watch_warnings = false;
+
+/// A model file of robot and machine as they are; the residual that it promises is 1 N.
+std::string trueModel(const mechanism::Robot& robot, const simulation::SimulationParameters& machine) {
+  dynamics::Model model = fake::modelOf(robot);
+  for (std::size_t i = 0; i < mechanism::kLegs; ++i) {
+    model.parameters[dynamics::extended::kViscous + i].value = machine.axes[i].viscous_N_s_per_m;
+    model.parameters[dynamics::extended::kCoulomb + i].value = machine.axes[i].coulomb_N;
+    model.parameters[dynamics::extended::kRotor + i].value = machine.axes[i].rotor_mass_kg;
+  }
+  const std::string path = "/tmp/false_trips_model_" + std::to_string(::getpid()) + ".yaml";
+  dynamics::saveModel(model, path);
+  return path;
+}
 
 class Rig {
  public:
@@ -68,6 +86,7 @@ class Rig {
     ControlSystem::Options options;
     options.execution = rt::Execution::Stepped;
     options.empty = true;
+    if (watch_warnings) options.model = trueModel(robot, parameters(name, machine));
     system = std::make_unique<ControlSystem>(robot, loadHardwareFile(file("config/hardware/simulated.yaml")),
                                              deployment(probe_period), *bus, options);
     system->setPlant([this](rt::Nanoseconds time) {
@@ -75,6 +94,7 @@ class Rig {
         plant.step(0.001);
         lowest = std::min(lowest, plant.state().pose[1]);
       }
+      if (watch_warnings && ++cycles_ % 100 == 0) listen();
     });
     const Answer started = system->start();
     if (!started.ok) throw InputError(started.sentence);
@@ -104,8 +124,21 @@ class Rig {
   std::unique_ptr<ControlSystem> system;
   mechanism::Pose home;
   double lowest = 10.0;
+  std::map<std::string, int> warnings;
 
  private:
+  /// Each sentence counts when it begins.
+  void listen() {
+    std::set<std::string> now;
+    const std::optional<Disturbance> disturbance = system->disturbance();
+    for (const Notice& notice : disturbance ? noticesOf(*disturbance) : std::vector<Notice>{})
+      now.insert(notice.sentence.substr(0, notice.sentence.find_first_of(",:(")).substr(0, 40));
+    for (const std::string& sentence : now)
+      warnings[sentence] += said_.count(sentence) == 0 ? 1 : 0;
+    said_ = now;
+  }
+  int cycles_ = 0;
+  std::set<std::string> said_;
   static simulation::SimulationParameters parameters(const std::string& name, const Machine& machine) {
     std::string text = readFile(file("config/simulation/" + name + ".yaml"));
     if (*machine.effects != 0) text += std::string("effects:\n") + machine.effects;
@@ -156,16 +189,22 @@ void use(const std::string& robot, const Machine& machine, double hours, unsigne
       ++trips[status.fault_name];
       std::printf("    %.0f s: %s\n", rig->plant.time(), status.fault_sentence.c_str());
       done_s += rig->plant.time() - began_s;
+      for (const auto& [sentence, count] : rig->warnings)
+        trips[sentence] += count;
       rig = std::make_unique<Rig>(robot, machine);
       began_s = rig->plant.time();
     }
   }
+  for (const auto& [sentence, count] : rig->warnings)
+    trips[sentence] += count;
 }
 
 int countTrips(const std::string& robot, double hours, unsigned seed) {
   int all = 0;
-  std::printf("| machine %s | simulated h | stops of a healthy robot |\n| --- | --- | --- |\n", robot.c_str());
+  std::printf("| machine %s | simulated h | stops of a healthy robot%s |\n| --- | --- | --- |\n", robot.c_str(),
+              watch_warnings ? ", and warnings" : "");
   for (const Machine& machine : kMachines) {
+    if (watch_warnings && &machine != kMachines) break;
     std::map<std::string, int> trips;
     use(robot, machine, hours, seed, trips);
     std::string text;
@@ -279,6 +318,8 @@ int main(int argc, char** argv) {
   app.add_option("--seed", seed)->capture_default_str();
   app.add_option("--probe-s", knee_robot::control::probe_period, "property of the Drivers; 0: no test pulses at all")
       ->capture_default_str();
+  app.add_flag("--warnings", knee_robot::control::watch_warnings,
+               "the first machine alone, with a model that is true: its stops and everything that is said");
   app.add_flag("--frozen", frozen, "encoders die at rest and in motion instead; slow");
   CLI11_PARSE(app, argc, argv);
   try {

@@ -253,14 +253,13 @@ def then_push(fault, axis, newton, wait_s):
 
 
 def at_rest():
-    """Holding: what stands still hides a fault."""
+    """Holding: what stands still hides a fault, until something disturbs it."""
     for axis in range(1, 5):
-        yield Fault(f"encoder_frozen_{axis}_at_rest", inject("encoder_frozen", axis), causes=("encoder_frozen",), at_rest=True, observe_s=4.0)
-        yield Fault(f"encoder_frozen_{axis}_at_rest_then_150_N", then_push("encoder_frozen", axis, 150.0, 2.5), causes=("encoder_frozen",),
-                    at_rest=True, observe_s=4.0)
-    yield Fault("encoder_frozen_4_at_rest_150_N_at_once", then_push("encoder_frozen", 4, 150.0, 0.02), causes=("encoder_frozen",), at_rest=True,
-                observe_s=4.0)
-    yield Fault("brake_closes_3_at_rest", inject("hold_closed", 3), causes=("encoder_frozen", "stalled"), at_rest=True, observe_s=4.0)
+        for wait_s, when in ((2.5, "then"), (0.02, "at_once")):
+            yield Fault(f"encoder_frozen_{axis}_at_rest_{when}_150_N", then_push("encoder_frozen", axis, 150.0, wait_s),
+                        causes=("encoder_frozen",), at_rest=True, observe_s=4.0)
+    yield Fault("brake_closed_3_at_rest_then_150_N", then_push("hold_closed", 3, 150.0, 1.0), causes=("encoder_frozen", "stalled"),
+                at_rest=True, observe_s=4.0)
     yield Fault("drive_power_lost_at_rest", inject("drive_dead"), causes=("following_error", "stalled", "runaway", "velocity_limit",
                                                                           "acceleration_limit"), at_rest=True)
     yield Fault("emergency_stop_button_at_rest", inject("emergency_stop"), causes=("emergency_stop",), at_rest=True)

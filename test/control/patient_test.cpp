@@ -63,6 +63,18 @@ TEST_F(PatientFile, IsReadWithThePapersSpeedsWhereItSaysNothing) {
   EXPECT_DOUBLE_EQ(plain.range.linear_m_per_s, 0.020);
 }
 
+TEST_F(PatientFile, MayLimitForceAndMomentAtThePlatform) {
+  const PatientLimits none = loadPatientLimits(file(kGood), finalRobot());
+  EXPECT_FALSE(none.range.limitsForce());
+  EXPECT_TRUE(none.range.allowsForce({1e6, 0.0, 1e6, 0.0}));
+  const PatientLimits some = loadPatientLimits(file(std::string(kGood) + "force: {force_N: 60}\n"), finalRobot());
+  EXPECT_TRUE(some.range.limitsForce());
+  EXPECT_TRUE(some.range.allowsForce({40.0, -40.0, 500.0, 0.0}));
+  EXPECT_FALSE(some.range.allowsForce({50.0, -40.0, 0.0, 0.0}));
+  const PatientLimits moment = loadPatientLimits(file(std::string(kGood) + "force: {moment_Nm: 15}\n"), finalRobot());
+  EXPECT_FALSE(moment.range.allowsForce({0.0, 0.0, 0.0, -16.0}));
+}
+
 TEST_F(PatientFile, IsRefusedByLineWhenSenselessOrAboveTheRobot) {
   EXPECT_EQ(refusalOf("linear_mm_per_s: 15", "linear_mm_per_s: 250")
                 .rfind(":3: linear_mm_per_s: 250 is outside 0.1 .. 200", 0),

@@ -20,7 +20,7 @@ from visualization_msgs.msg import MarkerArray
 
 sys.path.insert(0, str(pathlib.Path(__file__).parent))
 import movements  # noqa: E402
-from knee_robot.msg import ControllerState, Forces, Margins, Timing, TimingHistograms, Tracking  # noqa: E402
+from knee_robot.msg import ControllerState, Forces, Margins, Residual, Timing, TimingHistograms, Tracking  # noqa: E402
 from knee_robot.srv import ListComponents, SetProperty  # noqa: E402
 from robot_client import Player, RobotClient, run_program  # noqa: E402
 
@@ -76,6 +76,12 @@ class Interface(unittest.TestCase):
         self.assertGreater(platform[2], 0.602)
         self.assertEqual("SUCCEEDED", player.end()[0])
 
+    def test_residual_is_published_and_not_judged_without_a_model(self):
+        residual = hear("/controller/residual", Residual)
+        self.assertFalse(residual.identified)
+        self.assertEqual([], residual.warnings)
+        self.assertTrue(all(band > 0 for band in residual.band_N))
+
     def test_margins_forces_and_timing_are_published_with_their_limits(self):
         margins = hear("/controller/margins", Margins)
         self.assertTrue(margins.pose_known)
@@ -105,10 +111,10 @@ class Interface(unittest.TestCase):
 
     def test_diagnostics_name_every_part(self):
         names, end = {}, time.monotonic() + 10
-        while len(names) < 8 and time.monotonic() < end:
+        while len(names) < 9 and time.monotonic() < end:
             for status in hear("/diagnostics", DiagnosticArray).status:
                 names[status.name] = status
-        self.assertEqual({f"controller: {part}" for part in ("machine", "tracking", "limits", "motors", "timing", "guardian",
+        self.assertEqual({f"controller: {part}" for part in ("machine", "tracking", "limits", "motors", "residual", "timing", "guardian",
                                                              "recording", "real time")}, set(names))
         self.assertEqual("on guard", names["controller: guardian"].message)
 

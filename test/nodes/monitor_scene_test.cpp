@@ -44,6 +44,29 @@ TEST_F(MonitorScene, ShowsTheFaultInRedWithItsCause) {
   EXPECT_EQ(kBad.r, scene.markers.front().color.r);
 }
 
+TEST_F(MonitorScene, ShowsAnUnexpectedForceAsAnArrowAndSaysWhatItMeans) {
+  heard_.state.emplace();
+  heard_.residual.emplace();
+  heard_.residual->known = heard_.residual->identified = true;
+  heard_.residual->wrench = {0.0, -100.0, 0.0, 0.0};
+  heard_.residual->wrench_band = {10.0, 10.0, 1.0, 1.0};
+  heard_.residual->pose = {0.0, 0.7, 0.0, 0.0};
+  heard_.residual->warnings = {"someone pushes"};
+  const auto arrowOf = [&] {
+    const auto scene = sceneOf(robot_, heard_);
+    const auto found = std::find_if(scene.markers.begin(), scene.markers.end(), [](const auto& marker) {
+      return marker.ns == "residual" && marker.type == visualization_msgs::Marker::ARROW;
+    });
+    return found == scene.markers.end() ? visualization_msgs::Marker() : *found;
+  };
+  ASSERT_EQ(2U, arrowOf().points.size());
+  EXPECT_NEAR(0.7, arrowOf().points[0].z, 1e-9);
+  EXPECT_LT(arrowOf().points[1].z, 0.65);
+  EXPECT_NE(std::string::npos, allText(sceneOf(robot_, heard_), "residual").find("someone pushes"));
+  heard_.residual->wrench = {0.0, -9.0, 0.0, 0.0};
+  EXPECT_TRUE(arrowOf().points.empty()) << "within the band";
+}
+
 TEST_F(MonitorScene, ShowsOnlyThePathToCome) {
   heard_.path.emplace();
   for (int k = 0; k <= 10; ++k) {

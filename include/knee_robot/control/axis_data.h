@@ -78,6 +78,7 @@ struct FeedforwardForce {
   AxisValues force_N{};
   AxisValues moving_N{};    ///< the part of force_N for inertia and friction: gone when the axes rest
   AxisValues switched_N{};  ///< sum of all changes of force_N that are no change of the load, ever since the start
+  double payload_kg = 0.0;  ///< declared
   bool complete = false;    ///< the whole force is there: the hold devices may be released
 };
 
@@ -111,11 +112,24 @@ struct MonitorVerdict {
   AxisValues heat{};  ///< I2t: 0 cold, 1 the fault
 };
 
-/// DisturbanceObserver, every servo cycle: what acts on the robot that nobody commanded.
+/// DisturbanceObserver, every servo cycle: what acts on the robot that nobody commanded. Meanings: residual_estimator.h, disturbance_judge.h.
 struct Disturbance {
   std::uint64_t sequence = 0;  ///< of the measurement that it is calculated from
   rt::Nanoseconds time = 0;
   std::uint32_t suspicion = 0;  ///< a new number: something disturbs the standing robot, the encoders are to be asked
+  bool identified = false;  ///< by a model that says how good it is; else by the URDF's weights, and nothing is judged
+  bool known = false;       ///< the Drivers carry and what follows is calculated
+  AxisValues expected_N{}, residual_N{}, certain_N{}, rms_N{}, band_N{};
+  std::array<double, 4> wrench{};       ///< on the platform, coordinates Xm, Zm (N), theta, psi (N m)
+  std::array<double, 4> wrench_band{};  ///< what the bands of the legs can look like
+  std::array<double, 4> pose{};         ///< of the platform
+  bool pushed = false;
+  std::array<double, 4> push{};  ///< the part of the wrench that is no load
+  bool carries = false;
+  double load_kg = 0.0, load_m = 0.0;
+  std::array<bool, hardware::kAxes> friction_changed{};
+  AxisValues friction_growth{};
+  bool model_holds = true;
 };
 
 /// How far the drives are switched on. Going up one by one, down only through the safe stop.

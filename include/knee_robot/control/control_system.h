@@ -145,6 +145,9 @@ class ControlSystem {
   MachineState state() const { return status().state; }
   /// Newest row; lock-free towards the real-time side. Empty before the first cycle.
   std::optional<TrackingRow> snapshot() const;
+  /// Newest residual and what it says (noticesOf()); lock-free towards the real-time side. Empty before the first cycle, and without a
+  /// DisturbanceObserver.
+  std::optional<Disturbance> disturbance() const;
   /// Waits (threads) or executes cycles (stepped) until the machine is in `state`, at most `timeout_s`. Faulted ends it too.
   bool waitFor(MachineState state, double timeout_s);
 
@@ -187,6 +190,7 @@ class ControlSystem {
   void recallPatient();
   std::string whyNobodyMoves() const;
   std::string patientObstacles() const;
+  bool knowsForces() const;
   Answer allowChange(const std::string& component, const std::string& property, const std::string& value) const;
   std::optional<PatientLimits> patient() const;
 

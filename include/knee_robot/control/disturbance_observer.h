@@ -1,6 +1,11 @@
 #pragma once
 
+#include <memory>
+#include <string>
+
 #include "knee_robot/control/axis_data.h"
+#include "knee_robot/control/disturbance_judge.h"
+#include "knee_robot/control/residual_estimator.h"
 #include "knee_robot/control/rest_watch.h"
 #include "knee_robot/mechanism/robot.h"
 #include "knee_robot/rt/port.h"
@@ -11,6 +16,9 @@ namespace knee_robot::control {
 /// Says what acts on the robot that nobody commanded.
 ///
 /// - Suspicion: RestWatch sees the standing robot disturbed; the Drivers ask their encoders then, and only then.
+/// - Residual: ResidualEstimator compares the written force with that of the model; DisturbanceJudge tells a load, a push, friction and a
+///   model that does not hold apart. The model is ModelFeedforward's (useModel()), its payload the declared one; without a model file the weights
+///   of the URDF, and nothing is judged.
 /// Runs between AxesInput and the Drivers; commands and outputs are those of the last cycle. No allocation, no lock, bounded time.
 class DisturbanceObserver : public rt::TaskContext {
  public:
@@ -23,7 +31,14 @@ class DisturbanceObserver : public rt::TaskContext {
   rt::InputPort<AxisCommand> command_2{*this, "command_2", "from the Driver of axis 2"};
   rt::InputPort<AxisCommand> command_3{*this, "command_3", "from the Driver of axis 3"};
   rt::InputPort<AxisCommand> command_4{*this, "command_4", "from the Driver of axis 4"};
-  rt::OutputPort<Disturbance> disturbance{*this, "disturbance", "to the Drivers"};
+  rt::InputPort<FeedforwardForce> feedforward{*this, "feedforward", "declared payload, from ModelFeedforward",
+                                              rt::Need::Optional};
+  rt::OutputPort<Disturbance> disturbance{*this, "disturbance", "to the Drivers and Monitors"};
+
+  rt::Property<std::string> model{*this, "model", "", "model file of this robot; empty: the weights of its URDF"};
+
+  /// Ordinary thread, before configure(): reads the model. InputError names the file and the reason. configure() does it otherwise.
+  void loadModel();
 
  protected:
   bool configureHook() override;
@@ -33,6 +48,9 @@ class DisturbanceObserver : public rt::TaskContext {
  private:
   void readPorts() noexcept;
   bool rests() const noexcept;
+  bool carries() const noexcept;
+  void watchRest(double dt) noexcept;
+  void estimate(double dt) noexcept;
 
   const mechanism::Robot robot_;
   const std::array<rt::InputPort<AxisCommand>*, hardware::kAxes> inputs_;
@@ -41,6 +59,10 @@ class DisturbanceObserver : public rt::TaskContext {
   Orders order_;
   AxesWritten written_;
   std::array<AxisCommand, hardware::kAxes> commands_{};
+  std::unique_ptr<const ForceKnowledge> knowledge_;
+  FeedforwardForce foreseen_;
+  ResidualEstimator residual_;
+  DisturbanceJudge judge_;
   RestWatch rest_;
   RestWatch::Axes count_m_{};
   rt::Nanoseconds last_time_ = 0;

@@ -52,8 +52,9 @@ enum class Fault : std::uint8_t {
   HoldDeviceSlips,
   InputsStale,
   DriveTorque,
+  PatientForce,
 };
-inline constexpr int kFaults = 46;
+inline constexpr int kFaults = 47;
 
 /// When resetFaults() clears a fault.
 enum class ResetRule : std::uint8_t {

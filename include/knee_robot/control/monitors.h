@@ -38,6 +38,7 @@ class Monitors : public rt::TaskContext {
   rt::InputPort<AxisCommand> command_3{*this, "command_3", "from the Driver of axis 3"};
   rt::InputPort<AxisCommand> command_4{*this, "command_4", "from the Driver of axis 4"};
   rt::InputPort<AxesWritten> written{*this, "written", "from AxesOutput, of the last cycle"};
+  rt::InputPort<Disturbance> disturbance{*this, "disturbance", "from the DisturbanceObserver", rt::Need::Optional};
   rt::OutputPort<MonitorVerdict> verdict{*this, "verdict", "to the Supervisor and AxesOutput"};
 
   rt::Property<double> jump_factor{
@@ -95,6 +96,9 @@ class Monitors : public rt::TaskContext {
   rt::Property<double> patient_speed_factor{*this, "patient_speed_factor",   1.3, "", 1.0,
                                             3.0,   "of the patient's speeds"};
 
+  rt::Property<double> patient_force_time{
+      *this, "patient_force_s", 0.05, "s", 0.0, 1.0, "beyond the patient's force or moment for so long"};
+
   void setPatient(const PatientRange& range);
   rt::Operation<void(const PatientRange&)> set_patient{
       *this,
@@ -134,6 +138,7 @@ class Monitors : public rt::TaskContext {
   /// The force still grows to what the axes carry: the platform sags, by a few mm at most (release_error).
   bool takingOver() const noexcept { return carried_s_ < release_time; }
   Fault judgePatient(double dt) noexcept;
+  Fault judgeForce(double dt) noexcept;
   void raise(std::size_t axis, Fault fault) noexcept;
   void forget() noexcept;
 
@@ -145,6 +150,8 @@ class Monitors : public rt::TaskContext {
   std::mutex offering_;
   rt::DataChannel<PatientRange> offered_;
   PatientRange patient_;
+  Disturbance disturbed_;
+  TrueFor too_strong_;
   AxesMeasurement measured_;
   std::array<AxisCommand, hardware::kAxes> commands_{};
   AxesWritten written_;

@@ -1,0 +1,94 @@
+#include "knee_robot/control/disturbance_judge.h"
+
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+
+namespace knee_robot::control {
+namespace {
+
+constexpr double kGravity = 9.81;
+constexpr double kMoves = 0.95;  // of ResidualEstimator::Estimate::moving: friction is certain
+constexpr double kMostlyMoves = 0.8;
+constexpr double kBegun_s = 0.05;     // of weight: what is there at the start is no push
+constexpr double kPushWeight = 0.01;  // at rest; kRestWeight without a push
+constexpr double kKnown = 0.25;       // of kMean_s: a load is not said before
+constexpr double kHysteresis = 0.7;   // what was said is taken back below that share of its limit
+
+}  // namespace
+
+void DisturbanceJudge::Direction::take(double residual, double friction, double dt) noexcept {
+  time_s = std::min(kFriction_s, time_s + dt);
+  residual_N += dt / time_s * (residual - residual_N);
+  friction_N += dt / time_s * (friction - friction_N);
+}
+
+void DisturbanceJudge::reset() noexcept {
+  mean_.setZero();
+  weight_s_ = away_s_ = beyond_s_ = 0.0;
+  out_.carries = out_.pushed = false;
+  out_.holds = true;
+  out_.load_kg = out_.load_m = 0.0;
+  out_.push.setZero();
+}
+
+void DisturbanceJudge::judgeLoad(const ResidualEstimator::Estimate& now, double dt) noexcept {
+  const mechanism::Vector4 least(kLeast_N, kLeast_N, kLeast_Nm, kLeast_Nm);
+  const mechanism::Vector4 limit = now.wrench_band.cwiseMax(least);
+  // Friction may hide a part of what is beside the load, not of the load itself.
+  const mechanism::Vector4 load_N = -now.jacobian.transpose().partialPivLu().solve(mean_);
+  const mechanism::Vector4 beside =
+      -now.jacobian.transpose() * ResidualEstimator::certain(now.residual_N - load_N, now.hidden_N);
+  if (!beside.allFinite()) return;
+  const bool moves = now.moving.mean() > kMostlyMoves, away = (beside.cwiseAbs() - limit).maxCoeff() > 0.0;
+  const double gain = dt * (moves ? 1.0 : away && weight_s_ > kBegun_s ? kPushWeight : kRestWeight);
+  weight_s_ = std::min(kMean_s, weight_s_ + gain);
+  mean_ += gain / weight_s_ * beside;
+  away_s_ = away ? away_s_ + dt : 0.0;
+  out_.push = beside;
+  out_.pushed = away_s_ >= kPush_s;
+  const double carried = std::abs(mean_[1]) / limit[1];
+  const bool steady = weight_s_ > kKnown * kMean_s && std::abs(mean_[0]) < limit[0] + 0.5 * std::abs(mean_[1]);
+  out_.carries = steady && carried > (out_.carries ? kHysteresis : 1.0);
+  out_.load_kg = -mean_[1] / kGravity;
+  out_.load_m = carried > kHysteresis ? -mean_[2] / mean_[1] : 0.0;
+}
+
+void DisturbanceJudge::judgeFriction(const ForceKnowledge& knowledge, const ResidualEstimator::Estimate& now,
+                                     double dt) noexcept {
+  for (std::size_t i = 0; i < directions_.size(); ++i) {
+    const auto leg = static_cast<Eigen::Index>(i);
+    auto& [forwards, backwards] = directions_[i];
+    const double friction = now.friction_N[leg];
+    if (now.moving[leg] > kMoves && !out_.pushed)
+      (friction > 0.0 ? forwards : backwards).take(now.residual_N[leg], friction, dt);
+    const double expected = forwards.friction_N - backwards.friction_N;
+    const double found = forwards.residual_N - backwards.residual_N;
+    const bool known = std::min(forwards.time_s, backwards.time_s) >= kFrictionLeast_s && expected > 0.0;
+    out_.friction_growth[leg] = known ? found / expected : 0.0;
+    const double share = out_.friction_changed[i] ? kHysteresis : 1.0;
+    out_.friction_changed[i] = known && std::abs(out_.friction_growth[leg]) > share * kFrictionChange &&
+                               0.5 * std::abs(found) > share * knowledge.band_N[leg];
+  }
+}
+
+const DisturbanceJudge::Verdict& DisturbanceJudge::step(const ForceKnowledge& knowledge,
+                                                        const ResidualEstimator::Estimate& now, double dt) noexcept {
+  if (!now.known) {
+    reset();
+    return out_;
+  }
+  if (!knowledge.identified) return out_;
+  if (knowledge.parts.mechanism) judgeLoad(now, dt);
+  judgeFriction(knowledge, now, dt);
+  const bool beyond = (now.rms_N - knowledge.band_N).maxCoeff() > 0.0;
+  beyond_s_ = beyond ? std::min(kHolds_s, beyond_s_ + dt) : std::max(0.0, beyond_s_ - dt);
+  const bool explained =
+      out_.carries || out_.pushed ||
+      std::any_of(out_.friction_changed.begin(), out_.friction_changed.end(), [](bool b) { return b; });
+  if (explained) beyond_s_ = 0.0;
+  out_.holds = beyond_s_ < kHolds_s;
+  return out_;
+}
+
+}  // namespace knee_robot::control

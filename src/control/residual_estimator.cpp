@@ -1,0 +1,112 @@
+#include "knee_robot/control/residual_estimator.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace knee_robot::control {
+namespace {
+
+constexpr double kTwoPi = 6.283185307179586;
+
+mechanism::Vector4 forceLimits(const mechanism::Robot& robot) {
+  mechanism::Vector4 limits = mechanism::Vector4::Zero();
+  for (int i = 0; i < robot.axes() && i < mechanism::kLegs; ++i) {
+    const mechanism::Actuator& actuator = robot.actuators[static_cast<std::size_t>(i)];
+    limits[i] = actuator.voltage_max_V * actuator.force_per_volt_N;
+    if (actuator.force_max_N > 0.0) limits[i] = std::min(limits[i], actuator.force_max_N);
+  }
+  return limits;
+}
+
+double beyond(double value, double dead_band) noexcept {
+  return std::abs(value) <= dead_band ? 0.0 : value - std::copysign(dead_band, value);
+}
+
+}  // namespace
+
+ForceKnowledge::ForceKnowledge(const mechanism::Robot& robot, const std::optional<dynamics::RobotInertia>& inertia)
+    : parts(robot, inertia),
+      coulomb_N(kUnknownFriction * forceLimits(robot)),
+      band_N(kUnknownBand * forceLimits(robot)) {}
+
+ForceKnowledge::ForceKnowledge(const dynamics::Model& model, const mechanism::Robot& robot)
+    : parts(model, robot), identified(true), band_N(kUnknownBand * forceLimits(robot)) {
+  coulomb_N = parts.mechanism
+                  ? mechanism::Vector4(parts.parameters.segment<mechanism::kLegs>(dynamics::extended::kCoulomb))
+                  : mechanism::Vector4(parts.axis_parameters.row(1).transpose());
+  coulomb_N = coulomb_N.cwiseAbs();
+  for (std::size_t i = 0; i < model.residual_rms_N.size() && i < static_cast<std::size_t>(mechanism::kLegs); ++i) {
+    const double rms = model.residual_rms_N[i];
+    if (std::isfinite(rms) && rms > 0.0) band_N[static_cast<Eigen::Index>(i)] = kBand * rms;
+  }
+}
+
+mechanism::Vector4 ResidualEstimator::certain(const mechanism::Vector4& residual,
+                                              const mechanism::Vector4& hidden) noexcept {
+  mechanism::Vector4 all;
+  for (int i = 0; i < mechanism::kLegs; ++i)
+    all[i] = beyond(residual[i], hidden[i]);
+  return all;
+}
+
+void ResidualEstimator::reset() noexcept {
+  settled_s_ = 0.0;
+  pose_known_ = false;
+  const mechanism::Vector4 rms = out_.rms_N;
+  out_ = Estimate{};
+  out_.rms_N = rms;
+}
+
+bool ResidualEstimator::findPose(const ForceKnowledge& knowledge, const mechanism::Lengths& lengths) noexcept {
+  if (!knowledge.parts.mechanism) return true;
+  const mechanism::ForwardResult found =
+      pose_known_ ? mechanism::forwardKinematics(*knowledge.parts.mechanism, lengths, out_.pose)
+                  : mechanism::forwardKinematicsFromHome(*knowledge.parts.mechanism, lengths);
+  pose_known_ = found.ok();
+  if (pose_known_) out_.pose = found.pose;
+  return pose_known_;
+}
+
+const ResidualEstimator::Estimate& ResidualEstimator::step(const ForceKnowledge& knowledge, const Input& in) noexcept {
+  if (settled_s_ <= 0.0) {
+    force_.once = force_.twice = in.force_N;
+    velocity_.once = velocity_.twice = mechanism::Vector4::Zero();
+  }
+  const double rate = kTwoPi * kCutoff_hz;
+  const double share = 1.0 - std::exp(-rate * in.dt);
+  force_.step(in.force_N, share);
+  velocity_.step(in.velocity_m_per_s, share);
+  const mechanism::Vector4 acceleration = rate * (velocity_.once - velocity_.twice);
+  settled_s_ += in.dt;
+  out_.known =
+      findPose(knowledge, in.position_m) &&
+      dynamics::forceParts(knowledge.parts, out_.pose, velocity_.twice, acceleration, kSlow_m_per_s, data_, parts_) &&
+      parts_.allFinite() && force_.twice.allFinite();
+  if (!out_.known) {
+    reset();
+    return out_;
+  }
+  out_.friction_N = parts_.friction;
+  out_.expected_N = parts_.gravity + parts_.inertia + parts_.friction +
+                    in.payload_kg * (parts_.payload_gravity + parts_.payload_inertia);
+  out_.residual_N = force_.twice - out_.expected_N;
+  for (int i = 0; i < mechanism::kLegs; ++i) {
+    out_.moving[i] = std::abs(std::tanh(velocity_.twice[i] / kSlow_m_per_s));
+    // Not identified, friction hides in motion as well.
+    const double hidden = knowledge.identified ? 1.0 - out_.moving[i] : 1.0;
+    out_.hidden_N[i] = hidden * knowledge.coulomb_N[i];
+    out_.certain_N[i] = beyond(out_.residual_N[i], out_.hidden_N[i]);
+    const double square = out_.rms_N[i] * out_.rms_N[i];
+    const double faded = std::min(1.0, in.dt / kRms_s);
+    out_.rms_N[i] = std::sqrt(square + faded * (out_.certain_N[i] * out_.certain_N[i] - square));
+  }
+  if (knowledge.parts.mechanism) {
+    out_.jacobian = mechanism::lengthJacobian(*knowledge.parts.mechanism, out_.pose);
+    out_.wrench = -out_.jacobian.transpose() * out_.certain_N;
+    out_.wrench_band = out_.jacobian.cwiseAbs().transpose() * knowledge.band_N;
+  }
+  out_.known = settled_s_ >= kSettle_s;
+  return out_;
+}
+
+}  // namespace knee_robot::control
