@@ -47,7 +47,7 @@ void DisturbanceJudge::judgeLoad(const ResidualEstimator::Estimate& now, double 
   away_s_ = away ? away_s_ + dt : 0.0;
   out_.push = beside;
   out_.pushed = away_s_ >= kPush_s;
-  const double carried = std::abs(mean_[1]) / limit[1];
+  const double carried = std::abs(mean_[1]) / std::max(kLeastLoad_N, limit[1]);
   const bool steady = weight_s_ > kKnown * kMean_s && std::abs(mean_[0]) < limit[0] + 0.5 * std::abs(mean_[1]);
   out_.carries = steady && carried > (out_.carries ? kHysteresis : 1.0);
   out_.load_kg = -mean_[1] / kGravity;

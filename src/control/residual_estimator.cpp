@@ -30,7 +30,7 @@ ForceKnowledge::ForceKnowledge(const mechanism::Robot& robot, const std::optiona
       band_N(kUnknownBand * forceLimits(robot)) {}
 
 ForceKnowledge::ForceKnowledge(const dynamics::Model& model, const mechanism::Robot& robot)
-    : parts(model, robot), identified(true), band_N(kUnknownBand * forceLimits(robot)) {
+    : parts(model, robot), identified(true), traced(!model.effects.empty()), band_N(kUnknownBand * forceLimits(robot)) {
   coulomb_N = parts.mechanism
                   ? mechanism::Vector4(parts.parameters.segment<mechanism::kLegs>(dynamics::extended::kCoulomb))
                   : mechanism::Vector4(parts.axis_parameters.row(1).transpose());
@@ -67,6 +67,23 @@ bool ResidualEstimator::findPose(const ForceKnowledge& knowledge, const mechanis
   return pose_known_;
 }
 
+/// Effects that trace found remember. At rest friction is let go of: what is left of it there nobody knows.
+bool ResidualEstimator::expect(const ForceKnowledge& knowledge, const Input& in,
+                               const mechanism::Vector4& acceleration) noexcept {
+  constexpr double kLetsGo_s = 0.05;
+  if (!knowledge.traced)
+    return dynamics::forceParts(knowledge.parts, out_.pose, velocity_.twice, acceleration, kSlow_m_per_s, data_,
+                                parts_);
+  dynamics::WantedInstant at;
+  at.period_s = std::max(1e-6, in.dt);
+  at.position_m = in.position_m;
+  at.velocity_m_per_s = velocity_.twice;
+  at.acceleration_m_per_s2 = acceleration;
+  at.coulomb_m_per_s = kSlow_m_per_s;
+  at.rest_s = kLetsGo_s;
+  return dynamics::forceParts(knowledge.parts, out_.pose, at, data_, parts_);
+}
+
 const ResidualEstimator::Estimate& ResidualEstimator::step(const ForceKnowledge& knowledge, const Input& in) noexcept {
   if (settled_s_ <= 0.0) {
     force_.once = force_.twice = in.force_N;
@@ -78,10 +95,8 @@ const ResidualEstimator::Estimate& ResidualEstimator::step(const ForceKnowledge&
   velocity_.step(in.velocity_m_per_s, share);
   const mechanism::Vector4 acceleration = rate * (velocity_.once - velocity_.twice);
   settled_s_ += in.dt;
-  out_.known =
-      findPose(knowledge, in.position_m) &&
-      dynamics::forceParts(knowledge.parts, out_.pose, velocity_.twice, acceleration, kSlow_m_per_s, data_, parts_) &&
-      parts_.allFinite() && force_.twice.allFinite();
+  out_.known = findPose(knowledge, in.position_m) && expect(knowledge, in, acceleration) && parts_.allFinite() &&
+               force_.twice.allFinite();
   if (!out_.known) {
     reset();
     return out_;

@@ -21,6 +21,7 @@ struct ForceKnowledge {
 
   dynamics::PartedModel parts;
   bool identified = false;
+  bool traced = false;           ///< with effects, which remember
   mechanism::Vector4 coulomb_N;  ///< what may hide in a standing axis
   mechanism::Vector4 band_N;     ///< of the residual's rms
 };
@@ -71,6 +72,7 @@ class ResidualEstimator {
   const Estimate& estimate() const noexcept { return out_; }
 
  private:
+  bool expect(const ForceKnowledge& knowledge, const Input& in, const mechanism::Vector4& acceleration) noexcept;
   bool findPose(const ForceKnowledge& knowledge, const mechanism::Lengths& lengths) noexcept;
 
   struct TwicePassed {
