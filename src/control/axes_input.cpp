@@ -26,7 +26,7 @@ void AxesInput::updateHook(const rt::Cycle& cycle) {
   out_.status = bus_.read(feedback);
   HomeSetting setting;
   if (home.read(setting) == rt::FlowStatus::NewData && setting.number != home_number_) {
-    home_number_ = setting.number;
+    home_number_ = out_.home_number = setting.number;
     for (std::size_t i = 0; i < hardware::kAxes; ++i)
       lengths_at_start_[i] += setting.shift_m[i];
   }

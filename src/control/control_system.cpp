@@ -70,8 +70,10 @@ ControlSystem::ControlSystem(const mechanism::Robot& robot, const HardwareFile& 
   for (const auto& activity : deployment_->activities()) {
     activity->setOverrunHandler([supervisor = parts_->supervisor] { supervisor->reportOverrun(); });
   }
-  parts_->drain =
-      std::make_unique<RecordingDrain>(*parts_->recorder, robot.axes(), options.execution == rt::Execution::Threads);
+  const bool threaded = options.execution == rt::Execution::Threads;
+  // Incremental encoders know their place anew at every start. Stepped runs are to be the same whenever they are made.
+  parts_->drain = std::make_unique<RecordingDrain>(*parts_->recorder, robot.axes(), threaded,
+                                                   threaded ? static_cast<std::int64_t>(std::time(nullptr)) : 0);
   parts_->black_box_writer = std::make_unique<BlackBoxWriter>(*parts_->black_box, options.black_box_folder,
                                                               options.execution == rt::Execution::Threads);
   parts_->heat_memory = std::make_unique<HeatMemory>(options.heat_file, options.execution == rt::Execution::Threads);

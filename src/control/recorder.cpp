@@ -15,6 +15,7 @@ void Recorder::updateHook(const rt::Cycle& cycle) {
     out_.feedforward_N[i] = commands_[i].feedforward_N;
   }
   out_.sequence = measured_.sequence;
+  out_.home_number = measured_.home_number;
   out_.recording = recording_.load(std::memory_order_acquire);
   out_.cycle = cycle.period > 0 ? cycle.time / cycle.period : 0;
   out_.time_s = rt::toSeconds(measured_.read_at);

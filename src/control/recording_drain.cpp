@@ -16,8 +16,12 @@ constexpr auto kPause = std::chrono::milliseconds(100);  // twice as often as th
 /// One recording. The thread that drains holds a share of it, so that both can be left behind together.
 class RecordingDrain::Job : public std::enable_shared_from_this<Job> {
  public:
-  Job(Recorder& recorder, const std::string& path, int axes, std::uint32_t number)
-      : recorder_(recorder), writer_(path, axes), number_(number), dropped_before_(recorder.dropped()) {
+  Job(Recorder& recorder, const std::string& path, int axes, std::uint32_t number, std::int64_t first_home_id)
+      : recorder_(recorder),
+        writer_(path, axes),
+        number_(number),
+        first_home_id_(first_home_id),
+        dropped_before_(recorder.dropped()) {
     result_.path = path;
     TrackingRow left_over;
     while (recorder_.pop(left_over)) {
@@ -58,6 +62,7 @@ class RecordingDrain::Job : public std::enable_shared_from_this<Job> {
   Recorder& recorder_;  // not touched any more once abandoned_
   recording::RecordingWriter writer_;
   const std::uint32_t number_;
+  const std::int64_t first_home_id_;
   const std::uint64_t dropped_before_;
   std::uint64_t last_sequence_ = 0;
   std::int64_t last_cycle_ = 0;
@@ -133,6 +138,7 @@ void RecordingDrain::Job::take(const TrackingRow& row) {
   last_cycle_ = row.cycle;
   recording::RecordingRow line;
   line.time_s = row.time_s;
+  line.home_id = first_home_id_ > 0 ? first_home_id_ + row.home_number : 0;
   line.reference_m = row.reference_m;
   line.position_m = row.position_m;
   line.velocity_m_per_s = row.velocity_m_per_s;
@@ -146,8 +152,8 @@ void RecordingDrain::Job::take(const TrackingRow& row) {
   change([&](RecordingResult& result) { ++(failed_ ? result.dropped : result.rows); });
 }
 
-RecordingDrain::RecordingDrain(Recorder& recorder, int axes, bool threaded)
-    : recorder_(recorder), axes_(axes), threaded_(threaded) {}
+RecordingDrain::RecordingDrain(Recorder& recorder, int axes, bool threaded, std::int64_t first_home_id)
+    : recorder_(recorder), axes_(axes), threaded_(threaded), first_home_id_(first_home_id) {}
 
 RecordingDrain::~RecordingDrain() {
   stop();
@@ -169,7 +175,7 @@ void RecordingDrain::start(const std::string& path) {
   std::shared_ptr<Job> job;
   std::string refused;
   try {
-    job = std::make_shared<Job>(recorder_, path, axes_, number_);
+    job = std::make_shared<Job>(recorder_, path, axes_, number_, first_home_id_);
     if (threaded_) job->begin();
   } catch (const std::exception& error) {
     refused = error.what();

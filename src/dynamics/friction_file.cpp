@@ -28,7 +28,8 @@ std::string elementText(const FrictionElement& e, bool revolute) {
     case FrictionKind::Smooth:
       return "{law: tanh" + speed + share;
     default:
-      return "{law: bristles" + width + speed + ", damping_s: " + exactNumber(e.damping_s) + share;
+      return "{law: bristles" + width + speed + ", damping_s: " + exactNumber(e.damping_s) +
+             (e.tremble > 0.0 ? ", tremble: " + exactNumber(e.tremble) : "") + share;
   }
 }
 
@@ -51,6 +52,7 @@ FrictionElement readElement(StrictMap map, bool revolute) {
   if (e.kind == FrictionKind::Bristles) {
     e.speed_m_per_s = speed(0.0);
     e.damping_s = map.number("damping_s", 0.0, 1.0);
+    if (map.has("tremble")) e.tremble = map.number("tremble", 0.0, 10.0);
   }
   map.finish();
   return e;

@@ -29,6 +29,7 @@ std::string elementText(const FrictionElement& e, bool revolute) {
   }
   std::string text = "bristles " + width;
   if (e.speed_m_per_s > 0.0) text += ", creep " + speed;
+  if (e.tremble > 0.0) text += ", " + shortNumber(e.tremble, 3) + " of the tremble";
   if (e.damping_s > 0.0) text += ", damping " + shortNumber(1e3 * e.damping_s, 3) + " ms";
   return text;
 }
@@ -47,8 +48,8 @@ FrictionLaw smoothLaw(double speed_m_per_s) {
   return lawOf({{FrictionKind::Smooth, 1.0, 0.0, speed_m_per_s, 0.0}});
 }
 
-FrictionLaw bristleLaw(double width_m, double creep_m_per_s, double damping_s) {
-  return lawOf({{FrictionKind::Bristles, 1.0, width_m, creep_m_per_s, damping_s}});
+FrictionLaw bristleLaw(double width_m, double creep_m_per_s, double damping_s, double tremble) {
+  return lawOf({{FrictionKind::Bristles, 1.0, width_m, creep_m_per_s, damping_s, tremble}});
 }
 
 FrictionLaw lawOf(const std::vector<FrictionElement>& elements) {
@@ -72,7 +73,7 @@ std::string nameOf(const FrictionLaw& law) {
     return law.count == 1 ? "one stop" : law.count == 2 ? "two stops" : "spectrum of stops";
   if (law.count > 1) return all(law, FrictionKind::Smooth) ? "sum of tanh of velocity" : "mixture";
   if (first.kind == FrictionKind::Smooth) return "tanh of velocity";
-  return first.speed_m_per_s > 0.0 ? "creeping bristles" : "bristles (Dahl)";
+  return first.speed_m_per_s > 0.0 || first.tremble > 0.0 ? "creeping bristles" : "bristles (Dahl)";
 }
 
 std::string describe(const FrictionLaw& law) {
@@ -94,7 +95,8 @@ double longestWidth(const FrictionLaw& law) noexcept {
   return longest;
 }
 
-double FrictionState::step(const FrictionLaw& law, double displacement_m, double duration_s) noexcept {
+double FrictionState::step(const FrictionLaw& law, double displacement_m, double duration_s,
+                           double tremble_m_per_s) noexcept {
   double sum = 0.0;
   for (int k = 0; k < law.count; ++k) {
     const FrictionElement& e = law.elements[static_cast<std::size_t>(k)];
@@ -107,7 +109,8 @@ double FrictionState::step(const FrictionLaw& law, double displacement_m, double
       sum += e.share * z;
     } else {
       const double before = z;
-      const double way = std::hypot(displacement_m, e.speed_m_per_s * duration_s);
+      const double way =
+          std::hypot(displacement_m, e.speed_m_per_s * duration_s) + e.tremble * tremble_m_per_s * duration_s;
       if (way > 0.0) {  // exact for a constant velocity within the step
         const double settled = displacement_m / way;
         z = settled + (z - settled) * std::exp(-way / e.width_m);

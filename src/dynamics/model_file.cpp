@@ -208,11 +208,13 @@ Model readModel(StrictMap file) {
     ModelData data;
     data.file = entry.text("file");
     data.fingerprint = entry.text("fingerprint");
+    if (entry.has("home_id")) data.home_id = static_cast<std::int64_t>(entry.number("home_id", -9e15, 9e15));
     entry.finish();
     m.data.push_back(data);
   }
   const std::size_t axes = static_cast<std::size_t>(m.axes);
   m.cutoff_hz = file.number("cutoff_hz", 1e-6, 1e6);
+  if (file.has("motion_cutoff_hz")) m.motion_cutoff_hz = file.number("motion_cutoff_hz", 1e-6, 1e6);
   m.moving_m_per_s = file.number("moving_m_per_s", 0.0, 1e3);
   m.rank = file.integer("rank", 1, 1000);
   if (format == kFirstFormat) {
@@ -249,8 +251,10 @@ std::string modelToYaml(const Model& model) {
   y += "robot_fingerprint: " + quoted(m.robot_fingerprint) + "\n";
   y += "data:\n";
   for (const ModelData& d : m.data)
-    y += "  - {file: " + quoted(d.file) + ", fingerprint: " + quoted(d.fingerprint) + "}\n";
+    y += "  - {file: " + quoted(d.file) + ", fingerprint: " + quoted(d.fingerprint) +
+         (d.home_id != 0 ? ", home_id: " + std::to_string(d.home_id) : "") + "}\n";
   y += "cutoff_hz: " + exactNumber(m.cutoff_hz) + "\n";
+  if (m.motion_cutoff_hz > 0.0) y += "motion_cutoff_hz: " + exactNumber(m.motion_cutoff_hz) + "\n";
   y += "moving_m_per_s: " + exactNumber(m.moving_m_per_s) + "\n";
   y += "rank: " + std::to_string(m.rank) + "\n";
   y += frictionText(m.friction);

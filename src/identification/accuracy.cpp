@@ -14,12 +14,13 @@ struct Sums {
       : error(Eigen::VectorXd::Zero(axes)),
         moving(error),
         raw(error),
+        rows_measured(error),
         measured(error),
         largest(error),
         low(Eigen::VectorXd::Constant(axes, std::numeric_limits<double>::infinity())),
         high(-low) {}
 
-  Eigen::VectorXd error, moving, raw, measured, largest, low, high;
+  Eigen::VectorXd error, moving, raw, rows_measured, measured, largest, low, high;
   double samples = 0.0, moving_samples = 0.0, rows = 0.0;
 };
 
@@ -31,6 +32,7 @@ void add(const Observation& o, const Prediction& p, Sums& s) {
   s.low = s.low.cwiseMin(o.force_filtered_N.colwise().minCoeff().transpose());
   s.high = s.high.cwiseMax(o.force_filtered_N.colwise().maxCoeff().transpose());
   s.raw += (p.row_force_N - o.row_force_N).colwise().squaredNorm().transpose();
+  s.rows_measured += o.row_force_N.colwise().squaredNorm().transpose();
   s.samples += o.samples();
   s.rows += static_cast<double>(o.row_force_N.rows());
   for (int n = 0; n < o.samples(); ++n) {
@@ -65,6 +67,7 @@ Accuracy accuracyOf(const std::vector<Observation>& observations, const std::vec
   a.rms_N = (s.error / s.samples).cwiseSqrt();
   a.rms_moving_N = (s.moving / s.moving_samples).cwiseSqrt();  // 0 / 0 is nan: no such sample
   a.rms_raw_N = (s.raw / s.rows).cwiseSqrt();
+  a.raw_percent = 100.0 * (s.raw.array() / s.rows_measured.array()).sqrt();
   a.rms_percent = 100.0 * a.rms_N.cwiseQuotient((s.measured / s.samples).cwiseSqrt());
   a.range_percent = 100.0 * a.rms_N.cwiseQuotient(s.high - s.low);
   a.max_N = s.largest;

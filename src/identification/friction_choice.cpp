@@ -6,19 +6,20 @@
 #include <numeric>
 
 #include "friction_fits.h"
+#include "friction_shared.h"
 
 namespace knee_robot::identification {
 namespace {
 
 using dynamics::FrictionElement;
 using dynamics::FrictionKind;
-using Indices = std::vector<int>;
 
 constexpr int kStops = 14, kSpeeds = 12, kBristleWidths = 7;
 constexpr double kWidest_m = 2e-3, kSlowest_m_per_s = 1e-4, kFastest_m_per_s = 5e-3;
 constexpr double kBristleLeast_m = 2e-5, kBristleMost_m = 1e-3;
 const double kCreeps_m_per_s[] = {0.0, 3e-5, 1e-4, 1.7e-4, 3e-4, 1e-3};
 const double kDampings_s[] = {0.0, 2.5e-3};
+const double kTrembles[] = {0.5, 1.0};
 const double kFinerFactors[] = {0.8, 0.87, 0.93, 0.97, 1.03, 1.07, 1.15, 1.25};
 const double kFinerSides[] = {0.8, 0.9, 1.0, 1.12, 1.25};
 constexpr double kApart = 2.0;
@@ -46,6 +47,11 @@ std::vector<FrictionElement> elementsToTry(double narrowest_m) {
         all.push_back(
             {FrictionKind::Bristles, 1.0, geometric(least, kBristleMost_m, k, kBristleWidths), creep, damping});
     }
+    for (const double tremble : kTrembles) {
+      for (const double damping : kDampings_s)
+        all.push_back(
+            {FrictionKind::Bristles, 1.0, geometric(least, kBristleMost_m, k, kBristleWidths), 0.0, damping, tremble});
+    }
   }
   return all;
 }
@@ -55,6 +61,18 @@ void addFinerSteps(const FrictionChoice& around, double narrowest_m, std::vector
   for (const TriedLaw& tried : around.tried) {
     if (tried.law.count > 1) continue;
     const FrictionElement& found = tried.law.elements.front();
+    if (found.kind == FrictionKind::Bristles && found.tremble > 0.0) {
+      for (const double wider : kFinerSides) {
+        for (const double more : kFinerSides) {
+          if (wider == 1.0 && more == 1.0) continue;
+          FrictionElement e = found;
+          e.width_m *= wider;
+          e.tremble *= more;
+          all.push_back(e);
+        }
+      }
+      continue;
+    }
     if (found.kind != FrictionKind::Bristles || found.speed_m_per_s == 0.0) {
       for (const double factor : kFinerFactors) {
         FrictionElement e = found;
@@ -75,14 +93,7 @@ void addFinerSteps(const FrictionChoice& around, double narrowest_m, std::vector
   }
 }
 
-/// The best sum of one or more elements for some sums of squares.
-struct Sum {
-  Indices which;
-  Eigen::VectorXd weights;
-  double left = std::numeric_limits<double>::infinity();
-};
-
-Sum tryThese(const InWeights& squares, Indices which) {
+Sum tryThese(const InWeights& squares, std::vector<int> which) {
   Sum sum;
   sum.weights = positiveWeights(squares, which);
   if (sum.weights.size() == 0) return sum;
@@ -133,7 +144,7 @@ Sum bestSum(const InWeights& squares, const std::vector<FrictionElement>& elemen
         return !apart(elements[static_cast<std::size_t>(k)], elements[static_cast<std::size_t>(other)]);
       });
       if (near) continue;
-      Indices which = sum.which;
+      std::vector<int> which = sum.which;
       which.push_back(k);
       keepBetter(more, tryThese(squares, which));
     }
@@ -150,7 +161,7 @@ std::vector<Sum> bestOfFamilies(const InWeights& squares, const std::vector<Fric
   best.push_back(single([](const FrictionElement& e) { return e.kind == FrictionKind::Stop; }));
   best.push_back(single([](const FrictionElement& e) { return e.kind == FrictionKind::Smooth; }));
   best.push_back(single([](const FrictionElement& e) {
-    return e.kind == FrictionKind::Bristles && e.speed_m_per_s == 0.0 && e.damping_s == 0.0;
+    return e.kind == FrictionKind::Bristles && e.speed_m_per_s == 0.0 && e.tremble == 0.0 && e.damping_s == 0.0;
   }));
   best.push_back(single([](const FrictionElement& e) { return e.kind == FrictionKind::Bristles; }));
   best.push_back(bestPair(squares, elements));
@@ -201,7 +212,7 @@ InCoordinates inCoordinates(const Equations& e, const Reduction& r, const Eigen:
 /// Sums of squares of every block. `candidates`: at the rows of the actuator, which start at `first`.
 std::vector<FrictionBlock> sumsOfBlocks(const Equations& e, const InCoordinates& all, Eigen::Index without,
                                         const Eigen::MatrixXd& candidates, Eigen::Index first) {
-  Indices keep(static_cast<std::size_t>(all.x.cols()));
+  std::vector<int> keep(static_cast<std::size_t>(all.x.cols()));
   std::iota(keep.begin(), keep.end(), 0);
   if (without >= 0) keep.erase(keep.begin() + without);
   std::vector<FrictionBlock> blocks;
@@ -225,14 +236,29 @@ std::vector<FrictionBlock> sumsOfBlocks(const Equations& e, const InCoordinates&
   return blocks;
 }
 
+/// Mean square on held-back rows of a law whose shares are given: only its size is fitted.
+double errorOfLaw(const InWeights& training, const InWeights& held, const Sum& law) {
+  InWeights one = training;
+  one.constant = 0.0;
+  one.linear.setZero();
+  const double square = one.at(law.which, law.weights);
+  double linear = 0.0;
+  for (std::size_t k = 0; k < law.which.size(); ++k)
+    linear += law.weights[static_cast<Eigen::Index>(k)] * training.linear[law.which[k]];
+  return held.at(law.which, std::max(0.0, linear / std::max(square, 1e-300)) * law.weights);
+}
+
+/// `laws`: of other actuators, in `elements`.
 FrictionChoice chooseFrom(const std::vector<FrictionBlock>& blocks, const Eigen::VectorXd& ridge,
-                          const std::vector<FrictionElement>& elements) {
+                          const std::vector<FrictionElement>& elements, const std::vector<Sum>& laws,
+                          OthersLaws& others) {
   FrictionBlock everything;
   for (const FrictionBlock& b : blocks)
     everything += b;
   const Eigen::Index families = static_cast<Eigen::Index>(std::size(kNumbers));
   Eigen::MatrixXd error(static_cast<Eigen::Index>(blocks.size()), families);
   Eigen::VectorXd share(error.rows());
+  others.error.resize(error.rows(), static_cast<Eigen::Index>(laws.size()));
   InWeights training, held;
   for (Eigen::Index b = 0; b < error.rows(); ++b) {
     const FrictionBlock& out = blocks[static_cast<std::size_t>(b)];
@@ -243,12 +269,16 @@ FrictionChoice chooseFrom(const std::vector<FrictionBlock>& blocks, const Eigen:
       const Sum& sum = best[static_cast<std::size_t>(f)];
       error(b, f) = (sum.which.empty() ? held.constant : held.at(sum.which, sum.weights)) / std::max(1.0, out.rows);
     }
+    for (std::size_t k = 0; k < laws.size(); ++k)
+      others.error(b, static_cast<Eigen::Index>(k)) = errorOfLaw(training, held, laws[k]) / std::max(1.0, out.rows);
   }
   eliminateBase(everything, everything, ridge, training, held);
   const std::vector<Sum> best = bestOfFamilies(training, elements);
   const Eigen::RowVectorXd mean = share.transpose() * error;
   Eigen::Index least = 0;
   mean.minCoeff(&least);
+  others.best = error.col(least);
+  others.share = share;
   FrictionChoice choice;
   bool chosen = false;
   for (Eigen::Index f = 0; f < families; ++f) {
@@ -282,15 +312,19 @@ std::vector<FrictionChoice> chooseFriction(const std::vector<Observation>& train
   const InCoordinates all = inCoordinates(e, r, factor);
   const Eigen::Index each = e.rows() / e.axes;
   std::vector<FrictionChoice> choices;
+  const std::vector<dynamics::FrictionLaw> shared =
+      e.axes > 1 ? sharedLaws(around) : std::vector<dynamics::FrictionLaw>();
+  std::vector<OthersLaws> others(static_cast<std::size_t>(e.axes));
   for (int i = 0; i < e.axes; ++i) {
     const std::size_t axis = static_cast<std::size_t>(i);
     std::vector<FrictionElement> elements = elementsToTry(narrowest_m[axis]);
     if (!around.empty()) addFinerSteps(around[axis], narrowest_m[axis], elements);
+    const std::vector<Sum> laws = inElements(shared, elements);
     Eigen::MatrixXd candidates(each, static_cast<Eigen::Index>(elements.size()));
     for (std::size_t k = 0; k < elements.size(); ++k) {
       std::vector<Eigen::VectorXd> share;
       for (const Observation& o : training)
-        share.push_back(elementShare(o.sliding[axis], elements[k]));
+        share.push_back(atLevel(o, axis, elementShare(o.sliding[axis], elements[k])));
       candidates.col(static_cast<Eigen::Index>(k)) = atRows(training, options, e, i, share);
     }
     for (Eigen::Index row = 0; row < each; ++row) {
@@ -304,8 +338,10 @@ std::vector<FrictionChoice> chooseFriction(const std::vector<Observation>& train
     }
     Eigen::VectorXd ridge = Eigen::VectorXd::Zero(all.x.cols() - (without >= 0 ? 1 : 0));
     ridge.tail(r.directions.cols()).setConstant(strength);
-    choices.push_back(chooseFrom(sumsOfBlocks(e, all, without, candidates, i * each), ridge, elements));
+    choices.push_back(
+        chooseFrom(sumsOfBlocks(e, all, without, candidates, i * each), ridge, elements, laws, others[axis]));
   }
+  shareLaw(shared, others, narrowest_m, choices);
   return choices;
 }
 

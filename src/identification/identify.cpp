@@ -221,7 +221,7 @@ void describeModel(const mechanism::Robot& robot, const std::vector<Observation>
   model.cutoff_hz = options.cutoff_hz;
   model.moving_m_per_s = options.moving_m_per_s;
   for (const Observation& o : training)
-    model.data.push_back({o.path, o.fingerprint});
+    model.data.push_back({o.path, o.fingerprint, o.home_id});
 }
 
 /// Laws of revolute joints are described in rad.

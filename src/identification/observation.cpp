@@ -45,6 +45,7 @@ Observation observe(const mechanism::Robot& robot, const std::vector<Column>& co
   o.path = recording.path;
   o.name = recording.name;
   o.fingerprint = recording.fingerprint;
+  o.home_id = recording.home_id;
   o.row_time_s = recording.time_s;
   for (const mechanism::Actuator& a : robot.actuators)
     o.force_unit.push_back(mechanism::forceUnit(a));
@@ -53,9 +54,6 @@ Observation observe(const mechanism::Robot& robot, const std::vector<Column>& co
   if (!options.motion_cutoff_given && recording.time_s.size() > 1)
     wanted.motion_cutoff_hz = motionCutoff(robot, options.cutoff_hz, 1.0 / recording::medianPeriod(recording.time_s));
   o.signals = recording::resample(recording, o.row_force_N, wanted);
-  recording::SignalOptions unfiltered = wanted;
-  unfiltered.motion_cutoff_hz = 1e6;
-  o.fine_position_m = recording::resample(recording, o.row_force_N, unfiltered).position_m;
   o.notes = o.signals.notes;
   const std::unique_ptr<MotionModel> model = motionModelOf(robot);
   o.motion = model->follow(o.signals);
@@ -70,11 +68,17 @@ Observation observe(const mechanism::Robot& robot, const std::vector<Column>& co
   return o;
 }
 
+Eigen::VectorXd atLevel(const Observation& o, std::size_t actuator, Eigen::VectorXd share) {
+  if (o.friction_level.size() > 0) share.array() *= o.friction_level.col(static_cast<Eigen::Index>(actuator)).array();
+  return share;
+}
+
 void setFriction(Observation& o, const std::vector<Column>& columns, const std::vector<dynamics::FrictionLaw>& laws) {
   for (std::size_t c = 0; c < columns.size(); ++c) {
     if (columns[c].role != ColumnRole::Coulomb) continue;
     const std::size_t i = static_cast<std::size_t>(columns[c].actuator);
-    o.regressor[i].col(static_cast<Eigen::Index>(c)) = columns[c].newtons * frictionShare(o.sliding[i], laws[i]);
+    o.regressor[i].col(static_cast<Eigen::Index>(c)) =
+        columns[c].newtons * atLevel(o, i, frictionShare(o.sliding[i], laws[i]));
   }
 }
 

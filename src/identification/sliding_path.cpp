@@ -92,7 +92,8 @@ Eigen::VectorXd fineShare(const SlidingPath& path, const dynamics::FrictionEleme
   share[0] = element.kind == dynamics::FrictionKind::Smooth ? 0.0 : path.shareAtStart(element.width_m);
   state.start(share[0]);
   for (Eigen::Index k = 1; k < position.size(); ++k)
-    share[k] = state.step(law, position[k] - position[k - 1], step_s);
+    share[k] = state.step(law, position[k] - position[k - 1], step_s,
+                          path.tremble.size() > 0 ? path.tremble[k / SlidingPath::kSubsteps] : 0.0);
   if (element.kind == dynamics::FrictionKind::Smooth && share.size() > 1) share[0] = share[1];
   return share;
 }
@@ -149,6 +150,7 @@ std::vector<SlidingPath> actuatorPaths(const mechanism::Robot& robot, const reco
   for (int i = 0; i < robot.axes(); ++i) {
     paths.push_back(slidingPath(s.position_m.col(i), s.velocity_m_per_s.col(i), s.period_s,
                                 s.rounding_left * robot.actuators[static_cast<std::size_t>(i)].metresPerCount()));
+    if (s.tremble_m_per_s.cols() > i) paths.back().tremble = s.tremble_m_per_s.col(i);
   }
   return paths;
 }

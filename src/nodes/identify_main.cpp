@@ -10,6 +10,7 @@
 #include "knee_robot/base/errors.h"
 #include "knee_robot/base/numbers.h"
 #include "knee_robot/identification/drive_gains.h"
+#include "knee_robot/identification/prediction.h"
 #include "knee_robot/identification/recording_units.h"
 #include "knee_robot/report/identify_report.h"
 #include "knee_robot/report/recorded_units.h"
@@ -44,8 +45,10 @@ void declare(CLI::App& app, Arguments& a) {
                  "encoders allow); lower where the "
                  "motion is known to be slow and the geometry amplifies the encoders' rounding")
       ->check(positive);
-  app.add_option("--rate-hz", a.options.observation.signals.rate_hz,
-                 "samples a second at most (100); a finer grid meets reversals of friction more exactly")
+  app.add_option(
+         "--rate-hz", a.options.observation.signals.rate_hz,
+         "samples a second at most (100, or twelve times the cut-off); a finer grid meets reversals of friction more "
+         "exactly")
       ->check(CLI::Range(1.0, 1e4));
   app.add_option("--moving-m-per-s", a.options.observation.moving_m_per_s,
                  "slower axes do not count as moving (0.0015)")
@@ -163,6 +166,36 @@ void fitPossible(const mechanism::Robot& robot, report::IdentifyResults& r) {
   }
 }
 
+Eigen::MatrixXd alongObservation(const dynamics::Model& model, const mechanism::Robot& robot,
+                                 const identification::Observation& o) {
+  return identification::predictForce(model, robot, o.signals, o.motion);
+}
+
+/// How fast rows are predicted: on training recordings, by the finished model.
+void chooseBand(const mechanism::Robot& robot, const std::vector<recording::Recording>& training,
+                report::IdentifyResults& r) {
+  r.full_band = identification::chooseFullBand(
+      robot, r.after.columns, training, r.options.observation,
+      [&](identification::Observation& o, int) { return alongObservation(r.after.model, robot, o); });
+  r.after.model.motion_cutoff_hz = r.before.model.motion_cutoff_hz = r.full_band.motion_cutoff_hz;
+  if (r.physical) r.physical->model.motion_cutoff_hz = r.full_band.motion_cutoff_hz;
+}
+
+/// A model along recordings: in the fit's band, and row by row in its own.
+identification::Applied apply(const dynamics::Model& model, const mechanism::Robot& robot,
+                              const report::IdentifyResults& r,
+                              const std::vector<identification::Observation>& observations,
+                              const std::vector<recording::Recording>& recordings) {
+  identification::Applied applied = identification::applyModel(model, robot, observations, r.cutoff.cutoff_hz);
+  if (model.motion_cutoff_hz == 0.0) return applied;
+  for (std::size_t k = 0; k < recordings.size(); ++k)
+    applied.predictions[k].row_force_N = identification::predictRows(
+        robot, r.after.columns, recordings[k], r.options.observation, model.motion_cutoff_hz,
+        [&](identification::Observation& o, int) { return alongObservation(model, robot, o); }, -1);
+  applied.accuracy = identification::accuracyOf(observations, applied.predictions);
+  return applied;
+}
+
 int run(const Arguments& a, const std::string& command_line) {
   report::IdentifyResults r;
   r.no_physical = "--no-physical was given.";
@@ -171,14 +204,15 @@ int run(const Arguments& a, const std::string& command_line) {
   r.options = a.options;
   refuseTrainingAgain(a);
   mechanism::Robot robot = mechanism::loadAnyRobot(a.robot);
-  {
-    const std::vector<recording::Recording> training = loadAll(robot, a.train);
-    decideCutoff(training, a.cutoff_hz, a.motion_cutoff_hz, r);
+  std::vector<recording::Recording> training = loadAll(robot, a.train);
+  decideCutoff(training, a.cutoff_hz, a.motion_cutoff_hz, r);
+  r.train = observeAll(robot, training, r.options);
+  if (identification::gainsByUrdf(robot, r.train, r.options.observation)) {
+    training = loadAll(robot, a.train);
     r.train = observeAll(robot, training, r.options);
   }
-  if (identification::gainsByUrdf(robot, r.train, r.options.observation))
-    r.train = observeAll(robot, loadAll(robot, a.train), r.options);
-  r.validate = observeAll(robot, loadAll(robot, a.validate), r.options);
+  const std::vector<recording::Recording> validation = loadAll(robot, a.validate);
+  r.validate = observeAll(robot, validation, r.options);
   refuseEqualNames(r.validate);
 
   std::cerr << "fitting" << std::endl;
@@ -190,23 +224,23 @@ int run(const Arguments& a, const std::string& command_line) {
   r.before = identification::identify(robot, r.train, without_friction);
 
   if (a.physical) fitPossible(robot, r);
+  chooseBand(robot, training, r);
 
   // All models are frozen; from here on only figures are computed.
   const double cutoff_hz = r.cutoff.cutoff_hz;
-  r.train_before = identification::applyModel(r.before.model, robot, r.train, cutoff_hz);
-  r.train_after = identification::applyModel(r.after.model, robot, r.train, cutoff_hz);
+  r.train_before = apply(r.before.model, robot, r, r.train, training);
+  r.train_after = apply(r.after.model, robot, r, r.train, training);
   r.train_by_rank = identification::errorAgainstRank(r.after, r.train, cutoff_hz);
   if (!r.validate.empty()) {
     for (identification::Observation& o : r.validate)
       identification::setFriction(o, r.after.columns, r.after.model.friction);
-    r.validate_before = identification::applyModel(r.before.model, robot, r.validate, cutoff_hz);
-    r.validate_after = identification::applyModel(r.after.model, robot, r.validate, cutoff_hz);
+    r.validate_before = apply(r.before.model, robot, r, r.validate, validation);
+    r.validate_after = apply(r.after.model, robot, r, r.validate, validation);
     r.validate_by_rank = identification::errorAgainstRank(r.after, r.validate, cutoff_hz);
   }
   if (r.physical) {
-    r.train_physical = identification::applyModel(r.physical->model, robot, r.train, cutoff_hz);
-    if (!r.validate.empty())
-      r.validate_physical = identification::applyModel(r.physical->model, robot, r.validate, cutoff_hz);
+    r.train_physical = apply(r.physical->model, robot, r, r.train, training);
+    if (!r.validate.empty()) r.validate_physical = apply(r.physical->model, robot, r, r.validate, validation);
   }
   report::toRecordedUnits(robot, r);
   report::writeIdentifyFiles(r, a.output);

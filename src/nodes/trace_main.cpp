@@ -7,6 +7,7 @@
 #include "knee_robot/base/errors.h"
 #include "knee_robot/base/numbers.h"
 #include "knee_robot/identification/drive_gains.h"
+#include "knee_robot/identification/full_band.h"
 #include "knee_robot/identification/recording_units.h"
 #include "knee_robot/recording/cutoff.h"
 #include "knee_robot/report/recorded_units.h"
@@ -21,7 +22,7 @@ namespace {
 struct Arguments {
   std::string robot, output, model;
   std::vector<std::string> train, validate;
-  double cutoff_hz = 3.0;
+  double cutoff_hz = 0.0;  ///< 0: see cutoffOf
   bool cutoff_by_rule = false;
   tracing::TraceOptions options;
 };
@@ -40,7 +41,10 @@ void declare(CLI::App& app, Arguments& a) {
          "at most so many additions (6), the same effect on several actuators counting once; 0: the baseline only")
       ->check(CLI::Range(0, 20));
   app.add_option("--seed", a.options.seed, "of surrogates and resampling (1)");
-  app.add_option("--cutoff-hz", a.cutoff_hz, "zero-phase low-pass of both sides of the equation (3)")
+  app.add_option(
+         "--cutoff-hz", a.cutoff_hz,
+         "zero-phase low-pass of both sides of the equation (3, at which the thresholds were chosen; where more than a "
+         "twentieth of the velocity's power lies above 2 Hz, by the rule of identify)")
       ->check(CLI::Range(1e-6, 1e6));
   app.add_flag("--cutoff-by-rule", a.cutoff_by_rule, "choose it on the training references as identify does")
       ->excludes("--cutoff-hz");
@@ -79,26 +83,49 @@ void refuseBadFiles(const Arguments& a) {
   }
 }
 
-recording::CutoffChoice cutoffOf(const std::vector<recording::Recording>& training) {
+constexpr double kUsualCutoff_hz = 3.0;
+constexpr double kFastMotion_hz = 2.0;  ///< velocities beyond it are not judged at the usual cut-off
+
+/// The cut-off that is used, and why.
+recording::CutoffChoice cutoffOf(const Arguments& a, const std::vector<recording::Recording>& training) {
   std::vector<const recording::Recording*> list;
   for (const recording::Recording& recording : training)
     list.push_back(&recording);
-  return recording::chooseCutoff(list);
+  recording::CutoffChoice choice = recording::chooseCutoff(list);
+  if (a.cutoff_by_rule || (a.cutoff_hz == 0.0 && choice.velocity_hz > kFastMotion_hz)) return choice;
+  choice.cutoff_hz = a.cutoff_hz > 0.0 ? a.cutoff_hz : kUsualCutoff_hz;
+  choice.sentence = "Cut-off " + shortNumber(choice.cutoff_hz, 3) + " Hz. The rule of identify: " + choice.sentence;
+  return choice;
 }
 
-identification::Applied apply(std::vector<identification::Observation>& observations, double cutoff_hz,
-                              const std::function<Eigen::MatrixXd(identification::Observation&, int)>& predict) {
+/// What a prediction along recordings needs.
+struct Along {
+  const mechanism::Robot& robot;
+  identification::ObservationOptions options;
+  double motion_cutoff_hz = 0.0;  ///< of rows; 0: that of the fit
+};
+
+/// In the fit's band, and row by row in the full one.
+identification::Applied apply(const Along& along, std::vector<identification::Observation>& observations,
+                              const std::vector<recording::Recording>& recordings,
+                              const identification::RowPredictor& predict) {
   identification::Applied applied;
   if (observations.empty()) return applied;
-  for (std::size_t k = 0; k < observations.size(); ++k)
+  for (std::size_t k = 0; k < observations.size(); ++k) {
+    const int index = static_cast<int>(k);
     applied.predictions.push_back(
-        identification::makePrediction(observations[k], predict(observations[k], static_cast<int>(k)), cutoff_hz));
+        identification::makePrediction(observations[k], predict(observations[k], index), along.options.cutoff_hz));
+    if (along.motion_cutoff_hz == 0.0 || recordings.empty()) continue;
+    applied.predictions.back().row_force_N =
+        identification::predictRows(along.robot, identification::columnsOf(along.robot), recordings[k], along.options,
+                                    along.motion_cutoff_hz, predict, index);
+  }
   applied.accuracy = identification::accuracyOf(observations, applied.predictions);
   return applied;
 }
 
 /// Fall of the validation rms when effect k is put back into the finished model.
-std::vector<Eigen::VectorXd> gains(const mechanism::Robot& robot, report::TraceResults& r, double cutoff_hz) {
+std::vector<Eigen::VectorXd> gains(const Along& along, report::TraceResults& r) {
   std::vector<Eigen::VectorXd> out;
   for (std::size_t k = 0; k < r.result.effects.size(); ++k) {
     tracing::TraceResult without = r.result;
@@ -111,8 +138,8 @@ std::vector<Eigen::VectorXd> gains(const mechanism::Robot& robot, report::TraceR
                           other.effects.end());
       without.elsewhere = std::make_shared<const tracing::TraceResult>(std::move(other));
     }
-    const identification::Applied applied = apply(r.validate, cutoff_hz, [&](identification::Observation& o, int) {
-      return tracing::predictTraced(robot, without, o, -1, static_cast<int>(r.train.size()));
+    const identification::Applied applied = apply(along, r.validate, {}, [&](identification::Observation& o, int) {
+      return tracing::predictTraced(along.robot, without, o, -1, static_cast<int>(r.train.size()));
     });
     out.push_back(applied.accuracy.rms_N - r.validate_after.accuracy.rms_N);
   }
@@ -133,27 +160,22 @@ int run(const Arguments& a, const std::string& command_line) {
   r.command_line = command_line;
   r.robot_path = a.robot;
   r.options = a.options;
-  r.options.observation.setCutoff(a.cutoff_hz);
   r.options.progress = [](const std::string& what) { std::cerr << what << std::endl; };
   if (a.options.most_effects == 0) r.options.twins = 2;  // nothing is compared with surrogates
   mechanism::Robot robot = mechanism::loadAnyRobot(a.robot);
-  double cutoff_hz = a.cutoff_hz;
   if (!a.model.empty()) {
     r.options.start =
         std::make_shared<const tracing::StartModel>(tracing::StartModel{dynamics::loadModel(a.model), a.model});
     dynamics::requireModelOf(r.options.start->model, a.model, robot);
     identification::takeGains(r.options.start->model, robot);
-    cutoff_hz = r.options.start->model.cutoff_hz;
-    r.options.observation.setCutoff(cutoff_hz);
   }
   std::vector<recording::Recording> train = load(robot, a.train);
-  const recording::CutoffChoice rule = cutoffOf(train);
-  std::string cutoff_note = "Cut-off " + shortNumber(cutoff_hz, 3) + " Hz. The rule of identify: " + rule.sentence;
-  if (a.cutoff_by_rule && a.model.empty()) {
-    cutoff_hz = rule.cutoff_hz;
-    r.options.observation.setCutoff(cutoff_hz);
-    cutoff_note = rule.sentence;
+  recording::CutoffChoice cutoff = cutoffOf(a, train);
+  if (r.options.start) {
+    cutoff.cutoff_hz = r.options.start->model.cutoff_hz;
+    cutoff.sentence = "Cut-off " + shortNumber(cutoff.cutoff_hz, 3) + " Hz, of the given model.";
   }
+  r.options.observation.setCutoff(cutoff.cutoff_hz);
   r.train = observeAll(robot, train, r.options.observation);
   if (identification::gainsByUrdf(robot, r.train, r.options.observation)) {
     train = load(robot, a.train);
@@ -162,24 +184,31 @@ int run(const Arguments& a, const std::string& command_line) {
   const std::vector<recording::Recording> validate = load(robot, a.validate);
   r.validate = observeAll(robot, validate, r.options.observation);
   r.result = tracing::trace(robot, train, r.train, r.options);
-  r.result.notes.push_back(cutoff_note);
+  r.result.notes.push_back(cutoff.sentence);
   r.model = tracing::tracedModel(robot, r.result, r.train, r.options);
 
-  // The model is frozen; from here on only figures are computed.
+  // The model is frozen; from here on only figures are computed, and how fast rows are predicted is read off training.
   const int count = static_cast<int>(r.train.size());
   const auto before = [&](identification::Observation& o, int) -> Eigen::MatrixXd {
     if (r.options.start) return tracing::predictModel(robot, r.options.start->model, a.model, o);
     return tracing::predictBaseline(r.result, o);
   };
-  r.train_before = apply(r.train, cutoff_hz, before);
-  r.train_after = apply(r.train, cutoff_hz, [&](identification::Observation& o, int k) {
+  const auto after = [&](identification::Observation& o, int k) {
     return tracing::predictTraced(robot, r.result, o, k, count);
-  });
-  r.validate_before = apply(r.validate, cutoff_hz, before);
-  r.validate_after = apply(r.validate, cutoff_hz, [&](identification::Observation& o, int) {
+  };
+  const auto elsewhere = [&](identification::Observation& o, int) {
     return tracing::predictTraced(robot, r.result, o, -1, count);
-  });
-  if (!r.validate.empty()) r.validate_gain_N = gains(robot, r, cutoff_hz);
+  };
+  const identification::FullBand band =
+      identification::chooseFullBand(robot, identification::columnsOf(robot), train, r.options.observation, after);
+  r.result.notes.push_back(band.sentence);
+  r.model.motion_cutoff_hz = band.motion_cutoff_hz;
+  const Along along = {robot, r.options.observation, band.motion_cutoff_hz};
+  r.train_before = apply(along, r.train, train, before);
+  r.train_after = apply(along, r.train, train, after);
+  r.validate_before = apply(along, r.validate, validate, before);
+  r.validate_after = apply(along, r.validate, validate, elsewhere);
+  if (!r.validate.empty()) r.validate_gain_N = gains(along, r);
   r.next = tracing::planNextExperiment(robot, r.result, r.train, r.options);
   for (std::size_t k = 0; r.options.start && k < r.validate.size(); ++k) {
     for (const dynamics::ModelData& data : r.options.start->model.data) {

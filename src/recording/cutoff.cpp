@@ -11,7 +11,7 @@
 namespace knee_robot::recording {
 namespace {
 
-constexpr double kGridRate_hz = 100.0;
+constexpr double kGridRates_hz[] = {100.0, 200.0, 500.0, 1000.0};
 constexpr int kFewestSamples = 200;
 constexpr double kSegment_s = 5.12;
 constexpr int kBinsBelow = 3;  ///< so many bins in a row below the least coherence end the followed band
@@ -28,19 +28,27 @@ struct Spectra {
   int segments = 0;
 };
 
+Eigen::MatrixXd velocities(const Eigen::MatrixXd& x, double rate) {
+  return (x.bottomRows(x.rows() - 2) - x.topRows(x.rows() - 2)) * (0.5 * rate);
+}
+
 Eigen::MatrixXd accelerations(const Eigen::MatrixXd& x, double rate) {
   const Eigen::Index n = x.rows();
   return (x.topRows(n - 2) - 2.0 * x.middleRows(1, n - 2) + x.bottomRows(n - 2)) * (rate * rate);
 }
 
+/// Reference's and recorded motion on one grid, differentiated.
+struct Pair {
+  Eigen::MatrixXd wanted, done;
+};
+
 /// Adds the windowed segments of one motion to the sums.
-void addMotion(const UniformMotion& motion, int length, Spectra& sum) {
-  const Eigen::MatrixXd wanted = accelerations(motion.reference_m, motion.rate_hz);
-  const Eigen::MatrixXd done = accelerations(motion.position_m, motion.rate_hz);
+void addMotion(const Pair& motion, double rate_hz, int length, Spectra& sum) {
+  const Eigen::MatrixXd &wanted = motion.wanted, &done = motion.done;
   Eigen::VectorXd window(length);
   for (int i = 0; i < length; ++i)
     window[i] = 0.5 - 0.5 * std::cos(2.0 * M_PI * (i + 0.5) / length);
-  const double scale = 2.0 / (motion.rate_hz * window.squaredNorm());
+  const double scale = 2.0 / (rate_hz * window.squaredNorm());
   Eigen::FFT<double> fft;
   Eigen::VectorXcd reference(length), position(length);
   for (Eigen::Index start = 0; start + length <= wanted.rows(); start += length / 2) {
@@ -56,38 +64,36 @@ void addMotion(const UniformMotion& motion, int length, Spectra& sum) {
   }
 }
 
-Spectra spectraOf(const std::vector<UniformMotion>& motions) {
-  Eigen::Index shortest = motions.front().reference_m.rows();
-  for (const UniformMotion& motion : motions)
-    shortest = std::min(shortest, motion.reference_m.rows());
-  const double rate = motions.front().rate_hz;
-  const int length =
-      static_cast<int>(std::min<double>(kSegment_s * rate, static_cast<double>((shortest - 2) / 4))) / 2 * 2;
+Spectra spectraOf(const std::vector<Pair>& motions, double rate) {
+  Eigen::Index shortest = motions.front().done.rows();
+  for (const Pair& motion : motions)
+    shortest = std::min(shortest, motion.done.rows());
+  const int length = static_cast<int>(std::min<double>(kSegment_s * rate, static_cast<double>(shortest / 4))) / 2 * 2;
   Spectra sum;
   sum.step_hz = rate / length;
-  const Eigen::Index bins = length / 2 + 1, axes = motions.front().reference_m.cols();
+  const Eigen::Index bins = length / 2 + 1, axes = motions.front().done.cols();
   sum.reference = sum.position = Eigen::ArrayXXd::Zero(bins, axes);
   sum.cross.setZero(bins, axes);
-  for (const UniformMotion& motion : motions)
-    addMotion(motion, length, sum);
+  for (const Pair& motion : motions)
+    addMotion(motion, rate, length, sum);
   sum.reference /= sum.segments;
   sum.position /= sum.segments;
   sum.cross /= static_cast<double>(sum.segments);
   return sum;
 }
 
-/// Power density of the reference's acceleration, mean over the actuators, less what white noise of its positions would have if all
-/// power above half the Nyquist frequency were such noise. Of a white acceleration this takes 1 % at a fifth of the Nyquist
-/// frequency, so that a wrong guess does no harm.
-Eigen::ArrayXd referencePower(const Spectra& s) {
-  Eigen::ArrayXd power = s.reference.rowwise().mean();
+/// What white noise of the positions has, if all power above half the Nyquist frequency is such noise: of the velocity (`order`
+/// 1, central difference) or acceleration (2). Of a white acceleration this is 1 % at a fifth of the Nyquist frequency, so that a
+/// wrong guess does no harm.
+Eigen::ArrayXd positionNoise(const Eigen::ArrayXd& power, int order) {
   const Eigen::Index bins = power.size();
-  Eigen::ArrayXd shape(bins);  // of the second difference of white noise
-  for (Eigen::Index k = 0; k < bins; ++k)
-    shape[k] = std::pow(std::sin(0.5 * M_PI * static_cast<double>(k) / static_cast<double>(bins - 1)), 4);
+  Eigen::ArrayXd shape(bins);
+  for (Eigen::Index k = 0; k < bins; ++k) {
+    const double turn = M_PI * static_cast<double>(k) / static_cast<double>(bins - 1);
+    shape[k] = order == 1 ? std::pow(std::sin(turn), 2) : std::pow(std::sin(0.5 * turn), 4);
+  }
   const Eigen::Index upper = bins - bins / 2;
-  const double noise = power.tail(upper).sum() / shape.tail(upper).sum();
-  return (power - noise * shape).max(0.0);
+  return power.tail(upper).sum() / std::max(kTinyPower, shape.tail(upper).sum()) * shape;
 }
 
 /// Coherence, mean over actuators, less its bias for a finite number of segments, then a running mean of three bins.
@@ -102,15 +108,16 @@ Eigen::ArrayXd coherence(const Spectra& s) {
   return smooth;
 }
 
-double driveBand(const Eigen::ArrayXd& power, double step_hz, const CutoffRule& rule) {
-  const Eigen::Index last = std::min(power.size() - 1, static_cast<Eigen::Index>(rule.highest_hz / step_hz));
+/// Frequency below which a share of the power below `highest_hz` lies.
+double bandOf(const Eigen::ArrayXd& power, double step_hz, double share, double highest_hz) {
+  const Eigen::Index last = std::min(power.size() - 1, static_cast<Eigen::Index>(highest_hz / step_hz));
   const double whole = power.head(last + 1).sum();
   double sum = 0.0;
   for (Eigen::Index k = 0; k <= last; ++k) {
     sum += power[k];
-    if (sum >= rule.power_share * whole) return step_hz * static_cast<double>(k);
+    if (sum >= share * whole) return std::max(1.0, static_cast<double>(k)) * step_hz;
   }
-  return rule.highest_hz;
+  return highest_hz;
 }
 
 double followedBand(const Eigen::ArrayXd& coherent, const Eigen::ArrayXd& power, double step_hz, double drive_hz,
@@ -130,69 +137,133 @@ double followedBand(const Eigen::ArrayXd& coherent, const Eigen::ArrayXd& power,
   return drive_hz;
 }
 
-CutoffChoice withoutReference(const CutoffRule& rule) {
+CutoffChoice withoutMotion(const CutoffRule& rule) {
   CutoffChoice choice;
-  choice.cutoff_hz = rule.without_reference_hz;
+  choice.cutoff_hz = rule.without_motion_hz;
   choice.sentence =
       "Cut-off " + shortNumber(choice.cutoff_hz, 3) +
-      " Hz, the usual value: the training recordings have no reference columns (or are too short) to choose it from.";
+      " Hz, the usual value: the training recordings have no reference or no motion (or are too short) to "
+      "choose it from.";
   return choice;
 }
 
-std::string sentenceOf(const CutoffChoice& choice, const CutoffRule& rule, double free_hz) {
+std::string sentenceOf(const CutoffChoice& choice, const CutoffRule& rule, bool reference, double free_hz,
+                       double highest_hz) {
   const bool all = choice.follow_hz >= choice.drive_hz;
-  std::string text = "Cut-off " + shortNumber(choice.cutoff_hz, 3) +
-                     " Hz: " + shortNumber(100.0 * rule.power_share, 4) +
-                     " % of the reference's acceleration power lies below " + shortNumber(choice.drive_hz, 3) + " Hz";
-  text += all ? ", all of which the recording follows; times " + shortNumber(rule.drive_margin, 3)
-              : ", the recording follows it up to " + shortNumber(choice.follow_hz, 3) + " Hz (coherence " +
-                    shortNumber(rule.coherence_least, 2) + "); times " + shortNumber(rule.follow_margin, 3);
+  std::string text = "Cut-off " + shortNumber(choice.cutoff_hz, 3) + " Hz: ";
+  text += reference
+              ? shortNumber(100.0 * rule.power_share, 4) + " % of the reference's acceleration power lies below " +
+                    shortNumber(choice.drive_hz, 3) + " Hz"
+              : "no reference; " + shortNumber(100.0 * rule.velocity_share, 4) +
+                    " % of the recorded velocity's power lies below " + shortNumber(choice.drive_hz, 3) + " Hz";
+  if (all) {
+    text += std::string(reference ? ", all of which the recording follows" : ", above the positions' noise") +
+            "; times " + shortNumber(rule.drive_margin, 3);
+  } else {
+    text += (reference ? ", the recording follows it up to " : ", above the positions' noise up to ") +
+            shortNumber(choice.follow_hz, 3) + " Hz" +
+            (reference ? " (coherence " + shortNumber(rule.coherence_least, 2) + ")" : "") + "; times " +
+            shortNumber(rule.follow_margin, 3);
+  }
   if (free_hz != choice.cutoff_hz)
-    text += ", kept between " + shortNumber(rule.lowest_hz, 3) + " and " + shortNumber(rule.highest_hz, 3) + " Hz";
+    text += ", kept between " + shortNumber(rule.lowest_hz, 3) + " and " + shortNumber(highest_hz, 3) + " Hz";
   return text + ".";
+}
+
+/// End of the band in which the power is clearly more than noise.
+double aboveNoise(const Eigen::ArrayXd& power, const Eigen::ArrayXd& noise, double step_hz, double drive_hz,
+                  const CutoffRule& rule) {
+  for (Eigen::Index k = 1; k < power.size() && step_hz * static_cast<double>(k) <= drive_hz; ++k) {
+    if (power[k] > kPowerToCount * power.maxCoeff() && power[k] < rule.noise_least * noise[k])
+      return step_hz * static_cast<double>(k);
+  }
+  return drive_hz;
+}
+
+void keepCurves(const Eigen::ArrayXd& power, const Eigen::ArrayXd& coherent, double step_hz, CutoffChoice& choice) {
+  for (Eigen::Index k = 0; k < power.size(); ++k) {
+    choice.frequency_hz.push_back(step_hz * static_cast<double>(k));
+    choice.reference_power.push_back(power[k]);
+    choice.coherence.push_back(coherent[k]);
+  }
+}
+
+/// One grid, and whether it was fine enough for what was found.
+CutoffChoice chooseOnGrid(const std::vector<UniformMotion>& motions, const CutoffRule& rule, bool& fine_enough) {
+  fine_enough = true;
+  bool reference = true;
+  std::vector<const UniformMotion*> usable;
+  for (const UniformMotion& motion : motions) {
+    const bool fits = usable.empty() || (motion.position_m.cols() == usable.front()->position_m.cols() &&
+                                         std::abs(motion.rate_hz - usable.front()->rate_hz) < 0.01 * motion.rate_hz);
+    if (motion.position_m.rows() < kFewestSamples || !fits) continue;
+    usable.push_back(&motion);
+    reference = reference && motion.reference_m.cols() > 0;
+  }
+  if (usable.empty()) return withoutMotion(rule);
+  const double rate = usable.front()->rate_hz, highest_hz = rule.share_of_rate * rate;
+  std::vector<Pair> speeds, accelerations_of;
+  for (const UniformMotion* motion : usable) {
+    const Eigen::MatrixXd& wanted = reference ? motion->reference_m : motion->position_m;
+    speeds.push_back({velocities(wanted, rate), velocities(wanted, rate)});
+    accelerations_of.push_back({accelerations(wanted, rate), accelerations(motion->position_m, rate)});
+  }
+  const Spectra speed = spectraOf(speeds, rate), spectra = spectraOf(accelerations_of, rate);
+  const Eigen::ArrayXd raw_speed = speed.reference.rowwise().mean(), speed_noise = positionNoise(raw_speed, 1);
+  const Eigen::ArrayXd raw = spectra.reference.rowwise().mean();
+  const Eigen::ArrayXd power = (raw - positionNoise(raw, 2)).max(0.0), coherent = coherence(spectra);
+  if (!(power.sum() > kTinyPower)) return withoutMotion(rule);
+  CutoffChoice choice;
+  const double step_hz = spectra.step_hz;
+  choice.velocity_hz = bandOf((raw_speed - speed_noise).max(0.0), step_hz, rule.velocity_share, highest_hz);
+  choice.drive_hz = reference ? bandOf(power, step_hz, rule.power_share, highest_hz) : choice.velocity_hz;
+  choice.follow_hz = reference ? followedBand(coherent, power, step_hz, choice.drive_hz, rule)
+                               : aboveNoise(raw_speed, speed_noise, step_hz, choice.drive_hz, rule);
+  const double free_hz =
+      choice.follow_hz < choice.drive_hz ? rule.follow_margin * choice.follow_hz : rule.drive_margin * choice.drive_hz;
+  fine_enough = free_hz <= highest_hz;
+  choice.cutoff_hz = std::clamp(free_hz, rule.lowest_hz, std::max(rule.lowest_hz, highest_hz));
+  keepCurves(power, coherent, step_hz, choice);
+  choice.sentence = sentenceOf(choice, rule, reference, free_hz, highest_hz);
+  return choice;
+}
+
+/// A recording on a uniform grid of at most `grid_hz`. The mean of the held rows over each step treats both signals alike and does not
+/// alias a faster recording.
+UniformMotion onGrid(const Recording& r, double grid_hz) {
+  const double step = std::max(1.0 / grid_hz, std::round(grid_hz * medianPeriod(r.time_s)) / grid_hz);
+  std::vector<double> grid;
+  for (double t = r.time_s.front() + 0.5 * step; t + 0.5 * step <= r.time_s.back(); t += step)
+    grid.push_back(t);
+  UniformMotion motion;
+  motion.rate_hz = 1.0 / step;
+  motion.position_m = heldMeans(r.time_s, r.position_m, grid, step);
+  if (r.reference_m.cols() > 0) motion.reference_m = heldMeans(r.time_s, r.reference_m, grid, step);
+  return motion;
 }
 
 }  // namespace
 
 CutoffChoice chooseCutoff(const std::vector<UniformMotion>& motions, const CutoffRule& rule) {
-  std::vector<UniformMotion> usable;
-  for (const UniformMotion& motion : motions) {
-    const bool fits = usable.empty() || (motion.reference_m.cols() == usable.front().reference_m.cols() &&
-                                         std::abs(motion.rate_hz - usable.front().rate_hz) < 0.01 * motion.rate_hz);
-    if (motion.reference_m.cols() > 0 && motion.reference_m.rows() >= kFewestSamples && fits) usable.push_back(motion);
-  }
-  if (usable.empty()) return withoutReference(rule);
-  const Spectra spectra = spectraOf(usable);
-  const Eigen::ArrayXd power = referencePower(spectra), coherent = coherence(spectra);
-  if (!(power.sum() > kTinyPower)) return withoutReference(rule);
-  CutoffChoice choice;
-  choice.drive_hz = std::max(spectra.step_hz, driveBand(power, spectra.step_hz, rule));
-  choice.follow_hz = followedBand(coherent, power, spectra.step_hz, choice.drive_hz, rule);
-  const double free_hz =
-      choice.follow_hz < choice.drive_hz ? rule.follow_margin * choice.follow_hz : rule.drive_margin * choice.drive_hz;
-  choice.cutoff_hz = std::clamp(free_hz, rule.lowest_hz, rule.highest_hz);
-  for (Eigen::Index k = 0; k < power.size(); ++k) {
-    choice.frequency_hz.push_back(spectra.step_hz * static_cast<double>(k));
-    choice.reference_power.push_back(power[k]);
-    choice.coherence.push_back(coherent[k]);
-  }
-  choice.sentence = sentenceOf(choice, rule, free_hz);
-  return choice;
+  bool fine_enough = true;
+  return chooseOnGrid(motions, rule, fine_enough);
 }
 
 CutoffChoice chooseCutoff(const std::vector<const Recording*>& recordings, const CutoffRule& rule) {
-  std::vector<UniformMotion> motions;
-  for (const Recording* r : recordings) {
-    if (r->reference_m.cols() == 0 || r->rows() < kFewestSamples) continue;
-    // All on one grid. The mean of the held rows over each step treats both signals alike and does not alias a faster recording.
-    const double step = std::max(1.0 / kGridRate_hz, std::round(kGridRate_hz * medianPeriod(r->time_s)) / kGridRate_hz);
-    std::vector<double> grid;
-    for (double t = r->time_s.front() + 0.5 * step; t + 0.5 * step <= r->time_s.back(); t += step)
-      grid.push_back(t);
-    motions.push_back({1.0 / step, heldMeans(r->time_s, r->reference_m, grid, step),
-                       heldMeans(r->time_s, r->position_m, grid, step)});
+  CutoffChoice choice = withoutMotion(rule);
+  double rate_before = 0.0;
+  for (const double grid_hz : kGridRates_hz) {
+    std::vector<UniformMotion> motions;
+    for (const Recording* r : recordings) {
+      if (r->rows() >= kFewestSamples) motions.push_back(onGrid(*r, grid_hz));
+    }
+    if (motions.empty() || motions.front().rate_hz < 1.01 * rate_before) return choice;
+    rate_before = motions.front().rate_hz;
+    bool fine_enough = true;
+    choice = chooseOnGrid(motions, rule, fine_enough);
+    if (fine_enough) return choice;
   }
-  return chooseCutoff(motions, rule);
+  return choice;
 }
 
 }  // namespace knee_robot::recording

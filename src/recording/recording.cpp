@@ -19,6 +19,7 @@ using Text = std::string_view;
 
 constexpr double kLargestValue = 1e6;
 constexpr double kLargestTime_s = 1e11;
+constexpr double kLargestHome = 9e15;  ///< a double still tells integers apart
 constexpr int kMostAxes = 12;
 constexpr std::size_t kMostColumns = 10000;
 
@@ -91,7 +92,7 @@ class Header {
  private:
   static bool known(const std::string& name) {
     static const char* const kStarts[] = {"time_s", "position_", "reference_", "velocity_", "command_",
-                                          "force_", "mocap_",    "torque_",    "current_"};
+                                          "force_", "mocap_",    "torque_",    "current_",  "home_id"};
     return std::any_of(std::begin(kStarts), std::end(kStarts),
                        [&](const char* start) { return name.rfind(start, 0) == 0; });
   }
@@ -170,11 +171,11 @@ std::vector<std::string> unitsOf(const std::vector<Column>& columns) {
 
 struct Columns {
   Column time;
-  std::vector<Column> position, reference, velocity, command, force, current, mocap;
+  std::vector<Column> position, reference, velocity, command, force, current, mocap, home;
 
   std::vector<Column*> all() {
     std::vector<Column*> list = {&time};
-    for (auto* group : {&position, &reference, &velocity, &command, &force, &current, &mocap}) {
+    for (auto* group : {&position, &reference, &velocity, &command, &force, &current, &mocap, &home}) {
       for (Column& column : *group)
         list.push_back(&column);
     }
@@ -203,7 +204,23 @@ Columns findColumns(const Header& header, int axes) {
       c.mocap.back().may_be_nan = true;
     }
   }
+  if (header.has("home_id")) c.home.push_back(header.need("home_id", ""));
   return c;
+}
+
+double limitOf(const Column& column) {
+  return column.name == "time_s" ? kLargestTime_s : column.name == "home_id" ? kLargestHome : kLargestValue;
+}
+
+/// The recording's one home; a recording during which the axes were homed anew has none.
+std::int64_t homeOf(const std::vector<Column>& home, std::vector<std::string>& notes) {
+  if (home.empty()) return 0;
+  const std::vector<double>& ids = home.front().values;
+  if (std::all_of(ids.begin(), ids.end(), [&](double id) { return id == ids.front(); }))
+    return static_cast<std::int64_t>(ids.front());
+  notes.push_back(
+      "home_id changes: the axes were homed anew in between, so that no phase carries over to other recordings.");
+  return 0;
 }
 
 std::string lineName(const std::string& path, int line) {
@@ -219,6 +236,8 @@ std::string parseField(Text text, const Column& column, double limit, double& va
   const std::optional<double> number = parseFinite(text);
   if (!number) return column.name + " is " + quoted(text) + ", not a finite number";
   if (std::abs(*number) > limit) return column.name + " is " + quoted(text) + ", beyond +-" + shortNumber(limit);
+  if (column.name == "home_id" && *number != std::floor(*number))
+    return column.name + " is " + quoted(text) + ", not an integer";
   value = *number;
   return {};
 }
@@ -230,8 +249,7 @@ std::string parseRow(const std::vector<Text>& fields, std::size_t expected, cons
     return std::to_string(fields.size()) + " values where the header has " + std::to_string(expected) + " columns";
   }
   for (std::size_t i = 0; i < columns.size(); ++i) {
-    const std::string why =
-        parseField(fields[columns[i]->field], *columns[i], i == 0 ? kLargestTime_s : kLargestValue, values[i]);
+    const std::string why = parseField(fields[columns[i]->field], *columns[i], limitOf(*columns[i]), values[i]);
     if (!why.empty()) return why;
   }
   const std::vector<double>& times = columns[0]->values;
@@ -310,6 +328,7 @@ Recording parseRecording(const std::string& content, const std::string& path) {
   r.axes = countAxes(header);
   Columns columns = findColumns(header, r.axes);
   readRows(rest, header.count(), path, columns, r.notes);
+  r.home_id = homeOf(columns.home, r.notes);
   r.time_s = std::move(columns.time.values);
   if (r.time_s.empty()) throw InputError(path + ": has a header but no complete row");
   r.position_unit = unitsOf(columns.position);

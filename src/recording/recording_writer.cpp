@@ -30,7 +30,7 @@ std::string header(int axes) {
     line += ",reference_" + axis + "_m,position_" + axis + "_m,velocity_" + axis + "_m_per_s,command_" + axis +
             "_V,force_" + axis + "_N";
   }
-  return line + "\n";
+  return line + ",home_id\n";
 }
 
 }  // namespace
@@ -91,8 +91,9 @@ void RecordingWriter::write(const RecordingRow& row) {
     appendNumber(row.position_m[i], 9, ',');
     appendNumber(row.velocity_m_per_s[i], 9, ',');
     appendNumber(row.command_V[i], 9, ',');
-    appendNumber(row.force_N[i], 6, i + 1 == static_cast<std::size_t>(axes_) ? '\n' : ',');
+    appendNumber(row.force_N[i], 6, ',');
   }
+  appendNumber(static_cast<double>(row.home_id), 0, '\n');
   last_time_s_ = row.time_s;
   ++rows_;
 }

@@ -12,6 +12,7 @@ namespace knee_robot::recording {
 namespace {
 
 constexpr int kFewestRows = 20;
+constexpr double kTrembleWindow_s = 0.2;
 constexpr int kLastStaleRow = 50;                 ///< a recorder's stale rows are the first few
 constexpr double kImpossibleJump_m = 1e-3;        ///< between neighbouring rows,
 constexpr double kImpossibleSpeed_m_per_s = 2.0;  ///< and at this speed: no actuator moved so, the older row is stale
@@ -88,6 +89,21 @@ std::vector<double> midpoints(const std::vector<double>& time) {
   std::vector<double> out = time;
   for (std::size_t k = 1; k < time.size(); ++k)
     out[k] = 0.5 * (time[k - 1] + time[k]);
+  return out;
+}
+
+/// Way per time of `raw` beyond that of `smooth`, over a window around every sample.
+Eigen::MatrixXd trembleOf(const Eigen::MatrixXd& raw, const Eigen::MatrixXd& smooth, double period) {
+  const Eigen::Index n = raw.rows(), half = std::max<Eigen::Index>(1, std::lround(0.5 * kTrembleWindow_s / period));
+  Eigen::MatrixXd beyond = Eigen::MatrixXd::Zero(n, raw.cols());  // up to each sample
+  for (Eigen::Index k = 1; k < n; ++k)
+    beyond.row(k) =
+        beyond.row(k - 1) + (raw.row(k) - raw.row(k - 1)).cwiseAbs() - (smooth.row(k) - smooth.row(k - 1)).cwiseAbs();
+  Eigen::MatrixXd out(n, raw.cols());
+  for (Eigen::Index k = 0; k < n; ++k) {
+    const Eigen::Index from = std::max<Eigen::Index>(0, k - half), to = std::min(n - 1, k + half);
+    out.row(k) = (beyond.row(to) - beyond.row(from)).cwiseMax(0.0) / (period * static_cast<double>(to - from));
+  }
   return out;
 }
 
@@ -194,13 +210,15 @@ Signals resample(const Recording& r, const Eigen::MatrixXd& force_N, const Signa
                   " s; cut the recording at its long gaps");
   }
   const std::vector<double> fine = uniformGrid(time.front(), time.back(), period);
-  Eigen::MatrixXd position = sampleCubic(time, r.position_m.bottomRows(rows), fine);
+  const Eigen::MatrixXd raw = sampleCubic(time, r.position_m.bottomRows(rows), fine);
+  Eigen::MatrixXd position = raw;
   ZeroPhaseLowPass(options.motion_cutoff_hz, 1.0 / period).applyToColumns(position);
 
   Signals s;
   const int step = std::max(1, static_cast<int>(std::floor(1.0 / (period * options.rate_hz) + 0.01)));
   const int count = (static_cast<int>(fine.size()) - 1) / step + 1;
   s.period_s = period * step;
+  s.motion_cutoff_hz = options.motion_cutoff_hz;
   s.time_s.resize(count);
   for (int i = 0; i < count; ++i)
     s.time_s[i] = fine[static_cast<std::size_t>(i) * step];
@@ -209,6 +227,7 @@ Signals resample(const Recording& r, const Eigen::MatrixXd& force_N, const Signa
   s.acceleration_m_per_s2 = everyNth(secondDerivative(position, period), step, count);
   s.force_is_measured = r.force_is_measured;
   s.force_N = heldMeans(r.force_is_measured ? midpoints(time) : time, force_N.bottomRows(rows), s.time_s, s.period_s);
+  s.tremble_m_per_s = everyNth(trembleOf(raw, position, period), step, count);
   s.known = knownSamples(time, s.time_s, options.gap_periods * period);
   s.rounding_left = std::clamp(6.0 * std::sqrt(2.0 * options.motion_cutoff_hz * period / 12.0), 0.25, 1.0);
   s.notes = r.notes;

@@ -15,7 +15,8 @@ std::string accuracyRows(const std::string& title, const identification::Accurac
       title + " (" + std::to_string(a.samples) + " samples, " + std::to_string(a.moving_samples) + " of them moving)",
       axes);
   out += tableRow("rms, moving samples, N", a.rms_moving_N) + tableRow("rms, all samples, N", a.rms_N);
-  out += tableRow("rms, all rows, force unfiltered, N", a.rms_raw_N) +
+  out += tableRow("rms, all rows, full band, N", a.rms_raw_N) +
+         tableRow("rms / rms(force), rows, full band, %", a.raw_percent) +
          tableRow("rms / rms of the force, %", a.rms_percent);
   out +=
       tableRow("rms / rms of the force, all actuators together, %", Eigen::VectorXd::Constant(1, a.togetherPercent()));

@@ -117,6 +117,7 @@ std::string identifyJson(const IdentifyResults& r) {
   j["cutoff"] = {{"rule", r.cutoff.sentence},
                  {"drive_hz", jsonNumber(r.cutoff.drive_hz)},
                  {"follow_hz", jsonNumber(r.cutoff.follow_hz)}};
+  j["full_band"] = {{"rule", r.full_band.sentence}, {"motion_cutoff_hz", jsonNumber(r.after.model.motion_cutoff_hz)}};
   j["uncertainty"] = {{"method", "bootstrap of contiguous blocks"}, {"block_s", r.after.bootstrap_block_s}};
   j["physical"] = physicalJson(r);
   j["friction_near_rest"] = frictionJson(r.after.model.friction);

@@ -32,7 +32,8 @@ std::string accuracyText(const std::string& title, const identification::Accurac
   std::string out =
       title + " (" + std::to_string(a.samples) + " samples, " + std::to_string(a.moving_samples) + " moving)\n";
   out += row("rms, moving samples", a.rms_moving_N, "N") + row("rms, all samples", a.rms_N, "N");
-  out += row("rms, all rows, force unfiltered", a.rms_raw_N, "N") +
+  out += row("rms, all rows, full band", a.rms_raw_N, "N") +
+         row("rms / rms(force), rows, full band", a.raw_percent, "%") +
          row("rms / rms(force), all samples", a.rms_percent, "%") +
          row("the same, all actuators together", Eigen::VectorXd::Constant(1, a.togetherPercent()), "%");
   return out + row("rms / range(force), all samples", a.range_percent, "%") + row("largest error", a.max_N, "N");
@@ -119,8 +120,9 @@ std::string identifySummary(const IdentifyResults& r) {
         out += "  " + note + "\n";
     }
   }
-  out += r.cutoff.sentence + "\n\n" + rankText(r) + "\n" + frictionText(r.after.model.friction) + "\n" +
-         parameterText(r.after) + "\n" + accuracyText("training", r.train_after.accuracy);
+  out += r.cutoff.sentence + "\n" + (r.full_band.sentence.empty() ? "" : r.full_band.sentence + "\n") + "\n" +
+         rankText(r) + "\n" + frictionText(r.after.model.friction) + "\n" + parameterText(r.after) + "\n" +
+         accuracyText("training", r.train_after.accuracy);
   if (!r.validate.empty()) out += accuracyText("validation", r.validate_after.accuracy);
   return out + physicalText(r);
 }

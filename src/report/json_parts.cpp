@@ -11,6 +11,7 @@ Json accuracyJson(const identification::Accuracy& a) {
   return {{"rms_N", jsonArray(a.rms_N)},
           {"rms_moving_N", jsonArray(a.rms_moving_N)},
           {"rms_raw_N", jsonArray(a.rms_raw_N)},
+          {"raw_percent", jsonArray(a.raw_percent)},
           {"rms_percent", jsonArray(a.rms_percent)},
           {"range_percent", jsonArray(a.range_percent)},
           {"max_N", jsonArray(a.max_N)},
@@ -50,6 +51,7 @@ Json frictionJson(const std::vector<dynamics::FrictionLaw>& laws) {
       if (!smooth) element["width_m"] = e.width_m;
       if (!stop) element["speed_m_per_s"] = e.speed_m_per_s;
       if (!stop && !smooth) element["damping_s"] = e.damping_s;
+      if (e.tremble > 0.0) element["tremble"] = e.tremble;
       elements.push_back(element);
     }
     list.push_back({{"law", dynamics::nameOf(law)}, {"in_words", dynamics::describe(law)}, {"elements", elements}});

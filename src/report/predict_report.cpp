@@ -6,6 +6,7 @@
 
 #include "json_parts.h"
 #include "knee_robot/base/files.h"
+#include "knee_robot/identification/full_band.h"
 #include "number_row.h"
 
 namespace knee_robot::report {
@@ -22,6 +23,11 @@ PredictResults predictRecordings(const mechanism::Robot& robot, const dynamics::
     identification::Observation& o = r.observations.back();
     r.applied.predictions.push_back(
         identification::makePrediction(o, tracing::predictModel(robot, model, model_path, o), model.cutoff_hz));
+    if (model.motion_cutoff_hz == 0.0) continue;
+    r.applied.predictions.back().row_force_N = identification::predictRows(
+        robot, identification::columnsOf(robot), recording, tracing::observationOptions(model), model.motion_cutoff_hz,
+        [&](identification::Observation& along, int) { return tracing::predictModel(robot, model, model_path, along); },
+        -1);
   }
   r.applied.accuracy = identification::accuracyOf(r.observations, r.applied.predictions);
   return r;
@@ -44,6 +50,7 @@ std::string predictSummary(const PredictResults& r) {
     out += o.name + (own ? " (the model was fitted on it)" : "") + ", rms, N\n";
     out += numberRow("all samples", a.rms_N) + numberRow("moving samples", a.rms_moving_N);
     out += numberRow("% of the force's rms", a.rms_percent);
+    out += numberRow("rows, full band", a.rms_raw_N);
   }
   return out;
 }

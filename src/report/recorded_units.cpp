@@ -46,8 +46,7 @@ class Converter {
       forces(o.row_force_N);
       forces(o.force_filtered_N);
       forces(o.signals.force_N);
-      for (Eigen::MatrixXd* m :
-           {&o.signals.position_m, &o.signals.velocity_m_per_s, &o.signals.acceleration_m_per_s2, &o.fine_position_m})
+      for (Eigen::MatrixXd* m : {&o.signals.position_m, &o.signals.velocity_m_per_s, &o.signals.acceleration_m_per_s2})
         *m *= position_.asDiagonal();
     }
   }

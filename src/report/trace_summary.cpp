@@ -21,6 +21,8 @@ std::string side(const std::string& title, const identification::Applied& before
   together << before.accuracy.togetherPercent(), after.accuracy.togetherPercent();
   return out + numberRow("before, moving samples", before.accuracy.rms_moving_N) +
          numberRow("after, moving samples", after.accuracy.rms_moving_N) +
+         numberRow("before, rows, full band", before.accuracy.rms_raw_N) +
+         numberRow("after, rows, full band", after.accuracy.rms_raw_N) +
          numberRow("% of rms(force), all together: before, after", together);
 }
 

@@ -13,12 +13,14 @@ namespace {
 
 constexpr int kFewestSamples = 100;
 
-/// Takes effects off the recorded force while it lives.
+/// Takes effects off the recorded force, and lets others multiply Coulomb friction, while it lives.
 class WithoutEffects {
  public:
   WithoutEffects(std::vector<identification::Observation>& recordings, const std::vector<Eigen::MatrixXd>& effects_N,
-                 double cutoff_hz)
+                 const std::vector<Eigen::MatrixXd>& levels, double cutoff_hz)
       : recordings_(recordings) {
+    for (std::size_t r = 0; r < levels.size(); ++r)
+      recordings[r].friction_level = levels[r];
     for (std::size_t r = 0; r < effects_N.size(); ++r) {
       recorded_.push_back(recordings[r].force_filtered_N);
       Eigen::MatrixXd low = effects_N[r];
@@ -31,6 +33,8 @@ class WithoutEffects {
   ~WithoutEffects() {
     for (std::size_t r = 0; r < recorded_.size(); ++r)
       recordings_[r].force_filtered_N = std::move(recorded_[r]);
+    for (identification::Observation& o : recordings_)
+      o.friction_level.resize(0, 0);
   }
 
  private:
@@ -61,7 +65,7 @@ BaseFit inCoordinates(const identification::Identification& id, const Stack& sta
 
 BaseFit fitBase(const mechanism::Robot& robot, std::vector<identification::Observation>& training, const Stack& stack,
                 const std::vector<identification::Column>& columns, int rank, const Eigen::VectorXd* given,
-                const std::vector<Eigen::MatrixXd>& effects_N) {
+                const std::vector<Eigen::MatrixXd>& effects_N, const std::vector<Eigen::MatrixXd>& levels) {
   if (stack.size() < kFewestSamples) {
     throw Refusal("only " + std::to_string(stack.size()) + " usable samples in the training recordings (at least " +
                   std::to_string(kFewestSamples) + " are needed): record a longer motion, away from singular poses");
@@ -74,7 +78,7 @@ BaseFit fitBase(const mechanism::Robot& robot, std::vector<identification::Obser
   BaseFit base;
   Eigen::VectorXd residual(stack.size() * stack.axes);
   {
-    const WithoutEffects without(training, effects_N, stack.cutoff_hz);
+    const WithoutEffects without(training, effects_N, levels, stack.cutoff_hz);
     base = inCoordinates(identification::identify(robot, training, options), stack);
     for (int i = 0; i < stack.axes; ++i) {
       std::vector<Eigen::MatrixXd> modelled;
@@ -84,6 +88,8 @@ BaseFit fitBase(const mechanism::Robot& robot, std::vector<identification::Obser
           gatherForce(stack, training, i) - gather(stack, training, std::move(modelled)).col(0);
     }
   }
+  for (identification::Observation& o : training)
+    identification::setFriction(o, base.columns, base.memory);
   base.noise_N.resize(stack.axes);
   for (int i = 0; i < stack.axes; ++i) {
     base.noise_N[i] = std::max(

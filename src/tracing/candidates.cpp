@@ -12,6 +12,10 @@ Eigen::VectorXd Candidate::elsewhere(const Eigen::VectorXd& coefficients) const 
   return transfers() ? coefficients : Eigen::VectorXd();
 }
 
+Eigen::VectorXd Candidate::atHome(const Eigen::VectorXd& coefficients, const std::vector<int>&) const {
+  return elsewhere(coefficients);
+}
+
 std::vector<std::vector<double>> Candidate::near(const std::vector<double>&, double) const {
   return {};
 }

@@ -8,9 +8,6 @@
 namespace knee_robot::tracing {
 namespace {
 
-constexpr double kDeflection_hz =
-    9.0;  ///< low-pass of the deflection before its acceleration is taken, as of all motion
-
 double jointForce(const DriveJoint& joint, double wound) {
   return joint.stiffness_N_per_m * (wound - std::clamp(wound, -joint.half_gap_m, joint.half_gap_m));
 }
@@ -43,7 +40,7 @@ Eigen::VectorXd changeByJoint(const EffectInput& in, int i, const DriveJoint& jo
     wound[n] = motor[n] - screw;
     force[n] = jointForce(joint, wound[n]) - load;  // friction, as the joint shows it
   }
-  recording::ZeroPhaseLowPass(kDeflection_hz, 1.0 / period).apply(wound);
+  recording::ZeroPhaseLowPass(in.signals().motion_cutoff_hz, 1.0 / period).apply(wound);
   const Eigen::VectorXd missing = in.moved_kg[i] * recording::secondDerivative(wound, period);
   const Eigen::VectorXd model = dry * in.share.col(i) + viscous * rate;
   return force - missing - model;

@@ -7,6 +7,7 @@ namespace {
 class Backlash : public Candidate {
  public:
   std::string name() const override { return "backlash"; }
+  bool actsFast() const override { return true; }
   std::string sentence() const override {
     return "There is play between motor and screw: when the force that it carries changes sign, the motor moves alone.";
   }

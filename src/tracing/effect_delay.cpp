@@ -7,6 +7,7 @@ namespace {
 class Delay : public Candidate {
  public:
   std::string name() const override { return "delay"; }
+  bool actsFast() const override { return true; }
   std::string sentence() const override {
     return "The force acts later than its command: the command runs ahead of what the motion needs.";
   }

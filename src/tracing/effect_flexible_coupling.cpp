@@ -7,6 +7,7 @@ namespace {
 class FlexibleCoupling : public Candidate {
  public:
   std::string name() const override { return "flexible_coupling"; }
+  bool actsFast() const override { return true; }
   std::string sentence() const override {
     return "Motor and screw are joined elastically: after each reversal the joint winds up before the screw follows.";
   }

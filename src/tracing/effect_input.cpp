@@ -47,6 +47,19 @@ std::vector<mechanism::Matrix4> poseForces(const mechanism::Robot& robot, const 
   return out;
 }
 
+/// What many hypotheses ask of the pose.
+void setPoses(EffectInput& in) {
+  in.leg_angle_rad.resize(in.samples(), 2 * mechanism::kLegs);
+  for (int n = 0; n < in.samples(); ++n) {
+    const mechanism::Pose& pose = in.observation->motion.motion[static_cast<std::size_t>(n)].pose;
+    in.rotation.push_back(mechanism::platformRotation(pose));
+    const mechanism::JointCoordinates q = mechanism::inverseKinematics(*in.robot->mechanism, pose);
+    for (std::size_t leg = 0; leg < q.q1.size(); ++leg)
+      in.leg_angle_rad.row(n).segment<2>(2 * static_cast<Eigen::Index>(leg)) << q.q1[leg], q.q2[leg];
+    in.leg_angle_rad.row(n).tail<2>().setConstant(q.q41);
+  }
+}
+
 /// Mass that each actuator moves beyond its own rotor: the model's force for one more m/s^2 of that actuator alone.
 Eigen::VectorXd movedMass(const EffectInput& in, const Eigen::VectorXd& parameters) {
   Eigen::VectorXd mass = Eigen::VectorXd::Zero(in.axes());
@@ -94,7 +107,10 @@ EffectInput effectInput(const mechanism::Robot& robot, const identification::Obs
     in.since_reversal_m.col(i) =
         sinceReversal(in.friction_position_m.col(i), kTurnCounts * robot.actuators[axis].metresPerCount());
   }
-  if (robot.mechanism) in.force_per_pose_force = poseForces(robot, o);
+  if (robot.mechanism) {
+    in.force_per_pose_force = poseForces(robot, o);
+    setPoses(in);
+  }
   in.load_N = in.force_N = Eigen::MatrixXd::Zero(o.samples(), o.axes());
   return in;
 }

@@ -5,8 +5,8 @@
 namespace knee_robot::tracing {
 namespace {
 
-constexpr double kNear_per_m = 1.25;  ///< half a step of the grid over 0.2 m, per period
-constexpr double kSamePhase = 0.4;    ///< largest deviation from the mean, in amplitudes
+constexpr double kNear_per_m = 1.25;    ///< half a step of the grid over 0.2 m, per period
+constexpr double kLeastSupport = 0.84;  ///< phases of two recordings within 44 degrees; at random every fourth pair is
 
 /// Sine and cosine of the screw's phase, separately for every recording: homing may shift the phase. A ripple of the force, or (second
 /// shape parameter 1) of the dry friction, as a bent screw or a worn gear has.
@@ -18,6 +18,7 @@ class ScrewRipple : public Candidate {
     return "The force, or the dry friction, varies periodically with the position, as with a screw's or motor's turn.";
   }
   bool transfers() const override { return false; }
+  bool periodic() const override { return true; }
   std::vector<ShapeParameter> shapeParameters() const override {
     return {{"period_m", 0.002, 0.05}, {"of_friction", 0.0, 1.0, true}};
   }
@@ -58,14 +59,24 @@ class ScrewRipple : public Candidate {
     }
     return out;
   }
-  /// The mean, when training recordings agree on the phase: homing does not shift it then. One recording cannot tell.
+  Eigen::VectorXd atHome(const Eigen::VectorXd& coefficients, const std::vector<int>& same_home) const override {
+    Eigen::VectorXd out = Eigen::VectorXd::Zero(coefficients.size());
+    for (const int r : same_home)
+      out.head<2>() += coefficients.segment<2>(2 * r) / static_cast<double>(same_home.size());
+    return out;
+  }
+  /// The mean, times the share of it that training recordings support by agreeing: with phases at random, the square of the mean
+  /// of n is as large as their spread over n. One recording cannot tell.
   Eigen::VectorXd elsewhere(const Eigen::VectorXd& coefficients) const override {
     const Eigen::Index recordings = coefficients.size() / 2;
     const Eigen::Map<const Eigen::Matrix2Xd> pairs(coefficients.data(), 2, recordings);
     const Eigen::Vector2d mean = pairs.rowwise().mean();
-    if (recordings < 2 || (pairs.colwise() - mean).colwise().norm().maxCoeff() > kSamePhase * mean.norm()) return {};
+    if (recordings < 2) return {};
+    const double spread = (pairs.colwise() - mean).squaredNorm() / static_cast<double>(recordings - 1);
+    const double support = 1.0 - spread / std::max(1e-300, static_cast<double>(recordings) * mean.squaredNorm());
+    if (!(support > kLeastSupport)) return {};
     Eigen::VectorXd out = Eigen::VectorXd::Zero(coefficients.size());
-    out.head<2>() = mean;
+    out.head<2>() = support * mean;
     return out;
   }
 };

@@ -4,9 +4,10 @@
 
 namespace knee_robot::tracing {
 
-void Library::add(const CandidateList& candidates, const TraceData& data) {
+void Library::add(const CandidateList& candidates, const TraceData& data, bool fast_only) {
   const std::size_t first = places_.size();
   for (std::vector<Hypothesis>& tried : byPlace(listHypotheses(candidates, data.inputs))) {
+    if (fast_only && !tried.front().place.candidate->actsFast()) continue;
     PlaceColumns place;
     place.rests_on_model = tried.front().place.candidate->restsOnModel();
     place.tried = std::move(tried);

@@ -8,7 +8,8 @@ namespace knee_robot::tracing {
 /// change with the fit: they are kept from pass to pass.
 class Library {
  public:
-  void add(const CandidateList& candidates, const TraceData& data);
+  /// `fast_only`: of those that show in fast motion.
+  void add(const CandidateList& candidates, const TraceData& data, bool fast_only = false);
   /// After a fit: builds anew what looks at it; everything when the law of friction has changed as well.
   void update(const TraceData& data, bool friction_changed);
   const std::vector<PlaceColumns>& places() const { return places_; }

@@ -2,33 +2,24 @@
 
 #include <cmath>
 
-#include "knee_robot/mechanism/kinematics.h"
-
 namespace knee_robot::tracing {
 namespace {
 
 constexpr double kShortest_m = 1e-6;
-constexpr double kAngle_rad = 1e-6;
 constexpr double kGrid_m = 0.1;  ///< step of refinement
 
 }  // namespace
 
 const char* const kAnchorNames[4] = {"base_x_m", "base_y_m", "platform_x_m", "platform_y_m"};
 
-LineBetween lineBetween(const mechanism::Motion& motion, const Anchors& a) {
+LineBetween lineBetween(const mechanism::Motion& motion, const mechanism::Matrix3& rotation, const Anchors& a) {
   const mechanism::Pose& x = motion.pose;
-  const mechanism::Matrix3 rotation = mechanism::platformRotation(x);
   const mechanism::Vector3 arm = rotation * a.platform_m;
   const mechanism::Vector3 line = mechanism::Vector3(x[0], 0.0, x[1]) + arm - a.base_m;
   LineBetween out;
   out.length_m = std::max(kShortest_m, line.norm());
   const mechanism::Vector3 direction = line / out.length_m;
-  mechanism::Pose turned = x;
-  turned[2] += kAngle_rad;
-  const mechanism::Vector3 by_theta = (mechanism::platformRotation(turned) * a.platform_m - arm) / kAngle_rad;
-  turned = x;
-  turned[3] += kAngle_rad;
-  const mechanism::Vector3 by_psi = (mechanism::platformRotation(turned) * a.platform_m - arm) / kAngle_rad;
+  const mechanism::Vector3 by_theta(arm.z(), 0.0, -arm.x()), by_psi = rotation.col(2).cross(arm);
   out.force_on_pose << direction[0], direction[2], direction.dot(by_theta), direction.dot(by_psi);
   out.rate_m_per_s = out.force_on_pose.dot(motion.pose_velocity);
   return out;
@@ -41,7 +32,7 @@ LineForces lineForces(const EffectInput& input, int actuator, const Anchors& anc
   out.rate_m_per_s.resize(input.samples());
   for (int n = 0; n < input.samples(); ++n) {
     const std::size_t sample = static_cast<std::size_t>(n);
-    const LineBetween line = lineBetween(input.observation->motion.motion[sample], anchors);
+    const LineBetween line = lineBetween(input.observation->motion.motion[sample], input.rotation[sample], anchors);
     out.lever[n] = input.force_per_pose_force[sample].row(actuator).dot(line.force_on_pose);
     out.length_m[n] = line.length_m;
     out.rate_m_per_s[n] = line.rate_m_per_s;

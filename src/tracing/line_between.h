@@ -16,7 +16,8 @@ struct LineBetween {
   mechanism::Vector4 force_on_pose =
       mechanism::Vector4::Zero();  ///< generalized force (N, N, N m, N m) that lengthens it, per newton along the line
 };
-LineBetween lineBetween(const mechanism::Motion& motion, const Anchors& anchors);
+/// `rotation`: of the platform at that sample.
+LineBetween lineBetween(const mechanism::Motion& motion, const mechanism::Matrix3& rotation, const Anchors& anchors);
 
 /// Force of one actuator per newton of force that the actuators need to lengthen the line, and the line itself, sample by sample.
 struct LineForces {

@@ -2,7 +2,6 @@
 #include <cmath>
 #include <functional>
 
-#include "knee_robot/mechanism/kinematics.h"
 #include "knee_robot/tracing/candidate.h"
 
 namespace knee_robot::tracing {
@@ -113,14 +112,7 @@ std::vector<double> knotsOf(const std::vector<EffectInput>& inputs, const Signal
 
 /// The bearing of the actuator's own leg: angles of its universal (leg 4: revolute) joint.
 Eigen::VectorXd legAngle(const EffectInput& in, int i, bool second) {
-  Eigen::VectorXd out(in.samples());
-  for (int n = 0; n < in.samples(); ++n) {
-    const mechanism::JointCoordinates q = mechanism::inverseKinematics(
-        *in.robot->mechanism, in.observation->motion.motion[static_cast<std::size_t>(n)].pose);
-    const std::size_t leg = static_cast<std::size_t>(i);
-    out[n] = i == 3 ? q.q41 : second ? q.q2[leg] : q.q1[leg];
-  }
-  return out;
+  return in.leg_angle_rad.col(2 * i + (second ? 1 : 0));
 }
 
 Eigen::VectorXd poseCoordinate(const EffectInput& in, int k) {

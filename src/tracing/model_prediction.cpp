@@ -98,6 +98,8 @@ TraceResult resultOf(const mechanism::Robot& robot, const dynamics::Model& model
   TraceResult r;
   r.base.columns = identification::columnsOf(robot);
   r.base.memory = model.friction;
+  for (const dynamics::ModelData& data : model.data)
+    r.home_ids.push_back(data.home_id);
   r.candidates = std::make_shared<CandidateList>(namedCandidates(robot));
   CandidateList maps;
   const int recordings = static_cast<int>(model.data.size());

@@ -74,7 +74,7 @@ void refineShapes(Search& s) {
     const Hypothesis& h = s.effects[k].hypothesis;
     const std::vector<ShapeParameter> shapes = h.place.candidate->shapeParameters();
     for (std::size_t p = 0; p < shapes.size(); ++p) {
-      if (shapes[p].fixed) continue;
+      if (shapes[p].fixed || s.effects[k].band_hz > 0.0) continue;
       entries.push_back({k, p});
       values.push_back(h.shape[p]);
     }

@@ -7,6 +7,8 @@ namespace knee_robot::tracing {
 namespace {
 
 constexpr int kPasses = 4;  ///< of fitting and rebuilding what depends on the fit
+constexpr double kLeastCoulomb_N = 1e-3;
+constexpr double kLinear = 1e-9;
 
 }  // namespace
 
@@ -62,17 +64,49 @@ void refit(Search& s) {
   }
 }
 
+/// Effects as the choice of friction's law wants them: what multiplies the law, as factors of Coulomb friction, and the forces of
+/// all others.
+struct SplitEffects {
+  Eigen::MatrixXd level, force_N;
+};
+
+SplitEffects splitEffects(const EffectInput& input, const TwinModel& model) {
+  SplitEffects out = {Eigen::MatrixXd::Ones(input.samples(), input.axes()),
+                      Eigen::MatrixXd::Zero(input.samples(), input.axes())};
+  EffectInput forward = input, still = input, back = input;
+  forward.share.setOnes();
+  still.share.setZero();
+  back.share.setConstant(-1.0);
+  for (std::size_t k = 0; k < model.effects.size(); ++k) {
+    for (int i = 0; i < input.axes(); ++i) {
+      const auto force = [&](const EffectInput& in) -> Eigen::VectorXd {
+        return effectColumns(in, model.effects[k], i) * model.coefficients[k];
+      };
+      const Eigen::VectorXd always = force(still), with = force(forward) - always, against = force(back) - always;
+      if (with.isZero(0.0) || (with + against).norm() > kLinear * with.norm()) {  // no factor of the law
+        out.force_N.col(i) += force(input);
+        continue;
+      }
+      out.force_N.col(i) += always;
+      out.level.col(i) += with / std::max(kLeastCoulomb_N, input.coulomb_N[i]);
+    }
+  }
+  out.level = out.level.cwiseMax(0.0);
+  return out;
+}
+
 bool rebase(Search& s) {
   TraceData& data = *s.data;
   const mechanism::Robot& robot = *data.inputs.front().robot;
   const TwinModel now = {s.base->parameters, hypothesesOf(s.effects), s.fit.coefficients};
-  std::vector<Eigen::MatrixXd> effects_N;
+  std::vector<Eigen::MatrixXd> effects_N, levels;
   for (const EffectInput& input : data.inputs) {
-    const TwinEffects effects = effectForces(input, now);
-    effects_N.push_back(effects.friction_N + effects.load_N);
+    SplitEffects split = splitEffects(input, now);
+    effects_N.push_back(std::move(split.force_N));
+    levels.push_back(std::move(split.level));
   }
   const Eigen::VectorXd start = s.base->start;
-  *s.base = fitBase(robot, data.recordings, data.stack, s.base->columns, s.options->rank, &start, effects_N);
+  *s.base = fitBase(robot, data.recordings, data.stack, s.base->columns, s.options->rank, &start, effects_N, levels);
   BaseFit newtons = *s.base;
   newtons.noise_N.setOnes();
   data.all_base_rows = baseRows(newtons, data.recordings, data.stack);

@@ -129,6 +129,7 @@ class ForceSelection : public SelectionProblem {
     if (only_ != nullptr) return true;
     followSiblings(e.hypothesis.place.candidate);
     refineShapes(s_);
+    replaceMaps(s_);
     eliminateBackward(s_);
     const bool other_law = rebase(s_);
     s_.library->update(*s_.data, other_law);

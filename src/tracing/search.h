@@ -62,6 +62,14 @@ void searchForward(Search& search, int most, std::uint64_t seed);
 /// included.
 void eliminateBackward(Search& search);
 
+/// Takes out periodic effects that do not go on at positions which were held back: remainders of a few stops look like a ripple of a
+/// short period, too.
+void dropWhatDoesNotRepeat(Search& search);
+
+/// Puts an effect that was found on another actuator in place of a map, where held-back blocks are predicted as well by it, within a
+/// standard error: screws of one machine are alike.
+void replaceMaps(Search& search);
+
 /// Refines the shapes of all effects together: variable projection, coefficients solved for at every step.
 void refineShapes(Search& search);
 

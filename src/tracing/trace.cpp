@@ -8,6 +8,7 @@
 
 #include "given_search.h"
 #include "knee_robot/base/numbers.h"
+#include "knee_robot/recording/signals.h"
 #include "search.h"
 
 namespace knee_robot::tracing {
@@ -15,6 +16,15 @@ namespace {
 
 constexpr double kNothingLeft = 0.02;  ///< share of a column's square that the base parameters leave: absorbed
 constexpr double kTooMuch = 1.3;       ///< factor by which a surrogate may leave more than the recording does
+constexpr double kFaster = 3.0;        ///< cut-off of the second band over that of the first,
+constexpr double kFastestShareOfRate = 0.1;
+constexpr double kLeastFaster = 1.5;  ///< below which a second band would be the first one again
+constexpr int kFastTwins = 5;
+
+bool isAmong(const std::vector<FoundEffect>& effects, const FoundEffect& one) {
+  return std::any_of(effects.begin(), effects.end(),
+                     [&](const FoundEffect& e) { return e.hypothesis.place == one.hypothesis.place; });
+}
 
 /// One run of tracing: its stages in order, and what they share.
 class Tracing {
@@ -30,9 +40,30 @@ class Tracing {
     startFromGivenModel();
     describeBaseline();
     searchEffects();
+    searchFastBand();
     settle();
     predictElsewhere();
     return std::move(result_);
+  }
+
+  /// The second band: what shows in fast motion only, beside `found`. Returns what was added.
+  std::vector<FoundEffect> runFast(std::vector<identification::Observation> training,
+                                   const std::vector<FoundEffect>& found, const CandidateList& candidates) {
+    fitBaseline(std::move(training));
+    planSurrogates();
+    library_.add(candidates, data_, true);
+    updateNearRest(s_);
+    s_.effects = found;
+    if (!found.empty()) {
+      refit(s_);
+      rebase(s_);
+      rebuildSurrogates();
+    }
+    searchEffects();
+    s_.effects.erase(s_.effects.begin(), std::find_if(s_.effects.begin(), s_.effects.end(), [&](const FoundEffect& e) {
+                       return e.hypothesis.place.candidate->actsFast() && !isAmong(found, e);
+                     }));
+    return s_.effects;
   }
 
  private:
@@ -43,6 +74,7 @@ class Tracing {
   void describeBaseline();
   void noteAbsorbed(const Projection& projection);
   void searchEffects();
+  void searchFastBand();
   void settle();
   void predictElsewhere();
 
@@ -66,6 +98,8 @@ class Tracing {
 void Tracing::fitBaseline(std::vector<identification::Observation> training) {
   options_.progress("fitting the baseline");
   data_.recordings = std::move(training);
+  for (const identification::Observation& o : data_.recordings)
+    result_.home_ids.push_back(o.home_id);
   data_.stack = makeStack(data_.recordings, options_.observation);
   Eigen::VectorXd given;
   if (options_.start) given = startParameters(*options_.start, identification::columnsOf(robot_));
@@ -187,14 +221,19 @@ void Tracing::noteAbsorbed(const Projection& projection) {
   std::map<const Candidate*, double> most;  // of any shape on any actuator
   for (const PlaceColumns& p : library_.places()) {
     const Candidate* candidate = p.place().candidate;
-    if (candidate->shared() || candidate->name() == "unnamed") continue;
-    for (const double survives : makeProbes(data_, p.tried, p.rows, p.first_row, projection, s_.rms_N).survives)
-      most[candidate] = std::max(most[candidate], survives);
+    if (!candidate->transfers() || candidate->name() == "unnamed") continue;
+    std::vector<double> survives = makeProbes(data_, p.tried, p.rows, p.first_row, projection, s_.rms_N).survives;
+    std::sort(survives.begin(), survives.end());  // of an effect between two points, some anchors are always told apart
+    const double typical = candidate->shared() ? survives[survives.size() / 2] : survives.back();
+    most[candidate] = std::max(most[candidate], typical);
   }
   for (const auto& candidate : *result_.candidates) {
     if (most.count(candidate.get()) > 0 && most[candidate.get()] < kNothingLeft)
       result_.absorbed.push_back(candidate->name() +
-                                 ": the baseline's constant force and friction of the actuator take it up");
+                                 (candidate->shared()
+                                      ? ": along these recordings gravity and friction of the baseline take up most "
+                                        "of what one between two points would do"
+                                      : ": the baseline's constant force and friction of the actuator take it up"));
   }
   result_.absorbed.push_back("reflected_inertia: is a parameter of the baseline (rotor)");
   if (!data_.recordings.front().motion.coupled) return;
@@ -219,7 +258,35 @@ void Tracing::searchEffects() {
   }
 }
 
+/// Delays, lags and joints that give hardly change slow forces: looked for again in a band three times as high, beside what was found.
+void Tracing::searchFastBand() {
+  double rate_hz = 1e9;
+  for (const recording::Recording& r : recordings_)
+    rate_hz = std::min(rate_hz, 1.0 / recording::medianPeriod(r.time_s));
+  const double cutoff_hz = options_.observation.cutoff_hz;
+  const double fast_hz = std::min(kFaster * cutoff_hz, kFastestShareOfRate * rate_hz);
+  if (!options_.fast_band || options_.most_effects == 0 || fast_hz < kLeastFaster * cutoff_hz) return;
+  options_.progress("looking at the band up to " + shortNumber(fast_hz, 3) + " Hz");
+  TraceOptions options = options_;
+  options.observation.setCutoff(fast_hz);
+  options.start = nullptr;
+  options.twins = kFastTwins;
+  std::vector<identification::Observation> training;
+  for (const recording::Recording& r : recordings_)
+    training.push_back(identification::observe(robot_, s_.base->columns, r, options.observation));
+  Tracing fast(robot_, recordings_, options);
+  const std::vector<FoundEffect> added = fast.runFast(std::move(training), s_.effects, *result_.candidates);
+  for (FoundEffect e : added) {
+    e.band_hz = fast_hz;
+    s_.effects.push_back(e);
+    result_.notes.push_back(placeText(e.hypothesis.place) + " was found in the band up to " + shortNumber(fast_hz, 3) +
+                            " Hz.");
+  }
+  if (!added.empty()) refit(s_);
+}
+
 void Tracing::settle() {
+  dropWhatDoesNotRepeat(s_);
   if (s_.effects.size() > 1) eliminateBackward(s_);
   refineShapes(s_);
   for (FoundEffect& e : s_.effects) {  // two names may remain; more than that is no attribution

@@ -42,7 +42,7 @@ dynamics::Model tracedModel(const mechanism::Robot& robot, const TraceResult& re
   m.joints = dynamics::modelJoints(robot);
   m.robot_fingerprint = robot.fingerprint;
   for (const identification::Observation& o : training)
-    m.data.push_back({o.path, o.fingerprint});
+    m.data.push_back({o.path, o.fingerprint, o.home_id});
   m.cutoff_hz = options.observation.cutoff_hz;
   m.moving_m_per_s = options.observation.moving_m_per_s;
   m.rank = result.base.rank();

@@ -1,20 +1,39 @@
 #include "knee_robot/tracing/trace.h"
 
 namespace knee_robot::tracing {
+namespace {
+
+/// Training recordings of the same homing.
+std::vector<int> sameHome(const std::vector<std::int64_t>& home_ids, std::int64_t home_id) {
+  std::vector<int> same;
+  for (std::size_t r = 0; home_id != 0 && r < home_ids.size(); ++r) {
+    if (home_ids[r] == home_id) same.push_back(static_cast<int>(r));
+  }
+  return same;
+}
+
+/// Coefficients on a recording that is none of training; empty: it predicts nothing there.
+Eigen::VectorXd coefficientsElsewhere(const FoundEffect& e, const std::vector<int>& same_home) {
+  const Candidate& candidate = *e.hypothesis.place.candidate;
+  if (candidate.transfers() && !e.transfers) return {};
+  return same_home.empty() ? candidate.elsewhere(e.coefficients) : candidate.atHome(e.coefficients, same_home);
+}
+
+}  // namespace
 
 Eigen::MatrixXd predictTraced(const mechanism::Robot& robot, const TraceResult& result, identification::Observation& o,
                               int recording, int recordings) {
   if (recording < 0 && result.elsewhere) return predictTraced(robot, *result.elsewhere, o, recording, recordings);
   setFriction(o, result.base.columns, result.base.memory);
+  const std::vector<int> same_home = sameHome(result.home_ids, o.home_id);
   EffectInput input = effectInput(robot, o, result.base.memory, recording, recordings);
   Eigen::MatrixXd effects_N = Eigen::MatrixXd::Zero(o.samples(), o.axes());
   for (int pass = 0; pass < 2; ++pass) {  // some effects look at the whole force, which contains them
     setForces(input, result.base.columns, result.seen_parameters, effects_N);
     effects_N.setZero();
     for (const FoundEffect& e : result.effects) {
-      const Eigen::VectorXd coefficients =
-          recording < 0 ? e.hypothesis.place.candidate->elsewhere(e.coefficients) : e.coefficients;
-      if (coefficients.size() == 0 || (recording < 0 && !e.transfers)) continue;
+      const Eigen::VectorXd coefficients = recording < 0 ? coefficientsElsewhere(e, same_home) : e.coefficients;
+      if (coefficients.size() == 0) continue;
       for (int i = 0; i < o.axes(); ++i)
         effects_N.col(i) += effectColumns(input, e.hypothesis, i) * coefficients;
     }

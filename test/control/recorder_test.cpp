@@ -4,6 +4,8 @@
 #include <stdlib.h>
 #include <unistd.h>
 
+#include <filesystem>
+
 #include "knee_robot/base/files.h"
 #include "knee_robot/control/recording_drain.h"
 #include "knee_robot/recording/recording.h"
@@ -116,6 +118,36 @@ TEST_F(RecorderTest, CountsRowsThatTheRingCouldNotTakeAndSaysSo) {
   EXPECT_EQ(result.rows, kRows - 100 + 10);
   EXPECT_EQ(result.skipped, 0u);
   EXPECT_EQ(static_cast<std::uint64_t>(recording::loadRecording(path()).rows()), result.rows);
+}
+
+TEST_F(RecorderTest, WritesAnIdOfTheHomingThatTheReaderHandsOn) {
+  Feed feed;
+  Recorder recorder("Recorder");
+  rt::connect(feed.measurement, recorder.measurement);
+  ASSERT_TRUE(recorder.configure());
+  ASSERT_TRUE(recorder.start());
+  RecordingDrain drain(recorder, 4, false, 1'700'000'000);
+  std::uint64_t row = 0;
+  const auto record = [&](std::initializer_list<std::uint32_t> home_numbers) {
+    std::filesystem::remove(path());
+    drain.start(path());
+    rt::Cycle cycle;
+    cycle.period = 1'000'000;
+    for (const std::uint32_t number : home_numbers) {
+      AxesMeasurement measurement;
+      measurement.sequence = ++row;
+      measurement.status = hardware::IoStatus::Ok;
+      measurement.home_number = number;
+      cycle.time = measurement.read_at = static_cast<rt::Nanoseconds>(row) * cycle.period;
+      feed.measurement.write(measurement);
+      recorder.update(cycle);
+    }
+    drain.stop();
+    return recording::loadRecording(path()).home_id;
+  };
+  EXPECT_EQ(record({0, 0, 0}), 1'700'000'000) << "incremental encoders: the start of the program is a homing";
+  EXPECT_EQ(record({3, 3, 3}), 1'700'000'003);
+  EXPECT_EQ(record({3, 4, 4}), 0) << "homed anew in between";
 }
 
 TEST_F(RecorderTest, TellsSkippedCyclesFromDroppedRows) {

@@ -133,6 +133,41 @@ TEST(Cutoff, IsTheSameForAFasterRecordingOfTheSameMotion) {
   EXPECT_NEAR(chooseCutoff({&slow}).cutoff_hz, chooseCutoff({&fast}).cutoff_hz, 1.0);
 }
 
+Recording sampled(double rate_hz, bool with_reference, const std::vector<double>& frequencies) {
+  Recording r;
+  const int rows = static_cast<int>(40 * rate_hz);
+  r.position_m.resize(rows, 1);
+  for (int k = 0; k < rows; ++k) {
+    r.time_s.push_back(k / rate_hz);
+    double x = 0.0;
+    for (const double f : frequencies)
+      x += 0.05 / f * std::sin(2.0 * M_PI * f * r.time_s.back() + f);
+    r.position_m(k, 0) = 1e-6 * std::round(1e6 * x);
+  }
+  if (with_reference) r.reference_m = r.position_m;
+  return r;
+}
+
+TEST(Cutoff, OfAFastRecordingHasNoUpperEndOf10Hz) {
+  for (const bool with_reference : {true, false}) {
+    const Recording r = sampled(1000.0, with_reference, {0.5, 4.0, 8.0});
+    const CutoffChoice choice = chooseCutoff({&r});
+    EXPECT_NEAR(choice.cutoff_hz, 40.0, 3.0) << choice.sentence;
+  }
+}
+
+TEST(Cutoff, OfAHeldReferenceIsNotThatOfItsSteps) {
+  Recording r = sampled(1000.0, true, {0.3, 0.6});
+  for (int k = 0; k < r.rows(); ++k)
+    r.reference_m(k, 0) = r.position_m(k - k % 10, 0);
+  EXPECT_LT(chooseCutoff({&r}).cutoff_hz, 5.0);
+}
+
+TEST(Cutoff, WithoutReferenceFollowsTheRecordedVelocity) {
+  const Recording slow = sampled(100.0, false, {0.2, 0.4});
+  EXPECT_NEAR(chooseCutoff({&slow}).cutoff_hz, 2.0, 1.0);
+}
+
 TEST(Cutoff, OfTheMeasuredRecordingsIsNearWhatAnIndependentAnalysisChose) {
   const char* shared = std::getenv("KNEE_SHARED_DIR");
   const std::filesystem::path folder =

@@ -194,5 +194,15 @@ TEST(Recording, SurvivesArbitraryDamageWithAnInputErrorOrAValidRecording) {
   EXPECT_GT(accepted, 100) << "the damage should leave some recordings valid";
 }
 
+TEST(Recording, KnowsTheHomingItWasMadeAfter) {
+  const std::string header = "time_s,position_1_m,force_1_N,home_id\n";
+  EXPECT_EQ(parseRecording(header + "0,0.5,1,1763789012\n0.01,0.5,1,1763789012\n", "r.csv").home_id, 1763789012);
+  EXPECT_EQ(parseRecording("time_s,position_1_m,force_1_N\n0,0.5,1\n", "r.csv").home_id, 0);
+  const Recording homed_anew = parseRecording(header + "0,0.5,1,7\n0.01,0.5,1,8\n", "r.csv");
+  EXPECT_EQ(homed_anew.home_id, 0);
+  EXPECT_FALSE(homed_anew.notes.empty());
+  EXPECT_THROW(parseRecording(header + "0,0.5,1,7.5\n", "r.csv"), InputError);
+}
+
 }  // namespace
 }  // namespace knee_robot::recording

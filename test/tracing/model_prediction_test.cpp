@@ -122,6 +122,38 @@ TEST(ModelPrediction, OfEveryEffectEqualsTheTracesOwnOnBenchAxes) {
   expectEveryEffectSame(fitted(identification::syntheticBench(2)));
 }
 
+TEST(ModelPrediction, OfARippleCarriesItsPhaseOverWithinOneHomingOnly) {
+  Fitted f = fitted(identification::syntheticBench(2));
+  f.result.candidates = std::make_shared<CandidateList>(namedCandidates(f.robot));
+  for (const auto& candidate : *f.result.candidates) {
+    if (candidate->name() == "screw_ripple") f.result.effects = {someEffect(f, *candidate, 0)};
+  }
+  ASSERT_EQ(f.result.effects.size(), 1u);
+  f.result.effects[0].coefficients << 3.0, 0.0, 0.0, 4.0;  // homed anew between the two: another phase
+  f.result.home_ids = {11, 12};
+  f.training[0].home_id = 11;
+  f.training[1].home_id = 12;
+  const auto ripple = [&](std::int64_t home_id) -> Eigen::VectorXd {
+    identification::Observation o = f.other;
+    o.home_id = home_id;
+    TraceResult without = f.result;
+    without.effects.clear();
+    return (predictTraced(f.robot, f.result, o, -1, 2) - predictTraced(f.robot, without, o, -1, 2)).col(0);
+  };
+  EXPECT_EQ(ripple(0).norm(), 0.0) << "nothing is known of the phase";
+  EXPECT_EQ(ripple(13).norm(), 0.0);
+  const double turn = 2.0 * M_PI / f.result.effects[0].hypothesis.shape[0];
+  const Eigen::ArrayXd phase = turn * f.other.signals.position_m.col(0).array();
+  const bool of_friction = f.result.effects[0].hypothesis.shape[1] > 0.5;
+  if (!of_friction) {
+    EXPECT_LT((ripple(11).array() - 3.0 * phase.sin()).abs().maxCoeff(), 1e-6);
+    EXPECT_LT((ripple(12).array() - 4.0 * phase.cos()).abs().maxCoeff(), 1e-6);
+  }
+  EXPECT_GT(ripple(11).norm(), 1.0);
+  f.other.home_id = 12;
+  expectSame(f, f.result);
+}
+
 TEST(ModelPrediction, UsesTheNumbersForOtherRecordingsThere) {
   const Fitted& f = fittedRobot();
   TraceResult result = f.result;

@@ -24,6 +24,7 @@ struct AxesMeasurement {
   AxisValues velocity_m_per_s{};  ///< low-passed difference
   std::array<std::int64_t, hardware::kAxes> counts{};
   std::uint8_t digital_inputs = 0;
+  std::uint32_t home_number = 0;     ///< of the last HomeSetting
   bool fenced_out = false;           ///< a guardian has taken the outputs
   hardware::BusFailure bus_failure;  ///< what a bus of drives tells beyond `status`
 };
@@ -188,10 +189,11 @@ struct AxesWritten {
 
 /// Recorder, every servo cycle: a row of the recording, and what is published.
 struct TrackingRow {
-  std::uint64_t sequence = 0;   ///< of the measurement; a gap in a recording is a dropped row
-  std::uint32_t recording = 0;  ///< number of the recording that it belongs to, 0: none
-  std::int64_t cycle = 0;       ///< planned time in servo periods; a gap is a cycle that the machine skipped
-  double time_s = 0.0;          ///< when the position was read
+  std::uint64_t sequence = 0;     ///< of the measurement; a gap in a recording is a dropped row
+  std::uint32_t recording = 0;    ///< number of the recording that it belongs to, 0: none
+  std::uint32_t home_number = 0;  ///< changes whenever the axes are homed anew
+  std::int64_t cycle = 0;         ///< planned time in servo periods; a gap is a cycle that the machine skipped
+  double time_s = 0.0;            ///< when the position was read
   AxisValues reference_m{};
   AxisValues position_m{};
   AxisValues velocity_m_per_s{};

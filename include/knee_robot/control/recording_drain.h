@@ -32,8 +32,9 @@ class RecordingDrain {
  public:
   static constexpr std::chrono::seconds kPatience{3};
 
-  /// `threaded`: with an own thread while a recording runs.
-  RecordingDrain(Recorder& recorder, int axes, bool threaded);
+  /// `threaded`: with an own thread while a recording runs. `first_home_id`: of the rows before the axes are homed, and one more with
+  /// every homing; 0: rows have no home_id.
+  RecordingDrain(Recorder& recorder, int axes, bool threaded, std::int64_t first_home_id = 0);
   ~RecordingDrain();
 
   /// Throws InputError when the file exists, cannot be made, or a recording runs already.
@@ -52,6 +53,7 @@ class RecordingDrain {
   Recorder& recorder_;
   const int axes_;
   const bool threaded_;
+  const std::int64_t first_home_id_;
   mutable std::mutex mutex_;  // of the two below; never held while a disk is waited for
   std::shared_ptr<Job> job_;
   bool starting_ = false;

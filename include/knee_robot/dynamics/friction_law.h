@@ -17,17 +17,19 @@ enum class FrictionKind {
 ///
 /// Bristles: with the way r = sqrt(dx^2 + (creep dt)^2), the share follows dz = (dx - r z) / width. Creep speed 0 is Dahl's model; at rest
 /// the share decays with the time width / creep (an axis that trembles by less than its encoder shows lets go of its
-/// bristles). What they press is z + damping dz/dt, the micro-damping of LuGre.
+/// bristles). Where that tremble is seen, as way of the encoder beyond the motion's own, a share of it slips them as well: with `tremble`
+/// 1 bristles slip by all of the way that the encoder shows. What they press is z + damping dz/dt, the micro-damping of LuGre.
 struct FrictionElement {
   FrictionKind kind = FrictionKind::Stop;
   double share = 1.0;          ///< of the actuator's Coulomb friction
   double width_m = 1e-5;       ///< Stop, Bristles
   double speed_m_per_s = 0.0;  ///< Smooth: of tanh; Bristles: creep
   double damping_s = 0.0;      ///< Bristles
+  double tremble = 0.0;        ///< Bristles: share of the encoder's tremble that slips them
 
   bool operator==(const FrictionElement& o) const {
     return kind == o.kind && share == o.share && width_m == o.width_m && speed_m_per_s == o.speed_m_per_s &&
-           damping_s == o.damping_s;
+           damping_s == o.damping_s && tremble == o.tremble;
   }
 };
 
@@ -47,7 +49,7 @@ struct FrictionLaw {
 
 FrictionLaw stopLaw(double width_m);
 FrictionLaw smoothLaw(double speed_m_per_s);
-FrictionLaw bristleLaw(double width_m, double creep_m_per_s = 0.0, double damping_s = 0.0);
+FrictionLaw bristleLaw(double width_m, double creep_m_per_s = 0.0, double damping_s = 0.0, double tremble = 0.0);
 
 /// The law of these elements, shares brought to a sum of 1. std::invalid_argument when there are none or too many, or a sum is 0.
 FrictionLaw lawOf(const std::vector<FrictionElement>& elements);
@@ -63,8 +65,9 @@ double longestWidth(const FrictionLaw& law) noexcept;
 /// The memory of one actuator's friction. Real-time safe.
 class FrictionState {
  public:
-  /// Moves by `displacement_m` within `duration_s` (positive); returns the new share of full Coulomb friction.
-  double step(const FrictionLaw& law, double displacement_m, double duration_s) noexcept;
+  /// Moves by `displacement_m` within `duration_s` (positive), trembling by so much way a second beside it; returns the new share of
+  /// full Coulomb friction.
+  double step(const FrictionLaw& law, double displacement_m, double duration_s, double tremble_m_per_s = 0.0) noexcept;
   /// All that remembers starts with this share in [-1, 1].
   void start(double share) noexcept { z_.fill(share); }
   /// Lets go of this share of what is remembered, as an axis at rest does when the force that bent its bristles is taken away.

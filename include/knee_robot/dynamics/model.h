@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <cstdint>
 #include <limits>
 #include <optional>
 #include <string>
@@ -35,6 +36,7 @@ struct BaseParameter {
 struct ModelData {
   std::string file;
   std::string fingerprint;
+  std::int64_t home_id = 0;  ///< of the recording (recording.h); 0: not known
 };
 
 /// A number of an effect.
@@ -81,6 +83,7 @@ struct Model {
   std::string robot_fingerprint;   ///< of the robot file that it was identified with
   std::vector<ModelData> data;
   double cutoff_hz = 0.0;
+  double motion_cutoff_hz = 0.0;  ///< low-pass of the positions from which rows are predicted; 0: that of the fit
   double moving_m_per_s = 0.0;
   int rank = 0;                        ///< directions kept
   std::vector<FrictionLaw> friction;   ///< per actuator: how Coulomb friction acts near rest

@@ -12,7 +12,8 @@ namespace knee_robot::identification {
 struct Accuracy {
   Eigen::VectorXd rms_N;          ///< all samples, both sides low-passed
   Eigen::VectorXd rms_moving_N;   ///< the same, samples at which every axis moves; nan when there is none
-  Eigen::VectorXd rms_raw_N;      ///< rows of the recording, measured side unfiltered
+  Eigen::VectorXd rms_raw_N;      ///< rows of the recording, neither side filtered: the full band
+  Eigen::VectorXd raw_percent;    ///< 100 rms_raw_N / rms(rows)
   Eigen::VectorXd rms_percent;    ///< 100 rms_N / rms(measured)
   Eigen::VectorXd range_percent;  ///< 100 rms_N / range(measured)
   Eigen::VectorXd max_N;          ///< largest error, both sides low-passed

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <string>
 #include <vector>
 
@@ -23,9 +24,10 @@ struct ObservationOptions {
 
   bool motion_cutoff_given = false;  ///< false: see motionCutoff
 
-  /// Sets the cut-off, and that of the positions unless it follows from the encoders.
+  /// Sets the cut-off, and that of the positions unless it follows from the encoders; the grid becomes fine enough for both.
   void setCutoff(double hz, double motion_hz = 0.0) {
     cutoff_hz = hz;
+    signals.rate_hz = std::max(signals.rate_hz, 12.0 * hz);
     motion_cutoff_given = motion_hz > 0.0;
     signals.motion_cutoff_hz = motion_cutoff_given ? motion_hz : 3.0 * hz;
   }
@@ -42,14 +44,15 @@ struct Observation {
   std::string path;
   std::string name;
   std::string fingerprint;              ///< of the recording
+  std::int64_t home_id = 0;             ///< of the recording
   std::vector<double> row_time_s;       ///< of the recording's rows
   Eigen::MatrixXd row_force_N;          ///< commanded, one row per row of the recording
   std::vector<std::string> force_unit;  ///< per actuator, as recorded: N, Nm or A
   recording::Signals signals;
-  Eigen::MatrixXd
-      fine_position_m;  ///< as signals.position_m but not low-passed: a filter's ringing at a stop would reverse friction
   MotionPath motion;
-  std::vector<SlidingPath> sliding;        ///< per actuator: what Coulomb friction follows
+  std::vector<SlidingPath> sliding;  ///< per actuator: what Coulomb friction follows
+  Eigen::MatrixXd
+      friction_level;  ///< samples x actuators: factor of Coulomb friction that effects make known; empty: 1
   std::vector<Eigen::MatrixXd> regressor;  ///< per actuator: samples x columns; Coulomb columns by setFriction
   Eigen::MatrixXd force_filtered_N;        ///< signals.force_N, low-passed
   std::vector<char> usable;  ///< not in a gap, near a singular pose, saturated, or at an end of the recording
@@ -77,6 +80,9 @@ std::vector<double> forcePerVolt(const mechanism::Robot& robot);
 /// rows.
 Observation observe(const mechanism::Robot& robot, const std::vector<Column>& columns,
                     const recording::Recording& recording, const ObservationOptions& options);
+
+/// A share of full Coulomb friction times what effects make of its level.
+Eigen::VectorXd atLevel(const Observation& observation, std::size_t actuator, Eigen::VectorXd share);
 
 /// Fills the Coulomb columns for these laws of friction near rest, one per actuator.
 void setFriction(Observation& observation, const std::vector<Column>& columns,

@@ -17,6 +17,7 @@ struct SlidingPath {
   Eigen::VectorXd position;  ///< kSubsteps per sample period, the samples too; rising or falling between turning points
   Eigen::VectorXd
       measured;             ///< the same without this: for laws that follow velocity, which small ways back do not harm
+  Eigen::VectorXd tremble;  ///< per sample: way per time beyond it (Signals::tremble_m_per_s); empty: none
   double period_s = 0.01;   ///< of the samples
   int first_direction = 0;  ///< of the first movement that the encoders tell; 0: there is none
   double resolution = 0.0;  ///< in the position's unit: shorter ways back are not told apart from rounding

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <cstdint>
 #include <string>
 #include <vector>
 
@@ -9,13 +10,14 @@ namespace knee_robot::recording {
 /// One recording (design: section 2), as it stands in the file: not resampled, not filtered. Matrices have one row per
 /// row of the file and one column per actuator; a signal that the file does not have is a matrix without columns.
 struct Recording {
-  std::string path;                        ///< as given to loadRecording
-  std::string name;                        ///< file name without folder and ".csv": NAME of prediction_NAME.csv
-  std::string fingerprint;                 ///< of the file's bytes
-  int axes = 0;                            ///< number of actuators, from the position_i_m columns
-  std::vector<double> time_s;              ///< strictly increasing
-  Eigen::MatrixXd position_m;              ///< as the file has it: in position_unit
-  Eigen::MatrixXd reference_m;             ///< optional
+  std::string path;             ///< as given to loadRecording
+  std::string name;             ///< file name without folder and ".csv": NAME of prediction_NAME.csv
+  std::string fingerprint;      ///< of the file's bytes
+  std::int64_t home_id = 0;     ///< changes whenever the axes are homed anew; 0: not known, or homed anew in between
+  int axes = 0;                 ///< number of actuators, from the position_i_m columns
+  std::vector<double> time_s;   ///< strictly increasing
+  Eigen::MatrixXd position_m;   ///< as the file has it: in position_unit
+  Eigen::MatrixXd reference_m;  ///< optional
   Eigen::MatrixXd velocity_m_per_s;        ///< optional
   Eigen::MatrixXd command_V;               ///< optional, but one of command and force is there
   Eigen::MatrixXd force_N;                 ///< optional: the commanded actuator force; in force_unit

@@ -11,6 +11,7 @@ namespace knee_robot::recording {
 /// One row of our own recordings; only the first `axes` entries are written.
 struct RecordingRow {
   double time_s = 0.0;
+  std::int64_t home_id = 0;  ///< changes whenever the axes are homed anew; 0: not known
   std::array<double, 4> reference_m{};
   std::array<double, 4> position_m{};
   std::array<double, 4> velocity_m_per_s{};

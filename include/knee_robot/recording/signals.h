@@ -16,14 +16,18 @@ struct SignalOptions {
 
 /// Motion and commanded force on a uniform grid: one row a sample, one column an actuator.
 struct Signals {
-  double period_s = 0.0;       ///< of the grid
-  std::vector<double> time_s;  ///< of the grid, in the recording's own time
-  Eigen::MatrixXd position_m;  ///< low-passed at motion_cutoff_hz
+  double period_s = 0.0;          ///< of the grid
+  double motion_cutoff_hz = 0.0;  ///< low-pass of the positions
+  std::vector<double> time_s;     ///< of the grid, in the recording's own time
+  Eigen::MatrixXd position_m;     ///< low-passed at motion_cutoff_hz
   Eigen::MatrixXd velocity_m_per_s;
   Eigen::MatrixXd acceleration_m_per_s2;
   Eigen::MatrixXd force_N;  ///< mean of the held command over the grid interval around the sample; otherwise unfiltered
   bool force_is_measured = false;  ///< then force_N is the force at the sample (Recording::force_is_measured)
-  std::vector<char> known;         ///< 0 in gaps
+  /// Way of the recorded position beyond that of position_m, per time, over 0.2 s around the sample; never negative: vibration
+  /// too fast or too small for position_m.
+  Eigen::MatrixXd tremble_m_per_s;
+  std::vector<char> known;  ///< 0 in gaps
   /// Of an encoder's step: what rounding leaves in position_m, from peak to peak (six standard deviations of white rounding noise
   /// after the low-pass; at least a quarter, because a filtered staircase overshoots; at most one).
   double rounding_left = 1.0;

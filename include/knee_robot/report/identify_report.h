@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "knee_robot/identification/evaluation.h"
+#include "knee_robot/identification/full_band.h"
 #include "knee_robot/identification/physical_fit.h"
 #include "knee_robot/recording/cutoff.h"
 #include "knee_robot/report/recorded_units_of.h"
@@ -17,7 +18,8 @@ struct IdentifyResults {
   std::string command_line;  ///< that reproduces this
   std::string robot_path;
   identification::IdentifyOptions options;
-  recording::CutoffChoice cutoff;  ///< how the low-pass of both sides was chosen
+  recording::CutoffChoice cutoff;      ///< how the low-pass of both sides was chosen
+  identification::FullBand full_band;  ///< how fast rows are predicted
   std::vector<identification::Observation> train;
   std::vector<identification::Observation> validate;  ///< may be empty
   identification::Identification before, after;

@@ -38,6 +38,10 @@ class Candidate {
   /// True: acts during a part of a recording only. What was held back outside it says nothing, and inside it there may be a single
   /// block: pieces of that part are held back instead.
   virtual bool local() const { return false; }
+  /// True: shows in fast motion only; looked for in a second, higher band as well.
+  virtual bool actsFast() const { return false; }
+  /// True: goes on in the same way at every position of its actuator.
+  virtual bool periodic() const { return false; }
   /// True: changes sign with the direction of travel.
   virtual bool isFriction() const { return false; }
   /// True: its columns look at loads, forces or friction's size, which every fit changes. False lets them be kept.
@@ -56,6 +60,8 @@ class Candidate {
   /// Coefficients for a recording that is none of the training ones; empty when the effect predicts nothing there. Usually those
   /// of training, if the effect transfers.
   virtual Eigen::VectorXd elsewhere(const Eigen::VectorXd& coefficients) const;
+  /// The same for a recording that shares its homing with some training recordings, `same_home` (not empty).
+  virtual Eigen::VectorXd atHome(const Eigen::VectorXd& coefficients, const std::vector<int>& same_home) const;
   /// False: no machine has such coefficients.
   virtual bool plausible(const Eigen::VectorXd& coefficients) const;
   /// Index of the actuator on whose position it depends when it sits on `actuator`; -1: on no position.

@@ -22,6 +22,7 @@ struct TraceOptions {
   int draws = 240;                          ///< of the null distribution, at least
   int most_effects = 6;                     ///< additions; the same effect on several actuators counts once
   bool maps = true;                         ///< unnamed ones are tried as well
+  bool fast_band = true;                    ///< a second, higher band is searched for what shows in fast motion only
   std::shared_ptr<const StartModel> start;  ///< null: no model is given
   std::function<void(const std::string&)> progress = [](const std::string&) {};
 };
@@ -40,12 +41,14 @@ struct FoundEffect {
   double elsewhere_gain = 0.0;  ///< held-back stretches of other positions: share of the squared residual
   bool transfers = true;        ///< false: predicts nothing in other recordings
   std::string verdict;          ///< one sentence
+  double band_hz = 0.0;         ///< cut-off of the second band, when it was found there; 0: in the first
 };
 
 /// What tracing learned from training recordings.
 struct TraceResult {
   BaseFit baseline;                           ///< without effects
   BaseFit base;                               ///< directions and friction's memory chosen anew beside the effects
+  std::vector<std::int64_t> home_ids;         ///< of the training recordings; 0: not known
   std::shared_ptr<CandidateList> candidates;  ///< that the effects point into
   std::vector<FoundEffect> effects;
   Eigen::VectorXd parameters;                 ///< of the extended model's linear part

@@ -1,0 +1,114 @@
+#include "knee_robot/identification/full_band.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "knee_robot/base/numbers.h"
+#include "knee_robot/recording/filter.h"
+#include "knee_robot/recording/signals.h"
+
+namespace knee_robot::identification {
+namespace {
+
+constexpr double kStep = 1.5;            ///< between the low-passes that are tried
+constexpr double kShareOfRate = 0.4;     ///< of the recording's rate: the highest
+constexpr double kSamplesPerCycle = 10;  ///< of the grid, at the low-pass
+constexpr double kWorthwhile = 0.99;     ///< of the rows' error
+constexpr double kNoWorse = 1.005;       ///< of the error in the fit's band
+constexpr double kNarrowest = 0.5;       ///< low-pass that is tried, of the fit's cut-off
+
+/// Mean squares of one low-pass, summed over actuators in units of their force.
+struct Errors {
+  double rows = 0.0;  ///< not filtered
+  double band = 0.0;  ///< both sides low-passed as in the fit
+};
+
+Errors errorsOf(const std::vector<Observation>& observed, const std::vector<Eigen::MatrixXd>& force_N,
+                double cutoff_hz) {
+  const Eigen::Index axes = observed.front().axes();
+  Eigen::ArrayXd rows = Eigen::ArrayXd::Zero(axes), band = rows, recorded = rows, recorded_band = rows;
+  for (std::size_t k = 0; k < observed.size(); ++k) {
+    const Observation& o = observed[k];
+    const Eigen::MatrixXd predicted = recording::atHoldIntervals(o.signals, force_N[k], o.row_time_s);
+    rows += (predicted - o.row_force_N).colwise().squaredNorm().transpose().array();
+    recorded += o.row_force_N.colwise().squaredNorm().transpose().array();
+    Eigen::MatrixXd low = force_N[k];
+    recording::ZeroPhaseLowPass(cutoff_hz, 1.0 / o.signals.period_s).applyToColumns(low);
+    for (int n = 0; n < o.samples(); ++n) {
+      if (!o.usable[static_cast<std::size_t>(n)]) continue;
+      band += o.signals.period_s * (low.row(n) - o.force_filtered_N.row(n)).array().square().transpose();
+      recorded_band += o.signals.period_s * o.force_filtered_N.row(n).array().square().transpose();
+    }
+  }
+  return {(rows / recorded.max(1e-12)).mean(), (band / recorded_band.max(1e-12)).mean()};
+}
+
+/// That of the fit, narrower ones, wider ones.
+std::vector<double> lowPasses(double fits_hz, double cutoff_hz, double rate_hz) {
+  std::vector<double> all = {fits_hz};
+  for (double hz = fits_hz / kStep; hz >= kNarrowest * cutoff_hz; hz /= kStep)
+    all.push_back(hz);
+  for (double hz = fits_hz * kStep; hz <= kShareOfRate * rate_hz; hz *= kStep)
+    all.push_back(hz);
+  return all;
+}
+
+std::string sentenceOf(const FullBand& b, double chosen_hz, double error) {
+  return "Rows are predicted from positions low-passed at " + shortNumber(chosen_hz, 3) +
+         " Hz, the fit from positions at " + shortNumber(b.tried_hz.front(), 3) +
+         " Hz; error of the training rows, forces unfiltered, " + shortNumber(100.0 * b.error.front(), 3) +
+         (b.motion_cutoff_hz > 0.0 ? " -> " + shortNumber(100.0 * error, 3) : "") + " % of their rms.";
+}
+
+}  // namespace
+
+ObservationOptions fullBandOptions(const ObservationOptions& fit, double motion_cutoff_hz) {
+  ObservationOptions options = fit;
+  options.motion_cutoff_given = true;
+  options.signals.motion_cutoff_hz = motion_cutoff_hz;
+  options.signals.rate_hz = std::max(fit.signals.rate_hz, kSamplesPerCycle * motion_cutoff_hz);
+  return options;
+}
+
+FullBand chooseFullBand(const mechanism::Robot& robot, const std::vector<Column>& columns,
+                        const std::vector<recording::Recording>& training, const ObservationOptions& fit,
+                        const RowPredictor& predict) {
+  double rate_hz = 1e9;
+  for (const recording::Recording& r : training)
+    rate_hz = std::min(rate_hz, 1.0 / recording::medianPeriod(r.time_s));
+  const double fits_hz =
+      fit.motion_cutoff_given ? fit.signals.motion_cutoff_hz : motionCutoff(robot, fit.cutoff_hz, rate_hz);
+  FullBand band;
+  Errors first, best;
+  double chosen_hz = fits_hz;
+  for (const double hz : lowPasses(fits_hz, fit.cutoff_hz, rate_hz)) {
+    std::vector<Observation> observed;
+    std::vector<Eigen::MatrixXd> force_N;
+    for (std::size_t k = 0; k < training.size(); ++k) {
+      observed.push_back(observe(robot, columns, training[k], fullBandOptions(fit, hz)));
+      force_N.push_back(predict(observed.back(), static_cast<int>(k)));
+    }
+    const Errors now = errorsOf(observed, force_N, fit.cutoff_hz);
+    band.tried_hz.push_back(hz);
+    band.error.push_back(std::sqrt(now.rows));
+    if (band.tried_hz.size() == 1) {
+      first = best = now;
+      continue;
+    }
+    const double worthwhile = kWorthwhile * kWorthwhile, no_worse = kNoWorse * kNoWorse;
+    if (now.rows > worthwhile * best.rows || now.band > no_worse * first.band) continue;
+    best = now;
+    chosen_hz = band.motion_cutoff_hz = hz;
+  }
+  band.sentence = sentenceOf(band, chosen_hz, std::sqrt(best.rows));
+  return band;
+}
+
+Eigen::MatrixXd predictRows(const mechanism::Robot& robot, const std::vector<Column>& columns,
+                            const recording::Recording& recording, const ObservationOptions& fit,
+                            double motion_cutoff_hz, const RowPredictor& predict, int index) {
+  Observation o = observe(robot, columns, recording, fullBandOptions(fit, motion_cutoff_hz));
+  return recording::atHoldIntervals(o.signals, predict(o, index), o.row_time_s);
+}
+
+}  // namespace knee_robot::identification
