@@ -24,13 +24,15 @@ std::vector<double> valuesOf(const std::vector<EffectParameter>& parameters) {
   return values;
 }
 
-/// A ripple has a sine and a cosine per training recording. What another recording has of them: their mean, as far as they agree
-/// (the mean's square less its expectation for phases at random).
+/// A ripple has a sine and a cosine per training recording. What another recording has of them: their mean, times the share of it
+/// that the training recordings support by agreeing (as tracing's effect_screw_ripple.cpp).
 std::vector<double> commonPhase(const std::vector<double>& each) {
   const Eigen::Index recordings = static_cast<Eigen::Index>(each.size() / 2);
   const Eigen::Map<const Eigen::Matrix2Xd> pairs(each.data(), 2, recordings);
   const Eigen::Vector2d mean = pairs.rowwise().mean();
-  return {mean[0], mean[1]};
+  const double spread = (pairs.colwise() - mean).squaredNorm() / static_cast<double>(recordings - 1);
+  const double support = 1.0 - spread / std::max(1e-300, static_cast<double>(recordings) * mean.squaredNorm());
+  return {support * mean[0], support * mean[1]};
 }
 
 class Reader {
