@@ -12,6 +12,7 @@ namespace {
 
 constexpr double kLeft = 64.0, kRight = 12.0, kTop = 22.0, kBottom = 40.0;
 constexpr std::size_t kMostPoints = 1500;
+constexpr double kFlat = 1e-9;  ///< a range that is smaller beside its values is rounding, which ticks could not count along
 
 std::string fixed(double value) {
   char text[32];
@@ -36,7 +37,8 @@ void widen(double& low, double& high, double share) {
     low = 0.0;
     high = 1.0;
   }
-  const double margin = high > low ? share * (high - low) : std::max(1e-9, 0.1 * std::abs(high) + 0.1);
+  const bool flat = high - low <= kFlat * std::max(std::abs(low), std::abs(high));
+  const double margin = flat ? 0.1 * std::abs(high) + 0.1 : share * (high - low);
   low -= margin;
   high += margin;
 }
@@ -75,8 +77,9 @@ double tickStep(double span, int count) {
 std::vector<double> linearTicks(double low, double high, int count) {
   std::vector<double> ticks;
   const double step = tickStep(high - low, count);
-  for (double k = std::ceil(low / step); k * step <= high + 1e-9 * step; k += 1.0)
-    ticks.push_back(k * step);
+  const double first = std::ceil(low / step);
+  for (int k = 0; k <= 10 * count && (first + k) * step <= high + 1e-9 * step; ++k)
+    ticks.push_back((first + k) * step);
   return ticks;
 }
 

@@ -72,5 +72,12 @@ TEST(SvgPlot, SurvivesEmptyAndConstantData) {
   }
 }
 
+TEST(SvgPlot, AValueThatDiffersByRoundingIsFlat) {
+  const double one_up = std::nextafter(1.0, 2.0);  // a coherence without a reference
+  const std::string svg = svgPlot({{"x", "red", {1, 2, 3}, {1.0, one_up, 1.0}}}, {});
+  EXPECT_LT(svg.size(), 10000u);
+  EXPECT_EQ(count(svg, "</svg>"), 1u);
+}
+
 }  // namespace
 }  // namespace knee_robot::report
