@@ -138,6 +138,8 @@ void Driver::checkReference(const rt::Cycle& cycle, bool searching) {
 double Driver::probeEncoder(double dt) noexcept {
   constexpr double kRest_s = 0.5;
   disturbance.read(disturbed_);
+  verdict.read(judged_);
+  out_.can_be_asked = false;
   const bool carries = order_.level == DriveLevel::Released && !order_.safe_stop && order_.homed &&
                        order_.homing == 0 && unreadable_ == 0;
   if (!carries || probe_period <= 0.0) {
@@ -149,6 +151,7 @@ double Driver::probeEncoder(double dt) noexcept {
   }
   carried_s_ += dt;
   if (carried_s_ < kRest_s) return 0.0;  // the hold devices are still opening, the platform sags a little
+  out_.can_be_asked = verdict.isConnected();
   const double first = kRest_s + probe_period * static_cast<double>(index_) / hardware::kAxes;
   const EncoderProbe::Settings settings{first, probe_period, probe_share * force_limit_, disturbance.isConnected()};
   if (challengeEncoder(dt, settings)) return challenge_.force_N();
@@ -166,7 +169,8 @@ bool Driver::challengeEncoder(double dt, const EncoderProbe::Settings& settings)
   const bool disturbed = disturbed_.suspicion != suspicion_;
   const bool suspected = standsUnderForce(dt, counts);
   suspicion_ = disturbed_.suspicion;
-  if (((disturbed && !standing_.counts()) || suspected) && !challenge_.isActive()) {
+  const bool wanted = (disturbed && !standing_.counts()) || suspected || judged_.asks[index_];
+  if (wanted && !challenge_.isActive()) {
     const double away = (out_.reference_m - measured_.position_m[index_]) / actuator_.metresPerCount();
     challenge_.begin(counts, {probe_.enoughForce_N(), probe_.certainForce_N(settings), away, standing_.dithers(),
                               !disturbed && out_.at_rest});
@@ -174,6 +178,7 @@ bool Driver::challengeEncoder(double dt, const EncoderProbe::Settings& settings)
   switch (challenge_.step(dt, counts)) {
     case EncoderChallenge::Verdict::Alive:
       probe_.acceptAnswer(counts);
+      ++out_.answers;
       break;
     case EncoderChallenge::Verdict::Dead:
       raise(Fault::EncoderFrozen);

@@ -40,6 +40,7 @@ void Monitors::forget() noexcept {
     axis.runaway.reset();
     axis.saturation.reset();
   }
+  out_.asks.fill(false);
   patient_monitor_.reset();
   too_strong_.reset();
   carried_s_ = 0.0;
@@ -95,6 +96,8 @@ AxisView Monitors::viewOf(std::size_t i, double dt) noexcept {
   view.reference_velocity = commands_[i].reference_velocity;
   view.force_N = written_.force_N[i];
   view.force_limit_N = axis.force_limit_N;
+  view.can_be_asked = commands_[i].can_be_asked;
+  view.answers = commands_[i].answers;
   return view;
 }
 
@@ -112,7 +115,10 @@ Fault Monitors::judge(std::size_t i, const AxisView& view) noexcept {
   const bool taking_over = takingOver();
   if (searching || taking_over) axis.frozen.reset();
   const double stuck_N = std::min<double>(frozen_share * view.force_limit_N, frozen_force);
-  if (!searching && !taking_over && axis.frozen.step(view, frozen_distance, stuck_N)) return Fault::EncoderFrozen;
+  const auto frozen = searching || taking_over ? EncoderFrozenMonitor::Verdict::Counts
+                                               : axis.frozen.step(view, frozen_distance, stuck_N);
+  out_.asks[i] = frozen == EncoderFrozenMonitor::Verdict::Ask;
+  if (frozen == EncoderFrozenMonitor::Verdict::Dead) return Fault::EncoderFrozen;
   const double far = taking_over ? std::max<double>(runaway_error, release_error) : runaway_error;
   if (axis.runaway.step(view, far, runaway_speed, runaway_time)) return Fault::Runaway;
   if (axis.velocity.step(view, actuator.velocity_max_m_per_s, velocity_factor, velocity_floor, velocity_time)) {
@@ -128,6 +134,7 @@ Fault Monitors::judge(std::size_t i, const AxisView& view) noexcept {
   if (searching) return Fault::None;
   if (axis.saturation.step(view, saturation_time)) return Fault::Saturated;
   if (axis.stall.step(view, stall_share, stall_speed, stall_error, stall_time)) return Fault::Stalled;
+  if (axis.stall.time_s() > 0.5 * stall_time) out_.asks[i] = true;  // a blind axis seems to stand, too
   return Fault::None;
 }
 

@@ -27,7 +27,8 @@ std::string file(const std::string& name) {
 struct Truth {
   bool model = false;  // the controller has one of 150 N s/m, 15 N (leg 4: 60 N)
   double payload_kg = 0.0;
-  double friction_3 = 1.0;  // times what the model knows
+  double friction_3 = 1.0;   // times what the model knows
+  double coulomb_4_N = 0.0;  // instead of the simulation file's
 };
 
 simulation::SimulationParameters parameters(const Truth& truth) {
@@ -37,6 +38,7 @@ simulation::SimulationParameters parameters(const Truth& truth) {
     axis.viscous_N_s_per_m = 150.0;
   all.axes[2].viscous_N_s_per_m *= truth.friction_3;
   all.axes[2].coulomb_N *= truth.friction_3;
+  if (truth.coulomb_4_N > 0.0) all.axes[3].coulomb_N = truth.coulomb_4_N;
   return all;
 }
 
@@ -71,19 +73,19 @@ struct HoldingRobot {
   void freeze(std::size_t axis) {
     image.faults.encoder[axis].store(static_cast<std::uint8_t>(simulation::EncoderFault::Frozen));
   }
-  /// Up and down by 60 mm, four times in 32 s.
-  void play() {
+  /// Up and down by 60 mm, four times, in 8 s each.
+  void play(int points = 800) {
     trajectory::Reference reference;
     reference.name = "up_and_down";
     const mechanism::Pose home = plant.state().pose;
-    reference.points.resize(3201, 4);
-    for (int k = 0; k <= 3200; ++k) {
+    reference.points.resize(4 * points + 1, 4);
+    for (int k = 0; k <= 4 * points; ++k) {
       mechanism::Pose pose = home;
-      pose[1] += 0.03 * (1.0 - std::cos(2.0 * M_PI * k / 800.0));
+      pose[1] += 0.03 * (1.0 - std::cos(2.0 * M_PI * k / points));
       reference.points.row(k) = mechanism::legLengths(*robot.mechanism, pose).transpose();
     }
     // The first point is where the Drivers hold, not where the axes stick.
-    reference.points.row(0) = reference.points.row(3200);
+    reference.points.row(0) = reference.points.row(4 * points);
     ASSERT_TRUE(system->loadReference(reference).ok);
     ASSERT_TRUE(system->play().ok);
   }
@@ -155,6 +157,40 @@ TEST(Disturbance, AHealthyRobotHoldsAgainstTheSamePush) {
 }
 
 const Truth kAsModelled{true, 0.0, 1.0};
+
+/// Test pulses would spoil the recording of an empty robot: it is not asked before it would otherwise be called dead.
+class Recorded : public ::testing::Test {
+ protected:
+  explicit Recorded() : path(::testing::TempDir() + "recorded_" + std::to_string(::getpid()) + ".csv") {}
+  ~Recorded() override { std::remove(path.c_str()); }
+  const std::string path;
+};
+
+TEST_F(Recorded, AnAxisWithHalfAsMuchFrictionAgainIsNotTakenForADeadEncoderWhereItTurns) {
+  Truth truth;
+  truth.coulomb_4_N = 100.0;
+  HoldingRobot robot(truth);
+  ASSERT_TRUE(robot.system->startRecording(path).ok);
+  robot.play(300);
+  robot.system->run(13.0);
+  EXPECT_EQ(robot.system->state(), MachineState::Holding) << robot.system->status().fault_name;
+}
+
+TEST_F(Recorded, AnEncoderThatDiesInMotionIsStillFound) {
+  for (std::size_t axis = 0; axis < hardware::kAxes; ++axis) {
+    HoldingRobot robot;
+    const double height = robot.plant.state().pose[1];
+    ASSERT_TRUE(robot.system->startRecording(path).ok);
+    robot.play();
+    robot.system->run(1.5);
+    robot.freeze(axis);
+    robot.system->waitFor(MachineState::Faulted, 5.0);
+    EXPECT_EQ(robot.system->status().fault, Fault::EncoderFrozen) << robot.system->status().fault_name;
+    EXPECT_LT(height - robot.lowest, 0.005) << "axis " << axis + 1;
+    robot.system->stopRecording();
+    std::remove(path.c_str());
+  }
+}
 
 TEST(Notices, NothingIsSaidOfARobotThatIsAsItsModelSays) {
   HoldingRobot robot(kAsModelled);

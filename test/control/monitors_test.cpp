@@ -45,7 +45,7 @@ TEST(EncoderJump, IsSeenInItsOwnCycleAndAPauseOfTheMachineIsNone) {
 TEST(EncoderFrozen, IsSeenWhenTheReferenceMovesOnAndNotAtRest) {
   EncoderFrozenMonitor monitor;
   AxisView view = quiet();
-  const auto step = [&] { return monitor.step(view, 0.002, 40.0); };
+  const auto step = [&] { return monitor.step(view, 0.002, 40.0) == EncoderFrozenMonitor::Verdict::Dead; };
   EXPECT_EQ(cyclesUntil(step, 10000), -1) << "standing still for ten seconds is no fault";
   const auto moving = [&] {
     view.reference_m += 0.02 * kDt;
@@ -73,9 +73,32 @@ TEST(EncoderFrozen, IsNotAnAxisThatIsBackWhereItWasBehindATurningPoint) {
     // It follows there, sticks for 1.2 mm behind the turning point, then slips back: at -2 mm it is where it was.
     view.moved_m = cycle <= 60 ? way : cycle > 120 && cycle <= 130 ? -0.12e-3 : 0.0;
     view.force_N = cycle <= 60 ? 60.0 : -60.0;
-    return monitor.step(view, 0.002, 105.0);
+    return monitor.step(view, 0.002, 105.0) == EncoderFrozenMonitor::Verdict::Dead;
   };
   EXPECT_EQ(cyclesUntil(turning, 165), -1);
+}
+
+TEST(EncoderFrozen, IsAskedFirstWhereTheDriverCanAndDeadOnlyWhenItStaysSilent) {
+  using Verdict = EncoderFrozenMonitor::Verdict;
+  EncoderFrozenMonitor monitor;
+  AxisView view = quiet();
+  view.can_be_asked = true;
+  Verdict verdict = Verdict::Counts;
+  const auto moving = [&] {
+    view.reference_m += 0.02 * kDt;
+    view.force_N += 60000.0 * 0.02 * kDt;
+    verdict = monitor.step(view, 0.002, 40.0);
+    return verdict != Verdict::Counts;
+  };
+  EXPECT_NEAR(cyclesUntil(moving, 1000), 100, 2);
+  EXPECT_EQ(verdict, Verdict::Ask);
+  view.answers = 1;
+  EXPECT_NEAR(cyclesUntil(moving, 1000), 100, 2) << "an answer begins anew";
+  EXPECT_EQ(verdict, Verdict::Ask);
+  view.force_N = 0.0;
+  const auto silent = [&] { return monitor.step(view, 0.002, 40.0) == Verdict::Dead; };
+  EXPECT_NEAR(cyclesUntil(silent, 1000), 1000 * EncoderFrozenMonitor::kSilence_s, 2)
+      << "once suspected, whatever the force does";
 }
 
 TEST(EncoderFrozen, IsNotSeenInSlowMotionOfFewCountsNorInStickingFriction) {
@@ -85,7 +108,7 @@ TEST(EncoderFrozen, IsNotSeenInSlowMotionOfFewCountsNorInStickingFriction) {
   const auto slow = [&] {
     view.reference_m += 0.001 * kDt;
     view.moved_m = ++cycle % 20 == 0 ? 20e-6 : 0.0;  // 1 mm/s with 20 um counts: mostly no count at all
-    return monitor.step(view, 0.002, 40.0);
+    return monitor.step(view, 0.002, 40.0) == EncoderFrozenMonitor::Verdict::Dead;
   };
   EXPECT_EQ(cyclesUntil(slow, 10000), -1);
   monitor.reset();
@@ -94,7 +117,7 @@ TEST(EncoderFrozen, IsNotSeenInSlowMotionOfFewCountsNorInStickingFriction) {
   const auto sticking = [&] {
     view.reference_m += 0.01 * kDt;
     view.force_N = std::min(35.0, view.force_N + 0.1);  // the axis has not broken away yet
-    return monitor.step(view, 0.002, 40.0);
+    return monitor.step(view, 0.002, 40.0) == EncoderFrozenMonitor::Verdict::Dead;
   };
   EXPECT_EQ(cyclesUntil(sticking, 500), -1);
 }

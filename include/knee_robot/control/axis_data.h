@@ -100,6 +100,8 @@ struct AxisCommand {
   double reference_velocity = 0.0;  ///< m/s
   bool homed = false;               ///< as ordered: the lengths mean something
   bool test_pulse = false;          ///< some of the force asks whether the encoder counts
+  bool can_be_asked = false;        ///< this Driver asks when a monitor wants to know
+  std::uint32_t answers = 0;        ///< how often the encoder has answered
   HomingPhase homing = HomingPhase::Idle;
   double home_m = 0.0;  ///< measured where home was found; BackingOff and Found
 };
@@ -109,8 +111,9 @@ struct MonitorVerdict {
   std::uint64_t sequence = 0;  ///< of the measurement that it judges
   rt::Nanoseconds time = 0;
   std::array<Fault, hardware::kAxes>
-      fault{};        ///< kept until the Drivers are switched off; those of the whole platform are at axis 1
-  AxisValues heat{};  ///< I2t: 0 cold, 1 the fault
+      fault{};  ///< kept until the Drivers are switched off; those of the whole platform are at axis 1
+  std::array<bool, hardware::kAxes> asks{};  ///< the encoder looks dead: the Driver is to ask it before it is called so
+  AxisValues heat{};                         ///< I2t: 0 cold, 1 the fault
 };
 
 /// DisturbanceObserver, every servo cycle: what acts on the robot that nobody commanded. Meanings: residual_estimator.h, disturbance_judge.h.

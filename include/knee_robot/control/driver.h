@@ -29,7 +29,8 @@ namespace knee_robot::control {
 /// until the Drivers are switched off again. While Orders::homing has its bit, HomingMove gives reference and force limit instead.
 /// Whether the encoder still counts (EncoderFrozen): with a DisturbanceObserver EncoderProbe asks once when the hold devices have opened;
 /// from then on EncoderChallenge asks on suspicion only: the standing robot is disturbed, or the loop pushes while the encoder stands
-/// (StandingAxis). Without one EncoderProbe asks every probe_s at rest, and around turning points.
+/// (StandingAxis). Without one EncoderProbe asks every probe_s at rest, and around turning points. Whenever Monitors take the encoder for
+/// dead, it is asked before they say so.
 /// - SetPointStale: nothing from Sync for stale_set_points periods, or a set point is missing. The loop goes on (the reference comes
 ///   to rest).
 /// - NotANumber, FollowingError, SetPointJump, MeasurementLost: the loop is given up (active = false, 0 V asked for); what the axis
@@ -44,6 +45,9 @@ class Driver : public rt::TaskContext {
   rt::InputPort<FeedforwardForce> feedforward{*this, "feedforward", "load of the axes, from ModelFeedforward",
                                               rt::Need::Optional};
   rt::InputPort<Disturbance> disturbance{*this, "disturbance", "from the DisturbanceObserver", rt::Need::Optional};
+  rt::InputPort<MonitorVerdict> verdict{*this, "verdict",
+                                        "from the Monitors, of the last cycle: whether they want the encoder asked",
+                                        rt::Need::Optional};
   rt::OutputPort<AxisCommand> command{*this, "command", "to AxesOutput"};
 
   rt::Property<int> axis{*this, "axis", 1, "", 1, hardware::kAxes, "actuator that is driven"};
@@ -115,6 +119,7 @@ class Driver : public rt::TaskContext {
   EncoderProbe probe_;
   EncoderChallenge challenge_;
   Disturbance disturbed_;
+  MonitorVerdict judged_;
   std::uint32_t suspicion_ = 0;  // answered last
   StandingAxis standing_;
   bool stood_at_rest_ = false;

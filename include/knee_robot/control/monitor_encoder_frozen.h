@@ -10,21 +10,28 @@ namespace knee_robot::control {
 /// An encoder that does not count while its reference moves on, or only dithers as an open input does. Judged when the reference has
 /// moved by `distance_m` and the force has changed by `force_N`, which must be more than sticking friction takes: broken when the
 /// encoder has stayed within a tenth of that all the while (within, not net: behind a turning point a healthy axis may be back where it
-/// was when the reference is not). One axis alone cannot tell a dead encoder from an axis that is blocked: the
+/// was when the reference is not). An axis whose friction has grown looks the same: where the Driver can, it asks the encoder first
+/// (EncoderChallenge), and only silence for kSilence_s is broken. One axis alone cannot tell a dead encoder from an axis that is blocked: the
 /// fault names both. It comes before the following-error limit, because a dead encoder lets its axis run with a growing force.
 class EncoderFrozenMonitor {
  public:
-  bool step(const AxisView& axis, double distance_m, double force_N) noexcept {
-    if (!known_) begin(axis);
+  enum class Verdict { Counts, Ask, Dead };
+  static constexpr double kSilence_s = 0.1;  ///< longer than a question takes
+
+  Verdict step(const AxisView& axis, double distance_m, double force_N) noexcept {
+    if (!known_ || axis.answers != answers_) begin(axis);
     moved_m_ += axis.moved_m;
     lowest_m_ = std::min(lowest_m_, moved_m_);
     highest_m_ = std::max(highest_m_, moved_m_);
     const double wanted = std::abs(axis.reference_m - from_m_);
-    if (wanted < distance_m) return false;
-    const bool follows = highest_m_ - lowest_m_ >= 0.1 * wanted;
-    if (!follows) return !(std::abs(axis.force_N - from_N_) < force_N);
-    begin(axis);
-    return false;
+    if (wanted < distance_m) return Verdict::Counts;
+    if (highest_m_ - lowest_m_ >= 0.1 * wanted) {
+      begin(axis);
+      return Verdict::Counts;
+    }
+    if (asked_s_ == 0.0 && std::abs(axis.force_N - from_N_) < force_N) return Verdict::Counts;
+    asked_s_ += axis.dt;
+    return axis.can_be_asked && asked_s_ < kSilence_s ? Verdict::Ask : Verdict::Dead;
   }
   void reset() noexcept { known_ = false; }
 
@@ -33,9 +40,12 @@ class EncoderFrozenMonitor {
     known_ = true;
     from_m_ = axis.reference_m;
     from_N_ = axis.force_N;
-    moved_m_ = lowest_m_ = highest_m_ = 0.0;
+    answers_ = axis.answers;
+    moved_m_ = lowest_m_ = highest_m_ = asked_s_ = 0.0;
   }
   bool known_ = false;
+  std::uint32_t answers_ = 0;
+  double asked_s_ = 0.0;  // since it was to be asked
   double from_m_ = 0.0, from_N_ = 0.0, moved_m_ = 0.0;
   double lowest_m_ = 0.0, highest_m_ = 0.0;  // of moved_m_
 };

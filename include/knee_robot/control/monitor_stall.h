@@ -16,6 +16,8 @@ class StallMonitor {
     return stalled_.step(pushes && stands && away, axis.dt, time_s);
   }
   void reset() noexcept { stalled_.reset(); }
+  /// How long it has seemed so.
+  double time_s() const noexcept { return stalled_.time_s(); }
 
  private:
   TrueFor stalled_;

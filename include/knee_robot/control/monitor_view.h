@@ -1,5 +1,7 @@
 #pragma once
 
+#include <cstdint>
+
 namespace knee_robot::control {
 
 /// What a monitor sees of one axis in one cycle. Monitors are small state machines of their own: step() answers whether their limit is
@@ -13,6 +15,8 @@ struct AxisView {
   double reference_velocity = 0.0;  ///< m/s
   double force_N = 0.0;             ///< written to the motor, after clamp, for the time that this measurement ends
   double force_limit_N = 0.0;       ///< clamp of the axis
+  bool can_be_asked = false;        ///< its Driver can ask the encoder whether it counts
+  std::uint32_t answers = 0;        ///< how often the encoder has answered
 };
 
 /// How long something has been true without a break.
@@ -24,6 +28,7 @@ class TrueFor {
     return condition && time_s_ >= limit_s;
   }
   bool isTrue() const noexcept { return time_s_ > 0.0; }
+  double time_s() const noexcept { return time_s_; }
   void reset() noexcept { time_s_ = 0.0; }
 
  private:
