@@ -1,6 +1,7 @@
 // The operator's commands.
 #include <algorithm>
 #include <cmath>
+#include <cstdlib>
 
 #include "control_parts.h"
 #include "knee_robot/base/errors.h"
@@ -128,6 +129,10 @@ Answer ControlSystem::setProperty(const std::string& component, const std::strin
   rt::TaskContext* found = deployment_->component(component);
   if (found == nullptr) return {false, "there is no component " + component.substr(0, 60)};
   if (const Answer allowed = allowChange(component, property, value); !allowed.ok) return allowed;
+  if (const auto* driver = dynamic_cast<const Driver*>(found)) {
+    const std::string why = parts_->whyNotPassive(*driver, property, std::strtod(value.c_str(), nullptr));
+    if (!why.empty()) return {false, why};
+  }
   try {
     const rt::PropertyBase* changed = found->property(property);
     const std::string before = changed == nullptr ? "" : changed->valueText();

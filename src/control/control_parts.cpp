@@ -70,10 +70,34 @@ void ControlSystem::Parts::prepareFeedforward(const rt::Deployment& deployment, 
     throw InputError("a payload of " + shortNumber(*options.payload_kg) + " kg is outside 0 .. " +
                      shortNumber(ModelFeedforward::kLargestPayload_kg) + " kg");
   if (options.payload_kg) feedforward->payload.set(*options.payload_kg);
+  checkLaw(deployment);
   feedforward->loadModel();
   if (observer == nullptr) return;
   if (observer->model.value().empty()) observer->model.set(feedforward->model.value());
   observer->loadModel();
+}
+
+void ControlSystem::Parts::checkLaw(const rt::Deployment& deployment) const {
+  const std::string where = deployment.path() + ": components: ";
+  try {
+    feedforward->readLaw();
+  } catch (const InputError& error) {
+    throw InputError(where + error.what());
+  }
+  for (const auto& component : deployment.components()) {
+    const auto* driver = dynamic_cast<const Driver*>(component.get());
+    const std::string why = driver == nullptr ? "" : whyNotPassive(*driver);
+    if (!why.empty()) throw InputError(where + why);
+  }
+}
+
+std::string ControlSystem::Parts::whyNotPassive(const Driver& driver, const std::string& changed, double value) const {
+  if (feedforward == nullptr || feedforward->chosenLaw() != Law::PassivityBased) return "";
+  const auto gain = [&](const rt::Property<double>& one) { return one.name() == changed ? value : one.value(); };
+  const std::string why = ControlLaw::whyNotPassive(feedforward->lambda, gain(driver.proportional),
+                                                    gain(driver.integral), gain(driver.derivative));
+  return why.empty() ? ""
+                     : feedforward->name() + ".law: passivity_based with the gains of " + driver.name() + ": " + why;
 }
 
 /// One thread uses the bus; what is read in a cycle is answered in the same cycle, and a row of the recording is of one cycle.

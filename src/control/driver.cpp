@@ -30,7 +30,22 @@ bool Driver::configureHook() {
 }
 
 PidGains Driver::gains() const noexcept {
+  if (model_closes_) return {0.0, integral, 0.0, derivative_cutoff};
   return {proportional, integral, derivative, derivative_cutoff};
+}
+
+/// No step of force when P and D give way to the model's feedback, or take over again.
+void Driver::changeLoop(const PidInput& input) noexcept {
+  pid_.changeGains(gains(), input);
+  if (model_closes_ == model_closed_) return;
+  pid_.shiftIntegral(model_closes_ ? -loop_ : last_loop_);
+  model_closed_ = model_closes_;
+}
+
+/// What the loop gives beyond the feedforward, without the derivative term.
+double Driver::loopForce() const noexcept {
+  const double error = out_.reference_m - measured_.position_m[index_];
+  return pid_.integral() + (model_closes_ ? loop_ : proportional * error);
 }
 
 bool Driver::startHook() {
@@ -95,6 +110,9 @@ void Driver::readFeedforward(const rt::Cycle& cycle) noexcept {
   switched_ = foreseen_.switched_N[index_];
   load_ = load;
   foresees_ = alive;
+  last_loop_ = loop_;
+  loop_ = alive ? foreseen_.loop_N[index_] : 0.0;
+  model_closes_ = alive && foreseen_.closes_loop;
 }
 
 void Driver::takeOver(const rt::Cycle& cycle) {
@@ -102,6 +120,8 @@ void Driver::takeOver(const rt::Cycle& cycle) {
   const double position = measured_.position_m[index_];
   follower_.takeOver(position, cycle.time);
   pid_.reset(position);
+  model_closed_ = model_closes_;
+  pid_.setGains(gains());
   carried_N_ = 0.0;
   homing_ = HomingMove{};
   last_time_ = cycle.time;
@@ -193,8 +213,7 @@ bool Driver::challengeEncoder(double dt, const EncoderProbe::Settings& settings)
 bool Driver::standsUnderForce(double dt, std::int64_t counts) noexcept {
   constexpr double kAgain_s = 0.5, kSeldom_s = 4.0, kAgainMoving_s = 0.15, kTimes = 4.0;
   const bool rests = out_.at_rest;
-  const double force = pid_.integral() + proportional * (out_.reference_m - measured_.position_m[index_]);
-  standing_.step(dt, counts, force, challenge_.isActive());
+  standing_.step(dt, counts, loopForce(), challenge_.isActive());
   if (rests != stood_at_rest_) {
     standing_.begin(counts);
     again_s_ = kAgain_s;
@@ -225,9 +244,9 @@ void Driver::control(const rt::Cycle& cycle) {
   input.reference = reference.position;
   input.reference_velocity = reference.velocity;
   input.measured = measured_.position_m[index_];
-  input.feedforward = load_;
+  input.feedforward = load_ + loop_;
   input.dt = dt;
-  pid_.changeGains(gains(), input);
+  changeLoop(input);
   // At rest an error that the encoder hardly resolves is no reason to hunt; a blind axis would wander off by it.
   input.integral_dead_band = reference.at_rest ? std::max(actuator_.metresPerCount(), kSmallestError_m) : 0.0;
   const double loop_N = pid_.update(input, force_now_);

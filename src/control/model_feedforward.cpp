@@ -28,7 +28,19 @@ double rampStep(double dt, double duration) noexcept {
 ModelFeedforward::ModelFeedforward(const std::string& name, const mechanism::Robot& robot)
     : rt::TaskContext(name), robot_(robot), inputs_{&command_1, &command_2, &command_3, &command_4} {}
 
+void ModelFeedforward::readLaw() {
+  const std::optional<Law> wanted = lawNamed(law.value());
+  if (!wanted)
+    throw InputError(name() + ".law: there is no law " + law.value() +
+                     "; feedforward, computed_torque and passivity_based are known");
+  if (*wanted != Law::Feedforward && model.value().empty())
+    throw InputError(name() + ".law: " + law.value() +
+                     " needs an identified model; give one (model:=/path/model.yaml) or set law: feedforward");
+  law_.choose(*wanted);
+}
+
 void ModelFeedforward::loadModel() {
+  readLaw();
   if (!model.value().empty()) {
     const std::string& path = model.value();
     const dynamics::Model read = dynamics::loadModel(path);
@@ -111,12 +123,45 @@ void ModelFeedforward::followReference(std::size_t i) noexcept {
 void ModelFeedforward::letGo(double dt) noexcept {
   dynamics::restParts(*model_, dt, data_);
   on_ = pose_known_ = parts_known_ = false;
+  openLoop();
   out_.force_N = out_.moving_N = AxisValues{};
   out_.complete = false;
 }
 
+void ModelFeedforward::openLoop() noexcept {
+  law_.reset(mechanism::Vector4(measured_.position_m.data()));
+  since_law_s_ = 0.0;
+  out_.loop_N = AxisValues{};
+  out_.closes_loop = false;
+}
+
+/// The Drivers' references are of the last cycle: they go on for dt. An axis whose Driver is not active has no error.
+void ModelFeedforward::closeLoop(double dt) noexcept {
+  since_law_s_ += dt;
+  if (law_.law() == Law::Feedforward || !new_reading_) return;
+  ControlLaw::Instant at;
+  at.pose = pose_;
+  at.position = mechanism::Vector4(measured_.position_m.data());
+  at.velocity = velocity_;
+  at.acceleration = acceleration_;
+  at.dt = since_law_s_;
+  for (std::size_t i = 0; i < hardware::kAxes; ++i) {
+    const auto k = static_cast<Eigen::Index>(i);
+    at.reference[k] = commands_[i].active ? commands_[i].reference_m + dt * velocity_[k] : at.position[k];
+  }
+  since_law_s_ = 0.0;
+  mechanism::Vector4 force;
+  const bool known = law_.force(*model_, {stiffness, damping, lambda, velocity_cutoff}, at, force) && force.allFinite();
+  if (!known) return openLoop();
+  force += model_->identified->effects.gain.cwiseProduct(force);
+  for (std::size_t i = 0; i < hardware::kAxes; ++i)
+    out_.loop_N[i] = force[static_cast<Eigen::Index>(i)];
+  out_.closes_loop = law_.closesLoop();
+}
+
 /// Nothing is known: 0 N, and what was there counts as switched off.
 void ModelFeedforward::drop() noexcept {
+  openLoop();
   for (std::size_t i = 0; i < hardware::kAxes; ++i)
     out_.switched_N[i] -= out_.force_N[i];
   out_.force_N = out_.moving_N = AxisValues{};
@@ -134,6 +179,7 @@ void ModelFeedforward::carry(double dt) noexcept {
   }
   homing_ = homing_ || order_.homing != 0 || !order_.homed;
   if (homing_ || !findParts()) return drop();
+  closeLoop(dt);
   const AxisValues kept = total(weights_, taking_over_ ? 1.0 : level_);
   const double step = rampStep(dt, switch_time);
   const Weights wanted = asked();

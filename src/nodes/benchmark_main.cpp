@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "knee_robot/base/errors.h"
+#include "knee_robot/control/control_law.h"
 #include "knee_robot/dynamics/force_parts.h"
 #include "knee_robot/dynamics/forward_dynamics.h"
 #include "knee_robot/dynamics/inverse_dynamics.h"
@@ -172,6 +173,30 @@ void forcePartsCase(benchmark::State& state) {
   }
 }
 BENCHMARK(forcePartsCase)->Name("force_parts");
+
+/// What passivity-based control costs beyond force_parts: two inverse dynamics with an auxiliary velocity.
+void controlLawCase(benchmark::State& state) {
+  const Cases& c = cases();
+  mechanism::Robot robot;
+  robot.mechanism = c.mechanism;
+  robot.actuators.resize(mechanism::kLegs);
+  const dynamics::PartedModel model(robot, someInertia());
+  control::ControlLaw law;
+  law.choose(control::Law::PassivityBased);
+  control::ControlLaw::Instant at;
+  at.velocity.setConstant(0.02);
+  at.acceleration.setConstant(0.1);
+  at.dt = 0.001;
+  mechanism::Vector4 force;
+  std::size_t k = 0;
+  for (auto _ : state) {
+    at.position = at.reference = c.lengths[k % kStates];
+    at.pose = c.motion(k++).pose;
+    law.force(model, {4000.0, 125.0, 20.0, 100.0}, at, force);
+    benchmark::DoNotOptimize(force);
+  }
+}
+BENCHMARK(controlLawCase)->Name("control_law");
 
 /// A model of trace with ten effects, those that cost most among them.
 dynamics::Model tracedModel() {

@@ -1,6 +1,8 @@
 // simulate REFERENCE -o RECORDING: the whole controller on the simulated robot, stepped in one process: deterministic, and as
 // fast as the machine is. What roslaunch simulation.launch does in real time.
 
+#include <algorithm>
+#include <cmath>
 #include <cstdio>
 #include <optional>
 #include <string>
@@ -55,8 +57,14 @@ class Deviation {
 class Watch {
  public:
   enum class What { Nothing, TakeOver, Play };
-  Watch(const simulation::RobotSimulation& plant, const control::ControlSystem& system)
-      : plant_(plant), system_(system) {}
+  Watch(const simulation::RobotSimulation& plant, const control::ControlSystem& system, const mechanism::Robot& robot)
+      : plant_(plant), system_(system) {
+    for (Eigen::Index i = 0; i < limit_N_.size(); ++i) {
+      const mechanism::Actuator& actuator = robot.actuators[static_cast<std::size_t>(i)];
+      limit_N_[i] = actuator.voltage_max_V * actuator.force_per_volt_N;
+      if (actuator.force_max_N > 0.0) limit_N_[i] = std::min(limit_N_[i], actuator.force_max_N);
+    }
+  }
   void begin(What what) {
     what_ = what;
     stood_ = plant_.lengths();
@@ -73,6 +81,13 @@ class Watch {
     play_.add(mechanism::Vector4(row->reference_m.data()) - mechanism::Vector4(row->position_m.data()), velocity);
     left_.add(1e-3 * (mechanism::Vector4(row->force_N.data()) - mechanism::Vector4(row->feedforward_N.data())),
               mechanism::Vector4::Zero());
+    const mechanism::Vector4 force(row->force_N.data());
+    force_.add(1e-3 * force, mechanism::Vector4::Zero());
+    if (cycles_ > 0) jitter_.add(1e-3 * (force - last_force_N_), mechanism::Vector4::Zero());
+    last_force_N_ = force;
+    for (Eigen::Index i = 0; i < force.size(); ++i)
+      clamped_[i] += std::abs(force[i]) >= 0.999 * limit_N_[i] ? 1.0 : 0.0;
+    ++cycles_;
   }
   void printTakeOver() const {
     take_over_.print("take-over, axes move by", "mm");
@@ -83,6 +98,12 @@ class Watch {
     play_.print("playing, error", "mm");
     play_.printSpeed("playing");
     left_.print("playing, force left to the loops", "N");
+    force_.print("playing, force", "N");
+    jitter_.print("playing, change of force from cycle to cycle", "N");
+    if (cycles_ == 0) return;
+    const mechanism::Vector4 share = clamped_ / cycles_;
+    std::printf("playing, share of the time at the force limit: %.4f %.4f %.4f %.4f\n", share[0], share[1], share[2],
+                share[3]);
   }
 
  private:
@@ -91,7 +112,10 @@ class Watch {
   What what_ = What::Nothing;
   mechanism::Vector4 stood_ = mechanism::Vector4::Zero();
   double height_ = 0.0, sag_ = 0.0;
-  Deviation take_over_, play_, left_;
+  Deviation take_over_, play_, left_, force_, jitter_;
+  mechanism::Vector4 limit_N_ = mechanism::Vector4::Zero(), last_force_N_ = mechanism::Vector4::Zero(),
+                     clamped_ = mechanism::Vector4::Zero();
+  double cycles_ = 0.0;
 };
 
 void require(const control::Answer& answer) {
@@ -160,7 +184,7 @@ int main(int argc, char** argv) {
     options.model = model;
     if (payload->count() > 0) options.payload_kg = payload_kg;
     control::ControlSystem system(robot, hardware_description, deployment_file, *bus, options);
-    Watch watch(plant, system);
+    Watch watch(plant, system, robot);
     std::string truth = "time_s,effect_1_N,effect_2_N,effect_3_N,effect_4_N\n";
     bool recording = false;
     system.setPlant([&](rt::Nanoseconds time) {

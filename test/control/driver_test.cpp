@@ -154,6 +154,42 @@ TEST_F(DriverTest, TakesUpWhatTheFeedforwardSwitchesWithoutAJump) {
   EXPECT_FALSE(command.loaded) << "the Supervisor keeps the hold devices engaged";
 }
 
+TEST_F(DriverTest, LetsTheModelsFeedbackTakeThePlaceOfItsOwnAndBackWithoutAJump) {
+  foresees = true;
+  takeOver();
+  measured.position_m[0] -= 0.0004;
+  cycle(100);
+  const double alone = command.force_N;
+  ASSERT_GT(alone, 20.0);
+  foreseen.loop_N[0] = 5.0;
+  foreseen.closes_loop = true;
+  cycle();
+  EXPECT_NEAR(command.force_N, alone, 1.0) << "the integral takes up what P and D gave";
+  foreseen.loop_N[0] = 25.0;
+  cycle();
+  EXPECT_NEAR(command.force_N, alone + 20.0, 1.0) << "the model's feedback counts in full";
+  foresees = false;  // it falls silent
+  cycle(10);
+  EXPECT_NEAR(command.force_N, alone + 20.0, 3.0) << "its own P and D are back";
+  measured.position_m[0] -= 0.0001;
+  cycle();
+  EXPECT_GT(command.force_N, alone + 23.0);
+}
+
+TEST_F(DriverTest, WindsNothingUpWhileTheModelsFeedbackIsBeyondTheForceLimit) {
+  foresees = true;
+  takeOver();
+  cycle(10);
+  foreseen.loop_N[0] = 2000.0;
+  measured.position_m[0] -= 0.0005;  // the integral would grow the same way
+  cycle(400);
+  EXPECT_NEAR(command.force_N, 28.4628 * 9.5, 0.01) << "the clamp";
+  measured.position_m[0] += 0.0005;
+  foreseen.loop_N[0] = 0.0;
+  cycle(20);
+  EXPECT_LT(std::abs(command.force_N), 1.0) << "nothing is left of it";
+}
+
 TEST_F(DriverTest, GivesUpTheLoopOnAFollowingErrorAndKeepsTheFault) {
   takeOver();
   measured.position_m[0] -= 0.009;

@@ -10,6 +10,7 @@
 #include "knee_robot/base/errors.h"
 #include "knee_robot/dynamics/inverse_dynamics.h"
 #include "some_model.h"
+#include "test/allocation_guard.h"
 
 namespace knee_robot::control {
 namespace {
@@ -289,6 +290,28 @@ TEST_F(ModelFeedforwardTest, LetsNoReferenceThatIsNoNumberThrough) {
     EXPECT_TRUE(std::isfinite(force.force_N[i]));
     EXPECT_TRUE(std::isfinite(force.switched_N[i]));
   }
+}
+
+TEST_F(ModelFeedforwardTest, FeedsTheErrorBackThroughTheModelWithoutAllocatingAndLetsGoOfItWhereThePoseIsLost) {
+  const std::string path = temporaryFile("model_feedforward_law_test.yaml");
+  dynamics::saveModel(fake::modelOf(robot), path);
+  component.model.set(path);
+  component.law.set("computed_torque");
+  ASSERT_NO_FATAL_FAILURE(begin());
+  std::remove(path.c_str());
+  ASSERT_NO_FATAL_FAILURE(carry());
+  EXPECT_TRUE(force.closes_loop);
+  allocations = 0;
+  armed = true;
+  reference_velocity = 0.01;
+  cycle(20);
+  armed = false;
+  EXPECT_EQ(allocations, 0);
+  EXPECT_NE(force.loop_N[0], 0.0);
+  measured.position_m[0] = 0.01;  // no such pose
+  cycle();
+  EXPECT_FALSE(force.closes_loop) << "the Drivers close their own loops again";
+  EXPECT_EQ(force.loop_N[0], 0.0);
 }
 
 TEST_F(ModelFeedforwardTest, RefusesModelsThatAreNotThisRobotsByFileAndReason) {

@@ -77,10 +77,12 @@ struct FeedforwardForce {
   std::uint64_t sequence = 0;
   rt::Nanoseconds time = 0;
   AxisValues force_N{};
-  AxisValues moving_N{};    ///< the part of force_N for inertia and friction: gone when the axes rest
-  AxisValues switched_N{};  ///< sum of all changes of force_N that are no change of the load, ever since the start
-  double payload_kg = 0.0;  ///< declared
-  bool complete = false;    ///< the whole force is there: the hold devices may be released
+  AxisValues moving_N{};     ///< the part of force_N for inertia and friction: gone when the axes rest
+  AxisValues switched_N{};   ///< sum of all changes of force_N that are no change of the load, ever since the start
+  AxisValues loop_N{};       ///< besides: feedback through the model (ControlLaw)
+  bool closes_loop = false;  ///< loop_N takes the place of the Drivers' proportional and derivative terms
+  double payload_kg = 0.0;   ///< declared
+  bool complete = false;     ///< the whole force is there: the hold devices may be released
 };
 
 /// One Driver, once its period.
@@ -136,6 +138,29 @@ struct Disturbance {
   bool model_holds = true;
 };
 
+/// Why hand guiding is impossible, or ended by itself.
+enum class GuideStop : std::uint8_t {
+  None,
+  NoModel,       ///< no identified model
+  UnknownLoad,   ///< something that nobody declared rests on the platform
+  OutsideRange,  ///< the platform is where it must not be guided
+  Wall,          ///< pressed too far into a virtual wall
+  TooFast,       ///< faster than allowed in spite of the brake
+  LostPose,      ///< no pose, or a number that is none
+  PathFull,      ///< the record of the path is full
+};
+
+/// HandGuide, every servo cycle: what the Drivers give in place of their loops while a hand moves the platform.
+struct Guidance {
+  std::uint64_t sequence = 0;
+  rt::Nanoseconds time = 0;
+  bool active = false;          ///< force_N counts
+  AxisValues force_N{};         ///< beyond the weight that ModelFeedforward carries
+  std::uint32_t suspicion = 0;  ///< a new number: the encoders of `doubted` are to be asked
+  std::array<bool, hardware::kAxes> doubted{};
+  GuideStop stop = GuideStop::None;  ///< why guiding cannot begin now, or has to end
+};
+
 /// How far the drives are switched on. Going up one by one, down only through the safe stop.
 enum class DriveLevel : std::uint8_t {
   Off,            ///< hold device engaged, drive disabled, 0 V
@@ -160,6 +185,7 @@ struct Orders {
   std::uint32_t transfer = 0;   ///< a new number: a safe stop that is Carrying tries to hand over the load again
   bool homed = false;           ///< all axes know where they are: soft limits and the patient's range hold
   std::uint8_t homing = 0;      ///< bit i: the Driver of axis i + 1 looks for home; the others hold
+  bool guiding = false;         ///< a hand moves the platform (HandGuide): the Drivers carry, they do not hold
 };
 
 /// Where the safe stop is.

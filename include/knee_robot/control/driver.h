@@ -24,6 +24,7 @@ namespace knee_robot::control {
 ///     volts     = force_sign * force / force_per_volt      clamped to voltage_max and force_max
 ///
 /// What the feedforward switches (a share, on, off), and a feedforward that falls silent, is taken up by the integral: no step of force.
+/// With a ControlLaw the model's feedback is added; where it takes the place of P and D, and where it ceases, the integral takes up that, too.
 /// Gains may change while the loop is closed: the integral takes up the difference, so the force does not jump.
 /// Takes over (Orders::drivers_active) at the measured position with the integral at zero: no force but the feedforward's. Faults are kept
 /// until the Drivers are switched off again. While Orders::homing has its bit, HomingMove gives reference and force limit instead.
@@ -101,6 +102,8 @@ class Driver : public rt::TaskContext {
   void takeOver(const rt::Cycle& cycle);
   void control(const rt::Cycle& cycle);
   void readFeedforward(const rt::Cycle& cycle) noexcept;
+  void changeLoop(const PidInput& input) noexcept;
+  double loopForce() const noexcept;
   void checkReference(const rt::Cycle& cycle, bool searching);
   double probeEncoder(double dt) noexcept;
   bool challengeEncoder(double dt, const EncoderProbe::Settings& settings) noexcept;
@@ -135,9 +138,12 @@ class Driver : public rt::TaskContext {
   AxesMeasurement measured_;
   int unreadable_ = 0;
   FeedforwardForce foreseen_;
-  double load_ = 0.0;      // N, of the feedforward
-  double switched_ = 0.0;  // N, as last seen
-  bool foresees_ = false;  // the feedforward is alive
+  double load_ = 0.0;  // N, of the feedforward
+  double loop_ = 0.0;  // N, of the model's feedback
+  double last_loop_ = 0.0;
+  bool model_closes_ = false, model_closed_ = false;  // that feedback takes the place of P and D; in the last cycle
+  double switched_ = 0.0;                             // N, as last seen
+  bool foresees_ = false;                             // the feedforward is alive
   bool active_ = false;
   Fault fault_ = Fault::None;
   rt::Nanoseconds last_time_ = 0;

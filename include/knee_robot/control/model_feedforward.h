@@ -5,6 +5,7 @@
 #include <string>
 
 #include "knee_robot/control/axis_data.h"
+#include "knee_robot/control/control_law.h"
 #include "knee_robot/dynamics/force_parts.h"
 #include "knee_robot/mechanism/robot.h"
 #include "knee_robot/rt/port.h"
@@ -31,6 +32,9 @@ namespace knee_robot::control {
 /// - Pose unknown (forward kinematics without result, near a singularity), or a part that is no number: 0 N from this cycle on, taken up
 ///   by the integrals like a share; when the pose is known again the force comes back in switch_s. Unreadable encoders: the last pose.
 /// - Homing: 0 N from its begin until the Drivers are switched off; not homed, lengths mean nothing.
+/// - law: besides feedforward, feedback through the identified model (ControlLaw says which, and why it is stable): loop_N, outside of
+///   shares and levels, zero wherever the forces are. Monitors, faults and the safe stop do not know of it; a model that falls silent
+///   leaves the Drivers with their own loops.
 /// Runs between AxesInput and the Drivers. The Drivers' reference is that of the last cycle. No allocation, no lock.
 class ModelFeedforward : public rt::TaskContext {
  public:
@@ -73,7 +77,21 @@ class ModelFeedforward : public rt::TaskContext {
   rt::Property<double> take_over_time{*this, "take_over_s", 0.03, "s", 0.0, 1.0, "until the whole force is there"};
   rt::Property<double> switch_time{*this, "switch_s", 0.5, "s", 0.0, 10.0, "for a share from 0 to 1, or 50 kg"};
 
-  /// Ordinary thread, before configure(): reads the model. InputError names the file and the reason. configure() does it otherwise.
+  rt::Property<std::string> law{*this, "law", "feedforward",
+                                "feedforward, computed_torque or passivity_based; the last two need a model"};
+  rt::Property<double> lambda{
+      *this, "lambda_per_s", 20.0, "1/s", 0.1, 1000.0, "of passivity_based: velocity wanted per metre of error"};
+  rt::Property<double> stiffness{
+      *this, "stiffness_per_s2", 4000.0, "1/s^2", 0.0, 1e6, "of computed_torque: acceleration per metre of error"};
+  rt::Property<double> damping{
+      *this, "damping_per_s", 125.0, "1/s", 0.0, 1e4, "of computed_torque: acceleration per m/s of error"};
+  rt::Property<double> velocity_cutoff{
+      *this, "velocity_cutoff_hz", 100.0, "Hz", 1.0, 1000.0, "low-pass of the velocity in both"};
+
+  /// Ordinary thread, before configure(): reads `law`. InputError names the property and what it needs.
+  void readLaw();
+  Law chosenLaw() const noexcept { return law_.law(); }
+  /// Ordinary thread, before configure(): reads the model and the law. InputError names the file and the reason. configure() does it otherwise.
   void loadModel();
   /// Where the forces come from, for the operator. After loadModel().
   const std::string& source() const { return source_; }
@@ -96,12 +114,16 @@ class ModelFeedforward : public rt::TaskContext {
   void drop() noexcept;
   bool findParts() noexcept;
   AxisValues total(const Weights& weights, double level) const noexcept;
+  void closeLoop(double dt) noexcept;
+  void openLoop() noexcept;
 
   const mechanism::Robot robot_;
   const std::array<rt::InputPort<AxisCommand>*, hardware::kAxes> inputs_;
   std::unique_ptr<const dynamics::PartedModel> model_;
   std::string source_;
   std::array<double, hardware::kAxes> largest_N_{};
+  ControlLaw law_;
+  double since_law_s_ = 0.0;
 
   AxesMeasurement measured_;
   bool new_reading_ = false;
