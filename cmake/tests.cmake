@@ -6,6 +6,7 @@ add_library(knee_test_main STATIC test/main.cpp test/allocation_guard.cpp)
 target_include_directories(knee_test_main PUBLIC ${PROJECT_SOURCE_DIR} PRIVATE ${GTEST_INCLUDE_DIRS})
 # main changes to the source folder. The tests' own flags hold no absolute path: the compiler cache serves every checkout.
 set_source_files_properties(test/main.cpp PROPERTIES COMPILE_DEFINITIONS KNEE_CHECKOUT="${PROJECT_SOURCE_DIR}")
+set_target_properties(knee_test_main PROPERTIES CXX_COMPILER_LAUNCHER "")  # ccache would give another checkout the object of this one
 target_compile_definitions(knee_test_main PUBLIC KNEE_SOURCE_DIR=".")
 target_link_libraries(knee_test_main PUBLIC knee_robot_options ${GTEST_LIBRARIES})
 set_target_properties(knee_test_main PROPERTIES EXCLUDE_FROM_ALL ON)

@@ -11,13 +11,17 @@ export async function begin() {
   open();
 }
 
-export function open() { $("events").replaceChildren(...events.slice(-MOST).reverse().map(row)); }
-export function translate() { open(); }
+// What was there before the server comes later than its own first entries.
+export function open() { events.sort((one, other) => one.time - other.time); show(); }
+function show() { $("events").replaceChildren(...events.slice(-MOST).reverse().map(row)); }
+export function translate() { show(); }
 
 export function add(entry) {
+  const late = events.length && entry.time < events[events.length - 1].time;
   events.push(entry);
   if (events.length > 2 * MOST) events = events.slice(-MOST);
   if ($("tab-log").hidden) return;
+  if (late) { open(); return; }
   $("events").prepend(row(entry));
   while ($("events").children.length > MOST) $("events").lastChild.remove();
 }

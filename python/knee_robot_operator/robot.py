@@ -12,14 +12,15 @@ from actionlib_msgs.msg import GoalStatus
 from rosgraph_msgs.msg import Log
 from std_srvs.srv import Trigger
 
-from knee_robot.msg import ControllerState, Forces, Margins, PlayAction, PlayGoal, Tracking
-from knee_robot.srv import CheckReference, GetState, LoadPatient, LoadReference, SetSpeed
+from knee_robot.msg import ControllerState, Event, Forces, Margins, PlayAction, PlayGoal, Tracking
+from knee_robot.srv import CheckReference, GetEvents, GetState, LoadPatient, LoadReference, SetSpeed
 
 from .answer import Answer
+from .controller_events import ControllerEvents
 
 SILENT_S = 2.0     # the state comes twice a second
 _KINDS = {"load_reference": LoadReference, "check_reference": CheckReference, "set_speed": SetSpeed, "load_patient": LoadPatient,
-          "get_state": GetState}
+          "get_state": GetState, "get_events": GetEvents}
 _PATIENCE_S = {"enable": 30.0, "disable": 15.0, "check_reference": 30.0, "load_reference": 30.0}
 _MOST_THREADS = 40
 
@@ -34,13 +35,19 @@ def _state_dict(message):
     return state
 
 
+def _event_dict(message):
+    return {"number": message.number, "time": round(message.header.stamp.to_sec(), 3), "kind": message.kind, "who": message.who, "what": message.what,
+            "answer": message.answer}
+
+
 class RosRobot:
     """`loop`: the server's. Messages are kept as they come; listeners are called on the loop."""
 
     def __init__(self, loop, controller="controller"):
         self._loop, self._name = loop, rospy.resolve_name(controller)
         self._threads = threading.BoundedSemaphore(_MOST_THREADS)
-        self._listeners, self._log_listeners = [], []
+        self._listeners, self._log_listeners, self._event_listeners = [], [], []
+        self._events = ControllerEvents(self._fetch_events, self._tell_event)
         self._state = self._tracking = self._forces = self._margins = None
         self._heard = -math.inf
         self._goal = None
@@ -50,11 +57,14 @@ class RosRobot:
             rospy.Subscriber(f"{name}/tracking", Tracking, lambda m: setattr(self, "_tracking", m), queue_size=1),
             rospy.Subscriber(f"{name}/forces", Forces, lambda m: setattr(self, "_forces", m), queue_size=1),
             rospy.Subscriber(f"{name}/margins", Margins, lambda m: setattr(self, "_margins", m), queue_size=1),
+            rospy.Subscriber(f"{name}/events", Event, lambda m: self._loop.call_soon_threadsafe(self._events.hear, _event_dict(m)), queue_size=200),
             rospy.Subscriber("/rosout", Log, self._on_log, queue_size=50)]
         self._client = actionlib.ActionClient(f"{name}/play", PlayAction)
 
-    def listen(self, on_state, on_log):
-        """`on_state(state)` after every state message, `on_log(is_warning, sentence)` for what the controller says in its log."""
+    def listen(self, on_state, on_log, on_event):
+        """`on_state(state)` after every state message, `on_event(event, is_ours)` for every entry of the controller's event log, `on_log(sentence)`
+        for its warnings."""
+        self._event_listeners.append(on_event)
         self._listeners.append(on_state)
         self._log_listeners.append(on_log)
 
@@ -191,6 +201,18 @@ class RosRobot:
             self._loop.call_soon_threadsafe(listener, self._state)
 
     def _on_log(self, message):
-        if message.name == self._name and message.level >= Log.INFO:
+        if message.name == self._name and message.level >= Log.WARN:
             for listener in self._log_listeners:
-                self._loop.call_soon_threadsafe(listener, message.level >= Log.WARN, message.msg)
+                self._loop.call_soon_threadsafe(listener, message.msg)
+
+    async def _fetch_events(self, after):
+        try:
+            answer = await self._call("get_events", 5.0, after=after)
+        except (asyncio.TimeoutError, rospy.ServiceException, rospy.ROSException, OSError):
+            return None
+        return [_event_dict(event) for event in answer.events]
+
+    def _tell_event(self, event, is_old):
+        """What this server has asked for itself is told by it, with the user's name; not what an earlier one asked for."""
+        for listener in self._event_listeners:
+            listener(event, not is_old and event["who"] == rospy.get_name())

@@ -1,5 +1,6 @@
 """The server: pages and requests. What they mean is in the modules beside it."""
 import asyncio
+import collections
 import json
 import pathlib
 import re
@@ -8,6 +9,7 @@ from aiohttp import web
 
 from .access import LONGEST_PASSWORD, LoginLimit, Session, Sessions
 from .connections import BODY_S, bounded_request
+from .controller_events import in_words
 from .answer import Answer, Refused
 from .exercises import Exercises
 from .folders import Folder, ReportFolders
@@ -57,9 +59,8 @@ class Server:
         self.live = Live(self.snapshot, robot.live, self.sessions)
         self.lost_page = LostPage(robot, self.live, self.events, settings.lost_page_pause_s)
         self.pages = read_pages(page_folder)
-        self._told = None
-        self._own_sentences = []
-        robot.listen(self.on_state, self.on_log)
+        self._told_answers = collections.deque(maxlen=50)
+        robot.listen(lambda _state: self.live.changed(), self.on_log, self.on_event)
         self.events.listen(lambda entry: self.live.tell("event", entry))
 
     def snapshot(self):
@@ -67,21 +68,18 @@ class Server:
         return {"robot": state, "playing": self.playing.as_dict(),
                 "job": self.jobs.as_dict()}
 
-    def on_state(self, state):
-        told = (state["state"], state["fault"])
-        if told != self._told:
-            self._told = told
-            if state["fault"]:
-                self.events.add("fault", state["cause"], name=state["fault"], state=state["state"])
-            else:
-                self.events.add("state", state["state"])
-        self.live.changed()
+    def on_event(self, event, is_ours):
+        """An entry of the controller's log. Requests of this server's users are in the log by note()."""
+        self._told_answers.append(event["answer"])
+        if not is_ours:
+            kind, words, more = in_words(event)
+            self.events.add(kind, words, **more)
 
-    def on_log(self, is_warning, sentence):
-        """What the controller says, other people's requests among it. A second later, when it is known which were our own."""
+    def on_log(self, sentence):
+        """A warning of the controller. A second later, when it is known which of them only repeat an answer."""
         def add():
-            if not any(own and own in sentence for own in (*self._own_sentences, self.playing.message)):
-                self.events.add("controller", sentence, warning=is_warning)
+            if not any(told and told in sentence for told in (*self._told_answers, self.playing.message)):
+                self.events.add("controller", sentence, warning=True)
 
         asyncio.get_running_loop().call_later(_OTHERS_S, add)
 
@@ -90,7 +88,7 @@ class Server:
         who = {"user": session.user if session else "", "role": session.role if session else "", "address": request.remote}
         self.audit.add("request" if answer.success else "refused", what, answer=answer.message, **who)
         self.events.add("request" if answer.success else "refused", what, answer=answer.message, user=who["user"])
-        self._own_sentences = [answer.message, *self._own_sentences[:9]]
+        self._told_answers.append(answer.message)
         self.live.changed()
         return web.json_response(answer.as_dict())
 

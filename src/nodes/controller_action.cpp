@@ -1,5 +1,6 @@
 #include "controller_action.h"
 
+#include "controller_events.h"
 #include "knee_robot/base/errors.h"
 #include "knee_robot/base/numbers.h"
 #include "played_goal.h"
@@ -23,10 +24,11 @@ PlayResult resultOf(const std::string& sentence) {
 }  // namespace
 
 PlayActionServer::PlayActionServer(ros::NodeHandle& node, control::ControlSystem& system, References& references,
-                                   const Folder& recordings)
+                                   const Folder& recordings, EventLog& log)
     : system_(system),
       references_(references),
       recordings_(recordings),
+      log_(log),
       server_(
           node, "play", [this](Handle handle) { receive(handle); }, [this](Handle handle) { cancel(handle); }, false) {
   judge_ = std::thread([this] { judgeArrivals(); });
@@ -78,6 +80,15 @@ control::Answer PlayActionServer::judge(const PlayGoal& goal, Job& job) const {
   return {true, ""};
 }
 
+void PlayActionServer::note(const std::string& kind, const Handle& handle, const std::string& sentence) {
+  const PlayGoal& goal = *handle.getGoal();
+  std::string what = "play " + (goal.file.empty() ? "the loaded reference" : goal.file);
+  if (goal.enable) what += ", enable";
+  if (goal.approach) what += ", approach";
+  if (goal.record) what += ", record " + goal.recording;
+  log_.add(kind, callerOfGoal(handle.getGoalID().id), what, sentence);
+}
+
 /// Called with actionlib's lock held: nothing here may take long, and what is sent to handles must not happen under mutex_, which the
 /// worker takes too.
 void PlayActionServer::receive(Handle handle) {
@@ -120,9 +131,11 @@ void PlayActionServer::decide(Job& job, control::Answer answer) {
   }
   if (!answer.ok) {
     ROS_WARN("play refused: %s", answer.sentence.c_str());
+    note("refused", handle, answer.sentence);
     handle.setRejected(resultOf(answer.sentence), answer.sentence);
     return;
   }
+  note("request", handle, "accepted");
   handle.setAccepted("accepted");
   std::optional<Handle> replaced;
   {

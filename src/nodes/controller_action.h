@@ -12,6 +12,7 @@
 #include <thread>
 
 #include "controller_references.h"
+#include "event_log.h"
 #include "folder.h"
 #include "knee_robot/control/control_system.h"
 
@@ -22,7 +23,7 @@ namespace knee_robot::nodes {
 class PlayActionServer {
  public:
   PlayActionServer(ros::NodeHandle& node, control::ControlSystem& system, References& references,
-                   const Folder& recordings);
+                   const Folder& recordings, EventLog& log);
   /// A goal that is being played is stopped along its path and aborted.
   ~PlayActionServer();
 
@@ -44,10 +45,12 @@ class PlayActionServer {
   control::Answer judge(const PlayGoal& goal, Job& job) const;
   control::Answer judgeMachine(const PlayGoal& goal) const;
   void work();
+  void note(const std::string& kind, const Handle& handle, const std::string& sentence);
 
   control::ControlSystem& system_;
   References& references_;
   const Folder& recordings_;
+  EventLog& log_;
 
   std::mutex mutex_;
   std::condition_variable arrived_;

@@ -38,8 +38,9 @@ Component componentMessage(const rt::TaskContext& component) {
 
 }  // namespace
 
-ControllerComponents::ControllerComponents(ros::NodeHandle& node, control::ControlSystem& system)
+ControllerComponents::ControllerComponents(ros::NodeHandle& node, control::ControlSystem& system, EventLog& log)
     : system_(system),
+      log_(log),
       list_(node.advertiseService("list_components", &ControllerComponents::list, this)),
       set_(node.advertiseService("set_property", &ControllerComponents::set, this)) {}
 
@@ -53,10 +54,14 @@ bool ControllerComponents::list(ListComponents::Request& request, ListComponents
   return true;
 }
 
-bool ControllerComponents::set(SetProperty::Request& request, SetProperty::Response& response) {
+bool ControllerComponents::set(ros::ServiceEvent<SetProperty::Request, SetProperty::Response>& call) {
+  const SetProperty::Request& request = call.getRequest();
+  SetProperty::Response& response = call.getResponse();
   const control::Answer answer = system_.setProperty(request.component, request.property, request.value);
   response.success = answer.ok;
   response.message = answer.sentence;
+  log_.request(call.getCallerName(), "set_property " + request.component + "." + request.property + " " + request.value,
+               answer);
   if (answer.ok) ROS_INFO("set_property: %s", answer.sentence.c_str());
   if (!answer.ok) ROS_WARN("set_property refused: %s", answer.sentence.c_str());
   return true;

@@ -4,6 +4,7 @@
 #include <knee_robot/SetProperty.h>
 #include <ros/ros.h>
 
+#include "event_log.h"
 #include "knee_robot/control/control_system.h"
 
 namespace knee_robot::nodes {
@@ -12,13 +13,14 @@ namespace knee_robot::nodes {
 /// read or write what components publish for other threads (atomic states and values): the servo thread waits for neither.
 class ControllerComponents {
  public:
-  ControllerComponents(ros::NodeHandle& node, control::ControlSystem& system);
+  ControllerComponents(ros::NodeHandle& node, control::ControlSystem& system, EventLog& log);
 
  private:
   bool list(ListComponents::Request& request, ListComponents::Response& response);
-  bool set(SetProperty::Request& request, SetProperty::Response& response);
+  bool set(ros::ServiceEvent<SetProperty::Request, SetProperty::Response>& call);
 
   control::ControlSystem& system_;
+  EventLog& log_;
   ros::ServiceServer list_, set_;
 };
 

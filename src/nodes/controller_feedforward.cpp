@@ -39,8 +39,9 @@ const control::ModelFeedforward* find(const control::ControlSystem& system) {
 
 class ControllerFeedforward::Server {
  public:
-  Server(ros::NodeHandle& node, control::ControlSystem& system, const control::ModelFeedforward& component)
-      : system_(system), component_(component), server_(mutex_, ros::NodeHandle(node, "feedforward")) {
+  Server(ros::NodeHandle& node, control::ControlSystem& system, const control::ModelFeedforward& component,
+         EventLog& log)
+      : system_(system), log_(log), component_(component), server_(mutex_, ros::NodeHandle(node, "feedforward")) {
     FeedforwardConfig config;
     server_.getConfigDefault(config);
     readBack(config);
@@ -55,6 +56,7 @@ class ControllerFeedforward::Server {
       const double wanted = asked.*part.field;
       if (wanted == (component_.*part.value).value()) continue;
       const control::Answer answer = system_.setProperty(component_.name(), part.property, exactNumber(wanted));
+      log_.request("", "feedforward (dynamic_reconfigure)", answer);
       if (answer.ok) ROS_INFO("feedforward: %s", answer.sentence.c_str());
       if (!answer.ok) ROS_WARN("feedforward refused: %s", answer.sentence.c_str());
     }
@@ -67,14 +69,15 @@ class ControllerFeedforward::Server {
   }
 
   control::ControlSystem& system_;
+  EventLog& log_;
   const control::ModelFeedforward& component_;
   boost::recursive_mutex mutex_;
   dynamic_reconfigure::Server<FeedforwardConfig> server_;
 };
 
-ControllerFeedforward::ControllerFeedforward(ros::NodeHandle& node, control::ControlSystem& system) {
+ControllerFeedforward::ControllerFeedforward(ros::NodeHandle& node, control::ControlSystem& system, EventLog& log) {
   if (const control::ModelFeedforward* component = find(system))
-    server_ = std::make_unique<Server>(node, system, *component);
+    server_ = std::make_unique<Server>(node, system, *component, log);
 }
 ControllerFeedforward::~ControllerFeedforward() = default;
 

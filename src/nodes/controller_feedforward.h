@@ -2,6 +2,7 @@
 
 #include <memory>
 
+#include "event_log.h"
 #include "knee_robot/control/control_system.h"
 
 namespace ros {
@@ -14,7 +15,7 @@ namespace knee_robot::nodes {
 /// is advertised when the deployment has no ModelFeedforward.
 class ControllerFeedforward {
  public:
-  ControllerFeedforward(ros::NodeHandle& node, control::ControlSystem& system);
+  ControllerFeedforward(ros::NodeHandle& node, control::ControlSystem& system, EventLog& log);
   ~ControllerFeedforward();
 
  private:

@@ -39,8 +39,8 @@ const std::array<Gain, 4>& gains() {
 
 class ControllerGains::Server {
  public:
-  Server(ros::NodeHandle& node, control::ControlSystem& system)
-      : system_(system), server_(mutex_, ros::NodeHandle(node, "gains")) {
+  Server(ros::NodeHandle& node, control::ControlSystem& system, EventLog& log)
+      : system_(system), log_(log), server_(mutex_, ros::NodeHandle(node, "gains")) {
     GainsConfig config;
     server_.getConfigDefault(config);
     readBack(config);
@@ -59,6 +59,7 @@ class ControllerGains::Server {
         const double wanted = asked.*gain.field[axis];
         if (wanted == (driver->*gain.value).value()) continue;
         const control::Answer answer = system_.setProperty(driver->name(), gain.property, exactNumber(wanted));
+        log_.request("", "gains (dynamic_reconfigure)", answer);
         if (answer.ok) ROS_INFO("gains: %s", answer.sentence.c_str());
         if (!answer.ok) ROS_WARN("gains refused: %s", answer.sentence.c_str());
       }
@@ -76,12 +77,13 @@ class ControllerGains::Server {
   }
 
   control::ControlSystem& system_;
+  EventLog& log_;
   boost::recursive_mutex mutex_;
   dynamic_reconfigure::Server<GainsConfig> server_;
 };
 
-ControllerGains::ControllerGains(ros::NodeHandle& node, control::ControlSystem& system)
-    : server_(std::make_unique<Server>(node, system)) {}
+ControllerGains::ControllerGains(ros::NodeHandle& node, control::ControlSystem& system, EventLog& log)
+    : server_(std::make_unique<Server>(node, system, log)) {}
 ControllerGains::~ControllerGains() = default;
 
 }  // namespace knee_robot::nodes

@@ -2,6 +2,7 @@
 
 #include <memory>
 
+#include "event_log.h"
 #include "knee_robot/control/control_system.h"
 
 namespace ros {
@@ -15,7 +16,7 @@ namespace knee_robot::nodes {
 /// server's; a change that the Driver refuses is shown as not made.
 class ControllerGains {
  public:
-  ControllerGains(ros::NodeHandle& node, control::ControlSystem& system);
+  ControllerGains(ros::NodeHandle& node, control::ControlSystem& system, EventLog& log);
   ~ControllerGains();
 
  private:

@@ -4,15 +4,18 @@ namespace knee_robot::nodes {
 
 ControllerInterface::ControllerInterface(const Parts& parts)
     : references_(parts.references),
-      action_(actions_.node, parts.system, parts.references, parts.recordings),
-      gains_(commands_.node, parts.system),
-      feedforward_(commands_.node, parts.system),
+      action_(actions_.node, parts.system, parts.references, parts.recordings, parts.log),
+      gains_(commands_.node, parts.system, parts.log),
+      feedforward_(commands_.node, parts.system, parts.log),
       topics_(topics_lane_.node, parts.system, parts.robot, parts.rate_hz),
       timing_(topics_lane_.node, parts.system),
       diagnostics_(topics_lane_.node, parts.system, parts.robot, parts.guardian),
-      components_(commands_.node, parts.system),
-      services_(commands_.node, stops_.node, parts.system, parts.references, parts.patients, parts.recordings),
-      running_{{&commands_, &stops_, &actions_, &topics_lane_}} {
+      components_(commands_.node, parts.system, parts.log),
+      events_(onlookers_.node, parts.system, parts.log),
+      ports_(onlookers_.node, parts.system, parts.log),
+      services_(commands_.node, stops_.node, parts.system, parts.references, parts.patients, parts.recordings,
+                parts.log),
+      running_{{&commands_, &stops_, &actions_, &topics_lane_, &onlookers_}} {
   parts.references.advertise(topics_lane_.node);
   for (Lane* lane : running_.lanes)
     lane->start();

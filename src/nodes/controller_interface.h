@@ -10,8 +10,10 @@
 #include "controller_action.h"
 #include "controller_components.h"
 #include "controller_diagnostics.h"
+#include "controller_events.h"
 #include "controller_feedforward.h"
 #include "controller_gains.h"
+#include "controller_ports.h"
 #include "controller_references.h"
 #include "controller_services.h"
 #include "controller_timing.h"
@@ -26,6 +28,7 @@ namespace knee_robot::nodes {
 ///     stops (4)             emergency_stop, stop, pause, disable, set_speed, get_state
 ///     action (2)            goals and cancels of ~play
 ///     topics (1)            publishing and diagnostics
+///     onlookers (1)         the event log and watched ports
 class ControllerInterface {
  public:
   struct Parts {
@@ -36,6 +39,7 @@ class ControllerInterface {
     const Folder& recordings;
     double rate_hz;
     const std::atomic<GuardianSupervision::Guardian>& guardian;
+    EventLog& log;
   };
   explicit ControllerInterface(const Parts& parts);
   ~ControllerInterface() { references_.withdraw(); }
@@ -55,7 +59,7 @@ class ControllerInterface {
   };
   /// Stops the threads before anything that they call is gone.
   struct Running {
-    std::array<Lane*, 4> lanes;
+    std::array<Lane*, 5> lanes;
     ~Running() {
       for (Lane* lane : lanes)
         lane->stop();
@@ -63,7 +67,7 @@ class ControllerInterface {
   };
 
   References& references_;
-  Lane commands_{3}, stops_{4}, actions_{2}, topics_lane_{1};
+  Lane commands_{3}, stops_{4}, actions_{2}, topics_lane_{1}, onlookers_{1};
   PlayActionServer action_;
   ControllerGains gains_;
   ControllerFeedforward feedforward_;
@@ -71,6 +75,8 @@ class ControllerInterface {
   ControllerTiming timing_;
   ControllerDiagnostics diagnostics_;
   ControllerComponents components_;
+  ControllerEvents events_;
+  ControllerPorts ports_;
   ControllerServices services_;
   Running running_;
 };

@@ -32,7 +32,8 @@ double boundedParameter(const ros::NodeHandle& node, const std::string& name, do
 /// Without a master no operator's tool finds the controller: what moves is stopped along its path, and the drives are switched off.
 class MasterLoss {
  public:
-  MasterLoss(control::ControlSystem& system, double timeout_s) : system_(system), timeout_s_(timeout_s) {}
+  MasterLoss(control::ControlSystem& system, nodes::EventLog& log, double timeout_s)
+      : system_(system), log_(log), timeout_s_(timeout_s) {}
   void look(double silence_s) {
     if (timeout_s_ == 0.0 || silence_s < timeout_s_) {
       acted_ = false;
@@ -41,14 +42,17 @@ class MasterLoss {
     const control::MachineState state = system_.state();
     if (acted_ || state == control::MachineState::Disabled || state == control::MachineState::Faulted) return;
     acted_ = true;
+    log_.add("controller", "", "the ROS master is gone: stopping along the path, then disabling");
     ROS_ERROR("the ROS master is gone for %.1f s: stopping along the path, then disabling", silence_s);
     if (system_.stop().ok) system_.waitFor(control::MachineState::Holding, 10.0);
     const control::Answer answer = system_.disable();
+    log_.add("controller", "", "after the loss of the ROS master", answer.sentence);
     ROS_ERROR("after the loss of the ROS master: %s", answer.sentence.c_str());
   }
 
  private:
   control::ControlSystem& system_;
+  nodes::EventLog& log_;
   const double timeout_s_;
   bool acted_ = false;
 };
@@ -60,7 +64,7 @@ void serve(const ros::NodeHandle& node, nodes::Machine& machine, const nodes::Co
   ros::master::setRetryTimeout(ros::WallDuration(5.0));  // never wait for ever for a master that goes away again
   auto interface = std::make_unique<nodes::ControllerInterface>(parts);
   nodes::GuardianSupervision supervision(machine);
-  MasterLoss loss(parts.system, timeout_s);
+  MasterLoss loss(parts.system, parts.log, timeout_s);
   nodes::MasterWatch watch(node.resolveName("get_state"));
   while (!stop_requested && ros::ok()) {
     guardian = supervision.look();
@@ -100,7 +104,9 @@ int run() {
   }
   control::ControlSystem system(robot, hardware_file, nodes::requiredParameter(node, "deployment"), machine.bus(),
                                 options);
+  nodes::EventLog log(node.param("events", recordings.path() + "/events") + "/controller.jsonl");
   const control::Answer started = system.start();
+  log.add("controller", "", "start", started.sentence);
   if (!started.ok) throw InputError(started.sentence);
   for (const std::string& warning : system.warnings())
     ROS_WARN("NOT REAL TIME: %s", warning.c_str());
@@ -108,7 +114,7 @@ int run() {
   ROS_INFO("feedforward: %s", system.feedforward().c_str());
   nodes::References references(system, robot, reference_folder);
   std::atomic<nodes::GuardianSupervision::Guardian> guardian{nodes::GuardianSupervision::Guardian::None};
-  serve(node, machine, {system, robot, references, patients, recordings, rate_hz, guardian}, guardian);
+  serve(node, machine, {system, robot, references, patients, recordings, rate_hz, guardian, log}, guardian);
   const std::string timing = rt::toText(system.statistics());
   control::Answer stopped = system.shutdown();
   while (!stopped.ok && system.state() == control::MachineState::SafeStopping) {  // only the drives carry the platform
@@ -116,6 +122,7 @@ int run() {
     std::this_thread::sleep_for(std::chrono::seconds(5));
     stopped = system.shutdown();
   }
+  log.add("controller", "", "end", stopped.sentence);
   std::printf("controller: timing since the start\n%s", timing.c_str());
   std::printf("controller: %s\n", stopped.sentence.c_str());
   return stopped.ok ? kExitDone : 1;

@@ -2,26 +2,14 @@
 
 #include "controller_topics.h"
 #include "knee_robot/base/errors.h"
+#include "knee_robot/base/numbers.h"
 #include "played_goal.h"
 
 namespace knee_robot::nodes {
-namespace {
-
-template <typename Response>
-bool reply(const std::string& name, const knee_robot::control::Answer& answer, Response& response) {
-  response.success = answer.ok;
-  response.message = answer.sentence;
-  if (answer.ok) ROS_INFO("%s: %s", name.c_str(), answer.sentence.c_str());
-  if (!answer.ok) ROS_WARN("%s refused: %s", name.c_str(), answer.sentence.c_str());
-  return true;
-}
-
-}  // namespace
-
 ControllerServices::ControllerServices(ros::NodeHandle& commands, ros::NodeHandle& stops,
                                        control::ControlSystem& system, References& references, const Folder& patients,
-                                       const Folder& recordings)
-    : system_(system), references_(references), patients_(patients), recordings_(recordings) {
+                                       const Folder& recordings, EventLog& log)
+    : system_(system), references_(references), patients_(patients), recordings_(recordings), log_(log) {
   offer(stops, "emergency_stop", [this] { return system_.emergencyStop(); });
   offer(stops, "stop", [this] { return system_.stop(); });
   offer(stops, "pause", [this] { return system_.pause(); });
@@ -43,52 +31,67 @@ ControllerServices::ControllerServices(ros::NodeHandle& commands, ros::NodeHandl
   servers_.push_back(stops.advertiseService("get_state", &ControllerServices::getState, this));
 }
 
+/// `what`: the request with its arguments, for the event log.
+template <typename Event>
+bool ControllerServices::reply(Event& call, const std::string& what, const control::Answer& answer) {
+  call.getResponse().success = answer.ok;
+  call.getResponse().message = answer.sentence;
+  const std::string name = what.substr(0, what.find(' '));
+  if (answer.ok) ROS_INFO("%s: %s", name.c_str(), answer.sentence.c_str());
+  if (!answer.ok) ROS_WARN("%s refused: %s", name.c_str(), answer.sentence.c_str());
+  log_.request(call.getCallerName(), what, answer);
+  return true;
+}
+
 void ControllerServices::offer(ros::NodeHandle& node, const std::string& name,
                                std::function<control::Answer()> command) {
-  using Request = std_srvs::Trigger::Request;
-  using Response = std_srvs::Trigger::Response;
-  const boost::function<bool(Request&, Response&)> serve = [name, command](Request&, Response& response) {
-    return reply(name, command(), response);
+  using Trigger = ros::ServiceEvent<std_srvs::Trigger::Request, std_srvs::Trigger::Response>;
+  const boost::function<bool(Trigger&)> serve = [this, name, command](Trigger& call) {
+    return reply(call, name, command());
   };
   servers_.push_back(node.advertiseService(name, serve));
 }
 
-bool ControllerServices::check(CheckReference::Request& request, CheckReference::Response& response) {
-  const JudgedReference judged = references_.judge(request.file, request.space);
-  response.points = judged.points;
-  response.duration_s = judged.duration_s;
-  return reply("check_reference", judged.answer, response);
+bool ControllerServices::check(Call<CheckReference>& call) {
+  const JudgedReference judged = references_.judge(call.getRequest().file, call.getRequest().space);
+  call.getResponse().points = judged.points;
+  call.getResponse().duration_s = judged.duration_s;
+  return reply(call, "check_reference " + call.getRequest().file, judged.answer);
 }
 
-bool ControllerServices::load(LoadReference::Request& request, LoadReference::Response& response) {
-  const JudgedReference judged = references_.judge(request.file, request.space);
-  response.points = judged.points;
-  response.duration_s = judged.duration_s;
-  return reply("load_reference", references_.load(judged), response);
+bool ControllerServices::load(Call<LoadReference>& call) {
+  const JudgedReference judged = references_.judge(call.getRequest().file, call.getRequest().space);
+  call.getResponse().points = judged.points;
+  call.getResponse().duration_s = judged.duration_s;
+  return reply(call, "load_reference " + call.getRequest().file, references_.load(judged));
 }
 
-bool ControllerServices::loadPatient(LoadPatient::Request& request, LoadPatient::Response& response) {
+bool ControllerServices::loadPatient(Call<LoadPatient>& call) {
+  const std::string what = "load_patient " + call.getRequest().file;
   try {
-    return reply("load_patient", system_.loadPatient(patients_.existingFile(request.file)), response);
+    return reply(call, what, system_.loadPatient(patients_.existingFile(call.getRequest().file)));
   } catch (const InputError& error) {
-    return reply("load_patient", {false, error.what()}, response);
+    return reply(call, what, {false, error.what()});
   }
 }
 
-bool ControllerServices::record(SetRecording::Request& request, SetRecording::Response& response) {
+bool ControllerServices::record(Call<SetRecording>& call) {
+  const SetRecording::Request& request = call.getRequest();
+  const std::string what = "set_recording " + (request.record ? request.file : "(end)");
   try {
     const control::Answer answer =
         request.record
             ? system_.startRecording(recordings_.newFile(request.file.empty() ? nameAfterTheTime() : request.file))
             : system_.stopRecording();
-    return reply("set_recording", answer, response);
+    return reply(call, what, answer);
   } catch (const InputError& error) {
-    return reply("set_recording", {false, error.what()}, response);
+    return reply(call, what, {false, error.what()});
   }
 }
 
-bool ControllerServices::setSpeed(SetSpeed::Request& request, SetSpeed::Response& response) {
-  return reply("set_speed", system_.setSpeed(request.percent), response);
+bool ControllerServices::setSpeed(Call<SetSpeed>& call) {
+  const double percent = call.getRequest().percent;
+  return reply(call, "set_speed " + shortNumber(percent) + " %", system_.setSpeed(percent));
 }
 
 bool ControllerServices::getState(GetState::Request& /*request*/, GetState::Response& response) {

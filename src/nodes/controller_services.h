@@ -14,12 +14,13 @@
 #include <vector>
 
 #include "controller_references.h"
+#include "event_log.h"
 #include "folder.h"
 #include "knee_robot/control/control_system.h"
 
 namespace knee_robot::nodes {
 
-/// The operator's commands as services. Every answer says what happened, or why it did not.
+/// The operator's commands as services. Every answer says what happened, or why it did not, and stands in the event log with who asked.
 ///
 ///     ~check_reference, ~load_reference   files of the references folder only
 ///     ~load_patient, ~clear_patient       files of the folder of patient files only
@@ -31,21 +32,27 @@ class ControllerServices {
   /// `commands` and `stops` are the same private namespace with callback queues of their own: what makes the robot slower or
   /// stops it never waits behind a command that takes its time. ~get_state is advertised last.
   ControllerServices(ros::NodeHandle& commands, ros::NodeHandle& stops, control::ControlSystem& system,
-                     References& references, const Folder& patients, const Folder& recordings);
+                     References& references, const Folder& patients, const Folder& recordings, EventLog& log);
 
  private:
-  bool check(CheckReference::Request& request, CheckReference::Response& response);
-  bool load(LoadReference::Request& request, LoadReference::Response& response);
-  bool loadPatient(LoadPatient::Request& request, LoadPatient::Response& response);
-  bool record(SetRecording::Request& request, SetRecording::Response& response);
-  bool setSpeed(SetSpeed::Request& request, SetSpeed::Response& response);
+  template <typename Service>
+  using Call = ros::ServiceEvent<typename Service::Request, typename Service::Response>;
+
+  bool check(Call<CheckReference>& call);
+  bool load(Call<LoadReference>& call);
+  bool loadPatient(Call<LoadPatient>& call);
+  bool record(Call<SetRecording>& call);
+  bool setSpeed(Call<SetSpeed>& call);
   bool getState(GetState::Request& request, GetState::Response& response);
   void offer(ros::NodeHandle& node, const std::string& name, std::function<control::Answer()> command);
+  template <typename Event>
+  bool reply(Event& call, const std::string& what, const control::Answer& answer);
 
   control::ControlSystem& system_;
   References& references_;
   const Folder& patients_;
   const Folder& recordings_;
+  EventLog& log_;
   std::vector<ros::ServiceServer> servers_;
 };
 

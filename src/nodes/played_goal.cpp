@@ -39,6 +39,7 @@ void PlayedGoal::run() {
     for (std::size_t i = 0; i < hardware::kAxes; ++i)
       result_.rms_error_m[i] = std::sqrt(square_[i] / static_cast<double>(samples_));
   }
+  server_.note("ended", job_.handle, answer.sentence);
   if (answer.ok) {
     ROS_INFO("play: %s", answer.sentence.c_str());
     return job_.handle.setSucceeded(result_, answer.sentence);

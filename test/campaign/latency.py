@@ -19,6 +19,7 @@ import rospy
 
 import robot_path
 from knee_robot.msg import ControllerState, Tracking
+from knee_robot.srv import WatchPort
 from recording import Recording
 from session import Master, NoAnswer, Session
 
@@ -35,6 +36,7 @@ def arguments():
     p.add_argument("--output", default=str(ROOT / "output" / "latency"))
     p.add_argument("--silence-ms", type=float, default=100.0, help="of the guardian")
     p.add_argument("--topic-rate", type=float, default=100.0, help="Hz")
+    p.add_argument("--watch", action="store_true", help="every other 10 s eight ports are watched, every value of them: what that costs")
     p.add_argument("--table", default="", help="Markdown file whose marked part gets the result")
     p.add_argument("--programs", default=str(ROOT / "build" / "devel" / "lib" / "knee_robot"), help=argparse.SUPPRESS)
     return p.parse_args()
@@ -57,7 +59,7 @@ class CpuTime:
         while not self.stop_ and self.path is not None:
             now, used = time.monotonic(), int(self.path.read_text().split()[0])
             if last is not None:
-                self.samples.append((used - last[1]) * 1e-9 / (now - last[0]))
+                self.samples.append((now, (used - last[1]) * 1e-9 / (now - last[0])))
             last = (now, used)
             time.sleep(0.1)
 
@@ -115,6 +117,48 @@ class Traffic:
             one.unregister()
 
 
+class Watcher:
+    """Watches eight ports, and does not, in turns of TURN_S."""
+    TURN_S, MARGIN_S = 10.0, 1.0
+    PORTS = ("AxesInput.measurement", "Driver1.command", "Driver2.command", "Driver3.command", "Driver4.command", "Supervisor.orders",
+             "Monitors.verdict", "AxesOutput.written")
+
+    def __init__(self, wanted):
+        self.begin, self.messages, self.stop_ = time.monotonic(), 0, threading.Event()
+        self.thread = threading.Thread(target=self.run, daemon=True)
+        if wanted:
+            self.thread.start()
+
+    def run(self):
+        call = rospy.ServiceProxy("/controller/watch_port", WatchPort)
+        while not self.stop_.wait(self.TURN_S):
+            answers = [call(port, True, 0.0) for port in self.PORTS]
+            listeners = [rospy.Subscriber(answer.topic, rospy.AnyMsg, self.count) for answer in answers]
+            self.stop_.wait(self.TURN_S)
+            for port, listener in zip(self.PORTS, listeners):
+                call(port, False, 0.0)
+                listener.unregister()
+
+    def count(self, _message):
+        self.messages += 1
+
+    def watched(self, at):
+        """1, 0, or -1 near a change, for instants of time.monotonic()."""
+        turn = np.floor((at - self.begin) / self.TURN_S)
+        inside = at - self.begin - turn * self.TURN_S
+        return np.where((inside < self.MARGIN_S) | (inside > self.TURN_S - self.MARGIN_S), -1, turn % 2)
+
+
+def watching_table(watcher, cpu, late, late_at):
+    """Lateness and CPU time without and with watched ports, turn about in the same run."""
+    of_cpu, of_late = watcher.watched(cpu[:, 0]), watcher.watched(late_at)
+    lines = [f"Eight ports watched every other {Watcher.TURN_S:.0f} s, {watcher.messages} messages:", "",
+             "| | not watched | watched |", "| --- | --- | --- |"]
+    rows = [("CPU time of the cycle, median us", [1e6 * PERIOD_S * np.median(cpu[of_cpu == k, 1]) for k in (0, 1)])]
+    rows += [(f"lateness, {q:g} % us", [np.percentile(late[of_late == k], q) for k in (0, 1)]) for q in (50.0, 90.0, 99.0, 99.9)]
+    return "\n".join(lines + [f"| {name} | {without:.1f} | {with_:.1f} |" for name, (without, with_) in rows]) + "\n"
+
+
 def play_until(session, end):
     """The same path again and again."""
     geometry = robot_path.Geometry(session.files["robot"])
@@ -168,11 +212,12 @@ def main():
         session.start()
         recording = session.recordings / "latency.csv"
         recording.unlink(missing_ok=True)
-        answer = session.record(True, recording.name)
+        answer, recorded_from = session.record(True, recording.name), time.monotonic()
         if not answer.success:
             raise RuntimeError(answer.message)
         traffic, cpu = Traffic(session), CpuTime(session.controller.pid)
         cpu.thread.start()
+        watcher = Watcher(o.watch)
         seconds = max(5, int(60 * o.minutes))
         cyclic = subprocess.Popen(["cyclictest", "-m", "-q", "-p", "80", "-i", "1000", "-h", "40000", "-D", str(seconds)],
                                   stdout=subprocess.PIPE, text=True)
@@ -182,6 +227,7 @@ def main():
             print(f"latency: the movement ended early: {error}", file=sys.stderr)
             status = 1
         text = cyclic.communicate()[0]
+        watcher.stop_.set()
         cpu.stop()
         traffic.stop()
         answer = session.record(False).message
@@ -195,7 +241,9 @@ def main():
         theirs, cycles = cyclictest_quantiles(text)
         facts = {"load": f"{load[0]:.1f} to {load[1]:.1f}", "rows": data.rows, "theirs": cycles, "messages": traffic.messages,
                  "calls": traffic.calls, "skipped": skipped, "answer": answer.replace(str(session.recordings) + "/", ""), "own": ""}
-        result = render(o, ours, theirs, np.array(cpu.samples), facts)
+        result = render(o, ours, theirs, np.array(cpu.samples)[:, 1], facts)
+        if o.watch:
+            result += "\n" + watching_table(watcher, np.array(cpu.samples), late, recorded_from + data.time - data.time[0])
         print(result)
         recording.unlink()
         if o.table:

@@ -164,7 +164,7 @@ class Injection(PageTest):
 
     async def test_nobody_writes_somebody_elses_line_into_the_logs(self):
         async with Rig() as rig, rig.browser() as browser:
-            rig.robot.say(True, 'refused\n{"kind": "request", "user": "chief"}')
+            rig.robot.say('refused\n{"kind": "request", "user": "chief"}')
             await browser.post("/api/jobs", {"command": 'x"\n{"kind":"request"}', "train": []})
             await asyncio.sleep(1.2)
             lines = (rig.folder / "log" / "events.jsonl").read_text().splitlines()

@@ -6,6 +6,7 @@ import pathlib
 import stat
 import sys
 import tempfile
+import time
 import unittest
 
 import aiohttp
@@ -35,7 +36,8 @@ class ToyRobot:
         self.answers = {}          # service: Answer, or an exception, or seconds of silence
         self.goals, self.cancelled = 0, 0
         self.here = True           # at the exercise's start
-        self._listeners, self._log_listeners = [], []
+        self._listeners, self._log_listeners, self._event_listeners = [], [], []
+        self._told = (state, "")
         self._end = None
         self._goal_cancelled = None
         self._state = {"state": state, "fault": "", "cause": "", "reference_file": "lift.txt", "patient": "", "playing": "", "duration_s": play_s,
@@ -53,18 +55,29 @@ class ToyRobot:
     def live(self):
         return {"t": asyncio.get_running_loop().time(), "reference": [1] * 4, "position": [1] * 4, "force": [1] * 4, "residual": [0] * 4, "heat": 0}
 
-    def listen(self, on_state, on_log):
+    def listen(self, on_state, on_log, on_event):
+        self._event_listeners.append(on_event)
         self._listeners.append(on_state)
         self._log_listeners.append(on_log)
 
-    def say(self, is_warning, sentence):
+    def say(self, sentence):
         for listener in self._log_listeners:
-            listener(is_warning, sentence)
+            listener(sentence)
+
+    def tell(self, kind, what, answer="", who="", is_ours=False):
+        """An entry of the controller's event log."""
+        for listener in self._event_listeners:
+            listener({"number": 1, "time": time.time(), "kind": kind, "who": who, "what": what, "answer": answer}, is_ours)
 
     def become(self, state, **more):
         self._state.update(state=state, **more)
         for listener in self._listeners:
             listener(dict(self._state))
+        told, self._told = self._told, (state, self._state["fault"])
+        if self._told[1] and self._told[1] != told[1]:
+            self.tell("fault", self._state["fault"], self._state["cause"])
+        if self._told[0] != told[0]:
+            self.tell("state", state)
 
     async def ask(self, service, **fields):
         self.asked.append((service, fields))

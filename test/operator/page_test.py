@@ -194,23 +194,30 @@ class Telling(PageTest):
         async with Rig() as rig, rig.browser() as browser:
             async with browser.session.ws_connect(rig.url + "/api/live") as socket:
                 rig.robot.become("faulted", fault="stalled", cause="leg 2: the drive pushes and the axis stands still; look")
-                kinds = {}
-                while "event" not in kinds or kinds["state"]["robot"]["state"] != "faulted":
+                events, state = [], ""
+                while len(events) < 2 or state != "faulted":
                     message = await socket.receive_json(timeout=3)
-                    kinds[message["type"]] = message["content"]
-                self.assertEqual(("fault", "stalled"), (kinds["event"]["kind"], kinds["event"]["name"]))
+                    if message["type"] == "event":
+                        events.append(message["content"])
+                    elif message["type"] == "state":
+                        state = message["content"]["robot"]["state"]
+                self.assertEqual([("fault", "stalled"), ("state", None)], [(e["kind"], e.get("name")) for e in events])
 
     async def test_what_others_ask_is_in_the_log_and_what_we_ask_only_once(self):
         async with Rig() as rig, rig.browser() as browser:
-            rig.robot.say(True, "start refused: no reference is loaded")
+            rig.robot.tell("refused", "start", "no reference is loaded", who="/rqt_console")
+            rig.robot.say("start refused: no reference is loaded")
+            rig.robot.say("no platform pose belongs to the measured lengths")
             rig.robot.answers["enable"] = Answer(False, "the axes do not know where they are")
             await browser.post("/api/robot/enable")
-            rig.robot.say(True, "enable refused: the axes do not know where they are")
-            await until(lambda: any("start refused" in e["text"] for e in rig.server.events.entries()))
+            rig.robot.tell("refused", "enable", "the axes do not know where they are", who="/operator_page", is_ours=True)
+            rig.robot.say("enable refused: the axes do not know where they are")
+            await until(lambda: any("no platform pose" in e["text"] for e in rig.server.events.entries()))
             await asyncio.sleep(0.2)
-            texts = [e["text"] for e in (await browser.get("/api/events"))[1]["events"]]
-            self.assertIn("start refused: no reference is loaded", texts)
-            self.assertEqual(1, sum("enable" in t for t in texts))
+            told = [(e["text"], e.get("answer"), e.get("user")) for e in (await browser.get("/api/events"))[1]["events"]]
+            self.assertIn(("start", "no reference is loaded", "rqt_console"), told)
+            self.assertEqual([], [t for t in told if "refused" in t[0]], "what only repeats an answer")
+            self.assertEqual(1, sum("enable" in t[0] for t in told))
 
     async def test_a_lost_page_pauses_only_where_configured(self):
         for patience, expected in ((0.0, False), (0.2, True)):

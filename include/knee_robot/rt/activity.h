@@ -95,7 +95,4 @@ class PeriodicActivity final : public Activity {
   std::atomic<bool> active_{false};
 };
 
-/// CLOCK_MONOTONIC, ns.
-Nanoseconds monotonicNow() noexcept;
-
 }  // namespace knee_robot::rt

@@ -17,6 +17,9 @@ inline Nanoseconds fromSeconds(double seconds) {
   return static_cast<Nanoseconds>(std::llround(seconds * 1e9));
 }
 
+/// CLOCK_MONOTONIC, ns.
+Nanoseconds monotonicNow() noexcept;
+
 /// What a component learns about the cycle in which it runs. All components of one activity get the same times.
 struct Cycle {
   Nanoseconds time = 0;    ///< planned release: a whole multiple of the activity's period; free of jitter

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <atomic>
 #include <memory>
 #include <string>
 #include <type_traits>
@@ -8,6 +9,7 @@
 #include <vector>
 
 #include "knee_robot/rt/channel.h"
+#include "knee_robot/rt/tap.h"
 #include "knee_robot/rt/task_context.h"
 
 namespace knee_robot::rt {
@@ -44,6 +46,10 @@ class PortBase {
   virtual bool isOutput() const = 0;
   virtual bool isConnected() const = 0;
   virtual bool isRequired() const { return false; }
+  /// The output whose values come here: an output itself, or what an input is connected to; null: nothing is connected.
+  virtual PortBase* source() { return this; }
+  /// For an onlooker. Made at the first call and kept as long as the port; not real-time, one thread. Outputs only: ask source().
+  virtual TapBase* tap() { return nullptr; }
 
  protected:
   PortBase(TaskContext& owner, std::string name, std::string description, std::type_index type);
@@ -90,10 +96,12 @@ class InputPort final : public PortBase {
   bool isOutput() const override { return false; }
   bool isConnected() const override { return channel_ != nullptr; }
   bool isRequired() const override { return required_; }
+  PortBase* source() override { return source_; }
 
  private:
   friend class OutputPort<T>;
   std::shared_ptr<Channel<T>> channel_;
+  PortBase* source_ = nullptr;
   T last_{};
   bool ever_ = false;
   const bool required_;
@@ -110,6 +118,7 @@ class OutputPort final : public PortBase {
 
   /// False when at least one connection lost a value for want of room.
   bool write(const T& value) noexcept {
+    if (Tap<T>* const tap = reached_.load(std::memory_order_acquire)) tap->write(value);
     bool kept = true;
     for (const auto& channel : channels_)
       kept = channel->write(value) && kept;
@@ -117,6 +126,13 @@ class OutputPort final : public PortBase {
   }
   bool isOutput() const override { return true; }
   bool isConnected() const override { return !channels_.empty(); }
+  TapBase* tap() override {
+    if (!tap_) {
+      tap_ = std::make_unique<Tap<T>>();
+      reached_.store(tap_.get(), std::memory_order_release);
+    }
+    return tap_.get();
+  }
 
  private:
   void connectTo(PortBase& input, const ConnPolicy& policy) override {
@@ -130,9 +146,12 @@ class OutputPort final : public PortBase {
         break;
     }
     static_cast<InputPort<T>&>(input).channel_ = channel;
+    static_cast<InputPort<T>&>(input).source_ = this;
     channels_.push_back(std::move(channel));
   }
   std::vector<std::shared_ptr<Channel<T>>> channels_;
+  std::unique_ptr<Tap<T>> tap_;
+  std::atomic<Tap<T>*> reached_{nullptr};
 };
 
 }  // namespace knee_robot::rt

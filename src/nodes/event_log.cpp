@@ -1,0 +1,122 @@
+#include "event_log.h"
+
+#include <chrono>
+#include <nlohmann/json.hpp>
+
+namespace knee_robot::nodes {
+namespace {
+
+constexpr std::size_t kLongestText = 2000;  // of what somebody else may have written
+constexpr auto kRetry = std::chrono::seconds(1);
+
+double wallTime() {
+  const auto now = std::chrono::system_clock::now().time_since_epoch();
+  return 1e-3 * static_cast<double>(std::chrono::duration_cast<std::chrono::milliseconds>(now).count());
+}
+
+}  // namespace
+
+std::string toLine(const LoggedEvent& event) {
+  const nlohmann::ordered_json json = {{"number", event.number}, {"time", event.time_s}, {"kind", event.kind},
+                                       {"who", event.who},       {"what", event.what},   {"answer", event.answer}};
+  return json.dump(-1, ' ', true, nlohmann::json::error_handler_t::replace) + "\n";
+}
+
+EventLog::EventLog(const std::string& path, std::size_t largest, int kept)
+    : file_(path, largest, kept), writer_([this] { write(); }) {}
+
+EventLog::~EventLog() {
+  {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    ended_ = true;
+  }
+  arrived_.notify_all();
+  writer_.join();
+}
+
+void EventLog::addLocked(const std::string& kind, const std::string& who, const std::string& what,
+                         const std::string& answer) {
+  LoggedEvent event{++count_,
+                    wallTime(),
+                    kind,
+                    who.substr(0, kLongestText),
+                    what.substr(0, kLongestText),
+                    answer.substr(0, kLongestText)};
+  remembered_.push_back(event);
+  if (remembered_.size() > kRemembered) remembered_.pop_front();
+  if (listener_) listener_(event);
+  waiting_.push_back(std::move(event));
+  if (waiting_.size() <= kWaiting) return;
+  waiting_.pop_front();
+  ++dropped_;
+}
+
+void EventLog::add(const std::string& kind, const std::string& who, const std::string& what,
+                   const std::string& answer) {
+  {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    addLocked(kind, who, what, answer);
+  }
+  arrived_.notify_all();
+}
+
+std::vector<LoggedEvent> EventLog::after(std::uint32_t number) const {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  std::vector<LoggedEvent> events;
+  for (const LoggedEvent& event : remembered_) {
+    if (event.number > number) events.push_back(event);
+  }
+  return events;
+}
+
+void EventLog::setListener(Listener listener) {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  listener_ = std::move(listener);
+}
+
+std::string EventLog::refusal() const {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  return refusal_;
+}
+
+/// Called with the lock held, gives it back while it writes.
+bool EventLog::writeWaiting(std::unique_lock<std::mutex>& lock) {
+  const std::size_t count = waiting_.size();
+  const std::uint64_t dropped = dropped_;
+  std::string lines;
+  for (const LoggedEvent& event : waiting_)
+    lines += toLine(event);
+  lock.unlock();
+  const std::string reason = file_.append(lines);
+  lock.lock();
+  if (!reason.empty()) {
+    if (refusal_.empty())
+      addLocked("log", "", file_.path() + ": " + reason + "; entries wait in memory until the disk takes them", "");
+    refusal_ = reason;
+    return false;
+  }
+  const std::uint64_t gone = dropped_ - dropped;  // from the front, meanwhile: they are written
+  waiting_.erase(waiting_.begin(), waiting_.begin() + static_cast<std::ptrdiff_t>(count - gone));
+  dropped_ = 0;
+  if (refusal_.empty()) return true;
+  refusal_.clear();
+  addLocked("log", "", file_.path() + ": written again",
+            dropped == 0 ? "" : std::to_string(dropped) + " entries are missing in it");
+  return true;
+}
+
+void EventLog::write() {
+  std::unique_lock<std::mutex> lock(mutex_);
+  while (true) {
+    if (refusal_.empty()) {
+      arrived_.wait(lock, [this] { return !waiting_.empty() || ended_; });
+    } else {
+      arrived_.wait_for(lock, kRetry, [this] { return ended_; });
+    }
+    while (!waiting_.empty() && writeWaiting(lock)) {
+    }
+    if (ended_) return;
+  }
+}
+
+}  // namespace knee_robot::nodes

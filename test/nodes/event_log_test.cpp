@@ -1,0 +1,165 @@
+// The event log's file: bounded, whole lines, and honest about a disk that refuses.
+#include "../../src/nodes/event_log.h"
+
+#include <gtest/gtest.h>
+#include <sys/resource.h>
+
+#include <chrono>
+#include <csignal>
+#include <filesystem>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <thread>
+
+#include "../../src/nodes/controller_events.h"
+#include "knee_robot/base/files.h"
+
+namespace knee_robot::nodes {
+namespace {
+
+namespace fs = std::filesystem;
+
+class EventLogTest : public testing::Test {
+ protected:
+  EventLogTest() {
+    char pattern[] = "/tmp/event_log_test_XXXXXX";
+    folder_ = mkdtemp(pattern);
+    path_ = folder_ + "/events/controller.jsonl";
+  }
+  ~EventLogTest() override { fs::remove_all(folder_); }
+
+  static std::vector<nlohmann::json> entries(const std::string& path) {
+    std::vector<nlohmann::json> all;
+    std::ifstream file(path);
+    for (std::string line; std::getline(file, line);)
+      all.push_back(nlohmann::json::parse(line));  // throws on half a line
+    return all;
+  }
+  /// Waits until the log says so; the test ends by its own time limit otherwise.
+  static void waitFor(const std::function<bool()>& true_at_last) {
+    while (!true_at_last())
+      std::this_thread::sleep_for(std::chrono::milliseconds(5));
+  }
+  std::string folder_, path_;
+};
+
+TEST_F(EventLogTest, WritesEveryEntryAsALineThatNobodysWordsCanForge) {
+  {
+    EventLog log(path_);
+    log.request("/somebody", "load_reference a\"b\n{\"number\": 9}", {false, "no \x80 such file\r\n"});
+    log.add("state", "", "holding");
+  }
+  const auto lines = entries(path_);
+  ASSERT_EQ(lines.size(), 2u);
+  EXPECT_EQ(lines[0]["kind"], "refused");
+  EXPECT_EQ(lines[0]["who"], "/somebody");
+  EXPECT_EQ(lines[0]["what"], "load_reference a\"b\n{\"number\": 9}");
+  EXPECT_EQ(lines[1]["number"], 2);
+  EXPECT_GT(lines[1]["time"].get<double>(), 1.7e9);
+}
+
+TEST_F(EventLogTest, KeepsTheNewestInMemoryAndAllOfThemInBoundedFiles) {
+  {
+    EventLog log(path_, 20'000, 3);
+    for (int i = 0; i < 1500; ++i) {
+      log.add("state", "", "state number " + std::to_string(i));
+      if (i % 50 == 0)
+        std::this_thread::sleep_for(std::chrono::milliseconds(5));  // so that the writer writes in between
+    }
+    EXPECT_EQ(log.after(0).size(), EventLog::kRemembered);
+    EXPECT_EQ(log.after(1490).size(), 10u);
+    EXPECT_EQ(log.after(1490).front().number, 1491u);
+  }
+  std::size_t bytes = 0;
+  int files = 0;
+  for (const auto& one : fs::directory_iterator(folder_ + "/events")) {
+    bytes += fs::file_size(one);
+    ++files;
+    EXPECT_FALSE(entries(one.path()).empty());
+  }
+  EXPECT_LE(files, 4);
+  EXPECT_GT(files, 1);
+  EXPECT_EQ(entries(path_).back()["number"], 1500);
+}
+
+TEST_F(EventLogTest, SaysThatTheDiskRefusesAndWritesWhatWaitedWhenItTakesItAgain) {
+  fs::create_directories(folder_ + "/events");
+  fs::create_symlink("/dev/full", path_);
+  std::vector<std::string> heard;
+  {
+    EventLog log(path_);
+    log.setListener([&](const LoggedEvent& event) { heard.push_back(event.kind + ": " + event.what); });
+    log.add("state", "", "holding");
+    waitFor([&] { return !log.refusal().empty(); });
+    EXPECT_NE(log.refusal().find("No space left on device"), std::string::npos) << log.refusal();
+    log.add("state", "", "playing");
+    EXPECT_EQ(log.after(0).back().what, "playing") << "memory and topic go on";
+    fs::remove(path_);
+    waitFor([&] { return log.refusal().empty(); });
+    log.setListener({});
+  }
+  const auto lines = entries(path_);
+  ASSERT_EQ(lines.size(), 4u);
+  EXPECT_EQ(lines[0]["what"], "holding");
+  EXPECT_EQ(lines[1]["kind"], "log");
+  EXPECT_EQ(lines[2]["what"], "playing");
+  EXPECT_NE(lines[3]["what"].get<std::string>().find("written again"), std::string::npos);
+  ASSERT_EQ(heard.size(), 4u);
+  EXPECT_NE(heard[1].find("entries wait in memory"), std::string::npos) << heard[1];
+}
+
+TEST_F(EventLogTest, SaysHowManyEntriesADiskThatWasFullForLongHasCost) {
+  fs::create_directories(folder_ + "/events");
+  fs::create_symlink("/dev/full", path_);
+  {
+    EventLog log(path_);
+    for (std::size_t i = 0; i < EventLog::kWaiting + 100; ++i)
+      log.add("state", "", "holding");
+    waitFor([&] { return !log.refusal().empty(); });
+    fs::remove(path_);
+    waitFor([&] { return log.refusal().empty(); });
+  }
+  const auto lines = entries(path_);
+  EXPECT_EQ(lines.size(), EventLog::kWaiting + 1);
+  EXPECT_EQ(lines.back()["answer"], "101 entries are missing in it") << "the one that said that the disk refuses, too";
+}
+
+TEST_F(EventLogTest, LeavesNoHalfLineWhereTheDiskFillsInTheMiddleOfOne) {
+  rlimit before{};
+  getrlimit(RLIMIT_FSIZE, &before);
+  const auto handler = std::signal(SIGXFSZ, SIG_IGN);
+  const rlimit small{1000, before.rlim_max};
+  setrlimit(RLIMIT_FSIZE, &small);  // write() takes a part, then refuses
+  {
+    EventFile file(path_, 1'000'000, 3);
+    int taken = 0;
+    std::string reason;
+    for (; reason.empty(); ++taken)
+      reason = file.append("{\"text\": \"" + std::string(120, 'x') + "\"}\n");
+    EXPECT_NE(reason.find("File too large"), std::string::npos) << reason;
+    setrlimit(RLIMIT_FSIZE, &before);
+    EXPECT_EQ(entries(path_).size(), static_cast<std::size_t>(taken - 1));
+    EXPECT_EQ(file.append("{}\n"), "");
+  }
+  std::signal(SIGXFSZ, handler);
+  EXPECT_EQ(entries(path_).back(), nlohmann::json::object());
+}
+
+TEST_F(EventLogTest, BeginsOnALineOfItsOwnAfterAProcessThatDiedInTheMiddleOfOne) {
+  fs::create_directories(folder_ + "/events");
+  std::ofstream(path_) << "{\"number\": 1}\n{\"numb";
+  { EventLog(path_).add("state", "", "holding"); }
+  const std::string content = readFile(path_);
+  EXPECT_NE(content.find("{\"numb\n{\"number\":1,"), std::string::npos) << content;
+}
+
+TEST(CallerOfAGoal, IsTheNodesNameInItsId) {
+  EXPECT_EQ(callerOfGoal("/operator_page-3-1795340000.123"), "/operator_page");
+  EXPECT_EQ(callerOfGoal("/my-node-12-17.5"), "/my-node");
+  EXPECT_EQ(callerOfGoal("anything"), "anything");
+  EXPECT_EQ(callerOfGoal(""), "");
+  EXPECT_EQ(callerOfGoal("-"), "-");
+}
+
+}  // namespace
+}  // namespace knee_robot::nodes

@@ -1,0 +1,101 @@
+#!/usr/bin/python3
+"""The controller's event log on its way to the page: nothing twice, nothing missing, whoever was started first or anew."""
+import asyncio
+import pathlib
+import sys
+import unittest
+
+import rosunit
+
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[2] / "python"))
+from knee_robot_operator.controller_events import ControllerEvents, in_words  # noqa: E402
+
+
+def event(number, time=None, **more):
+    return {"number": number, "time": float(number if time is None else time), "kind": "state", "who": "", "what": f"s{number}", "answer": "", **more}
+
+
+class Controller:
+    """Keeps a log; `delay` long until it answers."""
+
+    def __init__(self, delay=0.0):
+        self.log, self.delay, self.answers = [], delay, True
+
+    async def fetch(self, after):
+        answer = [e for e in self.log if e["number"] > after] if self.answers else None
+        await asyncio.sleep(self.delay)
+        return answer
+
+
+class CatchingUp(unittest.IsolatedAsyncioTestCase):
+    def begin(self, controller):
+        self.told = []
+        self.events = ControllerEvents(controller.fetch, lambda e, is_old: self.told.append((e["what"], is_old)))
+
+    async def say(self, controller, *events):
+        for one in events:
+            controller.log.append(one)
+            self.events.hear(one)
+        await asyncio.sleep(0.05)
+
+    async def test_what_was_before_the_page_comes_first_and_counts_as_old(self):
+        controller = Controller()
+        controller.log = [event(1), event(2)]
+        self.begin(controller)
+        await self.say(controller, event(3))
+        await self.say(controller, event(4))
+        self.assertEqual([("s1", True), ("s2", True), ("s3", True), ("s4", False)], self.told)
+
+    async def test_the_latched_entry_that_comes_again_is_told_once(self):
+        controller = Controller()
+        self.begin(controller)
+        await self.say(controller, event(1), event(2))
+        self.events.hear(event(2))
+        await asyncio.sleep(0.02)
+        self.assertEqual(["s1", "s2"], [what for what, _ in self.told])
+
+    async def test_entries_that_were_lost_on_the_way_are_asked_for(self):
+        controller = Controller()
+        self.begin(controller)
+        await self.say(controller, event(1))
+        controller.log += [event(2), event(3)]
+        await self.say(controller, event(4))
+        self.assertEqual(["s1", "s2", "s3", "s4"], [what for what, _ in self.told])
+
+    async def test_entries_that_come_while_it_catches_up_are_neither_lost_nor_told_twice(self):
+        controller = Controller(delay=0.02)
+        self.begin(controller)
+        for number in range(1, 8):
+            await self.say(controller, event(number)) if number % 2 else controller.log.append(event(number))
+        await self.say(controller, event(8))
+        await asyncio.sleep(0.2)
+        self.assertEqual([f"s{n}" for n in range(1, 9)], [what for what, _ in self.told])
+
+    async def test_a_controller_that_was_started_anew_begins_from_one(self):
+        controller = Controller()
+        self.begin(controller)
+        await self.say(controller, event(1), event(2), event(3))
+        controller.log = [event(1, time=10, what="start")]
+        await self.say(controller, event(2, time=11, what="holding"))
+        self.assertEqual(["s1", "s2", "s3", "start", "holding"], [what for what, _ in self.told])
+
+    async def test_a_controller_that_does_not_answer_loses_no_entry_that_comes_by_itself(self):
+        controller = Controller()
+        controller.answers = False
+        self.begin(controller)
+        await self.say(controller, event(5))
+        await self.say(controller, event(6))
+        self.assertEqual(["s5", "s6"], [what for what, _ in self.told])
+
+
+class Words(unittest.TestCase):
+    def test_each_kind_has_what_the_page_shows(self):
+        self.assertEqual(("fault", "it stands still", {"time": 1.0, "name": "stalled"}), in_words(event(1, kind="fault", what="stalled", answer="it stands still")))
+        self.assertEqual(("request", "load reference a_b.txt", {"time": 1.0, "answer": "loaded", "user": "rqt"}),
+                         in_words(event(1, kind="request", what="load_reference a_b.txt", answer="loaded", who="/rqt")))
+        kind, text, more = in_words(event(1, kind="log", what="cannot be written"))
+        self.assertEqual(("controller", "cannot be written", True), (kind, text, more["warning"]))
+
+
+if __name__ == "__main__":
+    rosunit.unitrun("knee_robot", "operator_events", "events_test", sys.argv)
