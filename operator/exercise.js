@@ -56,7 +56,18 @@ export async function open() {
     box.replaceChildren(...list.map(card));
   }
   mark();
-  for (const { name, changed } of list) await fill(name, `${name}:${changed}`);
+  fillAll(list);
+}
+
+// One after the other, and nobody waits for them: they may take a minute, and the robot's state must not. The newest list wins.
+let filling = 0;
+async function fillAll(list) {
+  filling += 1;
+  const mine = filling;
+  for (const { name, changed } of list) {
+    if (mine !== filling) return;
+    await fill(name, `${name}:${changed}`);
+  }
 }
 
 function card({ name }) {
@@ -73,7 +84,7 @@ function card({ name }) {
 }
 
 async function fill(name, version) {
-  const box = document.querySelector(`#exercises [data-file="${name}"] div`);
+  const box = document.querySelector(`#exercises [data-file="${CSS.escape(name)}"] div`);
   if (!box || box.dataset.language === document.documentElement.lang) return;
   if (!pictures.has(version)) {
     const answer = await request(`/api/exercises/${encodeURIComponent(name)}`);

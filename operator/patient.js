@@ -47,6 +47,15 @@ function card(file) {
   const button = document.createElement("button"), name = document.createElement("b"), words = document.createElement("small");
   button.className = "card";
   button.dataset.patient = file.patient;
+  if (file.problem) {
+    button.classList.add("refused");
+    button.dataset.problem = "yes";
+    button.disabled = true;
+    name.textContent = file.name;
+    words.textContent = `${text("patient.unreadable")}: ${file.problem}`;
+    button.append(name, words);
+    return button;
+  }
   name.textContent = `${text("patient.short")} ${file.patient}`;
   words.textContent = `${file.name}: ${limits(file)}`;
   button.append(name, words);
@@ -86,7 +95,7 @@ function mark() {
   const robot = state && state.robot;
   for (const button of document.querySelectorAll("#patients .card")) {
     button.setAttribute("aria-pressed", Boolean(robot) && robot.patient === button.dataset.patient);
-    button.disabled = role === "look" || !robot || robot.state !== "disabled";
+    button.disabled = Boolean(button.dataset.problem) || role === "look" || !robot || robot.state !== "disabled";
   }
 }
 

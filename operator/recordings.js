@@ -26,6 +26,8 @@ export async function open() {
   const names = answer.recordings.map((r) => r.name);
   for (const name of chosen) if (!names.includes(name)) chosen.delete(name);
   $("no-recordings").hidden = names.length > 0;
+  $("older-recordings").hidden = !answer.older;
+  $("older-recordings").textContent = text("recordings.older", { older: answer.older });
   $("recordings").replaceChildren(...answer.recordings.sort((a, b) => b.changed - a.changed).map(row));
   $("no-reports").hidden = answer.reports.length > 0;
   $("reports").replaceChildren(...answer.reports.map(report));

@@ -7,6 +7,8 @@ import stat
 from .answer import Refused
 
 _NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9._-]{0,99}\Z")
+# Of a file that is there already and whose name somebody else chose: any letters and signs, but no path, nothing hidden, nothing unprintable.
+_FOUND_NAME = re.compile(r"[^./\\\x00-\x1f\x7f][^/\\\x00-\x1f\x7f]{0,199}\Z")
 MOST_ENTRIES = 500
 
 
@@ -20,13 +22,20 @@ def plain_name(name):
 class Folder:
     """The regular files of one folder with one of the endings. What a symbolic link leads out of the folder does not exist."""
 
-    def __init__(self, path, endings):
+    def __init__(self, path, endings, any_name=False):
+        """`any_name`: files that were put there by hand count, too, whatever they are called; new ones have plain names in any case."""
         self.path = pathlib.Path(path)
         self._endings = tuple(endings)
+        self._any_name = any_name
+
+    def _may_be(self, name):
+        return isinstance(name, str) and bool((_FOUND_NAME if self._any_name else _NAME).match(name)) and name.isprintable()
 
     def existing(self, name):
         """The path of a file of that name; Refused (404) when there is none."""
-        name = plain_name(name)
+        if not self._may_be(name):
+            plain_name(name)
+            raise Refused(404, "there is no such file")
         if name.endswith(self._endings) and self._is_inside(self.path / name):
             return self.path / name
         raise Refused(404, f"there is no file {name} in the folder {self.path.name}")
@@ -42,19 +51,23 @@ class Folder:
 
     def entries(self):
         """[{name, bytes, changed}] by name; `changed` in seconds since 1970. At most MOST_ENTRIES, the newest."""
+        return self.listing()[0]
+
+    def listing(self):
+        """(entries, how many older ones are not among them)."""
         found = []
         try:
             with os.scandir(self.path) as scan:
                 for entry in scan:
-                    if not (_NAME.match(entry.name) and entry.name.endswith(self._endings)):
+                    if not (self._may_be(entry.name) and entry.name.endswith(self._endings)):
                         continue
                     if self._is_inside(self.path / entry.name):
                         status = entry.stat()
                         found.append({"name": entry.name, "bytes": status.st_size, "changed": status.st_mtime})
         except OSError:
-            return []
+            return [], 0
         newest = sorted(found, key=lambda e: e["changed"], reverse=True)[:MOST_ENTRIES]
-        return sorted(newest, key=lambda e: e["name"])
+        return sorted(newest, key=lambda e: e["name"]), len(found) - len(newest)
 
     def _is_inside(self, path):
         try:

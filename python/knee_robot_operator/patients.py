@@ -12,6 +12,10 @@ _RANGES = ("X_m", "Z_m", "theta_deg", "psi_deg")
 _SPEEDS = ("linear_mm_per_s", "angular_deg_per_s")
 
 
+class NoPatientFile(Refused):
+    """A file that is sound, and about something else."""
+
+
 def _number(value, what):
     if isinstance(value, bool) or not isinstance(value, (int, float)) or not math.isfinite(value):
         raise Refused(400, f"{what} must be a number")
@@ -19,13 +23,15 @@ def _number(value, what):
 
 
 def describe_all(folder):
-    """All patient files of the folder, with their names; other YAML files may lie there, too."""
+    """All patient files of the folder, with their names; of one that cannot be read the `problem`. Other YAML files may lie there, too."""
     found = []
     for entry in folder.entries():
         try:
             found.append({"name": entry["name"], **describe(folder, entry["name"])})
-        except Refused:
+        except NoPatientFile:
             continue
+        except Refused as refused:
+            found.append({"name": entry["name"], "problem": str(refused)})
     return found
 
 
@@ -33,16 +39,16 @@ def describe(folder, name):
     """What a patient file says, for the page: {patient, pose, speed}; Refused when it cannot be read. The controller judges it itself."""
     path = folder.existing(name)
     if path.stat().st_size > LARGEST:
-        raise Refused(400, f"{name} is too large for a patient file")
+        raise NoPatientFile(400, f"{name} is too large for a patient file")
     try:
         text = path.read_text()
         if text.count("[") + text.count("{") > _MOST_BRACKETS:
-            raise Refused(400, f"{name} is no patient file")
+            raise NoPatientFile(400, f"{name} is no patient file")
         content = yaml.load(text, Loader=yaml.CSafeLoader)
     except (OSError, UnicodeDecodeError, yaml.YAMLError, RecursionError) as error:
         raise Refused(400, f"{name} cannot be read: {str(error).splitlines()[0]}") from None
     if not isinstance(content, dict) or "patient" not in content:
-        raise Refused(400, f"{name} is no patient file: it has no key 'patient'")
+        raise NoPatientFile(400, f"{name} is no patient file: it has no key 'patient'")
     return {key: content.get(key) for key in ("patient", "pose", "speed")}
 
 

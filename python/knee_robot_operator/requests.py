@@ -105,8 +105,8 @@ class Requests:
         return self._server.note(request, session, f"new patient file {asked['name']}", Answer(True, f"{asked['name']} is written"))
 
     async def recordings(self, _request, _session):
-        recordings, reports = await asyncio.to_thread(lambda: (self._server.recordings.entries(), self._server.reports.entries()))
-        return web.json_response({"recordings": recordings, "reports": reports})
+        (recordings, older), reports = await asyncio.to_thread(lambda: (self._server.recordings.listing(), self._server.reports.entries()))
+        return web.json_response({"recordings": recordings, "older": older, "reports": reports})
 
     async def recording(self, request, session):
         path = self._server.recordings.existing(request.match_info["name"])

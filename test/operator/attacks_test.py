@@ -3,6 +3,7 @@
 import asyncio
 import json
 import os
+import pathlib
 import sys
 import unittest
 
@@ -160,7 +161,10 @@ class Injection(PageTest):
             for name, text in bombs.items():
                 (rig.folder / "patients" / name).write_text(text)
             status, content = await browser.get("/api/patients")
-            self.assertEqual((200, []), (status, content["patients"]))
+            self.assertEqual(200, status)
+            self.assertEqual([], [p for p in content["patients"] if "problem" not in p])
+            self.assertEqual({"object.yaml", "binary.yaml"}, {p["name"] for p in content["patients"]}, "files that cannot be read are named")
+            self.assertFalse(pathlib.Path("/tmp/owned").exists())
 
     async def test_nobody_writes_somebody_elses_line_into_the_logs(self):
         async with Rig() as rig, rig.browser() as browser:

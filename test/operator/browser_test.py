@@ -7,7 +7,7 @@ import sys
 import unittest
 
 import rosunit
-from page_rig import ROOT, PageTest, Rig, ToyRobot
+from page_rig import PAGE, ROOT, PageTest, Rig, ToyRobot
 
 sys.path.insert(0, str(ROOT / "test" / "nodes"))
 import page_browser  # noqa: E402
@@ -17,9 +17,10 @@ WHY_NOT = page_browser.why_not()
 
 @unittest.skipIf(WHY_NOT, f"NO BROWSER TEST: {WHY_NOT}; scripts/install_dependencies installs it")
 class ThePageInABrowser(PageTest):
-    async def use(self, robot, work, size=page_browser.PHONE):
-        """work(page) on a thread, beside the server's loop."""
+    async def use(self, robot, work, size=page_browser.PHONE, prepare=lambda _rig: None):
+        """work(page) on a thread, beside the server's loop; prepare(rig) before."""
         async with Rig(robot) as rig:
+            prepare(rig)
             def run():
                 page = page_browser.Page(rig.url, size, pathlib.Path(rig.folder))
                 try:
@@ -45,6 +46,58 @@ class ThePageInABrowser(PageTest):
             page.order("enable")
 
         self.assertEqual(["declare_empty", "enable"], await self.use(robot, work))
+
+    async def test_the_state_is_there_while_the_pictures_of_the_exercises_are_not(self):
+        def prepare(rig):
+            (rig.folder / "check_reference").write_text("#!/bin/sh\nsleep 60\n")
+            for k in range(30):
+                (rig.folder / "references" / f"exercise_{k}.txt").write_text("0.6 0.6 0.6 0.6\n")
+
+        def work(page):
+            page.wait_for_state("holding", seconds=10)
+            page.wait(lambda: page.find("[data-order=disable]").is_enabled(), what="the orders")
+            page.tab("patient")
+            self.assertEqual(10, len(page.all("#ranges input")))
+
+        await self.use(ToyRobot(), work, prepare=prepare)
+
+    async def test_nothing_can_be_ordered_before_the_state_is_known(self):
+        def work(page):
+            page.run("window.stop()")
+            self.assertFalse(page.run("""const page = new DOMParser().parseFromString(arguments[0], 'text/html');
+                return [...page.querySelectorAll('[data-order]')].some((b) => !b.disabled)""", (PAGE / "index.html").read_text()))
+
+        await self.use(ToyRobot(), work)
+
+    async def test_files_are_shown_by_whatever_name_they_have_and_unreadable_ones_with_their_reason(self):
+        names = ["flexión de rodilla.txt", "a \"quoted\" name.txt", "n" * 180 + ".txt", "it's <b>bold.txt"]
+
+        def prepare(rig):
+            for name in names:
+                (rig.folder / "references" / name).write_text("0.6 0.6 0.6 0.6\n")
+            (rig.folder / "patients" / "broken.yaml").write_text("patient: [1, {")
+            (rig.folder / "patients" / "número 5.yaml").write_text("patient: '5'\n")
+            for k in range(510):
+                (rig.folder / "recordings" / f"r{k}.csv").write_text("time_s\n")
+
+        def work(page):
+            page.wait_for_state("disabled")
+            page.wait(lambda: len(page.all("#exercises .card svg, #exercises .card small")) >= len(names), what="the exercises")
+            shown = {card.get_attribute("data-file") for card in page.all("#exercises .card")}
+            self.assertLessEqual(set(names), shown)
+            self.assertEqual([], page.all("#exercises .card b b"))
+            self.assertLessEqual(page.run("return document.documentElement.scrollWidth"), page_browser.PHONE[0])
+            page.run("[...document.querySelectorAll('#exercises .card')].find((c) => c.dataset.file === arguments[0]).click()", names[0])
+            page.tab("patient")
+            page.wait(lambda: "broken.yaml" in page.text("#patients"), what="the broken file")
+            self.assertIn("Cannot be used", page.text("#patients"))
+            self.assertFalse(next(c for c in page.all("#patients .card") if "broken" in c.text).is_enabled())
+            page.tab("recordings")
+            page.wait(lambda: "10 older recordings" in page.text("#older-recordings"), what="how many are not shown")
+
+        robot = ToyRobot("disabled")
+        await self.use(robot, work, prepare=prepare)
+        self.assertEqual([("load_reference", {"file": names[0], "space": ""})], [(s, dict(f)) for s, f in robot.asked])
 
     async def test_one_press_of_stop_is_one_stop_however_slow_the_tablet(self):
         def work(page):
