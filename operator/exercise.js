@@ -94,7 +94,7 @@ async function fill(name, version) {
   const found = pictures.get(version);
   box.dataset.language = document.documentElement.lang;
   const words = document.createElement("small");
-  words.textContent = found.violation ? `${text("exercise.refused")}: ${found.violation}` : duration(found.duration_s);
+  words.textContent = found.violation ? `${text("exercise.refused")}: ${sentence(found.violation)}` : duration(found.duration_s);
   box.parentElement.classList.toggle("refused", Boolean(found.violation));
   box.replaceChildren(...(found.path ? [picture(found.path)] : []), words, marginBars(found.margins || []));
 }

@@ -98,8 +98,9 @@ class Live:
 class LostPage:
     """Pauses what is played when no page that may operate has been open for `patience_s`; 0: never. Only where configured."""
 
-    def __init__(self, robot, live, journal, patience_s, clock=time.monotonic):
-        self._robot, self._live, self._journal, self._patience_s, self._clock = robot, live, journal, patience_s, clock
+    def __init__(self, robot, live, journal, patience_s, pause, clock=time.monotonic):
+        """`pause()`: a coroutine that asks for it."""
+        self._robot, self._live, self._journal, self._patience_s, self._pause, self._clock = robot, live, journal, patience_s, pause, clock
 
     async def run(self):
         if not self._patience_s > 0.0:
@@ -112,5 +113,5 @@ class LostPage:
             state = (self._robot.state or {}).get("state")
             if state == "playing" and not paused and self._clock() - seen > self._patience_s:
                 paused = True
-                answer = await self._robot.ask("pause")
+                answer = await self._pause()
                 self._journal.add("page", f"no page is open: pause: {answer.message}")

@@ -19,6 +19,7 @@ class Playing:
     def __init__(self, robot, journal):
         self._robot, self._journal = robot, journal
         self.stops = 0
+        self._pause_asked = False
         self._task = None
         self.ending = True
         self.repetition = self.repetitions = 0
@@ -62,7 +63,7 @@ class Playing:
         if state["state"] == "holding" and not state["at_start"]:
             return Answer(False, "the robot does not stand at the exercise's start; go to the start first")
         self.repetition, self.repetitions, self.message = 1, repetitions, ""
-        self.succeeded, self.recordings = False, []
+        self.succeeded, self.recordings, self._pause_asked = False, [], False
         begun = asyncio.get_running_loop().create_future()
         self.ending = False
         self._task = asyncio.create_task(self._run(stops, record, begun))
@@ -73,6 +74,16 @@ class Playing:
         self.stops += 1
         self.ending = True
         self._robot.cancel_play()
+
+    async def pause(self):
+        """A pause that comes when a repetition is just ending, or between two, is none for the robot: then no further one begins."""
+        self._pause_asked = True
+        return await self._robot.ask("pause")
+
+    def look(self, state):
+        """At every state of the robot."""
+        if state["state"] == "paused":
+            self._pause_asked = False  # the robot has it; who continues continues the repetition
 
     async def close(self):
         await self.stop()
@@ -95,6 +106,9 @@ class Playing:
                     if not answer.success:
                         break
                 if stops != self.stops:
+                    break
+                if k > 1 and self._pause_asked:
+                    answer = Answer(False, f"paused after repetition {k - 1} of {self.repetitions}; Start begins anew")
                     break
                 recording = f"{stem}_{stamp}_{k}.csv" if record else ""
                 answer = await self._robot.play(self.speed_percent, recording, on_begin)

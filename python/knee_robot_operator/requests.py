@@ -53,12 +53,17 @@ class Requests:
             await fields(request)
             if name in ("emergency_stop", "disable"):
                 await self._server.playing.stop()
-            return self._server.note(request, session, name.replace("_", " "), await self._ask(name))
+            asked = self._server.playing.pause() if name == "pause" else self._robot.ask(name)
+            return self._server.note(request, session, name.replace("_", " "), await self._in_time(name, asked))
         return handler
 
     async def _ask(self, name, **arguments):
+        return await self._in_time(name, self._robot.ask(name, **arguments))
+
+    @staticmethod
+    async def _in_time(name, asked):
         try:
-            return await self._robot.ask(name, **arguments)
+            return await asked
         except asyncio.TimeoutError:
             return Answer(False, f"the controller did not answer to {name.replace('_', ' ')} in time")
 

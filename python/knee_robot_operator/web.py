@@ -57,16 +57,20 @@ class Server:
         self.reports = ReportFolders(settings.reports)
         self.exercises = Exercises(self.references, settings.robot, check_reference)
         self.live = Live(self.snapshot, robot.live, self.sessions)
-        self.lost_page = LostPage(robot, self.live, self.events, settings.lost_page_pause_s)
+        self.lost_page = LostPage(robot, self.live, self.events, settings.lost_page_pause_s, self.playing.pause)
         self.pages = read_pages(page_folder)
         self._told_answers = collections.deque(maxlen=50)
-        robot.listen(lambda _state: self.live.changed(), self.on_log, self.on_event)
+        robot.listen(self.on_state, self.on_log, self.on_event)
         self.events.listen(lambda entry: self.live.tell("event", entry))
 
     def snapshot(self):
         state = self.robot.state
         return {"robot": state, "playing": self.playing.as_dict(),
                 "job": self.jobs.as_dict()}
+
+    def on_state(self, state):
+        self.playing.look(state)
+        self.live.changed()
 
     def on_event(self, event, is_ours):
         """An entry of the controller's log. Requests of this server's users are in the log by note()."""

@@ -57,6 +57,27 @@ class Playing(PageTest):
             await asyncio.sleep(0.3)
             self.assertEqual((1, "holding"), (rig.robot.goals, rig.robot.state["state"]))
 
+    async def test_a_pause_that_comes_when_a_repetition_is_ending_begins_no_further_one(self):
+        async with Rig() as rig, rig.browser() as browser:
+            for said in (Answer(True, "pausing"), Answer(False, "not possible while the robot is holding")):
+                rig.robot.answers["pause"] = said  # and the robot plays on to the end
+                goals = rig.robot.goals
+                await self.start(browser, repetitions=3)
+                await browser.post("/api/robot/pause")
+                await until(lambda: not rig.server.playing.active)
+                self.assertEqual(goals + 1, rig.robot.goals)
+                self.assertIn("paused after repetition 1 of 3", rig.server.playing.message)
+
+    async def test_a_pause_that_the_robot_made_and_that_was_ended_changes_nothing(self):
+        async with Rig() as rig, rig.browser() as browser:
+            await self.start(browser, repetitions=2)
+            await browser.post("/api/robot/pause")
+            rig.robot.become("paused")
+            rig.robot.become("playing")
+            await until(lambda: rig.robot.goals == 2)
+            await until(lambda: not rig.server.playing.active)
+            self.assertIn("to its end", rig.server.playing.message)
+
     async def test_stop_between_two_repetitions_ends_them(self):
         robot = ToyRobot(play_s=0.1)
         async with Rig(robot) as rig, rig.browser() as browser:
