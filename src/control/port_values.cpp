@@ -142,8 +142,21 @@ void members(const FeedforwardForce& v, Visit& visit) {
   visit("force_N", v.force_N);
   visit("moving_N", v.moving_N);
   visit("switched_N", v.switched_N);
+  visit("loop_N", v.loop_N);
+  visit("closes_loop", v.closes_loop);
   visit("payload_kg", v.payload_kg);
   visit("complete", v.complete);
+}
+
+template <typename Visit>
+void members(const Guidance& v, Visit& visit) {
+  visit("sequence", v.sequence);
+  visit("time_ns", v.time);
+  visit("active", v.active);
+  visit("force_N", v.force_N);
+  visit("suspicion", v.suspicion);
+  visit("doubted", v.doubted);
+  visit("stop", v.stop);
 }
 
 template <typename Visit>
@@ -163,6 +176,8 @@ void members(const AxisCommand& v, Visit& visit) {
   visit("reference_velocity_m_per_s", v.reference_velocity);
   visit("homed", v.homed);
   visit("test_pulse", v.test_pulse);
+  visit("can_be_asked", v.can_be_asked);
+  visit("answers", v.answers);
   visit("homing", v.homing);
   visit("home_m", v.home_m);
 }
@@ -172,6 +187,7 @@ void members(const MonitorVerdict& v, Visit& visit) {
   visit("sequence", v.sequence);
   visit("time_ns", v.time);
   visit("fault", v.fault);
+  visit("asks", v.asks);
   visit("heat", v.heat);
 }
 
@@ -216,6 +232,7 @@ void members(const Orders& v, Visit& visit) {
   visit("transfer", v.transfer);
   visit("homed", v.homed);
   visit("homing", v.homing);
+  visit("guiding", v.guiding);
 }
 
 template <typename Visit>
@@ -315,9 +332,10 @@ std::pair<const std::type_index, Described> described() {
 const std::map<std::type_index, Described>& all() {
   static const std::map<std::type_index, Described> types = {
       described<AxesMeasurement>(),  described<SetPoint>(),    described<HomeSetting>(),
-      described<FeedforwardForce>(), described<AxisCommand>(), described<MonitorVerdict>(),
-      described<Disturbance>(),      described<Orders>(),      described<AxesWritten>(),
-      described<TrackingRow>(),      described<Request>(),     described<SupervisorStatus>()};
+      described<FeedforwardForce>(), described<AxisCommand>(), described<Guidance>(),
+      described<MonitorVerdict>(),   described<Disturbance>(), described<Orders>(),
+      described<AxesWritten>(),      described<TrackingRow>(), described<Request>(),
+      described<SupervisorStatus>()};
   return types;
 }
 

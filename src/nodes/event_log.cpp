@@ -11,7 +11,7 @@ constexpr auto kRetry = std::chrono::seconds(1);
 
 double wallTime() {
   const auto now = std::chrono::system_clock::now().time_since_epoch();
-  return 1e-3 * static_cast<double>(std::chrono::duration_cast<std::chrono::milliseconds>(now).count());
+  return static_cast<double>(std::chrono::duration_cast<std::chrono::milliseconds>(now).count()) / 1000.0;
 }
 
 }  // namespace
