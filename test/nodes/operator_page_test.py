@@ -83,7 +83,7 @@ class OperatorPage(unittest.TestCase):
     def test_a_whole_exercise_on_a_tablet(self):
         page = self.open(page_browser.TABLET)
         page.wait(lambda: len(page.all("#exercises .card svg")) >= 2, 60, "the pictures of the paths")
-        self.assertIn("refused", page.find('#exercises [data-file="too_fast.txt"]').get_attribute("class"))
+        page.wait(lambda: "refused" in page.find('#exercises [data-file="too_fast.txt"]').get_attribute("class"), what="the verdict on too_fast")
         self.say_who(page)
         self.choose(page, "lift_and_turn.txt")
         page.order("enable")
