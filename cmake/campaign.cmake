@@ -11,3 +11,11 @@ add_executable(false_trips EXCLUDE_FROM_ALL test/campaign/false_trips.cpp)
 target_include_directories(false_trips PRIVATE ${CMAKE_SOURCE_DIR})
 target_compile_definitions(false_trips PRIVATE KNEE_SOURCE_DIR="${CMAKE_SOURCE_DIR}")
 target_link_libraries(false_trips PRIVATE knee_control knee_simulation CLI11::CLI11)
+
+# chain_plant: an open chain in Simbody, for scripts/injection_campaign --chain only. Not part of a build; not installed.
+if(TARGET knee_simbody)
+  add_executable(chain_plant EXCLUDE_FROM_ALL test/campaign/chain_plant.cpp)
+  target_link_libraries(chain_plant PRIVATE knee_mechanism ${Simbody_LIBRARIES})
+  target_compile_options(chain_plant PRIVATE "SHELL:-isystem ${Simbody_INCLUDE_DIR}" -UNDEBUG)
+  set_target_properties(chain_plant PROPERTIES RUNTIME_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}/campaign)
+endif()

@@ -1,5 +1,6 @@
 #include "knee_robot/dynamics/chain_regressor.h"
 
+#include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
 
 #include "knee_robot/base/errors.h"
@@ -33,7 +34,27 @@ void fillRow(const BodyMotion& m, const Vector3& v, const Vector3& w, Eigen::Mat
   out[9] = v.dot(m.a);
 }
 
+/// A body whose principal moments break the triangle inequality (URDFs are written with fewer digits than that, or by a fit that did not
+/// ask) becomes the nearest possible one: the moments of its mass's second moments, none of which is negative.
+LinkInertia nearestPossible(LinkInertia body) {
+  const Eigen::SelfAdjointEigenSolver<Matrix3> eigen(0.5 * body.inertia.trace() * Matrix3::Identity() - body.inertia);
+  const Vector3 second = eigen.eigenvalues().cwiseMax(0.0);
+  const Matrix3 moments = eigen.eigenvectors() * second.asDiagonal() * eigen.eigenvectors().transpose();
+  body.inertia = moments.trace() * Matrix3::Identity() - moments;
+  return body;
+}
+
 }  // namespace
+
+std::vector<std::string> impossibleLinks(const mechanism::Chain& chain) {
+  std::vector<std::string> names;
+  for (const mechanism::ChainJoint& joint : chain.joints) {
+    for (const mechanism::ChainLink& link : joint.links) {
+      if (link.mass > 0.0 && !inconsistency({link.mass, link.center, link.inertia}).empty()) names.push_back(link.name);
+    }
+  }
+  return names;
+}
 
 void chainRegressor(const mechanism::Chain& chain, const Vector3& gravity, const Eigen::VectorXd& position,
                     const Eigen::VectorXd& velocity, const Eigen::VectorXd& acceleration, ChainRegressorData& data) {
@@ -77,7 +98,10 @@ Eigen::VectorXd chainInertia(const mechanism::Robot& robot) {
   Eigen::VectorXd all = Eigen::VectorXd::Zero(robot.chain->size() * kLinkParameters);
   for (int j = 0; j < robot.chain->size(); ++j) {
     for (const mechanism::ChainLink& link : robot.chain->joints[static_cast<std::size_t>(j)].links) {
-      const LinkInertia body{link.mass, link.center, link.inertia};
+      if (link.mass == 0.0) continue;  // a frame that was given an empty <inertial>
+      LinkInertia body{link.mass, link.center, link.inertia};
+      const bool positive = link.mass > 0.0 && principalMoments(body)[0] > -1e-9 * body.inertia.norm();
+      if (positive && !inconsistency(body).empty()) body = nearestPossible(body);
       const std::string reason = inconsistency(body);
       if (!reason.empty())
         throw InputError(robot.urdf + ": link " + link.name + " has an impossible inertia: " + reason);

@@ -39,27 +39,73 @@ void setInertial(tinyxml2::XMLDocument& document, XMLElement* link, const LinkIn
     tensor->SetAttribute(name, exactNumber(value).c_str());
 }
 
+/// A URDF as XML, for replacing what its links weigh.
+class UrdfText {
+ public:
+  explicit UrdfText(const std::string& path) : path_(path) {
+    const std::string text = readFile(path, 64u << 20);
+    if (document_.Parse(text.data(), text.size()) == tinyxml2::XML_SUCCESS)
+      robot_ = document_.FirstChildElement("robot");
+    if (robot_ == nullptr) throw InputError(path + ": not a URDF (no <robot> element that could be read)");
+  }
+
+  void set(const std::string& name, const LinkInertia& body) {
+    const std::string reason = inconsistency(body);
+    if (!reason.empty()) throw std::invalid_argument("link " + name + ": " + reason);
+    setInertial(document_, link(name), body);
+  }
+
+  void clear(const std::string& name) {
+    XMLElement* const given = link(name);
+    while (XMLElement* old = given->FirstChildElement("inertial"))
+      given->DeleteChild(old);
+  }
+
+  std::string childOf(const std::string& joint_name) const {
+    for (XMLElement* j = robot_->FirstChildElement("joint"); j; j = j->NextSiblingElement("joint")) {
+      XMLElement* const child = j->FirstChildElement("child");
+      if (j->Attribute("name", joint_name.c_str()) && child && child->Attribute("link")) return child->Attribute("link");
+    }
+    throw InputError(path_ + ": joint " + joint_name + " is missing");
+  }
+
+  std::string text(const std::string& note) {
+    document_.InsertAfterChild(document_.FirstChild(), document_.NewComment((" " + note + " ").c_str()));
+    tinyxml2::XMLPrinter printer;
+    document_.Print(&printer);
+    return printer.CStr();
+  }
+
+ private:
+  XMLElement* link(const std::string& name) {
+    XMLElement* const found = linkCalled(robot_, name);
+    if (found == nullptr) throw InputError(path_ + ": link " + name + " is missing");
+    return found;
+  }
+
+  std::string path_;
+  tinyxml2::XMLDocument document_;
+  XMLElement* robot_ = nullptr;
+};
+
 }  // namespace
 
 std::string urdfWithInertia(const std::string& path, const RobotInertia& inertia, const std::string& note) {
-  const std::string text = readFile(path, 64u << 20);
-  tinyxml2::XMLDocument document;
-  XMLElement* robot = nullptr;
-  if (document.Parse(text.data(), text.size()) == tinyxml2::XML_SUCCESS) robot = document.FirstChildElement("robot");
-  if (robot == nullptr) throw InputError(path + ": not a URDF (no <robot> element that could be read)");
-  for (int k = 0; k < kLinks; ++k) {
-    const LinkInertia& body = inertia.links[static_cast<std::size_t>(k)];
-    const std::string& name = linkNames()[static_cast<std::size_t>(k)];
-    const std::string reason = inconsistency(body);
-    if (!reason.empty()) throw std::invalid_argument("link " + name + ": " + reason);
-    XMLElement* link = linkCalled(robot, name);
-    if (link == nullptr) throw InputError(path + ": link " + name + " is missing");
-    setInertial(document, link, body);
+  UrdfText urdf(path);
+  for (int k = 0; k < kLinks; ++k)
+    urdf.set(linkNames()[static_cast<std::size_t>(k)], inertia.links[static_cast<std::size_t>(k)]);
+  return urdf.text(note);
+}
+
+std::string urdfWithChainInertia(const std::string& path, const mechanism::Chain& chain,
+                                 const std::vector<LinkInertia>& bodies, const std::string& note) {
+  UrdfText urdf(path);
+  for (std::size_t j = 0; j < bodies.size(); ++j) {
+    for (const mechanism::ChainLink& link : chain.joints[j].links)
+      urdf.clear(link.name);
+    urdf.set(urdf.childOf(chain.joints[j].name), bodies[j]);
   }
-  document.InsertAfterChild(document.FirstChild(), document.NewComment((" " + note + " ").c_str()));
-  tinyxml2::XMLPrinter printer;
-  document.Print(&printer);
-  return printer.CStr();
+  return urdf.text(note);
 }
 
 }  // namespace knee_robot::dynamics

@@ -7,6 +7,7 @@
 #include "knee_robot/base/numbers.h"
 #include "knee_robot/dynamics/parameters.h"
 #include "knee_robot/identification/equations.h"
+#include "knee_robot/identification/masking.h"
 #include "knee_robot/identification/motion_model.h"
 
 namespace knee_robot::identification {
@@ -154,7 +155,7 @@ void refuseUnmoved(const mechanism::Robot& robot, const std::vector<Observation>
                    const ObservationOptions& options) {
   for (int i = 0; i < robot.axes(); ++i) {
     const bool moves = std::any_of(all.begin(), all.end(), [&](const Observation& o) {
-      return o.signals.velocity_m_per_s.col(i).cwiseAbs().maxCoeff() > options.moving_m_per_s;
+      return o.signals.velocity_m_per_s.col(i).cwiseAbs().maxCoeff() > movingLimits(robot, options, o.signals)[i];
     });
     if (moves) continue;
     throw Refusal("joint " + robot.actuators[static_cast<std::size_t>(i)].name +

@@ -15,8 +15,7 @@ using dynamics::FrictionElement;
 using dynamics::FrictionKind;
 
 constexpr int kStops = 14, kSpeeds = 12, kBristleWidths = 7;
-constexpr double kWidest_m = 2e-3, kSlowest_m_per_s = 1e-4, kFastest_m_per_s = 5e-3;
-constexpr double kBristleLeast_m = 2e-5, kBristleMost_m = 1e-3;
+constexpr double kBristleLeast_m = 2e-5;
 const double kCreeps_m_per_s[] = {0.0, 3e-5, 1e-4, 1.7e-4, 3e-4, 1e-3};
 const double kDampings_s[] = {0.0, 2.5e-3};
 const double kTrembles[] = {0.5, 1.0};
@@ -33,24 +32,25 @@ double geometric(double first, double last, int k, int count) {
   return first * std::pow(last / first, static_cast<double>(k) / (count - 1));
 }
 
-std::vector<FrictionElement> elementsToTry(double narrowest_m) {
+std::vector<FrictionElement> elementsToTry(const FrictionRange& range) {
+  const double narrowest_m = range.narrowest_m;
   std::vector<FrictionElement> all;
   for (int k = 0; k < kStops; ++k)
     all.push_back(
-        {FrictionKind::Stop, 1.0, geometric(std::min(narrowest_m, 0.5 * kWidest_m), kWidest_m, k, kStops), 0.0, 0.0});
+        {FrictionKind::Stop, 1.0, geometric(std::min(narrowest_m, 0.5 * range.widest_m), range.widest_m, k, kStops), 0.0, 0.0});
   for (int k = 0; k < kSpeeds; ++k)
-    all.push_back({FrictionKind::Smooth, 1.0, 0.0, geometric(kSlowest_m_per_s, kFastest_m_per_s, k, kSpeeds), 0.0});
-  const double least = std::min(std::max(kBristleLeast_m, narrowest_m), 0.5 * kBristleMost_m);
+    all.push_back({FrictionKind::Smooth, 1.0, 0.0, geometric(range.slowest_m_per_s, range.fastest_m_per_s, k, kSpeeds), 0.0});
+  const double least = std::min(std::max(kBristleLeast_m, narrowest_m), 0.5 * range.bristles_most_m);
   for (int k = 0; k < kBristleWidths; ++k) {
     for (const double creep : kCreeps_m_per_s) {
       for (const double damping : kDampings_s)
         all.push_back(
-            {FrictionKind::Bristles, 1.0, geometric(least, kBristleMost_m, k, kBristleWidths), creep, damping});
+            {FrictionKind::Bristles, 1.0, geometric(least, range.bristles_most_m, k, kBristleWidths), creep, damping});
     }
     for (const double tremble : kTrembles) {
       for (const double damping : kDampings_s)
         all.push_back(
-            {FrictionKind::Bristles, 1.0, geometric(least, kBristleMost_m, k, kBristleWidths), 0.0, damping, tremble});
+            {FrictionKind::Bristles, 1.0, geometric(least, range.bristles_most_m, k, kBristleWidths), 0.0, damping, tremble});
     }
   }
   return all;
@@ -306,7 +306,7 @@ FrictionChoice chooseFrom(const std::vector<FrictionBlock>& blocks, const Eigen:
 std::vector<FrictionChoice> chooseFriction(const std::vector<Observation>& training, const ObservationOptions& options,
                                            const std::vector<Column>& columns, const Equations& e,
                                            const Eigen::VectorXd& noise_N, const Reduction& r, double strength,
-                                           const std::vector<double>& narrowest_m,
+                                           const std::vector<FrictionRange>& ranges,
                                            const std::vector<FrictionChoice>& around) {
   const Eigen::VectorXd factor = restAsMotion(e, noise_N);
   const InCoordinates all = inCoordinates(e, r, factor);
@@ -317,8 +317,8 @@ std::vector<FrictionChoice> chooseFriction(const std::vector<Observation>& train
   std::vector<OthersLaws> others(static_cast<std::size_t>(e.axes));
   for (int i = 0; i < e.axes; ++i) {
     const std::size_t axis = static_cast<std::size_t>(i);
-    std::vector<FrictionElement> elements = elementsToTry(narrowest_m[axis]);
-    if (!around.empty()) addFinerSteps(around[axis], narrowest_m[axis], elements);
+    std::vector<FrictionElement> elements = elementsToTry(ranges[axis]);
+    if (!around.empty()) addFinerSteps(around[axis], ranges[axis].narrowest_m, elements);
     const std::vector<Sum> laws = inElements(shared, elements);
     Eigen::MatrixXd candidates(each, static_cast<Eigen::Index>(elements.size()));
     for (std::size_t k = 0; k < elements.size(); ++k) {
@@ -341,6 +341,9 @@ std::vector<FrictionChoice> chooseFriction(const std::vector<Observation>& train
     choices.push_back(
         chooseFrom(sumsOfBlocks(e, all, without, candidates, i * each), ridge, elements, laws, others[axis]));
   }
+  std::vector<double> narrowest_m;
+  for (const FrictionRange& range : ranges)
+    narrowest_m.push_back(range.narrowest_m);
   shareLaw(shared, others, narrowest_m, choices);
   return choices;
 }

@@ -6,6 +6,7 @@
 
 #include "knee_robot/base/errors.h"
 #include "knee_robot/base/numbers.h"
+#include "knee_robot/identification/masking.h"
 #include "knee_robot/identification/prior.h"
 #include "knee_robot/identification/robust_fit.h"
 
@@ -39,17 +40,20 @@ void refuseMotionless(const mechanism::Robot& robot, const std::vector<Observati
   for (int i = 0; i < axes; ++i) {
     double fastest = 0.0;
     for (const Observation& o : training) {
-      fastest = std::max(fastest, o.signals.velocity_m_per_s.col(i).cwiseAbs().maxCoeff());
+      const double speed = o.signals.velocity_m_per_s.col(i).cwiseAbs().maxCoeff();
+      if (speed > movingLimits(robot, options, o.signals)[i]) fastest = std::max(fastest, speed);
     }
-    if (fastest > options.moving_m_per_s) continue;
+    if (fastest > 0.0) continue;
     const mechanism::Actuator& a = robot.actuators[static_cast<std::size_t>(i)];
     if (!a.name.empty()) {
-      throw Refusal("joint " + a.name + " never moves faster than " + shortNumber(fastest * a.position_per_m(), 3) +
-                    " " + mechanism::positionUnit(a) + "/s in " + namesOf(training) +
+      throw Refusal("joint " + a.name + " does not move in " + namesOf(training) +
                     "; record a motion of all joints, or lock it in the robot file (locked_at_" +
                     mechanism::positionUnit(a) + ")");
     }
-    throw Refusal("actuator " + std::to_string(i + 1) + " never moves faster than " + shortNumber(1e3 * fastest, 3) +
+    double slow = 0.0;
+    for (const Observation& o : training)
+      slow = std::max(slow, o.signals.velocity_m_per_s.col(i).cwiseAbs().maxCoeff());
+    throw Refusal("actuator " + std::to_string(i + 1) + " never moves faster than " + shortNumber(1e3 * slow, 3) +
                   " mm/s in " + namesOf(training) + " (moving means more than " +
                   shortNumber(1e3 * options.moving_m_per_s, 3) + " mm/s); record a motion of all actuators");
   }
@@ -256,6 +260,36 @@ std::vector<double> narrowestWidths(const mechanism::Robot& robot, double counts
   return widths;
 }
 
+namespace {
+
+constexpr double kShareOfTravel = 0.02;  ///< of a joint's travel: the widest displacement over which its friction builds up
+constexpr double kShareOfSpeed = 0.5;    ///< of its speed: the fastest at which it is not yet full
+constexpr double kSlowShare = 1e-3;
+
+/// Of a chain, whose joints may be gears of any size: by travel and speed.
+std::vector<FrictionRange> frictionRanges(const mechanism::Robot& robot, const std::vector<Observation>& training,
+                                          const std::vector<double>& narrowest) {
+  std::vector<FrictionRange> ranges;
+  for (std::size_t i = 0; i < narrowest.size(); ++i) {
+    FrictionRange range;
+    range.narrowest_m = narrowest[i];
+    for (const Observation& o : training) {
+      if (!robot.chain) break;
+      const Eigen::Index c = static_cast<Eigen::Index>(i);
+      const double speed = usualSpeed(o.signals, c);
+      const double travel = o.signals.position_m.col(c).maxCoeff() - o.signals.position_m.col(c).minCoeff();
+      range.widest_m = std::max(range.widest_m, kShareOfTravel * travel);
+      range.bristles_most_m = std::max(range.bristles_most_m, 0.5 * kShareOfTravel * travel);
+      range.fastest_m_per_s = std::max(range.fastest_m_per_s, kShareOfSpeed * speed);
+      range.slowest_m_per_s = std::min(range.slowest_m_per_s, std::max(1e-9, kSlowShare * speed));
+    }
+    ranges.push_back(range);
+  }
+  return ranges;
+}
+
+}  // namespace
+
 Identification identify(const mechanism::Robot& robot, std::vector<Observation>& training,
                         const IdentifyOptions& options) {
   Identification id;
@@ -264,6 +298,7 @@ Identification identify(const mechanism::Robot& robot, std::vector<Observation>&
   refuseSaturated(training);
   const std::vector<char> use = usedColumns(id.columns, options.friction);
   const std::vector<double> narrowest = narrowestWidths(robot, options.narrowest_counts);
+  const std::vector<FrictionRange> ranges = frictionRanges(robot, training, narrowest);
   for (const double width : narrowest)
     id.model.friction.push_back(dynamics::stopLaw(width));
   for (Observation& o : training)
@@ -287,7 +322,7 @@ Identification identify(const mechanism::Robot& robot, std::vector<Observation>&
   fitAgain();
   for (int pass = 0; options.friction && pass < kFrictionPasses; ++pass) {
     id.friction = chooseFriction(training, options.observation, id.columns, stage.equations, stage.noise_N,
-                                 stage.reduction, strength, narrowest, id.friction);
+                                 stage.reduction, strength, ranges, id.friction);
     for (std::size_t i = 0; i < narrowest.size(); ++i)
       id.model.friction[i] = id.friction[i].law;
     for (Observation& o : training)

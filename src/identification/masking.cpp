@@ -11,6 +11,8 @@ namespace knee_robot::identification {
 namespace {
 
 constexpr double kSaturation = 0.999;  ///< of the largest command
+constexpr double kMovingShare = 0.015;  ///< of a joint's usual speed
+constexpr double kTogether = 0.1;       ///< of the samples; below it joints move one by one
 constexpr double kStand_s = 0.5;       ///< a chain that stands longer: friction may take any value
 
 std::string percent(double share) {
@@ -56,11 +58,11 @@ void mask(const std::vector<char>& flagged, int reach, std::vector<char>& usable
 
 /// Samples of stretches longer than kStand_s in which no joint moves. A gear holds a torque that nothing tells; a stop is one number, and
 /// its many samples would decide over everything that tells standing from moving.
-std::vector<char> standingSamples(const ObservationOptions& options, const recording::Signals& s) {
+std::vector<char> standingSamples(const Eigen::VectorXd& limits, const recording::Signals& s) {
   std::vector<char> standing(static_cast<std::size_t>(s.samples()), 0);
   const int least = static_cast<int>(kStand_s / s.period_s);
   for (int n = 0, from = 0; n <= s.samples(); ++n) {
-    const bool stands = n < s.samples() && s.velocity_m_per_s.row(n).cwiseAbs().maxCoeff() <= options.moving_m_per_s;
+    const bool stands = n < s.samples() && (s.velocity_m_per_s.row(n).cwiseAbs().transpose().array() <= limits.array()).all();
     if (stands) continue;
     if (n - from > least) std::fill(standing.begin() + from, standing.begin() + n, 1);
     from = n + 1;
@@ -97,6 +99,23 @@ void noteAmbiguous(const std::vector<char>& ambiguous, double margin_m, Observat
 
 }  // namespace
 
+double usualSpeed(const recording::Signals& s, Eigen::Index actuator) {
+  std::vector<double> speeds(static_cast<std::size_t>(s.samples()));
+  for (int n = 0; n < s.samples(); ++n)
+    speeds[static_cast<std::size_t>(n)] = std::abs(s.velocity_m_per_s(n, actuator));
+  const auto at = speeds.begin() + static_cast<std::ptrdiff_t>(0.95 * static_cast<double>(speeds.size()));
+  std::nth_element(speeds.begin(), at, speeds.end());
+  return *at;
+}
+
+Eigen::VectorXd movingLimits(const mechanism::Robot& robot, const ObservationOptions& options,
+                             const recording::Signals& s) {
+  Eigen::VectorXd limits = Eigen::VectorXd::Constant(robot.axes(), options.moving_m_per_s);
+  for (Eigen::Index i = 0; robot.chain && i < limits.size(); ++i)
+    limits[i] = std::min(limits[i], kMovingShare * usualSpeed(s, i));
+  return limits;
+}
+
 void maskUnusable(const mechanism::Robot& robot, const ObservationOptions& options, Observation& o) {
   const std::size_t n = static_cast<std::size_t>(o.samples());
   const int reach = static_cast<int>(0.25 / (options.cutoff_hz * o.signals.period_s));
@@ -123,7 +142,9 @@ void maskUnusable(const mechanism::Robot& robot, const ObservationOptions& optio
   std::fill_n(ends.begin(), edge, 1);
   std::fill_n(ends.rbegin(), edge, 1);
   leaveOut("at the recording's ends, where the low-pass reaches beyond", ends, 0);
-  if (robot.chain) leaveOut("all joints stand for longer than half a second", standingSamples(options, o.signals), 0);
+  if (robot.chain)
+    leaveOut("all joints stand for longer than half a second",
+             standingSamples(movingLimits(robot, options, o.signals), o.signals), 0);
   if (!robot.mechanism) return;
 
   const double limit = conditionLimit(robot, options);
@@ -142,16 +163,22 @@ void maskUnusable(const mechanism::Robot& robot, const ObservationOptions& optio
   noteAmbiguous(ambiguous, options.fold_margin_m, o);
 }
 
-void findMoving(const ObservationOptions& options, Observation& o) {
+void findMoving(const mechanism::Robot& robot, const ObservationOptions& options, Observation& o) {
+  const Eigen::VectorXd limits = movingLimits(robot, options, o.signals);
   Eigen::MatrixXd velocity = o.signals.velocity_m_per_s;
   recording::ZeroPhaseLowPass(options.cutoff_hz, 1.0 / o.signals.period_s).applyToColumns(velocity);
   o.axis_moving.resize(o.samples(), velocity.cols());
   o.moving.assign(static_cast<std::size_t>(o.samples()), 1);
   for (int n = 0; n < o.samples(); ++n) {
     for (int i = 0; i < velocity.cols(); ++i) {
-      o.axis_moving(n, i) = std::abs(velocity(n, i)) > options.moving_m_per_s;
+      o.axis_moving(n, i) = std::abs(velocity(n, i)) > limits[i];
       if (!o.axis_moving(n, i)) o.moving[static_cast<std::size_t>(n)] = 0;
     }
+  }
+  if (robot.chain && share(o.moving) < kTogether) {
+    for (int n = 0; n < o.samples(); ++n)
+      o.moving[static_cast<std::size_t>(n)] = o.axis_moving.row(n).any();
+    o.notes.push_back("The joints hardly ever move together: a sample in which one moves counts as moving.");
   }
   const bool independent = !o.motion.coupled;  // bench axes: each is fitted while it moves itself
   std::vector<char> resting(o.moving.size()), used(o.moving.size());

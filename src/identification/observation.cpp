@@ -64,7 +64,7 @@ Observation observe(const mechanism::Robot& robot, const std::vector<Column>& co
   o.force_filtered_N = o.signals.force_N;
   recording::ZeroPhaseLowPass(options.cutoff_hz, 1.0 / o.signals.period_s).applyToColumns(o.force_filtered_N);
   maskUnusable(robot, options, o);
-  findMoving(options, o);
+  findMoving(robot, options, o);
   return o;
 }
 

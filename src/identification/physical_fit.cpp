@@ -4,6 +4,7 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "knee_robot/dynamics/chain_regressor.h"
 #include "knee_robot/identification/physical_problem.h"
 
 namespace knee_robot::identification {
@@ -69,12 +70,15 @@ void chooseStrength(const Setting& setting, PhysicalFit& fit) {
   }
 }
 
-}  // namespace
+dynamics::LinkInertia bodyOf(const Eigen::VectorXd& parameters, Eigen::Index link) {
+  return dynamics::fromParameters(
+      dynamics::LinkParameters(parameters.segment<dynamics::kLinkParameters>(link * dynamics::kLinkParameters)));
+}
 
-PhysicalFit fitPhysical(const mechanism::Robot& robot, const Identification& base,
-                        const dynamics::RobotInertia& prior) {
-  if (!robot.mechanism) throw std::invalid_argument("bench axes have no link inertias");
-  const Setting setting{base, physicalCoordinates(prior)};
+/// Bodies with these names; the model has no base combinations.
+PhysicalFit fitBodies(const Identification& base, PhysicalCoordinates coordinates,
+                      const std::vector<std::string>& names) {
+  const Setting setting{base, std::move(coordinates)};
   PhysicalFit fit;
   chooseStrength(setting, fit);
   const PhysicalProblem problem = setting.problem(-1);
@@ -86,18 +90,37 @@ PhysicalFit fitPhysical(const mechanism::Robot& robot, const Identification& bas
   fit.model.base.clear();
   for (std::size_t c = 0; c < base.columns.size(); ++c)
     fit.model.parameters[c].value = parameters[static_cast<Eigen::Index>(c)];
-  for (int link = 0; link < dynamics::kLinks; ++link) {
-    fit.inertia.links[static_cast<std::size_t>(link)] = dynamics::fromParameters(
-        dynamics::LinkParameters(parameters.segment<dynamics::kLinkParameters>(link * dynamics::kLinkParameters)));
+  for (std::size_t k = 0; k < names.size(); ++k) {
+    const Eigen::Index link = static_cast<Eigen::Index>(k);
     Eigen::VectorXd change = s.inertial.segment<PhysicalCoordinates::kPerLink>(link * PhysicalCoordinates::kPerLink);
     change.head(4).array() -= 1.0;
-    fit.moved.push_back(change.norm() / 2.0);  // the prior itself has the norm 2
-  }
-  for (std::size_t c = 0; c < base.columns.size(); ++c) {
-    if (base.columns[c].role == ColumnRole::Rotor)
-      fit.inertia.rotor_mass[base.columns[c].actuator] = parameters[static_cast<Eigen::Index>(c)];
+    fit.bodies.push_back({names[k], bodyOf(parameters, link), bodyOf(setting.coordinates.prior, link),
+                          change.norm() / 2.0});  // the prior itself has the norm 2
   }
   return fit;
+}
+
+}  // namespace
+
+PhysicalFit fitPhysical(const mechanism::Robot& robot, const Identification& base,
+                        const dynamics::RobotInertia& prior) {
+  if (!robot.mechanism) throw std::invalid_argument("bench axes have no link inertias");
+  PhysicalFit fit = fitBodies(base, physicalCoordinates(prior),
+                              {dynamics::linkNames().begin(), dynamics::linkNames().end()});
+  for (std::size_t k = 0; k < fit.bodies.size(); ++k)
+    fit.inertia.links[k] = fit.bodies[k].fitted;
+  for (std::size_t c = 0; c < base.columns.size(); ++c) {
+    if (base.columns[c].role == ColumnRole::Rotor)
+      fit.inertia.rotor_mass[base.columns[c].actuator] = fit.model.parameters[c].value;
+  }
+  return fit;
+}
+
+PhysicalFit fitPhysicalChain(const mechanism::Robot& robot, const Identification& base) {
+  std::vector<std::string> names;
+  for (const mechanism::ChainJoint& joint : robot.chain->joints)
+    names.push_back("of " + joint.name);
+  return fitBodies(base, physicalCoordinates(dynamics::chainInertia(robot)), names);
 }
 
 }  // namespace knee_robot::identification

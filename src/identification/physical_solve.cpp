@@ -43,13 +43,16 @@ void coordinatesOfRoot(const T* x, T* e) {
   }
 }
 
-/// rows * [coordinates(roots); free] - target; parameter blocks: nine links, then the free columns.
+/// rows * [coordinates(roots); free] - target; parameter blocks: the links, then the free columns.
 class Residuals : public ceres::CostFunction {
  public:
   Residuals(Eigen::MatrixXd rows, Eigen::VectorXd target, int free)
-      : rows_(std::move(rows)), target_(std::move(target)), free_(free) {
+      : rows_(std::move(rows)),
+        target_(std::move(target)),
+        free_(free),
+        links_((static_cast<int>(rows_.cols()) - free) / kPerLink) {
     set_num_residuals(static_cast<int>(target_.size()));
-    for (int link = 0; link < dynamics::kLinks; ++link)
+    for (int link = 0; link < links_; ++link)
       mutable_parameter_block_sizes()->push_back(kPerLink);
     if (free_ > 0) mutable_parameter_block_sizes()->push_back(free_);
   }
@@ -57,16 +60,16 @@ class Residuals : public ceres::CostFunction {
   bool Evaluate(const double* const* x, double* residuals, double** jacobians) const override {
     using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
     Eigen::VectorXd z(rows_.cols());
-    for (int link = 0; link < dynamics::kLinks; ++link) {
+    for (int link = 0; link < links_; ++link) {
       coordinatesOfRoot(x[link], z.data() + link * kPerLink);
       if (jacobians == nullptr || jacobians[link] == nullptr) continue;
       Eigen::Map<RowMajor>(jacobians[link], rows_.rows(), kPerLink).noalias() =
           rows_.middleCols<kPerLink>(link * kPerLink) * derivative(x[link]);
     }
     if (free_ > 0) {
-      z.tail(free_) = Eigen::Map<const Eigen::VectorXd>(x[dynamics::kLinks], free_);
-      if (jacobians != nullptr && jacobians[dynamics::kLinks] != nullptr)
-        Eigen::Map<RowMajor>(jacobians[dynamics::kLinks], rows_.rows(), free_) = rows_.rightCols(free_);
+      z.tail(free_) = Eigen::Map<const Eigen::VectorXd>(x[links_], free_);
+      if (jacobians != nullptr && jacobians[links_] != nullptr)
+        Eigen::Map<RowMajor>(jacobians[links_], rows_.rows(), free_) = rows_.rightCols(free_);
     }
     Eigen::Map<Eigen::VectorXd>(residuals, target_.size()) = rows_ * z - target_;
     return true;
@@ -87,7 +90,7 @@ class Residuals : public ceres::CostFunction {
 
   Eigen::MatrixXd rows_;
   Eigen::VectorXd target_;
-  int free_;
+  int free_, links_;
 };
 
 /// Data and prior as one least-squares problem in few rows; columns of free parameters scaled to unit size.
@@ -155,15 +158,16 @@ void rootOfMatrix(const Eigen::Matrix4d& e, double* x) {
   }
 }
 
-/// All unknowns: nine roots, then the free columns (scaled).
+/// All unknowns: the links' roots, then the free columns (scaled).
 struct Unknowns {
   Eigen::VectorXd x;
+  int links = 0;
   double* root(int link) { return x.data() + link * kPerLink; }
-  double* free() { return x.data() + dynamics::kLinks * kPerLink; }
+  double* free() { return x.data() + links * kPerLink; }
 
   Eigen::VectorXd coordinates() const {
     Eigen::VectorXd z = x;
-    for (int link = 0; link < dynamics::kLinks; ++link)
+    for (int link = 0; link < links; ++link)
       coordinatesOfRoot(x.data() + link * kPerLink, z.data() + link * kPerLink);
     return z;
   }
@@ -173,12 +177,12 @@ struct Unknowns {
 int descend(const PhysicalProblem& p, const Stacked& s, Unknowns& unknowns) {
   const int free = static_cast<int>(p.free.size());
   std::vector<double*> blocks;
-  for (int link = 0; link < dynamics::kLinks; ++link)
+  for (int link = 0; link < unknowns.links; ++link)
     blocks.push_back(unknowns.root(link));
   if (free > 0) blocks.push_back(unknowns.free());
   ceres::Problem problem;
   problem.AddResidualBlock(new Residuals(s.rows, s.target, free), nullptr, blocks);
-  for (int link = 0; link < dynamics::kLinks; ++link) {
+  for (int link = 0; link < unknowns.links; ++link) {
     for (int k = 0; k < 4; ++k) {
       problem.SetParameterLowerBound(unknowns.root(link), k, kSmallestLog);
       problem.SetParameterUpperBound(unknowns.root(link), k, kLargestLog);
@@ -205,7 +209,7 @@ double push(const Stacked& s, Unknowns& unknowns) {
   Eigen::VectorXd z = unknowns.coordinates();
   Eigen::VectorXd residual = s.rows * z - s.target;
   double gained = 0.0;
-  for (int link = 0; link < dynamics::kLinks; ++link) {
+  for (int link = 0; link < unknowns.links; ++link) {
     const auto rows = s.rows.middleCols<kPerLink>(link * kPerLink);
     const Coordinates slope = 2.0 * rows.transpose() * residual;
     // <G, dE> = slope . d(coordinates), and the coordinates are an isometry.
@@ -230,7 +234,8 @@ double push(const Stacked& s, Unknowns& unknowns) {
 
 PhysicalSolution solvePhysical(const PhysicalProblem& p, const PriorPull& pull) {
   const Stacked s = stack(p, pull);
-  Unknowns unknowns{Eigen::VectorXd::Zero(dynamics::kLinks * kPerLink + static_cast<Eigen::Index>(p.free.size()))};
+  const Eigen::Index inertial = s.rows.cols() - static_cast<Eigen::Index>(p.free.size());
+  Unknowns unknowns{Eigen::VectorXd::Zero(s.rows.cols()), static_cast<int>(inertial) / kPerLink};
   PhysicalSolution solution;
   solution.iterations = descend(p, s, unknowns);
   Unknowns pushed = unknowns;
@@ -242,7 +247,7 @@ PhysicalSolution solvePhysical(const PhysicalProblem& p, const PriorPull& pull) 
     solution.optimal = push(s, pushed) == 0.0;
   }
   const Eigen::VectorXd z = unknowns.coordinates();
-  solution.inertial = z.head(dynamics::kLinks * kPerLink);
+  solution.inertial = z.head(inertial);
   solution.free = z.tail(s.free_scale.size()).cwiseProduct(s.free_scale);
   solution.cost = (s.rows * z - s.target).squaredNorm() + s.left;
   return solution;

@@ -1,8 +1,10 @@
 #include "knee_robot/identification/recording_units.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "knee_robot/base/errors.h"
+#include "knee_robot/base/numbers.h"
 
 namespace knee_robot::identification {
 namespace {
@@ -43,18 +45,28 @@ void settle(mechanism::Actuator& a, int i, const recording::Recording& r) {
                   (a.revolute ? "revolute" : "prismatic"));
 }
 
-constexpr double kStands = 0.01;  ///< rad or m: a joint that goes less far in a whole recording stands still
+constexpr double kStands = 0.01;          ///< rad or m: a joint that goes less far in a whole recording stands still
+constexpr double kTurn = 2.0 * M_PI;
+constexpr double kBeyondLimits = kTurn;  ///< rad by which no recording leaves a bounded joint's limits
 
-/// Columns of joints that the robot file locks: of a recording with more columns than the chain has moving joints, those that stand
+/// Columns of joints that are locked: of a recording with more columns than the chain has moving joints, those that stand
 /// still are left out, if exactly the chain's are left then.
 void leaveOutLocked(const mechanism::Robot& robot, recording::Recording& r) {
   if (!robot.chain || r.axes <= robot.axes()) return;
   std::vector<Eigen::Index> moving;
+  std::string names;
   for (int i = 0; i < r.axes; ++i) {
-    if (r.position_m.col(i).maxCoeff() - r.position_m.col(i).minCoeff() > kStands) moving.push_back(i);
+    if (r.position_m.col(i).maxCoeff() - r.position_m.col(i).minCoeff() <= kStands) continue;
+    moving.push_back(i);
+    names += (names.empty() ? "" : ", ") + std::to_string(i + 1);
   }
-  if (static_cast<int>(moving.size()) != robot.axes()) return;
-  for (Eigen::MatrixXd* m : {&r.position_m, &r.reference_m, &r.velocity_m_per_s, &r.force_N, &r.current_A}) {
+  if (static_cast<int>(moving.size()) != robot.axes()) {
+    refuse(r, "records " + std::to_string(r.axes) + " joints, of which " + std::to_string(moving.size()) + " move (" +
+                  names + "), but the chain of " + robot.path + " has " + std::to_string(robot.axes()) +
+                  " that move (named there, or those that move in the training recordings); list the recorded joints");
+  }
+  for (Eigen::MatrixXd* m : {&r.position_m, &r.reference_m, &r.velocity_m_per_s, &r.force_N, &r.current_A, &r.motor_m,
+                             &r.temperature_degC}) {
     if (m->cols() == r.axes) *m = (*m)(Eigen::all, moving).eval();
   }
   for (std::vector<std::string>* units : {&r.position_unit, &r.force_unit}) {
@@ -65,7 +77,46 @@ void leaveOutLocked(const mechanism::Robot& robot, recording::Recording& r) {
     *units = kept;
   }
   r.axes = robot.axes();
-  r.notes.push_back("Columns of joints that stand still were left out: the robot file locks them.");
+  r.notes.push_back("Columns of joints that stand still were left out: they are locked.");
+}
+
+/// Encoders of joints that turn on and on are often recorded within one turn.
+void followOverTurns(const mechanism::Robot& robot, recording::Recording& r) {
+  std::string names;
+  for (int i = 0; i < r.axes; ++i) {
+    const mechanism::Actuator& a = robot.actuators[static_cast<std::size_t>(i)];
+    if (!a.revolute) continue;
+    double turns = 0.0;
+    bool any = false;
+    for (Eigen::Index k = 1; k < r.position_m.rows(); ++k) {
+      const double step = r.position_m(k, i) + turns - r.position_m(k - 1, i);
+      if (std::abs(step) > 0.5 * kTurn) turns -= kTurn * std::round(step / kTurn);
+      any = any || turns != 0.0;
+      r.position_m(k, i) += turns;
+    }
+    if (!any) continue;
+    names += (names.empty() ? "" : ", ") + a.name;
+    for (Eigen::MatrixXd* other : {&r.reference_m, &r.motor_m}) {
+      if (other->cols() == 0) continue;
+      const Eigen::ArrayXd ahead = (other->col(i) - r.position_m.col(i)).array() / kTurn;
+      other->col(i).array() -= kTurn * ahead.round();
+    }
+  }
+  if (!names.empty()) r.notes.push_back("Positions jump by whole turns and were followed over the jumps: " + names + ".");
+}
+
+/// Degrees in a column of radians would go through every fit.
+void refuseDegrees(const mechanism::Robot& robot, const recording::Recording& r) {
+  for (int i = 0; i < r.axes; ++i) {
+    const mechanism::Actuator& a = robot.actuators[static_cast<std::size_t>(i)];
+    if (!a.revolute || !robot.chain->joints[static_cast<std::size_t>(i)].bounded) continue;
+    const double low = r.position_m.col(i).minCoeff(), high = r.position_m.col(i).maxCoeff();
+    const double least = a.position_min_m * a.position_per_m(), most = a.position_max_m * a.position_per_m();
+    if (low > least - kBeyondLimits && high < most + kBeyondLimits) continue;
+    refuse(r, column("position", i, "rad") + " goes from " + shortNumber(low, 4) + " to " + shortNumber(high, 4) +
+                  ", but joint " + a.name + " is limited to " + shortNumber(least, 4) + " to " + shortNumber(most, 4) +
+                  " rad; are these degrees? Convert them, or correct position_min_rad and position_max_rad");
+  }
 }
 
 }  // namespace
@@ -81,12 +132,14 @@ void toActuatorUnits(mechanism::Robot& robot, recording::Recording& r) {
     }
     return;
   }
+  refuseDegrees(robot, r);
+  followOverTurns(robot, r);
   Eigen::MatrixXd force(r.rows(), r.axes);
   for (int i = 0; i < r.axes; ++i) {
     mechanism::Actuator& a = robot.actuators[static_cast<std::size_t>(i)];
     settle(a, i, r);
     force.col(i) = (a.recorded == Recorded::Current ? r.current_A : r.force_N).col(i) / a.force_per_N();
-    for (Eigen::MatrixXd* positions : {&r.position_m, &r.reference_m, &r.velocity_m_per_s}) {
+    for (Eigen::MatrixXd* positions : {&r.position_m, &r.reference_m, &r.velocity_m_per_s, &r.motor_m}) {
       if (positions->cols() > 0) positions->col(i) /= a.position_per_m();
     }
   }
@@ -106,11 +159,9 @@ void takeGains(const dynamics::Model& model, mechanism::Robot& robot) {
 }
 
 std::vector<recording::Recording> loadRecordings(mechanism::Robot& robot, const std::vector<std::string>& files) {
-  std::vector<recording::Recording> recordings;
-  for (const std::string& file : files) {
-    recordings.push_back(recording::loadRecording(file));
-    toActuatorUnits(robot, recordings.back());
-  }
+  std::vector<recording::Recording> recordings = readRecordings(files);
+  for (recording::Recording& r : recordings)
+    toActuatorUnits(robot, r);
   return recordings;
 }
 

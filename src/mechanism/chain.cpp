@@ -4,6 +4,7 @@
 #include <urdf_parser/urdf_parser.h>
 
 #include <algorithm>
+#include <cmath>
 #include <map>
 #include <set>
 
@@ -14,6 +15,7 @@ namespace knee_robot::mechanism {
 namespace {
 
 constexpr int kMostJoints = 12;
+constexpr double kHeaviest_kg = 1e5, kFarthest_m = 1e3;  ///< beyond it a number is a slip, not a link
 
 /// Keeps the first complaint of urdfdom for our own sentence.
 class FirstComplaint : public console_bridge::OutputHandler {
@@ -60,6 +62,7 @@ class ChainReader {
     console_bridge::useOutputHandler(&complaint);
     model_ = urdf::parseURDF(text);
     console_bridge::restorePreviousOutputHandler();
+    complaint_ = complaint.first;
     if (!model_) refuse("not a URDF of a tree (urdfdom: " + complaint.first + ")");
     requireTree();
   }
@@ -175,6 +178,7 @@ class ChainReader {
     ChainJoint out;
     out.name = joint.name;
     out.prismatic = joint.type == urdf::Joint::PRISMATIC;
+    out.bounded = joint.type == urdf::Joint::REVOLUTE;
     out.axis = axisOf(joint);
     out.origin = origin;
     return out;
@@ -199,10 +203,27 @@ class ChainReader {
     for (const ChainLink& link : body.links)
       mass += link.mass;
     if (!(mass > 0.0)) {
-      refuse(
-          "link " + joint.child_link_name + ", which joint " + joint.name +
-          " moves, has no <inertial> with a mass, and nothing fixed to it has one; give its mass, centre and inertia");
+      refuse("link " + joint.child_link_name + ", which joint " + joint.name +
+             " moves, has no <inertial> with a mass, and nothing fixed to it has one; give its mass, centre and inertia" +
+             (complaint_.empty() ? "" : " (urdfdom: " + complaint_ + ")"));
     }
+  }
+
+  void requireSane(const ChainLink& link) const {
+    const bool mass = link.mass >= 0.0 && link.mass <= kHeaviest_kg;
+    const bool center = link.center.allFinite() && link.center.norm() <= kFarthest_m;
+    const bool inertia = link.inertia.allFinite() && link.inertia.norm() <= kHeaviest_kg * kFarthest_m;
+    if (mass && center && inertia) return;
+    refuse("link " + link.name + ": its <inertial> has a " + (!mass ? "mass" : !center ? "centre" : "moment") +
+           " that no link has (a mass is 0 to 1e5 kg, a centre within 1000 m); correct it");
+  }
+
+  /// A locked joint that follows a moving one is not locked, and what both carry does not move as a chain does.
+  void requireNoFollower(const urdf::Joint& joint) const {
+    if (!joint.mimic || entry(joint) != nullptr || moving_.count(joint.mimic->joint_name) == 0) return;
+    refuse("joint " + joint.name + " follows joint " + joint.mimic->joint_name +
+           " (<mimic>), which moves, so that it is not locked; list it under `joints`: with its own columns if it has "
+           "a drive, with locked_at_rad (prismatic: locked_at_m) if what it moves may be neglected");
   }
 
   void collect(const urdf::Link& link, const Eigen::Isometry3d& at, ChainJoint& body) const {
@@ -216,16 +237,18 @@ class ChainReader {
       Matrix3 tensor;
       tensor << given.ixx, given.ixy, given.ixz, given.ixy, given.iyy, given.iyz, given.ixz, given.iyz, given.izz;
       out.inertia = frame.linear() * tensor * frame.linear().transpose();
+      requireSane(out);
       body.links.push_back(out);
     }
     for (const urdf::JointSharedPtr& joint : link.child_joints) {
       if (moves(*joint)) continue;
+      requireNoFollower(*joint);
       const Eigen::Isometry3d child = at * poseOf(joint->parent_to_joint_origin_transform) * lockedPose(*joint);
       collect(*model_->getLink(joint->child_link_name), child, body);
     }
   }
 
-  std::string path_;
+  std::string path_, complaint_;
   const std::vector<NamedJoint>& named_;
   urdf::ModelInterfaceSharedPtr model_;
   std::set<std::string> moving_;
@@ -236,6 +259,30 @@ class ChainReader {
 Chain readChain(const std::string& urdf, const std::string& base_link, const std::string& tip_link,
                 const std::vector<NamedJoint>& named, std::vector<ChainLimits>& limits) {
   return ChainReader(urdf, named).read(base_link, tip_link, limits);
+}
+
+Chain lockedAt(const Chain& chain, const std::vector<char>& lock, const Eigen::VectorXd& position) {
+  Chain out;
+  out.tip_link = chain.tip_link;
+  Eigen::Isometry3d since = Eigen::Isometry3d::Identity();  // from the last joint that moves to the body reached
+  for (int i = 0; i < chain.size(); ++i) {
+    ChainJoint joint = chain.joints[static_cast<std::size_t>(i)];
+    if (!lock[static_cast<std::size_t>(i)]) {
+      joint.origin = since * joint.origin;
+      since.setIdentity();
+      out.joints.push_back(joint);
+      continue;
+    }
+    since = since * joint.origin * moved(joint.prismatic, joint.axis, position[i]);
+    if (out.joints.empty()) continue;  // stands with the base
+    for (ChainLink link : joint.links) {
+      link.center = since * link.center;
+      link.inertia = since.linear() * link.inertia * since.linear().transpose();
+      out.joints.back().links.push_back(link);
+    }
+  }
+  out.tip = since * chain.tip;
+  return out;
 }
 
 std::vector<Eigen::Isometry3d> bodyFrames(const Chain& chain, const Eigen::VectorXd& position) {

@@ -77,6 +77,7 @@ void readLimits(StrictMap& map, const ChainLimits& limits, Actuator& a) {
 
 void readEncoder(StrictMap& map, Actuator& a) {
   a.screw_lead_m = a.revolute ? 2.0 * M_PI * kJointRadius_m : 1.0;  // per turn of a joint; a rail has none
+  a.resolution_given = map.has("counts_per_revolution") || map.has("resolution_rad") || map.has("resolution_m");
   if (!a.revolute) {
     a.counts_per_revolution = 1.0 / map.numberOr("resolution_m", kUsualStep_m, kTiny, 1.0);
     return;

@@ -33,6 +33,8 @@ std::vector<identification::Observation> observeAll(mechanism::Robot& robot, con
 int run(const Arguments& a) {
   mechanism::Robot robot = mechanism::loadAnyRobot(a.robot);
   if (!robot.chain) throw InputError(a.robot + ": drive gains belong to `mechanism: chain`");
+  std::vector<recording::Recording> read = identification::readRecordings(a.unloaded);
+  identification::adaptToRecordings(robot, read);
   for (mechanism::Actuator& actuator : robot.actuators) {
     actuator.recorded = mechanism::Recorded::Current;
     actuator.torque_per_ampere = 0.0;  // found anew, whatever the file says

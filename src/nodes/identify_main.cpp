@@ -84,13 +84,15 @@ void declare(CLI::App& app, Arguments& a) {
       ->check(CLI::Range(1, 1000));
 }
 
-std::vector<recording::Recording> loadAll(mechanism::Robot& robot, const std::vector<std::string>& files) {
-  std::vector<recording::Recording> recordings;
-  for (const std::string& file : files) {
+std::vector<recording::Recording> readAll(const std::vector<std::string>& files) {
+  for (const std::string& file : files)
     std::cerr << "reading " << file << std::endl;
-    recordings.push_back(recording::loadRecording(file));
-    identification::toActuatorUnits(robot, recordings.back());
-  }
+  return identification::readRecordings(files);
+}
+
+std::vector<recording::Recording> inUnits(mechanism::Robot& robot, std::vector<recording::Recording> recordings) {
+  for (recording::Recording& r : recordings)
+    identification::toActuatorUnits(robot, r);
   return recordings;
 }
 
@@ -153,7 +155,10 @@ std::string commandLine(int argc, char** argv) {
 /// The physically consistent parameters, or why there are none.
 void fitPossible(const mechanism::Robot& robot, report::IdentifyResults& r) {
   if (robot.chain) {
-    r.no_physical = "for chains only the base fit is there yet.";
+    std::cerr << "fitting physically consistent parameters" << std::endl;
+    r.urdf_path = robot.urdf;
+    r.chain = robot.chain;
+    r.physical = identification::fitPhysicalChain(robot, r.after);
   } else if (!robot.mechanism) {
     r.no_physical = "axes on a bench have no links.";
   } else if (robot.urdf.empty()) {
@@ -204,14 +209,16 @@ int run(const Arguments& a, const std::string& command_line) {
   r.options = a.options;
   refuseTrainingAgain(a);
   mechanism::Robot robot = mechanism::loadAnyRobot(a.robot);
-  std::vector<recording::Recording> training = loadAll(robot, a.train);
+  std::vector<recording::Recording> read = readAll(a.train);
+  identification::adaptToRecordings(robot, read);
+  std::vector<recording::Recording> training = inUnits(robot, read);
   decideCutoff(training, a.cutoff_hz, a.motion_cutoff_hz, r);
   r.train = observeAll(robot, training, r.options);
   if (identification::gainsByUrdf(robot, r.train, r.options.observation)) {
-    training = loadAll(robot, a.train);
+    training = inUnits(robot, read);
     r.train = observeAll(robot, training, r.options);
   }
-  const std::vector<recording::Recording> validation = loadAll(robot, a.validate);
+  const std::vector<recording::Recording> validation = inUnits(robot, readAll(a.validate));
   r.validate = observeAll(robot, validation, r.options);
   refuseEqualNames(r.validate);
 

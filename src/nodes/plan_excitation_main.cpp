@@ -14,6 +14,7 @@
 #include "knee_robot/base/errors.h"
 #include "knee_robot/base/numbers.h"
 #include "knee_robot/excitation/excitation.h"
+#include "plan_chain_excitation.h"
 #include "program.h"
 
 namespace {
@@ -123,8 +124,20 @@ int main(int argc, char** argv) {
   app.add_option("--coulomb", options.friction.coulomb_N, "N expected in every actuator, for the forces")
       ->capture_default_str();
   app.add_flag("!--no-force-limits", options.force_limits, "let forces be what they are");
+  std::vector<std::string> recorded;
+  app.add_option("--recorded", recorded, "of a chain: recordings that are there already and count");
   app.add_flag("--twin-legs", options.twin_legs, "q23 and q33 identical, as in the paper's verification");
   return nodes::runProgram(app, argc, argv, [&]() -> int {
+    const mechanism::Robot any = mechanism::loadAnyRobot(robot_file);
+    if (any.chain) {
+      excitation::ChainExcitationOptions chain;
+      chain.shape = options.shape;
+      chain.shape.period_s = chain.shape.duration_s - 2.0 * chain.shape.ramp_s;
+      chain.seed = options.seed;
+      chain.candidates = options.candidates;
+      chain.seconds_budget = options.seconds_budget;
+      return nodes::planChainExcitation(any, recorded, chain, output);
+    }
     const mechanism::Robot robot = mechanism::loadRobot(robot_file);
     if (margin->count() > 0) options.condition_max = condition_max;
     if (noise_option->count() > 0) options.noise_N = Eigen::Map<const mechanism::Vector4>(noise.data());

@@ -21,14 +21,14 @@ struct Arguments {
 int run(const Arguments& a) {
   mechanism::Robot robot = mechanism::loadAnyRobot(a.robot);
   const dynamics::Model model = dynamics::loadModel(a.model);
+  std::vector<recording::Recording> recordings = identification::readRecordings(a.recordings);
+  if (robot.axes() != model.axes) identification::adaptToRecordings(robot, recordings);
   identification::takeGains(model, robot);
-  std::vector<recording::Recording> recordings;
   std::set<std::string> names;
-  for (const std::string& file : a.recordings) {
-    recordings.push_back(recording::loadRecording(file));
-    identification::toActuatorUnits(robot, recordings.back());
-    if (!names.insert(recordings.back().name).second)
-      throw InputError(file + ": another recording is named " + recordings.back().name + " too; rename one");
+  for (recording::Recording& r : recordings) {
+    identification::toActuatorUnits(robot, r);
+    if (!names.insert(r.name).second)
+      throw InputError(r.path + ": another recording is named " + r.name + " too; rename one");
   }
   report::PredictResults results = report::predictRecordings(robot, model, a.model, recordings);
   report::toRecordedUnits(robot, results);

@@ -53,13 +53,15 @@ void declare(CLI::App& app, Arguments& a) {
       ->check(CLI::Range(0.0, 10.0));
 }
 
-std::vector<recording::Recording> load(mechanism::Robot& robot, const std::vector<std::string>& files) {
-  std::vector<recording::Recording> recordings;
-  for (const std::string& file : files) {
+std::vector<recording::Recording> readAll(const std::vector<std::string>& files) {
+  for (const std::string& file : files)
     std::cerr << "reading " << file << std::endl;
-    recordings.push_back(recording::loadRecording(file));
-    identification::toActuatorUnits(robot, recordings.back());
-  }
+  return identification::readRecordings(files);
+}
+
+std::vector<recording::Recording> inUnits(mechanism::Robot& robot, std::vector<recording::Recording> recordings) {
+  for (recording::Recording& r : recordings)
+    identification::toActuatorUnits(robot, r);
   return recordings;
 }
 
@@ -163,13 +165,15 @@ int run(const Arguments& a, const std::string& command_line) {
   r.options.progress = [](const std::string& what) { std::cerr << what << std::endl; };
   if (a.options.most_effects == 0) r.options.twins = 2;  // nothing is compared with surrogates
   mechanism::Robot robot = mechanism::loadAnyRobot(a.robot);
+  std::vector<recording::Recording> read = readAll(a.train);
+  identification::adaptToRecordings(robot, read);
   if (!a.model.empty()) {
     r.options.start =
         std::make_shared<const tracing::StartModel>(tracing::StartModel{dynamics::loadModel(a.model), a.model});
     dynamics::requireModelOf(r.options.start->model, a.model, robot);
     identification::takeGains(r.options.start->model, robot);
   }
-  std::vector<recording::Recording> train = load(robot, a.train);
+  std::vector<recording::Recording> train = inUnits(robot, read);
   recording::CutoffChoice cutoff = cutoffOf(a, train);
   if (r.options.start) {
     cutoff.cutoff_hz = r.options.start->model.cutoff_hz;
@@ -178,10 +182,10 @@ int run(const Arguments& a, const std::string& command_line) {
   r.options.observation.setCutoff(cutoff.cutoff_hz);
   r.train = observeAll(robot, train, r.options.observation);
   if (identification::gainsByUrdf(robot, r.train, r.options.observation)) {
-    train = load(robot, a.train);
+    train = inUnits(robot, read);
     r.train = observeAll(robot, train, r.options.observation);
   }
-  const std::vector<recording::Recording> validate = load(robot, a.validate);
+  const std::vector<recording::Recording> validate = inUnits(robot, readAll(a.validate));
   r.validate = observeAll(robot, validate, r.options.observation);
   r.result = tracing::trace(robot, train, r.train, r.options);
   r.result.notes.push_back(cutoff.sentence);

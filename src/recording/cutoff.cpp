@@ -14,6 +14,7 @@ namespace {
 constexpr double kGridRates_hz[] = {100.0, 200.0, 500.0, 1000.0};
 constexpr int kFewestSamples = 200;
 constexpr double kSegment_s = 5.12;
+constexpr int kFewestInSegment = 32;
 constexpr int kBinsBelow = 3;  ///< so many bins in a row below the least coherence end the followed band
 constexpr double kPowerToCount =
     1e-3;  ///< bins with less than this share of the largest power say nothing of following
@@ -68,7 +69,9 @@ Spectra spectraOf(const std::vector<Pair>& motions, double rate) {
   Eigen::Index shortest = motions.front().done.rows();
   for (const Pair& motion : motions)
     shortest = std::min(shortest, motion.done.rows());
-  const int length = static_cast<int>(std::min<double>(kSegment_s * rate, static_cast<double>(shortest / 4))) / 2 * 2;
+  const double least = std::min<double>(kFewestInSegment, static_cast<double>(shortest / 4));  // of a very slow recording
+  const double wanted = std::min<double>(kSegment_s * rate, static_cast<double>(shortest / 4));
+  const int length = static_cast<int>(std::max(wanted, least)) / 2 * 2;
   Spectra sum;
   sum.step_hz = rate / length;
   const Eigen::Index bins = length / 2 + 1, axes = motions.front().done.cols();

@@ -92,7 +92,7 @@ class Header {
  private:
   static bool known(const std::string& name) {
     static const char* const kStarts[] = {"time_s", "position_", "reference_", "velocity_", "command_",
-                                          "force_", "mocap_",    "torque_",    "current_",  "home_id"};
+                                          "force_", "mocap_",    "torque_",    "current_",  "home_id",  "motor_", "temperature_"};
     return std::any_of(std::begin(kStarts), std::end(kStarts),
                        [&](const char* start) { return name.rfind(start, 0) == 0; });
   }
@@ -171,11 +171,11 @@ std::vector<std::string> unitsOf(const std::vector<Column>& columns) {
 
 struct Columns {
   Column time;
-  std::vector<Column> position, reference, velocity, command, force, current, mocap, home;
+  std::vector<Column> position, reference, velocity, command, force, current, motor, temperature, mocap, home;
 
   std::vector<Column*> all() {
     std::vector<Column*> list = {&time};
-    for (auto* group : {&position, &reference, &velocity, &command, &force, &current, &mocap, &home}) {
+    for (auto* group : {&position, &reference, &velocity, &command, &force, &current, &motor, &temperature, &mocap, &home}) {
       for (Column& column : *group)
         list.push_back(&column);
     }
@@ -192,6 +192,8 @@ Columns findColumns(const Header& header, int axes) {
   c.command = signalColumns(header, "command", {"_V"}, axes);
   c.force = effortColumns(header, axes);
   c.current = signalColumns(header, "current", {"_A"}, axes);
+  c.motor = signalColumns(header, "motor_position", kPositionUnits, axes);
+  c.temperature = signalColumns(header, "temperature", {"_degC"}, axes);
   if (c.command.empty() && c.force.empty() && c.current.empty()) {
     if (c.position.front().name == "position_1_rad")
       header.need("torque_1_Nm", ", and so is current_1_A; one of the two is needed");
@@ -339,6 +341,8 @@ Recording parseRecording(const std::string& content, const std::string& path) {
   r.command_V = toMatrix(columns.command, r.rows());
   r.force_N = toMatrix(columns.force, r.rows());
   r.current_A = toMatrix(columns.current, r.rows());
+  r.motor_m = toMatrix(columns.motor, r.rows());
+  r.temperature_degC = toMatrix(columns.temperature, r.rows());
   r.mocap = toMatrix(columns.mocap, r.rows());
   return r;
 }

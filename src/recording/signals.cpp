@@ -225,6 +225,13 @@ Signals resample(const Recording& r, const Eigen::MatrixXd& force_N, const Signa
   s.position_m = everyNth(position, step, count);
   s.velocity_m_per_s = everyNth(firstDerivative(position, period), step, count);
   s.acceleration_m_per_s2 = everyNth(secondDerivative(position, period), step, count);
+  if (r.motor_m.cols() > 0) {
+    Eigen::MatrixXd motor = sampleCubic(time, r.motor_m.bottomRows(rows), fine);
+    ZeroPhaseLowPass(options.motion_cutoff_hz, 1.0 / period).applyToColumns(motor);
+    s.motor_m = everyNth(motor, step, count);
+  }
+  if (r.temperature_degC.cols() > 0)
+    s.temperature_degC = everyNth(sampleCubic(time, r.temperature_degC.bottomRows(rows), fine), step, count);
   s.force_is_measured = r.force_is_measured;
   s.force_N = heldMeans(r.force_is_measured ? midpoints(time) : time, force_N.bottomRows(rows), s.time_s, s.period_s);
   s.tremble_m_per_s = everyNth(trembleOf(raw, position, period), step, count);

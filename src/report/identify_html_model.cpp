@@ -43,15 +43,14 @@ std::string linkTable(const IdentifyResults& r) {
       text += (text.empty() ? "" : ", ") + shortNumber(std::round(1e4 * value) / 10 + 0.0);  // + 0.0: no "-0"
     return text;
   };
-  for (std::size_t k = 0; k < r.physical->inertia.links.size(); ++k) {
-    const dynamics::LinkInertia& body = r.physical->inertia.links[k];
-    const dynamics::LinkInertia& prior = r.prior->links[k];
+  for (const identification::PhysicalBody& one : r.physical->bodies) {
+    const dynamics::LinkInertia &body = one.fitted, &prior = one.prior;
     const mechanism::Vector3 moments = dynamics::principalMoments(body);
-    out += "<tr><td>" + dynamics::linkNames()[k] + "</td><td>" + shortNumber(body.mass, 3) + "</td><td>" +
+    out += "<tr><td>" + escapeHtml(one.name) + "</td><td>" + shortNumber(body.mass, 3) + "</td><td>" +
            shortNumber(prior.mass, 3) + "</td><td>" + millimetres(body.center) + "</td><td>" +
            millimetres(prior.center) + "</td><td>" + shortNumber(1e3 * moments[0], 3) + ", " +
            shortNumber(1e3 * moments[1], 3) + ", " + shortNumber(1e3 * moments[2], 3) + "</td><td>" +
-           shortNumber(100.0 * r.physical->moved[k], 3) + "</td></tr>\n";
+           shortNumber(100.0 * one.moved, 3) + "</td></tr>\n";
   }
   return out + "</table>\n";
 }
@@ -86,6 +85,7 @@ std::string identifyPhysical(const IdentifyResults& r) {
   std::string out = "<h2>Physically consistent parameters</h2>\n";
   if (!r.physical) return out + "<p>Not fitted: " + escapeHtml(r.no_physical) + "</p>\n";
   const identification::PhysicalFit& fit = *r.physical;
+  const std::size_t inertial = fit.bodies.size() * dynamics::kLinkParameters;
   PlotLine held{"held back", kModelColor, {}, {}};
   for (const identification::PhysicalPoint& p : fit.curve) {
     held.x.push_back(std::log10(p.strength));
@@ -97,10 +97,9 @@ std::string identifyPhysical(const IdentifyResults& r) {
   style.log_y = true;
   style.markers = {std::log10(fit.strength)};
   out +=
-      "<p>All 90 inertial parameters of nine bodies that can exist, with friction, rotors and offsets, fitted to the "
-      "same "
-      "equations. The data decide " +
-      htmlNumber(fit.supported) + " of " + std::to_string(dynamics::kInertialParameters + r.after.model.axes) +
+      "<p>All " + std::to_string(inertial) + " inertial parameters of " + std::to_string(fit.bodies.size()) +
+      " bodies that can exist, with friction, rotors and offsets, fitted to the same equations. The data decide " +
+      htmlNumber(fit.supported) + " of " + std::to_string(inertial + static_cast<std::size_t>(r.after.model.axes)) +
       " directions (inertias and offsets); where they are silent the prior does: " + escapeHtml(r.urdf_path) +
       ". Strength of the prior (dashed): the strongest whose error on held-back blocks of the training data is within "
       "one standard error of the best. " +

@@ -53,14 +53,13 @@ Json physicalJson(const IdentifyResults& r) {
                      {"standard_error", p.standard_error}});
   }
   Json links = Json::array();
-  for (int link = 0; link < dynamics::kLinks; ++link) {
-    const std::size_t k = static_cast<std::size_t>(link);
-    const dynamics::LinkInertia& body = fit.inertia.links[k];
-    links.push_back({{"link", dynamics::linkNames()[k]},
+  for (const identification::PhysicalBody& one : fit.bodies) {
+    const dynamics::LinkInertia& body = one.fitted;
+    links.push_back({{"link", one.name},
                      {"mass_kg", body.mass},
                      {"center_m", {body.center.x(), body.center.y(), body.center.z()}},
-                     {"prior_mass_kg", r.prior->links[k].mass},
-                     {"change_from_prior", fit.moved[k]},
+                     {"prior_mass_kg", one.prior.mass},
+                     {"change_from_prior", one.moved},
                      {"possible", dynamics::inconsistency(body).empty()}});
   }
   Json j = {{"done", true},
@@ -138,11 +137,15 @@ void writeIdentifyFiles(const IdentifyResults& r, const std::string& folder) {
   dynamics::saveModel(r.after.model, folder + "/model.yaml");
   if (r.physical) {
     dynamics::saveModel(r.physical->model, folder + "/model_physical.yaml");
-    writeFileAtomically(
-        folder + "/identified.urdf",
-        dynamics::urdfWithInertia(r.urdf_path, r.physical->inertia,
-                                  "Inertias identified from recordings, with those of the given URDF where the "
-                                  "recordings say nothing; rotor inertia is in model_physical.yaml."));
+    const std::string note =
+        "Inertias identified from recordings, with those of the given URDF where the recordings say nothing; rotor "
+        "inertia is in model_physical.yaml.";
+    std::vector<dynamics::LinkInertia> bodies;
+    for (const identification::PhysicalBody& one : r.physical->bodies)
+      bodies.push_back(one.fitted);
+    const std::string urdf = r.chain ? dynamics::urdfWithChainInertia(r.urdf_path, *r.chain, bodies, note)
+                                     : dynamics::urdfWithInertia(r.urdf_path, r.physical->inertia, note);
+    writeFileAtomically(folder + "/identified.urdf", urdf);
   }
   for (std::size_t i = 0; i < r.validate.size(); ++i) {
     writeFileAtomically(folder + "/prediction_" + r.validate[i].name + ".csv",

@@ -4,6 +4,10 @@
 
 namespace knee_robot::tracing {
 
+bool Candidate::worksOn(const mechanism::Robot& robot) const {
+  return robot.mechanism.has_value() || worksOnBench();
+}
+
 std::vector<std::vector<double>> Candidate::shapes(const EffectInput&, int) const {
   return {{}};
 }
@@ -57,9 +61,14 @@ CandidateList namedCandidates(const mechanism::Robot& robot) {
   all.push_back(makePowerFlowFriction());
   all.push_back(makeLoadDependentViscous());
   all.push_back(makeDashpot());
+  all.push_back(makeTorsionalHysteresis());
+  all.push_back(makeGearRipple());
+  all.push_back(makeTemperatureFriction());
+  all.push_back(makeJointElasticity());
+  all.push_back(makePushAtTip());
   CandidateList fit;
   for (auto& candidate : all) {
-    if (robot.mechanism || candidate->worksOnBench()) fit.push_back(std::move(candidate));
+    if (candidate->worksOn(robot)) fit.push_back(std::move(candidate));
   }
   return fit;
 }

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "knee_robot/dynamics/chain_regressor.h"
 #include "knee_robot/dynamics/regressor.h"
 #include "knee_robot/mechanism/kinematics.h"
 #include "knee_robot/recording/filter.h"
@@ -60,9 +61,31 @@ void setPoses(EffectInput& in) {
   }
 }
 
+/// The same of a chain.
+Eigen::VectorXd movedByJoints(const EffectInput& in, const Eigen::VectorXd& parameters) {
+  const mechanism::Chain& chain = *in.robot->chain;
+  const Eigen::Index rigid = chain.size() * dynamics::kLinkParameters;
+  Eigen::VectorXd mass = Eigen::VectorXd::Zero(in.axes()), per_m(in.axes());
+  for (int i = 0; i < in.axes(); ++i)
+    per_m[i] = in.robot->actuators[static_cast<std::size_t>(i)].position_per_m();
+  dynamics::ChainRegressorData data(chain);
+  const Eigen::VectorXd still = Eigen::VectorXd::Zero(in.axes());
+  for (int k = 0; k < kMassSamples; ++k) {
+    const int n = (2 * k + 1) * in.samples() / (2 * kMassSamples);
+    const Eigen::VectorXd q = in.signals().position_m.row(n).transpose().cwiseProduct(per_m);
+    for (int i = 0; i < in.axes(); ++i) {
+      const Eigen::VectorXd pushed = per_m[i] * Eigen::VectorXd::Unit(in.axes(), i);
+      dynamics::chainRegressor(chain, mechanism::Vector3::Zero(), q, still, pushed, data);
+      mass[i] += per_m[i] * data.regressor.row(i).dot(parameters.head(rigid));
+    }
+  }
+  return (mass / kMassSamples).cwiseMax(0.0);
+}
+
 /// Mass that each actuator moves beyond its own rotor: the model's force for one more m/s^2 of that actuator alone.
 Eigen::VectorXd movedMass(const EffectInput& in, const Eigen::VectorXd& parameters) {
   Eigen::VectorXd mass = Eigen::VectorXd::Zero(in.axes());
+  if (in.robot->chain) return movedByJoints(in, parameters);
   if (!in.robot->mechanism) return mass;
   dynamics::RegressorData data;
   dynamics::ExtendedRegressor still = dynamics::ExtendedRegressor::Zero(), pushed = still;

@@ -25,5 +25,11 @@ std::unique_ptr<Candidate> makeExternalForce();
 std::unique_ptr<Candidate> makePowerFlowFriction();
 std::unique_ptr<Candidate> makeLoadDependentViscous();
 std::unique_ptr<Candidate> makeDashpot();
+// Of chains only.
+std::unique_ptr<Candidate> makeTorsionalHysteresis();
+std::unique_ptr<Candidate> makeGearRipple();
+std::unique_ptr<Candidate> makeTemperatureFriction();
+std::unique_ptr<Candidate> makeJointElasticity();
+std::unique_ptr<Candidate> makePushAtTip();
 
 }  // namespace knee_robot::tracing

@@ -76,6 +76,8 @@ void refineShapes(Search& search);
 /// Held-back stretches of other positions: what each effect saves there, as a share of the squared residual. Effects that lose
 /// there are not predicted elsewhere.
 void judgeElsewhere(Search& search, std::vector<std::string>& notes);
+/// The same of a chain, whose reports name nothing that fails there: it is taken out, the most harmful one first.
+void abstainElsewhere(Search& search, std::vector<std::string>& notes);
 
 /// An effect that depends on a position which always went with another one in training is seen, but not what it depends on: on
 /// another path, where the two part, it would predict anything. Such effects are not predicted elsewhere.

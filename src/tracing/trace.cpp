@@ -294,8 +294,9 @@ void Tracing::settle() {
   }
   for (auto& map : maps_)
     result_.candidates->push_back(std::move(map));
+  if (robot_.chain) abstainElsewhere(s_, result_.notes);
   holdBackAmbiguous(s_, result_.notes);
-  judgeElsewhere(s_, result_.notes);
+  if (!robot_.chain) judgeElsewhere(s_, result_.notes);
   result_.effects = s_.effects;
   result_.parameters = result_.base.parametersOf(s_.fit.base);
   result_.seen_parameters = s_.seen_parameters;

@@ -113,6 +113,19 @@ TEST_F(ChainFile, RefusesAMovingBodyWithoutInertia) {
   refuses({"arm.urdf", "tower", "waist", "<inertial>"});
 }
 
+TEST_F(ChainFile, RefusesAnInertiaThatNoLinkHas) {
+  const std::size_t at = urdf_.find("<mass value=\"", urdf_.find("link name=\"tower\""));
+  urdf_.replace(at + 13, 3, "9e300");
+  refuses({"arm.urdf", "tower", "mass"});
+}
+
+TEST_F(ChainFile, RefusesALockedJointThatFollowsAMovingOne) {
+  replace("<joint name=\"finger_joint\" type=\"prismatic\">",
+          "<joint name=\"finger_joint\" type=\"prismatic\"><mimic joint=\"pitch\"/>");
+  refuses({"arm.urdf", "finger_joint", "pitch", "mimic"});
+  EXPECT_EQ(load("joints: [{name: waist}, {name: finger_joint, locked_at_m: 0.01}]\n").axes(), 1);
+}
+
 TEST_F(ChainFile, RefusesLinksThatAreNotOnOneBranch) {
   refuses({"nowhere", "base_link"}, "", "nowhere");
   refuses({"tool", "finger"}, "", "finger", "tool");

@@ -163,6 +163,15 @@ TEST(Cutoff, OfAHeldReferenceIsNotThatOfItsSteps) {
   EXPECT_LT(chooseCutoff({&r}).cutoff_hz, 5.0);
 }
 
+TEST(Cutoff, OfARecordingWithMinutesBetweenItsRowsIsChosenToo) {  // milliseconds in a column of seconds
+  UniformMotion slow;
+  slow.rate_hz = 0.05;
+  slow.position_m.resize(1000, 1);
+  for (Eigen::Index k = 0; k < 1000; ++k)
+    slow.position_m(k, 0) = std::sin(0.05 * static_cast<double>(k));
+  EXPECT_GT(chooseCutoff({slow}).cutoff_hz, 0.0);
+}
+
 TEST(Cutoff, WithoutReferenceFollowsTheRecordedVelocity) {
   const Recording slow = sampled(100.0, false, {0.2, 0.4});
   EXPECT_NEAR(chooseCutoff({&slow}).cutoff_hz, 2.0, 1.0);

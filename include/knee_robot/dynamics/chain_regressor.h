@@ -26,9 +26,13 @@ struct ChainRegressorData {
 void chainRegressor(const mechanism::Chain& chain, const mechanism::Vector3& gravity, const Eigen::VectorXd& position,
                     const Eigen::VectorXd& velocity, const Eigen::VectorXd& acceleration, ChainRegressorData& data);
 
-/// Inertial parameters of the chain's bodies by its URDF, ten a body, with what is fixed to a body counted in. InputError that names
-/// link and URDF when a link's inertia is one that no body can have.
+/// Inertial parameters of the chain's bodies by its URDF, ten a body, with what is fixed to a body counted in. A link whose principal
+/// moments break the triangle inequality counts as the nearest possible one. InputError that names link and URDF when its inertia is
+/// negative or no number.
 Eigen::VectorXd chainInertia(const mechanism::Robot& robot);
+
+/// Links whose inertia in the URDF no body can have.
+std::vector<std::string> impossibleLinks(const mechanism::Chain& chain);
 
 /// Jacobian (6 x joints: linear, then angular, base frame) of the point `at` (m) in the last body's frame.
 Eigen::Matrix<double, 6, Eigen::Dynamic> chainJacobian(const mechanism::Chain& chain, const Eigen::VectorXd& position,

@@ -11,4 +11,9 @@ namespace knee_robot::dynamics {
 /// missing; std::invalid_argument when no body can have one of the inertias: such a file is never written.
 std::string urdfWithInertia(const std::string& path, const RobotInertia& inertia, const std::string& note);
 
+/// The same of a chain: every body's inertia (one a joint, in the body's frame) goes to the link that its joint moves; other links of the
+/// body lose theirs, which it contains.
+std::string urdfWithChainInertia(const std::string& path, const mechanism::Chain& chain,
+                                 const std::vector<LinkInertia>& bodies, const std::string& note);
+
 }  // namespace knee_robot::dynamics

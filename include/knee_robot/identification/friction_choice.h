@@ -9,6 +9,13 @@
 
 namespace knee_robot::identification {
 
+/// Where an actuator's laws are looked for: displacements over which friction builds up, speeds at which it is full.
+struct FrictionRange {
+  double narrowest_m = 2e-5;  ///< no stop is narrower: an encoder's steps
+  double widest_m = 2e-3, bristles_most_m = 1e-3;
+  double slowest_m_per_s = 1e-4, fastest_m_per_s = 5e-3;
+};
+
 /// One family of laws that was tried for an actuator.
 struct TriedLaw {
   dynamics::FrictionLaw law;  ///< the best of its family on all training data
@@ -28,12 +35,12 @@ struct FrictionChoice {
 /// up to six elements with non-negative shares. Blocks of the training data are left out in turn; within each turn shape and shares are
 /// chosen without the block, the other parameters follow by least squares with the prior of `strength`. Chosen is the simplest family
 /// within a quarter of a standard error of the best. `equations`: weighted, their Coulomb columns set with `present` laws; other
-/// actuators keep theirs. `narrowest_m`, per actuator: no stop is narrower. `around`: an earlier
+/// actuators keep theirs. `ranges`, one per actuator. `around`: an earlier
 /// choice, between whose shapes and their neighbours finer steps are tried too.
 std::vector<FrictionChoice> chooseFriction(const std::vector<Observation>& training, const ObservationOptions& options,
                                            const std::vector<Column>& columns, const Equations& equations,
                                            const Eigen::VectorXd& noise_N, const Reduction& reduction, double strength,
-                                           const std::vector<double>& narrowest_m,
+                                           const std::vector<FrictionRange>& ranges,
                                            const std::vector<FrictionChoice>& around = {});
 
 }  // namespace knee_robot::identification

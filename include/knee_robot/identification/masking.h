@@ -9,6 +9,14 @@ namespace knee_robot::identification {
 void maskUnusable(const mechanism::Robot& robot, const ObservationOptions& options, Observation& observation);
 
 /// Fills moving and axis_moving.
-void findMoving(const ObservationOptions& options, Observation& observation);
+void findMoving(const mechanism::Robot& robot, const ObservationOptions& options, Observation& observation);
+
+/// Speed of one actuator that 95 % of the samples stay below, m/s.
+double usualSpeed(const recording::Signals& signals, Eigen::Index actuator);
+
+/// Per actuator the speed (m/s) above which it counts as moving: that of the options; of a chain's joint at most a share of its usual
+/// speed, so that a slow one moves too.
+Eigen::VectorXd movingLimits(const mechanism::Robot& robot, const ObservationOptions& options,
+                             const recording::Signals& signals);
 
 }  // namespace knee_robot::identification

@@ -51,7 +51,7 @@ PriorPull priorPull(const PhysicalProblem& problem, double strength);
 
 /// A solution of data and prior together.
 struct PhysicalSolution {
-  Eigen::VectorXd inertial;  ///< 90 coordinates
+  Eigen::VectorXd inertial;  ///< coordinates, ten a link
   Eigen::VectorXd free;
   double cost = 0.0;  ///< sum of squares, data and prior
   int iterations = 0;

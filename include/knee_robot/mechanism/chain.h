@@ -25,6 +25,7 @@ struct ChainLink {
 struct ChainJoint {
   std::string name;
   bool prismatic = false;
+  bool bounded = false;                                      ///< revolute with limits: it does not turn on and on
   Vector3 axis = Vector3::UnitZ();                           ///< unit vector, body's frame
   Eigen::Isometry3d origin = Eigen::Isometry3d::Identity();  ///< body's frame at position 0, in that of the body before
   std::vector<ChainLink> links;  ///< of the body: the joint's child and whatever is fixed to it
@@ -56,9 +57,13 @@ struct NamedJoint {
 /// that can move on the way when it is empty; every other joint of the tree is locked, at 0 unless `named` says where. `limits` gets
 /// one entry a moving joint. InputError (the URDF, the link or joint, and what to mend) when it is no URDF, not a tree (a link with two
 /// parents, a loop), the links are not on one branch, a joint is unknown, of a kind that no chain has, or not on the way, a moving body
-/// has no <inertial>, or there are not 1 to 12 moving joints.
+/// has no <inertial> or an impossible one, a locked joint mimics a moving one, or there are not 1 to 12 moving joints.
 Chain readChain(const std::string& urdf, const std::string& base_link, const std::string& tip_link,
                 const std::vector<NamedJoint>& named, std::vector<ChainLimits>& limits);
+
+/// The chain with some of its joints (`lock`, one entry a joint) standing at `position` (rad, m): their bodies belong to those that carry
+/// them. At least one joint stays.
+Chain lockedAt(const Chain& chain, const std::vector<char>& lock, const Eigen::VectorXd& position);
 
 /// Body frames in the base link's frame at `position` (rad, m; one entry a joint).
 std::vector<Eigen::Isometry3d> bodyFrames(const Chain& chain, const Eigen::VectorXd& position);

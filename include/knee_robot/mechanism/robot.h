@@ -34,6 +34,7 @@ struct Actuator {
   Recorded recorded = Recorded::Force;  ///< what the recorder wrote as the drive's effort
   double torque_per_ampere = 0.0;       ///< N m/A (prismatic: N/A) at the joint; 0: not known
   double torque_per_ampere_std = 0.0;   ///< 0: given, not estimated
+  bool resolution_given = true;         ///< false: the robot file says nothing of the encoder
   double jointRadius() const { return revolute ? kJointRadius_m : 1.0; }
   double position_per_m() const { return 1.0 / jointRadius(); }  ///< recorded unit per m
   /// Recorded unit per N: N m, N or A.

@@ -27,6 +27,8 @@ struct Signals {
   /// Way of the recorded position beyond that of position_m, per time, over 0.2 s around the sample; never negative: vibration
   /// too fast or too small for position_m.
   Eigen::MatrixXd tremble_m_per_s;
+  Eigen::MatrixXd motor_m;           ///< second encoder, treated as position_m; no columns when there is none
+  Eigen::MatrixXd temperature_degC;  ///< no columns when there is none
   std::vector<char> known;  ///< 0 in gaps
   /// Of an encoder's step: what rounding leaves in position_m, from peak to peak (six standard deviations of white rounding noise
   /// after the low-pass; at least a quarter, because a filtered staircase overshoots; at most one).

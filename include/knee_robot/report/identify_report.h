@@ -30,6 +30,7 @@ struct IdentifyResults {
 
   std::optional<dynamics::RobotInertia> prior;          ///< of the robot's URDF
   std::string urdf_path;                                ///< that the prior came from
+  std::optional<mechanism::Chain> chain;                ///< of a chain
   std::optional<identification::PhysicalFit> physical;  ///< when there is a prior
   std::string no_physical;                              ///< why there is none
   identification::Applied train_physical, validate_physical;

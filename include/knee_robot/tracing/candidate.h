@@ -48,6 +48,8 @@ class Candidate {
   virtual bool restsOnModel() const { return true; }
   /// False: needs the platform.
   virtual bool worksOnBench() const { return !shared(); }
+  /// False: is not looked for on this robot.
+  virtual bool worksOn(const mechanism::Robot& robot) const;
 
   virtual std::vector<ShapeParameter> shapeParameters() const { return {}; }
   /// Values of the shape parameters that are tried, given one of the recordings (`actuator` -1: shared).

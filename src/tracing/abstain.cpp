@@ -1,0 +1,40 @@
+// What of an arm's additions is no attribution: what does not hold at positions of its own recordings that were held back.
+
+#include <algorithm>
+
+#include "search.h"
+
+namespace knee_robot::tracing {
+namespace {
+
+/// The effect that does most harm at held-back positions; none: the end.
+std::vector<FoundEffect>::iterator worstElsewhere(std::vector<FoundEffect>& effects) {
+  auto worst = effects.end();
+  for (auto e = effects.begin(); e != effects.end(); ++e) {
+    const bool fails = e->hypothesis.place.candidate->transfers() && !e->transfers && e->elsewhere_gain < 0.0;
+    if (fails && (worst == effects.end() || e->elsewhere_gain < worst->elsewhere_gain)) worst = e;
+  }
+  return worst;
+}
+
+}  // namespace
+
+void abstainElsewhere(Search& s, std::vector<std::string>& notes) {
+  while (true) {
+    std::vector<std::string> said;
+    for (FoundEffect& e : s.effects)
+      e.transfers = e.hypothesis.place.candidate->transfers();
+    judgeElsewhere(s, said);
+    const auto worst = worstElsewhere(s.effects);
+    if (worst == s.effects.end()) return;
+    const std::string place = placeText(worst->hypothesis.place);
+    s.rejected.push_back(place + ": does not hold at held-back positions");
+    notes.push_back(place +
+                    ": helps where it was fitted, but at held-back positions of the training recordings it makes the "
+                    "error larger; it is not named. Record a motion that covers more positions and speeds.");
+    s.effects.erase(worst);
+    refit(s);
+  }
+}
+
+}  // namespace knee_robot::tracing
