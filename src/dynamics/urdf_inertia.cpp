@@ -64,7 +64,8 @@ class UrdfText {
   std::string childOf(const std::string& joint_name) const {
     for (XMLElement* j = robot_->FirstChildElement("joint"); j; j = j->NextSiblingElement("joint")) {
       XMLElement* const child = j->FirstChildElement("child");
-      if (j->Attribute("name", joint_name.c_str()) && child && child->Attribute("link")) return child->Attribute("link");
+      if (j->Attribute("name", joint_name.c_str()) && child && child->Attribute("link"))
+        return child->Attribute("link");
     }
     throw InputError(path_ + ": joint " + joint_name + " is missing");
   }

@@ -180,7 +180,8 @@ Eigen::MatrixXd chainInformation(const mechanism::Robot& robot, const ChainExcit
 
 ChainExcitationPlan planChainExcitation(const mechanism::Robot& robot, const ChainExcitationOptions& options) {
   if (!(options.share > 0.0 && options.share <= 1.0)) throw InputError("the share of the limits must be within 0 to 1");
-  if (options.shape.harmonics < 1 || options.candidates < 1) throw InputError("harmonics and candidates must be positive");
+  if (options.shape.harmonics < 1 || options.candidates < 1)
+    throw InputError("harmonics and candidates must be positive");
   Search search(robot, options);
   ChainExcitationPlan plan;
   std::vector<double> x = bestRandom(search, options, plan.information_random);
@@ -190,11 +191,9 @@ ChainExcitationPlan planChainExcitation(const mechanism::Robot& robot, const Cha
   climb.set_initial_step(0.3);
   climb.set_ftol_rel(kStepShare);
   climb.set_maxtime(options.seconds_budget);
-  climb.set_max_objective(
-      [](const std::vector<double>& at, std::vector<double>&, void* data) {
-        return static_cast<Search*>(data)->value(at);
-      },
-      &search);
+  climb.set_max_objective([](const std::vector<double>& at, std::vector<double>&,
+                             void* data) { return static_cast<Search*>(data)->value(at); },
+                          &search);
   double best = 0.0;
   climb.optimize(x, best);
   const Motion m = search.motionOf(x);

@@ -36,10 +36,11 @@ std::vector<FrictionElement> elementsToTry(const FrictionRange& range) {
   const double narrowest_m = range.narrowest_m;
   std::vector<FrictionElement> all;
   for (int k = 0; k < kStops; ++k)
-    all.push_back(
-        {FrictionKind::Stop, 1.0, geometric(std::min(narrowest_m, 0.5 * range.widest_m), range.widest_m, k, kStops), 0.0, 0.0});
+    all.push_back({FrictionKind::Stop, 1.0,
+                   geometric(std::min(narrowest_m, 0.5 * range.widest_m), range.widest_m, k, kStops), 0.0, 0.0});
   for (int k = 0; k < kSpeeds; ++k)
-    all.push_back({FrictionKind::Smooth, 1.0, 0.0, geometric(range.slowest_m_per_s, range.fastest_m_per_s, k, kSpeeds), 0.0});
+    all.push_back(
+        {FrictionKind::Smooth, 1.0, 0.0, geometric(range.slowest_m_per_s, range.fastest_m_per_s, k, kSpeeds), 0.0});
   const double least = std::min(std::max(kBristleLeast_m, narrowest_m), 0.5 * range.bristles_most_m);
   for (int k = 0; k < kBristleWidths; ++k) {
     for (const double creep : kCreeps_m_per_s) {
@@ -49,8 +50,8 @@ std::vector<FrictionElement> elementsToTry(const FrictionRange& range) {
     }
     for (const double tremble : kTrembles) {
       for (const double damping : kDampings_s)
-        all.push_back(
-            {FrictionKind::Bristles, 1.0, geometric(least, range.bristles_most_m, k, kBristleWidths), 0.0, damping, tremble});
+        all.push_back({FrictionKind::Bristles, 1.0, geometric(least, range.bristles_most_m, k, kBristleWidths), 0.0,
+                       damping, tremble});
     }
   }
   return all;

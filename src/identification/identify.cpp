@@ -262,8 +262,9 @@ std::vector<double> narrowestWidths(const mechanism::Robot& robot, double counts
 
 namespace {
 
-constexpr double kShareOfTravel = 0.02;  ///< of a joint's travel: the widest displacement over which its friction builds up
-constexpr double kShareOfSpeed = 0.5;    ///< of its speed: the fastest at which it is not yet full
+constexpr double kShareOfTravel =
+    0.02;  ///< of a joint's travel: the widest displacement over which its friction builds up
+constexpr double kShareOfSpeed = 0.5;  ///< of its speed: the fastest at which it is not yet full
 constexpr double kSlowShare = 1e-3;
 
 /// Of a chain, whose joints may be gears of any size: by travel and speed.

@@ -10,10 +10,10 @@
 namespace knee_robot::identification {
 namespace {
 
-constexpr double kSaturation = 0.999;  ///< of the largest command
+constexpr double kSaturation = 0.999;   ///< of the largest command
 constexpr double kMovingShare = 0.015;  ///< of a joint's usual speed
 constexpr double kTogether = 0.1;       ///< of the samples; below it joints move one by one
-constexpr double kStand_s = 0.5;       ///< a chain that stands longer: friction may take any value
+constexpr double kStand_s = 0.5;        ///< a chain that stands longer: friction may take any value
 
 std::string percent(double share) {
   return shortNumber(100.0 * share, 3) + " %";
@@ -62,7 +62,8 @@ std::vector<char> standingSamples(const Eigen::VectorXd& limits, const recording
   std::vector<char> standing(static_cast<std::size_t>(s.samples()), 0);
   const int least = static_cast<int>(kStand_s / s.period_s);
   for (int n = 0, from = 0; n <= s.samples(); ++n) {
-    const bool stands = n < s.samples() && (s.velocity_m_per_s.row(n).cwiseAbs().transpose().array() <= limits.array()).all();
+    const bool stands =
+        n < s.samples() && (s.velocity_m_per_s.row(n).cwiseAbs().transpose().array() <= limits.array()).all();
     if (stands) continue;
     if (n - from > least) std::fill(standing.begin() + from, standing.begin() + n, 1);
     from = n + 1;

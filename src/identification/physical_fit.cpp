@@ -105,8 +105,8 @@ PhysicalFit fitBodies(const Identification& base, PhysicalCoordinates coordinate
 PhysicalFit fitPhysical(const mechanism::Robot& robot, const Identification& base,
                         const dynamics::RobotInertia& prior) {
   if (!robot.mechanism) throw std::invalid_argument("bench axes have no link inertias");
-  PhysicalFit fit = fitBodies(base, physicalCoordinates(prior),
-                              {dynamics::linkNames().begin(), dynamics::linkNames().end()});
+  PhysicalFit fit =
+      fitBodies(base, physicalCoordinates(prior), {dynamics::linkNames().begin(), dynamics::linkNames().end()});
   for (std::size_t k = 0; k < fit.bodies.size(); ++k)
     fit.inertia.links[k] = fit.bodies[k].fitted;
   for (std::size_t c = 0; c < base.columns.size(); ++c) {

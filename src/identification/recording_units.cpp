@@ -45,7 +45,7 @@ void settle(mechanism::Actuator& a, int i, const recording::Recording& r) {
                   (a.revolute ? "revolute" : "prismatic"));
 }
 
-constexpr double kStands = 0.01;          ///< rad or m: a joint that goes less far in a whole recording stands still
+constexpr double kStands = 0.01;  ///< rad or m: a joint that goes less far in a whole recording stands still
 constexpr double kTurn = 2.0 * M_PI;
 constexpr double kBeyondLimits = kTurn;  ///< rad by which no recording leaves a bounded joint's limits
 
@@ -102,7 +102,8 @@ void followOverTurns(const mechanism::Robot& robot, recording::Recording& r) {
       other->col(i).array() -= kTurn * ahead.round();
     }
   }
-  if (!names.empty()) r.notes.push_back("Positions jump by whole turns and were followed over the jumps: " + names + ".");
+  if (!names.empty())
+    r.notes.push_back("Positions jump by whole turns and were followed over the jumps: " + names + ".");
 }
 
 /// Degrees in a column of radians would go through every fit.

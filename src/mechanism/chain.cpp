@@ -203,9 +203,10 @@ class ChainReader {
     for (const ChainLink& link : body.links)
       mass += link.mass;
     if (!(mass > 0.0)) {
-      refuse("link " + joint.child_link_name + ", which joint " + joint.name +
-             " moves, has no <inertial> with a mass, and nothing fixed to it has one; give its mass, centre and inertia" +
-             (complaint_.empty() ? "" : " (urdfdom: " + complaint_ + ")"));
+      refuse(
+          "link " + joint.child_link_name + ", which joint " + joint.name +
+          " moves, has no <inertial> with a mass, and nothing fixed to it has one; give its mass, centre and inertia" +
+          (complaint_.empty() ? "" : " (urdfdom: " + complaint_ + ")"));
     }
   }
 
@@ -214,7 +215,10 @@ class ChainReader {
     const bool center = link.center.allFinite() && link.center.norm() <= kFarthest_m;
     const bool inertia = link.inertia.allFinite() && link.inertia.norm() <= kHeaviest_kg * kFarthest_m;
     if (mass && center && inertia) return;
-    refuse("link " + link.name + ": its <inertial> has a " + (!mass ? "mass" : !center ? "centre" : "moment") +
+    refuse("link " + link.name + ": its <inertial> has a " +
+           (!mass     ? "mass"
+            : !center ? "centre"
+                      : "moment") +
            " that no link has (a mass is 0 to 1e5 kg, a centre within 1000 m); correct it");
   }
 

@@ -14,10 +14,10 @@
 namespace knee_robot::nodes {
 namespace {
 
-constexpr double kNoise = 0.02;        ///< of the largest torque that the URDF expects
-constexpr double kLeastNoise = 1e-3;   ///< N m or N
+constexpr double kNoise = 0.02;       ///< of the largest torque that the URDF expects
+constexpr double kLeastNoise = 1e-3;  ///< N m or N
 constexpr int kPoses = 500;
-constexpr double kApart_s = 1.0 / 6.0; ///< between rows of a recording that count as independent
+constexpr double kApart_s = 1.0 / 6.0;  ///< between rows of a recording that count as independent
 
 /// A share of what every joint must hold or throw, over poses and accelerations within the limits.
 Eigen::VectorXd noiseOf(const mechanism::Robot& robot) {
@@ -73,8 +73,7 @@ std::string table(const mechanism::Robot& robot, const excitation::ChainExcitati
   for (const char* signal : {"position", "velocity"}) {
     for (int i = 0; i < robot.axes(); ++i)
       out += std::string(",") + signal + "_" + std::to_string(i + 1) + "_" +
-             mechanism::positionUnit(robot.actuators[static_cast<std::size_t>(i)]) +
-             (signal[0] == 'v' ? "_per_s" : "");
+             mechanism::positionUnit(robot.actuators[static_cast<std::size_t>(i)]) + (signal[0] == 'v' ? "_per_s" : "");
   }
   out += "\n";
   for (Eigen::Index n = 0; n < plan.position.rows(); ++n) {
@@ -100,9 +99,10 @@ int planChainExcitation(mechanism::Robot robot, const std::vector<std::string>& 
   const int all = static_cast<int>(options.units.cols()) + 3 * robot.axes();
   std::printf("directions of %d that data decide rather than the prior: %d by what was recorded, %d with this motion\n",
               all, plan.decided_known, plan.decided);
-  std::printf("log determinant of the information: %.4g recorded, %.4g with the best random series, %.4g with this one "
-              "(%d evaluations)\n",
-              plan.information_known, plan.information_random, plan.information, plan.evaluations);
+  std::printf(
+      "log determinant of the information: %.4g recorded, %.4g with the best random series, %.4g with this one "
+      "(%d evaluations)\n",
+      plan.information_known, plan.information_random, plan.information, plan.evaluations);
   std::printf("%-28s %20s %8s %10s %14s\n", "joint", "from, to (rad, m)", "range", "velocity", "acceleration");
   for (const excitation::JointUse& use : plan.joints)
     std::printf("%-28s %9.4f %10.4f %6.0f %% %8.0f %% %12.0f %%\n", use.name.c_str(), use.low, use.high,

@@ -69,7 +69,8 @@ Spectra spectraOf(const std::vector<Pair>& motions, double rate) {
   Eigen::Index shortest = motions.front().done.rows();
   for (const Pair& motion : motions)
     shortest = std::min(shortest, motion.done.rows());
-  const double least = std::min<double>(kFewestInSegment, static_cast<double>(shortest / 4));  // of a very slow recording
+  const double least =
+      std::min<double>(kFewestInSegment, static_cast<double>(shortest / 4));  // of a very slow recording
   const double wanted = std::min<double>(kSegment_s * rate, static_cast<double>(shortest / 4));
   const int length = static_cast<int>(std::max(wanted, least)) / 2 * 2;
   Spectra sum;

@@ -91,8 +91,8 @@ class Header {
 
  private:
   static bool known(const std::string& name) {
-    static const char* const kStarts[] = {"time_s", "position_", "reference_", "velocity_", "command_",
-                                          "force_", "mocap_",    "torque_",    "current_",  "home_id",  "motor_", "temperature_"};
+    static const char* const kStarts[] = {"time_s", "position_", "reference_", "velocity_", "command_", "force_",
+                                          "mocap_", "torque_",   "current_",   "home_id",   "motor_",   "temperature_"};
     return std::any_of(std::begin(kStarts), std::end(kStarts),
                        [&](const char* start) { return name.rfind(start, 0) == 0; });
   }
@@ -175,7 +175,8 @@ struct Columns {
 
   std::vector<Column*> all() {
     std::vector<Column*> list = {&time};
-    for (auto* group : {&position, &reference, &velocity, &command, &force, &current, &motor, &temperature, &mocap, &home}) {
+    for (auto* group :
+         {&position, &reference, &velocity, &command, &force, &current, &motor, &temperature, &mocap, &home}) {
       for (Column& column : *group)
         list.push_back(&column);
     }

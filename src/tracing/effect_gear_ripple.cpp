@@ -6,7 +6,8 @@
 namespace knee_robot::tracing {
 namespace {
 
-constexpr int kOrders[] = {1, 2, 4};  ///< of a harmonic drive: a turn of the motor, its wave generator twice, both splines
+constexpr int kOrders[] = {1, 2,
+                           4};  ///< of a harmonic drive: a turn of the motor, its wave generator twice, both splines
 constexpr int kEach = 2 * static_cast<int>(std::size(kOrders));
 
 /// Torque ripple of a gear at one, two and four times a period of the joint's position, which is searched. The phase is the joint's own:
@@ -17,7 +18,6 @@ class GearRipple : public Candidate {
   bool worksOn(const mechanism::Robot& robot) const override { return robot.chain.has_value(); }
   bool restsOnModel() const override { return false; }
   bool periodic() const override { return true; }
-  std::string generalizes() const override { return "screw_ripple"; }
   std::string sentence() const override {
     return "The gear's torque ripples at one, two and four times a period of the joint's angle, as that of a harmonic "
            "drive.";

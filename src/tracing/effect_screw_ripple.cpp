@@ -13,6 +13,8 @@ constexpr double kLeastSupport = 0.84;  ///< phases of two recordings within 44 
 class ScrewRipple : public Candidate {
  public:
   std::string name() const override { return "screw_ripple"; }
+  /// A chain's gears ripple at orders of a period, with a phase that the joint keeps: gear_ripple.
+  bool worksOn(const mechanism::Robot& robot) const override { return !robot.chain && Candidate::worksOn(robot); }
   bool restsOnModel() const override { return false; }
   std::string sentence() const override {
     return "The force, or the dry friction, varies periodically with the position, as with a screw's or motor's turn.";

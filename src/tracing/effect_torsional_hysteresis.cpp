@@ -12,7 +12,8 @@ class TorsionalHysteresis : public Candidate {
   std::string name() const override { return "torsional_hysteresis"; }
   bool worksOn(const mechanism::Robot& robot) const override { return robot.chain.has_value(); }
   std::string sentence() const override {
-    return "The gear winds up with a loss: what it passes on lags behind the load, one way while the load grows and the "
+    return "The gear winds up with a loss: what it passes on lags behind the load, one way while the load grows and "
+           "the "
            "other while it falls.";
   }
   std::vector<ShapeParameter> shapeParameters() const override { return {{"build_up_N", 1e-6, 1e6}}; }

@@ -46,8 +46,11 @@ class Plant {
     for (const mechanism::ChainJoint& joint : robot.chain->joints) {
       const SimTK::Body::Rigid body(propertiesOf(joint));
       // Simbody's pin turns about z, its slider goes along x.
-      const SimTK::Rotation along(SimTK::UnitVec3(vec3(joint.axis)), joint.prismatic ? SimTK::CoordinateAxis(SimTK::XAxis) : SimTK::CoordinateAxis(SimTK::ZAxis));
-      const SimTK::Transform there(rotation(joint.origin.linear()) * along, vec3(joint.origin.translation())), here(along);
+      const SimTK::Rotation along(SimTK::UnitVec3(vec3(joint.axis)), joint.prismatic
+                                                                         ? SimTK::CoordinateAxis(SimTK::XAxis)
+                                                                         : SimTK::CoordinateAxis(SimTK::ZAxis));
+      const SimTK::Transform there(rotation(joint.origin.linear()) * along, vec3(joint.origin.translation())),
+          here(along);
       if (joint.prismatic) {
         parent = SimTK::MobilizedBody::Slider(parent, there, body, here);
       } else {
@@ -66,8 +69,9 @@ class Plant {
       acceleration[i] = row[static_cast<std::size_t>(2 * n + i)];
     }
     system_.realize(state_, SimTK::Stage::Dynamics);
-    matter_.calcResidualForceIgnoringConstraints(
-        state_, SimTK::Vector(n, 0.0), system_.getRigidBodyForces(state_, SimTK::Stage::Dynamics), acceleration, residual);
+    matter_.calcResidualForceIgnoringConstraints(state_, SimTK::Vector(n, 0.0),
+                                                 system_.getRigidBodyForces(state_, SimTK::Stage::Dynamics),
+                                                 acceleration, residual);
     return residual;
   }
 

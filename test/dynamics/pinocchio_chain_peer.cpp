@@ -31,7 +31,8 @@ mechanism::Chain randomChain(std::mt19937& dice) {
   for (int j = 0; j < joints; ++j) {
     mechanism::ChainJoint joint;
     joint.prismatic = dice() % 3 == 0;
-    joint.axis = dice() % 2 == 0 ? mechanism::Vector3(mechanism::Vector3::Unit(dice() % 3)) : vector(dice, 1.0).normalized();
+    joint.axis =
+        dice() % 2 == 0 ? mechanism::Vector3(mechanism::Vector3::Unit(dice() % 3)) : vector(dice, 1.0).normalized();
     joint.origin.translation() = vector(dice, 0.5);
     joint.origin.linear() = Eigen::Quaterniond(vector(dice, 1.0).homogeneous()).normalized().matrix();
     chain.joints.push_back(joint);
@@ -41,9 +42,12 @@ mechanism::Chain randomChain(std::mt19937& dice) {
 
 pin::JointModel jointModel(const mechanism::ChainJoint& joint) {
   const mechanism::Vector3& axis = joint.axis;
-  if (axis == mechanism::Vector3::UnitX()) return joint.prismatic ? pin::JointModel(pin::JointModelPX()) : pin::JointModelRX();
-  if (axis == mechanism::Vector3::UnitY()) return joint.prismatic ? pin::JointModel(pin::JointModelPY()) : pin::JointModelRY();
-  if (axis == mechanism::Vector3::UnitZ()) return joint.prismatic ? pin::JointModel(pin::JointModelPZ()) : pin::JointModelRZ();
+  if (axis == mechanism::Vector3::UnitX())
+    return joint.prismatic ? pin::JointModel(pin::JointModelPX()) : pin::JointModelRX();
+  if (axis == mechanism::Vector3::UnitY())
+    return joint.prismatic ? pin::JointModel(pin::JointModelPY()) : pin::JointModelRY();
+  if (axis == mechanism::Vector3::UnitZ())
+    return joint.prismatic ? pin::JointModel(pin::JointModelPZ()) : pin::JointModelRZ();
   if (joint.prismatic) return pin::JointModelPrismaticUnaligned(axis);
   return pin::JointModelRevoluteUnaligned(axis);
 }
@@ -74,7 +78,8 @@ double difference(const Eigen::MatrixXd& ours, const Eigen::MatrixXd& theirs) {
 struct Arm {
   Arm() {
     std::vector<mechanism::ChainLimits> limits;
-    chain = mechanism::readChain(std::string(KNEE_SOURCE_DIR) + "/test/dynamics/chain.urdf", "base", "tool", {}, limits);
+    chain =
+        mechanism::readChain(std::string(KNEE_SOURCE_DIR) + "/test/dynamics/chain.urdf", "base", "tool", {}, limits);
     model = modelOf(chain);
     data = pin::Data(model);
     std::mt19937 dice(5);

@@ -1,8 +1,9 @@
 // Excitation of an open chain: within every joint's limits, better than random motion, and beside what was already recorded.
 
+#include "knee_robot/excitation/chain_excitation.h"
+
 #include <gtest/gtest.h>
 
-#include "knee_robot/excitation/chain_excitation.h"
 #include "test/identification/chain_motion.h"
 
 namespace knee_robot::excitation {
@@ -34,9 +35,9 @@ TEST(ChainExcitation, KeepsEveryLimitFromRestToRest) {
   }
   EXPECT_LT(plan.velocity.row(0).norm() + plan.velocity.bottomRows(1).norm(), 1e-9);
   EXPECT_GE(plan.information, plan.information_random);
-  const Eigen::MatrixXd slope = (plan.position.bottomRows(plan.position.rows() - 2) -
-                                 plan.position.topRows(plan.position.rows() - 2)) /
-                                (2.0 * plan.period_s);
+  const Eigen::MatrixXd slope =
+      (plan.position.bottomRows(plan.position.rows() - 2) - plan.position.topRows(plan.position.rows() - 2)) /
+      (2.0 * plan.period_s);
   EXPECT_LT((slope - plan.velocity.middleRows(1, slope.rows())).cwiseAbs().maxCoeff(), 0.02);
 }
 

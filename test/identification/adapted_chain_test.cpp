@@ -116,7 +116,8 @@ TEST(AdaptedChain, PhysicalBodiesArePossibleAndPredictAsWell) {
   ASSERT_EQ(fit.bodies.size(), 6u);
   for (const PhysicalBody& body : fit.bodies) {
     EXPECT_EQ(dynamics::inconsistency(body.fitted), "") << body.name;
-    EXPECT_NEAR(body.fitted.mass, body.prior.mass, 0.2 * body.prior.mass) << body.name << ": the URDF is the truth here";
+    EXPECT_NEAR(body.fitted.mass, body.prior.mass, 0.2 * body.prior.mass)
+        << body.name << ": the URDF is the truth here";
   }
 }
 

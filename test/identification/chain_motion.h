@@ -2,6 +2,8 @@
 
 // The arm of test/dynamics/chain.urdf and what it records along motions that excite all joints.
 
+#include <unistd.h>
+
 #include <cmath>
 #include <filesystem>
 #include <fstream>
@@ -17,9 +19,10 @@ inline mechanism::Robot testArm(const std::string& more = "", const std::string&
   const std::filesystem::path folder =
       std::filesystem::temp_directory_path() / ("chain_motion_" + std::to_string(::getpid()));
   std::filesystem::create_directories(folder);
-  std::ofstream(folder / "robot.yaml") << "mechanism: chain\nurdf: " << KNEE_SOURCE_DIR
-                                       << "/test/dynamics/chain.urdf\nbase_link: base\ntip_link: " << tip << "\n"
-                                       << more;
+  std::ofstream(folder / "robot.yaml")
+      << "mechanism: chain\nurdf: " << std::filesystem::absolute(KNEE_SOURCE_DIR "/test/dynamics/chain.urdf").string()
+      << "\nbase_link: base\ntip_link: " << tip << "\n"
+      << more;
   mechanism::Robot robot = mechanism::loadAnyRobot((folder / "robot.yaml").string());
   std::filesystem::remove_all(folder);
   return robot;

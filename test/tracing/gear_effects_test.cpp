@@ -16,13 +16,12 @@ namespace {
 
 using identification::GearLoss;
 
-
 /// Names and actuators that trace adds to a recording with this loss. `change`: what else is done to the recording.
 std::vector<std::string> namesOf(const GearLoss& loss,
                                  const std::function<void(recording::Recording&)>& change = nullptr) {
-  mechanism::Robot robot =
-      identification::testArm("joints: [{name: waist, locked_at_rad: 0.3}, {name: rail, locked_at_m: 0.1}, "
-                              "{name: shoulder}, {name: elbow}]\ngravity_m_per_s2: [3.0, 0, -9.0]\n");
+  mechanism::Robot robot = identification::testArm(
+      "joints: [{name: waist, locked_at_rad: 0.3}, {name: rail, locked_at_m: 0.1}, "
+      "{name: shoulder}, {name: elbow}]\ngravity_m_per_s2: [3.0, 0, -9.0]\n");
   std::vector<recording::Recording> recordings;
   std::mt19937 dice(7);
   std::normal_distribution<double> noise(0.0, 0.05);
@@ -77,7 +76,9 @@ TEST(GearEffects, TorsionalHysteresisIsNamed) {
 }
 
 TEST(GearEffects, FrictionThatFollowsARecordedTemperatureIsNamed) {
-  const auto celsius = [](double t) { return 30.0 + 8.0 * std::sin(0.9 * t); };  // faster than any drive: no time constant fits
+  const auto celsius = [](double t) {
+    return 30.0 + 8.0 * std::sin(0.9 * t);
+  };  // faster than any drive: no time constant fits
   const GearLoss warm = [&](int joint, double t, double, double v, double) {
     return joint == 1 ? -0.06 * (celsius(t) - 25.0) * std::tanh(v / 0.005) : 0.0;
   };

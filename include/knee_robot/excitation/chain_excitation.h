@@ -16,15 +16,16 @@ struct ChainExcitationOptions {
   double share = 0.9;            ///< of every joint's range, velocity and acceleration limit that is used at most
   int candidates = 100;          ///< random series to start with
   double seconds_budget = 30.0;  ///< of the search
-  Eigen::MatrixXd units;         ///< rigid parameters of the chain per unit coordinate (see identification::MotionModel::bodies)
-  Eigen::VectorXd noise;         ///< per joint, of the recorded torque, N m or N
-  Eigen::MatrixXd known;         ///< information of what was already recorded, see chainInformation; empty: nothing was
+  Eigen::MatrixXd
+      units;  ///< rigid parameters of the chain per unit coordinate (see identification::MotionModel::bodies)
+  Eigen::VectorXd noise;  ///< per joint, of the recorded torque, N m or N
+  Eigen::MatrixXd known;  ///< information of what was already recorded, see chainInformation; empty: nothing was
 };
 
 /// How closely a plan comes to one joint's limits, shares.
 struct JointUse {
   std::string name;
-  double low = 0.0, high = 0.0;                  ///< rad or m
+  double low = 0.0, high = 0.0;                            ///< rad or m
   double range = 0.0, velocity = 0.0, acceleration = 0.0;  ///< share of the limit
 };
 
@@ -35,7 +36,8 @@ struct ChainExcitationPlan {
   double information = 0.0;         ///< log determinant of 1 + information, with what was recorded
   double information_random = 0.0;  ///< of the best random series
   double information_known = 0.0;   ///< of what was recorded alone
-  int decided_known = 0, decided = 0;  ///< directions with more information than the prior's: before, and with this motion
+  int decided_known = 0,
+      decided = 0;  ///< directions with more information than the prior's: before, and with this motion
   int evaluations = 0;
 };
 

@@ -18,11 +18,11 @@ struct Recording {
   std::vector<double> time_s;   ///< strictly increasing
   Eigen::MatrixXd position_m;   ///< as the file has it: in position_unit
   Eigen::MatrixXd reference_m;  ///< optional
-  Eigen::MatrixXd velocity_m_per_s;        ///< optional
-  Eigen::MatrixXd command_V;               ///< optional, but one of command and force is there
-  Eigen::MatrixXd force_N;                 ///< optional: the commanded actuator force; in force_unit
-  Eigen::MatrixXd current_A;               ///< optional: motor current (chains)
-  Eigen::MatrixXd motor_m;                 ///< optional: a second encoder before the gear, at the joint's scale; unit as position
+  Eigen::MatrixXd velocity_m_per_s;  ///< optional
+  Eigen::MatrixXd command_V;         ///< optional, but one of command and force is there
+  Eigen::MatrixXd force_N;           ///< optional: the commanded actuator force; in force_unit
+  Eigen::MatrixXd current_A;         ///< optional: motor current (chains)
+  Eigen::MatrixXd motor_m;  ///< optional: a second encoder before the gear, at the joint's scale; unit as position
   Eigen::MatrixXd temperature_degC;        ///< optional: of drive or gear
   std::vector<std::string> position_unit;  ///< per actuator: m, or rad (chains)
   std::vector<std::string> force_unit;     ///< per actuator: N, or Nm (chains)

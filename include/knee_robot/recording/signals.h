@@ -29,7 +29,7 @@ struct Signals {
   Eigen::MatrixXd tremble_m_per_s;
   Eigen::MatrixXd motor_m;           ///< second encoder, treated as position_m; no columns when there is none
   Eigen::MatrixXd temperature_degC;  ///< no columns when there is none
-  std::vector<char> known;  ///< 0 in gaps
+  std::vector<char> known;           ///< 0 in gaps
   /// Of an encoder's step: what rounding leaves in position_m, from peak to peak (six standard deviations of white rounding noise
   /// after the low-pass; at least a quarter, because a filtered staircase overshoots; at most one).
   double rounding_left = 1.0;
