@@ -11,7 +11,7 @@ _OPTION = re.compile(r"([a-z][a-z-]{1,40})(?:=([A-Za-z0-9.,+-]{1,40}))?\Z")
 _OPTIONS = {
     "identify": {"cutoff-hz", "motion-cutoff-hz", "rate-hz", "moving-m-per-s", "condition-max", "fold-margin-m", "joint-friction",
                  "narrowest-counts", "outliers", "no-physical", "rank"},
-    "trace": {"cutoff-hz", "cutoff-by-rule", "seed", "most", "moving-m-per-s"},
+    "trace": {"cutoff-hz", "seed", "most", "moving-m-per-s"},
     "compare": {"condition-max"}}
 MOST_RECORDINGS = 20
 

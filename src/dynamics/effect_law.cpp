@@ -1,6 +1,7 @@
 #include "knee_robot/dynamics/effect_law.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "effects/laws.h"
 
@@ -11,20 +12,40 @@ struct Entry {
   const char* name;
   std::size_t shape;  ///< how many numbers it takes
   Law (*make)(const Shape&);
+  bool own_rest_law =
+      false;  ///< takes one more number: the speed below which it is smooth by a law of its own; 0: none
+};
+
+/// Friction that builds up near rest by a smooth law of its own, tanh(v / speed), instead of the actuator's.
+class SmoothNearRest : public EffectLaw {
+ public:
+  SmoothNearRest(Law law, double speed_m_per_s) : law_(std::move(law)), speed_m_per_s_(speed_m_per_s) {}
+  EffectPart part() const noexcept override { return law_->part(); }
+  int coefficients() const noexcept override { return law_->coefficients(); }
+  void columns(const EffectInstant& at, EffectState& state, EffectColumns& out) const noexcept override {
+    EffectInstant own = at;
+    own.share = std::tanh(at.velocity_m_per_s[at.actuator] / speed_m_per_s_);
+    law_->columns(own, state, out);
+  }
+  void rest(double duration_s, EffectState& state) const noexcept override { law_->rest(duration_s, state); }
+
+ private:
+  const Law law_;
+  const double speed_m_per_s_;
 };
 
 constexpr Entry kLaws[] = {
-    {"asymmetric_coulomb", 0, asymmetricCoulombLaw},
+    {"asymmetric_coulomb", 0, asymmetricCoulombLaw, true},
     {"asymmetric_viscous", 0, asymmetricViscousLaw},
-    {"stribeck", 1, stribeckLaw},
+    {"stribeck", 1, stribeckLaw, true},
     {"presliding", 1, preslidingLaw},
-    {"load_dependent_friction", 0, loadDependentFrictionLaw},
+    {"load_dependent_friction", 0, loadDependentFrictionLaw, true},
     {"load_dependent_viscous", 0, loadDependentViscousLaw},
     {"power_flow_friction", 0, powerFlowFrictionLaw},
-    {"position_dependent_friction", 4, positionDependentFrictionLaw},
+    {"position_dependent_friction", 4, positionDependentFrictionLaw, true},
     {"screw_ripple", 2, screwRippleLaw},
     {"quadratic_drag", 0, quadraticDragLaw},
-    {"thermal_drift", 1, thermalDriftLaw},
+    {"thermal_drift", 1, thermalDriftLaw, true},
     {"force_gain", 0, forceGainLaw},
     {"force_offset", 0, forceOffsetLaw},
     {"delay", 0, delayLaw},
@@ -46,8 +67,12 @@ std::unique_ptr<const EffectLaw> effectLaw(const std::string& name, const std::s
   if (name == "unnamed") return mapLaw(depends_on, shape);
   const auto* const found =
       std::find_if(std::begin(kLaws), std::end(kLaws), [&](const Entry& entry) { return name == entry.name; });
-  if (found == std::end(kLaws) || shape.size() != found->shape) return nullptr;
-  return found->make(shape);
+  if (found == std::end(kLaws)) return nullptr;
+  if (!found->own_rest_law || shape.size() != found->shape + 1)
+    return shape.size() == found->shape ? found->make(shape) : nullptr;
+  Law law = found->make({shape.begin(), shape.end() - 1});
+  if (shape.back() == 0.0) return law;
+  return std::make_unique<SmoothNearRest>(std::move(law), shape.back());
 }
 
 std::string whyNotInstantly(const std::string& name) {

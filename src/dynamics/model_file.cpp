@@ -225,6 +225,11 @@ Model readModel(StrictMap file) {
   }
   m.residual_rms_N =
       chain ? file.numbers("residual_rms", axes, 0.0, kLargest) : file.numbers("residual_rms_N", axes, 0.0, kLargest);
+  if (file.has("trained_force_N")) {
+    const std::vector<double> ends = file.numbers("trained_force_N", 2 * axes, -kLargest, kLargest);
+    for (std::size_t i = 0; i < axes; ++i)
+      m.trained_force_N.push_back({ends[2 * i], ends[2 * i + 1]});
+  }
   for (StrictMap& entry : file.maps("parameters"))
     m.parameters.push_back(readParameter(entry));
   for (StrictMap& entry : file.maps("base"))
@@ -259,6 +264,12 @@ std::string modelToYaml(const Model& model) {
   y += "rank: " + std::to_string(m.rank) + "\n";
   y += frictionText(m.friction);
   y += (m.joints.empty() ? "residual_rms_N: " : "residual_rms: ") + list(m.residual_rms_N) + "\n";
+  if (!m.trained_force_N.empty()) {
+    std::vector<double> ends;
+    for (const TrainedForce& range : m.trained_force_N)
+      ends.insert(ends.end(), {range.low_N, range.high_N});
+    y += "trained_force_N: " + list(ends) + "\n";
+  }
   y += "# One representative of the identified combinations; parameters without std have no value of their own.\n";
   y += "parameters:\n";
   for (const ModelParameter& p : m.parameters) {

@@ -1,6 +1,7 @@
 #include "force_model_prediction.h"
 
 #include "knee_robot/identification/sliding_path.h"
+#include "knee_robot/identification/trained_range.h"
 
 namespace knee_robot::identification {
 namespace {
@@ -69,6 +70,8 @@ PredictedForce predictByForceModel(const dynamics::Model& model, const mechanism
     out.row(n) = out.row(first_known);
   force.mean_N += out;
   force.at_sample_N += out;
+  keepWithinTrainedRange(model.trained_force_N, path, force.mean_N);
+  keepWithinTrainedRange(model.trained_force_N, path, force.at_sample_N);
   return force;
 }
 

@@ -9,11 +9,13 @@
 #include "knee_robot/identification/masking.h"
 #include "knee_robot/identification/prior.h"
 #include "knee_robot/identification/robust_fit.h"
+#include "knee_robot/identification/trained_range.h"
 
 namespace knee_robot::identification {
 namespace {
 
 constexpr double kShortestMotion_s = 2.0;
+constexpr double kNoMotion_m_per_s = 1e-9;
 constexpr double kMostSaturated = 0.2;  ///< of the samples
 constexpr double kDetermined = 0.99;    ///< share of a parameter's own direction that the kept directions must contain
 constexpr double kWellKnown = 0.1;      ///< relative standard error of an identified parameter
@@ -45,6 +47,10 @@ void refuseMotionless(const mechanism::Robot& robot, const std::vector<Observati
     }
     if (fastest > 0.0) continue;
     const mechanism::Actuator& a = robot.actuators[static_cast<std::size_t>(i)];
+    if (fastest < kNoMotion_m_per_s) {
+      const std::string who = a.name.empty() ? "actuator " + std::to_string(i + 1) : "joint " + a.name;
+      throw Refusal(who + " does not move in " + namesOf(training) + "; record a motion of all of them");
+    }
     if (!a.name.empty()) {
       throw Refusal("joint " + a.name + " does not move in " + namesOf(training) +
                     "; record a motion of all joints, or lock it in the robot file (locked_at_" +
@@ -353,6 +359,8 @@ Identification identify(const mechanism::Robot& robot, std::vector<Observation>&
   markRevolute(robot, id);
   const Eigen::VectorXd residual = noiseAfter(equations, id.parameters).head(equations.axes);
   id.model.residual_rms_N.assign(residual.data(), residual.data() + residual.size());
+
+  id.model.trained_force_N = trainedRange(training);
 
   id.parameters_by_rank = parametersByStrength(id.reduction, id.rank);
   id.noise_N = stage.noise_N;

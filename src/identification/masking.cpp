@@ -162,6 +162,9 @@ void maskUnusable(const mechanism::Robot& robot, const ObservationOptions& optio
   leaveOut("assembly mode uncertain: lengths within " + shortNumber(1e3 * options.fold_margin_m) + " mm of a fold",
            ambiguous, reach);
   noteAmbiguous(ambiguous, options.fold_margin_m, o);
+  o.motion.uncertain.assign(n, 0);
+  for (std::size_t i = 0; i < n; ++i)
+    o.motion.uncertain[i] = singular[i] || ambiguous[i];
 }
 
 void findMoving(const mechanism::Robot& robot, const ObservationOptions& options, Observation& o) {

@@ -10,6 +10,7 @@
 #include "knee_robot/identification/full_band.h"
 #include "knee_robot/identification/recording_units.h"
 #include "knee_robot/recording/cutoff.h"
+#include "knee_robot/recording/pauses.h"
 #include "knee_robot/report/recorded_units.h"
 #include "knee_robot/report/trace_report.h"
 #include "knee_robot/tracing/model_prediction.h"
@@ -22,8 +23,7 @@ namespace {
 struct Arguments {
   std::string robot, output, model;
   std::vector<std::string> train, validate;
-  double cutoff_hz = 0.0;  ///< 0: see cutoffOf
-  bool cutoff_by_rule = false;
+  double cutoff_hz = 0.0;  ///< 0: by the rule
   tracing::TraceOptions options;
 };
 
@@ -43,26 +43,39 @@ void declare(CLI::App& app, Arguments& a) {
   app.add_option("--seed", a.options.seed, "of surrogates and resampling (1)");
   app.add_option(
          "--cutoff-hz", a.cutoff_hz,
-         "zero-phase low-pass of both sides of the equation (3, at which the thresholds were chosen; where more than a "
-         "twentieth of the velocity's power lies above 2 Hz, by the rule of identify)")
+         "zero-phase low-pass of both sides of the equation (by the rule of identify, from the training recordings' "
+         "reference)")
       ->check(CLI::Range(1e-6, 1e6));
-  app.add_flag("--cutoff-by-rule", a.cutoff_by_rule, "choose it on the training references as identify does")
-      ->excludes("--cutoff-hz");
   app.add_option("--moving-m-per-s", a.options.observation.moving_m_per_s,
                  "slower axes do not count as moving (0.0015)")
       ->check(CLI::Range(0.0, 10.0));
 }
 
-std::vector<recording::Recording> readAll(const std::vector<std::string>& files) {
+constexpr double kLongestPause_s =
+    2.0;  ///< longer ones are closed: nothing happens in them, and every sample costs time
+
+using Times = std::vector<std::vector<double>>;  ///< of every recording's rows, before pauses were closed
+
+std::vector<recording::Recording> readAll(const std::vector<std::string>& files, Times& times) {
   for (const std::string& file : files)
     std::cerr << "reading " << file << std::endl;
-  return identification::readRecordings(files);
+  std::vector<recording::Recording> recordings = identification::readRecordings(files);
+  for (recording::Recording& r : recordings) {
+    times.push_back(r.time_s);
+    recording::closePauses(r, kLongestPause_s);
+  }
+  return recordings;
 }
 
 std::vector<recording::Recording> inUnits(mechanism::Robot& robot, std::vector<recording::Recording> recordings) {
   for (recording::Recording& r : recordings)
     identification::toActuatorUnits(robot, r);
   return recordings;
+}
+
+void giveTimesBack(const Times& times, std::vector<identification::Observation>& observations) {
+  for (std::size_t k = 0; k < observations.size(); ++k)
+    observations[k].row_time_s = times[k];
 }
 
 std::vector<identification::Observation> observeAll(const mechanism::Robot& robot,
@@ -85,18 +98,16 @@ void refuseBadFiles(const Arguments& a) {
   }
 }
 
-constexpr double kUsualCutoff_hz = 3.0;
-constexpr double kFastMotion_hz = 2.0;  ///< velocities beyond it are not judged at the usual cut-off
-
 /// The cut-off that is used, and why.
 recording::CutoffChoice cutoffOf(const Arguments& a, const std::vector<recording::Recording>& training) {
   std::vector<const recording::Recording*> list;
   for (const recording::Recording& recording : training)
     list.push_back(&recording);
   recording::CutoffChoice choice = recording::chooseCutoff(list);
-  if (a.cutoff_by_rule || (a.cutoff_hz == 0.0 && choice.velocity_hz > kFastMotion_hz)) return choice;
-  choice.cutoff_hz = a.cutoff_hz > 0.0 ? a.cutoff_hz : kUsualCutoff_hz;
-  choice.sentence = "Cut-off " + shortNumber(choice.cutoff_hz, 3) + " Hz. The rule of identify: " + choice.sentence;
+  if (a.cutoff_hz == 0.0) return choice;
+  choice.cutoff_hz = a.cutoff_hz;
+  choice.sentence =
+      "Cut-off " + shortNumber(choice.cutoff_hz, 3) + " Hz, as was asked for. The rule: " + choice.sentence;
   return choice;
 }
 
@@ -107,10 +118,10 @@ struct Along {
   double motion_cutoff_hz = 0.0;  ///< of rows; 0: that of the fit
 };
 
-/// In the fit's band, and row by row in the full one.
+/// In the fit's band, and row by row in the full one, where `rows` predicts them.
 identification::Applied apply(const Along& along, std::vector<identification::Observation>& observations,
                               const std::vector<recording::Recording>& recordings,
-                              const identification::RowPredictor& predict) {
+                              const identification::RowPredictor& predict, const identification::RowPredictor& rows) {
   identification::Applied applied;
   if (observations.empty()) return applied;
   for (std::size_t k = 0; k < observations.size(); ++k) {
@@ -120,7 +131,7 @@ identification::Applied apply(const Along& along, std::vector<identification::Ob
     if (along.motion_cutoff_hz == 0.0 || recordings.empty()) continue;
     applied.predictions.back().row_force_N =
         identification::predictRows(along.robot, identification::columnsOf(along.robot), recordings[k], along.options,
-                                    along.motion_cutoff_hz, predict, index);
+                                    along.motion_cutoff_hz, rows, index);
   }
   applied.accuracy = identification::accuracyOf(observations, applied.predictions);
   return applied;
@@ -140,12 +151,25 @@ std::vector<Eigen::VectorXd> gains(const Along& along, report::TraceResults& r) 
                           other.effects.end());
       without.elsewhere = std::make_shared<const tracing::TraceResult>(std::move(other));
     }
-    const identification::Applied applied = apply(along, r.validate, {}, [&](identification::Observation& o, int) {
+    const auto predict = [&](identification::Observation& o, int) {
       return tracing::predictTraced(along.robot, without, o, -1, static_cast<int>(r.train.size()));
-    });
+    };
+    const identification::Applied applied = apply(along, r.validate, {}, predict, predict);
     out.push_back(applied.accuracy.rms_N - r.validate_after.accuracy.rms_N);
   }
   return out;
+}
+
+/// The baseline as a model file of identify would have it.
+dynamics::Model baselineModel(const mechanism::Robot& robot, const report::TraceResults& r) {
+  tracing::TraceResult plain = r.result;
+  plain.base = r.result.baseline;
+  plain.parameters = r.result.baseline.parameters;
+  plain.effects.clear();
+  plain.elsewhere.reset();
+  dynamics::Model model = tracing::tracedModel(robot, plain, r.train, r.options);
+  model.effects_see.clear();  // of identify: predicted instant by instant
+  return model;
 }
 
 tracing::PoseTraceOptions poseOptions(const mechanism::Robot& robot, const tracing::TraceOptions& options) {
@@ -165,7 +189,8 @@ int run(const Arguments& a, const std::string& command_line) {
   r.options.progress = [](const std::string& what) { std::cerr << what << std::endl; };
   if (a.options.most_effects == 0) r.options.twins = 2;  // nothing is compared with surrogates
   mechanism::Robot robot = mechanism::loadAnyRobot(a.robot);
-  std::vector<recording::Recording> read = readAll(a.train);
+  Times train_times, validate_times;
+  std::vector<recording::Recording> read = readAll(a.train, train_times);
   identification::adaptToRecordings(robot, read);
   if (!a.model.empty()) {
     r.options.start =
@@ -185,7 +210,7 @@ int run(const Arguments& a, const std::string& command_line) {
     train = inUnits(robot, read);
     r.train = observeAll(robot, train, r.options.observation);
   }
-  const std::vector<recording::Recording> validate = inUnits(robot, readAll(a.validate));
+  const std::vector<recording::Recording> validate = inUnits(robot, readAll(a.validate, validate_times));
   r.validate = observeAll(robot, validate, r.options.observation);
   r.result = tracing::trace(robot, train, r.train, r.options);
   r.result.notes.push_back(cutoff.sentence);
@@ -203,15 +228,24 @@ int run(const Arguments& a, const std::string& command_line) {
   const auto elsewhere = [&](identification::Observation& o, int) {
     return tracing::predictTraced(robot, r.result, o, -1, count);
   };
-  const identification::FullBand band =
-      identification::chooseFullBand(robot, identification::columnsOf(robot), train, r.options.observation, after);
+  // Rows of the baseline as identify predicts them: instant by instant, as fast as its own error allows.
+  const dynamics::Model baseline = r.options.start ? r.options.start->model : baselineModel(robot, r);
+  const auto baseline_rows = [&](identification::Observation& o, int) {
+    return tracing::predictModel(robot, baseline, a.model, o);
+  };
+  const auto choose = [&](const identification::RowPredictor& predict) {
+    return identification::chooseFullBand(robot, identification::columnsOf(robot), train, r.options.observation,
+                                          predict);
+  };
+  const Along simple = {robot, r.options.observation, choose(baseline_rows).motion_cutoff_hz};
+  const identification::FullBand band = choose(after);
   r.result.notes.push_back(band.sentence);
   r.model.motion_cutoff_hz = band.motion_cutoff_hz;
   const Along along = {robot, r.options.observation, band.motion_cutoff_hz};
-  r.train_before = apply(along, r.train, train, before);
-  r.train_after = apply(along, r.train, train, after);
-  r.validate_before = apply(along, r.validate, validate, before);
-  r.validate_after = apply(along, r.validate, validate, elsewhere);
+  r.train_before = apply(simple, r.train, train, before, baseline_rows);
+  r.train_after = apply(along, r.train, train, after, after);
+  r.validate_before = apply(simple, r.validate, validate, before, baseline_rows);
+  r.validate_after = apply(along, r.validate, validate, elsewhere, elsewhere);
   if (!r.validate.empty()) r.validate_gain_N = gains(along, r);
   r.next = tracing::planNextExperiment(robot, r.result, r.train, r.options);
   for (std::size_t k = 0; r.options.start && k < r.validate.size(); ++k) {
@@ -223,6 +257,8 @@ int run(const Arguments& a, const std::string& command_line) {
     }
   }
   r.pose = tracing::tracePose(robot, train, validate, poseOptions(robot, r.options));
+  giveTimesBack(train_times, r.train);
+  giveTimesBack(validate_times, r.validate);
   report::toRecordedUnits(robot, r);
   report::writeTraceFiles(r, a.output);
   std::cout << report::withUnits(r.units, report::traceSummary(r)) << "written: " << a.output

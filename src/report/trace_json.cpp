@@ -136,8 +136,8 @@ std::string traceJson(const TraceResults& r) {
     added += static_cast<int>(e.coefficients.size() + (e.hypothesis.place.candidate->name() == "unnamed"
                                                            ? 0
                                                            : static_cast<Eigen::Index>(e.hypothesis.shape.size())));
-  j["before"] = sideJson(r.result.baseline.rank(), r.train_before, r.validate_before);
-  j["after"] = sideJson(r.result.base.rank() + added, r.train_after, r.validate_after);
+  j["before"] = sideJson(r.result.baseline.decided, r.train_before, r.validate_before);
+  j["after"] = sideJson(r.result.base.decided + added, r.train_after, r.validate_after);
   j["effects"] = effectsJson(r);
   const bool validated = !r.validate.empty();
   j["unexplained"] = {{"rms_N", jsonArray((validated ? r.validate_after : r.train_after).accuracy.rms_N)},

@@ -5,6 +5,7 @@
 #include <stdexcept>
 
 #include "knee_robot/base/errors.h"
+#include "knee_robot/identification/trained_range.h"
 #include "knee_robot/recording/filter.h"
 #include "knee_robot/tracing/effect_input.h"
 
@@ -45,8 +46,9 @@ class WithoutEffects {
 BaseFit inCoordinates(const identification::Identification& id, const Stack& stack) {
   BaseFit base;
   base.columns = id.columns;
-  base.memory = id.model.friction;
+  base.friction_laws = id.model.friction;
   base.choices = id.friction;
+  base.decided = id.rank.rank;
   base.start = id.reduction.start;
   base.bounded = id.reduction.minimalRank();
   const Eigen::Index coordinates = id.reduction.maximalRank();
@@ -89,7 +91,8 @@ BaseFit fitBase(const mechanism::Robot& robot, std::vector<identification::Obser
     }
   }
   for (identification::Observation& o : training)
-    identification::setFriction(o, base.columns, base.memory);
+    identification::setFriction(o, base.columns, base.friction_laws);
+  base.trained_force_N = identification::trainedRange(training);
   base.noise_N.resize(stack.axes);
   for (int i = 0; i < stack.axes; ++i) {
     base.noise_N[i] = std::max(
@@ -101,7 +104,7 @@ BaseFit fitBase(const mechanism::Robot& robot, std::vector<identification::Obser
 
 Eigen::MatrixXd baseRows(const BaseFit& base, const std::vector<identification::Observation>& recordings,
                          const Stack& stack) {
-  Eigen::MatrixXd rows(stack.size() * stack.axes, base.rank());
+  Eigen::MatrixXd rows(stack.size() * stack.axes, base.coordinates());
   for (int i = 0; i < stack.axes; ++i) {
     std::vector<Eigen::MatrixXd> columns;
     for (const identification::Observation& o : recordings)

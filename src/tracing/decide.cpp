@@ -1,12 +1,11 @@
-// What stays in the model, and what of it is predicted in other recordings. Both are decided on held-back training data.
+// What stays in the model: decided on held-back training data.
 
-#include <Eigen/SVD>
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numeric>
 
 #include "knee_robot/base/numbers.h"
+#include "stretches.h"
 #include "trial.h"
 
 namespace knee_robot::tracing {
@@ -15,7 +14,7 @@ namespace {
 constexpr double kErrors = 1.0;  ///< standard errors by which a member must help beside the others, all fitted together
 constexpr double kNestedErrors = 2.0;  ///< the same with only itself fitted
 constexpr double kMapErrors = 2.5;     ///< so many times that for a map, as when it is added
-constexpr int kStretches = 6;          ///< of positions, along each of two directions
+constexpr double kMostPieces = 0.8;    ///< share of a local effect's pieces that must gain
 
 std::vector<Hypothesis> without(std::vector<Hypothesis> all, std::size_t k) {
   all.erase(all.begin() + static_cast<std::ptrdiff_t>(k));
@@ -25,6 +24,10 @@ std::vector<Hypothesis> without(std::vector<Hypothesis> all, std::size_t k) {
 /// How surely effect k is needed beside the others, in standard errors of its held-back gain; at least 1: it stays.
 double needOf(const Search& s, const JointFit& with, std::size_t k) {
   const std::vector<Hypothesis> all = hypothesesOf(s.effects), others = without(all, k);
+  if (all[k].place.candidate->local()) {  // held-back pieces of the part in which it acts, as when it is added
+    const HeldBackGain pieces = heldBackGain(nestedGain(s, projectModel(s, others), {all[k]}));
+    return pieces.gaining >= kMostPieces ? pieces.mean / std::max(1e-300, pieces.error) : 0.0;
+  }
   const JointFit fit = fitOf(s, others);
   const HeldBackGain joint = heldBackGain(fit.held_back - with.held_back);
   const Projection projection = projectModel(s, others);
@@ -32,34 +35,6 @@ double needOf(const Search& s, const JointFit& with, std::size_t k) {
   const auto sure = [](const HeldBackGain& g) { return g.mean / std::max(1e-300, g.error); };
   const double bends = all[k].place.candidate->name() == "unnamed" ? kMapErrors : 1.0;
   return std::max(sure(joint) / kErrors, sure(nested) / kNestedErrors) / bends;
-}
-
-/// Positions of all actuators at the picks.
-Eigen::MatrixXd positionsOf(const std::vector<identification::Observation>& recordings, const Stack& stack) {
-  Eigen::MatrixXd positions(stack.size(), stack.axes);
-  for (Eigen::Index n = 0; n < stack.size(); ++n) {
-    const Pick& pick = stack.picks[static_cast<std::size_t>(n)];
-    positions.row(n) = recordings[pick.recording].signals.position_m.row(pick.sample);
-  }
-  return positions;
-}
-
-/// Numbers the picks in equal shares by a coordinate.
-void labelBy(const Eigen::VectorXd& along, Stack& stack) {
-  std::vector<Eigen::Index> order(static_cast<std::size_t>(stack.size()));
-  std::iota(order.begin(), order.end(), 0);
-  std::sort(order.begin(), order.end(), [&](Eigen::Index a, Eigen::Index b) { return along[a] < along[b]; });
-  for (std::size_t k = 0; k < order.size(); ++k)
-    stack.picks[static_cast<std::size_t>(order[k])].block = static_cast<int>(k * kStretches / order.size());
-  stack.blocks = kStretches;
-}
-
-/// By where the robot was, along one principal direction of the actuators' positions.
-void labelByPosition(const std::vector<identification::Observation>& recordings, int direction, Stack& stack) {
-  Eigen::MatrixXd positions = positionsOf(recordings, stack);
-  positions.rowwise() -= positions.colwise().mean().eval();
-  const Eigen::JacobiSVD<Eigen::MatrixXd> svd(positions.transpose() * positions, Eigen::ComputeFullU);
-  labelBy(positions * svd.matrixU().col(std::min(direction, stack.axes - 1)), stack);
 }
 
 /// What effect k saves on held-back stretches of its own actuator's positions.
@@ -72,10 +47,6 @@ HeldBackGain gainAtOtherPositions(Search& s, std::size_t k) {
   return gain;
 }
 
-bool judged(const FoundEffect& e) {
-  return e.hypothesis.place.candidate->transfers() && !e.hypothesis.place.candidate->local() && e.band_hz == 0.0;
-}
-
 }  // namespace
 
 void eliminateBackward(Search& s) {
@@ -84,7 +55,7 @@ void eliminateBackward(Search& s) {
     std::size_t worst = 0;
     double least = 1.0;
     for (std::size_t k = 0; k < s.effects.size(); ++k) {
-      if (s.effects[k].hypothesis.place.candidate->local() || s.effects[k].band_hz > 0.0) continue;
+      if (s.effects[k].band_hz > 0.0) continue;
       const double need = needOf(s, with, k);
       if (need >= least) continue;
       least = need;
@@ -110,6 +81,37 @@ void dropWhatDoesNotRepeat(Search& s) {
   }
 }
 
+void standAlone(Search& s, const Place& place) {
+  if (!place.candidate->shared() || place.candidate->local()) return;
+  const auto stays = [&](const FoundEffect& e) {
+    return e.hypothesis.place == place || std::isnan(e.p) || e.band_hz > 0.0;
+  };
+  const std::vector<FoundEffect> together = s.effects;
+  if (std::all_of(together.begin(), together.end(), stays)) return;
+  const Eigen::VectorXd noise_N = s.rms_N;
+  const auto heldBack = [&] {
+    s.rms_N = noise_N;  // both weighted alike
+    return fitOf(s, hypothesesOf(s.effects)).held_back;
+  };
+  refineShapes(s);
+  const std::vector<FoundEffect> refined = s.effects;
+  const Eigen::VectorXd with = heldBack();
+  s.effects.erase(std::stable_partition(s.effects.begin(), s.effects.end(), stays), s.effects.end());
+  refit(s);
+  refineShapes(s);
+  const HeldBackGain lost = heldBackGain(heldBack() - with);
+  if (lost.mean > kErrors * lost.error) {
+    s.effects = refined;
+  } else {
+    for (const FoundEffect& e : together) {
+      if (!stays(e))
+        s.rejected.push_back(placeText(e.hypothesis.place) + ": taken out again, " + placeText(place) +
+                             " alone explains as much");
+    }
+  }
+  refit(s);
+}
+
 void replaceMaps(Search& s) {
   for (std::size_t k = 0; k < s.effects.size(); ++k) {
     const Place map = s.effects[k].hypothesis.place;
@@ -132,33 +134,6 @@ void replaceMaps(Search& s) {
       refit(s);
       break;
     }
-  }
-}
-
-void judgeElsewhere(Search& s, std::vector<std::string>& notes) {
-  const Stack own = s.data->stack;
-  const std::vector<Hypothesis> all = hypothesesOf(s.effects);
-  std::vector<double> saved(all.size(), 0.0);
-  double total = 0.0;
-  for (const int direction : {0, 1}) {
-    labelByPosition(s.data->recordings, direction, s.data->stack);
-    const double with = fitOf(s, all).held_back.sum();
-    total += with;
-    for (std::size_t k = 0; k < all.size(); ++k) {
-      if (judged(s.effects[k])) saved[k] += fitOf(s, without(all, k)).held_back.sum() - with;
-    }
-  }
-  s.data->stack = own;
-  for (std::size_t k = 0; k < all.size(); ++k) {
-    FoundEffect& e = s.effects[k];
-    if (!judged(e)) continue;
-    e.elsewhere_gain = saved[k] / std::max(1e-300, total);
-    if (saved[k] >= 0.0) continue;
-    e.transfers = false;
-    notes.push_back(placeText(e.hypothesis.place) +
-                    ": at held-back positions of the training recordings it makes the error larger (by " +
-                    shortNumber(-100.0 * e.elsewhere_gain, 2) +
-                    " % of the squares); it is left out of predictions elsewhere.");
   }
 }
 

@@ -112,7 +112,7 @@ Eigen::VectorXd movedMass(const EffectInput& in, const Eigen::VectorXd& paramete
 }  // namespace
 
 EffectInput effectInput(const mechanism::Robot& robot, const identification::Observation& o,
-                        const std::vector<FrictionMemory>& memory, int recording, int recordings) {
+                        const std::vector<dynamics::FrictionLaw>& laws, int recording, int recordings) {
   EffectInput in;
   in.robot = &robot;
   in.observation = &o;
@@ -126,7 +126,7 @@ EffectInput effectInput(const mechanism::Robot& robot, const identification::Obs
     const identification::SlidingPath& path = o.sliding[axis];
     for (int n = 0; n < o.samples(); ++n)
       in.friction_position_m(n, i) = path.position[n * identification::SlidingPath::kSubsteps];
-    in.share.col(i) = identification::frictionShare(path, memory[axis]);
+    in.share.col(i) = identification::frictionShare(path, laws[axis]);
     in.since_reversal_m.col(i) =
         sinceReversal(in.friction_position_m.col(i), kTurnCounts * robot.actuators[axis].metresPerCount());
   }

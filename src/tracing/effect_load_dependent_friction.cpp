@@ -1,4 +1,5 @@
 #include "effects.h"
+#include "rest_law.h"
 
 namespace knee_robot::tracing {
 namespace {
@@ -10,9 +11,14 @@ class LoadDependentFriction : public Candidate {
   std::string sentence() const override {
     return "Dry friction of the screw grows with the axial force that it carries.";
   }
+  std::vector<ShapeParameter> shapeParameters() const override { return {restLawParameter()}; }
+  std::vector<std::vector<double>> shapes(const EffectInput&, int) const override { return withRestLaws({{}}); }
+  std::vector<std::vector<double>> near(const std::vector<double>& s, double step) const override {
+    return besideRestLaw(s, step);
+  }
   std::vector<Coefficient> coefficients(const EffectInput&) const override { return {{"friction_per_load", true}}; }
-  Eigen::MatrixXd columns(const EffectInput& input, int actuator, const std::vector<double>&) const override {
-    return input.share.col(actuator).cwiseProduct(input.load_N.col(actuator).cwiseAbs());
+  Eigen::MatrixXd columns(const EffectInput& input, int actuator, const std::vector<double>& shape) const override {
+    return rubbingShare(input, actuator, shape).cwiseProduct(input.load_N.col(actuator).cwiseAbs());
   }
 };
 

@@ -1,6 +1,7 @@
 #include <cmath>
 
 #include "effects.h"
+#include "rest_law.h"
 
 namespace knee_robot::tracing {
 namespace {
@@ -16,10 +17,13 @@ class PositionDependentFriction : public Candidate {
     return "Dry friction changes along the stroke, as with a bent screw, a tight place or worn lubrication.";
   }
   std::vector<ShapeParameter> shapeParameters() const override {
-    return {
-        {"center_m", -10.0, 10.0}, {"width_m", 1e-3, 10.0}, {"from_m", -10.0, 10.0, true}, {"to_m", -10.0, 10.0, true}};
+    return {{"center_m", -10.0, 10.0},
+            {"width_m", 1e-3, 10.0},
+            {"from_m", -10.0, 10.0, true},
+            {"to_m", -10.0, 10.0, true},
+            restLawParameter()};
   }
-  /// The last two are the range of training: beyond it friction stays as at its end.
+  /// The third and fourth are the range of training: beyond it friction stays as at its end.
   std::vector<std::vector<double>> shapes(const EffectInput& input, int actuator) const override {
     const auto q = input.signals().position_m.col(actuator);
     const double low = q.minCoeff(), range = q.maxCoeff() - low;
@@ -28,20 +32,22 @@ class PositionDependentFriction : public Candidate {
       for (double place = 0.0; place <= 1.001; place += 0.5 * width)
         grid.push_back({low + place * range, width * range, low, low + range});
     }
-    return grid;
+    return withRestLaws(grid);
   }
   std::vector<std::vector<double>> near(const std::vector<double>& s, double step) const override {
     const double aside = 0.3 * step * s[1], wider = std::pow(1.5, step);
-    return {{s[0] - aside, s[1], s[2], s[3]},
-            {s[0] + aside, s[1], s[2], s[3]},
-            {s[0], s[1] * wider, s[2], s[3]},
-            {s[0], s[1] / wider, s[2], s[3]}};
+    std::vector<std::vector<double>> out = besideRestLaw(s, step);
+    out.insert(out.end(), {{s[0] - aside, s[1], s[2], s[3], s[4]},
+                           {s[0] + aside, s[1], s[2], s[3], s[4]},
+                           {s[0], s[1] * wider, s[2], s[3], s[4]},
+                           {s[0], s[1] / wider, s[2], s[3], s[4]}});
+    return out;
   }
   std::vector<Coefficient> coefficients(const EffectInput&) const override { return {{"amplitude_N", false}}; }
   Eigen::MatrixXd columns(const EffectInput& input, int actuator, const std::vector<double>& shape) const override {
     const Eigen::ArrayXd q = input.signals().position_m.col(actuator).array().max(shape[2]).min(shape[3]);
     const Eigen::ArrayXd away = (q - shape[0]) / shape[1];
-    return input.share.col(actuator).array() * (-away.square()).exp();
+    return rubbingShare(input, actuator, shape).array() * (-away.square()).exp();
   }
 };
 

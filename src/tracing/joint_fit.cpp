@@ -18,7 +18,7 @@ struct Layout {
 Layout layoutOf(const BaseFit& base, const std::vector<Hypothesis>& effects, const EffectInput& input) {
   Layout layout;
   for (const bool bounded : {true, false}) {
-    for (int c = 0; c < base.rank(); ++c) {
+    for (int c = 0; c < base.coordinates(); ++c) {
       if ((c < base.bounded) == bounded) layout.source.emplace_back(-1, c);
     }
     for (std::size_t e = 0; e < effects.size(); ++e) {
@@ -104,8 +104,8 @@ JointFit fitJointly(const TraceData& data, const BaseFit& base, const Eigen::Vec
   const Eigen::VectorXd spread =
       ((left_out.colwise() - left_out.rowwise().mean()).rowwise().squaredNorm() * (e.blocks - 1.0) / e.blocks)
           .cwiseSqrt();
-  fit.base.resize(base.rank());
-  fit.base_std.resize(base.rank());
+  fit.base.resize(base.coordinates());
+  fit.base_std.resize(base.coordinates());
   for (const Eigen::MatrixXd& rows : effect_rows) {
     fit.coefficients.push_back(Eigen::VectorXd::Zero(rows.cols()));
     fit.std.push_back(Eigen::VectorXd::Zero(rows.cols()));

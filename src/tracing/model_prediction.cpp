@@ -5,6 +5,7 @@
 #include "knee_robot/base/errors.h"
 #include "knee_robot/identification/prediction.h"
 #include "model_effects.h"
+#include "rest_law.h"
 
 namespace knee_robot::tracing {
 namespace {
@@ -69,7 +70,13 @@ FoundEffect effectOf(const mechanism::Robot& robot, const dynamics::ModelEffect&
     throw InputError(model_path + ": effect " + m.name + " must sit on one actuator; write one entry for each");
   EffectInput input;
   input.recordings = recordings;
-  requireNames(m.shape, candidate->shapeParameters(), m.name, model_path);
+  std::vector<dynamics::EffectParameter> shape = m.shape;
+  if (candidate->shapeParameters().size() == shape.size() + 1 &&
+      candidate->shapeParameters().back().name == restLawParameter().name) {  // of a file before effects had such laws
+    shape.push_back({restLawParameter().name, 0.0});
+    e.hypothesis.shape.push_back(0.0);
+  }
+  requireNames(shape, candidate->shapeParameters(), m.name, model_path);
   requireNames(m.coefficients, candidate->coefficients(input), m.name, model_path);
   e.hypothesis.place = {candidate, candidate->shared() ? -1 : actuator};
   e.coefficients.resize(static_cast<Eigen::Index>(m.coefficients.size()));
@@ -97,7 +104,8 @@ TraceResult resultOf(const mechanism::Robot& robot, const dynamics::Model& model
   }
   TraceResult r;
   r.base.columns = identification::columnsOf(robot);
-  r.base.memory = model.friction;
+  r.base.friction_laws = model.friction;
+  r.base.trained_force_N = model.trained_force_N;
   for (const dynamics::ModelData& data : model.data)
     r.home_ids.push_back(data.home_id);
   r.candidates = std::make_shared<CandidateList>(namedCandidates(robot));

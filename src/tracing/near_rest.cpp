@@ -5,7 +5,7 @@ namespace {
 
 /// Laws beside the one that was chosen: stops from fine to long, smooth laws from steep to flat. The data chose among laws of few
 /// shapes; a machine's own is none of them, and what is left of it looks like a delay, like Stribeck friction, like presliding.
-std::vector<FrictionMemory> otherLaws() {
+std::vector<dynamics::FrictionLaw> otherLaws() {
   return {dynamics::stopLaw(2e-5),     dynamics::stopLaw(6e-5),    dynamics::stopLaw(2e-4),
           dynamics::smoothLaw(0.0005), dynamics::smoothLaw(0.002), dynamics::bristleLaw(1e-4)};
 }
@@ -15,11 +15,11 @@ std::vector<FrictionMemory> otherLaws() {
 void updateNearRest(Search& s) {
   const TraceData& data = *s.data;
   const Eigen::Index p = data.stack.size();
-  const std::vector<FrictionMemory> laws = otherLaws();
+  const std::vector<dynamics::FrictionLaw> laws = otherLaws();
   s.near_rest = Eigen::MatrixXd::Zero(p * data.stack.axes, data.stack.axes * static_cast<Eigen::Index>(laws.size()));
   Eigen::Index at = 0;
   for (int i = 0; i < data.stack.axes; ++i) {
-    for (const FrictionMemory& law : laws) {
+    for (const dynamics::FrictionLaw& law : laws) {
       std::vector<Eigen::MatrixXd> columns;
       for (std::size_t r = 0; r < data.recordings.size(); ++r)
         columns.push_back(identification::frictionShare(data.recordings[r].sliding[static_cast<std::size_t>(i)], law) -

@@ -47,7 +47,7 @@ TraceData rowsAlong(const mechanism::Robot& robot, const TraceResult& result,
   TraceData data;
   data.recordings = std::move(recordings);
   for (identification::Observation& o : data.recordings)
-    setFriction(o, result.base.columns, result.base.memory);
+    setFriction(o, result.base.columns, result.base.friction_laws);
   data.stack = makeStack(data.recordings, options);
   BaseFit newtons = result.base;
   newtons.noise_N.setOnes();
@@ -57,7 +57,7 @@ TraceData rowsAlong(const mechanism::Robot& robot, const TraceResult& result,
   const int count = static_cast<int>(data.recordings.size());
   for (int r = 0; r < count; ++r) {
     data.inputs.push_back(
-        effectInput(robot, data.recordings[static_cast<std::size_t>(r)], result.base.memory, r, count));
+        effectInput(robot, data.recordings[static_cast<std::size_t>(r)], result.base.friction_laws, r, count));
     setForces(data.inputs.back(), result.base.columns, result.parameters, {});
   }
   return data;

@@ -31,7 +31,7 @@ Surrogate makeSurrogate(const mechanism::Robot& robot, const std::vector<recordi
         simulateTwin(robot, recordings[r], data.recordings[r], plans[r], seed * 1000003u + 17u * r);
     twin.recordings.push_back(identification::observe(robot, base.columns, simulated, options));
     if (twin.recordings.back().samples() != data.recordings[r].samples()) twin.recordings.back() = data.recordings[r];
-    identification::setFriction(twin.recordings.back(), base.columns, base.memory);
+    identification::setFriction(twin.recordings.back(), base.columns, base.friction_laws);
   }
   BaseFit newtons = base;
   newtons.noise_N.setOnes();
@@ -40,7 +40,8 @@ Surrogate makeSurrogate(const mechanism::Robot& robot, const std::vector<recordi
   s.force_rows = forceRows(newtons, twin.recordings, twin.stack);
   const Eigen::MatrixXd base_rows = baseRows(newtons, twin.recordings, twin.stack);
   for (int r = 0; r < count && !model.effects.empty(); ++r) {
-    twin.inputs.push_back(effectInput(robot, twin.recordings[static_cast<std::size_t>(r)], newtons.memory, r, count));
+    twin.inputs.push_back(
+        effectInput(robot, twin.recordings[static_cast<std::size_t>(r)], newtons.friction_laws, r, count));
     setModelForces(twin.inputs.back(), base, model);
   }
   twin.scale = Eigen::VectorXd::Ones(s.force_rows.size());

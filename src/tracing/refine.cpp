@@ -10,6 +10,7 @@ namespace {
 
 constexpr int kSteps = 6;
 constexpr double kRelativeStep = 1e-3;
+constexpr double kReach_m = 0.2;   ///< by which what may have either sign (an anchor) moves at least, past zero
 constexpr double kFarthest = 1.5;  ///< factor by which a shape may move: further away it is another hypothesis
 
 /// Where a refined parameter is: effect, entry of its shape.
@@ -91,7 +92,9 @@ void refineShapes(Search& s) {
   for (std::size_t k = 0; k < entries.size(); ++k) {
     const Hypothesis& h = s.effects[entries[k].effect].hypothesis;
     const ShapeParameter bounds = h.place.candidate->shapeParameters()[entries[k].parameter];
-    const double a = values[k] / kFarthest, b = values[k] * kFarthest;
+    const double reach = bounds.low < 0.0 ? kReach_m : 0.0;
+    const double a = std::min(values[k] / kFarthest, values[k] - reach);
+    const double b = std::max(values[k] * kFarthest, values[k] + reach);
     problem.SetParameterLowerBound(values.data(), static_cast<int>(k),
                                    std::min(values[k], std::max(bounds.low, std::min(a, b))));
     problem.SetParameterUpperBound(values.data(), static_cast<int>(k),

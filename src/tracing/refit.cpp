@@ -95,6 +95,31 @@ SplitEffects splitEffects(const EffectInput& input, const TwinModel& model) {
   return out;
 }
 
+bool adoptBase(Search& s, BaseFit base) {
+  TraceData& data = *s.data;
+  const mechanism::Robot& robot = *data.inputs.front().robot;
+  *s.base = std::move(base);
+  for (identification::Observation& o : data.recordings)
+    identification::setFriction(o, s.base->columns, s.base->friction_laws);
+  BaseFit newtons = *s.base;
+  newtons.noise_N.setOnes();
+  data.all_base_rows = baseRows(newtons, data.recordings, data.stack);
+  setAttention(data, s.attention);
+  bool changed = false;
+  const TwinModel model = {s.base->parameters, hypothesesOf(s.effects), s.fit.coefficients};
+  for (std::size_t r = 0; r < data.inputs.size(); ++r) {
+    const TwinEffects effects = effectForces(data.inputs[r], model);
+    const Eigen::MatrixXd share = data.inputs[r].share;
+    data.inputs[r] = effectInput(robot, data.recordings[r], s.base->friction_laws, data.inputs[r].recording,
+                                 data.inputs[r].recordings);
+    setForces(data.inputs[r], s.base->columns, s.base->parameters, effects.friction_N + effects.load_N);
+    changed = changed || data.inputs[r].share != share;
+  }
+  s.seen_parameters = s.base->parameters;
+  refit(s);
+  return changed;
+}
+
 bool rebase(Search& s) {
   TraceData& data = *s.data;
   const mechanism::Robot& robot = *data.inputs.front().robot;
@@ -106,24 +131,8 @@ bool rebase(Search& s) {
     levels.push_back(std::move(split.level));
   }
   const Eigen::VectorXd start = s.base->start;
-  *s.base = fitBase(robot, data.recordings, data.stack, s.base->columns, s.options->rank, &start, effects_N, levels);
-  BaseFit newtons = *s.base;
-  newtons.noise_N.setOnes();
-  data.all_base_rows = baseRows(newtons, data.recordings, data.stack);
-  setAttention(data, s.attention);
-  bool changed = false;
-  const TwinModel model = {s.base->parameters, hypothesesOf(s.effects), s.fit.coefficients};
-  for (std::size_t r = 0; r < data.inputs.size(); ++r) {
-    const TwinEffects effects = effectForces(data.inputs[r], model);
-    const Eigen::MatrixXd share = data.inputs[r].share;
-    data.inputs[r] =
-        effectInput(robot, data.recordings[r], s.base->memory, data.inputs[r].recording, data.inputs[r].recordings);
-    setForces(data.inputs[r], s.base->columns, s.base->parameters, effects.friction_N + effects.load_N);
-    changed = changed || data.inputs[r].share != share;
-  }
-  s.seen_parameters = s.base->parameters;
-  refit(s);
-  return changed;
+  return adoptBase(
+      s, fitBase(robot, data.recordings, data.stack, s.base->columns, s.options->rank, &start, effects_N, levels));
 }
 
 }  // namespace knee_robot::tracing

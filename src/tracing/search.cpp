@@ -128,10 +128,12 @@ class ForceSelection : public SelectionProblem {
     refit(s_);
     if (only_ != nullptr) return true;
     followSiblings(e.hypothesis.place.candidate);
+    standAlone(s_, e.hypothesis.place);
     refineShapes(s_);
     replaceMaps(s_);
     eliminateBackward(s_);
-    const bool other_law = rebase(s_);
+    bool other_law = settleRestLaw(s_, e.hypothesis.place.candidate);
+    if (rebase(s_)) other_law = true;
     s_.library->update(*s_.data, other_law);
     if (other_law) updateNearRest(s_);
     s_.options->progress("simulating surrogates that have what was found");

@@ -44,9 +44,16 @@ TwinModel modelOf(const Search& search);
 /// Fits base and effects together and rebuilds what depends on the fit (loads, forces), twice.
 void refit(Search& search);
 
-/// Chooses the baseline's directions and the memory of its friction anew, with the effects' forces taken off, and fits again.
+/// Fits the baseline and chooses its laws of friction near rest anew, with the effects' forces taken off, and fits again.
 /// True when the law of friction has changed.
 bool rebase(Search& search);
+
+/// Puts another baseline under the effects, with its laws near rest, and fits again. True when those laws are others.
+bool adoptBase(Search& search, BaseFit base);
+
+/// Decides for all effects of one kind whether their friction builds up near rest by the actuators' law or by a smooth one of its own:
+/// either way the actuators' law is chosen anew beside it, and held-back blocks compare. True when that law may have changed.
+bool settleRestLaw(Search& search, const Candidate* kind);
 
 /// Fills search.near_rest for the law that the base has now.
 void updateNearRest(Search& search);
@@ -66,6 +73,10 @@ void eliminateBackward(Search& search);
 /// short period, too.
 void dropWhatDoesNotRepeat(Search& search);
 
+/// A new effect that acts on all actuators may be what several others stood for together: those are taken out at once where held-back
+/// blocks are predicted as well without them, its shape refined alone, within a standard error.
+void standAlone(Search& search, const Place& place);
+
 /// Puts an effect that was found on another actuator in place of a map, where held-back blocks are predicted as well by it, within a
 /// standard error: screws of one machine are alike.
 void replaceMaps(Search& search);
@@ -73,11 +84,15 @@ void replaceMaps(Search& search);
 /// Refines the shapes of all effects together: variable projection, coefficients solved for at every step.
 void refineShapes(Search& search);
 
-/// Held-back stretches of other positions: what each effect saves there, as a share of the squared residual. Effects that lose
-/// there are not predicted elsewhere.
+/// Held-back stretches of other positions, and samples with a masked pose: what each effect saves there. Effects that do not surely
+/// help there are not predicted elsewhere.
 void judgeElsewhere(Search& search, std::vector<std::string>& notes);
 /// The same of a chain, whose reports name nothing that fails there: it is taken out, the most harmful one first.
 void abstainElsewhere(Search& search, std::vector<std::string>& notes);
+
+/// Whether what is predicted elsewhere predicts held-back stretches of other positions surely better than the baseline, with its own
+/// laws near rest, does.
+bool helpsElsewhere(Search& search, const BaseFit& baseline);
 
 /// An effect that depends on a position which always went with another one in training is seen, but not what it depends on: on
 /// another path, where the two part, it would predict anything. Such effects are not predicted elsewhere.

@@ -12,7 +12,9 @@ constexpr double kRest = 0.1;   ///< weight at rest
 constexpr double kReach = 0.6;  ///< of the low-pass, in periods of the cut-off
 constexpr int kTraceBlocks = 12;
 constexpr double kSamplesPerCutoff =
-    6.0;  ///< the low-passed signals hold about two independent values per cut-off period
+    6.0;  ///< the low-passed signals hold about two independent values per cut-off period,
+constexpr double kFewestPerCutoff = 3.0;  ///< so that these are enough, where more would be
+constexpr double kEnough_hz = 30.0;
 
 double totalSpeed(const identification::Observation& o, int sample) {
   return o.signals.velocity_m_per_s.row(sample).cwiseAbs().sum();
@@ -53,8 +55,9 @@ Stack makeStack(const std::vector<identification::Observation>& recordings,
     total += o.samples();
   for (std::size_t r = 0; r < recordings.size(); ++r) {
     const identification::Observation& o = recordings[r];
-    const int stride =
-        std::max(1, static_cast<int>(std::floor(1.0 / (kSamplesPerCutoff * options.cutoff_hz * o.signals.period_s))));
+    const double rate_hz =
+        std::min(kSamplesPerCutoff * options.cutoff_hz, std::max(kEnough_hz, kFewestPerCutoff * options.cutoff_hz));
+    const int stride = std::max(1, static_cast<int>(std::floor(1.0 / (rate_hz * o.signals.period_s))));
     stack.rate_hz = 1.0 / (stride * o.signals.period_s);
     const int pieces = std::max(1, static_cast<int>(std::lround(kTraceBlocks * o.samples() / total)));
     const std::vector<int> ends = cuts(o, pieces);

@@ -76,6 +76,7 @@ class Tracing {
   void searchEffects();
   void searchFastBand();
   void settle();
+  void keepFit();
   void predictElsewhere();
 
   void attend(Attention next);
@@ -113,7 +114,8 @@ void Tracing::fitBaseline(std::vector<identification::Observation> training) {
   setAttention(data_, Attention::All);
   const int count = static_cast<int>(data_.recordings.size());
   for (int r = 0; r < count; ++r) {
-    data_.inputs.push_back(effectInput(robot_, data_.recordings[static_cast<std::size_t>(r)], base.memory, r, count));
+    data_.inputs.push_back(
+        effectInput(robot_, data_.recordings[static_cast<std::size_t>(r)], base.friction_laws, r, count));
     setForces(data_.inputs.back(), base.columns, base.parameters, {});
   }
   result_.baseline = base;
@@ -297,22 +299,39 @@ void Tracing::settle() {
   if (robot_.chain) abstainElsewhere(s_, result_.notes);
   holdBackAmbiguous(s_, result_.notes);
   if (!robot_.chain) judgeElsewhere(s_, result_.notes);
+  keepFit();
+}
+
+void Tracing::keepFit() {
   result_.effects = s_.effects;
   result_.parameters = result_.base.parametersOf(s_.fit.base);
   result_.seen_parameters = s_.seen_parameters;
   result_.after_rms_N = s_.rms_N;
 }
 
-/// Friction that was fitted beside an effect is wrong where that is left out.
+/// Friction that was fitted beside an effect is wrong where that is left out. Where nothing surely helps, the baseline is predicted.
 void Tracing::predictElsewhere() {
-  const auto transfers = [](const FoundEffect& e) { return e.transfers; };
+  if (s_.effects.empty()) return;
+  const bool helps = options_.start || robot_.chain || helpsElsewhere(s_, result_.baseline);
+  const auto transfers = [&](const FoundEffect& e) { return helps && e.transfers; };
   if (std::all_of(s_.effects.begin(), s_.effects.end(), transfers)) return;
-  s_.effects.erase(std::stable_partition(s_.effects.begin(), s_.effects.end(), transfers), s_.effects.end());
-  refit(s_);
   TraceResult elsewhere = result_;
-  elsewhere.effects = s_.effects;
-  elsewhere.parameters = result_.base.parametersOf(s_.fit.base);
-  elsewhere.seen_parameters = s_.seen_parameters;
+  if (helps) {
+    s_.effects.erase(std::stable_partition(s_.effects.begin(), s_.effects.end(), transfers), s_.effects.end());
+    refit(s_);
+    elsewhere.effects = s_.effects;
+    elsewhere.parameters = result_.base.parametersOf(s_.fit.base);
+    elsewhere.seen_parameters = s_.seen_parameters;
+  } else {
+    result_.notes.push_back(
+        "At held-back positions of the training recordings the model with effects is not surely better than the "
+        "baseline: elsewhere the baseline is predicted.");
+    adoptBase(s_, result_.baseline);  // a model has one law near rest: that of what is predicted elsewhere
+    keepFit();
+    elsewhere = result_;
+    elsewhere.effects.clear();
+    elsewhere.parameters = elsewhere.seen_parameters = result_.baseline.parameters;
+  }
   result_.elsewhere = std::make_shared<const TraceResult>(std::move(elsewhere));
 }
 

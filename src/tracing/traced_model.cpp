@@ -45,10 +45,11 @@ dynamics::Model tracedModel(const mechanism::Robot& robot, const TraceResult& re
     m.data.push_back({o.path, o.fingerprint, o.home_id});
   m.cutoff_hz = options.observation.cutoff_hz;
   m.moving_m_per_s = options.observation.moving_m_per_s;
-  m.rank = result.base.rank();
-  m.friction = result.base.memory;
+  m.rank = result.base.decided;
+  m.friction = result.base.friction_laws;
   m.effects_see = valuesOf(result.seen_parameters);
   m.residual_rms_N.assign(result.after_rms_N.data(), result.after_rms_N.data() + result.after_rms_N.size());
+  m.trained_force_N = result.base.trained_force_N;
   for (std::size_t c = 0; c < result.base.columns.size(); ++c) {
     dynamics::ModelParameter p;
     p.name = result.base.columns[c].name;

@@ -1,3 +1,4 @@
+#include "knee_robot/identification/trained_range.h"
 #include "knee_robot/tracing/trace.h"
 
 namespace knee_robot::tracing {
@@ -24,9 +25,9 @@ Eigen::VectorXd coefficientsElsewhere(const FoundEffect& e, const std::vector<in
 Eigen::MatrixXd predictTraced(const mechanism::Robot& robot, const TraceResult& result, identification::Observation& o,
                               int recording, int recordings) {
   if (recording < 0 && result.elsewhere) return predictTraced(robot, *result.elsewhere, o, recording, recordings);
-  setFriction(o, result.base.columns, result.base.memory);
+  setFriction(o, result.base.columns, result.base.friction_laws);
   const std::vector<int> same_home = sameHome(result.home_ids, o.home_id);
-  EffectInput input = effectInput(robot, o, result.base.memory, recording, recordings);
+  EffectInput input = effectInput(robot, o, result.base.friction_laws, recording, recordings);
   Eigen::MatrixXd effects_N = Eigen::MatrixXd::Zero(o.samples(), o.axes());
   for (int pass = 0; pass < 2; ++pass) {  // some effects look at the whole force, which contains them
     setForces(input, result.base.columns, result.seen_parameters, effects_N);
@@ -39,14 +40,16 @@ Eigen::MatrixXd predictTraced(const mechanism::Robot& robot, const TraceResult& 
     }
   }
   setForces(input, result.base.columns, result.parameters, effects_N);
+  identification::keepWithinTrainedRange(result.base.trained_force_N, o.motion, input.force_N);
   return input.force_N;
 }
 
 Eigen::MatrixXd predictBaseline(const TraceResult& result, identification::Observation& o) {
-  setFriction(o, result.baseline.columns, result.baseline.memory);
+  setFriction(o, result.baseline.columns, result.baseline.friction_laws);
   Eigen::MatrixXd out(o.samples(), o.axes());
   for (int i = 0; i < o.axes(); ++i)
     out.col(i) = o.regressor[static_cast<std::size_t>(i)] * result.baseline.parameters;
+  identification::keepWithinTrainedRange(result.baseline.trained_force_N, o.motion, out);
   return out;
 }
 

@@ -16,6 +16,8 @@ constexpr std::size_t kCompared =
     8;                         ///< places that are refined and cross-validated in every pass: named ones, and maps
 constexpr int kOfOneKind = 2;  ///< of the same candidate at most: delays of four axes would leave no room for others
 constexpr std::size_t kNested = 8;  ///< shapes among which held-back blocks choose
+constexpr std::size_t kStarts =
+    5;  ///< shapes of an effect between two points from which is refined: it has several hills
 constexpr int kRounds = 5;
 constexpr double kSlightPull = 1e-6;
 constexpr double kMapPull = 1e-3;    ///< hat functions add up to columns that the model has already
@@ -206,8 +208,16 @@ Ranking rankPlaces(Search& s, const Candidate* only) {
   }
   inParallel(r.trials.size(), [&](std::size_t k) {
     Trial& t = r.trials[k];
+    const std::vector<Hypothesis> starts = bestShapes(places[t.place], squares[t.place]);
     refineShape(s, r.projection, places[t.place].tried, t);
-    crossValidate(s, r.projection, bestShapes(places[t.place], squares[t.place]), t);
+    for (std::size_t from = 1; t.hypothesis.place.actuator < 0 && from < std::min(kStarts, starts.size()); ++from) {
+      Trial other = t;
+      other.hypothesis = starts[from];
+      other.share = shareOf(s, r.projection, starts[from]);
+      refineShape(s, r.projection, places[t.place].tried, other);
+      if (other.share > t.share) t = other;
+    }
+    crossValidate(s, r.projection, starts, t);
   });
   std::sort(r.trials.begin(), r.trials.end(),
             [](const Trial& a, const Trial& b) { return a.nested_gain.sum() > b.nested_gain.sum(); });

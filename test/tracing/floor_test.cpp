@@ -56,8 +56,19 @@ const double kNoise_N = 2.0 * std::sqrt(3.0 / 50.0);
 TEST(NoiseFloor, ComesFromTheCyclesWithinOneRecording) {
   const NoiseFloor floor = floorOf({recorded(cycle, 40.0, "turns")});
   EXPECT_NE(floor.source.find("turns repeats a cycle of 7.3 s within itself"), std::string::npos) << floor.source;
-  EXPECT_NEAR(floor.rms_N[0], std::max(kNoise_N, 0.003 * kForce_N / std::sqrt(2.0)), 0.25)
+  EXPECT_NEAR(floor.rms_N[0], std::max(kNoise_N, 0.003 * kForce_N / std::sqrt(2.0)), 0.1)
       << "what every cycle has alike is no noise";
+}
+
+/// The true models of 14 independent machines leave 0.25 N of forces of 28 to 150 N (scripts/foreign_machines): a hundredth, as it was
+/// once, would hide effects of 1.5 N on their leg 4.
+TEST(NoiseFloor, IsNeverBelowThreeThousandthsOfTheForce) {
+  recording::Recording a = recorded(cycle, 40.0, "a");
+  for (int k = 0; k < a.rows(); ++k)
+    a.force_N(k, 0) = kForce_N * std::sin(60.0 * a.position_m(k, 0));
+  const NoiseFloor floor = floorOf({a});
+  const double rms_N = std::sqrt(a.force_N.squaredNorm() / a.rows());
+  EXPECT_NEAR(floor.rms_N[0], 0.003 * rms_N, 0.1 * 0.003 * rms_N);
 }
 
 TEST(NoiseFloor, FindsCyclesBetweenRestsAndLeavesTheRestsOut) {

@@ -28,7 +28,7 @@ struct Machine {
 
   const identification::Observation& other() const { return recordings[2]; }
   EffectInput input(int recording) const {
-    EffectInput in = effectInput(robot, recordings[static_cast<std::size_t>(recording)], result.base.memory,
+    EffectInput in = effectInput(robot, recordings[static_cast<std::size_t>(recording)], result.base.friction_laws,
                                  recording < 2 ? recording : -1, 2);
     setForces(in, result.base.columns, result.seen_parameters, {});
     return in;
@@ -47,7 +47,7 @@ Machine machineOf(const mechanism::Robot& robot) {
   }
   const std::vector<identification::Observation> training(m.recordings.begin(), m.recordings.begin() + 2);
   m.result.base.columns = identification::columnsOf(robot);
-  m.result.base.memory.assign(static_cast<std::size_t>(robot.axes()), dynamics::bristleLaw(2e-4));
+  m.result.base.friction_laws.assign(static_cast<std::size_t>(robot.axes()), dynamics::bristleLaw(2e-4));
   const dynamics::Model truth = identification::syntheticModel(robot);
   m.result.parameters.resize(static_cast<Eigen::Index>(m.result.base.columns.size()));
   for (std::size_t c = 0; c < m.result.base.columns.size(); ++c)

@@ -37,7 +37,7 @@ Fitted fitted(const mechanism::Robot& robot) {
   f.training = all;
   f.result.base = fitBase(robot, f.training, makeStack(f.training, f.options.observation),
                           identification::columnsOf(robot), robot.mechanism ? 30 : 0);
-  f.result.base.memory[0] = dynamics::smoothLaw(1e-3);
+  f.result.base.friction_laws[0] = dynamics::smoothLaw(1e-3);
   f.result.parameters = f.result.base.parameters;
   f.result.seen_parameters = 0.97 * f.result.base.parameters;
   f.result.after_rms_N = f.result.base.noise_N;
@@ -52,7 +52,7 @@ const Fitted& fittedRobot() {
 /// The effect at one place with a shape from the middle of its grid and random coefficients.
 FoundEffect someEffect(const Fitted& f, const Candidate& candidate, int actuator) {
   std::vector<identification::Observation> recordings = f.training;
-  EffectInput input = effectInput(f.robot, recordings[1], f.result.base.memory, 1, 2);
+  EffectInput input = effectInput(f.robot, recordings[1], f.result.base.friction_laws, 1, 2);
   setForces(input, f.result.base.columns, f.result.seen_parameters, {});
   FoundEffect e;
   const std::vector<std::vector<double>> shapes = candidate.shapes(input, actuator);
@@ -89,7 +89,7 @@ void expectEveryEffectSame(const Fitted& f) {
   auto list = std::make_shared<CandidateList>(namedCandidates(f.robot));
   std::vector<EffectInput> inputs;
   for (int k = 0; k < 2; ++k) {
-    inputs.push_back(effectInput(f.robot, f.training[static_cast<std::size_t>(k)], f.result.base.memory, k, 2));
+    inputs.push_back(effectInput(f.robot, f.training[static_cast<std::size_t>(k)], f.result.base.friction_laws, k, 2));
     setForces(inputs.back(), f.result.base.columns, f.result.seen_parameters, {});
   }
   for (auto& map : mapCandidates(inputs))

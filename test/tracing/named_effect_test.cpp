@@ -8,9 +8,11 @@ namespace {
 TEST(Trace, KnowsPreslidingAsTheLawNearRestOfItsActuator) {
   const TracedCase plain = traceSimulated("");
   const TracedCase c = traceSimulated("  - {name: presliding, actuators: [2], stiffness_N_per_m: 2.0e+4}\n");
-  const auto width = [](const TracedCase& t, std::size_t i) { return dynamics::longestWidth(t.result.base.memory[i]); };
-  std::cout << "law of actuator 2: " << dynamics::describe(c.result.base.memory[1]) << "; without presliding "
-            << dynamics::describe(plain.result.base.memory[1]) << "; error " << c.after_N[1] << " N, without "
+  const auto width = [](const TracedCase& t, std::size_t i) {
+    return dynamics::longestWidth(t.result.base.friction_laws[i]);
+  };
+  std::cout << "law of actuator 2: " << dynamics::describe(c.result.base.friction_laws[1]) << "; without presliding "
+            << dynamics::describe(plain.result.base.friction_laws[1]) << "; error " << c.after_N[1] << " N, without "
             << plain.after_N[1] << " N\n";
   EXPECT_GT(width(c, 1), 3e-4);
   EXPECT_GT(width(c, 1), 3.0 * width(plain, 1));

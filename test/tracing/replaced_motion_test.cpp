@@ -7,7 +7,7 @@ namespace {
 // that up (a stop of 362 um); what is left has been too little to name since that law is chosen by the data.
 TEST(Trace, TakesTheGiveOfAFlexibleCouplingUpInTheLawNearRestAndNamesNothingElse) {
   const TracedCase c = traceSimulated("  - {name: flexible_coupling, actuators: [2], stiffness_N_per_m: 4.0e+4}\n");
-  const dynamics::FrictionLaw& law = c.result.base.memory[1];
+  const dynamics::FrictionLaw& law = c.result.base.friction_laws[1];
   std::cout << "law of actuator 2: " << dynamics::describe(law) << "; error before " << c.before_N[1] << " N, after "
             << c.after_N[1] << " N\n";
   EXPECT_GT(dynamics::longestWidth(law), 1e-4);

@@ -74,6 +74,11 @@ struct ModelJoint {
   double torque_per_ampere_std = 0.0;
 };
 
+/// Lowest and highest force (N, low-passed) of an actuator in the usable training samples.
+struct TrainedForce {
+  double low_N = 0.0, high_N = 0.0;
+};
+
 /// The identified force model of a robot: what `identify` and `trace` write, and what predictions and `trace` read.
 struct Model {
   mechanism::MechanismKind kind = mechanism::MechanismKind::ThreeUpsOneRpu;
@@ -85,9 +90,10 @@ struct Model {
   double cutoff_hz = 0.0;
   double motion_cutoff_hz = 0.0;  ///< low-pass of the positions from which rows are predicted; 0: that of the fit
   double moving_m_per_s = 0.0;
-  int rank = 0;                        ///< directions kept
-  std::vector<FrictionLaw> friction;   ///< per actuator: how Coulomb friction acts near rest
-  std::vector<double> residual_rms_N;  ///< per actuator, training data, moving samples
+  int rank = 0;                               ///< directions kept
+  std::vector<FrictionLaw> friction;          ///< per actuator: how Coulomb friction acts near rest
+  std::vector<double> residual_rms_N;         ///< per actuator, training data, moving samples
+  std::vector<TrainedForce> trained_force_N;  ///< per actuator, of a robot with a platform; empty: not known
   std::vector<ModelParameter> parameters;
   std::vector<BaseParameter> base;
   std::vector<ModelEffect> effects;  ///< written by trace; none from identify

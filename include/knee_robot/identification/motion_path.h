@@ -13,7 +13,8 @@ struct MotionPath {
   std::vector<mechanism::Motion> motion;  ///< empty without a platform; the last good one where the pose is not known
   std::vector<char> pose_known;           ///< 0 where forward kinematics failed
   std::vector<double> condition;          ///< of the Jacobian (m, rad); infinite where the pose is not known
-  bool coupled = false;                   ///< false: bench axes, each of which is an experiment of its own
+  std::vector<char> uncertain;  ///< masked: near a singularity, or of an unknown assembly mode; empty: nowhere
+  bool coupled = false;         ///< false: bench axes, each of which is an experiment of its own
 };
 
 /// Forward kinematics along the samples, each starting from the one before so that the assembly branch is kept; the first from

@@ -12,16 +12,19 @@ namespace knee_robot::tracing {
 /// held-back data chose: what `identify` fits, in coordinates that the search can fit again beside effects.
 struct BaseFit {
   std::vector<identification::Column> columns;
-  std::vector<FrictionMemory> memory;  ///< per actuator: law of friction near rest
-  Eigen::VectorXd start;               ///< per column: where the prior pulls to (of a given model, when there is one)
-  Eigen::MatrixXd basis;               ///< columns x coordinates: parameters = start + basis * coordinates
-  int bounded = 0;                     ///< the first coordinates (friction, rotor) are never negative
+  std::vector<dynamics::FrictionLaw> friction_laws;  ///< per actuator, near rest
+  Eigen::VectorXd start;    ///< per column: where the prior pulls to (of a given model, when there is one)
+  Eigen::MatrixXd basis;    ///< columns x coordinates: parameters = start + basis * coordinates
+  int bounded = 0;          ///< the first coordinates (friction, rotor) are never negative
   Eigen::VectorXd pull;     ///< per coordinate, 0 for bounded ones: root of the prior's weight, for rows of unit noise
   Eigen::VectorXd noise_N;  ///< per actuator: rms residual
   Eigen::VectorXd parameters;
+  std::vector<dynamics::TrainedForce> trained_force_N;  ///< per actuator; empty: no pose is ever uncertain
   std::vector<identification::FrictionChoice> choices;  ///< per actuator: what the law rests on
 
-  int rank() const { return static_cast<int>(basis.cols()); }
+  int decided = 0;  ///< combinations of parameters that the data decide rather than the prior
+
+  int coordinates() const { return static_cast<int>(basis.cols()); }
   Eigen::VectorXd parametersOf(const Eigen::VectorXd& coordinates) const { return start + basis * coordinates; }
 };
 

@@ -34,12 +34,9 @@ struct EffectInput {
   }
 };
 
-/// How one actuator's Coulomb friction acts near rest.
-using FrictionMemory = dynamics::FrictionLaw;
-
 /// What does not depend on the model's parameters; forces are zero until setForces.
 EffectInput effectInput(const mechanism::Robot& robot, const identification::Observation& observation,
-                        const std::vector<FrictionMemory>& memory, int recording, int recordings);
+                        const std::vector<dynamics::FrictionLaw>& laws, int recording, int recordings);
 
 /// Forces of a linear model along the recording. `effects_N` (samples x axes, may be empty) are those of effects found so far.
 void setForces(EffectInput& input, const std::vector<identification::Column>& columns,

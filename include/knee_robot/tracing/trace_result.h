@@ -46,9 +46,9 @@ struct FoundEffect {
 
 /// What tracing learned from training recordings.
 struct TraceResult {
-  BaseFit baseline;                           ///< without effects
-  BaseFit base;                               ///< directions and friction's memory chosen anew beside the effects
-  std::vector<std::int64_t> home_ids;         ///< of the training recordings; 0: not known
+  BaseFit baseline;                    ///< without effects
+  BaseFit base;                        ///< laws near rest and strength of the prior chosen anew beside the effects
+  std::vector<std::int64_t> home_ids;  ///< of the training recordings; 0: not known
   std::shared_ptr<CandidateList> candidates;  ///< that the effects point into
   std::vector<FoundEffect> effects;
   Eigen::VectorXd parameters;                 ///< of the extended model's linear part

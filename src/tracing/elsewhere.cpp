@@ -1,0 +1,139 @@
+// What is predicted in other recordings: decided on held-back training data, at positions that were left out.
+
+#include <algorithm>
+#include <cmath>
+
+#include "knee_robot/base/numbers.h"
+#include "knee_robot/identification/trained_range.h"
+#include "knee_robot/recording/filter.h"
+#include "search.h"
+#include "selection.h"
+#include "stretches.h"
+
+namespace knee_robot::tracing {
+namespace {
+
+constexpr double kErrors = 1.0;  ///< standard errors by which an effect, and all of them together, must help
+
+std::vector<Hypothesis> without(std::vector<Hypothesis> all, std::size_t k) {
+  all.erase(all.begin() + static_cast<std::ptrdiff_t>(k));
+  return all;
+}
+
+/// Squares (weighted, at the stack's rate) that a model with these effects leaves where the pose is masked: nothing was fitted there.
+double maskedSquares(const Search& s, const std::vector<Hypothesis>& effects) {
+  const JointFit fit = fitOf(s, effects);
+  const TwinModel model = {s.base->parametersOf(fit.base), effects, fit.coefficients};
+  double sum = 0.0;
+  for (const EffectInput& input : s.data->inputs) {
+    const identification::Observation& o = *input.observation;
+    if (std::count(o.motion.uncertain.begin(), o.motion.uncertain.end(), 1) == 0) continue;
+    const TwinEffects forces = effectForces(input, model);
+    Eigen::MatrixXd left = forces.friction_N + forces.load_N;
+    for (int i = 0; i < o.axes(); ++i)
+      left.col(i) += o.regressor[static_cast<std::size_t>(i)] * model.parameters;
+    identification::keepWithinTrainedRange(s.base->trained_force_N, o.motion, left);
+    recording::ZeroPhaseLowPass(s.data->stack.cutoff_hz, 1.0 / o.signals.period_s).applyToColumns(left);
+    left -= o.force_filtered_N;
+    for (int n = 0; n < o.samples(); ++n) {
+      if (o.motion.uncertain[static_cast<std::size_t>(n)])
+        sum +=
+            left.row(n).cwiseQuotient(s.rms_N.transpose()).squaredNorm() * s.data->stack.rate_hz * o.signals.period_s;
+    }
+  }
+  return sum;
+}
+
+/// Squares left on held-back stretches of positions in two directions, everything fitted without them.
+Eigen::VectorXd heldBackElsewhere(Search& s, const std::vector<Hypothesis>& effects, const Eigen::VectorXd& noise_N) {
+  const Stack own = s.data->stack;
+  std::vector<Eigen::MatrixXd> rows;
+  for (const Hypothesis& h : effects)
+    rows.push_back(effectRows(*s.data, h));
+  Eigen::VectorXd left(2 * kStretches);
+  for (const int direction : {0, 1}) {
+    labelByPosition(s.data->recordings, direction, s.data->stack);
+    left.segment(direction * kStretches, kStretches) = fitJointly(*s.data, *s.base, noise_N, effects, rows).held_back;
+  }
+  s.data->stack = own;
+  return left;
+}
+
+/// The same of the baseline with its own laws near rest.
+Eigen::VectorXd baselineElsewhere(Search& s, const BaseFit& baseline, const Eigen::VectorXd& noise_N) {
+  TraceData& data = *s.data;
+  BaseFit newtons = baseline;
+  newtons.noise_N.setOnes();
+  for (identification::Observation& o : data.recordings)
+    identification::setFriction(o, baseline.columns, baseline.friction_laws);
+  const Eigen::MatrixXd rows = data.all_base_rows;
+  data.all_base_rows = baseRows(newtons, data.recordings, data.stack);
+  setAttention(data, s.attention);
+  BaseFit* const now = s.base;
+  s.base = &newtons;
+  const Eigen::VectorXd left = heldBackElsewhere(s, {}, noise_N);
+  s.base = now;
+  data.all_base_rows = rows;
+  setAttention(data, s.attention);
+  for (identification::Observation& o : data.recordings)
+    identification::setFriction(o, s.base->columns, s.base->friction_laws);
+  return left;
+}
+
+bool judged(const FoundEffect& e) {
+  return e.hypothesis.place.candidate->transfers() && !e.hypothesis.place.candidate->local() && e.band_hz == 0.0;
+}
+
+}  // namespace
+
+void judgeElsewhere(Search& s, std::vector<std::string>& notes) {
+  const Stack own = s.data->stack;
+  const std::vector<Hypothesis> all = hypothesesOf(s.effects);
+  Eigen::MatrixXd saved = Eigen::MatrixXd::Zero(2 * kStretches, static_cast<Eigen::Index>(all.size()));
+  double total = 0.0;
+  for (const int direction : {0, 1}) {
+    labelByPosition(s.data->recordings, direction, s.data->stack);
+    const Eigen::VectorXd with = fitOf(s, all).held_back;
+    total += with.sum();
+    for (std::size_t k = 0; k < all.size(); ++k) {
+      if (judged(s.effects[k]))
+        saved.block(direction * kStretches, static_cast<Eigen::Index>(k), kStretches, 1) =
+            fitOf(s, without(all, k)).held_back - with;
+    }
+  }
+  s.data->stack = own;
+  const double masked = maskedSquares(s, all);
+  for (std::size_t k = 0; k < all.size(); ++k) {
+    FoundEffect& e = s.effects[k];
+    if (!judged(e)) continue;
+    const HeldBackGain gain = heldBackGain(saved.col(static_cast<Eigen::Index>(k)));
+    const double beside = masked > 0.0 ? maskedSquares(s, without(all, k)) - masked : 0.0;
+    const double sum = 2.0 * kStretches * gain.mean;
+    e.elsewhere_gain = sum / std::max(1e-300, total);
+    if (gain.mean > kErrors * gain.error && 0.5 * sum + beside > 0.0) continue;
+    e.transfers = false;
+    const std::string share = shortNumber(100.0 * e.elsewhere_gain, 2) + " +- " +
+                              shortNumber(100.0 * 2.0 * kStretches * gain.error / std::max(1e-300, total), 2);
+    notes.push_back(placeText(e.hypothesis.place) +
+                    (gain.mean > kErrors * gain.error
+                         ? ": it makes the error larger where the pose is masked"
+                         : ": at held-back positions of the training recordings it does not surely help (" + share +
+                               " % of the squares)") +
+                    "; it is left out of predictions elsewhere.");
+  }
+}
+
+bool helpsElsewhere(Search& s, const BaseFit& baseline) {
+  std::vector<Hypothesis> predicted;  // a push stays in: what it did to training must not go into the parameters
+  for (const FoundEffect& e : s.effects) {
+    const Candidate& candidate = *e.hypothesis.place.candidate;
+    if (candidate.local() || (e.transfers && candidate.elsewhere(e.coefficients).size() > 0))
+      predicted.push_back(e.hypothesis);
+  }
+  const Eigen::VectorXd noise_N = s.rms_N;
+  const HeldBackGain gain =
+      heldBackGain(baselineElsewhere(s, baseline, noise_N) - heldBackElsewhere(s, predicted, noise_N));
+  return gain.mean > kErrors * gain.error;
+}
+
+}  // namespace knee_robot::tracing

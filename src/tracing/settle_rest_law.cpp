@@ -1,0 +1,76 @@
+#include <algorithm>
+
+#include "rest_law.h"
+#include "search.h"
+#include "selection.h"
+
+namespace knee_robot::tracing {
+namespace {
+
+constexpr double kErrors = 0.5;  ///< standard errors by which a law of its own must be better
+constexpr double kUsual_m_per_s = 1e-3;
+const double kSpeeds_m_per_s[] = {3.5e-4, 5e-4, 7e-4, 1e-3, 1.4e-3, 2e-3, 2.8e-3};
+
+bool hasRestLaw(const Candidate* kind) {
+  const std::vector<ShapeParameter> shape = kind->shapeParameters();
+  return !shape.empty() && shape.back().name == restLawParameter().name;
+}
+
+void setSpeed(Search& s, const Candidate* kind, double speed_m_per_s) {
+  for (FoundEffect& e : s.effects) {
+    if (e.hypothesis.place.candidate == kind) e.hypothesis.shape.back() = speed_m_per_s;
+  }
+}
+
+/// Held-back squares over all samples alike, weighted with `noise_N`.
+Eigen::VectorXd heldBack(const Search& s, const Eigen::VectorXd& noise_N) {
+  const std::vector<Hypothesis> all = hypothesesOf(s.effects);
+  setAttention(*s.data, Attention::All);
+  std::vector<Eigen::MatrixXd> rows;
+  for (const Hypothesis& h : all)
+    rows.push_back(effectRows(*s.data, h));
+  Eigen::VectorXd out = fitJointly(*s.data, *s.base, noise_N, all, rows).held_back;
+  setAttention(*s.data, s.attention);
+  return out;
+}
+
+/// Law of the actuators and shapes of the effects, each chosen beside the other.
+bool chooseBeside(Search& s) {
+  refit(s);
+  bool changed = rebase(s);
+  refineShapes(s);
+  return rebase(s) || changed;
+}
+
+}  // namespace
+
+bool settleRestLaw(Search& s, const Candidate* kind) {
+  if (!hasRestLaw(kind)) return false;
+  const std::vector<FoundEffect> found = s.effects;
+  const Eigen::VectorXd noise_N = s.rms_N;
+  setSpeed(s, kind, 0.0);
+  chooseBeside(s);
+  const Eigen::VectorXd followed = heldBack(s, noise_N);
+  const std::vector<FoundEffect> following = s.effects;
+  s.effects = found;
+  setSpeed(s, kind, kUsual_m_per_s);
+  chooseBeside(s);
+  Eigen::VectorXd own;
+  double best_speed = kUsual_m_per_s;
+  for (const double speed : kSpeeds_m_per_s) {
+    setSpeed(s, kind, speed);
+    const Eigen::VectorXd now = heldBack(s, noise_N);
+    if (own.size() > 0 && now.sum() >= own.sum()) continue;
+    own = now;
+    best_speed = speed;
+  }
+  const HeldBackGain gain = heldBackGain(followed - own);
+  const bool own_law = gain.mean > kErrors * gain.error;
+  if (!own_law) s.effects = following;
+  setSpeed(s, kind, own_law ? best_speed : 0.0);
+  refit(s);
+  rebase(s);
+  return true;
+}
+
+}  // namespace knee_robot::tracing

@@ -1,0 +1,94 @@
+// identify and trace as a user calls them, without any option: the baseline of trace is the model of identify.
+
+#include <gtest/gtest.h>
+#include <stdlib.h>
+#include <sys/wait.h>
+
+#include <cmath>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <string>
+
+namespace {
+
+namespace fs = std::filesystem;
+
+struct Folder {
+  Folder() {
+    std::string pattern = (fs::temp_directory_path() / "knee_baseline_XXXXXX").string();
+    path = ::mkdtemp(pattern.data());
+  }
+  ~Folder() { fs::remove_all(path); }
+  fs::path path;
+};
+
+fs::path writeRobot(const Folder& folder) {
+  const fs::path file = folder.path / "robot.yaml";
+  std::ofstream(file)
+      << "mechanism: axes\nactuators:\n"
+         "  - &axis {position_min_m: 0.0, position_max_m: 0.4, velocity_max_m_per_s: 1.0, acceleration_max_m_per_s2: "
+         "10.0, screw_lead_m: 0.010, counts_per_revolution: 5000, home_length_m: 0.1, force_per_volt_N: 100.0, "
+         "voltage_max_V: 10, force_max_N: 300}\n  - *axis\n";
+  return file;
+}
+
+/// Two axes with friction and a drag that no baseline has; `pause_s` without rows after 12 s.
+fs::path writeRecording(const Folder& folder, const std::string& name, double turns, double pause_s = 0.0) {
+  const fs::path file = folder.path / name;
+  std::ofstream stream(file);
+  stream << "time_s,reference_1_m,position_1_m,force_1_N,reference_2_m,position_2_m,force_2_N\n";
+  stream.precision(12);
+  const auto position = [&](double t, double w) { return 0.2 + 0.05 * std::sin(w * t) + 0.02 * std::sin(2.3 * w * t); };
+  for (int k = 0; k < 2400; ++k) {
+    const double t = 0.01 * k;
+    stream << t + (t > 12.0 ? pause_s : 0.0);
+    for (const double w : {turns, 1.3 * turns}) {
+      const double q = position(t, w), v = (position(t + 0.0051, w) - position(t + 0.0049, w)) / 2e-4;
+      const double a = (position(t + 0.006, w) - 2.0 * position(t + 0.005, w) + position(t + 0.004, w)) / 1e-6;
+      const double force = 8.0 * a + 200.0 * v + 15.0 * std::tanh(v / 1e-3) + 3000.0 * v * std::abs(v) + 2.0;
+      stream << ',' << q << ',' << q << ',' << force;
+    }
+    stream << '\n';
+  }
+  return file;
+}
+
+nlohmann::json reportOf(const Folder& folder, const std::string& program, const fs::path& training) {
+  const fs::path out = folder.path / fs::path(program.substr(0, program.find(' '))).filename();
+  const std::string command = program + " --robot " + writeRobot(folder).string() + " --train " + training.string() +
+                              " --validate " + writeRecording(folder, "other.csv", 1.7).string() + " --output " +
+                              out.string() + " > " + (folder.path / "log.txt").string() + " 2>&1";
+  if (WEXITSTATUS(std::system(command.c_str())) != 0) {
+    ADD_FAILURE() << std::ifstream(folder.path / "log.txt").rdbuf();
+    return {};
+  }
+  return nlohmann::json::parse(std::ifstream(out / "report.json"));
+}
+
+TEST(Programs, TraceStartsWhereIdentifyEnds) {
+  const Folder folder;
+  const fs::path training = writeRecording(folder, "training.csv", 1.2);
+  const nlohmann::json identified = reportOf(folder, KNEE_IDENTIFY, training);
+  const nlohmann::json traced = reportOf(folder, std::string(KNEE_TRACE) + " --most 0", training);
+  for (const char* side : {"train", "validate"}) {
+    for (const char* figure : {"rms_N", "rms_moving_N", "rms_raw_N"}) {
+      for (std::size_t axis = 0; axis < 2; ++axis) {
+        const double after = identified["after"][side][figure][axis], before = traced["before"][side][figure][axis];
+        EXPECT_GT(after, 0.01) << "the drag is left";
+        EXPECT_NEAR(before, after, 1e-4 * after) << side << " " << figure << " of axis " << axis + 1;
+      }
+    }
+  }
+}
+
+TEST(Programs, TraceLeavesALongPauseOut) {
+  const Folder folder;
+  const nlohmann::json traced =
+      reportOf(folder, std::string(KNEE_TRACE) + " --most 0", writeRecording(folder, "training.csv", 1.2, 3600.0));
+  ASSERT_FALSE(traced.is_null());
+  EXPECT_LT(traced["after"]["train"]["samples"], 2400 + 250) << "an hour at 100 Hz would be 360 000";
+}
+
+}  // namespace
