@@ -24,7 +24,7 @@ TEST(BaseFit, IsTheSameBesideAKnownEffectAsWithoutIt) {
   const BaseFit without = fitBase(robot, clean, stack, columns, 0);
   const BaseFit beside = fitBase(robot, changed, stack, columns, 0, nullptr, {effects});
   const BaseFit ignoring = fitBase(robot, changed, stack, columns, 0);
-  EXPECT_EQ(beside.rank(), without.rank());
+  EXPECT_EQ(beside.coordinates(), without.coordinates());
   EXPECT_LT((beside.parameters - without.parameters).norm(), 1e-6 * without.parameters.norm());
   EXPECT_GT((ignoring.parameters - without.parameters).norm(), 1e-2 * without.parameters.norm());
 }

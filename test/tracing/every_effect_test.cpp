@@ -142,8 +142,9 @@ TEST_P(EveryEffect, ExplainsItselfBestUnlessTheBaselineTakesItUp) {
     winner = p.place().candidate->name();
   }
   const std::set<std::string> absorbed = {"asymmetric_coulomb", "force_offset"};
-  if (GetParam() == "spring")
+  if (GetParam() == "spring") {
     EXPECT_LT(survives, 0.05) << "gravity takes a weak spring up, but what is left still names it";
+  }
   if (absorbed.count(GetParam()) > 0) {
     EXPECT_LT(survives, 0.05) << "the baseline is said to take it up";
     return;
