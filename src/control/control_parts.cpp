@@ -53,7 +53,8 @@ ControlSystem::Parts::Parts(const rt::Deployment& deployment)
       monitors(only<Monitors>(deployment, "Monitors")),
       black_box(only<BlackBox>(deployment, "BlackBox")),
       feedforward(atMostOne<ModelFeedforward>(deployment, "ModelFeedforward")),
-      observer(atMostOne<DisturbanceObserver>(deployment, "DisturbanceObserver")) {
+      observer(atMostOne<DisturbanceObserver>(deployment, "DisturbanceObserver")),
+      guide(atMostOne<HandGuide>(deployment, "HandGuide")) {
   checkDrivers(deployment);
   checkOrder(deployment);
 }
@@ -72,6 +73,10 @@ void ControlSystem::Parts::prepareFeedforward(const rt::Deployment& deployment, 
   if (options.payload_kg) feedforward->payload.set(*options.payload_kg);
   checkLaw(deployment);
   feedforward->loadModel();
+  if (guide != nullptr) {
+    if (guide->model.value().empty()) guide->model.set(feedforward->model.value());
+    guide->loadModel();
+  }
   if (observer == nullptr) return;
   if (observer->model.value().empty()) observer->model.set(feedforward->model.value());
   observer->loadModel();
@@ -124,6 +129,8 @@ void ControlSystem::Parts::checkOrder(const rt::Deployment& deployment) const {
   if (too_late) throw InputError(where + "ModelFeedforward must come before the Drivers, in their activity");
   const bool looks_late = observer != nullptr && std::find_if(order.begin(), order.end(), is_driver) < place(observer);
   if (looks_late) throw InputError(where + "DisturbanceObserver must come before the Drivers, in their activity");
+  const bool guides_late = guide != nullptr && std::find_if(order.begin(), order.end(), is_driver) < place(guide);
+  if (guides_late) throw InputError(where + "HandGuide must come before the Drivers, in their activity");
   if (place(supervisor) < place(monitors)) throw InputError(where + "Supervisor must come after Monitors");
   for (auto after = place(output); after != order.end(); ++after) {
     if (dynamic_cast<const Driver*>(*after) != nullptr || *after == supervisor) {

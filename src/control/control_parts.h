@@ -9,6 +9,7 @@
 #include "knee_robot/control/control_system.h"
 #include "knee_robot/control/disturbance_observer.h"
 #include "knee_robot/control/driver.h"
+#include "knee_robot/control/hand_guide.h"
 #include "knee_robot/control/heat_memory.h"
 #include "knee_robot/control/model_feedforward.h"
 #include "knee_robot/control/monitors.h"
@@ -50,6 +51,7 @@ struct ControlSystem::Parts {
   BlackBox* black_box = nullptr;
   ModelFeedforward* feedforward = nullptr;  // may be missing
   DisturbanceObserver* observer = nullptr;  // may be missing
+  HandGuide* guide = nullptr;               // may be missing
   OperatorPanel panel;
   std::unique_ptr<RecordingDrain> drain;
   std::unique_ptr<BlackBoxWriter> black_box_writer;
