@@ -35,7 +35,8 @@ Answer ControlSystem::guide() {
   if (const std::string why = whyNobodyMoves(); !why.empty()) return {false, why};
   const Answer answer = request(RequestKind::Guide, 1.0);
   if (!answer.ok) return answer;
-  return {true, "guiding: the axes tremble for a moment, then the platform follows the hand; letting go of the switch holds"};
+  return {true,
+          "guiding: the axes tremble for a moment, then the platform follows the hand; letting go of the switch holds"};
 }
 
 Answer ControlSystem::saveGuided(const std::string& path) {
@@ -45,11 +46,12 @@ Answer ControlSystem::saveGuided(const std::string& path) {
     GuidedReference guided = guidedReference(parts_->guide->path().points(), robot_, patient());
     std::vector<std::string> comments = {"guided by hand"};
     std::string slower;
-    if (guided.slowed > 1.0) slower = ", " + shortNumber(guided.slowed, 2) + " times slower than the hand, for the limits' sake";
+    if (guided.slowed > 1.0)
+      slower = ", " + shortNumber(guided.slowed, 2) + " times slower than the hand, for the limits' sake";
     trajectory::writeReference(path, guided.reference, comments);
     const double duration = trajectory::kStreamPeriod * static_cast<double>(guided.reference.points.rows() - 1);
-    return {true, path + ": " + std::to_string(guided.reference.points.rows()) + " points, " + shortNumber(duration, 4) +
-                      " s" + slower + "; it may be played"};
+    return {true, path + ": " + std::to_string(guided.reference.points.rows()) + " points, " +
+                      shortNumber(duration, 4) + " s" + slower + "; it may be played"};
   } catch (const InputError& error) {
     return {false, error.what()};
   }

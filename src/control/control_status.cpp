@@ -152,7 +152,8 @@ Answer ControlSystem::phrase(const RequestAnswer& answer) const {
     case RequestResult::SwitchNotHeld:
       return {false, "the enabling switch is not held: hold it, then ask again"};
     case RequestResult::SwitchNotReleased:
-      return {false, "the enabling switch was not let go of since the controller started or the platform was guided last"};
+      return {false,
+              "the enabling switch was not let go of since the robot was enabled or the platform was guided last"};
     case RequestResult::GuideRefused:
       return {false, now.guiding};
     case RequestResult::Failed:

@@ -10,10 +10,10 @@
 namespace knee_robot::control {
 namespace {
 
-constexpr double kCutoff_hz = 1.5;     // a hand that follows a path with care is slower
-constexpr double kMoves_m = 5e-4;      // less is rest
-constexpr double kRest_s = 0.5;        // left at both ends
-constexpr double kEase_s = 1.0;        // from rest to the hand's own speed, and back
+constexpr double kCutoff_hz = 1.5;  // a hand that follows a path with care is slower
+constexpr double kMoves_m = 5e-4;   // less is rest
+constexpr double kRest_s = 0.5;     // left at both ends
+constexpr double kEase_s = 1.0;     // from rest to the hand's own speed, and back
 constexpr double kSlower = 1.1;
 constexpr double kSlowest = 10.0;
 

@@ -8,9 +8,9 @@ namespace {
 /// Rows: Disabled, Enabling, Holding, Playing, Stopping, SafeStopping, Faulted, Paused, Homing, Guiding.
 /// Columns: Enable, Disable, Play, Stop, EmergencyStop, Reset, Pause, Resume, SetSpeed, Home, ConfirmHome, Guide.
 constexpr bool kPossible[kMachineStates][kRequestKinds] = {
-    {true, true, false, true, true, false, false, false, true, true, true, false},      // Disabled: nothing to stop is fine
+    {true, true, false, true, true, false, false, false, true, true, true, false},  // Disabled: nothing to stop is fine
     {false, true, false, false, true, false, false, false, true, false, false, false},  // Enabling
-    {false, true, true, true, true, false, false, false, true, false, false, true},    // Holding
+    {false, true, true, true, true, false, false, false, true, false, false, true},     // Holding
     {false, true, false, true, true, false, true, true, true, false, false, false},     // Playing
     {false, true, false, true, true, false, false, false, true, false, false, false},   // Stopping
     {false, true, false, true, true, false, false, false, true, false, false, false},   // SafeStopping

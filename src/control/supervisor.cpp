@@ -151,6 +151,7 @@ void Supervisor::enable(const Request& asked, rt::Nanoseconds now) {
   if (!isReady() || !output_is_idle) return answer(asked.number, RequestResult::NotReady);
   if (!isHomed() && !homing_) return answer(asked.number, RequestResult::NotHomed);
   status_.state = MachineState::Enabling;
+  switch_was_released_ = false;
   orders_.level = DriveLevel::Energised;
   enabling_since_ = step_since_ = now;
   pending_ = asked.number;

@@ -10,13 +10,14 @@ constexpr int kSilentGuide = 5;  // cycles; the Drivers hold by then
 
 }  // namespace
 
-/// Once a cycle. A switch that was never let go of, or is held down by something else than a hand, begins nothing.
+/// Once a cycle. A switch that was not let go of since the robot was enabled is held down by something else than a hand: it begins nothing.
 void Supervisor::readGuide() noexcept {
   const bool heard = guidance.read(guide_) == rt::FlowStatus::NewData;
   unguided_ = heard ? 0 : unguided_ + 1;
   const bool held = hardware_.enabling_switch_bit && !inputIsLow(hardware_.enabling_switch_bit) &&
                     measured_.sequence != 0 && unreadable_ == 0;
-  if (!held) switch_was_released_ = true;
+  if (measured_.sequence != 0 && unreadable_ == 0 && inputIsLow(hardware_.enabling_switch_bit))
+    switch_was_released_ = true;
   switch_held_ = held;
 }
 

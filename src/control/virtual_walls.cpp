@@ -30,7 +30,8 @@ void VirtualWalls::addPose(const mechanism::Pose& pose, const PatientRange& pati
   for (Eigen::Index i = 0; i < 4; ++i) {
     const auto k = static_cast<std::size_t>(i);
     const double zone = std::min(i < 2 ? kPose_m : kPose_rad, 0.25 * (patient.maximum[k] - patient.minimum[k]));
-    const double below = (patient.minimum[k] + zone - pose[i]) / zone, above = (pose[i] - patient.maximum[k] + zone) / zone;
+    const double below = (patient.minimum[k] + zone - pose[i]) / zone,
+                 above = (pose[i] - patient.maximum[k] + zone) / zone;
     const double depth = std::max({0.0, below, above});
     push.wrench[i] += (below > above ? 1.0 : -1.0) * std::min(1.0, depth) * largest_N * (i < 2 ? 1.0 : kLever_m);
     push.depth = std::max(push.depth, depth);

@@ -34,8 +34,13 @@ struct Felt {
 /// There and back along one coordinate; angles by the lever.
 class Pull {
  public:
-  Pull(const simulation::RobotSimulation& plant, simulation::SimulatedHand& hand, int coordinate, const Options& options)
-      : plant_(plant), hand_(hand), home_(plant.state().pose), start_(plant.time()), coordinate_(coordinate),
+  Pull(const simulation::RobotSimulation& plant, simulation::SimulatedHand& hand, int coordinate,
+       const Options& options)
+      : plant_(plant),
+        hand_(hand),
+        home_(plant.state().pose),
+        start_(plant.time()),
+        coordinate_(coordinate),
         distance_(coordinate < 2 ? options.distance_m : options.distance_m / kLever_m),
         period_(2.0 * options.distance_m / options.speed_m_per_s) {}
   double period() const { return period_; }
@@ -103,7 +108,8 @@ Felt pullUnpowered(const Options& options, int coordinate) {
 struct Rig {
   explicit Rig(const Options& options)
       : robot(mechanism::loadRobot(options.robot)),
-        plant(robot, dynamics::loadRobotInertia(robot), simulation::loadSimulationParameters(options.simulation), image),
+        plant(robot, dynamics::loadRobotInertia(robot), simulation::loadSimulationParameters(options.simulation),
+              image),
         bus(simulation::openImageCards(image)),
         one(image, hand()),
         system(robot, control::loadHardwareFile(options.hardware), options.deployment, *bus, settings(options)) {
@@ -179,7 +185,8 @@ void printDirection(const Options& options, int coordinate) {
 
 int main(int argc, char** argv) {
   CLI::App app(
-      "A simulated hand guides the simulated robot there and back; prints the force that it needs at the platform's origin, with the "
+      "A simulated hand guides the simulated robot there and back; prints the force that it needs at the platform's "
+      "origin, with the "
       "drives off, held, and guided. Angles are taken by a lever of 0.2 m.",
       "simulate_guiding");
   Options options;

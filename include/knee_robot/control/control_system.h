@@ -55,7 +55,7 @@ struct ControlStatus {
   std::string black_box;                     ///< CSV of the newest fault, empty: none yet
   std::string black_box_error;               ///< the disk's refusal, empty: none
   std::uint64_t skipped_cycles = 0;          ///< left out by the machine: gaps of time_s
-  std::string guiding;                       ///< why the last guiding was refused, or ended by itself; empty: it did not
+  std::string guiding;  ///< why the last guiding was refused, or ended by itself; empty: it did not
 };
 
 /// One sentence for the operator; empty for None.

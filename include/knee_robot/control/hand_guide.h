@@ -48,8 +48,8 @@ class HandGuide : public rt::TaskContext {
   rt::OutputPort<Guidance> guidance{*this, "guidance", "to the Drivers and the Supervisor"};
 
   rt::Property<std::string> model{*this, "model", "", "model file of this robot; empty: nothing is guided"};
-  rt::Property<double> share_friction{*this, "share_friction", 0.7, "", 0.0, 0.9, "of the identified friction",
-                                      rt::Change::AtRunTime};
+  rt::Property<double> share_friction{
+      *this, "share_friction", 0.7, "", 0.0, 0.9, "of the identified friction", rt::Change::AtRunTime};
   rt::Property<double> damping{
       *this, "damping_N_s_per_m", 60.0, "N s/m", 0.0, 5000.0, "of each axis, against its speed"};
   rt::Property<double> linear_speed{*this,
@@ -100,14 +100,14 @@ class HandGuide : public rt::TaskContext {
   AxesMeasurement measured_;
   Orders order_;
   std::array<AxisCommand, hardware::kAxes> commands_{};
-  int silent_ = 0;           // cycles without orders
-  bool known_ = false;      // pose and motion are
+  int silent_ = 0;      // cycles without orders
+  bool known_ = false;  // pose and motion are
   mechanism::Pose pose_ = mechanism::Pose::Zero();
-  bool pose_known_ = false; // a guess for the next cycle
+  bool pose_known_ = false;  // a guess for the next cycle
   mechanism::Vector4 velocity_ = mechanism::Vector4::Zero(), pose_velocity_ = mechanism::Vector4::Zero();
   VirtualWalls::Push push_;
-  AxisValues stood_m_{};  // where each axis was when its encoder moved last
-  AxisValues others_m_{}; // way of the others since then
+  AxisValues stood_m_{};   // where each axis was when its encoder moved last
+  AxisValues others_m_{};  // way of the others since then
   AxisValues unknown_N_{};
   AxisValues last_m_{};
   double guided_s_ = 0.0, fast_s_ = 0.0, sampled_s_ = 0.0;

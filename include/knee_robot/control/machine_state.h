@@ -49,18 +49,18 @@ struct Request {
 /// Why a request was refused, or that it was not.
 enum class RequestResult : std::uint8_t {
   Done,
-  WrongState,    ///< not possible in the present state
-  NoReference,   ///< play without reference
-  NotAtStart,    ///< play away from the first point
-  NotReady,      ///< a component does not run or nothing is measured
-  CauseRemains,  ///< reset while the fault's cause is still there
-  NeedsRestart,  ///< reset of a fault that only a restart clears
-  Superseded,    ///< another request came before it was done
-  Failed,        ///< a fault came before it was done
-  NotHomed,      ///< nobody knows yet where the axes are
-  NoProcedure,   ///< home() where the hardware file leaves homing to the operator, or the other way round
-  HomeShifted,   ///< a home that is confirmed anew lies far from what the counters say
-  OutOfRange,    ///< the value is not allowed
+  WrongState,         ///< not possible in the present state
+  NoReference,        ///< play without reference
+  NotAtStart,         ///< play away from the first point
+  NotReady,           ///< a component does not run or nothing is measured
+  CauseRemains,       ///< reset while the fault's cause is still there
+  NeedsRestart,       ///< reset of a fault that only a restart clears
+  Superseded,         ///< another request came before it was done
+  Failed,             ///< a fault came before it was done
+  NotHomed,           ///< nobody knows yet where the axes are
+  NoProcedure,        ///< home() where the hardware file leaves homing to the operator, or the other way round
+  HomeShifted,        ///< a home that is confirmed anew lies far from what the counters say
+  OutOfRange,         ///< the value is not allowed
   NoEnablingSwitch,   ///< guide without such an input
   NoGuide,            ///< guide without a HandGuide in the deployment
   BrakesUntested,     ///< guide without brakes that are tested at enabling

@@ -9,17 +9,17 @@ namespace knee_robot::control {
 /// limit (on the platform; moments: times kLever_m). Real-time safe.
 class VirtualWalls {
  public:
-  static constexpr double kLength_m = 0.01;    ///< zone before a leg's shortest and longest length
-  static constexpr double kPose_m = 0.008;     ///< zone before the patient's range
-  static constexpr double kPose_rad = 0.04;    ///< likewise, angles
-  static constexpr double kAngle_rad = 0.06;   ///< zone before a joint's angle
-  static constexpr double kCondition = 0.2;    ///< zone before the singularity margin, share of it
+  static constexpr double kLength_m = 0.01;   ///< zone before a leg's shortest and longest length
+  static constexpr double kPose_m = 0.008;    ///< zone before the patient's range
+  static constexpr double kPose_rad = 0.04;   ///< likewise, angles
+  static constexpr double kAngle_rad = 0.06;  ///< zone before a joint's angle
+  static constexpr double kCondition = 0.2;   ///< zone before the singularity margin, share of it
   static constexpr double kLever_m = 0.2;
 
   struct Push {
     mechanism::Vector4 wrench = mechanism::Vector4::Zero();  ///< on Xm, Zm (N), theta, psi (N m)
     mechanism::Vector4 force = mechanism::Vector4::Zero();   ///< on the legs, N
-    double depth = 0.0;                                      ///< of the deepest wall: 0 outside its zone, 1 at the limit
+    double depth = 0.0;  ///< of the deepest wall: 0 outside its zone, 1 at the limit
   };
 
   explicit VirtualWalls(const mechanism::Robot& robot);
