@@ -36,7 +36,7 @@ struct ControlSystem::Parts {
   /// Finds the components and checks that they can work together; InputError names the deployment file.
   explicit Parts(const rt::Deployment& deployment);
   /// The operator's model and payload in place of the deployment's; reads the model.
-  void prepareFeedforward(const rt::Deployment& deployment, const Options& options);
+  void prepareFeedforward(const rt::Deployment& deployment, const mechanism::Robot& robot, const Options& options);
   /// The passivity-based law is passive with certain gains only: a sentence, or empty. `changed`: a Driver's property as it would be.
   std::string whyNotPassive(const Driver& driver, const std::string& changed = "", double value = 0.0) const;
   /// Where Sync would let the loaded reference begin. Under the system's mutex.
@@ -73,6 +73,7 @@ struct ControlSystem::Parts {
  private:
   void checkOrder(const rt::Deployment& deployment) const;
   void checkLaw(const rt::Deployment& deployment) const;
+  void checkDelays(const rt::Deployment& deployment, const mechanism::Robot& robot) const;
 };
 
 }  // namespace knee_robot::control
