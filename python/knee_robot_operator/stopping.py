@@ -7,7 +7,7 @@ from .answer import Answer
 ANSWER_S = 1.0
 TO_REST_S = 4.0
 _AGAIN_S = (0.5, 6.0)  # a second press in this time, while the robot has not come to rest since, means: it does not stop as it should
-_MOVING = ("enabling", "homing", "playing", "paused", "stopping")
+_MOVING = ("enabling", "homing", "guiding", "playing", "paused", "stopping")
 
 
 class Stopping:

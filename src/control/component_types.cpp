@@ -5,6 +5,7 @@
 #include "knee_robot/control/black_box.h"
 #include "knee_robot/control/disturbance_observer.h"
 #include "knee_robot/control/driver.h"
+#include "knee_robot/control/hand_guide.h"
 #include "knee_robot/control/model_feedforward.h"
 #include "knee_robot/control/monitors.h"
 #include "knee_robot/control/recorder.h"
@@ -22,6 +23,7 @@ rt::TypeFactory componentTypes(const mechanism::Robot& robot, const HardwareFile
   types["Driver"] = [=](Name name) { return std::make_unique<Driver>(name, robot, hardware); };
   types["ModelFeedforward"] = [=](Name name) { return std::make_unique<ModelFeedforward>(name, robot); };
   types["DisturbanceObserver"] = [=](Name name) { return std::make_unique<DisturbanceObserver>(name, robot); };
+  types["HandGuide"] = [=](Name name) { return std::make_unique<HandGuide>(name, robot); };
   types["Monitors"] = [=](Name name) { return std::make_unique<Monitors>(name, robot); };
   types["Supervisor"] = [=](Name name) { return std::make_unique<Supervisor>(name, robot, hardware); };
   types["AxesOutput"] = [=, &bus](Name name) { return std::make_unique<AxesOutput>(name, robot, hardware, bus); };

@@ -6,6 +6,8 @@
 
 #include "knee_robot/base/errors.h"
 #include "knee_robot/base/numbers.h"
+#include "knee_robot/control/delay_margin.h"
+#include "knee_robot/mechanism/kinematics.h"
 
 namespace knee_robot::control {
 namespace {
@@ -42,6 +44,23 @@ void checkDrivers(const rt::Deployment& deployment) {
   }
 }
 
+/// Of the axis at home, while the others hold.
+double delayMarginOf(const dynamics::PartedModel& model, const mechanism::Robot& robot, const Driver& driver) {
+  mechanism::Lengths home;
+  for (Eigen::Index i = 0; i < home.size(); ++i)
+    home[i] = robot.actuators[static_cast<std::size_t>(i)].home_length_m;
+  const mechanism::ForwardResult found = mechanism::forwardKinematicsFromHome(*robot.mechanism, home);
+  const Eigen::Index k = driver.axis.value() - 1;
+  dynamics::AuxiliaryMotion motion;
+  motion.acceleration[k] = 1.0;
+  dynamics::AuxiliaryData data;
+  mechanism::Vector4 force = mechanism::Vector4::Zero();
+  if (!found.ok() || !dynamics::auxiliaryForces(model, found.pose, motion, data, force)) return 1.0;
+  const double viscous = model.parameters[dynamics::extended::kViscous + k];
+  return delayMargin({driver.proportional, driver.integral, driver.derivative, driver.derivative_cutoff},
+                     std::max(1.0, force[k]), std::max(0.0, viscous));
+}
+
 }  // namespace
 
 ControlSystem::Parts::Parts(const rt::Deployment& deployment)
@@ -53,12 +72,14 @@ ControlSystem::Parts::Parts(const rt::Deployment& deployment)
       monitors(only<Monitors>(deployment, "Monitors")),
       black_box(only<BlackBox>(deployment, "BlackBox")),
       feedforward(atMostOne<ModelFeedforward>(deployment, "ModelFeedforward")),
-      observer(atMostOne<DisturbanceObserver>(deployment, "DisturbanceObserver")) {
+      observer(atMostOne<DisturbanceObserver>(deployment, "DisturbanceObserver")),
+      guide(atMostOne<HandGuide>(deployment, "HandGuide")) {
   checkDrivers(deployment);
   checkOrder(deployment);
 }
 
-void ControlSystem::Parts::prepareFeedforward(const rt::Deployment& deployment, const Options& options) {
+void ControlSystem::Parts::prepareFeedforward(const rt::Deployment& deployment, const mechanism::Robot& robot,
+                                              const Options& options) {
   if (feedforward == nullptr) {
     if (options.model.empty() && !options.payload_kg) return;
     throw InputError(deployment.path() +
@@ -72,6 +93,11 @@ void ControlSystem::Parts::prepareFeedforward(const rt::Deployment& deployment, 
   if (options.payload_kg) feedforward->payload.set(*options.payload_kg);
   checkLaw(deployment);
   feedforward->loadModel();
+  checkDelays(deployment, robot);
+  if (guide != nullptr) {
+    if (guide->model.value().empty()) guide->model.set(feedforward->model.value());
+    guide->loadModel();
+  }
   if (observer == nullptr) return;
   if (observer->model.value().empty()) observer->model.set(feedforward->model.value());
   observer->loadModel();
@@ -88,6 +114,30 @@ void ControlSystem::Parts::checkLaw(const rt::Deployment& deployment) const {
     const auto* driver = dynamic_cast<const Driver*>(component.get());
     const std::string why = driver == nullptr ? "" : whyNotPassive(*driver);
     if (!why.empty()) throw InputError(where + why);
+  }
+}
+
+/// A drive that acts late makes its position loop unstable sooner or later; no feedforward mends that.
+void ControlSystem::Parts::checkDelays(const rt::Deployment& deployment, const mechanism::Robot& robot) const {
+  const std::string& path = feedforward->model.value();
+  if (path.empty() || !robot.mechanism) return;
+  const dynamics::Model read = dynamics::loadModel(path);
+  for (const dynamics::ModelEffect& effect : read.effects) {
+    if (effect.name != "delay" || effect.actuators.size() != 1 || effect.coefficients.empty()) continue;
+    const int axis = effect.actuators.front();
+    for (const auto& component : deployment.components()) {
+      const auto* driver = dynamic_cast<const Driver*>(component.get());
+      if (driver == nullptr || driver->axis.value() != axis) continue;
+      const double delay = effect.coefficients.front().value;
+      const double margin = delayMarginOf(dynamics::PartedModel(read, robot), robot, *driver);
+      if (delay <= margin) continue;
+      throw InputError(
+          path + ": axis " + std::to_string(axis) + " acts " + shortNumber(1e3 * delay, 3) +
+          " ms late, and its loop with the gains of " + driver->name() + " is unstable from " +
+          shortNumber(1e3 * margin, 3) +
+          " ms on; mend what delays the drive, or lower proportional_N_per_m and derivative_N_s_per_m in " +
+          deployment.path());
+    }
   }
 }
 
@@ -124,6 +174,8 @@ void ControlSystem::Parts::checkOrder(const rt::Deployment& deployment) const {
   if (too_late) throw InputError(where + "ModelFeedforward must come before the Drivers, in their activity");
   const bool looks_late = observer != nullptr && std::find_if(order.begin(), order.end(), is_driver) < place(observer);
   if (looks_late) throw InputError(where + "DisturbanceObserver must come before the Drivers, in their activity");
+  const bool guides_late = guide != nullptr && std::find_if(order.begin(), order.end(), is_driver) < place(guide);
+  if (guides_late) throw InputError(where + "HandGuide must come before the Drivers, in their activity");
   if (place(supervisor) < place(monitors)) throw InputError(where + "Supervisor must come after Monitors");
   for (auto after = place(output); after != order.end(); ++after) {
     if (dynamic_cast<const Driver*>(*after) != nullptr || *after == supervisor) {

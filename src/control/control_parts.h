@@ -9,6 +9,7 @@
 #include "knee_robot/control/control_system.h"
 #include "knee_robot/control/disturbance_observer.h"
 #include "knee_robot/control/driver.h"
+#include "knee_robot/control/hand_guide.h"
 #include "knee_robot/control/heat_memory.h"
 #include "knee_robot/control/model_feedforward.h"
 #include "knee_robot/control/monitors.h"
@@ -35,7 +36,7 @@ struct ControlSystem::Parts {
   /// Finds the components and checks that they can work together; InputError names the deployment file.
   explicit Parts(const rt::Deployment& deployment);
   /// The operator's model and payload in place of the deployment's; reads the model.
-  void prepareFeedforward(const rt::Deployment& deployment, const Options& options);
+  void prepareFeedforward(const rt::Deployment& deployment, const mechanism::Robot& robot, const Options& options);
   /// The passivity-based law is passive with certain gains only: a sentence, or empty. `changed`: a Driver's property as it would be.
   std::string whyNotPassive(const Driver& driver, const std::string& changed = "", double value = 0.0) const;
   /// Where Sync would let the loaded reference begin. Under the system's mutex.
@@ -50,6 +51,7 @@ struct ControlSystem::Parts {
   BlackBox* black_box = nullptr;
   ModelFeedforward* feedforward = nullptr;  // may be missing
   DisturbanceObserver* observer = nullptr;  // may be missing
+  HandGuide* guide = nullptr;               // may be missing
   OperatorPanel panel;
   std::unique_ptr<RecordingDrain> drain;
   std::unique_ptr<BlackBoxWriter> black_box_writer;
@@ -71,6 +73,7 @@ struct ControlSystem::Parts {
  private:
   void checkOrder(const rt::Deployment& deployment) const;
   void checkLaw(const rt::Deployment& deployment) const;
+  void checkDelays(const rt::Deployment& deployment, const mechanism::Robot& robot) const;
 };
 
 }  // namespace knee_robot::control

@@ -61,6 +61,7 @@ Answer ControlSystem::usePatient(Occupancy occupancy, std::optional<PatientLimit
   parts_->reference_name.clear();
   chooseTestPulses();
   parts_->monitors->setPatient(parts_->patient ? parts_->patient->range : PatientRange{});
+  if (parts_->guide != nullptr) parts_->guide->setPatient(parts_->patient ? parts_->patient->range : PatientRange{});
   parts_->at_loading = properties();
   return {true, ""};
 }

@@ -46,6 +46,7 @@ ControlStatus ControlSystem::status() const {
   status.homed = std::all_of(supervisor.homed.begin(), supervisor.homed.end(), [](bool homed) { return homed; });
   status.bench_without_patient = hardware_.bench_without_patient;
   status.safe_stops = supervisor.safe_stops;
+  status.guiding = sentenceOf(supervisor.guide_stop);
   describeFault(supervisor, status);
   const RecordingResult recording = parts_->drain->progress();
   status.recording = recording.path;
@@ -140,6 +141,21 @@ Answer ControlSystem::phrase(const RequestAnswer& answer) const {
                   "robot was not placed at home"};
     case RequestResult::OutOfRange:
       return {false, "the value is not allowed"};
+    case RequestResult::NoEnablingSwitch:
+      return {false, "no enabling switch is configured (hardware file: digital_inputs: enabling_switch)"};
+    case RequestResult::NoGuide:
+      return {false, "the deployment has no HandGuide; add that component"};
+    case RequestResult::BrakesUntested:
+      return {false,
+              "the brakes are not tested at enabling: all axes need hold_device: brake, and Supervisor.brake_test_N "
+              "more than 0"};
+    case RequestResult::SwitchNotHeld:
+      return {false, "the enabling switch is not held: hold it, then ask again"};
+    case RequestResult::SwitchNotReleased:
+      return {false,
+              "the enabling switch was not let go of since the robot was enabled or the platform was guided last"};
+    case RequestResult::GuideRefused:
+      return {false, now.guiding};
     case RequestResult::Failed:
       return {false, "a fault came in between: " + now.fault_sentence};
   }

@@ -55,7 +55,7 @@ ControlSystem::ControlSystem(const mechanism::Robot& robot, const HardwareFile& 
   deployment_ = std::make_unique<rt::Deployment>(deployment_path, types, options_.execution);
   requireBusPeriod(hardware, *deployment_, deployment_path);
   parts_ = std::make_unique<Parts>(*deployment_);
-  parts_->prepareFeedforward(*deployment_, options_);
+  parts_->prepareFeedforward(*deployment_, robot, options_);
   parts_->patient_memory = PatientMemory(options_.patient_memory);
   rt::connect(parts_->panel.request, parts_->supervisor->request, rt::ConnPolicy::buffer(16));
   rt::connect(parts_->supervisor->status, parts_->panel.status);

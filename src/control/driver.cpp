@@ -98,6 +98,16 @@ void Driver::readPorts(const rt::Cycle& cycle) {
   SetPoint received;
   if (set_point.read(received) == rt::FlowStatus::NewData && active_) raise(follower_.accept(received, cycle.time));
   readFeedforward(cycle);
+  readGuidance(cycle);
+}
+
+void Driver::readGuidance(const rt::Cycle& cycle) noexcept {
+  const std::uint32_t before = guide_.suspicion;
+  const bool heard = guidance.read(guide_) != rt::FlowStatus::NoData;
+  const bool alive = heard && order_.guiding && cycle.time - guide_.time <= kSilentFeedforward * cycle.period;
+  guides_ = alive && guide_.active && active_;
+  guided_N_ = alive ? guide_.force_N[index_] : 0.0;
+  doubted_ = guides_ && guide_.suspicion != before && guide_.doubted[index_];
 }
 
 void Driver::readFeedforward(const rt::Cycle& cycle) noexcept {
@@ -122,6 +132,7 @@ void Driver::takeOver(const rt::Cycle& cycle) {
   pid_.reset(position);
   model_closed_ = model_closes_;
   pid_.setGains(gains());
+  guided_ = guides_ = false;
   carried_N_ = 0.0;
   homing_ = HomingMove{};
   last_time_ = cycle.time;
@@ -136,6 +147,8 @@ SetPointFollower::Reference Driver::chooseReference(const rt::Cycle& cycle, doub
     homing_.begin(hardware_.homing.axes[index_], on_switch, measured_.position_m[index_]);
     carried_N_ = pid_.takeIntegral();
   }
+  if (guided_ && !guides_) follower_.takeOver(measured_.position_m[index_], cycle.time);
+  if (guides_) return {measured_.position_m[index_], 0.0, false};
   if (homing_.phase() == HomingPhase::Idle) return follower_.at(cycle.time);
   if (!isToHome()) homing_.abandon();
   const bool switch_on =
@@ -230,6 +243,31 @@ bool Driver::standsUnderForce(double dt, std::int64_t counts) noexcept {
   return true;
 }
 
+/// The force of loop, feedforward and guidance. Into guiding the integral takes along what the loop carried; out of it the loop begins where
+/// the axis is, with its velocity to brake.
+double Driver::loop(const SetPointFollower::Reference& reference, double dt) noexcept {
+  PidInput input;
+  input.reference = reference.position;
+  input.reference_velocity = reference.velocity;
+  input.measured = measured_.position_m[index_];
+  input.feedforward = load_ + loop_ + guided_N_;
+  input.dt = dt;
+  if (guides_) {
+    if (!guided_) {
+      input.reference = follower_.at(last_time_).position;
+      pid_.changeGains({0.0, integral, 0.0, derivative_cutoff}, input);
+    }
+    guided_ = true;
+    return std::clamp(pid_.follow(input), -force_now_, force_now_);
+  }
+  if (guided_) pid_.setGains(gains());
+  guided_ = false;
+  changeLoop(input);
+  // At rest an error that the encoder hardly resolves is no reason to hunt; a blind axis would wander off by it.
+  input.integral_dead_band = reference.at_rest ? std::max(actuator_.metresPerCount(), kSmallestError_m) : 0.0;
+  return pid_.update(input, force_now_);
+}
+
 void Driver::control(const rt::Cycle& cycle) {
   const double dt = std::min(rt::toSeconds(cycle.time - last_time_), kLongestStep_s);
   const SetPointFollower::Reference reference = chooseReference(cycle, dt);
@@ -240,16 +278,7 @@ void Driver::control(const rt::Cycle& cycle) {
   out_.home_m = homing_.found_m();
   checkReference(cycle, homing_.phase() == HomingPhase::Searching);
 
-  PidInput input;
-  input.reference = reference.position;
-  input.reference_velocity = reference.velocity;
-  input.measured = measured_.position_m[index_];
-  input.feedforward = load_ + loop_;
-  input.dt = dt;
-  changeLoop(input);
-  // At rest an error that the encoder hardly resolves is no reason to hunt; a blind axis would wander off by it.
-  input.integral_dead_band = reference.at_rest ? std::max(actuator_.metresPerCount(), kSmallestError_m) : 0.0;
-  const double loop_N = pid_.update(input, force_now_);
+  const double loop_N = loop(reference, dt);
   const double pulse_N = probeEncoder(dt);
   const double asked = loop_N + carried_N_ + pulse_N;
   out_.test_pulse = pulse_N != 0.0;

@@ -5,18 +5,19 @@
 namespace knee_robot::control {
 namespace {
 
-/// Rows: Disabled, Enabling, Holding, Playing, Stopping, SafeStopping, Faulted, Paused, Homing.
-/// Columns: Enable, Disable, Play, Stop, EmergencyStop, Reset, Pause, Resume, SetSpeed, Home, ConfirmHome.
+/// Rows: Disabled, Enabling, Holding, Playing, Stopping, SafeStopping, Faulted, Paused, Homing, Guiding.
+/// Columns: Enable, Disable, Play, Stop, EmergencyStop, Reset, Pause, Resume, SetSpeed, Home, ConfirmHome, Guide.
 constexpr bool kPossible[kMachineStates][kRequestKinds] = {
-    {true, true, false, true, true, false, false, false, true, true, true},      // Disabled: nothing to stop is fine
-    {false, true, false, false, true, false, false, false, true, false, false},  // Enabling
-    {false, true, true, true, true, false, false, false, true, false, false},    // Holding
-    {false, true, false, true, true, false, true, true, true, false, false},     // Playing
-    {false, true, false, true, true, false, false, false, true, false, false},   // Stopping
-    {false, true, false, true, true, false, false, false, true, false, false},   // SafeStopping
-    {false, false, false, true, true, true, false, false, true, false, false},   // Faulted
-    {false, true, false, true, true, false, true, true, true, false, false},     // Paused
-    {false, true, false, true, true, false, false, false, true, false, false},   // Homing
+    {true, true, false, true, true, false, false, false, true, true, true, false},  // Disabled: nothing to stop is fine
+    {false, true, false, false, true, false, false, false, true, false, false, false},  // Enabling
+    {false, true, true, true, true, false, false, false, true, false, false, true},     // Holding
+    {false, true, false, true, true, false, true, true, true, false, false, false},     // Playing
+    {false, true, false, true, true, false, false, false, true, false, false, false},   // Stopping
+    {false, true, false, true, true, false, false, false, true, false, false, false},   // SafeStopping
+    {false, false, false, true, true, true, false, false, true, false, false, false},   // Faulted
+    {false, true, false, true, true, false, true, true, true, false, false, false},     // Paused
+    {false, true, false, true, true, false, false, false, true, false, false, false},   // Homing
+    {false, true, false, true, true, false, false, false, true, false, false, false},   // Guiding
 };
 
 }  // namespace
@@ -41,6 +42,8 @@ const char* toString(MachineState state) noexcept {
       return "paused";
     case MachineState::Homing:
       return "homing";
+    case MachineState::Guiding:
+      return "guiding";
   }
   return "?";
 }

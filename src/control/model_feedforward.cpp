@@ -137,6 +137,7 @@ void ModelFeedforward::openLoop() noexcept {
 
 /// The Drivers' references are of the last cycle: they go on for dt. An axis whose Driver is not active has no error.
 void ModelFeedforward::closeLoop(double dt) noexcept {
+  if (order_.guiding) return openLoop();  // the reference is where the hand is
   since_law_s_ += dt;
   if (law_.law() == Law::Feedforward || !new_reading_) return;
   ControlLaw::Instant at;

@@ -36,13 +36,21 @@ void Pid::shiftIntegral(double step) noexcept {
   integral_ = clampKeepingNan(integral_ + step, last_limit_);
 }
 
+void Pid::filterVelocity(const PidInput& input) noexcept {
+  if (!(input.dt > 0.0)) return;
+  const double tau = 1.0 / (kTwoPi * gains_.derivative_cutoff_hz);
+  velocity_ += ((input.measured - last_measured_) / input.dt - velocity_) * input.dt / (tau + input.dt);
+  last_measured_ = input.measured;
+}
+
+double Pid::follow(const PidInput& input) noexcept {
+  filterVelocity(input);
+  return integral_ + input.feedforward;
+}
+
 double Pid::update(const PidInput& input, double limit) noexcept {
   last_limit_ = limit;
-  if (input.dt > 0.0) {
-    const double tau = 1.0 / (kTwoPi * gains_.derivative_cutoff_hz);
-    velocity_ += ((input.measured - last_measured_) / input.dt - velocity_) * input.dt / (tau + input.dt);
-    last_measured_ = input.measured;
-  }
+  filterVelocity(input);
   const double error = input.reference - input.measured;
   const double others =
       gains_.proportional * error + gains_.derivative * (input.reference_velocity - velocity_) + input.feedforward;

@@ -298,6 +298,7 @@ void members(const SupervisorStatus& v, Visit& visit) {
   visit("speed", v.speed);
   visit("homed", v.homed);
   visit("safe_stops", v.safe_stops);
+  visit("guide_stop", v.guide_stop);
 }
 
 struct Described {

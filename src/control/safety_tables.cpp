@@ -18,7 +18,7 @@ const char* textOf(ResetRule rule) {
 }
 
 const char* const kRequestNames[kRequestKinds] = {"enable", "disable", "play",      "stop", "emergency stop", "reset",
-                                                  "pause",  "resume",  "set speed", "home", "confirm home"};
+                                                  "pause",  "resume",  "set speed", "home", "confirm home",   "guide"};
 
 }  // namespace
 

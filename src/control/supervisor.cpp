@@ -67,6 +67,7 @@ void Supervisor::readPorts() {
   written.read(written_);
   const bool judged = verdict.read(verdict_) == rt::FlowStatus::NewData && verdict_.sequence == measured_.sequence;
   unjudged_ = judged ? 0 : unjudged_ + 1;
+  readGuide();
 }
 
 bool Supervisor::isHomed() const noexcept {
@@ -113,6 +114,7 @@ void Supervisor::handle(const Request& asked, rt::Nanoseconds now) {
           (status_.state == MachineState::Holding && pending_ != 0)) {
         status_.state = MachineState::Stopping;
       }
+      if (status_.state == MachineState::Guiding) status_.state = MachineState::Holding;
       if (status_.state == MachineState::Homing) status_.state = MachineState::SafeStopping;
       settlePending(RequestResult::Superseded);
       return answer(asked.number, RequestResult::Done);
@@ -132,6 +134,8 @@ void Supervisor::handle(const Request& asked, rt::Nanoseconds now) {
     case RequestKind::Home:
     case RequestKind::ConfirmHome:
       return home(asked, now);
+    case RequestKind::Guide:
+      return guide(asked);
   }
 }
 
@@ -147,6 +151,7 @@ void Supervisor::enable(const Request& asked, rt::Nanoseconds now) {
   if (!isReady() || !output_is_idle) return answer(asked.number, RequestResult::NotReady);
   if (!isHomed() && !homing_) return answer(asked.number, RequestResult::NotHomed);
   status_.state = MachineState::Enabling;
+  switch_was_released_ = false;
   orders_.level = DriveLevel::Energised;
   enabling_since_ = step_since_ = now;
   pending_ = asked.number;
@@ -174,6 +179,8 @@ void Supervisor::advance(rt::Nanoseconds now) {
       return advancePlaying();
     case MachineState::Homing:
       return advanceHoming(now);
+    case MachineState::Guiding:
+      return advanceGuiding();
     case MachineState::SafeStopping:
       return advanceSafeStop();
     case MachineState::Disabled:
@@ -290,6 +297,7 @@ void Supervisor::publish(rt::Nanoseconds now) {
   orders_.homed = isHomed();
   orders_.homing = 0;
   if (status_.state == MachineState::Homing) orders_.homing = homingBit();
+  orders_.guiding = status_.state == MachineState::Guiding;
   orders_.drivers_active = powered && orders_.level >= DriveLevel::HeldByDrivers;
   orders_.immediate = emergencyInput() || measured_.fenced_out;
   ++orders_.sequence;

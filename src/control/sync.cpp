@@ -44,7 +44,7 @@ void Sync::updateHook(const rt::Cycle& cycle) {
   out_.duration = cycle.period;
   const bool moving =
       out_.phase == SyncPhase::Playing || out_.phase == SyncPhase::Stopping || out_.phase == SyncPhase::Paused;
-  if (!order.drivers_active && !(moving && deaf)) {
+  if ((!order.drivers_active || order.guiding) && !(moving && deaf)) {
     standBy(order);
   } else if (moving) {
     advance(cycle, order, order.stop_path || deaf);

@@ -33,6 +33,8 @@ class References {
   JudgedReference judge(const std::string& file, const std::string& space) const;
   /// Hands over what judge() let pass.
   control::Answer load(const JudgedReference& judged);
+  /// Path for a new reference file of that plain name in the folder. InputError where there is one.
+  std::string newFile(const std::string& name) const { return folder_.newFile(name); }
   /// Length (s) of the loaded reference; 0: none.
   double loadedDuration() const;
 

@@ -21,6 +21,8 @@ ControllerServices::ControllerServices(ros::NodeHandle& commands, ros::NodeHandl
   offer(commands, "approach", [this] { return system_.approach(); });
   offer(commands, "start", [this] { return system_.play(); });
   offer(commands, "resume", [this] { return system_.resume(); });
+  offer(commands, "guide", [this] { return system_.guide(); });
+  servers_.push_back(commands.advertiseService("save_guided", &ControllerServices::saveGuided, this));
   offer(commands, "reset_faults", [this] { return system_.resetFaults(); });
   servers_.push_back(commands.advertiseService("check_reference", &ControllerServices::check, this));
   servers_.push_back(commands.advertiseService("load_reference", &ControllerServices::load, this));
@@ -64,6 +66,23 @@ bool ControllerServices::load(Call<LoadReference>& call) {
   call.getResponse().points = judged.points;
   call.getResponse().duration_s = judged.duration_s;
   return reply(call, "load_reference " + call.getRequest().file, references_.load(judged));
+}
+
+/// Answers as load_reference would for the new file.
+bool ControllerServices::saveGuided(Call<LoadReference>& call) {
+  const std::string what = "save_guided " + call.getRequest().file;
+  try {
+    const std::string path = references_.newFile(call.getRequest().file);
+    const control::Answer saved = system_.saveGuided(path);
+    if (saved.ok) {
+      const JudgedReference judged = references_.judge(path, "");
+      call.getResponse().points = judged.points;
+      call.getResponse().duration_s = judged.duration_s;
+    }
+    return reply(call, what, saved);
+  } catch (const InputError& error) {
+    return reply(call, what, {false, error.what()});
+  }
 }
 
 bool ControllerServices::loadPatient(Call<LoadPatient>& call) {

@@ -26,6 +26,7 @@ namespace knee_robot::nodes {
 ///     ~load_patient, ~clear_patient       files of the folder of patient files only
 ///     ~home, ~confirm_home, ~enable, ~approach, ~start, ~resume, ~reset_faults   std_srvs/Trigger
 ///     ~pause, ~stop, ~disable, ~emergency_stop                                   std_srvs/Trigger
+///     ~guide (std_srvs/Trigger), ~save_guided: a new file of the references folder
 ///     ~set_speed, ~set_recording, ~get_state
 class ControllerServices {
  public:
@@ -40,6 +41,7 @@ class ControllerServices {
 
   bool check(Call<CheckReference>& call);
   bool load(Call<LoadReference>& call);
+  bool saveGuided(Call<LoadReference>& call);
   bool loadPatient(Call<LoadPatient>& call);
   bool record(Call<SetRecording>& call);
   bool setSpeed(Call<SetSpeed>& call);

@@ -34,7 +34,7 @@ ControllerState stateMessage(const control::ControlSystem& system) {
   message.header.stamp = ros::Time::now();
   message.state = control::toString(status.state);
   message.fault = status.fault_name;
-  message.cause = status.fault_sentence;
+  message.cause = status.fault_sentence.empty() ? status.guiding : status.fault_sentence;
   message.reference_file = status.reference;
   message.at_start = status.at_start;
   message.duration_s = status.path_duration_s;

@@ -63,6 +63,7 @@ void takeAllBack(RobotImage& image, const Order&) {
   image.counter.answer_delay_us.store(0);
   image.surroundings.emergency_stop_pressed.store(0);
   image.surroundings.hand_switch_pressed.store(0);
+  image.surroundings.enabling_switch_held.store(0);
   for (auto& force : image.surroundings.pose_force)
     force.store(0.0);
   simulation::clear(image.faults);
@@ -88,6 +89,7 @@ const std::map<std::string, Action>& actions() {
        }},
       {"emergency_stop", [](RobotImage& image, const Order&) { press(image.surroundings.emergency_stop_pressed); }},
       {"hand_switch", [](RobotImage& image, const Order&) { press(image.surroundings.hand_switch_pressed); }},
+      {"enabling_switch", [](RobotImage& image, const Order&) { press(image.surroundings.enabling_switch_held); }},
       {"push_down", [](RobotImage& image, const Order& order) { image.surroundings.pose_force[1].store(-order.size); }},
       {"component",
        [](RobotImage& image, const Order& order) {

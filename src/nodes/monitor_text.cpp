@@ -80,6 +80,7 @@ std::vector<std::string> TextMonitor::screen() const {
   }
   const ControllerState& state = *state_;
   lines.push_back(state.fault.empty() ? "fault        none" : "FAULT        " + state.fault + ": " + state.cause);
+  if (state.fault.empty() && !state.cause.empty()) lines.push_back("guiding      " + state.cause);
   lines.push_back("reference    " + (state.reference_file.empty() ? "none" : state.reference_file));
   lines.push_back(format("progress     %s %5.1f of %5.1f s, speed %3.0f %%, asked for %3.0f %%",
                          bar(state.progress, 30).c_str(), state.path_time_s, state.duration_s, 100.0 * state.time_scale,

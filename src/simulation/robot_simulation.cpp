@@ -136,6 +136,9 @@ void RobotSimulation::readCards(double dt) noexcept {
   if (parameters_.hand_switch_clear_bit && image_.surroundings.hand_switch_pressed.load() == 0) {
     inputs |= 1u << *parameters_.hand_switch_clear_bit;
   }
+  if (parameters_.enabling_switch_bit && image_.surroundings.enabling_switch_held.load() != 0) {
+    inputs |= 1u << *parameters_.enabling_switch_bit;
+  }
   image_.counter.inputs.store(static_cast<std::uint8_t>(inputs));
 }
 

@@ -52,6 +52,13 @@ void readLines(StrictMap& file, SimulationParameters& result) {
         inputs->refuse("hand_switch_clear", "is the same bit as emergency_stop_clear; each needs its own");
       }
     }
+    if (inputs->has("enabling_switch")) {
+      result.enabling_switch_bit = inputs->integer("enabling_switch", 0, 3);
+      if (result.enabling_switch_bit == result.emergency_stop_clear_bit ||
+          result.enabling_switch_bit == result.hand_switch_clear_bit) {
+        inputs->refuse("enabling_switch", "is the bit of another input; each needs its own");
+      }
+    }
     inputs->finish();
   }
 }

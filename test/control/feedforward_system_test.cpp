@@ -291,6 +291,39 @@ TEST(ControlLaws, NeedAModel) {
   std::remove(path.c_str());
 }
 
+TEST(TracedDelay, IsRefusedWhereItsLoopWouldBeUnstable) {
+  Rig rig(Feedforward::Model);
+  const auto refusal = [&](double delay_s) {
+    dynamics::Model model = fake::modelOf(rig.robot);
+    dynamics::ModelEffect effect;
+    effect.name = "delay";
+    effect.actuators = {2};
+    effect.coefficients = {{"delay_s", delay_s, 1e-4}};
+    model.effects = {effect};
+    for (const dynamics::ModelParameter& one : model.parameters)
+      model.effects_see.push_back(one.value);
+    const std::string path = ::testing::TempDir() + "delayed_" + std::to_string(::getpid()) + ".yaml";
+    dynamics::saveModel(model, path);
+    ControlSystem::Options options;
+    options.execution = rt::Execution::Stepped;
+    options.model = path;
+    std::string said;
+    try {
+      ControlSystem system(rig.robot, loadHardwareFile(file("config/hardware/simulated.yaml")),
+                           file("config/deployment/simulation.yaml"), *rig.bus, options);
+    } catch (const InputError& error) {
+      said = error.what();
+    }
+    std::remove(path.c_str());
+    return said;
+  };
+  EXPECT_EQ(refusal(0.002), "");
+  const std::string said = refusal(0.025);
+  EXPECT_NE(said.find("axis 2 acts 25 ms late"), std::string::npos) << said;
+  EXPECT_NE(said.find("Driver2 is unstable from"), std::string::npos) << said;
+  std::printf("%s\n", said.c_str());
+}
+
 TEST(ControlLaws, RefuseGainsAtRunTimeWithWhichTheyWouldNotBePassive) {
   Rig rig(Feedforward::PassivityBased);
   ASSERT_TRUE(rig.started.ok) << rig.started.sentence;

@@ -14,6 +14,7 @@
 #include "knee_robot/control/control_system.h"
 #include "knee_robot/control/disturbance_observer.h"
 #include "knee_robot/control/driver.h"
+#include "knee_robot/control/hand_guide.h"
 #include "knee_robot/control/model_feedforward.h"
 #include "knee_robot/control/monitors.h"
 #include "knee_robot/control/recorder.h"
@@ -80,6 +81,7 @@ inline rt::TypeFactory faultyTypes(Injection& injection, Machine& machine, const
        [=, &injection](Name n) { return std::make_unique<Faulty<control::ModelFeedforward>>(injection, n, r); }},
       {"DisturbanceObserver",
        [=, &injection](Name n) { return std::make_unique<Faulty<control::DisturbanceObserver>>(injection, n, r); }},
+      {"HandGuide", [=, &injection](Name n) { return std::make_unique<Faulty<control::HandGuide>>(injection, n, r); }},
       {"Monitors", [=, &injection](Name n) { return std::make_unique<Faulty<control::Monitors>>(injection, n, r); }},
       {"BlackBox", [=, &injection](Name n) { return std::make_unique<Faulty<control::BlackBox>>(injection, n); }},
       {"Supervisor",

@@ -148,14 +148,15 @@ enum class GuideStop : std::uint8_t {
   TooFast,       ///< faster than allowed in spite of the brake
   LostPose,      ///< no pose, or a number that is none
   PathFull,      ///< the record of the path is full
+  Silent,        ///< HandGuide says nothing any more
 };
 
 /// HandGuide, every servo cycle: what the Drivers give in place of their loops while a hand moves the platform.
 struct Guidance {
   std::uint64_t sequence = 0;
   rt::Nanoseconds time = 0;
-  bool active = false;          ///< force_N counts
-  AxisValues force_N{};         ///< beyond the weight that ModelFeedforward carries
+  bool active = false;          ///< force_N takes the place of the Drivers' loops, which keep what they carried
+  AxisValues force_N{};         ///< to be added in any case; the weight is ModelFeedforward's
   std::uint32_t suspicion = 0;  ///< a new number: the encoders of `doubted` are to be asked
   std::array<bool, hardware::kAxes> doubted{};
   GuideStop stop = GuideStop::None;  ///< why guiding cannot begin now, or has to end

@@ -55,7 +55,11 @@ struct ControlStatus {
   std::string black_box;                     ///< CSV of the newest fault, empty: none yet
   std::string black_box_error;               ///< the disk's refusal, empty: none
   std::uint64_t skipped_cycles = 0;          ///< left out by the machine: gaps of time_s
+  std::string guiding;  ///< why the last guiding was refused, or ended by itself; empty: it did not
 };
+
+/// One sentence for the operator; empty for None.
+const char* sentenceOf(GuideStop stop) noexcept;
 
 /// The whole controller: components from a deployment file on a robot, a hardware file and an axis bus, and the operator's
 /// commands. No ROS. Functions may be called from several ordinary threads; none is real-time. Commands wait for the machine's
@@ -131,6 +135,11 @@ class ControlSystem {
   Answer home();
   /// Method hand_placed: the robot stands at its home lengths now, says the operator; only in Disabled.
   Answer confirmHome();
+  /// A hand moves the platform from now on, as long as the enabling switch is held (docs/guiding.md): Holding -> Guiding -> Holding.
+  /// Refused without such a switch, an identified model, tested brakes, or where the platform must not be guided.
+  Answer guide();
+  /// The path that was guided last as a reference file that may be played: smoothed, as slow as the limits want it, checked.
+  Answer saveGuided(const std::string& path);
   /// Safe stop now, latched like a fault until resetFaults().
   Answer emergencyStop();
   /// Recovers failed components and clears the latched fault; ends in Disabled.

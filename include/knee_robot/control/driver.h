@@ -28,6 +28,8 @@ namespace knee_robot::control {
 /// Gains may change while the loop is closed: the integral takes up the difference, so the force does not jump.
 /// Takes over (Orders::drivers_active) at the measured position with the integral at zero: no force but the feedforward's. Faults are kept
 /// until the Drivers are switched off again. While Orders::homing has its bit, HomingMove gives reference and force limit instead.
+/// While a hand guides (Orders::guiding) HandGuide's force takes the place of the loop, and the integral keeps what it carries; reference is
+/// where the axis is. When that ends, or HandGuide falls silent, the axis holds where it is then.
 /// Whether the encoder still counts (EncoderFrozen): with a DisturbanceObserver EncoderProbe asks once when the hold devices have opened;
 /// from then on EncoderChallenge asks on suspicion only: the standing robot is disturbed, or the loop pushes while the encoder stands
 /// (StandingAxis). Without one EncoderProbe asks every probe_s at rest, and around turning points. Whenever Monitors take the encoder for
@@ -49,6 +51,7 @@ class Driver : public rt::TaskContext {
   rt::InputPort<MonitorVerdict> verdict{*this, "verdict",
                                         "from the Monitors, of the last cycle: whether they want the encoder asked",
                                         rt::Need::Optional};
+  rt::InputPort<Guidance> guidance{*this, "guidance", "from HandGuide", rt::Need::Optional};
   rt::OutputPort<AxisCommand> command{*this, "command", "to AxesOutput"};
 
   rt::Property<int> axis{*this, "axis", 1, "", 1, hardware::kAxes, "actuator that is driven"};
@@ -104,6 +107,8 @@ class Driver : public rt::TaskContext {
   void readFeedforward(const rt::Cycle& cycle) noexcept;
   void changeLoop(const PidInput& input) noexcept;
   double loopForce() const noexcept;
+  void readGuidance(const rt::Cycle& cycle) noexcept;
+  double loop(const SetPointFollower::Reference& reference, double dt) noexcept;
   void checkReference(const rt::Cycle& cycle, bool searching);
   double probeEncoder(double dt) noexcept;
   bool challengeEncoder(double dt, const EncoderProbe::Settings& settings) noexcept;
@@ -144,6 +149,10 @@ class Driver : public rt::TaskContext {
   bool model_closes_ = false, model_closed_ = false;  // that feedback takes the place of P and D; in the last cycle
   double switched_ = 0.0;                             // N, as last seen
   bool foresees_ = false;                             // the feedforward is alive
+  Guidance guide_;
+  double guided_N_ = 0.0;
+  bool guides_ = false, guided_ = false;  // HandGuide's force takes the place of the loop; it did in the last cycle
+  bool doubted_ = false;                  // it asks for the encoder
   bool active_ = false;
   Fault fault_ = Fault::None;
   rt::Nanoseconds last_time_ = 0;

@@ -36,6 +36,7 @@ enum class HomingMethod {
 ///     digital_inputs:                 # optional, bits 0 to 3, all different; 1 = all well, so that a broken wire stops
 ///       {emergency_stop_clear: 0,     # not pressed, drive power present
 ///        hand_switch_clear: 1,        # the patient's hand switch is not pressed
+///        enabling_switch: 3,          # 1 = held; for hand guiding, a switch that opens when it is let go of
 ///        home_switch: 2}              # 1 = closed; for homing against a switch (one axis moves at a time, so one line is enough)
 ///     cards: {analog_board_id: 0, counter_board_id: 1}   # optional, backend pci: the switches on the cards
 ///     drive_enable_delay_s: 0.02      # optional; until an enabled drive follows its set value, and a disabled one is off
@@ -69,6 +70,7 @@ struct HardwareFile {
   int heartbeat_bit = 2;
   std::optional<int> emergency_stop_clear_bit;
   std::optional<int> hand_switch_clear_bit;
+  std::optional<int> enabling_switch_bit;
   Homing homing;
   bool starts_faulted = false;
   std::optional<int> analog_board_id;  ///< backend pci: which card, when there are several

@@ -18,8 +18,9 @@ enum class MachineState : std::uint8_t {
   Faulted,       ///< drives off, hold devices engaged, fault latched
   Paused,        ///< at rest on the path; resume() goes on from there
   Homing,        ///< drives on, axes move slowly one after the other until each has found its reference
+  Guiding,       ///< a hand moves the platform while the enabling switch is held
 };
-inline constexpr int kMachineStates = 9;
+inline constexpr int kMachineStates = 10;
 const char* toString(MachineState state) noexcept;
 
 /// What the operator may ask for.
@@ -35,8 +36,9 @@ enum class RequestKind : std::uint8_t {
   SetSpeed,     ///< value: 0 to 1
   Home,         ///< by the procedure of the hardware file
   ConfirmHome,  ///< the robot stands at home, says the operator
+  Guide,        ///< a hand will move the platform
 };
-inline constexpr int kRequestKinds = 11;
+inline constexpr int kRequestKinds = 12;
 
 struct Request {
   std::uint32_t number = 0;  ///< the answer carries it
@@ -47,18 +49,24 @@ struct Request {
 /// Why a request was refused, or that it was not.
 enum class RequestResult : std::uint8_t {
   Done,
-  WrongState,    ///< not possible in the present state
-  NoReference,   ///< play without reference
-  NotAtStart,    ///< play away from the first point
-  NotReady,      ///< a component does not run or nothing is measured
-  CauseRemains,  ///< reset while the fault's cause is still there
-  NeedsRestart,  ///< reset of a fault that only a restart clears
-  Superseded,    ///< another request came before it was done
-  Failed,        ///< a fault came before it was done
-  NotHomed,      ///< nobody knows yet where the axes are
-  NoProcedure,   ///< home() where the hardware file leaves homing to the operator, or the other way round
-  HomeShifted,   ///< a home that is confirmed anew lies far from what the counters say
-  OutOfRange,    ///< the value is not allowed
+  WrongState,         ///< not possible in the present state
+  NoReference,        ///< play without reference
+  NotAtStart,         ///< play away from the first point
+  NotReady,           ///< a component does not run or nothing is measured
+  CauseRemains,       ///< reset while the fault's cause is still there
+  NeedsRestart,       ///< reset of a fault that only a restart clears
+  Superseded,         ///< another request came before it was done
+  Failed,             ///< a fault came before it was done
+  NotHomed,           ///< nobody knows yet where the axes are
+  NoProcedure,        ///< home() where the hardware file leaves homing to the operator, or the other way round
+  HomeShifted,        ///< a home that is confirmed anew lies far from what the counters say
+  OutOfRange,         ///< the value is not allowed
+  NoEnablingSwitch,   ///< guide without such an input
+  NoGuide,            ///< guide without a HandGuide in the deployment
+  BrakesUntested,     ///< guide without brakes that are tested at enabling
+  SwitchNotHeld,      ///< guide while the enabling switch is not held
+  SwitchNotReleased,  ///< guide again without having let go of it
+  GuideRefused,       ///< HandGuide says why: SupervisorStatus::guide_stop
 };
 
 struct RequestAnswer {
@@ -84,6 +92,7 @@ struct SupervisorStatus {
   double speed = 1.0;                         ///< asked for, 0 to 1
   std::array<bool, hardware::kAxes> homed{};  ///< axes that know where they are
   std::uint32_t safe_stops = 0;
+  GuideStop guide_stop = GuideStop::None;  ///< why the last guiding was refused, or ended by itself
 };
 
 }  // namespace knee_robot::control

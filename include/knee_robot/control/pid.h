@@ -38,6 +38,8 @@ class Pid {
   void reset(double measured) noexcept;
   /// Force in N, within +-`limit`.
   double update(const PidInput& input, double limit) noexcept;
+  /// The integral and the feedforward alone, N, while something else moves the axis; only the velocity is followed.
+  double follow(const PidInput& input) noexcept;
   /// While the loop is closed: what the caller takes from the feedforward, or gives to it, N. The integral stays within the last limit.
   void shiftIntegral(double step) noexcept;
   double integral() const noexcept { return integral_; }
@@ -49,6 +51,8 @@ class Pid {
   }
 
  private:
+  void filterVelocity(const PidInput& input) noexcept;
+
   PidGains gains_;
   double integral_ = 0.0;  // N
   double velocity_ = 0.0;  // m/s, low-passed

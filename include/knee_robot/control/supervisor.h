@@ -20,6 +20,7 @@ bool isPossible(MachineState state, RequestKind request) noexcept;
 ///     Disabled --Enable--> Enabling --> Holding --Play--> Playing --Stop--> Stopping --> Holding
 ///                                                Playing <--Pause, Resume, SetSpeed--> Paused --Stop--> Stopping
 ///     Disabled --Home--> Enabling --> Homing --all axes found--> SafeStopping --> Disabled, homed
+///     Holding --Guide--> Guiding --enabling switch let go, Stop, or HandGuide says so--> Holding
 ///     any state with drives on --Disable--> SafeStopping --> Disabled
 ///     any state --fault--> SafeStopping --> Faulted --Reset--> Disabled
 ///
@@ -39,6 +40,7 @@ class Supervisor : public rt::TaskContext {
   rt::InputPort<AxisCommand> command_4{*this, "command_4", "from the Driver of axis 4"};
   rt::InputPort<AxesWritten> written{*this, "written", "from AxesOutput, of the last cycle"};
   rt::InputPort<MonitorVerdict> verdict{*this, "verdict", "from Monitors, of this cycle"};
+  rt::InputPort<Guidance> guidance{*this, "guidance", "from HandGuide", rt::Need::Optional};
   rt::InputPort<Request> request{*this, "request", "from the operator", rt::Need::Optional};
   rt::OutputPort<Orders> orders{*this, "orders", "to Sync, Drivers and AxesOutput"};
   rt::OutputPort<HomeSetting> home_setting{*this, "home", "to AxesInput: shifts the lengths"};
@@ -84,6 +86,10 @@ class Supervisor : public rt::TaskContext {
   void enable(const Request& request, rt::Nanoseconds now);
   void reset(const Request& request);
   void home(const Request& request, rt::Nanoseconds now);
+  void guide(const Request& request);
+  void readGuide() noexcept;
+  void advanceGuiding() noexcept;
+  bool brakesWereTested() const noexcept;
   void answer(std::uint32_t number, RequestResult result, int axis = 0, double distance = 0.0) noexcept;
   void settlePending(RequestResult result) noexcept;
   void advance(rt::Nanoseconds now);
@@ -121,6 +127,9 @@ class Supervisor : public rt::TaskContext {
   AxesWritten written_;
   MonitorVerdict verdict_;
   int unjudged_ = 0;  // cycles without a verdict
+  Guidance guide_;
+  int unguided_ = 0;  // cycles without a word from HandGuide
+  bool switch_held_ = false, switch_was_released_ = false;
   bool started_before_ = false;
   bool homing_ = false;             // this enabling leads to Homing
   std::size_t homing_step_ = 0;     // place in the order of axes

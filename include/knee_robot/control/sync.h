@@ -16,7 +16,7 @@ namespace knee_robot::control {
 /// for good. Every change of it is linear in time, full speed to rest in stop_time_s or longer where half of an axis' acceleration
 /// limit demands it: the robot stays on its path and there is no jump of velocity, whatever is asked for in whichever order.
 /// Starts only at the first point: |measured - first| <= start_tolerance_m on every axis, else it refuses with the distance.
-/// Holds at the last point. Stops by itself when the Supervisor's orders do not come any more.
+/// While a hand guides the platform it stands by: the next path begins anew. Holds at the last point. Stops by itself when the Supervisor's orders do not come any more.
 class Sync : public rt::TaskContext {
  public:
   Sync(const std::string& name, const mechanism::Robot& robot);

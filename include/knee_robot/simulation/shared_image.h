@@ -27,6 +27,7 @@ struct RobotStatus {
 struct RobotSurroundings {
   std::atomic<std::uint8_t> emergency_stop_pressed{0};
   std::atomic<std::uint8_t> hand_switch_pressed{0};
+  std::atomic<std::uint8_t> enabling_switch_held{0};
   std::array<std::atomic<double>, hardware::kAxes> pose_force{};  ///< on Xm, Zm (N), theta, psi (N m)
 };
 
@@ -34,7 +35,7 @@ struct RobotSurroundings {
 /// the heap for stepped simulation.
 struct RobotImage {
   static constexpr std::uint64_t kMagic = 0x6b6e65655f726f62;  // "knee_rob"
-  static constexpr std::uint32_t kVersion = 2;
+  static constexpr std::uint32_t kVersion = 3;
 
   std::atomic<std::uint64_t> magic{0};  ///< written last by the creator
   std::uint32_t version = kVersion;

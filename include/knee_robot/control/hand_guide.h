@@ -1,0 +1,118 @@
+#pragma once
+
+#include <array>
+#include <memory>
+#include <string>
+
+#include "knee_robot/control/axis_data.h"
+#include "knee_robot/control/guided_path.h"
+#include "knee_robot/control/residual_estimator.h"
+#include "knee_robot/control/virtual_walls.h"
+#include "knee_robot/rt/channel.h"
+#include "knee_robot/rt/operation.h"
+#include "knee_robot/rt/port.h"
+#include "knee_robot/rt/property.h"
+
+namespace knee_robot::control {
+
+/// Lets a hand move the platform (Orders::guiding), and remembers the path. ModelFeedforward carries the weight; this adds, per axis,
+///
+///     force = share_friction * (viscous * v + Coulomb * tanh(v / kSlow))      the identified friction along the measured motion
+///           + tremble * (1 - |tanh(v / kSlow)|)                               where an axis stands
+///           - damping * v - brake(speed) * v                                  soft, and hard near the speed limit
+///           + walls(pose)                                                     VirtualWalls
+///
+/// - Friction that stands has no direction. So a standing axis trembles: share_friction of its Coulomb friction, to and fro at 25 Hz,
+///   less than what makes it slip by itself; a hand then needs only the rest of it. share_friction stays below 1: friction is never made
+///   negative, as long as it is not smaller than share_friction of what was identified.
+/// - For weigh_s after the begin the Drivers' loops stay closed while the axes tremble: sticking friction lets go, and the integrals become
+///   what the model does not know of the load. They are kept from then on: a wrong payload does not drift. More of it than
+///   unknown_load_N in an axis ends the guiding.
+/// - Speed: from 80 % of linear_m_per_s and angular_rad_per_s on (the patient's, where that is less) it brakes; 1.5 times for 0.1 s ends it.
+/// - A wall's depth of 90 % ends it. What ends it leads to holding where the platform is (SS2 by the Drivers' own loops): the command is
+///   `stop`, the Supervisor gives the order. So do a lost pose and a path that is full.
+/// - An encoder that stands while another leg has moved by kMoves_m is asked by its Driver (EncoderChallenge), as nothing else would notice.
+/// Needs an identified model; without one `stop` is NoModel from the start. Runs between AxesInput and the Drivers; real-time safe.
+class HandGuide : public rt::TaskContext {
+ public:
+  static constexpr double kSlow_m_per_s = 2e-3, kCutoff_hz = 20.0, kTremble_s = 0.04, kMoves_m = 2e-3;
+
+  HandGuide(const std::string& name, const mechanism::Robot& robot);
+
+  rt::InputPort<AxesMeasurement> measurement{*this, "measurement", "from AxesInput"};
+  rt::InputPort<Orders> orders{*this, "orders", "from the Supervisor"};
+  rt::InputPort<AxisCommand> command_1{*this, "command_1", "from the Driver of axis 1"};
+  rt::InputPort<AxisCommand> command_2{*this, "command_2", "from the Driver of axis 2"};
+  rt::InputPort<AxisCommand> command_3{*this, "command_3", "from the Driver of axis 3"};
+  rt::InputPort<AxisCommand> command_4{*this, "command_4", "from the Driver of axis 4"};
+  rt::OutputPort<Guidance> guidance{*this, "guidance", "to the Drivers and the Supervisor"};
+
+  rt::Property<std::string> model{*this, "model", "", "model file of this robot; empty: nothing is guided"};
+  rt::Property<double> share_friction{
+      *this, "share_friction", 0.7, "", 0.0, 0.9, "of the identified friction", rt::Change::AtRunTime};
+  rt::Property<double> damping{
+      *this, "damping_N_s_per_m", 60.0, "N s/m", 0.0, 5000.0, "of each axis, against its speed"};
+  rt::Property<double> linear_speed{*this,
+                                    "linear_m_per_s",
+                                    0.05,
+                                    "m/s",
+                                    0.001,
+                                    0.2,
+                                    "of the platform's origin; with a patient the patient's, if that is less"};
+  rt::Property<double> angular_speed{
+      *this, "angular_rad_per_s", 0.2, "rad/s", 0.001, 1.0, "of theta and of psi, likewise"};
+  rt::Property<double> wall_force{*this, "wall_N", 80.0, "N", 0.0, 500.0, "with which a wall pushes back at its limit"};
+  rt::Property<double> unknown_load{
+      *this, "unknown_load_N", 120.0, "N", 0.0, 1000.0, "of an axis, that the model does not know, at most"};
+  rt::Property<double> weigh_time{*this, "weigh_s", 0.6, "s", 0.1, 5.0, "in which what is unknown is weighed"};
+
+  rt::Operation<GuidedPath&()> path{
+      *this, "path", {}, "along which the platform was guided last", [this]() -> GuidedPath& { return path_; }};
+
+  /// Limits of a patient, from the next cycle on. Any thread, one at a time.
+  void setPatient(PatientRange range) { offered_.write(range); }
+  /// Ordinary thread, before configure(): reads the model. InputError names the file and the reason. configure() does it otherwise.
+  void loadModel();
+
+ protected:
+  bool configureHook() override;
+  bool startHook() override;
+  void updateHook(const rt::Cycle& cycle) override;
+
+ private:
+  void readPorts(double dt) noexcept;
+  bool findMotion() noexcept;
+  void guide(double dt) noexcept;
+  void standBy() noexcept;
+  GuideStop whyNot() const noexcept;
+  AxisValues frictionForce() const noexcept;
+  double speedShare() const noexcept;
+  void doubt() noexcept;
+  void remember(double dt) noexcept;
+
+  const mechanism::Robot robot_;
+  const std::array<rt::InputPort<AxisCommand>*, hardware::kAxes> inputs_;
+  std::unique_ptr<const ForceKnowledge> knowledge_;
+  VirtualWalls walls_;
+  GuidedPath path_;
+  rt::DataChannel<PatientRange> offered_;
+  PatientRange patient_;
+  AxesMeasurement measured_;
+  Orders order_;
+  std::array<AxisCommand, hardware::kAxes> commands_{};
+  int silent_ = 0;      // cycles without orders
+  bool known_ = false;  // pose and motion are
+  mechanism::Pose pose_ = mechanism::Pose::Zero();
+  bool pose_known_ = false;  // a guess for the next cycle
+  mechanism::Vector4 velocity_ = mechanism::Vector4::Zero(), pose_velocity_ = mechanism::Vector4::Zero();
+  VirtualWalls::Push push_;
+  AxisValues stood_m_{};   // where each axis was when its encoder moved last
+  AxisValues others_m_{};  // way of the others since then
+  AxisValues unknown_N_{};
+  AxisValues last_m_{};
+  double guided_s_ = 0.0, fast_s_ = 0.0, sampled_s_ = 0.0;
+  rt::Nanoseconds last_time_ = 0;
+  Guidance out_;
+};
+
+}  // namespace knee_robot::control

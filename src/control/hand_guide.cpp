@@ -1,0 +1,213 @@
+#include "knee_robot/control/hand_guide.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "knee_robot/base/errors.h"
+
+namespace knee_robot::control {
+namespace {
+
+constexpr double kTwoPi = 6.283185307179586;
+constexpr double kLongestStep_s = 0.005;  // after a pause of the machine
+constexpr double kBrake_N_s_per_m = 2000.0;
+constexpr double kBrakesFrom = 0.8, kTooFast = 1.5, kTooFast_s = 0.1;  // shares of the speed limit
+constexpr double kDeepest = 0.9, kWallDamping = 4.0;
+constexpr double kAverage_s = 0.1;
+constexpr int kSilentOrders = 3;  // cycles
+
+}  // namespace
+
+HandGuide::HandGuide(const std::string& name, const mechanism::Robot& robot)
+    : rt::TaskContext(name), robot_(robot), inputs_{&command_1, &command_2, &command_3, &command_4}, walls_(robot) {}
+
+void HandGuide::loadModel() {
+  if (model.value().empty()) return;
+  const dynamics::Model read = dynamics::loadModel(model.value());
+  dynamics::requireModelOf(read, model.value(), robot_);
+  try {
+    knowledge_ = std::make_unique<ForceKnowledge>(read, robot_);
+  } catch (const InputError& error) {
+    throw InputError(model.value() + ": " + error.what());
+  }
+}
+
+bool HandGuide::configureHook() {
+  if (robot_.axes() != hardware::kAxes) return refuse("hand guiding is for four axes");
+  try {
+    if (!knowledge_) loadModel();
+  } catch (const InputError& error) {
+    return refuse(error.what());
+  }
+  return true;
+}
+
+bool HandGuide::startHook() {
+  out_ = Guidance{};
+  pose_known_ = known_ = false;
+  standBy();
+  return true;
+}
+
+void HandGuide::updateHook(const rt::Cycle& cycle) {
+  const double dt = std::clamp(rt::toSeconds(cycle.time - last_time_), 0.0, kLongestStep_s);
+  last_time_ = cycle.time;
+  readPorts(dt);
+  if (!order_.guiding || silent_ > kSilentOrders || order_.safe_stop || order_.level != DriveLevel::Released) {
+    standBy();
+  } else {
+    guide(dt);
+  }
+  ++out_.sequence;
+  out_.time = cycle.time;
+  guidance.write(out_);
+}
+
+void HandGuide::readPorts(double dt) noexcept {
+  silent_ = orders.read(order_) == rt::FlowStatus::NewData ? 0 : silent_ + 1;
+  offered_.read(patient_);
+  for (std::size_t i = 0; i < hardware::kAxes; ++i)
+    inputs_[i]->read(commands_[i]);
+  const bool fresh = measurement.read(measured_) == rt::FlowStatus::NewData;
+  if (fresh && measured_.status == hardware::IoStatus::Ok) {
+    const double share = 1.0 - std::exp(-kTwoPi * kCutoff_hz * dt);
+    velocity_ += share * (mechanism::Vector4(measured_.velocity_m_per_s.data()) - velocity_);
+    known_ = knowledge_ && order_.level == DriveLevel::Released && findMotion();
+  }
+}
+
+bool HandGuide::findMotion() noexcept {
+  const mechanism::Lengths lengths(measured_.position_m.data());
+  push_ = VirtualWalls::Push{};
+  if (!lengths.allFinite() || !velocity_.allFinite()) return false;
+  if (robot_.mechanism) {
+    const mechanism::ForwardResult found = pose_known_
+                                               ? mechanism::forwardKinematics(*robot_.mechanism, lengths, pose_)
+                                               : mechanism::forwardKinematicsFromHome(*robot_.mechanism, lengths);
+    pose_known_ = found.ok();
+    if (!pose_known_) return false;
+    pose_ = found.pose;
+    mechanism::Vector4 unused;
+    if (!mechanism::poseRates(*robot_.mechanism, pose_, velocity_, mechanism::Vector4::Zero(), pose_velocity_, unused))
+      return false;
+  }
+  push_ = walls_.at(pose_, lengths, patient_, wall_force);
+  return push_.wrench.allFinite() && push_.force.allFinite();
+}
+
+GuideStop HandGuide::whyNot() const noexcept {
+  if (!knowledge_) return GuideStop::NoModel;
+  if (!known_) return GuideStop::LostPose;
+  if (!(push_.depth < kDeepest)) return GuideStop::OutsideRange;
+  return GuideStop::None;
+}
+
+void HandGuide::standBy() noexcept {
+  out_.active = false;
+  out_.force_N = AxisValues{};
+  out_.stop = whyNot();
+  guided_s_ = fast_s_ = sampled_s_ = 0.0;
+  stood_m_ = last_m_ = measured_.position_m;
+  others_m_ = unknown_N_ = AxisValues{};
+}
+
+/// Of the largest speed that is allowed.
+double HandGuide::speedShare() const noexcept {
+  double linear = linear_speed, angular = angular_speed;
+  if (patient_.given) {
+    linear = std::min(linear, patient_.linear_m_per_s);
+    angular = std::min(angular, patient_.angular_rad_per_s);
+  }
+  if (!robot_.mechanism) return velocity_.cwiseAbs().maxCoeff() / linear;
+  return std::max({pose_velocity_.head<2>().norm() / linear, std::abs(pose_velocity_[2]) / angular,
+                   std::abs(pose_velocity_[3]) / angular});
+}
+
+AxisValues HandGuide::frictionForce() const noexcept {
+  const bool forth = std::fmod(guided_s_, kTremble_s) < 0.5 * kTremble_s;
+  AxisValues force{};
+  for (std::size_t i = 0; i < hardware::kAxes; ++i) {
+    const auto k = static_cast<Eigen::Index>(i);
+    const double viscous = robot_.mechanism ? knowledge_->parts.parameters[dynamics::extended::kViscous + k]
+                                            : knowledge_->parts.axis_parameters(0, k);
+    const double sign = std::tanh(velocity_[k] / kSlow_m_per_s);
+    const double trembles = (forth ? 1.0 : -1.0) * (1.0 - std::abs(sign));
+    force[i] = share_friction * (std::max(0.0, viscous) * velocity_[k] + knowledge_->coulomb_N[k] * (sign + trembles));
+  }
+  return force;
+}
+
+void HandGuide::guide(double dt) noexcept {
+  const GuideStop why = whyNot();
+  if (why != GuideStop::None) {
+    const bool began = guided_s_ > 0.0 && why == GuideStop::OutsideRange;
+    standBy();
+    out_.stop = began ? GuideStop::Wall : why;
+    return;
+  }
+  guided_s_ += dt;
+  const AxisValues given = out_.force_N;
+  AxisValues force = frictionForce();
+  out_.active = guided_s_ >= weigh_time;
+  if (!out_.active) {
+    // What the loops carry beyond what was foreseen, without the tremble.
+    for (std::size_t i = 0; i < hardware::kAxes; ++i) {
+      const double beyond = commands_[i].force_N - commands_[i].feedforward_N - given[i];
+      unknown_N_[i] += (beyond - unknown_N_[i]) * std::min(1.0, dt / kAverage_s);
+      if (guided_s_ > kAverage_s && std::abs(unknown_N_[i]) > unknown_load) out_.stop = GuideStop::UnknownLoad;
+    }
+    out_.force_N = force;
+    return;
+  }
+  const double fast = speedShare();
+  fast_s_ = fast > kTooFast ? fast_s_ + dt : 0.0;
+  if (fast_s_ > kTooFast_s) out_.stop = GuideStop::TooFast;
+  const double brake = damping * (1.0 + kWallDamping * std::min(1.0, push_.depth)) +
+                       kBrake_N_s_per_m * std::clamp((fast - kBrakesFrom) / (1.0 - kBrakesFrom), 0.0, 1.0);
+  mechanism::Vector4 wall = push_.force;
+  if (robot_.mechanism) {
+    // J^T force = wrench.
+    const mechanism::Matrix4 jacobian = mechanism::lengthJacobian(*robot_.mechanism, pose_);
+    wall += jacobian.transpose().partialPivLu().solve(push_.wrench);
+  }
+  for (std::size_t i = 0; i < hardware::kAxes; ++i) {
+    const auto k = static_cast<Eigen::Index>(i);
+    force[i] += wall[k] - brake * velocity_[k];
+    if (!std::isfinite(force[i])) out_.stop = GuideStop::LostPose;
+  }
+  out_.force_N = force;
+  doubt();
+  remember(dt);
+}
+
+/// An axis that stands while another one has moved on.
+void HandGuide::doubt() noexcept {
+  double way = 0.0;
+  for (std::size_t i = 0; i < hardware::kAxes; ++i)
+    way = std::max(way, std::abs(measured_.position_m[i] - last_m_[i]));
+  bool asks = false;
+  for (std::size_t i = 0; i < hardware::kAxes; ++i) {
+    const double moved = std::abs(measured_.position_m[i] - stood_m_[i]);
+    others_m_[i] += way;
+    out_.doubted[i] = false;
+    if (moved > 3.0 * robot_.actuators[i].metresPerCount()) {
+      stood_m_[i] = measured_.position_m[i];
+      others_m_[i] = 0.0;
+    } else if (others_m_[i] > kMoves_m) {
+      others_m_[i] = 0.0;
+      out_.doubted[i] = asks = true;
+    }
+  }
+  last_m_ = measured_.position_m;
+  if (asks) ++out_.suspicion;
+}
+
+void HandGuide::remember(double dt) noexcept {
+  if (sampled_s_ == 0.0) path_.begin();
+  const auto before = static_cast<long>(sampled_s_ / trajectory::kStreamPeriod);
+  sampled_s_ += std::max(dt, 1e-9);
+  const bool due = path_.size() == 0 || static_cast<long>(sampled_s_ / trajectory::kStreamPeriod) != before;
+  if (due && !path_.add(measured_.position_m)) out_.stop = GuideStop::PathFull;
+}
+
+}  // namespace knee_robot::control

@@ -1,0 +1,432 @@
+// A hand moves the platform: simulated hand on simulated robot A, the whole controller, stepped.
+#include "knee_robot/control/hand_guide.h"
+
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <cmath>
+#include <cstdio>
+#include <functional>
+#include <memory>
+
+#include "knee_robot/base/errors.h"
+#include "knee_robot/base/files.h"
+#include "knee_robot/control/control_system.h"
+#include "knee_robot/simulation/simulated_cards.h"
+#include "knee_robot/simulation/simulated_hand.h"
+#include "some_model.h"
+#include "test/allocation_guard.h"
+
+namespace knee_robot::control {
+namespace {
+
+using mechanism::Pose;
+
+std::string file(const std::string& name) {
+  return std::string(KNEE_SOURCE_DIR) + "/" + name;
+}
+std::string temporary(const std::string& name) {
+  return ::testing::TempDir() + std::to_string(::getpid()) + "_" + name;
+}
+
+struct Machine {
+  double payload_kg = 0.0;
+  bool model = true, brakes = true, enabling_switch = true;
+  double coulomb_scale = 1.0;  // of the real friction, the model keeps what it knows
+};
+
+struct Rig {
+  explicit Rig(const Machine& setup = {})
+      : robot(mechanism::loadRobot(file("config/robots/A.yaml"))),
+        plant(robot, dynamics::loadRobotInertia(robot), parameters(setup), image),
+        bus(simulation::openImageCards(image)),
+        hand(image, {}) {
+    ControlSystem::Options options;
+    options.empty = true;
+    options.execution = rt::Execution::Stepped;
+    const std::string model = temporary("guide_model.yaml");
+    dynamics::saveModel(fake::modelOf(robot, 150.0, 15.0, 60.0), model);
+    if (setup.model) options.model = model;
+    HardwareFile hardware = loadHardwareFile(file("config/hardware/simulated.yaml"));
+    if (!setup.enabling_switch) hardware.enabling_switch_bit.reset();
+    if (!setup.brakes) hardware.axes[2].hold_device = HoldDevice::ShortedWindings;
+    system = std::make_unique<ControlSystem>(robot, hardware, file("config/deployment/simulation.yaml"), *bus, options);
+    std::remove(model.c_str());
+    system->setPlant([this](rt::Nanoseconds time) {
+      while (plant.time() + 0.0005 < 1e-9 * static_cast<double>(time)) {
+        if (wanted) pull();
+        plant.step(0.001);
+        look();
+      }
+    });
+  }
+  static simulation::SimulationParameters parameters(const Machine& setup) {
+    simulation::SimulationParameters all = simulation::loadSimulationParameters(file("config/simulation/A.yaml"));
+    if (setup.payload_kg > 0.0) all.payload = simulation::Payload{setup.payload_kg, {0.0, 0.0, 0.1}, 0.1};
+    for (auto& axis : all.axes)
+      axis.coulomb_N *= setup.coulomb_scale;
+    return all;
+  }
+  void pull() {
+    const double h = 1e-4, t = plant.time();
+    hand.pull(plant.state(), wanted(t), (wanted(t + h) - wanted(t - h)) / (2.0 * h));
+  }
+  void look() {
+    const mechanism::Vector4& v = plant.state().pose_velocity;
+    fastest = std::max(fastest, v.head<2>().norm());
+    farthest = std::max(farthest, (plant.state().pose - from).head<2>().norm());
+    strongest = std::max(strongest, hand.force_N());
+  }
+  void watch() {
+    from = plant.state().pose;
+    fastest = farthest = strongest = 0.0;
+  }
+  void hold(bool switch_held) { image.surroundings.enabling_switch_held.store(switch_held ? 1 : 0); }
+  void begin(const std::string& patient = "") {
+    ASSERT_TRUE(system->start().ok);
+    if (!patient.empty()) {
+      const Answer loaded = system->loadPatient(patient);
+      ASSERT_TRUE(loaded.ok) << loaded.sentence;
+    }
+    ASSERT_TRUE(system->enable().ok);
+    system->run(1.0);
+    hold(true);
+    system->run(0.05);
+    const Answer answer = system->guide();
+    ASSERT_TRUE(answer.ok) << answer.sentence;
+    ASSERT_EQ(system->state(), MachineState::Guiding);
+    system->run(0.8);
+    ASSERT_EQ(system->state(), MachineState::Guiding) << system->status().guiding;
+    watch();
+  }
+  /// There and back by `distance` (coordinate 0: Xm, 1: Zm), at `speed` where it is fastest.
+  void swing(int coordinate, double distance, double speed) {
+    const double start = plant.time(), period = M_PI * std::abs(distance) / speed;
+    const Pose home = plant.state().pose;
+    wanted = [=](double t) {
+      const double x = std::min(1.0, std::max(0.0, (t - start) / period));
+      Pose pose = home;
+      pose[coordinate] += 0.5 * distance * (1.0 - std::cos(2.0 * M_PI * x));
+      return pose;
+    };
+  }
+  void letGo() {
+    wanted = nullptr;
+    hand.letGo();
+  }
+
+  mechanism::Robot robot;
+  simulation::RobotImage image;
+  simulation::RobotSimulation plant;
+  std::unique_ptr<hardware::AxisBus> bus;
+  simulation::SimulatedHand hand;
+  std::unique_ptr<ControlSystem> system;
+  std::function<Pose(double)> wanted;
+  Pose from = Pose::Zero();
+  double fastest = 0.0, farthest = 0.0, strongest = 0.0;
+};
+
+TEST(HandGuiding, LetsAHandMoveThePlatformAndPlaysItsPathAgain) {
+  Rig rig;
+  ASSERT_NO_FATAL_FAILURE(rig.begin());
+  rig.swing(1, 0.05, 0.03);
+  rig.system->run(7.0);
+  EXPECT_EQ(rig.system->state(), MachineState::Guiding) << rig.system->status().guiding;
+  std::printf("farthest %.1f mm, hand at most %.0f N\n", 1e3 * rig.farthest, rig.strongest);
+  EXPECT_GT(rig.farthest, 0.03) << "the hand is as soft as hands are";
+  EXPECT_LT(rig.strongest, 60.0);
+  const double guided = rig.farthest;
+  rig.letGo();
+  rig.hold(false);
+  rig.system->run(0.5);
+  EXPECT_EQ(rig.system->state(), MachineState::Holding);
+  const std::string path = temporary("guided.txt");
+  const Answer saved = rig.system->saveGuided(path);
+  ASSERT_TRUE(saved.ok) << saved.sentence;
+  const trajectory::Reference reference = trajectory::readReference(path);
+  std::remove(path.c_str());
+  ASSERT_TRUE(rig.system->loadReference(reference).ok);
+  ASSERT_TRUE(rig.system->approach().ok);
+  ASSERT_TRUE(rig.system->waitFor(MachineState::Holding, 20.0));
+  rig.watch();
+  ASSERT_TRUE(rig.system->play().ok);
+  ASSERT_TRUE(rig.system->waitFor(MachineState::Holding, 60.0)) << rig.system->status().fault_sentence;
+  EXPECT_NEAR(rig.farthest, guided, 0.003) << "as far as the hand went";
+}
+
+TEST(HandGuiding, HoldsWhereThePlatformIsWhenTheSwitchIsLetGoOfWhateverTheHandDoes) {
+  Rig rig;
+  ASSERT_NO_FATAL_FAILURE(rig.begin());
+  rig.swing(1, 0.06, 0.04);
+  rig.system->run(1.6);
+  const double speed = rig.plant.state().pose_velocity.head<2>().norm();
+  EXPECT_GT(speed, 0.02);
+  rig.hold(false);
+  rig.watch();
+  rig.system->run(1.0);  // the hand goes on pulling
+  EXPECT_EQ(rig.system->state(), MachineState::Holding);
+  std::printf("from %.0f mm/s: %.2f mm on, with the hand pulling with %.0f N\n", 1e3 * speed, 1e3 * rig.farthest,
+              rig.strongest);
+  EXPECT_LT(rig.farthest, 0.004);
+  rig.system->run(1.0);
+  rig.hold(true);
+  rig.system->run(0.1);
+  EXPECT_EQ(rig.system->state(), MachineState::Holding) << "taking hold again begins nothing";
+}
+
+TEST(HandGuiding, IsRefusedWithoutModelSwitchOrTestedBrakesAndUnlessTheSwitchIsTakenAnew) {
+  const auto refusal = [](const Machine& setup, bool held) {
+    Rig rig(setup);
+    EXPECT_TRUE(rig.system->start().ok);
+    EXPECT_TRUE(rig.system->enable().ok);
+    rig.system->run(0.3);
+    rig.hold(held);
+    rig.system->run(0.1);
+    const Answer answer = rig.system->guide();
+    EXPECT_FALSE(answer.ok);
+    rig.system->run(0.1);
+    EXPECT_EQ(rig.system->state(), MachineState::Holding);
+    return answer.sentence;
+  };
+  Machine setup;
+  EXPECT_NE(refusal(setup, false).find("not held"), std::string::npos);
+  setup.model = false;
+  EXPECT_NE(refusal(setup, true).find("no identified model"), std::string::npos);
+  setup = Machine{};
+  setup.enabling_switch = false;
+  EXPECT_NE(refusal(setup, true).find("no enabling switch"), std::string::npos);
+  setup = Machine{};
+  setup.brakes = false;
+  EXPECT_NE(refusal(setup, true).find("brakes are not tested"), std::string::npos);
+  Rig rig;
+  rig.hold(true);  // tied down before the robot is enabled
+  ASSERT_TRUE(rig.system->start().ok);
+  EXPECT_FALSE(rig.system->guide().ok) << "disabled";
+  ASSERT_TRUE(rig.system->enable().ok);
+  EXPECT_NE(rig.system->guide().sentence.find("let go of"), std::string::npos);
+  EXPECT_FALSE(rig.system->saveGuided(temporary("none.txt")).ok);
+}
+
+TEST(HandGuiding, PushesBackAtTheEndOfTheRangeAndHoldsThere) {
+  Rig rig;
+  ASSERT_NO_FATAL_FAILURE(rig.begin());
+  rig.swing(1, 0.8, 0.04);
+  for (int k = 0; k < 300 && rig.system->state() == MachineState::Guiding; ++k)
+    rig.system->run(0.1);
+  EXPECT_EQ(rig.system->state(), MachineState::Holding) << rig.system->status().fault_sentence;
+  EXPECT_NE(rig.system->status().guiding.find("limit"), std::string::npos) << rig.system->status().guiding;
+  rig.system->run(0.5);
+  trajectory::Reference here;
+  here.points.resize(1, 4);
+  here.points.row(0) = rig.plant.lengths().transpose();
+  EXPECT_TRUE(trajectory::checkReference(here, rig.robot).ok()) << "still within what may be played";
+  std::printf("held after %.0f mm, hand at most %.0f N\n", 1e3 * rig.farthest, rig.strongest);
+  rig.letGo();
+  rig.hold(false);
+  rig.system->run(0.1);
+  rig.hold(true);
+  rig.system->run(0.1);
+  const Answer again = rig.system->guide();
+  ASSERT_TRUE(again.ok) << again.sentence;
+  rig.system->run(0.8);
+  rig.watch();
+  rig.swing(1, -0.05, 0.03);
+  rig.system->run(3.0);
+  EXPECT_EQ(rig.system->state(), MachineState::Guiding) << "a hand may lead it away from there";
+  EXPECT_GT(rig.farthest, 0.01);
+}
+
+TEST(HandGuiding, KeepsThePatientsRangeAndSpeedAndSavesAPathWithinThem) {
+  Rig rig;
+  const Pose home = rig.plant.state().pose;
+  const std::string patient = temporary("guided_patient.yaml");
+  char text[300];
+  std::snprintf(
+      text, sizeof text,
+      "patient: \"1\"\npose: {X_m: [%.3f, %.3f], Z_m: [%.3f, %.3f], theta_deg: [-20, 20], psi_deg: [-20, 20]}\n",
+      home[0] - 0.05, home[0] + 0.05, home[1] - 0.02, home[1] + 0.05);
+  writeFileAtomically(patient, text);
+  ASSERT_NO_FATAL_FAILURE(rig.begin(patient));
+  std::remove(patient.c_str());
+  rig.swing(1, 0.2, 0.03);
+  for (int k = 0; k < 200 && rig.system->state() == MachineState::Guiding; ++k)
+    rig.system->run(0.1);
+  EXPECT_EQ(rig.system->state(), MachineState::Holding) << rig.system->status().fault_sentence;
+  rig.letGo();
+  rig.system->run(0.5);
+  EXPECT_EQ(rig.system->status().fault_name, "");
+  EXPECT_LT(rig.plant.state().pose[1], home[1] + 0.05);
+  std::printf("held %.1f mm before the patient's limit, at most %.1f mm/s\n",
+              1e3 * (home[1] + 0.05 - rig.plant.state().pose[1]), 1e3 * rig.fastest);
+  EXPECT_GT(rig.plant.state().pose[1], home[1] + 0.035);
+  EXPECT_LT(rig.fastest, 0.03) << "1.5 times the patient's 20 mm/s";
+  const std::string path = temporary("guided_within.txt");
+  const Answer saved = rig.system->saveGuided(path);
+  ASSERT_TRUE(saved.ok) << saved.sentence;
+  EXPECT_TRUE(rig.system->loadReference(trajectory::readReference(path)).ok);
+  std::remove(path.c_str());
+}
+
+TEST(HandGuiding, BrakesAHandThatIsTooFast) {
+  Rig rig;
+  ASSERT_NO_FATAL_FAILURE(rig.begin());
+  rig.swing(1, 0.08, 0.2);  // four times the limit of 0.05 m/s
+  rig.system->run(3.0);
+  std::printf("at most %.0f mm/s, hand at most %.0f N\n", 1e3 * rig.fastest, rig.strongest);
+  EXPECT_LT(rig.fastest, 0.075);
+}
+
+TEST(HandGuiding, DoesNotLetAWrongPayloadDrift) {
+  for (const double payload_kg : {2.0, 5.0}) {
+    Machine setup;
+    setup.payload_kg = payload_kg;  // nobody declared it
+    Rig rig(setup);
+    ASSERT_NO_FATAL_FAILURE(rig.begin());
+    rig.system->run(5.0);
+    std::printf("%.0f kg: %.2f mm in 5 s\n", payload_kg, 1e3 * rig.farthest);
+    EXPECT_LT(rig.farthest, 0.002);
+    EXPECT_LT(rig.fastest, 0.01);
+  }
+}
+
+TEST(HandGuiding, EndsWhereMuchMoreThanDeclaredRestsOnThePlatform) {
+  Machine setup;
+  setup.payload_kg = 25.0;
+  Rig rig(setup);
+  ASSERT_TRUE(rig.system->start().ok);
+  ASSERT_TRUE(rig.system->enable().ok);
+  rig.system->run(1.0);
+  rig.hold(true);
+  rig.system->run(0.05);
+  rig.watch();
+  ASSERT_TRUE(rig.system->guide().ok);
+  rig.system->run(1.0);
+  EXPECT_EQ(rig.system->state(), MachineState::Holding);
+  EXPECT_NE(rig.system->status().guiding.find("declare it"), std::string::npos) << rig.system->status().guiding;
+  EXPECT_LT(rig.farthest, 0.003);
+}
+
+TEST(HandGuiding, StaysStillWithFrictionThatIsSmallerThanIdentified) {
+  Machine setup;
+  setup.coulomb_scale = 0.8;
+  Rig rig(setup);
+  ASSERT_NO_FATAL_FAILURE(rig.begin());
+  rig.system->run(3.0);
+  std::printf("%.2f mm in 3 s\n", 1e3 * rig.farthest);
+  EXPECT_LT(rig.farthest, 0.002);
+}
+
+TEST(HandGuiding, EndsInTheSameSafeStopWhateverFails) {
+  struct Case {
+    const char* what;
+    std::function<void(Rig&)> breaks;
+  };
+  const Case cases[] = {
+      {"emergency stop", [](Rig& rig) { rig.image.surroundings.emergency_stop_pressed.store(1); }},
+      {"encoder cable",
+       [](Rig& rig) {
+         rig.image.faults.encoder[1].store(static_cast<std::uint8_t>(simulation::EncoderFault::Disconnected));
+       }},
+      {"frozen encoder",
+       [](Rig& rig) {
+         rig.image.faults.encoder[1].store(static_cast<std::uint8_t>(simulation::EncoderFault::Frozen));
+       }},
+      {"counter card", [](Rig& rig) { rig.image.counter.disconnected.store(1); }},
+      {"drive", [](Rig& rig) { rig.image.faults.drive_dead.store(2); }},
+  };
+  for (const Case& one : cases) {
+    Rig rig;
+    ASSERT_NO_FATAL_FAILURE(rig.begin());
+    rig.swing(1, 0.08, 0.03);
+    rig.system->run(1.5);
+    ASSERT_EQ(rig.system->state(), MachineState::Guiding);
+    const double height = rig.plant.state().pose[1];
+    one.breaks(rig);
+    double lowest = height;
+    for (int k = 0; k < 3000 && rig.system->state() == MachineState::Guiding; ++k) {
+      rig.system->step();
+      lowest = std::min(lowest, rig.plant.state().pose[1]);
+    }
+    rig.letGo();
+    rig.hold(false);
+    rig.system->run(1.5);
+    lowest = std::min(lowest, rig.plant.state().pose[1]);
+    std::printf("%-16s %-10s %s, %.1f mm below\n", one.what, toString(rig.system->state()),
+                rig.system->status().fault_name.c_str(), 1e3 * (height - lowest));
+    EXPECT_NE(rig.system->state(), MachineState::Guiding) << one.what;
+    EXPECT_LT(height - lowest, 0.03) << one.what;
+  }
+}
+
+TEST(HandGuiding, StopAndDisableEndItAsEver) {
+  Rig rig;
+  ASSERT_NO_FATAL_FAILURE(rig.begin());
+  EXPECT_FALSE(rig.system->play().ok);
+  ASSERT_TRUE(rig.system->stop().ok);
+  rig.system->run(0.1);
+  EXPECT_EQ(rig.system->state(), MachineState::Holding);
+  rig.hold(false);
+  rig.system->run(0.1);
+  rig.hold(true);
+  rig.system->run(0.1);
+  ASSERT_TRUE(rig.system->guide().ok);
+  rig.system->run(0.8);
+  ASSERT_TRUE(rig.system->disable().ok);
+  EXPECT_EQ(rig.system->state(), MachineState::Disabled);
+}
+
+struct Feed : rt::TaskContext {
+  Feed() : rt::TaskContext("Feed") {}
+  rt::OutputPort<Orders> orders{*this, "orders", ""};
+  rt::OutputPort<AxesMeasurement> measurement{*this, "measurement", ""};
+  rt::InputPort<Guidance> guidance{*this, "guidance", ""};
+};
+
+TEST(HandGuiding, AllocatesNothingAndLetsGoWhenTheSupervisorIsSilent) {
+  const mechanism::Robot robot = mechanism::loadRobot(file("config/robots/A.yaml"));
+  HandGuide guide("Guide", robot);
+  Feed feed;
+  rt::connect(feed.orders, guide.orders);
+  rt::connect(feed.measurement, guide.measurement);
+  rt::connect(guide.guidance, feed.guidance);
+  const std::string model = temporary("guide_alone.yaml");
+  dynamics::saveModel(fake::modelOf(robot), model);
+  guide.model.set(model);
+  ASSERT_TRUE(guide.configure()) << guide.refusal();
+  std::remove(model.c_str());
+  ASSERT_TRUE(guide.start());
+  Orders orders;
+  orders.level = DriveLevel::Released;
+  orders.guiding = orders.drivers_active = true;
+  AxesMeasurement measured;
+  measured.status = hardware::IoStatus::Ok;
+  Guidance said;
+  rt::Nanoseconds now = 0;
+  const auto cycle = [&](bool speaks) {
+    now += 1'000'000;
+    ++measured.sequence;
+    for (std::size_t i = 0; i < hardware::kAxes; ++i)
+      measured.position_m[i] = robot.actuators[i].home_length_m + 0.02 * std::sin(1e-9 * static_cast<double>(now));
+    feed.measurement.write(measured);
+    if (speaks) feed.orders.write(orders);
+    rt::Cycle c;
+    c.time = c.wake = now;
+    c.period = 1'000'000;
+    guide.update(c);
+    feed.guidance.read(said);
+  };
+  allocations = 0;
+  armed = true;
+  for (int k = 0; k < 2000; ++k)
+    cycle(true);
+  armed = false;
+  EXPECT_EQ(allocations, 0);
+  EXPECT_TRUE(said.active) << static_cast<int>(said.stop);
+  EXPECT_GT(guide.path().size(), 100u);
+  for (int k = 0; k < 10; ++k)
+    cycle(false);
+  EXPECT_FALSE(said.active) << "the Drivers hold";
+}
+
+}  // namespace
+}  // namespace knee_robot::control
