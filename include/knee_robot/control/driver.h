@@ -107,6 +107,7 @@ class Driver : public rt::TaskContext {
   void checkReference(const rt::Cycle& cycle, bool searching);
   double probeEncoder(double dt) noexcept;
   bool challengeEncoder(double dt, const EncoderProbe::Settings& settings) noexcept;
+  Fault deadOrBlocked() const noexcept;
   bool standsUnderForce(double dt, std::int64_t counts) noexcept;
   SetPointFollower::Reference chooseReference(const rt::Cycle& cycle, double dt) noexcept;
   bool isToHome() const noexcept { return (order_.homing >> index_ & 1) != 0; }
