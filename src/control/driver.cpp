@@ -106,7 +106,10 @@ void Driver::readFeedforward(const rt::Cycle& cycle) noexcept {
   const double load = alive ? foreseen_.force_N[index_] : 0.0;
   // Beginning or ending in the middle of a motion is switching, too.
   const double step = alive == foresees_ ? foreseen_.switched_N[index_] - switched_ : load - load_;
-  if (active_ && step != 0.0) pid_.shiftIntegral(-step);
+  if (active_ && step != 0.0) {
+    pid_.shiftIntegral(-step);
+    shifted_N_ += step;
+  }
   switched_ = foreseen_.switched_N[index_];
   load_ = load;
   foresees_ = alive;
@@ -193,7 +196,7 @@ bool Driver::challengeEncoder(double dt, const EncoderProbe::Settings& settings)
   if (wanted && !challenge_.isActive()) {
     const double away = (out_.reference_m - measured_.position_m[index_]) / actuator_.metresPerCount();
     challenge_.begin(counts, {probe_.enoughForce_N(), probe_.certainForce_N(settings), away, standing_.dithers(),
-                              !disturbed && out_.at_rest});
+                              !disturbed && out_.at_rest, !out_.at_rest});
   }
   switch (challenge_.step(dt, counts)) {
     case EncoderChallenge::Verdict::Alive:
@@ -218,7 +221,7 @@ Fault Driver::deadOrBlocked() const noexcept {
 bool Driver::standsUnderForce(double dt, std::int64_t counts) noexcept {
   constexpr double kAgain_s = 0.5, kSeldom_s = 4.0, kAgainMoving_s = 0.15, kAgainOverdue_s = 0.03, kTimes = 4.0;
   const bool rests = out_.at_rest;
-  standing_.step(dt, counts, out_.reference_m, loopForce(), challenge_.isActive());
+  standing_.step(dt, counts, out_.reference_m, loopForce() + shifted_N_, challenge_.isActive());
   if (rests != stood_at_rest_) {
     standing_.begin(counts);
     again_s_ = kAgain_s;

@@ -19,6 +19,21 @@ TEST(Disturbance, NobodyIsShakenWhileNothingHappens) {
   EXPECT_EQ(robot.system->state(), MachineState::Holding);
 }
 
+TEST(Disturbance, DeclaringAPayloadAtRestPushesNobody) {
+  HoldingRobot robot;
+  AxisValues before = robot.system->snapshot()->force_N;
+  ASSERT_TRUE(robot.system->setProperty("Feedforward", "payload_kg", "10").ok);
+  double largest_N = 0.0;
+  for (int k = 0; k < 4000; ++k) {
+    robot.system->step();
+    const AxisValues now = robot.system->snapshot()->force_N;
+    for (std::size_t i = 0; i < hardware::kAxes; ++i)
+      largest_N = std::max(largest_N, std::abs(now[i] - before[i]));
+    before = now;
+  }
+  EXPECT_LT(largest_N, 5.0) << "from one cycle to the next";
+}
+
 TEST(Disturbance, APushOf150NewtonFindsAnyFrozenEncoderBeforeThePlatformHasSunkBy5Millimetres) {
   for (std::size_t axis = 0; axis < hardware::kAxes; ++axis) {
     for (const double later_s : {0.0, 1.0}) {

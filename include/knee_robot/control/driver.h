@@ -134,6 +134,7 @@ class Driver : public rt::TaskContext {
   Pid pid_;
   double force_limit_ = 0.0;  // N
   double force_now_ = 0.0;    // N, limit of this cycle
+  double shifted_N_ = 0.0;    // of the loop's force, into the feedforward
   double carried_N_ = 0.0;    // what the axis carried at rest when its homing began: the low force comes on top of it
   Orders order_;
   AxesMeasurement measured_;
