@@ -219,6 +219,7 @@ Fault Driver::deadOrBlocked() const noexcept {
 
 /// A healthy axis that hunts at rest is asked less and less often.
 bool Driver::standsUnderForce(double dt, std::int64_t counts) noexcept {
+  constexpr double kOverdueShare = 0.5;  // of the force: a soft loop lags without being blind
   constexpr double kAgain_s = 0.5, kSeldom_s = 4.0, kAgainMoving_s = 0.15, kAgainOverdue_s = 0.03, kTimes = 4.0;
   const bool rests = out_.at_rest;
   standing_.step(dt, counts, out_.reference_m, loopForce() + shifted_N_, challenge_.isActive());
@@ -229,7 +230,8 @@ bool Driver::standsUnderForce(double dt, std::int64_t counts) noexcept {
   stood_at_rest_ = rests;
   asked_s_ += dt;
   const double limit_N = rests ? standing_force : turning_force;
-  const bool overdue = !rests && standing_.isOverdue(actuator_.metresPerCount());
+  const bool overdue =
+      !rests && standing_.changed_N() >= kOverdueShare * limit_N && standing_.isOverdue(actuator_.metresPerCount());
   const double again_moving_s = overdue ? kAgainOverdue_s : kAgainMoving_s;
   const double again_s = !rests ? again_moving_s : standing_.changed_N() > kTimes * limit_N ? kAgain_s : again_s_;
   if (!disturbance.isConnected() || asked_s_ < again_s || (!overdue && standing_.changed_N() < limit_N)) return false;
