@@ -62,13 +62,13 @@ def restarted_while(processes, state):
         for name in processes:
             getattr(a.session, f"start_{name}")()
         text, good = a.look(4.0)
-        state = a.state()
+        said = a.state()
         if not good and processes == ("guardian",):  # back before it was missed: it has to be as good as the first
             a.begin()
             a.kill("controller")
             text, good = a.look(1.0)
             text = "went on, then the controller was killed: " + text
-        return f"{state}; ", text, good
+        return f"{said}; ", text, good
     attack.__doc__ = f"SIGKILL of {' and '.join(processes)} while {state}, started again at once in that order."
     return needs(hardware=HOMING)(attack) if state == "homing" else attack
 
