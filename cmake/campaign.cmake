@@ -4,6 +4,7 @@ set(factory _ZN10knee_robot7control14componentTypesB5cxx11ERKNS_9mechanism5Robot
 add_executable(campaign_controller EXCLUDE_FROM_ALL src/nodes/controller_main.cpp test/campaign/campaign_controller.cpp)
 target_include_directories(campaign_controller PRIVATE ${PROJECT_SOURCE_DIR} ${PROJECT_SOURCE_DIR}/src/nodes)
 target_link_libraries(campaign_controller PRIVATE knee_nodes ${CMAKE_DL_LIBS})
+target_compile_definitions(campaign_controller PRIVATE KNEE_FACTORY="${factory}")
 target_link_options(campaign_controller PRIVATE -Wl,--wrap=${factory} -rdynamic)
 
 # false_trips: the stepped controller on healthy and on blind robots, for scripts/false_trips only.

@@ -32,9 +32,10 @@ void DisturbanceJudge::reset() noexcept {
   out_.push.setZero();
 }
 
-void DisturbanceJudge::judgeLoad(const ResidualEstimator::Estimate& now, double dt) noexcept {
-  const mechanism::Vector4 least(kLeast_N, kLeast_N, kLeast_Nm, kLeast_Nm);
-  const mechanism::Vector4 limit = now.wrench_band.cwiseMax(least);
+void DisturbanceJudge::judgeLoad(const ForceKnowledge& knowledge, const ResidualEstimator::Estimate& now,
+                                 double dt) noexcept {
+  const mechanism::Vector4 friction = now.jacobian.cwiseAbs().transpose() * knowledge.coulomb_N;
+  const mechanism::Vector4 limit = now.wrench_band.cwiseMax(kReversal * friction);
   // Friction may hide a part of what is beside the load, not of the load itself.
   const mechanism::Vector4 load_N = -now.jacobian.transpose().partialPivLu().solve(mean_);
   const mechanism::Vector4 beside =
@@ -47,7 +48,7 @@ void DisturbanceJudge::judgeLoad(const ResidualEstimator::Estimate& now, double 
   away_s_ = away ? away_s_ + dt : 0.0;
   out_.push = beside;
   out_.pushed = away_s_ >= kPush_s;
-  const double carried = std::abs(mean_[1]) / std::max(kLeastLoad_N, limit[1]);
+  const double carried = std::abs(mean_[1]) / std::max(kLoad * friction[1], limit[1]);
   const bool steady = weight_s_ > kKnown * kMean_s && std::abs(mean_[0]) < limit[0] + 0.5 * std::abs(mean_[1]);
   out_.carries = steady && carried > (out_.carries ? kHysteresis : 1.0);
   out_.load_kg = -mean_[1] / kGravity;
@@ -79,7 +80,7 @@ const DisturbanceJudge::Verdict& DisturbanceJudge::step(const ForceKnowledge& kn
     return out_;
   }
   if (!knowledge.identified) return out_;
-  if (knowledge.parts.mechanism) judgeLoad(now, dt);
+  if (knowledge.parts.mechanism) judgeLoad(knowledge, now, dt);
   judgeFriction(knowledge, now, dt);
   const bool beyond = (now.rms_N - knowledge.band_N).maxCoeff() > 0.0;
   beyond_s_ = beyond ? std::min(kHolds_s, beyond_s_ + dt) : std::max(0.0, beyond_s_ - dt);

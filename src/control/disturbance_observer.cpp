@@ -91,12 +91,18 @@ void DisturbanceObserver::updateHook(const rt::Cycle& cycle) {
 
 void DisturbanceObserver::watchRest(double dt) noexcept {
   RestWatch::Axes error_m{};
+  AxisValues pulses_N{};
   bool pulses = false;
   for (std::size_t i = 0; i < hardware::kAxes; ++i) {
     error_m[i] = commands_[i].reference_m - measured_.position_m[i];
-    pulses = pulses || commands_[i].test_pulse;
+    pulses_N[i] = commands_[i].pulse_N;
+    pulses = pulses || pulses_N[i] != 0.0;
   }
   if (rest_.step(rests(), pulses, dt, error_m, count_m_)) ++out_.suspicion;
+  for (std::size_t i = 0; i < hardware::kAxes; ++i) {
+    witness_[i].step(i, dt, pulses_N, error_m);
+    out_.felt[i] = pulses_N[i] != 0.0 ? witness_[i].felt(i, count_m_) : out_.felt[i];
+  }
 }
 
 void DisturbanceObserver::estimate(double dt) noexcept {

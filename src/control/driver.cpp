@@ -116,7 +116,10 @@ void Driver::readFeedforward(const rt::Cycle& cycle) noexcept {
   const double load = alive ? foreseen_.force_N[index_] : 0.0;
   // Beginning or ending in the middle of a motion is switching, too.
   const double step = alive == foresees_ ? foreseen_.switched_N[index_] - switched_ : load - load_;
-  if (active_ && step != 0.0) pid_.shiftIntegral(-step);
+  if (active_ && step != 0.0) {
+    pid_.shiftIntegral(-step);
+    shifted_N_ += step;
+  }
   switched_ = foreseen_.switched_N[index_];
   load_ = load;
   foresees_ = alive;
@@ -192,7 +195,7 @@ double Driver::probeEncoder(double dt) noexcept {
     if (!disturbance.isConnected()) probe_.reset();
     return 0.0;
   }
-  if (!probe_.step(out_.at_rest, dt, measured_.counts[index_], settings)) raise(Fault::EncoderFrozen);
+  if (!probe_.step(out_.at_rest, dt, measured_.counts[index_], settings)) raise(deadOrBlocked());
   return probe_.force_N();
 }
 
@@ -206,7 +209,7 @@ bool Driver::challengeEncoder(double dt, const EncoderProbe::Settings& settings)
   if (wanted && !challenge_.isActive()) {
     const double away = (out_.reference_m - measured_.position_m[index_]) / actuator_.metresPerCount();
     challenge_.begin(counts, {probe_.enoughForce_N(), probe_.certainForce_N(settings), away, standing_.dithers(),
-                              !disturbed && out_.at_rest});
+                              !disturbed && out_.at_rest, !out_.at_rest});
   }
   switch (challenge_.step(dt, counts)) {
     case EncoderChallenge::Verdict::Alive:
@@ -214,7 +217,7 @@ bool Driver::challengeEncoder(double dt, const EncoderProbe::Settings& settings)
       ++out_.answers;
       break;
     case EncoderChallenge::Verdict::Dead:
-      raise(Fault::EncoderFrozen);
+      raise(deadOrBlocked());
       break;
     case EncoderChallenge::Verdict::None:
       break;
@@ -222,11 +225,17 @@ bool Driver::challengeEncoder(double dt, const EncoderProbe::Settings& settings)
   return challenge_.isActive();
 }
 
+/// What no count to all this means.
+Fault Driver::deadOrBlocked() const noexcept {
+  return disturbed_.felt[index_] == Felt::No ? Fault::AxisBlocked : Fault::EncoderFrozen;
+}
+
 /// A healthy axis that hunts at rest is asked less and less often.
 bool Driver::standsUnderForce(double dt, std::int64_t counts) noexcept {
-  constexpr double kAgain_s = 0.5, kSeldom_s = 4.0, kAgainMoving_s = 0.15, kTimes = 4.0;
+  constexpr double kOverdueShare = 0.5;  // of the force: a soft loop lags without being blind
+  constexpr double kAgain_s = 0.5, kSeldom_s = 4.0, kAgainMoving_s = 0.15, kAgainOverdue_s = 0.03, kTimes = 4.0;
   const bool rests = out_.at_rest;
-  standing_.step(dt, counts, loopForce(), challenge_.isActive());
+  standing_.step(dt, counts, out_.reference_m, loopForce() + shifted_N_, challenge_.isActive());
   if (rests != stood_at_rest_) {
     standing_.begin(counts);
     again_s_ = kAgain_s;
@@ -234,8 +243,11 @@ bool Driver::standsUnderForce(double dt, std::int64_t counts) noexcept {
   stood_at_rest_ = rests;
   asked_s_ += dt;
   const double limit_N = rests ? standing_force : turning_force;
-  const double again_s = !rests ? kAgainMoving_s : standing_.changed_N() > kTimes * limit_N ? kAgain_s : again_s_;
-  if (!disturbance.isConnected() || asked_s_ < again_s || standing_.changed_N() < limit_N) return false;
+  const bool overdue =
+      !rests && standing_.changed_N() >= kOverdueShare * limit_N && standing_.isOverdue(actuator_.metresPerCount());
+  const double again_moving_s = overdue ? kAgainOverdue_s : kAgainMoving_s;
+  const double again_s = !rests ? again_moving_s : standing_.changed_N() > kTimes * limit_N ? kAgain_s : again_s_;
+  if (!disturbance.isConnected() || asked_s_ < again_s || (!overdue && standing_.changed_N() < limit_N)) return false;
   if (!test_pulses_.load(std::memory_order_relaxed)) return false;
   standing_.begin(counts);
   asked_s_ = 0.0;
@@ -281,7 +293,7 @@ void Driver::control(const rt::Cycle& cycle) {
   const double loop_N = loop(reference, dt);
   const double pulse_N = probeEncoder(dt);
   const double asked = loop_N + carried_N_ + pulse_N;
-  out_.test_pulse = pulse_N != 0.0;
+  out_.pulse_N = pulse_N;
   const double force = std::clamp(asked, -force_limit_, force_limit_);
   if (!std::isfinite(force)) raise(Fault::NotANumber);
   if (!closesLoop(fault_)) {

@@ -65,7 +65,8 @@ constexpr std::array<FaultDescription, kFaults> kTable = {{
      "check the drive's supply, encoder_sign and force_sign in the robot file, the wiring of motor and encoder"},
     {F::EncoderFrozen, "encoder_frozen",
      "the encoder does not count although the axis is driven: it is dead, or the axis is blocked", kAtOnce, kLost, kOne,
-     "check the encoder's cable and coupling, then look for an obstacle or a brake that did not open"},
+     "check the encoder's cable and coupling, then look for an obstacle, a brake that did not open, a drive without "
+     "power"},
     {F::EncoderJump, "encoder_jump", "the encoder jumped farther than the axis can move in one cycle", kAtOnce, kLost,
      kOne, "check the encoder's cable and shield; home again before moving"},
     {F::Saturated, "saturated", "the force was at its limit for too long", kAtOnce, kWorks, kOne,
@@ -117,6 +118,12 @@ constexpr std::array<FaultDescription, kFaults> kTable = {{
     {F::PatientForce, "patient_force",
      "the platform presses harder than the patient file allows, or somebody presses against it", kAtOnce, kWorks, kOne,
      "ask the patient; look what the platform touches; declare the weight that it carries (payload_kg)"},
+    {F::AxisBlocked, "axis_blocked",
+     "the axis does not move although it is driven, and the other axes do not feel it: it is blocked, or its drive "
+     "gives no force",
+     kAtOnce, kLost, kOne,
+     "look for a brake that did not open, an obstacle, a drive without power; then check the encoder's cable and "
+     "coupling"},
 }};
 
 }  // namespace

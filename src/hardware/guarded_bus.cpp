@@ -62,6 +62,10 @@ SelfTest GuardedBus::selfTest() {
   if (reclaim() != IoStatus::Ok) {
     return {false, {"no guardian answers; start it (guardian) before the controller. The outputs are down."}};
   }
+  if (options_.machine != 0 && link_.machine.load() != options_.machine)
+    return {false,
+            {"the guardian that answers guards another machine: give both the same hardware file, and each machine a "
+             "link of its own."}};
   if (options_.outputs != nullptr) result = bus_.selfTest();
   result.findings.insert(result.findings.begin(), "guardian: watches.");
   return result;

@@ -24,6 +24,13 @@ static_assert(std::atomic<std::uint64_t>::is_always_lock_free && std::atomic<std
 
 }  // namespace
 
+std::uint64_t machineMark(const std::string& machine) noexcept {
+  std::uint64_t mark = 14695981039346656037ull;  // FNV-1a
+  for (const unsigned char c : machine)
+    mark = (mark ^ c) * 1099511628211ull;
+  return mark != 0 ? mark : 1;
+}
+
 bool processExists(std::int32_t pid) noexcept {
   return pid > 0 && (::kill(pid, 0) == 0 || errno == EPERM);
 }

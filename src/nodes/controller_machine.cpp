@@ -62,6 +62,8 @@ std::string requiredParameter(const ros::NodeHandle& node, const std::string& na
 Machine openMachine(const control::HardwareFile& hardware_file, const mechanism::Robot& robot,
                     const ros::NodeHandle& node, const std::function<bool()>& stop_requested) {
   Machine machine;
+  const std::string name = hardware_file.machine(node.param<std::string>("shm", ""));
+  machine.lock.emplace(hardware::MachineLock::take("controller", name));
   machine.cards = openBus(hardware_file, robot, node, stop_requested);
   const std::string link = node.param<std::string>("guardian", "");
   if (link.empty()) {
@@ -73,6 +75,7 @@ Machine openMachine(const control::HardwareFile& hardware_file, const mechanism:
   machine.outputs = openOutputs(hardware_file, node);
   hardware::GuardedBus::Options options;
   options.outputs = machine.outputs.get();
+  options.machine = hardware::machineMark(name);
   const double silent_ms = node.param("silent_guardian_ms", 50.0);
   if (!(silent_ms >= 5.0 && silent_ms <= 10000.0)) {
     throw InputError("parameter " + node.resolveName("silent_guardian_ms") +

@@ -9,6 +9,7 @@
 
 #include "knee_robot/control/hardware_file.h"
 #include "knee_robot/hardware/guarded_bus.h"
+#include "knee_robot/hardware/machine_lock.h"
 
 namespace knee_robot::nodes {
 
@@ -17,6 +18,7 @@ std::string requiredParameter(const ros::NodeHandle& node, const std::string& na
 
 /// The cards, and the guardian between when parameter `guardian` names its shared memory.
 struct Machine {
+  std::optional<hardware::MachineLock> lock;
   std::unique_ptr<hardware::AxisBus> cards;
   std::optional<hardware::SharedGuardianLink> memory;
   std::unique_ptr<hardware::EmergencyOutputs> outputs;

@@ -6,6 +6,7 @@
 
 #include <csignal>
 #include <cstdio>
+#include <cstdlib>
 #include <thread>
 
 #include "controller_interface.h"
@@ -57,6 +58,16 @@ class MasterLoss {
   bool acted_ = false;
 };
 
+/// Threads that wait for a disk cannot be joined. With the drives off nothing is lost but what the disk did not take anyway.
+void endEvenIfTheDiskHangs() {
+  constexpr auto kPatience = std::chrono::seconds(12);
+  std::thread([kPatience] {
+    std::this_thread::sleep_for(kPatience);
+    std::fprintf(stderr, "controller: ended without waiting any longer for a disk or a call that does not come back\n");
+    std::_Exit(1);
+  }).detach();
+}
+
 void serve(const ros::NodeHandle& node, nodes::Machine& machine, const nodes::ControllerInterface::Parts& parts,
            std::atomic<nodes::GuardianSupervision::Guardian>& guardian) {
   const double timeout_s =
@@ -77,8 +88,10 @@ void serve(const ros::NodeHandle& node, nodes::Machine& machine, const nodes::Co
     }
     std::this_thread::sleep_for(std::chrono::milliseconds(20));
   }
-  // What moves slows down now: taking the interface down waits for the master and for calls under way. shutdown() does the rest.
+  // Drives off now: taking the interface down waits for the master and for calls under way, one of which may wait for a disk.
   parts.system.stop();
+  const bool off = parts.system.disable().ok || parts.system.state() == control::MachineState::Faulted;
+  if (off) endEvenIfTheDiskHangs();
 }
 
 int run() {

@@ -14,6 +14,7 @@
 #include "knee_robot/control/guardian.h"
 #include "knee_robot/control/hardware_file.h"
 #include "knee_robot/hardware/can/can_axis_bus.h"
+#include "knee_robot/hardware/machine_lock.h"
 #include "knee_robot/hardware/pci_cards.h"
 #include "knee_robot/rt/activity.h"
 #include "knee_robot/simulation/simulated_cards.h"
@@ -104,7 +105,10 @@ int run(const Options& options) {
   if (hardware::processExists(other)) {
     throw InputError("process " + std::to_string(other) + " already guards " + options.link + "; end it first");
   }
+  const std::string machine = file.machine(options.shm);
+  const hardware::MachineLock lock = hardware::MachineLock::take("guardian", machine);
   memory.link().guardian_pid.store(::getpid());
+  memory.link().machine.store(hardware::machineMark(machine));
   const std::unique_ptr<hardware::EmergencyOutputs> outputs = openOutputs(file, options.shm);
   control::Guardian guardian(memory.link(), *outputs, rt::fromSeconds(options.silence_ms * 1e-3), kPeriod,
                              rt::monotonicNow);

@@ -5,6 +5,7 @@ clients at once, faults at rest. Real processes on the simulated robot; judged b
 import argparse
 import os
 import pathlib
+import shutil
 import signal
 import sys
 import threading
@@ -16,74 +17,14 @@ import yaml
 
 from knee_robot.srv import SetRecording
 
-import robot_path
+import attacks_at_states
+import attacks_by_others
+import attacks_on_disk
+from attack import Attack
 from robot_path import Geometry
 from session import Master, NoAnswer, Session, is_alive
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
-LOOK_S = 3.0
-
-
-class Attack:
-    """What an attack may use. `left_on_ms`: from `begin()` until every drive was off and every brake engaged."""
-
-    def __init__(self, session, geometry):
-        self.session, self.geometry = session, geometry
-
-    def begin(self):
-        self.row = self.session.truth.written()
-        self.began = time.monotonic()
-
-    def rows(self):
-        return self.session.truth.since(self.row)
-
-    def look(self, seconds=LOOK_S):
-        time.sleep(seconds)
-        rows = self.rows()
-        safe = (rows["drives"] == 0) & (rows["holds"] == 15)
-        on = np.nonzero(~safe)[0]
-        drop = 1e3 * (rows["pose"][0][1] - np.min(rows["pose"][:, 1]))
-        if not safe[-1]:
-            return f"drives still on after {1e3 * (rows['monotonic_s'][-1] - self.began):.0f} ms, drop {drop:.1f} mm", False
-        last = rows["monotonic_s"][on[-1]] if len(on) else self.began
-        return f"held and off after {1e3 * (last - self.began):.0f} ms, drop {drop:.1f} mm", True
-
-    def enable(self):
-        answer = self.session.trigger("enable")
-        if not answer.success:
-            raise RuntimeError(answer.message)
-        time.sleep(1.0)
-
-    def play(self):
-        now = self.session.truth.last()
-        points = robot_path.movement(self.geometry, now["pose"], now["length_m"])
-        path = self.session.references / "attack.txt"
-        robot_path.write(path, points)
-        for answer in (self.session.load(path.name), self.session.trigger("start")):
-            if not answer.success:
-                raise RuntimeError(answer.message)
-        time.sleep(0.7)
-
-    def kill(self, *names):
-        for name in names:
-            process = getattr(self.session, name)
-            process.send_signal(signal.SIGKILL)
-            process.wait()
-
-    def stop(self, name):
-        os.kill(getattr(self.session, name).pid, signal.SIGSTOP)
-
-    def wait_for_end(self, seconds=25.0):
-        return self.session.controller.wait(seconds)
-
-    def state(self):
-        try:
-            state = self.session.state()
-            return f"{state.state}, {state.fault or 'no fault'}"
-        except NoAnswer as error:
-            return str(error)
-
-
 # ---- hand-over
 
 def refused_restart(a):
@@ -240,6 +181,8 @@ for number in (1, 2, 3, 4):
     ATTACKS[f"frozen_{number}_at_rest_push_150"] = at_rest("encoder_frozen", number, 150.0, 2.5)
 ATTACKS["frozen_4_at_rest_push_100"] = at_rest("encoder_frozen", 4, 100.0, 2.5)
 ATTACKS["frozen_4_at_rest_push_150_at_once"] = at_rest("encoder_frozen", 4, 150.0, 0.2)
+for module in (attacks_at_states, attacks_by_others, attacks_on_disk):
+    ATTACKS.update(module.attacks())
 
 
 def main():
@@ -272,20 +215,42 @@ def main():
              "deployment": config / "deployment" / "simulation.yaml"}
     bad = 0
     for name in names:
-        session = Session(folder / name, options.programs, files, options.silence_ms, os.geteuid() == 0, program="controller")
+        session = session_for(name, folder, options, files)
         try:
             session.start()
-            before, text, good = ATTACKS[name](Attack(session, Geometry(robot)))
+            before, text, good = ATTACKS[name](Attack(session, Geometry(robot), master))
             bad += not good
             print(f"{name:40} {'good' if good else 'BAD '}  {before}{text}", flush=True)
         except (NoAnswer, RuntimeError, rospy.ServiceException) as error:
             bad += 1
             print(f"{name:40} BAD   no valid run: {error}", flush=True)
         finally:
+            attacks_on_disk.let_go(session)
             session.stop()
+            if not is_alive(master.process):
+                master.start()
     master.stop()
     print(f"{len(names) - bad} of {len(names)} good")
     return 1 if bad else 0
+
+
+def session_for(name, folder, options, files):
+    """A robot of its own for the attack, as it needs it."""
+    needs = getattr(ATTACKS[name], "needs", {})
+    own = folder / name
+    if own.exists():
+        shutil.rmtree(own)
+    own.mkdir(parents=True)
+    if "hardware" in needs:
+        hardware = own / "hardware.yaml"
+        content = yaml.safe_load(files["hardware"].read_text(encoding="utf-8"))
+        hardware.write_text(yaml.safe_dump({**content, **needs["hardware"]}))
+        files = {**files, "hardware": hardware}
+    session = Session(own, options.programs, files, options.silence_ms, os.geteuid() == 0, program="controller")
+    session.parameters = needs.get("parameters", {})
+    if needs.get("preload"):
+        session.environment.update(attacks_on_disk.preload(session))
+    return session
 
 
 if __name__ == "__main__":

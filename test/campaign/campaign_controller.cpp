@@ -32,15 +32,13 @@ simulation::RobotImage& image() {
   return memory->image();
 }
 
-rt::TypeFactory
-productTypes(const mechanism::Robot& robot, const control::HardwareFile& hardware, hardware::AxisBus& bus, const control::AxisValues& lengths_at_start) __asm__(
-    "__real__ZN10knee_robot14componentTypesB5cxx11ERKNS_5RobotERKNS_12HardwareFileERNS_"
-    "8hardware7AxisBusERKSt5arrayIdLm4EE");
+rt::TypeFactory productTypes(const mechanism::Robot& robot, const control::HardwareFile& hardware,
+                             hardware::AxisBus& bus,
+                             const control::AxisValues& lengths_at_start) __asm__("__real_" KNEE_FACTORY);
 
-rt::TypeFactory
-campaignTypes(const mechanism::Robot& robot, const control::HardwareFile& hardware, hardware::AxisBus& bus, const control::AxisValues& lengths_at_start) __asm__(
-    "__wrap__ZN10knee_robot14componentTypesB5cxx11ERKNS_5RobotERKNS_12HardwareFileERNS_"
-    "8hardware7AxisBusERKSt5arrayIdLm4EE");
+rt::TypeFactory campaignTypes(const mechanism::Robot& robot, const control::HardwareFile& hardware,
+                              hardware::AxisBus& bus,
+                              const control::AxisValues& lengths_at_start) __asm__("__wrap_" KNEE_FACTORY);
 
 rt::TypeFactory campaignTypes(const mechanism::Robot& robot, const control::HardwareFile& hardware,
                               hardware::AxisBus& bus, const control::AxisValues& lengths_at_start) {

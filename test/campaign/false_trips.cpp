@@ -4,11 +4,13 @@
 #include <unistd.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <map>
 #include <random>
 #include <set>
+#include <vector>
 
 #include "../control/some_model.h"
 #include "knee_robot/base/errors.h"
@@ -117,6 +119,25 @@ class Rig {
     return system->loadReference(reference).ok && system->play().ok;
   }
 
+  /// All legs to and fro in 12 s with periods of their own, height constant: many turning points.
+  bool swing() {
+    const std::optional<TrackingRow> row = system->snapshot();
+    const mechanism::Lengths from(row->reference_m.data());
+    const mechanism::Lengths beside = from - mechanism::legLengths(*robot.mechanism, home);
+    const auto wave = [](int k, double period_s) { return 0.5 * (1.0 - std::cos(2.0 * M_PI * 0.01 * k / period_s)); };
+    trajectory::Reference reference;
+    reference.name = "swing";
+    reference.points.resize(1201, 4);
+    for (int k = 0; k <= 1200; ++k) {
+      mechanism::Pose pose = home;
+      pose[0] += 0.07 * wave(k, 2.4);
+      pose[2] += 0.09 * wave(k, 3.0);
+      pose[3] += 0.10 * wave(k, 2.0);
+      reference.points.row(k) = (mechanism::legLengths(*robot.mechanism, pose) + beside).transpose();
+    }
+    return system->loadReference(reference).ok && system->play().ok;
+  }
+
   mechanism::Robot robot;
   simulation::RobotImage image;
   simulation::RobotSimulation plant;
@@ -182,7 +203,8 @@ void use(const std::string& robot, const Machine& machine, double hours, unsigne
     }
     system.waitFor(MachineState::Holding, 120.0);
     system.setSpeed(100.0);
-    system.run(share(random) < 0.2 ? 20.0 * share(random) : share(random));
+    const double rest = share(random);  // now and then one that lasts
+    system.run(rest < 0.01 ? 200.0 : rest < 0.2 ? 20.0 * share(random) : share(random));
     if (share(random) < 0.05) system.disable();
     const ControlStatus status = system.status();
     if (status.state == MachineState::Faulted || status.state == MachineState::SafeStopping) {
@@ -219,7 +241,7 @@ int countTrips(const std::string& robot, double hours, unsigned seed) {
 }
 
 /// Where the encoder dies.
-enum class When { AtRest, AtRestThenPush, Moving, AtTheTurn };
+enum class When { AtRest, AtRestThenPush, Moving, AtTheTurn, Swinging };
 
 struct Outcome {
   std::string fault;
@@ -241,6 +263,10 @@ Outcome freeze(const std::string& robot, const Machine& machine, std::size_t axi
       rig.play(rig.home, 4.0);  // down again, and blind from its begin on
       rig.system->run(0.02 * wait_s);
     }
+  }
+  if (when == When::Swinging) {
+    rig.swing();
+    rig.system->run(wait_s);
   }
   const double height = rig.plant.state().pose[1], began = rig.plant.time();
   rig.lowest = height;
@@ -273,8 +299,16 @@ int freezeAll(const std::string& robot) {
                         {"at rest, 150 N after 0.5 s", When::AtRestThenPush, 150.0, 0.5},
                         {"moving up, fast", When::Moving, 0.0, 0.0},
                         {"at the begin of the way down", When::AtTheTurn, 0.0, 0.0},
-                        {"just after it", When::AtTheTurn, 0.0, 20.0}};
+                        {"just after it", When::AtTheTurn, 0.0, 20.0},
+                        {"anywhere on a path of turning points", When::Swinging, 0.0, 0.5},
+                        {"anywhere on a path of turning points", When::Swinging, 0.0, 1.07},
+                        {"anywhere on a path of turning points", When::Swinging, 0.0, 1.55},
+                        {"anywhere on a path of turning points", When::Swinging, 0.0, 2.9},
+                        {"anywhere on a path of turning points", When::Swinging, 0.0, 5.15}};
   int bad = 0, all = 0;
+  std::vector<std::string> order;
+  std::map<std::string, std::vector<double>> sinks_mm;
+  std::map<std::string, int> names;
   std::printf(
       "| encoder dies (robot %s) | machine | axis | cause | after ms | sinks mm |\n| --- | --- | --- | --- | --- | --- "
       "|\n",
@@ -288,12 +322,26 @@ int freezeAll(const std::string& robot) {
         const bool good = named && o.sinks_m < 0.005;
         ++all;
         bad += !good;
+        if (sinks_mm.count(one.what) == 0) order.emplace_back(one.what);
+        sinks_mm[one.what].push_back(1e3 * o.sinks_m);
+        names[one.what] += o.fault == "encoder_frozen" ? 1 : 0;
         std::printf("| %s | %s | %zu | %s | %.0f | %s%.1f%s |\n", one.what, machine.name, axis + 1,
                     o.fault.empty() ? "none" : o.fault.c_str(), 1e3 * o.after_s, good ? "" : "**", 1e3 * o.sinks_m,
                     good ? "" : "**");
         std::fflush(stdout);
       }
     }
+  }
+  std::printf(
+      "\n| encoder dies | runs | named `encoder_frozen` | sinks, median / largest mm | above 5 mm |\n| --- | --- | --- "
+      "| "
+      "--- | --- |\n");
+  for (const std::string& what : order) {
+    std::vector<double>& sinks = sinks_mm[what];
+    std::sort(sinks.begin(), sinks.end());
+    const auto above = std::count_if(sinks.begin(), sinks.end(), [](double mm) { return mm > 5.0; });
+    std::printf("| %s | %zu | %d | %.1f / %.1f | %td |\n", what.c_str(), sinks.size(), names[what],
+                sinks[sinks.size() / 2], sinks.back(), above);
   }
   std::printf("\n%d of %d with less than 5 mm, named encoder_frozen (or nothing moved and nobody pushed)\n", all - bad,
               all);

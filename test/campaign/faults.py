@@ -18,6 +18,7 @@ DOWN = "guardian brings down"     # the controller is dead or fenced out
 DISABLED = "safe stop, disabled"  # asked for
 GOES_ON = "goes on"               # nothing may happen to the movement
 CARRIED = "the drives carry on"   # a brake slipped: safe_stopping with its fault until somebody supports the platform
+STRANDED = "outputs cannot be written"  # the controller says so and keeps the last force; the brakes are the heartbeat relay's, where there is one
 
 
 @dataclasses.dataclass
@@ -27,7 +28,7 @@ class Fault:
     outcome: str = SAFE_STOP
     causes: tuple = ()                # names of which one has to be reported; () with GOES_ON and DISABLED: none may be
     process_death: bool = False       # counts for the 20 ms after a death
-    hold_works: bool = True           # a brake holds: the drop counts for the 5 mm
+    brakes_can_be_ordered: bool = True  # somebody is left who can; counts for the targets all the same
     after: Callable = None            # after(run): further checks; returns a sentence about what is wrong, or None
     simulation: dict = dataclasses.field(default_factory=dict)  # changes to the simulation file
     fresh: bool = False               # needs a robot of its own
@@ -174,7 +175,7 @@ def per_channel():
             yield Fault(f"encoder_{kind}_{axis}", inject("encoder_" + kind, axis, size.get(kind, 0.0)), causes=names)
     for axis in range(1, 5):
         yield Fault(f"dac_stuck_{axis}", inject("converter_stuck", axis), causes=("following_error", "runaway", "saturated", "stalled",
-                                                                                 "velocity_limit", "acceleration_limit"))
+                                                                                 "velocity_limit", "acceleration_limit", "axis_blocked"))
 
 
 def processes():
@@ -190,7 +191,7 @@ def processes():
     yield Fault("guardian_killed", kill_guardian, causes=("guardian_silent",), after=restart_guardian, observe_s=1.6)
     yield Fault("guardian_stopped_for_a_while", stop_guardian_for_a_while, causes=("guardian_silent",), observe_s=0.5)
     yield Fault("guardian_killed_then_controller", kill_both_and_restart, process_death=False, outcome=DOWN, causes=("has died",),
-                hold_works=False, fresh=True, observe_s=3.0)
+                brakes_can_be_ordered=False, fresh=True, observe_s=3.0)
     yield Fault("guardian_killed_then_controller_with_relay", kill_both, outcome=DOWN, causes=(), fresh=True,
                 simulation=RELAY)
     yield Fault("master_killed", kill_master, outcome=DISABLED, after=restart_master, observe_s=6.0)  # after master_timeout_s
@@ -225,16 +226,16 @@ def components():
 
 def machine():
     yield Fault("dac_write_error", inject("analog_card_lost"), causes=("output_lost",))
-    yield Fault("counter_card_lost", inject("counter_card_lost"), causes=("measurement_lost", "output_lost"), hold_works=False)
-    yield Fault("counter_card_lost_with_relay", inject("counter_card_lost"), causes=("measurement_lost", "output_lost"), fresh=True,
-                simulation=RELAY)
+    yield Fault("counter_card_lost", inject("counter_card_lost"), causes=("output_lost", "measurement_lost"), outcome=STRANDED, brakes_can_be_ordered=False)
+    yield Fault("counter_card_lost_with_relay", inject("counter_card_lost"), causes=("output_lost", "measurement_lost"), outcome=STRANDED,
+                fresh=True, simulation=RELAY)
     yield Fault("drive_power_lost", inject("drive_dead"), causes=("following_error", "stalled", "runaway", "velocity_limit",
                                                                   "acceleration_limit"))
     yield Fault("drive_power_lost_1", inject("drive_dead", 1), causes=("following_error", "stalled", "runaway", "velocity_limit",
-                                                                      "acceleration_limit"))
+                                                                      "acceleration_limit", "axis_blocked"))
     yield Fault("drive_reversed_2", inject("drive_reversed", 2), causes=("runaway", "following_error", "velocity_limit",
                                                                         "acceleration_limit", "saturated"))
-    yield Fault("brake_closes_3", inject("hold_closed", 3), causes=("following_error", "stalled", "saturated", "acceleration_limit"))
+    yield Fault("brake_closes_3", inject("hold_closed", 3), causes=("axis_blocked", "following_error", "stalled", "saturated", "acceleration_limit"))
     yield Fault("brake_does_not_engage_4", disable_with_open_brake(4), outcome=CARRIED, causes=("hold_device_slips",), fresh=True)
     yield Fault("no_brake_engages", disable_with_open_brake(0), outcome=CARRIED, causes=("hold_device_slips",), fresh=True)
     yield Fault("emergency_stop_button", inject("emergency_stop"), causes=("emergency_stop",))
@@ -258,12 +259,13 @@ def at_rest():
         for wait_s, when in ((2.5, "then"), (0.02, "at_once")):
             yield Fault(f"encoder_frozen_{axis}_at_rest_{when}_150_N", then_push("encoder_frozen", axis, 150.0, wait_s),
                         causes=("encoder_frozen",), at_rest=True, observe_s=4.0)
-    yield Fault("brake_closed_3_at_rest_then_150_N", then_push("hold_closed", 3, 150.0, 1.0), causes=("encoder_frozen", "stalled"),
+    yield Fault("brake_closed_3_at_rest_then_150_N", then_push("hold_closed", 3, 150.0, 1.0), causes=("axis_blocked", "encoder_frozen", "stalled"),
                 at_rest=True, observe_s=4.0)
     yield Fault("drive_power_lost_at_rest", inject("drive_dead"), causes=("following_error", "stalled", "runaway", "velocity_limit",
                                                                           "acceleration_limit"), at_rest=True)
     yield Fault("emergency_stop_button_at_rest", inject("emergency_stop"), causes=("emergency_stop",), at_rest=True)
-    yield Fault("counter_card_lost_at_rest", inject("counter_card_lost"), causes=("measurement_lost", "output_lost"), at_rest=True, fresh=True)
+    yield Fault("counter_card_lost_at_rest", inject("counter_card_lost"), causes=("output_lost", "measurement_lost"), outcome=STRANDED,
+                brakes_can_be_ordered=False, at_rest=True, fresh=True)
     yield Fault("analog_card_lost_at_rest", inject("analog_card_lost"), causes=("output_lost",), at_rest=True)
     yield Fault("controller_killed_at_rest", send(signal.SIGKILL), outcome=DOWN, causes=("has died", "is silent"), process_death=True,
                 at_rest=True)
@@ -307,4 +309,4 @@ def all_faults():
     return sorted(faults, key=lambda fault: (fault.on_can, fault.fresh))
 
 
-__all__ = ["all_faults", "Fault", "is_alive", "SAFE_STOP", "DOWN", "DISABLED", "GOES_ON", "CARRIED"]
+__all__ = ["all_faults", "Fault", "is_alive", "SAFE_STOP", "DOWN", "DISABLED", "GOES_ON", "CARRIED", "STRANDED"]

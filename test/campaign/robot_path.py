@@ -11,6 +11,7 @@ DURATION_S = 12.0
 # Where the movement goes to and fro about: X (m), theta, psi (rad).
 LARGEST = (0.08, 0.10, 0.12)
 HOME = (0.0, 0.0, 0.0)
+MARGIN_M = 0.001  # from the ends of the strokes
 
 
 class Geometry:
@@ -51,12 +52,21 @@ def movement(geometry, pose, lengths):
     amplitude = [-math.copysign(largest, now - home)
                  for largest, now, home in zip(LARGEST, (x, theta, psi), HOME)]
     correction = np.asarray(lengths) - geometry.lengths(pose)
-    points = []
-    for k in range(int(round(DURATION_S / PERIOD_S)) + 1):
-        s = [0.5 * (1.0 - math.cos(2.0 * math.pi * k * PERIOD_S / cycle)) for cycle in CYCLES_S]
-        at = (x + s[0] * amplitude[0], z, theta + s[1] * amplitude[1], psi + s[2] * amplitude[2])
-        points.append(geometry.lengths(at) + correction)
-    return np.array(points)
+
+    def with_share(share):
+        points = []
+        for k in range(int(round(DURATION_S / PERIOD_S)) + 1):
+            s = [0.5 * share * (1.0 - math.cos(2.0 * math.pi * k * PERIOD_S / cycle)) for cycle in CYCLES_S]
+            at = (x + s[0] * amplitude[0], z, theta + s[1] * amplitude[1], psi + s[2] * amplitude[2])
+            points.append(geometry.lengths(at) + correction)
+        return np.array(points)
+
+    points = with_share(1.0)
+    for share in (0.9, 0.8, 0.7, 0.6, 0.5):  # a robot with less room
+        if np.all(points > geometry.shortest + MARGIN_M) and np.all(points < geometry.longest - MARGIN_M):
+            break
+        points = with_share(share)
+    return points
 
 
 def write(path, points):

@@ -8,7 +8,7 @@ import numpy as np
 
 import robot_path
 import truth
-from faults import CARRIED, DISABLED, DOWN, GOES_ON, SAFE_STOP
+from faults import CARRIED, DISABLED, DOWN, GOES_ON, SAFE_STOP, STRANDED
 from recording import Recording
 from session import NoAnswer, is_alive
 
@@ -152,6 +152,9 @@ class Run:
             result["held_ms"] = 1e3 * float(after["monotonic_s"][min(len(after) - 1, free[-1] + 1) if len(free) else 0] - at)
         # With a relay the outputs may stay as they were and the power goes all the same.
         result["outputs_down_ms"] = first(unpowered) if np.any(unpowered) else first(after["drives"] == 0)
+        # Carried by the drives, because a brake slips: they are on and the platform stands.
+        result["carried"] = bool(self.fault.outcome == CARRIED and np.all(after["drives"][-20:] == 15)
+                                 and abs(after["pose"][-1][1] - after["pose"][-200][1]) < 1e-4)
         result["drop_mm"] = 1e3 * float(before["pose"][-1][1] - np.min(after["pose"][:, 1]))
         result["enable_sag_mm"] = self.sag_mm
         self.begins = [result["outputs_down_ms"]]
@@ -202,6 +205,8 @@ class Run:
         good = self.cause in self.fault.causes if self.fault.causes else self.cause in ("", "none")
         if self.fault.outcome == SAFE_STOP:
             good = good and self.state == "faulted"
+        if self.fault.outcome == STRANDED:
+            good = good and self.state in ("faulted", "safe_stopping")
         if self.fault.outcome == CARRIED:
             good = good and self.state == "safe_stopping"
         if self.fault.outcome == DISABLED:

@@ -79,6 +79,7 @@ class Session:
             one.mkdir(parents=True, exist_ok=True)
         self.robot = self.guardian = self.controller = None
         self.others = []
+        self.parameters = {}  # of the controller, beside its own
         self.kept = {}
         self.pool = concurrent.futures.ThreadPoolExecutor(max_workers=16)
         self.environment = dict(os.environ, KNEE_CAMPAIGN_SHM=self.shm)
@@ -100,7 +101,7 @@ class Session:
     def controller_command(self, name="controller", program="campaign_controller"):
         parameters = {"robot": self.files["robot"], "hardware": self.files["hardware"], "deployment": self.files["deployment"],
                       "shm": self.shm, "guardian": self.shm + "_guardian", "references": self.references,
-                      "recordings": self.recordings, "can": self.bus, "master_timeout_s": 2.0, "empty": "true"}
+                      "recordings": self.recordings, "can": self.bus, "master_timeout_s": 2.0, "empty": "true", **self.parameters}
         return [self.programs / program, f"__name:={name}"] + [f"_{key}:={value}" for key, value in parameters.items()]
 
     def start_controller(self):

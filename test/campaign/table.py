@@ -24,6 +24,11 @@ def quantile(values, share):
     return ordered[min(len(ordered) - 1, int(share * len(ordered)))]
 
 
+def is_held(run):
+    """By the brakes, or, where one of them slips, by the drives."""
+    return run["held_ms"] is not None or run.get("carried", False)
+
+
 def verdict(fault, runs):
     """What is wrong with the runs of one fault; empty: nothing."""
     found = []
@@ -36,10 +41,9 @@ def verdict(fault, runs):
     note("recording", sum(bool(r["recording"]) for r in runs if not fault.name.startswith("disk_full")))
     note("above clamp", sum(r["above_clamp_V"] > 0.0 for r in runs))
     note("beyond limits", sum(r["beyond_limits_mm"] > 0.0 for r in runs))
-    if fault.hold_works:
-        note("drop", sum(r["drop_mm"] > DROP_MM for r in runs))
     if fault.outcome != GOES_ON:
-        note("not held", sum(r["held_ms"] is None for r in runs))
+        note("drop", sum(r["drop_mm"] > DROP_MM for r in runs))
+        note("not held", sum(not is_held(r) for r in runs))
     if fault.process_death:
         note("later than 20 ms", sum(r["stop_begins_ms"] is None or r["stop_begins_ms"] > DEATH_MS for r in runs))
     note("other", sum(bool(r["wrong"]) for r in runs))
@@ -75,7 +79,7 @@ def summary(results, faults):
     deaths = [r["stop_begins_ms"] for r in runs if by_name[r["fault"]].process_death]
     deaths_known = [d for d in deaths if d is not None]
     stops = [r for r in runs if by_name[r["fault"]].outcome != GOES_ON]
-    braked = [r for r in stops if by_name[r["fault"]].hold_works]
+    left = [r for r in stops if by_name[r["fault"]].brakes_can_be_ordered]
     disk = [r for r in runs if not r["fault"].startswith("disk_full")]
     lines = ["| target | result |", "| --- | --- |",
              f"| no output above its clamp, ever | {sum(r['above_clamp_V'] > 0 for r in runs)} of {len(runs)} runs above |",
@@ -83,13 +87,15 @@ def summary(results, faults):
     if deaths_known:
         lines.append(f"| stop begun within 20 ms of a process death (95 %) | 95 %: {quantile(deaths_known, 0.95):.1f} ms, "
                      f"median {statistics.median(deaths_known):.1f} ms, largest {max(deaths_known):.1f} ms of {len(deaths)} |")
-    if braked:
-        lines.append(f"| drop below 5 mm with a brake | largest {max(r['drop_mm'] for r in braked):.2f} mm; "
-                     f"{sum(r['drop_mm'] > DROP_MM for r in braked)} of {len(braked)} above |")
+    if stops:
+        lines.append(f"| drop below 5 mm | {sum(r['drop_mm'] > DROP_MM for r in stops)} of {len(stops)} above; "
+                     f"where somebody is left who can order the brakes, {sum(r['drop_mm'] > DROP_MM for r in left)} of {len(left)}, "
+                     f"largest {max((r['drop_mm'] for r in left), default=0.0):.2f} mm |")
     lines += [f"| cause named correctly in all | {sum(r['cause_right'] for r in runs)} of {len(runs)}; "
               f"by its own name, not only by what it led to, {sum(r['cause_right'] and named_itself(by_name[r['fault']], r) for r in runs)} |",
               f"| sinking when the brakes open (no target) | largest {max((r['enable_sag_mm'] for r in runs), default=0.0):.2f} mm |",
-              f"| axes held in the end | {sum(r['held_ms'] is not None for r in stops)} of {len(stops)} |",
+              f"| axes held in the end, or carried where a brake slips | {sum(is_held(r) for r in stops)} of {len(stops)}; "
+              f"where somebody is left who can order the brakes, {sum(is_held(r) for r in left)} of {len(left)} |",
               f"| recording intact | {sum(not r['recording'] for r in disk)} of {len(disk)} |"]
     return lines
 

@@ -1,118 +1,11 @@
 // The whole controller on the simulated robot A, stepped. At rest nobody is shaken while nothing happens, and a push finds a dead encoder.
 // With a model it says who pushes, what is carried, whose friction has changed, and whether the model still holds.
-#include <gtest/gtest.h>
-#include <unistd.h>
-
-#include <algorithm>
-#include <cmath>
-#include <cstdio>
-#include <fstream>
-#include <memory>
-#include <set>
-
-#include "knee_robot/control/control_system.h"
-#include "knee_robot/control/disturbance_sentences.h"
-#include "knee_robot/dynamics/robot_inertia.h"
-#include "knee_robot/simulation/robot_simulation.h"
-#include "knee_robot/simulation/simulated_cards.h"
-#include "some_model.h"
+#include "holding_robot.h"
 
 namespace knee_robot::control {
 namespace {
 
-std::string file(const std::string& name) {
-  return std::string(KNEE_SOURCE_DIR) + "/" + name;
-}
-
-struct Truth {
-  bool model = false;  // the controller has one of 150 N s/m, 15 N (leg 4: 60 N)
-  double payload_kg = 0.0;
-  double friction_3 = 1.0;   // times what the model knows
-  double coulomb_4_N = 0.0;  // instead of the simulation file's
-};
-
-simulation::SimulationParameters parameters(const Truth& truth) {
-  simulation::SimulationParameters all = simulation::loadSimulationParameters(file("config/simulation/A.yaml"));
-  if (truth.payload_kg > 0.0) all.payload = simulation::Payload{truth.payload_kg, {0.0, 0.0, 0.05}, 0.1};
-  for (auto& axis : all.axes)
-    axis.viscous_N_s_per_m = 150.0;
-  all.axes[2].viscous_N_s_per_m *= truth.friction_3;
-  all.axes[2].coulomb_N *= truth.friction_3;
-  if (truth.coulomb_4_N > 0.0) all.axes[3].coulomb_N = truth.coulomb_4_N;
-  return all;
-}
-
-struct HoldingRobot {
-  explicit HoldingRobot(const Truth& truth = {})
-      : robot(mechanism::loadRobot(file("config/robots/A.yaml"))),
-        plant(robot, dynamics::loadRobotInertia(robot), parameters(truth), image),
-        bus(simulation::openImageCards(image)) {
-    ControlSystem::Options options;
-    options.empty = true;
-    options.execution = rt::Execution::Stepped;
-    const std::string path = ::testing::TempDir() + "disturbance_" + std::to_string(::getpid()) + ".yaml";
-    if (truth.model) {
-      dynamics::Model model = fake::modelOf(robot, 150.0, 15.0, 60.0);
-      for (std::size_t i = 0; i < 4; ++i)
-        model.parameters[dynamics::extended::kRotor + i].value = 5.6;
-      dynamics::saveModel(model, path);
-      options.model = path;
-    }
-    system = std::make_unique<ControlSystem>(robot, loadHardwareFile(file("config/hardware/simulated.yaml")),
-                                             file("config/deployment/simulation.yaml"), *bus, options);
-    std::remove(path.c_str());
-    system->setPlant([this](rt::Nanoseconds time) {
-      while (plant.time() + 0.0005 < 1e-9 * static_cast<double>(time))
-        plant.step(0.001);
-      lowest = std::min(lowest, plant.state().pose[1]);
-    });
-    EXPECT_TRUE(system->start().ok);
-    EXPECT_TRUE(system->enable().ok);
-    system->run(3.0);  // every encoder has been asked once
-  }
-  void freeze(std::size_t axis) {
-    image.faults.encoder[axis].store(static_cast<std::uint8_t>(simulation::EncoderFault::Frozen));
-  }
-  /// Up and down by 60 mm, four times, in 8 s each.
-  void play(int points = 800) {
-    trajectory::Reference reference;
-    reference.name = "up_and_down";
-    const mechanism::Pose home = plant.state().pose;
-    reference.points.resize(4 * points + 1, 4);
-    for (int k = 0; k <= 4 * points; ++k) {
-      mechanism::Pose pose = home;
-      pose[1] += 0.03 * (1.0 - std::cos(2.0 * M_PI * k / points));
-      reference.points.row(k) = mechanism::legLengths(*robot.mechanism, pose).transpose();
-    }
-    // The first point is where the Drivers hold, not where the axes stick.
-    reference.points.row(0) = reference.points.row(4 * points);
-    ASSERT_TRUE(system->loadReference(reference).ok);
-    ASSERT_TRUE(system->play().ok);
-  }
-  /// Everything that was said within `seconds`, each sentence without its numbers once.
-  std::set<std::string> said(double seconds) {
-    std::set<std::string> all;
-    for (int k = 0; k < static_cast<int>(1000 * seconds); ++k) {
-      system->step();
-      const std::optional<Disturbance> now = system->disturbance();
-      if (!now) continue;
-      for (const Notice& notice : noticesOf(*now)) {
-        last = notice.sentence;
-        all.insert(notice.sentence.substr(0, notice.sentence.find(" about ")));
-      }
-    }
-    return all;
-  }
-  void push(double newton) { image.surroundings.pose_force[1].store(-newton); }
-
-  mechanism::Robot robot;
-  simulation::RobotImage image;
-  simulation::RobotSimulation plant;
-  std::unique_ptr<hardware::AxisBus> bus;
-  std::unique_ptr<ControlSystem> system;
-  double lowest = 10.0;
-  std::string last;
-};
+using namespace holding;
 
 TEST(Disturbance, NobodyIsShakenWhileNothingHappens) {
   HoldingRobot robot;
@@ -124,6 +17,21 @@ TEST(Disturbance, NobodyIsShakenWhileNothingHappens) {
   }
   EXPECT_LT(farthest, 2e-5) << "m, rad; in 20 s";
   EXPECT_EQ(robot.system->state(), MachineState::Holding);
+}
+
+TEST(Disturbance, DeclaringAPayloadAtRestPushesNobody) {
+  HoldingRobot robot;
+  AxisValues before = robot.system->snapshot()->force_N;
+  ASSERT_TRUE(robot.system->setProperty("Feedforward", "payload_kg", "10").ok);
+  double largest_N = 0.0;
+  for (int k = 0; k < 4000; ++k) {
+    robot.system->step();
+    const AxisValues now = robot.system->snapshot()->force_N;
+    for (std::size_t i = 0; i < hardware::kAxes; ++i)
+      largest_N = std::max(largest_N, std::abs(now[i] - before[i]));
+    before = now;
+  }
+  EXPECT_LT(largest_N, 5.0) << "from one cycle to the next";
 }
 
 TEST(Disturbance, APushOf150NewtonFindsAnyFrozenEncoderBeforeThePlatformHasSunkBy5Millimetres) {

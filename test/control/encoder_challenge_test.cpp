@@ -100,8 +100,8 @@ TEST(EncoderChallenge, ASingleCountIsAskedAgainAndNotCondemnedAtOnce) {
 TEST(StandingAxis, CountsUpAndDownAreDitherAndCountsOneWayAreNot) {
   StandingAxis dithers, moves;
   for (int k = 0; k < 40; ++k) {
-    dithers.step(0.001, k % 2, 0.0);
-    moves.step(0.001, k / 10, 0.0);
+    dithers.step(0.001, k % 2, 0.0, 0.0);
+    moves.step(0.001, k / 10, 0.0, 0.0);
   }
   EXPECT_EQ(dithers.dithers(), 1);
   EXPECT_EQ(moves.dithers(), 0);
@@ -110,20 +110,37 @@ TEST(StandingAxis, CountsUpAndDownAreDitherAndCountsOneWayAreNot) {
 TEST(StandingAxis, ForceThatGrowsWithoutACountIsSeenAndMovingOnForgetsIt) {
   StandingAxis axis;
   for (int k = 0; k < 100; ++k)
-    axis.step(0.001, 3, 0.1 * k);
+    axis.step(0.001, 3, 0.0, 0.1 * k);
   EXPECT_NEAR(axis.changed_N(), 9.9, 0.11);
-  axis.step(0.001, 3 + StandingAxis::kDither + 1, 10.0);
+  axis.step(0.001, 3 + StandingAxis::kDither + 1, 0.0, 10.0);
   EXPECT_LT(axis.changed_N(), 0.2);
 }
 
 TEST(StandingAxis, AnAxisThatMovesOnNeedsNoQuestionAndOneThatDithersDoes) {
   StandingAxis moves, dithers;
   for (int k = 0; k < 40; ++k) {
-    moves.step(0.001, k / 3, 0.0);
-    dithers.step(0.001, 6 * (k % 2), 0.0);
+    moves.step(0.001, k / 3, 0.0, 0.0);
+    dithers.step(0.001, 6 * (k % 2), 0.0, 0.0);
   }
   EXPECT_TRUE(moves.counts());
   EXPECT_FALSE(dithers.counts());
+}
+
+TEST(StandingAxis, IsOverdueWhenTheReferenceGoesOnWithoutACountAndNotWhenItFollows) {
+  constexpr double kCount_m = 2e-5;
+  StandingAxis stands, follows, rests;
+  bool overdue = false, followed_overdue = false;
+  for (int k = 0; k < 60; ++k) {
+    const double reference = 2e-5 * k;  // a count each millisecond
+    stands.step(0.001, 7, reference, 0.0);
+    follows.step(0.001, std::max(0, k - 6), reference, 0.0);  // some counts behind
+    rests.step(0.001, 7, 0.0, 0.0);
+    overdue = overdue || (stands.isOverdue(kCount_m) && k < 15);
+    followed_overdue = followed_overdue || follows.isOverdue(kCount_m);
+  }
+  EXPECT_TRUE(overdue) << "within 15 ms";
+  EXPECT_FALSE(followed_overdue);
+  EXPECT_FALSE(rests.isOverdue(kCount_m));
 }
 
 struct RestingRobot {

@@ -195,11 +195,16 @@ TEST_P(HiddenFault, IsFoundWithFeedforwardAsWithout) {
       {"encoder counts backwards", turn, {Fault::Runaway, Fault::FollowingError, Fault::EncoderFrozen}, 0.55, 0.005},
       {"drive without power",
        kill,
-       {Fault::Runaway, Fault::FollowingError, Fault::EncoderFrozen, Fault::Stalled, Fault::Saturated},
+       {Fault::Runaway, Fault::AxisBlocked, Fault::FollowingError, Fault::EncoderFrozen, Fault::Stalled,
+        Fault::Saturated},
        2.5,
        0.023},
       {"drive reversed", reverse, {Fault::Runaway, Fault::FollowingError, Fault::AccelerationLimit}, 0.3, 0.009},
-      {"brake closed", block, {Fault::EncoderFrozen, Fault::FollowingError, Fault::Stalled}, 2.2, 0.011}};
+      {"brake closed",
+       block,
+       {Fault::AxisBlocked, Fault::EncoderFrozen, Fault::FollowingError, Fault::Stalled},
+       2.2,
+       0.011}};
   for (const Case& one : cases) {
     for (const std::size_t axis : {std::size_t{0}, std::size_t{3}}) {
       for (const double when : {2.0, 3.8, 4.1}) {

@@ -4,6 +4,7 @@
 #include <stdlib.h>
 
 #include <filesystem>
+#include <fstream>
 
 #include "knee_robot/base/files.h"
 #include "knee_robot/control/control_system.h"
@@ -96,6 +97,22 @@ TEST_F(Occupancies, ARestartWithoutThePatientsFileMovesNothingAndSaysWhy) {
   const Answer refused = again.system->enable();
   EXPECT_FALSE(refused.ok);
   EXPECT_NE(refused.sentence.find("p17.yaml"), std::string::npos) << refused.sentence;
+}
+
+TEST_F(Occupancies, APatientsFileThatHasChangedMeanwhileMovesNothingUntilItIsLoadedAgain) {
+  {
+    Controller controller(memory(), true);
+    ASSERT_TRUE(controller.system->loadPatient(patient).ok);
+  }
+  {
+    std::ofstream(patient, std::ios::app) << "# wider, by somebody\n";
+    Controller again(memory(), true);
+    const Answer refused = again.system->enable();
+    EXPECT_FALSE(refused.ok);
+    EXPECT_NE(refused.sentence.find("is not what it was"), std::string::npos) << refused.sentence;
+    ASSERT_TRUE(again.system->loadPatient(patient).ok);
+  }
+  EXPECT_EQ(Controller(memory(), true).system->status().patient, "17");
 }
 
 TEST_F(Occupancies, ClearingThePatientLeavesARobotThatDoesNotMoveNowAndAfterARestart) {

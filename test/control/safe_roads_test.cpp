@@ -47,7 +47,7 @@ const std::vector<Road>& roads() {
        Fault::Overrun, true},
       {"DriverStopped", [](Rig& rig) { rig.system.deployment().component("Driver2")->stop(); }, Fault::ComponentStopped,
        false, 3e-3},
-      {"BlockedHard", [](Rig& rig) { rig.machine.axes[1].jammed = true; }, Fault::EncoderFrozen, false, 3e-3},
+      {"BlockedHard", [](Rig& rig) { rig.machine.axes[1].jammed = true; }, Fault::AxisBlocked, false, 3e-3},
       {"HandSwitch", [](Rig& rig) { rig.machine.inputs = 0xd; }, Fault::HandSwitch, true},
       {"EmergencyStopsInput", [](Rig& rig) { rig.machine.inputs = 0xe; }, Fault::EmergencyStop, false, 3e-3},
       {"MonitorsException", [](Rig& rig) { rig.injection.throws = "Monitors"; }, Fault::ComponentException, true},
@@ -66,8 +66,9 @@ const std::vector<Road>& roads() {
          rig.injection.silent = "Sync";
        },
        Fault::SetPointStale, true},
-      {"EncoderFrozen", [](Rig& rig) { rig.machine.axes[0].encoder_frozen = true; }, Fault::EncoderFrozen, false, 3e-3},
-      {"EncoderFrozenOnTheHeavyAxis", [](Rig& rig) { rig.machine.axes[3].encoder_frozen = true; }, Fault::EncoderFrozen,
+      // The axes of the fake machine do not feel each other: no other axis says that this one moves.
+      {"EncoderFrozen", [](Rig& rig) { rig.machine.axes[0].encoder_frozen = true; }, Fault::AxisBlocked, false, 3e-3},
+      {"EncoderFrozenOnTheHeavyAxis", [](Rig& rig) { rig.machine.axes[3].encoder_frozen = true; }, Fault::AxisBlocked,
        false, 3e-3},
       {"EncoderJumped", [](Rig& rig) { rig.machine.axes[2].encoder_offset_m = 0.01; }, Fault::EncoderJump, false, 3e-3},
       {"EncoderJumpedBack", [](Rig& rig) { rig.machine.axes[1].encoder_offset_m = -0.004; }, Fault::EncoderJump, false,
@@ -119,7 +120,7 @@ Wires wiresAfter(const Machine& machine, double from) {
 
 /// Faults that show only in the motion that follows from their cause.
 bool needsTime(Fault fault) {
-  return fault == Fault::EncoderFrozen || fault == Fault::Runaway;
+  return fault == Fault::AxisBlocked || fault == Fault::Runaway;
 }
 
 HardwareFile withInputs() {

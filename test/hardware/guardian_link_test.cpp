@@ -4,6 +4,9 @@
 #include <sys/mman.h>
 #include <unistd.h>
 
+#include <atomic>
+#include <thread>
+
 #include "card_bench.h"
 #include "knee_robot/base/errors.h"
 #include "knee_robot/hardware/guarded_bus.h"
@@ -48,6 +51,29 @@ TEST(GuardianLink, RefusesWhatIsNone) {
   {
     simulation::SharedImage image = simulation::SharedImage::create(name);
     EXPECT_THROW(SharedGuardianLink::open(name), InputError);
+  }
+}
+
+TEST(GuardedBus, RefusesAGuardianOfAnotherMachine) {
+  EXPECT_NE(machineMark("pci 0 0"), machineMark("pci 0 1"));
+  for (const bool same : {true, false}) {
+    simulation::RobotImage image;
+    GuardianLink link;
+    link.machine.store(machineMark("pci 0 0"));
+    const std::unique_ptr<AxisBus> cards = simulation::openImageCards(image);
+    GuardedBus::Options options;
+    options.machine = machineMark(same ? "pci 0 0" : "pci 0 1");
+    GuardedBus bus(*cards, link, 3, options);
+    std::atomic<bool> done{false};
+    std::thread guardian([&] {
+      while (!done)
+        link.reset_done.store(link.reset_request.load());
+    });
+    const SelfTest test = bus.selfTest();
+    done = true;
+    guardian.join();
+    EXPECT_EQ(test.passed, same);
+    if (!same) EXPECT_NE(test.findings.back().find("another machine"), std::string::npos) << test.findings.back();
   }
 }
 

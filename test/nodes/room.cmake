@@ -4,3 +4,5 @@ knee_runs_programs(nodes baseline_of_programs_test identify trace)
 knee_runs_programs(nodes identify_program_test identify plan_excitation)
 knee_runs_programs(nodes programs_test plan_exercise check_reference plan_excitation simulate compare trace predict import_recording
   virtual_plant simulated_camera)
+# What only scripts build must not rot either.
+add_dependencies(nodes_tests campaign_controller false_trips)

@@ -101,7 +101,7 @@ struct AxisCommand {
   double reference_m = 0.0;
   double reference_velocity = 0.0;  ///< m/s
   bool homed = false;               ///< as ordered: the lengths mean something
-  bool test_pulse = false;          ///< some of the force asks whether the encoder counts
+  double pulse_N = 0.0;             ///< the part of force_N that asks whether the encoder counts
   bool can_be_asked = false;        ///< this Driver asks when a monitor wants to know
   std::uint32_t answers = 0;        ///< how often the encoder has answered
   HomingPhase homing = HomingPhase::Idle;
@@ -118,11 +118,15 @@ struct MonitorVerdict {
   AxisValues heat{};                         ///< I2t: 0 cold, 1 the fault
 };
 
+/// Whether the other axes have moved with a test pulse (PulseWitness).
+enum class Felt : std::uint8_t { Unknown, No, Yes };
+
 /// DisturbanceObserver, every servo cycle: what acts on the robot that nobody commanded. Meanings: residual_estimator.h, disturbance_judge.h.
 struct Disturbance {
   std::uint64_t sequence = 0;  ///< of the measurement that it is calculated from
   rt::Nanoseconds time = 0;
   std::uint32_t suspicion = 0;  ///< a new number: something disturbs the standing robot, the encoders are to be asked
+  std::array<Felt, hardware::kAxes> felt{};  ///< of the last test pulse of each axis
   bool identified = false;  ///< by a model that says how good it is; else by the URDF's weights, and nothing is judged
   bool known = false;       ///< the Drivers carry and what follows is calculated
   AxisValues expected_N{}, residual_N{}, certain_N{}, rms_N{}, band_N{};

@@ -13,7 +13,9 @@ namespace knee_robot::control {
 /// - friction of a leg: residual forwards less residual backwards, over the same of the model's friction, each the mean of kFriction_s of
 ///   motion; what a load or an offset does is in both.
 /// - model: a leg's running rms beyond its band, none of the above being the reason.
-/// Limits: kLeast_N, kLeast_Nm (of a load kLeastLoad_N) or what the legs' bands can look like, whichever is more. One a robot; real-time safe.
+/// Limits, both from the model file: what the legs' bands (three times the residual that it promises) can look like at the platform, or kReversal
+/// of what its friction can (of a load kLoad), whichever is more: that much of friction nobody knows while directions change.
+/// One a robot; real-time safe.
 class DisturbanceJudge {
  public:
   static constexpr double kMean_s = 3.0;
@@ -22,8 +24,7 @@ class DisturbanceJudge {
   static constexpr double kFrictionLeast_s = 4.0;
   static constexpr double kFrictionChange = 0.2;
   static constexpr double kRestWeight = 0.05;
-  static constexpr double kLeast_N = 30.0, kLeast_Nm = 6.0;
-  static constexpr double kLeastLoad_N = 40.0;
+  static constexpr double kReversal = 0.35, kLoad = 0.45;
   static constexpr double kHolds_s = 20.0;  // beyond the band for so long
 
   struct Verdict {
@@ -47,7 +48,7 @@ class DisturbanceJudge {
     double time_s = 0.0, residual_N = 0.0, friction_N = 0.0;
     void take(double residual, double friction, double dt) noexcept;
   };
-  void judgeLoad(const ResidualEstimator::Estimate& now, double dt) noexcept;
+  void judgeLoad(const ForceKnowledge& knowledge, const ResidualEstimator::Estimate& now, double dt) noexcept;
   void judgeFriction(const ForceKnowledge& knowledge, const ResidualEstimator::Estimate& now, double dt) noexcept;
 
   mechanism::Vector4 mean_ = mechanism::Vector4::Zero();

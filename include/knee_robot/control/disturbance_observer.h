@@ -5,6 +5,7 @@
 
 #include "knee_robot/control/axis_data.h"
 #include "knee_robot/control/disturbance_judge.h"
+#include "knee_robot/control/pulse_witness.h"
 #include "knee_robot/control/residual_estimator.h"
 #include "knee_robot/control/rest_watch.h"
 #include "knee_robot/mechanism/robot.h"
@@ -15,7 +16,8 @@ namespace knee_robot::control {
 
 /// Says what acts on the robot that nobody commanded.
 ///
-/// - Suspicion: RestWatch sees the standing robot disturbed; the Drivers ask their encoders then, and only then.
+/// - Suspicion: RestWatch sees the standing robot disturbed; the Drivers ask their encoders then.
+/// - Felt: PulseWitness tells an axis that moves unseen from one that does not move at all.
 /// - Residual: ResidualEstimator compares the written force with that of the model; DisturbanceJudge tells a load, a push, friction and a
 ///   model that does not hold apart. The model is ModelFeedforward's (useModel()), its payload the declared one; without a model file the weights
 ///   of the URDF, and nothing is judged.
@@ -64,6 +66,7 @@ class DisturbanceObserver : public rt::TaskContext {
   ResidualEstimator residual_;
   DisturbanceJudge judge_;
   RestWatch rest_;
+  std::array<PulseWitness, hardware::kAxes> witness_;
   RestWatch::Axes count_m_{};
   rt::Nanoseconds last_time_ = 0;
   Disturbance out_;

@@ -112,6 +112,7 @@ class Driver : public rt::TaskContext {
   void checkReference(const rt::Cycle& cycle, bool searching);
   double probeEncoder(double dt) noexcept;
   bool challengeEncoder(double dt, const EncoderProbe::Settings& settings) noexcept;
+  Fault deadOrBlocked() const noexcept;
   bool standsUnderForce(double dt, std::int64_t counts) noexcept;
   SetPointFollower::Reference chooseReference(const rt::Cycle& cycle, double dt) noexcept;
   bool isToHome() const noexcept { return (order_.homing >> index_ & 1) != 0; }
@@ -138,6 +139,7 @@ class Driver : public rt::TaskContext {
   Pid pid_;
   double force_limit_ = 0.0;  // N
   double force_now_ = 0.0;    // N, limit of this cycle
+  double shifted_N_ = 0.0;    // of the loop's force, into the feedforward
   double carried_N_ = 0.0;    // what the axis carried at rest when its homing began: the low force comes on top of it
   Orders order_;
   AxesMeasurement measured_;

@@ -10,7 +10,7 @@ namespace knee_robot::control {
 ///
 ///     +S for T, -U for T, +U for T, then kListen_s      S has been enough before, U certainly is (EncoderProbe finds them out)
 ///
-/// With time, gently: before that the force rises to S within kRise_s. It ends as soon as the encoder has answered, so a healthy axis goes
+/// Where the reference moves +U comes before -U. With time, gently: before that the force rises to S within kRise_s. It ends as soon as the encoder has answered, so a healthy axis goes
 /// some steps only, towards its reference; when it was there, a wave without mean brings it back (-S for 2 t, +S for t when it
 /// answered at t). Not a single count to the end: dead, or blocked. A count, but no answer: -U and +U alternate on, kLongest times in all,
 /// because the other axes' pulses can stop one. One a Driver; real-time safe.
@@ -29,6 +29,8 @@ class EncoderChallenge {
     double away;       // counts from where the axis is to its reference
     std::int64_t dithers = 0;
     bool gentle = false;
+    bool moving =
+        false;  // U begins towards the reference: an axis that sticks where it turns has to be pushed on, not back
   };
 
   void reset() noexcept { phase_ = Phase::Idle; }
@@ -87,7 +89,8 @@ class EncoderChallenge {
     else if (time_s_ < kWave_s)
       force_N_ = enough_N;
     else if (time_s_ < waves_s)
-      force_N_ = static_cast<int>(time_s_ / kWave_s) % 2 == 1 ? -question_.certain_N : question_.certain_N;
+      force_N_ = (static_cast<int>(time_s_ / kWave_s) % 2 == 1) != question_.moving ? -question_.certain_N
+                                                                                    : question_.certain_N;
     time_s_ += step;
     return Verdict::None;
   }

@@ -53,8 +53,9 @@ enum class Fault : std::uint8_t {
   InputsStale,
   DriveTorque,
   PatientForce,
+  AxisBlocked,
 };
-inline constexpr int kFaults = 47;
+inline constexpr int kFaults = 48;
 
 /// When resetFaults() clears a fault.
 enum class ResetRule : std::uint8_t {

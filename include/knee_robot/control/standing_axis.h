@@ -7,17 +7,23 @@
 namespace knee_robot::control {
 
 /// How far the loop's force has changed since the encoder counted last. A loop that pushes more and more while the encoder stands pushes an axis
-/// that sticks, or one that is blind and about to leave: only asking tells. Less than an open input dithers by is no counting.
+/// that sticks, or one that is blind and about to leave: only asking tells. The same while the reference goes on by more than an encoder could
+/// overlook (isOverdue()). Less than an open input dithers by is no counting.
 /// One a Driver; real-time safe.
 class StandingAxis {
  public:
   static constexpr std::int64_t kDither = 4;  // counts
   static constexpr double kWindow_s = 0.025;
-  static constexpr int kTurns = 4;  // within that; an open input has many more
+  static constexpr int kTurns = 4;             // within that; an open input has many more
+  static constexpr double kOverdue = 10.0;     // counts that the reference has gone on by
+  static constexpr double kOverdue_m = 5e-5;   // and that
+  static constexpr double kOverdue_s = 0.008;  // and so long
 
   /// `force_N`: of integral and proportional term; the derivative fades by itself when an axis comes to rest. `pulsed`: what it
   /// counts now is what it is made to.
-  void step(double dt, std::int64_t counts, double force_N, bool pulsed = false) noexcept {
+  void step(double dt, std::int64_t counts, double reference_m, double force_N, bool pulsed = false) noexcept {
+    reference_m_ = reference_m;
+    stood_s_ += dt;
     time_s_ += dt;
     if (time_s_ >= kWindow_s) {
       time_s_ = 0.0;
@@ -37,11 +43,18 @@ class StandingAxis {
   void begin(std::int64_t counts) noexcept {
     since_ = {counts, counts, 0};
     began_N_ = force_N_;
+    began_m_ = reference_m_;
+    stood_s_ = 0.0;
   }
   /// It moves, more than an open input seems to, within the last kWindow_s to twice that: nobody has to ask.
   bool counts() const noexcept {
     const Range& more = now_.range() > before_.range() ? now_ : before_;
     return more.range() > kDither && more.turns < kTurns;
+  }
+  /// The reference has gone on since the encoder counted last, and a healthy axis would have followed, but at a turning point. `count_m`: what
+  /// a count is.
+  bool isOverdue(double count_m) const noexcept {
+    return stood_s_ >= kOverdue_s && std::abs(reference_m_ - began_m_) > std::max(kOverdue * count_m, kOverdue_m);
   }
   double changed_N() const noexcept { return std::abs(force_N_ - began_N_); }
   /// Counts that it goes up and down by; none where it only moves on, or stands.
@@ -61,6 +74,7 @@ class StandingAxis {
   Range now_, before_, since_;
   std::int64_t last_ = 0, last_moved_ = 0;
   double time_s_ = 0.0, force_N_ = 0.0, began_N_ = 0.0;
+  double reference_m_ = 0.0, began_m_ = 0.0, stood_s_ = 0.0;
 };
 
 }  // namespace knee_robot::control

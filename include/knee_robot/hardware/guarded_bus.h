@@ -24,6 +24,7 @@ class GuardedBus : public AxisBus {
         nullptr;  ///< what brings the outputs down before anything else; none: the bus' self test does
     std::int64_t guardian_silence_ns = 50'000'000;  ///< a guardian that does not cycle for so long is dead
     std::int64_t (*clock)() noexcept = monotonicTime;
+    std::uint64_t machine = 0;  ///< machineMark() that the guardian has to have, too; 0: not compared
   };
 
   /// All must outlive this. `power_bits`: digital outputs that enable drives or release hold devices.
@@ -35,7 +36,7 @@ class GuardedBus : public AxisBus {
   /// Empty, or why not. Not real-time.
   std::string takeOver();
   /// Fails when another controller lives: nothing is touched then. Otherwise the outputs go down before the guardian is asked for
-  /// them; fails when it does not answer. Takes a guardian's latch back: the drives are off.
+  /// them; fails when it does not answer, or guards another machine. Takes a guardian's latch back: the drives are off.
   SelfTest selfTest() override;
   IoStatus read(AxisFeedback& feedback) noexcept override;
   IoStatus writeVolts(const std::array<double, kAxes>& volts, std::array<double, kAxes>& written) noexcept override;

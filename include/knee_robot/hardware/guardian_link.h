@@ -10,7 +10,7 @@ namespace knee_robot::hardware {
 /// back its outputs (the PCI-1720 can not, of the PCI-1784 it is not known). All zero: nobody has been there yet. Each field has
 /// one writer; plain lock-free atomics, so a process that dies at any place leaves the others working.
 struct GuardianLink {
-  static constexpr std::uint64_t kMagic = 0x6b6e65655f677264;  // "knee_grd", version 1
+  static constexpr std::uint64_t kMagic = 0x6b6e65655f677264;  // "knee_grd"
 
   std::atomic<std::uint64_t> magic{0};
 
@@ -25,7 +25,11 @@ struct GuardianLink {
   std::atomic<std::uint64_t> guardian_cycles{0};
   std::atomic<std::uint32_t> tripped{0};     ///< 1: the outputs are the guardian's, the controller is fenced out
   std::atomic<std::uint32_t> reset_done{0};  ///< last reset_request that was granted
+  std::atomic<std::uint64_t> machine{0};     ///< machineMark() of what it brings down; 0: it has not said
 };
+
+/// A machine's name (HardwareFile::machine()) as a number that is not 0.
+std::uint64_t machineMark(const std::string& machine) noexcept;
 
 /// A GuardianLink in POSIX shared memory. Whoever comes first creates it; it outlives each of the two, so a guardian that is
 /// started anew finds its latch, and goes when neither lives.

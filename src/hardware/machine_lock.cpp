@@ -1,0 +1,64 @@
+#include "knee_robot/hardware/machine_lock.h"
+
+#include <fcntl.h>
+#include <sys/file.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cctype>
+#include <cerrno>
+#include <cstdlib>
+#include <cstring>
+#include <utility>
+
+#include "knee_robot/base/errors.h"
+
+namespace knee_robot::hardware {
+namespace {
+
+std::string fileName(const std::string& role, const std::string& machine) {
+  std::string name = "knee_robot_" + role + "_" + machine;
+  std::replace_if(
+      name.begin(), name.end(), [](unsigned char c) { return std::isalnum(c) == 0 && c != '_' && c != '-'; }, '_');
+  return name.substr(0, 200) + ".lock";
+}
+
+/// What the process that has the lock wrote of itself.
+std::string holder(int descriptor) {
+  char text[32] = {};
+  const ssize_t size = ::pread(descriptor, text, sizeof text - 1, 0);
+  const long pid = size > 0 ? std::strtol(text, nullptr, 10) : 0;
+  return pid > 0 ? " (process " + std::to_string(pid) + ")" : "";
+}
+
+}  // namespace
+
+MachineLock MachineLock::take(const std::string& role, const std::string& machine, const std::string& folder) {
+  const std::string path = folder + "/" + fileName(role, machine);
+  // Whoever may read it may lock it: another user's controller counts, too.
+  int descriptor = ::open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW, 0644);
+  if (descriptor < 0 && errno == EACCES) descriptor = ::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NOFOLLOW);
+  if (descriptor < 0) throw InputError(path + ": cannot be opened: " + std::strerror(errno));
+  if (::flock(descriptor, LOCK_EX | LOCK_NB) != 0) {
+    const bool taken = errno == EWOULDBLOCK;
+    const std::string why =
+        taken ? "another " + role + holder(descriptor) + " has the machine " + machine + " already; end it first"
+              : path + ": cannot be locked: " + std::strerror(errno);
+    ::close(descriptor);
+    throw InputError(why);
+  }
+  MachineLock lock(descriptor);
+  const std::string mine = std::to_string(::getpid()) + "\n";
+  if (::ftruncate(descriptor, 0) == 0 && ::pwrite(descriptor, mine.data(), mine.size(), 0) < 0) {
+    // read only: nobody learns the number, the lock holds all the same
+  }
+  return lock;
+}
+
+MachineLock::MachineLock(MachineLock&& other) noexcept : descriptor_(std::exchange(other.descriptor_, -1)) {}
+
+MachineLock::~MachineLock() {
+  if (descriptor_ >= 0) ::close(descriptor_);
+}
+
+}  // namespace knee_robot::hardware

@@ -1,0 +1,121 @@
+"""What an attack may use (attacks.py)."""
+import os
+import signal
+import subprocess
+import threading
+import time
+
+import numpy as np
+
+import robot_path
+from session import NoAnswer
+
+LOOK_S = 3.0
+
+
+class Attack:
+    """What an attack may use. `left_on_ms`: from `begin()` until every drive was off and every brake engaged."""
+
+    def __init__(self, session, geometry, master):
+        self.session, self.geometry, self.master = session, geometry, master
+
+    def begin(self):
+        self.row = self.session.truth.written()
+        self.began = time.monotonic()
+
+    def rows(self):
+        return self.session.truth.since(self.row)
+
+    def look(self, seconds=LOOK_S):
+        time.sleep(seconds)
+        rows = self.rows()
+        safe = (rows["drives"] == 0) & (rows["holds"] == 15)
+        on = np.nonzero(~safe)[0]
+        drop = 1e3 * (rows["pose"][0][1] - np.min(rows["pose"][:, 1]))
+        if not safe[-1]:
+            return f"drives still on after {1e3 * (rows['monotonic_s'][-1] - self.began):.0f} ms, drop {drop:.1f} mm", False
+        last = rows["monotonic_s"][on[-1]] if len(on) else self.began
+        return f"held and off after {1e3 * (last - self.began):.0f} ms, drop {drop:.1f} mm", True
+
+    def enable(self):
+        answer = self.session.trigger("enable")
+        if not answer.success:
+            raise RuntimeError(answer.message)
+        time.sleep(1.0)
+
+    def write_path(self):
+        now = self.session.truth.last()
+        points = robot_path.movement(self.geometry, now["pose"], now["length_m"])
+        path = self.session.references / "attack.txt"
+        robot_path.write(path, points)
+        return path
+
+    def play(self):
+        path = self.write_path()
+        for answer in (self.session.load(path.name), self.session.trigger("start")):
+            if not answer.success:
+                raise RuntimeError(answer.message)
+        time.sleep(0.7)
+
+    def kill(self, *names):
+        for name in names:
+            process = getattr(self.session, name)
+            process.send_signal(signal.SIGKILL)
+            process.wait()
+
+    def stop(self, name):
+        os.kill(getattr(self.session, name).pid, signal.SIGSTOP)
+
+    def wait_for_end(self, seconds=25.0):
+        return self.session.controller.wait(seconds)
+
+    def state(self):
+        try:
+            state = self.session.state()
+            return f"{state.state}, {state.fault or 'no fault'}"
+        except NoAnswer as error:
+            return str(error)
+
+    # ---- services while something hangs
+
+    def call_aside(self, call):
+        """`call` in a thread of its own; its answer, or what it raised, is put into the list that is returned."""
+        answers = []
+
+        def ask():
+            try:
+                answers.append(call())
+            except Exception as error:  # of any kind: it did not answer
+                answers.append(error)
+        threading.Thread(target=ask, daemon=True).start()
+        return answers
+
+    def slowest_ms(self, call, times=10):
+        """The longest that `call` takes; None: it did not answer."""
+        slowest = 0.0
+        for _ in range(times):
+            began = time.monotonic()
+            try:
+                call()
+            except NoAnswer:
+                return None
+            slowest = max(slowest, 1e3 * (time.monotonic() - began))
+        return slowest
+
+    def end_controller(self, seconds):
+        """SIGTERM; seconds until it has ended, None: it has not."""
+        began = time.monotonic()
+        self.session.controller.terminate()
+        try:
+            self.session.controller.wait(seconds)
+        except subprocess.TimeoutExpired:
+            return None
+        return time.monotonic() - began
+
+
+def needs(**what):
+    """Of an attack: `parameters` of the controller, `hardware` (changes to the hardware file), `preload` (see hung_disk.c)."""
+    def mark(function):
+        function.needs = what
+        return function
+    return mark

@@ -1,0 +1,170 @@
+"""Attacks by others: a second pair of guardian and controller, a guardian of another machine, files that change, many clients, a master that
+goes."""
+import threading
+import time
+
+import rospy
+from std_srvs.srv import Trigger
+
+from knee_robot.srv import LoadPatient
+
+from session import NoAnswer, is_alive
+
+PATIENT = ("patient: \"17\"\npose: {X_m: [-0.1, 0.1], Z_m: [0.3, 0.9], theta_deg: [-20, 20], psi_deg: [-20, 20]}\n"
+           "speed: {linear_mm_per_s: 20, angular_deg_per_s: 2}\n")
+
+
+def second_guardian(a, link, shm=None):
+    s = a.session
+    process = s.spawn("second_guardian", s.programs / "guardian", "--hardware", s.files["hardware"], "--shm", shm or s.shm, "--link", link,
+                      "--silence-ms", s.silence_ms, "--priority", 90 if s.real_time else 0)
+    s.others.append(process)
+    return process
+
+
+def second_controller(a, link):
+    s = a.session
+    command = [c for c in s.controller_command("second", s.program) if not str(c).startswith("_guardian:=")]
+    process = s.spawn("second", *command, f"_guardian:={link}")
+    s.others.append(process)
+    return process
+
+
+def goes_on(a, seconds):
+    """Drives on and brakes open all the time."""
+    time.sleep(seconds)
+    rows = a.rows()
+    fine = bool(((rows["drives"] == 15) & (rows["holds"] == 0)).all())
+    return f"the first robot {'goes on' if fine else 'was disturbed'} ({a.state()})", fine
+
+
+def second_pair_on_another_link(a):
+    """Another guardian and another controller, with a link of their own, on the same cards."""
+    a.enable()
+    a.begin()
+    link = a.session.shm + "_other"
+    guardian, controller = second_guardian(a, link), second_controller(a, link)
+    text, good = goes_on(a, 5.0)
+    alive = [name for name, p in (("guardian", guardian), ("controller", controller)) if is_alive(p)]
+    return f"of the second pair live: {', '.join(alive) or 'none'}; ", text, good and not alive
+
+
+def second_controller_without_guardian(a):
+    """A second controller that was told of no guardian at all, on the same cards."""
+    a.enable()
+    a.begin()
+    controller = second_controller(a, "")
+    text, good = goes_on(a, 5.0)
+    return f"the second {'lives' if is_alive(controller) else 'ended'}; ", text, good and not is_alive(controller)
+
+
+def guardian_of_another_machine(a):
+    """The guardian is started anew for another machine, on this controller's link; then the controller."""
+    a.enable()
+    a.begin()
+    a.kill("guardian", "controller")
+    other = a.session.shm + "_elsewhere"
+    robot = a.session.spawn("other_robot", a.session.programs / "simulated_robot", "--robot", a.session.files["robot"], "--simulation",
+                            a.session.files["simulation"], "--shm", other)
+    a.session.others.append(robot)
+    time.sleep(1.0)
+    second_guardian(a, a.session.shm + "_guardian", other)
+    a.session.start_controller()
+    text, good = a.look(4.0)
+    lives = is_alive(a.session.controller)
+    return f"the controller {'lives, watched by a guardian of another machine' if lives else 'refuses'}; ", text, good and not lives
+
+
+def load_patient(a, content=PATIENT):
+    path = a.session.references / "p17.yaml"
+    path.write_text(content)
+    answer = a.session.call("load_patient", LoadPatient, path.name)
+    if not answer.success:
+        raise RuntimeError(answer.message)
+    return path
+
+
+def patient_file_becomes(content, what):
+    def attack(a):
+        path = load_patient(a)
+        path.write_text(content)
+        kept = a.session.state().patient
+        a.enable()
+        a.begin()
+        a.kill("controller")
+        a.session.start_controller()
+        end = time.monotonic() + 15.0
+        enabled = None
+        while enabled is None and time.monotonic() < end:
+            try:
+                enabled = a.session.trigger("enable")
+            except NoAnswer:
+                time.sleep(0.1)
+        text, good = a.look(1.0)
+        said = "no answer" if enabled is None else "succeeded" if enabled.success else "refused: " + enabled.message[:90]
+        return f"before the restart still patient {kept}; enable after it {said}; ", text, good and kept == "17" and enabled is not None and not enabled.success
+    attack.__doc__ = f"The loaded patient's file becomes {what}; then the controller dies and is started again."
+    return attack
+
+
+def master_restarted_while_playing(a):
+    """The master dies and is back within a second, with nothing registered."""
+    a.enable()
+    a.play()
+    a.session.keep_connections()
+    a.begin()
+    a.master.stop()
+    time.sleep(0.8)
+    a.master.start()
+    end = time.monotonic() + 10.0
+    answer = None
+    while answer is None and time.monotonic() < end:
+        try:
+            answer = a.session.trigger("disable")
+        except NoAnswer:
+            time.sleep(0.2)
+    a.begin()
+    text, good = a.look(1.5)
+    return f"disable {'answers again' if answer is not None else 'never answers again'}; ", text, good and answer is not None
+
+
+PAIRS = (("enable", "disable"), ("start", "stop"), ("pause", "resume"), ("declare_empty", "clear_patient"), ("home", "confirm_home"),
+         ("reset_faults", "emergency_stop"), ("declare_empty", "enable"), ("approach", "start"))
+
+
+def four_clients_on_every_pair(a):
+    """Four clients at once on each pair of services, 3 s a pair; every call has to be answered within 15 s."""
+    hung, calls = [], 0
+    for pair in PAIRS:
+        end, count, threads = time.monotonic() + 3.0, [0] * 4, []
+
+        def client(number, pair=pair, end=end, count=count):
+            proxy = rospy.ServiceProxy(f"/controller/{pair[number % 2]}", Trigger)
+            while time.monotonic() < end:
+                try:
+                    proxy()
+                except rospy.ServiceException:
+                    return
+                count[number] += 1
+        for number in range(4):
+            threads.append(threading.Thread(target=client, args=(number,), daemon=True))
+            threads[-1].start()
+        for one in threads:
+            one.join(max(0.1, end + 15.0 - time.monotonic()))
+        calls += sum(count)
+        if any(one.is_alive() for one in threads):
+            hung.append("/".join(pair))
+        if not is_alive(a.session.controller):
+            return f"the controller ended under {pair}; ", *a.look(1.0)[:1], False
+    a.begin()
+    a.session.trigger("disable")
+    text, good = a.look(1.0)
+    return f"{calls} calls; hung: {', '.join(hung) or 'none'}; {a.state()}; ", text, good and not hung
+
+
+def attacks():
+    found = {f.__name__: f for f in (second_pair_on_another_link, second_controller_without_guardian, guardian_of_another_machine,
+                                     master_restarted_while_playing, four_clients_on_every_pair)}
+    found["patient_file_becomes_garbage"] = patient_file_becomes("}{ nan \0 :::\n" * 50, "garbage")
+    found["patient_file_becomes_wider"] = patient_file_becomes(PATIENT.replace("0.9", "0.95"), "one with other limits")
+    return found

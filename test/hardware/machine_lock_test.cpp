@@ -1,0 +1,62 @@
+#include "knee_robot/hardware/machine_lock.h"
+
+#include <gtest/gtest.h>
+#include <signal.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <filesystem>
+#include <string>
+
+#include "knee_robot/base/errors.h"
+
+namespace knee_robot::hardware {
+namespace {
+
+struct Folder {
+  std::string path = ::testing::TempDir() + "machine_lock_" + std::to_string(::getpid());
+  Folder() { std::filesystem::create_directories(path); }
+  ~Folder() { std::filesystem::remove_all(path); }
+};
+
+TEST(MachineLock, IsForOneOfEachRoleAndFreeAgainBehindIt) {
+  const Folder folder;
+  {
+    const MachineLock controller = MachineLock::take("controller", "simulated /robot", folder.path);
+    EXPECT_NO_THROW(MachineLock::take("guardian", "simulated /robot", folder.path));
+    EXPECT_NO_THROW(MachineLock::take("controller", "simulated /other", folder.path));
+    try {
+      MachineLock::take("controller", "simulated /robot", folder.path);
+      ADD_FAILURE() << "taken twice";
+    } catch (const InputError& error) {
+      EXPECT_NE(std::string(error.what()).find(std::to_string(::getpid())), std::string::npos) << error.what();
+    }
+  }
+  EXPECT_NO_THROW(MachineLock::take("controller", "simulated /robot", folder.path));
+}
+
+TEST(MachineLock, IsFreeAgainWhenItsProcessWasKilled) {
+  const Folder folder;
+  int ready[2];
+  ASSERT_EQ(::pipe(ready), 0);
+  const pid_t child = ::fork();
+  if (child == 0) {
+    const MachineLock mine = MachineLock::take("controller", "pci", folder.path);
+    const bool told = ::write(ready[1], "x", 1) == 1;
+    ::pause();
+    ::_exit(told ? 0 : 1);
+  }
+  char byte = 0;
+  ASSERT_EQ(::read(ready[0], &byte, 1), 1);
+  EXPECT_THROW(MachineLock::take("controller", "pci", folder.path), InputError);
+  ::kill(child, SIGKILL);
+  ::waitpid(child, nullptr, 0);
+  EXPECT_NO_THROW(MachineLock::take("controller", "pci", folder.path));
+}
+
+TEST(MachineLock, SaysWhereItCannotBe) {
+  EXPECT_THROW(MachineLock::take("controller", "pci", "/no/such/folder"), InputError);
+}
+
+}  // namespace
+}  // namespace knee_robot::hardware
