@@ -46,11 +46,13 @@ enum class HomingMethod {
 ///     axes:                           # four, or one that stands for all
 ///       - {hold_device: brake, hold_delay_s: 0.03}   # time from the output's change until the device holds (or lets go)
 struct HardwareFile {
+  /// What holds one axis without its drive.
   struct Axis {
     HoldDevice hold_device = HoldDevice::None;
     double hold_delay_s = 0.0;
   };
 
+  /// How the axes find home.
   struct Homing {
     HomingMethod method = HomingMethod::Assumed;
     std::array<HomingAxis, hardware::kAxes> axes{};      ///< of the methods that move

@@ -38,6 +38,7 @@ enum class RequestKind : std::uint8_t {
 };
 inline constexpr int kRequestKinds = 11;
 
+/// What somebody asks of the Supervisor.
 struct Request {
   std::uint32_t number = 0;  ///< the answer carries it
   RequestKind kind = RequestKind::Stop;
@@ -61,6 +62,7 @@ enum class RequestResult : std::uint8_t {
   OutOfRange,    ///< the value is not allowed
 };
 
+/// What became of a Request.
 struct RequestAnswer {
   std::uint32_t number = 0;  ///< of the request; 0: none yet
   RequestResult result = RequestResult::Done;
