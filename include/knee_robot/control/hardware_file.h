@@ -12,6 +12,9 @@
 
 namespace knee_robot::control {
 
+/// Values of `backend:`: how the axes are reached (src/nodes/backends.cpp opens them).
+inline constexpr std::array<const char*, 3> kBackends = {"simulated", "pci", "can"};
+
 /// What holds an axis when its drive is disabled.
 enum class HoldDevice {
   Brake,            ///< engaged by spring, released by a digital output
@@ -63,7 +66,7 @@ struct HardwareFile {
   };
 
   std::string path;
-  std::string backend;
+  std::string backend;                            ///< one of kBackends
   std::optional<hardware::can::CanSettings> can;  ///< engaged for backend can
   bool bench_without_patient = false;
   int drive_enable_bit = 0;
