@@ -133,7 +133,7 @@ HardwareFile loadHardwareFile(const std::string& path) {
   StrictMap file = StrictMap::load(path);
   HardwareFile hardware;
   hardware.path = path;
-  hardware.backend = file.choice("backend", {"simulated", "pci", "can"});
+  hardware.backend = file.choice("backend", {kBackends.begin(), kBackends.end()});
   hardware.bench_without_patient = file.flagOr("bench_without_patient", false);
   readOutputs(hardware, file.map("digital_outputs"));
   if (auto inputs = file.mapIfAny("digital_inputs")) readInputs(hardware, *inputs);

@@ -3,51 +3,13 @@
 #include <chrono>
 #include <thread>
 
+#include "backends.h"
 #include "knee_robot/base/errors.h"
-#include "knee_robot/hardware/can/can_axis_bus.h"
-#include "knee_robot/hardware/pci_cards.h"
-#include "knee_robot/simulation/simulated_cards.h"
 
 namespace knee_robot::nodes {
 namespace {
 
 constexpr double kPatience = 10.0;  // s
-
-/// A simulated robot starts beside this node: wait for it a little.
-template <typename Open>
-std::unique_ptr<hardware::AxisBus> waitFor(Open&& open, const std::function<bool()>& stop_requested) {
-  const ros::WallTime give_up = ros::WallTime::now() + ros::WallDuration(kPatience);
-  while (true) {
-    try {
-      return open();
-    } catch (const InputError&) {
-      if (stop_requested() || ros::WallTime::now() > give_up) throw;
-    }
-    std::this_thread::sleep_for(std::chrono::milliseconds(100));
-  }
-}
-
-std::unique_ptr<hardware::AxisBus> openBus(const control::HardwareFile& hardware_file, const mechanism::Robot& robot,
-                                           const ros::NodeHandle& node, const std::function<bool()>& stop_requested) {
-  if (hardware_file.backend == "simulated") {
-    const std::string name = requiredParameter(node, "shm");
-    return waitFor([&] { return simulation::openSimulatedCards(name); }, stop_requested);
-  }
-  if (hardware_file.can) {
-    return waitFor([&] { return hardware::can::openCanDrives(*hardware_file.can, control::canUnits(robot)); },
-                   stop_requested);
-  }
-  return hardware::openPciCards(hardware_file.analog_board_id, hardware_file.counter_board_id);
-}
-
-/// The same cards a second time, as the guardian opens them: to bring down what a dead controller left on.
-std::unique_ptr<hardware::EmergencyOutputs> openOutputs(const control::HardwareFile& hardware_file,
-                                                        const ros::NodeHandle& node) {
-  if (hardware_file.backend == "simulated")
-    return simulation::openSimulatedEmergencyOutputs(requiredParameter(node, "shm"));
-  if (hardware_file.can) return hardware::can::openCanEmergencyOutputs(*hardware_file.can);
-  return hardware::openPciEmergencyOutputs(hardware_file.analog_board_id, hardware_file.counter_board_id);
-}
 
 }  // namespace
 
@@ -62,9 +24,11 @@ std::string requiredParameter(const ros::NodeHandle& node, const std::string& na
 Machine openMachine(const control::HardwareFile& hardware_file, const mechanism::Robot& robot,
                     const ros::NodeHandle& node, const std::function<bool()>& stop_requested) {
   Machine machine;
-  const std::string name = hardware_file.machine(node.param<std::string>("shm", ""));
+  const bool simulated = hardware_file.backend == "simulated";
+  const Site site{simulated ? requiredParameter(node, "shm") : node.param<std::string>("shm", ""), stop_requested};
+  const std::string name = hardware_file.machine(site.shared_memory);
   machine.lock.emplace(hardware::MachineLock::take("controller", name));
-  machine.cards = openBus(hardware_file, robot, node, stop_requested);
+  machine.cards = openBus(hardware_file, robot, site);
   const std::string link = node.param<std::string>("guardian", "");
   if (link.empty()) {
     ROS_WARN("NO GUARDIAN: when this process dies, the drives keep what they were given last");
@@ -72,7 +36,7 @@ Machine openMachine(const control::HardwareFile& hardware_file, const mechanism:
   }
   machine.memory.emplace(hardware::SharedGuardianLink::open(link));
   const int power_bits = 1 << hardware_file.drive_enable_bit | 1 << hardware_file.hold_release_bit;
-  machine.outputs = openOutputs(hardware_file, node);
+  machine.outputs = openOutputs(hardware_file, site);
   hardware::GuardedBus::Options options;
   options.outputs = machine.outputs.get();
   options.machine = hardware::machineMark(name);

@@ -10,14 +10,12 @@
 #include <optional>
 #include <thread>
 
+#include "backends.h"
 #include "knee_robot/base/errors.h"
 #include "knee_robot/control/guardian.h"
 #include "knee_robot/control/hardware_file.h"
-#include "knee_robot/hardware/can/can_axis_bus.h"
 #include "knee_robot/hardware/machine_lock.h"
-#include "knee_robot/hardware/pci_cards.h"
 #include "knee_robot/rt/activity.h"
-#include "knee_robot/simulation/simulated_cards.h"
 #include "program.h"
 
 namespace {
@@ -29,21 +27,6 @@ volatile std::sig_atomic_t stop_requested = 0;
 
 void pause() {
   std::this_thread::sleep_for(std::chrono::milliseconds(5));
-}
-
-/// The simulated robot starts beside this program: wait for it a little.
-std::unique_ptr<hardware::EmergencyOutputs> openOutputs(const control::HardwareFile& file, const std::string& shm) {
-  if (file.backend == "pci") return hardware::openPciEmergencyOutputs(file.analog_board_id, file.counter_board_id);
-  const auto give_up = std::chrono::steady_clock::now() + std::chrono::seconds(10);
-  while (true) {
-    try {
-      if (file.can) return hardware::can::openCanEmergencyOutputs(*file.can);
-      return simulation::openSimulatedEmergencyOutputs(shm);
-    } catch (const InputError&) {
-      if (stop_requested || std::chrono::steady_clock::now() > give_up) throw;
-    }
-    pause();
-  }
 }
 
 void tellTrip(const control::GuardianReport& report) {
@@ -79,6 +62,10 @@ struct Options {
   bool require_real_time = false, down_now = false;
 };
 
+nodes::Site siteOf(const Options& options) {
+  return {options.shm, [] { return stop_requested != 0; }};
+}
+
 control::HardwareFile loadFile(const Options& options) {
   control::HardwareFile file = control::loadHardwareFile(options.hardware_file);
   if (file.can && !options.can.empty()) file.can->interface = options.can;
@@ -90,7 +77,7 @@ control::HardwareFile loadFile(const Options& options) {
 int bringDownNow(const Options& options) {
   const control::HardwareFile file = loadFile(options);
   hardware::SharedGuardianLink memory = hardware::SharedGuardianLink::open(options.link);
-  const std::unique_ptr<hardware::EmergencyOutputs> outputs = openOutputs(file, options.shm);
+  const std::unique_ptr<hardware::EmergencyOutputs> outputs = nodes::openOutputs(file, siteOf(options));
   memory.link().tripped.store(1);
   const hardware::IoStatus status = outputs->down();
   std::printf("guardian: outputs %s; a controller is fenced out until reset\n",
@@ -109,7 +96,7 @@ int run(const Options& options) {
   const hardware::MachineLock lock = hardware::MachineLock::take("guardian", machine);
   memory.link().guardian_pid.store(::getpid());
   memory.link().machine.store(hardware::machineMark(machine));
-  const std::unique_ptr<hardware::EmergencyOutputs> outputs = openOutputs(file, options.shm);
+  const std::unique_ptr<hardware::EmergencyOutputs> outputs = nodes::openOutputs(file, siteOf(options));
   control::Guardian guardian(memory.link(), *outputs, rt::fromSeconds(options.silence_ms * 1e-3), kPeriod,
                              rt::monotonicNow);
   rt::ActivityOptions activity_options;

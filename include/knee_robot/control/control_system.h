@@ -68,6 +68,7 @@ const char* sentenceOf(GuideStop stop) noexcept;
 /// Stepped execution: commands execute as many cycles as their answer takes, through step(), so the plant moves on too.
 class ControlSystem {
  public:
+  /// What a program may choose beyond the deployment file.
   struct Options {
     rt::Execution execution = rt::Execution::Threads;
     /// Actuator lengths at which the robot stands when start() resets the counters; default: the robot file's home lengths.

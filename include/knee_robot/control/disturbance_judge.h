@@ -27,6 +27,7 @@ class DisturbanceJudge {
   static constexpr double kReversal = 0.35, kLoad = 0.45;
   static constexpr double kHolds_s = 20.0;  // beyond the band for so long
 
+  /// What acts on the robot, in the words that the operator gets.
   struct Verdict {
     bool carries = false;  ///< a load that nobody declared
     double load_kg = 0.0;  ///< negative: something that the model knows of is gone

@@ -23,6 +23,7 @@ class EncoderChallenge {
   static constexpr int kShort = 3, kLongest = 9;  // waves
 
   enum class Verdict { None, Alive, Dead };
+  /// How strongly to ask, and where the axis should be.
   struct Question {
     double enough_N;   // S
     double certain_N;  // U

@@ -28,6 +28,7 @@ class EncoderProbe {
   static constexpr int kAnswer = 6;          // counts
   static constexpr int kDither = 4;          // counts, of an open input
 
+  /// When to probe and how strongly; the deployment file's.
   struct Settings {
     double first_s;     // rest before the first probe
     double period_s;    // at rest; 0: no probe at all

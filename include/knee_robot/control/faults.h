@@ -77,6 +77,7 @@ enum class StopCategory : std::uint8_t {
   One,   ///< power stays until the robot is at rest and the brakes hold: SS1, then SBC, then STO
 };
 
+/// One row of the fault table: what is said, how the robot stops, what resets it.
 struct FaultDescription {
   Fault fault;
   const char* name;      ///< one word, as published

@@ -12,6 +12,9 @@
 
 namespace knee_robot::control {
 
+/// Values of `backend:`: how the axes are reached (src/nodes/backends.cpp opens them).
+inline constexpr std::array<const char*, 3> kBackends = {"simulated", "pci", "can"};
+
 /// What holds an axis when its drive is disabled.
 enum class HoldDevice {
   Brake,            ///< engaged by spring, released by a digital output
@@ -47,11 +50,13 @@ enum class HomingMethod {
 ///     axes:                           # four, or one that stands for all
 ///       - {hold_device: brake, hold_delay_s: 0.03}   # time from the output's change until the device holds (or lets go)
 struct HardwareFile {
+  /// What holds one axis without its drive.
   struct Axis {
     HoldDevice hold_device = HoldDevice::None;
     double hold_delay_s = 0.0;
   };
 
+  /// How the axes find home.
   struct Homing {
     HomingMethod method = HomingMethod::Assumed;
     std::array<HomingAxis, hardware::kAxes> axes{};      ///< of the methods that move
@@ -62,7 +67,7 @@ struct HardwareFile {
   };
 
   std::string path;
-  std::string backend;
+  std::string backend;                            ///< one of kBackends
   std::optional<hardware::can::CanSettings> can;  ///< engaged for backend can
   bool bench_without_patient = false;
   int drive_enable_bit = 0;

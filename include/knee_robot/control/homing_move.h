@@ -28,6 +28,7 @@ class HomingMove {
   static constexpr double kLead_m = 0.0015;
   static constexpr double kContact_s = 0.1;
 
+  /// What the Driver does in this cycle instead of following Sync.
   struct Output {
     double reference_m = 0.0;
     double velocity = 0.0;  ///< m/s

@@ -40,6 +40,7 @@ enum class RequestKind : std::uint8_t {
 };
 inline constexpr int kRequestKinds = 12;
 
+/// What somebody asks of the Supervisor.
 struct Request {
   std::uint32_t number = 0;  ///< the answer carries it
   RequestKind kind = RequestKind::Stop;
@@ -69,6 +70,7 @@ enum class RequestResult : std::uint8_t {
   GuideRefused,       ///< HandGuide says why: SupervisorStatus::guide_stop
 };
 
+/// What became of a Request.
 struct RequestAnswer {
   std::uint32_t number = 0;  ///< of the request; 0: none yet
   RequestResult result = RequestResult::Done;

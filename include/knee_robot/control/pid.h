@@ -2,6 +2,7 @@
 
 namespace knee_robot::control {
 
+/// Gains of the position loop.
 struct PidGains {
   double proportional = 0.0;          ///< N/m
   double integral = 0.0;              ///< N/(m s)
@@ -14,6 +15,7 @@ struct PidGains {
   }
 };
 
+/// What the position loop looks at in one cycle.
 struct PidInput {
   double reference = 0.0;           ///< m
   double reference_velocity = 0.0;  ///< m/s

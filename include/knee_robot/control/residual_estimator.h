@@ -41,6 +41,7 @@ class ResidualEstimator {
   static constexpr double kRms_s = 10.0;         // time constant of the running rms
   static constexpr double kSettle_s = 0.3;       // after a start the filters have to forget it
 
+  /// Measurement and written force of one cycle.
   struct Input {
     mechanism::Lengths position_m;
     mechanism::Vector4 velocity_m_per_s;  ///< measured
@@ -48,6 +49,7 @@ class ResidualEstimator {
     double payload_kg = 0.0;              ///< declared
     double dt = 0.0;
   };
+  /// Per leg and at the platform: what the model does not expect.
   struct Estimate {
     bool known = false;  ///< there is a pose, and the filters have settled
     mechanism::Vector4 expected_N = mechanism::Vector4::Zero();

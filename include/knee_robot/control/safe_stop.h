@@ -11,6 +11,7 @@ struct HoldView {
   std::uint32_t again = 0;  ///< a new number: hand over the load again
 };
 
+/// How long each phase of the safe stop lasts, ns.
 struct SafeStopTiming {
   rt::Nanoseconds decelerate_limit = 1'000'000'000;  ///< longest wait for the reference to come to rest
   rt::Nanoseconds settle = 50'000'000;               ///< holding at rest before the hold devices engage

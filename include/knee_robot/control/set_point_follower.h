@@ -19,6 +19,7 @@ class SetPointFollower {
   /// Segments in a row begin where the last one ended, up to rounding.
   static constexpr double kContinuity_m = 1e-9;
 
+  /// Where the axis should be at an instant.
   struct Reference {
     double position = 0.0;  ///< m
     double velocity = 0.0;  ///< m/s

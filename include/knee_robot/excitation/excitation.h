@@ -25,6 +25,7 @@ enum class ExcitationCriterion {
   Determinant,  ///< D-optimality: the product of s_1 .. s_r, largest, with columns scaled by those of the first random series
 };
 
+/// What an excitation has to keep to, and how long to look for a good one.
 struct ExcitationOptions {
   SeriesShape shape;                    ///< harmonics, duration, ramps; the period is what remains between the ramps
   unsigned seed = 1;                    ///< same seed and options, same plan (unless the budget cuts the search short)
@@ -52,6 +53,7 @@ struct ConditionAt {
   double raw = 0.0;     ///< SI units as they are
 };
 
+/// A planned excitation, and how well conditioned it is.
 struct ExcitationPlan {
   FourierSeries series;
   trajectory::Reference reference;  ///< actuator lengths, checked: it may be played

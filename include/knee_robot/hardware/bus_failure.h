@@ -22,6 +22,7 @@ enum class BusFault : std::uint8_t {
   GuardianSilent,           ///< nobody would bring the outputs down if the controller died
 };
 
+/// What a bus of drives says of itself beyond "lost".
 struct BusFailure {
   BusFault fault = BusFault::None;
   std::uint8_t axis = 0;   ///< 1 to 4; 0: all

@@ -19,6 +19,7 @@ std::int64_t monotonicTime() noexcept;
 /// write through: the guardian's next cycle takes it back.
 class GuardedBus : public AxisBus {
  public:
+  /// What the guarded bus needs besides the bus.
   struct Options {
     EmergencyOutputs* outputs =
         nullptr;  ///< what brings the outputs down before anything else; none: the bus' self test does

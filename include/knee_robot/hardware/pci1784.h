@@ -13,6 +13,7 @@ namespace knee_robot::hardware {
 /// inputs.
 class Pci1784 : public EncoderCounter, public DigitalOutput, public DigitalInput {
  public:
+  /// Board id and input filter.
   struct Options {
     std::optional<int> board_id;  ///< another id at the card is an error; none: any
     bool input_filter = true;     ///< digital filter of the encoder inputs at the 8 MHz clock: inputs up to 2 MHz

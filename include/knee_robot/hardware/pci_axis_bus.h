@@ -9,6 +9,7 @@ namespace knee_robot::hardware {
 /// The robot's two cards as one bus: set values through a PCI-1720, encoders and digital lines through a PCI-1784.
 class PciAxisBus : public AxisBus {
  public:
+  /// Which of several cards.
   struct Options {
     std::optional<int> analog_board_id;
     Pci1784::Options counter;

@@ -45,6 +45,7 @@ enum class ForwardStatus {
   InvalidInput,  ///< a length is not finite or not positive
 };
 
+/// Where forward kinematics arrived, and how well.
 struct ForwardResult {
   ForwardStatus status = ForwardStatus::InvalidInput;
   Pose pose = Pose::Zero();  ///< meaningful only when converged

@@ -30,6 +30,7 @@ struct ConnPolicy {
 /// Whether a component works without a connection to this input.
 enum class Need { Required, Optional };
 
+/// What all ports have in common: a name, an owner, a type, whether they are connected.
 class PortBase {
  public:
   virtual ~PortBase() = default;

@@ -99,6 +99,7 @@ class Property<int> final : public PropertyBase {
   const int minimum_, maximum_;
 };
 
+/// A switch.
 template <>
 class Property<bool> final : public PropertyBase {
  public:

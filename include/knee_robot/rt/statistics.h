@@ -14,6 +14,7 @@ class DurationHistogram {
  public:
   static constexpr int kBuckets = 40;
 
+  /// The histogram at one instant; times in ns.
   struct Snapshot {
     std::uint64_t count = 0;
     Nanoseconds sum = 0;

@@ -63,6 +63,7 @@ std::shared_ptr<const Effect> readEffect(StrictMap& entry);
 
 /// How one file makes its effect; make<Name> of src/simulation/effects/<name>.cpp.
 using EffectMaker = std::unique_ptr<Effect> (*)(StrictMap& entry);
+/// An effect as simulation files name it.
 struct NamedEffectMaker {
   const char* name;
   EffectMaker make;

@@ -27,6 +27,7 @@ struct PlantLoads {
       mechanism::Vector4::Zero();  ///< N, N, N m, N m on the pose coordinates: a person, a spring, passive joints
 };
 
+/// Everything that the plant integrates.
 struct PlantState {
   mechanism::Pose pose = mechanism::Pose::Zero();
   mechanism::Vector4 pose_velocity = mechanism::Vector4::Zero();

@@ -13,6 +13,7 @@ namespace knee_robot::simulation {
 /// real-time safe; a reader copies the ring and drops the oldest rows, which may have been overwritten meanwhile.
 class TruthLog {
  public:
+  /// Begin of the shared memory; rows follow.
   struct Head {
     std::uint64_t magic;
     std::uint64_t row_bytes;

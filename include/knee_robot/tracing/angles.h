@@ -14,6 +14,7 @@ struct PlaceAngles {
   double base_smallest =
       0.0;  ///< smallest principal angle to the base space: 0 when some combination is absorbed altogether
   double base_largest = 0.0;  ///< largest: near 0 when everything is absorbed
+  /// A place that explains nearly the same.
   struct Neighbour {
     Place place;
     double angle = 0.0;  ///< smallest principal angle after the base is taken out of both

@@ -28,6 +28,7 @@ struct NextExperiment {
   std::string reason;  ///< why none was planned
 };
 
+/// How long the movement may be and how long to look for it.
 struct NextExperimentOptions {
   double duration_s = 30.0;
   int random = 40;     ///< motions to start with

@@ -95,6 +95,7 @@ struct PoseTrace {
   double condition_max = 0.0;
 };
 
+/// How carefully to trace a residual of the pose.
 struct PoseTraceOptions {
   double condition_max = 60.0;
   int draws = 399;  ///< clean twins

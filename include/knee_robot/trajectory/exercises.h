@@ -33,6 +33,7 @@ const std::vector<Exercise>& exercises();
 /// InputError listing the names when there is no such exercise.
 const Exercise& exerciseNamed(const std::string& name);
 
+/// What the physiotherapist may change of an exercise.
 struct ExerciseOptions {
   std::optional<double>
       amplitude;         ///< m or rad; default: the exercise's own. paper_test: of Zm, the others in proportion

@@ -34,10 +34,12 @@ Frame nmtFrame(NmtCommand command, int node) noexcept;
 Frame syncFrame() noexcept;
 Frame heartbeatFrame(int node, NmtState state) noexcept;
 
+/// What the network master orders a node (0: all nodes) to do (CiA 301).
 struct NmtOrder {
   NmtCommand command = NmtCommand::Start;
   int node = 0;
 };
+/// A node lives, and in which state (CiA 301).
 struct Heartbeat {
   int node = 0;
   NmtState state = NmtState::BootUp;

@@ -16,6 +16,7 @@ struct SdoRequest {
   int size = 0;             ///< bytes, for a write
   std::uint32_t value = 0;  ///< for a write
 };
+/// What a node answers to an SdoRequest (CiA 301, expedited).
 struct SdoAnswer {
   objects::Object object = 0;
   bool written = false;     ///< answer to a write

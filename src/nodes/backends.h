@@ -1,0 +1,39 @@
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "knee_robot/control/hardware_file.h"
+#include "knee_robot/hardware/axis_bus.h"
+#include "knee_robot/hardware/emergency_outputs.h"
+#include "knee_robot/mechanism/robot.h"
+
+namespace knee_robot::nodes {
+
+/// What opens a machine beside its hardware file.
+struct Site {
+  std::string shared_memory;                                    ///< of the simulated robot
+  std::function<bool()> stop_requested = [] { return false; };  ///< asked while a simulated machine is waited for
+};
+
+/// One way to reach the axes: `backend:` of the hardware file. Controller and guardian open the same machine, each on its own handle.
+struct Backend {
+  const char* name;
+  /// It may be started beside this process: wait for it a little.
+  bool starts_beside;
+  std::unique_ptr<hardware::AxisBus> (*bus)(const control::HardwareFile&, const mechanism::Robot&, const Site&);
+  std::unique_ptr<hardware::EmergencyOutputs> (*outputs)(const control::HardwareFile&, const Site&);
+};
+
+/// All of them; a new card is a row here and a name in hardware_file.h.
+const std::vector<Backend>& backends();
+
+/// The axes of the controller. InputError when the cards are not there, after 10 s for a machine that starts beside this process.
+std::unique_ptr<hardware::AxisBus> openBus(const control::HardwareFile& file, const mechanism::Robot& robot,
+                                           const Site& site);
+/// The same cards a second time: to bring down what a dead controller left on. As openBus().
+std::unique_ptr<hardware::EmergencyOutputs> openOutputs(const control::HardwareFile& file, const Site& site);
+
+}  // namespace knee_robot::nodes
