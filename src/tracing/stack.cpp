@@ -14,6 +14,9 @@ constexpr int kTraceBlocks = 12;
 constexpr double kSamplesPerCutoff =
     6.0;  ///< the low-passed signals hold about two independent values per cut-off period
 
+constexpr double kMostRows =
+    4e4;  ///< of all actuators: a longer recording is thinned, its candidates' columns would fill the memory
+
 double totalSpeed(const identification::Observation& o, int sample) {
   return o.signals.velocity_m_per_s.row(sample).cwiseAbs().sum();
 }
@@ -48,13 +51,16 @@ Stack makeStack(const std::vector<identification::Observation>& recordings,
   Stack stack;
   stack.axes = recordings.front().axes();
   stack.cutoff_hz = options.cutoff_hz;
-  double total = 0.0;
-  for (const identification::Observation& o : recordings)
+  double total = 0.0, rows = 0.0;
+  for (const identification::Observation& o : recordings) {
     total += o.samples();
+    rows += stack.axes * kSamplesPerCutoff * options.cutoff_hz * o.signals.period_s * o.samples();
+  }
+  const double thinner = std::max(1.0, rows / kMostRows);
   for (std::size_t r = 0; r < recordings.size(); ++r) {
     const identification::Observation& o = recordings[r];
-    const int stride =
-        std::max(1, static_cast<int>(std::floor(1.0 / (kSamplesPerCutoff * options.cutoff_hz * o.signals.period_s))));
+    const double picked = kSamplesPerCutoff * options.cutoff_hz * o.signals.period_s;  // of the samples
+    const int stride = std::max(1, static_cast<int>(std::floor(thinner / picked)));
     stack.rate_hz = 1.0 / (stride * o.signals.period_s);
     const int pieces = std::max(1, static_cast<int>(std::lround(kTraceBlocks * o.samples() / total)));
     const std::vector<int> ends = cuts(o, pieces);
