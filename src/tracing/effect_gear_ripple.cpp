@@ -10,6 +10,21 @@ constexpr int kOrders[] = {1, 2,
                            4};  ///< of a harmonic drive: a turn of the motor, its wave generator twice, both splines
 constexpr int kEach = 2 * static_cast<int>(std::size(kOrders));
 
+constexpr double kShortest_m = 0.002, kLongest_m = 0.05;
+constexpr double kSeenShare = 0.25;       ///< of the samples, at which the first order must lie below the cut-off
+constexpr double kMotionOverForce = 5.0;  ///< low-pass of positions over that of forces, at most
+
+/// Shortest period that is not for the low-pass alone to see: at a quarter of the samples the joint is slow enough for it. Below that
+/// the remainders of a few stops look like a ripple.
+double shortestSeen(const recording::Signals& s, int actuator) {
+  std::vector<double> speed(static_cast<std::size_t>(s.samples()));
+  for (int n = 0; n < s.samples(); ++n)
+    speed[static_cast<std::size_t>(n)] = std::abs(s.velocity_m_per_s(n, actuator));
+  const auto at = speed.begin() + static_cast<std::ptrdiff_t>(kSeenShare * static_cast<double>(speed.size()));
+  std::nth_element(speed.begin(), at, speed.end());
+  return std::max(kShortest_m, *at * kMotionOverForce / s.motion_cutoff_hz);
+}
+
 /// Torque ripple of a gear at one, two and four times a period of the joint's position, which is searched. The phase is the joint's own:
 /// an arm knows its joints' angles, so that it is the same in every recording.
 class GearRipple : public Candidate {
@@ -23,14 +38,14 @@ class GearRipple : public Candidate {
            "drive.";
   }
   int positionOf(int actuator) const override { return actuator; }
-  std::vector<ShapeParameter> shapeParameters() const override { return {{"period_m", 0.002, 0.05}}; }
+  std::vector<ShapeParameter> shapeParameters() const override { return {{"period_m", kShortest_m, kLongest_m}}; }
   /// The second order's phase is off by no more than an eighth of a turn at the ends of the range.
   std::vector<std::vector<double>> shapes(const EffectInput& input, int actuator) const override {
     const auto q = input.signals().position_m.col(actuator);
     const double range = std::max(1e-3, q.maxCoeff() - q.minCoeff());
-    const double longest = std::min(0.05, 0.7 * range);
+    const double longest = std::min(kLongest_m, 0.7 * range), shortest = shortestSeen(input.signals(), actuator);
     std::vector<std::vector<double>> grid;
-    for (double turns = 1.0 / longest; turns <= 1.0 / 0.002 && grid.size() < 600; turns += 0.25 / range)
+    for (double turns = 1.0 / longest; turns <= 1.0 / shortest && grid.size() < 600; turns += 0.25 / range)
       grid.push_back({1.0 / turns});
     return grid;
   }

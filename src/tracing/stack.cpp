@@ -15,6 +15,8 @@ constexpr double kSamplesPerCutoff =
     6.0;  ///< the low-passed signals hold about two independent values per cut-off period,
 constexpr double kFewestPerCutoff = 3.0;  ///< so that these are enough, where more would be
 constexpr double kEnough_hz = 30.0;
+constexpr double kMostRows =
+    4e4;  ///< of all actuators: a longer recording is thinned, its candidates' columns would fill the memory
 
 double totalSpeed(const identification::Observation& o, int sample) {
   return o.signals.velocity_m_per_s.row(sample).cwiseAbs().sum();
@@ -50,14 +52,17 @@ Stack makeStack(const std::vector<identification::Observation>& recordings,
   Stack stack;
   stack.axes = recordings.front().axes();
   stack.cutoff_hz = options.cutoff_hz;
-  double total = 0.0;
-  for (const identification::Observation& o : recordings)
+  const double rate_hz =
+      std::min(kSamplesPerCutoff * options.cutoff_hz, std::max(kEnough_hz, kFewestPerCutoff * options.cutoff_hz));
+  double total = 0.0, rows = 0.0;
+  for (const identification::Observation& o : recordings) {
     total += o.samples();
+    rows += stack.axes * rate_hz * o.signals.period_s * o.samples();
+  }
+  const double thinner = std::max(1.0, rows / kMostRows);
   for (std::size_t r = 0; r < recordings.size(); ++r) {
     const identification::Observation& o = recordings[r];
-    const double rate_hz =
-        std::min(kSamplesPerCutoff * options.cutoff_hz, std::max(kEnough_hz, kFewestPerCutoff * options.cutoff_hz));
-    const int stride = std::max(1, static_cast<int>(std::floor(1.0 / (rate_hz * o.signals.period_s))));
+    const int stride = std::max(1, static_cast<int>(std::floor(thinner / (rate_hz * o.signals.period_s))));
     stack.rate_hz = 1.0 / (stride * o.signals.period_s);
     const int pieces = std::max(1, static_cast<int>(std::lround(kTraceBlocks * o.samples() / total)));
     const std::vector<int> ends = cuts(o, pieces);
