@@ -175,7 +175,7 @@ void members(const AxisCommand& v, Visit& visit) {
   visit("reference_m", v.reference_m);
   visit("reference_velocity_m_per_s", v.reference_velocity);
   visit("homed", v.homed);
-  visit("test_pulse", v.test_pulse);
+  visit("pulse_N", v.pulse_N);
   visit("can_be_asked", v.can_be_asked);
   visit("answers", v.answers);
   visit("homing", v.homing);
