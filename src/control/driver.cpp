@@ -227,11 +227,13 @@ bool Driver::challengeEncoder(double dt, const EncoderProbe::Settings& settings)
 
 /// What no count to all this means.
 Fault Driver::deadOrBlocked() const noexcept {
-  return disturbed_.felt[index_] == Felt::No ? Fault::AxisBlocked : Fault::EncoderFrozen;
+  // At rest the others stick and may feel nothing of an axis that moves.
+  return disturbed_.felt[index_] == Felt::No && !out_.at_rest ? Fault::AxisBlocked : Fault::EncoderFrozen;
 }
 
 /// A healthy axis that hunts at rest is asked less and less often.
 bool Driver::standsUnderForce(double dt, std::int64_t counts) noexcept {
+  constexpr double kWhileRecording = 2.0;
   constexpr double kOverdueShare = 0.5;  // of the force: a soft loop lags without being blind
   constexpr double kAgain_s = 0.5, kSeldom_s = 4.0, kAgainMoving_s = 0.15, kAgainOverdue_s = 0.03, kTimes = 4.0;
   const bool rests = out_.at_rest;
@@ -242,13 +244,14 @@ bool Driver::standsUnderForce(double dt, std::int64_t counts) noexcept {
   }
   stood_at_rest_ = rests;
   asked_s_ += dt;
-  const double limit_N = rests ? standing_force : turning_force;
-  const bool overdue =
-      !rests && standing_.changed_N() >= kOverdueShare * limit_N && standing_.isOverdue(actuator_.metresPerCount());
+  // Recordings for a model are to have few questions in them: later then, not never.
+  const double patience = test_pulses_.load(std::memory_order_relaxed) ? 1.0 : kWhileRecording;
+  const double limit_N = patience * (rests ? standing_force : turning_force);
+  const bool overdue = !rests && standing_.changed_N() >= kOverdueShare * limit_N &&
+                       standing_.isOverdue(patience * actuator_.metresPerCount());
   const double again_moving_s = overdue ? kAgainOverdue_s : kAgainMoving_s;
   const double again_s = !rests ? again_moving_s : standing_.changed_N() > kTimes * limit_N ? kAgain_s : again_s_;
   if (!disturbance.isConnected() || asked_s_ < again_s || (!overdue && standing_.changed_N() < limit_N)) return false;
-  if (!test_pulses_.load(std::memory_order_relaxed)) return false;
   standing_.begin(counts);
   asked_s_ = 0.0;
   again_s_ = std::min(kSeldom_s, 2.0 * again_s_);
