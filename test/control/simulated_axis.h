@@ -33,8 +33,10 @@ struct SimulatedAxis {
   void move(double force) {
     const double free = velocity + kStep_s / mass_kg * (force - viscous * velocity);
     const double brake = kStep_s / mass_kg * coulomb_N;
+    const double before = velocity;
     velocity = std::abs(free) <= brake ? 0.0 : free - std::copysign(brake, free);
-    position += kStep_s * velocity;
+    position +=
+        0.5 * kStep_s * (before + velocity);  // the new velocity alone would be half a step early: 2 % of a gain margin
   }
   std::deque<double> under_way_;
 };
