@@ -1,0 +1,41 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "knee_robot/control/gain_proposal.h"
+#include "knee_robot/identification/axis_response.h"
+
+namespace knee_robot::report {
+
+/// One actuator of the tuning assistant's answer.
+struct TunedAxis {
+  std::string name;                   ///< "leg 1"
+  std::string driver;                 ///< component of the deployment, e.g. Driver1
+  std::string reason;                 ///< why nothing is proposed; empty: see `proposed`
+  control::PlantRange range;          ///< meaningful without reason
+  double highest_crossover_hz = 0.0;  ///< beyond it the recording shows nothing
+  std::string range_source;           ///< where the masses come from, in words
+  control::PidGains present;          ///< of the deployment
+  control::LoopMargins present_worst;
+  std::optional<control::PidGains> proposed;
+  control::LoopMargins proposed_worst;
+  double present_kick_N = 0.0, proposed_kick_N = 0.0;  ///< of one encoder count
+};
+
+struct TuningResults {
+  std::string recording, deployment;
+  double servo_period_s = 0.001;
+  control::MarginDemand demand;
+  identification::AxisResponses responses;
+  std::vector<TunedAxis> axes;
+};
+
+/// What the program prints.
+std::string tuningSummary(const TuningResults& results);
+/// report.html: plants, gains and margins in tables; recorded and modelled force, sensitivity and step responses as plots.
+/// gains.yaml: properties for the deployment file.
+void writeTuning(const TuningResults& results, const std::string& command_line, const std::string& folder);
+
+}  // namespace knee_robot::report
