@@ -76,7 +76,7 @@ void AxesOutput::readCommands(const rt::Cycle& cycle) {
   for (std::size_t i = 0; i < hardware::kAxes; ++i) {
     inputs_[i]->read(commands_[i]);
     Fault fault = checkCommand(commands_[i], i, cycle);
-    if (fault == Fault::None && !closesLoop(judged_.fault[i])) fault = judged_.fault[i];
+    if (fault == Fault::None && !loopStaysClosed(judged_.fault[i])) fault = judged_.fault[i];
     closed_[i] = fault == Fault::None;
     if (closed_[i] || !all_closed_) continue;
     all_closed_ = false;

@@ -59,7 +59,7 @@ bool Driver::startHook() {
 }
 
 void Driver::raise(Fault fault) noexcept {
-  if (fault_ == Fault::None || (closesLoop(fault_) && !closesLoop(fault))) fault_ = fault;
+  if (fault_ == Fault::None || (loopStaysClosed(fault_) && !loopStaysClosed(fault))) fault_ = fault;
 }
 
 void Driver::updateHook(const rt::Cycle& cycle) {
@@ -115,14 +115,14 @@ void Driver::readFeedforward(const rt::Cycle& cycle) noexcept {
   const bool alive = heard && cycle.time - foreseen_.time <= kSilentFeedforward * cycle.period;
   const double load = alive ? foreseen_.force_N[index_] : 0.0;
   // Beginning or ending in the middle of a motion is switching, too.
-  const double step = alive == foresees_ ? foreseen_.switched_N[index_] - switched_ : load - load_;
+  const double step = alive == feedforward_alive_ ? foreseen_.switched_N[index_] - switched_ : load - load_;
   if (active_ && step != 0.0) {
     pid_.shiftIntegral(-step);
     shifted_N_ += step;
   }
   switched_ = foreseen_.switched_N[index_];
   load_ = load;
-  foresees_ = alive;
+  feedforward_alive_ = alive;
   last_loop_ = loop_;
   loop_ = alive ? foreseen_.loop_N[index_] : 0.0;
   model_closes_ = alive && foreseen_.closes_loop;
@@ -299,14 +299,14 @@ void Driver::control(const rt::Cycle& cycle) {
   out_.pulse_N = pulse_N;
   const double force = std::clamp(asked, -force_limit_, force_limit_);
   if (!std::isfinite(force)) raise(Fault::NotANumber);
-  if (!closesLoop(fault_)) {
+  if (!loopStaysClosed(fault_)) {
     active_ = false;
     out_.at_rest = true;
     return;
   }
   out_.force_N = force;
   out_.feedforward_N = load_;
-  out_.moving_N = foresees_ ? foreseen_.moving_N[index_] : 0.0;
+  out_.moving_N = feedforward_alive_ ? foreseen_.moving_N[index_] : 0.0;
   out_.volts = actuator_.force_sign * force / actuator_.force_per_volt_N;
 }
 

@@ -137,7 +137,7 @@ bool concernsAllAxes(Fault fault) noexcept {
          fault == Fault::SetPointStale;
 }
 
-bool closesLoop(Fault fault) noexcept {
+bool loopStaysClosed(Fault fault) noexcept {
   return describe(fault).loop == Loop::Works;
 }
 

@@ -56,7 +56,8 @@ void Monitors::readPorts() {
 }
 
 void Monitors::raise(std::size_t axis, Fault fault) noexcept {
-  if (out_.fault[axis] == Fault::None || (closesLoop(out_.fault[axis]) && !closesLoop(fault))) out_.fault[axis] = fault;
+  if (out_.fault[axis] == Fault::None || (loopStaysClosed(out_.fault[axis]) && !loopStaysClosed(fault)))
+    out_.fault[axis] = fault;
 }
 
 void Monitors::updateHook(const rt::Cycle& cycle) {

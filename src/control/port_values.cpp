@@ -217,7 +217,7 @@ void members(const Disturbance& v, Visit& visit) {
 }
 
 template <typename Visit>
-void members(const Orders& v, Visit& visit) {
+void members(const SupervisorCommand& v, Visit& visit) {
   visit("sequence", v.sequence);
   visit("time_ns", v.time);
   visit("level", v.level);
@@ -334,7 +334,7 @@ const std::map<std::type_index, Described>& all() {
   static const std::map<std::type_index, Described> types = {
       described<AxesMeasurement>(),  described<SetPoint>(),    described<HomeSetting>(),
       described<FeedforwardForce>(), described<AxisCommand>(), described<Guidance>(),
-      described<MonitorVerdict>(),   described<Disturbance>(), described<Orders>(),
+      described<MonitorVerdict>(),   described<Disturbance>(), described<SupervisorCommand>(),
       described<AxesWritten>(),      described<TrackingRow>(), described<Request>(),
       described<SupervisorStatus>()};
   return types;

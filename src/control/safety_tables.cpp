@@ -28,7 +28,8 @@ std::string faultsTable() {
     const auto fault = static_cast<Fault>(i);
     const FaultDescription& d = describe(fault);
     text += "| " + std::to_string(i) + " | `" + d.name + "` | " + d.sentence + " | " +
-            (closesLoop(fault) ? "along the path" : "at once") + " | " + d.remedy + " | " + textOf(d.reset) + " |\n";
+            (loopStaysClosed(fault) ? "along the path" : "at once") + " | " + d.remedy + " | " + textOf(d.reset) +
+            " |\n";
   }
   return text;
 }

@@ -34,7 +34,7 @@ bool Supervisor::startHook() {
   started_before_ = true;
   homing_ = home_found_ = false;
   unjudged_ = 0;
-  orders_ = Orders{};
+  orders_ = SupervisorCommand{};
   orders_.play = play;
   orders_.transfer = transfer;
   pending_ = 0;

@@ -32,22 +32,22 @@ bool Sync::startHook() {
 }
 
 void Sync::updateHook(const rt::Cycle& cycle) {
-  Orders order;
+  SupervisorCommand order;
   // Counted in own cycles: a pause of the whole machine is not the Supervisor's silence.
   const rt::FlowStatus flow = orders.read(order);
   silent_ = flow == rt::FlowStatus::NewData ? 0 : silent_ + cycle.period;
   measurement.read(measured_);
-  const bool deaf = flow == rt::FlowStatus::NoData || silent_ > rt::fromSeconds(orders_timeout_s);
+  const bool orders_timed_out = flow == rt::FlowStatus::NoData || silent_ > rt::fromSeconds(orders_timeout_s);
 
   ++out_.sequence;
   out_.start = cycle.time;
   out_.duration = cycle.period;
   const bool moving =
       out_.phase == SyncPhase::Playing || out_.phase == SyncPhase::Stopping || out_.phase == SyncPhase::Paused;
-  if ((!order.drivers_active || order.guiding) && !(moving && deaf)) {
+  if ((!order.drivers_active || order.guiding) && !(moving && orders_timed_out)) {
     standBy(order);
   } else if (moving) {
-    advance(cycle, order, order.stop_path || deaf);
+    advance(cycle, order, order.stop_path || orders_timed_out);
   } else if (order.play != handled_play_) {
     tryToPlay(order);
     if (out_.phase == SyncPhase::Playing) advance(cycle, order, false);
@@ -58,14 +58,14 @@ void Sync::updateHook(const rt::Cycle& cycle) {
 }
 
 /// Nobody carries the platform: what was played before must never be resumed.
-void Sync::standBy(const Orders& order) {
+void Sync::standBy(const SupervisorCommand& order) {
   out_.phase = SyncPhase::Idle;
   out_.time_scale = time_scale_ = 0.0;
   out_.path_time_s = path_time_ = 0.0;
   handled_play_ = order.play;
 }
 
-void Sync::tryToPlay(const Orders& order) {
+void Sync::tryToPlay(const SupervisorCommand& order) {
   handled_play_ = order.play;
   path_ = store_.adopt();
   PlayRefusal refusal = PlayRefusal::None;
@@ -95,7 +95,7 @@ void Sync::tryToPlay(const Orders& order) {
   time_scale_ = targetScale(order);
 }
 
-double Sync::targetScale(const Orders& order) noexcept {
+double Sync::targetScale(const SupervisorCommand& order) noexcept {
   const bool usable = order.speed >= 0.0 && order.speed <= 1.0;  // what is not a number is not: then it stands
   return order.pause_path || !usable ? 0.0 : order.speed;
 }
@@ -108,7 +108,7 @@ double Sync::scaleRate() const noexcept {
   return 1.0 / time;
 }
 
-void Sync::advance(const rt::Cycle& cycle, const Orders& order, bool stop) {
+void Sync::advance(const rt::Cycle& cycle, const SupervisorCommand& order, bool stop) {
   if (stop) out_.phase = SyncPhase::Stopping;
   const bool stopping = out_.phase == SyncPhase::Stopping;
   const double dt = rt::toSeconds(cycle.period);

@@ -187,7 +187,7 @@ int run(const Arguments& a, const std::string& command_line) {
   r.robot_path = a.robot;
   r.options = a.options;
   r.options.progress = [](const std::string& what) { std::cerr << what << std::endl; };
-  if (a.options.most_effects == 0) r.options.twins = 2;  // nothing is compared with surrogates
+  if (a.options.most_effects == 0) r.options.surrogates = 2;  // nothing is compared with surrogates
   mechanism::Robot robot = mechanism::loadAnyRobot(a.robot);
   Times train_times, validate_times;
   std::vector<recording::Recording> read = readAll(a.train, train_times);

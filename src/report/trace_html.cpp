@@ -173,7 +173,7 @@ std::string traceHtml(const TraceResults& r) {
     out += timePlots("Training", r.train[k], r.train_before.predictions[k], r.train_after.predictions[k]);
   out += sentenceList("Absorbed by the baseline", r.result.absorbed);
   out += sentenceList("Looked at and not added", r.result.rejected);
-  out += sentenceList("How the clean twins were made", r.result.notes);
+  out += sentenceList("How the surrogates were made", r.result.notes);
   return out + singleRecordingNote(r.train.size()) + pageEnd(r.command_line);
 }
 

@@ -46,9 +46,9 @@ std::string table(const tracing::PoseTrace& pose) {
 }
 
 std::string findings(const tracing::PoseTrace& pose) {
-  if (pose.findings.empty()) return "<p>No explanation of the pose beats clean twins; nothing was added.</p>\n";
+  if (pose.findings.empty()) return "<p>No explanation of the pose beats surrogates; nothing was added.</p>\n";
   std::string out =
-      "<table><tr><th>explanation</th><th>size</th><th>explains, % of the square</th><th>clean twins at most, %</th>"
+      "<table><tr><th>explanation</th><th>size</th><th>explains, % of the square</th><th>surrogates at most, %</th>"
       "<th>p</th><th>held-back gain</th><th>cannot be told from</th></tr>\n";
   for (const tracing::PoseFinding& f : pose.findings) {
     const std::string parameter = tracing::parameterOf(f.hypothesis);

@@ -114,10 +114,10 @@ std::string tracePoseSummary(const tracing::PoseTrace& pose) {
       out += line("after, camera's frame refitted", r.refitted);
     }
   }
-  if (pose.findings.empty()) out += "No explanation of the pose beats clean twins; nothing was added to it.\n";
+  if (pose.findings.empty()) out += "No explanation of the pose beats surrogates; nothing was added to it.\n";
   for (const tracing::PoseFinding& f : pose.findings) {
     out += "  " + tracing::textOf(f.hypothesis) + ": " + valueText(f) + "; explains " +
-           shortNumber(100.0 * f.share, 3) + " % of the weighed square, clean twins at most " +
+           shortNumber(100.0 * f.share, 3) + " % of the weighed square, surrogates at most " +
            shortNumber(100.0 * f.null_share, 2) + " %, p = " + shortNumber(f.p, 2);
     for (std::size_t k = 0; k < f.confusable.size(); ++k)
       out += (k ? ", " : "; not told from ") + tracing::textOf(f.confusable[k]);

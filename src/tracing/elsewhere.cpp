@@ -23,12 +23,12 @@ std::vector<Hypothesis> without(std::vector<Hypothesis> all, std::size_t k) {
 /// Squares (weighted, at the stack's rate) that a model with these effects leaves where the pose is masked: nothing was fitted there.
 double maskedSquares(const Search& s, const std::vector<Hypothesis>& effects) {
   const JointFit fit = fitOf(s, effects);
-  const TwinModel model = {s.base->parametersOf(fit.base), effects, fit.coefficients};
+  const SurrogateModel model = {s.base->parametersOf(fit.base), effects, fit.coefficients};
   double sum = 0.0;
   for (const EffectInput& input : s.data->inputs) {
     const identification::Observation& o = *input.observation;
     if (std::count(o.motion.uncertain.begin(), o.motion.uncertain.end(), 1) == 0) continue;
-    const TwinEffects forces = effectForces(input, model);
+    const SurrogateEffects forces = effectForces(input, model);
     Eigen::MatrixXd left = forces.friction_N + forces.load_N;
     for (int i = 0; i < o.axes(); ++i)
       left.col(i) += o.regressor[static_cast<std::size_t>(i)] * model.parameters;

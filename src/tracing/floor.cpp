@@ -89,7 +89,7 @@ Eigen::VectorXd engineeringSize(const TraceData& data) {
 }  // namespace
 
 NoiseFloor noiseFloor(const std::vector<recording::Recording>& recordings, const TraceData& data,
-                      const std::vector<Eigen::MatrixXd>& model_force_N, const Eigen::VectorXd& twin_residual_N) {
+                      const std::vector<Eigen::MatrixXd>& model_force_N, const Eigen::VectorXd& surrogate_residual_N) {
   const int axes = data.stack.axes;
   NoiseFloor floor;
   RepeatDifferences differences(axes);
@@ -143,7 +143,7 @@ NoiseFloor noiseFloor(const std::vector<recording::Recording>& recordings, const
     return floor;
   }
   floor.source =
-      "no repeated reference; estimated from what clean twins leave and from the noise of the force between 3 and 6 "
+      "no repeated reference; estimated from what surrogates leave and from the noise of the force between 3 and 6 "
       "times the cut-off";
   floor.rms_N.resize(axes);
   for (int i = 0; i < axes; ++i) {
@@ -152,7 +152,7 @@ NoiseFloor noiseFloor(const std::vector<recording::Recording>& recordings, const
       noise += std::pow(densityEstimate(data.recordings[r], residual[r].col(i), data.stack.cutoff_hz), 2) /
                static_cast<double>(recordings.size());
     }
-    floor.rms_N[i] = std::sqrt(noise + twin_residual_N[i] * twin_residual_N[i]);
+    floor.rms_N[i] = std::sqrt(noise + surrogate_residual_N[i] * surrogate_residual_N[i]);
   }
   floor.rms_N = floor.rms_N.cwiseMax(engineeringSize(data));
   return floor;

@@ -12,43 +12,44 @@ namespace {
 constexpr double kBlock_s = 1.5;  ///< of resampled noise: several correlation times of the low-passed residual
 
 /// Sets a recording's forces to those of the model, effects that look at the force included.
-void setModelForces(EffectInput& input, const BaseFit& base, const TwinModel& model) {
+void setModelForces(EffectInput& input, const BaseFit& base, const SurrogateModel& model) {
   setForces(input, base.columns, model.parameters, {});
   if (model.effects.empty()) return;
-  const TwinEffects own = effectForces(input, model);
+  const SurrogateEffects own = effectForces(input, model);
   setForces(input, base.columns, model.parameters, own.friction_N + own.load_N);
 }
 
 Surrogate makeSurrogate(const mechanism::Robot& robot, const std::vector<recording::Recording>& recordings,
-                        const TraceData& data, const BaseFit& base, const TwinModel& model,
-                        const std::vector<TwinPlan>& plans, const identification::ObservationOptions& options,
+                        const TraceData& data, const BaseFit& base, const SurrogateModel& model,
+                        const std::vector<SurrogatePlan>& plans, const identification::ObservationOptions& options,
                         std::uint64_t seed) {
-  TraceData twin;
-  twin.stack = data.stack;
+  TraceData surrogate;
+  surrogate.stack = data.stack;
   const int count = static_cast<int>(recordings.size());
   for (std::size_t r = 0; r < recordings.size(); ++r) {
     const recording::Recording simulated =
-        simulateTwin(robot, recordings[r], data.recordings[r], plans[r], seed * 1000003u + 17u * r);
-    twin.recordings.push_back(identification::observe(robot, base.columns, simulated, options));
-    if (twin.recordings.back().samples() != data.recordings[r].samples()) twin.recordings.back() = data.recordings[r];
-    identification::setFriction(twin.recordings.back(), base.columns, base.friction_laws);
+        simulateSurrogate(robot, recordings[r], data.recordings[r], plans[r], seed * 1000003u + 17u * r);
+    surrogate.recordings.push_back(identification::observe(robot, base.columns, simulated, options));
+    if (surrogate.recordings.back().samples() != data.recordings[r].samples())
+      surrogate.recordings.back() = data.recordings[r];
+    identification::setFriction(surrogate.recordings.back(), base.columns, base.friction_laws);
   }
   BaseFit newtons = base;
   newtons.noise_N.setOnes();
   Surrogate s;
   s.pull = base.pull;
-  s.force_rows = forceRows(newtons, twin.recordings, twin.stack);
-  const Eigen::MatrixXd base_rows = baseRows(newtons, twin.recordings, twin.stack);
+  s.force_rows = forceRows(newtons, surrogate.recordings, surrogate.stack);
+  const Eigen::MatrixXd base_rows = baseRows(newtons, surrogate.recordings, surrogate.stack);
   for (int r = 0; r < count && !model.effects.empty(); ++r) {
-    twin.inputs.push_back(
-        effectInput(robot, twin.recordings[static_cast<std::size_t>(r)], newtons.friction_laws, r, count));
-    setModelForces(twin.inputs.back(), base, model);
+    surrogate.inputs.push_back(
+        effectInput(robot, surrogate.recordings[static_cast<std::size_t>(r)], newtons.friction_laws, r, count));
+    setModelForces(surrogate.inputs.back(), base, model);
   }
-  twin.scale = Eigen::VectorXd::Ones(s.force_rows.size());
+  surrogate.scale = Eigen::VectorXd::Ones(s.force_rows.size());
   std::vector<Eigen::MatrixXd> effects;
   Eigen::Index columns = base_rows.cols();
   for (const Hypothesis& h : model.effects) {
-    effects.push_back(effectRows(twin, h));
+    effects.push_back(effectRows(surrogate, h));
     columns += effects.back().cols();
   }
   s.model_rows.resize(base_rows.rows(), columns);
@@ -88,7 +89,8 @@ Eigen::VectorXd resampled(const Stack& stack, const Eigen::VectorXd& residual, s
 
 std::vector<Surrogate> makeSurrogates(const mechanism::Robot& robot,
                                       const std::vector<recording::Recording>& recordings, const TraceData& data,
-                                      const BaseFit& base, const TwinModel& model, const std::vector<TwinPlan>& plans,
+                                      const BaseFit& base, const SurrogateModel& model,
+                                      const std::vector<SurrogatePlan>& plans,
                                       const identification::ObservationOptions& options, int count,
                                       std::uint64_t seed) {
   std::vector<Surrogate> all(static_cast<std::size_t>(count));
@@ -98,8 +100,8 @@ std::vector<Surrogate> makeSurrogates(const mechanism::Robot& robot,
   return all;
 }
 
-TwinEffects effectForces(const EffectInput& input, const TwinModel& model) {
-  TwinEffects out;
+SurrogateEffects effectForces(const EffectInput& input, const SurrogateModel& model) {
+  SurrogateEffects out;
   out.friction_N = out.load_N = Eigen::MatrixXd::Zero(input.samples(), input.axes());
   for (std::size_t k = 0; k < model.effects.size(); ++k) {
     Eigen::MatrixXd& kind = model.effects[k].place.candidate->isFriction() ? out.friction_N : out.load_N;

@@ -98,9 +98,9 @@ PoseNull nullOf(const PoseSearch& s, const Eigen::MatrixXd& q, const Eigen::Matr
   std::mt19937_64 random(s.options->seed * 7919u + s.model.causes.size());
   Eigen::MatrixXd roots(columns.cols(), s.options->draws);
   for (int d = 0; d < s.options->draws; ++d) {
-    const Eigen::VectorXd twin = without(q, resampled(s, random));
+    const Eigen::VectorXd surrogate = without(q, resampled(s, random));
     for (Eigen::Index h = 0; h < columns.cols(); ++h)
-      roots(h, d) = std::sqrt(explained(columns.col(h), twin, isPlay(s.hypotheses[static_cast<std::size_t>(h)])));
+      roots(h, d) = std::sqrt(explained(columns.col(h), surrogate, isPlay(s.hypotheses[static_cast<std::size_t>(h)])));
   }
   PoseNull null{maxNull(roots, 0.0, kLeastSpread), std::pow(roots.maxCoeff(), 2)};
   return null;

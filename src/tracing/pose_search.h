@@ -12,7 +12,7 @@ struct PoseSearch {
   PoseStack stack;
   std::vector<PoseHypothesis> hypotheses;
   mechanism::Vector4 sigma = mechanism::Vector4::Ones();  ///< of what nothing explains, per coordinate
-  Eigen::VectorXd noise;  ///< what nothing explains, in units of sigma: blocks of it make clean twins
+  Eigen::VectorXd noise;  ///< what nothing explains, in units of sigma: blocks of it make surrogates
   double rate_hz = 0.0;
   PoseModel model;
   std::vector<PoseFinding> findings;

@@ -33,8 +33,8 @@ JointFit fitOf(const Search& s, const std::vector<Hypothesis>& effects) {
   return fitJointly(*s.data, *s.base, s.rms_N, effects, rows);
 }
 
-TwinModel modelOf(const Search& s) {
-  TwinModel m;
+SurrogateModel modelOf(const Search& s) {
+  SurrogateModel m;
   m.parameters = s.base->parametersOf(s.fit.base);
   m.effects = hypothesesOf(s.effects);
   m.coefficients = s.fit.coefficients;
@@ -51,9 +51,9 @@ void refit(Search& s) {
   for (int pass = 0; pass < (all.empty() ? 1 : kPasses); ++pass) {
     fit();
     s.seen_parameters = 0.5 * (s.seen_parameters + s.base->parametersOf(s.fit.base));  // all the way would swing
-    const TwinModel model = modelOf(s);
+    const SurrogateModel model = modelOf(s);
     for (EffectInput& input : s.data->inputs) {
-      const TwinEffects effects = effectForces(input, model);
+      const SurrogateEffects effects = effectForces(input, model);
       setForces(input, s.base->columns, s.seen_parameters, effects.friction_N + effects.load_N);
     }
   }
@@ -70,7 +70,7 @@ struct SplitEffects {
   Eigen::MatrixXd level, force_N;
 };
 
-SplitEffects splitEffects(const EffectInput& input, const TwinModel& model) {
+SplitEffects splitEffects(const EffectInput& input, const SurrogateModel& model) {
   SplitEffects out = {Eigen::MatrixXd::Ones(input.samples(), input.axes()),
                       Eigen::MatrixXd::Zero(input.samples(), input.axes())};
   EffectInput forward = input, still = input, back = input;
@@ -106,9 +106,9 @@ bool adoptBase(Search& s, BaseFit base) {
   data.all_base_rows = baseRows(newtons, data.recordings, data.stack);
   setAttention(data, s.attention);
   bool changed = false;
-  const TwinModel model = {s.base->parameters, hypothesesOf(s.effects), s.fit.coefficients};
+  const SurrogateModel model = {s.base->parameters, hypothesesOf(s.effects), s.fit.coefficients};
   for (std::size_t r = 0; r < data.inputs.size(); ++r) {
-    const TwinEffects effects = effectForces(data.inputs[r], model);
+    const SurrogateEffects effects = effectForces(data.inputs[r], model);
     const Eigen::MatrixXd share = data.inputs[r].share;
     data.inputs[r] = effectInput(robot, data.recordings[r], s.base->friction_laws, data.inputs[r].recording,
                                  data.inputs[r].recordings);
@@ -123,7 +123,7 @@ bool adoptBase(Search& s, BaseFit base) {
 bool rebase(Search& s) {
   TraceData& data = *s.data;
   const mechanism::Robot& robot = *data.inputs.front().robot;
-  const TwinModel now = {s.base->parameters, hypothesesOf(s.effects), s.fit.coefficients};
+  const SurrogateModel now = {s.base->parameters, hypothesesOf(s.effects), s.fit.coefficients};
   std::vector<Eigen::MatrixXd> effects_N, levels;
   for (const EffectInput& input : data.inputs) {
     SplitEffects split = splitEffects(input, now);

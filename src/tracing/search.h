@@ -39,7 +39,7 @@ std::vector<Hypothesis> hypothesesOf(const std::vector<FoundEffect>& effects);
 JointFit fitOf(const Search& search, const std::vector<Hypothesis>& effects);
 
 /// The model as it stands.
-TwinModel modelOf(const Search& search);
+SurrogateModel modelOf(const Search& search);
 
 /// Fits base and effects together and rebuilds what depends on the fit (loads, forces), twice.
 void refit(Search& search);

@@ -19,7 +19,7 @@ constexpr double kTooMuch = 1.3;       ///< factor by which a surrogate may leav
 constexpr double kFaster = 3.0;        ///< cut-off of the second band over that of the first,
 constexpr double kFastestShareOfRate = 0.1;
 constexpr double kLeastFaster = 1.5;  ///< below which a second band would be the first one again
-constexpr int kFastTwins = 5;
+constexpr int kFastSurrogates = 5;
 
 bool isAmong(const std::vector<FoundEffect>& effects, const FoundEffect& one) {
   return std::any_of(effects.begin(), effects.end(),
@@ -80,7 +80,7 @@ class Tracing {
   void predictElsewhere();
 
   void attend(Attention next);
-  void simulate(const TwinModel& model);
+  void simulate(const SurrogateModel& model);
   void rebuildSurrogates();
   void setFloor();
   bool openLoops();
@@ -89,7 +89,7 @@ class Tracing {
   const std::vector<recording::Recording>& recordings_;
   const TraceOptions& options_;
   TraceData data_;
-  std::vector<TwinPlan> plans_;
+  std::vector<SurrogatePlan> plans_;
   Library library_;
   CandidateList maps_;  ///< of the given model, and those that are tried
   Search s_;
@@ -129,13 +129,13 @@ void Tracing::fitBaseline(std::vector<identification::Observation> training) {
 
 void Tracing::planSurrogates() {
   for (std::size_t r = 0; r < recordings_.size(); ++r) {
-    plans_.push_back(planTwin(robot_, recordings_[r], data_.recordings[r], result_.base));
+    plans_.push_back(planSurrogate(robot_, recordings_[r], data_.recordings[r], result_.base));
     result_.notes.push_back(plans_.back().note + ".");
   }
-  options_.progress("simulating " + std::to_string(options_.twins) + " surrogates of the recordings");
-  const TwinModel clean = {result_.base.parameters, {}, {}};
+  options_.progress("simulating " + std::to_string(options_.surrogates) + " surrogates of the recordings");
+  const SurrogateModel clean = {result_.base.parameters, {}, {}};
   s_.surrogates = makeSurrogates(robot_, recordings_, data_, result_.base, clean, plans_, options_.observation,
-                                 options_.twins, options_.seed);
+                                 options_.surrogates, options_.seed);
   if (openLoops()) simulate(clean);
   attend(Attention::All);
 }
@@ -148,7 +148,7 @@ bool Tracing::openLoops() {
   for (Eigen::Index i = 0; i < left_N.size(); ++i) {
     if (plans_.front().open_loop[static_cast<std::size_t>(i)] || left_N[i] <= kTooMuch * real_N[i]) continue;
     any = true;
-    for (TwinPlan& plan : plans_)
+    for (SurrogatePlan& plan : plans_)
       plan.open_loop[static_cast<std::size_t>(i)] = 1;
     result_.notes.push_back(
         "Actuator " + std::to_string(i + 1) + ": a surrogate in closed loop leaves " + shortNumber(left_N[i], 3) +
@@ -158,13 +158,13 @@ bool Tracing::openLoops() {
   return any;
 }
 
-void Tracing::simulate(const TwinModel& model) {
+void Tracing::simulate(const SurrogateModel& model) {
   s_.surrogates = makeSurrogates(robot_, recordings_, data_, result_.base, model, plans_, options_.observation,
-                                 options_.twins, options_.seed + 17u * model.effects.size());
+                                 options_.surrogates, options_.seed + 17u * model.effects.size());
 }
 
 void Tracing::rebuildSurrogates() {
-  const TwinModel model = modelOf(s_);
+  const SurrogateModel model = modelOf(s_);
   for (std::size_t r = 0; r < plans_.size(); ++r)
     refreshPlan(data_.recordings[r], result_.base, model.parameters, data_.inputs[r].share,
                 effectForces(data_.inputs[r], model), plans_[r]);
@@ -272,7 +272,7 @@ void Tracing::searchFastBand() {
   TraceOptions options = options_;
   options.observation.setCutoff(fast_hz);
   options.start = nullptr;
-  options.twins = kFastTwins;
+  options.surrogates = kFastSurrogates;
   std::vector<identification::Observation> training;
   for (const recording::Recording& r : recordings_)
     training.push_back(identification::observe(robot_, s_.base->columns, r, options.observation));

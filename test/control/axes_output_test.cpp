@@ -12,7 +12,7 @@ namespace {
 
 struct Feed : rt::TaskContext {
   Feed() : rt::TaskContext("Feed") {}
-  rt::OutputPort<Orders> orders{*this, "orders", ""};
+  rt::OutputPort<SupervisorCommand> orders{*this, "orders", ""};
   rt::OutputPort<AxesMeasurement> measurement{*this, "measurement", ""};
   rt::OutputPort<AxisCommand> command_1{*this, "command_1", ""};
   rt::OutputPort<AxisCommand> command_2{*this, "command_2", ""};
@@ -68,7 +68,7 @@ class AxesOutputTest : public ::testing::Test {
   fake::Machine machine{fake::robot()};
   AxesOutput output{"AxesOutput", fake::robot(), fake::hardware(), machine};
   Feed feed;
-  Orders orders;
+  SupervisorCommand orders;
   std::array<AxisCommand, hardware::kAxes> commands{};
   std::array<bool, hardware::kAxes> comes{true, true, true, true};
   bool orders_come = true;

@@ -13,7 +13,7 @@ using fake::kHome;
 
 struct Feed : rt::TaskContext {
   Feed() : rt::TaskContext("Feed") {}
-  rt::OutputPort<Orders> orders{*this, "orders", ""};
+  rt::OutputPort<SupervisorCommand> orders{*this, "orders", ""};
   rt::OutputPort<AxesMeasurement> measurement{*this, "measurement", ""};
   rt::OutputPort<SetPoint> set_point{*this, "set_point", ""};
   rt::OutputPort<FeedforwardForce> load{*this, "load", ""};
@@ -69,7 +69,7 @@ class DriverTest : public ::testing::TestWithParam<int> {
 
   Driver driver{"Driver1", fake::robot()};
   Feed feed;
-  Orders orders;
+  SupervisorCommand orders;
   AxesMeasurement measured;
   SetPoint set_point;
   AxisCommand command;
@@ -281,7 +281,7 @@ TEST_P(OneSetOfGains, HoldsEveryMassUnderGravityWithoutOscillating) {
     measured.position_m[static_cast<std::size_t>(axis) - 1] =
         fake::kHome + step * std::round((position - fake::kHome) / step);
     feed.measurement.write(measured);
-    Orders orders;
+    SupervisorCommand orders;
     orders.drivers_active = true;
     feed.orders.write(orders);
     rt::Cycle cycle;

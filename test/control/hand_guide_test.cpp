@@ -377,7 +377,7 @@ TEST(HandGuiding, StopAndDisableEndItAsEver) {
 
 struct Feed : rt::TaskContext {
   Feed() : rt::TaskContext("Feed") {}
-  rt::OutputPort<Orders> orders{*this, "orders", ""};
+  rt::OutputPort<SupervisorCommand> orders{*this, "orders", ""};
   rt::OutputPort<AxesMeasurement> measurement{*this, "measurement", ""};
   rt::InputPort<Guidance> guidance{*this, "guidance", ""};
 };
@@ -395,7 +395,7 @@ TEST(HandGuiding, AllocatesNothingAndLetsGoWhenTheSupervisorIsSilent) {
   ASSERT_TRUE(guide.configure()) << guide.refusal();
   std::remove(model.c_str());
   ASSERT_TRUE(guide.start());
-  Orders orders;
+  SupervisorCommand orders;
   orders.level = DriveLevel::Released;
   orders.guiding = orders.drivers_active = true;
   AxesMeasurement measured;

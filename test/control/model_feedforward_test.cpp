@@ -19,7 +19,7 @@ const std::string kFinal = std::string(KNEE_SOURCE_DIR) + "/config/robots/final.
 
 struct Feed : rt::TaskContext {
   Feed() : rt::TaskContext("Feed") {}
-  rt::OutputPort<Orders> orders{*this, "orders", ""};
+  rt::OutputPort<SupervisorCommand> orders{*this, "orders", ""};
   rt::OutputPort<AxesMeasurement> measurement{*this, "measurement", ""};
   rt::OutputPort<AxisCommand> command_1{*this, "command_1", ""}, command_2{*this, "command_2", ""},
       command_3{*this, "command_3", ""}, command_4{*this, "command_4", ""};
@@ -93,7 +93,7 @@ class ModelFeedforwardTest : public ::testing::Test {
   mechanism::Robot robot = mechanism::loadRobot(kFinal);
   ModelFeedforward component{"Feedforward", robot};
   Feed feed;
-  Orders orders;
+  SupervisorCommand orders;
   AxesMeasurement measured;
   double reference_velocity = 0.0;
   FeedforwardForce force;

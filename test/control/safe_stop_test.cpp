@@ -126,9 +126,9 @@ TEST(SafeStop, TakesTheLoadBackWhenAnAxisMovesAndKeepsItUntilItIsAskedAgain) {
 
 TEST(SafeStop, NeverGoesToZeroWhileTheHoldDevicesCannotBeOrdered) {
   Transfer t;
-  HoldView deaf;
-  deaf.ordered = false;
-  t.run(10000, deaf, false);
+  HoldView orders_timed_out;
+  orders_timed_out.ordered = false;
+  t.run(10000, orders_timed_out, false);
   EXPECT_EQ(t.stop.phase(), Phase::Engaging);
   EXPECT_EQ(t.stop.share(), 1.0);
   t.run(100, {}, false);

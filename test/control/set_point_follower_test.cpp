@@ -116,7 +116,7 @@ TEST(SetPointFollower, ReportsAMissingPointAndGoesOnWithoutAJumpSoThatAllFourCan
   const double before = axis.at(2 * kPeriod - kMs).position;
   EXPECT_EQ(axis.accept(segment(2, 0.6, 0.1), 2 * kPeriod), Fault::SetPointStale);
   EXPECT_NEAR(axis.at(2 * kPeriod).position, before, 0.1 * 1e-3 + 1e-6);
-  EXPECT_TRUE(closesLoop(Fault::SetPointStale));
+  EXPECT_TRUE(loopStaysClosed(Fault::SetPointStale));
 }
 
 TEST(SetPointFollower, ToleratesAsManyMissingPointsAsItIsTold) {

@@ -17,7 +17,7 @@ struct Feed : rt::TaskContext {
   rt::OutputPort<AxesWritten> written{*this, "written", ""};
   rt::OutputPort<MonitorVerdict> verdict{*this, "verdict", ""};
   rt::OutputPort<Request> request{*this, "request", ""};
-  rt::InputPort<Orders> orders{*this, "orders", ""};
+  rt::InputPort<SupervisorCommand> orders{*this, "orders", ""};
   rt::InputPort<SupervisorStatus> status{*this, "status", ""};
 };
 
@@ -100,7 +100,7 @@ class SupervisorTest : public ::testing::Test {
   SetPoint set_point;
   AxesWritten written;
   MonitorVerdict verdict;
-  Orders orders;
+  SupervisorCommand orders;
   SupervisorStatus status;
   bool monitors_live = true;
   rt::Nanoseconds now = 0;

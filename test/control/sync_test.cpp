@@ -13,7 +13,7 @@ using fake::kHome;
 
 struct Feed : rt::TaskContext {
   Feed() : rt::TaskContext("Feed") {}
-  rt::OutputPort<Orders> orders{*this, "orders", ""};
+  rt::OutputPort<SupervisorCommand> orders{*this, "orders", ""};
   rt::OutputPort<AxesMeasurement> measurement{*this, "measurement", ""};
   rt::InputPort<SetPoint> set_point{*this, "set_point", ""};
 };
@@ -64,7 +64,7 @@ class SyncTest : public ::testing::Test {
 
   Sync sync{"Sync", fake::robot()};
   Feed feed;
-  Orders orders;
+  SupervisorCommand orders;
   AxesMeasurement measured;
   SetPoint out;
   std::vector<AxisValues> points;

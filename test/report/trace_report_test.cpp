@@ -30,7 +30,7 @@ const TraceResults& traced() {
     TraceResults r;
     r.command_line = "trace --output \"<here>\"";
     r.robot_path = "bench.yaml";
-    r.options.twins = 3;
+    r.options.surrogates = 3;
     std::mt19937 random(1);
     std::normal_distribution<double> noise(0.0, 0.5);
     std::vector<recording::Recording> recordings;

@@ -43,7 +43,7 @@ TraceResult traced(double ahead_s, bool fast_band) {
   const mechanism::Robot robot = identification::syntheticBench(1);
   const recording::Recording recording = recorded(ahead_s);
   TraceOptions options;
-  options.twins = 3;
+  options.surrogates = 3;
   options.fast_band = fast_band;
   return trace(robot, {recording},
                {identification::observe(robot, identification::columnsOf(robot), recording, options.observation)},

@@ -85,7 +85,7 @@ TEST(NoiseFloor, TakesNoMotionThatDoesNotRepeatForOneThatDoes) {
            [](double t) { return cycle(std::min(t, 1.5 * kCycle_s)); }}) {                  // half a cycle again
     const NoiseFloor floor = floorOf({recorded(position, 40.0, "once")});
     EXPECT_EQ(floor.source.find("repeats a cycle"), std::string::npos) << floor.source;
-    EXPECT_GE(floor.rms_N[0], 30.0) << "the estimate has what twins leave";
+    EXPECT_GE(floor.rms_N[0], 30.0) << "the estimate has what surrogates leave";
   }
 }
 

@@ -44,7 +44,7 @@ struct Traced {
 Traced traced(int variant, const Hidden& hidden, const dynamics::Model* start) {
   const recording::Recording recording = recorded(variant, hidden);
   TraceOptions options;
-  options.twins = 3;
+  options.surrogates = 3;
   if (start != nullptr) options.start = std::make_shared<const StartModel>(StartModel{*start, "given.yaml"});
   const std::vector<identification::Observation> training = {
       identification::observe(bench(), identification::columnsOf(bench()), recording, options.observation)};

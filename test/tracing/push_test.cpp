@@ -8,7 +8,7 @@ constexpr double kSeconds = 30.0, kFrom_s = 12.0, kDuration_s = 4.0;
 TEST(Trace, FindsAStrongPushAndKeepsItOutOfWhatItPredictsElsewhere) {
   const mechanism::Robot robot = simulatedRobot();
   TraceOptions options;
-  options.twins = 5;
+  options.surrogates = 5;
   const std::vector<identification::Column> columns = identification::columnsOf(robot);
   const recording::Recording quiet = simulatedRecording(robot, 1, kSeconds, "");
   const double start = quiet.time_s.front() + kFrom_s;

@@ -127,7 +127,7 @@ inline TracedCase traceSimulated(
   constexpr double kSeconds = 30.0;
   const mechanism::Robot robot = simulatedRobot();
   TraceOptions options;
-  options.twins = 5;
+  options.surrogates = 5;
   const std::vector<identification::Column> columns = identification::columnsOf(robot);
   recording::Recording train = simulatedRecording(robot, 1, kSeconds, effects);
   recording::Recording second = simulatedRecording(robot, 2, kSeconds, effects);

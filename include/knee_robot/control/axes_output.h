@@ -27,7 +27,7 @@ class AxesOutput : public rt::TaskContext {
   AxesOutput(const std::string& name, const mechanism::Robot& robot, const HardwareFile& hardware,
              hardware::AxisBus& bus);
 
-  rt::InputPort<Orders> orders{*this, "orders", "from the Supervisor"};
+  rt::InputPort<SupervisorCommand> orders{*this, "orders", "from the Supervisor"};
   rt::InputPort<AxesMeasurement> measurement{*this, "measurement", "from AxesInput"};
   rt::InputPort<MonitorVerdict> verdict{*this, "verdict", "from Monitors"};
   rt::InputPort<AxisCommand> command_1{*this, "command_1", "from the Driver of axis 1"};
@@ -70,7 +70,7 @@ class AxesOutput : public rt::TaskContext {
   hardware::AxisBus& bus_;
   const std::array<rt::InputPort<AxisCommand>*, hardware::kAxes> inputs_;
   SafeStop safe_stop_{SafeStopTiming{}};
-  Orders order_;
+  SupervisorCommand order_;
   bool heard_ = false;
   std::array<AxisCommand, hardware::kAxes> commands_{};
   MonitorVerdict judged_;

@@ -93,7 +93,7 @@ struct AxisCommand {
   bool active = false;         ///< the position loop is closed
   bool loaded = true;          ///< the feedforward, where there is one, is complete
   bool at_rest = false;        ///< the reference stands still
-  Fault fault = Fault::None;   ///< of this axis; with closesLoop(fault) the volts are still those of a working loop
+  Fault fault = Fault::None;  ///< of this axis; with loopStaysClosed(fault) the volts are still those of a working loop
   double volts = 0.0;
   double force_N = 0.0;        ///< what the volts ask for
   double feedforward_N = 0.0;  ///< the part of it that a model foresaw
@@ -175,7 +175,7 @@ enum class DriveLevel : std::uint8_t {
 };
 
 /// Supervisor, every servo cycle.
-struct Orders {
+struct SupervisorCommand {
   std::uint64_t sequence = 0;
   rt::Nanoseconds time = 0;
   DriveLevel level = DriveLevel::Off;

@@ -27,7 +27,7 @@ class DisturbanceObserver : public rt::TaskContext {
   DisturbanceObserver(const std::string& name, const mechanism::Robot& robot);
 
   rt::InputPort<AxesMeasurement> measurement{*this, "measurement", "from AxesInput"};
-  rt::InputPort<Orders> orders{*this, "orders", "from the Supervisor"};
+  rt::InputPort<SupervisorCommand> orders{*this, "orders", "from the Supervisor"};
   rt::InputPort<AxesWritten> written{*this, "written", "from AxesOutput, of the last cycle"};
   rt::InputPort<AxisCommand> command_1{*this, "command_1", "from the Driver of axis 1"};
   rt::InputPort<AxisCommand> command_2{*this, "command_2", "from the Driver of axis 2"};
@@ -58,7 +58,7 @@ class DisturbanceObserver : public rt::TaskContext {
   const std::array<rt::InputPort<AxisCommand>*, hardware::kAxes> inputs_;
   AxesMeasurement measured_;
   bool new_reading_ = false;
-  Orders order_;
+  SupervisorCommand order_;
   AxesWritten written_;
   std::array<AxisCommand, hardware::kAxes> commands_{};
   std::unique_ptr<const ForceKnowledge> knowledge_;

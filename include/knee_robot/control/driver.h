@@ -26,9 +26,9 @@ namespace knee_robot::control {
 /// What the feedforward switches (a share, on, off), and a feedforward that falls silent, is taken up by the integral: no step of force.
 /// With a ControlLaw the model's feedback is added; where it takes the place of P and D, and where it ceases, the integral takes up that, too.
 /// Gains may change while the loop is closed: the integral takes up the difference, so the force does not jump.
-/// Takes over (Orders::drivers_active) at the measured position with the integral at zero: no force but the feedforward's. Faults are kept
-/// until the Drivers are switched off again. While Orders::homing has its bit, HomingMove gives reference and force limit instead.
-/// While a hand guides (Orders::guiding) HandGuide's force takes the place of the loop, and the integral keeps what it carries; reference is
+/// Takes over (SupervisorCommand::drivers_active) at the measured position with the integral at zero: no force but the feedforward's. Faults are kept
+/// until the Drivers are switched off again. While SupervisorCommand::homing has its bit, HomingMove gives reference and force limit instead.
+/// While a hand guides (SupervisorCommand::guiding) HandGuide's force takes the place of the loop, and the integral keeps what it carries; reference is
 /// where the axis is. When that ends, or HandGuide falls silent, the axis holds where it is then.
 /// Whether the encoder still counts (EncoderFrozen): with a DisturbanceObserver EncoderProbe asks once when the hold devices have opened;
 /// from then on EncoderChallenge asks on suspicion only: the standing robot is disturbed, or the loop pushes while the encoder stands
@@ -42,7 +42,7 @@ class Driver : public rt::TaskContext {
  public:
   Driver(const std::string& name, const mechanism::Robot& robot, const HardwareFile& hardware = {});
 
-  rt::InputPort<Orders> orders{*this, "orders", "from the Supervisor"};
+  rt::InputPort<SupervisorCommand> orders{*this, "orders", "from the Supervisor"};
   rt::InputPort<AxesMeasurement> measurement{*this, "measurement", "from AxesInput"};
   rt::InputPort<SetPoint> set_point{*this, "set_point", "from Sync"};
   rt::InputPort<FeedforwardForce> feedforward{*this, "feedforward", "load of the axes, from ModelFeedforward",
@@ -141,7 +141,7 @@ class Driver : public rt::TaskContext {
   double force_now_ = 0.0;    // N, limit of this cycle
   double shifted_N_ = 0.0;    // of the loop's force, into the feedforward
   double carried_N_ = 0.0;    // what the axis carried at rest when its homing began: the low force comes on top of it
-  Orders order_;
+  SupervisorCommand order_;
   AxesMeasurement measured_;
   int unreadable_ = 0;
   FeedforwardForce foreseen_;
@@ -150,7 +150,7 @@ class Driver : public rt::TaskContext {
   double last_loop_ = 0.0;
   bool model_closes_ = false, model_closed_ = false;  // that feedback takes the place of P and D; in the last cycle
   double switched_ = 0.0;                             // N, as last seen
-  bool foresees_ = false;                             // the feedforward is alive
+  bool feedforward_alive_ = false;                    // the feedforward is alive
   Guidance guide_;
   double guided_N_ = 0.0;
   bool guides_ = false, guided_ = false;  // HandGuide's force takes the place of the loop; it did in the last cycle

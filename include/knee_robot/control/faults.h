@@ -95,6 +95,6 @@ const FaultDescription& describe(Fault fault) noexcept;
 bool concernsAllAxes(Fault fault) noexcept;
 
 /// True when the axis' position loop still works with this fault, so that the safe stop may decelerate under control.
-bool closesLoop(Fault fault) noexcept;
+bool loopStaysClosed(Fault fault) noexcept;
 
 }  // namespace knee_robot::control

@@ -15,7 +15,7 @@
 
 namespace knee_robot::control {
 
-/// Lets a hand move the platform (Orders::guiding), and remembers the path. ModelFeedforward carries the weight; this adds, per axis,
+/// Lets a hand move the platform (SupervisorCommand::guiding), and remembers the path. ModelFeedforward carries the weight; this adds, per axis,
 ///
 ///     force = share_friction * (viscous * v + Coulomb * tanh(v / kSlow))      the identified friction along the measured motion
 ///           + tremble * (1 - |tanh(v / kSlow)|)                               where an axis stands
@@ -40,7 +40,7 @@ class HandGuide : public rt::TaskContext {
   HandGuide(const std::string& name, const mechanism::Robot& robot);
 
   rt::InputPort<AxesMeasurement> measurement{*this, "measurement", "from AxesInput"};
-  rt::InputPort<Orders> orders{*this, "orders", "from the Supervisor"};
+  rt::InputPort<SupervisorCommand> orders{*this, "orders", "from the Supervisor"};
   rt::InputPort<AxisCommand> command_1{*this, "command_1", "from the Driver of axis 1"};
   rt::InputPort<AxisCommand> command_2{*this, "command_2", "from the Driver of axis 2"};
   rt::InputPort<AxisCommand> command_3{*this, "command_3", "from the Driver of axis 3"};
@@ -98,7 +98,7 @@ class HandGuide : public rt::TaskContext {
   rt::DataChannel<PatientRange> offered_;
   PatientRange patient_;
   AxesMeasurement measured_;
-  Orders order_;
+  SupervisorCommand order_;
   std::array<AxisCommand, hardware::kAxes> commands_{};
   int silent_ = 0;      // cycles without orders
   bool known_ = false;  // pose and motion are

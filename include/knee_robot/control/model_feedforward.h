@@ -19,7 +19,7 @@ namespace knee_robot::control {
 ///     force = level * (share_gravity * (weight + payload_kg * w) + share_inertia * (inertia + ...) + share_friction * friction)
 ///
 /// - Model: by default the weights of the robot's URDF (nothing without URDF), otherwise everything in the file of `model`.
-/// - Taking over (Orders::drivers_active): `level` rises from 0 to 1 in take_over_s while the hold devices are engaged; the Supervisor
+/// - Taking over (SupervisorCommand::drivers_active): `level` rises from 0 to 1 in take_over_s while the hold devices are engaged; the Supervisor
 ///   releases them only when `complete`, onto a force that already carries the robot.
 /// - A share or the payload that changes moves there in switch_s. That is no change of the load: `switched_N` counts the newtons that
 ///   were switched, the Drivers' integrals take up the difference, and the force on the motors stays.
@@ -43,7 +43,7 @@ class ModelFeedforward : public rt::TaskContext {
   ModelFeedforward(const std::string& name, const mechanism::Robot& robot);
 
   rt::InputPort<AxesMeasurement> measurement{*this, "measurement", "from AxesInput"};
-  rt::InputPort<Orders> orders{*this, "orders", "from the Supervisor"};
+  rt::InputPort<SupervisorCommand> orders{*this, "orders", "from the Supervisor"};
   rt::InputPort<AxisCommand> command_1{*this, "command_1", "from the Driver of axis 1"};
   rt::InputPort<AxisCommand> command_2{*this, "command_2", "from the Driver of axis 2"};
   rt::InputPort<AxisCommand> command_3{*this, "command_3", "from the Driver of axis 3"};
@@ -127,7 +127,7 @@ class ModelFeedforward : public rt::TaskContext {
 
   AxesMeasurement measured_;
   bool new_reading_ = false;
-  Orders order_;
+  SupervisorCommand order_;
   std::array<AxisCommand, hardware::kAxes> commands_{};
   mechanism::Vector4 velocity_ = mechanism::Vector4::Zero(),
                      acceleration_ = mechanism::Vector4::Zero();  // of the reference

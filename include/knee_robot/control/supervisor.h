@@ -42,7 +42,7 @@ class Supervisor : public rt::TaskContext {
   rt::InputPort<MonitorVerdict> verdict{*this, "verdict", "from Monitors, of this cycle"};
   rt::InputPort<Guidance> guidance{*this, "guidance", "from HandGuide", rt::Need::Optional};
   rt::InputPort<Request> request{*this, "request", "from the operator", rt::Need::Optional};
-  rt::OutputPort<Orders> orders{*this, "orders", "to Sync, Drivers and AxesOutput"};
+  rt::OutputPort<SupervisorCommand> orders{*this, "orders", "to Sync, Drivers and AxesOutput"};
   rt::OutputPort<HomeSetting> home_setting{*this, "home", "to AxesInput: shifts the lengths"};
   rt::OutputPort<SupervisorStatus> status{*this, "status", "for the operator"};
 
@@ -139,7 +139,7 @@ class Supervisor : public rt::TaskContext {
   AxisValues home_m_{};             // where home was found
   HomeSetting setting_;
   SupervisorStatus status_;
-  Orders orders_;
+  SupervisorCommand orders_;
   std::uint32_t pending_ = 0;  // request that waits for its answer, 0: none
   rt::Nanoseconds enabling_since_ = 0;
   rt::Nanoseconds step_since_ = 0;  // of the present step of enabling

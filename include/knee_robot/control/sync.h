@@ -12,7 +12,7 @@ namespace knee_robot::control {
 /// Streams the reference: one set point per period (10 ms), all four axes in one message, so they start and stop on one tick.
 ///
 /// Path time runs by time_scale * period each time the component is executed (not by the clock: after a pause of the machine the
-/// reference goes on where it was). While playing, the scale is Orders::speed (0 to 1), or 0 while paused; a stop brings it to zero
+/// reference goes on where it was). While playing, the scale is SupervisorCommand::speed (0 to 1), or 0 while paused; a stop brings it to zero
 /// for good. Every change of it is linear in time, full speed to rest in stop_time_s or longer where half of an axis' acceleration
 /// limit demands it: the robot stays on its path and there is no jump of velocity, whatever is asked for in whichever order.
 /// Starts only at the first point: |measured - first| <= start_tolerance_m on every axis, else it refuses with the distance.
@@ -21,7 +21,7 @@ class Sync : public rt::TaskContext {
  public:
   Sync(const std::string& name, const mechanism::Robot& robot);
 
-  rt::InputPort<Orders> orders{*this, "orders", "from the Supervisor"};
+  rt::InputPort<SupervisorCommand> orders{*this, "orders", "from the Supervisor"};
   rt::InputPort<AxesMeasurement> measurement{*this, "measurement", "from AxesInput"};
   rt::OutputPort<SetPoint> set_point{*this, "set_point", "to the Drivers"};
 
@@ -46,10 +46,10 @@ class Sync : public rt::TaskContext {
   void updateHook(const rt::Cycle& cycle) override;
 
  private:
-  void standBy(const Orders& orders);
-  void tryToPlay(const Orders& orders);
-  void advance(const rt::Cycle& cycle, const Orders& orders, bool stop);
-  static double targetScale(const Orders& orders) noexcept;
+  void standBy(const SupervisorCommand& orders);
+  void tryToPlay(const SupervisorCommand& orders);
+  void advance(const rt::Cycle& cycle, const SupervisorCommand& orders, bool stop);
+  static double targetScale(const SupervisorCommand& orders) noexcept;
   double scaleRate() const noexcept;
   void restSegment(SyncPhase phase);
 

@@ -7,7 +7,7 @@
 
 namespace knee_robot::tracing {
 
-/// Recordings with what hypotheses look at, and the baseline's rows. Of the training recordings, or of a twin of them.
+/// Recordings with what hypotheses look at, and the baseline's rows. Of the training recordings, or of a surrogate of them.
 struct TraceData {
   std::vector<identification::Observation> recordings;
   std::vector<EffectInput> inputs;  ///< point into `recordings`: fill after those are complete

@@ -4,19 +4,19 @@
 #include <vector>
 
 #include "knee_robot/tracing/hypothesis.h"
-#include "knee_robot/tracing/twin.h"
+#include "knee_robot/tracing/closed_loop_surrogate.h"
 
 namespace knee_robot::tracing {
 
 /// The current model: baseline parameters and effects found so far.
-struct TwinModel {
+struct SurrogateModel {
   Eigen::VectorXd parameters;
   std::vector<Hypothesis> effects;
   std::vector<Eigen::VectorXd> coefficients;
 };
 
 /// Forces of the model's effects along a recording, samples x axes, N.
-TwinEffects effectForces(const EffectInput& input, const TwinModel& model);
+SurrogateEffects effectForces(const EffectInput& input, const SurrogateModel& model);
 
 /// What is kept of one surrogate of all training recordings: it has the model's effects and no other.
 struct Surrogate {
@@ -28,7 +28,8 @@ struct Surrogate {
 /// `count` surrogates, each with other encoder phases, at the picks of the recordings themselves.
 std::vector<Surrogate> makeSurrogates(const mechanism::Robot& robot,
                                       const std::vector<recording::Recording>& recordings, const TraceData& data,
-                                      const BaseFit& base, const TwinModel& model, const std::vector<TwinPlan>& plans,
+                                      const BaseFit& base, const SurrogateModel& model,
+                                      const std::vector<SurrogatePlan>& plans,
                                       const identification::ObservationOptions& options, int count, std::uint64_t seed);
 
 /// What such surrogates leave, rms per actuator in N: median over them.

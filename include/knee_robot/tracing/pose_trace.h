@@ -60,8 +60,8 @@ struct PoseFinding {
   mechanism::Vector4 explained =
       mechanism::Vector4::Zero();  ///< fall of the rms of each coordinate when it is added, m and rad
   double share = 0.0,
-         null_share = 0.0;  ///< of the squared, weighed error: explained; by the best on the worst clean twin
-  double p = 1.0;           ///< against clean twins
+         null_share = 0.0;  ///< of the squared, weighed error: explained; by the best on the worst clean surrogate
+  double p = 1.0;           ///< against surrogates
   double gain = 0.0, gain_error = 0.0;  ///< held-back pieces: share of the squared error, and its standard error
   /// False for a home offset seen in one training recording only: encoders are set to home anew at every start, so that it predicts
   /// nothing elsewhere. Left out on validation recordings then.
@@ -98,7 +98,7 @@ struct PoseTrace {
 /// How carefully to trace a residual of the pose.
 struct PoseTraceOptions {
   double condition_max = 60.0;
-  int draws = 399;  ///< clean twins
+  int draws = 399;  ///< surrogates
   std::uint64_t seed = 1;
   int most = 6;  ///< explanations
   std::function<void(const std::string&)> progress = [](const std::string&) {};
@@ -106,7 +106,7 @@ struct PoseTraceOptions {
 
 /// Compares measured pose and forward kinematics. One fixed camera transform is fitted on training recordings; then explanations
 /// with one unknown each are added while they pass every test, on training recordings only: more explained than any explanation
-/// does on any clean twin (fixed transform, and blocks of what nothing explains, with random signs), some coordinate's rms lowered
+/// does on any clean surrogate (fixed transform, and blocks of what nothing explains, with random signs), some coordinate's rms lowered
 /// by a tenth, gain on held-back pieces beyond one standard error, physical sign, sign stable when any piece is left out. Explained
 /// together with the frame by Gauss-Newton on the whole forward kinematics. Validation recordings are judged with training's
 /// frame and delay.

@@ -17,8 +17,8 @@ namespace knee_robot::tracing {
 struct TraceOptions {
   identification::ObservationOptions observation;
   int rank = 0;                             ///< of the baseline; 0: chosen on the training data
-  std::uint64_t seed = 1;                   ///< of twins and resampling
-  int twins = 10;                           ///< surrogates of the recordings, simulated
+  std::uint64_t seed = 1;                   ///< of surrogates and resampling
+  int surrogates = 10;                      ///< surrogates of the recordings, simulated
   int draws = 240;                          ///< of the null distribution, at least
   int most_effects = 6;                     ///< additions; the same effect on several actuators counts once
   bool maps = true;                         ///< unnamed ones are tried as well
@@ -32,7 +32,7 @@ struct FoundEffect {
   Hypothesis hypothesis;
   Eigen::VectorXd coefficients, std;
   Eigen::VectorXd explained_rms_N;  ///< how much the residual's rms falls when it is added: sqrt(before^2 - after^2)
-  Eigen::VectorXd null_rms_N;       ///< the same for the best hypothesis on the worst of the clean twins
+  Eigen::VectorXd null_rms_N;       ///< the same for the best hypothesis on the worst of the surrogates
   double p = 1.0;
   double gain = 0.0, gain_error = 0.0;  ///< held-back blocks: share of the squared residual, and its standard error
   std::vector<std::string> indistinguishable_from;

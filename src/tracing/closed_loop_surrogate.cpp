@@ -1,10 +1,10 @@
-#include "knee_robot/tracing/twin.h"
-
 #include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <random>
+
+#include "knee_robot/tracing/closed_loop_surrogate.h"
 
 namespace knee_robot::tracing {
 namespace {
@@ -61,7 +61,7 @@ double explainedShare(const Eigen::MatrixXd& design, const Eigen::VectorXd& targ
   return 1.0 - (target - design * fit).squaredNorm() / std::max(1e-12, (target.array() - mean).square().sum());
 }
 
-AxisController recover(const recording::Recording& r, const identification::Observation& o, const TwinPlan& plan,
+AxisController recover(const recording::Recording& r, const identification::Observation& o, const SurrogatePlan& plan,
                        int i) {
   const Eigen::VectorXd error = referenceOf(r).col(i) - r.position_m.col(i);
   const double period = recording::medianPeriod(r.time_s);
@@ -93,7 +93,7 @@ struct AxisState {
 };
 
 /// Semi-implicit step of a mass with viscous friction and stiction.
-void move(AxisState& a, const TwinPlan& plan, int i, double push, double level, double h) {
+void move(AxisState& a, const SurrogatePlan& plan, int i, double push, double level, double h) {
   const double m = plan.mass_kg[i];
   const double free = (a.v + h / m * push) / (1.0 + h / m * plan.viscous[i]);
   const double most = h / m * level;
@@ -101,9 +101,9 @@ void move(AxisState& a, const TwinPlan& plan, int i, double push, double level, 
   a.q += h * a.v;
 }
 
-/// One axis of a twin: fills its column of positions and forces.
+/// One axis of a surrogate: fills its column of positions and forces.
 void simulateAxis(const mechanism::Robot& robot, const recording::Recording& r, const identification::Observation& o,
-                  const TwinPlan& plan, int i, double phase, recording::Recording& twin) {
+                  const SurrogatePlan& plan, int i, double phase, recording::Recording& surrogate) {
   const mechanism::Actuator& a = robot.actuators[static_cast<std::size_t>(i)];
   const AxisController& c = plan.controllers[static_cast<std::size_t>(i)];
   const Eigen::MatrixXd reference = referenceOf(r);
@@ -124,8 +124,8 @@ void simulateAxis(const mechanism::Robot& robot, const recording::Recording& r, 
     double force = axis.start_force + c.kp * error + c.ki * axis.sum + c.kd * axis.rate;
     if (c.feeds_load_forward) force += at(o.signals, plan.load_N, i, time);
     force = std::clamp(dac * std::round(force / dac), -limit, limit);
-    twin.position_m(k, i) = seen;
-    twin.force_N(k, i) = force;
+    surrogate.position_m(k, i) = seen;
+    surrogate.force_N(k, i) = force;
     if (k + 1 == r.rows()) break;
     const double interval = r.time_s[static_cast<std::size_t>(k) + 1] - time;
     const int steps = std::max(1, static_cast<int>(std::ceil(interval / kStep_s - 1e-6)));
@@ -137,35 +137,35 @@ void simulateAxis(const mechanism::Robot& robot, const recording::Recording& r, 
   }
 }
 
-/// One axis of a twin along the measured motion: the model's force, encoder counts with another phase.
+/// One axis of a surrogate along the measured motion: the model's force, encoder counts with another phase.
 void followMeasured(const mechanism::Robot& robot, const recording::Recording& r, const identification::Observation& o,
-                    const TwinPlan& plan, int i, double phase, recording::Recording& twin) {
+                    const SurrogatePlan& plan, int i, double phase, recording::Recording& surrogate) {
   const mechanism::Actuator& a = robot.actuators[static_cast<std::size_t>(i)];
   const double dac = recording::kDacStep_V * a.force_per_volt_N;
   const double half = 0.5 * recording::medianPeriod(r.time_s);
   for (int k = 0; k < r.rows(); ++k) {
     const double time = r.time_s[static_cast<std::size_t>(k)];
     const double q = r.position_m(k, i) + (phase - 0.5) * a.metresPerCount();
-    twin.position_m(k, i) = a.metresPerCount() * std::round(q / a.metresPerCount());
-    twin.force_N(k, i) = dac * std::round(at(o.signals, plan.model_N, i, time + half) / dac);
+    surrogate.position_m(k, i) = a.metresPerCount() * std::round(q / a.metresPerCount());
+    surrogate.force_N(k, i) = dac * std::round(at(o.signals, plan.model_N, i, time + half) / dac);
   }
 }
 
-recording::Recording emptyTwin(const recording::Recording& r) {
-  recording::Recording twin = r;
-  twin.force_N.resize(r.rows(), r.axes);
-  twin.command_V.resize(r.rows(), 0);
-  twin.velocity_m_per_s.resize(r.rows(), 0);
-  return twin;
+recording::Recording emptySurrogate(const recording::Recording& r) {
+  recording::Recording surrogate = r;
+  surrogate.force_N.resize(r.rows(), r.axes);
+  surrogate.command_V.resize(r.rows(), 0);
+  surrogate.velocity_m_per_s.resize(r.rows(), 0);
+  return surrogate;
 }
 
-/// The effective mass that makes the twin follow the recorded motion best. A regression over the acceleration gives too much where
-/// something else goes with the acceleration, and a twin that is too heavy overshoots where the machine stops.
+/// The effective mass that makes the surrogate follow the recorded motion best. A regression over the acceleration gives too much where
+/// something else goes with the acceleration, and a surrogate that is too heavy overshoots where the machine stops.
 void chooseMass(const mechanism::Robot& robot, const recording::Recording& r, const identification::Observation& o,
-                const Eigen::VectorXd& load, int i, TwinPlan& plan) {
+                const Eigen::VectorXd& load, int i, SurrogatePlan& plan) {
   const double fitted = plan.mass_kg[i];
   double best = fitted, least = std::numeric_limits<double>::infinity();
-  recording::Recording twin = emptyTwin(r);
+  recording::Recording surrogate = emptySurrogate(r);
   const auto use = [&](double mass) {
     plan.mass_kg[i] = mass;
     plan.load_N.col(i) = load - mass * o.signals.acceleration_m_per_s2.col(i);
@@ -173,8 +173,8 @@ void chooseMass(const mechanism::Robot& robot, const recording::Recording& r, co
   for (const double factor : {1.0, 0.5, 0.25, 0.12, 0.06, 0.03}) {
     if (factor < 1.0 && factor * fitted < kLightest_kg) continue;
     use(factor * fitted);
-    simulateAxis(robot, r, o, plan, i, 0.5, twin);
-    const double away = (twin.position_m.col(i) - r.position_m.col(i)).norm();
+    simulateAxis(robot, r, o, plan, i, 0.5, surrogate);
+    const double away = (surrogate.position_m.col(i) - r.position_m.col(i)).norm();
     if (!(away < least)) continue;
     least = away;
     best = factor * fitted;
@@ -184,9 +184,9 @@ void chooseMass(const mechanism::Robot& robot, const recording::Recording& r, co
 
 }  // namespace
 
-TwinPlan planTwin(const mechanism::Robot& robot, const recording::Recording& r, const identification::Observation& o,
-                  const BaseFit& base) {
-  TwinPlan plan;
+SurrogatePlan planSurrogate(const mechanism::Robot& robot, const recording::Recording& r,
+                            const identification::Observation& o, const BaseFit& base) {
+  SurrogatePlan plan;
   plan.load_N.resize(o.samples(), o.axes());
   plan.mass_kg.resize(o.axes());
   plan.viscous.resize(o.axes());
@@ -212,13 +212,13 @@ TwinPlan planTwin(const mechanism::Robot& robot, const recording::Recording& r, 
     recovered += known;
   }
   plan.note = o.name + ": controllers of " + std::to_string(recovered) + " of " + std::to_string(o.axes()) +
-              " axes recovered from the tracking error, their clean twins in closed loop";
-  if (recovered < o.axes()) plan.note += ", the twins of the others follow the measured motion";
+              " axes recovered from the tracking error, their surrogates in closed loop";
+  if (recovered < o.axes()) plan.note += ", the surrogates of the others follow the measured motion";
   return plan;
 }
 
 void refreshPlan(const identification::Observation& o, const BaseFit& base, const Eigen::VectorXd& parameters,
-                 const Eigen::MatrixXd& share, const TwinEffects& effects, TwinPlan& plan) {
+                 const Eigen::MatrixXd& share, const SurrogateEffects& effects, SurrogatePlan& plan) {
   const Eigen::VectorXd carried = carriedOf(base, parameters);
   for (int i = 0; i < o.axes(); ++i) {
     const Eigen::MatrixXd& regressor = o.regressor[static_cast<std::size_t>(i)];
@@ -236,19 +236,20 @@ void refreshPlan(const identification::Observation& o, const BaseFit& base, cons
   }
 }
 
-recording::Recording simulateTwin(const mechanism::Robot& robot, const recording::Recording& r,
-                                  const identification::Observation& o, const TwinPlan& plan, std::uint64_t seed) {
+recording::Recording simulateSurrogate(const mechanism::Robot& robot, const recording::Recording& r,
+                                       const identification::Observation& o, const SurrogatePlan& plan,
+                                       std::uint64_t seed) {
   std::mt19937_64 random(seed);
   std::uniform_real_distribution<double> uniform(0.0, 1.0);
-  recording::Recording twin = emptyTwin(r);
+  recording::Recording surrogate = emptySurrogate(r);
   for (int i = 0; i < r.axes; ++i) {
     if (plan.open_loop[static_cast<std::size_t>(i)]) {
-      followMeasured(robot, r, o, plan, i, uniform(random), twin);
+      followMeasured(robot, r, o, plan, i, uniform(random), surrogate);
     } else {
-      simulateAxis(robot, r, o, plan, i, uniform(random), twin);
+      simulateAxis(robot, r, o, plan, i, uniform(random), surrogate);
     }
   }
-  return twin;
+  return surrogate;
 }
 
 }  // namespace knee_robot::tracing

@@ -11,12 +11,12 @@ namespace knee_robot::tracing {
 /// Controller of one axis as far as a recording shows it: force = kp e + ki int(e) + kd de/dt + share of the load fed forward.
 struct AxisController {
   double kp = 0.0, ki = 0.0, kd = 0.0;  ///< N/m, N/(m s), N s/m
-  bool recovered = false;               ///< false: unknown, the twin follows the measured motion
+  bool recovered = false;               ///< false: unknown, the surrogate follows the measured motion
   bool feeds_load_forward = false;
 };
 
-/// What a clean twin of one recording is made from: the fitted model along the measured motion, and the axes' controllers.
-struct TwinPlan {
+/// What a clean surrogate of one recording is made from: the fitted model along the measured motion, and the axes' controllers.
+struct SurrogatePlan {
   Eigen::MatrixXd load_N;   ///< samples x axes: rigid forces and offset without the axis' own effective mass
   Eigen::VectorXd mass_kg;  ///< effective mass of each axis
   Eigen::VectorXd viscous;  ///< N s/m
@@ -28,26 +28,26 @@ struct TwinPlan {
 };
 
 /// Recovers the controllers by least squares of the recorded force on the tracking error; where that explains less than nine
-/// tenths, the axis' twin goes along the measured motion.
-TwinPlan planTwin(const mechanism::Robot& robot, const recording::Recording& recording,
-                  const identification::Observation& observation, const BaseFit& base);
+/// tenths, the axis' surrogate goes along the measured motion.
+SurrogatePlan planSurrogate(const mechanism::Robot& robot, const recording::Recording& recording,
+                            const identification::Observation& observation, const BaseFit& base);
 
 /// What effects found so far do along the measured motion, samples x axes, N.
-struct TwinEffects {
+struct SurrogateEffects {
   Eigen::MatrixXd friction_N;  ///< changes sign with the direction of travel
   Eigen::MatrixXd load_N;      ///< all others
 };
 
-/// Puts the current model into a plan: `parameters` of the baseline, and effects (empty: none). A twin without an effect that was
+/// Puts the current model into a plan: `parameters` of the baseline, and effects (empty: none). A surrogate without an effect that was
 /// found already would leave less at reversals than the recording does, and invent delays to mend that.
 void refreshPlan(const identification::Observation& observation, const BaseFit& base, const Eigen::VectorXd& parameters,
-                 const Eigen::MatrixXd& share, const TwinEffects& effects, TwinPlan& plan);
+                 const Eigen::MatrixXd& share, const SurrogateEffects& effects, SurrogatePlan& plan);
 
 /// A recording as the fitted model would have left it: every axis a mass with stiction, Coulomb and viscous friction that carries
 /// the load of the measured motion, in closed loop with its controller and the recorded reference, through encoder
 /// (random phase), hold and DAC. Axes influence each other through the measured motion only.
-recording::Recording simulateTwin(const mechanism::Robot& robot, const recording::Recording& recording,
-                                  const identification::Observation& observation, const TwinPlan& plan,
-                                  std::uint64_t seed);
+recording::Recording simulateSurrogate(const mechanism::Robot& robot, const recording::Recording& recording,
+                                       const identification::Observation& observation, const SurrogatePlan& plan,
+                                       std::uint64_t seed);
 
 }  // namespace knee_robot::tracing
