@@ -204,7 +204,8 @@ void Tracing::startFromGivenModel() {
     }
   }
   result_.before_rms_N = s_.rms_N;
-  result_.base.parameters = result_.baseline.parameters = result_.base.parametersOf(s_.fit.base);
+  // Without a given model before is what identify fits: its loss and weights, not those of the search.
+  if (options_.start) result_.base.parameters = result_.baseline.parameters = result_.base.parametersOf(s_.fit.base);
   result_.floor_N = s_.floor.rms_N;
   result_.floor_source = s_.floor.source;
 }
@@ -304,7 +305,9 @@ void Tracing::settle() {
 
 void Tracing::keepFit() {
   result_.effects = s_.effects;
-  result_.parameters = result_.base.parametersOf(s_.fit.base);
+  const bool untouched = s_.effects.empty() && !options_.start;
+  if (untouched) result_.base = result_.baseline;  // what was taken out again may have left another law behind
+  result_.parameters = untouched ? result_.baseline.parameters : result_.base.parametersOf(s_.fit.base);
   result_.seen_parameters = s_.seen_parameters;
   result_.after_rms_N = s_.rms_N;
 }
