@@ -12,7 +12,8 @@ namespace {
 
 constexpr double kLeft = 64.0, kRight = 12.0, kTop = 22.0, kBottom = 40.0;
 constexpr std::size_t kMostPoints = 1500;
-constexpr double kFlat = 1e-9;  ///< a range that is smaller beside its values is rounding, which ticks could not count along
+constexpr double kFlat =
+    1e-9;  ///< a range that is smaller beside its values is rounding, which ticks could not count along
 
 std::string fixed(double value) {
   char text[32];

@@ -1,10 +1,10 @@
+#include "knee_robot/tracing/closed_loop_surrogate.h"
+
 #include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <random>
-
-#include "knee_robot/tracing/closed_loop_surrogate.h"
 
 namespace knee_robot::tracing {
 namespace {

@@ -3,8 +3,8 @@
 #include <cstdint>
 #include <vector>
 
-#include "knee_robot/tracing/hypothesis.h"
 #include "knee_robot/tracing/closed_loop_surrogate.h"
+#include "knee_robot/tracing/hypothesis.h"
 
 namespace knee_robot::tracing {
 
