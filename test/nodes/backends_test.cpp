@@ -1,5 +1,5 @@
 // One table opens the machine for controller and guardian.
-#include "backends.h"
+#include "../../src/nodes/backends.h"
 
 #include <gtest/gtest.h>
 
