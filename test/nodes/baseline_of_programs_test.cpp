@@ -67,7 +67,7 @@ nlohmann::json reportOf(const Folder& folder, const std::string& program, const 
   return nlohmann::json::parse(std::ifstream(out / "report.json"));
 }
 
-TEST(Programs, TraceStartsWhereIdentifyEnds) {
+TEST(BaselineOfPrograms, TraceStartsWhereIdentifyEnds) {
   const Folder folder;
   const fs::path training = writeRecording(folder, "training.csv", 1.2);
   const nlohmann::json identified = reportOf(folder, KNEE_IDENTIFY, training);
@@ -83,7 +83,7 @@ TEST(Programs, TraceStartsWhereIdentifyEnds) {
   }
 }
 
-TEST(Programs, TraceLeavesALongPauseOut) {
+TEST(BaselineOfPrograms, TraceLeavesALongPauseOut) {
   const Folder folder;
   const nlohmann::json traced =
       reportOf(folder, std::string(KNEE_TRACE) + " --most 0", writeRecording(folder, "training.csv", 1.2, 3600.0));
