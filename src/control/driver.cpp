@@ -233,7 +233,6 @@ Fault Driver::deadOrBlocked() const noexcept {
 
 /// A healthy axis that hunts at rest is asked less and less often.
 bool Driver::standsUnderForce(double dt, std::int64_t counts) noexcept {
-  constexpr double kWhileRecording = 2.0;
   constexpr double kOverdueShare = 0.5;  // of the force: a soft loop lags without being blind
   constexpr double kAgain_s = 0.5, kSeldom_s = 4.0, kAgainMoving_s = 0.15, kAgainOverdue_s = 0.03, kTimes = 4.0;
   const bool rests = out_.at_rest;
@@ -244,11 +243,12 @@ bool Driver::standsUnderForce(double dt, std::int64_t counts) noexcept {
   }
   stood_at_rest_ = rests;
   asked_s_ += dt;
-  // Recordings for a model are to have few questions in them: later then, not never.
-  const double patience = test_pulses_.load(std::memory_order_relaxed) ? 1.0 : kWhileRecording;
-  const double limit_N = patience * (rests ? standing_force : turning_force);
+  // Recordings for a model of an empty robot have no questions at every turning point: a healthy axis that sticks there would be shaken
+  // by forces that no model explains. The Monitors ask before they call an encoder dead.
+  if (!test_pulses_.load(std::memory_order_relaxed)) return false;
+  const double limit_N = rests ? standing_force : turning_force;
   const bool overdue = !rests && standing_.changed_N() >= kOverdueShare * limit_N &&
-                       standing_.isOverdue(patience * actuator_.metresPerCount());
+                       standing_.isOverdue(actuator_.metresPerCount());
   const double again_moving_s = overdue ? kAgainOverdue_s : kAgainMoving_s;
   const double again_s = !rests ? again_moving_s : standing_.changed_N() > kTimes * limit_N ? kAgain_s : again_s_;
   if (!disturbance.isConnected() || asked_s_ < again_s || (!overdue && standing_.changed_N() < limit_N)) return false;

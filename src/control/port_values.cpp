@@ -196,6 +196,7 @@ void members(const Disturbance& v, Visit& visit) {
   visit("sequence", v.sequence);
   visit("time_ns", v.time);
   visit("suspicion", v.suspicion);
+  visit("felt", v.felt);
   visit("identified", v.identified);
   visit("known", v.known);
   visit("expected_N", v.expected_N);

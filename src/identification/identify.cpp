@@ -41,11 +41,13 @@ void refuseMotionless(const mechanism::Robot& robot, const std::vector<Observati
   const int axes = training.front().axes();
   for (int i = 0; i < axes; ++i) {
     double fastest = 0.0;
+    bool moves = false;
     for (const Observation& o : training) {
       const double speed = o.signals.velocity_m_per_s.col(i).cwiseAbs().maxCoeff();
-      if (speed > movingLimits(robot, options, o.signals)[i]) fastest = std::max(fastest, speed);
+      fastest = std::max(fastest, speed);
+      moves = moves || speed > movingLimits(robot, options, o.signals)[i];
     }
-    if (fastest > 0.0) continue;
+    if (moves) continue;
     const mechanism::Actuator& a = robot.actuators[static_cast<std::size_t>(i)];
     if (fastest < kNoMotion_m_per_s) {
       const std::string who = a.name.empty() ? "actuator " + std::to_string(i + 1) : "joint " + a.name;
@@ -56,10 +58,7 @@ void refuseMotionless(const mechanism::Robot& robot, const std::vector<Observati
                     "; record a motion of all joints, or lock it in the robot file (locked_at_" +
                     mechanism::positionUnit(a) + ")");
     }
-    double slow = 0.0;
-    for (const Observation& o : training)
-      slow = std::max(slow, o.signals.velocity_m_per_s.col(i).cwiseAbs().maxCoeff());
-    throw Refusal("actuator " + std::to_string(i + 1) + " never moves faster than " + shortNumber(1e3 * slow, 3) +
+    throw Refusal("actuator " + std::to_string(i + 1) + " never moves faster than " + shortNumber(1e3 * fastest, 3) +
                   " mm/s in " + namesOf(training) + " (moving means more than " +
                   shortNumber(1e3 * options.moving_m_per_s, 3) + " mm/s); record a motion of all actuators");
   }

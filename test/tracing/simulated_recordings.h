@@ -73,6 +73,10 @@ inline recording::Recording simulatedRecording(const mechanism::Robot& robot, in
     const std::string line = std::string("type: ") + component + ", activity: servo";
     deployment.insert(deployment.find(line) + line.size(), std::string(", properties: {") + property + "}");
   }
+  // Questions to the encoders on the way to the start would let friction begin the recording elsewhere.
+  const std::string asks = "derivative_cutoff_hz: 100}", silent = "derivative_cutoff_hz: 100, probe_s: 0}";
+  for (std::size_t at = deployment.find(asks); at != std::string::npos; at = deployment.find(asks, at + silent.size()))
+    deployment.replace(at, asks.size(), silent);
   const std::string deployment_path = path + ".yaml";
   writeFileAtomically(deployment_path, deployment);
   simulation::RobotImage image;
