@@ -247,8 +247,8 @@ bool Driver::standsUnderForce(double dt, std::int64_t counts) noexcept {
   // by forces that no model explains. The Monitors ask before they call an encoder dead.
   if (!test_pulses_.load(std::memory_order_relaxed)) return false;
   const double limit_N = rests ? standing_force : turning_force;
-  const bool overdue = !rests && standing_.changed_N() >= kOverdueShare * limit_N &&
-                       standing_.isOverdue(actuator_.metresPerCount());
+  const bool overdue =
+      !rests && standing_.changed_N() >= kOverdueShare * limit_N && standing_.isOverdue(actuator_.metresPerCount());
   const double again_moving_s = overdue ? kAgainOverdue_s : kAgainMoving_s;
   const double again_s = !rests ? again_moving_s : standing_.changed_N() > kTimes * limit_N ? kAgain_s : again_s_;
   if (!disturbance.isConnected() || asked_s_ < again_s || (!overdue && standing_.changed_N() < limit_N)) return false;
