@@ -11,6 +11,7 @@
 #include "knee_robot/identification/recording_units.h"
 #include "knee_robot/recording/cutoff.h"
 #include "knee_robot/recording/pauses.h"
+#include "knee_robot/recording/signals.h"
 #include "knee_robot/report/recorded_units.h"
 #include "knee_robot/report/trace_report.h"
 #include "knee_robot/tracing/model_prediction.h"
@@ -128,10 +129,13 @@ identification::Applied apply(const Along& along, std::vector<identification::Ob
     const int index = static_cast<int>(k);
     applied.predictions.push_back(
         identification::makePrediction(observations[k], predict(observations[k], index), along.options.cutoff_hz));
-    if (along.motion_cutoff_hz == 0.0 || recordings.empty()) continue;
+    if (recordings.empty()) continue;
     applied.predictions.back().row_force_N =
-        identification::predictRows(along.robot, identification::columnsOf(along.robot), recordings[k], along.options,
-                                    along.motion_cutoff_hz, rows, index);
+        along.motion_cutoff_hz == 0.0
+            ? recording::atHoldIntervals(observations[k].signals, rows(observations[k], index),
+                                         observations[k].row_time_s)
+            : identification::predictRows(along.robot, identification::columnsOf(along.robot), recordings[k],
+                                          along.options, along.motion_cutoff_hz, rows, index);
   }
   applied.accuracy = identification::accuracyOf(observations, applied.predictions);
   return applied;

@@ -77,9 +77,7 @@ TEST(BaselineOfPrograms, TraceStartsWhereIdentifyEnds) {
       for (std::size_t axis = 0; axis < 2; ++axis) {
         const double after = identified["after"][side][figure][axis], before = traced["before"][side][figure][axis];
         EXPECT_GT(after, 0.01) << "the drag is left";
-        // Unfiltered rows are predicted in a band that each program reads off training by itself.
-        const double share = std::string(figure) == "rms_raw_N" ? 5e-3 : 1e-4;
-        EXPECT_NEAR(before, after, share * after) << side << " " << figure << " of axis " << axis + 1;
+        EXPECT_NEAR(before, after, 1e-4 * after) << side << " " << figure << " of axis " << axis + 1;
       }
     }
   }
