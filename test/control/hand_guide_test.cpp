@@ -15,7 +15,6 @@
 #include "knee_robot/simulation/simulated_cards.h"
 #include "knee_robot/simulation/simulated_hand.h"
 #include "some_model.h"
-#include "test/allocation_guard.h"
 
 namespace knee_robot::control {
 namespace {
@@ -373,59 +372,6 @@ TEST(HandGuiding, StopAndDisableEndItAsEver) {
   rig.system->run(0.8);
   ASSERT_TRUE(rig.system->disable().ok);
   EXPECT_EQ(rig.system->state(), MachineState::Disabled);
-}
-
-struct Feed : rt::TaskContext {
-  Feed() : rt::TaskContext("Feed") {}
-  rt::OutputPort<SupervisorCommand> orders{*this, "orders", ""};
-  rt::OutputPort<AxesMeasurement> measurement{*this, "measurement", ""};
-  rt::InputPort<Guidance> guidance{*this, "guidance", ""};
-};
-
-TEST(HandGuiding, AllocatesNothingAndLetsGoWhenTheSupervisorIsSilent) {
-  const mechanism::Robot robot = mechanism::loadRobot(file("config/robots/A.yaml"));
-  HandGuide guide("Guide", robot);
-  Feed feed;
-  rt::connect(feed.orders, guide.orders);
-  rt::connect(feed.measurement, guide.measurement);
-  rt::connect(guide.guidance, feed.guidance);
-  const std::string model = temporary("guide_alone.yaml");
-  dynamics::saveModel(fake::modelOf(robot), model);
-  guide.model.set(model);
-  ASSERT_TRUE(guide.configure()) << guide.refusal();
-  std::remove(model.c_str());
-  ASSERT_TRUE(guide.start());
-  SupervisorCommand orders;
-  orders.level = DriveLevel::Released;
-  orders.guiding = orders.drivers_active = true;
-  AxesMeasurement measured;
-  measured.status = hardware::IoStatus::Ok;
-  Guidance said;
-  rt::Nanoseconds now = 0;
-  const auto cycle = [&](bool speaks) {
-    now += 1'000'000;
-    ++measured.sequence;
-    for (std::size_t i = 0; i < hardware::kAxes; ++i)
-      measured.position_m[i] = robot.actuators[i].home_length_m + 0.02 * std::sin(1e-9 * static_cast<double>(now));
-    feed.measurement.write(measured);
-    if (speaks) feed.orders.write(orders);
-    rt::Cycle c;
-    c.time = c.wake = now;
-    c.period = 1'000'000;
-    guide.update(c);
-    feed.guidance.read(said);
-  };
-  allocations = 0;
-  armed = true;
-  for (int k = 0; k < 2000; ++k)
-    cycle(true);
-  armed = false;
-  EXPECT_EQ(allocations, 0);
-  EXPECT_TRUE(said.active) << static_cast<int>(said.stop);
-  EXPECT_GT(guide.path().size(), 100u);
-  for (int k = 0; k < 10; ++k)
-    cycle(false);
-  EXPECT_FALSE(said.active) << "the Drivers hold";
 }
 
 }  // namespace
