@@ -204,7 +204,8 @@ Answer ControlSystem::startRecording(const std::string& path) {
   return {true, "recording to " + path};
 }
 
-/// Test pulses are forces that no model explains: a recording of a robot that is declared empty has none. With a patient they stay.
+/// Test pulses are forces that no model explains, and rows with them are left out of a fit: while a robot that is declared empty is
+/// recorded there are none without a suspicion. With a patient they stay.
 void ControlSystem::chooseTestPulses() {
   const bool allowed = !parts_->drain->isRecording() || parts_->occupancy != Occupancy::Empty;
   for (const auto& component : deployment().components()) {

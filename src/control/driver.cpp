@@ -214,6 +214,7 @@ bool Driver::challengeEncoder(double dt, const EncoderProbe::Settings& settings)
   switch (challenge_.step(dt, counts)) {
     case EncoderChallenge::Verdict::Alive:
       probe_.acceptAnswer(counts);
+      standing_.endures(asked_at_N_);
       ++out_.answers;
       break;
     case EncoderChallenge::Verdict::Dead:
@@ -233,7 +234,9 @@ Fault Driver::deadOrBlocked() const noexcept {
 
 /// A healthy axis that hunts at rest is asked less and less often.
 bool Driver::standsUnderForce(double dt, std::int64_t counts) noexcept {
-  constexpr double kOverdueShare = 0.5;  // of the force: a soft loop lags without being blind
+  constexpr double kWhileRecording = 2.0;
+  constexpr double kOverdueShare = 0.5;                    // of the force: a soft loop lags without being blind
+  constexpr double kBeyondUsual = 1.3, kUsualMost = 0.25;  // of the force limit: friction may not hide a blind axis
   constexpr double kAgain_s = 0.5, kSeldom_s = 4.0, kAgainMoving_s = 0.15, kAgainOverdue_s = 0.03, kTimes = 4.0;
   const bool rests = out_.at_rest;
   standing_.step(dt, counts, out_.reference_m, loopForce() + shifted_N_, challenge_.isActive());
@@ -243,15 +246,18 @@ bool Driver::standsUnderForce(double dt, std::int64_t counts) noexcept {
   }
   stood_at_rest_ = rests;
   asked_s_ += dt;
-  // Recordings for a model of an empty robot have no questions at every turning point: a healthy axis that sticks there would be shaken
-  // by forces that no model explains. The Monitors ask before they call an encoder dead.
-  if (!test_pulses_.load(std::memory_order_relaxed)) return false;
-  const double limit_N = rests ? standing_force : turning_force;
-  const bool overdue =
-      !rests && standing_.changed_N() >= kOverdueShare * limit_N && standing_.isOverdue(actuator_.metresPerCount());
+  const double usual_N = std::min(kBeyondUsual * standing_.usual_N(), kUsualMost * force_limit_);
+  // An axis that turns for the first times sticks, too. Recordings for a model are to have few questions: later then, not never.
+  const double patience = test_pulses_.load(std::memory_order_relaxed) ? 1.0 : kWhileRecording;
+  const double limit_N = patience * (rests ? standing_force : turning_force), turning_N = std::max(limit_N, usual_N);
+  const bool overdue = !rests && standing_.changed_N() >= kOverdueShare * limit_N &&
+                       standing_.isOverdue(patience * actuator_.metresPerCount());
   const double again_moving_s = overdue ? kAgainOverdue_s : kAgainMoving_s;
   const double again_s = !rests ? again_moving_s : standing_.changed_N() > kTimes * limit_N ? kAgain_s : again_s_;
-  if (!disturbance.isConnected() || asked_s_ < again_s || (!overdue && standing_.changed_N() < limit_N)) return false;
+  if (!disturbance.isConnected() || asked_s_ < again_s ||
+      (!overdue && standing_.changed_N() < (rests ? limit_N : turning_N)))
+    return false;
+  asked_at_N_ = rests ? 0.0 : standing_.changed_N();
   standing_.begin(counts);
   asked_s_ = 0.0;
   again_s_ = std::min(kSeldom_s, 2.0 * again_s_);

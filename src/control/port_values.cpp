@@ -266,6 +266,7 @@ void members(const TrackingRow& v, Visit& visit) {
   visit("force_N", v.force_N);
   visit("feedforward_N", v.feedforward_N);
   visit("path_time_s", v.path_time_s);
+  visit("test_pulse", v.test_pulse);
   visit("digital_inputs", v.digital_inputs);
   visit("digital_outputs", v.digital_outputs);
 }

@@ -9,10 +9,12 @@ void Recorder::updateHook(const rt::Cycle& cycle) {
   measurement.read(measured_);
   set_point.read(set_point_);
   written.read(written_);
+  out_.test_pulse = 0;
   for (std::size_t i = 0; i < hardware::kAxes; ++i) {
     inputs_[i]->read(commands_[i]);
     out_.reference_m[i] = commands_[i].reference_m;
     out_.feedforward_N[i] = commands_[i].feedforward_N;
+    if (commands_[i].pulse_N != 0.0) out_.test_pulse |= static_cast<std::uint8_t>(1u << i);
   }
   out_.sequence = measured_.sequence;
   out_.home_number = measured_.home_number;

@@ -139,6 +139,7 @@ void RecordingDrain::Job::take(const TrackingRow& row) {
   recording::RecordingRow line;
   line.time_s = row.time_s;
   line.home_id = first_home_id_ > 0 ? first_home_id_ + row.home_number : 0;
+  line.test_pulse = row.test_pulse;
   line.reference_m = row.reference_m;
   line.position_m = row.position_m;
   line.velocity_m_per_s = row.velocity_m_per_s;

@@ -8,6 +8,7 @@
 #include "knee_robot/base/numbers.h"
 #include "knee_robot/dynamics/chain_regressor.h"
 #include "knee_robot/identification/recording_units.h"
+#include "knee_robot/recording/test_pulses.h"
 
 namespace knee_robot::identification {
 namespace {
@@ -63,7 +64,7 @@ double stepOf(const std::vector<recording::Recording>& recordings, int column) {
 std::vector<recording::Recording> readRecordings(const std::vector<std::string>& files) {
   std::vector<recording::Recording> recordings;
   for (const std::string& file : files)
-    recordings.push_back(recording::loadRecording(file));
+    recording::bridgeTestPulses(recordings.emplace_back(recording::loadRecording(file)));
   return recordings;
 }
 

@@ -91,8 +91,9 @@ class Header {
 
  private:
   static bool known(const std::string& name) {
-    static const char* const kStarts[] = {"time_s", "position_", "reference_", "velocity_", "command_", "force_",
-                                          "mocap_", "torque_",   "current_",   "home_id",   "motor_",   "temperature_"};
+    static const char* const kStarts[] = {"time_s", "position_",    "reference_", "velocity_", "command_",
+                                          "force_", "mocap_",       "torque_",    "current_",  "home_id",
+                                          "motor_", "temperature_", "test_pulse"};
     return std::any_of(std::begin(kStarts), std::end(kStarts),
                        [&](const char* start) { return name.rfind(start, 0) == 0; });
   }
@@ -171,12 +172,13 @@ std::vector<std::string> unitsOf(const std::vector<Column>& columns) {
 
 struct Columns {
   Column time;
-  std::vector<Column> position, reference, velocity, command, force, current, motor, temperature, mocap, home;
+  std::vector<Column> position, reference, velocity, command, force, current, motor, temperature, mocap, home,
+      test_pulse;
 
   std::vector<Column*> all() {
     std::vector<Column*> list = {&time};
-    for (auto* group :
-         {&position, &reference, &velocity, &command, &force, &current, &motor, &temperature, &mocap, &home}) {
+    for (auto* group : {&position, &reference, &velocity, &command, &force, &current, &motor, &temperature, &mocap,
+                        &home, &test_pulse}) {
       for (Column& column : *group)
         list.push_back(&column);
     }
@@ -208,6 +210,7 @@ Columns findColumns(const Header& header, int axes) {
     }
   }
   if (header.has("home_id")) c.home.push_back(header.need("home_id", ""));
+  if (header.has("test_pulse")) c.test_pulse.push_back(header.need("test_pulse", ""));
   return c;
 }
 
@@ -345,6 +348,7 @@ Recording parseRecording(const std::string& content, const std::string& path) {
   r.motor_m = toMatrix(columns.motor, r.rows());
   r.temperature_degC = toMatrix(columns.temperature, r.rows());
   r.mocap = toMatrix(columns.mocap, r.rows());
+  if (!columns.test_pulse.empty()) r.test_pulse = toMatrix(columns.test_pulse, r.rows()).col(0);
   return r;
 }
 

@@ -16,7 +16,7 @@ namespace knee_robot::recording {
 namespace {
 
 constexpr std::size_t kBufferBytes = 1u << 16;
-constexpr std::size_t kLongestRow = 4096;  ///< 21 numbers below 1e15 need a tenth of it
+constexpr std::size_t kLongestRow = 4096;  ///< 23 numbers below 1e15 need a tenth of it
 constexpr double kLargest = 1e12;
 
 InputError failure(const std::string& path, const char* action) {
@@ -30,7 +30,7 @@ std::string header(int axes) {
     line += ",reference_" + axis + "_m,position_" + axis + "_m,velocity_" + axis + "_m_per_s,command_" + axis +
             "_V,force_" + axis + "_N";
   }
-  return line + ",home_id\n";
+  return line + ",home_id,test_pulse\n";
 }
 
 }  // namespace
@@ -93,7 +93,8 @@ void RecordingWriter::write(const RecordingRow& row) {
     appendNumber(row.command_V[i], 9, ',');
     appendNumber(row.force_N[i], 6, ',');
   }
-  appendNumber(static_cast<double>(row.home_id), 0, '\n');
+  appendNumber(static_cast<double>(row.home_id), 0, ',');
+  appendNumber(row.test_pulse, 0, '\n');
   last_time_s_ = row.time_s;
   ++rows_;
 }

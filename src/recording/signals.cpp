@@ -107,13 +107,15 @@ Eigen::MatrixXd trembleOf(const Eigen::MatrixXd& raw, const Eigen::MatrixXd& smo
   return out;
 }
 
-/// Marks grid samples inside long intervals without rows.
-std::vector<char> knownSamples(const std::vector<double>& time, const std::vector<double>& grid, double longest_s) {
+/// Marks grid samples inside long intervals without rows, and those of test pulses.
+std::vector<char> knownSamples(const std::vector<double>& time, const std::vector<double>& grid, double longest_s,
+                               const Eigen::VectorXd& test_pulse) {
   std::vector<char> known(grid.size(), 1);
   int k = 0;
   for (std::size_t i = 0; i < grid.size(); ++i) {
     k = advance(time, grid[i], k);
     if (time[k + 1] - time[k] > longest_s) known[i] = 0;
+    if (test_pulse.size() > 0 && test_pulse[k] != 0.0) known[i] = 0;
   }
   return known;
 }
@@ -235,7 +237,8 @@ Signals resample(const Recording& r, const Eigen::MatrixXd& force_N, const Signa
   s.force_is_measured = r.force_is_measured;
   s.force_N = heldMeans(r.force_is_measured ? midpoints(time) : time, force_N.bottomRows(rows), s.time_s, s.period_s);
   s.tremble_m_per_s = everyNth(trembleOf(raw, position, period), step, count);
-  s.known = knownSamples(time, s.time_s, options.gap_periods * period);
+  s.known =
+      knownSamples(time, s.time_s, options.gap_periods * period, r.test_pulse.tail(r.test_pulse.size() > 0 ? rows : 0));
   s.rounding_left = std::clamp(6.0 * std::sqrt(2.0 * options.motion_cutoff_hz * period / 12.0), 0.25, 1.0);
   s.notes = r.notes;
   noteQuantization(r.position_m.bottomRows(rows), period, options, s);

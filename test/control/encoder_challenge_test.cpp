@@ -130,6 +130,8 @@ TEST(StandingAxis, IsOverdueWhenTheReferenceGoesOnWithoutACountAndNotWhenItFollo
   constexpr double kCount_m = 2e-5;
   StandingAxis stands, follows, rests;
   bool overdue = false, followed_overdue = false;
+  for (int k = 0; k <= 7; ++k)
+    stands.step(0.001, k, 2e-5 * (k - 8), 0.0);
   for (int k = 0; k < 60; ++k) {
     const double reference = 2e-5 * k;  // a count each millisecond
     stands.step(0.001, 7, reference, 0.0);
@@ -141,6 +143,43 @@ TEST(StandingAxis, IsOverdueWhenTheReferenceGoesOnWithoutACountAndNotWhenItFollo
   EXPECT_TRUE(overdue) << "within 15 ms";
   EXPECT_FALSE(followed_overdue);
   EXPECT_FALSE(rests.isOverdue(kCount_m));
+}
+
+TEST(StandingAxis, LearnsWhatAHealthyAxisTakesAtATurningPointAndForgetsIt) {
+  StandingAxis axis;
+  std::int64_t counts = 0;
+  for (int k = 0; k < 100; ++k)
+    axis.step(0.001, counts, 0.0, 0.4 * k);  // sticks up to 40 N
+  axis.step(0.001, counts += 6, 0.0, 40.0);
+  EXPECT_NEAR(axis.usual_N(), 40.0, 0.5);
+  axis.endures(55.0);
+  EXPECT_NEAR(axis.usual_N(), 55.0, 0.1);
+  for (int k = 0; k < 600'000; ++k)
+    axis.step(0.001, k, 0.0, 0.0);
+  EXPECT_LT(axis.usual_N(), 0.5);
+}
+
+TEST(StandingAxis, DoesNotLearnFromWhatAPulseMoves) {
+  StandingAxis axis;
+  for (int k = 0; k < 100; ++k)
+    axis.step(0.001, 0, 0.0, 0.4 * k);
+  axis.step(0.001, 6, 0.0, 40.0, true);
+  EXPECT_EQ(axis.usual_N(), 0.0);
+}
+
+TEST(StandingAxis, IsNotOverdueWhereTheReferenceHasTurned) {
+  constexpr double kCount_m = 2e-5;
+  StandingAxis turns, dies;
+  for (int k = 0; k < 50; ++k) {
+    turns.step(0.001, k, kCount_m * k, 0.0);
+    dies.step(0.001, k, kCount_m * k, 0.0);
+  }
+  for (int k = 0; k < 50; ++k) {
+    turns.step(0.001, 49, kCount_m * (49 - k), 0.0);
+    dies.step(0.001, 49, kCount_m * (49 + k), 0.0);
+  }
+  EXPECT_FALSE(turns.isOverdue(kCount_m));
+  EXPECT_TRUE(dies.isOverdue(kCount_m));
 }
 
 struct RestingRobot {

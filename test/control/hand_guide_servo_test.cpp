@@ -1,12 +1,11 @@
 // The component alone, cycle by cycle.
-#include "knee_robot/control/hand_guide.h"
-
 #include <gtest/gtest.h>
 #include <unistd.h>
 
 #include <cmath>
 #include <cstdio>
 
+#include "knee_robot/control/hand_guide.h"
 #include "some_model.h"
 #include "test/allocation_guard.h"
 

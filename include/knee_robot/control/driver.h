@@ -92,7 +92,7 @@ class Driver : public rt::TaskContext {
   rt::Property<int> stale_measurements{
       *this, "stale_measurements", 3, "cycles", 1, 100, "unreadable encoders in a row: fault"};
 
-  /// Whether test pulses are allowed (yes, until told otherwise) where the observer sees no disturbance at rest. Any thread.
+  /// Whether test pulses are allowed (yes, until told otherwise) where nothing raises a suspicion. Any thread.
   void allowTestPulses(bool allowed) noexcept { test_pulses_.store(allowed, std::memory_order_relaxed); }
 
  protected:
@@ -132,8 +132,9 @@ class Driver : public rt::TaskContext {
   std::uint32_t suspicion_ = 0;  // answered last
   StandingAxis standing_;
   bool stood_at_rest_ = false;
-  double asked_s_ = 0.0;  // since it was asked because of that
-  double again_s_ = 0.0;  // until it may be asked again
+  double asked_s_ = 0.0;     // since it was asked because of that
+  double asked_at_N_ = 0.0;  // of StandingAxis::changed_N(), when a moving axis was asked last
+  double again_s_ = 0.0;     // until it may be asked again
   std::atomic<bool> test_pulses_{true};
   double carried_s_ = 0.0;  // since the hold device was ordered to let go
   Pid pid_;

@@ -26,6 +26,7 @@ struct Recording {
   Eigen::MatrixXd temperature_degC;        ///< optional: of drive or gear
   std::vector<std::string> position_unit;  ///< per actuator: m, or rad (chains)
   std::vector<std::string> force_unit;     ///< per actuator: N, or Nm (chains)
+  Eigen::VectorXd test_pulse;              ///< optional: not 0 while the controller asked an encoder whether it counts
   bool force_is_measured = false;  ///< true: the force belongs to its row's time; false: it holds until the next row
   Eigen::MatrixXd mocap;  ///< optional: x, z (m), theta, psi (rad) of the camera; nan where there was no picture
   std::vector<std::string> notes;  ///< what the reader tolerated, one sentence each

@@ -12,6 +12,7 @@ namespace knee_robot::recording {
 struct RecordingRow {
   double time_s = 0.0;
   std::int64_t home_id = 0;  ///< changes whenever the axes are homed anew; 0: not known
+  int test_pulse = 0;        ///< sum of 2^(i-1) over the axes i whose encoder is being asked whether it counts
   std::array<double, 4> reference_m{};
   std::array<double, 4> position_m{};
   std::array<double, 4> velocity_m_per_s{};
