@@ -106,6 +106,7 @@ void members(const AxesMeasurement& v, Visit& visit) {
     inner("fault", v.bus_failure.fault);
     inner("axis", v.bus_failure.axis);
     inner("code", v.bus_failure.code);
+    inner("silent", v.bus_failure.silent);
   });
 }
 
@@ -265,6 +266,8 @@ void members(const TrackingRow& v, Visit& visit) {
   visit("command_V", v.command_V);
   visit("force_N", v.force_N);
   visit("feedforward_N", v.feedforward_N);
+  visit("residual_N", v.residual_N);
+  visit("residual_known", v.residual_known);
   visit("path_time_s", v.path_time_s);
   visit("test_pulse", v.test_pulse);
   visit("digital_inputs", v.digital_inputs);

@@ -9,6 +9,7 @@ void Recorder::updateHook(const rt::Cycle& cycle) {
   measurement.read(measured_);
   set_point.read(set_point_);
   written.read(written_);
+  disturbance.read(disturbance_);
   out_.test_pulse = 0;
   for (std::size_t i = 0; i < hardware::kAxes; ++i) {
     inputs_[i]->read(commands_[i]);
@@ -25,6 +26,8 @@ void Recorder::updateHook(const rt::Cycle& cycle) {
   out_.velocity_m_per_s = measured_.velocity_m_per_s;
   out_.command_V = written_.volts;
   out_.force_N = written_.force_N;
+  out_.residual_known = disturbance_.identified && disturbance_.known;
+  out_.residual_N = disturbance_.residual_N;
   out_.path_time_s = set_point_.path_time_s;
   out_.digital_inputs = measured_.digital_inputs;
   out_.digital_outputs = written_.digital_outputs;

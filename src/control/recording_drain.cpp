@@ -140,6 +140,8 @@ void RecordingDrain::Job::take(const TrackingRow& row) {
   line.time_s = row.time_s;
   line.home_id = first_home_id_ > 0 ? first_home_id_ + row.home_number : 0;
   line.test_pulse = row.test_pulse;
+  line.residual_N = row.residual_N;
+  line.residual_known = row.residual_known;
   line.reference_m = row.reference_m;
   line.position_m = row.position_m;
   line.velocity_m_per_s = row.velocity_m_per_s;

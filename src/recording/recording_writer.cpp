@@ -16,8 +16,10 @@ namespace knee_robot::recording {
 namespace {
 
 constexpr std::size_t kBufferBytes = 1u << 16;
-constexpr std::size_t kLongestRow = 4096;  ///< 23 numbers below 1e15 need a tenth of it
+constexpr std::size_t kLongestRow = 4096;  ///< 27 numbers below 1e15 need a tenth of it
 constexpr double kLargest = 1e12;
+
+constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 
 InputError failure(const std::string& path, const char* action) {
   return InputError(path + ": cannot " + action + " the recording: " + std::strerror(errno));
@@ -28,7 +30,7 @@ std::string header(int axes) {
   for (int i = 1; i <= axes; ++i) {
     const std::string axis = std::to_string(i);
     line += ",reference_" + axis + "_m,position_" + axis + "_m,velocity_" + axis + "_m_per_s,command_" + axis +
-            "_V,force_" + axis + "_N";
+            "_V,force_" + axis + "_N,residual_" + axis + "_N";
   }
   return line + ",home_id,test_pulse\n";
 }
@@ -75,7 +77,8 @@ void RecordingWriter::write(const RecordingRow& row) {
   bool sane = std::abs(row.time_s) < kLargest;
   for (std::size_t i = 0; i < static_cast<std::size_t>(axes_); ++i) {
     for (const double value :
-         {row.reference_m[i], row.position_m[i], row.velocity_m_per_s[i], row.command_V[i], row.force_N[i]}) {
+         {row.reference_m[i], row.position_m[i], row.velocity_m_per_s[i], row.command_V[i], row.force_N[i],
+          row.residual_known ? row.residual_N[i] : 0.0}) {
       sane = sane && std::abs(value) < kLargest;  // false for nan
     }
   }
@@ -92,6 +95,7 @@ void RecordingWriter::write(const RecordingRow& row) {
     appendNumber(row.velocity_m_per_s[i], 9, ',');
     appendNumber(row.command_V[i], 9, ',');
     appendNumber(row.force_N[i], 6, ',');
+    appendNumber(row.residual_known ? row.residual_N[i] : kNan, 4, ',');
   }
   appendNumber(static_cast<double>(row.home_id), 0, ',');
   appendNumber(row.test_pulse, 0, '\n');

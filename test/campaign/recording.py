@@ -30,7 +30,8 @@ class Recording:
         self.rows = len(self.values)
         self.column = {name: i for i, name in enumerate(names)}
         self.time = self.values[:, self.column["time_s"]]
-        if not np.all(np.isfinite(self.values)):
+        known = [i for i, name in enumerate(names) if not name.startswith("residual_")]  # nan without an identified model
+        if not np.all(np.isfinite(self.values[:, known])):
             self.problem = "holds what is not a number"
         if not np.all(np.diff(self.time) > 0):
             self.problem = "time does not increase"

@@ -89,6 +89,48 @@ struct Feed : rt::TaskContext {
   rt::OutputPort<AxesMeasurement> measurement{*this, "measurement", ""};
 };
 
+TEST_F(RecorderTest, WritesTheResidualAndWhichEncodersAreAsked) {
+  struct Observed : Feed {
+    rt::OutputPort<Disturbance> disturbance{*this, "disturbance", ""};
+    rt::OutputPort<AxisCommand> command{*this, "command", ""};
+  } feed;
+  Recorder recorder("Recorder");
+  rt::connect(feed.measurement, recorder.measurement);
+  rt::connect(feed.disturbance, recorder.disturbance);
+  rt::connect(feed.command, recorder.command_3);
+  ASSERT_TRUE(recorder.configure());
+  ASSERT_TRUE(recorder.start());
+  RecordingDrain drain(recorder, 4, false);
+  drain.start(path());
+  rt::Cycle cycle;
+  cycle.period = 1'000'000;
+  for (std::uint64_t n = 1; n <= 2; ++n) {
+    AxesMeasurement measurement;
+    measurement.sequence = n;
+    measurement.status = hardware::IoStatus::Ok;
+    cycle.time = measurement.read_at = static_cast<rt::Nanoseconds>(n) * cycle.period;
+    Disturbance disturbance;
+    disturbance.identified = true;
+    disturbance.known = n == 2;
+    disturbance.residual_N = {1.0, -2.5, 3.0, 4.0};
+    AxisCommand command;
+    command.pulse_N = n == 2 ? 80.0 : 0.0;
+    feed.measurement.write(measurement);
+    feed.disturbance.write(disturbance);
+    feed.command.write(command);
+    recorder.update(cycle);
+  }
+  drain.stop();
+  const std::string text = readFile(path());
+  EXPECT_NE(text.find("residual_2_N"), std::string::npos);
+  EXPECT_NE(text.find(",nan,"), std::string::npos) << "not known in the first row";
+  EXPECT_NE(text.find(",-2.5000,"), std::string::npos) << text;
+  const recording::Recording read = recording::loadRecording(path());
+  ASSERT_EQ(read.test_pulse.size(), 2);
+  EXPECT_EQ(read.test_pulse[0], 0.0);
+  EXPECT_EQ(read.test_pulse[1], 4.0) << "axis 3";
+}
+
 TEST_F(RecorderTest, CountsRowsThatTheRingCouldNotTakeAndSaysSo) {
   Feed feed;
   Recorder recorder("Recorder");

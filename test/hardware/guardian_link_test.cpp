@@ -73,7 +73,9 @@ TEST(GuardedBus, RefusesAGuardianOfAnotherMachine) {
     done = true;
     guardian.join();
     EXPECT_EQ(test.passed, same);
-    if (!same) EXPECT_NE(test.findings.back().find("another machine"), std::string::npos) << test.findings.back();
+    if (!same) {
+      EXPECT_NE(test.findings.back().find("another machine"), std::string::npos) << test.findings.back();
+    }
   }
 }
 

@@ -234,6 +234,8 @@ struct TrackingRow {
   AxisValues command_V{};
   AxisValues force_N{};
   AxisValues feedforward_N{};  ///< the part of it that a model foresaw; not in recordings
+  AxisValues residual_N{};     ///< Disturbance::residual_N
+  bool residual_known = false;
   double path_time_s = 0.0;
   std::uint8_t test_pulse = 0;  ///< bit i: the encoder of axis i + 1 is being asked whether it counts
   std::uint8_t digital_inputs = 0;

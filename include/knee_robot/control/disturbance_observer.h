@@ -35,7 +35,7 @@ class DisturbanceObserver : public rt::TaskContext {
   rt::InputPort<AxisCommand> command_4{*this, "command_4", "from the Driver of axis 4"};
   rt::InputPort<FeedforwardForce> feedforward{*this, "feedforward", "declared payload, from ModelFeedforward",
                                               rt::Need::Optional};
-  rt::OutputPort<Disturbance> disturbance{*this, "disturbance", "to the Drivers and Monitors"};
+  rt::OutputPort<Disturbance> disturbance{*this, "disturbance", "to Drivers, Monitors and Recorder"};
 
   rt::Property<std::string> model{*this, "model", "", "model file of this robot; empty: the weights of its URDF"};
 

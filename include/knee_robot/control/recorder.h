@@ -26,6 +26,7 @@ class Recorder : public rt::TaskContext {
   rt::InputPort<AxisCommand> command_3{*this, "command_3", "from the Driver of axis 3"};
   rt::InputPort<AxisCommand> command_4{*this, "command_4", "from the Driver of axis 4"};
   rt::InputPort<AxesWritten> written{*this, "written", "from AxesOutput"};
+  rt::InputPort<Disturbance> disturbance{*this, "disturbance", "from the DisturbanceObserver: the residual", rt::Need::Optional};
   rt::OutputPort<TrackingRow> row{*this, "row", "the row of this cycle"};
 
   rt::Operation<void(std::uint32_t)> record{
@@ -55,6 +56,7 @@ class Recorder : public rt::TaskContext {
   SetPoint set_point_;
   std::array<AxisCommand, hardware::kAxes> commands_{};
   AxesWritten written_;
+  Disturbance disturbance_;
   TrackingRow out_;
   std::uint64_t recorded_ = 0;  ///< sequence of the last row
 };

@@ -162,6 +162,9 @@ void CanAxisBus::judge(bool backlog) noexcept {
     failure_ = drives_[i].failure(now);
     if (failure_.fault != BusFault::None) failure_.axis = static_cast<std::uint8_t>(i + 1);
   }
+  for (std::size_t i = 0; i < drives_.size(); ++i) {
+    if (drives_[i].isSilent()) failure_.silent |= static_cast<std::uint8_t>(1u << i);
+  }
 }
 
 IoStatus CanAxisBus::read(AxisFeedback& feedback) noexcept {

@@ -43,6 +43,8 @@ class DriveNode {
   /// None, or the most telling of what is wrong; axis is left 0.
   BusFailure failure(std::int64_t now) const noexcept;
   bool hasFeedback() const noexcept { return heard_; }
+  /// Two periods or more without feedback: position and torque are old.
+  bool isSilent() const noexcept { return missed_ >= 2; }
   bool isEnabled() const noexcept { return heard_ && state() == DriveState::OperationEnabled; }
   DriveState state() const noexcept { return stateOf(status_word_); }
   std::int32_t position() const noexcept { return position_; }  ///< counts
