@@ -46,6 +46,18 @@ class Geometry:
         return np.linalg.norm(points - self.base, axis=1)
 
 
+def fits(geometry, points):
+    return bool(np.all(points > geometry.shortest + MARGIN_M) and np.all(points < geometry.longest - MARGIN_M))
+
+
+def climb(geometry, pose, lengths, rise_m=0.1, duration_s=4.0):
+    """Lengths (n x 4) of a way straight up from the measured `lengths`, near `pose`."""
+    x, z, theta, psi = pose
+    correction = np.asarray(lengths) - geometry.lengths(pose)
+    share = [0.5 * (1.0 - math.cos(math.pi * k * PERIOD_S / duration_s)) for k in range(int(round(duration_s / PERIOD_S)) + 1)]
+    return np.array([geometry.lengths((x, z + s * rise_m, theta, psi)) + correction for s in share])
+
+
 def movement(geometry, pose, lengths):
     """Lengths (n x 4) of a movement that begins and ends at the measured `lengths`, near `pose`; towards the middle of the range."""
     x, z, theta, psi = pose
@@ -63,7 +75,7 @@ def movement(geometry, pose, lengths):
 
     points = with_share(1.0)
     for share in (0.9, 0.8, 0.7, 0.6, 0.5):  # a robot with less room
-        if np.all(points > geometry.shortest + MARGIN_M) and np.all(points < geometry.longest - MARGIN_M):
+        if fits(geometry, points):
             break
         points = with_share(share)
     return points

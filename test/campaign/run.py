@@ -38,6 +38,10 @@ class Run:
         s = self.session
         now = s.truth.last()
         self.points = robot_path.movement(self.geometry, now["pose"], now["length_m"])
+        if not robot_path.fits(self.geometry, self.points):  # a robot whose home is the bottom of its range
+            self.climb()
+            now = s.truth.last()
+            self.points = robot_path.movement(self.geometry, now["pose"], now["length_m"])
         self.reference = s.references / f"path_{self.number}.txt"
         robot_path.write(self.reference, self.points)
         answer = s.load(self.reference.name)
@@ -59,6 +63,26 @@ class Run:
         if not (answer := s.trigger("start")).success:
             raise NotValid(f"start: {answer.message}")
         time.sleep(BEFORE_S + 0.11 * (self.number % 5))
+
+    def climb(self):
+        """Up to where there is room for the movement; the robot stands there with its drives off."""
+        s = self.session
+        now = s.truth.last()
+        way = s.references / f"climb_{self.number}.txt"
+        self.points = robot_path.climb(self.geometry, now["pose"], now["length_m"])
+        robot_path.write(way, self.points)
+        for step in (lambda: s.load(way.name), lambda: s.trigger("enable")):
+            if not (answer := step()).success:
+                raise NotValid(f"climb: {answer.message}")
+        self.settle(s.truth.written())
+        if not (answer := s.trigger("start")).success:
+            raise NotValid(f"climb: {answer.message}")
+        s.wait_for(("playing", "faulted"), 2.0)
+        if (state := s.wait_for(("holding", "faulted"), 10.0)).state != "holding":
+            raise NotValid(f"climb: {state.state} {state.fault} {state.cause}")
+        s.trigger("disable")
+        if (state := s.wait_for(("disabled", "faulted"), 5.0)).state != "disabled":
+            raise NotValid(f"climb: {state.state} {state.fault} {state.cause}")
 
     def settle(self, first_row):
         """When the brakes open, the platform sinks until the Drivers carry it: waits, and notes how far."""
@@ -156,6 +180,9 @@ class Run:
         result["carried"] = bool(self.fault.outcome == CARRIED and np.all(after["drives"][-20:] == 15)
                                  and abs(after["pose"][-1][1] - after["pose"][-200][1]) < 1e-4)
         result["drop_mm"] = 1e3 * float(before["pose"][-1][1] - np.min(after["pose"][:, 1]))
+        # What brakes cannot save that are ordered in the very moment of the fault.
+        soon = after[after["monotonic_s"] <= at + self.session.hold_delay_s()]
+        result["least_mm"] = 1e3 * float(before["pose"][-1][1] - np.min(soon["pose"][:, 1])) if len(soon) else 0.0
         result["enable_sag_mm"] = self.sag_mm
         self.begins = [result["outputs_down_ms"]]
 

@@ -11,6 +11,7 @@ import time
 import xmlrpc.client
 
 import rospy
+import yaml
 from std_srvs.srv import Trigger
 
 from knee_robot.srv import GetState, LoadReference, SetRecording
@@ -156,6 +157,11 @@ class Session:
         for left in (self.shm, self.shm + "_truth", self.shm + "_guardian"):
             if os.path.exists("/dev/shm" + left):
                 os.unlink("/dev/shm" + left)
+
+    def hold_delay_s(self):
+        """Longest time that a simulated brake takes to engage."""
+        with open(self.files["simulation"], encoding="utf-8") as file:
+            return max(axis.get("hold_engage_delay_s", 0.0) for axis in yaml.safe_load(file)["axes"])
 
     def is_whole(self):
         return all(is_alive(p) for p in (self.robot, self.guardian, self.controller))

@@ -60,6 +60,7 @@ def line(fault, runs):
         expected += " (or " + ", ".join(fault.causes[1:]) + ")"
     wrong = verdict(fault, runs)
     cells = [fault.name, str(len(runs)), begins, held, f"{max(r['drop_mm'] for r in runs):.2f}",
+             f"{max(r.get('least_mm', 0.0) for r in runs):.2f}" if stops else "-",
              f"{max(r['beyond_limits_mm'] for r in runs):.1f}", f"{max(r['above_clamp_V'] for r in runs):.2f}",
              ", ".join(sorted({r["state"] for r in runs})), ", ".join(reported),
              expected,
@@ -90,7 +91,9 @@ def summary(results, faults):
     if stops:
         lines.append(f"| drop below 5 mm | {sum(r['drop_mm'] > DROP_MM for r in stops)} of {len(stops)} above; "
                      f"where somebody is left who can order the brakes, {sum(r['drop_mm'] > DROP_MM for r in left)} of {len(left)}, "
-                     f"largest {max((r['drop_mm'] for r in left), default=0.0):.2f} mm |")
+                     f"largest {max((r['drop_mm'] for r in left), default=0.0):.2f} mm; "
+                     f"5 mm more than brakes ordered in the moment of the fault would leave: "
+                     f"{sum(r['drop_mm'] > DROP_MM + max(0.0, r.get('least_mm', 0.0)) for r in left)} |")
     lines += [f"| cause named correctly in all | {sum(r['cause_right'] for r in runs)} of {len(runs)}; "
               f"by its own name, not only by what it led to, {sum(r['cause_right'] and named_itself(by_name[r['fault']], r) for r in runs)} |",
               f"| sinking when the brakes open (no target) | largest {max((r['enable_sag_mm'] for r in runs), default=0.0):.2f} mm |",
@@ -106,10 +109,11 @@ def render(results, conditions):
     text = [f"{len(done)} faults, {len([r for r in results if r['fault'] in {f.name for f in done}])} runs. {conditions}", "",
             *summary(results, done), "",
             "Times in ms: median / largest. Stop begins: brakes ordered to engage, or the reference slows down along its path, whichever "
-            "is first. Held: every axis braked and unpowered. Drop and excesses: largest of all runs.", "",
-            "| fault | runs | stop begins | held | drop mm | beyond limits mm | above clamp V | state | cause reported | cause expected "
+            "is first. Held: every axis braked and unpowered. Drop and excesses: largest of all runs. Of that least: fallen before brakes that "
+            "are ordered in the very moment of the fault would hold.", "",
+            "| fault | runs | stop begins | held | drop mm | of that least mm | beyond limits mm | above clamp V | state | cause reported | cause expected "
             "| recording | verdict |",
-            "| --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- |"]
+            "| --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- |"]
     remarks = []
     for fault in done:
         runs = [r for r in results if r["fault"] == fault.name]
