@@ -1,6 +1,7 @@
 """What an operator, a careless one or his disk does to a running controller; each is called with the run."""
 import os
 import pathlib
+import shutil
 import threading
 import time
 
@@ -40,9 +41,14 @@ def remove_recordings_folder(run):
     """The recording's file is unlinked and its folder renamed under the controller."""
     run.at_injection()
     folder = run.session.recordings
-    os.rename(folder, str(folder) + "_gone")
+    gone = folder.with_name(folder.name + "_gone")
+    os.rename(folder, gone)
     time.sleep(0.7)
-    os.rename(str(folder) + "_gone", folder)
+    folder.mkdir(exist_ok=True)  # the controller may have made it anew
+    for one in gone.iterdir():
+        if not (folder / one.name).exists():
+            os.rename(one, folder / one.name)
+    shutil.rmtree(gone)
 
 
 def flood(run):

@@ -58,8 +58,9 @@ def climb(geometry, pose, lengths, rise_m=0.1, duration_s=4.0):
     return np.array([geometry.lengths((x, z + s * rise_m, theta, psi)) + correction for s in share])
 
 
-def movement(geometry, pose, lengths):
-    """Lengths (n x 4) of a movement that begins and ends at the measured `lengths`, near `pose`; towards the middle of the range."""
+def movement(geometry, pose, lengths, most=1.0):
+    """Lengths (n x 4) of a movement that begins and ends at the measured `lengths`, near `pose`; towards the middle of the range.
+    `most`: of its size."""
     x, z, theta, psi = pose
     amplitude = [-math.copysign(largest, now - home)
                  for largest, now, home in zip(LARGEST, (x, theta, psi), HOME)]
@@ -73,8 +74,8 @@ def movement(geometry, pose, lengths):
             points.append(geometry.lengths(at) + correction)
         return np.array(points)
 
-    points = with_share(1.0)
-    for share in (0.9, 0.8, 0.7, 0.6, 0.5):  # a robot with less room
+    points = with_share(most)
+    for share in most * np.array((0.9, 0.8, 0.7, 0.6, 0.5)):  # a robot with less room
         if fits(geometry, points):
             break
         points = with_share(share)

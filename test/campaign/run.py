@@ -43,8 +43,11 @@ class Run:
             now = s.truth.last()
             self.points = robot_path.movement(self.geometry, now["pose"], now["length_m"])
         self.reference = s.references / f"path_{self.number}.txt"
-        robot_path.write(self.reference, self.points)
-        answer = s.load(self.reference.name)
+        for most in (1.0, 0.7, 0.5):  # joints may have less room than legs
+            self.points = robot_path.movement(self.geometry, now["pose"], now["length_m"], most)
+            robot_path.write(self.reference, self.points)
+            if (answer := s.load(self.reference.name)).success:
+                break
         if not answer.success:
             raise NotValid(answer.message)
         before = s.truth.written()
