@@ -167,7 +167,10 @@ def find_changes(quantities: pd.DataFrame, options: Options = Options()) -> pd.D
         return pd.DataFrame(columns=COLUMNS)
     passed, adjusted = multipletests([j.p for j in judged], alpha=options.false_discovery_rate, method="fdr_by")[:2]
     rows = [_row(j, q) for j, ok, q in zip(judged, passed, adjusted) if ok]
-    table = pd.DataFrame(rows, columns=COLUMNS).sort_values(["robot", "statistic"], ascending=[True, False], ignore_index=True)
+    table = pd.DataFrame(rows, columns=COLUMNS)
+    # Whatever changes leaves a residual, too: what only says that the model lacks something must be twice as far from chance.
+    telling = table["statistic"] * np.where(table["quantity"].isin(LOGARITHMS), 0.5, 1.0)
+    table = table.assign(telling=telling).sort_values(["robot", "telling"], ascending=[True, False], ignore_index=True).drop(columns="telling")
     table["leading"] = ~table["robot"].duplicated()
     return table
 

@@ -42,6 +42,7 @@ def remove_recordings_folder(run):
     run.at_injection()
     folder = run.session.recordings
     gone = folder.with_name(folder.name + "_gone")
+    shutil.rmtree(gone, ignore_errors=True)  # of a run that was broken off
     os.rename(folder, gone)
     time.sleep(0.7)
     folder.mkdir(exist_ok=True)  # the controller may have made it anew

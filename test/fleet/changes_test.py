@@ -118,3 +118,14 @@ def test_a_handful_of_days_says_nothing():
     table = fleet(12)
     assert changes.find_changes(table[table["session"].isin(["s0", "s1", "s2"])], OPTIONS).empty
     assert changes.find_changes(table.iloc[0:0], OPTIONS).empty
+
+
+@pytest.mark.parametrize("residual, first", [(0.5, "friction"), (3.0, "residual")])
+def test_what_tells_the_cause_goes_before_what_only_says_that_something_is_lacking(residual, first):
+    """Friction that grows leaves a residual, too; one that is many times as far from chance is another thing."""
+    table = add(add(fleet(7, robots=6, names=("friction", "residual")), "r2", "friction", 3, 13, 0.3), "r2", "residual", 3, 13, residual)
+    left = table["quantity"] == "residual"
+    table.loc[left, "value"] = np.exp(table.loc[left, "value"])  # judged as ratios
+    found = changes.find_changes(table, OPTIONS)
+    assert set(zip(found["robot"], found["quantity"], found["leg"])) == {("r2", "friction", 3), ("r2", "residual", 3)}
+    assert found.iloc[0]["quantity"] == first and bool(found.iloc[0]["leading"])
