@@ -24,6 +24,7 @@ CAUSES = {"friction": "friction", "gain": "force gain", "ripple": "ripple", "res
           "roughness": "play or roughness", "delay": "delay"}
 COMPANY = 5  # robots of a kind from which on the fleet's course is told
 NEIGHBOUR_DAYS = 10
+LOGARITHMS = ("residual", "roughness")  # judged as ratios; whatever changes, changes them, too
 FLOOR = {"friction": 0.005, "gain": 0.003, "ripple": 0.05, "residual": 0.02, "roughness": 0.02, "delay": 2e-4, "payload": 0.05}  # scatter is at least so much
 
 
@@ -144,7 +145,11 @@ def judge(group: list[Series], options: Options) -> list[Judged]:
         if not finite or len(v) < scan.BEFORE + scan.AFTER:
             continue
         statistic = float(scan.statistics(v[None, :] / width, s.movements)[0])
-        p = scan.null(options.horizon, correlation, min(2, len(set(s.movements)))).p(statistic)
+        null = scan.null(options.horizon, correlation, min(2, len(set(s.movements))))
+        p = null.p(statistic)
+        if s.quantity in LOGARITHMS:  # wilder from day to day than the null: they must have stood a night before, too
+            before = scan.statistics(v[None, :-1] / width, s.movements[:-1])[0] if len(v) > scan.BEFORE + scan.AFTER else 0.0
+            p = max(p, null.p(float(before)))
         away = _excursion(v, s)
         p_day = scan.excursion_p(away, float(width), options.horizon) if s.quantity in EXCURSIONS else 1.0
         both = 2.0 if s.quantity in EXCURSIONS else 1.0
@@ -176,7 +181,6 @@ def find_changes(quantities: pd.DataFrame, options: Options = Options()) -> pd.D
 
 
 COLUMNS = ["robot", "quantity", "leg", "cause", "form", "since", "earliest", "latest", "size", "low", "high", "unit", "statistic", "p_adjusted", "watched"]
-LOGARITHMS = ("residual", "roughness")
 
 
 def _row(j: Judged, adjusted: float) -> list[object]:

@@ -129,3 +129,12 @@ def test_what_tells_the_cause_goes_before_what_only_says_that_something_is_lacki
     found = changes.find_changes(table, OPTIONS)
     assert set(zip(found["robot"], found["quantity"], found["leg"])) == {("r2", "friction", 3), ("r2", "residual", 3)}
     assert found.iloc[0]["quantity"] == first and bool(found.iloc[0]["leading"])
+
+
+def test_roughness_is_stated_on_the_second_night_and_friction_on_the_first():
+    table = add(add(fleet(9, robots=6, names=("friction", "roughness")), "r2", "friction", 3, 13, 0.6), "r4", "roughness", 2, 13, 0.6)
+    rough = table["quantity"] == "roughness"
+    table.loc[rough, "value"] = np.exp(table.loc[rough, "value"])
+    found = changes.nights(table, nights_of(table), OPTIONS)
+    first = found.groupby("quantity")["night"].min()
+    assert first["friction"] < first["roughness"]
