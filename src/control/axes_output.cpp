@@ -57,6 +57,7 @@ void AxesOutput::updateHook(const rt::Cycle& cycle) {
   writeVolts(chooseVolts(), cycle.time);
   writeOutputs(cycle.time);
   estimateLoad(rt::toSeconds(cycle.period));
+  offerLoad();
   out_.safe_stop = safe_stop_.phase();
   out_.transfer = order_.transfer;
   written.write(out_);
@@ -208,6 +209,15 @@ void AxesOutput::estimateLoad(double dt) noexcept {
     load_volts_[i] += (out_.volts[i] - load_volts_[i]) * dt / (kLoadTime_s + dt);
     rest_volts_[i] += (out_.volts[i] - moving - rest_volts_[i]) * dt / (kRestTime_s + dt);
   }
+}
+
+/// For the guardian, should this process die now: until the brakes hold, the platform would fall without.
+void AxesOutput::offerLoad() noexcept {
+  if (out_.level != DriveLevel::Released || safe_stop_.phase() != SafeStopPhase::Idle) return bus_.offerLoad(nullptr);
+  AxisValues load{};
+  for (std::size_t i = 0; i < hardware::kAxes; ++i)
+    load[i] = clamped(rest_volts_[i], i);
+  bus_.offerLoad(&load);
 }
 
 void AxesOutput::stopHook() {

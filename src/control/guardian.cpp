@@ -3,6 +3,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <cmath>
 
 namespace knee_robot::control {
 
@@ -33,12 +34,13 @@ GuardianAction GuardianWatch::step(const GuardianView& view) noexcept {
 }
 
 Guardian::Guardian(hardware::GuardianLink& link, hardware::EmergencyOutputs& outputs, rt::Nanoseconds silence_limit,
-                   rt::Nanoseconds period, rt::Nanoseconds (*clock)() noexcept)
+                   rt::Nanoseconds period, rt::Nanoseconds (*clock)() noexcept, GuardianCarry carry)
     : rt::TaskContext("Guardian"),
       link_(link),
       outputs_(outputs),
       clock_(clock),
-      watch_(silence_limit, period, link.tripped.load() != 0) {}
+      watch_(silence_limit, period, link.tripped.load() != 0),
+      carry_(carry) {}
 
 bool Guardian::startHook() {
   link_.guardian_pid.store(::getpid());
@@ -69,9 +71,11 @@ void Guardian::updateHook(const rt::Cycle& /*cycle*/) {
       trip();
       break;
     case GuardianAction::KeepDown:
-      outputs_.down();
+      keepDown(view.now);
       break;
     case GuardianAction::Release:
+      if (carry_until_ != 0) outputs_.down();
+      carry_until_ = 0;
       link_.tripped.store(0);
       link_.reset_done.store(request);
       report_.releases.fetch_add(1);
@@ -80,12 +84,33 @@ void Guardian::updateHook(const rt::Cycle& /*cycle*/) {
   link_.guardian_cycles.fetch_add(1, std::memory_order_release);
 }
 
+/// The hold devices engage, the drives give what carried the robot at rest.
+bool Guardian::carryLoad() noexcept {
+  if (carry_.time == 0 || link_.carries.load(std::memory_order_acquire) == 0) return false;
+  for (std::size_t i = 0; i < load_V_.size(); ++i) {
+    load_V_[i] = link_.load_V[i].load(std::memory_order_relaxed);
+    if (!std::isfinite(load_V_[i])) return false;
+  }
+  return outputs_.carry(carry_.outputs, load_V_) == hardware::IoStatus::Ok;
+}
+
+/// Written again every cycle: the fence is no wall to a write that was under way.
+void Guardian::keepDown(rt::Nanoseconds now) noexcept {
+  if (now < carry_until_ && outputs_.carry(carry_.outputs, load_V_) == hardware::IoStatus::Ok) return;
+  const hardware::IoStatus status = outputs_.down();
+  if (carry_until_ != 0) report_.written.store(status == hardware::IoStatus::Ok);
+  carry_until_ = 0;
+}
+
 /// The fence first: a controller that wakes up now must not write behind the guardian's back.
 void Guardian::trip() noexcept {
   link_.tripped.store(1);
   const rt::Nanoseconds began = clock_();
-  const hardware::IoStatus status = outputs_.down();
+  const bool carries = carryLoad();
+  const hardware::IoStatus status = carries ? hardware::IoStatus::Ok : outputs_.down();
   const rt::Nanoseconds down = clock_();
+  if (carries) carry_until_ = down + carry_.time;
+  report_.carried.store(carries ? carry_.time : 0);
   report_.cause.store(watch_.cause());
   report_.controller_pid.store(link_.controller_pid.load());
   report_.reaction.store(down - watch_.lastHeartbeat());

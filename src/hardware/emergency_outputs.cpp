@@ -1,6 +1,6 @@
 #include "knee_robot/hardware/emergency_outputs.h"
 
-#include "knee_robot/hardware/channels.h"
+#include "knee_robot/hardware/pci1720.h"
 #include "knee_robot/hardware/pci1720_registers.h"
 #include "knee_robot/hardware/pci1784_registers.h"
 
@@ -20,6 +20,22 @@ IoStatus forceDown(RegisterAccess& analog, RegisterAccess& counter) noexcept {
   }
   note(analog.write8(pci1720::kSynchronise, 0));
   note(analog.write8(pci1720::kRange, pci1720::kAllBipolar10V));
+  return first;
+}
+
+IoStatus forceCarry(RegisterAccess& analog, RegisterAccess& counter, std::uint8_t bits,
+                    const std::array<double, kChannels>& volts) noexcept {
+  IoStatus first = counter.write8(pci1784::kDigital, bits);
+  const auto note = [&](IoStatus status) {
+    if (first == IoStatus::Ok) first = status;
+  };
+  note(analog.write8(pci1720::kSynchronousMode, 1));
+  for (int channel = 0; channel < kChannels; ++channel) {
+    const std::uint16_t code = Pci1720::codeFor(volts[static_cast<std::size_t>(channel)]);
+    note(analog.write8(pci1720::lowByte(channel), code & 0xFF));
+    note(analog.write8(pci1720::highByte(channel), code >> 8));
+  }
+  note(analog.write8(pci1720::kSynchronise, 0));
   return first;
 }
 

@@ -48,6 +48,7 @@ std::int32_t GuardedBus::claim() noexcept {
 std::string GuardedBus::takeOver() {
   if (const std::int32_t other = claim())
     return "process " + std::to_string(other) + " already controls this robot; end it first.";
+  link_.carries.store(0);
   if (options_.outputs != nullptr && options_.outputs->down() != IoStatus::Ok)
     return "the outputs of an earlier controller cannot be brought down: a card refuses.";
   return "";
@@ -99,6 +100,12 @@ IoStatus GuardedBus::reclaim() {
   const std::uint32_t number = link_.reset_request.fetch_add(1) + 1;
   const auto granted = [&] { return link_.reset_done.load() == number && !isFencedOut(); };
   return waitFor(granted) ? IoStatus::Ok : IoStatus::FencedOut;
+}
+
+void GuardedBus::offerLoad(const std::array<double, kAxes>* volts) noexcept {
+  for (std::size_t i = 0; volts != nullptr && i < volts->size(); ++i)
+    link_.load_V[i].store((*volts)[i], std::memory_order_relaxed);
+  link_.carries.store(volts != nullptr ? 1 : 0, std::memory_order_release);
 }
 
 IoStatus GuardedBus::writeVolts(const std::array<double, kAxes>& volts, std::array<double, kAxes>& written) noexcept {

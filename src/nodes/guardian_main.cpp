@@ -4,6 +4,7 @@
 
 #include <unistd.h>
 
+#include <algorithm>
 #include <chrono>
 #include <csignal>
 #include <cstdio>
@@ -12,6 +13,7 @@
 
 #include "backends.h"
 #include "knee_robot/base/errors.h"
+#include "knee_robot/base/numbers.h"
 #include "knee_robot/control/guardian.h"
 #include "knee_robot/control/hardware_file.h"
 #include "knee_robot/hardware/machine_lock.h"
@@ -35,11 +37,15 @@ void tellTrip(const control::GuardianReport& report) {
   const char* what = pid == 0                                                     ? "has ended"
                      : report.cause.load() == control::GuardianCause::ProcessGone ? "has died"
                                                                                   : "is silent";
+  const double reaction_ms = rt::toSeconds(report.reaction.load()) * 1e3;
+  const double carried_ms = rt::toSeconds(report.carried.load()) * 1e3;
   std::printf(
-      "guardian: TRIPPED: controller (process %d) %s while drives were on; outputs %s %.2f ms after its last "
-      "heartbeat (writes %.3f ms); fenced out until reset\n",
-      pid, what, report.written.load() ? "down" : "NOT ALL DOWN, a card refused,",
-      rt::toSeconds(report.reaction.load()) * 1e3, rt::toSeconds(report.writing.load()) * 1e3);
+      "guardian: TRIPPED: controller (process %d) %s while drives were on; hold devices ordered %.2f ms after its last heartbeat (writes "
+      "%.3f ms), outputs %s%s; fenced out until reset\n",
+      pid, what, reaction_ms, rt::toSeconds(report.writing.load()) * 1e3,
+      report.written.load() ? "down" : "NOT ALL DOWN, a card refused",
+      carried_ms > 0.0 ? (" after the " + shortNumber(carried_ms, 3) + " ms that they take, carried by the drives until then").c_str()
+                       : "");
   std::fflush(stdout);
 }
 
@@ -85,6 +91,13 @@ int bringDownNow(const Options& options) {
   return status == hardware::IoStatus::Ok ? kExitDone : 1;
 }
 
+control::GuardianCarry carryOf(const control::HardwareFile& file) {
+  double slowest_s = 0.0;
+  for (const auto& axis : file.axes)
+    slowest_s = std::max(slowest_s, axis.hold_delay_s);
+  return {static_cast<std::uint8_t>(1u << file.drive_enable_bit), rt::fromSeconds(slowest_s)};
+}
+
 int run(const Options& options) {
   const control::HardwareFile file = loadFile(options);
   hardware::SharedGuardianLink memory = hardware::SharedGuardianLink::open(options.link);
@@ -98,7 +111,7 @@ int run(const Options& options) {
   memory.link().machine.store(hardware::machineMark(machine));
   const std::unique_ptr<hardware::EmergencyOutputs> outputs = nodes::openOutputs(file, siteOf(options));
   control::Guardian guardian(memory.link(), *outputs, rt::fromSeconds(options.silence_ms * 1e-3), kPeriod,
-                             rt::monotonicNow);
+                             rt::monotonicNow, carryOf(file));
   rt::ActivityOptions activity_options;
   activity_options.name = "guardian";
   activity_options.period = kPeriod;

@@ -173,6 +173,75 @@ TEST_F(GuardedCards, AreBroughtDownWhenTheControllerFallsSilent) {
     EXPECT_EQ(volts(channel), 0.0);
 }
 
+/// The same with a guardian that lets the drives carry for 30 ms.
+class CarriedCards : public GuardedCards {
+ protected:
+  CarriedCards() {
+    carrying_.configure();
+    carrying_.start();
+  }
+  void cycleCarrying(int cycles = 1) {
+    for (int i = 0; i < cycles; ++i) {
+      testTime() += kMs;
+      carrying_.update({testTime(), testTime(), kMs});
+    }
+  }
+  void dies(double load_V) {
+    hold(9.0);
+    const std::array<double, hardware::kAxes> load = {load_V, -load_V, 0.5, 1.0};
+    bus_.offerLoad(&load);
+    cycleCarrying(11);
+  }
+  Guardian carrying_{link_, *outputs_, 10 * kMs, kMs, testClock, {1, 30 * kMs}};
+};
+
+TEST_F(CarriedCards, AreCarriedByWhatCarriedThemAtRestUntilTheBrakesHold) {
+  dies(2.0);
+  EXPECT_EQ(carrying_.report().trips.load(), 1u);
+  EXPECT_EQ(image_.counter.outputs.load(), 1) << "drives on, hold devices ordered to engage";
+  EXPECT_NEAR(volts(0), 2.0, 0.005);
+  EXPECT_NEAR(volts(1), -2.0, 0.005);
+  cycleCarrying(29);
+  EXPECT_NEAR(volts(0), 2.0, 0.005);
+  cycleCarrying(2);
+  EXPECT_EQ(image_.counter.outputs.load(), 0);
+  for (std::size_t channel = 0; channel < hardware::kAxes; ++channel)
+    EXPECT_EQ(volts(channel), 0.0);
+}
+
+TEST_F(CarriedCards, AWriteThatWasUnderWayIsTakenBackWhileTheyAreCarried) {
+  dies(2.0);
+  cards_->writeVolts({9, 9, 9, 9}, written_);
+  cards_->writeOutputs(3);
+  cycleCarrying();
+  EXPECT_EQ(image_.counter.outputs.load(), 1);
+  EXPECT_NEAR(volts(0), 2.0, 0.005);
+}
+
+TEST_F(CarriedCards, GoDownAtOnceWithoutALoadThatIsANumber) {
+  dies(std::nan(""));
+  EXPECT_EQ(image_.counter.outputs.load(), 0);
+  EXPECT_EQ(volts(0), 0.0);
+}
+
+TEST_F(CarriedCards, GoDownAtOnceWhereNothingIsCarried) {
+  hold(9.0);
+  bus_.offerLoad(nullptr);
+  cycleCarrying(11);
+  EXPECT_EQ(image_.counter.outputs.load(), 0);
+  EXPECT_EQ(volts(0), 0.0);
+}
+
+TEST_F(CarriedCards, AreDownBeforeTheyAreGivenBack) {
+  dies(2.0);
+  bus_.writeOutputs(0);
+  link_.reset_request.fetch_add(1);
+  cycleCarrying();
+  EXPECT_FALSE(bus_.isFencedOut());
+  EXPECT_EQ(image_.counter.outputs.load(), 0);
+  EXPECT_EQ(volts(0), 0.0);
+}
+
 TEST_F(GuardedCards, RefuseAControllerThatComesBackUntilItAsksWithItsDrivesOff) {
   hold();
   for (int i = 0; i < 12; ++i)

@@ -20,12 +20,14 @@ sys.path.insert(0, str(pathlib.Path(__file__).parent))
 from robot_client import RobotClient, parameter, read_recording  # noqa: E402
 
 SHARED_MEMORY = "/knee_robot_test_killed_controller"
+HOLD_RELEASE = 2
 POWER_BITS = 3  # config/hardware/simulated.yaml: drive_enable and hold_release
-LARGEST_DROP_MM = 5.0
+LARGEST_DROP_MM = 1.5
 # In cycles of the robot's clock, 1 ms each: a machine that pauses stops that clock, too. The launch file's silence, and some to act. A process
 # that is killed takes some time to be gone, so the silence is the bound there as well.
-DOWN_CYCLES = 100 + 10
-HELD_CYCLES = DOWN_CYCLES + 30 + 10  # and the brakes' delay
+ENGAGING_CYCLES = 100 + 10
+DOWN_CYCLES = ENGAGING_CYCLES + 30 + 5  # the drives carry for the brakes' delay
+HELD_CYCLES = DOWN_CYCLES + 10
 
 
 def pid_of(node):
@@ -72,13 +74,15 @@ class KilledController(unittest.TestCase):
         self.assertTrue(int(before["digital_outputs"]) & POWER_BITS == POWER_BITS, "the robot was not carried")
         down = [i for i, row in enumerate(after) if is_down(row)]
         held = [row for row in after if is_held(row)]
+        engaging = [row for row in after if int(row["digital_outputs"]) & HOLD_RELEASE == 0]
         self.assertTrue(down, "the outputs never came down")
         self.assertTrue(held, "drives disabled and brakes engaged: never")
         cycles = lambda row: (row["time_s"] - before["time_s"]) * 1e3
         down_cycles, held_cycles = cycles(after[down[0]]), cycles(held[0])
         drop_mm = max(before["Zm_m"] - row["Zm_m"] for row in after) * 1e3
         moved_mm = max(abs(row[f"length_{i}_m"] - before[f"length_{i}_m"]) for row in after for i in range(1, 5)) * 1e3
-        print(f"{name}: outputs down after {down_cycles:.0f} cycles, held after {held_cycles:.0f}, "
+        self.assertLessEqual(cycles(engaging[0]), ENGAGING_CYCLES)
+        print(f"{name}: brakes ordered after {cycles(engaging[0]):.0f} cycles, outputs down after {down_cycles:.0f} cycles, held after {held_cycles:.0f}, "
               f"platform drop {drop_mm:.3f} mm, largest length change {moved_mm:.3f} mm", flush=True)
         self.assertLessEqual(down_cycles, DOWN_CYCLES)
         self.assertLessEqual(held_cycles, HELD_CYCLES)

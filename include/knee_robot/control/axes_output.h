@@ -63,6 +63,7 @@ class AxesOutput : public rt::TaskContext {
   void writeVolts(const AxisValues& volts, rt::Nanoseconds now);
   void writeOutputs(rt::Nanoseconds now);
   void estimateLoad(double dt) noexcept;
+  void offerLoad() noexcept;
   void testBrakes(AxisValues& volts) const noexcept;
 
   const mechanism::Robot robot_;

@@ -1,5 +1,9 @@
 #pragma once
 
+#include <array>
+#include <cstdint>
+
+#include "knee_robot/hardware/channels.h"
 #include "knee_robot/hardware/io_status.h"
 #include "knee_robot/hardware/register_access.h"
 
@@ -13,12 +17,21 @@ namespace knee_robot::hardware {
 /// Real-time safe.
 IoStatus forceDown(RegisterAccess& analog, RegisterAccess& counter) noexcept;
 
-/// A handle to the cards that can do nothing but forceDown(). For a guardian beside the controller: it never initialises.
+/// Writes these digital outputs, then these volts (finite; clamped to +-10 V) to the four channels together, through registers alone as
+/// forceDown(): with the drives' bit alone the hold devices engage while the drives give what carries the load until they hold. Real-time safe.
+IoStatus forceCarry(RegisterAccess& analog, RegisterAccess& counter, std::uint8_t bits,
+                    const std::array<double, kChannels>& volts) noexcept;
+
+/// A handle to the cards that can do nothing but forceDown() and forceCarry(). For a guardian beside the controller: it never initialises.
 class EmergencyOutputs {
  public:
   virtual ~EmergencyOutputs() = default;
   /// forceDown() of its cards.
   virtual IoStatus down() noexcept = 0;
+  /// forceCarry() of its cards. NotReady: it cannot, and has written nothing (drives on a bus stop by themselves).
+  virtual IoStatus carry(std::uint8_t /*bits*/, const std::array<double, kChannels>& /*volts*/) noexcept {
+    return IoStatus::NotReady;
+  }
 };
 
 }  // namespace knee_robot::hardware

@@ -45,6 +45,7 @@ class GuardedBus : public AxisBus {
   bool isFencedOut() const noexcept override;
   bool isGuarded() const noexcept override { return true; }
   bool stopsByItself() const noexcept override { return bus_.stopsByItself(); }
+  void offerLoad(const std::array<double, kAxes>* volts) noexcept override;
   /// Waits up to 0.3 s for the guardian.
   IoStatus reclaim() override;
   /// GuardianSilent from guardian_silence_ns without a cycle of the guardian on, counted in read().

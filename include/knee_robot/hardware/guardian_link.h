@@ -1,8 +1,11 @@
 #pragma once
 
+#include <array>
 #include <atomic>
 #include <cstdint>
 #include <string>
+
+#include "knee_robot/hardware/channels.h"
 
 namespace knee_robot::hardware {
 
@@ -10,7 +13,7 @@ namespace knee_robot::hardware {
 /// back its outputs (the PCI-1720 can not, of the PCI-1784 it is not known). All zero: nobody has been there yet. Each field has
 /// one writer; plain lock-free atomics, so a process that dies at any place leaves the others working.
 struct GuardianLink {
-  static constexpr std::uint64_t kMagic = 0x6b6e65655f677264;  // "knee_grd"
+  static constexpr std::uint64_t kMagic = 0x6b6e65655f677232;  // "knee_gr2"
 
   std::atomic<std::uint64_t> magic{0};
 
@@ -19,6 +22,8 @@ struct GuardianLink {
   std::atomic<std::uint64_t> heartbeat{0};      ///< one more with every write of the digital outputs, fenced out or not
   std::atomic<std::uint32_t> armed{0};          ///< 1 from before the drives are enabled until after they are disabled
   std::atomic<std::uint32_t> reset_request{0};  ///< a new number asks the guardian to give the outputs back
+  std::atomic<std::uint32_t> carries{0};        ///< 1: load_V holds, and the drives are to give it until the hold devices do
+  std::array<std::atomic<double>, kChannels> load_V{};  ///< what carries the robot at rest at this place
 
   // written by the guardian
   std::atomic<std::int32_t> guardian_pid{0};

@@ -32,6 +32,9 @@ class OwningEmergencyOutputs : public EmergencyOutputs {
  public:
   explicit OwningEmergencyOutputs(Cards cards) : cards_(std::move(cards)) {}
   IoStatus down() noexcept override { return forceDown(cards_.analog(), cards_.counter()); }
+  IoStatus carry(std::uint8_t bits, const std::array<double, kChannels>& volts) noexcept override {
+    return forceCarry(cards_.analog(), cards_.counter(), bits, volts);
+  }
 
  private:
   Cards cards_;
