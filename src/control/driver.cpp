@@ -205,7 +205,8 @@ bool Driver::challengeEncoder(double dt, const EncoderProbe::Settings& settings)
   const bool disturbed = disturbed_.suspicion != suspicion_;
   const bool suspected = standsUnderForce(dt, counts);
   suspicion_ = disturbed_.suspicion;
-  if ((measured_.bus_failure.silent >> index_ & 1u) != 0) {  // old counts are no answer; that they are old has a fault of its own
+  if ((measured_.bus_failure.silent >> index_ & 1u) !=
+      0) {  // old counts are no answer; that they are old has a fault of its own
     challenge_.reset();
     standing_.begin(counts);
     return false;

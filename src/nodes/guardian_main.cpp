@@ -40,12 +40,15 @@ void tellTrip(const control::GuardianReport& report) {
   const double reaction_ms = rt::toSeconds(report.reaction.load()) * 1e3;
   const double carried_ms = rt::toSeconds(report.carried.load()) * 1e3;
   std::printf(
-      "guardian: TRIPPED: controller (process %d) %s while drives were on; hold devices ordered %.2f ms after its last heartbeat (writes "
+      "guardian: TRIPPED: controller (process %d) %s while drives were on; hold devices ordered %.2f ms after its last "
+      "heartbeat (writes "
       "%.3f ms), outputs %s%s; fenced out until reset\n",
       pid, what, reaction_ms, rt::toSeconds(report.writing.load()) * 1e3,
       report.written.load() ? "down" : "NOT ALL DOWN, a card refused",
-      carried_ms > 0.0 ? (" after the " + shortNumber(carried_ms, 3) + " ms that they take, carried by the drives until then").c_str()
-                       : "");
+      carried_ms > 0.0
+          ? (" after the " + shortNumber(carried_ms, 3) + " ms that they take, carried by the drives until then")
+                .c_str()
+          : "");
   std::fflush(stdout);
 }
 

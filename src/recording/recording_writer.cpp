@@ -76,9 +76,8 @@ void RecordingWriter::write(const RecordingRow& row) {
   if (file_ < 0) throw InputError(path_ + ": the recording is closed already");
   bool sane = std::abs(row.time_s) < kLargest;
   for (std::size_t i = 0; i < static_cast<std::size_t>(axes_); ++i) {
-    for (const double value :
-         {row.reference_m[i], row.position_m[i], row.velocity_m_per_s[i], row.command_V[i], row.force_N[i],
-          row.residual_known ? row.residual_N[i] : 0.0}) {
+    for (const double value : {row.reference_m[i], row.position_m[i], row.velocity_m_per_s[i], row.command_V[i],
+                               row.force_N[i], row.residual_known ? row.residual_N[i] : 0.0}) {
       sane = sane && std::abs(value) < kLargest;  // false for nan
     }
   }

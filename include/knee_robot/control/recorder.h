@@ -26,7 +26,8 @@ class Recorder : public rt::TaskContext {
   rt::InputPort<AxisCommand> command_3{*this, "command_3", "from the Driver of axis 3"};
   rt::InputPort<AxisCommand> command_4{*this, "command_4", "from the Driver of axis 4"};
   rt::InputPort<AxesWritten> written{*this, "written", "from AxesOutput"};
-  rt::InputPort<Disturbance> disturbance{*this, "disturbance", "from the DisturbanceObserver: the residual", rt::Need::Optional};
+  rt::InputPort<Disturbance> disturbance{*this, "disturbance", "from the DisturbanceObserver: the residual",
+                                         rt::Need::Optional};
   rt::OutputPort<TrackingRow> row{*this, "row", "the row of this cycle"};
 
   rt::Operation<void(std::uint32_t)> record{

@@ -25,8 +25,8 @@ enum class BusFault : std::uint8_t {
 /// What a bus of drives says of itself beyond "lost".
 struct BusFailure {
   BusFault fault = BusFault::None;
-  std::uint8_t axis = 0;   ///< 1 to 4; 0: all
-  std::uint16_t code = 0;  ///< the drive's emergency code, 0: none
+  std::uint8_t axis = 0;    ///< 1 to 4; 0: all
+  std::uint16_t code = 0;   ///< the drive's emergency code, 0: none
   std::uint8_t silent = 0;  ///< bit i: no feedback of axis i + 1 in the last two periods or more; its counts are old
 };
 

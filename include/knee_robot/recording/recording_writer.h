@@ -18,8 +18,9 @@ struct RecordingRow {
   std::array<double, 4> velocity_m_per_s{};
   std::array<double, 4> command_V{};  ///< as written to the DAC, after clamp and quantization
   std::array<double, 4> force_N{};    ///< the force that this command asks for
-  std::array<double, 4> residual_N{};  ///< force less what the controller's model expects, low-passed (residual_estimator.h)
-  bool residual_known = false;         ///< else nan is written
+  std::array<double, 4>
+      residual_N{};             ///< force less what the controller's model expects, low-passed (residual_estimator.h)
+  bool residual_known = false;  ///< else nan is written
 };
 
 /// Streams rows into a recording file (design: section 2). Only whole lines ever reach the file, so that it is readable
