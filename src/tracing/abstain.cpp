@@ -1,4 +1,4 @@
-// What of an arm's additions is no attribution: what does not hold at positions of its own recordings that were held back.
+// What of the additions is no attribution: what does not hold at positions of its own recordings that were held back.
 
 #include <algorithm>
 
@@ -6,6 +6,8 @@
 
 namespace knee_robot::tracing {
 namespace {
+
+constexpr double kMaterial = 2.0;  ///< noise floors
 
 /// The effect that does most harm at held-back positions; none: the end.
 std::vector<FoundEffect>::iterator worstElsewhere(std::vector<FoundEffect>& effects) {
@@ -35,6 +37,20 @@ void abstainElsewhere(Search& s, std::vector<std::string>& notes) {
     s.effects.erase(worst);
     refit(s);
   }
+}
+
+int leaveOutSmallMaps(Search& s, std::vector<std::string>& rejected) {
+  const auto named = std::stable_partition(s.effects.begin(), s.effects.end(), [&](const FoundEffect& e) {
+    const Candidate& candidate = *e.hypothesis.place.candidate;
+    const bool small = (e.explained_rms_N.array() < kMaterial * s.floor.rms_N.array()).all();
+    return candidate.name() != "unnamed" || !small;
+  });
+  const int taken_out = static_cast<int>(s.effects.end() - named);
+  for (auto e = named; e != s.effects.end(); ++e)
+    rejected.push_back(placeText(e->hypothesis.place) +
+                         ": explains less than two noise floors and does not surely help at held-back positions");
+  s.effects.erase(named, s.effects.end());
+  return taken_out;
 }
 
 }  // namespace knee_robot::tracing
