@@ -7,7 +7,7 @@
 namespace knee_robot::tracing {
 namespace {
 
-constexpr double kMaterial = 2.0;  ///< noise floors
+constexpr double kMap = 2.0, kRipple = 1.0;  ///< noise floors
 
 /// The effect that does most harm at held-back positions; none: the end.
 std::vector<FoundEffect>::iterator worstElsewhere(std::vector<FoundEffect>& effects) {
@@ -39,16 +39,17 @@ void abstainElsewhere(Search& s, std::vector<std::string>& notes) {
   }
 }
 
-int leaveOutSmallMaps(Search& s, std::vector<std::string>& rejected) {
+int leaveOutSmall(Search& s, std::vector<std::string>& rejected) {
   const auto named = std::stable_partition(s.effects.begin(), s.effects.end(), [&](const FoundEffect& e) {
     const Candidate& candidate = *e.hypothesis.place.candidate;
-    const bool small = (e.explained_rms_N.array() < kMaterial * s.floor.rms_N.array()).all();
-    return candidate.name() != "unnamed" || !small;
+    const std::string name = candidate.name();
+    const double least = name == "unnamed" ? kMap : name == "screw_ripple" ? kRipple : 0.0;
+    return (e.explained_rms_N.array() >= least * s.floor.rms_N.array()).any();
   });
   const int taken_out = static_cast<int>(s.effects.end() - named);
   for (auto e = named; e != s.effects.end(); ++e)
     rejected.push_back(placeText(e->hypothesis.place) +
-                         ": explains less than two noise floors and does not surely help at held-back positions");
+                       ": is no larger than the noise floor and does not surely help at held-back positions");
   s.effects.erase(named, s.effects.end());
   return taken_out;
 }

@@ -318,7 +318,7 @@ void Tracing::predictElsewhere() {
   const bool helps = options_.start || robot_.chain || helpsElsewhere(s_, result_.baseline);
   const auto transfers = [&](const FoundEffect& e) { return helps && e.transfers; };
   if (std::all_of(s_.effects.begin(), s_.effects.end(), transfers)) return;
-  if (!helps && leaveOutSmallMaps(s_, result_.rejected) > 0 && s_.effects.empty()) {
+  if (!helps && leaveOutSmall(s_, result_.rejected) > 0 && s_.effects.empty()) {
     adoptBase(s_, result_.baseline);
     keepFit();
     return;
