@@ -4,6 +4,7 @@ import argparse
 import json
 import os
 import pathlib
+import signal
 import subprocess
 import sys
 import time
@@ -213,6 +214,8 @@ def main():
             print(f"{fault.name:44} {fault.outcome:28} {', '.join(fault.causes)}")
         return 0
     campaign = Campaign(options)
+    # Whoever ends this from outside must not leave a controller behind that holds a robot.
+    signal.signal(signal.SIGTERM, lambda *_: sys.exit(1))
     started = time.monotonic()
     campaign.execute(faults)
     results = campaign.results()
