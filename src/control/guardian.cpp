@@ -9,6 +9,7 @@ namespace knee_robot::control {
 
 void GuardianWatch::listen(const GuardianView& view) noexcept {
   const bool moved = !any_ || view.heartbeat != heartbeat_;
+  heard_ = heard_ || (any_ && moved);
   const rt::Nanoseconds elapsed = any_ ? view.now - last_step_ : 0;
   any_ = true;
   last_step_ = view.now;
@@ -86,7 +87,7 @@ void Guardian::updateHook(const rt::Cycle& /*cycle*/) {
 
 /// The hold devices engage, the drives give what carried the robot at rest.
 bool Guardian::carryLoad() noexcept {
-  if (carry_.time == 0 || link_.carries.load(std::memory_order_acquire) == 0) return false;
+  if (carry_.time == 0 || !watch_.hasHeard() || link_.carries.load(std::memory_order_acquire) == 0) return false;
   for (std::size_t i = 0; i < load_V_.size(); ++i) {
     load_V_[i] = link_.load_V[i].load(std::memory_order_relaxed);
     if (!std::isfinite(load_V_[i])) return false;

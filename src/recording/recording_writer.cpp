@@ -76,8 +76,8 @@ void RecordingWriter::write(const RecordingRow& row) {
   if (file_ < 0) throw InputError(path_ + ": the recording is closed already");
   bool sane = std::abs(row.time_s) < kLargest;
   for (std::size_t i = 0; i < static_cast<std::size_t>(axes_); ++i) {
-    for (const double value : {row.reference_m[i], row.position_m[i], row.velocity_m_per_s[i], row.command_V[i],
-                               row.force_N[i], row.residual_known ? row.residual_N[i] : 0.0}) {
+    for (const double value :
+         {row.reference_m[i], row.position_m[i], row.velocity_m_per_s[i], row.command_V[i], row.force_N[i]}) {
       sane = sane && std::abs(value) < kLargest;  // false for nan
     }
   }
@@ -94,7 +94,8 @@ void RecordingWriter::write(const RecordingRow& row) {
     appendNumber(row.velocity_m_per_s[i], 9, ',');
     appendNumber(row.command_V[i], 9, ',');
     appendNumber(row.force_N[i], 6, ',');
-    appendNumber(row.residual_known ? row.residual_N[i] : kNan, 4, ',');
+    const bool sane_residual = row.residual_known && std::abs(row.residual_N[i]) < kLargest;
+    appendNumber(sane_residual ? row.residual_N[i] : kNan, 4, ',');
   }
   appendNumber(static_cast<double>(row.home_id), 0, ',');
   appendNumber(row.test_pulse, 0, '\n');

@@ -190,6 +190,8 @@ class CarriedCards : public GuardedCards {
     hold(9.0);
     const std::array<double, hardware::kAxes> load = {load_V, -load_V, 0.5, 1.0};
     bus_.offerLoad(&load);
+    cycleCarrying();
+    hold(9.0);  // the guardian has to see it alive
     cycleCarrying(11);
   }
   Guardian carrying_{link_, *outputs_, 10 * kMs, kMs, testClock, {1, 30 * kMs}};
@@ -226,10 +228,30 @@ TEST_F(CarriedCards, GoDownAtOnceWithoutALoadThatIsANumber) {
 
 TEST_F(CarriedCards, GoDownAtOnceWhereNothingIsCarried) {
   hold(9.0);
+  cycleCarrying();
+  hold(9.0);
   bus_.offerLoad(nullptr);
   cycleCarrying(11);
   EXPECT_EQ(image_.counter.outputs.load(), 0);
   EXPECT_EQ(volts(0), 0.0);
+}
+
+TEST_F(CarriedCards, AreNeverSwitchedOnByAGuardianThatStartsAndFindsADeadControllersLoad) {
+  hold(9.0);
+  const std::array<double, hardware::kAxes> load = {2.0, 2.0, 2.0, 2.0};
+  bus_.offerLoad(&load);
+  cards_->writeOutputs(0);                 // somebody has switched it off since
+  link_.controller_pid.store(2147483646);  // no such process
+  Guardian second(link_, *outputs_, 10 * kMs, kMs, testClock, {1, 30 * kMs});
+  second.configure();
+  second.start();
+  for (int i = 0; i < 60; ++i) {
+    testTime() += kMs;
+    second.update({testTime(), testTime(), kMs});
+    ASSERT_EQ(image_.counter.outputs.load(), 0) << "cycle " << i;
+    ASSERT_EQ(volts(0), 0.0) << "cycle " << i;
+  }
+  EXPECT_EQ(second.report().trips.load(), 1u);
 }
 
 TEST_F(CarriedCards, AreDownBeforeTheyAreGivenBack) {

@@ -42,6 +42,19 @@ class RecordingWriterTest : public ::testing::Test {
   std::string folder_, path_;
 };
 
+TEST_F(RecordingWriterTest, AResidualThatIsNoNumberDoesNotEndTheRecording) {
+  RecordingWriter writer(path_, 4);
+  for (int k = 0; k < 3; ++k) {
+    RecordingRow r = row(k);
+    r.residual_known = true;
+    r.residual_N = {1.25, std::numeric_limits<double>::infinity(), std::nan(""), 1e300};
+    EXPECT_NO_THROW(writer.write(r));
+  }
+  writer.close();
+  EXPECT_NE(readFile(path_).find(",1.2500,"), std::string::npos);
+  EXPECT_EQ(loadRecording(path_).rows(), 3);
+}
+
 TEST_F(RecordingWriterTest, WhatItWritesIsReadBackUnchanged) {
   RecordingWriter writer(path_, 4);
   const int rows = 5000;  // several buffers full

@@ -44,6 +44,8 @@ class GuardianWatch {
   GuardianCause cause() const noexcept { return cause_; }
   /// When the heartbeat was last seen to move.
   rt::Nanoseconds lastHeartbeat() const noexcept { return last_heartbeat_; }
+  /// This watch has seen a controller at work: the heartbeat has moved since it began to look.
+  bool hasHeard() const noexcept { return heard_; }
 
  private:
   void listen(const GuardianView& view) noexcept;
@@ -52,6 +54,7 @@ class GuardianWatch {
   rt::Nanoseconds period_;
   bool tripped_;
   bool any_ = false;
+  bool heard_ = false;
   std::uint64_t heartbeat_ = 0;
   rt::Nanoseconds last_step_ = 0;
   rt::Nanoseconds last_heartbeat_ = 0;
@@ -73,7 +76,8 @@ struct GuardianReport {
 };
 
 /// What the drives do between a trip and 0 V: they give what carried the robot at rest (GuardianLink::load_V), until the hold devices do.
-/// Without it a platform falls by 6 mm while brakes of 50 ms engage.
+/// Without it a platform falls by 6 mm while brakes of 50 ms engage. Only what is on may stay on: a guardian that has not itself seen the controller
+/// at work goes down at once, for what the link says may be a dead controller's, of drives that are off since.
 struct GuardianCarry {
   std::uint8_t outputs = 0;  ///< digital outputs meanwhile: drives on, hold devices ordered to engage
   rt::Nanoseconds time = 0;  ///< what the slowest hold device takes; 0: down at once

@@ -20,7 +20,7 @@ struct RecordingRow {
   std::array<double, 4> force_N{};    ///< the force that this command asks for
   std::array<double, 4>
       residual_N{};             ///< force less what the controller's model expects, low-passed (residual_estimator.h)
-  bool residual_known = false;  ///< else nan is written
+  bool residual_known = false;  ///< else nan is written, as for a residual that is no number: it never ends a recording
 };
 
 /// Streams rows into a recording file (design: section 2). Only whole lines ever reach the file, so that it is readable
