@@ -8,7 +8,7 @@ import time
 
 import pandas as pd
 
-from fleet import changes, nightly, page
+from fleet import changes, faults, nightly, page
 from fleet.catalogue import CatalogueError, read_catalogue
 from fleet.engine import Engine, NoWorkers, clock
 from fleet.programs import default_programs
@@ -48,7 +48,7 @@ def judge(store: Store, a: argparse.Namespace) -> pd.DataFrame:
     """Changes of what is in the store; writes changes.parquet, population.parquet and fleet.html."""
     quantities, sessions = store.table("quantities"), store.table("sessions")
     options = changes.Options(a.false_discovery_rate, a.horizon)
-    found = changes.find_changes(quantities, options)
+    found = changes.find_changes(quantities, options, store.faults())
     unlike = changes.population(quantities)
     found.to_parquet(store.folder / "changes.parquet", index=False)
     unlike.to_parquet(store.folder / "population.parquet", index=False)
@@ -64,6 +64,9 @@ def tell(found: pd.DataFrame, summary: nightly.Summary | None, folder: pathlib.P
             print(f"  {robot} {session}: {sentence}")
     print(f"{found['robot'].nunique()} robots changed")
     for _, row in found[found["leading"]].iterrows() if len(found) else ():
+        if row["quantity"] == "fault":
+            print(f"  {row['robot']}: {row['cause']}, on {100 * row['size']:.0f} % of its days in use since {row['since']}")
+            continue
         unit = "" if row["unit"] == "1" else f" {row['unit']}"
         scale, unit = (100.0, " %") if row["unit"] == "1" else (1.0, unit)
         print(f"  {row['robot']}: {row['cause']}, {row['form']} since {row['since']} ({row['earliest']} to {row['latest']}), "
@@ -89,6 +92,7 @@ def main(given: list[str] | None = None) -> int:
             found = judge(store, a)
         else:
             with Engine(a.workers, a.scheduler) as engine:
+                store.keep_faults(faults.faults_of((s.robot, s.events) for s in sessions if s.events))
                 night = nightly.Night(store, engine, nightly.Options(a.programs, a.trace, a.seconds, a.memory_mb * 1024**2))
                 summary = night.run(sessions)
                 found = judge(store, a)

@@ -10,7 +10,7 @@ from collections.abc import Iterator
 
 import pandas as pd
 
-from fleet import changes, machines, nightly, page, verdict
+from fleet import changes, faults, machines, nightly, page, verdict
 from fleet.catalogue import Session, read_catalogue
 from fleet.engine import Engine, Progress, Task, clock
 from fleet.programs import ROOT, default_programs
@@ -61,9 +61,11 @@ def write_catalogue(fleet: list[machines.Machine], a: argparse.Namespace) -> lis
             day = machines.day_of(m.number, week).isoformat()
             path = a.output / "recordings" / m.name / f"{m.name}_{day}.csv"
             if path.exists():
-                rows.append([m.name, day, path.relative_to(a.output), ROOT / "config" / "robots" / f"{m.robot}.yaml"])
+                log = path.parent / "events.jsonl"
+                rows.append([m.name, day, path.relative_to(a.output), ROOT / "config" / "robots" / f"{m.robot}.yaml",
+                             log.relative_to(a.output) if log.exists() else ""])
     table = a.output / "catalogue.csv"
-    pd.DataFrame(rows, columns=["robot", "day", "recording", "robot_file"]).to_csv(table, index=False)
+    pd.DataFrame(rows, columns=["robot", "day", "recording", "robot_file", "events"]).to_csv(table, index=False)
     return read_catalogue(table)
 
 
@@ -74,9 +76,10 @@ def judge(store: Store, fleet: list[machines.Machine], a: argparse.Namespace) ->
     quantities, sessions = quantities[quantities["robot"].isin(names)], sessions[sessions["robot"].isin(names)]
     options = changes.Options(a.false_discovery_rate, machines.WEEKS)
     week_of = {pd.Timestamp(machines.FIRST_DAY + datetime.timedelta(days=7 * w + 6)): w for w in range(machines.WEEKS)}
-    alarms = changes.nights(quantities, week_of, options)
+    stops = store.faults()
+    alarms = changes.nights(quantities, week_of, options, stops)
     lives = [verdict.live(m, alarms[alarms["robot"] == m.name], week_of) for m in fleet]
-    found, unlike = changes.find_changes(quantities, options), changes.population(quantities)
+    found, unlike = changes.find_changes(quantities, options, stops), changes.population(quantities)
     page.write_page(store.folder, quantities, sessions, found, unlike, options)
     alarms.to_parquet(store.folder / "alarms.parquet", index=False)
     done = sessions[sessions["state"] == "done"]
@@ -97,6 +100,7 @@ def main(given: list[str] | None = None) -> int:
             with Engine(a.workers, a.scheduler) as engine:
                 failed = simulate(engine, fleet, a)
                 sessions = write_catalogue(fleet, a)
+                store.keep_faults(faults.faults_of((s.robot, s.events) for s in sessions if s.events))
                 night = nightly.Night(store, engine, nightly.Options(a.programs, "never"))
                 summary = night.run(sessions)
                 if a.trace == "changes":

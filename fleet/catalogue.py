@@ -20,12 +20,13 @@ class CatalogueError(ValueError):
 
 @dataclasses.dataclass(frozen=True, order=True)
 class Session:
-    """One recording of one robot on one day. `kind`: robots with the same one are compared with each other (the robot file's path)."""
+    """One recording of one robot on one day. `events`: the robot's event log (a file, or a folder with its parts), empty without one."""
 
     robot: str
     day: datetime.date
     recording: str
     robot_file: str
+    events: str = ""
 
     @property
     def name(self) -> str:
@@ -34,8 +35,8 @@ class Session:
 
 def read_catalogue(path: pathlib.Path, robot_file: pathlib.Path | None = None) -> list[Session]:
     """Sessions by robot and day. A folder has one folder a robot, with recordings whose names hold their day (2026-01-05, 05_01_2026,
-    20260105) and, without `robot_file`, a robot.yaml. A table has columns robot, day, recording and, without `robot_file`, robot_file; its
-    paths are relative to it. CatalogueError."""
+    20260105) and, without `robot_file`, a robot.yaml; with the controller's event log where there is one (`events/`). A table has columns robot, day,
+    recording and, without `robot_file`, robot_file, and may have events; its paths are relative to it. CatalogueError."""
     if not path.exists():
         raise CatalogueError(f"{path}: no such folder or catalogue")
     sessions = _folder(path, robot_file) if path.is_dir() else _table(path, robot_file)
@@ -70,11 +71,12 @@ def _folder(path: pathlib.Path, robot_file: pathlib.Path | None) -> list[Session
         if not robot.exists():
             raise CatalogueError(f"{robot}: no such robot file; put one into each robot's folder or give --robot FILE")
         _check_name(folder.name, str(folder))
+        events = str((folder / "events").resolve()) if (folder / "events").is_dir() else ""
         for recording in recordings:
             day = day_in(recording.stem)
             if day is None:
                 raise CatalogueError(f"{recording}: its name holds no day; call it like robot_2026-01-05.csv, or give a catalogue table")
-            sessions.append(Session(folder.name, day, str(recording.resolve()), str(robot.resolve())))
+            sessions.append(Session(folder.name, day, str(recording.resolve()), str(robot.resolve()), events))
     return sessions
 
 
@@ -98,8 +100,9 @@ def _table(path: pathlib.Path, robot_file: pathlib.Path | None) -> list[Session]
         robot = robot_file or path.parent / str(row["robot_file"])
         if not robot.exists():
             raise CatalogueError(f"{where}: robot file {robot} does not exist")
+        events = str((path.parent / str(row["events"])).resolve()) if row.get("events") else ""
         # A recording that is not there (yet) costs itself only, when its turn comes.
-        sessions.append(Session(str(row["robot"]), day, str((path.parent / str(row["recording"])).resolve()), str(robot.resolve())))
+        sessions.append(Session(str(row["robot"]), day, str((path.parent / str(row["recording"])).resolve()), str(robot.resolve()), events))
     return sessions
 
 

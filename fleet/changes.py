@@ -15,7 +15,7 @@ import numpy.typing as npt
 import pandas as pd
 from statsmodels.stats.multitest import multipletests
 
-from fleet import scan
+from fleet import faults, scan
 
 Array = npt.NDArray[np.float64]
 WATCHED = ("friction", "gain", "ripple", "residual", "roughness", "delay", "payload")
@@ -24,6 +24,7 @@ CAUSES = {"friction": "friction", "gain": "force gain", "ripple": "ripple", "res
           "roughness": "play or roughness", "delay": "delay"}
 COMPANY = 5  # robots of a kind from which on the fleet's course is told
 NEIGHBOUR_DAYS = 10
+CHANGED = 1e-3  # p-value below which a series' days do not tell what an unchanged one does
 LOGARITHMS = ("residual", "roughness")  # judged as ratios; whatever changes, changes them, too
 FLOOR = {"friction": 0.005, "gain": 0.003, "ripple": 0.05, "residual": 0.02, "roughness": 0.02, "delay": 2e-4, "payload": 0.05}  # scatter is at least so much
 
@@ -115,6 +116,16 @@ def correlation_of(values: list[Array], group: list[Series]) -> float:
     return float(np.clip(0.2 * np.round(np.median(found) / 0.2), 0.0, 0.8))
 
 
+@dataclasses.dataclass(frozen=True)
+class Prepared:
+    """One series ready to be judged: less the fleet's course, with its scatter and that of its group."""
+
+    series: Series
+    own: Array
+    sigma: float
+    fleet_sigma: float
+
+
 @dataclasses.dataclass
 class Judged:
     """One series with its p-value and scatter."""
@@ -127,10 +138,8 @@ class Judged:
     excursion: bool
 
 
-def judge(group: list[Series], options: Options) -> list[Judged]:
-    """p-values of all series of one quantity and leg of one kind of robot."""
-    values = own_course(group)
-    correlation = correlation_of(values, group)
+def prepare(group: list[Series], correlation: float, values: list[Array]) -> list[Prepared]:
+    """The series of one quantity and leg of one kind of robot; those with too few days are left out."""
     spreads = [scan.scatter(v[None, -scan.MEMORY:], s.movements[-scan.MEMORY:]) for v, s in zip(values, group)]
     own_sigma = np.array([spread[0][0] for spread in spreads]) / np.sqrt(1.0 - correlation)
     degrees = np.array([spread[1][0] for spread in spreads])
@@ -140,21 +149,45 @@ def judge(group: list[Series], options: Options) -> list[Judged]:
     floor = FLOOR[group[0].quantity]
     fleet = max(float(np.median(known)), floor)
     sigma = np.maximum(scan.moderated(own_sigma, degrees, fleet), floor)
+    return [Prepared(s, v, float(width), fleet) for s, v, width, finite in zip(group, values, sigma, np.isfinite(own_sigma))
+            if finite and len(v) >= scan.BEFORE + scan.AFTER]
+
+
+def judge(quantity: list[list[Series]], options: Options) -> list[Judged]:
+    """p-values of all series of one quantity; `quantity`: those of each leg and kind of robot. The null's days are the fleet's own, all legs and
+    kinds together."""
+    values = [own_course(group) for group in quantity]
+    correlation = max((correlation_of(v, group) for v, group in zip(values, quantity)), default=0.0)
+    ready = [p for group, v in zip(quantity, values) for p in prepare(group, correlation, v)]
+    days = _quiet_days(ready, correlation, options)
+    nulls: dict[int, scan.Null] = {}
     out = []
-    for s, v, width, finite in zip(group, values, sigma, np.isfinite(own_sigma)):
-        if not finite or len(v) < scan.BEFORE + scan.AFTER:
-            continue
-        statistic = float(scan.statistics(v[None, :] / width, s.movements)[0])
-        null = scan.null(options.horizon, correlation, min(2, len(set(s.movements))))
-        p = null.p(statistic)
-        if s.quantity in LOGARITHMS:  # wilder from day to day than the null: they must have stood a night before, too
-            before = scan.statistics(v[None, :-1] / width, s.movements[:-1])[0] if len(v) > scan.BEFORE + scan.AFTER else 0.0
-            p = max(p, null.p(float(before)))
-        away = _excursion(v, s)
-        p_day = scan.excursion_p(away, float(width), options.horizon) if s.quantity in EXCURSIONS else 1.0
-        both = 2.0 if s.quantity in EXCURSIONS else 1.0
-        out.append(Judged(s, v, float(width), min(1.0, both * min(p, p_day)), statistic if p <= p_day else abs(away) / float(width), p_day < p))
+    for p in ready:
+        movements = min(2, len(set(p.series.movements)))
+        if movements not in nulls:
+            nulls[movements] = scan.null(options.horizon, correlation, movements, days)
+        out.append(_judged(p, nulls[movements], options))
     return out
+
+
+def _quiet_days(ready: list[Prepared], correlation: float, options: Options) -> list[Array]:
+    """Days of the fleet's series that have hardly changed, in units of the fleet's scatter."""
+    first = scan.wild_null(options.horizon, correlation)
+    statistic = [float(scan.statistics(p.own[None, :] / p.sigma, p.series.movements)[0]) for p in ready]
+    return [scan.unexplained(p.own / p.fleet_sigma, p.series.movements) for p, value in zip(ready, statistic) if first.p(value) > CHANGED]
+
+
+def _judged(ready: Prepared, null: scan.Null, options: Options) -> Judged:
+    s, v, width = ready.series, ready.own, ready.sigma
+    statistic = float(scan.statistics(v[None, :] / width, s.movements)[0])
+    p = null.p(statistic)
+    if s.quantity in LOGARITHMS:  # whatever goes on for a day is in them: they must have stood a night before, too
+        before = scan.statistics(v[None, :-1] / width, s.movements[:-1])[0] if len(v) > scan.BEFORE + scan.AFTER else 0.0
+        p = max(p, null.p(float(before)))
+    away = _excursion(v, s)
+    p_day = scan.excursion_p(away, width, options.horizon) if s.quantity in EXCURSIONS else 1.0
+    both = 2.0 if s.quantity in EXCURSIONS else 1.0
+    return Judged(s, v, width, min(1.0, both * min(p, p_day)), statistic if p <= p_day else abs(away) / width, p_day < p)
 
 
 def _excursion(values: Array, s: Series) -> float:
@@ -164,14 +197,20 @@ def _excursion(values: Array, s: Series) -> float:
     return float(values[-1] - np.median(earlier)) if len(earlier) >= 3 else 0.0
 
 
-def find_changes(quantities: pd.DataFrame, options: Options = Options()) -> pd.DataFrame:
+def find_changes(quantities: pd.DataFrame, options: Options = Options(), stops: pd.DataFrame | None = None) -> pd.DataFrame:
     """Changes that stand tonight: one row a robot and quantity that passes, with day, interval, size and adjusted p; the first row of a robot
-    names the likeliest cause. `quantities` as in the store."""
-    judged = [j for group in _groups(series_of(quantities)) for j in judge(group, options)]
+    names the likeliest cause. `quantities` as in the store; `stops`: faults as of faults.faults_of."""
+    by_quantity: dict[str, list[list[Series]]] = {}
+    for group in _groups(series_of(quantities)):
+        by_quantity.setdefault(group[0].quantity, []).append(group)
+    judged: list[Judged | faults.Stopped] = [j for groups in by_quantity.values() for j in judge(groups, options)]
+    stopped, watched = faults.judge_faults(stops, quantities, options.horizon) if stops is not None else ([], 0)
+    judged += stopped
     if not judged:
         return pd.DataFrame(columns=COLUMNS)
-    passed, adjusted = multipletests([j.p for j in judged], alpha=options.false_discovery_rate, method="fdr_by")[:2]
-    rows = [_row(j, q) for j, ok, q in zip(judged, passed, adjusted) if ok]
+    chances = [j.p for j in judged] + [1.0] * (watched - len(stopped))
+    passed, adjusted = multipletests(chances, alpha=options.false_discovery_rate, method="fdr_by")[:2]
+    rows = [_stopped_row(j, q) if isinstance(j, faults.Stopped) else _row(j, q) for j, ok, q in zip(judged, passed, adjusted) if ok]
     table = pd.DataFrame(rows, columns=COLUMNS)
     # Whatever changes leaves a residual, too: what only says that the model lacks something must be twice as far from chance.
     telling = table["statistic"] * np.where(table["quantity"].isin(LOGARITHMS), 0.5, 1.0)
@@ -199,6 +238,13 @@ def _row(j: Judged, adjusted: float) -> list[object]:
     return [s.robot, s.quantity, s.leg, cause, change.kind, *iso, size, low, high, unit, j.statistic, adjusted, len(s.days)]
 
 
+def _stopped_row(j: faults.Stopped, adjusted: float) -> list[object]:
+    """A fault's row: its size is the share of the days in use since then on which it came."""
+    day = j.since.date().isoformat()
+    cause = f"fault {j.fault}" + (f", axis {j.leg}" if j.leg else "")
+    return [j.robot, "fault", j.leg, cause, "days", day, day, day, j.days / j.used, j.low, j.high, "1", j.statistic, adjusted, j.used]
+
+
 def _groups(series: Iterable[Series]) -> list[list[Series]]:
     """Series that are compared with each other: one quantity and leg of one kind of robot."""
     groups: dict[tuple[str, str, int], list[Series]] = {}
@@ -207,12 +253,13 @@ def _groups(series: Iterable[Series]) -> list[list[Series]]:
     return [groups[key] for key in sorted(groups)]
 
 
-def nights(quantities: pd.DataFrame, dates: Iterable[pd.Timestamp], options: Options = Options()) -> pd.DataFrame:
+def nights(quantities: pd.DataFrame, dates: Iterable[pd.Timestamp], options: Options = Options(), stops: pd.DataFrame | None = None) -> pd.DataFrame:
     """What would have been found night by night: `find_changes` of what was known then, with its `night`."""
     found = []
     days = pd.to_datetime(quantities["day"])
     for night in dates:
-        table = find_changes(quantities[days <= night], options)
+        known = stops[pd.to_datetime(stops["day"]) <= night] if stops is not None else None
+        table = find_changes(quantities[days <= night], options, known)
         table["night"] = night
         found.append(table)
     return pd.concat(found, ignore_index=True) if found else pd.DataFrame(columns=[*COLUMNS, "leading", "night"])

@@ -9,9 +9,11 @@ from __future__ import annotations
 
 import dataclasses
 import datetime
+import json
 import math
 import os
 import pathlib
+import re
 
 import numpy as np
 import numpy.typing as npt
@@ -142,6 +144,7 @@ def write_session(m: Machine, week: int, programs: str, folder: str) -> str:
                        _simulation_file(m, week, reference, scratch), "--hardware", ROOT / "config/hardware/simulated.yaml", "--deployment",
                        _deployment_file(m, scratch), "-o", raw], LIMITS)
         if not outcome.done:
+            _note_fault(path.parent / "events.jsonl", m, week, outcome.output)
             raise RuntimeError(outcome.sentence)
         part = scratch / "part.csv"
         _as_recorded(raw, m, week).to_csv(part, index=False, float_format="%.7g")
@@ -166,6 +169,15 @@ def _as_recorded(raw: pathlib.Path, m: Machine, week: int) -> pd.DataFrame:
         force = rows[f"force_{i}_N"].to_numpy()[: 10 * count].reshape(count, 10).mean(axis=1)
         out[f"force_{i}_N"] = gain * force + NOISE_N * draw.normal(size=count)
     return pd.DataFrame(out)
+
+
+def _note_fault(log: pathlib.Path, m: Machine, week: int, output: str) -> None:
+    """A line in the robot's event log, as the controller's own: the fault in which the session ended."""
+    named = re.findall(r"^fault: (\w+): (.*)$", output, re.M)
+    noon = datetime.datetime.combine(day_of(m.number, week), datetime.time(12), datetime.timezone.utc).timestamp()
+    with open(log, "a", encoding="utf-8") as lines:
+        for name, sentence in named[-1:]:
+            lines.write(json.dumps({"number": week, "time": noon, "kind": "fault", "who": "", "what": name, "answer": sentence}) + "\n")
 
 
 def _simulation_file(m: Machine, week: int, reference: pathlib.Path, folder: pathlib.Path) -> pathlib.Path:

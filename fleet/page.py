@@ -31,7 +31,7 @@ def page_data(folder: pathlib.Path, quantities: pd.DataFrame, sessions: pd.DataF
     ratio = _over_promise(quantities)
     by_robot = dict(tuple(sessions.groupby("robot")))
     leading = found[found["leading"]].set_index("robot")["since"].to_dict() if len(found) else {}
-    robots = [_robot(folder, name, by_robot[name], at, ratio, sigma, own, leading.get(name)) for name in names]
+    robots = [_robot(folder, name, by_robot.get(name, sessions.iloc[:0]), at, ratio, sigma, own, leading.get(name)) for name in names]
     failed = sessions[sessions["state"] == "failed"]
     return {"days": days, "robots": robots, "sessions": int(len(sessions)), "rate": options.false_discovery_rate, "horizon": options.horizon,
             "watched": len(sigma), "changes": [_change(row) for row in found.to_dict("records")], "unlike": _unlike(unlike),

@@ -19,6 +19,7 @@ from fleet.store import Store
 
 TINY = 2000
 SECONDS_A_YEAR = 365
+ROBOTS = 6
 
 
 def leave_a_mark(folder: str, name: str) -> str:
@@ -67,18 +68,19 @@ def tiny(workers: int, kill_every_s: float | None = None) -> tuple[Measured, int
 
 
 def sessions_of(count: int, programs: pathlib.Path, folder: pathlib.Path) -> list[Session]:
-    """Simulated sessions of one robot, for the measurement."""
+    """Simulated sessions of several robots, for the measurement: a robot's first day goes before its others, so that one robot would make workers
+    wait for each other."""
     machines.plan_references(programs, folder)
-    steady = machines.machine(9000, drift_free=True)
     out = []
-    for week in range(count):
+    for k in range(count):
+        steady, week = machines.machine(9000 + k % ROBOTS, drift_free=True), k // ROBOTS
         path = machines.write_session(steady, week, str(programs), str(folder))
         out.append(Session(steady.name, machines.day_of(steady.number, week), path, str(ROOT / "config" / "robots" / f"{steady.robot}.yaml")))
     return out
 
 
 def follow_all(workers: int, sessions: list[Session], programs: pathlib.Path, trace: str) -> tuple[Measured, Store, tempfile.TemporaryDirectory[str]]:
-    """A night's run over new sessions; the first day's model counts as one more task."""
+    """A night's run over new sessions; every first day's model counts as one more task."""
     folder = tempfile.TemporaryDirectory()
     store = Store(pathlib.Path(folder.name) / "store")
     store.lead()
@@ -87,7 +89,7 @@ def follow_all(workers: int, sessions: list[Session], programs: pathlib.Path, tr
         summary = nightly.Night(store, engine, nightly.Options(programs, trace)).run(sessions)
     if summary.failures:
         raise RuntimeError(" ".join(summary.failures[0]))
-    return Measured(workers, summary.done + 1, summary.seconds, summary.in_tasks_s), store, folder
+    return Measured(workers, summary.done + len({s.robot for s in sessions}), summary.seconds, summary.in_tasks_s), store, folder
 
 
 def bytes_in(folder: pathlib.Path) -> int:
@@ -112,7 +114,7 @@ def model(robots: int, per_session_s: float, trace_s: float, recording: int, row
 def main(given: list[str] | None = None) -> int:
     """Prints the tables of docs/fleet.md."""
     p = argparse.ArgumentParser(prog="fleet_scale", description=__doc__)
-    p.add_argument("--sessions", type=int, default=16, help="simulated sessions for the measurement (16)")
+    p.add_argument("--sessions", type=int, default=48, help=f"simulated sessions of {ROBOTS} robots for the measurement (48)")
     p.add_argument("--robots", type=int, default=1000)
     p.add_argument("--without-trace", action="store_true", help="do not measure traces")
     p.add_argument("--programs", type=pathlib.Path, default=default_programs())
@@ -131,14 +133,14 @@ def main(given: list[str] | None = None) -> int:
         row_bytes = report = 0.0
         per_session = trace_s = 0.0
         for workers, trace in ((1, "never"), (2, "never")) + (() if a.without_trace else ((2, "every"),)):
-            some = sessions if trace == "never" else sessions[:4]
+            some = sessions if trace == "never" else sessions[:2 * ROBOTS]
             m, store, folder = follow_all(workers, some, a.programs, trace)
             table = store.table("sessions")
             if trace == "never":
                 per_session, row_bytes = float(table["seconds"].mean()), bytes_in(store.folder / "quantities") / len(some)
             else:
                 trace_s = float(table["seconds"].mean()) - per_session
-                report = float((bytes_in(store.folder / "robots") - bytes_in(store.robot(some[0].robot) / "baseline")) / len(some))
+                report = float((bytes_in(store.folder / "robots") - sum(bytes_in(store.robot(r) / "baseline") for r in {s.robot for s in some})) / len(some))
             print(f"| {workers} workers, trace {trace} | {m.tasks} | {m.seconds:.1f} | {len(some) / m.seconds:.2f} | {m.in_tasks_s / m.tasks:.2f} | "
                   f"{100 * m.overhead_s * m.tasks / max(m.in_tasks_s, 1e-9):.1f} |", flush=True)
             store.release()

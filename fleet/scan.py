@@ -3,7 +3,7 @@
 A series is one quantity of one robot, divided by its scatter from day to day. Every night the scan asks for the best step (another level
 since some day) and the best growth (a straight line since some day) beside a level of its own for every movement. Its p-value is the
 probability that an unchanged series reaches that value on any of the nights of the horizon, so that looking every night costs nothing more.
-The null is drawn with the same scatter estimate and the same correlation from day to day.
+The null is drawn with the same scatter estimate, the same correlation from day to day, and days as wild as the fleet's own.
 """
 from __future__ import annotations
 
@@ -23,6 +23,7 @@ WINDOW = 5  # days of one movement around a day
 DRAWS = 5000
 TAIL = 0.97  # quantile from which the null is continued by a normal tail of its own width
 NIGHTS = 40  # looked at while the null is drawn, of a longer horizon
+ENOUGH_SERIES = 20  # of one quantity, from which on the fleet's own days make its null
 
 
 class Change(NamedTuple):
@@ -155,14 +156,39 @@ def null_of(maxima: Array) -> Null:
     return Null(ordered, start, float(optimize.minimize_scalar(unlikelihood, bounds=(0.5, 4.0), method="bounded").x))
 
 
-@functools.lru_cache(maxsize=64)
-def null(horizon: int, correlation: float, movements: int = 1, seed: int = 1) -> Null:
-    """The null of a horizon of days, with the given correlation from day to day (rounded by the caller)."""
+def unexplained(units: Array, movements: tuple[int, ...]) -> Array:
+    """What the levels of the movements and the best change leave of one series, as wide as its days are: the days that a null is drawn from."""
+    units, movements = units[-MEMORY:], movements[-MEMORY:]
+    templates, kinds = _templates(movements)
+    labels = np.array(movements)
+    rest = units.copy()
+    if kinds:
+        scores = templates @ _clipped(units[None, :], movements)[0]
+        best = int(np.argmax(np.abs(scores)))
+        rest = rest - scores[best] * templates[best]
+    for m in np.unique(labels):
+        rest[labels == m] -= np.median(rest[labels == m])
+    spent = len(np.unique(labels)) + 2.0
+    return rest * np.sqrt(len(rest) / max(1.0, len(rest) - spent))
+
+
+def innovations(days: list[Array] | None, draw: np.random.Generator, shape: tuple[int, int]) -> Array:
+    """Days of unchanged series, one series a row: each row takes the days of one series of the fleet (`days`, in units of the fleet's scatter) in a
+    new order. Without enough of them, days of Student's t of five degrees of freedom: wilder than normal, since nobody knows."""
+    if days is None or len(days) < ENOUGH_SERIES:
+        return np.asarray(draw.standard_t(5, size=shape) * 0.6745 / float(stats.t.ppf(0.75, 5)))
+    whose = draw.integers(len(days), size=shape[0])
+    return np.stack([days[k][draw.integers(len(days[k]), size=shape[1])] * draw.choice([-1.0, 1.0], size=shape[1]) for k in whose])
+
+
+def null(horizon: int, correlation: float, movements: int = 1, days: list[Array] | None = None, seed: int = 1) -> Null:
+    """The null of a horizon of days, with the given correlation from day to day, and days as `innovations` says."""
     draw = np.random.default_rng([seed, horizon, int(round(100 * correlation)), movements])
+    e = innovations(days, draw, (DRAWS, horizon))
     y = np.empty((DRAWS, horizon))
-    y[:, 0] = draw.normal(size=DRAWS)
+    y[:, 0] = e[:, 0]
     for day in range(1, horizon):
-        y[:, day] = correlation * y[:, day - 1] + np.sqrt(1.0 - correlation**2) * draw.normal(size=DRAWS)
+        y[:, day] = correlation * y[:, day - 1] + np.sqrt(1.0 - correlation**2) * e[:, day]
     labels = tuple(day % movements for day in range(horizon))
     largest = np.zeros(DRAWS)
     for night in range(BEFORE + AFTER, horizon + 1, max(1, horizon // NIGHTS)):
@@ -171,6 +197,12 @@ def null(horizon: int, correlation: float, movements: int = 1, seed: int = 1) ->
         sigma = moderated(own / np.sqrt(1.0 - correlation), degrees, 1.0)
         np.maximum(largest, statistics(y[:, :night] / sigma[:, None], labels[:night]), out=largest)
     return null_of(largest)
+
+
+@functools.lru_cache(maxsize=64)
+def wild_null(horizon: int, correlation: float) -> Null:
+    """The null of a fleet that nothing is known of."""
+    return null(horizon, correlation, 2)
 
 
 def excursion_p(value: float, sigma: float, horizon: int, degrees: float = PRIOR_DEGREES) -> float:

@@ -5,6 +5,7 @@
     OUTPUT/journal/KEY.json             a session that ended, until it is in the tables
     OUTPUT/sessions/2026-01.parquet     one row a session: state, sentence, key, cost
     OUTPUT/quantities/2026-01.parquet   one row a robot, day, quantity, with its interval
+    OUTPUT/faults.parquet               one row a robot, day and fault of the event logs, read anew every night
 
 Every file appears whole or not at all (written beside, then renamed). A worker writes its session's journal entry itself: what it finished
 is kept whatever happens to the run. Entries are folded into the tables by the one process that leads the run, and only then removed.
@@ -18,6 +19,8 @@ import pathlib
 from typing import IO, Any
 
 import pandas as pd
+
+from fleet import faults
 
 SESSION_COLUMNS = ["robot", "day", "session", "recording", "kind", "key", "stamp", "state", "final", "sentence", "movement", "effects", "traced", "processor_s",
                    "seconds", "peak_bytes"]
@@ -91,6 +94,17 @@ class Store:
         except OSError:
             part.unlink(missing_ok=True)
             raise
+
+    def keep_faults(self, rows: pd.DataFrame) -> None:
+        """Replaces the table of faults."""
+        part = self.folder / ".faults.parquet.part"
+        rows.to_parquet(part, index=False)
+        os.replace(part, self.folder / "faults.parquet")
+
+    def faults(self) -> pd.DataFrame:
+        """Faults of the event logs as they were last read."""
+        path = self.folder / "faults.parquet"
+        return pd.read_parquet(path) if path.exists() else pd.DataFrame(columns=faults.COLUMNS)
 
     def table(self, what: str) -> pd.DataFrame:
         """`sessions` or `quantities`, all months."""

@@ -10,7 +10,8 @@ from fleet.machines import WEEKS, Machine, day_of
 
 DUE_FRICTION = 0.15
 WITHIN_WEEKS = 3
-RIGHT = {"wear": ("friction",), "gain": ("gain",), "play": ("roughness", "residual"), "load": ("payload",)}
+# Of play, a brake that "slips" on that axis is the place and the symptom, in the controller's own words.
+RIGHT = {"wear": ("friction",), "gain": ("gain",), "play": ("roughness", "residual", "fault"), "load": ("payload",)}
 
 
 @dataclasses.dataclass(frozen=True)

@@ -123,6 +123,14 @@ void require(const control::Answer& answer) {
   std::printf("%s\n", answer.sentence.c_str());
 }
 
+/// As above; a fault that came in between is named as the controller's event log does.
+void require(const control::ControlSystem& system, const control::Answer& answer) {
+  const control::ControlStatus status = system.status();
+  if (!answer.ok && !status.fault_name.empty())
+    std::printf("fault: %s: %s\n", status.fault_name.c_str(), status.fault_sentence.c_str());
+  require(answer);
+}
+
 void set(control::ControlSystem& system, const std::string& setting) {
   const std::size_t dot = setting.find('.'), equals = setting.find('=');
   if (dot == std::string::npos || equals == std::string::npos || equals < dot)
@@ -141,6 +149,7 @@ void appendRow(double time_s, const mechanism::Vector4& effects_N, std::string& 
 void requireHolding(control::ControlSystem& system) {
   if (system.waitFor(control::MachineState::Holding, kPatience)) return;
   const control::ControlStatus status = system.status();
+  std::printf("fault: %s: %s\n", status.fault_name.c_str(), status.fault_sentence.c_str());
   throw Refusal("the movement ended in " + std::string(control::toString(status.state)) + ": " + status.fault_sentence);
 }
 
@@ -201,22 +210,22 @@ int main(int argc, char** argv) {
       set(system, setting);
     require(system.loadReference(trajectory::readReference(file, trajectory::spaceNamed(space_name))));
     watch.begin(Watch::What::TakeOver);
-    require(system.enable());
+    require(system, system.enable());
     system.run(kSagTime);
     watch.begin(Watch::What::Nothing);
     watch.printTakeOver();
-    require(system.approach());
+    require(system, system.approach());
     requireHolding(system);
     require(system.startRecording(output));
     watch.begin(Watch::What::Play);
     recording = true;
-    require(system.play());
+    require(system, system.play());
     requireHolding(system);
     watch.printPlay();
     require(system.stopRecording());
     recording = false;
     if (!truth_file.empty()) writeFileAtomically(truth_file, truth);
-    require(system.shutdown());
+    require(system, system.shutdown());
     return kExitDone;
   });
 }
