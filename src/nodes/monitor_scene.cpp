@@ -43,7 +43,7 @@ void addGhost(Scene& scene, const mechanism::Mechanism& mechanism, const mechani
   for (int k = 0; k <= corners; ++k) {
     const double angle = 2.0 * M_PI * k / corners;
     ring.points.push_back(
-        pointOf(placed(pose, {1.07 * radius * std::cos(angle), 1.07 * radius * std::sin(angle), 0.02})));
+        pointOf(placed(pose, {(radius + 0.05) * std::cos(angle), (radius + 0.05) * std::sin(angle), 0.02})));
   }
   Marker& spokes = scene.add("reference", Marker::LINE_LIST, kGhostLine);
   spokes.scale.x = 0.008;
