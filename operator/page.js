@@ -66,6 +66,8 @@ function openTab(name) {
 function onState(content) {
   state = content;
   status.update(content, session.role);
+  const wanted = session.role === "look" ? "" : status.tabOfNextStep(content);
+  document.querySelectorAll("#tabs button").forEach((button) => button.classList.toggle("next", button.dataset.tab === wanted));
   for (const part of Object.values(parts)) if (part.update) part.update(content, session.role);
 }
 

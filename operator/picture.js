@@ -40,7 +40,11 @@ function over_time(svg, path) {
   curves.forEach((curve, k) => {
     svg.append(line(curve.map((v, i) => [112 + 126 * path.time_s[i] / end, 56 - (v - middle) / size * 74]), k === 1 ? "path second" : "path"));
   });
-  svg.append(element("text", { x: 112, y: 9 }, text(path.pose.length ? "picture.turning" : "picture.lengths", { range: number(range[1] - range[0], 0) })));
+  if (!path.pose.length) return svg.append(element("text", { x: 112, y: 9 }, text("picture.lengths", { range: number(size, 0) })));
+  // Each angle's own range, in the colour of its curve: angles that only differ turn nothing.
+  const own = curves.map((curve) => { const [low, high] = span(curve); return number(high - low, 0); });
+  svg.append(element("text", { x: 114, y: 9, class: "words" }, text("picture.theta", { range: own[0] })),
+    element("text", { x: 239, y: 9, class: "words second", "text-anchor": "end" }, text("picture.psi", { range: own[1] })));
 }
 
 // margins: [{quantity, left}] as shares of the limit

@@ -36,6 +36,13 @@ export function nextStep(content) {
   }
 }
 
+// The tab on which that step is; none while there is nothing to press.
+export function tabOfNextStep(content) {
+  const { key, order } = nextStep(content);
+  if (order === "patient") return "patient";
+  return order || key === "exercise" ? "exercise" : "";
+}
+
 export function occupancy(robot) {
   if (!robot) return "";
   if (robot.patient) return text("patient.named", { patient: robot.patient });

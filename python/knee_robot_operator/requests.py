@@ -72,7 +72,7 @@ class Requests:
         if not 1 <= asked["repetitions"] <= MOST_REPETITIONS:
             raise Refused(400, f"the exercise can be repeated 1 to {MOST_REPETITIONS} times")
         answer = await self._server.playing.start(asked["repetitions"], asked["record"])
-        return self._server.note(request, session, f"start, {asked['repetitions']} times", answer)
+        return self._server.note(request, session, "start, once" if asked["repetitions"] == 1 else f"start, {asked['repetitions']} times", answer)
 
     async def speed(self, request, session):
         percent = (await fields(request, percent=float))["percent"]
