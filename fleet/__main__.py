@@ -60,8 +60,12 @@ def tell(found: pd.DataFrame, summary: nightly.Summary | None, folder: pathlib.P
     """Prints what was done and found."""
     if summary:
         print(f"{summary.sessions} sessions: {summary.kept} were done before, {summary.done} done now, {len(summary.failures)} failed, in {clock(summary.seconds)}")
+        alike: dict[tuple[str, str], list[str]] = {}
         for robot, session, sentence in summary.failures:
-            print(f"  {robot} {session}: {sentence}")
+            alike.setdefault((robot, sentence), []).append(session)
+        for (robot, sentence), failed in alike.items():
+            which = failed[0] if len(failed) == 1 else f"{len(failed)} sessions, {min(failed)} to {max(failed)}"
+            print(f"  {robot}, {which}: {sentence}")
     print(f"{found['robot'].nunique()} robots changed")
     for _, row in found[found["leading"]].iterrows() if len(found) else ():
         if row["quantity"] == "fault":

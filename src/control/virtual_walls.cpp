@@ -3,10 +3,13 @@
 #include <algorithm>
 #include <cmath>
 
+#include "knee_robot/trajectory/pose_limits.h"
+
 namespace knee_robot::control {
 
+/// A hand that pushes a little is a large force on a leg near a singularity: a margin that is wide open does not hold here.
 VirtualWalls::VirtualWalls(const mechanism::Robot& robot)
-    : mechanism_(robot.mechanism), joints_(robot.joints), condition_max_(robot.singularity_condition_max) {
+    : mechanism_(robot.mechanism), joints_(robot.joints), condition_max_(trajectory::planningCondition(robot)) {
   for (Eigen::Index i = 0; i < mechanism::kLegs && i < robot.axes(); ++i) {
     shortest_[i] = robot.actuators[static_cast<std::size_t>(i)].position_min_m;
     longest_[i] = robot.actuators[static_cast<std::size_t>(i)].position_max_m;
@@ -16,7 +19,6 @@ VirtualWalls::VirtualWalls(const mechanism::Robot& robot)
 double VirtualWalls::freedom(const mechanism::Pose& pose) const noexcept {
   const mechanism::JointAngles angles = mechanism::jointAngles(*mechanism_, pose);
   double left = (1.0 - mechanism::conditionNumber(*mechanism_, pose) / condition_max_) / kCondition;
-  if (!(condition_max_ < 1e300)) left = 1e3;
   for (std::size_t i = 0; i < mechanism::kLegs; ++i) {
     const double base_max = i == 3 ? joints_.revolute_max : joints_.universal_max;
     left = std::min(left, (base_max - angles.base[i]) / kAngle_rad);
