@@ -83,7 +83,7 @@ def main():
     (table_1, c1), (table_2, c2), (study, c3), (errors, c4) = tables.geometry(), tables.parameters(folder), tables.harmonics(folder), tables.forces(folder)
     (legs, c5), (poses, why, c6) = tables.actuators(folder), tables.poses(folder)
     # What was played is there; tables that were left out (--movements-only) leave no line.
-    comparisons = sorted((c1 if table_2 else []) + c2 + c3 + c4 + c5 + c6, key=lambda row: ORDER.index(row[3]))
+    comparisons = sorted((c1 if table_2 else []) + c2 + c3 + c4 + tables.amplitudes(folder) + c5 + c6, key=lambda row: ORDER.index(row[3]))
     page.title("In short")
     page.say(f"{datetime.date.today().isoformat()}, {os.cpu_count()} processors. Missed: worse than the paper, or than what it asks for. Everything here is simulated: "
              "the paper's robot carried its own play, misalignment and cameras, this one those of config/simulation.")

@@ -13,6 +13,7 @@ from curves import panel
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 MOVEMENTS = ("paper_test", "hip_flexion", "knee_flexion", "knee_rotation", "ankle_flexion")
+AMPLITUDES = {"paper_test": (0.2, "m"), "hip_flexion": (0.2, "m"), "knee_flexion": (0.2, "m"), "knee_rotation": (15, "deg"), "ankle_flexion": (30, "deg")}
 CAUSES = {"all": "all causes", "noise_and_frame": "noise and frame alone", "play": "noise, frame, play in the joints",
           "lengths_at_home": "noise, frame, wrong lengths at home"}
 COORDINATES = (("x", "Xm mm", 1e3), ("z", "Zm mm", 1e3), ("theta", "theta deg", 180.0 / math.pi), ("psi", "psi deg", 180.0 / math.pi))
@@ -71,6 +72,15 @@ def poses(folder):
     worst = [max(column) for column in zip(*figures.values())]
     return (("largest error", *names), rows), (("paper_test seen with", *names), why), [
         compared("Fig. 16: camera against reference, Xm mm / Zm mm / theta deg / psi deg", POSE, worst)]
+
+
+def amplitudes(folder):
+    """Section 2.2's movements beside what fits within the limits of the robot that played them."""
+    result = []
+    for movement, (paper, unit) in AMPLITUDES.items():
+        planned = float(re.search(rf"amplitude ([\d.e-]+) {unit}", (folder / "references" / f"{movement}.plan").read_text(encoding="utf-8"))[1])
+        result.append((f"amplitude of {movement} that fits, {unit}", f"{paper:g}", f"{planned:g}", verdict(planned > 0.999 * paper)))
+    return result
 
 
 def geometry():
@@ -140,7 +150,19 @@ def forces(folder, plant="eq23"):
             comparisons.append((f"{title}, {name} geometry: worst leg, rms / rms(force) %", f"{max(percent):g}; at most {ZEIGLER_PERCENT} wanted",
                                 f"{worst:.2f}", verdict(worst <= ZEIGLER_PERCENT)))
         tables.append((title, (("", *LEGS), rows)))
-    return tables, comparisons
+    return tables, comparisons + other_frictions(folder)
+
+
+def other_frictions(folder):
+    """Table 4 for plants whose friction is not the model's: harder than the paper's, which had the same friction in both."""
+    comparisons = []
+    for plant, words in (("presliding", "friction that builds up over 10 um"), ("spherical", "friction in the spherical joints too")):
+        for name in ("final", "starting"):
+            after = json.loads((folder / "compatibility" / name / plant / "report.json").read_text(encoding="utf-8"))["after"]["validate"]
+            worst = max(after["rms_percent"])
+            comparisons.append((f"Table 4, {name} geometry, {words}: worst leg, %", f"not done; at most {ZEIGLER_PERCENT} wanted", f"{worst:.2f}",
+                                verdict(worst <= ZEIGLER_PERCENT)))
+    return comparisons
 
 
 def residual_picture(folder, geometry_name, plant="eq23"):

@@ -112,9 +112,11 @@ void TextMonitor::addLegs(std::vector<std::string>& lines) const {
 void TextMonitor::addResidual(std::vector<std::string>& lines) const {
   if (!residual_ || !residual_->known) return;
   const Residual& r = *residual_;
+  const auto shown = [](double value, double step) { return std::abs(value) < 0.5 * step ? 0.0 : value; };  // no "-0"
   lines.push_back(format("residual/N   %6.1f %6.1f %6.1f %6.1f   platform %.0f N, %.0f N, %.1f N m, %.1f N m%s",
-                         r.certain_N[0], r.certain_N[1], r.certain_N[2], r.certain_N[3], r.wrench[0], r.wrench[1],
-                         r.wrench[2], r.wrench[3], r.identified ? "" : "   (no model)"));
+                         shown(r.certain_N[0], 0.1), shown(r.certain_N[1], 0.1), shown(r.certain_N[2], 0.1),
+                         shown(r.certain_N[3], 0.1), shown(r.wrench[0], 1.0), shown(r.wrench[1], 1.0),
+                         shown(r.wrench[2], 0.1), shown(r.wrench[3], 0.1), r.identified ? "" : "   (no model)"));
   for (const std::string& sentence : r.errors)
     lines.push_back("             " + sentence);
   for (const std::string& sentence : r.warnings)
