@@ -112,7 +112,7 @@ def model(robots: int, per_session_s: float, trace_s: float, recording: int, row
 
 
 def main(given: list[str] | None = None) -> int:
-    """Prints the tables of docs/fleet.md."""
+    """Prints the tables of docs/results/fleet.md."""
     p = argparse.ArgumentParser(prog="fleet_scale", description=__doc__)
     p.add_argument("--sessions", type=int, default=48, help=f"simulated sessions of {ROBOTS} robots for the measurement (48)")
     p.add_argument("--robots", type=int, default=1000)

@@ -1,6 +1,6 @@
 // false_trips: how often the stepped controller stops a healthy robot in simulated hours of ordinary use, with friction that nobody told
 // it of; with --warnings, what the disturbance observer says of a robot that is as its model says; and with --frozen, what becomes of an
-// encoder that dies. scripts/false_trips starts it. Its figures are those of docs/faults.md.
+// encoder that dies. scripts/false_trips starts it. Its figures are those of docs/results/faults.md.
 #include <unistd.h>
 
 #include <CLI/CLI.hpp>

@@ -142,7 +142,7 @@ TEST_P(EveryEffect, ExplainsItselfBestUnlessTheBaselineTakesItUp) {
     winner = p.place().candidate->name();
   }
   // Gravity takes up all but a thousandth of a spring along this motion. Along three excitations of 30 s a spring of 771 N/m was found
-  // as 768 N/m (docs/tracing.md): there its remainder names it.
+  // as 768 N/m (docs/results/foreign_machines.md): there its remainder names it.
   const std::set<std::string> absorbed = {"asymmetric_coulomb", "force_offset", "spring"};
   if (absorbed.count(GetParam()) > 0) {
     EXPECT_LT(survives, 0.05) << "the baseline is said to take it up";

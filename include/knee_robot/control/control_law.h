@@ -40,7 +40,7 @@ std::optional<Law> lawNamed(const std::string& name);
 /// d = 0 s and e go to zero (Barbalat). What the model does not know is part of d; an error in g or in friction shifts nothing but d. An
 /// error in M or C leaves the first term with the true M and d with (M^ - M) q''_r + (C^ - C) q'_r, which is small where the movement is
 /// slow. The condition is on gains alone: (P - D L) L >= I, so L lies between the zeros of D L^2 - P L + I. Not covered by the proof, and
-/// therefore measured (docs/control_laws.md): sampling, the low-pass of the velocity, the clamp, friction that sticks.
+/// therefore measured (docs/results/control_laws.md): sampling, the low-pass of the velocity, the clamp, friction that sticks.
 /// J.-J. Slotine, W. Li: On the adaptive control of robot manipulators, 1987; R. Ortega, M. Spong: Adaptive motion control of rigid
 /// robots: a tutorial, 1989.
 ///
