@@ -39,12 +39,13 @@ void abstainElsewhere(Search& s, std::vector<std::string>& notes) {
   }
 }
 
-int leaveOutSmall(Search& s, std::vector<std::string>& rejected) {
+int leaveOutSmall(Search& s, bool helps, std::vector<std::string>& rejected) {
   const auto named = std::stable_partition(s.effects.begin(), s.effects.end(), [&](const FoundEffect& e) {
     const Candidate& candidate = *e.hypothesis.place.candidate;
     const std::string name = candidate.name();
     const double least = name == "unnamed" ? kMap : name == "screw_ripple" ? kRipple : 0.0;
-    return (e.explained_rms_N.array() >= least * s.floor.rms_N.array()).any();
+    const bool helps_there = helps && e.transfers && candidate.elsewhere(e.coefficients).size() > 0;
+    return helps_there || (e.explained_rms_N.array() >= least * s.floor.rms_N.array()).any();
   });
   const int taken_out = static_cast<int>(s.effects.end() - named);
   for (auto e = named; e != s.effects.end(); ++e)

@@ -93,9 +93,10 @@ void abstainElsewhere(Search& search, std::vector<std::string>& notes);
 /// Whether what is predicted elsewhere predicts held-back stretches of other positions surely better than the baseline, with its own
 /// laws near rest, does.
 bool helpsElsewhere(Search& search, const BaseFit& baseline);
-/// Where that is not so: takes out ripples that explain less than a noise floor on every actuator, and unnamed maps below two. Both have so many
-/// shapes that some shape always explains a little. Returns how many; the fit is not done anew.
-int leaveOutSmall(Search& search, std::vector<std::string>& rejected);
+/// Takes out ripples that explain less than a noise floor on every actuator, and unnamed maps below two, but for those that themselves surely
+/// help elsewhere where the whole does (`helps`). Both have so many shapes that some shape always explains a little. Returns how many; the fit
+/// is not done anew.
+int leaveOutSmall(Search& search, bool helps, std::vector<std::string>& rejected);
 
 /// An effect that depends on a position which always went with another one in training is seen, but not what it depends on: on
 /// another path, where the two part, it would predict anything. Such effects are not predicted elsewhere.

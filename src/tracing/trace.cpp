@@ -316,13 +316,17 @@ void Tracing::keepFit() {
 void Tracing::predictElsewhere() {
   if (s_.effects.empty()) return;
   const bool helps = options_.start || robot_.chain || helpsElsewhere(s_, result_.baseline);
+  if (!robot_.chain && leaveOutSmall(s_, helps, result_.rejected) > 0) {
+    if (helps) {
+      refit(s_);
+    } else if (s_.effects.empty()) {
+      adoptBase(s_, result_.baseline);
+    }
+    if (helps || s_.effects.empty()) keepFit();
+    if (s_.effects.empty()) return;
+  }
   const auto transfers = [&](const FoundEffect& e) { return helps && e.transfers; };
   if (std::all_of(s_.effects.begin(), s_.effects.end(), transfers)) return;
-  if (!helps && leaveOutSmall(s_, result_.rejected) > 0 && s_.effects.empty()) {
-    adoptBase(s_, result_.baseline);
-    keepFit();
-    return;
-  }
   TraceResult elsewhere = result_;
   if (helps) {
     s_.effects.erase(std::stable_partition(s_.effects.begin(), s_.effects.end(), transfers), s_.effects.end());
