@@ -147,8 +147,8 @@ struct Rig {
   simulation::RobotSimulation plant;
   std::unique_ptr<hardware::AxisBus> bus;
   simulation::SimulatedHand one;
-  control::ControlSystem system;
   std::optional<Pull> pull;
+  control::ControlSystem system;  // last: it goes on stepping the plant while it shuts down
 };
 
 void print(const char* name, const char* what, const Felt& felt, const std::string& ended) {

@@ -192,10 +192,12 @@ int main(int argc, char** argv) {
     options.lengths_at_start_m = control::AxisValues{start[0], start[1], start[2], start[3]};
     options.model = model;
     if (payload->count() > 0) options.payload_kg = payload_kg;
-    control::ControlSystem system(robot, hardware_description, deployment_file, *bus, options);
-    Watch watch(plant, system, robot);
     std::string truth = "time_s,effect_1_N,effect_2_N,effect_3_N,effect_4_N\n";
     bool recording = false;
+    std::optional<Watch> watching;
+    control::ControlSystem system(robot, hardware_description, deployment_file, *bus, options);
+    // What it steps stays behind it: it goes on stepping while it shuts down.
+    Watch& watch = watching.emplace(plant, system, robot);
     system.setPlant([&](rt::Nanoseconds time) {
       while (plant.time() + 0.5 * kPlantStep < 1e-9 * static_cast<double>(time)) {
         const double began = plant.time();

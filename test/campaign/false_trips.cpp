@@ -142,7 +142,6 @@ class Rig {
   simulation::RobotImage image;
   simulation::RobotSimulation plant;
   std::unique_ptr<hardware::AxisBus> bus;
-  std::unique_ptr<ControlSystem> system;
   mechanism::Pose home;
   double lowest = 10.0;
   std::map<std::string, int> warnings;
@@ -160,6 +159,11 @@ class Rig {
   }
   int cycles_ = 0;
   std::set<std::string> said_;
+
+ public:
+  std::unique_ptr<ControlSystem> system;  // last: it goes on stepping the plant while it shuts down
+
+ private:
   static simulation::SimulationParameters parameters(const std::string& name, const Machine& machine) {
     std::string text = readFile(file("config/simulation/" + name + ".yaml"));
     if (*machine.effects != 0) text += std::string("effects:\n") + machine.effects;

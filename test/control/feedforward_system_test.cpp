@@ -104,7 +104,6 @@ struct Rig {
   simulation::RobotImage image;
   simulation::RobotSimulation plant;
   std::unique_ptr<hardware::AxisBus> bus;
-  std::unique_ptr<ControlSystem> system;
   Answer started;
   std::optional<TrackingRow> at_release;
   double lowest = 1.0;
@@ -112,6 +111,9 @@ struct Rig {
 
  private:
   bool released_ = false;
+
+ public:
+  std::unique_ptr<ControlSystem> system;  // last: it goes on stepping the plant while it shuts down
 };
 
 TEST(TakeOver, OpensTheHoldDevicesOntoAForceThatAlreadyCarriesTheRobot) {

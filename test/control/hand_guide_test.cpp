@@ -119,10 +119,10 @@ struct Rig {
   simulation::RobotSimulation plant;
   std::unique_ptr<hardware::AxisBus> bus;
   simulation::SimulatedHand hand;
-  std::unique_ptr<ControlSystem> system;
   std::function<Pose(double)> wanted;
   Pose from = Pose::Zero();
   double fastest = 0.0, farthest = 0.0, strongest = 0.0;
+  std::unique_ptr<ControlSystem> system;  // last: it goes on stepping the plant while it shuts down
 };
 
 TEST(HandGuiding, LetsAHandMoveThePlatformAndPlaysItsPathAgain) {

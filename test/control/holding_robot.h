@@ -129,9 +129,9 @@ struct HoldingRobot {
   simulation::RobotImage image;
   simulation::RobotSimulation plant;
   std::unique_ptr<hardware::AxisBus> bus;
-  std::unique_ptr<ControlSystem> system;
   double lowest = 10.0;
   std::string last;
+  std::unique_ptr<ControlSystem> system;  // last: it goes on stepping the plant while it shuts down
 };
 
 }  // namespace knee_robot::control::holding
