@@ -110,6 +110,8 @@ class Session:
 
     def start(self):
         """Brings everything up; ends when the controller answers."""
+        for heat in self.recordings.rglob("heat.yaml"):
+            heat.unlink()  # a simulated robot that starts anew is cold
         for name in ("guardian.log", "controller.log", "robot.log"):
             (self.folder / name).write_bytes(b"")
         drives = ("--hardware", self.files["hardware"], "--objects", self.files["objects"], "--bus", self.bus) if self.on_can else ()
