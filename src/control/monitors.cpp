@@ -72,14 +72,28 @@ void Monitors::updateHook(const rt::Cycle& cycle) {
   if (new_reading) {
     const double dt = any_ ? rt::toSeconds(measured_.read_at - last_read_) : 0.0;
     if (carried_) carried_s_ += dt;
-    for (std::size_t i = 0; i < hardware::kAxes; ++i)
-      raise(i, judge(i, viewOf(i, dt)));
+    judgeAxes(dt);
     raise(0, judgePatient(dt));
     raise(0, judgeForce(dt));
     last_read_ = measured_.read_at;
     any_ = true;
   }
   verdict.write(out_);
+}
+
+/// An axis that is driven blindly moves the platform, and others run away with it: the cause is the one that does not count.
+void Monitors::judgeAxes(double dt) noexcept {
+  std::array<Fault, hardware::kAxes> found{};
+  std::array<bool, hardware::kAxes> blind{};
+  bool runs = false;
+  for (std::size_t i = 0; i < hardware::kAxes; ++i) {
+    const AxisView view = viewOf(i, dt);
+    found[i] = judge(i, view);
+    blind[i] = axes_[i].frozen.seesNothing(view.reference_m, frozen_distance);
+    runs = runs || found[i] == Fault::Runaway;
+  }
+  for (std::size_t i = 0; i < hardware::kAxes; ++i)
+    raise(i, runs && blind[i] && found[i] != Fault::Runaway ? Fault::EncoderFrozen : found[i]);
 }
 
 AxisView Monitors::viewOf(std::size_t i, double dt) noexcept {

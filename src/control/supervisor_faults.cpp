@@ -69,9 +69,12 @@ void Supervisor::lookForFaults() {
   if (overrun_.exchange(false, std::memory_order_relaxed)) raise(Fault::Overrun, 0);
 }
 
-/// Before the Drivers' faults: a monitor knows more about the cause of what makes a loop fail.
+/// Before the Drivers' faults: a monitor knows more about the cause of what makes a loop fail. A dead encoder comes first: it makes other axes run.
 void Supervisor::lookAtMonitors() {
   if (unjudged_ >= stale_measurements && measured_.sequence != 0 && unreadable_ == 0) raise(Fault::MonitorsStale, 0);
+  for (std::size_t i = 0; i < hardware::kAxes; ++i) {
+    if (verdict_.fault[i] == Fault::EncoderFrozen) raise(Fault::EncoderFrozen, static_cast<int>(i) + 1);
+  }
   for (std::size_t i = 0; i < hardware::kAxes; ++i) {
     const Fault fault = verdict_.fault[i];
     raise(fault, concernsAllAxes(fault) ? 0 : static_cast<int>(i) + 1);

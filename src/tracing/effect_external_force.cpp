@@ -6,6 +6,13 @@
 namespace knee_robot::tracing {
 namespace {
 
+/// Until then friction still has what nobody recorded in its memory: a short push that begins there is none.
+constexpr double kSettled_s = 0.5, kLong_s = 2.0;
+
+bool isTold(double from_s, double duration_s) {
+  return from_s >= kSettled_s || duration_s >= kLong_s;
+}
+
 /// A push on the platform: constant force and moments (it need not go through the origin) during part of one training recording.
 class ExternalForce : public Candidate {
  public:
@@ -26,17 +33,21 @@ class ExternalForce : public Candidate {
     const double end = input.time(input.samples() - 1);
     for (const double duration : {1.0, 2.0, 4.0, 8.0}) {
       if (duration > 0.5 * end) continue;
-      for (double from = 0.0; from + duration <= end; from += std::max(0.5 * duration, end / 60.0))
-        grid.push_back({input.recording + 1.0, from, duration});
+      for (double from = 0.0; from + duration <= end; from += std::max(0.5 * duration, end / 60.0)) {
+        if (isTold(from, duration)) grid.push_back({input.recording + 1.0, from, duration});
+      }
     }
     return grid;
   }
   std::vector<std::vector<double>> near(const std::vector<double>& s, double step) const override {
     const double aside = 0.25 * step * s[2], longer = std::pow(1.4, step);
-    return {{s[0], s[1] - aside, s[2]},
-            {s[0], s[1] + aside, s[2]},
-            {s[0], s[1], s[2] * longer},
-            {s[0], s[1], s[2] / longer}};
+    std::vector<std::vector<double>> all{{s[0], s[1] - aside, s[2]},
+                                         {s[0], s[1] + aside, s[2]},
+                                         {s[0], s[1], s[2] * longer},
+                                         {s[0], s[1], s[2] / longer}};
+    all.erase(std::remove_if(all.begin(), all.end(), [](const auto& one) { return !isTold(one[1], one[2]); }),
+              all.end());
+    return all;
   }
   std::vector<Coefficient> coefficients(const EffectInput&) const override {
     return {{"force_x_N", false}, {"force_z_N", false}, {"moment_theta_N_m", false}, {"moment_psi_N_m", false}};

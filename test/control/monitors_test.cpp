@@ -220,6 +220,27 @@ TEST(Thermal, CoolsDownWithTheDrivesOff) {
   EXPECT_NEAR(monitor.heat(), 1.2 * std::exp(-1.0), 1e-3);
 }
 
+TEST(EncoderFrozen, SeesNothingAfterHalfOfTheWayWithoutACountAndNotBehindAnAxisThatFollows) {
+  for (const bool counts : {false, true}) {
+    EncoderFrozenMonitor monitor;
+    AxisView view = quiet();
+    const double from = view.reference_m;
+    double went = 0.0;
+    while (went < 0.0009) {
+      monitor.step(view, 0.002, 30.0);
+      EXPECT_FALSE(monitor.seesNothing(view.reference_m, 0.002)) << "after " << went;
+      went += 5e-5;
+      view.reference_m = from + went;
+      view.moved_m = counts ? 5e-5 : 0.0;
+    }
+    for (int i = 0; i < 4; ++i) {
+      monitor.step(view, 0.002, 30.0);
+      view.reference_m += 5e-5;
+    }
+    EXPECT_EQ(monitor.seesNothing(view.reference_m, 0.002), !counts);
+  }
+}
+
 TEST(Runaway, IsSeenWithAWrongSignAndNotWhenSomebodyPushes) {
   const auto run = [](double sign, double push_N, double seconds) {
     RunawayMonitor monitor;

@@ -33,6 +33,11 @@ class EncoderFrozenMonitor {
     asked_s_ += axis.dt;
     return axis.can_be_asked && asked_s_ < kSilence_s ? Verdict::Ask : Verdict::Dead;
   }
+  /// The encoder has stood still while its reference went half of `distance_m`: not yet enough for a verdict of its own.
+  bool seesNothing(double reference_m, double distance_m) const noexcept {
+    const double wanted = std::abs(reference_m - from_m_);
+    return known_ && wanted >= 0.5 * distance_m && highest_m_ - lowest_m_ < 0.1 * wanted;
+  }
   void reset() noexcept { known_ = false; }
 
  private:

@@ -133,6 +133,7 @@ class Monitors : public rt::TaskContext {
   };
 
   void readPorts();
+  void judgeAxes(double dt) noexcept;
   AxisView viewOf(std::size_t axis, double dt) noexcept;
   Fault judge(std::size_t axis, const AxisView& view) noexcept;
   /// The force still grows to what the axes carry: the platform sags, by a few mm at most (release_error).
