@@ -19,7 +19,7 @@ namespace knee_robot::control {
 class DisturbanceJudge {
  public:
   static constexpr double kMean_s = 3.0;
-  static constexpr double kPush_s = 0.5;
+  static constexpr double kPush_s = 0.3;
   static constexpr double kFriction_s = 10.0;  // of motion in one direction
   static constexpr double kFrictionLeast_s = 4.0;
   static constexpr double kFrictionChange = 0.2;
