@@ -96,7 +96,10 @@ def main(given: list[str] | None = None) -> int:
             found = judge(store, a)
         else:
             with Engine(a.workers, a.scheduler) as engine:
-                store.keep_faults(faults.faults_of((s.robot, s.events) for s in sessions if s.events))
+                stops, unread = faults.faults_of((s.robot, s.events) for s in sessions if s.events)
+                store.keep_faults(stops)
+                for robot, sentence in unread:
+                    print(f"  {robot}: {sentence}", file=sys.stderr)
                 night = nightly.Night(store, engine, nightly.Options(a.programs, a.trace, a.seconds, a.memory_mb * 1024**2))
                 summary = night.run(sessions)
                 found = judge(store, a)

@@ -100,7 +100,7 @@ def main(given: list[str] | None = None) -> int:
             with Engine(a.workers, a.scheduler) as engine:
                 failed = simulate(engine, fleet, a)
                 sessions = write_catalogue(fleet, a)
-                store.keep_faults(faults.faults_of((s.robot, s.events) for s in sessions if s.events))
+                store.keep_faults(faults.faults_of((s.robot, s.events) for s in sessions if s.events)[0])
                 night = nightly.Night(store, engine, nightly.Options(a.programs, "never"))
                 summary = night.run(sessions)
                 if a.trace == "changes":

@@ -100,7 +100,7 @@ def _table(path: pathlib.Path, robot_file: pathlib.Path | None) -> list[Session]
         robot = robot_file or path.parent / str(row["robot_file"])
         if not robot.exists():
             raise CatalogueError(f"{where}: robot file {robot} does not exist")
-        events = str((path.parent / str(row["events"])).resolve()) if row.get("events") else ""
+        events = str((path.parent / str(row["events"])).resolve()) if isinstance(row.get("events"), str) and row["events"] else ""
         # A recording that is not there (yet) costs itself only, when its turn comes.
         sessions.append(Session(str(row["robot"]), day, str((path.parent / str(row["recording"])).resolve()), str(robot.resolve()), events))
     return sessions

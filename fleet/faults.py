@@ -67,15 +67,15 @@ def read_events(path: str | pathlib.Path) -> list[tuple[datetime.date, str, int,
     return out
 
 
-def faults_of(logs: Iterable[tuple[str, str]]) -> pd.DataFrame:
-    """Faults of (robot, event log), one row a robot, day, fault and leg. A log that cannot be read has none."""
-    rows = []
+def faults_of(logs: Iterable[tuple[str, str]]) -> tuple[pd.DataFrame, list[tuple[str, str]]]:
+    """Faults of (robot, event log), one row a robot, day, fault and leg; and (robot, sentence) of logs that cannot be read."""
+    rows, unread = [], []
     for robot, path in sorted(set(logs)):
         try:
             rows += [[robot, day.isoformat(), fault, leg, sentence] for day, fault, leg, sentence in read_events(path)]
-        except OSError:
-            continue
-    return pd.DataFrame(rows, columns=COLUMNS).drop_duplicates(["robot", "day", "fault", "leg"], ignore_index=True)
+        except OSError as error:
+            unread.append((robot, f"{path}: the event log cannot be read ({error.strerror or error}); this robot's faults are not watched"))
+    return pd.DataFrame(rows, columns=COLUMNS).drop_duplicates(["robot", "day", "fault", "leg"], ignore_index=True), unread
 
 
 def judge_faults(faults: pd.DataFrame, used: pd.DataFrame, horizon: int) -> tuple[list[Stopped], int]:

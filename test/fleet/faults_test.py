@@ -26,7 +26,8 @@ def test_faults_of_a_log_are_read_with_day_name_and_axis(tmp_path):
     log.write_text("\n".join([line("2026-03-01"), line("2026-03-01"), line("2026-03-02", "emergency_stop", "emergency stop; release it"),
                               line("2026-03-03", "holding", "", "state")]))
     (tmp_path / "controller.jsonl.1").write_text(line("2026-02-01"))
-    table = faults.faults_of([("r1", str(tmp_path)), ("r2", str(tmp_path / "absent"))])
+    table, unread = faults.faults_of([("r1", str(tmp_path)), ("r2", str(tmp_path / "absent"))])
+    assert [robot for robot, _ in unread] == ["r2"] and "absent: the event log cannot be read" in unread[0][1]
     assert table[["robot", "day", "fault", "leg"]].to_numpy().tolist() == [
         ["r1", "2026-03-01", "hold_device_slips", 4], ["r1", "2026-03-02", "emergency_stop", 0], ["r1", "2026-02-01", "hold_device_slips", 4]]
 

@@ -49,14 +49,12 @@ class Guiding(unittest.TestCase):
         with open(self.folder / "launch.log", "w", encoding="utf-8") as log:
             self.launch = subprocess.Popen(["roslaunch", "knee_robot", "simulation.launch", "name:=A", "empty:=true", f"model:={model}", f"shm:={SHARED}",
                                             f"references:={self.folder}", f"recordings:={self.folder}"], stdout=log, stderr=subprocess.STDOUT)
+        self.addCleanup(self.end)
         self.robot = RobotClient()
 
-    def tearDown(self):
+    def end(self):
         self.launch.send_signal(signal.SIGINT)
         self.launch.wait(30)
-
-    def height_of(self, leg):
-        return self.robot.tracking().position_m[leg]
 
     def save(self, file):
         return self.robot.service("save_guided", LoadReference)(file, "")

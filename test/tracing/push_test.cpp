@@ -5,6 +5,29 @@ namespace {
 
 constexpr double kSeconds = 30.0, kFrom_s = 12.0, kDuration_s = 4.0;
 
+TEST(Push, IsNotLookedForInTheFirstHalfSecondUnlessItIsLong) {
+  const mechanism::Robot robot = simulatedRobot();
+  const std::vector<identification::Column> columns = identification::columnsOf(robot);
+  const identification::Observation observed =
+      identification::observe(robot, columns, simulatedRecording(robot, 1, kSeconds, ""), TraceOptions().observation);
+  EffectInput input;
+  input.robot = &robot;
+  input.observation = &observed;
+  int pushes = 0, early = 0;
+  for (const auto& candidate : namedCandidates(robot)) {
+    if (candidate->name() != "external_force") continue;
+    for (const std::vector<double>& shape : candidate->shapes(input, -1)) {
+      ++pushes;
+      std::vector<std::vector<double>> all = candidate->near(shape, 1.0);
+      all.push_back(shape);
+      for (const std::vector<double>& one : all)
+        early += one[1] < 0.5 && one[2] < 2.0 ? 1 : 0;
+    }
+  }
+  EXPECT_GT(pushes, 50);
+  EXPECT_EQ(early, 0) << "friction has what nobody recorded in its memory there";
+}
+
 TEST(Trace, FindsAStrongPushAndKeepsItOutOfWhatItPredictsElsewhere) {
   const mechanism::Robot robot = simulatedRobot();
   TraceOptions options;
