@@ -202,6 +202,11 @@ def robot_file(arm, folder, urdf, name):
     return f"{folder}/{name}.yaml"
 
 
+def in_any_unit(values, name):
+    """Reports name the unit where all joints share one (rms_Nm), and no unit where they do not (rms)."""
+    return next(values[key] for key in (name, name + "_N", name + "_Nm", name + "_A") if key in values)
+
+
 def play(case, programs, shop, keep):
     folder = f"{shop}/{case.name()}"
     os.makedirs(folder, exist_ok=True)
@@ -222,8 +227,8 @@ def play(case, programs, shop, keep):
     for when in ("before", "after"):
         for which in ("train", "validate"):
             side = report[when][which]
-            result[f"{when}_{which}"] = side.get("rms", side.get("rms_N"))
-    result["floor"] = report["unexplained"].get("noise_floor", report["unexplained"].get("noise_floor_N"))
+            result[f"{when}_{which}"] = in_any_unit(side, "rms")
+    result["floor"] = in_any_unit(report["unexplained"], "noise_floor")
     if not keep:
         shutil.rmtree(folder)
     return result
