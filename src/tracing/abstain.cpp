@@ -7,7 +7,11 @@
 namespace knee_robot::tracing {
 namespace {
 
-constexpr double kMap = 2.0, kRipple = 1.0;  ///< noise floors
+/// Noise floors that something must explain whose shapes are so many that one of them always explains a little.
+double leastFloors(const Candidate& candidate) {
+  if (candidate.name() == "unnamed") return 2.0;
+  return candidate.name() == "screw_ripple" || candidate.local() ? 1.0 : 0.0;
+}
 
 /// The effect that does most harm at held-back positions; none: the end.
 std::vector<FoundEffect>::iterator worstElsewhere(std::vector<FoundEffect>& effects) {
@@ -42,8 +46,7 @@ void abstainElsewhere(Search& s, std::vector<std::string>& notes) {
 int leaveOutSmall(Search& s, bool helps, std::vector<std::string>& rejected) {
   const auto named = std::stable_partition(s.effects.begin(), s.effects.end(), [&](const FoundEffect& e) {
     const Candidate& candidate = *e.hypothesis.place.candidate;
-    const std::string name = candidate.name();
-    const double least = name == "unnamed" ? kMap : name == "screw_ripple" ? kRipple : 0.0;
+    const double least = leastFloors(candidate);
     const bool helps_there = helps && e.transfers && candidate.elsewhere(e.coefficients).size() > 0;
     return helps_there || (e.explained_rms_N.array() >= least * s.floor.rms_N.array()).any();
   });

@@ -8,7 +8,8 @@ namespace {
 /// A candidate that is nothing but its name.
 class Named : public Candidate {
  public:
-  explicit Named(std::string name) : name_(std::move(name)) {}
+  explicit Named(std::string name, bool local = false) : name_(std::move(name)), local_(local) {}
+  bool local() const override { return local_; }
   std::string name() const override { return name_; }
   std::string sentence() const override { return {}; }
   std::vector<Coefficient> coefficients(const EffectInput&) const override { return {}; }
@@ -16,6 +17,7 @@ class Named : public Candidate {
 
  private:
   std::string name_;
+  bool local_;
 };
 
 /// What was found: effects that explain so many noise floors on the second of four actuators.
@@ -39,7 +41,7 @@ class SmallEffects : public testing::Test {
   }
   using Names = std::vector<std::string>;
 
-  Named ripple{"screw_ripple"}, map{"unnamed"}, stribeck{"stribeck"};
+  Named ripple{"screw_ripple"}, map{"unnamed"}, stribeck{"stribeck"}, push{"external_force", true};
   Search s;
   std::vector<std::string> rejected;
 };
@@ -51,6 +53,13 @@ TEST_F(SmallEffects, ARippleBelowTheFloorIsLeftOutBesideEffectsThatStay) {
   EXPECT_EQ(left(), Names{"stribeck"}) << "an effect with few shapes may be small";
   ASSERT_EQ(rejected.size(), 1u);
   EXPECT_EQ(rejected[0].rfind("screw_ripple on actuator 2: is no larger than the noise floor", 0), 0u) << rejected[0];
+}
+
+TEST_F(SmallEffects, APushBelowTheFloorIsNone) {
+  found(push, 0.9, false);
+  found(push, 1.2, false);
+  EXPECT_EQ(leaveOutSmall(s, true, rejected), 1);
+  EXPECT_EQ(left(), Names{"external_force"});
 }
 
 TEST_F(SmallEffects, AMapNeedsTwiceTheFloor) {
