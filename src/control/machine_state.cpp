@@ -1,7 +1,5 @@
 #include "knee_robot/control/machine_state.h"
 
-#include "knee_robot/control/supervisor.h"
-
 namespace knee_robot::control {
 namespace {
 

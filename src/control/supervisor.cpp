@@ -1,13 +1,23 @@
 #include "knee_robot/control/supervisor.h"
 
-#include <algorithm>
-#include <cmath>
-
 namespace knee_robot::control {
 namespace {
 
 bool isPowered(MachineState state) noexcept {
   return state != MachineState::Disabled && state != MachineState::Faulted;
+}
+
+RequestResult resultOf(PlayRefusal refusal) noexcept {
+  switch (refusal) {
+    case PlayRefusal::NoReference:
+      return RequestResult::NoReference;
+    case PlayRefusal::NotAtStart:
+      return RequestResult::NotAtStart;
+    case PlayRefusal::None:
+    case PlayRefusal::NotReady:
+      return RequestResult::NotReady;
+  }
+  return RequestResult::NotReady;
 }
 
 }  // namespace
@@ -16,34 +26,35 @@ Supervisor::Supervisor(const std::string& name, const mechanism::Robot& robot, c
     : rt::TaskContext(name),
       robot_(robot),
       hardware_(hardware),
-      inputs_{&command_1, &command_2, &command_3, &command_4} {}
+      drivers_{&command_1, &command_2, &command_3, &command_4},
+      inputs_(hardware_),
+      search_(robot_, inputs_, components_),
+      enabling_(hardware_),
+      homing_(robot_, hardware_),
+      guiding_(inputs_) {}
 
 bool Supervisor::startHook() {
-  const std::array<RequestAnswer, SupervisorStatus::kAnswers> answers = status_.answers;
-  const std::array<bool, hardware::kAxes> homed = status_.homed;
   const std::uint32_t play = orders_.play;  // a play number is never used twice
   const std::uint32_t transfer = orders_.transfer;
-  status_ = SupervisorStatus{};
-  status_.answers = answers;
-  status_.homed = homed;
-  if (hardware_.homing.method == HomingMethod::Assumed && !started_before_) status_.homed.fill(true);
-  if (hardware_.starts_faulted && !started_before_) {
-    status_.fault = Fault::NotReset;
-    status_.state = MachineState::Faulted;
-  }
-  started_before_ = true;
-  homing_ = home_found_ = false;
-  unjudged_ = 0;
   orders_ = SupervisorCommand{};
   orders_.play = play;
   orders_.transfer = transfer;
-  pending_ = 0;
-  unreadable_ = 0;
-  written.read(written_);
-  if (!drivesAreOff()) {
+  answers_.dropPending();
+  fault_.clear();
+  state_ = MachineState::Disabled;
+  if (hardware_.starts_faulted && !started_before_) {
+    fault_.latch({Fault::NotReset});
+    state_ = MachineState::Faulted;
+  }
+  homing_.start(!started_before_);
+  guiding_.start();
+  started_before_ = true;
+  view_.unjudged = view_.unreadable = 0;
+  written.read(view_.written);
+  if (!view_.drivesAreOff()) {
     // Started anew while AxesOutput is still bringing the machine to rest: the Drivers hold until it is done.
-    status_.state = MachineState::SafeStopping;
-    orders_.level = written_.level;
+    state_ = MachineState::SafeStopping;
+    orders_.level = view_.written.level;
   }
   return true;
 }
@@ -59,78 +70,70 @@ void Supervisor::updateHook(const rt::Cycle& cycle) {
 }
 
 void Supervisor::readPorts() {
-  const bool fresh = measurement.read(measured_) == rt::FlowStatus::NewData;
-  unreadable_ = fresh && measured_.status == hardware::IoStatus::Ok ? 0 : unreadable_ + 1;
-  set_point.read(set_point_);
+  const bool fresh = measurement.read(view_.measured) == rt::FlowStatus::NewData;
+  view_.unreadable = fresh && view_.measured.status == hardware::IoStatus::Ok ? 0 : view_.unreadable + 1;
+  set_point.read(view_.set_point);
   for (std::size_t i = 0; i < hardware::kAxes; ++i)
-    inputs_[i]->read(commands_[i]);
-  written.read(written_);
-  const bool judged = verdict.read(verdict_) == rt::FlowStatus::NewData && verdict_.sequence == measured_.sequence;
-  unjudged_ = judged ? 0 : unjudged_ + 1;
-  readGuide();
+    drivers_[i]->read(view_.commands[i]);
+  written.read(view_.written);
+  const bool judged =
+      verdict.read(view_.verdict) == rt::FlowStatus::NewData && view_.verdict.sequence == view_.measured.sequence;
+  view_.unjudged = judged ? 0 : view_.unjudged + 1;
+  view_.unguided = guidance.read(view_.guidance) == rt::FlowStatus::NewData ? 0 : view_.unguided + 1;
+  guiding_.look(view_);
 }
 
-bool Supervisor::isHomed() const noexcept {
-  return std::all_of(status_.homed.begin(), status_.homed.end(), [](bool one) { return one; });
+void Supervisor::lookForFaults() {
+  FaultSearch::Conditions conditions;
+  conditions.range_margin_m = range_margin;
+  conditions.stale_cycles = stale_measurements;
+  conditions.homed = orders_.homed;
+  conditions.disabled = state_ == MachineState::Disabled;
+  conditions.overrun = overrun_.exchange(false, std::memory_order_relaxed);
+  raise(search_.find(view_, conditions));
+  for (std::size_t i = 0; i < hardware::kAxes; ++i) {
+    if (view_.verdict.fault[i] == Fault::EncoderJump) homing_.forget(i);
+  }
 }
 
-bool Supervisor::drivesAreOff() const noexcept {
-  return written_.level == DriveLevel::Off;
+/// The first fault is latched; drives that are on are brought to rest by the safe stop first.
+void Supervisor::raise(const FaultCause& cause) noexcept {
+  if (!fault_.latch(cause)) return;
+  if (state_ == MachineState::SafeStopping) return;  // that was asked for; it now ends in Faulted
+  answers_.settle(RequestResult::Failed);
+  const bool off = view_.drivesAreOff() && orders_.level == DriveLevel::Off;
+  state_ = off ? MachineState::Faulted : MachineState::SafeStopping;
 }
 
-/// Refusals, waiting and answers: see control_system.h.
-void Supervisor::answer(std::uint32_t number, RequestResult result, int axis, double distance) noexcept {
-  status_.answers[number % SupervisorStatus::kAnswers] = {number, result, axis, distance};
-}
-
-void Supervisor::settlePending(RequestResult result) noexcept {
-  if (pending_ != 0) answer(pending_, result);
-  pending_ = 0;
+bool Supervisor::isReady() const noexcept {
+  return view_.unreadable == 0 && view_.written.status == hardware::IoStatus::Ok && components_.allRun();
 }
 
 void Supervisor::handle(const Request& asked, rt::Nanoseconds now) {
-  if (!isPossible(status_.state, asked.kind)) return answer(asked.number, RequestResult::WrongState);
+  if (!isPossible(state_, asked.kind)) return answers_.answer(asked.number, RequestResult::WrongState);
   switch (asked.kind) {
     case RequestKind::Enable:
-      homing_ = false;
+      homing_.prepare(false);
       return enable(asked, now);
     case RequestKind::Disable:
-      settlePending(RequestResult::Superseded);
-      if (written_.safe_stop == SafeStopPhase::Carrying) ++orders_.transfer;
-      if (status_.state == MachineState::Disabled) return answer(asked.number, RequestResult::Done);
-      status_.state = MachineState::SafeStopping;
-      pending_ = asked.number;
-      return;
+      return disable(asked);
     case RequestKind::Play:
-      settlePending(RequestResult::Superseded);
-      if (!isReady()) return answer(asked.number, RequestResult::NotReady);
-      ++orders_.play;
-      orders_.pause_path = false;
-      pending_ = asked.number;
-      return;
+      return play(asked);
     case RequestKind::Stop:
-      // A play request that Sync has not taken yet is stopped, too.
-      if (status_.state == MachineState::Playing || status_.state == MachineState::Paused ||
-          (status_.state == MachineState::Holding && pending_ != 0)) {
-        status_.state = MachineState::Stopping;
-      }
-      if (status_.state == MachineState::Guiding) status_.state = MachineState::Holding;
-      if (status_.state == MachineState::Homing) status_.state = MachineState::SafeStopping;
-      settlePending(RequestResult::Superseded);
-      return answer(asked.number, RequestResult::Done);
+      return stop(asked);
     case RequestKind::EmergencyStop:
-      raise(Fault::EmergencyStop, 0);
-      return answer(asked.number, RequestResult::Done);
+      raise({Fault::EmergencyStop});
+      return answers_.answer(asked.number, RequestResult::Done);
     case RequestKind::Reset:
       return reset(asked);
     case RequestKind::Pause:
     case RequestKind::Resume:
       orders_.pause_path = asked.kind == RequestKind::Pause;
-      return answer(asked.number, RequestResult::Done);
+      return answers_.answer(asked.number, RequestResult::Done);
     case RequestKind::SetSpeed:
-      if (!(asked.value >= 0.0 && asked.value <= 1.0)) return answer(asked.number, RequestResult::OutOfRange);
+      if (!(asked.value >= 0.0 && asked.value <= 1.0)) return answers_.answer(asked.number, RequestResult::OutOfRange);
       orders_.speed = asked.value;
-      return answer(asked.number, RequestResult::Done);
+      return answers_.answer(asked.number, RequestResult::Done);
     case RequestKind::Home:
     case RequestKind::ConfirmHome:
       return home(asked, now);
@@ -139,37 +142,83 @@ void Supervisor::handle(const Request& asked, rt::Nanoseconds now) {
   }
 }
 
-bool Supervisor::isReady() const noexcept {
-  const auto runs = [](const rt::TaskContext* one) { return one->state() == rt::TaskState::Running; };
-  return unreadable_ == 0 && written_.status == hardware::IoStatus::Ok &&
-         std::all_of(watched_.begin(), watched_.end(), runs);
-}
-
 void Supervisor::enable(const Request& asked, rt::Nanoseconds now) {
-  settlePending(RequestResult::Superseded);
-  const bool output_is_idle = drivesAreOff() && written_.safe_stop == SafeStopPhase::Idle;
-  if (!isReady() || !output_is_idle) return answer(asked.number, RequestResult::NotReady);
-  if (!isHomed() && !homing_) return answer(asked.number, RequestResult::NotHomed);
-  status_.state = MachineState::Enabling;
-  switch_was_released_ = false;
+  answers_.settle(RequestResult::Superseded);
+  const bool output_is_idle = view_.drivesAreOff() && view_.written.safe_stop == SafeStopPhase::Idle;
+  if (!isReady() || !output_is_idle) return answers_.answer(asked.number, RequestResult::NotReady);
+  if (!homing_.isHomed() && !homing_.isPrepared()) return answers_.answer(asked.number, RequestResult::NotHomed);
+  state_ = MachineState::Enabling;
+  guiding_.driversEnabled();
+  enabling_.begin(now);
   orders_.level = DriveLevel::Energised;
-  enabling_since_ = step_since_ = now;
-  pending_ = asked.number;
+  answers_.await(asked.number);
 }
 
-void Supervisor::reset(const Request& asked) {
-  const ResetRule rule = describe(status_.fault).reset;
-  if (rule == ResetRule::Restart) return answer(asked.number, RequestResult::NeedsRestart);
-  if (rule == ResetRule::WhenCauseIsGone && causeRemains()) return answer(asked.number, RequestResult::CauseRemains);
-  status_.fault = Fault::None;
-  status_.fault_axis = 0;
-  status_.fault_component = -1;
-  status_.state = MachineState::Disabled;
-  answer(asked.number, RequestResult::Done);
+void Supervisor::disable(const Request& asked) noexcept {
+  answers_.settle(RequestResult::Superseded);
+  if (view_.written.safe_stop == SafeStopPhase::Carrying) ++orders_.transfer;
+  if (state_ == MachineState::Disabled) return answers_.answer(asked.number, RequestResult::Done);
+  state_ = MachineState::SafeStopping;
+  answers_.await(asked.number);
+}
+
+void Supervisor::play(const Request& asked) noexcept {
+  answers_.settle(RequestResult::Superseded);
+  if (!isReady()) return answers_.answer(asked.number, RequestResult::NotReady);
+  ++orders_.play;
+  orders_.pause_path = false;
+  answers_.await(asked.number);
+}
+
+void Supervisor::stop(const Request& asked) noexcept {
+  // A play request that Sync has not taken yet is stopped, too.
+  const bool about_to_play = state_ == MachineState::Holding && answers_.isAwaiting();
+  if (state_ == MachineState::Playing || state_ == MachineState::Paused || about_to_play)
+    state_ = MachineState::Stopping;
+  if (state_ == MachineState::Guiding) state_ = MachineState::Holding;
+  if (state_ == MachineState::Homing) state_ = MachineState::SafeStopping;
+  answers_.settle(RequestResult::Superseded);
+  answers_.answer(asked.number, RequestResult::Done);
+}
+
+void Supervisor::reset(const Request& asked) noexcept {
+  const Fault latched = fault_.cause().fault;
+  const ResetRule rule = describe(latched).reset;
+  if (rule == ResetRule::Restart) return answers_.answer(asked.number, RequestResult::NeedsRestart);
+  if (rule == ResetRule::WhenCauseIsGone && search_.causeRemains(latched, view_))
+    return answers_.answer(asked.number, RequestResult::CauseRemains);
+  fault_.clear();
+  state_ = MachineState::Disabled;
+  answers_.answer(asked.number, RequestResult::Done);
+}
+
+/// Home: the procedure of the hardware file. ConfirmHome: the operator has put the robot at its home lengths.
+void Supervisor::home(const Request& asked, rt::Nanoseconds now) {
+  const bool confirms = asked.kind == RequestKind::ConfirmHome;
+  if (homing_.isPlacedByHand() != confirms) return answers_.answer(asked.number, RequestResult::NoProcedure);
+  if (!isReady()) return answers_.answer(asked.number, RequestResult::NotReady);
+  if (homing_.moves()) {
+    homing_.prepare(true);
+    return enable(asked, now);
+  }
+  const HomingSequence::Placed placed = homing_.place(view_.measured.position_m);
+  if (placed.shifts) home_setting.write(homing_.setting());
+  answers_.answer(asked.number, placed.result, placed.axis, placed.distance_m);
+}
+
+void Supervisor::guide(const Request& asked) noexcept {
+  answers_.settle(RequestResult::Superseded);
+  GuidingPermission::Conditions conditions;
+  conditions.has_guide = guidance.isConnected();
+  conditions.brakes_tested = brake_test > 0.0 && enabling_.brakes().coversAllAxes();
+  conditions.ready = isReady();
+  const RequestResult result = guiding_.begin(view_, conditions);
+  if (result == RequestResult::Done) state_ = MachineState::Guiding;
+  answers_.answer(asked.number, result);
 }
 
 void Supervisor::advance(rt::Nanoseconds now) {
-  switch (status_.state) {
+  switch (state_) {
     case MachineState::Enabling:
       return advanceEnabling(now);
     case MachineState::Holding:
@@ -180,7 +229,8 @@ void Supervisor::advance(rt::Nanoseconds now) {
     case MachineState::Homing:
       return advanceHoming(now);
     case MachineState::Guiding:
-      return advanceGuiding();
+      if (!guiding_.goesOn(view_)) state_ = MachineState::Holding;
+      return;
     case MachineState::SafeStopping:
       return advanceSafeStop();
     case MachineState::Disabled:
@@ -189,127 +239,109 @@ void Supervisor::advance(rt::Nanoseconds now) {
   }
 }
 
-/// Energised -> (drive delay) -> HeldByDrivers -> (loops closed, feedforward complete, for settle_s) -> Released -> (hold delay) -> Holding.
 void Supervisor::advanceEnabling(rt::Nanoseconds now) {
-  if (now - enabling_since_ > rt::fromSeconds(enable_limit)) return raise(Fault::EnableTimeout, 0);
-  const auto carries = [](const AxisCommand& command) { return command.active && command.loaded; };
-  const bool all_carry = std::all_of(commands_.begin(), commands_.end(), carries);
-  if (written_.level != orders_.level) step_since_ = now;
-  const double elapsed = rt::toSeconds(now - step_since_);
-  switch (written_.level) {
-    case DriveLevel::Off:
-      return;
-    case DriveLevel::Energised:
-      if (elapsed < hardware_.drive_enable_delay_s) {
-        brake_test_m_ = measured_.position_m;
-      } else if (testBrakes(now)) {
-        orders_.level = DriveLevel::HeldByDrivers;
-      }
-      return;
-    case DriveLevel::HeldByDrivers:
-      if (!all_carry) step_since_ = now;
-      if (elapsed >= settle_time) orders_.level = DriveLevel::Released;
-      return;
-    case DriveLevel::Released:
-      if (elapsed < hardware_.holdDelay()) return;
-      status_.state = homing_ ? MachineState::Homing : MachineState::Holding;
-      step_since_ = now;
-      settlePending(RequestResult::Done);
-      return;
-  }
-}
-
-/// One axis after the other, shortening first, then lengthening: the force rises for kRise, stays, and is gone. True: all hold.
-bool Supervisor::testBrakes(rt::Nanoseconds now) {
-  constexpr double kRise_s = 0.02, kStep_s = 0.05;
-  orders_.brake_test_N = AxisValues{};
-  if (brake_test <= 0.0) return true;
-  const double time = rt::toSeconds(now - step_since_) - hardware_.drive_enable_delay_s;
-  const int step = static_cast<int>(time / kStep_s);
-  const auto axis = static_cast<std::size_t>(step / 2);
-  if (axis >= hardware::kAxes) return true;
-  for (std::size_t i = 0; i < hardware::kAxes; ++i) {
-    const bool holds = std::abs(measured_.position_m[i] - brake_test_m_[i]) <= brake_slip;
-    if (holds || hardware_.axes[i].hold_device != HoldDevice::Brake) continue;
-    raise(Fault::HoldDeviceSlips, static_cast<int>(i) + 1);
-    return false;
-  }
-  if (hardware_.axes[axis].hold_device != HoldDevice::Brake) return false;
-  const double rise = std::min(1.0, (time - step * kStep_s) / kRise_s);
-  orders_.brake_test_N[axis] = (step % 2 == 0 ? -rise : rise) * brake_test;
-  return false;
+  const EnablingSequence::Settings settings{enable_limit, settle_time, brake_test, brake_slip};
+  const EnablingSequence::Step step = enabling_.step(view_, settings, now);
+  orders_.level = step.level;
+  orders_.brake_test_N = step.brake_test_N;
+  if (step.fault.fault != Fault::None) return raise(step.fault);
+  if (!step.done) return;
+  state_ = homing_.isPrepared() ? MachineState::Homing : MachineState::Holding;
+  homing_.begin(now);
+  answers_.settle(RequestResult::Done);
 }
 
 void Supervisor::advancePlaying() {
-  const bool taken = orders_.play != 0 && set_point_.run == orders_.play;
-  const bool refused = orders_.play != 0 && set_point_.refused_run == orders_.play;
+  const SetPoint& sync = view_.set_point;
+  const bool taken = orders_.play != 0 && sync.run == orders_.play;
+  const bool refused = orders_.play != 0 && sync.refused_run == orders_.play;
   if (refused) {
-    answerRefusedPlay();
-    status_.state = MachineState::Holding;
+    answers_.settle(resultOf(sync.refusal), sync.refused_axis, sync.refused_distance_m);
+    state_ = MachineState::Holding;
   }
-  if (refused || !taken || set_point_.phase == SyncPhase::Idle) return;
-  const bool stop_asked = status_.state == MachineState::Stopping;
-  switch (set_point_.phase) {
+  if (refused || !taken || sync.phase == SyncPhase::Idle) return;
+  const bool stop_asked = state_ == MachineState::Stopping;
+  switch (sync.phase) {
     case SyncPhase::Holding:
-      status_.state = MachineState::Holding;
-      return settlePending(RequestResult::Done);
+      state_ = MachineState::Holding;
+      return answers_.settle(RequestResult::Done);
     case SyncPhase::Stopping:
       // Nobody asked for it: Sync stopped by itself. Never report that as the end of the path.
-      if (!stop_asked && status_.state != MachineState::Holding) raise(Fault::OrdersStale, 0);
+      if (!stop_asked && state_ != MachineState::Holding) raise({Fault::OrdersStale});
       return;
     case SyncPhase::Playing:
     case SyncPhase::Paused:
       if (stop_asked) return;  // Sync has not heard of it yet
-      status_.state = set_point_.phase == SyncPhase::Paused ? MachineState::Paused : MachineState::Playing;
-      return settlePending(RequestResult::Done);
+      state_ = sync.phase == SyncPhase::Paused ? MachineState::Paused : MachineState::Playing;
+      return answers_.settle(RequestResult::Done);
     case SyncPhase::Idle:
       return;
   }
 }
 
-void Supervisor::answerRefusedPlay() noexcept {
-  if (pending_ == 0) return;
-  const RequestResult result = set_point_.refusal == PlayRefusal::NoReference  ? RequestResult::NoReference
-                               : set_point_.refusal == PlayRefusal::NotAtStart ? RequestResult::NotAtStart
-                                                                               : RequestResult::NotReady;
-  answer(pending_, result, set_point_.refused_axis, set_point_.refused_distance_m);
-  pending_ = 0;
+/// Then the safe stop, and only with the drives off the lengths are shifted.
+void Supervisor::advanceHoming(rt::Nanoseconds now) {
+  switch (homing_.step(view_, now)) {
+    case HomingSequence::Progress::Running:
+      return;
+    case HomingSequence::Progress::Failed:
+      return raise({Fault::HomingFailed, homing_.failedAxis()});
+    case HomingSequence::Progress::Found:
+      state_ = MachineState::SafeStopping;
+      return;
+  }
 }
 
 void Supervisor::advanceSafeStop() {
-  if (written_.safe_stop == SafeStopPhase::Carrying && written_.transfer == orders_.transfer)
-    settlePending(RequestResult::Failed);
+  const AxesWritten& output = view_.written;
+  if (output.safe_stop == SafeStopPhase::Carrying && output.transfer == orders_.transfer)
+    answers_.settle(RequestResult::Failed);
   const bool output_runs = output_ == nullptr || output_->state() == rt::TaskState::Running;
-  const bool off = drivesAreOff() && (written_.safe_stop == SafeStopPhase::Done ||
-                                      (written_.safe_stop == SafeStopPhase::Idle && orders_.safe_stop));
+  const bool off = view_.drivesAreOff() && (output.safe_stop == SafeStopPhase::Done ||
+                                            (output.safe_stop == SafeStopPhase::Idle && orders_.safe_stop));
   if (output_runs && !off) return;
-  status_.state = status_.fault == Fault::None ? MachineState::Disabled : MachineState::Faulted;
-  endHoming();
-  settlePending(status_.fault == Fault::None ? RequestResult::Done : RequestResult::Failed);
+  state_ = fault_.isLatched() ? MachineState::Faulted : MachineState::Disabled;
+  if (homing_.end(fault_.isLatched())) home_setting.write(homing_.setting());
+  answers_.settle(fault_.isLatched() ? RequestResult::Failed : RequestResult::Done);
 }
 
 void Supervisor::publish(rt::Nanoseconds now) {
-  const bool powered = isPowered(status_.state);
-  orders_.safe_stop = status_.state == MachineState::SafeStopping;
-  orders_.stop_path = status_.state == MachineState::Stopping || orders_.safe_stop;
+  publishOrders(now);
+  publishStatus(now);
+}
+
+void Supervisor::publishOrders(rt::Nanoseconds now) {
+  const bool powered = isPowered(state_);
+  orders_.safe_stop = state_ == MachineState::SafeStopping;
+  orders_.stop_path = state_ == MachineState::Stopping || orders_.safe_stop;
   if (!powered) orders_.level = DriveLevel::Off;
-  if (status_.state != MachineState::Enabling) orders_.brake_test_N = AxisValues{};
-  orders_.homed = isHomed();
-  orders_.homing = 0;
-  if (status_.state == MachineState::Homing) orders_.homing = homingBit();
-  orders_.guiding = status_.state == MachineState::Guiding;
+  if (state_ != MachineState::Enabling) orders_.brake_test_N = AxisValues{};
+  orders_.homed = homing_.isHomed();
+  orders_.homing = state_ == MachineState::Homing ? homing_.searching() : 0;
+  orders_.guiding = state_ == MachineState::Guiding;
   orders_.drivers_active = powered && orders_.level >= DriveLevel::HeldByDrivers;
-  orders_.immediate = emergencyInput() || measured_.fenced_out;
+  orders_.immediate = inputs_.emergencyStop(view_.measured) || view_.measured.fenced_out;
   ++orders_.sequence;
   orders_.time = now;
   orders.write(orders_);
-  status_.time = now;
-  status_.path_time_s = set_point_.path_time_s;
-  status_.path_duration_s = set_point_.path_duration_s;
-  status_.time_scale = set_point_.time_scale;
-  status_.speed = orders_.speed;
-  status_.safe_stops = written_.safe_stops;
-  status.write(status_);
+}
+
+void Supervisor::publishStatus(rt::Nanoseconds now) {
+  SupervisorStatus said;
+  said.time = now;
+  said.state = state_;
+  said.fault = fault_.cause().fault;
+  said.fault_axis = fault_.cause().axis;
+  said.fault_component = fault_.cause().component;
+  said.answers = answers_.all();
+  said.path_time_s = view_.set_point.path_time_s;
+  said.path_duration_s = view_.set_point.path_duration_s;
+  said.time_scale = view_.set_point.time_scale;
+  said.speed = orders_.speed;
+  said.homed = homing_.homed();
+  said.safe_stops = view_.written.safe_stops;
+  said.guide_stop = guiding_.stop();
+  status.write(said);
 }
 
 }  // namespace knee_robot::control

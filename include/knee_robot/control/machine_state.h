@@ -40,6 +40,9 @@ enum class RequestKind : std::uint8_t {
 };
 inline constexpr int kRequestKinds = 12;
 
+/// Whether a request is possible in a state: the table of the machine. EmergencyStop always is.
+bool isPossible(MachineState state, RequestKind request) noexcept;
+
 /// What somebody asks of the Supervisor.
 struct Request {
   std::uint32_t number = 0;  ///< the answer carries it

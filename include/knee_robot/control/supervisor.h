@@ -4,16 +4,22 @@
 #include <atomic>
 #include <vector>
 
+#include "knee_robot/control/component_watch.h"
+#include "knee_robot/control/enabling_sequence.h"
+#include "knee_robot/control/fault_latch.h"
+#include "knee_robot/control/fault_search.h"
+#include "knee_robot/control/guiding_permission.h"
 #include "knee_robot/control/hardware_file.h"
+#include "knee_robot/control/homing_sequence.h"
 #include "knee_robot/control/machine_state.h"
+#include "knee_robot/control/request_answers.h"
+#include "knee_robot/control/safety_inputs.h"
+#include "knee_robot/control/supervisor_view.h"
 #include "knee_robot/mechanism/robot.h"
 #include "knee_robot/rt/port.h"
 #include "knee_robot/rt/property.h"
 
 namespace knee_robot::control {
-
-/// Whether a request is possible in a state: the table of the machine. EmergencyStop always is.
-bool isPossible(MachineState state, RequestKind request) noexcept;
 
 /// Decides in which state the machine is, and tells Sync, Drivers and AxesOutput what follows from it.
 ///
@@ -24,10 +30,9 @@ bool isPossible(MachineState state, RequestKind request) noexcept;
 ///     any state with drives on --Disable--> SafeStopping --> Disabled
 ///     any state --fault--> SafeStopping --> Faulted --Reset--> Disabled
 ///
-/// Enabling: 0 V and drives enabled; after their delay the Drivers take over at the measured position while the hold devices are
-/// still engaged; when all four loops have been closed and the feedforward has been complete for settle_s, the hold devices are released.
-/// Faults: the first one is latched with its axis and component; see faults.h. Components that are watched and do not run, bus
-/// failures, the axes' ranges, overruns, the emergency stop's input are looked at here; the Drivers and AxesOutput report theirs.
+/// Here are the states and what leads from one to the next. What is asked about the machine on the way is asked of: EnablingSequence (how
+/// the drives come on), HomingSequence (where the axes are), GuidingPermission (whether a hand may guide), FaultSearch (what is wrong),
+/// FaultLatch (what was wrong first), RequestAnswers (who still waits for an answer).
 class Supervisor : public rt::TaskContext {
  public:
   Supervisor(const std::string& name, const mechanism::Robot& robot, const HardwareFile& hardware);
@@ -62,13 +67,13 @@ class Supervisor : public rt::TaskContext {
       *this, "stale_measurements", 3, "cycles", 1, 100, "unreadable encoders in a row: fault"};
 
   /// Components that must be Running. Before start().
-  void watch(const rt::TaskContext& component) { watched_.push_back(&component); }
+  void watch(const rt::TaskContext& component) { components_.add(component); }
   /// AxesOutput: watched, too, and when it does not run its stopHook has made the machine safe.
   void watchOutput(const rt::TaskContext& component) {
     output_ = &component;
     watch(component);
   }
-  const std::vector<const rt::TaskContext*>& watched() const { return watched_; }
+  const std::vector<const rt::TaskContext*>& watched() const { return components_.all(); }
   /// From an activity's thread: too many overruns in a row.
   void reportOverrun() noexcept { overrun_.store(true, std::memory_order_relaxed); }
 
@@ -79,71 +84,44 @@ class Supervisor : public rt::TaskContext {
  private:
   void readPorts();
   void lookForFaults();
-  void lookAtComponents();
-  void lookAtMeasurement();
-  void raise(Fault fault, int axis, int component = -1) noexcept;
+  void raise(const FaultCause& cause) noexcept;
   void handle(const Request& request, rt::Nanoseconds now);
   void enable(const Request& request, rt::Nanoseconds now);
-  void reset(const Request& request);
+  void disable(const Request& request) noexcept;
+  void play(const Request& request) noexcept;
+  void stop(const Request& request) noexcept;
+  void reset(const Request& request) noexcept;
   void home(const Request& request, rt::Nanoseconds now);
-  void guide(const Request& request);
-  void readGuide() noexcept;
-  void advanceGuiding() noexcept;
-  bool brakesWereTested() const noexcept;
-  void answer(std::uint32_t number, RequestResult result, int axis = 0, double distance = 0.0) noexcept;
-  void settlePending(RequestResult result) noexcept;
+  void guide(const Request& request) noexcept;
   void advance(rt::Nanoseconds now);
   void advanceEnabling(rt::Nanoseconds now);
-  bool testBrakes(rt::Nanoseconds now);
   void advancePlaying();
-  void answerRefusedPlay() noexcept;
-  void advanceSafeStop();
   void advanceHoming(rt::Nanoseconds now);
-  bool isQuietForHoming(rt::Nanoseconds now) noexcept;
-  void endHoming() noexcept;
-  std::uint8_t homingBit() const noexcept;
-  void setHome(const AxisValues& lengths, const AxisValues& measured) noexcept;
-  void lookAtInputs();
-  void lookAtMonitors();
+  void advanceSafeStop();
   bool isReady() const noexcept;
-  bool causeRemains() const noexcept;
-  bool drivesAreOff() const noexcept;
-  bool isHomed() const noexcept;
-  bool emergencyInput() const noexcept;
-  bool inputIsLow(const std::optional<int>& bit) const noexcept;
   void publish(rt::Nanoseconds now);
+  void publishOrders(rt::Nanoseconds now);
+  void publishStatus(rt::Nanoseconds now);
 
   const mechanism::Robot robot_;
   const HardwareFile hardware_;
-  std::vector<const rt::TaskContext*> watched_;
+  const std::array<rt::InputPort<AxisCommand>*, hardware::kAxes> drivers_;
   const rt::TaskContext* output_ = nullptr;
   std::atomic<bool> overrun_{false};
-  const std::array<rt::InputPort<AxisCommand>*, hardware::kAxes> inputs_;
 
-  AxesMeasurement measured_;
-  int unreadable_ = 0;
-  SetPoint set_point_;
-  std::array<AxisCommand, hardware::kAxes> commands_{};
-  AxesWritten written_;
-  MonitorVerdict verdict_;
-  int unjudged_ = 0;  // cycles without a verdict
-  Guidance guide_;
-  int unguided_ = 0;  // cycles without a word from HandGuide
-  bool switch_held_ = false, switch_was_released_ = false;
+  SupervisorView view_;
+  SafetyInputs inputs_;
+  ComponentWatch components_;
+  FaultSearch search_;
+  FaultLatch fault_;
+  EnablingSequence enabling_;
+  HomingSequence homing_;
+  GuidingPermission guiding_;
+  RequestAnswers answers_;
+
   bool started_before_ = false;
-  bool homing_ = false;             // this enabling leads to Homing
-  std::size_t homing_step_ = 0;     // place in the order of axes
-  bool homing_axis_begun_ = false;  // its Driver has been asked
-  bool home_found_ = false;         // the safe stop that runs is homing's end
-  AxisValues quiet_m_{};            // where the axes rest before the next one begins
-  AxisValues home_m_{};             // where home was found
-  HomeSetting setting_;
-  SupervisorStatus status_;
+  MachineState state_ = MachineState::Disabled;
   SupervisorCommand orders_;
-  std::uint32_t pending_ = 0;  // request that waits for its answer, 0: none
-  rt::Nanoseconds enabling_since_ = 0;
-  rt::Nanoseconds step_since_ = 0;  // of the present step of enabling
-  AxisValues brake_test_m_{};       // where the axes stood before the brakes are tested
 };
 
 }  // namespace knee_robot::control

@@ -1,0 +1,27 @@
+#pragma once
+
+#include "knee_robot/control/faults.h"
+
+namespace knee_robot::control {
+
+/// A fault and where it is.
+struct FaultCause {
+  Fault fault = Fault::None;
+  int axis = 0;        ///< 1 to 4, 0: none in particular
+  int component = -1;  ///< index in ComponentWatch, -1: none in particular
+};
+
+/// Keeps the first fault with its place, whatever follows, until it is cleared. Pure, real-time safe.
+class FaultLatch {
+ public:
+  /// True when this is the first one. Fault::None never is.
+  bool latch(const FaultCause& cause) noexcept;
+  void clear() noexcept { cause_ = FaultCause{}; }
+  bool isLatched() const noexcept { return cause_.fault != Fault::None; }
+  const FaultCause& cause() const noexcept { return cause_; }
+
+ private:
+  FaultCause cause_;
+};
+
+}  // namespace knee_robot::control

@@ -1,0 +1,44 @@
+#include "knee_robot/control/request_answers.h"
+
+#include <gtest/gtest.h>
+
+namespace knee_robot::control {
+namespace {
+
+const RequestAnswer& of(const RequestAnswers& answers, std::uint32_t number) {
+  return answers.all()[number % answers.all().size()];
+}
+
+TEST(RequestAnswering, SettlesTheRequestThatWaitsOnce) {
+  RequestAnswers answers;
+  answers.await(7);
+  EXPECT_TRUE(answers.isAwaiting());
+  answers.settle(RequestResult::NotAtStart, 2, 0.01);
+  EXPECT_FALSE(answers.isAwaiting());
+  answers.settle(RequestResult::Done);
+  EXPECT_EQ(of(answers, 7).number, 7u);
+  EXPECT_EQ(of(answers, 7).result, RequestResult::NotAtStart);
+  EXPECT_EQ(of(answers, 7).axis, 2);
+}
+
+TEST(RequestAnswering, KeepsTheAnswersToTheLastEightRequests) {
+  RequestAnswers answers;
+  for (std::uint32_t number = 1; number <= 9; ++number)
+    answers.answer(number, RequestResult::Done);
+  EXPECT_EQ(of(answers, 2).number, 2u);
+  EXPECT_EQ(of(answers, 9).number, 9u);
+  EXPECT_EQ(of(answers, 1).number, 9u) << "the oldest one's place was taken";
+}
+
+TEST(RequestAnswering, ANewStartForgetsWhoWaitsAndKeepsWhatWasAnswered) {
+  RequestAnswers answers;
+  answers.answer(1, RequestResult::NotReady);
+  answers.await(2);
+  answers.dropPending();
+  answers.settle(RequestResult::Done);
+  EXPECT_EQ(of(answers, 1).result, RequestResult::NotReady);
+  EXPECT_EQ(of(answers, 2).number, 0u);
+}
+
+}  // namespace
+}  // namespace knee_robot::control
