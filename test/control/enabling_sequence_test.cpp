@@ -36,6 +36,14 @@ class Enabling : public ::testing::Test {
   rt::Nanoseconds now = 0;
 };
 
+TEST_F(Enabling, WaitsForTheDrivesThenForTheLoopsThenForTheHoldDevices) {
+  EXPECT_NEAR(timeTo(DriveLevel::HeldByDrivers), 0.02, 0.002);
+  EXPECT_NEAR(timeTo(DriveLevel::Released), 0.02 + 0.05, 0.004);
+  while (!cycle().done)
+    ASSERT_LT(now, 1000 * kCycle);
+  EXPECT_NEAR(rt::toSeconds(now), 0.02 + 0.05 + 0.03, 0.006);
+}
+
 TEST_F(Enabling, ReleasesNothingWhileOneFeedforwardIsIncomplete) {
   view.commands[2].loaded = false;
   timeTo(DriveLevel::HeldByDrivers);
@@ -45,6 +53,24 @@ TEST_F(Enabling, ReleasesNothingWhileOneFeedforwardIsIncomplete) {
   const rt::Nanoseconds complete = now;
   timeTo(DriveLevel::Released);
   EXPECT_NEAR(rt::toSeconds(now - complete), 0.05, 0.002);
+}
+
+TEST_F(Enabling, ReleasesNothingWithoutClosedLoopsHoweverShortTheyHaveToSettle) {
+  settings.settle_s = 0.0;
+  view.commands[2].active = false;
+  timeTo(DriveLevel::HeldByDrivers);
+  for (int i = 0; i < 100; ++i)
+    ASSERT_EQ(cycle().level, DriveLevel::HeldByDrivers);
+}
+
+TEST_F(Enabling, ReleasesNothingInTheCycleInWhichALoopOpens) {
+  timeTo(DriveLevel::HeldByDrivers);
+  const rt::Nanoseconds closed = now;
+  while (now - closed < 49 * kCycle)
+    ASSERT_EQ(cycle().level, DriveLevel::HeldByDrivers);
+  view.commands[3].active = false;
+  for (int i = 0; i < 5; ++i)
+    ASSERT_EQ(cycle().level, DriveLevel::HeldByDrivers);
 }
 
 TEST_F(Enabling, CountsALevelFromWhenTheOutputsHaveWrittenIt) {

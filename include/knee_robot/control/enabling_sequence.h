@@ -36,7 +36,8 @@ class EnablingSequence {
   const BrakeTest& brakes() const noexcept { return brakes_; }
 
  private:
-  void testBrakes(const SupervisorView& view, const Settings& settings, double time_s, Step& step) noexcept;
+  void order(DriveLevel level, rt::Nanoseconds now) noexcept;
+  bool testBrakes(const SupervisorView& view, const Settings& settings, double time_s, Step& step) noexcept;
 
   const double drive_delay_s_, hold_delay_s_;
   BrakeTest brakes_;
