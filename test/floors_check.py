@@ -1,5 +1,6 @@
 #!/usr/bin/python3
-"""A room includes rooms on lower floors only, ROS headers stay in nodes/, and files stay short."""
+"""A room includes rooms on lower floors only, ROS headers stay in nodes/, files stay short, and a class has one source."""
+import collections
 import pathlib
 import re
 import sys
@@ -7,6 +8,8 @@ import sys
 FLOORS = {"base": 0, "mechanism": 1, "rt": 1, "hardware": 1, "recording": 1, "dynamics": 2, "trajectory": 2, "excitation": 3, "simulation": 3,
           "identification": 3, "control": 4, "tracing": 4, "report": 5, "nodes": 6}
 LONGEST = 400
+# A member function's definition, at the beginning of a line: what it returns, the class (with those around it), the function.
+MEMBER = re.compile(r"(?:[\w:<>,&*\[\]]+[\s&*]+)*?((?:[a-z]\w*::)*)((?:[A-Z]\w*(?:<[^>]*>)?::)+)(?:~?\w+|operator\S+)\(")
 
 
 def faults_of(path, room):
@@ -23,15 +26,35 @@ def faults_of(path, room):
             yield f"{path}:{number}: ROS header outside nodes/"
 
 
+def classes_of(path):
+    """The classes whose member functions this source defines; a nested one is a class of its own."""
+    for line in path.read_text().splitlines():
+        if found := MEMBER.match(line):
+            yield found[2].rstrip(":")
+
+
+def scattered_classes(sources):
+    homes = collections.defaultdict(set)
+    for path, room in sources:
+        for name in classes_of(path):
+            homes[room, name].add(path.name)
+    for (room, name), names in sorted(homes.items()):
+        if len(names) > 1:
+            yield f"{room}: class {name} is defined in {', '.join(sorted(names))}: one class is one header and one source"
+
+
 def main(root):
-    faults, files = [], 0
+    faults, files, sources = [], 0, []
     for base in (root / "include" / "knee_robot", root / "src"):
         for path in sorted(base.rglob("*")):
             if path.suffix in (".h", ".cpp"):
                 files += 1
                 room = path.relative_to(base).parts[0]
                 faults += faults_of(path, room) if room in FLOORS else [f"{path}: room {room} is on no floor"]
-    print("\n".join(faults) or f"{files} files: every include goes down the floors")
+                if path.suffix == ".cpp":
+                    sources.append((path, room))
+    faults += scattered_classes(sources)
+    print("\n".join(faults) or f"{files} files: every include goes down the floors, every class has one source")
     return 1 if faults or not files else 0
 
 

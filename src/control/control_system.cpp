@@ -1,118 +1,56 @@
 #include "knee_robot/control/control_system.h"
 
 #include <algorithm>
-#include <chrono>
-#include <cmath>
 #include <ctime>
-#include <thread>
 
-#include "control_parts.h"
+#include "controller_parts.h"
 #include "knee_robot/base/errors.h"
 #include "knee_robot/base/numbers.h"
-#include "knee_robot/control/component_types.h"
 
 namespace knee_robot::control {
 namespace {
 
-constexpr int kStepsPerDrain = 64;
-
-AxisValues lengthsAtStart(const mechanism::Robot& robot, const ControlSystem::Options& options) {
-  if (options.lengths_at_start_m) return *options.lengths_at_start_m;
-  AxisValues lengths{};
-  for (std::size_t i = 0; i < hardware::kAxes; ++i)
-    lengths[i] = robot.actuators[i].home_length_m;
-  return lengths;
-}
-
-/// Drives on a bus are told the period, and the bus' load was computed with it.
-void requireBusPeriod(const HardwareFile& hardware, const rt::Deployment& deployment, const std::string& path) {
-  if (!hardware.can) return;
-  for (const auto& activity : deployment.activities()) {
-    const double period = rt::toSeconds(activity->options().period);
-    if (std::abs(period - hardware.can->period_s) < 1e-9) continue;
-    throw InputError(path + ": activity " + activity->name() + " has period_s " + shortNumber(period) + ", and " +
-                     hardware.path + " can.period_s " + shortNumber(hardware.can->period_s) +
-                     "; one servo cycle is one SYNC: make them equal");
-  }
-}
-
-const mechanism::Robot& requireFourAxes(const mechanism::Robot& robot) {
-  if (robot.axes() != hardware::kAxes) {
-    throw InputError(robot.path + ": actuators: the controller drives four actuators, not " +
-                     std::to_string(robot.axes()));
-  }
-  return robot;
-}
+constexpr double kQuick_s = 1.0;
+constexpr double kSafeStop_s = 8.0;  // longest deceleration, settling, hold and disable delays together
+constexpr double kEnable_s = 12.0;
 
 }  // namespace
 
 ControlSystem::ControlSystem(const mechanism::Robot& robot, const HardwareFile& hardware,
                              const std::string& deployment_path, hardware::AxisBus& bus, Options options)
-    : robot_(requireFourAxes(robot)), hardware_(hardware), options_(options), bus_(bus) {
-  const AxisValues lengths = lengthsAtStart(robot, options);
-  rt::TypeFactory types = options_.types;  // these win
-  types.merge(componentTypes(robot, hardware, bus, lengths));
-  deployment_ = std::make_unique<rt::Deployment>(deployment_path, types, options_.execution);
-  requireBusPeriod(hardware, *deployment_, deployment_path);
-  parts_ = std::make_unique<Parts>(*deployment_);
-  parts_->prepareFeedforward(*deployment_, robot, options_);
-  parts_->patient_memory = PatientMemory(options_.patient_memory);
-  rt::connect(parts_->panel.request, parts_->supervisor->request, rt::ConnPolicy::buffer(16));
-  rt::connect(parts_->supervisor->status, parts_->panel.status);
-  rt::connect(parts_->monitors->verdict, parts_->panel.verdict);
-  rt::connect(parts_->recorder->row, parts_->panel.row);
-  if (parts_->observer != nullptr) rt::connect(parts_->observer->disturbance, parts_->panel.disturbance);
-  for (const auto& component : deployment_->components()) {
-    if (component.get() == parts_->supervisor) continue;
-    component.get() == parts_->output ? parts_->supervisor->watchOutput(*component)
-                                      : parts_->supervisor->watch(*component);
-  }
-  for (const auto& activity : deployment_->activities()) {
-    activity->setOverrunHandler([supervisor = parts_->supervisor] { supervisor->reportOverrun(); });
-  }
-  const bool threaded = options.execution == rt::Execution::Threads;
-  // Incremental encoders know their place anew at every start. Stepped runs are to be the same whenever they are made.
-  parts_->drain = std::make_unique<RecordingDrain>(*parts_->recorder, robot.axes(), threaded,
-                                                   threaded ? static_cast<std::int64_t>(std::time(nullptr)) : 0);
-  parts_->black_box_writer = std::make_unique<BlackBoxWriter>(*parts_->black_box, options.black_box_folder,
-                                                              options.execution == rt::Execution::Threads);
-  parts_->heat_memory = std::make_unique<HeatMemory>(options.heat_file, options.execution == rt::Execution::Threads);
-  rt::connect(parts_->monitors->verdict, parts_->heat_memory->verdict);
-}
+    : parts_(std::make_unique<ControllerParts>(robot, hardware, deployment_path, bus, std::move(options))) {}
 
 ControlSystem::~ControlSystem() {
   end(true);
-  parts_->heat_memory.reset();
-  parts_->black_box_writer.reset();
-  parts_->drain.reset();  // its thread uses the Recorder
 }
 
 Answer ControlSystem::start() {
-  if (started_) return {false, "the controller runs already"};
-  const hardware::SelfTest test = bus_.selfTest();
+  if (parts_->started) return {false, "the controller runs already"};
+  const hardware::SelfTest test = parts_->bus.selfTest();
   if (!test.passed) {
     return {false, "the hardware's self test failed: " + (test.findings.empty() ? "no finding" : test.findings.back())};
   }
-  parts_->monitors->start_heat(rememberedHeat(
-      options_.heat_file, static_cast<double>(std::time(nullptr)),
-      std::max<double>(parts_->monitors->thermal_time, parts_->monitors->thermal_housing), &parts_->heat_refused));
-  recallPatient();
+  Monitors& monitors = *parts_->machine.monitors;
+  std::string hot;  // why the motors count as hot
+  monitors.start_heat(rememberedHeat(parts_->options.heat_file, static_cast<double>(std::time(nullptr)),
+                                     std::max<double>(monitors.thermal_time, monitors.thermal_housing), &hot));
+  parts_->occupancy.recall(parts_->robot, parts_->options.empty || parts_->hardware.bench_without_patient);
   try {
-    deployment_->start();
+    parts_->deployment->start();
   } catch (const InputError& error) {
     return {false, error.what()};
   }
-  started_ = true;
+  parts_->started = true;
   const auto settled = [this] {
     const MachineState now = state();
     return snapshot().has_value() && (now == MachineState::Disabled || now == MachineState::Faulted);
   };
-  if (!waitUntil(settled, 1.0)) return {false, "the components started, but nothing is measured"};
+  if (!parts_->runner.waitUntil(settled, 1.0)) return {false, "the components started, but nothing is measured"};
   const ControlStatus now = status();
-  const std::string hot = parts_->heat_refused.empty() ? "" : "; the motors count as hot: " + parts_->heat_refused;
+  if (!hot.empty()) hot = "; the motors count as hot: " + hot;
   if (now.state == MachineState::Faulted)
     return {true, "started with a fault, drives off: " + now.fault_sentence + hot};
-  const std::string who = whyNobodyMoves();
+  const std::string who = parts_->occupancy.whyNobodyMoves();
   return {true, "ready: drives off, hold devices engaged" + hot +
                     (now.patient.empty() ? "" : "; patient " + now.patient + " is still loaded") +
                     (who.empty() ? "" : "; " + who)};
@@ -123,7 +61,7 @@ Answer ControlSystem::shutdown() {
 }
 
 Answer ControlSystem::end(bool at_any_rate) {
-  if (!started_) return {true, "the controller does not run"};
+  if (!parts_->started) return {true, "the controller does not run"};
   const MachineState before = state();
   Answer stopped{true, "drives off, hold devices engaged"};
   if (before != MachineState::Disabled && before != MachineState::Faulted) stopped = disable();
@@ -131,49 +69,176 @@ Answer ControlSystem::end(bool at_any_rate) {
   const bool carries = now.state == MachineState::SafeStopping && now.fault == Fault::HoldDeviceSlips;
   if (carries && !at_any_rate) return {false, "not shut down: " + now.fault_sentence};
   const Answer recorded = stopRecording();
-  deployment_->stop();  // whatever still moves: AxesOutput's stopHook
-  started_ = false;
+  parts_->deployment->stop();  // whatever still moves: AxesOutput's stopHook
+  parts_->started = false;
   if (!stopped.ok) return {false, "shut down, but the safe stop did not answer: " + stopped.sentence};
   if (!recorded.ok) return {false, "shut down, but " + recorded.sentence};
   return {true, "shut down: " + stopped.sentence};
 }
 
-bool ControlSystem::waitUntil(const std::function<bool()>& done, double timeout_s) {
-  if (options_.execution == rt::Execution::Stepped) {
-    const rt::Nanoseconds end = deployment_->nextRelease() + rt::fromSeconds(timeout_s);
-    while (!done()) {
-      if (deployment_->nextRelease() >= end) return false;
-      step();
-    }
-    return true;
-  }
-  const auto end = std::chrono::steady_clock::now() + std::chrono::duration<double>(timeout_s);
-  while (!done()) {
-    if (std::chrono::steady_clock::now() >= end) return done();
-    std::this_thread::sleep_for(std::chrono::milliseconds(1));
-  }
-  return true;
+/// A request that switches the drives on: who is on the robot has to be known, and does not change meanwhile.
+Answer ControlSystem::powered(RequestKind kind, double timeout_s) {
+  if (const std::string why = parts_->occupancy.whyNobodyMoves(); !why.empty()) return {false, why};
+  const OccupancyRecord::Hold hold(parts_->occupancy);
+  if (!hold) return {false, "who is on the robot was just being changed; try again"};
+  return parts_->requests.make(kind, timeout_s);
 }
 
-rt::Nanoseconds ControlSystem::step() {
-  if (advance_plant_) advance_plant_(deployment_->nextRelease());
-  const rt::Nanoseconds time = deployment_->step();
-  if (++parts_->steps % kStepsPerDrain == 0) {
-    parts_->drain->drain();
-    parts_->black_box_writer->write();
-  }
-  return time;
+Answer ControlSystem::enable() {
+  return powered(RequestKind::Enable, kEnable_s);
 }
 
-void ControlSystem::run(double seconds) {
-  const rt::Nanoseconds end = deployment_->nextRelease() + rt::fromSeconds(seconds);
-  while (deployment_->nextRelease() < end)
-    step();
+Answer ControlSystem::disable() {
+  return parts_->requests.make(RequestKind::Disable, kSafeStop_s);
+}
+
+Answer ControlSystem::stop() {
+  return parts_->requests.make(RequestKind::Stop, kQuick_s);
+}
+
+Answer ControlSystem::emergencyStop() {
+  return parts_->requests.make(RequestKind::EmergencyStop, kQuick_s);
+}
+
+Answer ControlSystem::resetFaults() {
+  if (!parts_->started) return {false, "the controller does not run"};
+  return parts_->recovery.reset();
+}
+
+Answer ControlSystem::pause() {
+  const Answer answer = parts_->requests.make(RequestKind::Pause, kQuick_s);
+  return answer.ok ? Answer{true, "pausing: the robot comes to rest on its path; resume goes on from there"} : answer;
+}
+
+Answer ControlSystem::resume() {
+  const Answer answer = parts_->requests.make(RequestKind::Resume, kQuick_s);
+  if (!answer.ok) return answer;
+  const double speed = parts_->panel.supervisor().speed;
+  if (speed <= 0.0) return {true, "resumed, but the speed is 0 %: set a speed"};
+  return {true, "going on at " + shortNumber(100.0 * speed, 4) + " % of the speed"};
+}
+
+Answer ControlSystem::setSpeed(double percent) {
+  if (!(percent >= 0.0 && percent <= 100.0)) {
+    return {false, "the speed must lie between 0 and 100 %, not " + shortNumber(percent)};
+  }
+  const Answer answer = parts_->requests.make(RequestKind::SetSpeed, kQuick_s, 0.01 * percent);
+  return answer.ok ? Answer{true, "the speed is " + shortNumber(percent, 4) + " %"} : answer;
+}
+
+Answer ControlSystem::home() {
+  if (parts_->occupancy.patient()) return {false, "a patient is loaded: home the robot before somebody is on it"};
+  const Answer answer = powered(RequestKind::Home, kEnable_s);
+  if (!answer.ok) return answer;
+  if (!parts_->hardware.homing.moves()) return {true, "homed: the robot stands at its home lengths"};
+  return {true, "homing has begun: one axis after the other, then the drives are switched off"};
+}
+
+Answer ControlSystem::confirmHome() {
+  if (parts_->occupancy.patient()) return {false, "a patient is loaded: home the robot before somebody is on it"};
+  const Answer answer = parts_->requests.make(RequestKind::ConfirmHome, kQuick_s);
+  return answer.ok ? Answer{true, "the robot stands at its home lengths"} : answer;
+}
+
+Answer ControlSystem::guide() {
+  if (const std::string why = parts_->occupancy.whyNobodyMoves(); !why.empty()) return {false, why};
+  const Answer answer = parts_->requests.make(RequestKind::Guide, kQuick_s);
+  if (!answer.ok) return answer;
+  return {true,
+          "guiding: the axes tremble for a moment, then the platform follows the hand; letting go of the switch holds"};
+}
+
+Answer ControlSystem::saveGuided(const std::string& path) {
+  if (parts_->machine.guide == nullptr) return {false, "the deployment has no HandGuide"};
+  if (state() == MachineState::Guiding) return {false, "the platform is being guided; let go of the switch first"};
+  try {
+    const trajectory::Points guided = parts_->machine.guide->path().points();
+    return {true, saveGuidedReference(path, guided, parts_->robot, parts_->occupancy.patient())};
+  } catch (const InputError& error) {
+    return {false, error.what()};
+  }
+}
+
+Answer ControlSystem::loadReference(const trajectory::Reference& reference) {
+  const MachineState now = state();
+  if (now == MachineState::Playing || now == MachineState::Stopping || now == MachineState::Paused) {
+    return {false, "a reference is being played; stop it before another one is loaded"};
+  }
+  return parts_->player.load(reference, parts_->occupancy.patient());
+}
+
+Answer ControlSystem::play() {
+  return parts_->player.play();
+}
+
+Answer ControlSystem::approach(double speed_m_per_s) {
+  return parts_->player.approach(speed_m_per_s, parts_->occupancy.patient());
+}
+
+Answer ControlSystem::loadPatient(const std::string& path) {
+  const PatientChecklist list = parts_->checklist();
+  if (const std::string why = list.whyNever(); !why.empty()) return {false, why};
+  try {
+    PatientLimits patient = loadPatientLimits(path, parts_->robot);
+    const Answer admitted = list.admit(patient);
+    if (!admitted.ok) return admitted;
+    const PatientRange range = patient.range;
+    const std::string name = patient.name;
+    const Answer used = parts_->occupancy.change(Occupancy::Patient, std::move(patient));
+    if (!used.ok) return used;
+    return {true, "patient " + name + ": at most " + shortNumber(1e3 * range.linear_m_per_s, 4) + " mm/s and " +
+                      shortNumber(57.29577951308232 * range.angular_rad_per_s, 4) + " deg/s" +
+                      (admitted.sentence.empty() ? "" : "; " + admitted.sentence)};
+  } catch (const InputError& error) {
+    return {false, error.what()};
+  }
+}
+
+Answer ControlSystem::clearPatient() {
+  const Occupancy left = parts_->hardware.bench_without_patient ? Occupancy::Empty : Occupancy::Unknown;
+  const Answer used = parts_->occupancy.change(left, std::nullopt);
+  if (!used.ok) return used;
+  return {true,
+          "no patient; nothing moves until the next one is loaded or declare_empty says that nobody is on the robot"};
+}
+
+Answer ControlSystem::declareEmpty() {
+  const Answer used = parts_->occupancy.change(Occupancy::Empty, std::nullopt);
+  return used.ok ? Answer{true, "nobody is on the robot: only its own limits hold"} : used;
+}
+
+Answer ControlSystem::startRecording(const std::string& path) {
+  if (!parts_->started) return {false, "the controller does not run"};
+  return parts_->recordings.start(path);
+}
+
+Answer ControlSystem::stopRecording() {
+  return parts_->recordings.stop();
+}
+
+ControlStatus ControlSystem::status() const {
+  ControlStatus status;
+  parts_->report.fill(status);
+  parts_->recordings.fill(status);
+  parts_->occupancy.fill(status);
+  parts_->player.fill(status);
+  status.bench_without_patient = parts_->hardware.bench_without_patient;
+  status.black_box = parts_->black_box.newest();
+  status.black_box_error = parts_->black_box.error();
+  return status;
+}
+
+std::optional<TrackingRow> ControlSystem::snapshot() const {
+  return parts_->panel.row();
+}
+
+std::optional<Disturbance> ControlSystem::disturbance() const {
+  return parts_->panel.disturbance();
 }
 
 bool ControlSystem::waitFor(MachineState wanted, double timeout_s) {
   MachineState found = state();
-  waitUntil(
+  parts_->runner.waitUntil(
       [&] {
         found = state();
         return found == wanted || found == MachineState::Faulted;
@@ -182,70 +247,36 @@ bool ControlSystem::waitFor(MachineState wanted, double timeout_s) {
   return found == wanted;
 }
 
-std::vector<std::string> ControlSystem::warnings() const {
-  return deployment_->warnings();
+std::vector<rt::PropertyReport> ControlSystem::properties() const {
+  return parts_->properties.all();
+}
+
+Answer ControlSystem::setProperty(const std::string& component, const std::string& property, const std::string& value) {
+  return parts_->properties.set(component, property, value);
 }
 
 std::string ControlSystem::feedforward() const {
-  if (parts_->feedforward == nullptr) return "none: the deployment has no ModelFeedforward";
-  const double payload = parts_->feedforward->payload;
-  const std::string source = parts_->feedforward->source();
-  return payload > 0.0 ? source + ", and a payload of " + shortNumber(payload) + " kg" : source;
+  return parts_->feedforward.source();
 }
 
-Answer ControlSystem::startRecording(const std::string& path) {
-  if (!started_) return {false, "the controller does not run"};
-  try {
-    parts_->drain->start(path);
-  } catch (const InputError& error) {
-    return {false, error.what()};
-  }
-  chooseTestPulses();
-  return {true, "recording to " + path};
+std::vector<std::string> ControlSystem::warnings() const {
+  return parts_->deployment->warnings();
 }
 
-/// Test pulses are forces that no model explains, and rows with them are left out of a fit: while a robot that is declared empty is
-/// recorded there are none without a suspicion. With a patient they stay.
-void ControlSystem::chooseTestPulses() {
-  const bool allowed = !parts_->drain->isRecording() || parts_->occupancy != Occupancy::Empty;
-  for (const auto& component : deployment().components()) {
-    if (auto* driver = dynamic_cast<Driver*>(component.get())) driver->allowTestPulses(allowed);
-  }
+const rt::Deployment& ControlSystem::deployment() const {
+  return *parts_->deployment;
 }
 
-Answer ControlSystem::stopRecording() {
-  const RecordingResult result = parts_->drain->stop();
-  chooseTestPulses();
-  if (result.path.empty()) return {true, "nothing was being recorded"};
-  std::string sentence = result.path + " has " + std::to_string(result.rows) + " rows";
-  if (result.skipped > 0) {
-    sentence += "; the machine skipped " + std::to_string(result.skipped) + " cycles, seen as gaps of time_s";
-  }
-  if (!result.error.empty()) return {false, "the recording is incomplete: " + result.error + "; " + sentence};
-  if (result.dropped == 0) return {true, sentence};
-  return {false, "the recording is incomplete: " + std::to_string(result.dropped) + " rows were dropped; " + sentence};
+void ControlSystem::setPlant(std::function<void(rt::Nanoseconds time)> advance) {
+  parts_->runner.setPlant(std::move(advance));
 }
 
-std::optional<TrackingRow> ControlSystem::snapshot() const {
-  const std::lock_guard<std::mutex> lock(mutex_);
-  TrackingRow row;
-  if (parts_->panel.row.read(row) == rt::FlowStatus::NoData) return std::nullopt;
-  return row;
+rt::Nanoseconds ControlSystem::step() {
+  return parts_->runner.step();
 }
 
-std::optional<Disturbance> ControlSystem::disturbance() const {
-  if (parts_->observer == nullptr) return std::nullopt;
-  const std::lock_guard<std::mutex> lock(mutex_);
-  Disturbance found;
-  if (parts_->panel.disturbance.read(found) == rt::FlowStatus::NoData) return std::nullopt;
-  return found;
-}
-
-SupervisorStatus ControlSystem::supervisorStatus() const {
-  const std::lock_guard<std::mutex> lock(mutex_);
-  SupervisorStatus status;
-  parts_->panel.status.read(status);
-  return status;
+void ControlSystem::run(double seconds) {
+  parts_->runner.run(seconds);
 }
 
 }  // namespace knee_robot::control

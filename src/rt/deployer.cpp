@@ -2,9 +2,15 @@
 
 #include <algorithm>
 
+#include "deployment_reader.h"
 #include "knee_robot/base/errors.h"
 
 namespace knee_robot::rt {
+
+Deployment::Deployment(const std::string& path, const TypeFactory& factory, Execution execution)
+    : path_(path), execution_(execution) {
+  DeploymentReader(*this, factory).read();
+}
 
 Deployment::~Deployment() {
   stop();

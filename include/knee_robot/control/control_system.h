@@ -1,18 +1,15 @@
 #pragma once
 
-#include <atomic>
 #include <functional>
 #include <memory>
-#include <mutex>
 #include <optional>
 #include <string>
 #include <vector>
 
+#include "knee_robot/control/answer.h"
 #include "knee_robot/control/axis_data.h"
+#include "knee_robot/control/control_status.h"
 #include "knee_robot/control/hardware_file.h"
-#include "knee_robot/control/machine_state.h"
-#include "knee_robot/control/patient_limits.h"
-#include "knee_robot/control/patient_memory.h"
 #include "knee_robot/mechanism/robot.h"
 #include "knee_robot/rt/deployer.h"
 #include "knee_robot/rt/property.h"
@@ -21,49 +18,12 @@
 
 namespace knee_robot::control {
 
-/// Answer to an operator's command: done or begun, or why not; one sentence for the operator either way.
-struct Answer {
-  bool ok = false;
-  std::string sentence;
-};
-
-/// The machine as the operator sees it.
-struct ControlStatus {
-  MachineState state = MachineState::Disabled;
-  Fault fault = Fault::None;
-  int fault_axis = 0;          ///< 1 to 4, 0: none in particular
-  std::string fault_name;      ///< empty without fault
-  std::string fault_sentence;  ///< cause, place and remedy; empty without fault
-  std::string reference;       ///< name of the loaded reference, empty: none
-  bool at_start = false;       ///< measured within Sync's start tolerance of the loaded reference's first point
-  std::string playing;         ///< what is being played or paused (the reference or the approach to it), empty: nothing
-  double path_time_s = 0.0;
-  double path_duration_s = 0.0;
-  double progress = 0.0;         ///< path_time / path_duration, 0 to 1; 0 before anything was played
-  double time_scale = 0.0;       ///< speed of path time now, 0 to 1
-  double speed_percent = 100.0;  ///< asked for by setSpeed()
-  std::array<bool, hardware::kAxes> axis_homed{};
-  bool homed = false;  ///< all axes: motion is possible
-  bool bench_without_patient = false;
-  std::array<double, hardware::kAxes> thermal{};  ///< I2t of each motor: 0 cold, 1 is the fault
-  std::uint32_t safe_stops = 0;                   ///< completed since start()
-  std::string recording;                          ///< path of the recording being written, empty: none
-  std::uint64_t recorded_rows = 0;
-  std::uint64_t dropped_rows = 0;            ///< measured but not in the file
-  Occupancy occupancy = Occupancy::Unknown;  ///< nothing moves while it is Unknown
-  std::string patient;                       ///< name in the loaded patient file, empty: none is loaded
-  std::string black_box;                     ///< CSV of the newest fault, empty: none yet
-  std::string black_box_error;               ///< the disk's refusal, empty: none
-  std::uint64_t skipped_cycles = 0;          ///< left out by the machine: gaps of time_s
-  std::string guiding;  ///< why the last guiding was refused, or ended by itself; empty: it did not
-};
-
-/// One sentence for the operator; empty for None.
-const char* sentenceOf(GuideStop stop) noexcept;
+struct ControllerParts;
 
 /// The whole controller: components from a deployment file on a robot, a hardware file and an axis bus, and the operator's
 /// commands. No ROS. Functions may be called from several ordinary threads; none is real-time. Commands wait for the machine's
 /// answer: enable() and disable() until it is done, play(), approach() and stop() until it has begun.
+/// A façade: each command is that of one of the parts in src/control, which docs/architecture.md names.
 ///
 /// Stepped execution: commands execute as many cycles as their answer takes, through step(), so the plant moves on too.
 class ControlSystem {
@@ -162,7 +122,7 @@ class ControlSystem {
   bool waitFor(MachineState state, double timeout_s);
 
   /// Timing of every activity and component: periods, lateness, execution times as histograms. Any thread, at any time.
-  std::vector<rt::ActivityReport> statistics() const { return rt::statisticsOf(*deployment_); }
+  std::vector<rt::ActivityReport> statistics() const { return rt::statisticsOf(deployment()); }
   /// Every property of every component, with unit, range, description, and whether it may change at run time.
   std::vector<rt::PropertyReport> properties() const;
   /// Changes a property that is declared so while the controller runs, e.g. ("Driver1", "proportional_N_per_m", "50000"): within its
@@ -173,46 +133,20 @@ class ControlSystem {
   std::string feedforward() const;
   /// Sentences about real-time privileges that were wanted and not obtained; say them loudly.
   std::vector<std::string> warnings() const;
-  const rt::Deployment& deployment() const { return *deployment_; }
+  const rt::Deployment& deployment() const;
 
   /// Stepped only. `advance` is called before each cycle with the virtual time (ns) up to which the plant has to be moved on.
-  void setPlant(std::function<void(rt::Nanoseconds time)> advance) { advance_plant_ = std::move(advance); }
+  void setPlant(std::function<void(rt::Nanoseconds time)> advance);
   /// Stepped only: executes the next cycle, answers its virtual time.
   rt::Nanoseconds step();
   /// Stepped only: executes all cycles of the next `seconds`.
   void run(double seconds);
 
  private:
-  struct Parts;
-  Answer request(RequestKind kind, double timeout_s, double value = 0.0);
-  Answer phrase(const RequestAnswer& answer) const;
-  Answer noProcedure() const;
-  Answer playPath(const trajectory::Points& lengths, const std::string& what);
-  bool waitUntil(const std::function<bool()>& done, double timeout_s);
-  SupervisorStatus supervisorStatus() const;
-  void overrideWhenSilent(SupervisorStatus& supervisor) const;
-  void describeFault(const SupervisorStatus& supervisor, ControlStatus& status) const;
-  bool revive(rt::TaskContext& component);
-  Answer usePatient(Occupancy occupancy, std::optional<PatientLimits> patient);
-  void chooseTestPulses();
-  Answer powered(RequestKind kind);
+  Answer powered(RequestKind kind, double timeout_s);
   Answer end(bool at_any_rate);
-  void recallPatient();
-  std::string whyNobodyMoves() const;
-  std::string patientObstacles() const;
-  bool knowsForces() const;
-  Answer allowChange(const std::string& component, const std::string& property, const std::string& value) const;
-  std::optional<PatientLimits> patient() const;
 
-  const mechanism::Robot robot_;
-  const HardwareFile hardware_;
-  const Options options_;
-  hardware::AxisBus& bus_;
-  std::unique_ptr<Parts> parts_;
-  std::unique_ptr<rt::Deployment> deployment_;
-  std::function<void(rt::Nanoseconds)> advance_plant_;
-  mutable std::mutex mutex_;  // the operator's ports and the loaded reference
-  std::atomic<bool> started_{false};
+  std::unique_ptr<ControllerParts> parts_;
 };
 
 }  // namespace knee_robot::control

@@ -4,6 +4,7 @@
 #include <atomic>
 #include <cstdint>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "knee_robot/control/patient_limits.h"
@@ -39,5 +40,9 @@ struct GuidedReference {
 };
 GuidedReference guidedReference(const trajectory::Points& guided, const mechanism::Robot& robot,
                                 const std::optional<PatientLimits>& patient);
+
+/// Writes it as a reference file; a sentence about it. InputError likewise, and when the file cannot be written.
+std::string saveGuidedReference(const std::string& path, const trajectory::Points& guided,
+                                const mechanism::Robot& robot, const std::optional<PatientLimits>& patient);
 
 }  // namespace knee_robot::control

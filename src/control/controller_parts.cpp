@@ -1,0 +1,101 @@
+#include "controller_parts.h"
+
+#include <cmath>
+#include <ctime>
+
+#include "knee_robot/base/errors.h"
+#include "knee_robot/base/numbers.h"
+#include "knee_robot/control/component_types.h"
+
+namespace knee_robot::control {
+namespace {
+
+AxisValues lengthsAtStart(const mechanism::Robot& robot, const ControlSystem::Options& options) {
+  if (options.lengths_at_start_m) return *options.lengths_at_start_m;
+  AxisValues lengths{};
+  for (std::size_t i = 0; i < hardware::kAxes; ++i)
+    lengths[i] = robot.actuators[i].home_length_m;
+  return lengths;
+}
+
+/// Drives on a bus are told the period, and the bus' load was computed with it.
+void requireBusPeriod(const HardwareFile& hardware, const rt::Deployment& deployment, const std::string& path) {
+  if (!hardware.can) return;
+  for (const auto& activity : deployment.activities()) {
+    const double period = rt::toSeconds(activity->options().period);
+    if (std::abs(period - hardware.can->period_s) < 1e-9) continue;
+    throw InputError(path + ": activity " + activity->name() + " has period_s " + shortNumber(period) + ", and " +
+                     hardware.path + " can.period_s " + shortNumber(hardware.can->period_s) +
+                     "; one servo cycle is one SYNC: make them equal");
+  }
+}
+
+const mechanism::Robot& requireFourAxes(const mechanism::Robot& robot) {
+  if (robot.axes() != hardware::kAxes) {
+    throw InputError(robot.path + ": actuators: the controller drives four actuators, not " +
+                     std::to_string(robot.axes()));
+  }
+  return robot;
+}
+
+std::unique_ptr<rt::Deployment> deploy(const mechanism::Robot& robot, const HardwareFile& hardware,
+                                       const std::string& path, hardware::AxisBus& bus,
+                                       const ControlSystem::Options& options) {
+  rt::TypeFactory types = options.types;  // these win
+  types.merge(componentTypes(robot, hardware, bus, lengthsAtStart(robot, options)));
+  auto deployment = std::make_unique<rt::Deployment>(path, types, options.execution);
+  requireBusPeriod(hardware, *deployment, path);
+  return deployment;
+}
+
+/// Whom the Supervisor watches, and who tells it of overruns.
+void superviseAll(const rt::Deployment& deployment, const MachineComponents& machine) {
+  for (const auto& component : deployment.components()) {
+    if (component.get() == machine.supervisor) continue;
+    component.get() == machine.output ? machine.supervisor->watchOutput(*component)
+                                      : machine.supervisor->watch(*component);
+  }
+  for (const auto& activity : deployment.activities())
+    activity->setOverrunHandler([supervisor = machine.supervisor] { supervisor->reportOverrun(); });
+}
+
+}  // namespace
+
+ControllerParts::ControllerParts(const mechanism::Robot& given_robot, const HardwareFile& given_hardware,
+                                 const std::string& deployment_path, hardware::AxisBus& given_bus,
+                                 ControlSystem::Options given_options)
+    : robot(requireFourAxes(given_robot)),
+      hardware(given_hardware),
+      options(std::move(given_options)),
+      bus(given_bus),
+      deployment(deploy(robot, hardware, deployment_path, bus, options)) {
+  superviseAll(*deployment, machine);
+  rt::connect(machine.monitors->verdict, heat.verdict);
+}
+
+/// Only while disabled.
+std::string ControllerParts::whyOccupancyStays() const {
+  const MachineState now = report.state();
+  if (!started || now == MachineState::Disabled) return "";
+  return std::string("not possible while the robot is ") + toString(now) +
+         (now == MachineState::Faulted ? "; look at the robot and reset first" : "; disable it first");
+}
+
+void ControllerParts::tellOccupancy(Occupancy now, const PatientRange& range) {
+  player.forget();  // what is loaded was checked for somebody else
+  recordings.setOccupancy(now);
+  machine.monitors->setPatient(range);
+  if (machine.guide != nullptr) machine.guide->setPatient(range);
+  range.given ? properties.bind() : properties.unbind();
+}
+
+PatientChecklist ControllerParts::checklist() const {
+  PatientChecklist list(robot, hardware);
+  list.judges_forces = feedforward.judgesForces();
+  list.guarded = bus.isGuarded();
+  list.lacking_privileges = deployment->warnings();
+  list.acceleration_factor = machine.monitors->acceleration_factor;
+  return list;
+}
+
+}  // namespace knee_robot::control

@@ -1,0 +1,36 @@
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "knee_robot/mechanism/robot.h"
+#include "machine_components.h"
+
+namespace knee_robot::control {
+
+/// Gives the components that calculate with a model theirs, and refuses what the model says would not be stable: gains with which the
+/// passivity-based law is not passive, drives that act too late for their loop.
+class FeedforwardSetup {
+ public:
+  /// Reads the models. `model` (a file; empty: the deployment's) and `payload_kg` stand in place of the deployment's. Throws InputError.
+  /// `deployment` and `machine` must outlive this.
+  FeedforwardSetup(const rt::Deployment& deployment, const MachineComponents& machine, const mechanism::Robot& robot,
+                   const std::string& model, std::optional<double> payload_kg);
+
+  /// The passivity-based law is passive with certain gains only: a sentence, or empty. `changed`: a Driver's property as it would be.
+  std::string whyNotPassive(const Driver& driver, const std::string& changed = "", double value = 0.0) const;
+  /// Where the forces come from, for the operator.
+  std::string source() const;
+  /// An identified model tells what nobody commanded.
+  bool judgesForces() const;
+
+ private:
+  void setPayload(double payload_kg);
+  void checkLaw() const;
+  void checkDelays(const mechanism::Robot& robot) const;
+
+  const rt::Deployment& deployment_;
+  const MachineComponents& machine_;
+};
+
+}  // namespace knee_robot::control

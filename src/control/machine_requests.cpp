@@ -1,0 +1,27 @@
+#include "machine_requests.h"
+
+#include "knee_robot/base/numbers.h"
+#include "operator_sentences.h"
+
+namespace knee_robot::control {
+
+Answer MachineRequests::make(RequestKind kind, double timeout_s, double value) {
+  if (!started_) return {false, "the controller does not run"};
+  const auto supervised = [this] { return machine_.supervisor->state() == rt::TaskState::Running; };
+  if (!supervised()) return {false, report_.faultSentence()};
+  const std::optional<std::uint32_t> number = panel_.send(kind, value);
+  if (!number) return {false, "too many requests at once; try again"};
+  RequestAnswer answer;
+  const auto is_answered = [&] {
+    answer = panel_.supervisor().answers[*number % SupervisorStatus::kAnswers];
+    return answer.number == *number || !supervised();
+  };
+  if (!runner_.waitUntil(is_answered, timeout_s) || answer.number != *number) {
+    return {false, "no answer within " + shortNumber(timeout_s) + " s; the robot is " + toString(report_.state())};
+  }
+  ControlStatus now;
+  report_.fill(now);
+  return sentenceOf(answer, now, homing_, machine_.sync->start_tolerance_m);
+}
+
+}  // namespace knee_robot::control

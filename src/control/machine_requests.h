@@ -1,0 +1,36 @@
+#pragma once
+
+#include <functional>
+
+#include "cycle_runner.h"
+#include "knee_robot/control/answer.h"
+#include "machine_report.h"
+
+namespace knee_robot::control {
+
+/// Asks the Supervisor, and waits for its answer. Several threads may ask at once.
+class MachineRequests {
+ public:
+  /// All must outlive this.
+  MachineRequests(const MachineComponents& machine, const HardwareFile& hardware, OperatorPanel& panel,
+                  const MachineReport& report, CycleRunner& runner, const std::atomic<bool>& started)
+      : machine_(machine),
+        homing_(hardware.homing.method),
+        panel_(panel),
+        report_(report),
+        runner_(runner),
+        started_(started) {}
+
+  /// The machine's answer in a sentence; not ok, too, when it does not answer within `timeout_s`.
+  Answer make(RequestKind kind, double timeout_s, double value = 0.0);
+
+ private:
+  const MachineComponents& machine_;
+  const HomingMethod homing_;
+  OperatorPanel& panel_;
+  const MachineReport& report_;
+  CycleRunner& runner_;
+  const std::atomic<bool>& started_;
+};
+
+}  // namespace knee_robot::control

@@ -1,0 +1,93 @@
+#include "occupancy_record.h"
+
+namespace knee_robot::control {
+
+OccupancyRecord::Hold::Hold(OccupancyRecord& record)
+    : record_(record), held_([&record] {
+        const std::lock_guard<std::mutex> lock(record.mutex_);
+        if (record.changing_) return false;
+        ++record.holds_;
+        return true;
+      }()) {}
+
+OccupancyRecord::Hold::~Hold() {
+  if (!held_) return;
+  const std::lock_guard<std::mutex> lock(record_.mutex_);
+  --record_.holds_;
+}
+
+/// From here on nothing is asked of the machine, and the disk may take its time.
+Answer OccupancyRecord::beginChange() {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  if (holds_ > 0) return {false, "not possible while the robot is being enabled"};
+  if (changing_) return {false, "somebody else is just saying who is on the robot; try again"};
+  changing_ = true;
+  return {true, ""};
+}
+
+/// Empty, or why it cannot be.
+std::string OccupancyRecord::remember(Occupancy occupancy, const std::optional<PatientLimits>& patient) const {
+  try {
+    occupancy == Occupancy::Patient ? memory_.remember(patient->path) : memory_.forget();
+    return "";
+  } catch (const std::exception& error) {
+    return std::string("who is on the robot cannot be remembered: ") + error.what();
+  }
+}
+
+Answer OccupancyRecord::change(Occupancy occupancy, std::optional<PatientLimits> patient) {
+  if (const std::string why = why_not_now_(); !why.empty()) return {false, why};
+  if (const Answer begun = beginChange(); !begun.ok) return begun;
+  const std::string why = remember(occupancy, patient);
+  const std::lock_guard<std::mutex> lock(mutex_);
+  changing_ = false;
+  if (!why.empty()) return {false, why};
+  occupancy_ = occupancy;
+  patient_ = std::move(patient);
+  refused_.clear();
+  changed_(occupancy_, patient_ ? patient_->range : PatientRange{});
+  return {true, ""};
+}
+
+void OccupancyRecord::recall(const mechanism::Robot& robot, bool declared_empty) {
+  Answer used{true, ""};
+  try {
+    const std::string path = memory_.remembered();
+    if (!path.empty())
+      used = change(Occupancy::Patient, loadPatientLimits(path, robot));
+    else if (declared_empty)
+      used = change(Occupancy::Empty, std::nullopt);
+  } catch (const std::exception& error) {
+    used = {false, std::string("the patient file of the last run cannot be loaded: ") + error.what()};
+  }
+  const std::lock_guard<std::mutex> lock(mutex_);
+  if (!used.ok) refused_ = used.sentence;
+}
+
+std::string OccupancyRecord::whyNobodyMoves() const {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  if (changing_) return "who is on the robot is just being changed; try again";
+  if (occupancy_ != Occupancy::Unknown) return "";
+  const std::string why =
+      "nobody has said who is on the robot: load the patient's file (load_patient), or declare that "
+      "nobody is on it (declare_empty)";
+  return refused_.empty() ? why : refused_ + "; " + why;
+}
+
+std::optional<PatientLimits> OccupancyRecord::patient() const {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  return patient_;
+}
+
+Occupancy OccupancyRecord::occupancy() const {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  return occupancy_;
+}
+
+void OccupancyRecord::fill(ControlStatus& status) const {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  status.occupancy = occupancy_;
+  if (patient_) status.patient = patient_->name;
+}
+
+}  // namespace knee_robot::control

@@ -1,0 +1,17 @@
+#pragma once
+
+#include <string>
+
+#include "knee_robot/control/answer.h"
+#include "knee_robot/control/control_status.h"
+#include "knee_robot/control/hardware_file.h"
+
+namespace knee_robot::control {
+
+/// Why guiding was refused, or ended by itself; empty for None.
+const char* sentenceOf(GuideStop stop) noexcept;
+
+/// What became of a request, as the operator is told. `now`: the machine after it.
+Answer sentenceOf(const RequestAnswer& answer, const ControlStatus& now, HomingMethod homing, double start_tolerance_m);
+
+}  // namespace knee_robot::control

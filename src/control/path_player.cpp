@@ -1,0 +1,126 @@
+#include "path_player.h"
+
+#include <cmath>
+
+#include "approach_line.h"
+#include "knee_robot/base/errors.h"
+#include "knee_robot/base/numbers.h"
+#include "knee_robot/trajectory/reference_check.h"
+
+namespace knee_robot::control {
+namespace {
+
+constexpr double kAnswer_s = 1.0;
+constexpr double kSlowestApproach = 0.001, kFastestApproach = 0.05;  // m/s
+
+bool isOnPath(MachineState state) {
+  return state == MachineState::Playing || state == MachineState::Paused || state == MachineState::Stopping;
+}
+
+AxisValues rowOf(const trajectory::Points& lengths, Eigen::Index k) {
+  AxisValues row{};
+  for (std::size_t i = 0; i < hardware::kAxes; ++i)
+    row[i] = lengths(k, static_cast<Eigen::Index>(i));
+  return row;
+}
+
+/// Throws InputError.
+trajectory::ReferenceCheck check(const trajectory::Reference& reference, const mechanism::Robot& robot,
+                                 const PathPlayer::Patient& patient) {
+  trajectory::ReferenceCheck found = trajectory::requirePlayable(reference, robot);
+  if (patient) requireWithinPatient(found, reference, *patient);
+  return found;
+}
+
+}  // namespace
+
+Answer PathPlayer::load(const trajectory::Reference& reference, const Patient& patient) {
+  try {
+    trajectory::Points lengths = check(reference, robot_, patient).lengths;
+    const auto rows = lengths.rows();
+    const double duration = trajectory::kStreamPeriod * static_cast<double>(rows - 1);
+    const std::lock_guard<std::mutex> lock(mutex_);
+    lengths_ = std::move(lengths);
+    name_ = reference.name;
+    return {true, name_ + ": " + std::to_string(rows) + " points, " + shortNumber(duration) +
+                      " s, within all limits of the robot"};
+  } catch (const InputError& error) {
+    return {false, error.what()};
+  }
+}
+
+void PathPlayer::forget() {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  lengths_ = trajectory::Points();
+  name_.clear();
+}
+
+Answer PathPlayer::playLengths(const trajectory::Points& lengths, const std::string& what) {
+  std::vector<AxisValues> points;
+  points.reserve(static_cast<std::size_t>(lengths.rows()));
+  for (Eigen::Index k = 0; k < lengths.rows(); ++k)
+    points.push_back(rowOf(lengths, k));
+  sync_.store().offer(ReferencePath::of(std::move(points)));
+  const Answer answer = requests_.make(RequestKind::Play, kAnswer_s);
+  if (!answer.ok) return answer;
+  const std::lock_guard<std::mutex> lock(mutex_);
+  playing_ = what;
+  return {true, "playing " + what};
+}
+
+Answer PathPlayer::play() {
+  trajectory::Points lengths;
+  std::string name;
+  {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    lengths = lengths_;
+    name = name_;
+  }
+  if (lengths.rows() == 0) return {false, "no reference is loaded"};
+  return playLengths(lengths, name);
+}
+
+Answer PathPlayer::approach(double speed_m_per_s, const Patient& patient) {
+  if (!(speed_m_per_s >= kSlowestApproach && speed_m_per_s <= kFastestApproach)) {
+    return {false, "the approach's speed must lie between 0.001 and 0.05 m/s, not " + shortNumber(speed_m_per_s)};
+  }
+  const std::optional<TrackingRow> row = panel_.row();
+  AxisValues to{};
+  trajectory::Reference line;
+  {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    if (lengths_.rows() == 0) return {false, "no reference is loaded"};
+    to = rowOf(lengths_, 0);
+    line.name = "the approach to " + name_;
+  }
+  if (!row) return {false, "nothing has been measured yet"};
+  // Slower until the patient's speeds allow it: what turns the platform how fast depends on the pose.
+  for (double speed = speed_m_per_s;; speed *= 0.5) {
+    line.points = approachLine(row->position_m, to, robot_, speed);
+    try {
+      return playLengths(check(line, robot_, patient).lengths, line.name);
+    } catch (const InputError& error) {
+      if (!patient || speed < kSlowestApproach) return {false, error.what()};
+    }
+  }
+}
+
+/// Where Sync would let the loaded reference begin. Under the mutex.
+bool PathPlayer::standsAtStart() const {
+  const std::optional<TrackingRow> row = panel_.row();
+  if (lengths_.rows() == 0 || !row) return false;
+  const AxisValues first = rowOf(lengths_, 0);
+  for (std::size_t i = 0; i < hardware::kAxes; ++i) {
+    if (!(std::abs(row->position_m[i] - first[i]) <= sync_.start_tolerance_m)) return false;
+  }
+  return true;
+}
+
+void PathPlayer::fill(ControlStatus& status) const {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  status.reference = name_;
+  status.at_start = standsAtStart();
+  if (isOnPath(status.state)) status.playing = playing_;
+}
+
+}  // namespace knee_robot::control

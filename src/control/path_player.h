@@ -1,0 +1,47 @@
+#pragma once
+
+#include <mutex>
+#include <optional>
+#include <string>
+
+#include "knee_robot/control/patient_limits.h"
+#include "machine_requests.h"
+
+namespace knee_robot::control {
+
+/// The loaded reference, and what is being played: it, or the approach to its first point. Nothing gets to Sync that the checks of the
+/// robot and of the patient have not seen. Any thread.
+class PathPlayer {
+ public:
+  using Patient = std::optional<PatientLimits>;
+
+  /// All must outlive this.
+  PathPlayer(const mechanism::Robot& robot, Sync& sync, const OperatorPanel& panel, MachineRequests& requests)
+      : robot_(robot), sync_(sync), panel_(panel), requests_(requests) {}
+
+  /// Checks the reference, and keeps it in place of the one before.
+  Answer load(const trajectory::Reference& reference, const Patient& patient);
+  /// Nothing is loaded: what was, was checked for somebody else.
+  void forget();
+  /// The loaded reference from its first point.
+  Answer play();
+  /// From where the robot stands to the first point of the loaded reference; slower than `speed_m_per_s` where the patient wants it.
+  Answer approach(double speed_m_per_s, const Patient& patient);
+  /// Fills in reference and at_start, and, when `status.state` is of a robot on a path, playing.
+  void fill(ControlStatus& status) const;
+
+ private:
+  Answer playLengths(const trajectory::Points& lengths, const std::string& what);
+  bool standsAtStart() const;
+
+  const mechanism::Robot& robot_;
+  Sync& sync_;
+  const OperatorPanel& panel_;
+  MachineRequests& requests_;
+  mutable std::mutex mutex_;  // of what follows
+  std::string name_;
+  trajectory::Points lengths_;  // of the loaded reference; empty: none
+  std::string playing_;         // what was played last
+};
+
+}  // namespace knee_robot::control

@@ -1,0 +1,61 @@
+#include "patient_checklist.h"
+
+#include "knee_robot/base/numbers.h"
+
+namespace knee_robot::control {
+namespace {
+
+constexpr double kOpenMargin = 1e3;         // condition of dq/dx beyond which a margin protects nobody
+constexpr double kWideAcceleration = 10.0;  // factor of the acceleration monitor that sees no collision any more
+
+}  // namespace
+
+PatientChecklist::PatientChecklist(const mechanism::Robot& robot, const HardwareFile& hardware)
+    : hardware_path(hardware.path),
+      bench_without_patient(hardware.bench_without_patient),
+      simulated(hardware.backend == "simulated"),
+      has_emergency_stop(hardware.emergency_stop_clear_bit.has_value()),
+      has_hand_switch(hardware.hand_switch_clear_bit.has_value()),
+      has_force_limits(!robot.actuators.empty()),
+      singularity_condition_max(robot.singularity_condition_max) {
+  for (const mechanism::Actuator& actuator : robot.actuators)
+    has_force_limits = has_force_limits && actuator.force_continuous_N > 0.0 && actuator.force_max_N > 0.0;
+}
+
+std::string PatientChecklist::whyNever() const {
+  return bench_without_patient ? hardware_path + " says bench_without_patient: nothing may carry a patient here" : "";
+}
+
+std::string PatientChecklist::obstacles() const {
+  std::string all;
+  const auto require = [&](bool fulfilled, const std::string& sentence) {
+    if (!fulfilled) all += (all.empty() ? "" : "; ") + sentence;
+  };
+  require(guarded, "no guardian watches this controller (start one, and name its link: guardian:=true)");
+  const std::string lacking = lacking_privileges.empty() ? "" : lacking_privileges.front();
+  require(lacking_privileges.empty(), "no real-time scheduling (" + lacking + ")");
+  require(has_emergency_stop, "no emergency stop is configured (hardware file: digital_inputs: emergency_stop_clear)");
+  require(has_hand_switch, "no hand switch is configured (hardware file: digital_inputs: hand_switch_clear)");
+  require(has_force_limits, "an actuator has no force limits (robot file: force_continuous_N, force_max_N)");
+  require(singularity_condition_max <= kOpenMargin,
+          "the singularity margin is wide open (robot file: singularity_margin: condition_max)");
+  require(acceleration_factor <= kWideAcceleration,
+          "the acceleration monitor is opened wide (deployment: acceleration_factor " +
+              shortNumber(acceleration_factor) + ", at most " + shortNumber(kWideAcceleration) + ")");
+  return all;
+}
+
+Answer PatientChecklist::admit(const PatientLimits& patient) const {
+  if (const std::string why = whyNever(); !why.empty()) return {false, why};
+  if (patient.range.limitsForce() && !judges_forces)
+    return {false, patient.path +
+                       ": force: its limits are judged by the residual of an identified model; start the controller "
+                       "with one (model:=)"};
+  const std::string missing = obstacles();
+  if (missing.empty()) return {true, ""};
+  // The simulated robot hurts nobody, and without this there would be no way to try patient files.
+  if (!simulated) return {false, "no patient may be on this robot: " + missing};
+  return {true, "on a real robot this would be refused: " + missing};
+}
+
+}  // namespace knee_robot::control

@@ -1,0 +1,49 @@
+#include "recordings.h"
+
+#include "knee_robot/base/errors.h"
+
+namespace knee_robot::control {
+
+Answer Recordings::start(const std::string& path) {
+  try {
+    drain_.start(path);
+  } catch (const InputError& error) {
+    return {false, error.what()};
+  }
+  chooseTestPulses();
+  return {true, "recording to " + path};
+}
+
+Answer Recordings::stop() {
+  const RecordingResult result = drain_.stop();
+  chooseTestPulses();
+  if (result.path.empty()) return {true, "nothing was being recorded"};
+  std::string sentence = result.path + " has " + std::to_string(result.rows) + " rows";
+  if (result.skipped > 0) {
+    sentence += "; the machine skipped " + std::to_string(result.skipped) + " cycles, seen as gaps of time_s";
+  }
+  if (!result.error.empty()) return {false, "the recording is incomplete: " + result.error + "; " + sentence};
+  if (result.dropped == 0) return {true, sentence};
+  return {false, "the recording is incomplete: " + std::to_string(result.dropped) + " rows were dropped; " + sentence};
+}
+
+void Recordings::setOccupancy(Occupancy occupancy) {
+  occupancy_ = occupancy;
+  chooseTestPulses();
+}
+
+void Recordings::chooseTestPulses() {
+  const bool allowed = !drain_.isRecording() || occupancy_ != Occupancy::Empty;
+  for (Driver* driver : machine_.drivers)
+    driver->allowTestPulses(allowed);
+}
+
+void Recordings::fill(ControlStatus& status) const {
+  const RecordingResult recording = drain_.progress();
+  status.recording = recording.path;
+  status.recorded_rows = recording.rows;
+  status.dropped_rows = recording.dropped;
+  status.skipped_cycles = recording.skipped;
+}
+
+}  // namespace knee_robot::control

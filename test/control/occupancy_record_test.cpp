@@ -1,0 +1,82 @@
+// Who is on the robot, without a controller.
+#include <gtest/gtest.h>
+#include <stdlib.h>
+
+#include <filesystem>
+
+#include "knee_robot/base/files.h"
+#include "src/control/occupancy_record.h"
+
+namespace knee_robot::control {
+namespace {
+
+class OccupancyRecords : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    char pattern[] = "/tmp/occupancy_record_test_XXXXXX";
+    folder = mkdtemp(pattern);
+    patient.path = folder + "/p17.yaml";
+    patient.name = "17";
+    patient.range.given = true;
+    writeFileAtomically(patient.path, "patient: \"17\"\n");
+  }
+  void TearDown() override { std::filesystem::remove_all(folder); }
+
+  std::string folder, busy;
+  PatientLimits patient;
+  std::vector<Occupancy> told;
+  std::function<void()> asked = [] {};
+  OccupancyRecord record{PatientMemory(""),
+                         [this] {
+                           asked();
+                           return busy;
+                         },
+                         [this](Occupancy now, const PatientRange&) { told.push_back(now); }};
+};
+
+TEST_F(OccupancyRecords, BeginUnknownAndMoveNothing) {
+  EXPECT_EQ(record.occupancy(), Occupancy::Unknown);
+  EXPECT_NE(record.whyNobodyMoves().find("nobody has said who is on the robot"), std::string::npos);
+}
+
+TEST_F(OccupancyRecords, TellEveryChangeOnce) {
+  ASSERT_TRUE(record.change(Occupancy::Empty, std::nullopt).ok);
+  EXPECT_EQ(record.whyNobodyMoves(), "");
+  ASSERT_TRUE(record.change(Occupancy::Patient, patient).ok);
+  EXPECT_EQ(record.patient()->name, "17");
+  EXPECT_EQ(told, (std::vector<Occupancy>{Occupancy::Empty, Occupancy::Patient}));
+}
+
+TEST_F(OccupancyRecords, AreNotChangedWhileTheMachineSaysWhyNot) {
+  busy = "not possible while the robot is holding";
+  const Answer refused = record.change(Occupancy::Empty, std::nullopt);
+  EXPECT_FALSE(refused.ok);
+  EXPECT_EQ(refused.sentence, busy);
+  EXPECT_TRUE(told.empty());
+}
+
+TEST_F(OccupancyRecords, StayAsTheyAreWhileSomethingIsAskedOfTheMachine) {
+  {
+    const OccupancyRecord::Hold hold(record);
+    ASSERT_TRUE(hold);
+    EXPECT_FALSE(record.change(Occupancy::Empty, std::nullopt).ok);
+  }
+  EXPECT_TRUE(record.change(Occupancy::Empty, std::nullopt).ok);
+}
+
+TEST_F(OccupancyRecords, ThatCannotBeRememberedChangeNothing) {
+  writeFileAtomically(folder + "/memory", "no folder\n");
+  OccupancyRecord forgetful(
+      PatientMemory(folder + "/memory/patient.txt"), [] { return ""; },
+      [this](Occupancy now, const PatientRange&) { told.push_back(now); });
+  const Answer refused = forgetful.change(Occupancy::Patient, patient);
+  EXPECT_FALSE(refused.ok);
+  EXPECT_NE(refused.sentence.find("cannot be remembered"), std::string::npos) << refused.sentence;
+  EXPECT_TRUE(told.empty());
+  EXPECT_FALSE(forgetful.patient());
+  const OccupancyRecord::Hold hold(forgetful);
+  EXPECT_TRUE(hold) << "the change is over";
+}
+
+}  // namespace
+}  // namespace knee_robot::control
