@@ -13,6 +13,7 @@ namespace {
 constexpr double kQuick_s = 1.0;
 constexpr double kSafeStop_s = 8.0;  // longest deceleration, settling, hold and disable delays together
 constexpr double kEnable_s = 12.0;
+const Answer kBeingChanged{false, "who is on the robot was just being changed; try again"};
 
 }  // namespace
 
@@ -78,9 +79,9 @@ Answer ControlSystem::end(bool at_any_rate) {
 
 /// A request that switches the drives on: who is on the robot has to be known, and does not change meanwhile.
 Answer ControlSystem::powered(RequestKind kind, double timeout_s) {
-  if (const std::string why = parts_->occupancy.whyNobodyMoves(); !why.empty()) return {false, why};
   const OccupancyRecord::Hold hold(parts_->occupancy);
-  if (!hold) return {false, "who is on the robot was just being changed; try again"};
+  if (!hold) return kBeingChanged;
+  if (const std::string why = parts_->occupancy.whyNobodyMoves(); !why.empty()) return {false, why};
   return parts_->requests.make(kind, timeout_s);
 }
 
@@ -127,6 +128,8 @@ Answer ControlSystem::setSpeed(double percent) {
 }
 
 Answer ControlSystem::home() {
+  const OccupancyRecord::Hold hold(parts_->occupancy);
+  if (!hold) return kBeingChanged;
   if (parts_->occupancy.patient()) return {false, "a patient is loaded: home the robot before somebody is on it"};
   const Answer answer = powered(RequestKind::Home, kEnable_s);
   if (!answer.ok) return answer;
@@ -135,12 +138,16 @@ Answer ControlSystem::home() {
 }
 
 Answer ControlSystem::confirmHome() {
+  const OccupancyRecord::Hold hold(parts_->occupancy);
+  if (!hold) return kBeingChanged;
   if (parts_->occupancy.patient()) return {false, "a patient is loaded: home the robot before somebody is on it"};
   const Answer answer = parts_->requests.make(RequestKind::ConfirmHome, kQuick_s);
   return answer.ok ? Answer{true, "the robot stands at its home lengths"} : answer;
 }
 
 Answer ControlSystem::guide() {
+  const OccupancyRecord::Hold hold(parts_->occupancy);
+  if (!hold) return kBeingChanged;
   if (const std::string why = parts_->occupancy.whyNobodyMoves(); !why.empty()) return {false, why};
   const Answer answer = parts_->requests.make(RequestKind::Guide, kQuick_s);
   if (!answer.ok) return answer;
@@ -164,14 +171,20 @@ Answer ControlSystem::loadReference(const trajectory::Reference& reference) {
   if (now == MachineState::Playing || now == MachineState::Stopping || now == MachineState::Paused) {
     return {false, "a reference is being played; stop it before another one is loaded"};
   }
+  const OccupancyRecord::Hold hold(parts_->occupancy);
+  if (!hold) return kBeingChanged;
   return parts_->player.load(reference, parts_->occupancy.patient());
 }
 
 Answer ControlSystem::play() {
+  const OccupancyRecord::Hold hold(parts_->occupancy);
+  if (!hold) return kBeingChanged;
   return parts_->player.play();
 }
 
 Answer ControlSystem::approach(double speed_m_per_s) {
+  const OccupancyRecord::Hold hold(parts_->occupancy);
+  if (!hold) return kBeingChanged;
   return parts_->player.approach(speed_m_per_s, parts_->occupancy.patient());
 }
 
@@ -252,6 +265,8 @@ std::vector<rt::PropertyReport> ControlSystem::properties() const {
 }
 
 Answer ControlSystem::setProperty(const std::string& component, const std::string& property, const std::string& value) {
+  const OccupancyRecord::Hold hold(parts_->occupancy);
+  if (!hold) return kBeingChanged;
   return parts_->properties.set(component, property, value);
 }
 

@@ -19,7 +19,7 @@ OccupancyRecord::Hold::~Hold() {
 /// From here on nothing is asked of the machine, and the disk may take its time.
 Answer OccupancyRecord::beginChange() {
   const std::lock_guard<std::mutex> lock(mutex_);
-  if (holds_ > 0) return {false, "not possible while the robot is being enabled"};
+  if (holds_ > 0) return {false, "not possible while something is asked of the robot; try again"};
   if (changing_) return {false, "somebody else is just saying who is on the robot; try again"};
   changing_ = true;
   return {true, ""};
@@ -38,7 +38,9 @@ std::string OccupancyRecord::remember(Occupancy occupancy, const std::optional<P
 Answer OccupancyRecord::change(Occupancy occupancy, std::optional<PatientLimits> patient) {
   if (const std::string why = why_not_now_(); !why.empty()) return {false, why};
   if (const Answer begun = beginChange(); !begun.ok) return begun;
-  const std::string why = remember(occupancy, patient);
+  // Whatever was asked before is seen now: the first look may have been too early.
+  std::string why = why_not_now_();
+  if (why.empty()) why = remember(occupancy, patient);
   const std::lock_guard<std::mutex> lock(mutex_);
   changing_ = false;
   if (!why.empty()) return {false, why};

@@ -1,7 +1,8 @@
+#include "src/control/approach_line.h"
+
 #include <gtest/gtest.h>
 
 #include "fake_machine.h"
-#include "src/control/approach_line.h"
 
 namespace knee_robot::control {
 namespace {

@@ -64,6 +64,20 @@ TEST(Homing, ByHandIsConfirmedByTheOperatorOnlyWithTheDrivesOff) {
   EXPECT_FALSE(rig.system.confirmHome().ok) << "not with the drives on";
 }
 
+TEST(Homing, NobodyComesToTheRobotWhileHomeIsBeingConfirmed) {
+  Rig rig(withHoming(HomingMethod::HandPlaced));
+  ASSERT_TRUE(rig.system.start().ok);
+  int asked = 0, came = 0;
+  rig.system.setPlant([&](rt::Nanoseconds time) {
+    rig.machine.advanceTo(rt::toSeconds(time));
+    ++asked;
+    if (rig.system.declareEmpty().ok) ++came;
+  });
+  EXPECT_TRUE(rig.system.confirmHome().ok);
+  EXPECT_GT(asked, 0);
+  EXPECT_EQ(came, 0);
+}
+
 TEST(Homing, ByHandTakesThePlaceWhereTheRobotStandsForHome) {
   Rig rig(withHoming(HomingMethod::HandPlaced));
   displace(rig);

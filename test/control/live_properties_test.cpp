@@ -1,6 +1,6 @@
-#include <gtest/gtest.h>
-
 #include "src/control/live_properties.h"
+
+#include <gtest/gtest.h>
 
 namespace knee_robot::control {
 namespace {

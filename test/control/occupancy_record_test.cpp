@@ -1,11 +1,12 @@
 // Who is on the robot, without a controller.
+#include "src/control/occupancy_record.h"
+
 #include <gtest/gtest.h>
 #include <stdlib.h>
 
 #include <filesystem>
 
 #include "knee_robot/base/files.h"
-#include "src/control/occupancy_record.h"
 
 namespace knee_robot::control {
 namespace {
@@ -53,6 +54,25 @@ TEST_F(OccupancyRecords, AreNotChangedWhileTheMachineSaysWhyNot) {
   EXPECT_FALSE(refused.ok);
   EXPECT_EQ(refused.sentence, busy);
   EXPECT_TRUE(told.empty());
+}
+
+TEST_F(OccupancyRecords, AreNotChangedByALookAtTheMachineThatIsOldWhenNothingCanBeAskedAnyMore) {
+  // Drives are switched on between the first look and the moment from which nothing can be asked.
+  int looks = 0;
+  asked = [&] { busy = ++looks == 1 ? "" : "not possible while the robot is holding"; };
+  const Answer refused = record.change(Occupancy::Empty, std::nullopt);
+  EXPECT_FALSE(refused.ok);
+  EXPECT_EQ(refused.sentence, "not possible while the robot is holding");
+  EXPECT_TRUE(told.empty());
+  const OccupancyRecord::Hold hold(record);
+  EXPECT_TRUE(hold) << "the change is over";
+}
+
+TEST_F(OccupancyRecords, LetNothingBeAskedWhileTheyAreChanged) {
+  bool last = true;
+  asked = [&] { last = static_cast<bool>(OccupancyRecord::Hold(record)); };
+  ASSERT_TRUE(record.change(Occupancy::Empty, std::nullopt).ok);
+  EXPECT_FALSE(last) << "the machine is looked at when nothing can be asked of it any more";
 }
 
 TEST_F(OccupancyRecords, StayAsTheyAreWhileSomethingIsAskedOfTheMachine) {

@@ -1,8 +1,8 @@
+#include "src/control/operator_sentences.h"
+
 #include <gtest/gtest.h>
 
 #include <set>
-
-#include "src/control/operator_sentences.h"
 
 namespace knee_robot::control {
 namespace {

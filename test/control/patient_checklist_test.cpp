@@ -1,10 +1,11 @@
 // What must be so before a patient may lie in a machine, sentence by sentence.
+#include "src/control/patient_checklist.h"
+
 #include <gtest/gtest.h>
 
 #include <functional>
 
 #include "fake_machine.h"
-#include "src/control/patient_checklist.h"
 
 namespace knee_robot::control {
 namespace {
