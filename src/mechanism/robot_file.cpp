@@ -1,5 +1,4 @@
 #include <cmath>
-#include <cstdlib>
 #include <filesystem>
 #include <limits>
 
@@ -7,6 +6,7 @@
 #include "knee_robot/base/errors.h"
 #include "knee_robot/base/files.h"
 #include "knee_robot/base/numbers.h"
+#include "knee_robot/base/package_folders.h"
 #include "knee_robot/base/strict_yaml.h"
 #include "knee_robot/mechanism/robot.h"
 
@@ -120,38 +120,6 @@ double readMargin(std::optional<StrictMap> map) {
                              : map->numberOr("condition_max", kDefault, 1.0, std::numeric_limits<double>::max());
   map->finish();
   return margin;
-}
-
-/// `folder` or the nearest one above it that is the source of catkin package `package`.
-fs::path sourceOfPackage(const std::string& package, fs::path folder) {
-  for (; !folder.empty(); folder = folder.parent_path()) {
-    if (fs::is_regular_file(folder / "package.xml")) {
-      const std::string text = readFile((folder / "package.xml").string());
-      if (text.find("<name>" + package + "</name>") != std::string::npos) return folder;
-    }
-    if (folder == folder.parent_path()) break;
-  }
-  return {};
-}
-
-/// Folders in which package `package` may be: KNEE_ROBOT_PATH, the sources around the robot file, ROS_PACKAGE_PATH.
-std::vector<fs::path> packageFolders(const std::string& package, const fs::path& robot_folder) {
-  std::vector<fs::path> folders;
-  const char* own = std::getenv("KNEE_ROBOT_PATH");
-  if (own != nullptr && *own != '\0' && package == "knee_robot") folders.emplace_back(own);
-  const fs::path around = sourceOfPackage(package, fs::absolute(robot_folder).lexically_normal());
-  if (!around.empty()) folders.push_back(around);
-  const char* variable = std::getenv("ROS_PACKAGE_PATH");
-  std::string paths = variable == nullptr ? "" : variable;
-  while (!paths.empty()) {
-    const std::size_t colon = paths.find(':');
-    const fs::path entry = paths.substr(0, colon);
-    paths = colon == std::string::npos ? "" : paths.substr(colon + 1);
-    if (entry.empty()) continue;
-    folders.push_back(entry / package);
-    if (!sourceOfPackage(package, entry).empty()) folders.push_back(sourceOfPackage(package, entry));
-  }
-  return folders;
 }
 
 std::string resolveUrdf(StrictMap& file, const std::string& robot_path) {
