@@ -2,7 +2,10 @@ catkin_add_env_hooks(50.loopback SHELLS sh DIRECTORY ${PROJECT_SOURCE_DIR}/cmake
 catkin_install_python(PROGRAMS src/nodes/identification_server src/nodes/identification_session src/nodes/operator_page
   src/nodes/operator_user src/nodes/play_movement src/nodes/show_rviz
   DESTINATION ${CATKIN_PACKAGE_BIN_DESTINATION})
-install(DIRECTORY config launch operator urdf DESTINATION ${CATKIN_PACKAGE_SHARE_DESTINATION})
+install(DIRECTORY config launch operator pages urdf DESTINATION ${CATKIN_PACKAGE_SHARE_DESTINATION})
+# The pages of reports, for programs of the devel space that are run without setup.bash, too.
+file(MAKE_DIRECTORY ${CATKIN_DEVEL_PREFIX}/share/${PROJECT_NAME})
+file(CREATE_LINK ${PROJECT_SOURCE_DIR}/pages ${CATKIN_DEVEL_PREFIX}/share/${PROJECT_NAME}/pages SYMBOLIC)
 
 # Headers and libraries for packages that bring components of their own (test/downstream is one): targets knee_robot::ROOM, in the
 # devel space as in the install space.

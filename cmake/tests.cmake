@@ -60,14 +60,19 @@ foreach(room ${knee_rooms} nodes)
   endif()
 endforeach()
 
-# test/operator/NAME_test.py: unit tests of the operator's page; they need neither a master nor a robot.
-file(GLOB page_tests RELATIVE ${PROJECT_SOURCE_DIR} CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/test/operator/*_test.py)
+# test/ROOM/NAME_test.py of the operator's page and of reports: unit tests; they need neither a master nor a robot.
+file(GLOB page_tests RELATIVE ${PROJECT_SOURCE_DIR} CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/test/operator/*_test.py
+  ${PROJECT_SOURCE_DIR}/test/report/*_test.py)
 foreach(page_test ${page_tests})
   get_filename_component(name ${page_test} NAME_WE)
-  add_test(NAME operator_${name} COMMAND ${PROJECT_BINARY_DIR}/catkin_generated/env_cached.sh ${PYTHON_EXECUTABLE} ${PROJECT_SOURCE_DIR}/${page_test}
-    --gtest_output=xml:${PROJECT_BINARY_DIR}/test_results/knee_robot/operator-${name}.xml)
+  get_filename_component(room ${page_test} DIRECTORY)
+  get_filename_component(room ${room} NAME)
+  add_test(NAME ${room}_${name} COMMAND ${PROJECT_BINARY_DIR}/catkin_generated/env_cached.sh ${PYTHON_EXECUTABLE} ${PROJECT_SOURCE_DIR}/${page_test}
+    --gtest_output=xml:${PROJECT_BINARY_DIR}/test_results/knee_robot/${room}-${name}.xml)
 endforeach()
-set_tests_properties(operator_browser_test PROPERTIES RUN_SERIAL ON)  # a browser beside compute-bound tests takes a minute to start
+# a browser beside compute-bound tests takes a minute to start
+set_tests_properties(operator_browser_test report_browser_test PROPERTIES RUN_SERIAL ON)
+set_tests_properties(report_browser_test PROPERTIES ENVIRONMENT "KNEE_BUILD=${PROJECT_BINARY_DIR}")
 
 # Each rostest has a roscore and a simulated robot of its own. They run one at a time: a robot that shares the machine with
 # compute-bound tests would measure those.

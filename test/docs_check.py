@@ -16,7 +16,7 @@ ASKED = re.compile(r'(?:\.|->)(?:text|textOr|number|numberOr|integer|integerOr|f
 WRITTEN = re.compile(r'\{"(\w+)",|\["(\w+)"\]')
 TABLE_KEY = re.compile(r"^\| `([\w]+)` \|")
 # Folders whose files pages may name; "NAME" and "*" in a path stand for any name.
-NAMED = re.compile(r"`((?:config|docs|include|launch|scripts|src|test|urdf|cmake|msg|srv|action|cfg)/[\w./*-]+)")
+NAMED = re.compile(r"`((?:config|docs|include|launch|pages|scripts|src|test|urdf|cmake|msg|srv|action|cfg)/[\w./*-]+)")
 ROOMS = re.compile(r"`((?:base|mechanism|rt|hardware|recording|dynamics|trajectory|excitation|simulation|identification|control|tracing"
                    r"|report|nodes)/[\w./*-]+)")
 

@@ -5,6 +5,7 @@
 
 #include "knee_robot/base/errors.h"
 #include "knee_robot/report/compare.h"
+#include "knee_robot/report/page.h"
 #include "program.h"
 
 using namespace knee_robot;
@@ -31,6 +32,7 @@ void declare(CLI::App& app, Arguments& a) {
 }
 
 int run(const Arguments& a, const std::string& command_line) {
+  report::Page("compare");  // what the report needs and is missing is said before the work
   const mechanism::Robot robot = mechanism::loadRobot(a.robot);
   double condition_max = a.condition_max;
   if (condition_max == 0.0) {
@@ -50,8 +52,5 @@ int main(int argc, char** argv) {
   CLI::App app("Compares reference and measured motion of a recording, per actuator and in pose.", "compare");
   Arguments arguments;
   declare(app, arguments);
-  std::string command_line = "rosrun knee_robot compare";
-  for (int i = 1; i < argc; ++i)
-    command_line += std::string(" ") + argv[i];
-  return nodes::runProgram(app, argc, argv, [&] { return run(arguments, command_line); });
+  return nodes::runProgram(app, argc, argv, [&] { return run(arguments, nodes::commandLine("compare", argc, argv)); });
 }

@@ -10,6 +10,7 @@
 #include "knee_robot/identification/drive_gains.h"
 #include "knee_robot/identification/recording_units.h"
 #include "knee_robot/report/drive_gains_report.h"
+#include "knee_robot/report/page.h"
 #include "program.h"
 
 using namespace knee_robot;
@@ -30,7 +31,8 @@ std::vector<identification::Observation> observeAll(mechanism::Robot& robot, con
   return all;
 }
 
-int run(const Arguments& a) {
+int run(const Arguments& a, const std::string& command_line) {
+  report::Page("drive_gains");  // what the report needs and is missing is said before the work
   mechanism::Robot robot = mechanism::loadAnyRobot(a.robot);
   if (!robot.chain) throw InputError(a.robot + ": drive gains belong to `mechanism: chain`");
   std::vector<recording::Recording> read = identification::readRecordings(a.unloaded);
@@ -44,9 +46,9 @@ int run(const Arguments& a) {
   const std::vector<identification::Observation> unloaded = observeAll(robot, a.unloaded, options);
   const std::vector<identification::Observation> loaded = observeAll(robot, a.loaded, options);
   const identification::DriveGains gains = identification::driveGains(robot, unloaded, loaded, a.payload_kg, options);
-  report::writeDriveGains(robot, gains, a.output);
+  report::writeDriveGains(robot, gains, command_line, a.output);
   std::cout << report::driveGainsSummary(robot, gains) << "written: " << a.output
-            << "/report.json, and robot.yaml with these gains" << std::endl;
+            << "/report.html, report.json, and robot.yaml with these gains" << std::endl;
   return kExitDone;
 }
 
@@ -63,6 +65,6 @@ int main(int argc, char** argv) {
   app.add_option("--payload-kg", a.payload_kg, "its mass")->required()->check(CLI::Range(1e-3, 1e4));
   app.add_option("--cutoff-hz", a.cutoff_hz, "zero-phase low-pass of both sides of the equation (5)")
       ->check(CLI::Range(1e-6, 1e6));
-  app.add_option("--output", a.output, "folder for report.json and robot.yaml")->required();
-  return nodes::runProgram(app, argc, argv, [&] { return run(a); });
+  app.add_option("--output", a.output, "folder for report.html, report.json and robot.yaml")->required();
+  return nodes::runProgram(app, argc, argv, [&] { return run(a, nodes::commandLine("drive_gains", argc, argv)); });
 }

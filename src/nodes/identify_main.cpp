@@ -13,6 +13,7 @@
 #include "knee_robot/identification/prediction.h"
 #include "knee_robot/identification/recording_units.h"
 #include "knee_robot/report/identify_report.h"
+#include "knee_robot/report/page.h"
 #include "knee_robot/report/recorded_units.h"
 #include "program.h"
 
@@ -145,13 +146,6 @@ void refuseTrainingAgain(const Arguments& a) {
   }
 }
 
-std::string commandLine(int argc, char** argv) {
-  std::string line = "rosrun knee_robot identify";
-  for (int i = 1; i < argc; ++i)
-    line += std::string(" ") + argv[i];
-  return line;
-}
-
 /// The physically consistent parameters, or why there are none.
 void fitPossible(const mechanism::Robot& robot, report::IdentifyResults& r) {
   if (robot.chain) {
@@ -202,6 +196,7 @@ identification::Applied apply(const dynamics::Model& model, const mechanism::Rob
 }
 
 int run(const Arguments& a, const std::string& command_line) {
+  report::Page("identify");  // what the report needs and is missing is said before the work
   report::IdentifyResults r;
   r.no_physical = "--no-physical was given.";
   r.command_line = command_line;
@@ -262,5 +257,5 @@ int main(int argc, char** argv) {
   CLI::App app("Identifies the force model of a robot from recordings.", "identify");
   Arguments arguments;
   declare(app, arguments);
-  return nodes::runProgram(app, argc, argv, [&] { return run(arguments, commandLine(argc, argv)); });
+  return nodes::runProgram(app, argc, argv, [&] { return run(arguments, nodes::commandLine("identify", argc, argv)); });
 }

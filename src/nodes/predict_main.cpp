@@ -5,6 +5,7 @@
 
 #include "knee_robot/base/errors.h"
 #include "knee_robot/identification/recording_units.h"
+#include "knee_robot/report/page.h"
 #include "knee_robot/report/predict_report.h"
 #include "knee_robot/report/recorded_units.h"
 #include "program.h"
@@ -18,7 +19,8 @@ struct Arguments {
   std::vector<std::string> recordings;
 };
 
-int run(const Arguments& a) {
+int run(const Arguments& a, const std::string& command_line) {
+  report::Page("predict");  // what the report needs and is missing is said before the work
   mechanism::Robot robot = mechanism::loadAnyRobot(a.robot);
   const dynamics::Model model = dynamics::loadModel(a.model);
   std::vector<recording::Recording> recordings = identification::readRecordings(a.recordings);
@@ -31,10 +33,11 @@ int run(const Arguments& a) {
       throw InputError(r.path + ": another recording is named " + r.name + " too; rename one");
   }
   report::PredictResults results = report::predictRecordings(robot, model, a.model, recordings);
+  results.command_line = command_line;
   report::toRecordedUnits(robot, results);
   report::writePredictFiles(results, a.output);
   std::cout << report::withUnits(results.units, report::predictSummary(results)) << "written: " << a.output
-            << "/prediction_NAME.csv" << std::endl;
+            << "/report.html, report.json and prediction_NAME.csv" << std::endl;
   return kExitDone;
 }
 
@@ -46,6 +49,6 @@ int main(int argc, char** argv) {
   app.add_option("--robot", a.robot, "robot file")->required();
   app.add_option("--model", a.model, "model.yaml of identify or trace")->required();
   app.add_option("RECORDINGS", a.recordings, "recordings to predict")->required();
-  app.add_option("--output", a.output, "folder for prediction_NAME.csv")->required();
-  return nodes::runProgram(app, argc, argv, [&] { return run(a); });
+  app.add_option("--output", a.output, "folder for report.html, report.json and prediction_NAME.csv")->required();
+  return nodes::runProgram(app, argc, argv, [&] { return run(a, nodes::commandLine("predict", argc, argv)); });
 }

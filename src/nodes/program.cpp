@@ -46,4 +46,11 @@ int runProgram(CLI::App& app, int argc, const char* const* argv, const std::func
   }
 }
 
+std::string commandLine(const std::string& program, int argc, const char* const* argv) {
+  std::string line = "rosrun knee_robot " + program;
+  for (int i = 1; i < argc; ++i)
+    line += std::string(" ") + argv[i];
+  return line;
+}
+
 }  // namespace knee_robot::nodes

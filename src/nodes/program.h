@@ -2,6 +2,7 @@
 
 #include <CLI/CLI.hpp>
 #include <functional>
+#include <string>
 
 namespace knee_robot::nodes {
 
@@ -14,5 +15,8 @@ namespace knee_robot::nodes {
 ///     app.add_option("--robot", robot, "robot file")->required();
 ///     return runProgram(app, argc, argv, [&] { ...; return kExitDone; });
 int runProgram(CLI::App& app, int argc, const char* const* argv, const std::function<int()>& body);
+
+/// "rosrun knee_robot PROGRAM ARGUMENTS...", for reports that say how they were made.
+std::string commandLine(const std::string& program, int argc, const char* const* argv);
 
 }  // namespace knee_robot::nodes

@@ -12,6 +12,7 @@
 #include "knee_robot/recording/cutoff.h"
 #include "knee_robot/recording/pauses.h"
 #include "knee_robot/recording/signals.h"
+#include "knee_robot/report/page.h"
 #include "knee_robot/report/recorded_units.h"
 #include "knee_robot/report/trace_report.h"
 #include "knee_robot/tracing/model_prediction.h"
@@ -185,6 +186,7 @@ tracing::PoseTraceOptions poseOptions(const mechanism::Robot& robot, const traci
 }
 
 int run(const Arguments& a, const std::string& command_line) {
+  report::Page("trace");  // what the report needs and is missing is said before the work
   refuseBadFiles(a);
   report::TraceResults r;
   r.command_line = command_line;
@@ -276,8 +278,5 @@ int main(int argc, char** argv) {
   CLI::App app("Traces the residual of the rigid model with friction to the effects that the model lacks.", "trace");
   Arguments arguments;
   declare(app, arguments);
-  std::string line = "rosrun knee_robot trace";
-  for (int i = 1; i < argc; ++i)
-    line += std::string(" ") + argv[i];
-  return nodes::runProgram(app, argc, argv, [&] { return run(arguments, line); });
+  return nodes::runProgram(app, argc, argv, [&] { return run(arguments, nodes::commandLine("trace", argc, argv)); });
 }

@@ -11,6 +11,7 @@
 #include "knee_robot/control/axis_inertia.h"
 #include "knee_robot/control/component_types.h"
 #include "knee_robot/control/driver.h"
+#include "knee_robot/report/page.h"
 #include "knee_robot/report/tuning_report.h"
 #include "knee_robot/simulation/simulated_cards.h"
 #include "knee_robot/trajectory/reference_check.h"
@@ -141,6 +142,7 @@ void tune(const mechanism::Actuator& actuator, const report::TuningResults& resu
 }
 
 int propose(const Arguments& a, const mechanism::Robot& robot, const std::string& command_line) {
+  report::Page("tune_pid");  // what the report needs and is missing is said before the work
   report::TuningResults results;
   results.recording = a.recording;
   results.deployment = a.deployment;
@@ -173,7 +175,7 @@ int propose(const Arguments& a, const mechanism::Robot& robot, const std::string
   if (judged == 0) throw Refusal(a.recording + ": no axis can be judged; the first: " + results.axes.front().reason);
   std::cout << report::tuningSummary(results);
   report::writeTuning(results, command_line, a.output);
-  std::cout << "written: " << a.output << "/report.html, gains.yaml" << std::endl;
+  std::cout << "written: " << a.output << "/report.html, report.json, gains.yaml" << std::endl;
   return kExitDone;
 }
 
@@ -234,17 +236,14 @@ int main(int argc, char** argv) {
       ->check(CLI::Range(0.0, 200.0));
   app.add_option("--movement", a.movements,
                  "reference files that the gains are for; default: all poses no nearer to a singularity");
-  app.add_option("--output", a.output, "folder for report.html and gains.yaml");
+  app.add_option("--output", a.output, "folder for report.html, report.json and gains.yaml");
   app.add_option("--write-reference", a.reference, "write such a reference file instead");
   app.add_option("--amplitude-m", a.amplitude_m, "of its moves (0.0015)")->check(CLI::Range(1e-4, 0.05));
-  std::string command_line;
-  for (int i = 0; i < argc; ++i)
-    command_line += (i > 0 ? " " : "") + std::string(argv[i]);
   return nodes::runProgram(app, argc, argv, [&] {
     const mechanism::Robot robot = mechanism::loadRobot(a.robot);
     if (!a.reference.empty()) return writeReference(a, robot);
     if (a.recording.empty() || a.deployment.empty() || a.output.empty())
       throw InputError("tune_pid needs RECORDING, --deployment and --output, or --write-reference; see --help");
-    return propose(a, robot, command_line);
+    return propose(a, robot, nodes::commandLine("tune_pid", argc, argv));
   });
 }

@@ -1,28 +1,23 @@
 #include <cmath>
 #include <cstdio>
-#include <nlohmann/json.hpp>
 
 #include "compare_panels.h"
+#include "json_parts.h"
 #include "knee_robot/base/files.h"
 #include "knee_robot/base/numbers.h"
+#include "knee_robot/report/page.h"
 
 namespace knee_robot::report {
 namespace {
 
-using Json = nlohmann::ordered_json;
-
 constexpr double kPerRadian = 180.0 / 3.14159265358979323846;
 const char* const kCoordinates[4] = {"x", "z", "theta", "psi"};
 
-Json number(double value) {
-  return std::isfinite(value) ? Json(value) : Json();
-}
-
 Json figures(const ErrorFigures& e, const std::string& unit) {
-  return {{"max_" + unit, number(e.max_abs)},
-          {"time_of_max_s", number(e.time_of_max_s)},
-          {"rms_" + unit, number(e.rms)},
-          {"mean_" + unit, number(e.mean)},
+  return {{"max_" + unit, jsonNumber(e.max_abs)},
+          {"time_of_max_s", jsonNumber(e.time_of_max_s)},
+          {"rms_" + unit, jsonNumber(e.rms)},
+          {"mean_" + unit, jsonNumber(e.mean)},
           {"rows", e.rows}};
 }
 
@@ -37,7 +32,7 @@ Json cameraJson(const CameraComparison& camera) {
   const tracing::CameraAlignment& a = camera.alignment;
   return {{"alignment",
            {{"delay_s", a.delay_known ? Json(a.delay_s) : Json()},
-            {"correlation", number(a.correlation)},
+            {"correlation", jsonNumber(a.correlation)},
             {"rotation_rad", a.rotation_rad},
             {"shift_x_m", a.shift_x_m},
             {"shift_z_m", a.shift_z_m},
@@ -72,7 +67,11 @@ std::string compareJson(const CompareResults& r) {
   Json j;
   j["command"] = "compare";
   j["robot"] = r.robot_path;
-  j["recording"] = {{"path", r.recording.path}, {"fingerprint", r.recording.fingerprint}, {"rows", r.recording.rows()}};
+  j["recording"] = {{"path", r.recording.path},
+                    {"name", r.recording.name},
+                    {"fingerprint", r.recording.fingerprint},
+                    {"rows", r.recording.rows()},
+                    {"duration_s", r.recording.time_s.back() - r.recording.time_s.front()}};
   j["actuators"] = Json::array();
   for (const ErrorFigures& e : r.actuators)
     j["actuators"].push_back(figures(e, "m"));
@@ -122,6 +121,7 @@ std::string compareSummary(const CompareResults& r) {
 }
 
 void writeCompareFiles(const CompareResults& r, const std::string& folder) {
+  const Page page("compare");
   makeFolder(folder);
   const std::string name = r.recording.name;
   writeFileAtomically(
@@ -133,8 +133,7 @@ void writeCompareFiles(const CompareResults& r, const std::string& folder) {
                                       (r.has_camera ? ", of the camera" : "") + " (as the paper's Fig. 16)",
                                   posePanels(r)));
   }
-  writeFileAtomically(folder + "/report.json", compareJson(r));
-  writeFileAtomically(folder + "/report.html", compareHtml(r));
+  writeReport(folder, page, compareJson(r), compareSeries(r));
 }
 
 }  // namespace knee_robot::report

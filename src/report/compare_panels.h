@@ -4,6 +4,7 @@
 #include <utility>
 #include <vector>
 
+#include "json_parts.h"
 #include "knee_robot/report/compare.h"
 
 namespace knee_robot::report {
@@ -21,6 +22,8 @@ std::vector<ComparePanel> actuatorPanels(const CompareResults& results);
 std::vector<ComparePanel> posePanels(const CompareResults& results);
 /// Stretches of time near a singularity.
 std::vector<std::pair<double, double>> singularStretches(const CompareResults& results);
+/// What the plots of compare's page show beside report.json: the same curves, m and rad.
+Json compareSeries(const CompareResults& results);
 /// Panels as one picture.
 std::string panelsSvg(const std::string& title, const std::vector<ComparePanel>& panels);
 

@@ -1,9 +1,11 @@
 #include <cmath>
 
+#include "identify_series.h"
 #include "json_parts.h"
 #include "knee_robot/base/files.h"
 #include "knee_robot/dynamics/urdf_inertia.h"
 #include "knee_robot/report/identify_report.h"
+#include "knee_robot/report/page.h"
 #include "knee_robot/report/recorded_units.h"
 
 namespace knee_robot::report {
@@ -15,6 +17,7 @@ Json rankJson(const IdentifyResults& r) {
     const identification::RankPoint& p = r.after.rank.curve[k];
     Json point = {{"rank", p.rank},
                   {"held_back", p.held_back},
+                  {"training", p.training},
                   {"beyond_best", p.beyond_best},
                   {"standard_error", p.standard_error},
                   {"train_moving_N", jsonArray(r.train_by_rank[k])}};
@@ -55,10 +58,13 @@ Json physicalJson(const IdentifyResults& r) {
   Json links = Json::array();
   for (const identification::PhysicalBody& one : fit.bodies) {
     const dynamics::LinkInertia& body = one.fitted;
+    const mechanism::Vector3 moments = dynamics::principalMoments(body);
     links.push_back({{"link", one.name},
                      {"mass_kg", body.mass},
                      {"center_m", {body.center.x(), body.center.y(), body.center.z()}},
+                     {"principal_moments_kg_m2", {moments.x(), moments.y(), moments.z()}},
                      {"prior_mass_kg", one.prior.mass},
+                     {"prior_center_m", {one.prior.center.x(), one.prior.center.y(), one.prior.center.z()}},
                      {"change_from_prior", one.moved},
                      {"possible", dynamics::inconsistency(body).empty()}});
   }
@@ -71,6 +77,16 @@ Json physicalJson(const IdentifyResults& r) {
             {"curve", curve},
             {"links", links}};
   j.update(sideJson(static_cast<int>(std::lround(fit.supported)), r.train_physical, r.validate_physical));
+  return j;
+}
+
+/// What the fit rests on.
+Json fitJson(const IdentifyResults& r) {
+  Json j = {{"equations", r.after.equations},
+            {"duration_s", r.after.duration_s},
+            {"outliers", outlierText(r.options.outliers)}};
+  j["given_motion_cutoff_hz"] =
+      r.options.observation.motion_cutoff_given ? Json(r.options.observation.signals.motion_cutoff_hz) : Json();
   return j;
 }
 
@@ -99,6 +115,7 @@ Json masksJson(const IdentifyResults& r) {
 std::string identifyJson(const IdentifyResults& r) {
   Json j;
   j["command"] = "identify";
+  j["robot"] = r.robot_path;
   j["data"] = dataJson(r.train, r.validate, r.options.observation);
   j["before"] = sideJson(r.before.model.rank, r.train_before, r.validate_before);
   j["before"]["model"] = "without actuator friction";
@@ -113,6 +130,7 @@ std::string identifyJson(const IdentifyResults& r) {
   j["next_experiment"] = Json();
   j["rank"] = rankJson(r);
   j["parameters"] = parametersJson(r.after.model);
+  j["combinations"] = r.after.model.base.size();
   j["cutoff"] = {{"rule", r.cutoff.sentence},
                  {"drive_hz", jsonNumber(r.cutoff.drive_hz)},
                  {"follow_hz", jsonNumber(r.cutoff.follow_hz)}};
@@ -120,7 +138,10 @@ std::string identifyJson(const IdentifyResults& r) {
   j["uncertainty"] = {{"method", "bootstrap of contiguous blocks"}, {"block_s", r.after.bootstrap_block_s}};
   j["physical"] = physicalJson(r);
   j["friction_near_rest"] = frictionJson(r.after.model.friction);
+  j["friction_tried"] = frictionTriedJson(r.after.friction);
+  j["residual_moving_N"] = r.after.model.residual_rms_N;
   j["noise_N"] = jsonArray(r.after.noise_N);
+  j["fit"] = fitJson(r);
   j["outlier_share"] = r.after.outlier_share;
   j["masks"] = masksJson(r);
   j["signal_path"] = notesJson(r);
@@ -133,6 +154,7 @@ std::string predictionCsv(const identification::Observation& o, const identifica
 }
 
 void writeIdentifyFiles(const IdentifyResults& r, const std::string& folder) {
+  const Page page("identify");
   makeFolder(folder);
   dynamics::saveModel(r.after.model, folder + "/model.yaml");
   if (r.physical) {
@@ -151,8 +173,7 @@ void writeIdentifyFiles(const IdentifyResults& r, const std::string& folder) {
     writeFileAtomically(folder + "/prediction_" + r.validate[i].name + ".csv",
                         predictionCsv(r.validate[i], r.validate_after.predictions[i]));
   }
-  writeFileAtomically(folder + "/report.json", jsonWithUnits(r.units, identifyJson(r)));
-  writeFileAtomically(folder + "/report.html", withUnits(r.units, identifyHtml(r)));
+  writeReport(folder, page, jsonWithUnits(r.units, identifyJson(r)), identifySeries(r));
 }
 
 }  // namespace knee_robot::report

@@ -127,6 +127,10 @@ std::string identifySummary(const IdentifyResults& r) {
   return out + physicalText(r);
 }
 
+std::string verdictText(const std::string& verdict) {
+  return verdict == "not identifiable" ? "not identifiable on this data" : verdict;
+}
+
 std::string outlierText(identification::OutlierRule rule) {
   switch (rule) {
     case identification::OutlierRule::Bisquare:

@@ -2,23 +2,12 @@
 
 #include <cmath>
 
+#include "knee_robot/base/files.h"
 #include "knee_robot/base/numbers.h"
+#include "knee_robot/report/page.h"
 
 namespace knee_robot::report {
 namespace {
-
-Json accuracyJson(const identification::Accuracy& a) {
-  return {{"rms_N", jsonArray(a.rms_N)},
-          {"rms_moving_N", jsonArray(a.rms_moving_N)},
-          {"rms_raw_N", jsonArray(a.rms_raw_N)},
-          {"raw_percent", jsonArray(a.raw_percent)},
-          {"rms_percent", jsonArray(a.rms_percent)},
-          {"range_percent", jsonArray(a.range_percent)},
-          {"max_N", jsonArray(a.max_N)},
-          {"together_percent", jsonNumber(a.togetherPercent())},
-          {"samples", a.samples},
-          {"moving_samples", a.moving_samples}};
-}
 
 Json paths(const std::vector<identification::Observation>& observations) {
   Json list = Json::array();
@@ -40,6 +29,19 @@ Json jsonArray(const Eigen::VectorXd& values) {
   return list;
 }
 
+Json accuracyJson(const identification::Accuracy& a) {
+  return {{"rms_N", jsonArray(a.rms_N)},
+          {"rms_moving_N", jsonArray(a.rms_moving_N)},
+          {"rms_raw_N", jsonArray(a.rms_raw_N)},
+          {"raw_percent", jsonArray(a.raw_percent)},
+          {"rms_percent", jsonArray(a.rms_percent)},
+          {"range_percent", jsonArray(a.range_percent)},
+          {"max_N", jsonArray(a.max_N)},
+          {"together_percent", jsonNumber(a.togetherPercent())},
+          {"samples", a.samples},
+          {"moving_samples", a.moving_samples}};
+}
+
 Json frictionJson(const std::vector<dynamics::FrictionLaw>& laws) {
   Json list = Json::array();
   for (const dynamics::FrictionLaw& law : laws) {
@@ -55,6 +57,22 @@ Json frictionJson(const std::vector<dynamics::FrictionLaw>& laws) {
       elements.push_back(element);
     }
     list.push_back({{"law", dynamics::nameOf(law)}, {"in_words", dynamics::describe(law)}, {"elements", elements}});
+  }
+  return list;
+}
+
+Json frictionTriedJson(const std::vector<identification::FrictionChoice>& choices) {
+  Json list = Json::array();
+  for (const identification::FrictionChoice& choice : choices) {
+    Json tried = Json::array();
+    for (const identification::TriedLaw& t : choice.tried) {
+      tried.push_back({{"in_words", dynamics::describe(t.law)},
+                       {"chosen", t.law == choice.law},
+                       {"held_back", t.held_back},
+                       {"beyond_best", t.beyond_best},
+                       {"standard_error", t.standard_error}});
+    }
+    list.push_back(tried);
   }
   return list;
 }
@@ -78,6 +96,13 @@ Json sideJson(int parameters, const identification::Applied& train, const identi
   Json j = {{"parameters", parameters}, {"train", accuracyJson(train.accuracy)}};
   j["validate"] = validate.predictions.empty() ? Json() : accuracyJson(validate.accuracy);
   return j;
+}
+
+void writeReport(const std::string& folder, const Page& page, const std::string& report_json, const Json& series) {
+  writeFileAtomically(folder + "/report.json", report_json);
+  const std::string embedded = Json::parse(report_json).dump();  // without its indents
+  writeFileAtomically(folder + "/report.html",
+                      page.with(embedded, series.dump(-1, ' ', false, Json::error_handler_t::replace)));
 }
 
 std::string predictionTable(const identification::Observation& o, const identification::Prediction& prediction,

@@ -1,6 +1,7 @@
 #include "knee_robot/report/recorded_units.h"
 
 #include <algorithm>
+#include <set>
 
 #include "json_parts.h"
 #include "knee_robot/base/numbers.h"
@@ -107,12 +108,43 @@ void scaleNumbers(std::string& text, const std::string& unit, const std::string&
 
 Json translated(const RecordedUnits& units, const Json& json);
 
+/// Keys whose text, or list of texts, is sentences; "signal_path" has such lists by file.
+bool isSentence(const std::string& key) {
+  static const std::set<std::string> keys = {"in_words",   "sentence",           "outcome",  "verdict", "rule",
+                                             "why",        "noise_floor_source", "absorbed", "notes",   "not_added",
+                                             "signal_path"};
+  return keys.count(key) > 0;
+}
+
+/// All texts of a value, as withUnits has them.
+Json inWords(const RecordedUnits& units, Json value) {
+  if (value.is_string()) {
+    std::string text = withUnits(units, value.get<std::string>() + "\n");
+    text.pop_back();
+    return text;
+  }
+  for (Json& entry : value)
+    if (entry.is_structured() || entry.is_string()) entry = inWords(units, entry);
+  return value;
+}
+
 /// Key and value of one entry of an object.
 void translateEntry(const RecordedUnits& units, const std::string& key, const Json& value, Json& out) {
   const bool ends = key.size() > 2 && key.compare(key.size() - 2, 2, "_N") == 0;
   if (ends && (value.is_array() || value.is_null())) {
     const std::string unit = units.commonForce();
     out[key.substr(0, key.size() - 2) + (unit.empty() ? "" : "_" + unit)] = value;
+    return;
+  }
+  if (isSentence(key)) {
+    out[key] = inWords(units, value);
+    return;
+  }
+  if (key == "masks") {
+    for (const auto& [file, reasons] : value.items()) {
+      for (const auto& [reason, share] : reasons.items())
+        out[key][file][inWords(units, reason).get<std::string>()] = share;
+    }
     return;
   }
   if (value.is_number() && units.allRevolute()) {
@@ -133,7 +165,7 @@ Json translated(const RecordedUnits& units, const Json& json) {
   if (!json.is_object()) return json;
   Json out = Json::object();
   for (const auto& [key, value] : json.items()) {
-    if (key == "effects" || key == "parameters" || key == "payload" || key == "drive_gains" || key == "reproduce") {
+    if (key == "effects" || key == "parameters" || key == "payload" || key == "links" || key == "reproduce") {
       out[key] = value;  // in the joints' units, or in kg and m, already
       if (key == "effects") {
         out[key] = Json::array();
@@ -217,20 +249,13 @@ std::string withUnits(const RecordedUnits& units, std::string text) {
   std::string force = units.commonForce();
   if (force == "Nm") force = "N m";
   if (force.empty()) force = "N or N m";
-  for (const char* end : {"<", "\n", "\"", ")", ";", ". ", ".\n", ".<", ", p", " rms", " ->"}) {
+  for (const char* end : {"\n", ")", ";", ". ", ".\n", ", p", " rms", " ->"}) {
     replaceAll(text, std::string(", N") + end, ", " + force + end);
     replaceAll(text, std::string(" N") + end, " " + force + end);
-  }
-  for (std::size_t i = units.joints.size(); i-- > 0;) {
-    const std::string number = std::to_string(i + 1);
-    for (const char* word : {"ctuator "}) {
-      replaceAll(text, word + number + "<", word + number + " (" + units.joints[i] + ")<");
-    }
   }
   replaceAll(text, "ctuator ", "ctuator\x01");
   replaceAll(text, "Actuator\x01", "Joint ");
   replaceAll(text, "actuator\x01", "joint ");
-  replaceAll(text, "Measured means commanded: no force sensor exists.", "Measured is what the recorder wrote.");
   if (!units.allRevolute()) return text;
   for (const char* end : {")", "_times_"}) {  // signals that a map depends on
     replaceAll(text, std::string("_m_per_s") + end, std::string("_rad_per_s") + end);
@@ -249,6 +274,9 @@ std::string jsonWithUnits(const RecordedUnits& units, const std::string& text) {
   Json out = translated(units, Json::parse(text));
   out["units"] = units.force;
   out["joints"] = units.joints;
+  out["position_units"] = Json::array();
+  for (const char revolute : units.revolute)
+    out["position_units"].push_back(revolute ? "rad" : "m");
   return out.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 

@@ -2,10 +2,8 @@
 
 #include <cmath>
 
-#include "html_parts.h"
 #include "json_parts.h"
 #include "knee_robot/base/numbers.h"
-#include "knee_robot/report/svg_plot.h"
 
 namespace knee_robot::report {
 namespace {
@@ -94,36 +92,6 @@ nlohmann::ordered_json errorSharesJson(const TraceResults& r) {
     j[kKinds[k]] = {{"share_of_squared_error", jsonArray(s.error.row(k).transpose())},
                     {"share_of_samples", jsonArray(s.samples.row(k).transpose())}};
   return j;
-}
-
-std::string anglesHtml(const TraceResults& r) {
-  if (r.result.angles.empty()) return {};
-  std::string out =
-      "<details><summary>Principal angles between every candidate and the base, and its nearest "
-      "others</summary>\n<table><tr>"
-      "<th>candidate</th><th>to the base, smallest, deg</th><th>largest, deg</th><th>nearest others, base taken "
-      "out</th></tr>\n";
-  for (const tracing::PlaceAngles& a : r.result.angles) {
-    out += "<tr><td>" + escapeHtml(placeText(a.place)) + "</td><td>" + degrees(a.base_smallest) + "</td><td>" +
-           degrees(a.base_largest) + "</td><td class=\"text\">" + escapeHtml(nearestText(a)) + "</td></tr>\n";
-  }
-  return out +
-         "</table>\n<p class=\"key\">Along the training recordings, each candidate with the shape that explains most. "
-         "Near 0 "
-         "to the base: the base parameters take it up. Near 0 to another: these recordings hardly tell the two "
-         "apart.</p></details>\n";
-}
-
-std::string errorSharesHtml(const TraceResults& r) {
-  const Shares s = sharesOf(r);
-  const int axes = static_cast<int>(s.error.cols());
-  std::string out = "<h2>Where the error that is left lies</h2>\n" + tableHead("% of the squared error", axes);
-  for (int k = 0; k < 3; ++k)
-    out += tableRow(kKindTexts[k], 100.0 * s.error.row(k).transpose());
-  out += tableGroup("% of the samples", axes);
-  for (int k = 0; k < 3; ++k)
-    out += tableRow(kKindTexts[k], 100.0 * s.samples.row(k).transpose());
-  return out + "</table>\n";
 }
 
 std::string anglesSummary(const TraceResults& r) {

@@ -11,9 +11,6 @@ namespace knee_robot::report {
 nlohmann::ordered_json anglesJson(const TraceResults& results);
 /// "where" of report.json: share of the squared error that is left while the axis moves, at rest, and in masked samples.
 nlohmann::ordered_json errorSharesJson(const TraceResults& results);
-/// Sections of report.html.
-std::string anglesHtml(const TraceResults& results);
-std::string errorSharesHtml(const TraceResults& results);
 /// Lines for the terminal.
 std::string anglesSummary(const TraceResults& results);
 std::string errorSharesSummary(const TraceResults& results);

@@ -2,10 +2,8 @@
 
 #include <cmath>
 
-#include "html_parts.h"
 #include "json_parts.h"
 #include "knee_robot/base/numbers.h"
-#include "knee_robot/report/svg_plot.h"
 
 namespace knee_robot::report {
 namespace {
@@ -44,13 +42,10 @@ nlohmann::ordered_json givenModelJson(const tracing::GivenModel& given) {
   if (given.path.empty()) return {};
   Json j = {{"file", given.path}, {"effects", Json::array()}, {"parameters", Json::array()}};
   for (const tracing::GivenEffect& g : given.effects) {
-    Json e = {{"name", g.effect.name},
-              {"actuators", g.effect.actuators},
-              {"verdict", g.verdict},
-              {"kept", g.kept},
-              {"held_back_gain", {{"share", g.gain}, {"standard_error", g.gain_error}}},
-              {"given", Json::object()},
-              {"now", Json::object()}};
+    Json e = {{"name", g.effect.name},   {"actuators", g.effect.actuators},
+              {"verdict", g.verdict},    {"sentence", effectSentence(g)},
+              {"kept", g.kept},          {"held_back_gain", {{"share", g.gain}, {"standard_error", g.gain_error}}},
+              {"given", Json::object()}, {"now", Json::object()}};
     for (const dynamics::EffectParameter& p : g.effect.coefficients)
       e["given"][p.name] = {{"value", p.value}, {"std", jsonNumber(p.std)}};
     for (const dynamics::EffectParameter& p : g.now)
@@ -63,7 +58,8 @@ nlohmann::ordered_json givenModelJson(const tracing::GivenModel& given) {
                                {"given", p.given},
                                {"now", p.now},
                                {"std", jsonNumber(p.std)},
-                               {"differs", differs(p)}});
+                               {"differs", differs(p)},
+                               {"sentence", parameterSentence(p)}});
   }
   return j;
 }
@@ -76,19 +72,6 @@ std::string givenModelSummary(const tracing::GivenModel& given) {
   for (const tracing::GivenParameter& p : given.parameters)
     out += "  " + parameterSentence(p) + "\n";
   return out;
-}
-
-std::string givenModelHtml(const tracing::GivenModel& given) {
-  if (given.path.empty()) return {};
-  std::vector<std::string> sentences;
-  for (const tracing::GivenEffect& g : given.effects)
-    sentences.push_back(effectSentence(g));
-  for (const tracing::GivenParameter& p : given.parameters)
-    sentences.push_back(parameterSentence(p));
-  return sentenceList("What of the given model still holds", sentences) +
-         "<p class=\"key\">Given model: " + escapeHtml(given.path) +
-         ". Before: that model unchanged. Uncertainties by leaving blocks of the new recordings out; differs: by more "
-         "than two of them.</p>\n";
 }
 
 }  // namespace knee_robot::report

@@ -9,8 +9,6 @@ namespace knee_robot::report {
 
 /// "given_model" of report.json; null when none was given.
 nlohmann::ordered_json givenModelJson(const tracing::GivenModel& given);
-/// Section of report.html; empty when none was given.
-std::string givenModelHtml(const tracing::GivenModel& given);
 /// Lines for the terminal; empty when none was given.
 std::string givenModelSummary(const tracing::GivenModel& given);
 

@@ -4,12 +4,14 @@
 #include "json_parts.h"
 #include "knee_robot/base/files.h"
 #include "knee_robot/base/numbers.h"
+#include "knee_robot/report/page.h"
 #include "knee_robot/report/recorded_units.h"
 #include "knee_robot/report/trace_report.h"
 #include "trace_angles_report.h"
 #include "trace_given_report.h"
 #include "trace_next_report.h"
 #include "trace_pose_report.h"
+#include "trace_series.h"
 
 namespace knee_robot::report {
 namespace {
@@ -130,6 +132,7 @@ GainInterval bootstrapGain(const std::vector<identification::Observation>& obser
 std::string traceJson(const TraceResults& r) {
   Json j;
   j["command"] = "trace";
+  j["robot"] = r.robot_path;
   j["data"] = dataJson(r.train, r.validate, r.options.observation);
   int added = 0;
   for (const tracing::FoundEffect& e : r.result.effects)
@@ -161,6 +164,7 @@ std::string traceJson(const TraceResults& r) {
                         {"validate", gainJson(r.validate, r.validate_before, r.validate_after)}};
   j["absorbed"] = r.result.absorbed;
   j["friction_near_rest"] = frictionJson(r.model.friction);
+  j["friction_tried"] = frictionTriedJson(r.result.baseline.choices);
   j["not_added"] = r.result.rejected;
   j["notes"] = r.result.notes;
   j["seed"] = r.options.seed;
@@ -169,6 +173,7 @@ std::string traceJson(const TraceResults& r) {
 }
 
 void writeTraceFiles(const TraceResults& r, const std::string& folder) {
+  const Page page("trace");
   makeFolder(folder);
   dynamics::saveModel(r.model, folder + "/model.yaml");
   for (std::size_t i = 0; i < r.validate.size(); ++i) {
@@ -177,8 +182,7 @@ void writeTraceFiles(const TraceResults& r, const std::string& folder) {
         predictionTable(r.validate[i], r.validate_after.predictions[i], &r.validate_before.predictions[i]));
   }
   writeNextExperiment(r.next, r.robot_path, folder);
-  writeFileAtomically(folder + "/report.json", jsonWithUnits(r.units, traceJson(r)));
-  writeFileAtomically(folder + "/report.html", withUnits(r.units, traceHtml(r)));
+  writeReport(folder, page, jsonWithUnits(r.units, traceJson(r)), traceSeries(r));
 }
 
 }  // namespace knee_robot::report

@@ -1,7 +1,6 @@
 #include "trace_next_report.h"
 
 #include "knee_robot/base/numbers.h"
-#include "knee_robot/report/svg_plot.h"
 
 namespace knee_robot::report {
 namespace {
@@ -44,30 +43,6 @@ nlohmann::ordered_json nextExperimentJson(const tracing::NextExperiment& n) {
 
 std::string nextExperimentSummary(const tracing::NextExperiment& n) {
   return n.first.empty() ? std::string() : sentence(n) + "\n";
-}
-
-std::string nextExperimentHtml(const tracing::NextExperiment& n) {
-  if (n.first.empty()) return {};
-  std::string out = "<h2>Next experiment</h2>\n<p>" + escapeHtml(sentence(n)) + "</p>\n";
-  if (!n.planned) return out;
-  static const char* const kColours[4] = {"#1b6ca8", "#d1495b", "#2e8b57", "#9a6bb0"};
-  std::vector<PlotLine> lines;
-  for (int i = 0; i < 4; ++i) {
-    PlotLine line{"leg " + std::to_string(i + 1), kColours[i], {}, {}};
-    for (Eigen::Index k = 0; k < n.reference.points.rows(); ++k) {
-      line.x.push_back(n.reference.period_s * static_cast<double>(k));
-      line.y.push_back(1e3 * n.reference.points(k, i));
-    }
-    lines.push_back(std::move(line));
-  }
-  PlotStyle style;
-  style.x_label = "time, s";
-  style.y_label = "length, mm";
-  out += svgPlot(lines, style) + "<p class=\"key\">Margins to the limits:";
-  for (const trajectory::Margin& m : n.check.margins)
-    out += std::string(" ") + trajectory::nameOf(m.quantity) + " " + shortNumber(100.0 * m.left, 2) + " %;";
-  out.back() = '.';
-  return out + "</p>\n";
 }
 
 void writeNextExperiment(const tracing::NextExperiment& n, const std::string& robot_path, const std::string& folder) {

@@ -11,8 +11,6 @@ inline constexpr const char* kNextExperimentFile = "next_experiment.txt";
 
 /// "next_experiment" of report.json; null when there is nothing to separate.
 nlohmann::ordered_json nextExperimentJson(const tracing::NextExperiment& next);
-/// Section of report.html with the planned motion; empty when there is nothing to separate.
-std::string nextExperimentHtml(const tracing::NextExperiment& next);
 /// Lines for the terminal; empty when there is nothing to separate.
 std::string nextExperimentSummary(const tracing::NextExperiment& next);
 /// Writes the motion as a reference file into `folder`, when one was planned.

@@ -3,16 +3,16 @@
 #include <cmath>
 #include <cstdio>
 
-#include "html_parts.h"
+#include "json_parts.h"
 #include "knee_robot/base/files.h"
 #include "knee_robot/base/numbers.h"
-#include "knee_robot/report/svg_plot.h"
+#include "knee_robot/report/page.h"
+#include "tuning_series.h"
 
 namespace knee_robot::report {
 namespace {
 
 constexpr double kDegrees = 57.29577951308232;
-constexpr double kPlotted_s = 0.5;
 
 std::string gainsText(const control::PidGains& g) {
   return "P " + exactNumber(g.proportional) + " N/m, I " + exactNumber(g.integral) + " N/(m s), D " +
@@ -57,58 +57,6 @@ std::string demandText(const TuningResults& r) {
          shortNumber(r.demand.sensitivity, 3) + ", crossover no higher than what the recording shows";
 }
 
-PlotLine sensitivityLine(const std::string& label, const char* color, const control::PidGains& gains,
-                         const control::AxisPlant& plant, double period) {
-  PlotLine line{label, color, {}, {}};
-  for (const double f : control::marginFrequencies(period)) {
-    const auto loop = control::pidResponse(gains, period, f) * control::plantResponse(plant, period, f);
-    line.x.push_back(std::log10(f));
-    line.y.push_back(1.0 / std::abs(1.0 + loop));
-  }
-  return line;
-}
-
-PlotLine stepLine(const std::string& label, const char* color, const control::PidGains& gains,
-                  const control::AxisPlant& plant, double period) {
-  PlotLine line{label, color, {}, control::stepResponse(gains, plant, period, static_cast<int>(kPlotted_s / period))};
-  for (std::size_t k = 0; k < line.y.size(); ++k)
-    line.x.push_back(static_cast<double>(k) * period);
-  return line;
-}
-
-PlotStyle style(const std::string& x, const std::string& y) {
-  PlotStyle style;
-  style.x_label = x;
-  style.y_label = y;
-  return style;
-}
-
-std::string plots(const TuningResults& r, std::size_t i) {
-  const TunedAxis& a = r.axes[i];
-  const auto column = static_cast<int>(i);
-  const PlotStyle force = style("time (s)", "force (N)"), step = style("time (s)", "position after a step of 1"),
-                  sensitivity = style("log10 of frequency (Hz)", "|1 / (1 + L)|");
-  std::string html =
-      svgPlot({{"commanded", kMeasuredColor, r.responses.time_s, series(r.responses.force_N, column)},
-               {"inertia, friction, delay", kModelColor, r.responses.time_s, series(r.responses.model_N, column)}},
-              force);
-  std::vector<PlotLine> peaks, steps;
-  // The worst of either end: hardly any friction, the longest delay.
-  control::AxisPlant lightest = a.range.low, heaviest = a.range.high;
-  lightest.delay_s = heaviest.delay_s;
-  heaviest.viscous_N_s_per_m = lightest.viscous_N_s_per_m;
-  const auto add = [&](const std::string& name, const control::PidGains& gains, const char* light, const char* heavy) {
-    peaks.push_back(sensitivityLine(name + ", light", light, gains, lightest, r.servo_period_s));
-    peaks.push_back(sensitivityLine(name + ", heavy", heavy, gains, heaviest, r.servo_period_s));
-    steps.push_back(stepLine(name + ", light", light, gains, lightest, r.servo_period_s));
-    steps.push_back(stepLine(name + ", heavy", heavy, gains, heaviest, r.servo_period_s));
-  };
-  if (a.present_worst.stable) add("present", a.present, "#bbbbbb", "#777777");
-  if (a.proposed) add("proposed", *a.proposed, kMeasuredColor, kModelColor);
-  if (peaks.empty()) return html;
-  return html + svgPlot(peaks, sensitivity) + svgPlot(steps, step);
-}
-
 std::string gainsFile(const TuningResults& r) {
   std::string text = "# Properties for the Drivers of the deployment file; made from " + r.recording + ".\n";
   for (const TunedAxis& a : r.axes) {
@@ -143,6 +91,49 @@ std::vector<std::pair<std::string, std::string>> wordsOf(const TuningResults& r,
   return words;
 }
 
+Json gainsJson(const control::PidGains& g) {
+  return {{"proportional_N_per_m", g.proportional},
+          {"integral_N_per_m_s", g.integral},
+          {"derivative_N_s_per_m", g.derivative},
+          {"derivative_cutoff_hz", g.derivative_cutoff_hz}};
+}
+
+/// Gains with the worst of their margins over the range; a factor that may be any is null.
+Json judgedJson(const control::PidGains& gains, const control::LoopMargins& m, double kick_N) {
+  Json j = {{"gains", gainsJson(gains)}, {"stable", m.stable}, {"count_changes_force_N", kick_N}};
+  if (!m.stable) return j;
+  j["gain_up"] = jsonNumber(m.gain_up);
+  j["gain_down"] = m.gain_down;
+  j["phase_rad"] = m.phase_rad;
+  j["delay_s"] = m.delay_s;
+  j["sensitivity"] = m.sensitivity;
+  j["crossover_hz"] = m.crossover_hz;
+  return j;
+}
+
+Json plantJson(const control::AxisPlant& p) {
+  return {{"mass_kg", p.mass_kg}, {"viscous_N_s_per_m", p.viscous_N_s_per_m}, {"delay_s", p.delay_s}};
+}
+
+/// What the program prints of an axis, and the numbers in it.
+Json axisJson(const TuningResults& r, std::size_t i) {
+  const TunedAxis& a = r.axes[i];
+  Json words = Json::array();
+  for (const auto& [title, text] : wordsOf(r, i))
+    words.push_back({title, text});
+  Json j = {{"name", a.name}, {"driver", a.driver}, {"judged", a.reason.empty()}, {"in_words", words}};
+  if (!a.reason.empty()) return j;
+  const identification::AxisResponse& x = r.responses.axes[i];
+  j["measured"] = {{"mass_kg", x.mass_kg},       {"mass_std_kg", x.mass_std}, {"delay_s", x.delay_s},
+                   {"delay_std_s", x.delay_std}, {"coulomb_N", x.coulomb_N},  {"explained", x.explained}};
+  j["range"] = {{"low", plantJson(a.range.low)},
+                {"high", plantJson(a.range.high)},
+                {"highest_crossover_hz", a.highest_crossover_hz}};
+  j["present"] = judgedJson(a.present, a.present_worst, a.present_kick_N);
+  j["proposed"] = a.proposed ? judgedJson(*a.proposed, a.proposed_worst, a.proposed_kick_N) : Json();
+  return j;
+}
+
 }  // namespace
 
 std::string tuningSummary(const TuningResults& r) {
@@ -158,25 +149,27 @@ std::string tuningSummary(const TuningResults& r) {
   return text;
 }
 
+std::string tuningJson(const TuningResults& r, const std::string& command_line) {
+  Json j = {{"command", "tune_pid"},
+            {"recording", r.recording},
+            {"deployment", r.deployment},
+            {"servo_period_s", r.servo_period_s},
+            {"demand",
+             {{"gain", r.demand.gain},
+              {"phase_rad", r.demand.phase_rad},
+              {"sensitivity", r.demand.sensitivity},
+              {"sentence", demandText(r)}}},
+            {"axes", Json::array()}};
+  for (std::size_t i = 0; i < r.axes.size(); ++i)
+    j["axes"].push_back(axisJson(r, i));
+  j["reproduce"] = command_line;
+  return j.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+}
+
 void writeTuning(const TuningResults& r, const std::string& command_line, const std::string& folder) {
-  std::string html = pageHead("Gains from " + r.recording);
-  html += "<p>Demanded over the whole range of inertia, friction and delay: " + escapeHtml(demandText(r)) +
-          ". A margin is the worst over that range. Coulomb friction, which only damps, is left out. What the "
-          "recording does not "
-          "show (a flexible coupling, an amplifier that saturates) no margin knows: try new gains without anybody on "
-          "the robot, "
-          "and at low speed first.</p>\n";
-  for (std::size_t i = 0; i < r.axes.size(); ++i) {
-    html += "<h2>" + escapeHtml(r.axes[i].name) + " (" + escapeHtml(r.axes[i].driver) + ")</h2>\n<table>\n";
-    for (const auto& [title, words] : wordsOf(r, i))
-      html +=
-          "<tr><th>" + escapeHtml(title) + "</th><td style=\"text-align:left\">" + escapeHtml(words) + "</td></tr>\n";
-    html += "</table>\n";
-    if (r.axes[i].reason.empty()) html += plots(r, i);
-  }
-  html += pageEnd(command_line);
+  const Page page("tune_pid");
   makeFolder(folder);
-  writeFileAtomically(folder + "/report.html", html);
+  writeReport(folder, page, tuningJson(r, command_line), tuningSeries(r));
   writeFileAtomically(folder + "/gains.yaml", gainsFile(r));
 }
 

@@ -123,6 +123,7 @@ class OperatorPage(unittest.TestCase):
         page.wait(lambda: len(page.driver.window_handles) == 2, what="the report's window")
         page.driver.switch_to.window(page.driver.window_handles[1])
         page.wait(lambda: len(page.text("body")) > 200, what="the report's words")
+        page.wait(lambda: page.run("return [...document.querySelectorAll('canvas')].length") >= 16, what="the report's plots, drawn in its sandbox")
         page.driver.close()
         page.driver.switch_to.window(first)
 

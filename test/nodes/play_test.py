@@ -64,7 +64,7 @@ class Play(unittest.TestCase):
         print("rms error, % of measured force:", report["after"]["train"]["rms_percent"])
         for percent in report["after"]["train"]["rms_percent"]:
             self.assertLess(percent, 20.0)
-        self.assertIn("<svg", (output / "report.html").read_text())
+        self.assertIn(json.dumps(report["reproduce"]), (output / "report.html").read_text())
 
 
 if __name__ == "__main__":

@@ -110,14 +110,18 @@ class Paths(PageTest):
                 self.assertEqual(404, (await browser.get(path))[0], path)
             self.assertEqual([], (await browser.get("/api/recordings"))[1]["reports"])
 
-    async def test_a_report_may_not_run_scripts(self):
+    async def test_a_report_draws_in_an_origin_of_its_own_and_no_other_file_runs_scripts(self):
         async with Rig() as rig, rig.browser() as browser:
             (rig.folder / "reports" / "r").mkdir()
             (rig.folder / "reports" / "r" / "report.html").write_text("<script>fetch('/api/robot/enable')</script>")
-            status, _ = await browser.get("/api/reports/r/report.html")
-            self.assertEqual(200, status)
-            self.assertIn("sandbox", browser.headers["Content-Security-Policy"])
-            self.assertNotIn("allow-scripts", browser.headers["Content-Security-Policy"])
+            for name, scripts in (("report.html", True), ("pose.svg", False), ("other.html", False)):
+                (rig.folder / "reports" / "r" / name).write_text("<script>fetch('/api/robot/enable')</script>")
+                status, _ = await browser.get(f"/api/reports/r/{name}")
+                self.assertEqual(200, status)
+                policy = [rule.strip() for rule in browser.headers["Content-Security-Policy"].split(";")]
+                self.assertIn("sandbox allow-scripts" if scripts else "sandbox", policy, "and no allow-same-origin, -forms, -popups")
+                self.assertIn("default-src 'none'", policy, "no requests")
+                self.assertEqual(scripts, "script-src 'unsafe-inline'" in policy)
 
 
 class Injection(PageTest):

@@ -4,6 +4,7 @@ where there is no Chromium."""
 import asyncio
 import pathlib
 import sys
+import time
 import unittest
 
 import rosunit
@@ -133,6 +134,32 @@ class ThePageInABrowser(PageTest):
             page.stop()
 
         self.assertEqual(["stop"], await self.use(robot, work))
+
+    async def test_a_hostile_report_runs_but_reaches_neither_the_robot_nor_the_session(self):
+        def prepare(rig):
+            (rig.folder / "reports" / "r").mkdir()
+            (rig.folder / "reports" / "r" / "report.html").write_text("""<title>-</title><form id=f method=post action=/api/stop></form><script>
+                const tried = [];
+                const attempt = (name, act) => { try { const r = act(); if (r && r.then) r.then(() => tried.push(name), () => {}); else if (r) tried.push(name); } catch (_) {} };
+                attempt('session', () => fetch('/api/session').then(r => r.json()).then(s => fetch('/api/robot/enable', {method: 'POST', headers: {'X-CSRF-Token': s.csrf}, body: '{}'})));
+                attempt('stop', () => fetch('/api/stop', {method: 'POST', mode: 'no-cors'}));
+                attempt('beacon', () => { const r = new XMLHttpRequest(); r.open('POST', '/api/stop', false); r.send(); return true; });
+                attempt('cookie', () => document.cookie || localStorage.length + 1);
+                attempt('window', () => window.open('/'));
+                attempt('opener', () => window.opener && window.opener.document);
+                document.getElementById('f').submit();
+                new Image().src = '/api/stop';
+                setTimeout(() => { document.title = 'ran:' + tried.join(','); }, 700);</script>""")
+
+        def work(page):
+            page.wait_for_state("disabled")
+            page.driver.get(page.driver.current_url.rstrip("/") + "/api/reports/r/report.html")
+            end = time.monotonic() + 20.0
+            while not page.driver.title.startswith("ran:") and time.monotonic() < end:
+                time.sleep(0.05)
+            self.assertEqual("ran:", page.driver.title, "it ran, and nothing that it tried came about")
+
+        self.assertEqual([], await self.use(ToyRobot("disabled"), work, prepare=prepare))
 
 
 if __name__ == "__main__":

@@ -8,45 +8,14 @@
 #include <sstream>
 
 #include "knee_robot/base/errors.h"
-#include "knee_robot/base/files.h"
-#include "test/identification/synthetic.h"
+#include "knee_robot/report/recorded_units.h"
+#include "test/report/results.h"
 
 namespace knee_robot::report {
 namespace {
 
-/// A small but complete result, of two bench axes.
-IdentifyResults results(bool with_validation) {
-  const mechanism::Robot robot = identification::syntheticBench(2);
-  const dynamics::Model truth = identification::syntheticModel(robot);
-  IdentifyResults r;
-  r.command_line = "identify --output \"<here>\"";
-  r.robot_path = "bench.yaml";
-  const auto add = [&](std::vector<identification::Observation>& list, int variant) {
-    list.push_back(identification::observe(robot, identification::columnsOf(robot),
-                                           identification::syntheticRecording(robot, truth, variant, 20.0),
-                                           r.options.observation));
-  };
-  add(r.train, 0);
-  if (with_validation) add(r.validate, 1);
-  r.after = identification::identify(robot, r.train, r.options);
-  identification::IdentifyOptions without = r.options;
-  without.friction = false;
-  r.before = identification::identify(robot, r.train, without);
-  const double cutoff = r.options.observation.cutoff_hz;
-  r.train_before = identification::applyModel(r.before.model, robot, r.train, cutoff);
-  r.train_after = identification::applyModel(r.after.model, robot, r.train, cutoff);
-  r.train_by_rank = identification::errorAgainstRank(r.after, r.train, cutoff);
-  if (with_validation) {
-    identification::setFriction(r.validate[0], r.after.columns, r.after.model.friction);
-    r.validate_before = identification::applyModel(r.before.model, robot, r.validate, cutoff);
-    r.validate_after = identification::applyModel(r.after.model, robot, r.validate, cutoff);
-    r.validate_by_rank = identification::errorAgainstRank(r.after, r.validate, cutoff);
-  }
-  return r;
-}
-
 TEST(IdentifyJson, HasTheAgreedShape) {
-  const IdentifyResults r = results(true);
+  const IdentifyResults r = identified(true);
   const nlohmann::json j = nlohmann::json::parse(identifyJson(r));
   EXPECT_EQ(j["command"], "identify");
   EXPECT_EQ(j["data"]["train"].size(), 1u);
@@ -70,24 +39,47 @@ TEST(IdentifyJson, HasTheAgreedShape) {
 }
 
 TEST(IdentifyJson, SaysNullWhereThereIsNothing) {
-  const nlohmann::json j = nlohmann::json::parse(identifyJson(results(false)));
+  const nlohmann::json j = nlohmann::json::parse(identifyJson(identified(false)));
   EXPECT_TRUE(j["after"]["validate"].is_null());
   EXPECT_FALSE(j["data"]["evidence_across_trajectories"]);
 }
 
-TEST(IdentifyHtml, IsSelfContainedAndComplete) {
-  const std::string html = identifyHtml(results(true));
-  EXPECT_EQ(html.find("http"), std::string::npos) << "nothing from outside";
-  EXPECT_EQ(html.find("<script"), std::string::npos);
-  EXPECT_NE(html.find("identify --output &quot;&lt;here&gt;&quot;"), std::string::npos);
-  for (const char* part : {"<h2>Errors</h2>", "Error against the prior's strength", "Friction near rest", "Parameters",
-                           "What was done with the signals", "Reproduce", "Validation: synthetic_1", "Fc_2"}) {
-    EXPECT_NE(html.find(part), std::string::npos) << part;
+TEST(IdentifyJson, HasWhatThePageShowsBesideTheFigures) {
+  const IdentifyResults r = identified(true);
+  const nlohmann::json j = nlohmann::json::parse(identifyJson(r));
+  EXPECT_EQ(j["robot"], "bench.yaml");
+  EXPECT_EQ(j["reproduce"], "identify --output \"<here>\"");
+  EXPECT_EQ(j["combinations"], r.after.model.base.size());
+  EXPECT_EQ(j["fit"]["equations"], r.after.equations);
+  EXPECT_EQ(j["residual_moving_N"].size(), 2u);
+  for (const auto& point : j["rank"]["curve"])
+    EXPECT_GT(point["training"].get<double>(), 0.0);
+  ASSERT_EQ(j["friction_tried"].size(), 2u);
+  for (const auto& tried : j["friction_tried"]) {
+    int chosen = 0;
+    for (const auto& law : tried)
+      chosen += law["chosen"].get<bool>();
+    EXPECT_EQ(chosen, 1);
   }
 }
 
+TEST(IdentifyJson, OfAChainHasItsUnitsInKeysAndSentencesButBodiesInKilograms) {
+  IdentifyResults r = identified(false);
+  r.units = {{"Nm", "Nm"}, {1, 1}, {"shoulder", "elbow"}};
+  r.physical.emplace();
+  r.physical->bodies.resize(1);
+  r.physical->bodies[0].fitted.mass = 2.5;
+  const nlohmann::json j = nlohmann::json::parse(jsonWithUnits(r.units, identifyJson(r)));
+  EXPECT_EQ(j["position_units"], nlohmann::json({"rad", "rad"}));
+  EXPECT_TRUE(j["after"]["train"].contains("rms_Nm"));
+  EXPECT_EQ(j["physical"]["links"][0]["mass_kg"], 2.5);
+  EXPECT_NE(j["friction_near_rest"][0]["in_words"].get<std::string>().find("rad"), std::string::npos);
+  for (const auto& [reason, share] : j["masks"].begin()->items())
+    EXPECT_EQ(reason.find(" mm"), std::string::npos) << reason;
+}
+
 TEST(PredictionCsv, HasOneFiniteRowPerRowOfTheRecording) {
-  const IdentifyResults r = results(true);
+  const IdentifyResults r = identified(true);
   std::istringstream csv(predictionCsv(r.validate[0], r.validate_after.predictions[0]));
   std::string line;
   std::getline(csv, line);
@@ -104,11 +96,24 @@ TEST(PredictionCsv, HasOneFiniteRowPerRowOfTheRecording) {
 TEST(WriteIdentifyFiles, LeavesAllFilesAndAModelThatCanBeRead) {
   char pattern[] = "/tmp/knee_report_XXXXXX";
   const std::string folder = std::string(mkdtemp(pattern)) + "/a/b";
-  const IdentifyResults r = results(true);
+  const IdentifyResults r = identified(true);
   writeIdentifyFiles(r, folder);
   for (const char* name : {"report.json", "report.html", "model.yaml", "prediction_synthetic_1.csv"}) {
     EXPECT_TRUE(std::filesystem::exists(folder + "/" + name)) << name;
   }
+  const std::string html = readFile(folder + "/report.html");
+  EXPECT_EQ(embedded(html)["report"], nlohmann::json::parse(readFile(folder + "/report.json")));
+  const nlohmann::json series = embedded(html)["series"];
+  ASSERT_EQ(series["recordings"].size(), 2u);
+  EXPECT_EQ(series["recordings"][0]["name"], "synthetic_1");
+  for (const char* line : {"measured", "predicted", "residual", "residual_before"}) {
+    ASSERT_EQ(series["recordings"][0][line].size(), 2u);
+    EXPECT_EQ(series["recordings"][0][line][1].size(), series["recordings"][0]["time_s"].size()) << line;
+  }
+  EXPECT_EQ(series["spectra"]["residual"][1].size(), series["spectra"]["frequency_hz"].size());
+  EXPECT_EQ(series["friction"]["share_of_coulomb"].size(), 2u);
+  for (const char* outside : {"http:", "https:", "src=", "<link", "@import"})
+    EXPECT_EQ(ownPart(html).find(outside), std::string::npos) << outside;
   const dynamics::Model m = dynamics::loadModel(folder + "/model.yaml");
   EXPECT_EQ(m.parameters.size(), r.after.model.parameters.size());
   EXPECT_EQ(m.parameters[1].value, r.after.model.parameters[1].value);
@@ -117,7 +122,7 @@ TEST(WriteIdentifyFiles, LeavesAllFilesAndAModelThatCanBeRead) {
 }
 
 TEST(IdentifySummary, ShowsErrorsAndTheRankCurve) {
-  const std::string text = identifySummary(results(true));
+  const std::string text = identifySummary(identified(true));
   EXPECT_NE(text.find("validation (2000 samples"), std::string::npos) << text;
   EXPECT_NE(text.find(" *    8"), std::string::npos) << text;
 }

@@ -6,74 +6,14 @@
 #include <cmath>
 #include <filesystem>
 #include <nlohmann/json.hpp>
-#include <random>
 #include <sstream>
 
 #include "knee_robot/base/errors.h"
-#include "knee_robot/base/files.h"
 #include "knee_robot/simulation/camera.h"
-#include "knee_robot/tracing/model_prediction.h"
-#include "test/identification/synthetic.h"
+#include "test/report/results.h"
 
 namespace knee_robot::report {
 namespace {
-
-/// Two bench axes, the second with a drag that the model lacks, traced on one recording and judged on another.
-const TraceResults& traced() {
-  static const TraceResults results = [] {
-    mechanism::Robot robot = identification::syntheticBench(2);
-    for (mechanism::Actuator& a : robot.actuators) {
-      a.position_max_m = 0.4;
-      a.velocity_max_m_per_s = 0.3;
-      a.acceleration_max_m_per_s2 = 5.0;
-    }
-    TraceResults r;
-    r.command_line = "trace --output \"<here>\"";
-    r.robot_path = "bench.yaml";
-    r.options.surrogates = 3;
-    std::mt19937 random(1);
-    std::normal_distribution<double> noise(0.0, 0.5);
-    std::vector<recording::Recording> recordings;
-    for (int variant = 0; variant < 2; ++variant) {
-      recordings.push_back(identification::syntheticRecording(robot, identification::syntheticModel(robot), variant,
-                                                              30.0, [&] { return noise(random); }));
-      recording::Recording& recording = recordings.back();
-      recording.fingerprint = "run" + std::to_string(variant);
-      for (int k = 0; k + 1 < recording.rows(); ++k) {
-        const double v = (recording.position_m(k + 1, 1) - recording.position_m(k, 1)) / 0.01;
-        recording.force_N(k, 1) += 4000.0 * v * std::abs(v);
-      }
-      recording.reference_m = recording.position_m;
-    }
-    r.train.push_back(
-        identification::observe(robot, identification::columnsOf(robot), recordings[0], r.options.observation));
-    r.validate.push_back(
-        identification::observe(robot, identification::columnsOf(robot), recordings[1], r.options.observation));
-    r.result = tracing::trace(robot, {recordings[0]}, r.train, r.options);
-    r.model = tracing::tracedModel(robot, r.result, r.train, r.options);
-    const auto apply = [&](std::vector<identification::Observation>& list, bool after, int recording) {
-      identification::Applied applied;
-      for (identification::Observation& o : list)
-        applied.predictions.push_back(identification::makePrediction(
-            o, after ? tracing::predictTraced(robot, r.result, o, recording, 1) : tracing::predictBaseline(r.result, o),
-            3.0));
-      applied.accuracy = identification::accuracyOf(list, applied.predictions);
-      return applied;
-    };
-    r.train_before = apply(r.train, false, 0);
-    r.train_after = apply(r.train, true, 0);
-    r.validate_before = apply(r.validate, false, -1);
-    r.validate_after = apply(r.validate, true, -1);
-    for (std::size_t k = 0; k < r.result.effects.size(); ++k)
-      r.validate_gain_N.push_back(r.validate_before.accuracy.rms_N - r.validate_after.accuracy.rms_N);
-    tracing::NextExperimentOptions quick;
-    quick.duration_s = 15.0;
-    quick.random = quick.improving = 6;
-    r.next = tracing::planNextExperiment(robot, r.result, r.train, r.options, quick);
-    return r;
-  }();
-  return results;
-}
 
 TEST(TraceJson, HasTheAgreedShape) {
   const nlohmann::json j = nlohmann::json::parse(traceJson(traced()));
@@ -166,14 +106,27 @@ TEST(TraceJson, SaysHowFarEveryCandidateIsFromTheBaseAndWhereTheErrorLies) {
   }
 }
 
-TEST(TraceHtml, IsSelfContainedAndComplete) {
-  const std::string html = traceHtml(traced());
-  EXPECT_EQ(html.find("http"), std::string::npos) << "nothing from outside";
-  EXPECT_EQ(html.find("<script"), std::string::npos);
-  EXPECT_NE(html.find("trace --output &quot;&lt;here&gt;&quot;"), std::string::npos);
-  for (const char* part : {"Errors before and after", "Effects", "Residual against velocity and position",
-                           "Validation: synthetic_1", "Training: synthetic_0", "noise floor", "Reproduce"})
-    EXPECT_NE(html.find(part), std::string::npos) << part;
+TEST(WriteTraceFiles, LeavesAPageThatEmbedsTheReportAndTheSeriesOfItsPlots) {
+  char pattern[] = "/tmp/knee_page_XXXXXX";
+  const std::string folder = mkdtemp(pattern);
+  writeTraceFiles(traced(), folder);
+  const std::string html = readFile(folder + "/report.html");
+  const nlohmann::json report = embedded(html)["report"], series = embedded(html)["series"];
+  EXPECT_EQ(report, nlohmann::json::parse(readFile(folder + "/report.json")));
+  EXPECT_EQ(report["reproduce"], "trace --output \"<here>\"");
+  EXPECT_EQ(report["robot"], "bench.yaml");
+  ASSERT_EQ(report["friction_tried"].size(), 2u);
+  ASSERT_EQ(series["recordings"].size(), 2u);
+  EXPECT_EQ(series["recordings"][0]["name"], "synthetic_1");
+  EXPECT_EQ(series["recordings"][1]["kind"], "train");
+  EXPECT_EQ(series["maps"]["name"], "synthetic_1");
+  for (const char* map : {"over_velocity", "over_position"}) {
+    ASSERT_EQ(series["maps"][map].size(), 2u);
+    EXPECT_EQ(series["maps"][map][1]["after"].size(), 60u);
+  }
+  for (const char* outside : {"http:", "https:", "src=", "<link", "@import"})
+    EXPECT_EQ(ownPart(html).find(outside), std::string::npos) << outside;
+  std::filesystem::remove_all(folder);
 }
 
 TEST(WriteTraceFiles, LeavesAllFilesWithOneFinitePredictionARow) {
@@ -210,7 +163,9 @@ TEST(TraceReport, ShowsTheMotionThatSeparatesAPairAndWritesIt) {
   EXPECT_EQ(j["next_experiment"]["reference"], "next_experiment.txt");
   EXPECT_NEAR(j["next_experiment"]["planned"]["angle_deg"].get<double>(), 22.9, 0.1);
   EXPECT_NE(traceSummary(r).find("play next_experiment.txt"), std::string::npos);
-  EXPECT_NE(traceHtml(r).find("<h2>Next experiment</h2>"), std::string::npos);
+  const nlohmann::json planned = embedded(readFile(folder + "/report.html"))["series"]["next_experiment"];
+  EXPECT_EQ(planned["time_s"].size(), 50u);
+  EXPECT_EQ(planned["length_m"].size(), 4u);
   std::filesystem::remove_all(pattern);
 }
 
@@ -236,7 +191,15 @@ TEST(TraceReport, ShowsThePoseBeforeAndAfterWithItsFindings) {
   EXPECT_EQ(j["findings"][0]["name"], "geometry_error");
   EXPECT_LT(j["after"]["rms_rad"][1].get<double>(), j["before"]["rms_rad"][1].get<double>());
   EXPECT_NE(traceSummary(r).find("geometry_error in Rm_2_m"), std::string::npos) << traceSummary(r);
-  EXPECT_NE(traceHtml(r).find("Pose: camera against encoders"), std::string::npos);
+  char pattern[] = "/tmp/knee_pose_XXXXXX";
+  const std::string folder = mkdtemp(pattern);
+  writeTraceFiles(r, folder);
+  const nlohmann::json shown = embedded(readFile(folder + "/report.html"))["series"]["pose"];
+  ASSERT_EQ(shown.size(), 2u);
+  EXPECT_EQ(shown[0]["kind"], "validate");
+  EXPECT_EQ(shown[0]["after"].size(), 4u);
+  EXPECT_EQ(shown[0]["after"][3].size(), shown[0]["time_s"].size());
+  std::filesystem::remove_all(folder);
 }
 
 }  // namespace

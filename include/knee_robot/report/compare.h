@@ -65,8 +65,6 @@ extern const PaperFigure kPaperFigures[8];
 
 /// report.json: figures, alignments, paper's figures, notes. SI.
 std::string compareJson(const CompareResults& results);
-/// report.html: tables, Figs. 15 and 16, camera. Self-contained.
-std::string compareHtml(const CompareResults& results);
 /// What the program prints.
 std::string compareSummary(const CompareResults& results);
 /// Writes report.json, report.html, actuators.svg and pose.svg into `folder` (made when missing).

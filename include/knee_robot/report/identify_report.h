@@ -39,9 +39,6 @@ struct IdentifyResults {
 /// report.json of design section 3, plus "rank", "parameters" and "signal_path".
 std::string identifyJson(const IdentifyResults& results);
 
-/// report.html: tables, plots, notes, how to reproduce. Self-contained.
-std::string identifyHtml(const IdentifyResults& results);
-
 /// prediction_NAME.csv of one recording: time_s, force_i_N as recorded, predicted_i_N.
 std::string predictionCsv(const identification::Observation& observation, const identification::Prediction& prediction);
 
@@ -53,12 +50,6 @@ std::string verdictText(const std::string& verdict);
 
 /// The outlier rule in words.
 std::string outlierText(identification::OutlierRule rule);
-
-/// Parts of the page, each with its heading.
-std::string identifySpectra(const IdentifyResults& results);
-std::string identifyParameters(const identification::Identification& identification);
-std::string identifyPhysical(const IdentifyResults& results);
-std::string identifySignals(const IdentifyResults& results);
 
 /// Writes model.yaml, report.json, report.html and one prediction_NAME.csv per validation recording into `folder` (made when
 /// missing); with a physically consistent fit also model_physical.yaml and identified.urdf. Each file is whole or not there. InputError when it cannot be written.

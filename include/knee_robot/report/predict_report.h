@@ -11,8 +11,9 @@ namespace knee_robot::report {
 
 /// A model file applied to recordings.
 struct PredictResults {
-  RecordedUnits units;  ///< see toRecordedUnits; plain: m and N
-  std::string model_path;
+  RecordedUnits units;       ///< see toRecordedUnits; plain: m and N
+  std::string command_line;  ///< that reproduces this
+  std::string robot_path, model_path;
   dynamics::Model model;
   std::vector<identification::Observation> observations;  ///< at least one
   identification::Applied applied;
@@ -25,7 +26,9 @@ PredictResults predictRecordings(const mechanism::Robot& robot, const dynamics::
 
 /// What the program prints: the model's effects and the errors per recording and actuator.
 std::string predictSummary(const PredictResults& results);
-/// prediction_NAME.csv of every recording.
+/// report.json: errors per recording and actuator.
+std::string predictJson(const PredictResults& results);
+/// prediction_NAME.csv of every recording, report.json, report.html.
 void writePredictFiles(const PredictResults& results, const std::string& folder);
 
 }  // namespace knee_robot::report

@@ -16,9 +16,10 @@ void toRecordedUnits(const mechanism::Robot& robot, IdentifyResults& results);
 void toRecordedUnits(const mechanism::Robot& robot, TraceResults& results);
 void toRecordedUnits(const mechanism::Robot& robot, PredictResults& results);
 
-/// Text and page with the labels of these units: written for m and N, read for what they are.
+/// Text with the labels of these units: written for m and N, read for what they are.
 std::string withUnits(const RecordedUnits& units, std::string text);
-/// report.json with keys that end in the units' names: rms_N becomes rms_Nm, rms_A, or rms where joints differ (then "units" says which).
+/// report.json with keys that end in the units' names, rms_N becomes rms_Nm, rms_A, or rms where joints differ (then "units" says
+/// which), and with sentences in these units.
 std::string jsonWithUnits(const RecordedUnits& units, const std::string& json);
 
 }  // namespace knee_robot::report

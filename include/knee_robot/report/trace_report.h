@@ -38,8 +38,6 @@ GainInterval bootstrapGain(const std::vector<identification::Observation>& obser
 
 /// report.json of design section 3, plus "absorbed", "not_added", "notes", "verdict".
 std::string traceJson(const TraceResults& results);
-/// report.html: the finding in words, tables, residual against signals before and after. Self-contained.
-std::string traceHtml(const TraceResults& results);
 /// What the program prints.
 std::string traceSummary(const TraceResults& results);
 /// One sentence on what adding effects did to the error on the held-out recordings: down or up. The first of terminal and report.
