@@ -139,6 +139,7 @@ def hidden(name, t, q, v, load, share, arm, j, draw):
 
 EFFECTS = ["load_dependent_friction", "asymmetric_viscous", "quadratic_drag", "stribeck", "gear_ripple", "torsional_hysteresis",
            "position_dependent_friction", "force_gain", "thermal_drift"]
+UNLISTED = ["cogwheel"]  # no class of trace describes it
 
 
 class ChainCase:
@@ -154,9 +155,9 @@ def chain_cases(split, clean, seeds):
     cases = [ChainCase("clean", split, k, None, 0) for k in range(clean)]
     taken = 0
     for _ in range(seeds):
-        for name in EFFECTS:
-            for strength in (2, 3):
-                cases.append(ChainCase("single", split, (5 * taken) % max(1, clean), name, strength))
+        for name in [*EFFECTS, *UNLISTED]:
+            for strength in STRENGTHS:
+                cases.append(ChainCase("unlisted" if name in UNLISTED else "single", split, (5 * taken) % max(1, clean), name, strength))
                 taken += 1
     random.Random(split).shuffle(cases)
     return cases
@@ -241,6 +242,15 @@ def play_chain(case, programs, folder, keep):
         return {"id": case.name(), "kind": case.kind, "setting": case.arm.name, "failed": str(failure)}
 
 
+def excess_left(result, clean):
+    """Of the squared error over the clean twin's on the other path, what is left, %; "-" where there was hardly any."""
+    twin, i = clean.get(result["setting"]), result["truth"][0]["actuator"] - 1
+    if not twin:
+        return "-"
+    before, after, free = (x[i]**2 for x in (result["before_validate"], result["after_validate"], twin["before_validate"]))
+    return f"{100 * max(0.0, after - free) / (before - free):.0f}" if before > 1.2 * free else "-"
+
+
 def chain_summary(results):
     """Detections by effect, false additions on clean recordings, and what of the excess over the clean twin is left elsewhere."""
     done = [r for r in results if "failed" not in r]
@@ -263,12 +273,11 @@ def chain_summary(results):
             counts[what] += 1
             totals[what] += 1
             extra += sum(1 for e in r["effects"] if e not in exact and e not in pair)
-            twin = clean.get(r["setting"])
-            if twin:
-                i = at - 1
-                before, after, free = (x[i]**2 for x in (r["before_validate"], r["after_validate"], twin["before_validate"]))
-                if before > 1.2 * free:
-                    left.append(100 * max(0.0, after - free) / (before - free))
-        text = ", ".join(f"{x:.0f}" for x in left)
+            left.append(excess_left(r, clean))
+        text = ", ".join(left)
         print(f"{name:30}{len(group):8}{counts['exact']:7}{counts['pair']:6}{counts['wrong']:7}{counts['none']:6}{extra:7}   {text}")
     print("all: " + ", ".join(f"{k} {v}" for k, v in totals.items()))
+    for r in (r for r in done if r["kind"] == "unlisted"):
+        named = ", ".join(f"{e['name']} {e['actuators']}" for e in r["effects"]) or "nothing"
+        print(f"unlisted {r['truth'][0]['name']} on {r['truth'][0]['actuator']}, strength {r['strength']}: {named}; "
+              f"other path: excess left of that before, {excess_left(r, clean)} %")
