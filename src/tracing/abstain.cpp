@@ -7,10 +7,16 @@
 namespace knee_robot::tracing {
 namespace {
 
-/// Noise floors that something must explain whose shapes are so many that one of them always explains a little.
+/// Noise floors that an effect must explain. Below one, what the baseline itself leaves (bristles at rest, most of all) is as large; maps have
+/// so many shapes that one of them always explains a little.
 double leastFloors(const Candidate& candidate) {
-  if (candidate.name() == "unnamed") return 2.0;
-  return candidate.name() == "screw_ripple" || candidate.local() ? 1.0 : 0.0;
+  return candidate.name() == "unnamed" ? 2.0 : 1.0;
+}
+
+/// Held-back positions say something about it: not about what goes with time.
+bool testedElsewhere(const FoundEffect& e) {
+  const Candidate& candidate = *e.hypothesis.place.candidate;
+  return e.transfers && candidate.name() != "thermal_drift" && candidate.elsewhere(e.coefficients).size() > 0;
 }
 
 /// The effect that does most harm at held-back positions; none: the end.
@@ -47,8 +53,7 @@ int leaveOutSmall(Search& s, bool helps, std::vector<std::string>& rejected) {
   const auto named = std::stable_partition(s.effects.begin(), s.effects.end(), [&](const FoundEffect& e) {
     const Candidate& candidate = *e.hypothesis.place.candidate;
     const double least = leastFloors(candidate);
-    const bool helps_there = helps && e.transfers && candidate.elsewhere(e.coefficients).size() > 0;
-    return helps_there || (e.explained_rms_N.array() >= least * s.floor.rms_N.array()).any();
+    return (helps && testedElsewhere(e)) || (e.explained_rms_N.array() >= least * s.floor.rms_N.array()).any();
   });
   const int taken_out = static_cast<int>(s.effects.end() - named);
   for (auto e = named; e != s.effects.end(); ++e)
