@@ -47,13 +47,12 @@ class SmallEffects : public testing::Test {
   std::vector<std::string> rejected;
 };
 
-TEST_F(SmallEffects, WhatIsBelowTheFloorIsLeftOutBesideEffectsThatStay) {
-  found(stribeck, 1.2);
+TEST_F(SmallEffects, ARippleBelowTheFloorIsLeftOutBesideEffectsThatStay) {
+  found(stribeck, 0.8);
   found(ripple, 0.9);
-  found(stribeck, 0.9);
-  EXPECT_EQ(leaveOutSmall(s, false, rejected), 2);
-  EXPECT_EQ(left(), Names{"stribeck"});
-  ASSERT_EQ(rejected.size(), 2u);
+  EXPECT_EQ(leaveOutSmall(s, false, rejected), 1);
+  EXPECT_EQ(left(), Names{"stribeck"}) << "few shapes: it may be small";
+  ASSERT_EQ(rejected.size(), 1u);
   EXPECT_EQ(rejected[0].rfind("screw_ripple on actuator 2: is no larger than the noise floor", 0), 0u) << rejected[0];
 }
 
