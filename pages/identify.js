@@ -84,7 +84,6 @@ if (!physical.done) {
 
 heading("What was left out");
 const files = [...data.train, ...data.validate];
-const plainName = (path) => path.split("/").pop().replace(/\.csv$/, "");
 const reasons = Object.keys(report.masks[files[0]] || {});
 table([{ text: "share of the samples, %" }, ...files.map(plainName)],
   reasons.map((reason) => [reason, ...files.map((file) => 100 * (report.masks[file] || {})[reason])]));

@@ -51,7 +51,8 @@ function end() {
 const DASH = "\u2013";
 function number(value, digits = 3) {
   if (value === null || value === undefined || !Number.isFinite(value)) return DASH;
-  const rounded = Number(value.toPrecision(digits));
+  const rounded = Number(value.toPrecision(digits)), size = Math.abs(rounded);
+  if (size >= 1e6 || (size > 0 && size < 1e-4)) return rounded.toExponential().replace("e+", "e");
   return String(rounded === 0 ? 0 : rounded);
 }
 const plusMinus = (value, std, unit = "", digits = 3) =>
@@ -86,4 +87,5 @@ const singleRecording = (count) => {
   if (count === 1)
     paragraph("There was a single training recording: every choice rests on contiguous parts of it, and evidence across trajectories was not available.");
 };
+const plainName = (path) => path.split("/").pop().replace(/\.csv$/, "");
 const recordingKind = (kind) => ({ train: "Training", validate: "Validation", predict: "Predicted" })[kind];

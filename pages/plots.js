@@ -1,4 +1,4 @@
-// Line plots by Chart.js. A line: { label, color, x, y }; null interrupts it.
+// Line plots by Chart.js. A line: { label, color, x, y }; null interrupts it. What was before is broader, to be seen below what did not change.
 const COLORS = { measured: "#1b6ca8", model: "#d1495b", before: "#8a8a8a", reference: "#555555" };
 const AXIS_COLORS = ["#1b6ca8", "#d1495b", "#2a9d55", "#8e5ea2", "#c77c11", "#17858b", "#7a5c43", "#5a6b1e", "#b0508f", "#3d4f9f", "#a03a2c", "#666666"];
 const LEFT = 66; // px of the y axis: plots below each other share their x
@@ -53,7 +53,7 @@ function range(values, isLog, margin) {
 function dataset({ label, color, x, y }, logX, logY) {
   const data = x.map((at, k) => ({ x: at, y: y[k] === null || (logY && y[k] <= 0) ? NaN : y[k] })).filter((p) => !logX || p.x > 0);
   const few = data.length <= FEW;
-  return { label, data, borderColor: color, backgroundColor: color, borderWidth: 1.4, pointRadius: few ? 2 : 0, pointHitRadius: 4 };
+  return { label, data, borderColor: color, backgroundColor: color, borderWidth: color === COLORS.before ? 2.6 : 1.4, pointRadius: few ? 2 : 0, pointHitRadius: 4 };
 }
 
 function plot(lines, { x, y, height = 260, logX = false, logY = false, shaded = [], markers = [] }) {

@@ -1,14 +1,15 @@
-// Tables. A head is a list of titles; a row a list of cells, { group: title } or { note: text }, or { cells, silent }. A title or cell is a text, a
-// number, a Node, or { text } that is read rather than compared, and stands to the left.
+// Tables. A head is a list of titles; a row a list of cells, { group: title }, { note: text or texts }, or { cells, silent }. A title or cell is a
+// text, a number, a Node, or { text }, a text or texts that are read rather than compared, and stand to the left.
 function cell(tag, content) {
   const isText = content !== null && typeof content === "object" && !(content instanceof Node);
-  const made = element(tag, isText ? { class: "text" } : {});
-  const parts = isText ? [].concat(content.text) : [content];
-  parts.forEach((part, k) => {
-    if (k) made.append(element("br"));
-    made.append(typeof part === "number" || part === null || part === undefined ? number(part) : part);
-  });
-  return made;
+  if (isText) return lines(element(tag, { class: "text" }), content.text);
+  return element(tag, {}, typeof content === "number" || content === null || content === undefined ? number(content) : content);
+}
+
+// One text, or several below each other.
+function lines(into, texts) {
+  [].concat(texts).forEach((text, k) => into.append(...(k ? [element("br")] : []), text));
+  return into;
 }
 
 function table(head, rows) {
@@ -16,9 +17,7 @@ function table(head, rows) {
   for (const row of rows) {
     const whole = row.group ?? row.note;
     if (whole !== undefined) {
-      const one = element("tr", { class: row.group !== undefined ? "group" : "note" });
-      one.append(element("td", { colspan: head.length }, whole));
-      body.append(one);
+      body.append(element("tr", { class: row.group !== undefined ? "group" : "note" }, lines(element("td", { colspan: head.length }), whole)));
     } else {
       const cells = (row.cells ?? row).map((content) => cell("td", content));
       while (cells.length < head.length) cells.push(element("td"));

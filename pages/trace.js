@@ -16,15 +16,18 @@ function effectRows(effect) {
   const explained = figure(effect, "explained_rms"), shared = effect.actuators.length > 1;
   const at = shared ? explained.indexOf(Math.max(...explained)) : effect.actuators[0] - 1;
   const gain = effect.held_back_gain;
-  return [[effect.name + (effect.transfers ? "" : " (does not transfer)"), shared ? "all" : String(effect.actuators[0]), { text: parameterTexts(effect) },
-    explained[at], figure(effect, "null_rms")[at], effect.p, gain ? `${number(100 * gain.share)}\u00a0\u00b1\u00a0${number(100 * gain.standard_error)}\u00a0%` : DASH,
-    figure(effect, "validate_gain")[at], { text: (effect.not_separable_from || effect.indistinguishable_from).join(", ") }],
-  { note: effect.sentence }];
+  const alike = effect.not_separable_from || effect.indistinguishable_from;
+  return [[{ text: [effect.name, ...(effect.transfers ? [] : ["(does not transfer)"])] }, shared ? "all" : String(effect.actuators[0]), explained[at],
+    figure(effect, "null_rms")[at], effect.p, gain ? `${number(100 * gain.share)}\u00a0\u00b1\u00a0${number(100 * gain.standard_error)}\u00a0%` : DASH,
+    figure(effect, "validate_gain")[at]],
+  { note: [effect.sentence, parameterTexts(effect).join("; "), ...(alike.length ? [`Cannot be told from ${alike.join(", ")}.`] : [])] }];
 }
 if (report.effects.length) {
   heading("Effects");
-  table([{ text: "effect" }, chain ? "joint" : "actuator", { text: "parameters" }, `explains, ${forceUnits}`, `surrogates explain at most, ${forceUnits}`, "p",
-    "held-back gain", `gain on validation, ${forceUnits}`, { text: "cannot be told from" }], report.effects.flatMap(effectRows));
+  table([{ text: "effect" }, chain ? "joint" : "actuator", `explains, ${forceUnits}`, `surrogates at most, ${forceUnits}`, "p",
+    "held-back gain", `gain on validation, ${forceUnits}`], report.effects.flatMap(effectRows));
+  key("Surrogates: recordings of a machine that lacks nothing. Held-back gain: error saved on left-out blocks of the training data. Gain on validation: rise of the "
+    + "rms there when this effect alone is taken out of the finished model.");
 }
 
 const given = report.given_model;
@@ -102,7 +105,7 @@ function poseSection() {
     pose.findings.map(poseFinding));
   const rows = [];
   for (const [kind, title] of [["train", "Training: "], ["validate", "Validation: "]]) {
-    pose.before[kind].forEach((before, k) => rows.push({ group: title + before.recording },
+    pose.before[kind].forEach((before, k) => rows.push({ group: title + plainName(before.recording) },
       ["before: one fixed transform", ...poseNumbers(before)], ["after", ...poseNumbers(pose.after[kind][k])],
       ["after, with this recording's own transform and delay", ...poseNumbers(pose.after_with_own_frame[kind][k])]));
   }

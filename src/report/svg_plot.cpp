@@ -23,14 +23,12 @@ std::string fixed(double value) {
 
 /// From data to drawing.
 struct Frame {
-  double x0 = 0.0, x1 = 1.0, y0 = 0.0, y1 = 1.0;  ///< y in logarithms when log_y
+  double x0 = 0.0, x1 = 1.0, y0 = 0.0, y1 = 1.0;
   double width = 0.0, height = 0.0;
-  bool log_y = false;
 
   double px(double x) const { return kLeft + (x - x0) / (x1 - x0) * (width - kLeft - kRight); }
-  double level(double y) const { return log_y ? std::log10(y) : y; }
-  double py(double y) const { return height - kBottom - (level(y) - y0) / (y1 - y0) * (height - kTop - kBottom); }
-  bool shows(double x, double y) const { return std::isfinite(x) && std::isfinite(y) && (!log_y || y > 0.0); }
+  double py(double y) const { return height - kBottom - (y - y0) / (y1 - y0) * (height - kTop - kBottom); }
+  bool shows(double x, double y) const { return std::isfinite(x) && std::isfinite(y); }
 };
 
 void widen(double& low, double& high, double share) {
@@ -48,7 +46,6 @@ Frame frameOf(const std::vector<PlotLine>& lines, const PlotStyle& style) {
   Frame f;
   f.width = style.width;
   f.height = style.height;
-  f.log_y = style.log_y;
   f.x0 = f.y0 = std::numeric_limits<double>::infinity();
   f.x1 = f.y1 = -f.x0;
   for (const PlotLine& line : lines) {
@@ -56,8 +53,8 @@ Frame frameOf(const std::vector<PlotLine>& lines, const PlotStyle& style) {
       if (!f.shows(line.x[i], line.y[i])) continue;
       f.x0 = std::min(f.x0, line.x[i]);
       f.x1 = std::max(f.x1, line.x[i]);
-      f.y0 = std::min(f.y0, f.level(line.y[i]));
-      f.y1 = std::max(f.y1, f.level(line.y[i]));
+      f.y0 = std::min(f.y0, line.y[i]);
+      f.y1 = std::max(f.y1, line.y[i]);
     }
   }
   widen(f.x0, f.x1, 0.0);
@@ -84,18 +81,6 @@ std::vector<double> linearTicks(double low, double high, int count) {
   return ticks;
 }
 
-std::vector<double> logTicks(double low, double high) {
-  std::vector<double> ticks;
-  const bool wide = high - low > 2.5;
-  for (double decade = std::floor(low); decade <= high; decade += 1.0) {
-    for (const double factor : {1.0, 2.0, 5.0}) {
-      const double value = factor * std::pow(10.0, decade);
-      if ((factor == 1.0 || !wide) && std::log10(value) >= low && std::log10(value) <= high) ticks.push_back(value);
-    }
-  }
-  return ticks;
-}
-
 std::string text(double x, double y, const char* style, const std::string& content) {
   return "<text x=\"" + fixed(x) + "\" y=\"" + fixed(y) + "\" " + style + ">" + escapeHtml(content) + "</text>\n";
 }
@@ -103,7 +88,7 @@ std::string text(double x, double y, const char* style, const std::string& conte
 std::string drawAxes(const Frame& f, const PlotStyle& style) {
   const double right = f.width - kRight, bottom = f.height - kBottom;
   std::string out;
-  for (const double y : f.log_y ? logTicks(f.y0, f.y1) : linearTicks(f.y0, f.y1, 5)) {
+  for (const double y : linearTicks(f.y0, f.y1, 5)) {
     const std::string at = fixed(f.py(y));
     out += "<path class=\"grid\" d=\"M" + fixed(kLeft) + " " + at + "H" + fixed(right) + "\"/>\n";
     out += text(kLeft - 6, f.py(y) + 4, "text-anchor=\"end\"", shortNumber(std::abs(y) < 1e-12 ? 0.0 : y));

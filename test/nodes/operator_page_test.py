@@ -122,8 +122,8 @@ class OperatorPage(unittest.TestCase):
         page.press("#reports a")
         page.wait(lambda: len(page.driver.window_handles) == 2, what="the report's window")
         page.driver.switch_to.window(page.driver.window_handles[1])
-        page.wait(lambda: len(page.text("body")) > 200, what="the report's words")
-        page.wait(lambda: page.run("return [...document.querySelectorAll('canvas')].length") >= 16, what="the report's plots, drawn in its sandbox")
+        page.wait(lambda: len(page.all("canvas")) >= 16, 60, "the report's plots, drawn in its sandbox")
+        self.assertIn("Errors beside the paper's", page.text("body"))
         page.driver.close()
         page.driver.switch_to.window(first)
 

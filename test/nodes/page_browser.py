@@ -68,7 +68,8 @@ class Page:
         return self.wait(lambda: self.state() in wanted, seconds, f"state {' or '.join(wanted)}")
 
     def said(self):
-        return " | ".join(self.text(s) for s in ("#status-what", "#status-next", "#answer", "#progress-words") if self.find(s).is_displayed())
+        return " | ".join(self.text(s) for s in ("#status-what", "#status-next", "#answer", "#progress-words")
+                          if self.all(s) and self.find(s).is_displayed())
 
     def keep_answers(self):
         """From now on every sentence that the page answers with is kept for answers(), however short it is seen."""

@@ -123,7 +123,7 @@ class PagesInABrowser(unittest.TestCase):
         self.assertEqual([shown(v) for v in report["after"]["train"]["max_N"]], self.row("Training", "after: largest"))
         self.assertEqual([shown(v) for v in report["unexplained"]["noise_floor_N"]], self.row("noise floor"))
         effect, at = report["effects"][0], report["effects"][0]["actuators"][0] - 1
-        self.assertEqual([shown(effect["explained_rms_N"][at]), shown(effect["null_rms_N"][at]), shown(effect["p"])], self.row(effect["name"])[2:5])
+        self.assertEqual([shown(effect["explained_rms_N"][at]), shown(effect["null_rms_N"][at]), shown(effect["p"])], self.row(effect["name"])[1:4])
         self.assertEqual([shown(1e3 * v) for v in report["pose"]["after"]["validate"][0]["rms_m"]], self.row("Validation: ", "after")[:2])
         report = self.open("compare")
         self.assertEqual([shown(1e3 * report["pose"]["x"][k]) for k in ("max_m",)], self.row("X, mm")[:1])

@@ -59,16 +59,12 @@ TEST(SvgPlot, InterruptsTheLineWhereThereIsNoValue) {
 }
 
 TEST(SvgPlot, SurvivesEmptyAndConstantData) {
-  PlotStyle log;
-  log.log_y = true;
   for (const std::vector<PlotLine>& lines :
        {std::vector<PlotLine>{}, std::vector<PlotLine>{{"x", "red", {1, 2}, {3, 3}}},
         std::vector<PlotLine>{{"x", "red", {1}, {0}}}}) {
-    for (const PlotStyle& style : {PlotStyle(), log}) {
-      const std::string svg = svgPlot(lines, style);
-      EXPECT_EQ(count(svg, "nan") + count(svg, "inf"), 0u) << svg;
-      EXPECT_EQ(count(svg, "</svg>"), 1u);
-    }
+    const std::string svg = svgPlot(lines, {});
+    EXPECT_EQ(count(svg, "nan") + count(svg, "inf"), 0u) << svg;
+    EXPECT_EQ(count(svg, "</svg>"), 1u);
   }
 }
 

@@ -20,7 +20,6 @@ struct PlotStyle {
   std::string y_label;
   double width = 1000.0;
   double height = 260.0;
-  bool log_y = false;                             ///< values that are not positive are left out
   std::vector<std::pair<double, double>> shaded;  ///< intervals of x with a tinted background
   std::vector<double> markers;                    ///< vertical lines
 };
