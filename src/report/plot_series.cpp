@@ -15,8 +15,8 @@ constexpr std::size_t kMostPoints = 1500;
 constexpr double kFlat = 1e-9;  ///< a span that is smaller beside its values is rounding
 constexpr int kMostDecimals = 15;
 
-/// Decimals that leave a ten-thousandth of the values' span.
-int decimalsOf(const std::vector<double>& values) {
+/// Decimals that leave a 10^-digits-th of the values' span.
+int decimalsOf(const std::vector<double>& values, int digits) {
   double low = std::numeric_limits<double>::infinity(), high = -low;
   for (const double v : values) {
     if (!std::isfinite(v)) continue;
@@ -26,7 +26,7 @@ int decimalsOf(const std::vector<double>& values) {
   const double size = std::max(std::abs(low), std::abs(high));
   const double span = high - low > kFlat * size ? high - low : size;
   if (!(span > 0.0) || !std::isfinite(span)) return 0;
-  return std::clamp(4 - static_cast<int>(std::floor(std::log10(span))), 0, kMostDecimals);
+  return std::clamp(digits - static_cast<int>(std::floor(std::log10(span))), 0, kMostDecimals);
 }
 
 /// Smallest and largest finite value of values[from, to), in the order in which they come; NaN when there is none.
@@ -44,10 +44,8 @@ std::pair<double, double> extremes(const Eigen::VectorXd& values, std::size_t fr
           values[static_cast<Eigen::Index>(std::max(low, high))]};
 }
 
-}  // namespace
-
-Json plotNumbers(const std::vector<double>& values) {
-  const int decimals = decimalsOf(values);
+Json rounded(const std::vector<double>& values, int digits) {
+  const int decimals = decimalsOf(values, digits);
   Json out = Json::array();
   for (const double v : values) {
     if (!std::isfinite(v)) {
@@ -56,10 +54,16 @@ Json plotNumbers(const std::vector<double>& values) {
     }
     char text[400];
     std::snprintf(text, sizeof text, "%.*f", decimals, v);
-    const double rounded = std::strtod(text, nullptr);  // the double that is written with these digits
-    out.push_back(rounded == 0.0 ? 0.0 : rounded);      // no -0
+    const double shown = std::strtod(text, nullptr);  // the double that is written with these digits
+    out.push_back(shown == 0.0 ? 0.0 : shown);        // no -0
   }
   return out;
+}
+
+}  // namespace
+
+Json plotNumbers(const std::vector<double>& values) {
+  return rounded(values, 3);
 }
 
 Json logNumbers(const std::vector<double>& values) {
@@ -76,7 +80,7 @@ PlotSeries::PlotSeries(const std::vector<double>& x)
     kept.push_back(x[from]);
     if (stretch_ > 1) kept.push_back(x[std::min(points_ - 1, from + stretch_ / 2)]);
   }
-  x_ = plotNumbers(kept);
+  x_ = rounded(kept, 4);  // neighbours stay apart
 }
 
 Json PlotSeries::line(const Eigen::VectorXd& values) const {

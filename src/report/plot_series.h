@@ -7,7 +7,7 @@
 
 namespace knee_robot::report {
 
-/// Numbers for a plot, rounded to what a plot shows: a ten-thousandth of their span. null where there is none.
+/// Numbers for a plot, rounded to what a plot shows: a thousandth of their span. null where there is none.
 Json plotNumbers(const std::vector<double>& values);
 /// The same for a logarithmic axis: four digits of each.
 Json logNumbers(const std::vector<double>& values);
