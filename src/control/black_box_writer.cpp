@@ -1,4 +1,4 @@
-#include "knee_robot/control/black_box_writer.h"
+#include "black_box_writer.h"
 
 #include <unistd.h>
 

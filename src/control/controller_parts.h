@@ -3,12 +3,12 @@
 #include <atomic>
 #include <memory>
 
+#include "black_box_writer.h"
 #include "cycle_runner.h"
 #include "fault_recovery.h"
 #include "feedforward_setup.h"
-#include "knee_robot/control/black_box_writer.h"
+#include "heat_memory.h"
 #include "knee_robot/control/control_system.h"
-#include "knee_robot/control/heat_memory.h"
 #include "live_properties.h"
 #include "machine_components.h"
 #include "machine_report.h"

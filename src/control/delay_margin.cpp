@@ -1,4 +1,4 @@
-#include "knee_robot/control/delay_margin.h"
+#include "delay_margin.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,8 +1,8 @@
 #include "feedforward_setup.h"
 
+#include "delay_margin.h"
 #include "knee_robot/base/errors.h"
 #include "knee_robot/base/numbers.h"
-#include "knee_robot/control/delay_margin.h"
 #include "knee_robot/mechanism/kinematics.h"
 
 namespace knee_robot::control {

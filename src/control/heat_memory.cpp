@@ -1,4 +1,4 @@
-#include "knee_robot/control/heat_memory.h"
+#include "heat_memory.h"
 
 #include <unistd.h>
 

@@ -1,4 +1,4 @@
-#include "knee_robot/control/recording_drain.h"
+#include "recording_drain.h"
 
 #include <algorithm>
 #include <atomic>

@@ -4,8 +4,8 @@
 
 #include "knee_robot/control/answer.h"
 #include "knee_robot/control/control_status.h"
-#include "knee_robot/control/recording_drain.h"
 #include "machine_components.h"
+#include "recording_drain.h"
 
 namespace knee_robot::control {
 

@@ -3,7 +3,7 @@
 #include "knee_robot/hardware/owning_bus.h"
 #include "knee_robot/hardware/pci1720_registers.h"
 #include "knee_robot/hardware/pci1784_registers.h"
-#include "knee_robot/hardware/sysfs_port.h"
+#include "sysfs_port.h"
 
 namespace knee_robot::hardware {
 namespace {

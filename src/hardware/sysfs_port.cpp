@@ -1,4 +1,4 @@
-#include "knee_robot/hardware/sysfs_port.h"
+#include "sysfs_port.h"
 
 #include <fcntl.h>
 #include <unistd.h>

@@ -1,5 +1,5 @@
 // The delay margin against a loop that is run with that delay.
-#include "knee_robot/control/delay_margin.h"
+#include "src/control/delay_margin.h"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // A controller that is started anew does not believe in cold motors.
-#include "knee_robot/control/heat_memory.h"
+#include "src/control/heat_memory.h"
 
 #include <gtest/gtest.h>
 

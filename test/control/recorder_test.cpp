@@ -7,8 +7,8 @@
 #include <filesystem>
 
 #include "knee_robot/base/files.h"
-#include "knee_robot/control/recording_drain.h"
 #include "knee_robot/recording/recording.h"
+#include "src/control/recording_drain.h"
 #include "system_rig.h"
 
 namespace knee_robot::control {

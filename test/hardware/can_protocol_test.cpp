@@ -4,8 +4,8 @@
 #include <cmath>
 
 #include "knee_robot/base/errors.h"
-#include "knee_robot/hardware/can/bus_load.h"
 #include "knee_robot/hardware/can/drive_setup.h"
+#include "src/hardware/can/bus_load.h"
 #include "test/hardware/can_bench.h"
 
 namespace knee_robot::hardware::can {

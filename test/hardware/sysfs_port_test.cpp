@@ -1,5 +1,5 @@
 // SysfsPort on a folder that looks like /sys/bus/pci/devices: plain files stand for the cards' registers.
-#include "knee_robot/hardware/sysfs_port.h"
+#include "src/hardware/sysfs_port.h"
 
 #include <gtest/gtest.h>
 #include <unistd.h>

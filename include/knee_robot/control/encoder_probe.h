@@ -79,7 +79,6 @@ class EncoderProbe {
   }
   /// To be added to the axis' force in this cycle.
   double force_N() const noexcept { return force_N_; }
-  double strength_N() const noexcept { return strength_N_; }
   /// For EncoderChallenge: what has been enough, with something to spare, and what certainly is (N).
   double enoughForce_N() const noexcept { return kStep * std::max(strength_N_, enough_N_); }
   double certainForce_N(const Settings& settings) const noexcept {

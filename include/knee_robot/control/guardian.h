@@ -40,7 +40,6 @@ class GuardianWatch {
       : silence_limit_(silence_limit), period_(period), tripped_(tripped) {}
 
   GuardianAction step(const GuardianView& view) noexcept;
-  bool isTripped() const noexcept { return tripped_; }
   GuardianCause cause() const noexcept { return cause_; }
   /// When the heartbeat was last seen to move.
   rt::Nanoseconds lastHeartbeat() const noexcept { return last_heartbeat_; }

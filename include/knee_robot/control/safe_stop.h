@@ -57,7 +57,6 @@ class SafeStop {
   bool engagesHold() const noexcept { return phase_ >= SafeStopPhase::Engaging; }
   bool disablesDrive() const noexcept { return phase_ >= SafeStopPhase::Disabling; }
   bool isTransferring() const noexcept { return phase_ == SafeStopPhase::Transferring; }
-  bool isCarrying() const noexcept { return phase_ == SafeStopPhase::Carrying; }
   /// Of the set values that may be written now: 1, less while the load is handed over, 0 when it has been.
   double share() const noexcept { return share_; }
   std::uint32_t completed() const noexcept { return completed_; }

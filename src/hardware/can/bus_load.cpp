@@ -1,4 +1,4 @@
-#include "knee_robot/hardware/can/bus_load.h"
+#include "bus_load.h"
 
 #include <cstdio>
 

@@ -3,7 +3,7 @@
 #include <cmath>
 #include <set>
 
-#include "knee_robot/hardware/can/bus_load.h"
+#include "bus_load.h"
 #include "knee_robot/hardware/can/canopen.h"
 
 namespace knee_robot::hardware::can {

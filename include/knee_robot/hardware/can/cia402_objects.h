@@ -20,12 +20,10 @@ constexpr std::uint8_t subindexOf(Object object) noexcept {
 
 inline constexpr Object kDeviceType = object(0x1000);
 inline constexpr Object kErrorRegister = object(0x1001);
-inline constexpr Object kSyncIdentifier = object(0x1005);
 inline constexpr Object kConsumerHeartbeat = object(0x1016, 1);  ///< node << 16 | ms; default 0: off
 inline constexpr Object kProducerHeartbeat = object(0x1017);     ///< ms; default 0: off
 inline constexpr Object kVendor = object(0x1018, 1);
 inline constexpr Object kProduct = object(0x1018, 2);
-inline constexpr Object kRevision = object(0x1018, 3);
 inline constexpr Object kSerial = object(0x1018, 4);
 inline constexpr std::uint16_t kReceivePdo = 0x1400;  ///< + n: communication; 0x1600 + n: mapping
 inline constexpr std::uint16_t kReceivePdoMapping = 0x1600;
