@@ -73,11 +73,11 @@ Fault AxesOutput::checkCommand(const AxisCommand& command, std::size_t axis, con
 
 void AxesOutput::readCommands(const rt::Cycle& cycle) {
   all_closed_ = true;
-  verdict.read(judged_);
+  verdict.read(verdict_);
   for (std::size_t i = 0; i < hardware::kAxes; ++i) {
     inputs_[i]->read(commands_[i]);
     Fault fault = checkCommand(commands_[i], i, cycle);
-    if (fault == Fault::None && !loopStaysClosed(judged_.fault[i])) fault = judged_.fault[i];
+    if (fault == Fault::None && !loopStaysClosed(verdict_.fault[i])) fault = verdict_.fault[i];
     closed_[i] = fault == Fault::None;
     if (closed_[i] || !all_closed_) continue;
     all_closed_ = false;

@@ -91,7 +91,7 @@ void ControllerParts::tellOccupancy(Occupancy now, const PatientRange& range) {
 
 PatientChecklist ControllerParts::checklist() const {
   PatientChecklist list(robot, hardware);
-  list.judges_forces = feedforward.judgesForces();
+  list.monitors_forces = feedforward.monitorsForces();
   list.guarded = bus.isGuarded();
   list.lacking_privileges = deployment->warnings();
   list.acceleration_factor = machine.monitors->acceleration_factor;

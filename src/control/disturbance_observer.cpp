@@ -53,7 +53,7 @@ bool DisturbanceObserver::configureHook() {
 bool DisturbanceObserver::startHook() {
   rest_.reset();
   residual_.reset();
-  judge_.reset();
+  classifier_.reset();
   return true;
 }
 
@@ -118,7 +118,7 @@ void DisturbanceObserver::estimate(double dt) noexcept {
     residual_.reset();
   }
   const ResidualEstimator::Estimate& now = residual_.estimate();
-  const DisturbanceJudge::Verdict& verdict = judge_.step(*knowledge_, now, dt);
+  const DisturbanceClassifier::Verdict& verdict = classifier_.step(*knowledge_, now, dt);
   copy(now.expected_N, out_.expected_N);
   copy(now.residual_N, out_.residual_N);
   copy(now.certain_N, out_.certain_N);

@@ -174,7 +174,7 @@ void Driver::checkReference(const rt::Cycle& cycle, bool searching) {
 double Driver::probeEncoder(double dt) noexcept {
   constexpr double kRest_s = 0.5;
   disturbance.read(disturbed_);
-  verdict.read(judged_);
+  verdict.read(verdict_);
   out_.can_be_asked = false;
   const bool carries = order_.level == DriveLevel::Released && !order_.safe_stop && order_.homed &&
                        order_.homing == 0 && unreadable_ == 0;
@@ -211,7 +211,7 @@ bool Driver::challengeEncoder(double dt, const EncoderProbe::Settings& settings)
     standing_.begin(counts);
     return false;
   }
-  const bool wanted = (disturbed && !standing_.counts()) || suspected || judged_.asks[index_];
+  const bool wanted = (disturbed && !standing_.counts()) || suspected || verdict_.asks[index_];
   if (wanted && !challenge_.isActive()) {
     const double away = (out_.reference_m - measured_.position_m[index_]) / actuator_.metresPerCount();
     challenge_.begin(counts, {probe_.enoughForce_N(), probe_.certainForce_N(settings), away, standing_.dithers(),

@@ -89,7 +89,7 @@ FaultCause FaultSearch::inMeasurement(const SupervisorView& view, const Conditio
 
 /// A dead encoder comes first: it makes other axes run.
 FaultCause FaultSearch::ofMonitors(const SupervisorView& view, const Conditions& conditions) const noexcept {
-  if (view.unjudged >= conditions.stale_cycles && view.hasMeasured() && view.unreadable == 0)
+  if (view.unmonitored >= conditions.stale_cycles && view.hasMeasured() && view.unreadable == 0)
     return {Fault::MonitorsStale};
   for (std::size_t i = 0; i < hardware::kAxes; ++i) {
     if (view.verdict.fault[i] == Fault::EncoderFrozen) return {Fault::EncoderFrozen, static_cast<int>(i) + 1};

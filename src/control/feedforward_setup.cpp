@@ -115,7 +115,7 @@ std::string FeedforwardSetup::source() const {
   return payload > 0.0 ? source + ", and a payload of " + shortNumber(payload) + " kg" : source;
 }
 
-bool FeedforwardSetup::judgesForces() const {
+bool FeedforwardSetup::monitorsForces() const {
   return machine_.observer != nullptr && !machine_.observer->model.value().empty();
 }
 

@@ -22,7 +22,7 @@ class FeedforwardSetup {
   /// Where the forces come from, for the operator.
   std::string source() const;
   /// An identified model tells what nobody commanded.
-  bool judgesForces() const;
+  bool monitorsForces() const;
 
  private:
   void setPayload(double payload_kg);

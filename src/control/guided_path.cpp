@@ -41,7 +41,7 @@ trajectory::Points withoutRests(const trajectory::Points& points) {
 trajectory::Points played(const Eigen::MatrixXd& path, double slower) {
   const double whole = static_cast<double>(path.rows() - 1);
   const double ease = std::min(kEase_s / trajectory::kStreamPeriod / slower, 0.5 * whole);  // of the path, samples
-  const auto place = [&](double t) {  // t: samples of time; ease takes twice its length
+  const auto alongPath = [&](double t) {  // t: samples of time; ease takes twice its length
     const double rise = 2.0 * ease * slower, run = (whole - 2.0 * ease) * slower;
     const auto along = [&](double x) {  // integral of the smooth step 3 x^2 - 2 x^3 over the rise
       return ease * 2.0 * (x * x * x - 0.5 * x * x * x * x);
@@ -54,7 +54,7 @@ trajectory::Points played(const Eigen::MatrixXd& path, double slower) {
   const auto count = static_cast<Eigen::Index>(std::ceil((whole + 2.0 * ease) * slower)) + 1;
   trajectory::Points out(count, 4);
   for (Eigen::Index k = 0; k < count; ++k) {
-    const double at = std::clamp(place(static_cast<double>(k)), 0.0, whole);
+    const double at = std::clamp(alongPath(static_cast<double>(k)), 0.0, whole);
     const auto i = std::min(static_cast<Eigen::Index>(at), path.rows() - 2);
     // Catmull-Rom: a straight interpolation would step in its velocity.
     const double x = at - static_cast<double>(i);

@@ -7,7 +7,7 @@ constexpr int kSilentGuide = 5;  // cycles; the Drivers hold by then
 
 }  // namespace
 
-void GuidingPermission::look(const SupervisorView& view) noexcept {
+void GuidingPermission::readSwitch(const SupervisorView& view) noexcept {
   const bool known = view.unreadable == 0;
   held_ = known && inputs_.enablingSwitchHeld(view.measured);
   if (known && inputs_.enablingSwitchReleased(view.measured)) released_ = true;

@@ -54,10 +54,10 @@ HeatMemory::~HeatMemory() {
 }
 
 void HeatMemory::loop() {
-  constexpr int kLooks = 40;  // at stop_, in a period
-  for (int look = 1; !stop_; ++look) {
-    if (look % kLooks == 0) write();
-    std::this_thread::sleep_for(std::chrono::duration<double>(kPeriod_s / kLooks));
+  constexpr int kPolls = 40;  // at stop_, in a period
+  for (int poll = 1; !stop_; ++poll) {
+    if (poll % kPolls == 0) write();
+    std::this_thread::sleep_for(std::chrono::duration<double>(kPeriod_s / kPolls));
   }
 }
 

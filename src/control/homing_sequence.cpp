@@ -26,7 +26,7 @@ void HomingSequence::start(bool first) noexcept {
   prepared_ = found_ = false;
 }
 
-HomingSequence::Placed HomingSequence::place(const AxisValues& measured_m) noexcept {
+HomingSequence::Taken HomingSequence::takeForHome(const AxisValues& measured_m) noexcept {
   if (!isPlacedByHand() && isHomed()) return {};
   for (std::size_t i = 0; i < hardware::kAxes && isHomed(); ++i) {
     const double away = std::abs(home_lengths_m_[i] - measured_m[i]);

@@ -82,9 +82,9 @@ void MachineComponents::checkOrder(const rt::Deployment& deployment) const {
   const bool too_late =
       feedforward != nullptr && std::find_if(order.begin(), order.end(), is_driver) < position(feedforward);
   if (too_late) throw InputError(where + "ModelFeedforward must come before the Drivers, in their activity");
-  const bool looks_late =
+  const bool observes_late =
       observer != nullptr && std::find_if(order.begin(), order.end(), is_driver) < position(observer);
-  if (looks_late) throw InputError(where + "DisturbanceObserver must come before the Drivers, in their activity");
+  if (observes_late) throw InputError(where + "DisturbanceObserver must come before the Drivers, in their activity");
   const bool guides_late = guide != nullptr && std::find_if(order.begin(), order.end(), is_driver) < position(guide);
   if (guides_late) throw InputError(where + "HandGuide must come before the Drivers, in their activity");
   if (position(supervisor) < position(monitors)) throw InputError(where + "Supervisor must come after Monitors");

@@ -48,17 +48,17 @@ SupervisorStatus MachineReport::supervisor() const {
 
 std::string MachineReport::sentenceOfFault(const SupervisorStatus& said) const {
   if (said.fault == Fault::None) return "";
-  std::string place = said.fault_axis > 0 ? "axis " + std::to_string(said.fault_axis) + ": " : "";
+  std::string location = said.fault_axis > 0 ? "axis " + std::to_string(said.fault_axis) + ": " : "";
   const rt::TaskContext* component = nullptr;
   const auto& watched = machine_.supervisor->watched();
   if (said.fault_component >= 0) component = watched[static_cast<std::size_t>(said.fault_component)];
   if (machine_.supervisor->state() >= rt::TaskState::Exception) component = machine_.supervisor;
   if (component != nullptr) {
-    place = component->name() + ": ";
-    if (component->state() >= rt::TaskState::Exception) place += std::string(component->refusal()) + ": ";
+    location = component->name() + ": ";
+    if (component->state() >= rt::TaskState::Exception) location += std::string(component->refusal()) + ": ";
   }
   const FaultDescription& description = describe(said.fault);
-  return place + description.sentence + "; " + description.remedy;
+  return location + description.sentence + "; " + description.remedy;
 }
 
 }  // namespace knee_robot::control

@@ -72,9 +72,9 @@ void Monitors::updateHook(const rt::Cycle& cycle) {
   if (new_reading) {
     const double dt = any_ ? rt::toSeconds(measured_.read_at - last_read_) : 0.0;
     if (carried_) carried_s_ += dt;
-    judgeAxes(dt);
-    raise(0, judgePatient(dt));
-    raise(0, judgeForce(dt));
+    monitorAxes(dt);
+    raise(0, monitorPatient(dt));
+    raise(0, monitorForce(dt));
     last_read_ = measured_.read_at;
     any_ = true;
   }
@@ -82,13 +82,13 @@ void Monitors::updateHook(const rt::Cycle& cycle) {
 }
 
 /// An axis that is driven blindly moves the platform, and others run away with it: the cause is the one that does not count.
-void Monitors::judgeAxes(double dt) noexcept {
+void Monitors::monitorAxes(double dt) noexcept {
   std::array<Fault, hardware::kAxes> found{};
   std::array<bool, hardware::kAxes> blind{};
   bool runs = false;
   for (std::size_t i = 0; i < hardware::kAxes; ++i) {
     const AxisView view = viewOf(i, dt);
-    found[i] = judge(i, view);
+    found[i] = evaluate(i, view);
     blind[i] = axes_[i].frozen.seesNothing(view.reference_m, frozen_distance);
     runs = runs || found[i] == Fault::Runaway;
   }
@@ -117,7 +117,7 @@ AxisView Monitors::viewOf(std::size_t i, double dt) noexcept {
 }
 
 /// Those after which the loop must not go on come first.
-Fault Monitors::judge(std::size_t i, const AxisView& view) noexcept {
+Fault Monitors::evaluate(std::size_t i, const AxisView& view) noexcept {
   const mechanism::Actuator& actuator = robot_.actuators[i];
   Axis& axis = axes_[i];
   const bool hot = axis.thermal.step(view, actuator.force_continuous_N, thermal_time, thermal_share, thermal_housing);
@@ -154,13 +154,13 @@ Fault Monitors::judge(std::size_t i, const AxisView& view) noexcept {
 }
 
 /// Only what a model explains can be told from a force on the patient.
-Fault Monitors::judgeForce(double dt) noexcept {
-  const bool judged = carried_ && patient_.given && disturbed_.identified && disturbed_.known && !takingOver();
-  const bool too_strong = judged && !patient_.allowsForce(disturbed_.wrench);
+Fault Monitors::monitorForce(double dt) noexcept {
+  const bool monitored = carried_ && patient_.given && disturbed_.identified && disturbed_.known && !takingOver();
+  const bool too_strong = monitored && !patient_.allowsForce(disturbed_.wrench);
   return too_strong_.step(too_strong, dt, patient_force_time) ? Fault::PatientForce : Fault::None;
 }
 
-Fault Monitors::judgePatient(double dt) noexcept {
+Fault Monitors::monitorPatient(double dt) noexcept {
   if (!carried_ || !any_ || !commands_[0].homed) return Fault::None;
   switch (patient_monitor_.step(patient_, measured_.position_m, dt, patient_margin_m, patient_margin_rad,
                                 patient_speed_factor)) {

@@ -47,9 +47,9 @@ std::string PatientChecklist::obstacles() const {
 
 Answer PatientChecklist::admit(const PatientLimits& patient) const {
   if (const std::string why = whyNever(); !why.empty()) return {false, why};
-  if (patient.range.limitsForce() && !judges_forces)
+  if (patient.range.limitsForce() && !monitors_forces)
     return {false, patient.path +
-                       ": force: its limits are judged by the residual of an identified model; start the controller "
+                       ": force: its limits are monitored by the residual of an identified model; start the controller "
                        "with one (model:=)"};
   const std::string missing = obstacles();
   if (missing.empty()) return {true, ""};

@@ -15,7 +15,7 @@ struct PatientChecklist {
   std::string hardware_path;
   bool bench_without_patient = false;
   bool simulated = false;  ///< hurts nobody; what is missing is only told
-  bool judges_forces = false;
+  bool monitors_forces = false;
   bool guarded = false;                         ///< a guardian watches the controller
   std::vector<std::string> lacking_privileges;  ///< real-time ones
   bool has_emergency_stop = false, has_hand_switch = false;

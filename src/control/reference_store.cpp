@@ -7,13 +7,13 @@
 namespace knee_robot::control {
 namespace {
 
-struct Place {
+struct Interval {
   std::size_t index;
   double share;
 };
 
 /// Interval and share of it at `path_time`; the path has at least two points.
-Place placeAt(const ReferencePath& path, double path_time) noexcept {
+Interval intervalAt(const ReferencePath& path, double path_time) noexcept {
   const double intervals =
       std::clamp(path_time / ReferencePath::kPointPeriod_s, 0.0, static_cast<double>(path.points.size() - 1));
   const std::size_t index = std::min(static_cast<std::size_t>(intervals), path.points.size() - 2);
@@ -46,14 +46,14 @@ ReferencePath ReferencePath::of(std::vector<AxisValues> points) {
 
 AxisValues ReferencePath::positionAt(double path_time) const noexcept {
   if (points.size() < 2) return points.front();
-  const Place place = placeAt(*this, path_time);
-  return between(points[place.index], points[place.index + 1], place.share);
+  const Interval interval = intervalAt(*this, path_time);
+  return between(points[interval.index], points[interval.index + 1], interval.share);
 }
 
 AxisValues ReferencePath::velocityAt(double path_time) const noexcept {
   if (points.size() < 2) return {};
-  const Place place = placeAt(*this, path_time);
-  return between(velocities[place.index], velocities[place.index + 1], place.share);
+  const Interval interval = intervalAt(*this, path_time);
+  return between(velocities[interval.index], velocities[interval.index + 1], interval.share);
 }
 
 void ReferenceStore::offer(ReferencePath path) {

@@ -49,7 +49,7 @@ bool Supervisor::startHook() {
   homing_.start(!started_before_);
   guiding_.start();
   started_before_ = true;
-  view_.unjudged = view_.unreadable = 0;
+  view_.unmonitored = view_.unreadable = 0;
   written.read(view_.written);
   if (!view_.drivesAreOff()) {
     // Started anew while AxesOutput is still bringing the machine to rest: the Drivers hold until it is done.
@@ -61,7 +61,7 @@ bool Supervisor::startHook() {
 
 void Supervisor::updateHook(const rt::Cycle& cycle) {
   readPorts();
-  lookForFaults();
+  detectFaults();
   Request asked;
   while (request.read(asked) == rt::FlowStatus::NewData)
     handle(asked, cycle.time);
@@ -76,14 +76,14 @@ void Supervisor::readPorts() {
   for (std::size_t i = 0; i < hardware::kAxes; ++i)
     drivers_[i]->read(view_.commands[i]);
   written.read(view_.written);
-  const bool judged =
+  const bool monitored =
       verdict.read(view_.verdict) == rt::FlowStatus::NewData && view_.verdict.sequence == view_.measured.sequence;
-  view_.unjudged = judged ? 0 : view_.unjudged + 1;
+  view_.unmonitored = monitored ? 0 : view_.unmonitored + 1;
   view_.unguided = guidance.read(view_.guidance) == rt::FlowStatus::NewData ? 0 : view_.unguided + 1;
-  guiding_.look(view_);
+  guiding_.readSwitch(view_);
 }
 
-void Supervisor::lookForFaults() {
+void Supervisor::detectFaults() {
   FaultSearch::Conditions conditions;
   conditions.range_margin_m = range_margin;
   conditions.stale_cycles = stale_measurements;
@@ -201,9 +201,9 @@ void Supervisor::home(const Request& asked, rt::Nanoseconds now) {
     homing_.prepare(true);
     return enable(asked, now);
   }
-  const HomingSequence::Placed placed = homing_.place(view_.measured.position_m);
-  if (placed.shifts) home_setting.write(homing_.setting());
-  answers_.answer(asked.number, placed.result, placed.axis, placed.distance_m);
+  const HomingSequence::Taken taken = homing_.takeForHome(view_.measured.position_m);
+  if (taken.shifts) home_setting.write(homing_.setting());
+  answers_.answer(asked.number, taken.result, taken.axis, taken.distance_m);
 }
 
 void Supervisor::guide(const Request& asked) noexcept {

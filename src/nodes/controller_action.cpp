@@ -31,7 +31,7 @@ PlayActionServer::PlayActionServer(ros::NodeHandle& node, control::ControlSystem
       log_(log),
       server_(
           node, "play", [this](Handle handle) { receive(handle); }, [this](Handle handle) { cancel(handle); }, false) {
-  judge_ = std::thread([this] { judgeArrivals(); });
+  checker_ = std::thread([this] { checkArrivals(); });
   worker_ = std::thread([this] { work(); });
   server_.start();
 }
@@ -43,11 +43,11 @@ PlayActionServer::~PlayActionServer() {
     interruption_ = Interruption::ShutDown;
   }
   arrived_.notify_all();
-  judge_.join();
+  checker_.join();
   worker_.join();
 }
 
-control::Answer PlayActionServer::judgeMachine(const PlayGoal& goal) const {
+control::Answer PlayActionServer::checkMachine(const PlayGoal& goal) const {
   const control::ControlStatus status = system_.status();
   if (status.state == control::MachineState::Faulted) return {false, "the robot is faulted: " + status.fault_sentence};
   if (status.state == control::MachineState::Disabled && !goal.enable)
@@ -58,7 +58,7 @@ control::Answer PlayActionServer::judgeMachine(const PlayGoal& goal) const {
   return {true, ""};
 }
 
-control::Answer PlayActionServer::judge(const PlayGoal& goal, Job& job) const {
+control::Answer PlayActionServer::check(const PlayGoal& goal, Job& job) const {
   // Written so that not-a-number is refused.
   if (!(goal.speed_percent == 0.0 || (goal.speed_percent >= kSlowestPercent && goal.speed_percent <= 100.0)))
     return {false, "speed_percent must lie between 5 and 100, or be 0 for 100, not " + shortNumber(goal.speed_percent)};
@@ -68,8 +68,8 @@ control::Answer PlayActionServer::judge(const PlayGoal& goal, Job& job) const {
   if (goal.file.empty()) {
     if (system_.status().reference.empty()) return {false, "no file was named and no reference is loaded"};
   } else {
-    job.judged = references_.judge(goal.file, goal.space);
-    if (!job.judged.reference) return job.judged.answer;
+    job.checked = references_.check(goal.file, goal.space);
+    if (!job.checked.reference) return job.checked.answer;
   }
   if (!goal.record) return {true, ""};
   try {
@@ -96,38 +96,38 @@ void PlayActionServer::receive(Handle handle) {
   {
     const std::lock_guard<std::mutex> lock(mutex_);
     ended = ended_;
-    if (!ended) unjudged_.emplace_back().handle = handle;
+    if (!ended) unchecked_.emplace_back().handle = handle;
   }
   if (ended) handle.setRejected(resultOf("the controller is ending"), "the controller is ending");
   arrived_.notify_all();
 }
 
-void PlayActionServer::judgeArrivals() {
+void PlayActionServer::checkArrivals() {
   while (true) {
     Job job;
     {
       std::unique_lock<std::mutex> lock(mutex_);
-      arrived_.wait(lock, [this] { return !unjudged_.empty() || ended_; });
-      if (unjudged_.empty()) return;
-      job.handle = unjudged_.front().handle;
+      arrived_.wait(lock, [this] { return !unchecked_.empty() || ended_; });
+      if (unchecked_.empty()) return;
+      job.handle = unchecked_.front().handle;
     }
-    const control::Answer answer = judge(*job.handle.getGoal(), job);
+    const control::Answer answer = check(*job.handle.getGoal(), job);
     decide(job, answer);
     std::optional<Job> done;  // goes without the lock: handles take actionlib's lock, which is held where goals arrive
     const std::lock_guard<std::mutex> lock(mutex_);
-    done.emplace(std::move(unjudged_.front()));
-    unjudged_.pop_front();
+    done.emplace(std::move(unchecked_.front()));
+    unchecked_.pop_front();
   }
 }
 
-/// The goal stays in unjudged_ meanwhile: a cancel that comes at any moment finds it there or in next_.
+/// The goal stays in unchecked_ meanwhile: a cancel that comes at any moment finds it there or in next_.
 void PlayActionServer::decide(Job& job, control::Answer answer) {
   Handle handle = job.handle;
   {
     const std::lock_guard<std::mutex> lock(mutex_);
-    if (unjudged_.front().cancelled) return;
+    if (unchecked_.front().cancelled) return;
     if (ended_) answer = {false, "the controller is ending"};
-    if (answer.ok && !running_) answer = judgeMachine(*handle.getGoal());
+    if (answer.ok && !running_) answer = checkMachine(*handle.getGoal());
   }
   if (!answer.ok) {
     ROS_WARN("play refused: %s", answer.sentence.c_str());
@@ -140,11 +140,11 @@ void PlayActionServer::decide(Job& job, control::Answer answer) {
   std::optional<Handle> replaced;
   {
     const std::lock_guard<std::mutex> lock(mutex_);
-    if (unjudged_.front().cancelled) return;
+    if (unchecked_.front().cancelled) return;
     if (next_) replaced = next_->handle;
     if (running_) interruption_ = Interruption::Preempted;
     next_ = std::move(job);
-    unjudged_.front().cancelled = true;  // from here on next_ is what a cancel finds
+    unchecked_.front().cancelled = true;  // from here on next_ is what a cancel finds
   }
   const char* const sentence = "preempted by a newer goal before it began; nothing moved for it";
   if (replaced) replaced->setCanceled(resultOf(sentence), sentence);
@@ -154,12 +154,12 @@ void PlayActionServer::decide(Job& job, control::Answer answer) {
 /// Called with actionlib's lock held.
 void PlayActionServer::cancel(Handle handle) {
   std::optional<Job> waiting;
-  bool unjudged = false;
+  bool unchecked = false;
   {
     const std::lock_guard<std::mutex> lock(mutex_);
-    for (Job& job : unjudged_) {
+    for (Job& job : unchecked_) {
       if (!(job.handle == handle) || job.cancelled) continue;
-      job.cancelled = unjudged = true;
+      job.cancelled = unchecked = true;
     }
     if (next_ && next_->handle == handle) {
       waiting.swap(next_);
@@ -168,7 +168,7 @@ void PlayActionServer::cancel(Handle handle) {
     }
   }
   const char* const sentence = "cancelled before it began; nothing moved for it";
-  if (unjudged) handle.setCanceled(resultOf(sentence), sentence);
+  if (unchecked) handle.setCanceled(resultOf(sentence), sentence);
   if (waiting) waiting->handle.setCanceled(resultOf(sentence), sentence);
 }
 

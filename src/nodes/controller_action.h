@@ -18,7 +18,7 @@
 
 namespace knee_robot::nodes {
 
-/// The action `~play`: see action/Play.action for what it does and its policies. One thread judges the goals in the order in which
+/// The action `~play`: see action/Play.action for what it does and its policies. One thread checks the goals in the order in which
 /// they arrive (a long file takes its time, and cancelling must not wait for it), another one plays them. The services stay available meanwhile: a pause pauses the goal, a stop or a fault aborts it.
 class PlayActionServer {
  public:
@@ -32,18 +32,18 @@ class PlayActionServer {
   using Handle = Server::GoalHandle;
   struct Job {
     Handle handle;
-    JudgedReference judged;  // empty: the loaded reference
-    std::string recording;   // full path, empty: none
-    bool cancelled = false;  // before it was judged
+    CheckedReference checked;  // empty: the loaded reference
+    std::string recording;     // full path, empty: none
+    bool cancelled = false;    // before it was checked
   };
   enum class Interruption { None, Cancelled, Preempted, ShutDown };
 
   void receive(Handle handle);
   void cancel(Handle handle);
-  void judgeArrivals();
+  void checkArrivals();
   void decide(Job& job, control::Answer answer);
-  control::Answer judge(const PlayGoal& goal, Job& job) const;
-  control::Answer judgeMachine(const PlayGoal& goal) const;
+  control::Answer check(const PlayGoal& goal, Job& job) const;
+  control::Answer checkMachine(const PlayGoal& goal) const;
   void work();
   void note(const std::string& kind, const Handle& handle, const std::string& sentence);
 
@@ -54,13 +54,13 @@ class PlayActionServer {
 
   std::mutex mutex_;
   std::condition_variable arrived_;
-  std::deque<Job> unjudged_;  // the first is being judged
+  std::deque<Job> unchecked_;  // the first is being checked
   std::optional<Job> next_;
   std::optional<Handle> running_;
   std::atomic<Interruption> interruption_{Interruption::None};
   bool ended_ = false;
   Server server_;
-  std::thread judge_, worker_;
+  std::thread checker_, worker_;
 
   friend class PlayedGoal;
 };

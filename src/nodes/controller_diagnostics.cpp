@@ -13,8 +13,8 @@ namespace {
 
 using diagnostic_msgs::DiagnosticStatus;
 
-constexpr int kLooksPerUpdate = 20;
-constexpr double kLookPeriod = 0.05;  // s
+constexpr int kPollsPerUpdate = 20;
+constexpr double kPollPeriod = 0.05;  // s
 
 unsigned char levelAbove(double value, double warn, double error) {
   if (!(value < error)) return DiagnosticStatus::ERROR;  // not a number, too
@@ -72,17 +72,17 @@ ControllerDiagnostics::ControllerDiagnostics(ros::NodeHandle& node, const contro
   updater_.add("recording", this, &ControllerDiagnostics::recording);
   updater_.add("real time", this, &ControllerDiagnostics::realTime);
   timingMessage(system_.deployment(), timing_before_);
-  timer_ = node.createWallTimer(ros::WallDuration(kLookPeriod), [this](const ros::WallTimerEvent&) { look(); });
+  timer_ = node.createWallTimer(ros::WallDuration(kPollPeriod), [this](const ros::WallTimerEvent&) { poll(); });
 }
 
-void ControllerDiagnostics::look() {
+void ControllerDiagnostics::poll() {
   const control::MachineState state = system_.state();
   const bool follows = state != control::MachineState::Disabled && state != control::MachineState::Faulted;
   if (const std::optional<control::TrackingRow> row = system_.snapshot(); row && follows) {
     for (std::size_t i = 0; i < hardware::kAxes; ++i)
       largest_error_[i] = std::max(largest_error_[i], std::abs(row->reference_m[i] - row->position_m[i]));
   }
-  if (++looks_ % kLooksPerUpdate == 0) updater_.force_update();
+  if (++polls_ % kPollsPerUpdate == 0) updater_.force_update();
 }
 
 void ControllerDiagnostics::machine(Status& status) {

@@ -37,7 +37,7 @@ class ControllerDiagnostics {
 
  private:
   using Status = diagnostic_updater::DiagnosticStatusWrapper;
-  void look();
+  void poll();
   void machine(Status& status);
   void tracking(Status& status);
   void limits(Status& status);
@@ -57,7 +57,7 @@ class ControllerDiagnostics {
   std::vector<rt::DurationHistogram::Snapshot> timing_before_;
   std::uint64_t missed_before_ = 0;
   mechanism::ForwardResult forward_;
-  int looks_ = 0;
+  int polls_ = 0;
   ros::WallTimer timer_;
 };
 

@@ -3,7 +3,7 @@
 namespace knee_robot::nodes {
 namespace {
 
-constexpr double kLook_s = 0.02;
+constexpr double kPoll_s = 0.02;
 
 Event toMessage(const LoggedEvent& event) {
   Event message;
@@ -30,7 +30,7 @@ ControllerEvents::ControllerEvents(ros::NodeHandle& node, const control::Control
       log_(log),
       publisher_(node.advertise<Event>("events", 200, true)),
       get_(node.advertiseService("get_events", &ControllerEvents::get, this)),
-      timer_(node.createWallTimer(ros::WallDuration(kLook_s), [this](const ros::WallTimerEvent&) { look(); })) {
+      timer_(node.createWallTimer(ros::WallDuration(kPoll_s), [this](const ros::WallTimerEvent&) { poll(); })) {
   log_.setListener([this](const LoggedEvent& event) { publish(event); });
 }
 
@@ -39,7 +39,7 @@ void ControllerEvents::publish(const LoggedEvent& event) {
   if (event.kind == "log") ROS_WARN("event log: %s%s", event.what.c_str(), event.answer.c_str());
 }
 
-void ControllerEvents::look() {
+void ControllerEvents::poll() {
   const control::ControlStatus status = system_.status();
   const std::string now = std::string(control::toString(status.state)) + '\n' + status.fault_name;
   if (now == last_) return;

@@ -18,7 +18,7 @@ class ControllerEvents {
   ~ControllerEvents() { log_.setListener({}); }
 
  private:
-  void look();
+  void poll();
   void publish(const LoggedEvent& event);
   bool get(GetEvents::Request& request, GetEvents::Response& response);
 

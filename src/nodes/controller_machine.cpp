@@ -56,7 +56,7 @@ Machine openMachine(const control::HardwareFile& hardware_file, const mechanism:
   return machine;
 }
 
-GuardianSupervision::Guardian GuardianSupervision::look() {
+GuardianSupervision::Guardian GuardianSupervision::poll() {
   if (!machine_.memory) return Guardian::None;
   const std::uint64_t cycles = machine_.memory->link().guardian_cycles.load();
   const ros::WallTime now = ros::WallTime::now();

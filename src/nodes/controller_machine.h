@@ -39,7 +39,7 @@ class GuardianSupervision {
 
   explicit GuardianSupervision(Machine& machine) : machine_(machine) {}
   /// To be called often. Says a change on the log.
-  Guardian look();
+  Guardian poll();
 
  private:
   Machine& machine_;

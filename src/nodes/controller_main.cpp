@@ -35,7 +35,7 @@ class MasterLoss {
  public:
   MasterLoss(control::ControlSystem& system, nodes::EventLog& log, double timeout_s)
       : system_(system), log_(log), timeout_s_(timeout_s) {}
-  void look(double silence_s) {
+  void poll(double silence_s) {
     if (timeout_s_ == 0.0 || silence_s < timeout_s_) {
       acted_ = false;
       return;
@@ -78,8 +78,8 @@ void serve(const ros::NodeHandle& node, nodes::Machine& machine, const nodes::Co
   MasterLoss loss(parts.system, parts.log, timeout_s);
   nodes::MasterWatch watch(node.resolveName("get_state"));
   while (!stop_requested && ros::ok()) {
-    guardian = supervision.look();
-    loss.look(watch.silence());
+    guardian = supervision.poll();
+    loss.poll(watch.silence());
     if (watch.isForgotten()) {
       ROS_WARN("the ROS master does not know this node any more (was it restarted?): advertising everything anew");
       interface.reset();

@@ -26,7 +26,7 @@ rt::DurationHistogram::Snapshot since(const rt::DurationHistogram::Snapshot& bef
 class Nearest {
  public:
   explicit Nearest(Margins& margins) : margins_(margins) { margins_.nearest_left = 1.0; }
-  void look(double left, const std::string& what) {
+  void consider(double left, const std::string& what) {
     if (!(left < margins_.nearest_left)) return;
     margins_.nearest_left = left;
     margins_.nearest = what;
@@ -36,21 +36,21 @@ class Nearest {
   Margins& margins_;
 };
 
-void lookAtAngles(const mechanism::Robot& robot, const mechanism::Pose& pose, Margins& margins, Nearest& nearest) {
+void considerAngles(const mechanism::Robot& robot, const mechanism::Pose& pose, Margins& margins, Nearest& nearest) {
   const mechanism::JointAngles angles = mechanism::jointAngles(*robot.mechanism, pose);
   for (std::size_t i = 0; i < hardware::kAxes; ++i) {
     margins.base_angle_rad[i] = angles.base[i];
-    nearest.look(1.0 - angles.base[i] / margins.base_angle_limit_rad[i],
-                 std::string(i < 3 ? "universal" : "revolute") + " joint of leg " + std::to_string(i + 1));
+    nearest.consider(1.0 - angles.base[i] / margins.base_angle_limit_rad[i],
+                     std::string(i < 3 ? "universal" : "revolute") + " joint of leg " + std::to_string(i + 1));
   }
   for (std::size_t i = 0; i < 3; ++i) {
     margins.platform_angle_rad[i] = angles.platform[i];
-    nearest.look(1.0 - angles.platform[i] / margins.platform_angle_limit_rad[i],
-                 "spherical joint of leg " + std::to_string(i + 1));
+    nearest.consider(1.0 - angles.platform[i] / margins.platform_angle_limit_rad[i],
+                     "spherical joint of leg " + std::to_string(i + 1));
   }
   margins.condition = mechanism::conditionNumber(*robot.mechanism, pose);
   if (std::isfinite(margins.condition_limit))
-    nearest.look(1.0 - margins.condition / margins.condition_limit, "singularity");
+    nearest.consider(1.0 - margins.condition / margins.condition_limit, "singularity");
 }
 
 }  // namespace
@@ -110,15 +110,15 @@ Margins marginsMessage(const mechanism::Robot& robot, const mechanism::Pose* pos
     margins.base_angle_rad[i] = kNan;
     const double range = actuator.position_max_m - actuator.position_min_m;
     const std::string leg = "length of leg " + std::to_string(i + 1);
-    nearest.look((row.position_m[i] - actuator.position_min_m) / range, "shortest " + leg);
-    nearest.look((actuator.position_max_m - row.position_m[i]) / range, "longest " + leg);
+    nearest.consider((row.position_m[i] - actuator.position_min_m) / range, "shortest " + leg);
+    nearest.consider((actuator.position_max_m - row.position_m[i]) / range, "longest " + leg);
   }
   margins.platform_angle_limit_rad.assign(robot.joints.spherical_max);
   margins.platform_angle_rad.assign(kNan);
   margins.condition = kNan;
   margins.condition_limit = robot.mechanism ? robot.singularity_condition_max : kInfinity;
   margins.pose_known = pose != nullptr && robot.mechanism;
-  if (margins.pose_known) lookAtAngles(robot, *pose, margins, nearest);
+  if (margins.pose_known) considerAngles(robot, *pose, margins, nearest);
   return margins;
 }
 

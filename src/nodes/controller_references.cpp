@@ -31,32 +31,32 @@ std::string marginSentence(const trajectory::ReferenceCheck& check) {
 
 }  // namespace
 
-JudgedReference References::judge(const std::string& file, const std::string& space) const {
-  JudgedReference judged;
+CheckedReference References::check(const std::string& file, const std::string& space) const {
+  CheckedReference checked;
   try {
     trajectory::Reference reference = trajectory::readReference(folder_.existingFile(file), requestedSpace(space));
-    judged.check = trajectory::requirePlayable(reference, robot_);
-    judged.points = static_cast<std::uint32_t>(reference.points.rows());
-    judged.duration_s = static_cast<double>(reference.points.rows() - 1) * reference.period_s;
+    checked.check = trajectory::requirePlayable(reference, robot_);
+    checked.points = static_cast<std::uint32_t>(reference.points.rows());
+    checked.duration_s = static_cast<double>(reference.points.rows() - 1) * reference.period_s;
     reference.name = std::filesystem::path(reference.name).lexically_relative(folder_.path()).string();
-    judged.answer = {true, reference.name + ": may be played" + marginSentence(judged.check)};
-    judged.reference = std::move(reference);
+    checked.answer = {true, reference.name + ": may be played" + marginSentence(checked.check)};
+    checked.reference = std::move(reference);
   } catch (const std::exception& error) {  // InputError, a file system that fails, no memory
-    judged.answer = {false, error.what()};
+    checked.answer = {false, error.what()};
   }
-  return judged;
+  return checked;
 }
 
-control::Answer References::load(const JudgedReference& judged) {
-  if (!judged.reference) return judged.answer;
-  const control::Answer answer = system_.loadReference(*judged.reference);
+control::Answer References::load(const CheckedReference& checked) {
+  if (!checked.reference) return checked.answer;
+  const control::Answer answer = system_.loadReference(*checked.reference);
   if (!answer.ok) return answer;
   {
     const std::lock_guard<std::mutex> lock(mutex_);
-    duration_s_ = judged.duration_s;
+    duration_s_ = checked.duration_s;
   }
-  publishPath(judged.check, judged.reference->period_s);
-  return {true, judged.answer.sentence + "; loaded"};
+  publishPath(checked.check, checked.reference->period_s);
+  return {true, checked.answer.sentence + "; loaded"};
 }
 
 double References::loadedDuration() const {

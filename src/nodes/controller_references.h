@@ -12,8 +12,8 @@
 
 namespace knee_robot::nodes {
 
-/// A reference file as the network named it, read and judged.
-struct JudgedReference {
+/// A reference file as the network named it, read and checked.
+struct CheckedReference {
   std::optional<trajectory::Reference> reference;  ///< empty: refused
   trajectory::ReferenceCheck check;
   control::Answer answer;  ///< may be played, with the smallest margin; or the first limit that it breaks
@@ -30,9 +30,9 @@ class References {
       : system_(system), robot_(robot), folder_(folder) {}
 
   /// Nothing changes. `space`: actuator, platform, relative or empty.
-  JudgedReference judge(const std::string& file, const std::string& space) const;
-  /// Hands over what judge() let pass.
-  control::Answer load(const JudgedReference& judged);
+  CheckedReference check(const std::string& file, const std::string& space) const;
+  /// Hands over what check() let pass.
+  control::Answer load(const CheckedReference& checked);
   /// Path for a new reference file of that plain name in the folder. InputError where there is one.
   std::string newFile(const std::string& name) const { return folder_.newFile(name); }
   /// Length (s) of the loaded reference; 0: none.

@@ -55,17 +55,17 @@ void ControllerServices::offer(ros::NodeHandle& node, const std::string& name,
 }
 
 bool ControllerServices::check(Call<CheckReference>& call) {
-  const JudgedReference judged = references_.judge(call.getRequest().file, call.getRequest().space);
-  call.getResponse().points = judged.points;
-  call.getResponse().duration_s = judged.duration_s;
-  return reply(call, "check_reference " + call.getRequest().file, judged.answer);
+  const CheckedReference checked = references_.check(call.getRequest().file, call.getRequest().space);
+  call.getResponse().points = checked.points;
+  call.getResponse().duration_s = checked.duration_s;
+  return reply(call, "check_reference " + call.getRequest().file, checked.answer);
 }
 
 bool ControllerServices::load(Call<LoadReference>& call) {
-  const JudgedReference judged = references_.judge(call.getRequest().file, call.getRequest().space);
-  call.getResponse().points = judged.points;
-  call.getResponse().duration_s = judged.duration_s;
-  return reply(call, "load_reference " + call.getRequest().file, references_.load(judged));
+  const CheckedReference checked = references_.check(call.getRequest().file, call.getRequest().space);
+  call.getResponse().points = checked.points;
+  call.getResponse().duration_s = checked.duration_s;
+  return reply(call, "load_reference " + call.getRequest().file, references_.load(checked));
 }
 
 /// Answers as load_reference would for the new file.
@@ -75,9 +75,9 @@ bool ControllerServices::saveGuided(Call<LoadReference>& call) {
     const std::string path = references_.newFile(call.getRequest().file);
     const control::Answer saved = system_.saveGuided(path);
     if (saved.ok) {
-      const JudgedReference judged = references_.judge(path, "");
-      call.getResponse().points = judged.points;
-      call.getResponse().duration_s = judged.duration_s;
+      const CheckedReference checked = references_.check(path, "");
+      call.getResponse().points = checked.points;
+      call.getResponse().duration_s = checked.duration_s;
     }
     return reply(call, what, saved);
   } catch (const InputError& error) {

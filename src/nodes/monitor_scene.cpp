@@ -27,7 +27,7 @@ geometry_msgs::Point pointOf(const mechanism::Vector3& p) {
 }
 
 /// Where a point of the platform is at this pose.
-mechanism::Vector3 placed(const mechanism::Pose& pose, const mechanism::Vector3& point) {
+mechanism::Vector3 transformed(const mechanism::Pose& pose, const mechanism::Vector3& point) {
   return mechanism::Vector3(pose[0], 0.0, pose[1]) + mechanism::platformRotation(pose) * point;
 }
 
@@ -43,7 +43,7 @@ void addGhost(Scene& scene, const mechanism::Mechanism& mechanism, const mechani
   for (int k = 0; k <= corners; ++k) {
     const double angle = 2.0 * M_PI * k / corners;
     ring.points.push_back(
-        pointOf(placed(pose, {(radius + 0.05) * std::cos(angle), (radius + 0.05) * std::sin(angle), 0.02})));
+        pointOf(transformed(pose, {(radius + 0.05) * std::cos(angle), (radius + 0.05) * std::sin(angle), 0.02})));
   }
   Marker& spokes = scene.add("reference", Marker::LINE_LIST, kGhostLine);
   spokes.scale.x = 0.008;
@@ -54,11 +54,11 @@ void addGhost(Scene& scene, const mechanism::Mechanism& mechanism, const mechani
         i < 3 ? mechanism::Vector3(mechanism.platform_points[i]) : mechanism::Vector3::Zero();
     const mechanism::Vector3 up(0.0, 0.0, above);
     if (i < 3) {
-      spokes.points.push_back(pointOf(placed(pose, up)));
-      spokes.points.push_back(pointOf(placed(pose, 1.07 * tip + up)));
+      spokes.points.push_back(pointOf(transformed(pose, up)));
+      spokes.points.push_back(pointOf(transformed(pose, 1.07 * tip + up)));
     }
     legs.points.push_back(pointOf(mechanism.base_points[i]));
-    legs.points.push_back(pointOf(placed(pose, tip)));
+    legs.points.push_back(pointOf(transformed(pose, tip)));
   }
 }
 
@@ -71,7 +71,7 @@ void addPath(Scene& scene, const mechanism::Mechanism& mechanism, const Heard& h
         edge ? mechanism::Vector3(mechanism.platform_points[0]) : mechanism::Vector3::Zero();
     std::vector<geometry_msgs::Point> points;
     for (const geometry_msgs::PoseStamped& point : heard.path->poses) {
-      if (point.header.stamp.toSec() >= from) points.push_back(pointOf(placed(poseOf(point.pose), shown)));
+      if (point.header.stamp.toSec() >= from) points.push_back(pointOf(transformed(poseOf(point.pose), shown)));
     }
     if (points.size() < 2) continue;
     Marker& line = scene.add("path", Marker::LINE_STRIP, edge ? kPathEdge : kPath);

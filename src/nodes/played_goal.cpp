@@ -10,7 +10,7 @@
 namespace knee_robot::nodes {
 namespace {
 
-constexpr auto kLook = std::chrono::milliseconds(10);
+constexpr auto kPoll = std::chrono::milliseconds(10);
 constexpr double kFeedbackPeriod = 0.1;  // s
 constexpr double kLongestStop = 30.0;    // s, from the largest speed to rest, with room
 constexpr double kApproachSpeed = 0.01;  // m/s
@@ -58,8 +58,8 @@ control::Answer PlayedGoal::play() {
     feedBack("enabling", system_.status());
     if (const control::Answer answer = system_.enable(); !answer.ok) return answer;
   }
-  if (job_.judged.reference) {
-    if (const control::Answer answer = server_.references_.load(job_.judged); !answer.ok) return answer;
+  if (job_.checked.reference) {
+    if (const control::Answer answer = server_.references_.load(job_.checked); !answer.ok) return answer;
   }
   result_.duration_s = server_.references_.loadedDuration();
   if (isInterrupted()) return breakOff();
@@ -90,7 +90,7 @@ control::Answer PlayedGoal::follow(const std::string& phase, bool measure) {
     }
     if (isInterrupted()) return breakOff();
     feedBack(phase, status);
-    std::this_thread::sleep_for(kLook);
+    std::this_thread::sleep_for(kPoll);
     status = system_.status();
   }
   if (measure) result_.path_time_s = std::min(status.path_time_s, status.path_duration_s);
@@ -117,7 +117,7 @@ control::Answer PlayedGoal::breakOff() {
   const ros::WallTime give_up = ros::WallTime::now() + ros::WallDuration(kLongestStop);
   while (isOnPath(system_.state()) && ros::WallTime::now() < give_up) {
     feedBack("stopping", system_.status());
-    std::this_thread::sleep_for(kLook);
+    std::this_thread::sleep_for(kPoll);
   }
   const control::ControlStatus status = system_.status();
   return {false, who + ": slowed down along the path, " + shortNumber(status.path_time_s, 3) +

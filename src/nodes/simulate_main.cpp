@@ -70,7 +70,7 @@ class Watch {
     stood_ = plant_.lengths();
     height_ = plant_.state().pose[1];
   }
-  void look() {
+  void sample() {
     if (what_ == What::Nothing) return;
     const std::optional<control::TrackingRow> row = system_.snapshot();
     if (!row) return;
@@ -204,7 +204,7 @@ int main(int argc, char** argv) {
         plant.step(kPlantStep);
         if (recording && !truth_file.empty()) appendRow(began, plant.unmodelled(), truth);
       }
-      watch.look();
+      watch.sample();
     });
     std::printf("feedforward: %s\n", system.feedforward().c_str());
     require(system.start());

@@ -150,7 +150,7 @@ int propose(const Arguments& a, const mechanism::Robot& robot, const std::string
   results.servo_period_s = now.period_s;
   results.responses = identification::axisResponses(robot, recording::loadRecording(a.recording));
   const MassRange masses(a, robot, results.responses);
-  int judged = 0;
+  int evaluated = 0;
   for (std::size_t i = 0; i < robot.actuators.size(); ++i) {
     const identification::AxisResponse& measured = results.responses.axes[i];
     report::TunedAxis axis;
@@ -160,7 +160,7 @@ int propose(const Arguments& a, const mechanism::Robot& robot, const std::string
     axis.reason = results.responses.reasons[i];
     axis.highest_crossover_hz = kBandShare * measured.cutoff_hz;
     if (axis.reason.empty()) {
-      ++judged;
+      ++evaluated;
       axis.range_source = masses.apply(static_cast<int>(i), measured, a.payload_kg, axis.range);
       axis.range.low.viscous_N_s_per_m = std::max(0.0, measured.viscous_N_s_per_m - kCertain * measured.viscous_std);
       axis.range.high.viscous_N_s_per_m = std::max(0.0, measured.viscous_N_s_per_m + kCertain * measured.viscous_std);
@@ -172,7 +172,7 @@ int propose(const Arguments& a, const mechanism::Robot& robot, const std::string
     }
     results.axes.push_back(axis);
   }
-  if (judged == 0) throw Refusal(a.recording + ": no axis can be judged; the first: " + results.axes.front().reason);
+  if (evaluated == 0) throw Refusal(a.recording + ": no axis can be judged; the first: " + results.axes.front().reason);
   std::cout << report::tuningSummary(results);
   report::writeTuning(results, command_line, a.output);
   std::cout << "written: " << a.output << "/report.html, report.json, gains.yaml" << std::endl;

@@ -77,8 +77,8 @@ class Drawing {
  public:
   explicit Drawing(const mechanism::Robot& robot) : robot_(robot) {}
 
-  void panel(const Panel& panel, int place, const std::vector<Line>& lines) {
-    const double x0 = kLeft + (place % 2) * (kColumns * kCell + kGap), y0 = kTop + (place / 2) * (kRows * kCell + kGap);
+  void panel(const Panel& panel, int index, const std::vector<Line>& lines) {
+    const double x0 = kLeft + (index % 2) * (kColumns * kCell + kGap), y0 = kTop + (index / 2) * (kRows * kCell + kGap);
     out_ << "<text x=\"" << x0 << "\" y=\"" << y0 - 8 << "\" class=\"t\">" << panel.title << "</text>\n";
     cells(panel, x0, y0);
     axes(panel, x0, y0);
@@ -147,14 +147,14 @@ class Drawing {
   void exercise(const Panel& p, const Line& line, double x0, double y0) {
     if (line.axis != p.across && line.axis != p.up) return;
     const double w = kColumns * kCell, h = kRows * kCell;
-    const auto place = [&](double v) {
+    const auto pixelOf = [&](double v) {
       mechanism::Pose pose = p.center;
       pose[line.axis] = v;
       const double x = (pose[p.across] - p.low[0]) / (p.high[0] - p.low[0]),
                    y = (pose[p.up] - p.low[1]) / (p.high[1] - p.low[1]);
       return std::make_pair(x0 + std::clamp(x, 0.0, 1.0) * w, y0 + (1.0 - std::clamp(y, 0.0, 1.0)) * h);
     };
-    const auto a = place(line.from), b = place(line.to);
+    const auto a = pixelOf(line.from), b = pixelOf(line.to);
     out_ << "<line x1=\"" << a.first << "\" y1=\"" << a.second << "\" x2=\"" << b.first << "\" y2=\"" << b.second
          << "\" stroke=\"#111\" stroke-width=\"2.5\"/>\n<text x=\"" << b.first + 5 << "\" y=\"" << b.second - 4 << "\">"
          << line.name << "</text>\n";

@@ -5,13 +5,13 @@
 namespace knee_robot::rt {
 namespace {
 
-ComponentReport componentReport(const Activity& activity, std::size_t place) {
-  const TaskContext& component = *activity.components()[place];
-  const ComponentStatistics& statistics = activity.componentStatistics(place);
+ComponentReport componentReport(const Activity& activity, std::size_t index) {
+  const TaskContext& component = *activity.components()[index];
+  const ComponentStatistics& statistics = activity.componentStatistics(index);
   ComponentReport report;
   report.name = component.name();
   report.state = component.state();
-  report.period = activity.componentPeriod(place);
+  report.period = activity.componentPeriod(index);
   report.updates = statistics.updates.load(std::memory_order_relaxed);
   report.periods = statistics.period.snapshot();
   report.lateness = statistics.lateness.snapshot();
@@ -50,8 +50,8 @@ std::vector<ActivityReport> statisticsOf(const Deployment& deployment) {
     report.periods = statistics.period.snapshot();
     report.lateness = statistics.lateness.snapshot();
     report.execution = statistics.execution.snapshot();
-    for (std::size_t place = 0; place < activity->components().size(); ++place)
-      report.components.push_back(componentReport(*activity, place));
+    for (std::size_t index = 0; index < activity->components().size(); ++index)
+      report.components.push_back(componentReport(*activity, index));
     reports.push_back(std::move(report));
   }
   return reports;

@@ -52,7 +52,7 @@ TEST_F(FaultSearching, NamesTheCauseBeforeWhatFollowsFromIt) {
       {Fault::FollowingError, [&] { view.commands[1].fault = Fault::FollowingError; }},
       {Fault::Runaway, [&] { view.verdict.fault[0] = Fault::Runaway; }},
       {Fault::EncoderFrozen, [&] { view.verdict.fault[3] = Fault::EncoderFrozen; }},
-      {Fault::MonitorsStale, [&] { view.unjudged = conditions.stale_cycles; }},
+      {Fault::MonitorsStale, [&] { view.unmonitored = conditions.stale_cycles; }},
       {Fault::PositionOutOfRange, [&] { view.measured.position_m[2] = 1.1; }},
       {Fault::OutputLost, [&] { view.written.status = hardware::IoStatus::Disconnected; }},
       {Fault::MeasurementLost, [&] { view.unreadable = conditions.stale_cycles; }},

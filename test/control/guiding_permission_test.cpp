@@ -24,7 +24,7 @@ class Guiding : public ::testing::Test {
   }
   void hold(bool held) {
     view.measured.digital_inputs = held ? 8 : 0;
-    permission.look(view);
+    permission.readSwitch(view);
   }
   RequestResult begin() { return permission.begin(view, conditions); }
 

@@ -100,19 +100,19 @@ TEST(HomingByHand, TakesThePlaceForHomeAndRefusesAnotherOneFarFromTheCounters) {
   HomingSequence sequence(fake::robot(), hardware);
   sequence.start(true);
   AxisValues measured{0.1, 0.2, 0.3, 0.4};
-  EXPECT_TRUE(sequence.place(measured).shifts);
+  EXPECT_TRUE(sequence.takeForHome(measured).shifts);
   EXPECT_TRUE(sequence.isHomed());
   EXPECT_NEAR(sequence.setting().shift_m[1], fake::kHome - 0.2, 1e-12);
   measured.fill(fake::kHome);
   measured[2] += 0.006;
-  const HomingSequence::Placed refused = sequence.place(measured);
+  const HomingSequence::Taken refused = sequence.takeForHome(measured);
   EXPECT_EQ(refused.result, RequestResult::HomeShifted);
   EXPECT_EQ(refused.axis, 3);
   EXPECT_NEAR(refused.distance_m, 0.006, 1e-12);
   EXPECT_EQ(sequence.setting().number, 1u);
   sequence.forget(2);
   EXPECT_FALSE(sequence.isHomed());
-  EXPECT_TRUE(sequence.place(measured).shifts) << "the counters of a lost axis say nothing against it";
+  EXPECT_TRUE(sequence.takeForHome(measured).shifts) << "the counters of a lost axis say nothing against it";
 }
 
 TEST(HomingAssumed, HoldsFromTheFirstStartOnlyAndIsNotRegainedByAStart) {

@@ -94,7 +94,7 @@ TEST(PatientChecklists, RefuseForceLimitsThatNothingWouldJudge) {
   const Answer answer = list.admit(limited);
   EXPECT_FALSE(answer.ok);
   EXPECT_NE(answer.sentence.find("identified model"), std::string::npos) << answer.sentence;
-  list.judges_forces = true;
+  list.monitors_forces = true;
   EXPECT_TRUE(list.admit(limited).ok);
 }
 

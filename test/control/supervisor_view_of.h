@@ -5,7 +5,7 @@
 
 namespace knee_robot::fake {
 
-/// A machine that is well: measured, judged, drives at `level`, all Drivers carrying.
+/// A machine that is well: measured, evaluated, drives at `level`, all Drivers carrying.
 inline control::SupervisorView wellView(control::DriveLevel level = control::DriveLevel::Off) {
   control::SupervisorView view;
   view.measured.sequence = view.written.sequence = 1;

@@ -74,7 +74,7 @@ class AxesOutput : public rt::TaskContext {
   SupervisorCommand order_;
   bool heard_ = false;
   std::array<AxisCommand, hardware::kAxes> commands_{};
-  MonitorVerdict judged_;
+  MonitorVerdict verdict_;
   std::array<bool, hardware::kAxes> closed_{};
   bool all_closed_ = false;
   int open_axis_ = 0;

@@ -110,7 +110,7 @@ struct AxisCommand {
 
 /// Monitors, every servo cycle.
 struct MonitorVerdict {
-  std::uint64_t sequence = 0;  ///< of the measurement that it judges
+  std::uint64_t sequence = 0;  ///< of the measurement that it evaluates
   rt::Nanoseconds time = 0;
   std::array<Fault, hardware::kAxes>
       fault{};  ///< kept until the Drivers are switched off; those of the whole platform are at axis 1
@@ -121,14 +121,15 @@ struct MonitorVerdict {
 /// Whether the other axes have moved with a test pulse (PulseWitness).
 enum class Felt : std::uint8_t { Unknown, No, Yes };
 
-/// DisturbanceObserver, every servo cycle: what acts on the robot that nobody commanded. Meanings: residual_estimator.h, disturbance_judge.h.
+/// DisturbanceObserver, every servo cycle: what acts on the robot that nobody commanded. Meanings: residual_estimator.h, disturbance_classifier.h.
 struct Disturbance {
   std::uint64_t sequence = 0;  ///< of the measurement that it is calculated from
   rt::Nanoseconds time = 0;
   std::uint32_t suspicion = 0;  ///< a new number: something disturbs the standing robot, the encoders are to be asked
   std::array<Felt, hardware::kAxes> felt{};  ///< of the last test pulse of each axis
-  bool identified = false;  ///< by a model that says how good it is; else by the URDF's weights, and nothing is judged
-  bool known = false;       ///< the Drivers carry and what follows is calculated
+  bool identified =
+      false;           ///< by a model that says how good it is; else by the URDF's weights, and nothing is evaluated
+  bool known = false;  ///< the Drivers carry and what follows is calculated
   AxisValues expected_N{}, residual_N{}, certain_N{}, rms_N{}, band_N{};
   std::array<double, 4> wrench{};       ///< on the platform, coordinates Xm, Zm (N), theta, psi (N m)
   std::array<double, 4> wrench_band{};  ///< what the bands of the legs can look like

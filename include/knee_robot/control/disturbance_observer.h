@@ -4,7 +4,7 @@
 #include <string>
 
 #include "knee_robot/control/axis_data.h"
-#include "knee_robot/control/disturbance_judge.h"
+#include "knee_robot/control/disturbance_classifier.h"
 #include "knee_robot/control/pulse_witness.h"
 #include "knee_robot/control/residual_estimator.h"
 #include "knee_robot/control/rest_watch.h"
@@ -18,9 +18,9 @@ namespace knee_robot::control {
 ///
 /// - Suspicion: RestWatch sees the standing robot disturbed; the Drivers ask their encoders then.
 /// - Felt: PulseWitness tells an axis that moves unseen from one that does not move at all.
-/// - Residual: ResidualEstimator compares the written force with that of the model; DisturbanceJudge tells a load, a push, friction and a
+/// - Residual: ResidualEstimator compares the written force with that of the model; DisturbanceClassifier tells a load, a push, friction and a
 ///   model that does not hold apart. The model is ModelFeedforward's (useModel()), its payload the declared one; without a model file the weights
-///   of the URDF, and nothing is judged.
+///   of the URDF, and nothing is evaluated.
 /// Runs between AxesInput and the Drivers; commands and outputs are those of the last cycle. No allocation, no lock, bounded time.
 class DisturbanceObserver : public rt::TaskContext {
  public:
@@ -64,7 +64,7 @@ class DisturbanceObserver : public rt::TaskContext {
   std::unique_ptr<const ForceKnowledge> knowledge_;
   FeedforwardForce foreseen_;
   ResidualEstimator residual_;
-  DisturbanceJudge judge_;
+  DisturbanceClassifier classifier_;
   RestWatch rest_;
   std::array<PulseWitness, hardware::kAxes> witness_;
   RestWatch::Axes count_m_{};

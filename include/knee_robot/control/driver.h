@@ -128,7 +128,7 @@ class Driver : public rt::TaskContext {
   EncoderProbe probe_;
   EncoderChallenge challenge_;
   Disturbance disturbed_;
-  MonitorVerdict judged_;
+  MonitorVerdict verdict_;
   std::uint32_t suspicion_ = 0;  // answered last
   StandingAxis standing_;
   bool stood_at_rest_ = false;

@@ -75,7 +75,7 @@ class EncoderProbe {
       return true;
     }
     pulsing_ = false;
-    return judge(settings);
+    return evaluate(settings);
   }
   /// To be added to the axis' force in this cycle.
   double force_N() const noexcept { return force_N_; }
@@ -108,7 +108,7 @@ class EncoderProbe {
     const double utmost_N = kHeaviest * settings.largest_N;
     return enough_N_ > 0.0 ? std::min(utmost_N, kTimes * enough_N_ + kMore_N) : utmost_N;
   }
-  bool judge(const Settings& settings) noexcept {
+  bool evaluate(const Settings& settings) noexcept {
     const std::int64_t answer = highest_ - lowest_;
     if (answer >= kAnswer) {
       enough_N_ = std::max(strength_N_, 0.95 * enough_N_);

@@ -23,7 +23,7 @@ class GuidingPermission {
   /// The controller starts.
   void start() noexcept { stop_ = GuideStop::None; }
   /// Once a cycle.
-  void look(const SupervisorView& view) noexcept;
+  void readSwitch(const SupervisorView& view) noexcept;
   /// The drives are being enabled.
   void driversEnabled() noexcept { released_ = false; }
   /// Done: guiding begins with this cycle. Else why it does not; GuideRefused: see stop().

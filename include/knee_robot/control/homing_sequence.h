@@ -14,7 +14,7 @@ class HomingSequence {
  public:
   enum class Progress { Running, Found, Failed };
   /// What a home without movement came to.
-  struct Placed {
+  struct Taken {
     RequestResult result = RequestResult::Done;
     int axis = 0;             ///< HomeShifted: 1 to 4
     double distance_m = 0.0;  ///< HomeShifted
@@ -34,7 +34,7 @@ class HomingSequence {
   bool isPlacedByHand() const noexcept { return homing_.method == HomingMethod::HandPlaced; }
   bool moves() const noexcept { return homing_.moves(); }
   /// The robot stands at its home lengths now. Refused where the counters of a homed robot say that it is far from them.
-  Placed place(const AxisValues& measured_m) noexcept;
+  Taken takeForHome(const AxisValues& measured_m) noexcept;
 
   /// The enabling that begins now leads to the search, or not.
   void prepare(bool search) noexcept;

@@ -7,7 +7,7 @@
 
 namespace knee_robot::control {
 
-/// An encoder that does not count while its reference moves on, or only dithers as an open input does. Judged when the reference has
+/// An encoder that does not count while its reference moves on, or only dithers as an open input does. Evaluated when the reference has
 /// moved by `distance_m` and the force has changed by `force_N`, which must be more than sticking friction takes: broken when the
 /// encoder has stayed within a tenth of that all the while (within, not net: behind a turning point a healthy axis may be back where it
 /// was when the reference is not). An axis whose friction has grown looks the same: where the Driver can, it asks the encoder first

@@ -22,7 +22,7 @@
 namespace knee_robot::control {
 
 /// Looks at all four axes once a servo cycle, after the Drivers and before the Supervisor and AxesOutput, so that a fault acts in the
-/// cycle in which it is seen. The limits' meaning is in the monitor_*.h, one file each. Encoder jump and heat are judged always; the
+/// cycle in which it is seen. The limits' meaning is in the monitor_*.h, one file each. Encoder jump and heat are evaluated always; the
 /// others while the Drivers carry the platform (released, no safe stop running); soft limits and the patient's only when homed, and of
 /// an axis that looks for home only speed, acceleration and heat. The first fault of an axis is kept until the Drivers
 /// are switched off.
@@ -133,13 +133,13 @@ class Monitors : public rt::TaskContext {
   };
 
   void readPorts();
-  void judgeAxes(double dt) noexcept;
+  void monitorAxes(double dt) noexcept;
   AxisView viewOf(std::size_t axis, double dt) noexcept;
-  Fault judge(std::size_t axis, const AxisView& view) noexcept;
+  Fault evaluate(std::size_t axis, const AxisView& view) noexcept;
   /// The force still grows to what the axes carry: the platform sags, by a few mm at most (release_error).
   bool takingOver() const noexcept { return carried_s_ < release_time; }
-  Fault judgePatient(double dt) noexcept;
-  Fault judgeForce(double dt) noexcept;
+  Fault monitorPatient(double dt) noexcept;
+  Fault monitorForce(double dt) noexcept;
   void raise(std::size_t axis, Fault fault) noexcept;
   void forget() noexcept;
 

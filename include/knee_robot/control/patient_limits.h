@@ -44,7 +44,7 @@ struct PatientLimits {
 /// robot's own. Throws InputError for a robot without platform (mechanism axes), too.
 PatientLimits loadPatientLimits(const std::string& path, const mechanism::Robot& robot);
 
-/// Judges a reference that the robot's own check has let through: every pose inside the range, every interval within the speeds.
+/// Checks a reference that the robot's own check has let through: every pose inside the range, every interval within the speeds.
 /// Throws InputError naming the reference's line, what was broken and by how much.
 void requireWithinPatient(const trajectory::ReferenceCheck& check, const trajectory::Reference& reference,
                           const PatientLimits& patient);

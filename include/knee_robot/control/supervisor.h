@@ -83,7 +83,7 @@ class Supervisor : public rt::TaskContext {
 
  private:
   void readPorts();
-  void lookForFaults();
+  void detectFaults();
   void raise(const FaultCause& cause) noexcept;
   void handle(const Request& request, rt::Nanoseconds now);
   void enable(const Request& request, rt::Nanoseconds now);

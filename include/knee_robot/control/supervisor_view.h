@@ -12,9 +12,9 @@ struct SupervisorView {
   AxesWritten written;                                  ///< of the last cycle
   MonitorVerdict verdict;
   Guidance guidance;
-  int unreadable = 0;  ///< cycles in a row without readable encoders
-  int unjudged = 0;    ///< cycles in a row without a verdict of the Monitors
-  int unguided = 0;    ///< cycles in a row without a word from HandGuide
+  int unreadable = 0;   ///< cycles in a row without readable encoders
+  int unmonitored = 0;  ///< cycles in a row without a verdict of the Monitors
+  int unguided = 0;     ///< cycles in a row without a word from HandGuide
 
   bool hasMeasured() const noexcept { return measured.sequence != 0; }
   bool drivesAreOff() const noexcept { return written.level == DriveLevel::Off; }

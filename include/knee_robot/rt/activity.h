@@ -33,8 +33,8 @@ class Activity : public Executor {
   const ActivityStatistics& statistics() const { return statistics_; }
   const std::vector<TaskContext*>& components() const { return components_; }
   /// Of the component at this place of components(). Readable from any thread at any time.
-  const ComponentStatistics& componentStatistics(std::size_t place) const { return *entries_[place].statistics; }
-  Nanoseconds componentPeriod(std::size_t place) const { return entries_[place].divider * options_.period; }
+  const ComponentStatistics& componentStatistics(std::size_t index) const { return *entries_[index].statistics; }
+  Nanoseconds componentPeriod(std::size_t index) const { return entries_[index].divider * options_.period; }
 
   /// Before start(). `component_period` 0 stands for the activity's. Throws InputError when it is no whole multiple.
   void add(TaskContext& component, Nanoseconds component_period = 0);

@@ -147,7 +147,7 @@ int CanAxisBus::drain() noexcept {
   return kMostFrames;
 }
 
-void CanAxisBus::judge(bool backlog) noexcept {
+void CanAxisBus::detectFailure(bool backlog) noexcept {
   failure_ = {};
   const std::int64_t now = process_.now();
   if (down_) {
@@ -172,7 +172,7 @@ IoStatus CanAxisBus::read(AxisFeedback& feedback) noexcept {
   const bool backlog = drain() == kMostFrames;
   for (DriveNode& drive : drives_)
     drive.endCycle();
-  judge(backlog);
+  detectFailure(backlog);
   const bool lost = failure_.fault == BusFault::InterfaceDown || failure_.fault == BusFault::BusOff ||
                     failure_.fault == BusFault::DriveLost;
   if (lost) return IoStatus::Disconnected;

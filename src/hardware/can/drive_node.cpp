@@ -60,7 +60,7 @@ bool DriveNode::take(const Frame& frame) noexcept {
 void DriveNode::endCycle() noexcept {
   if (feedbacks_ > 0) missed_ = 0;
   if (inputs_seen_ > 0) inputs_missed_ = 0;
-  judgeTorque();
+  monitorTorque();
   if (syncs_ > 0) {
     if (feedbacks_ == 0) ++missed_;
     if (inputs_seen_ == 0 && expects_inputs_) ++inputs_missed_;
@@ -79,7 +79,7 @@ void DriveNode::torqueSent(std::int16_t torque) noexcept {
 }
 
 /// What the drive reports belongs to one of the last set values: it acts at SYNC and answers with the next.
-void DriveNode::judgeTorque() noexcept {
+void DriveNode::monitorTorque() noexcept {
   if (feedbacks_ == 0) return;
   const auto [low, high] = std::minmax_element(sent_.begin(), sent_.end());
   const bool fits = torque_ >= *low - kTorqueBand && torque_ <= *high + kTorqueBand;

@@ -44,7 +44,7 @@ class CanAxisBus : public AxisBus {
  private:
   bool awaitFeedback(std::vector<std::string>& findings);
   int drain() noexcept;
-  void judge(bool backlog) noexcept;
+  void detectFailure(bool backlog) noexcept;
   PortStatus sendCommand(std::size_t axis, std::int16_t torque) noexcept;
   PortStatus sendHeartbeatWhenDue() noexcept;
   IoStatus statusOf(PortStatus status) noexcept;

@@ -54,7 +54,7 @@ class DriveNode {
 
  private:
   bool takeFeedback(const Frame& frame) noexcept;
-  void judgeTorque() noexcept;
+  void monitorTorque() noexcept;
 
   int node_ = 0;
   DriveTolerances tolerances_;

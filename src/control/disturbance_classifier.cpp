@@ -1,4 +1,4 @@
-#include "knee_robot/control/disturbance_judge.h"
+#include "knee_robot/control/disturbance_classifier.h"
 
 #include <Eigen/LU>
 #include <algorithm>
@@ -17,13 +17,13 @@ constexpr double kHysteresis = 0.7;   // what was said is taken back below that 
 
 }  // namespace
 
-void DisturbanceJudge::Direction::take(double residual, double friction, double dt) noexcept {
+void DisturbanceClassifier::Direction::take(double residual, double friction, double dt) noexcept {
   time_s = std::min(kFriction_s, time_s + dt);
   residual_N += dt / time_s * (residual - residual_N);
   friction_N += dt / time_s * (friction - friction_N);
 }
 
-void DisturbanceJudge::reset() noexcept {
+void DisturbanceClassifier::reset() noexcept {
   mean_.setZero();
   weight_s_ = away_s_ = beyond_s_ = 0.0;
   out_.carries = out_.pushed = false;
@@ -32,8 +32,8 @@ void DisturbanceJudge::reset() noexcept {
   out_.push.setZero();
 }
 
-void DisturbanceJudge::judgeLoad(const ForceKnowledge& knowledge, const ResidualEstimator::Estimate& now,
-                                 double dt) noexcept {
+void DisturbanceClassifier::estimateLoad(const ForceKnowledge& knowledge, const ResidualEstimator::Estimate& now,
+                                         double dt) noexcept {
   const mechanism::Vector4 friction = now.jacobian.cwiseAbs().transpose() * knowledge.coulomb_N;
   const mechanism::Vector4 limit = now.wrench_band.cwiseMax(kReversal * friction);
   // Friction may hide a part of what is beside the load, not of the load itself.
@@ -55,8 +55,8 @@ void DisturbanceJudge::judgeLoad(const ForceKnowledge& knowledge, const Residual
   out_.load_m = carried > kHysteresis ? -mean_[2] / mean_[1] : 0.0;
 }
 
-void DisturbanceJudge::judgeFriction(const ForceKnowledge& knowledge, const ResidualEstimator::Estimate& now,
-                                     double dt) noexcept {
+void DisturbanceClassifier::estimateFriction(const ForceKnowledge& knowledge, const ResidualEstimator::Estimate& now,
+                                             double dt) noexcept {
   for (std::size_t i = 0; i < directions_.size(); ++i) {
     const auto leg = static_cast<Eigen::Index>(i);
     auto& [forwards, backwards] = directions_[i];
@@ -73,15 +73,16 @@ void DisturbanceJudge::judgeFriction(const ForceKnowledge& knowledge, const Resi
   }
 }
 
-const DisturbanceJudge::Verdict& DisturbanceJudge::step(const ForceKnowledge& knowledge,
-                                                        const ResidualEstimator::Estimate& now, double dt) noexcept {
+const DisturbanceClassifier::Verdict& DisturbanceClassifier::step(const ForceKnowledge& knowledge,
+                                                                  const ResidualEstimator::Estimate& now,
+                                                                  double dt) noexcept {
   if (!now.known) {
     reset();
     return out_;
   }
   if (!knowledge.identified) return out_;
-  if (knowledge.parts.mechanism) judgeLoad(knowledge, now, dt);
-  judgeFriction(knowledge, now, dt);
+  if (knowledge.parts.mechanism) estimateLoad(knowledge, now, dt);
+  estimateFriction(knowledge, now, dt);
   const bool beyond = (now.rms_N - knowledge.band_N).maxCoeff() > 0.0;
   beyond_s_ = beyond ? std::min(kHolds_s, beyond_s_ + dt) : std::max(0.0, beyond_s_ - dt);
   const bool explained =

@@ -16,7 +16,7 @@ namespace knee_robot::control {
 /// Limits, both from the model file: what the legs' bands (three times the residual that it promises) can look like at the platform, or kReversal
 /// of what its friction can (of a load kLoad), whichever is more: that much of friction nobody knows while directions change.
 /// One a robot; real-time safe.
-class DisturbanceJudge {
+class DisturbanceClassifier {
  public:
   static constexpr double kMean_s = 3.0;
   static constexpr double kPush_s = 0.3;
@@ -49,8 +49,8 @@ class DisturbanceJudge {
     double time_s = 0.0, residual_N = 0.0, friction_N = 0.0;
     void take(double residual, double friction, double dt) noexcept;
   };
-  void judgeLoad(const ForceKnowledge& knowledge, const ResidualEstimator::Estimate& now, double dt) noexcept;
-  void judgeFriction(const ForceKnowledge& knowledge, const ResidualEstimator::Estimate& now, double dt) noexcept;
+  void estimateLoad(const ForceKnowledge& knowledge, const ResidualEstimator::Estimate& now, double dt) noexcept;
+  void estimateFriction(const ForceKnowledge& knowledge, const ResidualEstimator::Estimate& now, double dt) noexcept;
 
   mechanism::Vector4 mean_ = mechanism::Vector4::Zero();
   double weight_s_ = 0.0;  // behind the mean
