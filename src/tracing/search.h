@@ -22,6 +22,8 @@ struct Search {
   std::function<void()> rebuild_surrogates;  ///< after the model has changed; sets the floor too
   const TraceOptions* options = nullptr;
   NoiseFloor floor;
+  std::vector<Place>
+      absorbed;  ///< the baseline's own columns do the same: such an effect and they would take any value together
   std::vector<FoundEffect> effects;
   JointFit fit;
   Eigen::VectorXd seen_parameters;  ///< of the baseline, that loads and friction in the effects' columns rest on

@@ -15,6 +15,7 @@ namespace knee_robot::tracing {
 namespace {
 
 constexpr double kNothingLeft = 0.02;  ///< share of a column's square that the base parameters leave: absorbed
+constexpr double kSame = 1e-3;         ///< the same, of a column that is one of the baseline's
 constexpr double kTooMuch = 1.3;       ///< factor by which a surrogate may leave more than the recording does
 constexpr double kFaster = 3.0;        ///< cut-off of the second band over that of the first,
 constexpr double kFastestShareOfRate = 0.1;
@@ -229,6 +230,7 @@ void Tracing::noteAbsorbed(const Projection& projection) {
     std::sort(survives.begin(), survives.end());  // of an effect between two points, some anchors are always told apart
     const double typical = candidate->shared() ? survives[survives.size() / 2] : survives.back();
     most[candidate] = std::max(most[candidate], typical);
+    if (!candidate->shared() && survives.back() < kSame) s_.absorbed.push_back(p.place());
   }
   for (const auto& candidate : *result_.candidates) {
     if (most.count(candidate.get()) > 0 && most[candidate.get()] < kNothingLeft)

@@ -181,6 +181,7 @@ Ranking rankPlaces(Search& s, const Candidate* only) {
     const PlaceColumns& p = places[k];
     if (!s.maps && p.place().candidate->name() == "unnamed") return;
     if (only != nullptr && p.place().candidate != only) return;
+    if (std::find(s.absorbed.begin(), s.absorbed.end(), p.place()) != s.absorbed.end()) return;
     if (std::any_of(accepted.begin(), accepted.end(), [&](const Hypothesis& h) { return h.place == p.place(); }))
       return;
     squares[k] =
