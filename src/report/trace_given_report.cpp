@@ -22,7 +22,8 @@ std::string effectSentence(const tracing::GivenEffect& g) {
   for (std::size_t k = 0; k < g.now.size() && g.effect.depends_on.empty(); ++k) {
     out += "; " + g.now[k].name + " ";
     if (g.now.size() == g.effect.coefficients.size()) out += shortNumber(g.effect.coefficients[k].value, 3) + " -> ";
-    out += shortNumber(g.now[k].value, 3) + " +- " + shortNumber(g.now[k].std, 2);
+    out += shortNumber(g.now[k].value, 3);
+    if (std::isfinite(g.now[k].std)) out += " +- " + shortNumber(g.now[k].std, 2);
   }
   return out;
 }

@@ -49,9 +49,9 @@ Gain gainOf(const Search& s, std::size_t k) {
 /// Whether the refitted effect is the given one, as far as the two can be told apart.
 bool agrees(const Search& s, const FoundEffect& given, const FoundEffect& now) {
   if (now.coefficients.size() == 1) {
-    const double given_std = std::isfinite(given.std[0]) ? given.std[0] : 0.0;
-    const double told_apart =
-        std::max(kAgree * std::hypot(now.std[0], given_std), kNoChange * std::abs(given.coefficients[0]));
+    const auto known = [](double std) { return std::isfinite(std) ? std : 0.0; };
+    const double told_apart = std::max(kAgree * std::hypot(known(now.std[0]), known(given.std[0])),
+                                       kNoChange * std::abs(given.coefficients[0]));
     return std::abs(now.coefficients[0] - given.coefficients[0]) <= told_apart;
   }
   if (now.coefficients.size() != given.coefficients.size()) return true;  // fitted per recording: nothing to compare

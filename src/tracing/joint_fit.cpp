@@ -1,13 +1,16 @@
 #include "knee_robot/tracing/joint_fit.h"
 
+#include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "knee_robot/identification/rank.h"
 
 namespace knee_robot::tracing {
 namespace {
 
-constexpr double kPull = 0.02;  ///< relative to a column's norm
+constexpr double kPull = 0.02;    ///< relative to a column's norm
+constexpr int kFewestBlocks = 3;  ///< in which an effect must act for blocks that are left out to tell its spread
 
 /// Where each column of the problem comes from: bounded ones first.
 struct Layout {
@@ -72,6 +75,16 @@ Eigen::VectorXd solve(const Eigen::MatrixXd& triangle, int bounded, const std::v
   return identification::boundedLeastSquares(scaled, target, bounded).cwiseQuotient(scale);
 }
 
+/// Blocks in which an effect does anything.
+int blocksOf(const TraceData& data, const Eigen::MatrixXd& rows) {
+  std::vector<char> acts(static_cast<std::size_t>(data.stack.blocks), 0);
+  for (Eigen::Index row = 0; row < rows.rows(); ++row) {
+    const Pick& pick = data.stack.picks[static_cast<std::size_t>(row % data.stack.size())];
+    if (!rows.row(row).isZero(0.0)) acts[static_cast<std::size_t>(pick.block)] = 1;
+  }
+  return static_cast<int>(std::count(acts.begin(), acts.end(), 1));
+}
+
 }  // namespace
 
 JointFit fitJointly(const TraceData& data, const BaseFit& base, const Eigen::VectorXd& noise_N,
@@ -126,6 +139,10 @@ JointFit fitJointly(const TraceData& data, const BaseFit& base, const Eigen::Vec
     fit.coefficients[k][column] = z[at];
     fit.std[k][column] = spread[at];
     if (effect_rows[k].cols() == 1 && (left_out.row(at).array() * z[at] <= 0.0).any()) fit.stable[k] = 0;
+  }
+  for (std::size_t k = 0; k < effect_rows.size(); ++k) {
+    if (blocksOf(data, effect_rows[k]) < kFewestBlocks)
+      fit.std[k].setConstant(std::numeric_limits<double>::quiet_NaN());
   }
   return fit;
 }
