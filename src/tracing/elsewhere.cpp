@@ -13,8 +13,6 @@
 namespace knee_robot::tracing {
 namespace {
 
-constexpr double kPull =
-    0.3;  ///< what acts in the held-back stretch alone is not known from the others: not foretold, rather than anything
 constexpr double kErrors = 1.0;  ///< standard errors by which an effect, and all of them together, must help
 
 std::vector<Hypothesis> without(std::vector<Hypothesis> all, std::size_t k) {
@@ -46,21 +44,16 @@ double maskedSquares(const Search& s, const std::vector<Hypothesis>& effects) {
   return sum;
 }
 
-/// Squares left on the held-back stretches that the samples are labelled with, everything fitted without them.
-Eigen::VectorXd heldBack(const Search& s, const std::vector<Hypothesis>& effects, const Eigen::VectorXd& noise_N) {
+/// Squares left on held-back stretches of positions in two directions, everything fitted without them.
+Eigen::VectorXd heldBackElsewhere(Search& s, const std::vector<Hypothesis>& effects, const Eigen::VectorXd& noise_N) {
+  const Stack own = s.data->stack;
   std::vector<Eigen::MatrixXd> rows;
   for (const Hypothesis& h : effects)
     rows.push_back(effectRows(*s.data, h));
-  return fitJointly(*s.data, *s.base, noise_N, effects, rows, kPull).held_back;
-}
-
-/// The same on stretches of positions in two directions.
-Eigen::VectorXd heldBackElsewhere(Search& s, const std::vector<Hypothesis>& effects, const Eigen::VectorXd& noise_N) {
-  const Stack own = s.data->stack;
   Eigen::VectorXd left(2 * kStretches);
   for (const int direction : {0, 1}) {
     labelByPosition(s.data->recordings, direction, s.data->stack);
-    left.segment(direction * kStretches, kStretches) = heldBack(s, effects, noise_N);
+    left.segment(direction * kStretches, kStretches) = fitJointly(*s.data, *s.base, noise_N, effects, rows).held_back;
   }
   s.data->stack = own;
   return left;
@@ -100,12 +93,12 @@ void judgeElsewhere(Search& s, std::vector<std::string>& notes) {
   double total = 0.0;
   for (const int direction : {0, 1}) {
     labelByPosition(s.data->recordings, direction, s.data->stack);
-    const Eigen::VectorXd with = heldBack(s, all, s.rms_N);
+    const Eigen::VectorXd with = fitOf(s, all).held_back;
     total += with.sum();
     for (std::size_t k = 0; k < all.size(); ++k) {
       if (judged(s.effects[k]))
         saved.block(direction * kStretches, static_cast<Eigen::Index>(k), kStretches, 1) =
-            heldBack(s, without(all, k), s.rms_N) - with;
+            fitOf(s, without(all, k)).held_back - with;
     }
   }
   s.data->stack = own;

@@ -88,8 +88,7 @@ int blocksOf(const TraceData& data, const Eigen::MatrixXd& rows) {
 }  // namespace
 
 JointFit fitJointly(const TraceData& data, const BaseFit& base, const Eigen::VectorXd& noise_N,
-                    const std::vector<Hypothesis>& effects, const std::vector<Eigen::MatrixXd>& effect_rows,
-                    double effect_pull) {
+                    const std::vector<Hypothesis>& effects, const std::vector<Eigen::MatrixXd>& effect_rows) {
   const Layout layout = layoutOf(base, effects, data.inputs.front());
   const identification::Equations e = equationsOf(data, noise_N, layout, effect_rows);
   const std::vector<Eigen::MatrixXd> blocks = identification::compressBlocks(e);
@@ -100,9 +99,7 @@ JointFit fitJointly(const TraceData& data, const BaseFit& base, const Eigen::Vec
   }
   Eigen::VectorXd prior = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(layout.source.size()));
   for (std::size_t c = 0; c < layout.source.size(); ++c) {
-    const auto [effect, column] = layout.source[c];
-    const Eigen::Index at = static_cast<Eigen::Index>(c);
-    prior[at] = effect < 0 ? base.pull[column] : effect_pull * e.a.col(at).norm();
+    if (layout.source[c].first < 0) prior[static_cast<Eigen::Index>(c)] = base.pull[layout.source[c].second];
   }
   const Eigen::VectorXd z = solve(identification::joinBlocks(blocks, -1), layout.bounded, groups, prior);
   JointFit fit;

@@ -18,10 +18,8 @@ struct JointFit {
 };
 
 /// Bounded weighted least squares of the force on base and effect columns; with every block left out in turn.
-/// `effect_rows[k]` belongs to `effects[k]` and is in N. `effect_pull`: of the effects' coefficients to zero, in norms of their columns over all
-/// blocks; without it a coefficient that acts in the held-back block alone takes any value from the others.
+/// `effect_rows[k]` belongs to `effects[k]` and is in N.
 JointFit fitJointly(const TraceData& data, const BaseFit& base, const Eigen::VectorXd& noise_N,
-                    const std::vector<Hypothesis>& effects, const std::vector<Eigen::MatrixXd>& effect_rows,
-                    double effect_pull = 0.0);
+                    const std::vector<Hypothesis>& effects, const std::vector<Eigen::MatrixXd>& effect_rows);
 
 }  // namespace knee_robot::tracing
