@@ -18,10 +18,24 @@ struct Outcome {
   std::string text;
 };
 
+std::string newFolder() {
+  std::string folder = (fs::temp_directory_path() / "knee_hidden_effect_XXXXXX").string();
+  return ::mkdtemp(folder.data()) == nullptr ? std::string() : folder;
+}
+
+Outcome hiddenEffect(const std::string& arguments) {
+  Outcome outcome{};
+  FILE* pipe = ::popen((KNEE_SOURCE_DIR "/scripts/hidden_effect " + arguments + " 2>&1").c_str(), "r");
+  char line[512];
+  while (pipe != nullptr && std::fgets(line, sizeof line, pipe) != nullptr)
+    outcome.text += line;
+  outcome.status = WEXITSTATUS(::pclose(pipe));
+  return outcome;
+}
+
 /// What `hidden_effect reveal` prints for a hidden spring of 800 N/m, for a found one, and its exit status.
 Outcome reveal(double found_stiffness_N_per_m, double after_N) {
-  std::string folder = (fs::temp_directory_path() / "knee_hidden_effect_XXXXXX").string();
-  if (::mkdtemp(folder.data()) == nullptr) return {-1, "no folder"};
+  const std::string folder = newFolder();
   std::ofstream(folder + "/truth.json") << R"({"name": "spring", "actuator": null, "listed": true, "seed": 1,)"
                                         << R"("parameters": {"stiffness_N_per_m": 800}})";
   std::ofstream(folder + "/report.json")
@@ -29,16 +43,30 @@ Outcome reveal(double found_stiffness_N_per_m, double after_N) {
       << R"({"stiffness_N_per_m": {"value": )" << found_stiffness_N_per_m << R"(}}}],)"
       << R"("before": {"validate": {"rms_N": [3, 4]}}, "after": {"validate": {"rms_N": [)" << after_N << ", " << after_N
       << "]}}}";
-  const std::string command = KNEE_SOURCE_DIR "/scripts/hidden_effect reveal --truth " + folder +
-                              "/truth.json --report " + folder + "/report.json 2>&1";
-  Outcome outcome{};
-  FILE* pipe = ::popen(command.c_str(), "r");
-  char line[512];
-  while (pipe != nullptr && std::fgets(line, sizeof line, pipe) != nullptr)
-    outcome.text += line;
-  outcome.status = WEXITSTATUS(::pclose(pipe));
+  const Outcome outcome = hiddenEffect("reveal --truth " + folder + "/truth.json --report " + folder + "/report.json");
   fs::remove_all(folder);
   return outcome;
+}
+
+/// Draws the effect of a seed for a robot that `simulate`, a shell script with the simulation file in $4, plays or stops.
+struct Drawn {
+  Outcome outcome;
+  std::string truth;
+};
+
+Drawn draw(int seed, const std::string& simulate) {
+  const std::string folder = newFolder();
+  std::ofstream(folder + "/simulate") << "#!/bin/sh\n" << simulate << "\n";
+  fs::permissions(folder + "/simulate", fs::perms::owner_all);
+  Drawn drawn;
+  drawn.outcome = hiddenEffect("draw --seed " + std::to_string(seed) +
+                               " --effect spring --simulation " KNEE_SOURCE_DIR "/config/simulation/A.yaml -o " +
+                               folder + "/hidden.yaml --truth " + folder + "/truth.json --references " + folder +
+                               "/path.txt --simulate " + folder + "/simulate");
+  std::ifstream truth(folder + "/truth.json");
+  drawn.truth.assign(std::istreambuf_iterator<char>(truth), {});
+  fs::remove_all(folder);
+  return drawn;
 }
 
 bool says(const Outcome& outcome, const std::string& words) {
@@ -57,6 +85,25 @@ TEST(HiddenEffect, FailsTheDemoWhenTheHeldOutErrorDidNotFall) {
   const Outcome worse = reveal(800.0, 4.0);
   EXPECT_EQ(worse.status, 1);
   EXPECT_TRUE(says(worse, "went UP or stayed")) << worse.text;
+}
+
+TEST(HiddenEffect, HidesTheNextSeedsWhereTheDrivesCannotCarryThisOne) {
+  // Springs of seeds 31 and 32 have 1383 and less than 1300 N/m.
+  const Drawn drawn =
+      draw(31, "if grep -q 'stiffness_N_per_m: 13' \"$4\"; then echo 'axis 2: the force was at its limit'; exit 3; fi");
+  EXPECT_EQ(drawn.outcome.status, 0) << drawn.outcome.text;
+  EXPECT_TRUE(
+      says(drawn.outcome,
+           "seed 31 hides what this robot cannot carry along these movements (axis 2: the force was at its limit)"))
+      << drawn.outcome.text;
+  EXPECT_NE(drawn.truth.find("\"seed\": 32"), std::string::npos) << drawn.truth;
+  EXPECT_EQ(drawn.truth.find("1383"), std::string::npos) << drawn.truth;
+}
+
+TEST(HiddenEffect, SaysSoWhenTheRobotPlaysNothingAtAll) {
+  const Drawn drawn = draw(31, "exit 3");
+  EXPECT_EQ(drawn.outcome.status, 1);
+  EXPECT_TRUE(says(drawn.outcome, "plays these movements with none of 20 effects")) << drawn.outcome.text;
 }
 
 }  // namespace
