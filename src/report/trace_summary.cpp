@@ -46,9 +46,7 @@ std::string effectLine(const tracing::FoundEffect& e, const dynamics::ModelEffec
   return out + (m.transfers ? "\n" : "; does not transfer\n");
 }
 
-}  // namespace
-
-std::string traceVerdict(const TraceResults& r) {
+std::string addedText(const TraceResults& r) {
   const tracing::TraceResult& t = r.result;
   bool above = false;
   for (Eigen::Index i = 0; i < t.floor_N.size(); ++i)
@@ -73,6 +71,13 @@ std::string traceVerdict(const TraceResults& r) {
   if (!above) return "There is nothing to explain: the baseline's residual is at the noise floor. Nothing was added.";
   return "The residual is above the floor, but no effect explains it better than surrogates do by chance. Nothing was "
          "added.";
+}
+
+}  // namespace
+
+std::string traceVerdict(const TraceResults& r) {
+  const std::string& presliding = r.result.presliding;
+  return addedText(r) + (presliding.empty() ? "" : " The baseline has presliding: " + presliding + ".");
 }
 
 /// The payload beside a given model, which is no column of its own.

@@ -1,6 +1,5 @@
-#include <cmath>
-
 #include "effects.h"
+#include "knee_robot/dynamics/stroke_place.h"
 #include "rest_law.h"
 
 namespace knee_robot::tracing {
@@ -23,7 +22,7 @@ class PositionDependentFriction : public Candidate {
             {"to_m", -10.0, 10.0, true},
             restLawParameter()};
   }
-  /// The third and fourth are the range of training: beyond it friction stays as at its end.
+  /// The third and fourth are the range of training (see StrokePlace).
   std::vector<std::vector<double>> shapes(const EffectInput& input, int actuator) const override {
     const auto q = input.signals().position_m.col(actuator);
     const double low = q.minCoeff(), range = q.maxCoeff() - low;
@@ -45,9 +44,11 @@ class PositionDependentFriction : public Candidate {
   }
   std::vector<Coefficient> coefficients(const EffectInput&) const override { return {{"amplitude_N", false}}; }
   Eigen::MatrixXd columns(const EffectInput& input, int actuator, const std::vector<double>& shape) const override {
-    const Eigen::ArrayXd q = input.signals().position_m.col(actuator).array().max(shape[2]).min(shape[3]);
-    const Eigen::ArrayXd away = (q - shape[0]) / shape[1];
-    return rubbingShare(input, actuator, shape).array() * (-away.square()).exp();
+    const dynamics::StrokePlace place(shape[0], shape[1], shape[2], shape[3]);
+    const Eigen::VectorXd q = input.signals().position_m.col(actuator);
+    return rubbingShare(input, actuator, shape).cwiseProduct(q.unaryExpr([&](double position_m) {
+      return place.at(position_m);
+    }));
   }
 };
 

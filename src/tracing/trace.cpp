@@ -9,6 +9,7 @@
 #include "given_search.h"
 #include "knee_robot/base/numbers.h"
 #include "knee_robot/recording/signals.h"
+#include "long_presliding.h"
 #include "search.h"
 
 namespace knee_robot::tracing {
@@ -240,6 +241,9 @@ void Tracing::noteAbsorbed(const Projection& projection) {
                                         "of what one between two points would do"
                                       : ": the baseline's constant force and friction of the actuator take it up"));
   }
+  result_.presliding = longPresliding(result_.baseline.choices);
+  if (!result_.presliding.empty())
+    result_.absorbed.push_back("presliding: " + result_.presliding + "; the baseline's law near rest has it");
   result_.absorbed.push_back("reflected_inertia: is a parameter of the baseline (rotor)");
   if (!data_.recordings.front().motion.coupled) return;
   result_.absorbed.push_back(result_.payload.sentence);

@@ -57,7 +57,8 @@ struct TraceResult {
   std::string floor_source;                   ///< repeats, or how it was estimated
   Eigen::VectorXd before_rms_N, after_rms_N;  ///< training rows
   std::vector<std::string> absorbed;          ///< what the base parameters take up, one sentence each
-  std::vector<std::string> rejected;          ///< what came close, and why it was not added
+  std::string presliding;  ///< where the baseline's laws near rest have it surely, with the laws; empty: nowhere
+  std::vector<std::string> rejected;  ///< what came close, and why it was not added
   std::vector<std::string> notes;
   std::vector<PlaceAngles> angles;  ///< of all named candidates, along the training recordings
   PayloadTest payload;              ///< against the URDF's inertia; its sentence is among `absorbed`

@@ -1,24 +1,20 @@
-#include <algorithm>
-#include <cmath>
-
+#include "knee_robot/dynamics/stroke_place.h"
 #include "laws.h"
 
 namespace knee_robot::dynamics {
 namespace {
 
-/// A place along the stroke where dry friction differs; beyond what training has seen it stays as at its end.
+/// A place along the stroke where dry friction differs.
 class PositionDependentFriction : public EffectLaw {
  public:
-  explicit PositionDependentFriction(const Shape& shape)
-      : center_m_(shape[0]), width_m_(shape[1]), from_m_(shape[2]), to_m_(std::max(shape[2], shape[3])) {}
+  explicit PositionDependentFriction(const Shape& shape) : place_(shape[0], shape[1], shape[2], shape[3]) {}
   EffectPart part() const noexcept override { return EffectPart::Friction; }
   void columns(const EffectInstant& at, EffectState&, EffectColumns& out) const noexcept override {
-    const double away = (std::clamp(at.position_m[at.actuator], from_m_, to_m_) - center_m_) / width_m_;
-    out[0] = at.share * std::exp(-away * away);
+    out[0] = at.share * place_.at(at.position_m[at.actuator]);
   }
 
  private:
-  const double center_m_, width_m_, from_m_, to_m_;
+  const StrokePlace place_;
 };
 
 }  // namespace
