@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 
@@ -11,6 +12,9 @@
 
 namespace knee_robot::report {
 namespace {
+
+constexpr double kUnmet =
+    2.0;  ///< times the error of training, and the noise floor: something that training has not met
 
 std::string side(const std::string& title, const identification::Applied& before,
                  const identification::Applied& after) {
@@ -73,11 +77,27 @@ std::string addedText(const TraceResults& r) {
          "added.";
 }
 
+/// What acts in the held-out recordings and hardly in those of training cannot be found: which to train on as well.
+std::string unmetText(const TraceResults& r) {
+  std::string out;
+  if (r.validate.empty()) return out;
+  const Eigen::VectorXd &there = r.validate_after.accuracy.rms_moving_N, &before = r.train_before.accuracy.rms_moving_N,
+                        &after = r.train_after.accuracy.rms_moving_N;
+  for (Eigen::Index i = 0; i < there.size(); ++i) {
+    const double trained = std::max(before[i], after[i]);
+    if (there[i] > kUnmet * trained && there[i] > kUnmet * r.result.floor_N[i])
+      out += " On the held-out recordings actuator " + std::to_string(i + 1) + " leaves " + shortNumber(there[i], 3) +
+             " N while it moves, on those of training " + shortNumber(trained, 3) +
+             " N: what acts there hardly acts in training; trace with such a movement among the training recordings.";
+  }
+  return out;
+}
+
 }  // namespace
 
 std::string traceVerdict(const TraceResults& r) {
   const std::string& presliding = r.result.presliding;
-  return addedText(r) + (presliding.empty() ? "" : " The baseline has presliding: " + presliding + ".");
+  return addedText(r) + (presliding.empty() ? "" : " The baseline has presliding: " + presliding + ".") + unmetText(r);
 }
 
 /// The payload beside a given model, which is no column of its own.

@@ -55,6 +55,25 @@ TEST(TraceReport, NamesTheDragOfTheSecondAxisAndShowsThatItsErrorIsGone) {
   EXPECT_LT(r.validate_after.accuracy.rms_N[0], 1.05 * r.validate_before.accuracy.rms_N[0]);
 }
 
+TEST(TraceReport, SaysWhatActsInTheHeldOutRecordingsAndHardlyInTraining) {
+  TraceResults r = traced();
+  EXPECT_EQ(traceVerdict(r).find("hardly acts in training"), std::string::npos) << traceVerdict(r);
+  const double trained = std::max(r.train_before.accuracy.rms_moving_N[0], r.result.floor_N[0]);
+  r.validate_after.accuracy.rms_moving_N[0] = 5.0 * trained;
+  const std::string verdict = traceVerdict(r);
+  EXPECT_NE(verdict.find("On the held-out recordings actuator 1 leaves"), std::string::npos) << verdict;
+  EXPECT_EQ(verdict.find("actuator 2 leaves"), std::string::npos) << verdict;
+  r.validate.clear();
+  EXPECT_EQ(traceVerdict(r).find("hardly acts in training"), std::string::npos) << "nothing was held out";
+}
+
+TEST(TraceReport, SaysThatTheBaselineHasPresliding) {
+  TraceResults r = traced();
+  EXPECT_EQ(traceVerdict(r).find("presliding"), std::string::npos);
+  r.result.presliding = "of actuator 2 (bristles 700 um)";
+  EXPECT_NE(traceVerdict(r).find("The baseline has presliding: of actuator 2 (bristles 700 um)."), std::string::npos);
+}
+
 TEST(TraceReport, PredictsWhatTheFilesModelSaysAndThatModelRunsInstantByInstant) {
   const TraceResults& r = traced();
   const dynamics::Model read = dynamics::parseModel(dynamics::modelToYaml(r.model), "model.yaml");
