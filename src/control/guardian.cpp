@@ -77,6 +77,7 @@ void Guardian::updateHook(const rt::Cycle& /*cycle*/) {
     case GuardianAction::Release:
       if (carry_until_ != 0) outputs_.down();
       carry_until_ = 0;
+      report_.acts.store(false);
       link_.tripped.store(0);
       link_.reset_done.store(request);
       report_.releases.fetch_add(1);
@@ -101,16 +102,19 @@ void Guardian::keepDown(rt::Nanoseconds now) noexcept {
   const hardware::IoStatus status = outputs_.down();
   if (carry_until_ != 0) report_.written.store(status == hardware::IoStatus::Ok);
   carry_until_ = 0;
+  report_.acts.store(false);
 }
 
 /// The fence first: a controller that wakes up now must not write behind the guardian's back.
 void Guardian::trip() noexcept {
+  report_.acts.store(true);
   link_.tripped.store(1);
   const rt::Nanoseconds began = clock_();
   const bool carries = carryLoad();
   const hardware::IoStatus status = carries ? hardware::IoStatus::Ok : outputs_.down();
   const rt::Nanoseconds down = clock_();
   if (carries) carry_until_ = down + carry_.time;
+  if (!carries) report_.acts.store(false);
   report_.carried.store(carries ? carry_.time : 0);
   report_.cause.store(watch_.cause());
   report_.controller_pid.store(link_.controller_pid.load());

@@ -14,6 +14,7 @@
 #include "knee_robot/control/model_feedforward.h"
 #include "loopback.h"
 #include "master_watch.h"
+#include "output_relay.h"
 
 namespace {
 
@@ -64,6 +65,7 @@ void endEvenIfTheDiskHangs() {
   std::thread([kPatience] {
     std::this_thread::sleep_for(kPatience);
     std::fprintf(stderr, "controller: ended without waiting any longer for a disk or a call that does not come back\n");
+    std::this_thread::sleep_for(std::chrono::milliseconds(100));  // until it is handed on
     std::_Exit(1);
   }).detach();
 }
@@ -144,10 +146,13 @@ int run() {
 }  // namespace
 
 int main(int argc, char** argv) {
+  const nodes::OutputRelay relay;  // before all others: no thread waits for whoever reads what is said
   nodes::keepToLoopback();
   ros::init(argc, argv, "controller", ros::init_options::NoSigintHandler);
-  for (const int signal : {SIGINT, SIGTERM, SIGHUP})
+  for (const int signal : {SIGINT, SIGTERM, SIGHUP, SIGQUIT})
     std::signal(signal, [](int) { stop_requested = 1; });
+  for (const int signal : {SIGPIPE, SIGTSTP, SIGTTIN, SIGTTOU, SIGXFSZ})
+    std::signal(signal, SIG_IGN);
   try {
     return run();
   } catch (const InputError& error) {

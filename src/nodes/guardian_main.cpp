@@ -8,6 +8,7 @@
 #include <chrono>
 #include <csignal>
 #include <cstdio>
+#include <ctime>
 #include <optional>
 #include <thread>
 
@@ -26,6 +27,29 @@ using namespace knee_robot;
 
 constexpr rt::Nanoseconds kPeriod = 1'000'000;
 volatile std::sig_atomic_t stop_requested = 0;
+
+hardware::EmergencyOutputs* outputs_at_the_end = nullptr;
+
+/// The link's file was cut off: the controller, which looks at it before every write, dies of that, too. Twice, for a write under way.
+void bringDownAndDie(int) {
+  constexpr timespec kWriteUnderWay{0, 5'000'000};
+  constexpr char kSentence[] = "guardian: the link's memory is gone (was its file truncated?): outputs down\n";
+  for (int i = 0; i < 2 && outputs_at_the_end != nullptr; ++i) {
+    outputs_at_the_end->down();
+    ::nanosleep(&kWriteUnderWay, nullptr);
+  }
+  const ssize_t told = ::write(STDERR_FILENO, kSentence, sizeof kSentence - 1);
+  ::_exit(told > 0 ? 1 : 2);
+}
+
+/// Nothing that happens to a terminal or a pipe may end or stop it.
+void takeSignals() {
+  for (const int signal : {SIGINT, SIGTERM, SIGHUP, SIGQUIT})
+    std::signal(signal, [](int) { stop_requested = 1; });
+  for (const int signal : {SIGPIPE, SIGTSTP, SIGTTIN, SIGTTOU, SIGXFSZ})
+    std::signal(signal, SIG_IGN);
+  std::signal(SIGBUS, bringDownAndDie);
+}
 
 void pause() {
   std::this_thread::sleep_for(std::chrono::milliseconds(5));
@@ -52,10 +76,10 @@ void tellTrip(const control::GuardianReport& report) {
   std::fflush(stdout);
 }
 
-/// Reports until a signal comes; and then as long as drives are on: what it is there for may still happen.
+/// Reports until a signal comes; and then as long as drives are on: what it is there for may still happen, or is just happening.
 void reportUntilDone(const control::GuardianReport& report, const hardware::GuardianLink& link) {
   std::uint32_t told = 0;
-  while (!stop_requested || (link.armed.load() != 0 && link.tripped.load() == 0)) {
+  while (!stop_requested || (link.armed.load() != 0 && link.tripped.load() == 0) || report.acts.load()) {
     pause();
     const std::uint32_t trips = report.trips.load(std::memory_order_acquire);
     if (trips == told) continue;
@@ -113,6 +137,7 @@ int run(const Options& options) {
   memory.link().guardian_pid.store(::getpid());
   memory.link().machine.store(hardware::machineMark(machine));
   const std::unique_ptr<hardware::EmergencyOutputs> outputs = nodes::openOutputs(file, siteOf(options));
+  outputs_at_the_end = outputs.get();
   control::Guardian guardian(memory.link(), *outputs, rt::fromSeconds(options.silence_ms * 1e-3), kPeriod,
                              rt::monotonicNow, carryOf(file));
   rt::ActivityOptions activity_options;
@@ -142,6 +167,7 @@ int run(const Options& options) {
   std::fflush(stdout);
   reportUntilDone(guardian.report(), memory.link());
   activity.stop();
+  outputs_at_the_end = nullptr;
   std::printf("guardian ends: drives are off\n");
   return kExitDone;
 }
@@ -171,8 +197,7 @@ int main(int argc, char** argv) {
     for (const std::string& extra : app.remaining()) {
       if (extra.find(":=") == std::string::npos) throw InputError("unknown argument " + extra + " (see --help)");
     }
-    for (const int signal : {SIGINT, SIGTERM, SIGHUP})
-      std::signal(signal, [](int) { stop_requested = 1; });
+    takeSignals();
     return options.down_now ? bringDownNow(options) : run(options);
   });
 }

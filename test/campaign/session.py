@@ -87,17 +87,21 @@ class Session:
 
     # ---- processes
 
-    def spawn(self, name, *command, environment=None):
+    def spawn(self, name, *command, environment=None, stream=None):
+        """`stream`: where its output goes instead of its log."""
         log = open(self.folder / f"{name}.log", "ab")
-        process = subprocess.Popen([str(c) for c in command], stdout=log, stderr=log, env=environment or self.environment,
+        out = log if stream is None else stream
+        process = subprocess.Popen([str(c) for c in command], stdout=out, stderr=out, env=environment or self.environment,
                                    start_new_session=True)
         log.close()
         return process
 
+    def guardian_command(self):
+        return [self.programs / "guardian", "--hardware", self.files["hardware"], "--shm", self.shm, "--can", self.bus, "--link",
+                self.shm + "_guardian", "--silence-ms", self.silence_ms, "--priority", 90 if self.real_time else 0]
+
     def start_guardian(self):
-        self.guardian = self.spawn("guardian", self.programs / "guardian", "--hardware", self.files["hardware"], "--shm", self.shm,
-                                   "--can", self.bus, "--link", self.shm + "_guardian", "--silence-ms", self.silence_ms,
-                                   "--priority", 90 if self.real_time else 0)
+        self.guardian = self.spawn("guardian", *self.guardian_command())
 
     def controller_command(self, name="controller", program="campaign_controller"):
         parameters = {"robot": self.files["robot"], "hardware": self.files["hardware"], "deployment": self.files["deployment"],

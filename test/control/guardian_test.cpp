@@ -211,6 +211,17 @@ TEST_F(CarriedCards, AreCarriedByWhatCarriedThemAtRestUntilTheBrakesHold) {
     EXPECT_EQ(volts(channel), 0.0);
 }
 
+TEST_F(CarriedCards, HaveAGuardianThatSaysThatItActsUntilTheyAreDown) {
+  EXPECT_FALSE(carrying_.report().acts.load());
+  dies(2.0);
+  EXPECT_TRUE(carrying_.report().acts.load()) << "ended now, it would leave the drives on";
+  cycleCarrying(29);
+  EXPECT_TRUE(carrying_.report().acts.load());
+  cycleCarrying(2);
+  EXPECT_EQ(image_.counter.outputs.load(), 0);
+  EXPECT_FALSE(carrying_.report().acts.load());
+}
+
 TEST_F(CarriedCards, AWriteThatWasUnderWayIsTakenBackWhileTheyAreCarried) {
   dies(2.0);
   cards_->writeVolts({9, 9, 9, 9}, written_);

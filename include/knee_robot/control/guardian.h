@@ -72,6 +72,7 @@ struct GuardianReport {
   std::atomic<rt::Nanoseconds> writing{0};   ///< the part of it that the writes took
   std::atomic<bool> written{true};           ///< the cards took all writes
   std::atomic<bool> found_nobody{false};     ///< no controller lived at the start: outputs brought down
+  std::atomic<bool> acts{false};             ///< from before a trip until the outputs are down: now it must not end
 };
 
 /// What the drives do between a trip and 0 V: they give what carried the robot at rest (GuardianLink::load_V), until the hold devices do.

@@ -1,0 +1,117 @@
+"""Attacks by what surrounds a process: signals at the wrong moment, a pipe whose reader died or stopped, memory that is cut off."""
+import fcntl
+import os
+import signal
+import time
+
+from session import NoAnswer, is_alive
+
+
+def restart(a, name, command, **streams):
+    """The process anew with other streams; then the robot is ready again."""
+    s = a.session
+    getattr(s, name).terminate()
+    getattr(s, name).wait()
+    setattr(s, name, s.spawn(name, *command, **streams))
+    end = time.monotonic() + 15.0
+    while True:
+        try:
+            s.trigger("reset_faults")
+            if s.state().state == "disabled":
+                return
+        except NoAnswer:
+            pass
+        if time.monotonic() > end:
+            raise RuntimeError(f"the robot is not ready after the {name} was started anew")
+        time.sleep(0.1)
+
+
+def guardian_ends_while_it_carries(number):
+    def attack(a):
+        a.enable()
+        a.begin()
+        a.kill("controller")
+        time.sleep(0.02)
+        a.session.guardian.send_signal(number)
+        text, good = a.look(1.0)
+        return f"the guardian {'lives' if is_alive(a.session.guardian) else 'has ended'}; ", text, good
+    attack.__doc__ = f"SIGKILL of the controller; 20 ms later, while the drives carry until the brakes hold, {signal.Signals(number).name} of the guardian."
+    return attack
+
+
+def guardian_whose_reader_died(a):
+    """The guardian's output is a pipe that nobody reads any more (a closed terminal behind | tee); then the controller dies."""
+    reader, writer = os.pipe()
+    restart(a, "guardian", a.session.guardian_command(), stream=writer)
+    time.sleep(1.0)  # until it has said that it is ready
+    os.close(writer)
+    os.close(reader)
+    a.enable()
+    a.begin()
+    a.kill("controller")
+    text, good = a.look(1.0)
+    lives = is_alive(a.session.guardian)
+    return f"the guardian {'lives' if lives else 'has died'}; ", text, good and lives
+
+
+def link_cut_off(a):
+    """The file of the link between controller and guardian is truncated while the robot holds: both are cut off from it."""
+    a.enable()
+    a.begin()
+    os.truncate("/dev/shm" + a.session.shm + "_guardian", 0)
+    text, good = a.look(1.0)
+    return f"{sum(is_alive(p) for p in (a.session.guardian, a.session.controller))} of the two live; ", text, good
+
+
+def stop_the_terminal(a):
+    """Ctrl-S: nothing more is read of what the controller says. A refused request is the first that is said afterwards."""
+    reader, writer = os.pipe()
+    restart(a, "controller", a.session.controller_command(program=a.session.program), stream=writer)
+    a.enable()
+    flags = fcntl.fcntl(writer, fcntl.F_GETFL)
+    fcntl.fcntl(writer, fcntl.F_SETFL, flags | os.O_NONBLOCK)
+    try:
+        while True:
+            os.write(writer, b"\n")
+    except BlockingIOError:
+        pass
+    fcntl.fcntl(writer, fcntl.F_SETFL, flags)
+    a.terminal = (reader, writer)  # open until the end
+    for _ in range(5):
+        try:
+            a.session.trigger("pause")
+        except NoAnswer:
+            return False
+    return True
+
+
+def terminal_stopped_then_emergency_stop(a):
+    """Nobody reads the controller's output any more (Ctrl-S); five refused requests, then emergency_stop, then SIGTERM."""
+    answers = stop_the_terminal(a)
+    a.begin()
+    try:
+        a.session.trigger("emergency_stop")
+    except NoAnswer:
+        answers = False
+    text, good = a.look(1.5)
+    ended = a.end_controller(20.0)
+    last = f"the services {'answer' if answers else 'do not answer'}; "
+    last += f"the controller ended after {ended:.1f} s; " if ended is not None else "the controller does not end; "
+    return last, text, good and answers and ended is not None
+
+
+def terminal_stopped_then_master_dies(a):
+    """Nobody reads the controller's output any more (Ctrl-S); then the master dies, and nobody can stop the robot but itself."""
+    stop_the_terminal(a)
+    a.begin()
+    a.master.stop()
+    text, good = a.look(5.0)
+    return "", text, good
+
+
+def attacks():
+    found = {f"guardian_gets_{signal.Signals(n).name.lower()}_while_it_carries": guardian_ends_while_it_carries(n)
+             for n in (signal.SIGTERM, signal.SIGINT)}
+    found.update({f.__name__: f for f in (guardian_whose_reader_died, link_cut_off, terminal_stopped_then_emergency_stop,
+                                          terminal_stopped_then_master_dies)})
+    return found
