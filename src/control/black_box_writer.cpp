@@ -57,7 +57,11 @@ std::string sidecar(const BlackBoxDump& dump) {
                      "\"\nremedy: \"" + description.remedy + "\"\n";
   append(text, "axis: %d            # 0: none in particular\n", dump.axis);
   append(text, "time_s: %.9f   # of the fault, on the scale of the recording\n", dump.fault_time_s);
-  return text + "states: [disabled, enabling, holding, playing, stopping, safe_stopping, faulted, paused, homing]\n" +
+  text += "states: [";
+  for (int state = 0; state < kMachineStates; ++state)
+    text += std::string(state == 0 ? "" : ", ") + toString(static_cast<MachineState>(state));
+  return text +
+         "]\n"
          "faults: see describe() or docs/safety.md; numbers in the columns fault and axis_fault_i\n";
 }
 

@@ -176,16 +176,16 @@ Answer ControlSystem::loadReference(const trajectory::Reference& reference) {
   return parts_->player.load(reference, parts_->occupancy.patient());
 }
 
-Answer ControlSystem::play() {
+Answer ControlSystem::play(const std::string& expected) {
   const OccupancyRecord::Hold hold(parts_->occupancy);
   if (!hold) return kBeingChanged;
-  return parts_->player.play();
+  return parts_->player.play(expected);
 }
 
-Answer ControlSystem::approach(double speed_m_per_s) {
+Answer ControlSystem::approach(double speed_m_per_s, const std::string& expected) {
   const OccupancyRecord::Hold hold(parts_->occupancy);
   if (!hold) return kBeingChanged;
-  return parts_->player.approach(speed_m_per_s, parts_->occupancy.patient());
+  return parts_->player.approach(speed_m_per_s, parts_->occupancy.patient(), expected);
 }
 
 Answer ControlSystem::loadPatient(const std::string& path) {

@@ -1,6 +1,21 @@
 #include "occupancy_record.h"
 
+#include "knee_robot/base/errors.h"
+#include "knee_robot/base/files.h"
+
 namespace knee_robot::control {
+namespace {
+
+/// What is used is what is compared: a file can change between two looks at it. Throws InputError.
+PatientLimits loadAsItWas(const PatientMemory::File& was, const mechanism::Robot& robot) {
+  const std::string other = was.path + " is not what it was when the patient was loaded: load it again";
+  if (was.mark != fingerprint(readFile(was.path))) throw InputError(other);  // before what may be wrong in it
+  PatientLimits patient = loadPatientLimits(was.path, robot);
+  if (patient.mark != was.mark) throw InputError(other);
+  return patient;
+}
+
+}  // namespace
 
 OccupancyRecord::Hold::Hold(OccupancyRecord& record)
     : record_(record), held_([&record] {
@@ -28,7 +43,7 @@ Answer OccupancyRecord::beginChange() {
 /// Empty, or why it cannot be.
 std::string OccupancyRecord::remember(Occupancy occupancy, const std::optional<PatientLimits>& patient) const {
   try {
-    occupancy == Occupancy::Patient ? memory_.remember(patient->path) : memory_.forget();
+    occupancy == Occupancy::Patient ? memory_.remember({patient->path, patient->mark}) : memory_.forget();
     return "";
   } catch (const std::exception& error) {
     return std::string("who is on the robot cannot be remembered: ") + error.what();
@@ -54,9 +69,9 @@ Answer OccupancyRecord::change(Occupancy occupancy, std::optional<PatientLimits>
 void OccupancyRecord::recall(const mechanism::Robot& robot, bool declared_empty) {
   Answer used{true, ""};
   try {
-    const std::string path = memory_.remembered();
-    if (!path.empty())
-      used = change(Occupancy::Patient, loadPatientLimits(path, robot));
+    const PatientMemory::File was = memory_.remembered();
+    if (!was.path.empty())
+      used = change(Occupancy::Patient, loadAsItWas(was, robot));
     else if (declared_empty)
       used = change(Occupancy::Empty, std::nullopt);
   } catch (const std::exception& error) {

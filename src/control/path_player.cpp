@@ -60,7 +60,9 @@ Answer PathPlayer::playLengths(const trajectory::Points& lengths, const std::str
   points.reserve(static_cast<std::size_t>(lengths.rows()));
   for (Eigen::Index k = 0; k < lengths.rows(); ++k)
     points.push_back(rowOf(lengths, k));
-  sync_.store().offer(ReferencePath::of(std::move(points)));
+  ReferencePath path = ReferencePath::of(std::move(points));
+  const std::lock_guard<std::mutex> begin(begin_);
+  sync_.store().offer(std::move(path));
   const Answer answer = requests_.make(RequestKind::Play, kAnswer_s);
   if (!answer.ok) return answer;
   const std::lock_guard<std::mutex> lock(mutex_);
@@ -68,19 +70,26 @@ Answer PathPlayer::playLengths(const trajectory::Points& lengths, const std::str
   return {true, "playing " + what};
 }
 
-Answer PathPlayer::play() {
+/// Empty: the loaded reference may be used. Under the mutex.
+std::string PathPlayer::whyNot(const std::string& expected) const {
+  if (lengths_.rows() == 0) return "no reference is loaded";
+  if (expected.empty() || expected == name_) return "";
+  return "somebody else has loaded " + name_ + " in place of " + expected + " meanwhile";
+}
+
+Answer PathPlayer::play(const std::string& expected) {
   trajectory::Points lengths;
   std::string name;
   {
     const std::lock_guard<std::mutex> lock(mutex_);
+    if (const std::string why = whyNot(expected); !why.empty()) return {false, why};
     lengths = lengths_;
     name = name_;
   }
-  if (lengths.rows() == 0) return {false, "no reference is loaded"};
   return playLengths(lengths, name);
 }
 
-Answer PathPlayer::approach(double speed_m_per_s, const Patient& patient) {
+Answer PathPlayer::approach(double speed_m_per_s, const Patient& patient, const std::string& expected) {
   if (!(speed_m_per_s >= kSlowestApproach && speed_m_per_s <= kFastestApproach)) {
     return {false, "the approach's speed must lie between 0.001 and 0.05 m/s, not " + shortNumber(speed_m_per_s)};
   }
@@ -89,7 +98,7 @@ Answer PathPlayer::approach(double speed_m_per_s, const Patient& patient) {
   trajectory::Reference line;
   {
     const std::lock_guard<std::mutex> lock(mutex_);
-    if (lengths_.rows() == 0) return {false, "no reference is loaded"};
+    if (const std::string why = whyNot(expected); !why.empty()) return {false, why};
     to = rowOf(lengths_, 0);
     line.name = "the approach to " + name_;
   }

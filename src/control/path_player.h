@@ -23,21 +23,23 @@ class PathPlayer {
   Answer load(const trajectory::Reference& reference, const Patient& patient);
   /// Nothing is loaded: what was, was checked for somebody else.
   void forget();
-  /// The loaded reference from its first point.
-  Answer play();
+  /// The loaded reference from its first point. `expected`: its name, where it has to be this one; empty: any.
+  Answer play(const std::string& expected = "");
   /// From where the robot stands to the first point of the loaded reference; slower than `speed_m_per_s` where the patient wants it.
-  Answer approach(double speed_m_per_s, const Patient& patient);
+  Answer approach(double speed_m_per_s, const Patient& patient, const std::string& expected = "");
   /// Fills in reference and at_start, and, when `status.state` is of a robot on a path, playing.
   void fill(ControlStatus& status) const;
 
  private:
   Answer playLengths(const trajectory::Points& lengths, const std::string& what);
   bool standsAtStart() const;
+  std::string whyNot(const std::string& expected) const;
 
   const mechanism::Robot& robot_;
   Sync& sync_;
   const OperatorPanel& panel_;
   MachineRequests& requests_;
+  std::mutex begin_;          // from the offer of a path to the answer: what is begun is what was offered
   mutable std::mutex mutex_;  // of what follows
   std::string name_;
   trajectory::Points lengths_;  // of the loaded reference; empty: none

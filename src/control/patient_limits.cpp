@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "knee_robot/base/errors.h"
+#include "knee_robot/base/files.h"
 #include "knee_robot/base/numbers.h"
 #include "knee_robot/base/strict_yaml.h"
 
@@ -11,6 +12,7 @@ namespace knee_robot::control {
 namespace {
 
 constexpr double kDegree = 3.14159265358979323846 / 180.0;
+constexpr std::size_t kLargestFile = 1u << 20;
 
 struct Coordinate {
   const char* key;   // in the file
@@ -74,9 +76,11 @@ PatientLimits loadPatientLimits(const std::string& path, const mechanism::Robot&
   if (!robot.mechanism) {
     throw InputError(path + ": a patient needs the platform, and " + robot.path + " describes axes on a bench");
   }
-  StrictMap file = StrictMap::load(path);
+  const std::string content = readFile(path, kLargestFile);
+  StrictMap file = StrictMap::parse(content, path);
   PatientLimits patient;
   patient.path = path;
+  patient.mark = fingerprint(content);
   patient.name = file.text("patient");
   if (patient.name.empty()) file.refuse("patient", "expected initials or a number, for messages and recordings");
   readPose(file.map("pose"), longestLeg(robot), patient.range);

@@ -1,14 +1,26 @@
 #include "knee_robot/control/request_answers.h"
 
+#include <algorithm>
+
 namespace knee_robot::control {
 
 void RequestAnswers::answer(std::uint32_t number, RequestResult result, int axis, double distance_m) noexcept {
   answers_[number % answers_.size()] = {number, result, axis, distance_m};
 }
 
+void RequestAnswers::await(std::uint32_t number) noexcept {
+  if (waiting_ == pending_.size()) {
+    answer(pending_.front(), RequestResult::Superseded);
+    std::rotate(pending_.begin(), pending_.begin() + 1, pending_.end());
+    --waiting_;
+  }
+  pending_[waiting_++] = number;
+}
+
 void RequestAnswers::settle(RequestResult result, int axis, double distance_m) noexcept {
-  if (pending_ != 0) answer(pending_, result, axis, distance_m);
-  pending_ = 0;
+  for (std::size_t i = 0; i < waiting_; ++i)
+    answer(pending_[i], result, axis, distance_m);
+  waiting_ = 0;
 }
 
 }  // namespace knee_robot::control

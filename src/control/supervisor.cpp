@@ -36,7 +36,9 @@ Supervisor::Supervisor(const std::string& name, const mechanism::Robot& robot, c
 bool Supervisor::startHook() {
   const std::uint32_t play = orders_.play;  // a play number is never used twice
   const std::uint32_t transfer = orders_.transfer;
+  const double speed = orders_.speed;  // whoever has slowed it down goes on being obeyed
   orders_ = SupervisorCommand{};
+  orders_.speed = speed;
   orders_.play = play;
   orders_.transfer = transfer;
   answers_.dropPending();
@@ -155,7 +157,7 @@ void Supervisor::enable(const Request& asked, rt::Nanoseconds now) {
 }
 
 void Supervisor::disable(const Request& asked) noexcept {
-  answers_.settle(RequestResult::Superseded);
+  if (state_ != MachineState::SafeStopping) answers_.settle(RequestResult::Superseded);
   if (view_.written.safe_stop == SafeStopPhase::Carrying) ++orders_.transfer;
   if (state_ == MachineState::Disabled) return answers_.answer(asked.number, RequestResult::Done);
   state_ = MachineState::SafeStopping;
@@ -176,8 +178,9 @@ void Supervisor::stop(const Request& asked) noexcept {
   if (state_ == MachineState::Playing || state_ == MachineState::Paused || about_to_play)
     state_ = MachineState::Stopping;
   if (state_ == MachineState::Guiding) state_ = MachineState::Holding;
+  // Whoever waits for the safe stop waits for more than that, and gets it.
+  if (state_ != MachineState::SafeStopping) answers_.settle(RequestResult::Superseded);
   if (state_ == MachineState::Homing) state_ = MachineState::SafeStopping;
-  answers_.settle(RequestResult::Superseded);
   answers_.answer(asked.number, RequestResult::Done);
 }
 

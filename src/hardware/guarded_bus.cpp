@@ -98,7 +98,10 @@ bool GuardedBus::isFencedOut() const noexcept {
 
 IoStatus GuardedBus::reclaim() {
   const std::uint32_t number = link_.reset_request.fetch_add(1) + 1;
-  const auto granted = [&] { return link_.reset_done.load() == number && !isFencedOut(); };
+  // Or a later one: two may ask at once, and the guardian answers the newest.
+  const auto granted = [&] {
+    return static_cast<std::int32_t>(link_.reset_done.load() - number) >= 0 && !isFencedOut();
+  };
   return waitFor(granted) ? IoStatus::Ok : IoStatus::FencedOut;
 }
 

@@ -72,7 +72,7 @@ ControllerDiagnostics::ControllerDiagnostics(ros::NodeHandle& node, const contro
   updater_.add("recording", this, &ControllerDiagnostics::recording);
   updater_.add("real time", this, &ControllerDiagnostics::realTime);
   timingMessage(system_.deployment(), timing_before_);
-  timer_ = node.createWallTimer(ros::WallDuration(kPollPeriod), [this](const ros::WallTimerEvent&) { poll(); });
+  timer_ = node.createSteadyTimer(ros::WallDuration(kPollPeriod), [this](const ros::SteadyTimerEvent&) { poll(); });
 }
 
 void ControllerDiagnostics::poll() {

@@ -58,7 +58,7 @@ class ControllerDiagnostics {
   std::uint64_t missed_before_ = 0;
   mechanism::ForwardResult forward_;
   int polls_ = 0;
-  ros::WallTimer timer_;
+  ros::SteadyTimer timer_;
 };
 
 }  // namespace knee_robot::nodes

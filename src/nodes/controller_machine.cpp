@@ -49,9 +49,9 @@ Machine openMachine(const control::HardwareFile& hardware_file, const mechanism:
   machine.guarded = std::make_unique<hardware::GuardedBus>(*machine.cards, machine.memory->link(),
                                                            static_cast<std::uint8_t>(power_bits), options);
   machine.guarded->takeOver();  // the self test says why not
-  const ros::WallTime give_up = ros::WallTime::now() + ros::WallDuration(kPatience);
+  const ros::SteadyTime give_up = ros::SteadyTime::now() + ros::WallDuration(kPatience);
   const std::atomic<std::int32_t>& guardian = machine.memory->link().guardian_pid;
-  while (!hardware::processExists(guardian.load()) && !stop_requested() && ros::WallTime::now() < give_up)
+  while (!hardware::processExists(guardian.load()) && !stop_requested() && ros::SteadyTime::now() < give_up)
     std::this_thread::sleep_for(std::chrono::milliseconds(20));
   return machine;
 }
@@ -59,7 +59,7 @@ Machine openMachine(const control::HardwareFile& hardware_file, const mechanism:
 GuardianSupervision::Guardian GuardianSupervision::poll() {
   if (!machine_.memory) return Guardian::None;
   const std::uint64_t cycles = machine_.memory->link().guardian_cycles.load();
-  const ros::WallTime now = ros::WallTime::now();
+  const ros::SteadyTime now = ros::SteadyTime::now();
   if (cycles != cycles_ || moved_.isZero()) {
     if (silent_) ROS_WARN("the guardian is back");
     cycles_ = cycles;

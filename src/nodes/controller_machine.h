@@ -44,7 +44,7 @@ class GuardianSupervision {
  private:
   Machine& machine_;
   std::uint64_t cycles_ = 0;
-  ros::WallTime moved_;
+  ros::SteadyTime moved_;
   bool silent_ = false;
 };
 

@@ -4,9 +4,13 @@
 
 #include <ros/ros.h>
 
+#include <algorithm>
+#include <chrono>
 #include <csignal>
 #include <cstdio>
 #include <cstdlib>
+#include <future>
+#include <memory>
 #include <thread>
 
 #include "controller_interface.h"
@@ -15,6 +19,7 @@
 #include "loopback.h"
 #include "master_watch.h"
 #include "output_relay.h"
+#include "program.h"
 
 namespace {
 
@@ -42,12 +47,15 @@ class MasterLoss {
       return;
     }
     const control::MachineState state = system_.state();
-    if (acted_ || state == control::MachineState::Disabled || state == control::MachineState::Faulted) return;
+    const bool off = state == control::MachineState::Disabled || state == control::MachineState::Faulted;
+    if (off) acted_ = false;
+    if (off || acted_) return;
     acted_ = true;
     log_.add("controller", "", "the ROS master is gone: stopping along the path, then disabling");
     ROS_ERROR("the ROS master is gone for %.1f s: stopping along the path, then disabling", silence_s);
     if (system_.stop().ok) system_.waitFor(control::MachineState::Holding, 10.0);
     const control::Answer answer = system_.disable();
+    acted_ = !answer.ok;  // whoever is still connected may enable at once: the same again
     log_.add("controller", "", "after the loss of the ROS master", answer.sentence);
     ROS_ERROR("after the loss of the ROS master: %s", answer.sentence.c_str());
   }
@@ -57,6 +65,39 @@ class MasterLoss {
   nodes::EventLog& log_;
   const double timeout_s_;
   bool acted_ = false;
+};
+
+/// What ROS sees of the controller. It is made anew in a thread of its own: taking the old one down waits for calls under way, one of which may
+/// wait for a disk.
+class Interface {
+ public:
+  explicit Interface(const nodes::ControllerInterface::Parts& parts) : parts_(parts) {
+    interface_ = std::make_unique<nodes::ControllerInterface>(parts_);
+  }
+  /// True when it has been made anew since it was asked for last.
+  bool renew() {
+    if (!renewing_.valid()) {
+      began_ = std::chrono::steady_clock::now();
+      renewing_ = std::async(std::launch::async, [this] {
+        interface_.reset();
+        interface_ = std::make_unique<nodes::ControllerInterface>(parts_);
+      });
+    }
+    if (renewing_.wait_for(std::chrono::seconds(0)) != std::future_status::ready) return false;
+    renewing_.get();
+    return true;
+  }
+  /// For how long nobody who asks the master finds it, s.
+  double absence() const {
+    if (!renewing_.valid()) return 0.0;
+    return std::chrono::duration<double>(std::chrono::steady_clock::now() - began_).count();
+  }
+
+ private:
+  const nodes::ControllerInterface::Parts parts_;
+  std::unique_ptr<nodes::ControllerInterface> interface_;
+  std::future<void> renewing_;  // ends first
+  std::chrono::steady_clock::time_point began_;
 };
 
 /// Threads that wait for a disk cannot be joined. With the drives off nothing is lost but what the disk did not take anyway.
@@ -75,18 +116,17 @@ void serve(const ros::NodeHandle& node, nodes::Machine& machine, const nodes::Co
   const double timeout_s =
       boundedParameter(node, "master_timeout_s", 2.0, 0.0, 60.0, "how long the ROS master may be gone; 0: for ever");
   ros::master::setRetryTimeout(ros::WallDuration(5.0));  // never wait for ever for a master that goes away again
-  auto interface = std::make_unique<nodes::ControllerInterface>(parts);
+  Interface interface(parts);
   nodes::GuardianSupervision supervision(machine);
   MasterLoss loss(parts.system, parts.log, timeout_s);
   nodes::MasterWatch watch(node.resolveName("get_state"));
   while (!stop_requested && ros::ok()) {
     guardian = supervision.poll();
-    loss.poll(watch.silence());
+    loss.poll(std::max(watch.silence(), interface.absence()));
     if (watch.isForgotten()) {
-      ROS_WARN("the ROS master does not know this node any more (was it restarted?): advertising everything anew");
-      interface.reset();
-      interface = std::make_unique<nodes::ControllerInterface>(parts);
-      watch.remember();
+      if (interface.absence() == 0.0)
+        ROS_WARN("the ROS master does not know this node any more (was it restarted?): advertising everything anew");
+      if (interface.renew()) watch.remember();
     }
     std::this_thread::sleep_for(std::chrono::milliseconds(20));
   }
@@ -146,6 +186,7 @@ int run() {
 }  // namespace
 
 int main(int argc, char** argv) {
+  nodes::openStandardStreams();
   const nodes::OutputRelay relay;  // before all others: no thread waits for whoever reads what is said
   nodes::keepToLoopback();
   ros::init(argc, argv, "controller", ros::init_options::NoSigintHandler);

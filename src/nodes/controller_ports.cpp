@@ -57,7 +57,7 @@ ControllerPorts::ControllerPorts(ros::NodeHandle& node, const control::ControlSy
       system_(system),
       log_(log),
       server_(node.advertiseService("watch_port", &ControllerPorts::serve, this)),
-      timer_(node.createWallTimer(ros::WallDuration(kPoll_s), [this](const ros::WallTimerEvent&) { publish(); })) {}
+      timer_(node.createSteadyTimer(ros::WallDuration(kPoll_s), [this](const ros::SteadyTimerEvent&) { publish(); })) {}
 
 ControllerPorts::~ControllerPorts() {
   timer_.stop();
@@ -108,7 +108,7 @@ control::Answer ControllerPorts::begin(const WatchPort::Request& request, WatchP
     one = watched_.end() - 1;
   }
   one->period_s = request.rate_hz > 0.0 ? 1.0 / request.rate_hz : 0.0;
-  one->wanted = ros::WallTime::now();
+  one->wanted = ros::SteadyTime::now();
   response.topic = one->publisher.getTopic();
   response.names = one->message.names;
   const bool is_input = request.port != port->fullName();
@@ -125,7 +125,7 @@ control::Answer ControllerPorts::end(rt::PortBase& port, const std::string& why)
 }
 
 void ControllerPorts::publish() {
-  const ros::WallTime now = ros::WallTime::now();
+  const ros::SteadyTime now = ros::SteadyTime::now();
   const ros::Duration to_ros_time(ros::Time::now().toSec() - rt::toSeconds(rt::monotonicNow()));
   std::vector<rt::PortBase*> unwanted;
   for (Watched& one : watched_) {

@@ -32,9 +32,9 @@ class ControllerPorts {
     rt::TapBase* tap;
     ros::Publisher publisher;
     PortValues message;
-    double period_s = 0.0;  // at least between two messages
-    ros::Time published;    // stamp of the newest
-    ros::WallTime wanted;   // when somebody was seen to listen
+    double period_s = 0.0;   // at least between two messages
+    ros::Time published;     // stamp of the newest
+    ros::SteadyTime wanted;  // when somebody was seen to listen
   };
   using Call = ros::ServiceEvent<WatchPort::Request, WatchPort::Response>;
 
@@ -51,7 +51,7 @@ class ControllerPorts {
   EventLog& log_;
   std::vector<Watched> watched_;
   ros::ServiceServer server_;
-  ros::WallTimer timer_;  // last: goes first
+  ros::SteadyTimer timer_;  // last: goes first
 };
 
 /// The output behind COMPONENT.PORT; null, and the sentence says what there is.

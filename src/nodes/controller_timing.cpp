@@ -35,8 +35,9 @@ ComponentHistograms message(const std::string& activity, const std::string& comp
 ControllerTiming::ControllerTiming(ros::NodeHandle& node, const control::ControlSystem& system)
     : system_(system),
       histograms_(node.advertise<TimingHistograms>("timing_histograms", 1, true)),
-      logged_at_(ros::WallTime::now()) {
-  timer_ = node.createWallTimer(ros::WallDuration(kPublishPeriod), [this](const ros::WallTimerEvent&) { publish(); });
+      logged_at_(ros::SteadyTime::now()) {
+  timer_ =
+      node.createSteadyTimer(ros::WallDuration(kPublishPeriod), [this](const ros::SteadyTimerEvent&) { publish(); });
 }
 
 void ControllerTiming::publish() {
@@ -49,7 +50,7 @@ void ControllerTiming::publish() {
       all.histograms.push_back(message(activity.name, component.name, component.updates, component));
   }
   histograms_.publish(all);
-  const ros::WallTime now = ros::WallTime::now();
+  const ros::SteadyTime now = ros::SteadyTime::now();
   if ((now - logged_at_).toSec() < kLogPeriod) return;
   logged_at_ = now;
   ROS_INFO("timing since the start:\n%s", rt::toText(reports).c_str());

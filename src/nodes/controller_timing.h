@@ -20,8 +20,8 @@ class ControllerTiming {
 
   const control::ControlSystem& system_;
   ros::Publisher histograms_;
-  ros::WallTime logged_at_;
-  ros::WallTimer timer_;  // last: goes first
+  ros::SteadyTime logged_at_;
+  ros::SteadyTimer timer_;  // last: goes first
 };
 
 }  // namespace knee_robot::nodes

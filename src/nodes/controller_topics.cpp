@@ -20,7 +20,7 @@ constexpr double kSlowPeriod = 0.1;        // s, margins and forces
 constexpr double kTimingPeriod = 1.0;      // s
 constexpr double kForceWindow = 10.0;      // s
 
-bool isDue(ros::WallTime& last, const ros::WallTime& now, double period_s) {
+bool isDue(ros::SteadyTime& last, const ros::SteadyTime& now, double period_s) {
   if (!last.isZero() && (now - last).toSec() < period_s) return false;
   last = now;
   return true;
@@ -69,12 +69,12 @@ ControllerTopics::ControllerTopics(ros::NodeHandle& node, const control::Control
       residual_(node.advertise<Residual>("residual", kTopicQueue)),
       timing_(node.advertise<Timing>("timing", kTopicQueue)) {
   timingMessage(system_.deployment(), timing_before_);
-  timing_at_ = ros::WallTime::now();
-  timer_ = node.createWallTimer(ros::WallDuration(period_s_), [this](const ros::WallTimerEvent&) { publish(); });
+  timing_at_ = ros::SteadyTime::now();
+  timer_ = node.createSteadyTimer(ros::WallDuration(period_s_), [this](const ros::SteadyTimerEvent&) { publish(); });
 }
 
 void ControllerTopics::publish() {
-  const ros::WallTime now = ros::WallTime::now();
+  const ros::SteadyTime now = ros::SteadyTime::now();
   const ros::Time stamp = ros::Time::now();
   if (const std::optional<control::TrackingRow> row = system_.snapshot()) {
     publishTracking(*row, stamp);
@@ -172,7 +172,7 @@ void ControllerTopics::publishState() {
                               message.playing + '\n' + message.patient + '\n' + message.occupancy + '\n' +
                               std::to_string(message.speed_percent) + (message.recording ? "recording" : "") +
                               (message.at_start ? "at start" : "") + std::to_string(message.dropped_rows);
-  const ros::WallTime now = ros::WallTime::now();
+  const ros::SteadyTime now = ros::SteadyTime::now();
   const bool changed = summary != last_state_;
   if (!changed && (now - state_at_).toSec() < kStatePeriod) return;
   if (!message.fault.empty() && changed) ROS_ERROR("%s: %s", message.fault.c_str(), message.cause.c_str());

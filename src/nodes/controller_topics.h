@@ -48,10 +48,10 @@ class ControllerTopics {
   ros::Publisher tracking_, joints_, urdf_joints_, pose_, state_, margins_, forces_, residual_, timing_;
   mechanism::ForwardResult forward_;  // newest pose: the guess for the next one
   std::string last_state_;
-  ros::WallTime state_at_, slow_at_, timing_at_;
+  ros::SteadyTime state_at_, slow_at_, timing_at_;
   std::array<double, hardware::kAxes> mean_square_{};  // N^2
   std::vector<rt::DurationHistogram::Snapshot> timing_before_;
-  ros::WallTimer timer_;  // last: goes first
+  ros::SteadyTimer timer_;  // last: goes first
 };
 
 }  // namespace knee_robot::nodes

@@ -18,6 +18,7 @@
 #include "knee_robot/control/guardian.h"
 #include "knee_robot/control/hardware_file.h"
 #include "knee_robot/hardware/machine_lock.h"
+#include "knee_robot/hardware/process_watch.h"
 #include "knee_robot/rt/activity.h"
 #include "program.h"
 
@@ -129,7 +130,8 @@ int run(const Options& options) {
   const control::HardwareFile file = loadFile(options);
   hardware::SharedGuardianLink memory = hardware::SharedGuardianLink::open(options.link);
   const std::int32_t other = memory.link().guardian_pid.load();
-  if (hardware::processExists(other)) {
+  // One that nobody has buried yet guards nothing, and in a container the next process may get the number of the last.
+  if (other > 0 && other != ::getpid() && !hardware::ProcessWatch().isGone(other)) {
     throw InputError("process " + std::to_string(other) + " already guards " + options.link + "; end it first");
   }
   const std::string machine = file.machine(options.shm);

@@ -58,13 +58,13 @@ int main(int argc, char** argv) {
     nodes::TextMonitor monitor(node);
     const bool in_place = !plain && !once && ::isatty(STDOUT_FILENO) != 0;
     if (in_place) std::fputs("\x1b[2J", stdout);
-    const ros::WallTime begin = ros::WallTime::now();
+    const ros::SteadyTime begin = ros::SteadyTime::now();
     while (ros::ok()) {
-      const ros::WallTime next = ros::WallTime::now() + ros::WallDuration(period_s);
-      while (ros::ok() && ros::WallTime::now() < next)
+      const ros::SteadyTime next = ros::SteadyTime::now() + ros::WallDuration(period_s);
+      while (ros::ok() && ros::SteadyTime::now() < next)
         ros::getGlobalCallbackQueue()->callAvailable(ros::WallDuration(0.05));
       const bool complete = monitor.isComplete();
-      if (once && !complete && (ros::WallTime::now() - begin).toSec() < 3.0) continue;
+      if (once && !complete && (ros::SteadyTime::now() - begin).toSec() < 3.0) continue;
       if (in_place) {
         refresh(monitor.screen());
       } else if (once) {

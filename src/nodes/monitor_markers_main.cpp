@@ -41,17 +41,17 @@ class MarkerMonitor {
                                               [this](const auto& message) { hear(heard_.residual, *message); }),
                      node.subscribe<nav_msgs::Path>(controller_ + "/path", 2,
                                                     [this](const auto& message) { hear(heard_.path, *message); })},
-        timer_(node.createWallTimer(ros::WallDuration(1.0 / rate_hz), [this](const auto&) { show(); })) {}
+        timer_(node.createSteadyTimer(ros::WallDuration(1.0 / rate_hz), [this](const auto&) { show(); })) {}
 
  private:
   template <typename Message>
   void hear(std::optional<Message>& kept, const Message& message) {
     kept = message;
-    heard_at_ = ros::WallTime::now();
+    heard_at_ = ros::SteadyTime::now();
   }
 
   void show() {
-    heard_.silent = (ros::WallTime::now() - heard_at_).toSec() > kSilence_s;
+    heard_.silent = (ros::SteadyTime::now() - heard_at_).toSec() > kSilence_s;
     followReference();
     markers_.publish(nodes::sceneOf(robot_, heard_));
     if (!heard_.reference) return;
@@ -79,12 +79,12 @@ class MarkerMonitor {
   const mechanism::Robot& robot_;
   const std::string controller_;
   nodes::Heard heard_;
-  ros::WallTime heard_at_;
+  ros::SteadyTime heard_at_;
   mechanism::ForwardResult forward_;
   tf2_ros::TransformBroadcaster broadcaster_;
   ros::Publisher markers_;
   std::array<ros::Subscriber, 5> subscribers_;
-  ros::WallTimer timer_;
+  ros::SteadyTimer timer_;
 };
 
 }  // namespace

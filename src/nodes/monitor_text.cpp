@@ -39,7 +39,7 @@ void knee_robot::nodes::TextMonitor::listen(ros::NodeHandle& node, const std::st
   const boost::function<void(const boost::shared_ptr<const Message>&)> hear =
       [this, &kept](const boost::shared_ptr<const Message>& message) {
         kept = *message;
-        heard_at_ = ros::WallTime::now();
+        heard_at_ = ros::SteadyTime::now();
       };
   subscribers_.push_back(node.subscribe<Message>(controller_ + "/" + topic, 2, hear));
 }
@@ -62,7 +62,7 @@ TextMonitor::TextMonitor(ros::NodeHandle& node) : controller_(node.resolveName("
 }
 
 bool TextMonitor::isSilent() const {
-  return heard_at_.isZero() || (ros::WallTime::now() - heard_at_).toSec() > kSilence_s;
+  return heard_at_.isZero() || (ros::SteadyTime::now() - heard_at_).toSec() > kSilence_s;
 }
 
 bool TextMonitor::isComplete() const {

@@ -44,7 +44,7 @@ class TextMonitor {
   std::optional<Residual> residual_;
   std::optional<Timing> timing_;
   std::map<std::string, diagnostic_msgs::DiagnosticStatus> diagnostics_;
-  ros::WallTime heard_at_;
+  ros::SteadyTime heard_at_;
   std::string controller_;  // resolved name
   std::vector<ros::Subscriber> subscribers_;
 };

@@ -61,22 +61,24 @@ control::Answer PlayedGoal::play() {
   if (job_.checked.reference) {
     if (const control::Answer answer = server_.references_.load(job_.checked); !answer.ok) return answer;
   }
+  name_ = job_.checked.reference ? job_.checked.reference->name : system_.status().reference;
   result_.duration_s = server_.references_.loadedDuration();
   if (isInterrupted()) return breakOff();
   if (goal.approach) {
     if (const control::Answer answer = system_.setSpeed(100.0); !answer.ok) return answer;
-    const control::Answer begun = system_.approach(goal.approach_speed > 0.0 ? goal.approach_speed : kApproachSpeed);
+    const control::Answer begun =
+        system_.approach(goal.approach_speed > 0.0 ? goal.approach_speed : kApproachSpeed, name_);
     if (!begun.ok) return begun;
     if (const control::Answer answer = follow("approaching", false); !answer.ok) return answer;
   }
-  if (const control::Answer answer = system_.setSpeed(goal.speed_percent > 0.0 ? goal.speed_percent : 100.0);
-      !answer.ok)
-    return answer;
+  double speed = goal.speed_percent > 0.0 ? goal.speed_percent : 100.0;
+  if (goal.approach) speed = std::min(speed, system_.status().speed_percent);  // slowed down by somebody meanwhile
+  if (const control::Answer answer = system_.setSpeed(speed); !answer.ok) return answer;
   if (!job_.recording.empty()) {
     if (const control::Answer answer = system_.startRecording(job_.recording); !answer.ok) return answer;
     result_.recording = job_.recording;
   }
-  if (const control::Answer answer = system_.play(); !answer.ok) return answer;
+  if (const control::Answer answer = system_.play(name_); !answer.ok) return answer;
   return follow("playing", true);
 }
 
@@ -101,7 +103,7 @@ control::Answer PlayedGoal::follow(const std::string& phase, bool measure) {
     return {false, where + "the robot is " + control::toString(status.state)};
   if (status.path_time_s + 0.5 * trajectory::kStreamPeriod < status.path_duration_s)
     return {false, where + "somebody else stopped it; the robot holds"};
-  return {true, status.reference + " was played to its end in " + shortNumber(status.path_duration_s, 4) +
+  return {true, name_ + " was played to its end in " + shortNumber(status.path_duration_s, 4) +
                     " s of path time; the robot holds"};
 }
 
@@ -114,8 +116,8 @@ control::Answer PlayedGoal::breakOff() {
   if (!isOnPath(system_.state())) return {false, who + "; the robot is " + control::toString(system_.state())};
   const control::Answer stopped = system_.stop();
   if (!stopped.ok && isOnPath(system_.state())) return {false, who + ", but the stop was refused: " + stopped.sentence};
-  const ros::WallTime give_up = ros::WallTime::now() + ros::WallDuration(kLongestStop);
-  while (isOnPath(system_.state()) && ros::WallTime::now() < give_up) {
+  const ros::SteadyTime give_up = ros::SteadyTime::now() + ros::WallDuration(kLongestStop);
+  while (isOnPath(system_.state()) && ros::SteadyTime::now() < give_up) {
     feedBack("stopping", system_.status());
     std::this_thread::sleep_for(kPoll);
   }
@@ -134,7 +136,7 @@ control::Answer PlayedGoal::endRecording(control::Answer answer) {
 }
 
 void PlayedGoal::feedBack(const std::string& phase, const control::ControlStatus& status) {
-  const ros::WallTime now = ros::WallTime::now();
+  const ros::SteadyTime now = ros::SteadyTime::now();
   if ((now - fed_back_).toSec() < kFeedbackPeriod) return;
   fed_back_ = now;
   PlayFeedback feedback;

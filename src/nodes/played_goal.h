@@ -34,9 +34,10 @@ class PlayedGoal {
   control::ControlSystem& system_;
   PlayActionServer::Job& job_;
   PlayResult result_;
+  std::string name_;                              // of the goal's reference
   std::array<double, hardware::kAxes> square_{};  // m^2
   std::uint64_t samples_ = 0;
-  ros::WallTime fed_back_;
+  ros::SteadyTime fed_back_;
 };
 
 }  // namespace knee_robot::nodes

@@ -1,6 +1,10 @@
 #include "program.h"
 
+#include <fcntl.h>
+#include <unistd.h>
+
 #include <algorithm>
+#include <cerrno>
 #include <exception>
 #include <iostream>
 #include <string>
@@ -28,6 +32,7 @@ int fail(const CLI::App& app, const std::string& sentence, int status) {
 }  // namespace
 
 int runProgram(CLI::App& app, int argc, const char* const* argv, const std::function<int()>& body) {
+  openStandardStreams();
   try {
     app.parse(argc, argv);
   } catch (const CLI::Success& request) {  // --help and the like
@@ -43,6 +48,13 @@ int runProgram(CLI::App& app, int argc, const char* const* argv, const std::func
     return fail(app, error.what(), kExitRefused);
   } catch (const std::exception& error) {
     return fail(app, std::string("unexpected failure: ") + error.what(), 1);
+  }
+}
+
+void openStandardStreams() {
+  for (int stream = STDIN_FILENO; stream <= STDERR_FILENO; ++stream) {
+    if (::fcntl(stream, F_GETFD) >= 0 || errno != EBADF) continue;
+    if (::open("/dev/null", O_RDWR) != stream) return;  // the lowest number that is free
   }
 }
 

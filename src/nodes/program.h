@@ -16,6 +16,10 @@ namespace knee_robot::nodes {
 ///     return runProgram(app, argc, argv, [&] { ...; return kExitDone; });
 int runProgram(CLI::App& app, int argc, const char* const* argv, const std::function<int()>& body);
 
+/// Where one of the three standard streams is closed, /dev/null takes its place: the next file or socket that is opened would get its number
+/// otherwise, and with it everything that is printed. Before anything is opened.
+void openStandardStreams();
+
 /// "rosrun knee_robot PROGRAM ARGUMENTS...", for reports that say how they were made.
 std::string commandLine(const std::string& program, int argc, const char* const* argv);
 

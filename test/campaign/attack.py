@@ -1,5 +1,6 @@
 """What an attack may use (attacks.py)."""
 import os
+import pathlib
 import signal
 import subprocess
 import threading
@@ -113,8 +114,17 @@ class Attack:
         return time.monotonic() - began
 
 
+def preloaded(name, folder):
+    """The library made of NAME.c beside this file."""
+    library = folder / f"{name}.so"
+    source = pathlib.Path(__file__).resolve().parent / f"{name}.c"
+    subprocess.run(["cc", "-shared", "-fPIC", "-O1", "-o", str(library), str(source), "-ldl"], check=True)
+    return str(library)
+
+
 def needs(**what):
-    """Of an attack: `parameters` of the controller, `hardware` (changes to the hardware file), `preload` (see hung_disk.c)."""
+    """Of an attack: `parameters` of the controller, `hardware` (changes to the hardware file), `preload` (of a session, the environment of
+    its processes: hung_disk.c, stepped_clock.c)."""
     def mark(function):
         function.needs = what
         return function

@@ -249,8 +249,8 @@ def session_for(name, folder, options, files):
         files = {**files, "hardware": hardware}
     session = Session(own, options.programs, files, options.silence_ms, os.geteuid() == 0, program="controller")
     session.parameters = needs.get("parameters", {})
-    if needs.get("preload"):
-        session.environment.update(attacks_on_disk.preload(session))
+    if "preload" in needs:
+        session.environment.update(needs["preload"](session))
     return session
 
 

@@ -3,10 +3,12 @@ goes."""
 import threading
 import time
 
+import actionlib
 import rospy
 from std_srvs.srv import Trigger
 
-from knee_robot.srv import LoadPatient
+from knee_robot.msg import PlayAction, PlayGoal
+from knee_robot.srv import LoadPatient, LoadReference
 
 from session import NoAnswer, is_alive
 
@@ -162,9 +164,70 @@ def four_clients_on_every_pair(a):
     return f"{calls} calls; hung: {', '.join(hung) or 'none'}; {a.state()}; ", text, good and not hung
 
 
+def enabled_again_without_a_master(a):
+    """The master dies, the robot is brought to rest; a client that is still connected enables it again, and dies."""
+    a.session.keep_connections()
+    a.session.kept["enable"] = rospy.ServiceProxy("/controller/enable", Trigger, persistent=True)
+    a.enable()
+    a.master.stop()
+    before = a.session.wait_for(("disabled",), 6.0).state
+    a.begin()
+    answer = a.session.trigger("enable")
+    text, good = a.look(6.0)
+    return f"without a master {before}; enabled again ({answer.message}): ", text, good and before == "disabled"
+
+
+def another_reference_within_a_goal(a):
+    """A play goal approaches its reference, while another client loads another one as often as it can: the goal plays its own or nothing."""
+    a.enable()
+    path = a.write_path()
+    path.with_name("other.txt").write_text(path.read_text())
+    client = actionlib.SimpleActionClient("/controller/play", PlayAction)
+    if not client.wait_for_server(rospy.Duration(5.0)):
+        raise RuntimeError("no action server")
+    loads, ended = [], []
+
+    def load():
+        proxy = rospy.ServiceProxy("/controller/load_reference", LoadReference, persistent=True)
+        while not ended:
+            loads.append(proxy("other.txt", "").success)
+    threading.Thread(target=load, daemon=True).start()
+    client.send_goal(PlayGoal(file=path.name, approach=True, record=True, recording="goal.csv"))
+    client.wait_for_result(rospy.Duration(30.0))
+    ended.append(True)
+    result = client.get_result()
+    a.begin()
+    a.session.trigger("disable")
+    text, good = a.look(1.0)
+    done = f"{'succeeded' if result.success else 'failed'} ({result.message.split(';')[0]})"
+    return f"other.txt was loaded {loads.count(True)} times; the goal {done}; ", text, good and not (
+        result.success and "other.txt was played" in result.message)
+
+
+def stop_while_being_disabled(a):
+    """Three clients press stop as often as they can while a fourth disables: it is told when the drives are off."""
+    a.enable()
+    a.play()
+    ended = []
+
+    def stop():
+        proxy = rospy.ServiceProxy("/controller/stop", Trigger, persistent=True)
+        while not ended:
+            proxy()
+    for _ in range(3):
+        threading.Thread(target=stop, daemon=True).start()
+    time.sleep(0.1)
+    a.begin()
+    answer = a.session.trigger("disable")
+    ended.append(True)
+    text, good = a.look(1.0)
+    return f"disable {'succeeded' if answer.success else 'failed'} ({answer.message}); ", text, good and answer.success
+
+
 def attacks():
     found = {f.__name__: f for f in (second_pair_on_another_link, second_controller_without_guardian, guardian_of_another_machine,
-                                     master_restarted_while_playing, four_clients_on_every_pair)}
+                                     master_restarted_while_playing, four_clients_on_every_pair, another_reference_within_a_goal,
+                                     stop_while_being_disabled, enabled_again_without_a_master)}
     found["patient_file_becomes_garbage"] = patient_file_becomes("}{ nan \0 :::\n" * 50, "garbage")
     found["patient_file_becomes_wider"] = patient_file_becomes(PATIENT.replace("0.9", "0.95"), "one with other limits")
     return found

@@ -1,9 +1,16 @@
-"""Attacks by what surrounds a process: signals at the wrong moment, a pipe whose reader died or stopped, memory that is cut off."""
+"""Attacks by what surrounds a process: signals at the wrong moment, a pipe whose reader died or stopped, memory that is cut off, the
+clock."""
 import fcntl
 import os
 import signal
 import time
 
+import actionlib
+import rospy
+
+from knee_robot.msg import ControllerState, Margins, PlayAction, PlayGoal, Residual, Timing
+
+from attack import needs, preloaded
 from session import NoAnswer, is_alive
 
 
@@ -52,6 +59,24 @@ def guardian_whose_reader_died(a):
     text, good = a.look(1.0)
     lives = is_alive(a.session.guardian)
     return f"the guardian {'lives' if lives else 'has died'}; ", text, good and lives
+
+
+def guardian_killed_and_not_buried(a):
+    """SIGKILL of the guardian, whose parent does not wait for it (a container without an init); another is started, then the controller dies."""
+    a.enable()
+    dead = a.session.guardian
+    dead.send_signal(signal.SIGKILL)
+    a.session.start_guardian()
+    time.sleep(1.0)
+    if a.session.state().state == "faulted":
+        a.session.trigger("reset_faults")
+        a.session.trigger("enable")
+    state = a.state()
+    a.begin()
+    a.kill("controller")
+    text, good = a.look(1.0)
+    dead.wait()
+    return f"after the new guardian's start {state}; then ", text, good and "holding" in state
 
 
 def link_cut_off(a):
@@ -109,9 +134,46 @@ def terminal_stopped_then_master_dies(a):
     return "", text, good
 
 
+def stepped_clock(session):
+    session.stepped = session.folder / "stepped"
+    return {"LD_PRELOAD": preloaded("stepped_clock", session.folder), "KNEE_STEPPED_CLOCK": str(session.stepped)}
+
+
+@needs(preload=stepped_clock)
+def clock_an_hour_back(a):
+    """While a goal is played the system's clock is set back by an hour: everything that tells of the robot goes on telling."""
+    a.enable()
+    path = a.write_path()
+    heard = dict.fromkeys(("state", "margins", "residual", "timing", "feedback"), 0)
+
+    def count(name):
+        heard[name] += 1
+    listeners = [rospy.Subscriber(f"/controller/{name}", kind, lambda _, name=name: count(name))
+                 for name, kind in (("state", ControllerState), ("margins", Margins), ("residual", Residual), ("timing", Timing))]
+    client = actionlib.SimpleActionClient("/controller/play", PlayAction)
+    if not client.wait_for_server(rospy.Duration(5.0)):
+        raise RuntimeError("no action server")
+    client.send_goal(PlayGoal(file=path.name, approach=True), feedback_cb=lambda _: count("feedback"))
+    a.session.wait_for(("playing",), 5.0)
+    time.sleep(1.0)
+    a.session.stepped.touch()
+    time.sleep(0.5)
+    heard.update(dict.fromkeys(heard, 0))
+    time.sleep(2.5)
+    silent = [name for name, times in heard.items() if times == 0]
+    for one in listeners:
+        one.unregister()
+    client.cancel_goal()
+    a.session.wait_for(("holding",), 5.0)
+    a.begin()
+    a.session.trigger("disable")
+    text, good = a.look(1.0)
+    return f"silent in the next seconds: {', '.join(silent) or 'nothing'}; ", text, good and not silent
+
+
 def attacks():
     found = {f"guardian_gets_{signal.Signals(n).name.lower()}_while_it_carries": guardian_ends_while_it_carries(n)
              for n in (signal.SIGTERM, signal.SIGINT)}
-    found.update({f.__name__: f for f in (guardian_whose_reader_died, link_cut_off, terminal_stopped_then_emergency_stop,
-                                          terminal_stopped_then_master_dies)})
+    found.update({f.__name__: f for f in (guardian_whose_reader_died, guardian_killed_and_not_buried, link_cut_off,
+                                          clock_an_hour_back, terminal_stopped_then_emergency_stop, terminal_stopped_then_master_dies)})
     return found

@@ -1,5 +1,4 @@
 """Attacks by the disk: it hangs (hung_disk.c), or it is full."""
-import pathlib
 import subprocess
 import time
 
@@ -8,19 +7,17 @@ import rospy
 
 from knee_robot.msg import PlayAction, PlayGoal
 
-from attack import needs
+from attack import needs, preloaded
 
-HERE = pathlib.Path(__file__).resolve().parent
 QUICK_MS = 500.0  # a service that has nothing to do with the disk
 ENDS_S = 20.0
 
 
 def preload(session):
     """Environment of a controller whose disk can hang."""
-    library = session.folder / "hung_disk.so"
-    subprocess.run(["cc", "-shared", "-fPIC", "-O1", "-o", str(library), str(HERE / "hung_disk.c"), "-ldl"], check=True)
     session.hung = session.folder / "hung"
-    return {"LD_PRELOAD": str(library), "KNEE_HUNG_DISK": str(session.hung), "KNEE_HUNG_FOLDER": str(session.recordings)}
+    return {"LD_PRELOAD": preloaded("hung_disk", session.folder), "KNEE_HUNG_DISK": str(session.hung),
+            "KNEE_HUNG_FOLDER": str(session.recordings)}
 
 
 def let_go(session):
@@ -37,7 +34,7 @@ def answers_quickly(a):
     return text, slowest is not None and slowest < QUICK_MS
 
 
-@needs(preload=True)
+@needs(preload=preload)
 def disk_hangs_while_recording_and_playing(a):
     """The disk hangs under a recording; 0.7 s later get_state, then the hand switch, then the end of the recording."""
     a.session.record(True, "r.csv")
@@ -56,7 +53,7 @@ def disk_hangs_while_recording_and_playing(a):
     return f"{told}; end of the recording: {said}; ", text, quick and good and ended
 
 
-@needs(preload=True)
+@needs(preload=preload)
 def disk_hangs_then_stop_and_shutdown(a):
     """The disk hangs under a recording while playing; stop, then SIGTERM."""
     a.session.record(True, "r.csv")
@@ -73,7 +70,7 @@ def disk_hangs_then_stop_and_shutdown(a):
     return last, text, good and stops is not None and stops < QUICK_MS and ended is not None
 
 
-@needs(preload=True)
+@needs(preload=preload)
 def disk_hangs_when_a_recording_begins(a):
     """set_recording on a disk that hangs; meanwhile enable, get_state and disable."""
     a.session.hung.touch()
@@ -91,7 +88,7 @@ def disk_hangs_when_a_recording_begins(a):
             f"{'answers when the disk does' if answer else 'hangs for ever'}; ", text, quick and good and both and bool(answer))
 
 
-@needs(preload=True)
+@needs(preload=preload)
 def disk_hangs_when_a_recording_begins_then_shutdown(a):
     """Holding; set_recording waits for a disk that hangs, then SIGTERM: the drives must not stay on for a call that does not come back."""
     a.enable()
@@ -105,7 +102,7 @@ def disk_hangs_when_a_recording_begins_then_shutdown(a):
     return last, text, good and ended is not None
 
 
-@needs(preload=True)
+@needs(preload=preload)
 def disk_hangs_while_the_black_box_writes(a):
     """A fault while the disk hangs: its black box cannot be written; reset, enable and another fault."""
     a.enable()
@@ -125,7 +122,7 @@ def disk_hangs_while_the_black_box_writes(a):
             text, quick and good and reset.success and again.success)
 
 
-@needs(preload=True)
+@needs(preload=preload)
 def disk_hangs_while_somebody_says_who_is_there(a):
     """declare_empty on a disk that hangs: nothing moves meanwhile, and everything else answers."""
     a.session.hung.touch()
@@ -142,7 +139,7 @@ def disk_hangs_while_somebody_says_who_is_there(a):
             quick and good and not enable.success and stop is not None and bool(answer))
 
 
-@needs(preload=True)
+@needs(preload=preload)
 def disk_hangs_and_a_goal_is_cancelled(a):
     """A play goal that records; the disk hangs; the goal is cancelled."""
     a.enable()
@@ -164,6 +161,23 @@ def disk_hangs_and_a_goal_is_cancelled(a):
     a.session.trigger("disable")
     text, good = a.look(1.0)
     return f"{before}; at rest {stopped:.1f} s after the cancel; ", text, good and before == "playing" and stopped < 2.0
+
+
+@needs(preload=preload)
+def disk_hangs_and_the_master_is_restarted(a):
+    """Holding; set_recording waits for a disk that hangs; then another master answers, which nobody can be found by until the call is back."""
+    a.enable()
+    a.session.hung.touch()
+    a.call_aside(lambda: a.session.record(True, "r.csv"))
+    time.sleep(0.5)
+    a.begin()
+    a.master.stop()
+    time.sleep(0.5)
+    a.master.start()
+    text, good = a.look(6.0)
+    ended = a.end_controller(ENDS_S)
+    last = f"the controller ended after {ended:.1f} s; " if ended is not None else "the controller does not end; "
+    return last, text, good and ended is not None
 
 
 def fill(a):
@@ -214,8 +228,8 @@ def disk_full_when_the_controller_starts(a):
 def attacks():
     return {f.__name__: f for f in (disk_hangs_while_recording_and_playing, disk_hangs_then_stop_and_shutdown,
                                     disk_hangs_when_a_recording_begins, disk_hangs_when_a_recording_begins_then_shutdown,
-                                    disk_hangs_while_the_black_box_writes,
-                                    disk_hangs_while_somebody_says_who_is_there, disk_hangs_and_a_goal_is_cancelled,
+                                    disk_hangs_while_the_black_box_writes, disk_hangs_while_somebody_says_who_is_there,
+                                    disk_hangs_and_a_goal_is_cancelled, disk_hangs_and_the_master_is_restarted,
                                     disk_full_from_the_beginning, disk_full_when_the_controller_starts)}
 
 

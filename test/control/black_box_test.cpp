@@ -53,6 +53,7 @@ TEST_F(BlackBoxTest, KeepsFiveSecondsBeforeTheFaultAndWhatFollowed) {
   const std::string sidecar = readFile(path.substr(0, path.size() - 4) + ".yaml");
   EXPECT_NE(sidecar.find("fault: encoder_jump"), std::string::npos);
   EXPECT_NE(sidecar.find("axis: 2"), std::string::npos);
+  EXPECT_NE(sidecar.find("homing, guiding]"), std::string::npos) << "all states, in the order of their numbers";
 }
 
 TEST_F(BlackBoxTest, WritesEveryFaultEvenWhenTheyFollowOneAnother) {

@@ -85,6 +85,23 @@ TEST(ControlSystem, PlaysAReferenceToItsEndAndHoldsThere) {
     EXPECT_NEAR(axis.position, fake::kHome + 0.03, 2e-4);
 }
 
+TEST(ControlSystem, PlaysNoOtherReferenceThanTheOneThatWasExpected) {
+  Rig rig;
+  rig.hold();
+  trajectory::Reference wanted = fake::smoothReference(fake::kHome, 0.03, 2.0), other = wanted;
+  wanted.name = "wanted";
+  other.name = "other";
+  ASSERT_TRUE(rig.system.loadReference(wanted).ok);
+  ASSERT_TRUE(rig.system.loadReference(other).ok) << "somebody else, in between";
+  for (const Answer& answer : {rig.system.approach(0.01, "wanted"), rig.system.play("wanted")}) {
+    EXPECT_FALSE(answer.ok);
+    EXPECT_NE(answer.sentence.find("somebody else has loaded other in place of wanted"), std::string::npos)
+        << answer.sentence;
+  }
+  EXPECT_EQ(rig.system.state(), MachineState::Holding);
+  EXPECT_TRUE(rig.system.play("other").ok);
+}
+
 TEST(ControlSystem, RefusesToPlayWhereTheRobotDoesNotStandAndApproachesSlowlyOnRequest) {
   Rig rig;
   rig.hold();

@@ -4,6 +4,8 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <thread>
+
 #include "knee_robot/hardware/guarded_bus.h"
 #include "knee_robot/simulation/simulated_cards.h"
 
@@ -160,6 +162,19 @@ TEST_F(GuardedCards, AreNeverWrittenByTheGuardianWhileTheControllerIsHealthy) {
   EXPECT_EQ(guardian_.report().trips.load(), 0u);
 }
 
+TEST_F(GuardedCards, AreGivenBackToEachOfTwoWhoAskAtOnce) {
+  link_.tripped.store(1);
+  std::thread other([this] {
+    while (link_.reset_request.load() == 0)
+      std::this_thread::yield();
+    const std::uint32_t newest = link_.reset_request.fetch_add(1) + 1;
+    link_.tripped.store(0);
+    link_.reset_done.store(newest);  // the guardian has seen both, and answers the newest
+  });
+  EXPECT_EQ(bus_.reclaim(), IoStatus::Ok);
+  other.join();
+}
+
 TEST_F(GuardedCards, AreBroughtDownWhenTheControllerFallsSilent) {
   hold();
   cycle();
@@ -233,6 +248,12 @@ TEST_F(CarriedCards, AWriteThatWasUnderWayIsTakenBackWhileTheyAreCarried) {
 
 TEST_F(CarriedCards, GoDownAtOnceWithoutALoadThatIsANumber) {
   dies(std::nan(""));
+  EXPECT_EQ(image_.counter.outputs.load(), 0);
+  EXPECT_EQ(volts(0), 0.0);
+}
+
+TEST_F(CarriedCards, GoDownAtOnceWithALoadThatNoControllerCanHaveGiven) {
+  dies(1e6);  // somebody has written over the link
   EXPECT_EQ(image_.counter.outputs.load(), 0);
   EXPECT_EQ(volts(0), 0.0);
 }

@@ -98,5 +98,45 @@ TEST_F(OccupancyRecords, ThatCannotBeRememberedChangeNothing) {
   EXPECT_TRUE(hold) << "the change is over";
 }
 
+constexpr char kNarrow[] =
+    "patient: \"17\"\npose: {X_m: [-0.1, 0.1], Z_m: [0.58, 0.68], theta_deg: [-10, 10], psi_deg: [-10, 10]}\n";
+constexpr char kWider[] =
+    "patient: \"17\"\npose: {X_m: [-0.1, 0.1], Z_m: [0.50, 0.75], theta_deg: [-20, 20], psi_deg: [-10, 10]}\n";
+
+TEST_F(OccupancyRecords, DoNotTakeAFileThatChangedWhileItWasLoadedForTheOneThatWasLoaded) {
+  const mechanism::Robot robot = mechanism::loadRobot(std::string(KNEE_SOURCE_DIR) + "/config/robots/A.yaml");
+  const PatientMemory memory(folder + "/patient.txt");
+  const auto ignore = [](Occupancy, const PatientRange&) {};
+  writeFileAtomically(patient.path, kNarrow);
+  {
+    const PatientLimits loaded = loadPatientLimits(patient.path, robot);
+    writeFileAtomically(patient.path, kWider);  // between the limits that hold now and what is remembered of them
+    OccupancyRecord first(
+        memory, [] { return ""; }, ignore);
+    ASSERT_TRUE(first.change(Occupancy::Patient, loaded).ok);
+  }
+  OccupancyRecord second(
+      memory, [] { return ""; }, ignore);
+  second.recall(robot, true);
+  EXPECT_FALSE(second.patient()) << "nobody has ever loaded the limits that the file has now";
+  EXPECT_NE(second.whyNobodyMoves().find("is not what it was"), std::string::npos) << second.whyNobodyMoves();
+  writeFileAtomically(patient.path, kNarrow);
+  OccupancyRecord third(
+      memory, [] { return ""; }, ignore);
+  third.recall(robot, true);
+  ASSERT_TRUE(third.patient()) << third.whyNobodyMoves();
+  EXPECT_EQ(third.patient()->name, "17");
+}
+
+TEST_F(OccupancyRecords, DoNotTakeAMemoryWithoutContentForNobody) {
+  const mechanism::Robot robot = mechanism::loadRobot(std::string(KNEE_SOURCE_DIR) + "/config/robots/A.yaml");
+  writeFileAtomically(folder + "/patient.txt", "");
+  OccupancyRecord begun(
+      PatientMemory(folder + "/patient.txt"), [] { return ""; }, [](Occupancy, const PatientRange&) {});
+  begun.recall(robot, true);
+  EXPECT_EQ(begun.occupancy(), Occupancy::Unknown);
+  EXPECT_NE(begun.whyNobodyMoves().find("does not say which patient"), std::string::npos) << begun.whyNobodyMoves();
+}
+
 }  // namespace
 }  // namespace knee_robot::control

@@ -30,6 +30,30 @@ TEST(RequestAnswering, KeepsTheAnswersToTheLastEightRequests) {
   EXPECT_EQ(of(answers, 1).number, 9u) << "the oldest one's place was taken";
 }
 
+TEST(RequestAnswering, SettlesAllThatWaitForTheSame) {
+  RequestAnswers answers;
+  answers.await(3);
+  answers.answer(4, RequestResult::Done);
+  answers.await(5);
+  answers.settle(RequestResult::Done);
+  EXPECT_EQ(of(answers, 3).result, RequestResult::Done);
+  EXPECT_EQ(of(answers, 3).number, 3u);
+  EXPECT_EQ(of(answers, 5).number, 5u);
+  EXPECT_FALSE(answers.isAwaiting());
+}
+
+TEST(RequestAnswering, TellsTheOldestWhereTooManyWait) {
+  RequestAnswers answers;
+  for (std::uint32_t number = 1; number <= 5; ++number)
+    answers.await(number);
+  EXPECT_EQ(of(answers, 1).number, 1u);
+  EXPECT_EQ(of(answers, 1).result, RequestResult::Superseded);
+  answers.settle(RequestResult::Done);
+  EXPECT_EQ(of(answers, 1).result, RequestResult::Superseded);
+  for (std::uint32_t number = 2; number <= 5; ++number)
+    EXPECT_EQ(of(answers, number).result, RequestResult::Done) << number;
+}
+
 TEST(RequestAnswering, ANewStartForgetsWhoWaitsAndKeepsWhatWasAnswered) {
   RequestAnswers answers;
   answers.answer(1, RequestResult::NotReady);

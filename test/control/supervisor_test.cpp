@@ -131,6 +131,22 @@ TEST_F(SupervisorTest, TakesThePhaseStoppingForWhatItIsWhenItWasAskedFor) {
   EXPECT_EQ(status.fault, Fault::None);
 }
 
+TEST_F(SupervisorTest, AnswersEveryDisableWhenTheDrivesAreOffWhoeverPressesStopMeanwhile) {
+  ASSERT_NO_FATAL_FAILURE(play());
+  ask(RequestKind::Disable);
+  const std::uint32_t first = number;
+  EXPECT_EQ(status.state, MachineState::SafeStopping);
+  EXPECT_EQ(ask(RequestKind::Stop), RequestResult::Done);
+  ask(RequestKind::Disable);
+  const std::uint32_t second = number;
+  cycles(3);
+  EXPECT_EQ(status.state, MachineState::Disabled);
+  for (const std::uint32_t one : {first, second}) {
+    EXPECT_EQ(status.answers[one % SupervisorStatus::kAnswers].number, one);
+    EXPECT_EQ(status.answers[one % SupervisorStatus::kAnswers].result, RequestResult::Done);
+  }
+}
+
 TEST_F(SupervisorTest, NoticesThatTheMonitorsAreSilentWithinThreeCycles) {
   ASSERT_NO_FATAL_FAILURE(play());
   monitors_live = false;
@@ -167,6 +183,14 @@ TEST_F(SupervisorTest, PassesTheSpeedOnAndRefusesWhatIsNone) {
   EXPECT_EQ(ask(RequestKind::SetSpeed, 1.01), RequestResult::OutOfRange);
   EXPECT_EQ(ask(RequestKind::SetSpeed, -0.01), RequestResult::OutOfRange);
   EXPECT_DOUBLE_EQ(orders.speed, 0.4);
+}
+
+TEST_F(SupervisorTest, KeepsTheSpeedWhenItIsStartedAnew) {
+  ASSERT_EQ(ask(RequestKind::SetSpeed, 0.1), RequestResult::Done);
+  static_cast<rt::TaskContext&>(supervisor).stop();
+  ASSERT_TRUE(supervisor.start());
+  cycles(2);
+  EXPECT_DOUBLE_EQ(orders.speed, 0.1) << "the next movement would be ten times as fast as the last";
 }
 
 TEST_F(SupervisorTest, KeepsTheFirstFaultWhateverFollows) {

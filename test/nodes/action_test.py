@@ -115,6 +115,15 @@ class Action(unittest.TestCase):
         self.assertEqual("SUCCEEDED", state, result)
         self.assertGreater(time.monotonic() - begin, 6.0)
 
+    def test_a_speed_that_somebody_lowers_during_the_approach_is_not_raised_for_the_movement(self):
+        self.player.send("rise.txt", approach=True, approach_speed=0.02)
+        self.assertTrue(self.player.wait_for_phase("approaching"))
+        self.assertTrue(self.robot.set_speed(30).success)
+        self.assertTrue(self.player.wait_for_phase("playing", path_time_s=0.1))
+        self.assertAlmostEqual(30.0, self.robot.state().speed_percent, places=3)
+        self.player.client.cancel_goal()
+        self.player.end(10)
+
     def test_cancel_slows_down_along_the_path_and_holds(self):
         self.play()
         self.assertTrue(self.player.wait_for_phase("playing", path_time_s=0.5))

@@ -1,6 +1,9 @@
 #include "src/nodes/program.h"
 
+#include <fcntl.h>
 #include <gtest/gtest.h>
+#include <sys/wait.h>
+#include <unistd.h>
 
 #include <stdexcept>
 
@@ -42,6 +45,20 @@ TEST(RunProgram, MapsFailuresToStatusesAndOneLine) {
   const Outcome other = runWith({"--number", "1"}, []() -> int { throw std::out_of_range("vector"); });
   EXPECT_EQ(other.status, 1);
   EXPECT_EQ(other.error, "thing: unexpected failure: vector\n");
+}
+
+TEST(RunProgram, PrintsIntoNoFileThatGotTheNumberOfAClosedStream) {
+  const pid_t process = ::fork();
+  if (process == 0) {
+    ::close(STDOUT_FILENO);
+    ::close(STDERR_FILENO);
+    openStandardStreams();
+    const int next = ::open("/dev/null", O_RDWR);
+    ::_exit(next > STDERR_FILENO ? 0 : 1);
+  }
+  int status = -1;
+  ::waitpid(process, &status, 0);
+  EXPECT_EQ(status, 0);
 }
 
 TEST(RunProgram, RefusesABadCommandLineWithOneLineAndStatusTwo) {

@@ -76,11 +76,12 @@ class ControlSystem {
   Answer clearPatient();
   /// Nobody is on the robot: only its own limits hold. Only while Disabled.
   Answer declareEmpty();
-  /// Plays the loaded reference from its first point; refused unless the robot stands there.
-  Answer play();
+  /// Plays the loaded reference from its first point; refused unless the robot stands there. `expected`: the loaded reference's name,
+  /// for whoever wants no other that was loaded meanwhile; empty: whichever is loaded.
+  Answer play(const std::string& expected = "");
   /// Plays a slow straight approach (actuator space, rest to rest) from the measured position to the first point of the loaded
   /// reference, checked like any reference. Follow it by waiting for Holding and play().
-  Answer approach(double speed_m_per_s = 0.01);
+  Answer approach(double speed_m_per_s = 0.01, const std::string& expected = "");
   /// Slows down along the path, then holds. Answers when it has begun.
   Answer stop();
   /// Slows path time down to zero (state Paused when at rest), and back to what setSpeed() asked for: no jump, the robot never leaves

@@ -36,6 +36,7 @@ struct PatientRange {
 ///     force: {force_N: 60, moment_Nm: 15}                  # optional, as are its keys; needs an identified model
 struct PatientLimits {
   std::string path;
+  std::string mark;  ///< of the content that these limits were read from (fingerprint)
   std::string name;
   PatientRange range;
 };

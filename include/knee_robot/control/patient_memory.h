@@ -19,11 +19,16 @@ class PatientMemory {
   /// An empty path: nothing is remembered.
   explicit PatientMemory(std::string path) : path_(std::move(path)) {}
 
+  /// A patient file, and the fingerprint of what was loaded from it: by the next start it may be another.
+  struct File {
+    std::string path, mark;
+  };
+
   /// Throws InputError when it cannot be kept.
-  void remember(const std::string& patient_file) const;
+  void remember(const File& patient) const;
   void forget() const;
-  /// Path of the patient file that was loaded last and not cleared; empty: none. InputError: the memory cannot be read.
-  std::string remembered() const;
+  /// The patient file that was loaded last and not cleared; no path: none. InputError: the memory cannot be read.
+  File remembered() const;
 
  private:
   std::string path_;
