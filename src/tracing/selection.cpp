@@ -6,6 +6,12 @@
 #include "knee_robot/base/numbers.h"
 
 namespace knee_robot::tracing {
+namespace {
+
+constexpr Eigen::Index kSignTestBlocks = 10;  ///< chance that all gain: one of 1024
+constexpr double kSignTestErrors = 3.0;       ///< of a normal variable, that chance
+
+}  // namespace
 
 HeldBackGain heldBackGain(const Eigen::VectorXd& per_block) {
   const double n = static_cast<double>(per_block.size());
@@ -13,6 +19,7 @@ HeldBackGain heldBackGain(const Eigen::VectorXd& per_block) {
   g.mean = per_block.mean();
   g.error = std::sqrt((per_block.array() - g.mean).square().sum() / (n * (n - 1.0)));
   g.gaining = (per_block.array() > 0.0).cast<double>().mean();
+  if (g.gaining == 1.0 && per_block.size() >= kSignTestBlocks) g.error = std::min(g.error, g.mean / kSignTestErrors);
   return g;
 }
 

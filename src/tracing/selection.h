@@ -6,7 +6,9 @@
 
 namespace knee_robot::tracing {
 
-/// What held-back blocks gained by an explanation: mean over blocks, its standard error, share of the blocks that gain.
+/// What held-back blocks gained by an explanation: mean over blocks, its standard error, share of the blocks that gain. Where all of ten
+/// blocks or more gain, the sign test speaks: chance brings that in less than one of a thousand, however unequal they gain, and
+/// the error is at most a third of the mean.
 struct HeldBackGain {
   double mean = 0.0, error = 0.0, gaining = 0.0;
 };

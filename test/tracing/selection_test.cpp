@@ -14,6 +14,15 @@ TEST(HeldBackGain, IsTheMeanItsErrorAndTheShareThatGains) {
   EXPECT_DOUBLE_EQ(g.gaining, 0.75);
 }
 
+TEST(HeldBackGain, IsSureWhereEveryOneOfManyBlocksGainsHoweverUnequally) {
+  Eigen::VectorXd gains = Eigen::VectorXd::Constant(12, 1.0);
+  gains[3] = gains[4] = gains[5] = 300.0;
+  EXPECT_NEAR(heldBackGain(gains).error, heldBackGain(gains).mean / 3.0, 1e-9);
+  gains[0] = -1.0;
+  EXPECT_GT(heldBackGain(gains).error, heldBackGain(gains).mean / 2.5) << "one block lost: the spread speaks";
+  EXPECT_GT(heldBackGain(gains.segment(1, 5)).error, heldBackGain(gains.segment(1, 5)).mean / 3.0) << "too few blocks";
+}
+
 TEST(MaxNull, IsNotCrossedByChanceMoreOftenThanItsPSays) {
   std::mt19937 random(1);
   std::normal_distribution<double> normal(0.0, 1.0);
