@@ -191,6 +191,7 @@ Answer ControlSystem::approach(double speed_m_per_s, const std::string& expected
 Answer ControlSystem::loadPatient(const std::string& path) {
   const PatientChecklist list = parts_->checklist();
   if (const std::string why = list.whyNever(); !why.empty()) return {false, why};
+  if (const std::string why = parts_->properties.whyNotAsDeployed(); !why.empty()) return {false, why};
   try {
     PatientLimits patient = loadPatientLimits(path, parts_->robot);
     const Answer admitted = list.admit(patient);

@@ -35,6 +35,18 @@ std::vector<rt::PropertyReport> LiveProperties::all() const {
   return all;
 }
 
+std::string LiveProperties::whyNotAsDeployed() const {
+  std::string others;
+  const std::vector<rt::PropertyReport> now = all();
+  for (std::size_t i = 0; i < now.size() && i < deployed_.size(); ++i) {
+    if (!now[i].at_run_time || now[i].unit == "kg" || control::whyTooFar(deployed_[i], now[i].value).empty()) continue;
+    others += (others.empty() ? "" : ", ") + now[i].component + "." + now[i].name + " is " + now[i].value +
+              " and was " + deployed_[i].value + " when the controller started";
+  }
+  if (others.empty()) return "";
+  return others + ": set it back, or start the controller anew, before somebody is on the robot";
+}
+
 void LiveProperties::bind() {
   std::vector<rt::PropertyReport> now = all();
   const std::lock_guard<std::mutex> lock(mutex_);

@@ -16,10 +16,13 @@ class LiveProperties {
  public:
   /// Both must outlive this.
   LiveProperties(const rt::Deployment& deployment, const FeedforwardSetup& feedforward)
-      : deployment_(deployment), feedforward_(feedforward) {}
+      : deployment_(deployment), feedforward_(feedforward), deployed_(all()) {}
 
   /// Of all components.
   std::vector<rt::PropertyReport> all() const;
+  /// Gains and shares that are farther from what they were at the start than a patient's may be changed, in a sentence; empty: none.
+  /// Payloads are the patient's own.
+  std::string whyNotAsDeployed() const;
   /// From now on everything stays near to what it is now.
   void bind();
   /// Their range alone holds.
@@ -32,6 +35,7 @@ class LiveProperties {
 
   const rt::Deployment& deployment_;
   const FeedforwardSetup& feedforward_;
+  const std::vector<rt::PropertyReport> deployed_;
   mutable std::mutex mutex_;               // of what follows
   std::vector<rt::PropertyReport> bound_;  // empty: nobody is bound
 };

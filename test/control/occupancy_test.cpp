@@ -76,6 +76,20 @@ TEST_F(Occupancies, NothingMovesBeforeSomebodyHasSaidWhoIsOnTheRobot) {
   EXPECT_TRUE(controller.system->enable().ok);
 }
 
+TEST_F(Occupancies, NobodyIsLetOnARobotWhoseGainsSomebodyTriedOutAndForgot) {
+  Controller controller(memory(), true);
+  ASSERT_TRUE(controller.system->setProperty("Driver4", "proportional_N_per_m", "8").ok);
+  ASSERT_TRUE(controller.system->setProperty("Feedforward", "payload_kg", "12").ok) << "the patient's own";
+  const Answer refused = controller.system->loadPatient(patient);
+  EXPECT_FALSE(refused.ok);
+  EXPECT_NE(refused.sentence.find("Driver4.proportional_N_per_m is 8 and was 60000"), std::string::npos)
+      << refused.sentence;
+  EXPECT_EQ(refused.sentence.find("payload"), std::string::npos) << refused.sentence;
+  ASSERT_TRUE(controller.system->setProperty("Driver4", "proportional_N_per_m", "60000").ok);
+  const Answer loaded = controller.system->loadPatient(patient);
+  EXPECT_TRUE(loaded.ok) << loaded.sentence;
+}
+
 TEST_F(Occupancies, APatientStaysOverARestartWhateverTheCommandLineSays) {
   {
     Controller controller(memory(), true);
