@@ -1,4 +1,5 @@
 """What an attack may use (attacks.py)."""
+import contextlib
 import os
 import pathlib
 import signal
@@ -6,9 +7,12 @@ import subprocess
 import threading
 import time
 
+import actionlib
 import numpy as np
+import rospy
 
 import robot_path
+from knee_robot.msg import PlayAction
 from session import NoAnswer
 
 LOOK_S = 3.0
@@ -129,3 +133,17 @@ def needs(**what):
         function.needs = what
         return function
     return mark
+
+
+@contextlib.contextmanager
+def play_client():
+    """A client of the play action that leaves nothing behind: topics that stay open are never told of the next robot's master."""
+    client = actionlib.SimpleActionClient("/controller/play", PlayAction)
+    try:
+        if not client.wait_for_server(rospy.Duration(5.0)):
+            raise RuntimeError("no action server")
+        yield client
+    finally:
+        inner = client.action_client
+        for topic in (inner.pub_goal, inner.pub_cancel, inner.status_sub, inner.result_sub, inner.feedback_sub):
+            topic.unregister()

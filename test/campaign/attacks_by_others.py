@@ -3,13 +3,13 @@ goes."""
 import threading
 import time
 
-import actionlib
 import rospy
 from std_srvs.srv import Trigger
 
-from knee_robot.msg import PlayAction, PlayGoal
+from knee_robot.msg import PlayGoal
 from knee_robot.srv import LoadPatient, LoadReference
 
+from attack import play_client
 from session import NoAnswer, is_alive
 
 PATIENT = ("patient: \"17\"\npose: {X_m: [-0.1, 0.1], Z_m: [0.3, 0.9], theta_deg: [-20, 20], psi_deg: [-20, 20]}\n"
@@ -182,20 +182,18 @@ def another_reference_within_a_goal(a):
     a.enable()
     path = a.write_path()
     path.with_name("other.txt").write_text(path.read_text())
-    client = actionlib.SimpleActionClient("/controller/play", PlayAction)
-    if not client.wait_for_server(rospy.Duration(5.0)):
-        raise RuntimeError("no action server")
-    loads, ended = [], []
+    with play_client() as client:
+        loads, ended = [], []
 
-    def load():
-        proxy = rospy.ServiceProxy("/controller/load_reference", LoadReference, persistent=True)
-        while not ended:
-            loads.append(proxy("other.txt", "").success)
-    threading.Thread(target=load, daemon=True).start()
-    client.send_goal(PlayGoal(file=path.name, approach=True, record=True, recording="goal.csv"))
-    client.wait_for_result(rospy.Duration(30.0))
-    ended.append(True)
-    result = client.get_result()
+        def load():
+            proxy = rospy.ServiceProxy("/controller/load_reference", LoadReference, persistent=True)
+            while not ended:
+                loads.append(proxy("other.txt", "").success)
+        threading.Thread(target=load, daemon=True).start()
+        client.send_goal(PlayGoal(file=path.name, approach=True, record=True, recording="goal.csv"))
+        client.wait_for_result(rospy.Duration(30.0))
+        ended.append(True)
+        result = client.get_result()
     a.begin()
     a.session.trigger("disable")
     text, good = a.look(1.0)

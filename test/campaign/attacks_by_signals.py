@@ -5,12 +5,11 @@ import os
 import signal
 import time
 
-import actionlib
 import rospy
 
-from knee_robot.msg import ControllerState, Margins, PlayAction, PlayGoal, Residual, Timing
+from knee_robot.msg import ControllerState, Margins, PlayGoal, Residual, Timing
 
-from attack import needs, preloaded
+from attack import needs, play_client, preloaded
 from session import NoAnswer, is_alive
 
 
@@ -150,21 +149,19 @@ def clock_an_hour_back(a):
         heard[name] += 1
     listeners = [rospy.Subscriber(f"/controller/{name}", kind, lambda _, name=name: count(name))
                  for name, kind in (("state", ControllerState), ("margins", Margins), ("residual", Residual), ("timing", Timing))]
-    client = actionlib.SimpleActionClient("/controller/play", PlayAction)
-    if not client.wait_for_server(rospy.Duration(5.0)):
-        raise RuntimeError("no action server")
-    client.send_goal(PlayGoal(file=path.name, approach=True), feedback_cb=lambda _: count("feedback"))
-    a.session.wait_for(("playing",), 5.0)
-    time.sleep(1.0)
-    a.session.stepped.touch()
-    time.sleep(0.5)
-    heard.update(dict.fromkeys(heard, 0))
-    time.sleep(2.5)
-    silent = [name for name, times in heard.items() if times == 0]
-    for one in listeners:
-        one.unregister()
-    client.cancel_goal()
-    a.session.wait_for(("holding",), 5.0)
+    with play_client() as client:
+        client.send_goal(PlayGoal(file=path.name, approach=True), feedback_cb=lambda _: count("feedback"))
+        a.session.wait_for(("playing",), 5.0)
+        time.sleep(1.0)
+        a.session.stepped.touch()
+        time.sleep(0.5)
+        heard.update(dict.fromkeys(heard, 0))
+        time.sleep(2.5)
+        silent = [name for name, times in heard.items() if times == 0]
+        for one in listeners:
+            one.unregister()
+        client.cancel_goal()
+        a.session.wait_for(("holding",), 5.0)
     a.begin()
     a.session.trigger("disable")
     text, good = a.look(1.0)

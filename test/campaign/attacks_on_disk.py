@@ -2,12 +2,10 @@
 import subprocess
 import time
 
-import actionlib
-import rospy
 
-from knee_robot.msg import PlayAction, PlayGoal
+from knee_robot.msg import PlayGoal
 
-from attack import needs, preloaded
+from attack import needs, play_client, preloaded
 
 QUICK_MS = 500.0  # a service that has nothing to do with the disk
 ENDS_S = 20.0
@@ -144,19 +142,17 @@ def disk_hangs_and_a_goal_is_cancelled(a):
     """A play goal that records; the disk hangs; the goal is cancelled."""
     a.enable()
     path = a.write_path()
-    client = actionlib.SimpleActionClient("/controller/play", PlayAction)
-    if not client.wait_for_server(rospy.Duration(5.0)):
-        raise RuntimeError("no action server")
-    client.send_goal(PlayGoal(file=path.name, record=True, recording="goal.csv"))
-    time.sleep(1.5)
-    a.session.hung.touch()
-    time.sleep(0.5)
-    before = a.session.state().state
-    client.cancel_goal()
-    began = time.monotonic()
-    while a.session.state().state != "holding" and time.monotonic() - began < 5.0:
-        time.sleep(0.02)
-    stopped = time.monotonic() - began
+    with play_client() as client:
+        client.send_goal(PlayGoal(file=path.name, record=True, recording="goal.csv"))
+        time.sleep(1.5)
+        a.session.hung.touch()
+        time.sleep(0.5)
+        before = a.session.state().state
+        client.cancel_goal()
+        began = time.monotonic()
+        while a.session.state().state != "holding" and time.monotonic() - began < 5.0:
+            time.sleep(0.02)
+        stopped = time.monotonic() - began
     a.begin()
     a.session.trigger("disable")
     text, good = a.look(1.0)
