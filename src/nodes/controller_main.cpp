@@ -47,15 +47,20 @@ class MasterLoss {
       return;
     }
     const control::MachineState state = system_.state();
-    const bool off = state == control::MachineState::Disabled || state == control::MachineState::Faulted;
-    if (off) acted_ = false;
-    if (off || acted_) return;
+    if (state == control::MachineState::Disabled || state == control::MachineState::Faulted) {
+      acted_ = false;
+      return;
+    }
+    // Refused, or enabled anew by whoever is still connected: again. In a safe stop that goes on (a brake slips) the drives carry.
+    const bool again = state != control::MachineState::SafeStopping && std::chrono::steady_clock::now() >= again_at_;
+    if (acted_ && !again) return;
     acted_ = true;
     log_.add("controller", "", "the ROS master is gone: stopping along the path, then disabling");
     ROS_ERROR("the ROS master is gone for %.1f s: stopping along the path, then disabling", silence_s);
     if (system_.stop().ok) system_.waitFor(control::MachineState::Holding, 10.0);
     const control::Answer answer = system_.disable();
-    acted_ = !answer.ok;  // whoever is still connected may enable at once: the same again
+    acted_ = !answer.ok;
+    again_at_ = std::chrono::steady_clock::now() + std::chrono::seconds(1);
     log_.add("controller", "", "after the loss of the ROS master", answer.sentence);
     ROS_ERROR("after the loss of the ROS master: %s", answer.sentence.c_str());
   }
@@ -64,7 +69,8 @@ class MasterLoss {
   control::ControlSystem& system_;
   nodes::EventLog& log_;
   const double timeout_s_;
-  bool acted_ = false;
+  bool acted_ = false;  // and was refused
+  std::chrono::steady_clock::time_point again_at_;
 };
 
 /// What ROS sees of the controller. It is made anew in a thread of its own: taking the old one down waits for calls under way, one of which may
