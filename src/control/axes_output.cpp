@@ -8,7 +8,7 @@ namespace {
 constexpr double kLoadTime_s = 0.2;
 constexpr double kRestTime_s = 1.0;
 
-Fault faultOf(hardware::IoStatus refused) noexcept {
+Fault faultOfRefusal(hardware::IoStatus refused) noexcept {
   return refused == hardware::IoStatus::FencedOut ? Fault::GuardianActed : Fault::OutputLost;
 }
 
@@ -52,6 +52,7 @@ void AxesOutput::updateHook(const rt::Cycle& cycle) {
   out_.sequence = measured.sequence;
   out_.time = cycle.time;
   readCommands(cycle);
+  heedBus(measured.bus_failure);
   followOrders(cycle);
   runSafeStop(cycle, measured);
   writeVolts(chooseVolts(), cycle.time);
@@ -84,6 +85,15 @@ void AxesOutput::readCommands(const rt::Cycle& cycle) {
     open_axis_ = static_cast<int>(i) + 1;
     open_fault_ = fault;
   }
+}
+
+/// A drive that has no power or cannot be reached closes no loop, whatever its Driver computes: nothing slows down along the path then.
+void AxesOutput::heedBus(const hardware::BusFailure& failure) noexcept {
+  const Fault fault = control::faultOf(failure.fault);
+  if (!all_closed_ || loopStaysClosed(fault)) return;
+  all_closed_ = false;
+  open_axis_ = failure.axis;
+  open_fault_ = fault;
 }
 
 void AxesOutput::beginSafeStop(Fault fault, int axis, rt::Nanoseconds now) noexcept {
@@ -177,7 +187,7 @@ AxisValues AxesOutput::chooseVolts() const noexcept {
 
 void AxesOutput::writeVolts(const AxisValues& volts, rt::Nanoseconds now) {
   out_.status = bus_.writeVolts(volts, out_.volts);
-  if (out_.status != hardware::IoStatus::Ok) beginSafeStop(faultOf(out_.status), 0, now);
+  if (out_.status != hardware::IoStatus::Ok) beginSafeStop(faultOfRefusal(out_.status), 0, now);
   for (std::size_t i = 0; i < hardware::kAxes; ++i) {
     const mechanism::Actuator& actuator = robot_.actuators[i];
     out_.force_N[i] = actuator.force_sign * actuator.force_per_volt_N * out_.volts[i];
@@ -197,7 +207,7 @@ void AxesOutput::writeOutputs(rt::Nanoseconds now) {
       status != hardware::IoStatus::Ok && status != hardware::IoStatus::FencedOut && !bus_.stopsByItself();
   if (status == hardware::IoStatus::Ok) return;
   out_.status = status;
-  beginSafeStop(faultOf(status), 0, now);
+  beginSafeStop(faultOfRefusal(status), 0, now);
 }
 
 /// What carries the platform at this place, for an axis whose loop fails.

@@ -7,40 +7,6 @@ namespace {
 
 constexpr double kCool = 0.8;  // of what is allowed, before a motor that was too hot may go on
 
-Fault faultOf(hardware::BusFault fault) noexcept {
-  switch (fault) {
-    case hardware::BusFault::None:
-      return Fault::None;
-    case hardware::BusFault::InterfaceDown:
-      return Fault::BusDown;
-    case hardware::BusFault::BusOff:
-      return Fault::BusOff;
-    case hardware::BusFault::Flooded:
-      return Fault::BusFlooded;
-    case hardware::BusFault::DriveLost:
-      return Fault::DriveLost;
-    case hardware::BusFault::FeedbackLate:
-      return Fault::FeedbackLate;
-    case hardware::BusFault::DriveHeartbeatLost:
-      return Fault::DriveHeartbeatLost;
-    case hardware::BusFault::ControllerHeartbeatLost:
-      return Fault::ControllerHeartbeatLost;
-    case hardware::BusFault::DriveEmergency:
-      return Fault::DriveEmergency;
-    case hardware::BusFault::DriveFault:
-      return Fault::DriveFault;
-    case hardware::BusFault::DriveNotEnabled:
-      return Fault::DriveNotEnabled;
-    case hardware::BusFault::InputsStale:
-      return Fault::InputsStale;
-    case hardware::BusFault::TorqueDeviates:
-      return Fault::DriveTorque;
-    case hardware::BusFault::GuardianSilent:
-      return Fault::GuardianSilent;
-  }
-  return Fault::None;
-}
-
 FaultCause ofBus(const hardware::BusFailure& failure) noexcept {
   return {faultOf(failure.fault), failure.axis};
 }

@@ -79,26 +79,26 @@ constexpr std::array<FaultDescription, kFaults> kTable = {{
      "play at a lower speed, or correct the patient file"},
     {F::HomingFailed, "homing_failed", "the axis did not find its home within the distance and time allowed", kAtOnce,
      kWorks, kOne, "look at the switch or the stop, the direction and the force in the hardware file, then home again"},
-    {F::BusDown, "bus_down", "the CAN interface is down or gone", kWhenGone, kWorks, kOne,
+    {F::BusDown, "bus_down", "the CAN interface is down or gone", kWhenGone, kLost, kOne,
      "check adapter and cable, bring the interface up, then restart the controller if the drives lost their power"},
-    {F::BusOff, "bus_off", "the CAN controller has left the bus after too many errors", kWhenGone, kWorks, kOne,
+    {F::BusOff, "bus_off", "the CAN controller has left the bus after too many errors", kWhenGone, kLost, kOne,
      "check cable, termination and bit rate; ip link set with restart-ms brings it back"},
     {F::BusFlooded, "bus_flooded", "the CAN bus carries more frames than it should", kWhenGone, kWorks, kOne,
      "look with candump for what sends them"},
-    {F::DriveLost, "drive_lost", "the drive sends no feedback, or has restarted", kWhenGone, kWorks, kOne,
+    {F::DriveLost, "drive_lost", "the drive sends no feedback, or has restarted", kWhenGone, kLost, kOne,
      "check the drive's power and cable; a drive that has restarted needs a restart of the controller"},
     {F::FeedbackLate, "feedback_late", "the drive's feedback came late, twice or out of order", kAtOnce, kWorks, kOne,
      "look for what delays the bus or the controller: other traffic, the adapter, the machine"},
     {F::DriveHeartbeatLost, "drive_heartbeat_lost", "the drive's heartbeat stays away", kWhenGone, kWorks, kOne,
      "check the drive's power and cable"},
     {F::ControllerHeartbeatLost, "controller_heartbeat_lost",
-     "the drive missed the controller's heartbeat and stopped by itself", kWhenGone, kWorks, kOne,
+     "the drive missed the controller's heartbeat and stopped by itself", kWhenGone, kLost, kOne,
      "look for what stopped the controller or its frames for so long"},
     {F::DriveEmergency, "drive_emergency", "the drive has sent an emergency", kWhenGone, kWorks, kOne,
      "look up the drive's error code"},
-    {F::DriveFault, "drive_fault", "the drive is in fault", kWhenGone, kWorks, kOne,
+    {F::DriveFault, "drive_fault", "the drive is in fault", kWhenGone, kLost, kOne,
      "look up the drive's error code; resetting also resets the drive"},
-    {F::DriveNotEnabled, "drive_not_enabled", "the drive left Operation Enabled or did not reach it", kWhenGone, kWorks,
+    {F::DriveNotEnabled, "drive_not_enabled", "the drive left Operation Enabled or did not reach it", kWhenGone, kLost,
      kOne, "look at the drive's enable input, power and settings"},
     {F::MonitorsStale, "monitors_stale", "the monitors gave no verdict", kWhenGone, kWorks, kOne,
      "look at the state and the timing of the component Monitors and at the deployment's connections"},
@@ -135,6 +135,40 @@ const FaultDescription& describe(Fault fault) noexcept {
 bool concernsAllAxes(Fault fault) noexcept {
   return fault == Fault::PatientPose || fault == Fault::PatientSpeed || fault == Fault::PatientForce ||
          fault == Fault::SetPointStale;
+}
+
+Fault faultOf(hardware::BusFault fault) noexcept {
+  switch (fault) {
+    case hardware::BusFault::None:
+      return Fault::None;
+    case hardware::BusFault::InterfaceDown:
+      return Fault::BusDown;
+    case hardware::BusFault::BusOff:
+      return Fault::BusOff;
+    case hardware::BusFault::Flooded:
+      return Fault::BusFlooded;
+    case hardware::BusFault::DriveLost:
+      return Fault::DriveLost;
+    case hardware::BusFault::FeedbackLate:
+      return Fault::FeedbackLate;
+    case hardware::BusFault::DriveHeartbeatLost:
+      return Fault::DriveHeartbeatLost;
+    case hardware::BusFault::ControllerHeartbeatLost:
+      return Fault::ControllerHeartbeatLost;
+    case hardware::BusFault::DriveEmergency:
+      return Fault::DriveEmergency;
+    case hardware::BusFault::DriveFault:
+      return Fault::DriveFault;
+    case hardware::BusFault::DriveNotEnabled:
+      return Fault::DriveNotEnabled;
+    case hardware::BusFault::InputsStale:
+      return Fault::InputsStale;
+    case hardware::BusFault::TorqueDeviates:
+      return Fault::DriveTorque;
+    case hardware::BusFault::GuardianSilent:
+      return Fault::GuardianSilent;
+  }
+  return Fault::None;
 }
 
 bool loopStaysClosed(Fault fault) noexcept {

@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <array>
+#include <csignal>
 #include <cstdio>
 #include <cstdlib>
 #include <functional>
@@ -74,6 +75,15 @@ TEST(OutputRelayTest, WhatIsSaidArrivesWholeWhereSomebodyReads) {
   EXPECT_NE(heard.find("ready\n"), std::string::npos) << heard;
   EXPECT_NE(heard.find("careful\n"), std::string::npos) << heard;
   EXPECT_EQ(speaker.end(), 0);
+}
+
+TEST(OutputRelayTest, AProcessThatIsSentAnAbortDiesOfIt) {
+  const Speaker speaker([] {
+    const OutputRelay relay;
+    ::kill(::getpid(), SIGABRT);
+  });
+  const int status = speaker.end();
+  EXPECT_TRUE(WIFSIGNALED(status) && WTERMSIG(status) == SIGABRT) << status;
 }
 
 TEST(OutputRelayTest, TheLastWordsOfAProcessThatAbortsAreHeard) {

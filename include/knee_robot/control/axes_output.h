@@ -54,6 +54,7 @@ class AxesOutput : public rt::TaskContext {
  private:
   void readCommands(const rt::Cycle& cycle);
   Fault checkCommand(const AxisCommand& command, std::size_t axis, const rt::Cycle& cycle) const noexcept;
+  void heedBus(const hardware::BusFailure& failure) noexcept;
   void followOrders(const rt::Cycle& cycle);
   void beginSafeStop(Fault fault, int axis, rt::Nanoseconds now) noexcept;
   void runSafeStop(const rt::Cycle& cycle, const AxesMeasurement& measured);

@@ -2,6 +2,8 @@
 
 #include <cstdint>
 
+#include "knee_robot/hardware/bus_failure.h"
+
 namespace knee_robot::control {
 
 /// Everything that leads to the safe stop and stays latched until it is reset.
@@ -93,6 +95,9 @@ const FaultDescription& describe(Fault fault) noexcept;
 
 /// True for faults of the platform as a whole, whatever axis reports them.
 bool concernsAllAxes(Fault fault) noexcept;
+
+/// What the bus to the drives reports, as a fault of the machine.
+Fault faultOf(hardware::BusFault fault) noexcept;
 
 /// True when the axis' position loop still works with this fault, so that the safe stop may decelerate under control.
 bool loopStaysClosed(Fault fault) noexcept;
