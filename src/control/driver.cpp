@@ -211,9 +211,12 @@ bool Driver::challengeEncoder(double dt, const EncoderProbe::Settings& settings)
     standing_.begin(counts);
     return false;
   }
-  const bool wanted = (disturbed && !standing_.counts()) || suspected || verdict_.asks[index_];
+  const bool wanted = (disturbed && !standing_.counts()) || suspected || verdict_.asks[index_] || doubted_;
   if (wanted && !challenge_.isActive()) {
-    const double away = (out_.reference_m - measured_.position_m[index_]) / actuator_.metresPerCount();
+    // A hand has no reference: to and fro in turn, or questions would carry the platform away.
+    if (guides_) guided_away_ = -guided_away_;
+    const double away =
+        guides_ ? guided_away_ : (out_.reference_m - measured_.position_m[index_]) / actuator_.metresPerCount();
     challenge_.begin(counts, {probe_.enoughForce_N(), probe_.certainForce_N(settings), away, standing_.dithers(),
                               !disturbed && out_.at_rest, !out_.at_rest});
   }

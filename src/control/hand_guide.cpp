@@ -109,6 +109,7 @@ void HandGuide::standBy() noexcept {
   guided_s_ = fast_s_ = sampled_s_ = 0.0;
   stood_m_ = last_m_ = measured_.position_m;
   others_m_ = unknown_N_ = AxisValues{};
+  all_stand_s_ = 0.0;
 }
 
 /// Of the largest speed that is allowed.
@@ -176,29 +177,35 @@ void HandGuide::guide(double dt) noexcept {
     if (!std::isfinite(force[i])) out_.stop = GuideStop::LostPose;
   }
   out_.force_N = force;
-  doubt();
+  doubt(dt);
   remember(dt);
 }
 
-/// An axis that stands while another one has moved on.
-void HandGuide::doubt() noexcept {
+/// An axis that stands while another one has moved on; where all stand one of them.
+void HandGuide::doubt(double dt) noexcept {
   double way = 0.0;
   for (std::size_t i = 0; i < hardware::kAxes; ++i)
     way = std::max(way, std::abs(measured_.position_m[i] - last_m_[i]));
   bool asks = false;
+  all_stand_s_ += dt;
   for (std::size_t i = 0; i < hardware::kAxes; ++i) {
     const double moved = std::abs(measured_.position_m[i] - stood_m_[i]);
     others_m_[i] += way;
     out_.doubted[i] = false;
     if (moved > 3.0 * robot_.actuators[i].metresPerCount()) {
       stood_m_[i] = measured_.position_m[i];
-      others_m_[i] = 0.0;
+      others_m_[i] = all_stand_s_ = 0.0;
     } else if (others_m_[i] > kMoves_m) {
       others_m_[i] = 0.0;
       out_.doubted[i] = asks = true;
     }
   }
   last_m_ = measured_.position_m;
+  if (all_stand_s_ > kAllStand_s) {
+    all_stand_s_ = 0.0;
+    asked_ = (asked_ + 1) % hardware::kAxes;
+    out_.doubted[asked_] = asks = true;
+  }
   if (asks) ++out_.suspicion;
 }
 

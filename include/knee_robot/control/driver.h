@@ -156,6 +156,7 @@ class Driver : public rt::TaskContext {
   double guided_N_ = 0.0;
   bool guides_ = false, guided_ = false;  // HandGuide's force takes the place of the loop; it did in the last cycle
   bool doubted_ = false;                  // it asks for the encoder
+  double guided_away_ = 1.0;              // counts, for the next question while it does
   bool active_ = false;
   Fault fault_ = Fault::None;
   rt::Nanoseconds last_time_ = 0;

@@ -31,11 +31,13 @@ namespace knee_robot::control {
 /// - Speed: from 80 % of linear_m_per_s and angular_rad_per_s on (the patient's, where that is less) it brakes; 1.5 times for 0.1 s ends it.
 /// - A wall's depth of 90 % ends it. What ends it leads to holding where the platform is (SS2 by the Drivers' own loops): the command is
 ///   `stop`, the Supervisor gives the order. So do a lost pose and a path that is full.
-/// - An encoder that stands while another leg has moved by kMoves_m is asked by its Driver (EncoderChallenge), as nothing else would notice.
+/// - An encoder that stands while another leg has moved by kMoves_m is asked by its Driver (EncoderChallenge), as nothing else would notice. So is
+///   one after the other, every kAllStand_s, while all stand: without their common supply none counts, and the hand would meet no wall.
 /// Needs an identified model; without one `stop` is NoModel from the start. Runs between AxesInput and the Drivers; real-time safe.
 class HandGuide : public rt::TaskContext {
  public:
-  static constexpr double kSlow_m_per_s = 2e-3, kCutoff_hz = 20.0, kTremble_s = 0.04, kMoves_m = 2e-3;
+  static constexpr double kSlow_m_per_s = 2e-3, kCutoff_hz = 20.0, kTremble_s = 0.04, kMoves_m = 2e-3,
+                          kAllStand_s = 1.0;
 
   HandGuide(const std::string& name, const mechanism::Robot& robot);
 
@@ -87,7 +89,7 @@ class HandGuide : public rt::TaskContext {
   GuideStop whyNot() const noexcept;
   AxisValues frictionForce() const noexcept;
   double speedShare() const noexcept;
-  void doubt() noexcept;
+  void doubt(double dt) noexcept;
   void remember(double dt) noexcept;
 
   const mechanism::Robot robot_;
@@ -108,6 +110,8 @@ class HandGuide : public rt::TaskContext {
   VirtualWalls::Push push_;
   AxisValues stood_m_{};   // where each axis was when its encoder moved last
   AxisValues others_m_{};  // way of the others since then
+  double all_stand_s_ = 0.0;
+  std::size_t asked_ = 0;  // axis that was asked last because all stood
   AxisValues unknown_N_{};
   AxisValues last_m_{};
   double guided_s_ = 0.0, fast_s_ = 0.0, sampled_s_ = 0.0;

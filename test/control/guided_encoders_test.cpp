@@ -1,0 +1,61 @@
+// Encoders that die while a hand guides the platform: its reference is where it is, so no follower sees an error.
+#include "guided_robot.h"
+
+namespace knee_robot::control {
+namespace {
+
+using namespace guided;
+
+/// How far the platform gets from where it was when the encoders of `axes` died.
+double blindWay(Rig& rig, unsigned axes, const std::string& expected) {
+  for (std::size_t i = 0; i < hardware::kAxes; ++i) {
+    if ((axes >> i & 1u) != 0)
+      rig.image.faults.encoder[i].store(static_cast<std::uint8_t>(simulation::EncoderFault::Frozen));
+  }
+  rig.watch();
+  for (int k = 0; k < 4000 && rig.system->state() == MachineState::Guiding; ++k)
+    rig.system->step();
+  rig.system->run(0.5);
+  const ControlStatus status = rig.system->status();
+  EXPECT_TRUE(expected.find(status.fault_name) != std::string::npos && !status.fault_name.empty())
+      << "'" << status.fault_name << "'";
+  return rig.farthest;
+}
+
+TEST(GuidedEncoders, FindsADeadEncoderAndTheLossOfAllOfThemWhileTheHandMovesThePlatform) {
+  for (const unsigned axes : {1u, 2u, 4u, 8u, 3u, 15u}) {
+    Rig rig;
+    ASSERT_NO_FATAL_FAILURE(rig.begin());
+    rig.swing(1, 0.08, 0.03);
+    rig.system->run(1.2);
+    ASSERT_EQ(rig.system->state(), MachineState::Guiding);
+    const double way = blindWay(rig, axes, "encoder_frozen axis_blocked");
+    std::printf("encoders %2u: %.1f mm\n", axes, 1e3 * way);
+    EXPECT_LT(way, axes == 15u ? 0.03 : 0.005) << "axes " << axes;
+  }
+}
+
+TEST(GuidedEncoders, FindsTheLossOfAllEncodersWhileNobodyMovesThePlatformAndWhenAHandBeginsTo) {
+  for (const bool moves : {false, true}) {
+    Rig rig;
+    ASSERT_NO_FATAL_FAILURE(rig.begin());
+    rig.system->run(1.0);
+    ASSERT_EQ(rig.system->state(), MachineState::Guiding);
+    if (moves) rig.swing(1, 0.08, 0.03);
+    const double way = blindWay(rig, 15u, "encoder_frozen axis_blocked");
+    std::printf("%s: %.1f mm\n", moves ? "a hand begins to move it" : "nobody moves it", 1e3 * way);
+    EXPECT_LT(way, 0.03);
+  }
+}
+
+TEST(GuidedEncoders, AsksTheEncodersOfAPlatformThatNobodyTouchesWithoutCarryingItAway) {
+  Rig rig;
+  ASSERT_NO_FATAL_FAILURE(rig.begin());
+  rig.system->run(60.0);
+  std::printf("%.1f mm in 60 s\n", 1e3 * rig.farthest);
+  EXPECT_EQ(rig.system->state(), MachineState::Guiding);
+  EXPECT_LT(rig.farthest, 0.005);
+}
+
+}  // namespace
+}  // namespace knee_robot::control
