@@ -75,6 +75,15 @@ class Playing:
         self.ending = True
         self._robot.cancel_play()
 
+    async def ask_motion(self, service, stops):
+        """A STOP that overtakes the order finds nothing to stop: the robot is stopped again when the order has been answered. `stops`: of
+        when the order was given."""
+        answer = await self._robot.ask(service)
+        if answer.success and stops != self.stops:
+            await self._robot.ask("stop")
+            return Answer(False, f"stopped while the robot was being asked to {service}")
+        return answer
+
     async def pause(self):
         """A pause that comes when a repetition is just ending, or between two, is none for the robot: then no further one begins."""
         self._pause_asked = True
@@ -135,7 +144,7 @@ class Playing:
             return Answer(False, "the controller does not answer")
         if state["at_start"]:
             return Answer(True, "")
-        answer = await self._robot.ask("approach")
+        answer = await self.ask_motion("approach", stops)
         if not answer.success:
             return answer
         while stops == self.stops:

@@ -13,6 +13,7 @@ from .playing import FASTEST_PERCENT, MOST_REPETITIONS, SLOWEST_PERCENT
 PLAIN = {"enable": "operate", "disable": "operate", "approach": "operate", "pause": "operate", "resume": "operate",
          "emergency_stop": "look", "reset_faults": "operate", "home": "operate", "confirm_home": "operate",
          "clear_patient": "operate", "declare_empty": "operate"}
+MOTIONS = ("approach", "resume", "home")
 # Reports come from recordings, and recordings from anywhere. A report's page draws itself by scripts: in an origin of its own, without this
 # page's session, requests, forms, frames or windows. In every other file no script is executed.
 _SANDBOX = "sandbox; default-src 'none'; style-src 'unsafe-inline'; img-src data:"
@@ -55,9 +56,14 @@ class Requests:
             await fields(request)
             if name in ("emergency_stop", "disable"):
                 await self._server.playing.stop()
-            asked = self._server.playing.pause() if name == "pause" else self._robot.ask(name)
-            return self._server.note(request, session, name.replace("_", " "), await self._in_time(name, asked))
+            return self._server.note(request, session, name.replace("_", " "), await self._in_time(name, self._asked(name)))
         return handler
+
+    def _asked(self, name):
+        playing = self._server.playing
+        if name == "pause":
+            return playing.pause()
+        return playing.ask_motion(name, playing.stops) if name in MOTIONS else self._robot.ask(name)
 
     async def _ask(self, name, **arguments):
         return await self._in_time(name, self._robot.ask(name, **arguments))

@@ -51,6 +51,7 @@ class RosRobot:
         self._state = self._tracking = self._forces = self._margins = None
         self._heard = -math.inf
         self._goal = None
+        self._cancels = 0  # a goal that is just being sent is cancelled, too
         name = self._name
         self._subscribers = [
             rospy.Subscriber(f"{name}/state", ControllerState, self._on_state, queue_size=10),
@@ -122,6 +123,7 @@ class RosRobot:
         """Plays the loaded reference once through the action `play`; answers when it has ended. `on_begin` when the robot has set off: a
         goal that is accepted may still be refused where it would begin."""
         done = self._loop.create_future()
+        cancels = self._cancels
 
         def transition(handle):
             if handle.get_comm_state() == actionlib.CommState.DONE:
@@ -137,12 +139,17 @@ class RosRobot:
         def send():
             if not self._client.wait_for_server(rospy.Duration(5.0)):
                 raise rospy.ROSException("no action server")
+            if self._cancels != cancels:
+                return None
             goal = PlayGoal(speed_percent=speed_percent, record=bool(recording), recording=recording)
             self._goal = self._client.send_goal(goal, transition_cb=transition, feedback_cb=feedback)
+            if self._cancels != cancels:
+                self._goal.cancel()
             return self._goal
 
         try:
-            await self._on_thread(send)
+            if await self._on_thread(send) is None:
+                return Answer(False, "stopped before it began")
             while not done.done():
                 await asyncio.wait({done}, timeout=0.5)
                 if self.silent:
@@ -154,7 +161,8 @@ class RosRobot:
             self._goal = None
 
     def cancel_play(self):
-        """The goal that this page has sent, if any; never waits."""
+        """The goal that this page has sent or is just sending, if any; never waits."""
+        self._cancels += 1
         goal = self._goal
         if goal is not None:
             threading.Thread(target=goal.cancel, daemon=True).start()

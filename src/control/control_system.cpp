@@ -90,14 +90,25 @@ Answer ControlSystem::enable() {
 }
 
 Answer ControlSystem::disable() {
+  parts_->player.halt();
   return parts_->requests.make(RequestKind::Disable, kSafeStop_s);
 }
 
 Answer ControlSystem::stop() {
+  parts_->player.halt();
+  return stopPath();
+}
+
+Answer ControlSystem::stopPath() {
   return parts_->requests.make(RequestKind::Stop, kQuick_s);
 }
 
+std::uint64_t ControlSystem::halts() const {
+  return parts_->player.halts();
+}
+
 Answer ControlSystem::emergencyStop() {
+  parts_->player.halt();
   return parts_->requests.make(RequestKind::EmergencyStop, kQuick_s);
 }
 
@@ -176,13 +187,13 @@ Answer ControlSystem::loadReference(const trajectory::Reference& reference) {
   return parts_->player.load(reference, parts_->occupancy.patient());
 }
 
-Answer ControlSystem::play(const std::string& expected) {
+Answer ControlSystem::play(const PathExpectation& expected) {
   const OccupancyRecord::Hold hold(parts_->occupancy);
   if (!hold) return kBeingChanged;
   return parts_->player.play(expected);
 }
 
-Answer ControlSystem::approach(double speed_m_per_s, const std::string& expected) {
+Answer ControlSystem::approach(double speed_m_per_s, const PathExpectation& expected) {
   const OccupancyRecord::Hold hold(parts_->occupancy);
   if (!hold) return kBeingChanged;
   return parts_->player.approach(speed_m_per_s, parts_->occupancy.patient(), expected);

@@ -11,6 +11,7 @@ namespace knee_robot::control {
 namespace {
 
 constexpr double kAnswer_s = 1.0;
+const Answer kHalted{false, "somebody has stopped the robot since this was asked for; ask again when it may move"};
 constexpr double kSlowestApproach = 0.001, kFastestApproach = 0.05;  // m/s
 
 bool isOnPath(MachineState state) {
@@ -55,29 +56,36 @@ void PathPlayer::forget() {
   name_.clear();
 }
 
-Answer PathPlayer::playLengths(const trajectory::Points& lengths, const std::string& what) {
+/// A stop that comes before the Supervisor knows of the path finds nothing to stop: it is seen before, or behind it.
+Answer PathPlayer::playLengths(const trajectory::Points& lengths, const std::string& what,
+                               const PathExpectation& expected) {
   std::vector<AxisValues> points;
   points.reserve(static_cast<std::size_t>(lengths.rows()));
   for (Eigen::Index k = 0; k < lengths.rows(); ++k)
     points.push_back(rowOf(lengths, k));
   ReferencePath path = ReferencePath::of(std::move(points));
   const std::lock_guard<std::mutex> begin(begin_);
+  if (isHalted(expected)) return kHalted;
   sync_.store().offer(std::move(path));
   const Answer answer = requests_.make(RequestKind::Play, kAnswer_s);
   if (!answer.ok) return answer;
+  if (isHalted(expected)) {
+    requests_.make(RequestKind::Stop, kAnswer_s);
+    return kHalted;
+  }
   const std::lock_guard<std::mutex> lock(mutex_);
   playing_ = what;
   return {true, "playing " + what};
 }
 
 /// Empty: the loaded reference may be used. Under the mutex.
-std::string PathPlayer::whyNot(const std::string& expected) const {
+std::string PathPlayer::whyNot(const PathExpectation& expected) const {
   if (lengths_.rows() == 0) return "no reference is loaded";
-  if (expected.empty() || expected == name_) return "";
-  return "somebody else has loaded " + name_ + " in place of " + expected + " meanwhile";
+  if (expected.reference.empty() || expected.reference == name_) return "";
+  return "somebody else has loaded " + name_ + " in place of " + expected.reference + " meanwhile";
 }
 
-Answer PathPlayer::play(const std::string& expected) {
+Answer PathPlayer::play(const PathExpectation& expected) {
   trajectory::Points lengths;
   std::string name;
   {
@@ -86,10 +94,10 @@ Answer PathPlayer::play(const std::string& expected) {
     lengths = lengths_;
     name = name_;
   }
-  return playLengths(lengths, name);
+  return playLengths(lengths, name, expected);
 }
 
-Answer PathPlayer::approach(double speed_m_per_s, const Patient& patient, const std::string& expected) {
+Answer PathPlayer::approach(double speed_m_per_s, const Patient& patient, const PathExpectation& expected) {
   if (!(speed_m_per_s >= kSlowestApproach && speed_m_per_s <= kFastestApproach)) {
     return {false, "the approach's speed must lie between 0.001 and 0.05 m/s, not " + shortNumber(speed_m_per_s)};
   }
@@ -107,7 +115,7 @@ Answer PathPlayer::approach(double speed_m_per_s, const Patient& patient, const 
   for (double speed = speed_m_per_s;; speed *= 0.5) {
     line.points = approachLine(row->position_m, to, robot_, speed);
     try {
-      return playLengths(check(line, robot_, patient).lengths, line.name);
+      return playLengths(check(line, robot_, patient).lengths, line.name, expected);
     } catch (const InputError& error) {
       if (!patient || speed < kSlowestApproach) return {false, error.what()};
     }

@@ -1,9 +1,11 @@
 #pragma once
 
+#include <atomic>
 #include <mutex>
 #include <optional>
 #include <string>
 
+#include "knee_robot/control/path_expectation.h"
 #include "knee_robot/control/patient_limits.h"
 #include "machine_requests.h"
 
@@ -23,22 +25,27 @@ class PathPlayer {
   Answer load(const trajectory::Reference& reference, const Patient& patient);
   /// Nothing is loaded: what was, was checked for somebody else.
   void forget();
-  /// The loaded reference from its first point. `expected`: its name, where it has to be this one; empty: any.
-  Answer play(const std::string& expected = "");
+  /// Somebody wants the robot to stand: called before the Supervisor is asked for it.
+  void halt() noexcept { ++halts_; }
+  std::uint64_t halts() const noexcept { return halts_; }
+  /// The loaded reference from its first point.
+  Answer play(const PathExpectation& expected = {});
   /// From where the robot stands to the first point of the loaded reference; slower than `speed_m_per_s` where the patient wants it.
-  Answer approach(double speed_m_per_s, const Patient& patient, const std::string& expected = "");
+  Answer approach(double speed_m_per_s, const Patient& patient, const PathExpectation& expected = {});
   /// Fills in reference and at_start, and, when `status.state` is of a robot on a path, playing.
   void fill(ControlStatus& status) const;
 
  private:
-  Answer playLengths(const trajectory::Points& lengths, const std::string& what);
+  Answer playLengths(const trajectory::Points& lengths, const std::string& what, const PathExpectation& expected);
   bool standsAtStart() const;
-  std::string whyNot(const std::string& expected) const;
+  std::string whyNot(const PathExpectation& expected) const;
+  bool isHalted(const PathExpectation& expected) const { return expected.halts && *expected.halts != halts_; }
 
   const mechanism::Robot& robot_;
   Sync& sync_;
   const OperatorPanel& panel_;
   MachineRequests& requests_;
+  std::atomic<std::uint64_t> halts_{0};
   std::mutex begin_;          // from the offer of a path to the answer: what is begun is what was offered
   mutable std::mutex mutex_;  // of what follows
   std::string name_;

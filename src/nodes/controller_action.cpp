@@ -96,7 +96,11 @@ void PlayActionServer::receive(Handle handle) {
   {
     const std::lock_guard<std::mutex> lock(mutex_);
     ended = ended_;
-    if (!ended) unchecked_.emplace_back().handle = handle;
+    if (!ended) {
+      Job& job = unchecked_.emplace_back();
+      job.handle = handle;
+      job.halts = system_.halts();
+    }
   }
   if (ended) handle.setRejected(resultOf("the controller is ending"), "the controller is ending");
   arrived_.notify_all();
@@ -110,6 +114,7 @@ void PlayActionServer::checkArrivals() {
       arrived_.wait(lock, [this] { return !unchecked_.empty() || ended_; });
       if (unchecked_.empty()) return;
       job.handle = unchecked_.front().handle;
+      job.halts = unchecked_.front().halts;
     }
     const control::Answer answer = check(*job.handle.getGoal(), job);
     decide(job, answer);

@@ -34,6 +34,7 @@ class PlayActionServer {
     Handle handle;
     CheckedReference checked;  // empty: the loaded reference
     std::string recording;     // full path, empty: none
+    std::uint64_t halts = 0;   // ControlSystem::halts() when it arrived: a stop after that is for it, too
     bool cancelled = false;    // before it was checked
   };
   enum class Interruption { None, Cancelled, Preempted, ShutDown };

@@ -4,6 +4,11 @@ namespace knee_robot::nodes {
 
 ControllerInterface::ControllerInterface(const Parts& parts)
     : references_(parts.references),
+      commands_(parts.system, 3),
+      stops_(parts.system, 4),
+      actions_(parts.system, 2),
+      topics_lane_(parts.system, 1),
+      onlookers_(parts.system, 1),
       action_(actions_.node, parts.system, parts.references, parts.recordings, parts.log),
       gains_(commands_.node, parts.system, parts.log),
       feedforward_(commands_.node, parts.system, parts.log),

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <ros/callback_queue.h>
 #include <ros/ros.h>
 
 #include <array>
@@ -18,6 +17,7 @@
 #include "controller_services.h"
 #include "controller_timing.h"
 #include "controller_topics.h"
+#include "stamped_queue.h"
 
 namespace knee_robot::nodes {
 
@@ -45,16 +45,19 @@ class ControllerInterface {
   ~ControllerInterface() { references_.withdraw(); }
 
  private:
-  /// A private node handle with a queue that `threads` threads serve from start() on.
+  /// A private node handle with a queue that `threads` threads serve from start() on. Its callbacks know ControlSystem::halts() of when they came.
   class Lane {
    public:
-    explicit Lane(std::uint32_t threads) : spinner_(threads, &queue_) { node.setCallbackQueue(&queue_); }
+    Lane(const control::ControlSystem& system, std::uint32_t threads)
+        : queue_([&system] { return system.halts(); }), spinner_(threads, &queue_) {
+      node.setCallbackQueue(&queue_);
+    }
     void start() { spinner_.start(); }
     void stop() { spinner_.stop(); }
     ros::NodeHandle node{"~"};
 
    private:
-    ros::CallbackQueue queue_;
+    StampedQueue queue_;
     ros::AsyncSpinner spinner_;
   };
   /// Stops the threads before anything that they call is gone.
@@ -67,7 +70,7 @@ class ControllerInterface {
   };
 
   References& references_;
-  Lane commands_{3}, stops_{4}, actions_{2}, topics_lane_{1}, onlookers_{1};
+  Lane commands_, stops_, actions_, topics_lane_, onlookers_;
   PlayActionServer action_;
   ControllerGains gains_;
   ControllerFeedforward feedforward_;

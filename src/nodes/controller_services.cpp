@@ -4,6 +4,7 @@
 #include "knee_robot/base/errors.h"
 #include "knee_robot/base/numbers.h"
 #include "played_goal.h"
+#include "stamped_queue.h"
 
 namespace knee_robot::nodes {
 ControllerServices::ControllerServices(ros::NodeHandle& commands, ros::NodeHandle& stops,
@@ -15,13 +16,13 @@ ControllerServices::ControllerServices(ros::NodeHandle& commands, ros::NodeHandl
   offer(stops, "pause", [this] { return system_.pause(); });
   offer(stops, "disable", [this] { return system_.disable(); });
   servers_.push_back(stops.advertiseService("set_speed", &ControllerServices::setSpeed, this));
-  offer(commands, "home", [this] { return system_.home(); });
+  offerMotion(commands, "home", [this](std::uint64_t) { return system_.home(); });
   offer(commands, "confirm_home", [this] { return system_.confirmHome(); });
-  offer(commands, "enable", [this] { return system_.enable(); });
-  offer(commands, "approach", [this] { return system_.approach(); });
-  offer(commands, "start", [this] { return system_.play(); });
-  offer(commands, "resume", [this] { return system_.resume(); });
-  offer(commands, "guide", [this] { return system_.guide(); });
+  offerMotion(commands, "enable", [this](std::uint64_t) { return system_.enable(); });
+  offerMotion(commands, "approach", [this](std::uint64_t halts) { return system_.approach(0.01, {"", halts}); });
+  offerMotion(commands, "start", [this](std::uint64_t halts) { return system_.play({"", halts}); });
+  offerMotion(commands, "resume", [this](std::uint64_t) { return system_.resume(); });
+  offerMotion(commands, "guide", [this](std::uint64_t) { return system_.guide(); });
   servers_.push_back(commands.advertiseService("save_guided", &ControllerServices::saveGuided, this));
   offer(commands, "reset_faults", [this] { return system_.resetFaults(); });
   servers_.push_back(commands.advertiseService("check_reference", &ControllerServices::check, this));
@@ -52,6 +53,16 @@ void ControllerServices::offer(ros::NodeHandle& node, const std::string& name,
     return reply(call, name, command());
   };
   servers_.push_back(node.advertiseService(name, serve));
+}
+
+void ControllerServices::offerMotion(ros::NodeHandle& node, const std::string& name,
+                                     std::function<control::Answer(std::uint64_t)> command) {
+  offer(node, name, [this, command] {
+    const std::uint64_t halts = StampedQueue::stamp();
+    if (system_.halts() == halts) return command(halts);
+    return control::Answer{false,
+                           "somebody has stopped the robot since this was asked for; ask again when it may move"};
+  });
 }
 
 bool ControllerServices::check(Call<CheckReference>& call) {

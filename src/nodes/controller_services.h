@@ -47,6 +47,9 @@ class ControllerServices {
   bool setSpeed(Call<SetSpeed>& call);
   bool getState(GetState::Request& request, GetState::Response& response);
   void offer(ros::NodeHandle& node, const std::string& name, std::function<control::Answer()> command);
+  /// What moves the robot. `command` gets ControlSystem::halts() of when the request came in.
+  void offerMotion(ros::NodeHandle& node, const std::string& name,
+                   std::function<control::Answer(std::uint64_t)> command);
   template <typename Event>
   bool reply(Event& call, const std::string& what, const control::Answer& answer);
 

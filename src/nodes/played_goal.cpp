@@ -53,6 +53,8 @@ void PlayedGoal::run() {
 
 control::Answer PlayedGoal::play() {
   const PlayGoal& goal = *job_.handle.getGoal();
+  if (system_.halts() != job_.halts)
+    return {false, "somebody has stopped the robot before this goal began; nothing moved for it"};
   if (system_.state() == control::MachineState::Disabled) {
     if (!goal.enable) return {false, "the robot is disabled; enable it first, or say enable in the goal"};
     feedBack("enabling", system_.status());
@@ -64,10 +66,11 @@ control::Answer PlayedGoal::play() {
   name_ = job_.checked.reference ? job_.checked.reference->name : system_.status().reference;
   result_.duration_s = server_.references_.loadedDuration();
   if (isInterrupted()) return breakOff();
+  const control::PathExpectation as_asked{name_, job_.halts};
   if (goal.approach) {
     if (const control::Answer answer = system_.setSpeed(100.0); !answer.ok) return answer;
     const control::Answer begun =
-        system_.approach(goal.approach_speed > 0.0 ? goal.approach_speed : kApproachSpeed, name_);
+        system_.approach(goal.approach_speed > 0.0 ? goal.approach_speed : kApproachSpeed, as_asked);
     if (!begun.ok) return begun;
     if (const control::Answer answer = follow("approaching", false); !answer.ok) return answer;
   }
@@ -78,7 +81,7 @@ control::Answer PlayedGoal::play() {
     if (const control::Answer answer = system_.startRecording(job_.recording); !answer.ok) return answer;
     result_.recording = job_.recording;
   }
-  if (const control::Answer answer = system_.play(name_); !answer.ok) return answer;
+  if (const control::Answer answer = system_.play(as_asked); !answer.ok) return answer;
   return follow("playing", true);
 }
 
@@ -114,7 +117,7 @@ control::Answer PlayedGoal::breakOff() {
                           : why == Interruption::Cancelled ? "cancelled"
                                                            : "the controller's interface is ending";
   if (!isOnPath(system_.state())) return {false, who + "; the robot is " + control::toString(system_.state())};
-  const control::Answer stopped = system_.stop();
+  const control::Answer stopped = system_.stopPath();
   if (!stopped.ok && isOnPath(system_.state())) return {false, who + ", but the stop was refused: " + stopped.sentence};
   const ros::SteadyTime give_up = ros::SteadyTime::now() + ros::WallDuration(kLongestStop);
   while (isOnPath(system_.state()) && ros::SteadyTime::now() < give_up) {

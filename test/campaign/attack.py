@@ -42,6 +42,11 @@ class Attack:
         last = rows["monotonic_s"][on[-1]] if len(on) else self.began
         return f"held and off after {1e3 * (last - self.began):.0f} ms, drop {drop:.1f} mm", True
 
+    def moved_mm(self):
+        """How far the platform's origin got from where it was at begin()."""
+        way = self.rows()["pose"][:, :2]
+        return 1e3 * float(np.max(np.linalg.norm(way - way[0], axis=1)))
+
     def enable(self):
         answer = self.session.trigger("enable")
         if not answer.success:

@@ -3,12 +3,15 @@ goes."""
 import threading
 import time
 
+import numpy as np
 import rospy
+from actionlib_msgs.msg import GoalStatus
 from std_srvs.srv import Trigger
 
 from knee_robot.msg import PlayGoal
-from knee_robot.srv import LoadPatient, LoadReference
+from knee_robot.srv import CheckReference, LoadPatient, LoadReference
 
+import robot_path
 from attack import play_client
 from session import NoAnswer, is_alive
 
@@ -202,6 +205,61 @@ def another_reference_within_a_goal(a):
         result.success and "other.txt was played" in result.message)
 
 
+def stop_while_a_goal_is_checked(a):
+    """A play goal of a long file is being checked; somebody presses stop and is told that it is done: nothing moves any more."""
+    a.enable()
+    path = a.write_path()
+    lines = path.read_text().splitlines(keepends=True)
+    path.with_name("long.txt").write_text("".join(lines + lines[-1:] * 400_000))
+    with play_client() as client:
+        client.send_goal(PlayGoal(file="long.txt"))
+        time.sleep(0.3)
+        before = client.get_state()
+        a.begin()
+        answer = a.session.trigger("stop")
+        client.wait_for_result(rospy.Duration(10.0))
+        time.sleep(1.0)
+        moved, state = a.moved_mm(), a.state()
+        client.cancel_goal()
+    a.session.wait_for(("holding",), 10.0)
+    a.begin()
+    a.session.trigger("disable")
+    text, good = a.look(1.0)
+    said = f"stop {'succeeded' if answer.success else 'failed'} while the goal was {'pending' if before == GoalStatus.PENDING else before}"
+    return f"{said}; then it moved {moved:.1f} mm ({state}); ", text, good and answer.success and moved < 0.2 and before == GoalStatus.PENDING
+
+
+def stop_while_an_approach_waits(a):
+    """Three long files are being checked, an approach waits behind them; somebody presses stop and is told that it is done: nothing moves."""
+    a.enable()
+    path = a.write_path()
+    now = a.session.truth.last()
+    away = robot_path.climb(a.geometry, now["pose"], now["length_m"], rise_m=0.01)[-1:]
+    robot_path.write(path, np.repeat(away, 200, axis=0))
+    robot_path.write(path.with_name("long.txt"), np.repeat(away, 400_000, axis=0))
+    a.session.load(path.name)
+    for _ in range(3):
+        a.call_aside(lambda: rospy.ServiceProxy("/controller/check_reference", CheckReference)("long.txt", ""))
+    time.sleep(0.5)
+    approach = a.call_aside(lambda: rospy.ServiceProxy("/controller/approach", Trigger)())
+    time.sleep(0.3)
+    waits = not approach
+    a.begin()
+    answer = a.session.trigger("stop")
+    end = time.monotonic() + 10.0
+    while not approach and time.monotonic() < end:
+        time.sleep(0.1)
+    time.sleep(1.0)
+    moved, state = a.moved_mm(), a.state()
+    a.session.trigger("stop")
+    a.session.wait_for(("holding",), 10.0)
+    a.begin()
+    a.session.trigger("disable")
+    text, good = a.look(1.0)
+    said = f"stop {'succeeded' if answer.success else 'failed'} while the approach {'waited' if waits else 'was under way'}"
+    return f"{said}; then it moved {moved:.1f} mm ({state}); ", text, good and answer.success and waits and moved < 0.2
+
+
 def stop_while_being_disabled(a):
     """Three clients press stop as often as they can while a fourth disables: it is told when the drives are off."""
     a.enable()
@@ -225,7 +283,7 @@ def stop_while_being_disabled(a):
 def attacks():
     found = {f.__name__: f for f in (second_pair_on_another_link, second_controller_without_guardian, guardian_of_another_machine,
                                      master_restarted_while_playing, four_clients_on_every_pair, another_reference_within_a_goal,
-                                     stop_while_being_disabled, enabled_again_without_a_master)}
+                                     stop_while_a_goal_is_checked, stop_while_an_approach_waits, stop_while_being_disabled, enabled_again_without_a_master)}
     found["patient_file_becomes_garbage"] = patient_file_becomes("}{ nan \0 :::\n" * 50, "garbage")
     found["patient_file_becomes_wider"] = patient_file_becomes(PATIENT.replace("0.9", "0.95"), "one with other limits")
     return found

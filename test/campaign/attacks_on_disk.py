@@ -160,6 +160,30 @@ def disk_hangs_and_a_goal_is_cancelled(a):
 
 
 @needs(preload=preload)
+def disk_hangs_before_a_goal_moves_then_stop(a):
+    """A play goal that records waits for a disk that hangs; somebody presses stop and is told that it is done; then the disk answers again."""
+    a.enable()
+    path = a.write_path()
+    a.session.hung.touch()
+    with play_client() as client:
+        client.send_goal(PlayGoal(file=path.name, record=True, recording="goal.csv"))
+        time.sleep(1.0)
+        a.begin()
+        answer = a.session.trigger("stop")
+        time.sleep(0.2)
+        a.session.hung.unlink()
+        time.sleep(2.0)
+        moved, state = a.moved_mm(), a.state()
+        client.cancel_goal()
+    a.session.wait_for(("holding",), 10.0)
+    a.begin()
+    a.session.trigger("disable")
+    text, good = a.look(1.0)
+    said = f"stop {'succeeded' if answer.success else 'failed'}"
+    return f"{said}; then it moved {moved:.1f} mm ({state}); ", text, good and answer.success and moved < 0.2
+
+
+@needs(preload=preload)
 def disk_hangs_and_the_master_is_restarted(a):
     """Holding; set_recording waits for a disk that hangs; then another master answers, which nobody can be found by until the call is back."""
     a.enable()
@@ -225,7 +249,8 @@ def attacks():
     return {f.__name__: f for f in (disk_hangs_while_recording_and_playing, disk_hangs_then_stop_and_shutdown,
                                     disk_hangs_when_a_recording_begins, disk_hangs_when_a_recording_begins_then_shutdown,
                                     disk_hangs_while_the_black_box_writes, disk_hangs_while_somebody_says_who_is_there,
-                                    disk_hangs_and_a_goal_is_cancelled, disk_hangs_and_the_master_is_restarted,
+                                    disk_hangs_and_a_goal_is_cancelled, disk_hangs_before_a_goal_moves_then_stop,
+                                    disk_hangs_and_the_master_is_restarted,
                                     disk_full_from_the_beginning, disk_full_when_the_controller_starts)}
 
 

@@ -93,13 +93,31 @@ TEST(ControlSystem, PlaysNoOtherReferenceThanTheOneThatWasExpected) {
   other.name = "other";
   ASSERT_TRUE(rig.system.loadReference(wanted).ok);
   ASSERT_TRUE(rig.system.loadReference(other).ok) << "somebody else, in between";
-  for (const Answer& answer : {rig.system.approach(0.01, "wanted"), rig.system.play("wanted")}) {
+  for (const Answer& answer : {rig.system.approach(0.01, {"wanted"}), rig.system.play({"wanted"})}) {
     EXPECT_FALSE(answer.ok);
     EXPECT_NE(answer.sentence.find("somebody else has loaded other in place of wanted"), std::string::npos)
         << answer.sentence;
   }
   EXPECT_EQ(rig.system.state(), MachineState::Holding);
-  EXPECT_TRUE(rig.system.play("other").ok);
+  EXPECT_TRUE(rig.system.play({"other"}).ok);
+}
+
+TEST(ControlSystem, BeginsNothingThatWasAskedForBeforeSomebodyStoppedTheRobot) {
+  Rig rig;
+  rig.hold();
+  ASSERT_TRUE(rig.system.loadReference(fake::smoothReference(fake::kHome, 0.03, 2.0)).ok);
+  const PathExpectation asked{"", rig.system.halts()};
+  ASSERT_TRUE(rig.system.stop().ok) << "it holds: there is nothing to stop yet";
+  for (const Answer& answer : {rig.system.approach(0.01, asked), rig.system.play(asked)}) {
+    EXPECT_FALSE(answer.ok);
+    EXPECT_NE(answer.sentence.find("somebody has stopped the robot"), std::string::npos) << answer.sentence;
+  }
+  rig.system.run(0.2);
+  EXPECT_EQ(rig.system.state(), MachineState::Holding);
+  EXPECT_NEAR(rig.machine.axes[0].position, fake::kHome, 1e-3) << "nothing moved";
+  EXPECT_TRUE(rig.system.play({"", rig.system.halts()}).ok) << "asked for after the stop";
+  ASSERT_TRUE(rig.system.stopPath().ok);
+  EXPECT_EQ(rig.system.halts(), 1u) << "who ends its own path ends nobody else's";
 }
 
 TEST(ControlSystem, RefusesToPlayWhereTheRobotDoesNotStandAndApproachesSlowlyOnRequest) {

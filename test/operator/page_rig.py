@@ -36,6 +36,7 @@ class ToyRobot:
         self.answers = {}          # service: Answer, or an exception, or seconds of silence
         self.goals, self.cancelled = 0, 0
         self.here = True           # at the exercise's start
+        self.arrived = False       # by an approach
         self._listeners, self._log_listeners, self._event_listeners = [], [], []
         self._told = (state, "")
         self._end = None
@@ -101,8 +102,9 @@ class ToyRobot:
         return Answer(True, f"the robot is {self._state['state']}")
 
     def _arrive(self):
-        self.here = True
-        self.become("holding", playing="")
+        if self._state["state"] == "playing":
+            self.here = self.arrived = True
+            self.become("holding", playing="")
 
     def _rest(self):
         if self._state["state"] == "stopping":

@@ -88,6 +88,20 @@ class Playing(PageTest):
             await until(lambda: not rig.server.playing.active)
             self.assertEqual(1, robot.goals)
 
+    async def test_stop_that_overtakes_an_order_to_move_stops_it_all_the_same(self):
+        robot = ToyRobot(stop_s=0.1)
+        async with Rig(robot) as rig, rig.browser() as browser:
+            robot.answers["approach"] = 0.3  # s on its way to the controller
+            order = asyncio.create_task(browser.post("/api/robot/approach"))
+            await until(lambda: ("approach", {}) in robot.asked)
+            await browser.post("/api/stop")
+            _, answer = await order
+            self.assertFalse(answer["success"])
+            self.assertIn("stopped", answer["message"])
+            await asyncio.sleep(0.15)
+            self.assertEqual("holding", robot.state["state"])
+            self.assertFalse(robot.arrived)
+
     async def test_start_while_the_robot_slows_down_is_refused_and_nothing_of_it_stays(self):
         async with Rig(ToyRobot(stop_s=0.3)) as rig, rig.browser() as browser:
             await self.start(browser)

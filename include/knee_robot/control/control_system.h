@@ -10,6 +10,7 @@
 #include "knee_robot/control/axis_data.h"
 #include "knee_robot/control/control_status.h"
 #include "knee_robot/control/hardware_file.h"
+#include "knee_robot/control/path_expectation.h"
 #include "knee_robot/mechanism/robot.h"
 #include "knee_robot/rt/deployer.h"
 #include "knee_robot/rt/property.h"
@@ -76,14 +77,18 @@ class ControlSystem {
   Answer clearPatient();
   /// Nobody is on the robot: only its own limits hold. Only while Disabled.
   Answer declareEmpty();
-  /// Plays the loaded reference from its first point; refused unless the robot stands there. `expected`: the loaded reference's name,
-  /// for whoever wants no other that was loaded meanwhile; empty: whichever is loaded.
-  Answer play(const std::string& expected = "");
+  /// Plays the loaded reference from its first point; refused unless the robot stands there, and what is `expected` is still so.
+  Answer play(const PathExpectation& expected = {});
   /// Plays a slow straight approach (actuator space, rest to rest) from the measured position to the first point of the loaded
   /// reference, checked like any reference. Follow it by waiting for Holding and play().
-  Answer approach(double speed_m_per_s = 0.01, const std::string& expected = "");
-  /// Slows down along the path, then holds. Answers when it has begun.
+  Answer approach(double speed_m_per_s = 0.01, const PathExpectation& expected = {});
+  /// Slows down along the path, then holds. Answers when it has begun. Like disable() and emergencyStop() it also ends what was asked
+  /// for before and has not begun yet (halts()).
   Answer stop();
+  /// The same for whoever ends nothing but the path that it began itself.
+  Answer stopPath();
+  /// How often somebody wanted the robot to stand, in whatever state it was: stop(), disable(), emergencyStop().
+  std::uint64_t halts() const;
   /// Slows path time down to zero (state Paused when at rest), and back to what setSpeed() asked for: no jump, the robot never leaves
   /// its path, wherever on it and however often. Answer when it has begun. Also during an approach.
   Answer pause();

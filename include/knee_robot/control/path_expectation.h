@@ -1,0 +1,16 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+
+namespace knee_robot::control {
+
+/// What still has to be so when a path begins, for whoever was asked for it some time ago.
+struct PathExpectation {
+  std::string reference;  ///< the loaded reference's name; empty: whichever is loaded
+  std::optional<std::uint64_t>
+      halts;  ///< ControlSystem::halts() of then: nobody has stopped the robot since; empty: never mind
+};
+
+}  // namespace knee_robot::control

@@ -1,0 +1,68 @@
+#!/usr/bin/python3
+"""The page's end of the action: a goal that STOP overtakes while it is being sent moves nothing."""
+import asyncio
+import sys
+import threading
+
+import rosunit
+from page_rig import PageTest
+
+from knee_robot_operator.robot import RosRobot
+
+
+class SlowActionServer:
+    """Stands for actionlib's client: the server is found when the test lets it be, and a goal is played for ever."""
+
+    def __init__(self):
+        self.found = threading.Event()
+        self.goals, self.cancelled = 0, threading.Event()
+
+    def wait_for_server(self, _patience):
+        return self.found.wait(5.0)
+
+    def send_goal(self, _goal, **_callbacks):
+        self.goals += 1
+        return self
+
+    def cancel(self):
+        self.cancelled.set()
+
+
+def robot_with(client):
+    """Without subscribers: those need a master."""
+    robot = RosRobot.__new__(RosRobot)
+    robot._loop, robot._name = asyncio.get_running_loop(), "/controller"
+    robot._threads = threading.BoundedSemaphore(4)
+    robot._client, robot._goal, robot._cancels, robot._heard = client, None, 0, float("inf")
+    return robot
+
+
+class GoalTest(PageTest):
+    async def test_stop_while_the_action_server_is_looked_for_sends_no_goal(self):
+        client = SlowActionServer()
+        robot = robot_with(client)
+        playing = asyncio.create_task(robot.play(100.0, "", lambda: None))
+        await asyncio.sleep(0.05)
+        robot.cancel_play()
+        client.found.set()
+        answer = await asyncio.wait_for(playing, 5.0)
+        self.assertEqual((False, "stopped before it began", 0), (answer.success, answer.message, client.goals))
+
+    async def test_stop_while_the_goal_is_being_sent_cancels_it(self):
+        client = SlowActionServer()
+        client.found.set()
+        robot = robot_with(client)
+        send = client.send_goal
+
+        def sent_too_late(goal, **callbacks):
+            robot.cancel_play()
+            return send(goal, **callbacks)
+
+        client.send_goal = sent_too_late
+        playing = asyncio.create_task(robot.play(100.0, "", lambda: None))
+        self.assertTrue(await asyncio.to_thread(client.cancelled.wait, 5.0))
+        playing.cancel()
+
+
+if __name__ == "__main__":
+    rosunit.unitrun("knee_robot", "operator_robot", "robot_test", sys.argv)
