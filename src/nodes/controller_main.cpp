@@ -36,13 +36,15 @@ double boundedParameter(const ros::NodeHandle& node, const std::string& name, do
   return value;
 }
 
-/// Without a master no operator's tool finds the controller: what moves is stopped along its path, and the drives are switched off.
-class MasterLoss {
+/// Without a master no operator's tool finds the controller, and without descriptors none reaches it: what moves is stopped along its path,
+/// and the drives are switched off.
+class Unreachable {
  public:
-  MasterLoss(control::ControlSystem& system, nodes::EventLog& log, double timeout_s)
+  Unreachable(control::ControlSystem& system, nodes::EventLog& log, double timeout_s)
       : system_(system), log_(log), timeout_s_(timeout_s) {}
-  void poll(double silence_s) {
-    if (timeout_s_ == 0.0 || silence_s < timeout_s_) {
+  /// For how long the master has been gone, and no new client has been answered, s.
+  void poll(double silence_s, double deafness_s) {
+    if (timeout_s_ == 0.0 || std::max(silence_s, deafness_s) < timeout_s_) {
       acted_ = false;
       return;
     }
@@ -55,14 +57,17 @@ class MasterLoss {
     const bool again = state != control::MachineState::SafeStopping && std::chrono::steady_clock::now() >= again_at_;
     if (acted_ && !again) return;
     acted_ = true;
-    log_.add("controller", "", "the ROS master is gone: stopping along the path, then disabling");
-    ROS_ERROR("the ROS master is gone for %.1f s: stopping along the path, then disabling", silence_s);
+    const std::string why = silence_s < timeout_s_
+                                ? "no new client reaches the controller (too many connections to it?)"
+                                : "the ROS master is gone";
+    log_.add("controller", "", why + ": stopping along the path, then disabling");
+    ROS_ERROR("%s for %.1f s: stopping along the path, then disabling", why.c_str(), std::max(silence_s, deafness_s));
     if (system_.stop().ok) system_.waitFor(control::MachineState::Holding, 10.0);
     const control::Answer answer = system_.disable();
     acted_ = !answer.ok;
     again_at_ = std::chrono::steady_clock::now() + std::chrono::seconds(1);
-    log_.add("controller", "", "after the loss of the ROS master", answer.sentence);
-    ROS_ERROR("after the loss of the ROS master: %s", answer.sentence.c_str());
+    log_.add("controller", "", why, answer.sentence);
+    ROS_ERROR("%s: %s", why.c_str(), answer.sentence.c_str());
   }
 
  private:
@@ -124,11 +129,11 @@ void serve(const ros::NodeHandle& node, nodes::Machine& machine, const nodes::Co
   ros::master::setRetryTimeout(ros::WallDuration(5.0));  // never wait for ever for a master that goes away again
   Interface interface(parts);
   nodes::GuardianSupervision supervision(machine);
-  MasterLoss loss(parts.system, parts.log, timeout_s);
+  Unreachable unreachable(parts.system, parts.log, timeout_s);
   nodes::MasterWatch watch(node.resolveName("get_state"));
   while (!stop_requested && ros::ok()) {
     guardian = supervision.poll();
-    loss.poll(std::max(watch.silence(), interface.absence()));
+    unreachable.poll(std::max(watch.silence(), interface.absence()), watch.deafness());
     if (watch.isForgotten()) {
       if (interface.absence() == 0.0)
         ROS_WARN("the ROS master does not know this node any more (was it restarted?): advertising everything anew");
@@ -193,6 +198,7 @@ int run() {
 
 int main(int argc, char** argv) {
   nodes::openStandardStreams();
+  nodes::limitDescriptors();
   const nodes::OutputRelay relay;  // before all others: no thread waits for whoever reads what is said
   nodes::keepToLoopback();
   ros::init(argc, argv, "controller", ros::init_options::NoSigintHandler);

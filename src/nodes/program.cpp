@@ -1,10 +1,12 @@
 #include "program.h"
 
 #include <fcntl.h>
+#include <sys/resource.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <cerrno>
+#include <cstdio>
 #include <exception>
 #include <iostream>
 #include <string>
@@ -56,6 +58,14 @@ void openStandardStreams() {
     if (::fcntl(stream, F_GETFD) >= 0 || errno != EBADF) continue;
     if (::open("/dev/null", O_RDWR) != stream) return;  // the lowest number that is free
   }
+}
+
+void limitDescriptors() {
+  constexpr rlim_t kMost = 4096;
+  rlimit limit{};
+  if (::getrlimit(RLIMIT_NOFILE, &limit) != 0) return;
+  limit.rlim_cur = limit.rlim_max = std::min(limit.rlim_max, kMost);
+  if (::setrlimit(RLIMIT_NOFILE, &limit) != 0) std::perror("the limit of descriptors cannot be set");
 }
 
 std::string commandLine(const std::string& program, int argc, const char* const* argv) {

@@ -20,6 +20,10 @@ int runProgram(CLI::App& app, int argc, const char* const* argv, const std::func
 /// otherwise, and with it everything that is printed. Before anything is opened.
 void openStandardStreams();
 
+/// As many descriptors as the process may have, up to 4096: more than the usual 1024, for connections that say nothing; not the thousand millions of
+/// some containers, for each of which the ROS library keeps and searches 8 bytes, in locked memory. Before ros::init.
+void limitDescriptors();
+
 /// "rosrun knee_robot PROGRAM ARGUMENTS...", for reports that say how they were made.
 std::string commandLine(const std::string& program, int argc, const char* const* argv);
 

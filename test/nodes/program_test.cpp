@@ -2,6 +2,7 @@
 
 #include <fcntl.h>
 #include <gtest/gtest.h>
+#include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -29,6 +30,26 @@ Outcome runWith(std::vector<const char*> arguments, const std::function<int()>& 
   outcome.out = ::testing::internal::GetCapturedStdout();
   outcome.error = ::testing::internal::GetCapturedStderr();
   return outcome;
+}
+
+/// In a process of its own, which has `soft` and `hard`.
+bool isLimitedTo(rlim_t expected, rlim_t soft, rlim_t hard) {
+  const pid_t child = ::fork();
+  if (child == 0) {
+    const rlimit given{soft, hard};
+    rlimit found{};
+    const bool set = ::setrlimit(RLIMIT_NOFILE, &given) == 0;
+    limitDescriptors();
+    ::getrlimit(RLIMIT_NOFILE, &found);
+    ::_exit(set && found.rlim_cur == expected && found.rlim_max == expected ? 0 : 1);
+  }
+  int status = 0;
+  return ::waitpid(child, &status, 0) == child && WIFEXITED(status) && WEXITSTATUS(status) == 0;
+}
+
+TEST(Descriptors, AreAsManyAsAllowedAndNotMoreThanTheRosLibraryCanSearch) {
+  EXPECT_TRUE(isLimitedTo(1000, 256, 1000));
+  EXPECT_TRUE(isLimitedTo(4096, 1024, 5000));
 }
 
 TEST(RunProgram, ReturnsWhatTheBodyReturns) {
