@@ -11,6 +11,8 @@ constexpr double kLongestStep_s = 0.005;
 /// Cycles without a new feedforward after which it counts as switched off.
 constexpr int kSilentFeedforward = 5;
 constexpr double kSmallestError_m = 1e-5;
+/// Of the force that an encoder was asked with before: a hand guides through most of the friction.
+constexpr double kGuidedShare = 0.5;
 
 }  // namespace
 
@@ -217,7 +219,8 @@ bool Driver::challengeEncoder(double dt, const EncoderProbe::Settings& settings)
     if (guides_) guided_away_ = -guided_away_;
     const double away =
         guides_ ? guided_away_ : (out_.reference_m - measured_.position_m[index_]) / actuator_.metresPerCount();
-    challenge_.begin(counts, {probe_.enoughForce_N(), probe_.certainForce_N(settings), away, standing_.dithers(),
+    const double enough_N = (guides_ ? kGuidedShare : 1.0) * probe_.enoughForce_N();
+    challenge_.begin(counts, {enough_N, probe_.certainForce_N(settings), away, standing_.dithers(),
                               !disturbed && out_.at_rest, !out_.at_rest});
   }
   switch (challenge_.step(dt, counts)) {

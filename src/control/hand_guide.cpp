@@ -13,8 +13,14 @@ constexpr double kLongestStep_s = 0.005;  // after a pause of the machine
 constexpr double kBrake_N_s_per_m = 2000.0;
 constexpr double kBrakesFrom = 0.8, kTooFast = 1.5, kTooFast_s = 0.1;  // shares of the speed limit
 constexpr double kDeepest = 0.9, kWallDamping = 4.0;
+/// Beyond that, where it began near it: the loops, which hold where a wall ended the last one, bring it back there when the axes tremble.
+constexpr double kNear = 0.15, kDeeper = 0.03;
 constexpr double kAverage_s = 0.1;
-constexpr int kSilentOrders = 3;  // cycles
+constexpr double kLetGo_s = 0.2;
+constexpr double kCarried = 0.5;         // of what is unknown
+constexpr double kSureFriction = 0.8;    // of what was identified
+constexpr double kLeastUnknown_N = 3.0;  // that a model may be wrong by
+constexpr int kSilentOrders = 3;         // cycles
 
 }  // namespace
 
@@ -98,7 +104,8 @@ bool HandGuide::findMotion() noexcept {
 GuideStop HandGuide::whyNot() const noexcept {
   if (!knowledge_) return GuideStop::NoModel;
   if (!known_) return GuideStop::LostPose;
-  if (!(push_.depth < kDeepest)) return GuideStop::OutsideRange;
+  const bool began_near = guided_s_ > 0.0 && began_ > kDeepest - kNear;
+  if (!(push_.depth < (began_near ? kDeepest + kDeeper : kDeepest))) return GuideStop::OutsideRange;
   return GuideStop::None;
 }
 
@@ -124,6 +131,32 @@ double HandGuide::speedShare() const noexcept {
                    std::abs(pose_velocity_[3]) / angular});
 }
 
+/// What is left of friction holds what is carried of the unknown, and what is not.
+double HandGuide::frictionShare(std::size_t axis) const noexcept {
+  const double coulomb_N = knowledge_->coulomb_N[static_cast<Eigen::Index>(axis)];
+  const double unknown_N = std::abs(unknown_N_[axis]);
+  if (!out_.active || unknown_N <= kLeastUnknown_N || !(coulomb_N > 0.0)) return share_friction;
+  return std::clamp(kSureFriction - (1.0 - kCarried) * unknown_N / coulomb_N, 0.0, share_friction.value());
+}
+
+double HandGuide::largestUnknown(std::size_t axis) const noexcept {
+  const double coulomb_N = knowledge_->coulomb_N[static_cast<Eigen::Index>(axis)];
+  const double held_N = kSureFriction / (1.0 - kCarried) * coulomb_N;
+  return std::min(unknown_load.value(), std::max(held_N, kLeastUnknown_N));
+}
+
+/// What the loops carry, and later their integrals keep, beyond what was foreseen, without what this gave (`given`) and test pulses.
+void HandGuide::weigh(double dt, const AxisValues& given) noexcept {
+  const double share = out_.active ? 1.0 : std::min(1.0, dt / kAverage_s);
+  for (std::size_t i = 0; i < hardware::kAxes; ++i) {
+    const AxisCommand& now = commands_[i];
+    const double beyond = now.force_N - now.feedforward_N - now.pulse_N - given[i];
+    unknown_N_[i] += share * (beyond - unknown_N_[i]);
+    if (guided_s_ > weigh_time - kAverage_s && !(std::abs(unknown_N_[i]) <= largestUnknown(i)))
+      out_.stop = GuideStop::UnknownLoad;
+  }
+}
+
 AxisValues HandGuide::frictionForce() const noexcept {
   const bool forth = std::fmod(guided_s_, kTremble_s) < 0.5 * kTremble_s;
   AxisValues force{};
@@ -133,7 +166,8 @@ AxisValues HandGuide::frictionForce() const noexcept {
                                             : knowledge_->parts.axis_parameters(0, k);
     const double sign = std::tanh(velocity_[k] / kSlow_m_per_s);
     const double trembles = (forth ? 1.0 : -1.0) * (1.0 - std::abs(sign));
-    force[i] = share_friction * (std::max(0.0, viscous) * velocity_[k] + knowledge_->coulomb_N[k] * (sign + trembles));
+    force[i] =
+        frictionShare(i) * (std::max(0.0, viscous) * velocity_[k] + knowledge_->coulomb_N[k] * (sign + trembles));
   }
   return force;
 }
@@ -146,20 +180,17 @@ void HandGuide::guide(double dt) noexcept {
     out_.stop = began ? GuideStop::Wall : why;
     return;
   }
+  if (guided_s_ == 0.0) began_ = push_.depth;
   guided_s_ += dt;
   const AxisValues given = out_.force_N;
-  AxisValues force = frictionForce();
+  weigh(dt, given);
   out_.active = guided_s_ >= weigh_time;
+  AxisValues force = frictionForce();
   if (!out_.active) {
-    // What the loops carry beyond what was foreseen, without the tremble.
-    for (std::size_t i = 0; i < hardware::kAxes; ++i) {
-      const double beyond = commands_[i].force_N - commands_[i].feedforward_N - given[i];
-      unknown_N_[i] += (beyond - unknown_N_[i]) * std::min(1.0, dt / kAverage_s);
-      if (guided_s_ > kAverage_s && std::abs(unknown_N_[i]) > unknown_load) out_.stop = GuideStop::UnknownLoad;
-    }
     out_.force_N = force;
     return;
   }
+  const double let_go = (1.0 - kCarried) * std::min(1.0, (guided_s_ - weigh_time) / kLetGo_s);
   const double fast = speedShare();
   fast_s_ = fast > kTooFast ? fast_s_ + dt : 0.0;
   if (fast_s_ > kTooFast_s) out_.stop = GuideStop::TooFast;
@@ -173,7 +204,7 @@ void HandGuide::guide(double dt) noexcept {
   }
   for (std::size_t i = 0; i < hardware::kAxes; ++i) {
     const auto k = static_cast<Eigen::Index>(i);
-    force[i] += wall[k] - brake * velocity_[k];
+    force[i] += wall[k] - brake * velocity_[k] - let_go * unknown_N_[i];
     if (!std::isfinite(force[i])) out_.stop = GuideStop::LostPose;
   }
   out_.force_N = force;

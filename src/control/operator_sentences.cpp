@@ -22,7 +22,9 @@ const char* sentenceOf(GuideStop stop) noexcept {
     case GuideStop::NoModel:
       return "there is no identified model that could carry weight and friction; give one (model:=/path/model.yaml)";
     case GuideStop::UnknownLoad:
-      return "the robot carries more than the model and the declared payload explain; declare it (payload_kg)";
+      return "the robot carries more than the model and the declared payload explain; declare it (payload_kg), and let "
+             "go of "
+             "the platform until the axes have trembled";
     case GuideStop::OutsideRange:
       return "the platform stands at a limit of the robot's or the patient's range; play a reference away from it";
     case GuideStop::Wall:

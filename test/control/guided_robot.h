@@ -80,6 +80,21 @@ struct Rig {
     fastest = farthest = strongest = 0.0;
   }
   void hold(bool switch_held) { image.surroundings.enabling_switch_held.store(switch_held ? 1 : 0); }
+  /// A hand that leans on the platform by `distance` of its spring, begins to guide, and lets go when the axes have trembled.
+  void beginLeaningOn(int coordinate, double distance) {
+    ASSERT_TRUE(system->start().ok);
+    ASSERT_TRUE(system->enable().ok);
+    system->run(1.0);
+    hold(true);
+    Pose leans = plant.state().pose;
+    leans[coordinate] += distance;
+    wanted = [leans](double) { return leans; };
+    system->run(0.3);
+    ASSERT_TRUE(system->guide().ok);
+    system->run(0.59);
+    letGo();
+    watch();
+  }
   void begin(const std::string& patient = "") {
     ASSERT_TRUE(system->start().ok);
     if (!patient.empty()) {

@@ -114,7 +114,8 @@ TEST(HandGuiding, PushesBackAtTheEndOfTheRangeAndHoldsThere) {
   rig.watch();
   rig.swing(1, -0.05, 0.03);
   rig.system->run(3.0);
-  EXPECT_EQ(rig.system->state(), MachineState::Guiding) << "a hand may lead it away from there";
+  EXPECT_EQ(rig.system->state(), MachineState::Guiding)
+      << "a hand may lead it away from there: " << rig.system->status().guiding;
   EXPECT_GT(rig.farthest, 0.01);
 }
 
@@ -167,8 +168,31 @@ TEST(HandGuiding, DoesNotLetAWrongPayloadDrift) {
     rig.system->run(5.0);
     std::printf("%.0f kg: %.2f mm in 5 s\n", payload_kg, 1e3 * rig.farthest);
     EXPECT_LT(rig.farthest, 0.002);
-    EXPECT_LT(rig.fastest, 0.01);
+    EXPECT_LT(rig.fastest, 0.02) << "in the moment in which an encoder is asked";
   }
+}
+
+TEST(HandGuiding, DoesNotRunAwayFromAHandThatLeanedOnThePlatformWhileItWasWeighedAndLetsGo) {
+  for (const int coordinate : {0, 1}) {
+    for (const double newton : {-100.0, -60.0, -30.0, 30.0, 60.0, 100.0}) {
+      Rig rig;
+      ASSERT_NO_FATAL_FAILURE(rig.beginLeaningOn(coordinate, newton / 2000.0));
+      rig.system->run(15.0);
+      EXPECT_LT(rig.farthest, 0.005) << newton << " N in coordinate " << coordinate;
+      std::printf("coordinate %d, %4.0f N: %.1f mm in 15 s, %s %s\n", coordinate, newton, 1e3 * rig.farthest,
+                  toString(rig.system->state()), rig.system->status().fault_name.c_str());
+    }
+  }
+}
+
+TEST(HandGuiding, EndsWhenTheWeightIsNotForeseenAnyMore) {
+  Rig rig;
+  ASSERT_NO_FATAL_FAILURE(rig.begin());
+  ASSERT_TRUE(rig.system->setProperty("Feedforward", "share_gravity", "0").ok);
+  rig.system->run(1.0);
+  EXPECT_EQ(rig.system->state(), MachineState::Holding);
+  EXPECT_NE(rig.system->status().guiding.find("declare it"), std::string::npos) << rig.system->status().guiding;
+  EXPECT_LT(rig.farthest, 0.002);
 }
 
 TEST(HandGuiding, EndsWhereMuchMoreThanDeclaredRestsOnThePlatform) {

@@ -26,10 +26,11 @@ namespace knee_robot::control {
 ///   less than what makes it slip by itself; a hand then needs only the rest of it. share_friction stays below 1: friction is never made
 ///   negative, as long as it is not smaller than share_friction of what was identified.
 /// - For weigh_s after the begin the Drivers' loops stay closed while the axes tremble: sticking friction lets go, and the integrals become
-///   what the model does not know of the load. They are kept from then on: a wrong payload does not drift. More of it than
-///   unknown_load_N in an axis ends the guiding.
+///   what the model does not know of the load. Nobody can tell a load that nobody declared from a hand that leans on the platform and lets go
+///   later. So half of it is carried, and so little friction that the rest holds either half: neither drifts. More than that, or than
+///   unknown_load_N, in an axis ends the guiding, also when a feedforward that is switched makes it so.
 /// - Speed: from 80 % of linear_m_per_s and angular_rad_per_s on (the patient's, where that is less) it brakes; 1.5 times for 0.1 s ends it.
-/// - A wall's depth of 90 % ends it. What ends it leads to holding where the platform is (SS2 by the Drivers' own loops): the command is
+/// - A wall's depth of 90 % ends it (begun near there: 93 %). What ends it leads to holding where the platform is (SS2 by the Drivers' own loops): the command is
 ///   `stop`, the Supervisor gives the order. So do a lost pose and a path that is full.
 /// - An encoder that stands while another leg has moved by kMoves_m is asked by its Driver (EncoderChallenge), as nothing else would notice. So is
 ///   one after the other, every kAllStand_s, while all stand: without their common supply none counts, and the hand would meet no wall.
@@ -88,6 +89,9 @@ class HandGuide : public rt::TaskContext {
   void standBy() noexcept;
   GuideStop whyNot() const noexcept;
   AxisValues frictionForce() const noexcept;
+  void weigh(double dt, const AxisValues& given) noexcept;
+  double frictionShare(std::size_t axis) const noexcept;
+  double largestUnknown(std::size_t axis) const noexcept;
   double speedShare() const noexcept;
   void doubt(double dt) noexcept;
   void remember(double dt) noexcept;
@@ -111,9 +115,10 @@ class HandGuide : public rt::TaskContext {
   AxisValues stood_m_{};   // where each axis was when its encoder moved last
   AxisValues others_m_{};  // way of the others since then
   double all_stand_s_ = 0.0;
-  std::size_t asked_ = 0;  // axis that was asked last because all stood
-  AxisValues unknown_N_{};
+  std::size_t asked_ = 0;   // axis that was asked last because all stood
+  AxisValues unknown_N_{};  // in the integrals
   AxisValues last_m_{};
+  double began_ = 0.0;  // depth of the walls where the guiding began
   double guided_s_ = 0.0, fast_s_ = 0.0, sampled_s_ = 0.0;
   rt::Nanoseconds last_time_ = 0;
   Guidance out_;
