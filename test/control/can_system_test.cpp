@@ -233,6 +233,28 @@ TEST(CanSystem, ADriveWithoutPowerBringsTheBrakesAtOnce) {
   }
 }
 
+TEST(CanSystem, ADriveThatHasRestartedAndRunsAgainByItselfIsUsedByNobodyBeforeTheControllerIsStartedAnew) {
+  CanRig rig;
+  ASSERT_TRUE(rig.play(0.04).ok);
+  const std::int32_t before = rig.bus.drive(1).position();
+  bool is_back = false;
+  rig.wire.passes_to_controller = [&](can::Frame& frame) {
+    if (frame.id != can::kTransmitPdoBase + 2) return true;
+    const auto position = static_cast<std::int32_t>(can::unsignedAt(frame, 2, 4)) - before;  // it counts from zero
+    can::putUnsigned(frame, 2, 4, static_cast<std::uint32_t>(position));
+    return is_back;
+  };
+  rig.wire.inject(can::heartbeatFrame(2, can::NmtState::BootUp));
+  rig.system.run(1.0);
+  EXPECT_EQ(rig.system.status().fault_name, "drive_lost");
+  EXPECT_EQ(rig.brakesEngaged(), kAll);
+  is_back = true;
+  rig.system.run(0.5);
+  const control::Answer reset = rig.system.resetFaults();
+  EXPECT_FALSE(reset.ok) << "it stands elsewhere than its counts say by " << before << " counts";
+  EXPECT_EQ(rig.system.state(), control::MachineState::Faulted);
+}
+
 TEST(CanSystem, AnEmergencyStopIsTheCauseAndNotWhatTheDrivesSayAboutIt) {
   CanRig rig;
   ASSERT_TRUE(rig.play().ok);

@@ -46,6 +46,7 @@ bool DriveNode::take(const Frame& frame) noexcept {
   if (const auto beat = parseHeartbeat(frame); beat && beat->node == node_) {
     heartbeat_ns_ = std::max(heartbeat_ns_, frame.received_ns);
     nmt_ = beat->state;
+    restarted_ = restarted_ || nmt_ == NmtState::BootUp;
     return true;
   }
   if (const auto emergency = parseEmergency(frame); emergency && emergency->node == node_) {
@@ -113,7 +114,7 @@ BusFailure DriveNode::failure(std::int64_t now) const noexcept {
   }
   // The status word that tells whether the drive went to Fault with it comes up to a period later.
   if (emergency_ != 0 && emergency_cycles_ >= 2) return {BusFault::DriveEmergency, 0, emergency_};
-  if (nmt_ != NmtState::Operational && nmt_ != NmtState::PreOperational) return {BusFault::DriveLost, 0, 0};
+  if (restarted_ || (nmt_ != NmtState::Operational && nmt_ != NmtState::PreOperational)) return {BusFault::DriveLost, 0, 0};
   if (missed_ > tolerances_.missed_feedback) return {BusFault::DriveLost, 0, 0};
   if (inputs_missed_ > tolerances_.missed_feedback) return {BusFault::InputsStale, 0, 0};
   if (now - heartbeat_ns_ > tolerances_.heartbeat_timeout_ns) return {BusFault::DriveHeartbeatLost, 0, 0};
