@@ -2,11 +2,14 @@
 
 #include <fcntl.h>
 #include <sys/file.h>
+#include <sys/socket.h>
+#include <sys/un.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <cctype>
 #include <cerrno>
+#include <cstddef>
 #include <cstdlib>
 #include <cstring>
 #include <utility>
@@ -31,6 +34,21 @@ std::string holder(int descriptor) {
   return pid > 0 ? " (process " + std::to_string(pid) + ")" : "";
 }
 
+/// A name without a file ("abstract"): bound by one at a time. -1 with errno where it cannot be.
+int bindTo(const std::string& path) {
+  sockaddr_un address{};
+  address.sun_family = AF_UNIX;
+  const std::string end = path.substr(path.size() - std::min(path.size(), sizeof address.sun_path - 1));
+  end.copy(address.sun_path + 1, end.size());  // behind a zero
+  const int made = ::socket(AF_UNIX, SOCK_DGRAM | SOCK_CLOEXEC, 0);
+  const auto size = static_cast<socklen_t>(offsetof(sockaddr_un, sun_path) + 1 + end.size());
+  if (made < 0 || ::bind(made, reinterpret_cast<const sockaddr*>(&address), size) == 0) return made;
+  const int why = errno;
+  ::close(made);
+  errno = why;
+  return -1;
+}
+
 }  // namespace
 
 MachineLock MachineLock::take(const std::string& role, const std::string& machine, const std::string& folder) {
@@ -48,6 +66,10 @@ MachineLock MachineLock::take(const std::string& role, const std::string& machin
     throw InputError(why);
   }
   MachineLock lock(descriptor);
+  lock.socket_ = bindTo(path);
+  if (lock.socket_ < 0 && errno == EADDRINUSE)
+    throw InputError("another " + role + " has the machine " + machine + " already (its file " + path +
+                     " was removed); end it first");
   const std::string mine = std::to_string(::getpid()) + "\n";
   if (::ftruncate(descriptor, 0) == 0 && ::pwrite(descriptor, mine.data(), mine.size(), 0) < 0) {
     // read only: nobody learns the number, the lock holds all the same
@@ -55,10 +77,13 @@ MachineLock MachineLock::take(const std::string& role, const std::string& machin
   return lock;
 }
 
-MachineLock::MachineLock(MachineLock&& other) noexcept : descriptor_(std::exchange(other.descriptor_, -1)) {}
+MachineLock::MachineLock(MachineLock&& other) noexcept
+    : descriptor_(std::exchange(other.descriptor_, -1)), socket_(std::exchange(other.socket_, -1)) {}
 
 MachineLock::~MachineLock() {
-  if (descriptor_ >= 0) ::close(descriptor_);
+  for (const int one : {socket_, descriptor_}) {
+    if (one >= 0) ::close(one);
+  }
 }
 
 }  // namespace knee_robot::hardware

@@ -54,6 +54,14 @@ TEST(MachineLock, IsFreeAgainWhenItsProcessWasKilled) {
   EXPECT_NO_THROW(MachineLock::take("controller", "pci", folder.path));
 }
 
+TEST(MachineLock, HoldsWhenItsFileIsRemoved) {
+  const Folder folder;
+  const MachineLock mine = MachineLock::take("controller", "pci", folder.path);
+  std::filesystem::remove_all(folder.path);
+  std::filesystem::create_directories(folder.path);
+  EXPECT_THROW(MachineLock::take("controller", "pci", folder.path), InputError);
+}
+
 TEST(MachineLock, SaysWhereItCannotBe) {
   EXPECT_THROW(MachineLock::take("controller", "pci", "/no/such/folder"), InputError);
 }
