@@ -6,6 +6,7 @@
 
 #include "knee_robot/base/numbers.h"
 #include "knee_robot/recording/filter.h"
+#include "repeated_friction.h"
 #include "repeats.h"
 
 namespace knee_robot::tracing {
@@ -77,6 +78,19 @@ class RepeatDifferences {
   std::vector<std::vector<double>> squares_;
 };
 
+/// Share of dry friction and velocity of every actuator, low-passed as differences are.
+struct Travel {
+  Eigen::MatrixXd share, velocity;
+};
+
+Travel travelOf(const EffectInput& input, double cutoff_hz) {
+  Travel t = {input.share, input.signals().velocity_m_per_s};
+  const recording::ZeroPhaseLowPass filter(cutoff_hz, 1.0 / input.signals().period_s);
+  filter.applyToColumns(t.share);
+  filter.applyToColumns(t.velocity);
+  return t;
+}
+
 /// What nobody would look for: a small share of the force, per actuator.
 Eigen::VectorXd engineeringSize(const TraceData& data) {
   const double root = std::sqrt(static_cast<double>(data.stack.size()));
@@ -93,6 +107,7 @@ NoiseFloor noiseFloor(const std::vector<recording::Recording>& recordings, const
   const int axes = data.stack.axes;
   NoiseFloor floor;
   RepeatDifferences differences(axes);
+  Eigen::VectorXd friction = Eigen::VectorXd::Zero(axes);
   std::vector<Eigen::MatrixXd> residual;
   for (std::size_t r = 0; r < recordings.size(); ++r)
     residual.push_back(data.recordings[r].signals.force_N - model_force_N[r]);
@@ -106,6 +121,9 @@ NoiseFloor noiseFloor(const std::vector<recording::Recording>& recordings, const
       Eigen::MatrixXd difference = residual[a].topRows(n) - residual[b].topRows(n);
       recording::ZeroPhaseLowPass(data.stack.cutoff_hz, 1.0 / data.recordings[a].signals.period_s)
           .applyToColumns(difference);
+      const Travel travel = travelOf(data.inputs[a], data.stack.cutoff_hz);
+      friction =
+          friction.cwiseMax(takeOutFrictionOfRuns(travel.share.topRows(n), travel.velocity.topRows(n), difference));
       differences.add(difference, blockOf(a));
       floor.source += (floor.source.empty() ? "repeats of one reference: " : "; ") + recordings[a].name + " and " +
                       recordings[b].name;
@@ -139,6 +157,9 @@ NoiseFloor noiseFloor(const std::vector<recording::Recording>& recordings, const
     if (events > 0.0)
       floor.source += "; without events, " + shortNumber(100.0 * events, 2) +
                       " % of the time, in which the repeats differ by more than three times their noise";
+    if (friction.maxCoeff() > 0.0)
+      floor.source += "; without friction that differs between the recordings, " +
+                      shortNumber(friction.maxCoeff() / std::sqrt(2.0), 2) + " N at most";
     floor.rms_N = floor.rms_N.cwiseMax(engineeringSize(data));
     return floor;
   }

@@ -11,6 +11,7 @@ namespace {
 
 constexpr double kCycle_s = 7.3;
 constexpr double kForce_N = 100.0;
+const dynamics::FrictionLaw kStop = dynamics::stopLaw(2e-5);
 
 /// One bench axis whose reference is `position`, with a force that depends on the position, and white noise of 2 N.
 recording::Recording recorded(const std::function<double(double)>& position, double seconds, const std::string& name) {
@@ -42,6 +43,9 @@ NoiseFloor floorOf(const std::vector<recording::Recording>& recordings) {
     model_N.push_back(Eigen::MatrixXd::Zero(data.recordings.back().samples(), 1));
   }
   data.stack = makeStack(data.recordings, options);
+  const int count = static_cast<int>(recordings.size());
+  for (int r = 0; r < count; ++r)
+    data.inputs.push_back(effectInput(robot, data.recordings[static_cast<std::size_t>(r)], {kStop}, r, count));
   return noiseFloor(recordings, data, model_N, Eigen::VectorXd::Constant(1, 30.0));
 }
 
@@ -99,6 +103,26 @@ TEST(NoiseFloor, TakesNoPushInOneOfTwoRepeatsForNoise) {
   const NoiseFloor pushed = floorOf({first, second});
   EXPECT_LT(pushed.rms_N[0], 1.3 * quiet.rms_N[0]);
   EXPECT_NE(pushed.source.find("without events"), std::string::npos) << pushed.source;
+}
+
+/// A machine that is warm in the second run: its friction is 12 N less at first, and the difference fades.
+TEST(NoiseFloor, TakesNoFrictionThatIsOtherInOneOfTwoRepeatsForNoise) {
+  const auto path = [](double t) { return 0.3 + 0.05 * std::sin(t) + 0.03 * std::sin(1.618 * t); };
+  const recording::Recording first = recorded(path, 40.0, "a");
+  recording::Recording second = recorded(path, 40.0, "b");
+  for (int k = 0; k < second.rows(); ++k)  // noise of its own
+    second.force_N(k, 0) += first.force_N(second.rows() - 1 - k, 0) -
+                            kForce_N * std::sin(60.0 * first.position_m(second.rows() - 1 - k, 0));
+  const NoiseFloor alike = floorOf({first, second});
+  double share = 0.0;  // a stop of 20 um
+  for (int k = 1; k < second.rows(); ++k) {
+    share = std::clamp(share + (second.position_m(k, 0) - second.position_m(k - 1, 0)) / 2e-5, -1.0, 1.0);
+    second.force_N(k, 0) -= 12.0 * std::exp(-0.01 * k / 25.0) * share;
+  }
+  const NoiseFloor warm = floorOf({first, second});
+  EXPECT_LT(warm.rms_N[0], 1.3 * alike.rms_N[0]);
+  EXPECT_NE(warm.source.find("without friction that differs between the recordings"), std::string::npos) << warm.source;
+  EXPECT_EQ(alike.source.find("without friction"), std::string::npos) << alike.source;
 }
 
 TEST(NoiseFloor, SaysWhenBothKindsOfRepeatsAreUsed) {
