@@ -49,6 +49,8 @@ class Reader {
       return leaveOut(e, reason);
     }
     if (e.name == "screw_ripple" && coefficients.size() > 2) coefficients = commonPhase(coefficients);
+    // Beyond its own: how warm each recording began.
+    if (e.name == "thermal_drift" && coefficients.size() > 2) coefficients.resize(2);
     if (coefficients.size() != static_cast<std::size_t>(law->coefficients()) || e.actuators.empty() ||
         (law->shared() && !robot_.mechanism)) {
       throw InputError("effect " + nameOf(e) + " has " + std::to_string(coefficients.size()) + " coefficients where " +

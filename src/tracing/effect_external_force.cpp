@@ -16,9 +16,9 @@ class ExternalForce : public PushWindow {
   Eigen::MatrixXd columns(const EffectInput& input, int actuator, const std::vector<double>& shape) const override {
     Eigen::MatrixXd out = Eigen::MatrixXd::Zero(input.samples(), 4);
     if (input.recording + 1 != static_cast<int>(shape[0])) return out;
-    for (int n = 0; n < input.samples(); ++n) {
-      if (holds(input, shape, n)) out.row(n) = -input.force_per_pose_force[static_cast<std::size_t>(n)].row(actuator);
-    }
+    const Samples window = samplesOf(input, shape);
+    for (int n = window.begin; n < window.end; ++n)
+      out.row(n) = -input.force_per_pose_force[static_cast<std::size_t>(n)].row(actuator);
     return out;
   }
 };

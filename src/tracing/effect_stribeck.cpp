@@ -11,6 +11,7 @@ class Stribeck : public Candidate {
  public:
   std::string name() const override { return "stribeck"; }
   bool isFriction() const override { return true; }
+  bool actsNearRest() const override { return true; }
   bool restsOnModel() const override { return false; }
   std::string sentence() const override {
     return "Dry friction is stronger at low velocity and falls off with a characteristic velocity.";

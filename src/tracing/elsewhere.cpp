@@ -15,6 +15,18 @@ namespace {
 
 constexpr double kErrors = 1.0;  ///< standard errors by which an effect, and all of them together, must help
 
+/// Of held-back stretches with samples near rest counting little: all alike.
+struct Helps {
+  HeldBackGain moving, all;
+
+  /// Near rest friction may take any value, and most of what is left lies there: what surely helps while axes move need not surely help
+  /// in all samples. It must not surely harm there.
+  bool surely() const {
+    const bool in_all = all.mean > kErrors * all.error;
+    return in_all || (moving.mean > kErrors * moving.error && all.mean > -kErrors * all.error);
+  }
+};
+
 std::vector<Hypothesis> without(std::vector<Hypothesis> all, std::size_t k) {
   all.erase(all.begin() + static_cast<std::ptrdiff_t>(k));
   return all;
@@ -84,13 +96,12 @@ bool judged(const FoundEffect& e) {
   return e.hypothesis.place.candidate->transfers() && !e.hypothesis.place.candidate->local() && e.band_hz == 0.0;
 }
 
-}  // namespace
-
-void judgeElsewhere(Search& s, std::vector<std::string>& notes) {
+/// Squares that each effect (columns) saves on held-back stretches (rows); `total`: what is left with all of them.
+Eigen::MatrixXd savedElsewhere(Search& s, const std::vector<Hypothesis>& all, Attention attention, double& total) {
   const Stack own = s.data->stack;
-  const std::vector<Hypothesis> all = hypothesesOf(s.effects);
   Eigen::MatrixXd saved = Eigen::MatrixXd::Zero(2 * kStretches, static_cast<Eigen::Index>(all.size()));
-  double total = 0.0;
+  total = 0.0;
+  setAttention(*s.data, attention);
   for (const int direction : {0, 1}) {
     labelByPosition(s.data->recordings, direction, s.data->stack);
     const Eigen::VectorXd with = fitOf(s, all).held_back;
@@ -102,23 +113,35 @@ void judgeElsewhere(Search& s, std::vector<std::string>& notes) {
     }
   }
   s.data->stack = own;
+  setAttention(*s.data, s.attention);
+  return saved;
+}
+
+}  // namespace
+
+void judgeElsewhere(Search& s, std::vector<std::string>& notes) {
+  const std::vector<Hypothesis> all = hypothesesOf(s.effects);
+  Eigen::VectorXd total(2);
+  const Eigen::MatrixXd moving = savedElsewhere(s, all, Attention::Moving, total[0]);
+  const Eigen::MatrixXd every = savedElsewhere(s, all, Attention::All, total[1]);
   const double masked = maskedSquares(s, all);
   for (std::size_t k = 0; k < all.size(); ++k) {
     FoundEffect& e = s.effects[k];
     if (!judged(e)) continue;
-    const HeldBackGain gain = heldBackGain(saved.col(static_cast<Eigen::Index>(k)));
+    const Eigen::Index column = static_cast<Eigen::Index>(k);
+    const Helps helps = {heldBackGain(moving.col(column)), heldBackGain(every.col(column))};
     const double beside = masked > 0.0 ? maskedSquares(s, without(all, k)) - masked : 0.0;
-    const double sum = 2.0 * kStretches * gain.mean;
-    e.elsewhere_gain = sum / std::max(1e-300, total);
-    if (gain.mean > kErrors * gain.error && 0.5 * sum + beside > 0.0) continue;
+    const double sum = 2.0 * kStretches * helps.all.mean;
+    e.elsewhere_gain = sum / std::max(1e-300, total[1]);
+    const double seen = std::max(0.5 * sum, kStretches * helps.moving.mean);
+    if (helps.surely() && seen + beside > 0.0) continue;
     e.transfers = false;
     const std::string share = shortNumber(100.0 * e.elsewhere_gain, 2) + " +- " +
-                              shortNumber(100.0 * 2.0 * kStretches * gain.error / std::max(1e-300, total), 2);
+                              shortNumber(100.0 * 2.0 * kStretches * helps.all.error / std::max(1e-300, total[1]), 2);
     notes.push_back(placeText(e.hypothesis.place) +
-                    (gain.mean > kErrors * gain.error
-                         ? ": it makes the error larger where the pose is masked"
-                         : ": at held-back positions of the training recordings it does not surely help (" + share +
-                               " % of the squares)") +
+                    (helps.surely() ? ": it makes the error larger where the pose is masked"
+                                    : ": at held-back positions of the training recordings it does not surely help (" +
+                                          share + " % of the squares)") +
                     "; it is left out of predictions elsewhere.");
   }
 }
@@ -131,9 +154,16 @@ bool helpsElsewhere(Search& s, const BaseFit& baseline) {
       predicted.push_back(e.hypothesis);
   }
   const Eigen::VectorXd noise_N = s.rms_N;
-  const HeldBackGain gain =
-      heldBackGain(baselineElsewhere(s, baseline, noise_N) - heldBackElsewhere(s, predicted, noise_N));
-  return gain.mean > kErrors * gain.error;
+  const Attention own = s.attention;
+  const auto gain = [&](Attention attention) {
+    s.attention = attention;
+    setAttention(*s.data, attention);
+    return heldBackGain(baselineElsewhere(s, baseline, noise_N) - heldBackElsewhere(s, predicted, noise_N));
+  };
+  const Helps helps = {gain(Attention::Moving), gain(Attention::All)};
+  s.attention = own;
+  setAttention(*s.data, own);
+  return helps.surely();
 }
 
 }  // namespace knee_robot::tracing

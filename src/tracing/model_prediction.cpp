@@ -77,13 +77,20 @@ FoundEffect effectOf(const mechanism::Robot& robot, const dynamics::ModelEffect&
     e.hypothesis.shape.push_back(0.0);
   }
   requireNames(shape, candidate->shapeParameters(), m.name, model_path);
-  requireNames(m.coefficients, candidate->coefficients(input), m.name, model_path);
+  std::vector<dynamics::EffectParameter> coefficients = m.coefficients;
+  const std::vector<Coefficient> asked = candidate->coefficients(input);
+  if (m.name == "thermal_drift" &&
+      coefficients.size() == 2) {  // of a file before recordings began with a warmth of their own
+    for (std::size_t k = 2; k < asked.size(); ++k)
+      coefficients.push_back({asked[k].name, 0.0, 0.0});
+  }
+  requireNames(coefficients, asked, m.name, model_path);
   e.hypothesis.place = {candidate, candidate->shared() ? -1 : actuator};
-  e.coefficients.resize(static_cast<Eigen::Index>(m.coefficients.size()));
+  e.coefficients.resize(static_cast<Eigen::Index>(coefficients.size()));
   e.std = e.coefficients;
-  for (std::size_t k = 0; k < m.coefficients.size(); ++k) {
-    e.coefficients[static_cast<Eigen::Index>(k)] = m.coefficients[k].value;
-    e.std[static_cast<Eigen::Index>(k)] = m.coefficients[k].std;
+  for (std::size_t k = 0; k < coefficients.size(); ++k) {
+    e.coefficients[static_cast<Eigen::Index>(k)] = coefficients[k].value;
+    e.std[static_cast<Eigen::Index>(k)] = coefficients[k].std;
   }
   e.transfers = m.transfers;
   return e;

@@ -1,3 +1,4 @@
+#include "knee_robot/identification/reduction.h"
 #include "search.h"
 
 namespace knee_robot::tracing {
@@ -34,6 +35,27 @@ Projection projectModel(const Search& s, const std::vector<Hypothesis>& effects)
   Eigen::MatrixXd all(model.rows(), model.cols() + s.near_rest.cols());
   all << model, weighted(s.data->stack, s.data->scale.asDiagonal() * s.near_rest, s.rms_N);
   return project(all, weighted(s.data->stack, s.data->force_rows, s.rms_N), s.base->pull);
+}
+
+double shareBeyondLaws(const Search& s, const Hypothesis& h) {
+  const TraceData& data = *s.data;
+  const std::vector<Hypothesis> model = hypothesesOf(s.effects);
+  const Projection onto =
+      project(modelColumns(data, s.rms_N, model), weighted(data.stack, data.force_rows, s.rms_N), s.base->pull);
+  const Eigen::Index laws = s.near_rest.cols() / data.stack.axes;
+  const Eigen::MatrixXd own = s.near_rest.middleCols(h.place.actuator * laws, laws);
+  const Eigen::MatrixXd effect = weighted(data.stack, effectRows(data, h), s.rms_N);
+  Eigen::MatrixXd both(own.rows(), laws + effect.cols());
+  both << weighted(data.stack, data.scale.asDiagonal() * own, s.rms_N), effect;
+  both -= onto.q * (onto.q.transpose() * both).eval();
+  const bool one_sign = h.place.candidate->coefficients(data.inputs.front()).front().non_negative;
+  const auto left = [&](Eigen::Index columns, Eigen::Index bounded) {
+    const Eigen::MatrixXd x = both.leftCols(columns);
+    const Eigen::VectorXd z = identification::boundedLeastSquares(x, onto.residual, static_cast<int>(bounded));
+    return (onto.residual - x * z).squaredNorm();
+  };
+  const double gained = left(laws, laws) - left(both.cols(), one_sign ? both.cols() : laws);
+  return gained / static_cast<double>(data.stack.size());
 }
 
 }  // namespace knee_robot::tracing

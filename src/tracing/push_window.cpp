@@ -9,6 +9,23 @@ namespace {
 /// Until then friction still has what nobody recorded in its memory: a short push that begins there is none.
 constexpr double kSettled_s = 0.5, kLong_s = 2.0;
 
+constexpr double kTravel_m = 3e-4;  ///< that friction's memory takes to be lost: more than most bristles give
+constexpr double kMoves_m = 3.0 * kTravel_m;
+
+/// The first sample at which every actuator that moves at all has moved: before it the force at rest has what nobody recorded in its memory.
+int firstSettled(const EffectInput& input) {
+  const Eigen::MatrixXd& q = input.friction_position_m;
+  int settled = 0;
+  for (Eigen::Index i = 0; i < q.cols(); ++i) {
+    if (q.col(i).maxCoeff() - q.col(i).minCoeff() < kMoves_m) continue;
+    int n = 0;
+    while (std::abs(q(n, i) - q(0, i)) < kTravel_m)
+      ++n;
+    settled = std::max(settled, n);
+  }
+  return settled;
+}
+
 bool isTold(const std::vector<double>& shape) {
   return shape[1] >= kSettled_s || shape[2] >= kLong_s;
 }
@@ -40,9 +57,15 @@ std::vector<std::vector<double>> PushWindow::near(const std::vector<double>& s, 
   return all;
 }
 
-bool PushWindow::holds(const EffectInput& input, const std::vector<double>& shape, int sample) {
-  const double since = input.time(sample) - shape[1];
-  return since >= 0.0 && since <= shape[2];
+PushWindow::Samples PushWindow::samplesOf(const EffectInput& input, const std::vector<double>& shape) {
+  Samples all;
+  all.begin = firstSettled(input);
+  while (all.begin < input.samples() && input.time(all.begin) < shape[1])
+    ++all.begin;
+  all.end = all.begin;
+  while (all.end < input.samples() && input.time(all.end) <= shape[1] + shape[2])
+    ++all.end;
+  return all;
 }
 
 }  // namespace knee_robot::tracing

@@ -18,8 +18,11 @@ class PushWindow : public Candidate {
   std::vector<std::vector<double>> near(const std::vector<double>& shape, double step) const override;
 
  protected:
-  /// A sample of `input` lies in the window.
-  static bool holds(const EffectInput& input, const std::vector<double>& shape, int sample);
+  /// Samples of `input` in the window, `end` not among them. Not those before every actuator has moved: at rest friction may be anything.
+  struct Samples {
+    int begin = 0, end = 0;
+  };
+  static Samples samplesOf(const EffectInput& input, const std::vector<double>& shape);
 };
 
 }  // namespace knee_robot::tracing

@@ -76,7 +76,8 @@ class ForceSelection : public SelectionProblem {
 
   std::vector<SelectionTrial> compare() override {
     trials_.clear();
-    if (!((s_.rms_N.array() > 1.15 * s_.floor.rms_N.array()).any())) return {};
+    const double above = only_ != nullptr ? 1.0 : 1.15;
+    if (!((s_.rms_N.array() > above * s_.floor.rms_N.array()).any())) return {};
     Ranking r = rankPlaces(s_, only_);
     projection_ = std::move(r.projection);
     trials_ = std::move(r.trials);

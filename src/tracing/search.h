@@ -63,6 +63,10 @@ void updateNearRest(Search& search);
 /// Least squares onto the model as it stands (`effects`), and what other laws near rest would change.
 Projection projectModel(const Search& search, const std::vector<Hypothesis>& effects);
 
+/// Share of the squared noise that friction of one actuator explains beyond the laws near rest that it might have instead. A law is a mixture of
+/// shares that are positive: what only their difference explains (dry friction that is larger while creeping) is no law.
+double shareBeyondLaws(const Search& search, const Hypothesis& friction);
+
 /// Adds what the library holds, named effects and maps in the same pass, one after the other while they pass every test; the same
 /// effect on other actuators follows at once. At most `most` additions, those not counted.
 void searchForward(Search& search, int most, std::uint64_t seed);

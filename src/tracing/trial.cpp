@@ -25,7 +25,11 @@ constexpr int kLocalPieces = 6;      ///< of a local effect that are held back i
 constexpr double kMostPieces = 0.8;  ///< share of those that must gain
 constexpr double kMostBlocks = 0.5;  ///< share of held-back blocks that must gain
 constexpr double kAboveFloor = 1.15;
-constexpr double kLowered = 0.9;          ///< the rms of some actuator must fall below this share
+constexpr double kSiblingAboveFloor = 1.0;
+constexpr double kLowered = 0.9;         ///< the rms of some actuator must fall below this share
+constexpr double kNearRestFloors = 2.0;  ///< noise floors of an effect that acts near rest, there
+constexpr double kNearRestErrors =
+    5.0;  ///< standard errors by which such an effect must help, and every block must gain
 constexpr double kSiblingLowered = 0.97;  ///< where the same effect was found on another actuator
 constexpr double kMapErrors =
     2.5;  ///< standard errors by which a map must help: it bends to much, and extrapolates badly
@@ -225,16 +229,29 @@ Ranking rankPlaces(Search& s, const Candidate* only) {
   return r;
 }
 
+/// Large where it acts and sure beyond doubt, if small in a brisk training: a slow motion is made of it.
+bool isLargeNearRest(const Search& s, const Trial& t) {
+  if (!t.hypothesis.place.candidate->actsNearRest()) return false;
+  const double size_N = t.fit.coefficients.back().cwiseAbs().maxCoeff();
+  return size_N > kNearRestFloors * s.floor.rms_N[t.hypothesis.place.actuator] && t.held.gaining == 1.0 &&
+         t.held.mean > kNearRestErrors * t.held.error;
+}
+
 std::string objection(const Search& s, const Trial& t, bool sibling) {
   const Eigen::VectorXd rms = rmsOf(s.data->stack, t.fit.residual_N);
   const double lowered = sibling ? kSiblingLowered : kLowered;
+  const double above = sibling ? kSiblingAboveFloor : kAboveFloor;
   bool worth_it = false;
   for (int i = 0; i < rms.size(); ++i) {
     if (t.hypothesis.place.actuator >= 0 && t.hypothesis.place.actuator != i) continue;
-    worth_it = worth_it || (s.rms_N[i] > kAboveFloor * s.floor.rms_N[i] && rms[i] < lowered * s.rms_N[i]);
+    worth_it = worth_it || (s.rms_N[i] > above * s.floor.rms_N[i] && rms[i] < lowered * s.rms_N[i]);
   }
-  if (!worth_it) return "does not lower the residual by a tenth where it is above the floor";
-  if (t.share < 1.0 - lowered * lowered) return "another law of friction near rest explains most of the same";
+  const bool near_rest = isLargeNearRest(s, t);
+  if (!worth_it && !near_rest) return "does not lower the residual by a tenth where it is above the floor";
+  const double least = near_rest ? 1.0 - kSiblingLowered * kSiblingLowered : 1.0 - lowered * lowered;
+  const bool rubs = t.hypothesis.place.candidate->isFriction() && t.hypothesis.place.actuator >= 0 && !t.isMap();
+  if (t.share < least && !(rubs && shareBeyondLaws(s, t.hypothesis) >= least))
+    return "another law of friction near rest explains most of the same";
   if (t.fit.coefficients.back().cwiseAbs().maxCoeff() == 0.0) return "the sign that fits is not physical";
   if (!t.hypothesis.place.candidate->plausible(t.fit.coefficients.back())) return "the size that fits is not physical";
   if (!t.fit.stable.back()) return "its sign changes when a part of the training data is left out";

@@ -38,6 +38,9 @@ class Candidate {
   /// True: acts during a part of a recording only. What was held back outside it says nothing, and inside it there may be a single
   /// block: pieces of that part are held back instead.
   virtual bool local() const { return false; }
+  /// True: acts in a small part of a brisk motion, and through the whole of a slow one: how large it is there counts as well, not only what it
+  /// adds to the rms of training.
+  virtual bool actsNearRest() const { return false; }
   /// True: shows in fast motion only; looked for in a second, higher band as well.
   virtual bool actsFast() const { return false; }
   /// True: goes on in the same way at every position of its actuator.
