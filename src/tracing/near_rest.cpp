@@ -39,14 +39,20 @@ Projection projectModel(const Search& s, const std::vector<Hypothesis>& effects)
 
 double shareBeyondLaws(const Search& s, const Hypothesis& h) {
   const TraceData& data = *s.data;
-  const std::vector<Hypothesis> model = hypothesesOf(s.effects);
-  const Projection onto =
-      project(modelColumns(data, s.rms_N, model), weighted(data.stack, data.force_rows, s.rms_N), s.base->pull);
-  const Eigen::Index laws = s.near_rest.cols() / data.stack.axes;
-  const Eigen::MatrixXd own = s.near_rest.middleCols(h.place.actuator * laws, laws);
+  const Eigen::Index rows = data.force_rows.size(), laws = s.near_rest.cols() / data.stack.axes;
+  const Eigen::MatrixXd model = modelColumns(data, s.rms_N, hypothesesOf(s.effects));
   const Eigen::MatrixXd effect = weighted(data.stack, effectRows(data, h), s.rms_N);
-  Eigen::MatrixXd both(own.rows(), laws + effect.cols());
-  both << weighted(data.stack, data.scale.asDiagonal() * own, s.rms_N), effect;
+  const Eigen::MatrixXd others = data.scale.asDiagonal() * s.near_rest.middleCols(h.place.actuator * laws, laws);
+  // The prior's pull as rows of its own: what is left is orthogonal to the model then.
+  const Eigen::Index all = rows + s.base->pull.size();
+  Eigen::MatrixXd pulled = Eigen::MatrixXd::Zero(all, model.cols());
+  pulled.topRows(rows) = model;
+  pulled.bottomLeftCorner(all - rows, all - rows).diagonal() = s.base->pull;
+  Eigen::MatrixXd both = Eigen::MatrixXd::Zero(all, laws + effect.cols());
+  both.topRows(rows) << weighted(data.stack, others, s.rms_N), effect;
+  Eigen::VectorXd force = Eigen::VectorXd::Zero(all);
+  force.head(rows) = weighted(data.stack, data.force_rows, s.rms_N);
+  const Projection onto = project(pulled, force);
   both -= onto.q * (onto.q.transpose() * both).eval();
   const bool one_sign = h.place.candidate->coefficients(data.inputs.front()).front().non_negative;
   const auto left = [&](Eigen::Index columns, Eigen::Index bounded) {
