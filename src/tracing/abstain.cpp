@@ -7,17 +7,22 @@
 namespace knee_robot::tracing {
 namespace {
 
+/// What held-back positions say nothing about.
+bool goesWithTime(const Candidate& candidate) {
+  return candidate.name() == "thermal_drift" || candidate.name() == "gain_drift";
+}
+
 /// Noise floors that an effect must explain: one where bristles at rest look like it or its shapes are many, two of a map, whose shapes are most.
 double leastFloors(const Candidate& candidate) {
   const std::string name = candidate.name();
   if (name == "unnamed") return 2.0;
-  return name == "screw_ripple" || name == "thermal_drift" || candidate.local() ? 1.0 : 0.0;
+  return name == "screw_ripple" || goesWithTime(candidate) || candidate.local() ? 1.0 : 0.0;
 }
 
 /// Held-back positions say something about it: not about what goes with time.
 bool testedElsewhere(const FoundEffect& e) {
   const Candidate& candidate = *e.hypothesis.place.candidate;
-  return e.transfers && candidate.name() != "thermal_drift" && candidate.elsewhere(e.coefficients).size() > 0;
+  return e.transfers && !goesWithTime(candidate) && candidate.elsewhere(e.coefficients).size() > 0;
 }
 
 /// The effect that does most harm at held-back positions; none: the end.

@@ -61,6 +61,9 @@ CandidateList namedCandidates(const mechanism::Robot& robot) {
   all.push_back(makePowerFlowFriction());
   all.push_back(makeLoadDependentViscous());
   all.push_back(makeDashpot());
+  all.push_back(makeNonlinearSpring());
+  all.push_back(makeAsymmetricDashpot());
+  all.push_back(makeGainDrift());
   all.push_back(makeTorsionalHysteresis());
   all.push_back(makeGearRipple());
   all.push_back(makeTemperatureFriction());

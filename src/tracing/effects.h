@@ -21,10 +21,13 @@ std::unique_ptr<Candidate> makeDriveLag();
 std::unique_ptr<Candidate> makeBacklash();
 std::unique_ptr<Candidate> makeFlexibleCoupling();
 std::unique_ptr<Candidate> makeSpring();
+std::unique_ptr<Candidate> makeNonlinearSpring();
 std::unique_ptr<Candidate> makeExternalForce();
 std::unique_ptr<Candidate> makePowerFlowFriction();
 std::unique_ptr<Candidate> makeLoadDependentViscous();
 std::unique_ptr<Candidate> makeDashpot();
+std::unique_ptr<Candidate> makeAsymmetricDashpot();
+std::unique_ptr<Candidate> makeGainDrift();
 // Of chains only.
 std::unique_ptr<Candidate> makeTorsionalHysteresis();
 std::unique_ptr<Candidate> makeGearRipple();
