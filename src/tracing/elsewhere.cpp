@@ -13,17 +13,17 @@
 namespace knee_robot::tracing {
 namespace {
 
-constexpr double kErrors = 1.0;  ///< standard errors by which an effect, and all of them together, must help
+constexpr double kErrors = 1.0;        ///< standard errors by which an effect, and all of them together, must help
+constexpr double kMovingErrors = 2.0;  ///< the same while axes move, where all samples alike do not show it surely
 
-/// Of held-back stretches with samples near rest counting little: all alike.
+/// What is gained on held-back stretches: with samples near rest counting little, and with all alike.
 struct Helps {
   HeldBackGain moving, all;
 
-  /// Near rest friction may take any value, and most of what is left lies there: what surely helps while axes move need not surely help
-  /// in all samples. It must not surely harm there.
+  /// Near rest friction may take any value, and most of what is left lies there: what clearly helps while axes move need not surely help
+  /// in all samples, but help.
   bool surely() const {
-    const bool in_all = all.mean > kErrors * all.error;
-    return in_all || (moving.mean > kErrors * moving.error && all.mean > -kErrors * all.error);
+    return all.mean > kErrors * all.error || (all.mean > 0.0 && moving.mean > kMovingErrors * moving.error);
   }
 };
 

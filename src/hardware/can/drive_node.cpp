@@ -114,7 +114,8 @@ BusFailure DriveNode::failure(std::int64_t now) const noexcept {
   }
   // The status word that tells whether the drive went to Fault with it comes up to a period later.
   if (emergency_ != 0 && emergency_cycles_ >= 2) return {BusFault::DriveEmergency, 0, emergency_};
-  if (restarted_ || (nmt_ != NmtState::Operational && nmt_ != NmtState::PreOperational)) return {BusFault::DriveLost, 0, 0};
+  if (restarted_ || (nmt_ != NmtState::Operational && nmt_ != NmtState::PreOperational))
+    return {BusFault::DriveLost, 0, 0};
   if (missed_ > tolerances_.missed_feedback) return {BusFault::DriveLost, 0, 0};
   if (inputs_missed_ > tolerances_.missed_feedback) return {BusFault::InputsStale, 0, 0};
   if (now - heartbeat_ns_ > tolerances_.heartbeat_timeout_ns) return {BusFault::DriveHeartbeatLost, 0, 0};

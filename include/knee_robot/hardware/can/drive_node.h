@@ -74,7 +74,8 @@ class DriveNode {
   int irregular_ = 0;                   // leaky count of periods with more than one feedback
   std::int64_t heartbeat_ns_ = 0;
   NmtState nmt_ = NmtState::Operational;
-  bool restarted_ = false;  // since begin(): its configuration and its count are gone, even when it runs again by itself
+  bool restarted_ =
+      false;  // since begin(): its configuration and its count are gone, even when it runs again by itself
   std::uint16_t emergency_ = 0;
   int emergency_cycles_ = 0;  // since it came, up to 2
   DriveGoal goal_ = DriveGoal::Off;
