@@ -52,7 +52,6 @@ constexpr Entry kLaws[] = {
     {"drive_lag", 0, delayLaw},
     {"spring", 4, springLaw},
     {"dashpot", 5, dashpotLaw},
-    {"nonlinear_spring", 4, nonlinearSpringLaw},
     {"asymmetric_dashpot", 5, asymmetricDashpotLaw},
 };
 
@@ -82,6 +81,7 @@ std::string whyNotInstantly(const std::string& name) {
   if (name == "backlash" || name == "flexible_coupling")
     return "it moves the load apart from the motor, which only the whole recording shows";
   if (name == "gain_drift") return "how warm the motors are is not known to the controller";
+  if (name == "nonlinear_spring") return "its curve is known between the lengths of training only";
   if (name == "unnamed") return "its signal means nothing while the robot runs on";
   return "";
 }

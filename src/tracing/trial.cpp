@@ -152,6 +152,14 @@ void crossValidate(const Search& s, const Projection& projection, std::vector<Hy
   t.held = t.by_joint ? joint : nested;
 }
 
+/// Large where it acts and sure beyond doubt, if small in a brisk training: a slow motion is made of it.
+bool isLargeNearRest(const Search& s, const Trial& t) {
+  if (!t.hypothesis.place.candidate->actsNearRest()) return false;
+  const double size_N = t.fit.coefficients.back().cwiseAbs().maxCoeff();
+  return size_N > kNearRestFloors * s.floor.rms_N[t.hypothesis.place.actuator] && t.held.gaining == 1.0 &&
+         t.held.mean > kNearRestErrors * t.held.error;
+}
+
 }  // namespace
 
 Eigen::VectorXd nestedGain(const Search& s, const Projection& projection, const std::vector<Hypothesis>& shapes) {
@@ -227,14 +235,6 @@ Ranking rankPlaces(Search& s, const Candidate* only) {
   std::sort(r.trials.begin(), r.trials.end(),
             [](const Trial& a, const Trial& b) { return a.nested_gain.sum() > b.nested_gain.sum(); });
   return r;
-}
-
-/// Large where it acts and sure beyond doubt, if small in a brisk training: a slow motion is made of it.
-bool isLargeNearRest(const Search& s, const Trial& t) {
-  if (!t.hypothesis.place.candidate->actsNearRest()) return false;
-  const double size_N = t.fit.coefficients.back().cwiseAbs().maxCoeff();
-  return size_N > kNearRestFloors * s.floor.rms_N[t.hypothesis.place.actuator] && t.held.gaining == 1.0 &&
-         t.held.mean > kNearRestErrors * t.held.error;
 }
 
 std::string objection(const Search& s, const Trial& t, bool sibling) {

@@ -62,7 +62,6 @@ std::vector<ModelEffect> oneOfEach() {
           effect("drive_lag", 2, {}, {0.006}),
           effect("spring", 0, {0.3, 0.0, 0.1, 0.0}, {200.0, 100.0}),
           effect("dashpot", 0, {0.0, 0.3, 0.0, 0.1, 0.5}, {40.0}),
-          effect("nonlinear_spring", 0, {0.3, 0.0, 0.1, 0.0}, {20.0, 100.0, 300.0, 900.0}),
           effect("asymmetric_dashpot", 0, {0.0, 0.3, 0.0, 0.1, 0.5}, {40.0, 10.0}),
           map};
 }

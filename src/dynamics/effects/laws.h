@@ -24,7 +24,6 @@ Law forceOffsetLaw(const Shape& shape);
 Law delayLaw(const Shape& shape);
 Law springLaw(const Shape& shape);
 Law dashpotLaw(const Shape& shape);
-Law nonlinearSpringLaw(const Shape& shape);
 Law asymmetricDashpotLaw(const Shape& shape);
 /// Null when there is no such signal, or it means nothing while a robot runs on (time since a recording began).
 Law mapLaw(const std::string& depends_on, const Shape& knots);
