@@ -16,7 +16,7 @@ class ExternalForce : public PushWindow {
   Eigen::MatrixXd columns(const EffectInput& input, int actuator, const std::vector<double>& shape) const override {
     Eigen::MatrixXd out = Eigen::MatrixXd::Zero(input.samples(), 4);
     if (input.recording + 1 != static_cast<int>(shape[0])) return out;
-    const Samples window = samplesOf(input, shape);
+    const Samples window = samplesOf(input, actuator, shape);
     for (int n = window.begin; n < window.end; ++n)
       out.row(n) = -input.force_per_pose_force[static_cast<std::size_t>(n)].row(actuator);
     return out;

@@ -22,7 +22,7 @@ class PushAtTip : public PushWindow {
     Eigen::VectorXd per_m(input.axes());
     for (int i = 0; i < input.axes(); ++i)
       per_m[i] = input.robot->actuators[static_cast<std::size_t>(i)].position_per_m();
-    const Samples window = samplesOf(input, shape);
+    const Samples window = samplesOf(input, actuator, shape);
     for (int n = window.begin; n < window.end; ++n) {
       const Eigen::VectorXd q = input.signals().position_m.row(n).transpose().cwiseProduct(per_m);
       const auto jacobian = dynamics::chainJacobian(chain, q, chain.tip.translation());

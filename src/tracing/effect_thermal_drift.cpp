@@ -49,8 +49,8 @@ class ThermalDrift : public Candidate {
       const double cold = std::exp(-input.time(n) / shape[0]);
       const double velocity = input.signals().velocity_m_per_s(n, actuator);
       out.row(n).head<kOwn>() << (1.0 - cold) * share[n], (1.0 - cold) * velocity;
-      for (int r = 1; r < input.recordings;
-           ++r) {  // the first takes what all others have more, so that the mean is nought
+      // The first recording takes what all others have more, so that the mean is nought.
+      for (int r = 1; r < input.recordings; ++r) {
         const double of_this = input.recording == r ? cold : input.recording == 0 ? -cold : 0.0;
         out.row(n).segment<kOwn>(kOwn * r) << of_this * share[n], of_this * velocity;
       }

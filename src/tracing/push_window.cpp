@@ -12,18 +12,14 @@ constexpr double kSettled_s = 0.5, kLong_s = 2.0;
 constexpr double kTravel_m = 3e-4;  ///< that friction's memory takes to be lost: more than most bristles give
 constexpr double kMoves_m = 3.0 * kTravel_m;
 
-/// The first sample at which every actuator that moves at all has moved: before it the force at rest has what nobody recorded in its memory.
-int firstSettled(const EffectInput& input) {
-  const Eigen::MatrixXd& q = input.friction_position_m;
-  int settled = 0;
-  for (Eigen::Index i = 0; i < q.cols(); ++i) {
-    if (q.col(i).maxCoeff() - q.col(i).minCoeff() < kMoves_m) continue;
-    int n = 0;
-    while (std::abs(q(n, i) - q(0, i)) < kTravel_m)
-      ++n;
-    settled = std::max(settled, n);
-  }
-  return settled;
+/// The first sample at which the actuator has moved, 0 when it never does: before it its force at rest has what nobody recorded in its memory.
+int firstSettled(const EffectInput& input, int actuator) {
+  const auto q = input.friction_position_m.col(actuator);
+  if (q.maxCoeff() - q.minCoeff() < kMoves_m) return 0;
+  int n = 0;
+  while (std::abs(q[n] - q[0]) < kTravel_m)
+    ++n;
+  return n;
 }
 
 bool isTold(const std::vector<double>& shape) {
@@ -57,9 +53,9 @@ std::vector<std::vector<double>> PushWindow::near(const std::vector<double>& s, 
   return all;
 }
 
-PushWindow::Samples PushWindow::samplesOf(const EffectInput& input, const std::vector<double>& shape) {
+PushWindow::Samples PushWindow::samplesOf(const EffectInput& input, int actuator, const std::vector<double>& shape) {
   Samples all;
-  all.begin = firstSettled(input);
+  all.begin = firstSettled(input, actuator);
   while (all.begin < input.samples() && input.time(all.begin) < shape[1])
     ++all.begin;
   all.end = all.begin;

@@ -18,11 +18,11 @@ class PushWindow : public Candidate {
   std::vector<std::vector<double>> near(const std::vector<double>& shape, double step) const override;
 
  protected:
-  /// Samples of `input` in the window, `end` not among them. Not those before every actuator has moved: at rest friction may be anything.
+  /// Samples of `input` in the window, `end` not among them. Not those before the actuator has moved: at rest friction may be anything.
   struct Samples {
     int begin = 0, end = 0;
   };
-  static Samples samplesOf(const EffectInput& input, const std::vector<double>& shape);
+  static Samples samplesOf(const EffectInput& input, int actuator, const std::vector<double>& shape);
 };
 
 }  // namespace knee_robot::tracing

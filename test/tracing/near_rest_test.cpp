@@ -23,14 +23,14 @@ TEST_F(NearRest, FrictionThatBuildsUpOverALongerWayIsALaw) {
   EXPECT_LT(shareBeyondLaws(search_, stribeck), 0.05);
 }
 
-TEST_F(NearRest, NothingPushesBeforeEveryActuatorHasMoved) {
+TEST_F(NearRest, NothingPushesAnActuatorBeforeItHasMoved) {
   const EffectInput& input = data_.inputs[0];
   const Hypothesis push = named("external_force", {1.0, 0.0, 4.0});
   const Eigen::MatrixXd columns = effectColumns(input, push, kActuator);
   const Eigen::MatrixXd& q = input.friction_position_m;
   int settled = 0;
   for (int n = 0; n < input.samples() && settled == 0; ++n) {
-    if (((q.row(n) - q.row(0)).cwiseAbs().array() > 3e-4).all()) settled = n;
+    if (std::abs(q(n, kActuator) - q(0, kActuator)) > 3e-4) settled = n;
   }
   ASSERT_GT(settled, 10);
   EXPECT_EQ(columns.topRows(settled - 5).norm(), 0.0);
