@@ -8,7 +8,7 @@ import re
 from aiohttp import web
 
 from .access import LONGEST_PASSWORD, LoginLimit, Session, Sessions
-from .connections import BODY_S, bounded_request
+from .connections import BODY_S, STOP, bounded_request
 from .controller_events import in_words
 from .answer import Answer, Refused
 from .exercises import Exercises
@@ -110,7 +110,7 @@ class Server:
         add("POST", "/api/login", self.login)
         add("POST", "/api/logout", needs("look")(self.logout))
         add("GET", "/api/live", self.live.handler)
-        add("POST", "/api/stop", self.stop)
+        add("POST", STOP, self.stop)
         Requests(self).add_to(app)
         app.on_startup.append(self._begin)
         app.on_shutdown.append(self._end)

@@ -5,11 +5,12 @@ import json
 import os
 import pathlib
 import sys
+import threading
 import unittest
 
 import aiohttp
 import rosunit
-from page_rig import PAGE, PageTest, Rig
+from page_rig import PAGE, PageTest, Rig, until_closed
 
 from knee_robot_operator.access import InputError, Users, write_user
 from knee_robot_operator.settings import Settings
@@ -17,6 +18,9 @@ from knee_robot_operator.settings import Settings
 FOLDERS = {name: f"/tmp/nowhere/{name}" for name in ("references", "patients", "recordings", "reports", "log", "robot")}
 NAMES_THAT_LEAVE_THE_FOLDER = ["../secret.txt", "..%2fsecret.txt", "%2e%2e/secret.txt", "..%252fsecret.txt", "/etc/passwd", "%2fetc%2fpasswd",
                                "....//secret.txt", "lift.txt%00.yaml", "..\\secret.txt", ".hidden.txt", "lift.txt/", "-rf.txt", "a" * 300 + ".txt"]
+
+
+STOP = b"POST /api/stop HTTP/1.1\r\nHost: 127.0.0.1\r\n"
 
 
 class CrossSiteRequests(PageTest):
@@ -175,6 +179,7 @@ class Injection(PageTest):
             rig.robot.say('refused\n{"kind": "request", "user": "chief"}')
             await browser.post("/api/jobs", {"command": 'x"\n{"kind":"request"}', "train": []})
             await asyncio.sleep(1.2)
+            rig.server.events.settle()
             lines = (rig.folder / "log" / "events.jsonl").read_text().splitlines()
             self.assertTrue(all(json.loads(line)["kind"] in ("page", "controller") for line in lines), lines)
 
@@ -206,7 +211,7 @@ class OversizedAndSlow(PageTest):
                 writer.write(b"GET / HTTP/1.1\r\nHost: 127")
             self.assertEqual(200, (await browser.post("/api/stop"))[0])
             for reader, writer in slow:
-                self.assertEqual(b"", await asyncio.wait_for(reader.read(), 5))
+                self.assertEqual(b"", await asyncio.wait_for(until_closed(reader), 5))
                 writer.close()
             head = f"POST /api/robot/enable HTTP/1.1\r\nHost: 127.0.0.1\r\nContent-Type: application/json\r\nX-CSRF-Token: {browser.token}\r\n"
             answer = await rig.talk(head.encode() + b"Content-Length: 100\r\n\r\n{")
@@ -214,19 +219,51 @@ class OversizedAndSlow(PageTest):
             self.assertNotIn(("enable", {}), rig.robot.asked)
 
     async def test_one_address_cannot_take_all_connections(self):
-        async with Rig(limits={"most_per_address": 5}) as rig:
-            held = [await asyncio.open_connection("127.0.0.1", rig.port) for _ in range(5)]
-            reader, writer = await asyncio.open_connection("127.0.0.1", rig.port)
-            try:
-                self.assertEqual(b"", await asyncio.wait_for(reader.read(), 5))
-            except ConnectionResetError:
-                pass
-            writer.close()
-            for _, held_writer in held:
-                held_writer.close()
-                await held_writer.wait_closed()
-            async with rig.browser() as browser:
-                self.assertEqual(200, (await browser.get("/api/session"))[0])
+        async with Rig(limits={"most_per_address": 5}) as rig, rig.browser() as browser:
+            other = [await asyncio.open_connection("127.0.0.1", rig.port, local_addr=("127.0.0.2", 0)) for _ in range(7)]
+            for reader, _ in other[:2]:
+                self.assertEqual(b"", await asyncio.wait_for(until_closed(reader), 5), "the oldest give way")
+            self.assertFalse(any(reader.at_eof() for reader, _ in other[2:]))
+            self.assertEqual(200, (await browser.get("/api/session"))[0])
+            for _, writer in other:
+                writer.close()
+
+    async def test_connections_that_ask_nothing_give_way_to_a_stop(self):
+        async with Rig(limits={"most": 30, "most_per_address": 10}) as rig:
+            idle = b"GET /api/session HTTP/1.1\r\nHost: 127.0.0.1\r\n\r\n"
+            dribble = b"POST /api/login HTTP/1.1\r\nHost: 127.0.0.1\r\nContent-Type: application/json\r\nContent-Length: 9\r\n\r\n{"
+            held = []
+            for k in range(30):
+                held.append(await asyncio.open_connection("127.0.0.1", rig.port, local_addr=(f"127.0.0.{2 + k // 10}", 0)))
+                held[-1][1].write((idle, dribble, b"GET /")[k % 3])
+            await asyncio.sleep(0.1)
+            for address in ("127.0.0.1", "127.0.0.2"):  # a new one, and one that has all it may have
+                answer = await asyncio.wait_for(rig.talk(STOP + b"Content-Length: 0\r\nConnection: close\r\n\r\n", local=address), 3)
+                self.assertTrue(answer.startswith(b"HTTP/1.1 200"), (address, answer[:60]))
+            for _, writer in held:
+                writer.close()
+
+    async def test_stop_waits_for_no_body_whatever_it_is_said_to_be(self):
+        async with Rig() as rig:
+            for body in (b"Content-Length: 100\r\n\r\n{", b"Content-Length: 100000\r\n\r\n" + 100_000 * b"x", b"Transfer-Encoding: chunked\r\n\r\n"):
+                rig.robot.asked.clear()
+                reader, writer = await asyncio.open_connection("127.0.0.1", rig.port)
+                writer.write(STOP + body)
+                self.assertTrue((await asyncio.wait_for(reader.read(200), 3)).startswith(b"HTTP/1.1 200"), body[:30])
+                self.assertIn(("stop", {}), rig.robot.asked)
+                writer.close()
+
+    async def test_stop_gets_through_while_the_disk_of_the_logs_hangs(self):
+        async with Rig() as rig, rig.browser() as browser:
+            disk, in_time = threading.Event(), []
+            for journal in (rig.server.audit, rig.server.events):
+                journal._handler.emit = lambda _record: in_time.append(disk.wait(5))
+            self.assertEqual(200, (await asyncio.wait_for(browser.post("/api/robot/speed", {"percent": 50}), 3))[0])
+            self.assertEqual(200, (await asyncio.wait_for(browser.post("/api/stop"), 3))[0])
+            self.assertIn(("stop", {}), rig.robot.asked)
+            disk.set()
+            rig.server.audit.settle()
+            self.assertTrue(in_time and all(in_time), "nobody but the log waits for the disk")
 
     async def test_a_page_that_does_not_read_loses_messages_and_nobody_else_does(self):
         async with Rig() as rig, rig.browser() as browser:
@@ -257,7 +294,7 @@ class OversizedAndSlow(PageTest):
                          b"PRI * HTTP/2.0\r\n\r\nSM\r\n\r\n", b"GET http://evil.example/ HTTP/1.1\r\nHost: evil.example\r\n\r\n"):
                 try:
                     answer = await rig.talk(data + b"\r\nConnection: close\r\n\r\n", 20)
-                except (ConnectionResetError, asyncio.TimeoutError):
+                except asyncio.TimeoutError:
                     answer = b""
                 self.assertNotIn(b" 200 ", answer[:20], data[:40])
             self.assertEqual(200, (await browser.get("/"))[0])

@@ -155,6 +155,15 @@ class ToyJobs:
         return Answer(True, str(path))
 
 
+async def until_closed(reader):
+    """What comes until the other side closes. One that closes without having read everything sends a reset after its answer."""
+    answer = b""
+    with contextlib.suppress(ConnectionResetError):
+        while block := await reader.read(65536):
+            answer += block
+    return answer
+
+
 class Rig:
     """The server with its folders; `async with Rig() as rig`. `limits` are those of the gate."""
 
@@ -200,17 +209,17 @@ class Rig:
             await browser.fetch_token()
             yield browser
 
-    async def talk(self, data, seconds=5.0):
-        """Bytes as they are; what comes back until the server closes."""
-        reader, writer = await asyncio.open_connection("127.0.0.1", self.port)
-        writer.write(data)
-        await writer.drain()
+    async def talk(self, data, seconds=5.0, local="127.0.0.1"):
+        """Bytes as they are, from the address `local`; what comes back until the server closes."""
+        reader, writer = await asyncio.open_connection("127.0.0.1", self.port, local_addr=(local, 0))
         try:
-            return await asyncio.wait_for(reader.read(), seconds)
+            writer.write(data)
+            return await asyncio.wait_for(until_closed(reader), seconds)
         finally:
             writer.close()
 
     def audit(self):
+        self.server.audit.settle()
         return [json.loads(line) for line in (self.folder / "log" / "audit.jsonl").read_text().splitlines()]
 
 
