@@ -81,6 +81,12 @@ void writeFileAtomically(const std::string& path, const std::string& content) {
   }
 }
 
+std::string whyNoSharedMemory(int reason) {
+  if (reason != ENOSPC) return std::string("cannot be sized: ") + std::strerror(reason);
+  return "there is no room left in /dev/shm (df /dev/shm); remove what nobody uses there, or give it more (mount -o "
+         "remount,size=64M /dev/shm), then start again";
+}
+
 void makeFolder(const std::string& path) {
   std::error_code error;
   std::filesystem::create_directories(path, error);

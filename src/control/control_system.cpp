@@ -202,14 +202,15 @@ Answer ControlSystem::approach(double speed_m_per_s, const PathExpectation& expe
 Answer ControlSystem::loadPatient(const std::string& path) {
   const PatientChecklist list = parts_->checklist();
   if (const std::string why = list.whyNever(); !why.empty()) return {false, why};
-  if (const std::string why = parts_->properties.whyNotAsDeployed(); !why.empty()) return {false, why};
+  const auto changed = [this] { return parts_->properties.whyNotAsDeployed(); };
+  if (const std::string why = changed(); !why.empty()) return {false, why};
   try {
     PatientLimits patient = loadPatientLimits(path, parts_->robot);
     const Answer admitted = list.admit(patient);
     if (!admitted.ok) return admitted;
     const PatientRange range = patient.range;
     const std::string name = patient.name;
-    const Answer used = parts_->occupancy.change(Occupancy::Patient, std::move(patient));
+    const Answer used = parts_->occupancy.change(Occupancy::Patient, std::move(patient), changed);
     if (!used.ok) return used;
     return {true, "patient " + name + ": at most " + shortNumber(1e3 * range.linear_m_per_s, 4) + " mm/s and " +
                       shortNumber(57.29577951308232 * range.angular_rad_per_s, 4) + " deg/s" +
@@ -237,8 +238,8 @@ Answer ControlSystem::startRecording(const std::string& path) {
   return parts_->recordings.start(path);
 }
 
-Answer ControlSystem::stopRecording() {
-  return parts_->recordings.stop();
+Answer ControlSystem::stopRecording(const std::string& only) {
+  return parts_->recordings.stop(only);
 }
 
 ControlStatus ControlSystem::status() const {

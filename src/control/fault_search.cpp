@@ -8,7 +8,7 @@ namespace {
 constexpr double kCool = 0.8;  // of what is allowed, before a motor that was too hot may go on
 
 FaultCause ofBus(const hardware::BusFailure& failure) noexcept {
-  return {faultOf(failure.fault), failure.axis};
+  return {faultOf(failure.fault), failure.axis, -1, failure.code};
 }
 
 FaultCause ofDrivers(const SupervisorView& view) noexcept {

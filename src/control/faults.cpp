@@ -17,9 +17,10 @@ constexpr StopCategory kOne = StopCategory::One;
 constexpr std::array<FaultDescription, kFaults> kTable = {{
     {F::None, "none", "no fault", kAtOnce, kWorks, kNoStop, ""},
     {F::MeasurementLost, "measurement_lost", "the encoders could not be read", kWhenGone, kLost, kOne,
-     "check the counter card and its cable"},
+     "check the counter card and its cable; a card that was gone has lost its counts: restart the controller and home "
+     "again"},
     {F::OutputLost, "output_lost", "the outputs could not be written", kWhenGone, kWorks, kOne,
-     "check the analog and the digital outputs"},
+     "check the analog and the digital outputs; after a counter card was gone, restart the controller and home again"},
     {F::NotANumber, "not_a_number", "a reference, a measurement or a command was not a number", kAtOnce, kLost, kOne,
      "find out where it came from: this is a fault of the program or of its data"},
     {F::FollowingError, "following_error", "the axis did not follow its reference", kAtOnce, kLost, kOne,
@@ -87,8 +88,11 @@ constexpr std::array<FaultDescription, kFaults> kTable = {{
      "look with candump for what sends them"},
     {F::DriveLost, "drive_lost", "the drive sends no feedback, or has restarted", kWhenGone, kLost, kOne,
      "check the drive's power and cable; a drive that has restarted needs a restart of the controller"},
-    {F::FeedbackLate, "feedback_late", "the drive's feedback came late, twice or out of order", kAtOnce, kWorks, kOne,
-     "look for what delays the bus or the controller: other traffic, the adapter, the machine"},
+    {F::FeedbackLate, "feedback_late", "the drive's feedback came late, twice, out of order or too seldom", kAtOnce,
+     kWorks, kOne,
+     "look for what delays the bus or the controller: other traffic, the adapter, the machine; for a second drive with "
+     "its "
+     "node number, and for a second controller"},
     {F::DriveHeartbeatLost, "drive_heartbeat_lost", "the drive's heartbeat stays away", kWhenGone, kWorks, kOne,
      "check the drive's power and cable"},
     {F::ControllerHeartbeatLost, "controller_heartbeat_lost",
@@ -124,6 +128,8 @@ constexpr std::array<FaultDescription, kFaults> kTable = {{
      kAtOnce, kLost, kOne,
      "look for a brake that did not open, an obstacle, a drive without power; then check the encoder's cable and "
      "coupling"},
+    {F::DriveStaysOn, "drive_stays_on", "the drive says that it is on although it was switched off", kWhenGone, kLost,
+     kOne, "keep away and take its supply; then check its enable input and bus cable, and restart the controller"},
 }};
 
 }  // namespace
@@ -165,6 +171,8 @@ Fault faultOf(hardware::BusFault fault) noexcept {
       return Fault::InputsStale;
     case hardware::BusFault::TorqueDeviates:
       return Fault::DriveTorque;
+    case hardware::BusFault::DriveStaysOn:
+      return Fault::DriveStaysOn;
     case hardware::BusFault::GuardianSilent:
       return Fault::GuardianSilent;
   }

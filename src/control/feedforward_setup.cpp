@@ -8,21 +8,18 @@
 namespace knee_robot::control {
 namespace {
 
-/// Of the axis at home, while the others hold.
-double delayMarginOf(const dynamics::PartedModel& model, const mechanism::Robot& robot, const Driver& driver) {
+/// What the axis moves at home while the others hold; nothing where home has no pose.
+std::optional<double> massOf(const dynamics::PartedModel& model, const mechanism::Robot& robot, Eigen::Index axis) {
   mechanism::Lengths home;
   for (Eigen::Index i = 0; i < home.size(); ++i)
     home[i] = robot.actuators[static_cast<std::size_t>(i)].home_length_m;
   const mechanism::ForwardResult found = mechanism::forwardKinematicsFromHome(*robot.mechanism, home);
-  const Eigen::Index k = driver.axis.value() - 1;
   dynamics::AuxiliaryMotion motion;
-  motion.acceleration[k] = 1.0;
+  motion.acceleration[axis] = 1.0;
   dynamics::AuxiliaryData data;
   mechanism::Vector4 force = mechanism::Vector4::Zero();
-  if (!found.ok() || !dynamics::auxiliaryForces(model, found.pose, motion, data, force)) return 1.0;
-  const double viscous = model.parameters[dynamics::extended::kViscous + k];
-  return delayMargin({driver.proportional, driver.integral, driver.derivative, driver.derivative_cutoff},
-                     std::max(1.0, force[k]), std::max(0.0, viscous));
+  if (!found.ok() || !dynamics::auxiliaryForces(model, found.pose, motion, data, force)) return std::nullopt;
+  return std::max(1.0, force[axis]);
 }
 
 }  // namespace
@@ -41,7 +38,8 @@ FeedforwardSetup::FeedforwardSetup(const rt::Deployment& deployment, const Machi
   if (payload_kg) setPayload(*payload_kg);
   checkLaw();
   feedforward->loadModel();
-  checkDelays(robot);
+  readDelays(robot);
+  checkDelays();
   const std::string& path = feedforward->model.value();
   if (HandGuide* const guide = machine_.guide) {
     if (guide->model.value().empty()) guide->model.set(path);
@@ -74,27 +72,45 @@ void FeedforwardSetup::checkLaw() const {
   }
 }
 
-/// A drive that acts late makes its position loop unstable sooner or later; no feedforward mends that.
-void FeedforwardSetup::checkDelays(const mechanism::Robot& robot) const {
+void FeedforwardSetup::readDelays(const mechanism::Robot& robot) {
   const std::string& path = machine_.feedforward->model.value();
   if (path.empty() || !robot.mechanism) return;
   const dynamics::Model read = dynamics::loadModel(path);
+  const dynamics::PartedModel model(read, robot);
   for (const dynamics::ModelEffect& effect : read.effects) {
     if (effect.name != "delay" || effect.actuators.size() != 1 || effect.coefficients.empty()) continue;
-    const int axis = effect.actuators.front();
-    for (const Driver* driver : machine_.drivers) {
-      if (driver->axis.value() != axis) continue;
-      const double delay = effect.coefficients.front().value;
-      const double margin = delayMarginOf(dynamics::PartedModel(read, robot), robot, *driver);
-      if (delay <= margin) continue;
-      throw InputError(
-          path + ": axis " + std::to_string(axis) + " acts " + shortNumber(1e3 * delay, 3) +
-          " ms late, and its loop with the gains of " + driver->name() + " is unstable from " +
-          shortNumber(1e3 * margin, 3) +
-          " ms on; mend what delays the drive, or lower proportional_N_per_m and derivative_N_s_per_m in " +
-          deployment_.path());
-    }
+    const Eigen::Index axis = effect.actuators.front() - 1;
+    const std::optional<double> mass = massOf(model, robot, axis);
+    const double viscous = std::max(0.0, model.parameters[dynamics::extended::kViscous + axis]);
+    if (mass) late_.push_back({effect.actuators.front(), effect.coefficients.front().value, *mass, viscous});
   }
+}
+
+void FeedforwardSetup::checkDelays() const {
+  for (const Driver* driver : machine_.drivers) {
+    const std::string why = whyUnstable(*driver);
+    if (!why.empty())
+      throw InputError(machine_.feedforward->model.value() + ": " + why +
+                       "; mend what delays the drive, or lower proportional_N_per_m and derivative_N_s_per_m in " +
+                       deployment_.path());
+  }
+}
+
+/// A drive that acts late makes its position loop unstable sooner or later; no feedforward mends that.
+std::string FeedforwardSetup::whyUnstable(const Driver& driver, const std::string& changed, double value) const {
+  const auto gain = [&](const rt::Property<double>& one) { return one.name() == changed ? value : one.value(); };
+  const PidGains gains{gain(driver.proportional), gain(driver.integral), gain(driver.derivative),
+                       gain(driver.derivative_cutoff)};
+  for (const LateAxis& late : late_) {
+    if (late.axis != driver.axis.value()) continue;
+    const double margin = delayMargin(gains, late.mass_kg, late.viscous_N_s_per_m);
+    if (late.delay_s <= margin) continue;
+    const std::string begin = shortNumber(1e3 * std::max(0.0, margin), 3) + " ms on";
+    return "axis " + std::to_string(late.axis) + " acts " + shortNumber(1e3 * late.delay_s, 3) +
+           " ms late, and its loop with " + (changed.empty() ? "the" : "these") + " gains of " + driver.name() +
+           " is unstable from " + begin;
+  }
+  return "";
 }
 
 std::string FeedforwardSetup::whyNotPassive(const Driver& driver, const std::string& changed, double value) const {

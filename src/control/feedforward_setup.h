@@ -2,6 +2,7 @@
 
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "knee_robot/mechanism/robot.h"
 #include "machine_components.h"
@@ -19,18 +20,27 @@ class FeedforwardSetup {
 
   /// The passivity-based law is passive with certain gains only: a sentence, or empty. `changed`: a Driver's property as it would be.
   std::string whyNotPassive(const Driver& driver, const std::string& changed = "", double value = 0.0) const;
+  /// A drive that acts as late as the model says makes its loop unstable with certain gains: a sentence, or empty. `changed`: as above.
+  std::string whyUnstable(const Driver& driver, const std::string& changed = "", double value = 0.0) const;
   /// Where the forces come from, for the operator.
   std::string source() const;
   /// An identified model tells what nobody commanded.
   bool monitorsForces() const;
 
  private:
+  /// An axis that acts late, at home, while the others hold.
+  struct LateAxis {
+    int axis;  ///< 1 to 4
+    double delay_s, mass_kg, viscous_N_s_per_m;
+  };
   void setPayload(double payload_kg);
   void checkLaw() const;
-  void checkDelays(const mechanism::Robot& robot) const;
+  void readDelays(const mechanism::Robot& robot);
+  void checkDelays() const;
 
   const rt::Deployment& deployment_;
   const MachineComponents& machine_;
+  std::vector<LateAxis> late_;
 };
 
 }  // namespace knee_robot::control

@@ -72,8 +72,11 @@ Answer LiveProperties::set(const std::string& component, const std::string& prop
   rt::TaskContext* found = deployment_.component(component);
   if (found == nullptr) return {false, "there is no component " + component.substr(0, 60)};
   if (const std::string why = whyTooFar(component, property, value); !why.empty()) return {false, why};
+  const std::lock_guard<std::mutex> one_at_a_time(setting_);
   if (const auto* driver = dynamic_cast<const Driver*>(found)) {
-    const std::string why = feedforward_.whyNotPassive(*driver, property, std::strtod(value.c_str(), nullptr));
+    const double wanted = std::strtod(value.c_str(), nullptr);
+    std::string why = feedforward_.whyNotPassive(*driver, property, wanted);
+    if (why.empty()) why = feedforward_.whyUnstable(*driver, property, wanted);
     if (!why.empty()) return {false, why};
   }
   try {

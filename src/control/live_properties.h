@@ -10,8 +10,8 @@
 
 namespace knee_robot::control {
 
-/// The components' properties while the controller runs: read, and changed within their range, the law's passivity and, with a patient,
-/// near to what they were when he was loaded. Any thread.
+/// The components' properties while the controller runs: read, and changed within their range, the law's passivity, the margin for a
+/// traced delay and, with a patient, near to what they were when he was loaded. Any thread.
 class LiveProperties {
  public:
   /// Both must outlive this.
@@ -36,6 +36,7 @@ class LiveProperties {
   const rt::Deployment& deployment_;
   const FeedforwardSetup& feedforward_;
   const std::vector<rt::PropertyReport> deployed_;
+  std::mutex setting_;                     // one is judged with what the other has set
   mutable std::mutex mutex_;               // of what follows
   std::vector<rt::PropertyReport> bound_;  // empty: nobody is bound
 };

@@ -1,7 +1,9 @@
 #include "machine_report.h"
 
 #include <algorithm>
+#include <cstdio>
 
+#include "knee_robot/hardware/can/canopen.h"
 #include "operator_sentences.h"
 
 namespace knee_robot::control {
@@ -9,6 +11,15 @@ namespace {
 
 /// Longer without a word from the Supervisor than any pause of a machine that may be let near the robot.
 constexpr rt::Nanoseconds kSilence = 200'000'000;
+
+/// What the drive itself said, to be looked up in its manual.
+std::string codeOf(const SupervisorStatus& said) {
+  if (said.fault_code == 0) return "";
+  char text[80];
+  std::snprintf(text, sizeof text, " (code 0x%04X, %s)", static_cast<unsigned>(said.fault_code),
+                hardware::can::emergencyText(said.fault_code));
+  return text;
+}
 
 }  // namespace
 
@@ -43,6 +54,7 @@ SupervisorStatus MachineReport::supervisor() const {
   if (failed) said.fault = task == rt::TaskState::FatalError ? Fault::ComponentFatal : Fault::ComponentException;
   said.fault_axis = 0;
   said.fault_component = -1;
+  said.fault_code = 0;
   return said;
 }
 
@@ -58,7 +70,7 @@ std::string MachineReport::sentenceOfFault(const SupervisorStatus& said) const {
     if (component->state() >= rt::TaskState::Exception) location += std::string(component->refusal()) + ": ";
   }
   const FaultDescription& description = describe(said.fault);
-  return location + description.sentence + "; " + description.remedy;
+  return location + description.sentence + codeOf(said) + "; " + description.remedy;
 }
 
 }  // namespace knee_robot::control

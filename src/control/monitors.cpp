@@ -69,6 +69,7 @@ void Monitors::updateHook(const rt::Cycle& cycle) {
   out_.time = cycle.time;
   const bool new_reading = measured_.status == hardware::IoStatus::Ok && measured_.sequence != out_.sequence;
   out_.sequence = measured_.sequence;
+  gap_ = gap_ || measured_.status != hardware::IoStatus::Ok;
   if (new_reading) {
     const double dt = any_ ? rt::toSeconds(measured_.read_at - last_read_) : 0.0;
     if (carried_) carried_s_ += dt;
@@ -77,6 +78,7 @@ void Monitors::updateHook(const rt::Cycle& cycle) {
     raise(0, monitorForce(dt));
     last_read_ = measured_.read_at;
     any_ = true;
+    gap_ = false;
   }
   verdict.write(out_);
 }
@@ -101,6 +103,7 @@ AxisView Monitors::viewOf(std::size_t i, double dt) noexcept {
   Axis& axis = axes_[i];
   AxisView view;
   view.dt = dt;
+  view.after_gap = gap_;
   view.moved_m = any_ ? actuator.encoder_sign * actuator.metresPerCount() *
                             static_cast<double>(measured_.counts[i] - axis.last_counts)
                       : 0.0;
@@ -122,7 +125,8 @@ Fault Monitors::evaluate(std::size_t i, const AxisView& view) noexcept {
   Axis& axis = axes_[i];
   const bool hot = axis.thermal.step(view, actuator.force_continuous_N, thermal_time, thermal_share, thermal_housing);
   out_.heat[i] = axis.thermal.heat();
-  if (any_ && axis.jump.step(view, actuator.velocity_max_m_per_s, jump_factor, jump_floor)) return Fault::EncoderJump;
+  if (any_ && axis.jump.step(view, actuator.velocity_max_m_per_s, jump_factor, jump_floor, jump_gap))
+    return Fault::EncoderJump;
   if (hot) return Fault::ThermalOverload;
   if (!carried_) return Fault::None;
   const bool searching =

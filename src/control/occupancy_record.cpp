@@ -50,11 +50,12 @@ std::string OccupancyRecord::remember(Occupancy occupancy, const std::optional<P
   }
 }
 
-Answer OccupancyRecord::change(Occupancy occupancy, std::optional<PatientLimits> patient) {
+Answer OccupancyRecord::change(Occupancy occupancy, std::optional<PatientLimits> patient, const WhyNotNow& why_not) {
   if (const std::string why = why_not_now_(); !why.empty()) return {false, why};
   if (const Answer begun = beginChange(); !begun.ok) return begun;
   // Whatever was asked before is seen now: the first look may have been too early.
   std::string why = why_not_now_();
+  if (why.empty() && why_not) why = why_not();
   if (why.empty()) why = remember(occupancy, patient);
   const std::lock_guard<std::mutex> lock(mutex_);
   changing_ = false;

@@ -38,8 +38,9 @@ class OccupancyRecord {
   OccupancyRecord(PatientMemory memory, WhyNotNow why_not_now, Changed changed)
       : memory_(std::move(memory)), why_not_now_(std::move(why_not_now)), changed_(std::move(changed)) {}
 
-  /// Remembers first, then tells. What cannot be remembered changes nothing.
-  Answer change(Occupancy occupancy, std::optional<PatientLimits> patient);
+  /// Remembers first, then tells. What cannot be remembered changes nothing. `why_not`: further reasons, asked when nobody changes the
+  /// machine any more.
+  Answer change(Occupancy occupancy, std::optional<PatientLimits> patient, const WhyNotNow& why_not = nullptr);
   /// At the start: the patient of the last run is still there, whatever `declared_empty` says. Where he cannot be loaded, nobody moves.
   void recall(const mechanism::Robot& robot, bool declared_empty);
 

@@ -190,12 +190,12 @@ void RecordingDrain::start(const std::string& path) {
   if (!job) throw InputError(refused);
 }
 
-RecordingResult RecordingDrain::stop() {
+RecordingResult RecordingDrain::stop(const std::string& only) {
   std::shared_ptr<Job> job;
   {
     const std::lock_guard<std::mutex> lock(mutex_);
+    if (!job_ || (!only.empty() && job_->result().path != only)) return {};
     job.swap(job_);
-    if (!job) return {};
     starting_ = true;  // the ring has one reader: the next recording begins when this one has let go of it
   }
   const RecordingResult result = job->end(threaded_);

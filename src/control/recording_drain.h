@@ -39,8 +39,8 @@ class RecordingDrain {
 
   /// Throws InputError when the file exists, cannot be made, or a recording runs already.
   void start(const std::string& path);
-  /// Writes what is left, forces it to disk, closes. Harmless without recording.
-  RecordingResult stop();
+  /// Writes what is left, forces it to disk, closes. Harmless without recording, or without one to the file `only`, where that is given.
+  RecordingResult stop(const std::string& only = "");
   /// Empties the ring now. Stepped execution only.
   void drain();
   /// Of the running recording, or empty.

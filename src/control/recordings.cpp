@@ -14,9 +14,10 @@ Answer Recordings::start(const std::string& path) {
   return {true, "recording to " + path};
 }
 
-Answer Recordings::stop() {
-  const RecordingResult result = drain_.stop();
+Answer Recordings::stop(const std::string& only) {
+  const RecordingResult result = drain_.stop(only);
   chooseTestPulses();
+  if (result.path.empty() && !only.empty()) return {false, "somebody else has ended the recording " + only};
   if (result.path.empty()) return {true, "nothing was being recorded"};
   std::string sentence = result.path + " has " + std::to_string(result.rows) + " rows";
   if (result.skipped > 0) {

@@ -20,8 +20,9 @@ class Recordings {
 
   /// Refused when the file exists.
   Answer start(const std::string& path);
-  /// Not ok when rows were dropped or the disk refused, with the number.
-  Answer stop();
+  /// Not ok when rows were dropped or the disk refused, with the number, or when the file `only`, where one is given, is not being
+  /// recorded any more.
+  Answer stop(const std::string& only);
   /// Stepped execution: what was recorded goes to the file now.
   void drain() { drain_.drain(); }
   void setOccupancy(Occupancy occupancy);

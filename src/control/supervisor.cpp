@@ -336,6 +336,7 @@ void Supervisor::publishStatus(rt::Nanoseconds now) {
   said.fault = fault_.cause().fault;
   said.fault_axis = fault_.cause().axis;
   said.fault_component = fault_.cause().component;
+  said.fault_code = fault_.cause().code;
   said.answers = answers_.all();
   said.path_time_s = view_.set_point.path_time_s;
   said.path_duration_s = view_.set_point.path_duration_s;

@@ -11,6 +11,7 @@
 #include <utility>
 
 #include "knee_robot/base/errors.h"
+#include "knee_robot/base/files.h"
 
 namespace knee_robot::hardware {
 namespace {
@@ -45,7 +46,12 @@ SharedGuardianLink SharedGuardianLink::open(const std::string& name) {
   bool fits = ::fstat(descriptor, &information) == 0;
   const bool is_new = fits && information.st_size == 0;
   // Two who come at once both set the same size; what is added reads as zero, the link's first state.
-  if (is_new) fits = ::ftruncate(descriptor, sizeof(GuardianLink)) == 0;
+  const int full = is_new ? ::posix_fallocate(descriptor, 0, sizeof(GuardianLink)) : 0;
+  if (full != 0) {
+    ::shm_unlink(name.c_str());
+    ::close(descriptor);
+    refuse(name, whyNoSharedMemory(full));
+  }
   if (!is_new) fits = fits && static_cast<std::size_t>(information.st_size) == sizeof(GuardianLink);
   void* memory =
       fits ? ::mmap(nullptr, sizeof(GuardianLink), PROT_READ | PROT_WRITE, MAP_SHARED, descriptor, 0) : MAP_FAILED;

@@ -49,6 +49,7 @@ bool Pci1784::initialiseCounters(std::vector<std::string>& findings) {
   }
   if (status == IoStatus::Ok) status = registers_.write32(pci1784::kReset, pci1784::kAllCounters);
   ready_ = true;
+  lost_ = false;
   std::array<std::int32_t, kChannels> counts{};
   if (status == IoStatus::Ok) status = readCounts(counts);
   ready_ = false;
@@ -74,6 +75,7 @@ IoStatus Pci1784::checkPresence() noexcept {
 
 IoStatus Pci1784::readCounts(std::array<std::int32_t, kChannels>& counts) noexcept {
   if (!ready_) return IoStatus::NotReady;
+  if (lost_) return IoStatus::Disconnected;
   IoStatus status = registers_.write32(pci1784::kLatch, pci1784::kAllCounters);
   std::array<std::uint32_t, kChannels> raw{};
   for (int channel = 0; channel < kChannels && status == IoStatus::Ok; ++channel) {
@@ -81,7 +83,8 @@ IoStatus Pci1784::readCounts(std::array<std::int32_t, kChannels>& counts) noexce
   }
   // All ones would be a plausible count of -1: only the board id tells a lost card.
   if (status == IoStatus::Ok) status = checkPresence();
-  if (status != IoStatus::Ok) return status;
+  lost_ = status != IoStatus::Ok;
+  if (lost_) return status;
   for (std::size_t channel = 0; channel < raw.size(); ++channel)
     counts[channel] = static_cast<std::int32_t>(raw[channel]);
   return IoStatus::Ok;

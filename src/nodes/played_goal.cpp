@@ -132,7 +132,7 @@ control::Answer PlayedGoal::breakOff() {
 
 control::Answer PlayedGoal::endRecording(control::Answer answer) {
   if (result_.recording.empty()) return answer;
-  const control::Answer closed = system_.stopRecording();
+  const control::Answer closed = system_.stopRecording(job_.recording);
   if (!closed.ok) return {false, answer.sentence + "; " + closed.sentence};
   answer.sentence += "; " + closed.sentence;
   return answer;

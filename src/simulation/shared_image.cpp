@@ -12,6 +12,7 @@
 #include <utility>
 
 #include "knee_robot/base/errors.h"
+#include "knee_robot/base/files.h"
 
 namespace knee_robot::simulation {
 namespace {
@@ -75,10 +76,9 @@ SharedImage SharedImage::create(const std::string& name) {
     memory.number = ::shm_open(name.c_str(), O_RDWR | O_CREAT | O_EXCL, 0600);
   }
   if (memory.number < 0) refuse(name, std::string("cannot be created: ") + std::strerror(errno));
-  if (::ftruncate(memory.number, sizeof(RobotImage)) != 0) {
-    const int reason = errno;
+  if (const int reason = ::posix_fallocate(memory.number, 0, sizeof(RobotImage)); reason != 0) {
     ::shm_unlink(name.c_str());
-    refuse(name, std::string("cannot be sized: ") + std::strerror(reason));
+    refuse(name, whyNoSharedMemory(reason));
   }
   auto* image = new (mapImage(name, memory.number)) RobotImage;
   image->size = sizeof(RobotImage);

@@ -32,14 +32,26 @@ TEST(EncoderJump, IsSeenInItsOwnCycleAndAPauseOfTheMachineIsNone) {
   EncoderJumpMonitor monitor;
   AxisView view = quiet();
   view.moved_m = 0.3 * kDt;
-  EXPECT_FALSE(monitor.step(view, 0.3, 4.0, 1e-3));
+  EXPECT_FALSE(monitor.step(view, 0.3, 4.0, 1e-3, 0.005));
   view.moved_m = -0.003;
-  EXPECT_TRUE(monitor.step(view, 0.3, 4.0, 1e-3));
+  EXPECT_TRUE(monitor.step(view, 0.3, 4.0, 1e-3, 0.005));
   view.dt = 0.030;
   view.moved_m = 0.009;
-  EXPECT_FALSE(monitor.step(view, 0.3, 4.0, 1e-3)) << "30 ms at full speed";
+  EXPECT_FALSE(monitor.step(view, 0.3, 4.0, 1e-3, 0.005)) << "30 ms at full speed";
   view.moved_m = kNan;
-  EXPECT_TRUE(monitor.step(view, 0.3, 4.0, 1e-3));
+  EXPECT_TRUE(monitor.step(view, 0.3, 4.0, 1e-3, 0.005));
+}
+
+TEST(EncoderJump, IsWhatAnAxisMovedByTooFarWhileNobodyCouldReadItHoweverLongThatTook) {
+  EncoderJumpMonitor monitor;
+  AxisView view = quiet();
+  view.dt = 2.0;
+  view.moved_m = 0.2;
+  EXPECT_FALSE(monitor.step(view, 0.3, 4.0, 1e-3, 0.005)) << "a process that was stopped: the card went on counting";
+  view.after_gap = true;
+  EXPECT_TRUE(monitor.step(view, 0.3, 4.0, 1e-3, 0.005));
+  view.moved_m = -0.004;
+  EXPECT_FALSE(monitor.step(view, 0.3, 4.0, 1e-3, 0.005)) << "while the brakes engaged";
 }
 
 TEST(EncoderFrozen, IsSeenWhenTheReferenceMovesOnAndNotAtRest) {

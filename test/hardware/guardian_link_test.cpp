@@ -1,7 +1,11 @@
 #include "knee_robot/hardware/guardian_link.h"
 
+#include <fcntl.h>
 #include <gtest/gtest.h>
+#include <sched.h>
 #include <sys/mman.h>
+#include <sys/mount.h>
+#include <sys/wait.h>
 #include <unistd.h>
 
 #include <atomic>
@@ -192,6 +196,33 @@ TEST(GuardedBus, CallsAGuardianThatDoesNotCycleSilentAndItsReturnNotAndBlamesItF
   EXPECT_EQ(cycle(1, false), BusFault::GuardianSilent);
   EXPECT_EQ(cycle(1, true), BusFault::None) << "it is back; the Supervisor keeps its fault";
   EXPECT_EQ(cycle(500, false), BusFault::None) << "this process stood still, and perhaps the guardian with it";
+}
+
+/// What `SharedGuardianLink::open` says where /dev/shm is full: 0 as wanted, 1 nothing or something else, 2 cannot be tried here.
+int openWithoutRoom() {
+  const bool own = ::unshare(CLONE_NEWNS) == 0 && ::mount(nullptr, "/", nullptr, MS_REC | MS_PRIVATE, nullptr) == 0 &&
+                   ::mount("tmpfs", "/dev/shm", "tmpfs", 0, "size=4k") == 0;
+  if (!own) return 2;
+  const int full = ::open("/dev/shm/full", O_WRONLY | O_CREAT, 0600);
+  const std::string page(4096, '.');
+  if (::write(full, page.data(), page.size()) != static_cast<ssize_t>(page.size())) return 2;
+  try {
+    SharedGuardianLink::open("/knee_test_without_room");
+  } catch (const InputError& error) {
+    return std::string(error.what()).find("there is no room left in /dev/shm") != std::string::npos ? 0 : 1;
+  }
+  return 1;
+}
+
+TEST(SharedGuardianLink, SaysThatSharedMemoryIsFullInsteadOfDyingOfItLater) {
+  const pid_t child = ::fork();
+  ASSERT_GE(child, 0);
+  if (child == 0) ::_exit(openWithoutRoom());
+  int status = 0;
+  ASSERT_EQ(::waitpid(child, &status, 0), child);
+  ASSERT_TRUE(WIFEXITED(status)) << "ended by signal " << WTERMSIG(status);
+  if (WEXITSTATUS(status) == 2) GTEST_SKIP() << "needs the right to mount in a namespace of its own";
+  EXPECT_EQ(WEXITSTATUS(status), 0);
 }
 
 }  // namespace

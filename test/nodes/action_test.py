@@ -166,6 +166,18 @@ class Action(unittest.TestCase):
         self.assertIn("faulted", result.message)
         self.assertTrue(self.robot.trigger("reset_faults").success)
 
+    def test_a_goal_whose_recording_somebody_else_has_ended_says_so_and_leaves_the_next_one_alone(self):
+        own, others = f"action_{os.getpid()}_own.csv", f"action_{os.getpid()}_others.csv"
+        self.play(record=True, recording=own)
+        self.assertTrue(self.player.wait_for_phase("playing", path_time_s=0.3))
+        self.assertTrue(self.robot.record(False).success)
+        self.assertTrue(self.robot.record(True, others).success)
+        state, result = self.player.end()
+        self.assertTrue(self.robot.state().recording, result.message)
+        self.assertEqual("ABORTED", state)
+        self.assertIn("somebody else has ended the recording", result.message)
+        self.assertTrue(self.robot.record(False).success)
+
     def test_somebody_elses_stop_aborts_the_goal_and_says_so(self):
         self.play()
         self.assertTrue(self.player.wait_for_phase("playing", path_time_s=0.3))

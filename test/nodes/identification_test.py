@@ -16,6 +16,7 @@ from actionlib_msgs.msg import GoalStatus
 from knee_robot.msg import IdentifyRecordingsAction, IdentifyRecordingsGoal
 
 sys.path.insert(0, str(pathlib.Path(__file__).parent))
+from robot_client import has_result  # noqa: E402
 
 
 def wait_until(condition, seconds, what):
@@ -47,7 +48,7 @@ class Identification(unittest.TestCase):
         self.client.send_goal(IdentifyRecordingsGoal(**fields), feedback_cb=listen)
 
     def end(self, seconds=240):
-        self.assertTrue(self.client.wait_for_result(rospy.Duration(seconds)), "the goal has no result")
+        self.assertTrue(has_result(self.client, seconds), "the goal has no result")
         return GoalStatus.to_string(self.client.get_state()), self.client.get_result()
 
     def unfinished(self):
@@ -105,7 +106,7 @@ class Identification(unittest.TestCase):
         second = actionlib.SimpleActionClient("identify_recordings", IdentifyRecordingsAction)
         self.assertTrue(second.wait_for_server(rospy.Duration(10)))
         second.send_goal(IdentifyRecordingsGoal(command="compare", train=self.recordings[:1]))
-        self.assertTrue(second.wait_for_result(rospy.Duration(20)))
+        self.assertTrue(has_result(second, 20))
         self.assertIn("another identification", second.get_result().message)
         self.client.cancel_goal()
         state, result = self.end(30)

@@ -13,6 +13,10 @@ std::string readFile(const std::string& path, std::size_t max_bytes = 1u << 30);
 /// a part. Throws InputError naming the path and the system's reason.
 void writeFileAtomically(const std::string& path, const std::string& content);
 
+/// Why shared memory cannot be had, from what posix_fallocate answered, and what to do about it. Unlike ftruncate that one finds a full
+/// /dev/shm now, and not by a signal when the memory is first touched.
+std::string whyNoSharedMemory(int reason);
+
 /// Makes `path` a folder (with its parents) unless it is one. Throws InputError naming the path and the reason.
 void makeFolder(const std::string& path);
 

@@ -114,8 +114,9 @@ class ControlSystem {
 
   /// A row per servo cycle into a new file; refused when it exists.
   Answer startRecording(const std::string& path);
-  /// Closes the file; not ok when rows were dropped or the disk refused, with the number.
-  Answer stopRecording();
+  /// Closes the file; not ok when rows were dropped or the disk refused, with the number. `only`: that recording or none, for whoever
+  /// began it; not ok when somebody else has ended it.
+  Answer stopRecording(const std::string& only = "");
 
   ControlStatus status() const;
   MachineState state() const { return status().state; }

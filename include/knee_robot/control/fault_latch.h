@@ -1,5 +1,7 @@
 #pragma once
 
+#include <cstdint>
+
 #include "knee_robot/control/faults.h"
 
 namespace knee_robot::control {
@@ -7,8 +9,9 @@ namespace knee_robot::control {
 /// A fault and where it is.
 struct FaultCause {
   Fault fault = Fault::None;
-  int axis = 0;        ///< 1 to 4, 0: none in particular
-  int component = -1;  ///< index in ComponentWatch, -1: none in particular
+  int axis = 0;            ///< 1 to 4, 0: none in particular
+  int component = -1;      ///< index in ComponentWatch, -1: none in particular
+  std::uint16_t code = 0;  ///< emergency code of the axis' drive, 0: none
 };
 
 /// Keeps the first fault with its place, whatever follows, until it is cleared. Pure, real-time safe.

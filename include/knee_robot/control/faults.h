@@ -56,8 +56,9 @@ enum class Fault : std::uint8_t {
   DriveTorque,
   PatientForce,
   AxisBlocked,
+  DriveStaysOn,
 };
-inline constexpr int kFaults = 48;
+inline constexpr int kFaults = 49;
 
 /// When resetFaults() clears a fault.
 enum class ResetRule : std::uint8_t {

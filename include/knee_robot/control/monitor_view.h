@@ -7,8 +7,9 @@ namespace knee_robot::control {
 /// What a monitor sees of one axis in one cycle. Monitors are small state machines of their own: step() answers whether their limit is
 /// broken now, reset() forgets. Pure, real-time safe; what is not a number counts as broken.
 struct AxisView {
-  double dt = 0.0;       ///< s since the last measurement, over skipped cycles too
-  double moved_m = 0.0;  ///< by the encoder, since then
+  double dt = 0.0;         ///< s since the last measurement, over skipped cycles too
+  double moved_m = 0.0;    ///< by the encoder, since then
+  bool after_gap = false;  ///< in between the encoders could not be read
   double position_m = 0.0;
   double velocity = 0.0;  ///< m/s, low-passed
   double reference_m = 0.0;

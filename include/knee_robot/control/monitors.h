@@ -44,6 +44,7 @@ class Monitors : public rt::TaskContext {
   rt::Property<double> jump_factor{
       *this, "jump_factor", 4.0, "", 1.0, 100.0, "of velocity_max: largest change of an encoder"};
   rt::Property<double> jump_floor{*this, "jump_floor_m", 1e-3, "m", 1e-5, 0.1, "added to it"};
+  rt::Property<double> jump_gap{*this, "jump_gap_m", 5e-3, "m", 1e-3, 0.1, "largest change while nobody could read"};
   rt::Property<double> frozen_distance{
       *this, "frozen_distance_m", 0.002, "m", 1e-4, 0.1, "motion of the reference without one of the encoder"};
   rt::Property<double> frozen_share{*this,
@@ -157,6 +158,7 @@ class Monitors : public rt::TaskContext {
   std::array<AxisCommand, hardware::kAxes> commands_{};
   AxesWritten written_;
   bool any_ = false;
+  bool gap_ = false;  // since the last reading
   bool carried_ = false;
   double carried_s_ = 0.0;  // since the hold devices were released
   rt::Nanoseconds last_read_ = 0;

@@ -11,7 +11,7 @@ enum class BusFault : std::uint8_t {
   BusOff,                   ///< the CAN controller has left the bus
   Flooded,                  ///< more frames than can be worth reading, or no room to send
   DriveLost,                ///< a drive's feedback stays away, or it has left the operational state
-  FeedbackLate,             ///< feedback comes late, twice or out of order
+  FeedbackLate,             ///< feedback comes late, twice, out of order or too seldom
   DriveHeartbeatLost,       ///< no heartbeat of the drive
   ControllerHeartbeatLost,  ///< the drive says that it missed ours, and has stopped
   DriveEmergency,           ///< the drive has sent an emergency; `code` is its error code
@@ -19,6 +19,7 @@ enum class BusFault : std::uint8_t {
   DriveNotEnabled,          ///< the drive left Operation Enabled or did not reach it
   InputsStale,              ///< the drive that reads the safety inputs does not report them any more
   TorqueDeviates,           ///< the drive gives another torque than it was told
+  DriveStaysOn,             ///< the drive reports Operation Enabled although it was told to switch off
   GuardianSilent,           ///< nobody would bring the outputs down if the controller died
 };
 

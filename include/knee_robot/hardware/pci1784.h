@@ -40,6 +40,7 @@ class Pci1784 : public EncoderCounter, public DigitalOutput, public DigitalInput
   Options options_;
   std::uint32_t board_id_ = 0;
   bool ready_ = false;
+  bool lost_ = false;  // did not answer since the counters were set up: nobody knows what they count from
 };
 
 }  // namespace knee_robot::hardware

@@ -13,6 +13,8 @@ namespace {
 
 constexpr int kMostFrames = 64;  // a cycle brings about a dozen: bounded time for a flooded bus
 constexpr std::int64_t kFeedbackPatience_ns = 300'000'000;
+constexpr std::int64_t kAnswerTime_ns = 5'000'000;  // to a SYNC, while nothing else is on the bus
+constexpr int kTwinSyncs = 6;                       // each drive answers once; two with one number twice
 
 std::int64_t nanoseconds(double seconds) {
   return std::llround(seconds * 1e9);
@@ -93,7 +95,9 @@ bool CanAxisBus::awaitFeedback(std::vector<std::string>& findings) {
   for (std::size_t i = 0; i < drives_.size(); ++i) {
     const std::string name = "axis " + std::to_string(i + 1) + ": node " + std::to_string(drives_[i].node());
     if (!drives_[i].hasFeedback()) {
-      findings.push_back(name + ": no feedback after SYNC.");
+      const int bytes = drives_[i].strangeLength();
+      const std::string strange = ": its feedback has " + std::to_string(bytes) + " bytes instead of 8.";
+      findings.push_back(name + (bytes != 0 ? strange : ": no feedback after SYNC."));
       return false;
     }
     if (drives_[i].isEnabled()) {
@@ -104,6 +108,7 @@ bool CanAxisBus::awaitFeedback(std::vector<std::string>& findings) {
     if (i == 0) drives_[i].expectInputs();
     drives_[i].begin(now);
   }
+  if (!answerOnce(findings)) return false;
   // Once more, for a status word and positions that the next read finds.
   next_heartbeat_ns_ = now;
   for (DriveNode& drive : drives_)
@@ -117,6 +122,30 @@ bool CanAxisBus::awaitFeedback(std::vector<std::string>& findings) {
   std::snprintf(text, sizeof text, "CAN %s: %.0f %% of %.0f kbit/s at worst.", settings_.interface.c_str(),
                 100.0 * busLoad(settings_), settings_.bit_rate / 1000.0);
   findings.emplace_back(text);
+  return true;
+}
+
+/// Two drives with one node number would be taken for one whose counts jump; a second controller sends a SYNC of its own.
+bool CanAxisBus::answerOnce(std::vector<std::string>& findings) {
+  process_.pause(kAnswerTime_ns);
+  drain();  // answers to earlier ones
+  const std::int64_t now = process_.now();
+  for (DriveNode& drive : drives_)
+    drive.begin(now);
+  for (int i = 0; i < kTwinSyncs; ++i) {
+    process_.send(syncFrame());
+    process_.pause(kAnswerTime_ns);
+    drain();
+  }
+  for (std::size_t i = 0; i < drives_.size(); ++i) {
+    const int answers = drives_[i].feedbacks();
+    drives_[i].begin(process_.now());
+    if (2 * answers <= 3 * kTwinSyncs) continue;
+    findings.push_back("axis " + std::to_string(i + 1) + ": node " + std::to_string(drives_[i].node()) + ": " +
+                       std::to_string(answers) + " answers to " + std::to_string(kTwinSyncs) +
+                       " SYNC frames: two drives have this node number, or a second controller is on the bus.");
+    return false;
+  }
   return true;
 }
 
@@ -158,6 +187,7 @@ void CanAxisBus::detectFailure(bool backlog) noexcept {
     failure_.fault = BusFault::Flooded;
   }
   no_room_ = false;
+  if (failure_.fault != BusFault::None) troubled_ns_ = now;
   for (std::size_t i = 0; i < drives_.size() && failure_.fault == BusFault::None; ++i) {
     failure_ = drives_[i].failure(now);
     if (failure_.fault != BusFault::None) failure_.axis = static_cast<std::uint8_t>(i + 1);
@@ -228,8 +258,13 @@ IoStatus CanAxisBus::writeVolts(const std::array<double, kAxes>& volts, std::arr
     sent[i] = voltsOf(torque, units_[i]);
   }
   note(process_.send(syncFrame()));
-  for (DriveNode& drive : drives_)
+  const std::int64_t now = process_.now();
+  // After trouble of the whole bus what the drives said last is old.
+  const bool current = now - troubled_ns_ > nanoseconds(settings_.enable_delay_s);
+  for (DriveNode& drive : drives_) {
     drive.syncSent();
+    if (current && drive.takeNetworkStop(now)) note(process_.send(nmtFrame(NmtCommand::Stop, drive.node())));
+  }
   const IoStatus status = statusOf(worst);
   if (status == IoStatus::Ok) written = sent;
   return status;

@@ -7,7 +7,10 @@
 namespace knee_robot::hardware::can {
 namespace {
 
-constexpr int kLate = 8;  // what a period with more than one feedback adds; one with exactly one takes 1 off
+constexpr int kLate = 8;     // what a period with more than one feedback adds; one with exactly one takes 1 off
+constexpr int kMissing = 2;  // what a period without feedback adds to a count that one with feedback takes 1 off
+constexpr int kSparse = 4;   // times the periods in a row that may be missing
+constexpr int kNetworkStops = 3;
 constexpr std::uint16_t kHeartbeatMissed = 0x8130;
 constexpr int kTorqueBand = 150;    // per mille of the rated torque, beside every set value of the last periods
 constexpr int kTorquePeriods = 10;  // in a row
@@ -25,7 +28,10 @@ void DriveNode::begin(std::int64_t now) noexcept {
 }
 
 bool DriveNode::takeFeedback(const Frame& frame) noexcept {
-  if (frame.length != 8) return false;
+  if (frame.length != 8) {
+    strange_length_ = frame.length;
+    return false;
+  }
   status_word_ = static_cast<std::uint16_t>(unsignedAt(frame, 0, 2));
   position_ = static_cast<std::int32_t>(unsignedAt(frame, 2, 4));
   torque_ = static_cast<std::int16_t>(unsignedAt(frame, 6, 2));
@@ -50,11 +56,17 @@ bool DriveNode::take(const Frame& frame) noexcept {
     return true;
   }
   if (const auto emergency = parseEmergency(frame); emergency && emergency->node == node_) {
-    emergency_ = emergency->code;
-    emergency_cycles_ = 0;
+    takeEmergency(emergency->code);
     return true;
   }
   return false;
+}
+
+/// The first one is the cause, and who repeats it does not put its verdict off; "no error" takes back nothing that happened.
+void DriveNode::takeEmergency(std::uint16_t code) noexcept {
+  if (code == 0 || (emergency_ != 0 && code != kHeartbeatMissed)) return;
+  if (emergency_ == 0) emergency_cycles_ = 0;
+  emergency_ = code;
 }
 
 /// Feedback of a SYNC comes within its period. What comes twice or not at all came late or out of order.
@@ -64,6 +76,8 @@ void DriveNode::endCycle() noexcept {
   monitorTorque();
   if (syncs_ > 0) {
     if (feedbacks_ == 0) ++missed_;
+    const int limit = 2 * kSparse * tolerances_.missed_feedback;
+    sparse_ = std::clamp(sparse_ + (feedbacks_ == 0 ? kMissing : -1), 0, limit);
     if (inputs_seen_ == 0 && expects_inputs_) ++inputs_missed_;
     if (feedbacks_ > syncs_) irregular_ = std::min(irregular_ + kLate, 2 * kLate * tolerances_.missed_feedback);
     if (feedbacks_ == syncs_) irregular_ = std::max(irregular_ - 1, 0);
@@ -91,13 +105,21 @@ void DriveNode::setGoal(DriveGoal goal, std::int64_t now) noexcept {
   if (goal == goal_) return;
   goal_ = goal;
   goal_since_ns_ = now;
+  network_stops_ = 0;
   was_enabled_ = false;
 }
 
 void DriveNode::requestFaultReset() noexcept {
   emergency_ = 0;
-  irregular_ = 0;
+  irregular_ = sparse_ = 0;
   if (state() == DriveState::Fault) reset_.request();
+}
+
+bool DriveNode::takeNetworkStop(std::int64_t now) noexcept {
+  const bool due = staysOn(now) && now - goal_since_ns_ > (network_stops_ + 1) * tolerances_.enable_timeout_ns;
+  if (!due || network_stops_ >= kNetworkStops) return false;
+  ++network_stops_;
+  return true;
 }
 
 std::uint16_t DriveNode::nextControlWord() noexcept {
@@ -122,8 +144,10 @@ BusFailure DriveNode::failure(std::int64_t now) const noexcept {
   if (nmt_ == NmtState::PreOperational && now - goal_since_ns_ > tolerances_.heartbeat_timeout_ns) {
     return {BusFault::DriveLost, 0, 0};
   }
+  if (sparse_ >= kSparse * tolerances_.missed_feedback) return {BusFault::FeedbackLate, 0, 0};
   if (irregular_ >= kLate * tolerances_.missed_feedback) return {BusFault::FeedbackLate, 0, 0};
   if (deviating_ >= kTorquePeriods) return {BusFault::TorqueDeviates, 0, 0};
+  if (staysOn(now)) return {BusFault::DriveStaysOn, 0, 0};
   if (goal_ == DriveGoal::Enabled && !isEnabled()) {
     const bool late = now - goal_since_ns_ > tolerances_.enable_timeout_ns;
     if (was_enabled_ || late) return {BusFault::DriveNotEnabled, 0, 0};

@@ -43,6 +43,7 @@ class CanAxisBus : public AxisBus {
 
  private:
   bool awaitFeedback(std::vector<std::string>& findings);
+  bool answerOnce(std::vector<std::string>& findings);
   int drain() noexcept;
   void detectFailure(bool backlog) noexcept;
   PortStatus sendCommand(std::size_t axis, std::int16_t torque) noexcept;
@@ -57,6 +58,7 @@ class CanAxisBus : public AxisBus {
   std::array<DriveNode, kAxes> drives_;
   std::array<std::int32_t, kAxes> zero_counts_{};
   std::int64_t next_heartbeat_ns_ = 0;
+  std::int64_t troubled_ns_ = 0;  // the whole bus, not one drive, for the last time
   bool ready_ = false;
   bool down_ = false;
   bool bus_off_ = false;

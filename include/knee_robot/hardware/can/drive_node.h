@@ -43,6 +43,16 @@ class DriveNode {
   /// None, or the most telling of what is wrong; axis is left 0.
   BusFailure failure(std::int64_t now) const noexcept;
   bool hasFeedback() const noexcept { return heard_; }
+  /// Feedback since the last cycle; more than one a SYNC comes from somebody else.
+  int feedbacks() const noexcept { return feedbacks_; }
+  /// Bytes of the last feedback that was refused for its length; 0: none was.
+  int strangeLength() const noexcept { return strange_length_; }
+  /// It has been off for longer than switching off takes, by its orders, and was on by its last word.
+  bool staysOn(std::int64_t now) const noexcept {
+    return goal_ == DriveGoal::Off && isEnabled() && now - goal_since_ns_ > tolerances_.enable_timeout_ns;
+  }
+  /// True a few times, apart, while it stays on: what process data cannot do the network's stop may.
+  bool takeNetworkStop(std::int64_t now) noexcept;
   /// Two periods or more without feedback: position and torque are old.
   bool isSilent() const noexcept { return missed_ >= 2; }
   bool isEnabled() const noexcept { return heard_ && state() == DriveState::OperationEnabled; }
@@ -54,6 +64,7 @@ class DriveNode {
 
  private:
   bool takeFeedback(const Frame& frame) noexcept;
+  void takeEmergency(std::uint16_t code) noexcept;
   void monitorTorque() noexcept;
 
   int node_ = 0;
@@ -66,6 +77,8 @@ class DriveNode {
   int syncs_ = 0;      // since the last endCycle
   int feedbacks_ = 0;  // since the last endCycle
   int missed_ = 0;     // periods in a row
+  int sparse_ = 0;     // leaky count of periods without feedback
+  int strange_length_ = 0;
   bool expects_inputs_ = false;
   int inputs_seen_ = 0;                 // since the last endCycle
   int inputs_missed_ = 0;               // periods in a row
@@ -80,6 +93,7 @@ class DriveNode {
   int emergency_cycles_ = 0;  // since it came, up to 2
   DriveGoal goal_ = DriveGoal::Off;
   std::int64_t goal_since_ns_ = 0;
+  int network_stops_ = 0;  // since the goal changed
   bool was_enabled_ = false;
   FaultReset reset_;
 };

@@ -1,0 +1,73 @@
+// A counter card that loses its supply and comes back: its counts begin anew, and where its mode words are gone it counts nothing.
+#include "holding_robot.h"
+
+namespace knee_robot::control {
+namespace {
+
+using holding::HoldingRobot;
+
+void comesBack(HoldingRobot& robot, bool with_modes) {
+  simulation::Pci1784Image& card = robot.image.counter;
+  const auto sums = simulation::publishedCounts(card);
+  for (std::size_t i = 0; i < sums.size(); ++i) {
+    card.offsets[i].store(sums[i]);
+    card.latched[i].store(0);
+    if (!with_modes) card.modes[i].store(0);
+  }
+  card.outputs.store(0);
+  card.disconnected.store(0);
+}
+
+/// Holds 60 mm above its home, where the counts of all axes are far from zero.
+void climb(HoldingRobot& robot) {
+  robot.play();
+  robot.system->run(4.0);
+  robot.system->stop();
+  robot.system->run(1.0);
+  ASSERT_EQ(robot.system->state(), MachineState::Holding);
+}
+
+TEST(LostCounterCard, IsUsedByNobodyBeforeTheControllerIsStartedAnewHoweverShortItWasGone) {
+  for (const double gone_s : {0.001, 0.010, 2.0}) {
+    for (const bool with_modes : {true, false}) {
+      HoldingRobot robot;
+      climb(robot);
+      robot.image.counter.disconnected.store(1);
+      robot.system->run(gone_s);
+      comesBack(robot, with_modes);
+      robot.system->run(2.0);
+      EXPECT_EQ(robot.image.status.brakes_engaged.load(), 0x0F) << "its outputs can be written again, and are";
+      EXPECT_EQ(robot.image.status.drives_enabled.load(), 0);
+      const Answer reset = robot.system->resetFaults();
+      EXPECT_FALSE(reset.ok) << "after " << gone_s << " s: " << toString(robot.system->state());
+      EXPECT_NE(reset.sentence.find("restart the controller and home again"), std::string::npos) << reset.sentence;
+      EXPECT_FALSE(robot.system->enable().ok);
+    }
+  }
+}
+
+TEST(LostCounterCard, WhoseCountsBeginAnewBetweenTwoReadingsLeavesARobotThatDoesNotKnowWhereItIs) {
+  HoldingRobot robot;
+  climb(robot);
+  comesBack(robot, true);
+  robot.system->run(2.0);
+  EXPECT_EQ(robot.system->status().fault_name, "encoder_jump");
+  EXPECT_TRUE(robot.system->resetFaults().ok);
+  const Answer enabled = robot.system->enable();
+  EXPECT_FALSE(enabled.ok);
+  EXPECT_NE(enabled.sentence.find("home the robot first"), std::string::npos) << enabled.sentence;
+}
+
+TEST(LostCounterCard, ThatLatchesNothingAnyMoreIsADeadEncoderAsSoonAsTheRobotMoves) {
+  HoldingRobot robot;
+  robot.play();
+  robot.system->run(2.0);
+  for (auto& mode : robot.image.counter.modes)
+    mode.store(0);
+  robot.system->run(2.0);
+  EXPECT_EQ(robot.system->status().fault_name, "encoder_frozen");
+  EXPECT_EQ(robot.image.status.brakes_engaged.load(), 0x0F);
+}
+
+}  // namespace
+}  // namespace knee_robot::control
