@@ -74,14 +74,23 @@ endforeach()
 set_tests_properties(operator_browser_test report_browser_test PROPERTIES RUN_SERIAL ON)
 set_tests_properties(report_browser_test PROPERTIES ENVIRONMENT "KNEE_BUILD=${PROJECT_BINARY_DIR}")
 
-# Each rostest has a roscore and a simulated robot of its own. They run one at a time: a robot that shares the machine with
-# compute-bound tests would measure those.
+# test/fleet: pytest on the fleet's Python package (scripts/fleet_tests), with the programs of this build.
+add_test(NAME fleet COMMAND ${CMAKE_SOURCE_DIR}/scripts/fleet_tests --junitxml=${CMAKE_BINARY_DIR}/test_results/fleet/pytest-fleet.xml)
+set_tests_properties(fleet PROPERTIES ENVIRONMENT "KNEE_BUILD=${CMAKE_BINARY_DIR}" TIMEOUT 900 COST 100)  # the longest: begins first
+
+# Each rostest has a roscore and a simulated robot of its own. They run after all other tests: a robot that shares the machine with
+# compute-bound tests would measure those. Those that identify, trace or draw run one at a time, beside one that does not.
+get_property(computing_tests DIRECTORY PROPERTY TESTS)
 file(GLOB ros_tests RELATIVE ${PROJECT_SOURCE_DIR} CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/test/nodes/*.test)
 foreach(ros_test ${ros_tests})
   get_filename_component(name ${ros_test} NAME_WE)
   add_rostest(${ros_test})
-  set_tests_properties(_ctest_knee_robot_rostest_test_nodes_${name}.test PROPERTIES RUN_SERIAL ON)
+  set_tests_properties(_ctest_knee_robot_rostest_test_nodes_${name}.test PROPERTIES DEPENDS "${computing_tests}")
 endforeach()
+foreach(name launch_files identification play operator_page)
+  set_tests_properties(_ctest_knee_robot_rostest_test_nodes_${name}.test PROPERTIES RESOURCE_LOCK computing COST 50)
+endforeach()
+set_tests_properties(_ctest_knee_robot_rostest_test_nodes_laboratory_file.test PROPERTIES COST 100)  # the longest: begins first
 
 # test/ROOM/NAME_benchmark.cpp: other engines beside ours, on request only (scripts/benchmark_peers).
 file(GLOB room_benchmarks RELATIVE ${PROJECT_SOURCE_DIR}/test CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/test/*/*_benchmark.cpp)
@@ -94,7 +103,3 @@ foreach(benchmark_file ${room_benchmarks})
   target_compile_definitions(${room}_${name} PRIVATE KNEE_SOURCE_DIR="${PROJECT_SOURCE_DIR}")
   include(${PROJECT_SOURCE_DIR}/test/${room}/${name}.cmake OPTIONAL)
 endforeach()
-
-# test/fleet: pytest on the fleet's Python package (scripts/fleet_tests), with the programs of this build.
-add_test(NAME fleet COMMAND ${CMAKE_SOURCE_DIR}/scripts/fleet_tests --junitxml=${CMAKE_BINARY_DIR}/test_results/fleet/pytest-fleet.xml)
-set_tests_properties(fleet PROPERTIES ENVIRONMENT "KNEE_BUILD=${CMAKE_BINARY_DIR}" TIMEOUT 900)

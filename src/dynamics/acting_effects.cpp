@@ -25,7 +25,7 @@ std::vector<double> valuesOf(const std::vector<EffectParameter>& parameters) {
 }
 
 /// A ripple has a sine and a cosine per training recording. What another recording has of them: their mean, times the share of it
-/// that the training recordings support by agreeing (as tracing's effect_screw_ripple.cpp).
+/// that the training recordings support by agreeing (as tracing's effects/common/ripple.cpp).
 std::vector<double> commonPhase(const std::vector<double>& each) {
   const Eigen::Index recordings = static_cast<Eigen::Index>(each.size() / 2);
   const Eigen::Map<const Eigen::Matrix2Xd> pairs(each.data(), 2, recordings);
@@ -48,7 +48,8 @@ class Reader {
       if (reason.empty()) throw InputError("effect " + nameOf(e) + " is not known, or has other numbers; trace again");
       return leaveOut(e, reason);
     }
-    if (e.name == "screw_ripple" && coefficients.size() > 2) coefficients = commonPhase(coefficients);
+    if ((e.name == "screw_ripple" || e.name == "load_ripple") && coefficients.size() > 2)
+      coefficients = commonPhase(coefficients);
     // Beyond its own: how warm each recording began.
     if (e.name == "thermal_drift" && coefficients.size() > 2) coefficients.resize(2);
     if (coefficients.size() != static_cast<std::size_t>(law->coefficients()) || e.actuators.empty() ||
@@ -162,7 +163,7 @@ EffectForces effectForces(const ActingEffects& effects, int axes, const EffectsI
     const int count = e.law->coefficients();
     if (e.actuator < 0) {
       PoseColumns columns;
-      e.law->poseColumns(*at.motion, columns);
+      e.law->poseColumns(*at.mechanism, *at.motion, columns);
       for (int c = 0; c < count; ++c)
         (carried ? carried_pose : friction_pose) += e.coefficients[static_cast<std::size_t>(c)] * columns.col(c);
       continue;

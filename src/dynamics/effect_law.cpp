@@ -53,12 +53,14 @@ constexpr Entry kLaws[] = {
     {"spring", 4, springLaw},
     {"dashpot", 5, dashpotLaw},
     {"asymmetric_dashpot", 5, asymmetricDashpotLaw},
+    {"platform_joint_friction", 1, platformJointFrictionLaw},
+    {"load_ripple", 1, loadRippleLaw},
 };
 
 }  // namespace
 
 void EffectLaw::columns(const EffectInstant&, EffectState&, EffectColumns&) const noexcept {}
-void EffectLaw::poseColumns(const mechanism::Motion&, PoseColumns&) const noexcept {}
+void EffectLaw::poseColumns(const mechanism::Mechanism&, const mechanism::Motion&, PoseColumns&) const noexcept {}
 void EffectLaw::rest(double, EffectState& state) const noexcept {
   state = EffectState{};
 }

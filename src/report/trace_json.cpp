@@ -136,7 +136,7 @@ std::string traceJson(const TraceResults& r) {
   j["data"] = dataJson(r.train, r.validate, r.options.observation);
   int added = 0;
   for (const tracing::FoundEffect& e : r.result.effects)
-    added += static_cast<int>(e.coefficients.size() + (e.hypothesis.place.candidate->name() == "unnamed"
+    added += static_cast<int>(e.coefficients.size() + (e.hypothesis.place.candidate->isMap()
                                                            ? 0
                                                            : static_cast<Eigen::Index>(e.hypothesis.shape.size())));
   j["before"] = sideJson(r.result.baseline.decided, r.train_before, r.validate_before);

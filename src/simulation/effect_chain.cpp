@@ -56,6 +56,7 @@ bool EffectChain::step(const PlantModel& model, const PlantLoads& loads, const P
     const mechanism::Vector4 before = at_.rates;
     at_.time_s += h;
     at_.pose = state.pose;
+    at_.pose_velocity = state.pose_velocity;
     at_.lengths = mechanism::legLengths(model.rigid.mechanism, state.pose);
     at_.rates = mechanism::lengthJacobian(model.rigid.mechanism, state.pose) * state.pose_velocity;
     at_.transmitted_N = acted_.motor_force + data.friction_force -

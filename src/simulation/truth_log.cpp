@@ -9,6 +9,7 @@
 #include <new>
 
 #include "knee_robot/base/errors.h"
+#include "knee_robot/base/files.h"
 
 namespace knee_robot::simulation {
 
@@ -18,13 +19,14 @@ TruthLog::TruthLog(const std::string& name, std::uint64_t capacity)
   const int file = ::shm_open(name.c_str(), O_RDWR | O_CREAT | O_EXCL, 0600);
   if (file < 0) throw InputError("truth log " + name + ": cannot be created: " + std::strerror(errno));
   void* memory = MAP_FAILED;
-  if (::ftruncate(file, static_cast<off_t>(bytes_)) == 0)
-    memory = ::mmap(nullptr, bytes_, PROT_READ | PROT_WRITE, MAP_SHARED | MAP_POPULATE, file, 0);
-  const int reason = errno;
+  const int full = ::posix_fallocate(file, 0, static_cast<off_t>(bytes_));
+  if (full == 0) memory = ::mmap(nullptr, bytes_, PROT_READ | PROT_WRITE, MAP_SHARED | MAP_POPULATE, file, 0);
+  const std::string why =
+      full != 0 ? whyNoSharedMemory(full) : std::string("cannot be mapped: ") + std::strerror(errno);
   ::close(file);
   if (memory == MAP_FAILED) {
     ::shm_unlink(name.c_str());
-    throw InputError("truth log " + name + ": cannot be mapped: " + std::strerror(reason));
+    throw InputError("truth log " + name + ": " + why);
   }
   head_ = new (memory) Head;
   head_->row_bytes = sizeof(TruthRow);

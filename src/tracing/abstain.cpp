@@ -7,22 +7,10 @@
 namespace knee_robot::tracing {
 namespace {
 
-/// What held-back positions say nothing about.
-bool goesWithTime(const Candidate& candidate) {
-  return candidate.name() == "thermal_drift" || candidate.name() == "gain_drift";
-}
-
-/// Noise floors that an effect must explain: one where bristles at rest look like it or its shapes are many, two of a map, whose shapes are most.
-double leastFloors(const Candidate& candidate) {
-  const std::string name = candidate.name();
-  if (name == "unnamed") return 2.0;
-  return name == "screw_ripple" || goesWithTime(candidate) || candidate.local() ? 1.0 : 0.0;
-}
-
-/// Held-back positions say something about it: not about what goes with time.
+/// Held-back positions say something about it.
 bool testedElsewhere(const FoundEffect& e) {
   const Candidate& candidate = *e.hypothesis.place.candidate;
-  return e.transfers && !goesWithTime(candidate) && candidate.elsewhere(e.coefficients).size() > 0;
+  return e.transfers && !candidate.goesWithTime() && candidate.elsewhere(e.coefficients).size() > 0;
 }
 
 /// The effect that does most harm at held-back positions; none: the end.
@@ -57,8 +45,7 @@ void abstainElsewhere(Search& s, std::vector<std::string>& notes) {
 
 int leaveOutSmall(Search& s, bool helps, std::vector<std::string>& rejected) {
   const auto named = std::stable_partition(s.effects.begin(), s.effects.end(), [&](const FoundEffect& e) {
-    const Candidate& candidate = *e.hypothesis.place.candidate;
-    const double least = leastFloors(candidate);
+    const double least = e.hypothesis.place.candidate->leastFloors();
     return (helps && testedElsewhere(e)) || (e.explained_rms_N.array() >= least * s.floor.rms_N.array()).any();
   });
   const int taken_out = static_cast<int>(s.effects.end() - named);

@@ -54,7 +54,7 @@ std::vector<PlaceAngles> principalAngles(const TraceData& data, const std::vecto
                                          const Projection& base, const Eigen::VectorXd& noise_N) {
   std::vector<Group> groups;
   for (const PlaceColumns& p : places) {
-    if (p.place().candidate->name() == "unnamed") continue;
+    if (p.place().candidate->isMap()) continue;
     Eigen::Index best = 0;
     explained(makeProbes(data, p.tried, p.rows, p.first_row, base, noise_N), base.residual).col(0).maxCoeff(&best);
     groups.push_back(groupOf(data, p.tried[static_cast<std::size_t>(best)], base, noise_N));

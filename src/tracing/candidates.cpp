@@ -1,6 +1,6 @@
 #include <cmath>
 
-#include "effects.h"
+#include "knee_robot/tracing/candidate.h"
 
 namespace knee_robot::tracing {
 
@@ -40,37 +40,9 @@ std::vector<std::vector<double>> geometricGrid(double low, double high, int coun
 }
 
 CandidateList namedCandidates(const mechanism::Robot& robot) {
-  CandidateList all;
-  all.push_back(makeAsymmetricCoulomb());
-  all.push_back(makeAsymmetricViscous());
-  all.push_back(makeStribeck());
-  all.push_back(makePresliding());
-  all.push_back(makeLoadDependentFriction());
-  all.push_back(makeScrewRipple());
-  all.push_back(makePositionDependentFriction());
-  all.push_back(makeQuadraticDrag());
-  all.push_back(makeThermalDrift());
-  all.push_back(makeForceGain());
-  all.push_back(makeForceOffset());
-  all.push_back(makeDelay());
-  all.push_back(makeDriveLag());
-  all.push_back(makeBacklash());
-  all.push_back(makeFlexibleCoupling());
-  all.push_back(makeSpring());
-  all.push_back(makeExternalForce());
-  all.push_back(makePowerFlowFriction());
-  all.push_back(makeLoadDependentViscous());
-  all.push_back(makeDashpot());
-  all.push_back(makeNonlinearSpring());
-  all.push_back(makeAsymmetricDashpot());
-  all.push_back(makeGainDrift());
-  all.push_back(makeTorsionalHysteresis());
-  all.push_back(makeGearRipple());
-  all.push_back(makeTemperatureFriction());
-  all.push_back(makeJointElasticity());
-  all.push_back(makePushAtTip());
   CandidateList fit;
-  for (auto& candidate : all) {
+  for (const CandidateMaker make : candidateMakers()) {
+    std::unique_ptr<Candidate> candidate = make();
     if (candidate->worksOn(robot)) fit.push_back(std::move(candidate));
   }
   return fit;

@@ -33,7 +33,7 @@ double needOf(const Search& s, const JointFit& with, std::size_t k) {
   const Projection projection = projectModel(s, others);
   const HeldBackGain nested = heldBackGain(nestedGain(s, projection, {all[k]}));
   const auto sure = [](const HeldBackGain& g) { return g.mean / std::max(1e-300, g.error); };
-  const double bends = all[k].place.candidate->name() == "unnamed" ? kMapErrors : 1.0;
+  const double bends = all[k].place.candidate->isMap() ? kMapErrors : 1.0;
   return std::max(sure(joint) / kErrors, sure(nested) / kNestedErrors) / bends;
 }
 
@@ -119,7 +119,7 @@ void replaceMaps(Search& s) {
     const std::vector<Hypothesis> all = hypothesesOf(s.effects);
     const Eigen::VectorXd with = fitOf(s, all).held_back;
     for (const Hypothesis& other : all) {
-      if (other.place.candidate->name() == "unnamed" || other.place.candidate->shared()) continue;
+      if (other.place.candidate->isMap() || other.place.candidate->shared()) continue;
       const Hypothesis named = {{other.place.candidate, map.actuator}, other.shape};
       if (std::any_of(all.begin(), all.end(), [&](const Hypothesis& h) { return h.place == named.place; })) continue;
       std::vector<Hypothesis> instead = all;

@@ -59,9 +59,11 @@ identification::Equations equationsOf(const TraceData& data, const Eigen::Vector
 }
 
 /// `groups`: columns of effects with several coefficients, which get a slight pull to zero: hat functions add up to a constant
-/// that the base has already. `prior`: per column, root of the weight of a pull to zero.
+/// that the base has already. `whole`: norms with all blocks of the columns of maps, else 0: a hat acts at one place, and where that is left
+/// out next to nothing of it may remain, from which its coefficient would be anything. `prior`: per column, root of the weight of a pull to
+/// zero.
 Eigen::VectorXd solve(const Eigen::MatrixXd& triangle, int bounded, const std::vector<int>& groups,
-                      const Eigen::VectorXd& prior) {
+                      const Eigen::VectorXd& whole, const Eigen::VectorXd& prior) {
   const Eigen::Index p = triangle.cols() - 1;
   const Eigen::VectorXd scale = triangle.leftCols(p).colwise().norm().transpose().cwiseMax(1e-12);
   const Eigen::Index pulls = static_cast<Eigen::Index>(groups.size());
@@ -70,8 +72,10 @@ Eigen::VectorXd solve(const Eigen::MatrixXd& triangle, int bounded, const std::v
   scaled.bottomRows(p).diagonal() = prior.cwiseQuotient(scale);
   scaled.topRows(triangle.rows()) = triangle.leftCols(p) * scale.cwiseInverse().asDiagonal();
   target.head(triangle.rows()) = triangle.col(p);
-  for (Eigen::Index k = 0; k < pulls; ++k)
-    scaled(triangle.rows() + k, groups[static_cast<std::size_t>(k)]) = kPull;
+  for (Eigen::Index k = 0; k < pulls; ++k) {
+    const int column = groups[static_cast<std::size_t>(k)];
+    scaled(triangle.rows() + k, column) = kPull * std::max(1.0, whole[column] / scale[column]);
+  }
   return identification::boundedLeastSquares(scaled, target, bounded).cwiseQuotient(scale);
 }
 
@@ -101,7 +105,14 @@ JointFit fitJointly(const TraceData& data, const BaseFit& base, const Eigen::Vec
   for (std::size_t c = 0; c < layout.source.size(); ++c) {
     if (layout.source[c].first < 0) prior[static_cast<Eigen::Index>(c)] = base.pull[layout.source[c].second];
   }
-  const Eigen::VectorXd z = solve(identification::joinBlocks(blocks, -1), layout.bounded, groups, prior);
+  const Eigen::MatrixXd all = identification::joinBlocks(blocks, -1);
+  Eigen::VectorXd whole = all.leftCols(all.cols() - 1).colwise().norm();
+  for (std::size_t c = 0; c < layout.source.size(); ++c) {
+    const int effect = layout.source[c].first;
+    if (effect < 0 || !effects[static_cast<std::size_t>(effect)].place.candidate->isMap())
+      whole[static_cast<Eigen::Index>(c)] = 0.0;
+  }
+  const Eigen::VectorXd z = solve(all, layout.bounded, groups, whole, prior);
   JointFit fit;
   fit.residual_N = e.b - e.a * z;
   for (int i = 0; i < e.axes; ++i)
@@ -109,7 +120,7 @@ JointFit fitJointly(const TraceData& data, const BaseFit& base, const Eigen::Vec
   fit.held_back.resize(e.blocks);
   Eigen::MatrixXd left_out(z.size(), e.blocks);
   for (int b = 0; b < e.blocks; ++b) {
-    left_out.col(b) = solve(identification::joinBlocks(blocks, b), layout.bounded, groups, prior);
+    left_out.col(b) = solve(identification::joinBlocks(blocks, b), layout.bounded, groups, whole, prior);
     const Eigen::MatrixXd& own = blocks[static_cast<std::size_t>(b)];
     fit.held_back[b] =
         own.rows() == 0 ? 0.0 : (own.rightCols(1) - own.leftCols(z.size()) * left_out.col(b)).squaredNorm();

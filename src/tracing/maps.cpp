@@ -33,6 +33,8 @@ class Map : public Candidate {
       : signal_(std::move(signal)), knots_(std::move(knots)) {}
 
   std::string name() const override { return "unnamed"; }
+  bool isMap() const override { return true; }
+  double leastFloors() const override { return 2.0; }
   std::string sentence() const override {
     const char* const what[] = {"force", "dry friction", "viscous friction"};
     return std::string("No named effect fits; the ") + what[static_cast<int>(signal_.factor)] +

@@ -2,10 +2,10 @@
 
 #include <algorithm>
 
+#include "effects/common/rest_law.h"
 #include "knee_robot/base/errors.h"
 #include "knee_robot/identification/prediction.h"
 #include "model_effects.h"
-#include "rest_law.h"
 
 namespace knee_robot::tracing {
 namespace {
@@ -79,7 +79,7 @@ FoundEffect effectOf(const mechanism::Robot& robot, const dynamics::ModelEffect&
   requireNames(shape, candidate->shapeParameters(), m.name, model_path);
   std::vector<dynamics::EffectParameter> coefficients = m.coefficients;
   const std::vector<Coefficient> asked = candidate->coefficients(input);
-  if (m.name == "thermal_drift" &&
+  if (candidate->goesWithTime() &&
       coefficients.size() == 2) {  // of a file before recordings began with a warmth of their own
     for (std::size_t k = 2; k < asked.size(); ++k)
       coefficients.push_back({asked[k].name, 0.0, 0.0});

@@ -1,15 +1,17 @@
 #include <ceres/ceres.h>
 
 #include <Eigen/QR>
+#include <algorithm>
 #include <cmath>
 
+#include "parallel.h"
 #include "search.h"
 
 namespace knee_robot::tracing {
 namespace {
 
 constexpr int kSteps = 6;
-constexpr double kRelativeStep = 1e-3;
+constexpr double kRelativeStep = 1e-3, kLeastStep = 1e-6;  ///< of shapes, for derivatives
 constexpr double kReach_m = 0.2;   ///< by which what may have either sign (an anchor) moves at least, past zero
 constexpr double kFarthest = 1.5;  ///< factor by which a shape may move: further away it is another hypothesis
 
@@ -18,38 +20,40 @@ struct Entry {
   std::size_t effect = 0, parameter = 0;
 };
 
-/// What base and effects leave, as a function of the shapes: coefficients are solved for (variable projection).
-class LeftBeside {
+/// What base and effects leave, as a function of the shapes: coefficients are solved for (variable projection). Of the derivative, the part
+/// that changes the coefficients lies in the columns and is left out (Kaufman 1975): the gradient is exact without it.
+class LeftBeside : public ceres::CostFunction {
  public:
   LeftBeside(const Search& s, std::vector<Entry> entries)
       : s_(s),
         entries_(std::move(entries)),
         base_(project(weighted(s.data->stack, s.data->base_rows, s.rms_N),
                       weighted(s.data->stack, s.data->force_rows, s.rms_N), s.base->pull)),
-        shapes_(hypothesesOf(s.effects)),
-        columns_(shapes_.size()) {
-    for (std::size_t k = 0; k < shapes_.size(); ++k)
-      columns_[k] = columnsOf(shapes_[k]);
+        shapes_(hypothesesOf(s.effects)) {
+    for (const Hypothesis& h : shapes_)
+      columns_.push_back(columnsOf(h));
+    set_num_residuals(static_cast<int>(base_.residual.size()));
+    mutable_parameter_block_sizes()->push_back(static_cast<int>(entries_.size()));
   }
-  bool operator()(double const* const* parameters, double* residuals) const {
-    std::vector<Hypothesis> now = shapes_;
-    std::vector<char> moved(now.size(), 0);
-    for (std::size_t k = 0; k < entries_.size(); ++k) {
-      double& value = now[entries_[k].effect].shape[entries_[k].parameter];
-      moved[entries_[k].effect] |= value != parameters[0][k];
-      value = parameters[0][k];
-    }
+
+  bool Evaluate(double const* const* parameters, double* residuals, double** jacobians) const override {
+    moveTo(parameters[0]);
     Eigen::Index count = 0;
     for (const Eigen::MatrixXd& c : columns_)
       count += c.cols();
     Eigen::MatrixXd all(base_.residual.size(), count);
-    Eigen::Index at = 0;
-    for (std::size_t k = 0; k < now.size(); ++k) {
-      all.middleCols(at, columns_[k].cols()) = moved[k] ? columnsOf(now[k]) : columns_[k];
-      at += columns_[k].cols();
+    count = 0;
+    for (const Eigen::MatrixXd& c : columns_) {
+      all.middleCols(count, c.cols()) = c;
+      count += c.cols();
     }
-    Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(all);
-    Eigen::Map<Eigen::VectorXd>(residuals, base_.residual.size()) = base_.residual - all * qr.solve(base_.residual);
+    const Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(all);
+    const Eigen::VectorXd coefficients = qr.solve(base_.residual);
+    Eigen::Map<Eigen::VectorXd>(residuals, base_.residual.size()) = base_.residual - all * coefficients;
+    if (jacobians == nullptr || jacobians[0] == nullptr) return true;
+    const Eigen::MatrixXd slopes = slopesOf(coefficients);
+    using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+    Eigen::Map<RowMajor>(jacobians[0], slopes.rows(), slopes.cols()) = all * qr.solve(slopes) - slopes;
     return true;
   }
 
@@ -58,12 +62,42 @@ class LeftBeside {
     const Eigen::MatrixXd c = weighted(s_.data->stack, effectRows(*s_.data, h), s_.rms_N);
     return c - base_.q * (base_.q.transpose() * c);
   }
+  /// Columns are kept from one point to the next where their shape stays.
+  void moveTo(const double* values) const {
+    std::vector<char> moved(shapes_.size(), 0);
+    for (std::size_t e = 0; e < entries_.size(); ++e) {
+      double& value = shapes_[entries_[e].effect].shape[entries_[e].parameter];
+      if (value != values[e]) moved[entries_[e].effect] = 1;
+      value = values[e];
+    }
+    inParallel(shapes_.size(), [&](std::size_t k) {
+      if (moved[k] != 0) columns_[k] = columnsOf(shapes_[k]);
+    });
+  }
+  /// Derivative of the effects' sum by each entry, coefficients held.
+  Eigen::MatrixXd slopesOf(const Eigen::VectorXd& coefficients) const {
+    std::vector<Eigen::Index> first(1, 0);
+    for (const Eigen::MatrixXd& c : columns_)
+      first.push_back(first.back() + c.cols());
+    Eigen::MatrixXd slopes(base_.residual.size(), static_cast<Eigen::Index>(entries_.size()));
+    inParallel(entries_.size(), [&](std::size_t e) {
+      const std::size_t k = entries_[e].effect;
+      Hypothesis low = shapes_[k], high = shapes_[k];
+      const double value = low.shape[entries_[e].parameter];
+      const double step = std::max(kRelativeStep * std::abs(value), kLeastStep);
+      low.shape[entries_[e].parameter] = value - step;
+      high.shape[entries_[e].parameter] = value + step;
+      slopes.col(static_cast<Eigen::Index>(e)) =
+          (columnsOf(high) - columnsOf(low)) * coefficients.segment(first[k], columns_[k].cols()) / (2.0 * step);
+    });
+    return slopes;
+  }
 
   const Search& s_;
-  std::vector<Entry> entries_;
-  Projection base_;
-  std::vector<Hypothesis> shapes_;
-  std::vector<Eigen::MatrixXd> columns_;
+  const std::vector<Entry> entries_;
+  const Projection base_;
+  mutable std::vector<Hypothesis> shapes_;        ///< of the last point
+  mutable std::vector<Eigen::MatrixXd> columns_;  ///< weighted and without what the base explains, at that point
 };
 
 }  // namespace
@@ -81,14 +115,8 @@ void refineShapes(Search& s) {
     }
   }
   if (entries.empty()) return;
-  ceres::NumericDiffOptions step;
-  step.relative_step_size = kRelativeStep;
-  auto* cost = new ceres::DynamicNumericDiffCostFunction<LeftBeside, ceres::CENTRAL>(new LeftBeside(s, entries),
-                                                                                     ceres::TAKE_OWNERSHIP, step);
-  cost->AddParameterBlock(static_cast<int>(values.size()));
-  cost->SetNumResiduals(static_cast<int>(s.data->force_rows.size()));
   ceres::Problem problem;
-  problem.AddResidualBlock(cost, nullptr, values.data());
+  problem.AddResidualBlock(new LeftBeside(s, entries), nullptr, values.data());
   for (std::size_t k = 0; k < entries.size(); ++k) {
     const Hypothesis& h = s.effects[entries[k].effect].hypothesis;
     const ShapeParameter bounds = h.place.candidate->shapeParameters()[entries[k].parameter];

@@ -89,7 +89,7 @@ class ForceSelection : public SelectionProblem {
       const bool taken = std::any_of(s_.effects.begin(), s_.effects.end(),
                                      [&](const FoundEffect& e) { return e.hypothesis.place == place; });
       if (taken || (only_ != nullptr && place.candidate != only_)) continue;
-      if (!s_.maps && place.candidate->name() == "unnamed") continue;
+      if (!s_.maps && place.candidate->isMap()) continue;
       const Eigen::Index next = static_cast<Eigen::Index>(row_.size());
       row_[k] = next;
     }
@@ -162,9 +162,8 @@ class ForceSelection : public SelectionProblem {
 }  // namespace
 
 std::string placeText(const Place& p) {
-  const std::string what = p.candidate->name() == "unnamed"
-                               ? "unnamed (" + p.candidate->dependsOn(std::max(0, p.actuator)) + ")"
-                               : p.candidate->name();
+  const std::string what =
+      p.candidate->isMap() ? "unnamed (" + p.candidate->dependsOn(std::max(0, p.actuator)) + ")" : p.candidate->name();
   return what + (p.actuator < 0 ? " (all actuators)" : " on actuator " + std::to_string(p.actuator + 1));
 }
 

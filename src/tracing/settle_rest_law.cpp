@@ -1,6 +1,6 @@
 #include <algorithm>
 
-#include "rest_law.h"
+#include "effects/common/rest_law.h"
 #include "search.h"
 #include "selection.h"
 

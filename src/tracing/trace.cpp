@@ -226,7 +226,7 @@ void Tracing::noteAbsorbed(const Projection& projection) {
   std::map<const Candidate*, double> most;  // of any shape on any actuator
   for (const PlaceColumns& p : library_.places()) {
     const Candidate* candidate = p.place().candidate;
-    if (!candidate->transfers() || candidate->name() == "unnamed") continue;
+    if (!candidate->transfers() || candidate->isMap()) continue;
     std::vector<double> survives = makeProbes(data_, p.tried, p.rows, p.first_row, projection, s_.rms_N).survives;
     std::sort(survives.begin(), survives.end());  // of an effect between two points, some anchors are always told apart
     const double typical = candidate->shared() ? survives[survives.size() / 2] : survives.back();

@@ -79,7 +79,7 @@ BlockEquations blockEquations(const Search& s, const Projection& projection, con
   e.whole_gram = Eigen::MatrixXd::Zero(k, k);
   for (const Eigen::MatrixXd& own : e.gram)
     e.whole_gram += own;
-  const double pull = h.place.candidate->name() == "unnamed" ? kMapPull : kSlightPull;
+  const double pull = h.place.candidate->isMap() ? kMapPull : kSlightPull;
   e.whole_gram += pull * Eigen::MatrixXd(e.whole_gram.diagonal().asDiagonal());
   e.whole_image = e.image.rowwise().sum();
   return e;
@@ -191,7 +191,7 @@ Ranking rankPlaces(Search& s, const Candidate* only) {
   std::vector<Eigen::VectorXd> squares(places.size());
   inParallel(places.size(), [&](std::size_t k) {
     const PlaceColumns& p = places[k];
-    if (!s.maps && p.place().candidate->name() == "unnamed") return;
+    if (!s.maps && p.place().candidate->isMap()) return;
     if (only != nullptr && p.place().candidate != only) return;
     if (std::find(s.absorbed.begin(), s.absorbed.end(), p.place()) != s.absorbed.end()) return;
     if (std::any_of(accepted.begin(), accepted.end(), [&](const Hypothesis& h) { return h.place == p.place(); }))

@@ -19,7 +19,7 @@ struct Trial {
   HeldBackGain held;     ///< of it
 
   const std::string name() const { return hypothesis.place.candidate->name(); }
-  bool isMap() const { return name() == "unnamed"; }
+  bool isMap() const { return hypothesis.place.candidate->isMap(); }
 };
 
 /// The places that are compared in a pass, with the columns that they are scored by.

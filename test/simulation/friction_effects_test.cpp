@@ -107,6 +107,24 @@ TEST(FrictionEffects, RippleRepeatsWithTheScrew) {
   EXPECT_NEAR(-2.0 * cosine / count, 5.0 * std::sin(40.0 * M_PI / 180.0), kNear_N);
 }
 
+TEST(FrictionEffects, LoadRippleGrowsWithWhatTheLegPassesOn) {
+  EffectBench bench("{name: load_ripple, actuators: [2], share: 0.05, period_m: 0.005, phase_deg: 40}");
+  const double load = bench.weight()[kAxis];
+  double sine = 0.0, cosine = 0.0;
+  int count = 0;
+  bench.follow(
+      1.0, [](double t) { return mechanism::Vector4(0.0, 0.02 * std::max(0.0, t), 0.0, 0.0); },
+      [&](const EffectSample& s) {
+        if (s.time_s < 0.25) return;  // three periods
+        const double angle = 2.0 * M_PI * s.truth[kAxis] / 0.005;
+        sine += (s.friction[kAxis] - plain(0.02)) * std::sin(angle);
+        cosine += (s.friction[kAxis] - plain(0.02)) * std::cos(angle);
+        ++count;
+      });
+  EXPECT_NEAR(-2.0 * sine / count, 0.05 * load * std::cos(40.0 * M_PI / 180.0), kNear_N);
+  EXPECT_NEAR(-2.0 * cosine / count, 0.05 * load * std::sin(40.0 * M_PI / 180.0), kNear_N);
+}
+
 TEST(FrictionEffects, WarmingUpChangesFriction) {
   EffectBench bench(
       "{name: thermal_drift, actuators: [2], coulomb_change: -0.4, viscous_change: -0.4, time_constant_s: 1}");

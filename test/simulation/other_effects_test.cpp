@@ -3,6 +3,7 @@
 #include <cstdio>
 
 #include "knee_robot/base/errors.h"
+#include "knee_robot/dynamics/effect_law.h"
 #include "test/simulation/effect_bench.h"
 
 namespace knee_robot::simulation {
@@ -135,6 +136,32 @@ TEST(PlatformEffects, ASpringPullsDownItsPotential) {
   }
 }
 
+TEST(PlatformEffects, FrictionOfThePlatformsJointsIsTheLawThatTraceAdds) {
+  EffectBench bench("{name: platform_joint_friction, coulomb_N_m: 0, viscous_N_m_s_per_rad: 2}");
+  const auto law = dynamics::effectLaw("platform_joint_friction", "", {1e-4});
+  const mechanism::Robot robot = configuredRobot("final");
+  double largest = 0.0;
+  bench.follow(
+      3.0,
+      [](double t) {
+        return mechanism::Vector4(0.03 * std::sin(3.0 * t), -0.03 * std::sin(3.0 * t), 0.03 * std::sin(2.0 * t), 0.0);
+      },
+      [&](const EffectSample& s) {
+        if (s.time_s < 0.05) return;  // the first push accelerates within a substep
+        mechanism::Motion motion;
+        motion.pose = bench.simulation().state().pose;
+        motion.pose_velocity = bench.simulation().state().pose_velocity;
+        dynamics::PoseColumns columns;
+        law->poseColumns(*robot.mechanism, motion, columns);
+        mechanism::Vector4 expected = mechanism::Vector4::Zero();
+        for (int c = 1; c < law->coefficients(); c += 2)
+          expected -= 2.0 * columns.col(c);
+        EXPECT_LT((bench.simulation().loads().pose_force - expected).norm(), 0.02 * expected.norm() + 0.01);
+        largest = std::max(largest, expected.norm());
+      });
+  EXPECT_GT(largest, 0.5);
+}
+
 TEST(PlatformEffects, APushLastsAsLongAsItSays) {
   EffectBench bench(
       "{name: external_force, start_s: 0.3, end_s: 0.5, rise_s: 0.05, force_N: [0, 0, -40], point_m: [0.1, 0, 0]}");
@@ -156,9 +183,11 @@ TEST(Effects, OfNoStrengthChangeNoBit) {
   const std::string nothing =
       "{name: asymmetric_coulomb, difference_N: 0}, {name: asymmetric_viscous, difference_N_s_per_m: 0},"
       "{name: stribeck, excess_N: 0, velocity_m_per_s: 0.01}, {name: load_dependent_friction, share: 0},"
-      "{name: screw_ripple, amplitude_N: 0, period_m: 0.01}, {name: quadratic_drag, drag_N_s2_per_m2: 0},"
+      "{name: screw_ripple, amplitude_N: 0, period_m: 0.01}, {name: load_ripple, share: 0, period_m: 0.01},"
+      "{name: platform_joint_friction, coulomb_N_m: 0}, {name: quadratic_drag, drag_N_s2_per_m2: 0},"
       "{name: position_dependent_friction, amplitude_N: 0, center_m: 0.7, width_m: 0.01},"
-      "{name: thermal_drift, time_constant_s: 5}, {name: payload, mass_kg: 0, center_m: [0, 0, 0]}, {name: base_tilt},"
+      "{name: thermal_drift, time_constant_s: 5}, {name: payload, mass_kg: 0, center_m: [0, 0, 0]}, {name: "
+      "base_tilt},"
       "{name: spring, stiffness_N_per_m: 0, anchor_m: [0, 0, 0], point_m: [0, 0, 0]}, {name: force_gain, factor: 1},"
       "{name: force_offset, force_N: 0}, {name: delay, time_s: 0}, {name: reflected_inertia, mass_kg: 0}";
   EffectBench with(nothing), without("");

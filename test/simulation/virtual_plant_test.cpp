@@ -8,6 +8,7 @@
 #include <filesystem>
 
 #include "knee_robot/base/errors.h"
+#include "knee_robot/dynamics/effect_law.h"
 #include "knee_robot/dynamics/inverse_dynamics.h"
 #include "knee_robot/dynamics/regressor.h"
 #include "knee_robot/recording/recording.h"
@@ -126,6 +127,26 @@ TEST_P(VirtualPlants, AgreeWithTheLinearModelWithFriction) {
         dynamics::extendedRegressor(mechanism(), robot_.gravity, motionOf(motion.at(t), pose), data, regressor));
     const mechanism::Vector4 ours = regressor * extended_parameters;
     ASSERT_LT((ours - output.force).norm(), 1e-6 * ours.norm()) << t;
+  }
+}
+
+TEST_P(VirtualPlants, RubInTheirSphericalJointsAsTheLawThatTraceAdds) {
+  VirtualPlant rubbing = plant(frictionOfAll(0.3)), without = plant(frictionOfAll(0.0));
+  const auto law = dynamics::effectLaw("platform_joint_friction", "", {1e-12});
+  const AxisPath path_of_both = path();
+  mechanism::Pose pose = start_;
+  mechanism::RobotMotion robot;
+  for (double t = 0.2; t < kDuration_s; t += 0.0137) {
+    VirtualPlantOutput more, less;
+    ASSERT_TRUE(rubbing.follow(path_of_both.at(t), more));
+    ASSERT_TRUE(without.follow(path_of_both.at(t), less));
+    const mechanism::Motion motion = motionOf(path_of_both.at(t), pose);
+    mechanism::robotMotion(mechanism(), motion, robot);
+    dynamics::PoseColumns columns;
+    law->poseColumns(mechanism(), motion, columns);
+    const mechanism::Vector4 on_pose = 0.3 * (columns.col(4) + columns.col(5));
+    const mechanism::Vector4 ours = robot.jacobian.transpose().partialPivLu().solve(on_pose);
+    ASSERT_LT((ours - (more.force - less.force)).norm(), 1e-6 * ours.norm()) << t;
   }
 }
 

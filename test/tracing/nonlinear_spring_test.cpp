@@ -1,5 +1,5 @@
 // A cable that hangs slack at one end is no straight spring.
-#include "src/tracing/line_between.h"
+#include "src/tracing/effects/common/line_effect.h"
 #include "test/tracing/searched_machine.h"
 
 namespace knee_robot::tracing {
@@ -13,7 +13,7 @@ TEST_F(NonlinearSpring, ExplainsACableThatHangsSlackWhereAStraightOneDoesNot) {
   for (int i = 0; i < data_.stack.axes; ++i) {
     std::vector<Eigen::MatrixXd> pulls;
     for (const EffectInput& input : data_.inputs) {
-      const LineForces line = lineForces(input, i, anchorsOf(anchors));
+      const Line line = lineBetween(input, i, anchorsOf(anchors));
       const double slack_m = 0.5 * (line.length_m.minCoeff() + line.length_m.maxCoeff());
       pulls.emplace_back(
           line.lever.cwiseProduct(Eigen::VectorXd(4e3 * (line.length_m.array() - slack_m).max(0.0).square())));

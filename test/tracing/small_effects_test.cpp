@@ -1,24 +1,12 @@
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include "src/tracing/search.h"
+#include "test/identification/synthetic.h"
 
 namespace knee_robot::tracing {
 namespace {
-
-/// A candidate that is nothing but its name.
-class Named : public Candidate {
- public:
-  explicit Named(std::string name, bool local = false) : name_(std::move(name)), local_(local) {}
-  bool local() const override { return local_; }
-  std::string name() const override { return name_; }
-  std::string sentence() const override { return {}; }
-  std::vector<Coefficient> coefficients(const EffectInput&) const override { return {}; }
-  Eigen::MatrixXd columns(const EffectInput&, int, const std::vector<double>&) const override { return {}; }
-
- private:
-  std::string name_;
-  bool local_;
-};
 
 /// What was found: effects that explain so many noise floors on the second of four actuators.
 class SmallEffects : public testing::Test {
@@ -29,7 +17,7 @@ class SmallEffects : public testing::Test {
     e.hypothesis.place.candidate = &candidate;
     e.hypothesis.place.actuator = 1;
     e.explained_rms_N = Eigen::Vector4d(0.0, floors * s.floor.rms_N[1], 0.0, 0.0);
-    e.coefficients = Eigen::VectorXd::Ones(1);
+    e.coefficients = Eigen::VectorXd::Ones(4);  // a ripple of two recordings that agree
     e.transfers = transfers;
     s.effects.push_back(e);
   }
@@ -41,8 +29,14 @@ class SmallEffects : public testing::Test {
   }
   using Names = std::vector<std::string>;
 
-  Named ripple{"screw_ripple"}, map{"unnamed"}, stribeck{"stribeck"}, drift{"thermal_drift"},
-      push{"external_force", true};
+  const mechanism::Robot robot_ = identification::syntheticRobot();
+  const CandidateList named_ = namedCandidates(robot_);
+  const std::unique_ptr<Candidate> map_ = mapCandidate(robot_, "pose_x_m", 1, {0, 1, 2, 3, 4, 5, 6, 7});
+  const Candidate& named(const std::string& name) const {
+    return **std::find_if(named_.begin(), named_.end(), [&](const auto& c) { return c->name() == name; });
+  }
+  const Candidate &ripple = named("screw_ripple"), &map = *map_, &stribeck = named("stribeck"),
+                  &drift = named("thermal_drift"), &push = named("external_force");
   Search s;
   std::vector<std::string> rejected;
 };

@@ -59,7 +59,8 @@ class EffectLaw {
   /// Force (N) of the actuator per unit of each coefficient. To be called once per instant, in order of time, where `state` matters.
   virtual void columns(const EffectInstant& at, EffectState& state, EffectColumns& out) const noexcept;
   /// Of a shared one: what the actuators have to bring up.
-  virtual void poseColumns(const mechanism::Motion& motion, PoseColumns& out) const noexcept;
+  virtual void poseColumns(const mechanism::Mechanism& mechanism, const mechanism::Motion& motion,
+                           PoseColumns& out) const noexcept;
   /// The drives are off for so long (s).
   virtual void rest(double duration_s, EffectState& state) const noexcept;
 };

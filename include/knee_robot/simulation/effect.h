@@ -15,6 +15,7 @@ struct EffectStep {
   double time_s = 0.0;  ///< since the simulation began
   double dt_s = 0.0;    ///< of the substep
   mechanism::Pose pose = mechanism::Pose::Zero();
+  mechanism::Vector4 pose_velocity = mechanism::Vector4::Zero();
   mechanism::Lengths lengths = mechanism::Lengths::Zero();
   mechanism::Vector4 rates = mechanism::Vector4::Zero();  ///< m/s, of the lengths
   mechanism::Vector4 transmitted_N =

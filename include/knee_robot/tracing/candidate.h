@@ -22,12 +22,12 @@ struct Coefficient {
 };
 
 /// One effect that the rigid model with Coulomb and viscous friction lacks, as columns that are added to the linear model. One
-/// class and one file an effect; candidates.cpp lists them. Stateless.
+/// class and one file an effect: effects/NAME.cpp. Stateless.
 class Candidate {
  public:
   virtual ~Candidate() = default;
 
-  virtual std::string name() const = 0;      ///< of design.md's list
+  virtual std::string name() const = 0;      ///< of design.md's list; of a map: unnamed
   virtual std::string sentence() const = 0;  ///< the physics, for the report
   /// Name of the simpler effect that is a special case of this one; this one must be clearly better to be preferred. Empty: none.
   virtual std::string generalizes() const { return {}; }
@@ -45,6 +45,12 @@ class Candidate {
   virtual bool actsFast() const { return false; }
   /// True: goes on in the same way at every position of its actuator.
   virtual bool periodic() const { return false; }
+  /// True: goes with time, so that positions that were held back say nothing about it.
+  virtual bool goesWithTime() const { return false; }
+  /// True: a smooth map of a signal, which no class of its own describes.
+  virtual bool isMap() const { return false; }
+  /// Noise floors that it must explain where held-back positions say nothing for it: one where its shapes are many.
+  virtual double leastFloors() const { return goesWithTime() || local() ? 1.0 : 0.0; }
   /// True: changes sign with the direction of travel.
   virtual bool isFriction() const { return false; }
   /// True: its columns look at loads, forces or friction's size, which every fit changes. False lets them be kept.
@@ -77,6 +83,9 @@ class Candidate {
 
 using CandidateList = std::vector<std::unique_ptr<Candidate>>;
 
+using CandidateMaker = std::unique_ptr<Candidate> (*)();
+/// Of src/tracing/effects/, by name (cmake/effects.cmake writes the table).
+const std::vector<CandidateMaker>& candidateMakers();
 /// All named effects that can be traced on this kind of robot.
 CandidateList namedCandidates(const mechanism::Robot& robot);
 /// Smooth maps over every available signal, for what no named effect explains.

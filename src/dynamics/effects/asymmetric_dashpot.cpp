@@ -16,7 +16,8 @@ class AsymmetricDashpot : public EffectLaw {
   EffectPart part() const noexcept override { return EffectPart::Friction; }
   int coefficients() const noexcept override { return 2; }
   bool shared() const noexcept override { return true; }
-  void poseColumns(const mechanism::Motion& motion, PoseColumns& out) const noexcept override {
+  void poseColumns(const mechanism::Mechanism&, const mechanism::Motion& motion,
+                   PoseColumns& out) const noexcept override {
     const Line line = lineAt(motion, anchors_);
     const double speed = std::hypot(line.rate_m_per_s, kSlow_m_per_s);
     const mechanism::Vector4 factor = std::pow(speed, exponent_ - 1.0) * line.per_newton;

@@ -25,6 +25,8 @@ Law delayLaw(const Shape& shape);
 Law springLaw(const Shape& shape);
 Law dashpotLaw(const Shape& shape);
 Law asymmetricDashpotLaw(const Shape& shape);
+Law platformJointFrictionLaw(const Shape& shape);
+Law loadRippleLaw(const Shape& shape);
 /// Null when there is no such signal, or it means nothing while a robot runs on (time since a recording began).
 Law mapLaw(const std::string& depends_on, const Shape& knots);
 

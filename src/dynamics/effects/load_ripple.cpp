@@ -1,0 +1,30 @@
+#include <cmath>
+
+#include "laws.h"
+
+namespace knee_robot::dynamics {
+namespace {
+
+/// Sine and cosine of the screw's turn, as a share of what the screw carries.
+class LoadRipple : public EffectLaw {
+ public:
+  explicit LoadRipple(const Shape& shape) : turn_per_m_(2.0 * M_PI / shape[0]) {}
+  EffectPart part() const noexcept override { return EffectPart::Carried; }
+  int coefficients() const noexcept override { return 2; }
+  void columns(const EffectInstant& at, EffectState&, EffectColumns& out) const noexcept override {
+    const double phase = turn_per_m_ * at.position_m[at.actuator];
+    out[0] = at.load_N * std::sin(phase);
+    out[1] = at.load_N * std::cos(phase);
+  }
+
+ private:
+  const double turn_per_m_;
+};
+
+}  // namespace
+
+Law loadRippleLaw(const Shape& shape) {
+  return std::make_unique<LoadRipple>(shape);
+}
+
+}  // namespace knee_robot::dynamics

@@ -1,0 +1,50 @@
+#pragma once
+
+#include "knee_robot/tracing/candidate.h"
+
+namespace knee_robot::tracing {
+
+/// Two points that something is tied to.
+struct Anchors {
+  mechanism::Vector3 base_m = mechanism::Vector3::Zero();      ///< base frame
+  mechanism::Vector3 platform_m = mechanism::Vector3::Zero();  ///< platform frame
+};
+
+/// The straight line between them along a recording, one entry a sample.
+struct Line {
+  Eigen::VectorXd lever;  ///< force of one actuator per newton of force that the actuators need to lengthen the line
+  Eigen::VectorXd length_m, rate_m_per_s;
+};
+Line lineBetween(const EffectInput& input, int actuator, const Anchors& anchors);
+/// Of a shape that begins with X and Y of the base point and of the platform point; both are at height 0.
+Anchors anchorsOf(const std::vector<double>& shape);
+
+/// What acts along the straight line between a point of the base and a point of the platform: a spring, a cable, a damper. Where it
+/// is anchored is searched: the first four shape parameters. Heights are left at 0: to first order they are a change of the length.
+class LineEffect : public Candidate {
+ public:
+  bool restsOnModel() const override { return false; }
+  bool shared() const override { return true; }
+  std::vector<ShapeParameter> shapeParameters() const override;
+  std::vector<std::vector<double>> shapes(const EffectInput& input, int actuator) const override;
+  std::vector<std::vector<double>> near(const std::vector<double>& shape, double step) const override;
+  Eigen::MatrixXd columns(const EffectInput& input, int actuator, const std::vector<double>& shape) const override;
+
+ protected:
+  /// Force (N) with which it resists being longer, per unit of each coefficient: samples x coefficients.
+  virtual Eigen::MatrixXd resistance(const Line& line, const std::vector<double>& shape) const = 0;
+};
+
+/// A damper: what it resists with follows a power of the rate, the fifth shape parameter.
+class LineDamper : public LineEffect {
+ public:
+  std::vector<ShapeParameter> shapeParameters() const override;
+  std::vector<std::vector<double>> shapes(const EffectInput& input, int actuator) const override;
+  std::vector<std::vector<double>> near(const std::vector<double>& shape, double step) const override;
+
+ protected:
+  /// sign(v) |v|^exponent for the rate v; proportional to it below 1 mm/s.
+  static Eigen::ArrayXd powerOfRate(const Line& line, const std::vector<double>& shape);
+};
+
+}  // namespace knee_robot::tracing

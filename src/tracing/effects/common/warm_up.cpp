@@ -1,0 +1,66 @@
+#include "warm_up.h"
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+
+namespace knee_robot::tracing {
+namespace {
+
+constexpr double kShortest_s = 10.0, kLongest_s = 300.0;
+constexpr int kConstants = 4;     ///< in the grid
+constexpr double kFactor = 1.75;  ///< between neighbours
+
+}  // namespace
+
+std::vector<ShapeParameter> WarmUp::shapeParameters() const {
+  return {{"time_constant_s", kShortest_s, kLongest_s}};
+}
+
+std::vector<std::vector<double>> WarmUp::shapes(const EffectInput&, int) const {
+  return geometricGrid(kShortest_s, kLongest_s, kConstants);
+}
+
+std::vector<std::vector<double>> WarmUp::near(const std::vector<double>& shape, double step) const {
+  std::vector<std::vector<double>> out;
+  for (const double factor : {1.0 / kFactor, kFactor}) {
+    out.push_back(shape);
+    out.back()[0] = std::clamp(shape[0] * std::pow(factor, step), kShortest_s, kLongest_s);
+  }
+  return out;
+}
+
+std::vector<Coefficient> WarmUp::coefficients(const EffectInput& input) const {
+  std::vector<Coefficient> out;
+  for (const std::string& change : changes())
+    out.push_back({change, false});
+  for (int r = 2; r <= input.recordings; ++r) {
+    for (const std::string& change : changes())
+      out.push_back({change + "_at_start_of_recording_" + std::to_string(r), false});
+  }
+  return out;
+}
+
+Eigen::MatrixXd WarmUp::columns(const EffectInput& input, int actuator, const std::vector<double>& shape) const {
+  const Eigen::MatrixXd change = changing(input, actuator, shape);
+  Eigen::MatrixXd out(change.rows(), change.cols() * std::max(1, input.recordings));
+  for (Eigen::Index n = 0; n < change.rows(); ++n) {
+    const double cold = std::exp(-input.time(static_cast<int>(n)) / shape[0]);
+    out.row(n).head(change.cols()) = (1.0 - cold) * change.row(n);
+    // The first recording takes what all others have more, so that the mean is nought.
+    for (int r = 1; r < input.recordings; ++r) {
+      const double of_this = input.recording == r ? cold : input.recording == 0 ? -cold : 0.0;
+      out.row(n).segment(change.cols() * r, change.cols()) = of_this * change.row(n);
+    }
+  }
+  return out;
+}
+
+Eigen::VectorXd WarmUp::elsewhere(const Eigen::VectorXd& coefficients) const {
+  const auto own = static_cast<Eigen::Index>(changes().size());
+  Eigen::VectorXd out = Eigen::VectorXd::Zero(coefficients.size());
+  out.head(own) = coefficients.head(own);
+  return out;
+}
+
+}  // namespace knee_robot::tracing

@@ -1,0 +1,27 @@
+#pragma once
+
+#include "knee_robot/tracing/candidate.h"
+
+namespace knee_robot::tracing {
+
+/// What changes while a drive warms up, from the start of each recording, with a time constant (the first shape parameter). Recordings need not
+/// begin equally warm: each after the first may begin with more or less than the mean of all, which fades with the same constant.
+class WarmUp : public Candidate {
+ public:
+  bool goesWithTime() const override { return true; }
+  std::vector<ShapeParameter> shapeParameters() const override;
+  std::vector<std::vector<double>> shapes(const EffectInput& input, int actuator) const override;
+  std::vector<std::vector<double>> near(const std::vector<double>& shape, double step) const override;
+  std::vector<Coefficient> coefficients(const EffectInput& input) const override;
+  Eigen::MatrixXd columns(const EffectInput& input, int actuator, const std::vector<double>& shape) const override;
+  /// A recording that nobody trained on begins as warm as those of training did in the mean.
+  Eigen::VectorXd elsewhere(const Eigen::VectorXd& coefficients) const override;
+
+ protected:
+  /// Names of the coefficients of what changes.
+  virtual std::vector<std::string> changes() const = 0;
+  /// Force of what changes, per unit of each: samples x changes.
+  virtual Eigen::MatrixXd changing(const EffectInput& input, int actuator, const std::vector<double>& shape) const = 0;
+};
+
+}  // namespace knee_robot::tracing

@@ -1,0 +1,44 @@
+#include <algorithm>
+#include <cmath>
+
+#include "common/rest_law.h"
+#include "knee_robot/tracing/candidate.h"
+
+namespace knee_robot::tracing {
+namespace {
+
+class Stribeck : public Candidate {
+ public:
+  std::string name() const override { return "stribeck"; }
+  bool isFriction() const override { return true; }
+  bool actsNearRest() const override { return true; }
+  bool restsOnModel() const override { return false; }
+  std::string sentence() const override {
+    return "Dry friction is stronger at low velocity and falls off with a characteristic velocity.";
+  }
+  std::vector<ShapeParameter> shapeParameters() const override {
+    return {{"velocity_m_per_s", 0.001, 0.06}, restLawParameter()};
+  }
+  std::vector<std::vector<double>> shapes(const EffectInput&, int) const override {
+    return withRestLaws(geometricGrid(0.001, 0.06, 10));
+  }
+  std::vector<std::vector<double>> near(const std::vector<double>& s, double step) const override {
+    std::vector<std::vector<double>> out = besideRestLaw(s, step);
+    for (const double factor : {1.0 / 1.25, 1.25})
+      out.push_back({std::clamp(s[0] * std::pow(factor, step), 0.001, 0.06), s[1]});
+    return out;
+  }
+  std::vector<Coefficient> coefficients(const EffectInput&) const override { return {{"excess_N", true}}; }
+  Eigen::MatrixXd columns(const EffectInput& input, int actuator, const std::vector<double>& shape) const override {
+    const Eigen::ArrayXd ratio = input.signals().velocity_m_per_s.col(actuator).array() / shape[0];
+    return rubbingShare(input, actuator, shape).array() * (-ratio.square()).exp();
+  }
+};
+
+}  // namespace
+
+std::unique_ptr<Candidate> makeStribeck() {
+  return std::make_unique<Stribeck>();
+}
+
+}  // namespace knee_robot::tracing
