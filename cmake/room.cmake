@@ -35,7 +35,9 @@ function(knee_room name)
 endfunction()
 
 # Every src/nodes/NAME_main.cpp becomes the program NAME; the other files of src/nodes are shared by all of them.
+# Two of them need what only developers have, and are left out on other machines.
 function(knee_programs)
+  find_package(benchmark QUIET)
   file(GLOB mains CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/src/nodes/*_main.cpp)
   file(GLOB shared CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/src/nodes/*.cpp)
   list(REMOVE_ITEM shared ${mains})
@@ -53,7 +55,7 @@ function(knee_programs)
   foreach(main ${mains})
     get_filename_component(program ${main} NAME_WE)
     string(REGEX REPLACE "_main$" "" program ${program})
-    if(program STREQUAL virtual_plant AND NOT TARGET knee_simbody)
+    if((program STREQUAL virtual_plant AND NOT TARGET knee_simbody) OR (program STREQUAL benchmark AND NOT benchmark_FOUND))
       continue()
     endif()
     add_executable(${program}_program ${main})

@@ -8,7 +8,7 @@ set_target_properties(knee_simulation PROPERTIES SOURCES "${simulation_sources}"
 
 find_package(Simbody QUIET)
 if(NOT Simbody_FOUND)
-  message(STATUS "Simbody is not installed: virtual_plant is not built (scripts/install_dependencies --developer)")
+  message(STATUS "Simbody is not installed: neither virtual_plant nor its tests are built (scripts/install_dependencies --developer)")
   return()
 endif()
 add_library(knee_simbody STATIC ${simbody_sources})
