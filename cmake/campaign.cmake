@@ -5,6 +5,7 @@ add_executable(campaign_controller EXCLUDE_FROM_ALL src/nodes/controller_main.cp
 target_include_directories(campaign_controller PRIVATE ${PROJECT_SOURCE_DIR} ${PROJECT_SOURCE_DIR}/src/nodes)
 target_link_libraries(campaign_controller PRIVATE knee_nodes ${CMAKE_DL_LIBS})
 target_compile_definitions(campaign_controller PRIVATE KNEE_FACTORY="${factory}")
+set_source_files_properties(src/control/component_types.cpp PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON)  # --wrap works between objects only
 target_link_options(campaign_controller PRIVATE -Wl,--wrap=${factory} -rdynamic)
 
 # false_trips: the stepped controller on healthy and on blind robots, for scripts/false_trips only.

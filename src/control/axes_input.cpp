@@ -1,10 +1,8 @@
 #include "knee_robot/control/axes_input.h"
 
-namespace knee_robot::control {
-namespace {
-constexpr double kTwoPi = 6.283185307179586;
-}
+#include "knee_robot/base/constants.h"
 
+namespace knee_robot::control {
 AxesInput::AxesInput(const std::string& name, const mechanism::Robot& robot, hardware::AxisBus& bus,
                      const AxisValues& lengths_at_start)
     : rt::TaskContext(name), bus_(bus), lengths_at_start_(lengths_at_start) {

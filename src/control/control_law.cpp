@@ -2,14 +2,11 @@
 
 #include <cmath>
 
+#include "knee_robot/base/constants.h"
 #include "knee_robot/base/numbers.h"
 
 namespace knee_robot::control {
-namespace {
-
-constexpr double kTwoPi = 6.283185307179586;
-
-}  // namespace
+namespace {}  // namespace
 
 std::optional<Law> lawNamed(const std::string& name) {
   if (name == "feedforward") return Law::Feedforward;

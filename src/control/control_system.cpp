@@ -11,7 +11,6 @@ namespace knee_robot::control {
 namespace {
 
 constexpr double kQuick_s = 1.0;
-constexpr double kSafeStop_s = 8.0;  // longest deceleration, settling, hold and disable delays together
 constexpr double kEnable_s = 12.0;
 const Answer kBeingChanged{false, "who is on the robot was just being changed; try again"};
 

@@ -4,10 +4,11 @@
 #include <cmath>
 #include <complex>
 
+#include "knee_robot/base/constants.h"
+
 namespace knee_robot::control {
 namespace {
 
-constexpr double kPi = 3.14159265358979323846;
 constexpr double kSampling_s = 0.0015;
 
 }  // namespace

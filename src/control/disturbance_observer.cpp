@@ -3,11 +3,10 @@
 #include <algorithm>
 
 #include "knee_robot/base/errors.h"
+#include "knee_robot/control/longest_step.h"
 
 namespace knee_robot::control {
 namespace {
-
-constexpr double kLongestStep_s = 0.005;  // after a pause of the machine
 
 void copy(const mechanism::Vector4& from, std::array<double, 4>& to) noexcept {
   for (std::size_t i = 0; i < to.size(); ++i)

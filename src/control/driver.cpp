@@ -3,11 +3,12 @@
 #include <algorithm>
 #include <cmath>
 
+#include "knee_robot/control/longest_step.h"
+
 namespace knee_robot::control {
 namespace {
 
 /// After a pause of the machine the integral must not jump.
-constexpr double kLongestStep_s = 0.005;
 /// Cycles without a new feedforward after which it counts as switched off.
 constexpr int kSilentFeedforward = 5;
 constexpr double kSmallestError_m = 1e-5;

@@ -4,7 +4,6 @@ namespace knee_robot::control {
 namespace {
 
 constexpr double kAnswer_s = 1.0;
-constexpr double kSafeStop_s = 8.0;   // longest deceleration, settling, hold and disable delays together
 constexpr double kRecovery_s = 0.05;  // components and drives that are taken out of a fault
 
 /// Back to Running by whatever way is left. False for what only a restart mends.

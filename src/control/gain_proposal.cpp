@@ -3,10 +3,11 @@
 #include <algorithm>
 #include <cmath>
 
+#include "knee_robot/base/constants.h"
+
 namespace knee_robot::control {
 namespace {
 
-constexpr double kTwoPi = 6.283185307179586;
 constexpr double kSlowest_hz = 0.5;
 constexpr double kStep = 1.04;  // from one crossover to the next one that is tried
 

@@ -3,13 +3,13 @@
 #include <algorithm>
 #include <cmath>
 
+#include "knee_robot/base/constants.h"
 #include "knee_robot/base/errors.h"
+#include "knee_robot/control/longest_step.h"
 
 namespace knee_robot::control {
 namespace {
 
-constexpr double kTwoPi = 6.283185307179586;
-constexpr double kLongestStep_s = 0.005;  // after a pause of the machine
 constexpr double kBrake_N_s_per_m = 2000.0;
 constexpr double kBrakesFrom = 0.8, kTooFast = 1.5, kTooFast_s = 0.1;  // shares of the speed limit
 constexpr double kDeepest = 0.9, kWallDamping = 4.0;

@@ -5,10 +5,11 @@
 #include <cmath>
 #include <limits>
 
+#include "knee_robot/base/constants.h"
+
 namespace knee_robot::control {
 namespace {
 
-constexpr double kPi = 3.14159265358979323846;
 constexpr int kFrequencies = 3000;
 constexpr double kLowest_hz = 0.05;
 

@@ -4,13 +4,13 @@
 #include <cmath>
 
 #include "knee_robot/base/errors.h"
+#include "knee_robot/control/longest_step.h"
 #include "knee_robot/mechanism/kinematics.h"
 
 namespace knee_robot::control {
 namespace {
 
 /// After a pause of the machine nothing may be switched in one step.
-constexpr double kLongestStep_s = 0.005;
 /// Between two evaluations of the model.
 constexpr double kShortestPeriod_s = 1e-6, kLongestPeriod_s = 0.1;
 

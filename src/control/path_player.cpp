@@ -10,7 +10,7 @@
 namespace knee_robot::control {
 namespace {
 
-constexpr double kAnswer_s = 1.0;
+constexpr double kPlayerAnswer_s = 1.0;
 const Answer kHalted{false, "somebody has stopped the robot since this was asked for; ask again when it may move"};
 constexpr double kSlowestApproach = 0.001, kFastestApproach = 0.05;  // m/s
 
@@ -67,10 +67,10 @@ Answer PathPlayer::playLengths(const trajectory::Points& lengths, const std::str
   const std::lock_guard<std::mutex> begin(begin_);
   if (isHalted(expected)) return kHalted;
   sync_.store().offer(std::move(path));
-  const Answer answer = requests_.make(RequestKind::Play, kAnswer_s);
+  const Answer answer = requests_.make(RequestKind::Play, kPlayerAnswer_s);
   if (!answer.ok) return answer;
   if (isHalted(expected)) {
-    requests_.make(RequestKind::Stop, kAnswer_s);
+    requests_.make(RequestKind::Stop, kPlayerAnswer_s);
     return kHalted;
   }
   const std::lock_guard<std::mutex> lock(mutex_);

@@ -2,10 +2,10 @@
 
 #include <cmath>
 
+#include "knee_robot/base/constants.h"
+
 namespace knee_robot::control {
 namespace {
-
-constexpr double kTwoPi = 6.283185307179586;
 
 /// Lets nan through, unlike std::clamp's formulation with min and max.
 double clampKeepingNan(double value, double limit) noexcept {

@@ -3,10 +3,10 @@
 #include <algorithm>
 #include <cmath>
 
+#include "knee_robot/base/constants.h"
+
 namespace knee_robot::control {
 namespace {
-
-constexpr double kTwoPi = 6.283185307179586;
 
 mechanism::Vector4 forceLimits(const mechanism::Robot& robot) {
   mechanism::Vector4 limits = mechanism::Vector4::Zero();

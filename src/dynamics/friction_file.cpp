@@ -16,7 +16,7 @@ double radiusOf(bool revolute) {
   return revolute ? mechanism::kJointRadius_m : 1.0;
 }
 
-std::string elementText(const FrictionElement& e, bool revolute) {
+std::string elementYaml(const FrictionElement& e, bool revolute) {
   const double radius = radiusOf(revolute);
   const std::string unit = revolute ? "rad" : "m";
   const std::string share = ", share: " + exactNumber(e.share) + "}";
@@ -67,7 +67,7 @@ std::string frictionText(const std::vector<FrictionLaw>& laws) {
   for (std::size_t i = 0; i < laws.size(); ++i) {
     y += "  - {actuator: " + std::to_string(i + 1) + ", elements: [";
     for (int k = 0; k < laws[i].count; ++k)
-      y += (k > 0 ? ", " : "") + elementText(laws[i].elements[static_cast<std::size_t>(k)], laws[i].revolute);
+      y += (k > 0 ? ", " : "") + elementYaml(laws[i].elements[static_cast<std::size_t>(k)], laws[i].revolute);
     y += "]}\n";
   }
   return y;

@@ -5,8 +5,8 @@
 namespace knee_robot::hardware {
 namespace {
 
-constexpr std::uint32_t kNobodyThere = 0xFFFFFFFFu;  // PCI master abort: no card answers
-constexpr std::uint32_t kBoardIdMask = 0x0F;
+constexpr std::uint32_t kMasterAbort = 0xFFFFFFFFu;  // PCI master abort: no card answers
+constexpr std::uint32_t kBoardBits = 0x0F;
 constexpr std::int32_t kTremble = 2;  // counts at a standing axis between reset and latch
 
 }  // namespace
@@ -22,8 +22,8 @@ bool Pci1784::disableOutputs(std::vector<std::string>& findings) {
   std::uint32_t id = 0;
   const IoStatus presence = registers_.read32(pci1784::kBoardId, id);
   if (presence != IoStatus::Ok) return fail(std::string("board id cannot be read: ") + toText(presence) + ".");
-  if (id == kNobodyThere) return fail("no card answers.");
-  board_id_ = id & kBoardIdMask;
+  if (id == kMasterAbort) return fail("no card answers.");
+  board_id_ = id & kBoardBits;
   if (options_.board_id && static_cast<std::uint32_t>(*options_.board_id) != board_id_) {
     return fail("board id " + std::to_string(board_id_) + " instead of " + std::to_string(*options_.board_id) + ".");
   }
@@ -69,8 +69,8 @@ IoStatus Pci1784::checkPresence() noexcept {
   std::uint32_t id = 0;
   const IoStatus status = registers_.read32(pci1784::kBoardId, id);
   if (status != IoStatus::Ok) return status;
-  if (id == kNobodyThere) return IoStatus::Disconnected;
-  return (id & kBoardIdMask) == board_id_ ? IoStatus::Ok : IoStatus::DeviceError;
+  if (id == kMasterAbort) return IoStatus::Disconnected;
+  return (id & kBoardBits) == board_id_ ? IoStatus::Ok : IoStatus::DeviceError;
 }
 
 IoStatus Pci1784::readCounts(std::array<std::int32_t, kChannels>& counts) noexcept {

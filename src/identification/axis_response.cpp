@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "knee_robot/base/constants.h"
 #include "knee_robot/base/errors.h"
 #include "knee_robot/base/numbers.h"
 #include "knee_robot/recording/filter.h"
@@ -12,7 +13,6 @@
 namespace knee_robot::identification {
 namespace {
 
-constexpr double kTwoPi = 6.283185307179586;
 constexpr double kSlowestRate_hz = 200.0;
 constexpr double kShortest_s = 2.0;
 constexpr double kLongestDelay_s = 0.02, kEarliest_s = -0.002, kDelayStep_s = 0.00025;

@@ -20,7 +20,7 @@ struct Pick {
   int block = 0;
 };
 
-constexpr double kReach = 0.6;  ///< of the low-pass, in periods of the cut-off: so far a reversal is seen
+constexpr double kReversalReach = 0.6;  ///< of the low-pass, in periods of the cut-off: so far a reversal is seen
 
 bool movesAt(const Observation& o, int sample, bool independent) {
   return independent ? o.axis_moving.row(sample).any() : o.moving[static_cast<std::size_t>(sample)] != 0;
@@ -158,7 +158,7 @@ Equations stackEquations(const std::vector<Observation>& training, const Observa
     std::size_t file = 0;
     std::vector<std::vector<char>> rest;
     for (const Observation& o : training)
-      rest.push_back(nearRest(o, i, kReach / options.cutoff_hz));
+      rest.push_back(nearRest(o, i, kReversalReach / options.cutoff_hz));
     for (const Pick& p : picks) {
       if (p.file != file) elapsed = kFilesApart_s * static_cast<double>(file = p.file);
       elapsed += e.step_s;

@@ -21,7 +21,7 @@ const double kDampings_s[] = {0.0, 2.5e-3};
 const double kTrembles[] = {0.5, 1.0};
 const double kFinerFactors[] = {0.8, 0.87, 0.93, 0.97, 1.03, 1.07, 1.15, 1.25};
 const double kFinerSides[] = {0.8, 0.9, 1.0, 1.12, 1.25};
-constexpr double kApart = 2.0;
+constexpr double kFarApart = 2.0;
 constexpr std::size_t kMostInSum = 6;
 /// A simpler family is taken when it is within so many standard errors of the best. One would be usual; on the physical robot it keeps
 /// the single stop, whose error on another path is up to half as large again (docs/identification.md).
@@ -119,7 +119,7 @@ Sum bestSingle(const InWeights& squares, const std::vector<FrictionElement>& ele
 /// Neighbours on the grids are one element that lies between them, not two.
 bool apart(const FrictionElement& a, const FrictionElement& b) {
   if (a.kind != b.kind) return true;
-  const auto far = [](double x, double y) { return std::max(x, y) > kApart * std::min(x, y); };
+  const auto far = [](double x, double y) { return std::max(x, y) > kFarApart * std::min(x, y); };
   return a.kind == FrictionKind::Smooth ? far(a.speed_m_per_s, b.speed_m_per_s) : far(a.width_m, b.width_m);
 }
 

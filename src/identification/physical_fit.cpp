@@ -6,15 +6,15 @@
 
 #include "knee_robot/dynamics/chain_regressor.h"
 #include "knee_robot/identification/physical_problem.h"
+#include "knee_robot/identification/prior.h"
 
 namespace knee_robot::identification {
 namespace {
 
-constexpr double kOffsetShare = 0.1;  ///< of the rms force
-const double kStrengths[] = {1e-2, 1e-1, 1e0, 1e1, 1e2, 1e3, 1e4, 1e5, 1e6, 1e7};
+const double kBodyStrengths[] = {1e-2, 1e-1, 1e0, 1e1, 1e2, 1e3, 1e4, 1e5, 1e6, 1e7};
 
 /// Everything that stays the same while the strength changes.
-struct Setting {
+struct PhysicalSetting {
   const Identification& base;
   PhysicalCoordinates coordinates;
 
@@ -25,15 +25,15 @@ struct Setting {
 };
 
 /// Mean squares of every left-out block (rows) for every strength (columns).
-Eigen::MatrixXd leaveOut(const Setting& setting) {
+Eigen::MatrixXd leaveOut(const PhysicalSetting& setting) {
   const Identification& base = setting.base;
-  Eigen::MatrixXd error(static_cast<Eigen::Index>(base.compressed.size()), std::size(kStrengths));
+  Eigen::MatrixXd error(static_cast<Eigen::Index>(base.compressed.size()), std::size(kBodyStrengths));
   for (int block = 0; block < static_cast<int>(base.compressed.size()); ++block) {
     const PhysicalProblem problem = setting.problem(block);
     const Eigen::MatrixXd& out = base.compressed[static_cast<std::size_t>(block)];
     const Eigen::Index p = out.cols() - 1;
-    for (std::size_t k = 0; k < std::size(kStrengths); ++k) {
-      const PhysicalSolution s = solvePhysical(problem, priorPull(problem, kStrengths[k]));
+    for (std::size_t k = 0; k < std::size(kBodyStrengths); ++k) {
+      const PhysicalSolution s = solvePhysical(problem, priorPull(problem, kBodyStrengths[k]));
       const Eigen::VectorXd parameters = physicalParameters(s, problem, setting.coordinates, base.columns);
       error(block, static_cast<Eigen::Index>(k)) =
           (out.col(p) - out.leftCols(p) * parameters).squaredNorm() / base.block_rows[static_cast<std::size_t>(block)];
@@ -42,7 +42,7 @@ Eigen::MatrixXd leaveOut(const Setting& setting) {
   return error;
 }
 
-void chooseStrength(const Setting& setting, PhysicalFit& fit) {
+void chooseStrength(const PhysicalSetting& setting, PhysicalFit& fit) {
   const Identification& base = setting.base;
   const Eigen::MatrixXd error = leaveOut(setting);
   Eigen::VectorXd share(error.rows());
@@ -55,7 +55,7 @@ void chooseStrength(const Setting& setting, PhysicalFit& fit) {
   const double directions = static_cast<double>(setting.coordinates.transform.cols()) + base.model.axes;
   for (Eigen::Index k = 0; k < error.cols(); ++k) {
     PhysicalPoint point;
-    point.strength = kStrengths[k];
+    point.strength = kBodyStrengths[k];
     point.supported = directions - priorPull(all, point.strength).silent;
     point.held_back = mean[k];
     point.beyond_best = mean[k] - mean[best];
@@ -78,7 +78,7 @@ dynamics::LinkInertia bodyOf(const Eigen::VectorXd& parameters, Eigen::Index lin
 /// Bodies with these names; the model has no base combinations.
 PhysicalFit fitBodies(const Identification& base, PhysicalCoordinates coordinates,
                       const std::vector<std::string>& names) {
-  const Setting setting{base, std::move(coordinates)};
+  const PhysicalSetting setting{base, std::move(coordinates)};
   PhysicalFit fit;
   chooseStrength(setting, fit);
   const PhysicalProblem problem = setting.problem(-1);

@@ -11,7 +11,6 @@ namespace knee_robot::identification {
 namespace {
 
 constexpr double kInside = 1e-6;
-constexpr int kPerLink = PhysicalCoordinates::kPerLink;
 
 /// Lower triangular root of a pseudo-inertia that may lie on the boundary.
 mechanism::Matrix4 rootOf(mechanism::Matrix4 j) {
@@ -48,12 +47,13 @@ PhysicalCoordinates physicalCoordinates(const Eigen::VectorXd& prior) {
   PhysicalCoordinates c;
   c.prior = prior;
   const int links = static_cast<int>(prior.size()) / dynamics::kLinkParameters;
-  c.transform = Eigen::MatrixXd::Zero(prior.size(), links * kPerLink);
+  c.transform = Eigen::MatrixXd::Zero(prior.size(), links * PhysicalCoordinates::kPerLink);
   for (int link = 0; link < links; ++link) {
     const mechanism::Matrix4 root =
         rootOf(dynamics::pseudoInertia(c.prior.segment<dynamics::kLinkParameters>(link * dynamics::kLinkParameters)));
-    for (int k = 0; k < kPerLink; ++k) {
-      c.transform.block<dynamics::kLinkParameters, 1>(link * dynamics::kLinkParameters, link * kPerLink + k) =
+    for (int k = 0; k < PhysicalCoordinates::kPerLink; ++k) {
+      c.transform.block<dynamics::kLinkParameters, 1>(link * dynamics::kLinkParameters,
+                                                      link * PhysicalCoordinates::kPerLink + k) =
           dynamics::parametersOfPseudoInertia(root * unitChange(k) * root.transpose());
     }
   }
@@ -108,7 +108,7 @@ PriorPull priorPull(const PhysicalProblem& p, double strength) {
   for (Eigen::Index i = 0; i < n; ++i)
     pull.root.col(prior[static_cast<std::size_t>(i)]) = rows.col(i) / size[prior[static_cast<std::size_t>(i)]];
   for (Eigen::Index c = 0; c < inertial; ++c)
-    pull.mean[c] = c % kPerLink < 4 ? 1.0 : 0.0;  // E = 1
+    pull.mean[c] = c % PhysicalCoordinates::kPerLink < 4 ? 1.0 : 0.0;  // E = 1
   return pull;
 }
 

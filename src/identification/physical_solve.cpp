@@ -159,7 +159,7 @@ void rootOfMatrix(const Eigen::Matrix4d& e, double* x) {
 }
 
 /// All unknowns: the links' roots, then the free columns (scaled).
-struct Unknowns {
+struct BodyUnknowns {
   Eigen::VectorXd x;
   int links = 0;
   double* root(int link) { return x.data() + link * kPerLink; }
@@ -174,7 +174,7 @@ struct Unknowns {
 };
 
 /// Ceres from where the unknowns are. Returns its iterations.
-int descend(const PhysicalProblem& p, const Stacked& s, Unknowns& unknowns) {
+int descend(const PhysicalProblem& p, const Stacked& s, BodyUnknowns& unknowns) {
   const int free = static_cast<int>(p.free.size());
   std::vector<double*> blocks;
   for (int link = 0; link < unknowns.links; ++link)
@@ -205,7 +205,7 @@ int descend(const PhysicalProblem& p, const Stacked& s, Unknowns& unknowns) {
 /// In the bodies themselves the problem is convex; in their roots it is not: at the boundary of what is possible the slope by a root
 /// vanishes although the body would still gain by growing. That body is pushed off: E grows by the multiple of v v^T, v the lowest
 /// eigenvector of the cost's slope, that gains most. Returns what all pushes gained; when no body gains, the point is the optimum.
-double push(const Stacked& s, Unknowns& unknowns) {
+double push(const Stacked& s, BodyUnknowns& unknowns) {
   Eigen::VectorXd z = unknowns.coordinates();
   Eigen::VectorXd residual = s.rows * z - s.target;
   double gained = 0.0;
@@ -235,10 +235,10 @@ double push(const Stacked& s, Unknowns& unknowns) {
 PhysicalSolution solvePhysical(const PhysicalProblem& p, const PriorPull& pull) {
   const Stacked s = stack(p, pull);
   const Eigen::Index inertial = s.rows.cols() - static_cast<Eigen::Index>(p.free.size());
-  Unknowns unknowns{Eigen::VectorXd::Zero(s.rows.cols()), static_cast<int>(inertial) / kPerLink};
+  BodyUnknowns unknowns{Eigen::VectorXd::Zero(s.rows.cols()), static_cast<int>(inertial) / kPerLink};
   PhysicalSolution solution;
   solution.iterations = descend(p, s, unknowns);
-  Unknowns pushed = unknowns;
+  BodyUnknowns pushed = unknowns;
   solution.optimal = push(s, pushed) == 0.0;
   while (!solution.optimal && solution.pushes < kPushes) {
     ++solution.pushes;

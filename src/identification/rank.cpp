@@ -10,7 +10,7 @@ namespace {
 constexpr double kWorst =
     1e6;  ///< an error beyond this counts as this: one block must not decide alone by an absurd figure
 
-const double kStrengths[] = {1e7, 1e6, 1e5, 1e4, 1e3, 3e2, 1e2, 3e1, 1e1, 1.0, 1e-1};
+const double kPriorStrengths[] = {1e7, 1e6, 1e5, 1e4, 1e3, 3e2, 1e2, 3e1, 1e1, 1.0, 1e-1};
 
 std::vector<int> rowsOfBlock(const Equations& e, int block) {
   std::vector<int> rows;
@@ -141,14 +141,14 @@ RankChoice chooseStrength(const Equations& e, const std::vector<Column>& columns
                           const Prior& prior) {
   const std::vector<Eigen::MatrixXd> blocks = compressBlocks(e);
   HeldBack held;
-  held.error.resize(e.blocks, static_cast<Eigen::Index>(std::size(kStrengths)));
+  held.error.resize(e.blocks, static_cast<Eigen::Index>(std::size(kPriorStrengths)));
   held.share.resize(e.blocks);
   for (int block = 0; block < e.blocks; ++block) {
     const int rows = static_cast<int>(std::count(e.block.begin(), e.block.end(), block));
     held.share[block] = static_cast<double>(rows) / e.rows();
     const Reduction r = reduce(joinBlocks(blocks, block), columns, use, prior);
-    for (std::size_t k = 0; k < std::size(kStrengths); ++k) {
-      const Eigen::VectorXd parameters = toParameters(r, solveWithPrior(r, r.maximalRank(), kStrengths[k]));
+    for (std::size_t k = 0; k < std::size(kPriorStrengths); ++k) {
+      const Eigen::VectorXd parameters = toParameters(r, solveWithPrior(r, r.maximalRank(), kPriorStrengths[k]));
       held.error(block, static_cast<Eigen::Index>(k)) =
           std::min(kWorst, meanSquare(blocks[static_cast<std::size_t>(block)], parameters, rows));
     }
@@ -156,7 +156,7 @@ RankChoice chooseStrength(const Equations& e, const std::vector<Column>& columns
   const Eigen::MatrixXd everything = joinBlocks(blocks, -1);
   const Reduction all = reduce(everything, columns, use, prior);
   RankChoice choice;
-  for (const double strength : kStrengths) {
+  for (const double strength : kPriorStrengths) {
     RankPoint point;
     point.strength = strength;
     point.rank = supportedRank(all, strength);

@@ -13,7 +13,7 @@ namespace {
 
 constexpr double kHuber = 1.345;     ///< 95 % efficient for normal residuals (Huber 1964)
 constexpr double kBisquare = 4.685;  ///< the same (Beaton and Tukey 1974)
-constexpr int kMostIterations = 50;
+constexpr int kMostReweightings = 50;
 constexpr double kSurelyInside = 0.8;  ///< of the quadratic part
 
 using Rows = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
@@ -144,7 +144,7 @@ int fitHuber(const Rows& x, const Eigen::VectorXd& b, int bounded, const Eigen::
   for (Eigen::Index row = 0; row < x.rows(); ++row)
     inside[static_cast<std::size_t>(row)] = size[row] < kSurelyInside * kHuber;
   int iterations = 0;
-  for (int pass = 0; pass < kMostIterations; ++pass) {
+  for (int pass = 0; pass < kMostReweightings; ++pass) {
     const HuberParts parts = splitHuber(x, b, inside, ridge);
     iterations += solveHuber(parts, bounded, z);
     size = (b - x * z).cwiseAbs();
@@ -192,7 +192,7 @@ Eigen::VectorXd fitBisquare(const Equations& e, const Rows& x, const Eigen::Vect
                             const Eigen::VectorXd& ridge, Eigen::VectorXd& z, int& iterations) {
   Eigen::VectorXd weights;
   for (const auto weight : {&huberWeight, &tukeyWeight}) {
-    for (int k = 0; k < kMostIterations; ++k, ++iterations) {
+    for (int k = 0; k < kMostReweightings; ++k, ++iterations) {
       const Eigen::VectorXd before = z;
       weights = standardized(e, b - x * z).unaryExpr(weight);
       const Eigen::VectorXd root = weights.cwiseSqrt();

@@ -8,7 +8,6 @@
 namespace knee_robot::mechanism {
 namespace {
 
-constexpr double kTiny = 1e-12;
 constexpr double kUsualStep_rad = 1e-4, kUsualStep_m = 1e-5;  ///< of an encoder of which nothing is said
 constexpr double kUsualRange_rad = M_PI, kUsualRange_m = 1.0;
 constexpr double kUsualSpeed = 1.0;         ///< rad/s or m/s
@@ -44,8 +43,8 @@ void readRecorded(StrictMap& map, Actuator& a) {
   const std::string gain = a.revolute ? "torque_per_ampere_Nm" : "force_per_ampere_N";
   const bool known = map.has(gain);
   if (known)
-    a.torque_per_ampere =
-        a.revolute ? map.number("torque_per_ampere_Nm", kTiny, 1e6) : map.number("force_per_ampere_N", kTiny, 1e6);
+    a.torque_per_ampere = a.revolute ? map.number("torque_per_ampere_Nm", kAboveZero, 1e6)
+                                     : map.number("force_per_ampere_N", kAboveZero, 1e6);
   const std::string own = a.revolute ? "torque" : "force";
   const std::string recorded = map.choiceOr("recorded", known ? "current" : own, {own, "current"});
   a.recorded = recorded == "current" ? Recorded::Current : a.revolute ? Recorded::Torque : Recorded::Force;
@@ -60,13 +59,13 @@ void readLimits(StrictMap& map, const ChainLimits& limits, Actuator& a) {
   if (a.revolute) {
     a.position_min_m = r * map.numberOr("position_min_rad", low, -1e3, 1e3);
     a.position_max_m = r * map.numberOr("position_max_rad", high, -1e3, 1e3);
-    a.velocity_max_m_per_s = r * map.numberOr("velocity_max_rad_per_s", speed, kTiny, 1e3);
-    a.acceleration_max_m_per_s2 = r * map.numberOr("acceleration_max_rad_per_s2", kUsualAcceleration, kTiny, 1e5);
+    a.velocity_max_m_per_s = r * map.numberOr("velocity_max_rad_per_s", speed, kAboveZero, 1e3);
+    a.acceleration_max_m_per_s2 = r * map.numberOr("acceleration_max_rad_per_s2", kUsualAcceleration, kAboveZero, 1e5);
   } else {
     a.position_min_m = map.numberOr("position_min_m", low, -1e3, 1e3);
     a.position_max_m = map.numberOr("position_max_m", high, -1e3, 1e3);
-    a.velocity_max_m_per_s = map.numberOr("velocity_max_m_per_s", speed, kTiny, 1e3);
-    a.acceleration_max_m_per_s2 = map.numberOr("acceleration_max_m_per_s2", kUsualAcceleration, kTiny, 1e5);
+    a.velocity_max_m_per_s = map.numberOr("velocity_max_m_per_s", speed, kAboveZero, 1e3);
+    a.acceleration_max_m_per_s2 = map.numberOr("acceleration_max_m_per_s2", kUsualAcceleration, kAboveZero, 1e5);
   }
   if (!(a.position_min_m < a.position_max_m)) {
     const std::string unit = positionUnit(a);
@@ -79,12 +78,12 @@ void readEncoder(StrictMap& map, Actuator& a) {
   a.screw_lead_m = a.revolute ? 2.0 * M_PI * kJointRadius_m : 1.0;  // per turn of a joint; a rail has none
   a.resolution_given = map.has("counts_per_revolution") || map.has("resolution_rad") || map.has("resolution_m");
   if (!a.revolute) {
-    a.counts_per_revolution = 1.0 / map.numberOr("resolution_m", kUsualStep_m, kTiny, 1.0);
+    a.counts_per_revolution = 1.0 / map.numberOr("resolution_m", kUsualStep_m, kAboveZero, 1.0);
     return;
   }
   if (map.has("counts_per_revolution") && map.has("resolution_rad"))
     map.refuse("resolution_rad", "and counts_per_revolution say the same; give one");
-  const double counts = 2.0 * M_PI / map.numberOr("resolution_rad", kUsualStep_rad, kTiny, 1.0);
+  const double counts = 2.0 * M_PI / map.numberOr("resolution_rad", kUsualStep_rad, kAboveZero, 1.0);
   a.counts_per_revolution = map.numberOr("counts_per_revolution", counts, 1.0, 1e12);
 }
 

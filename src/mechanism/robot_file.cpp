@@ -16,7 +16,6 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr double kDegree = M_PI / 180.0;
-constexpr double kTiny = 1e-12;  // "greater than zero" for the strict reader's closed intervals
 constexpr double kDefaultHome = 0.60;
 
 double degrees(StrictMap& map, const std::string& key, double minimum, double maximum) {
@@ -25,8 +24,8 @@ double degrees(StrictMap& map, const std::string& key, double minimum, double ma
 
 Geometry readGeometry(StrictMap map) {
   Geometry g;
-  const std::vector<double> base = map.numbers("R_m", 3, kTiny, 10.0);
-  const std::vector<double> platform = map.numbers("Rm_m", 3, kTiny, 10.0);
+  const std::vector<double> base = map.numbers("R_m", 3, kAboveZero, 10.0);
+  const std::vector<double> platform = map.numbers("Rm_m", 3, kAboveZero, 10.0);
   for (int i = 0; i < 3; ++i) {
     g.R[i] = base[i];
     g.Rm[i] = platform[i];
@@ -47,9 +46,9 @@ int readSign(StrictMap& map, const std::string& key) {
 }
 
 void readForceLimits(StrictMap& map, Actuator& a) {
-  a.force_per_volt_N = map.numberOr("force_per_volt_N", a.force_per_volt_N, kTiny, 1e6);
+  a.force_per_volt_N = map.numberOr("force_per_volt_N", a.force_per_volt_N, kAboveZero, 1e6);
   a.force_sign = readSign(map, "force_sign");
-  a.voltage_max_V = map.numberOr("voltage_max_V", a.voltage_max_V, kTiny, 1e3);
+  a.voltage_max_V = map.numberOr("voltage_max_V", a.voltage_max_V, kAboveZero, 1e3);
   a.force_continuous_N = map.numberOr("force_continuous_N", 0.0, 0.0, 1e6);
   a.force_max_N = map.numberOr("force_max_N", 0.0, 0.0, 1e6);
   if (a.force_max_N > 0.0 && a.force_continuous_N > a.force_max_N) {
@@ -60,7 +59,7 @@ void readForceLimits(StrictMap& map, Actuator& a) {
 
 Actuator readActuator(StrictMap map, MechanismKind kind) {
   // A leg of the parallel robot has a length; a bench axis may count its position from anywhere.
-  const double shortest = kind == MechanismKind::Axes ? -10.0 : kTiny;
+  const double shortest = kind == MechanismKind::Axes ? -10.0 : kAboveZero;
   Actuator a;
   a.position_min_m = map.number("position_min_m", shortest, 10.0);
   a.position_max_m = map.number("position_max_m", shortest, 10.0);
@@ -68,10 +67,10 @@ Actuator readActuator(StrictMap map, MechanismKind kind) {
     map.refuse("position_max_m",
                shortNumber(a.position_max_m) + " must be greater than position_min_m " + shortNumber(a.position_min_m));
   }
-  a.velocity_max_m_per_s = map.number("velocity_max_m_per_s", kTiny, 100.0);
-  a.acceleration_max_m_per_s2 = map.number("acceleration_max_m_per_s2", kTiny, 1e4);
-  a.screw_lead_m = map.number("screw_lead_m", kTiny, 1.0);
-  a.counts_per_revolution = map.number("counts_per_revolution", kTiny, 1e12);
+  a.velocity_max_m_per_s = map.number("velocity_max_m_per_s", kAboveZero, 100.0);
+  a.acceleration_max_m_per_s2 = map.number("acceleration_max_m_per_s2", kAboveZero, 1e4);
+  a.screw_lead_m = map.number("screw_lead_m", kAboveZero, 1.0);
+  a.counts_per_revolution = map.number("counts_per_revolution", kAboveZero, 1e12);
   a.encoder_sign = readSign(map, "encoder_sign");
   const bool usual_home = kDefaultHome >= a.position_min_m && kDefaultHome <= a.position_max_m;
   a.home_length_m = map.numberOr("home_length_m", usual_home ? kDefaultHome : a.position_min_m, -10.0, 10.0);
@@ -104,9 +103,9 @@ std::vector<Actuator> readActuators(StrictMap& file, MechanismKind kind) {
 JointLimits readJoints(std::optional<StrictMap> map) {
   JointLimits limits{30.0 * kDegree, 45.0 * kDegree, 47.0 * kDegree};  // as built (paper, section 2.2.1)
   if (!map) return limits;
-  limits.spherical_max = map->numberOr("spherical_max_deg", 30.0, kTiny, 180.0) * kDegree;
-  limits.universal_max = map->numberOr("universal_max_deg", 45.0, kTiny, 180.0) * kDegree;
-  limits.revolute_max = map->numberOr("revolute_max_deg", 47.0, kTiny, 180.0) * kDegree;
+  limits.spherical_max = map->numberOr("spherical_max_deg", 30.0, kAboveZero, 180.0) * kDegree;
+  limits.universal_max = map->numberOr("universal_max_deg", 45.0, kAboveZero, 180.0) * kDegree;
+  limits.revolute_max = map->numberOr("revolute_max_deg", 47.0, kAboveZero, 180.0) * kDegree;
   map->finish();
   return limits;
 }

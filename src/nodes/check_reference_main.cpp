@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstdio>
 
+#include "knee_robot/base/constants.h"
 #include "knee_robot/base/errors.h"
 #include "knee_robot/mechanism/singularity.h"
 #include "knee_robot/trajectory/reference_check.h"
@@ -13,8 +14,6 @@
 namespace {
 
 using namespace knee_robot;
-
-constexpr double kDegrees = 180.0 / 3.14159265358979323846;
 
 void printMargins(const trajectory::ReferenceCheck& check) {
   std::printf("%-24s %12s %12s %-5s %8s %6s %9s\n", "closest approach", "value", "limit", "", "left", "line",

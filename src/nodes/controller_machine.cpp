@@ -9,7 +9,7 @@
 namespace knee_robot::nodes {
 namespace {
 
-constexpr double kPatience = 10.0;  // s
+constexpr double kStatePatience_s = 10.0;  // s
 
 }  // namespace
 
@@ -49,7 +49,7 @@ Machine openMachine(const control::HardwareFile& hardware_file, const mechanism:
   machine.guarded = std::make_unique<hardware::GuardedBus>(*machine.cards, machine.memory->link(),
                                                            static_cast<std::uint8_t>(power_bits), options);
   machine.guarded->takeOver();  // the self test says why not
-  const ros::SteadyTime give_up = ros::SteadyTime::now() + ros::WallDuration(kPatience);
+  const ros::SteadyTime give_up = ros::SteadyTime::now() + ros::WallDuration(kStatePatience_s);
   const std::atomic<std::int32_t>& guardian = machine.memory->link().guardian_pid;
   while (!hardware::processExists(guardian.load()) && !stop_requested() && ros::SteadyTime::now() < give_up)
     std::this_thread::sleep_for(std::chrono::milliseconds(20));

@@ -149,6 +149,11 @@ void serve(const ros::NodeHandle& node, nodes::Machine& machine, const nodes::Co
 
 int run() {
   ros::NodeHandle node("~");
+  if (ros::Time::isSimTime()) {
+    throw InputError(
+        "the parameter /use_sim_time is true: stamps and goals would follow whoever publishes /clock; "
+        "rosparam set /use_sim_time false, and start again");
+  }
   const mechanism::Robot robot = mechanism::loadRobot(nodes::requiredParameter(node, "robot"));
   control::HardwareFile hardware_file = control::loadHardwareFile(nodes::requiredParameter(node, "hardware"));
   if (hardware_file.can) node.param("can", hardware_file.can->interface, hardware_file.can->interface);

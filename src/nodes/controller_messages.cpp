@@ -3,13 +3,13 @@
 #include <cmath>
 #include <limits>
 
+#include "knee_robot/base/constants.h"
 #include "knee_robot/control/disturbance_sentences.h"
 #include "knee_robot/mechanism/leg_motion.h"
 
 namespace knee_robot::nodes {
 namespace {
 
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 /// What has been added to a histogram since `before`. The largest value is that since the start.

@@ -8,7 +8,7 @@
 namespace knee_robot::nodes {
 namespace {
 
-constexpr double kPoll_s = 0.02;        // a tap holds half a second at 1 kHz
+constexpr double kTapPoll_s = 0.02;     // a tap holds half a second at 1 kHz
 constexpr std::uint32_t kQueue = 1000;  // a subscriber that is slower than a second loses the oldest
 
 template <typename Named>
@@ -57,7 +57,8 @@ ControllerPorts::ControllerPorts(ros::NodeHandle& node, const control::ControlSy
       system_(system),
       log_(log),
       server_(node.advertiseService("watch_port", &ControllerPorts::serve, this)),
-      timer_(node.createSteadyTimer(ros::WallDuration(kPoll_s), [this](const ros::SteadyTimerEvent&) { publish(); })) {}
+      timer_(
+          node.createSteadyTimer(ros::WallDuration(kTapPoll_s), [this](const ros::SteadyTimerEvent&) { publish(); })) {}
 
 ControllerPorts::~ControllerPorts() {
   timer_.stop();

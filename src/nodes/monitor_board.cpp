@@ -14,6 +14,8 @@ constexpr double kLifetime = 1.0;  // s: what is not drawn any more goes by itse
 constexpr double kLine = 0.058, kLetters = 0.036, kBarLength = 0.30, kBarHeight = 0.026;  // m
 constexpr double kNameWidth = 0.20, kValueWidth = 0.17;                                   // m
 
+}  // namespace
+
 geometry_msgs::Point pointOf(const mechanism::Vector3& p) {
   geometry_msgs::Point point;
   point.x = p.x();
@@ -21,8 +23,6 @@ geometry_msgs::Point pointOf(const mechanism::Vector3& p) {
   point.z = p.z();
   return point;
 }
-
-}  // namespace
 
 visualization_msgs::Marker& Scene::add(const std::string& subject, int type, const Color& color) {
   const auto number = std::count_if(out_.markers.begin(), out_.markers.end(),

@@ -14,6 +14,8 @@ struct Color {
 inline constexpr Color kGood{0.20F, 0.62F, 0.30F, 1.0F}, kNear{0.90F, 0.62F, 0.05F, 1.0F},
     kBad{0.85F, 0.15F, 0.12F, 1.0F}, kInk{0.15F, 0.17F, 0.20F, 1.0F}, kTrack{0.78F, 0.79F, 0.82F, 1.0F};
 
+geometry_msgs::Point pointOf(const mechanism::Vector3& p);
+
 /// Collects markers of one scene in frame `base`; numbers them per namespace.
 class Scene {
  public:

@@ -18,14 +18,6 @@ constexpr double kMarginNear = 0.2, kMarginBad = 0.05;
 constexpr Color kGhost{0.10F, 0.70F, 0.35F, 0.40F}, kGhostLine{0.10F, 0.60F, 0.30F, 0.9F},
     kPath{0.15F, 0.35F, 0.85F, 0.9F}, kPathEdge{0.15F, 0.35F, 0.85F, 0.45F};
 
-geometry_msgs::Point pointOf(const mechanism::Vector3& p) {
-  geometry_msgs::Point point;
-  point.x = p.x();
-  point.y = p.y();
-  point.z = p.z();
-  return point;
-}
-
 /// Where a point of the platform is at this pose.
 mechanism::Vector3 transformed(const mechanism::Pose& pose, const mechanism::Vector3& point) {
   return mechanism::Vector3(pose[0], 0.0, pose[1]) + mechanism::platformRotation(pose) * point;

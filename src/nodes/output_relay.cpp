@@ -19,7 +19,7 @@ namespace knee_robot::nodes {
 namespace {
 
 constexpr int kRoom = 1 << 20;  // bytes, what every user may have
-constexpr auto kPatience = std::chrono::seconds(1);
+constexpr auto kRelayPatience = std::chrono::seconds(1);
 
 std::array<std::atomic<int>, 2> relayed = {{{-1}, {-1}}};  // what is to be read of stdout and of stderr
 
@@ -70,7 +70,7 @@ class OutputRelay::Stream : public std::enable_shared_from_this<Stream> {
     if (original_ < 0) return;
     relayed[static_cast<std::size_t>(descriptor_ - STDOUT_FILENO)] = -1;
     ::dup2(original_, descriptor_);
-    const auto give_up = std::chrono::steady_clock::now() + kPatience;
+    const auto give_up = std::chrono::steady_clock::now() + kRelayPatience;
     while (!ended_ && std::chrono::steady_clock::now() < give_up)
       std::this_thread::sleep_for(std::chrono::milliseconds(1));
   }

@@ -1,6 +1,6 @@
 #include "knee_robot/recording/markers.h"
 
-#include <Eigen/SVD>
+#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -14,7 +14,7 @@
 namespace knee_robot::recording {
 namespace {
 
-constexpr int kFewestRows = 20;
+constexpr int kFewestFrames = 20;
 constexpr std::size_t kMostPermuted = 6;
 
 double metresPer(const std::string& unit) {
@@ -41,8 +41,10 @@ Fit fit(const Cloud& layout, const Cloud& seen) {
 
 bool inOneLine(const Cloud& points) {
   const Cloud centered = points.colwise() - points.rowwise().mean();
-  const Eigen::Vector3d s = Eigen::JacobiSVD<Eigen::Matrix3Xd>(centered).singularValues();
-  return points.cols() < 3 || s[1] < 1e-3 * s[0] || s[1] < 1e-3;
+  const Eigen::Matrix3d scatter = centered * centered.transpose();
+  const Eigen::Vector3d squares =
+      Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(scatter, Eigen::EigenvaluesOnly).eigenvalues();
+  return points.cols() < 3 || squares[1] < 1e-6 * squares[2] || squares[1] < 1e-6;
 }
 
 double change(const Eigen::Isometry3d& a, const Eigen::Isometry3d& b) {
@@ -208,7 +210,7 @@ MarkerPoses fitMarkers(const TextTable& table, const MarkerMap& map) {
     used += visible;
   }
   const auto known = std::count(out.known.begin(), out.known.end(), 1);
-  if (known < kFewestRows) {
+  if (known < kFewestFrames) {
     throw Refusal(table.path() + ": only " + std::to_string(known) + " rows have a pose (" + std::to_string(out.gaps) +
                   " with fewer than three markers, " + std::to_string(out.refused) +
                   " in which the markers are not where the map puts them on the platform); check units and layout");

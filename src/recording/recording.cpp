@@ -11,6 +11,7 @@
 #include "knee_robot/base/errors.h"
 #include "knee_robot/base/files.h"
 #include "knee_robot/base/numbers.h"
+#include "knee_robot/base/words.h"
 
 namespace knee_robot::recording {
 namespace {
@@ -23,35 +24,14 @@ constexpr double kLargestHome = 9e15;  ///< a double still tells integers apart
 constexpr int kMostAxes = 12;
 constexpr std::size_t kMostColumns = 10000;
 
-Text trim(Text text) {
-  const auto blank = [](char c) { return c == ' ' || c == '\t' || c == '\r'; };
-  while (!text.empty() && blank(text.front()))
-    text.remove_prefix(1);
-  while (!text.empty() && blank(text.back()))
-    text.remove_suffix(1);
-  return text;
-}
-
 void splitInto(Text line, std::vector<Text>& fields) {
   fields.clear();
   while (true) {
     const std::size_t comma = line.find(',');
-    fields.push_back(trim(line.substr(0, comma)));
+    fields.push_back(trimmed(line.substr(0, comma)));
     if (comma == Text::npos) return;
     line.remove_prefix(comma + 1);
   }
-}
-
-/// A word of the file for a message: short, printable.
-std::string quoted(Text text) {
-  std::string out = "'";
-  for (const char c : text.substr(0, 40))
-    out += (c >= 32 && c < 127) ? c : '?';
-  return out + (text.size() > 40 ? "...'" : "'");
-}
-
-bool isNan(Text text) {
-  return text.size() == 3 && (text[0] | 32) == 'n' && (text[1] | 32) == 'a' && (text[2] | 32) == 'n';
 }
 
 /// Where a known column's values go.
@@ -240,10 +220,10 @@ std::string parseField(Text text, const Column& column, double limit, double& va
     return {};
   }
   const std::optional<double> number = parseFinite(text);
-  if (!number) return column.name + " is " + quoted(text) + ", not a finite number";
-  if (std::abs(*number) > limit) return column.name + " is " + quoted(text) + ", beyond +-" + shortNumber(limit);
+  if (!number) return column.name + " is " + inQuotes(text) + ", not a finite number";
+  if (std::abs(*number) > limit) return column.name + " is " + inQuotes(text) + ", beyond +-" + shortNumber(limit);
   if (column.name == "home_id" && *number != std::floor(*number))
-    return column.name + " is " + quoted(text) + ", not an integer";
+    return column.name + " is " + inQuotes(text) + ", not an integer";
   value = *number;
   return {};
 }
@@ -298,7 +278,7 @@ void readRows(Text rest, std::size_t expected, const std::string& path, Columns&
   for (int line_number = 2; !rest.empty(); ++line_number) {
     bool whole = true;
     const Text line = takeLine(rest, whole);
-    if (trim(line).empty()) {
+    if (trimmed(line).empty()) {
       if (blank_line == 0) blank_line = line_number;
       continue;
     }
@@ -323,7 +303,7 @@ Recording parseRecording(const std::string& content, const std::string& path) {
   if (rest.substr(0, 3) == "\xEF\xBB\xBF") rest.remove_prefix(3);
   bool whole = true;
   const Text first = takeLine(rest, whole);
-  if (trim(first).empty())
+  if (trimmed(first).empty())
     throw InputError(path + ": is empty, or its first line is; a recording starts with a header line");
   const Header header(first, path);
 

@@ -9,6 +9,7 @@
 #include <cstring>
 #include <limits>
 
+#include "knee_robot/base/constants.h"
 #include "knee_robot/base/errors.h"
 #include "knee_robot/base/numbers.h"
 
@@ -18,8 +19,6 @@ namespace {
 constexpr std::size_t kBufferBytes = 1u << 16;
 constexpr std::size_t kLongestRow = 4096;  ///< 27 numbers below 1e15 need a tenth of it
 constexpr double kLargest = 1e12;
-
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 
 InputError failure(const std::string& path, const char* action) {
   return InputError(path + ": cannot " + action + " the recording: " + std::strerror(errno));

@@ -9,31 +9,20 @@
 #include "knee_robot/base/errors.h"
 #include "knee_robot/base/files.h"
 #include "knee_robot/base/numbers.h"
+#include "knee_robot/base/words.h"
 
 namespace knee_robot::recording {
 namespace {
 
 using Text = std::string_view;
 
-constexpr int kMostColumns = 10000;
-
-bool blank(char c) {
-  return c == ' ' || c == '\t' || c == '\r';
-}
-
-Text trim(Text text) {
-  while (!text.empty() && blank(text.front()))
-    text.remove_prefix(1);
-  while (!text.empty() && blank(text.back()))
-    text.remove_suffix(1);
-  return text;
-}
+constexpr int kWidestTable = 10000;
 
 /// Takes the first field off `rest`; false when there is none left. `rest` is trimmed for blank-separated tables.
 bool takeField(Text& rest, char separator, Text& field, bool& more) {
   if (!more) return false;
   if (separator == ' ') {
-    rest = trim(rest);
+    rest = trimmed(rest);
     if (rest.empty()) return more = false;
     const std::size_t end = std::min(rest.find_first_of(" \t"), rest.size());
     field = rest.substr(0, end);
@@ -41,7 +30,7 @@ bool takeField(Text& rest, char separator, Text& field, bool& more) {
     return true;
   }
   const std::size_t end = rest.find(separator);
-  field = trim(rest.substr(0, end));
+  field = trimmed(rest.substr(0, end));
   more = end != Text::npos;
   if (more) rest.remove_prefix(end + 1);
   return true;
@@ -53,17 +42,10 @@ Text unquoted(Text text) {
   return text;
 }
 
-std::string quoted(Text text) {
-  std::string out = "'";
-  for (const char c : text.substr(0, 40))
-    out += (c >= 32 && c < 127) ? c : '?';
-  return out + (text.size() > 40 ? "...'" : "'");
-}
-
 char separatorOf(Text line, bool decimal_comma) {
   for (const char c : {'\t', ';', ','}) {
     if (c == ',' && decimal_comma) continue;
-    if (trim(line).find(c) != Text::npos) return c;
+    if (trimmed(line).find(c) != Text::npos) return c;
   }
   return ' ';
 }
@@ -82,10 +64,6 @@ std::vector<std::string> headerNames(Text line, char separator) {
   for (bool more = true; takeField(line, separator, field, more);)
     names.emplace_back(unquoted(field));
   return names;
-}
-
-bool isNan(Text text) {
-  return text.size() == 3 && (text[0] | 32) == 'n' && (text[1] | 32) == 'a' && (text[2] | 32) == 'n';
 }
 
 std::optional<double> parseWith(Text text, bool decimal_comma) {
@@ -123,7 +101,7 @@ TextTable::TextTable(std::string content, std::string path, const TableFormat& f
     rest = end == Text::npos ? Text{} : rest.substr(end + 1);
     if (number <= format_.skip_lines) continue;
     const std::string here = path_ + ":" + std::to_string(number) + ": ";
-    if (trim(line).empty()) {
+    if (trimmed(line).empty()) {
       if (blank_line == 0) blank_line = number;
       continue;
     }
@@ -131,7 +109,7 @@ TextTable::TextTable(std::string content, std::string path, const TableFormat& f
     if (columns_ == 0) {
       if (format_.separator == 0) format_.separator = separatorOf(line, format_.decimal_comma);
       columns_ = countFields(line, format_.separator);
-      if (columns_ > kMostColumns) throw InputError(here + "more than 10000 columns; this is no table of signals");
+      if (columns_ > kWidestTable) throw InputError(here + "more than 10000 columns; this is no table of signals");
       first_line_ = number + (format_.header ? 1 : 0);
       if (format_.header) {
         names_ = headerNames(line, format_.separator);
@@ -164,8 +142,8 @@ int TextTable::find(const std::string& name) const {
     throw InputError(path_ + ":" + std::to_string(first_line_ - 1) + ": column " + name + " occurs twice");
   std::string known;
   for (std::size_t i = 0; i < std::min<std::size_t>(names_.size(), 20); ++i)
-    known += (i == 0 ? "" : ", ") + quoted(names_[i]);
-  throw InputError(path_ + ":" + std::to_string(first_line_ - 1) + ": column " + quoted(name) +
+    known += (i == 0 ? "" : ", ") + inQuotes(names_[i]);
+  throw InputError(path_ + ":" + std::to_string(first_line_ - 1) + ": column " + inQuotes(name) +
                    " is missing; there are " + known + (names_.size() > 20 ? ", ..." : ""));
 }
 
@@ -187,7 +165,7 @@ std::vector<double> TextTable::numbers(int column, bool nan_allowed) const {
       continue;
     }
     const std::optional<double> value = parseWith(text, format_.decimal_comma);
-    if (!value) refuse(row, column, quoted(text) + " is not a finite number");
+    if (!value) refuse(row, column, inQuotes(text) + " is not a finite number");
     values.push_back(*value);
   }
   return values;
@@ -203,7 +181,7 @@ std::vector<std::int64_t> TextTable::integers(int column, std::int64_t minimum, 
     if (error != std::errc() || end != text.data() + text.size() || value < minimum || value > maximum) {
       refuse(
           row, column,
-          quoted(text) + " is not a whole number from " + std::to_string(minimum) + " to " + std::to_string(maximum));
+          inQuotes(text) + " is not a whole number from " + std::to_string(minimum) + " to " + std::to_string(maximum));
     }
     values.push_back(value);
   }
@@ -212,7 +190,7 @@ std::vector<std::int64_t> TextTable::integers(int column, std::int64_t minimum, 
 
 void TextTable::refuse(int row, int column, const std::string& sentence) const {
   const std::string name =
-      names_.empty() ? std::to_string(column + 1) : quoted(names_[static_cast<std::size_t>(column)]);
+      names_.empty() ? std::to_string(column + 1) : inQuotes(names_[static_cast<std::size_t>(column)]);
   throw InputError(path_ + ":" + std::to_string(line(row)) + ": column " + name + ": " + sentence);
 }
 

@@ -1,11 +1,10 @@
 #include <limits>
 
+#include "knee_robot/base/constants.h"
 #include "knee_robot/report/compare.h"
 
 namespace knee_robot::report {
 namespace {
-
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 
 void fillFigures(const mechanism::Mechanism& mechanism, const recording::Recording& recording,
                  const tracing::PosePath& measured, const Eigen::MatrixXd& reference, double condition_max,

@@ -3,6 +3,7 @@
 
 #include "compare_panels.h"
 #include "json_parts.h"
+#include "knee_robot/base/constants.h"
 #include "knee_robot/base/files.h"
 #include "knee_robot/base/numbers.h"
 #include "knee_robot/report/page.h"
@@ -10,8 +11,7 @@
 namespace knee_robot::report {
 namespace {
 
-constexpr double kPerRadian = 180.0 / 3.14159265358979323846;
-const char* const kCoordinates[4] = {"x", "z", "theta", "psi"};
+const char* const kCoordinateKeys[4] = {"x", "z", "theta", "psi"};
 
 Json figures(const ErrorFigures& e, const std::string& unit) {
   return {{"max_" + unit, jsonNumber(e.max_abs)},
@@ -24,7 +24,7 @@ Json figures(const ErrorFigures& e, const std::string& unit) {
 Json poseFigures(const ErrorFigures (&errors)[4]) {
   Json j;
   for (int k = 0; k < 4; ++k)
-    j[kCoordinates[k]] = figures(errors[k], k < 2 ? "m" : "rad");
+    j[kCoordinateKeys[k]] = figures(errors[k], k < 2 ? "m" : "rad");
   return j;
 }
 
@@ -55,10 +55,6 @@ std::string errorLine(const std::string& name, const std::string& unit, double f
   std::snprintf(line, sizeof line, "%-8s %-4s %9.3f %9.3f   %s\n", name.c_str(), unit.c_str(), factor * e.max_abs,
                 factor * e.rms, paper.c_str());
   return line;
-}
-
-double unitOf(int coordinate) {
-  return coordinate < 2 ? 1e3 : kPerRadian;
 }
 
 }  // namespace
@@ -103,9 +99,9 @@ std::string compareSummary(const CompareResults& r) {
     const tracing::CameraAlignment& a = r.camera.alignment;
     out += "camera minus encoders, away from singularities (delay " +
            (a.delay_known ? shortNumber(1e3 * a.delay_s, 3) + " ms" : std::string("not determined")) +
-           ", frame turned " + shortNumber(kPerRadian * a.rotation_rad, 3) + " deg, shifted " +
+           ", frame turned " + shortNumber(kDegrees * a.rotation_rad, 3) + " deg, shifted " +
            shortNumber(1e3 * a.shift_x_m, 3) + " and " + shortNumber(1e3 * a.shift_z_m, 3) + " mm, markers turned " +
-           shortNumber(kPerRadian * a.plate_rad, 3) + " deg)\n";
+           shortNumber(kDegrees * a.plate_rad, 3) + " deg)\n";
     for (int k = 0; k < 4; ++k) {
       out += "  " + errorLine(kPaperFigures[4 + k].quantity, kPaperFigures[4 + k].unit, unitOf(k),
                               r.camera.error_regular[k], "");

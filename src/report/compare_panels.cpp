@@ -1,5 +1,6 @@
 #include "compare_panels.h"
 
+#include "knee_robot/base/constants.h"
 #include "knee_robot/report/svg_plot.h"
 
 namespace knee_robot::report {
@@ -9,14 +10,9 @@ constexpr const char* kReference = "#555555";
 constexpr const char* kMeasured = "#1b6ca8";
 constexpr const char* kCamera = "#d1495b";
 constexpr double kPerMetre = 1e3;
-constexpr double kPerRadian = 180.0 / 3.14159265358979323846;
 
 const char* const kCoordinates[4] = {"X", "Z", "theta", "psi"};
 const char* const kAxes[4] = {"X, mm", "Z, mm", "theta (about Y), deg", "psi (about Z), deg"};
-
-double unitOf(int coordinate) {
-  return coordinate < 2 ? kPerMetre : kPerRadian;
-}
 
 std::vector<double> scaled(const Eigen::MatrixXd& m, int column, double factor) {
   const Eigen::VectorXd values = factor * m.col(column);
@@ -24,6 +20,10 @@ std::vector<double> scaled(const Eigen::MatrixXd& m, int column, double factor) 
 }
 
 }  // namespace
+
+double unitOf(int coordinate) {
+  return coordinate < 2 ? kPerMetre : kDegrees;
+}
 
 std::vector<ComparePanel> actuatorPanels(const CompareResults& r) {
   std::vector<ComparePanel> out;

@@ -24,6 +24,8 @@ std::vector<ComparePanel> posePanels(const CompareResults& results);
 std::vector<std::pair<double, double>> singularStretches(const CompareResults& results);
 /// What the plots of compare's page show beside report.json: the same curves, m and rad.
 Json compareSeries(const CompareResults& results);
+/// What a coordinate of the pose (X, Z, theta, psi) in m or rad is multiplied with to be shown: mm, degrees.
+double unitOf(int coordinate);
 /// Panels as one picture.
 std::string panelsSvg(const std::string& title, const std::vector<ComparePanel>& panels);
 

@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "knee_robot/base/constants.h"
 #include "knee_robot/base/numbers.h"
 #include "knee_robot/report/exercise_report.h"
 #include "knee_robot/report/svg_plot.h"
@@ -8,7 +9,6 @@
 namespace knee_robot::report {
 namespace {
 
-constexpr double kDegrees = 180.0 / 3.14159265358979323846;
 constexpr double kWidth = 1000.0, kPanel = 190.0;
 constexpr const char* kColours[4] = {"#1b6ca8", "#d1495b", "#2e8b57", "#9a6bb0"};
 

@@ -6,6 +6,7 @@
 #include <cstdlib>
 #include <limits>
 
+#include "knee_robot/base/constants.h"
 #include "knee_robot/base/numbers.h"
 
 namespace knee_robot::report {
@@ -31,7 +32,6 @@ int decimalsOf(const std::vector<double>& values, int digits) {
 
 /// Smallest and largest finite value of values[from, to), in the order in which they come; NaN when there is none.
 std::pair<double, double> extremes(const Eigen::VectorXd& values, std::size_t from, std::size_t to) {
-  constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
   std::size_t low = to, high = to;
   for (std::size_t k = from; k < to; ++k) {
     const double v = values[static_cast<Eigen::Index>(k)];

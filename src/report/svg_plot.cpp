@@ -11,8 +11,8 @@ namespace knee_robot::report {
 namespace {
 
 constexpr double kLeft = 64.0, kRight = 12.0, kTop = 22.0, kBottom = 40.0;
-constexpr std::size_t kMostPoints = 1500;
-constexpr double kFlat =
+constexpr std::size_t kMostSvgPoints = 1500;
+constexpr double kFlatRange =
     1e-9;  ///< a range that is smaller beside its values is rounding, which ticks could not count along
 
 std::string fixed(double value) {
@@ -36,7 +36,7 @@ void widen(double& low, double& high, double share) {
     low = 0.0;
     high = 1.0;
   }
-  const bool flat = high - low <= kFlat * std::max(std::abs(low), std::abs(high));
+  const bool flat = high - low <= kFlatRange * std::max(std::abs(low), std::abs(high));
   const double margin = flat ? 0.1 * std::abs(high) + 0.1 : share * (high - low);
   low -= margin;
   high += margin;
@@ -125,7 +125,7 @@ std::string drawShades(const Frame& f, const PlotStyle& style) {
 std::vector<std::size_t> thin(const PlotLine& line) {
   std::vector<std::size_t> keep;
   const std::size_t n = line.x.size();
-  const std::size_t stretch = n <= kMostPoints ? 1 : 2 * n / kMostPoints + 1;
+  const std::size_t stretch = n <= kMostSvgPoints ? 1 : 2 * n / kMostSvgPoints + 1;
   for (std::size_t at = 0; at < n; at += stretch) {
     std::size_t low = at, high = at;
     for (std::size_t i = at; i < std::min(n, at + stretch); ++i) {

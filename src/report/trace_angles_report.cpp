@@ -3,12 +3,11 @@
 #include <cmath>
 
 #include "json_parts.h"
+#include "knee_robot/base/constants.h"
 #include "knee_robot/base/numbers.h"
 
 namespace knee_robot::report {
 namespace {
-
-constexpr double kDegrees = 180.0 / 3.14159265358979323846;
 
 std::string placeText(const tracing::Place& p) {
   return p.candidate->name() + (p.actuator < 0 ? "" : " on actuator " + std::to_string(p.actuator + 1));

@@ -1,13 +1,12 @@
 #include "trace_next_report.h"
 
+#include "knee_robot/base/constants.h"
 #include "knee_robot/base/numbers.h"
 
 namespace knee_robot::report {
 namespace {
 
 using Json = nlohmann::ordered_json;
-
-constexpr double kDegrees = 180.0 / 3.14159265358979323846;
 
 std::string sentence(const tracing::NextExperiment& n) {
   if (!n.planned) return "No next experiment: " + n.reason + ".";

@@ -1,6 +1,7 @@
 #include <cmath>
 #include <cstdio>
 
+#include "knee_robot/base/constants.h"
 #include "knee_robot/base/numbers.h"
 #include "trace_pose_report.h"
 
@@ -8,8 +9,6 @@ namespace knee_robot::report {
 namespace {
 
 using Json = nlohmann::ordered_json;
-
-constexpr double kDegrees = 180.0 / 3.14159265358979323846;
 
 Json errorsJson(const tracing::PoseErrors& e) {
   return {{"rms_m", {e.rms[0], e.rms[1]}},

@@ -4,12 +4,11 @@
 #include <cmath>
 
 #include "force_series.h"
+#include "knee_robot/base/constants.h"
 #include "plot_series.h"
 
 namespace knee_robot::report {
 namespace {
-
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 
 /// Means of `before` and `after` in equal bins of x, the ends at the 1 % quantiles; nothing where a bin is nearly empty.
 Json binned(const Eigen::VectorXd& x, const Eigen::VectorXd& before, const Eigen::VectorXd& after) {

@@ -4,6 +4,7 @@
 #include <cstdio>
 
 #include "json_parts.h"
+#include "knee_robot/base/constants.h"
 #include "knee_robot/base/files.h"
 #include "knee_robot/base/numbers.h"
 #include "knee_robot/report/page.h"
@@ -11,8 +12,6 @@
 
 namespace knee_robot::report {
 namespace {
-
-constexpr double kDegrees = 57.29577951308232;
 
 std::string gainsText(const control::PidGains& g) {
   return "P " + exactNumber(g.proportional) + " N/m, I " + exactNumber(g.integral) + " N/(m s), D " +

@@ -35,13 +35,13 @@ void checkName(const std::string& name) {
   }
 }
 
-[[noreturn]] void refuse(const std::string& name, const std::string& what) {
+[[noreturn]] void refuseMemory(const std::string& name, const std::string& what) {
   throw InputError("shared memory " + name + ": " + what);
 }
 
 RobotImage* mapImage(const std::string& name, int descriptor) {
   void* memory = ::mmap(nullptr, sizeof(RobotImage), PROT_READ | PROT_WRITE, MAP_SHARED, descriptor, 0);
-  if (memory == MAP_FAILED) refuse(name, std::string("cannot be mapped: ") + std::strerror(errno));
+  if (memory == MAP_FAILED) refuseMemory(name, std::string("cannot be mapped: ") + std::strerror(errno));
   return static_cast<RobotImage*>(memory);
 }
 
@@ -59,8 +59,8 @@ void removeLeftover(const std::string& name) {
     const std::int32_t pid = image->magic.load() == RobotImage::kMagic ? image->plant_pid.load() : 0;
     ::munmap(image, sizeof(RobotImage));
     if (alive(pid)) {
-      refuse(name, "process " + std::to_string(pid) +
-                       " already simulates a robot under this name; end it or choose another name");
+      refuseMemory(name, "process " + std::to_string(pid) +
+                             " already simulates a robot under this name; end it or choose another name");
     }
   }
   ::shm_unlink(name.c_str());
@@ -75,10 +75,10 @@ SharedImage SharedImage::create(const std::string& name) {
     removeLeftover(name);
     memory.number = ::shm_open(name.c_str(), O_RDWR | O_CREAT | O_EXCL, 0600);
   }
-  if (memory.number < 0) refuse(name, std::string("cannot be created: ") + std::strerror(errno));
+  if (memory.number < 0) refuseMemory(name, std::string("cannot be created: ") + std::strerror(errno));
   if (const int reason = ::posix_fallocate(memory.number, 0, sizeof(RobotImage)); reason != 0) {
     ::shm_unlink(name.c_str());
-    refuse(name, whyNoSharedMemory(reason));
+    refuseMemory(name, whyNoSharedMemory(reason));
   }
   auto* image = new (mapImage(name, memory.number)) RobotImage;
   image->size = sizeof(RobotImage);
@@ -91,25 +91,26 @@ SharedImage SharedImage::attach(const std::string& name) {
   checkName(name);
   const Descriptor memory{::shm_open(name.c_str(), O_RDWR, 0)};
   if (memory.number < 0) {
-    refuse(name, errno == ENOENT
-                     ? "no simulated robot runs under this name; start one (simulated_robot --shm " + name + ")"
-                     : std::string("cannot be opened: ") + std::strerror(errno));
+    refuseMemory(name, errno == ENOENT
+                           ? "no simulated robot runs under this name; start one (simulated_robot --shm " + name + ")"
+                           : std::string("cannot be opened: ") + std::strerror(errno));
   }
   struct stat information {};
-  if (::fstat(memory.number, &information) != 0) refuse(name, std::strerror(errno));
-  if (information.st_size == 0) refuse(name, "the simulated robot is just starting; try again");
+  if (::fstat(memory.number, &information) != 0) refuseMemory(name, std::strerror(errno));
+  if (information.st_size == 0) refuseMemory(name, "the simulated robot is just starting; try again");
   if (static_cast<std::size_t>(information.st_size) != sizeof(RobotImage)) {
-    refuse(name, "holds " + std::to_string(information.st_size) + " bytes instead of " +
-                     std::to_string(sizeof(RobotImage)) + ": no simulated robot, or one of another build");
+    refuseMemory(name, "holds " + std::to_string(information.st_size) + " bytes instead of " +
+                           std::to_string(sizeof(RobotImage)) + ": no simulated robot, or one of another build");
   }
   RobotImage* image = mapImage(name, memory.number);
   SharedImage attached(name, image, false);
   const std::uint64_t magic = image->magic.load(std::memory_order_acquire);
-  if (magic == 0) refuse(name, "the simulated robot is just starting; try again");
-  if (magic != RobotImage::kMagic) refuse(name, "holds something else than a simulated robot");
+  if (magic == 0) refuseMemory(name, "the simulated robot is just starting; try again");
+  if (magic != RobotImage::kMagic) refuseMemory(name, "holds something else than a simulated robot");
   if (image->version != RobotImage::kVersion || image->size != sizeof(RobotImage)) {
-    refuse(name, "the simulated robot has version " + std::to_string(image->version) + " of the image, this program " +
-                     std::to_string(RobotImage::kVersion) + ": build both from one source");
+    refuseMemory(name, "the simulated robot has version " + std::to_string(image->version) +
+                           " of the image, this program " + std::to_string(RobotImage::kVersion) +
+                           ": build both from one source");
   }
   return attached;
 }

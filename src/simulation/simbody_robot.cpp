@@ -5,11 +5,12 @@
 #include <Eigen/LU>
 #include <Eigen/QR>
 
+#include "knee_robot/base/constants.h"
+
 namespace knee_robot::simulation {
 namespace {
 
 constexpr int kClosures = 9;  ///< three ball constraints
-constexpr double kPi = 3.14159265358979323846;
 
 using SpatialForces = SimTK::Vector_<SimTK::SpatialVec>;
 

@@ -8,7 +8,7 @@
 namespace knee_robot::tracing {
 namespace {
 
-constexpr double kAbsorbed = 1e-3;  ///< share of a column's norm that must be left beside the base
+constexpr double kAbsorbedNorm = 1e-3;  ///< share of a column's norm that must be left beside the base
 constexpr std::size_t kNearest = 3;
 
 /// Columns of one place, in unit length, and what is left of them beside the base.
@@ -21,7 +21,7 @@ struct Group {
 Eigen::MatrixXd orthonormal(const Eigen::MatrixXd& columns) {
   if (columns.cols() == 0) return columns;
   Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(columns);
-  qr.setThreshold(kAbsorbed);
+  qr.setThreshold(kAbsorbedNorm);
   return qr.householderQ() * Eigen::MatrixXd::Identity(columns.rows(), qr.rank());
 }
 
@@ -35,7 +35,7 @@ Group groupOf(const TraceData& data, const Hypothesis& h, const Projection& base
   const Eigen::MatrixXd rest = columns - base.q * (base.q.transpose() * columns);
   std::vector<Eigen::Index> kept;
   for (Eigen::Index c = 0; c < rest.cols(); ++c) {
-    if (rest.col(c).norm() > kAbsorbed) kept.push_back(c);
+    if (rest.col(c).norm() > kAbsorbedNorm) kept.push_back(c);
   }
   Eigen::MatrixXd seen(rest.rows(), static_cast<Eigen::Index>(kept.size()));
   for (std::size_t k = 0; k < kept.size(); ++k)

@@ -11,15 +11,9 @@
 namespace knee_robot::tracing {
 namespace {
 
-constexpr double kErrors = 1.0;  ///< standard errors by which a member must help beside the others, all fitted together
+constexpr double kStayErrors =
+    1.0;  ///< standard errors by which a member must help beside the others, all fitted together
 constexpr double kNestedErrors = 2.0;  ///< the same with only itself fitted
-constexpr double kMapErrors = 2.5;     ///< so many times that for a map, as when it is added
-constexpr double kMostPieces = 0.8;    ///< share of a local effect's pieces that must gain
-
-std::vector<Hypothesis> without(std::vector<Hypothesis> all, std::size_t k) {
-  all.erase(all.begin() + static_cast<std::ptrdiff_t>(k));
-  return all;
-}
 
 /// How surely effect k is needed beside the others, in standard errors of its held-back gain; at least 1: it stays.
 double needOf(const Search& s, const JointFit& with, std::size_t k) {
@@ -34,7 +28,7 @@ double needOf(const Search& s, const JointFit& with, std::size_t k) {
   const HeldBackGain nested = heldBackGain(nestedGain(s, projection, {all[k]}));
   const auto sure = [](const HeldBackGain& g) { return g.mean / std::max(1e-300, g.error); };
   const double bends = all[k].place.candidate->isMap() ? kMapErrors : 1.0;
-  return std::max(sure(joint) / kErrors, sure(nested) / kNestedErrors) / bends;
+  return std::max(sure(joint) / kStayErrors, sure(nested) / kNestedErrors) / bends;
 }
 
 /// What effect k saves on held-back stretches of its own actuator's positions.
@@ -73,7 +67,7 @@ void dropWhatDoesNotRepeat(Search& s) {
     const Place place = s.effects[k].hypothesis.place;
     if (!place.candidate->periodic()) continue;
     const HeldBackGain gain = gainAtOtherPositions(s, k);
-    if (gain.mean > kErrors * gain.error) continue;
+    if (gain.mean > kStayErrors * gain.error) continue;
     s.rejected.push_back(placeText(place) + ": does not help on held-back stretches of its positions (mean " +
                          shortNumber(gain.mean, 3) + " +- " + shortNumber(gain.error, 3) + ")");
     s.effects.erase(s.effects.begin() + static_cast<std::ptrdiff_t>(k));
@@ -100,7 +94,7 @@ void standAlone(Search& s, const Place& place) {
   refit(s);
   refineShapes(s);
   const HeldBackGain lost = heldBackGain(heldBack() - with);
-  if (lost.mean > kErrors * lost.error) {
+  if (lost.mean > kStayErrors * lost.error) {
     s.effects = refined;
   } else {
     for (const FoundEffect& e : together) {
@@ -126,7 +120,8 @@ void replaceMaps(Search& s) {
       instead[k] = named;
       const JointFit fit = fitOf(s, instead);
       const HeldBackGain lost = heldBackGain(fit.held_back - with);
-      if (lost.mean > kErrors * lost.error || !fit.stable[k] || !named.place.candidate->plausible(fit.coefficients[k]))
+      if (lost.mean > kStayErrors * lost.error || !fit.stable[k] ||
+          !named.place.candidate->plausible(fit.coefficients[k]))
         continue;
       s.rejected.push_back(placeText(map) + ": " + named.place.candidate->name() +
                            ", which was found on another actuator, explains it as well");

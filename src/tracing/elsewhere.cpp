@@ -27,11 +27,6 @@ struct Helps {
   }
 };
 
-std::vector<Hypothesis> without(std::vector<Hypothesis> all, std::size_t k) {
-  all.erase(all.begin() + static_cast<std::ptrdiff_t>(k));
-  return all;
-}
-
 /// Squares (weighted, at the stack's rate) that a model with these effects leaves where the pose is masked: nothing was fitted there.
 double maskedSquares(const Search& s, const std::vector<Hypothesis>& effects) {
   const JointFit fit = fitOf(s, effects);

@@ -35,6 +35,11 @@ void setAttention(TraceData& data, Attention attention) {
   data.force_rows = data.scale.asDiagonal() * data.all_force_rows;
 }
 
+std::vector<Hypothesis> without(std::vector<Hypothesis> all, std::size_t k) {
+  all.erase(all.begin() + static_cast<std::ptrdiff_t>(k));
+  return all;
+}
+
 std::vector<Hypothesis> listHypotheses(const CandidateList& candidates, const std::vector<EffectInput>& inputs) {
   std::vector<Hypothesis> list;
   for (const auto& candidate : candidates) {

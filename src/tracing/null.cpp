@@ -9,7 +9,7 @@
 namespace knee_robot::tracing {
 namespace {
 
-constexpr double kBlock_s = 1.5;  ///< of resampled noise: several correlation times of the low-passed residual
+constexpr double kResampled_s = 1.5;  ///< of resampled noise: several correlation times of the low-passed residual
 
 /// Sets a recording's forces to those of the model, effects that look at the force included.
 void setModelForces(EffectInput& input, const BaseFit& base, const SurrogateModel& model) {
@@ -72,7 +72,7 @@ Eigen::VectorXd leftOf(const Surrogate& s, const TraceData& data, const Eigen::V
 /// Blocks of the real residual, all actuators together, at random places with random signs.
 Eigen::VectorXd resampled(const Stack& stack, const Eigen::VectorXd& residual, std::mt19937_64& random) {
   const Eigen::Index p = stack.size();
-  const Eigen::Index block = std::clamp<Eigen::Index>(std::lround(kBlock_s * stack.rate_hz), 2, p);
+  const Eigen::Index block = std::clamp<Eigen::Index>(std::lround(kResampled_s * stack.rate_hz), 2, p);
   Eigen::VectorXd out(p * stack.axes);
   for (Eigen::Index at = 0; at < p; at += block) {
     const Eigen::Index from = static_cast<Eigen::Index>(random() % static_cast<std::uint64_t>(p));

@@ -12,14 +12,14 @@
 namespace knee_robot::tracing {
 namespace {
 
-constexpr int kMass = 4;             ///< mass and first moments
-constexpr double kErrors = 5.0;      ///< standard errors of the mass
-constexpr double kSmall = 0.02;      ///< of the platform's mass
-constexpr double kExplains = 0.5;    ///< of the squares by which the URDF misses the free fit
-constexpr double kAllButAll = 0.99;  ///< of those squares: then it need not be as good as the free fit
-constexpr double kAsGood = 1.25;     ///< rms of the free fit
+constexpr int kMass = 4;              ///< mass and first moments
+constexpr double kMassErrors = 5.0;   ///< standard errors of the mass
+constexpr double kSmall = 0.02;       ///< of the platform's mass
+constexpr double kExplains = 0.5;     ///< of the squares by which the URDF misses the free fit
+constexpr double kAllButAll = 0.99;   ///< of those squares: then it need not be as good as the free fit
+constexpr double kFitsAsWell = 1.25;  ///< rms of the free fit
 constexpr double kToldCenter_m = 0.1;
-constexpr int kPasses = 4;  ///< between first moments and moments of inertia
+constexpr int kMomentPasses = 4;  ///< between first moments and moments of inertia
 
 /// Friction, rotor and offset columns of the baseline.
 std::vector<Eigen::Index> ownColumns(const BaseFit& base) {
@@ -127,8 +127,8 @@ std::string centerText(const PayloadTest& t) {
 void judge(double platform_kg, PayloadTest& t) {
   const double missed = t.prior_rms * t.prior_rms - t.free_rms * t.free_rms;
   const double explained = t.prior_rms * t.prior_rms - t.payload_rms * t.payload_rms;
-  const bool seen = t.mass_kg > kErrors * t.mass_std_kg && t.mass_kg > kSmall * platform_kg;
-  const bool alone = t.payload_rms <= kAsGood * t.free_rms;
+  const bool seen = t.mass_kg > kMassErrors * t.mass_std_kg && t.mass_kg > kSmall * platform_kg;
+  const bool alone = t.payload_rms <= kFitsAsWell * t.free_rms;
   t.stated = seen && (explained >= kAllButAll * missed || (alone && explained >= kExplains * missed));
   if (t.stated) {
     t.sentence = "payload: the change against the URDF's inertia is consistent with a payload of " + massText(t) +
@@ -183,7 +183,7 @@ PayloadTest testPayload(const mechanism::Robot& robot, const std::vector<identif
   const Eigen::VectorXd force = rows.own.b;
   const Eigen::Index own = rows.own.a.cols() - kMass;
   Eigen::VectorXd z;
-  for (int pass = 0; pass < kPasses; ++pass) {
+  for (int pass = 0; pass < kMomentPasses; ++pass) {
     rows.own.b = force - rows.rigid * directions.with(std::max(0.0, t.mass_kg), t.center_m);
     const std::vector<Eigen::MatrixXd> blocks = identification::compressBlocks(rows.own);
     z = solve(identification::joinBlocks(blocks, -1), rows.bounded);

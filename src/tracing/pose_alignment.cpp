@@ -4,12 +4,12 @@
 #include <cmath>
 #include <limits>
 
+#include "knee_robot/base/constants.h"
 #include "knee_robot/recording/signals.h"
 
 namespace knee_robot::tracing {
 namespace {
 
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 constexpr double kMostDelay_s = 0.5;
 constexpr double kGrid_s = 0.01;
 constexpr double kCorrelated = 0.8;

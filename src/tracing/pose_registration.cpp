@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "knee_robot/base/constants.h"
 #include "knee_robot/base/errors.h"
 #include "knee_robot/base/numbers.h"
 #include "knee_robot/recording/signals.h"
@@ -12,14 +13,12 @@
 namespace knee_robot::tracing {
 namespace {
 
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 constexpr double kCoarse_s = 0.04, kFine_s = 0.005;
 constexpr double kReach_s = 0.06;  ///< half of the time over which a speed is measured
-constexpr double kCorrelated = 0.8;
+constexpr double kSpeedsCorrelated = 0.8;
 constexpr double kLeastOverlap_s = 4.0;
-constexpr double kLongestGap_s = 0.05;
-constexpr std::size_t kFewest = 50;
-constexpr double kDegrees = 180.0 / 3.14159265358979323846;
+constexpr double kCaptureGap_s = 0.05;
+constexpr std::size_t kFewestFrames = 50;
 
 Eigen::Isometry3d platformIn(const mechanism::Pose& pose) {
   Eigen::Isometry3d out = Eigen::Isometry3d::Identity();
@@ -48,7 +47,7 @@ struct Track {
       out = platform[k];
       return true;
     }
-    if (time_s[k] - time_s[k - 1] > kLongestGap_s) return false;
+    if (time_s[k] - time_s[k - 1] > kCaptureGap_s) return false;
     const double share = (time - time_s[k - 1]) / (time_s[k] - time_s[k - 1]);
     const Eigen::Quaterniond a(platform[k - 1].linear()), b(platform[k].linear());
     out.linear() = a.slerp(share, b).toRotationMatrix();
@@ -94,7 +93,7 @@ Eigen::MatrixXd speeds(const Track& track, double period_s) {
 }
 
 /// Correlation of both speeds, means removed, when a is `lag` samples after b.
-double correlationAt(const Eigen::MatrixXd& a, const Eigen::MatrixXd& b, Eigen::Index lag, Eigen::Index least) {
+double speedCorrelation(const Eigen::MatrixXd& a, const Eigen::MatrixXd& b, Eigen::Index lag, Eigen::Index least) {
   const Eigen::Index first = std::max<Eigen::Index>(0, lag), last = std::min(a.rows(), b.rows() + lag);
   double n = 0.0;
   Eigen::Array2d sa = Eigen::Array2d::Zero(), sb = sa, saa = sa, sbb = sa, sab = sa;
@@ -127,7 +126,7 @@ void findDelay(const Track& encoders, const Track& capture, RegisteredCapture& o
         std::min<Eigen::Index>(a.rows(), static_cast<Eigen::Index>(std::ceil(middle + reach_s / period_s)));
     std::vector<double> curve;
     for (Eigen::Index lag = low; lag <= high; ++lag)
-      curve.push_back(correlationAt(a, b, lag, least));
+      curve.push_back(speedCorrelation(a, b, lag, least));
     if (curve.empty()) return -1.0;
     const auto best = static_cast<std::size_t>(std::max_element(curve.begin(), curve.end()) - curve.begin());
     double between = 0.0;
@@ -154,7 +153,7 @@ void registerFrame(const mechanism::Mechanism& mechanism, const recording::Recor
     seen.push_back(platform);
     known.push_back(platformIn(measured.pose.row(i).transpose()));
   }
-  if (seen.size() < kFewest)
+  if (seen.size() < kFewestFrames)
     throw Refusal(recording.path + ": only " + std::to_string(seen.size()) +
                   " rows away from singularities have a picture at their time; the capture cannot be aligned");
   std::vector<std::size_t> rows(seen.size());
@@ -196,11 +195,11 @@ RegisteredCapture registerCapture(const mechanism::Robot& robot, const recording
   out.notes = capture.notes;
   const PosePath measured = posesOf(*robot.mechanism, recording.position_m);
   const Track encoders = encoderTrack(recording, measured), seen = captureTrack(capture);
-  if (encoders.time_s.size() < kFewest || seen.time_s.size() < kFewest)
+  if (encoders.time_s.size() < kFewestFrames || seen.time_s.size() < kFewestFrames)
     throw Refusal(recording.path + ": too few poses to align (" + std::to_string(encoders.time_s.size()) +
                   " of the encoders, " + std::to_string(seen.time_s.size()) + " of the capture)");
   findDelay(encoders, seen, out);
-  if (out.correlation < kCorrelated)
+  if (out.correlation < kSpeedsCorrelated)
     throw Refusal(recording.path + ": the platform's speeds in capture and recording do not correlate (at most " +
                   shortNumber(out.correlation, 3) + "): is this the same movement, and at least " +
                   shortNumber(kLeastOverlap_s) + " s of it?");

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 
+#include "knee_robot/base/constants.h"
 #include "knee_robot/dynamics/coulomb_memory.h"
 #include "knee_robot/identification/observation.h"
 #include "knee_robot/recording/filter.h"
@@ -13,8 +14,7 @@
 namespace knee_robot::tracing {
 namespace {
 
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
-constexpr int kFewest = 200;         ///< rows that a recording must offer
+constexpr int kFewestRows = 200;     ///< rows that a recording must offer
 constexpr double kWidthCounts = 10;  ///< distance over which a leg's play is taken up, at least; or
 constexpr double kWidth_m = 1e-4;
 constexpr double kLoadCutoff_hz = 2.0;
@@ -22,7 +22,7 @@ constexpr double kLoadShare = 0.1;  ///< of the force's rms: width of the change
 constexpr double kMoved_m = 2e-4;   ///< what stands still says the same again and again: one row in
 constexpr double kStanding_s = 1.0;
 constexpr int kDimensions = 11;
-constexpr double kStep = 1e-6;
+constexpr double kDifference = 1e-6;
 
 double* dimension(mechanism::Geometry& g, int index) {
   const auto at = static_cast<std::size_t>(index);
@@ -112,7 +112,7 @@ PoseView viewPose(const mechanism::Robot& robot, const recording::Recording& rec
   view.travel = travelOf(robot, recording);
   view.load = loadOf(robot, recording);
   chooseRows(*robot.mechanism, condition_max, view);
-  if (view.rows.size() < static_cast<std::size_t>(kFewest)) view.rows.clear();
+  if (view.rows.size() < static_cast<std::size_t>(kFewestRows)) view.rows.clear();
   return view;
 }
 
@@ -194,7 +194,7 @@ PoseEquations poseEquations(const mechanism::Robot& robot, const std::vector<Pos
   const mechanism::Mechanism mechanism = changedMechanism(*robot.mechanism, model);
   std::vector<std::pair<mechanism::Mechanism, mechanism::Mechanism>> varied;
   for (int i = 0; i < kDimensions; ++i)
-    varied.emplace_back(withDimension(mechanism, i, kStep), withDimension(mechanism, i, -kStep));
+    varied.emplace_back(withDimension(mechanism, i, kDifference), withDimension(mechanism, i, -kDifference));
   std::vector<Eigen::MatrixXd> lengths;
   for (const PoseView& view : views)
     lengths.push_back(changedLengths(view, model));
@@ -219,7 +219,8 @@ PoseEquations poseEquations(const mechanism::Robot& robot, const std::vector<Pos
       mechanism::Vector4 change = mechanism::Vector4::Zero();  // of the lengths that this pose stands for
       if (hypothesis.cause == PoseCause::GeometryError) {
         const auto& [up, down] = varied[static_cast<std::size_t>(hypothesis.index)];
-        change = -(mechanism::legLengths(up, found.pose) - mechanism::legLengths(down, found.pose)) / (2.0 * kStep);
+        change =
+            -(mechanism::legLengths(up, found.pose) - mechanism::legLengths(down, found.pose)) / (2.0 * kDifference);
       } else {
         change[hypothesis.index] =
             hypothesis.cause == PoseCause::HomeOffset ? 1.0 : -directionOf(view, hypothesis, pick.row);

@@ -11,17 +11,17 @@
 namespace knee_robot::tracing {
 namespace {
 
-constexpr double kBlock_s = 5.0;
-constexpr double kLowered = 0.9;  ///< some coordinate's rms must fall below this share
-constexpr double kLargestP = 0.005;
-constexpr double kAbsorbed = 1e-4;  ///< share of a column's square that must survive the model's columns
-constexpr double kLeastSpread = 1e-9;
+constexpr double kPoseBlock_s = 5.0;
+constexpr double kPoseLowered = 0.9;  ///< some coordinate's rms must fall below this share
+constexpr double kLargestPoseP = 0.005;
+constexpr double kAbsorbedPose = 1e-4;  ///< share of a column's square that must survive the model's columns
+constexpr double kLeastPoseSpread = 1e-9;
 
 bool isPlay(const PoseHypothesis& h) {
   return h.cause == PoseCause::TravelClearance || h.cause == PoseCause::LoadClearance;
 }
 
-/// Beyond this size (m or rad) it would have been seen without a camera.
+/// Beyond this size (m or rad) it would have been seen besides a camera.
 double largestSize(const PoseHypothesis& h) {
   constexpr double kOffset_m = 0.03, kDimension_m = 0.015, kAngle_rad = 0.06, kHalfPlay_m = 0.003;
   if (h.cause == PoseCause::HomeOffset) return kOffset_m;
@@ -57,13 +57,13 @@ Weighed equationsOf(const PoseSearch& s) {
   return w;
 }
 
-Eigen::MatrixXd basisOf(const Eigen::MatrixXd& columns) {
+Eigen::MatrixXd poseBasis(const Eigen::MatrixXd& columns) {
   const Eigen::VectorXd norms = columns.colwise().norm().cwiseMax(1e-300).transpose();
   const Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(columns * norms.cwiseInverse().asDiagonal());
   return qr.householderQ() * Eigen::MatrixXd::Identity(columns.rows(), qr.rank());
 }
 
-Eigen::MatrixXd without(const Eigen::MatrixXd& q, const Eigen::MatrixXd& columns) {
+Eigen::MatrixXd besides(const Eigen::MatrixXd& q, const Eigen::MatrixXd& columns) {
   return columns - q * (q.transpose() * columns);
 }
 
@@ -77,7 +77,7 @@ double explained(const Eigen::VectorXd& column, const Eigen::VectorXd& residual,
 /// Blocks of what nothing explains, all coordinates together, at random places with random signs.
 Eigen::VectorXd resampled(const PoseSearch& s, std::mt19937_64& random) {
   const Eigen::Index n = s.noise.size() / 4;
-  const Eigen::Index block = std::clamp<Eigen::Index>(std::lround(kBlock_s * s.rate_hz), 2, n);
+  const Eigen::Index block = std::clamp<Eigen::Index>(std::lround(kPoseBlock_s * s.rate_hz), 2, n);
   Eigen::VectorXd out(4 * n);
   for (Eigen::Index at = 0; at < n; at += block) {
     const auto from = static_cast<Eigen::Index>(random() % static_cast<std::uint64_t>(n));
@@ -98,11 +98,11 @@ PoseNull nullOf(const PoseSearch& s, const Eigen::MatrixXd& q, const Eigen::Matr
   std::mt19937_64 random(s.options->seed * 7919u + s.model.causes.size());
   Eigen::MatrixXd roots(columns.cols(), s.options->draws);
   for (int d = 0; d < s.options->draws; ++d) {
-    const Eigen::VectorXd surrogate = without(q, resampled(s, random));
+    const Eigen::VectorXd surrogate = besides(q, resampled(s, random));
     for (Eigen::Index h = 0; h < columns.cols(); ++h)
       roots(h, d) = std::sqrt(explained(columns.col(h), surrogate, isPlay(s.hypotheses[static_cast<std::size_t>(h)])));
   }
-  PoseNull null{maxNull(roots, 0.0, kLeastSpread), std::pow(roots.maxCoeff(), 2)};
+  PoseNull null{maxNull(roots, 0.0, kLeastPoseSpread), std::pow(roots.maxCoeff(), 2)};
   return null;
 }
 
@@ -172,7 +172,7 @@ std::string objection(const PoseSearch& s, const PoseTrial& t, const mechanism::
   if (t.square == 0.0) return "the sign that fits is not physical";
   const PoseHypothesis& h = s.hypotheses[static_cast<std::size_t>(t.at)];
   if (std::abs(t.held.last.mean()) > largestSize(h)) return "the size that fits is not plausible";
-  if (!((t.rms.array() < kLowered * before.array()).any())) return "lowers no coordinate's error by a tenth";
+  if (!((t.rms.array() < kPoseLowered * before.array()).any())) return "lowers no coordinate's error by a tenth";
   if ((t.held.last.array() > 0.0).any() && (t.held.last.array() < 0.0).any())
     return "its sign changes when a part of the training data is left out";
   if (isPlay(h) && t.held.last.minCoeff() < 0.0) return "a part of the training data wants a sign that is not physical";
@@ -278,7 +278,7 @@ void judgeMembers(PoseSearch& s) {
 void noteAbsorbed(PoseSearch& s, const Weighed& w, const Eigen::MatrixXd& columns) {
   for (std::size_t h = 0; h < s.hypotheses.size(); ++h) {
     const auto at = static_cast<Eigen::Index>(h);
-    if (columns.col(at).squaredNorm() < kAbsorbed * w.tried.col(at).squaredNorm())
+    if (columns.col(at).squaredNorm() < kAbsorbedPose * w.tried.col(at).squaredNorm())
       s.absorbed.push_back(textOf(s.hypotheses[h]) + ": the fixed camera transform takes it up");
   }
 }
@@ -299,26 +299,27 @@ void startPoseSearch(PoseSearch& s) {
     const Weighed w = equationsOf(s);
     Eigen::MatrixXd all(w.model.rows(), w.model.cols() + w.tried.cols());
     all << w.model, w.tried;
-    s.noise = without(basisOf(all), w.residual);
+    s.noise = besides(poseBasis(all), w.residual);
     const mechanism::Vector4 rms = rmsOf(s, s.noise);
     for (Eigen::Index k = 0; k < s.noise.size(); ++k)
       s.noise[k] *= s.sigma[k % 4] / rms[k % 4];
     s.sigma = rms.cwiseMax(1e-9);
   }
   const Weighed w = equationsOf(s);
-  noteAbsorbed(s, w, without(basisOf(w.model), w.tried));
+  noteAbsorbed(s, w, besides(poseBasis(w.model), w.tried));
 }
 
 void searchPose(PoseSearch& s) {
   while (static_cast<int>(s.findings.size()) < s.options->most) {
     const Weighed w = equationsOf(s);
-    const Eigen::MatrixXd q = basisOf(w.model);
-    const Eigen::VectorXd left = without(q, w.residual);
-    Eigen::MatrixXd columns = without(q, w.tried);
+    const Eigen::MatrixXd q = poseBasis(w.model);
+    const Eigen::VectorXd left = besides(q, w.residual);
+    Eigen::MatrixXd columns = besides(q, w.tried);
     for (Eigen::Index h = 0; h < columns.cols(); ++h) {
       const bool banned =
           std::find(s.banned.begin(), s.banned.end(), s.hypotheses[static_cast<std::size_t>(h)]) != s.banned.end();
-      if (banned || columns.col(h).squaredNorm() < kAbsorbed * w.tried.col(h).squaredNorm()) columns.col(h).setZero();
+      if (banned || columns.col(h).squaredNorm() < kAbsorbedPose * w.tried.col(h).squaredNorm())
+        columns.col(h).setZero();
     }
     const PoseNull null = nullOf(s, q, columns);
     const HeldBack base = heldBack(s, w.model, w.residual);
@@ -334,8 +335,8 @@ void searchPose(PoseSearch& s) {
     for (const PoseTrial& t : trials) {
       const PoseHypothesis& h = s.hypotheses[static_cast<std::size_t>(t.at)];
       p = null.roots.p(t.at, std::sqrt(t.square));
-      why = p > kLargestP ? "explains no more than chance does on surrogates (p = " + shortNumber(p, 2) + ")"
-                          : objection(s, t, before);
+      why = p > kLargestPoseP ? "explains no more than chance does on surrogates (p = " + shortNumber(p, 2) + ")"
+                              : objection(s, t, before);
       if (why.empty()) {
         best = &t;
         break;

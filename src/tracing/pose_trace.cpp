@@ -4,15 +4,14 @@
 #include <cmath>
 #include <limits>
 
+#include "knee_robot/base/constants.h"
 #include "knee_robot/base/numbers.h"
 #include "pose_search.h"
 
 namespace knee_robot::tracing {
 namespace {
 
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 constexpr double kPickRate_hz = 25.0;
-constexpr double kDegrees = 180.0 / 3.14159265358979323846;
 
 /// Standard deviation of single pictures: second differences of neighbours, robustly (1.4826 times the median magnitude), over
 /// sqrt(6).

@@ -9,21 +9,21 @@
 namespace knee_robot::tracing {
 namespace {
 
-constexpr Eigen::Index kKnots = 6;    ///< in time
-constexpr Eigen::Index kBlocks = 12;  ///< of time, left out in turn
-constexpr double kErrors = 2.0;       ///< standard errors by which held-back blocks must gain
+constexpr Eigen::Index kTimeKnots = 6;  ///< in time
+constexpr Eigen::Index kBlocks = 12;    ///< of time, left out in turn
+constexpr double kRepeatErrors = 2.0;   ///< standard errors by which held-back blocks must gain
 
 /// Hat functions over the rows, times dry and viscous friction.
 Eigen::MatrixXd frictionInTime(const Eigen::VectorXd& share, const Eigen::VectorXd& velocity) {
-  Eigen::MatrixXd out = Eigen::MatrixXd::Zero(share.size(), 2 * kKnots);
+  Eigen::MatrixXd out = Eigen::MatrixXd::Zero(share.size(), 2 * kTimeKnots);
   for (Eigen::Index n = 0; n < share.size(); ++n) {
-    const double at = static_cast<double>(n * (kKnots - 1)) / static_cast<double>(share.size());
+    const double at = static_cast<double>(n * (kTimeKnots - 1)) / static_cast<double>(share.size());
     const Eigen::Index k = static_cast<Eigen::Index>(at);
     const double part = at - static_cast<double>(k);
     out(n, k) = (1.0 - part) * share[n];
     out(n, k + 1) = part * share[n];
-    out(n, kKnots + k) = (1.0 - part) * velocity[n];
-    out(n, kKnots + k + 1) = part * velocity[n];
+    out(n, kTimeKnots + k) = (1.0 - part) * velocity[n];
+    out(n, kTimeKnots + k + 1) = part * velocity[n];
   }
   return out;
 }
@@ -49,10 +49,10 @@ double sureness(const Eigen::MatrixXd& columns, const Eigen::VectorXd& differenc
 Eigen::VectorXd takeOutFrictionOfRuns(const Eigen::MatrixXd& share, const Eigen::MatrixXd& velocity,
                                       Eigen::MatrixXd& difference) {
   Eigen::VectorXd taken = Eigen::VectorXd::Zero(difference.cols());
-  if (difference.rows() < kBlocks * kKnots) return taken;
+  if (difference.rows() < kBlocks * kTimeKnots) return taken;
   for (Eigen::Index i = 0; i < difference.cols(); ++i) {
     const Eigen::MatrixXd columns = frictionInTime(share.col(i), velocity.col(i));
-    if (!(sureness(columns, difference.col(i)) > kErrors)) continue;
+    if (!(sureness(columns, difference.col(i)) > kRepeatErrors)) continue;
     const Eigen::VectorXd friction =
         columns * Eigen::ColPivHouseholderQR<Eigen::MatrixXd>(columns).solve(difference.col(i));
     taken[i] = friction.norm() / std::sqrt(static_cast<double>(friction.size()));

@@ -7,7 +7,7 @@
 namespace knee_robot::tracing {
 namespace {
 
-constexpr double kErrors = 0.5;  ///< standard errors by which a law of its own must be better
+constexpr double kLawErrors = 0.5;  ///< standard errors by which a law of its own must be better
 constexpr double kUsual_m_per_s = 1e-3;
 const double kSpeeds_m_per_s[] = {3.5e-4, 5e-4, 7e-4, 1e-3, 1.4e-3, 2e-3, 2.8e-3};
 
@@ -65,7 +65,7 @@ bool settleRestLaw(Search& s, const Candidate* kind) {
     best_speed = speed;
   }
   const HeldBackGain gain = heldBackGain(followed - own);
-  const bool own_law = gain.mean > kErrors * gain.error;
+  const bool own_law = gain.mean > kLawErrors * gain.error;
   if (!own_law) s.effects = following;
   setSpeed(s, kind, own_law ? best_speed : 0.0);
   refit(s);

@@ -22,7 +22,6 @@ constexpr int kRounds = 5;
 constexpr double kSlightPull = 1e-6;
 constexpr double kMapPull = 1e-3;    ///< hat functions add up to columns that the model has already
 constexpr int kLocalPieces = 6;      ///< of a local effect that are held back in turn
-constexpr double kMostPieces = 0.8;  ///< share of those that must gain
 constexpr double kMostBlocks = 0.5;  ///< share of held-back blocks that must gain
 constexpr double kAboveFloor = 1.15;
 constexpr double kSiblingAboveFloor = 1.0;
@@ -31,8 +30,6 @@ constexpr double kNearRestFloors = 2.0;  ///< noise floors of an effect that act
 constexpr double kNearRestErrors =
     5.0;  ///< standard errors by which such an effect must help, and every block must gain
 constexpr double kSiblingLowered = 0.97;  ///< where the same effect was found on another actuator
-constexpr double kMapErrors =
-    2.5;  ///< standard errors by which a map must help: it bends to much, and extrapolates badly
 constexpr double kSiblingErrors = 2.0;
 
 /// Which picks are held back together: the stack's blocks; of a local effect, pieces of the part in which it acts (-1: outside).

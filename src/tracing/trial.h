@@ -5,6 +5,10 @@
 
 namespace knee_robot::tracing {
 
+constexpr double kMostPieces = 0.8;  ///< share of a local effect's held-back pieces that must gain
+constexpr double kMapErrors =
+    2.5;  ///< standard errors by which a map must help: it bends to much, and extrapolates badly
+
 /// A hypothesis that is being compared.
 struct Trial {
   Hypothesis hypothesis;

@@ -2,12 +2,11 @@
 
 #include <cmath>
 
+#include "knee_robot/base/constants.h"
 #include "knee_robot/base/numbers.h"
 
 namespace knee_robot::trajectory {
 namespace {
-
-constexpr double kDegrees = 180.0 / 3.14159265358979323846;
 
 bool lengthsInRange(const mechanism::Robot& robot, const mechanism::Lengths& lengths) {
   for (int i = 0; i < robot.axes(); ++i) {

@@ -5,12 +5,11 @@
 #include <cmath>
 #include <limits>
 
+#include "knee_robot/base/constants.h"
 #include "knee_robot/base/numbers.h"
 
 namespace knee_robot::trajectory {
 namespace {
-
-constexpr double kDegrees = 180.0 / 3.14159265358979323846;
 
 void keepNearest(Margin& nearest, Quantity quantity, double value, double limit, int actuator, double left) {
   if (left >= nearest.left) return;

@@ -9,25 +9,12 @@
 #include "knee_robot/base/errors.h"
 #include "knee_robot/base/files.h"
 #include "knee_robot/base/numbers.h"
+#include "knee_robot/base/words.h"
 
 namespace knee_robot::trajectory {
 namespace {
 
-constexpr std::string_view kBlanks = " \t\r";
 constexpr std::size_t kQuoted = 24;  ///< characters of a bad word that a message repeats
-
-std::string_view trimmed(std::string_view text) {
-  const std::size_t begin = text.find_first_not_of(kBlanks);
-  if (begin == std::string_view::npos) return {};
-  return text.substr(begin, text.find_last_not_of(kBlanks) - begin + 1);
-}
-
-std::string quoted(std::string_view word) {
-  std::string shown;
-  for (const char c : word.substr(0, kQuoted))
-    shown += std::isprint(static_cast<unsigned char>(c)) ? c : '?';
-  return "'" + shown + (word.size() > kQuoted ? "..." : "") + "'";
-}
 
 std::string lowered(std::string_view text) {
   std::string result(text);
@@ -86,12 +73,12 @@ class ReferenceParser {
       if (declared_) refuse("space is declared twice; keep one");
       declared_ = spaceNamed(lowered(value));
       declared_line_ = line_;
-      if (!declared_) refuse("space " + quoted(value) + " is unknown; write actuator, platform or relative");
+      if (!declared_) refuse("space " + inQuotes(value, kQuoted) + " is unknown; write actuator, platform or relative");
     } else if (key == "period_s") {
       if (period_s_) refuse("period_s is declared twice; keep one");
       period_s_ = parseFinite(value);
       if (!period_s_ || *period_s_ < 1e-4 || *period_s_ > 10.0) {
-        refuse("period_s " + quoted(value) + " is no number from 0.0001 to 10 s; write period_s: 0.01");
+        refuse("period_s " + inQuotes(value, kQuoted) + " is no number from 0.0001 to 10 s; write period_s: 0.01");
       }
     }
   }
@@ -104,11 +91,12 @@ class ReferenceParser {
     std::array<double, 4> point{};
     std::size_t columns = 0;
     while (!line.empty()) {
-      const std::size_t end = std::min(line.find_first_of(kBlanks), line.size());
+      const std::size_t end = std::min(line.find_first_of(" \t\r"), line.size());
       const std::string_view word = line.substr(0, end);
-      if (columns == 4) refuse("has a fifth column " + quoted(word) + "; a point has four numbers");
+      if (columns == 4) refuse("has a fifth column " + inQuotes(word, kQuoted) + "; a point has four numbers");
       const std::optional<double> value = parseFinite(word);
-      if (!value) refuse("column " + std::to_string(columns + 1) + " " + quoted(word) + " is no finite number");
+      if (!value)
+        refuse("column " + std::to_string(columns + 1) + " " + inQuotes(word, kQuoted) + " is no finite number");
       point[columns++] = *value;
       line = trimmed(line.substr(end));
     }

@@ -14,11 +14,13 @@ TEST(Package, CatkinLintFindsNothing) {
 TEST(Package, IsConfiguredWithoutTheLibrariesThatOnlyDevelopersHave) {
   std::string folder = (std::filesystem::temp_directory_path() / "knee_without_developers_XXXXXX").string();
   ASSERT_NE(nullptr, mkdtemp(folder.data()));
-  std::string command = "cmake -S " KNEE_SOURCE_DIR " -B " + folder + " -G Ninja -DCATKIN_ENABLE_TESTING=OFF -DCATKIN_DEVEL_PREFIX=" + folder + "/devel";
+  std::string command = "cmake -S " KNEE_SOURCE_DIR " -B " + folder +
+                        " -G Ninja -DCATKIN_ENABLE_TESTING=OFF -DCATKIN_DEVEL_PREFIX=" + folder + "/devel";
   for (const char* package : {"benchmark", "Simbody", "GTest", "rostest"}) {
     command += std::string(" -DCMAKE_DISABLE_FIND_PACKAGE_") + package + "=ON";
   }
-  EXPECT_EQ(0, std::system((command + " > " + folder + "/log 2>&1 || { tail -n 20 " + folder + "/log; false; }").c_str()));
+  EXPECT_EQ(0,
+            std::system((command + " > " + folder + "/log 2>&1 || { tail -n 20 " + folder + "/log; false; }").c_str()));
   std::filesystem::remove_all(folder);
 }
 

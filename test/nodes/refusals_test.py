@@ -3,9 +3,11 @@
 import math
 import os
 import pathlib
+import subprocess
 import sys
 import unittest
 
+import roslib.packages
 import rospy
 import rostest
 
@@ -86,6 +88,16 @@ class Refusals(unittest.TestCase):
         self.assertIn("emergency stop", self.robot.trigger("enable").message)
         self.assertTrue(self.robot.trigger("reset_faults").success)
         self.assertEqual("disabled", self.robot.state().state)
+
+    def test_nothing_of_ours_begins_by_somebody_elses_clock(self):
+        rospy.set_param("/use_sim_time", True)
+        try:
+            for program in (["controller", "__name:=of_another_clock"], ["play_movement", "rise.txt"], ["operator_page"], ["identification_server"]):
+                ended = subprocess.run([roslib.packages.find_node("knee_robot", program[0])[0], *program[1:]], timeout=30, capture_output=True, text=True)
+                self.assertEqual(2, ended.returncode, program)
+                self.assertIn("use_sim_time", ended.stderr, program)
+        finally:
+            rospy.delete_param("/use_sim_time")
 
     def test_impossible_speeds_are_refused(self):
         for percent in (-1.0, 100.1, math.nan, math.inf):

@@ -8,6 +8,8 @@
 
 namespace knee_robot {
 
+constexpr double kAboveZero = 1e-12;  ///< "greater than zero", as a minimum: intervals are closed
+
 /// A YAML map whose every key must be asked for: an unknown key, a duplicate key, a wrong type or a number outside its limits
 /// is an InputError that names file, line, key, value and limit. Call finish() when all keys have been asked for.
 ///

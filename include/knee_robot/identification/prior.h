@@ -7,6 +7,8 @@
 
 namespace knee_robot::identification {
 
+constexpr double kOffsetShare = 0.1;  ///< of the rms force: an offset that is as large as the prior
+
 /// What is known before any recording. Columns without a physical sign (rigid bodies, offsets) have unit coordinates u in which
 /// the prior is a ball: parameters = mean + transform * u, and |u| = 1 is a change as large as the prior itself. Rigid bodies:
 /// PhysicalCoordinates, the first order of the log-Cholesky parametrisation around a body that can exist. Friction and rotors

@@ -39,6 +39,9 @@ struct Hypothesis {
 /// All places and shapes to try.
 std::vector<Hypothesis> listHypotheses(const CandidateList& candidates, const std::vector<EffectInput>& inputs);
 
+/// All but the k-th.
+std::vector<Hypothesis> without(std::vector<Hypothesis> all, std::size_t k);
+
 /// Columns of a hypothesis for all actuators (rows: actuator after actuator), low-passed, in N.
 Eigen::MatrixXd effectRows(const TraceData& data, const Hypothesis& hypothesis);
 

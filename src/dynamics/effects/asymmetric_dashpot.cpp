@@ -6,8 +6,6 @@
 namespace knee_robot::dynamics {
 namespace {
 
-constexpr double kSlow_m_per_s = 1e-3;  ///< below it the force is proportional to the rate
-
 /// A damper between base and platform that resists lengthening and shortening differently.
 class AsymmetricDashpot : public EffectLaw {
  public:

@@ -5,8 +5,6 @@
 namespace knee_robot::dynamics {
 namespace {
 
-constexpr double kSlow_m_per_s = 1e-3;  ///< below it the force is proportional to the rate
-
 /// A damper between base and platform, by a power of the rate at which their distance changes.
 class Dashpot : public EffectLaw {
  public:

@@ -4,6 +4,8 @@
 
 namespace knee_robot::dynamics {
 
+constexpr double kSlow_m_per_s = 1e-3;  ///< of a damper: below it the force is proportional to the rate
+
 /// A straight line from a point of the base to a point of the platform.
 struct Line {
   double length_m = 0.0, rate_m_per_s = 0.0;

@@ -7,7 +7,7 @@ namespace knee_robot::tracing {
 namespace {
 
 constexpr double kSteepest = 5e-4, kFlattest = 0.2;  ///< rad/s
-constexpr double kStep = 2.0;
+constexpr double kSpeedFactor = 2.0;
 
 /// Friction of the joints between legs and platform. The baseline has that of the joints at the base alone (eq. (23)); in a virtual plant of the
 /// paper's robot it is what the rigid model misses most (Table 4).
@@ -27,7 +27,7 @@ class PlatformJointFriction : public Candidate {
     return geometricGrid(0.002, 0.05, 3);
   }
   std::vector<std::vector<double>> near(const std::vector<double>& s, double step) const override {
-    const double factor = std::pow(kStep, step);
+    const double factor = std::pow(kSpeedFactor, step);
     return {{std::max(kSteepest, s[0] / factor)}, {std::min(kFlattest, s[0] * factor)}};
   }
   std::vector<Coefficient> coefficients(const EffectInput&) const override {

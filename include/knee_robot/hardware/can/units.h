@@ -2,6 +2,8 @@
 
 #include <cstdint>
 
+#include "knee_robot/base/constants.h"
+
 namespace knee_robot::hardware::can {
 
 /// From the set value of an axis to that of its drive. The set value is in volts, as for the analog cards, so that a robot file
@@ -12,8 +14,6 @@ struct AxisUnits {
   double rated_torque_Nm = 0.0;        ///< what 1000 per mille of object 6071 are
   double counts_per_revolution = 0.0;  ///< of object 6064
 };
-
-constexpr double kTwoPi = 6.283185307179586;
 
 /// Torque at the motor that gives this force at a screw without losses.
 constexpr double torqueOf(double force_N, double screw_lead_m) noexcept {

@@ -6,7 +6,7 @@
 namespace knee_robot::tracing {
 namespace {
 
-constexpr double kShortest_m = 1e-6;
+constexpr double kShortestLine_m = 1e-6;
 constexpr double kStep_m = 0.1;         ///< of refinement
 constexpr double kSlow_m_per_s = 1e-3;  ///< below it a damper's force is proportional to the rate
 constexpr std::size_t kExponent = 4;    ///< its place in a damper's shape
@@ -24,7 +24,7 @@ LineNow lineNow(const mechanism::Motion& motion, const mechanism::Matrix3& rotat
   const mechanism::Vector3 arm = rotation * a.platform_m;
   const mechanism::Vector3 line = mechanism::Vector3(x[0], 0.0, x[1]) + arm - a.base_m;
   LineNow out;
-  out.length_m = std::max(kShortest_m, line.norm());
+  out.length_m = std::max(kShortestLine_m, line.norm());
   const mechanism::Vector3 direction = line / out.length_m;
   const mechanism::Vector3 by_theta(arm.z(), 0.0, -arm.x()), by_psi = rotation.col(2).cross(arm);
   out.force_on_pose << direction[0], direction[2], direction.dot(by_theta), direction.dot(by_psi);

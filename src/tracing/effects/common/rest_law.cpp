@@ -8,7 +8,7 @@ namespace {
 
 constexpr double kSmooth_m_per_s = 0.001;
 constexpr double kSteepest_m_per_s = 1e-4, kFlattest_m_per_s = 5e-3;
-constexpr double kStep = 2.0;
+constexpr double kWidthFactor = 2.0;
 
 }  // namespace
 
@@ -29,7 +29,7 @@ std::vector<std::vector<double>> withRestLaws(const std::vector<std::vector<doub
 
 std::vector<std::vector<double>> besideRestLaw(const std::vector<double>& shape, double step) {
   std::vector<std::vector<double>> out;
-  for (const double factor : {1.0 / kStep, kStep}) {
+  for (const double factor : {1.0 / kWidthFactor, kWidthFactor}) {
     if (shape.back() == 0.0) continue;
     out.push_back(shape);
     out.back().back() = std::clamp(shape.back() * std::pow(factor, step), kSteepest_m_per_s, kFlattest_m_per_s);

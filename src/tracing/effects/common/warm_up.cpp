@@ -7,25 +7,25 @@
 namespace knee_robot::tracing {
 namespace {
 
-constexpr double kShortest_s = 10.0, kLongest_s = 300.0;
-constexpr int kConstants = 4;     ///< in the grid
-constexpr double kFactor = 1.75;  ///< between neighbours
+constexpr double kShortestTime_s = 10.0, kLongestTime_s = 300.0;
+constexpr int kConstants = 4;         ///< in the grid
+constexpr double kTimeFactor = 1.75;  ///< between neighbours
 
 }  // namespace
 
 std::vector<ShapeParameter> WarmUp::shapeParameters() const {
-  return {{"time_constant_s", kShortest_s, kLongest_s}};
+  return {{"time_constant_s", kShortestTime_s, kLongestTime_s}};
 }
 
 std::vector<std::vector<double>> WarmUp::shapes(const EffectInput&, int) const {
-  return geometricGrid(kShortest_s, kLongest_s, kConstants);
+  return geometricGrid(kShortestTime_s, kLongestTime_s, kConstants);
 }
 
 std::vector<std::vector<double>> WarmUp::near(const std::vector<double>& shape, double step) const {
   std::vector<std::vector<double>> out;
-  for (const double factor : {1.0 / kFactor, kFactor}) {
+  for (const double factor : {1.0 / kTimeFactor, kTimeFactor}) {
     out.push_back(shape);
-    out.back()[0] = std::clamp(shape[0] * std::pow(factor, step), kShortest_s, kLongest_s);
+    out.back()[0] = std::clamp(shape[0] * std::pow(factor, step), kShortestTime_s, kLongestTime_s);
   }
   return out;
 }
