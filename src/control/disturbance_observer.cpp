@@ -98,6 +98,10 @@ void DisturbanceObserver::watchRest(double dt) noexcept {
     pulses = pulses || pulses_N[i] != 0.0;
   }
   if (rest_.step(rests(), pulses, dt, error_m, count_m_)) ++out_.suspicion;
+  if (const int asked = turn_.step(rests(), dt, measured_.counts, rest_question); asked >= 0) {
+    out_.asked = asked;
+    ++out_.questions;
+  }
   for (std::size_t i = 0; i < hardware::kAxes; ++i) {
     witness_[i].step(i, dt, pulses_N, error_m);
     out_.felt[i] = pulses_N[i] != 0.0 ? witness_[i].felt(i, count_m_) : out_.felt[i];

@@ -8,7 +8,6 @@
 namespace knee_robot::control {
 namespace {
 
-/// After a pause of the machine the integral must not jump.
 /// Cycles without a new feedforward after which it counts as switched off.
 constexpr int kSilentFeedforward = 5;
 constexpr double kSmallestError_m = 1e-5;
@@ -184,6 +183,7 @@ double Driver::probeEncoder(double dt) noexcept {
   if (!carries || probe_period <= 0.0) {
     carried_s_ = 0.0;
     suspicion_ = disturbed_.suspicion;
+    questions_ = disturbed_.questions;
     challenge_.reset();
     probe_.reset();
     return 0.0;
@@ -207,14 +207,17 @@ bool Driver::challengeEncoder(double dt, const EncoderProbe::Settings& settings)
   const std::int64_t counts = measured_.counts[index_];
   const bool disturbed = disturbed_.suspicion != suspicion_;
   const bool suspected = standsUnderForce(dt, counts);
+  const bool in_turn = disturbed_.questions != questions_ && disturbed_.asked == static_cast<int>(index_) &&
+                       test_pulses_.load(std::memory_order_relaxed);
   suspicion_ = disturbed_.suspicion;
+  questions_ = disturbed_.questions;
   if ((measured_.bus_failure.silent >> index_ & 1u) !=
       0) {  // old counts are no answer; that they are old has a fault of its own
     challenge_.reset();
     standing_.begin(counts);
     return false;
   }
-  const bool wanted = (disturbed && !standing_.counts()) || suspected || verdict_.asks[index_] || doubted_;
+  const bool wanted = (disturbed && !standing_.counts()) || suspected || in_turn || verdict_.asks[index_] || doubted_;
   if (wanted && !challenge_.isActive()) {
     // A hand has no reference: to and fro in turn, or questions would carry the platform away.
     if (guides_) guided_away_ = -guided_away_;

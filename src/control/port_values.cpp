@@ -156,6 +156,8 @@ void members(const Guidance& v, Visit& visit) {
   visit("active", v.active);
   visit("force_N", v.force_N);
   visit("suspicion", v.suspicion);
+  visit("questions", v.questions);
+  visit("asked", v.asked);
   visit("doubted", v.doubted);
   visit("stop", v.stop);
 }

@@ -1,177 +1,20 @@
 // false_trips: how often the stepped controller stops a healthy robot in simulated hours of ordinary use, with friction that nobody told
 // it of; with --warnings, what the disturbance observer says of a robot that is as its model says; and with --frozen, what becomes of an
 // encoder that dies. scripts/false_trips starts it. Its figures are those of docs/results/faults.md.
-#include <unistd.h>
-
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <map>
 #include <random>
-#include <set>
 #include <vector>
 
-#include "../control/some_model.h"
-#include "knee_robot/base/errors.h"
-#include "knee_robot/base/files.h"
-#include "knee_robot/control/control_system.h"
-#include "knee_robot/control/disturbance_sentences.h"
-#include "knee_robot/dynamics/robot_inertia.h"
-#include "knee_robot/mechanism/kinematics.h"
-#include "knee_robot/simulation/robot_simulation.h"
-#include "knee_robot/simulation/simulated_cards.h"
+#include "stepped_rig.h"
 
 namespace knee_robot::control {
 namespace {
 
-/// A machine as somebody may have it: effects of docs/tracing.md, in the simulation file's words, and a payload nobody declared.
-struct Machine {
-  const char* name;
-  const char* effects;
-  double payload_kg;
-};
-const char* const kStribeck = "  - {name: stribeck, actuators: [1, 2, 3, 4], excess_N: 20, velocity_m_per_s: 0.004}\n";
-const char* const kBristles =
-    "  - {name: presliding, actuators: [1, 2, 3, 4], stiffness_N_per_m: 3e5, damping_N_s_per_m: 300}\n";
-const Machine kMachines[] = {
-    {"as identified", "", 0.0},
-    {"15 kg undeclared", "", 15.0},
-    {"stribeck, 20 N more at rest", kStribeck, 0.0},
-    {"bristles", kBristles, 0.0},
-    {"warms up: friction +50 %",
-     "  - {name: thermal_drift, actuators: [1, 2, 3, 4], viscous_change: 0.5, coulomb_change: 0.5, time_constant_s: "
-     "60}\n",
-     0.0},
-    {"load-dependent friction 10 %", "  - {name: load_dependent_friction, actuators: [1, 2, 3, 4], share: 0.1}\n",
-     15.0},
-    {"screw ripple 8 N",
-     "  - {name: screw_ripple, actuators: [1, 2, 3, 4], amplitude_N: 8, period_m: 0.01, phase_deg: 30}\n", 0.0},
-    {"asymmetric 20 N, 15 kg", "  - {name: asymmetric_coulomb, actuators: [1, 2, 3, 4], difference_N: 20}\n", 15.0},
-};
-
-std::string file(const std::string& name) {
-  return std::string(KNEE_SOURCE_DIR) + "/" + name;
-}
-
-/// The deployment of the simulated robot, its test pulses every `probe_s` (0: none).
-std::string deployment(double probe_s) {
-  std::string text = readFile(file("config/deployment/simulation.yaml"));
-  for (const char* axis : {"{axis: 1,", "{axis: 2,", "{axis: 3,", "{axis: 4,"})
-    text.replace(text.find(axis), 9, std::string(axis) + " probe_s: " + std::to_string(probe_s) + ",");
-  const std::string path = "/tmp/false_trips_" + std::to_string(::getpid()) + ".yaml";
-  writeFileAtomically(path, text);
-  return path;
-}
-double probe_period = 0.6;
-bool watch_warnings = false;
-
-/// A model file of robot and machine as they are; the residual that it promises is 1 N.
-std::string trueModel(const mechanism::Robot& robot, const simulation::SimulationParameters& machine) {
-  dynamics::Model model = fake::modelOf(robot);
-  for (std::size_t i = 0; i < mechanism::kLegs; ++i) {
-    model.parameters[dynamics::extended::kViscous + i].value = machine.axes[i].viscous_N_s_per_m;
-    model.parameters[dynamics::extended::kCoulomb + i].value = machine.axes[i].coulomb_N;
-    model.parameters[dynamics::extended::kRotor + i].value = machine.axes[i].rotor_mass_kg;
-  }
-  const std::string path = "/tmp/false_trips_model_" + std::to_string(::getpid()) + ".yaml";
-  dynamics::saveModel(model, path);
-  return path;
-}
-
-class Rig {
- public:
-  Rig(const std::string& name, const Machine& machine)
-      : robot(mechanism::loadRobot(file("config/robots/" + name + ".yaml"))),
-        plant(robot, dynamics::loadRobotInertia(robot), parameters(name, machine), image),
-        bus(simulation::openImageCards(image)) {
-    ControlSystem::Options options;
-    options.execution = rt::Execution::Stepped;
-    options.empty = true;
-    if (watch_warnings) options.model = trueModel(robot, parameters(name, machine));
-    system = std::make_unique<ControlSystem>(robot, loadHardwareFile(file("config/hardware/simulated.yaml")),
-                                             deployment(probe_period), *bus, options);
-    system->setPlant([this](rt::Nanoseconds time) {
-      while (plant.time() + 0.0005 < 1e-9 * static_cast<double>(time)) {
-        plant.step(0.001);
-        lowest = std::min(lowest, plant.state().pose[1]);
-      }
-      if (watch_warnings && ++cycles_ % 100 == 0) listen();
-    });
-    const Answer started = system->start();
-    if (!started.ok) throw InputError(started.sentence);
-    home = plant.state().pose;
-  }
-  bool hold() { return system->state() == MachineState::Holding || system->enable().ok; }
-  /// From where the robot stands to `pose` in `seconds`, rest to rest, at `speed` percent. False: refused, nothing moves.
-  bool play(const mechanism::Pose& pose, double seconds) {
-    const std::optional<TrackingRow> row = system->snapshot();
-    const mechanism::Lengths from(row->reference_m.data());
-    const mechanism::Lengths to = mechanism::legLengths(*robot.mechanism, pose);
-    trajectory::Reference reference;
-    reference.name = "way";
-    const auto n = static_cast<Eigen::Index>(std::ceil(seconds / trajectory::kStreamPeriod));
-    reference.points.resize(n + 1, 4);
-    for (Eigen::Index k = 0; k <= n; ++k) {
-      const double x = static_cast<double>(k) / static_cast<double>(n);
-      reference.points.row(k) = (from + x * x * x * (10.0 + x * (6.0 * x - 15.0)) * (to - from)).transpose();
-    }
-    return system->loadReference(reference).ok && system->play().ok;
-  }
-
-  /// All legs to and fro in 12 s with periods of their own, height constant: many turning points.
-  bool swing() {
-    const std::optional<TrackingRow> row = system->snapshot();
-    const mechanism::Lengths from(row->reference_m.data());
-    const mechanism::Lengths beside = from - mechanism::legLengths(*robot.mechanism, home);
-    const auto wave = [](int k, double period_s) { return 0.5 * (1.0 - std::cos(2.0 * M_PI * 0.01 * k / period_s)); };
-    trajectory::Reference reference;
-    reference.name = "swing";
-    reference.points.resize(1201, 4);
-    for (int k = 0; k <= 1200; ++k) {
-      mechanism::Pose pose = home;
-      pose[0] += 0.07 * wave(k, 2.4);
-      pose[2] += 0.09 * wave(k, 3.0);
-      pose[3] += 0.10 * wave(k, 2.0);
-      reference.points.row(k) = (mechanism::legLengths(*robot.mechanism, pose) + beside).transpose();
-    }
-    return system->loadReference(reference).ok && system->play().ok;
-  }
-
-  mechanism::Robot robot;
-  simulation::RobotImage image;
-  simulation::RobotSimulation plant;
-  std::unique_ptr<hardware::AxisBus> bus;
-  mechanism::Pose home;
-  double lowest = 10.0;
-  std::map<std::string, int> warnings;
-
- private:
-  /// Each sentence counts when it begins.
-  void listen() {
-    std::set<std::string> now;
-    const std::optional<Disturbance> disturbance = system->disturbance();
-    for (const Notice& notice : disturbance ? noticesOf(*disturbance) : std::vector<Notice>{})
-      now.insert(notice.sentence.substr(0, notice.sentence.find_first_of(",:(")).substr(0, 40));
-    for (const std::string& sentence : now)
-      warnings[sentence] += said_.count(sentence) == 0 ? 1 : 0;
-    said_ = now;
-  }
-  int cycles_ = 0;
-  std::set<std::string> said_;
-
- public:
-  std::unique_ptr<ControlSystem> system;  // last: it goes on stepping the plant while it shuts down
-
- private:
-  static simulation::SimulationParameters parameters(const std::string& name, const Machine& machine) {
-    std::string text = readFile(file("config/simulation/" + name + ".yaml"));
-    if (*machine.effects != 0) text += std::string("effects:\n") + machine.effects;
-    simulation::SimulationParameters all = simulation::parseSimulationParameters(text, machine.name);
-    if (machine.payload_kg > 0.0) all.payload = simulation::Payload{machine.payload_kg, {0.0, 0.0, 0.1}, 0.1};
-    return all;
-  }
-};
+using namespace stepped;
 
 /// A pose near home, the way to it slow or brisk.
 mechanism::Pose somewhere(const mechanism::Pose& home, std::mt19937& random) {
@@ -352,6 +195,49 @@ int freezeAll(const std::string& robot) {
   return bad;
 }
 
+/// How far the platform has gone, the farther of mm and mrad.
+double wayOf(const mechanism::Pose& from, const mechanism::Pose& to) {
+  return 1e3 * (to - from).cwiseAbs().maxCoeff();
+}
+
+/// Robots that nobody touches hold for `hours`; then the encoders' common supply is lost. Stops of healthy ones, and losses that are not found.
+int stand(const std::string& robot, double hours) {
+  int bad = 0;
+  std::printf(
+      "| machine %s | h at rest | questions | stops | away at the end, mm or mrad | supply lost: found after s | sinks "
+      "mm | with a push of "
+      "150 N: found after s | sinks mm |\n| --- | --- | --- | --- | --- | --- | --- | --- | --- |\n",
+      robot.c_str());
+  for (const Machine& machine : kMachines) {
+    std::printf("| %s | %.2f |", machine.name, hours);
+    for (const double push_N : {0.0, 150.0}) {
+      Rig rig(robot, machine);
+      rig.hold();
+      rig.system->run(5.0);
+      const mechanism::Pose from = rig.plant.state().pose;
+      if (push_N == 0.0) {
+        rig.system->run(3600.0 * hours);
+        const bool stopped = rig.system->state() != MachineState::Holding;
+        bad += stopped;
+        const std::optional<Disturbance> now = rig.system->disturbance();
+        std::printf(" %u | %s | %.2f |", now ? now->questions : 0,
+                    stopped ? rig.system->status().fault_name.c_str() : "0", wayOf(from, rig.plant.state().pose));
+      }
+      const double height = rig.lowest = rig.plant.state().pose[1], began = rig.plant.time();
+      for (auto& encoder : rig.image.faults.encoder)
+        encoder.store(static_cast<std::uint8_t>(simulation::EncoderFault::Frozen));
+      rig.image.surroundings.pose_force[1].store(-push_N);
+      const bool found = rig.system->waitFor(MachineState::Faulted, 60.0);
+      bad += !found;
+      std::printf(found ? " %.1f | %.1f |" : " never (%.0f) | %.1f |", rig.plant.time() - began,
+                  1e3 * (height - rig.lowest));
+    }
+    std::printf("\n");
+    std::fflush(stdout);
+  }
+  return bad;
+}
+
 }  // namespace
 }  // namespace knee_robot::control
 
@@ -362,7 +248,7 @@ int main(int argc, char** argv) {
   std::string robot = "A";
   double hours = 0.25;
   unsigned seed = 1;
-  bool frozen = false;
+  bool frozen = false, standing = false;
   app.add_option("--robot", robot, "of config/robots")->capture_default_str();
   app.add_option("--hours", hours, "simulated, of each machine")
       ->capture_default_str()
@@ -373,11 +259,13 @@ int main(int argc, char** argv) {
   app.add_flag("--warnings", knee_robot::control::watch_warnings,
                "the first machine alone, with a model that is true: its stops and everything that is said");
   app.add_flag("--frozen", frozen, "encoders die at rest and in motion instead; slow");
+  app.add_flag("--standing", standing,
+               "robots that nobody touches hold for the hours; then the encoders' common supply is lost");
   CLI11_PARSE(app, argc, argv);
   try {
-    return (frozen ? knee_robot::control::freezeAll(robot) : knee_robot::control::countTrips(robot, hours, seed)) == 0
-               ? 0
-               : 1;
+    using namespace knee_robot::control;
+    const int bad = frozen ? freezeAll(robot) : standing ? stand(robot, hours) : countTrips(robot, hours, seed);
+    return bad == 0 ? 0 : 1;
   } catch (const std::exception& error) {
     std::fprintf(stderr, "false_trips: %s\n", error.what());
     return 2;

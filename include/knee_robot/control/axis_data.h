@@ -126,6 +126,9 @@ struct Disturbance {
   std::uint64_t sequence = 0;  ///< of the measurement that it is calculated from
   rt::Nanoseconds time = 0;
   std::uint32_t suspicion = 0;  ///< a new number: something disturbs the standing robot, the encoders are to be asked
+  std::uint32_t questions =
+      0;  ///< a new number: nothing has counted for long, the encoder of axis `asked` (from 0) is to be asked
+  int asked = -1;
   std::array<Felt, hardware::kAxes> felt{};  ///< of the last test pulse of each axis
   bool identified =
       false;           ///< by a model that says how good it is; else by the URDF's weights, and nothing is evaluated

@@ -7,6 +7,7 @@
 #include "knee_robot/control/disturbance_classifier.h"
 #include "knee_robot/control/pulse_witness.h"
 #include "knee_robot/control/residual_estimator.h"
+#include "knee_robot/control/rest_turn.h"
 #include "knee_robot/control/rest_watch.h"
 #include "knee_robot/mechanism/robot.h"
 #include "knee_robot/rt/port.h"
@@ -16,7 +17,8 @@ namespace knee_robot::control {
 
 /// Says what acts on the robot that nobody commanded.
 ///
-/// - Suspicion: RestWatch sees the standing robot disturbed; the Drivers ask their encoders then.
+/// - Suspicion: RestWatch sees the standing robot disturbed; the Drivers ask their encoders then. Where nothing counts at all, RestTurn has one
+///   of them asked now and then.
 /// - Felt: PulseWitness tells an axis that moves unseen from one that does not move at all.
 /// - Residual: ResidualEstimator compares the written force with that of the model; DisturbanceClassifier tells a load, a push, friction and a
 ///   model that does not hold apart. The model is ModelFeedforward's (useModel()), its payload the declared one; without a model file the weights
@@ -38,6 +40,14 @@ class DisturbanceObserver : public rt::TaskContext {
   rt::OutputPort<Disturbance> disturbance{*this, "disturbance", "to Drivers, Monitors and Recorder"};
 
   rt::Property<std::string> model{*this, "model", "", "model file of this robot; empty: the weights of its URDF"};
+
+  rt::Property<double> rest_question{*this,
+                                     "rest_question_s",
+                                     30.0,
+                                     "s",
+                                     0.0,
+                                     600.0,
+                                     "when no axis has counted for so long at rest, one is asked; 0: none"};
 
   /// Ordinary thread, before configure(): reads the model. InputError names the file and the reason. configure() does it otherwise.
   void loadModel();
@@ -66,6 +76,7 @@ class DisturbanceObserver : public rt::TaskContext {
   ResidualEstimator residual_;
   DisturbanceClassifier classifier_;
   RestWatch rest_;
+  RestTurn turn_;
   std::array<PulseWitness, hardware::kAxes> witness_;
   RestWatch::Axes count_m_{};
   rt::Nanoseconds last_time_ = 0;

@@ -32,7 +32,7 @@ namespace knee_robot::control {
 /// where the axis is. When that ends, or HandGuide falls silent, the axis holds where it is then.
 /// Whether the encoder still counts (EncoderFrozen): with a DisturbanceObserver EncoderProbe asks once when the hold devices have opened;
 /// from then on EncoderChallenge asks on suspicion only: the standing robot is disturbed, or the loop pushes while the encoder stands
-/// (StandingAxis). Without one EncoderProbe asks every probe_s at rest, and around turning points. Whenever Monitors take the encoder for
+/// (StandingAxis), and in turn where nothing counts for long (RestTurn). Without one EncoderProbe asks every probe_s at rest, and around turning points. Whenever Monitors take the encoder for
 /// dead, it is asked before they say so.
 /// - SetPointStale: nothing from Sync for stale_set_points periods, or a set point is missing. The loop goes on (the reference comes
 ///   to rest).
@@ -129,7 +129,7 @@ class Driver : public rt::TaskContext {
   EncoderChallenge challenge_;
   Disturbance disturbed_;
   MonitorVerdict verdict_;
-  std::uint32_t suspicion_ = 0;  // answered last
+  std::uint32_t suspicion_ = 0, questions_ = 0;  // answered last
   StandingAxis standing_;
   bool stood_at_rest_ = false;
   double asked_s_ = 0.0;     // since it was asked because of that
