@@ -156,8 +156,6 @@ void members(const Guidance& v, Visit& visit) {
   visit("active", v.active);
   visit("force_N", v.force_N);
   visit("suspicion", v.suspicion);
-  visit("questions", v.questions);
-  visit("asked", v.asked);
   visit("doubted", v.doubted);
   visit("stop", v.stop);
 }
@@ -199,6 +197,8 @@ void members(const Disturbance& v, Visit& visit) {
   visit("sequence", v.sequence);
   visit("time_ns", v.time);
   visit("suspicion", v.suspicion);
+  visit("questions", v.questions);
+  visit("asked", v.asked);
   visit("felt", v.felt);
   visit("identified", v.identified);
   visit("known", v.known);

@@ -256,6 +256,9 @@ int main(int argc, char** argv) {
   app.add_option("--seed", seed)->capture_default_str();
   app.add_option("--probe-s", knee_robot::control::probe_period, "property of the Drivers; 0: no test pulses at all")
       ->capture_default_str();
+  app.add_option("--rest-question-s", knee_robot::control::stepped::rest_question,
+                 "property of the DisturbanceObserver; 0: nobody is asked in turn")
+      ->capture_default_str();
   app.add_flag("--warnings", knee_robot::control::watch_warnings,
                "the first machine alone, with a model that is true: its stops and everything that is said");
   app.add_flag("--frozen", frozen, "encoders die at rest and in motion instead; slow");

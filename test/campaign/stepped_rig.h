@@ -51,17 +51,22 @@ inline std::string file(const std::string& name) {
   return std::string(KNEE_SOURCE_DIR) + "/" + name;
 }
 
+inline double probe_period = 0.6;
+inline double rest_question = 30.0;
+inline bool watch_warnings = false;
+
 /// The deployment of the simulated robot, its test pulses every `probe_s` (0: none).
 inline std::string deployment(double probe_s) {
   std::string text = readFile(file("config/deployment/simulation.yaml"));
   for (const char* axis : {"{axis: 1,", "{axis: 2,", "{axis: 3,", "{axis: 4,"})
     text.replace(text.find(axis), 9, std::string(axis) + " probe_s: " + std::to_string(probe_s) + ",");
+  const std::string observer = "type: DisturbanceObserver";
+  text.insert(text.find(observer) + observer.size(),
+              ", properties: {rest_question_s: " + std::to_string(rest_question) + "}");
   const std::string path = "/tmp/false_trips_" + std::to_string(::getpid()) + ".yaml";
   writeFileAtomically(path, text);
   return path;
 }
-inline double probe_period = 0.6;
-inline bool watch_warnings = false;
 
 /// A model file of robot and machine as they are; the residual that it promises is 1 N.
 inline std::string trueModel(const mechanism::Robot& robot, const simulation::SimulationParameters& machine) {
