@@ -4,6 +4,7 @@
 
 #include "knee_robot/base/errors.h"
 #include "knee_robot/control/longest_step.h"
+#include "knee_robot/dynamics/of_model_file.h"
 
 namespace knee_robot::control {
 namespace {
@@ -25,13 +26,7 @@ void DisturbanceObserver::loadModel() {
     knowledge_ = std::make_unique<ForceKnowledge>(robot_, inertia);
     return;
   }
-  const dynamics::Model read = dynamics::loadModel(model.value());
-  dynamics::requireModelOf(read, model.value(), robot_);
-  try {
-    knowledge_ = std::make_unique<ForceKnowledge>(read, robot_);
-  } catch (const InputError& error) {
-    throw InputError(model.value() + ": " + error.what());
-  }
+  knowledge_ = dynamics::ofModelFile<ForceKnowledge>(model.value(), robot_);
 }
 
 bool DisturbanceObserver::configureHook() {

@@ -6,6 +6,7 @@
 #include "knee_robot/base/constants.h"
 #include "knee_robot/base/errors.h"
 #include "knee_robot/control/longest_step.h"
+#include "knee_robot/dynamics/of_model_file.h"
 
 namespace knee_robot::control {
 namespace {
@@ -28,14 +29,7 @@ HandGuide::HandGuide(const std::string& name, const mechanism::Robot& robot)
     : rt::TaskContext(name), robot_(robot), inputs_{&command_1, &command_2, &command_3, &command_4}, walls_(robot) {}
 
 void HandGuide::loadModel() {
-  if (model.value().empty()) return;
-  const dynamics::Model read = dynamics::loadModel(model.value());
-  dynamics::requireModelOf(read, model.value(), robot_);
-  try {
-    knowledge_ = std::make_unique<ForceKnowledge>(read, robot_);
-  } catch (const InputError& error) {
-    throw InputError(model.value() + ": " + error.what());
-  }
+  if (!model.value().empty()) knowledge_ = dynamics::ofModelFile<ForceKnowledge>(model.value(), robot_);
 }
 
 bool HandGuide::configureHook() {

@@ -5,6 +5,7 @@
 
 #include "knee_robot/base/errors.h"
 #include "knee_robot/control/longest_step.h"
+#include "knee_robot/dynamics/of_model_file.h"
 #include "knee_robot/mechanism/kinematics.h"
 
 namespace knee_robot::control {
@@ -42,15 +43,8 @@ void ModelFeedforward::readLaw() {
 void ModelFeedforward::loadModel() {
   readLaw();
   if (!model.value().empty()) {
-    const std::string& path = model.value();
-    const dynamics::Model read = dynamics::loadModel(path);
-    dynamics::requireModelOf(read, path, robot_);
-    try {
-      model_ = std::make_unique<dynamics::PartedModel>(read, robot_);
-    } catch (const InputError& error) {
-      throw InputError(path + ": " + error.what());
-    }
-    source_ = "the model " + path;
+    model_ = dynamics::ofModelFile<dynamics::PartedModel>(model.value(), robot_);
+    source_ = "the model " + model.value();
     for (const dynamics::LeftOutEffect& e : model_->identified->effects.left_out)
       source_ += "; without " + e.name + " of " + e.where + " (" + e.reason + ")";
     return;

@@ -1,8 +1,7 @@
 // {name: load_ripple, actuators: [1], share: 0.05, period_m: 0.01, phase_deg: 30}
 // A force that repeats with the screw's angle in proportion to what the leg passes on (of the substep before), as the torque ripple
 // of a motor: share transmitted sin(2 pi q / period + phase).
-#include <cmath>
-
+#include "common/ripple.h"
 #include "knee_robot/simulation/effect.h"
 
 namespace knee_robot::simulation {
@@ -11,19 +10,15 @@ namespace {
 class LoadRipple : public EffectOf<LoadRipple> {
  public:
   explicit LoadRipple(StrictMap& entry)
-      : share_(entry.number("share", 0.0, 0.9) * readActuators(entry)),
-        wave_number_(kTurn / entry.number("period_m", 1e-4, 1.0)),
-        phase_(kTurn / 360.0 * entry.numberOr("phase_deg", 0.0, -360.0, 360.0)) {}
+      : share_(entry.number("share", 0.0, 0.9) * readActuators(entry)), ripple_(entry) {}
   void addLoads(const EffectStep& at, PlantLoads& loads) noexcept override {
     for (int i = 0; i < mechanism::kLegs; ++i)
-      loads.motor_force[i] += share_[i] * at.transmitted_N[i] * std::sin(wave_number_ * at.lengths[i] + phase_);
+      loads.motor_force[i] += share_[i] * at.transmitted_N[i] * ripple_.at(at.lengths[i]);
   }
 
  private:
-  static constexpr double kTurn = 6.283185307179586;
   mechanism::Vector4 share_;
-  double wave_number_;
-  double phase_;
+  Ripple ripple_;
 };
 
 }  // namespace

@@ -1,7 +1,6 @@
 // {name: screw_ripple, actuators: [1], amplitude_N: 5, period_m: 0.01, phase_deg: 30}
 // A force that repeats with the screw's angle, whatever the direction (cogging, a bent screw): amplitude sin(2 pi q / period + phase).
-#include <cmath>
-
+#include "common/ripple.h"
 #include "knee_robot/simulation/effect.h"
 
 namespace knee_robot::simulation {
@@ -10,19 +9,15 @@ namespace {
 class ScrewRipple : public EffectOf<ScrewRipple> {
  public:
   explicit ScrewRipple(StrictMap& entry)
-      : amplitude_N_(entry.number("amplitude_N", 0.0, 1e4) * readActuators(entry)),
-        wave_number_(kTurn / entry.number("period_m", 1e-4, 1.0)),
-        phase_(kTurn / 360.0 * entry.numberOr("phase_deg", 0.0, -360.0, 360.0)) {}
+      : amplitude_N_(entry.number("amplitude_N", 0.0, 1e4) * readActuators(entry)), ripple_(entry) {}
   void addLoads(const EffectStep& at, PlantLoads& loads) noexcept override {
     for (int i = 0; i < mechanism::kLegs; ++i)
-      loads.motor_force[i] += amplitude_N_[i] * std::sin(wave_number_ * at.lengths[i] + phase_);
+      loads.motor_force[i] += amplitude_N_[i] * ripple_.at(at.lengths[i]);
   }
 
  private:
-  static constexpr double kTurn = 6.283185307179586;
   mechanism::Vector4 amplitude_N_;
-  double wave_number_;
-  double phase_;
+  Ripple ripple_;
 };
 
 }  // namespace
