@@ -52,7 +52,7 @@ void AxesOutput::updateHook(const rt::Cycle& cycle) {
   out_.sequence = measured.sequence;
   out_.time = cycle.time;
   readCommands(cycle);
-  heedBus(measured.bus_failure);
+  heedDrives(measured);
   followOrders(cycle);
   runSafeStop(cycle, measured);
   writeVolts(chooseVolts(), cycle.time);
@@ -88,11 +88,12 @@ void AxesOutput::readCommands(const rt::Cycle& cycle) {
 }
 
 /// A drive that has no power or cannot be reached closes no loop, whatever its Driver computes: nothing slows down along the path then.
-void AxesOutput::heedBus(const hardware::BusFailure& failure) noexcept {
-  const Fault fault = control::faultOf(failure.fault);
+void AxesOutput::heedDrives(const AxesMeasurement& measured) noexcept {
+  const bool ready = out_.level < DriveLevel::HeldByDrivers || !lines_.drivesNotReady(measured);
+  const Fault fault = ready ? control::faultOf(measured.bus_failure.fault) : Fault::DrivesNotReady;
   if (!all_closed_ || loopStaysClosed(fault)) return;
   all_closed_ = false;
-  open_axis_ = failure.axis;
+  open_axis_ = ready ? measured.bus_failure.axis : 0;
   open_fault_ = fault;
 }
 

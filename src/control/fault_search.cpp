@@ -26,6 +26,8 @@ FaultCause FaultSearch::find(const SupervisorView& view, const Conditions& condi
   // An emergency stop takes the power of the drives: what they complain about is not its cause.
   if (inputs_.emergencyStop(view.measured)) return {Fault::EmergencyStop};
   if (inputs_.handSwitch(view.measured)) return {Fault::HandSwitch};
+  const bool driven = view.written.level >= DriveLevel::HeldByDrivers;
+  if (driven && inputs_.drivesNotReady(view.measured)) return {Fault::DrivesNotReady};
   if (const FaultCause found = ofBus(view.measured.bus_failure); found.fault != Fault::None) return found;
   if (const FaultCause found = components_.firstFailure(conditions.disabled); found.fault != Fault::None) return found;
   if (const FaultCause found = inMeasurement(view, conditions); found.fault != Fault::None) return found;

@@ -130,6 +130,8 @@ constexpr std::array<FaultDescription, kFaults> kTable = {{
      "coupling"},
     {F::DriveStaysOn, "drive_stays_on", "the drive says that it is on although it was switched off", kWhenGone, kLost,
      kOne, "keep away and take its supply; then check its enable input and bus cable, and restart the controller"},
+    {F::DrivesNotReady, "drives_not_ready", "a drive is not ready: it has lost its supply, or is in fault", kAtOnce,
+     kLost, kOne, "look which drive's ready contact is open, at its supply and at the fault that it shows"},
 }};
 
 }  // namespace

@@ -40,6 +40,7 @@ void readInputs(HardwareFile& hardware, StrictMap map) {
   bit("emergency_stop_clear", hardware.emergency_stop_clear_bit);
   bit("hand_switch_clear", hardware.hand_switch_clear_bit);
   bit("enabling_switch", hardware.enabling_switch_bit);
+  bit("drives_ready", hardware.drives_ready_bit);
   bit("home_switch", hardware.homing.switch_bit);
   map.finish();
 }

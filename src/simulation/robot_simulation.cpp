@@ -139,6 +139,8 @@ void RobotSimulation::readCards(double dt) noexcept {
   if (parameters_.enabling_switch_bit && image_.surroundings.enabling_switch_held.load() != 0) {
     inputs |= 1u << *parameters_.enabling_switch_bit;
   }
+  if (parameters_.drives_ready_bit && power && faults.drive_dead.load() == 0)
+    inputs |= 1u << *parameters_.drives_ready_bit;
   image_.counter.inputs.store(static_cast<std::uint8_t>(inputs));
 }
 

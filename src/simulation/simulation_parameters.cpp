@@ -1,5 +1,6 @@
 #include "knee_robot/simulation/simulation_parameters.h"
 
+#include <set>
 #include <vector>
 
 #include "knee_robot/base/strict_yaml.h"
@@ -46,19 +47,15 @@ void readLines(StrictMap& file, SimulationParameters& result) {
   }
   if (auto inputs = file.mapIfAny("digital_inputs")) {
     result.emergency_stop_clear_bit = inputs->integer("emergency_stop_clear", 0, 3);
-    if (inputs->has("hand_switch_clear")) {
-      result.hand_switch_clear_bit = inputs->integer("hand_switch_clear", 0, 3);
-      if (result.hand_switch_clear_bit == result.emergency_stop_clear_bit) {
-        inputs->refuse("hand_switch_clear", "is the same bit as emergency_stop_clear; each needs its own");
-      }
-    }
-    if (inputs->has("enabling_switch")) {
-      result.enabling_switch_bit = inputs->integer("enabling_switch", 0, 3);
-      if (result.enabling_switch_bit == result.emergency_stop_clear_bit ||
-          result.enabling_switch_bit == result.hand_switch_clear_bit) {
-        inputs->refuse("enabling_switch", "is the bit of another input; each needs its own");
-      }
-    }
+    std::set<int> bits{result.emergency_stop_clear_bit};
+    const auto line = [&](const char* key, std::optional<int>& bit) {
+      if (!inputs->has(key)) return;
+      bit = inputs->integer(key, 0, 3);
+      if (!bits.insert(*bit).second) inputs->refuse(key, "is the bit of another input; each needs its own");
+    };
+    line("hand_switch_clear", result.hand_switch_clear_bit);
+    line("enabling_switch", result.enabling_switch_bit);
+    line("drives_ready", result.drives_ready_bit);
     inputs->finish();
   }
 }

@@ -83,15 +83,16 @@ class Campaign:
         path.write_text(yaml.safe_dump(content))
         return path
 
-    def hardware_file(self):
+    def hardware_file(self, changes=None):
         """What the controller is told of the machine, with the simulated robot behind it whatever the file's cards are."""
         path = ROOT / "config" / "hardware" / f"{self.options.hardware}.yaml"
         content = yaml.safe_load(path.read_text(encoding="utf-8"))
-        if content["backend"] == "simulated":
+        if content["backend"] == "simulated" and not changes:
             return path
         content["backend"] = "simulated"
         content.pop("cards", None)
-        here = self.folder / f"{self.options.hardware}_simulated.yaml"
+        content.update(changes or {})
+        here = self.folder / f"{self.options.hardware}_simulated{'_changed' if changes else ''}.yaml"
         here.write_text(yaml.safe_dump(content))
         return here
 
@@ -103,13 +104,13 @@ class Campaign:
             axis.update(hold_engage_delay_s=delay, hold_release_delay_s=delay)
 
     def session_for(self, fault):
-        key = json.dumps([fault.simulation, fault.on_can])
+        key = json.dumps([fault.simulation, fault.hardware, fault.on_can])
         if self.session is not None and self.session_key == key and self.session.is_whole():
             return self.session
         self.end_session()
         config = ROOT / "config"
         files = {"robot": self.robot_file, "simulation": self.simulation_file(fault.simulation),
-                 "hardware": self.hardware_file(), "deployment": config / "deployment" / "simulation.yaml"}
+                 "hardware": self.hardware_file(fault.hardware), "deployment": config / "deployment" / "simulation.yaml"}
         if fault.on_can:
             files.update(hardware=config / "hardware" / "can_simulated.yaml", deployment=config / "deployment" / "can.yaml",
                          objects=config / "hardware" / "can_objects.yaml")

@@ -30,6 +30,7 @@ class Fault:
     process_death: bool = False       # counts for the 20 ms after a death
     brakes_can_be_ordered: bool = True  # somebody is left who can; counts for the targets all the same
     after: Callable = None            # after(run): further checks; returns a sentence about what is wrong, or None
+    hardware: dict = dataclasses.field(default_factory=dict)    # changes to the hardware file
     simulation: dict = dataclasses.field(default_factory=dict)  # changes to the simulation file
     fresh: bool = False               # needs a robot of its own
     observe_s: float = 2.5
@@ -61,6 +62,8 @@ def send(*signals, wait_s=0.0, process="controller"):
 
 # A retriggerable relay on the heartbeat output, as hardware files declare one: without it the counter card's outputs are the last word.
 RELAY = {"heartbeat_relay": {"bit": 2, "hold_s": 0.02}}
+# The drives' ready outputs in series on a digital input, as the machine page wires them.
+READY = {"digital_inputs": {"emergency_stop_clear": 0, "hand_switch_clear": 1, "drives_ready": 2}}
 
 
 def kill_guardian(run):
@@ -233,6 +236,8 @@ def machine():
                                                                   "acceleration_limit"))
     yield Fault("drive_power_lost_1", inject("drive_dead", 1), causes=("following_error", "stalled", "runaway", "velocity_limit",
                                                                       "acceleration_limit", "axis_blocked"))
+    for name, axis in (("drive_power_lost_with_ready_line", 0), ("drive_power_lost_1_with_ready_line", 1)):
+        yield Fault(name, inject("drive_dead", axis), causes=("drives_not_ready",), fresh=True, hardware=READY)
     yield Fault("drive_reversed_2", inject("drive_reversed", 2), causes=("runaway", "following_error", "velocity_limit",
                                                                         "acceleration_limit", "saturated"))
     yield Fault("brake_closes_3", inject("hold_closed", 3), causes=("axis_blocked", "following_error", "stalled", "saturated", "acceleration_limit"))
@@ -263,6 +268,8 @@ def at_rest():
                 at_rest=True, observe_s=4.0)
     yield Fault("drive_power_lost_at_rest", inject("drive_dead"), causes=("following_error", "stalled", "runaway", "velocity_limit",
                                                                           "acceleration_limit"), at_rest=True)
+    yield Fault("drive_power_lost_at_rest_with_ready_line", inject("drive_dead"), causes=("drives_not_ready",), at_rest=True, fresh=True,
+                hardware=READY)
     yield Fault("emergency_stop_button_at_rest", inject("emergency_stop"), causes=("emergency_stop",), at_rest=True)
     yield Fault("counter_card_lost_at_rest", inject("counter_card_lost"), causes=("output_lost", "measurement_lost"), outcome=STRANDED,
                 brakes_can_be_ordered=False, at_rest=True, fresh=True)

@@ -18,6 +18,7 @@ HardwareFile withStops() {
   HardwareFile hardware = fake::hardware();
   hardware.emergency_stop_clear_bit = 0;
   hardware.hand_switch_clear_bit = 1;
+  hardware.drives_ready_bit = 2;
   return hardware;
 }
 
@@ -58,6 +59,7 @@ TEST_F(FaultSearching, NamesTheCauseBeforeWhatFollowsFromIt) {
       {Fault::MeasurementLost, [&] { view.unreadable = conditions.stale_cycles; }},
       {Fault::ComponentStopped, [&] { component.stop(); }},
       {Fault::DriveLost, [&] { view.measured.bus_failure.fault = hardware::BusFault::DriveLost; }},
+      {Fault::DrivesNotReady, [&] { view.measured.digital_inputs = 3; }},
       {Fault::HandSwitch, [&] { view.measured.digital_inputs = 1; }},
       {Fault::EmergencyStop, [&] { view.measured.digital_inputs = 0; }},
       {Fault::GuardianActed, [&] { view.measured.fenced_out = true; }},
@@ -66,6 +68,16 @@ TEST_F(FaultSearching, NamesTheCauseBeforeWhatFollowsFromIt) {
     happens();
     EXPECT_EQ(found(), fault) << describe(fault).name;
   }
+}
+
+TEST_F(FaultSearching, AsksForReadyDrivesOnlyWhileTheyDrive) {
+  view.measured.digital_inputs = 3;
+  for (const DriveLevel level : {DriveLevel::Off, DriveLevel::Energised}) {
+    view.written.level = level;
+    EXPECT_EQ(found(), Fault::None);
+  }
+  view.written.level = DriveLevel::HeldByDrivers;
+  EXPECT_EQ(found(), Fault::DrivesNotReady);
 }
 
 TEST_F(FaultSearching, NamesTheAxisAndNoneForThePlatformAsAWhole) {

@@ -28,6 +28,7 @@ struct Truth {
   bool model = false;  // the controller has one of 150 N s/m, 15 N (leg 4: 60 N)
   double payload_kg = 0.0;
   double friction_3 = 1.0;   // times what the model knows
+  bool ready_line = false;   // the drives' ready outputs are wired
   double coulomb_4_N = 0.0;  // instead of the simulation file's
 };
 
@@ -58,8 +59,9 @@ struct HoldingRobot {
       dynamics::saveModel(model, path);
       options.model = path;
     }
-    system = std::make_unique<ControlSystem>(robot, loadHardwareFile(file("config/hardware/simulated.yaml")),
-                                             file("config/deployment/simulation.yaml"), *bus, options);
+    HardwareFile hardware = loadHardwareFile(file("config/hardware/simulated.yaml"));
+    if (truth.ready_line) hardware.drives_ready_bit = 2;
+    system = std::make_unique<ControlSystem>(robot, hardware, file("config/deployment/simulation.yaml"), *bus, options);
     std::remove(path.c_str());
     system->setPlant([this](rt::Nanoseconds time) {
       while (plant.time() + 0.0005 < 1e-9 * static_cast<double>(time))

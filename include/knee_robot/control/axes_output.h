@@ -5,6 +5,7 @@
 #include "knee_robot/control/axis_data.h"
 #include "knee_robot/control/hardware_file.h"
 #include "knee_robot/control/safe_stop.h"
+#include "knee_robot/control/safety_inputs.h"
 #include "knee_robot/mechanism/robot.h"
 #include "knee_robot/rt/port.h"
 #include "knee_robot/rt/property.h"
@@ -54,7 +55,7 @@ class AxesOutput : public rt::TaskContext {
  private:
   void readCommands(const rt::Cycle& cycle);
   Fault checkCommand(const AxisCommand& command, std::size_t axis, const rt::Cycle& cycle) const noexcept;
-  void heedBus(const hardware::BusFailure& failure) noexcept;
+  void heedDrives(const AxesMeasurement& measured) noexcept;
   void followOrders(const rt::Cycle& cycle);
   void beginSafeStop(Fault fault, int axis, rt::Nanoseconds now) noexcept;
   void runSafeStop(const rt::Cycle& cycle, const AxesMeasurement& measured);
@@ -69,6 +70,7 @@ class AxesOutput : public rt::TaskContext {
 
   const mechanism::Robot robot_;
   const HardwareFile hardware_;
+  const SafetyInputs lines_{hardware_};
   hardware::AxisBus& bus_;
   const std::array<rt::InputPort<AxisCommand>*, hardware::kAxes> inputs_;
   SafeStop safe_stop_{SafeStopTiming{}};

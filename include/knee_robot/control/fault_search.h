@@ -9,7 +9,7 @@
 namespace knee_robot::control {
 
 /// Finds what is wrong with the machine in one cycle. One cause makes many things look wrong at once; what is named is the first one in
-/// the order of causes: the guardian, somebody's hand, the bus, a component, the measurement, the monitors, the Drivers, the outputs, the
+/// the order of causes: the guardian, somebody's hand, the drives, the bus, a component, the measurement, the monitors, the Drivers, the outputs, the
 /// time. Pure, real-time safe.
 class FaultSearch {
  public:

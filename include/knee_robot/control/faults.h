@@ -57,8 +57,9 @@ enum class Fault : std::uint8_t {
   PatientForce,
   AxisBlocked,
   DriveStaysOn,
+  DrivesNotReady,
 };
-inline constexpr int kFaults = 49;
+inline constexpr int kFaults = 50;
 
 /// When resetFaults() clears a fault.
 enum class ResetRule : std::uint8_t {

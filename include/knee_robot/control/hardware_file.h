@@ -39,6 +39,7 @@ enum class HomingMethod {
 ///     digital_inputs:                 # optional, bits 0 to 3, all different; 1 = all well, so that a broken wire stops
 ///       {emergency_stop_clear: 0,     # not pressed, drive power present
 ///        hand_switch_clear: 1,        # the patient's hand switch is not pressed
+///        drives_ready: 2,             # the ready outputs of all drives in series: supplied and not in fault
 ///        enabling_switch: 3,          # 1 = held; for hand guiding, a switch that opens when it is let go of
 ///        home_switch: 2}              # 1 = closed; for homing against a switch (one axis moves at a time, so one line is enough)
 ///     cards: {analog_board_id: 0, counter_board_id: 1}   # optional, backend pci: the switches on the cards
@@ -76,6 +77,7 @@ struct HardwareFile {
   std::optional<int> emergency_stop_clear_bit;
   std::optional<int> hand_switch_clear_bit;
   std::optional<int> enabling_switch_bit;
+  std::optional<int> drives_ready_bit;
   Homing homing;
   bool starts_faulted = false;
   std::optional<int> analog_board_id;  ///< backend pci: which card, when there are several

@@ -6,7 +6,7 @@
 
 namespace knee_robot::control {
 
-/// The digital inputs that somebody's hand is on. 1 is "all well" or "held", so that a broken wire stops. What is not configured, or not
+/// The digital inputs that somebody's hand is on, and the drives' own word. 1 is "all well" or "held", so that a broken wire stops. What is not configured, or not
 /// measured yet, says nothing. Pure, real-time safe.
 class SafetyInputs {
  public:
@@ -19,6 +19,8 @@ class SafetyInputs {
   bool anyStop(const AxesMeasurement& measured) const noexcept {
     return emergencyStop(measured) || handSwitch(measured);
   }
+  /// A drive has no supply or is in fault. Means something while the drives are on: some makers' outputs say ready only then.
+  bool drivesNotReady(const AxesMeasurement& measured) const noexcept { return isLow(drives_ready_bit_, measured); }
   bool hasEnablingSwitch() const noexcept { return enabling_switch_bit_.has_value(); }
   bool enablingSwitchHeld(const AxesMeasurement& measured) const noexcept;
   bool enablingSwitchReleased(const AxesMeasurement& measured) const noexcept {
@@ -28,7 +30,7 @@ class SafetyInputs {
  private:
   static bool isLow(const std::optional<int>& bit, const AxesMeasurement& measured) noexcept;
 
-  const std::optional<int> emergency_stop_bit_, hand_switch_bit_, enabling_switch_bit_;
+  const std::optional<int> emergency_stop_bit_, hand_switch_bit_, enabling_switch_bit_, drives_ready_bit_;
 };
 
 }  // namespace knee_robot::control

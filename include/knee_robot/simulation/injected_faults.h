@@ -25,7 +25,7 @@ struct InjectedFaults {
   std::array<std::atomic<std::uint8_t>, kChannelsOfFaults> encoder{};  ///< EncoderFault
   std::array<std::atomic<double>, kChannelsOfFaults> encoder_size_m{};
   std::atomic<std::uint8_t> converter_stuck{0};   ///< mask: the voltage stays what it was when the fault came
-  std::atomic<std::uint8_t> drive_dead{0};        ///< mask: the drive has no power; nothing tells the controller
+  std::atomic<std::uint8_t> drive_dead{0};        ///< mask: the drive has no power; only its ready output tells
   std::atomic<std::uint8_t> drive_reversed{0};    ///< mask: the force has the wrong sign
   std::atomic<std::uint8_t> hold_open{0};         ///< mask: the hold device does not engage
   std::atomic<std::uint8_t> hold_closed{0};       ///< mask: the hold device is engaged whatever its output says
