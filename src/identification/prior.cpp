@@ -3,7 +3,6 @@
 #include "knee_robot/identification/motion_model.h"
 
 namespace knee_robot::identification {
-namespace {}  // namespace
 
 Prior priorOf(const mechanism::Robot& robot, const std::vector<Column>& columns, const Eigen::VectorXd& force_rms_N) {
   const Eigen::Index size = static_cast<Eigen::Index>(columns.size());
