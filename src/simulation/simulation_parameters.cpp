@@ -48,14 +48,14 @@ void readLines(StrictMap& file, SimulationParameters& result) {
   if (auto inputs = file.mapIfAny("digital_inputs")) {
     result.emergency_stop_clear_bit = inputs->integer("emergency_stop_clear", 0, 3);
     std::set<int> bits{result.emergency_stop_clear_bit};
-    const auto line = [&](const char* key, std::optional<int>& bit) {
+    const auto bit = [&](const char* key, std::optional<int>& line) {
       if (!inputs->has(key)) return;
-      bit = inputs->integer(key, 0, 3);
-      if (!bits.insert(*bit).second) inputs->refuse(key, "is the bit of another input; each needs its own");
+      line = inputs->integer(key, 0, 3);
+      if (!bits.insert(*line).second) inputs->refuse(key, "is the bit of another input; each needs its own");
     };
-    line("hand_switch_clear", result.hand_switch_clear_bit);
-    line("enabling_switch", result.enabling_switch_bit);
-    line("drives_ready", result.drives_ready_bit);
+    bit("hand_switch_clear", result.hand_switch_clear_bit);
+    bit("enabling_switch", result.enabling_switch_bit);
+    bit("drives_ready", result.drives_ready_bit);
     inputs->finish();
   }
 }
