@@ -164,11 +164,14 @@ TEST_F(InjectedFaultsTest, theHeartbeatRelayTakesThePowerWhenTheOutputStandsStil
   EXPECT_EQ(simulation_->truth().holds, 0xFu);
 }
 
-TEST_F(InjectedFaultsTest, theHandSwitchIsReadOnItsOwnInput) {
+TEST_F(InjectedFaultsTest, theHandSwitchAndReadyDrivesAreReadOnInputsOfTheirOwn) {
   make();
   run(kStep);
-  EXPECT_EQ(image_->counter.inputs.load(), 3u);
+  EXPECT_EQ(image_->counter.inputs.load(), 7u);
   image_->surroundings.hand_switch_pressed.store(1);
+  run(kStep);
+  EXPECT_EQ(image_->counter.inputs.load(), 5u);
+  image_->faults.drive_dead.store(4);
   run(kStep);
   EXPECT_EQ(image_->counter.inputs.load(), 1u);
 }
