@@ -1,6 +1,6 @@
 #pragma once
-// Counts what a thread allocates and releases while it is `armed`. A test program that includes this gets allocation_guard.cpp's
-// operator new and delete instead of the library's.
+// Counts what a thread allocates and releases while it is `armed`. A test program that includes this gets
+// allocation_guard.cpp's operator new and delete instead of the library's.
 
 namespace allocation_guard {
 

@@ -1,5 +1,6 @@
-// main of every room's test program. --file=NAME runs the tests of the source NAME.cpp alone: ctest has one entry a file, so that
-// they run side by side and fixtures that many cases share are made once. --gtest_filter chooses as usual where --file is not given.
+// main of every room's test program. --file=NAME runs the tests of the source NAME.cpp alone: ctest has one entry a
+// file, so that they run side by side and fixtures that many cases share are made once. --gtest_filter chooses as usual
+// where --file is not given.
 #include <gtest/gtest.h>
 
 #include <cstdio>

@@ -3,6 +3,7 @@
 #include "knee_robot/base/constants.h"
 
 namespace knee_robot::control {
+
 AxesInput::AxesInput(const std::string& name, const mechanism::Robot& robot, hardware::AxisBus& bus,
                      const AxisValues& lengths_at_start)
     : rt::TaskContext(name), bus_(bus), lengths_at_start_(lengths_at_start) {
@@ -13,8 +14,8 @@ AxesInput::AxesInput(const std::string& name, const mechanism::Robot& robot, har
 }
 
 bool AxesInput::startHook() {
-  // The counters were reset by the self test: what they show is what has been moved since. Started anew without a self test, the
-  // unwrapped counts go on from where they were.
+  // The counters were reset by the self test: what they show is what has been moved since. Started anew without a self
+  // test, the unwrapped counts go on from where they were.
   out_.status = hardware::IoStatus::NotReady;
   return true;
 }

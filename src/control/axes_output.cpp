@@ -87,7 +87,8 @@ void AxesOutput::readCommands(const rt::Cycle& cycle) {
   }
 }
 
-/// A drive that has no power or cannot be reached closes no loop, whatever its Driver computes: nothing slows down along the path then.
+/// A drive that has no power or cannot be reached closes no loop, whatever its Driver computes: nothing slows down
+/// along the path then.
 void AxesOutput::heedDrives(const AxesMeasurement& measured) noexcept {
   const bool ready = out_.level < DriveLevel::HeldByDrivers || !lines_.drivesNotReady(measured);
   const Fault fault = ready ? control::faultOf(measured.bus_failure.fault) : Fault::DrivesNotReady;

@@ -9,9 +9,9 @@
 
 namespace knee_robot::control {
 
-/// Writes what a BlackBox has kept, outside the real-time threads: FOLDER/fault_DATE_TIME_FAULT.csv, a recording like any other
-/// (with more columns, which its readers pass over), and beside it the same name with .yaml: fault, sentence, axis, time. Whole files
-/// or none. A disk that refuses is reported by error(), and tried again with the next fault.
+/// Writes what a BlackBox has kept, outside the real-time threads: FOLDER/fault_DATE_TIME_FAULT.csv, a recording like
+/// any other (with more columns, which its readers pass over), and beside it the same name with .yaml: fault, sentence,
+/// axis, time. Whole files or none. A disk that refuses is reported by error(), and tried again with the next fault.
 class BlackBoxWriter {
  public:
   /// `threaded`: with an own thread; otherwise write() has to be called. An empty folder: nothing is written.

@@ -6,7 +6,6 @@
 #include "knee_robot/base/numbers.h"
 
 namespace knee_robot::control {
-namespace {}  // namespace
 
 std::optional<Law> lawNamed(const std::string& name) {
   if (name == "feedforward") return Law::Feedforward;

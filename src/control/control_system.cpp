@@ -4,6 +4,7 @@
 #include <ctime>
 
 #include "controller_parts.h"
+#include "knee_robot/base/constants.h"
 #include "knee_robot/base/errors.h"
 #include "knee_robot/base/numbers.h"
 
@@ -212,7 +213,7 @@ Answer ControlSystem::loadPatient(const std::string& path) {
     const Answer used = parts_->occupancy.change(Occupancy::Patient, std::move(patient), changed);
     if (!used.ok) return used;
     return {true, "patient " + name + ": at most " + shortNumber(1e3 * range.linear_m_per_s, 4) + " mm/s and " +
-                      shortNumber(57.29577951308232 * range.angular_rad_per_s, 4) + " deg/s" +
+                      shortNumber(kDegrees * range.angular_rad_per_s, 4) + " deg/s" +
                       (admitted.sentence.empty() ? "" : "; " + admitted.sentence)};
   } catch (const InputError& error) {
     return {false, error.what()};

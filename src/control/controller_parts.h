@@ -21,8 +21,8 @@
 
 namespace knee_robot::control {
 
-/// What a ControlSystem is put together from, each part with what it needs of those before it. Taken apart in reverse: what uses a
-/// component ends before the components.
+/// What a ControlSystem is put together from, each part with what it needs of those before it. Taken apart in reverse:
+/// what uses a component ends before the components.
 struct ControllerParts {
   /// Reads the deployment, makes and connects everything; nothing runs. Throws InputError. `bus` must outlive this.
   ControllerParts(const mechanism::Robot& given_robot, const HardwareFile& given_hardware,

@@ -6,14 +6,16 @@
 
 namespace knee_robot::control {
 
-/// Lets time pass: waits for a machine that runs in threads, executes the cycles of a stepped one, whose plant moves on with it.
+/// Lets time pass: waits for a machine that runs in threads, executes the cycles of a stepped one, whose plant moves on
+/// with it.
 class CycleRunner {
  public:
   /// `now_and_then`: what threads would do beside the cycles; every 64 steps. `deployment` must outlive this.
   CycleRunner(rt::Deployment& deployment, std::function<void()> now_and_then)
       : deployment_(deployment), now_and_then_(std::move(now_and_then)) {}
 
-  /// Stepped only. `advance` is called before each cycle with the virtual time (ns) up to which the plant has to be moved on.
+  /// Stepped only. `advance` is called before each cycle with the virtual time (ns) up to which the plant has to be
+  /// moved on.
   void setPlant(std::function<void(rt::Nanoseconds time)> advance) { advance_plant_ = std::move(advance); }
   /// Stepped only: executes the next cycle, answers its virtual time.
   rt::Nanoseconds step();

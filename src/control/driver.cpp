@@ -144,7 +144,8 @@ void Driver::takeOver(const rt::Cycle& cycle) {
   active_ = true;
 }
 
-/// Homing begins where the axis stands and is over for good until the Drivers are switched off: nothing is played in between.
+/// Homing begins where the axis stands and is over for good until the Drivers are switched off: nothing is played in
+/// between.
 SetPointFollower::Reference Driver::chooseReference(const rt::Cycle& cycle, double dt) noexcept {
   force_now_ = force_limit_;
   if (homing_.phase() == HomingPhase::Idle && isToHome()) {
@@ -263,7 +264,8 @@ bool Driver::standsUnderForce(double dt, std::int64_t counts) noexcept {
   stood_at_rest_ = rests;
   asked_s_ += dt;
   const double usual_N = std::min(kBeyondUsual * standing_.usual_N(), kUsualMost * force_limit_);
-  // An axis that turns for the first times sticks, too. Recordings for a model are to have few questions: later then, not never.
+  // An axis that turns for the first times sticks, too. Recordings for a model are to have few questions: later then,
+  // not never.
   const double patience = test_pulses_.load(std::memory_order_relaxed) ? 1.0 : kWhileRecording;
   const double limit_N = patience * (rests ? standing_force : turning_force), turning_N = std::max(limit_N, usual_N);
   const bool overdue = !rests && standing_.changed_N() >= kOverdueShare * limit_N &&
@@ -280,8 +282,8 @@ bool Driver::standsUnderForce(double dt, std::int64_t counts) noexcept {
   return true;
 }
 
-/// The force of loop, feedforward and guidance. Into guiding the integral takes along what the loop carried; out of it the loop begins where
-/// the axis is, with its velocity to brake.
+/// The force of loop, feedforward and guidance. Into guiding the integral takes along what the loop carried; out of it
+/// the loop begins where the axis is, with its velocity to brake.
 double Driver::loop(const SetPointFollower::Reference& reference, double dt) noexcept {
   PidInput input;
   input.reference = reference.position;

@@ -6,7 +6,8 @@ namespace knee_robot::control {
 
 constexpr double kSafeStop_s = 8.0;  ///< longest deceleration, settling, hold and disable delays together
 
-/// The way back from a fault: outputs that a guardian has taken, components that failed, drives, and then the latch of the Supervisor.
+/// The way back from a fault: outputs that a guardian has taken, components that failed, drives, and then the latch of
+/// the Supervisor.
 class FaultRecovery {
  public:
   /// All must outlive this.

@@ -9,18 +9,21 @@
 
 namespace knee_robot::control {
 
-/// Gives the components that calculate with a model theirs, and refuses what the model says would not be stable: gains with which the
-/// passivity-based law is not passive, drives that act too late for their loop.
+/// Gives the components that calculate with a model theirs, and refuses what the model says would not be stable: gains
+/// with which the passivity-based law is not passive, drives that act too late for their loop.
 class FeedforwardSetup {
  public:
-  /// Reads the models. `model` (a file; empty: the deployment's) and `payload_kg` stand in place of the deployment's. Throws InputError.
+  /// Reads the models. `model` (a file; empty: the deployment's) and `payload_kg` stand in place of the deployment's.
+  /// Throws InputError.
   /// `deployment` and `machine` must outlive this.
   FeedforwardSetup(const rt::Deployment& deployment, const MachineComponents& machine, const mechanism::Robot& robot,
                    const std::string& model, std::optional<double> payload_kg);
 
-  /// The passivity-based law is passive with certain gains only: a sentence, or empty. `changed`: a Driver's property as it would be.
+  /// The passivity-based law is passive with certain gains only: a sentence, or empty. `changed`: a Driver's property
+  /// as it would be.
   std::string whyNotPassive(const Driver& driver, const std::string& changed = "", double value = 0.0) const;
-  /// A drive that acts as late as the model says makes its loop unstable with certain gains: a sentence, or empty. `changed`: as above.
+  /// A drive that acts as late as the model says makes its loop unstable with certain gains: a sentence, or empty.
+  /// `changed`: as above.
   std::string whyUnstable(const Driver& driver, const std::string& changed = "", double value = 0.0) const;
   /// Where the forces come from, for the operator.
   std::string source() const;

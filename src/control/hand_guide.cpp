@@ -14,7 +14,8 @@ namespace {
 constexpr double kBrake_N_s_per_m = 2000.0;
 constexpr double kBrakesFrom = 0.8, kTooFast = 1.5, kTooFast_s = 0.1;  // shares of the speed limit
 constexpr double kDeepest = 0.9, kWallDamping = 4.0;
-/// Beyond that, where it began near it: the loops, which hold where a wall ended the last one, bring it back there when the axes tremble.
+/// Beyond that, where it began near it: the loops, which hold where a wall ended the last one, bring it back there when
+/// the axes tremble.
 constexpr double kNear = 0.15, kDeeper = 0.03;
 constexpr double kAverage_s = 0.1;
 constexpr double kLetGo_s = 0.2;
@@ -139,7 +140,8 @@ double HandGuide::largestUnknown(std::size_t axis) const noexcept {
   return std::min(unknown_load.value(), std::max(held_N, kLeastUnknown_N));
 }
 
-/// What the loops carry, and later their integrals keep, beyond what was foreseen, without what this gave (`given`) and test pulses.
+/// What the loops carry, and later their integrals keep, beyond what was foreseen, without what this gave (`given`) and
+/// test pulses.
 void HandGuide::weigh(double dt, const AxisValues& given) noexcept {
   const double share = out_.active ? 1.0 : std::min(1.0, dt / kAverage_s);
   for (std::size_t i = 0; i < hardware::kAxes; ++i) {

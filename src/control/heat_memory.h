@@ -9,14 +9,15 @@
 
 namespace knee_robot::control {
 
-/// What the motors' heat (I2t, 0 to 1) was when a controller wrote it last, and by now. `time_s`: seconds since 1970. A file that is
-/// missing: cold. One that cannot be understood: hot (1), because it is not known; `error`, when given, gets the sentence. A clock that
-/// was set back cools nothing.
+/// What the motors' heat (I2t, 0 to 1) was when a controller wrote it last, and by now. `time_s`: seconds since 1970. A
+/// file that is missing: cold. One that cannot be understood: hot (1), because it is not known; `error`, when given,
+/// gets the sentence. A clock that was set back cools nothing.
 AxisValues rememberedHeat(const std::string& path, double time_s, double time_constant_s, std::string* error = nullptr);
 
-/// Keeps the heat in a file, so that a controller that is started anew does not believe in cold motors. No activity executes it: an
-/// ordinary thread reads the Monitors' verdicts and writes every two seconds and at the end. A disk that refuses is not an error of the
-/// motion; the next start finds an older file, and heat that was higher or lower by two seconds' worth.
+/// Keeps the heat in a file, so that a controller that is started anew does not believe in cold motors. No activity
+/// executes it: an ordinary thread reads the Monitors' verdicts and writes every two seconds and at the end. A disk
+/// that refuses is not an error of the motion; the next start finds an older file, and heat that was higher or lower by
+/// two seconds' worth.
 class HeatMemory : public rt::TaskContext {
  public:
   static constexpr double kPeriod_s = 2.0;

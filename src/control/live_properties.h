@@ -10,8 +10,8 @@
 
 namespace knee_robot::control {
 
-/// The components' properties while the controller runs: read, and changed within their range, the law's passivity, the margin for a
-/// traced delay and, with a patient, near to what they were when he was loaded. Any thread.
+/// The components' properties while the controller runs: read, and changed within their range, the law's passivity, the
+/// margin for a traced delay and, with a patient, near to what they were when he was loaded. Any thread.
 class LiveProperties {
  public:
   /// Both must outlive this.
@@ -20,7 +20,8 @@ class LiveProperties {
 
   /// Of all components.
   std::vector<rt::PropertyReport> all() const;
-  /// Gains and shares that are farther from what they were at the start than a patient's may be changed, in a sentence; empty: none.
+  /// Gains and shares that are farther from what they were at the start than a patient's may be changed, in a sentence;
+  /// empty: none.
   /// Payloads are the patient's own.
   std::string whyNotAsDeployed() const;
   /// From now on everything stays near to what it is now.

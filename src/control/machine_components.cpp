@@ -58,7 +58,8 @@ void MachineComponents::checkDrivers(const rt::Deployment& deployment) const {
   }
 }
 
-/// One thread uses the bus; what is read in a cycle is answered in the same cycle, and a row of the recording is of one cycle.
+/// One thread uses the bus; what is read in a cycle is answered in the same cycle, and a row of the recording is of one
+/// cycle.
 void MachineComponents::checkOrder(const rt::Deployment& deployment) const {
   const std::string where = deployment.path() + ": components: ";
   const rt::Activity* servo = deployment.activityOf(*input);

@@ -17,8 +17,8 @@
 
 namespace knee_robot::control {
 
-/// The components of a deployment that make a controller: one of each, a Driver an axis, in an order in which one cycle of one thread
-/// reads, decides and writes. Pointers into the deployment, which must outlive this.
+/// The components of a deployment that make a controller: one of each, a Driver an axis, in an order in which one cycle
+/// of one thread reads, decides and writes. Pointers into the deployment, which must outlive this.
 struct MachineComponents {
   /// InputError names the deployment file and what it lacks.
   explicit MachineComponents(const rt::Deployment& deployment);

@@ -83,7 +83,8 @@ void Monitors::updateHook(const rt::Cycle& cycle) {
   verdict.write(out_);
 }
 
-/// An axis that is driven blindly moves the platform, and others run away with it: the cause is the one that does not count.
+/// An axis that is driven blindly moves the platform, and others run away with it: the cause is the one that does not
+/// count.
 void Monitors::monitorAxes(double dt) noexcept {
   std::array<Fault, hardware::kAxes> found{};
   std::array<bool, hardware::kAxes> blind{};

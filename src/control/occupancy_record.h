@@ -11,11 +11,12 @@
 
 namespace knee_robot::control {
 
-/// Who is on the robot, from one start of the controller to the next. Nothing moves before somebody has said it, and nobody else is put
-/// there while something is asked of the machine. Any thread.
+/// Who is on the robot, from one start of the controller to the next. Nothing moves before somebody has said it, and
+/// nobody else is put there while something is asked of the machine. Any thread.
 class OccupancyRecord {
  public:
-  /// Keeps who is on the robot as it is for as long as it lives: what is checked for a patient is done for that patient.
+  /// Keeps who is on the robot as it is for as long as it lives: what is checked for a patient is done for that
+  /// patient.
   class Hold {
    public:
     /// False where it is just being changed.
@@ -32,16 +33,18 @@ class OccupancyRecord {
 
   /// Why nobody may come or go now, empty: he may. Called without any lock held.
   using WhyNotNow = std::function<std::string()>;
-  /// Somebody else is on the robot: every part that was told of the one before is told. Nobody can ask for anything meanwhile.
+  /// Somebody else is on the robot: every part that was told of the one before is told. Nobody can ask for anything
+  /// meanwhile.
   using Changed = std::function<void(Occupancy occupancy, const PatientRange& range)>;
 
   OccupancyRecord(PatientMemory memory, WhyNotNow why_not_now, Changed changed)
       : memory_(std::move(memory)), why_not_now_(std::move(why_not_now)), changed_(std::move(changed)) {}
 
-  /// Remembers first, then tells. What cannot be remembered changes nothing. `why_not`: further reasons, asked when nobody changes the
-  /// machine any more.
+  /// Remembers first, then tells. What cannot be remembered changes nothing. `why_not`: further reasons, asked when
+  /// nobody changes the machine any more.
   Answer change(Occupancy occupancy, std::optional<PatientLimits> patient, const WhyNotNow& why_not = nullptr);
-  /// At the start: the patient of the last run is still there, whatever `declared_empty` says. Where he cannot be loaded, nobody moves.
+  /// At the start: the patient of the last run is still there, whatever `declared_empty` says. Where he cannot be
+  /// loaded, nobody moves.
   void recall(const mechanism::Robot& robot, bool declared_empty);
 
   /// Why nothing may move; empty: it may.

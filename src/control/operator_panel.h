@@ -8,8 +8,8 @@
 
 namespace knee_robot::control {
 
-/// The operator's end of the real-time ports: a component that no activity executes. Any thread may call; the real-time side waits for
-/// none of them.
+/// The operator's end of the real-time ports: a component that no activity executes. Any thread may call; the real-time
+/// side waits for none of them.
 class OperatorPanel : public rt::TaskContext {
  public:
   /// Connects itself.

@@ -11,8 +11,8 @@
 
 namespace knee_robot::control {
 
-/// The loaded reference, and what is being played: it, or the approach to its first point. Nothing gets to Sync that the checks of the
-/// robot and of the patient have not seen. Any thread.
+/// The loaded reference, and what is being played: it, or the approach to its first point. Nothing gets to Sync that
+/// the checks of the robot and of the patient have not seen. Any thread.
 class PathPlayer {
  public:
   using Patient = std::optional<PatientLimits>;
@@ -30,7 +30,8 @@ class PathPlayer {
   std::uint64_t halts() const noexcept { return halts_; }
   /// The loaded reference from its first point.
   Answer play(const PathExpectation& expected = {});
-  /// From where the robot stands to the first point of the loaded reference; slower than `speed_m_per_s` where the patient wants it.
+  /// From where the robot stands to the first point of the loaded reference; slower than `speed_m_per_s` where the
+  /// patient wants it.
   Answer approach(double speed_m_per_s, const Patient& patient, const PathExpectation& expected = {});
   /// Fills in reference and at_start, and, when `status.state` is of a robot on a path, playing.
   void fill(ControlStatus& status) const;

@@ -10,7 +10,8 @@
 
 namespace knee_robot::control {
 
-/// What must be so before a patient may lie in a machine (docs/safety.md). Plain facts; the default is a machine that no patient may be on.
+/// What must be so before a patient may lie in a machine (docs/safety.md). Plain facts; the default is a machine that
+/// no patient may be on.
 struct PatientChecklist {
   std::string hardware_path;
   bool bench_without_patient = false;

@@ -21,25 +21,27 @@ struct RecordingResult {
   std::string error;          ///< the disk's refusal; empty: none
 };
 
-/// Other side of the recording, outside the real-time path: empties the Recorder's ring into a file, with a thread of its own or,
-/// in stepped execution, when asked. Whole lines reach the file at least every 0.2 s. Missing rows are found by their sequence
-/// numbers.
+/// Other side of the recording, outside the real-time path: empties the Recorder's ring into a file, with a thread of
+/// its own or, in stepped execution, when asked. Whole lines reach the file at least every 0.2 s. Missing rows are
+/// found by their sequence numbers.
 ///
-/// Any number of threads may call: one of several that stop at once gets the recording's result, the others that there is none.
-/// No call waits for the disk without end: progress() never does, and a disk that has not answered for kPatience is given up
-/// together with the thread that waits for it, which touches nothing but its own file when it comes back.
+/// Any number of threads may call: one of several that stop at once gets the recording's result, the others that there
+/// is none.
+/// No call waits for the disk without end: progress() never does, and a disk that has not answered for kPatience is
+/// given up together with the thread that waits for it, which touches nothing but its own file when it comes back.
 class RecordingDrain {
  public:
   static constexpr std::chrono::seconds kPatience{3};
 
-  /// `threaded`: with an own thread while a recording runs. `first_home_id`: of the rows before the axes are homed, and one more with
-  /// every homing; 0: rows have no home_id.
+  /// `threaded`: with an own thread while a recording runs. `first_home_id`: of the rows before the axes are homed, and
+  /// one more with every homing; 0: rows have no home_id.
   RecordingDrain(Recorder& recorder, int axes, bool threaded, std::int64_t first_home_id = 0);
   ~RecordingDrain();
 
   /// Throws InputError when the file exists, cannot be made, or a recording runs already.
   void start(const std::string& path);
-  /// Writes what is left, forces it to disk, closes. Harmless without recording, or without one to the file `only`, where that is given.
+  /// Writes what is left, forces it to disk, closes. Harmless without recording, or without one to the file `only`,
+  /// where that is given.
   RecordingResult stop(const std::string& only = "");
   /// Empties the ring now. Stepped execution only.
   void drain();

@@ -9,9 +9,9 @@
 
 namespace knee_robot::control {
 
-/// Recordings on the operator's command, and what they need of the Drivers: test pulses are forces that no model explains, and rows with
-/// them are left out of a fit. While a robot that is declared empty is recorded there are none without a suspicion; with a patient they
-/// stay. Any thread.
+/// Recordings on the operator's command, and what they need of the Drivers: test pulses are forces that no model
+/// explains, and rows with them are left out of a fit. While a robot that is declared empty is recorded there are none
+/// without a suspicion; with a patient they stay. Any thread.
 class Recordings {
  public:
   /// `machine` must outlive this. `threaded`, `first_home_id`: see RecordingDrain.
@@ -20,8 +20,8 @@ class Recordings {
 
   /// Refused when the file exists.
   Answer start(const std::string& path);
-  /// Not ok when rows were dropped or the disk refused, with the number, or when the file `only`, where one is given, is not being
-  /// recorded any more.
+  /// Not ok when rows were dropped or the disk refused, with the number, or when the file `only`, where one is given,
+  /// is not being recorded any more.
   Answer stop(const std::string& only);
   /// Stepped execution: what was recorded goes to the file now.
   void drain() { drain_.drain(); }

@@ -7,7 +7,8 @@
 
 namespace knee_robot::control {
 
-/// A hand that pushes a little is a large force on a leg near a singularity: a margin that is wide open does not hold here.
+/// A hand that pushes a little is a large force on a leg near a singularity: a margin that is wide open does not hold
+/// here.
 VirtualWalls::VirtualWalls(const mechanism::Robot& robot)
     : mechanism_(robot.mechanism), joints_(robot.joints), condition_max_(trajectory::planningCondition(robot)) {
   for (Eigen::Index i = 0; i < mechanism::kLegs && i < robot.axes(); ++i) {

@@ -24,8 +24,8 @@ std::vector<double> valuesOf(const std::vector<EffectParameter>& parameters) {
   return values;
 }
 
-/// A ripple has a sine and a cosine per training recording. What another recording has of them: their mean, times the share of it
-/// that the training recordings support by agreeing (as tracing's effects/common/ripple.cpp).
+/// A ripple has a sine and a cosine per training recording. What another recording has of them: their mean, times the
+/// share of it that the training recordings support by agreeing (as tracing's effects/common/ripple.cpp).
 std::vector<double> commonPhase(const std::vector<double>& each) {
   const Eigen::Index recordings = static_cast<Eigen::Index>(each.size() / 2);
   const Eigen::Map<const Eigen::Matrix2Xd> pairs(each.data(), 2, recordings);

@@ -4,8 +4,8 @@
 
 namespace knee_robot::dynamics {
 
-/// Force and moment (about the link frame's origin) of one rigid body as linear functions of its ten parameters; everything
-/// in the body's frame. `a` is the origin's acceleration minus gravity.
+/// Force and moment (about the link frame's origin) of one rigid body as linear functions of its ten parameters;
+/// everything in the body's frame. `a` is the origin's acceleration minus gravity.
 struct BodyRegressor {
   Eigen::Matrix<double, 3, 6> moment_per_inertia;
   mechanism::Matrix3 moment_per_first_moment;  ///< -[a]x

@@ -34,8 +34,9 @@ void fillRow(const BodyMotion& m, const Vector3& v, const Vector3& w, Eigen::Mat
   out[9] = v.dot(m.a);
 }
 
-/// A body whose principal moments break the triangle inequality (URDFs are written with fewer digits than that, or by a fit that did not
-/// ask) becomes the nearest possible one: the moments of its mass's second moments, none of which is negative.
+/// A body whose principal moments break the triangle inequality (URDFs are written with fewer digits than that, or by a
+/// fit that did not ask) becomes the nearest possible one: the moments of its mass's second moments, none of which is
+/// negative.
 LinkInertia nearestPossible(LinkInertia body) {
   const Eigen::SelfAdjointEigenSolver<Matrix3> eigen(0.5 * body.inertia.trace() * Matrix3::Identity() - body.inertia);
   const Vector3 second = eigen.eigenvalues().cwiseMax(0.0);

@@ -23,13 +23,14 @@ struct WithEffects {
 WithEffects stepEffects(const ForceModel& model, const SeenForce& seen, EffectsInstant& at, MotionMemory& memory,
                         double friction_period_s) noexcept;
 
-/// What is to be asked for ahead: the whole force `horizon` later, on the motion as it goes on with its acceleration and jerk, less that
-/// of now, by each actuator's share of the horizon. Zero where the mechanism will be singular. `memory`: after the step of now.
+/// What is to be asked for ahead: the whole force `horizon` later, on the motion as it goes on with its acceleration
+/// and jerk, less that of now, by each actuator's share of the horizon. Zero where the mechanism will be singular.
+/// `memory`: after the step of now.
 mechanism::Vector4 forceAhead(const ForceModel& model, const EffectsInstant& at, const mechanism::Vector4& whole,
                               const MotionMemory& memory, RegressorData& workspace, ExtendedRegressor& row) noexcept;
 
-/// The parts of the baseline with these parameters. `motion` holds the pose; its rates are filled in where something moves. False where
-/// the mechanism is singular.
+/// The parts of the baseline with these parameters. `motion` holds the pose; its rates are filled in where something
+/// moves. False where the mechanism is singular.
 bool smoothParts(const PartedModel& model, const ExtendedParameters& parameters,
                  const mechanism::Matrix4& axis_parameters, const WantedInstant& at, mechanism::Motion& motion,
                  ForcePartsData& data, ForceParts& parts) noexcept;

@@ -8,8 +8,8 @@
 namespace knee_robot::dynamics {
 namespace {
 
-/// Inertia of a leg against (q1, q2, q3), from the velocities per unit rate: turning axes (c2, -s2, 0) and z, travel of the rod's
-/// origin (0, 0, length c2), (-length, 0, 0) and (0, 1, 0) in the leg basis.
+/// Inertia of a leg against (q1, q2, q3), from the velocities per unit rate: turning axes (c2, -s2, 0) and z, travel of
+/// the rod's origin (0, 0, length c2), (-length, 0, 0) and (0, 1, 0) in the leg basis.
 mechanism::Matrix3 legMass(const mechanism::LegMotion& leg, const BodyConstants& rod,
                            const mechanism::Matrix3& inertia) {
   const double c2 = leg.cos_q2, s2 = leg.sin_q2, length = leg.length;

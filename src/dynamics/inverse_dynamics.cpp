@@ -6,7 +6,8 @@
 namespace knee_robot::dynamics {
 namespace {
 
-/// Newton and Euler for the two bodies of a leg, in its basis (-t, u, n): forces on (q1, q2, q3). Tip accelerations less gravity.
+/// Newton and Euler for the two bodies of a leg, in its basis (-t, u, n): forces on (q1, q2, q3). Tip accelerations
+/// less gravity.
 mechanism::Vector3 legForces(const mechanism::LegMotion& leg, const mechanism::Vector3& gravity,
                              const BodyConstants& cylinder, const BodyConstants& rod,
                              const mechanism::Matrix3& inertia) {
@@ -68,8 +69,8 @@ std::array<mechanism::Vector3, 3> sphericalJointForces(const RigidModel& model, 
     const mechanism::LegMotion& leg = motion.legs[i];
     const mechanism::Vector3 joint =
         legForces(leg, model.gravity, model.cylinders[i], model.rods[i], model.leg_inertias[i]);
-    // The universal joint passes no torque: what turns the leg is the tip force across it, and what the actuator does not
-    // carry along it.
+    // The universal joint passes no torque: what turns the leg is the tip force across it, and what the actuator does
+    // not carry along it.
     const double across_n = joint[0] / (leg.length * leg.cos_q2), across_t = joint[1] / leg.length;
     const double along = joint[2] + model.rotor_mass[i] * leg.acceleration[2] - actuator_forces[i];
     forces[i] = across_n * leg.n + across_t * leg.t + along * leg.u;

@@ -10,7 +10,8 @@
 namespace knee_robot::dynamics {
 namespace {
 
-/// A word of a unit: what it becomes for a revolute joint, and the power of the radius that its number is multiplied with.
+/// A word of a unit: what it becomes for a revolute joint, and the power of the radius that its number is multiplied
+/// with.
 struct Word {
   const char* joint;
   int power;

@@ -11,7 +11,8 @@
 namespace knee_robot::dynamics {
 namespace {
 
-/// Columns that are not in the span of those before them, in the order `preferred` (Gram-Schmidt, twice for its rounding).
+/// Columns that are not in the span of those before them, in the order `preferred` (Gram-Schmidt, twice for its
+/// rounding).
 std::vector<int> independentColumns(const Eigen::MatrixXd& scaled, const std::vector<int>& preferred,
                                     double tolerance) {
   std::vector<int> chosen;

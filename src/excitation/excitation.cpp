@@ -14,8 +14,8 @@ constexpr double kShrink = 0.97;  ///< of the amplitude, when the full check fin
 constexpr int kShrinkRounds = 20;
 const std::vector<int> kReportedDirections = {20, 30, 40, 51, 56, 73};
 
-/// Draws the series' amplitude in until every limit holds at every millisecond and at every point that is streamed. Returns what is
-/// still beyond its limit when that does not help, empty when all is well.
+/// Draws the series' amplitude in until every limit holds at every millisecond and at every point that is streamed.
+/// Returns what is still beyond its limit when that does not help, empty when all is well.
 std::string checkPlan(const mechanism::Robot& limited, const ExcitationOptions& options, ExcitationPlan& plan) {
   for (int round = 0;; ++round) {
     plan.reference = sampledReference(plan.series);

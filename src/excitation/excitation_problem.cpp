@@ -272,7 +272,8 @@ std::optional<Eigen::VectorXd> ExcitationProblem::scaledToLimits(Eigen::VectorXd
   };
   const auto fits = [&](double factor) { return worstUse(scaled(factor), 1.0) <= 1.0; };
   if (fits(largest)) return scaled(largest);
-  // Down from the largest in growing steps: where even rest does not fit (the rms force of standing at the centre), moving may.
+  // Down from the largest in growing steps: where even rest does not fit (the rms force of standing at the centre),
+  // moving may.
   for (int round = 0; round <= kCentreRounds; ++round) {
     double high = largest, low = 0.0;
     double less = kFirstLess;

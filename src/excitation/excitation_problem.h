@@ -27,8 +27,8 @@ struct ExcitationTask {
   Eigen::VectorXd fixed_scale;         ///< of the columns, for Determinant
 };
 
-/// The optimisation problem of planExcitation: variables -> criterion and use of limits, with exact gradients. Constant after
-/// construction, so that several threads may share it.
+/// The optimisation problem of planExcitation: variables -> criterion and use of limits, with exact gradients. Constant
+/// after construction, so that several threads may share it.
 class ExcitationProblem {
  public:
   /// `centre` is the pose around which the variables are expressed.
@@ -52,21 +52,21 @@ class ExcitationProblem {
   /// `exponent`: see SpectralCost. False when the mechanism cannot follow the series.
   bool evaluate(const Eigen::VectorXd& variables, double exponent, bool with_slopes, Evaluation& out) const;
 
-  /// Each quantity's largest use is taken over stretches of a quarter of the highest harmonic's period, then one entry an actuator
-  /// for the rms force.
+  /// Each quantity's largest use is taken over stretches of a quarter of the highest harmonic's period, then one entry
+  /// an actuator for the rms force.
   int limits() const { return kQuantities * stretches_ + mechanism::kLegs; }
 
-  /// Largest use of any limit along the series, at three times as many instants as evaluate() looks at; infinite when the mechanism cannot
-  /// follow it. Stops looking beyond `enough`.
+  /// Largest use of any limit along the series, at three times as many instants as evaluate() looks at; infinite when
+  /// the mechanism cannot follow it. Stops looking beyond `enough`.
   double worstUse(const Eigen::VectorXd& variables, double enough) const;
 
-  /// The observations, divided by the noise; nothing when the mechanism cannot follow. At evaluate()'s instants with smoothed signs, or
-  /// at the streamed points with the signs themselves.
+  /// The observations, divided by the noise; nothing when the mechanism cannot follow. At evaluate()'s instants with
+  /// smoothed signs, or at the streamed points with the signs themselves.
   std::optional<std::vector<PaperRegressor>> observations(const FourierSeries& series) const;
   std::optional<std::vector<PaperRegressor>> observationsAsPlayed(const FourierSeries& series) const;
 
-  /// The series with all coefficients times the largest factor up to `largest` that keeps the limits, its centre drawn towards
-  /// the middle when that alone is beyond them; nothing when no factor does.
+  /// The series with all coefficients times the largest factor up to `largest` that keeps the limits, its centre drawn
+  /// towards the middle when that alone is beyond them; nothing when no factor does.
   std::optional<Eigen::VectorXd> scaledToLimits(Eigen::VectorXd variables, double largest) const;
 
  private:

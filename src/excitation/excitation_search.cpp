@@ -114,14 +114,15 @@ void fixScale(ExcitationProblem& problem, const ExcitationOptions& options) {
   problem.setFixedScale(Eigen::VectorXd::Ones(dynamics::kPaperParameters));
 }
 
-/// One start: NLopt asks for the criterion and for the limits at the same variables in turn, so the last evaluation is kept.
+/// One start: NLopt asks for the criterion and for the limits at the same variables in turn, so the last evaluation is
+/// kept.
 class Start {
  public:
   Start(const ExcitationProblem& problem, const ExcitationOptions& options, SearchBoard& board, Candidate best)
       : problem_(problem), options_(options), board_(board), best_(std::move(best)) {}
 
-  /// A round from the best so far. What it ends with may be a little beyond the limits: the nearest series that keeps them is
-  /// sought as well.
+  /// A round from the best so far. What it ends with may be a little beyond the limits: the nearest series that keeps
+  /// them is sought as well.
   void improve(double exponent) {
     exponent_ = exponent;
     target_.resize(0);
@@ -138,8 +139,8 @@ class Start {
   int evaluations() const { return evaluations_; }
 
  private:
-  /// SLSQP from `from`; what it finds on the way is kept in found_ and nearly_ (its own result is the best that keeps the limits
-  /// exactly, often the start).
+  /// SLSQP from `from`; what it finds on the way is kept in found_ and nearly_ (its own result is the best that keeps
+  /// the limits exactly, often the start).
   void run(const Eigen::VectorXd& from, int evaluations) {
     have_ = false;
     found_.resize(0);
@@ -221,8 +222,8 @@ class Start {
     return have_;
   }
 
-  /// Brings variables that are a little beyond the limits back in two ways, less amplitude and the way back to the best so far, and
-  /// keeps what is better than that.
+  /// Brings variables that are a little beyond the limits back in two ways, less amplitude and the way back to the best
+  /// so far, and keeps what is better than that.
   void keep(const Eigen::VectorXd& variables) {
     const std::optional<Eigen::VectorXd> smaller = problem_.scaledToLimits(variables, 1.0);
     if (smaller) keepIfBetter(*smaller);

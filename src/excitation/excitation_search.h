@@ -18,8 +18,8 @@ struct SearchResult {
   bool cut_short = false;
 };
 
-/// Random feasible candidates, then NLopt's SLSQP from the best of them, on all cores. What each candidate and each start yields
-/// depends on the seed and its number alone, so the result does not depend on the number of threads.
+/// Random feasible candidates, then NLopt's SLSQP from the best of them, on all cores. What each candidate and each
+/// start yields depends on the seed and its number alone, so the result does not depend on the number of threads.
 SearchResult searchExcitation(ExcitationProblem& problem, const ExcitationOptions& options);
 
 /// The best `options.starts` of the random candidates, not improved.

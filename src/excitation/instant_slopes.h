@@ -22,16 +22,17 @@ inline constexpr int kForce = 9;        ///< 4: expected actuator forces, N
 inline constexpr int kRows = 13;
 }  // namespace slope_row
 
-/// Values at one instant with their exact slopes by lengths, velocities and accelerations of the four actuators (12 columns).
+/// Values at one instant with their exact slopes by lengths, velocities and accelerations of the four actuators (12
+/// columns).
 struct InstantSlopes {
   Eigen::Matrix<double, slope_row::kRows, 1> value;
   Eigen::Matrix<double, slope_row::kRows, 3 * mechanism::kLegs> slope;
 };
 
 /// Dual numbers (ceres::Jet) carry the derivatives by pose, pose velocity and pose acceleration through kinematics and
-/// Newton-Euler; the lengths' own derivatives by these turn them into derivatives by the actuators, so that the Newton iteration
-/// of the forward kinematics is never differentiated. `regressor` is K*(motion) with the same width, `weights` what its elements
-/// are multiplied with. `motion` must not be singular.
+/// Newton-Euler; the lengths' own derivatives by these turn them into derivatives by the actuators, so that the Newton
+/// iteration of the forward kinematics is never differentiated. `regressor` is K*(motion) with the same width,
+/// `weights` what its elements are multiplied with. `motion` must not be singular.
 InstantSlopes instantSlopes(const mechanism::Mechanism& mechanism, const mechanism::Vector3& gravity,
                             const mechanism::Motion& motion, const dynamics::CoulombWidth& width,
                             const PaperRegressor& regressor, const PaperRegressor& weights, const ExpectedLoad& load);

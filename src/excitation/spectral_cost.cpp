@@ -74,8 +74,8 @@ SpectralCost::SpectralCost(const std::vector<PaperRegressor>& observations, int 
     by_eigenvalue[r - 1] += 0.5 / l[r - 1];
     by_eigenvalue[0] -= 0.5 / l[0];
   }
-  // With G = D S D, G v = l v, y = D v: dl = 2 sum_t [(W_t y)^T dW_t y - l sum_i v_i^2/S_ii W_ti^T dW_ti], the second part only when
-  // D follows S.
+  // With G = D S D, G v = l v, y = D v: dl = 2 sum_t [(W_t y)^T dW_t y - l sum_i v_i^2/S_ii W_ti^T dW_ti], the second
+  // part only when D follows S.
   const Eigen::MatrixXd y = used_scale.asDiagonal() * v;
   Eigen::MatrixXd slope = 2.0 * y * by_eigenvalue.matrix().asDiagonal() * y.transpose();
   if (by_condition) slope.diagonal() -= 2.0 * y.array().square().matrix() * (by_eigenvalue * l).matrix();

@@ -8,15 +8,16 @@
 
 namespace knee_robot::excitation {
 
-/// A cost of the eigenvalues l_1 >= l_2 >= ... of the scaled Gram matrix D W^T W D of an observation matrix W (4 rows an instant), by
-/// r directions. Gram matrices lose half of the digits: good as long as k stays below 1e6.
+/// A cost of the eigenvalues l_1 >= l_2 >= ... of the scaled Gram matrix D W^T W D of an observation matrix W (4 rows
+/// an instant), by r directions. Gram matrices lose half of the digits: good as long as k stays below 1e6.
 ///
 /// Condition: columns scaled to unit norm, log k = log(s_1 / s_r) with s = sqrt(l), smoothed with an exponent p:
 ///     (1/2p) [log sum_{i<=r} l_i^p + log sum_{i<=r} l_i^-p]
-/// which bounds log k from above and approaches it as p grows. Where eigenvalues meet (an optimum of k makes them meet) log k
-/// has a kink, this has none. p = 0: log k itself.
+/// which bounds log k from above and approaches it as p grows. Where eigenvalues meet (an optimum of k makes them meet)
+/// log k has a kink, this has none. p = 0: log k itself.
 ///
-/// Determinant: columns scaled by fixed numbers, -(1/2r) sum_{i<=r} log l_i: D-optimality on the r strongest directions.
+/// Determinant: columns scaled by fixed numbers, -(1/2r) sum_{i<=r} log l_i: D-optimality on the r strongest
+/// directions.
 class SpectralCost {
  public:
   /// `fixed_scale`: factors of the 112 columns for Determinant; not used otherwise.

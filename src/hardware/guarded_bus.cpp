@@ -44,7 +44,8 @@ std::int32_t GuardedBus::claim() noexcept {
   return 0;
 }
 
-/// What a dead controller has left switched on goes first, whether a guardian answers or not; until it is off the link says armed.
+/// What a dead controller has left switched on goes first, whether a guardian answers or not; until it is off the link
+/// says armed.
 std::string GuardedBus::takeOver() {
   if (const std::int32_t other = claim())
     return "process " + std::to_string(other) + " already controls this robot; end it first.";

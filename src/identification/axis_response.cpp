@@ -36,7 +36,8 @@ struct Grid {
   int rows() const { return static_cast<int>(time_s.size()); }
 };
 
-/// Rounding of an encoder, uniform over one count, after the low-pass and two derivatives: white noise of count / sqrt(12).
+/// Rounding of an encoder, uniform over one count, after the low-pass and two derivatives: white noise of count /
+/// sqrt(12).
 double roundingAcceleration(double count, double cutoff_hz, double rate_hz) {
   const double w = kTwoPi * cutoff_hz;
   return count / std::sqrt(12.0) * w * w * std::sqrt(2.0 * cutoff_hz / rate_hz / 5.0);

@@ -86,8 +86,8 @@ std::vector<int> firstVisitsOf(const std::vector<Observation>& training, const s
   return firstVisits(state, run);
 }
 
-/// Numbers the blocks: whole runs are joined until a block has its share; a longer run is cut. Later visits of a place go with the
-/// first one.
+/// Numbers the blocks: whole runs are joined until a block has its share; a longer run is cut. Later visits of a place
+/// go with the first one.
 int assignBlocks(const std::vector<Observation>& training, std::vector<Pick>& picks) {
   if (picks.empty()) return 0;
   const std::vector<int> first = firstVisitsOf(training, picks);
@@ -116,7 +116,8 @@ int assignBlocks(const std::vector<Observation>& training, std::vector<Pick>& pi
   return block + 1;
 }
 
-/// Low-passed columns of the regressor; filtering column by column keeps one filtered column in memory, not a second regressor.
+/// Low-passed columns of the regressor; filtering column by column keeps one filtered column in memory, not a second
+/// regressor.
 void fill(const std::vector<Observation>& training, const ObservationOptions& options, const std::vector<Pick>& picks,
           const std::vector<int>& columns, Equations& e) {
   std::vector<Eigen::VectorXd> filtered(training.size());

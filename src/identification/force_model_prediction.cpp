@@ -17,7 +17,8 @@ Eigen::Matrix<double, PassiveCoulomb::kJoints, 1> takePassiveCoulomb(dynamics::F
   return friction;
 }
 
-/// Coulomb friction along the whole motion, as identification takes it: with its reversals found in both directions of time.
+/// Coulomb friction along the whole motion, as identification takes it: with its reversals found in both directions of
+/// time.
 PredictedForce coulombForces(dynamics::ForceModel& model, const mechanism::Robot& robot, const recording::Signals& s,
                              const MotionPath& path) {
   PredictedForce forces{Eigen::MatrixXd(s.samples(), robot.axes()), Eigen::MatrixXd(s.samples(), robot.axes())};

@@ -23,8 +23,8 @@ const double kFinerFactors[] = {0.8, 0.87, 0.93, 0.97, 1.03, 1.07, 1.15, 1.25};
 const double kFinerSides[] = {0.8, 0.9, 1.0, 1.12, 1.25};
 constexpr double kFarApart = 2.0;
 constexpr std::size_t kMostInSum = 6;
-/// A simpler family is taken when it is within so many standard errors of the best. One would be usual; on the physical robot it keeps
-/// the single stop, whose error on another path is up to half as large again (docs/identification.md).
+/// A simpler family is taken when it is within so many standard errors of the best. One would be usual; on the physical
+/// robot it keeps the single stop, whose error on another path is up to half as large again (docs/identification.md).
 constexpr double kWithinErrors = 0.25;
 constexpr double kWorthAdding = 0.01;  ///< of the squares: an element that lowers them by less is not added to a sum
 

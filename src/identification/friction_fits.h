@@ -5,7 +5,8 @@
 
 namespace knee_robot::identification {
 
-/// Sums of squares of one block of rows: everything but one actuator's own dry friction (base), and many candidate columns for it.
+/// Sums of squares of one block of rows: everything but one actuator's own dry friction (base), and many candidate
+/// columns for it.
 struct FrictionBlock {
   Eigen::MatrixXd base;        ///< base' base
   Eigen::MatrixXd mixed;       ///< base' candidates
@@ -18,8 +19,8 @@ struct FrictionBlock {
   FrictionBlock minus(const FrictionBlock& o) const;
 };
 
-/// The squared residual as a function of the candidates' weights w alone: constant - 2 w' linear + w' square w. On the rows that were
-/// fitted the base is the best one for every w; on other rows it is that same base.
+/// The squared residual as a function of the candidates' weights w alone: constant - 2 w' linear + w' square w. On the
+/// rows that were fitted the base is the best one for every w; on other rows it is that same base.
 struct InWeights {
   double constant = 0.0;
   Eigen::VectorXd linear;
@@ -28,12 +29,13 @@ struct InWeights {
   double at(const std::vector<int>& which, const Eigen::VectorXd& weights) const;
 };
 
-/// Eliminates the base on `fitted` rows (with a ridge on its coordinates) and says what that leaves on them and on `judged`.
+/// Eliminates the base on `fitted` rows (with a ridge on its coordinates) and says what that leaves on them and on
+/// `judged`.
 void eliminateBase(const FrictionBlock& fitted, const FrictionBlock& judged, const Eigen::VectorXd& ridge,
                    InWeights& training, InWeights& held_back);
 
-/// Non-negative weights of these few columns that leave least. Empty when some weight would be less than a tenth of their sum: what
-/// carries so little is the shape of its neighbours, not a law.
+/// Non-negative weights of these few columns that leave least. Empty when some weight would be less than a tenth of
+/// their sum: what carries so little is the shape of its neighbours, not a law.
 Eigen::VectorXd positiveWeights(const InWeights& training, const std::vector<int>& which);
 
 }  // namespace knee_robot::identification

@@ -27,9 +27,9 @@ std::vector<dynamics::FrictionLaw> sharedLaws(const std::vector<FrictionChoice>&
 std::vector<Sum> inElements(const std::vector<dynamics::FrictionLaw>& laws,
                             std::vector<dynamics::FrictionElement>& elements);
 
-/// Actuators of one machine are alike: a law that is within half a standard error of the best on most of them is taken by all of those. What
-/// one actuator's data do not show (how friction lets go at rest) the others' may. No stop becomes narrower than `narrowest_m` of
-/// its actuator.
+/// Actuators of one machine are alike: a law that is within half a standard error of the best on most of them is taken
+/// by all of those. What one actuator's data do not show (how friction lets go at rest) the others' may. No stop
+/// becomes narrower than `narrowest_m` of its actuator.
 void shareLaw(const std::vector<dynamics::FrictionLaw>& laws, const std::vector<OthersLaws>& others,
               const std::vector<double>& narrowest_m, std::vector<FrictionChoice>& choices);
 

@@ -56,8 +56,8 @@ void mask(const std::vector<char>& flagged, int reach, std::vector<char>& usable
   }
 }
 
-/// Samples of stretches longer than kStand_s in which no joint moves. A gear holds a torque that nothing tells; a stop is one number, and
-/// its many samples would decide over everything that tells standing from moving.
+/// Samples of stretches longer than kStand_s in which no joint moves. A gear holds a torque that nothing tells; a stop
+/// is one number, and its many samples would decide over everything that tells standing from moving.
 std::vector<char> standingSamples(const Eigen::VectorXd& limits, const recording::Signals& s) {
   std::vector<char> standing(static_cast<std::size_t>(s.samples()), 0);
   const int least = static_cast<int>(kStand_s / s.period_s);
@@ -71,7 +71,8 @@ std::vector<char> standingSamples(const Eigen::VectorXd& limits, const recording
   return standing;
 }
 
-/// Samples at which the lengths do not tell the assembly mode: from coming within the margin of a fold until twice as far away.
+/// Samples at which the lengths do not tell the assembly mode: from coming within the margin of a fold until twice as
+/// far away.
 std::vector<char> ambiguousSamples(const mechanism::Mechanism& mechanism, double margin_m, const MotionPath& path) {
   std::vector<char> ambiguous(path.motion.size(), 0);
   bool near = false;

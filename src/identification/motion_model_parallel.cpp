@@ -27,8 +27,8 @@ dynamics::RobotInertia bodiesWithoutUrdf() {
   return inertia;
 }
 
-/// Regressor rows of the parallel robot, with the joints' friction or without. Where the pose is not known the row before is kept;
-/// such samples are masked.
+/// Regressor rows of the parallel robot, with the joints' friction or without. Where the pose is not known the row
+/// before is kept; such samples are masked.
 void fillParallel(const mechanism::Robot& robot, Observation& o) {
   dynamics::RegressorData data;
   dynamics::ExtendedRegressor row = dynamics::ExtendedRegressor::Zero();

@@ -202,9 +202,10 @@ int descend(const PhysicalProblem& p, const Stacked& s, BodyUnknowns& unknowns) 
   return static_cast<int>(summary.iterations.size());
 }
 
-/// In the bodies themselves the problem is convex; in their roots it is not: at the boundary of what is possible the slope by a root
-/// vanishes although the body would still gain by growing. That body is pushed off: E grows by the multiple of v v^T, v the lowest
-/// eigenvector of the cost's slope, that gains most. Returns what all pushes gained; when no body gains, the point is the optimum.
+/// In the bodies themselves the problem is convex; in their roots it is not: at the boundary of what is possible the
+/// slope by a root vanishes although the body would still gain by growing. That body is pushed off: E grows by the
+/// multiple of v v^T, v the lowest eigenvector of the cost's slope, that gains most. Returns what all pushes gained;
+/// when no body gains, the point is the optimum.
 double push(const Stacked& s, BodyUnknowns& unknowns) {
   Eigen::VectorXd z = unknowns.coordinates();
   Eigen::VectorXd residual = s.rows * z - s.target;

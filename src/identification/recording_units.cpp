@@ -30,7 +30,8 @@ void requirePositions(const mechanism::Robot& robot, const recording::Recording&
   }
 }
 
-/// What a chain's joint has recorded, when the robot file says torque but only current is there, or the other way round.
+/// What a chain's joint has recorded, when the robot file says torque but only current is there, or the other way
+/// round.
 void settle(mechanism::Actuator& a, int i, const recording::Recording& r) {
   const bool current = r.current_A.cols() > 0, effort = r.force_N.cols() > 0;
   if (a.recorded == Recorded::Current && !current)
@@ -49,8 +50,8 @@ constexpr double kStands = 0.01;  ///< rad or m: a joint that goes less far in a
 constexpr double kTurn = 2.0 * M_PI;
 constexpr double kBeyondLimits = kTurn;  ///< rad by which no recording leaves a bounded joint's limits
 
-/// Columns of joints that are locked: of a recording with more columns than the chain has moving joints, those that stand
-/// still are left out, if exactly the chain's are left then.
+/// Columns of joints that are locked: of a recording with more columns than the chain has moving joints, those that
+/// stand still are left out, if exactly the chain's are left then.
 void leaveOutLocked(const mechanism::Robot& robot, recording::Recording& r) {
   if (!robot.chain || r.axes <= robot.axes()) return;
   std::vector<Eigen::Index> moving;

@@ -20,7 +20,8 @@ using Rows = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMaj
 
 constexpr int kChunk = 256;  ///< equations a residual block: each block has a fixed cost in Ceres
 
-/// Some equations; with Huber's loss as a least-squares problem: root(rho(r^2)) with the sign of r, whose square is the loss.
+/// Some equations; with Huber's loss as a least-squares problem: root(rho(r^2)) with the sign of r, whose square is the
+/// loss.
 class EquationChunk : public ceres::CostFunction {
  public:
   EquationChunk(const double* rows, const double* targets, int count, int size, bool huber)
@@ -136,8 +137,8 @@ int solveHuber(const HuberParts& parts, int bounded, Eigen::VectorXd& coordinate
   return static_cast<int>(summary.iterations.size());
 }
 
-/// Huber's loss by Ceres, from a good start. Equations well within the quadratic part are compressed first; when one of them
-/// leaves it after all, it joins the others and the fit goes on: the result is that of all equations.
+/// Huber's loss by Ceres, from a good start. Equations well within the quadratic part are compressed first; when one of
+/// them leaves it after all, it joins the others and the fit goes on: the result is that of all equations.
 int fitHuber(const Rows& x, const Eigen::VectorXd& b, int bounded, const Eigen::VectorXd& ridge, Eigen::VectorXd& z) {
   std::vector<char> inside(static_cast<std::size_t>(x.rows()), 1);
   Eigen::VectorXd size = (b - x * z).cwiseAbs();
@@ -186,8 +187,8 @@ Eigen::VectorXd standardized(const Equations& e, Eigen::VectorXd residual) {
   return residual;
 }
 
-/// Iteratively reweighted least squares: with Huber's weights first, because Tukey's loss has more than one minimum, then with
-/// Tukey's. Returns the weights.
+/// Iteratively reweighted least squares: with Huber's weights first, because Tukey's loss has more than one minimum,
+/// then with Tukey's. Returns the weights.
 Eigen::VectorXd fitBisquare(const Equations& e, const Rows& x, const Eigen::VectorXd& b, int bounded,
                             const Eigen::VectorXd& ridge, Eigen::VectorXd& z, int& iterations) {
   Eigen::VectorXd weights;

@@ -27,7 +27,8 @@ Eigen::VectorXd refined(const Eigen::VectorXd& position, const Eigen::VectorXd& 
   return fine;
 }
 
-/// Places of the extremes from which the path goes back by more than `resolution`, and the direction before the first of them.
+/// Places of the extremes from which the path goes back by more than `resolution`, and the direction before the first
+/// of them.
 std::vector<Eigen::Index> turningPoints(const Eigen::VectorXd& x, double resolution, int& first_direction) {
   std::vector<Eigen::Index> turns;
   Eigen::Index highest = 0, lowest = 0;

@@ -103,7 +103,8 @@ Pose levelHome(const Mechanism& mechanism, double central_length) {
   return {0.0, std::sqrt(std::max(square - reach * reach, 0.01 * square)), 0.0, 0.0};
 }
 
-/// Changes the lengths from those of `home` in small portions, so that each solution stays on the branch of the one before.
+/// Changes the lengths from those of `home` in small portions, so that each solution stays on the branch of the one
+/// before.
 ForwardResult continuation(const Mechanism& mechanism, const Lengths& lengths, const Pose& home) {
   constexpr double kPortion = 0.02;  // m
   constexpr double kMaximumPortions = 100.0;
@@ -123,7 +124,8 @@ ForwardResult continuation(const Mechanism& mechanism, const Lengths& lengths, c
   return result;
 }
 
-/// Among the poses with these lengths that start values all around find, with the determinant's sign of `home`: the least turned.
+/// Among the poses with these lengths that start values all around find, with the determinant's sign of `home`: the
+/// least turned.
 ForwardResult nearestToLevel(const Mechanism& mechanism, const Lengths& lengths, const Pose& home) {
   const bool positive = lengthJacobian(mechanism, home).determinant() > 0.0;
   ForwardResult best;

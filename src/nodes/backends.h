@@ -18,7 +18,8 @@ struct Site {
   std::function<bool()> stop_requested = [] { return false; };  ///< asked while a simulated machine is waited for
 };
 
-/// One way to reach the axes: `backend:` of the hardware file. Controller and guardian open the same machine, each on its own handle.
+/// One way to reach the axes: `backend:` of the hardware file. Controller and guardian open the same machine, each on
+/// its own handle.
 struct Backend {
   const char* name;
   /// It may be started beside this process: wait for it a little.
@@ -30,7 +31,8 @@ struct Backend {
 /// All of them; a new card is a row here and a name in hardware_file.h.
 const std::vector<Backend>& backends();
 
-/// The axes of the controller. InputError when the cards are not there, after 10 s for a machine that starts beside this process.
+/// The axes of the controller. InputError when the cards are not there, after 10 s for a machine that starts beside
+/// this process.
 std::unique_ptr<hardware::AxisBus> openBus(const control::HardwareFile& file, const mechanism::Robot& robot,
                                            const Site& site);
 /// The same cards a second time: to bring down what a dead controller left on. As openBus().

@@ -15,9 +15,9 @@ struct BagSource {
   std::string camera;  ///< geometry_msgs/PoseStamped topic of the platform in the robot's frame; empty: none
 };
 
-/// Makes a recording of a bag. Rows are the topic's messages by their header stamps (counted from the first), in order of time; those
-/// with the stamp of another are dropped and counted. A picture goes to the row that is nearest in time. InputError for what
-/// cannot be read, a topic that is not there (naming those that are), or another type.
+/// Makes a recording of a bag. Rows are the topic's messages by their header stamps (counted from the first), in order
+/// of time; those with the stamp of another are dropped and counted. A picture goes to the row that is nearest in time.
+/// InputError for what cannot be read, a topic that is not there (naming those that are), or another type.
 recording::Imported importBag(const BagSource& source);
 
 }  // namespace knee_robot::nodes

@@ -1,5 +1,6 @@
-// check_drives --hardware H --robot R: are the CAN drives there, are they the described ones, do they answer in time? Prints every
-// step of the self test, the bus load, and how the cyclic exchange went. Nothing moves: torque stays 0, hold devices engaged.
+// check_drives --hardware H --robot R: are the CAN drives there, are they the described ones, do they answer in time?
+// Prints every step of the self test, the bus load, and how the cyclic exchange went. Nothing moves: torque stays 0,
+// hold devices engaged.
 
 #include <time.h>
 

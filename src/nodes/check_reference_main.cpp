@@ -60,7 +60,8 @@ struct Worst {
   }
 };
 
-/// Both kinds of singularity (mechanism/singularity.h) along the path. Only the condition number has a limit of its own.
+/// Both kinds of singularity (mechanism/singularity.h) along the path. Only the condition number has a limit of its
+/// own.
 void printSingularity(const trajectory::Reference& reference, const trajectory::ReferenceCheck& check,
                       const mechanism::Mechanism& mechanism) {
   Worst worst[] = {{"type I, product of cos q2", true, 0.0},

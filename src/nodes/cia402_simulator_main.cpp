@@ -1,5 +1,6 @@
-// cia402_simulator --robot R --simulation S --hardware H [--bus B]: the simulated robot behind four CiA 402 drives on a CAN bus, as
-// a process of its own, in real time. B is a CAN interface, or the path of a socket to which controllers connect as to a bus.
+// cia402_simulator --robot R --simulation S --hardware H [--bus B]: the simulated robot behind four CiA 402 drives on a
+// CAN bus, as a process of its own, in real time. B is a CAN interface, or the path of a socket to which controllers
+// connect as to a bus.
 
 #include <poll.h>
 #include <sched.h>

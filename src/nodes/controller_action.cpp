@@ -89,8 +89,8 @@ void PlayActionServer::note(const std::string& kind, const Handle& handle, const
   log_.add(kind, callerOfGoal(handle.getGoalID().id), what, sentence);
 }
 
-/// Called with actionlib's lock held: nothing here may take long, and what is sent to handles must not happen under mutex_, which the
-/// worker takes too.
+/// Called with actionlib's lock held: nothing here may take long, and what is sent to handles must not happen under
+/// mutex_, which the worker takes too.
 void PlayActionServer::receive(Handle handle) {
   bool ended = false;
   {

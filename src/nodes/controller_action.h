@@ -18,8 +18,9 @@
 
 namespace knee_robot::nodes {
 
-/// The action `~play`: see action/Play.action for what it does and its policies. One thread checks the goals in the order in which
-/// they arrive (a long file takes its time, and cancelling must not wait for it), another one plays them. The services stay available meanwhile: a pause pauses the goal, a stop or a fault aborts it.
+/// The action `~play`: see action/Play.action for what it does and its policies. One thread checks the goals in the
+/// order in which they arrive (a long file takes its time, and cancelling must not wait for it), another one plays
+/// them. The services stay available meanwhile: a pause pauses the goal, a stop or a fault aborts it.
 class PlayActionServer {
  public:
   PlayActionServer(ros::NodeHandle& node, control::ControlSystem& system, References& references,

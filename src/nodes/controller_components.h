@@ -9,8 +9,9 @@
 
 namespace knee_robot::nodes {
 
-/// The running components over ROS: ~list_components (state, ports, properties, operations) and ~set_property. Both only
-/// read or write what components publish for other threads (atomic states and values): the servo thread waits for neither.
+/// The running components over ROS: ~list_components (state, ports, properties, operations) and ~set_property. Both
+/// only read or write what components publish for other threads (atomic states and values): the servo thread waits for
+/// neither.
 class ControllerComponents {
  public:
   ControllerComponents(ros::NodeHandle& node, control::ControlSystem& system, EventLog& log);

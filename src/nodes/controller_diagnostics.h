@@ -26,7 +26,8 @@ struct DiagnosticThresholds {
   static DiagnosticThresholds of(const ros::NodeHandle& node);
 };
 
-/// Diagnostics once a second by diagnostic_updater: machine, tracking, limits, motors, residual, timing, guardian, recording, real time.
+/// Diagnostics once a second by diagnostic_updater: machine, tracking, limits, motors, residual, timing, guardian,
+/// recording, real time.
 class ControllerDiagnostics {
  public:
   using Guardian = GuardianSupervision::Guardian;

@@ -10,7 +10,8 @@
 
 namespace knee_robot::nodes {
 
-/// The event log over ROS: ~events (every entry, latched) and ~get_events (those of before). Adds the machine's states and faults.
+/// The event log over ROS: ~events (every entry, latched) and ~get_events (those of before). Adds the machine's states
+/// and faults.
 class ControllerEvents {
  public:
   /// `node`: the private namespace; its callback queue carries the timer.

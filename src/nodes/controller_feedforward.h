@@ -11,8 +11,8 @@ class NodeHandle;
 
 namespace knee_robot::nodes {
 
-/// Shares and payload of the feedforward under dynamic_reconfigure (`~feedforward`, cfg/Feedforward.cfg), as ControllerGains. Nothing
-/// is advertised when the deployment has no ModelFeedforward.
+/// Shares and payload of the feedforward under dynamic_reconfigure (`~feedforward`, cfg/Feedforward.cfg), as
+/// ControllerGains. Nothing is advertised when the deployment has no ModelFeedforward.
 class ControllerFeedforward {
  public:
   ControllerFeedforward(ros::NodeHandle& node, control::ControlSystem& system, EventLog& log);

@@ -21,8 +21,9 @@
 
 namespace knee_robot::nodes {
 
-/// Everything of the controller that ROS sees: services, topics, the action, diagnostics, gains. One object so that it can be made
-/// anew when the master was restarted. Each group has its own callback queue and threads, so none waits for another:
+/// Everything of the controller that ROS sees: services, topics, the action, diagnostics, gains. One object so that it
+/// can be made anew when the master was restarted. Each group has its own callback queue and threads, so none waits for
+/// another:
 ///
 ///     commands (3 threads)  what may take seconds: enable, home, load, ...; the components
 ///     stops (4)             emergency_stop, stop, pause, disable, set_speed, get_state
@@ -45,7 +46,8 @@ class ControllerInterface {
   ~ControllerInterface() { references_.withdraw(); }
 
  private:
-  /// A private node handle with a queue that `threads` threads serve from start() on. Its callbacks know ControlSystem::halts() of when they came.
+  /// A private node handle with a queue that `threads` threads serve from start() on. Its callbacks know
+  /// ControlSystem::halts() of when they came.
   class Lane {
    public:
     Lane(const control::ControlSystem& system, std::uint32_t threads)

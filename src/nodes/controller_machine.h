@@ -27,8 +27,8 @@ struct Machine {
   hardware::AxisBus& bus() { return guarded ? static_cast<hardware::AxisBus&>(*guarded) : *cards; }
 };
 
-/// Opens them as hardware file and parameters say. A simulated robot and a guardian that start beside this node are waited for,
-/// 10 s at most and not beyond `stop_requested`.
+/// Opens them as hardware file and parameters say. A simulated robot and a guardian that start beside this node are
+/// waited for, 10 s at most and not beyond `stop_requested`.
 Machine openMachine(const control::HardwareFile& hardware_file, const mechanism::Robot& robot,
                     const ros::NodeHandle& node, const std::function<bool()>& stop_requested);
 

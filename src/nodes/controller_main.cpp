@@ -1,6 +1,7 @@
-// ROS node `controller`: Sync, four Drivers and their supervision on the cards or on the simulated robot. Parameters: see
-// launch/controller.launch. SIGINT and SIGTERM end in the safe stop. When the ROS master is lost, what moves is stopped along its
-// path and disabled; when a master is there again, everything is advertised anew (docs/ros_interface.md).
+// ROS node `controller`: Sync, four Drivers and their supervision on the cards or on the simulated robot. Parameters:
+// see launch/controller.launch. SIGINT and SIGTERM end in the safe stop. When the ROS master is lost, what moves is
+// stopped along its path and disabled; when a master is there again, everything is advertised anew
+// (docs/ros_interface.md).
 
 #include <ros/ros.h>
 
@@ -36,8 +37,8 @@ double boundedParameter(const ros::NodeHandle& node, const std::string& name, do
   return value;
 }
 
-/// Without a master no operator's tool finds the controller, and without descriptors none reaches it: what moves is stopped along its path,
-/// and the drives are switched off.
+/// Without a master no operator's tool finds the controller, and without descriptors none reaches it: what moves is
+/// stopped along its path, and the drives are switched off.
 class Unreachable {
  public:
   Unreachable(control::ControlSystem& system, nodes::EventLog& log, double timeout_s)
@@ -53,7 +54,8 @@ class Unreachable {
       acted_ = false;
       return;
     }
-    // Refused, or enabled anew by whoever is still connected: again. In a safe stop that goes on (a brake slips) the drives carry.
+    // Refused, or enabled anew by whoever is still connected: again. In a safe stop that goes on (a brake slips) the
+    // drives carry.
     const bool again = state != control::MachineState::SafeStopping && std::chrono::steady_clock::now() >= again_at_;
     if (acted_ && !again) return;
     acted_ = true;
@@ -78,8 +80,8 @@ class Unreachable {
   std::chrono::steady_clock::time_point again_at_;
 };
 
-/// What ROS sees of the controller. It is made anew in a thread of its own: taking the old one down waits for calls under way, one of which may
-/// wait for a disk.
+/// What ROS sees of the controller. It is made anew in a thread of its own: taking the old one down waits for calls
+/// under way, one of which may wait for a disk.
 class Interface {
  public:
   explicit Interface(const nodes::ControllerInterface::Parts& parts) : parts_(parts) {
@@ -111,7 +113,8 @@ class Interface {
   std::chrono::steady_clock::time_point began_;
 };
 
-/// Threads that wait for a disk cannot be joined. With the drives off nothing is lost but what the disk did not take anyway.
+/// Threads that wait for a disk cannot be joined. With the drives off nothing is lost but what the disk did not take
+/// anyway.
 void endEvenIfTheDiskHangs() {
   constexpr auto kPatience = std::chrono::seconds(12);
   std::thread([kPatience] {
@@ -141,7 +144,8 @@ void serve(const ros::NodeHandle& node, nodes::Machine& machine, const nodes::Co
     }
     std::this_thread::sleep_for(std::chrono::milliseconds(20));
   }
-  // Drives off now: taking the interface down waits for the master and for calls under way, one of which may wait for a disk.
+  // Drives off now: taking the interface down waits for the master and for calls under way, one of which may wait for a
+  // disk.
   parts.system.stop();
   const bool off = parts.system.disable().ok || parts.system.state() == control::MachineState::Faulted;
   if (off) endEvenIfTheDiskHangs();

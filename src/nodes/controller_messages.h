@@ -13,8 +13,8 @@
 /// Messages from what the controller knows, without publishing: header and frame are the caller's.
 namespace knee_robot::nodes {
 
-/// q11 q12 q13 q21 q22 q23 q31 q32 q33 q41 q42 Xm Zm theta psi: positions (m, rad), velocities, and as effort the actuator forces
-/// (N; 0 for passive joints). Velocities are left out where the Jacobian is singular.
+/// q11 q12 q13 q21 q22 q23 q31 q32 q33 q41 q42 Xm Zm theta psi: positions (m, rad), velocities, and as effort the
+/// actuator forces (N; 0 for passive joints). Velocities are left out where the Jacobian is singular.
 sensor_msgs::JointState coordinatesMessage(const mechanism::Mechanism& mechanism, const mechanism::Pose& pose,
                                            const control::TrackingRow& row);
 

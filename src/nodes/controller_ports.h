@@ -14,9 +14,9 @@
 
 namespace knee_robot::nodes {
 
-/// Any port of any component as a topic, on demand: ~watch_port begins and ends ~ports/COMPONENT/PORT (PortValues). The writer of the
-/// port fills a tap without waiting (rt/tap.h); a timer of an ordinary thread empties it. At most kMost at once; one that nobody has
-/// subscribed to for kPatience_s ends by itself.
+/// Any port of any component as a topic, on demand: ~watch_port begins and ends ~ports/COMPONENT/PORT (PortValues). The
+/// writer of the port fills a tap without waiting (rt/tap.h); a timer of an ordinary thread empties it. At most kMost
+/// at once; one that nobody has subscribed to for kPatience_s ends by itself.
 class ControllerPorts {
  public:
   static constexpr std::size_t kMost = 8;

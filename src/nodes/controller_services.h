@@ -20,7 +20,8 @@
 
 namespace knee_robot::nodes {
 
-/// The operator's commands as services. Every answer says what happened, or why it did not, and stands in the event log with who asked.
+/// The operator's commands as services. Every answer says what happened, or why it did not, and stands in the event log
+/// with who asked.
 ///
 ///     ~check_reference, ~load_reference   files of the references folder only
 ///     ~load_patient, ~clear_patient       files of the folder of patient files only
@@ -30,8 +31,8 @@ namespace knee_robot::nodes {
 ///     ~set_speed, ~set_recording, ~get_state
 class ControllerServices {
  public:
-  /// `commands` and `stops` are the same private namespace with callback queues of their own: what makes the robot slower or
-  /// stops it never waits behind a command that takes its time. ~get_state is advertised last.
+  /// `commands` and `stops` are the same private namespace with callback queues of their own: what makes the robot
+  /// slower or stops it never waits behind a command that takes its time. ~get_state is advertised last.
   ControllerServices(ros::NodeHandle& commands, ros::NodeHandle& stops, control::ControlSystem& system,
                      References& references, const Folder& patients, const Folder& recordings, EventLog& log);
 

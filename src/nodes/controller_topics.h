@@ -15,8 +15,8 @@ namespace knee_robot::nodes {
 /// The message that describes the machine's state, stamped now.
 ControllerState stateMessage(const control::ControlSystem& system);
 
-/// Publishes what the controller knows, from a thread of its own and lock-free snapshots: a slow subscriber loses messages (queues
-/// of kTopicQueue), and never reaches the real-time side.
+/// Publishes what the controller knows, from a thread of its own and lock-free snapshots: a slow subscriber loses
+/// messages (queues of kTopicQueue), and never reaches the real-time side.
 ///
 ///     ~tracking            knee_robot/Tracking        at rate_hz: reference, position, error, command, force per actuator
 ///     joint_states         sensor_msgs/JointState     at rate_hz: the paper's 15 coordinates with velocities and forces

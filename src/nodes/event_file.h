@@ -5,8 +5,8 @@
 
 namespace knee_robot::nodes {
 
-/// A text file that lines are appended to, each whole or not at all, and on the disk when append() returns. Bounded: at `largest` bytes
-/// it becomes NAME.1 (and NAME.1 becomes NAME.2, ...); `kept` old ones stay. One thread.
+/// A text file that lines are appended to, each whole or not at all, and on the disk when append() returns. Bounded: at
+/// `largest` bytes it becomes NAME.1 (and NAME.1 becomes NAME.2, ...); `kept` old ones stay. One thread.
 class EventFile {
  public:
   EventFile(std::string path, std::size_t largest, int kept);
@@ -14,8 +14,8 @@ class EventFile {
   EventFile(const EventFile&) = delete;
   EventFile& operator=(const EventFile&) = delete;
 
-  /// `lines`: one or more, each with its line end. Empty: they are on the disk. Else the system's reason: none of them is in the
-  /// file, and the next call tries again from the opening on.
+  /// `lines`: one or more, each with its line end. Empty: they are on the disk. Else the system's reason: none of them
+  /// is in the file, and the next call tries again from the opening on.
   std::string append(const std::string& lines);
   const std::string& path() const { return path_; }
 

@@ -24,9 +24,9 @@ struct LoggedEvent {
 /// The entry as one line of JSON: line ends and quotes in somebody's words stay within their string.
 std::string toLine(const LoggedEvent& event);
 
-/// Who asked for what and what was answered, states, faults: the newest in memory, all of them in a file. Any ordinary thread may
-/// add; a thread of its own writes, so nobody waits for the disk. What the disk refuses is kept (the newest kWaiting) and written when it
-/// takes them again; both are said in the log itself.
+/// Who asked for what and what was answered, states, faults: the newest in memory, all of them in a file. Any ordinary
+/// thread may add; a thread of its own writes, so nobody waits for the disk. What the disk refuses is kept (the newest
+/// kWaiting) and written when it takes them again; both are said in the log itself.
 class EventLog {
  public:
   static constexpr std::size_t kRemembered = 500, kWaiting = 2000;

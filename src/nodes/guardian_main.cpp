@@ -1,5 +1,6 @@
-// guardian --hardware H [--shm NAME] [--link NAME]: watches the controller from a process of its own with its own handle to the
-// cards, and brings the outputs down when the controller dies or falls silent while drives are on. No ROS.
+// guardian --hardware H [--shm NAME] [--link NAME]: watches the controller from a process of its own with its own
+// handle to the cards, and brings the outputs down when the controller dies or falls silent while drives are on. No
+// ROS.
 // guardian --down-now: fences a controller out, brings the outputs down once and ends; for the service manager's hooks.
 
 #include <unistd.h>
@@ -31,7 +32,8 @@ volatile std::sig_atomic_t stop_requested = 0;
 
 hardware::EmergencyOutputs* outputs_at_the_end = nullptr;
 
-/// The link's file was cut off: the controller, which looks at it before every write, dies of that, too. Twice, for a write under way.
+/// The link's file was cut off: the controller, which looks at it before every write, dies of that, too. Twice, for a
+/// write under way.
 void bringDownAndDie(int) {
   constexpr timespec kWriteUnderWay{0, 5'000'000};
   constexpr char kSentence[] = "guardian: the link's memory is gone (was its file truncated?): outputs down\n";
@@ -77,7 +79,8 @@ void tellTrip(const control::GuardianReport& report) {
   std::fflush(stdout);
 }
 
-/// Reports until a signal comes; and then as long as drives are on: what it is there for may still happen, or is just happening.
+/// Reports until a signal comes; and then as long as drives are on: what it is there for may still happen, or is just
+/// happening.
 void reportUntilDone(const control::GuardianReport& report, const hardware::GuardianLink& link) {
   std::uint32_t told = 0;
   while (!stop_requested || (link.armed.load() != 0 && link.tripped.load() == 0) || report.acts.load()) {
@@ -106,8 +109,8 @@ control::HardwareFile loadFile(const Options& options) {
   return file;
 }
 
-/// What a service manager calls after the controller or its guardian has ended, for whatever reason. A guardian that lives does
-/// the same by itself and is left alone; a controller that lives is fenced out first.
+/// What a service manager calls after the controller or its guardian has ended, for whatever reason. A guardian that
+/// lives does the same by itself and is left alone; a controller that lives is fenced out first.
 int bringDownNow(const Options& options) {
   const control::HardwareFile file = loadFile(options);
   hardware::SharedGuardianLink memory = hardware::SharedGuardianLink::open(options.link);

@@ -1,4 +1,5 @@
-// inject_fault --shm NAME FAULT [--axis N] [--size X]: orders a fault from the simulated robot while it runs (or takes all back:
+// inject_fault --shm NAME FAULT [--axis N] [--size X]: orders a fault from the simulated robot while it runs (or takes
+// all back:
 // inject_fault clear). The faults are applied on the robot's side of the registers; the controller is not told.
 
 #include <cmath>

@@ -7,9 +7,10 @@
 
 namespace knee_robot::nodes {
 
-/// Asks the ROS master twice a second, from a thread of its own, whether it is there and still knows ~get_state of this node. A
-/// master that was restarted knows nobody: then what is advertised has to be advertised anew. Then it calls that service over a connection of
-/// its own: where no descriptor is left, or no thread, a master that answers helps nobody who wants to stop the robot.
+/// Asks the ROS master twice a second, from a thread of its own, whether it is there and still knows ~get_state of this
+/// node. A master that was restarted knows nobody: then what is advertised has to be advertised anew. Then it calls
+/// that service over a connection of its own: where no descriptor is left, or no thread, a master that answers helps
+/// nobody who wants to stop the robot.
 class MasterWatch {
  public:
   /// `service`: the resolved name of ~get_state.

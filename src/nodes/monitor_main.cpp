@@ -1,5 +1,5 @@
-// monitor: the controller's state, errors and timing as text, for a PC without a display. Refreshes in place on a terminal; writes a
-// line a period elsewhere. Needs a running master; listens only.
+// monitor: the controller's state, errors and timing as text, for a PC without a display. Refreshes in place on a
+// terminal; writes a line a period elsewhere. Needs a running master; listens only.
 
 #include <ros/callback_queue.h>
 #include <ros/ros.h>

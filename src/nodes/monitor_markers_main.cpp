@@ -1,5 +1,5 @@
-// ROS node `monitor_markers`: what rviz shows beside the robot model, from the controller's topics. Any number of them may run, on any
-// machine; none is needed by the controller.
+// ROS node `monitor_markers`: what rviz shows beside the robot model, from the controller's topics. Any number of them
+// may run, on any machine; none is needed by the controller.
 //
 //     parameters    ~robot     robot file
 //                   ~rate_hz   of the markers, 15

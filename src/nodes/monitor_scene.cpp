@@ -23,7 +23,8 @@ mechanism::Vector3 transformed(const mechanism::Pose& pose, const mechanism::Vec
   return mechanism::Vector3(pose[0], 0.0, pose[1]) + mechanism::platformRotation(pose) * point;
 }
 
-/// A ring around the platform, its joints and its legs: wider than the robot's own, so that it is seen where both coincide.
+/// A ring around the platform, its joints and its legs: wider than the robot's own, so that it is seen where both
+/// coincide.
 void addGhost(Scene& scene, const mechanism::Mechanism& mechanism, const mechanism::Pose& pose) {
   constexpr int corners = 48;
   constexpr double above = 0.032;  // m, over the drawn plate
@@ -106,7 +107,8 @@ void addMargins(Board& board, const Margins& margins) {
   }
 }
 
-/// The force that would explain the residual, at the platform: 100 N are 0.1 m. Within what the bands can look like there is none.
+/// The force that would explain the residual, at the platform: 100 N are 0.1 m. Within what the bands can look like
+/// there is none.
 void addResidual(Scene& scene, const Residual& residual) {
   constexpr double kMetresPerNewton = 0.001;
   const double force = std::hypot(residual.wrench[0], residual.wrench[1]);

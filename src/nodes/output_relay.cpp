@@ -34,8 +34,8 @@ int waiting(int descriptor) {
   return descriptor >= 0 && ::ioctl(descriptor, FIONREAD, &bytes) == 0 ? bytes : 0;
 }
 
-/// Why the process aborts is told by what it wrote last. It dies of the signal then, whoever sent it: abort() sees to that by itself, a
-/// watchdog's signal would be lost.
+/// Why the process aborts is told by what it wrote last. It dies of the signal then, whoever sent it: abort() sees to
+/// that by itself, a watchdog's signal would be lost.
 void handOnTheLastWords(int) {
   constexpr timespec kPause{0, 5'000'000};
   bool all_read = false;
@@ -49,7 +49,8 @@ void handOnTheLastWords(int) {
 
 }  // namespace
 
-/// One of the two. The thread that hands on holds a share of it: it may be left behind with a reader that never comes back.
+/// One of the two. The thread that hands on holds a share of it: it may be left behind with a reader that never comes
+/// back.
 class OutputRelay::Stream : public std::enable_shared_from_this<Stream> {
  public:
   explicit Stream(int descriptor) : descriptor_(descriptor) {
@@ -65,7 +66,8 @@ class OutputRelay::Stream : public std::enable_shared_from_this<Stream> {
     relayed[static_cast<std::size_t>(descriptor_ - STDOUT_FILENO)] = pipe_[0];
     std::thread([self = shared_from_this()] { self->handOn(); }).detach();
   }
-  /// The original takes its place again; the pipe has no writer any more, and the thread ends when it has handed on the rest.
+  /// The original takes its place again; the pipe has no writer any more, and the thread ends when it has handed on the
+  /// rest.
   void end() {
     if (original_ < 0) return;
     relayed[static_cast<std::size_t>(descriptor_ - STDOUT_FILENO)] = -1;

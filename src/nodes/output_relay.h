@@ -5,9 +5,10 @@
 
 namespace knee_robot::nodes {
 
-/// While it lives, writing to stdout and stderr of this process waits for nobody. A terminal that was stopped with Ctrl-S, a pipe whose
-/// reader hangs or a service manager that waits for its disk would otherwise hold up every thread that logs, and with it a stop or an
-/// emergency stop. A thread hands on what is written; what finds no room is lost. Files and /dev/null are left as they are.
+/// While it lives, writing to stdout and stderr of this process waits for nobody. A terminal that was stopped with
+/// Ctrl-S, a pipe whose reader hangs or a service manager that waits for its disk would otherwise hold up every thread
+/// that logs, and with it a stop or an emergency stop. A thread hands on what is written; what finds no room is lost.
+/// Files and /dev/null are left as they are.
 class OutputRelay {
  public:
   OutputRelay();

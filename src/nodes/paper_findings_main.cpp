@@ -164,8 +164,8 @@ std::vector<mechanism::Motion> richMotion(const mechanism::Mechanism& mechanism)
   return motions;
 }
 
-/// 20 s of 7 harmonics sampled every 0.1 s as in section 2.1.5, in platform coordinates around `center`, its size scaled until
-/// the fastest actuator moves at `speed` (or the condition would exceed `condition_max`).
+/// 20 s of 7 harmonics sampled every 0.1 s as in section 2.1.5, in platform coordinates around `center`, its size
+/// scaled until the fastest actuator moves at `speed` (or the condition would exceed `condition_max`).
 std::vector<mechanism::Motion> fourierMotion(const mechanism::Mechanism& mechanism, const mechanism::Pose& center,
                                              double speed, double condition_max, unsigned seed) {
   constexpr int kHarmonics = 7;
@@ -228,8 +228,8 @@ Eigen::VectorXd typicalSizes() {
   return sizes;
 }
 
-/// How many directions of the parameters a trajectory supports, in newtons per typical size: Coulomb columns count fully at any
-/// speed, inertia hardly at 0.01 m/s.
+/// How many directions of the parameters a trajectory supports, in newtons per typical size: Coulomb columns count
+/// fully at any speed, inertia hardly at 0.01 m/s.
 void trajectoryCount(const mechanism::Robot& robot, const mechanism::Pose& center, double speed, double noise) {
   const mechanism::Mechanism& m = *robot.mechanism;
   const std::vector<mechanism::Motion> motions =

@@ -16,12 +16,13 @@ namespace knee_robot::nodes {
 ///     return runProgram(app, argc, argv, [&] { ...; return kExitDone; });
 int runProgram(CLI::App& app, int argc, const char* const* argv, const std::function<int()>& body);
 
-/// Where one of the three standard streams is closed, /dev/null takes its place: the next file or socket that is opened would get its number
-/// otherwise, and with it everything that is printed. Before anything is opened.
+/// Where one of the three standard streams is closed, /dev/null takes its place: the next file or socket that is opened
+/// would get its number otherwise, and with it everything that is printed. Before anything is opened.
 void openStandardStreams();
 
-/// As many descriptors as the process may have, up to 4096: more than the usual 1024, for connections that say nothing; not the thousand millions of
-/// some containers, for each of which the ROS library keeps and searches 8 bytes, in locked memory. Before ros::init.
+/// As many descriptors as the process may have, up to 4096: more than the usual 1024, for connections that say nothing;
+/// not the thousand millions of some containers, for each of which the ROS library keeps and searches 8 bytes, in
+/// locked memory. Before ros::init.
 void limitDescriptors();
 
 /// "rosrun knee_robot PROGRAM ARGUMENTS...", for reports that say how they were made.

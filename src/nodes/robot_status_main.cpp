@@ -1,5 +1,5 @@
-// robot_status --shm NAME --duration S: what the simulated robot says about itself (the truth that no controller sees) and the
-// outputs of its cards, as CSV on standard output, a row a step. For tests and fault campaigns.
+// robot_status --shm NAME --duration S: what the simulated robot says about itself (the truth that no controller sees)
+// and the outputs of its cards, as CSV on standard output, a row a step. For tests and fault campaigns.
 
 #include <chrono>
 #include <cstdio>

@@ -1,4 +1,5 @@
-// safety_tables: what the controller's own tables say about faults, resets and requests, as Markdown (docs/safety.md holds a copy).
+// safety_tables: what the controller's own tables say about faults, resets and requests, as Markdown (docs/safety.md
+// holds a copy).
 
 #include <CLI/CLI.hpp>
 #include <cstdio>

@@ -1,4 +1,5 @@
-// simulate_guiding: a simulated hand guides the simulated robot; what force it needs at the handle, without and with the controller's help.
+// simulate_guiding: a simulated hand guides the simulated robot; what force it needs at the handle, without and with
+// the controller's help.
 
 #include <algorithm>
 #include <cmath>
@@ -89,7 +90,8 @@ void require(const control::Answer& answer) {
   if (!answer.ok) throw Refusal(answer.sentence);
 }
 
-/// Drives off, brakes opened by hand; somebody else bears the weight while the hand is only asked for what moves the platform.
+/// Drives off, brakes opened by hand; somebody else bears the weight while the hand is only asked for what moves the
+/// platform.
 Felt pullUnpowered(const Options& options, int coordinate) {
   const mechanism::Robot robot = mechanism::loadRobot(options.robot);
   simulation::RobotImage image;

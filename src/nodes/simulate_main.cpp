@@ -1,5 +1,5 @@
-// simulate REFERENCE -o RECORDING: the whole controller on the simulated robot, stepped in one process: deterministic, and as
-// fast as the machine is. What roslaunch simulation.launch does in real time.
+// simulate REFERENCE -o RECORDING: the whole controller on the simulated robot, stepped in one process: deterministic,
+// and as fast as the machine is. What roslaunch simulation.launch does in real time.
 
 #include <algorithm>
 #include <cmath>
@@ -52,8 +52,8 @@ class Deviation {
   double count_ = 0.0;
 };
 
-/// Looks at every cycle of the plant and of the controller; tells what the controller's own recording does not: where the robot
-/// really was while the Drivers took over.
+/// Looks at every cycle of the plant and of the controller; tells what the controller's own recording does not: where
+/// the robot really was while the Drivers took over.
 class Watch {
  public:
   enum class What { Nothing, TakeOver, Play };

@@ -1,5 +1,6 @@
-// simulated_robot --robot R --simulation S --shm NAME: the robot as a process of its own, in real time, behind the registers of
-// its two cards in shared memory. A controller may die, hang and come back: this goes on, as a machine does.
+// simulated_robot --robot R --simulation S --shm NAME: the robot as a process of its own, in real time, behind the
+// registers of its two cards in shared memory. A controller may die, hang and come back: this goes on, as a machine
+// does.
 
 #include <sys/mman.h>
 #include <time.h>
@@ -24,8 +25,8 @@ using namespace knee_robot;
 
 constexpr std::int64_t kPeriod_ns = 1000000;
 
-/// roslaunch ends all at once: the machine stays until the controller has brought it down, as a machine does. A second signal ends it
-/// at once.
+/// roslaunch ends all at once: the machine stays until the controller has brought it down, as a machine does. A second
+/// signal ends it at once.
 constexpr double kLongestFarewell_s = 10.0, kAfterDrivesOff_s = 0.5;
 
 std::atomic<int> stops_requested{0};

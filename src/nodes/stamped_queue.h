@@ -7,8 +7,8 @@
 
 namespace knee_robot::nodes {
 
-/// A callback queue whose callbacks know what a counter stood at when they came in: a request that has waited for a thread (others wait for a
-/// disk) is older than a stop that was answered meanwhile.
+/// A callback queue whose callbacks know what a counter stood at when they came in: a request that has waited for a
+/// thread (others wait for a disk) is older than a stop that was answered meanwhile.
 class StampedQueue : public ros::CallbackQueue {
  public:
   /// `counter` is asked by whoever adds a callback: it must not wait for anything.

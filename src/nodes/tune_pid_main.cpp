@@ -78,7 +78,8 @@ std::vector<mechanism::Pose> posesOf(const std::vector<std::string>& movements, 
   return poses;
 }
 
-/// Inertia over poses: what the recording measured at its own pose, changed by what the URDF says that other poses change.
+/// Inertia over poses: what the recording measured at its own pose, changed by what the URDF says that other poses
+/// change.
 class MassRange {
  public:
   MassRange(const Arguments& a, const mechanism::Robot& robot, const identification::AxisResponses& responses) {
@@ -109,8 +110,8 @@ class MassRange {
       range.high.mass_kg = axis.mass_kg + spread + payload_kg;
       return "as measured, two standard errors";
     }
-    // Motor and screw, which the URDF does not have, are the same at every pose: what was measured less what the URDF has here, as if the
-    // other legs were locked or free, whichever makes the range wider.
+    // Motor and screw, which the URDF does not have, are the same at every pose: what was measured less what the URDF
+    // has here, as if the other legs were locked or free, whichever makes the range wider.
     const double rotor_low = std::max(0.0, axis.mass_kg - spread - locked_here_[i]);
     const double rotor_high = std::max(rotor_low, axis.mass_kg + spread - free_here_[i]);
     range.low.mass_kg = std::min(axis.mass_kg - spread, rotor_low + low_[i]);

@@ -1,5 +1,5 @@
-// virtual_plant REFERENCE -o RECORDING: the paper's virtual plant (section 3.1.1), in Simbody: forces that the actuators exert to
-// move exactly along a reference, with friction in the joints, written as a recording.
+// virtual_plant REFERENCE -o RECORDING: the paper's virtual plant (section 3.1.1), in Simbody: forces that the
+// actuators exert to move exactly along a reference, with friction in the joints, written as a recording.
 
 #include <cstdio>
 

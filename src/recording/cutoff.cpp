@@ -86,9 +86,9 @@ Spectra spectraOf(const std::vector<Pair>& motions, double rate) {
   return sum;
 }
 
-/// What white noise of the positions has, if all power above half the Nyquist frequency is such noise: of the velocity (`order`
-/// 1, central difference) or acceleration (2). Of a white acceleration this is 1 % at a fifth of the Nyquist frequency, so that a
-/// wrong guess does no harm.
+/// What white noise of the positions has, if all power above half the Nyquist frequency is such noise: of the velocity
+/// (`order` 1, central difference) or acceleration (2). Of a white acceleration this is 1 % at a fifth of the Nyquist
+/// frequency, so that a wrong guess does no harm.
 Eigen::ArrayXd positionNoise(const Eigen::ArrayXd& power, int order) {
   const Eigen::Index bins = power.size();
   Eigen::ArrayXd shape(bins);
@@ -232,8 +232,8 @@ CutoffChoice chooseOnGrid(const std::vector<UniformMotion>& motions, const Cutof
   return choice;
 }
 
-/// A recording on a uniform grid of at most `grid_hz`. The mean of the held rows over each step treats both signals alike and does not
-/// alias a faster recording.
+/// A recording on a uniform grid of at most `grid_hz`. The mean of the held rows over each step treats both signals
+/// alike and does not alias a faster recording.
 UniformMotion onGrid(const Recording& r, double grid_hz) {
   const double step = std::max(1.0 / grid_hz, std::round(grid_hz * medianPeriod(r.time_s)) / grid_hz);
   std::vector<double> grid;

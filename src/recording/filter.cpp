@@ -10,7 +10,8 @@ ZeroPhaseLowPass::ZeroPhaseLowPass(double cutoff_hz, double rate_hz) {
   active_ = true;
   padding_ = static_cast<int>(std::ceil(6.0 * rate_hz / cutoff_hz));
   edge_ = static_cast<int>(std::ceil(rate_hz / cutoff_hz));
-  // Bilinear transform with the cut-off prewarped; the two pole pairs of the 4th-order Butterworth have these quality factors.
+  // Bilinear transform with the cut-off prewarped; the two pole pairs of the 4th-order Butterworth have these quality
+  // factors.
   const double k = std::tan(M_PI * cutoff_hz / rate_hz);
   for (int s = 0; s < 2; ++s) {
     const double q = 1.0 / (2.0 * std::cos(M_PI / 8.0 * (1 + 2 * s)));
@@ -20,8 +21,8 @@ ZeroPhaseLowPass::ZeroPhaseLowPass(double cutoff_hz, double rate_hz) {
   }
 }
 
-/// Forward pass in place, transposed direct form II, each section started in its steady state for the first value. Four signals
-/// and both sections go side by side: one alone would wait for its own last result all the time.
+/// Forward pass in place, transposed direct form II, each section started in its steady state for the first value. Four
+/// signals and both sections go side by side: one alone would wait for its own last result all the time.
 void ZeroPhaseLowPass::run(Four& signals) const {
   using State = Eigen::Array4d;
   const State first = signals.col(0);  // the gain at zero frequency is one: output = input = first
@@ -45,8 +46,8 @@ void ZeroPhaseLowPass::run(Four& signals) const {
 
 namespace {
 
-/// Value at the first of these samples of the straight line through all of them: what a signal's end is, whatever its last sample
-/// alone happens to be.
+/// Value at the first of these samples of the straight line through all of them: what a signal's end is, whatever its
+/// last sample alone happens to be.
 Eigen::Array4d lineAtFirst(const Eigen::Ref<const Eigen::Array<double, 4, Eigen::Dynamic>>& samples) {
   const Eigen::Index m = samples.cols();
   Eigen::Array4d value = Eigen::Array4d::Zero();

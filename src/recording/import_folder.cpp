@@ -94,7 +94,8 @@ Stamped loadClean(const SignalFolder& folder, const std::string& file, std::size
   return signal;
 }
 
-/// For every position row the row of `signal` that belongs to it: the first stamp in [its own, the next one's). -1: none.
+/// For every position row the row of `signal` that belongs to it: the first stamp in [its own, the next one's). -1:
+/// none.
 std::vector<int> partners(const std::vector<std::int64_t>& position, const Stamped& signal) {
   const std::int64_t period = medianInterval(position);
   std::vector<int> out;

@@ -91,8 +91,8 @@ const char* unitOn(const Header& header, const char* signal, int axis, const std
   return nullptr;
 }
 
-/// All columns of one signal over the axes, each in any of `units`; none when the file has none of them. One without the others is an
-/// error.
+/// All columns of one signal over the axes, each in any of `units`; none when the file has none of them. One without
+/// the others is an error.
 std::vector<Column> signalColumns(const Header& header, const char* signal, const std::vector<const char*>& units,
                                   int axes) {
   bool any = false;

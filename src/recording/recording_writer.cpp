@@ -118,7 +118,8 @@ void RecordingWriter::flush() {
   used_ = 0;
 }
 
-/// The disk took `done` bytes of the buffer and no more: leaves whole lines in the file, and the rest for a later flush.
+/// The disk took `done` bytes of the buffer and no more: leaves whole lines in the file, and the rest for a later
+/// flush.
 void RecordingWriter::takeBackHalfLine(std::size_t done) {
   std::size_t whole = done;
   while (whole > 0 && buffer_[whole - 1] != '\n')

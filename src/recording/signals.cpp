@@ -146,7 +146,8 @@ void noteTiming(const std::vector<double>& time, double period, int rows_left_ou
   }
 }
 
-/// Smallest change between neighbouring rows of each axis: the encoder's step, where the motion is slow enough to show it.
+/// Smallest change between neighbouring rows of each axis: the encoder's step, where the motion is slow enough to show
+/// it.
 void noteQuantization(const Eigen::MatrixXd& position, double period, const SignalOptions& options, Signals& s) {
   std::string steps, left;
   // White rounding noise of step / root(12), of which a low-pass at f keeps the share 2 f * period of the power.

@@ -5,8 +5,8 @@
 
 namespace knee_robot::report {
 
-/// A recording's forces for the page, low-passed as they were compared: measured and predicted, and what is left, now and (if there is
-/// one) with the simpler model `before`. `kind`: "train", "validate", "predict".
+/// A recording's forces for the page, low-passed as they were compared: measured and predicted, and what is left, now
+/// and (if there is one) with the simpler model `before`. `kind`: "train", "validate", "predict".
 Json forceSeries(const char* kind, const identification::Observation& observation,
                  const identification::Prediction& prediction, const identification::Prediction* before);
 

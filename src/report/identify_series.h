@@ -5,8 +5,8 @@
 
 namespace knee_robot::report {
 
-/// What the plots of identify's page show beside report.json: forces of every recording, spectra of the residual and of the reference,
-/// friction around a reversal.
+/// What the plots of identify's page show beside report.json: forces of every recording, spectra of the residual and of
+/// the reference, friction around a reversal.
 Json identifySeries(const IdentifyResults& results);
 
 }  // namespace knee_robot::report

@@ -12,8 +12,8 @@ Json plotNumbers(const std::vector<double>& values);
 /// The same for a logarithmic axis: four digits of each.
 Json logNumbers(const std::vector<double>& values);
 
-/// The lines of a plot over one x (time), thinned to what a page shows: of more than 1500 points, the smallest and largest value of
-/// every stretch in the order in which they come, null for a stretch without any. All lines share x().
+/// The lines of a plot over one x (time), thinned to what a page shows: of more than 1500 points, the smallest and
+/// largest value of every stretch in the order in which they come, null for a stretch without any. All lines share x().
 class PlotSeries {
  public:
   explicit PlotSeries(const std::vector<double>& x);

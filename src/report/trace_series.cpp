@@ -10,7 +10,8 @@
 namespace knee_robot::report {
 namespace {
 
-/// Means of `before` and `after` in equal bins of x, the ends at the 1 % quantiles; nothing where a bin is nearly empty.
+/// Means of `before` and `after` in equal bins of x, the ends at the 1 % quantiles; nothing where a bin is nearly
+/// empty.
 Json binned(const Eigen::VectorXd& x, const Eigen::VectorXd& before, const Eigen::VectorXd& after) {
   constexpr int kBins = 60;
   std::vector<double> sorted(x.data(), x.data() + x.size());

@@ -5,8 +5,8 @@
 
 namespace knee_robot::report {
 
-/// What the plots of trace's page show beside report.json: forces of every recording, mean residual over velocity and position,
-/// friction around a reversal, the camera's error, and the motion of the next experiment.
+/// What the plots of trace's page show beside report.json: forces of every recording, mean residual over velocity and
+/// position, friction around a reversal, the camera's error, and the motion of the next experiment.
 Json traceSeries(const TraceResults& results);
 
 }  // namespace knee_robot::report

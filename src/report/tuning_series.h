@@ -5,8 +5,9 @@
 
 namespace knee_robot::report {
 
-/// What the plots of the tuning page show, one entry an axis, null where it is not judged: commanded and modelled force, sensitivity
-/// and step response of present and proposed gains at the lightest and the heaviest end of the range.
+/// What the plots of the tuning page show, one entry an axis, null where it is not judged: commanded and modelled
+/// force, sensitivity and step response of present and proposed gains at the lightest and the heaviest end of the
+/// range.
 Json tuningSeries(const TuningResults& results);
 
 }  // namespace knee_robot::report

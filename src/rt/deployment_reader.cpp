@@ -29,7 +29,8 @@ void at(const StrictMap& map, const std::string& key, Call&& call) {
   }
 }
 
-/// The output that an input's name stands for: `x` of another component, or for `x_2` the `x` of a component whose name ends in 2.
+/// The output that an input's name stands for: `x` of another component, or for `x_2` the `x` of a component whose name
+/// ends in 2.
 bool isMeant(const TaskContext& sender, const PortBase& output, const PortBase& input) {
   if (!output.isOutput() || output.type() != input.type()) return false;
   if (output.name() == input.name()) return true;

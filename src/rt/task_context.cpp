@@ -179,9 +179,9 @@ void TaskContext::exception(const char* sentence) noexcept {
   enterException(active_hook_);
 }
 
-/// Hooks that have run or are running are not called again: stopHook unless it was the one that threw (or the component was not
-/// running), cleanupHook likewise, exceptionHook always. A second exception on this way is a fatal error, after the rest of the
-/// way: leaving outputs safe comes first.
+/// Hooks that have run or are running are not called again: stopHook unless it was the one that threw (or the component
+/// was not running), cleanupHook likewise, exceptionHook always. A second exception on this way is a fatal error, after
+/// the rest of the way: leaving outputs safe comes first.
 void TaskContext::enterException(Hook thrown_by) noexcept {
   if (state() >= TaskState::Exception) return;
   const bool was_running = isRunning() || thrown_by == Hook::Start;

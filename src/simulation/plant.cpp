@@ -29,8 +29,8 @@ bool allHeld(const AxisContacts& contacts) {
 
 }  // namespace
 
-/// M (v+ - v) = h (J^T (tau - C (w + w+) / 2) - bias + f) + Je^T p with w = J v; everything at the middle of the substep but
-/// Je, the Jacobian at its end.
+/// M (v+ - v) = h (J^T (tau - C (w + w+) / 2) - bias + f) + Je^T p with w = J v; everything at the middle of the
+/// substep but Je, the Jacobian at its end.
 bool substepPlant(const PlantModel& model, const PlantLoads& loads, double h, PlantState& state, PlantData& data) {
   const mechanism::Pose middle = state.pose + 0.5 * h * state.pose_velocity;
   const mechanism::Vector4 predicted_velocity = state.pose_velocity + 0.5 * h * state.last_acceleration;

@@ -30,7 +30,8 @@ SimTK::Vec3 vec3(const mechanism::Vector3& v) {
   return {v[0], v[1], v[2]};
 }
 
-/// Our 15 coordinates in the order of Simbody's joints; theta_4 counts from the leg, `offset` (pi/2 for positions, else 0) away.
+/// Our 15 coordinates in the order of Simbody's joints; theta_4 counts from the leg, `offset` (pi/2 for positions, else
+/// 0) away.
 SimTK::Vector inJointOrder(const mechanism::Coordinates& c, double offset) {
   SimTK::Vector v(mechanism::kUrdfJoints);
   for (int i = 0; i < 3; ++i) {
@@ -191,7 +192,8 @@ bool SimbodyRobot::follow(const AxisMotion& motion) {
     if (!(open < 1.0)) return false;
     if (open < kClosed_m || (round > 3 && open < kDone_m && open >= 0.5 * before)) break;  // rounding is reached
     if (round + 1 == kRounds) return false;
-    // Rates of universals, pins and sliders are the derivatives of their coordinates, so the velocity matrix serves here too.
+    // Rates of universals, pins and sliders are the derivatives of their coordinates, so the velocity matrix serves
+    // here too.
     setDependent(s.state.updQ(), s.constraintMatrix().dependent.partialPivLu().solve(-error), true);
   }
   const System::Split g = s.constraintMatrix();

@@ -41,8 +41,8 @@ std::vector<identification::Observation> asSeenFrom(const TraceData& data, int o
   return out;
 }
 
-/// Does the effect explain the training data clearly better with its own position than with the one that went with it? Both are
-/// fitted with everything else; compared block by block.
+/// Does the effect explain the training data clearly better with its own position than with the one that went with it?
+/// Both are fitted with everything else; compared block by block.
 bool clearlyOwn(const Search& s, std::size_t effect, int own, int other) {
   const std::vector<Hypothesis> all = hypothesesOf(s.effects);
   std::vector<Eigen::MatrixXd> rows;

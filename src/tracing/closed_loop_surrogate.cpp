@@ -159,8 +159,9 @@ recording::Recording emptySurrogate(const recording::Recording& r) {
   return surrogate;
 }
 
-/// The effective mass that makes the surrogate follow the recorded motion best. A regression over the acceleration gives too much where
-/// something else goes with the acceleration, and a surrogate that is too heavy overshoots where the machine stops.
+/// The effective mass that makes the surrogate follow the recorded motion best. A regression over the acceleration
+/// gives too much where something else goes with the acceleration, and a surrogate that is too heavy overshoots where
+/// the machine stops.
 void chooseMass(const mechanism::Robot& robot, const recording::Recording& r, const identification::Observation& o,
                 const Eigen::VectorXd& load, int i, SurrogatePlan& plan) {
   const double fitted = plan.mass_kg[i];

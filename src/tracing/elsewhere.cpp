@@ -20,14 +20,15 @@ constexpr double kMovingErrors = 2.0;  ///< the same while axes move, where all 
 struct Helps {
   HeldBackGain moving, all;
 
-  /// Near rest friction may take any value, and most of what is left lies there: what clearly helps while axes move need not surely help
-  /// in all samples, but help.
+  /// Near rest friction may take any value, and most of what is left lies there: what clearly helps while axes move
+  /// need not surely help in all samples, but help.
   bool surely() const {
     return all.mean > kErrors * all.error || (all.mean > 0.0 && moving.mean > kMovingErrors * moving.error);
   }
 };
 
-/// Squares (weighted, at the stack's rate) that a model with these effects leaves where the pose is masked: nothing was fitted there.
+/// Squares (weighted, at the stack's rate) that a model with these effects leaves where the pose is masked: nothing was
+/// fitted there.
 double maskedSquares(const Search& s, const std::vector<Hypothesis>& effects) {
   const JointFit fit = fitOf(s, effects);
   const SurrogateModel model = {s.base->parametersOf(fit.base), effects, fit.coefficients};

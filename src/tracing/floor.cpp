@@ -44,8 +44,8 @@ double densityEstimate(const identification::Observation& o, const Eigen::Vector
   return quietSpread(high - low, static_cast<Eigen::Index>(rate)) / std::sqrt(3.0);  // the band is three cut-offs wide
 }
 
-/// Squared differences between repeats, per actuator, block by block. Noise is alike everywhere; what is larger in few blocks
-/// happened in one run and not in the other: an event, to be traced.
+/// Squared differences between repeats, per actuator, block by block. Noise is alike everywhere; what is larger in few
+/// blocks happened in one run and not in the other: an event, to be traced.
 class RepeatDifferences {
  public:
   explicit RepeatDifferences(int axes) : squares_(static_cast<std::size_t>(axes)) {}

@@ -58,10 +58,10 @@ identification::Equations equationsOf(const TraceData& data, const Eigen::Vector
   return e;
 }
 
-/// `groups`: columns of effects with several coefficients, which get a slight pull to zero: hat functions add up to a constant
-/// that the base has already. `whole`: norms with all blocks of the columns of maps, else 0: a hat acts at one place, and where that is left
-/// out next to nothing of it may remain, from which its coefficient would be anything. `prior`: per column, root of the weight of a pull to
-/// zero.
+/// `groups`: columns of effects with several coefficients, which get a slight pull to zero: hat functions add up to a
+/// constant that the base has already. `whole`: norms with all blocks of the columns of maps, else 0: a hat acts at one
+/// place, and where that is left out next to nothing of it may remain, from which its coefficient would be anything.
+/// `prior`: per column, root of the weight of a pull to zero.
 Eigen::VectorXd solve(const Eigen::MatrixXd& triangle, int bounded, const std::vector<int>& groups,
                       const Eigen::VectorXd& whole, const Eigen::VectorXd& prior) {
   const Eigen::Index p = triangle.cols() - 1;

@@ -4,8 +4,8 @@
 
 namespace knee_robot::tracing {
 
-/// The columns of everything that may be added. Building and filtering them is most of the work of a search, and only few of them
-/// change with the fit: they are kept from pass to pass.
+/// The columns of everything that may be added. Building and filtering them is most of the work of a search, and only
+/// few of them change with the fit: they are kept from pass to pass.
 class Library {
  public:
   /// `fast_only`: of those that show in fast motion.

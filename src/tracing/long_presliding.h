@@ -7,9 +7,9 @@
 
 namespace knee_robot::tracing {
 
-/// Says on which actuators most of the dry friction builds up over a way far longer than an
-/// encoder's steps: the baseline's own law near rest has that, and nothing is left to add. Said where every family of laws without
-/// such a way is surely worse on held-back blocks; empty where that is so of none.
+/// Says on which actuators most of the dry friction builds up over a way far longer than an encoder's steps: the
+/// baseline's own law near rest has that, and nothing is left to add. Said where every family of laws without such a
+/// way is surely worse on held-back blocks; empty where that is so of none.
 std::string longPresliding(const std::vector<identification::FrictionChoice>& choices);
 
 }  // namespace knee_robot::tracing

@@ -26,7 +26,8 @@ struct MapSignal {
   bool rests_on_model = false;
 };
 
-/// Piecewise linear function of one signal, times its factor: hat functions on knots at equal shares of the training samples.
+/// Piecewise linear function of one signal, times its factor: hat functions on knots at equal shares of the training
+/// samples.
 class Map : public Candidate {
  public:
   Map(MapSignal signal, std::vector<std::vector<double>> knots)

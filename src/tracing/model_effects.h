@@ -4,7 +4,8 @@
 
 namespace knee_robot::tracing {
 
-/// An effect of a model file as predictions and the search take it. Named candidates come from `named`; maps are added to `maps`.
+/// An effect of a model file as predictions and the search take it. Named candidates come from `named`; maps are added
+/// to `maps`.
 /// `recordings`: that the file was fitted on. InputError, naming `model_path`, when it is unknown or has other numbers.
 FoundEffect effectOf(const mechanism::Robot& robot, const dynamics::ModelEffect& effect, int recordings,
                      const std::string& model_path, const CandidateList& named, CandidateList& maps);

@@ -4,8 +4,9 @@
 namespace knee_robot::tracing {
 namespace {
 
-/// Laws beside the one that was chosen: stops from fine to long, smooth laws from steep to flat. The data chose among laws of few
-/// shapes; a machine's own is none of them, and what is left of it looks like a delay, like Stribeck friction, like presliding.
+/// Laws beside the one that was chosen: stops from fine to long, smooth laws from steep to flat. The data chose among
+/// laws of few shapes; a machine's own is none of them, and what is left of it looks like a delay, like Stribeck
+/// friction, like presliding.
 std::vector<dynamics::FrictionLaw> otherLaws() {
   return {dynamics::stopLaw(2e-5),     dynamics::stopLaw(6e-5),    dynamics::stopLaw(2e-4),
           dynamics::smoothLaw(0.0005), dynamics::smoothLaw(0.002), dynamics::bristleLaw(1e-4)};

@@ -8,8 +8,8 @@
 
 namespace knee_robot::tracing {
 
-/// Calls task(k) for k = 0 .. count - 1, on as many threads as the machine has processors. Tasks must not share what they write;
-/// the first exception is passed on.
+/// Calls task(k) for k = 0 .. count - 1, on as many threads as the machine has processors. Tasks must not share what
+/// they write; the first exception is passed on.
 template <typename Task>
 void inParallel(std::size_t count, const Task& task) {
   std::atomic<std::size_t> next{0};

@@ -33,7 +33,8 @@ std::vector<Eigen::Index> ownColumns(const BaseFit& base) {
   return own;
 }
 
-/// Directions of the rigid parameters: what is known, the point mass's moments of inertia, mass and first moments on the last body.
+/// Directions of the rigid parameters: what is known, the point mass's moments of inertia, mass and first moments on
+/// the last body.
 struct Directions {
   Eigen::VectorXd known;
   Eigen::MatrixXd mass;

@@ -87,7 +87,8 @@ void findDelay(const std::vector<double>& time_s, const Eigen::MatrixXd& measure
   alignment.delay_known = true;
 }
 
-/// Least squares over the chosen rows. The turn is found by Gauss-Newton on points and theta together; shift and plate follow.
+/// Least squares over the chosen rows. The turn is found by Gauss-Newton on points and theta together; shift and plate
+/// follow.
 void fitFrame(const Eigen::MatrixXd& camera, const Eigen::MatrixXd& measured, const std::vector<Eigen::Index>& rows,
               CameraAlignment& a) {
   Eigen::Vector4d camera_mean = Eigen::Vector4d::Zero(), measured_mean = camera_mean;
@@ -153,8 +154,8 @@ std::vector<Eigen::Index> usableRows(const Eigen::MatrixXd& camera, const PosePa
   return regular.size() >= static_cast<std::size_t>(kFewest) ? regular : known;
 }
 
-/// The camera's poses in the robot's frame without those that would spoil the correlation: wrong pictures, and poses beyond a
-/// singularity, where the encoders' are not the camera's.
+/// The camera's poses in the robot's frame without those that would spoil the correlation: wrong pictures, and poses
+/// beyond a singularity, where the encoders' are not the camera's.
 Eigen::MatrixXd trustedPoses(const CameraAlignment& rough, const Eigen::MatrixXd& camera, const PosePath& measured,
                              const std::vector<Eigen::Index>& rows) {
   std::vector<double> all;
@@ -220,7 +221,8 @@ Eigen::MatrixXd cameraAtRows(const recording::Recording& recording, double delay
   return at(pictures_s, poses.topRows(pictures), when_s);
 }
 
-/// A turned frame mixes X and Z and with it moves the peak of the correlation, and a delay moves the frame: so in turns.
+/// A turned frame mixes X and Z and with it moves the peak of the correlation, and a delay moves the frame: so in
+/// turns.
 CameraAlignment alignCamera(const recording::Recording& recording, const PosePath& measured, double condition_max) {
   constexpr int kRounds = 4;
   CameraAlignment alignment;

@@ -42,10 +42,12 @@ struct PoseStack {
   std::vector<Pick> picks;
   int pieces = 0;
 };
-/// At most `rate_hz` rows a second, one a second at rest. Pieces: recordings when there are several, else eight contiguous parts.
+/// At most `rate_hz` rows a second, one a second at rest. Pieces: recordings when there are several, else eight
+/// contiguous parts.
 PoseStack stackPose(const std::vector<PoseView>& views, double rate_hz);
 
-/// Camera minus model at the picks (4 a pick), and its derivative by turn, shift X, shift Z, plate, and by the hypotheses.
+/// Camera minus model at the picks (4 a pick), and its derivative by turn, shift X, shift Z, plate, and by the
+/// hypotheses.
 struct PoseEquations {
   Eigen::VectorXd residual;
   Eigen::MatrixXd frame;       ///< 4 n x 4
@@ -54,8 +56,8 @@ struct PoseEquations {
 PoseEquations poseEquations(const mechanism::Robot& robot, const std::vector<PoseView>& views, const PoseStack& stack,
                             const PoseModel& model, const std::vector<PoseHypothesis>& hypotheses);
 
-/// Gauss-Newton on frame and causes from the model's present values, with rows weighed by 1 / sigma of their coordinate and only
-/// those of `use` (all when empty). Half plays stay at zero or above.
+/// Gauss-Newton on frame and causes from the model's present values, with rows weighed by 1 / sigma of their coordinate
+/// and only those of `use` (all when empty). Half plays stay at zero or above.
 void fitPose(const mechanism::Robot& robot, const std::vector<PoseView>& views, const PoseStack& stack,
              const mechanism::Vector4& sigma, const std::vector<char>& use, PoseModel& model);
 

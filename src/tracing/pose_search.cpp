@@ -34,7 +34,8 @@ void weigh(Eigen::MatrixXd& rows, const mechanism::Vector4& sigma) {
     rows.row(k) /= sigma[k % 4];
 }
 
-/// Equations of the present model, weighed; columns of hypotheses are change of the residual per unit, so a solution is minus them.
+/// Equations of the present model, weighed; columns of hypotheses are change of the residual per unit, so a solution is
+/// minus them.
 struct Weighed {
   Eigen::VectorXd residual;
   Eigen::MatrixXd model;  ///< frame and accepted causes
@@ -106,7 +107,8 @@ PoseNull nullOf(const PoseSearch& s, const Eigen::MatrixXd& q, const Eigen::Matr
   return null;
 }
 
-/// Squares that are left on each piece when the columns are fitted to the other pieces; the last column's values as well.
+/// Squares that are left on each piece when the columns are fitted to the other pieces; the last column's values as
+/// well.
 struct HeldBack {
   Eigen::VectorXd square, last;
 };
@@ -201,8 +203,8 @@ Refitted refitted(const PoseSearch& s, Eigen::Index at) {
   return out;
 }
 
-/// The best trial and those much like it, fitted to the end: straight columns are too crude to rank near relations. Best first; what
-/// follows leaves no more than the best does, but for one standard error over pieces.
+/// The best trial and those much like it, fitted to the end: straight columns are too crude to rank near relations.
+/// Best first; what follows leaves no more than the best does, but for one standard error over pieces.
 std::vector<Refitted> closestRivals(const PoseSearch& s, const std::vector<PoseTrial>& trials, const PoseTrial& best,
                                     const Eigen::MatrixXd& columns, const mechanism::Vector4& before) {
   constexpr double kAlike = 0.6;  // cosine of the columns, or share of the square that is explained
@@ -249,8 +251,8 @@ void erase(PoseSearch& s, std::size_t k) {
   refit(s);
 }
 
-/// Held-back gain of every cause in the model beside the others; takes out those that the others have made superfluous. Sets the
-/// standard errors by the jackknife over pieces.
+/// Held-back gain of every cause in the model beside the others; takes out those that the others have made superfluous.
+/// Sets the standard errors by the jackknife over pieces.
 void judgeMembers(PoseSearch& s) {
   for (std::size_t k = 0; k < s.findings.size();) {
     const Weighed w = equationsOf(s);

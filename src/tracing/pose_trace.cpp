@@ -13,8 +13,8 @@ namespace {
 
 constexpr double kPickRate_hz = 25.0;
 
-/// Standard deviation of single pictures: second differences of neighbours, robustly (1.4826 times the median magnitude), over
-/// sqrt(6).
+/// Standard deviation of single pictures: second differences of neighbours, robustly (1.4826 times the median
+/// magnitude), over sqrt(6).
 mechanism::Vector4 pictureNoise(const std::vector<PoseView>& views) {
   std::vector<double> second[4];
   for (const PoseView& view : views) {

@@ -20,8 +20,9 @@ struct Entry {
   std::size_t effect = 0, parameter = 0;
 };
 
-/// What base and effects leave, as a function of the shapes: coefficients are solved for (variable projection). Of the derivative, the part
-/// that changes the coefficients lies in the columns and is left out (Kaufman 1975): the gradient is exact without it.
+/// What base and effects leave, as a function of the shapes: coefficients are solved for (variable projection). Of the
+/// derivative, the part that changes the coefficients lies in the columns and is left out (Kaufman 1975): the gradient
+/// is exact without it.
 class LeftBeside : public ceres::CostFunction {
  public:
   LeftBeside(const Search& s, std::vector<Entry> entries)

@@ -64,8 +64,8 @@ void refit(Search& s) {
   }
 }
 
-/// Effects as the choice of friction's law wants them: what multiplies the law, as factors of Coulomb friction, and the forces of
-/// all others.
+/// Effects as the choice of friction's law wants them: what multiplies the law, as factors of Coulomb friction, and the
+/// forces of all others.
 struct SplitEffects {
   Eigen::MatrixXd level, force_N;
 };

@@ -28,7 +28,8 @@ Eigen::MatrixXd frictionInTime(const Eigen::VectorXd& share, const Eigen::Vector
   return out;
 }
 
-/// What friction that was fitted without a block saves in it, in standard errors over the blocks: slow noise saves nothing there.
+/// What friction that was fitted without a block saves in it, in standard errors over the blocks: slow noise saves
+/// nothing there.
 double sureness(const Eigen::MatrixXd& columns, const Eigen::VectorXd& difference) {
   const Eigen::Index rows = difference.size();
   Eigen::VectorXd gain(kBlocks);

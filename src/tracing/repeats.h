@@ -11,9 +11,9 @@ struct RepeatedCycle {
   std::vector<int> first;  ///< samples n whose reference is that of n + lag
 };
 
-/// Looks for the lag at which the longest moving part of the reference, at least one whole cycle of 2 s or more in which some
-/// actuator's reference travels 5 mm, comes again within 0.1 mm (and half a sample of its motion). Of equally good lags the
-/// shortest. None without reference columns.
+/// Looks for the lag at which the longest moving part of the reference, at least one whole cycle of 2 s or more in
+/// which some actuator's reference travels 5 mm, comes again within 0.1 mm (and half a sample of its motion). Of
+/// equally good lags the shortest. None without reference columns.
 RepeatedCycle findRepeatedCycle(const recording::Recording& recording, const recording::Signals& signals);
 
 }  // namespace knee_robot::tracing

@@ -20,8 +20,8 @@ constexpr double kSure = 0.8;          ///< probability of a name below which it
 constexpr double kNearlyAsGood = 0.8;  ///< share of the best one's held-back gain at which a runner-up is a rival
 constexpr double kDiscount = 0.8;      ///< a map must explain this much more than a named effect to be preferred
 
-/// Sum of the held-back gains by which trials are ranked; of maps and generalizations what they surely gain, because they bend to
-/// much.
+/// Sum of the held-back gains by which trials are ranked; of maps and generalizations what they surely gain, because
+/// they bend to much.
 double worth(const Trial& t) {
   const double n = static_cast<double>(t.nested_gain.size());
   const HeldBackGain g = heldBackGain(t.nested_gain);
@@ -35,7 +35,8 @@ bool related(const Trial& a, const Trial& b) {
          b.hypothesis.place.candidate->generalizes() == a.name();
 }
 
-/// Roots of the shares that the best shape of every place (rows; only those with a row number) explains of residuals (columns).
+/// Roots of the shares that the best shape of every place (rows; only those with a row number) explains of residuals
+/// (columns).
 Eigen::MatrixXd rootsOf(const Search& s, const Projection& projection, const std::map<std::size_t, Eigen::Index>& row,
                         const Eigen::MatrixXd& residuals) {
   Eigen::MatrixXd roots(static_cast<Eigen::Index>(row.size()), residuals.cols());

@@ -14,7 +14,8 @@ struct Search {
   TraceData* data = nullptr;
   BaseFit* base = nullptr;
   Library* library = nullptr;  ///< columns of everything that may be added
-  /// What other laws of friction near rest would change: rows in N, not scaled. Nothing is found that they explain as well.
+  /// What other laws of friction near rest would change: rows in N, not scaled. Nothing is found that they explain as
+  /// well.
   Eigen::MatrixXd near_rest;
   Attention attention = Attention::All;
   bool maps = true;                          ///< unnamed ones compete too
@@ -46,15 +47,18 @@ SurrogateModel modelOf(const Search& search);
 /// Fits base and effects together and rebuilds what depends on the fit (loads, forces), twice.
 void refit(Search& search);
 
-/// Fits the baseline and chooses its laws of friction near rest anew, with the effects' forces taken off, and fits again.
+/// Fits the baseline and chooses its laws of friction near rest anew, with the effects' forces taken off, and fits
+/// again.
 /// True when the law of friction has changed.
 bool rebase(Search& search);
 
 /// Puts another baseline under the effects, with its laws near rest, and fits again. True when those laws are others.
 bool adoptBase(Search& search, BaseFit base);
 
-/// Decides for all effects of one kind whether their friction builds up near rest by the actuators' law or by a smooth one of its own:
-/// either way the actuators' law is chosen anew beside it, and held-back blocks compare. True when that law may have changed.
+/// Decides for all effects of one kind whether their friction builds up near rest by the actuators' law or by a smooth
+/// one of its own:
+/// either way the actuators' law is chosen anew beside it, and held-back blocks compare. True when that law may have
+/// changed.
 bool settleRestLaw(Search& search, const Candidate* kind);
 
 /// Fills search.near_rest for the law that the base has now.
@@ -63,48 +67,50 @@ void updateNearRest(Search& search);
 /// Least squares onto the model as it stands (`effects`), and what other laws near rest would change.
 Projection projectModel(const Search& search, const std::vector<Hypothesis>& effects);
 
-/// Share of the squared noise that friction of one actuator explains beyond the laws near rest that it might have instead. A law is a mixture of
-/// shares that are positive: what only their difference explains (dry friction that is larger while creeping) is no law.
+/// Share of the squared noise that friction of one actuator explains beyond the laws near rest that it might have
+/// instead. A law is a mixture of shares that are positive: what only their difference explains (dry friction that is
+/// larger while creeping) is no law.
 double shareBeyondLaws(const Search& search, const Hypothesis& friction);
 
-/// Adds what the library holds, named effects and maps in the same pass, one after the other while they pass every test; the same
-/// effect on other actuators follows at once. At most `most` additions, those not counted.
+/// Adds what the library holds, named effects and maps in the same pass, one after the other while they pass every
+/// test; the same effect on other actuators follows at once. At most `most` additions, those not counted.
 void searchForward(Search& search, int most, std::uint64_t seed);
 
-/// Takes out, the least needed first, effects without which held-back blocks are predicted as well; those of a given model
-/// included.
+/// Takes out, the least needed first, effects without which held-back blocks are predicted as well; those of a given
+/// model included.
 void eliminateBackward(Search& search);
 
-/// Takes out periodic effects that do not go on at positions which were held back: remainders of a few stops look like a ripple of a
-/// short period, too.
+/// Takes out periodic effects that do not go on at positions which were held back: remainders of a few stops look like
+/// a ripple of a short period, too.
 void dropWhatDoesNotRepeat(Search& search);
 
-/// A new effect that acts on all actuators may be what several others stood for together: those are taken out at once where held-back
-/// blocks are predicted as well without them, its shape refined alone, within a standard error.
+/// A new effect that acts on all actuators may be what several others stood for together: those are taken out at once
+/// where held-back blocks are predicted as well without them, its shape refined alone, within a standard error.
 void standAlone(Search& search, const Place& place);
 
-/// Puts an effect that was found on another actuator in place of a map, where held-back blocks are predicted as well by it, within a
-/// standard error: screws of one machine are alike.
+/// Puts an effect that was found on another actuator in place of a map, where held-back blocks are predicted as well by
+/// it, within a standard error: screws of one machine are alike.
 void replaceMaps(Search& search);
 
 /// Refines the shapes of all effects together: variable projection, coefficients solved for at every step.
 void refineShapes(Search& search);
 
-/// Held-back stretches of other positions, and samples with a masked pose: what each effect saves there. Effects that do not surely
-/// help there are not predicted elsewhere.
+/// Held-back stretches of other positions, and samples with a masked pose: what each effect saves there. Effects that
+/// do not surely help there are not predicted elsewhere.
 void judgeElsewhere(Search& search, std::vector<std::string>& notes);
 /// The same of a chain, whose reports name nothing that fails there: it is taken out, the most harmful one first.
 void abstainElsewhere(Search& search, std::vector<std::string>& notes);
 
-/// Whether what is predicted elsewhere predicts held-back stretches of other positions surely better than the baseline, with its own
-/// laws near rest, does.
+/// Whether what is predicted elsewhere predicts held-back stretches of other positions surely better than the baseline,
+/// with its own laws near rest, does.
 bool helpsElsewhere(Search& search, const BaseFit& baseline);
-/// Takes out ripples, pushes and thermal drifts that explain less than a noise floor on every actuator, and unnamed maps below two, but for those
-/// that themselves help at held-back positions where the whole surely does (`helps`). Returns how many; the fit is not done anew.
+/// Takes out ripples, pushes and thermal drifts that explain less than a noise floor on every actuator, and unnamed
+/// maps below two, but for those that themselves help at held-back positions where the whole surely does (`helps`).
+/// Returns how many; the fit is not done anew.
 int leaveOutSmall(Search& search, bool helps, std::vector<std::string>& rejected);
 
-/// An effect that depends on a position which always went with another one in training is seen, but not what it depends on: on
-/// another path, where the two part, it would predict anything. Such effects are not predicted elsewhere.
+/// An effect that depends on a position which always went with another one in training is seen, but not what it depends
+/// on: on another path, where the two part, it would predict anything. Such effects are not predicted elsewhere.
 void holdBackAmbiguous(Search& search, std::vector<std::string>& notes);
 
 /// "stribeck on actuator 2".

@@ -142,8 +142,8 @@ void Tracing::planSurrogates() {
   attend(Attention::All);
 }
 
-/// Axes whose surrogate leaves much more than the recording itself are not what it says they are (friction that stops them
-/// otherwise than stiction does): their surrogates go along the measured motion instead.
+/// Axes whose surrogate leaves much more than the recording itself are not what it says they are (friction that stops
+/// them otherwise than stiction does): their surrogates go along the measured motion instead.
 bool Tracing::openLoops() {
   const Eigen::VectorXd left_N = surrogateResidual(s_.surrogates, data_, result_.base), real_N = result_.base.noise_N;
   bool any = false;
@@ -267,7 +267,8 @@ void Tracing::searchEffects() {
   }
 }
 
-/// Delays, lags and joints that give hardly change slow forces: looked for again in a band three times as high, beside what was found.
+/// Delays, lags and joints that give hardly change slow forces: looked for again in a band three times as high, beside
+/// what was found.
 void Tracing::searchFastBand() {
   double rate_hz = 1e9;
   for (const recording::Recording& r : recordings_)
@@ -318,7 +319,8 @@ void Tracing::keepFit() {
   result_.after_rms_N = s_.rms_N;
 }
 
-/// Friction that was fitted beside an effect is wrong where that is left out. Where nothing surely helps, the baseline is predicted.
+/// Friction that was fitted beside an effect is wrong where that is left out. Where nothing surely helps, the baseline
+/// is predicted.
 void Tracing::predictElsewhere() {
   if (s_.effects.empty()) return;
   const bool helps = options_.start || robot_.chain || helpsElsewhere(s_, result_.baseline);

@@ -32,7 +32,8 @@ constexpr double kNearRestErrors =
 constexpr double kSiblingLowered = 0.97;  ///< where the same effect was found on another actuator
 constexpr double kSiblingErrors = 2.0;
 
-/// Which picks are held back together: the stack's blocks; of a local effect, pieces of the part in which it acts (-1: outside).
+/// Which picks are held back together: the stack's blocks; of a local effect, pieces of the part in which it acts (-1:
+/// outside).
 std::vector<int> heldTogether(const Stack& stack, const Eigen::MatrixXd& columns, bool local, int& count) {
   std::vector<int> block(static_cast<std::size_t>(stack.size()), -1);
   count = local ? kLocalPieces : stack.blocks;

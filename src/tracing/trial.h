@@ -32,15 +32,16 @@ struct Ranking {
   std::vector<Trial> trials;  ///< with refined shapes and held-back gains; best held-back gain first
 };
 
-/// Compares the library's places (`only`: those of one candidate; null: all) beside the model as it stands. Sets search.fit.
+/// Compares the library's places (`only`: those of one candidate; null: all) beside the model as it stands. Sets
+/// search.fit.
 Ranking rankPlaces(Search& search, const Candidate* only);
 
-/// Gains of the held-back blocks (weighted squares) when the effect's coefficients are fitted, and its shape is chosen among `shapes`,
-/// without them; the baseline is fitted to everything with and without the effect.
+/// Gains of the held-back blocks (weighted squares) when the effect's coefficients are fitted, and its shape is chosen
+/// among `shapes`, without them; the baseline is fitted to everything with and without the effect.
 Eigen::VectorXd nestedGain(const Search& search, const Projection& projection, const std::vector<Hypothesis>& shapes);
 
-/// Empty when the trial may be accepted, but for the null; otherwise why not. `sibling`: the same effect was found on another actuator,
-/// so that less is asked for.
+/// Empty when the trial may be accepted, but for the null; otherwise why not. `sibling`: the same effect was found on
+/// another actuator, so that less is asked for.
 std::string objection(const Search& search, const Trial& trial, bool sibling);
 
 }  // namespace knee_robot::tracing

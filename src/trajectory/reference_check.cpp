@@ -146,7 +146,8 @@ void checkPath(CheckRun& run) {
       }
       watches.take(run.robot, follower.pose(), run.reference.lineOf(k));
     }
-    // At a fold the lengths turn back: they lead the robot back on its own branch, while the file goes on to the other one.
+    // At a fold the lengths turn back: they lead the robot back on its own branch, while the file goes on to the other
+    // one.
     const bool folded =
         run.reference.space == Space::Platform &&
         !((follower.pose().transpose() - run.reference.points.row(k)).cwiseAbs().maxCoeff() < kSamePose);

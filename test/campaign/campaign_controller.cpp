@@ -1,6 +1,6 @@
-// The product's controller (src/nodes/controller_main.cpp, the same libraries), linked so that its component factory gives components
-// which misbehave when the fault campaign orders it (misbehaving.h), and so that its wall clock can be set. The linker's --wrap puts
-// these between; nothing of this is in the product.
+// The product's controller (src/nodes/controller_main.cpp, the same libraries), linked so that its component factory
+// gives components which misbehave when the fault campaign orders it (misbehaving.h), and so that its wall clock can be
+// set. The linker's --wrap puts these between; nothing of this is in the product.
 
 #include <dlfcn.h>
 #include <time.h>
@@ -63,8 +63,8 @@ rt::TypeFactory campaignTypes(const mechanism::Robot& robot, const control::Hard
 
 }  // namespace knee_robot::campaign
 
-/// The wall clock of this process, an hour off when ordered: what a step by ntpd or by hand looks like from inside. In place of the
-/// C library's for this program and its shared libraries.
+/// The wall clock of this process, an hour off when ordered: what a step by ntpd or by hand looks like from inside. In
+/// place of the C library's for this program and its shared libraries.
 extern "C" int clock_gettime(clockid_t clock, timespec* time) noexcept {
   using Function = int (*)(clockid_t, timespec*);
   static const auto real = reinterpret_cast<Function>(::dlsym(RTLD_NEXT, "clock_gettime"));

@@ -1,5 +1,6 @@
-// chain_plant ROBOT MOTION OUTPUT: joint torques of an open chain in Simbody, for scripts/injection_campaign --chain. Its tree is built of
-// the links that the URDF names, one body each, with Simbody's own joints; no kinematics or dynamics of this project.
+// chain_plant ROBOT MOTION OUTPUT: joint torques of an open chain in Simbody, for scripts/injection_campaign --chain.
+// Its tree is built of the links that the URDF names, one body each, with Simbody's own joints; no kinematics or
+// dynamics of this project.
 // MOTION: rows of position, velocity, acceleration of all joints (rad or m), no header. OUTPUT: torques, a row each.
 #include <Simbody.h>
 

@@ -1,6 +1,7 @@
-// false_trips: how often the stepped controller stops a healthy robot in simulated hours of ordinary use, with friction that nobody told
-// it of; with --warnings, what the disturbance observer says of a robot that is as its model says; and with --frozen, what becomes of an
-// encoder that dies. scripts/false_trips starts it. Its figures are those of docs/results/faults.md.
+// false_trips: how often the stepped controller stops a healthy robot in simulated hours of ordinary use, with friction
+// that nobody told it of; with --warnings, what the disturbance observer says of a robot that is as its model says; and
+// with --frozen, what becomes of an encoder that dies. scripts/false_trips starts it. Its figures are those of
+// docs/results/faults.md.
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cmath>
@@ -200,7 +201,8 @@ double wayOf(const mechanism::Pose& from, const mechanism::Pose& to) {
   return 1e3 * (to - from).cwiseAbs().maxCoeff();
 }
 
-/// Robots that nobody touches hold for `hours`; then the encoders' common supply is lost. Stops of healthy ones, and losses that are not found.
+/// Robots that nobody touches hold for `hours`; then the encoders' common supply is lost. Stops of healthy ones, and
+/// losses that are not found.
 int stand(const std::string& robot, double hours) {
   int bad = 0;
   std::printf(

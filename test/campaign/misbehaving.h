@@ -12,8 +12,9 @@
 #include "knee_robot/control/sync.h"
 #include "knee_robot/simulation/shared_image.h"
 
-/// Components of the campaign's controller: the product's own, each with a hook that misbehaves when it is told to. What to do is
-/// hardware::InjectedFaults::component_fault = 100 * component + misbehaviour (program inject_fault, fault `component`).
+/// Components of the campaign's controller: the product's own, each with a hook that misbehaves when it is told to.
+/// What to do is hardware::InjectedFaults::component_fault = 100 * component + misbehaviour (program inject_fault,
+/// fault `component`).
 namespace knee_robot::campaign {
 
 enum class Part { Sync = 1, Driver = 2, Supervisor = 3, AxesOutput = 4, AxesInput = 5, Recorder = 6 };

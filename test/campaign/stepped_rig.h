@@ -21,7 +21,8 @@
 
 namespace knee_robot::control::stepped {
 
-/// A machine as somebody may have it: effects of docs/tracing.md, in the simulation file's words, and a payload nobody declared.
+/// A machine as somebody may have it: effects of docs/tracing.md, in the simulation file's words, and a payload nobody
+/// declared.
 struct Machine {
   const char* name;
   const char* effects;
@@ -105,7 +106,8 @@ class Rig {
     home = plant.state().pose;
   }
   bool hold() { return system->state() == MachineState::Holding || system->enable().ok; }
-  /// From where the robot stands to `pose` in `seconds`, rest to rest, at `speed` percent. False: refused, nothing moves.
+  /// From where the robot stands to `pose` in `seconds`, rest to rest, at `speed` percent. False: refused, nothing
+  /// moves.
   bool play(const mechanism::Pose& pose, double seconds) {
     const std::optional<TrackingRow> row = system->snapshot();
     const mechanism::Lengths from(row->reference_m.data());

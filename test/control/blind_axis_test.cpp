@@ -1,5 +1,5 @@
-// The whole controller on the simulated robot A while it moves: an encoder that dies, and a brake that closes, at many places of a path with
-// turning points. Both leave an axis without a count; the other axes tell which it is.
+// The whole controller on the simulated robot A while it moves: an encoder that dies, and a brake that closes, at many
+// places of a path with turning points. Both leave an axis without a count; the other axes tell which it is.
 #include "holding_robot.h"
 
 namespace knee_robot::control {

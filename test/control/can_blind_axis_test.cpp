@@ -1,4 +1,5 @@
-// Drives on CAN: an encoder that dies at rest and in motion, a brake that closes. Feedback is a servo period of 2 ms old there.
+// Drives on CAN: an encoder that dies at rest and in motion, a brake that closes. Feedback is a servo period of 2 ms
+// old there.
 #include <gtest/gtest.h>
 
 #include <algorithm>

@@ -10,7 +10,8 @@
 
 namespace knee_robot::fake {
 
-/// The whole controller, stepped, on four simulated CiA 402 drives on a bus in this process, which move the simulated robot A.
+/// The whole controller, stepped, on four simulated CiA 402 drives on a bus in this process, which move the simulated
+/// robot A.
 class CanRig {
  public:
   CanRig()

@@ -27,17 +27,8 @@ struct Controller {
         bus(simulation::openImageCards(image)) {
     char pattern[] = "/tmp/changes_at_once_XXXXXX";
     folder = mkdtemp(pattern);
-    dynamics::Model model = fake::modelOf(robot);
-    if (delay_s > 0.0) {
-      dynamics::ModelEffect effect;
-      effect.name = "delay";
-      effect.actuators = {2};
-      effect.coefficients = {{"delay_s", delay_s, 1e-4}};
-      model.effects = {effect};
-      for (const dynamics::ModelParameter& one : model.parameters)
-        model.effects_see.push_back(one.value);
-    }
-    dynamics::saveModel(model, folder + "/model.yaml");
+    dynamics::saveModel(delay_s > 0.0 ? fake::tracedModelOf(robot, {fake::delayOf(2, delay_s)}) : fake::modelOf(robot),
+                        folder + "/model.yaml");
     writeFileAtomically(folder + "/p17.yaml", kPatient);
     ControlSystem::Options options;
     options.execution = rt::Execution::Stepped;

@@ -1,4 +1,5 @@
-// The laws by themselves: passivity of the error dynamics along closed loops with Simbody as the robot, and what is refused.
+// The laws by themselves: passivity of the error dynamics along closed loops with Simbody as the robot, and what is
+// refused.
 #include "knee_robot/control/control_law.h"
 
 #include <gtest/gtest.h>
@@ -15,8 +16,8 @@ using mechanism::Vector4;
 
 constexpr double kP = 60000.0, kI = 300000.0, kD = 1500.0, kLambda = 20.0;  // as in config/deployment
 
-/// Robot A as Simbody builds it, under the passivity-based law in continuous time with a model whose parameters are `scale` times its
-/// own. Integrated with the storage's balance, whose terms are calculated from Simbody's motion.
+/// Robot A as Simbody builds it, under the passivity-based law in continuous time with a model whose parameters are
+/// `scale` times its own. Integrated with the storage's balance, whose terms are calculated from Simbody's motion.
 class ClosedLoop {
  public:
   explicit ClosedLoop(double scale)

@@ -11,7 +11,8 @@ namespace {
 
 const PidGains kGains{60000.0, 300000.0, 1500.0, 100.0};
 
-/// Whether an axis that begins 1 mm away from its reference has come to rest after 5 s, with a drive that acts `delay_ms` late.
+/// Whether an axis that begins 1 mm away from its reference has come to rest after 5 s, with a drive that acts
+/// `delay_ms` late.
 bool comesToRest(double mass, double viscous, int delay_ms) {
   Pid pid;
   pid.setGains(kGains);

@@ -1,4 +1,5 @@
-// The whole controller on the simulated robot A, stepped. At rest nobody is shaken while nothing happens, and a push finds a dead encoder.
+// The whole controller on the simulated robot A, stepped. At rest nobody is shaken while nothing happens, and a push
+// finds a dead encoder.
 // With a model it says who pushes, what is carried, whose friction has changed, and whether the model still holds.
 #include "holding_robot.h"
 

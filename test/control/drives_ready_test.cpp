@@ -1,4 +1,5 @@
-// The drives' ready outputs on a digital input: a drive that loses its supply is known in the next cycle, not by what falls.
+// The drives' ready outputs on a digital input: a drive that loses its supply is known in the next cycle, not by what
+// falls.
 #include "holding_robot.h"
 
 namespace knee_robot::control {

@@ -1,4 +1,5 @@
-// Questions on suspicion: a healthy axis answers within steps of its encoder and stays where it was, a dead one is found while it falls.
+// Questions on suspicion: a healthy axis answers within steps of its encoder and stays where it was, a dead one is
+// found while it falls.
 #include "knee_robot/control/encoder_challenge.h"
 
 #include <gtest/gtest.h>

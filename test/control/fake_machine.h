@@ -48,8 +48,8 @@ inline control::HardwareFile hardware() {
   return hardware;
 }
 
-/// One mass an axis, pulled down by a load, with viscous friction, motor and brake: enough of a machine to see it fall when the
-/// order of a safe stop is wrong. Not the project's simulated robot.
+/// One mass an axis, pulled down by a load, with viscous friction, motor and brake: enough of a machine to see it fall
+/// when the order of a safe stop is wrong. Not the project's simulated robot.
 class Machine : public hardware::AxisBus {
  public:
   struct Axis {

@@ -1,4 +1,5 @@
-// The whole controller with its feedforward on the simulated robot A, stepped: take-over, tracking, and faults that it must not hide.
+// The whole controller with its feedforward on the simulated robot A, stepped: take-over, tracking, and faults that it
+// must not hide.
 #include <gtest/gtest.h>
 #include <unistd.h>
 
@@ -223,7 +224,8 @@ TEST_P(HiddenFault, IsFoundWithFeedforwardAsWithout) {
                     status.fault_name.c_str(), 1e3 * (rig.plant.time() - begin), 1e3 * (height - rig.lowest));
         EXPECT_NE(std::find(one.names.begin(), one.names.end(), status.fault), one.names.end()) << status.fault_name;
         EXPECT_LT(rig.plant.time() - begin, one.longest_s) << one.what;
-        // Computed torque drives leg 4 harder by its larger share of the mass, a reversed one into the wrong direction too.
+        // Computed torque drives leg 4 harder by its larger share of the mass, a reversed one into the wrong direction
+        // too.
         const bool harder = GetParam() == Feedforward::ComputedTorque && one.inject == reverse;
         EXPECT_LT(height - rig.lowest, harder ? 0.023 : one.deepest_m) << one.what;
       }
@@ -301,16 +303,8 @@ TEST(ControlLaws, NeedAModel) {
 TEST(TracedDelay, IsRefusedWhereItsLoopWouldBeUnstable) {
   Rig rig(Feedforward::Model);
   const auto refusal = [&](double delay_s) {
-    dynamics::Model model = fake::modelOf(rig.robot);
-    dynamics::ModelEffect effect;
-    effect.name = "delay";
-    effect.actuators = {2};
-    effect.coefficients = {{"delay_s", delay_s, 1e-4}};
-    model.effects = {effect};
-    for (const dynamics::ModelParameter& one : model.parameters)
-      model.effects_see.push_back(one.value);
     const std::string path = ::testing::TempDir() + "delayed_" + std::to_string(::getpid()) + ".yaml";
-    dynamics::saveModel(model, path);
+    dynamics::saveModel(fake::tracedModelOf(rig.robot, {fake::delayOf(2, delay_s)}), path);
     ControlSystem::Options options;
     options.execution = rt::Execution::Stepped;
     options.model = path;

@@ -80,7 +80,8 @@ struct Rig {
     fastest = farthest = strongest = 0.0;
   }
   void hold(bool switch_held) { image.surroundings.enabling_switch_held.store(switch_held ? 1 : 0); }
-  /// A hand that leans on the platform by `distance` of its spring, begins to guide, and lets go when the axes have trembled.
+  /// A hand that leans on the platform by `distance` of its spring, begins to guide, and lets go when the axes have
+  /// trembled.
   void beginLeaningOn(int coordinate, double distance) {
     ASSERT_TRUE(system->start().ok);
     ASSERT_TRUE(system->enable().ok);

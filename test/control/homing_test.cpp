@@ -1,4 +1,5 @@
-// Incremental encoders know nothing when they are switched on: by hand, against a switch, against the end of the stroke.
+// Incremental encoders know nothing when they are switched on: by hand, against a switch, against the end of the
+// stroke.
 #include <gtest/gtest.h>
 
 #include <cmath>

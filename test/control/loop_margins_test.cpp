@@ -73,7 +73,8 @@ std::complex<double> measuredLoop(const PidGains& gains, const AxisPlant& plant,
   fake::SimulatedAxis axis = axisOf(plant);
   const double w = 2.0 * M_PI * frequency, amplitude = 100.0;
   const std::complex<double> j(0.0, 1.0);
-  // The answer to a force that began long ago: the start's drift of a free mass is the line through the first and last period.
+  // The answer to a force that began long ago: the start's drift of a free mass is the line through the first and last
+  // period.
   const int cycles = static_cast<int>(std::lround(20.0 / frequency / kPeriod));
   const int one = static_cast<int>(std::lround(1.0 / frequency / kPeriod));
   std::vector<double> position;

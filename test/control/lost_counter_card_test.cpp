@@ -1,4 +1,5 @@
-// A counter card that loses its supply and comes back: its counts begin anew, and where its mode words are gone it counts nothing.
+// A counter card that loses its supply and comes back: its counts begin anew, and where its mode words are gone it
+// counts nothing.
 #include "holding_robot.h"
 
 namespace knee_robot::control {

@@ -1,4 +1,5 @@
-// The encoders' common supply is lost at rest: nothing counts, nothing looks like a disturbance, and whoever pushes takes the platform along.
+// The encoders' common supply is lost at rest: nothing counts, nothing looks like a disturbance, and whoever pushes
+// takes the platform along.
 #include "holding_robot.h"
 #include "knee_robot/control/rest_turn.h"
 

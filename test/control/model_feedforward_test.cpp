@@ -1,4 +1,5 @@
-// The feedforward by itself, and what it does to the take-over: no jump, no number that is none, no force that was not asked for.
+// The feedforward by itself, and what it does to the take-over: no jump, no number that is none, no force that was not
+// asked for.
 #include "knee_robot/control/model_feedforward.h"
 
 #include <gtest/gtest.h>
@@ -252,14 +253,11 @@ TEST_F(ModelFeedforwardTest, AddsFrictionAlongTheReferenceAndLetsGoOfItAtRest) {
 
 TEST_F(ModelFeedforwardTest, ForeseesTracedEffectsAndNamesThoseThatItLeavesOut) {
   const std::string path = temporaryFile("model_feedforward_traced_test.yaml");
-  dynamics::Model model = fake::modelOf(robot);
-  for (const dynamics::ModelParameter& p : model.parameters)
-    model.effects_see.push_back(p.value);
   dynamics::ModelEffect offset = fake::stribeckOf(1), play = fake::stribeckOf(3);
   offset.name = "force_offset";
   offset.shape.clear();
   play.name = "backlash";
-  model.effects = {fake::stribeckOf(2), offset, play};
+  dynamics::Model model = fake::tracedModelOf(robot, {fake::stribeckOf(2), offset, play});
   dynamics::saveModel(model, path);
   component.model.set(path);
   component.share_friction.set(1.0);

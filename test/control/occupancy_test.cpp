@@ -1,5 +1,5 @@
-// Who is on the robot: nothing moves before somebody has said it, a patient stays over a restart, and a machine that is not fit to carry
-// one is refused sentence by sentence.
+// Who is on the robot: nothing moves before somebody has said it, a patient stays over a restart, and a machine that is
+// not fit to carry one is refused sentence by sentence.
 #include <gtest/gtest.h>
 #include <stdlib.h>
 

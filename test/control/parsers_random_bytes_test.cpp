@@ -1,5 +1,5 @@
-// Files come from people, editors and broken disks: every reader either takes them or refuses them with its own errors. The same
-// readers are fuzzed for longer by scripts/fuzz; this is the short, deterministic part of it.
+// Files come from people, editors and broken disks: every reader either takes them or refuses them with its own errors.
+// The same readers are fuzzed for longer by scripts/fuzz; this is the short, deterministic part of it.
 #include <gtest/gtest.h>
 
 #include <random>

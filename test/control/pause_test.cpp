@@ -1,4 +1,5 @@
-// Pause, resume and speed scaling: the reference never jumps and never leaves its path, whatever is asked for in whichever order.
+// Pause, resume and speed scaling: the reference never jumps and never leaves its path, whatever is asked for in
+// whichever order.
 #include <gtest/gtest.h>
 
 #include <cmath>

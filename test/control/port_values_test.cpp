@@ -1,4 +1,5 @@
-// What the ports carry, as numbers for plots: nothing is forgotten, and looking on costs the real-time path neither memory nor values.
+// What the ports carry, as numbers for plots: nothing is forgotten, and looking on costs the real-time path neither
+// memory nor values.
 #include "knee_robot/control/port_values.h"
 
 #include <gtest/gtest.h>

@@ -10,7 +10,8 @@ namespace {
 
 const AxisValues kCount_m{{2e-5, 2e-5, 2e-5, 2e-5}};
 
-/// 8 ms each of +40, -200 and +200 N on axis 2, while the others are on their ways and move with the pulse by `share` of a free mass of 10 kg.
+/// 8 ms each of +40, -200 and +200 N on axis 2, while the others are on their ways and move with the pulse by `share`
+/// of a free mass of 10 kg.
 struct Pulse {
   double share = 0.0;
   bool others_are_asked_too = false;

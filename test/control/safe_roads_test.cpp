@@ -1,4 +1,5 @@
-// Every road out of Running: the safe stop runs exactly once, on all four channels, in its order, and the platform stays up.
+// Every road out of Running: the safe stop runs exactly once, on all four channels, in its order, and the platform
+// stays up.
 #include <gtest/gtest.h>
 
 #include <cmath>

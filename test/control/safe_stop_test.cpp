@@ -19,8 +19,8 @@ SafeStopTiming timing() {
   return timing;
 }
 
-/// Phases in their order and how long each lasted (ms), stepped every ms for 300 ms. `rest_ms`: when the reference comes to
-/// rest; `loops_ms`: when a loop fails.
+/// Phases in their order and how long each lasted (ms), stepped every ms for 300 ms. `rest_ms`: when the reference
+/// comes to rest; `loops_ms`: when a loop fails.
 struct Course {
   std::vector<Phase> phases;
   std::vector<int> lasted_ms;

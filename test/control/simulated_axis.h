@@ -41,8 +41,8 @@ struct SimulatedAxis {
   std::deque<double> under_way_;
 };
 
-/// Largest |position| in the second half of `time_s` over that in the first half, after a small step of the reference: beyond 1 the
-/// loop does not come to rest.
+/// Largest |position| in the second half of `time_s` over that in the first half, after a small step of the reference:
+/// beyond 1 the loop does not come to rest.
 inline double growth(const control::PidGains& gains, SimulatedAxis axis, double period, double time_s) {
   control::Pid pid;
   pid.setGains(gains);

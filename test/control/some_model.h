@@ -1,5 +1,8 @@
 #pragma once
 
+#include <utility>
+#include <vector>
+
 #include "knee_robot/dynamics/model.h"
 #include "knee_robot/dynamics/robot_inertia.h"
 
@@ -32,6 +35,24 @@ inline dynamics::Model modelOf(const mechanism::Robot& robot, double viscous = 1
   }
   model.base.push_back({1.0, 0.1, std::vector<double>(names.size(), 0.0)});
   return model;
+}
+
+/// modelOf(robot) with `effects`, traced beside the values that it has.
+inline dynamics::Model tracedModelOf(const mechanism::Robot& robot, std::vector<dynamics::ModelEffect> effects) {
+  dynamics::Model model = modelOf(robot);
+  for (const dynamics::ModelParameter& one : model.parameters)
+    model.effects_see.push_back(one.value);
+  model.effects = std::move(effects);
+  return model;
+}
+
+/// An actuator that answers `delay_s` late.
+inline dynamics::ModelEffect delayOf(int actuator, double delay_s) {
+  dynamics::ModelEffect effect;
+  effect.name = "delay";
+  effect.actuators = {actuator};
+  effect.coefficients = {{"delay_s", delay_s, 1e-4}};
+  return effect;
 }
 
 /// 10 N more at rest, falling off with 0.01 m/s.

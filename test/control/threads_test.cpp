@@ -1,4 +1,5 @@
-// The controller on real threads, with operators, recording and publishing beside it. Meant to be run under ThreadSanitizer too.
+// The controller on real threads, with operators, recording and publishing beside it. Meant to be run under
+// ThreadSanitizer too.
 #include <gtest/gtest.h>
 #include <stdlib.h>
 
@@ -23,8 +24,8 @@ ControlSystem::Options nobodyOnIt() {
 
 using fake::kHome;
 
-/// The fake machine moves on by one millisecond a cycle, however long the cycle took: what is tested here are threads, and a
-/// loaded machine must not make the platform fall.
+/// The fake machine moves on by one millisecond a cycle, however long the cycle took: what is tested here are threads,
+/// and a loaded machine must not make the platform fall.
 class LiveMachine : public fake::Machine {
  public:
   using fake::Machine::Machine;
@@ -92,7 +93,8 @@ TEST_P(Threads, PlayWhileOperatorsAskRecordAndPublish) {
   answer = system.play();
   EXPECT_TRUE(answer.ok) << answer.sentence;
   EXPECT_TRUE(system.waitFor(MachineState::Holding, 20.0)) << system.status().fault_sentence;
-  // A machine that pauses makes set points late; what the reference then coasted too far fades out within SetPointFollower::kBlend.
+  // A machine that pauses makes set points late; what the reference then coasted too far fades out within
+  // SetPointFollower::kBlend.
   std::this_thread::sleep_for(std::chrono::milliseconds(700));
   EXPECT_NEAR(system.snapshot()->reference_m[0], fake::kHome + 0.01, 1e-4);
   done = true;

@@ -33,14 +33,6 @@ ModelEffect effect(const std::string& name, int actuator, const std::vector<doub
   return e;
 }
 
-Model traced(const mechanism::Robot& robot, const std::vector<ModelEffect>& effects) {
-  Model m = fake::modelOf(robot);
-  for (const ModelParameter& p : m.parameters)
-    m.effects_see.push_back(p.value);
-  m.effects = effects;
-  return m;
-}
-
 std::vector<ModelEffect> oneOfEach() {
   ModelEffect map = effect("unnamed", 2, {0.6, 0.7, 0.8}, {1.0, -2.0, 3.0});
   map.depends_on = "position_1_m_times_direction";
@@ -89,8 +81,8 @@ TEST(ActingEffects, LeaveOutByNameWhatMustNotBeForeseen) {
   ModelEffect of_time = effect("unnamed", 2, {0.0, 10.0}, {1.0, -2.0});
   of_time.depends_on = "time_s_times_direction";
   const ActingEffects effects(
-      traced(robot, {effect("stribeck", 1, {0.006}, {6.0}), effect("backlash", 2, {1e-3}, {1.0}),
-                     effect("flexible_coupling", 3, {1e5}, {1.0}), of_training, of_time}),
+      fake::tracedModelOf(robot, {effect("stribeck", 1, {0.006}, {6.0}), effect("backlash", 2, {1e-3}, {1.0}),
+                                  effect("flexible_coupling", 3, {1e5}, {1.0}), of_training, of_time}),
       robot);
   EXPECT_EQ(effects.acting.size(), 1u);
   ASSERT_EQ(effects.left_out.size(), 4u);
@@ -103,7 +95,7 @@ TEST(ActingEffects, LeaveOutByNameWhatMustNotBeForeseen) {
 
 TEST(ActingEffects, TakeTheNumbersForOtherRecordings) {
   const mechanism::Robot robot = robotA();
-  Model m = traced(robot, {effect("stribeck", 1, {0.006}, {6.0})});
+  Model m = fake::tracedModelOf(robot, {effect("stribeck", 1, {0.006}, {6.0})});
   m.elsewhere.emplace();
   m.elsewhere->parameters = m.elsewhere->effects_see = m.effects_see;
   m.elsewhere->effects = {effect("force_gain", 2, {}, {0.2})};
@@ -114,19 +106,20 @@ TEST(ActingEffects, TakeTheNumbersForOtherRecordings) {
 
 TEST(ActingEffects, RefuseAnEffectThatIsUnknownOrHasOthersNumbers) {
   const mechanism::Robot robot = robotA();
-  EXPECT_THROW(ActingEffects(traced(robot, {effect("stick", 1, {}, {1.0})}), robot), InputError);
-  EXPECT_THROW(ActingEffects(traced(robot, {effect("stribeck", 1, {}, {1.0})}), robot), InputError);
-  EXPECT_THROW(ActingEffects(traced(robot, {effect("stribeck", 1, {0.01}, {1.0, 2.0})}), robot), InputError);
-  Model blind = traced(robot, {effect("stribeck", 1, {0.01}, {1.0})});
+  EXPECT_THROW(ActingEffects(fake::tracedModelOf(robot, {effect("stick", 1, {}, {1.0})}), robot), InputError);
+  EXPECT_THROW(ActingEffects(fake::tracedModelOf(robot, {effect("stribeck", 1, {}, {1.0})}), robot), InputError);
+  EXPECT_THROW(ActingEffects(fake::tracedModelOf(robot, {effect("stribeck", 1, {0.01}, {1.0, 2.0})}), robot),
+               InputError);
+  Model blind = fake::tracedModelOf(robot, {effect("stribeck", 1, {0.01}, {1.0})});
   blind.effects_see.clear();
   EXPECT_THROW(ActingEffects(blind, robot), InputError);
   std::vector<ModelEffect> many(kMostActingEffects + 1, effect("stribeck", 1, {0.01}, {1.0}));
-  EXPECT_THROW(ActingEffects(traced(robot, many), robot), InputError);
+  EXPECT_THROW(ActingEffects(fake::tracedModelOf(robot, many), robot), InputError);
 }
 
 TEST(ActingEffects, WarmUpWhileTheDrivesAreOnAndCoolWhileTheyAreOff) {
   const mechanism::Robot robot = robotA();
-  const ActingEffects effects(traced(robot, {effect("thermal_drift", 2, {40.0}, {-3.0, 0.0})}), robot);
+  const ActingEffects effects(fake::tracedModelOf(robot, {effect("thermal_drift", 2, {40.0}, {-3.0, 0.0})}), robot);
   MotionMemory memory;
   EffectsInstant at;
   at.period_s = 0.001;
@@ -142,7 +135,7 @@ TEST(ActingEffects, WarmUpWhileTheDrivesAreOnAndCoolWhileTheyAreOff) {
 
 TEST(ActingEffects, MakeThePartsAddUpToTheWholeForce) {
   const mechanism::Robot robot = robotA();
-  const Model model = traced(robot, oneOfEach());
+  const Model model = fake::tracedModelOf(robot, oneOfEach());
   const PartedModel parted(model, robot);
   ASSERT_TRUE(parted.identified->effects.left_out.empty());
   const ForceModel whole(model, robot);
@@ -169,7 +162,7 @@ TEST(ActingEffects, MakeThePartsAddUpToTheWholeForce) {
 
 TEST(ActingEffects, LetGoOfFrictionWhereTheReferenceRests) {
   const mechanism::Robot robot = robotA();
-  const PartedModel model(traced(robot, {effect("presliding", 3, {1e-3}, {4.0})}), robot);
+  const PartedModel model(fake::tracedModelOf(robot, {effect("presliding", 3, {1e-3}, {4.0})}), robot);
   ForcePartsData data;
   ForceParts parts;
   WantedInstant at = wantedAt(robot, 0.0);
@@ -190,7 +183,7 @@ TEST(ActingEffects, LetGoOfFrictionWhereTheReferenceRests) {
 
 TEST(ActingEffects, AllocateNothingWhileTheyRun) {
   const mechanism::Robot robot = robotA();
-  const PartedModel model(traced(robot, oneOfEach()), robot);
+  const PartedModel model(fake::tracedModelOf(robot, oneOfEach()), robot);
   ForcePartsData data;
   ForceParts parts;
   const WantedInstant at = wantedAt(robot, 0.1);

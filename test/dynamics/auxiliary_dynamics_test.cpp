@@ -1,4 +1,5 @@
-// Inverse dynamics with an auxiliary velocity: Christoffel's factorisation without writing it down, against Simbody and by itself.
+// Inverse dynamics with an auxiliary velocity: Christoffel's factorisation without writing it down, against Simbody and
+// by itself.
 #include "knee_robot/dynamics/auxiliary_dynamics.h"
 
 #include <gtest/gtest.h>

@@ -102,8 +102,8 @@ TEST(ParameterStructure, CountsWhatNoiseLeavesInNewtons) {
 }
 
 TEST(ParameterStructure, LumpsAsWorkedByHand) {
-  // A leg's cylinder and rod turn together; rod i's mass sits at the platform's joint i: at leg 1 (-0.3, 0, 0) it adds m_12 to m_M,
-  // 0.09 m_12 to IYY_M and IZZ_M, -0.3 m_12 to mX_M.
+  // A leg's cylinder and rod turn together; rod i's mass sits at the platform's joint i: at leg 1 (-0.3, 0, 0) it adds
+  // m_12 to m_M, 0.09 m_12 to IYY_M and IZZ_M, -0.3 m_12 to mX_M.
   const mechanism::Mechanism m = mechanism::finalMechanism();
   const ParameterStructure s = parameterStructure(observationMatrix(m, kGravity, richMotions(m, 200, 6)));
   std::set<std::string> texts;

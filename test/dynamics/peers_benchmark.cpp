@@ -1,5 +1,5 @@
-// Simbody and KDL on the same robot and states as the program `benchmark`. Their results are checked in simbody_test and
-// opened_leg_test; here they are timed.
+// Simbody and KDL on the same robot and states as the program `benchmark`. Their results are checked in simbody_test
+// and opened_leg_test; here they are timed.
 #include <benchmark/benchmark.h>
 
 #include <kdl/chainidsolver_recursive_newton_euler.hpp>

@@ -1,5 +1,5 @@
-// Pinocchio's joint torque regressor beside the project's on the same open chain: compared to ten digits on chains of every kind of joint,
-// then timed in the same run on the arm of chain.urdf. Part of the program of pinocchio_peer.cpp.
+// Pinocchio's joint torque regressor beside the project's on the same open chain: compared to ten digits on chains of
+// every kind of joint, then timed in the same run on the arm of chain.urdf. Part of the program of pinocchio_peer.cpp.
 #include <benchmark/benchmark.h>
 
 #include <pinocchio/algorithm/regressor.hpp>
@@ -62,7 +62,8 @@ pin::Model modelOf(const mechanism::Chain& chain) {
   return model;
 }
 
-/// Column of Pinocchio's ten parameters [m, m c, Ixx, Ixy, Iyy, Ixz, Iyz, Izz] where ours [Ixx, Ixy, Ixz, Iyy, Iyz, Izz, m c, m] has one.
+/// Column of Pinocchio's ten parameters [m, m c, Ixx, Ixy, Iyy, Ixz, Iyz, Izz] where ours [Ixx, Ixy, Ixz, Iyy, Iyz,
+/// Izz, m c, m] has one.
 constexpr int kTheirs[] = {4, 5, 7, 6, 8, 9, 1, 2, 3, 0};
 
 double difference(const Eigen::MatrixXd& ours, const Eigen::MatrixXd& theirs) {

@@ -1,5 +1,6 @@
-// Pinocchio on the same robot and states as the program `benchmark`. Compiled by scripts/benchmark_peers against the headers of
-// the PyPI wheel `pin`, not by CMake. Checks that Pinocchio agrees with the project's dynamics before it times anything.
+// Pinocchio on the same robot and states as the program `benchmark`. Compiled by scripts/benchmark_peers against the
+// headers of the PyPI wheel `pin`, not by CMake. Checks that Pinocchio agrees with the project's dynamics before it
+// times anything.
 #include <benchmark/benchmark.h>
 
 #include <cstdio>

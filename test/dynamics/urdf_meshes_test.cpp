@@ -1,4 +1,5 @@
-// What the URDFs draw: every mesh that they name is there, and is a body (closed, outward, finite, of a joint's or a plate's size).
+// What the URDFs draw: every mesh that they name is there, and is a body (closed, outward, finite, of a joint's or a
+// plate's size).
 #include <gtest/gtest.h>
 
 #include <array>

@@ -1,4 +1,5 @@
-// Excitation of an open chain: within every joint's limits, better than random motion, and beside what was already recorded.
+// Excitation of an open chain: within every joint's limits, better than random motion, and beside what was already
+// recorded.
 
 #include "knee_robot/excitation/chain_excitation.h"
 

@@ -1,5 +1,5 @@
-// The excitation's cost, limits and exact gradients for other optimisers (scripts/benchmarks/excitation.py): a shared library with
-// plain C functions. One problem at a time.
+// The excitation's cost, limits and exact gradients for other optimisers (scripts/benchmarks/excitation.py): a shared
+// library with plain C functions. One problem at a time.
 
 #include <ctime>
 #include <memory>
@@ -29,7 +29,8 @@ Eigen::VectorXd asVariables(const double* x) {
 
 extern "C" {
 
-/// Numbers of variables and limits into `sizes`. Returns the number of starts: the best of 100 random series that keep the limits.
+/// Numbers of variables and limits into `sizes`. Returns the number of starts: the best of 100 random series that keep
+/// the limits.
 int peer_open(const char* robot_file, double velocity, double duration, int directions, int iterations, int* sizes) {
   options = {};
   options.velocity_max = velocity;
@@ -50,7 +51,8 @@ void peer_start(int number, double* x) {
   Eigen::Map<Eigen::VectorXd>(x, setup->problem.variables()) = starts[static_cast<std::size_t>(number)].variables;
 }
 
-/// Cost and limits (kept when not positive); with their gradients (limits x variables) unless these are null. 0: cannot follow.
+/// Cost and limits (kept when not positive); with their gradients (limits x variables) unless these are null. 0: cannot
+/// follow.
 int peer_evaluate(const double* x, double exponent, double* cost, double* limits, double* gradient, double* gradients) {
   static excitation::ExcitationProblem::Evaluation at;
   if (!setup->problem.evaluate(asVariables(x), exponent, gradient != nullptr, at)) return 0;
@@ -71,8 +73,8 @@ double peer_feasible_k(const double* x) {
   return std::exp(at.cost);
 }
 
-/// Our own search from one start. `times` and `ks` (room for `most`) get the seconds of processor time at which the best k
-/// became less; returns their number.
+/// Our own search from one start. `times` and `ks` (room for `most`) get the seconds of processor time at which the
+/// best k became less; returns their number.
 int peer_ours(int number, int most, double* times, double* ks) {
   const double begin = cpuSeconds();
   int count = 0;

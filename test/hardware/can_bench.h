@@ -12,7 +12,8 @@
 
 namespace knee_robot::hardware::can {
 
-/// A CAN bus in one process with a clock of its own: the controller's ports, the drives at the far side, and faults between.
+/// A CAN bus in one process with a clock of its own: the controller's ports, the drives at the far side, and faults
+/// between.
 /// Frames arrive at once, in order, unless a hook says otherwise.
 class BenchBus {
  public:
@@ -124,7 +125,8 @@ inline CanAxisBus::Units benchUnits() {
   return units;
 }
 
-/// Four drive models on a bench bus, and the controller's CanAxisBus on it, with what the conformance suite sees and does.
+/// Four drive models on a bench bus, and the controller's CanAxisBus on it, with what the conformance suite sees and
+/// does.
 class CanBench {
  public:
   explicit CanBench(CanSettings settings = benchSettings(), CanAxisBus::Units units = benchUnits())

@@ -1,4 +1,5 @@
-// Any bytes may come over a bus: every parser, the drive model and the running bus take them without harm. Deterministic.
+// Any bytes may come over a bus: every parser, the drive model and the running bus take them without harm.
+// Deterministic.
 #include <gtest/gtest.h>
 #include <linux/can.h>
 

@@ -1,8 +1,8 @@
 #pragma once
 
-// What every backend must do, whatever drives are behind it: ranges, quantization, simultaneity, wrap, disconnection, late answers,
-// error codes, NaN refused at the border. A backend's test defines a ConformanceBench, includes this header in one test program, and
-// instantiates the suite:
+// What every backend must do, whatever drives are behind it: ranges, quantization, simultaneity, wrap, disconnection,
+// late answers, error codes, NaN refused at the border. A backend's test defines a ConformanceBench, includes this
+// header in one test program, and instantiates the suite:
 //
 //     INSTANTIATE_TEST_SUITE_P(Mine, AxisBusConformance, ::testing::Values(Backend{"mine", [] { return std::make_unique<MyBench>(); }}),
 //                              backendName);

@@ -1,4 +1,5 @@
-// The conformance suite on the two cards: images on the heap (stepped simulation) and in shared memory (real-time simulation).
+// The conformance suite on the two cards: images on the heap (stepped simulation) and in shared memory (real-time
+// simulation).
 #include "test/hardware/conformance.h"
 
 #include "test/hardware/card_bench.h"

@@ -198,7 +198,8 @@ TEST(GuardedBus, CallsAGuardianThatDoesNotCycleSilentAndItsReturnNotAndBlamesItF
   EXPECT_EQ(cycle(500, false), BusFault::None) << "this process stood still, and perhaps the guardian with it";
 }
 
-/// What `SharedGuardianLink::open` says where /dev/shm is full: 0 as wanted, 1 nothing or something else, 2 cannot be tried here.
+/// What `SharedGuardianLink::open` says where /dev/shm is full: 0 as wanted, 1 nothing or something else, 2 cannot be
+/// tried here.
 int openWithoutRoom() {
   const bool own = ::unshare(CLONE_NEWNS) == 0 && ::mount(nullptr, "/", nullptr, MS_REC | MS_PRIVATE, nullptr) == 0 &&
                    ::mount("tmpfs", "/dev/shm", "tmpfs", 0, "size=4k") == 0;

@@ -1,4 +1,5 @@
-// What a chain's recordings tell beyond its robot file: joints that stand, encoders' steps and turns; and what is refused in them.
+// What a chain's recordings tell beyond its robot file: joints that stand, encoders' steps and turns; and what is
+// refused in them.
 
 #include <gtest/gtest.h>
 

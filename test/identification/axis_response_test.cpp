@@ -90,7 +90,8 @@ TEST(AxisResponse, FindsInertiaFrictionAndDelayWithinTwoOfItsStandardErrorsOrAFe
       const AxisResponse& x = found.axes[i];
       EXPECT_EQ(found.reasons[i], "") << count;
       EXPECT_NEAR(x.mass_kg, truth.mass_kg, std::max(0.05 * truth.mass_kg, 2.0 * x.mass_std)) << i << " at " << count;
-      // Friction that turns just before and after a move looks like some delay where the encoder is coarse: the safe side.
+      // Friction that turns just before and after a move looks like some delay where the encoder is coarse: the safe
+      // side.
       EXPECT_GT(1e3 * x.delay_s, 1e3 * truth.delay_s - std::max(0.25, 2e3 * x.delay_std)) << i << " at " << count;
       EXPECT_LT(1e3 * x.delay_s, 1e3 * truth.delay_s + std::max(count > 1e-5 ? 1.0 : 0.25, 2e3 * x.delay_std))
           << i << " at " << count;

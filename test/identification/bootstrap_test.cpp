@@ -11,8 +11,8 @@
 namespace knee_robot::identification {
 namespace {
 
-/// One actuator, one hundred samples a second, three regressors that change slowly, noise with correlation `phi` from sample to
-/// sample and unit variance; the truth is (2, -1, 0.5).
+/// One actuator, one hundred samples a second, three regressors that change slowly, noise with correlation `phi` from
+/// sample to sample and unit variance; the truth is (2, -1, 0.5).
 Equations correlated(int rows, double phi, unsigned seed) {
   std::mt19937 random(seed);
   std::normal_distribution<double> normal;

@@ -31,7 +31,8 @@ inline mechanism::Robot testArm(const std::string& more = "", const std::string&
 /// Torque (N m, N) that a joint's gear takes in addition: joint, time, position, velocity, load without friction.
 using GearLoss = std::function<double(int, double, double, double, double)>;
 
-/// A recording with dry (0.8) and viscous (0.5) friction. `speed`: of the usual one, about 0.3 rad/s; the recording lasts longer.
+/// A recording with dry (0.8) and viscous (0.5) friction. `speed`: of the usual one, about 0.3 rad/s; the recording
+/// lasts longer.
 inline recording::Recording armRecording(const mechanism::Robot& robot, int seed, double speed = 1.0,
                                          const GearLoss& loss = nullptr) {
   recording::Recording r;

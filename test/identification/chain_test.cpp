@@ -1,4 +1,5 @@
-// Chains: recordings in their own units, a known arm found again, drive gains, and the public recordings where they are at hand.
+// Chains: recordings in their own units, a known arm found again, drive gains, and the public recordings where they are
+// at hand.
 
 #include <gtest/gtest.h>
 
@@ -44,7 +45,8 @@ constexpr double kFriction = 0.8, kViscous = 0.5;
 
 const mechanism::Vector3 kPayloadAt(0.05, -0.08, 0.12);  ///< m, last body's frame
 
-/// What the arm records along a motion that excites all joints: torque with friction, and a point mass at the last body.
+/// What the arm records along a motion that excites all joints: torque with friction, and a point mass at the last
+/// body.
 recording::Recording recorded(const mechanism::Robot& robot, int seed, double payload_kg = 0.0) {
   recording::Recording r;
   r.path = "arm_" + std::to_string(seed) + ".csv";

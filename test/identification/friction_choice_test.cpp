@@ -1,5 +1,5 @@
-// The law of friction near rest, chosen from recordings that each law made by itself: its own integration, at 0.1 ms, without the
-// candidates' code.
+// The law of friction near rest, chosen from recordings that each law made by itself: its own integration, at 0.1 ms,
+// without the candidates' code.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -15,7 +15,8 @@ namespace {
 constexpr double kStep_s = 1e-4;
 constexpr double kCoulomb_N = 30.0, kNoise_N = 0.3;
 
-/// A law by its own words: the share of Coulomb friction after moving at velocity v for kStep_s, with three numbers of memory.
+/// A law by its own words: the share of Coulomb friction after moving at velocity v for kStep_s, with three numbers of
+/// memory.
 struct OwnLaw {
   std::string name;
   std::function<double(double v, double* memory)> share;

@@ -1,10 +1,12 @@
-// Times identification stage by stage, and leaves its compressed problem for other solvers (scripts/benchmark_identification).
+// Times identification stage by stage, and leaves its compressed problem for other solvers
+// (scripts/benchmark_identification).
 //
 // identify_benchmark ROBOT TRAIN.csv VALIDATE.csv CUTOFF_HZ FOLDER
 //
-// Prints one JSON object: seconds of CPU time per stage, peak memory, errors on the validation recording. Leaves in FOLDER, as plain text
-// matrices: data.txt target.txt (compressed weighted equations in prior coordinates), pull.txt mean.txt (prior residuals),
-// judge.txt judge_target.txt (the validation recording's equations in the same coordinates), nonnegative.txt.
+// Prints one JSON object: seconds of CPU time per stage, peak memory, errors on the validation recording. Leaves in
+// FOLDER, as plain text matrices: data.txt target.txt (compressed weighted equations in prior coordinates), pull.txt
+// mean.txt (prior residuals), judge.txt judge_target.txt (the validation recording's equations in the same
+// coordinates), nonnegative.txt.
 #include <sys/resource.h>
 
 #include <cmath>

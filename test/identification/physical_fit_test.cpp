@@ -126,8 +126,8 @@ Eigen::VectorXd randomBodies(std::mt19937& random) {
   return z;
 }
 
-/// The problem is convex in the bodies: at its optimum no way to any possible set of bodies goes down. Targets so impossible that most
-/// bodies end on the boundary, and a prior that hardly pulls.
+/// The problem is convex in the bodies: at its optimum no way to any possible set of bodies goes down. Targets so
+/// impossible that most bodies end on the boundary, and a prior that hardly pulls.
 TEST(SolvePhysical, EndsAtTheOptimumOnTheBoundaryToo) {
   const PhysicalCoordinates c = physicalCoordinates(syntheticPrior(syntheticModel(syntheticRobot()), 0.0, 1));
   int pushes = 0;

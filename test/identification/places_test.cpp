@@ -8,7 +8,8 @@
 namespace knee_robot::identification {
 namespace {
 
-/// Two axes along sums of sines whose frequencies have no common period (repeat_s = 0) or that start anew every repeat_s; a little noise.
+/// Two axes along sums of sines whose frequencies have no common period (repeat_s = 0) or that start anew every
+/// repeat_s; a little noise.
 Eigen::MatrixXd motion(int samples, double repeat_s, double noise) {
   std::mt19937 random(1);
   std::normal_distribution<double> normal(0.0, noise);

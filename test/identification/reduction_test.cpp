@@ -99,7 +99,8 @@ Eigen::MatrixXd hadamard() {
   return h;
 }
 
-/// Equations of ten blocks over 16 columns with directions of quickly falling strength, of which the first `alive` matter.
+/// Equations of ten blocks over 16 columns with directions of quickly falling strength, of which the first `alive`
+/// matter.
 Equations fallingEquations(int alive, double noise, unsigned seed) {
   Equations e;
   e.axes = 1;

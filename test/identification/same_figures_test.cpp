@@ -1,4 +1,5 @@
-// Columns, equations, prior and predictions of the parallel robot and the bench, as they were before they came from a MotionModel.
+// Columns, equations, prior and predictions of the parallel robot and the bench, as they were before they came from a
+// MotionModel.
 
 #include <gtest/gtest.h>
 

@@ -51,7 +51,8 @@ TEST(SlidingPath, AveragesAReversalOverTheSamplesInterval) {
   const double w = 1.7;
   const Sampled s = sine(1e-3, w, 0.0);
   const Eigen::VectorXd share = frictionShare(slidingPath(s.position, s.velocity, kPeriod, kCount), 1e-12);
-  // The sum over all samples is the time spent going up less that going down, whatever the grid: exact to a quarter of it.
+  // The sum over all samples is the time spent going up less that going down, whatever the grid: exact to a quarter of
+  // it.
   double up = 0.0;
   for (int k = 0; k < 599 * 100; ++k)
     up += std::cos(w * (k + 0.5) * kPeriod / 100.0) > 0.0 ? 0.01 : -0.01;

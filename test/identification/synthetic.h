@@ -123,7 +123,8 @@ struct SyntheticState {
   mechanism::Motion motion;
 };
 
-/// Clock of a motion that starts and ends at rest: its own time, rate and change of rate, smooth over the first and last 2 s.
+/// Clock of a motion that starts and ends at rest: its own time, rate and change of rate, smooth over the first and
+/// last 2 s.
 struct Clock {
   double at = 0.0, rate = 1.0, change = 0.0;
 
@@ -166,8 +167,8 @@ inline SyntheticState syntheticState(const mechanism::Robot& robot, const std::v
   return s;
 }
 
-/// Recording of `seconds` at 100 Hz whose forces follow from the model exactly: row k's force is that in the middle of its hold
-/// interval. `noise` adds to each force.
+/// Recording of `seconds` at 100 Hz whose forces follow from the model exactly: row k's force is that in the middle of
+/// its hold interval. `noise` adds to each force.
 inline recording::Recording syntheticRecording(
     const mechanism::Robot& robot, const dynamics::Model& model, int variant, double seconds,
     const std::function<double()>& noise = [] { return 0.0; }) {

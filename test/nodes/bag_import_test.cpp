@@ -16,7 +16,8 @@
 namespace knee_robot::nodes {
 namespace {
 
-/// A bag with 50 tracking messages 10 ms apart (one of them twice), joint states, and pictures 4 ms after every second message.
+/// A bag with 50 tracking messages 10 ms apart (one of them twice), joint states, and pictures 4 ms after every second
+/// message.
 class BagImport : public ::testing::Test {
  protected:
   BagImport() : path_(testing::TempDir() + "bag_import_" + std::to_string(getpid()) + ".bag") {

@@ -48,7 +48,8 @@ Outcome reveal(double found_stiffness_N_per_m, double after_N) {
   return outcome;
 }
 
-/// Draws the effect of a seed for a robot that `simulate`, a shell script with the simulation file in $4, plays or stops.
+/// Draws the effect of a seed for a robot that `simulate`, a shell script with the simulation file in $4, plays or
+/// stops.
 struct Drawn {
   Outcome outcome;
   std::string truth;

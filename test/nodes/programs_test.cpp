@@ -1,5 +1,5 @@
-// The offline programs one after the other, as a user calls them: a movement is planned, checked, played on the simulated robot,
-// compared, identified from, traced and predicted.
+// The offline programs one after the other, as a user calls them: a movement is planned, checked, played on the
+// simulated robot, compared, identified from, traced and predicted.
 #include <gtest/gtest.h>
 #include <stdlib.h>
 #include <sys/wait.h>

@@ -1,4 +1,5 @@
-// Writes a report of every kind, with names that no friend would choose, into the folder KNEE_PAGES: browser_test.py opens them.
+// Writes a report of every kind, with names that no friend would choose, into the folder KNEE_PAGES: browser_test.py
+// opens them.
 #include <gtest/gtest.h>
 #include <stdlib.h>
 

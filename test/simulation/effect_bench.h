@@ -10,7 +10,8 @@
 
 namespace knee_robot::simulation {
 
-/// One millisecond as the controller's side knows it: what it commanded, what its encoders say; and the simulator's truth.
+/// One millisecond as the controller's side knows it: what it commanded, what its encoders say; and the simulator's
+/// truth.
 struct EffectSample {
   double time_s = 0.0;
   mechanism::Lengths reference = mechanism::Lengths::Zero(), seen = mechanism::Lengths::Zero(),
@@ -21,7 +22,8 @@ struct EffectSample {
       Zero();  ///< commanded force minus that of frictionless rigid links and rotors along the true motion
 };
 
-/// A simulated robot with effects, moved along lengths by a stiff position controller through its cards: volts in, counts out.
+/// A simulated robot with effects, moved along lengths by a stiff position controller through its cards: volts in,
+/// counts out.
 class EffectBench {
  public:
   static constexpr double kStep = 1e-3;
@@ -93,8 +95,8 @@ class EffectBench {
     }
   }
 
-  /// Mean friction of `axis` while it moves at `velocity` (m/s, constant) and the others rest where they are: after a run-up,
-  /// over 10 mm.
+  /// Mean friction of `axis` while it moves at `velocity` (m/s, constant) and the others rest where they are: after a
+  /// run-up, over 10 mm.
   double frictionAt(int axis, double velocity) {
     double sum = 0.0, load = 0.0;
     int count = 0;

@@ -89,7 +89,8 @@ TEST(FrictionEffects, ATightPlaceIsFeltThereOnly) {
   EXPECT_NEAR(away / n_away, plain(0.03), 2.0 * kNear_N);
 }
 
-/// What repeats with every 5 mm of the screw, along sine and cosine. The drive has to overcome it: the commanded force carries its negative.
+/// What repeats with every 5 mm of the screw, along sine and cosine. The drive has to overcome it: the commanded force
+/// carries its negative.
 Eigen::Vector2d rippleOf(EffectBench& bench) {
   Eigen::Vector2d along = Eigen::Vector2d::Zero();
   int count = 0;

@@ -50,7 +50,8 @@ void runFree(const PlantModel& model, const char* name, double& accurate_drift, 
               name, kinetic_min, kinetic_max, accurate_drift, real_time_drift);
 }
 
-// Without friction nothing holds the legs: with gravity the robot falls, far beyond any real stroke, and its energy multiplies.
+// Without friction nothing holds the legs: with gravity the robot falls, far beyond any real stroke, and its energy
+// multiplies.
 TEST(Plant, ConservesEnergyInFreeMotion) {
   PlantModel model = plantOf("final");
   double accurate = 0.0, real_time = 0.0;

@@ -85,7 +85,8 @@ TEST(RobotSimulation, FallsWithoutAHoldDeviceAndSinksSlowlyWithShortedWindings) 
   const double sunk = start - shorted.simulation.state().pose[1];
   std::printf("100 mm of free fall after %.3f s; with shorted windings %.1f mm in that time\n", fallen_at, 1000 * sunk);
   EXPECT_GT(fallen_at, 0.14);  // sqrt(2 h / g) = 0.143 s without friction and rotors
-  // Sinking is creeping: each axis at the speed at which its damping carries what its Coulomb friction leaves of the load.
+  // Sinking is creeping: each axis at the speed at which its damping carries what its Coulomb friction leaves of the
+  // load.
   const mechanism::Vector4 load = shorted.holding();
   const mechanism::Vector4 rate = mechanism::lengthJacobian(*shorted.robot.mechanism, shorted.simulation.state().pose) *
                                   shorted.simulation.state().pose_velocity;

@@ -23,8 +23,8 @@ mechanism::Robot oneAxis() {
   return mechanism::loadRobot(path);
 }
 
-// Mass, friction and offset of an axis alone are free: a factor of its force is what they do together. Named beside a ripple, the factor and
-// those went away together: the error of the recording that was fitted rose from 5 to 38 N.
+// Mass, friction and offset of an axis alone are free: a factor of its force is what they do together. Named beside a
+// ripple, the factor and those went away together: the error of the recording that was fitted rose from 5 to 38 N.
 TEST(AbsorbedEffect, WhatTheBaselineOfAnAxisAloneDoesIsNotNamed) {
   if (!std::filesystem::exists(kRecording)) GTEST_SKIP() << kRecording << " is not there";
   const mechanism::Robot robot = oneAxis();

@@ -141,8 +141,8 @@ TEST_P(EveryEffect, ExplainsItselfBestUnlessTheBaselineTakesItUp) {
     best = square;
     winner = p.place().candidate->name();
   }
-  // Gravity takes up all but a thousandth of a spring along this motion. Along three excitations of 30 s a spring of 771 N/m was found
-  // as 768 N/m (docs/results/foreign_machines.md): there its remainder names it.
+  // Gravity takes up all but a thousandth of a spring along this motion. Along three excitations of 30 s a spring of
+  // 771 N/m was found as 768 N/m (docs/results/foreign_machines.md): there its remainder names it.
   const std::set<std::string> absorbed = {"asymmetric_coulomb", "force_offset", "spring", "nonlinear_spring"};
   if (absorbed.count(GetParam()) > 0) {
     // What is left of a cable's force is its curve (nonlinear_spring_test).

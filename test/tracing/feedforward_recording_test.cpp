@@ -1,5 +1,5 @@
-// What the controller foresees is part of the command, and the command is the whole force: a recording that was made with feedforward
-// identifies the same model as one that was made without.
+// What the controller foresees is part of the command, and the command is the whole force: a recording that was made
+// with feedforward identifies the same model as one that was made without.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -28,8 +28,8 @@ dynamics::Model identified(const mechanism::Robot& robot, const Foreseen& forese
   return identification::identify(robot, training, {}).model;
 }
 
-/// Whether the actuator has been moving, and will be, for as long as the low-pass reaches: at rest and near it the force that holds is
-/// the controller's choice.
+/// Whether the actuator has been moving, and will be, for as long as the low-pass reaches: at rest and near it the
+/// force that holds is the controller's choice.
 bool keepsMoving(const identification::Observation& o, int sample, int actuator) {
   constexpr double kReach_s = 0.33;
   const int reach = static_cast<int>(kReach_s / o.signals.period_s);

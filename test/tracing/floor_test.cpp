@@ -64,8 +64,8 @@ TEST(NoiseFloor, ComesFromTheCyclesWithinOneRecording) {
       << "what every cycle has alike is no noise";
 }
 
-/// The true models of 14 independent machines leave 0.25 N of forces of 28 to 150 N (scripts/foreign_machines): a hundredth, as it was
-/// once, would hide effects of 1.5 N on their leg 4.
+/// The true models of 14 independent machines leave 0.25 N of forces of 28 to 150 N (scripts/foreign_machines): a
+/// hundredth, as it was once, would hide effects of 1.5 N on their leg 4.
 TEST(NoiseFloor, IsNeverBelowThreeThousandthsOfTheForce) {
   recording::Recording a = recorded(cycle, 40.0, "a");
   for (int k = 0; k < a.rows(); ++k)

@@ -1,5 +1,5 @@
-// Effects of gears on an arm of two joints, by laws that share no code with trace: each is named where it was hidden, and an arm without
-// any stays clean.
+// Effects of gears on an arm of two joints, by laws that share no code with trace: each is named where it was hidden,
+// and an arm without any stays clean.
 
 #include <gtest/gtest.h>
 

@@ -20,7 +20,8 @@ constexpr double kSize_N = 5.0;  ///< rms of an effect
 const std::set<std::string> kLeftOut = {"external_force", "backlash", "flexible_coupling", "gain_drift",
                                         "nonlinear_spring"};
 
-/// Two recordings of training and another one of a machine that has the baseline alone; and everything that may be added to it.
+/// Two recordings of training and another one of a machine that has the baseline alone; and everything that may be
+/// added to it.
 struct Machine {
   mechanism::Robot robot;
   std::vector<identification::Observation> recordings;
@@ -181,7 +182,8 @@ dynamics::Model modelWith(const Machine& m, const std::vector<FoundEffect>& effe
   return tracedModel(m.robot, result, {m.recordings[0], m.recordings[1]}, {});
 }
 
-/// What the controller sees at the samples of the other recording: its reference, 1 ms apart, without encoders and filters.
+/// What the controller sees at the samples of the other recording: its reference, 1 ms apart, without encoders and
+/// filters.
 Eigen::MatrixXd asTheControllerSeesIt(const Machine& m, const dynamics::Model& model) {
   const std::vector<identification::Sines> sines = identification::syntheticMotion(!m.robot.mechanism, 2);
   const dynamics::ForceModel force_model(model, m.robot);
@@ -207,8 +209,8 @@ double rms(const Eigen::MatrixXd& values) {
   return inner.norm() / std::sqrt(static_cast<double>(inner.rows()));
 }
 
-/// As errors are judged: a delay's column is a derivative, which smears the steps of friction over several samples where the controller
-/// asks for the step so much sooner.
+/// As errors are judged: a delay's column is a derivative, which smears the steps of friction over several samples
+/// where the controller asks for the step so much sooner.
 double lowPassedRms(Eigen::MatrixXd values) {
   recording::ZeroPhaseLowPass(3.0, 100.0).applyToColumns(values);
   return rms(values);

@@ -3,8 +3,8 @@
 namespace knee_robot::tracing {
 namespace {
 
-// 20 kN/m under some 20 N of dry friction: a way of about a millimetre. Before the law near rest was chosen by the data, this was an
-// effect of its own; now the baseline knows it, and nothing is left to name.
+// 20 kN/m under some 20 N of dry friction: a way of about a millimetre. Before the law near rest was chosen by the
+// data, this was an effect of its own; now the baseline knows it, and nothing is left to name.
 TEST(Trace, KnowsPreslidingAsTheLawNearRestOfItsActuator) {
   const TracedCase plain = traceSimulated("");
   const TracedCase c = traceSimulated("  - {name: presliding, actuators: [2], stiffness_N_per_m: 2.0e+4}\n");

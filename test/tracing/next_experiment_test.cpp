@@ -17,7 +17,8 @@ dynamics::Model modelOf(const mechanism::Robot& robot) {
   return identification::syntheticModel(robot);
 }
 
-/// A finished trace whose only effect, quadratic drag on actuator 3, could as well be Stribeck friction: the training motion is slow.
+/// A finished trace whose only effect, quadratic drag on actuator 3, could as well be Stribeck friction: the training
+/// motion is slow.
 struct Case {
   mechanism::Robot robot;
   std::vector<identification::Observation> training;

@@ -32,8 +32,8 @@ recording::Recording recorded(const mechanism::Robot& robot, double seconds) {
   return r;
 }
 
-/// A capture at 120 pictures a second that starts `early_s` before the recording, with a clock of its own and a frame whose second
-/// axis points up.
+/// A capture at 120 pictures a second that starts `early_s` before the recording, with a clock of its own and a frame
+/// whose second axis points up.
 recording::MarkerPoses captured(double seconds, double early_s, double clock_s,
                                 const Eigen::Isometry3d& robot_in_capture) {
   recording::MarkerPoses c;

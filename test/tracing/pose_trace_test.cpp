@@ -17,7 +17,8 @@ mechanism::Robot robotB() {
   return mechanism::loadRobot(std::string(KNEE_SOURCE_DIR) + "/config/robots/B.yaml");
 }
 
-/// Encoders along sines of the pose, 100 rows a second, with stops; lengths in whole counts. `only`: one coordinate moves, -1: all.
+/// Encoders along sines of the pose, 100 rows a second, with stops; lengths in whole counts. `only`: one coordinate
+/// moves, -1: all.
 recording::Recording sines(const mechanism::Robot& robot, int variant, double seconds, int only = -1) {
   const double center[] = {0.02, 0.78, 0.05, 0.0}, amplitude[] = {0.05, 0.06, 0.14, 0.12};
   const double hz[] = {0.11, 0.09, 0.13, 0.10}, f = 1.0 + 0.23 * variant, p = 0.9 * variant;

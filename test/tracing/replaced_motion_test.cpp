@@ -3,8 +3,9 @@
 namespace knee_robot::tracing {
 namespace {
 
-// A coupling of 40 kN/m before a screw with dry friction gives way by some 0.4 mm at every reversal. The law of friction near rest takes
-// that up (a stop of 362 um); what is left has been too little to name since that law is chosen by the data.
+// A coupling of 40 kN/m before a screw with dry friction gives way by some 0.4 mm at every reversal. The law of
+// friction near rest takes that up (a stop of 362 um); what is left has been too little to name since that law is
+// chosen by the data.
 TEST(Trace, TakesTheGiveOfAFlexibleCouplingUpInTheLawNearRestAndNamesNothingElse) {
   const TracedCase c = traceSimulated("  - {name: flexible_coupling, actuators: [2], stiffness_N_per_m: 4.0e+4}\n");
   const dynamics::FrictionLaw& law = c.result.base.friction_laws[1];

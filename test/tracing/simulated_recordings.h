@@ -54,7 +54,8 @@ struct Foreseen {
   double share = 1.0;
 };
 
-/// What the controller records when the simulated robot plays sineReference. `effects`: entries of the simulation file's list.
+/// What the controller records when the simulated robot plays sineReference. `effects`: entries of the simulation
+/// file's list.
 inline recording::Recording simulatedRecording(const mechanism::Robot& robot, int variant, double seconds,
                                                const std::string& effects, const Foreseen& foreseen = {}) {
   const auto require = [](const control::Answer& answer) {

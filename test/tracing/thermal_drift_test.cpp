@@ -1,4 +1,5 @@
-// One motion twice, by a drive that was cold the first time and warm the second: what differs between the two is no noise.
+// One motion twice, by a drive that was cold the first time and warm the second: what differs between the two is no
+// noise.
 #include <gtest/gtest.h>
 
 #include <algorithm>

@@ -1,4 +1,5 @@
-// The laboratory's own reference files: the verdict on every file, robot and space. The files are not part of this repository.
+// The laboratory's own reference files: the verdict on every file, robot and space. The files are not part of this
+// repository.
 
 #include <gtest/gtest.h>
 
@@ -39,9 +40,10 @@ const std::map<std::string, Kind> kFiles = {
     {"refeprism_pata1234.txt", Kind::FromHome},     {"referencia_manual.txt", Kind::FromHome},
 };
 
-/// Lengths, limits and assembly admit each of them on either robot (their limits are the same and their margins wide open):
-/// which of the two a file was made for is not a matter of safety. A space that the file does not have is always refused,
-/// because lengths are 0.6 to 1.0 m, poses have coordinates near 0, and what counts from home starts with 0.
+/// Lengths, limits and assembly admit each of them on either robot (their limits are the same and their margins wide
+/// open):
+/// which of the two a file was made for is not a matter of safety. A space that the file does not have is always
+/// refused, because lengths are 0.6 to 1.0 m, poses have coordinates near 0, and what counts from home starts with 0.
 TEST(LaboratoryReferences, PlayOnTheParallelRobotsInTheirOwnSpaceAndInNoOther) {
   SKIP_WITHOUT_LABORATORY_FILES();
   for (const char* robot_name : {"A", "B"}) {
@@ -63,8 +65,8 @@ TEST(LaboratoryReferences, PlayOnTheParallelRobotsInTheirOwnSpaceAndInNoOther) {
   }
 }
 
-/// refeprism_pata1234 sends all four actuators together from 0 to 0.24 m, which is what the bench's recording shows; both files
-/// from home start with exactly 0, so on a bench, whose home is 0, they are positions as well.
+/// refeprism_pata1234 sends all four actuators together from 0 to 0.24 m, which is what the bench's recording shows;
+/// both files from home start with exactly 0, so on a bench, whose home is 0, they are positions as well.
 TEST(LaboratoryReferences, OnlyTheOnesFromHomePlayOnTheBench) {
   SKIP_WITHOUT_LABORATORY_FILES();
   const mechanism::Robot bench = configuredRobot("bench");

@@ -13,8 +13,8 @@ inline mechanism::Robot configuredRobot(const std::string& name) {
   return mechanism::loadRobot(std::string(KNEE_SOURCE_DIR) + "/config/robots/" + name + ".yaml");
 }
 
-/// A robot of the paper's final geometry with limits that tests can rely on: lengths 0.5 to 1.0 m, 0.3 m/s, 5 m/s^2, joints
-/// 90 deg, condition 1000; home 0.65, 0.66, 0.66, 0.61 m.
+/// A robot of the paper's final geometry with limits that tests can rely on: lengths 0.5 to 1.0 m, 0.3 m/s, 5 m/s^2,
+/// joints 90 deg, condition 1000; home 0.65, 0.66, 0.66, 0.61 m.
 inline mechanism::Robot testRobot() {
   constexpr double kDegree = 3.14159265358979323846 / 180.0;
   mechanism::Geometry geometry;

@@ -5,8 +5,9 @@
 
 namespace knee_robot {
 
-/// Bad usage or bad input (a file, an option, a service request). what() is one sentence for the user that names file, line,
-/// value and limit as far as they exist, and how to mend it. Programs print it on standard error and exit with status 2.
+/// Bad usage or bad input (a file, an option, a service request). what() is one sentence for the user that names file,
+/// line, value and limit as far as they exist, and how to mend it. Programs print it on standard error and exit with
+/// status 2.
 class InputError : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;

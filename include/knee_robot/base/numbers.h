@@ -6,8 +6,8 @@
 
 namespace knee_robot {
 
-/// The finite number that `text` holds, whole and nothing else (no blanks, no trailing characters, decimal point whatever the
-/// locale; a leading '+' is accepted). Empty for anything else: words, hex, inf, nan, overflow.
+/// The finite number that `text` holds, whole and nothing else (no blanks, no trailing characters, decimal point
+/// whatever the locale; a leading '+' is accepted). Empty for anything else: words, hex, inf, nan, overflow.
 std::optional<double> parseFinite(std::string_view text);
 
 /// `value` as a reader expects it: up to `digits` significant digits, no trailing zeros ("0.6", "1e-06").

@@ -10,8 +10,9 @@ namespace knee_robot {
 
 constexpr double kAboveZero = 1e-12;  ///< "greater than zero", as a minimum: intervals are closed
 
-/// A YAML map whose every key must be asked for: an unknown key, a duplicate key, a wrong type or a number outside its limits
-/// is an InputError that names file, line, key, value and limit. Call finish() when all keys have been asked for.
+/// A YAML map whose every key must be asked for: an unknown key, a duplicate key, a wrong type or a number outside its
+/// limits is an InputError that names file, line, key, value and limit. Call finish() when all keys have been asked
+/// for.
 ///
 ///     StrictMap file = StrictMap::load(path);
 ///     const double stroke = file.number("stroke_m", 0.0, 1.0);

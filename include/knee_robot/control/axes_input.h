@@ -12,8 +12,8 @@ namespace knee_robot::control {
 ///
 ///     position = length at start + encoder_sign * lead / counts_per_revolution * counts since the counters' reset
 ///
-/// The length at start is what the program assumes until homing shifts it: incremental encoders know nothing better. The
-/// velocity is a low-passed difference. A failed read repeats the last good values with the status of the failure.
+/// The length at start is what the program assumes until homing shifts it: incremental encoders know nothing better.
+/// The velocity is a low-passed difference. A failed read repeats the last good values with the status of the failure.
 class AxesInput : public rt::TaskContext {
  public:
   AxesInput(const std::string& name, const mechanism::Robot& robot, hardware::AxisBus& bus,

@@ -7,8 +7,8 @@
 #include "knee_robot/hardware/axis_bus.h"
 #include "knee_robot/rt/cycle.h"
 
-/// What travels between the real-time components: plain structures, copied through ports. SI units; time in ns of the deployment's
-/// clock; arrays are per actuator, legs 1 to 4.
+/// What travels between the real-time components: plain structures, copied through ports. SI units; time in ns of the
+/// deployment's clock; arrays are per actuator, legs 1 to 4.
 namespace knee_robot::control {
 
 using hardware::kAxes;
@@ -41,9 +41,9 @@ enum class SyncPhase : std::uint8_t {
 /// Why Sync did not start to play.
 enum class PlayRefusal : std::uint8_t { None, NoReference, NotAtStart, NotReady };
 
-/// Sync, every 10 ms: the segment that the Drivers interpolate until the next one comes. A Driver's reference position runs linearly
-/// from `from` to `to` (so it never leaves what the reference check has seen), its reference velocity from `from_velocity` to
-/// `to_velocity` (central differences, for the derivative term).
+/// Sync, every 10 ms: the segment that the Drivers interpolate until the next one comes. A Driver's reference position
+/// runs linearly from `from` to `to` (so it never leaves what the reference check has seen), its reference velocity
+/// from `from_velocity` to `to_velocity` (central differences, for the derivative term).
 struct SetPoint {
   std::uint64_t sequence = 0;  ///< counts all set points, idle ones too
   std::uint32_t run = 0;       ///< number of the play request that this belongs to
@@ -121,7 +121,8 @@ struct MonitorVerdict {
 /// Whether the other axes have moved with a test pulse (PulseWitness).
 enum class Felt : std::uint8_t { Unknown, No, Yes };
 
-/// DisturbanceObserver, every servo cycle: what acts on the robot that nobody commanded. Meanings: residual_estimator.h, disturbance_classifier.h.
+/// DisturbanceObserver, every servo cycle: what acts on the robot that nobody commanded. Meanings:
+/// residual_estimator.h, disturbance_classifier.h.
 struct Disturbance {
   std::uint64_t sequence = 0;  ///< of the measurement that it is calculated from
   rt::Nanoseconds time = 0;

@@ -26,8 +26,8 @@ struct AxisInertiaRange {
 AxisInertiaRange axisInertiaRange(const mechanism::Robot& robot, const dynamics::RobotInertia& inertia,
                                   double payload_kg, const std::vector<mechanism::Pose>& poses);
 
-/// A grid of the poses that the robot may take and whose condition number is at most `condition_max`: near a singularity a leg alone
-/// cannot move the platform at all.
+/// A grid of the poses that the robot may take and whose condition number is at most `condition_max`: near a
+/// singularity a leg alone cannot move the platform at all.
 std::vector<mechanism::Pose> posesWithin(const mechanism::Robot& robot, double condition_max);
 
 }  // namespace knee_robot::control

@@ -46,9 +46,9 @@ struct BlackBoxDump {
   const BlackBoxRow& row(std::size_t k) const { return rows[(next + rows.size() - count + k) % rows.size()]; }
 };
 
-/// Last in the servo cycle: keeps every cycle's signals in a preallocated ring. When the Supervisor latches a fault, it goes on for
-/// `rows_after`, then leaves the ring to BlackBoxWriter and goes on in a second one. A fault that comes while both are waiting to be
-/// written is counted as lost; the real-time side never waits.
+/// Last in the servo cycle: keeps every cycle's signals in a preallocated ring. When the Supervisor latches a fault, it
+/// goes on for `rows_after`, then leaves the ring to BlackBoxWriter and goes on in a second one. A fault that comes
+/// while both are waiting to be written is counted as lost; the real-time side never waits.
 class BlackBox : public rt::TaskContext {
  public:
   explicit BlackBox(const std::string& name);

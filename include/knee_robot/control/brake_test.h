@@ -6,8 +6,9 @@
 
 namespace knee_robot::control {
 
-/// Pushes against each engaged holding brake before it is trusted: one axis after the other, shortening first, then lengthening; the
-/// force rises for 20 ms, stays for 30 ms, and is gone. Axes without a brake get no force. Pure, real-time safe.
+/// Pushes against each engaged holding brake before it is trusted: one axis after the other, shortening first, then
+/// lengthening; the force rises for 20 ms, stays for 30 ms, and is gone. Axes without a brake get no force. Pure,
+/// real-time safe.
 class BrakeTest {
  public:
   struct Step {

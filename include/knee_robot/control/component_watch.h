@@ -13,7 +13,8 @@ class ComponentWatch {
   void add(const rt::TaskContext& component) { watched_.push_back(&component); }
   const std::vector<const rt::TaskContext*>& all() const noexcept { return watched_; }
   bool allRun() const noexcept;
-  /// The first component that failed or was stopped, with its index; no fault: none. Stopped ones are none where `may_stand`.
+  /// The first component that failed or was stopped, with its index; no fault: none. Stopped ones are none where
+  /// `may_stand`.
   FaultCause firstFailure(bool may_stand) const noexcept;
 
  private:

@@ -15,20 +15,22 @@ enum class Law {
 };
 std::optional<Law> lawNamed(const std::string& name);
 
-/// What the feedback through the model adds to the feedforward, N per actuator. q: actuated lengths, e = q_d - q; M, C, V, g: mass,
-/// Coriolis (Christoffel), viscous friction and weight of the identified model in q; f_c: its dry friction along the reference, shares of
-/// the feedforward left aside. The whole force of the axes is, by law,
+/// What the feedback through the model adds to the feedforward, N per actuator. q: actuated lengths, e = q_d - q; M, C,
+/// V, g: mass, Coriolis (Christoffel), viscous friction and weight of the identified model in q; f_c: its dry friction
+/// along the reference, shares of the feedforward left aside. The whole force of the axes is, by law,
 ///
 ///     feedforward       F = g(q) + M q''_d + C(q'_d) q'_d + V q'_d + f_c                                        + PID(e)
 ///     computed_torque   F = g(q) + M (q''_d + K_v e' + K_p e) + C(q') q' + V q' + f_c                           + I integral(e)
 ///     passivity_based   F = g(q) + M q''_r + C(q') q'_r + V q'_r + f_c,   q'_r = q'_d + L e, q''_r = q''_d + L e'  + PID(e)
 ///
-/// where PID(e) = P e + D e' + I z, z = integral(e), are the Drivers' own loops, one an axis; force() is the difference to the first line.
+/// where PID(e) = P e + D e' + I z, z = integral(e), are the Drivers' own loops, one an axis; force() is the difference
+/// to the first line.
 ///
-/// Computed torque, exact model: e'' + K_v e' + K_p e = 0, of all axes alike and apart. Its error in M multiplies the feedback.
+/// Computed torque, exact model: e'' + K_v e' + K_p e = 0, of all axes alike and apart. Its error in M multiplies the
+/// feedback.
 ///
-/// Passivity. With s = q'_r - q' = e' + L e and an exact model the third line leaves M s' + C(q') s + V s + PID(e) = d, d being what
-/// else acts. PID(e) = D s + k e + I z with k = P - D L. Storage
+/// Passivity. With s = q'_r - q' = e' + L e and an exact model the third line leaves M s' + C(q') s + V s + PID(e) = d,
+/// d being what else acts. PID(e) = D s + k e + I z with k = P - D L. Storage
 ///
 ///     S = 1/2 s^T M s + sum over axes (1/2 k e^2 + I e z + 1/2 L I z^2)
 ///
@@ -36,13 +38,14 @@ std::optional<Law> lawNamed(const std::string& name);
 ///
 ///     S' = s^T d - s^T V s - sum (D s^2 + (k L - I) e^2).
 ///
-/// So the closed loop is passive from d to s: no disturbance, patient or wrong load takes more energy out of it than was put in, and for
-/// d = 0 s and e go to zero (Barbalat). What the model does not know is part of d; an error in g or in friction shifts nothing but d. An
-/// error in M or C leaves the first term with the true M and d with (M^ - M) q''_r + (C^ - C) q'_r, which is small where the movement is
-/// slow. The condition is on gains alone: (P - D L) L >= I, so L lies between the zeros of D L^2 - P L + I. Not covered by the proof, and
-/// therefore measured (docs/results/control_laws.md): sampling, the low-pass of the velocity, the clamp, friction that sticks.
-/// J.-J. Slotine, W. Li: On the adaptive control of robot manipulators, 1987; R. Ortega, M. Spong: Adaptive motion control of rigid
-/// robots: a tutorial, 1989.
+/// So the closed loop is passive from d to s: no disturbance, patient or wrong load takes more energy out of it than
+/// was put in, and for d = 0 s and e go to zero (Barbalat). What the model does not know is part of d; an error in g or
+/// in friction shifts nothing but d. An error in M or C leaves the first term with the true M and d with (M^ - M) q''_r
+/// + (C^ - C) q'_r, which is small where the movement is slow. The condition is on gains alone: (P - D L) L >= I, so L
+/// lies between the zeros of D L^2 - P L + I. Not covered by the proof, and therefore measured
+/// (docs/results/control_laws.md): sampling, the low-pass of the velocity, the clamp, friction that sticks.
+/// J.-J. Slotine, W. Li: On the adaptive control of robot manipulators, 1987; R. Ortega, M. Spong: Adaptive motion
+/// control of rigid robots: a tutorial, 1989.
 ///
 /// One a robot; real-time safe.
 class ControlLaw {
@@ -69,10 +72,12 @@ class ControlLaw {
   bool closesLoop() const noexcept { return law_ == Law::ComputedTorque; }
   /// At rest here; the low-pass forgets.
   void reset(const mechanism::Vector4& position) noexcept;
-  /// Force (N); zero for Law::Feedforward. Once an instant, in order of time. False, with `force` zero, where the mechanism is singular.
+  /// Force (N); zero for Law::Feedforward. Once an instant, in order of time. False, with `force` zero, where the
+  /// mechanism is singular.
   bool force(const dynamics::PartedModel& model, const Gains& gains, const Instant& at,
              mechanism::Vector4& force) noexcept;
-  /// Between which L (1/s) the Driver's loop with these gains is passive: half a sentence when `lambda` is not, or empty.
+  /// Between which L (1/s) the Driver's loop with these gains is passive: half a sentence when `lambda` is not, or
+  /// empty.
   static std::string whyNotPassive(double lambda, double proportional, double integral, double derivative);
 
  private:

@@ -21,9 +21,9 @@ namespace knee_robot::control {
 
 struct ControllerParts;
 
-/// The whole controller: components from a deployment file on a robot, a hardware file and an axis bus, and the operator's
-/// commands. No ROS. Functions may be called from several ordinary threads; none is real-time. Commands wait for the machine's
-/// answer: enable() and disable() until it is done, play(), approach() and stop() until it has begun.
+/// The whole controller: components from a deployment file on a robot, a hardware file and an axis bus, and the
+/// operator's commands. No ROS. Functions may be called from several ordinary threads; none is real-time. Commands wait
+/// for the machine's answer: enable() and disable() until it is done, play(), approach() and stop() until it has begun.
 /// A façade: each command is that of one of the parts in src/control, which docs/architecture.md names.
 ///
 /// Stepped execution: commands execute as many cycles as their answer takes, through step(), so the plant moves on too.
@@ -32,7 +32,8 @@ class ControlSystem {
   /// What a program may choose beyond the deployment file.
   struct Options {
     rt::Execution execution = rt::Execution::Threads;
-    /// Actuator lengths at which the robot stands when start() resets the counters; default: the robot file's home lengths.
+    /// Actuator lengths at which the robot stands when start() resets the counters; default: the robot file's home
+    /// lengths.
     std::optional<AxisValues> lengths_at_start_m;
     /// Component types added to, or put in place of, the usual ones: for fault injection and new components.
     rt::TypeFactory types;
@@ -55,11 +56,13 @@ class ControlSystem {
   /// shutdown().
   ~ControlSystem();
 
-  /// Self test of the bus (drives off, hold devices engaged), then all components are started. Ends in Disabled, or Faulted
-  /// where a fault is there from the beginning (an emergency stop that is pressed): ok, but the sentence says so.
+  /// Self test of the bus (drives off, hold devices engaged), then all components are started. Ends in Disabled, or
+  /// Faulted where a fault is there from the beginning (an emergency stop that is pressed): ok, but the sentence says
+  /// so.
   Answer start();
-  /// Safe stop if anything moves or holds, recording closed, components stopped in reverse. Can not be undone. Refused while the
-  /// drives carry the platform because a holding brake slipped: support it, then try again (the destructor does not ask).
+  /// Safe stop if anything moves or holds, recording closed, components stopped in reverse. Can not be undone. Refused
+  /// while the drives carry the platform because a holding brake slipped: support it, then try again (the destructor
+  /// does not ask).
   Answer shutdown();
 
   /// Refused unless a patient is loaded or nobody is on the robot, explicitly.
@@ -67,45 +70,51 @@ class ControlSystem {
   Answer enable();
   /// Holding, Playing -> Disabled by the safe stop.
   Answer disable();
-  /// Checks the reference against the robot (everything that check_reference checks) and hands it over. Not while playing.
+  /// Checks the reference against the robot (everything that check_reference checks) and hands it over. Not while
+  /// playing.
   Answer loadReference(const trajectory::Reference& reference);
-  /// Reads a patient file (patient_limits.h) and holds the machine to it from now on: references and approaches are checked against it
-  /// on loading and playing, pose and speed are monitored during motion. Refused with every reason why no patient may be on this machine
-  /// (docs/safety.md; with the simulated backend they are only told). Only while Disabled; forgets the loaded reference.
+  /// Reads a patient file (patient_limits.h) and holds the machine to it from now on: references and approaches are
+  /// checked against it on loading and playing, pose and speed are monitored during motion. Refused with every reason
+  /// why no patient may be on this machine (docs/safety.md; with the simulated backend they are only told). Only while
+  /// Disabled; forgets the loaded reference.
   Answer loadPatient(const std::string& path);
   /// The patient has left, and who is on the robot now has to be declared before anything moves. Only while Disabled.
   Answer clearPatient();
   /// Nobody is on the robot: only its own limits hold. Only while Disabled.
   Answer declareEmpty();
-  /// Plays the loaded reference from its first point; refused unless the robot stands there, and what is `expected` is still so.
+  /// Plays the loaded reference from its first point; refused unless the robot stands there, and what is `expected` is
+  /// still so.
   Answer play(const PathExpectation& expected = {});
-  /// Plays a slow straight approach (actuator space, rest to rest) from the measured position to the first point of the loaded
-  /// reference, checked like any reference. Follow it by waiting for Holding and play().
+  /// Plays a slow straight approach (actuator space, rest to rest) from the measured position to the first point of the
+  /// loaded reference, checked like any reference. Follow it by waiting for Holding and play().
   Answer approach(double speed_m_per_s = 0.01, const PathExpectation& expected = {});
-  /// Slows down along the path, then holds. Answers when it has begun. Like disable() and emergencyStop() it also ends what was asked
-  /// for before and has not begun yet (halts()).
+  /// Slows down along the path, then holds. Answers when it has begun. Like disable() and emergencyStop() it also ends
+  /// what was asked for before and has not begun yet (halts()).
   Answer stop();
   /// The same for whoever ends nothing but the path that it began itself.
   Answer stopPath();
   /// How often somebody wanted the robot to stand, in whatever state it was: stop(), disable(), emergencyStop().
   std::uint64_t halts() const;
-  /// Slows path time down to zero (state Paused when at rest), and back to what setSpeed() asked for: no jump, the robot never leaves
-  /// its path, wherever on it and however often. Answer when it has begun. Also during an approach.
+  /// Slows path time down to zero (state Paused when at rest), and back to what setSpeed() asked for: no jump, the
+  /// robot never leaves its path, wherever on it and however often. Answer when it has begun. Also during an approach.
   Answer pause();
   Answer resume();
-  /// Speed of path time, 0 to 100 % of what the reference asks for; holds for all paths until it is set anew. Takes effect at once and
-  /// without a jump while playing; 0 is Paused until another speed comes. Refused outside 0 to 100, and what is not a number.
+  /// Speed of path time, 0 to 100 % of what the reference asks for; holds for all paths until it is set anew. Takes
+  /// effect at once and without a jump while playing; 0 is Paused until another speed comes. Refused outside 0 to 100,
+  /// and what is not a number.
   Answer setSpeed(double percent);
-  /// Finds home by the procedure of the hardware file (`homing:`), from Disabled: the axes move slowly one after the other (state
-  /// Homing), and the machine ends Disabled with `homed`, or Faulted with homing_failed. Answers when it has begun. Where the method
-  /// is hand_placed or assumed, nothing moves and the sentence says what to do.
+  /// Finds home by the procedure of the hardware file (`homing:`), from Disabled: the axes move slowly one after the
+  /// other (state Homing), and the machine ends Disabled with `homed`, or Faulted with homing_failed. Answers when it
+  /// has begun. Where the method is hand_placed or assumed, nothing moves and the sentence says what to do.
   Answer home();
   /// Method hand_placed: the robot stands at its home lengths now, says the operator; only in Disabled.
   Answer confirmHome();
-  /// A hand moves the platform from now on, as long as the enabling switch is held (docs/guiding.md): Holding -> Guiding -> Holding.
+  /// A hand moves the platform from now on, as long as the enabling switch is held (docs/guiding.md): Holding ->
+  /// Guiding -> Holding.
   /// Refused without such a switch, an identified model, tested brakes, or where the platform must not be guided.
   Answer guide();
-  /// The path that was guided last as a reference file that may be played: smoothed, as slow as the limits want it, checked.
+  /// The path that was guided last as a reference file that may be played: smoothed, as slow as the limits want it,
+  /// checked.
   Answer saveGuided(const std::string& path);
   /// Safe stop now, latched like a fault until resetFaults().
   Answer emergencyStop();
@@ -114,26 +123,27 @@ class ControlSystem {
 
   /// A row per servo cycle into a new file; refused when it exists.
   Answer startRecording(const std::string& path);
-  /// Closes the file; not ok when rows were dropped or the disk refused, with the number. `only`: that recording or none, for whoever
-  /// began it; not ok when somebody else has ended it.
+  /// Closes the file; not ok when rows were dropped or the disk refused, with the number. `only`: that recording or
+  /// none, for whoever began it; not ok when somebody else has ended it.
   Answer stopRecording(const std::string& only = "");
 
   ControlStatus status() const;
   MachineState state() const { return status().state; }
   /// Newest row; lock-free towards the real-time side. Empty before the first cycle.
   std::optional<TrackingRow> snapshot() const;
-  /// Newest residual and what it says (noticesOf()); lock-free towards the real-time side. Empty before the first cycle, and without a
-  /// DisturbanceObserver.
+  /// Newest residual and what it says (noticesOf()); lock-free towards the real-time side. Empty before the first
+  /// cycle, and without a DisturbanceObserver.
   std::optional<Disturbance> disturbance() const;
-  /// Waits (threads) or executes cycles (stepped) until the machine is in `state`, at most `timeout_s`. Faulted ends it too.
+  /// Waits (threads) or executes cycles (stepped) until the machine is in `state`, at most `timeout_s`. Faulted ends it
+  /// too.
   bool waitFor(MachineState state, double timeout_s);
 
   /// Timing of every activity and component: periods, lateness, execution times as histograms. Any thread, at any time.
   std::vector<rt::ActivityReport> statistics() const { return rt::statisticsOf(deployment()); }
   /// Every property of every component, with unit, range, description, and whether it may change at run time.
   std::vector<rt::PropertyReport> properties() const;
-  /// Changes a property that is declared so while the controller runs, e.g. ("Driver1", "proportional_N_per_m", "50000"): within its
-  /// range, without a jump of force. The sentence says what was before.
+  /// Changes a property that is declared so while the controller runs, e.g. ("Driver1", "proportional_N_per_m",
+  /// "50000"): within its range, without a jump of force. The sentence says what was before.
   Answer setProperty(const std::string& component, const std::string& property, const std::string& value);
 
   /// Where the feedforward's forces come from, for the operator.
@@ -142,7 +152,8 @@ class ControlSystem {
   std::vector<std::string> warnings() const;
   const rt::Deployment& deployment() const;
 
-  /// Stepped only. `advance` is called before each cycle with the virtual time (ns) up to which the plant has to be moved on.
+  /// Stepped only. `advance` is called before each cycle with the virtual time (ns) up to which the plant has to be
+  /// moved on.
   void setPlant(std::function<void(rt::Nanoseconds time)> advance);
   /// Stepped only: executes the next cycle, answers its virtual time.
   rt::Nanoseconds step();

@@ -6,15 +6,18 @@
 
 namespace knee_robot::control {
 
-/// Tells apart what makes a residual: a load that stays, a push, friction that is not what it was, a model that does not hold any more.
+/// Tells apart what makes a residual: a load that stays, a push, friction that is not what it was, a model that does
+/// not hold any more.
 ///
-/// - load: mean of the wrench over kMean_s of motion (rest counts little: friction hides a part of it). Its mass is -Fz / g, its place My / Fz.
+/// - load: mean of the wrench over kMean_s of motion (rest counts little: friction hides a part of it). Its mass is -Fz
+///   / g, its place My / Fz.
 /// - push: what is certain beside that load is more than its limit for kPush_s. One that stays becomes a load.
-/// - friction of a leg: residual forwards less residual backwards, over the same of the model's friction, each the mean of kFriction_s of
-///   motion; what a load or an offset does is in both.
+/// - friction of a leg: residual forwards less residual backwards, over the same of the model's friction, each the mean
+///   of kFriction_s of motion; what a load or an offset does is in both.
 /// - model: a leg's running rms beyond its band, none of the above being the reason.
-/// Limits, both from the model file: what the legs' bands (three times the residual that it promises) can look like at the platform, or kReversal
-/// of what its friction can (of a load kLoad), whichever is more: that much of friction nobody knows while directions change.
+/// Limits, both from the model file: what the legs' bands (three times the residual that it promises) can look like at
+/// the platform, or kReversal of what its friction can (of a load kLoad), whichever is more: that much of friction
+/// nobody knows while directions change.
 /// One a robot; real-time safe.
 class DisturbanceClassifier {
  public:

@@ -17,13 +17,14 @@ namespace knee_robot::control {
 
 /// Says what acts on the robot that nobody commanded.
 ///
-/// - Suspicion: RestWatch sees the standing robot disturbed; the Drivers ask their encoders then. Where nothing counts at all, RestTurn has one
-///   of them asked now and then.
+/// - Suspicion: RestWatch sees the standing robot disturbed; the Drivers ask their encoders then. Where nothing counts
+///   at all, RestTurn has one of them asked now and then.
 /// - Felt: PulseWitness tells an axis that moves unseen from one that does not move at all.
-/// - Residual: ResidualEstimator compares the written force with that of the model; DisturbanceClassifier tells a load, a push, friction and a
-///   model that does not hold apart. The model is ModelFeedforward's (useModel()), its payload the declared one; without a model file the weights
-///   of the URDF, and nothing is evaluated.
-/// Runs between AxesInput and the Drivers; commands and outputs are those of the last cycle. No allocation, no lock, bounded time.
+/// - Residual: ResidualEstimator compares the written force with that of the model; DisturbanceClassifier tells a load,
+///   a push, friction and a model that does not hold apart. The model is ModelFeedforward's (useModel()), its payload
+///   the declared one; without a model file the weights of the URDF, and nothing is evaluated.
+/// Runs between AxesInput and the Drivers; commands and outputs are those of the last cycle. No allocation, no lock,
+/// bounded time.
 class DisturbanceObserver : public rt::TaskContext {
  public:
   DisturbanceObserver(const std::string& name, const mechanism::Robot& robot);
@@ -49,7 +50,8 @@ class DisturbanceObserver : public rt::TaskContext {
                                      600.0,
                                      "when no axis has counted for so long at rest, one is asked; 0: none"};
 
-  /// Ordinary thread, before configure(): reads the model. InputError names the file and the reason. configure() does it otherwise.
+  /// Ordinary thread, before configure(): reads the model. InputError names the file and the reason. configure() does
+  /// it otherwise.
   void loadModel();
 
  protected:

@@ -6,17 +6,20 @@
 
 namespace knee_robot::control {
 
-/// Finds an encoder that has died while its axis stands, at rest or around a turning point. Nothing passive can: a healthy axis sticks
-/// and does not count either, and the load takes a blind one along with hardly a trace in the other axes' forces. So, like the test
-/// pulses of a safety output, the force of an axis whose encoder stands gets a short pulse without mean,
+/// Finds an encoder that has died while its axis stands, at rest or around a turning point. Nothing passive can: a
+/// healthy axis sticks and does not count either, and the load takes a blind one along with hardly a trace in the other
+/// axes' forces. So, like the test pulses of a safety output, the force of an axis whose encoder stands gets a short
+/// pulse without mean,
 ///
 ///     +A for T, -A for 2 T, +A for T        (the axis goes there and back by some hundredths of a millimetre)
 ///
-/// and the encoder has to answer with kAnswer counts, more than an open input dithers by. The strength s is learnt: as little as the axis
-/// answers to. A = s and T = 6 ms up to A = `largest_N`; above, T grows so that A T^2, which is what moves a heavy axis, grows with s.
-/// No answer: again with half as much more, twice, then with four times and 80 N more than what has been enough (before anything has: in
-/// steps up to T = 13 ms); none to that either, twice: the encoder is dead, or the axis is blocked.
-/// At rest every `period_s`; while the reference moves, as soon as the encoder has stood for kStands_s. `once`: only until it has answered.
+/// and the encoder has to answer with kAnswer counts, more than an open input dithers by. The strength s is learnt: as
+/// little as the axis answers to. A = s and T = 6 ms up to A = `largest_N`; above, T grows so that A T^2, which is what
+/// moves a heavy axis, grows with s.
+/// No answer: again with half as much more, twice, then with four times and 80 N more than what has been enough (before
+/// anything has: in steps up to T = 13 ms); none to that either, twice: the encoder is dead, or the axis is blocked.
+/// At rest every `period_s`; while the reference moves, as soon as the encoder has stood for kStands_s. `once`: only
+/// until it has answered.
 /// One a Driver; real-time safe.
 class EncoderProbe {
  public:
@@ -44,7 +47,8 @@ class EncoderProbe {
     force_N_ = 0.0;
   }
 
-  /// One cycle of `dt` in which the loop alone carries the axis. `rests`: the reference stands. False: the encoder does not answer.
+  /// One cycle of `dt` in which the loop alone carries the axis. `rests`: the reference stands. False: the encoder does
+  /// not answer.
   bool step(bool rests, double dt, std::int64_t counts, const Settings& settings) noexcept {
     force_N_ = 0.0;
     if (settings.period_s <= 0.0) return true;
@@ -120,7 +124,8 @@ class EncoderProbe {
     }
     const double most_N = limit_N(settings);
     failures_ += strength_N_ >= most_N ? kAtLargest : 1;
-    // Where much less has been enough, two steps are patience enough; a healthy axis must not get the strongest at once.
+    // Where much less has been enough, two steps are patience enough; a healthy axis must not get the strongest at
+    // once.
     const bool sure = enough_N_ > 0.0 && failures_ > 2;
     strength_N_ = sure ? most_N : std::min(most_N, kStep * strength_N_);
     wait_s_ = kAgain_s;

@@ -8,9 +8,9 @@
 
 namespace knee_robot::control {
 
-/// Finds what is wrong with the machine in one cycle. One cause makes many things look wrong at once; what is named is the first one in
-/// the order of causes: the guardian, somebody's hand, the drives, the bus, a component, the measurement, the monitors, the Drivers, the outputs, the
-/// time. Pure, real-time safe.
+/// Finds what is wrong with the machine in one cycle. One cause makes many things look wrong at once; what is named is
+/// the first one in the order of causes: the guardian, somebody's hand, the drives, the bus, a component, the
+/// measurement, the monitors, the Drivers, the outputs, the time. Pure, real-time safe.
 class FaultSearch {
  public:
   /// What the Supervisor's properties and state say.

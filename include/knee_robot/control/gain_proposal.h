@@ -36,9 +36,9 @@ LoopMargins worstMargins(const PidGains& gains, const PlantRange& range, double 
 /// Change of force when the encoder counts once, N.
 double kickOfOneCount(const PidGains& gains, double period_s, double count_m);
 
-/// Gains of one shape, as fast as demand and bounds allow: D = m w, P = D w / 3, I = P w / 20, with m the geometric mean of the
-/// range's masses, w the crossover (rad/s), and the velocity's low-pass at five times it (20 to 200 Hz). None when not even a
-/// crossover of 0.5 Hz keeps them.
+/// Gains of one shape, as fast as demand and bounds allow: D = m w, P = D w / 3, I = P w / 20, with m the geometric
+/// mean of the range's masses, w the crossover (rad/s), and the velocity's low-pass at five times it (20 to 200 Hz).
+/// None when not even a crossover of 0.5 Hz keeps them.
 std::optional<PidGains> proposeGains(const PlantRange& range, double period_s, const MarginDemand& demand,
                                      const GainBounds& bounds);
 

@@ -30,10 +30,10 @@ struct GuardianView {
   bool fenced = false;        ///< the outputs have been taken already, by another guardian or by --down-now
 };
 
-/// Decides when a controller counts as dead. Silence counts only while drives are on, and a cycle of the guardian adds at most
-/// two of its periods: when the machine (or the guardian) has paused, a controller that could not run either gets the same
-/// time again. Latched until the controller asks for a reset with everything switched off. Pure: no clock, no hardware;
-/// real-time safe.
+/// Decides when a controller counts as dead. Silence counts only while drives are on, and a cycle of the guardian adds
+/// at most two of its periods: when the machine (or the guardian) has paused, a controller that could not run either
+/// gets the same time again. Latched until the controller asks for a reset with everything switched off. Pure: no
+/// clock, no hardware; real-time safe.
 class GuardianWatch {
  public:
   GuardianWatch(rt::Nanoseconds silence_limit, rt::Nanoseconds period, bool tripped = false)
@@ -75,16 +75,19 @@ struct GuardianReport {
   std::atomic<bool> acts{false};             ///< from before a trip until the outputs are down: now it must not end
 };
 
-/// What the drives do between a trip and 0 V: they give what carried the robot at rest (GuardianLink::load_V), until the hold devices do.
-/// Without it a platform falls by 6 mm while brakes of 50 ms engage. Only what is on may stay on: a guardian that has not itself seen the controller
-/// at work goes down at once, for what the link says may be a dead controller's, of drives that are off since.
+/// What the drives do between a trip and 0 V: they give what carried the robot at rest (GuardianLink::load_V), until
+/// the hold devices do.
+/// Without it a platform falls by 6 mm while brakes of 50 ms engage. Only what is on may stay on: a guardian that has
+/// not itself seen the controller at work goes down at once, for what the link says may be a dead controller's, of
+/// drives that are off since.
 struct GuardianCarry {
   std::uint8_t outputs = 0;  ///< digital outputs meanwhile: drives on, hold devices ordered to engage
   rt::Nanoseconds time = 0;  ///< what the slowest hold device takes; 0: down at once
 };
 
-/// The guardian's cycle: looks at the link and at the controller's process, and brings the outputs down when it is dead, and once
-/// at its own start unless a controller lives that holds the link. Never writes to the cards otherwise. One a robot, in a process of its own with higher priority than the controller's.
+/// The guardian's cycle: looks at the link and at the controller's process, and brings the outputs down when it is
+/// dead, and once at its own start unless a controller lives that holds the link. Never writes to the cards otherwise.
+/// One a robot, in a process of its own with higher priority than the controller's.
 class Guardian : public rt::TaskContext {
  public:
   /// All must outlive this. `clock` gives ns; the cycle's wake and `clock` count from one zero.

@@ -11,8 +11,8 @@
 
 namespace knee_robot::control {
 
-/// The lengths along which the platform was guided, one sample every 10 ms. One real-time writer; readers of other threads may look while
-/// nothing is guided. All memory is taken at construction.
+/// The lengths along which the platform was guided, one sample every 10 ms. One real-time writer; readers of other
+/// threads may look while nothing is guided. All memory is taken at construction.
 class GuidedPath {
  public:
   static constexpr std::size_t kMostSamples = 60'000;  // ten minutes
@@ -31,9 +31,9 @@ class GuidedPath {
   std::atomic<std::size_t> count_{0};
 };
 
-/// A guided path as a reference that may be played: rests at the ends cut to `rest_s`, zero-phase low-pass, beginning and end at rest, and
-/// as slow as the robot's (and patient's) limits want it. `slowed`: by which factor the hand was faster. InputError: one sentence, when
-/// nothing moved or the path leaves what may be played.
+/// A guided path as a reference that may be played: rests at the ends cut to `rest_s`, zero-phase low-pass, beginning
+/// and end at rest, and as slow as the robot's (and patient's) limits want it. `slowed`: by which factor the hand was
+/// faster. InputError: one sentence, when nothing moved or the path leaves what may be played.
 struct GuidedReference {
   trajectory::Reference reference;
   double slowed = 1.0;

@@ -6,8 +6,9 @@
 
 namespace knee_robot::control {
 
-/// When a hand may guide the platform, and what ends it. The enabling switch must have been let go of since the drives were enabled and
-/// since the last guiding: one that is held down by something else than a hand begins nothing. Pure, real-time safe.
+/// When a hand may guide the platform, and what ends it. The enabling switch must have been let go of since the drives
+/// were enabled and since the last guiding: one that is held down by something else than a hand begins nothing. Pure,
+/// real-time safe.
 class GuidingPermission {
  public:
   /// What else has to be so.

@@ -15,26 +15,32 @@
 
 namespace knee_robot::control {
 
-/// Lets a hand move the platform (SupervisorCommand::guiding), and remembers the path. ModelFeedforward carries the weight; this adds, per axis,
+/// Lets a hand move the platform (SupervisorCommand::guiding), and remembers the path. ModelFeedforward carries the
+/// weight; this adds, per axis,
 ///
 ///     force = share_friction * (viscous * v + Coulomb * tanh(v / kSlow))      the identified friction along the measured motion
 ///           + tremble * (1 - |tanh(v / kSlow)|)                               where an axis stands
 ///           - damping * v - brake(speed) * v                                  soft, and hard near the speed limit
 ///           + walls(pose)                                                     VirtualWalls
 ///
-/// - Friction that stands has no direction. So a standing axis trembles: share_friction of its Coulomb friction, to and fro at 25 Hz,
-///   less than what makes it slip by itself; a hand then needs only the rest of it. share_friction stays below 1: friction is never made
-///   negative, as long as it is not smaller than share_friction of what was identified.
-/// - For weigh_s after the begin the Drivers' loops stay closed while the axes tremble: sticking friction lets go, and the integrals become
-///   what the model does not know of the load. Nobody can tell a load that nobody declared from a hand that leans on the platform and lets go
-///   later. So half of it is carried, and so little friction that the rest holds either half: neither drifts. More than that, or than
-///   unknown_load_N, in an axis ends the guiding, also when a feedforward that is switched makes it so.
-/// - Speed: from 80 % of linear_m_per_s and angular_rad_per_s on (the patient's, where that is less) it brakes; 1.5 times for 0.1 s ends it.
-/// - A wall's depth of 90 % ends it (begun near there: 93 %). What ends it leads to holding where the platform is (SS2 by the Drivers' own loops): the command is
-///   `stop`, the Supervisor gives the order. So do a lost pose and a path that is full.
-/// - An encoder that stands while another leg has moved by kMoves_m is asked by its Driver (EncoderChallenge), as nothing else would notice. So is
-///   one after the other, every kAllStand_s, while all stand: without their common supply none counts, and the hand would meet no wall.
-/// Needs an identified model; without one `stop` is NoModel from the start. Runs between AxesInput and the Drivers; real-time safe.
+/// - Friction that stands has no direction. So a standing axis trembles: share_friction of its Coulomb friction, to and
+///   fro at 25 Hz, less than what makes it slip by itself; a hand then needs only the rest of it. share_friction stays
+///   below 1: friction is never made negative, as long as it is not smaller than share_friction of what was identified.
+/// - For weigh_s after the begin the Drivers' loops stay closed while the axes tremble: sticking friction lets go, and
+///   the integrals become what the model does not know of the load. Nobody can tell a load that nobody declared from a
+///   hand that leans on the platform and lets go later. So half of it is carried, and so little friction that the rest
+///   holds either half: neither drifts. More than that, or than unknown_load_N, in an axis ends the guiding, also when
+///   a feedforward that is switched makes it so.
+/// - Speed: from 80 % of linear_m_per_s and angular_rad_per_s on (the patient's, where that is less) it brakes; 1.5
+///   times for 0.1 s ends it.
+/// - A wall's depth of 90 % ends it (begun near there: 93 %). What ends it leads to holding where the platform is (SS2
+///   by the Drivers' own loops): the command is `stop`, the Supervisor gives the order. So do a lost pose and a path
+///   that is full.
+/// - An encoder that stands while another leg has moved by kMoves_m is asked by its Driver (EncoderChallenge), as
+///   nothing else would notice. So is one after the other, every kAllStand_s, while all stand: without their common
+///   supply none counts, and the hand would meet no wall.
+/// Needs an identified model; without one `stop` is NoModel from the start. Runs between AxesInput and the Drivers;
+/// real-time safe.
 class HandGuide : public rt::TaskContext {
  public:
   static constexpr double kSlow_m_per_s = 2e-3, kCutoff_hz = 20.0, kTremble_s = 0.04, kMoves_m = 2e-3,
@@ -74,7 +80,8 @@ class HandGuide : public rt::TaskContext {
 
   /// Limits of a patient, from the next cycle on. Any thread, one at a time.
   void setPatient(PatientRange range) { offered_.write(range); }
-  /// Ordinary thread, before configure(): reads the model. InputError names the file and the reason. configure() does it otherwise.
+  /// Ordinary thread, before configure(): reads the model. InputError names the file and the reason. configure() does
+  /// it otherwise.
   void loadModel();
 
  protected:

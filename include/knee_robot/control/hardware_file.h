@@ -91,8 +91,8 @@ struct HardwareFile {
   std::string machine(const std::string& shm) const;
 };
 
-/// Reads a hardware file strictly. InputError (file, line, limit) for anything unknown or senseless, and for hold_device none
-/// without bench_without_patient.
+/// Reads a hardware file strictly. InputError (file, line, limit) for anything unknown or senseless, and for
+/// hold_device none without bench_without_patient.
 HardwareFile loadHardwareFile(const std::string& path);
 
 /// What turns the robot's set values into drive torques; rated torques come from the `can` section.

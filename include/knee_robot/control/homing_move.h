@@ -21,8 +21,8 @@ struct HomingAxis {
 ///     Found       holds there
 ///     Failed      travel_m or twice its time is over
 ///
-/// A hard stop is where the axis stands for kContact although the reference is kLead ahead: the force is then what kLead and the
-/// force limit let through. Pure, real-time safe.
+/// A hard stop is where the axis stands for kContact although the reference is kLead ahead: the force is then what
+/// kLead and the force limit let through. Pure, real-time safe.
 class HomingMove {
  public:
   static constexpr double kLead_m = 0.0015;

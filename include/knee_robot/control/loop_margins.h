@@ -26,8 +26,8 @@ struct LoopMargins {
   double crossover_hz = 0.0;  ///< highest frequency at which |L| = 1
 };
 
-/// Pid::update as a transfer function from error to force at `frequency_hz`, sampled every `period_s`; the derivative acts on the
-/// error's derivative as far as the loop is concerned.
+/// Pid::update as a transfer function from error to force at `frequency_hz`, sampled every `period_s`; the derivative
+/// acts on the error's derivative as far as the loop is concerned.
 std::complex<double> pidResponse(const PidGains& gains, double period_s, double frequency_hz);
 /// From the command, held for a period, to the sampled position (exact, with the delay's fraction of a period).
 std::complex<double> plantResponse(const AxisPlant& plant, double period_s, double frequency_hz);

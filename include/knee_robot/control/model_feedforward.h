@@ -13,28 +13,32 @@
 
 namespace knee_robot::control {
 
-/// The load of the four axes by a model, once a servo cycle, which the Drivers add to their forces: weight at the measured pose,
-/// inertia and friction along the reference. What the model does not know is left to the Drivers' integrals.
+/// The load of the four axes by a model, once a servo cycle, which the Drivers add to their forces: weight at the
+/// measured pose, inertia and friction along the reference. What the model does not know is left to the Drivers'
+/// integrals.
 ///
 ///     force = level * (share_gravity * (weight + payload_kg * w) + share_inertia * (inertia + ...) + share_friction * friction)
 ///
-/// - Model: by default the weights of the robot's URDF (nothing without URDF), otherwise everything in the file of `model`.
-/// - Taking over (SupervisorCommand::drivers_active): `level` rises from 0 to 1 in take_over_s while the hold devices are engaged; the Supervisor
-///   releases them only when `complete`, onto a force that already carries the robot.
-/// - A share or the payload that changes moves there in switch_s. That is no change of the load: `switched_N` counts the newtons that
-///   were switched, the Drivers' integrals take up the difference, and the force on the motors stays.
-/// - Friction goes by the reference's motion, never by the measured one: by the law near rest that was identified, which builds up over
-///   a way and is held at a turning point. Where the reference rests it is let go of in rest_s: it can not make an axis move that should
-///   stand.
-/// - Effects of `trace` act in the part they belong to: springs, offsets, ripples with the weight; friction's with friction; a delay or
-///   drive lag with the inertia, as the force of that much later on the reference as it goes on. source() names those that are left out.
+/// - Model: by default the weights of the robot's URDF (nothing without URDF), otherwise everything in the file of
+///   `model`.
+/// - Taking over (SupervisorCommand::drivers_active): `level` rises from 0 to 1 in take_over_s while the hold devices
+///   are engaged; the Supervisor releases them only when `complete`, onto a force that already carries the robot.
+/// - A share or the payload that changes moves there in switch_s. That is no change of the load: `switched_N` counts
+///   the newtons that were switched, the Drivers' integrals take up the difference, and the force on the motors stays.
+/// - Friction goes by the reference's motion, never by the measured one: by the law near rest that was identified,
+///   which builds up over a way and is held at a turning point. Where the reference rests it is let go of in rest_s: it
+///   can not make an axis move that should stand.
+/// - Effects of `trace` act in the part they belong to: springs, offsets, ripples with the weight; friction's with
+///   friction; a delay or drive lag with the inertia, as the force of that much later on the reference as it goes on.
+///   source() names those that are left out.
 /// - Every axis stays within largest_share of its force limit.
-/// - Pose unknown (forward kinematics without result, near a singularity), or a part that is no number: 0 N from this cycle on, taken up
-///   by the integrals like a share; when the pose is known again the force comes back in switch_s. Unreadable encoders: the last pose.
+/// - Pose unknown (forward kinematics without result, near a singularity), or a part that is no number: 0 N from this
+///   cycle on, taken up by the integrals like a share; when the pose is known again the force comes back in switch_s.
+///   Unreadable encoders: the last pose.
 /// - Homing: 0 N from its begin until the Drivers are switched off; not homed, lengths mean nothing.
-/// - law: besides feedforward, feedback through the identified model (ControlLaw says which, and why it is stable): loop_N, outside of
-///   shares and levels, zero wherever the forces are. Monitors, faults and the safe stop do not know of it; a model that falls silent
-///   leaves the Drivers with their own loops.
+/// - law: besides feedforward, feedback through the identified model (ControlLaw says which, and why it is stable):
+///   loop_N, outside of shares and levels, zero wherever the forces are. Monitors, faults and the safe stop do not know
+///   of it; a model that falls silent leaves the Drivers with their own loops.
 /// Runs between AxesInput and the Drivers. The Drivers' reference is that of the last cycle. No allocation, no lock.
 class ModelFeedforward : public rt::TaskContext {
  public:
@@ -91,7 +95,8 @@ class ModelFeedforward : public rt::TaskContext {
   /// Ordinary thread, before configure(): reads `law`. InputError names the property and what it needs.
   void readLaw();
   Law chosenLaw() const noexcept { return law_.law(); }
-  /// Ordinary thread, before configure(): reads the model and the law. InputError names the file and the reason. configure() does it otherwise.
+  /// Ordinary thread, before configure(): reads the model and the law. InputError names the file and the reason.
+  /// configure() does it otherwise.
   void loadModel();
   /// Where the forces come from, for the operator. After loadModel().
   const std::string& source() const { return source_; }

@@ -7,8 +7,8 @@
 
 namespace knee_robot::control {
 
-/// Change of the low-passed velocity over kWindow cycles, against `limit` (m/s^2): over a single cycle, one count of an encoder alone
-/// would be several m/s^2.
+/// Change of the low-passed velocity over kWindow cycles, against `limit` (m/s^2): over a single cycle, one count of an
+/// encoder alone would be several m/s^2.
 class AccelerationMonitor {
  public:
   static constexpr int kWindow = 20;

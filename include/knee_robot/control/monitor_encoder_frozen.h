@@ -7,12 +7,13 @@
 
 namespace knee_robot::control {
 
-/// An encoder that does not count while its reference moves on, or only dithers as an open input does. Evaluated when the reference has
-/// moved by `distance_m` and the force has changed by `force_N`, which must be more than sticking friction takes: broken when the
-/// encoder has stayed within a tenth of that all the while (within, not net: behind a turning point a healthy axis may be back where it
-/// was when the reference is not). An axis whose friction has grown looks the same: where the Driver can, it asks the encoder first
-/// (EncoderChallenge), and only silence for kSilence_s is broken. One axis alone cannot tell a dead encoder from an axis that is blocked: the
-/// fault names both. It comes before the following-error limit, because a dead encoder lets its axis run with a growing force.
+/// An encoder that does not count while its reference moves on, or only dithers as an open input does. Evaluated when
+/// the reference has moved by `distance_m` and the force has changed by `force_N`, which must be more than sticking
+/// friction takes: broken when the encoder has stayed within a tenth of that all the while (within, not net: behind a
+/// turning point a healthy axis may be back where it was when the reference is not). An axis whose friction has grown
+/// looks the same: where the Driver can, it asks the encoder first (EncoderChallenge), and only silence for kSilence_s
+/// is broken. One axis alone cannot tell a dead encoder from an axis that is blocked: the fault names both. It comes
+/// before the following-error limit, because a dead encoder lets its axis run with a growing force.
 class EncoderFrozenMonitor {
  public:
   enum class Verdict { Counts, Ask, Dead };
@@ -33,7 +34,8 @@ class EncoderFrozenMonitor {
     asked_s_ += axis.dt;
     return axis.can_be_asked && asked_s_ < kSilence_s ? Verdict::Ask : Verdict::Dead;
   }
-  /// The encoder has stood still while its reference went half of `distance_m`: not yet enough for a verdict of its own.
+  /// The encoder has stood still while its reference went half of `distance_m`: not yet enough for a verdict of its
+  /// own.
   bool seesNothing(double reference_m, double distance_m) const noexcept {
     const double wanted = std::abs(reference_m - from_m_);
     return known_ && wanted >= 0.5 * distance_m && highest_m_ - lowest_m_ < 0.1 * wanted;

@@ -7,9 +7,9 @@
 
 namespace knee_robot::control {
 
-/// The platform's pose and speed against a patient's limits, by forward kinematics of the measured lengths, once a cycle. The speed is
-/// the way over the last kWindow_s: encoder steps and the slips of a dry screw at its reversals are shorter, a joint feels neither;
-/// what is faster for longer is. A pose that cannot be calculated is broken.
+/// The platform's pose and speed against a patient's limits, by forward kinematics of the measured lengths, once a
+/// cycle. The speed is the way over the last kWindow_s: encoder steps and the slips of a dry screw at its reversals are
+/// shorter, a joint feels neither; what is faster for longer is. A pose that cannot be calculated is broken.
 class PatientMonitor {
  public:
   static constexpr double kWindow_s = 0.25;

@@ -7,12 +7,13 @@
 
 namespace knee_robot::control {
 
-/// The axis moves away from its reference, faster and faster, while the force pushes towards it more than it did at rest: a wrong
-/// sign of encoder, drive or wiring (the loop then drives itself away), a drive that gives no force although it is enabled (the load
-/// takes the axis along), or something outside that is stronger than the drive. Broken when, for time_s, the error is above error_m,
-/// the axis itself moves away from the reference faster than `speed`, seen from the base and from the moving reference, and it has not
-/// become slower. An axis that only lags behind a
-/// fast reference moves towards it, one that runs a little ahead of it keeps its distance, one that overshoots becomes slower, and so does one that somebody pushes against a healthy loop.
+/// The axis moves away from its reference, faster and faster, while the force pushes towards it more than it did at
+/// rest: a wrong sign of encoder, drive or wiring (the loop then drives itself away), a drive that gives no force
+/// although it is enabled (the load takes the axis along), or something outside that is stronger than the drive. Broken
+/// when, for time_s, the error is above error_m, the axis itself moves away from the reference faster than `speed`,
+/// seen from the base and from the moving reference, and it has not become slower. An axis that only lags behind a fast
+/// reference moves towards it, one that runs a little ahead of it keeps its distance, one that overshoots becomes
+/// slower, and so does one that somebody pushes against a healthy loop.
 class RunawayMonitor {
  public:
   bool step(const AxisView& axis, double error_m, double speed, double time_s) noexcept {

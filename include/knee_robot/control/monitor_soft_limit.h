@@ -4,8 +4,8 @@
 
 namespace knee_robot::control {
 
-/// The robot file's range, while the axis moves outwards: one that stands outside may be brought back inside. (The hard limit, a
-/// margin farther, is the Supervisor's position_out_of_range.)
+/// The robot file's range, while the axis moves outwards: one that stands outside may be brought back inside. (The hard
+/// limit, a margin farther, is the Supervisor's position_out_of_range.)
 class SoftLimitMonitor {
  public:
   bool step(const AxisView& axis, double minimum_m, double maximum_m, double margin_m, double speed) noexcept {

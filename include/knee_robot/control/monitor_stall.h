@@ -6,7 +6,8 @@
 
 namespace knee_robot::control {
 
-/// The drive pushes and the axis stands: |force| >= share * limit and |velocity| < speed for time_s, away from where it should be.
+/// The drive pushes and the axis stands: |force| >= share * limit and |velocity| < speed for time_s, away from where it
+/// should be.
 class StallMonitor {
  public:
   bool step(const AxisView& axis, double share, double speed, double error_m, double time_s) noexcept {

@@ -4,10 +4,10 @@
 
 namespace knee_robot::control {
 
-/// I2t with two time constants: the winding above its housing (seconds) and the housing above the room (a quarter of an hour), each a
-/// first-order lag of (force / continuous force)^2; `winding_share` of the final rise is the winding's. 0 is cold, 1 what the
-/// continuous force leads to in the end; above 1 is the fault. Goes on through every state, and is not forgotten by a reset; a controller that is started anew
-/// begins at `start` (HeatMemory knows what was before).
+/// I2t with two time constants: the winding above its housing (seconds) and the housing above the room (a quarter of an
+/// hour), each a first-order lag of (force / continuous force)^2; `winding_share` of the final rise is the winding's. 0
+/// is cold, 1 what the continuous force leads to in the end; above 1 is the fault. Goes on through every state, and is
+/// not forgotten by a reset; a controller that is started anew begins at `start` (HeatMemory knows what was before).
 class ThermalMonitor {
  public:
   bool step(const AxisView& axis, double force_continuous_N, double winding_s, double winding_share = 1.0,

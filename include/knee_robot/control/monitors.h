@@ -21,13 +21,14 @@
 
 namespace knee_robot::control {
 
-/// Looks at all four axes once a servo cycle, after the Drivers and before the Supervisor and AxesOutput, so that a fault acts in the
-/// cycle in which it is seen. The limits' meaning is in the monitor_*.h, one file each. Encoder jump and heat are evaluated always; the
-/// others while the Drivers carry the platform (released, no safe stop running); soft limits and the patient's only when homed, and of
-/// an axis that looks for home only speed, acceleration and heat. The first fault of an axis is kept until the Drivers
-/// are switched off.
+/// Looks at all four axes once a servo cycle, after the Drivers and before the Supervisor and AxesOutput, so that a
+/// fault acts in the cycle in which it is seen. The limits' meaning is in the monitor_*.h, one file each. Encoder jump
+/// and heat are evaluated always; the others while the Drivers carry the platform (released, no safe stop running);
+/// soft limits and the patient's only when homed, and of an axis that looks for home only speed, acceleration and heat.
+/// The first fault of an axis is kept until the Drivers are switched off.
 ///
-/// The following error is the Driver's; range (hard), readability of the encoders, components and inputs are the Supervisor's.
+/// The following error is the Driver's; range (hard), readability of the encoders, components and inputs are the
+/// Supervisor's.
 class Monitors : public rt::TaskContext {
  public:
   Monitors(const std::string& name, const mechanism::Robot& robot);

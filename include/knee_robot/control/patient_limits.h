@@ -41,11 +41,12 @@ struct PatientLimits {
   PatientRange range;
 };
 
-/// InputError (file, line, limit) for anything unknown or senseless: an empty interval, lengths that no leg reaches, a speed above the
-/// robot's own. Throws InputError for a robot without platform (mechanism axes), too.
+/// InputError (file, line, limit) for anything unknown or senseless: an empty interval, lengths that no leg reaches, a
+/// speed above the robot's own. Throws InputError for a robot without platform (mechanism axes), too.
 PatientLimits loadPatientLimits(const std::string& path, const mechanism::Robot& robot);
 
-/// Checks a reference that the robot's own check has let through: every pose inside the range, every interval within the speeds.
+/// Checks a reference that the robot's own check has let through: every pose inside the range, every interval within
+/// the speeds.
 /// Throws InputError naming the reference's line, what was broken and by how much.
 void requireWithinPatient(const trajectory::ReferenceCheck& check, const trajectory::Reference& reference,
                           const PatientLimits& patient);

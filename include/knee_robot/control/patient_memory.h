@@ -12,8 +12,8 @@ enum class Occupancy {
 };
 const char* toString(Occupancy occupancy) noexcept;
 
-/// Remembers the loaded patient file from one start of the controller to the next: a patient does not leave the robot because a
-/// process ended. A small file beside the black box; ordinary threads only.
+/// Remembers the loaded patient file from one start of the controller to the next: a patient does not leave the robot
+/// because a process ended. A small file beside the black box; ordinary threads only.
 class PatientMemory {
  public:
   /// An empty path: nothing is remembered.

@@ -25,16 +25,18 @@ struct PidInput {
   double integral_dead_band = 0.0;  ///< m; the integral sees only what the error is beyond it
 };
 
-/// F = P (r - q) + I integral(r - q) + D (r' - q'), with q' a low-passed difference of the measured position (so that the
-/// reference's velocity is not filtered), + feedforward; clamped to +-limit. Anti-windup by conditional integration: while
-/// the output is clamped, the integral only moves towards the inside; it never exceeds the limit by itself. A dead band for the
-/// integral keeps a sticking axis from hunting for an error that its encoder can not resolve.
+/// F = P (r - q) + I integral(r - q) + D (r' - q'), with q' a low-passed difference of the measured position (so that
+/// the reference's velocity is not filtered), + feedforward; clamped to +-limit. Anti-windup by conditional
+/// integration: while the output is clamped, the integral only moves towards the inside; it never exceeds the limit by
+/// itself. A dead band for the integral keeps a sticking axis from hunting for an error that its encoder can not
+/// resolve.
 /// Real-time safe. Anything that is not a number in leads to not a number out, for the caller to refuse.
 class Pid {
  public:
   void setGains(const PidGains& gains) noexcept { gains_ = gains; }
-  /// While the loop is closed: other gains from the next update on. The integral takes up what the proportional and the derivative
-  /// term change by at this `input`, so the output does not jump (where the integral has room: it stays within the last limit).
+  /// While the loop is closed: other gains from the next update on. The integral takes up what the proportional and the
+  /// derivative term change by at this `input`, so the output does not jump (where the integral has room: it stays
+  /// within the last limit).
   void changeGains(const PidGains& gains, const PidInput& input) noexcept;
   /// Starts at rest at `measured` without integral.
   void reset(double measured) noexcept;
@@ -42,7 +44,8 @@ class Pid {
   double update(const PidInput& input, double limit) noexcept;
   /// The integral and the feedforward alone, N, while something else moves the axis; only the velocity is followed.
   double follow(const PidInput& input) noexcept;
-  /// While the loop is closed: what the caller takes from the feedforward, or gives to it, N. The integral stays within the last limit.
+  /// While the loop is closed: what the caller takes from the feedforward, or gives to it, N. The integral stays within
+  /// the last limit.
   void shiftIntegral(double step) noexcept;
   double integral() const noexcept { return integral_; }
   /// The integral, N, which is zero from then on: for a caller that adds it itself.

@@ -7,9 +7,10 @@
 
 namespace knee_robot::control {
 
-/// What travels through the ports as plain numbers, for plots: the structures of axis_data.h and machine_state.h, member by member.
-/// Arrays per actuator count from 1 ("force_N_1"), poses and wrenches are named by coordinate ("push_Zm"), what holds structures by
-/// a dot ("bus_failure.code"). Enumerations, flags and counters are numbers, times in ns. Not real-time.
+/// What travels through the ports as plain numbers, for plots: the structures of axis_data.h and machine_state.h,
+/// member by member.
+/// Arrays per actuator count from 1 ("force_N_1"), poses and wrenches are named by coordinate ("push_Zm"), what holds
+/// structures by a dot ("bus_failure.code"). Enumerations, flags and counters are numbers, times in ns. Not real-time.
 
 /// The names of a type's numbers; empty: a type that is not known here.
 std::vector<std::string> portValueNames(std::type_index type);

@@ -6,14 +6,15 @@
 
 namespace knee_robot::control {
 
-/// Whether the other axes feel a test pulse. An encoder that does not count under force is dead, or its axis is blocked (a closed brake, an
-/// obstacle), or its drive gives no force: by itself an axis cannot tell. But an axis that moves shakes the platform, and with it the axes
-/// whose encoders count; a blocked one, or one without force, does not.
+/// Whether the other axes feel a test pulse. An encoder that does not count under force is dead, or its axis is blocked
+/// (a closed brake, an obstacle), or its drive gives no force: by itself an axis cannot tell. But an axis that moves
+/// shakes the platform, and with it the axes whose encoders count; a blocked one, or one without force, does not.
 ///
-/// The force of the pulse, integrated twice, is how a free mass would move. What the errors of the other axes have in common with that, beside
-/// a parabola in time (they are on their own ways), is their answer: Yes when it is more than kCounts counts and kSure times its standard error
-/// in one of them, No when it is below kCounts counts or kQuiet times that in all, Unknown otherwise. Those that get pulses of their own are
-/// not asked, and fewer than kWitnesses never say no. One an axis; real-time safe.
+/// The force of the pulse, integrated twice, is how a free mass would move. What the errors of the other axes have in
+/// common with that, beside a parabola in time (they are on their own ways), is their answer: Yes when it is more than
+/// kCounts counts and kSure times its standard error in one of them, No when it is below kCounts counts or kQuiet times
+/// that in all, Unknown otherwise. Those that get pulses of their own are not asked, and fewer than kWitnesses never
+/// say no. One an axis; real-time safe.
 class PulseWitness {
  public:
   static constexpr std::size_t kMost = 48;     // samples
@@ -27,7 +28,8 @@ class PulseWitness {
 
   void reset() noexcept { *this = PulseWitness{}; }
 
-  /// One cycle of `dt`. `pulses_N`: of all axes, in the cycle before; `error_m`: reference less position; `count_m`: what a count is.
+  /// One cycle of `dt`. `pulses_N`: of all axes, in the cycle before; `error_m`: reference less position; `count_m`:
+  /// what a count is.
   void step(std::size_t axis, double dt, const AxisValues& pulses_N, const AxisValues& error_m) noexcept;
   Felt felt(std::size_t axis, const AxisValues& count_m) const noexcept;
 

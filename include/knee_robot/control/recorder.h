@@ -10,8 +10,9 @@
 
 namespace knee_robot::control {
 
-/// Real-time side of the recording, after AxesOutput in the servo cycle: puts together what was read, asked for and written in
-/// this cycle, publishes it, and pushes it into a preallocated ring while a recording runs. RecordingDrain empties the ring.
+/// Real-time side of the recording, after AxesOutput in the servo cycle: puts together what was read, asked for and
+/// written in this cycle, publishes it, and pushes it into a preallocated ring while a recording runs. RecordingDrain
+/// empties the ring.
 class Recorder : public rt::TaskContext {
  public:
   /// 16 s at 1 kHz.

@@ -27,9 +27,9 @@ struct ReferencePath {
   AxisValues velocityAt(double path_time) const noexcept;
 };
 
-/// Hands paths from ordinary threads to Sync without locks in Sync: two slots, one being played, one being filled. A word says
-/// which is which; it changes by compare-and-exchange (acquire: the other side's slot content; release: the own one). A path that
-/// Sync has not taken over yet is taken back and replaced.
+/// Hands paths from ordinary threads to Sync without locks in Sync: two slots, one being played, one being filled. A
+/// word says which is which; it changes by compare-and-exchange (acquire: the other side's slot content; release: the
+/// own one). A path that Sync has not taken over yet is taken back and replaced.
 class ReferenceStore {
  public:
   /// Ordinary threads. Allocates; the path that is being played is not touched.

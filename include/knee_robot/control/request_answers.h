@@ -4,8 +4,8 @@
 
 namespace knee_robot::control {
 
-/// The answers to the last requests, and the requests whose answer the machine has still to find out: several only when they ask for the
-/// same. Pure, real-time safe.
+/// The answers to the last requests, and the requests whose answer the machine has still to find out: several only when
+/// they ask for the same. Pure, real-time safe.
 class RequestAnswers {
  public:
   using All = std::array<RequestAnswer, SupervisorStatus::kAnswers>;

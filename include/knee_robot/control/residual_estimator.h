@@ -8,7 +8,8 @@
 
 namespace knee_robot::control {
 
-/// What is known of the forces: the model in use, how much friction may hide at rest, and how well the model explained its recordings.
+/// What is known of the forces: the model in use, how much friction may hide at rest, and how well the model explained
+/// its recordings.
 struct ForceKnowledge {
   /// The weights of the robot's URDF: friction is not known, no band is promised.
   ForceKnowledge(const mechanism::Robot& robot, const std::optional<dynamics::RobotInertia>& inertia);
@@ -32,8 +33,9 @@ struct ForceKnowledge {
 ///     certain  = residual beyond the Coulomb friction that may hide at this speed: all of it at rest, none in motion
 ///     wrench   = -J^T certain                 on the robot's coordinates Xm, Zm (N), theta, psi (N m); J = dq/dx
 ///
-/// Force, velocity and acceleration pass the same low-pass (twice kCutoff_hz), so that delay makes no residual. Friction at rest is no
-/// measurement: a push that it bears is not seen. Test pulses have no mean and hardly pass the filter. One a robot; real-time safe.
+/// Force, velocity and acceleration pass the same low-pass (twice kCutoff_hz), so that delay makes no residual.
+/// Friction at rest is no measurement: a push that it bears is not seen. Test pulses have no mean and hardly pass the
+/// filter. One a robot; real-time safe.
 class ResidualEstimator {
  public:
   static constexpr double kCutoff_hz = 5.0;

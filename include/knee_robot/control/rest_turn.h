@@ -8,16 +8,18 @@
 
 namespace knee_robot::control {
 
-/// Whose turn it is to be asked on a robot that stands. Where the encoders' common supply is lost nothing counts any more, so that nothing
-/// looks like a disturbance (RestWatch), and whoever pushes takes the platform along. So when no axis has counted for a period, one of them is
-/// asked, another one each time; where one has, the supply is there and nobody is. Pure, one for the robot, real-time safe.
+/// Whose turn it is to be asked on a robot that stands. Where the encoders' common supply is lost nothing counts any
+/// more, so that nothing looks like a disturbance (RestWatch), and whoever pushes takes the platform along. So when no
+/// axis has counted for a period, one of them is asked, another one each time; where one has, the supply is there and
+/// nobody is. Pure, one for the robot, real-time safe.
 class RestTurn {
  public:
   static constexpr std::int64_t kCounts = 3;  ///< range that an axis has to go through: an open input dithers by less
 
   using Counts = std::array<std::int64_t, hardware::kAxes>;
 
-  /// One cycle of `dt`. `rests`: all references stand and the loops alone carry. The axis to ask now, or -1. `period_s` of 0: never.
+  /// One cycle of `dt`. `rests`: all references stand and the loops alone carry. The axis to ask now, or -1. `period_s`
+  /// of 0: never.
   int step(bool rests, double dt, const Counts& counts, double period_s) noexcept {
     bool counted = !rests || period_s <= 0.0;
     for (std::size_t i = 0; i < counts.size() && !counted; ++i) {

@@ -8,13 +8,15 @@
 
 namespace knee_robot::control {
 
-/// Notices that something disturbs a robot that stands. An axis that nobody touches sticks where it is, or slips towards its reference.
-/// Whatever reaches the platform and is more than one axis' friction takes that axis away from its reference. An axis whose encoder is
-/// dead gives way without a trace, but it seldom is the only one that is reached: so each disturbance is the moment to ask
-/// every encoder (EncoderChallenge), and without one nobody is asked.
+/// Notices that something disturbs a robot that stands. An axis that nobody touches sticks where it is, or slips
+/// towards its reference.
+/// Whatever reaches the platform and is more than one axis' friction takes that axis away from its reference. An axis
+/// whose encoder is dead gives way without a trace, but it seldom is the only one that is reached: so each disturbance
+/// is the moment to ask every encoder (EncoderChallenge), and without one nobody is asked.
 ///
-/// Disturbed: an axis is kAway counts (and kWay_m) farther from its reference than it was, or kSlip counts away from where it was; within
-/// kQuiet_s of a test pulse, kPulsed counts and kPulsed_m. What was follows within kFollow_s. Pure, one for the robot, real-time safe.
+/// Disturbed: an axis is kAway counts (and kWay_m) farther from its reference than it was, or kSlip counts away from
+/// where it was; within kQuiet_s of a test pulse, kPulsed counts and kPulsed_m. What was follows within kFollow_s.
+/// Pure, one for the robot, real-time safe.
 class RestWatch {
  public:
   static constexpr double kSettle_s = 0.3;  // of rest before it looks; the last slips after a motion are over
@@ -31,7 +33,8 @@ class RestWatch {
 
   void reset() noexcept { settle_s_ = kSettle_s; }
 
-  /// One cycle of `dt`. `rests`: all references stand and the loops alone carry; `pulses`: an axis gets a test pulse. `error_m`:
+  /// One cycle of `dt`. `rests`: all references stand and the loops alone carry; `pulses`: an axis gets a test pulse.
+  /// `error_m`:
   /// reference less position; `count_m`: what a count is.
   bool step(bool rests, bool pulses, double dt, const Axes& error_m, const Axes& count_m) noexcept {
     settle_s_ = rests ? std::max(0.0, settle_s_ - dt) : kSettle_s;

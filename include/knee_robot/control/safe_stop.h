@@ -21,7 +21,8 @@ struct SafeStopTiming {
   rt::Nanoseconds disable_delay = 20'000'000;        ///< until a disabled drive gives no torque
 };
 
-/// The order in which the machine is brought to rest; zero volts is not rest, it is zero force, and the platform would fall:
+/// The order in which the machine is brought to rest; zero volts is not rest, it is zero force, and the platform would
+/// fall:
 ///
 ///     Decelerating  along the path, position loops closed        (left out when a loop is not closed any more)
 ///     Settling      hold at rest                                 (likewise)
@@ -32,10 +33,12 @@ struct SafeStopTiming {
 ///     Disabling     drives disabled; set values stay until the drives are off
 ///     Done          0 V
 ///
-/// Transferring needs loops that work; without them it is left out, and the set values stay until the drives are off. Hold devices
-/// that cannot be ordered to engage (the output card is gone) end it in Engaging: 0 V would let the platform fall.
+/// Transferring needs loops that work; without them it is left out, and the set values stay until the drives are off.
+/// Hold devices that cannot be ordered to engage (the output card is gone) end it in Engaging: 0 V would let the
+/// platform fall.
 ///
-/// One state machine for all four channels, so they go together. trigger() any number of times runs it once, until rearm().
+/// One state machine for all four channels, so they go together. trigger() any number of times runs it once, until
+/// rearm().
 /// Pure: no clock, no hardware; real-time safe.
 class SafeStop {
  public:
@@ -44,8 +47,8 @@ class SafeStop {
   /// Begins. `released`: the hold devices are open and the Drivers carry the platform; otherwise there is nothing to
   /// decelerate and the drives are disabled at once.
   void trigger(rt::Nanoseconds now, bool released) noexcept;
-  /// One cycle. `loops_closed`: all four position loops work. `at_rest`: all four references stand still. `immediate`: do
-  /// not decelerate (drive power is gone).
+  /// One cycle. `loops_closed`: all four position loops work. `at_rest`: all four references stand still. `immediate`:
+  /// do not decelerate (drive power is gone).
   void step(rt::Nanoseconds now, bool loops_closed, bool at_rest, bool immediate, const HoldView& hold = {}) noexcept;
   /// To the end without waiting: for a component that will not be called again.
   void finishAtOnce() noexcept;

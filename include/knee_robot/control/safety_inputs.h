@@ -6,8 +6,8 @@
 
 namespace knee_robot::control {
 
-/// The digital inputs that somebody's hand is on, and the drives' own word. 1 is "all well" or "held", so that a broken wire stops. What is not configured, or not
-/// measured yet, says nothing. Pure, real-time safe.
+/// The digital inputs that somebody's hand is on, and the drives' own word. 1 is "all well" or "held", so that a broken
+/// wire stops. What is not configured, or not measured yet, says nothing. Pure, real-time safe.
 class SafetyInputs {
  public:
   explicit SafetyInputs(const HardwareFile& hardware);
@@ -19,7 +19,8 @@ class SafetyInputs {
   bool anyStop(const AxesMeasurement& measured) const noexcept {
     return emergencyStop(measured) || handSwitch(measured);
   }
-  /// A drive has no supply or is in fault. Means something while the drives are on: some makers' outputs say ready only then.
+  /// A drive has no supply or is in fault. Means something while the drives are on: some makers' outputs say ready only
+  /// then.
   bool drivesNotReady(const AxesMeasurement& measured) const noexcept { return isLow(drives_ready_bit_, measured); }
   bool hasEnablingSwitch() const noexcept { return enabling_switch_bit_.has_value(); }
   bool enablingSwitchHeld(const AxesMeasurement& measured) const noexcept;

@@ -7,11 +7,12 @@ namespace knee_robot::control {
 /// From set points to one axis' reference, free of jumps.
 /// - Before the first segment that moves (SyncPhase::Idle) the reference stays where the axis was taken over.
 /// - Within a segment it runs linearly from `from` to `to`.
-/// - When the next segment is late, it comes to rest with constant deceleration within kCoast, in the direction of travel; all
-///   four axes do so in the same time, so the platform stays near its path.
-/// - Where a new run (or a late segment) begins away from the present reference, the difference fades out within kBlend.
-/// Within a run, a segment that does not continue the last one is a fault; so is a set point that did not come, which is bridged by the
-/// same fading. Real-time safe.
+/// - When the next segment is late, it comes to rest with constant deceleration within kCoast, in the direction of
+///   travel; all four axes do so in the same time, so the platform stays near its path.
+/// - Where a new run (or a late segment) begins away from the present reference, the difference fades out within
+///   kBlend.
+/// Within a run, a segment that does not continue the last one is a fault; so is a set point that did not come, which
+/// is bridged by the same fading. Real-time safe.
 class SetPointFollower {
  public:
   static constexpr rt::Nanoseconds kCoast = 100'000'000;
@@ -30,8 +31,8 @@ class SetPointFollower {
 
   /// Holds at `position` from now on; what came before is forgotten.
   void takeOver(double position, rt::Nanoseconds now) noexcept;
-  /// A new set point. None, NotANumber, SetPointJump (the reference goes on as if it had not come), or SetPointStale: more
-  /// set points before it than `missing_allowed` did not come, but this one is followed.
+  /// A new set point. None, NotANumber, SetPointJump (the reference goes on as if it had not come), or SetPointStale:
+  /// more set points before it than `missing_allowed` did not come, but this one is followed.
   Fault accept(const SetPoint& set_point, rt::Nanoseconds now) noexcept;
   Reference at(rt::Nanoseconds now) const noexcept;
   /// Nothing new for more than `periods` set point periods.

@@ -6,10 +6,11 @@
 
 namespace knee_robot::control {
 
-/// How far the loop's force has changed since the encoder counted last. A loop that pushes more and more while the encoder stands pushes an axis
-/// that sticks, or one that is blind and about to leave: only asking tells. The same while the reference goes on by more than an encoder could
-/// overlook (isOverdue()). Less than an open input dithers by is no counting. What a healthy axis takes before it leaves a turning point is
-/// learned (usual_N()), so that it is not asked every time it turns.
+/// How far the loop's force has changed since the encoder counted last. A loop that pushes more and more while the
+/// encoder stands pushes an axis that sticks, or one that is blind and about to leave: only asking tells. The same
+/// while the reference goes on by more than an encoder could overlook (isOverdue()). Less than an open input dithers by
+/// is no counting. What a healthy axis takes before it leaves a turning point is learned (usual_N()), so that it is not
+/// asked every time it turns.
 /// One a Driver; real-time safe.
 class StandingAxis {
  public:
@@ -21,8 +22,8 @@ class StandingAxis {
   static constexpr double kOverdue_s = 0.008;  // and so long
   static constexpr double kForgets_s = 120.0;  // the time in which usual_N() falls to a third
 
-  /// `force_N`: of integral and proportional term; the derivative fades by itself when an axis comes to rest. `pulsed`: what it
-  /// counts now is what it is made to.
+  /// `force_N`: of integral and proportional term; the derivative fades by itself when an axis comes to rest. `pulsed`:
+  /// what it counts now is what it is made to.
   void step(double dt, std::int64_t counts, double reference_m, double force_N, bool pulsed = false) noexcept {
     reference_m_ = reference_m;
     stood_s_ += dt;
@@ -59,7 +60,8 @@ class StandingAxis {
     const Range& more = now_.range() > before_.range() ? now_ : before_;
     return more.range() > kDither && more.turns < kTurns;
   }
-  /// The reference has gone on the way that the axis was moving when it counted last, and a healthy axis would have followed. `count_m`:
+  /// The reference has gone on the way that the axis was moving when it counted last, and a healthy axis would have
+  /// followed. `count_m`:
   /// what a count is.
   bool isOverdue(double count_m) const noexcept {
     return stood_s_ >= kOverdue_s && direction_ * (reference_m_ - began_m_) > std::max(kOverdue * count_m, kOverdue_m);

@@ -30,9 +30,10 @@ namespace knee_robot::control {
 ///     any state with drives on --Disable--> SafeStopping --> Disabled
 ///     any state --fault--> SafeStopping --> Faulted --Reset--> Disabled
 ///
-/// Here are the states and what leads from one to the next. What is asked about the machine on the way is asked of: EnablingSequence (how
-/// the drives come on), HomingSequence (where the axes are), GuidingPermission (whether a hand may guide), FaultSearch (what is wrong),
-/// FaultLatch (what was wrong first), RequestAnswers (who still waits for an answer).
+/// Here are the states and what leads from one to the next. What is asked about the machine on the way is asked of:
+/// EnablingSequence (how the drives come on), HomingSequence (where the axes are), GuidingPermission (whether a hand
+/// may guide), FaultSearch (what is wrong), FaultLatch (what was wrong first), RequestAnswers (who still waits for an
+/// answer).
 class Supervisor : public rt::TaskContext {
  public:
   Supervisor(const std::string& name, const mechanism::Robot& robot, const HardwareFile& hardware);

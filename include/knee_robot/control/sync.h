@@ -9,14 +9,18 @@
 
 namespace knee_robot::control {
 
-/// Streams the reference: one set point per period (10 ms), all four axes in one message, so they start and stop on one tick.
+/// Streams the reference: one set point per period (10 ms), all four axes in one message, so they start and stop on one
+/// tick.
 ///
-/// Path time runs by time_scale * period each time the component is executed (not by the clock: after a pause of the machine the
-/// reference goes on where it was). While playing, the scale is SupervisorCommand::speed (0 to 1), or 0 while paused; a stop brings it to zero
-/// for good. Every change of it is linear in time, full speed to rest in stop_time_s or longer where half of an axis' acceleration
-/// limit demands it: the robot stays on its path and there is no jump of velocity, whatever is asked for in whichever order.
-/// Starts only at the first point: |measured - first| <= start_tolerance_m on every axis, else it refuses with the distance.
-/// While a hand guides the platform it stands by: the next path begins anew. Holds at the last point. Stops by itself when the Supervisor's orders do not come any more.
+/// Path time runs by time_scale * period each time the component is executed (not by the clock: after a pause of the
+/// machine the reference goes on where it was). While playing, the scale is SupervisorCommand::speed (0 to 1), or 0
+/// while paused; a stop brings it to zero for good. Every change of it is linear in time, full speed to rest in
+/// stop_time_s or longer where half of an axis' acceleration limit demands it: the robot stays on its path and there is
+/// no jump of velocity, whatever is asked for in whichever order.
+/// Starts only at the first point: |measured - first| <= start_tolerance_m on every axis, else it refuses with the
+/// distance.
+/// While a hand guides the platform it stands by: the next path begins anew. Holds at the last point. Stops by itself
+/// when the Supervisor's orders do not come any more.
 class Sync : public rt::TaskContext {
  public:
   Sync(const std::string& name, const mechanism::Robot& robot);

@@ -4,9 +4,10 @@
 
 namespace knee_robot::control {
 
-/// Where the platform may be guided by hand, as walls that push back: legs' lengths and joint angles, the singularity margin
-/// (trajectory::planningCondition: where the robot file leaves it wide open, kPlanningCondition), and the patient's pose. Each wall begins a zone before its limit; in it the push rises in proportion to the depth, up to largest_N at the
-/// limit (on the platform; moments: times kLever_m). Real-time safe.
+/// Where the platform may be guided by hand, as walls that push back: legs' lengths and joint angles, the singularity
+/// margin (trajectory::planningCondition: where the robot file leaves it wide open, kPlanningCondition), and the
+/// patient's pose. Each wall begins a zone before its limit; in it the push rises in proportion to the depth, up to
+/// largest_N at the limit (on the platform; moments: times kLever_m). Real-time safe.
 class VirtualWalls {
  public:
   static constexpr double kLength_m = 0.01;   ///< zone before a leg's shortest and longest length

@@ -37,8 +37,9 @@ struct EffectsSee {
   mechanism::Vector4 coulomb = mechanism::Vector4::Zero();  ///< N; in none of the others
 };
 
-/// The effects of a model file as constants. Effects that belong to one recording, or that only a whole recording shows, are left out
-/// by name; where the file has numbers `elsewhere`, those count, because a running robot is no training recording.
+/// The effects of a model file as constants. Effects that belong to one recording, or that only a whole recording
+/// shows, are left out by name; where the file has numbers `elsewhere`, those count, because a running robot is no
+/// training recording.
 struct ActingEffects {
   ActingEffects() = default;
   /// InputError when an effect is unknown, or its numbers are not that effect's.
@@ -65,7 +66,8 @@ class ReversalDistance {
   double at_ = 0.0, turn_ = 0.0, extreme_ = 0.0, direction_ = 0.0;
 };
 
-/// What remembers the motion: friction near rest, turning points, the effects' own states. Copying it does not allocate.
+/// What remembers the motion: friction near rest, turning points, the effects' own states. Copying it does not
+/// allocate.
 struct MotionMemory {
   std::array<FrictionState, mechanism::kLegs> friction;
   std::array<ReversalDistance, mechanism::kLegs> turned;

@@ -21,15 +21,16 @@ struct AuxiliaryData {
 ///
 ///     M(q) q''_r + C(q, q') q'_r + V(q) q'_r          V: viscous friction of actuators and passive joints
 ///
-/// with C of Christoffel's symbols in the actuators' lengths, for which dM/dt - 2C is skew-symmetric whatever the parameters are. C is
-/// never written down. A velocity force h(v) that is quadratic in v has one symmetric bilinear form, h(v, w) = C(v) w, and polarization
-/// gives it, so that with D(v, a), the inverse dynamics of the identified parameters at this pose,
+/// with C of Christoffel's symbols in the actuators' lengths, for which dM/dt - 2C is skew-symmetric whatever the
+/// parameters are. C is never written down. A velocity force h(v) that is quadratic in v has one symmetric bilinear
+/// form, h(v, w) = C(v) w, and polarization gives it, so that with D(v, a), the inverse dynamics of the identified
+/// parameters at this pose,
 ///
 ///     result = D((q' + q'_r) / 2, q''_r) - D((q' - q'_r) / 2, 0).
 ///
-/// Gravity and offsets cancel, what is linear in the velocity comes out at q'_r, and two regressors are all it takes: nothing but linear
-/// parameters is needed, physically possible or not. With q'_r = q' it is the ordinary inverse dynamics. False, with `forces` untouched,
-/// where the mechanism is singular. Real-time safe.
+/// Gravity and offsets cancel, what is linear in the velocity comes out at q'_r, and two regressors are all it takes:
+/// nothing but linear parameters is needed, physically possible or not. With q'_r = q' it is the ordinary inverse
+/// dynamics. False, with `forces` untouched, where the mechanism is singular. Real-time safe.
 bool auxiliaryForces(const PartedModel& model, const mechanism::Pose& pose, const AuxiliaryMotion& motion,
                      AuxiliaryData& data, mechanism::Vector4& forces) noexcept;
 

@@ -20,15 +20,15 @@ struct ChainRegressorData {
   std::vector<mechanism::Vector3> lever, axis;
 };
 
-/// Regressor of an open chain by Newton and Euler, body by body from the base: joint torques (N m, prismatic: forces in N) =
-/// data.regressor * inertial parameters of the bodies, each about its own frame's origin. Gravity (m/s^2, base frame) included,
-/// friction not. Positions in rad or m, one entry a joint. Real-time safe.
+/// Regressor of an open chain by Newton and Euler, body by body from the base: joint torques (N m, prismatic: forces in
+/// N) = data.regressor * inertial parameters of the bodies, each about its own frame's origin. Gravity (m/s^2, base
+/// frame) included, friction not. Positions in rad or m, one entry a joint. Real-time safe.
 void chainRegressor(const mechanism::Chain& chain, const mechanism::Vector3& gravity, const Eigen::VectorXd& position,
                     const Eigen::VectorXd& velocity, const Eigen::VectorXd& acceleration, ChainRegressorData& data);
 
-/// Inertial parameters of the chain's bodies by its URDF, ten a body, with what is fixed to a body counted in. A link whose principal
-/// moments break the triangle inequality counts as the nearest possible one. InputError that names link and URDF when its inertia is
-/// negative or no number.
+/// Inertial parameters of the chain's bodies by its URDF, ten a body, with what is fixed to a body counted in. A link
+/// whose principal moments break the triangle inequality counts as the nearest possible one. InputError that names link
+/// and URDF when its inertia is negative or no number.
 Eigen::VectorXd chainInertia(const mechanism::Robot& robot);
 
 /// Links whose inertia in the URDF no body can have.

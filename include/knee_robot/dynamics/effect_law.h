@@ -46,9 +46,9 @@ using EffectColumns = std::array<double, kMostColumns>;
 /// Generalized forces (N, N, N m, N m) on the pose, a column a coefficient.
 using PoseColumns = Eigen::Matrix<double, 4, kMostColumns>;
 
-/// The law of one effect that `trace` can add, instant by instant: the force per unit of each of its coefficients. The same as the
-/// columns with which it was traced (tracing/candidate.h). One file a law: src/dynamics/effects. Constant; what it remembers is with
-/// the caller. Real-time safe.
+/// The law of one effect that `trace` can add, instant by instant: the force per unit of each of its coefficients. The
+/// same as the columns with which it was traced (tracing/candidate.h). One file a law: src/dynamics/effects. Constant;
+/// what it remembers is with the caller. Real-time safe.
 class EffectLaw {
  public:
   virtual ~EffectLaw() = default;
@@ -56,7 +56,8 @@ class EffectLaw {
   virtual int coefficients() const noexcept { return 1; }
   /// True: acts on the pose, and so on all actuators together.
   virtual bool shared() const noexcept { return false; }
-  /// Force (N) of the actuator per unit of each coefficient. To be called once per instant, in order of time, where `state` matters.
+  /// Force (N) of the actuator per unit of each coefficient. To be called once per instant, in order of time, where
+  /// `state` matters.
   virtual void columns(const EffectInstant& at, EffectState& state, EffectColumns& out) const noexcept;
   /// Of a shared one: what the actuators have to bring up.
   virtual void poseColumns(const mechanism::Mechanism& mechanism, const mechanism::Motion& motion,
@@ -65,8 +66,8 @@ class EffectLaw {
   virtual void rest(double duration_s, EffectState& state) const noexcept;
 };
 
-/// The law of an effect of a model file, by its name, signal (`depends_on`, of an unnamed one) and shape. Null: there is no law instant
-/// by instant; see whyNotInstantly.
+/// The law of an effect of a model file, by its name, signal (`depends_on`, of an unnamed one) and shape. Null: there
+/// is no law instant by instant; see whyNotInstantly.
 std::unique_ptr<const EffectLaw> effectLaw(const std::string& name, const std::string& depends_on,
                                            const std::vector<double>& shape);
 

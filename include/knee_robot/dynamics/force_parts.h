@@ -9,7 +9,8 @@ namespace knee_robot::dynamics {
 
 /// A force model that can be taken apart, for a feedforward that weighs its parts. Constant after construction.
 struct PartedModel {
-  /// Nothing but the weight of the links; no inertia, no friction. Without a mechanism (bench axes) it knows nothing at all.
+  /// Nothing but the weight of the links; no inertia, no friction. Without a mechanism (bench axes) it knows nothing at
+  /// all.
   PartedModel(const mechanism::Robot& robot, const std::optional<RobotInertia>& inertia);
   /// Everything that was identified. InputError as ForceModel.
   PartedModel(const Model& model, const mechanism::Robot& robot);
@@ -63,9 +64,9 @@ struct WantedInstant {
   double rest_s = 0.0;            ///< time in which a wanted rest lets go of friction that is held; 0: never
 };
 
-/// The same with everything that the model file has: friction by its law near rest, and effects, each in the part it belongs to (what
-/// is ahead in `inertia`). Call it once per instant, in order of time: they remember. Without a model file it is the above. Real-time
-/// safe.
+/// The same with everything that the model file has: friction by its law near rest, and effects, each in the part it
+/// belongs to (what is ahead in `inertia`). Call it once per instant, in order of time: they remember. Without a model
+/// file it is the above. Real-time safe.
 bool forceParts(const PartedModel& model, const mechanism::Pose& pose, const WantedInstant& at, ForcePartsData& data,
                 ForceParts& parts) noexcept;
 /// The drives were off for so long, s: friction starts anew, what was warm cools. Real-time safe.

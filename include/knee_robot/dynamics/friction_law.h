@@ -15,10 +15,11 @@ enum class FrictionKind {
 
 /// One part of the law of one actuator.
 ///
-/// Bristles: with the way r = sqrt(dx^2 + (creep dt)^2), the share follows dz = (dx - r z) / width. Creep speed 0 is Dahl's model; at rest
-/// the share decays with the time width / creep (an axis that trembles by less than its encoder shows lets go of its
-/// bristles). Where that tremble is seen, as way of the encoder beyond the motion's own, a share of it slips them as well: with `tremble`
-/// 1 bristles slip by all of the way that the encoder shows. What they press is z + damping dz/dt, the micro-damping of LuGre.
+/// Bristles: with the way r = sqrt(dx^2 + (creep dt)^2), the share follows dz = (dx - r z) / width. Creep speed 0 is
+/// Dahl's model; at rest the share decays with the time width / creep (an axis that trembles by less than its encoder
+/// shows lets go of its bristles). Where that tremble is seen, as way of the encoder beyond the motion's own, a share
+/// of it slips them as well: with `tremble` 1 bristles slip by all of the way that the encoder shows. What they press
+/// is z + damping dz/dt, the micro-damping of LuGre.
 struct FrictionElement {
   FrictionKind kind = FrictionKind::Stop;
   double share = 1.0;          ///< of the actuator's Coulomb friction
@@ -35,9 +36,9 @@ struct FrictionElement {
 
 inline constexpr int kMostFrictionElements = 8;
 
-/// Law of friction near rest of one actuator: which share of full Coulomb friction, in [-1, 1], acts. A sum of elements whose shares
-/// add up to 1: a spectrum of stops (Prandtl-Ishlinskii, Maxwell slip), smooth laws, bristles, or a mixture. Away from rest every
-/// law is sign(v). Fixed size: a real-time program may copy it.
+/// Law of friction near rest of one actuator: which share of full Coulomb friction, in [-1, 1], acts. A sum of elements
+/// whose shares add up to 1: a spectrum of stops (Prandtl-Ishlinskii, Maxwell slip), smooth laws, bristles, or a
+/// mixture. Away from rest every law is sign(v). Fixed size: a real-time program may copy it.
 struct FrictionLaw {
   std::array<FrictionElement, kMostFrictionElements> elements{};
   int count = 1;
@@ -51,7 +52,8 @@ FrictionLaw stopLaw(double width_m);
 FrictionLaw smoothLaw(double speed_m_per_s);
 FrictionLaw bristleLaw(double width_m, double creep_m_per_s = 0.0, double damping_s = 0.0, double tremble = 0.0);
 
-/// The law of these elements, shares brought to a sum of 1. std::invalid_argument when there are none or too many, or a sum is 0.
+/// The law of these elements, shares brought to a sum of 1. std::invalid_argument when there are none or too many, or a
+/// sum is 0.
 FrictionLaw lawOf(const std::vector<FrictionElement>& elements);
 
 /// "one stop", "tanh of velocity", "bristles (Dahl)", "creeping bristles", "two stops", "spectrum of stops", "mixture".
@@ -65,12 +67,13 @@ double longestWidth(const FrictionLaw& law) noexcept;
 /// The memory of one actuator's friction. Real-time safe.
 class FrictionState {
  public:
-  /// Moves by `displacement_m` within `duration_s` (positive), trembling by so much way a second beside it; returns the new share of
-  /// full Coulomb friction.
+  /// Moves by `displacement_m` within `duration_s` (positive), trembling by so much way a second beside it; returns the
+  /// new share of full Coulomb friction.
   double step(const FrictionLaw& law, double displacement_m, double duration_s, double tremble_m_per_s = 0.0) noexcept;
   /// All that remembers starts with this share in [-1, 1].
   void start(double share) noexcept { z_.fill(share); }
-  /// Lets go of this share of what is remembered, as an axis at rest does when the force that bent its bristles is taken away.
+  /// Lets go of this share of what is remembered, as an axis at rest does when the force that bent its bristles is
+  /// taken away.
   void fade(double factor) noexcept {
     for (double& z : z_)
       z *= factor;

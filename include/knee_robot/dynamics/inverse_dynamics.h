@@ -12,9 +12,9 @@ mechanism::Vector4 poseForces(const RigidModel& model, const mechanism::RobotMot
 /// singular to working precision (the forces are then not touched). Real-time safe.
 bool inverseDynamics(const RigidModel& model, const mechanism::Motion& motion, mechanism::Vector4& actuator_forces);
 
-/// Forces (N, base frame) with which the platform acts on the tips of legs 1 to 3 through their spherical joints (the cut
-/// joints of the opened robot), while the actuators exert `actuator_forces` (N; friction counted in) along `motion`. Real-time
-/// safe.
+/// Forces (N, base frame) with which the platform acts on the tips of legs 1 to 3 through their spherical joints (the
+/// cut joints of the opened robot), while the actuators exert `actuator_forces` (N; friction counted in) along
+/// `motion`. Real-time safe.
 std::array<mechanism::Vector3, 3> sphericalJointForces(const RigidModel& model, const mechanism::RobotMotion& motion,
                                                        const mechanism::Vector4& actuator_forces);
 

@@ -14,8 +14,8 @@
 
 namespace knee_robot::dynamics {
 
-/// One column of the linear model. The values together are one representative of what the data determine: only the combinations
-/// in Model::base have a meaning of their own where `verdict` is not "identified".
+/// One column of the linear model. The values together are one representative of what the data determine: only the
+/// combinations in Model::base have a meaning of their own where `verdict` is not "identified".
 struct ModelParameter {
   std::string name;  ///< extendedParameterNames(); bench axes: axisParameterNames()
   std::string unit;
@@ -24,8 +24,8 @@ struct ModelParameter {
   std::string verdict = "not identifiable";  ///< identified, weakly identified, at its bound, not identifiable
 };
 
-/// A combination of parameters that the data determine: value = sum of weights * parameter. Parameters are in their units; the
-/// weights bring all of them to newtons (column scaling).
+/// A combination of parameters that the data determine: value = sum of weights * parameter. Parameters are in their
+/// units; the weights bring all of them to newtons (column scaling).
 struct BaseParameter {
   double value = 0.0;
   double std = 0.0;
@@ -46,8 +46,8 @@ struct EffectParameter {
   double std = std::numeric_limits<double>::quiet_NaN();  ///< nan: searched on a grid
 };
 
-/// An effect beyond rigid body, Coulomb and viscous friction, as trace found it. Predicted along whole recordings by predictModel
-/// (tracing/model_prediction.h), instant by instant by ForceModel (ActingEffects says which are).
+/// An effect beyond rigid body, Coulomb and viscous friction, as trace found it. Predicted along whole recordings by
+/// predictModel (tracing/model_prediction.h), instant by instant by ForceModel (ActingEffects says which are).
 struct ModelEffect {
   std::string name;            ///< of the list of effects, or "unnamed"
   std::string depends_on;      ///< signal of an unnamed one, otherwise empty
@@ -57,8 +57,8 @@ struct ModelEffect {
   std::vector<EffectParameter> coefficients;
 };
 
-/// A model's numbers for recordings that it was not fitted on, where they differ: trace fits them without effects of which it is
-/// not known what they depend on.
+/// A model's numbers for recordings that it was not fitted on, where they differ: trace fits them without effects of
+/// which it is not known what they depend on.
 struct ModelElsewhere {
   std::vector<double> parameters;   ///< values, in the order of Model::parameters
   std::vector<double> effects_see;  ///< as Model::effects_see
@@ -98,8 +98,8 @@ struct Model {
   std::vector<BaseParameter> base;
   std::vector<ModelEffect> effects;  ///< written by trace; none from identify
   // From trace only: predictions along whole recordings rest on them.
-  /// Values of the parameters, in order, that the effects' columns were computed with (loads, friction): the last but one of the
-  /// iterations between them and the fit.
+  /// Values of the parameters, in order, that the effects' columns were computed with (loads, friction): the last but
+  /// one of the iterations between them and the fit.
   std::vector<double> effects_see;
   std::optional<ModelElsewhere> elsewhere;  ///< empty: the same everywhere
 };
@@ -113,12 +113,13 @@ std::vector<std::string> chainParameterNames(int joints);
 /// What the model file says of the robot's joints; empty unless it is a chain.
 std::vector<ModelJoint> modelJoints(const mechanism::Robot& robot);
 
-/// A chain's residuals and effects with their numbers in the joints' own units (N m, rad), as its file has them, or back in metres and
-/// newtons. A model that is there already stays as it is.
+/// A chain's residuals and effects with their numbers in the joints' own units (N m, rad), as its file has them, or
+/// back in metres and newtons. A model that is there already stays as it is.
 Model inJointUnits(Model model);
 Model fromJointUnits(Model model);
 
-/// Writes and reads model files (YAML; format version 3, or 4 when trace wrote it; files of identify in version 1 are read). Reading is strict: InputError with file, line and key.
+/// Writes and reads model files (YAML; format version 3, or 4 when trace wrote it; files of identify in version 1 are
+/// read). Reading is strict: InputError with file, line and key.
 std::string modelToYaml(const Model& model);
 void saveModel(const Model& model, const std::string& path);
 Model loadModel(const std::string& path);
@@ -127,8 +128,8 @@ Model parseModel(const std::string& text, const std::string& path);
 /// InputError unless the model was identified with this robot file.
 void requireModelOf(const Model& model, const std::string& model_path, const mechanism::Robot& robot);
 
-/// The model as constants that forceFromModel needs. The model's numbers `elsewhere` count where it has some: what it is used for is
-/// none of its training recordings.
+/// The model as constants that forceFromModel needs. The model's numbers `elsewhere` count where it has some: what it
+/// is used for is none of its training recordings.
 struct ForceModel {
   /// InputError when an effect is unknown or lacks its numbers.
   ForceModel(const Model& model, const mechanism::Robot& robot);
@@ -152,10 +153,12 @@ struct ForceModelData {
   bool started = false;
 };
 
-/// Actuator forces (N) for one instant of a motion: positions (m), velocities and accelerations of the actuators (unused entries
-/// zero), and for the parallel robot the platform's motion that belongs to them (motionFromLengths). Call it once per instant in
-/// order of time, `period_s` after the last one: friction and effects remember. What acts later than it is asked for (delay, drive
-/// lag) is predicted: the force of that much later, on the motion as it goes on from here with its acceleration and jerk. False, with `forces` untouched, where the mechanism is singular. Real-time safe.
+/// Actuator forces (N) for one instant of a motion: positions (m), velocities and accelerations of the actuators
+/// (unused entries zero), and for the parallel robot the platform's motion that belongs to them (motionFromLengths).
+/// Call it once per instant in order of time, `period_s` after the last one: friction and effects remember. What acts
+/// later than it is asked for (delay, drive lag) is predicted: the force of that much later, on the motion as it goes
+/// on from here with its acceleration and jerk. False, with `forces` untouched, where the mechanism is singular.
+/// Real-time safe.
 bool forceFromModel(const ForceModel& model, const mechanism::Vector4& position, const mechanism::Vector4& velocity,
                     const mechanism::Vector4& acceleration, const mechanism::Motion& motion, ForceModelData& data,
                     mechanism::Vector4& forces, double period_s = 0.01) noexcept;

@@ -9,8 +9,8 @@ namespace knee_robot::dynamics {
 ///     [ integral of r r^T dm   m c ]
 ///     [ (m c)^T                m   ]        kg m^2, kg m, kg
 ///
-/// Linear in the ten parameters, and positive definite exactly when they belong to a body of positive mass whose principal moments
-/// satisfy the triangle inequalities strictly.
+/// Linear in the ten parameters, and positive definite exactly when they belong to a body of positive mass whose
+/// principal moments satisfy the triangle inequalities strictly.
 mechanism::Matrix4 pseudoInertia(const LinkParameters& parameters);
 
 /// Inverse of pseudoInertia; only the upper triangle is read.

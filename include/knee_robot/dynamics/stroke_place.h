@@ -2,9 +2,10 @@
 
 namespace knee_robot::dynamics {
 
-/// A place along a stroke where something differs: exp(-((q - center) / width)^2) over the positions that training has seen. Beyond them
-/// nobody knows; the value goes from that at the end of what was seen back to the mean over it, within the place's own width: near the
-/// end it is what it was there, far from it no better guess than the mean is left. A wide place, a trend along the stroke, hardly changes.
+/// A place along a stroke where something differs: exp(-((q - center) / width)^2) over the positions that training has
+/// seen. Beyond them nobody knows; the value goes from that at the end of what was seen back to the mean over it,
+/// within the place's own width: near the end it is what it was there, far from it no better guess than the mean is
+/// left. A wide place, a trend along the stroke, hardly changes.
 class StrokePlace {
  public:
   /// Center, width (positive) and the range that training has seen, all in m; to_m below from_m counts as from_m.

@@ -41,16 +41,18 @@ struct ChainExcitationPlan {
   int evaluations = 0;
 };
 
-/// Rows x (units, then viscous and dry friction and offset of every joint) of a motion's instants, each row over its joint's noise: what
-/// the data say. Friction and offset count in tenths of what the noise would be a percent of. Positions in rad or m, one row an instant.
+/// Rows x (units, then viscous and dry friction and offset of every joint) of a motion's instants, each row over its
+/// joint's noise: what the data say. Friction and offset count in tenths of what the noise would be a percent of.
+/// Positions in rad or m, one row an instant.
 Eigen::MatrixXd chainInformation(const mechanism::Robot& robot, const ChainExcitationOptions& options,
                                  const Eigen::MatrixXd& position, const Eigen::MatrixXd& velocity,
                                  const Eigen::MatrixXd& acceleration);
 
-/// A finite Fourier series per joint within the robot file's limits, from rest to rest, that adds most to the logarithm of the determinant
-/// of 1 + information (D-optimality beside the prior): what was recorded already counts. Random series first, then NLopt's Sbplx from the
-/// best. Amplitude and centre of every joint follow from its limits, so that every series that is tried keeps them. Knows of no obstacle
-/// and no self-collision. InputError when options are out of range.
+/// A finite Fourier series per joint within the robot file's limits, from rest to rest, that adds most to the logarithm
+/// of the determinant of 1 + information (D-optimality beside the prior): what was recorded already counts. Random
+/// series first, then NLopt's Sbplx from the best. Amplitude and centre of every joint follow from its limits, so that
+/// every series that is tried keeps them. Knows of no obstacle and no self-collision. InputError when options are out
+/// of range.
 ChainExcitationPlan planChainExcitation(const mechanism::Robot& robot, const ChainExcitationOptions& options);
 
 }  // namespace knee_robot::excitation

@@ -18,8 +18,8 @@ struct ExcitationProgress {
   double best = 0.0;        ///< of the feasible series so far: k, or 1 / geometric mean of the singular values
 };
 
-/// What is minimised, of the noise-weighted observation matrix W: K* (112 columns: rigid body and friction, eq. (28)) stacked over
-/// the instants, each row divided by its actuator's noise.
+/// What is minimised, of the noise-weighted observation matrix W: K* (112 columns: rigid body and friction, eq. (28))
+/// stacked over the instants, each row divided by its actuator's noise.
 enum class ExcitationCriterion {
   Condition,  ///< k = s_1 / s_r with the columns scaled to unit norm
   Determinant,  ///< D-optimality: the product of s_1 .. s_r, largest, with columns scaled by those of the first random series
@@ -69,11 +69,12 @@ struct ExcitationPlan {
   bool cut_short = false;  ///< by the budget or by interruption
 };
 
-/// Plans an excitation: a finite Fourier series per actuator that is periodic, starts and ends at rest through smooth ramps and
-/// keeps all limits of the robot and of the options (lengths, velocity, acceleration, joint angles, singularity margin, peak and
-/// rms of the expected force), between samples too. Random feasible series first; then NLopt's SLSQP from the best of them with exact
-/// gradients, over the coefficients expressed through dq/dx at the centre (a unit of every variable then moves the pose by a similar
-/// amount; in plain actuator coordinates one direction is twenty times as touchy as the others).
+/// Plans an excitation: a finite Fourier series per actuator that is periodic, starts and ends at rest through smooth
+/// ramps and keeps all limits of the robot and of the options (lengths, velocity, acceleration, joint angles,
+/// singularity margin, peak and rms of the expected force), between samples too. Random feasible series first; then
+/// NLopt's SLSQP from the best of them with exact gradients, over the coefficients expressed through dq/dx at the
+/// centre (a unit of every variable then moves the pose by a similar amount; in plain actuator coordinates one
+/// direction is twenty times as touchy as the others).
 /// InputError: options out of range, or a robot without a platform. Refusal: no pose has room for any motion.
 ExcitationPlan planExcitation(const mechanism::Robot& robot, const ExcitationOptions& options = {});
 

@@ -24,14 +24,15 @@ struct LimitUsed {
   double time_s = 0.0;  ///< of that; 0 for what belongs to the whole motion (rms force)
 };
 
-/// Every limit of `robot` that the series comes to, looked at every `step_s`: lengths, velocities, accelerations, joint angles,
-/// singularity margin; with a URDF also the peak and rms of the force that the links' inertia, gravity and the expected friction
-/// need, against force_max_N (or the voltage) and force_continuous_N. One entry per quantity and actuator. Nothing when the mechanism
-/// cannot follow the series.
+/// Every limit of `robot` that the series comes to, looked at every `step_s`: lengths, velocities, accelerations, joint
+/// angles, singularity margin; with a URDF also the peak and rms of the force that the links' inertia, gravity and the
+/// expected friction need, against force_max_N (or the voltage) and force_continuous_N. One entry per quantity and
+/// actuator. Nothing when the mechanism cannot follow the series.
 std::optional<std::vector<LimitUsed>> limitsUsed(const mechanism::Robot& robot, const FourierSeries& series,
                                                  const ExpectedFriction& friction, double step_s = 0.001);
 
-/// Largest force (N) that an actuator may exert for a moment: force_max_N or what the largest voltage gives, whichever is less.
+/// Largest force (N) that an actuator may exert for a moment: force_max_N or what the largest voltage gives, whichever
+/// is less.
 double peakForce(const mechanism::Actuator& actuator);
 
 }  // namespace knee_robot::excitation

@@ -7,9 +7,9 @@
 
 namespace knee_robot::excitation {
 
-/// Shape of a finite Fourier series with smooth ends: the series is multiplied by a window that rises from 0 to 1 within
-/// `ramp_s`, stays at 1 for one or more periods, and falls back, both by the quintic 10 s^3 - 15 s^4 + 6 s^5. So the motion is
-/// periodic in between and starts and ends at rest in the series' centre.
+/// Shape of a finite Fourier series with smooth ends: the series is multiplied by a window that rises from 0 to 1
+/// within `ramp_s`, stays at 1 for one or more periods, and falls back, both by the quintic 10 s^3 - 15 s^4 + 6 s^5. So
+/// the motion is periodic in between and starts and ends at rest in the series' centre.
 struct SeriesShape {
   int harmonics = 7;
   double period_s = 16.0;    ///< of the first harmonic
@@ -22,8 +22,8 @@ inline Eigen::Index coefficientColumns(const SeriesShape& shape) {
   return 2 * static_cast<Eigen::Index>(shape.harmonics);
 }
 
-/// What the coefficients are multiplied with at one instant: window times sin(j w t) and cos(j w t), j = 1..harmonics, in this
-/// order of columns (sin_1, cos_1, sin_2, ...), with first and second time derivative.
+/// What the coefficients are multiplied with at one instant: window times sin(j w t) and cos(j w t), j = 1..harmonics,
+/// in this order of columns (sin_1, cos_1, sin_2, ...), with first and second time derivative.
 struct SeriesBasis {
   Eigen::RowVectorXd value, rate, acceleration;
 };

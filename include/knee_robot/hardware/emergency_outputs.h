@@ -9,20 +9,23 @@
 
 namespace knee_robot::hardware {
 
-/// Brings the outputs of both cards down, through registers alone: no self test before it, nothing remembered, nothing read,
-/// counters untouched. In this order, without waiting:
+/// Brings the outputs of both cards down, through registers alone: no self test before it, nothing remembered, nothing
+/// read, counters untouched. In this order, without waiting:
 ///   1. all digital outputs 0: the hold devices engage and the drives are disabled. One write, since they are bits of one port.
 ///   2. 0 V on the four channels together, in the +-10 V range.
-/// A write that fails does not keep the next ones from being tried; answers the first failure. Writing it again changes nothing.
+/// A write that fails does not keep the next ones from being tried; answers the first failure. Writing it again changes
+/// nothing.
 /// Real-time safe.
 IoStatus forceDown(RegisterAccess& analog, RegisterAccess& counter) noexcept;
 
-/// Writes these digital outputs, then these volts (finite; clamped to +-10 V) to the four channels together, through registers alone as
-/// forceDown(): with the drives' bit alone the hold devices engage while the drives give what carries the load until they hold. Real-time safe.
+/// Writes these digital outputs, then these volts (finite; clamped to +-10 V) to the four channels together, through
+/// registers alone as forceDown(): with the drives' bit alone the hold devices engage while the drives give what
+/// carries the load until they hold. Real-time safe.
 IoStatus forceCarry(RegisterAccess& analog, RegisterAccess& counter, std::uint8_t bits,
                     const std::array<double, kChannels>& volts) noexcept;
 
-/// A handle to the cards that can do nothing but forceDown() and forceCarry(). For a guardian beside the controller: it never initialises.
+/// A handle to the cards that can do nothing but forceDown() and forceCarry(). For a guardian beside the controller: it
+/// never initialises.
 class EmergencyOutputs {
  public:
   virtual ~EmergencyOutputs() = default;

@@ -11,12 +11,12 @@ namespace knee_robot::hardware {
 /// CLOCK_MONOTONIC in ns.
 std::int64_t monotonicTime() noexcept;
 
-/// The controller's bus while a guardian watches: passes everything on, tells the guardian that the controller lives and whether
-/// drives are on, and refuses every write (FencedOut) from the moment at which the guardian has acted until reclaim(). The watch is mutual: a guardian that falls silent is a failure of
-/// this bus.
+/// The controller's bus while a guardian watches: passes everything on, tells the guardian that the controller lives
+/// and whether drives are on, and refuses every write (FencedOut) from the moment at which the guardian has acted until
+/// reclaim(). The watch is mutual: a guardian that falls silent is a failure of this bus.
 ///
-/// A controller that was stopped between the look at the fence and the write behind it, and comes back, still gets that one
-/// write through: the guardian's next cycle takes it back.
+/// A controller that was stopped between the look at the fence and the write behind it, and comes back, still gets that
+/// one write through: the guardian's next cycle takes it back.
 class GuardedBus : public AxisBus {
  public:
   /// What the guarded bus needs besides the bus.
@@ -33,11 +33,13 @@ class GuardedBus : public AxisBus {
   GuardedBus(AxisBus& bus, GuardianLink& link, std::uint8_t power_bits)
       : GuardedBus(bus, link, power_bits, Options()) {}
 
-  /// Before a guardian is waited for: this process takes the robot unless another controller lives, and brings the outputs down.
+  /// Before a guardian is waited for: this process takes the robot unless another controller lives, and brings the
+  /// outputs down.
   /// Empty, or why not. Not real-time.
   std::string takeOver();
-  /// Fails when another controller lives: nothing is touched then. Otherwise the outputs go down before the guardian is asked for
-  /// them; fails when it does not answer, or guards another machine. Takes a guardian's latch back: the drives are off.
+  /// Fails when another controller lives: nothing is touched then. Otherwise the outputs go down before the guardian is
+  /// asked for them; fails when it does not answer, or guards another machine. Takes a guardian's latch back: the
+  /// drives are off.
   SelfTest selfTest() override;
   IoStatus read(AxisFeedback& feedback) noexcept override;
   IoStatus writeVolts(const std::array<double, kAxes>& volts, std::array<double, kAxes>& written) noexcept override;

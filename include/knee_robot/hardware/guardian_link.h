@@ -9,9 +9,9 @@
 
 namespace knee_robot::hardware {
 
-/// What controller and guardian tell each other, in shared memory of its own: it does not depend on whether a card can read
-/// back its outputs (the PCI-1720 can not, of the PCI-1784 it is not known). All zero: nobody has been there yet. Each field has
-/// one writer; plain lock-free atomics, so a process that dies at any place leaves the others working.
+/// What controller and guardian tell each other, in shared memory of its own: it does not depend on whether a card can
+/// read back its outputs (the PCI-1720 can not, of the PCI-1784 it is not known). All zero: nobody has been there yet.
+/// Each field has one writer; plain lock-free atomics, so a process that dies at any place leaves the others working.
 struct GuardianLink {
   static constexpr std::uint64_t kMagic = 0x6b6e65655f677232;  // "knee_gr2"
 
@@ -36,8 +36,8 @@ struct GuardianLink {
 /// A machine's name (HardwareFile::machine()) as a number that is not 0.
 std::uint64_t machineMark(const std::string& machine) noexcept;
 
-/// A GuardianLink in POSIX shared memory. Whoever comes first creates it; it outlives each of the two, so a guardian that is
-/// started anew finds its latch, and goes when neither lives.
+/// A GuardianLink in POSIX shared memory. Whoever comes first creates it; it outlives each of the two, so a guardian
+/// that is started anew finds its latch, and goes when neither lives.
 class SharedGuardianLink {
  public:
   /// Throws InputError when the name is malformed, holds something else, or the system refuses.

@@ -8,7 +8,8 @@
 
 namespace knee_robot::hardware {
 
-/// A bus over two cards that it owns: `Cards` answers analog() and counter(), the registers of both. Forwards everything.
+/// A bus over two cards that it owns: `Cards` answers analog() and counter(), the registers of both. Forwards
+/// everything.
 template <typename Cards>
 class OwningBus : public AxisBus {
  public:

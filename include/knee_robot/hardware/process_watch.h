@@ -4,8 +4,9 @@
 
 namespace knee_robot::hardware {
 
-/// Says at once when a process is gone, zombies included (kill(pid, 0) finds those alive), and is not fooled by a number that is
-/// used again: it polls a pidfd (Linux 5.3). Without pidfd it falls back on kill(pid, 0). Two short system calls at most.
+/// Says at once when a process is gone, zombies included (kill(pid, 0) finds those alive), and is not fooled by a
+/// number that is used again: it polls a pidfd (Linux 5.3). Without pidfd it falls back on kill(pid, 0). Two short
+/// system calls at most.
 class ProcessWatch {
  public:
   ProcessWatch() = default;

@@ -9,8 +9,10 @@
 
 namespace knee_robot::identification {
 
-/// One axis as its position loop meets it, from a recording with quick moves: F(t - delay) = sum_j M_j a_j + b v + c sign(v) + g.
-/// The sum is over the axes that are commanded to move meanwhile; what the others do while their loops hold them belongs to the axis.
+/// One axis as its position loop meets it, from a recording with quick moves: F(t - delay) = sum_j M_j a_j + b v + c
+/// sign(v) + g.
+/// The sum is over the axes that are commanded to move meanwhile; what the others do while their loops hold them
+/// belongs to the axis.
 /// Standard errors by leaving eighths of the recording out in turn.
 struct AxisResponse {
   double mass_kg = 0.0, mass_std = 0.0;  ///< own inertia, rotor included, at the recorded pose
@@ -32,8 +34,9 @@ struct AxisResponses {
   std::vector<double> time_s;
 };
 
-/// `response.reasons[i]` says why axis i is not known well enough (it hardly moves, moves with another one, the fit does not explain
-/// the force, mass or delay are too uncertain). Refusal when the whole recording is of no use: too short, too slow, no commanded force.
+/// `response.reasons[i]` says why axis i is not known well enough (it hardly moves, moves with another one, the fit
+/// does not explain the force, mass or delay are too uncertain). Refusal when the whole recording is of no use: too
+/// short, too slow, no commanded force.
 AxisResponses axisResponses(const mechanism::Robot& robot, const recording::Recording& recording);
 
 }  // namespace knee_robot::identification

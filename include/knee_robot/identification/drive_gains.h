@@ -18,15 +18,17 @@ struct DriveGains {
   int iterations = 0;
 };
 
-/// Gains from the same robot without and with a payload of known mass at its last body: inertial parameters, the payload's centre and
-/// inertia, friction, rotors, offsets and gains fitted together to the measured currents (errors in the currents, not in the motion), by
-/// Gauss and Newton. The payload's mass sets the scale; joints that hardly feel it get theirs through the bodies that they share with the
-/// others. Without loaded recordings the URDF's inertia sets the scale. All observed with the gains that `robot` has.
+/// Gains from the same robot without and with a payload of known mass at its last body: inertial parameters, the
+/// payload's centre and inertia, friction, rotors, offsets and gains fitted together to the measured currents (errors
+/// in the currents, not in the motion), by Gauss and Newton. The payload's mass sets the scale; joints that hardly feel
+/// it get theirs through the bodies that they share with the others. Without loaded recordings the URDF's inertia sets
+/// the scale. All observed with the gains that `robot` has.
 /// Refusal when a joint never moves, or the payload is not felt.
 DriveGains driveGains(const mechanism::Robot& robot, const std::vector<Observation>& unloaded,
                       const std::vector<Observation>& loaded, double payload_kg, const ObservationOptions& options);
 
-/// The gains that `robot` is given where its file leaves them open: by the URDF's inertia, with standard errors. True when some were.
+/// The gains that `robot` is given where its file leaves them open: by the URDF's inertia, with standard errors. True
+/// when some were.
 bool gainsByUrdf(mechanism::Robot& robot, const std::vector<Observation>& training, const ObservationOptions& options);
 
 }  // namespace knee_robot::identification

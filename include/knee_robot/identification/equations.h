@@ -7,7 +7,8 @@
 
 namespace knee_robot::identification {
 
-/// The equations that are fitted: a * parameters = b, both sides low-passed, all usable samples, thinned to what the cut-off leaves. Rows carry their actuator, and the block of training data that cross-validation leaves out together.
+/// The equations that are fitted: a * parameters = b, both sides low-passed, all usable samples, thinned to what the
+/// cut-off leaves. Rows carry their actuator, and the block of training data that cross-validation leaves out together.
 struct Equations {
   Eigen::MatrixXd a;              ///< rows x columns
   Eigen::VectorXd b;              ///< N
@@ -30,19 +31,23 @@ struct Equations {
 /// Number of blocks that cross-validation aims at.
 inline constexpr int kBlocks = 10;
 
-/// Stacks the training observations. Blocks are contiguous runs of motion, split at stops and at the ends of files (inside a
-/// run only when it is longer than a tenth of the data). Where the robot comes again to a place where it was before, with the same
-/// velocity, that visit belongs to the first one's block: of a repeated motion a block is a stretch of it with all its repeats. Bench axes are independent: there an axis' row needs only its own motion.
+/// Stacks the training observations. Blocks are contiguous runs of motion, split at stops and at the ends of files
+/// (inside a run only when it is longer than a tenth of the data). Where the robot comes again to a place where it was
+/// before, with the same velocity, that visit belongs to the first one's block: of a repeated motion a block is a
+/// stretch of it with all its repeats. Bench axes are independent: there an axis' row needs only its own motion.
 Equations stackEquations(const std::vector<Observation>& training, const ObservationOptions& options);
 
-/// Takes some columns of (unweighted) equations of the same observations anew, after the observations' regressors changed there.
+/// Takes some columns of (unweighted) equations of the same observations anew, after the observations' regressors
+/// changed there.
 void refillColumns(const std::vector<Observation>& training, const ObservationOptions& options,
                    const std::vector<int>& columns, Equations& equations);
 
-/// a and b with every row divided by its actuator's noise: one number per actuator, or two, those of rows near rest second.
+/// a and b with every row divided by its actuator's noise: one number per actuator, or two, those of rows near rest
+/// second.
 void weightRows(Equations& equations, const Eigen::VectorXd& noise_N);
 
-/// The two noises of every actuator for weightRows; near rest at least as much as in motion: what law friction follows there is a guess.
+/// The two noises of every actuator for weightRows; near rest at least as much as in motion: what law friction follows
+/// there is a guess.
 Eigen::VectorXd noiseInMotionAndNearRest(const Equations& equations, const Eigen::VectorXd& residual);
 
 /// A signal of every training file (samples), low-passed, at the rows of `actuator`.

@@ -16,8 +16,8 @@ struct Applied {
 Applied applyModel(const dynamics::Model& model, const mechanism::Robot& robot,
                    const std::vector<Observation>& observations, double cutoff_hz);
 
-/// For every point of the rank curve: rms of the moving samples (N, per actuator) with the least-squares parameters of that
-/// rank. Coulomb columns of `observations` must be set to the model's widths.
+/// For every point of the rank curve: rms of the moving samples (N, per actuator) with the least-squares parameters of
+/// that rank. Coulomb columns of `observations` must be set to the model's widths.
 std::vector<Eigen::VectorXd> errorAgainstRank(const Identification& identification,
                                               const std::vector<Observation>& observations, double cutoff_hz);
 

@@ -17,13 +17,13 @@ struct IdentifyOptions {
   bool friction = true;         ///< false: a model without any friction, to show what friction explains
   bool joint_friction = false;  ///< friction of the legs' passive joints too; `training` must be observed with it
   int rank = 0;                 ///< 0: chosen on the training data
-  /// Narrowest width over which Coulomb friction may build up, in encoder counts. Smaller ones follow the encoder's flicker at rest;
-  /// where nothing flickers they meet reversals more exactly.
+  /// Narrowest width over which Coulomb friction may build up, in encoder counts. Smaller ones follow the encoder's
+  /// flicker at rest; where nothing flickers they meet reversals more exactly.
   double narrowest_counts = 2.0;
   OutlierRule outliers = OutlierRule::Huber;
   bool uncertainty = true;  ///< false: no bootstrap, no standard errors
-  /// Parameters, per column, that the fit is pulled towards instead of the robot's own prior; those with a sign do not count. Empty: the
-  /// prior's.
+  /// Parameters, per column, that the fit is pulled towards instead of the robot's own prior; those with a sign do not
+  /// count. Empty: the prior's.
   Eigen::VectorXd towards;
 };
 
@@ -50,10 +50,10 @@ struct Identification {
   std::vector<int> block_rows;              ///< per block: equations
 };
 
-/// Identifies the force model of a robot: law of each actuator's friction near rest, noise of each actuator in motion and near rest,
-/// strength of the prior by cross-validation, robust bounded fit to all usable samples. Sets the Coulomb columns of `training` to the
-/// laws that were chosen. Refusal when the data cannot support it: an axis hardly moves, too little motion, too many saturated
-/// samples.
+/// Identifies the force model of a robot: law of each actuator's friction near rest, noise of each actuator in motion
+/// and near rest, strength of the prior by cross-validation, robust bounded fit to all usable samples. Sets the Coulomb
+/// columns of `training` to the laws that were chosen. Refusal when the data cannot support it: an axis hardly moves,
+/// too little motion, too many saturated samples.
 Identification identify(const mechanism::Robot& robot, std::vector<Observation>& training,
                         const IdentifyOptions& options);
 

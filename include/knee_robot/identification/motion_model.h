@@ -13,8 +13,9 @@ namespace knee_robot::identification {
 
 struct Observation;
 
-/// What identification asks of a mechanism: which columns its linear model has, how it moves along a recording, and the columns'
-/// entries there. One implementation a mechanism; nothing downstream asks how many legs or joints there are. Refers to the robot.
+/// What identification asks of a mechanism: which columns its linear model has, how it moves along a recording, and the
+/// columns' entries there. One implementation a mechanism; nothing downstream asks how many legs or joints there are.
+/// Refers to the robot.
 class MotionModel {
  public:
   virtual ~MotionModel() = default;
@@ -23,11 +24,11 @@ class MotionModel {
   virtual std::vector<Column> columns(bool joint_friction) const = 0;
   /// See followPath: the platform's poses, and how well conditioned they are.
   virtual MotionPath follow(const recording::Signals& signals) const = 0;
-  /// Fills every column of observation.regressor (zero before) but the actuators' Coulomb friction, in N of the actuator per unit of
-  /// the parameter.
+  /// Fills every column of observation.regressor (zero before) but the actuators' Coulomb friction, in N of the
+  /// actuator per unit of the parameter.
   virtual void fillRegressor(const std::vector<Column>& columns, Observation& observation) const = 0;
-  /// Bodies by the robot's URDF, or of which only the order of magnitude is claimed: mean and unit coordinates of the rigid columns,
-  /// which come first. Empty where there are none.
+  /// Bodies by the robot's URDF, or of which only the order of magnitude is claimed: mean and unit coordinates of the
+  /// rigid columns, which come first. Empty where there are none.
   virtual PhysicalCoordinates bodies() const = 0;
   /// See predictForces.
   virtual PredictedForce predict(const dynamics::Model& model, const recording::Signals& signals,

@@ -17,14 +17,16 @@ struct ObservationOptions {
   double cutoff_hz = 3.0;          ///< zero-phase low-pass of both sides of the equation
   double moving_m_per_s = 0.0015;  ///< an axis slower than this does not count as moving
   double condition_max = 0.0;      ///< poses with a worse condition of dq/dx (m, rad) are masked; 0: see conditionLimit
-  /// The actuator lengths' distance (m) from a fold (foldDistance) below which the assembly mode counts as unknown, until it is twice
-  /// as far again. A recording with cameras passed into the other mode from 2.3 mm: the geometry is not known better. 0: exact geometry.
+  /// The actuator lengths' distance (m) from a fold (foldDistance) below which the assembly mode counts as unknown,
+  /// until it is twice as far again. A recording with cameras passed into the other mode from 2.3 mm: the geometry is
+  /// not known better. 0: exact geometry.
   double fold_margin_m = 0.003;
   recording::SignalOptions signals;
 
   bool motion_cutoff_given = false;  ///< false: see motionCutoff
 
-  /// Sets the cut-off, and that of the positions unless it follows from the encoders; the grid becomes fine enough for both.
+  /// Sets the cut-off, and that of the positions unless it follows from the encoders; the grid becomes fine enough for
+  /// both.
   void setCutoff(double hz, double motion_hz = 0.0) {
     cutoff_hz = hz;
     signals.rate_hz = std::max(signals.rate_hz, 12.0 * hz);
@@ -69,15 +71,16 @@ struct Observation {
 /// The limit in force: that of the options, else the robot file's margin, else (when that is wide open, above 1e6) 60.
 double conditionLimit(const mechanism::Robot& robot, const ObservationOptions& options);
 
-/// Low-pass (Hz) of the positions before they are differentiated: as wide as the coarsest encoder allows, so that friction near rest
-/// keeps its shape. Its rounding may leave 0.1 mm/s rms of velocity; three to five times the cut-off.
+/// Low-pass (Hz) of the positions before they are differentiated: as wide as the coarsest encoder allows, so that
+/// friction near rest keeps its shape. Its rounding may leave 0.1 mm/s rms of velocity; three to five times the
+/// cut-off.
 double motionCutoff(const mechanism::Robot& robot, double cutoff_hz, double rate_hz);
 
 /// Signed force per volt of every actuator.
 std::vector<double> forcePerVolt(const mechanism::Robot& robot);
 
-/// Builds the equations of a recording. InputError when recording and robot do not fit together; Refusal when there are too few
-/// rows.
+/// Builds the equations of a recording. InputError when recording and robot do not fit together; Refusal when there are
+/// too few rows.
 Observation observe(const mechanism::Robot& robot, const std::vector<Column>& columns,
                     const recording::Recording& recording, const ObservationOptions& options);
 

@@ -8,7 +8,8 @@
 
 namespace knee_robot::identification {
 
-/// Error of the physically consistent fit with one strength of the prior. Errors are mean squares in units of the noise.
+/// Error of the physically consistent fit with one strength of the prior. Errors are mean squares in units of the
+/// noise.
 struct PhysicalPoint {
   double strength = 0.0;        ///< of the prior: information of the data at which prior and data count alike
   double supported = 0.0;       ///< rigid directions and offsets that the data decide
@@ -24,7 +25,8 @@ struct PhysicalBody {
   double moved = 0.0;  ///< size of the change from the prior in the prior's own metric (0: none; 1: as large as it)
 };
 
-/// Full parameters that a robot can have: positive masses, possible inertia tensors, friction and rotor inertia not negative.
+/// Full parameters that a robot can have: positive masses, possible inertia tensors, friction and rotor inertia not
+/// negative.
 struct PhysicalFit {
   dynamics::Model model;           ///< like the base fit's, with these values; no base combinations
   dynamics::RobotInertia inertia;  ///< of the parallel robot's nine links and its rotors
@@ -36,10 +38,11 @@ struct PhysicalFit {
   std::vector<PhysicalPoint> curve;
 };
 
-/// Fits physically consistent parameters to the equations of a base fit, with the same noise, outlier weights and friction widths.
-/// The prior (the robot's URDF) decides where the data are silent. Its strength is chosen as the rank is: the strongest one whose
-/// error on left-out blocks of the training data is within one standard error of the best. Offsets have a prior of zero, of a size
-/// of a tenth of the actuator's rms force; friction and rotor have none.
+/// Fits physically consistent parameters to the equations of a base fit, with the same noise, outlier weights and
+/// friction widths.
+/// The prior (the robot's URDF) decides where the data are silent. Its strength is chosen as the rank is: the strongest
+/// one whose error on left-out blocks of the training data is within one standard error of the best. Offsets have a
+/// prior of zero, of a size of a tenth of the actuator's rms force; friction and rotor have none.
 PhysicalFit fitPhysical(const mechanism::Robot& robot, const Identification& base, const dynamics::RobotInertia& prior);
 /// The same of a chain, by its own URDF.
 PhysicalFit fitPhysicalChain(const mechanism::Robot& robot, const Identification& base);

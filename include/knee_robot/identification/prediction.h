@@ -12,8 +12,8 @@ struct PredictedForce {
   Eigen::MatrixXd at_sample_N;  ///< friction at the sample itself: what is interpolated to other times
 };
 
-/// What the model predicts along a recorded motion, from motion and time alone. Every entry is finite: where the pose is not known, the
-/// last known force goes on.
+/// What the model predicts along a recorded motion, from motion and time alone. Every entry is finite: where the pose
+/// is not known, the last known force goes on.
 PredictedForce predictForces(const dynamics::Model& model, const mechanism::Robot& robot,
                              const recording::Signals& signals, const MotionPath& motion);
 

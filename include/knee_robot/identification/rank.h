@@ -24,12 +24,12 @@ struct RankChoice {
   std::vector<RankPoint> curve;
 };
 
-/// Leaves out one block of the (weighted) equations after the other. Chosen is the smallest rank whose held-back error exceeds
-/// that of the best one by no more than one standard error of the difference. Training data only.
+/// Leaves out one block of the (weighted) equations after the other. Chosen is the smallest rank whose held-back error
+/// exceeds that of the best one by no more than one standard error of the difference. Training data only.
 RankChoice chooseRank(const Equations& equations, const std::vector<Column>& columns, const std::vector<char>& use);
 
-/// The same over the strength of the prior, weakest last: all directions are fitted, and pulled towards the prior. Chosen is the
-/// strongest pull within one standard error of the best.
+/// The same over the strength of the prior, weakest last: all directions are fitted, and pulled towards the prior.
+/// Chosen is the strongest pull within one standard error of the best.
 RankChoice chooseStrength(const Equations& equations, const std::vector<Column>& columns, const std::vector<char>& use,
                           const Prior& prior);
 

@@ -22,9 +22,11 @@ enum class OutlierRule {
   None,  ///< plain least squares
 };
 
-/// Refines the truncated least-squares solution: robust, and with bounds that keep friction and rotor inertia from becoming negative.
-/// `equations` are the weighted ones that `reduction` was made from. The covariance comes from a block bootstrap, so that
-/// residuals may be correlated in time; it is left empty without `uncertainty`. `strength`: of the prior, when the reduction has one. Throws std::runtime_error when Ceres fails, which data cannot cause.
+/// Refines the truncated least-squares solution: robust, and with bounds that keep friction and rotor inertia from
+/// becoming negative.
+/// `equations` are the weighted ones that `reduction` was made from. The covariance comes from a block bootstrap, so
+/// that residuals may be correlated in time; it is left empty without `uncertainty`. `strength`: of the prior, when the
+/// reduction has one. Throws std::runtime_error when Ceres fails, which data cannot cause.
 RobustFit robustFit(const Equations& equations, const Reduction& reduction, int rank,
                     OutlierRule rule = OutlierRule::Huber, double strength = 0.0, bool uncertainty = true);
 

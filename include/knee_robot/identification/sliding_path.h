@@ -9,10 +9,11 @@
 
 namespace knee_robot::identification {
 
-/// The path of a joint as friction sees it: several points a sample, and no way back shorter than what the encoders tell apart. Friction
-/// that followed every wiggle of a rounded, low-passed position would reverse where the joint does not; friction that waited until
-/// the way back is certain would reverse late. So the turning points are found with the whole recording in view: each lies at
-/// the extreme itself, and counts when the path goes back from it by more than `resolution`.
+/// The path of a joint as friction sees it: several points a sample, and no way back shorter than what the encoders
+/// tell apart. Friction that followed every wiggle of a rounded, low-passed position would reverse where the joint does
+/// not; friction that waited until the way back is certain would reverse late. So the turning points are found with the
+/// whole recording in view: each lies at the extreme itself, and counts when the path goes back from it by more than
+/// `resolution`.
 struct SlidingPath {
   Eigen::VectorXd position;  ///< kSubsteps per sample period, the samples too; rising or falling between turning points
   Eigen::VectorXd
@@ -23,18 +24,18 @@ struct SlidingPath {
   double resolution = 0.0;  ///< in the position's unit: shorter ways back are not told apart from rounding
   static constexpr int kSubsteps = 4;
 
-  /// Share of full Coulomb friction when the recording starts. Friction that builds up over less than the encoders tell has done so
-  /// before they show any movement; otherwise nothing is known of it, and it is zero.
+  /// Share of full Coulomb friction when the recording starts. Friction that builds up over less than the encoders tell
+  /// has done so before they show any movement; otherwise nothing is known of it, and it is zero.
   double shareAtStart(double width) const { return width < resolution ? first_direction : 0.0; }
 };
 
-/// From uniformly sampled positions and velocities (a cubic between neighbours), `period_s` apart. `resolution`: see above, in the
-/// position's unit, not negative.
+/// From uniformly sampled positions and velocities (a cubic between neighbours), `period_s` apart. `resolution`: see
+/// above, in the position's unit, not negative.
 SlidingPath slidingPath(const Eigen::VectorXd& position, const Eigen::VectorXd& velocity, double period_s,
                         double resolution);
 
-/// Share of full Coulomb friction at every sample, averaged over the sample's interval as the forces are. It starts with shareAtStart
-/// and changes as soon as the path moves: the first stretch has no way back either.
+/// Share of full Coulomb friction at every sample, averaged over the sample's interval as the forces are. It starts
+/// with shareAtStart and changes as soon as the path moves: the first stretch has no way back either.
 Eigen::VectorXd frictionShare(const SlidingPath& path, const dynamics::FrictionLaw& law);
 /// The same of one element, as if it carried all friction.
 Eigen::VectorXd elementShare(const SlidingPath& path, const dynamics::FrictionElement& element);
@@ -46,9 +47,9 @@ Eigen::VectorXd frictionShare(const SlidingPath& path, double width);
 /// One path per actuator; resolution: what rounding leaves of an encoder count (Signals::rounding_left).
 std::vector<SlidingPath> actuatorPaths(const mechanism::Robot& robot, const recording::Signals& signals);
 
-/// Coulomb columns of the legs' seven passive joints, in the order of the passive friction parameters: 12 11 22 21 32 31 41. The sign
-/// of each is frictionShare of a narrow width along the joint's own path, whose resolution is what that much of
-/// a count of every encoder (root of the sum of squares) moves the joint by.
+/// Coulomb columns of the legs' seven passive joints, in the order of the passive friction parameters: 12 11 22 21 32
+/// 31 41. The sign of each is frictionShare of a narrow width along the joint's own path, whose resolution is what that
+/// much of a count of every encoder (root of the sum of squares) moves the joint by.
 class PassiveCoulomb {
  public:
   static constexpr int kJoints = dynamics::extended::kPassiveFrictionCount / 2;

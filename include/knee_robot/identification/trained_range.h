@@ -7,15 +7,17 @@
 
 namespace knee_robot::identification {
 
-/// Beyond the forces of training by at most this share of their range, on either side, in samples whose pose is not trusted.
+/// Beyond the forces of training by at most this share of their range, on either side, in samples whose pose is not
+/// trusted.
 inline constexpr double kBeyondTrained = 0.1;
 
-/// The lowest and the highest low-passed force of the usable training samples, per actuator; without a platform nothing, because every
-/// position is trusted there.
+/// The lowest and the highest low-passed force of the usable training samples, per actuator; without a platform
+/// nothing, because every position is trusted there.
 std::vector<dynamics::TrainedForce> trainedRange(const std::vector<Observation>& training);
 
-/// Brings the forces (N, samples x actuators) at samples with an uncertain pose back to the range of training and its margin. A pose
-/// beside a singularity lets a model say anything; no such force was ever seen. Nothing where the range is not known.
+/// Brings the forces (N, samples x actuators) at samples with an uncertain pose back to the range of training and its
+/// margin. A pose beside a singularity lets a model say anything; no such force was ever seen. Nothing where the range
+/// is not known.
 void keepWithinTrainedRange(const std::vector<dynamics::TrainedForce>& trained, const MotionPath& motion,
                             Eigen::MatrixXd& force_N);
 

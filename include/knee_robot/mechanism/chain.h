@@ -8,9 +8,9 @@
 
 namespace knee_robot::mechanism {
 
-/// Radius at which a revolute joint of a chain is counted in metres and newtons. Behind the reader of recordings every actuator, leg or
-/// joint, has a position in m and a force in N, so that one set of laws of friction, shapes and thresholds serves all of them; readers and
-/// writers convert (Actuator::position_per_m, Actuator::force_per_N).
+/// Radius at which a revolute joint of a chain is counted in metres and newtons. Behind the reader of recordings every
+/// actuator, leg or joint, has a position in m and a force in N, so that one set of laws of friction, shapes and
+/// thresholds serves all of them; readers and writers convert (Actuator::position_per_m, Actuator::force_per_N).
 inline constexpr double kJointRadius_m = 0.1;
 
 /// What a URDF says of one link's inertia, in the frame of the moving body that it belongs to.
@@ -31,7 +31,8 @@ struct ChainJoint {
   std::vector<ChainLink> links;  ///< of the body: the joint's child and whatever is fixed to it
 };
 
-/// An open chain from base to tip. Fixed and locked joints are folded in: their links belong to the body that carries them.
+/// An open chain from base to tip. Fixed and locked joints are folded in: their links belong to the body that carries
+/// them.
 struct Chain {
   std::vector<ChainJoint> joints;
   Eigen::Isometry3d tip = Eigen::Isometry3d::Identity();  ///< tip link in the last body's frame
@@ -53,16 +54,17 @@ struct NamedJoint {
   double locked_at = 0.0;  ///< rad or m
 };
 
-/// Reads the chain from `base_link` to `tip_link` with urdfdom. Moving are the joints that `named` lists without locking them, all
-/// that can move on the way when it is empty; every other joint of the tree is locked, at 0 unless `named` says where. `limits` gets
-/// one entry a moving joint. InputError (the URDF, the link or joint, and what to mend) when it is no URDF, not a tree (a link with two
-/// parents, a loop), the links are not on one branch, a joint is unknown, of a kind that no chain has, or not on the way, a moving body
-/// has no <inertial> or an impossible one, a locked joint mimics a moving one, or there are not 1 to 12 moving joints.
+/// Reads the chain from `base_link` to `tip_link` with urdfdom. Moving are the joints that `named` lists without
+/// locking them, all that can move on the way when it is empty; every other joint of the tree is locked, at 0 unless
+/// `named` says where. `limits` gets one entry a moving joint. InputError (the URDF, the link or joint, and what to
+/// mend) when it is no URDF, not a tree (a link with two parents, a loop), the links are not on one branch, a joint is
+/// unknown, of a kind that no chain has, or not on the way, a moving body has no <inertial> or an impossible one, a
+/// locked joint mimics a moving one, or there are not 1 to 12 moving joints.
 Chain readChain(const std::string& urdf, const std::string& base_link, const std::string& tip_link,
                 const std::vector<NamedJoint>& named, std::vector<ChainLimits>& limits);
 
-/// The chain with some of its joints (`lock`, one entry a joint) standing at `position` (rad, m): their bodies belong to those that carry
-/// them. At least one joint stays.
+/// The chain with some of its joints (`lock`, one entry a joint) standing at `position` (rad, m): their bodies belong
+/// to those that carry them. At least one joint stays.
 Chain lockedAt(const Chain& chain, const std::vector<char>& lock, const Eigen::VectorXd& position);
 
 /// Body frames in the base link's frame at `position` (rad, m; one entry a joint).

@@ -30,7 +30,8 @@ Vector4 poseOf(const Coordinates& coordinates);
 /// (q13, q23, q33, q42) out of 15 coordinates.
 Vector4 lengthsOf(const Coordinates& coordinates);
 
-/// The closure equations (4) of legs 1 to 3 (x, y, z each) and (10) of leg 4 (x, z): leg's tip minus platform's point (m).
+/// The closure equations (4) of legs 1 to 3 (x, y, z each) and (10) of leg 4 (x, z): leg's tip minus platform's point
+/// (m).
 /// Zero when the mechanism is assembled; the coordinates need not be consistent. Real-time safe.
 ConstraintVector constraints(const Mechanism& mechanism, const Coordinates& q);
 /// A = d(constraints)/dq, eq. (12)-(13).
@@ -42,8 +43,8 @@ ConstraintVector constraintBias(const Mechanism& mechanism, const Coordinates& q
 /// (type II: the actuators do not determine the motion). Real-time safe.
 bool dependentJacobian(const Mechanism& mechanism, const Coordinates& q, DependentJacobian& x);
 
-/// All velocities and accelerations from those of the actuators at assembled coordinates, through A and b. False when A_d is
-/// singular. Real-time safe.
+/// All velocities and accelerations from those of the actuators at assembled coordinates, through A and b. False when
+/// A_d is singular. Real-time safe.
 bool coordinateRates(const Mechanism& mechanism, const Coordinates& q, const Vector4& length_velocity,
                      const Vector4& length_acceleration, Coordinates& velocity, Coordinates& acceleration);
 

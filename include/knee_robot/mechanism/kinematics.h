@@ -14,8 +14,8 @@ using Lengths = Vector4;
 /// 0Rm of eq. (5): theta about Y, then psi about the turned Z.
 Matrix3 platformRotation(const Pose& pose);
 
-/// All eleven joint coordinates of the legs. Legs 1 to 3: q1 and q2 of the universal joint (rad), q3 the length (m), eq. (7)-(9);
-/// leg 4: q41 (rad), q42 the length (m), eq. (10)-(11).
+/// All eleven joint coordinates of the legs. Legs 1 to 3: q1 and q2 of the universal joint (rad), q3 the length (m),
+/// eq. (7)-(9); leg 4: q41 (rad), q42 the length (m), eq. (10)-(11).
 struct JointCoordinates {
   std::array<double, 3> q1{};
   std::array<double, 3> q2{};
@@ -51,24 +51,25 @@ struct ForwardResult {
   Pose pose = Pose::Zero();  ///< meaningful only when converged
   int iterations = 0;
   double residual_m = 0.0;  ///< largest length error that is left
-  /// How near a singularity the pose is, at no extra cost: conditionNumber() lies between a quarter of this bound and the bound.
+  /// How near a singularity the pose is, at no extra cost: conditionNumber() lies between a quarter of this bound and
+  /// the bound.
   double condition_bound = std::numeric_limits<double>::infinity();
   bool ok() const { return status == ForwardStatus::Converged; }
 };
 
-/// Pose with these actuated lengths on the assembly branch of `guess`, by Newton with step limitation. Never returns a wrong
-/// answer as converged: residual below 1e-11 m, or another status. Real-time safe, bounded iterations.
+/// Pose with these actuated lengths on the assembly branch of `guess`, by Newton with step limitation. Never returns a
+/// wrong answer as converged: residual below 1e-11 m, or another status. Real-time safe, bounded iterations.
 ForwardResult forwardKinematics(const Mechanism& mechanism, const Lengths& lengths, const Pose& guess);
 
-/// The assembly branch in which the robot was built (platform above the base, level): the pose at these lengths found from a
-/// level pose over the base, for a caller without history. Same statuses.
+/// The assembly branch in which the robot was built (platform above the base, level): the pose at these lengths found
+/// from a level pose over the base, for a caller without history. Same statuses.
 ForwardResult forwardKinematicsFromHome(const Mechanism& mechanism, const Lengths& lengths);
 
 /// Condition number of J (m, rad), the singularity measure of the robot file's `condition_max`. Infinite when singular.
 double conditionNumber(const Mechanism& mechanism, const Pose& pose);
 
-/// Pose velocity and acceleration with these actuator velocities and accelerations (m/s, m/s^2). False when J is singular to
-/// working precision; then the outputs are not touched. Real-time safe.
+/// Pose velocity and acceleration with these actuator velocities and accelerations (m/s, m/s^2). False when J is
+/// singular to working precision; then the outputs are not touched. Real-time safe.
 bool poseRates(const Mechanism& mechanism, const Pose& pose, const Vector4& length_velocity,
                const Vector4& length_acceleration, Vector4& pose_velocity, Vector4& pose_acceleration);
 

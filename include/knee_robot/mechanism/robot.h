@@ -80,10 +80,10 @@ struct Robot {
   int axes() const { return static_cast<int>(actuators.size()); }
 };
 
-/// Reads a robot file strictly: unknown keys, missing keys, wrong types and impossible values are InputErrors that name file,
-/// line and limit. `urdf: package://knee_robot/...` is looked up beside the sources, in ROS_PACKAGE_PATH, or in
-/// KNEE_ROBOT_PATH; the URDF's existence is checked here, its content in dynamics/. A chain is refused: programs that know what to
-/// do with one call loadAnyRobot.
+/// Reads a robot file strictly: unknown keys, missing keys, wrong types and impossible values are InputErrors that name
+/// file, line and limit. `urdf: package://knee_robot/...` is looked up beside the sources, in ROS_PACKAGE_PATH, or in
+/// KNEE_ROBOT_PATH; the URDF's existence is checked here, its content in dynamics/. A chain is refused: programs that
+/// know what to do with one call loadAnyRobot.
 Robot loadRobot(const std::string& path);
 Robot loadAnyRobot(const std::string& path);
 

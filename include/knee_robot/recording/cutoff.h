@@ -39,24 +39,26 @@ struct CutoffChoice {
 /// Chooses the cut-off frequency from the spectra of the given (training) recordings' motion.
 ///
 /// Drive band: the frequency below which 99 % of the reference's acceleration power lies; white rounding noise of the
-/// reference's positions, whose acceleration grows with f^4, is estimated above half the Nyquist frequency and taken off. A reference of
-/// straight pieces has steps of velocity: its acceleration is white, and no robot follows all of it. So the second limit: the first
-/// frequency at which the coherence of the reference's and the recorded acceleration falls below 1/2 (for at least
-/// three bins); beyond it more than half of the recorded acceleration is not what the reference asked for, but chatter and the encoders'
-/// noise. The cut-off is 5 times the drive band where the recording follows all of it (the usual rule for robots: the filter is well
-/// above the dynamics), otherwise 1.5 times the followed band (the zero-phase filter, 1/(1 + (f/fc)^8), takes 4 % at its end).
+/// reference's positions, whose acceleration grows with f^4, is estimated above half the Nyquist frequency and taken
+/// off. A reference of straight pieces has steps of velocity: its acceleration is white, and no robot follows all of
+/// it. So the second limit: the first frequency at which the coherence of the reference's and the recorded acceleration
+/// falls below 1/2 (for at least three bins); beyond it more than half of the recorded acceleration is not what the
+/// reference asked for, but chatter and the encoders' noise. The cut-off is 5 times the drive band where the recording
+/// follows all of it (the usual rule for robots: the filter is well above the dynamics), otherwise 1.5 times the
+/// followed band (the zero-phase filter, 1/(1 + (f/fc)^8), takes 4 % at its end).
 ///
-/// Without references the drive band is that of 95 % of the recorded velocity's power (its acceleration is mostly what friction and
-/// encoders make), and it is followed as far as that power is twice what white noise of the positions has.
+/// Without references the drive band is that of 95 % of the recorded velocity's power (its acceleration is mostly what
+/// friction and encoders make), and it is followed as far as that power is twice what white noise of the positions has.
 ///
-/// Both are looked at on a grid of 100 Hz, as references are given and commands held; only when the result would lie above a tenth
-/// of that, on 200, 500 and 1000 Hz, as far as the recordings are that fast. There is no other upper end.
+/// Both are looked at on a grid of 100 Hz, as references are given and commands held; only when the result would lie
+/// above a tenth of that, on 200, 500 and 1000 Hz, as far as the recordings are that fast. There is no other upper end.
 ///
 /// Spectra: Hann windows of 5.12 s or a quarter of the recording, half overlapping, averaged over recordings by length.
 /// Recordings with fewer than 200 samples on the grid take no part.
 CutoffChoice chooseCutoff(const std::vector<const Recording*>& recordings, const CutoffRule& rule = {});
 
-/// The same from uniformly sampled columns (one an actuator), as the function above makes them; on their own grid alone.
+/// The same from uniformly sampled columns (one an actuator), as the function above makes them; on their own grid
+/// alone.
 struct UniformMotion {
   double rate_hz = 100.0;
   Eigen::MatrixXd reference_m;  ///< may have no columns

@@ -4,10 +4,10 @@
 
 namespace knee_robot::recording {
 
-/// Zero-phase low-pass: a Butterworth filter of 4th order run forward and backward over each column (the amplitude at the
-/// cut-off is 1/2). The signal is continued at both ends by its reflection at the point where a straight line through its outermost
-/// quarter period of the cut-off ends, and the filter starts in the steady state of the first value: constants and straight lines
-/// pass unchanged up to the ends, and no single sample is the end.
+/// Zero-phase low-pass: a Butterworth filter of 4th order run forward and backward over each column (the amplitude at
+/// the cut-off is 1/2). The signal is continued at both ends by its reflection at the point where a straight line
+/// through its outermost quarter period of the cut-off ends, and the filter starts in the steady state of the first
+/// value: constants and straight lines pass unchanged up to the ends, and no single sample is the end.
 class ZeroPhaseLowPass {
  public:
   /// `cutoff_hz` must be positive; at or above 0.45 of the sampling rate the filter does nothing.
@@ -32,8 +32,8 @@ class ZeroPhaseLowPass {
   Section sections_[2];
 };
 
-/// First derivative of uniformly sampled columns by the central five-point formula (fourth order; three-point and one-sided
-/// formulas next to the ends). At least two rows.
+/// First derivative of uniformly sampled columns by the central five-point formula (fourth order; three-point and
+/// one-sided formulas next to the ends). At least two rows.
 Eigen::MatrixXd firstDerivative(const Eigen::MatrixXd& signals, double period_s);
 /// Second derivative in the same way; the two outermost rows repeat their neighbours. At least three rows.
 Eigen::MatrixXd secondDerivative(const Eigen::MatrixXd& signals, double period_s);

@@ -14,8 +14,8 @@ struct Imported {
   std::vector<std::string> notes;  ///< what was done, above all to the time axis, one sentence each
 };
 
-/// A folder with one table per signal, each row with its own stamp in the columns time_sec and time_nanosec; the other columns are
-/// the axes in order. An empty name: this signal is left out, even if the folder has it.
+/// A folder with one table per signal, each row with its own stamp in the columns time_sec and time_nanosec; the other
+/// columns are the axes in order. An empty name: this signal is left out, even if the folder has it.
 struct SignalFolder {
   std::string path;
   std::string position = "joint_position.txt";  ///< m; needed
@@ -26,12 +26,13 @@ struct SignalFolder {
   std::string command_unit;                     ///< "N" (force_i_N) or "V" (command_i_V)
 };
 
-/// Aligns such a folder. Position's stamps are the rows. Every other signal was written after its row's position: a row takes the
-/// first value whose stamp lies in [its own, the next position's). Rows in front of the first, and after the last, that all signals
-/// have are dropped; inside, the value before is held, and counted. Leading position rows before a break of the stamps (a jump
-/// back, or more than 20 periods ahead, within the first ten rows) are stale and dropped. Time starts at zero.
-/// InputError (file, line, column) for what cannot be read; Refusal when more than a tenth of the rows has to hold: then
-/// the files do not belong together.
+/// Aligns such a folder. Position's stamps are the rows. Every other signal was written after its row's position: a row
+/// takes the first value whose stamp lies in [its own, the next position's). Rows in front of the first, and after the
+/// last, that all signals have are dropped; inside, the value before is held, and counted. Leading position rows before
+/// a break of the stamps (a jump back, or more than 20 periods ahead, within the first ten rows) are stale and dropped.
+/// Time starts at zero.
+/// InputError (file, line, column) for what cannot be read; Refusal when more than a tenth of the rows has to hold:
+/// then the files do not belong together.
 Imported importFolder(const SignalFolder& folder);
 
 /// One column of a foreign table and what it becomes: value = scale * unit * number + offset.
@@ -65,8 +66,9 @@ ColumnMap parseColumnMap(const std::string& text, const std::string& path);
 /// One mapping from a command line: "FROM=TO[,UNIT[,SCALE[,OFFSET]]]". InputError naming the text.
 ColumnMapping parseMapping(const std::string& text);
 
-/// Applies a map to a table. time_s may be given by several columns (seconds and nanoseconds), which are added; time starts at
-/// zero. InputError for an unknown column or unit, time that does not increase, and everything that parseRecording refuses.
+/// Applies a map to a table. time_s may be given by several columns (seconds and nanoseconds), which are added; time
+/// starts at zero. InputError for an unknown column or unit, time that does not increase, and everything that
+/// parseRecording refuses.
 Imported importTable(const TextTable& table, const ColumnMap& map);
 
 /// Writes the recording. InputError when `path` exists already: a recording is never overwritten.

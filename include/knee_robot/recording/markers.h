@@ -53,13 +53,13 @@ struct MarkerPoses {
   std::vector<std::string> notes;
 };
 
-/// Rigid fit (Kabsch, Umeyama 1991) row by row. Markers beyond the tolerance: exchanged names are tried (of several that fit, the
-/// one nearest to the pose before), then leaving one out; what does not fit then is a gap. Refusal when fewer than 20 rows have a
-/// pose.
+/// Rigid fit (Kabsch, Umeyama 1991) row by row. Markers beyond the tolerance: exchanged names are tried (of several
+/// that fit, the one nearest to the pose before), then leaving one out; what does not fit then is a gap. Refusal when
+/// fewer than 20 rows have a pose.
 MarkerPoses fitMarkers(const TextTable& table, const MarkerMap& map);
 
-/// The text of a recording with the columns mocap_x_m, mocap_z_m, mocap_theta_rad, mocap_psi_rad added (one row of `camera` per row
-/// of the recording, nan where there is no picture). InputError when it has such columns already.
+/// The text of a recording with the columns mocap_x_m, mocap_z_m, mocap_theta_rad, mocap_psi_rad added (one row of
+/// `camera` per row of the recording, nan where there is no picture). InputError when it has such columns already.
 std::string withCameraColumns(const std::string& csv, const std::string& path, const Eigen::MatrixXd& camera);
 
 }  // namespace knee_robot::recording

@@ -24,35 +24,36 @@ struct Signals {
   Eigen::MatrixXd acceleration_m_per_s2;
   Eigen::MatrixXd force_N;  ///< mean of the held command over the grid interval around the sample; otherwise unfiltered
   bool force_is_measured = false;  ///< then force_N is the force at the sample (Recording::force_is_measured)
-  /// Way of the recorded position beyond that of position_m, per time, over 0.2 s around the sample; never negative: vibration
-  /// too fast or too small for position_m.
+  /// Way of the recorded position beyond that of position_m, per time, over 0.2 s around the sample; never negative:
+  /// vibration too fast or too small for position_m.
   Eigen::MatrixXd tremble_m_per_s;
   Eigen::MatrixXd motor_m;           ///< second encoder, treated as position_m; no columns when there is none
   Eigen::MatrixXd temperature_degC;  ///< no columns when there is none
   std::vector<char> known;           ///< 0 in gaps
-  /// Of an encoder's step: what rounding leaves in position_m, from peak to peak (six standard deviations of white rounding noise
-  /// after the low-pass; at least a quarter, because a filtered staircase overshoots; at most one).
+  /// Of an encoder's step: what rounding leaves in position_m, from peak to peak (six standard deviations of white
+  /// rounding noise after the low-pass; at least a quarter, because a filtered staircase overshoots; at most one).
   double rounding_left = 1.0;
   std::vector<std::string> notes;  ///< what was done, one sentence each, for the report
 
   int samples() const { return static_cast<int>(time_s.size()); }
 };
 
-/// Brings a recording onto a uniform grid. Positions belong to their rows' times: stale rows at the start are dropped, a cubic
-/// through the neighbours is sampled at the recording's usual period, low-passed with zero phase, differentiated, and only then
-/// thinned to `rate_hz`. A command (or force) acts from its row to the next one: it is averaged exactly over each grid interval.
+/// Brings a recording onto a uniform grid. Positions belong to their rows' times: stale rows at the start are dropped,
+/// a cubic through the neighbours is sampled at the recording's usual period, low-passed with zero phase,
+/// differentiated, and only then thinned to `rate_hz`. A command (or force) acts from its row to the next one: it is
+/// averaged exactly over each grid interval.
 /// `force_N` has one row per row of the recording (commandedForce).
 /// Throws Refusal when fewer than 20 usable rows remain.
 Signals resample(const Recording& recording, const Eigen::MatrixXd& force_N, const SignalOptions& options = {});
 
-/// Means of held signals over the intervals [center - width/2, center + width/2]: row k of `values` holds from time_s[k] to
-/// time_s[k + 1], the last one for good, the first one also before its time. One row per center. `time_s` strictly
-/// increasing, width positive.
+/// Means of held signals over the intervals [center - width/2, center + width/2]: row k of `values` holds from
+/// time_s[k] to time_s[k + 1], the last one for good, the first one also before its time. One row per center. `time_s`
+/// strictly increasing, width positive.
 Eigen::MatrixXd heldMeans(const std::vector<double>& time_s, const Eigen::MatrixXd& values,
                           const std::vector<double>& centers_s, double width_s);
 
-/// Values of a uniformly sampled signal in the middle of every row's hold interval [t_k, t_k+1] (the last row: one median
-/// period), linearly interpolated and held at the ends: what stands beside row k's force.
+/// Values of a uniformly sampled signal in the middle of every row's hold interval [t_k, t_k+1] (the last row: one
+/// median period), linearly interpolated and held at the ends: what stands beside row k's force.
 Eigen::MatrixXd atHoldIntervals(const Signals& signals, const Eigen::MatrixXd& values,
                                 const std::vector<double>& row_time_s);
 

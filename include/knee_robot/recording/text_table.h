@@ -20,9 +20,9 @@ struct TableFormat {
 /// Keys separator, decimal, header and skip_lines of a map file; each optional.
 TableFormat readTableFormat(StrictMap& file);
 
-/// A table of another program: one line a row, columns by name or number. CRLF, blanks around values, a byte order mark and
-/// empty lines at the end are accepted. InputError (file, line) for an empty table, a doubled column name that is asked for, an
-/// empty line inside, a row with another number of values than the first line.
+/// A table of another program: one line a row, columns by name or number. CRLF, blanks around values, a byte order mark
+/// and empty lines at the end are accepted. InputError (file, line) for an empty table, a doubled column name that is
+/// asked for, an empty line inside, a row with another number of values than the first line.
 class TextTable {
  public:
   static TextTable load(const std::string& path, const TableFormat& format = {});
@@ -39,12 +39,12 @@ class TextTable {
   const std::vector<std::string>& names() const { return names_; }
   /// Line of the file that holds this row, for messages.
   int line(int row) const { return first_line_ + row; }
-  /// Index of the column called `name`, or, without a header, of the column with this number (from 1). InputError that names
-  /// what there is when there is none.
+  /// Index of the column called `name`, or, without a header, of the column with this number (from 1). InputError that
+  /// names what there is when there is none.
   int find(const std::string& name) const;
 
-  /// Finite numbers of a column, one a row. With `nan_allowed`, `nan` and an empty field are nan. InputError (file, line,
-  /// column, value) for anything else.
+  /// Finite numbers of a column, one a row. With `nan_allowed`, `nan` and an empty field are nan. InputError (file,
+  /// line, column, value) for anything else.
   std::vector<double> numbers(int column, bool nan_allowed = false) const;
   /// Whole numbers of a column within [minimum, maximum], exactly.
   std::vector<std::int64_t> integers(int column, std::int64_t minimum, std::int64_t maximum) const;

@@ -25,8 +25,8 @@ struct CameraComparison {
   ErrorFigures error[4];            ///< camera minus forward kinematics, m and rad
   ErrorFigures error_regular[4];    ///< only where the condition is below the limit and the solution is the camera's
   ErrorFigures reference_error[4];  ///< camera minus pose of the reference
-  /// Rows in which the same lengths have another pose, more than 1 mm away and nearer to the camera's: the platform has passed
-  /// a singularity, which encoders cannot see.
+  /// Rows in which the same lengths have another pose, more than 1 mm away and nearer to the camera's: the platform has
+  /// passed a singularity, which encoders cannot see.
   int other_solution = 0;
   double other_from_s = 0.0, other_to_s = 0.0;  ///< first and last such row
   ErrorFigures error_nearest[4];                ///< camera minus the nearer of the two poses
@@ -54,8 +54,8 @@ struct CompareResults {
 /// Refusal when forward kinematics finds no pose for any row.
 CompareResults compare(const mechanism::Robot& robot, const recording::Recording& recording, double condition_max);
 
-/// The paper's figures (text to Figs. 15 and 16): legs 1 to 3 below 1 mm, leg 4 above 2 mm; X 30 mm, Z 10 mm, theta 2.5 deg,
-/// psi 7 deg. Largest errors, in mm and deg.
+/// The paper's figures (text to Figs. 15 and 16): legs 1 to 3 below 1 mm, leg 4 above 2 mm; X 30 mm, Z 10 mm, theta 2.5
+/// deg, psi 7 deg. Largest errors, in mm and deg.
 struct PaperFigure {
   const char* quantity;
   const char* unit;

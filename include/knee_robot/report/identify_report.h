@@ -51,8 +51,9 @@ std::string verdictText(const std::string& verdict);
 /// The outlier rule in words.
 std::string outlierText(identification::OutlierRule rule);
 
-/// Writes model.yaml, report.json, report.html and one prediction_NAME.csv per validation recording into `folder` (made when
-/// missing); with a physically consistent fit also model_physical.yaml and identified.urdf. Each file is whole or not there. InputError when it cannot be written.
+/// Writes model.yaml, report.json, report.html and one prediction_NAME.csv per validation recording into `folder` (made
+/// when missing); with a physically consistent fit also model_physical.yaml and identified.urdf. Each file is whole or
+/// not there. InputError when it cannot be written.
 void writeIdentifyFiles(const IdentifyResults& results, const std::string& folder);
 
 }  // namespace knee_robot::report

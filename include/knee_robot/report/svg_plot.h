@@ -24,11 +24,12 @@ struct PlotStyle {
   std::vector<double> markers;                    ///< vertical lines
 };
 
-/// A line plot as one <svg> element, without scripts and without outside resources. Lines of more than 1500 points are thinned,
-/// keeping the smallest and largest value of every stretch.
+/// A line plot as one <svg> element, without scripts and without outside resources. Lines of more than 1500 points are
+/// thinned, keeping the smallest and largest value of every stretch.
 std::string svgPlot(const std::vector<PlotLine>& lines, const PlotStyle& style);
 
-/// Several plots, each as svgPlot writes it, below each other in one <svg> file with a title (a second line of it is smaller).
+/// Several plots, each as svgPlot writes it, below each other in one <svg> file with a title (a second line of it is
+/// smaller).
 std::string stackedSvg(const std::string& title, const std::vector<std::string>& plots, double width,
                        const std::vector<double>& heights);
 

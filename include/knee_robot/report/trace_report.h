@@ -40,7 +40,8 @@ GainInterval bootstrapGain(const std::vector<identification::Observation>& obser
 std::string traceJson(const TraceResults& results);
 /// What the program prints.
 std::string traceSummary(const TraceResults& results);
-/// One sentence on what adding effects did to the error on the held-out recordings: down or up. The first of terminal and report.
+/// One sentence on what adding effects did to the error on the held-out recordings: down or up. The first of terminal
+/// and report.
 std::string traceOutcome(const TraceResults& results);
 /// One sentence on whether there was anything to explain.
 std::string traceVerdict(const TraceResults& results);

@@ -36,7 +36,8 @@ struct TuningResults {
 std::string tuningSummary(const TuningResults& results);
 /// report.json: plants, gains and margins.
 std::string tuningJson(const TuningResults& results, const std::string& command_line);
-/// report.json, and report.html that shows it with recorded and modelled force, sensitivity and step responses as plots. gains.yaml:
+/// report.json, and report.html that shows it with recorded and modelled force, sensitivity and step responses as
+/// plots. gains.yaml:
 /// properties for the deployment file.
 void writeTuning(const TuningResults& results, const std::string& command_line, const std::string& folder);
 

@@ -34,9 +34,9 @@ using TypeFactory = std::map<std::string, std::function<std::unique_ptr<TaskCont
 ///       - {from: Sync.set_point, to: Driver1.set_point, policy: data}   # or policy: buffer with size: n
 ///     start_order: [Sync, Driver1]        # every component once; stopped in reverse
 ///
-/// An input that no line of `connections` names is connected (policy data) to the one output of another component that has its name
-/// and type, or, for an input `x_2`, to the output `x` of the component whose name ends in 2 (Driver2). Two such outputs, or none
-/// for a required input, are refused.
+/// An input that no line of `connections` names is connected (policy data) to the one output of another component that
+/// has its name and type, or, for an input `x_2`, to the output `x` of the component whose name ends in 2 (Driver2).
+/// Two such outputs, or none for a required input, are refused.
 ///
 /// Not real-time. Throws InputError (one sentence, file and line); nothing runs when anything is wrong.
 class Deployment {
@@ -69,7 +69,8 @@ class Deployment {
   Activity* activity(const std::string& name) const;  ///< nullptr when there is none
   /// The activity that executes `component`.
   Activity* activityOf(const TaskContext& component) const;
-  /// Sentences about real-time privileges that were wanted and not obtained, and about properties that were passed over.
+  /// Sentences about real-time privileges that were wanted and not obtained, and about properties that were passed
+  /// over.
   const std::vector<std::string>& warnings() const { return warnings_; }
   Execution execution() const { return execution_; }
   const std::string& path() const { return path_; }

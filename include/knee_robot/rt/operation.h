@@ -10,8 +10,8 @@
 
 namespace knee_robot::rt {
 
-/// Something that other threads may call on a component, with what it does and what it takes: so that a list of them says how to use
-/// the component. The life-cycle commands (configure, start, ...) are the same for all and not in it.
+/// Something that other threads may call on a component, with what it does and what it takes: so that a list of them
+/// says how to use the component. The life-cycle commands (configure, start, ...) are the same for all and not in it.
 class OperationBase {
  public:
   virtual ~OperationBase() = default;
@@ -24,8 +24,8 @@ class OperationBase {
   std::string signature() const;
 
  protected:
-  /// `arguments`: a name for each of `types`, of which the first is the result's. Throws InputError when they do not fit or when the
-  /// owner has such an operation already.
+  /// `arguments`: a name for each of `types`, of which the first is the result's. Throws InputError when they do not
+  /// fit or when the owner has such an operation already.
   OperationBase(TaskContext& owner, std::string name, std::vector<std::string> arguments, std::string description,
                 std::vector<std::string> types);
 
@@ -40,7 +40,8 @@ std::string typeName(std::type_index type);
 template <typename Signature>
 class Operation;
 
-/// Runs in the calling thread (RTT's ClientThread), never in the activity's: `function` says itself how it reaches the hooks.
+/// Runs in the calling thread (RTT's ClientThread), never in the activity's: `function` says itself how it reaches the
+/// hooks.
 template <typename Result, typename... Arguments>
 class Operation<Result(Arguments...)> final : public OperationBase {
  public:

@@ -49,7 +49,8 @@ class PortBase {
   virtual bool isRequired() const { return false; }
   /// The output whose values come here: an output itself, or what an input is connected to; null: nothing is connected.
   virtual PortBase* source() { return this; }
-  /// For an onlooker. Made at the first call and kept as long as the port; not real-time, one thread. Outputs only: ask source().
+  /// For an onlooker. Made at the first call and kept as long as the port; not real-time, one thread. Outputs only: ask
+  /// source().
   virtual TapBase* tap() { return nullptr; }
 
  protected:

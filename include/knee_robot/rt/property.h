@@ -18,7 +18,8 @@ enum class Change {
   AtRunTime,  ///< at any time, by changeProperty(): its hooks read it anew every cycle and take a new value without a jump
 };
 
-/// A named parameter of a component. Values are set before configure(), some at run time too; hooks read them without further ado.
+/// A named parameter of a component. Values are set before configure(), some at run time too; hooks read them without
+/// further ado.
 class PropertyBase {
  public:
   virtual ~PropertyBase() = default;
@@ -46,8 +47,9 @@ class PropertyBase {
   const Change change_;
 };
 
-/// T is double, int, bool or std::string; the range holds for numbers. Numbers and flags are relaxed atomics: an ordinary thread may
-/// set them while the hook reads, each by itself; what belongs together is not guaranteed to be seen together.
+/// T is double, int, bool or std::string; the range holds for numbers. Numbers and flags are relaxed atomics: an
+/// ordinary thread may set them while the hook reads, each by itself; what belongs together is not guaranteed to be
+/// seen together.
 template <typename T>
 class Property;
 
@@ -142,8 +144,9 @@ enum class Loading {
 /// Sets the properties of `component` from `map`, key by key. Answers a sentence per name that was passed over.
 std::vector<std::string> loadProperties(TaskContext& component, StrictMap& map, Loading loading = Loading::Strict);
 
-/// Sets one property while the component runs, from text as a file would have it. Any ordinary thread. Throws InputError when there
-/// is no such property, it may not change at run time, or the value is no number, or outside its range.
+/// Sets one property while the component runs, from text as a file would have it. Any ordinary thread. Throws
+/// InputError when there is no such property, it may not change at run time, or the value is no number, or outside its
+/// range.
 void changeProperty(TaskContext& component, const std::string& property, const std::string& value);
 
 /// One property as plain data, for the operator and for documentation.

@@ -46,7 +46,8 @@ struct ActivityStatistics {
   DurationHistogram execution;                 ///< from waking to the end of the last component
 };
 
-/// How one component has fared since its activity's start. Lateness is its own: the activity's, plus what those before it took.
+/// How one component has fared since its activity's start. Lateness is its own: the activity's, plus what those before
+/// it took.
 struct ComponentStatistics {
   std::atomic<std::uint64_t> updates{0};
   DurationHistogram period;     ///< from one update's begin to the next

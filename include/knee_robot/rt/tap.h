@@ -9,14 +9,16 @@
 
 namespace knee_robot::rt {
 
-/// What an onlooker (plots, logs: one ordinary thread at a time) sees of an output port: every value that is written while the tap is
-/// open, in order. The writer never waits: what finds no room is counted and lost for the onlooker alone.
+/// What an onlooker (plots, logs: one ordinary thread at a time) sees of an output port: every value that is written
+/// while the tap is open, in order. The writer never waits: what finds no room is counted and lost for the onlooker
+/// alone.
 class TapBase {
  public:
   static constexpr std::size_t kValues = 512;  ///< kept between two looks: half a second at 1 kHz
 
   virtual ~TapBase() = default;
-  /// The next value as its type's bytes, valid until the next call, and when it was written (monotonicNow()); null: none there.
+  /// The next value as its type's bytes, valid until the next call, and when it was written (monotonicNow()); null:
+  /// none there.
   virtual const void* next(Nanoseconds& written_at) noexcept = 0;
   /// Values that found the tap full, ever.
   std::uint64_t lost() const noexcept { return lost_.load(std::memory_order_relaxed); }

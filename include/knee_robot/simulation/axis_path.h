@@ -6,8 +6,8 @@
 
 namespace knee_robot::simulation {
 
-/// A smooth motion of the four actuators through points at equal intervals: the cubic spline that is at rest at both ends
-/// (position, velocity and acceleration continuous). The first point is at time 0.
+/// A smooth motion of the four actuators through points at equal intervals: the cubic spline that is at rest at both
+/// ends (position, velocity and acceleration continuous). The first point is at time 0.
 class AxisPath {
  public:
   /// `points`: at least 2 x 4, m. `period_s` positive.

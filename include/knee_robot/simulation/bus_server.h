@@ -9,12 +9,14 @@
 
 namespace knee_robot::simulation {
 
-/// A simulated CAN bus on a kernel without CAN: a SEQPACKET Unix socket at a path, to which programs connect as to an interface.
-/// A frame of one goes to all others and to the owner of this, and the owner's frames go to all. No bit rate, no arbitration;
-/// a peer that does not read loses frames. For simulators; not real-time.
+/// A simulated CAN bus on a kernel without CAN: a SEQPACKET Unix socket at a path, to which programs connect as to an
+/// interface.
+/// A frame of one goes to all others and to the owner of this, and the owner's frames go to all. No bit rate, no
+/// arbitration; a peer that does not read loses frames. For simulators; not real-time.
 class BusServer : public hardware::can::FramePort {
  public:
-  /// Throws InputError when the path cannot be bound. A socket that nobody serves any more is replaced; a served one is refused.
+  /// Throws InputError when the path cannot be bound. A socket that nobody serves any more is replaced; a served one is
+  /// refused.
   explicit BusServer(const std::string& path);
   /// Closes all and removes the path.
   ~BusServer() override;

@@ -26,16 +26,17 @@ struct CameraSimulation {
   unsigned seed = 1;
 };
 
-/// Gives a recording of the simulated robot camera columns, as a camera would see the mechanism `true_geometry` at the true
-/// lengths: those of the encoders with offset and play. Rows without a picture are nan.
+/// Gives a recording of the simulated robot camera columns, as a camera would see the mechanism `true_geometry` at the
+/// true lengths: those of the encoders with offset and play. Rows without a picture are nan.
 void addCamera(const mechanism::Geometry& true_geometry, const CameraSimulation& camera,
                recording::Recording& recording);
 
-/// Camera file (YAML, docs/files.md): keys as the members above, every one optional. InputError names file, line, key and limit.
+/// Camera file (YAML, docs/files.md): keys as the members above, every one optional. InputError names file, line, key
+/// and limit.
 CameraSimulation loadCameraSimulation(const std::string& path);
 
-/// `content`, the CSV that `recording` was read from, with the four columns of recording.mocap added. InputError when it has
-/// camera columns already.
+/// `content`, the CSV that `recording` was read from, with the four columns of recording.mocap added. InputError when
+/// it has camera columns already.
 std::string withCameraColumns(const std::string& content, const recording::Recording& recording);
 
 }  // namespace knee_robot::simulation

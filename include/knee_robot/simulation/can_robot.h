@@ -8,16 +8,16 @@
 
 namespace knee_robot::simulation {
 
-/// The simulated robot behind four simulated CiA 402 drives on a bus instead of cards: the drives' torques move the plant, their
-/// position objects follow it. A drive that is not in Operation Enabled gives no force. A digital output (hold
-/// devices, heartbeat) counts only when
-/// all four drives set it; the emergency stop's input is on every drive.
+/// The simulated robot behind four simulated CiA 402 drives on a bus instead of cards: the drives' torques move the
+/// plant, their position objects follow it. A drive that is not in Operation Enabled gives no force. A digital output
+/// (hold devices, heartbeat) counts only when all four drives set it; the emergency stop's input is on every drive.
 class CanRobot {
  public:
   using Units = std::array<hardware::can::AxisUnits, hardware::kAxes>;
 
-  /// Screws and set values are those of `units`; node numbers, rated torque and currents are those of `settings`, so that the drives are what the hardware file describes; all
-  /// other objects come from the table. `image` and `bus` must outlive this. Throws InputError.
+  /// Screws and set values are those of `units`; node numbers, rated torque and currents are those of `settings`, so
+  /// that the drives are what the hardware file describes; all other objects come from the table. `image` and `bus`
+  /// must outlive this. Throws InputError.
   CanRobot(const mechanism::Robot& robot, const dynamics::RobotInertia& inertia, const SimulationParameters& parameters,
            const hardware::can::CanSettings& settings, const Units& units, const hardware::can::ObjectDictionary& table,
            RobotImage& image, hardware::can::FramePort& bus);

@@ -12,9 +12,10 @@ struct Coupling {
   double half_gap_m = 0.0;  ///< free play to either side
 };
 
-/// Motors that move by themselves, joined to their screws elastically, with or without play: the rotor's mass is on the motor's
-/// side, as is the encoder; friction and brakes are on the screw's side. The joint's force is taken at the end of the substep
-/// (implicit), so that it is stable however stiff. Within the play nothing but a small viscous friction holds the motor.
+/// Motors that move by themselves, joined to their screws elastically, with or without play: the rotor's mass is on the
+/// motor's side, as is the encoder; friction and brakes are on the screw's side. The joint's force is taken at the end
+/// of the substep (implicit), so that it is stable however stiff. Within the play nothing but a small viscous friction
+/// holds the motor.
 class CoupledMotors {
  public:
   explicit CoupledMotors(const Coupling& coupling) : coupling_(coupling) {}

@@ -9,9 +9,10 @@
 
 namespace knee_robot::simulation {
 
-/// A simulated CiA 402 drive on the bus: network state, expedited service data, four process data objects each way, heartbeat both
-/// ways, emergencies, the drive's state machine. What a drive is taken to do is that of the public profiles (CiA 301, CiA 402);
-/// the answers in detail (which abort code, the quick stop's duration) are ours. Only a reset of its communication allocates.
+/// A simulated CiA 402 drive on the bus: network state, expedited service data, four process data objects each way,
+/// heartbeat both ways, emergencies, the drive's state machine. What a drive is taken to do is that of the public
+/// profiles (CiA 301, CiA 402); the answers in detail (which abort code, the quick stop's duration) are ours. Only a
+/// reset of its communication allocates.
 class DriveModel {
  public:
   /// `bus` must outlive this; the drive only sends through it.

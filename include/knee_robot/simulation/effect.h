@@ -22,9 +22,10 @@ struct EffectStep {
       mechanism::Vector4::Zero();  ///< force that each leg passes on to the mechanism, last substep
 };
 
-/// Something that the simulated robot has and its model does not: one physical deviation from rigid links, constant Coulomb and
-/// viscous friction, ideal drives and ideal encoders. Each effect is one file in src/simulation/effects/ and says there what it
-/// does and how it is configured. Effects act in the order of the simulation file. Everything but changePlant is real-time safe.
+/// Something that the simulated robot has and its model does not: one physical deviation from rigid links, constant
+/// Coulomb and viscous friction, ideal drives and ideal encoders. Each effect is one file in src/simulation/effects/
+/// and says there what it does and how it is configured. Effects act in the order of the simulation file. Everything
+/// but changePlant is real-time safe.
 class Effect {
  public:
   virtual ~Effect() = default;
@@ -59,7 +60,8 @@ using EffectPrototypes = std::vector<std::shared_ptr<const Effect>>;
 
 /// Names of all effects: the files of src/simulation/effects/ (the build collects them).
 std::vector<std::string> effectNames();
-/// One entry of a simulation file's `effects`: `name` and the parameters of that effect. InputError (file, line, limit).
+/// One entry of a simulation file's `effects`: `name` and the parameters of that effect. InputError (file, line,
+/// limit).
 std::shared_ptr<const Effect> readEffect(StrictMap& entry);
 
 /// How one file makes its effect; make<Name> of src/simulation/effects/<name>.cpp.

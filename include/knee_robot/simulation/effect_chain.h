@@ -14,8 +14,9 @@ class EffectChain {
   /// The plant stands at `state`.
   void start(const PlantModel& model, const PlantState& state);
 
-  /// stepPlant with effects. `loads` holds the commanded motor forces, the axes' own friction and forces on the pose; `holds` the
-  /// friction of brakes and shorted windings; `driven` is 1 where a drive is on: without it no effect exerts a motor force.
+  /// stepPlant with effects. `loads` holds the commanded motor forces, the axes' own friction and forces on the pose;
+  /// `holds` the friction of brakes and shorted windings; `driven` is 1 where a drive is on: without it no effect
+  /// exerts a motor force.
   /// Real-time safe.
   bool step(const PlantModel& model, const PlantLoads& loads, const PlantLoads& holds, const mechanism::Vector4& driven,
             double dt, PlantState& state, PlantData& data) noexcept;
@@ -24,8 +25,8 @@ class EffectChain {
   mechanism::Lengths encoders(mechanism::Lengths lengths) const noexcept;
   /// What acted on the plant during the last substep.
   const PlantLoads& acted() const noexcept { return acted_; }
-  /// Mean over the last step of the command (N, per leg) less what a robot without effects would need for the same motion. At rest dry
-  /// friction takes what it can. A rotor behind a coupling or a play counts as an effect.
+  /// Mean over the last step of the command (N, per leg) less what a robot without effects would need for the same
+  /// motion. At rest dry friction takes what it can. A rotor behind a coupling or a play counts as an effect.
   const mechanism::Vector4& unmodelled() const noexcept { return unmodelled_; }
 
  private:

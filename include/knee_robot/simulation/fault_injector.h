@@ -7,8 +7,8 @@
 
 namespace knee_robot::simulation {
 
-/// Applies the ordered faults of the simulated robot's encoders and converters. Keeps what a fault needs to know of the moment in
-/// which it came. Real-time safe, deterministic.
+/// Applies the ordered faults of the simulated robot's encoders and converters. Keeps what a fault needs to know of the
+/// moment in which it came. Real-time safe, deterministic.
 class FaultInjector {
  public:
   static constexpr std::size_t kChannels = InjectedFaults::kChannelsOfFaults;

@@ -16,9 +16,9 @@ enum class EncoderFault : std::uint8_t {
   Disconnected,  ///< open inputs of the card: stands where the fault came and dithers by two counts
 };
 
-/// Faults that a test or a fault campaign orders from the simulated robot (program inject_fault). All zero: none. Lies in the
-/// robot's image; the simulated robot applies them to its encoders, converters, drives and hold devices each step, so that the
-/// controller meets them as it would on a real machine. Bit a of a mask is axis a.
+/// Faults that a test or a fault campaign orders from the simulated robot (program inject_fault). All zero: none. Lies
+/// in the robot's image; the simulated robot applies them to its encoders, converters, drives and hold devices each
+/// step, so that the controller meets them as it would on a real machine. Bit a of a mask is axis a.
 struct InjectedFaults {
   static constexpr std::size_t kChannelsOfFaults = 4;
 

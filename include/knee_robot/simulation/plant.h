@@ -45,11 +45,11 @@ struct PlantData {
   double dissipated_J = 0.0;       ///< by viscous and Coulomb friction, brakes and stops during it
 };
 
-/// Advances `state` by dt seconds in model.substeps substeps, loads constant. Each substep is one midpoint step of the smooth
-/// part (second order), viscous friction by the trapezoidal rule (stable however strong), Coulomb friction, brakes and stops
-/// by solveBoxFriction at the end velocity: an axis that friction can hold has exactly zero velocity, and when all four are
-/// held the pose does not change by a bit. False when the mass matrix is not positive definite or the state is not finite; the
-/// state is then that of the last good substep. Real-time safe.
+/// Advances `state` by dt seconds in model.substeps substeps, loads constant. Each substep is one midpoint step of the
+/// smooth part (second order), viscous friction by the trapezoidal rule (stable however strong), Coulomb friction,
+/// brakes and stops by solveBoxFriction at the end velocity: an axis that friction can hold has exactly zero velocity,
+/// and when all four are held the pose does not change by a bit. False when the mass matrix is not positive definite or
+/// the state is not finite; the state is then that of the last good substep. Real-time safe.
 bool stepPlant(const PlantModel& model, const PlantLoads& loads, double dt, PlantState& state, PlantData& data);
 /// One substep of h seconds of it, for loads that change between substeps; adds to the books of `data`.
 bool substepPlant(const PlantModel& model, const PlantLoads& loads, double h, PlantState& state, PlantData& data);
@@ -57,8 +57,8 @@ bool substepPlant(const PlantModel& model, const PlantLoads& loads, double h, Pl
 /// Kinetic and potential energy (J).
 double totalEnergy(const PlantModel& model, const PlantState& state);
 
-/// Accurate integrator for frictionless motion (classical Runge-Kutta, fourth order): constant forces for dt seconds. Ignores
-/// viscous, coulomb and stops. The measure for stepPlant, and for the energy test. False as stepPlant.
+/// Accurate integrator for frictionless motion (classical Runge-Kutta, fourth order): constant forces for dt seconds.
+/// Ignores viscous, coulomb and stops. The measure for stepPlant, and for the energy test. False as stepPlant.
 bool stepFrictionless(const PlantModel& model, const PlantLoads& loads, double dt, PlantState& state, PlantData& data);
 
 }  // namespace knee_robot::simulation

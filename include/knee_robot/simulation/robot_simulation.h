@@ -25,18 +25,21 @@ class DelayedSwitch {
   bool on_ = false;
 };
 
-/// The simulated robot: a plant behind card images. Each step reads the analog and digital outputs from the image, moves the
-/// plant, and publishes encoder counts, digital inputs and status. The motors are in current mode: volts are force, if the
-/// drives are enabled, powered, and their delay is over; else none. The same class is stepped in process (deterministic, as
-/// fast as it can) and by the real-time program simulated_robot.
+/// The simulated robot: a plant behind card images. Each step reads the analog and digital outputs from the image,
+/// moves the plant, and publishes encoder counts, digital inputs and status. The motors are in current mode: volts are
+/// force, if the drives are enabled, powered, and their delay is over; else none. The same class is stepped in process
+/// (deterministic, as fast as it can) and by the real-time program simulated_robot.
 ///
-/// The encoders count from the robot file's home lengths in its counts per metre, and keep their fraction, as glass scales do.
-/// Pressing the emergency stop takes the power from drives and hold devices, whatever the outputs say; so does the relay on the
-/// heartbeat output, where the simulation file has one, when the output has not changed for its time.
-/// Faults ordered in the image (hardware/injected_faults.h) are applied to converters, drives, hold devices and encoders.
+/// The encoders count from the robot file's home lengths in its counts per metre, and keep their fraction, as glass
+/// scales do.
+/// Pressing the emergency stop takes the power from drives and hold devices, whatever the outputs say; so does the
+/// relay on the heartbeat output, where the simulation file has one, when the output has not changed for its time.
+/// Faults ordered in the image (hardware/injected_faults.h) are applied to converters, drives, hold devices and
+/// encoders.
 class RobotSimulation {
  public:
-  /// Throws InputError when the robot is no 3UPS+1RPU, or the start lengths are outside the stroke or belong to no pose.
+  /// Throws InputError when the robot is no 3UPS+1RPU, or the start lengths are outside the stroke or belong to no
+  /// pose.
   /// `image` must outlive this. The rotor masses of `inertia` are replaced by those of `parameters`.
   RobotSimulation(const mechanism::Robot& robot, dynamics::RobotInertia inertia, const SimulationParameters& parameters,
                   RobotImage& image);

@@ -22,9 +22,9 @@ struct AxisMotion {
   mechanism::Vector4 acceleration = mechanism::Vector4::Zero();
 };
 
-/// The robot in another engine: a Simbody multibody system of the same link inertias, with its own joints, its loops closed by
-/// three ball constraints, and its own kinematics. Shares no kinematic, dynamic or regressor code with this project, so that it
-/// can contradict it. Not real-time safe. Rotors are not part of it.
+/// The robot in another engine: a Simbody multibody system of the same link inertias, with its own joints, its loops
+/// closed by three ball constraints, and its own kinematics. Shares no kinematic, dynamic or regressor code with this
+/// project, so that it can contradict it. Not real-time safe. Rotors are not part of it.
 class SimbodyRobot {
  public:
   SimbodyRobot(const mechanism::Mechanism& mechanism, const mechanism::Vector3& gravity,
@@ -33,7 +33,8 @@ class SimbodyRobot {
 
   /// Positions and velocities of all joints, taken over as they are.
   void set(const mechanism::CoordinateMotion& motion);
-  /// Moves the actuators to `motion` and solves Simbody's own constraints for the other nine joints, from where they are now.
+  /// Moves the actuators to `motion` and solves Simbody's own constraints for the other nine joints, from where they
+  /// are now.
   /// False when that does not converge, or the constraints are singular there.
   bool follow(const AxisMotion& motion);
 
@@ -48,8 +49,8 @@ class SimbodyRobot {
   std::array<mechanism::Vector3, 3> ballForces(const mechanism::Vector4& actuator_forces) const;
   /// Actuator forces (N) for these accelerations: Simbody's tree residual, projected by its own constraint matrix.
   mechanism::Vector4 actuatorForces(const mechanism::CoordinateMotion& motion);
-  /// The same for the motion of the last follow(), while `joint_forces` (N, N m) act in the joints and `spherical_torques` (N m,
-  /// base frame) on the platform and, reversed, on the tips of legs 1 to 3.
+  /// The same for the motion of the last follow(), while `joint_forces` (N, N m) act in the joints and
+  /// `spherical_torques` (N m, base frame) on the platform and, reversed, on the tips of legs 1 to 3.
   mechanism::Vector4 actuatorForces(const JointVector& joint_forces,
                                     const std::array<mechanism::Vector3, 3>& spherical_torques);
 

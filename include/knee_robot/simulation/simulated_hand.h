@@ -4,7 +4,8 @@
 
 namespace knee_robot::simulation {
 
-/// A hand that takes the platform along a path as hands do: not by its place but by a spring and a damper, and never harder than it can.
+/// A hand that takes the platform along a path as hands do: not by its place but by a spring and a damper, and never
+/// harder than it can.
 /// Its force acts through the image's surroundings. Not part of the robot.
 class SimulatedHand {
  public:

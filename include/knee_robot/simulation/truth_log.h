@@ -8,9 +8,10 @@
 
 namespace knee_robot::simulation {
 
-/// The last rows of a simulated robot in POSIX shared memory, every step, for those who judge a controller from outside: a ring of
-/// `capacity` rows after a head of magic, row size, capacity and number of rows written so far (8 bytes each). Writing is
-/// real-time safe; a reader copies the ring and drops the oldest rows, which may have been overwritten meanwhile.
+/// The last rows of a simulated robot in POSIX shared memory, every step, for those who judge a controller from
+/// outside: a ring of `capacity` rows after a head of magic, row size, capacity and number of rows written so far (8
+/// bytes each). Writing is real-time safe; a reader copies the ring and drops the oldest rows, which may have been
+/// overwritten meanwhile.
 class TruthLog {
  public:
   /// Begin of the shared memory; rows follow.
@@ -22,7 +23,8 @@ class TruthLog {
   };
   static constexpr std::uint64_t kMagic = 0x6b6e65655f747274;  // "knee_trt"
 
-  /// Creates or replaces `name` ("/knee_robot_sim_truth"); removed with this. Throws InputError when the system refuses.
+  /// Creates or replaces `name` ("/knee_robot_sim_truth"); removed with this. Throws InputError when the system
+  /// refuses.
   TruthLog(const std::string& name, std::uint64_t capacity);
   ~TruthLog();
   TruthLog(const TruthLog&) = delete;

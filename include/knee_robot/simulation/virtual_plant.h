@@ -19,8 +19,9 @@ struct VirtualPlantParameters {
   JointFriction spherical;
   mechanism::Vector4 rotor_mass =
       mechanism::Vector4::Zero();  ///< kg, reflected to the actuators; the paper leaves it out
-  /// Displacement (m, rad) over which the Coulomb friction of the leg joints builds up and reverses, and which it remembers at rest
-  /// (simulation packages call it stiction displacement). 0: the sign of the velocity, nothing at rest.
+  /// Displacement (m, rad) over which the Coulomb friction of the leg joints builds up and reverses, and which it
+  /// remembers at rest (simulation packages call it stiction displacement). 0: the sign of the velocity, nothing at
+  /// rest.
   double presliding_m = 0.0;
   double presliding_rad = 0.0;
 };
@@ -35,10 +36,10 @@ struct VirtualPlantOutput {
   double friction_power_W = 0.0;  ///< of all friction; never positive unless presliding gives back
 };
 
-/// Stand-in for the virtual plant of section 3.1.1 (there Adams/View): takes the motion of the four actuators and gives the forces
-/// that they must exert, with friction in the joints. Built on Simbody, independent of the project's kinematics, dynamics and
-/// regressor. Without presliding a joint at rest (velocity exactly zero)
-/// has no Coulomb friction: a prescribed motion does not determine it.
+/// Stand-in for the virtual plant of section 3.1.1 (there Adams/View): takes the motion of the four actuators and gives
+/// the forces that they must exert, with friction in the joints. Built on Simbody, independent of the project's
+/// kinematics, dynamics and regressor. Without presliding a joint at rest (velocity exactly zero) has no Coulomb
+/// friction: a prescribed motion does not determine it.
 class VirtualPlant {
  public:
   /// Starts assembled at `start`, a pose of the branch in which the robot was built.
@@ -46,7 +47,8 @@ class VirtualPlant {
                const dynamics::RobotInertia& inertia, const mechanism::Pose& start,
                const VirtualPlantParameters& parameters);
 
-  /// Moves on to `motion` (a small step from the last one) and fills `output`. False when the closed mechanism cannot follow.
+  /// Moves on to `motion` (a small step from the last one) and fills `output`. False when the closed mechanism cannot
+  /// follow.
   bool follow(const AxisMotion& motion, VirtualPlantOutput& output);
 
   /// Kinetic (rotors included) and potential energy, J.

@@ -6,9 +6,9 @@
 
 namespace knee_robot::tracing {
 
-/// How far one candidate at one place is from what the base parameters can do, and from the other candidates there, along the
-/// training recordings. Columns low-passed, weighed by each actuator's noise; of every candidate the shape that explains most of the
-/// baseline's residual. Angles in rad.
+/// How far one candidate at one place is from what the base parameters can do, and from the other candidates there,
+/// along the training recordings. Columns low-passed, weighed by each actuator's noise; of every candidate the shape
+/// that explains most of the baseline's residual. Angles in rad.
 struct PlaceAngles {
   Place place;
   double base_smallest =

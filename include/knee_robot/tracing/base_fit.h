@@ -8,8 +8,8 @@
 
 namespace knee_robot::tracing {
 
-/// The baseline: rigid body, Coulomb and viscous friction, rotor and offset per actuator, with the law of friction near rest that
-/// held-back data chose: what `identify` fits, in coordinates that the search can fit again beside effects.
+/// The baseline: rigid body, Coulomb and viscous friction, rotor and offset per actuator, with the law of friction near
+/// rest that held-back data chose: what `identify` fits, in coordinates that the search can fit again beside effects.
 struct BaseFit {
   std::vector<identification::Column> columns;
   std::vector<dynamics::FrictionLaw> friction_laws;  ///< per actuator, near rest
@@ -28,16 +28,18 @@ struct BaseFit {
   Eigen::VectorXd parametersOf(const Eigen::VectorXd& coordinates) const { return start + basis * coordinates; }
 };
 
-/// `identify` without standard errors: the same equations, weights, loss, prior, laws. Sets the Coulomb columns of `training`.
-/// `rank` 0: all directions, pulled towards the prior as held-back blocks choose. With `given` (parameters of a given model, per column)
-/// the pull is towards those; friction and rotors, which have a sign, are fitted anew. `effects_N` (per recording, samples x
-/// axes, N; may be empty) is taken off the force first; `levels` (the same, factors of Coulomb friction) multiplies what friction's law
-/// gives while it is chosen.
+/// `identify` without standard errors: the same equations, weights, loss, prior, laws. Sets the Coulomb columns of
+/// `training`.
+/// `rank` 0: all directions, pulled towards the prior as held-back blocks choose. With `given` (parameters of a given
+/// model, per column) the pull is towards those; friction and rotors, which have a sign, are fitted anew. `effects_N`
+/// (per recording, samples x axes, N; may be empty) is taken off the force first; `levels` (the same, factors of
+/// Coulomb friction) multiplies what friction's law gives while it is chosen.
 BaseFit fitBase(const mechanism::Robot& robot, std::vector<identification::Observation>& training, const Stack& stack,
                 const std::vector<identification::Column>& columns, int rank, const Eigen::VectorXd* given = nullptr,
                 const std::vector<Eigen::MatrixXd>& effects_N = {}, const std::vector<Eigen::MatrixXd>& levels = {});
 
-/// Weighted regressor in base coordinates (rows: actuator after actuator, picks within), and weighted force less that of `start`.
+/// Weighted regressor in base coordinates (rows: actuator after actuator, picks within), and weighted force less that
+/// of `start`.
 Eigen::MatrixXd baseRows(const BaseFit& base, const std::vector<identification::Observation>& recordings,
                          const Stack& stack);
 Eigen::VectorXd forceRows(const BaseFit& base, const std::vector<identification::Observation>& recordings,

@@ -21,25 +21,26 @@ struct Coefficient {
   bool non_negative = false;  ///< physics allows one sign only
 };
 
-/// One effect that the rigid model with Coulomb and viscous friction lacks, as columns that are added to the linear model. One
-/// class and one file an effect: effects/NAME.cpp. Stateless.
+/// One effect that the rigid model with Coulomb and viscous friction lacks, as columns that are added to the linear
+/// model. One class and one file an effect: effects/NAME.cpp. Stateless.
 class Candidate {
  public:
   virtual ~Candidate() = default;
 
   virtual std::string name() const = 0;      ///< of design.md's list; of a map: unnamed
   virtual std::string sentence() const = 0;  ///< the physics, for the report
-  /// Name of the simpler effect that is a special case of this one; this one must be clearly better to be preferred. Empty: none.
+  /// Name of the simpler effect that is a special case of this one; this one must be clearly better to be preferred.
+  /// Empty: none.
   virtual std::string generalizes() const { return {}; }
   /// True: one set of coefficients acts on all actuators together (a spring at the platform).
   virtual bool shared() const { return false; }
   /// False: belongs to one recording and predicts nothing elsewhere.
   virtual bool transfers() const { return true; }
-  /// True: acts during a part of a recording only. What was held back outside it says nothing, and inside it there may be a single
-  /// block: pieces of that part are held back instead.
+  /// True: acts during a part of a recording only. What was held back outside it says nothing, and inside it there may
+  /// be a single block: pieces of that part are held back instead.
   virtual bool local() const { return false; }
-  /// True: acts in a small part of a brisk motion, and through the whole of a slow one: how large it is there counts as well, not only what it
-  /// adds to the rms of training.
+  /// True: acts in a small part of a brisk motion, and through the whole of a slow one: how large it is there counts as
+  /// well, not only what it adds to the rms of training.
   virtual bool actsNearRest() const { return false; }
   /// True: shows in fast motion only; looked for in a second, higher band as well.
   virtual bool actsFast() const { return false; }
@@ -63,13 +64,14 @@ class Candidate {
   virtual std::vector<ShapeParameter> shapeParameters() const { return {}; }
   /// Values of the shape parameters that are tried, given one of the recordings (`actuator` -1: shared).
   virtual std::vector<std::vector<double>> shapes(const EffectInput& input, int actuator) const;
-  /// Shapes beside one with several parameters, within `step` (1 and less) of the grid's distance: for refinement. None: as it is.
+  /// Shapes beside one with several parameters, within `step` (1 and less) of the grid's distance: for refinement.
+  /// None: as it is.
   virtual std::vector<std::vector<double>> near(const std::vector<double>& shape, double step) const;
   virtual std::vector<Coefficient> coefficients(const EffectInput& input) const = 0;
   /// Force on `actuator` per unit of each coefficient: samples x coefficients.
   virtual Eigen::MatrixXd columns(const EffectInput& input, int actuator, const std::vector<double>& shape) const = 0;
-  /// Coefficients for a recording that is none of the training ones; empty when the effect predicts nothing there. Usually those
-  /// of training, if the effect transfers.
+  /// Coefficients for a recording that is none of the training ones; empty when the effect predicts nothing there.
+  /// Usually those of training, if the effect transfers.
   virtual Eigen::VectorXd elsewhere(const Eigen::VectorXd& coefficients) const;
   /// The same for a recording that shares its homing with some training recordings, `same_home` (not empty).
   virtual Eigen::VectorXd atHome(const Eigen::VectorXd& coefficients, const std::vector<int>& same_home) const;
@@ -90,7 +92,8 @@ const std::vector<CandidateMaker>& candidateMakers();
 CandidateList namedCandidates(const mechanism::Robot& robot);
 /// Smooth maps over every available signal, for what no named effect explains.
 CandidateList mapCandidates(const std::vector<EffectInput>& inputs);
-/// The map of a model file, by what it depends on (Candidate::dependsOn) and its knots; null when there is no such signal.
+/// The map of a model file, by what it depends on (Candidate::dependsOn) and its knots; null when there is no such
+/// signal.
 std::unique_ptr<Candidate> mapCandidate(const mechanism::Robot& robot, const std::string& depends_on, int actuator,
                                         const std::vector<double>& knots);
 

@@ -8,14 +8,16 @@
 
 namespace knee_robot::tracing {
 
-/// Controller of one axis as far as a recording shows it: force = kp e + ki int(e) + kd de/dt + share of the load fed forward.
+/// Controller of one axis as far as a recording shows it: force = kp e + ki int(e) + kd de/dt + share of the load fed
+/// forward.
 struct AxisController {
   double kp = 0.0, ki = 0.0, kd = 0.0;  ///< N/m, N/(m s), N s/m
   bool recovered = false;               ///< false: unknown, the surrogate follows the measured motion
   bool feeds_load_forward = false;
 };
 
-/// What a clean surrogate of one recording is made from: the fitted model along the measured motion, and the axes' controllers.
+/// What a clean surrogate of one recording is made from: the fitted model along the measured motion, and the axes'
+/// controllers.
 struct SurrogatePlan {
   Eigen::MatrixXd load_N;   ///< samples x axes: rigid forces and offset without the axis' own effective mass
   Eigen::VectorXd mass_kg;  ///< effective mass of each axis
@@ -27,8 +29,8 @@ struct SurrogatePlan {
   std::string note;             ///< what was recovered and what was assumed, for the report
 };
 
-/// Recovers the controllers by least squares of the recorded force on the tracking error; where that explains less than nine
-/// tenths, the axis' surrogate goes along the measured motion.
+/// Recovers the controllers by least squares of the recorded force on the tracking error; where that explains less than
+/// nine tenths, the axis' surrogate goes along the measured motion.
 SurrogatePlan planSurrogate(const mechanism::Robot& robot, const recording::Recording& recording,
                             const identification::Observation& observation, const BaseFit& base);
 
@@ -38,14 +40,14 @@ struct SurrogateEffects {
   Eigen::MatrixXd load_N;      ///< all others
 };
 
-/// Puts the current model into a plan: `parameters` of the baseline, and effects (empty: none). A surrogate without an effect that was
-/// found already would leave less at reversals than the recording does, and invent delays to mend that.
+/// Puts the current model into a plan: `parameters` of the baseline, and effects (empty: none). A surrogate without an
+/// effect that was found already would leave less at reversals than the recording does, and invent delays to mend that.
 void refreshPlan(const identification::Observation& observation, const BaseFit& base, const Eigen::VectorXd& parameters,
                  const Eigen::MatrixXd& share, const SurrogateEffects& effects, SurrogatePlan& plan);
 
-/// A recording as the fitted model would have left it: every axis a mass with stiction, Coulomb and viscous friction that carries
-/// the load of the measured motion, in closed loop with its controller and the recorded reference, through encoder
-/// (random phase), hold and DAC. Axes influence each other through the measured motion only.
+/// A recording as the fitted model would have left it: every axis a mass with stiction, Coulomb and viscous friction
+/// that carries the load of the measured motion, in closed loop with its controller and the recorded reference, through
+/// encoder (random phase), hold and DAC. Axes influence each other through the measured motion only.
 recording::Recording simulateSurrogate(const mechanism::Robot& robot, const recording::Recording& recording,
                                        const identification::Observation& observation, const SurrogatePlan& plan,
                                        std::uint64_t seed);

@@ -8,8 +8,8 @@
 
 namespace knee_robot::tracing {
 
-/// What a hypothesis may look at along one recording. Matrices have one row per sample of the grid and one column per actuator;
-/// nothing is low-passed at the cut-off yet. Forces are the current model's, not the recorded ones.
+/// What a hypothesis may look at along one recording. Matrices have one row per sample of the grid and one column per
+/// actuator; nothing is low-passed at the cut-off yet. Forces are the current model's, not the recorded ones.
 struct EffectInput {
   const mechanism::Robot* robot = nullptr;
   const identification::Observation* observation = nullptr;
@@ -40,7 +40,8 @@ struct EffectInput {
 EffectInput effectInput(const mechanism::Robot& robot, const identification::Observation& observation,
                         const std::vector<dynamics::FrictionLaw>& laws, int recording, int recordings);
 
-/// Forces of a linear model along the recording. `effects_N` (samples x axes, may be empty) are those of effects found so far.
+/// Forces of a linear model along the recording. `effects_N` (samples x axes, may be empty) are those of effects found
+/// so far.
 void setForces(EffectInput& input, const std::vector<identification::Column>& columns,
                const Eigen::VectorXd& parameters, const Eigen::MatrixXd& effects_N);
 

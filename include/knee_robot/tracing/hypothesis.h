@@ -7,7 +7,8 @@
 
 namespace knee_robot::tracing {
 
-/// Recordings with what hypotheses look at, and the baseline's rows. Of the training recordings, or of a surrogate of them.
+/// Recordings with what hypotheses look at, and the baseline's rows. Of the training recordings, or of a surrogate of
+/// them.
 struct TraceData {
   std::vector<identification::Observation> recordings;
   std::vector<EffectInput> inputs;  ///< point into `recordings`: fill after those are complete
@@ -60,7 +61,8 @@ struct Projection {
 /// `pull`: roots of the weights with which the first coefficients are pulled to zero (the prior's); may be empty.
 Projection project(const Eigen::MatrixXd& columns, const Eigen::VectorXd& force, const Eigen::VectorXd& pull = {});
 
-/// How the shapes of one place can be scored against any residual of the same data: what their columns add to the model's.
+/// How the shapes of one place can be scored against any residual of the same data: what their columns add to the
+/// model's.
 struct Probes {
   Eigen::MatrixXd
       columns;  ///< weighted, shape after shape; only the rows of the place's actuator, all rows when shared
@@ -81,7 +83,8 @@ struct PlaceColumns {
   const Place& place() const { return tried.front().place; }
 };
 
-/// Columns of hypotheses of one and the same place, shape after shape, low-passed, at the picks, in N, neither weighted nor scaled.
+/// Columns of hypotheses of one and the same place, shape after shape, low-passed, at the picks, in N, neither weighted
+/// nor scaled.
 /// Rows of the place's actuator only (all when shared), which begin at `first_row` of the stack's.
 Eigen::MatrixXd placeRows(const TraceData& data, const std::vector<Hypothesis>& tried, Eigen::Index& first_row);
 /// `rows`: of placeRows.
@@ -91,8 +94,8 @@ Probes makeProbes(const TraceData& data, const std::vector<Hypothesis>& tried, c
 Probes makeProbes(const TraceData& data, const std::vector<Hypothesis>& tried, const Projection& projection,
                   const Eigen::VectorXd& noise_N);
 
-/// Sum of squares (weighted) that each shape (rows) explains of each of the residuals (columns), which are orthogonal to the
-/// model's columns.
+/// Sum of squares (weighted) that each shape (rows) explains of each of the residuals (columns), which are orthogonal
+/// to the model's columns.
 Eigen::MatrixXd explained(const Probes& probes, const Eigen::MatrixXd& residuals);
 
 /// The same for a single hypothesis and a single residual.

@@ -10,7 +10,8 @@ namespace knee_robot::tracing {
 struct JointFit {
   Eigen::VectorXd base, base_std;             ///< base coordinates; std by leaving blocks out in turn
   std::vector<Eigen::VectorXd> coefficients;  ///< per effect
-  /// Of those, by leaving blocks out in turn (jackknife); nan of an effect that acts in fewer than three blocks, as a short push does.
+  /// Of those, by leaving blocks out in turn (jackknife); nan of an effect that acts in fewer than three blocks, as a
+  /// short push does.
   std::vector<Eigen::VectorXd> std;
   std::vector<char> stable;    ///< per effect: no left-out block changes the sign of its leading coefficient
   Eigen::VectorXd residual_N;  ///< rows

@@ -8,8 +8,8 @@
 
 namespace knee_robot::tracing {
 
-/// How far apart two explanations are along a motion. Columns are low-passed as in the fit, weighed by each actuator's noise, and
-/// made orthogonal to the baseline's.
+/// How far apart two explanations are along a motion. Columns are low-passed as in the fit, weighed by each actuator's
+/// noise, and made orthogonal to the baseline's.
 struct Separation {
   double angle_rad =
       0.0;  ///< smallest principal angle between the two groups of columns, over all shapes of the second
@@ -36,10 +36,10 @@ struct NextExperimentOptions {
   std::uint64_t seed = 1;
 };
 
-/// Plans for the first effect that has an explanation it cannot be told from. The motion is a Fourier series of the pose (bench: of
-/// the axis) with smooth ends, scaled to the robot's limits (lengths, velocity, acceleration, joint angles, planningCondition);
-/// random ones first, then random steps from the best. It maximises the principal angle; an effect that would stay below twice
-/// the noise floor counts less in proportion.
+/// Plans for the first effect that has an explanation it cannot be told from. The motion is a Fourier series of the
+/// pose (bench: of the axis) with smooth ends, scaled to the robot's limits (lengths, velocity, acceleration, joint
+/// angles, planningCondition); random ones first, then random steps from the best. It maximises the principal angle; an
+/// effect that would stay below twice the noise floor counts less in proportion.
 NextExperiment planNextExperiment(const mechanism::Robot& robot, const TraceResult& result,
                                   const std::vector<identification::Observation>& training, const TraceOptions& options,
                                   const NextExperimentOptions& plan = {});

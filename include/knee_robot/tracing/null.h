@@ -35,9 +35,10 @@ std::vector<Surrogate> makeSurrogates(const mechanism::Robot& robot,
 /// What such surrogates leave, rms per actuator in N: median over them.
 Eigen::VectorXd surrogateResidual(const std::vector<Surrogate>& surrogates, const TraceData& data, const BaseFit& base);
 
-/// Residuals (weighted rows x draws) that hold nothing but what is in the model already. A draw is one surrogate's own artefact plus
-/// `residual_N` (what the best hypothesis leaves of the real data: the effect itself is no noise), resampled in blocks with
-/// random sign, so that it keeps its size and colour but not its cause. Orthogonal to the projection.
+/// Residuals (weighted rows x draws) that hold nothing but what is in the model already. A draw is one surrogate's own
+/// artefact plus `residual_N` (what the best hypothesis leaves of the real data: the effect itself is no noise),
+/// resampled in blocks with random sign, so that it keeps its size and colour but not its cause. Orthogonal to the
+/// projection.
 Eigen::MatrixXd nullResiduals(const std::vector<Surrogate>& surrogates, const TraceData& data,
                               const Eigen::VectorXd& residual_N, const Eigen::VectorXd& noise_N,
                               const Projection& projection, int draws, std::uint64_t seed);

@@ -39,17 +39,20 @@ mechanism::Pose cameraInRobot(const CameraAlignment& alignment, const mechanism:
 /// Distance of two poses in m, angles weighed with kRadianLength_m.
 double poseDistance(const mechanism::Pose& a, const mechanism::Pose& b);
 
-/// The camera's poses (rows x 4, its own frame) at the encoders' times: `delay_s` later by the camera's clock, by straight lines
-/// between pictures that are at most 50 ms apart; nan elsewhere.
+/// The camera's poses (rows x 4, its own frame) at the encoders' times: `delay_s` later by the camera's clock, by
+/// straight lines between pictures that are at most 50 ms apart; nan elsewhere.
 Eigen::MatrixXd cameraAtRows(const recording::Recording& recording, double delay_s);
 
-/// Delay by cross-correlation of the velocities (all four coordinates, within +-0.5 s), then a rigid fit by least squares, in turns.
-/// Both leave out rows with a condition above `condition_max`, and rows far from the rest (beyond five times the median distance
-/// of a first fit for the delay, three times for the fit). `known` is false when fewer than 20 rows can be used.
+/// Delay by cross-correlation of the velocities (all four coordinates, within +-0.5 s), then a rigid fit by least
+/// squares, in turns.
+/// Both leave out rows with a condition above `condition_max`, and rows far from the rest (beyond five times the median
+/// distance of a first fit for the delay, three times for the fit). `known` is false when fewer than 20 rows can be
+/// used.
 CameraAlignment alignCamera(const recording::Recording& recording, const PosePath& measured, double condition_max);
 
-/// The pose with these lengths that Newton reaches from the camera's (in the robot's frame), when it is another one than
-/// `measured`, more than 1 mm away and nearer to the camera's: the platform has passed a singularity, which encoders cannot see.
+/// The pose with these lengths that Newton reaches from the camera's (in the robot's frame), when it is another one
+/// than `measured`, more than 1 mm away and nearer to the camera's: the platform has passed a singularity, which
+/// encoders cannot see.
 bool otherSolution(const mechanism::Mechanism& mechanism, const mechanism::Lengths& lengths,
                    const mechanism::Pose& camera, const mechanism::Pose& measured, mechanism::Pose& other);
 

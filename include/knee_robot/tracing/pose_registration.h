@@ -23,10 +23,10 @@ struct RegisteredCapture {
   std::vector<std::string> notes;
 };
 
-/// Time alignment by cross-correlation of the platform's speeds (linear and angular, which no frame changes) over all delays with
-/// enough overlap, then frame alignment by rigid registration (Umeyama) of the platform's four joints between capture and forward
-/// kinematics, where those are regular, without rows beyond three times the median distance. InputError for a robot without
-/// platform; Refusal when the speeds do not correlate or too few rows overlap.
+/// Time alignment by cross-correlation of the platform's speeds (linear and angular, which no frame changes) over all
+/// delays with enough overlap, then frame alignment by rigid registration (Umeyama) of the platform's four joints
+/// between capture and forward kinematics, where those are regular, without rows beyond three times the median
+/// distance. InputError for a robot without platform; Refusal when the speeds do not correlate or too few rows overlap.
 RegisteredCapture registerCapture(const mechanism::Robot& robot, const recording::Recording& recording,
                                   const recording::MarkerPoses& capture, double condition_max);
 

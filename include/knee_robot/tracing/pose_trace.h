@@ -20,8 +20,8 @@ enum class PoseCause {
 /// home_offset, geometry_error, joint_clearance.
 const char* nameOf(PoseCause cause);
 
-/// One explanation with one unknown. Offsets and dimensions: what has to be added to the robot file's. Clearances: half the play,
-/// never negative: the leg is shorter by it while it pushes (travels outwards), longer while it pulls.
+/// One explanation with one unknown. Offsets and dimensions: what has to be added to the robot file's. Clearances: half
+/// the play, never negative: the leg is shorter by it while it pushes (travels outwards), longer while it pulls.
 struct PoseHypothesis {
   PoseCause cause = PoseCause::HomeOffset;
   int index = 0;  ///< leg, or dimension in the order of poseDimensions()
@@ -63,8 +63,8 @@ struct PoseFinding {
          null_share = 0.0;  ///< of the squared, weighed error: explained; by the best on the worst clean surrogate
   double p = 1.0;           ///< against surrogates
   double gain = 0.0, gain_error = 0.0;  ///< held-back pieces: share of the squared error, and its standard error
-  /// False for a home offset seen in one training recording only: encoders are set to home anew at every start, so that it predicts
-  /// nothing elsewhere. Left out on validation recordings then.
+  /// False for a home offset seen in one training recording only: encoders are set to home anew at every start, so that
+  /// it predicts nothing elsewhere. Left out on validation recordings then.
   bool transfers = true;
   std::vector<PoseHypothesis> confusable;  ///< held-back gain as good within its error
 };
@@ -104,12 +104,12 @@ struct PoseTraceOptions {
   std::function<void(const std::string&)> progress = [](const std::string&) {};
 };
 
-/// Compares measured pose and forward kinematics. One fixed camera transform is fitted on training recordings; then explanations
-/// with one unknown each are added while they pass every test, on training recordings only: more explained than any explanation
-/// does on any clean surrogate (fixed transform, and blocks of what nothing explains, with random signs), some coordinate's rms lowered
-/// by a tenth, gain on held-back pieces beyond one standard error, physical sign, sign stable when any piece is left out. Explained
-/// together with the frame by Gauss-Newton on the whole forward kinematics. Validation recordings are judged with training's
-/// frame and delay.
+/// Compares measured pose and forward kinematics. One fixed camera transform is fitted on training recordings; then
+/// explanations with one unknown each are added while they pass every test, on training recordings only: more explained
+/// than any explanation does on any clean surrogate (fixed transform, and blocks of what nothing explains, with random
+/// signs), some coordinate's rms lowered by a tenth, gain on held-back pieces beyond one standard error, physical sign,
+/// sign stable when any piece is left out. Explained together with the frame by Gauss-Newton on the whole forward
+/// kinematics. Validation recordings are judged with training's frame and delay.
 PoseTrace tracePose(const mechanism::Robot& robot, const std::vector<recording::Recording>& train,
                     const std::vector<recording::Recording>& validate, const PoseTraceOptions& options);
 

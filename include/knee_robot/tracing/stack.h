@@ -15,8 +15,8 @@ struct Pick {
   int block = 0;
 };
 
-/// The samples that tracing works with: all usable ones, at rest too, thinned to what the cut-off leaves. The same for every
-/// actuator. Blocks are contiguous pieces of about equal length, cut where the robot is slowest.
+/// The samples that tracing works with: all usable ones, at rest too, thinned to what the cut-off leaves. The same for
+/// every actuator. Blocks are contiguous pieces of about equal length, cut where the robot is slowest.
 struct Stack {
   std::vector<Pick> picks;
   int blocks = 0;
@@ -30,8 +30,8 @@ struct Stack {
 Stack makeStack(const std::vector<identification::Observation>& recordings,
                 const identification::ObservationOptions& options);
 
-/// Which samples count. At rest friction may take any value, so that stops and reversals leave much that is no effect; but
-/// presliding lives there.
+/// Which samples count. At rest friction may take any value, so that stops and reversals leave much that is no effect;
+/// but presliding lives there.
 enum class Attention {
   Moving,  ///< samples at which the actuator is at rest or near it count little
   All,     ///< all alike
@@ -41,7 +41,8 @@ enum class Attention {
 Eigen::VectorXd rowScale(const Stack& stack, const std::vector<identification::Observation>& recordings,
                          Attention attention);
 
-/// Columns along the recordings (one matrix per recording: samples x columns), low-passed as the force is, at the picks.
+/// Columns along the recordings (one matrix per recording: samples x columns), low-passed as the force is, at the
+/// picks.
 Eigen::MatrixXd gather(const Stack& stack, const std::vector<identification::Observation>& recordings,
                        std::vector<Eigen::MatrixXd> columns);
 

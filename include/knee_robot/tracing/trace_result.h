@@ -36,7 +36,8 @@ struct FoundEffect {
   double p = 1.0;
   double gain = 0.0, gain_error = 0.0;  ///< held-back blocks: share of the squared residual, and its standard error
   std::vector<std::string> indistinguishable_from;
-  /// That the name is right, against the rival that comes closest on held-back blocks: normal approximation, not calibrated.
+  /// That the name is right, against the rival that comes closest on held-back blocks: normal approximation, not
+  /// calibrated.
   double probability = 1.0;
   double elsewhere_gain = 0.0;  ///< held-back stretches of other positions: share of the squared residual
   bool transfers = true;        ///< false: predicts nothing in other recordings
@@ -63,7 +64,8 @@ struct TraceResult {
   std::vector<PlaceAngles> angles;  ///< of all named candidates, along the training recordings
   PayloadTest payload;              ///< against the URDF's inertia; its sentence is among `absorbed`
   GivenModel given;                 ///< what of the model that was started from still holds
-  /// For other recordings: fitted without effects of which it is not known what they depend on. Empty: this result itself.
+  /// For other recordings: fitted without effects of which it is not known what they depend on. Empty: this result
+  /// itself.
   std::shared_ptr<const TraceResult> elsewhere;
 };
 

@@ -16,8 +16,8 @@ struct ExerciseStroke {
   double share = 0.0;  ///< of the amplitude; for a rotation in an exercise whose amplitude is a length: rad per m
 };
 
-/// A physiotherapist's movement (paper, sect. 2.2): strokes from rest to rest along one platform coordinate at a time, which
-/// together return to the start.
+/// A physiotherapist's movement (paper, sect. 2.2): strokes from rest to rest along one platform coordinate at a time,
+/// which together return to the start.
 struct Exercise {
   std::string name;
   std::string meaning;
@@ -27,8 +27,9 @@ struct Exercise {
   std::optional<double> start_x;        ///< Xm from which the paper counts
 };
 
-/// hip_flexion (Zm + 0.2 m), knee_flexion (Xm 0, 0.2, -0.11 m), knee_rotation (psi +-15 deg), ankle_flexion (theta +-30 deg),
-/// paper_test (sect. 3.2: Xm, then Zm + 0.2 m, then psi + 15 deg, and backwards; its way along Xm is not printed: 0.1 m here).
+/// hip_flexion (Zm + 0.2 m), knee_flexion (Xm 0, 0.2, -0.11 m), knee_rotation (psi +-15 deg), ankle_flexion (theta +-30
+/// deg), paper_test (sect. 3.2: Xm, then Zm + 0.2 m, then psi + 15 deg, and backwards; its way along Xm is not printed:
+/// 0.1 m here).
 const std::vector<Exercise>& exercises();
 /// InputError listing the names when there is no such exercise.
 const Exercise& exerciseNamed(const std::string& name);
@@ -56,10 +57,10 @@ struct ExercisePlan {
   std::vector<std::string> notes;  ///< what was scaled and why
 };
 
-/// Plans an exercise on a robot. Each stroke is a double S (profiles.h) with 0.1 m/s^2, 1 m/s^3 (rotations 10 deg/s^2, 100
-/// deg/s^3). Limits: those of the robot file, and planningCondition. InputError: options out of range, or a robot without a
-/// platform. Refusal: the exercise does not fit; the sentence names the limiting joint, length or singularity and the largest
-/// amplitude (by bisection) or speed that fits.
+/// Plans an exercise on a robot. Each stroke is a double S (profiles.h) with 0.1 m/s^2, 1 m/s^3 (rotations 10 deg/s^2,
+/// 100 deg/s^3). Limits: those of the robot file, and planningCondition. InputError: options out of range, or a robot
+/// without a platform. Refusal: the exercise does not fit; the sentence names the limiting joint, length or singularity
+/// and the largest amplitude (by bisection) or speed that fits.
 ExercisePlan planExercise(const Exercise& exercise, const mechanism::Robot& robot, const ExerciseOptions& options = {});
 
 }  // namespace knee_robot::trajectory

@@ -16,9 +16,10 @@ struct ProfilePoint {
   double acceleration = 0.0;
 };
 
-/// Fastest movement from rest to rest over a distance under bounds of velocity, acceleration and jerk: the seven-phase "double
-/// S" (Biagiotti and Melchiorri, Trajectory Planning for Automatic Machines and Robots, sect. 3.4). Chosen over a quintic
-/// because an exercise has a speed: the double S holds exactly that speed in between, while a quintic only passes it once.
+/// Fastest movement from rest to rest over a distance under bounds of velocity, acceleration and jerk: the seven-phase
+/// "double S" (Biagiotti and Melchiorri, Trajectory Planning for Automatic Machines and Robots, sect. 3.4). Chosen over
+/// a quintic because an exercise has a speed: the double S holds exactly that speed in between, while a quintic only
+/// passes it once.
 class PointToPoint {
  public:
   /// `distance` may be negative or zero.

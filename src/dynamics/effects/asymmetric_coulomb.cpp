@@ -5,7 +5,8 @@
 namespace knee_robot::dynamics {
 namespace {
 
-/// Dry friction that differs by direction: half of the difference acts one way, whichever way it goes, as far as friction has built up.
+/// Dry friction that differs by direction: half of the difference acts one way, whichever way it goes, as far as
+/// friction has built up.
 class AsymmetricCoulomb : public EffectLaw {
  public:
   EffectPart part() const noexcept override { return EffectPart::Friction; }

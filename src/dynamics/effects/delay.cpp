@@ -3,7 +3,8 @@
 namespace knee_robot::dynamics {
 namespace {
 
-/// A force that acts later than it was asked for, by a dead time or a first-order lag: to first order both want the force of that much later.
+/// A force that acts later than it was asked for, by a dead time or a first-order lag: to first order both want the
+/// force of that much later.
 class Delay : public EffectLaw {
  public:
   EffectPart part() const noexcept override { return EffectPart::Ahead; }

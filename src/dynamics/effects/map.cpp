@@ -61,7 +61,8 @@ std::optional<Source> sourceOf(std::string text) {
   return std::nullopt;
 }
 
-/// A piecewise linear function of one signal, constant beyond what training has seen: force, dry friction or viscous friction.
+/// A piecewise linear function of one signal, constant beyond what training has seen: force, dry friction or viscous
+/// friction.
 class Map : public EffectLaw {
  public:
   Map(const Source& source, const Shape& knots) : source_(source), count_(static_cast<int>(knots.size())) {

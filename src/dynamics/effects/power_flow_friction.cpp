@@ -5,7 +5,8 @@
 namespace knee_robot::dynamics {
 namespace {
 
-/// Dry friction by load and its square: the even coefficients while the motor drives the load, the odd ones while the load drives it.
+/// Dry friction by load and its square: the even coefficients while the motor drives the load, the odd ones while the
+/// load drives it.
 class PowerFlowFriction : public EffectLaw {
  public:
   EffectPart part() const noexcept override { return EffectPart::Friction; }

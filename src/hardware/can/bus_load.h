@@ -5,8 +5,8 @@
 
 namespace knee_robot::hardware::can {
 
-/// Bits of a frame of 11-bit identifier with so many data bytes, with the gap to the next: 47 + 8 n, and with the most stuff
-/// bits that its content could need (34 + 8 n bits are stuffed, one bit after each four at worst).
+/// Bits of a frame of 11-bit identifier with so many data bytes, with the gap to the next: 47 + 8 n, and with the most
+/// stuff bits that its content could need (34 + 8 n bits are stuffed, one bit after each four at worst).
 constexpr int frameBits(int data_bytes) noexcept {
   return 47 + 8 * data_bytes;
 }

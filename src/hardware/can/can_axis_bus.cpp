@@ -125,7 +125,8 @@ bool CanAxisBus::awaitFeedback(std::vector<std::string>& findings) {
   return true;
 }
 
-/// Two drives with one node number would be taken for one whose counts jump; a second controller sends a SYNC of its own.
+/// Two drives with one node number would be taken for one whose counts jump; a second controller sends a SYNC of its
+/// own.
 bool CanAxisBus::answerOnce(std::vector<std::string>& findings) {
   process_.pause(kAnswerTime_ns);
   drain();  // answers to earlier ones

@@ -90,8 +90,8 @@ PortStatus failed(int reason) noexcept {
   return PortStatus::Down;
 }
 
-/// The kernel stamps frames with the time of day. Their age is taken from it, so that only a clock that is set in just this
-/// moment disturbs; an impossible age is taken for none.
+/// The kernel stamps frames with the time of day. Their age is taken from it, so that only a clock that is set in just
+/// this moment disturbs; an impossible age is taken for none.
 std::int64_t stampOf(msghdr& message, std::int64_t monotonic) noexcept {
   for (cmsghdr* entry = CMSG_FIRSTHDR(&message); entry != nullptr; entry = CMSG_NXTHDR(&message, entry)) {
     if (entry->cmsg_level != SOL_SOCKET || entry->cmsg_type != SO_TIMESTAMPNS) continue;

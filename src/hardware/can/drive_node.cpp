@@ -62,7 +62,8 @@ bool DriveNode::take(const Frame& frame) noexcept {
   return false;
 }
 
-/// The first one is the cause, and who repeats it does not put its verdict off; "no error" takes back nothing that happened.
+/// The first one is the cause, and who repeats it does not put its verdict off; "no error" takes back nothing that
+/// happened.
 void DriveNode::takeEmergency(std::uint16_t code) noexcept {
   if (code == 0 || (emergency_ != 0 && code != kHeartbeatMissed)) return;
   if (emergency_ == 0) emergency_cycles_ = 0;

@@ -76,7 +76,8 @@ void verifyIdentity(SdoClient& drive, const CanSettings& settings, const DriveSe
   if (wanted.serial) require("serial number", drive.read<std::uint32_t>(objects::kSerial), *wanted.serial);
 }
 
-/// The limits are set with the maker's tool and only compared here: a program that raises them would take their meaning away.
+/// The limits are set with the maker's tool and only compared here: a program that raises them would take their meaning
+/// away.
 void verifyLimits(SdoClient& drive, const DriveSettings& wanted) {
   const auto require = [&](const char* what, objects::Object object, double scale, double expected) {
     const double found = scale * drive.read<std::uint32_t>(object);

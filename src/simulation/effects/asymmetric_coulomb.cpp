@@ -1,5 +1,5 @@
-// {name: asymmetric_coulomb, actuators: [2], difference_N: 8}
-// Coulomb friction is half the difference larger while the leg lengthens and as much smaller while it shortens (never negative).
+// {name: asymmetric_coulomb, actuators: [2], difference_N: 8} Coulomb friction is half the difference larger while the
+// leg lengthens and as much smaller while it shortens (never negative).
 #include "knee_robot/simulation/effect.h"
 
 namespace knee_robot::simulation {

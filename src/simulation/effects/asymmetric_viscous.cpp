@@ -1,5 +1,5 @@
-// {name: asymmetric_viscous, actuators: [2], difference_N_s_per_m: 200}
-// Viscous friction is half the difference larger while the leg lengthens and as much smaller while it shortens (never negative).
+// {name: asymmetric_viscous, actuators: [2], difference_N_s_per_m: 200} Viscous friction is half the difference larger
+// while the leg lengthens and as much smaller while it shortens (never negative).
 #include "knee_robot/simulation/effect.h"
 
 namespace knee_robot::simulation {

@@ -1,6 +1,6 @@
-// {name: external_force, start_s: 20, end_s: 23, rise_s: 0.2, force_N: [0, 0, -40], point_m: [0.1, 0, 0]}
-// Someone pushes: a force (base frame) on a point of the platform (platform frame) from start to end of the simulated time, rising
-// and falling linearly within rise_s (optional, 0.1).
+// {name: external_force, start_s: 20, end_s: 23, rise_s: 0.2, force_N: [0, 0, -40], point_m: [0.1, 0, 0]} Someone
+// pushes: a force (base frame) on a point of the platform (platform frame) from start to end of the simulated time,
+// rising and falling linearly within rise_s (optional, 0.1).
 #include <algorithm>
 
 #include "knee_robot/simulation/effect.h"

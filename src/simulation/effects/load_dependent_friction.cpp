@@ -1,5 +1,5 @@
-// {name: load_dependent_friction, actuators: [4], share: 0.05}
-// Coulomb friction grows with the load on the screw: share times the force that the leg passes on (of the substep before).
+// {name: load_dependent_friction, actuators: [4], share: 0.05} Coulomb friction grows with the load on the screw: share
+// times the force that the leg passes on (of the substep before).
 #include "knee_robot/simulation/effect.h"
 
 namespace knee_robot::simulation {

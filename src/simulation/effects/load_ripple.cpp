@@ -1,6 +1,6 @@
-// {name: load_ripple, actuators: [1], share: 0.05, period_m: 0.01, phase_deg: 30}
-// A force that repeats with the screw's angle in proportion to what the leg passes on (of the substep before), as the torque ripple
-// of a motor: share transmitted sin(2 pi q / period + phase).
+// {name: load_ripple, actuators: [1], share: 0.05, period_m: 0.01, phase_deg: 30} A force that repeats with the screw's
+// angle in proportion to what the leg passes on (of the substep before), as the torque ripple of a motor: share
+// transmitted sin(2 pi q / period + phase).
 #include "common/ripple.h"
 #include "knee_robot/simulation/effect.h"
 

@@ -1,8 +1,8 @@
-// {name: near_rest_friction, actuators: [1, 2], law: lugre, distance_m: 1.0e-4}
-// {name: near_rest_friction, law: tanh, speed_m_per_s: 0.001}
-// How dry friction comes up from rest, in place of ideal stiction; its level stays what the plant and the effects before this one make
-// it: put it last. Laws: tanh and rational (v / (|v| + speed)) are functions of velocity and creep under load; lugre (bristles that
-// bend over `distance_m` and creep) and maxwell_slip (four stops, 0.25 to 2 times `distance_m`) remember their way.
+// {name: near_rest_friction, actuators: [1, 2], law: lugre, distance_m: 1.0e-4} {name: near_rest_friction, law: tanh,
+// speed_m_per_s: 0.001} How dry friction comes up from rest, in place of ideal stiction; its level stays what the plant
+// and the effects before this one make it: put it last. Laws: tanh and rational (v / (|v| + speed)) are functions of
+// velocity and creep under load; lugre (bristles that bend over `distance_m` and creep) and maxwell_slip (four stops,
+// 0.25 to 2 times `distance_m`) remember their way.
 #include <algorithm>
 #include <array>
 #include <cmath>

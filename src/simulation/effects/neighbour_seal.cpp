@@ -1,5 +1,5 @@
-// {name: neighbour_seal, actuators: [2], neighbour: 3, friction_N: 12, center_m: 0.72, width_m: 0.04}
-// Dry friction of an actuator that depends on where another one stands (a hose, a cable guide that both share): no class of trace
+// {name: neighbour_seal, actuators: [2], neighbour: 3, friction_N: 12, center_m: 0.72, width_m: 0.04} Dry friction of
+// an actuator that depends on where another one stands (a hose, a cable guide that both share): no class of trace
 // describes it. friction (1 + tanh((q_neighbour - center) / width)) / 2 more.
 #include <cmath>
 

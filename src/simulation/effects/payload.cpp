@@ -1,6 +1,6 @@
-// {name: payload, mass_kg: 5, center_m: [0, 0, 0.1], radius_of_gyration_m: 0.1}
-// A mass fixed to the platform (centre in the platform frame; radius of gyration about any axis through it, optional). The
-// simulation file's own key `payload` does the same.
+// {name: payload, mass_kg: 5, center_m: [0, 0, 0.1], radius_of_gyration_m: 0.1} A mass fixed to the platform (centre in
+// the platform frame; radius of gyration about any axis through it, optional). The simulation file's own key `payload`
+// does the same.
 #include "knee_robot/simulation/effect.h"
 
 namespace knee_robot::simulation {

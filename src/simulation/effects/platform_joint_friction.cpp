@@ -1,6 +1,6 @@
-// {name: platform_joint_friction, coulomb_N_m: 1.5, viscous_N_m_s_per_rad: 2}
-// Every joint between a leg and the platform rubs alike: leg 4's universal joint about both of its axes, the spherical joints of legs 1 to
-// 3 against the angular velocity of the platform beside the leg. Coulomb friction builds up over 0.005 rad/s.
+// {name: platform_joint_friction, coulomb_N_m: 1.5, viscous_N_m_s_per_rad: 2} Every joint between a leg and the
+// platform rubs alike: leg 4's universal joint about both of its axes, the spherical joints of legs 1 to 3 against the
+// angular velocity of the platform beside the leg. Coulomb friction builds up over 0.005 rad/s.
 #include <cmath>
 #include <optional>
 

@@ -1,5 +1,5 @@
-// {name: position_dependent_friction, actuators: [3], amplitude_N: 12, center_m: 0.72, width_m: 0.03}
-// Coulomb friction has a tight (or, with a negative amplitude, loose) place: amplitude exp(-((q - center) / width)^2) more.
+// {name: position_dependent_friction, actuators: [3], amplitude_N: 12, center_m: 0.72, width_m: 0.03} Coulomb friction
+// has a tight (or, with a negative amplitude, loose) place: amplitude exp(-((q - center) / width)^2) more.
 #include <cmath>
 
 #include "knee_robot/simulation/effect.h"

@@ -1,7 +1,7 @@
-// {name: presliding, actuators: [2], stiffness_N_per_m: 5e5, damping_N_s_per_m: 200}
-// Coulomb friction acts through bristles (Dahl 1968, with the damping of LuGre, Canudas de Wit 1995): its force f follows the
-// displacement x as df/dx = stiffness (1 - sign(v) f / level) and remembers it at rest; bristles that are stuck also damp. The
-// level is whatever the axis and the effects before this one say, asymmetric and velocity-dependent ones included. An axis with
+// {name: presliding, actuators: [2], stiffness_N_per_m: 5e5, damping_N_s_per_m: 200} Coulomb friction acts through
+// bristles (Dahl 1968, with the damping of LuGre, Canudas de Wit 1995): its force f follows the displacement x as df/dx
+// = stiffness (1 - sign(v) f / level) and remembers it at rest; bristles that are stuck also damp. The level is
+// whatever the axis and the effects before this one say, asymmetric and velocity-dependent ones included. An axis with
 // bristles has no true rest: it is held elastically. Brakes hold rigidly as ever.
 #include <cmath>
 

@@ -1,5 +1,5 @@
-// {name: screw_ripple, actuators: [1], amplitude_N: 5, period_m: 0.01, phase_deg: 30}
-// A force that repeats with the screw's angle, whatever the direction (cogging, a bent screw): amplitude sin(2 pi q / period + phase).
+// {name: screw_ripple, actuators: [1], amplitude_N: 5, period_m: 0.01, phase_deg: 30} A force that repeats with the
+// screw's angle, whatever the direction (cogging, a bent screw): amplitude sin(2 pi q / period + phase).
 #include "common/ripple.h"
 #include "knee_robot/simulation/effect.h"
 

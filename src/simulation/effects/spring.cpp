@@ -1,5 +1,5 @@
-// {name: spring, stiffness_N_per_m: 400, anchor_m: [0.2, 0.3, 0], point_m: [0.2, 0.2, 0], free_length_m: 0.5}
-// A spring between a point of the base (base frame) and one of the platform (platform frame); pulls beyond its free length and
+// {name: spring, stiffness_N_per_m: 400, anchor_m: [0.2, 0.3, 0], point_m: [0.2, 0.2, 0], free_length_m: 0.5} A spring
+// between a point of the base (base frame) and one of the platform (platform frame); pulls beyond its free length and
 // pushes below it.
 #include "knee_robot/simulation/effect.h"
 

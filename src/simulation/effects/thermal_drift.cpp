@@ -1,5 +1,5 @@
-// {name: thermal_drift, actuators: [2], viscous_change: -0.4, coulomb_change: -0.2, time_constant_s: 40}
-// Friction changes while the machine warms up: the axis' levels times 1 + change (1 - exp(-t / time constant)), t since the
+// {name: thermal_drift, actuators: [2], viscous_change: -0.4, coulomb_change: -0.2, time_constant_s: 40} Friction
+// changes while the machine warms up: the axis' levels times 1 + change (1 - exp(-t / time constant)), t since the
 // simulation began. Acts on the levels of the effects before it too.
 #include <cmath>
 

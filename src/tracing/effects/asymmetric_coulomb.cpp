@@ -4,7 +4,8 @@
 namespace knee_robot::tracing {
 namespace {
 
-/// The level of friction follows the direction as far as friction has built up: (level + half of the difference * share) * share.
+/// The level of friction follows the direction as far as friction has built up: (level + half of the difference *
+/// share) * share.
 class AsymmetricCoulomb : public Candidate {
  public:
   std::string name() const override { return "asymmetric_coulomb"; }

@@ -3,7 +3,8 @@
 namespace knee_robot::tracing {
 namespace {
 
-/// A damper with a valve between a point of the base and a point of the platform: one that resists lengthening and shortening differently.
+/// A damper with a valve between a point of the base and a point of the platform: one that resists lengthening and
+/// shortening differently.
 class AsymmetricDashpot : public LineDamper {
  public:
   std::string name() const override { return "asymmetric_dashpot"; }

@@ -3,7 +3,8 @@
 namespace knee_robot::tracing {
 namespace {
 
-/// A damper between a point of the base and a point of the platform: force c |v|^exponent against the rate v of their distance.
+/// A damper between a point of the base and a point of the platform: force c |v|^exponent against the rate v of their
+/// distance.
 class Dashpot : public LineDamper {
  public:
   std::string name() const override { return "dashpot"; }

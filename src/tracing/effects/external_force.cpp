@@ -4,7 +4,8 @@
 namespace knee_robot::tracing {
 namespace {
 
-/// A push on the platform: constant force and moments (it need not go through the origin) during part of one training recording.
+/// A push on the platform: constant force and moments (it need not go through the origin) during part of one training
+/// recording.
 class ExternalForce : public PushWindow {
  public:
   std::string sentence() const override {

@@ -3,8 +3,8 @@
 namespace knee_robot::tracing {
 namespace {
 
-/// The drive's gain, force per volt, that changes as its motor warms up: a magnet that is hot gives less torque per ampere. The force that is recorded
-/// follows from the voltage, so that the mechanism seems to need more.
+/// The drive's gain, force per volt, that changes as its motor warms up: a magnet that is hot gives less torque per
+/// ampere. The force that is recorded follows from the voltage, so that the mechanism seems to need more.
 class GainDrift : public WarmUp {
  public:
   std::string name() const override { return "gain_drift"; }

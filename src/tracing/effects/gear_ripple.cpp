@@ -14,8 +14,8 @@ constexpr double kShortest_m = 0.002, kLongest_m = 0.05;
 constexpr double kSeenShare = 0.25;       ///< of the samples, at which the first order must lie below the cut-off
 constexpr double kMotionOverForce = 5.0;  ///< low-pass of positions over that of forces, at most
 
-/// Shortest period that is not for the low-pass alone to see: at a quarter of the samples the joint is slow enough for it. Below that
-/// the remainders of a few stops look like a ripple.
+/// Shortest period that is not for the low-pass alone to see: at a quarter of the samples the joint is slow enough for
+/// it. Below that the remainders of a few stops look like a ripple.
 double shortestSeen(const recording::Signals& s, int actuator) {
   std::vector<double> speed(static_cast<std::size_t>(s.samples()));
   for (int n = 0; n < s.samples(); ++n)
@@ -25,7 +25,8 @@ double shortestSeen(const recording::Signals& s, int actuator) {
   return std::max(kShortest_m, *at * kMotionOverForce / s.motion_cutoff_hz);
 }
 
-/// Torque ripple of a gear at one, two and four times a period of the joint's position, which is searched. The phase is the joint's own:
+/// Torque ripple of a gear at one, two and four times a period of the joint's position, which is searched. The phase is
+/// the joint's own:
 /// an arm knows its joints' angles, so that it is the same in every recording.
 class GearRipple : public Candidate {
  public:

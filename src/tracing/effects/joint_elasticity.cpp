@@ -4,8 +4,8 @@
 namespace knee_robot::tracing {
 namespace {
 
-/// A gear that gives, seen by two encoders: rotor and the motor's own friction follow the motor, which runs ahead of the joint by how far
-/// the gear is wound up.
+/// A gear that gives, seen by two encoders: rotor and the motor's own friction follow the motor, which runs ahead of
+/// the joint by how far the gear is wound up.
 class JointElasticity : public Candidate {
  public:
   std::string name() const override { return "joint_elasticity"; }

@@ -3,7 +3,8 @@
 namespace knee_robot::tracing {
 namespace {
 
-/// A ripple that grows with what the screw carries: torque ripple of the motor, a nut that is not straight. It has periods of the screw's turn:
+/// A ripple that grows with what the screw carries: torque ripple of the motor, a nut that is not straight. It has
+/// periods of the screw's turn:
 /// one, half, a third, a quarter and a sixth of its lead.
 class LoadRipple : public Ripple {
  public:

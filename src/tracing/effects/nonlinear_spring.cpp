@@ -5,8 +5,8 @@ namespace {
 
 constexpr double kMiddle_m = 0.7;  ///< about which the powers are taken: lengths of this kind of robot
 
-/// A cable, a strap or a limb between a point of the base and a point of the platform: its force is a curve over their distance, of third order,
-/// so that it may harden, soften or hang slack at one end.
+/// A cable, a strap or a limb between a point of the base and a point of the platform: its force is a curve over their
+/// distance, of third order, so that it may harden, soften or hang slack at one end.
 class NonlinearSpring : public LineEffect {
  public:
   std::string name() const override { return "nonlinear_spring"; }

@@ -9,8 +9,8 @@ namespace {
 constexpr double kSteepest = 5e-4, kFlattest = 0.2;  ///< rad/s
 constexpr double kSpeedFactor = 2.0;
 
-/// Friction of the joints between legs and platform. The baseline has that of the joints at the base alone (eq. (23)); in a virtual plant of the
-/// paper's robot it is what the rigid model misses most (Table 4).
+/// Friction of the joints between legs and platform. The baseline has that of the joints at the base alone (eq. (23));
+/// in a virtual plant of the paper's robot it is what the rigid model misses most (Table 4).
 class PlatformJointFriction : public Candidate {
  public:
   std::string name() const override { return "platform_joint_friction"; }

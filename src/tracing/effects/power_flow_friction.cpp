@@ -5,8 +5,9 @@
 namespace knee_robot::tracing {
 namespace {
 
-/// Friction of a loaded screw or gear by direction of power flow (the directional and quadratic laws M5 and M6 of Rhoban's BAM): one
-/// share of the load, and of its square, while the motor drives the load, another while the load drives the motor.
+/// Friction of a loaded screw or gear by direction of power flow (the directional and quadratic laws M5 and M6 of
+/// Rhoban's BAM): one share of the load, and of its square, while the motor drives the load, another while the load
+/// drives the motor.
 class PowerFlowFriction : public Candidate {
  public:
   std::string name() const override { return "power_flow_friction"; }

@@ -3,8 +3,8 @@
 namespace knee_robot::tracing {
 namespace {
 
-/// A straight spring between a point of the base and a point of the platform: force k (d - d0) along their distance d. Stiffness and
-/// k d0 are linear.
+/// A straight spring between a point of the base and a point of the platform: force k (d - d0) along their distance d.
+/// Stiffness and k d0 are linear.
 class Spring : public LineEffect {
  public:
   std::string name() const override { return "spring"; }

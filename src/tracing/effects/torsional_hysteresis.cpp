@@ -5,7 +5,8 @@
 namespace knee_robot::tracing {
 namespace {
 
-/// Loss of a gear that winds up: a state follows the torque that the gear carries, as Dahl's friction follows a displacement:
+/// Loss of a gear that winds up: a state follows the torque that the gear carries, as Dahl's friction follows a
+/// displacement:
 /// dz/dL = (1 - z sign(dL)) / build-up, integrated exactly over each change of the load L.
 class TorsionalHysteresis : public Candidate {
  public:

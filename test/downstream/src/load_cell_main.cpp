@@ -1,5 +1,6 @@
-// Two components of another package on knee_robot's deployer: a platform that hangs still, and a load cell that says what leg 4
-// carries. Usage: load_cell ROBOT.yaml DEPLOYMENT.yaml; exit status 0 when a second of simulated time gives the platform's weight.
+// Two components of another package on knee_robot's deployer: a platform that hangs still, and a load cell that says
+// what leg 4 carries. Usage: load_cell ROBOT.yaml DEPLOYMENT.yaml; exit status 0 when a second of simulated time gives
+// the platform's weight.
 #include <cmath>
 #include <cstdio>
 #include <memory>

@@ -14,21 +14,21 @@ namespace knee_robot::hardware::can {
 
 /// Four CiA 402 drives in cyclic synchronous torque on one CAN bus, as an AxisBus.
 ///
-/// writeVolts sends each drive its control word and torque and then SYNC, at which all of them act and sample together; read
-/// takes what they sampled then, so feedback is one period old (a constant delay of further whole periods could not be told from
-/// it: the drives number nothing). writeOutputs sets the digital outputs of every drive (60FE, lines
-/// from bit 16 on); the bit that enables drives also runs their state machines to Operation Enabled. Until a drive is there its
-/// torque is 0, and `written` says so. Digital inputs are the first drive's.
+/// writeVolts sends each drive its control word and torque and then SYNC, at which all of them act and sample together;
+/// read takes what they sampled then, so feedback is one period old (a constant delay of further whole periods could
+/// not be told from it: the drives number nothing). writeOutputs sets the digital outputs of every drive (60FE, lines
+/// from bit 16 on); the bit that enables drives also runs their state machines to Operation Enabled. Until a drive is
+/// there its torque is 0, and `written` says so. Digital inputs are the first drive's.
 ///
-/// Counts are zero at the self test. The drives hold nothing when the controller falls silent: they miss its heartbeat and stop
-/// by themselves (6007 = 3).
+/// Counts are zero at the self test. The drives hold nothing when the controller falls silent: they miss its heartbeat
+/// and stop by themselves (6007 = 3).
 class CanAxisBus : public AxisBus {
  public:
   using Units = std::array<AxisUnits, kAxes>;
 
-  /// `process` carries PDOs, SYNC, heartbeats and emergencies in the servo thread, `service` NMT and SDO in the self test. Both
-  /// on the same bus; they must outlive this. The rated torques of `units` are replaced by those of `settings`. Throws InputError
-  /// when the traffic does not fit on the bus.
+  /// `process` carries PDOs, SYNC, heartbeats and emergencies in the servo thread, `service` NMT and SDO in the self
+  /// test. Both on the same bus; they must outlive this. The rated torques of `units` are replaced by those of
+  /// `settings`. Throws InputError when the traffic does not fit on the bus.
   CanAxisBus(FramePort& process, FramePort& service, const CanSettings& settings, const Units& units);
 
   SelfTest selfTest() override;
@@ -72,7 +72,8 @@ std::vector<Filter> processFilters(const CanSettings& settings);
 /// The service port's: answers and boot-up messages.
 std::vector<Filter> serviceFilters(const CanSettings& settings);
 
-/// The real bus or a simulated one: opens settings.interface twice. Throws InputError. The self test has not been run yet.
+/// The real bus or a simulated one: opens settings.interface twice. Throws InputError. The self test has not been run
+/// yet.
 std::unique_ptr<AxisBus> openCanDrives(const CanSettings& settings, const CanAxisBus::Units& units);
 
 /// A guardian's own handle: quick stop with torque 0 to all drives, SYNC, digital outputs 0. Real-time safe.

@@ -10,19 +10,20 @@ struct can_frame;
 
 namespace knee_robot::hardware::can {
 
-/// A frame passes when (id & mask) == id_wanted; 11-bit identifiers. No filter at all passes everything. Error frames always pass.
+/// A frame passes when (id & mask) == id_wanted; 11-bit identifiers. No filter at all passes everything. Error frames
+/// always pass.
 struct Filter {
   std::uint32_t id = 0;
   std::uint32_t mask = 0x7FF;
 };
 
-/// Non-blocking raw socket. Either a SocketCAN interface (filters in the kernel, error frames, the kernel's time stamps), or a
-/// SEQPACKET Unix socket that carries whole `struct can_frame`s: a simulated bus on a kernel without CAN, or a socket pair in a
-/// test. After the interface went down, send and receive answer Down until it is up again.
+/// Non-blocking raw socket. Either a SocketCAN interface (filters in the kernel, error frames, the kernel's time
+/// stamps), or a SEQPACKET Unix socket that carries whole `struct can_frame`s: a simulated bus on a kernel without CAN,
+/// or a socket pair in a test. After the interface went down, send and receive answer Down until it is up again.
 class CanSocket : public FramePort {
  public:
-  /// `name` is an interface ("can0") when it has no slash, else the path of a simulated bus' socket. Throws InputError: no such
-  /// interface, not up, no CAN in this kernel, nobody listens at the path.
+  /// `name` is an interface ("can0") when it has no slash, else the path of a simulated bus' socket. Throws InputError:
+  /// no such interface, not up, no CAN in this kernel, nobody listens at the path.
   static std::unique_ptr<CanSocket> open(const std::string& name, const std::vector<Filter>& filters);
   /// One end of a connected SEQPACKET socket; takes it over.
   static std::unique_ptr<CanSocket> adopt(int descriptor, const std::vector<Filter>& filters);

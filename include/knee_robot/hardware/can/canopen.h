@@ -5,8 +5,8 @@
 
 #include "knee_robot/hardware/can/frame.h"
 
-/// CANopen (CiA 301) frames with the identifiers of the predefined connection set. Parsers take any frame and answer nothing for
-/// one that is not theirs. Real-time safe.
+/// CANopen (CiA 301) frames with the identifiers of the predefined connection set. Parsers take any frame and answer
+/// nothing for one that is not theirs. Real-time safe.
 namespace knee_robot::hardware::can {
 
 inline constexpr std::uint32_t kNmtId = 0x000;

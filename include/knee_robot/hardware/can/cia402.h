@@ -33,8 +33,8 @@ inline constexpr std::uint16_t kFaultReset = 0x80;  ///< acts on its rising edge
 
 DriveState stateOf(std::uint16_t status_word) noexcept;
 
-/// Control word that brings a drive in this state one step nearer to the goal; where it holds it, when it is there. A drive in
-/// Fault gets kDisableVoltage: a fault is reset on request only (FaultReset).
+/// Control word that brings a drive in this state one step nearer to the goal; where it holds it, when it is there. A
+/// drive in Fault gets kDisableVoltage: a fault is reset on request only (FaultReset).
 std::uint16_t controlWord(DriveState state, DriveGoal goal) noexcept;
 
 /// Rising edges of the fault reset bit: once low, once high, until the fault is gone or the patience is over.

@@ -2,8 +2,9 @@
 
 #include <cstdint>
 
-/// Objects of CANopen (CiA 301) and of drives (CiA 402) that are used here, as EPOS4-class drives have them. From public
-/// documentation; not verified on a drive by this project. Absent on EPOS4 and therefore not used: 1006, 1015, 1029, 605D, 6072, 6075.
+/// Objects of CANopen (CiA 301) and of drives (CiA 402) that are used here, as EPOS4-class drives have them. From
+/// public documentation; not verified on a drive by this project. Absent on EPOS4 and therefore not used: 1006, 1015,
+/// 1029, 605D, 6072, 6075.
 namespace knee_robot::hardware::can::objects {
 
 /// Index in bits 23..8, subindex in bits 7..0, as PDO mappings have it.

@@ -15,7 +15,8 @@ enum class PortStatus : std::uint8_t {
   Down,       ///< the interface is down or gone, the peer has closed
 };
 
-/// Where frames go out and come in. Real-time safe: never blocks, allocates or throws. One thread uses a port at a time.
+/// Where frames go out and come in. Real-time safe: never blocks, allocates or throws. One thread uses a port at a
+/// time.
 class FramePort {
  public:
   virtual ~FramePort() = default;

@@ -23,8 +23,8 @@ struct Pdo {
   int bytes() const;
 };
 
-/// Not real-time. Writes it in the order that drives want (disable, count 0, entries, count, type, inhibit time 0, enable) and
-/// reads everything back. Throws SdoError.
+/// Not real-time. Writes it in the order that drives want (disable, count 0, entries, count, type, inhibit time 0,
+/// enable) and reads everything back. Throws SdoError.
 void configure(SdoClient& client, const Pdo& pdo);
 /// Switches a PDO off that the drive may have by default.
 void disable(SdoClient& client, bool transmit, int number, std::uint32_t id);

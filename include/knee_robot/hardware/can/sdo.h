@@ -27,8 +27,8 @@ struct SdoAnswer {
 
 Frame requestFrame(int node, const SdoRequest& request) noexcept;
 Frame answerFrame(int node, const SdoAnswer& answer) noexcept;
-/// Any frame may be given; nothing when it is no request to this node. A segmented or block request, or an abort: object with
-/// size -1, to be refused with kSdoUnsupported.
+/// Any frame may be given; nothing when it is no request to this node. A segmented or block request, or an abort:
+/// object with size -1, to be refused with kSdoUnsupported.
 std::optional<SdoRequest> parseRequest(const Frame& frame, int node) noexcept;
 /// Nothing when it is no answer of this node. An answer that is not expedited has abort = kSdoUnsupported.
 std::optional<SdoAnswer> parseAnswer(const Frame& frame, int node) noexcept;
@@ -85,7 +85,8 @@ class SdoClient {
   std::int64_t timeout_ns_;
 };
 
-/// One sentence: node, object, and what the node or the bus answered. `abort` is the node's code, 0 when it is not about one.
+/// One sentence: node, object, and what the node or the bus answered. `abort` is the node's code, 0 when it is not
+/// about one.
 class SdoError : public std::exception {
  public:
   SdoError(std::string sentence, std::uint32_t abort) : sentence_(std::move(sentence)), abort_(abort) {}

@@ -6,8 +6,8 @@
 
 namespace knee_robot::hardware::can {
 
-/// From the set value of an axis to that of its drive. The set value is in volts, as for the analog cards, so that a robot file
-/// means the same on both: force = volts * force_per_volt_N.
+/// From the set value of an axis to that of its drive. The set value is in volts, as for the analog cards, so that a
+/// robot file means the same on both: force = volts * force_per_volt_N.
 struct AxisUnits {
   double force_per_volt_N = 0.0;       ///< as in the robot file
   double screw_lead_m = 0.0;           ///< metres per motor revolution

@@ -19,8 +19,9 @@ Line lineBetween(const EffectInput& input, int actuator, const Anchors& anchors)
 /// Of a shape that begins with X and Y of the base point and of the platform point; both are at height 0.
 Anchors anchorsOf(const std::vector<double>& shape);
 
-/// What acts along the straight line between a point of the base and a point of the platform: a spring, a cable, a damper. Where it
-/// is anchored is searched: the first four shape parameters. Heights are left at 0: to first order they are a change of the length.
+/// What acts along the straight line between a point of the base and a point of the platform: a spring, a cable, a
+/// damper. Where it is anchored is searched: the first four shape parameters. Heights are left at 0: to first order
+/// they are a change of the length.
 class LineEffect : public Candidate {
  public:
   bool restsOnModel() const override { return false; }

@@ -12,7 +12,8 @@ constexpr double kSettled_s = 0.5, kLong_s = 2.0;
 constexpr double kForgotten_m = 3e-4;  ///< that friction's memory takes to be lost: more than most bristles give
 constexpr double kMoves_m = 3.0 * kForgotten_m;
 
-/// The first sample at which the actuator has moved, 0 when it never does: before it its force at rest has what nobody recorded in its memory.
+/// The first sample at which the actuator has moved, 0 when it never does: before it its force at rest has what nobody
+/// recorded in its memory.
 int firstSettled(const EffectInput& input, int actuator) {
   const auto q = input.friction_position_m.col(actuator);
   if (q.maxCoeff() - q.minCoeff() < kMoves_m) return 0;

@@ -4,7 +4,8 @@
 
 namespace knee_robot::tracing {
 
-/// When somebody pushed: part of one training recording; shape = recording (from 1), from_s, duration_s. What every push shares, whatever it acts on.
+/// When somebody pushed: part of one training recording; shape = recording (from 1), from_s, duration_s. What every
+/// push shares, whatever it acts on.
 class PushWindow : public Candidate {
  public:
   std::string name() const override { return "external_force"; }
@@ -18,7 +19,8 @@ class PushWindow : public Candidate {
   std::vector<std::vector<double>> near(const std::vector<double>& shape, double step) const override;
 
  protected:
-  /// Samples of `input` in the window, `end` not among them. Not those before the actuator has moved: at rest friction may be anything.
+  /// Samples of `input` in the window, `end` not among them. Not those before the actuator has moved: at rest friction
+  /// may be anything.
   struct Samples {
     int begin = 0, end = 0;
   };

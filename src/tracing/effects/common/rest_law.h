@@ -6,9 +6,9 @@
 
 namespace knee_robot::tracing {
 
-// A friction that an effect adds need not build up near rest as the actuator's own does: what rubs in a loaded nut is another
-// interface than what rubs in a seal. Such an effect has one more shape parameter, the last: 0 follows the law of the actuator, any
-// other is the speed of a smooth law of its own, tanh(v / speed).
+// A friction that an effect adds need not build up near rest as the actuator's own does: what rubs in a loaded nut is
+// another interface than what rubs in a seal. Such an effect has one more shape parameter, the last: 0 follows the law
+// of the actuator, any other is the speed of a smooth law of its own, tanh(v / speed).
 
 ShapeParameter restLawParameter();
 /// Every shape with the actuator's law, and with a smooth one.

@@ -4,8 +4,8 @@
 
 namespace knee_robot::tracing {
 
-/// What repeats with a screw's turn: a sine and a cosine per recording, because homing does not know the turn's phase. The first shape parameter is the
-/// period (m).
+/// What repeats with a screw's turn: a sine and a cosine per recording, because homing does not know the turn's phase.
+/// The first shape parameter is the period (m).
 class Ripple : public Candidate {
  public:
   /// A chain's gears ripple at orders of a period, with a phase that the joint keeps: gear_ripple.
@@ -16,8 +16,8 @@ class Ripple : public Candidate {
   std::vector<std::vector<double>> near(const std::vector<double>& shape, double step) const override;
   std::vector<Coefficient> coefficients(const EffectInput& input) const override;
   Eigen::MatrixXd columns(const EffectInput& input, int actuator, const std::vector<double>& shape) const override;
-  /// The mean, times the share of it that training recordings support by agreeing: with phases at random, the square of the mean
-  /// of n is as large as their spread over n. One recording cannot tell.
+  /// The mean, times the share of it that training recordings support by agreeing: with phases at random, the square of
+  /// the mean of n is as large as their spread over n. One recording cannot tell.
   Eigen::VectorXd elsewhere(const Eigen::VectorXd& coefficients) const override;
   Eigen::VectorXd atHome(const Eigen::VectorXd& coefficients, const std::vector<int>& same_home) const override;
 

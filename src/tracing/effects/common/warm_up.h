@@ -4,8 +4,9 @@
 
 namespace knee_robot::tracing {
 
-/// What changes while a drive warms up, from the start of each recording, with a time constant (the first shape parameter). Recordings need not
-/// begin equally warm: each after the first may begin with more or less than the mean of all, which fades with the same constant.
+/// What changes while a drive warms up, from the start of each recording, with a time constant (the first shape
+/// parameter). Recordings need not begin equally warm: each after the first may begin with more or less than the mean
+/// of all, which fades with the same constant.
 class WarmUp : public Candidate {
  public:
   bool goesWithTime() const override { return true; }
