@@ -13,7 +13,7 @@ namespace {
 constexpr double kSegment_s = 0.01;  ///< of a reference
 constexpr double kTurnCounts = 2.0;  ///< as in tracing: a smaller way back is the encoder's flicker
 
-std::string nameOf(const ModelEffect& e) {
+std::string displayName(const ModelEffect& e) {
   return e.depends_on.empty() ? e.name : e.name + " (" + e.depends_on + ")";
 }
 
@@ -45,7 +45,8 @@ class Reader {
     std::shared_ptr<const EffectLaw> law = effectLaw(e.name, e.depends_on, valuesOf(e.shape));
     if (!law) {
       const std::string reason = whyNotInstantly(e.name);
-      if (reason.empty()) throw InputError("effect " + nameOf(e) + " is not known, or has other numbers; trace again");
+      if (reason.empty())
+        throw InputError("effect " + displayName(e) + " is not known, or has other numbers; trace again");
       return leaveOut(e, reason);
     }
     if ((e.name == "screw_ripple" || e.name == "load_ripple") && coefficients.size() > 2)
@@ -54,8 +55,8 @@ class Reader {
     if (e.name == "thermal_drift" && coefficients.size() > 2) coefficients.resize(2);
     if (coefficients.size() != static_cast<std::size_t>(law->coefficients()) || e.actuators.empty() ||
         (law->shared() && !robot_.mechanism)) {
-      throw InputError("effect " + nameOf(e) + " has " + std::to_string(coefficients.size()) + " coefficients where " +
-                       std::to_string(law->coefficients()) + " belong; trace again");
+      throw InputError("effect " + displayName(e) + " has " + std::to_string(coefficients.size()) +
+                       " coefficients where " + std::to_string(law->coefficients()) + " belong; trace again");
     }
     ActingEffect acting;
     acting.law = std::move(law);
@@ -81,7 +82,8 @@ class Reader {
   }
   void leaveOut(const ModelEffect& e, const std::string& reason) {
     const bool one = e.actuators.size() == 1;
-    to_.left_out.push_back({nameOf(e), one ? "axis " + std::to_string(e.actuators.front()) : "the platform", reason});
+    to_.left_out.push_back(
+        {displayName(e), one ? "axis " + std::to_string(e.actuators.front()) : "the platform", reason});
   }
 
   const mechanism::Robot& robot_;

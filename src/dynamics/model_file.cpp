@@ -240,7 +240,7 @@ Model readModel(StrictMap file) {
   return chain ? fromJointUnits(std::move(m)) : m;
 }
 
-const char* nameOf(mechanism::MechanismKind kind) {
+const char* kindName(mechanism::MechanismKind kind) {
   return kind == mechanism::MechanismKind::Axes ? kAxes : kind == mechanism::MechanismKind::Chain ? kChain : kParallel;
 }
 
@@ -250,7 +250,7 @@ std::string modelToYaml(const Model& model) {
   const Model m = inJointUnits(model);
   std::string y = "# Force model of a robot, written by identify or trace. SI units.\n";
   y += "format: " + std::to_string(ofTrace(m) ? kFormatOfTrace : kFormat) + "\n";
-  y += std::string("mechanism: ") + nameOf(m.kind) + "\n";
+  y += std::string("mechanism: ") + kindName(m.kind) + "\n";
   y += "axes: " + std::to_string(m.axes) + "\n";
   if (!m.joints.empty()) y += jointsText(m.joints);
   y += "robot_fingerprint: " + quoted(m.robot_fingerprint) + "\n";

@@ -16,7 +16,7 @@ namespace {
 constexpr double kSlowestRate_hz = 200.0;
 constexpr double kShortest_s = 2.0;
 constexpr double kLongestDelay_s = 0.02, kEarliest_s = -0.002, kDelayStep_s = 0.00025;
-constexpr int kBlocks = 8;
+constexpr int kPieces = 8;
 constexpr double kReach = 0.4;   // of the low-pass, in periods of its cut-off
 constexpr double kApart = 0.05;  // least eigenvalue of the accelerations' correlations over the largest
 constexpr double kCutoffs_hz[] = {60.0, 40.0, 25.0, 15.0, 10.0};
@@ -188,8 +188,8 @@ class Fit {
     Eigen::VectorXd y(rows());
     for (Eigen::Index k = 0; k < rows(); ++k)
       y[k] = force[used_[static_cast<std::size_t>(k)]];
-    for (int b = 0; b < kBlocks; ++b) {
-      const Eigen::Index from = rows() * b / kBlocks, count = rows() * (b + 1) / kBlocks - from;
+    for (int b = 0; b < kPieces; ++b) {
+      const Eigen::Index from = rows() * b / kPieces, count = rows() * (b + 1) / kPieces - from;
       const auto block = matrix_.middleRows(from, count);
       const auto part = y.segment(from, count);
       sums_.push_back({block.transpose() * block, block.transpose() * part, part.squaredNorm(), part.sum(),
@@ -199,9 +199,9 @@ class Fit {
   Sums sum(std::size_t delay, int left_out) const {
     const auto columns = static_cast<Eigen::Index>(columns_.size());
     Sums all{Eigen::MatrixXd::Zero(columns, columns), Eigen::VectorXd::Zero(columns), 0.0, 0.0, 0.0};
-    for (int b = 0; b < kBlocks; ++b) {
+    for (int b = 0; b < kPieces; ++b) {
       if (b == left_out) continue;
-      const Sums& one = sums_[delay * kBlocks + static_cast<std::size_t>(b)];
+      const Sums& one = sums_[delay * kPieces + static_cast<std::size_t>(b)];
       all.normal += one.normal;
       all.right += one.right;
       all.square += one.square;
@@ -232,7 +232,7 @@ double jackknife(const std::vector<double>& values) {
 
 void respond(const Fit& fit, const Fit::Result& all, AxisResponse& r) {
   std::vector<double> mass, viscous, coulomb, delay;
-  for (int b = 0; b < kBlocks; ++b) {
+  for (int b = 0; b < kPieces; ++b) {
     const Fit::Result part = fit.solve(b);
     mass.push_back(part.values[0]);
     viscous.push_back(part.values[1]);

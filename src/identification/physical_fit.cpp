@@ -42,7 +42,7 @@ Eigen::MatrixXd leaveOut(const PhysicalSetting& setting) {
   return error;
 }
 
-void chooseStrength(const PhysicalSetting& setting, PhysicalFit& fit) {
+void chooseByHeldBack(const PhysicalSetting& setting, PhysicalFit& fit) {
   const Identification& base = setting.base;
   const Eigen::MatrixXd error = leaveOut(setting);
   Eigen::VectorXd share(error.rows());
@@ -80,7 +80,7 @@ PhysicalFit fitBodies(const Identification& base, PhysicalCoordinates coordinate
                       const std::vector<std::string>& names) {
   const PhysicalSetting setting{base, std::move(coordinates)};
   PhysicalFit fit;
-  chooseStrength(setting, fit);
+  chooseByHeldBack(setting, fit);
   const PhysicalProblem problem = setting.problem(-1);
   const PhysicalSolution s = solvePhysical(problem, priorPull(problem, fit.strength));
   const Eigen::VectorXd parameters = physicalParameters(s, problem, setting.coordinates, base.columns);

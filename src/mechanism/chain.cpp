@@ -35,7 +35,7 @@ Vector3 vectorOf(const urdf::Vector3& v) {
   return {v.x, v.y, v.z};
 }
 
-Eigen::Isometry3d poseOf(const urdf::Pose& pose) {
+Eigen::Isometry3d transformOf(const urdf::Pose& pose) {
   Eigen::Isometry3d out = Eigen::Isometry3d::Identity();
   const urdf::Rotation& r = pose.rotation;
   out.linear() = Eigen::Quaterniond(r.w, r.x, r.y, r.z).normalized().matrix();
@@ -81,7 +81,7 @@ class ChainReader {
     limits.clear();
     Eigen::Isometry3d since = Eigen::Isometry3d::Identity();  // from the last moving body to the link reached
     for (const urdf::JointConstSharedPtr& joint : way) {
-      since = since * poseOf(joint->parent_to_joint_origin_transform);
+      since = since * transformOf(joint->parent_to_joint_origin_transform);
       if (moves(*joint)) {
         chain.joints.push_back(jointOf(*joint, since));
         limits.push_back(limitsOf(*joint));
@@ -233,7 +233,7 @@ class ChainReader {
   void collect(const urdf::Link& link, const Eigen::Isometry3d& at, ChainJoint& body) const {
     if (link.inertial) {
       const urdf::Inertial& given = *link.inertial;
-      const Eigen::Isometry3d frame = at * poseOf(given.origin);
+      const Eigen::Isometry3d frame = at * transformOf(given.origin);
       ChainLink out;
       out.name = link.name;
       out.mass = given.mass;
@@ -247,7 +247,7 @@ class ChainReader {
     for (const urdf::JointSharedPtr& joint : link.child_joints) {
       if (moves(*joint)) continue;
       requireNoFollower(*joint);
-      const Eigen::Isometry3d child = at * poseOf(joint->parent_to_joint_origin_transform) * lockedPose(*joint);
+      const Eigen::Isometry3d child = at * transformOf(joint->parent_to_joint_origin_transform) * lockedPose(*joint);
       collect(*model_->getLink(joint->child_link_name), child, body);
     }
   }

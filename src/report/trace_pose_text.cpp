@@ -29,7 +29,7 @@ Json recordingsJson(const std::vector<tracing::PoseRecording>& recordings,
   return list;
 }
 
-Json sideJson(const tracing::PoseTrace& pose, tracing::PoseErrors tracing::PoseRecording::*errors) {
+Json errorsJson(const tracing::PoseTrace& pose, tracing::PoseErrors tracing::PoseRecording::*errors) {
   const tracing::PoseRecording& shown = pose.validate.empty() ? pose.train.front() : pose.validate.front();
   Json j = errorsJson(shown.*errors);
   j["of"] = pose.validate.empty() ? "train" : "validate";
@@ -87,9 +87,9 @@ std::string line(const std::string& name, const tracing::PoseErrors& e) {
 
 nlohmann::ordered_json tracePoseJson(const tracing::PoseTrace& pose) {
   if (!pose.available) return {};
-  Json j = {{"before", sideJson(pose, &tracing::PoseRecording::before)},
-            {"after", sideJson(pose, &tracing::PoseRecording::after)}};
-  j["after_with_own_frame"] = sideJson(pose, &tracing::PoseRecording::refitted);
+  Json j = {{"before", errorsJson(pose, &tracing::PoseRecording::before)},
+            {"after", errorsJson(pose, &tracing::PoseRecording::after)}};
+  j["after_with_own_frame"] = errorsJson(pose, &tracing::PoseRecording::refitted);
   j["frame_before"] = frameJson(pose.before);
   j["frame_after"] = frameJson(pose.model.frame);
   j["findings"] = Json::array();

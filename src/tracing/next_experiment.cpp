@@ -27,7 +27,7 @@ Eigen::MatrixXd basisOf(const Eigen::MatrixXd& columns) {
 }
 
 /// A group made orthogonal to q; empty columns when hardly anything is left of it.
-Eigen::MatrixXd without(const Eigen::MatrixXd& q, const Eigen::MatrixXd& columns) {
+Eigen::MatrixXd orthogonalTo(const Eigen::MatrixXd& q, const Eigen::MatrixXd& columns) {
   constexpr double kAbsorbed = 1e-3;
   const Eigen::MatrixXd left = columns - q * (q.transpose() * columns);
   std::vector<Eigen::Index> kept;
@@ -68,7 +68,7 @@ double cosineOf(const Eigen::MatrixXd& a, const Eigen::MatrixXd& b) {
   return std::min(1.0, Eigen::JacobiSVD<Eigen::MatrixXd>(product).singularValues()[0]);
 }
 
-std::string placeText(const Candidate& candidate, int actuator) {
+std::string whereText(const Candidate& candidate, int actuator) {
   return candidate.name() + (actuator < 0 ? "" : " on actuator " + std::to_string(actuator + 1));
 }
 
@@ -208,7 +208,7 @@ Separation separationOf(const mechanism::Robot& robot, const TraceResult& result
   const Eigen::VectorXd& noise = result.after_rms_N;
   const Eigen::MatrixXd q = basisOf(weighted(data.stack, data.base_rows, noise));
   const Eigen::MatrixXd raw = weighted(data.stack, effectRows(data, first.hypothesis), noise);
-  const Eigen::MatrixXd a = without(q, raw);
+  const Eigen::MatrixXd a = orthogonalTo(q, raw);
   Separation out;
   if (a.cols() == 0) return out;
   const Eigen::VectorXd effect = raw * first.coefficients, visible = effect - q * (q.transpose() * effect);
@@ -217,7 +217,7 @@ Separation separationOf(const mechanism::Robot& robot, const TraceResult& result
   double left = visible.norm();
   for (std::vector<double>& shape : rival.shapes(data.inputs.front(), actuator)) {
     const Hypothesis other{{&rival, rival.shared() ? -1 : actuator}, shape};
-    const Eigen::MatrixXd b = without(q, weighted(data.stack, effectRows(data, other), noise));
+    const Eigen::MatrixXd b = orthogonalTo(q, weighted(data.stack, effectRows(data, other), noise));
     if (b.cols() == 0) continue;
     out.angle_rad = std::min(out.angle_rad, std::acos(cosineOf(a, b)));
     const Eigen::MatrixXd qb = basisOf(b);
@@ -242,8 +242,8 @@ NextExperiment planNextExperiment(const mechanism::Robot& robot, const TraceResu
     return out;
   }
   const Place& place = pair.first->hypothesis.place;
-  out.first = placeText(*place.candidate, place.actuator);
-  out.second = placeText(*pair.second, place.actuator);
+  out.first = whereText(*place.candidate, place.actuator);
+  out.second = whereText(*pair.second, place.actuator);
   if (!place.candidate->transfers() || !pair.second->transfers()) {
     out.reason = "one of " + out.first + " and " + out.second +
                  " belongs to one recording only: no planned motion brings "

@@ -69,7 +69,7 @@ Eigen::MatrixXd besides(const Eigen::MatrixXd& q, const Eigen::MatrixXd& columns
 }
 
 /// Square that a column explains of a residual, both orthogonal to the model; zero when the sign is not physical.
-double explained(const Eigen::VectorXd& column, const Eigen::VectorXd& residual, bool one_sign) {
+double squareExplained(const Eigen::VectorXd& column, const Eigen::VectorXd& residual, bool one_sign) {
   const double square = column.squaredNorm(), along = column.dot(residual);
   if (!(square > 0.0) || (one_sign && along > 0.0)) return 0.0;  // columns are minus the pose's change
   return along * along / square;
@@ -101,7 +101,8 @@ PoseNull nullOf(const PoseSearch& s, const Eigen::MatrixXd& q, const Eigen::Matr
   for (int d = 0; d < s.options->draws; ++d) {
     const Eigen::VectorXd surrogate = besides(q, resampled(s, random));
     for (Eigen::Index h = 0; h < columns.cols(); ++h)
-      roots(h, d) = std::sqrt(explained(columns.col(h), surrogate, isPlay(s.hypotheses[static_cast<std::size_t>(h)])));
+      roots(h, d) =
+          std::sqrt(squareExplained(columns.col(h), surrogate, isPlay(s.hypotheses[static_cast<std::size_t>(h)])));
   }
   PoseNull null{maxNull(roots, 0.0, kLeastPoseSpread), std::pow(roots.maxCoeff(), 2)};
   return null;
@@ -147,7 +148,7 @@ struct PoseTrial {
   mechanism::Vector4 rms = mechanism::Vector4::Zero();  ///< of the linear fit
 };
 
-mechanism::Vector4 rmsOf(const PoseSearch& s, const Eigen::VectorXd& weighed) {
+mechanism::Vector4 rmsOfPose(const PoseSearch& s, const Eigen::VectorXd& weighed) {
   mechanism::Vector4 rms = mechanism::Vector4::Zero();
   for (Eigen::Index k = 0; k < weighed.size(); ++k)
     rms[k % 4] += std::pow(weighed[k] * s.sigma[k % 4], 2);
@@ -158,19 +159,19 @@ PoseTrial tryOne(const PoseSearch& s, const Weighed& w, const Eigen::VectorXd& l
                  Eigen::Index at, const HeldBack& base) {
   PoseTrial t;
   t.at = at;
-  t.square = explained(columns.col(at), left, isPlay(s.hypotheses[static_cast<std::size_t>(at)]));
+  t.square = squareExplained(columns.col(at), left, isPlay(s.hypotheses[static_cast<std::size_t>(at)]));
   Eigen::MatrixXd all(w.model.rows(), w.model.cols() + 1);
   all << w.model, w.tried.col(at);
   t.held = heldBack(s, all, w.residual);
   t.gain = base.square - t.held.square;
   t.worth = heldBackGain(t.gain);
   const Eigen::VectorXd direction = columns.col(at).normalized();
-  t.rms = rmsOf(s, left - direction * direction.dot(left));
+  t.rms = rmsOfPose(s, left - direction * direction.dot(left));
   return t;
 }
 
 /// Empty when the trial may be accepted (but for the null); otherwise why not.
-std::string objection(const PoseSearch& s, const PoseTrial& t, const mechanism::Vector4& before) {
+std::string objectionTo(const PoseSearch& s, const PoseTrial& t, const mechanism::Vector4& before) {
   if (t.square == 0.0) return "the sign that fits is not physical";
   const PoseHypothesis& h = s.hypotheses[static_cast<std::size_t>(t.at)];
   if (std::abs(t.held.last.mean()) > largestSize(h)) return "the size that fits is not plausible";
@@ -210,7 +211,7 @@ std::vector<Refitted> closestRivals(const PoseSearch& s, const std::vector<PoseT
   constexpr double kAlike = 0.6;  // cosine of the columns, or share of the square that is explained
   std::vector<Refitted> all = {refitted(s, best.at)};
   for (const PoseTrial& t : trials) {
-    if (t.at == best.at || !objection(s, t, before).empty()) continue;
+    if (t.at == best.at || !objectionTo(s, t, before).empty()) continue;
     const double cosine = std::abs(columns.col(t.at).normalized().dot(columns.col(best.at).normalized()));
     if (cosine < kAlike && t.square < kAlike * best.square) continue;
     const Refitted other = refitted(s, t.at);
@@ -227,7 +228,7 @@ std::vector<Refitted> closestRivals(const PoseSearch& s, const std::vector<PoseT
   return close;
 }
 
-void refit(PoseSearch& s) {
+void refitPose(PoseSearch& s) {
   fitPose(*s.robot, *s.views, s.stack, s.sigma, {}, s.model);
   for (std::size_t k = 0; k < s.findings.size(); ++k)
     s.findings[k].value = s.model.values[static_cast<Eigen::Index>(k)];
@@ -238,7 +239,7 @@ void add(PoseSearch& s, PoseFinding finding) {
   s.model.values.conservativeResize(s.model.values.size() + 1);
   s.model.values[s.model.values.size() - 1] = 0.0;
   s.findings.push_back(std::move(finding));
-  refit(s);
+  refitPose(s);
 }
 
 void erase(PoseSearch& s, std::size_t k) {
@@ -248,7 +249,7 @@ void erase(PoseSearch& s, std::size_t k) {
   rest << s.model.values.head(static_cast<Eigen::Index>(k)),
       s.model.values.tail(s.model.values.size() - static_cast<Eigen::Index>(k) - 1);
   s.model.values = rest;
-  refit(s);
+  refitPose(s);
 }
 
 /// Held-back gain of every cause in the model beside the others; takes out those that the others have made superfluous.
@@ -290,7 +291,7 @@ void noteAbsorbed(PoseSearch& s, const Weighed& w, const Eigen::MatrixXd& column
 mechanism::Vector4 poseRms(const PoseSearch& s) {
   const PoseEquations e = poseEquations(*s.robot, *s.views, s.stack, s.model, {});
   PoseSearch plain;
-  return rmsOf(plain, e.residual);
+  return rmsOfPose(plain, e.residual);
 }
 
 void startPoseSearch(PoseSearch& s) {
@@ -302,7 +303,7 @@ void startPoseSearch(PoseSearch& s) {
     Eigen::MatrixXd all(w.model.rows(), w.model.cols() + w.tried.cols());
     all << w.model, w.tried;
     s.noise = besides(poseBasis(all), w.residual);
-    const mechanism::Vector4 rms = rmsOf(s, s.noise);
+    const mechanism::Vector4 rms = rmsOfPose(s, s.noise);
     for (Eigen::Index k = 0; k < s.noise.size(); ++k)
       s.noise[k] *= s.sigma[k % 4] / rms[k % 4];
     s.sigma = rms.cwiseMax(1e-9);
@@ -325,7 +326,7 @@ void searchPose(PoseSearch& s) {
     }
     const PoseNull null = nullOf(s, q, columns);
     const HeldBack base = heldBack(s, w.model, w.residual);
-    const mechanism::Vector4 before = rmsOf(s, left);
+    const mechanism::Vector4 before = rmsOfPose(s, left);
     std::vector<PoseTrial> trials;
     for (Eigen::Index h = 0; h < columns.cols(); ++h) {
       if (columns.col(h).squaredNorm() > 0.0) trials.push_back(tryOne(s, w, left, columns, h, base));
@@ -338,7 +339,7 @@ void searchPose(PoseSearch& s) {
       const PoseHypothesis& h = s.hypotheses[static_cast<std::size_t>(t.at)];
       p = null.roots.p(t.at, std::sqrt(t.square));
       why = p > kLargestPoseP ? "explains no more than chance does on surrogates (p = " + shortNumber(p, 2) + ")"
-                              : objection(s, t, before);
+                              : objectionTo(s, t, before);
       if (why.empty()) {
         best = &t;
         break;

@@ -13,8 +13,8 @@ constexpr double kCoarse = 10.0;            ///< times as far while a start is s
 constexpr int kAmplitudeRounds = 7;         ///< of bisection while the start is searched with the amplitude
 constexpr double kTiltCost = 0.5;           ///< share of a limit that a rad of tilt at the start must win
 
-Margin nearestOnWay(const Exercise& exercise, const mechanism::Robot& robot, const mechanism::Pose& start,
-                    double amplitude, double spacing) {
+Margin searchWay(const Exercise& exercise, const mechanism::Robot& robot, const mechanism::Pose& start,
+                 double amplitude, double spacing) {
   const double condition_max = planningCondition(robot);
   mechanism::Pose pose = start;
   Margin nearest = nearestLimit(robot, pose, condition_max);
@@ -69,7 +69,7 @@ class StartSearch {
     const double cost = kTiltCost * (std::abs(pose[2]) + std::abs(pose[3]));
     // The start alone bounds what the way can reach: most of the grid is done with here.
     if (nearestLimit(robot_, pose, planningCondition(robot_)).left - cost <= best_.score) return;
-    const double score = nearestOnWay(exercise_, robot_, pose, amplitude_, kCoarse).left - cost;
+    const double score = searchWay(exercise_, robot_, pose, amplitude_, kCoarse).left - cost;
     if (score > best_.score) best_ = {pose, score};
   }
 
@@ -96,7 +96,7 @@ class StartSearch {
 
 Margin nearestOnWay(const Exercise& exercise, const mechanism::Robot& robot, const mechanism::Pose& start,
                     double amplitude) {
-  return nearestOnWay(exercise, robot, start, amplitude, 1.0);
+  return searchWay(exercise, robot, start, amplitude, 1.0);
 }
 
 mechanism::Pose startThatFitsMost(const Exercise& exercise, const mechanism::Robot& robot, double amplitude) {
