@@ -1,6 +1,6 @@
 # Precompiled headers: reading Eigen, gtest or ROS costs about a second a source file, which is half of what most files take.
 # Three of them, shared by every target that is compiled with the same flags:
-#   knee_precompiled_room      Eigen, for the rooms' libraries (position independent)
+#   knee_precompiled_room      Eigen, without what mechanism/decompositions compiles once, for the rooms' libraries (position independent)
 #   knee_precompiled_program   ROS and the command line, for src/nodes
 #   knee_precompiled_test      gtest and Eigen, for the tests
 # -DKNEE_PRECOMPILED=OFF shows the includes that a source forgot.
@@ -27,5 +27,6 @@ function(knee_use_precompiled target kind)
 endfunction()
 
 if(KNEE_PRECOMPILED)
-  knee_precompiled(room POSITION_INDEPENDENT LIBRARIES Eigen3::Eigen HEADERS <Eigen/Dense>)
+  knee_precompiled(room POSITION_INDEPENDENT LIBRARIES Eigen3::Eigen HEADERS <Eigen/Dense>
+    ${PROJECT_SOURCE_DIR}/include/knee_robot/mechanism/decompositions.h)
 endif()

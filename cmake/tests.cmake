@@ -11,7 +11,8 @@ target_compile_definitions(knee_test_main PUBLIC KNEE_SOURCE_DIR=".")
 target_link_libraries(knee_test_main PUBLIC knee_robot_options ${GTEST_LIBRARIES})
 set_target_properties(knee_test_main PROPERTIES EXCLUDE_FROM_ALL ON)
 if(KNEE_PRECOMPILED)
-  knee_precompiled(test LIBRARIES Eigen3::Eigen ${GTEST_LIBRARIES} HEADERS <gtest/gtest.h> <Eigen/Dense>)
+  knee_precompiled(test LIBRARIES Eigen3::Eigen ${GTEST_LIBRARIES} HEADERS <gtest/gtest.h> <Eigen/Dense>
+    ${PROJECT_SOURCE_DIR}/include/knee_robot/mechanism/decompositions.h)
 endif()
 
 function(knee_test_program name room)
