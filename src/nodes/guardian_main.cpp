@@ -79,11 +79,35 @@ void tellTrip(const control::GuardianReport& report) {
   std::fflush(stdout);
 }
 
+/// A controller that ends with its guardian, as roslaunch ends both, goes first: it calls a guardian that goes before it
+/// a fault.
+class ControllersTime {
+ public:
+  /// After the stop was asked for: the controller has not ended, and may still.
+  bool lasts(const hardware::GuardianLink& link) {
+    const std::int32_t controller = link.controller_pid.load();
+    return controller > 0 && rt::monotonicNow() < end() && !watch_.isGone(controller);
+  }
+
+ private:
+  static constexpr double kLongest_s = 3.0;
+
+  rt::Nanoseconds end() {
+    if (end_ == 0) end_ = rt::monotonicNow() + rt::fromSeconds(kLongest_s);
+    return end_;
+  }
+
+  hardware::ProcessWatch watch_;
+  rt::Nanoseconds end_ = 0;
+};
+
 /// Reports until a signal comes; and then as long as drives are on: what it is there for may still happen, or is just
 /// happening.
 void reportUntilDone(const control::GuardianReport& report, const hardware::GuardianLink& link) {
   std::uint32_t told = 0;
-  while (!stop_requested || (link.armed.load() != 0 && link.tripped.load() == 0) || report.acts.load()) {
+  ControllersTime controllers_time;
+  while (!stop_requested || controllers_time.lasts(link) || (link.armed.load() != 0 && link.tripped.load() == 0) ||
+         report.acts.load()) {
     pause();
     const std::uint32_t trips = report.trips.load(std::memory_order_acquire);
     if (trips == told) continue;

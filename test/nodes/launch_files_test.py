@@ -73,7 +73,7 @@ class LaunchFiles(unittest.TestCase):
             self.assertLess(time.monotonic(), end, what)
             time.sleep(0.5)
 
-    def test_a_movement_is_played_while_the_monitor_shows_it(self):
+    def test_a_movement_is_played_while_the_monitor_shows_it_and_the_end_is_no_fault(self):
         self.session.launch("simulation.launch", "name:=A", "empty:=true", f"shm:=/knee_robot_launch_{os.getpid()}", *self.folders())
         movements.write(self.folder / "references", "rise.txt", movements.rise(4.0))
         self.wait_for(lambda: self.session.run("rosservice", "call", "/controller/get_state").returncode == 0, 60, "no robot")
@@ -89,6 +89,13 @@ class LaunchFiles(unittest.TestCase):
         refused = self.session.run("rosrun", "knee_robot", "play_movement", "none.txt")
         self.assertEqual(3, refused.returncode, refused.stdout + refused.stderr)
         self.assertIn("none.txt", refused.stderr)
+
+        disabled = self.session.run("rosservice", "call", "/controller/disable")
+        self.assertIn("disabled", disabled.stdout + disabled.stderr)
+        self.session.end()
+        events = [json.loads(line) for line in (self.folder / "recordings" / "events" / "controller.jsonl").read_text().splitlines()]
+        self.assertEqual("end", events[-1]["what"], events[-3:])
+        self.assertEqual([], [event for event in events if event["kind"] == "fault"], "ended in order: no fault")
 
     def test_identification_plans_plays_and_identifies(self):
         process = self.session.launch("identification.launch", "name:=A", "duration_s:=10", f"output:={self.folder}/identified",
