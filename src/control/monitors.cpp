@@ -140,7 +140,8 @@ Fault Monitors::evaluate(std::size_t i, const AxisView& view) noexcept {
   out_.asks[i] = frozen == EncoderFrozenMonitor::Verdict::Ask;
   if (frozen == EncoderFrozenMonitor::Verdict::Dead) return Fault::EncoderFrozen;
   const double far = taking_over ? std::max<double>(runaway_error, release_error) : runaway_error;
-  if (axis.runaway.step(view, far, runaway_speed, runaway_time)) return Fault::Runaway;
+  if (axis.runaway.step(view, far, runaway_speed, runaway_acceleration, runaway_share, runaway_time))
+    return Fault::Runaway;
   if (axis.velocity.step(view, actuator.velocity_max_m_per_s, velocity_factor, velocity_floor, velocity_time)) {
     return Fault::VelocityLimit;
   }

@@ -267,7 +267,7 @@ TEST(Runaway, IsSeenWithAWrongSignAndNotWhenSomebodyPushes) {
           position += kDt * velocity;
           view.position_m = position;
           view.velocity = velocity;
-          return monitor.step(view, 1e-3, 0.03, 0.005);
+          return monitor.step(view, 1e-3, 0.03, 0.5, 0.05, 0.005);
         },
         static_cast<int>(seconds / kDt));
   };
@@ -287,9 +287,48 @@ TEST(Runaway, IsNotAnAxisThatRunsALittleAheadOfAFastReference) {
     view.reference_m += view.reference_velocity * kDt;
     view.position_m = view.reference_m - 0.0012;
     view.force_N += 1.0;
-    return monitor.step(view, 1e-3, 0.03, 0.005);
+    return monitor.step(view, 1e-3, 0.03, 0.5, 0.05, 0.005);
   };
   EXPECT_EQ(cyclesUntil(ahead, 200), -1) << "the distance does not grow";
+}
+
+/// 31 mm/s faster than its reference at 1 mm from it, after it had been dragged and broke loose.
+TEST(Runaway, IsNotAnOvershootThatIsAboutToTurn) {
+  const auto cyclesOf = [](double growth_m_per_s2, double push_N_per_cycle, int cycles) {
+    RunawayMonitor monitor;
+    AxisView view = quiet();
+    view.force_limit_N = 1000.0;
+    view.reference_velocity = -0.0387;
+    view.velocity = -0.0697;
+    view.position_m = view.reference_m - 0.00095;  // beyond 1 mm after two cycles
+    return cyclesUntil(
+        [&] {
+          view.reference_m += view.reference_velocity * kDt;
+          view.velocity -= growth_m_per_s2 * kDt;
+          view.position_m += view.velocity * kDt;
+          view.force_N += push_N_per_cycle;
+          return monitor.step(view, 1e-3, 0.03, 0.5, 0.05, 0.005);
+        },
+        cycles);
+  };
+  EXPECT_EQ(cyclesOf(0.004, 2.3, 20), -1) << "the speed stands: the loop is about to turn it";
+  EXPECT_EQ(cyclesOf(0.2, 2.3, 20), -1);
+  EXPECT_EQ(cyclesOf(2.5, 2.3, 20), 6) << "50 N too much on 20 kg: nothing holds it";
+  EXPECT_EQ(cyclesOf(0.004, 2.3, 40), 23) << "50 N more have not made it slower";
+}
+
+TEST(Runaway, AtTheForceLimitNeedNotGrowFaster) {
+  RunawayMonitor monitor;
+  AxisView view = quiet();
+  view.velocity = -0.05;
+  view.force_N = view.force_limit_N;
+  EXPECT_GT(cyclesUntil(
+                [&] {
+                  view.position_m += view.velocity * kDt;
+                  return monitor.step(view, 1e-3, 0.03, 0.5, 0.05, 0.005);
+                },
+                100),
+            0);
 }
 
 TEST(Runaway, IsNotAnAxisThatLagsBehindAFastReferenceOrOvershootsIt) {
@@ -304,7 +343,7 @@ TEST(Runaway, IsNotAnAxisThatLagsBehindAFastReferenceOrOvershootsIt) {
     position += kDt * velocity;
     view.position_m = position;
     view.velocity = velocity;
-    return monitor.step(view, 1e-3, 0.03, 0.005);
+    return monitor.step(view, 1e-3, 0.03, 0.5, 0.05, 0.005);
   };
   position = 0.1;
   double largest = 0.0;
