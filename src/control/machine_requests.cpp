@@ -16,7 +16,9 @@ Answer MachineRequests::make(RequestKind kind, double timeout_s, double value) {
     answer = panel_.supervisor().answers[*number % SupervisorStatus::kAnswers];
     return answer.number == *number || !supervised();
   };
-  if (!runner_.waitUntil(is_answered, timeout_s) || answer.number != *number) {
+  const bool in_time = runner_.waitUntil(is_answered, timeout_s);
+  panel_.forget(*number);
+  if (!in_time || answer.number != *number) {
     return {false, "no answer within " + shortNumber(timeout_s) + " s; the robot is " + toString(report_.state())};
   }
   ControlStatus now;

@@ -12,12 +12,20 @@ OperatorPanel::OperatorPanel(const MachineComponents& machine) : rt::TaskContext
 
 std::optional<std::uint32_t> OperatorPanel::send(RequestKind kind, double value) {
   const std::lock_guard<std::mutex> lock(mutex_);
+  const std::optional<std::uint32_t> number = numbers_.take();
+  if (!number) return std::nullopt;
   Request asked;
-  asked.number = ++requests_;
+  asked.number = *number;
   asked.kind = kind;
   asked.value = value;
-  if (!request_.write(asked)) return std::nullopt;
-  return asked.number;
+  if (request_.write(asked)) return number;
+  numbers_.giveBack(*number);
+  return std::nullopt;
+}
+
+void OperatorPanel::forget(std::uint32_t number) {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  numbers_.giveBack(number);
 }
 
 template <typename T>

@@ -5,6 +5,7 @@
 
 #include "knee_robot/control/machine_state.h"
 #include "machine_components.h"
+#include "request_numbers.h"
 
 namespace knee_robot::control {
 
@@ -15,8 +16,9 @@ class OperatorPanel : public rt::TaskContext {
   /// Connects itself.
   explicit OperatorPanel(const MachineComponents& machine);
 
-  /// Number under which the Supervisor will answer; empty: too many requests wait.
+  /// Number under which the Supervisor will answer, until forget(number); empty: too many requests wait.
   std::optional<std::uint32_t> send(RequestKind kind, double value);
+  void forget(std::uint32_t number);
   /// The newest of each; before the first cycle there is none, and the Supervisor's is the default.
   SupervisorStatus supervisor() const;
   std::optional<TrackingRow> row() const;
@@ -34,7 +36,7 @@ class OperatorPanel : public rt::TaskContext {
   mutable rt::InputPort<Disturbance> disturbance_{*this, "disturbance", "from the DisturbanceObserver",
                                                   rt::Need::Optional};
   mutable std::mutex mutex_;  // a port has one reader
-  std::uint32_t requests_ = 0;
+  RequestNumbers numbers_;
 };
 
 }  // namespace knee_robot::control

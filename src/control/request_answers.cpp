@@ -5,7 +5,9 @@
 namespace knee_robot::control {
 
 void RequestAnswers::answer(std::uint32_t number, RequestResult result, int axis, double distance_m) noexcept {
-  answers_[number % answers_.size()] = {number, result, axis, distance_m};
+  RequestAnswer& place = answers_[number % answers_.size()];
+  if (static_cast<std::int32_t>(number - place.number) < 0) return;  // nobody waits for it any more, but for that one
+  place = {number, result, axis, distance_m};
 }
 
 void RequestAnswers::await(std::uint32_t number) noexcept {

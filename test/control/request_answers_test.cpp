@@ -21,13 +21,14 @@ TEST(RequestAnswering, SettlesTheRequestThatWaitsOnce) {
   EXPECT_EQ(of(answers, 7).axis, 2);
 }
 
-TEST(RequestAnswering, KeepsTheAnswersToTheLastEightRequests) {
+TEST(RequestAnswering, KeepsTheAnswersToTheLastRequests) {
+  constexpr std::uint32_t kLast = SupervisorStatus::kAnswers + 1;
   RequestAnswers answers;
-  for (std::uint32_t number = 1; number <= 9; ++number)
+  for (std::uint32_t number = 1; number <= kLast; ++number)
     answers.answer(number, RequestResult::Done);
   EXPECT_EQ(of(answers, 2).number, 2u);
-  EXPECT_EQ(of(answers, 9).number, 9u);
-  EXPECT_EQ(of(answers, 1).number, 9u) << "the oldest one's place was taken";
+  EXPECT_EQ(of(answers, kLast).number, kLast);
+  EXPECT_EQ(of(answers, 1).number, kLast) << "the oldest one's place was taken";
 }
 
 TEST(RequestAnswering, SettlesAllThatWaitForTheSame) {
@@ -43,14 +44,15 @@ TEST(RequestAnswering, SettlesAllThatWaitForTheSame) {
 }
 
 TEST(RequestAnswering, TellsTheOldestWhereTooManyWait) {
+  constexpr std::uint32_t kTooMany = SupervisorStatus::kAnswers / 2 + 1;
   RequestAnswers answers;
-  for (std::uint32_t number = 1; number <= 5; ++number)
+  for (std::uint32_t number = 1; number <= kTooMany; ++number)
     answers.await(number);
   EXPECT_EQ(of(answers, 1).number, 1u);
   EXPECT_EQ(of(answers, 1).result, RequestResult::Superseded);
   answers.settle(RequestResult::Done);
   EXPECT_EQ(of(answers, 1).result, RequestResult::Superseded);
-  for (std::uint32_t number = 2; number <= 5; ++number)
+  for (std::uint32_t number = 2; number <= kTooMany; ++number)
     EXPECT_EQ(of(answers, number).result, RequestResult::Done) << number;
 }
 
@@ -62,6 +64,16 @@ TEST(RequestAnswering, ANewStartForgetsWhoWaitsAndKeepsWhatWasAnswered) {
   answers.settle(RequestResult::Done);
   EXPECT_EQ(of(answers, 1).result, RequestResult::NotReady);
   EXPECT_EQ(of(answers, 2).number, 0u);
+}
+
+TEST(RequestAnswers, ThatComeTooLateDoNotTakeThePlaceOfANewerOne) {
+  constexpr std::uint32_t kPlaces = SupervisorStatus::kAnswers;
+  RequestAnswers answers;
+  answers.await(3);
+  answers.answer(3 + kPlaces, RequestResult::Done);
+  answers.settle(RequestResult::Superseded);
+  EXPECT_EQ(answers.all()[3].number, 3 + kPlaces);
+  EXPECT_EQ(answers.all()[3].result, RequestResult::Done);
 }
 
 }  // namespace

@@ -83,7 +83,7 @@ struct RequestAnswer {
 
 /// Supervisor, every servo cycle.
 struct SupervisorStatus {
-  static constexpr std::size_t kAnswers = 8;
+  static constexpr std::size_t kAnswers = 16;
 
   rt::Nanoseconds time = 0;  ///< of the cycle
   MachineState state = MachineState::Disabled;
