@@ -267,7 +267,7 @@ TEST(Runaway, IsSeenWithAWrongSignAndNotWhenSomebodyPushes) {
           position += kDt * velocity;
           view.position_m = position;
           view.velocity = velocity;
-          return monitor.step(view, 1e-3, 0.03, 0.5, 0.05, 0.005);
+          return monitor.step(view, 1e-3, 0.03, 0.5, 0.1, 0.005);
         },
         static_cast<int>(seconds / kDt));
   };
@@ -287,7 +287,7 @@ TEST(Runaway, IsNotAnAxisThatRunsALittleAheadOfAFastReference) {
     view.reference_m += view.reference_velocity * kDt;
     view.position_m = view.reference_m - 0.0012;
     view.force_N += 1.0;
-    return monitor.step(view, 1e-3, 0.03, 0.5, 0.05, 0.005);
+    return monitor.step(view, 1e-3, 0.03, 0.5, 0.1, 0.005);
   };
   EXPECT_EQ(cyclesUntil(ahead, 200), -1) << "the distance does not grow";
 }
@@ -297,7 +297,7 @@ TEST(Runaway, IsNotAnOvershootThatIsAboutToTurn) {
   const auto cyclesOf = [](double growth_m_per_s2, double push_N_per_cycle, int cycles) {
     RunawayMonitor monitor;
     AxisView view = quiet();
-    view.force_limit_N = 1000.0;
+    view.force_limit_N = 500.0;
     view.reference_velocity = -0.0387;
     view.velocity = -0.0697;
     view.position_m = view.reference_m - 0.00095;  // beyond 1 mm after two cycles
@@ -307,7 +307,7 @@ TEST(Runaway, IsNotAnOvershootThatIsAboutToTurn) {
           view.velocity -= growth_m_per_s2 * kDt;
           view.position_m += view.velocity * kDt;
           view.force_N += push_N_per_cycle;
-          return monitor.step(view, 1e-3, 0.03, 0.5, 0.05, 0.005);
+          return monitor.step(view, 1e-3, 0.03, 0.5, 0.1, 0.005);
         },
         cycles);
   };
@@ -325,7 +325,7 @@ TEST(Runaway, AtTheForceLimitNeedNotGrowFaster) {
   EXPECT_GT(cyclesUntil(
                 [&] {
                   view.position_m += view.velocity * kDt;
-                  return monitor.step(view, 1e-3, 0.03, 0.5, 0.05, 0.005);
+                  return monitor.step(view, 1e-3, 0.03, 0.5, 0.1, 0.005);
                 },
                 100),
             0);
@@ -343,7 +343,7 @@ TEST(Runaway, IsNotAnAxisThatLagsBehindAFastReferenceOrOvershootsIt) {
     position += kDt * velocity;
     view.position_m = position;
     view.velocity = velocity;
-    return monitor.step(view, 1e-3, 0.03, 0.5, 0.05, 0.005);
+    return monitor.step(view, 1e-3, 0.03, 0.5, 0.1, 0.005);
   };
   position = 0.1;
   double largest = 0.0;

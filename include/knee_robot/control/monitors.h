@@ -86,13 +86,8 @@ class Monitors : public rt::TaskContext {
   rt::Property<double> runaway_time{*this, "runaway_s", 0.005, "s", 0.001, 1.0, "so long, and never slower"};
   rt::Property<double> runaway_acceleration{*this, "runaway_acceleration_m_per_s2",   0.5, "m/s^2", 0.0,
                                             20.0,  "and on average faster by so much"};
-  rt::Property<double> runaway_share{*this,
-                                     "runaway_force_share",
-                                     0.1,
-                                     "",
-                                     0.01,
-                                     1.0,
-                                     "or pushed back by so much more of the force limit without becoming slower"};
+  rt::Property<double> runaway_share{
+      *this, "runaway_force_share", 0.1, "", 0.01, 1.0, "or pushed back by so much more, without effect"};
   rt::Property<double> saturation_time{*this, "saturation_s", 0.25, "s", 0.001, 10.0, "force at its clamp for so long"};
   rt::Property<double> thermal_time{
       *this, "thermal_time_constant_s", 40.0, "s", 1.0, 2000.0, "of the winding above its housing; an RE40's"};
