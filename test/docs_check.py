@@ -18,7 +18,7 @@ TABLE_KEY = re.compile(r"^\| `([\w]+)` \|")
 # Folders whose files pages may name; "NAME" and "*" in a path stand for any name.
 NAMED = re.compile(r"`((?:config|docs|include|launch|pages|scripts|src|test|urdf|cmake|msg|srv|action|cfg)/[\w./*-]+)")
 ROOMS = re.compile(r"`((?:base|mechanism|rt|hardware|recording|dynamics|trajectory|excitation|simulation|identification|control|tracing"
-                   r"|report|nodes)/[\w./*-]+)")
+                   r"|report|tuning|nodes)/[\w./*-]+)")
 
 
 def sources(root, names):

@@ -6,7 +6,7 @@ import re
 import sys
 
 FLOORS = {"base": 0, "mechanism": 1, "rt": 1, "hardware": 1, "recording": 1, "dynamics": 2, "trajectory": 2, "excitation": 3, "simulation": 3,
-          "identification": 3, "control": 4, "tracing": 4, "report": 5, "nodes": 6}
+          "identification": 3, "control": 4, "tracing": 4, "report": 5, "tuning": 6, "nodes": 7}
 LONGEST = 400
 # A member function's definition, at the beginning of a line: what it returns, the class (with those around it), the function.
 MEMBER = re.compile(r"(?:[\w:<>,&*\[\]]+[\s&*]+)*?((?:[a-z]\w*::)*)((?:[A-Z]\w*(?:<[^>]*>)?::)+)(?:~?\w+|operator\S+)\(")

@@ -12,10 +12,10 @@
 #include "knee_robot/control/component_types.h"
 #include "knee_robot/control/driver.h"
 #include "knee_robot/report/page.h"
-#include "knee_robot/report/tuning_report.h"
 #include "knee_robot/simulation/simulated_cards.h"
 #include "knee_robot/trajectory/reference_check.h"
 #include "knee_robot/trajectory/reference_file.h"
+#include "knee_robot/tuning/tuning_report.h"
 #include "program.h"
 
 using namespace knee_robot;
@@ -103,7 +103,7 @@ class MassRange {
     poses_ = empty.poses;
   }
   std::string apply(int i, const identification::AxisResponse& axis, double payload_kg,
-                    control::PlantRange& range) const {
+                    tuning::PlantRange& range) const {
     const double spread = kCertain * axis.mass_std;
     if (poses_ == 0) {
       range.low.mass_kg = axis.mass_kg - spread;
@@ -132,19 +132,19 @@ double forceLimit(const mechanism::Actuator& a) {
   return a.force_max_N > 0.0 ? std::min(a.force_max_N, by_voltage) : by_voltage;
 }
 
-void tune(const mechanism::Actuator& actuator, const report::TuningResults& results, report::TunedAxis& axis) {
-  axis.present_worst = control::worstMargins(axis.present, axis.range, results.servo_period_s);
-  control::GainBounds bounds{axis.highest_crossover_hz, actuator.metresPerCount(), kKickShare * forceLimit(actuator)};
-  axis.present_kick_N = control::kickOfOneCount(axis.present, results.servo_period_s, bounds.count_m);
-  axis.proposed = control::proposeGains(axis.range, results.servo_period_s, results.demand, bounds);
+void tune(const mechanism::Actuator& actuator, const tuning::TuningResults& results, tuning::TunedAxis& axis) {
+  axis.present_worst = tuning::worstMargins(axis.present, axis.range, results.servo_period_s);
+  tuning::GainBounds bounds{axis.highest_crossover_hz, actuator.metresPerCount(), kKickShare * forceLimit(actuator)};
+  axis.present_kick_N = tuning::kickOfOneCount(axis.present, results.servo_period_s, bounds.count_m);
+  axis.proposed = tuning::proposeGains(axis.range, results.servo_period_s, results.demand, bounds);
   if (!axis.proposed) return;
-  axis.proposed_worst = control::worstMargins(*axis.proposed, axis.range, results.servo_period_s);
-  axis.proposed_kick_N = control::kickOfOneCount(*axis.proposed, results.servo_period_s, bounds.count_m);
+  axis.proposed_worst = tuning::worstMargins(*axis.proposed, axis.range, results.servo_period_s);
+  axis.proposed_kick_N = tuning::kickOfOneCount(*axis.proposed, results.servo_period_s, bounds.count_m);
 }
 
 int propose(const Arguments& a, const mechanism::Robot& robot, const std::string& command_line) {
   report::Page("tune_pid");  // what the report needs and is missing is said before the work
-  report::TuningResults results;
+  tuning::TuningResults results;
   results.recording = a.recording;
   results.deployment = a.deployment;
   const Deployed now = deployed(a, robot);
@@ -154,7 +154,7 @@ int propose(const Arguments& a, const mechanism::Robot& robot, const std::string
   int evaluated = 0;
   for (std::size_t i = 0; i < robot.actuators.size(); ++i) {
     const identification::AxisResponse& measured = results.responses.axes[i];
-    report::TunedAxis axis;
+    tuning::TunedAxis axis;
     axis.name = (robot.mechanism ? "leg " : "axis ") + std::to_string(i + 1);
     axis.driver = now.names[i];
     axis.present = now.gains[i];
@@ -174,8 +174,8 @@ int propose(const Arguments& a, const mechanism::Robot& robot, const std::string
     results.axes.push_back(axis);
   }
   if (evaluated == 0) throw Refusal(a.recording + ": no axis can be judged; the first: " + results.axes.front().reason);
-  std::cout << report::tuningSummary(results);
-  report::writeTuning(results, command_line, a.output);
+  std::cout << tuning::tuningSummary(results);
+  tuning::writeTuning(results, command_line, a.output);
   std::cout << "written: " << a.output << "/report.html, report.json, gains.yaml" << std::endl;
   return kExitDone;
 }

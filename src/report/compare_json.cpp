@@ -2,10 +2,10 @@
 #include <cstdio>
 
 #include "compare_panels.h"
-#include "json_parts.h"
 #include "knee_robot/base/constants.h"
 #include "knee_robot/base/files.h"
 #include "knee_robot/base/numbers.h"
+#include "knee_robot/report/json_parts.h"
 #include "knee_robot/report/page.h"
 
 namespace knee_robot::report {

@@ -4,8 +4,8 @@
 #include <utility>
 #include <vector>
 
-#include "json_parts.h"
 #include "knee_robot/report/compare.h"
+#include "knee_robot/report/json_parts.h"
 
 namespace knee_robot::report {
 

@@ -1,5 +1,5 @@
 #include "compare_panels.h"
-#include "plot_series.h"
+#include "knee_robot/report/plot_series.h"
 
 namespace knee_robot::report {
 

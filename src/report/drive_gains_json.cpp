@@ -1,5 +1,5 @@
-#include "json_parts.h"
 #include "knee_robot/report/drive_gains_report.h"
+#include "knee_robot/report/json_parts.h"
 
 namespace knee_robot::report {
 

@@ -5,9 +5,9 @@
 #include <cstdio>
 #include <filesystem>
 
-#include "json_parts.h"
 #include "knee_robot/base/files.h"
 #include "knee_robot/base/numbers.h"
+#include "knee_robot/report/json_parts.h"
 #include "knee_robot/report/page.h"
 
 namespace knee_robot::report {

@@ -3,7 +3,7 @@
 #include <cmath>
 
 #include "knee_robot/mechanism/chain.h"
-#include "plot_series.h"
+#include "knee_robot/report/plot_series.h"
 
 namespace knee_robot::report {
 namespace {

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "json_parts.h"
+#include "knee_robot/report/json_parts.h"
 #include "knee_robot/report/recorded_units_of.h"
 
 namespace knee_robot::report {

@@ -1,31 +1,31 @@
 #include <cmath>
 
 #include "identify_series.h"
-#include "json_parts.h"
 #include "knee_robot/base/files.h"
 #include "knee_robot/dynamics/urdf_inertia.h"
 #include "knee_robot/report/identify_report.h"
+#include "knee_robot/report/json_parts.h"
 #include "knee_robot/report/page.h"
 #include "knee_robot/report/recorded_units.h"
 
 namespace knee_robot::report {
 namespace {
 
-Json rankJson(const IdentifyResults& r) {
+Json strengthJson(const IdentifyResults& r) {
   Json curve = Json::array();
-  for (std::size_t k = 0; k < r.after.rank.curve.size(); ++k) {
-    const identification::RankPoint& p = r.after.rank.curve[k];
+  for (std::size_t k = 0; k < r.after.prior.curve.size(); ++k) {
+    const identification::StrengthPoint& p = r.after.prior.curve[k];
     Json point = {{"rank", p.rank},
                   {"held_back", p.held_back},
                   {"training", p.training},
                   {"beyond_best", p.beyond_best},
                   {"standard_error", p.standard_error},
-                  {"train_moving_N", jsonArray(r.train_by_rank[k])}};
-    if (!r.validate_by_rank.empty()) point["validate_moving_N"] = jsonArray(r.validate_by_rank[k]);
+                  {"train_moving_N", jsonArray(r.train_by_strength[k])}};
+    if (!r.validate_by_strength.empty()) point["validate_moving_N"] = jsonArray(r.validate_by_strength[k]);
     curve.push_back(point);
   }
   return {{"chosen", r.after.model.rank},
-          {"rule", "smallest rank whose held-back error is within one standard error of the best"},
+          {"rule", "strongest pull towards the prior whose held-back error is within one standard error of the best"},
           {"blocks", r.after.blocks},
           {"curve", curve}};
 }
@@ -128,7 +128,7 @@ std::string identifyJson(const IdentifyResults& r) {
                       {"depends_on", Json::array()}};
   j["pose"] = Json();
   j["next_experiment"] = Json();
-  j["rank"] = rankJson(r);
+  j["rank"] = strengthJson(r);
   j["parameters"] = parametersJson(r.after.model);
   j["combinations"] = r.after.model.base.size();
   j["cutoff"] = {{"rule", r.cutoff.sentence},

@@ -4,7 +4,7 @@
 
 #include "force_series.h"
 #include "knee_robot/recording/spectrum.h"
-#include "plot_series.h"
+#include "knee_robot/report/plot_series.h"
 
 namespace knee_robot::report {
 namespace {

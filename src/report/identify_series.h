@@ -1,7 +1,7 @@
 #pragma once
 
-#include "json_parts.h"
 #include "knee_robot/report/identify_report.h"
+#include "knee_robot/report/json_parts.h"
 
 namespace knee_robot::report {
 

@@ -7,8 +7,6 @@
 namespace knee_robot::report {
 namespace {
 
-constexpr std::size_t kEveryRank = 24;  ///< a longer curve is printed near the choice, and every fourth rank elsewhere
-
 std::string cell(double value, int width) {
   char text[32];
   if (!std::isfinite(value)) {
@@ -39,11 +37,6 @@ std::string accuracyText(const std::string& title, const identification::Accurac
   return out + row("rms / range(force), all samples", a.range_percent, "%") + row("largest error", a.max_N, "N");
 }
 
-bool printed(const std::vector<identification::RankPoint>& curve, std::size_t k, int chosen) {
-  return curve.size() <= kEveryRank || std::abs(curve[k].rank - chosen) <= 3 || curve[k].rank % 4 == 0 ||
-         k + 1 == curve.size();
-}
-
 std::string frictionText(const std::vector<dynamics::FrictionLaw>& laws) {
   std::string out = "friction near rest, chosen on training data:\n";
   for (std::size_t i = 0; i < laws.size(); ++i)
@@ -51,26 +44,25 @@ std::string frictionText(const std::vector<dynamics::FrictionLaw>& laws) {
   return out;
 }
 
-std::string rankText(const IdentifyResults& r) {
+std::string strengthText(const IdentifyResults& r) {
   std::string out =
       "error against the directions that the data decide rather than the prior: rms of moving samples in N, * = chosen "
       "on training "
       "data (held back: rms / noise on left-out blocks)\n";
   out += "   rank  held back | training";
   out += std::string(static_cast<std::size_t>(8 * r.after.model.axes - 8), ' ');
-  out += r.validate_by_rank.empty() ? "\n" : "  | validation\n";
-  const std::vector<identification::RankPoint>& curve = r.after.rank.curve;
+  out += r.validate_by_strength.empty() ? "\n" : "  | validation\n";
+  const std::vector<identification::StrengthPoint>& curve = r.after.prior.curve;
   for (std::size_t k = 0; k < curve.size(); ++k) {
-    if (!printed(curve, k, r.after.model.rank)) continue;
     char head[48];
     std::snprintf(head, sizeof head, " %c %4d  %9.3f |", curve[k].rank == r.after.model.rank ? '*' : ' ', curve[k].rank,
                   std::sqrt(curve[k].held_back));
     out += head;
-    for (const double value : r.train_by_rank[k])
+    for (const double value : r.train_by_strength[k])
       out += cell(value, 8);
-    if (!r.validate_by_rank.empty()) {
+    if (!r.validate_by_strength.empty()) {
       out += "  |";
-      for (const double value : r.validate_by_rank[k])
+      for (const double value : r.validate_by_strength[k])
         out += cell(value, 8);
     }
     out += "\n";
@@ -121,7 +113,7 @@ std::string identifySummary(const IdentifyResults& r) {
     }
   }
   out += r.cutoff.sentence + "\n" + (r.full_band.sentence.empty() ? "" : r.full_band.sentence + "\n") + "\n" +
-         rankText(r) + "\n" + frictionText(r.after.model.friction) + "\n" + parameterText(r.after) + "\n" +
+         strengthText(r) + "\n" + frictionText(r.after.model.friction) + "\n" + parameterText(r.after) + "\n" +
          accuracyText("training", r.train_after.accuracy);
   if (!r.validate.empty()) out += accuracyText("validation", r.validate_after.accuracy);
   return out + physicalText(r);

@@ -1,4 +1,4 @@
-#include "json_parts.h"
+#include "knee_robot/report/json_parts.h"
 
 #include <cmath>
 

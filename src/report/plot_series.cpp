@@ -1,4 +1,4 @@
-#include "plot_series.h"
+#include "knee_robot/report/plot_series.h"
 
 #include <algorithm>
 #include <cmath>

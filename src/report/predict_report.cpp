@@ -5,9 +5,9 @@
 #include <cstdio>
 
 #include "force_series.h"
-#include "json_parts.h"
 #include "knee_robot/base/files.h"
 #include "knee_robot/identification/full_band.h"
+#include "knee_robot/report/json_parts.h"
 #include "knee_robot/report/page.h"
 #include "knee_robot/report/recorded_units.h"
 #include "number_row.h"

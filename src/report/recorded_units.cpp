@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <set>
 
-#include "json_parts.h"
 #include "knee_robot/base/numbers.h"
 #include "knee_robot/dynamics/joint_units.h"
+#include "knee_robot/report/json_parts.h"
 
 namespace knee_robot::report {
 namespace {
@@ -209,8 +209,8 @@ void toRecordedUnits(const mechanism::Robot& robot, IdentifyResults& r) {
   for (identification::Applied* a : {&r.train_before, &r.train_after, &r.validate_before, &r.validate_after,
                                      &r.train_physical, &r.validate_physical})
     convert.applied(*a);
-  convert.forces(r.train_by_rank);
-  convert.forces(r.validate_by_rank);
+  convert.forces(r.train_by_strength);
+  convert.forces(r.validate_by_strength);
   for (identification::Identification* id : {&r.before, &r.after}) {
     convert.forces(id->noise_N);
     id->model = dynamics::inJointUnits(id->model);

@@ -2,9 +2,9 @@
 
 #include <cmath>
 
-#include "json_parts.h"
 #include "knee_robot/base/constants.h"
 #include "knee_robot/base/numbers.h"
+#include "knee_robot/report/json_parts.h"
 
 namespace knee_robot::report {
 namespace {

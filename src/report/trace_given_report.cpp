@@ -2,8 +2,8 @@
 
 #include <cmath>
 
-#include "json_parts.h"
 #include "knee_robot/base/numbers.h"
+#include "knee_robot/report/json_parts.h"
 
 namespace knee_robot::report {
 namespace {

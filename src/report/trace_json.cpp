@@ -1,9 +1,9 @@
 #include <cmath>
 #include <random>
 
-#include "json_parts.h"
 #include "knee_robot/base/files.h"
 #include "knee_robot/base/numbers.h"
+#include "knee_robot/report/json_parts.h"
 #include "knee_robot/report/page.h"
 #include "knee_robot/report/recorded_units.h"
 #include "knee_robot/report/trace_report.h"

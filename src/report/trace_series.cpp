@@ -5,7 +5,7 @@
 
 #include "force_series.h"
 #include "knee_robot/base/constants.h"
-#include "plot_series.h"
+#include "knee_robot/report/plot_series.h"
 
 namespace knee_robot::report {
 namespace {

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "json_parts.h"
+#include "knee_robot/report/json_parts.h"
 #include "knee_robot/report/trace_report.h"
 
 namespace knee_robot::report {

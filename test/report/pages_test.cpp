@@ -10,8 +10,8 @@
 #include "knee_robot/report/drive_gains_report.h"
 #include "knee_robot/report/predict_report.h"
 #include "knee_robot/report/recorded_units.h"
-#include "knee_robot/report/tuning_report.h"
 #include "knee_robot/simulation/camera.h"
+#include "knee_robot/tuning/tuning_report.h"
 #include "test/report/results.h"
 
 namespace knee_robot::report {
@@ -137,7 +137,7 @@ TEST_F(Pages, OfDriveGains) {
 }
 
 TEST_F(Pages, OfTuning) {
-  TuningResults r;
+  tuning::TuningResults r;
   r.recording = r.deployment = kName;
   const Eigen::Index rows = 4000;
   for (Eigen::Index k = 0; k < rows; ++k)
@@ -145,24 +145,24 @@ TEST_F(Pages, OfTuning) {
   r.responses.force_N = r.responses.model_N = Eigen::MatrixXd::Random(rows, 2);
   r.responses.axes.resize(2);
   r.responses.axes[0].mass_kg = 20.0;
-  TunedAxis axis;
+  tuning::TunedAxis axis;
   axis.name = "leg 1";
   axis.driver = kName;
   axis.range.low = {15.0, 20.0, 0.001};
   axis.range.high = {30.0, 60.0, 0.002};
   axis.range_source = kLine;
   axis.highest_crossover_hz = 10.0;
-  axis.proposed = control::proposeGains(axis.range, r.servo_period_s, r.demand, {});
+  axis.proposed = tuning::proposeGains(axis.range, r.servo_period_s, r.demand, {});
   ASSERT_TRUE(axis.proposed);
   axis.present = *axis.proposed;
   axis.present.proportional *= 0.5;
-  axis.proposed_worst = control::worstMargins(*axis.proposed, axis.range, r.servo_period_s);
-  axis.present_worst = control::worstMargins(axis.present, axis.range, r.servo_period_s);
-  TunedAxis not_judged;
+  axis.proposed_worst = tuning::worstMargins(*axis.proposed, axis.range, r.servo_period_s);
+  axis.present_worst = tuning::worstMargins(axis.present, axis.range, r.servo_period_s);
+  tuning::TunedAxis not_judged;
   not_judged.name = "leg 2";
   not_judged.reason = kLine;
   r.axes = {axis, not_judged};
-  writeTuning(r, kLine, in("tune_pid"));
+  tuning::writeTuning(r, kLine, in("tune_pid"));
   expectPage("tune_pid");
   EXPECT_EQ(nlohmann::json::parse(readFile(in("tune_pid") + "/report.json"))["axes"][0]["measured"]["mass_kg"], 20.0);
 }

@@ -1,4 +1,4 @@
-#include "src/report/plot_series.h"
+#include "knee_robot/report/plot_series.h"
 
 #include <gtest/gtest.h>
 

@@ -37,12 +37,12 @@ inline IdentifyResults identified(bool with_validation) {
   const double cutoff = r.options.observation.cutoff_hz;
   r.train_before = identification::applyModel(r.before.model, robot, r.train, cutoff);
   r.train_after = identification::applyModel(r.after.model, robot, r.train, cutoff);
-  r.train_by_rank = identification::errorAgainstRank(r.after, r.train, cutoff);
+  r.train_by_strength = identification::errorAgainstRank(r.after, r.train, cutoff);
   if (with_validation) {
     identification::setFriction(r.validate[0], r.after.columns, r.after.model.friction);
     r.validate_before = identification::applyModel(r.before.model, robot, r.validate, cutoff);
     r.validate_after = identification::applyModel(r.after.model, robot, r.validate, cutoff);
-    r.validate_by_rank = identification::errorAgainstRank(r.after, r.validate, cutoff);
+    r.validate_by_strength = identification::errorAgainstRank(r.after, r.validate, cutoff);
   }
   return r;
 }

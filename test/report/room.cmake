@@ -1,1 +1,1 @@
-target_link_libraries(report_tests knee_simulation)
+target_link_libraries(report_tests knee_simulation knee_tuning)

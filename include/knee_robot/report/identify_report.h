@@ -25,8 +25,8 @@ struct IdentifyResults {
   identification::Identification before, after;
   identification::Applied train_before, train_after;
   identification::Applied validate_before, validate_after;  ///< empty without validation recordings
-  std::vector<Eigen::VectorXd> train_by_rank;               ///< errorAgainstRank
-  std::vector<Eigen::VectorXd> validate_by_rank;            ///< empty without validation recordings
+  std::vector<Eigen::VectorXd> train_by_strength;           ///< errorAgainstRank
+  std::vector<Eigen::VectorXd> validate_by_strength;        ///< empty without validation recordings
 
   std::optional<dynamics::RobotInertia> prior;          ///< of the robot's URDF
   std::string urdf_path;                                ///< that the prior came from

@@ -3,9 +3,9 @@
 #include <optional>
 #include <vector>
 
-#include "knee_robot/control/loop_margins.h"
+#include "knee_robot/tuning/loop_margins.h"
 
-namespace knee_robot::control {
+namespace knee_robot::tuning {
 
 /// What is known of an axis: the plant lies somewhere in here, over poses and within the measurement's uncertainty.
 struct PlantRange {
@@ -31,15 +31,15 @@ struct GainBounds {
 };
 
 /// The worst of every margin over the corners of a range.
-LoopMargins worstMargins(const PidGains& gains, const PlantRange& range, double period_s);
+LoopMargins worstMargins(const control::PidGains& gains, const PlantRange& range, double period_s);
 
 /// Change of force when the encoder counts once, N.
-double kickOfOneCount(const PidGains& gains, double period_s, double count_m);
+double kickOfOneCount(const control::PidGains& gains, double period_s, double count_m);
 
 /// Gains of one shape, as fast as demand and bounds allow: D = m w, P = D w / 3, I = P w / 20, with m the geometric
 /// mean of the range's masses, w the crossover (rad/s), and the velocity's low-pass at five times it (20 to 200 Hz).
 /// None when not even a crossover of 0.5 Hz keeps them.
-std::optional<PidGains> proposeGains(const PlantRange& range, double period_s, const MarginDemand& demand,
-                                     const GainBounds& bounds);
+std::optional<control::PidGains> proposeGains(const PlantRange& range, double period_s, const MarginDemand& demand,
+                                              const GainBounds& bounds);
 
-}  // namespace knee_robot::control
+}  // namespace knee_robot::tuning

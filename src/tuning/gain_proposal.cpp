@@ -1,19 +1,19 @@
-#include "knee_robot/control/gain_proposal.h"
+#include "knee_robot/tuning/gain_proposal.h"
 
 #include <algorithm>
 #include <cmath>
 
 #include "knee_robot/base/constants.h"
 
-namespace knee_robot::control {
+namespace knee_robot::tuning {
 namespace {
 
 constexpr double kSlowest_hz = 0.5;
 constexpr double kStep = 1.04;  // from one crossover to the next one that is tried
 
-PidGains gainsAt(double crossover_hz, double mass) {
+control::PidGains gainsAt(double crossover_hz, double mass) {
   const double w = kTwoPi * crossover_hz;
-  PidGains gains;
+  control::PidGains gains;
   gains.derivative = mass * w;
   gains.proportional = gains.derivative * w / 3.0;
   gains.integral = gains.proportional * w / 20.0;
@@ -28,7 +28,7 @@ double rounded(double value) {
   return std::round(value / scale) * scale;
 }
 
-PidGains rounded(const PidGains& gains) {
+control::PidGains rounded(const control::PidGains& gains) {
   return {rounded(gains.proportional), rounded(gains.integral), rounded(gains.derivative),
           rounded(gains.derivative_cutoff_hz)};
 }
@@ -51,7 +51,7 @@ bool MarginDemand::isMetBy(const LoopMargins& m) const {
          m.phase_rad >= phase_rad;
 }
 
-LoopMargins worstMargins(const PidGains& gains, const PlantRange& range, double period_s) {
+LoopMargins worstMargins(const control::PidGains& gains, const PlantRange& range, double period_s) {
   std::optional<LoopMargins> worst;
   for (const AxisPlant& plant : range.corners()) {
     const LoopMargins one = loopMargins(gains, plant, period_s);
@@ -70,17 +70,17 @@ LoopMargins worstMargins(const PidGains& gains, const PlantRange& range, double 
   return *worst;
 }
 
-double kickOfOneCount(const PidGains& gains, double period_s, double count_m) {
+double kickOfOneCount(const control::PidGains& gains, double period_s, double count_m) {
   const double share = period_s / (1.0 / (kTwoPi * gains.derivative_cutoff_hz) + period_s);
   return count_m * (gains.proportional + gains.derivative * share / period_s);
 }
 
-std::optional<PidGains> proposeGains(const PlantRange& range, double period_s, const MarginDemand& demand,
-                                     const GainBounds& bounds) {
+std::optional<control::PidGains> proposeGains(const PlantRange& range, double period_s, const MarginDemand& demand,
+                                              const GainBounds& bounds) {
   const std::vector<AxisPlant> corners = range.corners();
   const double mass = std::sqrt(range.low.mass_kg * range.high.mass_kg);
   for (double crossover = bounds.highest_crossover_hz; crossover >= kSlowest_hz; crossover /= kStep) {
-    const PidGains gains = rounded(gainsAt(crossover, mass));
+    const control::PidGains gains = rounded(gainsAt(crossover, mass));
     if (kickOfOneCount(gains, period_s, bounds.count_m) > bounds.largest_kick_N) continue;
     const auto keeps = [&](const AxisPlant& plant) {
       const LoopMargins margins = loopMargins(gains, plant, period_s);
@@ -91,4 +91,4 @@ std::optional<PidGains> proposeGains(const PlantRange& range, double period_s, c
   return std::nullopt;
 }
 
-}  // namespace knee_robot::control
+}  // namespace knee_robot::tuning

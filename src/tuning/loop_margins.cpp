@@ -1,4 +1,4 @@
-#include "knee_robot/control/loop_margins.h"
+#include "knee_robot/tuning/loop_margins.h"
 
 #include <Eigen/Dense>
 #include <algorithm>
@@ -7,7 +7,7 @@
 
 #include "knee_robot/base/constants.h"
 
-namespace knee_robot::control {
+namespace knee_robot::tuning {
 namespace {
 
 constexpr int kFrequencies = 3000;
@@ -51,7 +51,7 @@ Sampled sample(const AxisPlant& plant, double period) {
   return s;
 }
 
-double filterShare(const PidGains& gains, double period) {
+double filterShare(const control::PidGains& gains, double period) {
   return period / (1.0 / (2.0 * kPi * gains.derivative_cutoff_hz) + period);
 }
 
@@ -68,7 +68,7 @@ Complex respond(const Sampled& s, Complex z) {
 /// The loop as a linear map from one cycle to the next: position, velocity, forces under way, the Pid's memory.
 class LinearLoop {
  public:
-  LinearLoop(const PidGains& gains, const AxisPlant& plant, double period)
+  LinearLoop(const control::PidGains& gains, const AxisPlant& plant, double period)
       : gains_(gains), s_(sample(plant, period)), period_(period), alpha_(filterShare(gains, period)) {}
   int states() const { return 5 + s_.whole + 1; }
 
@@ -100,7 +100,7 @@ class LinearLoop {
   }
 
  private:
-  const PidGains gains_;
+  const control::PidGains gains_;
   const Sampled s_;
   const double period_, alpha_;
 };
@@ -112,7 +112,7 @@ double crossing(double from, double to) {
 
 }  // namespace
 
-Complex pidResponse(const PidGains& gains, double period, double frequency) {
+Complex pidResponse(const control::PidGains& gains, double period, double frequency) {
   const Complex z = onCircle(frequency, period);
   const double alpha = filterShare(gains, period);
   const Complex derivative = alpha * (1.0 - 1.0 / z) / period / (1.0 - (1.0 - alpha) / z);
@@ -131,7 +131,7 @@ std::vector<double> marginFrequencies(double period) {
   return all;
 }
 
-LoopMargins loopMargins(const PidGains& gains, const AxisPlant& plant, double period) {
+LoopMargins loopMargins(const control::PidGains& gains, const AxisPlant& plant, double period) {
   LoopMargins margins;
   margins.stable = LinearLoop(gains, plant, period).isStable();
   margins.gain_up = std::numeric_limits<double>::infinity();
@@ -163,7 +163,7 @@ LoopMargins loopMargins(const PidGains& gains, const AxisPlant& plant, double pe
   return margins;
 }
 
-std::vector<double> stepResponse(const PidGains& gains, const AxisPlant& plant, double period, int samples) {
+std::vector<double> stepResponse(const control::PidGains& gains, const AxisPlant& plant, double period, int samples) {
   const LinearLoop loop(gains, plant, period);
   Eigen::VectorXd x = Eigen::VectorXd::Zero(loop.states());
   std::vector<double> position;
@@ -174,4 +174,4 @@ std::vector<double> stepResponse(const PidGains& gains, const AxisPlant& plant, 
   return position;
 }
 
-}  // namespace knee_robot::control
+}  // namespace knee_robot::tuning

@@ -1,16 +1,16 @@
-#include "knee_robot/report/tuning_report.h"
+#include "knee_robot/tuning/tuning_report.h"
 
 #include <cmath>
 #include <cstdio>
 
-#include "json_parts.h"
 #include "knee_robot/base/constants.h"
 #include "knee_robot/base/files.h"
 #include "knee_robot/base/numbers.h"
+#include "knee_robot/report/json_parts.h"
 #include "knee_robot/report/page.h"
 #include "tuning_series.h"
 
-namespace knee_robot::report {
+namespace knee_robot::tuning {
 namespace {
 
 std::string gainsText(const control::PidGains& g) {
@@ -22,7 +22,7 @@ std::string factor(double value) {
   return std::isfinite(value) ? shortNumber(value, 3) : "any";
 }
 
-std::string marginsText(const control::LoopMargins& m) {
+std::string marginsText(const LoopMargins& m) {
   if (!m.stable) return "UNSTABLE somewhere in that range";
   return "gain x" + factor(m.gain_up) + " and x" + shortNumber(m.gain_down, 2) + ", phase " +
          shortNumber(kDegrees * m.phase_rad, 3) + " deg, delay " + shortNumber(1e3 * m.delay_s, 2) +
@@ -90,7 +90,7 @@ std::vector<std::pair<std::string, std::string>> wordsOf(const TuningResults& r,
   return words;
 }
 
-Json gainsJson(const control::PidGains& g) {
+report::Json gainsJson(const control::PidGains& g) {
   return {{"proportional_N_per_m", g.proportional},
           {"integral_N_per_m_s", g.integral},
           {"derivative_N_s_per_m", g.derivative},
@@ -98,10 +98,10 @@ Json gainsJson(const control::PidGains& g) {
 }
 
 /// Gains with the worst of their margins over the range; a factor that may be any is null.
-Json judgedJson(const control::PidGains& gains, const control::LoopMargins& m, double kick_N) {
-  Json j = {{"gains", gainsJson(gains)}, {"stable", m.stable}, {"count_changes_force_N", kick_N}};
+report::Json judgedJson(const control::PidGains& gains, const LoopMargins& m, double kick_N) {
+  report::Json j = {{"gains", gainsJson(gains)}, {"stable", m.stable}, {"count_changes_force_N", kick_N}};
   if (!m.stable) return j;
-  j["gain_up"] = jsonNumber(m.gain_up);
+  j["gain_up"] = report::jsonNumber(m.gain_up);
   j["gain_down"] = m.gain_down;
   j["phase_rad"] = m.phase_rad;
   j["delay_s"] = m.delay_s;
@@ -110,17 +110,17 @@ Json judgedJson(const control::PidGains& gains, const control::LoopMargins& m, d
   return j;
 }
 
-Json plantJson(const control::AxisPlant& p) {
+report::Json plantJson(const AxisPlant& p) {
   return {{"mass_kg", p.mass_kg}, {"viscous_N_s_per_m", p.viscous_N_s_per_m}, {"delay_s", p.delay_s}};
 }
 
 /// What the program prints of an axis, and the numbers in it.
-Json axisJson(const TuningResults& r, std::size_t i) {
+report::Json axisJson(const TuningResults& r, std::size_t i) {
   const TunedAxis& a = r.axes[i];
-  Json words = Json::array();
+  report::Json words = report::Json::array();
   for (const auto& [title, text] : wordsOf(r, i))
     words.push_back({title, text});
-  Json j = {{"name", a.name}, {"driver", a.driver}, {"judged", a.reason.empty()}, {"in_words", words}};
+  report::Json j = {{"name", a.name}, {"driver", a.driver}, {"judged", a.reason.empty()}, {"in_words", words}};
   if (!a.reason.empty()) return j;
   const identification::AxisResponse& x = r.responses.axes[i];
   j["measured"] = {{"mass_kg", x.mass_kg},       {"mass_std_kg", x.mass_std}, {"delay_s", x.delay_s},
@@ -129,7 +129,7 @@ Json axisJson(const TuningResults& r, std::size_t i) {
                 {"high", plantJson(a.range.high)},
                 {"highest_crossover_hz", a.highest_crossover_hz}};
   j["present"] = judgedJson(a.present, a.present_worst, a.present_kick_N);
-  j["proposed"] = a.proposed ? judgedJson(*a.proposed, a.proposed_worst, a.proposed_kick_N) : Json();
+  j["proposed"] = a.proposed ? judgedJson(*a.proposed, a.proposed_worst, a.proposed_kick_N) : report::Json();
   return j;
 }
 
@@ -149,27 +149,27 @@ std::string tuningSummary(const TuningResults& r) {
 }
 
 std::string tuningJson(const TuningResults& r, const std::string& command_line) {
-  Json j = {{"command", "tune_pid"},
-            {"recording", r.recording},
-            {"deployment", r.deployment},
-            {"servo_period_s", r.servo_period_s},
-            {"demand",
-             {{"gain", r.demand.gain},
-              {"phase_rad", r.demand.phase_rad},
-              {"sensitivity", r.demand.sensitivity},
-              {"sentence", demandText(r)}}},
-            {"axes", Json::array()}};
+  report::Json j = {{"command", "tune_pid"},
+                    {"recording", r.recording},
+                    {"deployment", r.deployment},
+                    {"servo_period_s", r.servo_period_s},
+                    {"demand",
+                     {{"gain", r.demand.gain},
+                      {"phase_rad", r.demand.phase_rad},
+                      {"sensitivity", r.demand.sensitivity},
+                      {"sentence", demandText(r)}}},
+                    {"axes", report::Json::array()}};
   for (std::size_t i = 0; i < r.axes.size(); ++i)
     j["axes"].push_back(axisJson(r, i));
   j["reproduce"] = command_line;
-  return j.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+  return j.dump(2, ' ', false, report::Json::error_handler_t::replace) + "\n";
 }
 
 void writeTuning(const TuningResults& r, const std::string& command_line, const std::string& folder) {
-  const Page page("tune_pid");
+  const report::Page page("tune_pid");
   makeFolder(folder);
-  writeReport(folder, page, tuningJson(r, command_line), tuningSeries(r));
+  report::writeReport(folder, page, tuningJson(r, command_line), tuningSeries(r));
   writeFileAtomically(folder + "/gains.yaml", gainsFile(r));
 }
 
-}  // namespace knee_robot::report
+}  // namespace knee_robot::tuning

@@ -3,7 +3,7 @@
 #include <Eigen/Core>
 #include <vector>
 
-#include "json_parts.h"
+#include "knee_robot/report/json_parts.h"
 
 namespace knee_robot::report {
 

@@ -1,18 +1,18 @@
-// Margins against loops that really run: the product's Pid on an axis that is integrated in steps of 20 us.
-#include "knee_robot/control/loop_margins.h"
+// Margins against loops that really run: the product's control::Pid on an axis that is integrated in steps of 20 us.
+#include "knee_robot/tuning/loop_margins.h"
 
 #include <gtest/gtest.h>
 
-#include "knee_robot/control/gain_proposal.h"
-#include "simulated_axis.h"
+#include "knee_robot/tuning/gain_proposal.h"
+#include "test/control/simulated_axis.h"
 
-namespace knee_robot::control {
+namespace knee_robot::tuning {
 namespace {
 
 constexpr double kPeriod = 0.001;
-const PidGains kGains{60000.0, 300000.0, 1500.0, 100.0};
+const control::PidGains kGains{60000.0, 300000.0, 1500.0, 100.0};
 
-PidGains times(PidGains gains, double factor) {
+control::PidGains times(control::PidGains gains, double factor) {
   gains.proportional *= factor;
   gains.integral *= factor;
   gains.derivative *= factor;
@@ -27,7 +27,7 @@ fake::SimulatedAxis axisOf(const AxisPlant& plant) {
   return axis;
 }
 
-bool comesToRest(const PidGains& gains, const AxisPlant& plant) {
+bool comesToRest(const control::PidGains& gains, const AxisPlant& plant) {
   return fake::growth(gains, axisOf(plant), kPeriod, 6.0) < 1.0;
 }
 
@@ -69,7 +69,7 @@ TEST(LoopMargins, OfTheDelayAreWhereTheRunningLoopBecomesUnstable) {
 }
 
 /// A frequency response by hand: the loop is cut, a sine goes in, and what comes out is correlated with it.
-std::complex<double> measuredLoop(const PidGains& gains, const AxisPlant& plant, double frequency) {
+std::complex<double> measuredLoop(const control::PidGains& gains, const AxisPlant& plant, double frequency) {
   fake::SimulatedAxis axis = axisOf(plant);
   const double w = 2.0 * M_PI * frequency, amplitude = 100.0;
   const std::complex<double> j(0.0, 1.0);
@@ -97,14 +97,14 @@ std::complex<double> measuredLoop(const PidGains& gains, const AxisPlant& plant,
     sum -= offset * std::exp(-j * w * (k * kPeriod));
   const std::complex<double> per_force = 2.0 * j * sum / static_cast<double>(cycles - from) / amplitude;
   // The Pid's own part, run in the same way: error in, force out.
-  Pid pid;
+  control::Pid pid;
   pid.setGains(gains);
   pid.reset(0.0);
   std::complex<double> force = 0.0;
   double constant = 0.0;
   std::vector<double> out;
   for (int k = 0; k < cycles; ++k) {
-    PidInput input;
+    control::PidInput input;
     input.measured = -std::sin(w * k * kPeriod);
     input.dt = kPeriod;
     out.push_back(pid.update(input, 1e12));
@@ -153,7 +153,7 @@ TEST(GainProposal, IsAsFastAsTheDemandAllowsAndNoFaster) {
   const MarginDemand demand;
   const auto gains = proposeGains(range, kPeriod, demand, {200.0, 1e-6, 1000.0});
   ASSERT_TRUE(gains);
-  PidGains faster = *gains;
+  control::PidGains faster = *gains;
   faster.derivative *= 1.1;
   faster.proportional *= 1.21;
   faster.integral *= 1.331;
@@ -180,10 +180,10 @@ TEST(GainProposal, IsNoneWhereNoGainsKeepTheMargin) {
 }
 
 TEST(GainProposal, CountsTheForceOfOneEncoderCountAsTheLoopDoes) {
-  Pid pid;
+  control::Pid pid;
   pid.setGains(kGains);
   pid.reset(0.0);
-  PidInput input;
+  control::PidInput input;
   input.dt = kPeriod;
   input.measured = 20e-6;
   const double force = -pid.update(input, 1e9) - kGains.integral * kPeriod * 20e-6;
@@ -191,4 +191,4 @@ TEST(GainProposal, CountsTheForceOfOneEncoderCountAsTheLoopDoes) {
 }
 
 }  // namespace
-}  // namespace knee_robot::control
+}  // namespace knee_robot::tuning

@@ -6,7 +6,7 @@
 
 #include "knee_robot/control/pid.h"
 
-namespace knee_robot::control {
+namespace knee_robot::tuning {
 
 /// What a Driver's position loop drives: M q'' + b q' = F(t - delay). Coulomb friction only helps, and is left out.
 struct AxisPlant {
@@ -28,14 +28,14 @@ struct LoopMargins {
 
 /// Pid::update as a transfer function from error to force at `frequency_hz`, sampled every `period_s`; the derivative
 /// acts on the error's derivative as far as the loop is concerned.
-std::complex<double> pidResponse(const PidGains& gains, double period_s, double frequency_hz);
+std::complex<double> pidResponse(const control::PidGains& gains, double period_s, double frequency_hz);
 /// From the command, held for a period, to the sampled position (exact, with the delay's fraction of a period).
 std::complex<double> plantResponse(const AxisPlant& plant, double period_s, double frequency_hz);
 /// Frequencies from 0.05 Hz to half the sampling rate, evenly on a logarithmic scale: what margins are looked for at.
 std::vector<double> marginFrequencies(double period_s);
 /// Stability by the closed loop's eigenvalues, the rest by L = pidResponse * plantResponse.
-LoopMargins loopMargins(const PidGains& gains, const AxisPlant& plant, double period_s);
+LoopMargins loopMargins(const control::PidGains& gains, const AxisPlant& plant, double period_s);
 /// Position after a step of the reference by 1, without its velocity (m per m); the loop as in loopMargins().
-std::vector<double> stepResponse(const PidGains& gains, const AxisPlant& plant, double period_s, int samples);
+std::vector<double> stepResponse(const control::PidGains& gains, const AxisPlant& plant, double period_s, int samples);
 
-}  // namespace knee_robot::control
+}  // namespace knee_robot::tuning

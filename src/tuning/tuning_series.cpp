@@ -2,47 +2,46 @@
 
 #include <cmath>
 
-#include "plot_series.h"
+#include "knee_robot/report/plot_series.h"
 
-namespace knee_robot::report {
+namespace knee_robot::tuning {
 namespace {
 
 constexpr double kPlotted_s = 0.5;
 
-Json sensitivity(const control::PidGains& gains, const control::AxisPlant& plant, double period_s) {
+report::Json sensitivity(const control::PidGains& gains, const AxisPlant& plant, double period_s) {
   std::vector<double> values;
-  for (const double f : control::marginFrequencies(period_s)) {
-    const auto loop = control::pidResponse(gains, period_s, f) * control::plantResponse(plant, period_s, f);
+  for (const double f : marginFrequencies(period_s)) {
+    const auto loop = pidResponse(gains, period_s, f) * plantResponse(plant, period_s, f);
     values.push_back(1.0 / std::abs(1.0 + loop));
   }
-  return logNumbers(values);
+  return report::logNumbers(values);
 }
 
 /// Position after a step of the reference by 1, and its times.
-Json step(const control::PidGains& gains, const control::AxisPlant& plant, double period_s, Json& time_s) {
-  const std::vector<double> values =
-      control::stepResponse(gains, plant, period_s, static_cast<int>(kPlotted_s / period_s));
+report::Json step(const control::PidGains& gains, const AxisPlant& plant, double period_s, report::Json& time_s) {
+  const std::vector<double> values = stepResponse(gains, plant, period_s, static_cast<int>(kPlotted_s / period_s));
   std::vector<double> times;
   for (std::size_t k = 0; k < values.size(); ++k)
     times.push_back(static_cast<double>(k) * period_s);
-  const PlotSeries series(times);
+  const report::PlotSeries series(times);
   time_s = series.x();
   return series.line(Eigen::Map<const Eigen::VectorXd>(values.data(), static_cast<Eigen::Index>(values.size())));
 }
 
-Json axisSeries(const TuningResults& r, std::size_t i) {
+report::Json axisSeries(const TuningResults& r, std::size_t i) {
   const TunedAxis& a = r.axes[i];
   if (!a.reason.empty()) return {};
   const auto column = static_cast<Eigen::Index>(i);
-  const PlotSeries force(r.responses.time_s);
-  Json j = {{"time_s", force.x()},
-            {"commanded_N", force.line(r.responses.force_N.col(column))},
-            {"model_N", force.line(r.responses.model_N.col(column))},
-            {"frequency_hz", logNumbers(control::marginFrequencies(r.servo_period_s))},
-            {"step_time_s", Json::array()},
-            {"loops", Json::array()}};
+  const report::PlotSeries force(r.responses.time_s);
+  report::Json j = {{"time_s", force.x()},
+                    {"commanded_N", force.line(r.responses.force_N.col(column))},
+                    {"model_N", force.line(r.responses.model_N.col(column))},
+                    {"frequency_hz", report::logNumbers(marginFrequencies(r.servo_period_s))},
+                    {"step_time_s", report::Json::array()},
+                    {"loops", report::Json::array()}};
   // The worst of either end: hardly any friction, the longest delay.
-  control::AxisPlant lightest = a.range.low, heaviest = a.range.high;
+  AxisPlant lightest = a.range.low, heaviest = a.range.high;
   lightest.delay_s = heaviest.delay_s;
   heaviest.viscous_N_s_per_m = lightest.viscous_N_s_per_m;
   const auto add = [&](const char* which, const control::PidGains& gains) {
@@ -59,11 +58,11 @@ Json axisSeries(const TuningResults& r, std::size_t i) {
 
 }  // namespace
 
-Json tuningSeries(const TuningResults& r) {
-  Json axes = Json::array();
+report::Json tuningSeries(const TuningResults& r) {
+  report::Json axes = report::Json::array();
   for (std::size_t i = 0; i < r.axes.size(); ++i)
     axes.push_back(axisSeries(r, i));
   return {{"axes", axes}};
 }
 
-}  // namespace knee_robot::report
+}  // namespace knee_robot::tuning

@@ -1,0 +1,1 @@
+target_link_libraries(compare_program PRIVATE knee_report)

@@ -1,0 +1,1 @@
+target_link_libraries(drive_gains_program PRIVATE knee_report)

@@ -1,0 +1,1 @@
+target_link_libraries(identify_program PRIVATE knee_report)

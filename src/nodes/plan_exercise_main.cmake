@@ -1,0 +1,1 @@
+target_link_libraries(plan_exercise_program PRIVATE knee_report)

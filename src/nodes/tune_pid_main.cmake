@@ -1,0 +1,1 @@
+target_link_libraries(tune_pid_program PRIVATE knee_tuning)
