@@ -17,11 +17,11 @@ Applied applyModel(const dynamics::Model& model, const mechanism::Robot& robot,
 
 std::vector<Eigen::VectorXd> errorAgainstRank(const Identification& id, const std::vector<Observation>& observations,
                                               double cutoff_hz) {
-  const Eigen::Index points = static_cast<Eigen::Index>(id.parameters_by_rank.size());
+  const Eigen::Index points = static_cast<Eigen::Index>(id.parameters_by_strength.size());
   const Eigen::Index axes = observations.front().axes();
   Eigen::MatrixXd parameters(static_cast<Eigen::Index>(id.columns.size()), points);
   for (Eigen::Index k = 0; k < points; ++k)
-    parameters.col(k) = id.parameters_by_rank[static_cast<std::size_t>(k)];
+    parameters.col(k) = id.parameters_by_strength[static_cast<std::size_t>(k)];
   Eigen::MatrixXd sum = Eigen::MatrixXd::Zero(axes, points);
   double samples = 0.0;
   for (const Observation& o : observations) {

@@ -340,8 +340,8 @@ Identification identify(const mechanism::Robot& robot, std::vector<Observation>&
   const Eigen::VectorXd before = stage.parameters;
   stage = solveStage(equations, noiseAfter(equations, before), setting, strength, &before);
   if (options.friction) refuseRank(options.rank, stage.reduction, training);
-  id.rank = chooseStrength(stage.equations, id.columns, use, setting.prior);
-  strength = options.rank > 0 ? kAskedStrength : id.rank.strength;
+  id.prior = chooseStrength(stage.equations, id.columns, use, setting.prior);
+  strength = options.rank > 0 ? kAskedStrength : id.prior.strength;
   stage = solveStage(equations, noiseAfter(equations, stage.parameters), setting, strength);
 
   id.reduction = stage.reduction;
@@ -350,18 +350,18 @@ Identification identify(const mechanism::Robot& robot, std::vector<Observation>&
   id.coordinates = Eigen::VectorXd::Zero(id.reduction.maximalRank());
   id.coordinates.head(rank) = fit.coordinates;
   id.parameters = toParameters(id.reduction, fit.coordinates);
-  id.rank.strength = strength;
-  if (options.rank > 0) id.rank.rank = rank;
+  id.prior.strength = strength;
+  if (options.rank > 0) id.prior.rank = rank;
   describeModel(robot, training, options.observation, id.model);
   describeParameters(id.reduction, fit, setting, strength, id.model);
-  id.model.rank = id.rank.rank;
+  id.model.rank = id.prior.rank;
   markRevolute(robot, id);
   const Eigen::VectorXd residual = noiseAfter(equations, id.parameters).head(equations.axes);
   id.model.residual_rms_N.assign(residual.data(), residual.data() + residual.size());
 
   id.model.trained_force_N = trainedRange(training);
 
-  id.parameters_by_rank = parametersByStrength(id.reduction, id.rank);
+  id.parameters_by_strength = parametersByStrength(id.reduction, id.prior);
   id.noise_N = stage.noise_N;
   id.equations = equations.rows();
   id.blocks = equations.blocks;

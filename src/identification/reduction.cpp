@@ -7,7 +7,6 @@
 namespace knee_robot::identification {
 namespace {
 
-constexpr double kWeakest = 1e-9;
 constexpr double kSilent = 1e-2;   ///< singular value: square root of the least information
 constexpr int kMostChanges = 100;  ///< of the active set; a cycle ends here with a feasible solution
 
@@ -16,6 +15,14 @@ Eigen::MatrixXd pickColumns(const Eigen::MatrixXd& m, const std::vector<int>& co
   for (std::size_t i = 0; i < columns.size(); ++i)
     out.col(static_cast<Eigen::Index>(i)) = m.col(columns[i]);
   return out;
+}
+
+std::vector<int> rowsOfBlock(const Equations& e, int block) {
+  std::vector<int> rows;
+  for (int row = 0; row < e.rows(); ++row) {
+    if (e.block[static_cast<std::size_t>(row)] == block) rows.push_back(row);
+  }
+  return rows;
 }
 
 }  // namespace
@@ -28,39 +35,33 @@ Eigen::MatrixXd compress(const Eigen::MatrixXd& a, const Eigen::VectorXd& b) {
   return joined.topRows(joined.cols()).triangularView<Eigen::Upper>();
 }
 
-Reduction reduce(const Eigen::MatrixXd& triangle, int rows, const std::vector<Column>& columns,
-                 const std::vector<char>& use) {
-  Reduction r;
-  const Eigen::Index p = triangle.cols() - 1;
-  Eigen::MatrixXd scaled = triangle.leftCols(p);
-  r.scale = scaled.colwise().norm().transpose() / std::sqrt(static_cast<double>(rows));
-  const double tiny = 1e-12 * r.scale.maxCoeff();
-  for (int c = 0; c < static_cast<int>(p); ++c) {
-    if (r.scale[c] <= tiny || !use[static_cast<std::size_t>(c)]) {
-      r.scale[c] = 0.0;
-      continue;
+std::vector<Eigen::MatrixXd> compressBlocks(const Equations& e) {
+  std::vector<Eigen::MatrixXd> blocks;
+  for (int block = 0; block < e.blocks; ++block) {
+    const std::vector<int> rows = rowsOfBlock(e, block);
+    Eigen::MatrixXd a(static_cast<Eigen::Index>(rows.size()), e.a.cols());
+    Eigen::VectorXd b(a.rows());
+    for (std::size_t i = 0; i < rows.size(); ++i) {
+      a.row(static_cast<Eigen::Index>(i)) = e.a.row(rows[i]);
+      b[static_cast<Eigen::Index>(i)] = e.b[rows[i]];
     }
-    scaled.col(c) /= r.scale[c];
-    (columns[static_cast<std::size_t>(c)].isNonNegative() ? r.kept : r.others).push_back(c);
+    blocks.push_back(compress(a, b));
   }
-  const Eigen::MatrixXd kept = pickColumns(scaled, r.kept);
-  const Eigen::MatrixXd others = pickColumns(scaled, r.others);
-  Eigen::MatrixXd free = others;
-  if (kept.cols() > 0) free -= kept * kept.completeOrthogonalDecomposition().solve(others);
-  r.target = triangle.col(p);
-  Eigen::Index count = 0;
-  if (others.cols() > 0) {
-    const Eigen::BDCSVD<Eigen::MatrixXd> svd(free, Eigen::ComputeThinV);
-    const Eigen::VectorXd& s = svd.singularValues();
-    while (count < s.size() && s[count] > kWeakest * s[0])
-      ++count;
-    r.directions = svd.matrixV().leftCols(count);
-    r.singular = count > 0 ? Eigen::VectorXd(s.head(count) / s[0]) : Eigen::VectorXd();
+  return blocks;
+}
+
+Eigen::MatrixXd joinBlocks(const std::vector<Eigen::MatrixXd>& blocks, int left_out) {
+  Eigen::Index rows = 0;
+  for (std::size_t i = 0; i < blocks.size(); ++i)
+    rows += static_cast<int>(i) == left_out ? 0 : blocks[i].rows();
+  Eigen::MatrixXd joined(rows, blocks.front().cols());
+  Eigen::Index at = 0;
+  for (std::size_t i = 0; i < blocks.size(); ++i) {
+    if (static_cast<int>(i) == left_out) continue;
+    joined.middleRows(at, blocks[i].rows()) = blocks[i];
+    at += blocks[i].rows();
   }
-  r.design.resize(triangle.rows(), kept.cols() + count);
-  r.design.leftCols(kept.cols()) = kept;
-  if (count > 0) r.design.rightCols(count) = others * r.directions;
-  return r;
+  return compress(joined.leftCols(joined.cols() - 1), joined.col(joined.cols() - 1));
 }
 
 Reduction reduce(const Eigen::MatrixXd& triangle, const std::vector<Column>& columns, const std::vector<char>& use,
@@ -153,29 +154,8 @@ Eigen::VectorXd boundedLeastSquares(const Eigen::MatrixXd& x, const Eigen::Vecto
   return z;
 }
 
-Eigen::VectorXd solveReduced(const Reduction& r, int rank) {
-  return boundedLeastSquares(r.design.leftCols(rank), r.target, r.minimalRank());
-}
-
-std::vector<Eigen::VectorXd> solveEveryRank(const Reduction& r) {
-  const Eigen::HouseholderQR<Eigen::MatrixXd> qr(r.design);
-  const Eigen::VectorXd right = qr.householderQ().adjoint() * r.target;
-  const bool full = r.design.rows() >= r.design.cols();
-  std::vector<Eigen::VectorXd> all;
-  for (int rank = r.minimalRank(); rank <= r.maximalRank(); ++rank) {
-    Eigen::VectorXd z;
-    if (full) {
-      z = qr.matrixQR().topLeftCorner(rank, rank).triangularView<Eigen::Upper>().solve(right.head(rank));
-    }
-    const bool bad = !full || !z.allFinite() || (r.minimalRank() > 0 && z.head(r.minimalRank()).minCoeff() < 0.0);
-    all.push_back(bad ? solveReduced(r, rank) : z);
-  }
-  return all;
-}
-
 Eigen::VectorXd toParameters(const Reduction& r, const Eigen::VectorXd& z) {
   Eigen::VectorXd parameters = r.start;
-  if (parameters.size() == 0) parameters.setZero(r.scale.size());
   const Eigen::Index kept = static_cast<Eigen::Index>(r.kept.size());
   for (Eigen::Index i = 0; i < kept; ++i) {
     const int c = r.kept[static_cast<std::size_t>(i)];

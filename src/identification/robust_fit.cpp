@@ -73,7 +73,6 @@ Rows reducedRows(const Equations& e, const Reduction& r, int rank) {
 
 /// The prior's pull as further equations.
 Rows pulled(const Rows& x, const Eigen::VectorXd& ridge) {
-  if (ridge.size() == 0) return x;
   Rows more(x.rows() + ridge.size(), x.cols());
   more.topRows(x.rows()) = x;
   more.bottomRows(ridge.size()) = Eigen::MatrixXd(ridge.cwiseSqrt().asDiagonal());
@@ -211,15 +210,12 @@ Eigen::VectorXd fitBisquare(const Equations& e, const Rows& x, const Eigen::Vect
 RobustFit robustFit(const Equations& e, const Reduction& r, int rank, OutlierRule rule, double strength,
                     bool uncertainty) {
   const Rows x = reducedRows(e, r, rank);
-  const Eigen::VectorXd b = r.start.size() > 0 ? Eigen::VectorXd(e.b - e.a * r.start) : e.b;
+  const Eigen::VectorXd b = e.b - e.a * r.start;
   const int bounded = r.minimalRank();
-  Eigen::VectorXd ridge;
-  if (strength > 0.0) {
-    ridge = Eigen::VectorXd::Zero(rank);
-    ridge.tail(rank - bounded).setConstant(strength);
-  }
+  Eigen::VectorXd ridge = Eigen::VectorXd::Zero(rank);
+  ridge.tail(rank - bounded).setConstant(strength);
   RobustFit fit;
-  fit.coordinates = strength > 0.0 ? solveWithPrior(r, rank, strength) : solveReduced(r, rank);
+  fit.coordinates = solveWithPrior(r, rank, strength);
   if (rule == OutlierRule::Huber) fit.iterations = fitHuber(x, b, bounded, ridge, fit.coordinates);
   fit.weights = Eigen::VectorXd::Ones(e.rows());
   if (rule == OutlierRule::Bisquare)

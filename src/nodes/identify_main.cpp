@@ -81,7 +81,8 @@ void declare(CLI::App& app, Arguments& a) {
   app.add_flag("!--no-physical", a.physical,
                "without the physically consistent parameters (model_physical.yaml, identified.urdf), for which the "
                "robot file must name a URDF");
-  app.add_option("--rank", a.options.rank, "keep this many directions instead of choosing on the training data")
+  app.add_option("--rank", a.options.rank,
+                 "fit only this many directions, without the prior (default: all directions, pulled towards the prior)")
       ->check(CLI::Range(1, 1000));
 }
 
@@ -232,13 +233,13 @@ int run(const Arguments& a, const std::string& command_line) {
   const double cutoff_hz = r.cutoff.cutoff_hz;
   r.train_before = apply(r.before.model, robot, r, r.train, training);
   r.train_after = apply(r.after.model, robot, r, r.train, training);
-  r.train_by_rank = identification::errorAgainstRank(r.after, r.train, cutoff_hz);
+  r.train_by_strength = identification::errorAgainstRank(r.after, r.train, cutoff_hz);
   if (!r.validate.empty()) {
     for (identification::Observation& o : r.validate)
       identification::setFriction(o, r.after.columns, r.after.model.friction);
     r.validate_before = apply(r.before.model, robot, r, r.validate, validation);
     r.validate_after = apply(r.after.model, robot, r, r.validate, validation);
-    r.validate_by_rank = identification::errorAgainstRank(r.after, r.validate, cutoff_hz);
+    r.validate_by_strength = identification::errorAgainstRank(r.after, r.validate, cutoff_hz);
   }
   if (r.physical) {
     r.train_physical = apply(r.physical->model, robot, r, r.train, training);

@@ -48,7 +48,7 @@ BaseFit inCoordinates(const identification::Identification& id, const Stack& sta
   base.columns = id.columns;
   base.friction_laws = id.model.friction;
   base.choices = id.friction;
-  base.decided = id.rank.rank;
+  base.decided = id.prior.rank;
   base.start = id.reduction.start;
   base.bounded = id.reduction.minimalRank();
   const Eigen::Index coordinates = id.reduction.maximalRank();
@@ -57,7 +57,7 @@ BaseFit inCoordinates(const identification::Identification& id, const Stack& sta
     base.basis.col(k) = identification::toParameters(id.reduction, Eigen::VectorXd::Unit(coordinates, k)) - base.start;
   // The strength was chosen for as many equations as identification has.
   const double rows = static_cast<double>(stack.size() * stack.axes) / std::max(1, id.equations);
-  base.pull = Eigen::VectorXd::Constant(coordinates, std::sqrt(id.rank.strength * rows));
+  base.pull = Eigen::VectorXd::Constant(coordinates, std::sqrt(id.prior.strength * rows));
   base.pull.head(base.bounded).setZero();
   base.parameters = id.parameters;
   return base;

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <limits>
 
-#include "knee_robot/identification/rank.h"
+#include "knee_robot/identification/reduction.h"
 
 namespace knee_robot::tracing {
 namespace {

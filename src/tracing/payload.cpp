@@ -7,7 +7,7 @@
 #include "knee_robot/base/numbers.h"
 #include "knee_robot/dynamics/rigid_body.h"
 #include "knee_robot/identification/motion_model.h"
-#include "knee_robot/identification/rank.h"
+#include "knee_robot/identification/reduction.h"
 
 namespace knee_robot::tracing {
 namespace {

@@ -7,7 +7,7 @@
 #include <iostream>
 #include <random>
 
-#include "knee_robot/identification/rank.h"
+#include "knee_robot/identification/prior_strength.h"
 
 namespace knee_robot::identification {
 namespace {
@@ -35,6 +35,18 @@ Eigen::MatrixXd sixColumnData(unsigned seed) {
   return a;
 }
 
+/// Of no claim: every column without a sign is expected to be 0, and 1 is a usual size.
+Prior unitPrior(const std::vector<Column>& columns) {
+  Prior prior;
+  const auto count = static_cast<Eigen::Index>(columns.size());
+  prior.mean = Eigen::VectorXd::Zero(count);
+  prior.transform = Eigen::MatrixXd::Identity(count, count);
+  for (Eigen::Index c = 0; c < count; ++c) {
+    if (columns[static_cast<std::size_t>(c)].isNonNegative()) prior.transform(c, c) = 0.0;
+  }
+  return prior;
+}
+
 TEST(Compress, KeepsTheLeastSquaresProblem) {
   const Eigen::MatrixXd a = randomMatrix(500, 8, 1);
   const Eigen::VectorXd b = randomMatrix(500, 1, 2);
@@ -50,10 +62,10 @@ TEST(Reduce, FindsTheRankLeavesOutWhatDoesNotOccurAndSolvesExactly) {
   const Eigen::MatrixXd a = sixColumnData(3);
   Eigen::VectorXd truth(6);
   truth << 2.0, 1.0, 0.5, 3e-4, -4.0, 100.0;
-  const Reduction r = reduce(compress(a, a * truth), 200, sixColumns(), std::vector<char>(6, 1));
+  const Reduction r = reduce(compress(a, a * truth), sixColumns(), std::vector<char>(6, 1), unitPrior(sixColumns()));
   EXPECT_EQ(r.minimalRank(), 2);
   EXPECT_EQ(r.maximalRank(), 4);  // two kept, r1 or r2, r3
-  const Eigen::VectorXd p = toParameters(r, solveReduced(r, 4));
+  const Eigen::VectorXd p = toParameters(r, solveWithPrior(r, 4, 1e-12));
   EXPECT_LT((a * p - a * truth).norm(), 1e-8);
   EXPECT_NEAR(p[0], 2.0, 1e-9);
   EXPECT_NEAR(p[3], 3e-4, 1e-12);
@@ -62,10 +74,10 @@ TEST(Reduce, FindsTheRankLeavesOutWhatDoesNotOccurAndSolvesExactly) {
 
 TEST(Reduce, LeavesOutColumnsThatAreNotUsed) {
   const Eigen::MatrixXd a = sixColumnData(4);
-  const Reduction r = reduce(compress(a, a.col(1)), 200, sixColumns(), {0, 1, 1, 0, 1, 1});
+  const Reduction r = reduce(compress(a, a.col(1)), sixColumns(), {0, 1, 1, 0, 1, 1}, unitPrior(sixColumns()));
   EXPECT_EQ(r.minimalRank(), 0);
   EXPECT_EQ(r.maximalRank(), 2);
-  EXPECT_EQ(toParameters(r, solveReduced(r, 2))[0], 0.0);
+  EXPECT_EQ(toParameters(r, solveWithPrior(r, 2, 1e-12))[0], 0.0);
 }
 
 TEST(BoundedLeastSquares, SatisfiesTheOptimalityConditionsOnRandomProblems) {
@@ -118,23 +130,50 @@ Equations fallingEquations(int alive, double noise, unsigned seed) {
   return e;
 }
 
-TEST(ChooseRank, KeepsTheDirectionsThatMatterAndFewMore) {
-  std::vector<Column> columns(16, Column{"r", "", ColumnRole::Rigid, -1});
-  int few = 0;
-  for (unsigned seed = 0; seed < 40; ++seed) {
-    const RankChoice choice = chooseRank(fallingEquations(6, 1.0, 10 * seed), columns, std::vector<char>(16, 1));
-    EXPECT_GE(choice.rank, 6) << "a direction that matters is missing, seed " << seed;
-    few += choice.rank <= 7;
-    EXPECT_EQ(choice.curve.front().rank, 0);
-    EXPECT_EQ(choice.curve.back().rank, 16);
-  }
-  std::cout << few << " of 40 choices keep at most one direction too many\n";
-  EXPECT_GE(few, 32);
+/// Mean square over fresh equations of what the parameters at one strength leave of them, without their noise.
+double errorElsewhere(const Equations& trained, const std::vector<Column>& columns, const Prior& prior, double strength,
+                      int alive) {
+  const Reduction r = reduce(joinBlocks(compressBlocks(trained), -1), columns, std::vector<char>(16, 1), prior);
+  const Eigen::VectorXd p = toParameters(r, solveWithPrior(r, r.maximalRank(), strength));
+  const Equations fresh = fallingEquations(alive, 0.0, 9999);
+  return (fresh.a * p - fresh.b).squaredNorm() / fresh.rows();
 }
 
-TEST(ChooseRank, TrainingErrorFallsWithRank) {
-  std::vector<Column> columns(16, Column{"r", "", ColumnRole::Rigid, -1});
-  const RankChoice choice = chooseRank(fallingEquations(6, 1.0, 77), columns, std::vector<char>(16, 1));
+TEST(ChooseStrength, ComesNearTheBestStrengthOnOtherEquationsThanItsOwn) {
+  const std::vector<Column> columns(16, Column{"r", "", ColumnRole::Rigid, -1});
+  const Prior prior = unitPrior(columns);
+  int near = 0;
+  for (unsigned seed = 0; seed < 40; ++seed) {
+    const Equations e = fallingEquations(6, 1.0, 10 * seed);
+    const PriorChoice choice = chooseStrength(e, columns, std::vector<char>(16, 1), prior);
+    double best = 1e300, worst = 0.0;
+    for (const StrengthPoint& point : choice.curve) {
+      const double error = errorElsewhere(e, columns, prior, point.strength, 6);
+      best = std::min(best, error);
+      worst = std::max(worst, error);
+    }
+    const double chosen = errorElsewhere(e, columns, prior, choice.strength, 6);
+    EXPECT_LT(chosen, 0.2 * worst) << "seed " << seed;
+    near += chosen < 3.0 * best;
+  }
+  std::cout << near << " of 40 choices leave less than three times the best's error elsewhere\n";
+  EXPECT_GE(near, 32);
+}
+
+TEST(ChooseStrength, KeepsToThePriorWhereItIsRight) {
+  const std::vector<Column> columns(16, Column{"r", "", ColumnRole::Rigid, -1});
+  Prior prior = unitPrior(columns);
+  const Equations e = fallingEquations(6, 1.0, 77);
+  prior.mean = fallingEquations(6, 0.0, 77).a.householderQr().solve(fallingEquations(6, 0.0, 77).b);
+  const PriorChoice choice = chooseStrength(e, columns, std::vector<char>(16, 1), prior);
+  EXPECT_EQ(choice.strength, choice.curve.front().strength);
+  EXPECT_EQ(choice.rank, 0);
+}
+
+TEST(ChooseStrength, TrainingErrorFallsWithTheStrength) {
+  const std::vector<Column> columns(16, Column{"r", "", ColumnRole::Rigid, -1});
+  const PriorChoice choice =
+      chooseStrength(fallingEquations(6, 1.0, 77), columns, std::vector<char>(16, 1), unitPrior(columns));
   for (std::size_t k = 1; k < choice.curve.size(); ++k) {
     EXPECT_LE(choice.curve[k].training, choice.curve[k - 1].training + 1e-9);
     EXPECT_GE(choice.curve[k].beyond_best, 0.0);

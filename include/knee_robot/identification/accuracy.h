@@ -8,7 +8,7 @@
 
 namespace knee_robot::identification {
 
-/// How far predictions are from commanded forces; one entry per actuator (design: section 3).
+/// How far predictions are from commanded forces; one entry per actuator (docs/contract.md, section 3).
 struct Accuracy {
   Eigen::VectorXd rms_N;          ///< all samples, both sides low-passed
   Eigen::VectorXd rms_moving_N;   ///< the same, samples at which every axis moves; nan when there is none

@@ -6,7 +6,7 @@
 #include "knee_robot/dynamics/model.h"
 #include "knee_robot/identification/accuracy.h"
 #include "knee_robot/identification/friction_choice.h"
-#include "knee_robot/identification/rank.h"
+#include "knee_robot/identification/prior_strength.h"
 #include "knee_robot/identification/robust_fit.h"
 
 namespace knee_robot::identification {
@@ -16,7 +16,7 @@ struct IdentifyOptions {
   ObservationOptions observation;
   bool friction = true;         ///< false: a model without any friction, to show what friction explains
   bool joint_friction = false;  ///< friction of the legs' passive joints too; `training` must be observed with it
-  int rank = 0;                 ///< 0: chosen on the training data
+  int rank = 0;                 ///< fit only this many directions, without the prior; 0: all, pulled towards it
   /// Narrowest width over which Coulomb friction may build up, in encoder counts. Smaller ones follow the encoder's
   /// flicker at rest; where nothing flickers they meet reversals more exactly.
   double narrowest_counts = 2.0;
@@ -30,13 +30,13 @@ struct IdentifyOptions {
 /// A fitted model, and what its choices rest on. Nothing in here depends on validation data.
 struct Identification {
   dynamics::Model model;
-  RankChoice rank;                       ///< strength of the prior, by held-back blocks
+  PriorChoice prior;                     ///< strength of the prior, by held-back blocks
   std::vector<FrictionChoice> friction;  ///< per actuator; empty without friction
   Reduction reduction;                   ///< the coordinates that were fitted, and
   Eigen::VectorXd coordinates;           ///< their values
   Eigen::VectorXd parameters;            ///< per column
   std::vector<Eigen::VectorXd>
-      parameters_by_rank;  ///< least-squares parameters (all columns) for every point of rank.curve
+      parameters_by_strength;  ///< least-squares parameters (all columns) for every point of prior.curve
   std::vector<Column> columns;
   Eigen::VectorXd
       noise_N;  ///< per actuator: rms residual that the equations were weighted with, moving ones, then those near rest

@@ -1,0 +1,93 @@
+#include "knee_robot/identification/prior_strength.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace knee_robot::identification {
+namespace {
+
+constexpr double kWorst =
+    1e6;  ///< an error beyond this counts as this: one block must not decide alone by an absurd figure
+
+const double kPriorStrengths[] = {1e7, 1e6, 1e5, 1e4, 1e3, 3e2, 1e2, 3e1, 1e1, 1.0, 1e-1};
+
+/// Squared norm of triangle's residual, per equation; the triangle holds the same sums as the rows it came from.
+double meanSquare(const Eigen::MatrixXd& triangle, const Eigen::VectorXd& parameters, int rows) {
+  const Eigen::Index p = triangle.cols() - 1;
+  return (triangle.col(p) - triangle.leftCols(p) * parameters).squaredNorm() / rows;
+}
+
+/// Held-back error at every strength (columns) for every block (rows), and each block's share of the equations.
+struct HeldBack {
+  Eigen::MatrixXd error;
+  Eigen::VectorXd share;
+};
+
+/// Standard errors of the points, paired with the best one.
+void comparePoints(const HeldBack& held, int blocks, PriorChoice& choice) {
+  const Eigen::RowVectorXd mean = held.share.transpose() * held.error;
+  Eigen::Index best = 0;
+  mean.minCoeff(&best);
+  for (Eigen::Index k = 0; k < mean.size(); ++k) {
+    StrengthPoint& point = choice.curve[static_cast<std::size_t>(k)];
+    point.held_back = mean[k];
+    const Eigen::VectorXd worse = held.error.col(k) - held.error.col(best);
+    point.beyond_best = mean[k] - mean[best];
+    const double variance = (held.share.array() * (worse.array() - point.beyond_best).square()).sum();
+    point.standard_error = blocks > 1 ? std::sqrt(variance / (blocks - 1)) : 0.0;
+  }
+}
+
+}  // namespace
+
+int supportedRank(const Reduction& r, double strength) {
+  const double supported = (r.information.array() / (r.information.array() + strength)).sum();
+  return r.minimalRank() + static_cast<int>(std::lround(supported));
+}
+
+std::vector<Eigen::VectorXd> parametersByStrength(const Reduction& r, const PriorChoice& choice) {
+  std::vector<Eigen::VectorXd> all;
+  for (const StrengthPoint& point : choice.curve)
+    all.push_back(toParameters(r, solveWithPrior(r, r.maximalRank(), point.strength)));
+  return all;
+}
+
+PriorChoice chooseStrength(const Equations& e, const std::vector<Column>& columns, const std::vector<char>& use,
+                           const Prior& prior) {
+  const std::vector<Eigen::MatrixXd> blocks = compressBlocks(e);
+  HeldBack held;
+  held.error.resize(e.blocks, static_cast<Eigen::Index>(std::size(kPriorStrengths)));
+  held.share.resize(e.blocks);
+  for (int block = 0; block < e.blocks; ++block) {
+    const int rows = static_cast<int>(std::count(e.block.begin(), e.block.end(), block));
+    held.share[block] = static_cast<double>(rows) / e.rows();
+    const Reduction r = reduce(joinBlocks(blocks, block), columns, use, prior);
+    for (std::size_t k = 0; k < std::size(kPriorStrengths); ++k) {
+      const Eigen::VectorXd parameters = toParameters(r, solveWithPrior(r, r.maximalRank(), kPriorStrengths[k]));
+      held.error(block, static_cast<Eigen::Index>(k)) =
+          std::min(kWorst, meanSquare(blocks[static_cast<std::size_t>(block)], parameters, rows));
+    }
+  }
+  const Eigen::MatrixXd everything = joinBlocks(blocks, -1);
+  const Reduction all = reduce(everything, columns, use, prior);
+  PriorChoice choice;
+  for (const double strength : kPriorStrengths) {
+    StrengthPoint point;
+    point.strength = strength;
+    point.rank = supportedRank(all, strength);
+    point.training =
+        meanSquare(everything, toParameters(all, solveWithPrior(all, all.maximalRank(), strength)), e.rows());
+    choice.curve.push_back(point);
+  }
+  comparePoints(held, e.blocks, choice);
+  for (const StrengthPoint& point : choice.curve) {
+    if (point.beyond_best > point.standard_error) continue;
+    choice.rank = point.rank;
+    choice.strength = point.strength;
+    break;
+  }
+  return choice;
+}
+
+}  // namespace knee_robot::identification
