@@ -1,5 +1,6 @@
 #include "controller_parts.h"
 
+#include <algorithm>
 #include <cmath>
 #include <ctime>
 
@@ -45,6 +46,10 @@ std::unique_ptr<rt::Deployment> deploy(const mechanism::Robot& robot, const Hard
   types.merge(componentTypes(robot, hardware, bus, lengthsAtStart(robot, options)));
   auto deployment = std::make_unique<rt::Deployment>(path, types, options.execution);
   requireBusPeriod(hardware, *deployment, path);
+  if (options.cpu) {
+    for (const auto& activity : deployment->activities())
+      activity->bindTo(*options.cpu);
+  }
   return deployment;
 }
 
@@ -95,6 +100,8 @@ PatientChecklist ControllerParts::checklist() const {
   list.guarded = bus.isGuarded();
   list.lacking_privileges = deployment->warnings();
   list.acceleration_factor = machine.monitors->acceleration_factor;
+  list.asks_encoders = std::all_of(machine.drivers.begin(), machine.drivers.end(),
+                                   [](const Driver* driver) { return driver->probe_period > 0.0; });
   return list;
 }
 

@@ -42,6 +42,8 @@ std::string PatientChecklist::obstacles() const {
   require(acceleration_factor <= kWideAcceleration,
           "the acceleration monitor is opened wide (deployment: acceleration_factor " +
               shortNumber(acceleration_factor) + ", at most " + shortNumber(kWideAcceleration) + ")");
+  require(asks_encoders,
+          "a Driver never asks its encoder whether it counts (deployment: probe_s 0, as for commissioning)");
   return all;
 }
 

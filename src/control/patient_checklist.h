@@ -23,6 +23,7 @@ struct PatientChecklist {
   bool has_force_limits = false;           ///< all actuators
   double singularity_condition_max = 0.0;  ///< of dq/dx
   double acceleration_factor = 0.0;        ///< of the acceleration monitor
+  bool asks_encoders = false;              ///< every Driver asks its encoder whether it counts
 
   /// The facts that a robot and a hardware file know.
   PatientChecklist(const mechanism::Robot& robot, const HardwareFile& hardware);

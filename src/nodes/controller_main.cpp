@@ -177,6 +177,9 @@ int run() {
     options.payload_kg = boundedParameter(node, "payload_kg", 0.0, 0.0, control::ModelFeedforward::kLargestPayload_kg,
                                           "the payload that the feedforward is told of, in kg");
   }
+  if (node.hasParam("cpu")) {
+    options.cpu = static_cast<int>(boundedParameter(node, "cpu", 0.0, 0.0, 1023.0, "the number of a processor"));
+  }
   control::ControlSystem system(robot, hardware_file, nodes::requiredParameter(node, "deployment"), machine.bus(),
                                 options);
   nodes::EventLog log(node.param("events", recordings.path() + "/events") + "/controller.jsonl");

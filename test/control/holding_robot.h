@@ -27,9 +27,12 @@ inline std::string file(const std::string& name) {
 struct Truth {
   bool model = false;  // the controller has one of 150 N s/m, 15 N (leg 4: 60 N)
   double payload_kg = 0.0;
-  double friction_3 = 1.0;   // times what the model knows
-  bool ready_line = false;   // the drives' ready outputs are wired
-  double coulomb_4_N = 0.0;  // instead of the simulation file's
+  double friction_3 = 1.0;              // times what the model knows
+  bool ready_line = false;              // the drives' ready outputs are wired
+  double coulomb_4_N = 0.0;             // instead of the simulation file's
+  bool carried = false;                 // by a crane: nothing weighs
+  std::uint8_t dead = 0, reversed = 0;  // masks of drives, from the start on
+  const char* deployment = "config/deployment/simulation.yaml";
 };
 
 inline simulation::SimulationParameters parameters(const Truth& truth) {
@@ -43,10 +46,16 @@ inline simulation::SimulationParameters parameters(const Truth& truth) {
   return all;
 }
 
+inline mechanism::Robot carriedByCrane(mechanism::Robot robot) {
+  robot.gravity.setZero();
+  return robot;
+}
+
 struct HoldingRobot {
   explicit HoldingRobot(const Truth& truth = {})
       : robot(mechanism::loadRobot(file("config/robots/A.yaml"))),
-        plant(robot, dynamics::loadRobotInertia(robot), parameters(truth), image),
+        plant(truth.carried ? carriedByCrane(robot) : robot, dynamics::loadRobotInertia(robot), parameters(truth),
+              image),
         bus(simulation::openImageCards(image)) {
     ControlSystem::Options options;
     options.empty = true;
@@ -61,13 +70,15 @@ struct HoldingRobot {
     }
     HardwareFile hardware = loadHardwareFile(file("config/hardware/simulated.yaml"));
     if (truth.ready_line) hardware.drives_ready_bit = 2;
-    system = std::make_unique<ControlSystem>(robot, hardware, file("config/deployment/simulation.yaml"), *bus, options);
+    system = std::make_unique<ControlSystem>(robot, hardware, file(truth.deployment), *bus, options);
     std::remove(path.c_str());
     system->setPlant([this](rt::Nanoseconds time) {
       while (plant.time() + 0.0005 < 1e-9 * static_cast<double>(time))
         plant.step(0.001);
       lowest = std::min(lowest, plant.state().pose[1]);
     });
+    image.faults.drive_dead.store(truth.dead);
+    image.faults.drive_reversed.store(truth.reversed);
     EXPECT_TRUE(system->start().ok);
     EXPECT_TRUE(system->enable().ok);
     system->run(3.0);  // every encoder has been asked once

@@ -23,6 +23,7 @@ PatientChecklist fit() {
   PatientChecklist list(robot, hardware);
   list.guarded = true;
   list.acceleration_factor = 3.0;
+  list.asks_encoders = true;
   return list;
 }
 
@@ -53,6 +54,7 @@ TEST(PatientChecklists, NameEachThingThatIsMissingAndRefuseForItAlone) {
       {"no force limits", [](PatientChecklist& list) { list.has_force_limits = false; }},
       {"singularity margin is wide open", [](PatientChecklist& list) { list.singularity_condition_max = 1001.0; }},
       {"acceleration_factor 11", [](PatientChecklist& list) { list.acceleration_factor = 11.0; }},
+      {"never asks its encoder", [](PatientChecklist& list) { list.asks_encoders = false; }},
   };
   for (const Case& one : cases) {
     PatientChecklist list = fit();

@@ -17,6 +17,8 @@ import rostest
 sys.path.insert(0, str(pathlib.Path(__file__).parent))
 import movements  # noqa: E402
 
+ROOT = pathlib.Path(__file__).resolve().parents[2]
+
 
 def free_port():
     with socket.socket() as s:
@@ -112,11 +114,25 @@ class LaunchFiles(unittest.TestCase):
         (device / "device").exists() and (device / "device").read_text().strip() in ("0x1720", "0x1784")
         for device in pathlib.Path("/sys/bus/pci/devices").iterdir()), "this machine has the cards")
     def test_the_industrial_pc_without_cards_refuses_in_one_sentence_and_ends(self):
-        process = self.session.launch("industrial_pc.launch", "bag:=false", f"guardian_link:=/knee_robot_launch_guardian_{os.getpid()}",
+        process = self.session.launch("industrial_pc.launch", f"robot:={ROOT}/config/robots/final.yaml", f"urdf:={ROOT}/urdf/final.urdf", "bag:=false", f"guardian_link:=/knee_robot_launch_guardian_{os.getpid()}",
                                       *self.folders())
         process.wait(60)
         said = self.session.output("industrial_pc.launch")
         self.assertRegex(said, r"no PCI card 13fe:17(20|84)", said[-3000:])
+        self.assertNotIn("Traceback", said)
+
+    def test_the_industrial_pc_does_not_start_without_its_own_robot_file(self):
+        process = self.session.launch("industrial_pc.launch", *self.folders())
+        process.wait(60)
+        self.assertRegex(self.session.output("industrial_pc.launch"), r"requires? the '(robot|urdf)' arg")
+
+    def test_the_industrial_pc_without_its_can_interface_refuses_in_one_sentence_and_ends(self):
+        process = self.session.launch("can_industrial_pc.launch", f"robot:={ROOT}/config/robots/final.yaml", f"urdf:={ROOT}/urdf/final.urdf",
+                                      f"hardware:={ROOT}/config/hardware/can_simulated.yaml", "can:=knee_none0", "bag:=false",
+                                      f"guardian_link:=/knee_robot_launch_guardian_{os.getpid()}", *self.folders())
+        process.wait(60)
+        said = self.session.output("can_industrial_pc.launch")
+        self.assertRegex(said, r"controller: .*(knee_none0|CAN)", said[-3000:])
         self.assertNotIn("Traceback", said)
 
 

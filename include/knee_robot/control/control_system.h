@@ -40,6 +40,8 @@ class ControlSystem {
     /// Model file and payload (kg, 0 to 50) of ModelFeedforward, in place of the deployment's.
     std::string model;
     std::optional<double> payload_kg;
+    /// Processor of all activities, in place of the deployment's; -1: any.
+    std::optional<int> cpu;
     /// Where the last 5 s of all signals go on every fault (BlackBoxWriter); empty: nowhere.
     std::string black_box_folder;
     /// Where the motors' heat is kept from one start to the next (HeatMemory); empty: nowhere, they start cold.

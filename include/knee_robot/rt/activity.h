@@ -38,6 +38,8 @@ class Activity : public Executor {
 
   /// Before start(). `component_period` 0 stands for the activity's. Throws InputError when it is no whole multiple.
   void add(TaskContext& component, Nanoseconds component_period = 0);
+  /// The processor in place of the options'; -1: any. Before start().
+  void bindTo(int cpu) { options_.cpu = cpu; }
   /// Called from the activity's thread, once, when `overrun_limit` overruns happened in a row. Real-time code only.
   /// Before start().
   void setOverrunHandler(std::function<void()> handler) { overrun_handler_ = std::move(handler); }
@@ -56,7 +58,7 @@ class Activity : public Executor {
   void countOverrun(std::int64_t skipped) noexcept;
   void countPunctual() noexcept { statistics_.overruns_row.store(0, std::memory_order_relaxed); }
 
-  const ActivityOptions options_;
+  ActivityOptions options_;
   ActivityStatistics statistics_;
 
  private:
