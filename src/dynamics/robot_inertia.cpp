@@ -14,7 +14,8 @@
 namespace knee_robot::dynamics {
 namespace {
 
-constexpr double kGeometryTolerance = 1e-6;  // m; design: section 2. Also used for axes and rotations (1 m lever).
+constexpr double kGeometryTolerance =
+    1e-6;  // m; docs/contract.md, section 2. Also used for axes and rotations (1 m lever).
 
 /// urdfdom without its own messages on standard error: the refusal says in one line what is wrong.
 urdf::ModelInterfaceSharedPtr parseQuietly(const std::string& path) {

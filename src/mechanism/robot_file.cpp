@@ -147,8 +147,9 @@ std::string resolveUrdf(StrictMap& file, const std::string& robot_path) {
 Robot loadRobot(const std::string& path) {
   Robot robot = loadAnyRobot(path);
   if (robot.kind == MechanismKind::Chain)
-    throw InputError(
-        path + ": is a chain, which only identify, trace, predict and drive_gains know; give a 3UPS+1RPU or axes");
+    throw InputError(path +
+                     ": is a chain, which only identify, trace, predict, plan_excitation and drive_gains know; give a "
+                     "3UPS+1RPU or axes");
   return robot;
 }
 

@@ -185,18 +185,10 @@ tracing::PoseTraceOptions poseOptions(const mechanism::Robot& robot, const traci
   return pose;
 }
 
-int run(const Arguments& a, const std::string& command_line) {
-  report::Page("trace");  // what the report needs and is missing is said before the work
-  refuseBadFiles(a);
-  report::TraceResults r;
-  r.command_line = command_line;
-  r.robot_path = a.robot;
-  r.options = a.options;
-  r.options.progress = [](const std::string& what) { std::cerr << what << std::endl; };
-  if (a.options.most_effects == 0) r.options.surrogates = 2;  // nothing is compared with surrogates
-  mechanism::Robot robot = mechanism::loadAnyRobot(a.robot);
-  Times train_times, validate_times;
-  std::vector<recording::Recording> read = readAll(a.train, train_times);
+/// Reads, observes and adapts what the search may see; the robot's units and encoder steps are read off it.
+std::vector<recording::Recording> readTraining(const Arguments& a, mechanism::Robot& robot, report::TraceResults& r,
+                                               recording::CutoffChoice& cutoff, Times& times) {
+  std::vector<recording::Recording> read = readAll(a.train, times);
   identification::adaptToRecordings(robot, read);
   if (!a.model.empty()) {
     r.options.start =
@@ -205,7 +197,7 @@ int run(const Arguments& a, const std::string& command_line) {
     identification::takeGains(r.options.start->model, robot);
   }
   std::vector<recording::Recording> train = inUnits(robot, read);
-  recording::CutoffChoice cutoff = cutoffOf(a, train);
+  cutoff = cutoffOf(a, train);
   if (r.options.start) {
     cutoff.cutoff_hz = r.options.start->model.cutoff_hz;
     cutoff.sentence = "Cut-off " + shortNumber(cutoff.cutoff_hz, 3) + " Hz, of the given model.";
@@ -216,13 +208,13 @@ int run(const Arguments& a, const std::string& command_line) {
     train = inUnits(robot, read);
     r.train = observeAll(robot, train, r.options.observation);
   }
-  const std::vector<recording::Recording> validate = inUnits(robot, readAll(a.validate, validate_times));
-  r.validate = observeAll(robot, validate, r.options.observation);
-  r.result = tracing::trace(robot, train, r.train, r.options);
-  r.result.notes.push_back(cutoff.sentence);
-  r.model = tracing::tracedModel(robot, r.result, r.train, r.options);
+  return train;
+}
 
-  // The model is frozen; from here on only figures are computed, and how fast rows are predicted is read off training.
+/// Before and after, on both sets of recordings. The model is frozen: only figures are computed, and how fast rows are
+/// predicted is read off training.
+void applyModels(const Arguments& a, const mechanism::Robot& robot, const std::vector<recording::Recording>& train,
+                 const std::vector<recording::Recording>& validate, report::TraceResults& r) {
   const int count = static_cast<int>(r.train.size());
   const auto before = [&](identification::Observation& o, int) -> Eigen::MatrixXd {
     if (r.options.start) return tracing::predictModel(robot, r.options.start->model, a.model, o);
@@ -253,16 +245,45 @@ int run(const Arguments& a, const std::string& command_line) {
   r.validate_before = apply(simple, r.validate, validate, before, baseline_rows);
   r.validate_after = apply(along, r.validate, validate, elsewhere, elsewhere);
   if (!r.validate.empty()) r.validate_gain_N = gains(along, r);
-  r.next = tracing::planNextExperiment(robot, r.result, r.train, r.options);
-  for (std::size_t k = 0; r.options.start && k < r.validate.size(); ++k) {
+}
+
+/// Says which validation recordings the given model has seen.
+void noteSeenRecordings(report::TraceResults& r) {
+  if (!r.options.start) return;
+  for (const identification::Observation& o : r.validate) {
     for (const dynamics::ModelData& data : r.options.start->model.data) {
-      if (data.fingerprint == r.validate[k].fingerprint)
-        r.result.notes.push_back(r.validate[k].path +
+      if (data.fingerprint == o.fingerprint)
+        r.result.notes.push_back(o.path +
                                  ": the given model was fitted on this validation recording, so "
                                  "that before is flattered there.");
     }
   }
+}
+
+int run(const Arguments& a, const std::string& command_line) {
+  report::Page("trace");  // what the report needs and is missing is said before the work
+  refuseBadFiles(a);
+  report::TraceResults r;
+  r.command_line = command_line;
+  r.robot_path = a.robot;
+  r.options = a.options;
+  r.options.progress = [](const std::string& what) { std::cerr << what << std::endl; };
+  if (a.options.most_effects == 0) r.options.surrogates = 2;  // nothing is compared with surrogates
+  mechanism::Robot robot = mechanism::loadAnyRobot(a.robot);
+  Times train_times, validate_times;
+  recording::CutoffChoice cutoff;
+  const std::vector<recording::Recording> train = readTraining(a, robot, r, cutoff, train_times);
+  const std::vector<recording::Recording> validate = inUnits(robot, readAll(a.validate, validate_times));
+  r.validate = observeAll(robot, validate, r.options.observation);
+
+  r.result = tracing::trace(robot, train, r.train, r.options);
+  r.result.notes.push_back(cutoff.sentence);
+  r.model = tracing::tracedModel(robot, r.result, r.train, r.options);
+  applyModels(a, robot, train, validate, r);
+  r.next = tracing::planNextExperiment(robot, r.result, r.train, r.options);
+  noteSeenRecordings(r);
   r.pose = tracing::tracePose(robot, train, validate, poseOptions(robot, r.options));
+
   giveTimesBack(train_times, r.train);
   giveTimesBack(validate_times, r.validate);
   report::toRecordedUnits(robot, r);

@@ -41,7 +41,7 @@ TEST_P(Structure, HasTheNullColumnsOfThePapersTableTwo) {
 }
 
 TEST_P(Structure, Has51RigidAnd22FrictionBaseParametersForRichMotion) {
-  // Independent computation named in the project's design: 51 + 22 = 73. (The paper's SVD kept 34 + 22 = 56.)
+  // Independent computation of the mechanism's structure: 51 + 22 = 73. (The paper's SVD kept 34 + 22 = 56.)
   const Eigen::MatrixXd w = observationMatrix(mechanism(), kGravity, richMotions(mechanism(), 300, 2));
   const ParameterStructure all = parameterStructure(w), rigid = parameterStructure(w.leftCols<kInertialParameters>());
   EXPECT_EQ(all.rank, 73);

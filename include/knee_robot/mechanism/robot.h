@@ -64,7 +64,7 @@ enum class MechanismKind {
   Chain,           ///< open chain from a URDF, 1 to 12 joints
 };
 
-/// Content of a robot file (design: section 2). Constant after loading.
+/// Content of a robot file (docs/contract.md, section 2). Constant after loading.
 struct Robot {
   std::string path;         ///< as given to loadRobot
   std::string fingerprint;  ///< of the file's bytes; a model remembers it

@@ -7,7 +7,7 @@
 
 namespace knee_robot::recording {
 
-/// A recording (design: section 2) made of other recorders' files, not yet written.
+/// A recording (docs/contract.md, section 2) made of other recorders' files, not yet written.
 struct Imported {
   std::string csv;  ///< content of the recording file; parseRecording accepts it
   int rows = 0;

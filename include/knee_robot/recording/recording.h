@@ -7,7 +7,7 @@
 
 namespace knee_robot::recording {
 
-/// One recording (design: section 2), as it stands in the file: not resampled, not filtered. Matrices have one row per
+/// One recording (docs/contract.md, section 2), as it stands in the file: not resampled, not filtered. Matrices have one row per
 /// row of the file and one column per actuator; a signal that the file does not have is a matrix without columns.
 struct Recording {
   std::string path;             ///< as given to loadRecording
