@@ -7,6 +7,7 @@ namespace knee_robot::control {
 namespace {
 constexpr double kLoadTime_s = 0.2;
 constexpr double kRestTime_s = 1.0;
+constexpr double kAskAgain_s = 10.0;
 
 Fault faultOfRefusal(hardware::IoStatus refused) noexcept {
   return refused == hardware::IoStatus::FencedOut ? Fault::GuardianActed : Fault::OutputLost;
@@ -135,11 +136,22 @@ void AxesOutput::followOrders(const rt::Cycle& cycle) {
 
 void AxesOutput::runSafeStop(const rt::Cycle& cycle, const AxesMeasurement& measured) {
   const auto at_rest = [](const AxisCommand& command) { return command.at_rest; };
-  const HoldView hold{!outputs_refused_, slips(measured), order_.transfer};
+  const HoldView hold{!outputs_refused_, slips(measured), transferNumber(cycle)};
   safe_stop_.step(cycle.time, all_closed_, std::all_of(commands_.begin(), commands_.end(), at_rest), order_.immediate,
                   hold);
   out_.safe_stops = safe_stop_.completed();
   if (safe_stop_.phase() == SafeStopPhase::Done) out_.level = DriveLevel::Off;
+}
+
+/// Asked for by the Supervisor; where there is none any more, nobody else would ever hand over the load again.
+std::uint32_t AxesOutput::transferNumber(const rt::Cycle& cycle) noexcept {
+  const bool stale = !heard_ || cycle.time - order_.time > rt::fromSeconds(orders_timeout);
+  if (safe_stop_.phase() != SafeStopPhase::Carrying || !stale) asked_at_ = cycle.time;
+  if (cycle.time - asked_at_ >= rt::fromSeconds(kAskAgain_s)) {
+    asked_at_ = cycle.time;
+    ++own_transfers_;
+  }
+  return order_.transfer + own_transfers_;
 }
 
 /// While the load is handed over no axis may move.
@@ -223,9 +235,10 @@ void AxesOutput::estimateLoad(double dt) noexcept {
   }
 }
 
-/// For the guardian, should this process die now: until the brakes hold, the platform would fall without.
+/// For the guardian, should this process die now: until the brakes hold, the platform would fall without. During a safe
+/// stop, too, as long as the drives have power.
 void AxesOutput::offerLoad() noexcept {
-  if (out_.level != DriveLevel::Released || safe_stop_.phase() != SafeStopPhase::Idle) return bus_.offerLoad(nullptr);
+  if (out_.level != DriveLevel::Released || safe_stop_.disablesDrive()) return bus_.offerLoad(nullptr);
   AxisValues load{};
   for (std::size_t i = 0; i < hardware::kAxes; ++i)
     load[i] = clamped(rest_volts_[i], i);

@@ -7,6 +7,7 @@
 #include "knee_robot/base/constants.h"
 #include "knee_robot/base/errors.h"
 #include "knee_robot/base/numbers.h"
+#include "operator_sentences.h"
 
 namespace knee_robot::control {
 namespace {
@@ -35,12 +36,14 @@ Answer ControlSystem::start() {
   std::string hot;  // why the motors count as hot
   monitors.start_heat(rememberedHeat(parts_->options.heat_file, static_cast<double>(std::time(nullptr)),
                                      std::max<double>(monitors.thermal_time, monitors.thermal_housing), &hot));
-  parts_->occupancy.recall(parts_->robot, parts_->options.empty || parts_->hardware.bench_without_patient);
   try {
     parts_->deployment->start();
   } catch (const InputError& error) {
     return {false, error.what()};
   }
+  // Now that it is known with which privileges the components run.
+  parts_->occupancy.recall(parts_->robot, parts_->options.empty || parts_->hardware.bench_without_patient,
+                           [this](const PatientLimits& patient) { return parts_->checklist().admit(patient); });
   parts_->started = true;
   const auto settled = [this] {
     const MachineState now = state();
@@ -66,9 +69,12 @@ Answer ControlSystem::end(bool at_any_rate) {
   const MachineState before = state();
   Answer stopped{true, "drives off, hold devices engaged"};
   if (before != MachineState::Disabled && before != MachineState::Faulted) stopped = disable();
-  const ControlStatus now = status();
-  const bool carries = now.state == MachineState::SafeStopping && now.fault == Fault::HoldDeviceSlips;
-  if (carries && !at_any_rate) return {false, "not shut down: " + now.fault_sentence};
+  // AxesOutput's own word: a Supervisor that failed says Faulted while the safe stop still runs.
+  parts_->runner.waitUntil([this] { return outputsAreOff() || drivesCarry(); }, kSafeStop_s);
+  if (drivesCarry() && !at_any_rate) {
+    const FaultDescription& slips = describe(Fault::HoldDeviceSlips);
+    return {false, std::string("not shut down: ") + slips.sentence + "; " + slips.remedy};
+  }
   const Answer recorded = stopRecording();
   parts_->deployment->stop();  // whatever still moves: AxesOutput's stopHook
   parts_->started = false;
@@ -77,16 +83,39 @@ Answer ControlSystem::end(bool at_any_rate) {
   return {true, "shut down: " + stopped.sentence};
 }
 
-/// A request that switches the drives on: who is on the robot has to be known, and does not change meanwhile.
-Answer ControlSystem::powered(RequestKind kind, double timeout_s) {
+bool ControlSystem::outputsAreOff() const {
+  const std::optional<AxesWritten> written = parts_->panel.written();
+  return !written || written->level == DriveLevel::Off;
+}
+
+bool ControlSystem::drivesCarry() const {
+  const std::optional<AxesWritten> written = parts_->panel.written();
+  return parts_->started && written && written->safe_stop == SafeStopPhase::Carrying;
+}
+
+/// A request after which the robot may move: who is on it has to be known, and does not change meanwhile. Somebody may
+/// stop the robot between the last look and the Supervisor's: then what has begun ends again.
+Answer ControlSystem::moving(RequestKind kind, double timeout_s, std::optional<std::uint64_t> halts) {
   const OccupancyRecord::Hold hold(parts_->occupancy);
   if (!hold) return kBeingChanged;
   if (const std::string why = parts_->occupancy.whyNobodyMoves(); !why.empty()) return {false, why};
-  return parts_->requests.make(kind, timeout_s);
+  const std::uint64_t expected = halts.value_or(this->halts());
+  const auto stopped = [&] { return this->halts() != expected; };
+  if (stopped()) return kHalted;
+  const Answer answer = parts_->requests.make(kind, timeout_s);
+  if (!stopped()) return answer;
+  const bool drives = kind == RequestKind::Enable || kind == RequestKind::Home;
+  if (answer.ok)
+    parts_->requests.make(drives ? RequestKind::Disable : RequestKind::Stop, drives ? kSafeStop_s : kQuick_s);
+  return answer.ok ? kHalted : answer;
 }
 
-Answer ControlSystem::enable() {
-  return powered(RequestKind::Enable, kEnable_s);
+void ControlSystem::refuseToMove() {
+  parts_->requests.refuseToMove();
+}
+
+Answer ControlSystem::enable(std::optional<std::uint64_t> halts) {
+  return moving(RequestKind::Enable, kEnable_s, halts);
 }
 
 Answer ControlSystem::disable() {
@@ -122,8 +151,8 @@ Answer ControlSystem::pause() {
   return answer.ok ? Answer{true, "pausing: the robot comes to rest on its path; resume goes on from there"} : answer;
 }
 
-Answer ControlSystem::resume() {
-  const Answer answer = parts_->requests.make(RequestKind::Resume, kQuick_s);
+Answer ControlSystem::resume(std::optional<std::uint64_t> halts) {
+  const Answer answer = moving(RequestKind::Resume, kQuick_s, halts);
   if (!answer.ok) return answer;
   const double speed = parts_->panel.supervisor().speed;
   if (speed <= 0.0) return {true, "resumed, but the speed is 0 %: set a speed"};
@@ -138,11 +167,11 @@ Answer ControlSystem::setSpeed(double percent) {
   return answer.ok ? Answer{true, "the speed is " + shortNumber(percent, 4) + " %"} : answer;
 }
 
-Answer ControlSystem::home() {
+Answer ControlSystem::home(std::optional<std::uint64_t> halts) {
   const OccupancyRecord::Hold hold(parts_->occupancy);
   if (!hold) return kBeingChanged;
   if (parts_->occupancy.patient()) return {false, "a patient is loaded: home the robot before somebody is on it"};
-  const Answer answer = powered(RequestKind::Home, kEnable_s);
+  const Answer answer = moving(RequestKind::Home, kEnable_s, halts);
   if (!answer.ok) return answer;
   if (!parts_->hardware.homing.moves()) return {true, "homed: the robot stands at its home lengths"};
   return {true, "homing has begun: one axis after the other, then the drives are switched off"};
@@ -156,11 +185,8 @@ Answer ControlSystem::confirmHome() {
   return answer.ok ? Answer{true, "the robot stands at its home lengths"} : answer;
 }
 
-Answer ControlSystem::guide() {
-  const OccupancyRecord::Hold hold(parts_->occupancy);
-  if (!hold) return kBeingChanged;
-  if (const std::string why = parts_->occupancy.whyNobodyMoves(); !why.empty()) return {false, why};
-  const Answer answer = parts_->requests.make(RequestKind::Guide, kQuick_s);
+Answer ControlSystem::guide(std::optional<std::uint64_t> halts) {
+  const Answer answer = moving(RequestKind::Guide, kQuick_s, halts);
   if (!answer.ok) return answer;
   return {true,
           "guiding: the axes tremble for a moment, then the platform follows the hand; letting go of the switch holds"};

@@ -3,7 +3,8 @@
 namespace knee_robot::control {
 
 bool FaultLatch::latch(const FaultCause& cause) noexcept {
-  if (cause.fault == Fault::None || isLatched()) return false;
+  const bool urgent = cause.fault == Fault::HoldDeviceSlips && cause_.fault != Fault::HoldDeviceSlips;
+  if (cause.fault == Fault::None || (isLatched() && !urgent)) return false;
   cause_ = cause;
   return true;
 }

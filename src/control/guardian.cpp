@@ -98,12 +98,18 @@ bool Guardian::carryLoad() noexcept {
     load_V_[i] = link_.load_V[i].load(std::memory_order_relaxed);
     if (!(std::abs(load_V_[i]) <= kLargest_V)) return false;
   }
-  return outputs_.carry(carry_.outputs, load_V_) == hardware::IoStatus::Ok;
+  return writeCarry();
+}
+
+bool Guardian::writeCarry() noexcept {
+  beat_ = !beat_;
+  const auto bits = static_cast<std::uint8_t>(carry_.outputs | (beat_ ? carry_.heartbeat : 0u));
+  return outputs_.carry(bits, load_V_) == hardware::IoStatus::Ok;
 }
 
 /// Written again every cycle: the fence is no wall to a write that was under way.
 void Guardian::keepDown(rt::Nanoseconds now) noexcept {
-  if (now < carry_until_ && outputs_.carry(carry_.outputs, load_V_) == hardware::IoStatus::Ok) return;
+  if (now < carry_until_ && writeCarry()) return;
   const hardware::IoStatus status = outputs_.down();
   if (carry_until_ != 0) report_.written.store(status == hardware::IoStatus::Ok);
   carry_until_ = 0;

@@ -105,13 +105,6 @@ void readHoming(HardwareFile& hardware, StrictMap map) {
 
 }  // namespace
 
-std::string HardwareFile::machine(const std::string& shm) const {
-  if (can) return "can " + can->interface;
-  if (backend == "pci")
-    return "pci " + std::to_string(analog_board_id.value_or(0)) + " " + std::to_string(counter_board_id.value_or(0));
-  return backend + " " + shm;
-}
-
 double HardwareFile::holdDelay() const {
   double delay = 0.0;
   for (const Axis& axis : axes)

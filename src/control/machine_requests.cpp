@@ -4,9 +4,33 @@
 #include "operator_sentences.h"
 
 namespace knee_robot::control {
+namespace {
+
+bool mayMove(RequestKind kind) {
+  switch (kind) {
+    case RequestKind::Enable:
+    case RequestKind::Play:
+    case RequestKind::Resume:
+    case RequestKind::Home:
+    case RequestKind::Guide:
+      return true;
+    case RequestKind::Disable:
+    case RequestKind::Stop:
+    case RequestKind::EmergencyStop:
+    case RequestKind::Reset:
+    case RequestKind::Pause:
+    case RequestKind::SetSpeed:
+    case RequestKind::ConfirmHome:
+      return false;
+  }
+  return true;
+}
+
+}  // namespace
 
 Answer MachineRequests::make(RequestKind kind, double timeout_s, double value) {
   if (!started_) return {false, "the controller does not run"};
+  if (ending_ && mayMove(kind)) return {false, "the controller is ending; nothing moves any more"};
   const auto supervised = [this] { return machine_.supervisor->state() == rt::TaskState::Running; };
   if (!supervised()) return {false, report_.faultSentence()};
   const std::optional<std::uint32_t> number = panel_.send(kind, value);

@@ -23,6 +23,8 @@ class MachineRequests {
 
   /// The machine's answer in a sentence; not ok, too, when it does not answer within `timeout_s`.
   Answer make(RequestKind kind, double timeout_s, double value = 0.0);
+  /// From now on only what stops the machine is asked for.
+  void refuseToMove() { ending_ = true; }
 
  private:
   const MachineComponents& machine_;
@@ -31,6 +33,7 @@ class MachineRequests {
   const MachineReport& report_;
   CycleRunner& runner_;
   const std::atomic<bool>& started_;
+  std::atomic<bool> ending_{false};
 };
 
 }  // namespace knee_robot::control

@@ -67,14 +67,19 @@ Answer OccupancyRecord::change(Occupancy occupancy, std::optional<PatientLimits>
   return {true, ""};
 }
 
-void OccupancyRecord::recall(const mechanism::Robot& robot, bool declared_empty) {
+void OccupancyRecord::recall(const mechanism::Robot& robot, bool declared_empty,
+                             const std::function<Answer(const PatientLimits&)>& admits) {
   Answer used{true, ""};
   try {
     const PatientMemory::File was = memory_.remembered();
-    if (!was.path.empty())
-      used = change(Occupancy::Patient, loadAsItWas(was, robot));
-    else if (declared_empty)
+    if (!was.path.empty()) {
+      const PatientLimits patient = loadAsItWas(was, robot);
+      used = admits(patient);
+      if (used.ok) used = change(Occupancy::Patient, patient);
+      if (!used.ok) used.sentence = "the patient of the last run, " + patient.name + ": " + used.sentence;
+    } else if (declared_empty) {
       used = change(Occupancy::Empty, std::nullopt);
+    }
   } catch (const std::exception& error) {
     used = {false, std::string("the patient file of the last run cannot be loaded: ") + error.what()};
   }

@@ -44,8 +44,9 @@ class OccupancyRecord {
   /// nobody changes the machine any more.
   Answer change(Occupancy occupancy, std::optional<PatientLimits> patient, const WhyNotNow& why_not = nullptr);
   /// At the start: the patient of the last run is still there, whatever `declared_empty` says. Where he cannot be
-  /// loaded, nobody moves.
-  void recall(const mechanism::Robot& robot, bool declared_empty);
+  /// loaded, or `admits` refuses him on the machine as it is now, nobody moves.
+  void recall(const mechanism::Robot& robot, bool declared_empty,
+              const std::function<Answer(const PatientLimits&)>& admits);
 
   /// Why nothing may move; empty: it may.
   std::string whyNobodyMoves() const;

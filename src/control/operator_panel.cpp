@@ -6,6 +6,7 @@ OperatorPanel::OperatorPanel(const MachineComponents& machine) : rt::TaskContext
   rt::connect(request_, machine.supervisor->request, rt::ConnPolicy::buffer(16));
   rt::connect(machine.supervisor->status, status_);
   rt::connect(machine.monitors->verdict, verdict_);
+  rt::connect(machine.output->written, written_);
   rt::connect(machine.recorder->row, row_);
   if (machine.observer != nullptr) rt::connect(machine.observer->disturbance, disturbance_);
 }
@@ -46,6 +47,10 @@ std::optional<TrackingRow> OperatorPanel::row() const {
 
 std::optional<MonitorVerdict> OperatorPanel::verdict() const {
   return newest(verdict_);
+}
+
+std::optional<AxesWritten> OperatorPanel::written() const {
+  return newest(written_);
 }
 
 std::optional<Disturbance> OperatorPanel::disturbance() const {

@@ -23,6 +23,7 @@ class OperatorPanel : public rt::TaskContext {
   SupervisorStatus supervisor() const;
   std::optional<TrackingRow> row() const;
   std::optional<MonitorVerdict> verdict() const;
+  std::optional<AxesWritten> written() const;
   std::optional<Disturbance> disturbance() const;
 
  private:
@@ -33,6 +34,7 @@ class OperatorPanel : public rt::TaskContext {
   mutable rt::InputPort<SupervisorStatus> status_{*this, "status", "from the Supervisor"};
   mutable rt::InputPort<TrackingRow> row_{*this, "row", "from the Recorder"};
   mutable rt::InputPort<MonitorVerdict> verdict_{*this, "verdict", "from Monitors"};
+  mutable rt::InputPort<AxesWritten> written_{*this, "written", "from AxesOutput"};
   mutable rt::InputPort<Disturbance> disturbance_{*this, "disturbance", "from the DisturbanceObserver",
                                                   rt::Need::Optional};
   mutable std::mutex mutex_;  // a port has one reader

@@ -14,4 +14,8 @@ const char* sentenceOf(GuideStop stop) noexcept;
 /// What became of a request, as the operator is told. `now`: the machine after it.
 Answer sentenceOf(const RequestAnswer& answer, const ControlStatus& now, HomingMethod homing, double start_tolerance_m);
 
+/// Of whoever asked for a motion before somebody else wanted the robot to stand.
+inline const Answer kHalted{false,
+                            "somebody has stopped the robot since this was asked for; ask again when it may move"};
+
 }  // namespace knee_robot::control

@@ -6,12 +6,12 @@
 #include "knee_robot/base/errors.h"
 #include "knee_robot/base/numbers.h"
 #include "knee_robot/trajectory/reference_check.h"
+#include "operator_sentences.h"
 
 namespace knee_robot::control {
 namespace {
 
 constexpr double kPlayerAnswer_s = 1.0;
-const Answer kHalted{false, "somebody has stopped the robot since this was asked for; ask again when it may move"};
 constexpr double kSlowestApproach = 0.001, kFastestApproach = 0.05;  // m/s
 
 bool isOnPath(MachineState state) {

@@ -18,6 +18,10 @@ PatientChecklist::PatientChecklist(const mechanism::Robot& robot, const Hardware
       has_hand_switch(hardware.hand_switch_clear_bit.has_value()),
       has_force_limits(!robot.actuators.empty()),
       singularity_condition_max(robot.singularity_condition_max) {
+  if (hardware.can) {
+    for (const auto& drive : hardware.can->drives)
+      knows_its_drives = knows_its_drives && drive.serial.has_value();
+  }
   for (const mechanism::Actuator& actuator : robot.actuators)
     has_force_limits = has_force_limits && actuator.force_continuous_N > 0.0 && actuator.force_max_N > 0.0;
 }
@@ -42,6 +46,10 @@ std::string PatientChecklist::obstacles() const {
   require(acceleration_factor <= kWideAcceleration,
           "the acceleration monitor is opened wide (deployment: acceleration_factor " +
               shortNumber(acceleration_factor) + ", at most " + shortNumber(kWideAcceleration) + ")");
+  require(
+      knows_its_drives,
+      "a drive has no serial number (hardware file: can: drives: serial); two drives that were exchanged would each "
+      "move the other's leg");
   require(asks_encoders,
           "a Driver never asks its encoder whether it counts (deployment: probe_s 0, as for commissioning)");
   return all;

@@ -20,6 +20,7 @@ struct PatientChecklist {
   bool guarded = false;                         ///< a guardian watches the controller
   std::vector<std::string> lacking_privileges;  ///< real-time ones
   bool has_emergency_stop = false, has_hand_switch = false;
+  bool knows_its_drives = true;            ///< each drive on a bus is told from the others by its serial number
   bool has_force_limits = false;           ///< all actuators
   double singularity_condition_max = 0.0;  ///< of dq/dx
   double acceleration_factor = 0.0;        ///< of the acceleration monitor

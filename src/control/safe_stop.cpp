@@ -46,7 +46,7 @@ void SafeStop::step(rt::Nanoseconds now, bool loops_closed, bool at_rest, bool i
       if (elapsed >= timing_.transfer + timing_.watch) enter(SafeStopPhase::Disabling, now);
       return;
     case SafeStopPhase::Carrying:
-      if (!carried) return enter(SafeStopPhase::Disabling, now);
+      if (immediate) return enter(SafeStopPhase::Disabling, now);
       if (hold.again != again_) enter(SafeStopPhase::Transferring, now);
       again_ = hold.again;
       return;

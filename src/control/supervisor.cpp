@@ -92,6 +92,7 @@ void Supervisor::detectFaults() {
   conditions.homed = orders_.homed;
   conditions.disabled = state_ == MachineState::Disabled;
   conditions.overrun = overrun_.exchange(false, std::memory_order_relaxed);
+  if (view_.written.safe_stop == SafeStopPhase::Carrying) raise({Fault::HoldDeviceSlips, view_.written.fault_axis});
   raise(search_.find(view_, conditions));
   for (std::size_t i = 0; i < hardware::kAxes; ++i) {
     if (view_.verdict.fault[i] == Fault::EncoderJump) homing_.forget(i);

@@ -6,6 +6,19 @@
 
 namespace knee_robot::hardware {
 
+namespace {
+
+constexpr std::uint32_t kNobodyAnswers = 0xFFFFFFFF;
+
+/// Writes to a card that does not answer any more succeed: only a read tells.
+IoStatus presence(RegisterAccess& counter) noexcept {
+  std::uint32_t id = 0;
+  const IoStatus status = counter.read32(pci1784::kBoardId, id);
+  return status == IoStatus::Ok && id == kNobodyAnswers ? IoStatus::Disconnected : status;
+}
+
+}  // namespace
+
 IoStatus forceDown(RegisterAccess& analog, RegisterAccess& counter) noexcept {
   IoStatus first = IoStatus::Ok;
   const auto note = [&](IoStatus status) {
@@ -20,6 +33,7 @@ IoStatus forceDown(RegisterAccess& analog, RegisterAccess& counter) noexcept {
   }
   note(analog.write8(pci1720::kSynchronise, 0));
   note(analog.write8(pci1720::kRange, pci1720::kAllBipolar10V));
+  note(presence(counter));  // last: it changes nothing, and is for the report
   return first;
 }
 

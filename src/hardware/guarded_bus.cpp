@@ -89,8 +89,10 @@ void GuardedBus::listen() noexcept {
 }
 
 BusFailure GuardedBus::failure() const noexcept {
-  if (silence_ns_ >= options_.guardian_silence_ns) return {BusFault::GuardianSilent, 0, 0};
-  return bus_.failure();
+  BusFailure failure = bus_.failure();  // what is wrong with the drives decides how to stop, and comes first
+  if (failure.fault == BusFault::None && silence_ns_ >= options_.guardian_silence_ns)
+    failure.fault = BusFault::GuardianSilent;
+  return failure;
 }
 
 bool GuardedBus::isFencedOut() const noexcept {

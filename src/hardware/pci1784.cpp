@@ -93,7 +93,12 @@ IoStatus Pci1784::readCounts(std::array<std::int32_t, kChannels>& counts) noexce
 IoStatus Pci1784::writeOutputs(std::uint8_t bits) noexcept {
   if (!ready_) return IoStatus::NotReady;
   if (bits > 0x0F) return IoStatus::OutOfRange;
-  return registers_.write8(pci1784::kDigital, bits);
+  const IoStatus status = registers_.write8(pci1784::kDigital, bits);
+  if (status != IoStatus::Ok) return status;
+  // A write to a card that does not answer any more succeeds: whoever orders the hold devices has to know.
+  std::uint32_t id = 0;
+  if (const IoStatus read = registers_.read32(pci1784::kBoardId, id); read != IoStatus::Ok) return read;
+  return id == kMasterAbort ? IoStatus::Disconnected : IoStatus::Ok;
 }
 
 IoStatus Pci1784::readInputs(std::uint8_t& bits) noexcept {

@@ -1,5 +1,7 @@
 #include "knee_robot/hardware/pci_cards.h"
 
+#include <filesystem>
+
 #include "knee_robot/hardware/owning_bus.h"
 #include "knee_robot/hardware/pci1720_registers.h"
 #include "knee_robot/hardware/pci1784_registers.h"
@@ -37,6 +39,14 @@ std::unique_ptr<AxisBus> openPciCards(std::optional<int> analog_board_id, std::o
   options.analog_board_id = analog_board_id;
   options.counter.board_id = counter_board_id;
   return std::make_unique<OwningBus<RealCards>>(findRealCards(analog_board_id, counter_board_id), options);
+}
+
+std::string pciCardNames(std::optional<int> analog_board_id, std::optional<int> counter_board_id) {
+  const RealCards cards = findRealCards(analog_board_id, counter_board_id);
+  const auto name = [](const SysfsPort& port) {
+    return std::filesystem::weakly_canonical(port.folder()).filename().string();
+  };
+  return name(*cards.analog_port) + " " + name(*cards.counter_port);
 }
 
 std::unique_ptr<EmergencyOutputs> openPciEmergencyOutputs(std::optional<int> analog_board_id,

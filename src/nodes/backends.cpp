@@ -1,6 +1,7 @@
 #include "backends.h"
 
 #include <chrono>
+#include <filesystem>
 #include <thread>
 
 #include "knee_robot/base/errors.h"
@@ -22,6 +23,11 @@ const Backend& backendOf(const HardwareFile& file) {
     if (file.backend == backend.name) return backend;
   }
   throw InputError(file.path + ": nothing opens backend " + file.backend);
+}
+
+/// An interface by its name, a simulated bus by its path, however it is spelled.
+std::string busName(const std::string& interface) {
+  return interface.find('/') == std::string::npos ? interface : std::filesystem::weakly_canonical(interface).string();
 }
 
 template <typename Open>
@@ -47,21 +53,31 @@ const std::vector<Backend>& backends() {
        },
        [](const HardwareFile&, const Site& site) {
          return simulation::openSimulatedEmergencyOutputs(site.shared_memory);
-       }},
+       },
+       [](const HardwareFile&, const Site& site) { return site.shared_memory; }},
       {"pci", false,
        [](const HardwareFile& file, const Robot&, const Site&) {
          return hardware::openPciCards(file.analog_board_id, file.counter_board_id);
        },
        [](const HardwareFile& file, const Site&) {
          return hardware::openPciEmergencyOutputs(file.analog_board_id, file.counter_board_id);
+       },
+       [](const HardwareFile& file, const Site&) {
+         return hardware::pciCardNames(file.analog_board_id, file.counter_board_id);
        }},
       {"can", true,
        [](const HardwareFile& file, const Robot& robot, const Site&) {
          return hardware::can::openCanDrives(*file.can, control::canUnits(robot));
        },
-       [](const HardwareFile& file, const Site&) { return hardware::can::openCanEmergencyOutputs(*file.can); }},
+       [](const HardwareFile& file, const Site&) { return hardware::can::openCanEmergencyOutputs(*file.can); },
+       [](const HardwareFile& file, const Site&) { return busName(file.can->interface); }},
   };
   return all;
+}
+
+std::string machineName(const HardwareFile& file, const Site& site) {
+  const Backend& backend = backendOf(file);
+  return file.backend + " " + backend.identity(file, site);
 }
 
 std::unique_ptr<hardware::AxisBus> openBus(const HardwareFile& file, const Robot& robot, const Site& site) {

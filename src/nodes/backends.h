@@ -26,10 +26,16 @@ struct Backend {
   bool starts_beside;
   std::unique_ptr<hardware::AxisBus> (*bus)(const control::HardwareFile&, const mechanism::Robot&, const Site&);
   std::unique_ptr<hardware::EmergencyOutputs> (*outputs)(const control::HardwareFile&, const Site&);
+  /// What it opens, the same however it was named: two files may name one card in two ways.
+  std::string (*identity)(const control::HardwareFile&, const Site&);
 };
 
 /// All of them; a new card is a row here and a name in hardware_file.h.
 const std::vector<Backend>& backends();
+
+/// Name of the machine that would be opened, for MachineLock and GuardianLink: equal names are one machine, and one
+/// machine has one name. InputError when its cards are not there.
+std::string machineName(const control::HardwareFile& file, const Site& site);
 
 /// The axes of the controller. InputError when the cards are not there, after 10 s for a machine that starts beside
 /// this process.

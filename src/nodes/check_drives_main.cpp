@@ -9,10 +9,12 @@
 #include <cstdio>
 #include <vector>
 
+#include "backends.h"
 #include "knee_robot/base/errors.h"
 #include "knee_robot/control/hardware_file.h"
 #include "knee_robot/hardware/can/can_axis_bus.h"
 #include "knee_robot/hardware/can/drive_setup.h"
+#include "knee_robot/hardware/machine_lock.h"
 #include "program.h"
 
 namespace {
@@ -28,18 +30,8 @@ struct Options {
 
 /// One line for a failure, empty when there is none.
 std::string describe(const BusFailure& failure) {
-  static const char* const kNames[] = {"",
-                                       "interface down",
-                                       "bus-off",
-                                       "flooded",
-                                       "drive lost",
-                                       "feedback late",
-                                       "no heartbeat of the drive",
-                                       "the drive missed our heartbeat",
-                                       "emergency",
-                                       "drive in fault",
-                                       "drive not enabled"};
-  std::string text = kNames[static_cast<int>(failure.fault)];
+  if (failure.fault == BusFault::None) return "";
+  std::string text = control::describe(control::faultOf(failure.fault)).sentence;
   if (failure.axis > 0) text = "axis " + std::to_string(failure.axis) + ": " + text;
   if (failure.code != 0) text += std::string(" (") + can::emergencyText(failure.code) + ")";
   return text;
@@ -113,6 +105,9 @@ int check(const Options& options) {
   if (!hardware.can) throw InputError(options.hardware + ": backend: must be can for drives on a CAN bus");
   can::CanSettings& settings = *hardware.can;
   if (!options.bus.empty()) settings.interface = options.bus;
+  // The self test switches drives off: not under a controller that moves somebody.
+  const nodes::Site site;
+  const MachineLock lock = MachineLock::take("controller", nodes::machineName(hardware, site));
   const auto process = can::CanSocket::open(settings.interface, can::processFilters(settings));
   const auto service = can::CanSocket::open(settings.interface, can::serviceFilters(settings));
   can::CanAxisBus bus(*process, *service, settings, control::canUnits(robot));

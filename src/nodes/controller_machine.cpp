@@ -26,7 +26,7 @@ Machine openMachine(const control::HardwareFile& hardware_file, const mechanism:
   Machine machine;
   const bool simulated = hardware_file.backend == "simulated";
   const Site site{simulated ? requiredParameter(node, "shm") : node.param<std::string>("shm", ""), stop_requested};
-  const std::string name = hardware_file.machine(site.shared_memory);
+  const std::string name = machineName(hardware_file, site);
   machine.lock.emplace(hardware::MachineLock::take("controller", name));
   machine.cards = openBus(hardware_file, robot, site);
   const std::string link = node.param<std::string>("guardian", "");

@@ -146,9 +146,10 @@ void serve(const ros::NodeHandle& node, nodes::Machine& machine, const nodes::Co
   }
   // Drives off now: taking the interface down waits for the master and for calls under way, one of which may wait for a
   // disk.
+  parts.system.refuseToMove();
   parts.system.stop();
-  const bool off = parts.system.disable().ok || parts.system.state() == control::MachineState::Faulted;
-  if (off) endEvenIfTheDiskHangs();
+  parts.system.disable();
+  if (parts.system.outputsAreOff()) endEvenIfTheDiskHangs();
 }
 
 int run() {
@@ -195,7 +196,7 @@ int run() {
   serve(node, machine, {system, robot, references, patients, recordings, rate_hz, guardian, log}, guardian);
   const std::string timing = rt::toText(system.statistics());
   control::Answer stopped = system.shutdown();
-  while (!stopped.ok && system.state() == control::MachineState::SafeStopping) {  // only the drives carry the platform
+  while (!stopped.ok && system.drivesCarry()) {  // only the drives carry the platform
     ROS_ERROR("%s", stopped.sentence.c_str());
     std::this_thread::sleep_for(std::chrono::seconds(5));
     stopped = system.shutdown();

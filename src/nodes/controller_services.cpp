@@ -16,13 +16,13 @@ ControllerServices::ControllerServices(ros::NodeHandle& commands, ros::NodeHandl
   offer(stops, "pause", [this] { return system_.pause(); });
   offer(stops, "disable", [this] { return system_.disable(); });
   servers_.push_back(stops.advertiseService("set_speed", &ControllerServices::setSpeed, this));
-  offerMotion(commands, "home", [this](std::uint64_t) { return system_.home(); });
+  offerMotion(commands, "home", [this](std::uint64_t halts) { return system_.home(halts); });
   offer(commands, "confirm_home", [this] { return system_.confirmHome(); });
-  offerMotion(commands, "enable", [this](std::uint64_t) { return system_.enable(); });
+  offerMotion(commands, "enable", [this](std::uint64_t halts) { return system_.enable(halts); });
   offerMotion(commands, "approach", [this](std::uint64_t halts) { return system_.approach(0.01, {"", halts}); });
   offerMotion(commands, "start", [this](std::uint64_t halts) { return system_.play({"", halts}); });
-  offerMotion(commands, "resume", [this](std::uint64_t) { return system_.resume(); });
-  offerMotion(commands, "guide", [this](std::uint64_t) { return system_.guide(); });
+  offerMotion(commands, "resume", [this](std::uint64_t halts) { return system_.resume(halts); });
+  offerMotion(commands, "guide", [this](std::uint64_t halts) { return system_.guide(halts); });
   servers_.push_back(commands.advertiseService("save_guided", &ControllerServices::saveGuided, this));
   offer(commands, "reset_faults", [this] { return system_.resetFaults(); });
   servers_.push_back(commands.advertiseService("check_reference", &ControllerServices::check, this));
@@ -57,12 +57,7 @@ void ControllerServices::offer(ros::NodeHandle& node, const std::string& name,
 
 void ControllerServices::offerMotion(ros::NodeHandle& node, const std::string& name,
                                      std::function<control::Answer(std::uint64_t)> command) {
-  offer(node, name, [this, command] {
-    const std::uint64_t halts = StampedQueue::stamp();
-    if (system_.halts() == halts) return command(halts);
-    return control::Answer{false,
-                           "somebody has stopped the robot since this was asked for; ask again when it may move"};
-  });
+  offer(node, name, [this, command] { return command(StampedQueue::stamp()); });
 }
 
 bool ControllerServices::check(Call<CheckReference>& call) {

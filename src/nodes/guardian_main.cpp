@@ -133,16 +133,53 @@ control::HardwareFile loadFile(const Options& options) {
   return file;
 }
 
+/// The link, where there is one and it is this machine's; a sentence where not. Outputs come down without it, too.
+std::optional<hardware::SharedGuardianLink> linkOf(const std::string& name, const std::string& machine) {
+  try {
+    hardware::SharedGuardianLink memory = hardware::SharedGuardianLink::open(name);
+    const std::uint64_t mark = memory.link().machine.load();
+    if (mark == 0 || mark == hardware::machineMark(machine)) return memory;
+    std::fprintf(stderr, "guardian: %s is another machine's; nobody is fenced out there\n", name.c_str());
+  } catch (const InputError& error) {
+    std::fprintf(stderr, "guardian: nobody is fenced out: %s\n", error.what());
+  }
+  return std::nullopt;
+}
+
+/// A controller that lives notices within 50 ms that its guardian is gone, and stops as it should: along the path, the
+/// load handed over to the brakes. Waits for that, 1.5 s at most.
+void letControllerStop(const hardware::GuardianLink& link) {
+  constexpr rt::Nanoseconds kLongest = 1'500'000'000, kSilence = 20'000'000;
+  const rt::Nanoseconds began = rt::monotonicNow();
+  rt::Nanoseconds heard = began;
+  std::uint64_t heartbeat = link.heartbeat.load();
+  hardware::ProcessWatch watch;
+  while (link.armed.load() != 0 && link.tripped.load() == 0 && rt::monotonicNow() - began < kLongest) {
+    const std::int32_t controller = link.controller_pid.load();
+    if (controller == 0 || watch.isGone(controller) || rt::monotonicNow() - heard > kSilence) return;
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    const std::uint64_t now = link.heartbeat.load();
+    if (now != heartbeat) heard = rt::monotonicNow();
+    heartbeat = now;
+  }
+}
+
 /// What a service manager calls after the controller or its guardian has ended, for whatever reason. A guardian that
-/// lives does the same by itself and is left alone; a controller that lives is fenced out first.
+/// lives does the same by itself and is left alone; a controller that lives and has not stopped is fenced out first.
 int bringDownNow(const Options& options) {
   const control::HardwareFile file = loadFile(options);
-  hardware::SharedGuardianLink memory = hardware::SharedGuardianLink::open(options.link);
   const std::unique_ptr<hardware::EmergencyOutputs> outputs = nodes::openOutputs(file, siteOf(options));
-  memory.link().tripped.store(1);
-  const hardware::IoStatus status = outputs->down();
-  std::printf("guardian: outputs %s; a controller is fenced out until reset\n",
-              status == hardware::IoStatus::Ok ? "down" : "NOT ALL DOWN, a card refused");
+  std::optional<hardware::SharedGuardianLink> memory = linkOf(options.link, nodes::machineName(file, siteOf(options)));
+  if (memory) {
+    letControllerStop(memory->link());
+    memory->link().tripped.store(1);
+  }
+  hardware::IoStatus status = outputs->down();
+  pause();
+  if (const hardware::IoStatus again = outputs->down(); again != hardware::IoStatus::Ok)
+    status = again;  // a write under way
+  std::printf("guardian: outputs %s%s\n", status == hardware::IoStatus::Ok ? "down" : "NOT ALL DOWN, a card refused",
+              memory ? "; a controller is fenced out until reset" : "");
   return status == hardware::IoStatus::Ok ? kExitDone : 1;
 }
 
@@ -150,7 +187,8 @@ control::GuardianCarry carryOf(const control::HardwareFile& file) {
   double slowest_s = 0.0;
   for (const auto& axis : file.axes)
     slowest_s = std::max(slowest_s, axis.hold_delay_s);
-  return {static_cast<std::uint8_t>(1u << file.drive_enable_bit), rt::fromSeconds(slowest_s)};
+  return {static_cast<std::uint8_t>(1u << file.drive_enable_bit), static_cast<std::uint8_t>(1u << file.heartbeat_bit),
+          rt::fromSeconds(slowest_s)};
 }
 
 int run(const Options& options) {
@@ -161,7 +199,7 @@ int run(const Options& options) {
   if (other > 0 && other != ::getpid() && !hardware::ProcessWatch().isGone(other)) {
     throw InputError("process " + std::to_string(other) + " already guards " + options.link + "; end it first");
   }
-  const std::string machine = file.machine(options.shm);
+  const std::string machine = nodes::machineName(file, siteOf(options));
   const hardware::MachineLock lock = hardware::MachineLock::take("guardian", machine);
   memory.link().guardian_pid.store(::getpid());
   memory.link().machine.store(hardware::machineMark(machine));

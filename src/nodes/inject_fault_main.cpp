@@ -82,8 +82,14 @@ const std::map<std::string, Action>& actions() {
       {"drive_reversed", mask(&InjectedFaults::drive_reversed)},
       {"hold_open", mask(&InjectedFaults::hold_open)},
       {"hold_closed", mask(&InjectedFaults::hold_closed)},
-      {"analog_card_lost", [](RobotImage& image, const Order&) { image.analog.disconnected.store(1); }},
-      {"counter_card_lost", [](RobotImage& image, const Order&) { image.counter.disconnected.store(1); }},
+      {"analog_card_lost",
+       [](RobotImage& image, const Order&) { image.analog.disconnected.store(simulation::kCardGone); }},
+      {"analog_card_silent",
+       [](RobotImage& image, const Order&) { image.analog.disconnected.store(simulation::kCardSilent); }},
+      {"counter_card_lost",
+       [](RobotImage& image, const Order&) { image.counter.disconnected.store(simulation::kCardGone); }},
+      {"counter_card_silent",
+       [](RobotImage& image, const Order&) { image.counter.disconnected.store(simulation::kCardSilent); }},
       {"slow_card",
        [](RobotImage& image, const Order& order) {
          image.counter.answer_delay_us.store(static_cast<std::uint32_t>(order.size));

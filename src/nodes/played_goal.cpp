@@ -58,7 +58,7 @@ control::Answer PlayedGoal::play() {
   if (system_.state() == control::MachineState::Disabled) {
     if (!goal.enable) return {false, "the robot is disabled; enable it first, or say enable in the goal"};
     feedBack("enabling", system_.status());
-    if (const control::Answer answer = system_.enable(); !answer.ok) return answer;
+    if (const control::Answer answer = system_.enable(job_.halts); !answer.ok) return answer;
   }
   if (job_.checked.reference) {
     if (const control::Answer answer = server_.references_.load(job_.checked); !answer.ok) return answer;

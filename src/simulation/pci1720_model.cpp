@@ -31,7 +31,11 @@ std::array<double, hardware::kChannels> outputVolts(const Pci1720Image& image) n
 }
 
 hardware::IoStatus Pci1720Model::read8(std::uint32_t offset, std::uint8_t& value) noexcept {
-  if (image_.disconnected.load() != 0) return hardware::IoStatus::Disconnected;
+  if (image_.disconnected.load() == kCardGone) return hardware::IoStatus::Disconnected;
+  if (image_.disconnected.load() == kCardSilent) {
+    value = 0xFF;
+    return hardware::IoStatus::Ok;
+  }
   if (offset < hardware::pci1720::kRange) {
     value = 0;
     return hardware::IoStatus::Ok;
@@ -82,7 +86,8 @@ void Pci1720Model::writeData(std::uint32_t offset, std::uint8_t value) noexcept 
 }
 
 hardware::IoStatus Pci1720Model::write8(std::uint32_t offset, std::uint8_t value) noexcept {
-  if (image_.disconnected.load() != 0) return hardware::IoStatus::Disconnected;
+  if (image_.disconnected.load() == kCardGone) return hardware::IoStatus::Disconnected;
+  if (image_.disconnected.load() == kCardSilent) return hardware::IoStatus::Ok;
   if (offset < hardware::pci1720::kRange) {
     writeData(offset, value);
     return hardware::IoStatus::Ok;

@@ -68,14 +68,22 @@ void Pci1784Model::reset(std::uint32_t mask) noexcept {
 }
 
 hardware::IoStatus Pci1784Model::read8(std::uint32_t offset, std::uint8_t& value) noexcept {
-  if (image_.disconnected.load() != 0) return hardware::IoStatus::Disconnected;
+  if (image_.disconnected.load() == kCardGone) return hardware::IoStatus::Disconnected;
+  if (image_.disconnected.load() == kCardSilent) {
+    value = 0xFF;
+    return hardware::IoStatus::Ok;
+  }
   if (offset != hardware::pci1784::kDigital) return hardware::IoStatus::OutOfRange;
   value = static_cast<std::uint8_t>((image_.inputs.load() & 0x0F) << 4);
   return hardware::IoStatus::Ok;
 }
 
 hardware::IoStatus Pci1784Model::read32(std::uint32_t offset, std::uint32_t& value) noexcept {
-  if (image_.disconnected.load() != 0) return hardware::IoStatus::Disconnected;
+  if (image_.disconnected.load() == kCardGone) return hardware::IoStatus::Disconnected;
+  if (image_.disconnected.load() == kCardSilent) {
+    value = 0xFFFFFFFF;
+    return hardware::IoStatus::Ok;
+  }
   if (const int channel = channelAt(offset); channel >= 0) {
     value = image_.latched[static_cast<std::size_t>(channel)].load();
     return hardware::IoStatus::Ok;
@@ -86,7 +94,8 @@ hardware::IoStatus Pci1784Model::read32(std::uint32_t offset, std::uint32_t& val
 }
 
 hardware::IoStatus Pci1784Model::write8(std::uint32_t offset, std::uint8_t value) noexcept {
-  if (image_.disconnected.load() != 0) return hardware::IoStatus::Disconnected;
+  if (image_.disconnected.load() == kCardGone) return hardware::IoStatus::Disconnected;
+  if (image_.disconnected.load() == kCardSilent) return hardware::IoStatus::Ok;
   switch (offset) {
     case hardware::pci1784::kDigital:
       image_.outputs.store(value & 0x0F);
@@ -100,7 +109,8 @@ hardware::IoStatus Pci1784Model::write8(std::uint32_t offset, std::uint8_t value
 }
 
 hardware::IoStatus Pci1784Model::write32(std::uint32_t offset, std::uint32_t value) noexcept {
-  if (image_.disconnected.load() != 0) return hardware::IoStatus::Disconnected;
+  if (image_.disconnected.load() == kCardGone) return hardware::IoStatus::Disconnected;
+  if (image_.disconnected.load() == kCardSilent) return hardware::IoStatus::Ok;
   if (const int channel = channelAt(offset); channel >= 0) {
     image_.modes[static_cast<std::size_t>(channel)].store(value);
     return hardware::IoStatus::Ok;

@@ -276,6 +276,10 @@ def at_rest():
     yield Fault("analog_card_lost_at_rest", inject("analog_card_lost"), causes=("output_lost",), at_rest=True)
     yield Fault("controller_killed_at_rest", send(signal.SIGKILL), outcome=DOWN, causes=("has died", "is silent"), process_death=True,
                 at_rest=True)
+    yield Fault("controller_killed_at_rest_with_relay", send(signal.SIGKILL), outcome=DOWN, causes=("has died", "is silent"), process_death=True,
+                at_rest=True, fresh=True, simulation=RELAY)
+    yield Fault("counter_card_silent_at_rest", inject("counter_card_silent"), causes=("output_lost", "measurement_lost"), outcome=STRANDED,
+                brakes_can_be_ordered=False, at_rest=True, fresh=True)
     yield Fault("controller_stopped_at_rest", send(signal.SIGSTOP), outcome=DOWN, causes=("is silent",), process_death=True, at_rest=True)
     yield Fault("guardian_killed_at_rest", kill_guardian, causes=("guardian_silent",), after=restart_guardian, at_rest=True, observe_s=1.6)
 

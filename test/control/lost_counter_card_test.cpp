@@ -33,7 +33,7 @@ TEST(LostCounterCard, IsUsedByNobodyBeforeTheControllerIsStartedAnewHoweverShort
     for (const bool with_modes : {true, false}) {
       HoldingRobot robot;
       climb(robot);
-      robot.image.counter.disconnected.store(1);
+      robot.image.counter.disconnected.store(with_modes ? simulation::kCardGone : simulation::kCardSilent);
       robot.system->run(gone_s);
       comesBack(robot, with_modes);
       robot.system->run(2.0);
@@ -44,6 +44,20 @@ TEST(LostCounterCard, IsUsedByNobodyBeforeTheControllerIsStartedAnewHoweverShort
       EXPECT_NE(reset.sentence.find("restart the controller and home again"), std::string::npos) << reset.sentence;
       EXPECT_FALSE(robot.system->enable().ok);
     }
+  }
+}
+
+/// Its writes succeed: whoever believed them would take 0 V for safe behind brakes that nobody ordered.
+TEST(LostCounterCard, ThatDoesNotAnswerIsHeldByWhatCarriedThePlatformAtRest) {
+  for (const simulation::CardLoss loss : {simulation::kCardGone, simulation::kCardSilent}) {
+    HoldingRobot robot;
+    robot.system->run(5.0);
+    const double height = robot.lowest = robot.plant.state().pose[1];
+    robot.image.counter.disconnected.store(loss);
+    robot.system->run(5.0);
+    EXPECT_EQ(robot.system->state(), MachineState::SafeStopping) << int{loss};
+    EXPECT_LT(height - robot.lowest, 0.001) << int{loss} << ": nobody has ordered the brakes";
+    EXPECT_EQ(robot.image.status.brakes_engaged.load(), 0) << int{loss};
   }
 }
 

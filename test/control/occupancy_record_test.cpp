@@ -103,6 +103,10 @@ constexpr char kNarrow[] =
 constexpr char kWider[] =
     "patient: \"17\"\npose: {X_m: [-0.1, 0.1], Z_m: [0.50, 0.75], theta_deg: [-20, 20], psi_deg: [-10, 10]}\n";
 
+Answer everybody(const PatientLimits&) {
+  return {true, ""};
+}
+
 TEST_F(OccupancyRecords, DoNotTakeAFileThatChangedWhileItWasLoadedForTheOneThatWasLoaded) {
   const mechanism::Robot robot = mechanism::loadRobot(std::string(KNEE_SOURCE_DIR) + "/config/robots/A.yaml");
   const PatientMemory memory(folder + "/patient.txt");
@@ -117,15 +121,20 @@ TEST_F(OccupancyRecords, DoNotTakeAFileThatChangedWhileItWasLoadedForTheOneThatW
   }
   OccupancyRecord second(
       memory, [] { return ""; }, ignore);
-  second.recall(robot, true);
+  second.recall(robot, true, everybody);
   EXPECT_FALSE(second.patient()) << "nobody has ever loaded the limits that the file has now";
   EXPECT_NE(second.whyNobodyMoves().find("is not what it was"), std::string::npos) << second.whyNobodyMoves();
   writeFileAtomically(patient.path, kNarrow);
   OccupancyRecord third(
       memory, [] { return ""; }, ignore);
-  third.recall(robot, true);
+  third.recall(robot, true, everybody);
   ASSERT_TRUE(third.patient()) << third.whyNobodyMoves();
   EXPECT_EQ(third.patient()->name, "17");
+  OccupancyRecord fourth(
+      memory, [] { return ""; }, ignore);
+  fourth.recall(robot, true, [](const PatientLimits&) { return Answer{false, "no guardian watches"}; });
+  EXPECT_FALSE(fourth.patient()) << "the machine is not what it was when this patient was loaded";
+  EXPECT_NE(fourth.whyNobodyMoves().find("no guardian watches"), std::string::npos) << fourth.whyNobodyMoves();
 }
 
 TEST_F(OccupancyRecords, DoNotTakeAMemoryWithoutContentForNobody) {
@@ -133,7 +142,7 @@ TEST_F(OccupancyRecords, DoNotTakeAMemoryWithoutContentForNobody) {
   writeFileAtomically(folder + "/patient.txt", "");
   OccupancyRecord begun(
       PatientMemory(folder + "/patient.txt"), [] { return ""; }, [](Occupancy, const PatientRange&) {});
-  begun.recall(robot, true);
+  begun.recall(robot, true, everybody);
   EXPECT_EQ(begun.occupancy(), Occupancy::Unknown);
   EXPECT_NE(begun.whyNobodyMoves().find("does not say which patient"), std::string::npos) << begun.whyNobodyMoves();
 }

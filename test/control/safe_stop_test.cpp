@@ -121,7 +121,14 @@ TEST(SafeStop, TakesTheLoadBackWhenAnAxisMovesAndKeepsItUntilItIsAskedAgain) {
   power.run(52);
   power.run(1, slips);
   power.run(100, {}, false);
-  EXPECT_EQ(power.stop.phase(), Phase::Done) << "no loop carries any more";
+  EXPECT_EQ(power.stop.phase(), Phase::Carrying) << "the brakes do not hold: a load estimate is better than nothing";
+  power.run(100, again, false);
+  EXPECT_EQ(power.stop.phase(), Phase::Done) << "somebody has put a support under it";
+  Transfer gone;
+  gone.run(52);
+  gone.run(1, slips);
+  gone.stop.step(++gone.now * kMs, true, true, true, {});
+  EXPECT_EQ(gone.stop.phase(), Phase::Disabling) << "the emergency stop has cut the power";
 }
 
 TEST(SafeStop, NeverGoesToZeroWhileTheHoldDevicesCannotBeOrdered) {

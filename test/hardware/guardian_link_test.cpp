@@ -198,6 +198,37 @@ TEST(GuardedBus, CallsAGuardianThatDoesNotCycleSilentAndItsReturnNotAndBlamesItF
   EXPECT_EQ(cycle(500, false), BusFault::None) << "this process stood still, and perhaps the guardian with it";
 }
 
+/// A bus with one thing to say of itself.
+class ComplainingBus : public AxisBus {
+ public:
+  SelfTest selfTest() override { return {true, {}}; }
+  IoStatus read(AxisFeedback&) noexcept override { return IoStatus::Ok; }
+  IoStatus writeVolts(const std::array<double, kAxes>&, std::array<double, kAxes>&) noexcept override {
+    return IoStatus::Ok;
+  }
+  IoStatus writeOutputs(std::uint8_t) noexcept override { return IoStatus::Ok; }
+  BusFailure failure() const noexcept override { return complaint; }
+  BusFailure complaint;
+};
+
+TEST(GuardedBus, SaysWhatIsWrongWithADriveBeforeThatTheGuardianIsSilent) {
+  ComplainingBus drives;
+  GuardianLink link;
+  GuardedBus::Options options;
+  options.clock = testClock;
+  GuardedBus bus(drives, link, 3, options);
+  AxisFeedback feedback;
+  for (int k = 0; k < 60; ++k) {
+    testTime() += 1'000'000;
+    bus.read(feedback);
+  }
+  ASSERT_EQ(bus.failure().fault, BusFault::GuardianSilent);
+  drives.complaint.silent = 4;
+  EXPECT_EQ(bus.failure().silent, 4) << "its counts are old, whoever else is silent";
+  drives.complaint.fault = BusFault::DriveFault;
+  EXPECT_EQ(bus.failure().fault, BusFault::DriveFault) << "its loop is lost: no deceleration along the path";
+}
+
 /// What `SharedGuardianLink::open` says where /dev/shm is full: 0 as wanted, 1 nothing or something else, 2 cannot be
 /// tried here.
 int openWithoutRoom() {

@@ -33,5 +33,18 @@ TEST(Backends, ThatAreNotThereAreRefusedInASentenceByControllerAndGuardianAlike)
   EXPECT_THROW(openBus(file, robot, site), InputError);
 }
 
+TEST(Backends, GiveAMachineOneNameHoweverItIsSpelled) {
+  const Site site{"/shm"};
+  control::HardwareFile file = control::loadHardwareFile(KNEE_SOURCE_DIR "/config/hardware/can_simulated.yaml");
+  file.can->interface = "/tmp/there/../bus";
+  const std::string name = machineName(file, site);
+  file.can->interface = "/tmp/./bus";
+  EXPECT_EQ(name, machineName(file, site));
+  file.can->interface = "/tmp/other_bus";
+  EXPECT_NE(name, machineName(file, site));
+  control::HardwareFile simulated = control::loadHardwareFile(KNEE_SOURCE_DIR "/config/hardware/simulated.yaml");
+  EXPECT_NE(machineName(simulated, site), machineName(simulated, {"/other"}));
+}
+
 }  // namespace
 }  // namespace knee_robot::nodes

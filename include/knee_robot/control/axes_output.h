@@ -60,6 +60,7 @@ class AxesOutput : public rt::TaskContext {
   void followOrders(const rt::Cycle& cycle);
   void beginSafeStop(Fault fault, int axis, rt::Nanoseconds now) noexcept;
   void runSafeStop(const rt::Cycle& cycle, const AxesMeasurement& measured);
+  std::uint32_t transferNumber(const rt::Cycle& cycle) noexcept;
   bool slips(const AxesMeasurement& measured) noexcept;
   AxisValues chooseVolts() const noexcept;
   double clamped(double volts, std::size_t axis) const noexcept;
@@ -86,6 +87,8 @@ class AxesOutput : public rt::TaskContext {
   AxisValues load_volts_{};
   AxisValues rest_volts_{};  // likewise, of longer, and without what the motion takes
   AxisValues transfer_m_{};  // where the axes stood when the transfer began
+  rt::Nanoseconds asked_at_ = 0;
+  std::uint32_t own_transfers_ = 0;
   bool outputs_refused_ = false;
   bool heartbeat_ = false;
   AxesWritten out_;

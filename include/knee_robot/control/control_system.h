@@ -66,10 +66,18 @@ class ControlSystem {
   /// while the drives carry the platform because a holding brake slipped: support it, then try again (the destructor
   /// does not ask).
   Answer shutdown();
+  /// From now on nothing is switched on or moved any more; stops go on being obeyed. For a process that is about to end.
+  void refuseToMove();
+  /// AxesOutput has the drives off, or has never said anything.
+  bool outputsAreOff() const;
+  /// A holding brake slipped, and the drives carry the platform until somebody supports it.
+  bool drivesCarry() const;
 
   /// Refused unless a patient is loaded or nobody is on the robot, explicitly.
+  /// `halts`, here and below: halts() when it was asked for (default: now). Whoever stops the robot after that wins, even
+  /// where the answer comes later.
   /// Disabled -> Holding: 0 V, drives enabled, Drivers take over at the measured position, hold devices released.
-  Answer enable();
+  Answer enable(std::optional<std::uint64_t> halts = {});
   /// Holding, Playing -> Disabled by the safe stop.
   Answer disable();
   /// Checks the reference against the robot (everything that check_reference checks) and hands it over. Not while
@@ -100,7 +108,7 @@ class ControlSystem {
   /// Slows path time down to zero (state Paused when at rest), and back to what setSpeed() asked for: no jump, the
   /// robot never leaves its path, wherever on it and however often. Answer when it has begun. Also during an approach.
   Answer pause();
-  Answer resume();
+  Answer resume(std::optional<std::uint64_t> halts = {});
   /// Speed of path time, 0 to 100 % of what the reference asks for; holds for all paths until it is set anew. Takes
   /// effect at once and without a jump while playing; 0 is Paused until another speed comes. Refused outside 0 to 100,
   /// and what is not a number.
@@ -108,13 +116,13 @@ class ControlSystem {
   /// Finds home by the procedure of the hardware file (`homing:`), from Disabled: the axes move slowly one after the
   /// other (state Homing), and the machine ends Disabled with `homed`, or Faulted with homing_failed. Answers when it
   /// has begun. Where the method is hand_placed or assumed, nothing moves and the sentence says what to do.
-  Answer home();
+  Answer home(std::optional<std::uint64_t> halts = {});
   /// Method hand_placed: the robot stands at its home lengths now, says the operator; only in Disabled.
   Answer confirmHome();
   /// A hand moves the platform from now on, as long as the enabling switch is held (docs/guiding.md): Holding ->
   /// Guiding -> Holding.
   /// Refused without such a switch, an identified model, tested brakes, or where the platform must not be guided.
-  Answer guide();
+  Answer guide(std::optional<std::uint64_t> halts = {});
   /// The path that was guided last as a reference file that may be played: smoothed, as slow as the limits want it,
   /// checked.
   Answer saveGuided(const std::string& path);
@@ -163,7 +171,7 @@ class ControlSystem {
   void run(double seconds);
 
  private:
-  Answer powered(RequestKind kind, double timeout_s);
+  Answer moving(RequestKind kind, double timeout_s, std::optional<std::uint64_t> halts);
   Answer end(bool at_any_rate);
 
   std::unique_ptr<ControllerParts> parts_;

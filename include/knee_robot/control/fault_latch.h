@@ -14,10 +14,11 @@ struct FaultCause {
   std::uint16_t code = 0;  ///< emergency code of the axis' drive, 0: none
 };
 
-/// Keeps the first fault with its place, whatever follows, until it is cleared. Pure, real-time safe.
+/// Keeps the first fault with its place, whatever follows, until it is cleared; only a hold device that does not hold
+/// while the drives carry on takes the place of another: somebody has to act on it now. Pure, real-time safe.
 class FaultLatch {
  public:
-  /// True when this is the first one. Fault::None never is.
+  /// True when this is the first one, or takes the first one's place. Fault::None never does.
   bool latch(const FaultCause& cause) noexcept;
   void clear() noexcept { cause_ = FaultCause{}; }
   bool isLatched() const noexcept { return cause_.fault != Fault::None; }

@@ -82,6 +82,8 @@ struct GuardianReport {
 /// drives that are off since.
 struct GuardianCarry {
   std::uint8_t outputs = 0;  ///< digital outputs meanwhile: drives on, hold devices ordered to engage
+  std::uint8_t heartbeat =
+      0;                     ///< output that is toggled in every cycle: a relay that watches it keeps the drives' power
   rt::Nanoseconds time = 0;  ///< what the slowest hold device takes; 0: down at once
 };
 
@@ -103,6 +105,7 @@ class Guardian : public rt::TaskContext {
  private:
   void trip() noexcept;
   bool carryLoad() noexcept;
+  bool writeCarry() noexcept;
   void keepDown(rt::Nanoseconds now) noexcept;
 
   hardware::GuardianLink& link_;
@@ -113,6 +116,7 @@ class Guardian : public rt::TaskContext {
   const GuardianCarry carry_;
   rt::Nanoseconds carry_until_ = 0;  // 0: does not carry
   std::array<double, hardware::kChannels> load_V_{};
+  bool beat_ = false;
   bool first_cycle_ = true;
   GuardianReport report_;
 };

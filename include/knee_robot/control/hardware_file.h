@@ -87,8 +87,6 @@ struct HardwareFile {
 
   /// The slowest hold device.
   double holdDelay() const;
-  /// What the machine is called, by its backend: "pci 0 0", "can can0", "simulated NAME OF THE SHARED MEMORY" (`shm`).
-  std::string machine(const std::string& shm) const;
 };
 
 /// Reads a hardware file strictly. InputError (file, line, limit) for anything unknown or senseless, and for

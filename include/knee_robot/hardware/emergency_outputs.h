@@ -9,10 +9,11 @@
 
 namespace knee_robot::hardware {
 
-/// Brings the outputs of both cards down, through registers alone: no self test before it, nothing remembered, nothing
-/// read, counters untouched. In this order, without waiting:
+/// Brings the outputs of both cards down, through registers alone: no self test before it, nothing remembered,
+/// counters untouched. In this order, without waiting:
 ///   1. all digital outputs 0: the hold devices engage and the drives are disabled. One write, since they are bits of one port.
 ///   2. 0 V on the four channels together, in the +-10 V range.
+///   3. reads whether the card with the outputs is there at all: a write to one that is not succeeds.
 /// A write that fails does not keep the next ones from being tried; answers the first failure. Writing it again changes
 /// nothing.
 /// Real-time safe.

@@ -6,6 +6,7 @@
 
 #include "knee_robot/hardware/channels.h"
 #include "knee_robot/hardware/register_access.h"
+#include "knee_robot/simulation/card_loss.h"
 
 namespace knee_robot::simulation {
 
@@ -19,7 +20,7 @@ struct Pci1720Image {
   std::array<std::atomic<std::uint8_t>, hardware::kChannels> low_bytes{};
   std::atomic<std::uint8_t> synchronous{0};
   std::atomic<std::uint8_t> board_id{0};
-  std::atomic<std::uint8_t> disconnected{0};  ///< set: every access fails, outputs hold
+  std::atomic<std::uint8_t> disconnected{0};  ///< CardLoss; outputs hold meanwhile
   std::atomic<std::uint64_t> updates{0};      ///< how often the outputs were updated
 };
 

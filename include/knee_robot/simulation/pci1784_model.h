@@ -6,6 +6,7 @@
 
 #include "knee_robot/hardware/channels.h"
 #include "knee_robot/hardware/register_access.h"
+#include "knee_robot/simulation/card_loss.h"
 
 namespace knee_robot::simulation {
 
@@ -28,7 +29,7 @@ struct Pci1784Image {
   std::atomic<std::uint8_t> output_mode{0};
   std::atomic<std::uint8_t> inputs{0};  ///< digital inputs, bits 0..3, set by the plant
   std::atomic<std::uint8_t> board_id{0};
-  std::atomic<std::uint8_t> disconnected{0};      ///< set: every access fails, outputs hold
+  std::atomic<std::uint8_t> disconnected{0};      ///< CardLoss; outputs hold meanwhile
   std::atomic<std::uint32_t> answer_delay_us{0};  ///< set: a latch takes so long, as on a bus that is held by others
 };
 
