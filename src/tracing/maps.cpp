@@ -42,6 +42,10 @@ class Map : public Candidate {
            " depends smoothly on " + signal_.name + ".";
   }
   bool worksOnBench() const override { return true; }
+  bool isForceField() const override {
+    const auto begins = [&](const char* word) { return signal_.name.rfind(word, 0) == 0; };
+    return signal_.factor == MapFactor::One && (begins("position_") || begins("pose_") || begins("leg_"));
+  }
   bool restsOnModel() const override { return signal_.rests_on_model; }
   bool isFriction() const override { return signal_.factor == MapFactor::Direction; }
   std::vector<ShapeParameter> shapeParameters() const override {

@@ -113,6 +113,11 @@ int leaveOutSmall(Search& search, bool helps, std::vector<std::string>& rejected
 /// on: on another path, where the two part, it would predict anything. Such effects are not predicted elsewhere.
 void holdBackAmbiguous(Search& search, std::vector<std::string>& notes);
 
+/// A force that depends on the pose alone, seen along one path only, in a model that leaves much more than the noise
+/// floor: what it stands for (a cable chain's hysteresis, a memory) may be another force in the same pose on another
+/// path. Held-back pieces of the one path cannot tell. Such effects are not predicted elsewhere.
+void holdBackOnePath(Search& search, std::vector<std::string>& notes);
+
 /// "stribeck on actuator 2".
 std::string placeText(const Place& place);
 

@@ -306,6 +306,7 @@ void Tracing::settle() {
     result_.candidates->push_back(std::move(map));
   if (robot_.chain) abstainElsewhere(s_, result_.notes);
   holdBackAmbiguous(s_, result_.notes);
+  holdBackOnePath(s_, result_.notes);
   if (!robot_.chain) judgeElsewhere(s_, result_.notes);
   keepFit();
 }

@@ -48,6 +48,8 @@ class Candidate {
   virtual bool periodic() const { return false; }
   /// True: goes with time, so that positions that were held back say nothing about it.
   virtual bool goesWithTime() const { return false; }
+  /// True: its force depends on the pose alone.
+  virtual bool isForceField() const { return false; }
   /// True: a smooth map of a signal, which no class of its own describes.
   virtual bool isMap() const { return false; }
   /// Noise floors that it must explain where held-back positions say nothing for it: one where its shapes are many.

@@ -15,6 +15,7 @@ class NonlinearSpring : public LineEffect {
     return "A cable, a strap or a limb acts between a point of the base and a point of the platform: its force is a "
            "curve over their distance.";
   }
+  bool isForceField() const override { return true; }
   std::vector<Coefficient> coefficients(const EffectInput&) const override {
     return {{"force_at_0.7_m_N", false},
             {"stiffness_N_per_m", false},

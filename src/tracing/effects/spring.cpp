@@ -12,6 +12,7 @@ class Spring : public LineEffect {
     return "A spring acts between a point of the base and a point of the platform: its force grows with their "
            "distance.";
   }
+  bool isForceField() const override { return true; }
   std::vector<Coefficient> coefficients(const EffectInput&) const override {
     return {{"stiffness_N_per_m", true}, {"stiffness_times_free_length_N", false}};
   }

@@ -1,0 +1,78 @@
+// A force that depends on the pose alone, seen along one path only.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "src/tracing/search.h"
+#include "test/identification/synthetic.h"
+
+namespace knee_robot::tracing {
+namespace {
+
+class OnePath : public testing::Test {
+ protected:
+  OnePath() {
+    s_.data = &data_;
+    s_.floor.rms_N = Eigen::Vector4d::Constant(0.5);
+  }
+  void follow(int variant) {
+    data_.recordings.push_back(
+        identification::observe(robot_, identification::columnsOf(robot_),
+                                identification::syntheticRecording(robot_, identification::syntheticModel(robot_),
+                                                                   variant, 12.0, [] { return 0.0; }),
+                                {}));
+  }
+  void leaves(double floors) { s_.rms_N = floors * s_.floor.rms_N; }
+  /// Whether an effect of this name, on the second actuator or all, is predicted elsewhere.
+  bool transfers(const std::string& name) {
+    FoundEffect e;
+    const auto found =
+        std::find_if(candidates_.begin(), candidates_.end(), [&](const auto& c) { return c->name() == name; });
+    const Candidate* candidate = found == candidates_.end() ? map_.get() : found->get();
+    e.hypothesis.place = {candidate, candidate->shared() ? -1 : 1};
+    e.transfers = true;
+    s_.effects = {e};
+    notes_.clear();
+    holdBackOnePath(s_, notes_);
+    return s_.effects.front().transfers;
+  }
+
+  const mechanism::Robot robot_ = identification::syntheticRobot();
+  const CandidateList candidates_ = namedCandidates(robot_);
+  const std::unique_ptr<Candidate> map_ = mapCandidate(robot_, "pose_theta_rad", 1, {0, 1, 2, 3, 4, 5, 6, 7});
+  TraceData data_;
+  Search s_;
+  std::vector<std::string> notes_;
+};
+
+TEST_F(OnePath, LeavesOutForceFieldsOfAModelThatLeavesMuch) {
+  follow(0);
+  leaves(5.0);
+  for (const char* field : {"spring", "nonlinear_spring", "map of the pose"}) {
+    EXPECT_FALSE(transfers(field)) << field;
+    ASSERT_EQ(notes_.size(), 1u);
+    EXPECT_NE(notes_[0].find("Train on a second path"), std::string::npos) << notes_[0];
+  }
+  follow(0);
+  EXPECT_FALSE(transfers("spring")) << "a repeat is no second path";
+}
+
+TEST_F(OnePath, KeepsWhatReachesTheNoiseFloorOrDependsOnMotion) {
+  follow(0);
+  leaves(2.0);
+  EXPECT_TRUE(transfers("spring"));
+  leaves(5.0);
+  EXPECT_TRUE(transfers("stribeck"));
+  EXPECT_TRUE(transfers("dashpot"));
+  EXPECT_TRUE(transfers("load_dependent_friction"));
+}
+
+TEST_F(OnePath, KeepsForceFieldsThatTwoPathsShow) {
+  follow(0);
+  follow(1);
+  leaves(5.0);
+  EXPECT_TRUE(transfers("spring"));
+}
+
+}  // namespace
+}  // namespace knee_robot::tracing
