@@ -46,6 +46,7 @@ constexpr Entry kLaws[] = {
     {"screw_ripple", 2, screwRippleLaw},
     {"quadratic_drag", 0, quadraticDragLaw},
     {"thermal_drift", 1, thermalDriftLaw, true},
+    {"frictional_ageing", 2, frictionalAgeingLaw, true},
     {"force_gain", 0, forceGainLaw},
     {"force_offset", 0, forceOffsetLaw},
     {"delay", 0, delayLaw},

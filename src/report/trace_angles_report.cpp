@@ -24,23 +24,44 @@ std::string nearestText(const tracing::PlaceAngles& a) {
   return out.empty() ? "-" : out;
 }
 
-/// Share of the squared error that is left, and share of the samples, in three kinds of samples.
+enum Kind { kMoving, kAtRest, kBeginning, kMasked, kKindCount };
+constexpr const char* kKinds[] = {"moving", "at_rest", "beginning", "masked"};
+constexpr const char* kKindTexts[] = {"while the axis moves", "at rest (friction may take any value)",
+                                      "before it first moves (friction unknown)",
+                                      "masked (near a singular pose, in a gap)"};
+constexpr double kFirstMove =
+    1e-3;  ///< m, rad: from there on friction no longer rests on what was before the recording
+
+/// Share of the squared error that is left, and share of the samples, by kind of sample.
 struct Shares {
-  Eigen::MatrixXd error, samples;  ///< moving, at rest, masked x actuators
+  Eigen::MatrixXd error, samples;  ///< Kind x actuators
 };
+
+/// First sample at which the axis has left where the recording began.
+int firstMove(const identification::Observation& o, int axis) {
+  const auto& position = o.signals.position_m;
+  int n = 0;
+  while (n < o.samples() && std::abs(position(n, axis) - position(0, axis)) < kFirstMove)
+    ++n;
+  return n;
+}
 
 Shares sharesOf(const TraceResults& r) {
   const bool validated = !r.validate.empty();
   const std::vector<identification::Observation>& list = validated ? r.validate : r.train;
   const identification::Applied& applied = validated ? r.validate_after : r.train_after;
   const int axes = list.front().axes();
-  Shares s{Eigen::MatrixXd::Zero(3, axes), Eigen::MatrixXd::Zero(3, axes)};
+  Shares s{Eigen::MatrixXd::Zero(kKindCount, axes), Eigen::MatrixXd::Zero(kKindCount, axes)};
   for (std::size_t f = 0; f < list.size(); ++f) {
     const identification::Observation& o = list[f];
     const Eigen::MatrixXd error = applied.predictions[f].force_filtered_N - o.force_filtered_N;
-    for (int n = 0; n < o.samples(); ++n) {
-      for (int i = 0; i < axes; ++i) {
-        const int kind = !o.usable[static_cast<std::size_t>(n)] ? 2 : o.axis_moving(n, i) ? 0 : 1;
+    for (int i = 0; i < axes; ++i) {
+      const int first = firstMove(o, i);
+      for (int n = 0; n < o.samples(); ++n) {
+        const Kind kind = !o.usable[static_cast<std::size_t>(n)] ? kMasked
+                          : n < first                            ? kBeginning
+                          : o.axis_moving(n, i)                  ? kMoving
+                                                                 : kAtRest;
         s.error(kind, i) += error(n, i) * error(n, i);
         s.samples(kind, i) += 1.0;
       }
@@ -52,10 +73,6 @@ Shares sharesOf(const TraceResults& r) {
   }
   return s;
 }
-
-constexpr const char* kKinds[] = {"moving", "at_rest", "masked"};
-constexpr const char* kKindTexts[] = {"while the axis moves", "at rest (friction may take any value)",
-                                      "masked (near a singular pose, in a gap)"};
 
 std::string shareLine(const std::string& name, const Eigen::VectorXd& error, const Eigen::VectorXd& samples) {
   std::string line = "  " + name;
@@ -87,7 +104,7 @@ nlohmann::ordered_json anglesJson(const TraceResults& r) {
 nlohmann::ordered_json errorSharesJson(const TraceResults& r) {
   const Shares s = sharesOf(r);
   Json j;
-  for (int k = 0; k < 3; ++k)
+  for (int k = 0; k < kKindCount; ++k)
     j[kKinds[k]] = {{"share_of_squared_error", jsonArray(s.error.row(k).transpose())},
                     {"share_of_samples", jsonArray(s.samples.row(k).transpose())}};
   return j;
@@ -109,7 +126,7 @@ std::string errorSharesSummary(const TraceResults& r) {
   const Shares s = sharesOf(r);
   std::string out = std::string("left on ") + (r.validate.empty() ? "training" : "validation") +
                     ", % of the squared error (of the samples)\n";
-  for (int k = 0; k < 3; ++k)
+  for (int k = 0; k < kKindCount; ++k)
     out += shareLine(kKindTexts[k], s.error.row(k).transpose(), s.samples.row(k).transpose());
   return out;
 }

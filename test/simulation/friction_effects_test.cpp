@@ -35,6 +35,14 @@ TEST(FrictionEffects, StribeckHasItsMinimum) {
   EXPECT_GT(friction[3], friction[2] + 3.0);
 }
 
+TEST(FrictionEffects, AgeingWearsOffTheFasterTheMoreTheAxisMoves) {
+  EffectBench bench("{name: frictional_ageing, actuators: [2], excess_N: 20, time_constant_s: 0.2, way_m: 0.0006}");
+  for (const double v : {0.002, -0.01, 0.1}) {
+    const double aged = 5.0 / (5.0 + std::abs(v) / 0.0006);  // where growth and wear are in balance
+    EXPECT_NEAR(bench.frictionAt(kAxis, v), plain(v) + std::copysign(20.0 * aged, v), kNear_N) << v;
+  }
+}
+
 TEST(FrictionEffects, AsymmetryDiffersBetweenDirections) {
   EffectBench coulomb("{name: asymmetric_coulomb, actuators: [2], difference_N: 8}");
   EXPECT_NEAR(coulomb.frictionAt(kAxis, 0.03), plain(0.03) + 4.0, kNear_N);

@@ -19,6 +19,7 @@ Law positionDependentFrictionLaw(const Shape& shape);
 Law screwRippleLaw(const Shape& shape);
 Law quadraticDragLaw(const Shape& shape);
 Law thermalDriftLaw(const Shape& shape);
+Law frictionalAgeingLaw(const Shape& shape);
 Law forceGainLaw(const Shape& shape);
 Law forceOffsetLaw(const Shape& shape);
 Law delayLaw(const Shape& shape);
