@@ -92,6 +92,10 @@ void AxesOutput::readCommands(const rt::Cycle& cycle) {
 /// along the path then.
 void AxesOutput::heedDrives(const AxesMeasurement& measured) noexcept {
   const bool ready = out_.level < DriveLevel::HeldByDrivers || !lines_.drivesNotReady(measured);
+  const bool carries = safe_stop_.phase() == SafeStopPhase::Carrying;
+  power_came_back_ =
+      carries && ready && power_was_lost_;  // drives that were without it must not push again by themselves
+  power_was_lost_ = carries && (!ready || power_was_lost_);
   const Fault fault = ready ? control::faultOf(measured.bus_failure.fault) : Fault::DrivesNotReady;
   if (!all_closed_ || loopStaysClosed(fault)) return;
   all_closed_ = false;
@@ -137,8 +141,8 @@ void AxesOutput::followOrders(const rt::Cycle& cycle) {
 void AxesOutput::runSafeStop(const rt::Cycle& cycle, const AxesMeasurement& measured) {
   const auto at_rest = [](const AxisCommand& command) { return command.at_rest; };
   const HoldView hold{!outputs_refused_, slips(measured), transferNumber(cycle)};
-  safe_stop_.step(cycle.time, all_closed_, std::all_of(commands_.begin(), commands_.end(), at_rest), order_.immediate,
-                  hold);
+  safe_stop_.step(cycle.time, all_closed_, std::all_of(commands_.begin(), commands_.end(), at_rest),
+                  order_.immediate || power_came_back_, hold);
   out_.safe_stops = safe_stop_.completed();
   if (safe_stop_.phase() == SafeStopPhase::Done) out_.level = DriveLevel::Off;
 }
@@ -190,10 +194,11 @@ AxisValues AxesOutput::chooseVolts() const noexcept {
     testBrakes(volts);
     return volts;
   }
-  // Nobody can engage the brakes, and the axis has no loop: what it carried at rest is the best that is left.
-  const bool stranded = outputs_refused_ && safe_stop_.engagesHold();
+  // No brake holds, and the axis has no loop: what it carried at rest is the best that is left.
+  const bool unheld = (outputs_refused_ && safe_stop_.engagesHold()) || safe_stop_.phase() == SafeStopPhase::Carrying ||
+                      safe_stop_.isTransferring();
   for (std::size_t i = 0; i < hardware::kAxes; ++i) {
-    const double load = stranded ? rest_volts_[i] : load_volts_[i];
+    const double load = unheld ? rest_volts_[i] : load_volts_[i];
     volts[i] = clamped(safe_stop_.share() * (closed_[i] ? commands_[i].volts : load), i);
   }
   return volts;
@@ -226,8 +231,11 @@ void AxesOutput::writeOutputs(rt::Nanoseconds now) {
 
 /// What carries the platform at this place, for an axis whose loop fails.
 void AxesOutput::estimateLoad(double dt) noexcept {
-  if (out_.level != DriveLevel::Released || safe_stop_.phase() != SafeStopPhase::Idle) return;
+  const bool idle = safe_stop_.phase() == SafeStopPhase::Idle;
+  const bool stands = safe_stop_.phase() == SafeStopPhase::Settling || safe_stop_.phase() == SafeStopPhase::Carrying;
+  if (out_.level != DriveLevel::Released || (!idle && !stands)) return;
   for (std::size_t i = 0; i < hardware::kAxes; ++i) {
+    if (!idle && !closed_[i]) continue;
     const mechanism::Actuator& actuator = robot_.actuators[i];
     const double moving = actuator.force_sign * commands_[i].moving_N / actuator.force_per_volt_N;
     load_volts_[i] += (out_.volts[i] - load_volts_[i]) * dt / (kLoadTime_s + dt);

@@ -72,8 +72,10 @@ Answer ControlSystem::end(bool at_any_rate) {
   // AxesOutput's own word: a Supervisor that failed says Faulted while the safe stop still runs.
   parts_->runner.waitUntil([this] { return outputsAreOff() || drivesCarry(); }, kSafeStop_s);
   if (drivesCarry() && !at_any_rate) {
-    const FaultDescription& slips = describe(Fault::HoldDeviceSlips);
-    return {false, std::string("not shut down: ") + slips.sentence + "; " + slips.remedy};
+    const bool slips = parts_->panel.written()->safe_stop == SafeStopPhase::Carrying;
+    const FaultDescription& why = describe(slips ? Fault::HoldDeviceSlips : Fault::OutputLost);
+    return {false, std::string("not shut down: ") + why.sentence + "; only the drives carry the platform: support it" +
+                       (slips ? "" : ", then press the emergency stop and kill this process")};
   }
   const Answer recorded = stopRecording();
   parts_->deployment->stop();  // whatever still moves: AxesOutput's stopHook
@@ -90,7 +92,11 @@ bool ControlSystem::outputsAreOff() const {
 
 bool ControlSystem::drivesCarry() const {
   const std::optional<AxesWritten> written = parts_->panel.written();
-  return parts_->started && written && written->safe_stop == SafeStopPhase::Carrying;
+  if (!parts_->started || !written) return false;
+  const bool stranded = written->safe_stop == SafeStopPhase::Engaging && written->level == DriveLevel::Released &&
+                        written->status != hardware::IoStatus::Ok && written->status != hardware::IoStatus::FencedOut &&
+                        !parts_->bus.stopsByItself();
+  return written->safe_stop == SafeStopPhase::Carrying || stranded;
 }
 
 /// A request after which the robot may move: who is on it has to be known, and does not change meanwhile. Somebody may

@@ -112,7 +112,7 @@ constexpr std::array<FaultDescription, kFaults> kTable = {{
     {F::HoldDeviceSlips, "hold_device_slips",
      "the holding brake does not hold its axis; the drives do while the robot is "
      "safe_stopping",
-     kAtOnce, kWorks, kOne,
+     kWhenGone, kWorks, kOne,
      "get the patient off and support the platform before you disable again; then mend the brake"},
     {F::InputsStale, "inputs_stale",
      "the drive that reads emergency stop and hand switch does not report them any more", kWhenGone, kWorks, kOne,

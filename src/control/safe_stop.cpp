@@ -37,7 +37,7 @@ void SafeStop::step(rt::Nanoseconds now, bool loops_closed, bool at_rest, bool i
       if (elapsed < timing_.hold_delay) return;
       return enter(carried && timing_.transfer > 0 ? SafeStopPhase::Transferring : SafeStopPhase::Disabling, now);
     case SafeStopPhase::Transferring:
-      if (!carried) return enter(SafeStopPhase::Disabling, now);
+      if (immediate) return enter(SafeStopPhase::Disabling, now);
       if (hold.slipped) {
         share_ = 1.0;
         return enter(SafeStopPhase::Carrying, now);

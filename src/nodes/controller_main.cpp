@@ -30,7 +30,8 @@ volatile std::sig_atomic_t stop_requested = 0;
 
 double boundedParameter(const ros::NodeHandle& node, const std::string& name, double value, double minimum,
                         double maximum, const std::string& what) {
-  node.getParam(name, value);
+  if (node.hasParam(name) && !node.getParam(name, value))
+    throw InputError("parameter " + node.resolveName(name) + " is no number; it is " + what);
   if (!(value >= minimum && value <= maximum))
     throw InputError("parameter " + node.resolveName(name) + " is outside " + std::to_string(minimum) + " .. " +
                      std::to_string(maximum) + "; it is " + what);

@@ -146,32 +146,47 @@ std::optional<hardware::SharedGuardianLink> linkOf(const std::string& name, cons
   return std::nullopt;
 }
 
+bool guardianActs(const hardware::GuardianLink& link) {
+  const std::int32_t guardian = link.guardian_pid.load();
+  const std::uint64_t cycles = link.guardian_cycles.load();
+  if (guardian <= 0 || hardware::ProcessWatch().isGone(guardian)) return false;
+  std::this_thread::sleep_for(std::chrono::milliseconds(20));
+  return link.guardian_cycles.load() != cycles;
+}
+
 /// A controller that lives notices within 50 ms that its guardian is gone, and stops as it should: along the path, the
-/// load handed over to the brakes. Waits for that, 1.5 s at most.
-void letControllerStop(const hardware::GuardianLink& link) {
+/// load handed over to the brakes. Waits for that, 1.5 s at most. False: it goes on living with its drives on (a brake
+/// does not hold, and they carry the platform).
+bool letControllerStop(const hardware::GuardianLink& link) {
   constexpr rt::Nanoseconds kLongest = 1'500'000'000, kSilence = 20'000'000;
   const rt::Nanoseconds began = rt::monotonicNow();
   rt::Nanoseconds heard = began;
   std::uint64_t heartbeat = link.heartbeat.load();
   hardware::ProcessWatch watch;
-  while (link.armed.load() != 0 && link.tripped.load() == 0 && rt::monotonicNow() - began < kLongest) {
+  while (link.armed.load() != 0 && link.tripped.load() == 0) {
     const std::int32_t controller = link.controller_pid.load();
-    if (controller == 0 || watch.isGone(controller) || rt::monotonicNow() - heard > kSilence) return;
+    if (controller == 0 || watch.isGone(controller) || rt::monotonicNow() - heard > kSilence) return true;
+    if (rt::monotonicNow() - began > kLongest) return false;
     std::this_thread::sleep_for(std::chrono::milliseconds(1));
     const std::uint64_t now = link.heartbeat.load();
     if (now != heartbeat) heard = rt::monotonicNow();
     heartbeat = now;
   }
+  return true;
 }
 
-/// What a service manager calls after the controller or its guardian has ended, for whatever reason. A guardian that
-/// lives does the same by itself and is left alone; a controller that lives and has not stopped is fenced out first.
+/// What a service manager calls after the controller or its guardian has ended, for whatever reason. Beside a guardian
+/// that lives a controller is fenced out at once; without one it is first given the time to stop by itself, and left
+/// alone where it goes on carrying.
 int bringDownNow(const Options& options) {
   const control::HardwareFile file = loadFile(options);
   const std::unique_ptr<hardware::EmergencyOutputs> outputs = nodes::openOutputs(file, siteOf(options));
   std::optional<hardware::SharedGuardianLink> memory = linkOf(options.link, nodes::machineName(file, siteOf(options)));
   if (memory) {
-    letControllerStop(memory->link());
+    if (!guardianActs(memory->link()) && !letControllerStop(memory->link())) {
+      std::printf("guardian: the controller lives and its drives carry the platform; start the guardian again\n");
+      return 1;
+    }
     memory->link().tripped.store(1);
   }
   hardware::IoStatus status = outputs->down();

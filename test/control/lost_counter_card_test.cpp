@@ -58,6 +58,10 @@ TEST(LostCounterCard, ThatDoesNotAnswerIsHeldByWhatCarriedThePlatformAtRest) {
     EXPECT_EQ(robot.system->state(), MachineState::SafeStopping) << int{loss};
     EXPECT_LT(height - robot.lowest, 0.001) << int{loss} << ": nobody has ordered the brakes";
     EXPECT_EQ(robot.image.status.brakes_engaged.load(), 0) << int{loss};
+    const Answer refused = robot.system->shutdown();
+    EXPECT_FALSE(refused.ok) << "0 V behind brakes that nobody ordered";
+    EXPECT_NE(refused.sentence.find("support it"), std::string::npos) << refused.sentence;
+    EXPECT_LT(height - robot.lowest, 0.001) << int{loss};
   }
 }
 

@@ -122,7 +122,10 @@ TEST(SafeStop, TakesTheLoadBackWhenAnAxisMovesAndKeepsItUntilItIsAskedAgain) {
   power.run(1, slips);
   power.run(100, {}, false);
   EXPECT_EQ(power.stop.phase(), Phase::Carrying) << "the brakes do not hold: a load estimate is better than nothing";
-  power.run(100, again, false);
+  power.run(2, again, false);
+  power.run(1, {true, true, 1}, false);
+  EXPECT_EQ(power.stop.phase(), Phase::Carrying) << "asked by nobody who has put a support under it: it slips again";
+  power.run(100, {true, false, 2}, false);
   EXPECT_EQ(power.stop.phase(), Phase::Done) << "somebody has put a support under it";
   Transfer gone;
   gone.run(52);

@@ -21,7 +21,7 @@ void expectCarried(HoldingRobot& robot, double height) {
   EXPECT_LT(height - robot.lowest, 0.004) << "it tried to hand over the load once more, and took it back";
 }
 
-TEST(SlippingBrake, IsSaidAndCarriedWhateverFaultStoppedTheRobot) {
+TEST(SlippingBrake, IsSaidAndCarriedBehindAnotherFaultToo) {
   for (const bool emergency : {true, false}) {
     HoldingRobot robot;
     const double height = robot.lowest = robot.plant.state().pose[1];
@@ -60,6 +60,42 @@ TEST(SlippingBrake, KeepsTheOtherLoopsAndALoadEstimateWhereOneLoopFailsMeanwhile
   robot.system->run(3.0);
   EXPECT_TRUE(robot.system->drivesCarry());
   EXPECT_LT(height - robot.lowest, 0.005);
+  EXPECT_FALSE(robot.system->shutdown().ok) << "asked by nobody who has put a support under it";
+  robot.system->run(2.0);
+  EXPECT_TRUE(robot.system->drivesCarry());
+  EXPECT_LT(height - robot.lowest, 0.01);
+}
+
+TEST(SlippingBrake, DoesNotLetDrivesThatLostTheirSupplyPushAgainWhenItComesBack) {
+  Truth truth;
+  truth.ready_line = true;
+  HoldingRobot robot(truth);
+  robot.image.faults.hold_open.store(kAll);
+  robot.system->disable();
+  robot.system->run(3.0);
+  ASSERT_TRUE(robot.system->drivesCarry());
+  robot.image.faults.drive_dead.store(kAll);
+  robot.system->run(0.5);
+  robot.image.faults.drive_dead.store(0);
+  robot.system->run(0.5);
+  EXPECT_EQ(robot.image.status.drives_enabled.load(), 0);
+  EXPECT_EQ(robot.system->state(), MachineState::Faulted);
+}
+
+TEST(SlippingBrake, KeepsTheEmergencyStopsRuleForAReset) {
+  HoldingRobot robot;
+  robot.image.faults.hold_open.store(kAll);
+  robot.system->disable();
+  robot.system->run(3.0);
+  ASSERT_TRUE(robot.system->drivesCarry());
+  robot.image.surroundings.emergency_stop_pressed.store(1);
+  robot.system->run(1.0);
+  ASSERT_EQ(robot.system->state(), MachineState::Faulted);
+  EXPECT_EQ(robot.system->status().fault_name, "hold_device_slips");
+  EXPECT_FALSE(robot.system->resetFaults().ok) << "the button is pressed";
+  robot.image.surroundings.emergency_stop_pressed.store(0);
+  robot.system->run(0.1);
+  EXPECT_TRUE(robot.system->resetFaults().ok);
 }
 
 TEST(EndingController, RefusesToMoveAndGoesOnBeingStopped) {

@@ -50,6 +50,7 @@ effects:
   - {name: position_dependent_friction, amplitude_N: 5, center_m: 0.7, width_m: 0.01}
   - {name: quadratic_drag, drag_N_s2_per_m2: 300}
   - {name: thermal_drift, coulomb_change: -0.2, time_constant_s: 5}
+  - {name: frictional_ageing, excess_N: 5, time_constant_s: 2, way_m: 0.006}
   - {name: presliding, actuators: [1], stiffness_N_per_m: 5e5}
   - {name: screw_ripple, amplitude_N: 3, period_m: 0.01}
   - {name: payload, mass_kg: 2, center_m: [0, 0, 0.1]}

@@ -85,10 +85,12 @@ class AxesOutput : public rt::TaskContext {
   int open_axis_ = 0;
   Fault open_fault_ = Fault::None;
   AxisValues load_volts_{};
-  AxisValues rest_volts_{};  // likewise, of longer, and without what the motion takes
+  AxisValues rest_volts_{};  // likewise, of longer, and without what the motion takes; also while a safe stop carries
   AxisValues transfer_m_{};  // where the axes stood when the transfer began
   rt::Nanoseconds asked_at_ = 0;
   std::uint32_t own_transfers_ = 0;
+  bool power_was_lost_ = false;  // while the drives carried
+  bool power_came_back_ = false;
   bool outputs_refused_ = false;
   bool heartbeat_ = false;
   AxesWritten out_;

@@ -70,7 +70,8 @@ class ControlSystem {
   void refuseToMove();
   /// AxesOutput has the drives off, or has never said anything.
   bool outputsAreOff() const;
-  /// A holding brake slipped, and the drives carry the platform until somebody supports it.
+  /// Only the drives carry the platform, until somebody supports it: a holding brake slipped, or the brakes cannot be
+  /// ordered.
   bool drivesCarry() const;
 
   /// Refused unless a patient is loaded or nobody is on the robot, explicitly.

@@ -33,7 +33,8 @@ struct SafeStopTiming {
 ///     Disabling     drives disabled; set values stay until the drives are off
 ///     Done          0 V
 ///
-/// Transferring needs loops that work; without them it is left out, and the set values stay until the drives are off.
+/// Transferring needs loops that work when it begins; without them it is left out, and the set values stay until the
+/// drives are off. A loop that fails meanwhile, or in Carrying, does not end the watch.
 /// Hold devices that cannot be ordered to engage (the output card is gone) end it in Engaging: 0 V would let the
 /// platform fall.
 ///
