@@ -11,6 +11,7 @@ constexpr double kAbsorbed = 1e-3;           ///< share of a column's square tha
 constexpr Eigen::Index kColumnsAtOnce = 96;  ///< that are built on the grid before they are thinned
 
 void addShapes(const Candidate& candidate, const EffectInput& input, int actuator, std::vector<Hypothesis>& list) {
+  if (!candidate.shownIn(input, actuator)) return;
   for (std::vector<double>& shape : candidate.shapes(input, actuator))
     list.push_back({{&candidate, actuator}, std::move(shape)});
 }

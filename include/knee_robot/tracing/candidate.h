@@ -63,6 +63,9 @@ class Candidate {
   /// False: is not looked for on this robot.
   virtual bool worksOn(const mechanism::Robot& robot) const;
 
+  /// False: this recording has nothing that could show it, and what it would explain there is something else.
+  virtual bool shownIn(const EffectInput& /*input*/, int /*actuator*/) const { return true; }
+
   virtual std::vector<ShapeParameter> shapeParameters() const { return {}; }
   /// Values of the shape parameters that are tried, given one of the recordings (`actuator` -1: shared).
   virtual std::vector<std::vector<double>> shapes(const EffectInput& input, int actuator) const;

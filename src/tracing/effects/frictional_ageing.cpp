@@ -11,6 +11,28 @@ namespace {
 constexpr double kShortestTime_s = 0.3, kLongestTime_s = 10.0;
 constexpr double kShortestWay_m = 0.002, kLongestWay_m = 0.05;
 constexpr double kBeside = 1.5;  ///< factor between neighbours
+constexpr double kStands_m_per_s = 5e-4;
+constexpr int kRests = 3;  ///< of the shortest time and followed by the shortest way: fewer show nothing
+
+/// Rests of one axis after which it goes on.
+int restsOf(const EffectInput& input, int actuator) {
+  const auto velocity = input.signals().velocity_m_per_s.col(actuator);
+  int rests = 0;
+  double stood_s = 0.0, way_m = kShortestWay_m;
+  for (int n = 1; n < input.samples(); ++n) {
+    const double period_s = input.time(n) - input.time(n - 1);
+    if (std::abs(velocity[n]) < kStands_m_per_s) {
+      if (way_m >= kShortestWay_m) stood_s += period_s;
+      if (stood_s >= kShortestTime_s) way_m = 0.0;
+      continue;
+    }
+    const bool rested = stood_s >= kShortestTime_s;
+    way_m += std::abs(velocity[n]) * period_s;
+    if (rested && way_m >= kShortestWay_m) ++rests;
+    if (!rested || way_m >= kShortestWay_m) stood_s = 0.0;
+  }
+  return rests;
+}
 
 /// Asperities in contact grow and lubricant is squeezed out while the axis stands; a way of some millimetres wears it
 /// off: the state of Dieterich's and Ruina's law, with an end.
@@ -23,6 +45,7 @@ class FrictionalAgeing : public Candidate {
   std::string sentence() const override {
     return "Dry friction grows while the axis rests, with a time constant, and wears off over a way.";
   }
+  bool shownIn(const EffectInput& input, int actuator) const override { return restsOf(input, actuator) >= kRests; }
   std::vector<ShapeParameter> shapeParameters() const override {
     return {{"time_constant_s", kShortestTime_s, kLongestTime_s},
             {"way_m", kShortestWay_m, kLongestWay_m},
