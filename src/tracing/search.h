@@ -118,6 +118,9 @@ void holdBackAmbiguous(Search& search, std::vector<std::string>& notes);
 /// path. Held-back pieces of the one path cannot tell. Such effects are not predicted elsewhere.
 void holdBackOnePath(Search& search, std::vector<std::string>& notes);
 
+/// Names of models that leave much more than the noise floor while axes move are less probable, the more they leave.
+void doubtNames(Search& search, std::vector<std::string>& notes);
+
 /// "stribeck on actuator 2".
 std::string placeText(const Place& place);
 

@@ -308,6 +308,7 @@ void Tracing::settle() {
   holdBackAmbiguous(s_, result_.notes);
   holdBackOnePath(s_, result_.notes);
   if (!robot_.chain) judgeElsewhere(s_, result_.notes);
+  if (!robot_.chain) doubtNames(s_, result_.notes);
   keepFit();
 }
 

@@ -1,0 +1,51 @@
+// A name is only as good as what the model with it leaves.
+#include <algorithm>
+
+#include "test/tracing/searched_machine.h"
+
+namespace knee_robot::tracing {
+namespace {
+
+class Doubt : public SearchedMachine {
+ protected:
+  /// What is said of an effect when the model leaves so many noise floors.
+  FoundEffect said(const std::string& name, double floors) {
+    search_.floor.rms_N = Eigen::VectorXd::Constant(data_.stack.axes, 0.5);
+    search_.fit.residual_N = Eigen::VectorXd::Constant(data_.stack.size() * data_.stack.axes, 0.5 * floors);
+    FoundEffect e;
+    e.hypothesis = named(name, {});
+    e.probability = 0.99;
+    search_.effects = {e};
+    notes_.clear();
+    doubtNames(search_, notes_);
+    return search_.effects.front();
+  }
+  std::vector<std::string> notes_;
+};
+
+TEST_F(Doubt, IsNotCastOnAModelThatComesNearTheNoiseFloor) {
+  for (const char* name : {"dashpot", "stribeck"}) {
+    EXPECT_EQ(said(name, 2.0).probability, 0.99) << name;
+    EXPECT_TRUE(notes_.empty());
+  }
+}
+
+TEST_F(Doubt, GrowsWithWhatTheModelLeavesAndSaysSo) {
+  for (const char* name : {"dashpot", "stribeck"}) {
+    const FoundEffect some = said(name, 2.4), much = said(name, 6.6);
+    EXPECT_GT(some.probability, 0.8);
+    EXPECT_TRUE(some.indistinguishable_from.empty());
+    EXPECT_NEAR(much.probability, 0.99 / 9.0, 1e-9);
+    EXPECT_EQ(much.indistinguishable_from, std::vector<std::string>{"unnamed"});
+    ASSERT_EQ(notes_.size(), 1u);
+    EXPECT_NE(notes_[0].find("6.6 times the noise floor"), std::string::npos) << notes_[0];
+  }
+}
+
+TEST_F(Doubt, SparesWhatHasASignatureOfItsOwn) {
+  EXPECT_EQ(said("screw_ripple", 9.0).probability, 0.99);
+  EXPECT_EQ(said("external_force", 9.0).probability, 0.99);
+}
+
+}  // namespace
+}  // namespace knee_robot::tracing
