@@ -17,7 +17,7 @@ function effectRows(effect) {
   const at = shared ? explained.indexOf(Math.max(...explained)) : effect.actuators[0] - 1;
   const gain = effect.held_back_gain;
   const alike = effect.not_separable_from || effect.indistinguishable_from;
-  return [[{ text: [effect.name, ...(effect.transfers ? [] : ["(does not transfer)"])] }, shared ? "all" : String(effect.actuators[0]), explained[at],
+  return [[{ text: [effect.looks_like ? `${effect.name} (looks like ${effect.looks_like})` : effect.name, ...(effect.transfers ? [] : ["(does not transfer)"])] }, shared ? "all" : String(effect.actuators[0]), explained[at],
     figure(effect, "null_rms")[at], effect.p, gain ? `${number(100 * gain.share)}\u00a0\u00b1\u00a0${number(100 * gain.standard_error)}\u00a0%` : DASH,
     figure(effect, "validate_gain")[at]],
   { note: [effect.sentence, parameterTexts(effect).join("; "), ...(alike.length ? [`Cannot be told from ${alike.join(", ")}.`] : [])] }];

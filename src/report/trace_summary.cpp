@@ -30,9 +30,14 @@ std::string side(const std::string& title, const identification::Applied& before
          numberRow("% of rms(force), all together: before, after", together);
 }
 
+/// What is doubted has no name of its own.
+std::string nameOf(const tracing::FoundEffect& e, const dynamics::ModelEffect& m) {
+  return e.doubted ? "unnamed (looks like " + m.name + ")" : m.name;
+}
+
 std::string effectLine(const tracing::FoundEffect& e, const dynamics::ModelEffect& m) {
   std::string out =
-      "  " + m.name +
+      "  " + nameOf(e, m) +
       (m.actuators.size() == 1 ? " on actuator " + std::to_string(m.actuators.front()) : " on all actuators");
   if (!m.depends_on.empty()) {
     out += ", depends on " + m.depends_on;
@@ -64,7 +69,7 @@ std::string addedText(const TraceResults& r) {
                 (m.actuators.size() == 1 ? " (actuator " + std::to_string(m.actuators.front()) + ")" : "");
         continue;
       }
-      names += (names.empty() ? "" : ", ") + m.name +
+      names += (names.empty() ? "" : ", ") + nameOf(t.effects[k], m) +
                (m.actuators.size() == 1 ? " (actuator " + std::to_string(m.actuators.front()) + ")" : "");
       for (std::size_t i = 0; i < t.effects[k].indistinguishable_from.size(); ++i)
         names += " or " + t.effects[k].indistinguishable_from[i];

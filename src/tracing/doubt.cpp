@@ -12,7 +12,7 @@ namespace {
 /// Noise floors that models with the right effects leave while axes move, at most 2.1 on 19 machines of two independent
 /// simulators; those with names that stand for something else left 2.3 to 11 (docs/results/foreign_machines.md).
 constexpr double kRightLeaves = 2.2;
-constexpr double kSure = 0.8;
+constexpr double kSure = 0.8, kEven = 0.5;
 
 /// Root mean square of what the model leaves while the axis moves.
 Eigen::VectorXd movingRms(const Search& s) {
@@ -46,7 +46,8 @@ void doubtNames(Search& s, std::vector<std::string>& notes) {
                                              : left_N[place.actuator] / std::max(1e-12, s.floor.rms_N[place.actuator]);
     if (floors <= kRightLeaves) continue;
     e.probability *= std::pow(kRightLeaves / floors, 2);
-    if (e.probability < kSure) e.indistinguishable_from.emplace_back("unnamed");
+    e.doubted = e.probability < kEven;
+    if (e.probability < kSure && !e.doubted) e.indistinguishable_from.emplace_back("unnamed");
     notes.push_back(placeText(place) + ": the model with it still leaves " + shortNumber(floors, 2) +
                     " times the noise floor while axes move: it may stand for something that no name is known for.");
   }

@@ -82,7 +82,7 @@ Rivals confusablePair(const TraceResult& result) {
   for (const FoundEffect& e : result.effects) {
     for (const std::string& name : e.indistinguishable_from) {
       for (const auto& candidate : *result.candidates) {
-        if (candidate->name() == name) return {&e, candidate.get()};
+        if (candidate->name() == name && !candidate->isMap()) return {&e, candidate.get()};
       }
     }
   }

@@ -118,7 +118,8 @@ void holdBackAmbiguous(Search& search, std::vector<std::string>& notes);
 /// path. Held-back pieces of the one path cannot tell. Such effects are not predicted elsewhere.
 void holdBackOnePath(Search& search, std::vector<std::string>& notes);
 
-/// Names of models that leave much more than the noise floor while axes move are less probable, the more they leave.
+/// Names of models that leave much more than the noise floor while axes move are less probable, the more they leave;
+/// those that are rather wrong than right are doubted.
 void doubtNames(Search& search, std::vector<std::string>& notes);
 
 /// "stribeck on actuator 2".

@@ -35,11 +35,18 @@ TEST_F(Doubt, GrowsWithWhatTheModelLeavesAndSaysSo) {
     const FoundEffect some = said(name, 2.4), much = said(name, 6.6);
     EXPECT_GT(some.probability, 0.8);
     EXPECT_TRUE(some.indistinguishable_from.empty());
+    EXPECT_FALSE(some.doubted);
     EXPECT_NEAR(much.probability, 0.99 / 9.0, 1e-9);
-    EXPECT_EQ(much.indistinguishable_from, std::vector<std::string>{"unnamed"});
+    EXPECT_TRUE(much.doubted);
     ASSERT_EQ(notes_.size(), 1u);
     EXPECT_NE(notes_[0].find("6.6 times the noise floor"), std::string::npos) << notes_[0];
   }
+}
+
+TEST_F(Doubt, ReadsOrUnnamedWhereTheNameIsRatherRight) {
+  const FoundEffect between = said("stribeck", 2.8);
+  EXPECT_FALSE(between.doubted);
+  EXPECT_EQ(between.indistinguishable_from, std::vector<std::string>{"unnamed"});
 }
 
 TEST_F(Doubt, SparesWhatHasASignatureOfItsOwn) {

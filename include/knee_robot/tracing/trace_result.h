@@ -39,6 +39,7 @@ struct FoundEffect {
   /// That the name is right, against the rival that comes closest on held-back blocks: normal approximation, not
   /// calibrated.
   double probability = 1.0;
+  bool doubted = false;         ///< so improbable that it is reported as unnamed: what it does is known, not what it is
   double elsewhere_gain = 0.0;  ///< held-back stretches of other positions: share of the squared residual
   bool transfers = true;        ///< false: predicts nothing in other recordings
   std::string verdict;          ///< one sentence
