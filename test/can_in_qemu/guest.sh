@@ -5,7 +5,7 @@
 set -u
 root=$1 programs=$2/devel/lib/knee_robot python=$3
 work=/run/knee
-mkdir -p $work
+mkdir -p $work /run/lock  # where every Debian has its locks
 cd $work || exit 1
 export PATH=/usr/sbin:/usr/bin:/sbin:/bin LANG=C PYTHONDONTWRITEBYTECODE=1 PYTHONPATH=$root/test/can_in_qemu
 tests=$root/test/can_in_qemu
