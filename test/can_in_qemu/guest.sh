@@ -60,14 +60,14 @@ finish $dump
 "$python" "$tests/check_candump.py" dump.log "our drives"
 say "the interface goes down in the middle"
 (sleep 2; ip link set vcan0 down) & breaker=$!
-check "interface down is the cause that is told" refuses_with "interface down" drives --bus vcan0 --seconds 30
+check "interface down is the cause that is told" refuses_with "the CAN interface is down or gone" drives --bus vcan0 --seconds 30
 wait $breaker
 ip link set vcan0 up
 finish $simulator
 say "the drives go away in the middle"
 simulate vcan0
 (sleep 2; kill $simulator) & breaker=$!
-check "lost drives are the cause that is told" refuses_with "drive lost\|no heartbeat" drives --bus vcan0 --seconds 30
+check "lost drives are the cause that is told" refuses_with "the drive sends no feedback\|heartbeat" drives --bus vcan0 --seconds 30
 wait $breaker
 check "no drive answers: told by node" refuses_with "node 1.*no answer" drives --bus vcan0
 finish $simulator
