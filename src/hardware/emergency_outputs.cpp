@@ -6,18 +6,11 @@
 
 namespace knee_robot::hardware {
 
-namespace {
-
-constexpr std::uint32_t kNobodyAnswers = 0xFFFFFFFF;
-
-/// Writes to a card that does not answer any more succeed: only a read tells.
-IoStatus presence(RegisterAccess& counter) noexcept {
+IoStatus outputsPresence(RegisterAccess& counter) noexcept {
   std::uint32_t id = 0;
   const IoStatus status = counter.read32(pci1784::kBoardId, id);
-  return status == IoStatus::Ok && id == kNobodyAnswers ? IoStatus::Disconnected : status;
+  return status == IoStatus::Ok && id == pci1784::kNobodyAnswers ? IoStatus::Disconnected : status;
 }
-
-}  // namespace
 
 IoStatus forceDown(RegisterAccess& analog, RegisterAccess& counter) noexcept {
   IoStatus first = IoStatus::Ok;
@@ -33,7 +26,7 @@ IoStatus forceDown(RegisterAccess& analog, RegisterAccess& counter) noexcept {
   }
   note(analog.write8(pci1720::kSynchronise, 0));
   note(analog.write8(pci1720::kRange, pci1720::kAllBipolar10V));
-  note(presence(counter));  // last: it changes nothing, and is for the report
+  note(outputsPresence(counter));  // last: it changes nothing, and is for the report
   return first;
 }
 

@@ -1,11 +1,11 @@
 #include "knee_robot/hardware/pci1784.h"
 
+#include "knee_robot/hardware/emergency_outputs.h"
 #include "knee_robot/hardware/pci1784_registers.h"
 
 namespace knee_robot::hardware {
 namespace {
 
-constexpr std::uint32_t kMasterAbort = 0xFFFFFFFFu;  // PCI master abort: no card answers
 constexpr std::uint32_t kBoardBits = 0x0F;
 constexpr std::int32_t kTremble = 2;  // counts at a standing axis between reset and latch
 
@@ -22,7 +22,7 @@ bool Pci1784::disableOutputs(std::vector<std::string>& findings) {
   std::uint32_t id = 0;
   const IoStatus presence = registers_.read32(pci1784::kBoardId, id);
   if (presence != IoStatus::Ok) return fail(std::string("board id cannot be read: ") + toText(presence) + ".");
-  if (id == kMasterAbort) return fail("no card answers.");
+  if (id == pci1784::kNobodyAnswers) return fail("no card answers.");
   board_id_ = id & kBoardBits;
   if (options_.board_id && static_cast<std::uint32_t>(*options_.board_id) != board_id_) {
     return fail("board id " + std::to_string(board_id_) + " instead of " + std::to_string(*options_.board_id) + ".");
@@ -69,7 +69,7 @@ IoStatus Pci1784::checkPresence() noexcept {
   std::uint32_t id = 0;
   const IoStatus status = registers_.read32(pci1784::kBoardId, id);
   if (status != IoStatus::Ok) return status;
-  if (id == kMasterAbort) return IoStatus::Disconnected;
+  if (id == pci1784::kNobodyAnswers) return IoStatus::Disconnected;
   return (id & kBoardBits) == board_id_ ? IoStatus::Ok : IoStatus::DeviceError;
 }
 
@@ -95,10 +95,7 @@ IoStatus Pci1784::writeOutputs(std::uint8_t bits) noexcept {
   if (bits > 0x0F) return IoStatus::OutOfRange;
   const IoStatus status = registers_.write8(pci1784::kDigital, bits);
   if (status != IoStatus::Ok) return status;
-  // A write to a card that does not answer any more succeeds: whoever orders the hold devices has to know.
-  std::uint32_t id = 0;
-  if (const IoStatus read = registers_.read32(pci1784::kBoardId, id); read != IoStatus::Ok) return read;
-  return id == kMasterAbort ? IoStatus::Disconnected : IoStatus::Ok;
+  return outputsPresence(registers_);  // whoever orders the hold devices has to know
 }
 
 IoStatus Pci1784::readInputs(std::uint8_t& bits) noexcept {

@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <csignal>
 #include <cstdio>
 #include <cstdlib>
@@ -180,7 +181,9 @@ int run() {
                                           "the payload that the feedforward is told of, in kg");
   }
   if (node.hasParam("cpu")) {
-    options.cpu = static_cast<int>(boundedParameter(node, "cpu", 0.0, 0.0, 1023.0, "the number of a processor"));
+    const double cpu = boundedParameter(node, "cpu", 0.0, 0.0, 1023.0, "the number of a processor");
+    if (cpu != std::floor(cpu)) throw InputError("parameter " + node.resolveName("cpu") + " is no whole number");
+    options.cpu = static_cast<int>(cpu);
   }
   control::ControlSystem system(robot, hardware_file, nodes::requiredParameter(node, "deployment"), machine.bus(),
                                 options);

@@ -10,7 +10,7 @@ namespace knee_robot::tracing {
 namespace {
 
 /// Noise floors that models with the right effects leave while axes move, at most 2.1 on 19 machines of two independent
-/// simulators; those with names that stand for something else left 2.3 to 11 (docs/results/foreign_machines.md).
+/// simulators; those with names that stand for something else left 2.6 to 11 (docs/results/foreign_machines.md).
 constexpr double kRightLeaves = 2.2;
 constexpr double kSure = 0.8, kEven = 0.5;
 
@@ -37,13 +37,19 @@ bool isBeyondDoubt(const Candidate& c) {
 
 }  // namespace
 
+double floorsLeft(const Search& s, const Place& place, const Eigen::VectorXd& left_N) {
+  constexpr double kLeast_N = 1e-12;
+  if (place.actuator < 0) return left_N.norm() / std::max(kLeast_N, s.floor.rms_N.norm());
+  return left_N[place.actuator] / std::max(kLeast_N, s.floor.rms_N[place.actuator]);
+}
+
 void doubtNames(Search& s, std::vector<std::string>& notes) {
   const Eigen::VectorXd left_N = movingRms(s);
   for (FoundEffect& e : s.effects) {
     const Place& place = e.hypothesis.place;
-    if (isBeyondDoubt(*place.candidate)) continue;
-    const double floors = place.actuator < 0 ? left_N.norm() / std::max(1e-12, s.floor.rms_N.norm())
-                                             : left_N[place.actuator] / std::max(1e-12, s.floor.rms_N[place.actuator]);
+    // Those of a given model were named where they were found.
+    if (std::isnan(e.p) || isBeyondDoubt(*place.candidate)) continue;
+    const double floors = floorsLeft(s, place, left_N);
     if (floors <= kRightLeaves) continue;
     e.probability *= std::pow(kRightLeaves / floors, 2);
     e.doubted = e.probability < kEven;

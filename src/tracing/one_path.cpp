@@ -28,20 +28,13 @@ bool followOnePath(const std::vector<identification::Observation>& recordings) {
                      [&](const identification::Observation& o) { return followSamePath(recordings.front(), o); });
 }
 
-/// How many noise floors the model leaves where the effect acts.
-double floorsLeft(const Search& s, const Hypothesis& h) {
-  const int actuator = h.place.actuator;
-  if (actuator < 0) return s.rms_N.norm() / std::max(1e-12, s.floor.rms_N.norm());
-  return s.rms_N[actuator] / std::max(1e-12, s.floor.rms_N[actuator]);
-}
-
 }  // namespace
 
 void holdBackOnePath(Search& s, std::vector<std::string>& notes) {
   if (!s.data->recordings.front().motion.coupled || !followOnePath(s.data->recordings)) return;
   for (FoundEffect& e : s.effects) {
     if (!e.transfers || !e.hypothesis.place.candidate->isForceField()) continue;
-    const double floors = floorsLeft(s, e.hypothesis);
+    const double floors = floorsLeft(s, e.hypothesis.place, s.rms_N);
     if (floors < kMuchLeft) continue;
     e.transfers = false;
     notes.push_back(placeText(e.hypothesis.place) +

@@ -113,6 +113,9 @@ int leaveOutSmall(Search& search, bool helps, std::vector<std::string>& rejected
 /// on: on another path, where the two part, it would predict anything. Such effects are not predicted elsewhere.
 void holdBackAmbiguous(Search& search, std::vector<std::string>& notes);
 
+/// Noise floors in `left_N` (per actuator) where an effect acts; of one on all actuators, of them together.
+double floorsLeft(const Search& search, const Place& place, const Eigen::VectorXd& left_N);
+
 /// A force that depends on the pose alone, seen along one path only, in a model that leaves much more than the noise
 /// floor: what it stands for (a cable chain's hysteresis, a memory) may be another force in the same pose on another
 /// path. Held-back pieces of the one path cannot tell. Such effects are not predicted elsewhere.

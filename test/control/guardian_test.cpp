@@ -1,28 +1,15 @@
 #include "knee_robot/control/guardian.h"
 
-#include <gtest/gtest.h>
 #include <sys/wait.h>
-#include <unistd.h>
 
 #include <thread>
 
-#include "knee_robot/hardware/guarded_bus.h"
-#include "knee_robot/simulation/simulated_cards.h"
+#include "guarded_cards.h"
 
 namespace knee_robot::control {
 namespace {
 
-using hardware::IoStatus;
-
-constexpr rt::Nanoseconds kMs = 1'000'000;
-
-rt::Nanoseconds& testTime() {
-  static rt::Nanoseconds time = 0;
-  return time;
-}
-rt::Nanoseconds testClock() noexcept {
-  return testTime();
-}
+using namespace guarded;
 
 /// A watch with a limit of 10 ms, stepped once a millisecond.
 struct Watched {
@@ -116,39 +103,6 @@ TEST(GuardianWatch, ReleasesOnlyWhenAskedWithTheDrivesOff) {
   EXPECT_EQ(w.step(true), GuardianAction::Watch);
 }
 
-/// Guardian and guarded controller on one pair of card models; no thread, the test's clock.
-class GuardedCards : public ::testing::Test {
- protected:
-  GuardedCards() {
-    testTime() = 0;
-    guardian_.configure();
-    guardian_.start();
-    // What selfTest() does, without waiting for a guardian that runs beside it.
-    link_.controller_pid.store(::getpid());
-    EXPECT_TRUE(cards_->selfTest().passed);
-  }
-  void cycle() {
-    testTime() += kMs;
-    guardian_.update({testTime(), testTime(), kMs});
-  }
-  IoStatus hold(double volts = 3.0) {
-    hardware::IoStatus status = bus_.writeVolts({volts, volts, volts, volts}, written_);
-    heartbeat_ ^= 4;
-    const IoStatus outputs = bus_.writeOutputs(heartbeat_ | 3);  // drives enabled, hold devices released
-    return status == IoStatus::Ok ? outputs : status;
-  }
-  double volts(std::size_t channel) const { return simulation::outputVolts(image_.analog)[channel]; }
-
-  simulation::RobotImage image_;
-  hardware::GuardianLink link_;
-  std::unique_ptr<hardware::AxisBus> cards_ = simulation::openImageCards(image_);
-  std::unique_ptr<hardware::EmergencyOutputs> outputs_ = simulation::openImageEmergencyOutputs(image_);
-  hardware::GuardedBus bus_{*cards_, link_, 3};
-  Guardian guardian_{link_, *outputs_, 10 * kMs, kMs, testClock};
-  std::array<double, hardware::kAxes> written_{};
-  std::uint8_t heartbeat_ = 0;
-};
-
 TEST_F(GuardedCards, AreNeverWrittenByTheGuardianWhileTheControllerIsHealthy) {
   for (int i = 0; i < 500; ++i) {
     ASSERT_EQ(hold(), IoStatus::Ok);
@@ -186,125 +140,6 @@ TEST_F(GuardedCards, AreBroughtDownWhenTheControllerFallsSilent) {
   EXPECT_EQ(image_.counter.outputs.load(), 0);
   for (std::size_t channel = 0; channel < hardware::kAxes; ++channel)
     EXPECT_EQ(volts(channel), 0.0);
-}
-
-/// The same with a guardian that lets the drives carry for 30 ms.
-class CarriedCards : public GuardedCards {
- protected:
-  CarriedCards() {
-    carrying_.configure();
-    carrying_.start();
-  }
-  void cycleCarrying(int cycles = 1) {
-    for (int i = 0; i < cycles; ++i) {
-      testTime() += kMs;
-      carrying_.update({testTime(), testTime(), kMs});
-    }
-  }
-  void dies(double load_V) {
-    hold(9.0);
-    const std::array<double, hardware::kAxes> load = {load_V, -load_V, 0.5, 1.0};
-    bus_.offerLoad(&load);
-    cycleCarrying();
-    hold(9.0);  // the guardian has to see it alive
-    cycleCarrying(11);
-  }
-  Guardian carrying_{link_, *outputs_, 10 * kMs, kMs, testClock, {1, 4, 30 * kMs}};
-};
-
-TEST_F(CarriedCards, AreCarriedByWhatCarriedThemAtRestUntilTheBrakesHold) {
-  dies(2.0);
-  EXPECT_EQ(carrying_.report().trips.load(), 1u);
-  EXPECT_EQ(image_.counter.outputs.load() & 3, 1) << "drives on, hold devices ordered to engage";
-  EXPECT_NEAR(volts(0), 2.0, 0.005);
-  EXPECT_NEAR(volts(1), -2.0, 0.005);
-  cycleCarrying(29);
-  EXPECT_NEAR(volts(0), 2.0, 0.005);
-  cycleCarrying(2);
-  EXPECT_EQ(image_.counter.outputs.load(), 0);
-  for (std::size_t channel = 0; channel < hardware::kAxes; ++channel)
-    EXPECT_EQ(volts(channel), 0.0);
-}
-
-TEST_F(CarriedCards, KeepAHeartbeatForTheRelayThatWouldTakeTheDrivesPower) {
-  dies(2.0);
-  for (int i = 0; i < 29; ++i) {
-    const unsigned before = image_.counter.outputs.load();
-    cycleCarrying();
-    EXPECT_NE((before ^ image_.counter.outputs.load()) & 4u, 0u) << i;
-  }
-  cycleCarrying(2);
-  EXPECT_EQ(image_.counter.outputs.load(), 0);
-}
-
-TEST_F(CarriedCards, HaveAGuardianThatSaysThatItActsUntilTheyAreDown) {
-  EXPECT_FALSE(carrying_.report().acts.load());
-  dies(2.0);
-  EXPECT_TRUE(carrying_.report().acts.load()) << "ended now, it would leave the drives on";
-  cycleCarrying(29);
-  EXPECT_TRUE(carrying_.report().acts.load());
-  cycleCarrying(2);
-  EXPECT_EQ(image_.counter.outputs.load(), 0);
-  EXPECT_FALSE(carrying_.report().acts.load());
-}
-
-TEST_F(CarriedCards, AWriteThatWasUnderWayIsTakenBackWhileTheyAreCarried) {
-  dies(2.0);
-  cards_->writeVolts({9, 9, 9, 9}, written_);
-  cards_->writeOutputs(3);
-  cycleCarrying();
-  EXPECT_EQ(image_.counter.outputs.load() & 3, 1);
-  EXPECT_NEAR(volts(0), 2.0, 0.005);
-}
-
-TEST_F(CarriedCards, GoDownAtOnceWithoutALoadThatIsANumber) {
-  dies(std::nan(""));
-  EXPECT_EQ(image_.counter.outputs.load(), 0);
-  EXPECT_EQ(volts(0), 0.0);
-}
-
-TEST_F(CarriedCards, GoDownAtOnceWithALoadThatNoControllerCanHaveGiven) {
-  dies(1e6);  // somebody has written over the link
-  EXPECT_EQ(image_.counter.outputs.load(), 0);
-  EXPECT_EQ(volts(0), 0.0);
-}
-
-TEST_F(CarriedCards, GoDownAtOnceWhereNothingIsCarried) {
-  hold(9.0);
-  cycleCarrying();
-  hold(9.0);
-  bus_.offerLoad(nullptr);
-  cycleCarrying(11);
-  EXPECT_EQ(image_.counter.outputs.load(), 0);
-  EXPECT_EQ(volts(0), 0.0);
-}
-
-TEST_F(CarriedCards, AreNeverSwitchedOnByAGuardianThatStartsAndFindsADeadControllersLoad) {
-  hold(9.0);
-  const std::array<double, hardware::kAxes> load = {2.0, 2.0, 2.0, 2.0};
-  bus_.offerLoad(&load);
-  cards_->writeOutputs(0);                 // somebody has switched it off since
-  link_.controller_pid.store(2147483646);  // no such process
-  Guardian second(link_, *outputs_, 10 * kMs, kMs, testClock, {1, 4, 30 * kMs});
-  second.configure();
-  second.start();
-  for (int i = 0; i < 60; ++i) {
-    testTime() += kMs;
-    second.update({testTime(), testTime(), kMs});
-    ASSERT_EQ(image_.counter.outputs.load(), 0) << "cycle " << i;
-    ASSERT_EQ(volts(0), 0.0) << "cycle " << i;
-  }
-  EXPECT_EQ(second.report().trips.load(), 1u);
-}
-
-TEST_F(CarriedCards, AreDownBeforeTheyAreGivenBack) {
-  dies(2.0);
-  bus_.writeOutputs(0);
-  link_.reset_request.fetch_add(1);
-  cycleCarrying();
-  EXPECT_FALSE(bus_.isFencedOut());
-  EXPECT_EQ(image_.counter.outputs.load(), 0);
-  EXPECT_EQ(volts(0), 0.0);
 }
 
 TEST_F(GuardedCards, RefuseAControllerThatComesBackUntilItAsksWithItsDrivesOff) {

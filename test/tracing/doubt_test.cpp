@@ -1,5 +1,5 @@
 // A name is only as good as what the model with it leaves.
-#include <algorithm>
+#include <cmath>
 
 #include "test/tracing/searched_machine.h"
 
@@ -15,11 +15,13 @@ class Doubt : public SearchedMachine {
     FoundEffect e;
     e.hypothesis = named(name, {});
     e.probability = 0.99;
+    e.p = p_;
     search_.effects = {e};
     notes_.clear();
     doubtNames(search_, notes_);
     return search_.effects.front();
   }
+  double p_ = 0.004;
   std::vector<std::string> notes_;
 };
 
@@ -52,6 +54,8 @@ TEST_F(Doubt, ReadsOrUnnamedWhereTheNameIsRatherRight) {
 TEST_F(Doubt, SparesWhatHasASignatureOfItsOwn) {
   EXPECT_EQ(said("screw_ripple", 9.0).probability, 0.99);
   EXPECT_EQ(said("external_force", 9.0).probability, 0.99);
+  p_ = std::nan("");
+  EXPECT_FALSE(said("stribeck", 9.0).doubted) << "of a given model, named where it was found";
 }
 
 }  // namespace

@@ -9,6 +9,9 @@
 
 namespace knee_robot::hardware {
 
+/// Whether the card with the digital outputs answers at all: a write to one that does not succeeds. Real-time safe.
+IoStatus outputsPresence(RegisterAccess& counter) noexcept;
+
 /// Brings the outputs of both cards down, through registers alone: no self test before it, nothing remembered,
 /// counters untouched. In this order, without waiting:
 ///   1. all digital outputs 0: the hold devices engage and the drives are disabled. One write, since they are bits of one port.

@@ -23,6 +23,9 @@ inline constexpr std::uint32_t kReset = 0x2C;    ///< write: bit n resets counte
 inline constexpr std::uint32_t kDigital = 0x30;  ///< write: outputs, bits 0..3 (medium); read: inputs, bits 4..7 (high)
 inline constexpr std::uint32_t kOutputMode = 0x32;  ///< digital output mode; 0 = outputs follow kDigital. Medium
 
+/// What a read of a card that does not answer gives (PCI master abort); writes to it succeed and do nothing.
+inline constexpr std::uint32_t kNobodyAnswers = 0xFFFFFFFF;
+
 inline constexpr std::uint32_t kAllCounters = 0x0F;
 /// Mode words. High confidence for the words; the meaning of the single bits is inferred from them.
 inline constexpr std::uint32_t kModeX4 = 0x113;              ///< x4, software latch, reset to 0
