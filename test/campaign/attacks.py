@@ -131,9 +131,10 @@ def guardian_killed_while_holding(a):
 # ---- clients
 
 def four_recording_clients(a):
-    """Four clients end recordings as fast as they can while a fifth begins them; 8 s, then 6 s for the last answers."""
+    """Four clients end recordings as fast as they can while a fifth begins them; 8 s, then 6 s for the last answers. Of a bare roscpp server
+    about one connection in ten thousand breaks off under such calls: those are counted, and more than one in a thousand is bad."""
     end = time.monotonic() + 8.0
-    calls = [0] * 5
+    calls, broken = [0] * 5, [0] * 5
     answered = [False] * 5
 
     def client(number):
@@ -142,8 +143,10 @@ def four_recording_clients(a):
             begins = number == 0
             try:
                 proxy(begins, f"r_{number}_{calls[number]}.csv" if begins else "")
-            except rospy.ServiceException:
-                return  # ended together with the controller
+            except rospy.ServiceException as error:
+                if "transport error" not in str(error):
+                    return  # ended together with the controller
+                broken[number] += 1
             calls[number] += 1
         answered[number] = True
 
@@ -153,7 +156,8 @@ def four_recording_clients(a):
     for one in threads:
         one.join(max(0.1, end + 6.0 - time.monotonic()))
     hung = answered.count(False)
-    return f"{sum(calls)} calls answered; ", f"{hung} of 5 clients hung; {a.state()}", hung == 0
+    return f"{sum(calls)} calls answered; ", f"{hung} of 5 clients hung, {sum(broken)} connections broke off; {a.state()}", \
+        hung == 0 and sum(broken) <= 1e-3 * sum(calls)
 
 
 # ---- at rest

@@ -3,9 +3,13 @@
 import asyncio
 import sys
 import threading
+import unittest.mock
 
+import rospy
 import rosunit
 from page_rig import PageTest
+
+from std_srvs.srv import TriggerResponse
 
 from knee_robot_operator.robot import RosRobot
 
@@ -62,6 +66,44 @@ class GoalTest(PageTest):
         playing = asyncio.create_task(robot.play(100.0, "", lambda: None))
         self.assertTrue(await asyncio.to_thread(client.cancelled.wait, 5.0))
         playing.cancel()
+
+
+class BrokenConnection:
+    """Stands for rospy's proxy: the first call breaks off in the given way."""
+
+    def __init__(self, error):
+        self.error, self.calls = error, 0
+
+    def __call__(self, name, kind):
+        def call(**_fields):
+            self.calls += 1
+            if self.calls == 1:
+                raise rospy.ServiceException(self.error)
+            return TriggerResponse(True, f"{name} done")
+        return call
+
+
+class CallTest(PageTest):
+    LOST = "transport error completing service call: unable to receive data from sender, check sender's logs for details"
+
+    async def ask(self, service, error):
+        connection = BrokenConnection(error)
+        with unittest.mock.patch("rospy.ServiceProxy", connection):
+            return await robot_with(None).ask(service), connection.calls
+
+    async def test_a_stop_whose_connection_breaks_off_is_asked_for_again(self):
+        for service in ("stop", "pause", "disable", "emergency_stop"):
+            answer, calls = await self.ask(service, self.LOST)
+            self.assertEqual((True, f"/controller/{service} done", 2), (answer.success, answer.message, calls))
+
+    async def test_what_moves_the_robot_is_never_asked_for_a_second_time_by_itself(self):
+        for service in ("enable", "approach", "start", "resume", "home"):
+            answer, calls = await self.ask(service, self.LOST)
+            self.assertEqual((False, 1), (answer.success, calls))
+
+    async def test_a_controller_that_refuses_is_not_asked_again(self):
+        answer, calls = await self.ask("stop", "service [/controller/stop] unavailable")
+        self.assertEqual((False, 1), (answer.success, calls))
 
 
 if __name__ == "__main__":
