@@ -109,7 +109,7 @@ GivenModel startFrom(const mechanism::Robot& robot, const StartModel& start, con
     const FoundEffect e = effectOf(robot, m, recordings, start.path, named, maps);
     const Candidate& candidate = *e.hypothesis.place.candidate;
     if (candidate.shared() && !candidate.transfers()) continue;
-    given.push_back(e);
+    addEffect(given, e);
     reported.push_back(report.effects.size() - 1);
   }
   s.effects = given;

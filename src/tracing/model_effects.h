@@ -10,6 +10,9 @@ namespace knee_robot::tracing {
 FoundEffect effectOf(const mechanism::Robot& robot, const dynamics::ModelEffect& effect, int recordings,
                      const std::string& model_path, const CandidateList& named, CandidateList& maps);
 
+/// Adds an effect to those of a model; a further one by the same name on the same actuator gets the next order.
+void addEffect(std::vector<FoundEffect>& effects, FoundEffect effect);
+
 /// Values of a model's parameters in the order of the columns.
 Eigen::VectorXd inColumns(const dynamics::Model& model, const std::vector<double>& values,
                           const std::vector<identification::Column>& columns);

@@ -96,6 +96,13 @@ FoundEffect effectOf(const mechanism::Robot& robot, const dynamics::ModelEffect&
   return e;
 }
 
+void addEffect(std::vector<FoundEffect>& effects, FoundEffect effect) {
+  Place& place = effect.hypothesis.place;
+  for (const FoundEffect& other : effects)
+    if (other.hypothesis.place == place) ++place.order;
+  effects.push_back(std::move(effect));
+}
+
 identification::ObservationOptions observationOptions(const dynamics::Model& model) {
   identification::ObservationOptions options;
   options.setCutoff(model.cutoff_hz);
@@ -123,7 +130,7 @@ TraceResult resultOf(const mechanism::Robot& robot, const dynamics::Model& model
     to.parameters = inColumns(model, parameters, r.base.columns);
     to.seen_parameters = inColumns(model, see, r.base.columns);
     for (const dynamics::ModelEffect& m : effects)
-      to.effects.push_back(effectOf(robot, m, recordings, model_path, *r.candidates, maps));
+      addEffect(to.effects, effectOf(robot, m, recordings, model_path, *r.candidates, maps));
   };
   if (model.elsewhere) {
     TraceResult other = r;

@@ -72,32 +72,28 @@ std::vector<std::string> rivalsOf(const Search& s, const Trial& best, const std:
 /// The residual of the forces.
 class ForceSelection : public SelectionProblem {
  public:
-  /// `only`: the candidate of which the other actuators are asked.
-  ForceSelection(Search& search, std::uint64_t seed, const Candidate* only) : s_(search), seed_(seed), only_(only) {}
+  /// `like`: what was found, of which the other actuators are asked; null: everything is.
+  ForceSelection(Search& search, std::uint64_t seed, const Place* like) : s_(search), seed_(seed), like_(like) {}
 
   std::vector<SelectionTrial> compare() override {
     trials_.clear();
-    const double above = only_ != nullptr ? 1.0 : 1.15;
+    const double above = like_ != nullptr ? 1.0 : 1.15;
     if (!((s_.rms_N.array() > above * s_.floor.rms_N.array()).any())) return {};
-    Ranking r = rankPlaces(s_, only_);
+    Ranking r = rankPlaces(s_, like_);
     projection_ = std::move(r.projection);
     trials_ = std::move(r.trials);
     std::stable_sort(trials_.begin(), trials_.end(),
                      [](const Trial& a, const Trial& b) { return worth(a) > worth(b); });
     row_.clear();
     for (std::size_t k = 0; k < s_.library->places().size(); ++k) {
-      const Place& place = s_.library->places()[k].place();
-      const bool taken = std::any_of(s_.effects.begin(), s_.effects.end(),
-                                     [&](const FoundEffect& e) { return e.hypothesis.place == place; });
-      if (taken || (only_ != nullptr && place.candidate != only_)) continue;
-      if (!s_.maps && place.candidate->isMap()) continue;
+      if (!openPlace(s_, s_.library->places()[k].place(), like_)) continue;
       const Eigen::Index next = static_cast<Eigen::Index>(row_.size());
       row_[k] = next;
     }
     std::vector<SelectionTrial> out;
     for (const Trial& t : trials_)
       out.push_back({row_.at(t.place), std::sqrt(std::max(0.0, t.share)), placeText(t.hypothesis.place),
-                     objection(s_, t, only_ != nullptr)});
+                     objection(s_, t, like_ != nullptr)});
     return out;
   }
 
@@ -105,10 +101,10 @@ class ForceSelection : public SelectionProblem {
   MaxNull null() override {
     s_.options->progress("comparing with surrogates");
     const auto best = std::find_if(trials_.begin(), trials_.end(),
-                                   [&](const Trial& t) { return objection(s_, t, only_ != nullptr).empty(); });
+                                   [&](const Trial& t) { return objection(s_, t, like_ != nullptr).empty(); });
     const Eigen::MatrixXd residuals = nullResiduals(s_.surrogates, *s_.data, best->fit.residual_N, s_.rms_N,
                                                     projection_, s_.options->draws, seed_ + s_.effects.size());
-    return maxNull(rootsOf(s_, projection_, row_, residuals), only_ != nullptr ? kSiblingWorth : kWorthwhile,
+    return maxNull(rootsOf(s_, projection_, row_, residuals), like_ != nullptr ? kSiblingWorth : kWorthwhile,
                    kLeastSpread);
   }
 
@@ -123,13 +119,13 @@ class ForceSelection : public SelectionProblem {
     const double blocks = static_cast<double>(t.gain.size()), total = s_.fit.held_back.sum();
     e.gain = t.held.mean * blocks / total;
     e.gain_error = t.held.error * blocks / total;
-    e.indistinguishable_from = rivalsOf(s_, t, trials_, only_ != nullptr, e.probability);
+    e.indistinguishable_from = rivalsOf(s_, t, trials_, like_ != nullptr, e.probability);
     const std::size_t before = s_.effects.size();
     s_.effects.push_back(e);
     s_.options->progress("found " + placeText(e.hypothesis.place));
     refit(s_);
-    if (only_ != nullptr) return true;
-    followSiblings(e.hypothesis.place.candidate);
+    if (like_ != nullptr) return true;
+    followSiblings(e.hypothesis.place);
     standAlone(s_, e.hypothesis.place);
     refineShapes(s_);
     replaceMaps(s_);
@@ -145,16 +141,16 @@ class ForceSelection : public SelectionProblem {
 
  private:
   /// What is found on one actuator is often on the others, weaker.
-  void followSiblings(const Candidate* candidate) {
-    if (candidate->shared()) return;
+  void followSiblings(const Place& found) {
+    if (found.candidate->shared()) return;
     std::vector<std::string> rejected;
-    ForceSelection others(s_, seed_ + 7u, candidate);
+    ForceSelection others(s_, seed_ + 7u, &found);
     selectForward(others, s_.data->stack.axes - 1, kSiblingP, rejected);
   }
 
   Search& s_;
   std::uint64_t seed_;
-  const Candidate* only_;
+  const Place* like_;
   Projection projection_;
   std::vector<Trial> trials_;
   std::map<std::size_t, Eigen::Index> row_;  ///< of the null, by place of the library
@@ -165,7 +161,8 @@ class ForceSelection : public SelectionProblem {
 std::string placeText(const Place& p) {
   const std::string what =
       p.candidate->isMap() ? "unnamed (" + p.candidate->dependsOn(std::max(0, p.actuator)) + ")" : p.candidate->name();
-  return what + (p.actuator < 0 ? " (all actuators)" : " on actuator " + std::to_string(p.actuator + 1));
+  return what + (p.actuator < 0 ? " (all actuators)" : " on actuator " + std::to_string(p.actuator + 1)) +
+         (p.order > 0 ? ", period " + std::to_string(p.order + 1) : "");
 }
 
 void searchForward(Search& s, int most, std::uint64_t seed) {

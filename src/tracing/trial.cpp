@@ -158,6 +158,21 @@ bool isLargeNearRest(const Search& s, const Trial& t) {
          t.held.mean > kNearRestErrors * t.held.error;
 }
 
+/// A further ripple needs a period that differs by a turn or more along the way: what is nearer is the same one,
+/// beating.
+bool isNoOtherPeriod(const Search& s, const Hypothesis& h) {
+  if (h.place.order == 0) return false;
+  double range = 0.0;
+  for (const EffectInput& input : s.data->inputs) {
+    const auto q = input.signals().position_m.col(h.place.actuator);
+    range = std::max(range, q.maxCoeff() - q.minCoeff());
+  }
+  return std::any_of(s.effects.begin(), s.effects.end(), [&](const FoundEffect& e) {
+    return e.hypothesis.place.candidate == h.place.candidate && e.hypothesis.place.actuator == h.place.actuator &&
+           std::abs(1.0 / e.hypothesis.shape[0] - 1.0 / h.shape[0]) * range < 1.0;
+  });
+}
+
 }  // namespace
 
 Eigen::VectorXd nestedGain(const Search& s, const Projection& projection, const std::vector<Hypothesis>& shapes) {
@@ -180,7 +195,22 @@ Eigen::VectorXd nestedGain(const Search& s, const Projection& projection, const 
   return gain;
 }
 
-Ranking rankPlaces(Search& s, const Candidate* only) {
+std::optional<Place> openPlace(const Search& s, const Place& place, const Place* like) {
+  if (!s.maps && place.candidate->isMap()) return {};
+  if (std::find(s.absorbed.begin(), s.absorbed.end(), place) != s.absorbed.end()) return {};
+  const auto taken = [&](const Place& p) {
+    return std::any_of(s.effects.begin(), s.effects.end(),
+                       [&](const FoundEffect& e) { return e.hypothesis.place == p; });
+  };
+  Place open = place;
+  while (taken(open))
+    ++open.order;
+  if (open.order >= place.candidate->mostOnOneActuator()) return {};
+  if (like != nullptr && (like->candidate != place.candidate || like->order != open.order)) return {};
+  return open;
+}
+
+Ranking rankPlaces(Search& s, const Place* like) {
   const std::vector<Hypothesis> accepted = hypothesesOf(s.effects);
   s.fit = fitOf(s, accepted);
   Ranking r;
@@ -189,11 +219,7 @@ Ranking rankPlaces(Search& s, const Candidate* only) {
   std::vector<Eigen::VectorXd> squares(places.size());
   inParallel(places.size(), [&](std::size_t k) {
     const PlaceColumns& p = places[k];
-    if (!s.maps && p.place().candidate->isMap()) return;
-    if (only != nullptr && p.place().candidate != only) return;
-    if (std::find(s.absorbed.begin(), s.absorbed.end(), p.place()) != s.absorbed.end()) return;
-    if (std::any_of(accepted.begin(), accepted.end(), [&](const Hypothesis& h) { return h.place == p.place(); }))
-      return;
+    if (!openPlace(s, p.place(), like)) return;
     squares[k] =
         explained(makeProbes(*s.data, p.tried, p.rows, p.first_row, r.projection, s.rms_N), r.projection.residual);
   });
@@ -205,6 +231,7 @@ Ranking rankPlaces(Search& s, const Candidate* only) {
     Eigen::Index at = 0;
     t.share = squares[k].maxCoeff(&at) / static_cast<double>(s.data->stack.size());
     t.hypothesis = places[k].tried[static_cast<std::size_t>(at)];
+    t.hypothesis.place = *openPlace(s, places[k].place(), like);
     trials[t.isMap()].push_back(std::move(t));
   }
   for (std::vector<Trial>& list : trials) {
@@ -212,7 +239,7 @@ Ranking rankPlaces(Search& s, const Candidate* only) {
     std::map<const Candidate*, int> taken;
     std::size_t kept = 0;
     for (Trial& t : list) {
-      if (kept >= kCompared || (only == nullptr && ++taken[t.hypothesis.place.candidate] > kOfOneKind)) continue;
+      if (kept >= kCompared || (like == nullptr && ++taken[t.hypothesis.place.candidate] > kOfOneKind)) continue;
       ++kept;
       r.trials.push_back(std::move(t));
     }
@@ -247,6 +274,7 @@ std::string objection(const Search& s, const Trial& t, bool sibling) {
   const bool near_rest = isLargeNearRest(s, t);
   if (!worth_it && !near_rest) return "does not lower the residual by a tenth where it is above the floor";
   const double least = near_rest ? 1.0 - kSiblingLowered * kSiblingLowered : 1.0 - lowered * lowered;
+  if (isNoOtherPeriod(s, t.hypothesis)) return "its period cannot be told from that of another on this actuator";
   const bool rubs = t.hypothesis.place.candidate->isFriction() && t.hypothesis.place.actuator >= 0 && !t.isMap();
   if (t.share < least && !(rubs && shareBeyondLaws(s, t.hypothesis) >= least))
     return "another law of friction near rest explains most of the same";

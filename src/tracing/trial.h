@@ -1,5 +1,7 @@
 #pragma once
 
+#include <optional>
+
 #include "search.h"
 #include "selection.h"
 
@@ -32,9 +34,13 @@ struct Ranking {
   std::vector<Trial> trials;  ///< with refined shapes and held-back gains; best held-back gain first
 };
 
-/// Compares the library's places (`only`: those of one candidate; null: all) beside the model as it stands. Sets
-/// search.fit.
-Ranking rankPlaces(Search& search, const Candidate* only);
+/// Where an effect of one of the library's places could be added to the model as it stands: there, or, when it is in
+/// the model, as a further one with another period (Candidate::mostOnOneActuator). Nothing when neither may be. `like`: only this effect,
+/// as the first or second of its kind, on other actuators; null: any.
+std::optional<Place> openPlace(const Search& search, const Place& place, const Place* like);
+
+/// Compares the library's places that are open beside the model as it stands. Sets search.fit.
+Ranking rankPlaces(Search& search, const Place* like);
 
 /// Gains of the held-back blocks (weighted squares) when the effect's coefficients are fitted, and its shape is chosen
 /// among `shapes`, without them; the baseline is fitted to everything with and without the effect.

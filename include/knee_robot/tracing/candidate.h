@@ -46,6 +46,8 @@ class Candidate {
   virtual bool actsFast() const { return false; }
   /// True: goes on in the same way at every position of its actuator.
   virtual bool periodic() const { return false; }
+  /// How many by this name may act on one actuator, with different periods (the first shape parameter).
+  virtual int mostOnOneActuator() const { return 1; }
   /// True: goes with time, so that positions that were held back say nothing about it.
   virtual bool goesWithTime() const { return false; }
   /// True: its force depends on the pose alone.

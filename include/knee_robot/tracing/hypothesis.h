@@ -27,8 +27,11 @@ void setAttention(TraceData& data, Attention attention);
 struct Place {
   const Candidate* candidate = nullptr;
   int actuator = -1;  ///< -1: shared
+  int order = 0;      ///< of several by the same name on one actuator: ripples of different periods
 
-  bool operator==(const Place& other) const { return candidate == other.candidate && actuator == other.actuator; }
+  bool operator==(const Place& other) const {
+    return candidate == other.candidate && actuator == other.actuator && order == other.order;
+  }
 };
 
 /// A candidate at one place with its shape.

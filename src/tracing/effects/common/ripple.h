@@ -12,7 +12,8 @@ class Ripple : public Candidate {
   bool worksOn(const mechanism::Robot& robot) const override { return !robot.chain && Candidate::worksOn(robot); }
   bool transfers() const override { return false; }
   bool periodic() const override { return true; }
-  double leastFloors() const override { return 1.0; }  // bristles at rest look like a short one
+  int mostOnOneActuator() const override { return 3; }  // lead, balls, motor
+  double leastFloors() const override { return 1.0; }   // bristles at rest look like a short one
   std::vector<std::vector<double>> near(const std::vector<double>& shape, double step) const override;
   std::vector<Coefficient> coefficients(const EffectInput& input) const override;
   Eigen::MatrixXd columns(const EffectInput& input, int actuator, const std::vector<double>& shape) const override;
