@@ -149,6 +149,8 @@ bool helpsElsewhere(Search& s, const BaseFit& baseline) {
     if (candidate.local() || (e.transfers && candidate.elsewhere(e.coefficients).size() > 0))
       predicted.push_back(e.hypothesis);
   }
+  // Other laws near rest alone, chosen beside what is not predicted: the baseline's were chosen on the same recordings.
+  if (predicted.empty()) return false;
   const Eigen::VectorXd noise_N = s.rms_N;
   const Attention own = s.attention;
   const auto gain = [&](Attention attention) {

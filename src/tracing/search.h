@@ -102,7 +102,7 @@ void judgeElsewhere(Search& search, std::vector<std::string>& notes);
 void abstainElsewhere(Search& search, std::vector<std::string>& notes);
 
 /// Whether what is predicted elsewhere predicts held-back stretches of other positions surely better than the baseline,
-/// with its own laws near rest, does.
+/// with its own laws near rest, does. False where no effect is predicted elsewhere.
 bool helpsElsewhere(Search& search, const BaseFit& baseline);
 /// Takes out ripples, pushes and thermal drifts that explain less than a noise floor on every actuator, and unnamed
 /// maps below two, but for those that themselves help at held-back positions where the whole surely does (`helps`).

@@ -346,8 +346,8 @@ void Tracing::predictElsewhere() {
     elsewhere.seen_parameters = s_.seen_parameters;
   } else {
     result_.notes.push_back(
-        "At held-back positions of the training recordings the model with effects is not surely better than the "
-        "baseline: elsewhere the baseline is predicted.");
+        "At held-back positions of the training recordings nothing that was found is surely better than the baseline: "
+        "elsewhere the baseline is predicted.");
     adoptBase(s_, result_.baseline);  // a model has one law near rest: that of what is predicted elsewhere
     keepFit();
     elsewhere = result_;
