@@ -35,8 +35,8 @@ struct Ranking {
 };
 
 /// Where an effect of one of the library's places could be added to the model as it stands: there, or, when it is in
-/// the model, as a further one with another period (Candidate::mostOnOneActuator). Nothing when neither may be. `like`: only this effect,
-/// as the first or second of its kind, on other actuators; null: any.
+/// the model, as a further one with another period (Candidate::mostOnOneActuator). Nothing when neither may be.
+/// `like`: only this effect, of this order (Place::order), on other actuators; null: any.
 std::optional<Place> openPlace(const Search& search, const Place& place, const Place* like);
 
 /// Compares the library's places that are open beside the model as it stands. Sets search.fit.

@@ -8,7 +8,6 @@ import unittest.mock
 import rospy
 import rosunit
 from page_rig import PageTest
-
 from std_srvs.srv import TriggerResponse
 
 from knee_robot_operator.robot import RosRobot

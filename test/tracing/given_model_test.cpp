@@ -5,8 +5,7 @@
 #include <random>
 
 #include "knee_robot/base/errors.h"
-#include "knee_robot/tracing/model_prediction.h"
-#include "test/identification/synthetic.h"
+#include "test/tracing/traced_bench.h"
 
 namespace knee_robot::tracing {
 namespace {
@@ -16,10 +15,6 @@ struct Hidden {
   double drag_2 = 0.0;    ///< N s2/m2 on axis 2
   double ripple_1 = 0.0;  ///< N, with a period of 10 mm, on axis 1
 };
-
-mechanism::Robot bench() {
-  return identification::syntheticBench(2);
-}
 
 recording::Recording recorded(int variant, const Hidden& hidden) {
   std::mt19937 random(static_cast<unsigned>(variant));
@@ -36,25 +31,6 @@ recording::Recording recorded(int variant, const Hidden& hidden) {
   return r;
 }
 
-struct Traced {
-  TraceResult result;
-  dynamics::Model model;
-};
-
-Traced traced(int variant, const Hidden& hidden, const dynamics::Model* start) {
-  const recording::Recording recording = recorded(variant, hidden);
-  TraceOptions options;
-  options.surrogates = 3;
-  if (start != nullptr) options.start = std::make_shared<const StartModel>(StartModel{*start, "given.yaml"});
-  const std::vector<identification::Observation> training = {
-      identification::observe(bench(), identification::columnsOf(bench()), recording, options.observation)};
-  Traced t;
-  t.result = trace(bench(), {recording}, training, options);
-  t.model =
-      dynamics::parseModel(dynamics::modelToYaml(tracedModel(bench(), t.result, training, options)), "given.yaml");
-  return t;
-}
-
 bool has(const std::vector<FoundEffect>& effects, const std::string& name, int actuator) {
   return std::any_of(effects.begin(), effects.end(), [&](const FoundEffect& e) {
     return e.hypothesis.place.candidate->name() == name && e.hypothesis.place.actuator == actuator;
@@ -62,13 +38,13 @@ bool has(const std::vector<FoundEffect>& effects, const std::string& name, int a
 }
 
 const dynamics::Model& given() {
-  static const dynamics::Model model = traced(0, {4000.0, 0.0}, nullptr).model;
+  static const dynamics::Model model = tracedBench(recorded(0, {4000.0, 0.0}), nullptr).model;
   return model;
 }
 
 TEST(GivenModel, ThatStillHoldsNeedsNothingMore) {
   ASSERT_EQ(given().effects.size(), 1u);
-  const Traced t = traced(1, {4000.0, 0.0}, &given());
+  const TracedBench t = tracedBench(recorded(1, {4000.0, 0.0}), &given());
   ASSERT_EQ(t.result.given.effects.size(), 1u);
   EXPECT_EQ(t.result.given.effects[0].verdict, "still holds");
   EXPECT_TRUE(t.result.given.effects[0].kept);
@@ -80,14 +56,14 @@ TEST(GivenModel, ThatStillHoldsNeedsNothingMore) {
 }
 
 TEST(GivenModel, IsSearchedForWhatItLacksOnly) {
-  const Traced t = traced(1, {4000.0, 12.0}, &given());
+  const TracedBench t = tracedBench(recorded(1, {4000.0, 12.0}), &given());
   EXPECT_EQ(t.result.effects.size(), 2u);
   EXPECT_TRUE(has(t.result.effects, given().effects[0].name, 1));
   EXPECT_TRUE(has(t.result.effects, "screw_ripple", 0));
 }
 
 TEST(GivenModel, LosesAnEffectThatNewRecordingsDoNotHave) {
-  const Traced t = traced(1, {0.0, 0.0}, &given());
+  const TracedBench t = tracedBench(recorded(1, {0.0, 0.0}), &given());
   ASSERT_EQ(t.result.given.effects.size(), 1u);
   EXPECT_FALSE(t.result.given.effects[0].kept);
   EXPECT_EQ(t.result.given.effects[0].verdict, "is not needed here");
@@ -95,7 +71,7 @@ TEST(GivenModel, LosesAnEffectThatNewRecordingsDoNotHave) {
 }
 
 TEST(GivenModel, SaysThatAnEffectHasChanged) {
-  const Traced t = traced(1, {12000.0, 0.0}, &given());
+  const TracedBench t = tracedBench(recorded(1, {12000.0, 0.0}), &given());
   ASSERT_EQ(t.result.given.effects.size(), 1u);
   EXPECT_EQ(t.result.given.effects[0].verdict, "has changed");
 }

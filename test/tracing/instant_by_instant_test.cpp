@@ -1,6 +1,7 @@
 // Every effect of the catalogue, instant by instant as the controller takes it, is the one that was traced.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <random>
 #include <set>
@@ -243,6 +244,22 @@ void expectForcesAsPredicted(const Machine& m) {
   const Eigen::MatrixXd predicted = asPredicted(m, model);
   const Eigen::MatrixXd seen = asTheControllerSeesIt(m, model);
   EXPECT_LT(lowPassedRms(seen - predicted), 0.01 * lowPassedRms(predicted)) << "all of them together";
+}
+
+TEST(InstantByInstant, TwoRipplesOfOneActuatorAreBothInTheForce) {
+  const Machine& m = benchMachine();
+  const std::vector<const Candidate*> all = catalogue(m);
+  const auto ripple = std::find_if(all.begin(), all.end(), [](auto* c) { return c->name() == "screw_ripple"; });
+  ASSERT_NE(ripple, all.end());
+  const FoundEffect first = effectOf(m, **ripple);
+  FoundEffect second = first;
+  second.hypothesis.place.order = 1;
+  second.hypothesis.shape[0] *= 0.6;
+  const dynamics::Model both = modelWith(m, {first, second});
+  ASSERT_EQ(both.effects.size(), 2u);
+  const Eigen::MatrixXd predicted = asPredicted(m, both), alone = asPredicted(m, modelWith(m, {first}));
+  EXPECT_GT(rms(predicted - alone), 0.2 * kSize_N) << "the second does nothing, so that nothing was tested";
+  EXPECT_LT(lowPassedRms(asTheControllerSeesIt(m, both) - predicted), 0.01 * lowPassedRms(predicted));
 }
 
 TEST(InstantByInstant, EveryEffectAlongAMotionIsWhatPredictSaysOfItsRecordingOnAParallelRobot) {

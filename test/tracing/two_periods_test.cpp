@@ -4,18 +4,12 @@
 #include <cmath>
 #include <random>
 
-#include "knee_robot/identification/accuracy.h"
-#include "knee_robot/tracing/model_prediction.h"
-#include "test/identification/synthetic.h"
+#include "test/tracing/traced_bench.h"
 
 namespace knee_robot::tracing {
 namespace {
 
 constexpr double kLead_m = 0.031, kBalls_m = 0.0185;  // no orders of each other
-
-mechanism::Robot bench() {
-  return identification::syntheticBench(2);
-}
 
 /// Two bench axes; the first ripples with the screw's turn and with the balls of its nut.
 recording::Recording recorded(int variant) {
@@ -32,27 +26,8 @@ recording::Recording recorded(int variant) {
   return r;
 }
 
-struct Traced {
-  TraceResult result;
-  dynamics::Model model;
-};
-
-Traced traced(int variant, const dynamics::Model* start) {
-  const recording::Recording recording = recorded(variant);
-  TraceOptions options;
-  options.surrogates = 3;
-  if (start != nullptr) options.start = std::make_shared<const StartModel>(StartModel{*start, "given.yaml"});
-  const std::vector<identification::Observation> training = {
-      identification::observe(bench(), identification::columnsOf(bench()), recording, options.observation)};
-  Traced t;
-  t.result = trace(bench(), {recording}, training, options);
-  t.model =
-      dynamics::parseModel(dynamics::modelToYaml(tracedModel(bench(), t.result, training, options)), "given.yaml");
-  return t;
-}
-
-const Traced& first() {
-  static const Traced once = traced(0, nullptr);
+const TracedBench& first() {
+  static const TracedBench once = tracedBench(recorded(0), nullptr);
   return once;
 }
 
@@ -71,7 +46,7 @@ TEST(TwoPeriods, OfOneActuatorAreTwoRipplesByOneName) {
 
 TEST(TwoPeriods, AreBothInTheModelFileAndStillHoldInAnotherRecording) {
   ASSERT_EQ(first().model.effects.size(), 2u);
-  const Traced again = traced(1, &first().model);
+  const TracedBench again = tracedBench(recorded(1), &first().model);
   ASSERT_EQ(again.result.given.effects.size(), 2u);
   for (const GivenEffect& e : again.result.given.effects)
     EXPECT_TRUE(e.kept) << e.verdict;
