@@ -56,7 +56,7 @@ ParameterStructure parameterStructure(const Eigen::MatrixXd& w, double tolerance
     if (null) scale[j] = 0.0;
     scaled.col(j) *= null ? 0.0 : 1.0 / scale[j];
   }
-  result.singular_values = Eigen::BDCSVD<Eigen::MatrixXd>(scaled).singularValues();
+  result.singular_values = Eigen::JacobiSVD<Eigen::MatrixXd>(scaled).singularValues();
   result.rank = result.supported(tolerance);
 
   std::vector<int> order = preferred;
@@ -94,7 +94,7 @@ std::string combinationText(const ParameterStructure& structure, int k, const st
 
 int distinguishable(const Eigen::MatrixXd& w, const Eigen::VectorXd& typical, double noise_N) {
   const Eigen::MatrixXd forces = triangle(w) * typical.asDiagonal();
-  const Eigen::VectorXd values = Eigen::BDCSVD<Eigen::MatrixXd>(forces).singularValues();
+  const Eigen::VectorXd values = Eigen::JacobiSVD<Eigen::MatrixXd>(forces).singularValues();
   return static_cast<int>((values.array() > noise_N * std::sqrt(double(w.rows()))).count());
 }
 

@@ -91,7 +91,7 @@ PriorPull priorPull(const PhysicalProblem& p, double strength) {
   const Eigen::MatrixXd own = p.data(Eigen::all, without);
   Eigen::MatrixXd seen = p.data(Eigen::all, prior) * size(prior).asDiagonal();
   if (own.cols() > 0) seen -= own * own.completeOrthogonalDecomposition().solve(seen);
-  const Eigen::BDCSVD<Eigen::MatrixXd> svd(seen, Eigen::ComputeFullV);
+  const Eigen::JacobiSVD<Eigen::MatrixXd> svd(seen, Eigen::ComputeFullV);
 
   const Eigen::Index n = static_cast<Eigen::Index>(prior.size());
   PriorPull pull;

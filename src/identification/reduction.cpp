@@ -91,7 +91,7 @@ Reduction reduce(const Eigen::MatrixXd& triangle, const std::vector<Column>& col
   const Eigen::MatrixXd units = triangle.leftCols(p) * prior.transform;
   Eigen::MatrixXd free = units;
   if (kept.cols() > 0) free -= kept * kept.householderQr().solve(units);
-  const Eigen::BDCSVD<Eigen::MatrixXd> svd(free, Eigen::ComputeThinV);
+  const Eigen::JacobiSVD<Eigen::MatrixXd> svd(free, Eigen::ComputeThinV);
   Eigen::Index count = 0;
   while (count < svd.singularValues().size() && svd.singularValues()[count] > kSilent)
     ++count;

@@ -34,7 +34,7 @@ void abstainElsewhere(Search& s, std::vector<std::string>& notes) {
     const auto worst = worstElsewhere(s.effects);
     if (worst == s.effects.end()) return;
     const std::string place = placeText(worst->hypothesis.place);
-    s.rejected.push_back(place + ": does not hold at held-back positions");
+    s.taken_out.push_back(place + ": does not hold at held-back positions");
     notes.push_back(place +
                     ": helps where it was fitted, but at held-back positions of the training recordings it makes the "
                     "error larger; it is not named. Record a motion that covers more positions and speeds.");

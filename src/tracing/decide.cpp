@@ -56,7 +56,7 @@ void eliminateBackward(Search& s) {
       worst = k;
     }
     if (least >= 1.0) return;
-    s.rejected.push_back(placeText(s.effects[worst].hypothesis.place) + ": taken out again, the others explain it");
+    s.taken_out.push_back(placeText(s.effects[worst].hypothesis.place) + ": taken out again, the others explain it");
     s.effects.erase(s.effects.begin() + static_cast<std::ptrdiff_t>(worst));
     refit(s);
   }
@@ -68,8 +68,8 @@ void dropWhatDoesNotRepeat(Search& s) {
     if (!place.candidate->periodic()) continue;
     const HeldBackGain gain = gainAtOtherPositions(s, k);
     if (gain.mean > kStayErrors * gain.error) continue;
-    s.rejected.push_back(placeText(place) + ": does not help on held-back stretches of its positions (mean " +
-                         shortNumber(gain.mean, 3) + " +- " + shortNumber(gain.error, 3) + ")");
+    s.taken_out.push_back(placeText(place) + ": does not help on held-back stretches of its positions (mean " +
+                          shortNumber(gain.mean, 3) + " +- " + shortNumber(gain.error, 3) + ")");
     s.effects.erase(s.effects.begin() + static_cast<std::ptrdiff_t>(k));
     refit(s);
   }
@@ -99,11 +99,37 @@ void standAlone(Search& s, const Place& place) {
   } else {
     for (const FoundEffect& e : together) {
       if (!stays(e))
-        s.rejected.push_back(placeText(e.hypothesis.place) + ": taken out again, " + placeText(place) +
-                             " alone explains as much");
+        s.taken_out.push_back(placeText(e.hypothesis.place) + ": taken out again, " + placeText(place) +
+                              " alone explains as much");
     }
   }
   refit(s);
+}
+
+void simplify(Search& s) {
+  for (std::size_t k = 0; k < s.effects.size(); ++k) {
+    const Place general = s.effects[k].hypothesis.place;
+    const auto& places = s.library->places();
+    const auto special = std::find_if(places.begin(), places.end(), [&](const PlaceColumns& p) {
+      return p.place().candidate->name() == general.candidate->generalizes() && p.place().actuator == general.actuator;
+    });
+    if (special == places.end() || std::isnan(s.effects[k].p) || !openPlace(s, special->place(), nullptr)) continue;
+    const std::vector<FoundEffect> before = s.effects;
+    const Eigen::VectorXd noise_N = s.rms_N, with = fitOf(s, hypothesesOf(s.effects)).held_back;
+    s.effects[k].hypothesis.place = *openPlace(s, special->place(), nullptr);
+    refit(s);
+    refineShapes(s);
+    const bool plausible = s.fit.stable[k] && special->place().candidate->plausible(s.effects[k].coefficients);
+    s.rms_N = noise_N;  // both weighted alike
+    const HeldBackGain lost = heldBackGain(fitOf(s, hypothesesOf(s.effects)).held_back - with);
+    if (!plausible || lost.mean > kStayErrors * lost.error) {
+      s.effects = before;
+    } else {
+      s.taken_out.push_back(placeText(general) + ": " + special->place().candidate->name() +
+                            ", a special case of it, explains as much");
+    }
+    refit(s);
+  }
 }
 
 void replaceMaps(Search& s) {
@@ -123,8 +149,8 @@ void replaceMaps(Search& s) {
       if (lost.mean > kStayErrors * lost.error || !fit.stable[k] ||
           !named.place.candidate->plausible(fit.coefficients[k]))
         continue;
-      s.rejected.push_back(placeText(map) + ": " + named.place.candidate->name() +
-                           ", which was found on another actuator, explains it as well");
+      s.taken_out.push_back(placeText(map) + ": " + named.place.candidate->name() +
+                            ", which was found on another actuator, explains it as well");
       s.effects[k].hypothesis = named;
       refit(s);
       break;

@@ -147,7 +147,8 @@ NoiseFloor noiseFloor(const std::vector<recording::Recording>& recordings, const
                     shortNumber(cycle.lag * signals.period_s, 3) + " s within itself (" +
                     shortNumber(static_cast<double>(cycle.first.size()) * signals.period_s, 3) + " s compared)";
   }
-  if (!differences.empty()) {
+  floor.measured = !differences.empty();
+  if (floor.measured) {
     floor.rms_N.resize(axes);
     double events = 0.0;
     for (int i = 0; i < axes; ++i) {

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "parallel.h"
+#include "ripple_periods.h"
 #include "search.h"
 
 namespace knee_robot::tracing {
@@ -122,8 +123,13 @@ void refineShapes(Search& s) {
     const Hypothesis& h = s.effects[entries[k].effect].hypothesis;
     const ShapeParameter bounds = h.place.candidate->shapeParameters()[entries[k].parameter];
     const double reach = bounds.low < 0.0 ? kReach_m : 0.0;
-    const double a = std::min(values[k] / kFarthest, values[k] - reach);
-    const double b = std::max(values[k] * kFarthest, values[k] + reach);
+    double a = std::min(values[k] / kFarthest, values[k] - reach);
+    double b = std::max(values[k] * kFarthest, values[k] + reach);
+    if (entries[k].parameter == 0) {
+      const auto [shortest, longest] = roomOfPeriod(s, entries[k].effect);
+      a = std::max(a, shortest);
+      b = std::min(b, longest);
+    }
     problem.SetParameterLowerBound(values.data(), static_cast<int>(k),
                                    std::min(values[k], std::max(bounds.low, std::min(a, b))));
     problem.SetParameterUpperBound(values.data(), static_cast<int>(k),

@@ -128,6 +128,7 @@ class ForceSelection : public SelectionProblem {
     followSiblings(e.hypothesis.place);
     standAlone(s_, e.hypothesis.place);
     refineShapes(s_);
+    simplify(s_);
     replaceMaps(s_);
     eliminateBackward(s_);
     bool other_law = settleRestLaw(s_, e.hypothesis.place.candidate);

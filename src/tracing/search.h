@@ -27,9 +27,10 @@ struct Search {
       absorbed;  ///< the baseline's own columns do the same: such an effect and they would take any value together
   std::vector<FoundEffect> effects;
   JointFit fit;
-  Eigen::VectorXd seen_parameters;  ///< of the baseline, that loads and friction in the effects' columns rest on
-  Eigen::VectorXd rms_N;            ///< per actuator, of fit
-  std::vector<std::string> rejected;
+  Eigen::VectorXd seen_parameters;     ///< of the baseline, that loads and friction in the effects' columns rest on
+  Eigen::VectorXd rms_N;               ///< per actuator, of fit
+  std::vector<std::string> rejected;   ///< why the search ended
+  std::vector<std::string> taken_out;  ///< what was found and did not stay
 };
 
 /// Root mean square per actuator of rows in N.
@@ -87,6 +88,11 @@ void dropWhatDoesNotRepeat(Search& search);
 /// A new effect that acts on all actuators may be what several others stood for together: those are taken out at once
 /// where held-back blocks are predicted as well without them, its shape refined alone, within a standard error.
 void standAlone(Search& search, const Place& place);
+
+/// Puts the special case in place of an effect that generalizes it (a spring for a curve over the distance), where
+/// held-back blocks are predicted as well by it, within a standard error: while shapes are rough, what bends more fits
+/// better.
+void simplify(Search& search);
 
 /// Puts an effect that was found on another actuator in place of a map, where held-back blocks are predicted as well by
 /// it, within a standard error: screws of one machine are alike.

@@ -309,6 +309,7 @@ void Tracing::settle() {
   holdBackOnePath(s_, result_.notes);
   if (!robot_.chain) judgeElsewhere(s_, result_.notes);
   if (!robot_.chain) doubtNames(s_, result_.notes);
+  result_.rejected.insert(result_.rejected.end(), s_.taken_out.begin(), s_.taken_out.end());
   keepFit();
 }
 

@@ -8,6 +8,7 @@
 
 #include "knee_robot/base/numbers.h"
 #include "parallel.h"
+#include "ripple_periods.h"
 
 namespace knee_robot::tracing {
 namespace {
@@ -158,21 +159,6 @@ bool isLargeNearRest(const Search& s, const Trial& t) {
          t.held.mean > kNearRestErrors * t.held.error;
 }
 
-/// A further ripple needs a period that differs by a turn or more along the way: what is nearer is the same one,
-/// beating.
-bool isNoOtherPeriod(const Search& s, const Hypothesis& h) {
-  if (h.place.order == 0) return false;
-  double range = 0.0;
-  for (const EffectInput& input : s.data->inputs) {
-    const auto q = input.signals().position_m.col(h.place.actuator);
-    range = std::max(range, q.maxCoeff() - q.minCoeff());
-  }
-  return std::any_of(s.effects.begin(), s.effects.end(), [&](const FoundEffect& e) {
-    return e.hypothesis.place.candidate == h.place.candidate && e.hypothesis.place.actuator == h.place.actuator &&
-           std::abs(1.0 / e.hypothesis.shape[0] - 1.0 / h.shape[0]) * range < 1.0;
-  });
-}
-
 }  // namespace
 
 Eigen::VectorXd nestedGain(const Search& s, const Projection& projection, const std::vector<Hypothesis>& shapes) {
@@ -274,7 +260,7 @@ std::string objection(const Search& s, const Trial& t, bool sibling) {
   const bool near_rest = isLargeNearRest(s, t);
   if (!worth_it && !near_rest) return "does not lower the residual by a tenth where it is above the floor";
   const double least = near_rest ? 1.0 - kSiblingLowered * kSiblingLowered : 1.0 - lowered * lowered;
-  if (isNoOtherPeriod(s, t.hypothesis)) return "its period cannot be told from that of another on this actuator";
+  if (periodCoincides(s, t.hypothesis)) return "its period cannot be told from that of another on this actuator";
   const bool rubs = t.hypothesis.place.candidate->isFriction() && t.hypothesis.place.actuator >= 0 && !t.isMap();
   if (t.share < least && !(rubs && shareBeyondLaws(s, t.hypothesis) >= least))
     return "another law of friction near rest explains most of the same";

@@ -11,6 +11,7 @@ class Doubt : public SearchedMachine {
   /// What is said of an effect when the model leaves so many noise floors.
   FoundEffect said(const std::string& name, double floors) {
     search_.floor.rms_N = Eigen::VectorXd::Constant(data_.stack.axes, 0.5);
+    search_.floor.measured = measured_;
     search_.fit.residual_N = Eigen::VectorXd::Constant(data_.stack.size() * data_.stack.axes, 0.5 * floors);
     FoundEffect e;
     e.hypothesis = named(name, {});
@@ -22,6 +23,7 @@ class Doubt : public SearchedMachine {
     return search_.effects.front();
   }
   double p_ = 0.004;
+  bool measured_ = true;
   std::vector<std::string> notes_;
 };
 
@@ -43,6 +45,12 @@ TEST_F(Doubt, GrowsWithWhatTheModelLeavesAndSaysSo) {
     ASSERT_EQ(notes_.size(), 1u);
     EXPECT_NE(notes_[0].find("6.6 times the noise floor"), std::string::npos) << notes_[0];
   }
+}
+
+TEST_F(Doubt, IsNotCastByAnEstimatedFloorWithoutRepeats) {
+  measured_ = false;
+  EXPECT_EQ(said("spring", 9.0).probability, 0.99);
+  EXPECT_TRUE(notes_.empty());
 }
 
 TEST_F(Doubt, ReadsOrUnnamedWhereTheNameIsRatherRight) {

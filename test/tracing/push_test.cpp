@@ -21,7 +21,7 @@ TEST(Push, IsNotLookedForInTheFirstHalfSecondUnlessItIsLong) {
       std::vector<std::vector<double>> all = candidate->near(shape, 1.0);
       all.push_back(shape);
       for (const std::vector<double>& one : all)
-        early += one[1] < 0.5 && one[2] < 2.0 ? 1 : 0;
+        early += one[1] < 0.5 && one[1] + one[2] < 2.0 ? 1 : 0;
     }
   }
   EXPECT_GT(pushes, 50);

@@ -60,7 +60,7 @@ class ModelFeedforward : public rt::TaskContext {
   rt::Property<double> share_inertia{
       *this, "share_inertia", 1.0, "", 0.0, 1.0, "of the inertial forces", rt::Change::AtRunTime};
   rt::Property<double> share_friction{
-      *this, "share_friction", 0.8, "", 0.0, 1.0, "of the friction", rt::Change::AtRunTime};
+      *this, "share_friction", 0.9, "", 0.0, 1.0, "of the friction", rt::Change::AtRunTime};
   rt::Property<double> payload{*this,
                                "payload_kg",
                                0.0,

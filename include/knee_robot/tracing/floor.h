@@ -11,6 +11,7 @@ namespace knee_robot::tracing {
 struct NoiseFloor {
   Eigen::VectorXd rms_N;
   std::string source;
+  bool measured = false;  ///< by repeats; otherwise estimated
 };
 
 /// From recordings that repeat each other's reference, and from cycles that a recording repeats within itself, when

@@ -7,6 +7,9 @@
 namespace knee_robot::tracing {
 namespace {
 
+/// What is slower belongs to the law near rest: it builds up at such speeds.
+constexpr double kSlowest_m_per_s = 0.002;
+
 class Stribeck : public Candidate {
  public:
   std::string name() const override { return "stribeck"; }
@@ -17,15 +20,15 @@ class Stribeck : public Candidate {
     return "Dry friction is stronger at low velocity and falls off with a characteristic velocity.";
   }
   std::vector<ShapeParameter> shapeParameters() const override {
-    return {{"velocity_m_per_s", 0.001, 0.06}, restLawParameter()};
+    return {{"velocity_m_per_s", kSlowest_m_per_s, 0.06}, restLawParameter()};
   }
   std::vector<std::vector<double>> shapes(const EffectInput&, int) const override {
-    return withRestLaws(geometricGrid(0.001, 0.06, 10));
+    return withRestLaws(geometricGrid(kSlowest_m_per_s, 0.06, 10));
   }
   std::vector<std::vector<double>> near(const std::vector<double>& s, double step) const override {
     std::vector<std::vector<double>> out = besideRestLaw(s, step);
     for (const double factor : {1.0 / 1.25, 1.25})
-      out.push_back({std::clamp(s[0] * std::pow(factor, step), 0.001, 0.06), s[1]});
+      out.push_back({std::clamp(s[0] * std::pow(factor, step), kSlowest_m_per_s, 0.06), s[1]});
     return out;
   }
   std::vector<Coefficient> coefficients(const EffectInput&) const override { return {{"excess_N", true}}; }

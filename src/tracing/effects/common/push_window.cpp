@@ -24,7 +24,7 @@ int firstSettled(const EffectInput& input, int actuator) {
 }
 
 bool isTold(const std::vector<double>& shape) {
-  return shape[1] >= kSettled_s || shape[2] >= kLong_s;
+  return shape[1] >= kSettled_s || (shape[1] >= 0.0 && shape[2] >= kLong_s);
 }
 
 }  // namespace

@@ -1,0 +1,52 @@
+#include "ripple_periods.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace knee_robot::tracing {
+namespace {
+
+constexpr double kTurnsApart = 2.0;
+
+/// The way (m) of an actuator over all recordings that are searched.
+double wayOf(const Search& s, int actuator) {
+  double low = std::numeric_limits<double>::infinity(), high = -low;
+  for (const EffectInput& input : s.data->inputs) {
+    const auto q = input.signals().position_m.col(actuator);
+    low = std::min(low, q.minCoeff());
+    high = std::max(high, q.maxCoeff());
+  }
+  return high - low;
+}
+
+bool isAnother(const Place& place, const Place& other) {
+  return place.candidate == other.candidate && place.actuator == other.actuator && place.order != other.order;
+}
+
+}  // namespace
+
+bool periodCoincides(const Search& s, const Hypothesis& ripple) {
+  if (!ripple.place.candidate->periodic()) return false;
+  return std::any_of(s.effects.begin(), s.effects.end(), [&](const FoundEffect& e) {
+    return isAnother(ripple.place, e.hypothesis.place) &&
+           std::abs(1.0 / e.hypothesis.shape[0] - 1.0 / ripple.shape[0]) * wayOf(s, ripple.place.actuator) <
+               kTurnsApart;
+  });
+}
+
+std::pair<double, double> roomOfPeriod(const Search& s, std::size_t effect) {
+  const Hypothesis& own = s.effects[effect].hypothesis;
+  double fewest = 0.0, most = std::numeric_limits<double>::infinity();  // turns per metre
+  if (!own.place.candidate->periodic()) return {0.0, most};
+  for (const FoundEffect& e : s.effects) {
+    if (!isAnother(own.place, e.hypothesis.place)) continue;
+    const double mine = 1.0 / own.shape[0], theirs = 1.0 / e.hypothesis.shape[0];
+    const double gap = std::abs(mine - theirs) - kTurnsApart / wayOf(s, own.place.actuator);
+    const double room = 0.5 * std::max(0.0, gap);
+    (theirs < mine ? fewest : most) = theirs < mine ? std::max(fewest, mine - room) : std::min(most, mine + room);
+  }
+  return {1.0 / most, fewest > 0.0 ? 1.0 / fewest : std::numeric_limits<double>::infinity()};
+}
+
+}  // namespace knee_robot::tracing
