@@ -75,6 +75,17 @@ void dropWhatDoesNotRepeat(Search& s) {
   }
 }
 
+void dropImplausible(Search& s) {
+  const auto bad = std::stable_partition(s.effects.begin(), s.effects.end(), [](const FoundEffect& e) {
+    return std::isnan(e.p) || e.hypothesis.place.candidate->plausibleShape(e.hypothesis.shape);
+  });
+  if (bad == s.effects.end()) return;
+  for (auto e = bad; e != s.effects.end(); ++e)
+    s.taken_out.push_back(placeText(e->hypothesis.place) + ": the shape that fits is not physical");
+  s.effects.erase(bad, s.effects.end());
+  refit(s);
+}
+
 void standAlone(Search& s, const Place& place) {
   if (!place.candidate->shared() || place.candidate->local()) return;
   const auto stays = [&](const FoundEffect& e) {

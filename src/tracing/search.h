@@ -85,6 +85,9 @@ void eliminateBackward(Search& search);
 /// a ripple of a short period, too.
 void dropWhatDoesNotRepeat(Search& search);
 
+/// Takes out what is something else with the shape that was refined beside others. Not those of a given model.
+void dropImplausible(Search& search);
+
 /// A new effect that acts on all actuators may be what several others stood for together: those are taken out at once
 /// where held-back blocks are predicted as well without them, its shape refined alone, within a standard error.
 void standAlone(Search& search, const Place& place);

@@ -22,6 +22,15 @@ void setSpeed(Search& s, const Candidate* kind, double speed_m_per_s) {
   }
 }
 
+bool isPlausible(const Search& s, const Candidate* kind, double speed_m_per_s) {
+  return std::all_of(s.effects.begin(), s.effects.end(), [&](const FoundEffect& e) {
+    std::vector<double> shape = e.hypothesis.shape;
+    if (e.hypothesis.place.candidate != kind) return true;
+    shape.back() = speed_m_per_s;
+    return kind->plausibleShape(shape);
+  });
+}
+
 /// Held-back squares over all samples alike, weighted with `noise_N`.
 Eigen::VectorXd heldBack(const Search& s, const Eigen::VectorXd& noise_N) {
   const std::vector<Hypothesis> all = hypothesesOf(s.effects);
@@ -58,6 +67,7 @@ bool settleRestLaw(Search& s, const Candidate* kind) {
   Eigen::VectorXd own;
   double best_speed = kUsual_m_per_s;
   for (const double speed : kSpeeds_m_per_s) {
+    if (!isPlausible(s, kind, speed)) continue;
     setSpeed(s, kind, speed);
     const Eigen::VectorXd now = heldBack(s, noise_N);
     if (own.size() > 0 && now.sum() >= own.sum()) continue;

@@ -299,6 +299,7 @@ void Tracing::settle() {
   dropWhatDoesNotRepeat(s_);
   if (s_.effects.size() > 1) eliminateBackward(s_);
   refineShapes(s_);
+  dropImplausible(s_);
   for (FoundEffect& e : s_.effects) {  // two names may remain; more than that is no attribution
     if (e.indistinguishable_from.size() > 2) e.verdict = "not separable from more than two other effects";
   }

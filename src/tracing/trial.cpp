@@ -264,6 +264,7 @@ std::string objection(const Search& s, const Trial& t, bool sibling) {
   const bool rubs = t.hypothesis.place.candidate->isFriction() && t.hypothesis.place.actuator >= 0 && !t.isMap();
   if (t.share < least && !(rubs && shareBeyondLaws(s, t.hypothesis) >= least))
     return "another law of friction near rest explains most of the same";
+  if (!t.hypothesis.place.candidate->plausibleShape(t.hypothesis.shape)) return "the shape that fits is not physical";
   if (t.fit.coefficients.back().cwiseAbs().maxCoeff() == 0.0) return "the sign that fits is not physical";
   if (!t.hypothesis.place.candidate->plausible(t.fit.coefficients.back())) return "the size that fits is not physical";
   if (!t.fit.stable.back()) return "its sign changes when a part of the training data is left out";

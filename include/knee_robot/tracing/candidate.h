@@ -74,6 +74,8 @@ class Candidate {
   /// Shapes beside one with several parameters, within `step` (1 and less) of the grid's distance: for refinement.
   /// None: as it is.
   virtual std::vector<std::vector<double>> near(const std::vector<double>& shape, double step) const;
+  /// False: with this shape it is something else.
+  virtual bool plausibleShape(const std::vector<double>& /*shape*/) const { return true; }
   virtual std::vector<Coefficient> coefficients(const EffectInput& input) const = 0;
   /// Force on `actuator` per unit of each coefficient: samples x coefficients.
   virtual Eigen::MatrixXd columns(const EffectInput& input, int actuator, const std::vector<double>& shape) const = 0;

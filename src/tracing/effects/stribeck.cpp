@@ -7,8 +7,8 @@
 namespace knee_robot::tracing {
 namespace {
 
-/// What is slower belongs to the law near rest: it builds up at such speeds.
-constexpr double kSlowest_m_per_s = 0.002;
+/// What is slower belongs to the law near rest, and so does what falls off before it has built up.
+constexpr double kSlowest_m_per_s = 0.002, kAtLimit = 1.05, kFallsAfterRise = 2.0;
 
 class Stribeck : public Candidate {
  public:
@@ -30,6 +30,9 @@ class Stribeck : public Candidate {
     for (const double factor : {1.0 / 1.25, 1.25})
       out.push_back({std::clamp(s[0] * std::pow(factor, step), kSlowest_m_per_s, 0.06), s[1]});
     return out;
+  }
+  bool plausibleShape(const std::vector<double>& shape) const override {
+    return shape[0] > kAtLimit * kSlowest_m_per_s && shape[0] >= kFallsAfterRise * shape[1];
   }
   std::vector<Coefficient> coefficients(const EffectInput&) const override { return {{"excess_N", true}}; }
   Eigen::MatrixXd columns(const EffectInput& input, int actuator, const std::vector<double>& shape) const override {

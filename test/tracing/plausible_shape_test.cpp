@@ -1,0 +1,43 @@
+// Friction that falls off before it has built up is the law near rest, not Stribeck friction.
+#include <cmath>
+
+#include "test/tracing/searched_machine.h"
+
+namespace knee_robot::tracing {
+namespace {
+
+class PlausibleShape : public SearchedMachine {
+ protected:
+  bool isStribeck(double velocity_m_per_s, double smooth_below_m_per_s) const {
+    const std::vector<double> shape = {velocity_m_per_s, smooth_below_m_per_s};
+    return named("stribeck", shape).place.candidate->plausibleShape(shape);
+  }
+  std::size_t leftOf(double velocity_m_per_s, double p) {
+    FoundEffect found;
+    found.hypothesis = named("stribeck", {velocity_m_per_s, 0.0});
+    found.p = p;
+    search_.effects = {found};
+    refit(search_);
+    dropImplausible(search_);
+    return search_.effects.size();
+  }
+};
+
+TEST_F(PlausibleShape, OfStribeckFrictionFallsOffAfterItHasBuiltUp) {
+  EXPECT_TRUE(isStribeck(0.012, 0.0));
+  EXPECT_TRUE(isStribeck(0.007, 0.001));
+  EXPECT_FALSE(isStribeck(0.004, 0.0028));
+  EXPECT_FALSE(isStribeck(0.002, 0.0)) << "at the end of what is looked for";
+}
+
+TEST_F(PlausibleShape, IsAskedOfWhatWasRefined) {
+  EXPECT_EQ(leftOf(0.01, 0.004), 1u);
+  EXPECT_TRUE(search_.taken_out.empty());
+  EXPECT_EQ(leftOf(0.002, 0.004), 0u);
+  ASSERT_EQ(search_.taken_out.size(), 1u);
+  EXPECT_EQ(search_.taken_out[0], "stribeck on actuator 2: the shape that fits is not physical");
+  EXPECT_EQ(leftOf(0.002, std::nan("")), 1u) << "of a given model, named where it was found";
+}
+
+}  // namespace
+}  // namespace knee_robot::tracing
