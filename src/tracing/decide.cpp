@@ -132,8 +132,7 @@ void simplify(Search& s) {
     refineShapes(s);
     const bool plausible = s.fit.stable[k] && special->place().candidate->plausible(s.effects[k].coefficients);
     s.rms_N = noise_N;  // both weighted alike
-    const HeldBackGain lost = heldBackGain(fitOf(s, hypothesesOf(s.effects)).held_back - with);
-    if (!plausible || lost.mean > kStayErrors * lost.error) {
+    if (!plausible || fitOf(s, hypothesesOf(s.effects)).held_back.sum() > with.sum()) {
       s.effects = before;
     } else {
       s.taken_out.push_back(placeText(general) + ": " + special->place().candidate->name() +

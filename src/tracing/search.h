@@ -93,8 +93,7 @@ void dropImplausible(Search& search);
 void standAlone(Search& search, const Place& place);
 
 /// Puts the special case in place of an effect that generalizes it (a spring for a curve over the distance), where
-/// held-back blocks are predicted as well by it, within a standard error: while shapes are rough, what bends more fits
-/// better.
+/// held-back blocks are predicted no worse by it: while shapes are rough, what bends more fits better.
 void simplify(Search& search);
 
 /// Puts an effect that was found on another actuator in place of a map, where held-back blocks are predicted as well by
