@@ -11,7 +11,8 @@ namespace {
 
 /// Noise floors that models with the right effects leave while axes move, at most 2.1 on 19 machines of two independent
 /// simulators; those with names that stand for something else left 2.6 to 11 (docs/results/foreign_machines.md). All of
-/// them had repeats. A floor that was estimated says too little: where axes stick, a healthy robot leaves ten of them.
+/// them had repeats. A floor that was estimated says too little to take a name away: where axes stick, a healthy robot
+/// leaves ten of them.
 constexpr double kRightLeaves = 2.2;
 constexpr double kSure = 0.8, kEven = 0.5;
 
@@ -45,7 +46,6 @@ double floorsLeft(const Search& s, const Place& place, const Eigen::VectorXd& le
 }
 
 void doubtNames(Search& s, std::vector<std::string>& notes) {
-  if (!s.floor.measured) return;
   const Eigen::VectorXd left_N = movingRms(s);
   for (FoundEffect& e : s.effects) {
     const Place& place = e.hypothesis.place;
@@ -53,7 +53,8 @@ void doubtNames(Search& s, std::vector<std::string>& notes) {
     if (std::isnan(e.p) || isBeyondDoubt(*place.candidate)) continue;
     const double floors = floorsLeft(s, place, left_N);
     if (floors <= kRightLeaves) continue;
-    e.probability *= std::pow(kRightLeaves / floors, 2);
+    const double doubted = e.probability * std::pow(kRightLeaves / floors, 2);
+    e.probability = s.floor.measured ? doubted : std::max(doubted, std::min(kEven, e.probability));
     e.doubted = e.probability < kEven;
     if (e.probability < kSure && !e.doubted) e.indistinguishable_from.emplace_back("unnamed");
     notes.push_back(placeText(place) + ": the model with it still leaves " + shortNumber(floors, 2) +

@@ -47,10 +47,12 @@ TEST_F(Doubt, GrowsWithWhatTheModelLeavesAndSaysSo) {
   }
 }
 
-TEST_F(Doubt, IsNotCastByAnEstimatedFloorWithoutRepeats) {
+TEST_F(Doubt, ByAnEstimatedFloorWithoutRepeatsTakesNoNameAway) {
   measured_ = false;
-  EXPECT_EQ(said("spring", 9.0).probability, 0.99);
-  EXPECT_TRUE(notes_.empty());
+  const FoundEffect much = said("spring", 9.0);
+  EXPECT_EQ(much.probability, 0.5);
+  EXPECT_FALSE(much.doubted);
+  EXPECT_EQ(much.indistinguishable_from, std::vector<std::string>{"unnamed"});
 }
 
 TEST_F(Doubt, ReadsOrUnnamedWhereTheNameIsRatherRight) {
