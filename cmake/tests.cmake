@@ -18,6 +18,7 @@ endif()
 function(knee_test_program name room)
   catkin_add_executable_with_gtest(${name} ${ARGN} EXCLUDE_FROM_ALL)
   target_link_libraries(${name} knee_${room} knee_test_main)
+  set_target_properties(${name} PROPERTIES UNITY_BUILD ${KNEE_UNITY} UNITY_BUILD_BATCH_SIZE 6)  # halves the compiler's work
   knee_use_precompiled(${name} test)
   add_dependencies(tests ${name})
 endfunction()

@@ -32,12 +32,12 @@ def flat(around):
 
 def main(root):
     declared = {}
-    for base in (root / "include", root / "src"):
+    for base in (root / "include", root / "src", root / "test"):
         for path in sorted(base.rglob("*.h")):
             for around, name in names_of(path.read_text()):
                 declared.setdefault((flat(around), name), path)
     faults, looked_at = [], 0
-    for path in sorted((root / "src").rglob("*.cpp")):
+    for path in sorted([*(root / "src").rglob("*.cpp"), *(root / "test").rglob("*.cpp")]):
         for around, name in sorted(set(names_of(path.read_text()))):
             if "" not in around:
                 continue

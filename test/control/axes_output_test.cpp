@@ -10,8 +10,8 @@
 namespace knee_robot::control {
 namespace {
 
-struct Feed : rt::TaskContext {
-  Feed() : rt::TaskContext("Feed") {}
+struct AxesOutputFeed : rt::TaskContext {
+  AxesOutputFeed() : rt::TaskContext("AxesOutputFeed") {}
   rt::OutputPort<SupervisorCommand> orders{*this, "orders", ""};
   rt::OutputPort<AxesMeasurement> measurement{*this, "measurement", ""};
   rt::OutputPort<AxisCommand> command_1{*this, "command_1", ""};
@@ -67,7 +67,7 @@ class AxesOutputTest : public ::testing::Test {
 
   fake::Machine machine{fake::robot()};
   AxesOutput output{"AxesOutput", fake::robot(), fake::hardware(), machine};
-  Feed feed;
+  AxesOutputFeed feed;
   SupervisorCommand orders;
   std::array<AxisCommand, hardware::kAxes> commands{};
   std::array<bool, hardware::kAxes> comes{true, true, true, true};

@@ -5,11 +5,13 @@
 
 #include <Eigen/Dense>
 
+#include "test/mechanism/configured_robot.h"
+
 namespace knee_robot::control {
 namespace {
 
 struct RobotA {
-  mechanism::Robot robot = mechanism::loadRobot(std::string(KNEE_SOURCE_DIR) + "/config/robots/A.yaml");
+  mechanism::Robot robot = mechanism::configuredRobot("A");
   dynamics::RobotInertia inertia = dynamics::loadRobotInertia(robot);
   mechanism::Pose pose{0.02, 0.62, 0.05, -0.03};
 };

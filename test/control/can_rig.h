@@ -86,4 +86,7 @@ class CanRig {
   int half_milliseconds_ = 0;
 };
 
+/// What a case does where it does nothing.
+inline void nothing(CanRig&) {}
+
 }  // namespace knee_robot::fake

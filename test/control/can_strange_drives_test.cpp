@@ -58,8 +58,6 @@ struct Attack {
   std::function<void(CanRig&)> each_cycle;
 };
 
-void nothing(CanRig&) {}
-
 const std::vector<Attack>& attacks() {
   static const std::vector<Attack> all = {
       {"AnEmergencyInEveryCycle", "drive_emergency", 3, nothing, [](CanRig& rig) { warn(rig, 3, 0x4210); }},

@@ -88,8 +88,6 @@ bool isFeedback(const can::Frame& frame) {
   return frame.id > 0x180 && frame.id <= 0x1FF;
 }
 
-void nothing(CanRig&) {}
-
 /// Feedback of every third period comes a period late, together with that one's.
 void delayFeedback(CanRig& rig) {
   auto held = std::make_shared<std::vector<can::Frame>>();

@@ -8,6 +8,7 @@
 #include <cstdio>
 
 #include "knee_robot/simulation/simbody_robot.h"
+#include "test/mechanism/configured_robot.h"
 
 namespace knee_robot::control {
 namespace {
@@ -21,7 +22,7 @@ constexpr double kP = 60000.0, kI = 300000.0, kD = 1500.0, kLambda = 20.0;  // a
 class ClosedLoop {
  public:
   explicit ClosedLoop(double scale)
-      : robot_(mechanism::loadRobot(std::string(KNEE_SOURCE_DIR) + "/config/robots/A.yaml")),
+      : robot_(mechanism::configuredRobot("A")),
         inertia_(dynamics::loadRobotInertia(robot_)),
         truth_(robot_, inertia_),
         model_(robot_, inertia_),
@@ -163,7 +164,7 @@ TEST(PassivityBasedLaw, IsPassiveBetweenTwoValuesOfLambdaAndSaysWhich) {
 }
 
 TEST(ComputedTorque, PassesTheErrorThroughTheMassOfAllAxesTogether) {
-  const mechanism::Robot robot = mechanism::loadRobot(std::string(KNEE_SOURCE_DIR) + "/config/robots/A.yaml");
+  const mechanism::Robot robot = mechanism::configuredRobot("A");
   const dynamics::PartedModel model(robot, dynamics::loadRobotInertia(robot));
   ControlLaw law;
   law.choose(Law::ComputedTorque);

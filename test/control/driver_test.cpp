@@ -11,8 +11,8 @@ namespace {
 
 using fake::kHome;
 
-struct Feed : rt::TaskContext {
-  Feed() : rt::TaskContext("Feed") {}
+struct DriverFeed : rt::TaskContext {
+  DriverFeed() : rt::TaskContext("DriverFeed") {}
   rt::OutputPort<SupervisorCommand> orders{*this, "orders", ""};
   rt::OutputPort<AxesMeasurement> measurement{*this, "measurement", ""};
   rt::OutputPort<SetPoint> set_point{*this, "set_point", ""};
@@ -68,7 +68,7 @@ class DriverTest : public ::testing::TestWithParam<int> {
   }
 
   Driver driver{"Driver1", fake::robot()};
-  Feed feed;
+  DriverFeed feed;
   SupervisorCommand orders;
   AxesMeasurement measured;
   SetPoint set_point;
@@ -266,7 +266,7 @@ TEST_P(OneSetOfGains, HoldsEveryMassUnderGravityWithoutOscillating) {
   const mechanism::Actuator& actuator = robot.actuators[static_cast<std::size_t>(axis) - 1];
   Driver driver("Driver", robot);
   driver.axis.set(axis);
-  Feed feed;
+  DriverFeed feed;
   rt::connect(feed.orders, driver.orders);
   rt::connect(feed.measurement, driver.measurement);
   rt::connect(feed.set_point, driver.set_point);

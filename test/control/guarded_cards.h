@@ -6,12 +6,11 @@
 #include "knee_robot/control/guardian.h"
 #include "knee_robot/hardware/guarded_bus.h"
 #include "knee_robot/simulation/simulated_cards.h"
+#include "test/control/milliseconds.h"
 
 namespace knee_robot::control::guarded {
 
 using hardware::IoStatus;
-
-inline constexpr rt::Nanoseconds kMs = 1'000'000;
 
 inline rt::Nanoseconds& testTime() {
   static rt::Nanoseconds time = 0;

@@ -8,21 +8,22 @@
 #include "knee_robot/control/hand_guide.h"
 #include "some_model.h"
 #include "test/allocation_guard.h"
+#include "test/mechanism/configured_robot.h"
 
 namespace knee_robot::control {
 namespace {
 
-struct Feed : rt::TaskContext {
-  Feed() : rt::TaskContext("Feed") {}
+struct HandGuideFeed : rt::TaskContext {
+  HandGuideFeed() : rt::TaskContext("HandGuideFeed") {}
   rt::OutputPort<SupervisorCommand> orders{*this, "orders", ""};
   rt::OutputPort<AxesMeasurement> measurement{*this, "measurement", ""};
   rt::InputPort<Guidance> guidance{*this, "guidance", ""};
 };
 
 TEST(HandGuideAlone, AllocatesNothingAndLetsGoWhenTheSupervisorIsSilent) {
-  const mechanism::Robot robot = mechanism::loadRobot(std::string(KNEE_SOURCE_DIR) + "/config/robots/A.yaml");
+  const mechanism::Robot robot = mechanism::configuredRobot("A");
   HandGuide guide("Guide", robot);
-  Feed feed;
+  HandGuideFeed feed;
   rt::connect(feed.orders, guide.orders);
   rt::connect(feed.measurement, guide.measurement);
   rt::connect(guide.guidance, feed.guidance);

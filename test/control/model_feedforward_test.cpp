@@ -18,8 +18,8 @@ namespace {
 
 const std::string kFinal = std::string(KNEE_SOURCE_DIR) + "/config/robots/final.yaml";
 
-struct Feed : rt::TaskContext {
-  Feed() : rt::TaskContext("Feed") {}
+struct FeedforwardFeed : rt::TaskContext {
+  FeedforwardFeed() : rt::TaskContext("FeedforwardFeed") {}
   rt::OutputPort<SupervisorCommand> orders{*this, "orders", ""};
   rt::OutputPort<AxesMeasurement> measurement{*this, "measurement", ""};
   rt::OutputPort<AxisCommand> command_1{*this, "command_1", ""}, command_2{*this, "command_2", ""},
@@ -93,7 +93,7 @@ class ModelFeedforwardTest : public ::testing::Test {
 
   mechanism::Robot robot = mechanism::loadRobot(kFinal);
   ModelFeedforward component{"Feedforward", robot};
-  Feed feed;
+  FeedforwardFeed feed;
   SupervisorCommand orders;
   AxesMeasurement measured;
   double reference_velocity = 0.0;

@@ -4,14 +4,13 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <limits>
+
+#include "knee_robot/base/constants.h"
 
 namespace knee_robot::control {
 namespace {
 
 constexpr double kDt = 1e-3;
-const double kNan = std::numeric_limits<double>::quiet_NaN();
-
 AxisView quiet() {
   AxisView view;
   view.dt = kDt;

@@ -7,6 +7,7 @@
 #include <filesystem>
 
 #include "knee_robot/base/files.h"
+#include "test/mechanism/configured_robot.h"
 
 namespace knee_robot::control {
 namespace {
@@ -108,7 +109,7 @@ Answer everybody(const PatientLimits&) {
 }
 
 TEST_F(OccupancyRecords, DoNotTakeAFileThatChangedWhileItWasLoadedForTheOneThatWasLoaded) {
-  const mechanism::Robot robot = mechanism::loadRobot(std::string(KNEE_SOURCE_DIR) + "/config/robots/A.yaml");
+  const mechanism::Robot robot = mechanism::configuredRobot("A");
   const PatientMemory memory(folder + "/patient.txt");
   const auto ignore = [](Occupancy, const PatientRange&) {};
   writeFileAtomically(patient.path, kNarrow);
@@ -138,7 +139,7 @@ TEST_F(OccupancyRecords, DoNotTakeAFileThatChangedWhileItWasLoadedForTheOneThatW
 }
 
 TEST_F(OccupancyRecords, DoNotTakeAMemoryWithoutContentForNobody) {
-  const mechanism::Robot robot = mechanism::loadRobot(std::string(KNEE_SOURCE_DIR) + "/config/robots/A.yaml");
+  const mechanism::Robot robot = mechanism::configuredRobot("A");
   writeFileAtomically(folder + "/patient.txt", "");
   OccupancyRecord begun(
       PatientMemory(folder + "/patient.txt"), [] { return ""; }, [](Occupancy, const PatientRange&) {});

@@ -10,6 +10,7 @@
 #include "knee_robot/control/monitor_patient.h"
 #include "knee_robot/control/patient_limits.h"
 #include "system_rig.h"
+#include "test/mechanism/configured_robot.h"
 
 namespace knee_robot::control {
 namespace {
@@ -21,7 +22,7 @@ speed: {linear_mm_per_s: 15}
 )";
 
 mechanism::Robot finalRobot() {
-  return mechanism::loadRobot(std::string(KNEE_SOURCE_DIR) + "/config/robots/final.yaml");
+  return mechanism::configuredRobot("final");
 }
 
 class PatientFile : public ::testing::Test {

@@ -84,13 +84,13 @@ TEST_F(RecorderTest, IsReadableAtAnyMomentBeforeItIsClosed) {
 }
 
 /// A Recorder fed by hand, without anybody draining it.
-struct Feed : rt::TaskContext {
-  Feed() : rt::TaskContext("Feed") {}
+struct RecorderFeed : rt::TaskContext {
+  RecorderFeed() : rt::TaskContext("RecorderFeed") {}
   rt::OutputPort<AxesMeasurement> measurement{*this, "measurement", ""};
 };
 
 TEST_F(RecorderTest, WritesTheResidualAndWhichEncodersAreAsked) {
-  struct Observed : Feed {
+  struct Observed : RecorderFeed {
     rt::OutputPort<Disturbance> disturbance{*this, "disturbance", ""};
     rt::OutputPort<AxisCommand> command{*this, "command", ""};
   } feed;
@@ -132,7 +132,7 @@ TEST_F(RecorderTest, WritesTheResidualAndWhichEncodersAreAsked) {
 }
 
 TEST_F(RecorderTest, CountsRowsThatTheRingCouldNotTakeAndSaysSo) {
-  Feed feed;
+  RecorderFeed feed;
   Recorder recorder("Recorder");
   rt::connect(feed.measurement, recorder.measurement);
   ASSERT_TRUE(recorder.configure());
@@ -163,7 +163,7 @@ TEST_F(RecorderTest, CountsRowsThatTheRingCouldNotTakeAndSaysSo) {
 }
 
 TEST_F(RecorderTest, WritesAnIdOfTheHomingThatTheReaderHandsOn) {
-  Feed feed;
+  RecorderFeed feed;
   Recorder recorder("Recorder");
   rt::connect(feed.measurement, recorder.measurement);
   ASSERT_TRUE(recorder.configure());

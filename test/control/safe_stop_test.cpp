@@ -4,10 +4,11 @@
 
 #include <vector>
 
+#include "test/control/milliseconds.h"
+
 namespace knee_robot::control {
 namespace {
 
-constexpr rt::Nanoseconds kMs = 1'000'000;
 using Phase = SafeStopPhase;
 
 SafeStopTiming timing() {

@@ -4,10 +4,11 @@
 
 #include <cmath>
 
+#include "test/control/milliseconds.h"
+
 namespace knee_robot::control {
 namespace {
 
-constexpr rt::Nanoseconds kMs = 1'000'000;
 constexpr rt::Nanoseconds kPeriod = 10 * kMs;
 
 /// Segment number n of a motion at constant speed along axis 1 from `start`.

@@ -8,8 +8,8 @@
 namespace knee_robot::control {
 namespace {
 
-struct Feed : rt::TaskContext {
-  Feed() : rt::TaskContext("Feed") {}
+struct SupervisorFeed : rt::TaskContext {
+  SupervisorFeed() : rt::TaskContext("SupervisorFeed") {}
   rt::OutputPort<AxesMeasurement> measurement{*this, "measurement", ""};
   rt::OutputPort<SetPoint> set_point{*this, "set_point", ""};
   rt::OutputPort<AxisCommand> command_1{*this, "command_1", ""}, command_2{*this, "command_2", ""},
@@ -95,7 +95,7 @@ class SupervisorTest : public ::testing::Test {
   }
 
   Supervisor supervisor{"Supervisor", fake::robot(), fake::hardware()};
-  Feed feed;
+  SupervisorFeed feed;
   AxesMeasurement measured;
   SetPoint set_point;
   AxesWritten written;

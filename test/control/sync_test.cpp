@@ -11,8 +11,8 @@ namespace {
 
 using fake::kHome;
 
-struct Feed : rt::TaskContext {
-  Feed() : rt::TaskContext("Feed") {}
+struct SyncFeed : rt::TaskContext {
+  SyncFeed() : rt::TaskContext("SyncFeed") {}
   rt::OutputPort<SupervisorCommand> orders{*this, "orders", ""};
   rt::OutputPort<AxesMeasurement> measurement{*this, "measurement", ""};
   rt::InputPort<SetPoint> set_point{*this, "set_point", ""};
@@ -63,7 +63,7 @@ class SyncTest : public ::testing::Test {
   }
 
   Sync sync{"Sync", fake::robot()};
-  Feed feed;
+  SyncFeed feed;
   SupervisorCommand orders;
   AxesMeasurement measured;
   SetPoint out;

@@ -9,12 +9,13 @@
 #include "knee_robot/dynamics/force_parts.h"
 #include "test/allocation_guard.h"
 #include "test/control/some_model.h"
+#include "test/mechanism/configured_robot.h"
 
 namespace knee_robot::dynamics {
 namespace {
 
 mechanism::Robot robotA() {
-  return mechanism::loadRobot(std::string(KNEE_SOURCE_DIR) + "/config/robots/A.yaml");
+  return mechanism::configuredRobot("A");
 }
 
 ModelEffect effect(const std::string& name, int actuator, const std::vector<double>& shape,

@@ -7,6 +7,7 @@
 
 #include "knee_robot/simulation/simbody_robot.h"
 #include "test/dynamics/peer_states.h"
+#include "test/mechanism/configured_robot.h"
 
 namespace {
 
@@ -14,7 +15,7 @@ using namespace knee_robot;
 
 struct Peers {
   Peers()
-      : robot(mechanism::loadRobot(std::string(KNEE_SOURCE_DIR) + "/config/robots/final.yaml")),
+      : robot(mechanism::configuredRobot("final")),
         simbody(*robot.mechanism, robot.gravity, dynamics::loadRobotInertia(robot)) {
     for (const mechanism::Motion& m : dynamics::peerMotions(*robot.mechanism))
       motions.push_back(mechanism::coordinateMotion(*robot.mechanism, m));

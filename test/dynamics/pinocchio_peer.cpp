@@ -13,6 +13,7 @@
 #include "knee_robot/dynamics/regressor.h"
 #include "knee_robot/mechanism/constraints.h"
 #include "test/dynamics/peer_states.h"
+#include "test/mechanism/configured_robot.h"
 
 namespace pin = pinocchio;
 using namespace knee_robot;
@@ -34,7 +35,7 @@ mechanism::Matrix3 columns(const mechanism::Vector3& x, const mechanism::Vector3
 /// The tree of the URDF: every leg to its tip, leg 4 with the platform.
 struct Peer {
   Peer() {
-    const mechanism::Robot robot = mechanism::loadRobot(std::string(KNEE_SOURCE_DIR) + "/config/robots/final.yaml");
+    const mechanism::Robot robot = mechanism::configuredRobot("final");
     mechanism = std::make_unique<Mechanism>(*robot.mechanism);
     inertia = loadRobotInertia(robot);
     build();

@@ -10,12 +10,13 @@
 #include "knee_robot/base/errors.h"
 #include "knee_robot/base/files.h"
 #include "knee_robot/dynamics/pseudo_inertia.h"
+#include "test/mechanism/configured_robot.h"
 
 namespace knee_robot::dynamics {
 namespace {
 
 mechanism::Robot finalRobot() {
-  return mechanism::loadRobot(std::string(KNEE_SOURCE_DIR) + "/config/robots/final.yaml");
+  return mechanism::configuredRobot("final");
 }
 
 TEST(PseudoInertia, IsInvertedExactlyAndPositiveForBodiesThatExist) {

@@ -7,25 +7,11 @@
 #include <random>
 
 #include "knee_robot/trajectory/exercise_fit.h"
+#include "test/excitation/moderate_robot.h"
 #include "test/trajectory/robots.h"
 
 namespace knee_robot::excitation {
 namespace {
-
-/// Where planExcitation starts from.
-mechanism::Pose centreOf(const mechanism::Robot& robot) {
-  return trajectory::startThatFitsMost({"excitation", "", false, 0.0, {}, std::nullopt}, robot, 0.0);
-}
-
-mechanism::Robot moderateRobot(const std::string& name) {
-  mechanism::Robot robot = trajectory::configuredRobot(name);
-  robot.singularity_condition_max = 60.0;
-  for (mechanism::Actuator& actuator : robot.actuators) {
-    actuator.velocity_max_m_per_s = 0.1;
-    actuator.acceleration_max_m_per_s2 = 1.0;
-  }
-  return robot;
-}
 
 ExcitationTask taskOf(const mechanism::Robot& robot, int directions) {
   ExcitationTask task;

@@ -8,15 +8,11 @@
 #include "knee_robot/dynamics/inverse_dynamics.h"
 #include "knee_robot/dynamics/robot_inertia.h"
 #include "knee_robot/trajectory/exercise_fit.h"
+#include "test/excitation/moderate_robot.h"
 #include "test/trajectory/robots.h"
 
 namespace knee_robot::excitation {
 namespace {
-
-/// Where planExcitation starts from.
-mechanism::Pose centreOf(const mechanism::Robot& robot) {
-  return trajectory::startThatFitsMost({"excitation", "", false, 0.0, {}, std::nullopt}, robot, 0.0);
-}
 
 /// Small enough for a test, large enough to improve.
 ExcitationOptions quick(unsigned seed) {
@@ -33,16 +29,6 @@ ExcitationOptions quick(unsigned seed) {
 const ExcitationPlan& finalPlan() {
   static const ExcitationPlan plan = planExcitation(trajectory::configuredRobot("final"), quick(1));
   return plan;
-}
-
-mechanism::Robot moderateRobot(const std::string& name) {
-  mechanism::Robot robot = trajectory::configuredRobot(name);
-  robot.singularity_condition_max = 60.0;
-  for (mechanism::Actuator& actuator : robot.actuators) {
-    actuator.velocity_max_m_per_s = 0.1;
-    actuator.acceleration_max_m_per_s2 = 1.0;
-  }
-  return robot;
 }
 
 double shareOf(const std::vector<LimitUsed>& limits, const std::string& name) {

@@ -14,13 +14,13 @@
 namespace knee_robot::identification {
 namespace {
 
-constexpr double kRate_hz = 1000.0, kNoise_N = 2.0;
+constexpr double kRate_hz = 1000.0, kFastNoise_N = 2.0;
 
 /// A ball-screw axis of 80 kg that is driven with up to 8 Hz: friction tanh(v / 0.7 mm/s), encoder of `count_m`, no
 /// reference column.
 recording::Recording fastAxis(double seconds, double count_m, unsigned seed) {
   std::mt19937 random(seed);
-  std::normal_distribution<double> noise(0.0, kNoise_N);
+  std::normal_distribution<double> noise(0.0, kFastNoise_N);
   recording::Recording r;
   r.name = r.path = "axis_" + std::to_string(seed) + ".csv";
   r.axes = 1;

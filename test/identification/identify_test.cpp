@@ -10,17 +10,11 @@
 #include "knee_robot/base/errors.h"
 #include "knee_robot/identification/evaluation.h"
 #include "knee_robot/mechanism/singularity.h"
+#include "test/identification/observe_one.h"
 #include "test/identification/synthetic.h"
 
 namespace knee_robot::identification {
 namespace {
-
-std::vector<Observation> observeOne(const mechanism::Robot& robot, const recording::Recording& r,
-                                    const IdentifyOptions& options) {
-  std::vector<Observation> list;
-  list.push_back(observe(robot, columnsOf(robot), r, options.observation));
-  return list;
-}
 
 TEST(Identify, RecoversKnownFrictionAndPredictsAnotherTrajectory) {
   const mechanism::Robot robot = syntheticRobot();

@@ -9,6 +9,7 @@
 #include "knee_robot/dynamics/pseudo_inertia.h"
 #include "knee_robot/identification/evaluation.h"
 #include "knee_robot/identification/physical_problem.h"
+#include "test/identification/observe_one.h"
 #include "test/identification/synthetic.h"
 
 namespace knee_robot::identification {
@@ -152,13 +153,6 @@ TEST(SolvePhysical, EndsAtTheOptimumOnTheBoundaryToo) {
     }
   }
   std::cout << pushes << " pushes off the boundary in 10 problems\n";
-}
-
-std::vector<Observation> observeOne(const mechanism::Robot& robot, const recording::Recording& r,
-                                    const IdentifyOptions& options) {
-  std::vector<Observation> list;
-  list.push_back(observe(robot, columnsOf(robot), r, options.observation));
-  return list;
 }
 
 TEST(FitPhysical, PredictsAnotherTrajectoryWithPossibleBodiesFromAWrongPrior) {

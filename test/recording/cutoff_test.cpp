@@ -10,11 +10,11 @@
 namespace knee_robot::recording {
 namespace {
 
-constexpr double kRate = 100.0;
+constexpr double kCutoffTestRate = 100.0;
 
 /// Two actuators; position = reference + white noise of the given size (m).
 UniformMotion noisy(const Eigen::MatrixXd& reference, double noise_m, unsigned seed) {
-  UniformMotion motion{kRate, reference, reference};
+  UniformMotion motion{kCutoffTestRate, reference, reference};
   std::mt19937 random(seed);
   std::normal_distribution<double> normal(0.0, noise_m);
   for (double& value : motion.position_m.reshaped())
@@ -24,13 +24,13 @@ UniformMotion noisy(const Eigen::MatrixXd& reference, double noise_m, unsigned s
 
 /// Sum of sines, `seconds` long, the given frequencies with equal acceleration.
 Eigen::MatrixXd sines(double seconds, const std::vector<double>& frequencies) {
-  Eigen::MatrixXd x(static_cast<int>(seconds * kRate), 2);
+  Eigen::MatrixXd x(static_cast<int>(seconds * kCutoffTestRate), 2);
   for (Eigen::Index k = 0; k < x.rows(); ++k) {
     x.row(k).setZero();
     for (const double f : frequencies) {
       const double w = 2.0 * M_PI * f;
-      x(k, 0) += 0.05 / (w * w) * std::sin(w * k / kRate + f);
-      x(k, 1) += 0.05 / (w * w) * std::cos(w * k / kRate - f);
+      x(k, 0) += 0.05 / (w * w) * std::sin(w * k / kCutoffTestRate + f);
+      x(k, 1) += 0.05 / (w * w) * std::cos(w * k / kCutoffTestRate - f);
     }
   }
   return x;
@@ -41,7 +41,7 @@ Eigen::MatrixXd straightPieces(double seconds, unsigned seed) {
   std::mt19937 random(seed);
   std::normal_distribution<double> normal(0.0, 0.01);
   const int piece = 50;
-  Eigen::MatrixXd x(static_cast<int>(seconds * kRate), 2);
+  Eigen::MatrixXd x(static_cast<int>(seconds * kCutoffTestRate), 2);
   Eigen::RowVector2d from(0, 0), to(0, 0);
   for (Eigen::Index k = 0; k < x.rows(); ++k) {
     if (k % piece == 0) {
@@ -56,7 +56,7 @@ Eigen::MatrixXd straightPieces(double seconds, unsigned seed) {
 /// What a robot with one time constant (s) makes of it.
 Eigen::MatrixXd lagged(const Eigen::MatrixXd& x, double time_constant) {
   Eigen::MatrixXd y = x;
-  const double step = 1.0 / kRate / time_constant;
+  const double step = 1.0 / kCutoffTestRate / time_constant;
   for (Eigen::Index k = 1; k < x.rows(); ++k)
     y.row(k) = y.row(k - 1) + step * (x.row(k) - y.row(k - 1));
   return y;
@@ -97,7 +97,7 @@ TEST(Cutoff, OfAReferenceWithStepsOfVelocityEndsWhereTheRecordingNoLongerFollows
     if (std::abs(loud.frequency_hz[k] - f) < 0.5) power = std::max(power, loud.reference_power[k]);
   }
   const double asked = power / (1.0 + std::pow(0.05 * w, 2));
-  const double unasked = std::pow(120e-6, 2) * 2.0 / kRate * std::pow(w, 4);
+  const double unasked = std::pow(120e-6, 2) * 2.0 / kCutoffTestRate * std::pow(w, 4);
   EXPECT_LT(asked / unasked, 8.0);
   EXPECT_GT(asked / unasked, 1.0 / 8.0);
 }

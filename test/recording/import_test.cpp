@@ -164,7 +164,7 @@ constexpr const char* kTable =
     "1010,5;210;-1,5;12,5\r\n"
     "1025;220;0;nan\r\n\r\n";
 
-constexpr const char* kMap =
+constexpr const char* kColumnMap =
     "separator: semicolon\n"
     "decimal: comma\n"
     "skip_lines: 1\n"
@@ -178,7 +178,7 @@ constexpr const char* kMap =
     "  - {from: 'x [mm]', to: mocap_psi_rad}\n";
 
 TEST(ImportTable, AppliesUnitsScalesAndOffsets) {
-  const ColumnMap map = parseColumnMap(kMap, "map.yaml");
+  const ColumnMap map = parseColumnMap(kColumnMap, "map.yaml");
   const Recording r = parseRecording(importTable(TextTable(kTable, "log.csv", map.format), map).csv, "imported");
   ASSERT_EQ(r.rows(), 3);
   EXPECT_NEAR(r.time_s[1], 0.01, 1e-12);
@@ -204,7 +204,7 @@ TEST(ImportTable, AddsSecondsAndNanosecondsWithoutLosingDigits) {
 }
 
 TEST(ImportTable, SaysWhatIsWrongByFileLineAndColumn) {
-  const ColumnMap map = parseColumnMap(kMap, "map.yaml");
+  const ColumnMap map = parseColumnMap(kColumnMap, "map.yaml");
   const auto with = [&](const std::string& find, const std::string& put) {
     std::string content = kTable;
     content.replace(content.find(find), find.size(), put);
@@ -269,7 +269,7 @@ TEST(ImportTable, MutatedTablesAndMapsGiveASoundRecordingOrADeclaredError) {
   int accepted = 0;
   for (int i = 0; i < 20000; ++i) {
     const std::string table = i % 2 == 0 ? mutated(kTable, random) : kTable;
-    const std::string text = i % 2 == 1 ? mutated(kMap, random) : kMap;
+    const std::string text = i % 2 == 1 ? mutated(kColumnMap, random) : kColumnMap;
     mustBeSound(
         [&] {
           const ColumnMap map = parseColumnMap(text, "map.yaml");

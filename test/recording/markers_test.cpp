@@ -12,7 +12,7 @@
 namespace knee_robot::recording {
 namespace {
 
-constexpr const char* kMap =
+constexpr const char* kMarkerMap =
     "time: {from: T, unit: s}\nunit: mm\ntolerance_mm: 3\nmarkers:\n"
     "  - {columns: [ax, ay, az], platform_m: [-0.30, 0.00, 0.02]}\n"
     "  - {columns: [bx, by, bz], platform_m: [0.10, 0.25, 0.02]}\n"
@@ -32,7 +32,7 @@ using Change = std::function<void(int row, Eigen::Matrix3Xd& markers)>;
 
 /// An export of 60 rows in mm with 0.2 mm noise; `change` may spoil markers (m).
 std::string exported(const Change& change) {
-  const MarkerMap map = parseMarkerMap(kMap, "map");
+  const MarkerMap map = parseMarkerMap(kMarkerMap, "map");
   std::mt19937 random(3);
   std::normal_distribution<double> noise(0.0, 2e-4);
   std::string text = "T\tax\tay\taz\tbx\tby\tbz\tcx\tcy\tcz\tdx\tdy\tdz\n";
@@ -55,7 +55,7 @@ std::string exported(const Change& change) {
 }
 
 MarkerPoses fitted(const Change& change) {
-  const MarkerMap map = parseMarkerMap(kMap, "map");
+  const MarkerMap map = parseMarkerMap(kMarkerMap, "map");
   return fitMarkers(TextTable(exported(change), "capture.tsv", map.format), map);
 }
 
@@ -120,7 +120,7 @@ TEST(Markers, MapsWithoutThreeMarkersOffALineOrWithUnknownKeysAreRefusedByLine) 
                               "map.yaml"),
                InputError);
   try {
-    parseMarkerMap(std::string(kMap) + "colour: red\n", "map.yaml");
+    parseMarkerMap(std::string(kMarkerMap) + "colour: red\n", "map.yaml");
     FAIL();
   } catch (const InputError& e) {
     EXPECT_NE(std::string(e.what()).find("map.yaml"), std::string::npos);

@@ -8,9 +8,9 @@
 #include <filesystem>
 #include <functional>
 #include <iostream>
-#include <limits>
 #include <nlohmann/json.hpp>
 
+#include "knee_robot/base/constants.h"
 #include "knee_robot/base/errors.h"
 #include "test/report/results.h"
 
@@ -19,7 +19,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 constexpr double kDegree = M_PI / 180.0;
 
 /// The page of a comparison.

@@ -5,18 +5,14 @@
 #include <algorithm>
 #include <string>
 
+#include "test/mechanism/configured_robot.h"
+#include "test/report/count.h"
+
 namespace knee_robot::report {
 namespace {
 
-std::size_t count(const std::string& text, const std::string& what) {
-  std::size_t n = 0;
-  for (std::size_t at = text.find(what); at != std::string::npos; at = text.find(what, at + 1))
-    ++n;
-  return n;
-}
-
 TEST(ExerciseReport, ShowsEveryExerciseWithPoseActuatorsAndMarginsAsOnePicture) {
-  const mechanism::Robot robot = mechanism::loadRobot(std::string(KNEE_SOURCE_DIR) + "/config/robots/final.yaml");
+  const mechanism::Robot robot = mechanism::configuredRobot("final");
   for (const trajectory::Exercise& exercise : trajectory::exercises()) {
     trajectory::ExerciseOptions options;
     options.scale_to_fit = true;
@@ -33,7 +29,7 @@ TEST(ExerciseReport, ShowsEveryExerciseWithPoseActuatorsAndMarginsAsOnePicture) 
 }
 
 TEST(ExerciseReport, NamesTheSameNearestLimitAsTheCheckOfTheWay) {
-  const mechanism::Robot robot = mechanism::loadRobot(std::string(KNEE_SOURCE_DIR) + "/config/robots/final.yaml");
+  const mechanism::Robot robot = mechanism::configuredRobot("final");
   trajectory::ExerciseOptions options;
   options.scale_to_fit = true;
   const trajectory::ExercisePlan plan =

@@ -3,17 +3,11 @@
 #include <gtest/gtest.h>
 
 #include "knee_robot/base/errors.h"
+#include "test/report/count.h"
 #include "test/report/results.h"
 
 namespace knee_robot::report {
 namespace {
-
-std::size_t count(const std::string& text, const std::string& part) {
-  std::size_t n = 0;
-  for (std::size_t at = text.find(part); at != std::string::npos; at = text.find(part, at + 1))
-    ++n;
-  return n;
-}
 
 TEST(Page, EmbedsItsDataSoThatNoTextOfItCanEndTheScript) {
   const std::string hostile = "</script><script>alert(1)</script><!--<script {{library}} \\u2028";

@@ -5,10 +5,10 @@
 #include <cmath>
 #include <limits>
 
+#include "knee_robot/base/constants.h"
+
 namespace knee_robot::report {
 namespace {
-
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 
 std::vector<double> times(std::size_t n) {
   std::vector<double> t;

@@ -6,15 +6,10 @@
 #include <cmath>
 #include <limits>
 
+#include "test/report/count.h"
+
 namespace knee_robot::report {
 namespace {
-
-std::size_t count(const std::string& text, const std::string& part) {
-  std::size_t n = 0;
-  for (std::size_t at = text.find(part); at != std::string::npos; at = text.find(part, at + 1))
-    ++n;
-  return n;
-}
 
 PlotLine ramp(std::size_t n) {
   PlotLine line{"a & b", "red", {}, {}};

@@ -11,7 +11,7 @@
 namespace knee_robot::rt {
 namespace {
 
-class Counter : public TaskContext {
+class CountsByOperation : public TaskContext {
  public:
   using TaskContext::TaskContext;
   OutputPort<int> value{*this, "value", "counted so far"};
@@ -25,7 +25,7 @@ class Counter : public TaskContext {
 };
 
 TEST(Operation, IsCalledAndSaysItsSignature) {
-  Counter counter("counter");
+  CountsByOperation counter("counter");
   EXPECT_EQ(counter.add(2, 0.5), 3);
   EXPECT_EQ(counter.add(1, 0.0), 4);
   ASSERT_EQ(counter.operations().size(), 1u);
@@ -35,7 +35,7 @@ TEST(Operation, IsCalledAndSaysItsSignature) {
 }
 
 TEST(Operation, NeedsANameOfItsOwnAndOneForEveryArgument) {
-  Counter counter("counter");
+  CountsByOperation counter("counter");
   const auto nothing = [](int) {};
   EXPECT_THROW(Operation<void(int)>(counter, "add", {"a"}, "", nothing), InputError);
   EXPECT_THROW(Operation<void(int)>(counter, "other", {}, "", nothing), InputError);
@@ -44,11 +44,11 @@ TEST(Operation, NeedsANameOfItsOwnAndOneForEveryArgument) {
 
 TEST(ComponentPage, NamesPortsPropertiesAndOperations) {
   TypeFactory types;
-  types["Counter"] = [](const std::string& name) { return std::make_unique<Counter>(name); };
+  types["CountsByOperation"] = [](const std::string& name) { return std::make_unique<CountsByOperation>(name); };
   const std::string page = componentPage(types);
   for (const char* row :
-       {"## Counter", "| `value` | `int` | out: counted so far |", "| `step` | 1 1 | 0 .. 10 | of one count |",
-        "| `int add(int times, double more)` | counts so often |"})
+       {"## CountsByOperation", "| `value` | `int` | out: counted so far |",
+        "| `step` | 1 1 | 0 .. 10 | of one count |", "| `int add(int times, double more)` | counts so often |"})
     EXPECT_NE(page.find(row), std::string::npos) << row << " in\n" << page;
 }
 

@@ -30,14 +30,14 @@ struct Sample {
   }
 };
 
-struct Pair {
+struct ConnectablePair {
   TaskContext writer{"Writer"}, reader{"Reader"};
   OutputPort<int> out{writer, "out", ""};
   InputPort<int> in{reader, "in", ""};
 };
 
 TEST(Port, AnswersNoDataThenNewDataThenOldData) {
-  Pair pair;
+  ConnectablePair pair;
   int value = -1;
   EXPECT_EQ(pair.in.read(value), FlowStatus::NoData);
   connect(pair.out, pair.in);
@@ -53,7 +53,7 @@ TEST(Port, AnswersNoDataThenNewDataThenOldData) {
 }
 
 TEST(Port, BufferKeepsTheOldestAndSaysThatItIsFull) {
-  Pair pair;
+  ConnectablePair pair;
   connect(pair.out, pair.in, ConnPolicy::buffer(2));
   EXPECT_TRUE(pair.out.write(1));
   EXPECT_TRUE(pair.out.write(2));
@@ -67,7 +67,7 @@ TEST(Port, BufferKeepsTheOldestAndSaysThatItIsFull) {
 }
 
 TEST(Port, OneOutputFeedsSeveralInputsEachWithItsOwnPolicy) {
-  Pair pair;
+  ConnectablePair pair;
   InputPort<int> second(pair.reader, "second", "");
   connect(pair.out, pair.in);
   connect(pair.out, second, ConnPolicy::buffer(3));
@@ -90,7 +90,7 @@ std::string refusalOf(PortBase& from, PortBase& to, const ConnPolicy& policy = C
 }
 
 TEST(Port, RefusesSenselessConnectionsInASentence) {
-  Pair pair;
+  ConnectablePair pair;
   InputPort<double> other(pair.reader, "other", "");
   EXPECT_EQ(refusalOf(pair.out, other),
             "Writer.out sends int, but Reader.other takes double: connect ports of one type");
@@ -102,7 +102,7 @@ TEST(Port, RefusesSenselessConnectionsInASentence) {
 }
 
 TEST(Port, IsFoundByNameInItsComponentAndIsThereOnce) {
-  Pair pair;
+  ConnectablePair pair;
   EXPECT_EQ(pair.writer.port("out"), &pair.out);
   EXPECT_EQ(pair.writer.port("nothing"), nullptr);
   EXPECT_THROW(OutputPort<int>(pair.writer, "out", ""), InputError);

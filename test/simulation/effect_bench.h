@@ -10,6 +10,8 @@
 
 namespace knee_robot::simulation {
 
+inline constexpr int kAxis = 1;  ///< whose effects the tests look at
+
 /// One millisecond as the controller's side knows it: what it commanded, what its encoders say; and the simulator's
 /// truth.
 struct EffectSample {

@@ -7,7 +7,6 @@
 namespace knee_robot::simulation {
 namespace {
 
-constexpr int kAxis = 1;
 constexpr double kNear_N = 0.6;  ///< two DAC steps
 
 double plain(double velocity) {

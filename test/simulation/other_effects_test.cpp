@@ -9,8 +9,6 @@
 namespace knee_robot::simulation {
 namespace {
 
-constexpr int kAxis = 1;
-
 /// Half of what is the same in both directions: friction cancels.
 double bothWays(EffectBench& bench, int axis) {
   const double up = bench.frictionAt(axis, 0.03);

@@ -13,6 +13,7 @@
 #include "knee_robot/dynamics/regressor.h"
 #include "knee_robot/recording/recording.h"
 #include "knee_robot/simulation/virtual_recording.h"
+#include "test/mechanism/configured_robot.h"
 
 namespace knee_robot::simulation {
 namespace {
@@ -232,7 +233,7 @@ TEST(AxisPaths, PassThroughTheirPointsWithTheRightDerivatives) {
 }
 
 TEST(VirtualPlantFriction, BuildsUpOverThePreslidingDisplacementAndStays) {
-  const mechanism::Robot robot = mechanism::loadRobot(std::string(KNEE_SOURCE_DIR) + "/config/robots/final.yaml");
+  const mechanism::Robot robot = mechanism::configuredRobot("final");
   VirtualPlantParameters parameters;
   parameters.friction = equalFriction({0.0, 15.0}, {});
   parameters.presliding_m = 1e-5;

@@ -13,7 +13,7 @@
 namespace knee_robot::tracing {
 namespace {
 
-constexpr double kSeconds = 24.0;
+constexpr double kTrialSeconds = 24.0;
 constexpr int kActuator = 1;
 constexpr double kSize_N = 5.0;  ///< rms of the effect
 
@@ -40,11 +40,11 @@ const Machine& machine() {
     std::mt19937 random(1);
     std::normal_distribution<double> noise(0.0, 0.3);
     for (int variant = 0; variant < 2; ++variant)
-      m.data.recordings.push_back(
-          identification::observe(m.robot, identification::columnsOf(m.robot),
-                                  identification::syntheticRecording(m.robot, identification::syntheticModel(m.robot),
-                                                                     variant, kSeconds, [&] { return noise(random); }),
-                                  m.options));
+      m.data.recordings.push_back(identification::observe(
+          m.robot, identification::columnsOf(m.robot),
+          identification::syntheticRecording(m.robot, identification::syntheticModel(m.robot), variant, kTrialSeconds,
+                                             [&] { return noise(random); }),
+          m.options));
     m.data.stack = makeStack(m.data.recordings, m.options);
     m.base = fitBase(m.robot, m.data.recordings, m.data.stack, identification::columnsOf(m.robot), 0);
     makeRows(m);
@@ -156,11 +156,11 @@ TEST_P(EveryEffect, ExplainsItselfBestUnlessTheBaselineTakesItUp) {
   EXPECT_GT(own, 0.9 * best) << winner << " explains more";
 }
 
-std::string nameOf(const testing::TestParamInfo<std::string>& info) {
+std::string asItIsCalled(const testing::TestParamInfo<std::string>& info) {
   return info.param;
 }
 
-INSTANTIATE_TEST_SUITE_P(Catalogue, EveryEffect, testing::ValuesIn(names()), nameOf);
+INSTANTIATE_TEST_SUITE_P(Catalogue, EveryEffect, testing::ValuesIn(names()), asItIsCalled);
 
 }  // namespace
 }  // namespace knee_robot::tracing

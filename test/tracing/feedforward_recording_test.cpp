@@ -12,12 +12,12 @@
 namespace knee_robot::tracing {
 namespace {
 
-constexpr double kSeconds = 30.0;
+constexpr double kForwardSeconds = 30.0;
 const Foreseen kNothing{"", 0.0};
 
 identification::Observation observed(const mechanism::Robot& robot, int variant, const Foreseen& foreseen) {
   return identification::observe(robot, identification::columnsOf(robot),
-                                 simulatedRecording(robot, variant, kSeconds, "", foreseen),
+                                 simulatedRecording(robot, variant, kForwardSeconds, "", foreseen),
                                  identification::ObservationOptions());
 }
 

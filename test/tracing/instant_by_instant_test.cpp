@@ -15,7 +15,7 @@
 namespace knee_robot::tracing {
 namespace {
 
-constexpr double kSeconds = 12.0;
+constexpr double kMotionSeconds = 12.0;
 constexpr int kActuator = 1;
 constexpr double kSize_N = 5.0;  ///< rms of an effect
 const std::set<std::string> kLeftOut = {"external_force", "backlash", "flexible_coupling", "gain_drift",
@@ -44,7 +44,7 @@ Machine machineOf(const mechanism::Robot& robot) {
   const TraceOptions options;
   for (int variant = 0; variant < 3; ++variant) {
     recording::Recording r =
-        identification::syntheticRecording(robot, identification::syntheticModel(robot), variant, kSeconds);
+        identification::syntheticRecording(robot, identification::syntheticModel(robot), variant, kMotionSeconds);
     r.fingerprint = "fingerprint" + std::to_string(variant);
     m.recordings.push_back(identification::observe(robot, identification::columnsOf(robot), r, options.observation));
   }
@@ -163,7 +163,7 @@ TEST(InstantByInstant, EveryLawIsTheColumnsThatItWasTracedWithOnBenchAxes) {
 }
 
 /// The effect with coefficients that give it a size, and the same phase in both training recordings.
-FoundEffect effectOf(const Machine& m, const Candidate& candidate) {
+FoundEffect foundEffect(const Machine& m, const Candidate& candidate) {
   FoundEffect e;
   e.hypothesis = {{&candidate, candidate.shared() ? -1 : kActuator}, shapeOf(m, candidate)};
   const EffectInput input = m.input(1);
@@ -191,7 +191,7 @@ Eigen::MatrixXd asTheControllerSeesIt(const Machine& m, const dynamics::Model& m
   dynamics::ForceModelData data;
   Eigen::MatrixXd out(m.other().samples(), m.robot.axes());
   for (int k = 0; k <= 10 * (m.other().samples() - 1); ++k) {
-    const identification::SyntheticState s = identification::syntheticState(m.robot, sines, 0.001 * k, kSeconds);
+    const identification::SyntheticState s = identification::syntheticState(m.robot, sines, 0.001 * k, kMotionSeconds);
     mechanism::Vector4 force;
     EXPECT_TRUE(dynamics::forceFromModel(force_model, s.q, s.v, s.a, s.motion, data, force, 0.001));
     if (k % 10 == 0) out.row(k / 10) = force.head(m.robot.axes()).transpose();
@@ -224,7 +224,7 @@ void expectForcesAsPredicted(const Machine& m) {
   std::vector<FoundEffect> all;
   for (const Candidate* candidate : catalogue(m)) {
     SCOPED_TRACE(describe(*candidate));
-    const FoundEffect effect = effectOf(m, *candidate);
+    const FoundEffect effect = foundEffect(m, *candidate);
     const dynamics::Model model = modelWith(m, {effect});
     const Eigen::MatrixXd seen = asTheControllerSeesIt(m, model) - plain_seen;
     if (isLeftOut(*candidate)) {
@@ -251,7 +251,7 @@ TEST(InstantByInstant, TwoRipplesOfOneActuatorAreBothInTheForce) {
   const std::vector<const Candidate*> all = catalogue(m);
   const auto ripple = std::find_if(all.begin(), all.end(), [](auto* c) { return c->name() == "screw_ripple"; });
   ASSERT_NE(ripple, all.end());
-  const FoundEffect first = effectOf(m, **ripple);
+  const FoundEffect first = foundEffect(m, **ripple);
   FoundEffect second = first;
   second.hypothesis.place.order = 1;
   second.hypothesis.shape[0] *= 0.6;

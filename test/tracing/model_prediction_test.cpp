@@ -11,7 +11,7 @@
 namespace knee_robot::tracing {
 namespace {
 
-constexpr double kSeconds = 12.0;
+constexpr double kPredictedSeconds = 12.0;
 
 /// Two training recordings and one other, with a baseline fitted to the first two.
 struct Fitted {
@@ -28,7 +28,7 @@ Fitted fitted(const mechanism::Robot& robot) {
   std::vector<identification::Observation> all;
   for (int variant = 0; variant < 3; ++variant) {
     recording::Recording r =
-        identification::syntheticRecording(robot, identification::syntheticModel(robot), variant, kSeconds);
+        identification::syntheticRecording(robot, identification::syntheticModel(robot), variant, kPredictedSeconds);
     r.fingerprint = "fingerprint" + std::to_string(variant);
     all.push_back(identification::observe(robot, identification::columnsOf(robot), r, f.options.observation));
   }

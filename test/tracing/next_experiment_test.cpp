@@ -5,15 +5,12 @@
 #include <cmath>
 
 #include "test/identification/synthetic.h"
+#include "test/mechanism/configured_robot.h"
 
 namespace knee_robot::tracing {
 namespace {
 
-mechanism::Robot robotB() {
-  return mechanism::loadRobot(std::string(KNEE_SOURCE_DIR) + "/config/robots/B.yaml");
-}
-
-dynamics::Model modelOf(const mechanism::Robot& robot) {
+dynamics::Model trueModel(const mechanism::Robot& robot) {
   return identification::syntheticModel(robot);
 }
 
@@ -28,7 +25,7 @@ struct Case {
 
 Case confusable(const mechanism::Robot& robot) {
   Case c{robot, {}, {}, {}};
-  const recording::Recording recording = identification::syntheticRecording(robot, modelOf(robot), 1, 20.0);
+  const recording::Recording recording = identification::syntheticRecording(robot, trueModel(robot), 1, 20.0);
   c.training.push_back(
       identification::observe(robot, identification::columnsOf(robot), recording, c.options.observation));
   std::vector<identification::Observation> copy = c.training;
@@ -79,7 +76,7 @@ void expectThatTheAngleGrows(const Case& c) {
 }
 
 TEST(NextExperiment, MakesTheAngleBetweenTwoExplanationsGrowOnTheRobot) {
-  expectThatTheAngleGrows(confusable(robotB()));
+  expectThatTheAngleGrows(confusable(mechanism::configuredRobot("B")));
 }
 
 TEST(NextExperiment, MakesItGrowOnABenchToo) {
@@ -94,7 +91,7 @@ TEST(NextExperiment, MakesItGrowOnABenchToo) {
 }
 
 TEST(NextExperiment, IsNotPlannedWithoutAPairOrForWhatDoesNotTransfer) {
-  Case c = confusable(robotB());
+  Case c = confusable(mechanism::configuredRobot("B"));
   c.result.effects[0].indistinguishable_from = {"external_force"};
   const NextExperiment push = planNextExperiment(c.robot, c.result, c.training, c.options, quick());
   EXPECT_FALSE(push.planned);

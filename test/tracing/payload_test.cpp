@@ -10,25 +10,22 @@
 #include "knee_robot/mechanism/kinematics.h"
 #include "knee_robot/recording/recording.h"
 #include "knee_robot/simulation/virtual_recording.h"
+#include "test/mechanism/configured_robot.h"
 
 namespace knee_robot::tracing {
 namespace {
 
-constexpr double kSeconds = 8.0;
-
-mechanism::Robot robotB() {
-  return mechanism::loadRobot(std::string(KNEE_SOURCE_DIR) + "/config/robots/B.yaml");
-}
+constexpr double kPayloadSeconds = 8.0;
 
 /// Lengths along sines of the pose, at rest at both ends.
 Eigen::Matrix<double, Eigen::Dynamic, mechanism::kLegs> lengths(const mechanism::Robot& robot) {
   const double center[] = {0.02, 0.78, 0.05, 0.0}, amplitude[] = {0.06, 0.06, 0.14, 0.12},
                hz[] = {0.31, 0.27, 0.37, 0.29};
-  Eigen::Matrix<double, Eigen::Dynamic, mechanism::kLegs> points(static_cast<Eigen::Index>(kSeconds / 0.02) + 1,
+  Eigen::Matrix<double, Eigen::Dynamic, mechanism::kLegs> points(static_cast<Eigen::Index>(kPayloadSeconds / 0.02) + 1,
                                                                  mechanism::kLegs);
   for (Eigen::Index k = 0; k < points.rows(); ++k) {
     const double t = 0.02 * static_cast<double>(k);
-    const double edge = std::min(1.0, std::min(t, kSeconds - t) / 3.0);
+    const double edge = std::min(1.0, std::min(t, kPayloadSeconds - t) / 3.0);
     const double fade = edge * edge * edge * (10.0 - 15.0 * edge + 6.0 * edge * edge);
     mechanism::Pose pose;
     for (int i = 0; i < 4; ++i) {
@@ -42,7 +39,7 @@ Eigen::Matrix<double, Eigen::Dynamic, mechanism::kLegs> lengths(const mechanism:
 
 /// The Simbody plant with the URDF's bodies and these changes of them, traced no further than the baseline.
 PayloadTest tested(double payload_kg, const mechanism::Vector3& center, double heavier_rods = 1.0) {
-  const mechanism::Robot robot = robotB();
+  const mechanism::Robot robot = mechanism::configuredRobot("B");
   dynamics::RobotInertia inertia = dynamics::loadRobotInertia(robot);
   inertia.rotor_mass.setConstant(40.0);
   for (int leg = 0; leg < mechanism::kLegs; ++leg) {

@@ -7,13 +7,10 @@
 
 #include "knee_robot/base/errors.h"
 #include "knee_robot/mechanism/kinematics.h"
+#include "test/mechanism/configured_robot.h"
 
 namespace knee_robot::tracing {
 namespace {
-
-mechanism::Robot robotB() {
-  return mechanism::loadRobot(std::string(KNEE_SOURCE_DIR) + "/config/robots/B.yaml");
-}
 
 mechanism::Pose poseAt(double t) {
   return {0.02 + 0.05 * std::sin(0.7 * t) + 0.01 * std::sin(2.3 * t), 0.78 + 0.06 * std::sin(0.5 * t + 1.0),
@@ -64,7 +61,7 @@ Eigen::Isometry3d yUp() {
 }
 
 TEST(PoseRegistration, FindsClockAndFrameOfACaptureThatKnowsNeither) {
-  const mechanism::Robot robot = robotB();
+  const mechanism::Robot robot = mechanism::configuredRobot("B");
   const recording::Recording r = recorded(robot, 30.0);
   const RegisteredCapture c = registerCapture(robot, r, captured(34.0, 3.7, 81234.56, yUp()), 60.0);
   EXPECT_NEAR(c.delay_s, 81234.56, 2e-3);
@@ -84,7 +81,7 @@ TEST(PoseRegistration, FindsClockAndFrameOfACaptureThatKnowsNeither) {
 }
 
 TEST(PoseRegistration, RefusesACaptureOfAnotherMovement) {
-  const mechanism::Robot robot = robotB();
+  const mechanism::Robot robot = mechanism::configuredRobot("B");
   recording::MarkerPoses other = captured(30.0, 0.0, 0.0, yUp());
   for (std::size_t k = 0; k < other.pose.size(); ++k) {
     const double t = other.time_s[k];

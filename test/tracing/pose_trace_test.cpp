@@ -9,13 +9,10 @@
 #include <fstream>
 
 #include "knee_robot/simulation/camera.h"
+#include "test/mechanism/configured_robot.h"
 
 namespace knee_robot::tracing {
 namespace {
-
-mechanism::Robot robotB() {
-  return mechanism::loadRobot(std::string(KNEE_SOURCE_DIR) + "/config/robots/B.yaml");
-}
 
 /// Encoders along sines of the pose, 100 rows a second, with stops; lengths in whole counts. `only`: one coordinate
 /// moves, -1: all.
@@ -56,7 +53,7 @@ struct Traced {
 Traced traceCamera(
     const simulation::CameraSimulation& camera,
     const std::function<void(mechanism::Geometry&)>& change = [](mechanism::Geometry&) {}, int training = 1) {
-  const mechanism::Robot robot = robotB();
+  const mechanism::Robot robot = mechanism::configuredRobot("B");
   mechanism::Geometry geometry = robot.mechanism->geometry;
   change(geometry);
   std::vector<recording::Recording> recordings;
@@ -164,7 +161,7 @@ TEST(PoseTrace, NamesThePlayOfALeg) {
 
 /// Along Xm alone a larger radius of leg 1 at the base does what a smaller one at the platform does.
 TEST(PoseTrace, ReportsWhatTheMovementCannotTellApartTogether) {
-  const mechanism::Robot robot = robotB();
+  const mechanism::Robot robot = mechanism::configuredRobot("B");
   recording::Recording r = sines(robot, 1, 40.0, 0);
   mechanism::Geometry geometry = robot.mechanism->geometry;
   geometry.R[0] += 0.006;
@@ -225,7 +222,7 @@ TEST(PoseTrace, NamesWhatMattersExactlyOrWithItsRivals) {
 }
 
 TEST(PoseTrace, SaysWhenThereIsNoCamera) {
-  const mechanism::Robot robot = robotB();
+  const mechanism::Robot robot = mechanism::configuredRobot("B");
   const PoseTrace t = tracePose(robot, {sines(robot, 1, 10.0)}, {}, {});
   EXPECT_FALSE(t.available);
   EXPECT_EQ(t.reason, "no training recording has enough camera poses");
@@ -236,7 +233,7 @@ TEST(PoseTrace, DoesNotLoseItselfInTheOtherAssemblyModeOfARecording) {
   const std::string file = (shared ? std::string(shared) : std::string(KNEE_SOURCE_DIR) + "/../shared") +
                            "/data/measured/A_V_22_03_2021_155607.csv";
   if (!std::ifstream(file)) GTEST_SKIP() << file << " is not here";
-  const mechanism::Robot robot = mechanism::loadRobot(std::string(KNEE_SOURCE_DIR) + "/config/robots/A.yaml");
+  const mechanism::Robot robot = mechanism::configuredRobot("A");
   const PoseTrace t = tracePose(robot, {recording::loadRecording(file)}, {}, {});
   ASSERT_TRUE(t.available);
   EXPECT_GT(t.train[0].other_solution, 100);  // 25.3 to 27.8 s

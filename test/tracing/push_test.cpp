@@ -3,13 +3,13 @@
 namespace knee_robot::tracing {
 namespace {
 
-constexpr double kSeconds = 30.0, kFrom_s = 12.0, kDuration_s = 4.0;
+constexpr double kPushedSeconds = 30.0, kFrom_s = 12.0, kDuration_s = 4.0;
 
 TEST(Push, IsNotLookedForInTheFirstHalfSecondUnlessItIsLong) {
   const mechanism::Robot robot = simulatedRobot();
   const std::vector<identification::Column> columns = identification::columnsOf(robot);
-  const identification::Observation observed =
-      identification::observe(robot, columns, simulatedRecording(robot, 1, kSeconds, ""), TraceOptions().observation);
+  const identification::Observation observed = identification::observe(
+      robot, columns, simulatedRecording(robot, 1, kPushedSeconds, ""), TraceOptions().observation);
   EffectInput input;
   input.robot = &robot;
   input.observation = &observed;
@@ -33,14 +33,14 @@ TEST(Trace, FindsAStrongPushAndKeepsItOutOfWhatItPredictsElsewhere) {
   TraceOptions options;
   options.surrogates = 5;
   const std::vector<identification::Column> columns = identification::columnsOf(robot);
-  const recording::Recording quiet = simulatedRecording(robot, 1, kSeconds, "");
+  const recording::Recording quiet = simulatedRecording(robot, 1, kPushedSeconds, "");
   const double start = quiet.time_s.front() + kFrom_s;
   const recording::Recording pushed = simulatedRecording(
-      robot, 1, kSeconds,
+      robot, 1, kPushedSeconds,
       "  - {name: external_force, start_s: " + std::to_string(start) +
           ", end_s: " + std::to_string(start + kDuration_s) + ", force_N: [0, 0, -60], point_m: [0.1, 0, 0]}\n");
   identification::Observation other =
-      identification::observe(robot, columns, simulatedRecording(robot, 2, kSeconds, ""), options.observation);
+      identification::observe(robot, columns, simulatedRecording(robot, 2, kPushedSeconds, ""), options.observation);
   const auto errorOf = [&](const Eigen::MatrixXd& force_N) {
     return identification::accuracyOf({other},
                                       {identification::makePrediction(other, force_N, options.observation.cutoff_hz)})

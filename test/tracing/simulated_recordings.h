@@ -17,12 +17,13 @@
 #include "knee_robot/simulation/robot_simulation.h"
 #include "knee_robot/simulation/simulated_cards.h"
 #include "knee_robot/tracing/trace.h"
+#include "test/mechanism/configured_robot.h"
 
 namespace knee_robot::tracing {
 
 /// Robot B with its simulator, as scripts and launch files use them.
 inline mechanism::Robot simulatedRobot() {
-  return mechanism::loadRobot(std::string(KNEE_SOURCE_DIR) + "/config/robots/B.yaml");
+  return mechanism::configuredRobot("B");
 }
 
 /// A reference of `seconds` along sines of the pose, at rest at both ends; `variant` makes another trajectory.

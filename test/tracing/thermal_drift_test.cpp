@@ -12,7 +12,7 @@
 namespace knee_robot::tracing {
 namespace {
 
-constexpr double kSeconds = 40.0, kTimeConstant_s = 15.0, kLost_N = 8.0;
+constexpr double kWarmingSeconds = 40.0, kTimeConstant_s = 15.0, kLost_N = 8.0;
 constexpr int kActuator = 1;
 
 /// `cold` of the friction that warming takes is there at the start: 1 cold, 0 warm already.
@@ -20,7 +20,7 @@ recording::Recording warmed(const mechanism::Robot& robot, int variant, double c
   std::mt19937 random(seed);
   std::normal_distribution<double> noise(0.0, 0.3);
   recording::Recording r = identification::syntheticRecording(robot, identification::syntheticModel(robot), variant,
-                                                              kSeconds, [&] { return noise(random); });
+                                                              kWarmingSeconds, [&] { return noise(random); });
   r.name += "_" + std::to_string(seed);
   double share = 0.0;  // a stop of 20 um
   for (int k = 1; k < r.rows(); ++k) {

@@ -5,13 +5,11 @@
 #include <string>
 
 #include "knee_robot/mechanism/robot.h"
+#include "test/mechanism/configured_robot.h"
 
 namespace knee_robot::trajectory {
 
-/// config/robots/NAME.yaml of this repository.
-inline mechanism::Robot configuredRobot(const std::string& name) {
-  return mechanism::loadRobot(std::string(KNEE_SOURCE_DIR) + "/config/robots/" + name + ".yaml");
-}
+using mechanism::configuredRobot;
 
 /// A robot of the paper's final geometry with limits that tests can rely on: lengths 0.5 to 1.0 m, 0.3 m/s, 5 m/s^2,
 /// joints 90 deg, condition 1000; home 0.65, 0.66, 0.66, 0.61 m.

@@ -8,9 +8,9 @@ namespace knee_robot::control {
 
 /// What still has to be so when a path begins, for whoever was asked for it some time ago.
 struct PathExpectation {
-  std::string reference;  ///< the loaded reference's name; empty: whichever is loaded
-  std::optional<std::uint64_t>
-      halts;  ///< ControlSystem::halts() of then: nobody has stopped the robot since; empty: never mind
+  std::string reference = {};  ///< the loaded reference's name; empty: whichever is loaded
+  /// ControlSystem::halts() of then: nobody has stopped the robot since; empty: never mind.
+  std::optional<std::uint64_t> halts = std::nullopt;
 };
 
 }  // namespace knee_robot::control
