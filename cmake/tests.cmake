@@ -72,8 +72,6 @@ foreach(page_test ${page_tests})
   add_test(NAME ${room}_${name} COMMAND ${PROJECT_BINARY_DIR}/catkin_generated/env_cached.sh ${PYTHON_EXECUTABLE} ${PROJECT_SOURCE_DIR}/${page_test}
     --gtest_output=xml:${PROJECT_BINARY_DIR}/test_results/knee_robot/${room}-${name}.xml)
 endforeach()
-# a browser beside compute-bound tests takes a minute to start
-set_tests_properties(operator_browser_test report_browser_test PROPERTIES RUN_SERIAL ON)
 set_tests_properties(report_browser_test PROPERTIES ENVIRONMENT "KNEE_BUILD=${PROJECT_BINARY_DIR}")
 
 # test/fleet: pytest on the fleet's Python package (scripts/fleet_tests), with the programs of this build.
@@ -81,17 +79,23 @@ add_test(NAME fleet COMMAND ${CMAKE_SOURCE_DIR}/scripts/fleet_tests --junitxml=$
 set_tests_properties(fleet PROPERTIES ENVIRONMENT "KNEE_BUILD=${CMAKE_BINARY_DIR}" TIMEOUT 900 COST 100)  # the longest: begins first
 
 # Each rostest has a roscore and a simulated robot of its own. They run after all other tests: a robot that shares the machine with
-# compute-bound tests would measure those. Those that identify, trace or draw run one at a time, beside one that does not.
+# compute-bound tests would measure those. They wait more than they compute: three on two processors, of which one identifies or draws.
+# scripts/test gives ctest three shares a processor; what computes takes three of them, a rostest two.
 get_property(computing_tests DIRECTORY PROPERTY TESTS)
+list(REMOVE_ITEM computing_tests operator_browser_test report_browser_test)
+set_tests_properties(${computing_tests} PROPERTIES PROCESSORS 3)
 file(GLOB ros_tests RELATIVE ${PROJECT_SOURCE_DIR} CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/test/nodes/*.test)
 foreach(ros_test ${ros_tests})
   get_filename_component(name ${ros_test} NAME_WE)
   add_rostest(${ros_test})
-  set_tests_properties(_ctest_knee_robot_rostest_test_nodes_${name}.test PROPERTIES DEPENDS "${computing_tests}")
+  list(APPEND waiting_tests _ctest_knee_robot_rostest_test_nodes_${name}.test)
 endforeach()
-foreach(name launch_files identification play operator_page)
-  set_tests_properties(_ctest_knee_robot_rostest_test_nodes_${name}.test PROPERTIES RESOURCE_LOCK computing COST 50)
+list(APPEND waiting_tests operator_browser_test report_browser_test)  # a browser beside compute-bound tests takes a minute to start
+set_tests_properties(${waiting_tests} PROPERTIES DEPENDS "${computing_tests}" PROCESSORS 2)
+foreach(name launch_files identification operator_page)
+  list(APPEND drawing_tests _ctest_knee_robot_rostest_test_nodes_${name}.test)
 endforeach()
+set_tests_properties(${drawing_tests} operator_browser_test report_browser_test PROPERTIES RESOURCE_LOCK computing COST 50)
 set_tests_properties(_ctest_knee_robot_rostest_test_nodes_laboratory_file.test PROPERTIES COST 100)  # the longest: begins first
 
 # test/ROOM/NAME_benchmark.cpp: other engines beside ours, on request only (scripts/benchmark_peers).

@@ -1,6 +1,6 @@
 #!/usr/bin/python3
-"""identification.launch, monitor.launch beside a robot that plays a movement, and industrial_pc.launch on a machine without cards,
-each started with roslaunch as a user does."""
+"""monitor.launch beside a robot that plays a movement, and industrial_pc.launch on a machine without cards, each started with roslaunch
+as a user does (identification.launch: identification_test.py)."""
 import json
 import os
 import pathlib
@@ -98,17 +98,6 @@ class LaunchFiles(unittest.TestCase):
         events = [json.loads(line) for line in (self.folder / "recordings" / "events" / "controller.jsonl").read_text().splitlines()]
         self.assertEqual("end", events[-1]["what"], events[-3:])
         self.assertEqual([], [event for event in events if event["kind"] == "fault"], "ended in order: no fault")
-
-    def test_identification_plans_plays_and_identifies(self):
-        process = self.session.launch("identification.launch", "name:=A", "duration_s:=10", f"output:={self.folder}/identified",
-                                      f"shm:=/knee_robot_launch_{os.getpid()}", *self.folders())
-        process.wait(200)
-        report = self.folder / "identified" / "report.json"
-        self.assertTrue(report.exists(), self.session.output("identification.launch")[-3000:])
-        error = json.loads(report.read_text())["after"]["validate"]["rms_percent"]
-        print("rms error on the validation recording, % of measured force:", error)
-        self.assertLess(max(error), 40.0)
-        self.assertEqual(2, len(list((self.folder / "recordings").glob("*.csv"))))
 
     @unittest.skipIf(pathlib.Path("/sys/bus/pci/devices").exists() and any(
         (device / "device").exists() and (device / "device").read_text().strip() in ("0x1720", "0x1784")
