@@ -128,16 +128,24 @@ ActingEffects::ActingEffects(const Model& model, const mechanism::Robot& robot) 
   see = seenBy(model, values, !robot.mechanism);
 }
 
-double ReversalDistance::step(double displacement_m, double turn_m) noexcept {
+/// A point is left where the way from it is more than this share of what counts as a way back.
+constexpr double kLeft = 0.25;
+
+SinceReversal ReversalTracker::step(double displacement_m, double period_s, double turn_m) noexcept {
   at_ += displacement_m;
+  since_turn_s_ += period_s;
+  since_extreme_s_ += period_s;
   if (direction_ == 0.0 && std::abs(at_ - turn_) > turn_m) direction_ = at_ > turn_ ? 1.0 : -1.0;
   if (direction_ * (at_ - extreme_) > 0.0 || direction_ == 0.0) extreme_ = at_;
+  if (std::abs(extreme_ - at_) <= kLeft * turn_m) since_extreme_s_ = 0.0;
   if (direction_ * (extreme_ - at_) > turn_m) {
     turn_ = extreme_;
+    since_turn_s_ = since_extreme_s_;
     direction_ = -direction_;
     extreme_ = at_;
+    since_extreme_s_ = 0.0;
   }
-  return std::abs(at_ - turn_);
+  return {std::abs(at_ - turn_), since_turn_s_};
 }
 
 void MotionMemory::follow(const mechanism::Vector4& now, double period_s) noexcept {
@@ -155,9 +163,11 @@ EffectForces effectForces(const ActingEffects& effects, int axes, const EffectsI
   one.velocity_m_per_s = at.velocity_m_per_s;
   one.mechanism = at.mechanism;
   one.motion = at.motion;
-  mechanism::Vector4 since_reversal;
-  for (int i = 0; i < axes; ++i)
-    since_reversal[i] = memory.turned[static_cast<std::size_t>(i)].step(at.displacement_m[i], effects.turn_m[i]);
+  std::array<SinceReversal, mechanism::kLegs> since_reversal;
+  for (int i = 0; i < axes; ++i) {
+    const std::size_t axis = static_cast<std::size_t>(i);
+    since_reversal[axis] = memory.turned[axis].step(at.displacement_m[i], at.period_s, effects.turn_m[i]);
+  }
   mechanism::Vector4 carried_pose = mechanism::Vector4::Zero(), friction_pose = mechanism::Vector4::Zero();
   for (std::size_t k = 0; k < effects.acting.size(); ++k) {
     const ActingEffect& e = effects.acting[k];
@@ -173,7 +183,7 @@ EffectForces effectForces(const ActingEffects& effects, int axes, const EffectsI
     one.actuator = e.actuator;
     one.share = at.share[e.actuator];
     one.displacement_m = at.displacement_m[e.actuator];
-    one.since_reversal_m = since_reversal[e.actuator];
+    one.since_reversal = since_reversal[static_cast<std::size_t>(e.actuator)];
     one.load_N = at.load_N[e.actuator];
     one.fade = at.fade[e.actuator];
     EffectColumns columns;
@@ -192,7 +202,7 @@ EffectForces effectForces(const ActingEffects& effects, int axes, const EffectsI
 
 void rest(const ActingEffects& effects, double duration_s, MotionMemory& memory) noexcept {
   memory.friction.fill(FrictionState{});
-  memory.turned.fill(ReversalDistance{});
+  memory.turned.fill(ReversalTracker{});
   memory.jerk.setZero();
   memory.moved = false;
   for (std::size_t k = 0; k < effects.acting.size(); ++k)

@@ -29,7 +29,8 @@ std::string elementYaml(const FrictionElement& e, bool revolute) {
       return "{law: tanh" + speed + share;
     default:
       return "{law: bristles" + width + speed + ", damping_s: " + exactNumber(e.damping_s) +
-             (e.tremble > 0.0 ? ", tremble: " + exactNumber(e.tremble) : "") + share;
+             (e.tremble > 0.0 ? ", tremble: " + exactNumber(e.tremble) : "") +
+             (e.exponent != 1.0 ? ", exponent: " + exactNumber(e.exponent) : "") + share;
   }
 }
 
@@ -53,6 +54,9 @@ FrictionElement readElement(StrictMap map, bool revolute) {
     e.speed_m_per_s = speed(0.0);
     e.damping_s = map.number("damping_s", 0.0, 1.0);
     if (map.has("tremble")) e.tremble = map.number("tremble", 0.0, 10.0);
+    if (map.has("exponent")) e.exponent = map.number("exponent", 0.1, 10.0);
+    if (e.exponent != 1.0 && (e.speed_m_per_s > 0.0 || e.tremble > 0.0))
+      map.refuse("exponent", "is for bristles that neither creep nor tremble: leave it out or make the speed 0");
   }
   map.finish();
   return e;

@@ -28,10 +28,19 @@ std::string elementText(const FrictionElement& e, bool revolute) {
       break;
   }
   std::string text = "bristles " + width;
+  if (e.exponent != 1.0) text += ", exponent " + shortNumber(e.exponent, 3);
   if (e.speed_m_per_s > 0.0) text += ", creep " + speed;
   if (e.tremble > 0.0) text += ", " + shortNumber(e.tremble, 3) + " of the tremble";
   if (e.damping_s > 0.0) text += ", damping " + shortNumber(1e3 * e.damping_s, 3) + " ms";
   return text;
+}
+
+/// What is missing to full friction, u = 1 - z sign(dx), after |dx| = way: du = -u^exponent |dx| / width, exactly.
+double missing(double before, double way, double exponent) noexcept {
+  if (exponent == 1.0) return before * std::exp(-way);
+  if (!(before > 0.0)) return 0.0;
+  const double left = std::pow(before, 1.0 - exponent) + (exponent - 1.0) * way;
+  return left > 0.0 ? std::pow(left, 1.0 / (1.0 - exponent)) : 0.0;
 }
 
 }  // namespace
@@ -111,7 +120,10 @@ double FrictionState::step(const FrictionLaw& law, double displacement_m, double
       const double before = z;
       const double way =
           std::hypot(displacement_m, e.speed_m_per_s * duration_s) + e.tremble * tremble_m_per_s * duration_s;
-      if (way > 0.0) {  // exact for a constant velocity within the step
+      if (e.exponent != 1.0) {
+        const double direction = displacement_m < 0.0 ? -1.0 : 1.0;
+        z = direction * (1.0 - missing(1.0 - direction * z, std::abs(displacement_m) / e.width_m, e.exponent));
+      } else if (way > 0.0) {  // exact for a constant velocity within the step
         const double settled = displacement_m / way;
         z = settled + (z - settled) * std::exp(-way / e.width_m);
       }

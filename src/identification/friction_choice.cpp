@@ -19,6 +19,7 @@ constexpr double kBristleLeast_m = 2e-5;
 const double kCreeps_m_per_s[] = {0.0, 3e-5, 1e-4, 1.7e-4, 3e-4, 1e-3};
 const double kDampings_s[] = {0.0, 2.5e-3};
 const double kTrembles[] = {0.5, 1.0};
+const double kExponents[] = {1.5, 2.0};  // below 1: a stop beside bristles does the same
 const double kFinerFactors[] = {0.8, 0.87, 0.93, 0.97, 1.03, 1.07, 1.15, 1.25};
 const double kFinerSides[] = {0.8, 0.9, 1.0, 1.12, 1.25};
 constexpr double kFarApart = 2.0;
@@ -48,6 +49,11 @@ std::vector<FrictionElement> elementsToTry(const FrictionRange& range) {
         all.push_back(
             {FrictionKind::Bristles, 1.0, geometric(least, range.bristles_most_m, k, kBristleWidths), creep, damping});
     }
+    for (const double exponent : kExponents) {
+      FrictionElement e{FrictionKind::Bristles, 1.0, geometric(least, range.bristles_most_m, k, kBristleWidths)};
+      e.exponent = exponent;
+      all.push_back(e);
+    }
     for (const double tremble : kTrembles) {
       for (const double damping : kDampings_s)
         all.push_back({FrictionKind::Bristles, 1.0, geometric(least, range.bristles_most_m, k, kBristleWidths), 0.0,
@@ -57,38 +63,34 @@ std::vector<FrictionElement> elementsToTry(const FrictionRange& range) {
   return all;
 }
 
+/// Wider and narrower, and more and less of a second shape of `found`.
+void addSides(const FrictionElement& found, double FrictionElement::*second, std::vector<FrictionElement>& all) {
+  for (const double wider : kFinerSides) {
+    for (const double more : kFinerSides) {
+      if (wider == 1.0 && more == 1.0) continue;
+      all.push_back(found);
+      all.back().width_m *= wider;
+      all.back().*second *= more;
+    }
+  }
+}
+
 /// Finer steps around the shapes that an earlier choice found for single elements.
 void addFinerSteps(const FrictionChoice& around, double narrowest_m, std::vector<FrictionElement>& all) {
   for (const TriedLaw& tried : around.tried) {
     if (tried.law.count > 1) continue;
     const FrictionElement& found = tried.law.elements.front();
     if (found.kind == FrictionKind::Bristles && found.tremble > 0.0) {
-      for (const double wider : kFinerSides) {
-        for (const double more : kFinerSides) {
-          if (wider == 1.0 && more == 1.0) continue;
-          FrictionElement e = found;
-          e.width_m *= wider;
-          e.tremble *= more;
-          all.push_back(e);
-        }
-      }
-      continue;
-    }
-    if (found.kind != FrictionKind::Bristles || found.speed_m_per_s == 0.0) {
+      addSides(found, &FrictionElement::tremble, all);
+    } else if (found.kind == FrictionKind::Bristles && found.exponent != 1.0) {
+      addSides(found, &FrictionElement::exponent, all);
+    } else if (found.kind == FrictionKind::Bristles && found.speed_m_per_s > 0.0) {
+      addSides(found, &FrictionElement::speed_m_per_s, all);
+    } else {
       for (const double factor : kFinerFactors) {
         FrictionElement e = found;
         (e.kind == FrictionKind::Smooth ? e.speed_m_per_s : e.width_m) *= factor;
         if (e.kind == FrictionKind::Smooth || e.width_m >= narrowest_m) all.push_back(e);
-      }
-      continue;
-    }
-    for (const double wider : kFinerSides) {
-      for (const double faster : kFinerSides) {
-        if (wider == 1.0 && faster == 1.0) continue;
-        FrictionElement e = found;
-        e.width_m *= wider;
-        e.speed_m_per_s *= faster;
-        all.push_back(e);
       }
     }
   }
@@ -162,7 +164,8 @@ std::vector<Sum> bestOfFamilies(const InWeights& squares, const std::vector<Fric
   best.push_back(single([](const FrictionElement& e) { return e.kind == FrictionKind::Stop; }));
   best.push_back(single([](const FrictionElement& e) { return e.kind == FrictionKind::Smooth; }));
   best.push_back(single([](const FrictionElement& e) {
-    return e.kind == FrictionKind::Bristles && e.speed_m_per_s == 0.0 && e.tremble == 0.0 && e.damping_s == 0.0;
+    return e.kind == FrictionKind::Bristles && e.speed_m_per_s == 0.0 && e.tremble == 0.0 && e.damping_s == 0.0 &&
+           e.exponent == 1.0;
   }));
   best.push_back(single([](const FrictionElement& e) { return e.kind == FrictionKind::Bristles; }));
   best.push_back(bestPair(squares, elements));

@@ -54,6 +54,7 @@ Json frictionJson(const std::vector<dynamics::FrictionLaw>& laws) {
       if (!stop) element["speed_m_per_s"] = e.speed_m_per_s;
       if (!stop && !smooth) element["damping_s"] = e.damping_s;
       if (e.tremble > 0.0) element["tremble"] = e.tremble;
+      if (e.exponent != 1.0) element["exponent"] = e.exponent;
       elements.push_back(element);
     }
     list.push_back({{"law", dynamics::nameOf(law)}, {"in_words", dynamics::describe(law)}, {"elements", elements}});

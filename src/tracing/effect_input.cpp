@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "knee_robot/dynamics/acting_effects.h"
 #include "knee_robot/dynamics/chain_regressor.h"
 #include "knee_robot/dynamics/regressor.h"
 #include "knee_robot/mechanism/kinematics.h"
@@ -15,23 +16,14 @@ namespace {
 constexpr int kMassSamples = 12;
 constexpr double kTurnCounts = 2.0;  ///< a smaller way back is the encoder's flicker, no reversal
 
-Eigen::VectorXd sinceReversal(const Eigen::VectorXd& position_m, double flicker_m) {
-  Eigen::VectorXd out(position_m.size());
-  double turn = position_m[0];
-  double extreme = turn;
-  double direction = 0.0;
-  for (Eigen::Index n = 0; n < position_m.size(); ++n) {
-    const double q = position_m[n];
-    if (direction == 0.0 && std::abs(q - turn) > flicker_m) direction = q > turn ? 1.0 : -1.0;
-    if (direction * (q - extreme) > 0.0 || direction == 0.0) extreme = q;
-    if (direction * (extreme - q) > flicker_m) {
-      turn = extreme;
-      direction = -direction;
-      extreme = q;
-    }
-    out[n] = std::abs(q - turn);
+void setSinceReversal(EffectInput& in, int actuator, double turn_m) {
+  dynamics::ReversalTracker path;
+  for (int n = 0; n < in.samples(); ++n) {
+    const double step_m = n > 0 ? in.friction_position_m(n, actuator) - in.friction_position_m(n - 1, actuator) : 0.0;
+    const dynamics::SinceReversal since = path.step(step_m, n > 0 ? in.signals().period_s : 0.0, turn_m);
+    in.since_reversal_m(n, actuator) = since.way_m;
+    in.since_reversal_s(n, actuator) = since.time_s;
   }
-  return out;
 }
 
 std::vector<mechanism::Matrix4> poseForces(const mechanism::Robot& robot, const identification::Observation& o) {
@@ -125,14 +117,14 @@ EffectInput effectInput(const mechanism::Robot& robot, const identification::Obs
   in.friction_position_m.resize(o.samples(), o.axes());
   in.share.resize(o.samples(), o.axes());
   in.since_reversal_m.resize(o.samples(), o.axes());
+  in.since_reversal_s.resize(o.samples(), o.axes());
   for (int i = 0; i < o.axes(); ++i) {
     const std::size_t axis = static_cast<std::size_t>(i);
     const identification::SlidingPath& path = o.sliding[axis];
     for (int n = 0; n < o.samples(); ++n)
       in.friction_position_m(n, i) = path.position[n * identification::SlidingPath::kSubsteps];
     in.share.col(i) = identification::frictionShare(path, laws[axis]);
-    in.since_reversal_m.col(i) =
-        sinceReversal(in.friction_position_m.col(i), kTurnCounts * robot.actuators[axis].metresPerCount());
+    setSinceReversal(in, i, kTurnCounts * robot.actuators[axis].metresPerCount());
   }
   if (robot.mechanism) {
     in.force_per_pose_force = poseForces(robot, o);

@@ -8,6 +8,8 @@ namespace knee_robot::tracing {
 namespace {
 
 constexpr int kKnots = 8;
+constexpr double kEven = 0.5;  ///< by signal, the rest by number of samples
+constexpr double kHistoryRange = 100.0;
 
 using SignalOf = std::function<Eigen::VectorXd(const EffectInput&, int actuator)>;
 
@@ -24,6 +26,7 @@ struct MapSignal {
   SignalOf of;
   MapFactor factor = MapFactor::One;
   bool rests_on_model = false;
+  bool history = false;  ///< what has passed since something: what it does, it does soon
 };
 
 /// Piecewise linear function of one signal, times its factor: hat functions on knots at equal shares of the training
@@ -98,11 +101,12 @@ class Map : public Candidate {
   std::vector<std::vector<double>> knots_;  ///< per actuator
 };
 
-/// Knots at equal shares of the samples; apart even where the signal rests. Empty when the signal hardly varies.
-std::vector<double> knotsOf(const std::vector<EffectInput>& inputs, const SignalOf& of, int actuator) {
+/// Knots at equal shares of the samples; apart even where the signal rests, those of a history by equal factors. Empty
+/// when the signal hardly varies.
+std::vector<double> knotsOf(const std::vector<EffectInput>& inputs, const MapSignal& signal, int actuator) {
   std::vector<double> values;
   for (const EffectInput& input : inputs) {
-    const Eigen::VectorXd x = of(input, actuator);
+    const Eigen::VectorXd x = signal.of(input, actuator);
     values.insert(values.end(), x.data(), x.data() + x.size());
   }
   std::sort(values.begin(), values.end());
@@ -112,7 +116,8 @@ std::vector<double> knotsOf(const std::vector<EffectInput>& inputs, const Signal
   for (int k = 0; k < kKnots; ++k) {
     const double share = static_cast<double>(k) / (kKnots - 1);
     const double quantile = values[static_cast<std::size_t>(share * static_cast<double>(values.size() - 1))];
-    knots.push_back(0.5 * std::clamp(quantile, low, high) + 0.5 * (low + share * (high - low)));
+    const double even = low + share * (signal.history ? std::pow(kHistoryRange, share - 1.0) : 1.0) * (high - low);
+    knots.push_back((1.0 - kEven) * std::clamp(quantile, low, high) + kEven * even);
   }
   return knots;
 }
@@ -135,12 +140,14 @@ void addOwnSignals(std::vector<MapSignal>& all) {
     return in.signals().velocity_m_per_s.col(i);
   };
   const auto load = [](const EffectInput& in, int i) -> Eigen::VectorXd { return in.load_N.col(i); };
-  const auto since = [](const EffectInput& in, int i) -> Eigen::VectorXd { return in.since_reversal_m.col(i); };
+  const auto way = [](const EffectInput& in, int i) -> Eigen::VectorXd { return in.since_reversal_m.col(i); };
+  const auto since = [](const EffectInput& in, int i) -> Eigen::VectorXd { return in.since_reversal_s.col(i); };
   const auto time = [](const EffectInput& in, int) -> Eigen::VectorXd {
     return Eigen::VectorXd::LinSpaced(in.samples(), 0.0, in.time(in.samples() - 1));
   };
   all.push_back({"velocity_#_m_per_s", velocity});
-  all.push_back({"distance_since_reversal_#_m", since, MapFactor::Direction});
+  all.push_back({"distance_since_reversal_#_m", way, MapFactor::Direction, false, true});
+  all.push_back({"time_since_reversal_#_s", since, MapFactor::Direction, false, true});
   for (const MapFactor factor : {MapFactor::One, MapFactor::Direction, MapFactor::Velocity}) {
     all.push_back({"load_#_N", load, factor, true});
     all.push_back({"time_s", time, factor});
@@ -184,7 +191,7 @@ CandidateList mapCandidates(const std::vector<EffectInput>& inputs) {
   for (const MapSignal& signal : mapSignals(inputs.front().force_per_pose_force.empty(), inputs.front().axes())) {
     std::vector<std::vector<double>> knots;
     for (int i = 0; i < inputs.front().axes(); ++i) {
-      knots.push_back(knotsOf(inputs, signal.of, i));
+      knots.push_back(knotsOf(inputs, signal, i));
       if (knots.back().empty()) break;
     }
     if (!knots.back().empty()) maps.push_back(std::make_unique<Map>(signal, std::move(knots)));

@@ -182,6 +182,28 @@ TEST(ActingEffects, LetGoOfFrictionWhereTheReferenceRests) {
   EXPECT_NEAR(parts.friction[2], 0.0, 0.01);
 }
 
+TEST(ReversalTracker, TellsWayAndTimeSinceTheTurningPoint) {
+  ReversalTracker path;
+  constexpr double kFlicker_m = 1e-5, kPeriod_s = 0.01;
+  const auto move = [&](double step_m, int times) {
+    SinceReversal since;
+    for (int k = 0; k < times; ++k)
+      since = path.step(step_m, kPeriod_s, kFlicker_m);
+    return since;
+  };
+  SinceReversal since = move(1e-4, 50);
+  EXPECT_NEAR(since.way_m, 5e-3, 1e-12) << "since it began";
+  EXPECT_NEAR(since.time_s, 0.5, 1e-12);
+  since = move(-4e-6, 2);
+  EXPECT_NEAR(since.time_s, 0.52, 1e-12) << "flicker is no reversal";
+  since = move(-1e-4, 10);
+  EXPECT_NEAR(since.way_m, 1e-3 + 8e-6, 1e-12);
+  EXPECT_NEAR(since.time_s, 0.12, 1e-12) << "since the turning point was left, not since it was noticed";
+  since = move(0.0, 100);
+  EXPECT_NEAR(since.way_m, 1e-3 + 8e-6, 1e-12) << "rest is no reversal";
+  EXPECT_NEAR(since.time_s, 1.12, 1e-12);
+}
+
 TEST(ActingEffects, AllocateNothingWhileTheyRun) {
   const mechanism::Robot robot = robotA();
   const PartedModel model(fake::tracedModelOf(robot, oneOfEach()), robot);

@@ -185,6 +185,41 @@ TEST(FrictionState, OfAStopIsTheSignWhileMovingAndKeepsItAtRest) {
   EXPECT_DOUBLE_EQ(state.step(law, -1.0, 0.01), -1.0);
 }
 
+TEST(FrictionState, OfBristlesWithAnExponentSolvesDahlsEquation) {
+  for (const double exponent : {0.5, 1.0, 1.6, 3.0}) {
+    FrictionLaw law = bristleLaw(1e-4);
+    law.elements[0].exponent = exponent;
+    FrictionState state;
+    double z = 0.0;
+    for (const double displacement : {8e-5, 4e-4, 0.0, -3e-5, -2e-3, 5e-6}) {
+      constexpr int kSteps = 200000;
+      const double sign = displacement < 0.0 ? -1.0 : 1.0;
+      for (int k = 0; k < kSteps; ++k)
+        z += std::pow(std::max(0.0, 1.0 - sign * z), exponent) * displacement / kSteps / 1e-4;
+      EXPECT_NEAR(state.step(law, displacement, 0.01), z, 1e-4) << exponent << " after " << displacement;
+    }
+  }
+}
+
+TEST(ModelFile, KeepsAnExponentAndRefusesItBesideCreep) {
+  const mechanism::Robot robot = parallelRobot();
+  Model m = someModel(robot, 2);
+  m.friction[1] = bristleLaw(1e-4);
+  m.friction[1].elements[0].exponent = 1.0 / 0.7;
+  const std::string text = modelToYaml(m);
+  EXPECT_TRUE(parseModel(text, "m.yaml").friction[1] == m.friction[1]);
+  std::string creeping = text;
+  const std::string still = "speed_m_per_s: 0, damping_s: 0, exponent";
+  ASSERT_NE(creeping.find(still), std::string::npos) << text;
+  creeping.replace(creeping.find(still), 16, "speed_m_per_s: 1");
+  try {
+    parseModel(creeping, "m.yaml");
+    FAIL();
+  } catch (const InputError& e) {
+    EXPECT_NE(std::string(e.what()).find("neither creep nor tremble"), std::string::npos) << e.what();
+  }
+}
+
 TEST(ForceFromModel, EqualsTheRegressorTimesTheParametersWhileEveryAxisMovesOn) {
   const mechanism::Robot robot = parallelRobot();
   Model m = someModel(robot, 4);

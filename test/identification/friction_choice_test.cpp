@@ -42,6 +42,12 @@ std::vector<OwnLaw> ownLaws() {
          m[0] += (v - std::abs(v) * m[0]) * kStep_s / 100e-6;
          return m[0];
        }},
+      {"Dahl's of 250 um with exponent 1.7",
+       [](double v, double* m) {
+         const double sign = v < 0.0 ? -1.0 : 1.0;
+         m[0] += std::pow(std::max(0.0, 1.0 - sign * m[0]), 1.7) * v * kStep_s / 250e-6;
+         return m[0];
+       }},
       {"LuGre of 150 um with damping of 2 ms, creeping at 0.1 mm/s",
        [](double v, double* m) {
          const double rate = (v - std::sqrt(v * v + 1e-8) * m[0]) / 150e-6;
@@ -99,7 +105,7 @@ TEST_P(LawNearRest, IsPredictedOnAnotherMotionWhateverLawMadeIt) {
   EXPECT_NEAR(parameterValue(id.model, "Fc_1"), kCoulomb_N, 0.1 * kCoulomb_N) << law.name;
 }
 
-INSTANTIATE_TEST_SUITE_P(EveryLaw, LawNearRest, testing::Range<std::size_t>(0, 7));
+INSTANTIATE_TEST_SUITE_P(EveryLaw, LawNearRest, testing::Range<std::size_t>(0, 8));
 
 TEST(LawOfOneElement, IsFoundForWhatItIs) {
   const mechanism::Robot robot = syntheticBench(1);

@@ -57,20 +57,22 @@ struct ActingEffects {
   double horizon() const { return ahead_s.cwiseAbs().maxCoeff(); }
 };
 
-/// The distance from the last turning point of a path that is told by its steps. Real-time safe.
-class ReversalDistance {
+/// Follows the turning points of a path that is told by its steps. Real-time safe.
+class ReversalTracker {
  public:
-  double step(double displacement_m, double turn_m) noexcept;
+  /// A way back of at most `turn_m` is no reversal.
+  SinceReversal step(double displacement_m, double period_s, double turn_m) noexcept;
 
  private:
   double at_ = 0.0, turn_ = 0.0, extreme_ = 0.0, direction_ = 0.0;
+  double since_turn_s_ = 0.0, since_extreme_s_ = 0.0;
 };
 
 /// What remembers the motion: friction near rest, turning points, the effects' own states. Copying it does not
 /// allocate.
 struct MotionMemory {
   std::array<FrictionState, mechanism::kLegs> friction;
-  std::array<ReversalDistance, mechanism::kLegs> turned;
+  std::array<ReversalTracker, mechanism::kLegs> turned;
   std::array<EffectState, kMostActingEffects> effects{};
   mechanism::Vector4 acceleration = mechanism::Vector4::Zero(), jerk = mechanism::Vector4::Zero();
   bool moved = false;

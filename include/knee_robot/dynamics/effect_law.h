@@ -9,6 +9,12 @@
 
 namespace knee_robot::dynamics {
 
+/// What has passed since a path turned last, or since it began.
+struct SinceReversal {
+  double way_m = 0.0;   ///< distance from the turning point, never negative
+  double time_s = 0.0;  ///< since it was left
+};
+
 /// What the law of an effect may look at: one instant of a motion, and one actuator of it.
 struct EffectInstant {
   double period_s = 0.0;                                       ///< since the instant before; 0 at the first one
@@ -22,7 +28,7 @@ struct EffectInstant {
   int actuator = 0;                 ///< 0 .. axes - 1; what follows is this actuator's
   double share = 0.0;               ///< of Coulomb friction, in [-1, 1], by the law near rest
   double displacement_m = 0.0;      ///< of friction's path since the instant before; 0 at the first one
-  double since_reversal_m = 0.0;    ///< way since the path turned last, never negative
+  SinceReversal since_reversal;     ///< of its path
   double load_N = 0.0;              ///< what the screw carries: rigid body, rotor, offset
   double force_N = 0.0;             ///< the whole model's force
   double force_rate_N_per_s = 0.0;  ///< its rate

@@ -19,7 +19,8 @@ enum class FrictionKind {
 /// Dahl's model; at rest the share decays with the time width / creep (an axis that trembles by less than its encoder
 /// shows lets go of its bristles). Where that tremble is seen, as way of the encoder beyond the motion's own, a share
 /// of it slips them as well: with `tremble` 1 bristles slip by all of the way that the encoder shows. What they press
-/// is z + damping dz/dt, the micro-damping of LuGre.
+/// is z + damping dz/dt, the micro-damping of LuGre. An exponent other than 1 (Dahl 1968: below it for brittle, above it
+/// for ductile contacts) makes it dz = (1 - z sign(dx))^exponent dx / width, without creep and tremble.
 struct FrictionElement {
   FrictionKind kind = FrictionKind::Stop;
   double share = 1.0;          ///< of the actuator's Coulomb friction
@@ -27,10 +28,11 @@ struct FrictionElement {
   double speed_m_per_s = 0.0;  ///< Smooth: of tanh; Bristles: creep
   double damping_s = 0.0;      ///< Bristles
   double tremble = 0.0;        ///< Bristles: share of the encoder's tremble that slips them
+  double exponent = 1.0;       ///< Bristles without creep and tremble: Dahl's
 
   bool operator==(const FrictionElement& o) const {
     return kind == o.kind && share == o.share && width_m == o.width_m && speed_m_per_s == o.speed_m_per_s &&
-           damping_s == o.damping_s && tremble == o.tremble;
+           damping_s == o.damping_s && tremble == o.tremble && exponent == o.exponent;
   }
 };
 

@@ -20,6 +20,7 @@ struct EffectInput {
   Eigen::VectorXd coulomb_N, viscous, rotor_kg;  ///< per actuator, of the current model
   Eigen::VectorXd moved_kg;  ///< per actuator: what its screw moves, without the rotor (mean over the recording)
   Eigen::MatrixXd since_reversal_m;  ///< distance from the last turning point, never negative
+  Eigen::MatrixXd since_reversal_s;  ///< time since it was left
   std::vector<mechanism::Matrix4>
       force_per_pose_force;  ///< J^-T per sample: actuator forces that balance a pose force; bench: empty
   std::vector<mechanism::Matrix3> rotation;               ///< of the platform, per sample; bench: empty

@@ -10,7 +10,7 @@ namespace knee_robot::dynamics {
 namespace {
 
 enum class Factor { One, Direction, Velocity };
-enum class Signal { Position, Velocity, SinceReversal, Load, Pose, LegAngle };
+enum class Signal { Position, Velocity, WaySinceReversal, TimeSinceReversal, Load, Pose, LegAngle };
 
 struct Source {
   Signal signal = Signal::Position;
@@ -55,7 +55,8 @@ std::optional<Source> sourceOf(std::string text) {
     return true;
   };
   if (is("position_", "_m", Signal::Position) || is("velocity_", "_m_per_s", Signal::Velocity) ||
-      is("distance_since_reversal_", "_m", Signal::SinceReversal) || is("load_", "_N", Signal::Load) ||
+      is("distance_since_reversal_", "_m", Signal::WaySinceReversal) ||
+      is("time_since_reversal_", "_s", Signal::TimeSinceReversal) || is("load_", "_N", Signal::Load) ||
       is("leg_", "_angle_q1_rad", Signal::LegAngle) || is("leg_", "_angle_q2_rad", Signal::LegAngle, true))
     return s;
   return std::nullopt;
@@ -95,8 +96,10 @@ class Map : public EffectLaw {
         return at.position_m[source_.index];
       case Signal::Velocity:
         return at.velocity_m_per_s[source_.index];
-      case Signal::SinceReversal:
-        return at.since_reversal_m;
+      case Signal::WaySinceReversal:
+        return at.since_reversal.way_m;
+      case Signal::TimeSinceReversal:
+        return at.since_reversal.time_s;
       case Signal::Load:
         return at.load_N;
       case Signal::Pose:
