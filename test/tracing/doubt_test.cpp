@@ -17,6 +17,8 @@ class Doubt : public SearchedMachine {
     e.hypothesis = named(name, {});
     e.probability = 0.99;
     e.p = p_;
+    e.transfers = elsewhere_gain_ >= 0.0;
+    e.elsewhere_gain = elsewhere_gain_;
     search_.effects = {e};
     notes_.clear();
     doubtNames(search_, notes_);
@@ -24,6 +26,7 @@ class Doubt : public SearchedMachine {
   }
   double p_ = 0.004;
   bool measured_ = true;
+  double elsewhere_gain_ = 0.0;
   std::vector<std::string> notes_;
 };
 
@@ -59,6 +62,18 @@ TEST_F(Doubt, ReadsOrUnnamedWhereTheNameIsRatherRight) {
   const FoundEffect between = said("stribeck", 2.8);
   EXPECT_FALSE(between.doubted);
   EXPECT_EQ(between.indistinguishable_from, std::vector<std::string>{"unnamed"});
+}
+
+TEST_F(Doubt, IsCastOnANameThatDoesHarmAtHeldBackPositions) {
+  elsewhere_gain_ = -0.1;
+  const FoundEffect harmful = said("drive_lag", 1.0);
+  EXPECT_TRUE(harmful.doubted);
+  ASSERT_EQ(notes_.size(), 1u);
+  EXPECT_NE(notes_[0].find("makes the error larger at held-back positions"), std::string::npos) << notes_[0];
+  EXPECT_FALSE(said("screw_ripple", 1.0).doubted) << "has a signature of its own";
+  measured_ = false;
+  EXPECT_FALSE(said("drive_lag", 1.0).doubted) << "nobody knows how much noise there is";
+  EXPECT_EQ(said("drive_lag", 1.0).indistinguishable_from, std::vector<std::string>{"unnamed"});
 }
 
 TEST_F(Doubt, SparesWhatHasASignatureOfItsOwn) {
