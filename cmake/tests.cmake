@@ -96,7 +96,10 @@ foreach(name launch_files identification operator_page)
   list(APPEND drawing_tests _ctest_knee_robot_rostest_test_nodes_${name}.test)
 endforeach()
 set_tests_properties(${drawing_tests} operator_browser_test report_browser_test PROPERTIES RESOURCE_LOCK computing COST 50)
-set_tests_properties(_ctest_knee_robot_rostest_test_nodes_laboratory_file.test PROPERTIES COST 100)  # the longest: begins first
+set_tests_properties(_ctest_knee_robot_rostest_test_nodes_laboratory_file.test PROPERTIES COST 100)  # the longest: begins first,
+foreach(name play action guiding)
+  set_tests_properties(_ctest_knee_robot_rostest_test_nodes_${name}.test PROPERTIES COST 40)  # and these before the short ones
+endforeach()
 
 # test/ROOM/NAME_benchmark.cpp: other engines beside ours, on request only (scripts/benchmark_peers).
 file(GLOB room_benchmarks RELATIVE ${PROJECT_SOURCE_DIR}/test CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/test/*/*_benchmark.cpp)

@@ -77,6 +77,19 @@ def moderated(own: Array, degrees: Array, fleet: float) -> Array:
     return np.sqrt((PRIOR_DEGREES * fleet**2 + degrees * own**2) / (PRIOR_DEGREES + degrees))
 
 
+def _median(window: list[Array]) -> Array:
+    """Median, element by element, of a few arrays, which are overwritten: np.median of the same, many times faster, as most of a campaign is
+    spent here."""
+    ordered, free = list(window), np.empty_like(window[0])
+    for turn in range(len(ordered)):  # odd-even transposition
+        for k in range(turn % 2, len(ordered) - 1, 2):
+            np.minimum(ordered[k], ordered[k + 1], out=free)
+            np.maximum(ordered[k], ordered[k + 1], out=ordered[k + 1])
+            ordered[k], free = free, ordered[k]
+    half = len(ordered) // 2
+    return ordered[half] if len(ordered) % 2 else (ordered[half - 1] + ordered[half]) / 2.0
+
+
 def _clipped(units: Array, movements: tuple[int, ...]) -> Array:
     """Days further than CLIP from the days around them are drawn in; a lasting change keeps its neighbours and its size."""
     out = units.copy()
@@ -85,13 +98,12 @@ def _clipped(units: Array, movements: tuple[int, ...]) -> Array:
         at = np.flatnonzero(labels == m)
         if len(at) < 3:
             continue
-        part = units[:, at]
+        part = np.ascontiguousarray(units.T[at])  # day by day: a window's days are whole rows
         # At the ends the window stays inside: the newest day is compared with those before it.
         width = min(WINDOW, len(at))
         begin = np.clip(np.arange(len(at)) - width // 2, 0, len(at) - width)
-        window = np.stack([part[:, begin + k] for k in range(width)], axis=0)
-        middle = np.median(window, axis=0)
-        out[:, at] = middle + np.clip(part - middle, -CLIP, CLIP)
+        middle = _median([part[begin + k] for k in range(width)])
+        out[:, at] = (middle + np.clip(part - middle, -CLIP, CLIP)).T
     return out
 
 

@@ -1,5 +1,5 @@
 // ROS node `controller`: Sync, four Drivers and their supervision on the cards or on the simulated robot. Parameters:
-// see launch/controller.launch. SIGINT and SIGTERM end in the safe stop. When the ROS master is lost, what moves is
+// see kParameters and launch/controller.launch. SIGINT and SIGTERM end in the safe stop. When the ROS master is lost, what moves is
 // stopped along its path and disabled; when a master is there again, everything is advertised anew
 // (docs/ros_interface.md).
 
@@ -28,6 +28,23 @@ namespace {
 using namespace knee_robot;
 
 volatile std::sig_atomic_t stop_requested = 0;
+
+constexpr const char* kParameters =
+    R"(It takes ROS parameters, as launch/controller.launch sets them: rosrun knee_robot controller _robot:=A.yaml ...
+  ~robot, ~hardware, ~deployment  files of the robot, of its cards and of the components; required
+  ~references, ~recordings        folders from which references are loaded and to which recordings go; required
+  ~patients                       folder of patient files; default: ~references
+  ~events                         folder of the event log; default: ~recordings/events
+  ~empty                          true: nobody is on the robot (default false)
+  ~model                          model file of identify or trace for the feedforward; default: the weights of the URDF
+  ~payload_kg                     payload that the feedforward is told of; default: the deployment's
+  ~guardian, ~silent_guardian_ms  shared memory with the guardian (default: none), and its silence that stops (50)
+  ~shm                            shared memory of simulated cards; unused with real ones
+  ~can                            CAN interface; default: the hardware file's
+  ~cpu                            processor that the servo cycle is bound to; default: the deployment's
+  ~rate_hz                        rate of the topics (50)
+  ~master_timeout_s               time without a ROS master after which what moves is stopped (2; 0: never)
+  ~diagnostics/...                thresholds of the diagnostics: docs/ros_interface.md)";
 
 double boundedParameter(const ros::NodeHandle& node, const std::string& name, double value, double minimum,
                         double maximum, const std::string& what) {
@@ -223,13 +240,8 @@ int main(int argc, char** argv) {
     std::signal(signal, [](int) { stop_requested = 1; });
   for (const int signal : {SIGPIPE, SIGTSTP, SIGTTIN, SIGTTOU, SIGXFSZ})
     std::signal(signal, SIG_IGN);
-  try {
-    return run();
-  } catch (const InputError& error) {
-    std::fprintf(stderr, "controller: %s\n", error.what());
-    return kExitBadInput;
-  } catch (const std::exception& error) {  // unwinding has shut the robot down in order
-    std::fprintf(stderr, "controller: %s\n", error.what());
-    return 1;
-  }
+  CLI::App app("Drives the robot: servo cycle, supervision, services, topics and the action. A ROS node.",
+               "controller");
+  app.footer(kParameters);
+  return nodes::runProgram(app, argc, argv, run);  // what is thrown: unwinding has shut the robot down in order
 }

@@ -11,13 +11,12 @@
 #include <ros/ros.h>
 #include <tf2_ros/transform_broadcaster.h>
 
-#include <cstdio>
-
 #include "controller_machine.h"
 #include "controller_pose.h"
 #include "knee_robot/base/errors.h"
 #include "loopback.h"
 #include "monitor_scene.h"
+#include "program.h"
 
 namespace {
 
@@ -92,7 +91,10 @@ class MarkerMonitor {
 int main(int argc, char** argv) {
   nodes::keepToLoopback();
   ros::init(argc, argv, "monitor_markers");
-  try {
+  CLI::App app("Shows rviz the reference pose, the path to come, tracking errors and margins. A ROS node.",
+               "monitor_markers");
+  app.footer("Parameters: ~robot (robot file), ~rate_hz (1 .. 60, default 15)");
+  return nodes::runProgram(app, argc, argv, [] {
     ros::NodeHandle own("~"), node;
     const mechanism::Robot robot = mechanism::loadRobot(nodes::requiredParameter(own, "robot"));
     const double rate_hz = own.param("rate_hz", 15.0);
@@ -101,8 +103,5 @@ int main(int argc, char** argv) {
     MarkerMonitor monitor(node, robot, rate_hz);
     ros::spin();
     return kExitDone;
-  } catch (const InputError& error) {
-    std::fprintf(stderr, "monitor_markers: %s\n", error.what());
-    return kExitBadInput;
-  }
+  });
 }

@@ -5,5 +5,6 @@ knee_runs_programs(nodes tune_pid_test tune_pid check_reference simulate)
 knee_runs_programs(nodes identify_program_test identify plan_excitation)
 knee_runs_programs(nodes programs_test plan_exercise check_reference plan_excitation simulate compare trace predict import_recording
   virtual_plant simulated_camera)
+knee_runs_programs(nodes node_help_test controller monitor monitor_markers)
 # What only scripts build must not rot either.
 add_dependencies(nodes_tests campaign_controller false_trips)
