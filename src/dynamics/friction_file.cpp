@@ -22,15 +22,15 @@ std::string elementYaml(const FrictionElement& e, bool revolute) {
   const std::string share = ", share: " + exactNumber(e.share) + "}";
   const std::string width = ", width_" + unit + ": " + exactNumber(e.width_m / radius);
   const std::string speed = ", speed_" + unit + "_per_s: " + exactNumber(e.speed_m_per_s / radius);
+  const std::string exponent = e.exponent != 1.0 ? ", exponent: " + exactNumber(e.exponent) : "";
   switch (e.kind) {
     case FrictionKind::Stop:
       return "{law: stop" + width + share;
     case FrictionKind::Smooth:
-      return "{law: tanh" + speed + share;
+      return "{law: tanh" + speed + exponent + share;
     default:
       return "{law: bristles" + width + speed + ", damping_s: " + exactNumber(e.damping_s) +
-             (e.tremble > 0.0 ? ", tremble: " + exactNumber(e.tremble) : "") +
-             (e.exponent != 1.0 ? ", exponent: " + exactNumber(e.exponent) : "") + share;
+             (e.tremble > 0.0 ? ", tremble: " + exactNumber(e.tremble) : "") + exponent + share;
   }
 }
 
@@ -50,11 +50,11 @@ FrictionElement readElement(StrictMap map, bool revolute) {
   e.share = map.number("share", 1e-9, 1.0);
   e.width_m = e.kind == FrictionKind::Smooth ? 0.0 : width();
   if (e.kind == FrictionKind::Smooth) e.speed_m_per_s = speed(kSlowest_m_per_s);
+  if (e.kind != FrictionKind::Stop && map.has("exponent")) e.exponent = map.number("exponent", 0.1, 10.0);
   if (e.kind == FrictionKind::Bristles) {
     e.speed_m_per_s = speed(0.0);
     e.damping_s = map.number("damping_s", 0.0, 1.0);
     if (map.has("tremble")) e.tremble = map.number("tremble", 0.0, 10.0);
-    if (map.has("exponent")) e.exponent = map.number("exponent", 0.1, 10.0);
     if (e.exponent != 1.0 && (e.speed_m_per_s > 0.0 || e.tremble > 0.0))
       map.refuse("exponent", "is for bristles that neither creep nor tremble: leave it out or make the speed 0");
   }

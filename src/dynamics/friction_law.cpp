@@ -23,7 +23,8 @@ std::string elementText(const FrictionElement& e, bool revolute) {
     case FrictionKind::Stop:
       return "stop " + width;
     case FrictionKind::Smooth:
-      return "tanh(v / " + speed + ")";
+      return e.exponent == 1.0 ? "tanh(v / " + speed + ")"
+                               : "tanh((v / " + speed + ")^" + shortNumber(e.exponent, 3) + ")";
     default:
       break;
   }
@@ -33,6 +34,12 @@ std::string elementText(const FrictionElement& e, bool revolute) {
   if (e.tremble > 0.0) text += ", " + shortNumber(e.tremble, 3) + " of the tremble";
   if (e.damping_s > 0.0) text += ", damping " + shortNumber(1e3 * e.damping_s, 3) + " ms";
   return text;
+}
+
+/// tanh of the power of a velocity, with its sign.
+double smooth(double velocity, double exponent) noexcept {
+  if (exponent == 1.0) return std::tanh(velocity);
+  return std::copysign(std::tanh(std::pow(std::abs(velocity), exponent)), velocity);
 }
 
 /// What is missing to full friction, u = 1 - z sign(dx), after |dx| = way: du = -u^exponent |dx| / width, exactly.
@@ -114,7 +121,7 @@ double FrictionState::step(const FrictionLaw& law, double displacement_m, double
       z = std::clamp(z + displacement_m / e.width_m, -1.0, 1.0);
       sum += e.share * z;
     } else if (e.kind == FrictionKind::Smooth) {
-      z = std::tanh(displacement_m / (duration_s * e.speed_m_per_s));
+      z = smooth(displacement_m / (duration_s * e.speed_m_per_s), e.exponent);
       sum += e.share * z;
     } else {
       const double before = z;

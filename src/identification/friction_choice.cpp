@@ -19,7 +19,8 @@ constexpr double kBristleLeast_m = 2e-5;
 const double kCreeps_m_per_s[] = {0.0, 3e-5, 1e-4, 1.7e-4, 3e-4, 1e-3};
 const double kDampings_s[] = {0.0, 2.5e-3};
 const double kTrembles[] = {0.5, 1.0};
-const double kExponents[] = {1.5, 2.0};  // below 1: a stop beside bristles does the same
+const double kExponents[] = {1.5, 2.0};        // below 1: a stop beside bristles does the same
+const double kSmoothExponents[] = {1.0, 3.0};  // above 1: next to nothing rubs while an axis creeps
 const double kFinerFactors[] = {0.8, 0.87, 0.93, 0.97, 1.03, 1.07, 1.15, 1.25};
 const double kFinerSides[] = {0.8, 0.9, 1.0, 1.12, 1.25};
 constexpr double kFarApart = 2.0;
@@ -39,9 +40,14 @@ std::vector<FrictionElement> elementsToTry(const FrictionRange& range) {
   for (int k = 0; k < kStops; ++k)
     all.push_back({FrictionKind::Stop, 1.0,
                    geometric(std::min(narrowest_m, 0.5 * range.widest_m), range.widest_m, k, kStops), 0.0, 0.0});
-  for (int k = 0; k < kSpeeds; ++k)
-    all.push_back(
-        {FrictionKind::Smooth, 1.0, 0.0, geometric(range.slowest_m_per_s, range.fastest_m_per_s, k, kSpeeds), 0.0});
+  for (int k = 0; k < kSpeeds; ++k) {
+    for (const double exponent : kSmoothExponents) {
+      FrictionElement e{FrictionKind::Smooth, 1.0, 0.0,
+                        geometric(range.slowest_m_per_s, range.fastest_m_per_s, k, kSpeeds)};
+      e.exponent = exponent;
+      all.push_back(e);
+    }
+  }
   const double least = std::min(std::max(kBristleLeast_m, narrowest_m), 0.5 * range.bristles_most_m);
   for (int k = 0; k < kBristleWidths; ++k) {
     for (const double creep : kCreeps_m_per_s) {

@@ -5,6 +5,7 @@
 
 #include "knee_robot/base/numbers.h"
 #include "search.h"
+#include "selection.h"
 
 namespace knee_robot::tracing {
 namespace {
@@ -14,7 +15,7 @@ namespace {
 /// them had repeats. A floor that was estimated says too little to take a name away: where axes stick, a healthy robot
 /// leaves ten of them.
 constexpr double kRightLeaves = 2.2;
-constexpr double kSure = 0.8, kEven = 0.5;
+constexpr double kEven = 0.5;
 /// Most for a name that harms at held-back positions: none of 48 right ones on 44 machines did.
 constexpr double kHarmful = 0.45;
 
@@ -60,7 +61,7 @@ void doubtNames(Search& s, std::vector<std::string>& notes) {
     if (harms) doubted = std::min(doubted, kHarmful);
     e.probability = s.floor.measured ? doubted : std::max(doubted, std::min(kEven, e.probability));
     e.doubted = e.probability < kEven;
-    if (e.probability < kSure && !e.doubted) e.indistinguishable_from.emplace_back("unnamed");
+    if (e.probability < kSureOfName && !e.doubted) e.indistinguishable_from.emplace_back("unnamed");
     if (floors > kRightLeaves)
       notes.push_back(placeText(place) + ": the model with it still leaves " + shortNumber(floors, 2) +
                       " times the noise floor while axes move: it may stand for something that no name is known for.");

@@ -130,12 +130,13 @@ EffectInput effectInput(const mechanism::Robot& robot, const identification::Obs
     in.force_per_pose_force = poseForces(robot, o);
     setPoses(in);
   }
-  in.load_N = in.force_N = Eigen::MatrixXd::Zero(o.samples(), o.axes());
+  in.load_N = in.force_N = in.needed_N = Eigen::MatrixXd::Zero(o.samples(), o.axes());
+  in.ahead_s = Eigen::VectorXd::Zero(o.axes());
   return in;
 }
 
 void setForces(EffectInput& in, const std::vector<identification::Column>& columns, const Eigen::VectorXd& parameters,
-               const Eigen::MatrixXd& effects_N) {
+               const Eigen::MatrixXd& effects_N, const Eigen::MatrixXd& lead_N) {
   Eigen::VectorXd carried = parameters;
   for (std::size_t c = 0; c < columns.size(); ++c) {
     if (columns[c].isFriction()) carried[static_cast<Eigen::Index>(c)] = 0.0;
@@ -148,6 +149,8 @@ void setForces(EffectInput& in, const std::vector<identification::Column>& colum
     in.force_N.col(i) = forces.col(1);
   }
   if (effects_N.size() > 0) in.force_N += effects_N;
+  in.needed_N = in.force_N;
+  if (lead_N.size() > 0) in.needed_N -= lead_N;
   in.coulomb_N = in.viscous = in.rotor_kg = Eigen::VectorXd::Zero(in.axes());
   for (std::size_t c = 0; c < columns.size(); ++c) {
     const double value = parameters[static_cast<Eigen::Index>(c)] * columns[c].newtons;

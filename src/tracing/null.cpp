@@ -15,8 +15,9 @@ constexpr double kResampled_s = 1.5;  ///< of resampled noise: several correlati
 void setModelForces(EffectInput& input, const BaseFit& base, const SurrogateModel& model) {
   setForces(input, base.columns, model.parameters, {});
   if (model.effects.empty()) return;
+  lookAhead(input, model);
   const SurrogateEffects own = effectForces(input, model);
-  setForces(input, base.columns, model.parameters, own.friction_N + own.load_N);
+  setForces(input, base.columns, model.parameters, own.friction_N + own.load_N, own.lead_N);
 }
 
 Surrogate makeSurrogate(const mechanism::Robot& robot, const std::vector<recording::Recording>& recordings,
@@ -102,13 +103,24 @@ std::vector<Surrogate> makeSurrogates(const mechanism::Robot& robot,
 
 SurrogateEffects effectForces(const EffectInput& input, const SurrogateModel& model) {
   SurrogateEffects out;
-  out.friction_N = out.load_N = Eigen::MatrixXd::Zero(input.samples(), input.axes());
+  out.friction_N = out.load_N = out.lead_N = Eigen::MatrixXd::Zero(input.samples(), input.axes());
   for (std::size_t k = 0; k < model.effects.size(); ++k) {
-    Eigen::MatrixXd& kind = model.effects[k].place.candidate->isFriction() ? out.friction_N : out.load_N;
+    const Candidate& candidate = *model.effects[k].place.candidate;
+    Eigen::MatrixXd& kind = candidate.isFriction() ? out.friction_N : candidate.leads() ? out.lead_N : out.load_N;
     for (int i = 0; i < input.axes(); ++i)
       kind.col(i) += effectColumns(input, model.effects[k], i) * model.coefficients[k];
   }
+  out.load_N += out.lead_N;
   return out;
+}
+
+void lookAhead(EffectInput& input, const SurrogateModel& model) {
+  input.ahead_s.setZero();
+  for (std::size_t k = 0; k < model.effects.size(); ++k) {
+    const Place& place = model.effects[k].place;
+    if (place.candidate->leads() && model.coefficients[k].size() > 0)
+      input.ahead_s[place.actuator] += model.coefficients[k][0];
+  }
 }
 
 Eigen::VectorXd surrogateResidual(const std::vector<Surrogate>& surrogates, const TraceData& data,

@@ -53,8 +53,9 @@ void refit(Search& s) {
     s.seen_parameters = 0.5 * (s.seen_parameters + s.base->parametersOf(s.fit.base));  // all the way would swing
     const SurrogateModel model = modelOf(s);
     for (EffectInput& input : s.data->inputs) {
+      lookAhead(input, model);
       const SurrogateEffects effects = effectForces(input, model);
-      setForces(input, s.base->columns, s.seen_parameters, effects.friction_N + effects.load_N);
+      setForces(input, s.base->columns, s.seen_parameters, effects.friction_N + effects.load_N, effects.lead_N);
     }
   }
   fit();
@@ -112,7 +113,8 @@ bool adoptBase(Search& s, BaseFit base) {
     const Eigen::MatrixXd share = data.inputs[r].share;
     data.inputs[r] = effectInput(robot, data.recordings[r], s.base->friction_laws, data.inputs[r].recording,
                                  data.inputs[r].recordings);
-    setForces(data.inputs[r], s.base->columns, s.base->parameters, effects.friction_N + effects.load_N);
+    lookAhead(data.inputs[r], model);
+    setForces(data.inputs[r], s.base->columns, s.base->parameters, effects.friction_N + effects.load_N, effects.lead_N);
     changed = changed || data.inputs[r].share != share;
   }
   s.seen_parameters = s.base->parameters;

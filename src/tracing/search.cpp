@@ -16,9 +16,9 @@ constexpr double kSiblingP = 0.01;     ///< of the same effect on another actuat
 constexpr double kWorthwhile = 0.4;    ///< lowering the rms by a tenth explains 0.44 of it; less is never accepted
 constexpr double kSiblingWorth = 0.2;  ///< lowering it by three hundredths explains 0.24
 constexpr double kLeastSpread = 0.01;  ///< of a place's null values: absorbed places have none
-constexpr double kSure = 0.8;          ///< probability of a name below which its rivals are named too
 constexpr double kNearlyAsGood = 0.8;  ///< share of the best one's held-back gain at which a runner-up is a rival
 constexpr double kDiscount = 0.8;      ///< a map must explain this much more than a named effect to be preferred
+constexpr double kAnotherKind = 0.9;   ///< as another ripple must than a further period of what ripples already
 
 /// Sum of the held-back gains by which trials are ranked; of maps and generalizations what they surely gain, because
 /// they bend to much.
@@ -26,7 +26,8 @@ double worth(const Trial& t) {
   const double n = static_cast<double>(t.nested_gain.size());
   const HeldBackGain g = heldBackGain(t.nested_gain);
   const bool bends = t.isMap() || !t.hypothesis.place.candidate->generalizes().empty();
-  return n * (bends ? kDiscount * g.mean - g.error : g.mean);
+  const bool further = t.hypothesis.place.order > 0;
+  return n * (bends ? kDiscount * g.mean - g.error : further ? g.mean / kAnotherKind : g.mean);
 }
 
 /// The one is a special case of the other: no alternative.
@@ -64,7 +65,7 @@ std::vector<std::string> rivalsOf(const Search& s, const Trial& best, const std:
     if (t.nested_gain.sum() < kNearlyAsGood * best.nested_gain.sum() || !objection(s, t, sibling).empty()) continue;
     const double sure = probabilityPositive(best.nested_gain - t.nested_gain);
     probability = std::min(probability, sure);
-    if (sure < kSure && std::find(names.begin(), names.end(), t.name()) == names.end()) names.push_back(t.name());
+    if (sure < kSureOfName && std::find(names.begin(), names.end(), t.name()) == names.end()) names.push_back(t.name());
   }
   return names;
 }

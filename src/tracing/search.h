@@ -100,6 +100,10 @@ void simplify(Search& search);
 /// it, within a standard error: screws of one machine are alike.
 void replaceMaps(Search& search);
 
+/// Dead time and lag of a drive are the same to first order: decides for all actuators together by what they are beyond
+/// it, on held-back blocks; the rival is named where they cannot be told apart.
+void settleLeads(Search& search);
+
 /// Refines the shapes of all effects together: variable projection, coefficients solved for at every step.
 void refineShapes(Search& search);
 

@@ -14,6 +14,8 @@ struct HeldBackGain {
 };
 HeldBackGain heldBackGain(const Eigen::VectorXd& per_block);
 
+constexpr double kSureOfName = 0.8;  ///< probability of a name below which its rivals are named too
+
 /// Probability that the mean over blocks of `difference` is positive (normal approximation).
 double probabilityPositive(const Eigen::VectorXd& difference);
 

@@ -28,6 +28,15 @@ bool isAmong(const std::vector<FoundEffect>& effects, const FoundEffect& one) {
                      [&](const FoundEffect& e) { return e.hypothesis.place == one.hypothesis.place; });
 }
 
+/// Where `one` leads: what leads on its actuator already. Null: nothing does.
+FoundEffect* leadOn(std::vector<FoundEffect>& effects, const FoundEffect& one) {
+  const auto leads = [&](const FoundEffect& e) {
+    return e.hypothesis.place.candidate->leads() && e.hypothesis.place.actuator == one.hypothesis.place.actuator;
+  };
+  const auto at = leads(one) ? std::find_if(effects.begin(), effects.end(), leads) : effects.end();
+  return at == effects.end() ? nullptr : &*at;
+}
+
 /// One run of tracing: its stages in order, and what they share.
 class Tracing {
  public:
@@ -48,7 +57,8 @@ class Tracing {
     return std::move(result_);
   }
 
-  /// The second band: what shows in fast motion only, beside `found`. Returns what was added.
+  /// The second band: what shows in fast motion only, beside `found`. Returns what leads, which was looked at anew, and
+  /// what was added.
   std::vector<FoundEffect> runFast(std::vector<identification::Observation> training,
                                    const std::vector<FoundEffect>& found, const CandidateList& candidates) {
     fitBaseline(std::move(training));
@@ -62,9 +72,11 @@ class Tracing {
       rebuildSurrogates();
     }
     searchEffects();
-    s_.effects.erase(s_.effects.begin(), std::find_if(s_.effects.begin(), s_.effects.end(), [&](const FoundEffect& e) {
-                       return e.hypothesis.place.candidate->actsFast() && !isAmong(found, e);
-                     }));
+    const auto kept = [&](const FoundEffect& e) {
+      return e.hypothesis.place.candidate->leads() || (e.hypothesis.place.candidate->actsFast() && !isAmong(found, e));
+    };
+    settleLeads(s_);
+    s_.effects.erase(std::stable_partition(s_.effects.begin(), s_.effects.end(), kept), s_.effects.end());
     return s_.effects;
   }
 
@@ -275,7 +287,10 @@ void Tracing::searchFastBand() {
     rate_hz = std::min(rate_hz, 1.0 / recording::medianPeriod(r.time_s));
   const double cutoff_hz = options_.observation.cutoff_hz;
   const double fast_hz = std::min(kFaster * cutoff_hz, kFastestShareOfRate * rate_hz);
-  if (!options_.fast_band || options_.most_effects == 0 || fast_hz < kLeastFaster * cutoff_hz) return;
+  if (!options_.fast_band || options_.most_effects == 0 || fast_hz < kLeastFaster * cutoff_hz) {
+    settleLeads(s_);
+    return;
+  }
   options_.progress("looking at the band up to " + shortNumber(fast_hz, 3) + " Hz");
   TraceOptions options = options_;
   options.observation.setCutoff(fast_hz);
@@ -285,14 +300,20 @@ void Tracing::searchFastBand() {
   for (const recording::Recording& r : recordings_)
     training.push_back(identification::observe(robot_, s_.base->columns, r, options.observation));
   Tracing fast(robot_, recordings_, options);
-  const std::vector<FoundEffect> added = fast.runFast(std::move(training), s_.effects, *result_.candidates);
-  for (FoundEffect e : added) {
+  const std::vector<FoundEffect> seen = fast.runFast(std::move(training), s_.effects, *result_.candidates);
+  for (FoundEffect e : seen) {
+    if (FoundEffect* const known = leadOn(s_.effects, e)) {
+      known->hypothesis.place.candidate = e.hypothesis.place.candidate;
+      known->indistinguishable_from = e.indistinguishable_from;
+      known->probability = e.probability;
+      continue;
+    }
     e.band_hz = fast_hz;
     s_.effects.push_back(e);
     result_.notes.push_back(placeText(e.hypothesis.place) + " was found in the band up to " + shortNumber(fast_hz, 3) +
                             " Hz.");
   }
-  if (!added.empty()) refit(s_);
+  if (!seen.empty()) refit(s_);
 }
 
 void Tracing::settle() {

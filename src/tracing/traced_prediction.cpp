@@ -1,4 +1,5 @@
 #include "knee_robot/identification/trained_range.h"
+#include "knee_robot/tracing/null.h"
 #include "knee_robot/tracing/trace.h"
 
 namespace knee_robot::tracing {
@@ -28,18 +29,21 @@ Eigen::MatrixXd predictTraced(const mechanism::Robot& robot, const TraceResult& 
   setFriction(o, result.base.columns, result.base.friction_laws);
   const std::vector<int> same_home = sameHome(result.home_ids, o.home_id);
   EffectInput input = effectInput(robot, o, result.base.friction_laws, recording, recordings);
-  Eigen::MatrixXd effects_N = Eigen::MatrixXd::Zero(o.samples(), o.axes());
-  for (int pass = 0; pass < 2; ++pass) {  // some effects look at the whole force, which contains them
-    setForces(input, result.base.columns, result.seen_parameters, effects_N);
-    effects_N.setZero();
-    for (const FoundEffect& e : result.effects) {
-      const Eigen::VectorXd coefficients = recording < 0 ? coefficientsElsewhere(e, same_home) : e.coefficients;
-      if (coefficients.size() == 0) continue;
-      for (int i = 0; i < o.axes(); ++i)
-        effects_N.col(i) += effectColumns(input, e.hypothesis, i) * coefficients;
-    }
+  SurrogateModel acting;
+  for (const FoundEffect& e : result.effects) {
+    const Eigen::VectorXd coefficients = recording < 0 ? coefficientsElsewhere(e, same_home) : e.coefficients;
+    if (coefficients.size() == 0) continue;
+    acting.effects.push_back(e.hypothesis);
+    acting.coefficients.push_back(coefficients);
   }
-  setForces(input, result.base.columns, result.parameters, effects_N);
+  lookAhead(input, acting);
+  SurrogateEffects forces;
+  forces.friction_N = forces.load_N = forces.lead_N = Eigen::MatrixXd::Zero(o.samples(), o.axes());
+  for (int pass = 0; pass < 2; ++pass) {  // some effects look at the whole force, which contains them
+    setForces(input, result.base.columns, result.seen_parameters, forces.friction_N + forces.load_N, forces.lead_N);
+    forces = effectForces(input, acting);
+  }
+  setForces(input, result.base.columns, result.parameters, forces.friction_N + forces.load_N);
   identification::keepWithinTrainedRange(result.base.trained_force_N, o.motion, input.force_N);
   return input.force_N;
 }

@@ -184,6 +184,10 @@ Eigen::VectorXd nestedGain(const Search& s, const Projection& projection, const 
 std::optional<Place> openPlace(const Search& s, const Place& place, const Place* like) {
   if (!s.maps && place.candidate->isMap()) return {};
   if (std::find(s.absorbed.begin(), s.absorbed.end(), place) != s.absorbed.end()) return {};
+  const bool leads = std::any_of(s.effects.begin(), s.effects.end(), [&](const FoundEffect& e) {
+    return e.hypothesis.place.candidate->leads() && e.hypothesis.place.actuator == place.actuator;
+  });
+  if (leads && place.candidate->leads()) return {};  // dead time and lag: one of them
   const auto taken = [&](const Place& p) {
     return std::any_of(s.effects.begin(), s.effects.end(),
                        [&](const FoundEffect& e) { return e.hypothesis.place == p; });

@@ -201,13 +201,28 @@ TEST(FrictionState, OfBristlesWithAnExponentSolvesDahlsEquation) {
   }
 }
 
+TEST(FrictionState, OfAPowerOfTheVelocityLetsCreepingAxesPass) {
+  FrictionLaw law = smoothLaw(1e-3);
+  law.elements[0].exponent = 3.0;
+  FrictionState state;
+  for (const double speed : {0.0, 2e-4, 9e-4, 2e-3}) {
+    const double z = std::tanh(std::pow(speed / 1e-3, 3.0));
+    EXPECT_NEAR(state.step(law, 0.01 * speed, 0.01), z, 1e-12) << speed;
+    EXPECT_NEAR(state.step(law, -0.01 * speed, 0.01), -z, 1e-12) << speed;
+  }
+  EXPECT_EQ(describe(law), "tanh((v / 1 mm/s)^3)");
+}
+
 TEST(ModelFile, KeepsAnExponentAndRefusesItBesideCreep) {
   const mechanism::Robot robot = parallelRobot();
   Model m = someModel(robot, 2);
   m.friction[1] = bristleLaw(1e-4);
   m.friction[1].elements[0].exponent = 1.0 / 0.7;
+  m.friction[2] = smoothLaw(1e-3);
+  m.friction[2].elements[0].exponent = 3.0;
   const std::string text = modelToYaml(m);
   EXPECT_TRUE(parseModel(text, "m.yaml").friction[1] == m.friction[1]);
+  EXPECT_TRUE(parseModel(text, "m.yaml").friction[2] == m.friction[2]);
   std::string creeping = text;
   const std::string still = "speed_m_per_s: 0, damping_s: 0, exponent";
   ASSERT_NE(creeping.find(still), std::string::npos) << text;

@@ -48,6 +48,8 @@ std::vector<OwnLaw> ownLaws() {
          m[0] += std::pow(std::max(0.0, 1.0 - sign * m[0]), 1.7) * v * kStep_s / 250e-6;
          return m[0];
        }},
+      {"none below 0.5 mm/s, full from 1.5 mm/s on",
+       [](double v, double*) { return std::copysign(std::clamp((std::abs(v) - 5e-4) / 1e-3, 0.0, 1.0), v); }},
       {"LuGre of 150 um with damping of 2 ms, creeping at 0.1 mm/s",
        [](double v, double* m) {
          const double rate = (v - std::sqrt(v * v + 1e-8) * m[0]) / 150e-6;
@@ -105,7 +107,7 @@ TEST_P(LawNearRest, IsPredictedOnAnotherMotionWhateverLawMadeIt) {
   EXPECT_NEAR(parameterValue(id.model, "Fc_1"), kCoulomb_N, 0.1 * kCoulomb_N) << law.name;
 }
 
-INSTANTIATE_TEST_SUITE_P(EveryLaw, LawNearRest, testing::Range<std::size_t>(0, 8));
+INSTANTIATE_TEST_SUITE_P(EveryLaw, LawNearRest, testing::Range<std::size_t>(0, 9));
 
 TEST(LawOfOneElement, IsFoundForWhatItIs) {
   const mechanism::Robot robot = syntheticBench(1);

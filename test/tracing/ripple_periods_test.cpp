@@ -43,6 +43,18 @@ TEST_F(RipplePeriods, WithinTwoTurnsAlongTheWayAreOne) {
   EXPECT_FALSE(periodCoincides(search_, named("stribeck", {0.01, 0.0}))) << "has no period";
 }
 
+TEST_F(RipplePeriods, OfWhichOneIsAnOrderOfTheOtherNeedOneTurnOnly) {
+  found({1.6});
+  EXPECT_FALSE(periodCoincides(search_, ripple(3.2, 1))) << "the second order is no side lobe";
+  EXPECT_FALSE(periodCoincides(search_, ripple(3.0, 1)));
+  EXPECT_TRUE(periodCoincides(search_, ripple(2.8, 1)));
+  EXPECT_TRUE(periodCoincides(search_, ripple(0.8, 1))) << "not a whole turn apart";
+  search_.effects.clear();
+  found({1.6, 3.2});
+  const auto [shortest, longest] = roomOfPeriod(search_, 1);
+  EXPECT_NEAR(way_m_ / longest, 2.9, 1e-9);  // by half of what is beyond one turn
+}
+
 TEST_F(RipplePeriods, AreRefinedWithoutComingNearerThanThat) {
   found({10.0, 15.0, 18.0});
   const auto turns = [&](std::size_t effect) {

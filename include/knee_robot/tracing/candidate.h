@@ -44,6 +44,8 @@ class Candidate {
   virtual bool actsNearRest() const { return false; }
   /// True: shows in fast motion only; looked for in a second, higher band as well.
   virtual bool actsFast() const { return false; }
+  /// True: the command runs ahead of the force that the motion needs, by its one coefficient, s.
+  virtual bool leads() const { return false; }
   /// True: goes on in the same way at every position of its actuator.
   virtual bool periodic() const { return false; }
   /// How many by this name may act on one actuator, with different periods (the first shape parameter).

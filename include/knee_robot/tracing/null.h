@@ -18,6 +18,9 @@ struct SurrogateModel {
 /// Forces of the model's effects along a recording, samples x axes, N.
 SurrogateEffects effectForces(const EffectInput& input, const SurrogateModel& model);
 
+/// Puts into `input` by how much the model's command runs ahead.
+void lookAhead(EffectInput& input, const SurrogateModel& model);
+
 /// What is kept of one surrogate of all training recordings: it has the model's effects and no other.
 struct Surrogate {
   Eigen::MatrixXd model_rows;  ///< base coordinates, then effects; N, not scaled by attention

@@ -8,10 +8,11 @@ class DriveLag : public Candidate {
  public:
   std::string name() const override { return "drive_lag"; }
   bool actsFast() const override { return true; }
+  bool leads() const override { return true; }
   std::string sentence() const override { return "The drive follows its command as a first-order lag."; }
   std::vector<Coefficient> coefficients(const EffectInput&) const override { return {{"time_constant_s", true}}; }
   Eigen::MatrixXd columns(const EffectInput& input, int actuator, const std::vector<double>&) const override {
-    return recording::firstDerivative(input.force_N.col(actuator), input.signals().period_s);
+    return recording::firstDerivative(input.needed_N.col(actuator), input.signals().period_s);
   }
 };
 
