@@ -131,13 +131,18 @@ bool apart(const FrictionElement& a, const FrictionElement& b) {
   return a.kind == FrictionKind::Smooth ? far(a.speed_m_per_s, b.speed_m_per_s) : far(a.width_m, b.width_m);
 }
 
+/// A power of the velocity beside its tanh rises late and steeply, as Stribeck friction does: alone or not at all.
+bool mixes(const FrictionElement& e) {
+  return e.kind != FrictionKind::Smooth || e.exponent == 1.0;
+}
+
 Sum bestPair(const InWeights& squares, const std::vector<FrictionElement>& elements) {
   const int count = static_cast<int>(elements.size());
   Sum best;
   for (int i = 0; i < count; ++i) {
     for (int j = i + 1; j < count; ++j) {
-      if (apart(elements[static_cast<std::size_t>(i)], elements[static_cast<std::size_t>(j)]))
-        keepBetter(best, tryThese(squares, {i, j}));
+      const FrictionElement &a = elements[static_cast<std::size_t>(i)], &b = elements[static_cast<std::size_t>(j)];
+      if (mixes(a) && mixes(b) && apart(a, b)) keepBetter(best, tryThese(squares, {i, j}));
     }
   }
   return best;
@@ -152,7 +157,7 @@ Sum bestSum(const InWeights& squares, const std::vector<FrictionElement>& elemen
       const bool near = std::any_of(sum.which.begin(), sum.which.end(), [&](int other) {
         return !apart(elements[static_cast<std::size_t>(k)], elements[static_cast<std::size_t>(other)]);
       });
-      if (near) continue;
+      if (near || !mixes(elements[static_cast<std::size_t>(k)])) continue;
       std::vector<int> which = sum.which;
       which.push_back(k);
       keepBetter(more, tryThese(squares, which));

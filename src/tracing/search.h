@@ -104,6 +104,10 @@ void replaceMaps(Search& search);
 /// it, on held-back blocks; the rival is named where they cannot be told apart.
 void settleLeads(Search& search);
 
+/// Takes out what leads where that helps near rest only: where an axis sticks, the force that builds up before it breaks
+/// away runs ahead of the motion, too.
+void dropLeadsOfRest(Search& search);
+
 /// Refines the shapes of all effects together: variable projection, coefficients solved for at every step.
 void refineShapes(Search& search);
 

@@ -12,9 +12,16 @@ namespace {
 /// Factor by which the rival's held-back squares must be larger: friction whose law is not quite right makes less.
 constexpr double kWorseBy = 1.1;
 constexpr double kAsProbable = 0.5;
+/// Of the squares that are left while their axes move, least share that what leads saves there.
+constexpr double kSavedInMotion = 0.4;
 
 bool isOpen(const FoundEffect& e) {
   return e.hypothesis.place.candidate->leads() && !std::isnan(e.p);
+}
+
+/// Shows in the band that is searched, not only in a faster one.
+bool leadsHere(const FoundEffect& e) {
+  return isOpen(e) && e.band_hz == 0.0;
 }
 
 /// Candidates that lead, each once.
@@ -27,7 +34,39 @@ std::vector<const Candidate*> leadingKinds(const Library& library) {
   return kinds;
 }
 
+/// Share of the squares, held back and with samples near rest counting little, that the leads save on their actuators.
+double savedInMotion(Search& s) {
+  const Attention own = s.attention;
+  s.attention = Attention::Moving;
+  setAttention(*s.data, s.attention);
+  std::vector<Hypothesis> all = hypothesesOf(s.effects), others;
+  int leads = 0;
+  for (std::size_t k = 0; k < all.size(); ++k) {
+    if (leadsHere(s.effects[k])) {
+      ++leads;
+    } else {
+      others.push_back(all[k]);
+    }
+  }
+  const double with = fitOf(s, all).held_back.sum(), without = fitOf(s, others).held_back.sum();
+  s.attention = own;
+  setAttention(*s.data, own);
+  return (without - with) / std::max(1e-300, with * leads / s.data->stack.axes);
+}
+
 }  // namespace
+
+void dropLeadsOfRest(Search& s) {
+  if (std::none_of(s.effects.begin(), s.effects.end(), leadsHere) || savedInMotion(s) >= kSavedInMotion) return;
+  for (const FoundEffect& e : s.effects) {
+    if (leadsHere(e))
+      s.taken_out.push_back(placeText(e.hypothesis.place) +
+                            ": helps near rest only, where the force that builds up before an axis breaks away looks "
+                            "the same; a command that is late leads in motion, too");
+  }
+  s.effects.erase(std::remove_if(s.effects.begin(), s.effects.end(), leadsHere), s.effects.end());
+  refit(s);
+}
 
 void settleLeads(Search& s) {
   const std::vector<const Candidate*> kinds = leadingKinds(*s.library);

@@ -75,6 +75,7 @@ class Tracing {
     const auto kept = [&](const FoundEffect& e) {
       return e.hypothesis.place.candidate->leads() || (e.hypothesis.place.candidate->actsFast() && !isAmong(found, e));
     };
+    dropLeadsOfRest(s_);
     settleLeads(s_);
     s_.effects.erase(std::stable_partition(s_.effects.begin(), s_.effects.end(), kept), s_.effects.end());
     return s_.effects;
@@ -317,6 +318,7 @@ void Tracing::searchFastBand() {
 }
 
 void Tracing::settle() {
+  dropLeadsOfRest(s_);
   dropWhatDoesNotRepeat(s_);
   if (s_.effects.size() > 1) eliminateBackward(s_);
   refineShapes(s_);

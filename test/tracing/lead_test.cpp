@@ -4,6 +4,7 @@
 #include <cmath>
 #include <random>
 
+#include "test/tracing/searched_machine.h"
 #include "test/tracing/traced_bench.h"
 
 namespace knee_robot::tracing {
@@ -93,6 +94,36 @@ TEST(Lead, IsPredictedInAnotherRecordingToTheNoise) {
     std::printf("rms %.2f N without what leads, %.2f N with it\n", without_N, with_N);
     EXPECT_LT(with_N, 0.25 * without_N);
   }
+}
+
+class LeadOfRest : public SearchedMachine {
+ protected:
+  /// A delay that is in the model: forces as one would add them, times `factor` of every row.
+  void found(const Eigen::VectorXd& factor) {
+    FoundEffect e;
+    e.hypothesis = named("delay", {});
+    data_.all_force_rows += factor.cwiseProduct(0.03 * effectRows(data_, e.hypothesis).col(0));
+    setAttention(data_, Attention::All);
+    search_.effects.push_back(e);
+    refit(search_);
+    ASSERT_GT(search_.effects[0].coefficients[0], 0.003);
+  }
+};
+
+TEST_F(LeadOfRest, ThatLeadsInMotionTooStays) {
+  found(Eigen::VectorXd::Ones(data_.all_force_rows.size()));
+  dropLeadsOfRest(search_);
+  EXPECT_EQ(search_.effects.size(), 1u);
+  EXPECT_TRUE(search_.taken_out.empty());
+}
+
+TEST_F(LeadOfRest, ThatHelpsWhereAnAxisSticksAloneIsTakenOutAndSaid) {
+  const Eigen::ArrayXd weight = rowScale(data_.stack, data_.recordings, Attention::Moving).array();
+  found((weight < 0.5 * weight.maxCoeff()).cast<double>());
+  dropLeadsOfRest(search_);
+  EXPECT_TRUE(search_.effects.empty());
+  ASSERT_EQ(search_.taken_out.size(), 1u);
+  EXPECT_NE(search_.taken_out[0].find("helps near rest only"), std::string::npos) << search_.taken_out[0];
 }
 
 }  // namespace

@@ -11,6 +11,7 @@ namespace knee_robot::control {
 /// real-time safe.
 class BrakeTest {
  public:
+  /// What one cycle of the test asks for, and what it found.
   struct Step {
     AxisValues force_N{};  ///< to be pushed now
     int slipped = 0;       ///< axis whose brake gave way, 1 to 4; 0: none

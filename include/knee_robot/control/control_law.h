@@ -50,12 +50,14 @@ std::optional<Law> lawNamed(const std::string& name);
 /// One a robot; real-time safe.
 class ControlLaw {
  public:
+  /// Of the deployment file, the same for all legs.
   struct Gains {
     double stiffness_per_s2 = 0.0;  ///< K_p
     double damping_per_s = 0.0;     ///< K_v
     double lambda_per_s = 0.0;      ///< L
     double cutoff_hz = 100.0;       ///< low-pass of the measured velocity
   };
+  /// One cycle: what was measured, and the reference.
   struct Instant {
     mechanism::Pose pose = mechanism::Pose::Zero();
     mechanism::Vector4 position = mechanism::Vector4::Zero();      ///< measured, m

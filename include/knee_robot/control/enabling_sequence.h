@@ -14,12 +14,14 @@ namespace knee_robot::control {
 /// A level counts from when AxesOutput has written it. Pure, real-time safe.
 class EnablingSequence {
  public:
+  /// Times and the brake test, from the deployment file.
   struct Settings {
     double limit_s = 2.0;       ///< longest enabling
     double settle_s = 0.05;     ///< closed loops before the release
     double brake_test_N = 0.0;  ///< 0: brakes are not tested
     double brake_slip_m = 5e-4;
   };
+  /// What one cycle of enabling asks for.
   struct Step {
     DriveLevel level = DriveLevel::Energised;  ///< to be ordered
     AxisValues brake_test_N{};

@@ -20,6 +20,7 @@ void portValues(std::type_index type, const void* value, std::vector<double>& nu
 
 /// Bytes of the type, and those that its described members take: so that a test finds a member that is missing.
 struct PortTypeLayout {
+  /// Where a described member lies in the type, bytes.
   struct Member {
     std::size_t begin, end, alignment;
   };

@@ -33,6 +33,7 @@ class PulseWitness {
   void step(std::size_t axis, double dt, const AxisValues& pulses_N, const AxisValues& error_m) noexcept;
   Felt felt(std::size_t axis, const AxisValues& count_m) const noexcept;
 
+  /// Movement that goes with a pulse, m, and its standard deviation.
   struct Answer {
     double way_m = 0.0, sigma_m = 0.0;
   };

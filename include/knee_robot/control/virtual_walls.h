@@ -17,6 +17,7 @@ class VirtualWalls {
   static constexpr double kCondition = 0.2;   ///< zone before the singularity margin, share of it
   static constexpr double kLever_m = 0.2;
 
+  /// By which the walls push back.
   struct Push {
     mechanism::Vector4 wrench = mechanism::Vector4::Zero();  ///< on Xm, Zm (N), theta, psi (N m)
     mechanism::Vector4 force = mechanism::Vector4::Zero();   ///< on the legs, N

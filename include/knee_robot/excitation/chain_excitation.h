@@ -29,6 +29,7 @@ struct JointUse {
   double range = 0.0, velocity = 0.0, acceleration = 0.0;  ///< share of the limit
 };
 
+/// A motion of a chain that makes its model identifiable, beside what was recorded already.
 struct ChainExcitationPlan {
   double period_s = 0.01;
   Eigen::MatrixXd position, velocity;  ///< samples x joints, rad or m

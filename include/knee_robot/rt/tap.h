@@ -40,6 +40,7 @@ class TapBase {
   std::atomic<std::uint64_t> lost_{0};
 };
 
+/// Of ports with values of type T.
 template <typename T>
 class Tap final : public TapBase {
  public:

@@ -9,6 +9,7 @@ namespace knee_robot::simulation {
 /// Its force acts through the image's surroundings. Not part of the robot.
 class SimulatedHand {
  public:
+  /// Spring and damper between hand and platform, and the most that the hand pushes.
   struct Impedance {
     double stiffness_N_per_m = 2000.0, damping_N_s_per_m = 100.0, largest_N = 150.0;
     double lever_m = 0.2;  ///< angles count as much as lengths of this lever

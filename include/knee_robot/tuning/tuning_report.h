@@ -24,6 +24,7 @@ struct TunedAxis {
   double present_kick_N = 0.0, proposed_kick_N = 0.0;  ///< of one encoder count
 };
 
+/// What tune_pid found, for its page and report.json.
 struct TuningResults {
   std::string recording, deployment;
   double servo_period_s = 0.001;
