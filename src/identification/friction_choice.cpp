@@ -14,7 +14,8 @@ namespace {
 using dynamics::FrictionElement;
 using dynamics::FrictionKind;
 
-constexpr int kStops = 14, kSpeeds = 12, kBristleWidths = 7;
+constexpr int kStops = 14, kSpeeds = 12, kBristleWidths = 7, kGrowing = 5;
+constexpr double kGrows = 1.6;  ///< of the fastest speed at which friction alone is full: from there on beside another
 constexpr double kBristleLeast_m = 2e-5;
 const double kCreeps_m_per_s[] = {0.0, 3e-5, 1e-4, 1.7e-4, 3e-4, 1e-3};
 const double kDampings_s[] = {0.0, 2.5e-3};
@@ -48,6 +49,9 @@ std::vector<FrictionElement> elementsToTry(const FrictionRange& range) {
       all.push_back(e);
     }
   }
+  const double from_m_per_s = kGrows * range.fastest_m_per_s;
+  for (int k = 0; k < kGrowing && range.growing_m_per_s > from_m_per_s; ++k)
+    all.push_back({FrictionKind::Smooth, 1.0, 0.0, geometric(from_m_per_s, range.growing_m_per_s, k, kGrowing)});
   const double least = std::min(std::max(kBristleLeast_m, narrowest_m), 0.5 * range.bristles_most_m);
   for (int k = 0; k < kBristleWidths; ++k) {
     for (const double creep : kCreeps_m_per_s) {
@@ -136,13 +140,19 @@ bool mixes(const FrictionElement& e) {
   return e.kind != FrictionKind::Smooth || e.exponent == 1.0;
 }
 
-Sum bestPair(const InWeights& squares, const std::vector<FrictionElement>& elements) {
+/// Friction that goes on growing with the speed, ever less: beside what builds up near rest.
+bool grows(const FrictionElement& e, const FrictionRange& range) {
+  return e.kind == FrictionKind::Smooth && e.speed_m_per_s > 0.9 * kGrows * range.fastest_m_per_s;
+}
+
+Sum bestPair(const InWeights& squares, const std::vector<FrictionElement>& elements, const FrictionRange& range) {
   const int count = static_cast<int>(elements.size());
   Sum best;
   for (int i = 0; i < count; ++i) {
     for (int j = i + 1; j < count; ++j) {
       const FrictionElement &a = elements[static_cast<std::size_t>(i)], &b = elements[static_cast<std::size_t>(j)];
-      if (mixes(a) && mixes(b) && apart(a, b)) keepBetter(best, tryThese(squares, {i, j}));
+      if (mixes(a) && mixes(b) && apart(a, b) && !(grows(a, range) && grows(b, range)))
+        keepBetter(best, tryThese(squares, {i, j}));
     }
   }
   return best;
@@ -169,17 +179,18 @@ Sum bestSum(const InWeights& squares, const std::vector<FrictionElement>& elemen
 }
 
 /// Simplest first; the numbers of shape parameters go with them.
-std::vector<Sum> bestOfFamilies(const InWeights& squares, const std::vector<FrictionElement>& elements) {
+std::vector<Sum> bestOfFamilies(const InWeights& squares, const std::vector<FrictionElement>& elements,
+                                const FrictionRange& range) {
   const auto single = [&](const auto& allowed) { return bestSingle(squares, elements, allowed); };
   std::vector<Sum> best;
   best.push_back(single([](const FrictionElement& e) { return e.kind == FrictionKind::Stop; }));
-  best.push_back(single([](const FrictionElement& e) { return e.kind == FrictionKind::Smooth; }));
+  best.push_back(single([&](const FrictionElement& e) { return e.kind == FrictionKind::Smooth && !grows(e, range); }));
   best.push_back(single([](const FrictionElement& e) {
     return e.kind == FrictionKind::Bristles && e.speed_m_per_s == 0.0 && e.tremble == 0.0 && e.damping_s == 0.0 &&
            e.exponent == 1.0;
   }));
   best.push_back(single([](const FrictionElement& e) { return e.kind == FrictionKind::Bristles; }));
-  best.push_back(bestPair(squares, elements));
+  best.push_back(bestPair(squares, elements, range));
   best.push_back(bestSum(squares, elements, best.back()));
   return best;
 }
@@ -265,8 +276,8 @@ double errorOfLaw(const InWeights& training, const InWeights& held, const Sum& l
 
 /// `laws`: of other actuators, in `elements`.
 FrictionChoice chooseFrom(const std::vector<FrictionBlock>& blocks, const Eigen::VectorXd& ridge,
-                          const std::vector<FrictionElement>& elements, const std::vector<Sum>& laws,
-                          OthersLaws& others) {
+                          const std::vector<FrictionElement>& elements, const FrictionRange& range,
+                          const std::vector<Sum>& laws, OthersLaws& others) {
   FrictionBlock everything;
   for (const FrictionBlock& b : blocks)
     everything += b;
@@ -279,7 +290,7 @@ FrictionChoice chooseFrom(const std::vector<FrictionBlock>& blocks, const Eigen:
     const FrictionBlock& out = blocks[static_cast<std::size_t>(b)];
     share[b] = out.rows / everything.rows;
     eliminateBase(everything.minus(out), out, ridge, training, held);
-    const std::vector<Sum> best = bestOfFamilies(training, elements);
+    const std::vector<Sum> best = bestOfFamilies(training, elements, range);
     for (Eigen::Index f = 0; f < families; ++f) {
       const Sum& sum = best[static_cast<std::size_t>(f)];
       error(b, f) = (sum.which.empty() ? held.constant : held.at(sum.which, sum.weights)) / std::max(1.0, out.rows);
@@ -288,7 +299,7 @@ FrictionChoice chooseFrom(const std::vector<FrictionBlock>& blocks, const Eigen:
       others.error(b, static_cast<Eigen::Index>(k)) = errorOfLaw(training, held, laws[k]) / std::max(1.0, out.rows);
   }
   eliminateBase(everything, everything, ridge, training, held);
-  const std::vector<Sum> best = bestOfFamilies(training, elements);
+  const std::vector<Sum> best = bestOfFamilies(training, elements, range);
   const Eigen::RowVectorXd mean = share.transpose() * error;
   Eigen::Index least = 0;
   mean.minCoeff(&least);
@@ -353,8 +364,8 @@ std::vector<FrictionChoice> chooseFriction(const std::vector<Observation>& train
     }
     Eigen::VectorXd ridge = Eigen::VectorXd::Zero(all.x.cols() - (without >= 0 ? 1 : 0));
     ridge.tail(r.directions.cols()).setConstant(strength);
-    choices.push_back(
-        chooseFrom(sumsOfBlocks(e, all, without, candidates, i * each), ridge, elements, laws, others[axis]));
+    choices.push_back(chooseFrom(sumsOfBlocks(e, all, without, candidates, i * each), ridge, elements, ranges[axis],
+                                 laws, others[axis]));
   }
   std::vector<double> narrowest_m;
   for (const FrictionRange& range : ranges)

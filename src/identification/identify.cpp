@@ -272,7 +272,7 @@ constexpr double kShareOfTravel =
 constexpr double kShareOfSpeed = 0.5;  ///< of its speed: the fastest at which it is not yet full
 constexpr double kSlowShare = 1e-3;
 
-/// Of a chain, whose joints may be gears of any size: by travel and speed.
+/// Of a chain, whose joints may be gears of any size, by travel and speed.
 std::vector<FrictionRange> frictionRanges(const mechanism::Robot& robot, const std::vector<Observation>& training,
                                           const std::vector<double>& narrowest) {
   std::vector<FrictionRange> ranges;
@@ -280,9 +280,12 @@ std::vector<FrictionRange> frictionRanges(const mechanism::Robot& robot, const s
     FrictionRange range;
     range.narrowest_m = narrowest[i];
     for (const Observation& o : training) {
-      if (!robot.chain) break;
       const Eigen::Index c = static_cast<Eigen::Index>(i);
       const double speed = usualSpeed(o.signals, c);
+      if (!robot.chain) {
+        range.growing_m_per_s = std::max(range.growing_m_per_s, speed);
+        continue;
+      }
       const double travel = o.signals.position_m.col(c).maxCoeff() - o.signals.position_m.col(c).minCoeff();
       range.widest_m = std::max(range.widest_m, kShareOfTravel * travel);
       range.bristles_most_m = std::max(range.bristles_most_m, 0.5 * kShareOfTravel * travel);

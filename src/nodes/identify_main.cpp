@@ -207,6 +207,7 @@ int run(const Arguments& a, const std::string& command_line) {
   mechanism::Robot robot = mechanism::loadAnyRobot(a.robot);
   std::vector<recording::Recording> read = readAll(a.train);
   identification::adaptToRecordings(robot, read);
+  identification::takeRecordedSteps(robot, read);
   std::vector<recording::Recording> training = inUnits(robot, read);
   decideCutoff(training, a.cutoff_hz, a.motion_cutoff_hz, r);
   r.train = observeAll(robot, training, r.options);

@@ -25,6 +25,7 @@ int run(const Arguments& a, const std::string& command_line) {
   const dynamics::Model model = dynamics::loadModel(a.model);
   std::vector<recording::Recording> recordings = identification::readRecordings(a.recordings);
   if (robot.axes() != model.axes) identification::adaptToRecordings(robot, recordings);
+  identification::takeRecordedSteps(robot, recordings);
   identification::takeGains(model, robot);
   std::set<std::string> names;
   for (recording::Recording& r : recordings) {

@@ -190,6 +190,7 @@ std::vector<recording::Recording> readTraining(const Arguments& a, mechanism::Ro
                                                recording::CutoffChoice& cutoff, Times& times) {
   std::vector<recording::Recording> read = readAll(a.train, times);
   identification::adaptToRecordings(robot, read);
+  identification::takeRecordedSteps(robot, read);
   if (!a.model.empty()) {
     r.options.start =
         std::make_shared<const tracing::StartModel>(tracing::StartModel{dynamics::loadModel(a.model), a.model});

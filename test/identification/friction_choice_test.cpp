@@ -109,6 +109,21 @@ TEST_P(LawNearRest, IsPredictedOnAnotherMotionWhateverLawMadeIt) {
 
 INSTANTIATE_TEST_SUITE_P(EveryLaw, LawNearRest, testing::Range<std::size_t>(0, 9));
 
+TEST(ViscousFriction, ThatGrowsAsTheRootOfTheSpeedIsPredictedOnAnotherMotion) {
+  const OwnLaw law = {"tanh of 1 mm/s beside v / sqrt(|v| + 2 mm/s)",
+                      [](double v, double*) { return std::tanh(v / 1e-3) + 4.0 * v / std::sqrt(std::abs(v) + 2e-3); }};
+  const mechanism::Robot robot = syntheticBench(1);
+  IdentifyOptions options;
+  options.uncertainty = false;
+  std::vector<Observation> train = {
+      observe(robot, columnsOf(robot), ownRecording(robot, law, 0, 60.0), options.observation)};
+  std::vector<Observation> other = {
+      observe(robot, columnsOf(robot), ownRecording(robot, law, 1, 30.0), options.observation)};
+  const Identification id = identify(robot, train, options);
+  EXPECT_LT(applyModel(id.model, robot, other, options.observation.cutoff_hz).accuracy.rms_N[0], 0.02 * kCoulomb_N)
+      << dynamics::describe(id.model.friction[0]);
+}
+
 TEST(LawOfOneElement, IsFoundForWhatItIs) {
   const mechanism::Robot robot = syntheticBench(1);
   IdentifyOptions options;

@@ -14,6 +14,8 @@ struct FrictionRange {
   double narrowest_m = 2e-5;  ///< no stop is narrower: an encoder's steps
   double widest_m = 2e-3, bristles_most_m = 1e-3;
   double slowest_m_per_s = 1e-4, fastest_m_per_s = 5e-3;
+  /// Up to this speed a part of it may go on growing, ever less: viscous friction that a straight line does not describe.
+  double growing_m_per_s = 0.0;
 };
 
 /// One family of laws that was tried for an actuator.

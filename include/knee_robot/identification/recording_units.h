@@ -17,6 +17,11 @@ std::vector<recording::Recording> readRecordings(const std::vector<std::string>&
 /// notes say so); encoders' steps. Other robots stay as they are.
 void adaptToRecordings(mechanism::Robot& robot, std::vector<recording::Recording>& recordings);
 
+/// Takes the encoders' steps of a robot that is no chain from its recordings (as read), where all small changes of a
+/// position are multiples of one that is not the robot file's; the first recording's notes say so. How finely friction
+/// near rest can be told depends on them.
+void takeRecordedSteps(mechanism::Robot& robot, std::vector<recording::Recording>& recordings);
+
 /// Reads recordings of this robot and brings them to metres and newtons of its actuators (mechanism::kJointRadius_m). A
 /// chain of whose joints nothing but the current was recorded counts as recorded in amperes from here on, whatever its
 /// robot file left open.
