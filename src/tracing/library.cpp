@@ -1,6 +1,6 @@
 #include "library.h"
 
-#include "parallel.h"
+#include "knee_robot/base/parallel.h"
 
 namespace knee_robot::tracing {
 

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <random>
 
-#include "parallel.h"
+#include "knee_robot/base/parallel.h"
 
 namespace knee_robot::tracing {
 namespace {

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "parallel.h"
+#include "knee_robot/base/parallel.h"
 #include "ripple_periods.h"
 #include "search.h"
 

@@ -5,7 +5,7 @@
 #include <map>
 
 #include "knee_robot/base/numbers.h"
-#include "parallel.h"
+#include "knee_robot/base/parallel.h"
 #include "trial.h"
 
 namespace knee_robot::tracing {

@@ -7,7 +7,7 @@
 #include <map>
 
 #include "knee_robot/base/numbers.h"
-#include "parallel.h"
+#include "knee_robot/base/parallel.h"
 #include "ripple_periods.h"
 
 namespace knee_robot::tracing {

@@ -6,7 +6,7 @@
 #include <thread>
 #include <vector>
 
-namespace knee_robot::tracing {
+namespace knee_robot {
 
 /// Calls task(k) for k = 0 .. count - 1, on as many threads as the machine has processors. Tasks must not share what
 /// they write; the first exception is passed on.
@@ -26,4 +26,4 @@ void inParallel(std::size_t count, const Task& task) {
     other.get();
 }
 
-}  // namespace knee_robot::tracing
+}  // namespace knee_robot

@@ -1,0 +1,219 @@
+#include "friction_families.h"
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+namespace knee_robot::identification {
+namespace {
+
+using dynamics::FrictionElement;
+using dynamics::FrictionKind;
+
+constexpr int kStops = 14, kSpeeds = 12, kBristleWidths = 7, kGrowing = 5;
+constexpr double kGrows = 1.6;  ///< of the fastest speed at which friction alone is full: from there on beside another
+constexpr double kBristleLeast_m = 2e-5;
+const double kCreeps_m_per_s[] = {0.0, 3e-5, 1e-4, 1.7e-4, 3e-4, 1e-3};
+const double kDampings_s[] = {0.0, 2.5e-3};
+const double kTrembles[] = {0.5, 1.0};
+const double kExponents[] = {1.5, 2.0};        // below 1: a stop beside bristles does the same
+const double kSmoothExponents[] = {1.0, 3.0};  // above 1: next to nothing rubs while an axis creeps
+const double kFinerFactors[] = {0.8, 0.87, 0.93, 0.97, 1.03, 1.07, 1.15, 1.25};
+const double kFinerSides[] = {0.8, 0.9, 1.0, 1.12, 1.25};
+constexpr double kFarApart = 2.0;
+constexpr std::size_t kMostInSum = 6;
+constexpr double kLeastOfSpectrum = 0.03;  ///< share of a stop beside many
+constexpr double kSlightly = 1e-6;         ///< of a column's own square: stops of neighbouring widths are alike
+constexpr double kWorthAdding = 0.01;  ///< of the squares: an element that lowers them by less is not added to a sum
+
+double geometric(double first, double last, int k, int count) {
+  return first * std::pow(last / first, static_cast<double>(k) / (count - 1));
+}
+
+/// Wider and narrower, and more and less of a second shape of `found`.
+void addSides(const FrictionElement& found, double FrictionElement::*second, std::vector<FrictionElement>& all) {
+  for (const double wider : kFinerSides) {
+    for (const double more : kFinerSides) {
+      if (wider == 1.0 && more == 1.0) continue;
+      all.push_back(found);
+      all.back().width_m *= wider;
+      all.back().*second *= more;
+    }
+  }
+}
+
+Sum tryThese(const InWeights& squares, std::vector<int> which) {
+  Sum sum;
+  sum.weights = positiveWeights(squares, which);
+  if (sum.weights.size() == 0) return sum;
+  sum.left = squares.at(which, sum.weights);
+  sum.which = std::move(which);
+  return sum;
+}
+
+void keepBetter(Sum& best, Sum other) {
+  if (other.left < best.left) best = std::move(other);
+}
+
+template <typename Allowed>
+Sum bestSingle(const InWeights& squares, const std::vector<FrictionElement>& elements, const Allowed& allowed) {
+  Sum best;
+  for (int k = 0; k < static_cast<int>(elements.size()); ++k) {
+    if (allowed(elements[static_cast<std::size_t>(k)])) keepBetter(best, tryThese(squares, {k}));
+  }
+  return best;
+}
+
+/// Neighbours on the grids are one element that lies between them, not two.
+bool apart(const FrictionElement& a, const FrictionElement& b) {
+  if (a.kind != b.kind) return true;
+  const auto far = [](double x, double y) { return std::max(x, y) > kFarApart * std::min(x, y); };
+  return a.kind == FrictionKind::Smooth ? far(a.speed_m_per_s, b.speed_m_per_s) : far(a.width_m, b.width_m);
+}
+
+/// A power of the velocity beside its tanh rises late and steeply, as Stribeck friction does: alone or not at all.
+bool mixes(const FrictionElement& e) {
+  return e.kind != FrictionKind::Smooth || e.exponent == 1.0;
+}
+
+/// Friction that goes on growing with the speed, ever less: beside what builds up near rest.
+bool grows(const FrictionElement& e, const FrictionRange& range) {
+  return e.kind == FrictionKind::Smooth && e.speed_m_per_s > 0.9 * kGrows * range.fastest_m_per_s;
+}
+
+Sum bestPair(const InWeights& squares, const std::vector<FrictionElement>& elements, const FrictionRange& range) {
+  const int count = static_cast<int>(elements.size());
+  Sum best;
+  for (int i = 0; i < count; ++i) {
+    for (int j = i + 1; j < count; ++j) {
+      const FrictionElement &a = elements[static_cast<std::size_t>(i)], &b = elements[static_cast<std::size_t>(j)];
+      if (mixes(a) && mixes(b) && apart(a, b) && !(grows(a, range) && grows(b, range)))
+        keepBetter(best, tryThese(squares, {i, j}));
+    }
+  }
+  return best;
+}
+
+/// Adds elements one after the other while that pays.
+Sum bestSum(const InWeights& squares, const std::vector<FrictionElement>& elements, Sum sum) {
+  const int count = static_cast<int>(elements.size());
+  while (!sum.which.empty() && sum.which.size() < kMostInSum) {
+    Sum more;
+    for (int k = 0; k < count; ++k) {
+      const bool near = std::any_of(sum.which.begin(), sum.which.end(), [&](int other) {
+        return !apart(elements[static_cast<std::size_t>(k)], elements[static_cast<std::size_t>(other)]);
+      });
+      if (near || !mixes(elements[static_cast<std::size_t>(k)])) continue;
+      std::vector<int> which = sum.which;
+      which.push_back(k);
+      keepBetter(more, tryThese(squares, which));
+    }
+    if (!(more.left < (1.0 - kWorthAdding) * sum.left)) break;
+    sum = more;
+  }
+  return sum;
+}
+
+/// All stops of the grid at once with the non-negative shares that leave least, the smallest left out while it is next
+/// to nothing: Maxwell slip. Adding one stop after the other ends beside it, where no single one helps.
+Sum spectrumOfStops(const InWeights& squares) {
+  Sum sum;
+  sum.which.resize(kStops);
+  std::iota(sum.which.begin(), sum.which.end(), 0);
+  while (!sum.which.empty()) {
+    Eigen::MatrixXd square = squares.square(sum.which, sum.which);
+    square.diagonal() *= 1.0 + kSlightly;
+    const Eigen::LLT<Eigen::MatrixXd> root(square);
+    sum.weights = boundedLeastSquares(root.matrixU(), root.matrixL().solve(squares.linear(sum.which)),
+                                      static_cast<int>(sum.which.size()));
+    Eigen::Index least = 0;
+    sum.weights.minCoeff(&least);
+    if (sum.which.size() <= dynamics::kMostFrictionElements &&
+        sum.weights[least] >= kLeastOfSpectrum * sum.weights.sum())
+      break;
+    sum.which.erase(sum.which.begin() + least);
+  }
+  if (sum.which.empty() || !sum.weights.allFinite() || sum.weights.sum() <= 0.0) return {};
+  sum.left = squares.at(sum.which, sum.weights);
+  return sum;
+}
+
+}  // namespace
+
+std::vector<FrictionElement> elementsToTry(const FrictionRange& range) {
+  const double narrowest_m = range.narrowest_m;
+  std::vector<FrictionElement> all;
+  for (int k = 0; k < kStops; ++k)
+    all.push_back({FrictionKind::Stop, 1.0,
+                   geometric(std::min(narrowest_m, 0.5 * range.widest_m), range.widest_m, k, kStops), 0.0, 0.0});
+  for (int k = 0; k < kSpeeds; ++k) {
+    for (const double exponent : kSmoothExponents) {
+      FrictionElement e{FrictionKind::Smooth, 1.0, 0.0,
+                        geometric(range.slowest_m_per_s, range.fastest_m_per_s, k, kSpeeds)};
+      e.exponent = exponent;
+      all.push_back(e);
+    }
+  }
+  const double from_m_per_s = kGrows * range.fastest_m_per_s;
+  for (int k = 0; k < kGrowing && range.growing_m_per_s > from_m_per_s; ++k)
+    all.push_back({FrictionKind::Smooth, 1.0, 0.0, geometric(from_m_per_s, range.growing_m_per_s, k, kGrowing)});
+  const double least = std::min(std::max(kBristleLeast_m, narrowest_m), 0.5 * range.bristles_most_m);
+  for (int k = 0; k < kBristleWidths; ++k) {
+    for (const double creep : kCreeps_m_per_s) {
+      for (const double damping : kDampings_s)
+        all.push_back(
+            {FrictionKind::Bristles, 1.0, geometric(least, range.bristles_most_m, k, kBristleWidths), creep, damping});
+    }
+    for (const double exponent : kExponents) {
+      FrictionElement e{FrictionKind::Bristles, 1.0, geometric(least, range.bristles_most_m, k, kBristleWidths)};
+      e.exponent = exponent;
+      all.push_back(e);
+    }
+    for (const double tremble : kTrembles) {
+      for (const double damping : kDampings_s)
+        all.push_back({FrictionKind::Bristles, 1.0, geometric(least, range.bristles_most_m, k, kBristleWidths), 0.0,
+                       damping, tremble});
+    }
+  }
+  return all;
+}
+
+void addFinerSteps(const FrictionChoice& around, double narrowest_m, std::vector<FrictionElement>& all) {
+  for (const TriedLaw& tried : around.tried) {
+    if (tried.law.count > 1) continue;
+    const FrictionElement& found = tried.law.elements.front();
+    if (found.kind == FrictionKind::Bristles && found.tremble > 0.0) {
+      addSides(found, &FrictionElement::tremble, all);
+    } else if (found.kind == FrictionKind::Bristles && found.exponent != 1.0) {
+      addSides(found, &FrictionElement::exponent, all);
+    } else if (found.kind == FrictionKind::Bristles && found.speed_m_per_s > 0.0) {
+      addSides(found, &FrictionElement::speed_m_per_s, all);
+    } else {
+      for (const double factor : kFinerFactors) {
+        FrictionElement e = found;
+        (e.kind == FrictionKind::Smooth ? e.speed_m_per_s : e.width_m) *= factor;
+        if (e.kind == FrictionKind::Smooth || e.width_m >= narrowest_m) all.push_back(e);
+      }
+    }
+  }
+}
+
+std::vector<Sum> bestOfFamilies(const InWeights& squares, const std::vector<FrictionElement>& elements,
+                                const FrictionRange& range) {
+  const auto single = [&](const auto& allowed) { return bestSingle(squares, elements, allowed); };
+  std::vector<Sum> best;
+  best.push_back(single([](const FrictionElement& e) { return e.kind == FrictionKind::Stop; }));
+  best.push_back(single([&](const FrictionElement& e) { return e.kind == FrictionKind::Smooth && !grows(e, range); }));
+  best.push_back(single([](const FrictionElement& e) {
+    return e.kind == FrictionKind::Bristles && e.speed_m_per_s == 0.0 && e.tremble == 0.0 && e.damping_s == 0.0 &&
+           e.exponent == 1.0;
+  }));
+  best.push_back(single([](const FrictionElement& e) { return e.kind == FrictionKind::Bristles; }));
+  best.push_back(spectrumOfStops(squares));
+  best.push_back(bestPair(squares, elements, range));
+  best.push_back(bestSum(squares, elements, best.back()));
+  return best;
+}
+
+}  // namespace knee_robot::identification

@@ -1,0 +1,26 @@
+#pragma once
+
+#include <array>
+#include <vector>
+
+#include "friction_fits.h"
+#include "friction_shared.h"
+#include "knee_robot/identification/friction_choice.h"
+
+namespace knee_robot::identification {
+
+/// Parts that a law may be made of, on grids of the range; all stops stand first.
+std::vector<dynamics::FrictionElement> elementsToTry(const FrictionRange& range);
+
+/// Finer steps around the shapes that an earlier choice found for single elements.
+void addFinerSteps(const FrictionChoice& around, double narrowest_m, std::vector<dynamics::FrictionElement>& all);
+
+/// Shape parameters of every family: one stop, tanh, Dahl's bristles, any bristles, all stops together (Maxwell slip),
+/// pairs, sums.
+inline constexpr std::array<int, 7> kFamilyNumbers = {1, 1, 1, 3, 6, 4, 8};
+
+/// The best law of every family, simplest first; without elements where there is none.
+std::vector<Sum> bestOfFamilies(const InWeights& squares, const std::vector<dynamics::FrictionElement>& elements,
+                                const FrictionRange& range);
+
+}  // namespace knee_robot::identification
