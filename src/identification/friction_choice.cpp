@@ -16,6 +16,8 @@ using dynamics::FrictionElement;
 /// A simpler family is taken when it is within so many standard errors of the best. One would be usual; on the physical
 /// robot it keeps the single stop, whose error on another path is up to half as large again (docs/identification.md).
 constexpr double kWithinErrors = 0.25;
+/// The same where a whole spectrum of stops is the best: with that many shares it comes near to any law.
+constexpr double kWithinErrorsOfSpectrum = 1.0;
 
 dynamics::FrictionLaw lawOf(const Sum& sum, const std::vector<FrictionElement>& elements) {
   std::vector<FrictionElement> chosen;
@@ -126,6 +128,7 @@ FrictionChoice chooseFrom(const std::vector<FrictionBlock>& blocks, const Eigen:
   mean.minCoeff(&least);
   others.best = error.col(least);
   others.share = share;
+  const double within = least == kSpectrumFamily ? kWithinErrorsOfSpectrum : kWithinErrors;
   FrictionChoice choice;
   bool chosen = false;
   for (Eigen::Index f = 0; f < families; ++f) {
@@ -139,7 +142,7 @@ FrictionChoice chooseFrom(const std::vector<FrictionBlock>& blocks, const Eigen:
     const Eigen::VectorXd worse = error.col(f) - error.col(least);
     const double variance = (share.array() * (worse.array() - tried.beyond_best).square()).sum();
     tried.standard_error = std::sqrt(variance / std::max<Eigen::Index>(1, error.rows() - 1));
-    if (!chosen && tried.beyond_best <= kWithinErrors * tried.standard_error) {
+    if (!chosen && tried.beyond_best <= within * tried.standard_error) {
       choice.law = tried.law;
       chosen = true;
     }

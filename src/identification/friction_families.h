@@ -18,6 +18,7 @@ void addFinerSteps(const FrictionChoice& around, double narrowest_m, std::vector
 /// Shape parameters of every family: one stop, tanh, Dahl's bristles, any bristles, all stops together (Maxwell slip),
 /// pairs, sums.
 inline constexpr std::array<int, 7> kFamilyNumbers = {1, 1, 1, 3, 6, 4, 8};
+inline constexpr int kSpectrumFamily = 4;
 
 /// The best law of every family, simplest first; without elements where there is none.
 std::vector<Sum> bestOfFamilies(const InWeights& squares, const std::vector<dynamics::FrictionElement>& elements,

@@ -15,12 +15,14 @@ namespace {
 constexpr double kStep_s = 1e-4;
 constexpr double kCoulomb_N = 30.0, kNoise_N = 0.3;
 
-/// A law by its own words: the share of Coulomb friction after moving at velocity v for kStep_s, with three numbers of
+/// A law by its own words: the share of Coulomb friction after moving at velocity v for kStep_s, with some numbers of
 /// memory.
 struct OwnLaw {
   std::string name;
   std::function<double(double v, double* memory)> share;
 };
+
+constexpr int kMemory = 6;
 
 double plasticSpring(double v, double width, double& bent) {
   bent += v * kStep_s;
@@ -34,6 +36,15 @@ std::vector<OwnLaw> ownLaws() {
       {"one stop of 30 um", [](double v, double* m) { return plasticSpring(v, 30e-6, m[0]); }},
       {"stops of 20 um and 400 um",
        [](double v, double* m) { return 0.6 * plasticSpring(v, 20e-6, m[0]) + 0.4 * plasticSpring(v, 400e-6, m[1]); }},
+      {"Maxwell slip: six stops of 8 um to 0.7 mm",
+       [](double v, double* m) {
+         const double widths_m[kMemory] = {8e-6, 2e-5, 5e-5, 1.2e-4, 3e-4, 7e-4};
+         const double shares[kMemory] = {0.25, 0.2, 0.2, 0.15, 0.12, 0.08};
+         double sum = 0.0;
+         for (int k = 0; k < kMemory; ++k)
+           sum += shares[k] * plasticSpring(v, widths_m[k], m[k]);
+         return sum;
+       }},
       {"tanh of 1 mm/s", [](double v, double*) { return std::tanh(v / 1e-3); }},
       {"arc tangent of 0.7 mm/s", [](double v, double*) { return 2.0 / M_PI * std::atan(v / 7e-4); }},
       {"v / sqrt(v^2 + (2 mm/s)^2)", [](double v, double*) { return v / std::sqrt(v * v + 4e-6); }},
@@ -73,7 +84,7 @@ recording::Recording ownRecording(const mechanism::Robot& robot, const OwnLaw& l
   const int rows = static_cast<int>(seconds * 100.0);
   r.position_m.resize(rows, 1);
   r.force_N.resize(rows, 1);
-  double memory[3] = {};
+  double memory[kMemory] = {};
   const double count = robot.actuators[0].metresPerCount();
   for (int k = 0; k < rows; ++k) {
     const double t = 0.01 * k;
@@ -107,7 +118,7 @@ TEST_P(LawNearRest, IsPredictedOnAnotherMotionWhateverLawMadeIt) {
   EXPECT_NEAR(parameterValue(id.model, "Fc_1"), kCoulomb_N, 0.1 * kCoulomb_N) << law.name;
 }
 
-INSTANTIATE_TEST_SUITE_P(EveryLaw, LawNearRest, testing::Range<std::size_t>(0, 9));
+INSTANTIATE_TEST_SUITE_P(EveryLaw, LawNearRest, testing::Range<std::size_t>(0, 10));
 
 TEST(ViscousFriction, ThatGrowsAsTheRootOfTheSpeedIsPredictedOnAnotherMotion) {
   const OwnLaw law = {"tanh of 1 mm/s beside v / sqrt(|v| + 2 mm/s)",
@@ -135,7 +146,7 @@ TEST(LawOfOneElement, IsFoundForWhatItIs) {
     return *std::max_element(law.elements.begin(), law.elements.begin() + law.count,
                              [](const auto& a, const auto& b) { return a.share < b.share; });
   };
-  const dynamics::FrictionElement stop = chosen(0), smooth = chosen(2), bristles = chosen(5);
+  const dynamics::FrictionElement stop = chosen(0), smooth = chosen(3), bristles = chosen(6);
   EXPECT_EQ(stop.kind, dynamics::FrictionKind::Stop);
   EXPECT_NEAR(stop.width_m, 30e-6, 10e-6);
   EXPECT_EQ(smooth.kind, dynamics::FrictionKind::Smooth);
