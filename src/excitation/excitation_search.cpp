@@ -7,7 +7,8 @@
 #include <mutex>
 #include <nlopt.hpp>
 #include <random>
-#include <thread>
+
+#include "knee_robot/base/parallel.h"
 
 namespace knee_robot::excitation {
 namespace {
@@ -56,23 +57,6 @@ class SearchBoard {
   int done_ = 0;
   double best_cost_ = HUGE_VAL;
 };
-
-/// Calls work(0) .. work(count - 1) from all cores.
-template <typename Work>
-void inParallel(int count, const Work& work) {
-  std::atomic<int> next{0};
-  const auto worker = [&] {
-    for (int k = next++; k < count; k = next++)
-      work(k);
-  };
-  const unsigned cores = std::max(1u, std::min(std::thread::hardware_concurrency(), static_cast<unsigned>(count)));
-  std::vector<std::thread> threads;
-  for (unsigned i = 1; i < cores; ++i)
-    threads.emplace_back(worker);
-  worker();
-  for (std::thread& thread : threads)
-    thread.join();
-}
 
 double costOf(const ExcitationProblem& problem, const Eigen::VectorXd& variables) {
   ExcitationProblem::Evaluation evaluation;
@@ -277,10 +261,11 @@ SearchResult randomSearch(ExcitationProblem& problem, const ExcitationOptions& o
   SearchResult result;
   if (options.criterion == ExcitationCriterion::Determinant) fixScale(problem, options);
   std::vector<std::optional<Candidate>> random(static_cast<std::size_t>(options.candidates));
-  inParallel(options.candidates, [&](int number) {
+  inParallel(random.size(), [&](std::size_t own) {
+    const int number = static_cast<int>(own);
     // The first two are always looked at: there must be something to return.
     if (number > 1 && board.mustStop()) return;
-    std::optional<Candidate>& found = random[static_cast<std::size_t>(number)];
+    std::optional<Candidate>& found = random[own];
     found = randomCandidate(problem, options.seed, number);
     board.report("random", options.candidates, found ? found->cost : HUGE_VAL);
   });
@@ -314,8 +299,7 @@ SearchResult searchExcitation(ExcitationProblem& problem, const ExcitationOption
   SearchResult result = randomSearch(problem, options, board);
   if (result.found.empty()) return result;
   std::vector<int> evaluations(result.found.size(), 0);
-  inParallel(std::min(options.starts, static_cast<int>(result.found.size())), [&](int number) {
-    const std::size_t i = static_cast<std::size_t>(number);
+  inParallel(std::min(result.found.size(), static_cast<std::size_t>(std::max(0, options.starts))), [&](std::size_t i) {
     result.found[i] = improved(problem, options, board, result.found[i], evaluations[i]);
   });
   for (const int count : evaluations)

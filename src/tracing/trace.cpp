@@ -17,9 +17,9 @@ namespace {
 
 constexpr double kNothingLeft = 0.02;  ///< share of a column's square that the base parameters leave: absorbed
 constexpr double kSame = 1e-3;         ///< the same, of a column that is one of the baseline's
-/// Factor by which a surrogate may leave more than the recording does: those of a healthy robot that truly sticks leave 1.3
-/// times as much, stiction in place of any other law of friction 5 to 30 times.
-constexpr double kTooMuch = 2.0;
+/// Factor by which a surrogate may leave more than the recording does: those of a healthy robot that truly sticks leave
+/// 1.3 times as much, of an axis of the laboratory's bench, which does not, 1.5 times, of other laws 5 to 30 times.
+constexpr double kTooMuch = 1.4;
 constexpr double kFaster = 3.0;  ///< cut-off of the second band over that of the first,
 constexpr double kFastestShareOfRate = 0.1;
 constexpr double kLeastFaster = 1.5;  ///< below which a second band would be the first one again
