@@ -14,7 +14,8 @@ struct FrictionRange {
   double narrowest_m = 2e-5;  ///< no stop is narrower: an encoder's steps
   double widest_m = 2e-3, bristles_most_m = 1e-3;
   double slowest_m_per_s = 1e-4, fastest_m_per_s = 5e-3;
-  /// Up to this speed a part of it may go on growing, ever less: viscous friction that a straight line does not describe.
+  /// Up to this speed a part of it may go on growing, ever less: viscous friction that a straight line does not
+  /// describe.
   double growing_m_per_s = 0.0;
 };
 
@@ -33,12 +34,13 @@ struct FrictionChoice {
   std::vector<TriedLaw> tried;  ///< simplest first
 };
 
-/// Chooses every actuator's law among one stop, tanh of velocity, bristles (Dahl's, creeping, damped), sums of two, and
-/// sums of up to six elements with non-negative shares. Blocks of the training data are left out in turn; within each
-/// turn shape and shares are chosen without the block, the other parameters follow by least squares with the prior of
-/// `strength`. Chosen is the simplest family within a quarter of a standard error of the best. `equations`: weighted,
-/// their Coulomb columns set with `present` laws; other actuators keep theirs. `ranges`, one per actuator. `around`: an
-/// earlier choice, between whose shapes and their neighbours finer steps are tried too.
+/// Chooses every actuator's law among one stop, tanh of velocity, bristles (Dahl's, creeping, damped), a spectrum of
+/// stops, sums of two, and sums of up to six elements with non-negative shares. Blocks of the training data are left out
+/// in turn; within each turn shape and shares are chosen without the block, the other parameters follow by least squares
+/// with the prior of `strength`. Chosen is the simplest family within a quarter of a standard error of the best (a whole
+/// one where that is the spectrum). `equations`: weighted, their Coulomb columns set with `present` laws; other
+/// actuators keep theirs. `ranges`, one per actuator. `around`: an earlier choice, between whose shapes and their
+/// neighbours finer steps are tried too.
 std::vector<FrictionChoice> chooseFriction(const std::vector<Observation>& training, const ObservationOptions& options,
                                            const std::vector<Column>& columns, const Equations& equations,
                                            const Eigen::VectorXd& noise_N, const Reduction& reduction, double strength,
