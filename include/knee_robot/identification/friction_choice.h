@@ -35,12 +35,12 @@ struct FrictionChoice {
 };
 
 /// Chooses every actuator's law among one stop, tanh of velocity, bristles (Dahl's, creeping, damped), a spectrum of
-/// stops, sums of two, and sums of up to six elements with non-negative shares. Blocks of the training data are left out
-/// in turn; within each turn shape and shares are chosen without the block, the other parameters follow by least squares
-/// with the prior of `strength`. Chosen is the simplest family within a quarter of a standard error of the best (a whole
-/// one where that is the spectrum). `equations`: weighted, their Coulomb columns set with `present` laws; other
-/// actuators keep theirs. `ranges`, one per actuator. `around`: an earlier choice, between whose shapes and their
-/// neighbours finer steps are tried too.
+/// stops, sums of two, and sums of up to six elements with non-negative shares. Blocks of the training data are left
+/// out in turn; within each turn shape and shares are chosen without the block, the other parameters follow by least
+/// squares with the prior of `strength`. Chosen is the simplest family within a quarter of a standard error of the
+/// best (a whole one where that is the spectrum). `equations`: weighted, their Coulomb columns set with `present`
+/// laws; other actuators keep theirs. `ranges`, one per actuator. `around`: an earlier choice, between whose shapes
+/// and their neighbours finer steps are tried too.
 std::vector<FrictionChoice> chooseFriction(const std::vector<Observation>& training, const ObservationOptions& options,
                                            const std::vector<Column>& columns, const Equations& equations,
                                            const Eigen::VectorXd& noise_N, const Reduction& reduction, double strength,
