@@ -1,5 +1,6 @@
 // The exercise: which one, its steps, its progress.
 import { request } from "./api.js";
+import { showList } from "./lists.js";
 import { marginBars, picture } from "./picture.js";
 import { nextStep } from "./status.js";
 import { duration, number, sentence, text } from "./text.js";
@@ -49,12 +50,7 @@ export async function open() {
   const list = (await request("/api/exercises")).exercises;
   if (!list) return;
   $("no-exercises").hidden = list.length > 0;
-  const box = $("exercises");
-  const wanted = list.map((e) => `${e.name}:${e.changed}`).join("\n");
-  if (box.dataset.list !== wanted) {
-    box.dataset.list = wanted;
-    box.replaceChildren(...list.map(card));
-  }
+  showList($("exercises"), list, card);
   mark();
   fillAll(list);
 }

@@ -1,5 +1,6 @@
 // Who is on the robot: a patient file, or the word that nobody is; and a form for a new patient file.
 import { request } from "./api.js";
+import { showList } from "./lists.js";
 import { occupancy } from "./status.js";
 import { number, text } from "./text.js";
 
@@ -39,7 +40,7 @@ export async function open() {
   const list = (await request("/api/patients")).patients;
   if (!list) return;
   $("no-patients").hidden = list.length > 0;
-  $("patients").replaceChildren(...list.map(card));
+  showList($("patients"), list, card);
   mark();
 }
 

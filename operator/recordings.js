@@ -1,5 +1,6 @@
 // Recordings, what can be computed from them, and the reports.
 import { request } from "./api.js";
+import { showList } from "./lists.js";
 import { number, sentence, text } from "./text.js";
 
 const $ = (id) => document.getElementById(id);
@@ -28,9 +29,9 @@ export async function open() {
   $("no-recordings").hidden = names.length > 0;
   $("older-recordings").hidden = !answer.older;
   $("older-recordings").textContent = text("recordings.older", { older: answer.older });
-  $("recordings").replaceChildren(...answer.recordings.sort((a, b) => b.changed - a.changed).map(row));
+  showList($("recordings"), answer.recordings.sort((a, b) => b.changed - a.changed), row);
   $("no-reports").hidden = answer.reports.length > 0;
-  $("reports").replaceChildren(...answer.reports.map(report));
+  showList($("reports"), answer.reports, report, role);
   mark();
 }
 

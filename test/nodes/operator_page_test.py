@@ -70,14 +70,14 @@ class OperatorPage(unittest.TestCase):
         page.tab("patient")
         page.wait(lambda: page.all("#patients .card"), what="the patient file")
         page.wait(lambda: page.find("#patients .card").is_enabled())
-        page.press("#patients .card")
+        page.ask("#patients .card")
         page.wait(lambda: "17" in page.text("#status-patient"), what="the patient's name")
         page.tab("exercise")
 
     def choose(self, page, name):
         card = f'#exercises [data-file="{name}"]'
         page.wait(lambda: page.all(card), what=f"the exercise {name}")
-        page.press(card)
+        page.ask(card)
         page.wait(lambda: page.find(card).get_attribute("aria-pressed") == "true", what=f"{name} being loaded")
 
     def test_a_whole_exercise_on_a_tablet(self):

@@ -93,6 +93,11 @@ class Page:
         self.run("arguments[0].scrollIntoView({block: 'center'})", element)
         element.click()
 
+    def ask(self, selector):
+        """Presses a card and waits for the answer to what it asks."""
+        self.press(selector)
+        self.wait(lambda: "busy" not in self.find(selector).get_attribute("class").split(), what=f"the answer to {selector}")
+
     def stop(self):
         self.find("#stop").click()
 
