@@ -3,6 +3,11 @@
 #include "knee_robot/identification/motion_model.h"
 
 namespace knee_robot::identification {
+namespace {
+
+constexpr double kLargestChangeOfUrdf = 2.0;
+
+}  // namespace
 
 Prior priorOf(const mechanism::Robot& robot, const std::vector<Column>& columns, const Eigen::VectorXd& force_rms_N) {
   const Eigen::Index size = static_cast<Eigen::Index>(columns.size());
@@ -11,6 +16,8 @@ Prior priorOf(const mechanism::Robot& robot, const std::vector<Column>& columns,
   Prior prior;
   prior.mean = Eigen::VectorXd::Zero(size);
   prior.transform = Eigen::MatrixXd::Zero(size, rigid + robot.axes());
+  prior.bodies = static_cast<int>(rigid);
+  if (!robot.chain && !robot.urdf.empty()) prior.largest_change = kLargestChangeOfUrdf;
   prior.mean.head(rigid) = bodies.prior;
   prior.transform.topLeftCorner(rigid, rigid) = bodies.transform;
   for (Eigen::Index c = 0; c < size; ++c) {

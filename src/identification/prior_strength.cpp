@@ -24,11 +24,22 @@ struct HeldBack {
   Eigen::VectorXd share;
 };
 
-/// Standard errors of the points, paired with the best one.
+/// The largest unit coordinate of a rigid body that these parameters need.
+double largestChange(const Reduction& r, const Eigen::VectorXd& parameters, const Prior& prior) {
+  if (prior.bodies == 0) return 0.0;
+  const Eigen::VectorXd change = parameters - prior.mean;
+  const Eigen::VectorXd units =
+      prior.transform(r.others, Eigen::all).completeOrthogonalDecomposition().solve(change(r.others));
+  return units.head(prior.bodies).cwiseAbs().maxCoeff();
+}
+
+/// Standard errors of the points, paired with the best one of those that are believed.
 void comparePoints(const HeldBack& held, int blocks, PriorChoice& choice) {
   const Eigen::RowVectorXd mean = held.share.transpose() * held.error;
   Eigen::Index best = 0;
-  mean.minCoeff(&best);
+  for (Eigen::Index k = 1; k < mean.size(); ++k) {
+    if (choice.curve[static_cast<std::size_t>(k)].believed && mean[k] < mean[best]) best = k;
+  }
   for (Eigen::Index k = 0; k < mean.size(); ++k) {
     StrengthPoint& point = choice.curve[static_cast<std::size_t>(k)];
     point.held_back = mean[k];
@@ -76,13 +87,15 @@ PriorChoice chooseStrength(const Equations& e, const std::vector<Column>& column
     StrengthPoint point;
     point.strength = strength;
     point.rank = supportedRank(all, strength);
-    point.training =
-        meanSquare(everything, toParameters(all, solveWithPrior(all, all.maximalRank(), strength)), e.rows());
+    const Eigen::VectorXd parameters = toParameters(all, solveWithPrior(all, all.maximalRank(), strength));
+    point.training = meanSquare(everything, parameters, e.rows());
+    point.largest_change = largestChange(all, parameters, prior);
+    point.believed = choice.curve.empty() || point.largest_change <= prior.largest_change;
     choice.curve.push_back(point);
   }
   comparePoints(held, e.blocks, choice);
   for (const StrengthPoint& point : choice.curve) {
-    if (point.beyond_best > point.standard_error) continue;
+    if (!point.believed || point.beyond_best > point.standard_error) continue;
     choice.rank = point.rank;
     choice.strength = point.strength;
     break;

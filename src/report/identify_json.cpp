@@ -20,12 +20,16 @@ Json strengthJson(const IdentifyResults& r) {
                   {"training", p.training},
                   {"beyond_best", p.beyond_best},
                   {"standard_error", p.standard_error},
+                  {"largest_change", p.largest_change},
+                  {"believed", p.believed},
                   {"train_moving_N", jsonArray(r.train_by_strength[k])}};
     if (!r.validate_by_strength.empty()) point["validate_moving_N"] = jsonArray(r.validate_by_strength[k]);
     curve.push_back(point);
   }
   return {{"chosen", r.after.model.rank},
-          {"rule", "strongest pull towards the prior whose held-back error is within one standard error of the best"},
+          {"rule",
+           "strongest pull towards the prior whose held-back error is within one standard error of the best, of those "
+           "that leave the bodies within three times what the URDF says"},
           {"blocks", r.after.blocks},
           {"curve", curve}};
 }

@@ -170,6 +170,24 @@ TEST(ChooseStrength, KeepsToThePriorWhereItIsRight) {
   EXPECT_EQ(choice.rank, 0);
 }
 
+TEST(ChooseStrength, TakesNoStrengthThatNeedsBodiesFarFromDrawnOnes) {
+  const std::vector<Column> columns(16, Column{"r", "", ColumnRole::Rigid, -1});
+  Prior prior = unitPrior(columns);
+  prior.bodies = 16;
+  Equations e = fallingEquations(6, 1.0, 77);
+  const PriorChoice free = chooseStrength(e, columns, std::vector<char>(16, 1), prior);
+  EXPECT_TRUE(std::all_of(free.curve.begin(), free.curve.end(), [](const StrengthPoint& p) { return p.believed; }));
+  const auto chosen = [](const PriorChoice& c) {
+    return *std::find_if(c.curve.begin(), c.curve.end(),
+                         [&](const StrengthPoint& p) { return p.strength == c.strength; });
+  };
+  prior.largest_change = 0.9 * chosen(free).largest_change;
+  const PriorChoice drawn = chooseStrength(e, columns, std::vector<char>(16, 1), prior);
+  EXPECT_GT(drawn.strength, free.strength);
+  EXPECT_LE(chosen(drawn).largest_change, prior.largest_change);
+  EXPECT_EQ(drawn.curve.back().held_back, free.curve.back().held_back);
+}
+
 TEST(ChooseStrength, TrainingErrorFallsWithTheStrength) {
   const std::vector<Column> columns(16, Column{"r", "", ColumnRole::Rigid, -1});
   const PriorChoice choice =

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <limits>
 #include <vector>
 
 #include "knee_robot/identification/columns.h"
@@ -17,6 +18,10 @@ constexpr double kOffsetShare = 0.1;  ///< of the rms force: an offset that is a
 struct Prior {
   Eigen::VectorXd mean;       ///< one per column
   Eigen::MatrixXd transform;  ///< columns x unit coordinates
+  int bodies = 0;             ///< unit coordinates of rigid bodies, the first ones
+  /// Largest |u| of a rigid body that is believed, whatever held-back data say: where the bodies were drawn, three times
+  /// what was drawn. Infinite where only the order of magnitude is claimed, and of a chain, which may carry a payload.
+  double largest_change = std::numeric_limits<double>::infinity();
 };
 
 /// Of the robot's URDF; without one, of bodies of which only the order of magnitude is claimed (5 kg a link, 10 kg the
