@@ -129,6 +129,7 @@ void judgeElsewhere(Search& s, std::vector<std::string>& notes) {
     const double beside = masked > 0.0 ? maskedSquares(s, without(all, k)) - masked : 0.0;
     const double sum = 2.0 * kStretches * helps.all.mean;
     e.elsewhere_gain = sum / std::max(1e-300, total[1]);
+    e.elsewhere_gaining = std::min(helps.moving.gaining, helps.all.gaining);
     const double seen = std::max(0.5 * sum, kStretches * helps.moving.mean);
     if (helps.surely() && seen + beside > 0.0) continue;
     e.transfers = false;

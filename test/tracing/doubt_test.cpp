@@ -19,6 +19,7 @@ class Doubt : public SearchedMachine {
     e.p = p_;
     e.transfers = elsewhere_gain_ >= 0.0;
     e.elsewhere_gain = elsewhere_gain_;
+    e.elsewhere_gaining = elsewhere_gaining_;
     search_.effects = {e};
     notes_.clear();
     doubtNames(search_, notes_);
@@ -26,7 +27,7 @@ class Doubt : public SearchedMachine {
   }
   double p_ = 0.004;
   bool measured_ = true;
-  double elsewhere_gain_ = 0.0;
+  double elsewhere_gain_ = 0.0, elsewhere_gaining_ = 1.0;
   std::vector<std::string> notes_;
 };
 
@@ -74,6 +75,16 @@ TEST_F(Doubt, IsCastOnANameThatDoesHarmAtHeldBackPositions) {
   measured_ = false;
   EXPECT_FALSE(said("drive_lag", 1.0).doubted) << "nobody knows how much noise there is";
   EXPECT_EQ(said("drive_lag", 1.0).indistinguishable_from, std::vector<std::string>{"unnamed"});
+}
+
+TEST_F(Doubt, IsCastOnANameThatHelpsAtSomeHeldBackPositionsOnly) {
+  elsewhere_gaining_ = 0.92;
+  EXPECT_FALSE(said("thermal_drift", 1.0).doubted);
+  elsewhere_gaining_ = 0.6;
+  EXPECT_TRUE(said("thermal_drift", 1.0).doubted);
+  ASSERT_EQ(notes_.size(), 1u);
+  EXPECT_NE(notes_[0].find("60 % of the held-back positions only"), std::string::npos) << notes_[0];
+  EXPECT_FALSE(said("screw_ripple", 1.0).doubted) << "has a signature of its own";
 }
 
 TEST_F(Doubt, SparesWhatHasASignatureOfItsOwn) {

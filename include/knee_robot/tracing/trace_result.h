@@ -41,9 +41,11 @@ struct FoundEffect {
   double probability = 1.0;
   bool doubted = false;         ///< so improbable that it is reported as unnamed: what it does is known, not what it is
   double elsewhere_gain = 0.0;  ///< held-back stretches of other positions: share of the squared residual
-  bool transfers = true;        ///< false: predicts nothing in other recordings
-  std::string verdict;          ///< one sentence
-  double band_hz = 0.0;         ///< cut-off of the second band, when it was found there; 0: in the first
+  double elsewhere_gaining =
+      1.0;                ///< share of those stretches that gain, with all samples or while axes move, the less
+  bool transfers = true;  ///< false: predicts nothing in other recordings
+  std::string verdict;    ///< one sentence
+  double band_hz = 0.0;   ///< cut-off of the second band, when it was found there; 0: in the first
 };
 
 /// What tracing learned from training recordings.
