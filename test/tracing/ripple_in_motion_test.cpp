@@ -33,8 +33,7 @@ TEST_F(RippleInMotion, ThatOnlyStopsShowIsTakenOutAndSaid) {
   dropWhatDoesNotRepeat(search_);
   EXPECT_TRUE(search_.effects.empty());
   ASSERT_EQ(search_.taken_out.size(), 1u);
-  EXPECT_NE(search_.taken_out[0].find("while axes move"), std::string::npos)
-      << search_.taken_out[0];
+  EXPECT_NE(search_.taken_out[0].find("while axes move"), std::string::npos) << search_.taken_out[0];
 }
 
 }  // namespace
