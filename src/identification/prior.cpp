@@ -16,8 +16,10 @@ Prior priorOf(const mechanism::Robot& robot, const std::vector<Column>& columns,
   Prior prior;
   prior.mean = Eigen::VectorXd::Zero(size);
   prior.transform = Eigen::MatrixXd::Zero(size, rigid + robot.axes());
-  prior.bodies = static_cast<int>(rigid);
-  if (!robot.chain && !robot.urdf.empty()) prior.largest_change = kLargestChangeOfUrdf;
+  if (!robot.chain && !robot.urdf.empty()) {  // the platform is the last body, and carries what it carries
+    prior.links = static_cast<int>(rigid) - PhysicalCoordinates::kPerLink;
+    prior.largest_change = kLargestChangeOfUrdf;
+  }
   prior.mean.head(rigid) = bodies.prior;
   prior.transform.topLeftCorner(rigid, rigid) = bodies.transform;
   for (Eigen::Index c = 0; c < size; ++c) {

@@ -24,13 +24,13 @@ struct HeldBack {
   Eigen::VectorXd share;
 };
 
-/// The largest unit coordinate of a rigid body that these parameters need.
+/// The largest unit coordinate of a link that these parameters need.
 double largestChange(const Reduction& r, const Eigen::VectorXd& parameters, const Prior& prior) {
-  if (prior.bodies == 0) return 0.0;
+  if (prior.links == 0) return 0.0;
   const Eigen::VectorXd change = parameters - prior.mean;
   const Eigen::VectorXd units =
       prior.transform(r.others, Eigen::all).completeOrthogonalDecomposition().solve(change(r.others));
-  return units.head(prior.bodies).cwiseAbs().maxCoeff();
+  return units.head(prior.links).cwiseAbs().maxCoeff();
 }
 
 /// Standard errors of the points, paired with the best one of those that are believed.

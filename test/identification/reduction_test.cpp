@@ -173,7 +173,7 @@ TEST(ChooseStrength, KeepsToThePriorWhereItIsRight) {
 TEST(ChooseStrength, TakesNoStrengthThatNeedsBodiesFarFromDrawnOnes) {
   const std::vector<Column> columns(16, Column{"r", "", ColumnRole::Rigid, -1});
   Prior prior = unitPrior(columns);
-  prior.bodies = 16;
+  prior.links = 16;
   Equations e = fallingEquations(6, 1.0, 77);
   const PriorChoice free = chooseStrength(e, columns, std::vector<char>(16, 1), prior);
   EXPECT_TRUE(std::all_of(free.curve.begin(), free.curve.end(), [](const StrengthPoint& p) { return p.believed; }));

@@ -18,8 +18,8 @@ constexpr double kOffsetShare = 0.1;  ///< of the rms force: an offset that is a
 struct Prior {
   Eigen::VectorXd mean;       ///< one per column
   Eigen::MatrixXd transform;  ///< columns x unit coordinates
-  int bodies = 0;             ///< unit coordinates of rigid bodies, the first ones
-  /// Largest |u| of a rigid body that is believed, whatever held-back data say: where the bodies were drawn, three times
+  int links = 0;              ///< unit coordinates of what carries nothing but itself, the first ones: not the platform
+  /// Largest |u| of a link that is believed, whatever held-back data say: where the bodies were drawn, three times
   /// what was drawn. Infinite where only the order of magnitude is claimed, and of a chain, which may carry a payload.
   double largest_change = std::numeric_limits<double>::infinity();
 };

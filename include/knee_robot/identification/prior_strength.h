@@ -15,7 +15,7 @@ struct StrengthPoint {
   double held_back = 0.0;       ///< on blocks of the training data that were left out in turn
   double beyond_best = 0.0;     ///< held_back minus that of the best strength that is believed
   double standard_error = 0.0;  ///< of beyond_best, over the blocks (same blocks, paired differences)
-  double largest_change = 0.0;  ///< of a rigid body from the prior, in units of the prior
+  double largest_change = 0.0;  ///< of a link from the prior, in units of the prior
   bool believed = true;         ///< that is no more than Prior::largest_change; the strongest pull always is
 };
 
@@ -28,7 +28,7 @@ struct PriorChoice {
 
 /// Leaves out one block of the (weighted) equations after the other, at every strength of the prior, weakest last: all
 /// directions are fitted, and pulled towards the prior. Training data only.
-/// Chosen is the strongest pull within one standard error of the best, among those that leave the bodies within what the
+/// Chosen is the strongest pull within one standard error of the best, among those that leave the links within what the
 /// prior believes (Prior::largest_change): held-back blocks of one path have the same unknown forces as the others, and
 /// like to see them as bodies that do not exist.
 PriorChoice chooseStrength(const Equations& equations, const std::vector<Column>& columns, const std::vector<char>& use,
