@@ -5,7 +5,7 @@
 namespace knee_robot::identification {
 namespace {
 
-constexpr double kLargestChangeOfUrdf = 2.0;
+constexpr double kLargestChangeOfUrdf = 2.0;  ///< in units of the prior: three times what was drawn
 
 }  // namespace
 

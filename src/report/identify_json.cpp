@@ -29,7 +29,7 @@ Json strengthJson(const IdentifyResults& r) {
   return {{"chosen", r.after.model.rank},
           {"rule",
            "strongest pull towards the prior whose held-back error is within one standard error of the best, of those "
-           "that leave the links within three times what the URDF says"},
+           "that leave the links within three times what the URDF says, where there is one"},
           {"blocks", r.after.blocks},
           {"curve", curve}};
 }

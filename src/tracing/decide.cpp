@@ -68,7 +68,7 @@ void dropWhatDoesNotRepeat(Search& s) {
   for (std::size_t k = s.effects.size(); k-- > 0;) {
     const Place place = s.effects[k].hypothesis.place;
     if (!place.candidate->periodic()) continue;
-    // The remainders of an axis' stops lie at the same places in every repeat: a ripple shows on the way between them, too.
+    // The remainders of stops lie at the same places in every repeat: a ripple shows on the way between them, too.
     for (const Attention attention : {Attention::All, Attention::Moving}) {
       const HeldBackGain gain = gainAtOtherPositions(s, k, attention);
       if (gain.mean > kStayErrors * gain.error) continue;

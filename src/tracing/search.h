@@ -81,8 +81,8 @@ void searchForward(Search& search, int most, std::uint64_t seed);
 /// model included.
 void eliminateBackward(Search& search);
 
-/// Takes out periodic effects that do not go on at positions which were held back, with all samples and while axes move:
-/// remainders of a few stops look like a ripple of a short period, too.
+/// Takes out periodic effects that do not go on at positions which were held back, with all samples and while axes
+/// move: remainders of a few stops look like a ripple of a short period, too.
 void dropWhatDoesNotRepeat(Search& search);
 
 /// Takes out what is something else with the shape that was refined beside others. Not those of a given model.
