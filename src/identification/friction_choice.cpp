@@ -128,7 +128,7 @@ FrictionChoice chooseFrom(const std::vector<FrictionBlock>& blocks, const Eigen:
   mean.minCoeff(&least);
   others.best = error.col(least);
   others.share = share;
-  const double within = least == kSpectrumFamily ? kWithinErrorsOfSpectrum : kWithinErrors;
+  const double within = isSpectrum(least) ? kWithinErrorsOfSpectrum : kWithinErrors;
   FrictionChoice choice;
   bool chosen = false;
   for (Eigen::Index f = 0; f < families; ++f) {

@@ -23,7 +23,8 @@ const double kFinerFactors[] = {0.8, 0.87, 0.93, 0.97, 1.03, 1.07, 1.15, 1.25};
 const double kFinerSides[] = {0.8, 0.9, 1.0, 1.12, 1.25};
 constexpr double kFarApart = 2.0;
 constexpr std::size_t kMostInSum = 6;
-constexpr double kLeastOfSpectrum = 0.03;  ///< share of a stop beside many
+constexpr double kLeastOfSpectrum = 0.03;  ///< share of one beside many
+constexpr double kAlike = 0.3;             ///< distance of two speeds' logarithms: finer steps are not in a spectrum
 constexpr double kSlightly = 1e-6;         ///< of a column's own square: stops of neighbouring widths are alike
 constexpr double kWorthAdding = 0.01;  ///< of the squares: an element that lowers them by less is not added to a sum
 
@@ -115,12 +116,11 @@ Sum bestSum(const InWeights& squares, const std::vector<FrictionElement>& elemen
   return sum;
 }
 
-/// All stops of the grid at once with the non-negative shares that leave least, the smallest left out while it is next
-/// to nothing: Maxwell slip. Adding one stop after the other ends beside it, where no single one helps.
-Sum spectrumOfStops(const InWeights& squares) {
+/// All of these at once with the non-negative shares that leave least, the smallest left out while it is next to
+/// nothing. Adding one after the other ends beside it, where no single one helps.
+Sum spectrumOf(const InWeights& squares, std::vector<int> which) {
   Sum sum;
-  sum.which.resize(kStops);
-  std::iota(sum.which.begin(), sum.which.end(), 0);
+  sum.which = std::move(which);
   while (!sum.which.empty()) {
     Eigen::MatrixXd square = squares.square(sum.which, sum.which);
     square.diagonal() *= 1.0 + kSlightly;
@@ -137,6 +137,26 @@ Sum spectrumOfStops(const InWeights& squares) {
   if (sum.which.empty() || !sum.weights.allFinite() || sum.weights.sum() <= 0.0) return {};
   sum.left = squares.at(sum.which, sum.weights);
   return sum;
+}
+
+/// Maxwell slip.
+Sum spectrumOfStops(const InWeights& squares) {
+  std::vector<int> stops(kStops);
+  std::iota(stops.begin(), stops.end(), 0);
+  return spectrumOf(squares, std::move(stops));
+}
+
+/// Any friction that depends on the velocity alone and grows with it ever less: a logarithm, an arctangent.
+Sum spectrumOfSpeeds(const InWeights& squares, const std::vector<FrictionElement>& elements) {
+  std::vector<int> smooth;
+  for (int k = 0; k < static_cast<int>(squares.linear.size()); ++k) {
+    const FrictionElement& e = elements[static_cast<std::size_t>(k)];
+    const bool near = std::any_of(smooth.begin(), smooth.end(), [&](int other) {
+      return std::abs(std::log(e.speed_m_per_s / elements[static_cast<std::size_t>(other)].speed_m_per_s)) < kAlike;
+    });
+    if (e.kind == FrictionKind::Smooth && e.exponent == 1.0 && !near) smooth.push_back(k);
+  }
+  return spectrumOf(squares, std::move(smooth));
 }
 
 }  // namespace
@@ -213,6 +233,7 @@ std::vector<Sum> bestOfFamilies(const InWeights& squares, const std::vector<Fric
   best.push_back(spectrumOfStops(squares));
   best.push_back(bestPair(squares, elements, range));
   best.push_back(bestSum(squares, elements, best.back()));
+  best.push_back(spectrumOfSpeeds(squares, elements));
   return best;
 }
 

@@ -16,9 +16,12 @@ std::vector<dynamics::FrictionElement> elementsToTry(const FrictionRange& range)
 void addFinerSteps(const FrictionChoice& around, double narrowest_m, std::vector<dynamics::FrictionElement>& all);
 
 /// Shape parameters of every family: one stop, tanh, Dahl's bristles, any bristles, all stops together (Maxwell slip),
-/// pairs, sums.
-inline constexpr std::array<int, 7> kFamilyNumbers = {1, 1, 1, 3, 6, 4, 8};
-inline constexpr int kSpectrumFamily = 4;
+/// pairs, sums, all speeds of tanh together.
+inline constexpr std::array<int, 8> kFamilyNumbers = {1, 1, 1, 3, 6, 4, 8, 8};
+/// Many elements at once, whose shares come near to any law.
+constexpr bool isSpectrum(long family) {
+  return family == 4 || family == 7;
+}
 
 /// The best law of every family, simplest first; without elements where there is none.
 std::vector<Sum> bestOfFamilies(const InWeights& squares, const std::vector<dynamics::FrictionElement>& elements,

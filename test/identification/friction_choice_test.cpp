@@ -48,6 +48,8 @@ std::vector<OwnLaw> ownLaws() {
       {"tanh of 1 mm/s", [](double v, double*) { return std::tanh(v / 1e-3); }},
       {"arc tangent of 0.7 mm/s", [](double v, double*) { return 2.0 / M_PI * std::atan(v / 7e-4); }},
       {"v / sqrt(v^2 + (2 mm/s)^2)", [](double v, double*) { return v / std::sqrt(v * v + 4e-6); }},
+      {"asinh(v / 0.3 mm/s), full at 20 mm/s",
+       [](double v, double*) { return std::asinh(v / 3e-4) / std::asinh(20e-3 / 3e-4); }},
       {"Dahl's of 100 um",
        [](double v, double* m) {
          m[0] += (v - std::abs(v) * m[0]) * kStep_s / 100e-6;
@@ -118,7 +120,7 @@ TEST_P(LawNearRest, IsPredictedOnAnotherMotionWhateverLawMadeIt) {
   EXPECT_NEAR(parameterValue(id.model, "Fc_1"), kCoulomb_N, 0.1 * kCoulomb_N) << law.name;
 }
 
-INSTANTIATE_TEST_SUITE_P(EveryLaw, LawNearRest, testing::Range<std::size_t>(0, 10));
+INSTANTIATE_TEST_SUITE_P(EveryLaw, LawNearRest, testing::Range<std::size_t>(0, ownLaws().size()));
 
 TEST(ViscousFriction, ThatGrowsAsTheRootOfTheSpeedIsPredictedOnAnotherMotion) {
   const OwnLaw law = {"tanh of 1 mm/s beside v / sqrt(|v| + 2 mm/s)",
@@ -146,7 +148,7 @@ TEST(LawOfOneElement, IsFoundForWhatItIs) {
     return *std::max_element(law.elements.begin(), law.elements.begin() + law.count,
                              [](const auto& a, const auto& b) { return a.share < b.share; });
   };
-  const dynamics::FrictionElement stop = chosen(0), smooth = chosen(3), bristles = chosen(6);
+  const dynamics::FrictionElement stop = chosen(0), smooth = chosen(3), bristles = chosen(7);
   EXPECT_EQ(stop.kind, dynamics::FrictionKind::Stop);
   EXPECT_NEAR(stop.width_m, 30e-6, 10e-6);
   EXPECT_EQ(smooth.kind, dynamics::FrictionKind::Smooth);
