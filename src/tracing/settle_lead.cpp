@@ -79,6 +79,7 @@ void settleLeads(Search& s) {
       if (isOpen(e)) e.hypothesis.place.candidate = kind;
     }
     refit(s);
+    rebase(s);  // beside the law near rest that suits it: the other one's would take its side
   };
   std::vector<Eigen::VectorXd> held_back;
   for (const Candidate* kind : kinds) {

@@ -30,13 +30,15 @@ bool isAmong(const std::vector<FoundEffect>& effects, const FoundEffect& one) {
                      [&](const FoundEffect& e) { return e.hypothesis.place == one.hypothesis.place; });
 }
 
-/// Where `one` leads: what leads on its actuator already. Null: nothing does.
-FoundEffect* leadOn(std::vector<FoundEffect>& effects, const FoundEffect& one) {
-  const auto leads = [&](const FoundEffect& e) {
-    return e.hypothesis.place.candidate->leads() && e.hypothesis.place.actuator == one.hypothesis.place.actuator;
-  };
-  const auto at = leads(one) ? std::find_if(effects.begin(), effects.end(), leads) : effects.end();
-  return at == effects.end() ? nullptr : &*at;
+bool leads(const FoundEffect& e) {
+  return e.hypothesis.place.candidate->leads();
+}
+
+/// Something leads on the actuator of `one`, which leads, already.
+bool isKnownLead(const std::vector<FoundEffect>& effects, const FoundEffect& one) {
+  return leads(one) && std::any_of(effects.begin(), effects.end(), [&](const FoundEffect& e) {
+           return leads(e) && e.hypothesis.place.actuator == one.hypothesis.place.actuator;
+         });
 }
 
 /// One run of tracing: its stages in order, and what they share.
@@ -78,7 +80,7 @@ class Tracing {
       return e.hypothesis.place.candidate->leads() || (e.hypothesis.place.candidate->actsFast() && !isAmong(found, e));
     };
     dropLeadsOfRest(s_);
-    settleLeads(s_);
+    if (std::none_of(found.begin(), found.end(), leads)) settleLeads(s_);
     s_.effects.erase(std::stable_partition(s_.effects.begin(), s_.effects.end(), kept), s_.effects.end());
     return s_.effects;
   }
@@ -290,10 +292,9 @@ void Tracing::searchFastBand() {
     rate_hz = std::min(rate_hz, 1.0 / recording::medianPeriod(r.time_s));
   const double cutoff_hz = options_.observation.cutoff_hz;
   const double fast_hz = std::min(kFaster * cutoff_hz, kFastestShareOfRate * rate_hz);
-  if (!options_.fast_band || options_.most_effects == 0 || fast_hz < kLeastFaster * cutoff_hz) {
-    settleLeads(s_);
-    return;
-  }
+  // Where they show already: a lag's derivative carries the faster band's noise of positions, a delay does not.
+  settleLeads(s_);
+  if (!options_.fast_band || options_.most_effects == 0 || fast_hz < kLeastFaster * cutoff_hz) return;
   options_.progress("looking at the band up to " + shortNumber(fast_hz, 3) + " Hz");
   TraceOptions options = options_;
   options.observation.setCutoff(fast_hz);
@@ -304,13 +305,11 @@ void Tracing::searchFastBand() {
     training.push_back(identification::observe(robot_, s_.base->columns, r, options.observation));
   Tracing fast(robot_, recordings_, options);
   const std::vector<FoundEffect> seen = fast.runFast(std::move(training), s_.effects, *result_.candidates);
+  const auto known = std::find_if(s_.effects.begin(), s_.effects.end(), leads);
+  const Candidate* const settled = known == s_.effects.end() ? nullptr : known->hypothesis.place.candidate;
   for (FoundEffect e : seen) {
-    if (FoundEffect* const known = leadOn(s_.effects, e)) {
-      known->hypothesis.place.candidate = e.hypothesis.place.candidate;
-      known->indistinguishable_from = e.indistinguishable_from;
-      known->probability = e.probability;
-      continue;
-    }
+    if (isKnownLead(s_.effects, e)) continue;
+    if (leads(e) && settled != nullptr) e.hypothesis.place.candidate = settled;
     e.band_hz = fast_hz;
     s_.effects.push_back(e);
     result_.notes.push_back(placeText(e.hypothesis.place) + " was found in the band up to " + shortNumber(fast_hz, 3) +

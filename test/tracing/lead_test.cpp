@@ -16,8 +16,8 @@ struct Lead {
   double dead_time_s = 0.0, lag_s = 0.0;
 };
 
-/// Two bench axes of 60 kg that reverse often; both drives are late.
-recording::Recording recorded(const Lead& lead, int variant) {
+/// Two bench axes of 60 kg that reverse often; both drives are late. `jitter_m`: rms of what encoders add.
+recording::Recording recorded(const Lead& lead, int variant, double jitter_m = 0.0) {
   std::mt19937 random(static_cast<unsigned>(variant) + 1u);
   std::normal_distribution<double> noise(0.0, 0.3);
   recording::Recording r;
@@ -44,7 +44,7 @@ recording::Recording recorded(const Lead& lead, int variant) {
     for (int k = 0; k < rows; ++k) {
       const double t = 0.01 * k;
       if (i == 0) r.time_s.push_back(t);
-      r.position_m(k, i) = 1e-6 * std::round(motion(t)[0] / 1e-6);
+      r.position_m(k, i) = 1e-6 * std::round((motion(t)[0] + jitter_m / 0.3 * noise(random)) / 1e-6);
       const double at = t + 0.005 + lead.dead_time_s;  // a row's force holds for the 10 ms after it
       const double rate = (needed(at + kStep_s) - needed(at - kStep_s)) / (2.0 * kStep_s);
       r.force_N(k, i) = needed(at) + lead.lag_s * rate + noise(random);
@@ -73,6 +73,13 @@ TEST(Lead, ADriveThatLagsIsOneAndIsMeasuredToATenth) {
     EXPECT_TRUE(e.indistinguishable_from.empty());
     EXPECT_NEAR(e.coefficients[0], 0.025, 0.0025);
   }
+}
+
+TEST(Lead, ADriveThatLagsIsOneBehindEncodersThatJitter) {
+  const TracedBench traced = tracedBench(recorded({0.0, 0.025}, 0, 15e-6), nullptr);
+  ASSERT_EQ(traced.result.effects.size(), 2u);
+  for (const FoundEffect& e : traced.result.effects)
+    EXPECT_EQ(e.hypothesis.place.candidate->name(), "drive_lag");
 }
 
 TEST(Lead, IsPredictedInAnotherRecordingToTheNoise) {
