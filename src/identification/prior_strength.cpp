@@ -4,6 +4,8 @@
 #include <cmath>
 #include <limits>
 
+#include "knee_robot/base/parallel.h"
+
 namespace knee_robot::identification {
 namespace {
 
@@ -70,16 +72,17 @@ PriorChoice chooseStrength(const Equations& e, const std::vector<Column>& column
   HeldBack held;
   held.error.resize(e.blocks, static_cast<Eigen::Index>(std::size(kPriorStrengths)));
   held.share.resize(e.blocks);
-  for (int block = 0; block < e.blocks; ++block) {
-    const int rows = static_cast<int>(std::count(e.block.begin(), e.block.end(), block));
+  const std::vector<Eigen::MatrixXd> others = joinOthers(blocks);
+  inParallel(blocks.size(), [&](std::size_t b) {
+    const Eigen::Index block = static_cast<Eigen::Index>(b);
+    const int rows = static_cast<int>(std::count(e.block.begin(), e.block.end(), static_cast<int>(b)));
     held.share[block] = static_cast<double>(rows) / e.rows();
-    const Reduction r = reduce(joinBlocks(blocks, block), columns, use, prior);
+    const Reduction r = reduce(others[b], columns, use, prior);
     for (std::size_t k = 0; k < std::size(kPriorStrengths); ++k) {
       const Eigen::VectorXd parameters = toParameters(r, solveWithPrior(r, r.maximalRank(), kPriorStrengths[k]));
-      held.error(block, static_cast<Eigen::Index>(k)) =
-          std::min(kWorst, meanSquare(blocks[static_cast<std::size_t>(block)], parameters, rows));
+      held.error(block, static_cast<Eigen::Index>(k)) = std::min(kWorst, meanSquare(blocks[b], parameters, rows));
     }
-  }
+  });
   const Eigen::MatrixXd everything = joinBlocks(blocks, -1);
   const Reduction all = reduce(everything, columns, use, prior);
   PriorChoice choice;

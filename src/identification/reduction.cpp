@@ -4,6 +4,8 @@
 #include <Eigen/SVD>
 #include <cmath>
 
+#include "knee_robot/base/parallel.h"
+
 namespace knee_robot::identification {
 namespace {
 
@@ -36,17 +38,17 @@ Eigen::MatrixXd compress(const Eigen::MatrixXd& a, const Eigen::VectorXd& b) {
 }
 
 std::vector<Eigen::MatrixXd> compressBlocks(const Equations& e) {
-  std::vector<Eigen::MatrixXd> blocks;
-  for (int block = 0; block < e.blocks; ++block) {
-    const std::vector<int> rows = rowsOfBlock(e, block);
+  std::vector<Eigen::MatrixXd> blocks(static_cast<std::size_t>(e.blocks));
+  inParallel(blocks.size(), [&](std::size_t block) {
+    const std::vector<int> rows = rowsOfBlock(e, static_cast<int>(block));
     Eigen::MatrixXd a(static_cast<Eigen::Index>(rows.size()), e.a.cols());
     Eigen::VectorXd b(a.rows());
     for (std::size_t i = 0; i < rows.size(); ++i) {
       a.row(static_cast<Eigen::Index>(i)) = e.a.row(rows[i]);
       b[static_cast<Eigen::Index>(i)] = e.b[rows[i]];
     }
-    blocks.push_back(compress(a, b));
-  }
+    blocks[block] = compress(a, b);
+  });
   return blocks;
 }
 
@@ -62,6 +64,18 @@ Eigen::MatrixXd joinBlocks(const std::vector<Eigen::MatrixXd>& blocks, int left_
     at += blocks[i].rows();
   }
   return compress(joined.leftCols(joined.cols() - 1), joined.col(joined.cols() - 1));
+}
+
+std::vector<Eigen::MatrixXd> joinOthers(const std::vector<Eigen::MatrixXd>& blocks) {
+  const std::size_t count = blocks.size();
+  std::vector<Eigen::MatrixXd> before(count), after(count), others(count);
+  before[0] = after[count - 1] = Eigen::MatrixXd(0, blocks.front().cols());
+  for (std::size_t k = 1; k < count; ++k) {
+    before[k] = joinBlocks({before[k - 1], blocks[k - 1]}, -1);
+    after[count - 1 - k] = joinBlocks({after[count - k], blocks[count - k]}, -1);
+  }
+  inParallel(count, [&](std::size_t k) { others[k] = joinBlocks({before[k], after[k]}, -1); });
+  return others;
 }
 
 Reduction reduce(const Eigen::MatrixXd& triangle, const std::vector<Column>& columns, const std::vector<char>& use,

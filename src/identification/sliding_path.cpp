@@ -131,7 +131,7 @@ Eigen::VectorXd frictionShare(const SlidingPath& path, const dynamics::FrictionL
 }
 
 Eigen::VectorXd elementShare(const SlidingPath& path, const dynamics::FrictionElement& element) {
-  return meanOverSamples(fineShare(path, element));
+  return path.known->of(element, [&] { return meanOverSamples(fineShare(path, element)); });
 }
 
 Eigen::VectorXd shareAtSamples(const SlidingPath& path, const dynamics::FrictionLaw& law) {

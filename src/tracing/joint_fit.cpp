@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "knee_robot/base/parallel.h"
 #include "knee_robot/identification/reduction.h"
 
 namespace knee_robot::tracing {
@@ -119,12 +120,14 @@ JointFit fitJointly(const TraceData& data, const BaseFit& base, const Eigen::Vec
     fit.residual_N.segment(i * data.stack.size(), data.stack.size()) *= noise_N[i];
   fit.held_back.resize(e.blocks);
   Eigen::MatrixXd left_out(z.size(), e.blocks);
-  for (int b = 0; b < e.blocks; ++b) {
-    left_out.col(b) = solve(identification::joinBlocks(blocks, b), layout.bounded, groups, whole, prior);
-    const Eigen::MatrixXd& own = blocks[static_cast<std::size_t>(b)];
+  const std::vector<Eigen::MatrixXd> others = identification::joinOthers(blocks);
+  inParallel(blocks.size(), [&](std::size_t block) {
+    const Eigen::Index b = static_cast<Eigen::Index>(block);
+    left_out.col(b) = solve(others[block], layout.bounded, groups, whole, prior);
+    const Eigen::MatrixXd& own = blocks[block];
     fit.held_back[b] =
         own.rows() == 0 ? 0.0 : (own.rightCols(1) - own.leftCols(z.size()) * left_out.col(b)).squaredNorm();
-  }
+  });
   const Eigen::VectorXd spread =
       ((left_out.colwise() - left_out.rowwise().mean()).rowwise().squaredNorm() * (e.blocks - 1.0) / e.blocks)
           .cwiseSqrt();

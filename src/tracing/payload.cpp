@@ -189,8 +189,9 @@ PayloadTest testPayload(const mechanism::Robot& robot, const std::vector<identif
     const std::vector<Eigen::MatrixXd> blocks = identification::compressBlocks(rows.own);
     z = solve(identification::joinBlocks(blocks, -1), rows.bounded);
     Eigen::MatrixXd left_out(z.size(), stack.blocks);
+    const std::vector<Eigen::MatrixXd> others = identification::joinOthers(blocks);
     for (int b = 0; b < stack.blocks; ++b)
-      left_out.col(b) = solve(identification::joinBlocks(blocks, b), rows.bounded);
+      left_out.col(b) = solve(others[static_cast<std::size_t>(b)], rows.bounded);
     const double factor = (stack.blocks - 1.0) / stack.blocks;
     const auto stdOf = [&](const Eigen::RowVectorXd& v) {
       return std::sqrt(factor * (v.array() - v.mean()).square().sum());

@@ -37,6 +37,8 @@ std::vector<Eigen::MatrixXd> compressBlocks(const Equations& equations);
 
 /// Compressed blocks on top of each other, compressed again, without block `left_out` (-1: all).
 Eigen::MatrixXd joinBlocks(const std::vector<Eigen::MatrixXd>& blocks, int left_out);
+/// joinBlocks() without each block in turn.
+std::vector<Eigen::MatrixXd> joinOthers(const std::vector<Eigen::MatrixXd>& blocks);
 
 /// `triangle` is compress(a, b), or several of them stacked. Directions of which the data say next to nothing (information below 1e-4) are
 /// dropped: they stay at the prior's mean. Columns with a sign for which `use` is 0 are left out.

@@ -1,10 +1,12 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <memory>
 #include <vector>
 
 #include "knee_robot/dynamics/friction_law.h"
 #include "knee_robot/dynamics/parameters.h"
+#include "knee_robot/identification/known_shares.h"
 #include "knee_robot/identification/motion_path.h"
 
 namespace knee_robot::identification {
@@ -23,6 +25,8 @@ struct SlidingPath {
   int first_direction = 0;  ///< of the first movement that the encoders tell; 0: there is none
   double resolution = 0.0;  ///< in the position's unit: shorter ways back are not told apart from rounding
   static constexpr int kSubsteps = 4;
+  /// Of elementShare(); copies have it in common, since a path stays as it is once it is asked.
+  std::shared_ptr<KnownShares> known = std::make_shared<KnownShares>();
 
   /// Share of full Coulomb friction when the recording starts. Friction that builds up over less than the encoders tell
   /// has done so before they show any movement; otherwise nothing is known of it, and it is zero.
