@@ -194,7 +194,7 @@ int main(int argc, char** argv) {
   CLI::App app("The simulated robot behind four CiA 402 drives on a CAN bus.", "cia402_simulator");
   Options options;
   app.add_option("--robot", options.robot, "robot file (YAML)")->required();
-  app.add_option("--simulation", options.simulation, "simulation file (YAML): friction, hold devices, start")
+  app.add_option("--simulation", options.simulation, "simulation file (YAML): friction, holding brakes, start")
       ->required();
   app.add_option("--hardware", options.hardware, "hardware file (YAML) with backend can: the drives that it describes")
       ->required();

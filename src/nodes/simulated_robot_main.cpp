@@ -104,7 +104,8 @@ int main(int argc, char** argv) {
   int priority = 0;
   std::uint64_t truth_rows = 0;
   app.add_option("--robot", robot_file, "robot file (YAML)")->required();
-  app.add_option("--simulation", simulation_file, "simulation file (YAML): friction, hold devices, start")->required();
+  app.add_option("--simulation", simulation_file, "simulation file (YAML): friction, holding brakes, start")
+      ->required();
   app.add_option("--shm", shm, "name of the shared memory")->capture_default_str();
   app.add_option("--duration", duration_s, "simulated seconds until it ends; 0: until SIGINT or SIGTERM")
       ->capture_default_str();

@@ -227,7 +227,7 @@ TEST_P(AxisBusConformance, ReportsADisconnectAtEveryCallAndTouchesNothing) {
   EXPECT_EQ(bus().writeVolts({0, 0, 0, 0}, written), IoStatus::Disconnected);
   EXPECT_EQ(written[0], 99.0);
   EXPECT_EQ(bus().writeOutputs(0), IoStatus::Disconnected);
-  EXPECT_EQ(bench().terminalVolts(), before);  // outputs hold: that is why a hold device is needed
+  EXPECT_EQ(bench().terminalVolts(), before);  // outputs hold: that is why a holding brake is needed
   EXPECT_FALSE(bus().selfTest().passed);
   EXPECT_EQ(bus().writeVolts({0, 0, 0, 0}, written), IoStatus::NotReady);
   bench().reconnect();

@@ -18,11 +18,11 @@ namespace knee_robot::control {
 /// Below HeldByDrivers 0 V are written. From there on each axis gets its Driver's command as long as it is fresh,
 /// finite, of this axis, its loop is closed and no monitor says that it must not go on; clamped to voltage_max and
 /// force_max here once more. Otherwise the axis gets its load estimate: the low-passed command of the last 0.2 s, which
-/// is about what carries the platform there, until the hold device holds it.
+/// is about what carries the platform there, until the holding brake holds it.
 ///
 /// The safe stop (SafeStop) is run here on all four channels, once, when the Supervisor orders it, when a loop is not
 /// closed although it should be, when orders are stale or go down a level, when the bus refuses. Leaving Running in any
-/// other way (stopHook) engages the hold devices, disables the drives and writes 0 V at once, without waiting: nobody
+/// other way (stopHook) engages the holding brakes, disables the drives and writes 0 V at once, without waiting: nobody
 /// would call again.
 class AxesOutput : public rt::TaskContext {
  public:

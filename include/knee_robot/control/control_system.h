@@ -58,7 +58,7 @@ class ControlSystem {
   /// shutdown().
   ~ControlSystem();
 
-  /// Self test of the bus (drives off, hold devices engaged), then all components are started. Ends in Disabled, or
+  /// Self test of the bus (drives off, holding brakes engaged), then all components are started. Ends in Disabled, or
   /// Faulted where a fault is there from the beginning (an emergency stop that is pressed): ok, but the sentence says
   /// so.
   Answer start();
@@ -77,7 +77,7 @@ class ControlSystem {
   /// Refused unless a patient is loaded or nobody is on the robot, explicitly.
   /// `halts`, here and below: halts() when it was asked for (default: now). Whoever stops the robot after that wins, even
   /// where the answer comes later.
-  /// Disabled -> Holding: 0 V, drives enabled, Drivers take over at the measured position, hold devices released.
+  /// Disabled -> Holding: 0 V, drives enabled, Drivers take over at the measured position, holding brakes released.
   Answer enable(std::optional<std::uint64_t> halts = {});
   /// Holding, Playing -> Disabled by the safe stop.
   Answer disable();

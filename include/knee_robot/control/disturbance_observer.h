@@ -74,7 +74,7 @@ class DisturbanceObserver : public rt::TaskContext {
   AxesWritten written_;
   std::array<AxisCommand, hardware::kAxes> commands_{};
   std::unique_ptr<const ForceKnowledge> knowledge_;
-  FeedforwardForce foreseen_;
+  FeedforwardForce model_force_;
   ResidualEstimator residual_;
   DisturbanceClassifier classifier_;
   RestWatch rest_;

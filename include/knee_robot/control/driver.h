@@ -141,7 +141,7 @@ class Driver : public rt::TaskContext {
   double asked_at_N_ = 0.0;  // of StandingAxis::changed_N(), when a moving axis was asked last
   double again_s_ = 0.0;     // until it may be asked again
   std::atomic<bool> test_pulses_{true};
-  double carried_s_ = 0.0;  // since the hold device was ordered to let go
+  double carried_s_ = 0.0;  // since the holding brake was ordered to let go
   Pid pid_;
   double force_limit_ = 0.0;  // N
   double force_now_ = 0.0;    // N, limit of this cycle
@@ -150,7 +150,7 @@ class Driver : public rt::TaskContext {
   SupervisorCommand order_;
   AxesMeasurement measured_;
   int unreadable_ = 0;
-  FeedforwardForce foreseen_;
+  FeedforwardForce model_force_;
   double load_ = 0.0;  // N, of the feedforward
   double loop_ = 0.0;  // N, of the model's feedback
   double last_loop_ = 0.0;

@@ -85,7 +85,7 @@ struct HardwareFile {
   double drive_enable_delay_s = 0.02;
   std::array<Axis, hardware::kAxes> axes{};
 
-  /// The slowest hold device.
+  /// The slowest holding brake.
   double holdDelay() const;
 };
 

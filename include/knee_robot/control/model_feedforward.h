@@ -21,7 +21,7 @@ namespace knee_robot::control {
 ///
 /// - Model: by default the weights of the robot's URDF (nothing without URDF), otherwise everything in the file of
 ///   `model`.
-/// - Taking over (SupervisorCommand::drivers_active): `level` rises from 0 to 1 in take_over_s while the hold devices
+/// - Taking over (SupervisorCommand::drivers_active): `level` rises from 0 to 1 in take_over_s while the holding brakes
 ///   are engaged; the Supervisor releases them only when `complete`, onto a force that already carries the robot.
 /// - A share or the payload that changes moves there in switch_s. That is no change of the load: `switched_N` counts
 ///   the newtons that were switched, the Drivers' integrals take up the difference, and the force on the motors stays.

@@ -80,7 +80,7 @@ class Monitors : public rt::TaskContext {
       "m",
       0.0,
       0.1,
-      "instead of runaway_error_m while the Drivers take over the load from the hold devices"};
+      "instead of runaway_error_m while the Drivers take over the load from the holding brakes"};
   rt::Property<double> release_time{*this, "release_s", 0.3, "s", 0.0, 2.0, "how long that may take"};
   rt::Property<double> runaway_speed{*this, "runaway_speed_m_per_s", 0.03, "m/s", 0.0, 1.0, "away from it"};
   rt::Property<double> runaway_time{*this, "runaway_s", 0.005, "s", 0.001, 1.0, "so long, and never slower"};
@@ -165,7 +165,7 @@ class Monitors : public rt::TaskContext {
   bool any_ = false;
   bool gap_ = false;  // since the last reading
   bool carried_ = false;
-  double carried_s_ = 0.0;  // since the hold devices were released
+  double carried_s_ = 0.0;  // since the holding brakes were released
   rt::Nanoseconds last_read_ = 0;
   MonitorVerdict out_;
 };

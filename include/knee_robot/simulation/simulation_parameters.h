@@ -34,7 +34,7 @@ struct Payload {
   double radius_of_gyration_m = 0.0;                         ///< about any axis through its centre
 };
 
-/// Relay that is retriggered by every change of a digital output and takes the power from drives and hold devices
+/// Relay that is retriggered by every change of a digital output and takes the power from drives and holding brakes
 /// otherwise.
 struct HeartbeatRelay {
   int bit = 2;
