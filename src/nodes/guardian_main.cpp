@@ -68,9 +68,7 @@ void tellTrip(const control::GuardianReport& report) {
   const double carried_ms = rt::toSeconds(report.carried.load()) * 1e3;
   std::printf(
       "guardian: TRIPPED: controller (process %d) %s while drives were on; holding brakes ordered %.2f ms after its "
-      "last "
-      "heartbeat (writes "
-      "%.3f ms), outputs %s%s; fenced out until reset\n",
+      "last heartbeat (writes %.3f ms), outputs %s%s; fenced out until reset\n",
       pid, what, reaction_ms, rt::toSeconds(report.writing.load()) * 1e3,
       report.written.load() ? "down" : "NOT ALL DOWN, a card refused",
       carried_ms > 0.0

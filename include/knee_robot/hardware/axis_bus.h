@@ -68,8 +68,8 @@ class AxisBus {
   /// True when a process of its own brings the outputs down if this one dies (GuardedBus).
   virtual bool isGuarded() const noexcept { return false; }
 
-  /// What carries the load at this place while the holding brakes are open, V; nullptr: nothing does. For whoever brings
-  /// the outputs down if this process dies (GuardedBus). Real-time safe.
+  /// What carries the load at this place while the holding brakes are open, V; nullptr: nothing does. For whoever
+  /// brings the outputs down if this process dies (GuardedBus). Real-time safe.
   virtual void offerLoad(const std::array<double, kAxes>* /*volts*/) noexcept {}
 
   /// Not real-time, from any thread, with the drives off: asks for the outputs again. FencedOut: not given back.
