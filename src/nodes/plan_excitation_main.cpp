@@ -100,33 +100,48 @@ int main(int argc, char** argv) {
       {"determinant", excitation::ExcitationCriterion::Determinant}};
   app.add_option("--robot", robot_file, "robot file (YAML)")->required();
   app.add_option("-o,--output", output, "reference file to write")->required();
-  app.add_option("--duration", options.shape.duration_s, "s, ramps included")->capture_default_str();
-  app.add_option("--ramp", options.shape.ramp_s, "s of the smooth ramp at each end")->capture_default_str();
-  app.add_option("--harmonics", options.shape.harmonics, "of the series")->capture_default_str();
-  app.add_option("--seed", options.seed, "another seed gives another excitation")->capture_default_str();
-  app.add_option("--velocity", options.velocity_max, "limit of every actuator, m/s")->capture_default_str();
-  app.add_option("--acceleration", options.acceleration_max, "limit of every actuator, m/s2")->capture_default_str();
-  const CLI::Option* margin = app.add_option(
-      "--condition-max", condition_max, "singularity margin (default: the robot file's, at most 60 when that is open)");
-  app.add_option("--directions", options.directions, "r at which k is minimised")->capture_default_str();
-  app.add_option("--candidates", options.candidates, "random feasible series to start with")->capture_default_str();
-  app.add_option("--starts", options.starts, "how many of them are improved")->capture_default_str();
-  app.add_option("--iterations", options.iterations, "evaluations of each start and round")->capture_default_str();
-  app.add_option("--seconds,--seconds-budget", options.seconds_budget, "then the best so far is written, as on Ctrl-C")
+  app.add_option("--duration", options.shape.duration_s, "duration of the whole movement with its ramps, s")
       ->capture_default_str();
-  app.add_option("--criterion", options.criterion, "condition (k) or determinant (D-optimality)")
+  app.add_option("--ramp", options.shape.ramp_s, "duration of the smooth ramp at each end, s")->capture_default_str();
+  app.add_option("--harmonics", options.shape.harmonics, "number of harmonics of the Fourier series")
+      ->capture_default_str();
+  app.add_option("--seed", options.seed, "random seed of the starting series")->capture_default_str();
+  app.add_option("--velocity", options.velocity_max, "velocity limit of every actuator, m/s")->capture_default_str();
+  app.add_option("--acceleration", options.acceleration_max, "acceleration limit of every actuator, m/s2")
+      ->capture_default_str();
+  const CLI::Option* margin =
+      app.add_option("--condition-max", condition_max,
+                     "largest condition number of the Jacobian on the way (default: the robot file's margin, "
+                     "at most 60)");
+  app.add_option("--directions", options.directions,
+                 "r: the number of parameter directions for which k = s_1 / s_r is minimised")
+      ->capture_default_str();
+  app.add_option("--candidates", options.candidates, "number of random feasible series to start from")
+      ->capture_default_str();
+  app.add_option("--starts", options.starts, "number of the best of them that are optimised")->capture_default_str();
+  app.add_option("--iterations", options.iterations, "largest number of evaluations per start and round")
+      ->capture_default_str();
+  app.add_option("--seconds,--seconds-budget", options.seconds_budget,
+                 "time limit of planning, s; then, or at Ctrl-C, the best series so far is written")
+      ->capture_default_str();
+  app.add_option("--criterion", options.criterion,
+                 "what is optimised: condition (condition number k) or determinant (D-optimality)")
       ->transform(CLI::CheckedTransformer(criteria, CLI::ignore_case));
   const CLI::Option* noise_option =
-      app.add_option("--noise", noise, "N, of the four actuators' forces (default: in proportion to force_per_volt_N)")
+      app.add_option("--noise", noise,
+                     "standard deviation of the noise of the four actuator forces, N (default: in proportion "
+                     "to force_per_volt_N)")
           ->expected(4);
-  app.add_option("--viscous", options.friction.viscous_N_s_per_m, "N s/m expected in every actuator, for the forces")
+  app.add_option("--viscous", options.friction.viscous_N_s_per_m,
+                 "viscous friction assumed in every actuator for the force limits, N s/m")
       ->capture_default_str();
-  app.add_option("--coulomb", options.friction.coulomb_N, "N expected in every actuator, for the forces")
+  app.add_option("--coulomb", options.friction.coulomb_N,
+                 "Coulomb friction assumed in every actuator for the force limits, N")
       ->capture_default_str();
-  app.add_flag("!--no-force-limits", options.force_limits, "let forces be what they are");
+  app.add_flag("!--no-force-limits", options.force_limits, "do not limit the expected forces");
   std::vector<std::string> recorded;
-  app.add_option("--recorded", recorded, "of a chain: recordings that are there already and count");
-  app.add_flag("--twin-legs", options.twin_legs, "q23 and q33 identical, as in the paper's verification");
+  app.add_option("--recorded", recorded, "chains: existing recordings; the new movement adds what they lack");
+  app.add_flag("--twin-legs", options.twin_legs, "move q23 and q33 identically, as in the paper's verification");
   return nodes::runProgram(app, argc, argv, [&]() -> int {
     const mechanism::Robot any = mechanism::loadAnyRobot(robot_file);
     if (any.chain) {
