@@ -3,8 +3,8 @@
 #include <algorithm>
 
 #include "knee_robot/base/errors.h"
-#include "knee_robot/control/longest_step.h"
 #include "knee_robot/dynamics/of_model_file.h"
+#include "longest_step.h"
 
 namespace knee_robot::control {
 namespace {

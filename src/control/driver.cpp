@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "knee_robot/control/longest_step.h"
+#include "longest_step.h"
 
 namespace knee_robot::control {
 namespace {
