@@ -78,8 +78,8 @@ void tellTrip(const control::GuardianReport& report) {
   std::fflush(stdout);
 }
 
-/// A controller that ends with its guardian, as roslaunch ends both, goes first: it calls a guardian that goes before it
-/// a fault.
+/// A controller that ends with its guardian, as roslaunch ends both, goes first: it calls a guardian that goes before
+/// it a fault.
 class ControllersTime {
  public:
   /// After the stop was asked for: the controller has not ended, and may still.

@@ -4,7 +4,8 @@
 // late answers, error codes, NaN refused at the border. A backend's test defines a ConformanceBench, includes this
 // header in one test program, and instantiates the suite:
 //
-//     INSTANTIATE_TEST_SUITE_P(Mine, AxisBusConformance, ::testing::Values(Backend{"mine", [] { return std::make_unique<MyBench>(); }}),
+//     INSTANTIATE_TEST_SUITE_P(Mine, AxisBusConformance,
+//                              ::testing::Values(Backend{"mine", [] { return std::make_unique<MyBench>(); }}),
 //                              backendName);
 
 #include <gtest/gtest.h>

@@ -18,7 +18,7 @@ namespace knee_robot::control {
 /// Lets a hand move the platform (SupervisorCommand::guiding), and remembers the path. ModelFeedforward carries the
 /// weight; this adds, per axis,
 ///
-///     force = share_friction * (viscous * v + Coulomb * tanh(v / kSlow))      the identified friction along the measured motion
+///     force = share_friction * (viscous * v + Coulomb * tanh(v / kSlow))   identified friction along the motion
 ///           + tremble * (1 - |tanh(v / kSlow)|)                               where an axis stands
 ///           - damping * v - brake(speed) * v                                  soft, and hard near the speed limit
 ///           + walls(pose)                                                     VirtualWalls

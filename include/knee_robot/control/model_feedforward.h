@@ -17,7 +17,8 @@ namespace knee_robot::control {
 /// measured pose, inertia and friction along the reference. What the model does not know is left to the Drivers'
 /// integrals.
 ///
-///     force = level * (share_gravity * (weight + payload_kg * w) + share_inertia * (inertia + ...) + share_friction * friction)
+///     force = level * (share_gravity * (weight + payload_kg * w) + share_inertia * (inertia + ...)
+///                      + share_friction * friction)
 ///
 /// - Model: by default the weights of the robot's URDF (nothing without URDF), otherwise everything in the file of
 ///   `model`.

@@ -28,9 +28,9 @@ struct SafeStopTiming {
 ///     Settling      hold at rest                                 (likewise)
 ///     Engaging      holding brakes engage; loops go on until the slowest device holds
 ///     Transferring  the drives' force goes down to nothing while the positions are watched
-///     Carrying      an axis moved: its holding brake does not hold. The drives take the load back and keep it until they
-///                   are asked to hand it over again, or have no power any more; an axis whose loop fails meanwhile
-///                   keeps its load estimate
+///     Carrying      an axis moved: its holding brake does not hold. The drives take the load back and keep it until
+///                   they are asked to hand it over again, or have no power any more; an axis whose loop fails
+///                   meanwhile keeps its load estimate
 ///     Disabling     drives disabled; set values stay until the drives are off
 ///     Done          0 V
 ///
