@@ -155,7 +155,7 @@ enum class GuideStop : std::uint8_t {
   OutsideRange,  ///< the platform is where it must not be guided
   Wall,          ///< pressed too far into a virtual wall
   TooFast,       ///< faster than allowed in spite of the brake
-  LostPose,      ///< no pose, or a number that is none
+  LostPose,      ///< no pose, or NaN
   PathFull,      ///< the record of the path is full
   Silent,        ///< HandGuide says nothing any more
 };
