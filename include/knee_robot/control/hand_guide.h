@@ -57,14 +57,8 @@ class HandGuide : public rt::TaskContext {
   rt::OutputPort<Guidance> guidance{*this, "guidance", "to the Drivers and the Supervisor"};
 
   rt::Property<std::string> model{*this, "model", "", "model file of this robot; empty: nothing is guided"};
-  rt::Property<double> share_friction{*this,
-                                      "share_friction",
-                                      0.7,
-                                      "",
-                                      0.0,
-                                      0.9,
-                                      "share of the identified friction that is compensated",
-                                      rt::Change::AtRunTime};
+  rt::Property<double> share_friction{
+      *this, "share_friction", 0.7, "", 0.0, 0.9, "share that is compensated", rt::Change::AtRunTime};
   rt::Property<double> damping{*this, "damping_N_s_per_m", 60.0, "N s/m", 0.0, 5000.0, "damping of each axis"};
   rt::Property<double> linear_speed{*this,
                                     "linear_m_per_s",

@@ -94,13 +94,8 @@ class ModelFeedforward : public rt::TaskContext {
       *this, "stiffness_per_s2", 4000.0, "1/s^2", 0.0, 1e6, "computed_torque: acceleration per metre of error"};
   rt::Property<double> damping{
       *this, "damping_per_s", 125.0, "1/s", 0.0, 1e4, "computed_torque: acceleration per m/s of error"};
-  rt::Property<double> velocity_cutoff{*this,
-                                       "velocity_cutoff_hz",
-                                       100.0,
-                                       "Hz",
-                                       1.0,
-                                       1000.0,
-                                       "computed_torque, passivity_based: low-pass of the velocity"};
+  rt::Property<double> velocity_cutoff{
+      *this, "velocity_cutoff_hz", 100.0, "Hz", 1.0, 1000.0, "velocity low-pass of both laws"};
 
   /// Ordinary thread, before configure(): reads `law`. InputError names the property and what it needs.
   void readLaw();

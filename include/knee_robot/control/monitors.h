@@ -47,13 +47,8 @@ class Monitors : public rt::TaskContext {
   rt::Property<double> jump_floor{*this, "jump_floor_m", 1e-3, "m", 1e-5, 0.1, "encoder jump: added to it"};
   rt::Property<double> jump_gap{
       *this, "jump_gap_m", 5e-3, "m", 1e-3, 0.1, "encoder jump: largest change while the encoders could not be read"};
-  rt::Property<double> frozen_distance{*this,
-                                       "frozen_distance_m",
-                                       0.002,
-                                       "m",
-                                       1e-4,
-                                       0.1,
-                                       "frozen encoder: motion of the reference without motion of the encoder"};
+  rt::Property<double> frozen_distance{
+      *this, "frozen_distance_m", 0.002, "m", 1e-4, 0.1, "frozen encoder: motion of the reference"};
   rt::Property<double> frozen_share{
       *this,
       "frozen_share",
@@ -99,13 +94,7 @@ class Monitors : public rt::TaskContext {
   rt::Property<double> runaway_acceleration{*this, "runaway_acceleration_m_per_s2",          0.5, "m/s^2", 0.0,
                                             20.0,  "runaway: mean acceleration in this time"};
   rt::Property<double> runaway_share{
-      *this,
-      "runaway_force_share",
-      0.1,
-      "",
-      0.01,
-      1.0,
-      "runaway: or growth of the opposing force without effect, share of the force limit"};
+      *this, "runaway_force_share", 0.1, "", 0.01, 1.0, "runaway: or growth of the force, without effect"};
   rt::Property<double> saturation_time{
       *this, "saturation_s", 0.25, "s", 0.001, 10.0, "saturation: time with the force at its clamp that is a fault"};
   rt::Property<double> thermal_time{*this,
@@ -123,13 +112,8 @@ class Monitors : public rt::TaskContext {
       1.0,
       20000.0,
       "time constant of the housing's temperature above the room's; an RE40's in free air"};
-  rt::Property<double> thermal_share{*this,
-                                     "thermal_winding_share",
-                                     0.29,
-                                     "",
-                                     0.0,
-                                     1.0,
-                                     "share of the final temperature rise between winding and housing"};
+  rt::Property<double> thermal_share{
+      *this, "thermal_winding_share", 0.29, "", 0.0, 1.0, "share of the rise between winding and housing"};
   rt::Property<double> thermal_start{
       *this, "thermal_start", 0.0, "", 0.0, 1.0, "lowest heat at the controller's start, share of the limit"};
   rt::Property<double> patient_margin_m{*this, "patient_margin_m", 0.002, "m", 0.0, 0.02, "patient pose: tolerance"};
