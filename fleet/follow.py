@@ -158,7 +158,7 @@ def follow(programs: pathlib.Path, robot: str, model: str, recording: str, folde
 
 
 def _friction(predictor: Predictor, values: dict[str, float], facts: RobotFacts) -> Array:
-    """Force of friction that the first day's model foresees, rows x axes."""
+    """Friction force that the first day's model predicts, rows x axes."""
     names = [n for n in values if n.startswith("Fc_")], [n for n in values if n.startswith("Fv_")]
     if any(len(group) < facts.axes for group in names):
         raise Unusable("the first day's model has no friction of each actuator")

@@ -29,9 +29,9 @@ bool ControlLaw::force(const dynamics::PartedModel& model, const Gains& gains, c
     last_position_ = at.position;
   }
   const mechanism::Vector4 error = at.reference - at.position, speed_error = at.velocity - velocity_;
-  dynamics::AuxiliaryMotion wanted, foreseen;
-  foreseen.velocity = foreseen.reference = at.velocity;
-  foreseen.acceleration = at.acceleration;
+  dynamics::AuxiliaryMotion wanted, measured;
+  measured.velocity = measured.reference = at.velocity;
+  measured.acceleration = at.acceleration;
   wanted.velocity = velocity_;
   if (law_ == Law::ComputedTorque) {
     wanted.reference = velocity_;
@@ -42,7 +42,7 @@ bool ControlLaw::force(const dynamics::PartedModel& model, const Gains& gains, c
   }
   mechanism::Vector4 with = mechanism::Vector4::Zero(), without = mechanism::Vector4::Zero();
   if (!dynamics::auxiliaryForces(model, at.pose, wanted, data_, with) ||
-      !dynamics::auxiliaryForces(model, at.pose, foreseen, data_, without)) {
+      !dynamics::auxiliaryForces(model, at.pose, measured, data_, without)) {
     return false;
   }
   force = with - without;

@@ -55,7 +55,7 @@ Answer ControlSystem::start() {
   if (now.state == MachineState::Faulted)
     return {true, "started with a fault, drives off: " + now.fault_sentence + hot};
   const std::string who = parts_->occupancy.whyNobodyMoves();
-  return {true, "ready: drives off, hold devices engaged" + hot +
+  return {true, "ready: drives off, holding brakes engaged" + hot +
                     (now.patient.empty() ? "" : "; patient " + now.patient + " is still loaded") +
                     (who.empty() ? "" : "; " + who)};
 }
@@ -67,7 +67,7 @@ Answer ControlSystem::shutdown() {
 Answer ControlSystem::end(bool at_any_rate) {
   if (!parts_->started) return {true, "the controller does not run"};
   const MachineState before = state();
-  Answer stopped{true, "drives off, hold devices engaged"};
+  Answer stopped{true, "drives off, holding brakes engaged"};
   if (before != MachineState::Disabled && before != MachineState::Faulted) stopped = disable();
   // AxesOutput's own word: a Supervisor that failed says Faulted while the safe stop still runs.
   parts_->runner.waitUntil([this] { return outputsAreOff() || drivesCarry(); }, kSafeStop_s);

@@ -3,8 +3,8 @@
 #include <algorithm>
 
 #include "knee_robot/base/errors.h"
-#include "knee_robot/control/longest_step.h"
 #include "knee_robot/dynamics/of_model_file.h"
+#include "longest_step.h"
 
 namespace knee_robot::control {
 namespace {
@@ -55,7 +55,7 @@ void DisturbanceObserver::readPorts() noexcept {
   new_reading_ = measurement.read(measured_) == rt::FlowStatus::NewData && measured_.status == hardware::IoStatus::Ok;
   orders.read(order_);
   written.read(written_);
-  feedforward.read(foreseen_);
+  feedforward.read(model_force_);
   for (std::size_t i = 0; i < hardware::kAxes; ++i)
     inputs_[i]->read(commands_[i]);
 }
@@ -109,7 +109,7 @@ void DisturbanceObserver::estimate(double dt) noexcept {
     input.position_m = mechanism::Lengths(measured_.position_m.data());
     input.velocity_m_per_s = mechanism::Vector4(measured_.velocity_m_per_s.data());
     input.force_N = mechanism::Vector4(written_.force_N.data());
-    input.payload_kg = foreseen_.payload_kg;
+    input.payload_kg = model_force_.payload_kg;
     input.dt = dt;
     residual_.step(*knowledge_, input);
   } else {

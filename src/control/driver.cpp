@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "knee_robot/control/longest_step.h"
+#include "longest_step.h"
 
 namespace knee_robot::control {
 namespace {
@@ -88,7 +88,7 @@ void Driver::updateHook(const rt::Cycle& cycle) {
   out_.sequence = measured_.sequence;
   out_.time = cycle.time;
   out_.active = active_;
-  out_.loaded = !feedforward.isConnected() || foreseen_.complete;
+  out_.loaded = !feedforward.isConnected() || model_force_.complete;
   out_.fault = fault_;
   command.write(out_);
 }
@@ -113,21 +113,21 @@ void Driver::readGuidance(const rt::Cycle& cycle) noexcept {
 }
 
 void Driver::readFeedforward(const rt::Cycle& cycle) noexcept {
-  const bool heard = feedforward.read(foreseen_) != rt::FlowStatus::NoData;
-  const bool alive = heard && cycle.time - foreseen_.time <= kSilentFeedforward * cycle.period;
-  const double load = alive ? foreseen_.force_N[index_] : 0.0;
+  const bool heard = feedforward.read(model_force_) != rt::FlowStatus::NoData;
+  const bool alive = heard && cycle.time - model_force_.time <= kSilentFeedforward * cycle.period;
+  const double load = alive ? model_force_.force_N[index_] : 0.0;
   // Beginning or ending in the middle of a motion is switching, too.
-  const double step = alive == feedforward_alive_ ? foreseen_.switched_N[index_] - switched_ : load - load_;
+  const double step = alive == feedforward_alive_ ? model_force_.switched_N[index_] - switched_ : load - load_;
   if (active_ && step != 0.0) {
     pid_.shiftIntegral(-step);
     shifted_N_ += step;
   }
-  switched_ = foreseen_.switched_N[index_];
+  switched_ = model_force_.switched_N[index_];
   load_ = load;
   feedforward_alive_ = alive;
   last_loop_ = loop_;
-  loop_ = alive ? foreseen_.loop_N[index_] : 0.0;
-  model_closes_ = alive && foreseen_.closes_loop;
+  loop_ = alive ? model_force_.loop_N[index_] : 0.0;
+  model_closes_ = alive && model_force_.closes_loop;
 }
 
 void Driver::takeOver(const rt::Cycle& cycle) {
@@ -190,7 +190,7 @@ double Driver::probeEncoder(double dt) noexcept {
     return 0.0;
   }
   carried_s_ += dt;
-  if (carried_s_ < kRest_s) return 0.0;  // the hold devices are still opening, the platform sags a little
+  if (carried_s_ < kRest_s) return 0.0;  // the holding brakes are still opening, the platform sags a little
   out_.can_be_asked = verdict.isConnected();
   const double first = kRest_s + probe_period * static_cast<double>(index_) / hardware::kAxes;
   const EncoderProbe::Settings settings{first, probe_period, probe_share * force_limit_, disturbance.isConnected()};
@@ -330,7 +330,7 @@ void Driver::control(const rt::Cycle& cycle) {
   }
   out_.force_N = force;
   out_.feedforward_N = load_;
-  out_.moving_N = feedforward_alive_ ? foreseen_.moving_N[index_] : 0.0;
+  out_.moving_N = feedforward_alive_ ? model_force_.moving_N[index_] : 0.0;
   out_.volts = actuator_.force_sign * force / actuator_.force_per_volt_N;
 }
 

@@ -91,7 +91,7 @@ void Guardian::updateHook(const rt::Cycle& /*cycle*/) {
   link_.guardian_cycles.fetch_add(1, std::memory_order_release);
 }
 
-/// The hold devices engage, the drives give what carried the robot at rest.
+/// The holding brakes engage, the drives give what carried the robot at rest.
 bool Guardian::carryLoad() noexcept {
   if (carry_.time == 0 || !watch_.hasHeard() || link_.carries.load(std::memory_order_acquire) == 0) return false;
   for (std::size_t i = 0; i < load_V_.size(); ++i) {

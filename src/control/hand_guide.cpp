@@ -5,8 +5,8 @@
 
 #include "knee_robot/base/constants.h"
 #include "knee_robot/base/errors.h"
-#include "knee_robot/control/longest_step.h"
 #include "knee_robot/dynamics/of_model_file.h"
+#include "longest_step.h"
 
 namespace knee_robot::control {
 namespace {
@@ -140,7 +140,7 @@ double HandGuide::largestUnknown(std::size_t axis) const noexcept {
   return std::min(unknown_load.value(), std::max(held_N, kLeastUnknown_N));
 }
 
-/// What the loops carry, and later their integrals keep, beyond what was foreseen, without what this gave (`given`) and
+/// What the loops carry, and later their integrals keep, beyond the feedforward, without what this gave (`given`) and
 /// test pulses.
 void HandGuide::weigh(double dt, const AxisValues& given) noexcept {
   const double share = out_.active ? 1.0 : std::min(1.0, dt / kAverage_s);

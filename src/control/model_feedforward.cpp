@@ -4,9 +4,9 @@
 #include <cmath>
 
 #include "knee_robot/base/errors.h"
-#include "knee_robot/control/longest_step.h"
 #include "knee_robot/dynamics/of_model_file.h"
 #include "knee_robot/mechanism/kinematics.h"
+#include "longest_step.h"
 
 namespace knee_robot::control {
 namespace {
@@ -188,7 +188,7 @@ void ModelFeedforward::carry(double dt) noexcept {
   const AxisValues still = total(at_rest, level_);
   for (std::size_t i = 0; i < hardware::kAxes; ++i)
     out_.moving_N[i] = out_.force_N[i] - still[i];
-  // While the hold devices carry, the integrals are empty and nothing has to be made up for.
+  // While the holding brakes carry, the integrals are empty and nothing has to be made up for.
   for (std::size_t i = 0; i < hardware::kAxes && !taking_over_; ++i)
     out_.switched_N[i] += out_.force_N[i] - kept[i];
   if (level_ >= 1.0) taking_over_ = false;

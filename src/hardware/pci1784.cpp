@@ -95,7 +95,7 @@ IoStatus Pci1784::writeOutputs(std::uint8_t bits) noexcept {
   if (bits > 0x0F) return IoStatus::OutOfRange;
   const IoStatus status = registers_.write8(pci1784::kDigital, bits);
   if (status != IoStatus::Ok) return status;
-  return outputsPresence(registers_);  // whoever orders the hold devices has to know
+  return outputsPresence(registers_);  // whoever orders the holding brakes has to know
 }
 
 IoStatus Pci1784::readInputs(std::uint8_t& bits) noexcept {

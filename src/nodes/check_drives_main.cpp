@@ -1,6 +1,6 @@
 // check_drives --hardware H --robot R: are the CAN drives there, are they the described ones, do they answer in time?
 // Prints every step of the self test, the bus load, and how the cyclic exchange went. Nothing moves: torque stays 0,
-// hold devices engaged.
+// holding brakes engaged.
 
 #include <time.h>
 
@@ -144,6 +144,6 @@ int main(int argc, char** argv) {
   app.add_option("--seconds", options.seconds, "duration of the cyclic exchange")
       ->check(CLI::Range(0.01, 3600.0))
       ->capture_default_str();
-  app.add_flag("--enable", options.enable, "also switch the drives on, at torque 0, hold devices engaged");
+  app.add_flag("--enable", options.enable, "also switch the drives on, at torque 0, holding brakes engaged");
   return nodes::runProgram(app, argc, argv, [&] { return check(options); });
 }

@@ -194,7 +194,7 @@ int main(int argc, char** argv) {
   CLI::App app("The simulated robot behind four CiA 402 drives on a CAN bus.", "cia402_simulator");
   Options options;
   app.add_option("--robot", options.robot, "robot file (YAML)")->required();
-  app.add_option("--simulation", options.simulation, "simulation file (YAML): friction, hold devices, start")
+  app.add_option("--simulation", options.simulation, "simulation file (YAML): friction, holding brakes, start")
       ->required();
   app.add_option("--hardware", options.hardware, "hardware file (YAML) with backend can: the drives that it describes")
       ->required();
@@ -205,13 +205,14 @@ int main(int argc, char** argv) {
                  "CAN interface, or a path: the socket of a simulated bus; default: the hardware file's interface");
   app.add_option("--shm", options.shm, "shared memory in which the robot's state can be looked at")
       ->capture_default_str();
-  app.add_option("--duration", options.duration_s, "simulated seconds until it ends; 0: until SIGINT or SIGTERM")
+  app.add_option("--duration", options.duration_s, "simulated time after which it ends, s; 0: at SIGINT or SIGTERM")
       ->capture_default_str();
   app.add_option("--priority", options.priority, "SCHED_FIFO priority; 0: none")
       ->check(CLI::Range(0, 98))
       ->capture_default_str();
   app.add_option("--truth-rows", options.truth_rows,
-                 "keep so many steps in shared memory NAME_truth, for fault campaigns; 0: none")
+                 "number of simulation steps to keep in shared memory NAME_truth, for fault campaigns; 0: "
+                 "none")
       ->check(CLI::Range(std::uint64_t{0}, std::uint64_t{1000000}))
       ->capture_default_str();
   app.allow_extras();  // roslaunch appends __name:= and __log:=

@@ -26,8 +26,8 @@ void declare(CLI::App& app, Arguments& a) {
       ->required();
   app.add_option("--output", a.output, "folder for report.html, report.json, actuators.svg and pose.svg")->required();
   app.add_option("--condition-max", a.condition_max,
-                 "poses with a worse condition of the Jacobian (m, rad) count as near a singularity (the robot file's "
-                 "margin, 60 if that is wide open)")
+                 "poses with a larger condition number of the Jacobian (m, rad) count as near a "
+                 "singularity (default: the robot file's margin, or 60 where that is wide open)")
       ->check(CLI::Range(1.0, 1e12));
 }
 

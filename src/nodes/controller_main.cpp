@@ -1,6 +1,6 @@
 // ROS node `controller`: Sync, four Drivers and their supervision on the cards or on the simulated robot. Parameters:
-// see kParameters and launch/controller.launch. SIGINT and SIGTERM end in the safe stop. When the ROS master is lost, what moves is
-// stopped along its path and disabled; when a master is there again, everything is advertised anew
+// see kParameters and launch/controller.launch. SIGINT and SIGTERM end in the safe stop. When the ROS master is lost,
+// what moves is stopped along its path and disabled; when a master is there again, everything is advertised anew
 // (docs/ros_interface.md).
 
 #include <ros/ros.h>

@@ -8,7 +8,7 @@ namespace knee_robot::nodes {
 
 /// How the controller keeps its time, for a topic and for the log.
 ///
-///     ~timing_histograms   knee_robot/TimingHistograms   every 10 s and latched: period, lateness, execution of every component
+///     ~timing_histograms   knee_robot/TimingHistograms   every 10 s, latched: period, lateness, execution time
 ///     log                  the same as a table of median, 99 % and largest, every 10 min
 class ControllerTiming {
  public:

@@ -18,8 +18,8 @@ ControllerState stateMessage(const control::ControlSystem& system);
 /// Publishes what the controller knows, from a thread of its own and lock-free snapshots: a slow subscriber loses
 /// messages (queues of kTopicQueue), and never reaches the real-time side.
 ///
-///     ~tracking            knee_robot/Tracking        at rate_hz: reference, position, error, command, force per actuator
-///     joint_states         sensor_msgs/JointState     at rate_hz: the paper's 15 coordinates with velocities and forces
+///     ~tracking            knee_robot/Tracking        at rate_hz: reference, position, error, command, force
+///     joint_states         sensor_msgs/JointState     at rate_hz: the paper's 15 coordinates, velocities, forces
 ///     urdf_joint_states    sensor_msgs/JointState     at rate_hz: the URDF's 13 joints, for robot_state_publisher
 ///     ~pose                geometry_msgs/PoseStamped  at rate_hz: platform pose by forward kinematics, frame `base`
 ///     ~state               knee_robot/ControllerState latched; on every change and every half second

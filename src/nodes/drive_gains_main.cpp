@@ -61,9 +61,9 @@ int main(int argc, char** argv) {
   Arguments a;
   app.add_option("--robot", a.robot, "robot file (mechanism: chain)")->required();
   app.add_option("--unloaded", a.unloaded, "recordings without the payload")->required();
-  app.add_option("--loaded", a.loaded, "recordings with it, fixed to the last link")->required();
-  app.add_option("--payload-kg", a.payload_kg, "its mass")->required()->check(CLI::Range(1e-3, 1e4));
-  app.add_option("--cutoff-hz", a.cutoff_hz, "zero-phase low-pass of both sides of the equation (5)")
+  app.add_option("--loaded", a.loaded, "recordings with the payload, fixed to the last link")->required();
+  app.add_option("--payload-kg", a.payload_kg, "mass of the payload, kg")->required()->check(CLI::Range(1e-3, 1e4));
+  app.add_option("--cutoff-hz", a.cutoff_hz, "cut-off of the zero-phase low-pass filter of regressor and current (5)")
       ->check(CLI::Range(1e-6, 1e6));
   app.add_option("--output", a.output, "folder for report.html, report.json and robot.yaml")->required();
   return nodes::runProgram(app, argc, argv, [&] { return run(a, nodes::commandLine("drive_gains", argc, argv)); });

@@ -67,9 +67,8 @@ void tellTrip(const control::GuardianReport& report) {
   const double reaction_ms = rt::toSeconds(report.reaction.load()) * 1e3;
   const double carried_ms = rt::toSeconds(report.carried.load()) * 1e3;
   std::printf(
-      "guardian: TRIPPED: controller (process %d) %s while drives were on; hold devices ordered %.2f ms after its last "
-      "heartbeat (writes "
-      "%.3f ms), outputs %s%s; fenced out until reset\n",
+      "guardian: TRIPPED: controller (process %d) %s while drives were on; holding brakes ordered %.2f ms after its "
+      "last heartbeat (writes %.3f ms), outputs %s%s; fenced out until reset\n",
       pid, what, reaction_ms, rt::toSeconds(report.writing.load()) * 1e3,
       report.written.load() ? "down" : "NOT ALL DOWN, a card refused",
       carried_ms > 0.0
@@ -79,8 +78,8 @@ void tellTrip(const control::GuardianReport& report) {
   std::fflush(stdout);
 }
 
-/// A controller that ends with its guardian, as roslaunch ends both, goes first: it calls a guardian that goes before it
-/// a fault.
+/// A controller that ends with its guardian, as roslaunch ends both, goes first: it calls a guardian that goes before
+/// it a fault.
 class ControllersTime {
  public:
   /// After the stop was asked for: the controller has not ended, and may still.
@@ -259,21 +258,22 @@ int run(const Options& options) {
 int main(int argc, char** argv) {
   CLI::App app("Watches the controller and brings the outputs down when it dies or falls silent.", "guardian");
   Options options;
-  app.add_option("--hardware", options.hardware_file, "hardware file (YAML): which cards")->required();
+  app.add_option("--hardware", options.hardware_file, "hardware file (YAML)")->required();
   app.add_option("--shm", options.shm, "shared memory of the simulated robot, for backend simulated")
       ->capture_default_str();
   app.add_option("--can", options.can,
                  "CAN interface or simulated bus' path, for backend can; default: the hardware file's");
   app.add_option("--link", options.link, "shared memory between controller and guardian")->capture_default_str();
-  app.add_option("--silence-ms", options.silence_ms, "a controller that is silent for so long is dead")
+  app.add_option("--silence-ms", options.silence_ms,
+                 "the controller counts as dead after this time without a heartbeat, ms")
       ->check(CLI::Range(3.0, 10000.0))
       ->capture_default_str();
   app.add_option("--priority", options.priority, "SCHED_FIFO priority, above the controller's; 0: none")
       ->check(CLI::Range(0, 98))
       ->capture_default_str();
-  app.add_option("--cpu", options.cpu, "processor that it is bound to; -1: any")->capture_default_str();
+  app.add_option("--cpu", options.cpu, "processor to run on; -1: any")->capture_default_str();
   app.add_flag("--require-real-time", options.require_real_time, "refuse to start without real-time privileges");
-  app.add_flag("--down-now", options.down_now, "fence a controller out, bring the outputs down once, and end");
+  app.add_flag("--down-now", options.down_now, "lock out a running controller, bring the outputs down once, and end");
   app.allow_extras();  // roslaunch appends __name:= and __log:=
   return nodes::runProgram(app, argc, argv, [&] {
     for (const std::string& extra : app.remaining()) {

@@ -34,55 +34,54 @@ void declare(CLI::App& app, Arguments& a) {
   const auto positive = CLI::Range(1e-6, 1e6);
   app.add_option("--robot", a.robot, "robot file")->required();
   app.add_option("--train", a.train, "recordings that the model is fitted to")->required();
-  app.add_option("--validate", a.validate, "recordings that judge the finished model");
+  app.add_option("--validate", a.validate,
+                 "recordings on which the finished model is checked; they take no part in any choice");
   app.add_option("--output", a.output, "folder for model.yaml, report.json, report.html and predictions")->required();
   app.add_option("--cutoff-hz", a.cutoff_hz,
-                 "zero-phase low-pass of both sides of the equation (from the training recordings' reference: what the "
-                 "rule found is "
-                 "printed)")
+                 "cut-off of the zero-phase low-pass filter of regressor and force (default: chosen from "
+                 "the reference of the training recordings, and printed)")
       ->check(positive);
   app.add_option("--motion-cutoff-hz", a.motion_cutoff_hz,
-                 "low-pass of the positions before they are differentiated (three to five times the cut-off, as the "
-                 "encoders allow); lower where the "
-                 "motion is known to be slow and the geometry amplifies the encoders' rounding")
+                 "cut-off of the low-pass filter of positions before they are differentiated (default: "
+                 "three to five times --cutoff-hz, as the encoders allow); a lower one helps where the "
+                 "motion is slow and the geometry amplifies the encoders' rounding")
       ->check(positive);
-  app.add_option(
-         "--rate-hz", a.options.observation.signals.rate_hz,
-         "samples a second at most (100, or twelve times the cut-off); a finer grid meets reversals of friction more "
-         "exactly")
+  app.add_option("--rate-hz", a.options.observation.signals.rate_hz,
+                 "highest sampling rate of the fit (100, or twelve times the cut-off); a higher one "
+                 "follows reversals of friction more exactly")
       ->check(CLI::Range(1.0, 1e4));
   app.add_option("--moving-m-per-s", a.options.observation.moving_m_per_s,
-                 "slower axes do not count as moving (0.0015)")
+                 "an axis counts as moving above this speed (0.0015)")
       ->check(CLI::Range(0.0, 10.0));
   app.add_option("--condition-max", a.options.observation.condition_max,
-                 "poses with a worse condition of the Jacobian (m, rad) are masked (the robot file's margin, 60 if "
-                 "that is wide open)")
+                 "samples at poses with a larger condition number of the Jacobian (m, rad) are left out "
+                 "(default: the robot file's margin, or 60 where that is wide open)")
       ->check(CLI::Range(1.0, 1e12));
-  app.add_option(
-         "--fold-margin-m", a.options.observation.fold_margin_m,
-         "where the lengths are nearer than this to a singularity in which two assembly modes meet, samples are "
-         "masked (0.003); 0: the geometry is exact")
+  app.add_option("--fold-margin-m", a.options.observation.fold_margin_m,
+                 "samples whose lengths are nearer than this to a singularity where two assembly modes "
+                 "meet are left out (0.003); 0: the geometry is exact")
       ->check(CLI::Range(0.0, 1.0));
-  app.add_flag(
-      "--joint-friction", a.options.joint_friction,
-      "friction of the legs' passive joints too, as in the paper's eq. (22); needs a motion that tells it from "
-      "the actuators'");
-  app.add_option(
-         "--narrowest-counts", a.options.narrowest_counts,
-         "Coulomb friction builds up over at least this many encoder counts (2); fewer where no encoder flickers")
+  app.add_flag("--joint-friction", a.options.joint_friction,
+               "also fit friction of the legs' passive joints, as in the paper's eq. (22); needs a "
+               "motion that separates it from the actuators' friction");
+  app.add_option("--narrowest-counts", a.options.narrowest_counts,
+                 "shortest travel, in encoder counts, over which Coulomb friction builds up (2); less "
+                 "where no encoder flickers between two counts")
       ->check(CLI::Range(1e-6, 1e3));
   app.add_option("--outliers", a.options.outliers,
-                 "equations with large residuals: huber (default), bisquare (iteratively reweighted), none")
+                 "how equations with large residuals are weighted: huber (default), bisquare (iteratively "
+                 "reweighted), none")
       ->transform(CLI::CheckedTransformer(
           std::map<std::string, identification::OutlierRule>{{"huber", identification::OutlierRule::Huber},
                                                              {"bisquare", identification::OutlierRule::Bisquare},
                                                              {"none", identification::OutlierRule::None}},
           CLI::ignore_case));
   app.add_flag("!--no-physical", a.physical,
-               "without the physically consistent parameters (model_physical.yaml, identified.urdf), for which the "
-               "robot file must name a URDF");
+               "do not fit physically consistent parameters (model_physical.yaml, identified.urdf); they"
+               " need a URDF in the robot file");
   app.add_option("--rank", a.options.rank,
-                 "fit only this many directions, without the prior (default: all directions, pulled towards the prior)")
+                 "fit only this many directions of the parameters, without the prior (default: all "
+                 "directions, pulled towards the prior)")
       ->check(CLI::Range(1, 1000));
 }
 

@@ -135,7 +135,7 @@ int run(const Arguments& a) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  CLI::App app("Makes a recording of other recorders' files.", "import_recording");
+  CLI::App app("Converts files of other recorders into a recording.", "import_recording");
   Arguments arguments;
   declare(app, arguments);
   return nodes::runProgram(app, argc, argv, [&] { return run(arguments); });

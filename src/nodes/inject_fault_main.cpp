@@ -131,9 +131,10 @@ int main(int argc, char** argv) {
   std::string shm = "/knee_robot_sim", name;
   Order order;
   app.add_option("--shm", shm, "shared memory of the simulated robot")->capture_default_str();
-  app.add_option("--axis", order.axis, "1 to 4; 0: all four")->check(CLI::Range(0, 4))->capture_default_str();
+  app.add_option("--axis", order.axis, "axis 1 to 4; 0: all four")->check(CLI::Range(0, 4))->capture_default_str();
   app.add_option("--size", order.size,
-                 "encoder_jump, encoder_noise: m; push_down: N; slow_card: us per access; component: number")
+                 "size of the fault: m (encoder_jump, encoder_noise), N (push_down), us per access "
+                 "(slow_card), component number (component)")
       ->capture_default_str();
   app.add_option("fault", name, names())->required();
   return nodes::runProgram(app, argc, argv, [&] {

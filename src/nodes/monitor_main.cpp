@@ -36,16 +36,14 @@ int main(int argc, char** argv) {
   nodes::keepToLoopback();
   ros::init(argc, argv, "monitor", ros::init_options::AnonymousName);
   CLI::App app(
-      "Shows the controller's state, errors and timing as text: refreshed in place on a terminal, a line a period "
-      "elsewhere. The usual remappings apply: rosrun knee_robot monitor __ns:=left",
+      "Shows the controller's state, errors and timing as text: refreshed in place on a terminal, one line per "
+      "period elsewhere. ROS remappings work: rosrun knee_robot monitor __ns:=left",
       "monitor");
   double period_s = 0.5;
   bool once = false, plain = false;
-  app.add_option("--period", period_s, "seconds between two looks")
-      ->check(CLI::Range(0.1, 60.0))
-      ->capture_default_str();
+  app.add_option("--period", period_s, "refresh period, s")->check(CLI::Range(0.1, 60.0))->capture_default_str();
   app.add_flag("--once", once, "print everything once and end; exit status 1 when the controller is silent");
-  app.add_flag("--plain", plain, "a line a period, on a terminal too");
+  app.add_flag("--plain", plain, "print one line per period on a terminal, too");
   app.allow_extras();
   return nodes::runProgram(app, argc, argv, [&]() -> int {
     for (const std::string& extra : app.remaining()) {

@@ -28,7 +28,7 @@ struct Heard {
 /// Markers in frame `base` for rviz, one namespace a subject, so that each can be switched off there:
 ///
 ///     reference   the reference pose as a ghost: platform, legs
-///     path        what is still to come of the loaded reference: of the platform's origin, and of leg 1's platform joint
+///     path        rest of the loaded reference, for the platform's origin and leg 1's platform joint
 ///     errors      tracking error per leg as bars
 ///     margins     what is left to the singularity, joint angle and length limits, as bars
 ///     residual    the force on the platform that nobody commanded, as an arrow; what it means in words

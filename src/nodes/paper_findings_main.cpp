@@ -298,7 +298,7 @@ void percentages() {
 }  // namespace
 
 int main(int argc, char** argv) {
-  CLI::App app("computes and prints what the project found out about its paper", "paper_findings");
+  CLI::App app("Computes and prints the findings about the paper (docs/paper.md).", "paper_findings");
   std::string final_file, starting_file;
   app.add_option("--final", final_file, "robot file of the final geometry (config/robots/final.yaml)")->required();
   app.add_option("--starting", starting_file, "robot file of the starting geometry (config/robots/starting.yaml)")

@@ -83,75 +83,104 @@ void report(const mechanism::Robot& robot, const excitation::ExcitationOptions& 
               std::thread::hardware_concurrency(), output.c_str());
 }
 
+struct Arguments {
+  std::string robot_file, output;
+  excitation::ExcitationOptions options;
+  double condition_max = 0.0;
+  std::vector<double> noise;
+  std::vector<std::string> recorded;
+  const CLI::Option* margin = nullptr;
+  const CLI::Option* noise_option = nullptr;
+};
+
+void declare(CLI::App& app, Arguments& a) {
+  const std::map<std::string, excitation::ExcitationCriterion> criteria = {
+      {"condition", excitation::ExcitationCriterion::Condition},
+      {"determinant", excitation::ExcitationCriterion::Determinant}};
+  app.add_option("--robot", a.robot_file, "robot file (YAML)")->required();
+  app.add_option("-o,--output", a.output, "reference file to write")->required();
+  app.add_option("--duration", a.options.shape.duration_s, "duration of the whole movement with its ramps, s")
+      ->capture_default_str();
+  app.add_option("--ramp", a.options.shape.ramp_s, "duration of the smooth ramp at each end, s")->capture_default_str();
+  app.add_option("--harmonics", a.options.shape.harmonics, "number of harmonics of the Fourier series")
+      ->capture_default_str();
+  app.add_option("--seed", a.options.seed, "random seed of the starting series")->capture_default_str();
+  app.add_option("--velocity", a.options.velocity_max, "velocity limit of every actuator, m/s")->capture_default_str();
+  app.add_option("--acceleration", a.options.acceleration_max, "acceleration limit of every actuator, m/s2")
+      ->capture_default_str();
+  a.margin = app.add_option("--condition-max", a.condition_max,
+                            "largest condition number of the Jacobian on the way (default: the robot file's margin, "
+                            "at most 60)");
+  app.add_option("--directions", a.options.directions,
+                 "r: the number of parameter directions for which k = s_1 / s_r is minimised")
+      ->capture_default_str();
+  app.add_option("--candidates", a.options.candidates, "number of random feasible series to start from")
+      ->capture_default_str();
+  app.add_option("--starts", a.options.starts, "number of the best of them that are optimised")->capture_default_str();
+  app.add_option("--iterations", a.options.iterations, "largest number of evaluations per start and round")
+      ->capture_default_str();
+  app.add_option("--seconds,--seconds-budget", a.options.seconds_budget,
+                 "time limit of planning, s; then, or at Ctrl-C, the best series so far is written")
+      ->capture_default_str();
+  app.add_option("--criterion", a.options.criterion,
+                 "what is optimised: condition (condition number k) or determinant (D-optimality)")
+      ->transform(CLI::CheckedTransformer(criteria, CLI::ignore_case));
+  a.noise_option =
+      app.add_option("--noise", a.noise,
+                     "standard deviation of the noise of the four actuator forces, N (default: in proportion "
+                     "to force_per_volt_N)")
+          ->expected(4);
+  app.add_option("--viscous", a.options.friction.viscous_N_s_per_m,
+                 "viscous friction assumed in every actuator for the force limits, N s/m")
+      ->capture_default_str();
+  app.add_option("--coulomb", a.options.friction.coulomb_N,
+                 "Coulomb friction assumed in every actuator for the force limits, N")
+      ->capture_default_str();
+  app.add_flag("!--no-force-limits", a.options.force_limits, "do not limit the expected forces");
+  app.add_option("--recorded", a.recorded, "chains: existing recordings; the new movement adds what they lack");
+  app.add_flag("--twin-legs", a.options.twin_legs, "move q23 and q33 identically, as in the paper's verification");
+}
+
+int planChain(const mechanism::Robot& robot, const Arguments& a) {
+  excitation::ChainExcitationOptions chain;
+  chain.shape = a.options.shape;
+  chain.shape.period_s = chain.shape.duration_s - 2.0 * chain.shape.ramp_s;
+  chain.seed = a.options.seed;
+  chain.candidates = a.options.candidates;
+  chain.seconds_budget = a.options.seconds_budget;
+  return nodes::planChainExcitation(robot, a.recorded, chain, a.output);
+}
+
+int run(const Arguments& a) {
+  const mechanism::Robot any = mechanism::loadAnyRobot(a.robot_file);
+  if (any.chain) return planChain(any, a);
+  const mechanism::Robot robot = mechanism::loadRobot(a.robot_file);
+  excitation::ExcitationOptions options = a.options;
+  if (a.margin->count() > 0) options.condition_max = a.condition_max;
+  if (a.noise_option->count() > 0) options.noise_N = Eigen::Map<const mechanism::Vector4>(a.noise.data());
+  options.progress = showProgress;
+  options.interrupted = &interrupted;
+  std::signal(SIGINT, onInterrupt);
+  const auto start = std::chrono::steady_clock::now();
+  const excitation::ExcitationPlan plan = excitation::planExcitation(robot, options);
+  const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  trajectory::writeReference(a.output, plan.reference,
+                             {"excitation for " + a.robot_file + ", seed " + std::to_string(options.seed) + ", " +
+                                  std::to_string(options.shape.harmonics) + " harmonics",
+                              "k = " + shortNumber(plan.k, 4) + " at r = " + std::to_string(options.directions)});
+  report(robot, options, plan, a.output, seconds);
+  return kExitDone;
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
   CLI::App app(
       "Plans an excitation for identification: a finite Fourier series per actuator within all limits that minimises "
-      "the "
-      "condition number k of the column-scaled, noise-weighted observation matrix at a stated number of directions.",
+      "the condition number k of the column-scaled, noise-weighted observation matrix at a stated number of "
+      "directions.",
       "plan_excitation");
-  std::string robot_file, output;
-  excitation::ExcitationOptions options;
-  double condition_max = 0.0;
-  std::vector<double> noise;
-  const std::map<std::string, excitation::ExcitationCriterion> criteria = {
-      {"condition", excitation::ExcitationCriterion::Condition},
-      {"determinant", excitation::ExcitationCriterion::Determinant}};
-  app.add_option("--robot", robot_file, "robot file (YAML)")->required();
-  app.add_option("-o,--output", output, "reference file to write")->required();
-  app.add_option("--duration", options.shape.duration_s, "s, ramps included")->capture_default_str();
-  app.add_option("--ramp", options.shape.ramp_s, "s of the smooth ramp at each end")->capture_default_str();
-  app.add_option("--harmonics", options.shape.harmonics, "of the series")->capture_default_str();
-  app.add_option("--seed", options.seed, "another seed gives another excitation")->capture_default_str();
-  app.add_option("--velocity", options.velocity_max, "limit of every actuator, m/s")->capture_default_str();
-  app.add_option("--acceleration", options.acceleration_max, "limit of every actuator, m/s2")->capture_default_str();
-  const CLI::Option* margin = app.add_option(
-      "--condition-max", condition_max, "singularity margin (default: the robot file's, at most 60 when that is open)");
-  app.add_option("--directions", options.directions, "r at which k is minimised")->capture_default_str();
-  app.add_option("--candidates", options.candidates, "random feasible series to start with")->capture_default_str();
-  app.add_option("--starts", options.starts, "how many of them are improved")->capture_default_str();
-  app.add_option("--iterations", options.iterations, "evaluations of each start and round")->capture_default_str();
-  app.add_option("--seconds,--seconds-budget", options.seconds_budget, "then the best so far is written, as on Ctrl-C")
-      ->capture_default_str();
-  app.add_option("--criterion", options.criterion, "condition (k) or determinant (D-optimality)")
-      ->transform(CLI::CheckedTransformer(criteria, CLI::ignore_case));
-  const CLI::Option* noise_option =
-      app.add_option("--noise", noise, "N, of the four actuators' forces (default: in proportion to force_per_volt_N)")
-          ->expected(4);
-  app.add_option("--viscous", options.friction.viscous_N_s_per_m, "N s/m expected in every actuator, for the forces")
-      ->capture_default_str();
-  app.add_option("--coulomb", options.friction.coulomb_N, "N expected in every actuator, for the forces")
-      ->capture_default_str();
-  app.add_flag("!--no-force-limits", options.force_limits, "let forces be what they are");
-  std::vector<std::string> recorded;
-  app.add_option("--recorded", recorded, "of a chain: recordings that are there already and count");
-  app.add_flag("--twin-legs", options.twin_legs, "q23 and q33 identical, as in the paper's verification");
-  return nodes::runProgram(app, argc, argv, [&]() -> int {
-    const mechanism::Robot any = mechanism::loadAnyRobot(robot_file);
-    if (any.chain) {
-      excitation::ChainExcitationOptions chain;
-      chain.shape = options.shape;
-      chain.shape.period_s = chain.shape.duration_s - 2.0 * chain.shape.ramp_s;
-      chain.seed = options.seed;
-      chain.candidates = options.candidates;
-      chain.seconds_budget = options.seconds_budget;
-      return nodes::planChainExcitation(any, recorded, chain, output);
-    }
-    const mechanism::Robot robot = mechanism::loadRobot(robot_file);
-    if (margin->count() > 0) options.condition_max = condition_max;
-    if (noise_option->count() > 0) options.noise_N = Eigen::Map<const mechanism::Vector4>(noise.data());
-    options.progress = showProgress;
-    options.interrupted = &interrupted;
-    std::signal(SIGINT, onInterrupt);
-    const auto start = std::chrono::steady_clock::now();
-    const excitation::ExcitationPlan plan = excitation::planExcitation(robot, options);
-    const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-    trajectory::writeReference(output, plan.reference,
-                               {"excitation for " + robot_file + ", seed " + std::to_string(options.seed) + ", " +
-                                    std::to_string(options.shape.harmonics) + " harmonics",
-                                "k = " + shortNumber(plan.k, 4) + " at r = " + std::to_string(options.directions)});
-    report(robot, options, plan, output, seconds);
-    return kExitDone;
-  });
+  Arguments arguments;
+  declare(app, arguments);
+  return nodes::runProgram(app, argc, argv, [&] { return run(arguments); });
 }

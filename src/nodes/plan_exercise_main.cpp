@@ -76,16 +76,18 @@ int main(int argc, char** argv) {
   app.add_option("-o,--output", arguments.output, "reference file to write")->required();
   app.add_option("--picture", arguments.picture,
                  "SVG of pose, actuators and margins against time (default: the output's name with .svg)");
-  const CLI::Option* amplitude = app.add_option("--amplitude", arguments.amplitude,
-                                                "m, or deg for knee_rotation and ankle_flexion; paper_test: of the "
-                                                "rise, the rest in proportion (default: the paper's)");
-  app.add_option("--speed", arguments.speed, "of translations, m/s")->capture_default_str();
-  app.add_option("--turning-speed", arguments.turning_speed_deg, "of rotations, deg/s")->capture_default_str();
-  app.add_option("--repetitions", arguments.repetitions, "how often")->capture_default_str();
+  const CLI::Option* amplitude =
+      app.add_option("--amplitude", arguments.amplitude,
+                     "amplitude: m, or deg for knee_rotation and ankle_flexion; for paper_test that of the "
+                     "rise, the rest in proportion (default: the paper's)");
+  app.add_option("--speed", arguments.speed, "speed of translations, m/s")->capture_default_str();
+  app.add_option("--turning-speed", arguments.turning_speed_deg, "speed of rotations, deg/s")->capture_default_str();
+  app.add_option("--repetitions", arguments.repetitions, "number of repetitions")->capture_default_str();
   app.add_option("--pause", arguments.pause, "rest between strokes, s")->capture_default_str();
-  app.add_option("--start", arguments.start, "start pose: Xm Zm (m) theta psi (deg); default: furthest from all limits")
+  app.add_option("--start", arguments.start,
+                 "start pose: Xm Zm (m) theta psi (deg); default: the one furthest from all limits")
       ->expected(4);
-  app.add_option("--space", arguments.space, "of the written file")
+  app.add_option("--space", arguments.space, "coordinates of the written file")
       ->check(CLI::IsMember({"actuator", "platform"}))
       ->capture_default_str();
   app.add_flag("--scale", arguments.scale, "reduce amplitude and speed to what fits instead of refusing");

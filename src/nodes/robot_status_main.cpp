@@ -37,11 +37,12 @@ void printRow(const simulation::RobotImage& image) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  CLI::App app("Prints the simulated robot's own state and its cards' outputs as CSV, a row a step.", "robot_status");
+  CLI::App app("Prints the simulated robot's own state and its cards' outputs as CSV, one row per step.",
+               "robot_status");
   std::string shm = "/knee_robot_sim";
   double duration_s = 0.0;
   app.add_option("--shm", shm, "shared memory of the simulated robot")->capture_default_str();
-  app.add_option("--duration", duration_s, "seconds to look on; 0: one row")
+  app.add_option("--duration", duration_s, "duration to print, s; 0: one row")
       ->check(CLI::Range(0.0, 3600.0))
       ->capture_default_str();
   return nodes::runProgram(app, argc, argv, [&] {

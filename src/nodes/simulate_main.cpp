@@ -168,15 +168,15 @@ int main(int argc, char** argv) {
   app.add_option("--hardware", hardware_file, "hardware file (YAML)")->required();
   app.add_option("--deployment", deployment_file, "deployment file (YAML)")->required();
   app.add_option("-o,--output", output, "recording to write (CSV); must not exist")->required();
-  app.add_option(
-      "--truth", truth_file,
-      "table (CSV) to write: what the simulated effects take of every command, N, for those who judge a trace");
+  app.add_option("--truth", truth_file,
+                 "table (CSV) to write: force of all simulated effects per actuator and row, N, to compare "
+                 "with what trace finds");
   app.add_option("--space", space_name, "what the columns are, when the file's header does not say it")
       ->check(CLI::IsMember({"actuator", "platform", "relative"}));
   app.add_option("--model", model, "model file for the feedforward; default: the deployment's");
-  const CLI::Option* payload = app.add_option("--payload-kg", payload_kg, "payload that the feedforward is told of");
+  const CLI::Option* payload = app.add_option("--payload-kg", payload_kg, "payload that the feedforward assumes, kg");
   app.add_option("--set", settings,
-                 "COMPONENT.PROPERTY=VALUE, any number of times: properties that may change at run time");
+                 "COMPONENT.PROPERTY=VALUE, may be repeated: sets a property that may change at run time");
   return nodes::runProgram(app, argc, argv, [&]() -> int {
     const mechanism::Robot robot = mechanism::loadRobot(robot_file);
     const control::HardwareFile hardware_description = control::loadHardwareFile(hardware_file);

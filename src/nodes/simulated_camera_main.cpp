@@ -38,7 +38,7 @@ int main(int argc, char** argv) {
   app.add_option("RECORDING", a.recording, "recording (CSV)")->required();
   app.add_option("--robot", a.robot, "robot file of the recording")->required();
   app.add_option("--camera", a.camera, "camera file: rate, delay, noise, play in the joints (YAML)")->required();
-  app.add_option("--geometry", a.geometry, "robot file of the mechanism that is really there; default: --robot's");
+  app.add_option("--geometry", a.geometry, "robot file with the true geometry, where it differs from --robot's");
   app.add_option("-o,--output", a.output, "recording to write")->required();
   return nodes::runProgram(app, argc, argv, [&] { return run(a); });
 }

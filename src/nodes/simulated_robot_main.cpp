@@ -97,22 +97,23 @@ std::int64_t run(simulation::RobotSimulation& simulation, const simulation::Robo
 }  // namespace
 
 int main(int argc, char** argv) {
-  CLI::App app("The simulated robot: steps in real time behind its cards' registers in shared memory.",
-               "simulated_robot");
+  CLI::App app("Simulates the robot in real time; its cards are register models in shared memory.", "simulated_robot");
   std::string robot_file, simulation_file, shm = "/knee_robot_sim";
   double duration_s = 0.0;
   int priority = 0;
   std::uint64_t truth_rows = 0;
   app.add_option("--robot", robot_file, "robot file (YAML)")->required();
-  app.add_option("--simulation", simulation_file, "simulation file (YAML): friction, hold devices, start")->required();
+  app.add_option("--simulation", simulation_file, "simulation file (YAML): friction, holding brakes, start")
+      ->required();
   app.add_option("--shm", shm, "name of the shared memory")->capture_default_str();
-  app.add_option("--duration", duration_s, "simulated seconds until it ends; 0: until SIGINT or SIGTERM")
+  app.add_option("--duration", duration_s, "simulated time after which it ends, s; 0: at SIGINT or SIGTERM")
       ->capture_default_str();
   app.add_option("--priority", priority, "SCHED_FIFO priority; 0: none")
       ->check(CLI::Range(0, 98))
       ->capture_default_str();
   app.add_option("--truth-rows", truth_rows,
-                 "keep so many steps in shared memory NAME_truth, for fault campaigns; 0: none")
+                 "number of simulation steps to keep in shared memory NAME_truth, for fault campaigns; 0: "
+                 "none")
       ->check(CLI::Range(std::uint64_t{0}, std::uint64_t{1000000}))
       ->capture_default_str();
   app.allow_extras();  // roslaunch appends __name:= and __log:=

@@ -31,25 +31,26 @@ struct Arguments {
 
 void declare(CLI::App& app, Arguments& a) {
   app.add_option("--robot", a.robot, "robot file")->required();
-  app.add_option("--train", a.train, "recordings whose residual is traced; every choice rests on them")->required();
-  app.add_option("--validate", a.validate, "recordings that judge the finished model");
+  app.add_option("--train", a.train, "training recordings: their residual is traced, and every choice is made on them")
+      ->required();
+  app.add_option("--validate", a.validate,
+                 "recordings on which the finished model is checked; they take no part in any choice");
   app.add_option("--output", a.output, "folder for model.yaml, report.json, report.html and predictions")->required();
   app.add_option("--model", a.model,
-                 "model of identify or trace to start from: before is that model unchanged, its effects are tried "
-                 "first, and only what it "
-                 "lacks is searched; its cut-off counts");
-  app.add_option(
-         "--most", a.options.most_effects,
-         "at most so many additions (6), the same effect on several actuators counting once; 0: the baseline only")
+                 "model of identify or trace to start from, used with its own cut-off: \"before\" is this "
+                 "model as it is; its effects are tried again first, then only what it lacks is searched "
+                 "for");
+  app.add_option("--max-effects,--most", a.options.most_effects,
+                 "largest number of effects to add (6); the same effect on several actuators counts once; "
+                 "0: the baseline model only")
       ->check(CLI::Range(0, 20));
-  app.add_option("--seed", a.options.seed, "of surrogates and resampling (1)");
-  app.add_option(
-         "--cutoff-hz", a.cutoff_hz,
-         "zero-phase low-pass of both sides of the equation (by the rule of identify, from the training recordings' "
-         "reference)")
+  app.add_option("--seed", a.options.seed, "random seed for surrogate recordings and bootstrap (1)");
+  app.add_option("--cutoff-hz", a.cutoff_hz,
+                 "cut-off of the zero-phase low-pass filter of regressor and force (default: chosen from "
+                 "the reference of the training recordings, as identify does)")
       ->check(CLI::Range(1e-6, 1e6));
   app.add_option("--moving-m-per-s", a.options.observation.moving_m_per_s,
-                 "slower axes do not count as moving (0.0015)")
+                 "an axis counts as moving above this speed (0.0015)")
       ->check(CLI::Range(0.0, 10.0));
 }
 

@@ -233,13 +233,16 @@ int main(int argc, char** argv) {
   app.add_option("--robot", a.robot, "robot file")->required();
   app.add_option("--deployment", a.deployment, "deployment file with the present gains");
   app.add_option("--hardware", a.hardware, "hardware file");
-  app.add_option("--payload-kg", a.payload_kg, "heaviest load on the platform that the margin has to hold for (0)")
+  app.add_option("--payload-kg", a.payload_kg, "heaviest load on the platform for which the margins have to hold (0)")
       ->check(CLI::Range(0.0, 200.0));
   app.add_option("--movement", a.movements,
-                 "reference files that the gains are for; default: all poses no nearer to a singularity");
+                 "reference files whose poses count; default: all poses no nearer to a singularity than "
+                 "the recording");
   app.add_option("--output", a.output, "folder for report.html, report.json and gains.yaml");
-  app.add_option("--write-reference", a.reference, "write such a reference file instead");
-  app.add_option("--amplitude-m", a.amplitude_m, "of its moves (0.0015)")->check(CLI::Range(1e-4, 0.05));
+  app.add_option("--write-reference", a.reference,
+                 "only write a reference file of quick moves, to be played and recorded");
+  app.add_option("--amplitude-m", a.amplitude_m, "amplitude of the moves of --write-reference (0.0015)")
+      ->check(CLI::Range(1e-4, 0.05));
   return nodes::runProgram(app, argc, argv, [&] {
     const mechanism::Robot robot = mechanism::loadRobot(a.robot);
     if (!a.reference.empty()) return writeReference(a, robot);

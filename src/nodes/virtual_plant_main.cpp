@@ -67,8 +67,10 @@ int main(int argc, char** argv) {
   app.add_option("--noise", recorder.force_noise_N, "standard deviation of each recorded force's noise, N")
       ->check(amount)
       ->capture_default_str();
-  app.add_option("--seed", recorder.seed, "of the noise")->capture_default_str();
-  app.add_option("--period", recorder.period_s, "s between rows")->check(CLI::Range(1e-4, 0.1))->capture_default_str();
+  app.add_option("--seed", recorder.seed, "random seed of the noise")->capture_default_str();
+  app.add_option("--period", recorder.period_s, "time between rows, s")
+      ->check(CLI::Range(1e-4, 0.1))
+      ->capture_default_str();
   app.add_flag("--exact-encoders", recorder.exact_encoders, "record positions as they are, not as whole counts");
   return nodes::runProgram(app, argc, argv, [&]() -> int {
     const mechanism::Robot robot = mechanism::loadRobot(robot_file);

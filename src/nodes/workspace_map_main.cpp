@@ -207,7 +207,7 @@ std::string draw(const mechanism::Robot& robot) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  CLI::App app("draws where a robot can go, and the paper's exercises in it (SVG)", "workspace_map");
+  CLI::App app("Draws where a robot can go, and the paper's exercises in it (SVG).", "workspace_map");
   std::string robot_file, output;
   double spherical_deg = 0.0;
   app.add_option("--robot", robot_file, "robot file")->required();

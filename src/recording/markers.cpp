@@ -117,6 +117,23 @@ std::string share(int count, std::size_t of) {
   return std::to_string(count) + " (" + shortNumber(100.0 * count / static_cast<double>(of), 2) + " %)";
 }
 
+/// The pose of one row with swapped names put right, or without one wrong marker, counted in `out`; worst_m is infinite
+/// when neither helps.
+Fit fitRow(const Cloud& at, const Cloud& points, double tolerance_m, const Eigen::Isometry3d* before,
+           MarkerPoses& out) {
+  Fit f = fit(at, points);
+  if (f.worst_m <= tolerance_m) return f;
+  int* counter = &out.swapped;
+  f = fitExchanged(at, points, tolerance_m, before);
+  if (!std::isfinite(f.worst_m)) {
+    counter = &out.dropped;
+    f = fitWithoutOne(at, points, tolerance_m);
+  }
+  if (!std::isfinite(f.worst_m)) counter = &out.refused;
+  ++*counter;
+  return f;
+}
+
 }  // namespace
 
 MarkerMap parseMarkerMap(const std::string& text, const std::string& path) {
@@ -191,18 +208,8 @@ MarkerPoses fitMarkers(const TextTable& table, const MarkerMap& map) {
       ++out.gaps;
       continue;
     }
-    Fit f = fit(at, points);
-    if (f.worst_m > map.tolerance_m) {
-      int* counter = &out.swapped;
-      f = fitExchanged(at, points, map.tolerance_m, before);
-      if (!std::isfinite(f.worst_m)) {
-        counter = &out.dropped;
-        f = fitWithoutOne(at, points, map.tolerance_m);
-      }
-      if (!std::isfinite(f.worst_m)) counter = &out.refused;
-      ++*counter;
-      if (!std::isfinite(f.worst_m)) continue;
-    }
+    const Fit f = fitRow(at, points, map.tolerance_m, before, out);
+    if (!std::isfinite(f.worst_m)) continue;
     out.known.back() = 1;
     out.pose.back() = f.pose;
     before = &out.pose.back();  // stays there: the vector is reserved

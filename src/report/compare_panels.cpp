@@ -1,7 +1,7 @@
 #include "compare_panels.h"
 
 #include "knee_robot/base/constants.h"
-#include "knee_robot/report/svg_plot.h"
+#include "svg_plot.h"
 
 namespace knee_robot::report {
 namespace {

@@ -4,7 +4,7 @@
 #include "knee_robot/base/constants.h"
 #include "knee_robot/base/numbers.h"
 #include "knee_robot/report/exercise_report.h"
-#include "knee_robot/report/svg_plot.h"
+#include "svg_plot.h"
 
 namespace knee_robot::report {
 namespace {

@@ -57,6 +57,12 @@ Json forceSeries(const char* kind, const identification::Observation& o, const i
   return j;
 }
 
+void appendForceSeries(const char* kind, const std::vector<identification::Observation>& observations,
+                       const identification::Applied& before, const identification::Applied& after, Json& list) {
+  for (std::size_t k = 0; k < observations.size(); ++k)
+    list.push_back(forceSeries(kind, observations[k], after.predictions[k], &before.predictions[k]));
+}
+
 Json frictionSeries(const std::vector<dynamics::FrictionLaw>& laws, const RecordedUnits& units) {
   Json shares = Json::array();
   std::vector<double> milliseconds;

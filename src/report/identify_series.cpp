@@ -54,12 +54,8 @@ Json cutoffJson(const recording::CutoffChoice& cutoff) {
 
 Json identifySeries(const IdentifyResults& r) {
   Json j = {{"recordings", Json::array()}};
-  for (std::size_t k = 0; k < r.validate.size(); ++k)
-    j["recordings"].push_back(
-        forceSeries("validate", r.validate[k], r.validate_after.predictions[k], &r.validate_before.predictions[k]));
-  for (std::size_t k = 0; k < r.train.size(); ++k)
-    j["recordings"].push_back(
-        forceSeries("train", r.train[k], r.train_after.predictions[k], &r.train_before.predictions[k]));
+  appendForceSeries("validate", r.validate, r.validate_before, r.validate_after, j["recordings"]);
+  appendForceSeries("train", r.train, r.train_before, r.train_after, j["recordings"]);
   j["spectra"] = spectraJson(r);
   j["cutoff"] = cutoffJson(r.cutoff);
   j["friction"] = frictionSeries(r.after.model.friction, r.units);

@@ -1,4 +1,4 @@
-#include "knee_robot/report/svg_plot.h"
+#include "svg_plot.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,5 +1,5 @@
 #include "knee_robot/base/numbers.h"
-#include "knee_robot/report/svg_plot.h"
+#include "svg_plot.h"
 
 namespace knee_robot::report {
 namespace {

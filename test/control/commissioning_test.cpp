@@ -1,5 +1,5 @@
-// A machine's first power-up as docs/machine.md has it: one axis after the other, the other drives without power, what the
-// platform weighs carried by a crane.
+// A machine's first power-up as docs/machine.md has it: one axis after the other, the other drives without power, what
+// the platform weighs carried by a crane.
 #include "holding_robot.h"
 
 namespace knee_robot::control {

@@ -79,8 +79,8 @@ class ClosedLoop {
   }
   State rateOf(const State& at, double t) {
     const Error error = errorOf(at, t);
-    const Vector4 foreseen = auxiliary(model_, at, error) + weight(model_, at);
-    const Vector4 force = foreseen + kP * error.e + kD * error.rate + kI * at.integral;
+    const Vector4 predicted = auxiliary(model_, at, error) + weight(model_, at);
+    const Vector4 force = predicted + kP * error.e + kD * error.rate + kI * at.integral;
     peer_.set(mechanism::coordinateMotion(*robot_.mechanism, {at.pose, at.velocity, Vector4::Zero()}));
     const Vector4 acceleration = peer_.actuatorAccelerations(force);
     State rate;
@@ -89,7 +89,7 @@ class ClosedLoop {
     EXPECT_TRUE(
         mechanism::poseRates(*robot_.mechanism, at.pose, error.length_velocity, acceleration, same, rate.velocity));
     rate.integral = error.e;
-    const Vector4 disturbance = auxiliary(truth_, at, error) + weight(truth_, at) - foreseen;
+    const Vector4 disturbance = auxiliary(truth_, at, error) + weight(truth_, at) - predicted;
     const double k = kP - kD * kLambda;
     rate.balance = error.s.dot(disturbance) - kD * error.s.squaredNorm() - (k * kLambda - kI) * error.e.squaredNorm();
     return rate;

@@ -49,10 +49,10 @@ class DriverTest : public ::testing::TestWithParam<int> {
         feed.set_point.write(set_point);
       }
       feed.orders.write(orders);
-      if (foresees) {
-        ++foreseen.sequence;
-        foreseen.time = now;
-        feed.load.write(foreseen);
+      if (feedforward_active) {
+        ++model_force.sequence;
+        model_force.time = now;
+        feed.load.write(model_force);
       }
       rt::Cycle c;
       c.time = c.wake = now;
@@ -73,8 +73,8 @@ class DriverTest : public ::testing::TestWithParam<int> {
   AxesMeasurement measured;
   SetPoint set_point;
   AxisCommand command;
-  FeedforwardForce foreseen;
-  bool foresees = false;
+  FeedforwardForce model_force;
+  bool feedforward_active = false;
   bool measurements_come = true, set_points_come = true;
   rt::Nanoseconds now = 0;
 };
@@ -121,54 +121,54 @@ TEST_F(DriverTest, StaysWithinTheVoltageLimit) {
 }
 
 TEST_F(DriverTest, AddsTheFeedforward) {
-  foresees = true;
-  foreseen.force_N[0] = 56.9256;
+  feedforward_active = true;
+  model_force.force_N[0] = 56.9256;
   takeOver();
   EXPECT_NEAR(command.volts, 2.0, 1e-9);
   EXPECT_NEAR(command.feedforward_N, 56.9256, 1e-9);
 }
 
 TEST_F(DriverTest, TakesUpWhatTheFeedforwardSwitchesWithoutAJump) {
-  foresees = true;
-  foreseen.force_N[0] = 50.0;
-  foreseen.complete = true;
+  feedforward_active = true;
+  model_force.force_N[0] = 50.0;
+  model_force.complete = true;
   takeOver();
   EXPECT_TRUE(command.loaded);
-  foreseen.force_N[0] = 20.0;  // switched
-  foreseen.switched_N[0] = -30.0;
+  model_force.force_N[0] = 20.0;  // switched
+  model_force.switched_N[0] = -30.0;
   cycle();
   EXPECT_NEAR(command.force_N, 50.0, 1e-9);
-  foreseen.force_N[0] = 35.0;  // the load has changed
+  model_force.force_N[0] = 35.0;  // the load has changed
   cycle();
   EXPECT_NEAR(command.force_N, 65.0, 1e-9);
-  foresees = false;  // silent
+  feedforward_active = false;  // silent
   cycle(20);
   EXPECT_NEAR(command.force_N, 65.0, 1e-9);
   EXPECT_EQ(command.feedforward_N, 0.0);
-  foresees = true;
+  feedforward_active = true;
   cycle();
   EXPECT_NEAR(command.force_N, 65.0, 1e-9);
   EXPECT_EQ(command.feedforward_N, 35.0);
-  foreseen.complete = false;
+  model_force.complete = false;
   cycle();
-  EXPECT_FALSE(command.loaded) << "the Supervisor keeps the hold devices engaged";
+  EXPECT_FALSE(command.loaded) << "the Supervisor keeps the holding brakes engaged";
 }
 
 TEST_F(DriverTest, LetsTheModelsFeedbackTakeThePlaceOfItsOwnAndBackWithoutAJump) {
-  foresees = true;
+  feedforward_active = true;
   takeOver();
   measured.position_m[0] -= 0.0004;
   cycle(100);
   const double alone = command.force_N;
   ASSERT_GT(alone, 20.0);
-  foreseen.loop_N[0] = 5.0;
-  foreseen.closes_loop = true;
+  model_force.loop_N[0] = 5.0;
+  model_force.closes_loop = true;
   cycle();
   EXPECT_NEAR(command.force_N, alone, 1.0) << "the integral takes up what P and D gave";
-  foreseen.loop_N[0] = 25.0;
+  model_force.loop_N[0] = 25.0;
   cycle();
   EXPECT_NEAR(command.force_N, alone + 20.0, 1.0) << "the model's feedback counts in full";
-  foresees = false;  // it falls silent
+  feedforward_active = false;  // it falls silent
   cycle(10);
   EXPECT_NEAR(command.force_N, alone + 20.0, 3.0) << "its own P and D are back";
   measured.position_m[0] -= 0.0001;
@@ -177,15 +177,15 @@ TEST_F(DriverTest, LetsTheModelsFeedbackTakeThePlaceOfItsOwnAndBackWithoutAJump)
 }
 
 TEST_F(DriverTest, WindsNothingUpWhileTheModelsFeedbackIsBeyondTheForceLimit) {
-  foresees = true;
+  feedforward_active = true;
   takeOver();
   cycle(10);
-  foreseen.loop_N[0] = 2000.0;
+  model_force.loop_N[0] = 2000.0;
   measured.position_m[0] -= 0.0005;  // the integral would grow the same way
   cycle(400);
   EXPECT_NEAR(command.force_N, 28.4628 * 9.5, 0.01) << "the clamp";
   measured.position_m[0] += 0.0005;
-  foreseen.loop_N[0] = 0.0;
+  model_force.loop_N[0] = 0.0;
   cycle(20);
   EXPECT_LT(std::abs(command.force_N), 1.0) << "nothing is left of it";
 }
@@ -215,8 +215,8 @@ TEST_F(DriverTest, RefusesWhatIsNoNumberWhereverItComesFrom) {
 
 TEST_F(DriverTest, RefusesAFeedforwardThatIsNoNumber) {
   takeOver();
-  foresees = true;
-  foreseen.force_N[0] = std::nan("");
+  feedforward_active = true;
+  model_force.force_N[0] = std::nan("");
   cycle();
   EXPECT_EQ(command.fault, Fault::NotANumber);
   EXPECT_TRUE(std::isfinite(command.volts));

@@ -90,7 +90,7 @@ TEST_F(Enabling, IsAFaultWhenItTakesTooLong) {
     ASSERT_LE(now, 2'001 * kCycle);
   }
   EXPECT_EQ(step.fault.fault, Fault::EnableTimeout);
-  EXPECT_EQ(step.level, DriveLevel::HeldByDrivers) << "the hold devices stay engaged";
+  EXPECT_EQ(step.level, DriveLevel::HeldByDrivers) << "the holding brakes stay engaged";
   EXPECT_FALSE(step.done);
 }
 

@@ -38,7 +38,7 @@ class GuardedCards : public ::testing::Test {
   IoStatus hold(double volts = 3.0) {
     hardware::IoStatus status = bus_.writeVolts({volts, volts, volts, volts}, written_);
     heartbeat_ ^= 4;
-    const IoStatus outputs = bus_.writeOutputs(heartbeat_ | 3);  // drives enabled, hold devices released
+    const IoStatus outputs = bus_.writeOutputs(heartbeat_ | 3);  // drives enabled, holding brakes released
     return status == IoStatus::Ok ? outputs : status;
   }
   double volts(std::size_t channel) const { return simulation::outputVolts(image_.analog)[channel]; }

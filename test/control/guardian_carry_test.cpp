@@ -35,7 +35,7 @@ class CarriedCards : public GuardedCards {
 TEST_F(CarriedCards, AreCarriedByWhatCarriedThemAtRestUntilTheBrakesHold) {
   dies(2.0);
   EXPECT_EQ(carrying_.report().trips.load(), 1u);
-  EXPECT_EQ(image_.counter.outputs.load() & 3, 1) << "drives on, hold devices ordered to engage";
+  EXPECT_EQ(image_.counter.outputs.load() & 3, 1) << "drives on, holding brakes ordered to engage";
   EXPECT_NEAR(volts(0), 2.0, 0.005);
   EXPECT_NEAR(volts(1), -2.0, 0.005);
   cycleCarrying(29);

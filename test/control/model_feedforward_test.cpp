@@ -190,7 +190,7 @@ TEST_F(ModelFeedforwardTest, GivesNothingWithoutAPoseAndLeavesItToTheIntegrals) 
     measured.position_m[1] = bad;
     cycle();
     EXPECT_EQ(force.force_N, AxisValues{}) << bad;
-    EXPECT_TRUE(force.complete) << "the hold devices are not kept waiting for ever";
+    EXPECT_TRUE(force.complete) << "the holding brakes are not kept waiting for ever";
     for (std::size_t i = 0; i < hardware::kAxes; ++i)
       EXPECT_NEAR(felt()[i], before[i], 1e-9);
     measured.position_m = good;

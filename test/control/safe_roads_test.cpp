@@ -86,7 +86,7 @@ const std::vector<Road>& roads() {
 /// Order in which the wires changed after `from`: 'e' hold engages, 'd' drive disabled, 'z' 0 V on all four at once.
 struct Wires {
   std::string order;
-  int runs = 0;  // times that the hold devices were engaged
+  int runs = 0;  // times that the holding brakes were engaged
   double engage_s = 0.0, disable_s = 0.0, zero_s = 0.0;
 };
 
@@ -110,7 +110,7 @@ Wires wiresAfter(const Machine& machine, double from) {
       wires.zero_s = event.time_s;
     }
     EXPECT_FALSE(zero && !z) << "volts came back at " << event.time_s;
-    EXPECT_FALSE(!released && r) << "the hold device opened again at " << event.time_s;
+    EXPECT_FALSE(!released && r) << "the holding brake opened again at " << event.time_s;
     EXPECT_FALSE(!enabled && e) << "the drive was enabled again at " << event.time_s;
     enabled = e;
     released = r;

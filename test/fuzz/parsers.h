@@ -17,7 +17,6 @@
 #include "knee_robot/control/hardware_file.h"
 #include "knee_robot/control/patient_limits.h"
 #include "knee_robot/dynamics/model.h"
-#include "knee_robot/hardware/can/bus_errors.h"
 #include "knee_robot/hardware/can/can_socket.h"
 #include "knee_robot/hardware/can/drive_node.h"
 #include "knee_robot/mechanism/robot.h"
@@ -30,6 +29,7 @@
 #include "knee_robot/simulation/simulated_cards.h"
 #include "knee_robot/simulation/simulation_parameters.h"
 #include "knee_robot/trajectory/reference_file.h"
+#include "src/hardware/can/bus_errors.h"
 
 /// Every reader of files that somebody else may have written: what the fuzzers and the random-bytes test feed.
 namespace knee_robot::fuzz {

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <random>
 
-#include "knee_robot/hardware/can/bus_errors.h"
+#include "src/hardware/can/bus_errors.h"
 #include "test/hardware/can_bench.h"
 
 namespace knee_robot::hardware::can {

@@ -12,8 +12,8 @@
 #include <cstring>
 
 #include "knee_robot/base/errors.h"
-#include "knee_robot/hardware/can/bus_errors.h"
 #include "knee_robot/simulation/bus_server.h"
+#include "src/hardware/can/bus_errors.h"
 
 namespace knee_robot::hardware::can {
 namespace {

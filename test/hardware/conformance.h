@@ -4,7 +4,8 @@
 // late answers, error codes, NaN refused at the border. A backend's test defines a ConformanceBench, includes this
 // header in one test program, and instantiates the suite:
 //
-//     INSTANTIATE_TEST_SUITE_P(Mine, AxisBusConformance, ::testing::Values(Backend{"mine", [] { return std::make_unique<MyBench>(); }}),
+//     INSTANTIATE_TEST_SUITE_P(Mine, AxisBusConformance,
+//                              ::testing::Values(Backend{"mine", [] { return std::make_unique<MyBench>(); }}),
 //                              backendName);
 
 #include <gtest/gtest.h>
@@ -227,7 +228,7 @@ TEST_P(AxisBusConformance, ReportsADisconnectAtEveryCallAndTouchesNothing) {
   EXPECT_EQ(bus().writeVolts({0, 0, 0, 0}, written), IoStatus::Disconnected);
   EXPECT_EQ(written[0], 99.0);
   EXPECT_EQ(bus().writeOutputs(0), IoStatus::Disconnected);
-  EXPECT_EQ(bench().terminalVolts(), before);  // outputs hold: that is why a hold device is needed
+  EXPECT_EQ(bench().terminalVolts(), before);  // outputs hold: that is why a holding brake is needed
   EXPECT_FALSE(bus().selfTest().passed);
   EXPECT_EQ(bus().writeVolts({0, 0, 0, 0}, written), IoStatus::NotReady);
   bench().reconnect();

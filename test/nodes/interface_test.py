@@ -190,7 +190,7 @@ class Interface(unittest.TestCase):
         client = Client("/controller/gains", timeout=10)
         before = client.get_configuration()["proportional_4"]
         self.assertEqual(60000.0, before, "the deployment file's, not cfg's default")
-        time.sleep(2.0)  # the hold devices have just let go: until the integrals carry the platform
+        time.sleep(2.0)  # the holding brakes have just let go: until the integrals carry the platform
         rows = []
         subscriber = rospy.Subscriber("/controller/tracking", Tracking, rows.append, queue_size=1000)
         time.sleep(0.3)

@@ -1,4 +1,4 @@
-#include "knee_robot/report/svg_plot.h"
+#include "src/report/svg_plot.h"
 
 #include <gtest/gtest.h>
 

@@ -18,11 +18,11 @@ namespace knee_robot::control {
 /// Below HeldByDrivers 0 V are written. From there on each axis gets its Driver's command as long as it is fresh,
 /// finite, of this axis, its loop is closed and no monitor says that it must not go on; clamped to voltage_max and
 /// force_max here once more. Otherwise the axis gets its load estimate: the low-passed command of the last 0.2 s, which
-/// is about what carries the platform there, until the hold device holds it.
+/// is about what carries the platform there, until the holding brake holds it.
 ///
 /// The safe stop (SafeStop) is run here on all four channels, once, when the Supervisor orders it, when a loop is not
 /// closed although it should be, when orders are stale or go down a level, when the bus refuses. Leaving Running in any
-/// other way (stopHook) engages the hold devices, disables the drives and writes 0 V at once, without waiting: nobody
+/// other way (stopHook) engages the holding brakes, disables the drives and writes 0 V at once, without waiting: nobody
 /// would call again.
 class AxesOutput : public rt::TaskContext {
  public:
@@ -41,11 +41,16 @@ class AxesOutput : public rt::TaskContext {
   rt::Property<double> command_timeout{*this, "command_timeout_s", 0.0025, "s", 0.001, 0.1, "older commands are stale"};
   rt::Property<double> orders_timeout{*this, "orders_timeout_s", 0.0025, "s", 0.001, 0.1, "older orders are stale"};
   rt::Property<double> decelerate_limit{
-      *this, "decelerate_limit_s", 1.0, "s", 0.0, 5.0, "longest wait for rest in a safe stop"};
-  rt::Property<double> settle_time{*this, "settle_s", 0.05, "s", 0.0, 1.0, "holding at rest before engaging"};
-  rt::Property<double> transfer_time{
-      *this, "transfer_s", 0.08, "s", 0.0, 5.0, "in which the brakes are given the load; 0: at once, unwatched"};
-  rt::Property<double> slip{*this, "slip_m", 5e-4, "m", 1e-5, 0.01, "of an axis meanwhile: its brake does not hold"};
+      *this, "decelerate_limit_s", 1.0, "s", 0.0, 5.0, "longest time to come to rest in a safe stop"};
+  rt::Property<double> settle_time{*this, "settle_s", 0.05, "s", 0.0, 1.0, "rest before the brakes engage"};
+  rt::Property<double> transfer_time{*this,
+                                     "transfer_s",
+                                     0.08,
+                                     "s",
+                                     0.0,
+                                     5.0,
+                                     "time in which the load is handed over to the brakes; 0: at once, unwatched"};
+  rt::Property<double> slip{*this, "slip_m", 5e-4, "m", 1e-5, 0.01, "motion meanwhile: its brake does not hold"};
 
  protected:
   bool configureHook() override;

@@ -82,7 +82,7 @@ struct FeedforwardForce {
   AxisValues loop_N{};       ///< besides: feedback through the model (ControlLaw)
   bool closes_loop = false;  ///< loop_N takes the place of the Drivers' proportional and derivative terms
   double payload_kg = 0.0;   ///< declared
-  bool complete = false;     ///< the whole force is there: the hold devices may be released
+  bool complete = false;     ///< the whole force is there: the holding brakes may be released
 };
 
 /// One Driver, once its period.
@@ -155,7 +155,7 @@ enum class GuideStop : std::uint8_t {
   OutsideRange,  ///< the platform is where it must not be guided
   Wall,          ///< pressed too far into a virtual wall
   TooFast,       ///< faster than allowed in spite of the brake
-  LostPose,      ///< no pose, or a number that is none
+  LostPose,      ///< no pose, or NaN
   PathFull,      ///< the record of the path is full
   Silent,        ///< HandGuide says nothing any more
 };
@@ -173,10 +173,10 @@ struct Guidance {
 
 /// How far the drives are switched on. Going up one by one, down only through the safe stop.
 enum class DriveLevel : std::uint8_t {
-  Off,            ///< hold device engaged, drive disabled, 0 V
-  Energised,      ///< drive enabled at 0 V, hold device still engaged
-  HeldByDrivers,  ///< Drivers hold at the measured position, hold device still engaged
-  Released,       ///< hold device released: the Drivers alone carry the platform
+  Off,            ///< holding brake engaged, drive disabled, 0 V
+  Energised,      ///< drive enabled at 0 V, holding brake still engaged
+  HeldByDrivers,  ///< Drivers hold at the measured position, holding brake still engaged
+  Released,       ///< holding brake released: the Drivers alone carry the platform
 };
 
 /// Supervisor, every servo cycle.
@@ -191,7 +191,7 @@ struct SupervisorCommand {
   bool stop_path = false;       ///< Sync slows path time down to zero and gives the path up
   bool pause_path = false;      ///< Sync slows path time down to zero and keeps the path
   double speed = 1.0;           ///< 0 to 1: time scale that Sync approaches without a jump
-  AxisValues brake_test_N{};    ///< while Energised: pushed against the engaged hold devices
+  AxisValues brake_test_N{};    ///< while Energised: pushed against the engaged holding brakes
   std::uint32_t transfer = 0;   ///< a new number: a safe stop that is Carrying tries to hand over the load again
   bool homed = false;           ///< all axes know where they are: soft limits and the patient's range hold
   std::uint8_t homing = 0;      ///< bit i: the Driver of axis i + 1 looks for home; the others hold
@@ -205,7 +205,7 @@ enum class SafeStopPhase : std::uint8_t {
   Settling,
   Engaging,
   Transferring,  ///< the force goes down while the positions are watched
-  Carrying,      ///< a hold device slipped: the drives carry on
+  Carrying,      ///< a holding brake slipped: the drives carry on
   Disabling,
   Done,
 };

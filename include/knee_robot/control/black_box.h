@@ -64,8 +64,8 @@ class BlackBox : public rt::TaskContext {
   rt::InputPort<SupervisorStatus> status{*this, "status", "from the Supervisor"};
 
   rt::Property<int> rows{
-      *this, "rows", 5500, "cycles", 10, 1000000, "kept: 5 s before the fault and what comes after, at 1 kHz"};
-  rt::Property<int> rows_after{*this, "rows_after", 500, "cycles", 0, 1000000, "kept after the fault"};
+      *this, "rows", 5500, "cycles", 10, 1000000, "cycles kept: 5 s before the fault and 0.5 s after it, at 1 kHz"};
+  rt::Property<int> rows_after{*this, "rows_after", 500, "cycles", 0, 1000000, "cycles kept after the fault"};
 
   rt::Operation<const BlackBoxDump*()> waiting{
       *this,

@@ -19,9 +19,10 @@ std::optional<Law> lawNamed(const std::string& name);
 /// V, g: mass, Coriolis (Christoffel), viscous friction and weight of the identified model in q; f_c: its dry friction
 /// along the reference, shares of the feedforward left aside. The whole force of the axes is, by law,
 ///
-///     feedforward       F = g(q) + M q''_d + C(q'_d) q'_d + V q'_d + f_c                                        + PID(e)
-///     computed_torque   F = g(q) + M (q''_d + K_v e' + K_p e) + C(q') q' + V q' + f_c                           + I integral(e)
-///     passivity_based   F = g(q) + M q''_r + C(q') q'_r + V q'_r + f_c,   q'_r = q'_d + L e, q''_r = q''_d + L e'  + PID(e)
+///     feedforward       F = g(q) + M q''_d + C(q'_d) q'_d + V q'_d + f_c + PID(e)
+///     computed_torque   F = g(q) + M (q''_d + K_v e' + K_p e) + C(q') q' + V q' + f_c + I integral(e)
+///     passivity_based   F = g(q) + M q''_r + C(q') q'_r + V q'_r + f_c + PID(e)
+///                       with q'_r = q'_d + L e, q''_r = q''_d + L e'
 ///
 /// where PID(e) = P e + D e' + I z, z = integral(e), are the Drivers' own loops, one an axis; force() is the difference
 /// to the first line.

@@ -58,7 +58,7 @@ class ControlSystem {
   /// shutdown().
   ~ControlSystem();
 
-  /// Self test of the bus (drives off, hold devices engaged), then all components are started. Ends in Disabled, or
+  /// Self test of the bus (drives off, holding brakes engaged), then all components are started. Ends in Disabled, or
   /// Faulted where a fault is there from the beginning (an emergency stop that is pressed): ok, but the sentence says
   /// so.
   Answer start();
@@ -66,7 +66,8 @@ class ControlSystem {
   /// while the drives carry the platform because a holding brake slipped: support it, then try again (the destructor
   /// does not ask).
   Answer shutdown();
-  /// From now on nothing is switched on or moved any more; stops go on being obeyed. For a process that is about to end.
+  /// From now on nothing is switched on or moved any more; stops go on being obeyed. For a process that is about to
+  /// end.
   void refuseToMove();
   /// AxesOutput has the drives off, or has never said anything.
   bool outputsAreOff() const;
@@ -75,9 +76,9 @@ class ControlSystem {
   bool drivesCarry() const;
 
   /// Refused unless a patient is loaded or nobody is on the robot, explicitly.
-  /// `halts`, here and below: halts() when it was asked for (default: now). Whoever stops the robot after that wins, even
-  /// where the answer comes later.
-  /// Disabled -> Holding: 0 V, drives enabled, Drivers take over at the measured position, hold devices released.
+  /// `halts`, here and below: halts() when it was asked for (default: now). Whoever stops the robot after that wins,
+  /// even where the answer comes later.
+  /// Disabled -> Holding: 0 V, drives enabled, Drivers take over at the measured position, holding brakes released.
   Answer enable(std::optional<std::uint64_t> halts = {});
   /// Holding, Playing -> Disabled by the safe stop.
   Answer disable();

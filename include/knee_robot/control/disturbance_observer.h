@@ -48,7 +48,7 @@ class DisturbanceObserver : public rt::TaskContext {
                                      "s",
                                      0.0,
                                      600.0,
-                                     "when no axis has counted for so long at rest, one is asked; 0: none"};
+                                     "when no axis has counted for this time at rest, one gets a test pulse; 0: none"};
 
   /// Ordinary thread, before configure(): reads the model. InputError names the file and the reason. configure() does
   /// it otherwise.
@@ -74,7 +74,7 @@ class DisturbanceObserver : public rt::TaskContext {
   AxesWritten written_;
   std::array<AxisCommand, hardware::kAxes> commands_{};
   std::unique_ptr<const ForceKnowledge> knowledge_;
-  FeedforwardForce foreseen_;
+  FeedforwardForce model_force_;
   ResidualEstimator residual_;
   DisturbanceClassifier classifier_;
   RestWatch rest_;

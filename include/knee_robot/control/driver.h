@@ -71,19 +71,19 @@ class Driver : public rt::TaskContext {
   rt::Property<double> following_slope{
       *this, "following_error_s", 0.1, "s", 0.0, 1.0, "added to it per m/s of reference velocity"};
   rt::Property<int> stale_set_points{
-      *this, "stale_set_points", 3, "periods", 2, 100, "without set points for so long: fault"};
+      *this, "stale_set_points", 3, "periods", 2, 100, "time without set points that is a fault"};
   rt::Property<int> missing_set_points{
-      *this, "missing_set_points", 0, "set points", 0, 100, "in a row that may be missing without a fault"};
-  rt::Property<double> probe_period{*this,
-                                    "probe_s",
-                                    0.6,
-                                    "s",
-                                    0.0,
-                                    60.0,
-                                    "between two looks whether the standing encoder counts, without a "
-                                    "DisturbanceObserver; 0: never, with one neither"};
+      *this, "missing_set_points", 0, "set points", 0, 100, "set points in a row that may be missing without a fault"};
+  rt::Property<double> probe_period{
+      *this,
+      "probe_s",
+      0.6,
+      "s",
+      0.0,
+      60.0,
+      "without a DisturbanceObserver: time between two tests whether the encoder of a standing axis counts; 0: never"};
   rt::Property<double> probe_share{
-      *this, "probe_share", 0.5, "", 0.05, 1.0, "of the force limit: the strongest pulse for that"};
+      *this, "probe_share", 0.5, "", 0.05, 1.0, "largest test pulse, share of the force limit"};
   rt::Property<double> standing_force{
       *this,
       "standing_force_N",
@@ -91,11 +91,11 @@ class Driver : public rt::TaskContext {
       "N",
       0.1,
       1000.0,
-      "change of the loop's force at rest without a count that asks the encoder, with a DisturbanceObserver"};
+      "with a DisturbanceObserver: change of the loop's force without a count that starts a test pulse, at rest"};
   rt::Property<double> turning_force{
       *this, "turning_force_N", 15.0, "N", 0.1, 1000.0, "the same while the reference moves"};
   rt::Property<int> stale_measurements{
-      *this, "stale_measurements", 3, "cycles", 1, 100, "unreadable encoders in a row: fault"};
+      *this, "stale_measurements", 3, "cycles", 1, 100, "unreadable measurements in a row that are a fault"};
 
   /// Whether test pulses are allowed (yes, until told otherwise) where nothing raises a suspicion. Any thread.
   void allowTestPulses(bool allowed) noexcept { test_pulses_.store(allowed, std::memory_order_relaxed); }
@@ -141,7 +141,7 @@ class Driver : public rt::TaskContext {
   double asked_at_N_ = 0.0;  // of StandingAxis::changed_N(), when a moving axis was asked last
   double again_s_ = 0.0;     // until it may be asked again
   std::atomic<bool> test_pulses_{true};
-  double carried_s_ = 0.0;  // since the hold device was ordered to let go
+  double carried_s_ = 0.0;  // since the holding brake was ordered to let go
   Pid pid_;
   double force_limit_ = 0.0;  // N
   double force_now_ = 0.0;    // N, limit of this cycle
@@ -150,7 +150,7 @@ class Driver : public rt::TaskContext {
   SupervisorCommand order_;
   AxesMeasurement measured_;
   int unreadable_ = 0;
-  FeedforwardForce foreseen_;
+  FeedforwardForce model_force_;
   double load_ = 0.0;  // N, of the feedforward
   double loop_ = 0.0;  // N, of the model's feedback
   double last_loop_ = 0.0;

@@ -8,8 +8,8 @@ namespace knee_robot::control {
 
 /// From drives that are off to Drivers that carry the platform, level by level:
 ///
-///     Energised --drives' delay, brakes hold--> HeldByDrivers --all loops closed, feedforward complete, for settle_s-->
-///     Released --hold devices' delay--> done
+///     Energised --drives' delay, brakes hold--> HeldByDrivers --loops closed, feedforward complete, for settle_s-->
+///     Released --holding brakes' delay--> done
 ///
 /// A level counts from when AxesOutput has written it. Pure, real-time safe.
 class EnablingSequence {

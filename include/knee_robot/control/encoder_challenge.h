@@ -9,7 +9,7 @@ namespace knee_robot::control {
 /// Asks a standing encoder whether it counts. While a load may already be taking a blind axis along, at once and for
 /// good:
 ///
-///     +S for T, -U for T, +U for T, then kListen_s      S has been enough before, U certainly is (EncoderProbe finds them out)
+///     +S for T, -U for T, +U for T, then kListen_s      S has been enough before, U certainly is (from EncoderProbe)
 ///
 /// Where the reference moves +U comes before -U. With time, gently: before that the force rises to S within kRise_s. It
 /// ends as soon as the encoder has answered, so a healthy axis goes some steps only, towards its reference; when it was

@@ -14,7 +14,7 @@ struct FaultCause {
   std::uint16_t code = 0;  ///< emergency code of the axis' drive, 0: none
 };
 
-/// Keeps the first fault with its place, whatever follows, until it is cleared; only a hold device that does not hold
+/// Keeps the first fault with its place, whatever follows, until it is cleared; only a holding brake that does not hold
 /// while the drives carry on takes the place of another: somebody has to act on it now. Pure, real-time safe.
 class FaultLatch {
  public:

@@ -24,7 +24,7 @@ enum class GuardianAction : std::uint8_t {
 struct GuardianView {
   rt::Nanoseconds now = 0;
   std::uint64_t heartbeat = 0;
-  bool armed = false;         ///< drives enabled or hold devices released
+  bool armed = false;         ///< drives enabled or holding brakes released
   bool process_gone = false;  ///< the controller's process has ended
   bool reset_asked = false;   ///< the controller asks for the outputs
   bool fenced = false;        ///< the outputs have been taken already, by another guardian or by --down-now
@@ -67,7 +67,7 @@ struct GuardianReport {
   std::atomic<std::uint32_t> releases{0};
   std::atomic<GuardianCause> cause{GuardianCause::None};
   std::atomic<std::int32_t> controller_pid{0};
-  std::atomic<rt::Nanoseconds> reaction{0};  ///< from the last heartbeat seen until the hold devices were ordered
+  std::atomic<rt::Nanoseconds> reaction{0};  ///< from the last heartbeat seen until the holding brakes were ordered
   std::atomic<rt::Nanoseconds> carried{0};   ///< for so long the drives carry the load from then on; 0: down at once
   std::atomic<rt::Nanoseconds> writing{0};   ///< the part of it that the writes took
   std::atomic<bool> written{true};           ///< the cards took all writes
@@ -76,15 +76,15 @@ struct GuardianReport {
 };
 
 /// What the drives do between a trip and 0 V: they give what carried the robot at rest (GuardianLink::load_V), until
-/// the hold devices do.
+/// the holding brakes do.
 /// Without it a platform falls by 6 mm while brakes of 50 ms engage. Only what is on may stay on: a guardian that has
 /// not itself seen the controller at work goes down at once, for what the link says may be a dead controller's, of
 /// drives that are off since.
 struct GuardianCarry {
-  std::uint8_t outputs = 0;  ///< digital outputs meanwhile: drives on, hold devices ordered to engage
+  std::uint8_t outputs = 0;  ///< digital outputs meanwhile: drives on, holding brakes ordered to engage
   std::uint8_t heartbeat =
       0;                     ///< output that is toggled in every cycle: a relay that watches it keeps the drives' power
-  rt::Nanoseconds time = 0;  ///< what the slowest hold device takes; 0: down at once
+  rt::Nanoseconds time = 0;  ///< what the slowest holding brake takes; 0: down at once
 };
 
 /// The guardian's cycle: looks at the link and at the controller's process, and brings the outputs down when it is

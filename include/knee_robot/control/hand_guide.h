@@ -18,7 +18,7 @@ namespace knee_robot::control {
 /// Lets a hand move the platform (SupervisorCommand::guiding), and remembers the path. ModelFeedforward carries the
 /// weight; this adds, per axis,
 ///
-///     force = share_friction * (viscous * v + Coulomb * tanh(v / kSlow))      the identified friction along the measured motion
+///     force = share_friction * (viscous * v + Coulomb * tanh(v / kSlow))   identified friction along the motion
 ///           + tremble * (1 - |tanh(v / kSlow)|)                               where an axis stands
 ///           - damping * v - brake(speed) * v                                  soft, and hard near the speed limit
 ///           + walls(pose)                                                     VirtualWalls
@@ -58,22 +58,23 @@ class HandGuide : public rt::TaskContext {
 
   rt::Property<std::string> model{*this, "model", "", "model file of this robot; empty: nothing is guided"};
   rt::Property<double> share_friction{
-      *this, "share_friction", 0.7, "", 0.0, 0.9, "of the identified friction", rt::Change::AtRunTime};
-  rt::Property<double> damping{
-      *this, "damping_N_s_per_m", 60.0, "N s/m", 0.0, 5000.0, "of each axis, against its speed"};
+      *this, "share_friction", 0.7, "", 0.0, 0.9, "share that is compensated", rt::Change::AtRunTime};
+  rt::Property<double> damping{*this, "damping_N_s_per_m", 60.0, "N s/m", 0.0, 5000.0, "damping of each axis"};
   rt::Property<double> linear_speed{*this,
                                     "linear_m_per_s",
                                     0.05,
                                     "m/s",
                                     0.001,
                                     0.2,
-                                    "of the platform's origin; with a patient the patient's, if that is less"};
+                                    "speed limit of the platform's origin; the patient's limit, if that is lower"};
   rt::Property<double> angular_speed{
-      *this, "angular_rad_per_s", 0.2, "rad/s", 0.001, 1.0, "of theta and of psi, likewise"};
-  rt::Property<double> wall_force{*this, "wall_N", 80.0, "N", 0.0, 500.0, "with which a wall pushes back at its limit"};
+      *this, "angular_rad_per_s", 0.2, "rad/s", 0.001, 1.0, "speed limit of theta and psi, likewise"};
+  rt::Property<double> wall_force{
+      *this, "wall_N", 80.0, "N", 0.0, 500.0, "largest force of a virtual wall, at its limit"};
   rt::Property<double> unknown_load{
-      *this, "unknown_load_N", 120.0, "N", 0.0, 1000.0, "of an axis, that the model does not know, at most"};
-  rt::Property<double> weigh_time{*this, "weigh_s", 0.6, "s", 0.1, 5.0, "in which what is unknown is weighed"};
+      *this, "unknown_load_N", 120.0, "N", 0.0, 1000.0, "largest force per axis that the model does not explain"};
+  rt::Property<double> weigh_time{
+      *this, "weigh_s", 0.6, "s", 0.1, 5.0, "time in which the unexplained force is measured"};
 
   rt::Operation<GuidedPath&()> path{
       *this, "path", {}, "along which the platform was guided last", [this]() -> GuidedPath& { return path_; }};

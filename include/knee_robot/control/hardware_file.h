@@ -32,24 +32,24 @@ enum class HomingMethod {
 
 /// Content of a hardware file:
 ///
-///     backend: simulated              # or pci (the cards), can (drives on a CAN bus); the program that makes the AxisBus reads it
+///     backend: simulated              # or pci (the cards), can (drives on a CAN bus); read by nodes/backends
 ///     can: {...}                      # backend can only: see hardware/can/can_settings.h
 ///     bench_without_patient: false    # optional; hold_device none needs true
-///     digital_outputs: {drive_enable: 0, hold_release: 1, heartbeat: 2}   # bits 0 to 3, all different; 1 = enabled, released
-///     digital_inputs:                 # optional, bits 0 to 3, all different; 1 = all well, so that a broken wire stops
+///     digital_outputs: {drive_enable: 0, hold_release: 1, heartbeat: 2}   # bits 0 to 3; 1: enabled, released
+///     digital_inputs:                 # optional, bits 0 to 3, different; 1: all well, so that a broken wire stops
 ///       {emergency_stop_clear: 0,     # not pressed, drive power present
 ///        hand_switch_clear: 1,        # the patient's hand switch is not pressed
 ///        drives_ready: 2,             # the ready outputs of all drives in series: supplied and not in fault
 ///        enabling_switch: 3,          # 1 = held; for hand guiding, a switch that opens when it is let go of
-///        home_switch: 2}              # 1 = closed; for homing against a switch (one axis moves at a time, so one line is enough)
+///        home_switch: 2}              # 1: closed; for homing against a switch (one line for all axes)
 ///     cards: {analog_board_id: 0, counter_board_id: 1}   # optional, backend pci: the switches on the cards
-///     drive_enable_delay_s: 0.02      # optional; until an enabled drive follows its set value, and a disabled one is off
+///     drive_enable_delay_s: 0.02      # optional; until an enabled drive follows, and a disabled one is off
 ///     starts_faulted: true            # optional; after every start the operator has to reset first (not_reset)
-///     homing: {method: hand_placed}   # default; or assumed, which needs backend simulated or bench_without_patient; or
-///       # {method: switch, order: [4, 1, 2, 3], axes: [{length_m: 0.6, direction: shorten, speed_m_per_s: 0.003, force_N: 60,
-///       #  back_off_m: 0.01, travel_m: 0.35}]}    # or method hard_stop; four axes, or one that stands for all; see HomingAxis
+///     homing: {method: hand_placed}   # default; or assumed (simulated or bench_without_patient only); or
+///       # {method: switch, order: [4, 1, 2, 3], axes: [{length_m: 0.6, direction: shorten, speed_m_per_s: 0.003,
+///       #  force_N: 60, back_off_m: 0.01, travel_m: 0.35}]}    # or method hard_stop; four axes or one for all
 ///     axes:                           # four, or one that stands for all
-///       - {hold_device: brake, hold_delay_s: 0.03}   # time from the output's change until the device holds (or lets go)
+///       - {hold_device: brake, hold_delay_s: 0.03}   # from the output's change until it holds (or lets go)
 struct HardwareFile {
   /// What holds one axis without its drive.
   struct Axis {
@@ -85,7 +85,7 @@ struct HardwareFile {
   double drive_enable_delay_s = 0.02;
   std::array<Axis, hardware::kAxes> axes{};
 
-  /// The slowest hold device.
+  /// The slowest holding brake.
   double holdDelay() const;
 };
 

@@ -9,13 +9,13 @@ namespace knee_robot::control {
 
 /// The Supervisor's states.
 enum class MachineState : std::uint8_t {
-  Disabled,      ///< drives off, hold devices engaged
+  Disabled,      ///< drives off, holding brakes engaged
   Enabling,      ///< 0 V, enable, take over, release
   Holding,       ///< Drivers hold the position
   Playing,       ///< Sync streams the reference
   Stopping,      ///< Sync slows down along the path
   SafeStopping,  ///< the safe stop runs
-  Faulted,       ///< drives off, hold devices engaged, fault latched
+  Faulted,       ///< drives off, holding brakes engaged, fault latched
   Paused,        ///< at rest on the path; resume() goes on from there
   Homing,        ///< drives on, axes move slowly one after the other until each has found its reference
   Guiding,       ///< a hand moves the platform while the enabling switch is held

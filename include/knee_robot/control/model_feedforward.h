@@ -17,11 +17,12 @@ namespace knee_robot::control {
 /// measured pose, inertia and friction along the reference. What the model does not know is left to the Drivers'
 /// integrals.
 ///
-///     force = level * (share_gravity * (weight + payload_kg * w) + share_inertia * (inertia + ...) + share_friction * friction)
+///     force = level * (share_gravity * (weight + payload_kg * w) + share_inertia * (inertia + ...)
+///                      + share_friction * friction)
 ///
 /// - Model: by default the weights of the robot's URDF (nothing without URDF), otherwise everything in the file of
 ///   `model`.
-/// - Taking over (SupervisorCommand::drivers_active): `level` rises from 0 to 1 in take_over_s while the hold devices
+/// - Taking over (SupervisorCommand::drivers_active): `level` rises from 0 to 1 in take_over_s while the holding brakes
 ///   are engaged; the Supervisor releases them only when `complete`, onto a force that already carries the robot.
 /// - A share or the payload that changes moves there in switch_s. That is no change of the load: `switched_N` counts
 ///   the newtons that were switched, the Drivers' integrals take up the difference, and the force on the motors stays.
@@ -56,20 +57,21 @@ class ModelFeedforward : public rt::TaskContext {
 
   rt::Property<std::string> model{*this, "model", "", "model file of this robot; empty: the weights of its URDF"};
   rt::Property<double> share_gravity{
-      *this, "share_gravity", 1.0, "", 0.0, 1.0, "of the weight, offsets included", rt::Change::AtRunTime};
+      *this, "share_gravity", 1.0, "", 0.0, 1.0, "share of the weight, offsets included", rt::Change::AtRunTime};
   rt::Property<double> share_inertia{
-      *this, "share_inertia", 1.0, "", 0.0, 1.0, "of the inertial forces", rt::Change::AtRunTime};
+      *this, "share_inertia", 1.0, "", 0.0, 1.0, "share of the inertial forces", rt::Change::AtRunTime};
   rt::Property<double> share_friction{
-      *this, "share_friction", 0.9, "", 0.0, 1.0, "of the friction", rt::Change::AtRunTime};
+      *this, "share_friction", 0.9, "", 0.0, 1.0, "share of the friction", rt::Change::AtRunTime};
   rt::Property<double> payload{*this,
                                "payload_kg",
                                0.0,
                                "kg",
                                0.0,
                                kLargestPayload_kg,
-                               "on the platform's origin, beyond what the model knows of",
+                               "point mass at the platform's origin, beyond what the model includes",
                                rt::Change::AtRunTime};
-  rt::Property<double> largest_share{*this, "largest_share", 0.8, "", 0.0, 1.0, "of an axis' force limit"};
+  rt::Property<double> largest_share{
+      *this, "largest_share", 0.8, "", 0.0, 1.0, "largest feedforward, share of an axis' force limit"};
   rt::Property<double> coulomb_speed{*this,
                                      "coulomb_m_per_s",
                                      2e-4,
@@ -77,20 +79,23 @@ class ModelFeedforward : public rt::TaskContext {
                                      1e-5,
                                      0.1,
                                      "reference velocity at which friction without a law has 76 % of its size"};
-  rt::Property<double> rest_time{*this, "rest_s", 0.3, "s", 0.01, 60.0, "in which friction is let go of at rest"};
-  rt::Property<double> take_over_time{*this, "take_over_s", 0.03, "s", 0.0, 1.0, "until the whole force is there"};
-  rt::Property<double> switch_time{*this, "switch_s", 0.5, "s", 0.0, 10.0, "for a share from 0 to 1, or 50 kg"};
+  rt::Property<double> rest_time{
+      *this, "rest_s", 0.3, "s", 0.01, 60.0, "time in which the friction force fades out at rest"};
+  rt::Property<double> take_over_time{
+      *this, "take_over_s", 0.03, "s", 0.0, 1.0, "time until the force is complete at take-over"};
+  rt::Property<double> switch_time{
+      *this, "switch_s", 0.5, "s", 0.0, 10.0, "time for a change of a share from 0 to 1, or of the payload by 50 kg"};
 
   rt::Property<std::string> law{*this, "law", "feedforward",
                                 "feedforward, computed_torque or passivity_based; the last two need a model"};
   rt::Property<double> lambda{
-      *this, "lambda_per_s", 20.0, "1/s", 0.1, 1000.0, "of passivity_based: velocity wanted per metre of error"};
+      *this, "lambda_per_s", 20.0, "1/s", 0.1, 1000.0, "passivity_based: reference velocity per metre of error"};
   rt::Property<double> stiffness{
-      *this, "stiffness_per_s2", 4000.0, "1/s^2", 0.0, 1e6, "of computed_torque: acceleration per metre of error"};
+      *this, "stiffness_per_s2", 4000.0, "1/s^2", 0.0, 1e6, "computed_torque: acceleration per metre of error"};
   rt::Property<double> damping{
-      *this, "damping_per_s", 125.0, "1/s", 0.0, 1e4, "of computed_torque: acceleration per m/s of error"};
+      *this, "damping_per_s", 125.0, "1/s", 0.0, 1e4, "computed_torque: acceleration per m/s of error"};
   rt::Property<double> velocity_cutoff{
-      *this, "velocity_cutoff_hz", 100.0, "Hz", 1.0, 1000.0, "low-pass of the velocity in both"};
+      *this, "velocity_cutoff_hz", 100.0, "Hz", 1.0, 1000.0, "velocity low-pass of both laws"};
 
   /// Ordinary thread, before configure(): reads `law`. InputError names the property and what it needs.
   void readLaw();

@@ -43,36 +43,41 @@ class Monitors : public rt::TaskContext {
   rt::OutputPort<MonitorVerdict> verdict{*this, "verdict", "to the Supervisor and AxesOutput"};
 
   rt::Property<double> jump_factor{
-      *this, "jump_factor", 4.0, "", 1.0, 100.0, "of velocity_max: largest change of an encoder"};
-  rt::Property<double> jump_floor{*this, "jump_floor_m", 1e-3, "m", 1e-5, 0.1, "added to it"};
-  rt::Property<double> jump_gap{*this, "jump_gap_m", 5e-3, "m", 1e-3, 0.1, "largest change while nobody could read"};
+      *this, "jump_factor", 4.0, "", 1.0, 100.0, "encoder jump: largest change, times velocity_max and the cycle time"};
+  rt::Property<double> jump_floor{*this, "jump_floor_m", 1e-3, "m", 1e-5, 0.1, "encoder jump: added to it"};
+  rt::Property<double> jump_gap{
+      *this, "jump_gap_m", 5e-3, "m", 1e-3, 0.1, "encoder jump: largest change while the encoders could not be read"};
   rt::Property<double> frozen_distance{
-      *this, "frozen_distance_m", 0.002, "m", 1e-4, 0.1, "motion of the reference without one of the encoder"};
-  rt::Property<double> frozen_share{*this,
-                                    "frozen_share",
-                                    0.35,
-                                    "",
-                                    0.0,
-                                    1.0,
-                                    "of the force limit: change of force meanwhile, more than friction takes"};
-  rt::Property<double> frozen_force{*this,
-                                    "frozen_force_N",
-                                    200.0,
-                                    "N",
-                                    1.0,
-                                    5000.0,
-                                    "the same, where the clamp is so high that its share would come too late"};
-  rt::Property<double> soft_margin{*this, "soft_margin_m", 5e-4, "m", 0.0, 0.05, "beyond the robot file's range"};
-  rt::Property<double> soft_speed{*this, "soft_speed_m_per_s", 2e-3, "m/s", 0.0, 0.1, "outwards"};
-  rt::Property<double> velocity_factor{*this, "velocity_factor", 1.3, "", 1.0, 10.0, "of velocity_max"};
-  rt::Property<double> velocity_floor{*this, "velocity_floor_m_per_s", 0.02, "m/s", 0.0, 1.0, "added to it: noise"};
-  rt::Property<double> velocity_time{*this, "velocity_s", 0.005, "s", 0.0, 1.0, "so long"};
-  rt::Property<double> acceleration_factor{*this, "acceleration_factor", 3.0, "", 1.0, 100.0, "of acceleration_max"};
-  rt::Property<double> stall_share{*this, "stall_share", 0.6, "", 0.05, 1.0, "of the force limit"};
-  rt::Property<double> stall_speed{*this, "stall_speed_m_per_s", 1e-3, "m/s", 0.0, 0.1, "slower than that"};
-  rt::Property<double> stall_error{*this, "stall_error_m", 1e-3, "m", 0.0, 0.1, "from the reference"};
-  rt::Property<double> stall_time{*this, "stall_s", 0.3, "s", 0.001, 10.0, "so long"};
-  rt::Property<double> runaway_error{*this, "runaway_error_m", 1e-3, "m", 0.0, 0.1, "from the reference"};
+      *this, "frozen_distance_m", 0.002, "m", 1e-4, 0.1, "frozen encoder: motion of the reference"};
+  rt::Property<double> frozen_share{
+      *this,
+      "frozen_share",
+      0.35,
+      "",
+      0.0,
+      1.0,
+      "frozen encoder: change of the force meanwhile, share of the force limit; more than friction takes"};
+  rt::Property<double> frozen_force{
+      *this, "frozen_force_N", 200.0, "N", 1.0, 5000.0, "frozen encoder: upper limit of that change"};
+  rt::Property<double> soft_margin{
+      *this, "soft_margin_m", 5e-4, "m", 0.0, 0.05, "soft limit: distance beyond the robot file's range"};
+  rt::Property<double> soft_speed{
+      *this, "soft_speed_m_per_s", 2e-3, "m/s", 0.0, 0.1, "soft limit: outward speed from which it is a fault"};
+  rt::Property<double> velocity_factor{
+      *this, "velocity_factor", 1.3, "", 1.0, 10.0, "velocity limit, times velocity_max"};
+  rt::Property<double> velocity_floor{
+      *this, "velocity_floor_m_per_s", 0.02, "m/s", 0.0, 1.0, "velocity limit: added to it, for noise"};
+  rt::Property<double> velocity_time{
+      *this, "velocity_s", 0.005, "s", 0.0, 1.0, "velocity limit: time above it that is a fault"};
+  rt::Property<double> acceleration_factor{
+      *this, "acceleration_factor", 3.0, "", 1.0, 100.0, "acceleration limit, times acceleration_max"};
+  rt::Property<double> stall_share{*this, "stall_share", 0.6, "", 0.05, 1.0, "stall: force, share of the force limit"};
+  rt::Property<double> stall_speed{
+      *this, "stall_speed_m_per_s", 1e-3, "m/s", 0.0, 0.1, "stall: a slower axis stands still"};
+  rt::Property<double> stall_error{*this, "stall_error_m", 1e-3, "m", 0.0, 0.1, "stall: distance from the reference"};
+  rt::Property<double> stall_time{*this, "stall_s", 0.3, "s", 0.001, 10.0, "stall: time that is a fault"};
+  rt::Property<double> runaway_error{
+      *this, "runaway_error_m", 1e-3, "m", 0.0, 0.1, "runaway: distance from the reference"};
   rt::Property<double> release_error{
       *this,
       "release_error_m",
@@ -80,30 +85,44 @@ class Monitors : public rt::TaskContext {
       "m",
       0.0,
       0.1,
-      "instead of runaway_error_m while the Drivers take over the load from the hold devices"};
-  rt::Property<double> release_time{*this, "release_s", 0.3, "s", 0.0, 2.0, "how long that may take"};
-  rt::Property<double> runaway_speed{*this, "runaway_speed_m_per_s", 0.03, "m/s", 0.0, 1.0, "away from it"};
-  rt::Property<double> runaway_time{*this, "runaway_s", 0.005, "s", 0.001, 1.0, "so long, and never slower"};
-  rt::Property<double> runaway_acceleration{*this, "runaway_acceleration_m_per_s2",   0.5, "m/s^2", 0.0,
-                                            20.0,  "and on average faster by so much"};
+      "runaway: distance while the Drivers take over the load from the holding brakes, instead of runaway_error_m"};
+  rt::Property<double> release_time{*this, "release_s", 0.3, "s", 0.0, 2.0, "runaway: duration of that take-over"};
+  rt::Property<double> runaway_speed{
+      *this, "runaway_speed_m_per_s", 0.03, "m/s", 0.0, 1.0, "runaway: speed away from the reference"};
+  rt::Property<double> runaway_time{
+      *this, "runaway_s", 0.005, "s", 0.001, 1.0, "runaway: time without slowing down that is a fault"};
+  rt::Property<double> runaway_acceleration{*this, "runaway_acceleration_m_per_s2",          0.5, "m/s^2", 0.0,
+                                            20.0,  "runaway: mean acceleration in this time"};
   rt::Property<double> runaway_share{
-      *this, "runaway_force_share", 0.1, "", 0.01, 1.0, "or pushed back by so much more, without effect"};
-  rt::Property<double> saturation_time{*this, "saturation_s", 0.25, "s", 0.001, 10.0, "force at its clamp for so long"};
-  rt::Property<double> thermal_time{
-      *this, "thermal_time_constant_s", 40.0, "s", 1.0, 2000.0, "of the winding above its housing; an RE40's"};
+      *this, "runaway_force_share", 0.1, "", 0.01, 1.0, "runaway: or growth of the force, without effect"};
+  rt::Property<double> saturation_time{
+      *this, "saturation_s", 0.25, "s", 0.001, 10.0, "saturation: time with the force at its clamp that is a fault"};
+  rt::Property<double> thermal_time{*this,
+                                    "thermal_time_constant_s",
+                                    40.0,
+                                    "s",
+                                    1.0,
+                                    2000.0,
+                                    "time constant of the winding's temperature above the housing's; an RE40's"};
   rt::Property<double> thermal_housing{
-      *this, "thermal_housing_s", 1100.0, "s", 1.0, 20000.0, "of the housing above the room; an RE40's in free air"};
+      *this,
+      "thermal_housing_s",
+      1100.0,
+      "s",
+      1.0,
+      20000.0,
+      "time constant of the housing's temperature above the room's; an RE40's in free air"};
   rt::Property<double> thermal_share{
-      *this, "thermal_winding_share", 0.29, "", 0.0, 1.0, "of the final rise that lies between winding and housing"};
-  rt::Property<double> thermal_start{*this, "thermal_start", 0.0, "", 0.0, 1.0, "heat at the controller's start"};
-  rt::Property<double> patient_margin_m{*this, "patient_margin_m", 0.002, "m", 0.0, 0.02, "beyond the patient's range"};
-  rt::Property<double> patient_margin_rad{*this, "patient_margin_rad",        0.01, "rad", 0.0,
-                                          0.1,   "beyond the patient's range"};
-  rt::Property<double> patient_speed_factor{*this, "patient_speed_factor",   1.3, "", 1.0,
-                                            3.0,   "of the patient's speeds"};
+      *this, "thermal_winding_share", 0.29, "", 0.0, 1.0, "share of the rise between winding and housing"};
+  rt::Property<double> thermal_start{
+      *this, "thermal_start", 0.0, "", 0.0, 1.0, "lowest heat at the controller's start, share of the limit"};
+  rt::Property<double> patient_margin_m{*this, "patient_margin_m", 0.002, "m", 0.0, 0.02, "patient pose: tolerance"};
+  rt::Property<double> patient_margin_rad{*this, "patient_margin_rad",     0.01, "rad", 0.0,
+                                          0.1,   "patient pose: tolerance"};
+  rt::Property<double> patient_speed_factor{
+      *this, "patient_speed_factor", 1.3, "", 1.0, 3.0, "patient speed: limit, times the patient's speeds"};
 
-  rt::Property<double> patient_force_time{
-      *this, "patient_force_s", 0.05, "s", 0.0, 1.0, "beyond the patient's force or moment for so long"};
+  rt::Property<double> patient_force_time{*this, "patient_force_s", 0.05, "s", 0.0, 1.0, "patient force: duration"};
 
   void setPatient(const PatientRange& range);
   rt::Operation<void(const PatientRange&)> set_patient{
@@ -165,7 +184,7 @@ class Monitors : public rt::TaskContext {
   bool any_ = false;
   bool gap_ = false;  // since the last reading
   bool carried_ = false;
-  double carried_s_ = 0.0;  // since the hold devices were released
+  double carried_s_ = 0.0;  // since the holding brakes were released
   rt::Nanoseconds last_read_ = 0;
   MonitorVerdict out_;
 };

@@ -4,7 +4,7 @@
 
 namespace knee_robot::control {
 
-/// What is known of the hold devices in a cycle.
+/// What is known of the holding brakes in a cycle.
 struct HoldView {
   bool ordered = true;      ///< the output that engages them can be written
   bool slipped = false;     ///< an axis has moved since the transfer began
@@ -14,8 +14,8 @@ struct HoldView {
 /// How long each phase of the safe stop lasts, ns.
 struct SafeStopTiming {
   rt::Nanoseconds decelerate_limit = 1'000'000'000;  ///< longest wait for the reference to come to rest
-  rt::Nanoseconds settle = 50'000'000;               ///< holding at rest before the hold devices engage
-  rt::Nanoseconds hold_delay = 0;                    ///< until the slowest hold device holds
+  rt::Nanoseconds settle = 50'000'000;               ///< holding at rest before the holding brakes engage
+  rt::Nanoseconds hold_delay = 0;                    ///< until the slowest holding brake holds
   rt::Nanoseconds transfer = 0;                      ///< the force goes down in so long, watched; 0: in one step
   rt::Nanoseconds watch = 20'000'000;                ///< without force, still watched
   rt::Nanoseconds disable_delay = 20'000'000;        ///< until a disabled drive gives no torque
@@ -26,16 +26,17 @@ struct SafeStopTiming {
 ///
 ///     Decelerating  along the path, position loops closed        (left out when a loop is not closed any more)
 ///     Settling      hold at rest                                 (likewise)
-///     Engaging      hold devices engage; loops go on until the slowest device holds
+///     Engaging      holding brakes engage; loops go on until the slowest device holds
 ///     Transferring  the drives' force goes down to nothing while the positions are watched
-///     Carrying      an axis moved: its hold device does not hold. The drives take the load back and keep it until they are asked to
-///                   hand it over again, or have no power any more; an axis whose loop fails meanwhile keeps its load estimate
+///     Carrying      an axis moved: its holding brake does not hold. The drives take the load back and keep it until
+///                   they are asked to hand it over again, or have no power any more; an axis whose loop fails
+///                   meanwhile keeps its load estimate
 ///     Disabling     drives disabled; set values stay until the drives are off
 ///     Done          0 V
 ///
 /// Transferring needs loops that work when it begins; without them it is left out, and the set values stay until the
 /// drives are off. A loop that fails meanwhile, or in Carrying, does not end the watch.
-/// Hold devices that cannot be ordered to engage (the output card is gone) end it in Engaging: 0 V would let the
+/// Holding brakes that cannot be ordered to engage (the output card is gone) end it in Engaging: 0 V would let the
 /// platform fall.
 ///
 /// One state machine for all four channels, so they go together. trigger() any number of times runs it once, until
@@ -45,7 +46,7 @@ class SafeStop {
  public:
   explicit SafeStop(const SafeStopTiming& timing) : timing_(timing) {}
 
-  /// Begins. `released`: the hold devices are open and the Drivers carry the platform; otherwise there is nothing to
+  /// Begins. `released`: the holding brakes are open and the Drivers carry the platform; otherwise there is nothing to
   /// decelerate and the drives are disabled at once.
   void trigger(rt::Nanoseconds now, bool released) noexcept;
   /// One cycle. `loops_closed`: all four position loops work. `at_rest`: all four references stand still. `immediate`:

@@ -52,20 +52,22 @@ class Supervisor : public rt::TaskContext {
   rt::OutputPort<HomeSetting> home_setting{*this, "home", "to AxesInput: shifts the lengths"};
   rt::OutputPort<SupervisorStatus> status{*this, "status", "for the operator"};
 
-  rt::Property<double> settle_time{*this, "settle_s", 0.05, "s", 0.0, 1.0, "closed loops before the release"};
+  rt::Property<double> settle_time{
+      *this, "settle_s", 0.05, "s", 0.0, 1.0, "time with closed loops before the brakes are released"};
   rt::Property<double> brake_test{*this,
                                   "brake_test_N",
                                   120.0,
                                   "N",
                                   0.0,
                                   2000.0,
-                                  "pushed against each brake at enabling, both ways; 0: not at all"};
-  rt::Property<double> brake_slip{*this, "brake_slip_m", 5e-4, "m", 1e-5, 0.01, "that a brake may give way meanwhile"};
-  rt::Property<double> enable_limit{*this, "enable_limit_s", 2.0, "s", 0.1, 10.0, "longest enabling"};
+                                  "force with which each brake is tested at enabling, in both directions; 0: no test"};
+  rt::Property<double> brake_slip{
+      *this, "brake_slip_m", 5e-4, "m", 1e-5, 0.01, "motion in this test that means the brake does not hold"};
+  rt::Property<double> enable_limit{*this, "enable_limit_s", 2.0, "s", 0.1, 10.0, "longest duration of enabling"};
   rt::Property<double> range_margin{
-      *this, "range_margin_m", 0.005, "m", 0.0, 0.1, "beyond the axes' range before it is a fault"};
+      *this, "range_margin_m", 0.005, "m", 0.0, 0.1, "distance beyond the axes' range that is a fault"};
   rt::Property<int> stale_measurements{
-      *this, "stale_measurements", 3, "cycles", 1, 100, "unreadable encoders in a row: fault"};
+      *this, "stale_measurements", 3, "cycles", 1, 100, "unreadable measurements in a row that are a fault"};
 
   /// Components that must be Running. Before start().
   void watch(const rt::TaskContext& component) { components_.add(component); }

@@ -36,9 +36,10 @@ class Sync : public rt::TaskContext {
                                          0.0,
                                          0.01,
                                          "largest distance from the first point at which playing may start"};
-  rt::Property<double> stop_time_s{*this, "stop_time_s", 0.3, "s", 0.05, 2.0, "from full speed to rest on the path"};
+  rt::Property<double> stop_time_s{
+      *this, "stop_time_s", 0.3, "s", 0.05, 2.0, "time from full speed to rest on the path"};
   rt::Property<double> orders_timeout_s{
-      *this, "orders_timeout_s", 0.05, "s", 0.01, 1.0, "without orders for so long, it stops by itself"};
+      *this, "orders_timeout_s", 0.05, "s", 0.01, 1.0, "time without orders after which Sync stops the path by itself"};
 
   rt::Operation<ReferenceStore&()> store{
       *this, "store", {}, "where references are offered; taken over while not playing", [this]() -> ReferenceStore& {

@@ -77,7 +77,7 @@ class EffectLaw {
 std::unique_ptr<const EffectLaw> effectLaw(const std::string& name, const std::string& depends_on,
                                            const std::vector<double>& shape);
 
-/// Why an effect by this name must not be foreseen; empty: the name is unknown.
+/// Why the feedforward leaves out an effect of this name; empty: the name is unknown.
 std::string whyNotInstantly(const std::string& name);
 
 }  // namespace knee_robot::dynamics

@@ -10,7 +10,7 @@ namespace knee_robot::dynamics {
 enum class FrictionKind {
   Stop,      ///< with the way since the last reversal, up to a width (stop operator of Prandtl); rest keeps what it was
   Smooth,    ///< with velocity: tanh(v / speed); none at rest
-  Bristles,  ///< bristles that bend over a width (Dahl; LuGre without its Stribeck curve) and slip back at a creep speed
+  Bristles,  ///< bend over a width (Dahl; LuGre without its Stribeck curve) and slip back at a creep speed
 };
 
 /// One part of the law of one actuator.
@@ -19,8 +19,8 @@ enum class FrictionKind {
 /// Dahl's model; at rest the share decays with the time width / creep (an axis that trembles by less than its encoder
 /// shows lets go of its bristles). Where that tremble is seen, as way of the encoder beyond the motion's own, a share
 /// of it slips them as well: with `tremble` 1 bristles slip by all of the way that the encoder shows. What they press
-/// is z + damping dz/dt, the micro-damping of LuGre. An exponent other than 1 (Dahl 1968: below it for brittle, above it
-/// for ductile contacts) makes it dz = (1 - z sign(dx))^exponent dx / width, without creep and tremble.
+/// is z + damping dz/dt, the micro-damping of LuGre. An exponent other than 1 (Dahl 1968: below it for brittle, above
+/// it for ductile contacts) makes it dz = (1 - z sign(dx))^exponent dx / width, without creep and tremble.
 struct FrictionElement {
   FrictionKind kind = FrictionKind::Stop;
   double share = 1.0;          ///< of the actuator's Coulomb friction

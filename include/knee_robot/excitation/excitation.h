@@ -21,8 +21,8 @@ struct ExcitationProgress {
 /// What is minimised, of the noise-weighted observation matrix W: K* (112 columns: rigid body and friction, eq. (28))
 /// stacked over the instants, each row divided by its actuator's noise.
 enum class ExcitationCriterion {
-  Condition,  ///< k = s_1 / s_r with the columns scaled to unit norm
-  Determinant,  ///< D-optimality: the product of s_1 .. s_r, largest, with columns scaled by those of the first random series
+  Condition,    ///< k = s_1 / s_r with the columns scaled to unit norm
+  Determinant,  ///< D-optimality: largest product of s_1 .. s_r, columns scaled by those of the first random series
 };
 
 /// What an excitation has to keep to, and how long to look for a good one.

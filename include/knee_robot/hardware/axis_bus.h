@@ -61,15 +61,15 @@ class AxisBus {
   /// True while somebody else has taken the outputs (GuardedBus): every write is refused. Real-time safe.
   virtual bool isFencedOut() const noexcept { return false; }
 
-  /// True when the device engages the hold devices by itself as soon as nobody reaches it: drives that miss a
+  /// True when the device engages the holding brakes by itself as soon as nobody reaches it: drives that miss a
   /// heartbeat.
   virtual bool stopsByItself() const noexcept { return false; }
 
   /// True when a process of its own brings the outputs down if this one dies (GuardedBus).
   virtual bool isGuarded() const noexcept { return false; }
 
-  /// What carries the load at this place while the hold devices are open, V; nullptr: nothing does. For whoever brings
-  /// the outputs down if this process dies (GuardedBus). Real-time safe.
+  /// What carries the load at this place while the holding brakes are open, V; nullptr: nothing does. For whoever
+  /// brings the outputs down if this process dies (GuardedBus). Real-time safe.
   virtual void offerLoad(const std::array<double, kAxes>* /*volts*/) noexcept {}
 
   /// Not real-time, from any thread, with the drives off: asks for the outputs again. FencedOut: not given back.

@@ -28,7 +28,7 @@ class GuardedBus : public AxisBus {
     std::uint64_t machine = 0;  ///< machineMark() that the guardian has to have, too; 0: not compared
   };
 
-  /// All must outlive this. `power_bits`: digital outputs that enable drives or release hold devices.
+  /// All must outlive this. `power_bits`: digital outputs that enable drives or release holding brakes.
   GuardedBus(AxisBus& bus, GuardianLink& link, std::uint8_t power_bits, Options options);
   GuardedBus(AxisBus& bus, GuardianLink& link, std::uint8_t power_bits)
       : GuardedBus(bus, link, power_bits, Options()) {}

@@ -22,7 +22,7 @@ struct GuardianLink {
   std::atomic<std::uint64_t> heartbeat{0};      ///< one more with every write of the digital outputs, fenced out or not
   std::atomic<std::uint32_t> armed{0};          ///< 1 from before the drives are enabled until after they are disabled
   std::atomic<std::uint32_t> reset_request{0};  ///< a new number asks the guardian to give the outputs back
-  std::atomic<std::uint32_t> carries{0};  ///< 1: load_V holds, and the drives are to give it until the hold devices do
+  std::atomic<std::uint32_t> carries{0};        ///< 1: load_V is valid; the drives give it until the brakes hold
   std::array<std::atomic<double>, kChannels> load_V{};  ///< what carries the robot at rest at this place
 
   // written by the guardian

@@ -10,8 +10,8 @@ namespace knee_robot::mechanism {
 /// length or cos(q2) of a universal joint is zero. Type II (the platform moves although all actuators are locked, and
 /// no actuator force can resist): J = dq/dx, equivalently A_d of eq. (21), is singular.
 struct Singularity {
-  double type_one =
-      0.0;  ///< det of the 11 x 11 part in the leg coordinates over the product of the lengths' powers: cos q12 cos q22 cos q32
+  /// Determinant of the 11 x 11 part in the leg coordinates, divided by powers of the lengths: cos q12 cos q22 cos q32.
+  double type_one = 0.0;
   double determinant = 0.0;  ///< det J, m^2/rad^2; its sign names the assembly mode
   double condition = 0.0;    ///< of J (m, rad): conditionNumber()
   double scaled_condition =

@@ -7,8 +7,9 @@
 
 namespace knee_robot::recording {
 
-/// One recording (docs/contract.md, section 2), as it stands in the file: not resampled, not filtered. Matrices have one row per
-/// row of the file and one column per actuator; a signal that the file does not have is a matrix without columns.
+/// One recording (docs/contract.md, section 2), as it stands in the file: not resampled, not filtered. Matrices have
+/// one row per row of the file and one column per actuator; a signal that the file does not have is a matrix without
+/// columns.
 struct Recording {
   std::string path;             ///< as given to loadRecording
   std::string name;             ///< file name without folder and ".csv": NAME of prediction_NAME.csv

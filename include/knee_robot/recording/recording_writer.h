@@ -23,8 +23,8 @@ struct RecordingRow {
   bool residual_known = false;  ///< else nan is written, as for a residual that is no number: it never ends a recording
 };
 
-/// Streams rows into a recording file (docs/contract.md, section 2). Only whole lines ever reach the file, so that it is readable
-/// after a crash; nothing is allocated after opening. Not for a real-time thread: it writes to disk.
+/// Streams rows into a recording file (docs/contract.md, section 2). Only whole lines ever reach the file, so that it
+/// is readable after a crash; nothing is allocated after opening. Not for a real-time thread: it writes to disk.
 class RecordingWriter {
  public:
   /// Creates `path` and writes the header. InputError when the file exists already (a recording is never overwritten)

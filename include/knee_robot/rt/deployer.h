@@ -29,7 +29,7 @@ using TypeFactory = std::map<std::string, std::function<std::unique_ptr<TaskCont
 ///     components:                         # executed in this order within their activity
 ///       - {name: Sync, type: Sync, activity: servo, period_s: 0.01, properties: {stop_time_s: 0.3}}  # last two
 ///       optional
-///       # lenient: true                   # optional: properties that the component does not have are passed over and reported
+///       # lenient: true                   # optional: unknown properties are skipped and reported
 ///     connections:                        # optional: only what the ports' names and types do not say
 ///       - {from: Sync.set_point, to: Driver1.set_point, policy: data}   # or policy: buffer with size: n
 ///     start_order: [Sync, Driver1]        # every component once; stopped in reverse

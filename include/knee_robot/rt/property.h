@@ -15,7 +15,7 @@ namespace knee_robot::rt {
 /// When a property may change.
 enum class Change {
   BeforeConfigure,  ///< from the deployment file only
-  AtRunTime,  ///< at any time, by changeProperty(): its hooks read it anew every cycle and take a new value without a jump
+  AtRunTime,        ///< at any time, by changeProperty(): read anew in every cycle, taken without a jump
 };
 
 /// A named parameter of a component. Values are set before configure(), some at run time too; hooks read them without

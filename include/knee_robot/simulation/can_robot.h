@@ -10,7 +10,7 @@ namespace knee_robot::simulation {
 
 /// The simulated robot behind four simulated CiA 402 drives on a bus instead of cards: the drives' torques move the
 /// plant, their position objects follow it. A drive that is not in Operation Enabled gives no force. A digital output
-/// (hold devices, heartbeat) counts only when all four drives set it; the emergency stop's input is on every drive.
+/// (holding brakes, heartbeat) counts only when all four drives set it; the emergency stop's input is on every drive.
 class CanRobot {
  public:
   using Units = std::array<hardware::can::AxisUnits, hardware::kAxes>;

@@ -17,7 +17,7 @@ enum class EncoderFault : std::uint8_t {
 };
 
 /// Faults that a test or a fault campaign orders from the simulated robot (program inject_fault). All zero: none. Lies
-/// in the robot's image; the simulated robot applies them to its encoders, converters, drives and hold devices each
+/// in the robot's image; the simulated robot applies them to its encoders, converters, drives and holding brakes each
 /// step, so that the controller meets them as it would on a real machine. Bit a of a mask is axis a.
 struct InjectedFaults {
   static constexpr std::size_t kChannelsOfFaults = 4;
@@ -27,8 +27,8 @@ struct InjectedFaults {
   std::atomic<std::uint8_t> converter_stuck{0};   ///< mask: the voltage stays what it was when the fault came
   std::atomic<std::uint8_t> drive_dead{0};        ///< mask: the drive has no power; only its ready output tells
   std::atomic<std::uint8_t> drive_reversed{0};    ///< mask: the force has the wrong sign
-  std::atomic<std::uint8_t> hold_open{0};         ///< mask: the hold device does not engage
-  std::atomic<std::uint8_t> hold_closed{0};       ///< mask: the hold device is engaged whatever its output says
+  std::atomic<std::uint8_t> hold_open{0};         ///< mask: the holding brake does not engage
+  std::atomic<std::uint8_t> hold_closed{0};       ///< mask: the holding brake is engaged whatever its output says
   std::atomic<std::uint32_t> component_fault{0};  ///< for components of test programs; the simulated robot ignores it
   std::atomic<std::uint8_t> can_silent{0};  ///< mask, CAN drives only, like the next: the drive is cut off the bus
   std::atomic<std::uint8_t> can_no_heartbeat{0};  ///< mask: the drive's heartbeat stays away

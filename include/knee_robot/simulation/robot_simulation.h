@@ -32,9 +32,9 @@ class DelayedSwitch {
 ///
 /// The encoders count from the robot file's home lengths in its counts per metre, and keep their fraction, as glass
 /// scales do.
-/// Pressing the emergency stop takes the power from drives and hold devices, whatever the outputs say; so does the
+/// Pressing the emergency stop takes the power from drives and holding brakes, whatever the outputs say; so does the
 /// relay on the heartbeat output, where the simulation file has one, when the output has not changed for its time.
-/// Faults ordered in the image (hardware/injected_faults.h) are applied to converters, drives, hold devices and
+/// Faults ordered in the image (hardware/injected_faults.h) are applied to converters, drives, holding brakes and
 /// encoders.
 class RobotSimulation {
  public:

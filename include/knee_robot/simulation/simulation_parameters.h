@@ -34,7 +34,7 @@ struct Payload {
   double radius_of_gyration_m = 0.0;                         ///< about any axis through its centre
 };
 
-/// Relay that is retriggered by every change of a digital output and takes the power from drives and hold devices
+/// Relay that is retriggered by every change of a digital output and takes the power from drives and holding brakes
 /// otherwise.
 struct HeartbeatRelay {
   int bit = 2;
@@ -50,7 +50,7 @@ struct HeartbeatRelay {
 ///     stop_margin_m: 0.005                   # optional; mechanical stops lie this far beyond the robot file's lengths
 ///     drive_delay_s: 0.008                   # optional; from the enable output's change until the drive follows
 ///     digital_outputs: {drive_enable: 0, hold_release: 1}   # optional; bits 0 to 3 of the counter card
-///     digital_inputs: {emergency_stop_clear: 0, hand_switch_clear: 1, enabling_switch: 3, drives_ready: 2}   # optional; all but the first, too
+///     digital_inputs: {emergency_stop_clear: 0, hand_switch_clear: 1, enabling_switch: 3, drives_ready: 2}  # optional
 ///     heartbeat_relay: {bit: 2, hold_s: 0.02}               # optional; no such relay without it
 ///     payload: {mass_kg: 15, center_m: [0, 0, 0.1], radius_of_gyration_m: 0.1}   # optional
 ///     substeps: 4                            # optional; integration steps per simulated period

@@ -15,7 +15,7 @@ struct TruthRow {
   std::array<double, 4> force_N;  ///< of the motors
   std::uint32_t outputs;          ///< digital, bits 0 to 3
   std::uint32_t drives;           ///< bit a: drive a is on
-  std::uint32_t holds;            ///< bit a: hold device a is engaged
+  std::uint32_t holds;            ///< bit a: holding brake a is engaged
   std::uint32_t faults;           ///< InjectedFaults::generation
 };
 static_assert(sizeof(TruthRow) == 160, "readers rely on it");

@@ -26,10 +26,10 @@ struct VirtualRun {
       0.0;  ///< largest |motor work - dissipated - gain of energy|: what the instants do not resolve
 };
 
-/// Moves the plant along `path` and writes a recording (docs/contract.md, section 2). A row's position is that of its instant;
-/// its force is the mean over the interval until the next row, in which a command holds, taken at instants at most 1 ms
-/// apart. command_V is that force as voltage. InputError when the file exists; Refusal when the closed mechanism cannot
-/// follow the path.
+/// Moves the plant along `path` and writes a recording (docs/contract.md, section 2). A row's position is that of its
+/// instant; its force is the mean over the interval until the next row, in which a command holds, taken at instants at
+/// most 1 ms apart. command_V is that force as voltage. InputError when the file exists; Refusal when the closed
+/// mechanism cannot follow the path.
 VirtualRun recordVirtualPlant(const mechanism::Robot& robot, VirtualPlant& plant, const AxisPath& path,
                               const VirtualRecorder& recorder, const std::string& file);
 

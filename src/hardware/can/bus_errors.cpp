@@ -1,4 +1,4 @@
-#include "knee_robot/hardware/can/bus_errors.h"
+#include "bus_errors.h"
 
 #include <linux/can.h>
 #include <linux/can/error.h>

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <cstdio>
 
-#include "knee_robot/hardware/can/bus_errors.h"
+#include "bus_errors.h"
 #include "knee_robot/hardware/can/can_socket.h"
 #include "knee_robot/hardware/can/drive_setup.h"
 

@@ -84,77 +84,45 @@ std::optional<Emergency> parseEmergency(const Frame& frame) noexcept {
 }
 
 const char* emergencyText(std::uint16_t code) noexcept {
-  switch (code) {
-    case 0x8110:
-      return "CAN overrun";
-    case 0x8120:
-      return "CAN error passive";
-    case 0x8130:
-      return "no heartbeat of the controller";
-    case 0x8140:
-      return "recovered from bus-off";
-    case 0x8150:
-      return "CAN identifier collision";
-    case 0x8210:
-      return "PDO length";
-    case 0x8250:
-      return "process data missing";
-    default:
-      break;
-  }
-  switch (code >> 8) {
-    case 0x00:
-      return "no error";
-    case 0x10:
-      return "generic error";
-    case 0x20:
-    case 0x21:
-    case 0x22:
-    case 0x23:
-      return "over-current";
-    case 0x30:
-    case 0x31:
-    case 0x32:
-    case 0x33:
-      return "supply voltage";
-    case 0x40:
-    case 0x41:
-    case 0x42:
-    case 0x43:
-      return "over-temperature";
-    case 0x50:
-    case 0x51:
-    case 0x52:
-    case 0x53:
-    case 0x54:
-    case 0x55:
-      return "device hardware";
-    case 0x60:
-    case 0x61:
-    case 0x62:
-    case 0x63:
-      return "device software";
-    case 0x70:
-    case 0x71:
-    case 0x72:
-    case 0x73:
-      return "additional module: encoder, brake or motor";
-    case 0x80:
-    case 0x81:
-    case 0x82:
-      return "communication";
-    case 0x84:
-      return "velocity controller";
-    case 0x85:
-    case 0x86:
-      return "position controller";
-    case 0x90:
-      return "external error";
-    case 0xF0:
-      return "additional function";
-    default:
-      return code >= 0xFF00 ? "manufacturer specific" : "unknown class";
-  }
+  struct Single {
+    std::uint16_t code;
+    const char* text;
+  };
+  struct Class {
+    std::uint8_t first, last;  // of the code's upper byte
+    const char* text;
+  };
+  static constexpr Single kSingles[] = {
+      {0x8110, "CAN overrun"},
+      {0x8120, "CAN error passive"},
+      {0x8130, "no heartbeat of the controller"},
+      {0x8140, "recovered from bus-off"},
+      {0x8150, "CAN identifier collision"},
+      {0x8210, "PDO length"},
+      {0x8250, "process data missing"},
+  };
+  static constexpr Class kClasses[] = {
+      {0x00, 0x00, "no error"},
+      {0x10, 0x10, "generic error"},
+      {0x20, 0x23, "over-current"},
+      {0x30, 0x33, "supply voltage"},
+      {0x40, 0x43, "over-temperature"},
+      {0x50, 0x55, "device hardware"},
+      {0x60, 0x63, "device software"},
+      {0x70, 0x73, "additional module: encoder, brake or motor"},
+      {0x80, 0x82, "communication"},
+      {0x84, 0x84, "velocity controller"},
+      {0x85, 0x86, "position controller"},
+      {0x90, 0x90, "external error"},
+      {0xF0, 0xF0, "additional function"},
+      {0xFF, 0xFF, "manufacturer specific"},
+  };
+  for (const Single& single : kSingles)
+    if (single.code == code) return single.text;
+  const int upper = code >> 8;
+  for (const Class& range : kClasses)
+    if (range.first <= upper && upper <= range.last) return range.text;
+  return "unknown class";
 }
 
 const char* toText(NmtState state) noexcept {

@@ -1,7 +1,7 @@
 // {name: backlash, actuators: [2], width_m: 0.0002, stiffness_N_per_m: 2e6, damping_N_s_per_m: 500} Play between motor
 // and screw, as wide as width_m from stop to stop; the encoder is on the motor (see coupled_motors.h). Stiffness and
 // damping (optional) are those of the contact.
-#include "knee_robot/simulation/coupled_motors.h"
+#include "common/coupled_motors.h"
 
 namespace knee_robot::simulation {
 namespace {

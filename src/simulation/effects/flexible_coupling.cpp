@@ -1,6 +1,6 @@
 // {name: flexible_coupling, actuators: [2], stiffness_N_per_m: 2e5, damping_N_s_per_m: 100}
 // Motor and screw are joined elastically; the encoder is on the motor (see coupled_motors.h).
-#include "knee_robot/simulation/coupled_motors.h"
+#include "common/coupled_motors.h"
 
 namespace knee_robot::simulation {
 namespace {

@@ -28,7 +28,7 @@ struct DriveSettings {
 ///       period_s: 0.002            # of the deployment's servo activity; SYNC and all PDOs once a period
 ///       controller_node: 126       # ours, for the heartbeat
 ///       heartbeat_s: 0.02          # both ways; lost after 2.5 of them
-///       missed_feedback: 3         # so many periods in a row without a drive's feedback, or late ones soon after each other
+///       missed_feedback: 3         # periods in a row without a drive's feedback, or with late ones
 ///       vendor: 251                # 1018:1 of all drives
 ///       product: 1                 # 1018:2
 ///       drives:                    # four, in the order of the axes

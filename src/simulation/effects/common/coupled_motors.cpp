@@ -1,4 +1,4 @@
-#include "knee_robot/simulation/coupled_motors.h"
+#include "coupled_motors.h"
 
 #include <cmath>
 
