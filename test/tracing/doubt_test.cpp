@@ -17,15 +17,23 @@ class Doubt : public SearchedMachine {
     e.hypothesis = named(name, {});
     e.probability = 0.99;
     e.p = p_;
+    e.explained_rms_N = Eigen::VectorXd::Constant(data_.stack.axes, explains_N_);
     e.transfers = elsewhere_gain_ >= 0.0;
     e.elsewhere_gain = elsewhere_gain_;
     e.elsewhere_gaining = elsewhere_gaining_;
     search_.effects = {e};
+    if (nameless_N_ > 0.0) {
+      e.hypothesis.place.candidate = map_.get();
+      e.explained_rms_N.setConstant(nameless_N_);
+      search_.effects.push_back(e);
+    }
     notes_.clear();
     doubtNames(search_, notes_);
     return search_.effects.front();
   }
   double p_ = 0.004;
+  double explains_N_ = 9.0, nameless_N_ = 0.0;
+  const std::unique_ptr<Candidate> map_ = mapCandidate(robot_, "pose_x_m", kActuator, {0, 1, 2, 3, 4, 5, 6, 7});
   bool measured_ = true;
   double elsewhere_gain_ = 0.0, elsewhere_gaining_ = 1.0;
   std::vector<std::string> notes_;
@@ -85,6 +93,30 @@ TEST_F(Doubt, IsCastOnANameThatHelpsAtSomeHeldBackPositionsOnly) {
   ASSERT_EQ(notes_.size(), 1u);
   EXPECT_NE(notes_[0].find("60 % of the held-back positions only"), std::string::npos) << notes_[0];
   EXPECT_FALSE(said("screw_ripple", 1.0).doubted) << "has a signature of its own";
+}
+
+TEST_F(Doubt, IsCastOnANameThatExplainsLessThanWhatIsLeft) {
+  explains_N_ = 0.8;
+  EXPECT_FALSE(said("stribeck", 1.0).doubted) << "noise is left";
+  EXPECT_TRUE(said("stribeck", 2.0).doubted) << "1 N is left";
+  ASSERT_EQ(notes_.size(), 1u);
+  EXPECT_NE(notes_[0].find("0.8 N, less than what is left there while axes move (1 N, 2 times the noise floor)"),
+            std::string::npos)
+      << notes_[0];
+  explains_N_ = 1.2;
+  EXPECT_FALSE(said("stribeck", 2.0).doubted);
+}
+
+TEST_F(Doubt, IsCastOnANameThatExplainsLessThanAMapBesideIt) {
+  for (const char* name : {"dashpot", "stribeck"}) {
+    explains_N_ = 1.0;
+    nameless_N_ = 0.9;
+    EXPECT_FALSE(said(name, 1.0).doubted) << name;
+    nameless_N_ = 1.1;
+    EXPECT_TRUE(said(name, 1.0).doubted) << name;
+    ASSERT_EQ(notes_.size(), 1u);
+    EXPECT_NE(notes_[0].find("less than what no name is known for there"), std::string::npos) << notes_[0];
+  }
 }
 
 TEST_F(Doubt, SparesWhatHasASignatureOfItsOwn) {
