@@ -16,7 +16,7 @@ using dynamics::FrictionElement;
 /// A simpler family is taken when it is within so many standard errors of the best. One would be usual; on the physical
 /// robot it keeps the single stop, whose error on another path is up to half as large again (docs/identification.md).
 constexpr double kWithinErrors = 0.25;
-/// The same where a whole spectrum of stops is the best: with that many shares it comes near to any law.
+/// The same where a whole spectrum is the best: with that many shares it comes near to any law.
 constexpr double kWithinErrorsOfSpectrum = 1.0;
 
 dynamics::FrictionLaw lawOf(const Sum& sum, const std::vector<FrictionElement>& elements) {
