@@ -93,7 +93,8 @@ int blocksOf(const TraceData& data, const Eigen::MatrixXd& rows) {
 }  // namespace
 
 JointFit fitJointly(const TraceData& data, const BaseFit& base, const Eigen::VectorXd& noise_N,
-                    const std::vector<Hypothesis>& effects, const std::vector<Eigen::MatrixXd>& effect_rows) {
+                    const std::vector<Hypothesis>& effects, const std::vector<Eigen::MatrixXd>& effect_rows,
+                    LeftOut wanted) {
   const Layout layout = layoutOf(base, effects, data.inputs.front());
   const identification::Equations e = equationsOf(data, noise_N, layout, effect_rows);
   const std::vector<Eigen::MatrixXd> blocks = identification::compressBlocks(e);
@@ -118,16 +119,18 @@ JointFit fitJointly(const TraceData& data, const BaseFit& base, const Eigen::Vec
   fit.residual_N = e.b - e.a * z;
   for (int i = 0; i < e.axes; ++i)
     fit.residual_N.segment(i * data.stack.size(), data.stack.size()) *= noise_N[i];
-  fit.held_back.resize(e.blocks);
-  Eigen::MatrixXd left_out(z.size(), e.blocks);
-  const std::vector<Eigen::MatrixXd> others = identification::joinOthers(blocks);
-  inParallel(blocks.size(), [&](std::size_t block) {
-    const Eigen::Index b = static_cast<Eigen::Index>(block);
-    left_out.col(b) = solve(others[block], layout.bounded, groups, whole, prior);
-    const Eigen::MatrixXd& own = blocks[block];
-    fit.held_back[b] =
-        own.rows() == 0 ? 0.0 : (own.rightCols(1) - own.leftCols(z.size()) * left_out.col(b)).squaredNorm();
-  });
+  Eigen::MatrixXd left_out = Eigen::MatrixXd::Constant(z.size(), e.blocks, std::numeric_limits<double>::quiet_NaN());
+  if (wanted == LeftOut::EveryBlock) {
+    fit.held_back.resize(e.blocks);
+    const std::vector<Eigen::MatrixXd> others = identification::joinOthers(blocks);
+    inParallel(blocks.size(), [&](std::size_t block) {
+      const Eigen::Index b = static_cast<Eigen::Index>(block);
+      left_out.col(b) = solve(others[block], layout.bounded, groups, whole, prior);
+      const Eigen::MatrixXd& own = blocks[block];
+      fit.held_back[b] =
+          own.rows() == 0 ? 0.0 : (own.rightCols(1) - own.leftCols(z.size()) * left_out.col(b)).squaredNorm();
+    });
+  }
   const Eigen::VectorXd spread =
       ((left_out.colwise() - left_out.rowwise().mean()).rowwise().squaredNorm() * (e.blocks - 1.0) / e.blocks)
           .cwiseSqrt();

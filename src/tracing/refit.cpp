@@ -26,11 +26,11 @@ std::vector<Hypothesis> hypothesesOf(const std::vector<FoundEffect>& effects) {
   return out;
 }
 
-JointFit fitOf(const Search& s, const std::vector<Hypothesis>& effects) {
+JointFit fitOf(const Search& s, const std::vector<Hypothesis>& effects, LeftOut left_out) {
   std::vector<Eigen::MatrixXd> rows;
   for (const Hypothesis& h : effects)
     rows.push_back(effectRows(*s.data, h));
-  return fitJointly(*s.data, *s.base, s.rms_N, effects, rows);
+  return fitJointly(*s.data, *s.base, s.rms_N, effects, rows, left_out);
 }
 
 SurrogateModel modelOf(const Search& s) {
@@ -44,12 +44,12 @@ SurrogateModel modelOf(const Search& s) {
 void refit(Search& s) {
   const std::vector<Hypothesis> all = hypothesesOf(s.effects);
   if (s.seen_parameters.size() == 0) s.seen_parameters = s.base->parameters;
-  const auto fit = [&] {
-    s.fit = fitOf(s, all);
+  const auto fit = [&](LeftOut left_out) {
+    s.fit = fitOf(s, all, left_out);
     s.rms_N = rmsOf(s.data->stack, s.fit.residual_N).cwiseMax(1e-9);
   };
   for (int pass = 0; pass < (all.empty() ? 1 : kPasses); ++pass) {
-    fit();
+    fit(LeftOut::None);
     s.seen_parameters = 0.5 * (s.seen_parameters + s.base->parametersOf(s.fit.base));  // all the way would swing
     const SurrogateModel model = modelOf(s);
     for (EffectInput& input : s.data->inputs) {
@@ -58,7 +58,7 @@ void refit(Search& s) {
       setForces(input, s.base->columns, s.seen_parameters, effects.friction_N + effects.load_N, effects.lead_N);
     }
   }
-  fit();
+  fit(LeftOut::EveryBlock);
   for (std::size_t k = 0; k < s.effects.size(); ++k) {
     s.effects[k].coefficients = s.fit.coefficients[k];
     s.effects[k].std = s.fit.std[k];

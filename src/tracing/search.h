@@ -40,7 +40,7 @@ Eigen::VectorXd rmsOf(const Stack& stack, const Eigen::VectorXd& residual_N);
 std::vector<Hypothesis> hypothesesOf(const std::vector<FoundEffect>& effects);
 
 /// Base and these effects fitted together, with every block left out in turn.
-JointFit fitOf(const Search& search, const std::vector<Hypothesis>& effects);
+JointFit fitOf(const Search& search, const std::vector<Hypothesis>& effects, LeftOut left_out = LeftOut::EveryBlock);
 
 /// The model as it stands.
 SurrogateModel modelOf(const Search& search);

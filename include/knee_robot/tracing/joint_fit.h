@@ -18,9 +18,13 @@ struct JointFit {
   Eigen::VectorXd held_back;   ///< per block: sum of weighted squares when it was left out
 };
 
-/// Bounded weighted least squares of the force on base and effect columns; with every block left out in turn.
-/// `effect_rows[k]` belongs to `effects[k]` and is in N.
+enum class LeftOut { EveryBlock, None };
+
+/// Bounded weighted least squares of the force on base and effect columns; with every block left out in turn, or
+/// without that: held_back is empty then, and what is told by it nan. `effect_rows[k]` belongs to `effects[k]` and is in
+/// N.
 JointFit fitJointly(const TraceData& data, const BaseFit& base, const Eigen::VectorXd& noise_N,
-                    const std::vector<Hypothesis>& effects, const std::vector<Eigen::MatrixXd>& effect_rows);
+                    const std::vector<Hypothesis>& effects, const std::vector<Eigen::MatrixXd>& effect_rows,
+                    LeftOut left_out = LeftOut::EveryBlock);
 
 }  // namespace knee_robot::tracing
