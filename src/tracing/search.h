@@ -121,8 +121,8 @@ void abstainElsewhere(Search& search, std::vector<std::string>& notes);
 /// with its own laws near rest, does. False where no effect is predicted elsewhere.
 bool helpsElsewhere(Search& search, const BaseFit& baseline);
 /// Takes out ripples, pushes and thermal drifts that explain less than a noise floor on every actuator, and unnamed
-/// maps below two, but for those that themselves help at held-back positions where the whole surely does (`helps`).
-/// Returns how many; the fit is not done anew.
+/// maps below two, but for those that themselves help at held-back positions where the whole surely does (`helps`); and
+/// anything below one that does not help there. Returns how many; the fit is not done anew.
 int leaveOutSmall(Search& search, bool helps, std::vector<std::string>& rejected);
 
 /// An effect that depends on a position which always went with another one in training is seen, but not what it depends

@@ -1,6 +1,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include "src/tracing/search.h"
 #include "test/identification/synthetic.h"
@@ -74,6 +75,19 @@ TEST_F(SmallEffects, WhatSurelyHelpsElsewhereStaysHoweverSmall) {
   found(ripple, 0.5);
   EXPECT_EQ(leaveOutSmall(s, true, rejected), 0);
   EXPECT_EQ(left(), Names{"screw_ripple"});
+}
+
+TEST_F(SmallEffects, AnythingBelowTheFloorThatHelpsNowhereElseIsLeftOut) {
+  found(stribeck, 0.9, false);
+  EXPECT_EQ(leaveOutSmall(s, true, rejected), 1);
+  found(stribeck, 1.1, false);
+  EXPECT_EQ(leaveOutSmall(s, true, rejected), 0);
+}
+
+TEST_F(SmallEffects, WhatAGivenModelHasStaysHoweverSmall) {
+  found(stribeck, 0.1, false);
+  s.effects[0].p = std::nan("");
+  EXPECT_EQ(leaveOutSmall(s, true, rejected), 0);
 }
 
 TEST_F(SmallEffects, WhatIsNotPredictedElsewhereIsNotKeptByWhatTheOthersSaveThere) {
