@@ -74,8 +74,11 @@ bool settleRestLaw(Search& s, const Candidate* kind) {
     own = now;
     best_speed = speed;
   }
-  const HeldBackGain gain = heldBackGain(followed - own);
-  const bool own_law = gain.mean > kLawErrors * gain.error;
+  bool own_law = own.size() > 0;  // no speed is plausible for what falls off at the end of what is looked for
+  if (own_law) {
+    const HeldBackGain gain = heldBackGain(followed - own);
+    own_law = gain.mean > kLawErrors * gain.error;
+  }
   if (!own_law) s.effects = following;
   setSpeed(s, kind, own_law ? best_speed : 0.0);
   refit(s);

@@ -39,5 +39,17 @@ TEST_F(PlausibleShape, IsAskedOfWhatWasRefined) {
   EXPECT_EQ(leftOf(0.002, std::nan("")), 1u) << "of a given model, named where it was found";
 }
 
+TEST_F(PlausibleShape, WithoutOneOfItsOwnTheLawOfTheActuatorIsFollowed) {
+  const TraceOptions options;
+  search_.options = &options;
+  FoundEffect found;
+  found.hypothesis = named("stribeck", {0.002, 0.001});
+  search_.effects = {found};
+  refit(search_);
+  EXPECT_TRUE(settleRestLaw(search_, found.hypothesis.place.candidate));
+  ASSERT_EQ(search_.effects.size(), 1u);
+  EXPECT_EQ(search_.effects[0].hypothesis.shape.back(), 0.0);
+}
+
 }  // namespace
 }  // namespace knee_robot::tracing
