@@ -42,8 +42,11 @@ TEST_F(PlausibleShape, IsAskedOfWhatWasRefined) {
 TEST_F(PlausibleShape, WithoutOneOfItsOwnTheLawOfTheActuatorIsFollowed) {
   const TraceOptions options;
   search_.options = &options;
+  // What falls off faster than anything that is looked for: shapes end at the slowest, at which none is plausible.
+  data_.all_force_rows += 15.0 * effectRows(data_, named("stribeck", {0.001, 0.0})).col(0);
+  setAttention(data_, Attention::All);
   FoundEffect found;
-  found.hypothesis = named("stribeck", {0.002, 0.001});
+  found.hypothesis = named("stribeck", {0.002, 0.0});
   search_.effects = {found};
   refit(search_);
   EXPECT_TRUE(settleRestLaw(search_, found.hypothesis.place.candidate));
