@@ -151,10 +151,11 @@ Sum spectrumOfSpeeds(const InWeights& squares, const std::vector<FrictionElement
   std::vector<int> smooth;
   for (int k = 0; k < static_cast<int>(squares.linear.size()); ++k) {
     const FrictionElement& e = elements[static_cast<std::size_t>(k)];
+    if (e.kind != FrictionKind::Smooth || e.exponent != 1.0) continue;
     const bool near = std::any_of(smooth.begin(), smooth.end(), [&](int other) {
       return std::abs(std::log(e.speed_m_per_s / elements[static_cast<std::size_t>(other)].speed_m_per_s)) < kAlike;
     });
-    if (e.kind == FrictionKind::Smooth && e.exponent == 1.0 && !near) smooth.push_back(k);
+    if (!near) smooth.push_back(k);
   }
   return spectrumOf(squares, std::move(smooth));
 }

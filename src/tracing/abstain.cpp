@@ -9,7 +9,7 @@ namespace knee_robot::tracing {
 namespace {
 
 /// Noise floors that what does not help at held-back positions explains at least, whatever it is: right ones that explained
-/// less, 0.3 to 0.8 on four machines, helped there.
+/// less, 0.3 to 0.8 on three machines, helped there.
 constexpr double kWithoutHelp = 1.0;
 
 /// Held-back positions say something about it.
@@ -51,7 +51,7 @@ void abstainElsewhere(Search& s, std::vector<std::string>& notes) {
 int leaveOutSmall(Search& s, bool helps, std::vector<std::string>& rejected) {
   const auto named = std::stable_partition(s.effects.begin(), s.effects.end(), [&](const FoundEffect& e) {
     const Candidate& candidate = *e.hypothesis.place.candidate;
-    const bool failed = candidate.transfers() && !e.transfers && !std::isnan(e.p);
+    const bool failed = candidate.transfers() && !e.transfers && e.elsewhere_gain < kWorthElsewhere && !std::isnan(e.p);
     const double least = std::max(candidate.leastFloors(), failed ? kWithoutHelp : 0.0);
     return (helps && testedElsewhere(e)) || (e.explained_rms_N.array() >= least * s.floor.rms_N.array()).any();
   });

@@ -21,7 +21,7 @@ constexpr double kHarmful = 0.45;
 /// Share of held-back stretches that must gain by what a name says: 30 right ones on 9 machines gained in 0.92 or more,
 /// names for something that has none in 0.67.
 constexpr double kMostStretches = 0.7;
-/// Floors beyond which more than noise is left: 40 right names on 14 machines were below 1.3.
+/// Floors beyond which more than noise is left: 46 right names on 14 machines left at most 1.3.
 constexpr double kMoreThanNoise = 1.5;
 
 /// Root mean square of what the model leaves while the axis moves.

@@ -15,9 +15,6 @@ namespace {
 
 constexpr double kErrors = 1.0;        ///< standard errors by which an effect, and all of them together, must help
 constexpr double kMovingErrors = 2.0;  ///< the same while axes move, where all samples alike do not show it surely
-/// Least share of the squares that an effect must save at held-back positions: another path may cost more than less.
-/// Right ones on 14 machines of two independent simulators saved half of them or more.
-constexpr double kWorthIt = 0.05;
 
 /// What is gained on held-back stretches: with samples near rest counting little, and with all alike.
 struct Helps {
@@ -135,7 +132,7 @@ void judgeElsewhere(Search& s, std::vector<std::string>& notes) {
     e.elsewhere_gaining = std::min(helps.moving.gaining, helps.all.gaining);
     const double seen = std::max(0.5 * sum, kStretches * helps.moving.mean);
     const double moving_gain = 2.0 * kStretches * helps.moving.mean / std::max(1e-300, total[0]);
-    const bool worth = std::max(e.elsewhere_gain, moving_gain) >= kWorthIt;
+    const bool worth = std::max(e.elsewhere_gain, moving_gain) >= kWorthElsewhere;
     if (helps.surely() && seen + beside > 0.0 && worth) continue;
     e.transfers = false;
     const std::string share = shortNumber(100.0 * e.elsewhere_gain, 2) + " +- " +

@@ -84,6 +84,12 @@ TEST_F(SmallEffects, AnythingBelowTheFloorThatHelpsNowhereElseIsLeftOut) {
   EXPECT_EQ(leaveOutSmall(s, true, rejected), 0);
 }
 
+TEST_F(SmallEffects, WhatHelpsThereStaysThoughItIsNotKnownWhereItBelongs) {
+  found(stribeck, 0.5, false);
+  s.effects[0].elsewhere_gain = 0.6;  // held back for another reason: its position went with another one
+  EXPECT_EQ(leaveOutSmall(s, true, rejected), 0);
+}
+
 TEST_F(SmallEffects, WhatAGivenModelHasStaysHoweverSmall) {
   found(stribeck, 0.1, false);
   s.effects[0].p = std::nan("");
