@@ -132,7 +132,9 @@ void judgeElsewhere(Search& s, std::vector<std::string>& notes) {
     e.elsewhere_gaining = std::min(helps.moving.gaining, helps.all.gaining);
     const double seen = std::max(0.5 * sum, kStretches * helps.moving.mean);
     const double moving_gain = 2.0 * kStretches * helps.moving.mean / std::max(1e-300, total[0]);
-    const bool worth = std::max(e.elsewhere_gain, moving_gain) >= kWorthElsewhere;
+    // Of a chain's many joints an effect on one saves little of all squares.
+    const bool worth =
+        s.data->inputs.front().robot->chain || std::max(e.elsewhere_gain, moving_gain) >= kWorthElsewhere;
     if (helps.surely() && seen + beside > 0.0 && worth) continue;
     e.transfers = false;
     const std::string share = shortNumber(100.0 * e.elsewhere_gain, 2) + " +- " +

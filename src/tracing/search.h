@@ -111,7 +111,7 @@ void dropLeadsOfRest(Search& search);
 /// Refines the shapes of all effects together: variable projection, coefficients solved for at every step.
 void refineShapes(Search& search);
 
-/// Least share of the squares that an effect must save at held-back positions: less than that may cost more on another
+/// Least share of the squares that an effect of a parallel robot must save at held-back positions: less than that may cost more on another
 /// path. Right ones on 14 machines of two independent simulators saved half of them or more.
 inline constexpr double kWorthElsewhere = 0.05;
 
