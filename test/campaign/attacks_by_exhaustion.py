@@ -17,6 +17,9 @@ from knee_robot.msg import PlayGoal, Tracking
 from attack import needs, play_client, preloaded
 from session import NoAnswer, is_alive
 
+# Within half a second: test pulses for encoders move an axis by up to 0.6 mm (docs/safety.md); what plays moves 6 mm and more.
+AT_REST_M = 1e-3
+
 
 def service_port():
     """Of the controller, for topics and services."""
@@ -76,7 +79,7 @@ def descriptors_used_up(port_of, what):
         silent = fill_descriptors(a, port_of())
         said, stopped = asked(a, "stop")
         time.sleep(4.0)
-        still = bool((np.ptp(a.rows()["pose"][-500:, :2], axis=0) < 1e-4).all())
+        still = bool((np.ptp(a.rows()["pose"][-500:, :2], axis=0) < AT_REST_M).all())
         for one in silent:
             one.close()
         time.sleep(1.0)
