@@ -45,10 +45,8 @@ std::vector<identification::Observation> asSeenFrom(const TraceData& data, int o
 /// Both are fitted with everything else; compared block by block.
 bool clearlyOwn(const Search& s, std::size_t effect, int own, int other) {
   const std::vector<Hypothesis> all = hypothesesOf(s.effects);
-  std::vector<Eigen::MatrixXd> rows;
-  for (const Hypothesis& h : all)
-    rows.push_back(effectRows(*s.data, h));
-  const Eigen::VectorXd mine = fitJointly(*s.data, *s.base, s.rms_N, all, rows).held_back;
+  std::vector<Eigen::MatrixXd> rows = rowsOf(*s.data, all);
+  const Eigen::VectorXd mine = JointProblem(*s.data, *s.base, s.rms_N, all, rows).heldBack();
   const std::vector<identification::Observation> seen = asSeenFrom(*s.data, own, other);
   std::vector<EffectInput> inputs = s.data->inputs;
   for (std::size_t r = 0; r < inputs.size(); ++r)
@@ -56,7 +54,7 @@ bool clearlyOwn(const Search& s, std::size_t effect, int own, int other) {
   inputs.swap(s.data->inputs);
   rows[effect] = effectRows(*s.data, all[effect]);
   inputs.swap(s.data->inputs);
-  const Eigen::VectorXd theirs = fitJointly(*s.data, *s.base, s.rms_N, all, rows).held_back;
+  const Eigen::VectorXd theirs = JointProblem(*s.data, *s.base, s.rms_N, all, std::move(rows)).heldBack();
   const Eigen::ArrayXd worse = theirs - mine;
   const double n = static_cast<double>(worse.size()), mean = worse.mean();
   const double error = std::sqrt((worse - mean).square().sum() / (n * (n - 1.0)));

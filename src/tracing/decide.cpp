@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "knee_robot/base/numbers.h"
+#include "knee_robot/base/parallel.h"
 #include "stretches.h"
 #include "trial.h"
 
@@ -15,20 +16,32 @@ constexpr double kStayErrors =
     1.0;  ///< standard errors by which a member must help beside the others, all fitted together
 constexpr double kNestedErrors = 2.0;  ///< the same with only itself fitted
 
-/// How surely effect k is needed beside the others, in standard errors of its held-back gain; at least 1: it stays.
-double needOf(const Search& s, const JointFit& with, std::size_t k) {
-  const std::vector<Hypothesis> all = hypothesesOf(s.effects), others = without(all, k);
-  if (all[k].place.candidate->local()) {  // held-back pieces of the part in which it acts, as when it is added
-    const HeldBackGain pieces = heldBackGain(nestedGain(s, projectModel(s, others), {all[k]}));
-    return pieces.gaining >= kMostPieces ? pieces.mean / std::max(1e-300, pieces.error) : 0.0;
-  }
-  const JointFit fit = fitOf(s, others);
-  const HeldBackGain joint = heldBackGain(fit.held_back - with.held_back);
-  const Projection projection = projectModel(s, others);
-  const HeldBackGain nested = heldBackGain(nestedGain(s, projection, {all[k]}));
+/// How surely each effect is needed beside the others, in standard errors of its held-back gain; at least 1: it stays.
+std::vector<double> needs(const Search& s) {
+  const std::vector<Hypothesis> all = hypothesesOf(s.effects);
+  const JointProblem problem = problemOf(s, all);
+  const Eigen::VectorXd with = problem.heldBack();
+  const Projector projector(projectedColumns(s, all), weighted(s.data->stack, s.data->force_rows, s.rms_N),
+                            s.base->pull);
+  std::vector<Eigen::Index> first(1, s.base->coordinates());  // column of each effect
+  for (const Hypothesis& h : all)
+    first.push_back(first.back() +
+                    static_cast<Eigen::Index>(h.place.candidate->coefficients(s.data->inputs.front()).size()));
   const auto sure = [](const HeldBackGain& g) { return g.mean / std::max(1e-300, g.error); };
-  const double bends = all[k].place.candidate->isMap() ? kMapErrors : 1.0;
-  return std::max(sure(joint) / kStayErrors, sure(nested) / kNestedErrors) / bends;
+  std::vector<double> out(all.size(), std::numeric_limits<double>::infinity());
+  inParallel(all.size(), [&](std::size_t k) {
+    if (s.effects[k].band_hz > 0.0) return;
+    const Candidate& candidate = *all[k].place.candidate;
+    const HeldBackGain nested =
+        heldBackGain(nestedGain(s, projector.without(first[k], first[k + 1] - first[k]), {all[k]}));
+    if (candidate.local()) {  // held-back pieces of the part in which it acts, as when it is added
+      out[k] = nested.gaining >= kMostPieces ? sure(nested) : 0.0;
+      return;
+    }
+    const HeldBackGain joint = heldBackGain(problem.heldBackWithout(k) - with);
+    out[k] = std::max(sure(joint) / kStayErrors, sure(nested) / kNestedErrors) / (candidate.isMap() ? kMapErrors : 1.0);
+  });
+  return out;
 }
 
 /// What effect k saves on held-back stretches of its own actuator's positions.
@@ -37,7 +50,8 @@ HeldBackGain gainAtOtherPositions(Search& s, std::size_t k, Attention attention)
   const std::vector<Hypothesis> all = hypothesesOf(s.effects);
   setAttention(*s.data, attention);
   labelBy(positionsOf(s.data->recordings, own).col(all[k].place.actuator), s.data->stack);
-  const HeldBackGain gain = heldBackGain(fitOf(s, without(all, k)).held_back - fitOf(s, all).held_back);
+  const JointProblem problem = problemOf(s, all);
+  const HeldBackGain gain = heldBackGain(problem.heldBackWithout(k) - problem.heldBack());
   s.data->stack = own;
   setAttention(*s.data, s.attention);
   return gain;
@@ -47,17 +61,9 @@ HeldBackGain gainAtOtherPositions(Search& s, std::size_t k, Attention attention)
 
 void eliminateBackward(Search& s) {
   while (s.effects.size() > 1) {
-    const JointFit with = fitOf(s, hypothesesOf(s.effects));
-    std::size_t worst = 0;
-    double least = 1.0;
-    for (std::size_t k = 0; k < s.effects.size(); ++k) {
-      if (s.effects[k].band_hz > 0.0) continue;
-      const double need = needOf(s, with, k);
-      if (need >= least) continue;
-      least = need;
-      worst = k;
-    }
-    if (least >= 1.0) return;
+    const std::vector<double> need = needs(s);
+    const std::size_t worst = static_cast<std::size_t>(std::min_element(need.begin(), need.end()) - need.begin());
+    if (need[worst] >= 1.0) return;
     s.taken_out.push_back(placeText(s.effects[worst].hypothesis.place) + ": taken out again, the others explain it");
     s.effects.erase(s.effects.begin() + static_cast<std::ptrdiff_t>(worst));
     refit(s);
@@ -103,7 +109,7 @@ void standAlone(Search& s, const Place& place) {
   const Eigen::VectorXd noise_N = s.rms_N;
   const auto heldBack = [&] {
     s.rms_N = noise_N;  // both weighted alike
-    return fitOf(s, hypothesesOf(s.effects)).held_back;
+    return problemOf(s, hypothesesOf(s.effects)).heldBack();
   };
   refineShapes(s);
   const std::vector<FoundEffect> refined = s.effects;
@@ -133,13 +139,13 @@ void simplify(Search& s) {
     });
     if (special == places.end() || std::isnan(s.effects[k].p) || !openPlace(s, special->place(), nullptr)) continue;
     const std::vector<FoundEffect> before = s.effects;
-    const Eigen::VectorXd noise_N = s.rms_N, with = fitOf(s, hypothesesOf(s.effects)).held_back;
+    const Eigen::VectorXd noise_N = s.rms_N, with = problemOf(s, hypothesesOf(s.effects)).heldBack();
     s.effects[k].hypothesis.place = *openPlace(s, special->place(), nullptr);
     refit(s);
     refineShapes(s);
     const bool plausible = s.fit.stable[k] && special->place().candidate->plausible(s.effects[k].coefficients);
     s.rms_N = noise_N;  // both weighted alike
-    if (!plausible || fitOf(s, hypothesesOf(s.effects)).held_back.sum() > with.sum()) {
+    if (!plausible || problemOf(s, hypothesesOf(s.effects)).heldBack().sum() > with.sum()) {
       s.effects = before;
     } else {
       s.taken_out.push_back(placeText(general) + ": " + special->place().candidate->name() +
@@ -154,7 +160,7 @@ void replaceMaps(Search& s) {
     const Place map = s.effects[k].hypothesis.place;
     if (map.candidate->name() != "unnamed") continue;
     const std::vector<Hypothesis> all = hypothesesOf(s.effects);
-    const Eigen::VectorXd with = fitOf(s, all).held_back;
+    const Eigen::VectorXd with = problemOf(s, all).heldBack();
     for (const Hypothesis& other : all) {
       if (other.place.candidate->isMap() || other.place.candidate->shared()) continue;
       const Hypothesis named = {{other.place.candidate, map.actuator}, other.shape};

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "knee_robot/base/numbers.h"
+#include "knee_robot/base/parallel.h"
 #include "knee_robot/identification/trained_range.h"
 #include "knee_robot/recording/filter.h"
 #include "search.h"
@@ -30,7 +31,7 @@ struct Helps {
 /// Squares (weighted, at the stack's rate) that a model with these effects leaves where the pose is masked: nothing was
 /// fitted there.
 double maskedSquares(const Search& s, const std::vector<Hypothesis>& effects) {
-  const JointFit fit = fitOf(s, effects);
+  const JointFit fit = fitOf(s, effects, LeftOut::None);
   const SurrogateModel model = {s.base->parametersOf(fit.base), effects, fit.coefficients};
   double sum = 0.0;
   for (const EffectInput& input : s.data->inputs) {
@@ -55,13 +56,12 @@ double maskedSquares(const Search& s, const std::vector<Hypothesis>& effects) {
 /// Squares left on held-back stretches of positions in two directions, everything fitted without them.
 Eigen::VectorXd heldBackElsewhere(Search& s, const std::vector<Hypothesis>& effects, const Eigen::VectorXd& noise_N) {
   const Stack own = s.data->stack;
-  std::vector<Eigen::MatrixXd> rows;
-  for (const Hypothesis& h : effects)
-    rows.push_back(effectRows(*s.data, h));
+  const std::vector<Eigen::MatrixXd> rows = rowsOf(*s.data, effects);
   Eigen::VectorXd left(2 * kStretches);
   for (const int direction : {0, 1}) {
     labelByPosition(s.data->recordings, direction, s.data->stack);
-    left.segment(direction * kStretches, kStretches) = fitJointly(*s.data, *s.base, noise_N, effects, rows).held_back;
+    left.segment(direction * kStretches, kStretches) =
+        JointProblem(*s.data, *s.base, noise_N, effects, rows).heldBack();
   }
   s.data->stack = own;
   return left;
@@ -98,15 +98,17 @@ Eigen::MatrixXd savedElsewhere(Search& s, const std::vector<Hypothesis>& all, At
   Eigen::MatrixXd saved = Eigen::MatrixXd::Zero(2 * kStretches, static_cast<Eigen::Index>(all.size()));
   total = 0.0;
   setAttention(*s.data, attention);
+  const std::vector<Eigen::MatrixXd> rows = rowsOf(*s.data, all);
   for (const int direction : {0, 1}) {
     labelByPosition(s.data->recordings, direction, s.data->stack);
-    const Eigen::VectorXd with = fitOf(s, all).held_back;
+    const JointProblem problem(*s.data, *s.base, s.rms_N, all, rows);
+    const Eigen::VectorXd with = problem.heldBack();
     total += with.sum();
-    for (std::size_t k = 0; k < all.size(); ++k) {
+    inParallel(all.size(), [&](std::size_t k) {
       if (judged(s.effects[k]))
         saved.block(direction * kStretches, static_cast<Eigen::Index>(k), kStretches, 1) =
-            fitOf(s, without(all, k)).held_back - with;
-    }
+            problem.heldBackWithout(k) - with;
+    });
   }
   s.data->stack = own;
   setAttention(*s.data, s.attention);

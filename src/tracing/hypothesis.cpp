@@ -4,11 +4,15 @@
 #include <Eigen/QR>
 #include <algorithm>
 
+#include "knee_robot/base/parallel.h"
+#include "knee_robot/identification/reduction.h"
+
 namespace knee_robot::tracing {
 namespace {
 
-constexpr double kAbsorbed = 1e-3;           ///< share of a column's square that must survive the model's columns
-constexpr Eigen::Index kColumnsAtOnce = 96;  ///< that are built on the grid before they are thinned
+constexpr double kAbsorbed = 1e-3;  ///< share of a column's square that must survive the model's columns
+constexpr Eigen::Index kPieceRows = 256, kPieceShape = 4;  ///< least rows of a piece, and rows for each column
+constexpr Eigen::Index kColumnsAtOnce = 96;                ///< that are built on the grid before they are thinned
 
 void addShapes(const Candidate& candidate, const EffectInput& input, int actuator, std::vector<Hypothesis>& list) {
   if (!candidate.shownIn(input, actuator)) return;
@@ -26,6 +30,44 @@ Eigen::MatrixXd inverseGram(const Eigen::MatrixXd& columns, const Eigen::MatrixX
   if (survives < kAbsorbed) return {};
   const Eigen::MatrixXd unit = Eigen::MatrixXd::Identity(scaled.rows(), scaled.cols());
   return inverse_scale.asDiagonal() * (scaled + kAbsorbed * unit).ldlt().solve(unit) * inverse_scale.asDiagonal();
+}
+
+/// Orthonormal, of the columns' span. Rows in pieces that fit into a processor's cache, side by side; their triangles
+/// decide on the rank.
+Eigen::MatrixXd orthonormal(const Eigen::MatrixXd& columns) {
+  using Householder = Eigen::HouseholderQR<Eigen::MatrixXd>;
+  const Eigen::Index p = columns.cols(), rows = columns.rows();
+  const Eigen::Index count = std::max<Eigen::Index>(1, rows / std::max(kPieceRows, kPieceShape * p));
+  if (p == 0) return Eigen::MatrixXd(rows, 0);
+  if (rows < p) {
+    const Eigen::ColPivHouseholderQR<Eigen::MatrixXd> few(columns);
+    return few.householderQ() * Eigen::MatrixXd::Identity(rows, few.rank());
+  }
+  const auto first = [&](Eigen::Index k) { return rows * k / count; };
+  std::vector<Householder> pieces(static_cast<std::size_t>(count));
+  Eigen::MatrixXd triangles(count * p, p);
+  inParallel(pieces.size(), [&](std::size_t piece) {
+    const Eigen::Index k = static_cast<Eigen::Index>(piece);
+    pieces[piece].compute(columns.middleRows(first(k), first(k + 1) - first(k)));
+    triangles.middleRows(k * p, p) = pieces[piece].matrixQR().topRows(p).triangularView<Eigen::Upper>();
+  });
+  const Eigen::ColPivHouseholderQR<Eigen::MatrixXd> joined(triangles);
+  const Eigen::MatrixXd inside = joined.householderQ() * Eigen::MatrixXd::Identity(triangles.rows(), joined.rank());
+  Eigen::MatrixXd basis = Eigen::MatrixXd::Zero(rows, joined.rank());
+  inParallel(pieces.size(), [&](std::size_t piece) {
+    const Eigen::Index k = static_cast<Eigen::Index>(piece);
+    auto own = basis.middleRows(first(k), first(k + 1) - first(k));
+    own.topRows(p) = inside.middleRows(k * p, p);
+    own.applyOnTheLeft(pieces[piece].householderQ());
+  });
+  return basis;
+}
+
+Eigen::MatrixXd withPull(const Eigen::MatrixXd& columns, const Eigen::VectorXd& pull) {
+  Eigen::MatrixXd all = Eigen::MatrixXd::Zero(columns.rows() + pull.size(), columns.cols());
+  all.topRows(columns.rows()) = columns;
+  all.bottomLeftCorner(pull.size(), pull.size()).diagonal() = pull;
+  return all;
 }
 
 }  // namespace
@@ -78,6 +120,12 @@ Eigen::MatrixXd effectRows(const TraceData& data, const Hypothesis& h) {
   return data.scale.asDiagonal() * rows;
 }
 
+std::vector<Eigen::MatrixXd> rowsOf(const TraceData& data, const std::vector<Hypothesis>& effects) {
+  std::vector<Eigen::MatrixXd> rows(effects.size());
+  inParallel(rows.size(), [&](std::size_t k) { rows[k] = effectRows(data, effects[k]); });
+  return rows;
+}
+
 Eigen::MatrixXd weighted(const Stack& stack, Eigen::MatrixXd rows, const Eigen::VectorXd& noise_N) {
   for (int i = 0; i < stack.axes; ++i)
     rows.middleRows(i * stack.size(), stack.size()) /= noise_N[i];
@@ -85,13 +133,34 @@ Eigen::MatrixXd weighted(const Stack& stack, Eigen::MatrixXd rows, const Eigen::
 }
 
 Projection project(const Eigen::MatrixXd& columns, const Eigen::VectorXd& force, const Eigen::VectorXd& pull) {
-  Eigen::MatrixXd all = Eigen::MatrixXd::Zero(columns.rows() + pull.size(), columns.cols());
-  all.topRows(columns.rows()) = columns;
-  all.bottomLeftCorner(pull.size(), pull.size()).diagonal() = pull;
-  const Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(all);
   Projection p;
-  p.q = (qr.householderQ() * Eigen::MatrixXd::Identity(all.rows(), qr.rank())).topRows(columns.rows());
+  p.q = orthonormal(withPull(columns, pull)).topRows(columns.rows());
   p.residual = force - p.q * (p.q.transpose() * force);
+  return p;
+}
+
+Eigen::VectorXd leftBy(const Eigen::MatrixXd& columns, const Eigen::VectorXd& force, const Eigen::VectorXd& pull) {
+  Eigen::VectorXd target = Eigen::VectorXd::Zero(force.size() + pull.size());
+  target.head(force.size()) = force;
+  const Eigen::MatrixXd triangle = identification::compress(withPull(columns, pull), target);
+  const Eigen::Index p = columns.cols();
+  return force - columns * triangle.leftCols(p).colPivHouseholderQr().solve(triangle.col(p));
+}
+
+Projector::Projector(const Eigen::MatrixXd& columns, const Eigen::VectorXd& force, const Eigen::VectorXd& pull)
+    : force_(force) {
+  const Eigen::MatrixXd all = withPull(columns, pull);
+  basis_ = orthonormal(all);
+  coordinates_ = basis_.transpose() * all;
+}
+
+Projection Projector::without(Eigen::Index from, Eigen::Index count) const {
+  const Eigen::Index after = coordinates_.cols() - from - count;
+  Eigen::MatrixXd others(coordinates_.rows(), from + after);
+  others << coordinates_.leftCols(from), coordinates_.rightCols(after);
+  Projection p;
+  p.q = basis_.topRows(force_.size()) * orthonormal(others);
+  p.residual = force_ - p.q * (p.q.transpose() * force_);
   return p;
 }
 

@@ -13,39 +13,35 @@ namespace {
 constexpr double kPull = 0.02;    ///< relative to a column's norm
 constexpr int kFewestBlocks = 3;  ///< in which an effect must act for blocks that are left out to tell its spread
 
-/// Where each column of the problem comes from: bounded ones first.
-struct Layout {
-  std::vector<std::pair<int, int>> source;  ///< effect (-1: base), column in it
-  int bounded = 0;
-};
-
-Layout layoutOf(const BaseFit& base, const std::vector<Hypothesis>& effects, const EffectInput& input) {
-  Layout layout;
+/// Where each column of the problem comes from, bounded ones first (`bounded` of them): effect (-1: base), column in it.
+std::vector<std::pair<int, int>> sources(const BaseFit& base, const std::vector<Hypothesis>& effects,
+                                         const EffectInput& input, int& bounded_count) {
+  std::vector<std::pair<int, int>> source;
   for (const bool bounded : {true, false}) {
     for (int c = 0; c < base.coordinates(); ++c) {
-      if ((c < base.bounded) == bounded) layout.source.emplace_back(-1, c);
+      if ((c < base.bounded) == bounded) source.emplace_back(-1, c);
     }
     for (std::size_t e = 0; e < effects.size(); ++e) {
       const std::vector<Coefficient> coefficients = effects[e].place.candidate->coefficients(input);
       for (std::size_t c = 0; c < coefficients.size(); ++c) {
-        if (coefficients[c].non_negative == bounded)
-          layout.source.emplace_back(static_cast<int>(e), static_cast<int>(c));
+        if (coefficients[c].non_negative == bounded) source.emplace_back(static_cast<int>(e), static_cast<int>(c));
       }
     }
-    if (bounded) layout.bounded = static_cast<int>(layout.source.size());
+    if (bounded) bounded_count = static_cast<int>(source.size());
   }
-  return layout;
+  return source;
 }
 
-identification::Equations equationsOf(const TraceData& data, const Eigen::VectorXd& noise_N, const Layout& layout,
+identification::Equations equationsOf(const TraceData& data, const Eigen::VectorXd& noise_N,
+                                      const std::vector<std::pair<int, int>>& source,
                                       const std::vector<Eigen::MatrixXd>& effect_rows) {
   identification::Equations e;
   e.axes = data.stack.axes;
   e.blocks = data.stack.blocks;
-  e.a.resize(data.force_rows.size(), static_cast<Eigen::Index>(layout.source.size()));
+  e.a.resize(data.force_rows.size(), static_cast<Eigen::Index>(source.size()));
   e.b = data.force_rows;
-  for (std::size_t c = 0; c < layout.source.size(); ++c) {
-    const auto [effect, column] = layout.source[c];
+  for (std::size_t c = 0; c < source.size(); ++c) {
+    const auto [effect, column] = source[c];
     e.a.col(static_cast<Eigen::Index>(c)) =
         effect < 0 ? data.base_rows.col(column) : effect_rows[static_cast<std::size_t>(effect)].col(column);
   }
@@ -59,25 +55,54 @@ identification::Equations equationsOf(const TraceData& data, const Eigen::Vector
   return e;
 }
 
-/// `groups`: columns of effects with several coefficients, which get a slight pull to zero: hat functions add up to a
-/// constant that the base has already. `whole`: norms with all blocks of the columns of maps, else 0: a hat acts at one
-/// place, and where that is left out next to nothing of it may remain, from which its coefficient would be anything.
-/// `prior`: per column, root of the weight of a pull to zero.
-Eigen::VectorXd solve(const Eigen::MatrixXd& triangle, int bounded, const std::vector<int>& groups,
-                      const Eigen::VectorXd& whole, const Eigen::VectorXd& prior) {
+/// Hat functions add up to a constant that the base has already; and a hat acts at one place: where that is left out
+/// next to nothing of it may remain, from which its coefficient would be anything.
+Eigen::VectorXd solve(const BlockProblem& problem, const Eigen::MatrixXd& triangle) {
   const Eigen::Index p = triangle.cols() - 1;
   const Eigen::VectorXd scale = triangle.leftCols(p).colwise().norm().transpose().cwiseMax(1e-12);
-  const Eigen::Index pulls = static_cast<Eigen::Index>(groups.size());
+  const Eigen::Index pulls = static_cast<Eigen::Index>(problem.pulled.size());
   Eigen::MatrixXd scaled = Eigen::MatrixXd::Zero(triangle.rows() + pulls + p, p);
   Eigen::VectorXd target = Eigen::VectorXd::Zero(scaled.rows());
-  scaled.bottomRows(p).diagonal() = prior.cwiseQuotient(scale);
+  scaled.bottomRows(p).diagonal() = problem.prior.cwiseQuotient(scale);
   scaled.topRows(triangle.rows()) = triangle.leftCols(p) * scale.cwiseInverse().asDiagonal();
   target.head(triangle.rows()) = triangle.col(p);
   for (Eigen::Index k = 0; k < pulls; ++k) {
-    const int column = groups[static_cast<std::size_t>(k)];
-    scaled(triangle.rows() + k, column) = kPull * std::max(1.0, whole[column] / scale[column]);
+    const int column = problem.pulled[static_cast<std::size_t>(k)];
+    scaled(triangle.rows() + k, column) = kPull * std::max(1.0, problem.whole[column] / scale[column]);
   }
-  return identification::boundedLeastSquares(scaled, target, bounded).cwiseQuotient(scale);
+  return identification::boundedLeastSquares(scaled, target, problem.bounded).cwiseQuotient(scale);
+}
+
+/// Solutions without each block (columns), and the squares that each leaves in its block.
+Eigen::MatrixXd leaveOutEach(const BlockProblem& problem, Eigen::VectorXd& held_back) {
+  const std::vector<Eigen::MatrixXd> others = identification::joinOthers(problem.blocks);
+  const Eigen::Index p = others.front().cols() - 1;
+  Eigen::MatrixXd solutions(p, static_cast<Eigen::Index>(others.size()));
+  held_back.resize(solutions.cols());
+  inParallel(others.size(), [&](std::size_t block) {
+    const Eigen::Index b = static_cast<Eigen::Index>(block);
+    solutions.col(b) = solve(problem, others[block]);
+    const Eigen::MatrixXd& own = problem.blocks[block];
+    held_back[b] = own.rows() == 0 ? 0.0 : (own.rightCols(1) - own.leftCols(p) * solutions.col(b)).squaredNorm();
+  });
+  return solutions;
+}
+
+/// The problem with these columns only.
+BlockProblem only(const BlockProblem& all, const std::vector<int>& columns) {
+  BlockProblem some;
+  std::vector<int> of_block = columns;
+  of_block.push_back(static_cast<int>(all.whole.size()));  // the force
+  for (const Eigen::MatrixXd& block : all.blocks)
+    some.blocks.push_back(block(Eigen::all, of_block));
+  some.whole = all.whole(columns);
+  some.prior = all.prior(columns);
+  for (std::size_t c = 0; c < columns.size(); ++c) {
+    if (columns[c] < all.bounded) ++some.bounded;
+    if (std::find(all.pulled.begin(), all.pulled.end(), columns[c]) != all.pulled.end())
+      some.pulled.push_back(static_cast<int>(c));
+  }
+  return some;
 }
 
 /// Blocks in which an effect does anything.
@@ -92,57 +117,47 @@ int blocksOf(const TraceData& data, const Eigen::MatrixXd& rows) {
 
 }  // namespace
 
-JointFit fitJointly(const TraceData& data, const BaseFit& base, const Eigen::VectorXd& noise_N,
-                    const std::vector<Hypothesis>& effects, const std::vector<Eigen::MatrixXd>& effect_rows,
-                    LeftOut wanted) {
-  const Layout layout = layoutOf(base, effects, data.inputs.front());
-  const identification::Equations e = equationsOf(data, noise_N, layout, effect_rows);
-  const std::vector<Eigen::MatrixXd> blocks = identification::compressBlocks(e);
-  std::vector<int> groups;
-  for (std::size_t c = 0; c < layout.source.size(); ++c) {
-    const int effect = layout.source[c].first;
-    if (effect >= 0 && effect_rows[static_cast<std::size_t>(effect)].cols() > 2) groups.push_back(static_cast<int>(c));
+JointProblem::JointProblem(const TraceData& data, const BaseFit& base, const Eigen::VectorXd& noise_N,
+                           const std::vector<Hypothesis>& effects, std::vector<Eigen::MatrixXd> effect_rows)
+    : data_(data),
+      noise_N_(noise_N),
+      effect_rows_(std::move(effect_rows)),
+      source_(sources(base, effects, data.inputs.front(), problem_.bounded)),
+      equations_(equationsOf(data, noise_N, source_, effect_rows_)) {
+  problem_.blocks = identification::compressBlocks(equations_);
+  const Eigen::MatrixXd all = identification::joinBlocks(problem_.blocks, -1);
+  problem_.whole = all.leftCols(all.cols() - 1).colwise().norm();
+  problem_.prior = Eigen::VectorXd::Zero(problem_.whole.size());
+  for (std::size_t c = 0; c < source_.size(); ++c) {
+    const auto [effect, column] = source_[c];
+    const Eigen::Index at = static_cast<Eigen::Index>(c);
+    const std::size_t k = static_cast<std::size_t>(std::max(0, effect));
+    if (effect < 0) problem_.prior[at] = base.pull[column];
+    if (effect < 0 || !effects[k].place.candidate->isMap()) problem_.whole[at] = 0.0;
+    if (effect >= 0 && effect_rows_[k].cols() > 2) problem_.pulled.push_back(static_cast<int>(c));
   }
-  Eigen::VectorXd prior = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(layout.source.size()));
-  for (std::size_t c = 0; c < layout.source.size(); ++c) {
-    if (layout.source[c].first < 0) prior[static_cast<Eigen::Index>(c)] = base.pull[layout.source[c].second];
-  }
-  const Eigen::MatrixXd all = identification::joinBlocks(blocks, -1);
-  Eigen::VectorXd whole = all.leftCols(all.cols() - 1).colwise().norm();
-  for (std::size_t c = 0; c < layout.source.size(); ++c) {
-    const int effect = layout.source[c].first;
-    if (effect < 0 || !effects[static_cast<std::size_t>(effect)].place.candidate->isMap())
-      whole[static_cast<Eigen::Index>(c)] = 0.0;
-  }
-  const Eigen::VectorXd z = solve(all, layout.bounded, groups, whole, prior);
+}
+
+JointFit JointProblem::fit(LeftOut wanted) const {
+  const Eigen::VectorXd z = solve(problem_, identification::joinBlocks(problem_.blocks, -1));
   JointFit fit;
-  fit.residual_N = e.b - e.a * z;
-  for (int i = 0; i < e.axes; ++i)
-    fit.residual_N.segment(i * data.stack.size(), data.stack.size()) *= noise_N[i];
-  Eigen::MatrixXd left_out = Eigen::MatrixXd::Constant(z.size(), e.blocks, std::numeric_limits<double>::quiet_NaN());
-  if (wanted == LeftOut::EveryBlock) {
-    fit.held_back.resize(e.blocks);
-    const std::vector<Eigen::MatrixXd> others = identification::joinOthers(blocks);
-    inParallel(blocks.size(), [&](std::size_t block) {
-      const Eigen::Index b = static_cast<Eigen::Index>(block);
-      left_out.col(b) = solve(others[block], layout.bounded, groups, whole, prior);
-      const Eigen::MatrixXd& own = blocks[block];
-      fit.held_back[b] =
-          own.rows() == 0 ? 0.0 : (own.rightCols(1) - own.leftCols(z.size()) * left_out.col(b)).squaredNorm();
-    });
-  }
+  fit.residual_N = equations_.b - equations_.a * z;
+  for (int i = 0; i < equations_.axes; ++i)
+    fit.residual_N.segment(i * data_.stack.size(), data_.stack.size()) *= noise_N_[i];
+  const int blocks = equations_.blocks;
+  Eigen::MatrixXd left_out = Eigen::MatrixXd::Constant(z.size(), blocks, std::numeric_limits<double>::quiet_NaN());
+  if (wanted == LeftOut::EveryBlock) left_out = leaveOutEach(problem_, fit.held_back);
   const Eigen::VectorXd spread =
-      ((left_out.colwise() - left_out.rowwise().mean()).rowwise().squaredNorm() * (e.blocks - 1.0) / e.blocks)
-          .cwiseSqrt();
-  fit.base.resize(base.coordinates());
-  fit.base_std.resize(base.coordinates());
-  for (const Eigen::MatrixXd& rows : effect_rows) {
+      ((left_out.colwise() - left_out.rowwise().mean()).rowwise().squaredNorm() * (blocks - 1.0) / blocks).cwiseSqrt();
+  fit.base.resize(std::count_if(source_.begin(), source_.end(), [](const auto& from) { return from.first < 0; }));
+  fit.base_std.resize(fit.base.size());
+  for (const Eigen::MatrixXd& rows : effect_rows_) {
     fit.coefficients.push_back(Eigen::VectorXd::Zero(rows.cols()));
     fit.std.push_back(Eigen::VectorXd::Zero(rows.cols()));
   }
-  fit.stable.assign(effects.size(), 1);
-  for (std::size_t c = 0; c < layout.source.size(); ++c) {
-    const auto [effect, column] = layout.source[c];
+  fit.stable.assign(effect_rows_.size(), 1);
+  for (std::size_t c = 0; c < source_.size(); ++c) {
+    const auto [effect, column] = source_[c];
     const Eigen::Index at = static_cast<Eigen::Index>(c);
     if (effect < 0) {
       fit.base[column] = z[at];
@@ -152,13 +167,29 @@ JointFit fitJointly(const TraceData& data, const BaseFit& base, const Eigen::Vec
     const std::size_t k = static_cast<std::size_t>(effect);
     fit.coefficients[k][column] = z[at];
     fit.std[k][column] = spread[at];
-    if (effect_rows[k].cols() == 1 && (left_out.row(at).array() * z[at] <= 0.0).any()) fit.stable[k] = 0;
+    if (effect_rows_[k].cols() == 1 && (left_out.row(at).array() * z[at] <= 0.0).any()) fit.stable[k] = 0;
   }
-  for (std::size_t k = 0; k < effect_rows.size(); ++k) {
-    if (blocksOf(data, effect_rows[k]) < kFewestBlocks)
+  for (std::size_t k = 0; k < effect_rows_.size(); ++k) {
+    if (blocksOf(data_, effect_rows_[k]) < kFewestBlocks)
       fit.std[k].setConstant(std::numeric_limits<double>::quiet_NaN());
   }
   return fit;
+}
+
+Eigen::VectorXd JointProblem::heldBack() const {
+  Eigen::VectorXd held_back;
+  leaveOutEach(problem_, held_back);
+  return held_back;
+}
+
+Eigen::VectorXd JointProblem::heldBackWithout(std::size_t k) const {
+  std::vector<int> columns;
+  for (std::size_t c = 0; c < source_.size(); ++c) {
+    if (source_[c].first != static_cast<int>(k)) columns.push_back(static_cast<int>(c));
+  }
+  Eigen::VectorXd held_back;
+  leaveOutEach(only(problem_, columns), held_back);
+  return held_back;
 }
 
 }  // namespace knee_robot::tracing

@@ -31,11 +31,15 @@ void updateNearRest(Search& s) {
   }
 }
 
-Projection projectModel(const Search& s, const std::vector<Hypothesis>& effects) {
+Eigen::MatrixXd projectedColumns(const Search& s, const std::vector<Hypothesis>& effects) {
   const Eigen::MatrixXd model = modelColumns(*s.data, s.rms_N, effects);
   Eigen::MatrixXd all(model.rows(), model.cols() + s.near_rest.cols());
   all << model, weighted(s.data->stack, s.data->scale.asDiagonal() * s.near_rest, s.rms_N);
-  return project(all, weighted(s.data->stack, s.data->force_rows, s.rms_N), s.base->pull);
+  return all;
+}
+
+Projection projectModel(const Search& s, const std::vector<Hypothesis>& effects) {
+  return project(projectedColumns(s, effects), weighted(s.data->stack, s.data->force_rows, s.rms_N), s.base->pull);
 }
 
 double shareBeyondLaws(const Search& s, const Hypothesis& h) {

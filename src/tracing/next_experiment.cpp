@@ -8,6 +8,7 @@
 #include <random>
 
 #include "knee_robot/base/numbers.h"
+#include "knee_robot/base/parallel.h"
 #include "knee_robot/excitation/fourier_series.h"
 #include "knee_robot/trajectory/pose_limits.h"
 
@@ -184,6 +185,15 @@ class MotionDice {
   mechanism::Vector4 centre_ = mechanism::Vector4::Zero();
 };
 
+/// A motion that was looked at.
+struct Motion {
+  std::optional<excitation::FourierSeries> series;  ///< none: hardly any amplitude is within the limits
+  trajectory::Reference reference;
+  trajectory::ReferenceCheck check;
+  Separation separation;
+  double score = 0.0;
+};
+
 double scoreOf(const Separation& s, double floor_N) {
   return s.angle_rad * std::min(1.0, s.visible_N / std::max(1e-9, kVisible * floor_N));
 }
@@ -260,28 +270,37 @@ NextExperiment planNextExperiment(const mechanism::Robot& robot, const TraceResu
   double best_score = 0.0;
   std::optional<excitation::FourierSeries> best;
   const auto look = [&](const excitation::FourierSeries& drawn) {
-    const std::optional<excitation::FourierSeries> series = dice.fitted(drawn);
-    if (!series) return false;
-    ++out.motions;
-    trajectory::ReferenceCheck check;
-    const trajectory::Reference reference = dice.reference(*series, check);
-    if (!check.ok()) return false;
+    Motion m;
+    m.series = dice.fitted(drawn);
+    if (!m.series) return m;
+    m.reference = dice.reference(*m.series, m.check);
+    if (!m.check.ok()) return m;
     std::vector<identification::Observation> along = {
-        identification::observe(robot, columns, idealRecording(reference, robot.axes()), observing)};
-    const Separation s = separationOf(robot, result, *pair.first, *pair.second, std::move(along), observing);
-    if (scoreOf(s, floor_N) <= best_score) return false;
-    best_score = scoreOf(s, floor_N);
-    best = series;
-    out.then = s;
-    out.reference = reference;
-    out.check = check;
+        identification::observe(robot, columns, idealRecording(m.reference, robot.axes()), observing)};
+    m.separation = separationOf(robot, result, *pair.first, *pair.second, std::move(along), observing);
+    m.score = scoreOf(m.separation, floor_N);
+    return m;
+  };
+  const auto keepIfBetter = [&](Motion m) {
+    if (m.series) ++out.motions;
+    if (m.score <= best_score) return false;
+    best_score = m.score;
+    best = m.series;
+    out.then = m.separation;
+    out.reference = std::move(m.reference);
+    out.check = std::move(m.check);
     return true;
   };
+  std::vector<excitation::FourierSeries> drawn;
   for (int k = 0; k < plan.random; ++k)
-    look(dice.any());
+    drawn.push_back(dice.any());
+  std::vector<Motion> random(drawn.size());
+  inParallel(drawn.size(), [&](std::size_t k) { random[k] = look(drawn[k]); });
+  for (Motion& m : random)
+    keepIfBetter(std::move(m));
   double step = 0.5;
   for (int k = 0; best && k < plan.improving; ++k)
-    step = look(dice.near(*best, step)) ? step * 1.2 : std::max(0.05, step * 0.93);
+    step = keepIfBetter(look(dice.near(*best, step))) ? step * 1.2 : std::max(0.05, step * 0.93);
   out.planned =
       best && out.then.angle_rad > kLeastAngle_rad && scoreOf(out.then, floor_N) > kBetter * scoreOf(out.now, floor_N);
   if (!out.planned) {

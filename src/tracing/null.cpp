@@ -65,9 +65,8 @@ Surrogate makeSurrogate(const mechanism::Robot& robot, const std::vector<recordi
 
 /// Weighted residual of a surrogate, its own model refitted.
 Eigen::VectorXd leftOf(const Surrogate& s, const TraceData& data, const Eigen::VectorXd& noise_N) {
-  return project(weighted(data.stack, data.scale.asDiagonal() * s.model_rows, noise_N),
-                 weighted(data.stack, data.scale.asDiagonal() * s.force_rows, noise_N), s.pull)
-      .residual;
+  return leftBy(weighted(data.stack, data.scale.asDiagonal() * s.model_rows, noise_N),
+                weighted(data.stack, data.scale.asDiagonal() * s.force_rows, noise_N), s.pull);
 }
 
 /// Blocks of the real residual, all actuators together, at random places with random signs.
@@ -154,12 +153,10 @@ Eigen::MatrixXd nullResiduals(const std::vector<Surrogate>& surrogates, const Tr
 
 Eigen::MatrixXd modelColumns(const TraceData& data, const Eigen::VectorXd& noise_N,
                              const std::vector<Hypothesis>& effects) {
-  std::vector<Eigen::MatrixXd> rows;
+  const std::vector<Eigen::MatrixXd> rows = rowsOf(data, effects);
   Eigen::Index columns = data.base_rows.cols();
-  for (const Hypothesis& h : effects) {
-    rows.push_back(effectRows(data, h));
-    columns += rows.back().cols();
-  }
+  for (const Eigen::MatrixXd& part : rows)
+    columns += part.cols();
   Eigen::MatrixXd all(data.base_rows.rows(), columns);
   Eigen::Index at = data.base_rows.cols();
   all.leftCols(at) = data.base_rows;

@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "knee_robot/base/parallel.h"
 #include "search.h"
 
 namespace knee_robot::tracing {
@@ -26,11 +27,12 @@ std::vector<Hypothesis> hypothesesOf(const std::vector<FoundEffect>& effects) {
   return out;
 }
 
+JointProblem problemOf(const Search& s, const std::vector<Hypothesis>& effects) {
+  return {*s.data, *s.base, s.rms_N, effects, rowsOf(*s.data, effects)};
+}
+
 JointFit fitOf(const Search& s, const std::vector<Hypothesis>& effects, LeftOut left_out) {
-  std::vector<Eigen::MatrixXd> rows;
-  for (const Hypothesis& h : effects)
-    rows.push_back(effectRows(*s.data, h));
-  return fitJointly(*s.data, *s.base, s.rms_N, effects, rows, left_out);
+  return problemOf(s, effects).fit(left_out);
 }
 
 SurrogateModel modelOf(const Search& s) {
@@ -44,8 +46,9 @@ SurrogateModel modelOf(const Search& s) {
 void refit(Search& s) {
   const std::vector<Hypothesis> all = hypothesesOf(s.effects);
   if (s.seen_parameters.size() == 0) s.seen_parameters = s.base->parameters;
+  std::vector<Eigen::MatrixXd> rows = rowsOf(*s.data, all);
   const auto fit = [&](LeftOut left_out) {
-    s.fit = fitOf(s, all, left_out);
+    s.fit = JointProblem(*s.data, *s.base, s.rms_N, all, rows).fit(left_out);
     s.rms_N = rmsOf(s.data->stack, s.fit.residual_N).cwiseMax(1e-9);
   };
   for (int pass = 0; pass < (all.empty() ? 1 : kPasses); ++pass) {
@@ -57,6 +60,9 @@ void refit(Search& s) {
       const SurrogateEffects effects = effectForces(input, model);
       setForces(input, s.base->columns, s.seen_parameters, effects.friction_N + effects.load_N, effects.lead_N);
     }
+    inParallel(rows.size(), [&](std::size_t k) {
+      if (all[k].place.candidate->restsOnModel()) rows[k] = effectRows(*s.data, all[k]);
+    });
   }
   fit(LeftOut::EveryBlock);
   for (std::size_t k = 0; k < s.effects.size(); ++k) {

@@ -39,7 +39,10 @@ Eigen::VectorXd rmsOf(const Stack& stack, const Eigen::VectorXd& residual_N);
 /// Hypotheses of the effects found so far.
 std::vector<Hypothesis> hypothesesOf(const std::vector<FoundEffect>& effects);
 
-/// Base and these effects fitted together, with every block left out in turn.
+/// Base and these effects along the recordings, weighted with the search's rms.
+JointProblem problemOf(const Search& search, const std::vector<Hypothesis>& effects);
+
+/// Those fitted together, with every block left out in turn.
 JointFit fitOf(const Search& search, const std::vector<Hypothesis>& effects, LeftOut left_out = LeftOut::EveryBlock);
 
 /// The model as it stands.
@@ -67,6 +70,8 @@ void updateNearRest(Search& search);
 
 /// Least squares onto the model as it stands (`effects`), and what other laws near rest would change.
 Projection projectModel(const Search& search, const std::vector<Hypothesis>& effects);
+/// Those columns: the base's, the effects' in their order, other laws'.
+Eigen::MatrixXd projectedColumns(const Search& search, const std::vector<Hypothesis>& effects);
 
 /// Share of the squared noise that friction of one actuator explains beyond the laws near rest that it might have
 /// instead. A law is a mixture of shares that are positive: what only their difference explains (dry friction that is

@@ -48,7 +48,7 @@ double savedInMotion(Search& s) {
       others.push_back(all[k]);
     }
   }
-  const double with = fitOf(s, all).held_back.sum(), without = fitOf(s, others).held_back.sum();
+  const double with = problemOf(s, all).heldBack().sum(), without = problemOf(s, others).heldBack().sum();
   s.attention = own;
   setAttention(*s.data, own);
   return (without - with) / std::max(1e-300, with * leads / s.data->stack.axes);
@@ -85,7 +85,7 @@ void settleLeads(Search& s) {
   for (const Candidate* kind : kinds) {
     become(kind);
     s.rms_N = noise_N;  // both weighted alike
-    held_back.push_back(fitOf(s, hypothesesOf(s.effects)).held_back);
+    held_back.push_back(problemOf(s, hypothesesOf(s.effects)).heldBack());
   }
   const double first = probabilityPositive(held_back[1] - held_back[0]);
   const std::size_t best = first >= 0.5 ? 0 : 1;

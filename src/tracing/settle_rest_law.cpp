@@ -35,10 +35,7 @@ bool isPlausible(const Search& s, const Candidate* kind, double speed_m_per_s) {
 Eigen::VectorXd heldBack(const Search& s, const Eigen::VectorXd& noise_N) {
   const std::vector<Hypothesis> all = hypothesesOf(s.effects);
   setAttention(*s.data, Attention::All);
-  std::vector<Eigen::MatrixXd> rows;
-  for (const Hypothesis& h : all)
-    rows.push_back(effectRows(*s.data, h));
-  Eigen::VectorXd out = fitJointly(*s.data, *s.base, noise_N, all, rows).held_back;
+  Eigen::VectorXd out = JointProblem(*s.data, *s.base, noise_N, all, rowsOf(*s.data, all)).heldBack();
   setAttention(*s.data, s.attention);
   return out;
 }

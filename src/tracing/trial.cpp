@@ -137,10 +137,13 @@ std::vector<Hypothesis> bestShapes(const PlaceColumns& place, const Eigen::Vecto
   return out;
 }
 
-void crossValidate(const Search& s, const Projection& projection, std::vector<Hypothesis> shapes, Trial& t) {
+/// `rows`: of the effects found so far.
+void crossValidate(const Search& s, const Projection& projection, std::vector<Eigen::MatrixXd> rows,
+                   std::vector<Hypothesis> shapes, Trial& t) {
   std::vector<Hypothesis> all = hypothesesOf(s.effects);
   all.push_back(t.hypothesis);
-  t.fit = fitOf(s, all);
+  rows.push_back(effectRows(*s.data, t.hypothesis));
+  t.fit = JointProblem(*s.data, *s.base, s.rms_N, all, std::move(rows)).fit();
   t.joint_gain = s.fit.held_back - t.fit.held_back;
   if (t.hypothesis.place.candidate->local()) shapes.clear();
   shapes.push_back(t.hypothesis);
@@ -202,7 +205,8 @@ std::optional<Place> openPlace(const Search& s, const Place& place, const Place*
 
 Ranking rankPlaces(Search& s, const Place* like) {
   const std::vector<Hypothesis> accepted = hypothesesOf(s.effects);
-  s.fit = fitOf(s, accepted);
+  const std::vector<Eigen::MatrixXd> accepted_rows = rowsOf(*s.data, accepted);
+  s.fit = JointProblem(*s.data, *s.base, s.rms_N, accepted, accepted_rows).fit();
   Ranking r;
   r.projection = projectModel(s, accepted);
   const std::vector<PlaceColumns>& places = s.library->places();
@@ -245,7 +249,7 @@ Ranking rankPlaces(Search& s, const Place* like) {
       refineShape(s, r.projection, places[t.place].tried, other);
       if (other.share > t.share) t = other;
     }
-    crossValidate(s, r.projection, starts, t);
+    crossValidate(s, r.projection, accepted_rows, starts, t);
   });
   std::sort(r.trials.begin(), r.trials.end(),
             [](const Trial& a, const Trial& b) { return a.nested_gain.sum() > b.nested_gain.sum(); });

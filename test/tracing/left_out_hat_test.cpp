@@ -21,8 +21,8 @@ TEST_F(LeftOutHat, IsNotSetByARemnantOfItsSamples) {
     }
   }
   ASSERT_TRUE(remnant);
-  const JointFit without = fitJointly(data_, base_, base_.noise_N, {}, {});
-  const JointFit with = fitJointly(data_, base_, base_.noise_N, {{{map.get(), kActuator}, {}}}, {hats});
+  const JointFit without = JointProblem(data_, base_, base_.noise_N, {}, {}).fit();
+  const JointFit with = JointProblem(data_, base_, base_.noise_N, {{{map.get(), kActuator}, {}}}, {hats}).fit();
   EXPECT_LT(with.held_back[0], 2.0 * without.held_back[0]);
 }
 

@@ -48,6 +48,8 @@ std::vector<Hypothesis> without(std::vector<Hypothesis> all, std::size_t k);
 
 /// Columns of a hypothesis for all actuators (rows: actuator after actuator), low-passed, in N.
 Eigen::MatrixXd effectRows(const TraceData& data, const Hypothesis& hypothesis);
+/// The same of several.
+std::vector<Eigen::MatrixXd> rowsOf(const TraceData& data, const std::vector<Hypothesis>& effects);
 
 /// Columns of a hypothesis along one recording, for one actuator, on the grid; zero where it does not act.
 Eigen::MatrixXd effectColumns(const EffectInput& input, const Hypothesis& hypothesis, int actuator);
@@ -63,6 +65,22 @@ struct Projection {
 };
 /// `pull`: roots of the weights with which the first coefficients are pulled to zero (the prior's); may be empty.
 Projection project(const Eigen::MatrixXd& columns, const Eigen::VectorXd& force, const Eigen::VectorXd& pull = {});
+
+/// The residual alone, in a third of the time.
+Eigen::VectorXd leftBy(const Eigen::MatrixXd& columns, const Eigen::VectorXd& force, const Eigen::VectorXd& pull = {});
+
+/// Projections onto all columns but some: what was factored for all of them is used again.
+class Projector {
+ public:
+  Projector(const Eigen::MatrixXd& columns, const Eigen::VectorXd& force, const Eigen::VectorXd& pull);
+  /// Onto all but `count` columns, `from` being the first of them.
+  Projection without(Eigen::Index from, Eigen::Index count) const;
+
+ private:
+  Eigen::VectorXd force_;
+  Eigen::MatrixXd basis_;        ///< orthonormal; rows of the pull below those of the data
+  Eigen::MatrixXd coordinates_;  ///< of the columns, in that basis
+};
 
 /// How the shapes of one place can be scored against any residual of the same data: what their columns add to the
 /// model's.

@@ -1,7 +1,9 @@
 #pragma once
 
+#include <utility>
 #include <vector>
 
+#include "knee_robot/identification/equations.h"
 #include "knee_robot/tracing/hypothesis.h"
 
 namespace knee_robot::tracing {
@@ -20,11 +22,38 @@ struct JointFit {
 
 enum class LeftOut { EveryBlock, None };
 
-/// Bounded weighted least squares of the force on base and effect columns; with every block left out in turn, or
-/// without that: held_back is empty then, and what is told by it nan. `effect_rows[k]` belongs to `effects[k]` and is in
-/// N.
-JointFit fitJointly(const TraceData& data, const BaseFit& base, const Eigen::VectorXd& noise_N,
-                    const std::vector<Hypothesis>& effects, const std::vector<Eigen::MatrixXd>& effect_rows,
-                    LeftOut left_out = LeftOut::EveryBlock);
+/// A bounded least-squares problem, block by block in few rows.
+struct BlockProblem {
+  std::vector<Eigen::MatrixXd> blocks;  ///< compressed [columns force]
+  int bounded = 0;                      ///< first columns, whose coefficients are not negative
+  std::vector<int> pulled;              ///< columns of effects with several coefficients: slightly pulled to zero
+  Eigen::VectorXd whole;                ///< norms with all blocks of the columns of maps, else 0
+  Eigen::VectorXd prior;                ///< per column, root of the weight of a pull to zero
+};
+
+/// Base and effects along the recordings. Compressed once: what a model without one of the effects predicts costs no
+/// further pass over the samples.
+class JointProblem {
+ public:
+  /// `effect_rows[k]` belongs to `effects[k]` and is in N. `data` outlives the problem.
+  JointProblem(const TraceData& data, const BaseFit& base, const Eigen::VectorXd& noise_N,
+               const std::vector<Hypothesis>& effects, std::vector<Eigen::MatrixXd> effect_rows);
+
+  /// Bounded weighted least squares of the force; with every block left out in turn, or without that: held_back is
+  /// empty then, and what is told by it nan.
+  JointFit fit(LeftOut left_out = LeftOut::EveryBlock) const;
+
+  /// JointFit::held_back of base and effects, and without effect `k`.
+  Eigen::VectorXd heldBack() const;
+  Eigen::VectorXd heldBackWithout(std::size_t k) const;
+
+ private:
+  const TraceData& data_;
+  Eigen::VectorXd noise_N_;
+  std::vector<Eigen::MatrixXd> effect_rows_;
+  BlockProblem problem_;
+  std::vector<std::pair<int, int>> source_;  ///< per column of the problem: effect (-1: base), column in it
+  identification::Equations equations_;
+};
 
 }  // namespace knee_robot::tracing
