@@ -43,16 +43,27 @@ std::vector<char> nearRest(const Observation& o, int actuator, double reach_s) {
   return near;
 }
 
-int strideOf(const Observation& o, const ObservationOptions& options) {
-  return std::max(1, static_cast<int>(std::floor(1.0 / (10.0 * options.cutoff_hz * o.signals.period_s))));
+/// Of the samples that are used, from one to the next.
+int strideOf(const Observation& o, const ObservationOptions& options, double thinner) {
+  return std::max(1, static_cast<int>(std::floor(thinner / (10.0 * options.cutoff_hz * o.signals.period_s))));
+}
+
+/// Factor by which samples are thinned beyond ten a period of the cut-off.
+double thinnerOf(const std::vector<Observation>& training, const ObservationOptions& options) {
+  if (options.most_rows <= 0) return 1.0;
+  double rows = 0.0;
+  for (const Observation& o : training)
+    rows += static_cast<double>(o.axes()) * o.samples() / strideOf(o, options, 1.0);
+  return std::max(1.0, rows / options.most_rows);
 }
 
 /// Runs of consecutive usable samples in which the robot moves, or in which it does not, in the order of the files.
 std::vector<std::vector<Pick>> findRuns(const std::vector<Observation>& training, const ObservationOptions& options,
                                         bool independent) {
   std::vector<std::vector<Pick>> runs;
+  const double thinner = thinnerOf(training, options);
   for (std::size_t f = 0; f < training.size(); ++f) {
-    const int stride = strideOf(training[f], options);
+    const int stride = strideOf(training[f], options, thinner);
     int before = -1;  // 0: rests, 1: moves, -1: not usable
     for (int n = 0; n < training[f].samples(); ++n) {
       const int now = training[f].usable[static_cast<std::size_t>(n)] ? movesAt(training[f], n, independent) : -1;
@@ -146,14 +157,15 @@ Equations stackEquations(const std::vector<Observation>& training, const Observa
   e.blocks = assignBlocks(training, picks);
 
   const int rows = static_cast<int>(picks.size()) * e.axes;
+  const double thinner = thinnerOf(training, options);
   for (const Pick& p : picks) {
     if (movesAt(training[p.file], p.sample, independent))
-      e.duration_s += training[p.file].signals.period_s * strideOf(training[p.file], options);
+      e.duration_s += training[p.file].signals.period_s * strideOf(training[p.file], options, thinner);
   }
   const Eigen::Index columns = training.front().regressor.front().cols();
   e.a.resize(rows, columns);
   e.b.resize(rows);
-  e.step_s = training.front().signals.period_s * strideOf(training.front(), options);
+  e.step_s = training.front().signals.period_s * strideOf(training.front(), options, thinner);
   for (int i = 0; i < e.axes; ++i) {
     double elapsed = 0.0;
     std::size_t file = 0;

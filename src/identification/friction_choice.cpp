@@ -58,29 +58,50 @@ InCoordinates inCoordinates(const Equations& e, const Reduction& r, const Eigen:
   return {factor.asDiagonal() * (e.a * basis), factor.cwiseProduct(e.b - e.a * r.start)};
 }
 
-/// Sums of squares of every block. `candidates`: at the rows of the actuator, which start at `first`.
-std::vector<FrictionBlock> sumsOfBlocks(const Equations& e, const InCoordinates& all, Eigen::Index without,
+/// Rows of a block that lie in first .. first + count - 1.
+std::vector<Eigen::Index> rowsIn(const Equations& e, int block, Eigen::Index first, Eigen::Index count) {
+  std::vector<Eigen::Index> rows;
+  for (Eigen::Index row = first; row < first + count; ++row) {
+    if (e.block[static_cast<std::size_t>(row)] == block) rows.push_back(row);
+  }
+  return rows;
+}
+
+/// Sums of squares of every block, of the base alone: the same for all actuators.
+std::vector<FrictionBlock> sumsOfBase(const Equations& e, const InCoordinates& all) {
+  std::vector<FrictionBlock> blocks(static_cast<std::size_t>(e.blocks));
+  inParallel(blocks.size(), [&](std::size_t block) {
+    const std::vector<Eigen::Index> rows = rowsIn(e, static_cast<int>(block), 0, e.rows());
+    const Eigen::MatrixXd x = all.x(rows, Eigen::all);
+    const Eigen::VectorXd y = all.y(rows);
+    FrictionBlock& sums = blocks[block];
+    sums.base = x.transpose() * x;
+    sums.base_target = x.transpose() * y;
+    sums.target = y.squaredNorm();
+    sums.rows = static_cast<double>(rows.size());
+  });
+  return blocks;
+}
+
+/// Those with candidates at the rows of one actuator, which start at `first`, in place of the coordinate `without` (-1:
+/// none).
+std::vector<FrictionBlock> sumsOfBlocks(const Equations& e, const InCoordinates& all,
+                                        const std::vector<FrictionBlock>& base, Eigen::Index without,
                                         const Eigen::MatrixXd& candidates, Eigen::Index first) {
   std::vector<int> keep(static_cast<std::size_t>(all.x.cols()));
   std::iota(keep.begin(), keep.end(), 0);
   if (without >= 0) keep.erase(keep.begin() + without);
   std::vector<FrictionBlock> blocks;
   for (int block = 0; block < e.blocks; ++block) {
-    std::vector<Eigen::Index> rows, own;
-    for (Eigen::Index row = 0; row < e.rows(); ++row) {
-      if (e.block[static_cast<std::size_t>(row)] != block) continue;
-      rows.push_back(row);
-      if (row >= first && row < first + candidates.rows()) own.push_back(row);
-    }
-    const Eigen::MatrixXd x = all.x(rows, keep);
-    const Eigen::VectorXd y = all.y(rows);
+    const std::vector<Eigen::Index> own = rowsIn(e, block, first, candidates.rows());
     std::vector<Eigen::Index> in_candidates;
     for (const Eigen::Index row : own)
       in_candidates.push_back(row - first);
     const Eigen::MatrixXd c = candidates(in_candidates, Eigen::all), own_x = all.x(own, keep);
     const Eigen::VectorXd own_y = all.y(own);
-    blocks.push_back({x.transpose() * x, own_x.transpose() * c, c.transpose() * c, x.transpose() * y,
-                      c.transpose() * own_y, y.squaredNorm(), static_cast<double>(rows.size())});
+    const FrictionBlock& sums = base[static_cast<std::size_t>(block)];
+    blocks.push_back({sums.base(keep, keep), own_x.transpose() * c, c.transpose() * c, sums.base_target(keep),
+                      c.transpose() * own_y, sums.target, sums.rows});
   }
   return blocks;
 }
@@ -165,6 +186,7 @@ std::vector<FrictionChoice> chooseFriction(const std::vector<Observation>& train
   const std::vector<dynamics::FrictionLaw> shared =
       e.axes > 1 ? sharedLaws(around) : std::vector<dynamics::FrictionLaw>();
   std::vector<OthersLaws> others(static_cast<std::size_t>(e.axes));
+  const std::vector<FrictionBlock> base = sumsOfBase(e, all);
   inParallel(choices.size(), [&](std::size_t axis) {
     const int i = static_cast<int>(axis);
     std::vector<FrictionElement> elements = elementsToTry(ranges[axis]);
@@ -188,8 +210,8 @@ std::vector<FrictionChoice> chooseFriction(const std::vector<Observation>& train
     }
     Eigen::VectorXd ridge = Eigen::VectorXd::Zero(all.x.cols() - (without >= 0 ? 1 : 0));
     ridge.tail(r.directions.cols()).setConstant(strength);
-    choices[axis] = chooseFrom(sumsOfBlocks(e, all, without, candidates, i * each), ridge, elements, ranges[axis], laws,
-                               others[axis]);
+    choices[axis] = chooseFrom(sumsOfBlocks(e, all, base, without, candidates, i * each), ridge, elements, ranges[axis],
+                               laws, others[axis]);
   });
   std::vector<double> narrowest_m;
   for (const FrictionRange& range : ranges)

@@ -74,6 +74,7 @@ BaseFit fitBase(const mechanism::Robot& robot, std::vector<identification::Obser
   }
   identification::IdentifyOptions options;
   options.observation.cutoff_hz = stack.cutoff_hz;
+  options.observation.most_rows = stack.most_rows;
   options.rank = rank;
   options.uncertainty = false;
   if (given != nullptr) options.towards = *given;

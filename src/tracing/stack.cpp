@@ -52,6 +52,7 @@ Stack makeStack(const std::vector<identification::Observation>& recordings,
   Stack stack;
   stack.axes = recordings.front().axes();
   stack.cutoff_hz = options.cutoff_hz;
+  stack.most_rows = options.most_rows;
   const double rate_hz =
       std::min(kSamplesPerCutoff * options.cutoff_hz, std::max(kEnough_hz, kFewestPerCutoff * options.cutoff_hz));
   double total = 0.0, rows = 0.0;

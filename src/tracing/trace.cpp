@@ -24,6 +24,7 @@ constexpr double kFaster = 3.0;  ///< cut-off of the second band over that of th
 constexpr double kFastestShareOfRate = 0.1;
 constexpr double kLeastFaster = 1.5;  ///< below which a second band would be the first one again
 constexpr int kFastSurrogates = 5;
+constexpr int kMostFastRows = 50'000;  ///< of its baseline: at 1 kHz there are four times as many, which say no more
 
 bool isAmong(const std::vector<FoundEffect>& effects, const FoundEffect& one) {
   return std::any_of(effects.begin(), effects.end(),
@@ -298,6 +299,7 @@ void Tracing::searchFastBand() {
   options_.progress("looking at the band up to " + shortNumber(fast_hz, 3) + " Hz");
   TraceOptions options = options_;
   options.observation.setCutoff(fast_hz);
+  options.observation.most_rows = kMostFastRows;
   options.start = nullptr;
   options.surrogates = kFastSurrogates;
   std::vector<identification::Observation> training;

@@ -55,8 +55,9 @@ TEST_F(ProjectedOnto, SomeColumnsLeftOutTheOthersTakeWhatTheyTakeAlone) {
   const Projection alone = project(others, force_, pull), left = all.without(10, 8);
   ASSERT_EQ(left.q.cols(), alone.q.cols());
   EXPECT_LT((left.residual - alone.residual).norm(), 1e-11 * force_.norm());
-  EXPECT_LT((left.q * left.q.transpose() * columns_.col(12) - alone.q * (alone.q.transpose() * columns_.col(12))).norm(),
-            1e-11 * columns_.col(12).norm());
+  EXPECT_LT(
+      (left.q * left.q.transpose() * columns_.col(12) - alone.q * (alone.q.transpose() * columns_.col(12))).norm(),
+      1e-11 * columns_.col(12).norm());
 }
 
 TEST_F(ProjectedOnto, WhatIsLeftComesWithoutABasis) {

@@ -23,6 +23,9 @@ struct ObservationOptions {
   double fold_margin_m = 0.003;
   recording::SignalOptions signals;
 
+  int most_rows =
+      0;  ///< equations that are fitted, of all actuators together: samples are thinned to that; 0: to ten a period of the cut-off
+
   bool motion_cutoff_given = false;  ///< false: see motionCutoff
 
   /// Sets the cut-off, and that of the positions unless it follows from the encoders; the grid becomes fine enough for

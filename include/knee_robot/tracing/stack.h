@@ -23,6 +23,7 @@ struct Stack {
   int axes = 0;
   double cutoff_hz = 0.0;
   double rate_hz = 0.0;  ///< of the picks
+  int most_rows = 0;     ///< of the baseline's equations: ObservationOptions::most_rows
 
   Eigen::Index size() const { return static_cast<Eigen::Index>(picks.size()); }
 };
