@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "knee_robot/base/numbers.h"
+#include "knee_robot/base/parallel.h"
 #include "knee_robot/recording/filter.h"
 #include "knee_robot/recording/signals.h"
 
@@ -79,26 +80,26 @@ FullBand chooseFullBand(const mechanism::Robot& robot, const std::vector<Column>
   const double fits_hz =
       fit.motion_cutoff_given ? fit.signals.motion_cutoff_hz : motionCutoff(robot, fit.cutoff_hz, rate_hz);
   FullBand band;
-  Errors first, best;
-  double chosen_hz = fits_hz;
-  for (const double hz : lowPasses(fits_hz, fit.cutoff_hz, rate_hz)) {
+  band.tried_hz = lowPasses(fits_hz, fit.cutoff_hz, rate_hz);
+  std::vector<Errors> errors(band.tried_hz.size());
+  inParallel(errors.size(), [&](std::size_t tried) {
     std::vector<Observation> observed;
     std::vector<Eigen::MatrixXd> force_N;
     for (std::size_t k = 0; k < training.size(); ++k) {
-      observed.push_back(observe(robot, columns, training[k], fullBandOptions(fit, hz)));
+      observed.push_back(observe(robot, columns, training[k], fullBandOptions(fit, band.tried_hz[tried])));
       force_N.push_back(predict(observed.back(), static_cast<int>(k)));
     }
-    const Errors now = errorsOf(observed, force_N, fit.cutoff_hz);
-    band.tried_hz.push_back(hz);
+    errors[tried] = errorsOf(observed, force_N, fit.cutoff_hz);
+  });
+  const double worthwhile = kWorthwhile * kWorthwhile, no_worse = kNoWorse * kNoWorse;
+  Errors best = errors.front();
+  double chosen_hz = fits_hz;
+  for (std::size_t tried = 0; tried < errors.size(); ++tried) {
+    const Errors& now = errors[tried];
     band.error.push_back(std::sqrt(now.rows));
-    if (band.tried_hz.size() == 1) {
-      first = best = now;
-      continue;
-    }
-    const double worthwhile = kWorthwhile * kWorthwhile, no_worse = kNoWorse * kNoWorse;
-    if (now.rows > worthwhile * best.rows || now.band > no_worse * first.band) continue;
+    if (now.rows > worthwhile * best.rows || now.band > no_worse * errors.front().band) continue;
     best = now;
-    chosen_hz = band.motion_cutoff_hz = hz;
+    chosen_hz = band.motion_cutoff_hz = band.tried_hz[tried];
   }
   band.sentence = sentenceOf(band, chosen_hz, std::sqrt(best.rows));
   return band;

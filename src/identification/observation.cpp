@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "knee_robot/base/parallel.h"
 #include "knee_robot/identification/masking.h"
 #include "knee_robot/identification/motion_model.h"
 #include "knee_robot/recording/filter.h"
@@ -67,6 +68,14 @@ Observation observe(const mechanism::Robot& robot, const std::vector<Column>& co
   maskUnusable(robot, options, o);
   findMoving(robot, options, o);
   return o;
+}
+
+std::vector<Observation> observeAll(const mechanism::Robot& robot, const std::vector<Column>& columns,
+                                    const std::vector<recording::Recording>& recordings,
+                                    const ObservationOptions& options) {
+  std::vector<Observation> all(recordings.size());
+  inParallel(all.size(), [&](std::size_t k) { all[k] = observe(robot, columns, recordings[k], options); });
+  return all;
 }
 
 Eigen::VectorXd atLevel(const Observation& o, std::size_t actuator, Eigen::VectorXd share) {

@@ -25,10 +25,8 @@ struct Arguments {
 
 std::vector<identification::Observation> observeAll(mechanism::Robot& robot, const std::vector<std::string>& files,
                                                     const identification::ObservationOptions& options) {
-  std::vector<identification::Observation> all;
-  for (const recording::Recording& r : identification::loadRecordings(robot, files))
-    all.push_back(identification::observe(robot, identification::columnsOf(robot), r, options));
-  return all;
+  const std::vector<recording::Recording> recordings = identification::loadRecordings(robot, files);
+  return identification::observeAll(robot, identification::columnsOf(robot), recordings, options);
 }
 
 int run(const Arguments& a, const std::string& command_line) {

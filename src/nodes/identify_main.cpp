@@ -97,16 +97,6 @@ std::vector<recording::Recording> inUnits(mechanism::Robot& robot, std::vector<r
   return recordings;
 }
 
-std::vector<identification::Observation> observeAll(const mechanism::Robot& robot,
-                                                    const std::vector<recording::Recording>& recordings,
-                                                    const identification::IdentifyOptions& options) {
-  std::vector<identification::Observation> observations;
-  for (const recording::Recording& recording : recordings)
-    observations.push_back(identification::observe(robot, identification::columnsOf(robot, options.joint_friction),
-                                                   recording, options.observation));
-  return observations;
-}
-
 /// The low-pass of both sides, chosen on training recordings unless it was given.
 void decideCutoff(const std::vector<recording::Recording>& training, double given_hz, double motion_hz,
                   report::IdentifyResults& r) {
@@ -209,13 +199,14 @@ int run(const Arguments& a, const std::string& command_line) {
   identification::takeRecordedSteps(robot, read);
   std::vector<recording::Recording> training = inUnits(robot, read);
   decideCutoff(training, a.cutoff_hz, a.motion_cutoff_hz, r);
-  r.train = observeAll(robot, training, r.options);
+  const std::vector<identification::Column> columns = identification::columnsOf(robot, r.options.joint_friction);
+  r.train = identification::observeAll(robot, columns, training, r.options.observation);
   if (identification::gainsByUrdf(robot, r.train, r.options.observation)) {
     training = inUnits(robot, read);
-    r.train = observeAll(robot, training, r.options);
+    r.train = identification::observeAll(robot, columns, training, r.options.observation);
   }
   const std::vector<recording::Recording> validation = inUnits(robot, readAll(a.validate));
-  r.validate = observeAll(robot, validation, r.options);
+  r.validate = identification::observeAll(robot, columns, validation, r.options.observation);
   refuseEqualNames(r.validate);
 
   std::cerr << "fitting" << std::endl;

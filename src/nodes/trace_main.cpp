@@ -81,15 +81,6 @@ void giveTimesBack(const Times& times, std::vector<identification::Observation>&
     observations[k].row_time_s = times[k];
 }
 
-std::vector<identification::Observation> observeAll(const mechanism::Robot& robot,
-                                                    const std::vector<recording::Recording>& recordings,
-                                                    const identification::ObservationOptions& options) {
-  std::vector<identification::Observation> observations;
-  for (const recording::Recording& r : recordings)
-    observations.push_back(identification::observe(robot, identification::columnsOf(robot), r, options));
-  return observations;
-}
-
 void refuseBadFiles(const Arguments& a) {
   std::set<std::string> names;
   for (const std::string& file : a.validate) {
@@ -205,10 +196,11 @@ std::vector<recording::Recording> readTraining(const Arguments& a, mechanism::Ro
     cutoff.sentence = "Cut-off " + shortNumber(cutoff.cutoff_hz, 3) + " Hz, of the given model.";
   }
   r.options.observation.setCutoff(cutoff.cutoff_hz);
-  r.train = observeAll(robot, train, r.options.observation);
+  const std::vector<identification::Column> columns = identification::columnsOf(robot);
+  r.train = identification::observeAll(robot, columns, train, r.options.observation);
   if (identification::gainsByUrdf(robot, r.train, r.options.observation)) {
     train = inUnits(robot, read);
-    r.train = observeAll(robot, train, r.options.observation);
+    r.train = identification::observeAll(robot, columns, train, r.options.observation);
   }
   return train;
 }
@@ -276,7 +268,7 @@ int run(const Arguments& a, const std::string& command_line) {
   recording::CutoffChoice cutoff;
   const std::vector<recording::Recording> train = readTraining(a, robot, r, cutoff, train_times);
   const std::vector<recording::Recording> validate = inUnits(robot, readAll(a.validate, validate_times));
-  r.validate = observeAll(robot, validate, r.options.observation);
+  r.validate = identification::observeAll(robot, identification::columnsOf(robot), validate, r.options.observation);
 
   r.result = tracing::trace(robot, train, r.train, r.options);
   r.result.notes.push_back(cutoff.sentence);

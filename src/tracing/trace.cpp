@@ -302,11 +302,10 @@ void Tracing::searchFastBand() {
   options.observation.most_rows = kMostFastRows;
   options.start = nullptr;
   options.surrogates = kFastSurrogates;
-  std::vector<identification::Observation> training;
-  for (const recording::Recording& r : recordings_)
-    training.push_back(identification::observe(robot_, s_.base->columns, r, options.observation));
   Tracing fast(robot_, recordings_, options);
-  const std::vector<FoundEffect> seen = fast.runFast(std::move(training), s_.effects, *result_.candidates);
+  const std::vector<FoundEffect> seen =
+      fast.runFast(identification::observeAll(robot_, s_.base->columns, recordings_, options.observation), s_.effects,
+                   *result_.candidates);
   const auto known = std::find_if(s_.effects.begin(), s_.effects.end(), leads);
   const Candidate* const settled = known == s_.effects.end() ? nullptr : known->hypothesis.place.candidate;
   for (FoundEffect e : seen) {

@@ -18,7 +18,7 @@ struct FullBand {
 };
 
 /// Force (N, samples of the grid x actuators) that a finished model predicts along an observation. `recording`: index
-/// among the training recordings, -1 for others.
+/// among the training recordings, -1 for others. Called by several threads at once.
 using RowPredictor = std::function<Eigen::MatrixXd(Observation&, int recording)>;
 
 /// How a recording is observed for predictions of its rows: positions low-passed at `motion_cutoff_hz`, on a grid fine

@@ -86,6 +86,10 @@ std::vector<double> forcePerVolt(const mechanism::Robot& robot);
 /// too few rows.
 Observation observe(const mechanism::Robot& robot, const std::vector<Column>& columns,
                     const recording::Recording& recording, const ObservationOptions& options);
+/// Of several recordings, side by side.
+std::vector<Observation> observeAll(const mechanism::Robot& robot, const std::vector<Column>& columns,
+                                    const std::vector<recording::Recording>& recordings,
+                                    const ObservationOptions& options);
 
 /// A share of full Coulomb friction times what effects make of its level.
 Eigen::VectorXd atLevel(const Observation& observation, std::size_t actuator, Eigen::VectorXd share);
