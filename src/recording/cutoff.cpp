@@ -19,6 +19,8 @@ constexpr int kBinsBelow = 3;  ///< so many bins in a row below the least cohere
 constexpr double kPowerToCount =
     1e-3;  ///< bins with less than this share of the largest power say nothing of following
 constexpr double kTinyPower = 1e-30;
+constexpr double kGap = 1.5;         ///< periods between two rows beyond which some are missing
+constexpr double kMostPieces = 1e5;  ///< of a gap: a recording may pause for hours
 
 /// Averaged spectra of accelerations on a common frequency axis; one column an actuator.
 struct Spectra {
@@ -232,6 +234,42 @@ CutoffChoice chooseOnGrid(const std::vector<UniformMotion>& motions, const Cutof
   return choice;
 }
 
+/// Rows in even steps where the recording skipped some: what moves goes on in between. Held, it would jump at the end
+/// of the gap, in reference and position alike: as if the robot followed something very fast.
+struct WithoutGaps {
+  std::vector<double> time_s;
+  Eigen::MatrixXd reference_m, position_m;
+};
+
+WithoutGaps withoutGaps(const Recording& r) {
+  const double period = medianPeriod(r.time_s);
+  std::vector<std::size_t> from;  // row before, and share of the way to the next one
+  std::vector<double> share;
+  WithoutGaps out;
+  for (std::size_t k = 0; k < r.time_s.size(); ++k) {
+    const double step = k + 1 < r.time_s.size() ? r.time_s[k + 1] - r.time_s[k] : 0.0;
+    const int pieces = step > kGap * period ? static_cast<int>(std::min(kMostPieces, std::round(step / period))) : 1;
+    for (int piece = 0; piece < pieces; ++piece) {
+      from.push_back(k);
+      share.push_back(static_cast<double>(piece) / pieces);
+      out.time_s.push_back(r.time_s[k] + share.back() * step);
+    }
+  }
+  const auto filled = [&](const Eigen::MatrixXd& x) {
+    Eigen::MatrixXd all(x.cols() > 0 ? static_cast<Eigen::Index>(from.size()) : 0, x.cols());
+    for (Eigen::Index n = 0; n < all.rows(); ++n) {
+      const std::size_t k = from[static_cast<std::size_t>(n)];
+      const double to_next = share[static_cast<std::size_t>(n)];
+      const Eigen::Index row = static_cast<Eigen::Index>(k), next = std::min(row + 1, x.rows() - 1);
+      all.row(n) = (1.0 - to_next) * x.row(row) + to_next * x.row(next);
+    }
+    return all;
+  };
+  out.reference_m = filled(r.reference_m);
+  out.position_m = filled(r.position_m);
+  return out;
+}
+
 /// A recording on a uniform grid of at most `grid_hz`. The mean of the held rows over each step treats both signals
 /// alike and does not alias a faster recording.
 UniformMotion onGrid(const Recording& r, double grid_hz) {
@@ -239,10 +277,11 @@ UniformMotion onGrid(const Recording& r, double grid_hz) {
   std::vector<double> grid;
   for (double t = r.time_s.front() + 0.5 * step; t + 0.5 * step <= r.time_s.back(); t += step)
     grid.push_back(t);
+  const WithoutGaps rows = withoutGaps(r);
   UniformMotion motion;
   motion.rate_hz = 1.0 / step;
-  motion.position_m = heldMeans(r.time_s, r.position_m, grid, step);
-  if (r.reference_m.cols() > 0) motion.reference_m = heldMeans(r.time_s, r.reference_m, grid, step);
+  motion.position_m = heldMeans(rows.time_s, rows.position_m, grid, step);
+  if (r.reference_m.cols() > 0) motion.reference_m = heldMeans(rows.time_s, rows.reference_m, grid, step);
   return motion;
 }
 

@@ -156,6 +156,29 @@ TEST(Cutoff, OfAFastRecordingHasNoUpperEndOf10Hz) {
   }
 }
 
+/// Without the rows of pauses of 3 to 18 ms, one and a half a second: a machine that does other things, too.
+Recording withGaps(const Recording& all) {
+  std::mt19937 random(3);
+  std::vector<Eigen::Index> kept;
+  for (Eigen::Index k = 0; k < all.rows(); ++k) {
+    kept.push_back(k);
+    if (random() % 700 == 0) k += 2 + static_cast<Eigen::Index>(random() % 15);
+  }
+  Recording r;
+  for (const Eigen::Index k : kept)
+    r.time_s.push_back(all.time_s[static_cast<std::size_t>(k)]);
+  r.position_m = all.position_m(kept, Eigen::all);
+  r.reference_m = all.reference_m(kept, Eigen::all);
+  return r;
+}
+
+TEST(Cutoff, OfARecordingThatSkippedRowsIsThatOfTheMotion) {
+  const Recording whole = sampled(1000.0, true, {0.2, 0.5, 0.8}), skipped = withGaps(whole);
+  ASSERT_LT(skipped.rows(), whole.rows() - 100);
+  EXPECT_NEAR(chooseCutoff({&skipped}).cutoff_hz, chooseCutoff({&whole}).cutoff_hz, 0.2)
+      << chooseCutoff({&skipped}).sentence;
+}
+
 TEST(Cutoff, OfAHeldReferenceIsNotThatOfItsSteps) {
   Recording r = sampled(1000.0, true, {0.3, 0.6});
   for (int k = 0; k < r.rows(); ++k)

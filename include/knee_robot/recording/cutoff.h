@@ -53,6 +53,9 @@ struct CutoffChoice {
 /// Both are looked at on a grid of 100 Hz, as references are given and commands held; only when the result would lie
 /// above a tenth of that, on 200, 500 and 1000 Hz, as far as the recordings are that fast. There is no other upper end.
 ///
+/// Where a recording skipped rows, what moves is taken to go on in between: a held value that jumps at the end of a gap
+/// is in reference and position alike, and looks like very fast motion that the robot follows.
+///
 /// Spectra: Hann windows of 5.12 s or a quarter of the recording, half overlapping, averaged over recordings by length.
 /// Recordings with fewer than 200 samples on the grid take no part.
 CutoffChoice chooseCutoff(const std::vector<const Recording*>& recordings, const CutoffRule& rule = {});
