@@ -45,7 +45,7 @@ std::vector<identification::Observation> asSeenFrom(const TraceData& data, int o
 /// Both are fitted with everything else; compared block by block.
 bool clearlyOwn(const Search& s, std::size_t effect, int own, int other) {
   const std::vector<Hypothesis> all = hypothesesOf(s.effects);
-  std::vector<Eigen::MatrixXd> rows = rowsOf(*s.data, all);
+  std::vector<Eigen::MatrixXd> rows = effectRows(*s.data, all);
   const Eigen::VectorXd mine = JointProblem(*s.data, *s.base, s.rms_N, all, rows).heldBack();
   const std::vector<identification::Observation> seen = asSeenFrom(*s.data, own, other);
   std::vector<EffectInput> inputs = s.data->inputs;

@@ -56,7 +56,7 @@ double maskedSquares(const Search& s, const std::vector<Hypothesis>& effects) {
 /// Squares left on held-back stretches of positions in two directions, everything fitted without them.
 Eigen::VectorXd heldBackElsewhere(Search& s, const std::vector<Hypothesis>& effects, const Eigen::VectorXd& noise_N) {
   const Stack own = s.data->stack;
-  const std::vector<Eigen::MatrixXd> rows = rowsOf(*s.data, effects);
+  const std::vector<Eigen::MatrixXd> rows = effectRows(*s.data, effects);
   Eigen::VectorXd left(2 * kStretches);
   for (const int direction : {0, 1}) {
     labelByPosition(s.data->recordings, direction, s.data->stack);
@@ -98,7 +98,7 @@ Eigen::MatrixXd savedElsewhere(Search& s, const std::vector<Hypothesis>& all, At
   Eigen::MatrixXd saved = Eigen::MatrixXd::Zero(2 * kStretches, static_cast<Eigen::Index>(all.size()));
   total = 0.0;
   setAttention(*s.data, attention);
-  const std::vector<Eigen::MatrixXd> rows = rowsOf(*s.data, all);
+  const std::vector<Eigen::MatrixXd> rows = effectRows(*s.data, all);
   for (const int direction : {0, 1}) {
     labelByPosition(s.data->recordings, direction, s.data->stack);
     const JointProblem problem(*s.data, *s.base, s.rms_N, all, rows);

@@ -120,7 +120,7 @@ Eigen::MatrixXd effectRows(const TraceData& data, const Hypothesis& h) {
   return data.scale.asDiagonal() * rows;
 }
 
-std::vector<Eigen::MatrixXd> rowsOf(const TraceData& data, const std::vector<Hypothesis>& effects) {
+std::vector<Eigen::MatrixXd> effectRows(const TraceData& data, const std::vector<Hypothesis>& effects) {
   std::vector<Eigen::MatrixXd> rows(effects.size());
   inParallel(rows.size(), [&](std::size_t k) { rows[k] = effectRows(data, effects[k]); });
   return rows;

@@ -153,7 +153,7 @@ Eigen::MatrixXd nullResiduals(const std::vector<Surrogate>& surrogates, const Tr
 
 Eigen::MatrixXd modelColumns(const TraceData& data, const Eigen::VectorXd& noise_N,
                              const std::vector<Hypothesis>& effects) {
-  const std::vector<Eigen::MatrixXd> rows = rowsOf(data, effects);
+  const std::vector<Eigen::MatrixXd> rows = effectRows(data, effects);
   Eigen::Index columns = data.base_rows.cols();
   for (const Eigen::MatrixXd& part : rows)
     columns += part.cols();

@@ -28,7 +28,7 @@ std::vector<Hypothesis> hypothesesOf(const std::vector<FoundEffect>& effects) {
 }
 
 JointProblem problemOf(const Search& s, const std::vector<Hypothesis>& effects) {
-  return {*s.data, *s.base, s.rms_N, effects, rowsOf(*s.data, effects)};
+  return {*s.data, *s.base, s.rms_N, effects, effectRows(*s.data, effects)};
 }
 
 JointFit fitOf(const Search& s, const std::vector<Hypothesis>& effects, LeftOut left_out) {
@@ -46,7 +46,7 @@ SurrogateModel modelOf(const Search& s) {
 void refit(Search& s) {
   const std::vector<Hypothesis> all = hypothesesOf(s.effects);
   if (s.seen_parameters.size() == 0) s.seen_parameters = s.base->parameters;
-  std::vector<Eigen::MatrixXd> rows = rowsOf(*s.data, all);
+  std::vector<Eigen::MatrixXd> rows = effectRows(*s.data, all);
   const auto fit = [&](LeftOut left_out) {
     s.fit = JointProblem(*s.data, *s.base, s.rms_N, all, rows).fit(left_out);
     s.rms_N = rmsOf(s.data->stack, s.fit.residual_N).cwiseMax(1e-9);

@@ -35,7 +35,7 @@ bool isPlausible(const Search& s, const Candidate* kind, double speed_m_per_s) {
 Eigen::VectorXd heldBack(const Search& s, const Eigen::VectorXd& noise_N) {
   const std::vector<Hypothesis> all = hypothesesOf(s.effects);
   setAttention(*s.data, Attention::All);
-  Eigen::VectorXd out = JointProblem(*s.data, *s.base, noise_N, all, rowsOf(*s.data, all)).heldBack();
+  Eigen::VectorXd out = JointProblem(*s.data, *s.base, noise_N, all, effectRows(*s.data, all)).heldBack();
   setAttention(*s.data, s.attention);
   return out;
 }

@@ -205,7 +205,7 @@ std::optional<Place> openPlace(const Search& s, const Place& place, const Place*
 
 Ranking rankPlaces(Search& s, const Place* like) {
   const std::vector<Hypothesis> accepted = hypothesesOf(s.effects);
-  const std::vector<Eigen::MatrixXd> accepted_rows = rowsOf(*s.data, accepted);
+  const std::vector<Eigen::MatrixXd> accepted_rows = effectRows(*s.data, accepted);
   s.fit = JointProblem(*s.data, *s.base, s.rms_N, accepted, accepted_rows).fit();
   Ranking r;
   r.projection = projectModel(s, accepted);

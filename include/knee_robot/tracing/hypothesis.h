@@ -49,7 +49,7 @@ std::vector<Hypothesis> without(std::vector<Hypothesis> all, std::size_t k);
 /// Columns of a hypothesis for all actuators (rows: actuator after actuator), low-passed, in N.
 Eigen::MatrixXd effectRows(const TraceData& data, const Hypothesis& hypothesis);
 /// The same of several.
-std::vector<Eigen::MatrixXd> rowsOf(const TraceData& data, const std::vector<Hypothesis>& effects);
+std::vector<Eigen::MatrixXd> effectRows(const TraceData& data, const std::vector<Hypothesis>& effects);
 
 /// Columns of a hypothesis along one recording, for one actuator, on the grid; zero where it does not act.
 Eigen::MatrixXd effectColumns(const EffectInput& input, const Hypothesis& hypothesis, int actuator);
