@@ -95,6 +95,7 @@ std::vector<FrictionBlock> sumsOfBlocks(const Equations& e, const InCoordinates&
   for (int block = 0; block < e.blocks; ++block) {
     const std::vector<Eigen::Index> own = rowsIn(e, block, first, candidates.rows());
     std::vector<Eigen::Index> in_candidates;
+    in_candidates.reserve(own.size());
     for (const Eigen::Index row : own)
       in_candidates.push_back(row - first);
     const Eigen::MatrixXd c = candidates(in_candidates, Eigen::all), own_x = all.x(own, keep);
