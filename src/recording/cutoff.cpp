@@ -19,8 +19,9 @@ constexpr int kBinsBelow = 3;  ///< so many bins in a row below the least cohere
 constexpr double kPowerToCount =
     1e-3;  ///< bins with less than this share of the largest power say nothing of following
 constexpr double kTinyPower = 1e-30;
-constexpr double kGap = 1.5;         ///< periods between two rows beyond which some are missing
-constexpr double kMostPieces = 1e5;  ///< of a gap: a recording may pause for hours
+constexpr double kGap = 1.5;  ///< periods between two rows beyond which some are missing
+/// Periods a row that a recording may last: a longer one is mostly gaps, and is refused when it is resampled.
+constexpr double kMostPeriods = 20.0;
 
 /// Averaged spectra of accelerations on a common frequency axis; one column an actuator.
 struct Spectra {
@@ -243,12 +244,14 @@ struct WithoutGaps {
 
 WithoutGaps withoutGaps(const Recording& r) {
   const double period = medianPeriod(r.time_s);
+  if (r.time_s.back() - r.time_s.front() > kMostPeriods * period * r.rows())
+    return {r.time_s, r.reference_m, r.position_m};
   std::vector<std::size_t> from;  // row before, and share of the way to the next one
   std::vector<double> share;
   WithoutGaps out;
   for (std::size_t k = 0; k < r.time_s.size(); ++k) {
     const double step = k + 1 < r.time_s.size() ? r.time_s[k + 1] - r.time_s[k] : 0.0;
-    const int pieces = step > kGap * period ? static_cast<int>(std::min(kMostPieces, std::round(step / period))) : 1;
+    const int pieces = step > kGap * period ? static_cast<int>(std::round(step / period)) : 1;
     for (int piece = 0; piece < pieces; ++piece) {
       from.push_back(k);
       share.push_back(static_cast<double>(piece) / pieces);

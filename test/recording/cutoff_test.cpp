@@ -179,6 +179,13 @@ TEST(Cutoff, OfARecordingThatSkippedRowsIsThatOfTheMotion) {
       << chooseCutoff({&skipped}).sentence;
 }
 
+TEST(Cutoff, OfARecordingThatIsMostlyGapsIsChosenWithoutFillingThem) {
+  Recording r = sampled(1000.0, true, {0.2, 0.5, 0.8});
+  for (std::size_t k = 0; k < r.time_s.size(); ++k)
+    r.time_s[k] += 50.0 * static_cast<double>(k / 1000);
+  EXPECT_GT(chooseCutoff({&r}).cutoff_hz, 0.0);
+}
+
 TEST(Cutoff, OfAHeldReferenceIsNotThatOfItsSteps) {
   Recording r = sampled(1000.0, true, {0.3, 0.6});
   for (int k = 0; k < r.rows(); ++k)

@@ -23,8 +23,9 @@ struct ObservationOptions {
   double fold_margin_m = 0.003;
   recording::SignalOptions signals;
 
-  int most_rows =
-      0;  ///< equations that are fitted, of all actuators together: samples are thinned to that; 0: to ten a period of the cut-off
+  /// Equations that are fitted, of all actuators together: samples are thinned to that. 0: to ten a period of the
+  /// cut-off.
+  int most_rows = 0;
 
   bool motion_cutoff_given = false;  ///< false: see motionCutoff
 

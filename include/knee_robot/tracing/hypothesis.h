@@ -66,7 +66,7 @@ struct Projection {
 /// `pull`: roots of the weights with which the first coefficients are pulled to zero (the prior's); may be empty.
 Projection project(const Eigen::MatrixXd& columns, const Eigen::VectorXd& force, const Eigen::VectorXd& pull = {});
 
-/// The residual alone, in a third of the time.
+/// Its residual alone, for which no basis is formed.
 Eigen::VectorXd leftBy(const Eigen::MatrixXd& columns, const Eigen::VectorXd& force, const Eigen::VectorXd& pull = {});
 
 /// Projections onto all columns but some: what was factored for all of them is used again.
