@@ -4,6 +4,7 @@
 #include <cmath>
 #include <complex>
 #include <unsupported/Eigen/FFT>
+#include <utility>
 
 #include "knee_robot/base/numbers.h"
 #include "knee_robot/recording/signals.h"
@@ -19,7 +20,9 @@ constexpr int kBinsBelow = 3;  ///< so many bins in a row below the least cohere
 constexpr double kPowerToCount =
     1e-3;  ///< bins with less than this share of the largest power say nothing of following
 constexpr double kTinyPower = 1e-30;
-constexpr double kGap = 1.5;  ///< periods between two rows beyond which some are missing
+constexpr double kPause = 10.5;       ///< periods between two rows beyond which the motion itself may not have gone on
+constexpr double kEnoughQuiet = 0.5;  ///< share of the segments without a pause that speaks for all
+constexpr double kGap = 1.5;          ///< periods between two rows beyond which some are missing
 /// Periods a row that a recording may last: a longer one is mostly gaps, and is refused when it is resampled.
 constexpr double kMostPeriods = 20.0;
 
@@ -44,10 +47,23 @@ Eigen::MatrixXd accelerations(const Eigen::MatrixXd& x, double rate) {
 /// Reference's and recorded motion on one grid, differentiated.
 struct Pair {
   Eigen::MatrixXd wanted, done;
+  const std::vector<double>* pauses_s = nullptr;  ///< of the motion
 };
 
-/// Adds the windowed segments of one motion to the sums.
-void addMotion(const Pair& motion, double rate_hz, int length, Spectra& sum) {
+/// First samples of the half-overlapping segments of one motion; without those in which the recording paused.
+std::vector<Eigen::Index> segmentsOf(const Pair& motion, double rate_hz, int length, bool with_pauses) {
+  std::vector<Eigen::Index> starts;
+  for (Eigen::Index start = 0; start + length <= motion.wanted.rows(); start += length / 2) {
+    const double from_s = static_cast<double>(start) / rate_hz, to_s = from_s + length / rate_hz;
+    const bool pauses = std::any_of(motion.pauses_s->begin(), motion.pauses_s->end(),
+                                    [&](double time_s) { return time_s > from_s && time_s < to_s; });
+    if (with_pauses || !pauses) starts.push_back(start);
+  }
+  return starts;
+}
+
+/// Adds windowed segments of one motion to the sums.
+void addMotion(const Pair& motion, const std::vector<Eigen::Index>& starts, double rate_hz, int length, Spectra& sum) {
   const Eigen::MatrixXd &wanted = motion.wanted, &done = motion.done;
   Eigen::VectorXd window(length);
   for (int i = 0; i < length; ++i)
@@ -55,7 +71,7 @@ void addMotion(const Pair& motion, double rate_hz, int length, Spectra& sum) {
   const double scale = 2.0 / (rate_hz * window.squaredNorm());
   Eigen::FFT<double> fft;
   Eigen::VectorXcd reference(length), position(length);
-  for (Eigen::Index start = 0; start + length <= wanted.rows(); start += length / 2) {
+  for (const Eigen::Index start : starts) {
     for (Eigen::Index i = 0; i < wanted.cols(); ++i) {
       fft.fwd(reference, Eigen::VectorXd(wanted.col(i).segment(start, length).cwiseProduct(window)));
       fft.fwd(position, Eigen::VectorXd(done.col(i).segment(start, length).cwiseProduct(window)));
@@ -81,8 +97,19 @@ Spectra spectraOf(const std::vector<Pair>& motions, double rate) {
   const Eigen::Index bins = length / 2 + 1, axes = motions.front().done.cols();
   sum.reference = sum.position = Eigen::ArrayXXd::Zero(bins, axes);
   sum.cross.setZero(bins, axes);
-  for (const Pair& motion : motions)
-    addMotion(motion, rate, length, sum);
+  const auto segments = [&](bool with_pauses) {
+    std::vector<std::vector<Eigen::Index>> starts;
+    std::size_t count = 0;
+    for (const Pair& motion : motions)
+      count += starts.emplace_back(segmentsOf(motion, rate, length, with_pauses)).size();
+    return std::pair(starts, count);
+  };
+  auto [starts, all] = segments(true);
+  if (const auto [quiet, count] = segments(false);
+      static_cast<double>(count) >= kEnoughQuiet * static_cast<double>(all))
+    starts = quiet;
+  for (std::size_t m = 0; m < motions.size(); ++m)
+    addMotion(motions[m], starts[m], rate, length, sum);
   sum.reference /= sum.segments;
   sum.position /= sum.segments;
   sum.cross /= static_cast<double>(sum.segments);
@@ -212,8 +239,9 @@ CutoffChoice chooseOnGrid(const std::vector<UniformMotion>& motions, const Cutof
   std::vector<Pair> speeds, accelerations_of;
   for (const UniformMotion* motion : usable) {
     const Eigen::MatrixXd& wanted = reference ? motion->reference_m : motion->position_m;
-    speeds.push_back({velocities(wanted, rate), velocities(wanted, rate)});
-    accelerations_of.push_back({accelerations(wanted, rate), accelerations(motion->position_m, rate)});
+    speeds.push_back({velocities(wanted, rate), velocities(wanted, rate), &motion->pauses_s});
+    accelerations_of.push_back(
+        {accelerations(wanted, rate), accelerations(motion->position_m, rate), &motion->pauses_s});
   }
   const Spectra speed = spectraOf(speeds, rate), spectra = spectraOf(accelerations_of, rate);
   const Eigen::ArrayXd raw_speed = speed.reference.rowwise().mean(), speed_noise = positionNoise(raw_speed, 1);
@@ -283,6 +311,9 @@ UniformMotion onGrid(const Recording& r, double grid_hz) {
   const WithoutGaps rows = withoutGaps(r);
   UniformMotion motion;
   motion.rate_hz = 1.0 / step;
+  const double pause_s = kPause * medianPeriod(r.time_s);
+  for (std::size_t k = 1; k < r.time_s.size(); ++k)
+    if (r.time_s[k] - r.time_s[k - 1] > pause_s) motion.pauses_s.push_back(r.time_s[k] - r.time_s.front());
   motion.position_m = heldMeans(rows.time_s, rows.position_m, grid, step);
   if (r.reference_m.cols() > 0) motion.reference_m = heldMeans(rows.time_s, rows.reference_m, grid, step);
   return motion;

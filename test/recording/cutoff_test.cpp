@@ -179,6 +179,16 @@ TEST(Cutoff, OfARecordingThatSkippedRowsIsThatOfTheMotion) {
       << chooseCutoff({&skipped}).sentence;
 }
 
+TEST(Cutoff, OfAMotionThatStoodStillWithTheControllerIsThatOfTheRest) {
+  Recording r = sampled(1000.0, true, {0.2, 0.5, 0.8});
+  const double planned_hz = chooseCutoff({&r}).cutoff_hz;
+  for (const int row : {9000, 9400, 31000})  // nothing moved for 40 ms, and no row was written
+    for (std::size_t k = static_cast<std::size_t>(row); k < r.time_s.size(); ++k)
+      r.time_s[k] += 0.04;
+  const CutoffChoice found = chooseCutoff({&r});
+  EXPECT_NEAR(found.cutoff_hz, planned_hz, 0.2) << found.sentence;
+}
+
 TEST(Cutoff, OfARecordingThatIsMostlyGapsIsChosenWithoutFillingThem) {
   Recording r = sampled(1000.0, true, {0.2, 0.5, 0.8});
   for (std::size_t k = 0; k < r.time_s.size(); ++k)

@@ -54,7 +54,9 @@ struct CutoffChoice {
 /// above a tenth of that, on 200, 500 and 1000 Hz, as far as the recordings are that fast. There is no other upper end.
 ///
 /// Where a recording skipped rows, what moves is taken to go on in between: a held value that jumps at the end of a gap
-/// is in reference and position alike, and looks like very fast motion that the robot follows.
+/// is in reference and position alike, and looks like very fast motion that the robot follows. After more than ten rows
+/// reference and robot may have stood still with the controller, too: segments with such a pause take no part while
+/// half of them have none.
 ///
 /// Spectra: Hann windows of 5.12 s or a quarter of the recording, half overlapping, averaged over recordings by length.
 /// Recordings with fewer than 200 samples on the grid take no part.
@@ -66,6 +68,7 @@ struct UniformMotion {
   double rate_hz = 100.0;
   Eigen::MatrixXd reference_m;  ///< may have no columns
   Eigen::MatrixXd position_m;
+  std::vector<double> pauses_s;  ///< times from the first sample at which the recording had paused
 };
 CutoffChoice chooseCutoff(const std::vector<UniformMotion>& motions, const CutoffRule& rule = {});
 
