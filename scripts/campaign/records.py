@@ -43,14 +43,18 @@ class Setting:
         self.paths = draw.sample(range(REFERENCES if plant == "robot" else 4), 2)
         self.friction = [(draw.uniform(0.7, 1.4), draw.uniform(0.7, 1.4)) for _ in range(4)]
         # The split "unlike": machines that rub near rest by laws of their own, in code that trace does not share.
-        self.near_rest = NEAR_REST[number % len(NEAR_REST)](draw) if split == "unlike" and plant == "robot" else None
+        unlike = split == "unlike" and plant == "robot"
+        self.near_rest = NEAR_REST[number % len(NEAR_REST)](draw) if unlike else None
+        # Its controllers run on machines that do other things, too: cycles, and rows, are missing.
+        self.pauses_per_minute = draw.choice((0, 10, 40)) if unlike else 0
 
     def name(self):
         return f"{self.split}-{self.plant}-{self.number}"
 
     def text(self):
         kp, ki, kd = self.controller
-        return f"{self.plant} {self.robot} {self.speed} m/s P {kp} I {ki} D {kd} {self.near_rest or ''}".rstrip()
+        return f"{self.plant} {self.robot} {self.speed} m/s P {kp} I {ki} D {kd} {self.near_rest or ''}".rstrip() + (
+            f", {self.pauses_per_minute} pauses a minute" if self.pauses_per_minute else "")
 
 
 def run(command, log):
@@ -117,7 +121,8 @@ class Workshop:
             kept = [e for e in entries if which == 0 or e[0] != "external_force"]
             run([self.program("simulate"), self.reference(setting, which), "--robot", self.robot_file(setting), "--simulation",
                  self.simulation(setting, kept, folder), "--hardware", f"{ROOT}/config/hardware/simulated.yaml", "--deployment",
-                 self.deployment(setting, folder), "-o", path, "--truth", truth], folder + "/log.txt")
+                 self.deployment(setting, folder), "-o", path, "--truth", truth, "--pauses-per-minute", str(setting.pauses_per_minute),
+                 "--seed", str(2 * setting.number + which)], folder + "/log.txt")
             if entries:
                 write_ideal(path, truth, f"{folder}/ideal_{which + 1}.csv")
             out.append(path)

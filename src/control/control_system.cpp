@@ -339,4 +339,8 @@ void ControlSystem::run(double seconds) {
   parts_->runner.run(seconds);
 }
 
+void ControlSystem::pause(double seconds) {
+  parts_->runner.pause(seconds);
+}
+
 }  // namespace knee_robot::control

@@ -21,6 +21,8 @@ class CycleRunner {
   rt::Nanoseconds step();
   /// Stepped only: executes all cycles of the next `seconds`.
   void run(double seconds);
+  /// Stepped only: the next `seconds` go by without a cycle.
+  void pause(double seconds) { deployment_.skip(rt::fromSeconds(seconds)); }
   /// Whether `done` came true within `timeout_s`.
   bool waitUntil(const std::function<bool()>& done, double timeout_s);
 

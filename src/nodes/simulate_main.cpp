@@ -13,6 +13,7 @@
 #include "knee_robot/control/control_system.h"
 #include "knee_robot/simulation/robot_simulation.h"
 #include "knee_robot/simulation/simulated_cards.h"
+#include "pauses.h"
 #include "program.h"
 
 namespace {
@@ -177,6 +178,14 @@ int main(int argc, char** argv) {
   const CLI::Option* payload = app.add_option("--payload-kg", payload_kg, "payload that the feedforward assumes, kg");
   app.add_option("--set", settings,
                  "COMPONENT.PROPERTY=VALUE, may be repeated: sets a property that may change at run time");
+  nodes::Pauses::Options pauses;
+  app.add_option("--pauses-per-minute", pauses.per_minute,
+                 "the controller's machine stands still so often, at random, while it plays: no cycle, no row")
+      ->check(CLI::Range(0.0, 600.0));
+  app.add_option("--longest-pause-s", pauses.longest_s, "pauses last between 1 ms and this long")
+      ->check(CLI::Range(0.001, 1.0))
+      ->capture_default_str();
+  app.add_option("--seed", pauses.seed, "random seed of the pauses")->capture_default_str();
   return nodes::runProgram(app, argc, argv, [&]() -> int {
     const mechanism::Robot robot = mechanism::loadRobot(robot_file);
     const control::HardwareFile hardware_description = control::loadHardwareFile(hardware_file);
@@ -222,7 +231,10 @@ int main(int argc, char** argv) {
     watch.begin(Watch::What::Play);
     recording = true;
     require(system, system.play());
+    nodes::Pauses machine(pauses);
+    machine.waitWhileBusy(system, kPatience);
     requireHolding(system);
+    machine.print();
     watch.printPlay();
     require(system.stopRecording());
     recording = false;

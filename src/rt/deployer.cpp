@@ -84,6 +84,15 @@ Nanoseconds Deployment::step() {
   return virtual_now_;
 }
 
+void Deployment::skip(Nanoseconds duration) noexcept {
+  const Nanoseconds end = nextRelease() + duration;
+  for (SteppedActivity* activity : stepped_) {
+    const Nanoseconds period = activity->options().period;
+    const std::int64_t cycles = (end - activity->nextRelease() + period - 1) / period;
+    if (cycles > 0) activity->skip(cycles);
+  }
+}
+
 Nanoseconds Deployment::nextRelease() const noexcept {
   const auto earlier = [](const SteppedActivity* a, const SteppedActivity* b) {
     return a->nextRelease() < b->nextRelease();

@@ -57,10 +57,19 @@ class Programs : public ::testing::Test {
     return recorded;
   }
 
-  static Ended simulate(const std::string& reference, const std::string& recorded) {
+  static Ended simulate(const std::string& reference, const std::string& recorded, const std::string& more = "") {
     return run(KNEE_SIMULATE + kRobot + "--simulation " + kConfig + "/simulation/A.yaml --hardware " + kConfig +
                "/hardware/simulated.yaml --deployment " + kConfig + "/deployment/simulation.yaml " + reference +
-               " -o " + recorded);
+               " -o " + recorded + " " + more);
+  }
+
+  /// Times of the rows of a recording, s.
+  static std::vector<double> times(const std::string& path) {
+    std::ifstream stream(path);
+    std::vector<double> out;
+    for (std::string line; std::getline(stream, line);)
+      if (!line.empty() && std::isdigit(static_cast<unsigned char>(line[0])) != 0) out.push_back(std::stod(line));
+    return out;
   }
 
   static nlohmann::json report(const std::string& name) {
@@ -95,6 +104,22 @@ TEST_F(Programs, SimulateRecordsARowPerCycleAndDoesNotOverwrite) {
   const Ended again = simulate(in("excitation_1.txt"), recorded);
   EXPECT_EQ(2, again.status);
   EXPECT_NE(std::string::npos, again.output.find("run_1.csv")) << again.output;
+}
+
+TEST_F(Programs, SimulateLeavesOutTheRowsOfPausesOfTheMachine) {
+  recording(1);
+  const Ended played =
+      simulate(in("excitation_1.txt"), in("paused.csv"), "--pauses-per-minute 300 --longest-pause-s 0.01");
+  ASSERT_EQ(0, played.status) << played.output;
+  const std::vector<double> rows = times(in("paused.csv"));
+  ASSERT_GT(rows.size(), 11000u);
+  int gaps = 0;
+  for (std::size_t n = 1; n < rows.size(); ++n) {
+    EXPECT_LT(rows[n] - rows[n - 1], 0.0125);
+    if (rows[n] - rows[n - 1] > 0.0025) ++gaps;
+  }
+  EXPECT_GT(gaps, 20) << "about 50 pauses, most of which are longer than a cycle";
+  EXPECT_NE(std::string::npos, played.output.find("pauses of the machine: ")) << played.output;
 }
 
 TEST_F(Programs, CompareShowsReferenceAgainstMeasured) {

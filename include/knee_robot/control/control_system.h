@@ -171,6 +171,8 @@ class ControlSystem {
   rt::Nanoseconds step();
   /// Stepped only: executes all cycles of the next `seconds`.
   void run(double seconds);
+  /// Stepped only: the next `seconds` go by without a cycle, as when the machine stands still; the plant goes on.
+  void pause(double seconds);
 
  private:
   Answer moving(RequestKind kind, double timeout_s, std::optional<std::uint64_t> halts);

@@ -56,6 +56,8 @@ class Deployment {
 
   /// Executes the next cycle of a stepped deployment; its virtual time.
   Nanoseconds step();
+  /// Leaves out the cycles of the next `duration` of a stepped deployment, as a pause of the machine does.
+  void skip(Nanoseconds duration) noexcept;
   /// Virtual time of the cycle that step() will execute.
   Nanoseconds nextRelease() const noexcept;
   /// Executes all cycles before virtual time `end`.
