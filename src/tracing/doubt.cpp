@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "came_back.h"
 #include "knee_robot/base/numbers.h"
 #include "search.h"
 #include "selection.h"
@@ -43,6 +44,29 @@ Eigen::VectorXd movingRms(const Search& s) {
 /// What has a signature of its own, whatever else acts, and what is no name.
 bool isBeyondDoubt(const Candidate& c) {
   return c.isMap() || c.periodic() || c.local();
+}
+
+/// A force on the platform goes into several legs, unless it points along one.
+constexpr double kMostInOneLeg = 0.999;
+constexpr double kMostlyCovered = 0.5;
+constexpr double kEither = 0.7;  ///< a push, or what depends on a place
+
+/// Of a push: whether it may be something in one leg, or something that depends on a place where the robot was once.
+void doubtPush(const Search& s, FoundEffect& e, std::vector<std::string>& notes) {
+  const Place& place = e.hypothesis.place;
+  const bool has_legs = !s.data->inputs.front().force_per_pose_force.empty();
+  if (has_legs && shareOfOneActuator(s, e.hypothesis, e.coefficients) > kMostInOneLeg) {
+    e.probability = std::min(e.probability, kHarmful);
+    e.doubted = true;
+    notes.push_back(placeText(place) + ": loads one leg alone; what pushes the platform loads several.");
+    return;
+  }
+  const Eigen::VectorXd without_N = s.fit.residual_N + effectRows(*s.data, e.hypothesis) * e.coefficients;
+  if (recurrenceOf(s, e.hypothesis, without_N).covered >= kMostlyCovered) return;
+  e.probability = std::min(e.probability, kEither);
+  e.indistinguishable_from.emplace_back("unnamed");
+  notes.push_back(placeText(place) +
+                  ": happened at places where the robot was at no other time, and may belong to them.");
 }
 
 /// Where the effect acts: on its actuator, or on all together. Nothing is known of effects of a given model.
@@ -88,7 +112,9 @@ void doubtNames(Search& s, std::vector<std::string>& notes) {
   for (FoundEffect& e : s.effects) {
     const Place& place = e.hypothesis.place;
     // Those of a given model were named where they were found.
-    if (std::isnan(e.p) || isBeyondDoubt(*place.candidate)) continue;
+    if (std::isnan(e.p)) continue;
+    if (place.candidate->local()) doubtPush(s, e, notes);
+    if (isBeyondDoubt(*place.candidate)) continue;
     const double floors = floorsLeft(s, place, left_N);
     const bool harms = !e.transfers && e.elsewhere_gain < 0.0;
     const bool uneven = e.elsewhere_gaining < kMostStretches;

@@ -6,6 +6,7 @@
 #include <limits>
 #include <map>
 
+#include "came_back.h"
 #include "knee_robot/base/numbers.h"
 #include "knee_robot/base/parallel.h"
 #include "ripple_periods.h"
@@ -21,9 +22,10 @@ constexpr std::size_t kStarts =
     5;  ///< shapes of an effect between two points from which is refined: it has several hills
 constexpr int kRounds = 5;
 constexpr double kSlightPull = 1e-6;
-constexpr double kMapPull = 1e-3;    ///< hat functions add up to columns that the model has already
-constexpr int kLocalPieces = 6;      ///< of a local effect that are held back in turn
-constexpr double kMostBlocks = 0.5;  ///< share of held-back blocks that must gain
+constexpr double kMapPull = 1e-3;       ///< hat functions add up to columns that the model has already
+constexpr double kMostComesBack = 0.5;  ///< of the squares that a push explains
+constexpr int kLocalPieces = 6;         ///< of a local effect that are held back in turn
+constexpr double kMostBlocks = 0.5;     ///< share of held-back blocks that must gain
 constexpr double kAboveFloor = 1.15;
 constexpr double kSiblingAboveFloor = 1.0;
 constexpr double kLowered = 0.9;         ///< the rms of some actuator must fall below this share
@@ -277,6 +279,11 @@ std::string objection(const Search& s, const Trial& t, bool sibling) {
   if (!t.hypothesis.place.candidate->plausible(t.fit.coefficients.back())) return "the size that fits is not physical";
   if (!t.fit.stable.back()) return "its sign changes when a part of the training data is left out";
   if (t.hypothesis.place.candidate->local()) {  // few pieces, some of them with little motion: their number speaks
+    const Eigen::VectorXd without = t.fit.residual_N + effectRows(*s.data, t.hypothesis) * t.fit.coefficients.back();
+    const double back = recurrenceOf(s, t.hypothesis, without).share;
+    if (back > kMostComesBack)
+      return "what it would be comes back at the same places at other times (" + shortNumber(100.0 * back, 2) +
+             " % of it)";
     if (t.held.gaining >= kMostPieces && t.held.mean > t.held.error) return {};
     return "does not help on held-back pieces of the time in which it acts (" + shortNumber(100.0 * t.held.gaining, 3) +
            " % of them gain)";

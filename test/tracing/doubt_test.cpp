@@ -14,7 +14,8 @@ class Doubt : public SearchedMachine {
     search_.floor.measured = measured_;
     search_.fit.residual_N = Eigen::VectorXd::Constant(data_.stack.size() * data_.stack.axes, 0.5 * floors);
     FoundEffect e;
-    e.hypothesis = named(name, {});
+    e.hypothesis = named(name, shape_);
+    e.coefficients = coefficients_;
     e.probability = 0.99;
     e.p = p_;
     e.explained_rms_N = Eigen::VectorXd::Constant(data_.stack.axes, explains_N_);
@@ -31,6 +32,8 @@ class Doubt : public SearchedMachine {
     doubtNames(search_, notes_);
     return search_.effects.front();
   }
+  std::vector<double> shape_;
+  Eigen::VectorXd coefficients_;
   double p_ = 0.004;
   double explains_N_ = 9.0, nameless_N_ = 0.0;
   const std::unique_ptr<Candidate> map_ = mapCandidate(robot_, "pose_x_m", kActuator, {0, 1, 2, 3, 4, 5, 6, 7});
@@ -121,9 +124,35 @@ TEST_F(Doubt, IsCastOnANameThatExplainsLessThanAMapBesideIt) {
 
 TEST_F(Doubt, SparesWhatHasASignatureOfItsOwn) {
   EXPECT_EQ(said("screw_ripple", 9.0).probability, 0.99);
+  shape_ = {1.0, 8.0, 2.0};  // of a push: recording, from_s, duration_s
+  coefficients_ = Eigen::Vector4d(20.0, -60.0, 0.0, 0.0);
   EXPECT_EQ(said("external_force", 9.0).probability, 0.99);
   p_ = std::nan("");
   EXPECT_FALSE(said("stribeck", 9.0).doubted) << "of a given model, named where it was found";
+}
+
+TEST_F(Doubt, IsCastOnAPushThatLoadsOneLegAlone) {
+  const EffectInput& input = data_.inputs.front();
+  int middle = 0;
+  while (input.time(middle) < 9.0)
+    ++middle;
+  shape_ = {1.0, 8.99, 0.02};
+  coefficients_ = input.force_per_pose_force[static_cast<std::size_t>(middle)].inverse().col(kActuator) * 40.0;
+  const FoundEffect one = said("external_force", 1.0);
+  EXPECT_TRUE(one.doubted);
+  ASSERT_EQ(notes_.size(), 1u);
+  EXPECT_NE(notes_[0].find("loads one leg alone"), std::string::npos) << notes_[0];
+}
+
+TEST_F(Doubt, OfAPushWhereTheRobotWasAtNoOtherTimeSaysOrUnnamed) {
+  data_.recordings.back().signals.position_m.array() += 1.0;  // the other recording is elsewhere
+  shape_ = {1.0, 0.5, 23.0};
+  coefficients_ = Eigen::Vector4d(20.0, -60.0, 0.0, 0.0);
+  const FoundEffect push = said("external_force", 1.0);
+  EXPECT_FALSE(push.doubted);
+  EXPECT_EQ(push.indistinguishable_from, std::vector<std::string>{"unnamed"});
+  ASSERT_EQ(notes_.size(), 1u);
+  EXPECT_NE(notes_[0].find("at no other time"), std::string::npos) << notes_[0];
 }
 
 }  // namespace
