@@ -13,7 +13,7 @@ export function wire(asking) {
   $("cancel-job").onclick = () => ask($("cancel-job"), "/api/jobs/cancel", {});
 }
 
-// The last one that was chosen judges what the others identify.
+// The last one that was chosen validates the model that the others identify.
 function begin_job(button) {
   const names = [...chosen], command = button.dataset.job;
   const body = { command, train: names, validate: [] };

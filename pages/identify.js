@@ -35,7 +35,7 @@ const rankAxis = "directions that the data decide (the prior's pull falls to the
 heading("Error against the prior's strength");
 paragraph(`Chosen: ${rank.chosen} directions, friction and rotors included, that the data decide (dashed); the others stay near the prior. All are fitted; the `
   + "pull towards the prior is the strongest whose error on held-back blocks of the training data is within one standard error of the best. "
-  + `${rank.blocks} blocks, split at stops; repeats of a stretch of motion are held back together. The validation curve is shown for judgement; it played no part.`);
+  + `${rank.blocks} blocks, split at stops; repeats of a stretch of motion are held back together. The validation curve is shown for comparison; it played no part.`);
 subheading(`Blocks of the training data, all ${chain ? "joints" : "actuators"}, in units of the noise`);
 plot([{ label: "held back", color: COLORS.model, x: ranks, y: rank.curve.map((p) => Math.sqrt(p.held_back)) },
   { label: "fitted", color: COLORS.measured, x: ranks, y: rank.curve.map((p) => Math.sqrt(p.training)) }],

@@ -76,7 +76,7 @@ def command_line(goal, recordings, default_robot, output):
     if not train:
         raise BadGoal("name at least one recording to train with")
     if len(set(train + validate)) != len(train + validate):
-        raise BadGoal("a recording is named twice; what a model is fitted to cannot judge it")
+        raise BadGoal("a recording is named twice; what a model is fitted to cannot validate it")
     if goal.model and not pathlib.Path(goal.model).is_file():
         raise BadGoal(f"there is no model file {goal.model}")
     words = [goal.command, "--robot", str(robot), "--output", str(output), *_options(goal.command, goal.options)]
@@ -106,8 +106,8 @@ def figures(folder):
     found = {"before": [], "after": [], "effects": []}
     for when in ("before", "after"):
         parts = report.get(when) or {}
-        judged = parts.get("validate") or parts.get("train") or {}
-        found[when] = [float(v) for v in judged.get("rms_N") or [] if v is not None]
+        errors = parts.get("validate") or parts.get("train") or {}
+        found[when] = [float(v) for v in errors.get("rms_N") or [] if v is not None]
     for effect in report.get("effects") or []:
         actuators = ", ".join(str(a) for a in effect.get("actuators") or [])
         found["effects"].append(effect["name"] + (f" ({actuators})" if actuators else ""))

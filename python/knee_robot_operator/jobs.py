@@ -100,7 +100,7 @@ class Jobs:
         return answer.message
 
     async def _check_model(self, server):
-        """Two excitations are planned, played and recorded; a model is identified on the first and judged by the second, the residual is
+        """Two excitations are planned, played and recorded; a model is identified on the first and validated on the second, the residual is
         traced, and the model in use is set beside it."""
         state = server.robot.state
         if not state or state["state"] != "holding" or server.playing.active:

@@ -78,10 +78,10 @@ def size_of(recording, clean):
 
 
 def clean_forces(case, shop):
-    """Of the effect-free twin's training record; kept, because many cases share it."""
+    """Of the training record of the same machine without effects; kept, because many cases share it."""
     path = f"{shop.folder}/forces-{case.setting.name()}.npy"
     if not os.path.exists(path):
-        folder = f"{shop.folder}/twin-{case.name()}"
+        folder = f"{shop.folder}/clean-{case.name()}"
         os.makedirs(folder, exist_ok=True)
         recordings, _ = make_recordings(Case("clean", case.setting, [], 0), shop, folder)
         np.save(path, low_passed_forces(recordings[0]))
@@ -100,7 +100,7 @@ def reachable(case, shop, folder):
 
 
 def play(case, shop, keep):
-    """Makes the recordings, traces them, and returns what is judged."""
+    """Makes the recordings, traces them, and returns what the summary needs."""
     folder = f"{shop.folder}/{case.name()}"
     os.makedirs(folder, exist_ok=True)
     recordings, truth = make_recordings(case, shop, folder)

@@ -243,16 +243,16 @@ def play_chain(case, programs, folder, keep):
 
 
 def excess_left(result, clean):
-    """Of the squared error over the clean twin's on the other path, what is left, %; "-" where there was hardly any."""
-    twin, i = clean.get(result["setting"]), result["truth"][0]["actuator"] - 1
-    if not twin:
+    """Of the squared error over that of the clean recording on the other path, what is left, %; "-" where there was hardly any."""
+    same_clean, i = clean.get(result["setting"]), result["truth"][0]["actuator"] - 1
+    if not same_clean:
         return "-"
-    before, after, free = (x[i]**2 for x in (result["before_validate"], result["after_validate"], twin["before_validate"]))
+    before, after, free = (x[i]**2 for x in (result["before_validate"], result["after_validate"], same_clean["before_validate"]))
     return f"{100 * max(0.0, after - free) / (before - free):.0f}" if before > 1.2 * free else "-"
 
 
 def chain_summary(results):
-    """Detections by effect, false additions on clean recordings, and what of the excess over the clean twin is left elsewhere."""
+    """Detections by effect, false additions on clean recordings, and what of the excess over the clean recording is left elsewhere."""
     done = [r for r in results if "failed" not in r]
     clean = {r["setting"]: r for r in done if r["kind"] == "clean"}
     touched = [r for r in clean.values() if r["effects"]]

@@ -32,7 +32,7 @@ class Failed(Exception):
 
 
 class Setting:
-    """A machine on two paths, without effect: the clean record and its twins with effects share it."""
+    """A machine on two paths, without effect: the clean record and those with effects share it."""
 
     def __init__(self, split, number, plant="robot"):
         draw = random.Random(f"{split} {plant} {number}")

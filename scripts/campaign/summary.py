@@ -1,4 +1,4 @@
-"""Judges the results of the injection campaign and prints the tables."""
+"""Evaluates the results of the injection campaign and prints the tables."""
 import math
 
 WEIGHTS = ["-", "weak", "medium", "strong"]
@@ -133,28 +133,28 @@ def sizes(results, clean):
 
 
 def errors(results, clean):
-    print("\nerror on the other path, actuator with the largest excess over the effect-free twin, N: before, after, effect-free,"
+    print("\nerror on the other path, actuator with the largest excess over the clean recording, N: before, after, effect-free,"
           " reachable by who knows the effect's force (but not a ripple's phase there)")
     within, removed, reached = [], [], []
     for r in sorted(results, key=lambda r: (r["kind"], truth_text(r), r["strength"])):
         if r["kind"] not in ("single", "unlisted"):
             continue
-        twin = clean.get(r["setting"])
-        best = twin["before_validate"] if twin else r["reachable"]
+        same_clean = clean.get(r["setting"])
+        best = same_clean["before_validate"] if same_clean else r["reachable"]
         i = worst(gap(r["before_validate"], best))
         b, a, possible = r["before_validate"][i], r["after_validate"][i], r["reachable"][i]
         verdict = verdicts(r)[0][0]
-        is_material = material(r, twin)
+        is_material = material(r, same_clean)
         if r["kind"] == "single" and verdict in ("exact", "pair"):
             reached.append((a <= 1.2 * possible, is_material))
-            if twin:
+            if same_clean:
                 within.append((a <= 1.2 * best[i], is_material))
         if r["kind"] == "unlisted" and is_material:
             removed.append((b - a) / max(1e-9, b - best[i]))
         mark = {True: "material", False: "", None: "?"}[is_material]
-        free = f"{best[i]:9.2f}" if twin else f"{'?':>9}"
+        free = f"{best[i]:9.2f}" if same_clean else f"{'?':>9}"
         print(f"  {truth_text(r):34} {WEIGHTS[r['strength']]:6} {verdict:6}{mark:9}{b:9.2f}{a:9.2f}{free}{possible:9.2f}")
-    print(f"named effects whose error afterwards is at most 1.2 times the twin's: {share(sum(1 for w in within if w[0]), len(within))}; "
+    print(f"named effects whose error afterwards is at most 1.2 times the clean recording's: {share(sum(1 for w in within if w[0]), len(within))}; "
           f"material ones {share(sum(1 for w in within if w[0] and w[1]), sum(1 for w in within if w[1]))}")
     print(f"the same against what was reachable: {share(sum(1 for w in reached if w[0]), len(reached))}; "
           f"material ones {share(sum(1 for w in reached if w[0] and w[1]), sum(1 for w in reached if w[1]))}")

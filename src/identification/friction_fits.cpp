@@ -44,7 +44,7 @@ double InWeights::at(const std::vector<int>& which, const Eigen::VectorXd& weigh
   return sum;
 }
 
-void eliminateBase(const FrictionBlock& fitted, const FrictionBlock& judged, const Eigen::VectorXd& ridge,
+void eliminateBase(const FrictionBlock& fitted, const FrictionBlock& other, const Eigen::VectorXd& ridge,
                    InWeights& training, InWeights& held_back) {
   Eigen::MatrixXd normal = fitted.base;
   normal.diagonal() += ridge;
@@ -55,11 +55,11 @@ void eliminateBase(const FrictionBlock& fitted, const FrictionBlock& judged, con
   training.constant = fitted.target - fitted.base_target.dot(alone);
   training.linear = fitted.candidate_target - follows.transpose() * fitted.base_target;
   training.square = fitted.candidates - fitted.mixed.transpose() * follows;
-  const Eigen::MatrixXd seen = judged.base * follows;
-  held_back.constant = judged.target - 2.0 * judged.base_target.dot(alone) + alone.dot(judged.base * alone);
-  held_back.linear = judged.candidate_target - follows.transpose() * judged.base_target -
-                     judged.mixed.transpose() * alone + seen.transpose() * alone;
-  held_back.square = judged.candidates - judged.mixed.transpose() * follows - follows.transpose() * judged.mixed +
+  const Eigen::MatrixXd seen = other.base * follows;
+  held_back.constant = other.target - 2.0 * other.base_target.dot(alone) + alone.dot(other.base * alone);
+  held_back.linear = other.candidate_target - follows.transpose() * other.base_target -
+                     other.mixed.transpose() * alone + seen.transpose() * alone;
+  held_back.square = other.candidates - other.mixed.transpose() * follows - follows.transpose() * other.mixed +
                      follows.transpose() * seen;
 }
 

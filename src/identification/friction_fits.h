@@ -30,8 +30,8 @@ struct InWeights {
 };
 
 /// Eliminates the base on `fitted` rows (with a ridge on its coordinates) and says what that leaves on them and on
-/// `judged`.
-void eliminateBase(const FrictionBlock& fitted, const FrictionBlock& judged, const Eigen::VectorXd& ridge,
+/// `other`.
+void eliminateBase(const FrictionBlock& fitted, const FrictionBlock& other, const Eigen::VectorXd& ridge,
                    InWeights& training, InWeights& held_back);
 
 /// Non-negative weights of these few columns that leave least. Empty when some weight would be less than a tenth of

@@ -58,9 +58,10 @@ class Bus {
 };
 
 /// The faults that inject_fault orders of drives and wire.
-class Orders {
+class OrderedFaults {
  public:
-  Orders(const simulation::InjectedFaults& orders, Bus& bus, simulation::FaultyPort& wire, simulation::CanRobot& robot)
+  OrderedFaults(const simulation::InjectedFaults& orders, Bus& bus, simulation::FaultyPort& wire,
+                simulation::CanRobot& robot)
       : orders_(orders), bus_(bus), wire_(wire), robot_(robot) {}
   void follow() {
     wire_.set(static_cast<simulation::WireFault>(orders_.can_wire.load()));
@@ -91,9 +92,9 @@ class Orders {
 /// Steps the robot along the clock, answers the bus in between. Returns the milliseconds that were left out.
 class Simulation {
  public:
-  Simulation(Bus& bus, simulation::FaultyPort& port, simulation::CanRobot& robot, Orders orders,
+  Simulation(Bus& bus, simulation::FaultyPort& port, simulation::CanRobot& robot, OrderedFaults faults,
              simulation::TruthLog* truth)
-      : bus_(bus), port_(port), robot_(robot), orders_(orders), truth_(truth) {}
+      : bus_(bus), port_(port), robot_(robot), faults_(faults), truth_(truth) {}
 
   std::int64_t run(double duration_s) {
     std::int64_t left_out = 0;
@@ -127,7 +128,7 @@ class Simulation {
   }
 
   void step() {
-    orders_.follow();
+    faults_.follow();
     if (!robot_.stepPlant(1e-9 * kPeriod_ns)) {
       throw InputError("the plant's motion left all bounds; mend masses, friction or forces");
     }
@@ -137,7 +138,7 @@ class Simulation {
   Bus& bus_;
   simulation::FaultyPort& port_;
   simulation::CanRobot& robot_;
-  Orders orders_;
+  OrderedFaults faults_;
   simulation::TruthLog* truth_;
   std::array<can::Frame, 256> frames_;
 };
@@ -177,7 +178,8 @@ int simulate(const Options& options) {
                               memory.image(), port);
   std::optional<simulation::TruthLog> truth;
   if (options.truth_rows > 0) truth.emplace(options.shm + "_truth", options.truth_rows);
-  Simulation simulation(bus, port, drives, Orders(memory.image().faults, bus, port, drives), truth ? &*truth : nullptr);
+  Simulation simulation(bus, port, drives, OrderedFaults(memory.image().faults, bus, port, drives),
+                        truth ? &*truth : nullptr);
   askForPriority(options.priority);
   std::printf("cia402_simulator ready: four drives on %s, robot in %s\n",
               (options.bus.empty() ? hardware.can->interface : options.bus).c_str(), options.shm.c_str());

@@ -127,7 +127,7 @@ int frictionColumns(const std::vector<identification::Column>& columns) {
       std::count_if(columns.begin(), columns.end(), [](const identification::Column& c) { return c.isFriction(); }));
 }
 
-/// A recording that the model was fitted to cannot judge it.
+/// A recording that the model was fitted to cannot validate it.
 void refuseTrainingAgain(const Arguments& a) {
   for (const std::string& file : a.validate) {
     if (std::find(a.train.begin(), a.train.end(), file) != a.train.end()) {

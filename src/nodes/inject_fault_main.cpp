@@ -127,7 +127,7 @@ std::string names() {
 }  // namespace
 
 int main(int argc, char** argv) {
-  CLI::App app("Orders a fault from the simulated robot while it runs.", "inject_fault");
+  CLI::App app("Makes a fault in the simulated robot while it runs.", "inject_fault");
   std::string shm = "/knee_robot_sim", name;
   Order order;
   app.add_option("--shm", shm, "shared memory of the simulated robot")->capture_default_str();

@@ -36,7 +36,7 @@ Json binned(const Eigen::VectorXd& x, const Eigen::VectorXd& before, const Eigen
   return {{"at", plotNumbers(middle)}, {"before", plotNumbers(mean_before)}, {"after", plotNumbers(mean_after)}};
 }
 
-/// Mean residual over velocity and position of the recording that judges.
+/// Mean residual over velocity and position of the validation recording.
 Json mapsJson(const TraceResults& r) {
   const bool validated = !r.validate.empty();
   const identification::Observation& o = validated ? r.validate.front() : r.train.front();

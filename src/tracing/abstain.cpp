@@ -35,7 +35,7 @@ void abstainElsewhere(Search& s, std::vector<std::string>& notes) {
     std::vector<std::string> said;
     for (FoundEffect& e : s.effects)
       e.transfers = e.hypothesis.place.candidate->transfers();
-    judgeElsewhere(s, said);
+    testElsewhere(s, said);
     const auto worst = worstElsewhere(s.effects);
     if (worst == s.effects.end()) return;
     const std::string place = placeText(worst->hypothesis.place);

@@ -88,7 +88,7 @@ Eigen::VectorXd baselineElsewhere(Search& s, const BaseFit& baseline, const Eige
   return left;
 }
 
-bool judged(const FoundEffect& e) {
+bool testedElsewhere(const FoundEffect& e) {
   return e.hypothesis.place.candidate->transfers() && !e.hypothesis.place.candidate->local() && e.band_hz == 0.0;
 }
 
@@ -105,7 +105,7 @@ Eigen::MatrixXd savedElsewhere(Search& s, const std::vector<Hypothesis>& all, At
     const Eigen::VectorXd with = problem.heldBack();
     total += with.sum();
     inParallel(all.size(), [&](std::size_t k) {
-      if (judged(s.effects[k]))
+      if (testedElsewhere(s.effects[k]))
         saved.block(direction * kStretches, static_cast<Eigen::Index>(k), kStretches, 1) =
             problem.heldBackWithout(k) - with;
     });
@@ -117,7 +117,7 @@ Eigen::MatrixXd savedElsewhere(Search& s, const std::vector<Hypothesis>& all, At
 
 }  // namespace
 
-void judgeElsewhere(Search& s, std::vector<std::string>& notes) {
+void testElsewhere(Search& s, std::vector<std::string>& notes) {
   const std::vector<Hypothesis> all = hypothesesOf(s.effects);
   Eigen::VectorXd total(2);
   const Eigen::MatrixXd moving = savedElsewhere(s, all, Attention::Moving, total[0]);
@@ -125,7 +125,7 @@ void judgeElsewhere(Search& s, std::vector<std::string>& notes) {
   const double masked = maskedSquares(s, all);
   for (std::size_t k = 0; k < all.size(); ++k) {
     FoundEffect& e = s.effects[k];
-    if (!judged(e)) continue;
+    if (!testedElsewhere(e)) continue;
     const Eigen::Index column = static_cast<Eigen::Index>(k);
     const Helps helps = {heldBackGain(moving.col(column)), heldBackGain(every.col(column))};
     const double beside = masked > 0.0 ? maskedSquares(s, without(all, k)) - masked : 0.0;

@@ -125,7 +125,7 @@ std::string centerText(const PayloadTest& t) {
   return out.empty() ? " at a place that the motion does not tell" : out + " (platform frame)";
 }
 
-void judge(double platform_kg, PayloadTest& t) {
+void concludePayload(double platform_kg, PayloadTest& t) {
   const double missed = t.prior_rms * t.prior_rms - t.free_rms * t.free_rms;
   const double explained = t.prior_rms * t.prior_rms - t.payload_rms * t.payload_rms;
   const bool seen = t.mass_kg > kMassErrors * t.mass_std_kg && t.mass_kg > kSmall * platform_kg;
@@ -215,7 +215,7 @@ PayloadTest testPayload(const mechanism::Robot& robot, const std::vector<identif
   const Eigen::MatrixXd a = scale.asDiagonal() * baseRows(weighted, recordings, stack);
   const Eigen::VectorXd b = scale.cwiseProduct(forceRows(weighted, recordings, stack));
   t.free_rms = rms(b - a * identification::boundedLeastSquares(a, b, base.bounded));
-  judge(directions.carrier_kg(prior), t);
+  concludePayload(directions.carrier_kg(prior), t);
   if (robot.chain) speakOfChain(*robot.chain, t);
   return t;
 }

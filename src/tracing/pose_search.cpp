@@ -254,7 +254,7 @@ void erase(PoseSearch& s, std::size_t k) {
 
 /// Held-back gain of every cause in the model beside the others; takes out those that the others have made superfluous.
 /// Sets the standard errors by the jackknife over pieces.
-void judgeMembers(PoseSearch& s) {
+void dropSuperfluous(PoseSearch& s) {
   for (std::size_t k = 0; k < s.findings.size();) {
     const Weighed w = equationsOf(s);
     const Eigen::Index count = w.model.cols(), at = 4 + static_cast<Eigen::Index>(k);
@@ -362,7 +362,7 @@ void searchPose(PoseSearch& s) {
     for (std::size_t k = 1; k < rivals.size(); ++k)
       f.confusable.push_back(s.hypotheses[static_cast<std::size_t>(rivals[k].at)]);
     add(s, std::move(f));
-    judgeMembers(s);
+    dropSuperfluous(s);
     s.options->progress("pose: added " + textOf(s.findings.back().hypothesis));
   }
 }

@@ -68,8 +68,8 @@ PoseModel transferred(const PoseTrace& trace) {
 }
 
 /// `model`: as this recording has it.
-PoseRecording judge(const mechanism::Robot& robot, const PoseView& view, const PoseTrace& trace, const PoseModel& model,
-                    const mechanism::Vector4& sigma) {
+PoseRecording evaluatePose(const mechanism::Robot& robot, const PoseView& view, const PoseTrace& trace,
+                           const PoseModel& model, const mechanism::Vector4& sigma) {
   PoseRecording out;
   out.path = view.recording->path;
   out.name = view.recording->name;
@@ -244,13 +244,13 @@ PoseTrace tracePose(const mechanism::Robot& robot, const std::vector<recording::
 
   for (const PoseView& view : views) {
     noteMask(view, trace.notes);
-    trace.train.push_back(judge(robot, view, trace, trace.model, s.sigma));
+    trace.train.push_back(evaluatePose(robot, view, trace, trace.model, s.sigma));
   }
   for (const recording::Recording& r : validate) {
     const PoseView view = viewPose(robot, r, options.condition_max, delay_s);
     if (view.rows.empty()) continue;
     noteMask(view, trace.notes);
-    trace.validate.push_back(judge(robot, view, trace, transferred(trace), s.sigma));
+    trace.validate.push_back(evaluatePose(robot, view, trace, transferred(trace), s.sigma));
   }
   return trace;
 }

@@ -122,7 +122,7 @@ inline constexpr double kWorthElsewhere = 0.05;
 
 /// Held-back stretches of other positions, and samples with a masked pose: what each effect saves there. Effects that
 /// do not surely help there are not predicted elsewhere.
-void judgeElsewhere(Search& search, std::vector<std::string>& notes);
+void testElsewhere(Search& search, std::vector<std::string>& notes);
 /// The same of a chain, whose reports name nothing that fails there: it is taken out, the most harmful one first.
 void abstainElsewhere(Search& search, std::vector<std::string>& notes);
 

@@ -333,7 +333,7 @@ void Tracing::settle() {
   if (robot_.chain) abstainElsewhere(s_, result_.notes);
   holdBackAmbiguous(s_, result_.notes);
   holdBackOnePath(s_, result_.notes);
-  if (!robot_.chain) judgeElsewhere(s_, result_.notes);
+  if (!robot_.chain) testElsewhere(s_, result_.notes);
   if (!robot_.chain) doubtNames(s_, result_.notes);
   result_.rejected.insert(result_.rejected.end(), s_.taken_out.begin(), s_.taken_out.end());
   keepFit();

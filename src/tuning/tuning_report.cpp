@@ -98,7 +98,7 @@ report::Json gainsJson(const control::PidGains& g) {
 }
 
 /// Gains with the worst of their margins over the range; a factor that may be any is null.
-report::Json judgedJson(const control::PidGains& gains, const LoopMargins& m, double kick_N) {
+report::Json loopJson(const control::PidGains& gains, const LoopMargins& m, double kick_N) {
   report::Json j = {{"gains", gainsJson(gains)}, {"stable", m.stable}, {"count_changes_force_N", kick_N}};
   if (!m.stable) return j;
   j["gain_up"] = report::jsonNumber(m.gain_up);
@@ -128,8 +128,8 @@ report::Json axisJson(const TuningResults& r, std::size_t i) {
   j["range"] = {{"low", plantJson(a.range.low)},
                 {"high", plantJson(a.range.high)},
                 {"highest_crossover_hz", a.highest_crossover_hz}};
-  j["present"] = judgedJson(a.present, a.present_worst, a.present_kick_N);
-  j["proposed"] = a.proposed ? judgedJson(*a.proposed, a.proposed_worst, a.proposed_kick_N) : report::Json();
+  j["present"] = loopJson(a.present, a.present_worst, a.present_kick_N);
+  j["proposed"] = a.proposed ? loopJson(*a.proposed, a.proposed_worst, a.proposed_kick_N) : report::Json();
   return j;
 }
 

@@ -98,19 +98,19 @@ def subscribers_that_do_not_read(a):
     a.enable()
     a.play()
     a.begin()
-    deaf = []
+    silent = []
     for number in range(100):
         one = connect(service_port())
         one.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, 2048)
-        one.sendall(header(callerid=f"/deaf_{number}", topic="/controller/tracking", md5sum=Tracking._md5sum, type=Tracking._type))
-        deaf.append(one)
+        one.sendall(header(callerid=f"/silent_{number}", topic="/controller/tracking", md5sum=Tracking._md5sum, type=Tracking._type))
+        silent.append(one)
     time.sleep(3.0)
     said, stopped = asked(a, "stop")
     state = a.session.wait_for(("holding",), 5.0).state
     a.begin()
     a.session.trigger("disable")
     text, good = a.look(1.0)
-    for one in deaf:
+    for one in silent:
         one.close()
     return f"{said}, then {state}; ", text, good and stopped and state == "holding"
 

@@ -185,7 +185,7 @@ TEST(HandGuiding, DoesNotRunAwayFromAHandThatLeanedOnThePlatformWhileItWasWeighe
   }
 }
 
-TEST(HandGuiding, EndsWhenTheWeightIsNotForeseenAnyMore) {
+TEST(HandGuiding, EndsWhenTheWeightIsNotFedForwardAnyMore) {
   Rig rig;
   ASSERT_NO_FATAL_FAILURE(rig.begin());
   ASSERT_TRUE(rig.system->setProperty("Feedforward", "share_gravity", "0").ok);

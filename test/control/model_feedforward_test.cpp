@@ -251,7 +251,7 @@ TEST_F(ModelFeedforwardTest, AddsFrictionAlongTheReferenceAndLetsGoOfItAtRest) {
   EXPECT_EQ(force.switched_N, AxisValues{}) << "friction is a load, nothing that is switched";
 }
 
-TEST_F(ModelFeedforwardTest, ForeseesTracedEffectsAndNamesThoseThatItLeavesOut) {
+TEST_F(ModelFeedforwardTest, AddsTracedEffectsAndNamesThoseThatItLeavesOut) {
   const std::string path = temporaryFile("model_feedforward_traced_test.yaml");
   dynamics::ModelEffect offset = fake::stribeckOf(1), play = fake::stribeckOf(3);
   offset.name = "force_offset";

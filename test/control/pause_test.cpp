@@ -170,8 +170,8 @@ TEST(SpeedScaling, StartsAtTheSpeedThatWasSetBefore) {
 }
 
 TEST(RunTimeProperties, ChangeGainsWithoutAJumpOfForce) {
-  Rig rig, twin;
-  for (Rig* one : {&rig, &twin}) {
+  Rig rig, unchanged;
+  for (Rig* one : {&rig, &unchanged}) {
     one->hold();
     one->machine.axes[0].load_N = 80.0;  // pushed away, so that there is an error for the gain to act on
     one->system.run(0.01);
@@ -181,10 +181,10 @@ TEST(RunTimeProperties, ChangeGainsWithoutAJumpOfForce) {
   const Answer changed = rig.system.setProperty("Driver1", "proportional_N_per_m", "20000");
   ASSERT_TRUE(changed.ok) << changed.sentence;
   EXPECT_NE(changed.sentence.find("was 60000"), std::string::npos) << changed.sentence;
-  for (Rig* one : {&rig, &twin})
+  for (Rig* one : {&rig, &unchanged})
     one->system.step();
   EXPECT_GT(jump, 4.0) << "what it would be without the integral's help";
-  EXPECT_NEAR(rig.system.snapshot()->force_N[0], twin.system.snapshot()->force_N[0], 0.1 * jump);
+  EXPECT_NEAR(rig.system.snapshot()->force_N[0], unchanged.system.snapshot()->force_N[0], 0.1 * jump);
 }
 
 TEST(RunTimeProperties, RefuseWhatIsOutOfRangeUnknownOrNotDeclaredSo) {

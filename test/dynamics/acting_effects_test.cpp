@@ -75,7 +75,7 @@ mechanism::Pose poseOf(const mechanism::Robot& robot, const mechanism::Vector4& 
   return mechanism::forwardKinematicsFromHome(*robot.mechanism, lengths).pose;
 }
 
-TEST(ActingEffects, LeaveOutByNameWhatMustNotBeForeseen) {
+TEST(ActingEffects, LeaveOutByNameWhatMustNotBeFedForward) {
   const mechanism::Robot robot = robotA();
   ModelEffect of_training = effect("screw_ripple", 3, {0.01, 0.0}, {2.0, 1.0});
   of_training.transfers = false;

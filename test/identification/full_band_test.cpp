@@ -70,21 +70,21 @@ Errors identified(double count_m) {
   const RowPredictor predict = [&](Observation& o, int) { return predictForce(id.model, robot, o.signals, o.motion); };
   const FullBand band = chooseFullBand(robot, columns, {train}, options.observation, predict);
   std::printf("%s\n", band.sentence.c_str());
-  const std::vector<Observation> judged = {observe(robot, columns, other, options.observation)};
-  Applied applied = applyModel(id.model, robot, judged, cutoff.cutoff_hz);
+  const std::vector<Observation> validation = {observe(robot, columns, other, options.observation)};
+  Applied applied = applyModel(id.model, robot, validation, cutoff.cutoff_hz);
   Errors e;
   e.filtered = applied.accuracy.rms_percent[0];
   if (band.motion_cutoff_hz > 0.0)
     applied.predictions[0].row_force_N =
         predictRows(robot, columns, other, options.observation, band.motion_cutoff_hz, predict, -1);
-  e.rows = accuracyOf(judged, applied.predictions).raw_percent[0];
+  e.rows = accuracyOf(validation, applied.predictions).raw_percent[0];
   e.cutoff_hz = cutoff.cutoff_hz;
   e.motion_hz = band.motion_cutoff_hz;
   std::printf("held out: full band %.2f %%, fit's band %.2f %%\n", e.rows, e.filtered);
   return e;
 }
 
-TEST(FullBand, AnAxisDrivenWithUpTo8HzAt1KhzIsJudgedWithAllOfIt) {
+TEST(FullBand, AnAxisDrivenWithUpTo8HzAt1KhzIsPredictedWithAllOfIt) {
   const Errors e = identified(1e-6);
   EXPECT_GT(e.cutoff_hz, 12.0);
   EXPECT_LT(e.filtered, 3.0);

@@ -5,7 +5,7 @@
 //
 // Prints one JSON object: seconds of CPU time per stage, peak memory, errors on the validation recording. Leaves in
 // FOLDER, as plain text matrices: data.txt target.txt (compressed weighted equations in prior coordinates), pull.txt
-// mean.txt (prior residuals), judge.txt judge_target.txt (the validation recording's equations in the same
+// mean.txt (prior residuals), validation.txt validation_target.txt (the validation recording's equations in the same
 // coordinates), nonnegative.txt.
 #include <sys/resource.h>
 
@@ -102,15 +102,16 @@ int main(int argc, char** argv) {
     bounded[i] = problem.nonnegative[static_cast<std::size_t>(i)];
   write(folder + "nonnegative.txt", bounded);
 
-  std::vector<identification::Observation> judging = read(robot, argv[3], options.observation);
-  for (identification::Observation& o : judging)
+  std::vector<identification::Observation> validation = read(robot, argv[3], options.observation);
+  for (identification::Observation& o : validation)
     identification::setFriction(o, id.columns, id.model.friction);
-  identification::Equations judge = identification::stackEquations(judging, options.observation);
-  identification::weightRows(judge, id.noise_N);
-  const identification::PhysicalProblem held = identification::physicalProblem(
-      identification::compress(judge.a, judge.b) / std::sqrt(judge.rows()), id.columns, coordinates, id.force_rms_N);
-  write(folder + "judge.txt", held.data);
-  write(folder + "judge_target.txt", held.target);
+  identification::Equations held_out = identification::stackEquations(validation, options.observation);
+  identification::weightRows(held_out, id.noise_N);
+  const identification::PhysicalProblem held =
+      identification::physicalProblem(identification::compress(held_out.a, held_out.b) / std::sqrt(held_out.rows()),
+                                      id.columns, coordinates, id.force_rms_N);
+  write(folder + "validation.txt", held.data);
+  write(folder + "validation_target.txt", held.target);
   const identification::PhysicalSolution solution = identification::solvePhysical(problem, pull);
   Eigen::VectorXd z(solution.inertial.size() + solution.free.size());
   z << solution.inertial, solution.free;
@@ -124,9 +125,9 @@ int main(int argc, char** argv) {
             << ", \"peak_MB\": " << static_cast<double>(usage.ru_maxrss) / 1024.0 << ", \"rank\": " << id.model.rank
             << ", \"strength\": " << fit.strength;
   const double cutoff_hz = options.observation.cutoff_hz;
-  printArray("base_moving_N", identification::applyModel(id.model, robot, judging, cutoff_hz).accuracy.rms_moving_N);
+  printArray("base_moving_N", identification::applyModel(id.model, robot, validation, cutoff_hz).accuracy.rms_moving_N);
   printArray("physical_moving_N",
-             identification::applyModel(fit.model, robot, judging, cutoff_hz).accuracy.rms_moving_N);
+             identification::applyModel(fit.model, robot, validation, cutoff_hz).accuracy.rms_moving_N);
   std::cout << "}\n";
   return 0;
 }

@@ -64,11 +64,11 @@ TEST(MeasuredRobotB, PossibleBodiesPredictTheOtherPathNoWorseThanTheBaseFit) {
   const mechanism::Robot robot = robotFile("B.yaml");
   for (const bool forward : {true, false}) {
     std::vector<Observation> training = observeFile(robot, forward ? path_1 : path_2);
-    const std::vector<Observation> judging = observeFile(robot, forward ? path_2 : path_1);
+    const std::vector<Observation> validation = observeFile(robot, forward ? path_2 : path_1);
     const Identification id = identify(robot, training, IdentifyOptions());
     const PhysicalFit fit = fitPhysical(robot, id, dynamics::loadRobotInertia(robot));
-    const Accuracy base = applyModel(id.model, robot, judging, 3.0).accuracy;
-    const Accuracy physical = applyModel(fit.model, robot, judging, 3.0).accuracy;
+    const Accuracy base = applyModel(id.model, robot, validation, 3.0).accuracy;
+    const Accuracy physical = applyModel(fit.model, robot, validation, 3.0).accuracy;
     std::cout << "moving: base " << base.rms_moving_N.transpose() << " N, possible bodies "
               << physical.rms_moving_N.transpose() << " N\n";
     for (const dynamics::LinkInertia& body : fit.inertia.links)

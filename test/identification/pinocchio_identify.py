@@ -225,7 +225,7 @@ def consistent(folder):
     total_s = time.process_time() - start
     z = np.concatenate([part.value for part in parts] + [free.value / scale])
     cost = float(np.sum((data @ z - target) ** 2) + np.sum((pull @ (z - mean)) ** 2))
-    held = float(np.linalg.norm(read("judge") @ z - read("judge_target")[:, 0]))
+    held = float(np.linalg.norm(read("validation") @ z - read("validation_target")[:, 0]))
     print(json.dumps({"total_s": total_s, "solver_s": problem.solver_stats.solve_time, "cost": cost, "held_out": held,
                       "status": problem.status}))
 

@@ -267,8 +267,8 @@ class OversizedAndSlow(PageTest):
 
     async def test_a_page_that_does_not_read_loses_messages_and_nobody_else_does(self):
         async with Rig() as rig, rig.browser() as browser:
-            async with browser.session.ws_connect(rig.url + "/api/live") as deaf, browser.session.ws_connect(rig.url + "/api/live") as page:
-                deaf._reader.feed_data = lambda *_: None
+            async with browser.session.ws_connect(rig.url + "/api/live") as unread, browser.session.ws_connect(rig.url + "/api/live") as page:
+                unread._reader.feed_data = lambda *_: None
                 for k in range(2000):
                     rig.server.events.add("page", f"event {k} " + "x" * 500)
                 end = asyncio.get_running_loop().time() + 5

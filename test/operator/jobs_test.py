@@ -56,7 +56,7 @@ CHECK = {"command": "check_model", "train": []}
 
 
 class CheckModel(PageTest):
-    async def test_two_excitations_are_planned_played_and_recorded_and_the_second_judges(self):
+    async def test_two_excitations_are_planned_played_and_recorded_and_the_second_validates(self):
         async with JobRig(ToyRobot(play_s=0.2)) as rig, rig.browser() as browser:
             self.assertTrue((await browser.post("/api/jobs", CHECK))[1]["success"])
             done = await rig.until_done()

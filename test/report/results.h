@@ -47,7 +47,7 @@ inline IdentifyResults identified(bool with_validation) {
   return r;
 }
 
-/// Two bench axes, the second with a drag that the model lacks, traced on one recording and judged on another.
+/// Two bench axes, the second with a drag that the model lacks, traced on one recording and validated on another.
 inline const TraceResults& traced() {
   static const TraceResults results = [] {
     mechanism::Robot robot = identification::syntheticBench(2);

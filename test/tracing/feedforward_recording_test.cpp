@@ -1,4 +1,4 @@
-// What the controller foresees is part of the command, and the command is the whole force: a recording that was made
+// What the controller feeds forward is part of the command, and the command is the whole force: a recording that was made
 // with feedforward identifies the same model as one that was made without.
 #include <gtest/gtest.h>
 
@@ -13,18 +13,18 @@ namespace knee_robot::tracing {
 namespace {
 
 constexpr double kForwardSeconds = 30.0;
-const Foreseen kNothing{"", 0.0};
+const FedForward kNothing{"", 0.0};
 
-identification::Observation observed(const mechanism::Robot& robot, int variant, const Foreseen& foreseen) {
+identification::Observation observed(const mechanism::Robot& robot, int variant, const FedForward& feedforward) {
   return identification::observe(robot, identification::columnsOf(robot),
-                                 simulatedRecording(robot, variant, kForwardSeconds, "", foreseen),
+                                 simulatedRecording(robot, variant, kForwardSeconds, "", feedforward),
                                  identification::ObservationOptions());
 }
 
-dynamics::Model identified(const mechanism::Robot& robot, const Foreseen& foreseen) {
+dynamics::Model identified(const mechanism::Robot& robot, const FedForward& feedforward) {
   std::vector<identification::Observation> training;
   for (const int variant : {1, 2})
-    training.push_back(observed(robot, variant, foreseen));
+    training.push_back(observed(robot, variant, feedforward));
   return identification::identify(robot, training, {}).model;
 }
 
@@ -61,14 +61,14 @@ TEST(RecordingWithFeedforward, IdentifiesTheSameModelAsOneWithout) {
   const dynamics::Model with = identified(robot, {path, 1.0});
   std::remove(path.c_str());
 
-  const identification::Observation judge = observed(robot, 3, kNothing);
+  const identification::Observation validation = observed(robot, 3, kNothing);
   const auto predicted = [&](const dynamics::Model& model) {
     const identification::PredictedForce force =
-        identification::predictForces(model, robot, judge.signals, judge.motion);
-    return identification::makePrediction(judge, force, 3.0).force_filtered_N;
+        identification::predictForces(model, robot, validation.signals, validation.motion);
+    return identification::makePrediction(validation, force, 3.0).force_filtered_N;
   };
-  const double apart = movingRms(judge, predicted(with) - predicted(without));
-  const double whole = movingRms(judge, judge.force_filtered_N);
+  const double apart = movingRms(validation, predicted(with) - predicted(without));
+  const double whole = movingRms(validation, validation.force_filtered_N);
   std::printf("models apart by %.2f of %.1f N rms where the axes keep moving\n", apart, whole);
   EXPECT_LT(apart, 0.01 * whole);
   for (std::size_t k = 0; k < with.parameters.size(); ++k) {

@@ -49,8 +49,8 @@ inline trajectory::Reference sineReference(const mechanism::Robot& robot, int va
   return reference;
 }
 
-/// How the controller foresees forces: a model file (empty: the URDF's weights), and the share of every part.
-struct Foreseen {
+/// The controller's feedforward: a model file (empty: the URDF's weights), and the share of every part.
+struct FedForward {
   std::string model;
   double share = 1.0;
 };
@@ -58,7 +58,7 @@ struct Foreseen {
 /// What the controller records when the simulated robot plays sineReference. `effects`: entries of the simulation
 /// file's list.
 inline recording::Recording simulatedRecording(const mechanism::Robot& robot, int variant, double seconds,
-                                               const std::string& effects, const Foreseen& foreseen = {}) {
+                                               const std::string& effects, const FedForward& feedforward = {}) {
   const auto require = [](const control::Answer& answer) {
     if (!answer.ok) throw std::runtime_error(answer.sentence);
   };
@@ -88,7 +88,7 @@ inline recording::Recording simulatedRecording(const mechanism::Robot& robot, in
   control::ControlSystem::Options options;
   options.execution = rt::Execution::Stepped;
   options.empty = true;
-  options.model = foreseen.model;
+  options.model = feedforward.model;
   {
     control::ControlSystem system(robot, control::loadHardwareFile(source + "/config/hardware/simulated.yaml"),
                                   deployment_path, *bus, options);
@@ -102,7 +102,7 @@ inline recording::Recording simulatedRecording(const mechanism::Robot& robot, in
     };
     require(system.start());
     for (const char* part : {"share_gravity", "share_inertia", "share_friction"}) {
-      if (foreseen.share < 1.0) require(system.setProperty("Feedforward", part, std::to_string(foreseen.share)));
+      if (feedforward.share < 1.0) require(system.setProperty("Feedforward", part, std::to_string(feedforward.share)));
     }
     require(system.loadReference(sineReference(robot, variant, seconds)));
     require(system.enable());
@@ -120,7 +120,7 @@ inline recording::Recording simulatedRecording(const mechanism::Robot& robot, in
   return recording;
 }
 
-/// A robot with these effects, traced on one path and judged on another.
+/// A robot with these effects, traced on one path and validated on another.
 struct TracedCase {
   TraceResult result;
   Eigen::VectorXd before_N, after_N;  ///< rms on the other path, all samples
