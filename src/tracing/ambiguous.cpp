@@ -3,6 +3,7 @@
 
 #include "knee_robot/base/numbers.h"
 #include "search.h"
+#include "selection.h"
 
 namespace knee_robot::tracing {
 namespace {
@@ -55,10 +56,8 @@ bool clearlyOwn(const Search& s, std::size_t effect, int own, int other) {
   rows[effect] = effectRows(*s.data, all[effect]);
   inputs.swap(s.data->inputs);
   const Eigen::VectorXd theirs = JointProblem(*s.data, *s.base, s.rms_N, all, std::move(rows)).heldBack();
-  const Eigen::ArrayXd worse = theirs - mine;
-  const double n = static_cast<double>(worse.size()), mean = worse.mean();
-  const double error = std::sqrt((worse - mean).square().sum() / (n * (n - 1.0)));
-  return mean > kClearly * error && theirs.sum() > kWorseBy * mine.sum();
+  const Eigen::VectorXd worse = theirs - mine;
+  return worse.mean() > kClearly * standardError(worse) && theirs.sum() > kWorseBy * mine.sum();
 }
 
 }  // namespace

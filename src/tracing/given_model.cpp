@@ -7,6 +7,7 @@
 #include "given_search.h"
 #include "knee_robot/base/errors.h"
 #include "model_effects.h"
+#include "selection.h"
 
 namespace knee_robot::tracing {
 namespace {
@@ -18,25 +19,18 @@ constexpr double kSameSize =
     1.5;  ///< ratio of the forces' rms within which an effect with several coefficients is the same
 
 struct Gain {
-  double mean = 0.0, error = 0.0, share = 0.0, share_error = 0.0;
+  double share = 0.0, share_error = 0.0;  ///< of the squares that held-back blocks leave without the effect
   Eigen::VectorXd explained_rms_N;
 };
 
-/// What effect k saves on held-back blocks beside the others.
-Gain gainOf(const Search& s, std::size_t k) {
+/// What effect k saves beside the others; `with`: the fit of all.
+Gain gainOf(const Search& s, const JointFit& with, std::size_t k) {
   std::vector<Hypothesis> others = hypothesesOf(s.effects);
-  const std::vector<Hypothesis> all = others;
   others.erase(others.begin() + static_cast<std::ptrdiff_t>(k));
-  const JointFit with = fitOf(s, all);
   const JointFit without = fitOf(s, others);
   const Eigen::VectorXd saved = without.held_back - with.held_back;
-  const double n = static_cast<double>(saved.size());
-  Gain g;
-  g.mean = saved.mean();
-  g.error = std::sqrt((saved.array() - g.mean).square().sum() / (n * (n - 1.0)));
-  g.share = n * g.mean / without.held_back.sum();
-  g.share_error = n * g.error / without.held_back.sum();
-  g.explained_rms_N.resize(s.data->stack.axes);
+  const double n = static_cast<double>(saved.size()), left = without.held_back.sum();
+  Gain g{n * saved.mean() / left, n * standardError(saved) / left, Eigen::VectorXd(s.data->stack.axes)};
   const Eigen::Index rows = s.data->stack.size();
   for (int i = 0; i < s.data->stack.axes; ++i) {
     const double square = without.residual_N.segment(i * rows, rows).squaredNorm() -
@@ -120,8 +114,9 @@ GivenModel startFrom(const mechanism::Robot& robot, const StartModel& start, con
     changed = false;
     std::size_t worst = 0;
     double least = std::numeric_limits<double>::infinity();
+    const JointFit with = fitOf(s, hypothesesOf(s.effects));
     for (std::size_t k = 0; k < s.effects.size(); ++k) {
-      const Gain g = gainOf(s, k);
+      const Gain g = gainOf(s, with, k);
       FoundEffect& e = s.effects[k];
       e.gain = g.share;
       e.gain_error = g.share_error;

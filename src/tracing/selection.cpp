@@ -13,11 +13,15 @@ constexpr double kSignTestErrors = 3.0;       ///< of a normal variable, that ch
 
 }  // namespace
 
+double standardError(const Eigen::VectorXd& values) {
+  const double n = static_cast<double>(values.size());
+  return std::sqrt((values.array() - values.mean()).square().sum() / (n * (n - 1.0)));
+}
+
 HeldBackGain heldBackGain(const Eigen::VectorXd& per_block) {
-  const double n = static_cast<double>(per_block.size());
   HeldBackGain g;
   g.mean = per_block.mean();
-  g.error = std::sqrt((per_block.array() - g.mean).square().sum() / (n * (n - 1.0)));
+  g.error = standardError(per_block);
   g.gaining = (per_block.array() > 0.0).cast<double>().mean();
   if (g.gaining == 1.0 && per_block.size() >= kSignTestBlocks) g.error = std::min(g.error, g.mean / kSignTestErrors);
   return g;

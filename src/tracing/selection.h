@@ -6,6 +6,9 @@
 
 namespace knee_robot::tracing {
 
+/// Of the mean of these values.
+double standardError(const Eigen::VectorXd& values);
+
 /// What held-back blocks gained by an explanation: mean over blocks, its standard error, share of the blocks that gain.
 /// Where all of ten blocks or more gain, the sign test speaks: chance brings that in less than one of a thousand,
 /// however unequal they gain, and the error is at most a third of the mean.
