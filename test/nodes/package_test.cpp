@@ -16,7 +16,7 @@ TEST(Package, IsConfiguredWithoutTheLibrariesThatOnlyDevelopersHave) {
   ASSERT_NE(nullptr, mkdtemp(folder.data()));
   std::string command = "cmake -S " KNEE_SOURCE_DIR " -B " + folder +
                         " -G Ninja -DCATKIN_ENABLE_TESTING=OFF -DCATKIN_DEVEL_PREFIX=" + folder + "/devel";
-  for (const char* package : {"benchmark", "Simbody", "GTest", "rostest"}) {
+  for (const char* package : {"benchmark", "Simbody", "GTest", "rostest", "orocos_kdl", "kdl_parser"}) {
     command += std::string(" -DCMAKE_DISABLE_FIND_PACKAGE_") + package + "=ON";
   }
   EXPECT_EQ(0,
