@@ -140,12 +140,26 @@ void set(control::ControlSystem& system, const std::string& setting) {
                              setting.substr(equals + 1)));
 }
 
-void appendRow(double time_s, const mechanism::Vector4& effects_N, std::string& table) {
-  char row[128];
-  std::snprintf(row, sizeof row, "%.6f,%.6g,%.6g,%.6g,%.6g\n", time_s, effects_N[0], effects_N[1], effects_N[2],
-                effects_N[3]);
-  table += row;
-}
+/// Table of the force that all simulated effects exert, while the movement is recorded. An empty path: none.
+class Truth {
+ public:
+  explicit Truth(const std::string& path) : path_(path) {}
+  void record(bool on) { recording_ = on && !path_.empty(); }
+  void add(double time_s, const mechanism::Vector4& effects_N) {
+    if (!recording_) return;
+    char row[128];
+    std::snprintf(row, sizeof row, "%.6f,%.6g,%.6g,%.6g,%.6g\n", time_s, effects_N[0], effects_N[1], effects_N[2],
+                  effects_N[3]);
+    table_ += row;
+  }
+  void write() const {
+    if (!path_.empty()) writeFileAtomically(path_, table_);
+  }
+
+ private:
+  std::string path_, table_ = "time_s,effect_1_N,effect_2_N,effect_3_N,effect_4_N\n";
+  bool recording_ = false;
+};
 
 void requireHolding(control::ControlSystem& system) {
   if (system.waitFor(control::MachineState::Holding, kPatience)) return;
@@ -154,92 +168,111 @@ void requireHolding(control::ControlSystem& system) {
   throw Refusal("the movement ended in " + std::string(control::toString(status.state)) + ": " + status.fault_sentence);
 }
 
+struct Arguments {
+  std::string file, robot, simulation, hardware, deployment, output, truth, space, model;
+  std::optional<double> payload_kg;
+  std::vector<std::string> settings;
+  nodes::Pauses::Options pauses;
+};
+
+void declare(CLI::App& app, Arguments& a) {
+  app.add_option("FILE", a.file, "reference file")->required();
+  app.add_option("--robot", a.robot, "robot file (YAML)")->required();
+  app.add_option("--simulation", a.simulation, "simulation file: friction, brakes, payload (YAML)")->required();
+  app.add_option("--hardware", a.hardware, "hardware file (YAML)")->required();
+  app.add_option("--deployment", a.deployment, "deployment file (YAML)")->required();
+  app.add_option("-o,--output", a.output, "recording to write (CSV); must not exist")->required();
+  app.add_option("--truth", a.truth,
+                 "table (CSV) to write: force of all simulated effects per actuator and row, N, to compare "
+                 "with what trace finds");
+  app.add_option("--space", a.space, "what the columns are, when the file's header does not say it")
+      ->check(CLI::IsMember({"actuator", "platform", "relative"}));
+  app.add_option("--model", a.model, "model file for the feedforward; default: the deployment's");
+  app.add_option("--payload-kg", a.payload_kg, "payload that the feedforward assumes, kg");
+  app.add_option("--set", a.settings,
+                 "COMPONENT.PROPERTY=VALUE, may be repeated: sets a property that may change at run time");
+  app.add_option("--pauses-per-minute", a.pauses.per_minute,
+                 "the controller's machine stands still so often, at random, while it plays: no cycle, no row")
+      ->check(CLI::Range(0.0, 600.0));
+  app.add_option("--longest-pause-s", a.pauses.longest_s, "pauses last between 1 ms and this long")
+      ->check(CLI::Range(0.001, 1.0))
+      ->capture_default_str();
+  app.add_option("--seed", a.pauses.seed, "random seed of the pauses")->capture_default_str();
+}
+
+control::ControlSystem::Options optionsOf(const Arguments& a, const mechanism::Lengths& start) {
+  control::ControlSystem::Options options;
+  options.execution = rt::Execution::Stepped;
+  options.empty = true;
+  options.lengths_at_start_m = control::AxisValues{start[0], start[1], start[2], start[3]};
+  options.model = a.model;
+  options.payload_kg = a.payload_kg;
+  return options;
+}
+
+void takeOver(control::ControlSystem& system, Watch& watch) {
+  watch.begin(Watch::What::TakeOver);
+  require(system, system.enable());
+  system.run(kSagTime);
+  watch.begin(Watch::What::Nothing);
+  watch.printTakeOver();
+}
+
+void playAndRecord(control::ControlSystem& system, const Arguments& a, Watch& watch, Truth& truth) {
+  require(system, system.approach());
+  requireHolding(system);
+  require(system.startRecording(a.output));
+  watch.begin(Watch::What::Play);
+  truth.record(true);
+  require(system, system.play());
+  nodes::Pauses machine(a.pauses);
+  machine.waitWhileBusy(system, kPatience);
+  requireHolding(system);
+  machine.print();
+  watch.printPlay();
+  require(system.stopRecording());
+  truth.record(false);
+}
+
+int run(const Arguments& a) {
+  const mechanism::Robot robot = mechanism::loadRobot(a.robot);
+  const control::HardwareFile hardware_description = control::loadHardwareFile(a.hardware);
+  simulation::RobotImage image;
+  simulation::RobotSimulation plant(robot, dynamics::loadRobotInertia(robot),
+                                    simulation::loadSimulationParameters(a.simulation), image);
+  const std::unique_ptr<hardware::AxisBus> bus = simulation::openImageCards(image);
+  Truth truth(a.truth);
+  std::optional<Watch> watching;
+  control::ControlSystem system(robot, hardware_description, a.deployment, *bus, optionsOf(a, plant.lengths()));
+  // What it steps stays behind it: it goes on stepping while it shuts down.
+  Watch& watch = watching.emplace(plant, system, robot);
+  system.setPlant([&](rt::Nanoseconds time) {
+    while (plant.time() + 0.5 * kPlantStep < 1e-9 * static_cast<double>(time)) {
+      const double began = plant.time();
+      plant.step(kPlantStep);
+      truth.add(began, plant.unmodelled());
+    }
+    watch.sample();
+  });
+  std::printf("feedforward: %s\n", system.feedforward().c_str());
+  require(system.start());
+  for (const std::string& setting : a.settings)
+    set(system, setting);
+  require(system.loadReference(trajectory::readReference(a.file, trajectory::spaceNamed(a.space))));
+  takeOver(system, watch);
+  playAndRecord(system, a, watch, truth);
+  truth.write();
+  require(system, system.shutdown());
+  return kExitDone;
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
   CLI::App app(
       "Plays a reference file through the whole controller on the simulated robot, in simulated time, and records it.",
       "simulate");
-  std::string file, robot_file, simulation_file, hardware_file, deployment_file, output, truth_file, space_name, model;
-  double payload_kg = 0.0;
-  std::vector<std::string> settings;
-  app.add_option("FILE", file, "reference file")->required();
-  app.add_option("--robot", robot_file, "robot file (YAML)")->required();
-  app.add_option("--simulation", simulation_file, "simulation file: friction, brakes, payload (YAML)")->required();
-  app.add_option("--hardware", hardware_file, "hardware file (YAML)")->required();
-  app.add_option("--deployment", deployment_file, "deployment file (YAML)")->required();
-  app.add_option("-o,--output", output, "recording to write (CSV); must not exist")->required();
-  app.add_option("--truth", truth_file,
-                 "table (CSV) to write: force of all simulated effects per actuator and row, N, to compare "
-                 "with what trace finds");
-  app.add_option("--space", space_name, "what the columns are, when the file's header does not say it")
-      ->check(CLI::IsMember({"actuator", "platform", "relative"}));
-  app.add_option("--model", model, "model file for the feedforward; default: the deployment's");
-  const CLI::Option* payload = app.add_option("--payload-kg", payload_kg, "payload that the feedforward assumes, kg");
-  app.add_option("--set", settings,
-                 "COMPONENT.PROPERTY=VALUE, may be repeated: sets a property that may change at run time");
-  nodes::Pauses::Options pauses;
-  app.add_option("--pauses-per-minute", pauses.per_minute,
-                 "the controller's machine stands still so often, at random, while it plays: no cycle, no row")
-      ->check(CLI::Range(0.0, 600.0));
-  app.add_option("--longest-pause-s", pauses.longest_s, "pauses last between 1 ms and this long")
-      ->check(CLI::Range(0.001, 1.0))
-      ->capture_default_str();
-  app.add_option("--seed", pauses.seed, "random seed of the pauses")->capture_default_str();
-  return nodes::runProgram(app, argc, argv, [&]() -> int {
-    const mechanism::Robot robot = mechanism::loadRobot(robot_file);
-    const control::HardwareFile hardware_description = control::loadHardwareFile(hardware_file);
-    simulation::RobotImage image;
-    simulation::RobotSimulation plant(robot, dynamics::loadRobotInertia(robot),
-                                      simulation::loadSimulationParameters(simulation_file), image);
-    const std::unique_ptr<hardware::AxisBus> bus = simulation::openImageCards(image);
-
-    control::ControlSystem::Options options;
-    options.execution = rt::Execution::Stepped;
-    options.empty = true;
-    const mechanism::Lengths start = plant.lengths();
-    options.lengths_at_start_m = control::AxisValues{start[0], start[1], start[2], start[3]};
-    options.model = model;
-    if (payload->count() > 0) options.payload_kg = payload_kg;
-    std::string truth = "time_s,effect_1_N,effect_2_N,effect_3_N,effect_4_N\n";
-    bool recording = false;
-    std::optional<Watch> watching;
-    control::ControlSystem system(robot, hardware_description, deployment_file, *bus, options);
-    // What it steps stays behind it: it goes on stepping while it shuts down.
-    Watch& watch = watching.emplace(plant, system, robot);
-    system.setPlant([&](rt::Nanoseconds time) {
-      while (plant.time() + 0.5 * kPlantStep < 1e-9 * static_cast<double>(time)) {
-        const double began = plant.time();
-        plant.step(kPlantStep);
-        if (recording && !truth_file.empty()) appendRow(began, plant.unmodelled(), truth);
-      }
-      watch.sample();
-    });
-    std::printf("feedforward: %s\n", system.feedforward().c_str());
-    require(system.start());
-    for (const std::string& setting : settings)
-      set(system, setting);
-    require(system.loadReference(trajectory::readReference(file, trajectory::spaceNamed(space_name))));
-    watch.begin(Watch::What::TakeOver);
-    require(system, system.enable());
-    system.run(kSagTime);
-    watch.begin(Watch::What::Nothing);
-    watch.printTakeOver();
-    require(system, system.approach());
-    requireHolding(system);
-    require(system.startRecording(output));
-    watch.begin(Watch::What::Play);
-    recording = true;
-    require(system, system.play());
-    nodes::Pauses machine(pauses);
-    machine.waitWhileBusy(system, kPatience);
-    requireHolding(system);
-    machine.print();
-    watch.printPlay();
-    require(system.stopRecording());
-    recording = false;
-    if (!truth_file.empty()) writeFileAtomically(truth_file, truth);
-    require(system, system.shutdown());
-    return kExitDone;
-  });
+  Arguments a;
+  declare(app, a);
+  return nodes::runProgram(app, argc, argv, [&] { return run(a); });
 }

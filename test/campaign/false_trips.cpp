@@ -134,6 +134,21 @@ Outcome freeze(const std::string& robot, const Machine& machine, std::size_t axi
   return outcome;
 }
 
+void printSinks(const std::vector<std::string>& order, std::map<std::string, std::vector<double>>& sinks_mm,
+                std::map<std::string, int>& names) {
+  std::printf(
+      "\n| encoder dies | runs | named `encoder_frozen` | sinks, median / largest mm | above 5 mm |\n| --- | --- | --- "
+      "| "
+      "--- | --- |\n");
+  for (const std::string& what : order) {
+    std::vector<double>& sinks = sinks_mm[what];
+    std::sort(sinks.begin(), sinks.end());
+    const auto above = std::count_if(sinks.begin(), sinks.end(), [](double mm) { return mm > 5.0; });
+    std::printf("| %s | %zu | %d | %.1f / %.1f | %td |\n", what.c_str(), sinks.size(), names[what],
+                sinks[sinks.size() / 2], sinks.back(), above);
+  }
+}
+
 int freezeAll(const std::string& robot) {
   struct Case {
     const char* what;
@@ -180,17 +195,7 @@ int freezeAll(const std::string& robot) {
       }
     }
   }
-  std::printf(
-      "\n| encoder dies | runs | named `encoder_frozen` | sinks, median / largest mm | above 5 mm |\n| --- | --- | --- "
-      "| "
-      "--- | --- |\n");
-  for (const std::string& what : order) {
-    std::vector<double>& sinks = sinks_mm[what];
-    std::sort(sinks.begin(), sinks.end());
-    const auto above = std::count_if(sinks.begin(), sinks.end(), [](double mm) { return mm > 5.0; });
-    std::printf("| %s | %zu | %d | %.1f / %.1f | %td |\n", what.c_str(), sinks.size(), names[what],
-                sinks[sinks.size() / 2], sinks.back(), above);
-  }
+  printSinks(order, sinks_mm, names);
   std::printf("\n%d of %d with less than 5 mm, named encoder_frozen (or nothing moved and nobody pushed)\n", all - bad,
               all);
   return bad;

@@ -56,6 +56,14 @@ std::string deployment(const std::string& folder, bool sync_in_own_activity) {
   return path;
 }
 
+void printTiming(ControlSystem& system) {
+  const rt::ActivityStatistics& servo = system.deployment().activity("servo")->statistics();
+  std::printf("servo cycle: median %.0f us, 99 %% %.0f us of processor or less; lateness 99 %% %.0f us\n",
+              1e-3 * static_cast<double>(servo.execution.snapshot().quantile(0.5)),
+              1e-3 * static_cast<double>(servo.execution.snapshot().quantile(0.99)),
+              1e-3 * static_cast<double>(servo.lateness.snapshot().quantile(0.99)));
+}
+
 class Threads : public ::testing::TestWithParam<bool> {};
 
 TEST_P(Threads, PlayWhileOperatorsAskRecordAndPublish) {
@@ -106,11 +114,7 @@ TEST_P(Threads, PlayWhileOperatorsAskRecordAndPublish) {
   EXPECT_TRUE(answer.ok) << answer.sentence;
   std::printf("%s\n", answer.sentence.c_str());
   const std::string answer_recorded = answer.sentence;
-  const rt::ActivityStatistics& servo = system.deployment().activity("servo")->statistics();
-  std::printf("servo cycle: median %.0f us, 99 %% %.0f us of processor or less; lateness 99 %% %.0f us\n",
-              1e-3 * static_cast<double>(servo.execution.snapshot().quantile(0.5)),
-              1e-3 * static_cast<double>(servo.execution.snapshot().quantile(0.99)),
-              1e-3 * static_cast<double>(servo.lateness.snapshot().quantile(0.99)));
+  printTiming(system);
   EXPECT_TRUE(system.shutdown().ok);
   EXPECT_GT(looks.load(), 0);
   EXPECT_EQ(machine.bits, 0u);
