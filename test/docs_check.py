@@ -1,6 +1,6 @@
 #!/usr/bin/python3
-"""Docs that are true: docs/files.md has exactly the keys that the readers accept and the reports write, every relative link leads
-somewhere, and no page names a file of the repository that is gone.
+"""Docs that are true: docs/files.md has exactly the keys that the readers accept and the reports write, each with its meaning, every
+relative link leads somewhere, and no page names a file of the repository that is gone.
 
 Usage: docs_check.py [ROOT]     exit status 1 when anything is wrong, one line each
 """
@@ -67,6 +67,13 @@ def wrong_keys(root):
         yield f"{page}: only {checked} keys were found in the sources; has their style changed?"
 
 
+def without_meaning(root):
+    page = root / "docs" / "files.md"
+    for number, line in enumerate(page.read_text().splitlines(), 1):
+        if re.search(r"\|\s*\|$", line):
+            yield f"{page}:{number}: the meaning is empty"
+
+
 def exists(root, name, bases):
     name = name.rstrip(".:,")
     pattern = name.replace("NAME", "*").replace("<name>", "*")
@@ -108,7 +115,7 @@ def never_run(root):
 
 
 def main(root):
-    faults = [*wrong_keys(root), *wrong_names(root), *unlisted(root), *never_run(root)]
+    faults = [*wrong_keys(root), *without_meaning(root), *wrong_names(root), *unlisted(root), *never_run(root)]
     print("\n".join(faults) or "the docs name what is there")
     return 1 if faults else 0
 
