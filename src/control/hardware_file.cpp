@@ -118,7 +118,6 @@ std::array<hardware::can::AxisUnits, hardware::kAxes> canUnits(const mechanism::
     const mechanism::Actuator& actuator = robot.actuators.at(i);
     units[i].force_per_volt_N = actuator.force_per_volt_N;
     units[i].screw_lead_m = actuator.screw_lead_m;
-    units[i].counts_per_revolution = actuator.counts_per_revolution;
   }
   return units;
 }

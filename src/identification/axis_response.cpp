@@ -81,10 +81,6 @@ void lowPass(Grid& grid, double cutoff_hz, double speed) {
   filter.applyToColumns(grid.sign);
 }
 
-double rms(const Eigen::VectorXd& values) {
-  return std::sqrt(values.squaredNorm() / static_cast<double>(std::max<Eigen::Index>(1, values.size())));
-}
-
 /// The force `delay` later: what the command of a row became.
 Eigen::VectorXd delayed(const Eigen::VectorXd& force, double samples) {
   Eigen::VectorXd out(force.size());
@@ -137,7 +133,6 @@ class Fit {
     const Eigen::VectorXd values = (scaled.transpose() * scaled).selfadjointView<Eigen::Lower>().eigenvalues();
     return !(values.minCoeff() > kApart * values.maxCoeff());
   }
-  double accelerationRms() const { return rms(matrix_.col(0)); }
 
   struct Result {
     double delay;
@@ -248,7 +243,6 @@ void respond(const Fit& fit, const Fit::Result& all, AxisResponse& r) {
   r.delay_s = all.delay;
   r.delay_std = jackknife(delay);
   r.explained = all.explained;
-  r.acceleration_rms = fit.accelerationRms();
 }
 
 std::string whyNot(const AxisResponse& r) {

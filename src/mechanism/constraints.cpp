@@ -28,12 +28,6 @@ Pose poseIn(const Coordinates& q) {
 
 }  // namespace
 
-const std::array<const char*, kCoordinates>& coordinateNames() {
-  static const std::array<const char*, kCoordinates> names = {"q13", "q12", "q11", "q23", "q22",   "q21", "q33", "q32",
-                                                              "q31", "q42", "q41", "psi", "theta", "Zm",  "Xm"};
-  return names;
-}
-
 CoordinateMotion coordinateMotion(const Mechanism& mechanism, const Motion& motion) {
   RobotMotion all;
   robotMotion(mechanism, motion, all);

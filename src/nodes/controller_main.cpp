@@ -63,8 +63,8 @@ class Unreachable {
   Unreachable(control::ControlSystem& system, nodes::EventLog& log, double timeout_s)
       : system_(system), log_(log), timeout_s_(timeout_s) {}
   /// For how long the master has been gone, and no new client has been answered, s.
-  void poll(double silence_s, double deafness_s) {
-    if (timeout_s_ == 0.0 || std::max(silence_s, deafness_s) < timeout_s_) {
+  void poll(double silence_s, double unreached_s) {
+    if (timeout_s_ == 0.0 || std::max(silence_s, unreached_s) < timeout_s_) {
       acted_ = false;
       return;
     }
@@ -82,7 +82,7 @@ class Unreachable {
                                 ? "no new client reaches the controller (too many connections to it?)"
                                 : "the ROS master is gone";
     log_.add("controller", "", why + ": stopping along the path, then disabling");
-    ROS_ERROR("%s for %.1f s: stopping along the path, then disabling", why.c_str(), std::max(silence_s, deafness_s));
+    ROS_ERROR("%s for %.1f s: stopping along the path, then disabling", why.c_str(), std::max(silence_s, unreached_s));
     if (system_.stop().ok) system_.waitFor(control::MachineState::Holding, 10.0);
     const control::Answer answer = system_.disable();
     acted_ = !answer.ok;
@@ -155,7 +155,7 @@ void serve(const ros::NodeHandle& node, nodes::Machine& machine, const nodes::Co
   nodes::MasterWatch watch(node.resolveName("get_state"));
   while (!stop_requested && ros::ok()) {
     guardian = supervision.poll();
-    unreachable.poll(std::max(watch.silence(), interface.absence()), watch.deafness());
+    unreachable.poll(std::max(watch.silence(), interface.absence()), watch.sinceReached());
     if (watch.isForgotten()) {
       if (interface.absence() == 0.0)
         ROS_WARN("the ROS master does not know this node any more (was it restarted?): advertising everything anew");

@@ -20,7 +20,7 @@ class MasterWatch {
   /// Seconds since the master answered last.
   double silence() const { return since(answered_); }
   /// Seconds since a new client was answered last.
-  double deafness() const { return since(reached_); }
+  double sinceReached() const { return since(reached_); }
   /// The master answered, and does not know the service.
   bool isForgotten() const { return forgotten_; }
   /// After everything was advertised anew: until the master says otherwise.

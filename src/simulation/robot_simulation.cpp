@@ -169,7 +169,6 @@ void RobotSimulation::publish() noexcept {
     sums[i] = static_cast<std::uint32_t>(std::llround(counts[i]));
     image_.status.lengths_m[i].store(now[leg], std::memory_order_relaxed);
     image_.status.pose[i].store(state_.pose[leg], std::memory_order_relaxed);
-    image_.status.motor_force_N[i].store(loads_.motor_force[leg], std::memory_order_relaxed);
   }
   publishCounts(image_.counter, sums);
   image_.status.time_s.store(time_s_);

@@ -288,12 +288,6 @@ void noteAbsorbed(PoseSearch& s, const Weighed& w, const Eigen::MatrixXd& column
 
 }  // namespace
 
-mechanism::Vector4 poseRms(const PoseSearch& s) {
-  const PoseEquations e = poseEquations(*s.robot, *s.views, s.stack, s.model, {});
-  PoseSearch plain;
-  return rmsOfPose(plain, e.residual);
-}
-
 void startPoseSearch(PoseSearch& s) {
   s.model.values.resize(0);
   s.sigma << 1e-3, 1e-3, 1e-3 / kRadianLength_m, 1e-3 / kRadianLength_m;

@@ -24,7 +24,5 @@ struct PoseSearch {
 void startPoseSearch(PoseSearch& search);
 /// Adds explanations one after the other while they pass every test; takes out what a later one makes superfluous.
 void searchPose(PoseSearch& search);
-/// Root mean square per coordinate (m, m, rad, rad) of the present model over the picks.
-mechanism::Vector4 poseRms(const PoseSearch& search);
 
 }  // namespace knee_robot::tracing

@@ -121,7 +121,7 @@ inline CanSettings benchSettings() {
 /// 1 V is 40 N at a 10 mm screw: 338 per mille, so that 10 V stay below the current limit.
 inline CanAxisBus::Units benchUnits() {
   CanAxisBus::Units units;
-  units.fill({40.0, 0.010, 0.188136, 2000.0});
+  units.fill({40.0, 0.010, 0.188136});
   return units;
 }
 

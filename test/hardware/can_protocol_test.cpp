@@ -209,7 +209,7 @@ TEST(BusLoad, AgreesWithTheFiguresByHand) {
 }
 
 TEST(Units, GoFromForceToTorqueToPerMilleAndBack) {
-  const AxisUnits units{56.8, 0.010, 0.188136, 2000.0};
+  const AxisUnits units{56.8, 0.010, 0.188136};
   // 56.8 N at a 10 mm screw: 56.8 * 0.010 / (2 pi) = 0.0904 Nm = 480.5 per mille of 0.188136 Nm.
   EXPECT_NEAR(torqueOf(56.8, 0.010), 0.09040, 1e-5);
   EXPECT_EQ(toPerMille(1.0, units, 5000), 481);
@@ -217,7 +217,6 @@ TEST(Units, GoFromForceToTorqueToPerMilleAndBack) {
   EXPECT_NEAR(voltsOf(481, units), 1.0, 0.5 / 480.5);
   EXPECT_EQ(toPerMille(9.0, units, 3000), 3000) << "the drive's current limit";
   EXPECT_EQ(toPerMille(1e300, units, 100000), 4805) << "10 V";
-  EXPECT_NEAR(metresOf(2000, units), 0.010, 1e-15);
   EXPECT_EQ(torqueLimitPerMille({1, std::nullopt, 0.188136, 3.12, 4.68}), 1500);
 }
 

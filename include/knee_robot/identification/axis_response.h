@@ -20,7 +20,6 @@ struct AxisResponse {
   double coulomb_N = 0.0, coulomb_std = 0.0;
   double delay_s = 0.0, delay_std = 0.0;  ///< from the command to its force, beyond the hold of one row
   double explained = 0.0;                 ///< share of the force's variance
-  double acceleration_rms = 0.0;          ///< m/s^2, over the rows that were used
   double cutoff_hz = 0.0;                 ///< the motion is known up to here: encoder steps hide what is beyond
   double position_mean_m = 0.0;
 };

@@ -22,7 +22,9 @@ class MotionModel {
 
   /// See columnsOf.
   virtual std::vector<Column> columns(bool joint_friction) const = 0;
-  /// See followPath: the platform's poses, and how well conditioned they are.
+  /// Forward kinematics along the samples, each starting from the one before so that the assembly branch is kept; the
+  /// first from the branch in which the robot was built. Refusal when no pose of the recording can be reached by this
+  /// geometry.
   virtual MotionPath follow(const recording::Signals& signals) const = 0;
   /// Fills every column of observation.regressor (zero before) but the actuators' Coulomb friction, in N of the
   /// actuator per unit of the parameter.

@@ -17,11 +17,6 @@ struct MotionPath {
   bool coupled = false;         ///< false: bench axes, each of which is an experiment of its own
 };
 
-/// Forward kinematics along the samples, each starting from the one before so that the assembly branch is kept; the
-/// first from the branch in which the robot was built. Refusal when no pose of the recording can be reached by this
-/// geometry.
-MotionPath followPath(const mechanism::Robot& robot, const recording::Signals& signals);
-
 /// Row `sample` of a matrix of up to four actuators, filled up with zeros.
 mechanism::Vector4 actuatorRow(const Eigen::MatrixXd& values, int sample);
 

@@ -17,7 +17,6 @@ using DependentJacobian = Eigen::Matrix<double, kConstraints, kLegs>;
 /// Places of the four actuated coordinates, eq. (20), and of the eleven dependent ones, eq. (21), counted from 0.
 inline constexpr std::array<int, kLegs> kIndependent = {0, 3, 6, 9};
 inline constexpr std::array<int, kConstraints> kDependent = {1, 2, 4, 5, 7, 8, 10, 11, 12, 13, 14};
-const std::array<const char*, kCoordinates>& coordinateNames();
 
 /// Values, velocities and accelerations of all 15 coordinates.
 struct CoordinateMotion {

@@ -18,7 +18,6 @@ struct RobotStatus {
   std::atomic<double> time_s{0.0};                               ///< simulated time
   std::array<std::atomic<double>, hardware::kAxes> lengths_m{};  ///< true leg lengths
   std::array<std::atomic<double>, hardware::kAxes> pose{};       ///< Xm, Zm (m), theta, psi (rad)
-  std::array<std::atomic<double>, hardware::kAxes> motor_force_N{};
   std::atomic<std::uint8_t> drives_enabled{0};  ///< bit a: axis a
   std::atomic<std::uint8_t> brakes_engaged{0};  ///< bit a: axis a
 };
@@ -35,14 +34,13 @@ struct RobotSurroundings {
 /// the heap for stepped simulation.
 struct RobotImage {
   static constexpr std::uint64_t kMagic = 0x6b6e65655f726f62;  // "knee_rob"
-  static constexpr std::uint32_t kVersion = 3;
+  static constexpr std::uint32_t kVersion = 4;
 
   std::atomic<std::uint64_t> magic{0};  ///< written last by the creator
   std::uint32_t version = kVersion;
   std::uint32_t size = 0;
   std::atomic<std::int32_t> plant_pid{0};
-  std::atomic<std::uint64_t> plant_heartbeat{0};       ///< counts the plant's steps
-  std::atomic<std::uint64_t> controller_heartbeat{0};  ///< free for the controller
+  std::atomic<std::uint64_t> plant_heartbeat{0};  ///< counts the plant's steps
   Pci1720Image analog;
   Pci1784Image counter;
   RobotStatus status;

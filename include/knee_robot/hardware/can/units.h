@@ -9,10 +9,9 @@ namespace knee_robot::hardware::can {
 /// From the set value of an axis to that of its drive. The set value is in volts, as for the analog cards, so that a
 /// robot file means the same on both: force = volts * force_per_volt_N.
 struct AxisUnits {
-  double force_per_volt_N = 0.0;       ///< as in the robot file
-  double screw_lead_m = 0.0;           ///< metres per motor revolution
-  double rated_torque_Nm = 0.0;        ///< what 1000 per mille of object 6071 are
-  double counts_per_revolution = 0.0;  ///< of object 6064
+  double force_per_volt_N = 0.0;  ///< as in the robot file
+  double screw_lead_m = 0.0;      ///< metres per motor revolution
+  double rated_torque_Nm = 0.0;   ///< what 1000 per mille of object 6071 are
 };
 
 /// Torque at the motor that gives this force at a screw without losses.
@@ -25,9 +24,6 @@ constexpr double perMilleOf(double volts, const AxisUnits& units) noexcept {
 }
 constexpr double voltsOf(double per_mille, const AxisUnits& units) noexcept {
   return per_mille / 1000.0 * units.rated_torque_Nm * kTwoPi / units.screw_lead_m / units.force_per_volt_N;
-}
-constexpr double metresOf(std::int32_t counts, const AxisUnits& units) noexcept {
-  return static_cast<double>(counts) * units.screw_lead_m / units.counts_per_revolution;
 }
 
 /// Set values beyond are clamped, as the analog card does.
