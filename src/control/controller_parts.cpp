@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <ctime>
 
 #include "knee_robot/base/errors.h"
 #include "knee_robot/base/numbers.h"

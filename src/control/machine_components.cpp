@@ -1,7 +1,6 @@
 #include "machine_components.h"
 
 #include <algorithm>
-#include <array>
 #include <iterator>
 
 #include "knee_robot/base/errors.h"

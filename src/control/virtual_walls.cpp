@@ -1,7 +1,6 @@
 #include "knee_robot/control/virtual_walls.h"
 
 #include <algorithm>
-#include <cmath>
 
 #include "knee_robot/trajectory/pose_limits.h"
 

@@ -5,7 +5,6 @@
 #include <urdf_parser/urdf_parser.h>
 
 #include <Eigen/Geometry>
-#include <cmath>
 
 #include "knee_robot/base/errors.h"
 #include "knee_robot/base/files.h"

@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "knee_robot/base/numbers.h"
-
 namespace knee_robot::mechanism {
 namespace {
 

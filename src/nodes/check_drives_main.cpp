@@ -7,13 +7,11 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
-#include <vector>
 
 #include "backends.h"
 #include "knee_robot/base/errors.h"
 #include "knee_robot/control/hardware_file.h"
 #include "knee_robot/hardware/can/can_axis_bus.h"
-#include "knee_robot/hardware/can/drive_setup.h"
 #include "knee_robot/hardware/machine_lock.h"
 #include "program.h"
 

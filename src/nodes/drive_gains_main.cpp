@@ -2,11 +2,9 @@
 
 #include <yaml-cpp/yaml.h>
 
-#include <filesystem>
 #include <iostream>
 
 #include "knee_robot/base/errors.h"
-#include "knee_robot/base/files.h"
 #include "knee_robot/identification/drive_gains.h"
 #include "knee_robot/identification/recording_units.h"
 #include "knee_robot/report/drive_gains_report.h"

@@ -4,7 +4,6 @@
 #include <cmath>
 
 #include "controller_pose.h"
-#include "knee_robot/base/numbers.h"
 #include "monitor_board.h"
 
 namespace knee_robot::nodes {

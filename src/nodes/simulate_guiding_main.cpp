@@ -9,7 +9,6 @@
 #include <string>
 
 #include "knee_robot/base/errors.h"
-#include "knee_robot/base/files.h"
 #include "knee_robot/control/control_system.h"
 #include "knee_robot/simulation/simulated_cards.h"
 #include "knee_robot/simulation/simulated_hand.h"

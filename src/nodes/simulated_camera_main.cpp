@@ -1,7 +1,6 @@
 // simulated_camera: what a camera beside the simulated robot would have recorded, as columns added to a recording.
 
 #include <iostream>
-#include <optional>
 
 #include "knee_robot/base/errors.h"
 #include "knee_robot/base/files.h"

@@ -2,7 +2,6 @@
 #include <cstdint>
 #include <cstdio>
 #include <filesystem>
-#include <optional>
 
 #include "import_rows.h"
 #include "knee_robot/base/errors.h"

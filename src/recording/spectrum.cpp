@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <complex>
 #include <unsupported/Eigen/FFT>
 
 namespace knee_robot::recording {

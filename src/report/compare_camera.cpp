@@ -1,5 +1,3 @@
-#include <limits>
-
 #include "knee_robot/base/constants.h"
 #include "knee_robot/report/compare.h"
 

@@ -1,5 +1,4 @@
 #include <algorithm>
-#include <cmath>
 
 #include "knee_robot/base/constants.h"
 #include "knee_robot/base/numbers.h"

@@ -1,7 +1,5 @@
 #include "force_series.h"
 
-#include <cmath>
-
 #include "knee_robot/mechanism/chain.h"
 #include "knee_robot/report/plot_series.h"
 

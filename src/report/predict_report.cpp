@@ -1,8 +1,6 @@
 #include "knee_robot/report/predict_report.h"
 
 #include <algorithm>
-#include <cmath>
-#include <cstdio>
 
 #include "force_series.h"
 #include "knee_robot/base/files.h"

@@ -2,7 +2,6 @@
 #include <random>
 
 #include "knee_robot/base/files.h"
-#include "knee_robot/base/numbers.h"
 #include "knee_robot/report/json_parts.h"
 #include "knee_robot/report/page.h"
 #include "knee_robot/report/recorded_units.h"

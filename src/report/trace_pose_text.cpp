@@ -1,4 +1,3 @@
-#include <cmath>
 #include <cstdio>
 
 #include "knee_robot/base/constants.h"

@@ -1,7 +1,6 @@
 #include "trace_series.h"
 
 #include <algorithm>
-#include <cmath>
 
 #include "force_series.h"
 #include "knee_robot/base/constants.h"

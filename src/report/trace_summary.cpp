@@ -1,6 +1,5 @@
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 
 #include "knee_robot/base/numbers.h"
 #include "knee_robot/report/trace_report.h"

@@ -2,13 +2,11 @@
 
 #include <Eigen/LU>
 #include <algorithm>
-#include <cmath>
 
 #include "knee_robot/dynamics/acting_effects.h"
 #include "knee_robot/dynamics/chain_regressor.h"
 #include "knee_robot/dynamics/regressor.h"
 #include "knee_robot/mechanism/kinematics.h"
-#include "knee_robot/recording/filter.h"
 
 namespace knee_robot::tracing {
 namespace {

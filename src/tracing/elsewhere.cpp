@@ -1,7 +1,6 @@
 // What is predicted in other recordings: decided on held-back training data, at positions that were left out.
 
 #include <algorithm>
-#include <cmath>
 
 #include "knee_robot/base/numbers.h"
 #include "knee_robot/base/parallel.h"

@@ -1,7 +1,6 @@
 #include "knee_robot/tracing/joint_fit.h"
 
 #include <algorithm>
-#include <cmath>
 #include <limits>
 
 #include "knee_robot/base/parallel.h"

@@ -4,7 +4,6 @@
 #include <cmath>
 #include <map>
 
-#include "knee_robot/base/numbers.h"
 #include "knee_robot/base/parallel.h"
 #include "trial.h"
 

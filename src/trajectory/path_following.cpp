@@ -1,7 +1,6 @@
 #include "path_following.h"
 
 #include <algorithm>
-#include <cmath>
 
 namespace knee_robot::trajectory {
 namespace {

@@ -1,6 +1,5 @@
 #include "knee_robot/trajectory/pose_limits.h"
 
-#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 #include <limits>

@@ -1,6 +1,5 @@
 #include "knee_robot/trajectory/profiles.h"
 
-#include <algorithm>
 #include <cmath>
 
 namespace knee_robot::trajectory {

@@ -4,7 +4,6 @@
 // MOTION: rows of position, velocity, acceleration of all joints (rad or m), no header. OUTPUT: torques, a row each.
 #include <Simbody.h>
 
-#include <cstdio>
 #include <fstream>
 #include <sstream>
 

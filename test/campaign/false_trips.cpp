@@ -4,7 +4,6 @@
 // docs/results/faults.md.
 #include <CLI/CLI.hpp>
 #include <algorithm>
-#include <cmath>
 #include <cstdio>
 #include <map>
 #include <random>

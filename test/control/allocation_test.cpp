@@ -1,8 +1,6 @@
 // Nothing allocates in any updateHook, whatever happens: operator new counts while a hook runs.
 #include <gtest/gtest.h>
 
-#include <map>
-
 #include "system_rig.h"
 #include "test/allocation_guard.h"
 

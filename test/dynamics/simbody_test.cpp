@@ -5,7 +5,6 @@
 
 #include "knee_robot/dynamics/forward_dynamics.h"
 #include "knee_robot/dynamics/inverse_dynamics.h"
-#include "knee_robot/mechanism/singularity.h"
 #include "knee_robot/simulation/simbody_robot.h"
 #include "test/dynamics/random_robots.h"
 

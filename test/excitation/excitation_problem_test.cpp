@@ -6,7 +6,6 @@
 #include <limits>
 #include <random>
 
-#include "knee_robot/trajectory/exercise_fit.h"
 #include "test/excitation/moderate_robot.h"
 #include "test/trajectory/robots.h"
 

@@ -7,7 +7,6 @@
 #include "knee_robot/base/errors.h"
 #include "knee_robot/dynamics/inverse_dynamics.h"
 #include "knee_robot/dynamics/robot_inertia.h"
-#include "knee_robot/trajectory/exercise_fit.h"
 #include "test/excitation/moderate_robot.h"
 #include "test/trajectory/robots.h"
 

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <random>
 
-#include "knee_robot/dynamics/inverse_dynamics.h"
+#include "knee_robot/dynamics/robot_inertia.h"
 #include "test/trajectory/robots.h"
 
 namespace knee_robot::excitation {

@@ -1,8 +1,6 @@
 // CANopen and CiA 402 pieces, each alone: frames, service data, PDO mapping, state machine, bus load, units.
 #include <gtest/gtest.h>
 
-#include <cmath>
-
 #include "knee_robot/base/errors.h"
 #include "knee_robot/hardware/can/drive_setup.h"
 #include "src/hardware/can/bus_load.h"

@@ -9,7 +9,6 @@
 #include <unistd.h>
 
 #include <cstdlib>
-#include <cstring>
 
 #include "knee_robot/base/errors.h"
 #include "knee_robot/simulation/bus_server.h"

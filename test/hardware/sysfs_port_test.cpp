@@ -2,7 +2,6 @@
 #include "src/hardware/sysfs_port.h"
 
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include <filesystem>
 #include <fstream>

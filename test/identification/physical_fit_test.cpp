@@ -3,10 +3,8 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Eigenvalues>
-#include <cmath>
 #include <random>
 
-#include "knee_robot/dynamics/pseudo_inertia.h"
 #include "knee_robot/identification/evaluation.h"
 #include "knee_robot/identification/physical_problem.h"
 #include "test/identification/observe_one.h"

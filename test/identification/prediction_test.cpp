@@ -4,7 +4,6 @@
 
 #include <cmath>
 
-#include "knee_robot/identification/evaluation.h"
 #include "test/identification/synthetic.h"
 
 namespace knee_robot::identification {

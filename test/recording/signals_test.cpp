@@ -6,7 +6,6 @@
 #include <random>
 
 #include "knee_robot/base/errors.h"
-#include "knee_robot/recording/filter.h"
 
 namespace knee_robot::recording {
 namespace {

@@ -9,7 +9,6 @@
 
 #include "knee_robot/report/drive_gains_report.h"
 #include "knee_robot/report/predict_report.h"
-#include "knee_robot/report/recorded_units.h"
 #include "knee_robot/simulation/camera.h"
 #include "knee_robot/tuning/tuning_report.h"
 #include "test/report/results.h"

@@ -5,7 +5,6 @@
 #include <random>
 #include <set>
 
-#include "knee_robot/recording/filter.h"
 #include "knee_robot/tracing/hypothesis.h"
 #include "src/tracing/library.h"
 #include "test/identification/synthetic.h"

@@ -2,8 +2,6 @@
 
 #include <gtest/gtest.h>
 
-#include <cmath>
-
 #include "test/identification/synthetic.h"
 #include "test/mechanism/configured_robot.h"
 

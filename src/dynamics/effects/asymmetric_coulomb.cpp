@@ -1,5 +1,3 @@
-#include <cmath>
-
 #include "laws.h"
 
 namespace knee_robot::dynamics {

@@ -1,6 +1,5 @@
 #include <algorithm>
 #include <array>
-#include <cstdio>
 #include <optional>
 
 #include "knee_robot/mechanism/kinematics.h"

@@ -1,6 +1,5 @@
 #include "knee_robot/hardware/can/can_axis_bus.h"
 #include "knee_robot/hardware/can/can_socket.h"
-#include "knee_robot/hardware/can/drive_setup.h"
 
 namespace knee_robot::hardware::can {
 namespace {

@@ -1,7 +1,6 @@
 // {name: delay, actuators: [1, 2, 3, 4], time_s: 0.002}
 // The motors follow their commands this much later; between simulated periods the command is interpolated linearly.
 #include <array>
-#include <cmath>
 
 #include "knee_robot/simulation/effect.h"
 
