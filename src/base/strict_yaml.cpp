@@ -7,16 +7,10 @@
 #include "knee_robot/base/errors.h"
 #include "knee_robot/base/files.h"
 #include "knee_robot/base/numbers.h"
+#include "knee_robot/base/words.h"
 
 namespace knee_robot {
 namespace {
-
-std::string listed(const std::vector<std::string>& words) {
-  std::string all;
-  for (const std::string& word : words)
-    all += (all.empty() ? "" : ", ") + word;
-  return all;
-}
 
 std::string lineOf(const YAML::Node& node) {
   return node.Mark().is_null() ? "" : ":" + std::to_string(node.Mark().line + 1);
@@ -135,7 +129,7 @@ std::vector<std::string> StrictMap::texts(const std::string& key) {
 std::string StrictMap::choice(const std::string& key, const std::vector<std::string>& choices) {
   const std::string value = text(key);
   if (std::find(choices.begin(), choices.end(), value) == choices.end()) {
-    refuse(key, "'" + value + "' is not one of " + listed(choices));
+    refuse(key, "'" + value + "' is not one of " + joined(choices));
   }
   return value;
 }
@@ -176,7 +170,7 @@ void StrictMap::finish() const {
   for (const auto& entry : node_) {
     const std::string& key = entry.first.Scalar();
     if (std::find(asked_.begin(), asked_.end(), key) == asked_.end()) {
-      throw InputError(file_ + lineOf(entry.first) + ": unknown key " + key + "; known here: " + listed(asked_));
+      throw InputError(file_ + lineOf(entry.first) + ": unknown key " + key + "; known here: " + joined(asked_));
     }
   }
 }

@@ -23,8 +23,7 @@ bool Driver::configureHook() {
   index_ = static_cast<std::size_t>(axis.value()) - 1;
   if (index_ >= robot_.actuators.size()) return refuse("the robot file has no actuator for this axis");
   actuator_ = robot_.actuators[index_];
-  force_limit_ = actuator_.voltage_max_V * actuator_.force_per_volt_N;
-  if (actuator_.force_max_N > 0.0) force_limit_ = std::min(force_limit_, actuator_.force_max_N);
+  force_limit_ = actuator_.forceLimit();
   follower_ = SetPointFollower(static_cast<int>(index_), actuator_.position_min_m, actuator_.position_max_m,
                                actuator_.velocity_max_m_per_s, missing_set_points);
   pid_.setGains(gains());

@@ -1,7 +1,6 @@
 #include "knee_robot/control/model_feedforward.h"
 
 #include <algorithm>
-#include <cmath>
 
 #include "knee_robot/base/errors.h"
 #include "knee_robot/dynamics/of_model_file.h"
@@ -62,12 +61,8 @@ bool ModelFeedforward::configureHook() {
   } catch (const InputError& error) {
     return refuse(error.what());
   }
-  for (std::size_t i = 0; i < hardware::kAxes; ++i) {
-    const mechanism::Actuator& actuator = robot_.actuators[i];
-    double limit = actuator.voltage_max_V * actuator.force_per_volt_N;
-    if (actuator.force_max_N > 0.0) limit = std::min(limit, actuator.force_max_N);
-    largest_N_[i] = largest_share * limit;
-  }
+  for (std::size_t i = 0; i < hardware::kAxes; ++i)
+    largest_N_[i] = largest_share * robot_.actuators[i].forceLimit();
   return true;
 }
 

@@ -9,11 +9,8 @@ Monitors::Monitors(const std::string& name, const mechanism::Robot& robot)
       robot_(robot),
       inputs_{&command_1, &command_2, &command_3, &command_4},
       patient_monitor_(robot) {
-  for (std::size_t i = 0; i < hardware::kAxes; ++i) {
-    const mechanism::Actuator& actuator = robot_.actuators.at(i);
-    axes_[i].force_limit_N = actuator.voltage_max_V * actuator.force_per_volt_N;
-    if (actuator.force_max_N > 0.0) axes_[i].force_limit_N = std::min(axes_[i].force_limit_N, actuator.force_max_N);
-  }
+  for (std::size_t i = 0; i < hardware::kAxes; ++i)
+    axes_[i].force_limit_N = robot_.actuators.at(i).forceLimit();
 }
 
 void Monitors::setPatient(const PatientRange& range) {

@@ -5,6 +5,7 @@
 #include <map>
 #include <type_traits>
 
+#include "knee_robot/base/words.h"
 #include "knee_robot/control/axis_data.h"
 #include "knee_robot/control/machine_state.h"
 #include "knee_robot/rt/operation.h"
@@ -367,11 +368,8 @@ PortTypeLayout portTypeLayout(std::type_index type) {
 std::string portValuesTable() {
   std::map<std::string, std::string> rows;
   for (const auto& [type, one] : all()) {
-    std::string name = rt::typeName(type), text;
-    name = name.substr(name.rfind("::") + 2);
-    for (const std::string& value : one.names())
-      text += (text.empty() ? "" : ", ") + value;
-    rows[name] = text;
+    const std::string name = rt::typeName(type);
+    rows[name.substr(name.rfind("::") + 2)] = joined(one.names());
   }
   std::string table = "| carried | values, in this order |\n| --- | --- |\n";
   for (const auto& [name, text] : rows)

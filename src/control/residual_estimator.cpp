@@ -10,11 +10,8 @@ namespace {
 
 mechanism::Vector4 forceLimits(const mechanism::Robot& robot) {
   mechanism::Vector4 limits = mechanism::Vector4::Zero();
-  for (int i = 0; i < robot.axes() && i < mechanism::kLegs; ++i) {
-    const mechanism::Actuator& actuator = robot.actuators[static_cast<std::size_t>(i)];
-    limits[i] = actuator.voltage_max_V * actuator.force_per_volt_N;
-    if (actuator.force_max_N > 0.0) limits[i] = std::min(limits[i], actuator.force_max_N);
-  }
+  for (int i = 0; i < robot.axes() && i < mechanism::kLegs; ++i)
+    limits[i] = robot.actuators[static_cast<std::size_t>(i)].forceLimit();
   return limits;
 }
 

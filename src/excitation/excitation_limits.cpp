@@ -58,11 +58,6 @@ void takePose(const mechanism::Robot& robot, const mechanism::Pose& pose, double
 
 }  // namespace
 
-double peakForce(const mechanism::Actuator& actuator) {
-  const double by_voltage = actuator.voltage_max_V * std::abs(actuator.force_per_volt_N);
-  return actuator.force_max_N > 0.0 ? std::min(actuator.force_max_N, by_voltage) : by_voltage;
-}
-
 std::optional<std::vector<LimitUsed>> limitsUsed(const mechanism::Robot& robot, const FourierSeries& series,
                                                  const ExpectedFriction& friction, double step_s) {
   const std::optional<ExpectedLoad> load = expectedLoad(robot, friction);
@@ -87,7 +82,7 @@ std::optional<std::vector<LimitUsed>> limitsUsed(const mechanism::Robot& robot, 
     const mechanism::Vector4 force = data.k * load->parameters + load->rotor_mass.cwiseProduct(point.acceleration);
     squares += force.cwiseAbs2();
     for (int i = 0; i < mechanism::kLegs; ++i) {
-      const double most = peakForce(robot.actuators[i]), size = std::abs(force[i]);
+      const double most = robot.actuators[i].forceLimit(), size = std::abs(force[i]);
       closest.take("peak force of actuator " + std::to_string(i + 1), size, most, size / most, time);
     }
   }

@@ -45,7 +45,7 @@ ExcitationProblem::ExcitationProblem(ExcitationTask task, const mechanism::Pose&
       fine_(task_.shape, kFiner * std::max(kLeastHertz, kSamplesPerPeriod * topHertz(task_.shape))),
       stretches_(std::max(1, static_cast<int>(std::ceil(4.0 * topHertz(task_.shape) * task_.shape.duration_s)))) {
   for (int i = 0; i < mechanism::kLegs; ++i) {
-    peak_force_[i] = peakForce(task_.robot.actuators[i]);
+    peak_force_[i] = task_.robot.actuators[i].forceLimit();
     const double continuous = task_.robot.actuators[i].force_continuous_N;
     rms_force_[i] = continuous > 0.0 ? continuous : std::numeric_limits<double>::infinity();
   }

@@ -6,6 +6,7 @@
 
 #include "knee_robot/base/errors.h"
 #include "knee_robot/base/numbers.h"
+#include "knee_robot/base/words.h"
 #include "knee_robot/dynamics/chain_regressor.h"
 #include "knee_robot/identification/recording_units.h"
 #include "knee_robot/recording/test_pulses.h"
@@ -70,9 +71,7 @@ std::vector<recording::Recording> readRecordings(const std::vector<std::string>&
 
 void adaptToRecordings(mechanism::Robot& robot, std::vector<recording::Recording>& recordings) {
   if (!robot.chain || recordings.empty()) return;
-  std::string impossible;
-  for (const std::string& name : dynamics::impossibleLinks(*robot.chain))
-    impossible += (impossible.empty() ? "" : ", ") + name;
+  const std::string impossible = joined(dynamics::impossibleLinks(*robot.chain));
   if (!impossible.empty())
     recordings.front().notes.push_back("The URDF's inertia of " + impossible +
                                        " is one that no body can have; the nearest possible one is the prior.");

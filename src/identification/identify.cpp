@@ -6,6 +6,7 @@
 
 #include "knee_robot/base/errors.h"
 #include "knee_robot/base/numbers.h"
+#include "knee_robot/base/words.h"
 #include "knee_robot/identification/masking.h"
 #include "knee_robot/identification/prior.h"
 #include "knee_robot/identification/robust_fit.h"
@@ -21,10 +22,7 @@ constexpr double kDetermined = 0.99;    ///< share of a parameter's own directio
 constexpr double kWellKnown = 0.1;      ///< relative standard error of an identified parameter
 
 std::string namesOf(const std::vector<Observation>& training) {
-  std::string names;
-  for (const Observation& o : training)
-    names += (names.empty() ? "" : ", ") + o.path;
-  return names;
+  return joined(training, [](const Observation& o) { return o.path; });
 }
 
 void refuseSaturated(const std::vector<Observation>& training) {

@@ -26,9 +26,7 @@ std::vector<char> saturatedSamples(const mechanism::Robot& robot, const Observat
   for (std::size_t row = 0; row < o.row_time_s.size(); ++row) {
     bool at_limit = false;
     for (int i = 0; i < robot.axes(); ++i) {
-      const mechanism::Actuator& a = robot.actuators[static_cast<std::size_t>(i)];
-      double limit = a.voltage_max_V * a.force_per_volt_N;
-      if (a.force_max_N > 0.0) limit = std::min(limit, a.force_max_N);
+      const double limit = robot.actuators[static_cast<std::size_t>(i)].forceLimit();
       at_limit = at_limit || std::abs(o.row_force_N(static_cast<Eigen::Index>(row), i)) >= kSaturation * limit;
     }
     if (!at_limit) continue;

@@ -13,6 +13,7 @@
 
 #include "knee_robot/base/errors.h"
 #include "knee_robot/base/numbers.h"
+#include "knee_robot/base/words.h"
 #include "knee_robot/recording/recording.h"
 #include "knee_robot/recording/signals.h"
 
@@ -39,9 +40,7 @@ struct BagRows {
 };
 
 std::string listOf(const std::map<std::string, std::string>& topics) {
-  std::string out;
-  for (const auto& [topic, type] : topics)
-    out += (out.empty() ? "" : ", ") + topic + " (" + type + ")";
+  const std::string out = joined(topics, [](const auto& one) { return one.first + " (" + one.second + ")"; });
   return out.empty() ? "none" : out;
 }
 

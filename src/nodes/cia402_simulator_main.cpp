@@ -3,14 +3,10 @@
 // connect as to a bus.
 
 #include <poll.h>
-#include <sched.h>
-#include <sys/mman.h>
 
 #include <array>
-#include <cerrno>
 #include <csignal>
 #include <cstdio>
-#include <cstring>
 #include <optional>
 
 #include "knee_robot/base/errors.h"
@@ -21,6 +17,7 @@
 #include "knee_robot/simulation/lost_time.h"
 #include "knee_robot/simulation/truth_log.h"
 #include "program.h"
+#include "simulator.h"
 
 namespace {
 
@@ -143,22 +140,8 @@ class Simulation {
   std::array<can::Frame, 256> frames_;
 };
 
-/// A real-time priority is asked for, never needed: the drives are late without it.
-void askForPriority(int priority) {
-  if (priority == 0) return;
-  sched_param parameter{};
-  parameter.sched_priority = priority;
-  if (::sched_setscheduler(0, SCHED_FIFO, &parameter) != 0 || ::mlockall(MCL_CURRENT | MCL_FUTURE) != 0) {
-    std::fprintf(stderr, "cia402_simulator: runs without real-time priority or locked memory: %s\n",
-                 std::strerror(errno));
-  }
-}
-
-struct Options {
-  std::string robot, simulation, hardware, bus, objects, shm = "/knee_robot_sim";
-  double duration_s = 0.0;
-  int priority = 0;
-  std::uint64_t truth_rows = 0;
+struct Options : nodes::SimulatorOptions {
+  std::string hardware, bus, objects;
 };
 
 int simulate(const Options& options) {
@@ -180,7 +163,7 @@ int simulate(const Options& options) {
   if (options.truth_rows > 0) truth.emplace(options.shm + "_truth", options.truth_rows);
   Simulation simulation(bus, port, drives, OrderedFaults(memory.image().faults, bus, port, drives),
                         truth ? &*truth : nullptr);
-  askForPriority(options.priority);
+  nodes::askForPriority("cia402_simulator", options.priority);
   std::printf("cia402_simulator ready: four drives on %s, robot in %s\n",
               (options.bus.empty() ? hardware.can->interface : options.bus).c_str(), options.shm.c_str());
   std::fflush(stdout);
@@ -195,9 +178,7 @@ int simulate(const Options& options) {
 int main(int argc, char** argv) {
   CLI::App app("The simulated robot behind four CiA 402 drives on a CAN bus.", "cia402_simulator");
   Options options;
-  app.add_option("--robot", options.robot, "robot file (YAML)")->required();
-  app.add_option("--simulation", options.simulation, "simulation file (YAML): friction, holding brakes, start")
-      ->required();
+  nodes::declareSimulator(app, "shared memory in which the robot's state can be looked at", options);
   app.add_option("--hardware", options.hardware, "hardware file (YAML) with backend can: the drives that it describes")
       ->required();
   app.add_option("--objects", options.objects,
@@ -205,23 +186,5 @@ int main(int argc, char** argv) {
       ->required();
   app.add_option("--bus", options.bus,
                  "CAN interface, or a path: the socket of a simulated bus; default: the hardware file's interface");
-  app.add_option("--shm", options.shm, "shared memory in which the robot's state can be looked at")
-      ->capture_default_str();
-  app.add_option("--duration", options.duration_s, "simulated time after which it ends, s; 0: at SIGINT or SIGTERM")
-      ->capture_default_str();
-  app.add_option("--priority", options.priority, "SCHED_FIFO priority; 0: none")
-      ->check(CLI::Range(0, 98))
-      ->capture_default_str();
-  app.add_option("--truth-rows", options.truth_rows,
-                 "number of simulation steps to keep in shared memory NAME_truth, for fault campaigns; 0: "
-                 "none")
-      ->check(CLI::Range(std::uint64_t{0}, std::uint64_t{1000000}))
-      ->capture_default_str();
-  app.allow_extras();  // roslaunch appends __name:= and __log:=
-  return nodes::runProgram(app, argc, argv, [&] {
-    for (const std::string& extra : app.remaining()) {
-      if (extra.find(":=") == std::string::npos) throw InputError("unknown argument " + extra + " (see --help)");
-    }
-    return simulate(options);
-  });
+  return nodes::runProgram(app, argc, argv, [&] { return simulate(options); });
 }

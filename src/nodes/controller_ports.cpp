@@ -3,21 +3,15 @@
 #include <algorithm>
 
 #include "knee_robot/base/numbers.h"
+#include "knee_robot/base/words.h"
 #include "knee_robot/control/port_values.h"
+#include "knee_robot/rt/names.h"
 
 namespace knee_robot::nodes {
 namespace {
 
 constexpr double kTapPoll_s = 0.02;     // a tap holds half a second at 1 kHz
 constexpr std::uint32_t kQueue = 1000;  // a subscriber that is slower than a second loses the oldest
-
-template <typename Named>
-std::string names(const Named& all) {
-  std::string text;
-  for (const auto& one : all)
-    text += (text.empty() ? "" : ", ") + one->name();
-  return text.empty() ? "none" : text;
-}
 
 /// "COMPONENT.PORT" of a port's message or topic.
 std::string componentOf(const rt::PortBase& port) {
@@ -31,13 +25,13 @@ rt::PortBase* findWatchablePort(const rt::Deployment& deployment, const std::str
   const std::string component_name = name.substr(0, dot), shown = name.substr(0, 60);
   rt::TaskContext* const component = deployment.component(component_name);
   if (dot == std::string::npos || component == nullptr) {
-    sentence =
-        "'" + shown + "' is no port: say COMPONENT.PORT with one of the components " + names(deployment.components());
+    sentence = "'" + shown + "' is no port: say COMPONENT.PORT with one of the components " +
+               rt::listNames(deployment.components());
     return nullptr;
   }
   rt::PortBase* const port = component->port(name.substr(dot + 1));
   if (port == nullptr) {
-    sentence = "there is no port " + shown + "; " + component_name + " has " + names(component->ports());
+    sentence = "there is no port " + shown + "; " + component_name + " has " + rt::listNames(component->ports());
     return nullptr;
   }
   if (port->source() == nullptr) {
@@ -97,9 +91,7 @@ control::Answer ControllerPorts::begin(const WatchPort::Request& request, WatchP
   auto one = find(*port);
   if (one == watched_.end()) {
     if (watched_.size() >= kMost) {
-      std::string others;
-      for (const Watched& other : watched_)
-        others += (others.empty() ? "" : ", ") + other.port->fullName();
+      const std::string others = joined(watched_, [](const Watched& other) { return other.port->fullName(); });
       return {false, std::to_string(kMost) + " ports are watched already; end one of them first: " + others};
     }
     Watched watched{port, port->tap(), node_.advertise<PortValues>(topicOf(*port), kQueue), {}, 0.0, {}, {}};

@@ -4,7 +4,6 @@
 #include <knee_robot/Forces.h>
 #include <knee_robot/Tracking.h>
 
-#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -154,14 +153,13 @@ void ControllerTopics::publishForces(const control::TrackingRow& row, const ros:
   const control::ControlStatus status = system_.status();
   for (std::size_t i = 0; i < hardware::kAxes; ++i) {
     const mechanism::Actuator& actuator = robot_.actuators[i];
-    const double voltage_limit = actuator.voltage_max_V * actuator.force_per_volt_N;
     forces.force_N[i] = row.force_N[i];
     forces.feedforward_N[i] = row.feedforward_N[i];
     forces.thermal[i] = status.thermal[i];
     forces.rms_N[i] = std::sqrt(mean_square_[i]);
     forces.continuous_limit_N[i] =
         actuator.force_continuous_N > 0.0 ? actuator.force_continuous_N : std::numeric_limits<double>::infinity();
-    forces.peak_limit_N[i] = actuator.force_max_N > 0.0 ? std::min(actuator.force_max_N, voltage_limit) : voltage_limit;
+    forces.peak_limit_N[i] = actuator.forceLimit();
   }
   forces_.publish(forces);
 }

@@ -276,9 +276,6 @@ int main(int argc, char** argv) {
   app.add_flag("--down-now", options.down_now, "lock out a running controller, bring the outputs down once, and end");
   app.allow_extras();  // roslaunch appends __name:= and __log:=
   return nodes::runProgram(app, argc, argv, [&] {
-    for (const std::string& extra : app.remaining()) {
-      if (extra.find(":=") == std::string::npos) throw InputError("unknown argument " + extra + " (see --help)");
-    }
     takeSignals();
     return options.down_now ? bringDownNow(options) : run(options);
   });

@@ -3,11 +3,11 @@
 // inject_fault clear). The faults are applied on the robot's side of the registers; the controller is not told.
 
 #include <cmath>
-#include <cstdio>
 #include <functional>
 #include <map>
 
 #include "knee_robot/base/errors.h"
+#include "knee_robot/base/words.h"
 #include "knee_robot/simulation/faulty_port.h"
 #include "knee_robot/simulation/shared_image.h"
 #include "program.h"
@@ -118,10 +118,7 @@ const std::map<std::string, Action>& actions() {
 }
 
 std::string names() {
-  std::string list;
-  for (const auto& [name, action] : actions())
-    list += (list.empty() ? "" : ", ") + name;
-  return list;
+  return joined(actions(), [](const auto& one) { return one.first; });
 }
 
 }  // namespace

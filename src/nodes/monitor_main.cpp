@@ -46,9 +46,6 @@ int main(int argc, char** argv) {
   app.add_flag("--plain", plain, "print one line per period on a terminal, too");
   app.allow_extras();
   return nodes::runProgram(app, argc, argv, [&]() -> int {
-    for (const std::string& extra : app.remaining()) {
-      if (extra.find(":=") == std::string::npos) throw InputError("unknown argument " + extra + " (see --help)");
-    }
     if (!ros::master::check())
       throw InputError("no ROS master answers at " + ros::master::getURI() +
                        "; set ROS_MASTER_URI, or start the robot");

@@ -43,6 +43,9 @@ int runProgram(CLI::App& app, int argc, const char* const* argv, const std::func
     return fail(app, std::string(error.what()) + " (see --help)", kExitBadInput);
   }
   try {
+    for (const std::string& extra : app.remaining()) {
+      if (extra.find(":=") == std::string::npos) throw InputError("unknown argument " + extra + " (see --help)");
+    }
     return body();
   } catch (const InputError& error) {
     return fail(app, error.what(), kExitBadInput);

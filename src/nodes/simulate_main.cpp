@@ -60,11 +60,8 @@ class Watch {
   enum class What { Nothing, TakeOver, Play };
   Watch(const simulation::RobotSimulation& plant, const control::ControlSystem& system, const mechanism::Robot& robot)
       : plant_(plant), system_(system) {
-    for (Eigen::Index i = 0; i < limit_N_.size(); ++i) {
-      const mechanism::Actuator& actuator = robot.actuators[static_cast<std::size_t>(i)];
-      limit_N_[i] = actuator.voltage_max_V * actuator.force_per_volt_N;
-      if (actuator.force_max_N > 0.0) limit_N_[i] = std::min(limit_N_[i], actuator.force_max_N);
-    }
+    for (Eigen::Index i = 0; i < limit_N_.size(); ++i)
+      limit_N_[i] = robot.actuators[static_cast<std::size_t>(i)].forceLimit();
   }
   void begin(What what) {
     what_ = what;

@@ -127,14 +127,9 @@ class MassRange {
   std::string where_;
 };
 
-double forceLimit(const mechanism::Actuator& a) {
-  const double by_voltage = a.voltage_max_V * a.force_per_volt_N;
-  return a.force_max_N > 0.0 ? std::min(a.force_max_N, by_voltage) : by_voltage;
-}
-
 void tune(const mechanism::Actuator& actuator, const tuning::TuningResults& results, tuning::TunedAxis& axis) {
   axis.present_worst = tuning::worstMargins(axis.present, axis.range, results.servo_period_s);
-  tuning::GainBounds bounds{axis.highest_crossover_hz, actuator.metresPerCount(), kKickShare * forceLimit(actuator)};
+  tuning::GainBounds bounds{axis.highest_crossover_hz, actuator.metresPerCount(), kKickShare * actuator.forceLimit()};
   axis.present_kick_N = tuning::kickOfOneCount(axis.present, results.servo_period_s, bounds.count_m);
   axis.proposed = tuning::proposeGains(axis.range, results.servo_period_s, results.demand, bounds);
   if (!axis.proposed) return;

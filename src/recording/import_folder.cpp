@@ -184,7 +184,7 @@ Imported assemble(const Stamped& position, const std::vector<Part>& parts, std::
   for (const Part& part : parts)
     names.insert(names.end(), part.names.begin(), part.names.end());
   Imported out;
-  out.csv = joined(names);
+  out.csv = headerLine(names);
   for (std::size_t i = first; i <= last; ++i) {
     out.csv += seconds(position.stamp_ns[i] - position.stamp_ns[first]);
     for (const std::vector<double>& column : position.values)

@@ -8,7 +8,7 @@
 namespace knee_robot::recording {
 
 /// A header line.
-inline std::string joined(const std::vector<std::string>& names) {
+inline std::string headerLine(const std::vector<std::string>& names) {
   std::string line;
   for (const std::string& name : names)
     line += (line.empty() ? "" : ",") + name;

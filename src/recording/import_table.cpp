@@ -1,7 +1,6 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
-#include <limits>
 #include <map>
 
 #include "import_rows.h"
@@ -9,6 +8,7 @@
 #include "knee_robot/base/files.h"
 #include "knee_robot/base/numbers.h"
 #include "knee_robot/base/strict_yaml.h"
+#include "knee_robot/base/words.h"
 #include "knee_robot/recording/recording.h"
 #include "knee_robot/recording/signals.h"
 
@@ -72,12 +72,9 @@ std::string whyNot(const ColumnMapping& m, double& factor) {
   factor = 1.0;
   if (m.unit.empty()) return {};
   const auto found = units->find(m.unit);
-  if (found == units->end()) {
-    std::string known;
-    for (const auto& [unit, ignored] : *units)
-      known += (known.empty() ? "" : ", ") + unit;
-    return "the unit '" + m.unit + "' does not fit " + m.to + "; known: " + known;
-  }
+  if (found == units->end())
+    return "the unit '" + m.unit + "' does not fit " + m.to +
+           "; known: " + joined(*units, [](const auto& one) { return one.first; });
   if (m.unit.rfind("counts", 0) == 0 && m.scale == 1.0) return "counts need a scale (metres per count) other than 1";
   factor = found->second;
   return {};
@@ -218,7 +215,7 @@ Imported importTable(const TextTable& table, const ColumnMap& map) {
     out.notes.push_back("'" + m.from + "' became " + m.to + (factor == 1.0 ? "" : ", times " + shortNumber(factor, 9)) +
                         (m.offset == 0.0 ? "" : ", plus " + shortNumber(m.offset, 9)) + ".");
   }
-  out.csv = joined(names);
+  out.csv = headerLine(names);
   for (std::size_t i = 0; i < time.size(); ++i) {
     for (std::size_t c = 0; c < columns.size(); ++c) {
       const double value = columns[c][i];

@@ -4,6 +4,7 @@
 
 #include "knee_robot/base/constants.h"
 #include "knee_robot/base/numbers.h"
+#include "knee_robot/base/words.h"
 #include "knee_robot/report/json_parts.h"
 
 namespace knee_robot::report {
@@ -18,9 +19,9 @@ std::string degrees(double angle) {
 }
 
 std::string nearestText(const tracing::PlaceAngles& a) {
-  std::string out;
-  for (const tracing::PlaceAngles::Neighbour& n : a.nearest)
-    out += (out.empty() ? "" : ", ") + n.place.candidate->name() + " " + degrees(n.angle) + " deg";
+  const std::string out = joined(a.nearest, [](const tracing::PlaceAngles::Neighbour& n) {
+    return n.place.candidate->name() + " " + degrees(n.angle) + " deg";
+  });
   return out.empty() ? "-" : out;
 }
 

@@ -3,6 +3,8 @@
 #include <algorithm>
 
 #include "knee_robot/base/errors.h"
+#include "knee_robot/base/words.h"
+#include "knee_robot/rt/names.h"
 #include "knee_robot/rt/property.h"
 
 namespace knee_robot::rt {
@@ -10,14 +12,6 @@ namespace {
 
 constexpr double kShortestPeriod_s = 50e-6;
 constexpr double kLongestPeriod_s = 10.0;
-
-template <typename Named>
-std::string names(const Named& all) {
-  std::string text;
-  for (const auto& one : all)
-    text += (text.empty() ? "" : ", ") + one->name();
-  return text.empty() ? "none" : text;
-}
 
 /// "file:line: key: sentence" from an InputError that knows neither file nor line.
 template <typename Call>
@@ -91,10 +85,8 @@ void DeploymentReader::readComponent(StrictMap& entry) {
   const std::string type = entry.text("type");
   const auto make = factory_.find(type);
   if (make == factory_.end()) {
-    std::string known;
-    for (const auto& one : factory_)
-      known += (known.empty() ? "" : ", ") + one.first;
-    entry.refuse("type", "there is no component type " + type + "; there are " + known);
+    entry.refuse("type", "there is no component type " + type + "; there are " +
+                             joined(factory_, [](const auto& one) { return one.first; }));
   }
   target_.components_.push_back(make->second(name));
   TaskContext& component = *target_.components_.back();
@@ -107,7 +99,7 @@ void DeploymentReader::readComponent(StrictMap& entry) {
   const std::string activity_name = entry.text("activity");
   Activity* activity = target_.activity(activity_name);
   if (activity == nullptr) {
-    entry.refuse("activity", "there is no activity " + activity_name + "; there are " + names(target_.activities_));
+    entry.refuse("activity", "there is no activity " + activity_name + "; there are " + listNames(target_.activities_));
   }
   const double period = entry.numberOr("period_s", 0.0, kShortestPeriod_s, kLongestPeriod_s);
   at(entry, entry.has("period_s") ? "period_s" : "activity", [&] { activity->add(component, fromSeconds(period)); });
@@ -120,12 +112,12 @@ PortBase& DeploymentReader::findPort(StrictMap& entry, const std::string& key) {
   if (dot == std::string::npos) entry.refuse(key, "expected Component.port, not '" + full + "'");
   TaskContext* component = target_.component(full.substr(0, dot));
   if (component == nullptr) {
-    entry.refuse(key, "there is no component " + full.substr(0, dot) + "; there are " + names(target_.components_));
+    entry.refuse(key, "there is no component " + full.substr(0, dot) + "; there are " + listNames(target_.components_));
   }
   PortBase* port = component->port(full.substr(dot + 1));
   if (port == nullptr) {
     entry.refuse(key, "component " + component->name() + " has no port " + full.substr(dot + 1) + "; it has " +
-                          names(component->ports()));
+                          listNames(component->ports()));
   }
   return *port;
 }
@@ -183,7 +175,7 @@ void DeploymentReader::readStartOrder() {
   for (const std::string& name : file_.texts("start_order")) {
     TaskContext* component = target_.component(name);
     if (component == nullptr) {
-      file_.refuse("start_order", "there is no component " + name + "; there are " + names(target_.components_));
+      file_.refuse("start_order", "there is no component " + name + "; there are " + listNames(target_.components_));
     }
     auto& order = target_.start_order_;
     if (std::find(order.begin(), order.end(), component) != order.end()) {

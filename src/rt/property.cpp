@@ -4,19 +4,9 @@
 #include <cctype>
 
 #include "knee_robot/base/errors.h"
+#include "knee_robot/rt/names.h"
 
 namespace knee_robot::rt {
-namespace {
-
-std::string knownProperties(const TaskContext& component) {
-  std::string known;
-  for (const PropertyBase* one : component.properties())
-    known += (known.empty() ? "" : ", ") + one->name();
-  return known.empty() ? "none" : known;
-}
-
-}  // namespace
-
 PropertyBase::PropertyBase(TaskContext& owner, std::string name, std::string unit, std::string description,
                            Change change)
     : name_(std::move(name)), unit_(std::move(unit)), description_(std::move(description)), change_(change) {
@@ -32,7 +22,7 @@ std::vector<std::string> loadProperties(TaskContext& component, StrictMap& map, 
       continue;
     }
     const std::string sentence =
-        "component " + component.name() + " has no such property; it has " + knownProperties(component);
+        "component " + component.name() + " has no such property; it has " + listNames(component.properties());
     if (loading == Loading::Strict) map.refuse(key, sentence);
     passed_over.push_back(map.where(key) + "passed over: " + sentence);
   }
@@ -44,7 +34,7 @@ void changeProperty(TaskContext& component, const std::string& name, const std::
   PropertyBase* property = component.property(name);
   if (property == nullptr) {
     throw InputError("component " + component.name() + " has no property " + name.substr(0, 60) + "; it has " +
-                     knownProperties(component));
+                     listNames(component.properties()));
   }
   if (property->change() != Change::AtRunTime) {
     throw InputError(component.name() + "." + name +

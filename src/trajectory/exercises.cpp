@@ -5,6 +5,7 @@
 
 #include "knee_robot/base/errors.h"
 #include "knee_robot/base/numbers.h"
+#include "knee_robot/base/words.h"
 #include "knee_robot/trajectory/exercise_fit.h"
 
 namespace knee_robot::trajectory {
@@ -165,12 +166,11 @@ const std::vector<Exercise>& exercises() {
 }
 
 const Exercise& exerciseNamed(const std::string& name) {
-  std::string names;
   for (const Exercise& exercise : exercises()) {
     if (exercise.name == name) return exercise;
-    names += (names.empty() ? "" : ", ") + exercise.name;
   }
-  throw InputError("there is no exercise '" + name + "'; choose one of " + names);
+  throw InputError("there is no exercise '" + name + "'; choose one of " +
+                   joined(exercises(), [](const Exercise& exercise) { return exercise.name; }));
 }
 
 ExercisePlan planExercise(const Exercise& exercise, const mechanism::Robot& robot, const ExerciseOptions& options) {

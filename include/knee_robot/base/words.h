@@ -12,6 +12,20 @@ std::string_view trimmed(std::string_view text) noexcept;
 /// A word of a file for a message: in quotes, printable, at most so many characters of it.
 std::string inQuotes(std::string_view word, std::size_t most = 40);
 
+/// "a, b, c": what `text` says of each.
+template <typename Range, typename Text>
+std::string joined(const Range& range, const Text& text) {
+  std::string list;
+  for (const auto& one : range)
+    list += (list.empty() ? "" : ", ") + text(one);
+  return list;
+}
+/// The same of strings.
+template <typename Range>
+std::string joined(const Range& range) {
+  return joined(range, [](const std::string& word) { return word; });
+}
+
 /// "nan" in any case.
 bool isNan(std::string_view text) noexcept;
 

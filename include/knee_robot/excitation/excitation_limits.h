@@ -31,8 +31,4 @@ struct LimitUsed {
 std::optional<std::vector<LimitUsed>> limitsUsed(const mechanism::Robot& robot, const FourierSeries& series,
                                                  const ExpectedFriction& friction, double step_s = 0.001);
 
-/// Largest force (N) that an actuator may exert for a moment: force_max_N or what the largest voltage gives, whichever
-/// is less.
-double peakForce(const mechanism::Actuator& actuator);
-
 }  // namespace knee_robot::excitation

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <optional>
 #include <string>
 #include <vector>
@@ -44,6 +45,11 @@ struct Actuator {
   }
 
   double metresPerCount() const { return screw_lead_m / counts_per_revolution; }
+  /// Largest force, N: the peak limit, or what the voltage allows.
+  double forceLimit() const noexcept {
+    const double by_voltage = voltage_max_V * force_per_volt_N;
+    return force_max_N > 0.0 ? std::min(force_max_N, by_voltage) : by_voltage;
+  }
 };
 
 /// Units as files write them: "m" or "rad"; "N", "Nm" or "A".

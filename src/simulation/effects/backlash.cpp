@@ -6,19 +6,12 @@
 namespace knee_robot::simulation {
 namespace {
 
-class Backlash : public EffectOf<Backlash> {
+class Backlash : public CoupledEffect<Backlash> {
  public:
   explicit Backlash(StrictMap& entry)
-      : motors_({readActuators(entry), entry.numberOr("stiffness_N_per_m", 2e6, 1e3, 1e9),
-                 entry.numberOr("damping_N_s_per_m", 500.0, 0.0, 1e5), 0.5 * entry.number("width_m", 0.0, 0.05)}) {}
-  void changePlant(PlantModel& model) override { motors_.takeRotors(model); }
-  void start(const EffectStep& at) noexcept override { motors_.start(at.lengths); }
-  void addLoads(const EffectStep& at, PlantLoads& loads) noexcept override { motors_.push(at, loads); }
-  void follow(const EffectStep& now) noexcept override { motors_.follow(now); }
-  void changeEncoders(mechanism::Lengths& seen) const noexcept override { motors_.replace(seen); }
-
- private:
-  CoupledMotors motors_;
+      : CoupledEffect({readActuators(entry), entry.numberOr("stiffness_N_per_m", 2e6, 1e3, 1e9),
+                       entry.numberOr("damping_N_s_per_m", 500.0, 0.0, 1e5),
+                       0.5 * entry.number("width_m", 0.0, 0.05)}) {}
 };
 
 }  // namespace

@@ -5,19 +5,11 @@
 namespace knee_robot::simulation {
 namespace {
 
-class FlexibleCoupling : public EffectOf<FlexibleCoupling> {
+class FlexibleCoupling : public CoupledEffect<FlexibleCoupling> {
  public:
   explicit FlexibleCoupling(StrictMap& entry)
-      : motors_({readActuators(entry), entry.number("stiffness_N_per_m", 1e3, 1e9),
-                 entry.numberOr("damping_N_s_per_m", 100.0, 0.0, 1e5), 0.0}) {}
-  void changePlant(PlantModel& model) override { motors_.takeRotors(model); }
-  void start(const EffectStep& at) noexcept override { motors_.start(at.lengths); }
-  void addLoads(const EffectStep& at, PlantLoads& loads) noexcept override { motors_.push(at, loads); }
-  void follow(const EffectStep& now) noexcept override { motors_.follow(now); }
-  void changeEncoders(mechanism::Lengths& seen) const noexcept override { motors_.replace(seen); }
-
- private:
-  CoupledMotors motors_;
+      : CoupledEffect({readActuators(entry), entry.number("stiffness_N_per_m", 1e3, 1e9),
+                       entry.numberOr("damping_N_s_per_m", 100.0, 0.0, 1e5), 0.0}) {}
 };
 
 }  // namespace

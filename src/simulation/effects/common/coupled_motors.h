@@ -40,4 +40,19 @@ class CoupledMotors {
   mechanism::Vector4 slope_ = mechanism::Vector4::Zero();
 };
 
+/// An effect that is nothing else.
+template <typename Own>
+class CoupledEffect : public EffectOf<Own> {
+ public:
+  explicit CoupledEffect(const Coupling& coupling) : motors_(coupling) {}
+  void changePlant(PlantModel& model) override { motors_.takeRotors(model); }
+  void start(const EffectStep& at) noexcept override { motors_.start(at.lengths); }
+  void addLoads(const EffectStep& at, PlantLoads& loads) noexcept override { motors_.push(at, loads); }
+  void follow(const EffectStep& now) noexcept override { motors_.follow(now); }
+  void changeEncoders(mechanism::Lengths& seen) const noexcept override { motors_.replace(seen); }
+
+ private:
+  CoupledMotors motors_;
+};
+
 }  // namespace knee_robot::simulation

@@ -1,0 +1,40 @@
+#include "simulator.h"
+
+#include <sched.h>
+#include <sys/mman.h>
+
+#include <cerrno>
+#include <cstdio>
+#include <cstring>
+
+namespace knee_robot::nodes {
+
+void declareSimulator(CLI::App& app, const std::string& shm, SimulatorOptions& options) {
+  app.add_option("--robot", options.robot, "robot file (YAML)")->required();
+  app.add_option("--simulation", options.simulation, "simulation file (YAML): friction, holding brakes, start")
+      ->required();
+  app.add_option("--shm", options.shm, shm)->capture_default_str();
+  app.add_option("--duration", options.duration_s, "simulated time after which it ends, s; 0: at SIGINT or SIGTERM")
+      ->capture_default_str();
+  app.add_option("--priority", options.priority, "SCHED_FIFO priority; 0: none")
+      ->check(CLI::Range(0, 98))
+      ->capture_default_str();
+  app.add_option("--truth-rows", options.truth_rows,
+                 "number of simulation steps to keep in shared memory NAME_truth, for fault campaigns; 0: "
+                 "none")
+      ->check(CLI::Range(std::uint64_t{0}, std::uint64_t{1000000}))
+      ->capture_default_str();
+  app.allow_extras();  // roslaunch appends __name:= and __log:=
+}
+
+void askForPriority(const std::string& program, int priority) {
+  if (priority == 0) return;
+  sched_param parameter{};
+  parameter.sched_priority = priority;
+  if (::sched_setscheduler(0, SCHED_FIFO, &parameter) != 0)
+    std::fprintf(stderr, "%s: runs without real-time priority: %s\n", program.c_str(), std::strerror(errno));
+  if (::mlockall(MCL_CURRENT | MCL_FUTURE) != 0)
+    std::fprintf(stderr, "%s: memory is not locked: %s\n", program.c_str(), std::strerror(errno));
+}
+
+}  // namespace knee_robot::nodes

@@ -1,0 +1,23 @@
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <cstdint>
+#include <string>
+
+namespace knee_robot::nodes {
+
+/// What the simulated robots have in common, behind cards or behind drives on a bus.
+struct SimulatorOptions {
+  std::string robot, simulation, shm = "/knee_robot_sim";
+  double duration_s = 0.0;
+  int priority = 0;
+  std::uint64_t truth_rows = 0;
+};
+
+/// `shm`: what the shared memory is for, as --help says it.
+void declareSimulator(CLI::App& app, const std::string& shm, SimulatorOptions& options);
+
+/// A real-time priority and locked memory are asked for, never needed: the robot is late without them, and says so.
+void askForPriority(const std::string& program, int priority);
+
+}  // namespace knee_robot::nodes
