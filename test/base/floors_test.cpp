@@ -4,6 +4,8 @@
 #include <filesystem>
 #include <fstream>
 
+#include "test/temporary_folder.h"
+
 namespace {
 
 const std::string kCheck = "/usr/bin/python3 " KNEE_SOURCE_DIR "/test/floors_check.py ";
@@ -14,16 +16,14 @@ TEST(SourceTree, IncludesGoDownTheFloorsFilesStayShortAndAClassHasOneSource) {
 }
 
 TEST(SourceTree, WithAClassInTwoSourcesIsRefusedAndANestedOneHasItsOwn) {
-  char pattern[] = "/tmp/floors_test_XXXXXX";
-  const std::filesystem::path folder = mkdtemp(pattern);
+  const knee_robot::TemporaryFolder folder;
   const std::filesystem::path room = folder / "src" / "rt";
   std::filesystem::create_directories(room);
   std::ofstream(room / "one.cpp") << "void Thing::begin() {\n}\n";
   std::ofstream(room / "other.cpp") << "int Thing::Part::count() {\n}\n";
-  EXPECT_EQ(0, std::system((kCheck + folder.string() + " > /dev/null").c_str()));
+  EXPECT_EQ(0, std::system((kCheck + folder.path() + " > /dev/null").c_str()));
   std::ofstream(room / "other.cpp") << "const std::vector<int>& knee_robot::Thing::all() const {\n}\n";
-  EXPECT_NE(0, std::system((kCheck + folder.string() + " > /dev/null").c_str()));
-  std::filesystem::remove_all(folder);
+  EXPECT_NE(0, std::system((kCheck + folder.path() + " > /dev/null").c_str()));
 }
 
 TEST(SourceTree, HasNoSourceThatHidesAHeadersName) {
@@ -31,8 +31,7 @@ TEST(SourceTree, HasNoSourceThatHidesAHeadersName) {
 }
 
 TEST(SourceTree, WithASourceThatHidesAHeadersNameIsRefused) {
-  char pattern[] = "/tmp/hidden_names_test_XXXXXX";
-  const std::filesystem::path folder = mkdtemp(pattern);
+  const knee_robot::TemporaryFolder folder;
   std::filesystem::create_directories(folder / "src");
   std::ofstream(folder / "src" / "a.h") << "namespace knee_robot::rt {\n\ninline constexpr int kBlocks = 10;\n"
                                            "double rms(double value);\n\n}  // namespace knee_robot::rt\n";
@@ -40,12 +39,11 @@ TEST(SourceTree, WithASourceThatHidesAHeadersNameIsRefused) {
     std::ofstream(folder / "src" / "b.cpp")
         << "namespace knee_robot::rt {\nnamespace {\n\n" + own +
                "\n\n}  // namespace\n\nint kBlocks();\n\n}  // namespace knee_robot::rt\n";
-    return std::system((kHiddenNames + folder.string() + " > /dev/null").c_str());
+    return std::system((kHiddenNames + folder.path() + " > /dev/null").c_str());
   };
   EXPECT_EQ(0, withSource("constexpr int kPieces = 8;"));
   EXPECT_NE(0, withSource("constexpr int kPieces = 1, kBlocks = 8;"));
   EXPECT_NE(0, withSource("double rms(const double& value) {\n  return value;\n}"));
-  std::filesystem::remove_all(folder);
 }
 
 }  // namespace

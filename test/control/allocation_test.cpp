@@ -3,6 +3,7 @@
 
 #include "system_rig.h"
 #include "test/allocation_guard.h"
+#include "test/temporary_folder.h"
 
 namespace knee_robot::control {
 namespace {
@@ -138,8 +139,7 @@ TEST(AllocationGuard, FindsNoneWhileHoming) {
 TEST(AllocationGuard, FindsNoneWhileTheRecorderRuns) {
   Rig rig;
   rig.hold();
-  char pattern[] = "/tmp/allocation_test_XXXXXX";
-  const std::string folder = mkdtemp(pattern);
+  const TemporaryFolder folder;
   ASSERT_TRUE(rig.system.startRecording(folder + "/r.csv").ok);
   {
     Guard guard(rig);
@@ -147,8 +147,6 @@ TEST(AllocationGuard, FindsNoneWhileTheRecorderRuns) {
   }
   EXPECT_EQ(allocations, 0);
   EXPECT_TRUE(rig.system.stopRecording().ok);
-  std::remove((folder + "/r.csv").c_str());
-  std::remove(folder.c_str());
 }
 
 }  // namespace

@@ -1,12 +1,12 @@
 // The last seconds of all signals, on every fault, readable by the same tools.
 #include <gtest/gtest.h>
-#include <stdlib.h>
 
 #include <filesystem>
 
 #include "knee_robot/base/files.h"
 #include "knee_robot/recording/recording.h"
 #include "system_rig.h"
+#include "test/temporary_folder.h"
 
 namespace knee_robot::control {
 namespace {
@@ -15,11 +15,6 @@ using fake::Rig;
 
 class BlackBoxTest : public ::testing::Test {
  protected:
-  void SetUp() override {
-    char pattern[] = "/tmp/black_box_test_XXXXXX";
-    folder = mkdtemp(pattern);
-  }
-  void TearDown() override { std::filesystem::remove_all(folder); }
   std::vector<std::string> dumps() const {
     std::vector<std::string> all;
     if (!std::filesystem::exists(folder + "/box")) return all;
@@ -28,7 +23,7 @@ class BlackBoxTest : public ::testing::Test {
     }
     return all;
   }
-  std::string folder;
+  const TemporaryFolder folder;
 };
 
 struct BoxedRig : Rig {

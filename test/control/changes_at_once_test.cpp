@@ -1,13 +1,12 @@
 // Two who change the controller at the same time: what each of them may alone, both together may not.
 #include <gtest/gtest.h>
-#include <stdlib.h>
 
 #include <atomic>
-#include <filesystem>
 #include <thread>
 
 #include "holding_robot.h"
 #include "knee_robot/base/files.h"
+#include "test/temporary_folder.h"
 
 namespace knee_robot::control {
 namespace {
@@ -25,8 +24,6 @@ struct Controller {
         plant(robot, dynamics::loadRobotInertia(robot),
               simulation::loadSimulationParameters(file("config/simulation/A.yaml")), image),
         bus(simulation::openImageCards(image)) {
-    char pattern[] = "/tmp/changes_at_once_XXXXXX";
-    folder = mkdtemp(pattern);
     dynamics::saveModel(delay_s > 0.0 ? fake::tracedModelOf(robot, {fake::delayOf(2, delay_s)}) : fake::modelOf(robot),
                         folder + "/model.yaml");
     writeFileAtomically(folder + "/p17.yaml", kPatient);
@@ -43,12 +40,11 @@ struct Controller {
     EXPECT_TRUE(system->start().ok);
     system->run(0.1);
   }
-  ~Controller() { std::filesystem::remove_all(folder); }
 
   mechanism::Robot robot;
   simulation::RobotImage image;
   simulation::RobotSimulation plant;
-  std::string folder;
+  const TemporaryFolder folder;
   std::unique_ptr<hardware::AxisBus> bus;
   std::unique_ptr<ControlSystem> system;
 };

@@ -1,11 +1,10 @@
 #include "knee_robot/control/hardware_file.h"
 
 #include <gtest/gtest.h>
-#include <stdlib.h>
-#include <unistd.h>
 
 #include "knee_robot/base/errors.h"
 #include "knee_robot/base/files.h"
+#include "test/temporary_folder.h"
 
 namespace knee_robot::control {
 namespace {
@@ -20,8 +19,7 @@ axes:
 )";
 
 HardwareFile parsed(const std::string& text, std::string* refusal = nullptr) {
-  char pattern[] = "/tmp/hardware_file_test_XXXXXX";
-  const std::string folder = mkdtemp(pattern);
+  const TemporaryFolder folder;
   const std::string path = folder + "/h.yaml";
   writeFileAtomically(path, text);
   HardwareFile file;
@@ -30,8 +28,6 @@ HardwareFile parsed(const std::string& text, std::string* refusal = nullptr) {
   } catch (const InputError& error) {
     if (refusal != nullptr) *refusal = std::string(error.what()).substr(path.size());
   }
-  ::unlink(path.c_str());
-  ::rmdir(folder.c_str());
   return file;
 }
 

@@ -4,29 +4,23 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <filesystem>
 
 #include "knee_robot/base/files.h"
 #include "system_rig.h"
+#include "test/temporary_folder.h"
 
 namespace knee_robot::control {
 namespace {
 
 class HeatFile : public ::testing::Test {
  protected:
-  void SetUp() override {
-    std::string pattern = (std::filesystem::temp_directory_path() / "heat_memory_XXXXXX").string();
-    ASSERT_NE(::mkdtemp(pattern.data()), nullptr);
-    folder_ = pattern;
-  }
-  void TearDown() override { std::filesystem::remove_all(folder_); }
   std::string path() const { return folder_ + "/deep/heat.yaml"; }
   std::string file(const std::string& content) const {
     writeFileAtomically(folder_ + "/heat.yaml", content);
     return folder_ + "/heat.yaml";
   }
 
-  std::string folder_;
+  const TemporaryFolder folder_;
 };
 
 TEST_F(HeatFile, IsLessByTheCoolingSince) {

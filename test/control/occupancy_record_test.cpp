@@ -2,12 +2,10 @@
 #include "src/control/occupancy_record.h"
 
 #include <gtest/gtest.h>
-#include <stdlib.h>
-
-#include <filesystem>
 
 #include "knee_robot/base/files.h"
 #include "test/mechanism/configured_robot.h"
+#include "test/temporary_folder.h"
 
 namespace knee_robot::control {
 namespace {
@@ -15,16 +13,14 @@ namespace {
 class OccupancyRecords : public ::testing::Test {
  protected:
   void SetUp() override {
-    char pattern[] = "/tmp/occupancy_record_test_XXXXXX";
-    folder = mkdtemp(pattern);
     patient.path = folder + "/p17.yaml";
     patient.name = "17";
     patient.range.given = true;
     writeFileAtomically(patient.path, "patient: \"17\"\n");
   }
-  void TearDown() override { std::filesystem::remove_all(folder); }
 
-  std::string folder, busy;
+  const TemporaryFolder folder;
+  std::string busy;
   PatientLimits patient;
   std::vector<Occupancy> told;
   std::function<void()> asked = [] {};

@@ -1,7 +1,6 @@
 // Who is on the robot: nothing moves before somebody has said it, a patient stays over a restart, and a machine that is
 // not fit to carry one is refused sentence by sentence.
 #include <gtest/gtest.h>
-#include <stdlib.h>
 
 #include <filesystem>
 #include <fstream>
@@ -10,6 +9,7 @@
 #include "knee_robot/control/control_system.h"
 #include "knee_robot/simulation/robot_simulation.h"
 #include "knee_robot/simulation/simulated_cards.h"
+#include "test/temporary_folder.h"
 
 namespace knee_robot::control {
 namespace {
@@ -24,12 +24,9 @@ speed: {linear_mm_per_s: 40, angular_deg_per_s: 4}
 class Occupancies : public ::testing::Test {
  protected:
   void SetUp() override {
-    char pattern[] = "/tmp/occupancy_test_XXXXXX";
-    folder = mkdtemp(pattern);
     patient = folder + "/p17.yaml";
     writeFileAtomically(patient, kPatient);
   }
-  void TearDown() override { std::filesystem::remove_all(folder); }
 
   /// A controller on the simulated robot, as one start of the process.
   struct Controller {
@@ -63,7 +60,8 @@ class Occupancies : public ::testing::Test {
   };
 
   std::string memory() const { return folder + "/patient.txt"; }
-  std::string folder, patient;
+  const TemporaryFolder folder;
+  std::string patient;
 };
 
 TEST_F(Occupancies, NothingMovesBeforeSomebodyHasSaidWhoIsOnTheRobot) {

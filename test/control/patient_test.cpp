@@ -1,9 +1,7 @@
 // Patient files: read strictly, never above the robot's limits, checked on loading and watched in motion.
 #include <gtest/gtest.h>
-#include <stdlib.h>
 
 #include <cmath>
-#include <filesystem>
 
 #include "knee_robot/base/errors.h"
 #include "knee_robot/base/files.h"
@@ -11,6 +9,7 @@
 #include "knee_robot/control/patient_limits.h"
 #include "system_rig.h"
 #include "test/mechanism/configured_robot.h"
+#include "test/temporary_folder.h"
 
 namespace knee_robot::control {
 namespace {
@@ -27,11 +26,6 @@ mechanism::Robot finalRobot() {
 
 class PatientFile : public ::testing::Test {
  protected:
-  void SetUp() override {
-    char pattern[] = "/tmp/patient_test_XXXXXX";
-    folder = mkdtemp(pattern);
-  }
-  void TearDown() override { std::filesystem::remove_all(folder); }
   std::string file(const std::string& text) const {
     writeFileAtomically(folder + "/p.yaml", text);
     return folder + "/p.yaml";
@@ -49,7 +43,7 @@ class PatientFile : public ::testing::Test {
     }
     return "";
   }
-  std::string folder;
+  const TemporaryFolder folder;
 };
 
 TEST_F(PatientFile, IsReadWithThePapersSpeedsWhereItSaysNothing) {

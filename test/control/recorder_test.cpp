@@ -1,8 +1,6 @@
 #include "knee_robot/control/recorder.h"
 
 #include <gtest/gtest.h>
-#include <stdlib.h>
-#include <unistd.h>
 
 #include <filesystem>
 
@@ -10,6 +8,7 @@
 #include "knee_robot/recording/recording.h"
 #include "src/control/recording_drain.h"
 #include "system_rig.h"
+#include "test/temporary_folder.h"
 
 namespace knee_robot::control {
 namespace {
@@ -18,16 +17,8 @@ using fake::Rig;
 
 class RecorderTest : public ::testing::Test {
  protected:
-  void SetUp() override {
-    char pattern[] = "/tmp/recorder_test_XXXXXX";
-    folder_ = mkdtemp(pattern);
-  }
-  void TearDown() override {
-    ::unlink(path().c_str());
-    ::rmdir(folder_.c_str());
-  }
   std::string path() const { return folder_ + "/r.csv"; }
-  std::string folder_;
+  const TemporaryFolder folder_;
 };
 
 TEST_F(RecorderTest, WritesEveryCycleOfAMotionAsTheMachineGotIt) {

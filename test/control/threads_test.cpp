@@ -1,7 +1,6 @@
 // The controller on real threads, with operators, recording and publishing beside it. Meant to be run under
 // ThreadSanitizer too.
 #include <gtest/gtest.h>
-#include <stdlib.h>
 
 #include <atomic>
 #include <cstdio>
@@ -12,6 +11,7 @@
 #include "knee_robot/control/control_system.h"
 #include "knee_robot/recording/recording.h"
 #include "knee_robot/rt/activity.h"
+#include "test/temporary_folder.h"
 
 namespace knee_robot::control {
 namespace {
@@ -67,8 +67,7 @@ void printTiming(ControlSystem& system) {
 class Threads : public ::testing::TestWithParam<bool> {};
 
 TEST_P(Threads, PlayWhileOperatorsAskRecordAndPublish) {
-  char pattern[] = "/tmp/threads_test_XXXXXX";
-  const std::string folder = mkdtemp(pattern);
+  const TemporaryFolder folder;
   const mechanism::Robot robot = fake::robot();
   LiveMachine machine(robot);
   ControlSystem::Options options;
@@ -122,14 +121,10 @@ TEST_P(Threads, PlayWhileOperatorsAskRecordAndPublish) {
   const std::size_t number = answer_recorded.find(" has ");
   ASSERT_NE(number, std::string::npos);
   EXPECT_EQ(recording::loadRecording(folder + "/r.csv").rows(), std::atol(answer_recorded.c_str() + number + 5));
-  for (const char* name : {"/r.csv", "/deployment.yaml"})
-    std::remove((folder + name).c_str());
-  std::remove(folder.c_str());
 }
 
 TEST(ThreadsAlone, PauseAndResumeInTheMiddleOfThePath) {
-  char pattern[] = "/tmp/threads_test_XXXXXX";
-  const std::string folder = mkdtemp(pattern);
+  const TemporaryFolder folder;
   LiveMachine machine(fake::robot());
   ControlSystem system(fake::robot(), fake::hardware(), deployment(folder, false), machine, nobodyOnIt());
   ASSERT_TRUE(system.start().ok);
@@ -150,8 +145,6 @@ TEST(ThreadsAlone, PauseAndResumeInTheMiddleOfThePath) {
   EXPECT_TRUE(system.waitFor(MachineState::Holding, 20.0)) << system.status().fault_sentence;
   EXPECT_NEAR(system.status().progress, 1.0, 1e-9);
   EXPECT_TRUE(system.shutdown().ok);
-  std::remove((folder + "/deployment.yaml").c_str());
-  std::remove(folder.c_str());
 }
 
 INSTANTIATE_TEST_SUITE_P(Of, Threads, ::testing::Bool(), [](const ::testing::TestParamInfo<bool>& info) {
@@ -160,8 +153,7 @@ INSTANTIATE_TEST_SUITE_P(Of, Threads, ::testing::Bool(), [](const ::testing::Tes
 
 TEST(ThreadsAlone, ShutDownSafelyWhenTheControllerIsDestroyedInMotion) {
   const mechanism::Robot robot = fake::robot();
-  char pattern[] = "/tmp/threads_test_XXXXXX";
-  const std::string folder = mkdtemp(pattern);
+  const TemporaryFolder folder;
   LiveMachine machine(robot);
   {
     ControlSystem system(robot, fake::hardware(), deployment(folder, false), machine, nobodyOnIt());
@@ -170,8 +162,6 @@ TEST(ThreadsAlone, ShutDownSafelyWhenTheControllerIsDestroyedInMotion) {
   }
   EXPECT_EQ(machine.bits, 0u);
   EXPECT_EQ(machine.volts, AxisValues{});
-  std::remove((folder + "/deployment.yaml").c_str());
-  std::remove(folder.c_str());
 }
 
 }  // namespace

@@ -1,16 +1,15 @@
 #include "knee_robot/dynamics/urdf_inertia.h"
 
 #include <gtest/gtest.h>
-#include <stdlib.h>
 
 #include <Eigen/Eigenvalues>
-#include <filesystem>
 #include <random>
 
 #include "knee_robot/base/errors.h"
 #include "knee_robot/base/files.h"
 #include "knee_robot/dynamics/pseudo_inertia.h"
 #include "test/mechanism/configured_robot.h"
+#include "test/temporary_folder.h"
 
 namespace knee_robot::dynamics {
 namespace {
@@ -51,8 +50,8 @@ TEST(UrdfWithInertia, IsReadBackAsItWasWritten) {
   }
   mechanism::Matrix3& platform = inertia.links[kPlatformLink].inertia;
   platform(0, 1) = platform(1, 0) = 0.05 * platform(0, 0);
-  char folder[] = "/tmp/knee_urdf_XXXXXX";
-  const std::string path = std::string(mkdtemp(folder)) + "/identified.urdf";
+  const TemporaryFolder folder;
+  const std::string path = folder + "/identified.urdf";
   writeFileAtomically(path, urdfWithInertia(robot.urdf, inertia, "a note"));
   const std::string text = readFile(path);
   EXPECT_NE(text.find("a note"), std::string::npos);
@@ -60,7 +59,6 @@ TEST(UrdfWithInertia, IsReadBackAsItWasWritten) {
   robot.urdf = path;
   const RobotInertia back = loadRobotInertia(robot);
   EXPECT_LT((toParameters(back) - toParameters(inertia)).norm(), 1e-12);
-  std::filesystem::remove_all(folder);
 }
 
 TEST(UrdfWithInertia, NeverWritesWhatNoBodyCanHave) {

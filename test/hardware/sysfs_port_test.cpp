@@ -9,6 +9,7 @@
 #include "knee_robot/base/errors.h"
 #include "knee_robot/hardware/pci1720.h"
 #include "knee_robot/hardware/pci1720_registers.h"
+#include "test/temporary_folder.h"
 
 namespace knee_robot::hardware {
 namespace {
@@ -17,13 +18,6 @@ namespace fs = std::filesystem;
 
 class SysfsPortTest : public ::testing::Test {
  protected:
-  void SetUp() override {
-    std::string pattern = (fs::temp_directory_path() / "knee_sysfs_XXXXXX").string();
-    ASSERT_NE(::mkdtemp(pattern.data()), nullptr);
-    root_ = pattern;
-  }
-  void TearDown() override { fs::remove_all(root_); }
-
   fs::path addCard(const std::string& address, const std::string& device, char board_id) {
     const fs::path folder = root_ / address;
     fs::create_directories(folder);
@@ -57,7 +51,8 @@ class SysfsPortTest : public ::testing::Test {
     return {std::istreambuf_iterator<char>(stream), {}};
   }
 
-  fs::path root_;
+  const TemporaryFolder folder_;
+  const fs::path root_ = folder_.path();
 };
 
 TEST_F(SysfsPortTest, FindsTheCardOfTheAskedKindAndBoardIdAndEnablesIt) {

@@ -1,7 +1,6 @@
 // identify and trace as a user calls them, without any option: the baseline of trace is the model of identify.
 
 #include <gtest/gtest.h>
-#include <stdlib.h>
 #include <sys/wait.h>
 
 #include <cmath>
@@ -11,21 +10,15 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
+#include "test/temporary_folder.h"
+
 namespace {
 
 namespace fs = std::filesystem;
+using knee_robot::TemporaryFolder;
 
-struct Folder {
-  Folder() {
-    std::string pattern = (fs::temp_directory_path() / "knee_baseline_XXXXXX").string();
-    path = ::mkdtemp(pattern.data());
-  }
-  ~Folder() { fs::remove_all(path); }
-  fs::path path;
-};
-
-fs::path writeRobot(const Folder& folder) {
-  const fs::path file = folder.path / "robot.yaml";
+fs::path writeRobot(const TemporaryFolder& folder) {
+  const fs::path file = folder / "robot.yaml";
   std::ofstream(file)
       << "mechanism: axes\nactuators:\n"
          "  - &axis {position_min_m: 0.0, position_max_m: 0.4, velocity_max_m_per_s: 1.0, acceleration_max_m_per_s2: "
@@ -35,8 +28,8 @@ fs::path writeRobot(const Folder& folder) {
 }
 
 /// Two axes with friction and a drag that no baseline has; `pause_s` without rows after 12 s.
-fs::path writeRecording(const Folder& folder, const std::string& name, double turns, double pause_s = 0.0) {
-  const fs::path file = folder.path / name;
+fs::path writeRecording(const TemporaryFolder& folder, const std::string& name, double turns, double pause_s = 0.0) {
+  const fs::path file = folder / name;
   std::ofstream stream(file);
   stream << "time_s,reference_1_m,position_1_m,force_1_N,reference_2_m,position_2_m,force_2_N\n";
   stream.precision(12);
@@ -55,20 +48,20 @@ fs::path writeRecording(const Folder& folder, const std::string& name, double tu
   return file;
 }
 
-nlohmann::json reportOf(const Folder& folder, const std::string& program, const fs::path& training) {
-  const fs::path out = folder.path / fs::path(program.substr(0, program.find(' '))).filename();
+nlohmann::json reportOf(const TemporaryFolder& folder, const std::string& program, const fs::path& training) {
+  const fs::path out = folder / fs::path(program.substr(0, program.find(' '))).filename();
   const std::string command = program + " --robot " + writeRobot(folder).string() + " --train " + training.string() +
                               " --validate " + writeRecording(folder, "other.csv", 1.7).string() + " --output " +
-                              out.string() + " > " + (folder.path / "log.txt").string() + " 2>&1";
+                              out.string() + " > " + (folder / "log.txt").string() + " 2>&1";
   if (WEXITSTATUS(std::system(command.c_str())) != 0) {
-    ADD_FAILURE() << std::ifstream(folder.path / "log.txt").rdbuf();
+    ADD_FAILURE() << std::ifstream(folder / "log.txt").rdbuf();
     return {};
   }
   return nlohmann::json::parse(std::ifstream(out / "report.json"));
 }
 
 TEST(BaselineOfPrograms, TraceStartsWhereIdentifyEnds) {
-  const Folder folder;
+  const TemporaryFolder folder;
   const fs::path training = writeRecording(folder, "training.csv", 1.2);
   const nlohmann::json identified = reportOf(folder, KNEE_IDENTIFY, training);
   const nlohmann::json traced = reportOf(folder, std::string(KNEE_TRACE) + " --most 0", training);
@@ -84,7 +77,7 @@ TEST(BaselineOfPrograms, TraceStartsWhereIdentifyEnds) {
 }
 
 TEST(BaselineOfPrograms, TraceLeavesALongPauseOut) {
-  const Folder folder;
+  const TemporaryFolder folder;
   const nlohmann::json traced =
       reportOf(folder, std::string(KNEE_TRACE) + " --most 0", writeRecording(folder, "training.csv", 1.2, 3600.0));
   ASSERT_FALSE(traced.is_null());

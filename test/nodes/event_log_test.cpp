@@ -13,6 +13,7 @@
 
 #include "../../src/nodes/controller_events.h"
 #include "knee_robot/base/files.h"
+#include "test/temporary_folder.h"
 
 namespace knee_robot::nodes {
 namespace {
@@ -21,12 +22,7 @@ namespace fs = std::filesystem;
 
 class EventLogTest : public testing::Test {
  protected:
-  EventLogTest() {
-    char pattern[] = "/tmp/event_log_test_XXXXXX";
-    folder_ = mkdtemp(pattern);
-    path_ = folder_ + "/events/controller.jsonl";
-  }
-  ~EventLogTest() override { fs::remove_all(folder_); }
+  EventLogTest() { path_ = folder_ + "/events/controller.jsonl"; }
 
   static std::vector<nlohmann::json> entries(const std::string& path) {
     std::vector<nlohmann::json> all;
@@ -40,7 +36,8 @@ class EventLogTest : public testing::Test {
     while (!true_at_last())
       std::this_thread::sleep_for(std::chrono::milliseconds(5));
   }
-  std::string folder_, path_;
+  const TemporaryFolder folder_;
+  std::string path_;
 };
 
 TEST_F(EventLogTest, WritesEveryEntryAsALineThatNobodysWordsCanForge) {

@@ -1,13 +1,14 @@
 // scripts/hidden_effect: what the demo says of trace's findings is true also where they are poor.
 
 #include <gtest/gtest.h>
-#include <stdlib.h>
 
 #include <cstdio>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <string>
+
+#include "test/temporary_folder.h"
 
 namespace {
 
@@ -17,11 +18,6 @@ struct Outcome {
   int status;
   std::string text;
 };
-
-std::string newFolder() {
-  std::string folder = (fs::temp_directory_path() / "knee_hidden_effect_XXXXXX").string();
-  return ::mkdtemp(folder.data()) == nullptr ? std::string() : folder;
-}
 
 Outcome hiddenEffect(const std::string& arguments) {
   Outcome outcome{};
@@ -35,7 +31,7 @@ Outcome hiddenEffect(const std::string& arguments) {
 
 /// What `hidden_effect reveal` prints for a hidden spring of 800 N/m, for a found one, and its exit status.
 Outcome reveal(double found_stiffness_N_per_m, double after_N) {
-  const std::string folder = newFolder();
+  const knee_robot::TemporaryFolder folder;
   std::ofstream(folder + "/truth.json") << R"({"name": "spring", "actuator": null, "listed": true, "seed": 1,)"
                                         << R"("parameters": {"stiffness_N_per_m": 800}})";
   std::ofstream(folder + "/report.json")
@@ -43,8 +39,8 @@ Outcome reveal(double found_stiffness_N_per_m, double after_N) {
       << R"({"stiffness_N_per_m": {"value": )" << found_stiffness_N_per_m << R"(}}}],)"
       << R"("before": {"validate": {"rms_N": [3, 4]}}, "after": {"validate": {"rms_N": [)" << after_N << ", " << after_N
       << "]}}}";
-  const Outcome outcome = hiddenEffect("reveal --truth " + folder + "/truth.json --report " + folder + "/report.json");
-  fs::remove_all(folder);
+  const Outcome outcome =
+      hiddenEffect("reveal --truth " + folder.path() + "/truth.json --report " + folder.path() + "/report.json");
   return outcome;
 }
 
@@ -56,17 +52,16 @@ struct Drawn {
 };
 
 Drawn draw(int seed, const std::string& simulate) {
-  const std::string folder = newFolder();
+  const knee_robot::TemporaryFolder folder;
   std::ofstream(folder + "/simulate") << "#!/bin/sh\n" << simulate << "\n";
   fs::permissions(folder + "/simulate", fs::perms::owner_all);
   Drawn drawn;
   drawn.outcome = hiddenEffect("draw --seed " + std::to_string(seed) +
                                " --effect spring --simulation " KNEE_SOURCE_DIR "/config/simulation/A.yaml -o " +
-                               folder + "/hidden.yaml --truth " + folder + "/truth.json --references " + folder +
-                               "/path.txt --simulate " + folder + "/simulate");
+                               folder.path() + "/hidden.yaml --truth " + folder.path() + "/truth.json --references " +
+                               folder.path() + "/path.txt --simulate " + folder.path() + "/simulate");
   std::ifstream truth(folder + "/truth.json");
   drawn.truth.assign(std::istreambuf_iterator<char>(truth), {});
-  fs::remove_all(folder);
   return drawn;
 }
 

@@ -1,7 +1,6 @@
 // identify and plan_excitation run as programs: exit statuses, one sentence, no half-written files, Ctrl-C.
 
 #include <gtest/gtest.h>
-#include <stdlib.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -17,19 +16,12 @@
 #include <thread>
 
 #include "knee_robot/trajectory/reference_file.h"
+#include "test/temporary_folder.h"
 
 namespace {
 
 namespace fs = std::filesystem;
-
-struct Folder {
-  Folder() {
-    std::string pattern = (fs::temp_directory_path() / "knee_identify_XXXXXX").string();
-    path = ::mkdtemp(pattern.data());
-  }
-  ~Folder() { fs::remove_all(path); }
-  fs::path path;
-};
+using knee_robot::TemporaryFolder;
 
 std::string contentOf(const fs::path& file) {
   std::ifstream stream(file);
@@ -39,8 +31,8 @@ std::string contentOf(const fs::path& file) {
 }
 
 /// Two axes on a bench; a command of 300 N is all they have.
-fs::path writeRobot(const Folder& folder) {
-  const fs::path file = folder.path / "robot.yaml";
+fs::path writeRobot(const TemporaryFolder& folder) {
+  const fs::path file = folder / "robot.yaml";
   std::ofstream(file)
       << "mechanism: axes\nactuators:\n"
          "  - &axis {position_min_m: 0.0, position_max_m: 0.4, velocity_max_m_per_s: 1.0, acceleration_max_m_per_s2: "
@@ -59,8 +51,9 @@ double rubbing(double t) {
   return 200.0 * v + (v > 0.0 ? 30.0 : -30.0);
 }
 
-fs::path writeRecording(const Folder& folder, double seconds, const Signal& second_position, const Signal& force) {
-  const fs::path file = folder.path / "recording.csv";
+fs::path writeRecording(const TemporaryFolder& folder, double seconds, const Signal& second_position,
+                        const Signal& force) {
+  const fs::path file = folder / "recording.csv";
   std::ofstream stream(file);
   stream << "time_s,reference_1_m,position_1_m,force_1_N,reference_2_m,position_2_m,force_2_N\n";
   for (int k = 0; k < seconds * 100.0; ++k) {
@@ -77,17 +70,18 @@ struct Ended {
 };
 
 /// Runs `identify` on the recording; cut-off given, because a few seconds do not show a spectrum.
-Ended identify(const Folder& folder, const fs::path& robot, const fs::path& recording, const std::string& more = "") {
-  const fs::path errors = folder.path / "errors.txt";
+Ended identify(const TemporaryFolder& folder, const fs::path& robot, const fs::path& recording,
+               const std::string& more = "") {
+  const fs::path errors = folder / "errors.txt";
   const std::string command = std::string(KNEE_IDENTIFY) + " --robot " + robot.string() + " --train " +
-                              recording.string() + " --cutoff-hz 3 --output " + (folder.path / "out").string() + " " +
-                              more + " > /dev/null 2> " + errors.string();
+                              recording.string() + " --cutoff-hz 3 --output " + (folder / "out").string() + " " + more +
+                              " > /dev/null 2> " + errors.string();
   const int status = WEXITSTATUS(std::system(command.c_str()));
   return {status, contentOf(errors)};
 }
 
 /// Refused with exit status 3, one sentence that holds `words`, and nothing written.
-void expectRefusal(const Folder& folder, const Ended& ended, const std::string& words) {
+void expectRefusal(const TemporaryFolder& folder, const Ended& ended, const std::string& words) {
   EXPECT_EQ(ended.status, 3) << ended.errors;
   std::istringstream lines(ended.errors);
   std::string line;
@@ -98,19 +92,19 @@ void expectRefusal(const Folder& folder, const Ended& ended, const std::string& 
     EXPECT_NE(line.find(words), std::string::npos) << line;
   }
   EXPECT_EQ(sentences, 1) << ended.errors;
-  EXPECT_FALSE(fs::exists(folder.path / "out" / "model.yaml"));
+  EXPECT_FALSE(fs::exists(folder / "out" / "model.yaml"));
 }
 
 TEST(IdentifyProgram, WritesItsFilesAndEndsWithZero) {
-  const Folder folder;
+  const TemporaryFolder folder;
   const Ended ended = identify(folder, writeRobot(folder), writeRecording(folder, 30.0, sineMotion, rubbing));
   EXPECT_EQ(ended.status, 0) << ended.errors;
   for (const char* name : {"model.yaml", "report.json", "report.html"})
-    EXPECT_TRUE(fs::exists(folder.path / "out" / name)) << name;
+    EXPECT_TRUE(fs::exists(folder / "out" / name)) << name;
 }
 
 TEST(IdentifyProgram, RefusesWhatIsTooShort) {
-  const Folder folder;
+  const TemporaryFolder folder;
   expectRefusal(folder, identify(folder, writeRobot(folder), writeRecording(folder, 1.9, sineMotion, rubbing)),
                 "s of usable motion");
   expectRefusal(folder, identify(folder, writeRobot(folder), writeRecording(folder, 0.1, sineMotion, rubbing)),
@@ -118,36 +112,36 @@ TEST(IdentifyProgram, RefusesWhatIsTooShort) {
 }
 
 TEST(IdentifyProgram, RefusesAnAxisWithoutMotion) {
-  const Folder folder;
+  const TemporaryFolder folder;
   const Signal rest = [](double) { return 0.2; };
   expectRefusal(folder, identify(folder, writeRobot(folder), writeRecording(folder, 30.0, rest, rubbing)),
                 "actuator 2 does not move in");
 }
 
 TEST(IdentifyProgram, RefusesSaturatedCommands) {
-  const Folder folder;
+  const TemporaryFolder folder;
   const Signal saturated = [](double t) { return std::fmod(t, 3.0) < 1.0 ? 300.0 : rubbing(t); };
   expectRefusal(folder, identify(folder, writeRobot(folder), writeRecording(folder, 30.0, sineMotion, saturated)),
                 "a command is at its limit");
 }
 
 TEST(IdentifyProgram, RefusesMoreDirectionsThanTheMotionExcites) {
-  const Folder folder;
+  const TemporaryFolder folder;
   expectRefusal(folder,
                 identify(folder, writeRobot(folder), writeRecording(folder, 30.0, sineMotion, rubbing), "--rank 50"),
                 "50 directions were asked for");
 }
 
 TEST(IdentifyProgram, EndsWithTwoOnBadInput) {
-  const Folder folder;
-  const Ended ended = identify(folder, writeRobot(folder), folder.path / "absent.csv");
+  const TemporaryFolder folder;
+  const Ended ended = identify(folder, writeRobot(folder), folder / "absent.csv");
   EXPECT_EQ(ended.status, 2) << ended.errors;
 }
 
 /// Ctrl-C while it searches: the best so far is written whole, and that is a plan like any other: status 0.
 TEST(PlanExcitationProgram, WritesTheBestSoFarOnInterruptAndEndsWithZero) {
-  const Folder folder;
-  const std::string output = (folder.path / "plan.txt").string(), log = (folder.path / "log.txt").string();
+  const TemporaryFolder folder;
+  const std::string output = (folder / "plan.txt").string(), log = (folder / "log.txt").string();
   const pid_t child = ::fork();
   ASSERT_GE(child, 0);
   if (child == 0) {
@@ -157,7 +151,7 @@ TEST(PlanExcitationProgram, WritesTheBestSoFarOnInterruptAndEndsWithZero) {
             "100000", "--iterations", "100000", "-o", output.c_str(), static_cast<char*>(nullptr));
     ::_exit(101);
   }
-  const fs::path progress = folder.path / "log.txt";
+  const fs::path progress = folder / "log.txt";
   while (contentOf(progress).find("random") == std::string::npos && ::waitpid(child, nullptr, WNOHANG) == 0)
     std::this_thread::sleep_for(
         std::chrono::milliseconds(20));  // it has found something: from then on it may be stopped

@@ -1,7 +1,6 @@
 // scripts/set_up_industrial_pc, as far as it goes without a machine to change.
 
 #include <gtest/gtest.h>
-#include <stdlib.h>
 
 #include <cstdlib>
 #include <filesystem>
@@ -10,18 +9,12 @@
 #include <sstream>
 #include <string>
 
+#include "test/temporary_folder.h"
+
 namespace {
 
 namespace fs = std::filesystem;
-
-struct Folder {
-  Folder() {
-    std::string pattern = (fs::temp_directory_path() / "knee_industrial_pc_XXXXXX").string();
-    path = ::mkdtemp(pattern.data());
-  }
-  ~Folder() { fs::remove_all(path); }
-  fs::path path;
-};
+using knee_robot::TemporaryFolder;
 
 const std::string kFiles =
     " --robot config/robots/final.yaml --urdf urdf/final.urdf --hardware config/hardware/cards.yaml";
@@ -39,40 +32,40 @@ std::string contentOf(const fs::path& file) {
 }
 
 TEST(SetUpIndustrialPc, FillsInEveryPlaceOfItsFiles) {
-  const Folder folder;
-  ASSERT_EQ(runScript("--into " + folder.path.string() +
+  const TemporaryFolder folder;
+  ASSERT_EQ(runScript("--into " + folder.path() +
                       " --cpus 2,3 --user robot --robot /etc/knee/my_robot.yaml --urdf /etc/knee/my_robot.urdf "
                       "--hardware /etc/knee/cards.yaml"),
             0);
   int files = 0;
-  for (const auto& entry : fs::recursive_directory_iterator(folder.path)) {
+  for (const auto& entry : fs::recursive_directory_iterator(folder.path())) {
     if (!entry.is_regular_file()) continue;
     ++files;
     const std::string content = contentOf(entry.path());
     EXPECT_FALSE(std::regex_search(content, std::regex("@[A-Z_]+@"))) << entry.path() << ":\n" << content;
   }
   EXPECT_EQ(files, 6);
-  const std::string guardian = contentOf(folder.path / "etc/systemd/system/knee-guardian.service");
+  const std::string guardian = contentOf(folder / "etc/systemd/system/knee-guardian.service");
   EXPECT_NE(guardian.find("User=robot\n"), std::string::npos);
   EXPECT_NE(guardian.find("--hardware /etc/knee/cards.yaml"), std::string::npos);
   EXPECT_NE(guardian.find("--cpu 3"), std::string::npos);
-  const std::string controller = contentOf(folder.path / "etc/systemd/system/knee-controller.service");
+  const std::string controller = contentOf(folder / "etc/systemd/system/knee-controller.service");
   EXPECT_NE(controller.find(" robot:=/etc/knee/my_robot.yaml urdf:=/etc/knee/my_robot.urdf "), std::string::npos);
   EXPECT_NE(controller.find(" cpu:=2 "), std::string::npos);
 }
 
 TEST(SetUpIndustrialPc, NeverRestartsAControllerThatDied) {
-  const Folder folder;
-  ASSERT_EQ(runScript("--into " + folder.path.string() + " --cpus 2,3" + kFiles), 0);
-  const std::string controller = contentOf(folder.path / "etc/systemd/system/knee-controller.service");
+  const TemporaryFolder folder;
+  ASSERT_EQ(runScript("--into " + folder.path() + " --cpus 2,3" + kFiles), 0);
+  const std::string controller = contentOf(folder / "etc/systemd/system/knee-controller.service");
   EXPECT_NE(controller.find("\nRestart=no\n"), std::string::npos);
   EXPECT_NE(controller.find("\nExecStopPost="), std::string::npos);
 }
 
 TEST(SetUpIndustrialPc, NamesFilesByTheirWholePaths) {
-  const Folder folder;
-  ASSERT_EQ(runScript("--into " + folder.path.string() + " --cpus 2,3" + kFiles), 0);
-  const std::string guardian = contentOf(folder.path / "etc/systemd/system/knee-guardian.service");
+  const TemporaryFolder folder;
+  ASSERT_EQ(runScript("--into " + folder.path() + " --cpus 2,3" + kFiles), 0);
+  const std::string guardian = contentOf(folder / "etc/systemd/system/knee-guardian.service");
   const std::size_t begin = guardian.find("--hardware ") + 11;
   EXPECT_TRUE(fs::exists(guardian.substr(begin, guardian.find(' ', begin) - begin)));
 }
@@ -85,8 +78,8 @@ TEST(SetUpIndustrialPc, RefusesOneProcessorForBothAndUnknownArguments) {
 }
 
 TEST(SetUpIndustrialPc, HasNoDefaultForWhatBelongsToTheMachine) {
-  const Folder folder;
-  const std::string into = "--into " + folder.path.string() + " --cpus 2,3";
+  const TemporaryFolder folder;
+  const std::string into = "--into " + folder.path() + " --cpus 2,3";
   EXPECT_EQ(runScript(into + " --urdf urdf/final.urdf --hardware config/hardware/cards.yaml"), 2);
   EXPECT_EQ(runScript(into + " --robot config/robots/final.yaml --hardware config/hardware/cards.yaml"), 2);
   EXPECT_EQ(runScript(into + " --robot config/robots/final.yaml --urdf urdf/final.urdf"), 2);

@@ -1,6 +1,5 @@
 // The tuning assistant as an engineer calls it, on the simulated robot whose inertia is known.
 #include <gtest/gtest.h>
-#include <stdlib.h>
 #include <sys/wait.h>
 
 #include <cstdlib>
@@ -11,6 +10,7 @@
 
 #include "knee_robot/base/files.h"
 #include "knee_robot/control/axis_inertia.h"
+#include "test/temporary_folder.h"
 
 namespace {
 
@@ -28,11 +28,6 @@ struct Ended {
 
 class TunePid : public ::testing::Test {
  protected:
-  TunePid() {
-    char pattern[] = "/tmp/tune_pid_XXXXXX";
-    folder_ = ::mkdtemp(pattern);
-  }
-  ~TunePid() override { fs::remove_all(folder_); }
   std::string in(const std::string& name) const { return folder_ + "/" + name; }
   Ended run(const std::string& command) const {
     const int status = std::system((command + " > " + in("said") + " 2>&1").c_str());
@@ -42,7 +37,7 @@ class TunePid : public ::testing::Test {
     return run(KNEE_TUNE_PID + kRobot + "--deployment " + kConfig + "/deployment/simulation.yaml " + recording +
                " --output " + in("tuned"));
   }
-  std::string folder_;
+  const TemporaryFolder folder_;
 };
 
 TEST_F(TunePid, FindsTheSimulatedRobotsInertiaFromItsOwnReferenceAndProposesOnlyWhatKeepsTheMargin) {

@@ -14,6 +14,7 @@
 #include "knee_robot/base/errors.h"
 #include "knee_robot/base/files.h"
 #include "knee_robot/recording/recording.h"
+#include "test/temporary_folder.h"
 
 namespace knee_robot::recording {
 namespace {
@@ -28,12 +29,6 @@ std::string sharedData() {
 /// A folder that goes away with the test.
 class ImportTest : public ::testing::Test {
  protected:
-  ImportTest() {
-    char name[] = "/tmp/knee_import_XXXXXX";
-    folder_ = mkdtemp(name);
-  }
-  ~ImportTest() override { fs::remove_all(folder_); }
-
   /// Two axes, 10 ms, every signal in its own file; commands 2 ms after positions, references 1 ms.
   SignalFolder write(int rows = 50, int lost_command = -1) const {
     std::string position = "time_sec\ttime_nanosec\tq_0\tq_1\n", command = position, reference = position;
@@ -56,7 +51,7 @@ class ImportTest : public ::testing::Test {
     return signals;
   }
 
-  std::string folder_;
+  const TemporaryFolder folder_;
 };
 
 std::string why(const std::function<void()>& action) {

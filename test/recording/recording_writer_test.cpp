@@ -1,29 +1,23 @@
 #include "knee_robot/recording/recording_writer.h"
 
 #include <gtest/gtest.h>
-#include <stdlib.h>
 #include <sys/resource.h>
 
 #include <cmath>
 #include <csignal>
-#include <filesystem>
 #include <limits>
 
 #include "knee_robot/base/errors.h"
 #include "knee_robot/base/files.h"
 #include "knee_robot/recording/recording.h"
+#include "test/temporary_folder.h"
 
 namespace knee_robot::recording {
 namespace {
 
 class RecordingWriterTest : public ::testing::Test {
  protected:
-  void SetUp() override {
-    char pattern[] = "/tmp/knee_writer_XXXXXX";
-    folder_ = mkdtemp(pattern);
-    path_ = folder_ + "/run.csv";
-  }
-  void TearDown() override { std::filesystem::remove_all(folder_); }
+  void SetUp() override { path_ = folder_ + "/run.csv"; }
 
   static RecordingRow row(int k) {
     RecordingRow r;
@@ -38,7 +32,8 @@ class RecordingWriterTest : public ::testing::Test {
     return r;
   }
 
-  std::string folder_, path_;
+  const TemporaryFolder folder_;
+  std::string path_;
 };
 
 TEST_F(RecordingWriterTest, AResidualThatIsNoNumberDoesNotEndTheRecording) {

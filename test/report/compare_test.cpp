@@ -13,6 +13,7 @@
 #include "knee_robot/base/constants.h"
 #include "knee_robot/base/errors.h"
 #include "test/report/results.h"
+#include "test/temporary_folder.h"
 
 namespace knee_robot::report {
 namespace {
@@ -23,11 +24,9 @@ constexpr double kDegree = M_PI / 180.0;
 
 /// The page of a comparison.
 std::string pageOf(const CompareResults& c) {
-  char pattern[] = "/tmp/knee_compare_XXXXXX";
-  const std::string folder = mkdtemp(pattern);
+  const TemporaryFolder folder;
   writeCompareFiles(c, folder);
   const std::string html = readFile(folder + "/report.html");
-  fs::remove_all(folder);
   return html;
 }
 
@@ -167,8 +166,7 @@ TEST(Compare, ARecordingWithoutReferenceStillHasItsCamera) {
 }
 
 TEST(Compare, WritesBothFiguresAsPictures) {
-  char pattern[] = "/tmp/knee_compare_XXXXXX";
-  const std::string folder = mkdtemp(pattern);
+  const TemporaryFolder folder;
   writeCompareFiles(compare(robotB(), recorded(robotB()), 60.0), folder);
   for (const char* name : {"/actuators.svg", "/pose.svg"}) {
     const std::string svg = readFile(folder + name);
@@ -179,7 +177,6 @@ TEST(Compare, WritesBothFiguresAsPictures) {
       ++panels;
     EXPECT_EQ(panels, 8u) << name;  // value and error of each
   }
-  std::filesystem::remove_all(folder);
 }
 
 TEST(Compare, IndependentAxesHaveNoPose) {
@@ -198,12 +195,10 @@ TEST(CompareFiles, AreSelfContainedEscapedAndParsable) {
   film(r, 0.02, 0.0, 0.0, 0.0, 0.0);
   CompareResults c = compare(robot, r, 60.0);
   c.command_line = "compare \"<x>\"";
-  char name[] = "/tmp/knee_compare_XXXXXX";
-  const std::string folder = mkdtemp(name);
+  const TemporaryFolder folder;
   writeCompareFiles(c, folder + "/deep/er");
   const std::string html = readFile(folder + "/deep/er/report.html");
   const nlohmann::json j = nlohmann::json::parse(readFile(folder + "/deep/er/report.json"));
-  fs::remove_all(folder);
   for (const char* outside : {"http:", "https:", "src=", "<link", "run <1>", "\"<x>\""})
     EXPECT_EQ(ownPart(html).find(outside), std::string::npos) << outside;
   EXPECT_EQ(embedded(html)["report"], j);

@@ -1,7 +1,6 @@
 #include "knee_robot/report/identify_report.h"
 
 #include <gtest/gtest.h>
-#include <stdlib.h>
 
 #include <filesystem>
 #include <nlohmann/json.hpp>
@@ -10,6 +9,7 @@
 #include "knee_robot/base/errors.h"
 #include "knee_robot/report/recorded_units.h"
 #include "test/report/results.h"
+#include "test/temporary_folder.h"
 
 namespace knee_robot::report {
 namespace {
@@ -94,8 +94,8 @@ TEST(PredictionCsv, HasOneFiniteRowPerRowOfTheRecording) {
 }
 
 TEST(WriteIdentifyFiles, LeavesAllFilesAndAModelThatCanBeRead) {
-  char pattern[] = "/tmp/knee_report_XXXXXX";
-  const std::string folder = std::string(mkdtemp(pattern)) + "/a/b";
+  const TemporaryFolder temporary;
+  const std::string folder = temporary + "/a/b";
   const IdentifyResults r = identified(true);
   writeIdentifyFiles(r, folder);
   for (const char* name : {"report.json", "report.html", "model.yaml", "prediction_synthetic_1.csv"}) {
@@ -118,7 +118,6 @@ TEST(WriteIdentifyFiles, LeavesAllFilesAndAModelThatCanBeRead) {
   EXPECT_EQ(m.parameters.size(), r.after.model.parameters.size());
   EXPECT_EQ(m.parameters[1].value, r.after.model.parameters[1].value);
   EXPECT_THROW(writeIdentifyFiles(r, folder + "/model.yaml"), InputError);  // a file is in its place
-  std::filesystem::remove_all(pattern);
 }
 
 TEST(IdentifySummary, ShowsErrorsAndTheRankCurve) {

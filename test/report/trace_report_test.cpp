@@ -1,7 +1,6 @@
 #include "knee_robot/report/trace_report.h"
 
 #include <gtest/gtest.h>
-#include <stdlib.h>
 
 #include <filesystem>
 #include <nlohmann/json.hpp>
@@ -10,6 +9,7 @@
 #include "knee_robot/base/errors.h"
 #include "knee_robot/simulation/camera.h"
 #include "test/report/results.h"
+#include "test/temporary_folder.h"
 
 namespace knee_robot::report {
 namespace {
@@ -125,8 +125,7 @@ TEST(TraceJson, SaysHowFarEveryCandidateIsFromTheBaseAndWhereTheErrorLies) {
 }
 
 TEST(WriteTraceFiles, LeavesAPageThatEmbedsTheReportAndTheSeriesOfItsPlots) {
-  char pattern[] = "/tmp/knee_page_XXXXXX";
-  const std::string folder = mkdtemp(pattern);
+  const TemporaryFolder folder;
   writeTraceFiles(traced(), folder);
   const std::string html = readFile(folder + "/report.html");
   const nlohmann::json report = embedded(html)["report"], series = embedded(html)["series"];
@@ -144,12 +143,11 @@ TEST(WriteTraceFiles, LeavesAPageThatEmbedsTheReportAndTheSeriesOfItsPlots) {
   }
   for (const char* outside : {"http:", "https:", "src=", "<link", "@import"})
     EXPECT_EQ(ownPart(html).find(outside), std::string::npos) << outside;
-  std::filesystem::remove_all(folder);
 }
 
 TEST(WriteTraceFiles, LeavesAllFilesWithOneFinitePredictionARow) {
-  char pattern[] = "/tmp/knee_trace_XXXXXX";
-  const std::string folder = std::string(mkdtemp(pattern)) + "/a/b";
+  const TemporaryFolder temporary;
+  const std::string folder = temporary + "/a/b";
   writeTraceFiles(traced(), folder);
   for (const char* name : {"report.json", "report.html", "model.yaml", "prediction_synthetic_1.csv"})
     EXPECT_TRUE(std::filesystem::exists(folder + "/" + name)) << name;
@@ -162,7 +160,6 @@ TEST(WriteTraceFiles, LeavesAllFilesWithOneFinitePredictionARow) {
   for (; std::getline(csv, line); ++rows)
     EXPECT_EQ(line.find("n"), std::string::npos) << line;  // nan, inf
   EXPECT_EQ(rows, 3000);
-  std::filesystem::remove_all(pattern);
 }
 
 TEST(TraceReport, ShowsTheMotionThatSeparatesAPairAndWritesIt) {
@@ -173,8 +170,7 @@ TEST(TraceReport, ShowsTheMotionThatSeparatesAPairAndWritesIt) {
   r.next.now = {0.1, 0.5};
   r.next.then = {0.4, 3.0};
   r.next.reference.points = trajectory::Points::Constant(50, 4, 0.2);
-  char pattern[] = "/tmp/knee_next_XXXXXX";
-  const std::string folder = mkdtemp(pattern);
+  const TemporaryFolder folder;
   writeTraceFiles(r, folder);
   EXPECT_EQ(trajectory::readReference(folder + "/next_experiment.txt").points.rows(), 50);
   const nlohmann::json j = nlohmann::json::parse(readFile(folder + "/report.json"));
@@ -184,7 +180,6 @@ TEST(TraceReport, ShowsTheMotionThatSeparatesAPairAndWritesIt) {
   const nlohmann::json planned = embedded(readFile(folder + "/report.html"))["series"]["next_experiment"];
   EXPECT_EQ(planned["time_s"].size(), 50u);
   EXPECT_EQ(planned["length_m"].size(), 4u);
-  std::filesystem::remove_all(pattern);
 }
 
 TEST(TraceReport, ShowsThePoseBeforeAndAfterWithItsFindings) {
@@ -209,15 +204,13 @@ TEST(TraceReport, ShowsThePoseBeforeAndAfterWithItsFindings) {
   EXPECT_EQ(j["findings"][0]["name"], "geometry_error");
   EXPECT_LT(j["after"]["rms_rad"][1].get<double>(), j["before"]["rms_rad"][1].get<double>());
   EXPECT_NE(traceSummary(r).find("geometry_error in Rm_2_m"), std::string::npos) << traceSummary(r);
-  char pattern[] = "/tmp/knee_pose_XXXXXX";
-  const std::string folder = mkdtemp(pattern);
+  const TemporaryFolder folder;
   writeTraceFiles(r, folder);
   const nlohmann::json shown = embedded(readFile(folder + "/report.html"))["series"]["pose"];
   ASSERT_EQ(shown.size(), 2u);
   EXPECT_EQ(shown[0]["kind"], "validate");
   EXPECT_EQ(shown[0]["after"].size(), 4u);
   EXPECT_EQ(shown[0]["after"][3].size(), shown[0]["time_s"].size());
-  std::filesystem::remove_all(folder);
 }
 
 }  // namespace

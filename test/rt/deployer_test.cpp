@@ -1,7 +1,6 @@
 #include "knee_robot/rt/deployer.h"
 
 #include <gtest/gtest.h>
-#include <stdlib.h>
 
 #include <array>
 #include <string>
@@ -11,6 +10,7 @@
 #include "knee_robot/base/files.h"
 #include "knee_robot/rt/port.h"
 #include "knee_robot/rt/property.h"
+#include "test/temporary_folder.h"
 
 namespace knee_robot::rt {
 namespace {
@@ -83,15 +83,7 @@ start_order: [K, S]
 
 class DeployerTest : public ::testing::Test {
  protected:
-  void SetUp() override {
-    char pattern[] = "/tmp/deployer_test_XXXXXX";
-    folder_ = mkdtemp(pattern);
-    log_of_starts.clear();
-  }
-  void TearDown() override {
-    ::remove(path().c_str());
-    ::rmdir(folder_.c_str());
-  }
+  void SetUp() override { log_of_starts.clear(); }
   std::string path() const { return folder_ + "/d.yaml"; }
   std::string with(const std::string& from, const std::string& to) const {
     std::string text = kGood;
@@ -111,7 +103,7 @@ class DeployerTest : public ::testing::Test {
     }
     return "";
   }
-  std::string folder_;
+  const TemporaryFolder folder_;
 };
 
 TEST_F(DeployerTest, BuildsConnectsStartsInOrderAndStopsInReverse) {
