@@ -18,6 +18,11 @@ from session import NoAnswer
 LOOK_S = 3.0
 
 
+def how_it_ended(seconds):
+    """What end_controller() found, in words."""
+    return f"the controller ended after {seconds:.1f} s; " if seconds is not None else "the controller does not end; "
+
+
 class Attack:
     """What an attack may use. `left_on_ms`: from `begin()` until every drive was off and every brake engaged."""
 
@@ -41,6 +46,11 @@ class Attack:
             return f"drives still on after {1e3 * (rows['monotonic_s'][-1] - self.began):.0f} ms, drop {drop:.1f} mm", False
         last = rows["monotonic_s"][on[-1]] if len(on) else self.began
         return f"held and off after {1e3 * (last - self.began):.0f} ms, drop {drop:.1f} mm", True
+
+    def disable_and_look(self):
+        self.begin()
+        self.session.trigger("disable")
+        return self.look(1.0)
 
     def moved_mm(self):
         """How far the platform's origin got from where it was at begin()."""

@@ -101,17 +101,16 @@ def guardian_stopped_then_enable(a):
 
 def guardian_stopped_while_holding(a):
     a.enable()
-    a.begin()
-    a.stop("guardian")
-    text, good = a.look(1.5)
-    state = a.state()
-    os.kill(a.session.guardian.pid, signal.SIGCONT)
-    return f"{state}; ", text, good
+    return stop_guardian(a)
 
 
 def guardian_stopped_while_playing(a):
     a.enable()
     a.play()
+    return stop_guardian(a)
+
+
+def stop_guardian(a):
     a.begin()
     a.stop("guardian")
     text, good = a.look(1.5)

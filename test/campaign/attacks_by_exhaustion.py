@@ -14,7 +14,7 @@ from std_srvs.srv import Trigger
 
 from knee_robot.msg import PlayGoal, Tracking
 
-from attack import needs, play_client, preloaded
+from attack import how_it_ended, needs, play_client, preloaded
 from session import NoAnswer, is_alive
 
 # Within half a second: test pulses for encoders move an axis by up to 0.6 mm (docs/safety.md); what plays moves 6 mm and more.
@@ -107,9 +107,7 @@ def subscribers_that_do_not_read(a):
     time.sleep(3.0)
     said, stopped = asked(a, "stop")
     state = a.session.wait_for(("holding",), 5.0).state
-    a.begin()
-    a.session.trigger("disable")
-    text, good = a.look(1.0)
+    text, good = a.disable_and_look()
     for one in silent:
         one.close()
     return f"{said}, then {state}; ", text, good and stopped and state == "holding"
@@ -129,9 +127,7 @@ def a_thousand_calls_at_once(a):
         callers.append(one)
     said, stopped = asked(a, "stop")
     state = a.session.wait_for(("holding",), 5.0).state
-    a.begin()
-    a.session.trigger("disable")
-    text, good = a.look(1.0)
+    text, good = a.disable_and_look()
     for one in callers:
         one.close()
     return f"{said}, then {state}; ", text, good and stopped and state == "holding"
@@ -177,7 +173,7 @@ def no_thread_can_be_begun(a):
     text, good = a.look(1.0)
     last = a.end_controller(20.0)
     said = f"recording {'begun' if recorded.success else 'refused'}; the goal: {result[:60]}; "
-    said += f"the controller ended after {last:.1f} s; " if last is not None else "the controller does not end; "
+    said += how_it_ended(last)
     return said, text, good and not recorded.success and ended and last is not None
 
 

@@ -161,9 +161,7 @@ def four_clients_on_every_pair(a):
             hung.append("/".join(pair))
         if not is_alive(a.session.controller):
             return f"the controller ended under {pair}; ", *a.look(1.0)[:1], False
-    a.begin()
-    a.session.trigger("disable")
-    text, good = a.look(1.0)
+    text, good = a.disable_and_look()
     return f"{calls} calls; hung: {', '.join(hung) or 'none'}; {a.state()}; ", text, good and not hung
 
 
@@ -197,9 +195,7 @@ def another_reference_within_a_goal(a):
         client.wait_for_result(rospy.Duration(30.0))
         ended.append(True)
         result = client.get_result()
-    a.begin()
-    a.session.trigger("disable")
-    text, good = a.look(1.0)
+    text, good = a.disable_and_look()
     done = f"{'succeeded' if result.success else 'failed'} ({result.message.split(';')[0]})"
     return f"other.txt was loaded {loads.count(True)} times; the goal {done}; ", text, good and not (
         result.success and "other.txt was played" in result.message)
@@ -222,9 +218,7 @@ def stop_while_a_goal_is_checked(a):
         moved, state = a.moved_mm(), a.state()
         client.cancel_goal()
     a.session.wait_for(("holding",), 10.0)
-    a.begin()
-    a.session.trigger("disable")
-    text, good = a.look(1.0)
+    text, good = a.disable_and_look()
     said = f"stop {'succeeded' if answer.success else 'failed'} while the goal was {'pending' if before == GoalStatus.PENDING else before}"
     return f"{said}; then it moved {moved:.1f} mm ({state}); ", text, good and answer.success and moved < 0.2 and before == GoalStatus.PENDING
 
@@ -253,9 +247,7 @@ def stop_while_an_approach_waits(a):
     moved, state = a.moved_mm(), a.state()
     a.session.trigger("stop")
     a.session.wait_for(("holding",), 10.0)
-    a.begin()
-    a.session.trigger("disable")
-    text, good = a.look(1.0)
+    text, good = a.disable_and_look()
     said = f"stop {'succeeded' if answer.success else 'failed'} while the approach {'waited' if waits else 'was under way'}"
     return f"{said}; then it moved {moved:.1f} mm ({state}); ", text, good and answer.success and waits and moved < 0.2
 

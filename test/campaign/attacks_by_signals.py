@@ -9,7 +9,7 @@ import rospy
 
 from knee_robot.msg import ControllerState, Margins, PlayGoal, Residual, Timing
 
-from attack import needs, play_client, preloaded
+from attack import how_it_ended, needs, play_client, preloaded
 from session import NoAnswer, is_alive
 
 
@@ -120,7 +120,7 @@ def terminal_stopped_then_emergency_stop(a):
     text, good = a.look(1.5)
     ended = a.end_controller(20.0)
     last = f"the services {'answer' if answers else 'do not answer'}; "
-    last += f"the controller ended after {ended:.1f} s; " if ended is not None else "the controller does not end; "
+    last += how_it_ended(ended)
     return last, text, good and answers and ended is not None
 
 
@@ -162,9 +162,7 @@ def clock_an_hour_back(a):
             one.unregister()
         client.cancel_goal()
         a.session.wait_for(("holding",), 5.0)
-    a.begin()
-    a.session.trigger("disable")
-    text, good = a.look(1.0)
+    text, good = a.disable_and_look()
     return f"silent in the next seconds: {', '.join(silent) or 'nothing'}; ", text, good and not silent
 
 

@@ -5,7 +5,7 @@ import time
 
 from knee_robot.msg import PlayGoal
 
-from attack import needs, play_client, preloaded
+from attack import how_it_ended, needs, play_client, preloaded
 
 QUICK_MS = 500.0  # a service that has nothing to do with the disk
 ENDS_S = 20.0
@@ -64,7 +64,7 @@ def disk_hangs_then_stop_and_shutdown(a):
     ended = a.end_controller(ENDS_S)
     text, good = a.look(0.5)
     last = f"stop answers within {stops:.0f} ms; " if stops is not None else "stop does not answer; "
-    last += f"the controller ended after {ended:.1f} s; " if ended is not None else "the controller does not end; "
+    last += how_it_ended(ended)
     return last, text, good and stops is not None and stops < QUICK_MS and ended is not None
 
 
@@ -96,7 +96,7 @@ def disk_hangs_when_a_recording_begins_then_shutdown(a):
     a.begin()
     ended = a.end_controller(ENDS_S)
     text, good = a.look(0.5)
-    last = f"the controller ended after {ended:.1f} s; " if ended is not None else "the controller does not end; "
+    last = how_it_ended(ended)
     return last, text, good and ended is not None
 
 
@@ -153,9 +153,7 @@ def disk_hangs_and_a_goal_is_cancelled(a):
         while a.session.state().state != "holding" and time.monotonic() - began < 5.0:
             time.sleep(0.02)
         stopped = time.monotonic() - began
-    a.begin()
-    a.session.trigger("disable")
-    text, good = a.look(1.0)
+    text, good = a.disable_and_look()
     return f"{before}; at rest {stopped:.1f} s after the cancel; ", text, good and before == "playing" and stopped < 2.0
 
 
@@ -176,9 +174,7 @@ def disk_hangs_before_a_goal_moves_then_stop(a):
         moved, state = a.moved_mm(), a.state()
         client.cancel_goal()
     a.session.wait_for(("holding",), 10.0)
-    a.begin()
-    a.session.trigger("disable")
-    text, good = a.look(1.0)
+    text, good = a.disable_and_look()
     said = f"stop {'succeeded' if answer.success else 'failed'}"
     return f"{said}; then it moved {moved:.1f} mm ({state}); ", text, good and answer.success and moved < 0.2
 
@@ -196,7 +192,7 @@ def disk_hangs_and_the_master_is_restarted(a):
     a.master.start()
     text, good = a.look(6.0)
     ended = a.end_controller(ENDS_S)
-    last = f"the controller ended after {ended:.1f} s; " if ended is not None else "the controller does not end; "
+    last = how_it_ended(ended)
     return last, text, good and ended is not None
 
 
