@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "knee_robot/base/numbers.h"
+#include "knee_robot/base/quantile.h"
 #include "knee_robot/mechanism/singularity.h"
 #include "knee_robot/recording/filter.h"
 
@@ -103,9 +104,7 @@ double usualSpeed(const recording::Signals& s, Eigen::Index actuator) {
   std::vector<double> speeds(static_cast<std::size_t>(s.samples()));
   for (int n = 0; n < s.samples(); ++n)
     speeds[static_cast<std::size_t>(n)] = std::abs(s.velocity_m_per_s(n, actuator));
-  const auto at = speeds.begin() + static_cast<std::ptrdiff_t>(0.95 * static_cast<double>(speeds.size()));
-  std::nth_element(speeds.begin(), at, speeds.end());
-  return *at;
+  return quantile(std::move(speeds), 0.95);
 }
 
 Eigen::VectorXd movingLimits(const mechanism::Robot& robot, const ObservationOptions& options,

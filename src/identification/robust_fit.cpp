@@ -6,6 +6,7 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "knee_robot/base/quantile.h"
 #include "knee_robot/identification/bootstrap.h"
 
 namespace knee_robot::identification {
@@ -176,9 +177,7 @@ Eigen::VectorXd standardized(const Equations& e, Eigen::VectorXd residual) {
       if (e.actuator[static_cast<std::size_t>(row)] == i) size.push_back(std::abs(residual[row]));
     }
     if (size.empty()) continue;
-    const auto middle = size.begin() + static_cast<long>(size.size() / 2);
-    std::nth_element(size.begin(), middle, size.end());
-    const double scale = std::max(*middle / 0.6745, 1e-6);
+    const double scale = std::max(median(std::move(size)) / 0.6745, 1e-6);
     for (int row = 0; row < e.rows(); ++row) {
       if (e.actuator[static_cast<std::size_t>(row)] == i) residual[row] /= scale;
     }

@@ -6,6 +6,7 @@
 #include "import_rows.h"
 #include "knee_robot/base/errors.h"
 #include "knee_robot/base/numbers.h"
+#include "knee_robot/base/quantile.h"
 #include "knee_robot/recording/import.h"
 
 namespace knee_robot::recording {
@@ -45,9 +46,7 @@ std::int64_t medianInterval(const std::vector<std::int64_t>& stamps) {
   std::vector<std::int64_t> intervals;
   for (std::size_t i = 1; i < stamps.size(); ++i)
     intervals.push_back(stamps[i] - stamps[i - 1]);
-  std::nth_element(intervals.begin(), intervals.begin() + static_cast<std::ptrdiff_t>(intervals.size() / 2),
-                   intervals.end());
-  return intervals[intervals.size() / 2];
+  return median(std::move(intervals));
 }
 
 /// Leading rows before a break of the stamps; then the stamps must increase.

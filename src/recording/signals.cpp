@@ -6,6 +6,7 @@
 
 #include "knee_robot/base/errors.h"
 #include "knee_robot/base/numbers.h"
+#include "knee_robot/base/quantile.h"
 #include "knee_robot/recording/filter.h"
 
 namespace knee_robot::recording {
@@ -173,8 +174,7 @@ double medianPeriod(const std::vector<double>& time) {
   std::vector<double> steps(time.size() - 1);
   for (std::size_t k = 0; k < steps.size(); ++k)
     steps[k] = time[k + 1] - time[k];
-  std::nth_element(steps.begin(), steps.begin() + static_cast<long>(steps.size() / 2), steps.end());
-  return steps[steps.size() / 2];
+  return median(std::move(steps));
 }
 
 Eigen::MatrixXd heldMeans(const std::vector<double>& time, const Eigen::MatrixXd& values,

@@ -5,6 +5,7 @@
 #include <numeric>
 
 #include "knee_robot/base/numbers.h"
+#include "knee_robot/base/quantile.h"
 #include "knee_robot/recording/filter.h"
 #include "repeated_friction.h"
 #include "repeats.h"
@@ -31,8 +32,7 @@ double quietSpread(const Eigen::VectorXd& signal, Eigen::Index piece) {
   for (Eigen::Index at = 0; at + piece <= signal.size(); at += piece)
     spreads.push_back(signal.segment(at, piece).norm() / std::sqrt(static_cast<double>(piece)));
   if (spreads.empty()) return 0.0;
-  std::nth_element(spreads.begin(), spreads.begin() + static_cast<std::ptrdiff_t>(spreads.size() / 4), spreads.end());
-  return spreads[spreads.size() / 4];
+  return quantile(std::move(spreads), 0.25);
 }
 
 /// White noise below the cut-off, from the band between 3 and 6 times it.

@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "knee_robot/base/constants.h"
+#include "knee_robot/base/quantile.h"
 #include "knee_robot/recording/signals.h"
 
 namespace knee_robot::tracing {
@@ -131,9 +132,7 @@ void fitRobustly(const Eigen::MatrixXd& camera, const Eigen::MatrixXd& measured,
       const Eigen::Vector4d error = cameraInRobot(a, camera.row(i).transpose()) - measured.row(i).transpose();
       distance.push_back(error.cwiseProduct(kWeights).norm());
     }
-    std::vector<double> sorted = distance;
-    std::nth_element(sorted.begin(), sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2), sorted.end());
-    const double limit = std::max(1e-9, 3.0 * sorted[sorted.size() / 2]);
+    const double limit = std::max(1e-9, 3.0 * median(distance));
     std::vector<Eigen::Index> kept;
     for (std::size_t n = 0; n < all.size(); ++n) {
       if (distance[n] <= limit) kept.push_back(all[n]);
@@ -161,9 +160,7 @@ Eigen::MatrixXd trustedPoses(const CameraAlignment& rough, const Eigen::MatrixXd
   std::vector<double> all;
   for (const Eigen::Index i : rows)
     all.push_back(poseDistance(cameraInRobot(rough, camera.row(i).transpose()), measured.pose.row(i).transpose()));
-  std::vector<double> sorted = all;
-  std::nth_element(sorted.begin(), sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2), sorted.end());
-  const double limit = 5.0 * sorted[sorted.size() / 2];
+  const double limit = 5.0 * median(all);
   Eigen::MatrixXd trusted = Eigen::MatrixXd::Constant(camera.rows(), 4, kNan);
   for (std::size_t n = 0; n < rows.size(); ++n) {
     if (all[n] <= limit) trusted.row(rows[n]) = cameraInRobot(rough, camera.row(rows[n]).transpose()).transpose();

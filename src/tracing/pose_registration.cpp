@@ -6,6 +6,7 @@
 #include "knee_robot/base/constants.h"
 #include "knee_robot/base/errors.h"
 #include "knee_robot/base/numbers.h"
+#include "knee_robot/base/quantile.h"
 #include "knee_robot/recording/signals.h"
 #include "knee_robot/tracing/pose_alignment.h"
 
@@ -172,9 +173,7 @@ void registerFrame(const mechanism::Mechanism& mechanism, const recording::Recor
     std::vector<double> distance;
     for (std::size_t k = 0; k < seen.size(); ++k)
       distance.push_back(poseDistance(poseOf(out.frame * seen[k]), poseOf(known[k])));
-    std::vector<double> sorted = distance;
-    std::nth_element(sorted.begin(), sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2), sorted.end());
-    const double limit = std::max(1e-9, 3.0 * sorted[sorted.size() / 2]);
+    const double limit = std::max(1e-9, 3.0 * median(distance));
     std::vector<std::size_t> kept;
     for (std::size_t k = 0; k < seen.size(); ++k) {
       if (distance[k] <= limit) kept.push_back(k);

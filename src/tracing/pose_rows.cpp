@@ -7,6 +7,7 @@
 #include <limits>
 
 #include "knee_robot/base/constants.h"
+#include "knee_robot/base/quantile.h"
 #include "knee_robot/dynamics/coulomb_memory.h"
 #include "knee_robot/identification/observation.h"
 #include "knee_robot/recording/filter.h"
@@ -83,9 +84,7 @@ void chooseRows(const mechanism::Mechanism& mechanism, double condition_max, Pos
     }
   }
   if (regular.empty()) return;
-  std::vector<double> sorted = distance;
-  std::nth_element(sorted.begin(), sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2), sorted.end());
-  const double limit = 8.0 * sorted[sorted.size() / 2] + 1e-4;
+  const double limit = 8.0 * median(distance) + 1e-4;
   for (std::size_t n = 0; n < regular.size(); ++n) {
     if (distance[n] <= limit)
       view.rows.push_back(regular[n]);

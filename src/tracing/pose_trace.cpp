@@ -5,6 +5,7 @@
 
 #include "knee_robot/base/constants.h"
 #include "knee_robot/base/numbers.h"
+#include "knee_robot/base/quantile.h"
 #include "pose_search.h"
 
 namespace knee_robot::tracing {
@@ -30,9 +31,7 @@ mechanism::Vector4 pictureNoise(const std::vector<PoseView>& views) {
   mechanism::Vector4 noise = mechanism::Vector4::Zero();
   for (int k = 0; k < 4; ++k) {
     if (second[k].empty()) continue;
-    const auto middle = second[k].begin() + static_cast<std::ptrdiff_t>(second[k].size() / 2);
-    std::nth_element(second[k].begin(), middle, second[k].end());
-    noise[k] = 1.4826 * *middle / std::sqrt(6.0);
+    noise[k] = 1.4826 * median(std::move(second[k])) / std::sqrt(6.0);
   }
   return noise;
 }

@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "knee_robot/base/quantile.h"
 #include "knee_robot/tracing/candidate.h"
 
 namespace knee_robot::tracing {
@@ -20,9 +21,7 @@ double shortestSeen(const recording::Signals& s, int actuator) {
   std::vector<double> speed(static_cast<std::size_t>(s.samples()));
   for (int n = 0; n < s.samples(); ++n)
     speed[static_cast<std::size_t>(n)] = std::abs(s.velocity_m_per_s(n, actuator));
-  const auto at = speed.begin() + static_cast<std::ptrdiff_t>(kSeenShare * static_cast<double>(speed.size()));
-  std::nth_element(speed.begin(), at, speed.end());
-  return std::max(kShortest_m, *at * kMotionOverForce / s.motion_cutoff_hz);
+  return std::max(kShortest_m, quantile(std::move(speed), kSeenShare) * kMotionOverForce / s.motion_cutoff_hz);
 }
 
 /// Torque ripple of a gear at one, two and four times a period of the joint's position, which is searched. The phase is
