@@ -6,7 +6,6 @@ ROW = np.dtype([("monotonic_s", "f8"), ("time_s", "f8"), ("length_m", "f8", 4), 
                 ("force_N", "f8", 4), ("outputs", "u4"), ("drives", "u4"), ("holds", "u4"), ("faults", "u4")])
 HEAD = 32
 POWER_BITS = 3  # config/hardware/simulated.yaml: drive_enable and hold_release
-RELEASE_BIT = 2
 
 
 def is_ready(path):

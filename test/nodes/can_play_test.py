@@ -12,7 +12,7 @@ import rostest
 import yaml
 
 sys.path.insert(0, str(pathlib.Path(__file__).parent))
-from robot_client import RobotClient, parameter, read_recording, root_mean_square, run_program  # noqa: E402
+from robot_client import RobotClient, parameter, read_recording, root_mean_square  # noqa: E402
 
 
 def home():

@@ -1,7 +1,6 @@
 #!/usr/bin/python3
 """A therapist's session on the operator's page, on a tablet and on a phone, with the simulated robot behind it. Skipped, and said so, where
 there is no Chromium."""
-import os
 import pathlib
 import subprocess
 import sys
@@ -15,7 +14,7 @@ import rostest
 sys.path.insert(0, str(pathlib.Path(__file__).parent))
 import movements  # noqa: E402
 import page_browser  # noqa: E402
-from robot_client import RobotClient, run_program  # noqa: E402
+from robot_client import RobotClient  # noqa: E402
 
 WHY_NOT = page_browser.why_not()
 PATIENT = """patient: "17"

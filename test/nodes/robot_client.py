@@ -11,7 +11,7 @@ import rospy
 from actionlib_msgs.msg import GoalStatus
 from std_srvs.srv import Trigger
 
-from knee_robot.msg import ControllerState, PlayAction, PlayGoal, Tracking
+from knee_robot.msg import PlayAction, PlayGoal, Tracking
 from knee_robot.srv import CheckReference, GetState, LoadPatient, LoadReference, SetRecording, SetSpeed
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]

@@ -12,7 +12,7 @@ import aiohttp
 import rosunit
 from page_rig import PAGE, PageTest, Rig, until_closed
 
-from knee_robot_operator.access import InputError, Users, write_user
+from knee_robot_operator.access import InputError
 from knee_robot_operator.settings import Settings
 
 FOLDERS = {name: f"/tmp/nowhere/{name}" for name in ("references", "patients", "recordings", "reports", "log", "robot")}
