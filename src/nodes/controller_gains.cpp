@@ -1,11 +1,9 @@
 #include "controller_gains.h"
 
-#include <dynamic_reconfigure/server.h>
 #include <knee_robot/GainsConfig.h>
-#include <ros/ros.h>
 
-#include "knee_robot/base/numbers.h"
 #include "knee_robot/control/driver.h"
+#include "live_config.h"
 
 namespace knee_robot::nodes {
 namespace {
@@ -37,53 +35,21 @@ const std::array<Gain, 4>& gains() {
 
 }  // namespace
 
-class ControllerGains::Server {
- public:
-  Server(ros::NodeHandle& node, control::ControlSystem& system, EventLog& log)
-      : system_(system), log_(log), server_(mutex_, ros::NodeHandle(node, "gains")) {
-    GainsConfig config;
-    server_.getConfigDefault(config);
-    readBack(config);
-    server_.setConfigDefault(config);
-    server_.updateConfig(config);
-    server_.setCallback([this](GainsConfig& asked, std::uint32_t) { change(asked); });
-  }
-
- private:
-  void change(GainsConfig& asked) {
-    for (const auto& component : system_.deployment().components()) {
-      const auto* driver = dynamic_cast<const control::Driver*>(component.get());
-      if (driver == nullptr) continue;
-      const auto axis = static_cast<std::size_t>(driver->axis.value()) - 1;
-      for (const Gain& gain : gains()) {
-        const double wanted = asked.*gain.field[axis];
-        if (wanted == (driver->*gain.value).value()) continue;
-        const control::Answer answer = system_.setProperty(driver->name(), gain.property, exactNumber(wanted));
-        log_.request("", "gains (dynamic_reconfigure)", answer);
-        if (answer.ok) ROS_INFO("gains: %s", answer.sentence.c_str());
-        if (!answer.ok) ROS_WARN("gains refused: %s", answer.sentence.c_str());
-      }
-    }
-    readBack(asked);
-  }
-
-  void readBack(GainsConfig& config) const {
-    for (const auto& component : system_.deployment().components()) {
-      const auto* driver = dynamic_cast<const control::Driver*>(component.get());
-      if (driver == nullptr) continue;
-      for (const Gain& gain : gains())
-        config.*gain.field[static_cast<std::size_t>(driver->axis.value()) - 1] = (driver->*gain.value).value();
-    }
-  }
-
-  control::ControlSystem& system_;
-  EventLog& log_;
-  boost::recursive_mutex mutex_;
-  dynamic_reconfigure::Server<GainsConfig> server_;
+class ControllerGains::Server : public LiveConfig<GainsConfig> {
+  using LiveConfig::LiveConfig;
 };
 
-ControllerGains::ControllerGains(ros::NodeHandle& node, control::ControlSystem& system, EventLog& log)
-    : server_(std::make_unique<Server>(node, system, log)) {}
+ControllerGains::ControllerGains(ros::NodeHandle& node, control::ControlSystem& system, EventLog& log) {
+  std::vector<Server::Entry> entries;
+  for (const auto& component : system.deployment().components()) {
+    const auto* driver = dynamic_cast<const control::Driver*>(component.get());
+    if (driver == nullptr) continue;
+    const auto axis = static_cast<std::size_t>(driver->axis.value()) - 1;
+    for (const Gain& gain : gains())
+      entries.push_back({driver, gain.property, &(driver->*gain.value), gain.field[axis]});
+  }
+  server_ = std::make_unique<Server>(node, "gains", system, log, entries);
+}
 ControllerGains::~ControllerGains() = default;
 
 }  // namespace knee_robot::nodes
