@@ -5,19 +5,10 @@
 #include <random>
 
 #include "knee_robot/base/errors.h"
+#include "test/refusal.h"
 
 namespace knee_robot {
 namespace {
-
-template <typename Action>
-std::string refusalOf(Action action) {
-  try {
-    action();
-  } catch (const InputError& error) {
-    return error.what();
-  }
-  return "(accepted)";
-}
 
 TEST(StrictMap, ReadsEveryKindOfValue) {
   StrictMap map = StrictMap::parse("a: 1.5\nb: word\nc: [1, 2]\nd: {e: true}\nf: 3\ng: [x, y]\n", "file.yaml");

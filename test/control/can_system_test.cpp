@@ -7,6 +7,7 @@
 
 #include "knee_robot/base/errors.h"
 #include "test/control/can_rig.h"
+#include "test/refusal.h"
 
 namespace knee_robot::fake {
 namespace {
@@ -276,13 +277,11 @@ TEST(CanSystem, AControllerThatFallsSilentLeavesDrivesThatStopByThemselves) {
 
 TEST(CanSystem, RefusesADeploymentWhosePeriodIsNotTheBus) {
   CanRig rig;
-  try {
+  const std::string said = refusalOf([&] {
     control::ControlSystem other(rig.robot, rig.hardware, CanRig::file("config/deployment/simulation.yaml"), rig.bus,
                                  CanRig::stepped());
-    FAIL();
-  } catch (const InputError& error) {
-    EXPECT_NE(std::string(error.what()).find("has period_s 0.001"), std::string::npos) << error.what();
-  }
+  });
+  EXPECT_NE(said.find("has period_s 0.001"), std::string::npos) << said;
 }
 
 TEST(CanSystem, DoesNotStartWithAnotherDriveOrARefusedObjectAndSaysWhich) {

@@ -31,7 +31,7 @@ HardwareFile parsed(const std::string& text, std::string* refusal = nullptr) {
   return file;
 }
 
-std::string refusalOf(const std::string& from, const std::string& to) {
+std::string refusalOfHardware(const std::string& from, const std::string& to) {
   std::string text = kGood;
   const std::size_t at = text.find(from);
   EXPECT_NE(at, std::string::npos);
@@ -49,7 +49,7 @@ TEST(HardwareFile, ReadsWhatHoldsEachAxis) {
 }
 
 TEST(HardwareFile, RefusesAnAxisThatNothingHoldsExceptOnABenchWithoutPatient) {
-  const std::string refusal = refusalOf("shorted_windings", "none");
+  const std::string refusal = refusalOfHardware("shorted_windings", "none");
   EXPECT_EQ(refusal.rfind(":5: hold_device: none lets the platform fall", 0), 0u) << refusal;
   std::string text = std::string("bench_without_patient: true\n") + kGood;
   text.replace(text.find("shorted_windings"), 16, "none");
@@ -57,13 +57,13 @@ TEST(HardwareFile, RefusesAnAxisThatNothingHoldsExceptOnABenchWithoutPatient) {
 }
 
 TEST(HardwareFile, RefusesWhatIsSenselessByLine) {
-  EXPECT_EQ(refusalOf("heartbeat: 2", "heartbeat: 1").rfind(":2: heartbeat: ", 0), 0u);
-  EXPECT_EQ(refusalOf("heartbeat: 2", "heartbeat: 4").rfind(":2: heartbeat: 4 is outside 0 .. 3", 0), 0u);
-  EXPECT_EQ(refusalOf("backend: simulated", "backend: relays").rfind(":1: backend: ", 0), 0u);
-  EXPECT_EQ(
-      refusalOf("  - {hold_device: shorted_windings, hold_delay_s: 0.01}\n", "").rfind(":4: axes: expected four", 0),
-      0u);
-  EXPECT_NE(refusalOf("hold_delay_s: 0.05", "hold_delay: 0.05"), "");
+  EXPECT_EQ(refusalOfHardware("heartbeat: 2", "heartbeat: 1").rfind(":2: heartbeat: ", 0), 0u);
+  EXPECT_EQ(refusalOfHardware("heartbeat: 2", "heartbeat: 4").rfind(":2: heartbeat: 4 is outside 0 .. 3", 0), 0u);
+  EXPECT_EQ(refusalOfHardware("backend: simulated", "backend: relays").rfind(":1: backend: ", 0), 0u);
+  EXPECT_EQ(refusalOfHardware("  - {hold_device: shorted_windings, hold_delay_s: 0.01}\n", "")
+                .rfind(":4: axes: expected four", 0),
+            0u);
+  EXPECT_NE(refusalOfHardware("hold_delay_s: 0.05", "hold_delay: 0.05"), "");
 }
 
 TEST(HardwareFile, StartsFaultedAndHomedByHandUnlessItSaysOtherwise) {

@@ -12,6 +12,7 @@
 #include "knee_robot/dynamics/inverse_dynamics.h"
 #include "some_model.h"
 #include "test/allocation_guard.h"
+#include "test/refusal.h"
 
 namespace knee_robot::control {
 namespace {
@@ -317,12 +318,7 @@ TEST_F(ModelFeedforwardTest, RefusesModelsThatAreNotThisRobotsByFileAndReason) {
   const auto refusal = [&](const dynamics::Model& model) {
     dynamics::saveModel(model, path);
     component.model.set(path);
-    std::string sentence;
-    try {
-      component.loadModel();
-    } catch (const InputError& error) {
-      sentence = error.what();
-    }
+    const std::string sentence = refusalOf([&] { component.loadModel(); });
     std::remove(path.c_str());
     EXPECT_NE(sentence.find(path), std::string::npos) << sentence;
     return sentence;

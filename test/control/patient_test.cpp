@@ -9,6 +9,7 @@
 #include "knee_robot/control/patient_limits.h"
 #include "system_rig.h"
 #include "test/mechanism/configured_robot.h"
+#include "test/refusal.h"
 #include "test/temporary_folder.h"
 
 namespace knee_robot::control {
@@ -99,12 +100,8 @@ trajectory::Reference platformReference(double from_z, double to_z, double turn_
 }
 
 std::string verdict(const trajectory::Reference& reference, const PatientLimits& patient) {
-  try {
-    requireWithinPatient(trajectory::requirePlayable(reference, finalRobot()), reference, patient);
-  } catch (const InputError& error) {
-    return error.what();
-  }
-  return "";
+  return refusalOf(
+      [&] { requireWithinPatient(trajectory::requirePlayable(reference, finalRobot()), reference, patient); });
 }
 
 TEST_F(PatientFile, HoldsReferencesToItsRangeAndSpeeds) {

@@ -13,6 +13,7 @@
 #include "knee_robot/base/errors.h"
 #include "knee_robot/simulation/bus_server.h"
 #include "src/hardware/can/bus_errors.h"
+#include "test/refusal.h"
 
 namespace knee_robot::hardware::can {
 namespace {
@@ -149,13 +150,8 @@ TEST(BusServer, PassesAFrameToAllOthersAndSurvivesAPeerThatGoes) {
 }
 
 TEST(CanSocket, SaysHowToMendWhatIsMissing) {
-  try {
-    CanSocket::open("/nonexistent/bus", {});
-    FAIL();
-  } catch (const InputError& error) {
-    EXPECT_NE(std::string(error.what()).find("cia402_simulator --bus /nonexistent/bus"), std::string::npos)
-        << error.what();
-  }
+  const std::string said = refusalOf([&] { CanSocket::open("/nonexistent/bus", {}); });
+  EXPECT_NE(said.find("cia402_simulator --bus /nonexistent/bus"), std::string::npos) << said;
   EXPECT_THROW(CanSocket::open("nocan7", {}), InputError);
 }
 

@@ -9,6 +9,7 @@
 #include <string>
 
 #include "knee_robot/base/errors.h"
+#include "test/refusal.h"
 
 namespace knee_robot::hardware {
 namespace {
@@ -25,12 +26,8 @@ TEST(MachineLock, IsForOneOfEachRoleAndFreeAgainBehindIt) {
     const MachineLock controller = MachineLock::take("controller", "simulated /robot", folder.path);
     EXPECT_NO_THROW(MachineLock::take("guardian", "simulated /robot", folder.path));
     EXPECT_NO_THROW(MachineLock::take("controller", "simulated /other", folder.path));
-    try {
-      MachineLock::take("controller", "simulated /robot", folder.path);
-      ADD_FAILURE() << "taken twice";
-    } catch (const InputError& error) {
-      EXPECT_NE(std::string(error.what()).find(std::to_string(::getpid())), std::string::npos) << error.what();
-    }
+    const std::string said = refusalOf([&] { MachineLock::take("controller", "simulated /robot", folder.path); });
+    EXPECT_NE(said.find(std::to_string(::getpid())), std::string::npos) << said;
   }
   EXPECT_NO_THROW(MachineLock::take("controller", "simulated /robot", folder.path));
 }

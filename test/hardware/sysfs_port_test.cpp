@@ -9,6 +9,7 @@
 #include "knee_robot/base/errors.h"
 #include "knee_robot/hardware/pci1720.h"
 #include "knee_robot/hardware/pci1720_registers.h"
+#include "test/refusal.h"
 #include "test/temporary_folder.h"
 
 namespace knee_robot::hardware {
@@ -39,12 +40,7 @@ class SysfsPortTest : public ::testing::Test {
     return result;
   }
   std::string refusal(std::optional<int> board_id) const {
-    try {
-      SysfsPort::find(query(board_id));
-    } catch (const InputError& error) {
-      return error.what();
-    }
-    return "";
+    return refusalOf([&] { SysfsPort::find(query(board_id)); });
   }
   static std::string content(const fs::path& file) {
     std::ifstream stream(file, std::ios::binary);

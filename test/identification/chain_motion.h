@@ -2,8 +2,6 @@
 
 // The arm of test/dynamics/chain.urdf and what it records along motions that excite all joints.
 
-#include <unistd.h>
-
 #include <cmath>
 #include <filesystem>
 #include <fstream>
@@ -12,29 +10,29 @@
 #include "knee_robot/dynamics/chain_regressor.h"
 #include "knee_robot/mechanism/robot.h"
 #include "knee_robot/recording/recording.h"
+#include "test/temporary_folder.h"
 
 namespace knee_robot::identification {
 
 inline mechanism::Robot testArm(const std::string& more = "", const std::string& tip = "tool") {
-  const std::filesystem::path folder =
-      std::filesystem::temp_directory_path() / ("chain_motion_" + std::to_string(::getpid()));
-  std::filesystem::create_directories(folder);
+  const TemporaryFolder folder;
   std::ofstream(folder / "robot.yaml")
       << "mechanism: chain\nurdf: " << std::filesystem::absolute(KNEE_SOURCE_DIR "/test/dynamics/chain.urdf").string()
       << "\nbase_link: base\ntip_link: " << tip << "\n"
       << more;
-  mechanism::Robot robot = mechanism::loadAnyRobot((folder / "robot.yaml").string());
-  std::filesystem::remove_all(folder);
-  return robot;
+  return mechanism::loadAnyRobot((folder / "robot.yaml").string());
 }
 
 /// Torque (N m, N) that a joint's gear takes in addition: joint, time, position, velocity, load without friction.
 using GearLoss = std::function<double(int, double, double, double, double)>;
 
-/// A recording with dry (0.8) and viscous (0.5) friction. `speed`: of the usual one, about 0.3 rad/s; the recording
-/// lasts longer.
+inline constexpr double kViscous = 0.5, kDry = 0.8;
+inline const mechanism::Vector3 kPayloadAt(0.05, -0.08, 0.12);  ///< m, last body's frame
+
+/// A recording with friction. `speed`: of the usual one, about 0.3 rad/s; the recording lasts longer. `payload_kg`: a
+/// point mass at the last body.
 inline recording::Recording armRecording(const mechanism::Robot& robot, int seed, double speed = 1.0,
-                                         const GearLoss& loss = nullptr) {
+                                         const GearLoss& loss = nullptr, double payload_kg = 0.0) {
   recording::Recording r;
   r.path = r.name = "arm_" + std::to_string(seed);
   r.fingerprint = std::to_string(seed);
@@ -43,7 +41,9 @@ inline recording::Recording armRecording(const mechanism::Robot& robot, int seed
   r.position_m.resize(rows, r.axes);
   r.force_N.resize(rows, r.axes);
   dynamics::ChainRegressorData data(*robot.chain);
-  const Eigen::VectorXd parameters = dynamics::chainInertia(robot);
+  Eigen::VectorXd parameters = dynamics::chainInertia(robot);
+  parameters.tail<dynamics::kLinkParameters>() +=
+      dynamics::toParameters(dynamics::LinkInertia{payload_kg, kPayloadAt, mechanism::Matrix3::Zero()});
   Eigen::VectorXd q(r.axes), v(r.axes), a(r.axes);
   for (int k = 0; k < rows; ++k) {
     const double t = 0.01 * k;
@@ -62,7 +62,7 @@ inline recording::Recording armRecording(const mechanism::Robot& robot, int seed
     const Eigen::VectorXd load = data.regressor * parameters;
     r.position_m.row(k) = q.transpose();
     for (int i = 0; i < r.axes; ++i) {
-      r.force_N(k, i) = load[i] + 0.5 * v[i] + 0.8 * std::tanh(v[i] / (0.005 * speed)) +
+      r.force_N(k, i) = load[i] + kViscous * v[i] + kDry * std::tanh(v[i] / (0.005 * speed)) +
                         (loss ? loss(i, t, q[i], v[i], load[i]) : 0.0);
     }
   }

@@ -8,27 +8,20 @@
 #include <fstream>
 
 #include "knee_robot/base/errors.h"
-#include "knee_robot/dynamics/chain_regressor.h"
 #include "knee_robot/identification/drive_gains.h"
 #include "knee_robot/identification/evaluation.h"
 #include "knee_robot/identification/identify.h"
 #include "knee_robot/identification/prediction.h"
 #include "knee_robot/identification/recording_units.h"
+#include "test/identification/chain_motion.h"
 
 namespace knee_robot::identification {
 namespace {
 
 namespace fs = std::filesystem;
 
-/// Robot files in a folder of their own, removed afterwards.
 class ChainTest : public testing::Test {
  protected:
-  void SetUp() override {
-    folder_ = fs::temp_directory_path() / ("chain_test_" + std::to_string(::getpid()));
-    fs::create_directories(folder_);
-  }
-  void TearDown() override { fs::remove_all(folder_); }
-
   mechanism::Robot robot(const std::string& urdf, const std::string& base, const std::string& tip,
                          const std::string& more = "") {
     std::ofstream(folder_ / "robot.yaml") << "mechanism: chain\nurdf: " << fs::absolute(urdf).string()
@@ -38,52 +31,8 @@ class ChainTest : public testing::Test {
   }
   mechanism::Robot arm() { return robot(KNEE_SOURCE_DIR "/test/dynamics/chain.urdf", "base", "tool"); }
 
-  fs::path folder_;
+  const TemporaryFolder folder_;
 };
-
-constexpr double kFriction = 0.8, kViscous = 0.5;
-
-const mechanism::Vector3 kPayloadAt(0.05, -0.08, 0.12);  ///< m, last body's frame
-
-/// What the arm records along a motion that excites all joints: torque with friction, and a point mass at the last
-/// body.
-recording::Recording recorded(const mechanism::Robot& robot, int seed, double payload_kg = 0.0) {
-  recording::Recording r;
-  r.path = "arm_" + std::to_string(seed) + ".csv";
-  r.name = "arm_" + std::to_string(seed);
-  r.fingerprint = std::to_string(seed);
-  r.axes = robot.axes();
-  const int rows = 3000;
-  r.position_m.resize(rows, r.axes);
-  r.force_N.resize(rows, r.axes);
-  dynamics::ChainRegressorData data(*robot.chain);
-  Eigen::VectorXd parameters = dynamics::chainInertia(robot);
-  parameters.tail<dynamics::kLinkParameters>() +=
-      dynamics::toParameters(dynamics::LinkInertia{payload_kg, kPayloadAt, mechanism::Matrix3::Zero()});
-  Eigen::VectorXd q(r.axes), v(r.axes), a(r.axes);
-  for (int k = 0; k < rows; ++k) {
-    const double t = 0.01 * k;
-    r.time_s.push_back(t);
-    for (int i = 0; i < r.axes; ++i) {
-      q[i] = v[i] = a[i] = 0.0;
-      for (int h = 1; h <= 4; ++h) {
-        const double w = 2.0 * M_PI * 0.1 * h, size = (i == 0 ? 0.1 : 0.6) / h, phase = 1.7 * i + 2.3 * h + seed;
-        q[i] += size * std::sin(w * t + phase);
-        v[i] += size * w * std::cos(w * t + phase);
-        a[i] -= size * w * w * std::sin(w * t + phase);
-      }
-    }
-    dynamics::chainRegressor(*robot.chain, robot.gravity, q, v, a, data);
-    r.position_m.row(k) = q.transpose();
-    r.force_N.row(k) =
-        (data.regressor * parameters + kViscous * v + kFriction * (v.array() / 0.005).tanh().matrix()).transpose();
-  }
-  for (const mechanism::Actuator& joint : robot.actuators) {
-    r.position_unit.push_back(mechanism::positionUnit(joint));
-    r.force_unit.push_back(mechanism::forceUnit(joint));
-  }
-  return r;
-}
 
 Observation seen(mechanism::Robot& robot, recording::Recording r, const ObservationOptions& options) {
   toActuatorUnits(robot, r);
@@ -94,13 +43,13 @@ TEST_F(ChainTest, AKnownArmIsFoundAgainInItsOwnUnits) {
   mechanism::Robot robot = arm();
   IdentifyOptions options;
   options.uncertainty = false;
-  std::vector<Observation> training = {seen(robot, recorded(robot, 1), options.observation)};
+  std::vector<Observation> training = {seen(robot, armRecording(robot, 1), options.observation)};
   const Identification id = identify(robot, training, options);
-  const Applied held_out = applyModel(id.model, robot, {seen(robot, recorded(robot, 2), options.observation)}, 3.0);
+  const Applied held_out = applyModel(id.model, robot, {seen(robot, armRecording(robot, 2), options.observation)}, 3.0);
   EXPECT_LT(held_out.accuracy.togetherPercent(), 1.0);
   for (const dynamics::ModelParameter& p : id.model.parameters) {
     if (p.name != "Fv_2" && p.name != "Fc_2") continue;
-    EXPECT_NEAR(p.value, p.name == "Fv_2" ? kViscous : kFriction, 0.1) << p.name;
+    EXPECT_NEAR(p.value, p.name == "Fv_2" ? kViscous : kDry, 0.1) << p.name;
     EXPECT_EQ(p.unit, p.name == "Fv_2" ? "N m s/rad" : "N m");
   }
 }
@@ -109,7 +58,7 @@ TEST_F(ChainTest, ItsModelFileIsReadAsItWasWritten) {
   mechanism::Robot robot = arm();
   IdentifyOptions options;
   options.uncertainty = false;
-  std::vector<Observation> training = {seen(robot, recorded(robot, 1), options.observation)};
+  std::vector<Observation> training = {seen(robot, armRecording(robot, 1), options.observation)};
   const dynamics::Model model = identify(robot, training, options).model;
   const std::string text = dynamics::modelToYaml(model);
   EXPECT_NE(text.find("_rad"), std::string::npos) << "friction of revolute joints in rad";
@@ -126,7 +75,7 @@ TEST_F(ChainTest, DriveGainsFollowFromAPayloadOfKnownMass) {
   ObservationOptions options;
   std::vector<Observation> both;
   for (const double payload_kg : {0.0, 2.5}) {
-    recording::Recording r = recorded(robot, 1, payload_kg);
+    recording::Recording r = armRecording(robot, 1, 1.0, nullptr, payload_kg);
     r.current_A = r.force_N * gain.cwiseInverse().asDiagonal();
     r.force_N.resize(r.rows(), 0);
     r.force_unit.clear();
@@ -142,7 +91,7 @@ TEST_F(ChainTest, DriveGainsFollowFromAPayloadOfKnownMass) {
 
 TEST_F(ChainTest, LeavesOutTheColumnsOfLockedJoints) {
   mechanism::Robot all = arm();
-  recording::Recording r = recorded(all, 1);
+  recording::Recording r = armRecording(all, 1);
   for (const int stands : {0, 3, 4, 5})
     r.position_m.col(stands).setConstant(0.2);
   mechanism::Robot two = robot(KNEE_SOURCE_DIR "/test/dynamics/chain.urdf", "base", "tool",
@@ -163,13 +112,13 @@ TEST_F(ChainTest, RefusesColumnsOfAnotherRobot) {
     }
     return "accepted";
   };
-  recording::Recording turned = recorded(robot, 1);
+  recording::Recording turned = armRecording(robot, 1);
   turned.position_unit[0] = "rad";
   EXPECT_NE(refusal(turned).find("joint rail of"), std::string::npos) << refusal(turned);
-  recording::Recording pushed = recorded(robot, 1);
+  recording::Recording pushed = armRecording(robot, 1);
   pushed.force_unit[2] = "N";
   EXPECT_NE(refusal(pushed).find("torque_3_Nm is missing"), std::string::npos) << refusal(pushed);
-  recording::Recording fewer = recorded(robot, 1);
+  recording::Recording fewer = armRecording(robot, 1);
   fewer.axes = 5;
   EXPECT_NE(refusal(fewer).find("records 5 actuators"), std::string::npos) << refusal(fewer);
 }

@@ -7,6 +7,7 @@
 
 #include "knee_robot/base/errors.h"
 #include "knee_robot/mechanism/robot.h"
+#include "test/refusal.h"
 
 namespace knee_robot::mechanism {
 namespace {
@@ -39,12 +40,7 @@ class RobotFile : public testing::Test {
     return (folder_ / name).string();
   }
   std::string refusal(const std::string& text) {
-    try {
-      loadRobot(write(text));
-    } catch (const InputError& error) {
-      return error.what();
-    }
-    return "accepted";
+    return refusalOf([&] { loadRobot(write(text)); });
   }
   fs::path folder_;
 };

@@ -10,22 +10,12 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
-#include "test/temporary_folder.h"
+#include "test/nodes/bench_robot.h"
 
 namespace {
 
 namespace fs = std::filesystem;
-using knee_robot::TemporaryFolder;
-
-fs::path writeRobot(const TemporaryFolder& folder) {
-  const fs::path file = folder / "robot.yaml";
-  std::ofstream(file)
-      << "mechanism: axes\nactuators:\n"
-         "  - &axis {position_min_m: 0.0, position_max_m: 0.4, velocity_max_m_per_s: 1.0, acceleration_max_m_per_s2: "
-         "10.0, screw_lead_m: 0.010, counts_per_revolution: 5000, home_length_m: 0.1, force_per_volt_N: 100.0, "
-         "voltage_max_V: 10, force_max_N: 300}\n  - *axis\n";
-  return file;
-}
+using knee_robot::TemporaryFolder, knee_robot::writeBenchRobot;
 
 /// Two axes with friction and a drag that no baseline has; `pause_s` without rows after 12 s.
 fs::path writeRecording(const TemporaryFolder& folder, const std::string& name, double turns, double pause_s = 0.0) {
@@ -50,9 +40,9 @@ fs::path writeRecording(const TemporaryFolder& folder, const std::string& name, 
 
 nlohmann::json reportOf(const TemporaryFolder& folder, const std::string& program, const fs::path& training) {
   const fs::path out = folder / fs::path(program.substr(0, program.find(' '))).filename();
-  const std::string command = program + " --robot " + writeRobot(folder).string() + " --train " + training.string() +
-                              " --validate " + writeRecording(folder, "other.csv", 1.7).string() + " --output " +
-                              out.string() + " > " + (folder / "log.txt").string() + " 2>&1";
+  const std::string command = program + " --robot " + writeBenchRobot(folder).string() + " --train " +
+                              training.string() + " --validate " + writeRecording(folder, "other.csv", 1.7).string() +
+                              " --output " + out.string() + " > " + (folder / "log.txt").string() + " 2>&1";
   if (WEXITSTATUS(std::system(command.c_str())) != 0) {
     ADD_FAILURE() << std::ifstream(folder / "log.txt").rdbuf();
     return {};

@@ -16,29 +16,18 @@
 #include <thread>
 
 #include "knee_robot/trajectory/reference_file.h"
-#include "test/temporary_folder.h"
+#include "test/nodes/bench_robot.h"
 
 namespace {
 
 namespace fs = std::filesystem;
-using knee_robot::TemporaryFolder;
+using knee_robot::TemporaryFolder, knee_robot::writeBenchRobot;
 
 std::string contentOf(const fs::path& file) {
   std::ifstream stream(file);
   std::ostringstream text;
   text << stream.rdbuf();
   return text.str();
-}
-
-/// Two axes on a bench; a command of 300 N is all they have.
-fs::path writeRobot(const TemporaryFolder& folder) {
-  const fs::path file = folder / "robot.yaml";
-  std::ofstream(file)
-      << "mechanism: axes\nactuators:\n"
-         "  - &axis {position_min_m: 0.0, position_max_m: 0.4, velocity_max_m_per_s: 1.0, acceleration_max_m_per_s2: "
-         "10.0, screw_lead_m: 0.010, counts_per_revolution: 5000, home_length_m: 0.1, force_per_volt_N: 100.0, "
-         "voltage_max_V: 10, force_max_N: 300}\n  - *axis\n";
-  return file;
 }
 
 using Signal = std::function<double(double)>;
@@ -97,7 +86,7 @@ void expectRefusal(const TemporaryFolder& folder, const Ended& ended, const std:
 
 TEST(IdentifyProgram, WritesItsFilesAndEndsWithZero) {
   const TemporaryFolder folder;
-  const Ended ended = identify(folder, writeRobot(folder), writeRecording(folder, 30.0, sineMotion, rubbing));
+  const Ended ended = identify(folder, writeBenchRobot(folder), writeRecording(folder, 30.0, sineMotion, rubbing));
   EXPECT_EQ(ended.status, 0) << ended.errors;
   for (const char* name : {"model.yaml", "report.json", "report.html"})
     EXPECT_TRUE(fs::exists(folder / "out" / name)) << name;
@@ -105,36 +94,36 @@ TEST(IdentifyProgram, WritesItsFilesAndEndsWithZero) {
 
 TEST(IdentifyProgram, RefusesWhatIsTooShort) {
   const TemporaryFolder folder;
-  expectRefusal(folder, identify(folder, writeRobot(folder), writeRecording(folder, 1.9, sineMotion, rubbing)),
+  expectRefusal(folder, identify(folder, writeBenchRobot(folder), writeRecording(folder, 1.9, sineMotion, rubbing)),
                 "s of usable motion");
-  expectRefusal(folder, identify(folder, writeRobot(folder), writeRecording(folder, 0.1, sineMotion, rubbing)),
+  expectRefusal(folder, identify(folder, writeBenchRobot(folder), writeRecording(folder, 0.1, sineMotion, rubbing)),
                 "rows are too few");
 }
 
 TEST(IdentifyProgram, RefusesAnAxisWithoutMotion) {
   const TemporaryFolder folder;
   const Signal rest = [](double) { return 0.2; };
-  expectRefusal(folder, identify(folder, writeRobot(folder), writeRecording(folder, 30.0, rest, rubbing)),
+  expectRefusal(folder, identify(folder, writeBenchRobot(folder), writeRecording(folder, 30.0, rest, rubbing)),
                 "actuator 2 does not move in");
 }
 
 TEST(IdentifyProgram, RefusesSaturatedCommands) {
   const TemporaryFolder folder;
   const Signal saturated = [](double t) { return std::fmod(t, 3.0) < 1.0 ? 300.0 : rubbing(t); };
-  expectRefusal(folder, identify(folder, writeRobot(folder), writeRecording(folder, 30.0, sineMotion, saturated)),
+  expectRefusal(folder, identify(folder, writeBenchRobot(folder), writeRecording(folder, 30.0, sineMotion, saturated)),
                 "a command is at its limit");
 }
 
 TEST(IdentifyProgram, RefusesMoreDirectionsThanTheMotionExcites) {
   const TemporaryFolder folder;
-  expectRefusal(folder,
-                identify(folder, writeRobot(folder), writeRecording(folder, 30.0, sineMotion, rubbing), "--rank 50"),
-                "50 directions were asked for");
+  expectRefusal(
+      folder, identify(folder, writeBenchRobot(folder), writeRecording(folder, 30.0, sineMotion, rubbing), "--rank 50"),
+      "50 directions were asked for");
 }
 
 TEST(IdentifyProgram, EndsWithTwoOnBadInput) {
   const TemporaryFolder folder;
-  const Ended ended = identify(folder, writeRobot(folder), folder / "absent.csv");
+  const Ended ended = identify(folder, writeBenchRobot(folder), folder / "absent.csv");
   EXPECT_EQ(ended.status, 2) << ended.errors;
 }
 

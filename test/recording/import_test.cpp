@@ -14,6 +14,7 @@
 #include "knee_robot/base/errors.h"
 #include "knee_robot/base/files.h"
 #include "knee_robot/recording/recording.h"
+#include "test/refusal.h"
 #include "test/temporary_folder.h"
 
 namespace knee_robot::recording {
@@ -53,15 +54,6 @@ class ImportTest : public ::testing::Test {
 
   const TemporaryFolder folder_;
 };
-
-std::string why(const std::function<void()>& action) {
-  try {
-    action();
-  } catch (const InputError& error) {
-    return error.what();
-  }
-  return "";
-}
 
 TEST_F(ImportTest, ARowTakesTheCommandThatWasWrittenAfterItsPosition) {
   const Recording r = parseRecording(importFolder(write()).csv, "imported");
@@ -113,7 +105,7 @@ TEST_F(ImportTest, AWrongValueIsNamedByFileLineAndColumn) {
   std::string content = readFile(path);
   content.replace(content.find("\t7.000000"), 9, "\tseven");
   writeFileAtomically(path, content);
-  const std::string message = why([&] { importFolder(signals); });
+  const std::string message = refusalOf([&] { importFolder(signals); });
   EXPECT_NE(message.find("control_action.txt:9: column 'q_0': 'seven' is not a finite number"), std::string::npos)
       << message;
 }
@@ -121,7 +113,8 @@ TEST_F(ImportTest, AWrongValueIsNamedByFileLineAndColumn) {
 TEST_F(ImportTest, ARecordingIsNeverOverwritten) {
   const Imported imported = importFolder(write());
   writeImported(imported, folder_ + "/run.csv");
-  EXPECT_NE(why([&] { writeImported(imported, folder_ + "/run.csv"); }).find("exists already"), std::string::npos);
+  EXPECT_NE(refusalOf([&] { writeImported(imported, folder_ + "/run.csv"); }).find("exists already"),
+            std::string::npos);
   EXPECT_EQ(readFile(folder_ + "/run.csv"), imported.csv);
 }
 
@@ -203,7 +196,7 @@ TEST(ImportTable, SaysWhatIsWrongByFileLineAndColumn) {
   const auto with = [&](const std::string& find, const std::string& put) {
     std::string content = kTable;
     content.replace(content.find(find), find.size(), put);
-    return why([&] { importTable(TextTable(content, "log.csv", map.format), map); });
+    return refusalOf([&] { importTable(TextTable(content, "log.csv", map.format), map); });
   };
   EXPECT_NE(with("210", "2x0").find("log.csv:4: column 'enc 1': '2x0' is not a finite number"), std::string::npos);
   EXPECT_NE(with("1025", "1005").find("log.csv:5: column 't [ms]': time does not increase"), std::string::npos);
@@ -215,7 +208,7 @@ TEST(ImportTable, SaysWhatIsWrongByFileLineAndColumn) {
 
 TEST(ColumnMapFile, RefusesWhatItCannotMean) {
   const auto with = [&](const std::string& line) {
-    return why([&] { parseColumnMap("columns:\n  - " + line + "\n", "map.yaml"); });
+    return refusalOf([&] { parseColumnMap("columns:\n  - " + line + "\n", "map.yaml"); });
   };
   EXPECT_NE(with("{from: a, to: positon_1_m}").find("map.yaml:2"), std::string::npos);
   EXPECT_NE(with("{from: a, to: position_1_m, unit: deg}").find("'deg' does not fit position_1_m; known: "),
@@ -223,7 +216,8 @@ TEST(ColumnMapFile, RefusesWhatItCannotMean) {
   EXPECT_NE(with("{from: a, to: position_1_m, unit: counts}").find("counts need a scale"), std::string::npos);
   EXPECT_NE(with("{from: a, to: time_s, scale: 0}").find("not 0"), std::string::npos);
   EXPECT_NE(with("{from: a, to: time_s, units: s}").find("unknown key units"), std::string::npos);
-  EXPECT_NE(why([] { parseMapping("a=position_1_m,mm,x"); }).find("'x' is not a finite number"), std::string::npos);
+  EXPECT_NE(refusalOf([] { parseMapping("a=position_1_m,mm,x"); }).find("'x' is not a finite number"),
+            std::string::npos);
 }
 
 std::string mutated(std::string text, std::mt19937& random) {

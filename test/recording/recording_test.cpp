@@ -6,6 +6,7 @@
 #include <random>
 
 #include "knee_robot/base/errors.h"
+#include "test/refusal.h"
 
 namespace knee_robot::recording {
 namespace {
@@ -19,12 +20,7 @@ const std::string kGood = kHeader +
 
 /// The message of the InputError that `content` causes; empty when it is accepted.
 std::string refusal(const std::string& content) {
-  try {
-    parseRecording(content, "r.csv");
-  } catch (const InputError& error) {
-    return error.what();
-  }
-  return {};
+  return refusalOf([&] { parseRecording(content, "r.csv"); });
 }
 
 std::string replaced(std::string text, const std::string& from, const std::string& to) {
@@ -138,13 +134,8 @@ TEST(Recording, ForceWinsOverCommandAndTheyMayDifferByOneDacStep) {
   EXPECT_DOUBLE_EQ(commandedForce(close, {56.8})(0, 0), 56.9);
   EXPECT_THROW(commandedForce(close, {-56.8}), InputError);
   const Recording far = parseRecording(header + "0,0.6,1.0,56.8\n1,0.6,-1.0,-57.3\n", "r.csv");
-  try {
-    commandedForce(far, {56.8});
-    FAIL() << "0.5 N are more than one step of 0.277 N";
-  } catch (const InputError& error) {
-    EXPECT_NE(std::string(error.what()).find("r.csv:3: force_1_N -57.3 N and command_1_V -1 V"), std::string::npos)
-        << error.what();
-  }
+  const std::string said = refusalOf([&] { commandedForce(far, {56.8}); });
+  EXPECT_NE(said.find("r.csv:3: force_1_N -57.3 N and command_1_V -1 V"), std::string::npos) << said;
   const Recording volts = parseRecording("time_s,position_1_m,command_1_V\n0,0.6,2.0\n", "r.csv");
   EXPECT_DOUBLE_EQ(commandedForce(volts, {-56.8})(0, 0), -113.6);
 }

@@ -6,12 +6,12 @@
 #include <cmath>
 #include <cstdlib>
 #include <filesystem>
-#include <functional>
 #include <iostream>
 #include <nlohmann/json.hpp>
 
 #include "knee_robot/base/constants.h"
 #include "knee_robot/base/errors.h"
+#include "test/refusal.h"
 #include "test/report/results.h"
 #include "test/temporary_folder.h"
 
@@ -28,15 +28,6 @@ std::string pageOf(const CompareResults& c) {
   writeCompareFiles(c, folder);
   const std::string html = readFile(folder + "/report.html");
   return html;
-}
-
-std::string why(const std::function<void()>& action) {
-  try {
-    action();
-  } catch (const InputError& error) {
-    return error.what();
-  }
-  return "";
 }
 
 TEST(Compare, GivesLargestRmsAndMeanErrorPerActuator) {
@@ -138,13 +129,13 @@ TEST(Compare, RefusesWhatCannotBeCompared) {
   const mechanism::Robot robot = robotB();
   recording::Recording r = recorded(robot);
   r.reference_m.resize(r.rows(), 0);
-  EXPECT_NE(why([&] { compare(robot, r, 60.0); }).find("reference_1_m is missing"), std::string::npos);
+  EXPECT_NE(refusalOf([&] { compare(robot, r, 60.0); }).find("reference_1_m is missing"), std::string::npos);
   recording::Recording foreign = recorded(robot);
   foreign.position_m.array() *= 0.01;
   EXPECT_THROW(compare(robot, foreign, 60.0), Refusal);
   recording::Recording two = recorded(robot);
   two.axes = 2;
-  EXPECT_NE(why([&] { compare(robot, two, 60.0); }).find("records 2 actuators"), std::string::npos);
+  EXPECT_NE(refusalOf([&] { compare(robot, two, 60.0); }).find("records 2 actuators"), std::string::npos);
 }
 
 TEST(Compare, ARecordingWithoutReferenceStillHasItsCamera) {

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "knee_robot/base/errors.h"
+#include "test/refusal.h"
 #include "test/report/count.h"
 #include "test/report/results.h"
 
@@ -31,13 +32,9 @@ TEST(Page, OfEveryKindHasAllItsPartsAndForbidsTheNetwork) {
 }
 
 TEST(Page, WhoseScriptIsNotThereIsRefusedWithAWayOut) {
-  try {
-    Page("no_such_program");
-    FAIL() << "a page that is not there";
-  } catch (const InputError& error) {
-    EXPECT_NE(std::string(error.what()).find("pages/no_such_program.js"), std::string::npos);
-    EXPECT_NE(std::string(error.what()).find("KNEE_ROBOT_PATH"), std::string::npos);
-  }
+  const std::string said = refusalOf([&] { Page("no_such_program"); });
+  EXPECT_NE(said.find("pages/no_such_program.js"), std::string::npos);
+  EXPECT_NE(said.find("KNEE_ROBOT_PATH"), std::string::npos);
 }
 
 }  // namespace

@@ -9,7 +9,6 @@
 
 #include "knee_robot/report/drive_gains_report.h"
 #include "knee_robot/report/predict_report.h"
-#include "knee_robot/simulation/camera.h"
 #include "knee_robot/tuning/tuning_report.h"
 #include "test/report/results.h"
 
@@ -80,16 +79,7 @@ TEST_F(Pages, OfTraceWithPoseGivenModelAndNextExperiment) {
   r.next.planned = true;
   r.next.reference.points = trajectory::Points::Constant(50, 4, 0.2);
   r.next.reference.points.col(1).setLinSpaced(0.2, 0.3);
-  const mechanism::Robot robot = identification::syntheticRobot();
-  std::vector<recording::Recording> recordings;
-  mechanism::Geometry other = robot.mechanism->geometry;
-  other.Rm[1] += 0.006;
-  for (int variant = 0; variant < 2; ++variant) {
-    recordings.push_back(
-        identification::syntheticRecording(robot, identification::syntheticModel(robot), variant, 25.0));
-    simulation::addCamera(other, {}, recordings.back());
-  }
-  r.pose = tracing::tracePose(robot, {recordings[0]}, {recordings[1]}, {});
+  r.pose = poseOfAWrongRadius();
   writeTraceFiles(r, in("trace"));
   expectPage("trace");
 }

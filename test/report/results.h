@@ -10,6 +10,7 @@
 #include "knee_robot/report/compare.h"
 #include "knee_robot/report/identify_report.h"
 #include "knee_robot/report/trace_report.h"
+#include "knee_robot/simulation/camera.h"
 #include "knee_robot/tracing/model_prediction.h"
 #include "test/identification/synthetic.h"
 
@@ -153,6 +154,20 @@ inline nlohmann::json embedded(const std::string& html) {
 inline std::string ownPart(std::string html) {
   const std::string library = readFile("/usr/share/javascript/chart.js/chart.min.js");
   return html.replace(html.find(library), library.size(), "");
+}
+
+/// A camera that another geometry is seen by: one radius of the platform is 6 mm larger.
+inline tracing::PoseTrace poseOfAWrongRadius() {
+  const mechanism::Robot robot = identification::syntheticRobot();
+  std::vector<recording::Recording> recordings;
+  mechanism::Geometry other = robot.mechanism->geometry;
+  other.Rm[1] += 0.006;
+  for (int variant = 0; variant < 2; ++variant) {
+    recordings.push_back(
+        identification::syntheticRecording(robot, identification::syntheticModel(robot), variant, 25.0));
+    simulation::addCamera(other, {}, recordings.back());
+  }
+  return tracing::tracePose(robot, {recordings[0]}, {recordings[1]}, {});
 }
 
 }  // namespace knee_robot::report

@@ -4,6 +4,7 @@
 
 #include "knee_robot/base/errors.h"
 #include "knee_robot/dynamics/effect_law.h"
+#include "test/refusal.h"
 #include "test/simulation/effect_bench.h"
 
 namespace knee_robot::simulation {
@@ -202,28 +203,25 @@ TEST(Effects, OfNoStrengthChangeNoBit) {
   EXPECT_EQ(with.simulation().state().pose, without.simulation().state().pose);
 }
 
-std::string refusalOf(const std::string& effect) {
-  try {
+std::string refusalOfEffect(const std::string& effect) {
+  return refusalOf([&] {
     parseSimulationParameters("axes: [{viscous_N_s_per_m: 3, coulomb_N: 4}]\neffects:\n  - " + effect + "\n",
                               "test.yaml");
-  } catch (const InputError& error) {
-    return error.what();
-  }
-  return "";
+  });
 }
 
 TEST(Effects, AreReadStrictly) {
-  EXPECT_EQ(refusalOf("{name: force_offset, force_N: 4}"), "");
+  EXPECT_EQ(refusalOfEffect("{name: force_offset, force_N: 4}"), "");
   for (const char* wrong :
        {"{name: gremlin, force_N: 4}", "{name: force_offset}", "{name: force_offset, force_N: 4, force: 3}",
         "{name: force_offset, force_N: .nan}", "{name: force_offset, force_N: 4, actuators: [5]}",
         "{name: force_offset, force_N: 4, actuators: [1.5]}", "{name: force_offset, force_N: 4, actuators: []}",
         "{name: stribeck, excess_N: -1, velocity_m_per_s: 0.01}",
         "{name: external_force, start_s: 3, end_s: 2, force_N: [0, 0, 1], point_m: [0, 0, 0]}"}) {
-    const std::string sentence = refusalOf(wrong);
+    const std::string sentence = refusalOfEffect(wrong);
     EXPECT_EQ(sentence.rfind("test.yaml:3", 0), 0u) << wrong << " -> " << sentence;
   }
-  EXPECT_NE(refusalOf("{name: gremlin}").find("stribeck"), std::string::npos);  // says what there is
+  EXPECT_NE(refusalOfEffect("{name: gremlin}").find("stribeck"), std::string::npos);  // says what there is
 }
 
 TEST(Effects, ThatNeedARotorRefuseAnAxisWithoutOne) {

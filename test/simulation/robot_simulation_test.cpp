@@ -5,10 +5,10 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
-#include <functional>
 
 #include "knee_robot/base/errors.h"
 #include "knee_robot/simulation/simulated_cards.h"
+#include "test/refusal.h"
 #include "test/simulation/plant_bench.h"
 
 namespace knee_robot::simulation {
@@ -202,22 +202,14 @@ TEST(RobotSimulation, CarriesAPayloadWithItsWholeWeight) {
 }
 
 TEST(RobotSimulation, RefusesWhatCannotBe) {
-  const auto refusal = [](const std::function<void()>& action) -> std::string {
-    try {
-      action();
-    } catch (const InputError& error) {
-      return error.what();
-    }
-    return "";
-  };
   SimulationParameters beyond = parametersWith("brake");
   beyond.start_lengths_m = mechanism::Vector4(0.6576, 0.6990, 1.2, 0.6671);
-  EXPECT_NE(refusal([&] { Rig rig(beyond); }).find("leg 3 at 1.2 m is beyond its stops, 0.495 to 1.005 m"),
+  EXPECT_NE(refusalOf([&] { Rig rig(beyond); }).find("leg 3 at 1.2 m is beyond its stops, 0.495 to 1.005 m"),
             std::string::npos);
   SimulationParameters impossible = parametersWith("brake");
   impossible.start_lengths_m = mechanism::Vector4(0.5, 1.0, 0.5, 1.0);
-  EXPECT_NE(refusal([&] { Rig rig(impossible); }).find("cannot have these lengths together"), std::string::npos);
-  EXPECT_NE(refusal([] { parseSimulationParameters("axes: []\n", "test.yaml"); }).find("has 0 entries"),
+  EXPECT_NE(refusalOf([&] { Rig rig(impossible); }).find("cannot have these lengths together"), std::string::npos);
+  EXPECT_NE(refusalOf([] { parseSimulationParameters("axes: []\n", "test.yaml"); }).find("has 0 entries"),
             std::string::npos);
 }
 

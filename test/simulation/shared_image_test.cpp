@@ -10,18 +10,10 @@
 #include "knee_robot/base/errors.h"
 #include "knee_robot/simulation/simulated_cards.h"
 #include "test/hardware/card_bench.h"
+#include "test/refusal.h"
 
 namespace knee_robot::simulation {
 namespace {
-
-std::string messageOf(const std::function<void()>& action) {
-  try {
-    action();
-  } catch (const InputError& error) {
-    return error.what();
-  }
-  return "";
-}
 
 TEST(SharedImage, IsSeenByBothSidesAndGoneAfterItsCreator) {
   const std::string name = hardware::uniqueShmName("both");
@@ -32,7 +24,7 @@ TEST(SharedImage, IsSeenByBothSidesAndGoneAfterItsCreator) {
     EXPECT_EQ(controller.image().plant_heartbeat.load(), 41u);
     EXPECT_EQ(controller.image().plant_pid.load(), ::getpid());
   }
-  EXPECT_NE(messageOf([&] { SharedImage::attach(name); }).find("no simulated robot"), std::string::npos);
+  EXPECT_NE(refusalOf([&] { SharedImage::attach(name); }).find("no simulated robot"), std::string::npos);
 }
 
 TEST(SharedImage, SurvivesAControllerThatIsKilledWithItsOutputsHeld) {
@@ -71,7 +63,7 @@ TEST(SharedImage, SurvivesAControllerThatIsKilledWithItsOutputsHeld) {
 
 TEST(SharedImage, RefusesASecondPlantUnderTheSameName) {
   const SharedImage plant = SharedImage::create(hardware::uniqueShmName("second"));
-  const std::string message = messageOf([&] { SharedImage::create(plant.name()); });
+  const std::string message = refusalOf([&] { SharedImage::create(plant.name()); });
   EXPECT_NE(message.find("already simulates"), std::string::npos) << message;
   EXPECT_NE(message.find(std::to_string(::getpid())), std::string::npos) << message;
 }
@@ -94,22 +86,22 @@ TEST(SharedImage, RefusesForeignMemoryAndMalformedNames) {
   const std::string name = hardware::uniqueShmName("foreign");
   const int descriptor = ::shm_open(name.c_str(), O_RDWR | O_CREAT | O_EXCL, 0600);
   ASSERT_GE(descriptor, 0);
-  EXPECT_NE(messageOf([&] { SharedImage::attach(name); }).find("just starting"), std::string::npos);
+  EXPECT_NE(refusalOf([&] { SharedImage::attach(name); }).find("just starting"), std::string::npos);
   ASSERT_EQ(::ftruncate(descriptor, 100), 0);
-  EXPECT_NE(messageOf([&] { SharedImage::attach(name); }).find("holds 100 bytes"), std::string::npos);
+  EXPECT_NE(refusalOf([&] { SharedImage::attach(name); }).find("holds 100 bytes"), std::string::npos);
   ASSERT_EQ(::ftruncate(descriptor, sizeof(RobotImage)), 0);
-  EXPECT_NE(messageOf([&] { SharedImage::attach(name); }).find("just starting"), std::string::npos);
+  EXPECT_NE(refusalOf([&] { SharedImage::attach(name); }).find("just starting"), std::string::npos);
   ::close(descriptor);
   ::shm_unlink(name.c_str());
   for (const char* bad : {"", "/", "knee", "/a/b"}) {
-    EXPECT_NE(messageOf([&] { SharedImage::create(bad); }).find("must be a slash"), std::string::npos) << bad;
+    EXPECT_NE(refusalOf([&] { SharedImage::create(bad); }).find("must be a slash"), std::string::npos) << bad;
   }
 }
 
 TEST(SharedImage, RefusesAnotherVersion) {
   SharedImage plant = SharedImage::create(hardware::uniqueShmName("version"));
   plant.image().version = RobotImage::kVersion + 1;
-  EXPECT_NE(messageOf([&] { SharedImage::attach(plant.name()); }).find("build both"), std::string::npos);
+  EXPECT_NE(refusalOf([&] { SharedImage::attach(plant.name()); }).find("build both"), std::string::npos);
 }
 
 }  // namespace

@@ -2,18 +2,14 @@
 
 #include "knee_robot/base/errors.h"
 #include "knee_robot/simulation/robot_simulation.h"
+#include "test/refusal.h"
 #include "test/simulation/plant_bench.h"
 
 namespace knee_robot::simulation {
 namespace {
 
-std::string refusalOf(const std::string& text) {
-  try {
-    parseSimulationParameters(text, "test.yaml");
-  } catch (const InputError& error) {
-    return error.what();
-  }
-  return "";
+std::string refusalOfFile(const std::string& text) {
+  return refusalOf([&] { parseSimulationParameters(text, "test.yaml"); });
 }
 
 TEST(SimulationFiles, OfTheRepositoryStandStillOnTheirBrakes) {
@@ -33,20 +29,21 @@ TEST(SimulationFiles, ReadOneAxisForAllOrFour) {
   const auto one = parseSimulationParameters("axes: [{viscous_N_s_per_m: 3, coulomb_N: 4}]", "test.yaml");
   for (const AxisParameters& axis : one.axes)
     EXPECT_EQ(axis.coulomb_N, 4.0);
-  EXPECT_NE(refusalOf("axes: [{viscous_N_s_per_m: 3, coulomb_N: 4}, {viscous_N_s_per_m: 3, coulomb_N: 4}]")
+  EXPECT_NE(refusalOfFile("axes: [{viscous_N_s_per_m: 3, coulomb_N: 4}, {viscous_N_s_per_m: 3, coulomb_N: 4}]")
                 .find("has 2 entries"),
             std::string::npos);
 }
 
 TEST(SimulationFiles, RefuseUnknownKeysWrongNumbersAndSharedBits) {
   const std::string good = "axes: [{viscous_N_s_per_m: 3, coulomb_N: 4}]\n";
-  EXPECT_EQ(refusalOf(good), "");
-  EXPECT_NE(refusalOf(good + "gravity: 3\n").find("test.yaml:2: unknown key gravity"), std::string::npos)
-      << refusalOf(good + "gravity: 3\n");
-  EXPECT_NE(refusalOf("axes: [{viscous_N_s_per_m: -3, coulomb_N: 4}]").find("viscous_N_s_per_m"), std::string::npos);
-  EXPECT_NE(refusalOf("axes: [{viscous_N_s_per_m: 3, coulomb_N: 4, hold_device: rope}]").find("hold_device"),
+  EXPECT_EQ(refusalOfFile(good), "");
+  EXPECT_NE(refusalOfFile(good + "gravity: 3\n").find("test.yaml:2: unknown key gravity"), std::string::npos)
+      << refusalOfFile(good + "gravity: 3\n");
+  EXPECT_NE(refusalOfFile("axes: [{viscous_N_s_per_m: -3, coulomb_N: 4}]").find("viscous_N_s_per_m"),
             std::string::npos);
-  EXPECT_NE(refusalOf(good + "digital_outputs: {drive_enable: 1, hold_release: 1}\n").find("same bit"),
+  EXPECT_NE(refusalOfFile("axes: [{viscous_N_s_per_m: 3, coulomb_N: 4, hold_device: rope}]").find("hold_device"),
+            std::string::npos);
+  EXPECT_NE(refusalOfFile(good + "digital_outputs: {drive_enable: 1, hold_release: 1}\n").find("same bit"),
             std::string::npos);
 }
 

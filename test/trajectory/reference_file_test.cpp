@@ -7,18 +7,14 @@
 #include <random>
 
 #include "knee_robot/base/errors.h"
+#include "test/refusal.h"
 
 namespace knee_robot::trajectory {
 namespace {
 
 /// The message of the InputError that parsing `text` throws; empty when it throws none.
 std::string refusal(const std::string& text, std::optional<Space> space = std::nullopt) {
-  try {
-    parseReference(text, "file.txt", space);
-  } catch (const InputError& error) {
-    return error.what();
-  }
-  return "";
+  return refusalOf([&] { parseReference(text, "file.txt", space); });
 }
 
 TEST(ReferenceFile, ReadsPlainPointsAsActuatorLengthsTenMillisecondsApart) {
