@@ -1,5 +1,5 @@
-// What drives on a bus may say and do that no standard provides for: storms, gaps, two drives of one number, drives that lie and drives
-// that do not obey.
+// What drives on a bus may say and do that no standard provides for: storms, gaps, two drives of one number, drives
+// that lie and drives that do not obey.
 #include <gtest/gtest.h>
 
 #include <functional>

@@ -1,5 +1,5 @@
-// What the controller feeds forward is part of the command, and the command is the whole force: a recording that was made
-// with feedforward identifies the same model as one that was made without.
+// What the controller feeds forward is part of the command, and the command is the whole force: a recording that was
+// made with feedforward identifies the same model as one that was made without.
 #include <gtest/gtest.h>
 
 #include <algorithm>

@@ -18,8 +18,8 @@ struct RobotStatus {
   std::atomic<double> time_s{0.0};                               ///< simulated time
   std::array<std::atomic<double>, hardware::kAxes> lengths_m{};  ///< true leg lengths
   std::array<std::atomic<double>, hardware::kAxes> pose{};       ///< Xm, Zm (m), theta, psi (rad)
-  std::atomic<std::uint8_t> drives_enabled{0};  ///< bit a: axis a
-  std::atomic<std::uint8_t> brakes_engaged{0};  ///< bit a: axis a
+  std::atomic<std::uint8_t> drives_enabled{0};                   ///< bit a: axis a
+  std::atomic<std::uint8_t> brakes_engaged{0};                   ///< bit a: axis a
 };
 
 /// What people around the simulated robot do; set by tests, fault campaigns and demonstrations.
