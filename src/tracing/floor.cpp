@@ -16,15 +16,6 @@ namespace {
 constexpr double kEngineeringShare = 0.003;  ///< of the rms force; above what DAC and encoder steps leave
 constexpr double kBlock_s = 1.0;             ///< of differences between repeats: several correlation times
 constexpr double kEvent = 9.0;               ///< factor of the median square above which a block is an event, not noise
-constexpr double kSameReference = 1e-4;      ///< m, rms
-
-bool repeats(const recording::Recording& a, const recording::Recording& b) {
-  if (a.reference_m.cols() == 0 || b.reference_m.cols() == 0) return false;
-  const int rows = std::min(a.rows(), b.rows());
-  if (rows < 0.9 * std::max(a.rows(), b.rows())) return false;
-  const Eigen::MatrixXd difference = a.reference_m.topRows(rows) - b.reference_m.topRows(rows);
-  return difference.norm() < kSameReference * std::sqrt(static_cast<double>(difference.size()));
-}
 
 /// Standard deviation in pieces of a second, of which the lower quartile counts: bursts at reversals do not.
 double quietSpread(const Eigen::VectorXd& signal, Eigen::Index piece) {
@@ -116,14 +107,16 @@ NoiseFloor noiseFloor(const std::vector<recording::Recording>& recordings, const
   };
   for (std::size_t a = 0; a < recordings.size(); ++a) {
     for (std::size_t b = a + 1; b < recordings.size(); ++b) {
-      if (!repeats(recordings[a], recordings[b])) continue;
-      const Eigen::Index n = std::min(residual[a].rows(), residual[b].rows());
-      Eigen::MatrixXd difference = residual[a].topRows(n) - residual[b].topRows(n);
+      const RepeatedRun run =
+          findRepeatedRun(recordings[a], data.recordings[a].signals, recordings[b], data.recordings[b].signals);
+      if (run.samples == 0) continue;
+      const Eigen::Index n = run.samples;
+      Eigen::MatrixXd difference = residual[a].middleRows(run.first_a, n) - residual[b].middleRows(run.first_b, n);
       recording::ZeroPhaseLowPass(data.stack.cutoff_hz, 1.0 / data.recordings[a].signals.period_s)
           .applyToColumns(difference);
       const Travel travel = travelOf(data.inputs[a], data.stack.cutoff_hz);
-      friction =
-          friction.cwiseMax(takeOutFrictionOfRuns(travel.share.topRows(n), travel.velocity.topRows(n), difference));
+      friction = friction.cwiseMax(takeOutFrictionOfRuns(travel.share.middleRows(run.first_a, n),
+                                                         travel.velocity.middleRows(run.first_a, n), difference));
       differences.add(difference, blockOf(a));
       floor.source += (floor.source.empty() ? "repeats of one reference: " : "; ") + recordings[a].name + " and " +
                       recordings[b].name;

@@ -10,8 +10,10 @@ constexpr double kSame_m = 1e-4;
 constexpr double kShortest_s = 2.0;
 constexpr double kTravel_m = 0.005;
 constexpr double kWholeCycle = 0.95;  ///< share of the lag that must come again without a break
-constexpr double kAsGood = 0.98;      ///< of the longest match: a shorter lag is preferred
-constexpr int kLooked = 1500;         ///< samples that every lag is tried on
+constexpr double kWhole = 0.9;        ///< share of the longer recording that another one must repeat
+constexpr double kSamePeriod = 1e-6;
+constexpr double kAsGood = 0.98;  ///< of the longest match: a shorter lag is preferred
+constexpr int kLooked = 1500;     ///< samples that every lag is tried on
 
 /// The reference at the samples of the grid, and how far it moves in half a sample.
 struct OnGrid {
@@ -66,7 +68,45 @@ std::vector<int> matches(const OnGrid& g, int lag, int stride) {
   return all;
 }
 
+/// First sample at which a reference has left its start.
+int firstMotion(const OnGrid& g) {
+  for (Eigen::Index n = 0; n < g.reference_m.rows(); ++n)
+    if ((g.reference_m.row(n) - g.reference_m.row(0)).cwiseAbs().maxCoeff() > kSame_m) return static_cast<int>(n);
+  return 0;
+}
+
+/// The run in which b is `lag` samples behind a, and how far they are apart (rms, in what they may be).
+RepeatedRun runAt(const OnGrid& a, const OnGrid& b, int lag, double& apart) {
+  RepeatedRun run = {std::max(0, -lag), std::max(0, lag), 0};
+  const int rows_a = static_cast<int>(a.reference_m.rows()), rows_b = static_cast<int>(b.reference_m.rows());
+  run.samples = std::min(rows_a - run.first_a, rows_b - run.first_b);
+  if (run.samples < kWhole * std::max(rows_a, rows_b)) return {};
+  const auto of = [&](const Eigen::MatrixXd& m, int first) { return m.middleRows(first, run.samples); };
+  const double root = std::sqrt(static_cast<double>(run.samples * a.reference_m.cols()));
+  const double may_be_m = kSame_m + of(a.half_step_m, run.first_a).norm() / root;
+  apart = (of(a.reference_m, run.first_a) - of(b.reference_m, run.first_b)).norm() / root / may_be_m;
+  return apart < 1.0 ? run : RepeatedRun();
+}
+
 }  // namespace
+
+RepeatedRun findRepeatedRun(const recording::Recording& a, const recording::Signals& on_a,
+                            const recording::Recording& b, const recording::Signals& on_b) {
+  if (a.reference_m.cols() == 0 || a.reference_m.cols() != b.reference_m.cols()) return {};
+  if (std::abs(on_a.period_s - on_b.period_s) > kSamePeriod * on_a.period_s) return {};
+  const OnGrid grid_a = onGrid(a, on_a), grid_b = onGrid(b, on_b);
+  const int lag = firstMotion(grid_b) - firstMotion(grid_a);
+  RepeatedRun best;
+  double least = 1.0;
+  for (const int tried : {0, lag, lag - 1, lag + 1}) {
+    double apart = 1.0;
+    const RepeatedRun run = runAt(grid_a, grid_b, tried, apart);
+    if (run.samples == 0 || apart >= least) continue;
+    best = run;
+    least = apart;
+  }
+  return best;
+}
 
 RepeatedCycle findRepeatedCycle(const recording::Recording& recording, const recording::Signals& signals) {
   RepeatedCycle best;

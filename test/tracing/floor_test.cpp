@@ -125,6 +125,45 @@ TEST(NoiseFloor, TakesNoFrictionThatIsOtherInOneOfTwoRepeatsForNoise) {
   EXPECT_EQ(alike.source.find("without friction"), std::string::npos) << alike.source;
 }
 
+/// Without `count` rows from `first` on: the controller's machine paused.
+recording::Recording withoutRows(const recording::Recording& all, Eigen::Index first, Eigen::Index count) {
+  std::vector<Eigen::Index> kept;
+  for (Eigen::Index k = 0; k < all.rows(); ++k)
+    if (k < first || k >= first + count) kept.push_back(k);
+  recording::Recording r = all;
+  r.time_s.clear();
+  for (const Eigen::Index k : kept)
+    r.time_s.push_back(all.time_s[static_cast<std::size_t>(k)]);
+  r.position_m = all.position_m(kept, Eigen::all);
+  r.reference_m = all.reference_m(kept, Eigen::all);
+  r.force_N = all.force_N(kept, Eigen::all);
+  return r;
+}
+
+TEST(NoiseFloor, OfRepeatsInWhichRowsAreMissingComesFromTheRepeats) {
+  const auto path = [](double t) { return 0.3 + 0.05 * std::sin(t) + 0.03 * std::sin(1.618 * t); };
+  const recording::Recording first = recorded(path, 40.0, "a");
+  recording::Recording second = recorded(path, 40.0, "b");
+  for (int k = 0; k < second.rows(); ++k)  // noise of its own
+    second.force_N(k, 0) += first.force_N(second.rows() - 1 - k, 0) -
+                            kForce_N * std::sin(60.0 * first.position_m(second.rows() - 1 - k, 0));
+  const NoiseFloor whole = floorOf({first, second});
+  const NoiseFloor gaps = floorOf({withoutRows(first, 700, 12), withoutRows(second, 2400, 9)});
+  EXPECT_TRUE(gaps.measured);
+  EXPECT_NEAR(gaps.rms_N[0], whole.rms_N[0], 0.1 * whole.rms_N[0]);
+}
+
+TEST(NoiseFloor, OfRepeatsOfWhichOneWaitedLongerComesFromTheRepeats) {
+  const auto path = [](double t) { return 0.3 + 0.05 * std::sin(t) + 0.03 * std::sin(1.618 * t) - 0.1 * t / 40.0; };
+  const auto waits = [&](double wait_s) { return [=](double t) { return path(std::max(0.0, t - wait_s)); }; };
+  const NoiseFloor alike = floorOf({recorded(waits(0.5), 40.0, "a"), recorded(waits(0.5), 40.0, "b")});
+  const NoiseFloor later = floorOf({recorded(waits(0.5), 40.0, "a"), recorded(waits(1.23), 40.0, "b")});
+  EXPECT_TRUE(alike.measured);
+  EXPECT_TRUE(later.measured) << later.source;
+  EXPECT_FALSE(floorOf({recorded(waits(0.5), 40.0, "a"), recorded(cycle, 40.0, "b")}).source.find("a and b") !=
+               std::string::npos);
+}
+
 TEST(NoiseFloor, SaysWhenBothKindsOfRepeatsAreUsed) {
   const NoiseFloor floor = floorOf({recorded(cycle, 30.0, "a"), recorded(cycle, 30.0, "b")});
   EXPECT_NE(floor.source.find("repeats of one reference: a and b"), std::string::npos) << floor.source;
