@@ -14,8 +14,8 @@ struct NoiseFloor {
   bool measured = false;  ///< by repeats; otherwise estimated
 };
 
-/// From recordings that repeat each other's reference (in time: rows may be missing, or one waited longer), and from cycles that a recording repeats within itself, when
-/// there are any (found by themselves): rms of the difference of their residuals over sqrt 2, without events: blocks of
+/// From recordings that repeat each other's reference (in time: rows may be missing, or one waited longer), and from
+/// cycles that a recording repeats within itself, when there are any (found by themselves): rms of the difference of their residuals over sqrt 2, without events: blocks of
 /// a second in which it is more than three times as large as in the middle one happened in one run only, and are no
 /// noise; neither is friction that differs smoothly between recordings (one of them was warm). `source` says which.
 /// Otherwise an estimate: what surrogates leave (`surrogate_residual_N`), together with the noise density of the
