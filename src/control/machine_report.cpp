@@ -21,6 +21,17 @@ std::string codeOf(const SupervisorStatus& said) {
   return text;
 }
 
+/// After a pause of the controller nearly everything looks wrong; who reads of an obstacle must know of it.
+std::string pauseOf(const SupervisorStatus& said) {
+  if (said.fault_paused_s <= 0.0) return "";
+  char text[120];
+  std::snprintf(
+      text, sizeof text,
+      " (the controller had stood still for %.0f ms shortly before, which may be why: look for what held it up)",
+      1e3 * said.fault_paused_s);
+  return text;
+}
+
 }  // namespace
 
 void MachineReport::fill(ControlStatus& status) const {
@@ -55,6 +66,7 @@ SupervisorStatus MachineReport::supervisor() const {
   said.fault_axis = 0;
   said.fault_component = -1;
   said.fault_code = 0;
+  said.fault_paused_s = 0.0;
   return said;
 }
 
@@ -70,7 +82,7 @@ std::string MachineReport::sentenceOfFault(const SupervisorStatus& said) const {
     if (component->state() >= rt::TaskState::Exception) location += std::string(component->refusal()) + ": ";
   }
   const FaultDescription& description = describe(said.fault);
-  return location + description.sentence + codeOf(said) + "; " + description.remedy;
+  return location + description.sentence + codeOf(said) + pauseOf(said) + "; " + description.remedy;
 }
 
 }  // namespace knee_robot::control

@@ -292,6 +292,7 @@ void members(const SupervisorStatus& v, Visit& visit) {
   visit("fault_axis", v.fault_axis);
   visit("fault_component", v.fault_component);
   visit("fault_code", v.fault_code);
+  visit("fault_paused_s", v.fault_paused_s);
   for (std::size_t i = 0; i < v.answers.size(); ++i) {
     const RequestAnswer& answer = v.answers[i];
     visit.within("answers_" + std::to_string(i + 1), answer, [&](Visit& inner) {

@@ -3,6 +3,9 @@
 namespace knee_robot::control {
 namespace {
 
+constexpr double kPause_s = 0.01;     ///< of the servo cycle; a shorter one is jitter
+constexpr double kAftermath_s = 0.5;  ///< what goes wrong later than this after a pause is not its consequence
+
 bool isPowered(MachineState state) noexcept {
   return state != MachineState::Disabled && state != MachineState::Faulted;
 }
@@ -50,6 +53,8 @@ bool Supervisor::startHook() {
   }
   homing_.start(!started_before_);
   guiding_.start();
+  pause_ = Pause{};
+  last_cycle_ = 0;
   started_before_ = true;
   view_.unmonitored = view_.unreadable = 0;
   written.read(view_.written);
@@ -63,6 +68,7 @@ bool Supervisor::startHook() {
 
 void Supervisor::updateHook(const rt::Cycle& cycle) {
   readPorts();
+  noticePause(cycle);
   detectFaults();
   Request asked;
   while (request.read(asked) == rt::FlowStatus::NewData)
@@ -85,6 +91,13 @@ void Supervisor::readPorts() {
   guiding_.readSwitch(view_);
 }
 
+void Supervisor::noticePause(const rt::Cycle& cycle) noexcept {
+  const double since_last_s = rt::toSeconds(cycle.time - last_cycle_);
+  if (last_cycle_ != 0 && since_last_s > kPause_s) pause_ = {since_last_s, cycle.time};
+  if (rt::toSeconds(cycle.time - pause_.end) > kAftermath_s) pause_ = Pause{};
+  last_cycle_ = cycle.time;
+}
+
 void Supervisor::detectFaults() {
   FaultSearch::Conditions conditions;
   conditions.range_margin_m = range_margin;
@@ -100,7 +113,8 @@ void Supervisor::detectFaults() {
 }
 
 /// The first fault is latched; drives that are on are brought to rest by the safe stop first.
-void Supervisor::raise(const FaultCause& cause) noexcept {
+void Supervisor::raise(FaultCause cause) noexcept {
+  if (cause.fault != Fault::EmergencyStop && cause.fault != Fault::HandSwitch) cause.paused_s = pause_.length_s;
   if (!fault_.latch(cause)) return;
   if (state_ == MachineState::SafeStopping) return;  // that was asked for; it now ends in Faulted
   answers_.settle(RequestResult::Failed);
@@ -338,6 +352,7 @@ void Supervisor::publishStatus(rt::Nanoseconds now) {
   said.fault_axis = fault_.cause().axis;
   said.fault_component = fault_.cause().component;
   said.fault_code = fault_.cause().code;
+  said.fault_paused_s = fault_.cause().paused_s;
   said.answers = answers_.all();
   said.path_time_s = view_.set_point.path_time_s;
   said.path_duration_s = view_.set_point.path_duration_s;

@@ -13,7 +13,8 @@ struct Entry {
   std::size_t shape;  ///< how many numbers it takes
   Law (*make)(const Shape&);
   bool own_rest_law =
-      false;  ///< takes one more number: the speed below which it is smooth by a law of its own; 0: none
+      false;              ///< takes one more number: the speed below which it is smooth by a law of its own; 0: none
+  std::size_t since = 0;  ///< further numbers before that one, which older files do not have
 };
 
 /// Friction that builds up near rest by a smooth law of its own, tanh(v / speed), instead of the actuator's.
@@ -45,7 +46,7 @@ constexpr Entry kLaws[] = {
     {"position_dependent_friction", 4, positionDependentFrictionLaw, true},
     {"screw_ripple", 2, screwRippleLaw},
     {"quadratic_drag", 0, quadraticDragLaw},
-    {"thermal_drift", 1, thermalDriftLaw, true},
+    {"thermal_drift", 1, thermalDriftLaw, true, 1},
     {"frictional_ageing", 2, frictionalAgeingLaw, true},
     {"force_gain", 0, forceGainLaw},
     {"force_offset", 0, forceOffsetLaw},
@@ -72,10 +73,11 @@ std::unique_ptr<const EffectLaw> effectLaw(const std::string& name, const std::s
   const auto* const found =
       std::find_if(std::begin(kLaws), std::end(kLaws), [&](const Entry& entry) { return name == entry.name; });
   if (found == std::end(kLaws)) return nullptr;
-  if (!found->own_rest_law || shape.size() != found->shape + 1)
-    return shape.size() == found->shape ? found->make(shape) : nullptr;
+  const bool with_rest_law =
+      found->own_rest_law && (shape.size() == found->shape + 1 || shape.size() == found->shape + found->since + 1);
+  if (!with_rest_law) return shape.size() == found->shape ? found->make(shape) : nullptr;
   Law law = found->make({shape.begin(), shape.end() - 1});
-  if (shape.back() == 0.0) return law;
+  if (!law || shape.back() == 0.0) return law;
   return std::make_unique<SmoothNearRest>(std::move(law), shape.back());
 }
 

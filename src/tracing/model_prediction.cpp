@@ -3,7 +3,10 @@
 #include <algorithm>
 
 #include "effects/common/rest_law.h"
+#include "effects/common/warm_up.h"
 #include "knee_robot/base/errors.h"
+#include "knee_robot/base/numbers.h"
+#include "knee_robot/dynamics/warming.h"
 #include "knee_robot/identification/prediction.h"
 #include "model_effects.h"
 
@@ -12,10 +15,11 @@ namespace {
 
 constexpr const char* kUnnamed = "unnamed";
 
+/// `knots`: of a map.
 const Candidate* candidateOf(const mechanism::Robot& robot, const dynamics::ModelEffect& effect, int actuator,
-                             const std::vector<double>& shape, const CandidateList& named, CandidateList& maps) {
+                             const std::vector<double>& knots, const CandidateList& named, CandidateList& maps) {
   if (effect.name == kUnnamed) {
-    std::unique_ptr<Candidate> map = mapCandidate(robot, effect.depends_on, actuator, shape);
+    std::unique_ptr<Candidate> map = mapCandidate(robot, effect.depends_on, actuator, knots);
     if (!map) return nullptr;
     maps.push_back(std::move(map));
     return maps.back().get();
@@ -24,6 +28,19 @@ const Candidate* candidateOf(const mechanism::Robot& robot, const dynamics::Mode
     if (candidate->name() == effect.name) return candidate.get();
   }
   return nullptr;
+}
+
+/// A shape with what older files lack: friction that builds up by a law of its own, drives that warm up otherwise than by
+/// the clock. Zero: neither.
+std::vector<dynamics::EffectParameter> completed(std::vector<dynamics::EffectParameter> shape,
+                                                 const Candidate& candidate) {
+  const std::vector<ShapeParameter> asked = candidate.shapeParameters();
+  for (std::size_t k = 0; k < asked.size() && k <= shape.size(); ++k) {
+    const bool lacking = k == shape.size() || shape[k].name != asked[k].name;
+    if (lacking && (asked[k].name == restLawParameter().name || asked[k].name == heatedByParameter().name))
+      shape.insert(shape.begin() + static_cast<std::ptrdiff_t>(k), {asked[k].name, 0.0});
+  }
+  return shape;
 }
 
 template <typename Expected>
@@ -57,10 +74,11 @@ Eigen::VectorXd inColumns(const dynamics::Model& model, const std::vector<double
 FoundEffect effectOf(const mechanism::Robot& robot, const dynamics::ModelEffect& m, int recordings,
                      const std::string& model_path, const CandidateList& named, CandidateList& maps) {
   FoundEffect e;
+  std::vector<double> knots;
   for (const dynamics::EffectParameter& p : m.shape)
-    e.hypothesis.shape.push_back(p.value);
+    knots.push_back(p.value);
   const int actuator = m.actuators.size() == 1 ? m.actuators.front() - 1 : -1;
-  const Candidate* candidate = candidateOf(robot, m, std::max(0, actuator), e.hypothesis.shape, named, maps);
+  const Candidate* candidate = candidateOf(robot, m, std::max(0, actuator), knots, named, maps);
   if (candidate == nullptr) {
     throw InputError(model_path + ": effect " + m.name +
                      (m.depends_on.empty() ? "" : " that depends on " + m.depends_on) +
@@ -70,13 +88,15 @@ FoundEffect effectOf(const mechanism::Robot& robot, const dynamics::ModelEffect&
     throw InputError(model_path + ": effect " + m.name + " must sit on one actuator; write one entry for each");
   EffectInput input;
   input.recordings = recordings;
-  std::vector<dynamics::EffectParameter> shape = m.shape;
-  if (candidate->shapeParameters().size() == shape.size() + 1 &&
-      candidate->shapeParameters().back().name == restLawParameter().name) {  // of a file before effects had such laws
-    shape.push_back({restLawParameter().name, 0.0});
-    e.hypothesis.shape.push_back(0.0);
-  }
+  const std::vector<dynamics::EffectParameter> shape = completed(m.shape, *candidate);
   requireNames(shape, candidate->shapeParameters(), m.name, model_path);
+  for (const dynamics::EffectParameter& p : shape) {
+    if (p.name == heatedByParameter().name && !dynamics::heatOf(p.value)) {
+      throw InputError(model_path + ": effect " + m.name + " has " + p.name + " " + shortNumber(p.value, 4) +
+                       ", which is none of 0 (the clock), 1 (motion) and 2 (work); trace again");
+    }
+    e.hypothesis.shape.push_back(p.value);
+  }
   std::vector<dynamics::EffectParameter> coefficients = m.coefficients;
   const std::vector<Coefficient> asked = candidate->coefficients(input);
   if (candidate->goesWithTime() &&

@@ -131,6 +131,7 @@ class ForceSelection : public SelectionProblem {
     simplify(s_);
     replaceMaps(s_);
     eliminateBackward(s_);
+    (void)settleHeat(s_, e.hypothesis.place.candidate);  // before something else stands for what the clock misses
     bool other_law = settleRestLaw(s_, e.hypothesis.place.candidate);
     if (rebase(s_)) other_law = true;
     s_.library->update(*s_.data, other_law);

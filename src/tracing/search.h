@@ -109,6 +109,11 @@ void replaceMaps(Search& search);
 /// it, on held-back blocks; the rival is named where they cannot be told apart.
 void settleLeads(Search& search);
 
+/// Decides for all drives that warm up by effects of one kind together what warms them: the clock, unless held-back
+/// blocks are predicted surely better by their time in motion or by their work. A sentence; empty: nothing warms up, or
+/// the clock is sure.
+std::string settleHeat(Search& search, const Candidate* kind);
+
 /// Takes out what leads where that helps near rest only: where an axis sticks, the force that builds up before it breaks
 /// away runs ahead of the motion, too.
 void dropLeadsOfRest(Search& search);

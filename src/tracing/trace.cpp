@@ -324,6 +324,10 @@ void Tracing::settle() {
   dropWhatDoesNotRepeat(s_);
   if (s_.effects.size() > 1) eliminateBackward(s_);
   refineShapes(s_);
+  for (const auto& candidate : *result_.candidates) {
+    const std::string heat = settleHeat(s_, candidate.get());
+    if (!heat.empty()) result_.notes.push_back(heat);
+  }
   dropImplausible(s_);
   for (FoundEffect& e : s_.effects) {  // two names may remain; more than that is no attribution
     if (e.indistinguishable_from.size() > 2) e.verdict = "not separable from more than two other effects";

@@ -163,6 +163,35 @@ TEST_F(SupervisorTest, NamesTheAxisOfAMonitorsFaultAndNoneForThoseOfThePlatform)
   EXPECT_TRUE(concernsAllAxes(Fault::PatientSpeed));
 }
 
+TEST_F(SupervisorTest, SaysOfAFaultThatTheServoCycleStoodStillShortlyBefore) {
+  ASSERT_NO_FATAL_FAILURE(play());
+  now += 200'000'000;
+  cycles(100);
+  verdict.fault[2] = Fault::Stalled;
+  cycle();
+  EXPECT_EQ(status.fault, Fault::Stalled);
+  EXPECT_NEAR(status.fault_paused_s, 0.201, 1e-9);
+}
+
+TEST_F(SupervisorTest, BlamesNoPauseForWhatHappensLongAfterIt) {
+  ASSERT_NO_FATAL_FAILURE(play());
+  now += 200'000'000;
+  cycles(600);
+  verdict.fault[2] = Fault::Stalled;
+  cycle();
+  EXPECT_EQ(status.fault, Fault::Stalled);
+  EXPECT_EQ(status.fault_paused_s, 0.0);
+}
+
+TEST_F(SupervisorTest, BlamesNoPauseForAnEmergencyStopThatSomebodyPressed) {
+  ASSERT_NO_FATAL_FAILURE(play());
+  now += 200'000'000;
+  cycle();
+  ask(RequestKind::EmergencyStop);
+  EXPECT_EQ(status.fault, Fault::EmergencyStop);
+  EXPECT_EQ(status.fault_paused_s, 0.0);
+}
+
 TEST_F(SupervisorTest, DoesNotResetAMotorThatIsStillHot) {
   verdict.fault[1] = Fault::ThermalOverload;
   verdict.heat[1] = 1.01;

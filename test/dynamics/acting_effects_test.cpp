@@ -7,6 +7,7 @@
 
 #include "knee_robot/base/errors.h"
 #include "knee_robot/dynamics/force_parts.h"
+#include "knee_robot/dynamics/warming.h"
 #include "test/allocation_guard.h"
 #include "test/control/some_model.h"
 #include "test/mechanism/configured_robot.h"
@@ -49,6 +50,7 @@ std::vector<ModelEffect> oneOfEach() {
           effect("screw_ripple", 4, {0.01, 1.0}, {2.0, 1.0}),
           effect("quadratic_drag", 1, {}, {900.0}),
           effect("thermal_drift", 2, {40.0}, {-3.0, -20.0}),
+          effect("thermal_drift", 3, {20.0, 2.0, 0.001}, {-3.0, -20.0}),
           effect("force_gain", 3, {}, {0.1}),
           effect("force_offset", 4, {}, {3.0}),
           effect("delay", 1, {}, {0.004}),
@@ -132,6 +134,36 @@ TEST(ActingEffects, WarmUpWhileTheDrivesAreOnAndCoolWhileTheyAreOff) {
   rest(effects, 40.0, memory);
   at.period_s = 1e-9;
   EXPECT_NEAR(effectForces(effects, 4, at, memory).friction[1], force * std::exp(-1.0), 1e-3);
+}
+
+TEST(ActingEffects, WarmUpInMotionAloneWhereTheModelSaysSo) {
+  const mechanism::Robot robot = robotA();
+  const double by_motion = numberOf(Heat::Motion), by_work = numberOf(Heat::Work);
+  for (const double heated_by : {by_motion, by_work}) {
+    const ActingEffects effects(
+        fake::tracedModelOf(robot, {effect("thermal_drift", 2, {40.0, heated_by, 0.0}, {-3.0, 0.0})}), robot);
+    MotionMemory memory;
+    EffectsInstant at;
+    at.period_s = 0.001;
+    at.share.setOnes();
+    at.velocity_m_per_s[1] = 0.04;
+    double force = 0.0;
+    for (int k = 0; k < 40000; ++k)
+      force = effectForces(effects, 4, at, memory).friction[1];
+    const double warm = force / -3.0;
+    EXPECT_NEAR(warm, (heated_by == by_work ? 2.0 : 1.0) * (1.0 - std::exp(-1.0)), 1e-3) << "twice at twice 20 mm/s";
+    at.velocity_m_per_s[1] = 0.0;
+    for (int k = 0; k < 40000; ++k)
+      force = effectForces(effects, 4, at, memory).friction[1];
+    EXPECT_NEAR(force / -3.0, warm * std::exp(-1.0), 1e-3) << "the drive is on, but rests";
+  }
+}
+
+TEST(ActingEffects, RefuseAHeatThatNothingStandsFor) {
+  const mechanism::Robot robot = robotA();
+  EXPECT_THROW(
+      ActingEffects(fake::tracedModelOf(robot, {effect("thermal_drift", 2, {40.0, 0.5, 0.0}, {-3.0, 0.0})}), robot),
+      InputError);
 }
 
 TEST(ActingEffects, MakeThePartsAddUpToTheWholeForce) {

@@ -140,6 +140,50 @@ TEST(FrictionEffects, WarmingUpChangesFriction) {
   EXPECT_GT(warm[0], warm[1] + 0.05);
 }
 
+/// Friction of a drive that warms up within a tenth of a second, over the cold one's: in motion, and after a second's
+/// rest as soon as it moves again.
+std::pair<double, double> warmAndRested(const std::string& heated_by, double velocity) {
+  EffectBench bench(
+      "{name: thermal_drift, actuators: [2], coulomb_change: -0.4, viscous_change: -0.4, time_constant_s: "
+      "1" +
+      heated_by + "}");
+  double warm = 0.0, rested = 0.0;
+  int n_warm = 0, n_rested = 0;
+  bench.follow(
+      9.2,
+      [&](double t) {
+        const double way = velocity * (std::clamp(t, 0.0, 4.0) + std::max(0.0, t - 8.8));
+        return mechanism::Vector4(0.0, way, 0.0, 0.0);
+      },
+      [&](const EffectSample& s) {
+        if (s.time_s > 3.5 && s.time_s < 3.9) warm += s.friction[kAxis], ++n_warm;
+        if (s.time_s > 9.0) rested += s.friction[kAxis], ++n_rested;
+      });
+  return {warm / n_warm / plain(velocity), rested / n_rested / plain(velocity)};
+}
+
+TEST(FrictionEffects, ByTheClockADriveWarmsUpAtRestToo) {
+  const auto [warm, rested] = warmAndRested("", 0.02);
+  EXPECT_NEAR(warm, 0.6, 0.05);
+  EXPECT_NEAR(rested, 0.6, 0.05);
+}
+
+TEST(FrictionEffects, ByItsMotionADriveCoolsAtRest) {
+  const auto [warm, rested] = warmAndRested(", heated_by: motion", 0.02);
+  EXPECT_NEAR(warm, 0.6, 0.05);
+  EXPECT_NEAR(rested, 0.88, 0.06) << "0.3 s of motion warm it by a quarter";
+}
+
+TEST(FrictionEffects, ByItsWorkADriveWarmsUpTheMoreTheFasterItMoves) {
+  const std::string work = ", heated_by: work, full_heat_W: 0.6";
+  // 15 N and 150 N s/m, times 1 - 0.4 warmth, times the speed, over the full heat.
+  for (const double velocity : {0.01, 0.02}) {
+    const double cold_heat = velocity * (15.0 + 150.0 * velocity) / 0.6;
+    const double balance = cold_heat / (1.0 + 0.4 * cold_heat);
+    EXPECT_NEAR(warmAndRested(work, velocity).first, 1.0 - 0.4 * balance, 0.05) << velocity;
+  }
+}
+
 TEST(FrictionEffects, PreslidingYieldsElasticallyAndRemembers) {
   EffectBench bench("{name: presliding, actuators: [2], stiffness_N_per_m: 5e5, damping_N_s_per_m: 300}");
   bench.push(bench.weight(), 0.5);

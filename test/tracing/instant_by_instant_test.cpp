@@ -7,6 +7,7 @@
 
 #include "knee_robot/base/errors.h"
 #include "knee_robot/dynamics/effect_law.h"
+#include "knee_robot/dynamics/warming.h"
 #include "knee_robot/recording/filter.h"
 #include "knee_robot/tracing/model_prediction.h"
 #include "test/identification/synthetic.h"
@@ -128,28 +129,40 @@ Eigen::MatrixXd alongRecording(const Machine& m, const dynamics::EffectLaw& law,
   return out;
 }
 
+void expectLawToBeTheColumns(const Machine& m, const Candidate& candidate, const std::vector<double>& shape) {
+  const auto law = dynamics::effectLaw(candidate.name(), candidate.dependsOn(kActuator), shape);
+  EXPECT_EQ(law == nullptr, isLeftOut(candidate));
+  if (!law) {
+    EXPECT_FALSE(dynamics::whyNotInstantly(candidate.name()).empty());
+    return;
+  }
+  EXPECT_EQ(law->shared(), candidate.shared());
+  EffectInput input = m.input(2);
+  input.recordings = 1;  // one phase of a ripple
+  for (int i = 0; i < m.robot.axes(); ++i) {
+    if (!candidate.shared() && i != kActuator) continue;
+    const Eigen::MatrixXd expected = candidate.columns(input, i, shape);
+    const Eigen::MatrixXd found = alongRecording(m, *law, input, i);
+    ASSERT_EQ(found.cols(), expected.cols());
+    EXPECT_GT(expected.norm(), 0.0);
+    const double near = candidate.shared() ? 1e-5 : 1e-9;  // tracing turns the platform by a small angle
+    EXPECT_LT((found - expected).cwiseAbs().maxCoeff(), near * expected.cwiseAbs().maxCoeff());
+  }
+}
+
 void expectLawsToBeTheColumns(const Machine& m) {
   for (const Candidate* candidate : catalogue(m)) {
     SCOPED_TRACE(describe(*candidate));
-    const std::vector<double> shape = shapeOf(m, *candidate);
-    const auto law = dynamics::effectLaw(candidate->name(), candidate->dependsOn(kActuator), shape);
-    EXPECT_EQ(law == nullptr, isLeftOut(*candidate));
-    if (!law) {
-      EXPECT_FALSE(dynamics::whyNotInstantly(candidate->name()).empty());
-      continue;
-    }
-    EXPECT_EQ(law->shared(), candidate->shared());
-    EffectInput input = m.input(2);
-    input.recordings = 1;  // one phase of a ripple
-    for (int i = 0; i < m.robot.axes(); ++i) {
-      if (!candidate->shared() && i != kActuator) continue;
-      const Eigen::MatrixXd expected = candidate->columns(input, i, shape);
-      const Eigen::MatrixXd found = alongRecording(m, *law, input, i);
-      ASSERT_EQ(found.cols(), expected.cols());
-      EXPECT_GT(expected.norm(), 0.0);
-      const double near = candidate->shared() ? 1e-5 : 1e-9;  // tracing turns the platform by a small angle
-      EXPECT_LT((found - expected).cwiseAbs().maxCoeff(), near * expected.cwiseAbs().maxCoeff());
-    }
+    expectLawToBeTheColumns(m, *candidate, shapeOf(m, *candidate));
+  }
+}
+
+TEST(InstantByInstant, ADriveWarmsUpAsItWasTracedWhateverHeatsIt) {
+  const Machine& m = robotMachine();
+  for (const Candidate* candidate : catalogue(m)) {
+    if (candidate->name() != "thermal_drift") continue;
+    for (const dynamics::Heat by : {dynamics::Heat::Motion, dynamics::Heat::Work})
+      expectLawToBeTheColumns(m, *candidate, {30.0, dynamics::numberOf(by), 0.001});
   }
 }
 

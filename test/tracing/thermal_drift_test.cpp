@@ -1,11 +1,12 @@
 // One motion twice, by a drive that was cold the first time and warm the second: what differs between the two is no
-// noise.
+// noise. And a brisk motion beside a slow one: what warms the drive up?
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>
 #include <random>
 
+#include "knee_robot/dynamics/warming.h"
 #include "knee_robot/tracing/trace.h"
 #include "test/identification/synthetic.h"
 
@@ -31,16 +32,57 @@ recording::Recording warmed(const mechanism::Robot& robot, int variant, double c
   return r;
 }
 
-TEST(ThermalDrift, IsFoundWhereOneOfTwoRepeatsBeganWarm) {
-  const mechanism::Robot robot = identification::syntheticRobot();
+/// A brisk and a slow motion of a drive that loses friction as it warms up, by the clock or by its work.
+std::vector<recording::Recording> briskAndSlow(const mechanism::Robot& robot, bool by_work) {
+  std::vector<recording::Recording> out;
+  for (const int variant : {0, -4}) {
+    recording::Recording r = warmed(robot, variant, 0.0, 5);
+    r.name += "_" + std::to_string(variant);
+    double share = 0.0, warm = 0.0;
+    for (int k = 1; k < r.rows(); ++k) {
+      const double way = r.position_m(k, kActuator) - r.position_m(k - 1, kActuator);
+      share = std::clamp(share + way / 2e-5, -1.0, 1.0);
+      const double heat = by_work ? std::abs(way) / 0.01 / 0.03 : 1.0;
+      warm += (heat - warm) * 0.01 / kTimeConstant_s;
+      r.force_N(k, kActuator) += kLost_N * (1.0 - warm) * share;
+    }
+    out.push_back(r);
+  }
+  return out;
+}
+
+TraceResult traceOf(const mechanism::Robot& robot, const std::vector<recording::Recording>& recordings) {
   TraceOptions options;
   options.surrogates = 5;
   options.maps = options.fast_band = false;  // they take time, and find nothing here
-  const std::vector<recording::Recording> both = {warmed(robot, 0, 1.0, 1), warmed(robot, 0, 0.0, 2)};
   std::vector<identification::Observation> observed;
-  for (const recording::Recording& r : both)
+  for (const recording::Recording& r : recordings)
     observed.push_back(identification::observe(robot, identification::columnsOf(robot), r, options.observation));
-  const TraceResult found = trace(robot, both, observed, options);
+  return trace(robot, recordings, observed, options);
+}
+
+double heatedBy(const TraceResult& found) {
+  EXPECT_EQ(found.effects.size(), 1u);
+  if (found.effects.empty()) return -1.0;
+  EXPECT_EQ(found.effects[0].hypothesis.place.candidate->name(), "thermal_drift");
+  EXPECT_EQ(found.effects[0].hypothesis.place.actuator, kActuator);
+  EXPECT_NEAR(found.effects[0].hypothesis.shape[0], kTimeConstant_s, 1.0);
+  return found.effects[0].hypothesis.shape[1];
+}
+
+TEST(ThermalDrift, IsSaidToFollowTheWorkWhereABriskMotionWarmsMoreThanASlowOne) {
+  const mechanism::Robot robot = identification::syntheticRobot();
+  EXPECT_EQ(heatedBy(traceOf(robot, briskAndSlow(robot, true))), dynamics::numberOf(dynamics::Heat::Work));
+}
+
+TEST(ThermalDrift, IsSaidToFollowTheClockWhereBothWarmAlike) {
+  const mechanism::Robot robot = identification::syntheticRobot();
+  EXPECT_EQ(heatedBy(traceOf(robot, briskAndSlow(robot, false))), dynamics::numberOf(dynamics::Heat::Clock));
+}
+
+TEST(ThermalDrift, IsFoundWhereOneOfTwoRepeatsBeganWarm) {
+  const mechanism::Robot robot = identification::syntheticRobot();
+  const TraceResult found = traceOf(robot, {warmed(robot, 0, 1.0, 1), warmed(robot, 0, 0.0, 2)});
 
   EXPECT_LT(found.floor_N[kActuator], 1.0);
   ASSERT_EQ(found.effects.size(), 1u);

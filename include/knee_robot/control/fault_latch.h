@@ -12,6 +12,7 @@ struct FaultCause {
   int axis = 0;            ///< 1 to 4, 0: none in particular
   int component = -1;      ///< index in ComponentWatch, -1: none in particular
   std::uint16_t code = 0;  ///< emergency code of the axis' drive, 0: none
+  double paused_s = 0.0;   ///< for which the servo cycle stood still shortly before; 0: it did not
 };
 
 /// Keeps the first fault with its place, whatever follows, until it is cleared; only a holding brake that does not hold

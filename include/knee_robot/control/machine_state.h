@@ -91,6 +91,7 @@ struct SupervisorStatus {
   int fault_axis = 0;                             ///< 1 to 4, 0: none in particular
   int fault_component = -1;                       ///< index in the list of watched components, -1: none in particular
   std::uint16_t fault_code = 0;                   ///< emergency code of the axis' drive, 0: none
+  double fault_paused_s = 0.0;                    ///< FaultCause::paused_s
   std::array<RequestAnswer, kAnswers> answers{};  ///< to request n at n modulo kAnswers
   double path_time_s = 0.0;
   double path_duration_s = 0.0;

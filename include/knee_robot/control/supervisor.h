@@ -87,7 +87,8 @@ class Supervisor : public rt::TaskContext {
  private:
   void readPorts();
   void detectFaults();
-  void raise(const FaultCause& cause) noexcept;
+  void noticePause(const rt::Cycle& cycle) noexcept;
+  void raise(FaultCause cause) noexcept;
   void handle(const Request& request, rt::Nanoseconds now);
   void enable(const Request& request, rt::Nanoseconds now);
   void disable(const Request& request) noexcept;
@@ -121,6 +122,14 @@ class Supervisor : public rt::TaskContext {
   HomingSequence homing_;
   GuidingPermission guiding_;
   RequestAnswers answers_;
+
+  /// The servo cycle stood still; what goes wrong shortly after it may be its consequence.
+  struct Pause {
+    double length_s = 0.0;
+    rt::Nanoseconds end = 0;
+  };
+  Pause pause_;
+  rt::Nanoseconds last_cycle_ = 0;
 
   bool started_before_ = false;
   MachineState state_ = MachineState::Disabled;

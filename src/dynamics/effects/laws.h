@@ -18,6 +18,7 @@ Law powerFlowFrictionLaw(const Shape& shape);
 Law positionDependentFrictionLaw(const Shape& shape);
 Law screwRippleLaw(const Shape& shape);
 Law quadraticDragLaw(const Shape& shape);
+/// Null when what warms it up is no number of dynamics::Heat.
 Law thermalDriftLaw(const Shape& shape);
 Law frictionalAgeingLaw(const Shape& shape);
 Law forceGainLaw(const Shape& shape);

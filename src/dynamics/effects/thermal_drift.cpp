@@ -1,33 +1,37 @@
-#include <cmath>
-
+#include "knee_robot/dynamics/warming.h"
 #include "laws.h"
 
 namespace knee_robot::dynamics {
 namespace {
 
-/// Friction that changes as the drive warms up. Its state is how warm it is: 0 cold, 1 for good.
+/// Friction that changes as the drive warms up. Its state is how warm it is.
 class ThermalDrift : public EffectLaw {
  public:
-  explicit ThermalDrift(const Shape& shape) : time_constant_s_(shape[0]) {}
+  ThermalDrift(double time_constant_s, Heat heated_by) : time_constant_s_(time_constant_s), heated_by_(heated_by) {}
   EffectPart part() const noexcept override { return EffectPart::Friction; }
   int coefficients() const noexcept override { return 2; }
   void columns(const EffectInstant& at, EffectState& state, EffectColumns& out) const noexcept override {
-    state.value += (1.0 - state.value) * -std::expm1(-at.period_s / time_constant_s_);
+    const double velocity_m_per_s = at.velocity_m_per_s[at.actuator];
+    Warmth warmth{state.value};
+    state.value = warmth.step(heatAt(heated_by_, velocity_m_per_s), at.period_s, time_constant_s_);
     out[0] = state.value * at.share;
-    out[1] = state.value * at.velocity_m_per_s[at.actuator];
+    out[1] = state.value * velocity_m_per_s;
   }
   void rest(double duration_s, EffectState& state) const noexcept override {
-    state.value *= std::exp(-duration_s / time_constant_s_);
+    Warmth warmth{state.value};
+    state.value = warmth.step(0.0, duration_s, time_constant_s_);
   }
 
  private:
   const double time_constant_s_;
+  const Heat heated_by_;
 };
 
 }  // namespace
 
 Law thermalDriftLaw(const Shape& shape) {
-  return std::make_unique<ThermalDrift>(shape);
+  const std::optional<Heat> heated_by = shape.size() > 1 ? heatOf(shape[1]) : Heat::Clock;
+  return heated_by ? std::make_unique<ThermalDrift>(shape[0], *heated_by) : nullptr;
 }
 
 }  // namespace knee_robot::dynamics

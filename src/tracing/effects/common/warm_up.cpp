@@ -4,6 +4,8 @@
 #include <cmath>
 #include <string>
 
+#include "knee_robot/dynamics/warming.h"
+
 namespace knee_robot::tracing {
 namespace {
 
@@ -11,14 +13,33 @@ constexpr double kShortestTime_s = 10.0, kLongestTime_s = 300.0;
 constexpr int kConstants = 4;         ///< in the grid
 constexpr double kTimeFactor = 1.75;  ///< between neighbours
 
+/// How warm the actuator's drive is along a recording that begins cold.
+std::vector<double> warmthAlong(const EffectInput& input, int actuator, const std::vector<double>& shape) {
+  const dynamics::Heat by = dynamics::heatOf(shape[WarmUp::kHeatedBy]).value_or(dynamics::Heat::Clock);
+  const auto velocity = input.signals().velocity_m_per_s.col(actuator);
+  std::vector<double> out(static_cast<std::size_t>(input.samples()), 0.0);
+  dynamics::Warmth warmth;
+  for (int n = 1; n < input.samples(); ++n)
+    out[static_cast<std::size_t>(n)] =
+        warmth.step(dynamics::heatAt(by, velocity[n]), input.time(n) - input.time(n - 1), shape[0]);
+  return out;
+}
+
 }  // namespace
 
+ShapeParameter heatedByParameter() {
+  return {"heated_by", 0.0, dynamics::numberOf(dynamics::Heat::Work), true};
+}
+
 std::vector<ShapeParameter> WarmUp::shapeParameters() const {
-  return {{"time_constant_s", kShortestTime_s, kLongestTime_s}};
+  return {{"time_constant_s", kShortestTime_s, kLongestTime_s}, heatedByParameter()};
 }
 
 std::vector<std::vector<double>> WarmUp::shapes(const EffectInput&, int) const {
-  return geometricGrid(kShortestTime_s, kLongestTime_s, kConstants);
+  std::vector<std::vector<double>> out = geometricGrid(kShortestTime_s, kLongestTime_s, kConstants);
+  for (std::vector<double>& shape : out)
+    shape.push_back(dynamics::numberOf(dynamics::Heat::Clock));
+  return out;
 }
 
 std::vector<std::vector<double>> WarmUp::near(const std::vector<double>& shape, double step) const {
@@ -43,11 +64,12 @@ std::vector<Coefficient> WarmUp::coefficients(const EffectInput& input) const {
 
 Eigen::MatrixXd WarmUp::columns(const EffectInput& input, int actuator, const std::vector<double>& shape) const {
   const Eigen::MatrixXd change = changing(input, actuator, shape);
+  const std::vector<double> warm = warmthAlong(input, actuator, shape);
   Eigen::MatrixXd out(change.rows(), change.cols() * std::max(1, input.recordings));
   for (Eigen::Index n = 0; n < change.rows(); ++n) {
     const double cold = std::exp(-input.time(static_cast<int>(n)) / shape[0]);
-    out.row(n).head(change.cols()) = (1.0 - cold) * change.row(n);
-    // The first recording takes what all others have more, so that the mean is nought.
+    out.row(n).head(change.cols()) = warm[static_cast<std::size_t>(n)] * change.row(n);
+    // What it began with fades, whatever heats it. The first recording takes what all others have more, so that the mean is nought.
     for (int r = 1; r < input.recordings; ++r) {
       const double of_this = input.recording == r ? cold : input.recording == 0 ? -cold : 0.0;
       out.row(n).segment(change.cols() * r, change.cols()) = of_this * change.row(n);

@@ -4,11 +4,17 @@
 
 namespace knee_robot::tracing {
 
+/// The shape parameter that says what warms the drive up: a number of dynamics::Heat.
+ShapeParameter heatedByParameter();
+
 /// What changes while a drive warms up, from the start of each recording, with a time constant (the first shape
-/// parameter). Recordings need not begin equally warm: each after the first may begin with more or less than the mean
+/// parameter) and by the clock, its time in motion or its work (the second, dynamics::Heat; the search begins with the
+/// clock, settleHeat decides). Recordings need not begin equally warm: each after the first may begin with more or less than the mean
 /// of all, which fades with the same constant.
 class WarmUp : public Candidate {
  public:
+  static constexpr std::size_t kHeatedBy = 1;  ///< of the shape
+
   bool goesWithTime() const override { return true; }
   std::vector<ShapeParameter> shapeParameters() const override;
   std::vector<std::vector<double>> shapes(const EffectInput& input, int actuator) const override;

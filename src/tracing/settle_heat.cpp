@@ -1,0 +1,93 @@
+// What warms the drives up: the clock, their time in motion or their work. The search knows the clock alone.
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <set>
+
+#include "effects/common/warm_up.h"
+#include "knee_robot/dynamics/warming.h"
+#include "search.h"
+#include "selection.h"
+
+namespace knee_robot::tracing {
+namespace {
+
+using dynamics::Heat;
+
+constexpr double kHeatErrors = 2.0;  ///< standard errors by which another heat must be better than the clock
+constexpr int kRounds = 2;           ///< of refinement, each by a half of a time constant at most
+
+bool warms(const FoundEffect& e, const Candidate* kind) {
+  return e.hypothesis.place.candidate == kind && !std::isnan(e.p) && dynamic_cast<const WarmUp*>(kind) != nullptr;
+}
+
+Eigen::VectorXd heldBackAsIs(Search& s, const Eigen::VectorXd& noise_N) {
+  refit(s);
+  s.rms_N = noise_N;  // all weighted alike
+  return problemOf(s, hypothesesOf(s.effects)).heldBack();
+}
+
+/// Held-back squares with the drives warmed up by `heat`, with time constants that suit it; weighted with `noise_N`.
+Eigen::VectorXd heldBackWith(Search& s, const Candidate* kind, Heat heat, const Eigen::VectorXd& noise_N) {
+  const auto each = [&](const auto& change) {
+    for (FoundEffect& e : s.effects) {
+      if (warms(e, kind)) change(e.hypothesis);
+    }
+  };
+  bool suits = true;
+  each([&](Hypothesis& h) { suits = suits && h.shape[WarmUp::kHeatedBy] == dynamics::numberOf(heat); });
+  std::set<double> constants;
+  for (const std::vector<double>& shape : kind->shapes(s.data->inputs.front(), 0))
+    constants.insert(shape[0]);
+  if (suits) constants.clear();  // they are refined already; those of another heat may be far from them
+  std::vector<FoundEffect> best = s.effects;
+  double least = std::numeric_limits<double>::infinity();
+  for (const double constant_s : constants) {
+    each([&](Hypothesis& h) {
+      h.shape[0] = constant_s;
+      h.shape[WarmUp::kHeatedBy] = dynamics::numberOf(heat);
+    });
+    const double left = heldBackAsIs(s, noise_N).sum();
+    if (left >= least) continue;
+    least = left;
+    best = s.effects;
+  }
+  s.effects = best;
+  for (int round = 0; round < kRounds; ++round)
+    refineShapes(s);
+  return heldBackAsIs(s, noise_N);
+}
+
+}  // namespace
+
+std::string settleHeat(Search& s, const Candidate* kind) {
+  if (std::none_of(s.effects.begin(), s.effects.end(), [&](const FoundEffect& e) { return warms(e, kind); })) return "";
+  const std::vector<FoundEffect> found = s.effects;
+  const Eigen::VectorXd noise_N = s.rms_N, clock = heldBackWith(s, kind, Heat::Clock, noise_N);
+  std::vector<FoundEffect> best = s.effects;
+  double least = clock.sum();
+  bool surely = true;  // no other heat is near
+  std::string said;
+  for (const Heat heat : {Heat::Motion, Heat::Work}) {
+    s.effects = found;
+    const Eigen::VectorXd other = heldBackWith(s, kind, heat, noise_N);
+    const HeldBackGain gain = heldBackGain(clock - other);
+    if (gain.mean > -kHeatErrors * gain.error) surely = false;
+    if (gain.mean <= kHeatErrors * gain.error || other.sum() >= least) continue;
+    least = other.sum();
+    best = s.effects;
+    said = "What warms the drives up (" + kind->name() + ") is " +
+           (heat == Heat::Motion ? "the time in motion" : "the work of friction") +
+           " rather than the clock: held-back blocks are surely predicted better.";
+  }
+  s.effects = best;
+  refit(s);
+  if (!said.empty() || surely) return said;
+  return "Whether the drives warm up (" + kind->name() +
+         ") by the clock or by their motion the recordings do not tell; the clock is taken. Recordings of a slow and "
+         "of "
+         "a brisk motion, or with long rests, would tell.";
+}
+
+}  // namespace knee_robot::tracing
