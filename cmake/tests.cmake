@@ -10,15 +10,19 @@ set_target_properties(knee_test_main PROPERTIES CXX_COMPILER_LAUNCHER "")  # cca
 target_compile_definitions(knee_test_main PUBLIC KNEE_SOURCE_DIR=".")
 target_link_libraries(knee_test_main PUBLIC knee_robot_options ${GTEST_LIBRARIES})
 set_target_properties(knee_test_main PROPERTIES EXCLUDE_FROM_ALL ON)
+# The libraries are what is fast; less optimization of the tests themselves saves a quarter of their compilation.
+set(knee_test_optimization $<$<CONFIG:Release>:-O1>)
 if(KNEE_PRECOMPILED)
   knee_precompiled(test LIBRARIES Eigen3::Eigen ${GTEST_LIBRARIES} HEADERS <gtest/gtest.h> <Eigen/Dense>
     ${PROJECT_SOURCE_DIR}/include/knee_robot/mechanism/decompositions.h)
+  target_compile_options(knee_precompiled_test PRIVATE ${knee_test_optimization})
 endif()
 
 function(knee_test_program name room)
   catkin_add_executable_with_gtest(${name} ${ARGN} EXCLUDE_FROM_ALL)
   target_link_libraries(${name} knee_${room} knee_test_main)
   set_target_properties(${name} PROPERTIES UNITY_BUILD ${KNEE_UNITY} UNITY_BUILD_BATCH_SIZE 6)  # halves the compiler's work
+  target_compile_options(${name} PRIVATE ${knee_test_optimization})
   knee_use_precompiled(${name} test)
   add_dependencies(tests ${name})
 endfunction()

@@ -71,12 +71,12 @@ double heatedBy(const TraceResult& found) {
 }
 
 TEST(ThermalDrift, IsSaidToFollowTheWorkWhereABriskMotionWarmsMoreThanASlowOne) {
-  const mechanism::Robot robot = identification::syntheticRobot();
+  const mechanism::Robot robot = identification::syntheticBench(2);
   EXPECT_EQ(heatedBy(traceOf(robot, briskAndSlow(robot, true))), dynamics::numberOf(dynamics::Heat::Work));
 }
 
 TEST(ThermalDrift, IsSaidToFollowTheClockWhereBothWarmAlike) {
-  const mechanism::Robot robot = identification::syntheticRobot();
+  const mechanism::Robot robot = identification::syntheticBench(2);
   EXPECT_EQ(heatedBy(traceOf(robot, briskAndSlow(robot, false))), dynamics::numberOf(dynamics::Heat::Clock));
 }
 
