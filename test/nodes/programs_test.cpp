@@ -121,6 +121,14 @@ TEST_F(Programs, SimulateLeavesOutTheRowsOfPausesOfTheMachine) {
   EXPECT_NE(std::string::npos, played.output.find("pauses of the machine: ")) << played.output;
 }
 
+TEST_F(Programs, SimulateSaysOfAFaultThatTheMachineStoodStillBefore) {
+  recording(1);
+  const Ended stopped =
+      simulate(in("excitation_1.txt"), in("stopped.csv"), "--pauses-per-minute 120 --longest-pause-s 0.6");
+  EXPECT_EQ(3, stopped.status) << stopped.output;
+  EXPECT_NE(std::string::npos, stopped.output.find("(the controller had stood still for ")) << stopped.output;
+}
+
 TEST_F(Programs, CompareShowsReferenceAgainstMeasured) {
   const Ended compared = run(KNEE_COMPARE + kRobot + recording(1) + " --output " + in("compared"));
   ASSERT_EQ(0, compared.status) << compared.output;
