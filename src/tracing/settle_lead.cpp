@@ -11,6 +11,9 @@ namespace {
 
 /// Factor by which the rival's held-back squares must be larger: friction whose law is not quite right makes less.
 constexpr double kWorseBy = 1.1;
+/// Least probability of the better one: what the two differ by is of second order, and smaller than most of what a model
+/// may lack beside them.
+constexpr double kSurely = 0.95;
 constexpr double kAsProbable = 0.5;
 /// Of the squares that are left while their axes move, least share that what leads saves there.
 constexpr double kSavedInMotion = 0.4;
@@ -73,25 +76,37 @@ void settleLeads(Search& s) {
   if (kinds.size() != 2 || std::none_of(s.effects.begin(), s.effects.end(), isOpen)) return;
   const std::vector<FoundEffect> before = s.effects;
   const Eigen::VectorXd noise_N = s.rms_N;
-  const auto become = [&](const Candidate* kind) {
-    s.effects = before;
+  const auto rename = [&](const Candidate* kind) {
     for (FoundEffect& e : s.effects) {
       if (isOpen(e)) e.hypothesis.place.candidate = kind;
     }
     refit(s);
+  };
+  const auto become = [&](const Candidate* kind) {
+    s.effects = before;
+    rename(kind);
     rebase(s);  // beside the law near rest that suits it: the other one's would take its side
+  };
+  const auto heldBack = [&] {
+    s.rms_N = noise_N;  // all weighted alike
+    return problemOf(s, hypothesesOf(s.effects)).heldBack();
   };
   std::vector<Eigen::VectorXd> held_back;
   for (const Candidate* kind : kinds) {
     become(kind);
-    s.rms_N = noise_N;  // both weighted alike
-    held_back.push_back(problemOf(s, hypothesesOf(s.effects)).heldBack());
+    held_back.push_back(heldBack());
   }
   const double first = probabilityPositive(held_back[1] - held_back[0]);
   const std::size_t best = first >= 0.5 ? 0 : 1;
-  const bool clearly = held_back[1 - best].sum() > kWorseBy * held_back[best].sum();
-  const double sure = clearly ? std::max(first, 1.0 - first) : kAsProbable;
   become(kinds[best]);
+  const std::vector<FoundEffect> settled = s.effects;
+  rename(kinds[1 - best]);  // beside the winner's law: or else two laws near rest were compared, not a delay and a lag
+  const double least = kWorseBy * held_back[best].sum();
+  const bool clearly = held_back[1 - best].sum() > least && heldBack().sum() > least;
+  s.effects = settled;
+  refit(s);
+  const double probability = std::max(first, 1.0 - first);
+  const double sure = clearly && probability > kSurely ? probability : kAsProbable;
   for (FoundEffect& e : s.effects) {
     if (!isOpen(e)) continue;
     std::vector<std::string>& rivals = e.indistinguishable_from;
