@@ -101,4 +101,6 @@ UNLISTED = {
     # a nut that binds with load times speed
     "load_viscous": lambda m, a, size: size * m.v[:, a] * np.abs(m.load[:, a]) / np.abs(m.first.v[:, a] * m.first.load[:, a]).max(),
 }
+# Of these, what trace has a class for since: no name but that is right.
+CLASS_SINCE = {"load_viscous": "load_dependent_viscous"}
 SIZES = [4.0, 9.0, 18.0]  # N, weak, medium, strong

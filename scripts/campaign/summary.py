@@ -1,6 +1,8 @@
 """Evaluates the results of the injection campaign and prints the tables."""
 import math
 
+from campaign import effects
+
 WEIGHTS = ["-", "weak", "medium", "strong"]
 
 
@@ -25,7 +27,7 @@ def verdicts(result):
     out, right = [], set()
     unlisted = result["kind"] == "unlisted"
     for part in result["truth"]:
-        wanted = "unnamed" if unlisted else part["name"]
+        wanted = effects.CLASS_SINCE.get(part["name"], "unnamed") if unlisted else part["name"]
         best = "none"
         for k, e in enumerate(result["effects"]):
             if not here(e, part):
@@ -146,7 +148,7 @@ def errors(results, clean):
         verdict = verdicts(r)[0][0]
         is_material = material(r, same_clean)
         if r["kind"] == "single" and verdict in ("exact", "pair"):
-            reached.append((a <= 1.2 * possible, is_material))
+            reached.append((a / max(1e-9, possible), is_material))
             if same_clean:
                 within.append((a <= 1.2 * best[i], is_material))
         if r["kind"] == "unlisted" and is_material:
@@ -156,8 +158,9 @@ def errors(results, clean):
         print(f"  {truth_text(r):34} {WEIGHTS[r['strength']]:6} {verdict:6}{mark:9}{b:9.2f}{a:9.2f}{free}{possible:9.2f}")
     print(f"named effects whose error afterwards is at most 1.2 times the clean recording's: {share(sum(1 for w in within if w[0]), len(within))}; "
           f"material ones {share(sum(1 for w in within if w[0] and w[1]), sum(1 for w in within if w[1]))}")
-    print(f"the same against what was reachable: {share(sum(1 for w in reached if w[0]), len(reached))}; "
-          f"material ones {share(sum(1 for w in reached if w[0] and w[1]), sum(1 for w in reached if w[1]))}")
+    for most in (1.2, 1.3):
+        print(f"at most {most} times what was reachable: {share(sum(1 for ratio, _ in reached if ratio <= most), len(reached))}; "
+              f"material ones {share(sum(1 for ratio, big in reached if big and ratio <= most), sum(1 for _, big in reached if big))}")
     print(f"material effects without a class with at least half of the excess removed: {share(sum(1 for x in removed if x >= 0.5), len(removed))}")
 
 
