@@ -151,7 +151,7 @@ def errors(results, clean):
             reached.append((a / max(1e-9, possible), is_material))
             if same_clean:
                 within.append((a <= 1.2 * best[i], is_material))
-        if r["kind"] == "unlisted" and is_material:
+        if r["kind"] == "unlisted" and is_material and r["truth"][0]["name"] not in effects.CLASS_SINCE:
             removed.append((b - a) / max(1e-9, b - best[i]))
         mark = {True: "material", False: "", None: "?"}[is_material]
         free = f"{best[i]:9.2f}" if same_clean else f"{'?':>9}"

@@ -85,9 +85,8 @@ std::string settleHeat(Search& s, const Candidate* kind) {
   refit(s);
   if (!said.empty() || surely) return said;
   return "Whether the drives warm up (" + kind->name() +
-         ") by the clock or by their motion the recordings do not tell; the clock is taken. Recordings of a slow and "
-         "of "
-         "a brisk motion, or with long rests, would tell.";
+         ") by the clock or by their motion the recordings do not tell; the clock is taken. "
+         "A slow recording beside a brisk one, or long rests, would tell.";
 }
 
 }  // namespace knee_robot::tracing

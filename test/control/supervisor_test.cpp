@@ -83,6 +83,13 @@ class SupervisorTest : public ::testing::Test {
     const RequestAnswer& answer = status.answers[number % SupervisorStatus::kAnswers];
     return answer.number == number ? answer.result : RequestResult::Superseded;
   }
+  /// The servo cycle stands still for 200 ms; so many cycles later an axis stalls.
+  void stallAfterPause(int later) {
+    now += 200'000'000;
+    cycles(later);
+    verdict.fault[2] = Fault::Stalled;
+    cycle();
+  }
   void play() {
     ask(RequestKind::Enable);
     cycles(800);  // the test of the brakes takes 400
@@ -165,20 +172,14 @@ TEST_F(SupervisorTest, NamesTheAxisOfAMonitorsFaultAndNoneForThoseOfThePlatform)
 
 TEST_F(SupervisorTest, SaysOfAFaultThatTheServoCycleStoodStillShortlyBefore) {
   ASSERT_NO_FATAL_FAILURE(play());
-  now += 200'000'000;
-  cycles(100);
-  verdict.fault[2] = Fault::Stalled;
-  cycle();
+  stallAfterPause(100);
   EXPECT_EQ(status.fault, Fault::Stalled);
   EXPECT_NEAR(status.fault_paused_s, 0.201, 1e-9);
 }
 
 TEST_F(SupervisorTest, BlamesNoPauseForWhatHappensLongAfterIt) {
   ASSERT_NO_FATAL_FAILURE(play());
-  now += 200'000'000;
-  cycles(600);
-  verdict.fault[2] = Fault::Stalled;
-  cycle();
+  stallAfterPause(600);
   EXPECT_EQ(status.fault, Fault::Stalled);
   EXPECT_EQ(status.fault_paused_s, 0.0);
 }

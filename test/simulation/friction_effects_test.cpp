@@ -140,8 +140,8 @@ TEST(FrictionEffects, WarmingUpChangesFriction) {
   EXPECT_GT(warm[0], warm[1] + 0.05);
 }
 
-/// Friction of a drive that warms up within a tenth of a second, over the cold one's: in motion, and after a second's
-/// rest as soon as it moves again.
+/// Friction of a drive that warms up with a time constant of a second, over the cold one's: after four seconds of
+/// motion, and after five of rest as soon as it moves again.
 std::pair<double, double> warmAndRested(const std::string& heated_by, double velocity) {
   EffectBench bench(
       "{name: thermal_drift, actuators: [2], coulomb_change: -0.4, viscous_change: -0.4, time_constant_s: "
