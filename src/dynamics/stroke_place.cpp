@@ -17,8 +17,13 @@ double StrokePlace::within(double position_m) const noexcept {
   return std::exp(-away * away);
 }
 
+bool StrokePlace::endsWithin(double end_m) const noexcept {
+  return from_m_ < center_m_ && center_m_ < to_m_ && within(end_m) < mean_;
+}
+
 double StrokePlace::at(double position_m) const noexcept {
   const double seen_m = std::clamp(position_m, from_m_, to_m_);
+  if (seen_m == position_m || endsWithin(seen_m)) return within(position_m);
   const double beyond = (position_m - seen_m) / width_m_;
   return mean_ + (within(seen_m) - mean_) * std::exp(-beyond * beyond);
 }

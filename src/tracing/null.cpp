@@ -9,15 +9,14 @@
 namespace knee_robot::tracing {
 namespace {
 
+constexpr double kStill_N = 1e-9;     ///< a smaller step of what settles is rounding
+constexpr double kSteepest = 0.95;    ///< share of a command that is not given: more of it does not settle
 constexpr double kResampled_s = 1.5;  ///< of resampled noise: several correlation times of the low-passed residual
 
 /// Sets a recording's forces to those of the model, effects that look at the force included.
 void setModelForces(EffectInput& input, const BaseFit& base, const SurrogateModel& model) {
-  setForces(input, base.columns, model.parameters, {});
-  if (model.effects.empty()) return;
   lookAhead(input, model);
-  const SurrogateEffects own = effectForces(input, model);
-  setForces(input, base.columns, model.parameters, own.friction_N + own.load_N, own.lead_N);
+  (void)settleForces(input, base.columns, model.parameters, model);
 }
 
 Surrogate makeSurrogate(const mechanism::Robot& robot, const std::vector<recording::Recording>& recordings,
@@ -111,6 +110,28 @@ SurrogateEffects effectForces(const EffectInput& input, const SurrogateModel& mo
   }
   out.load_N += out.lead_N;
   return out;
+}
+
+SurrogateEffects settleForces(EffectInput& input, const std::vector<identification::Column>& columns,
+                              const Eigen::VectorXd& seen, const SurrogateModel& model) {
+  const auto next = [&](const SurrogateEffects& now) {
+    setForces(input, columns, seen, now.friction_N + now.load_N, now.lead_N);
+    return effectForces(input, model);
+  };
+  setForces(input, columns, seen, {});
+  if (model.effects.empty()) return effectForces(input, model);
+  const SurrogateEffects first = effectForces(input, model), second = next(first);
+  if (second.load_N == first.load_N) return second;
+  SurrogateEffects settled = next(second);
+  // Each step adds the same share of the one before: a geometric series, sample by sample.
+  const auto limit = [](double a, double b, double c) {
+    const double share = std::abs(b - a) > kStill_N ? std::min(kSteepest, (c - b) / (b - a)) : 0.0;
+    return c + (c - b) * share / (1.0 - share);
+  };
+  for (Eigen::Index k = 0; k < settled.load_N.size(); ++k)
+    settled.load_N(k) = limit(first.load_N(k), second.load_N(k), settled.load_N(k));
+  setForces(input, columns, seen, settled.friction_N + settled.load_N, settled.lead_N);
+  return settled;
 }
 
 void lookAhead(EffectInput& input, const SurrogateModel& model) {

@@ -57,8 +57,7 @@ void refit(Search& s) {
     const SurrogateModel model = modelOf(s);
     for (EffectInput& input : s.data->inputs) {
       lookAhead(input, model);
-      const SurrogateEffects effects = effectForces(input, model);
-      setForces(input, s.base->columns, s.seen_parameters, effects.friction_N + effects.load_N, effects.lead_N);
+      (void)settleForces(input, s.base->columns, s.seen_parameters, model);
     }
     inParallel(rows.size(), [&](std::size_t k) {
       if (all[k].place.candidate->restsOnModel()) rows[k] = effectRows(*s.data, all[k]);

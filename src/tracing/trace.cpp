@@ -163,7 +163,7 @@ void Tracing::planSurrogates() {
 /// Axes whose surrogate leaves much more than the recording itself are not what it says they are (friction that stops
 /// them otherwise than stiction does): their surrogates go along the measured motion instead.
 bool Tracing::openLoops() {
-  const Eigen::VectorXd left_N = surrogateResidual(s_.surrogates, data_, result_.base), real_N = result_.base.noise_N;
+  const Eigen::VectorXd left_N = surrogateResidual(s_.surrogates, data_, result_.base), real_N = s_.rms_N;
   bool any = false;
   for (Eigen::Index i = 0; i < left_N.size(); ++i) {
     if (plans_.front().open_loop[static_cast<std::size_t>(i)] || left_N[i] <= kTooMuch * real_N[i]) continue;
@@ -189,6 +189,7 @@ void Tracing::rebuildSurrogates() {
     refreshPlan(data_.recordings[r], result_.base, model.parameters, data_.inputs[r].share,
                 effectForces(data_.inputs[r], model), plans_[r]);
   simulate(model);
+  if (openLoops()) simulate(model);  // what was found may have hidden that an axis does not stop as its surrogates do
   setFloor();
 }
 
@@ -350,6 +351,8 @@ void Tracing::keepFit() {
   result_.parameters = untouched ? result_.baseline.parameters : result_.base.parametersOf(s_.fit.base);
   result_.seen_parameters = s_.seen_parameters;
   result_.after_rms_N = s_.rms_N;
+  result_.floor_N = s_.floor.rms_N;  // beside what was found: effects in surrogates of the baseline are none
+  result_.floor_source = s_.floor.source;
 }
 
 /// Friction that was fitted beside an effect is wrong where that is left out. Where nothing surely helps, the baseline

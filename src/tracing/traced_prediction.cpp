@@ -37,12 +37,7 @@ Eigen::MatrixXd predictTraced(const mechanism::Robot& robot, const TraceResult& 
     acting.coefficients.push_back(coefficients);
   }
   lookAhead(input, acting);
-  SurrogateEffects forces;
-  forces.friction_N = forces.load_N = forces.lead_N = Eigen::MatrixXd::Zero(o.samples(), o.axes());
-  for (int pass = 0; pass < 2; ++pass) {  // some effects look at the whole force, which contains them
-    setForces(input, result.base.columns, result.seen_parameters, forces.friction_N + forces.load_N, forces.lead_N);
-    forces = effectForces(input, acting);
-  }
+  const SurrogateEffects forces = settleForces(input, result.base.columns, result.seen_parameters, acting);
   setForces(input, result.base.columns, result.parameters, forces.friction_N + forces.load_N);
   identification::keepWithinTrainedRange(result.base.trained_force_N, o.motion, input.force_N);
   return input.force_N;

@@ -122,6 +122,23 @@ TEST(ModelPrediction, OfEveryEffectEqualsTheTracesOwnOnBenchAxes) {
   expectEveryEffectSame(fitted(identification::syntheticBench(2)));
 }
 
+TEST(ModelPrediction, OfAWrongForceConstantIsTheWholeOfWhatTheCommandContainsOfItself) {
+  Fitted f = fitted(identification::syntheticBench(2));
+  f.result.seen_parameters = f.result.parameters;
+  f.result.candidates = std::make_shared<CandidateList>(namedCandidates(f.robot));
+  const Eigen::MatrixXd without = predictTraced(f.robot, f.result, f.other, -1, 2);
+  for (const auto& candidate : *f.result.candidates) {
+    if (candidate->name() == "force_gain") f.result.effects = {someEffect(f, *candidate, 0)};
+  }
+  ASSERT_EQ(f.result.effects.size(), 1u);
+  for (const double given : {0.4, 0.7, 1.3, 3.0}) {  // of the force that is commanded
+    f.result.effects[0].coefficients << 1.0 - given;
+    const Eigen::MatrixXd with = predictTraced(f.robot, f.result, f.other, -1, 2);
+    EXPECT_LT((given * with.col(0) - without.col(0)).cwiseAbs().maxCoeff(), 1e-6) << given;
+    EXPECT_EQ(with.col(1), without.col(1));
+  }
+}
+
 TEST(ModelPrediction, OfARippleCarriesItsPhaseOverWithinOneHomingOnly) {
   Fitted f = fitted(identification::syntheticBench(2));
   f.result.candidates = std::make_shared<CandidateList>(namedCandidates(f.robot));

@@ -21,6 +21,11 @@ SurrogateEffects effectForces(const EffectInput& input, const SurrogateModel& mo
 /// Puts into `input` by how much the model's command runs ahead.
 void lookAhead(EffectInput& input, const SurrogateModel& model);
 
+/// Sets the forces of `input` to those of a model whose effects look at the parameters `seen`, and returns those of the
+/// effects. What looks at the whole force (a drive's gain) is part of it: settled exactly where it is proportional.
+SurrogateEffects settleForces(EffectInput& input, const std::vector<identification::Column>& columns,
+                              const Eigen::VectorXd& seen, const SurrogateModel& model);
+
 /// What is kept of one surrogate of all training recordings: it has the model's effects and no other.
 struct Surrogate {
   Eigen::MatrixXd model_rows;  ///< base coordinates, then effects; N, not scaled by attention
