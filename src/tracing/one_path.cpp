@@ -9,6 +9,7 @@ namespace {
 
 constexpr double kSamePath_m = 0.002;  ///< rms over all actuators: repeats of one reference lie closer
 constexpr double kMuchLeft = 3.0;      ///< noise floors that a model with the right force leaves hardly
+constexpr int kPatchwork = 2;          ///< maps on one actuator that stand for one thing that none describes
 
 /// Positions of two recordings at the same times from their beginnings.
 bool followSamePath(const identification::Observation& one, const identification::Observation& other) {
@@ -28,20 +29,39 @@ bool followOnePath(const std::vector<identification::Observation>& recordings) {
                      [&](const identification::Observation& o) { return followSamePath(recordings.front(), o); });
 }
 
+/// Maps that act where this one does.
+int mapsBeside(const Search& s, const FoundEffect& one) {
+  const int actuator = one.hypothesis.place.actuator;
+  return static_cast<int>(std::count_if(s.effects.begin(), s.effects.end(), [&](const FoundEffect& e) {
+    const Place& place = e.hypothesis.place;
+    return place.candidate->isMap() && (place.actuator == actuator || place.actuator < 0 || actuator < 0);
+  }));
+}
+
+/// Empty, or why the path that was seen may be all that an effect describes.
+std::string whyOfOnePath(const Search& s, const FoundEffect& e, double floors) {
+  const Candidate& candidate = *e.hypothesis.place.candidate;
+  if (candidate.isForceField() && floors >= kMuchLeft)
+    return "a force that depends on the pose alone, seen along one path, in a model that leaves " +
+           shortNumber(floors, 2) + " times the noise floor: on another path the same pose may have another force";
+  const int maps = candidate.isMap() ? mapsBeside(s, e) : 0;
+  if (s.floor.measured && maps >= kPatchwork && floors > kRightLeaves)
+    return "one of " + std::to_string(maps) + " maps, which together leave " + shortNumber(floors, 2) +
+           " times the noise floor along one path: they fit the path, and what acts there is something else";
+  return {};
+}
+
 }  // namespace
 
 void holdBackOnePath(Search& s, std::vector<std::string>& notes) {
   if (!s.data->recordings.front().motion.coupled || !followOnePath(s.data->recordings)) return;
   for (FoundEffect& e : s.effects) {
-    if (!e.transfers || !e.hypothesis.place.candidate->isForceField()) continue;
-    const double floors = floorsLeft(s, e.hypothesis.place, s.rms_N);
-    if (floors < kMuchLeft) continue;
+    if (!e.transfers) continue;
+    const std::string why = whyOfOnePath(s, e, floorsLeft(s, e.hypothesis.place, s.rms_N));
+    if (why.empty()) continue;
     e.transfers = false;
-    notes.push_back(placeText(e.hypothesis.place) +
-                    ": a force that depends on the pose alone, seen along one path, in a model that leaves " +
-                    shortNumber(floors, 2) +
-                    " times the noise floor: on another path the same pose may have another force; it is left out of "
-                    "predictions elsewhere. Train on a second path, too.");
+    notes.push_back(placeText(e.hypothesis.place) + ": " + why +
+                    "; it is left out of predictions elsewhere. Train on a second path, too.");
   }
 }
 

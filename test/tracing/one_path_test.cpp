@@ -37,9 +37,23 @@ class OnePath : public testing::Test {
     return s_.effects.front().transfers;
   }
 
+  /// Whether one of so many maps over velocity on one actuator is predicted elsewhere.
+  bool oneTransfersOf(int maps, bool measured) {
+    FoundEffect e;
+    e.hypothesis.place = {velocity_map_.get(), 1};
+    e.transfers = true;
+    s_.effects.assign(static_cast<std::size_t>(maps), e);
+    s_.floor.measured = measured;
+    notes_.clear();
+    holdBackOnePath(s_, notes_);
+    return s_.effects.front().transfers;
+  }
+
   const mechanism::Robot robot_ = identification::syntheticRobot();
   const CandidateList candidates_ = namedCandidates(robot_);
   const std::unique_ptr<Candidate> map_ = mapCandidate(robot_, "pose_theta_rad", 1, {0, 1, 2, 3, 4, 5, 6, 7});
+  const std::unique_ptr<Candidate> velocity_map_ =
+      mapCandidate(robot_, "velocity_2_m_per_s", 1, {0, 1, 2, 3, 4, 5, 6, 7});
   TraceData data_;
   Search s_;
   std::vector<std::string> notes_;
@@ -65,6 +79,22 @@ TEST_F(OnePath, KeepsWhatReachesTheNoiseFloorOrDependsOnMotion) {
   EXPECT_TRUE(transfers("stribeck"));
   EXPECT_TRUE(transfers("dashpot"));
   EXPECT_TRUE(transfers("load_dependent_friction"));
+}
+
+TEST_F(OnePath, LeavesOutSeveralMapsThatTogetherDoNotReachTheFloorOfRepeats) {
+  follow(0);
+  follow(0);
+  leaves(2.5);
+  EXPECT_TRUE(oneTransfersOf(1, true));
+  EXPECT_FALSE(oneTransfersOf(2, true));
+  ASSERT_EQ(notes_.size(), 2u);
+  EXPECT_NE(notes_[0].find("one of 2 maps, which together leave 2.5 times the noise floor"), std::string::npos);
+  EXPECT_TRUE(oneTransfersOf(2, false)) << "an estimated floor says too little";
+  leaves(2.0);
+  EXPECT_TRUE(oneTransfersOf(2, true));
+  follow(1);
+  leaves(2.5);
+  EXPECT_TRUE(oneTransfersOf(2, true)) << "two paths";
 }
 
 TEST_F(OnePath, KeepsForceFieldsThatTwoPathsShow) {
