@@ -66,7 +66,7 @@ foreach(room ${knee_rooms} nodes)
   endif()
 endforeach()
 
-# test/ROOM/NAME_test.py of the operator's page and of reports: unit tests; they need neither a master nor a robot.
+# test/ROOM/NAME_test.py of what operators see and of reports: unit tests; they need neither a master nor a robot.
 file(GLOB page_tests RELATIVE ${PROJECT_SOURCE_DIR} CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/test/operator/*_test.py
   ${PROJECT_SOURCE_DIR}/test/report/*_test.py)
 foreach(page_test ${page_tests})
