@@ -163,7 +163,7 @@ void Tracing::planSurrogates() {
 /// Axes whose surrogate leaves much more than the recording itself are not what it says they are (friction that stops
 /// them otherwise than stiction does): their surrogates go along the measured motion instead.
 bool Tracing::openLoops() {
-  const Eigen::VectorXd left_N = surrogateResidual(s_.surrogates, data_, result_.base), real_N = s_.rms_N;
+  const Eigen::VectorXd left_N = surrogateResidual(s_.surrogates, data_, result_.base), real_N = result_.base.noise_N;
   bool any = false;
   for (Eigen::Index i = 0; i < left_N.size(); ++i) {
     if (plans_.front().open_loop[static_cast<std::size_t>(i)] || left_N[i] <= kTooMuch * real_N[i]) continue;
@@ -189,7 +189,6 @@ void Tracing::rebuildSurrogates() {
     refreshPlan(data_.recordings[r], result_.base, model.parameters, data_.inputs[r].share,
                 effectForces(data_.inputs[r], model), plans_[r]);
   simulate(model);
-  if (openLoops()) simulate(model);  // what was found may have hidden that an axis does not stop as its surrogates do
   setFloor();
 }
 
