@@ -1,6 +1,11 @@
 #include "force_model.h"
 
 namespace knee_robot::dynamics {
+namespace {
+
+constexpr double kMostGain = 0.95;  ///< share of a command that is not given; as tracing's settleForces
+
+}  // namespace
 
 SeenForce seenForce(const EffectsSee& see, const ExtendedRegressor& row) noexcept {
   SeenForce seen;
@@ -34,7 +39,9 @@ WithEffects stepEffects(const ForceModel& model, const SeenForce& seen, EffectsI
   at.load_N = seen.load;
   out.effects = effectForces(model.effects, model.axes, at, memory);
   const mechanism::Vector4 base = seen.load + seen.rubbing + model.effects.see.coulomb.cwiseProduct(at.share);
-  out.whole = base + out.effects.sum() + model.effects.gain.cwiseProduct(base);
+  // A gain is a share of the whole, itself included.
+  const Eigen::Array4d given = 1.0 - model.effects.gain.array().min(kMostGain);
+  out.whole = ((base + out.effects.sum()).array() / given).matrix();
   return out;
 }
 

@@ -123,13 +123,14 @@ SurrogateEffects settleForces(EffectInput& input, const std::vector<identificati
   const SurrogateEffects first = effectForces(input, model), second = next(first);
   if (second.load_N == first.load_N) return second;
   SurrogateEffects settled = next(second);
-  // Each step adds the same share of the one before: a geometric series, sample by sample.
-  const auto limit = [](double a, double b, double c) {
-    const double share = std::abs(b - a) > kStill_N ? std::min(kSteepest, (c - b) / (b - a)) : 0.0;
-    return c + (c - b) * share / (1.0 - share);
-  };
-  for (Eigen::Index k = 0; k < settled.load_N.size(); ++k)
-    settled.load_N(k) = limit(first.load_N(k), second.load_N(k), settled.load_N(k));
+  // Each step adds the same share of the one before: a geometric series, actuator by actuator.
+  for (int i = 0; i < input.axes(); ++i) {
+    const Eigen::VectorXd step = second.load_N.col(i) - first.load_N.col(i),
+                          last = settled.load_N.col(i) - second.load_N.col(i);
+    const double share = step.norm() > kStill_N ? std::min(kSteepest, last.dot(step) / step.squaredNorm()) : 0.0;
+    settled.load_N.col(i) += last * share / (1.0 - share);
+  }
+  settled = next(settled);  // what changes with time is no series
   setForces(input, columns, seen, settled.friction_N + settled.load_N, settled.lead_N);
   return settled;
 }
