@@ -7,6 +7,11 @@ constexpr double kMostGain = 0.95;  ///< share of a command that is not given; a
 
 }  // namespace
 
+mechanism::Vector4 gainOfForce(const mechanism::Vector4& gain) noexcept {
+  const Eigen::Array4d kept = gain.array().min(kMostGain);
+  return (kept / (1.0 - kept)).matrix();
+}
+
 SeenForce seenForce(const EffectsSee& see, const ExtendedRegressor& row) noexcept {
   SeenForce seen;
   seen.load.noalias() = row * see.load;
@@ -39,9 +44,8 @@ WithEffects stepEffects(const ForceModel& model, const SeenForce& seen, EffectsI
   at.load_N = seen.load;
   out.effects = effectForces(model.effects, model.axes, at, memory);
   const mechanism::Vector4 base = seen.load + seen.rubbing + model.effects.see.coulomb.cwiseProduct(at.share);
-  // A gain is a share of the whole, itself included.
-  const Eigen::Array4d given = 1.0 - model.effects.gain.array().min(kMostGain);
-  out.whole = ((base + out.effects.sum()).array() / given).matrix();
+  out.without_gain = base + out.effects.sum();
+  out.whole = out.without_gain + gainOfForce(model.effects.gain).cwiseProduct(out.without_gain);
   return out;
 }
 
@@ -114,7 +118,7 @@ bool forceFromModel(const ForceModel& model, const mechanism::Vector4& position,
   const WithEffects with = stepEffects(model, seen, at, data.memory, period_s);
   smooth += model.coulomb.cwiseProduct(at.share);
   if (model.effects.any()) {
-    smooth += with.effects.sum() + model.effects.gain.cwiseProduct(with.whole);
+    smooth += with.effects.sum() + with.whole - with.without_gain;
     if (model.effects.horizon() > 0.0)
       smooth += forceAhead(model, at, with.whole, data.memory, data.regressor, data.row);
   }

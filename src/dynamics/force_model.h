@@ -16,9 +16,13 @@ SeenForce seenForceOfAxes(const EffectsSee& see, int axes, const mechanism::Vect
 /// What the effects make of it.
 struct WithEffects {
   EffectForces effects;
-  mechanism::Vector4 whole =
-      mechanism::Vector4::Zero();  ///< seen force, effects and gain: what a gain multiplies, and what is ahead
+  mechanism::Vector4 without_gain = mechanism::Vector4::Zero();  ///< seen force and effects
+  mechanism::Vector4 whole = mechanism::Vector4::Zero();         ///< the same and gain: what is ahead
 };
+/// What wrong force constants add to a command, as a share of the force that is wanted: gain / (1 - gain), because a
+/// gain is a share of the command, itself included.
+mechanism::Vector4 gainOfForce(const mechanism::Vector4& gain) noexcept;
+
 /// Steps the friction's memory (at.share is filled) and the effects'. `at` needs all but share and load.
 WithEffects stepEffects(const ForceModel& model, const SeenForce& seen, EffectsInstant& at, MotionMemory& memory,
                         double friction_period_s) noexcept;

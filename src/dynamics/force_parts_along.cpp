@@ -28,14 +28,12 @@ Seen seenAt(const ForceModel& model, const WantedInstant& at, const ForcePartsDa
 /// Effects into the parts that they belong to.
 void addEffects(const ForceModel& model, const WithEffects& with, const Seen& seen, const mechanism::Vector4& ahead,
                 ForceParts& parts) noexcept {
-  const mechanism::Vector4& gain = model.effects.gain;
-  const mechanism::Vector4 twice = gain + gain.cwiseProduct(gain);  // of what the gain itself sees of the baseline
+  const mechanism::Vector4 gain = gainOfForce(model.effects.gain);  // of everything, what a wrong force constant adds
   const mechanism::Vector4 carried = seen.at_rest, moving = seen.force.load - seen.at_rest;
   const mechanism::Vector4 effects = with.effects.sum();
-  const mechanism::Vector4 rubbing =
-      with.whole - effects - (mechanism::Vector4::Ones() + gain).cwiseProduct(seen.force.load);  // (1 + gain) of it
-  parts.gravity += with.effects.carried + twice.cwiseProduct(carried) + gain.cwiseProduct(with.effects.carried);
-  parts.inertia += twice.cwiseProduct(moving) + ahead;
+  const mechanism::Vector4 rubbing = with.without_gain - effects - seen.force.load;
+  parts.gravity += with.effects.carried + gain.cwiseProduct(carried + with.effects.carried);
+  parts.inertia += gain.cwiseProduct(moving) + ahead;
   parts.friction += with.effects.friction + gain.cwiseProduct(rubbing + with.effects.friction);
   parts.payload_gravity += gain.cwiseProduct(parts.payload_gravity);
   parts.payload_inertia += gain.cwiseProduct(parts.payload_inertia);
