@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "knee_robot/base/errors.h"
+#include "knee_robot/base/numbers.h"
 #include "knee_robot/dynamics/model.h"
 #include "named_values.h"
 
@@ -71,7 +72,12 @@ class Reader {
  private:
   void put(const ActingEffect& acting) {
     if (acting.law->part() == EffectPart::Gain) {
-      to_.gain[acting.actuator] += acting.coefficients[0];
+      double& gain = to_.gain[acting.actuator];
+      gain += acting.coefficients[0];
+      if (gain > kMostForceGain)
+        throw InputError("effect force_gain says that axis " + std::to_string(acting.actuator + 1) +
+                         " gives less than " + shortNumber(100.0 * (1.0 - kMostForceGain), 2) +
+                         " % of its command; such a model is not fed forward, see to the drive");
     } else if (acting.law->part() == EffectPart::Ahead) {
       to_.ahead_s[acting.actuator] += acting.coefficients[0];
     } else {

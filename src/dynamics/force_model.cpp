@@ -1,15 +1,9 @@
 #include "force_model.h"
 
 namespace knee_robot::dynamics {
-namespace {
-
-constexpr double kMostGain = 0.95;  ///< share of a command that is not given; as tracing's settleForces
-
-}  // namespace
 
 mechanism::Vector4 gainOfForce(const mechanism::Vector4& gain) noexcept {
-  const Eigen::Array4d kept = gain.array().min(kMostGain);
-  return (kept / (1.0 - kept)).matrix();
+  return (gain.array() / (1.0 - gain.array())).matrix();
 }
 
 SeenForce seenForce(const EffectsSee& see, const ExtendedRegressor& row) noexcept {

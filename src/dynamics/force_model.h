@@ -20,7 +20,7 @@ struct WithEffects {
   mechanism::Vector4 whole = mechanism::Vector4::Zero();         ///< the same and gain: what is ahead
 };
 /// What wrong force constants add to a command, as a share of the force that is wanted: gain / (1 - gain), because a
-/// gain is a share of the command, itself included.
+/// gain is a share of the command, itself included. Gains are at most kMostForceGain.
 mechanism::Vector4 gainOfForce(const mechanism::Vector4& gain) noexcept;
 
 /// Steps the friction's memory (at.share is filled) and the effects'. `at` needs all but share and load.

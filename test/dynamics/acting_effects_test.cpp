@@ -113,6 +113,8 @@ TEST(ActingEffects, RefuseAnEffectThatIsUnknownOrHasOthersNumbers) {
   EXPECT_THROW(ActingEffects(fake::tracedModelOf(robot, {effect("stribeck", 1, {}, {1.0})}), robot), InputError);
   EXPECT_THROW(ActingEffects(fake::tracedModelOf(robot, {effect("stribeck", 1, {0.01}, {1.0, 2.0})}), robot),
                InputError);
+  EXPECT_NO_THROW(ActingEffects(fake::tracedModelOf(robot, {effect("force_gain", 1, {}, {0.79})}), robot));
+  EXPECT_THROW(ActingEffects(fake::tracedModelOf(robot, {effect("force_gain", 1, {}, {0.81})}), robot), InputError);
   Model blind = fake::tracedModelOf(robot, {effect("stribeck", 1, {0.01}, {1.0})});
   blind.effects_see.clear();
   EXPECT_THROW(ActingEffects(blind, robot), InputError);

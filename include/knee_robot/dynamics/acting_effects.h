@@ -15,6 +15,9 @@ namespace knee_robot::dynamics {
 struct Model;
 
 inline constexpr int kMostActingEffects = 64;
+/// Largest share of its command that a drive may fail to give (force_gain) in a model that is fed forward: beyond it the
+/// command would be more than five times the force.
+inline constexpr double kMostForceGain = 0.8;
 
 /// An effect of a model at its place, with its numbers.
 struct ActingEffect {
@@ -42,7 +45,7 @@ struct EffectsSee {
 /// training recording.
 struct ActingEffects {
   ActingEffects() = default;
-  /// InputError when an effect is unknown, or its numbers are not that effect's.
+  /// InputError when an effect is unknown, or its numbers are not that effect's, or a gain is above kMostForceGain.
   ActingEffects(const Model& model, const mechanism::Robot& robot);
 
   std::vector<ActingEffect> acting;  ///< that are carried or rub
