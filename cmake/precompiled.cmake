@@ -1,7 +1,7 @@
 # Precompiled headers: reading Eigen, gtest or ROS costs about a second a source file, which is half of what most files take.
 # Three of them, shared by every target that is compiled with the same flags:
 #   knee_precompiled_room      Eigen, without what mechanism/decompositions compiles once, for the rooms' libraries (position independent)
-#   knee_precompiled_program   ROS and the command line, for src/nodes
+#   knee_precompiled_program   ROS and Eigen, for src/nodes
 #   knee_precompiled_test      gtest and Eigen, for the tests
 # -DKNEE_PRECOMPILED=OFF shows the includes that a source forgot.
 option(KNEE_PRECOMPILED "precompiled headers" ON)

@@ -134,14 +134,12 @@ int check(const Options& options) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  CLI::App app("Checks CAN drives: identity, limits, cyclic exchange. Nothing moves.", "check_drives");
+  nodes::CommandLine app("Checks CAN drives: identity, limits, cyclic exchange. Nothing moves.", "check_drives");
   Options options;
-  app.add_option("--hardware", options.hardware, "hardware file (YAML) with backend can")->required();
-  app.add_option("--robot", options.robot, "robot file (YAML)")->required();
-  app.add_option("--bus", options.bus, "CAN interface or simulated bus' path; default: the hardware file's");
-  app.add_option("--seconds", options.seconds, "duration of the cyclic exchange")
-      ->check(CLI::Range(0.01, 3600.0))
-      ->capture_default_str();
-  app.add_flag("--enable", options.enable, "also switch the drives on, at torque 0, holding brakes engaged");
+  app.option("--hardware", options.hardware, "hardware file (YAML) with backend can").required();
+  app.option("--robot", options.robot, "robot file (YAML)").required();
+  app.option("--bus", options.bus, "CAN interface or simulated bus' path; default: the hardware file's");
+  app.option("--seconds", options.seconds, "duration of the cyclic exchange").within(0.01, 3600.0).showDefault();
+  app.flag("--enable", options.enable, "also switch the drives on, at torque 0, holding brakes engaged");
   return nodes::runProgram(app, argc, argv, [&] { return check(options); });
 }

@@ -91,15 +91,16 @@ void printSingularity(const trajectory::Reference& reference, const trajectory::
 }  // namespace
 
 int main(int argc, char** argv) {
-  CLI::App app("Says whether a reference file may be played on a robot, and shows its margins to every limit.",
-               "check_reference");
+  nodes::CommandLine app(
+      "Says whether a reference file may be played on a robot, and shows its margins to every limit.",
+      "check_reference");
   std::string file, robot_file, space_name;
-  app.add_option("FILE", file, "reference file: four columns, one point every 10 ms")->required();
-  app.add_option("--robot", robot_file, "robot file (YAML)")->required();
-  app.add_option("--space", space_name, "what the columns are, when the file's header does not say it")
-      ->check(CLI::IsMember({"actuator", "platform", "relative"}));
+  app.option("FILE", file, "reference file: four columns, one point every 10 ms").required();
+  app.option("--robot", robot_file, "robot file (YAML)").required();
+  app.option("--space", space_name, "what the columns are, when the file's header does not say it")
+      .oneOf({"actuator", "platform", "relative"});
   bool json = false;
-  app.add_flag("--json", json, "print margins and path for programs, also of a reference that may not be played");
+  app.flag("--json", json, "print margins and path for programs, also of a reference that may not be played");
   return nodes::runProgram(app, argc, argv, [&]() -> int {
     const mechanism::Robot robot = mechanism::loadRobot(robot_file);
     const trajectory::Reference reference = trajectory::readReference(file, trajectory::spaceNamed(space_name));

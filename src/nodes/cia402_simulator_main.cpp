@@ -176,15 +176,14 @@ int simulate(const Options& options) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  CLI::App app("The simulated robot behind four CiA 402 drives on a CAN bus.", "cia402_simulator");
+  nodes::CommandLine app("The simulated robot behind four CiA 402 drives on a CAN bus.", "cia402_simulator");
   Options options;
   nodes::declareSimulator(app, "shared memory in which the robot's state can be looked at", options);
-  app.add_option("--hardware", options.hardware, "hardware file (YAML) with backend can: the drives that it describes")
-      ->required();
-  app.add_option("--objects", options.objects,
-                 "table of the drives' objects (YAML), as config/hardware/can_objects.yaml")
-      ->required();
-  app.add_option("--bus", options.bus,
-                 "CAN interface, or a path: the socket of a simulated bus; default: the hardware file's interface");
+  app.option("--hardware", options.hardware, "hardware file (YAML) with backend can: the drives that it describes")
+      .required();
+  app.option("--objects", options.objects, "table of the drives' objects (YAML), as config/hardware/can_objects.yaml")
+      .required();
+  app.option("--bus", options.bus,
+             "CAN interface, or a path: the socket of a simulated bus; default: the hardware file's interface");
   return nodes::runProgram(app, argc, argv, [&] { return simulate(options); });
 }

@@ -20,15 +20,15 @@ struct Arguments {
   double condition_max = 0.0;
 };
 
-void declare(CLI::App& app, Arguments& a) {
-  app.add_option("--robot", a.robot, "robot file")->required();
-  app.add_option("RECORDING", a.recording, "recording with reference columns; camera columns are used if there are any")
-      ->required();
-  app.add_option("--output", a.output, "folder for report.html, report.json, actuators.svg and pose.svg")->required();
-  app.add_option("--condition-max", a.condition_max,
-                 "poses with a larger condition number of the Jacobian (m, rad) count as near a "
-                 "singularity (default: the robot file's margin, or 60 where that is wide open)")
-      ->check(CLI::Range(1.0, 1e12));
+void declare(nodes::CommandLine& app, Arguments& a) {
+  app.option("--robot", a.robot, "robot file").required();
+  app.option("RECORDING", a.recording, "recording with reference columns; camera columns are used if there are any")
+      .required();
+  app.option("--output", a.output, "folder for report.html, report.json, actuators.svg and pose.svg").required();
+  app.option("--condition-max", a.condition_max,
+             "poses with a larger condition number of the Jacobian (m, rad) count as near a "
+             "singularity (default: the robot file's margin, or 60 where that is wide open)")
+      .within(1.0, 1e12);
 }
 
 int run(const Arguments& a, const std::string& command_line) {
@@ -49,7 +49,7 @@ int run(const Arguments& a, const std::string& command_line) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  CLI::App app("Compares reference and measured motion of a recording, per actuator and in pose.", "compare");
+  nodes::CommandLine app("Compares reference and measured motion of a recording, per actuator and in pose.", "compare");
   Arguments arguments;
   declare(app, arguments);
   return nodes::runProgram(app, argc, argv, [&] { return run(arguments, nodes::commandLine("compare", argc, argv)); });

@@ -12,13 +12,13 @@
 
 int main(int argc, char** argv) {
   using namespace knee_robot;
-  CLI::App app(
+  nodes::CommandLine app(
       "Prints ports, properties and operations of every component type that a deployment file may name, and what the "
       "ports carry.",
       "components");
   std::string robot_file, hardware_file;
-  app.add_option("--robot", robot_file, "robot file (YAML); defaults of properties may depend on it")->required();
-  app.add_option("--hardware", hardware_file, "hardware file (YAML)")->required();
+  app.option("--robot", robot_file, "robot file (YAML); defaults of properties may depend on it").required();
+  app.option("--hardware", hardware_file, "hardware file (YAML)").required();
   return nodes::runProgram(app, argc, argv, [&] {
     const mechanism::Robot robot = mechanism::loadRobot(robot_file);
     const auto image = std::make_unique<simulation::RobotImage>();

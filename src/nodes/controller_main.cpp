@@ -240,8 +240,8 @@ int main(int argc, char** argv) {
     std::signal(signal, [](int) { stop_requested = 1; });
   for (const int signal : {SIGPIPE, SIGTSTP, SIGTTIN, SIGTTOU, SIGXFSZ})
     std::signal(signal, SIG_IGN);
-  CLI::App app("Drives the robot: servo cycle, supervision, services, topics and the action. A ROS node.",
-               "controller");
+  nodes::CommandLine app("Drives the robot: servo cycle, supervision, services, topics and the action. A ROS node.",
+                         "controller");
   app.footer(kParameters);
   return nodes::runProgram(app, argc, argv, run);  // what is thrown: unwinding has shut the robot down in order
 }

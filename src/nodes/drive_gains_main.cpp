@@ -51,16 +51,16 @@ int run(const Arguments& a, const std::string& command_line) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  CLI::App app(
+  nodes::CommandLine app(
       "Torque per ampere of a chain's drives, from currents recorded without and with a payload of known mass.",
       "drive_gains");
   Arguments a;
-  app.add_option("--robot", a.robot, "robot file (mechanism: chain)")->required();
-  app.add_option("--unloaded", a.unloaded, "recordings without the payload")->required();
-  app.add_option("--loaded", a.loaded, "recordings with the payload, fixed to the last link")->required();
-  app.add_option("--payload-kg", a.payload_kg, "mass of the payload, kg")->required()->check(CLI::Range(1e-3, 1e4));
-  app.add_option("--cutoff-hz", a.cutoff_hz, "cut-off of the zero-phase low-pass filter of regressor and current (5)")
-      ->check(CLI::Range(1e-6, 1e6));
-  app.add_option("--output", a.output, "folder for report.html, report.json and robot.yaml")->required();
+  app.option("--robot", a.robot, "robot file (mechanism: chain)").required();
+  app.option("--unloaded", a.unloaded, "recordings without the payload").required();
+  app.option("--loaded", a.loaded, "recordings with the payload, fixed to the last link").required();
+  app.option("--payload-kg", a.payload_kg, "mass of the payload, kg").required().within(1e-3, 1e4);
+  app.option("--cutoff-hz", a.cutoff_hz, "cut-off of the zero-phase low-pass filter of regressor and current (5)")
+      .within(1e-6, 1e6);
+  app.option("--output", a.output, "folder for report.html, report.json and robot.yaml").required();
   return nodes::runProgram(app, argc, argv, [&] { return run(a, nodes::commandLine("drive_gains", argc, argv)); });
 }

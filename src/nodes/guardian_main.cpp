@@ -256,25 +256,25 @@ int run(const Options& options) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  CLI::App app("Watches the controller and brings the outputs down when it dies or falls silent.", "guardian");
+  nodes::CommandLine app("Watches the controller and brings the outputs down when it dies or falls silent.",
+                         "guardian");
   Options options;
-  app.add_option("--hardware", options.hardware_file, "hardware file (YAML)")->required();
-  app.add_option("--shm", options.shm, "shared memory of the simulated robot, for backend simulated")
-      ->capture_default_str();
-  app.add_option("--can", options.can,
-                 "CAN interface or simulated bus' path, for backend can; default: the hardware file's");
-  app.add_option("--link", options.link, "shared memory between controller and guardian")->capture_default_str();
-  app.add_option("--silence-ms", options.silence_ms,
-                 "the controller counts as dead after this time without a heartbeat, ms")
-      ->check(CLI::Range(3.0, 10000.0))
-      ->capture_default_str();
-  app.add_option("--priority", options.priority, "SCHED_FIFO priority, above the controller's; 0: none")
-      ->check(CLI::Range(0, 98))
-      ->capture_default_str();
-  app.add_option("--cpu", options.cpu, "processor to run on; -1: any")->capture_default_str();
-  app.add_flag("--require-real-time", options.require_real_time, "refuse to start without real-time privileges");
-  app.add_flag("--down-now", options.down_now, "lock out a running controller, bring the outputs down once, and end");
-  app.allow_extras();  // roslaunch appends __name:= and __log:=
+  app.option("--hardware", options.hardware_file, "hardware file (YAML)").required();
+  app.option("--shm", options.shm, "shared memory of the simulated robot, for backend simulated").showDefault();
+  app.option("--can", options.can,
+             "CAN interface or simulated bus' path, for backend can; default: the hardware file's");
+  app.option("--link", options.link, "shared memory between controller and guardian").showDefault();
+  app.option("--silence-ms", options.silence_ms,
+             "the controller counts as dead after this time without a heartbeat, ms")
+      .within(3.0, 10000.0)
+      .showDefault();
+  app.option("--priority", options.priority, "SCHED_FIFO priority, above the controller's; 0: none")
+      .within(0, 98)
+      .showDefault();
+  app.option("--cpu", options.cpu, "processor to run on; -1: any").showDefault();
+  app.flag("--require-real-time", options.require_real_time, "refuse to start without real-time privileges");
+  app.flag("--down-now", options.down_now, "lock out a running controller, bring the outputs down once, and end");
+  app.allowExtras();  // roslaunch appends __name:= and __log:=
   return nodes::runProgram(app, argc, argv, [&] {
     takeSignals();
     return options.down_now ? bringDownNow(options) : run(options);

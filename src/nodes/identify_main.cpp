@@ -30,59 +30,56 @@ struct Arguments {
   bool physical = true;
 };
 
-void declare(CLI::App& app, Arguments& a) {
-  const auto positive = CLI::Range(1e-6, 1e6);
-  app.add_option("--robot", a.robot, "robot file")->required();
-  app.add_option("--train", a.train, "recordings that the model is fitted to")->required();
-  app.add_option("--validate", a.validate,
-                 "recordings on which the finished model is checked; they take no part in any choice");
-  app.add_option("--output", a.output, "folder for model.yaml, report.json, report.html and predictions")->required();
-  app.add_option("--cutoff-hz", a.cutoff_hz,
-                 "cut-off of the zero-phase low-pass filter of regressor and force (default: chosen from "
-                 "the reference of the training recordings, and printed)")
-      ->check(positive);
-  app.add_option("--motion-cutoff-hz", a.motion_cutoff_hz,
-                 "cut-off of the low-pass filter of positions before they are differentiated (default: "
-                 "three to five times --cutoff-hz, as the encoders allow); a lower one helps where the "
-                 "motion is slow and the geometry amplifies the encoders' rounding")
-      ->check(positive);
-  app.add_option("--rate-hz", a.options.observation.signals.rate_hz,
-                 "highest sampling rate of the fit (100, or twelve times the cut-off); a higher one "
-                 "follows reversals of friction more exactly")
-      ->check(CLI::Range(1.0, 1e4));
-  app.add_option("--moving-m-per-s", a.options.observation.moving_m_per_s,
-                 "an axis counts as moving above this speed (0.0015)")
-      ->check(CLI::Range(0.0, 10.0));
-  app.add_option("--condition-max", a.options.observation.condition_max,
-                 "samples at poses with a larger condition number of the Jacobian (m, rad) are left out "
-                 "(default: the robot file's margin, or 60 where that is wide open)")
-      ->check(CLI::Range(1.0, 1e12));
-  app.add_option("--fold-margin-m", a.options.observation.fold_margin_m,
-                 "samples whose lengths are nearer than this to a singularity where two assembly modes "
-                 "meet are left out (0.003); 0: the geometry is exact")
-      ->check(CLI::Range(0.0, 1.0));
-  app.add_flag("--joint-friction", a.options.joint_friction,
-               "also fit friction of the legs' passive joints, as in the paper's eq. (22); needs a "
-               "motion that separates it from the actuators' friction");
-  app.add_option("--narrowest-counts", a.options.narrowest_counts,
-                 "shortest travel, in encoder counts, over which Coulomb friction builds up (2); less "
-                 "where no encoder flickers between two counts")
-      ->check(CLI::Range(1e-6, 1e3));
-  app.add_option("--outliers", a.options.outliers,
-                 "how equations with large residuals are weighted: huber (default), bisquare (iteratively "
-                 "reweighted), none")
-      ->transform(CLI::CheckedTransformer(
-          std::map<std::string, identification::OutlierRule>{{"huber", identification::OutlierRule::Huber},
-                                                             {"bisquare", identification::OutlierRule::Bisquare},
-                                                             {"none", identification::OutlierRule::None}},
-          CLI::ignore_case));
-  app.add_flag("!--no-physical", a.physical,
-               "do not fit physically consistent parameters (model_physical.yaml, identified.urdf); they"
-               " need a URDF in the robot file");
-  app.add_option("--rank", a.options.rank,
-                 "fit only this many directions of the parameters, without the prior (default: all "
-                 "directions, pulled towards the prior)")
-      ->check(CLI::Range(1, 1000));
+void declare(nodes::CommandLine& app, Arguments& a) {
+  app.option("--robot", a.robot, "robot file").required();
+  app.option("--train", a.train, "recordings that the model is fitted to").required();
+  app.option("--validate", a.validate,
+             "recordings on which the finished model is checked; they take no part in any choice");
+  app.option("--output", a.output, "folder for model.yaml, report.json, report.html and predictions").required();
+  app.option("--cutoff-hz", a.cutoff_hz,
+             "cut-off of the zero-phase low-pass filter of regressor and force (default: chosen from "
+             "the reference of the training recordings, and printed)")
+      .within(1e-6, 1e6);
+  app.option("--motion-cutoff-hz", a.motion_cutoff_hz,
+             "cut-off of the low-pass filter of positions before they are differentiated (default: "
+             "three to five times --cutoff-hz, as the encoders allow); a lower one helps where the "
+             "motion is slow and the geometry amplifies the encoders' rounding")
+      .within(1e-6, 1e6);
+  app.option("--rate-hz", a.options.observation.signals.rate_hz,
+             "highest sampling rate of the fit (100, or twelve times the cut-off); a higher one "
+             "follows reversals of friction more exactly")
+      .within(1.0, 1e4);
+  app.option("--moving-m-per-s", a.options.observation.moving_m_per_s,
+             "an axis counts as moving above this speed (0.0015)")
+      .within(0.0, 10.0);
+  app.option("--condition-max", a.options.observation.condition_max,
+             "samples at poses with a larger condition number of the Jacobian (m, rad) are left out "
+             "(default: the robot file's margin, or 60 where that is wide open)")
+      .within(1.0, 1e12);
+  app.option("--fold-margin-m", a.options.observation.fold_margin_m,
+             "samples whose lengths are nearer than this to a singularity where two assembly modes "
+             "meet are left out (0.003); 0: the geometry is exact")
+      .within(0.0, 1.0);
+  app.flag("--joint-friction", a.options.joint_friction,
+           "also fit friction of the legs' passive joints, as in the paper's eq. (22); needs a "
+           "motion that separates it from the actuators' friction");
+  app.option("--narrowest-counts", a.options.narrowest_counts,
+             "shortest travel, in encoder counts, over which Coulomb friction builds up (2); less "
+             "where no encoder flickers between two counts")
+      .within(1e-6, 1e3);
+  app.choice("--outliers", a.options.outliers,
+             "how equations with large residuals are weighted: huber (default), bisquare (iteratively "
+             "reweighted), none",
+             {{"huber", identification::OutlierRule::Huber},
+              {"bisquare", identification::OutlierRule::Bisquare},
+              {"none", identification::OutlierRule::None}});
+  app.flag("!--no-physical", a.physical,
+           "do not fit physically consistent parameters (model_physical.yaml, identified.urdf); they"
+           " need a URDF in the robot file");
+  app.option("--rank", a.options.rank,
+             "fit only this many directions of the parameters, without the prior (default: all "
+             "directions, pulled towards the prior)")
+      .within(1, 1000);
 }
 
 std::vector<recording::Recording> readAll(const std::vector<std::string>& files) {
@@ -246,7 +243,7 @@ int run(const Arguments& a, const std::string& command_line) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  CLI::App app("Identifies the force model of a robot from recordings.", "identify");
+  nodes::CommandLine app("Identifies the force model of a robot from recordings.", "identify");
   Arguments arguments;
   declare(app, arguments);
   return nodes::runProgram(app, argc, argv, [&] { return run(arguments, nodes::commandLine("identify", argc, argv)); });

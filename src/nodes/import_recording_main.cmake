@@ -1,3 +1,1 @@
-find_package(rosbag_storage REQUIRED)
-target_link_libraries(import_recording_program PRIVATE ${rosbag_storage_LIBRARIES})
-target_link_libraries(import_recording_program PRIVATE knee_tracing)
+target_link_libraries(import_recording_program PRIVATE knee_bag_import knee_tracing)

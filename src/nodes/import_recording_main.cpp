@@ -25,34 +25,29 @@ struct Arguments {
   nodes::BagSource bag;
 };
 
-void declare(CLI::App& app, Arguments& a) {
-  app.add_option("SOURCE", a.source,
-                 "folder of one table per signal, one table (CSV, TSV), a rosbag, or with --markers a recording")
-      ->required();
-  app.add_option("--output,-o", a.output, "recording to write; refused when it exists")->required();
-  app.add_option("--command-unit", a.folder.command_unit, "folder: unit of the command, N or V")
-      ->check(CLI::IsMember({"N", "V"}));
-  app.add_option("--position", a.folder.position, "folder: file of the positions, m; its stamps are the rows")
-      ->capture_default_str();
-  app.add_option("--command", a.folder.command, "folder: file of the commands")->capture_default_str();
-  app.add_option("--reference", a.folder.reference, "folder: file of the references, m ('': none)")
-      ->capture_default_str();
-  app.add_option("--velocity", a.folder.velocity, "folder: file of the velocities, m/s ('': none)")
-      ->capture_default_str();
-  app.add_option("--pose", a.folder.pose, "folder: file of the recorder's own pose, m and rad ('': none)")
-      ->capture_default_str();
-  app.add_option("--map", a.map, "table: YAML file that says what each column becomes, and in which unit it is");
-  app.add_option("--column", a.columns, "table: one column, FROM=TO[,UNIT[,SCALE[,OFFSET]]]; may be repeated");
-  app.add_option("--topic", a.bag.topic,
-                 "rosbag: topic of type knee_robot/Tracking (default: the only one) or sensor_msgs/JointState");
-  app.add_option("--joints", a.bag.joints, "rosbag: joints of a JointState topic that are the actuators, in order")
-      ->delimiter(',');
-  app.add_option("--camera-topic", a.bag.camera, "rosbag: geometry_msgs/PoseStamped of the platform by a camera");
-  CLI::Option* markers =
-      app.add_option("--markers", a.markers, "motion-capture export (CSV, TSV) to be put beside the recording SOURCE");
-  app.add_option("--marker-map", a.marker_map, "YAML file: the export's columns and where each marker sits")
-      ->needs(markers);
-  app.add_option("--robot", a.robot, "robot file, for --markers")->needs(markers);
+void declare(nodes::CommandLine& app, Arguments& a) {
+  app.option("SOURCE", a.source,
+             "folder of one table per signal, one table (CSV, TSV), a rosbag, or with --markers a recording")
+      .required();
+  app.option("--output,-o", a.output, "recording to write; refused when it exists").required();
+  app.option("--command-unit", a.folder.command_unit, "folder: unit of the command, N or V").oneOf({"N", "V"});
+  app.option("--position", a.folder.position, "folder: file of the positions, m; its stamps are the rows")
+      .showDefault();
+  app.option("--command", a.folder.command, "folder: file of the commands").showDefault();
+  app.option("--reference", a.folder.reference, "folder: file of the references, m ('': none)").showDefault();
+  app.option("--velocity", a.folder.velocity, "folder: file of the velocities, m/s ('': none)").showDefault();
+  app.option("--pose", a.folder.pose, "folder: file of the recorder's own pose, m and rad ('': none)").showDefault();
+  app.option("--map", a.map, "table: YAML file that says what each column becomes, and in which unit it is");
+  app.option("--column", a.columns, "table: one column, FROM=TO[,UNIT[,SCALE[,OFFSET]]]; may be repeated");
+  app.option("--topic", a.bag.topic,
+             "rosbag: topic of type knee_robot/Tracking (default: the only one) or sensor_msgs/JointState");
+  app.option("--joints", a.bag.joints, "rosbag: joints of a JointState topic that are the actuators, in order")
+      .separatedBy(',');
+  app.option("--camera-topic", a.bag.camera, "rosbag: geometry_msgs/PoseStamped of the platform by a camera");
+  const nodes::Option markers =
+      app.option("--markers", a.markers, "motion-capture export (CSV, TSV) to be put beside the recording SOURCE");
+  app.option("--marker-map", a.marker_map, "YAML file: the export's columns and where each marker sits").needs(markers);
+  app.option("--robot", a.robot, "robot file, for --markers").needs(markers);
   app.footer(
       "A folder:  import_recording exp_20 --command-unit N -o run.csv\n"
       "  each file has the columns time_sec and time_nanosec, then one value an axis.\n"
@@ -135,7 +130,7 @@ int run(const Arguments& a) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  CLI::App app("Converts files of other recorders into a recording.", "import_recording");
+  nodes::CommandLine app("Converts files of other recorders into a recording.", "import_recording");
   Arguments arguments;
   declare(app, arguments);
   return nodes::runProgram(app, argc, argv, [&] { return run(arguments); });

@@ -124,16 +124,16 @@ std::string names() {
 }  // namespace
 
 int main(int argc, char** argv) {
-  CLI::App app("Makes a fault in the simulated robot while it runs.", "inject_fault");
+  nodes::CommandLine app("Makes a fault in the simulated robot while it runs.", "inject_fault");
   std::string shm = "/knee_robot_sim", name;
   Order order;
-  app.add_option("--shm", shm, "shared memory of the simulated robot")->capture_default_str();
-  app.add_option("--axis", order.axis, "axis 1 to 4; 0: all four")->check(CLI::Range(0, 4))->capture_default_str();
-  app.add_option("--size", order.size,
-                 "size of the fault: m (encoder_jump, encoder_noise), N (push_down), us per access "
-                 "(slow_card), component number (component)")
-      ->capture_default_str();
-  app.add_option("fault", name, names())->required();
+  app.option("--shm", shm, "shared memory of the simulated robot").showDefault();
+  app.option("--axis", order.axis, "axis 1 to 4; 0: all four").within(0, 4).showDefault();
+  app.option("--size", order.size,
+             "size of the fault: m (encoder_jump, encoder_noise), N (push_down), us per access "
+             "(slow_card), component number (component)")
+      .showDefault();
+  app.option("fault", name, names()).required();
   return nodes::runProgram(app, argc, argv, [&] {
     const auto found = actions().find(name);
     if (found == actions().end())

@@ -35,16 +35,16 @@ void refresh(const std::vector<std::string>& lines) {
 int main(int argc, char** argv) {
   nodes::keepToLoopback();
   ros::init(argc, argv, "monitor", ros::init_options::AnonymousName);
-  CLI::App app(
+  nodes::CommandLine app(
       "Shows the controller's state, errors and timing as text: refreshed in place on a terminal, one line per "
       "period elsewhere. ROS remappings work: rosrun knee_robot monitor __ns:=left",
       "monitor");
   double period_s = 0.5;
   bool once = false, plain = false;
-  app.add_option("--period", period_s, "refresh period, s")->check(CLI::Range(0.1, 60.0))->capture_default_str();
-  app.add_flag("--once", once, "print everything once and end; exit status 1 when the controller is silent");
-  app.add_flag("--plain", plain, "print one line per period on a terminal, too");
-  app.allow_extras();
+  app.option("--period", period_s, "refresh period, s").within(0.1, 60.0).showDefault();
+  app.flag("--once", once, "print everything once and end; exit status 1 when the controller is silent");
+  app.flag("--plain", plain, "print one line per period on a terminal, too");
+  app.allowExtras();
   return nodes::runProgram(app, argc, argv, [&]() -> int {
     if (!ros::master::check())
       throw InputError("no ROS master answers at " + ros::master::getURI() +

@@ -91,8 +91,8 @@ class MarkerMonitor {
 int main(int argc, char** argv) {
   nodes::keepToLoopback();
   ros::init(argc, argv, "monitor_markers");
-  CLI::App app("Shows rviz the reference pose, the path to come, tracking errors and margins. A ROS node.",
-               "monitor_markers");
+  nodes::CommandLine app("Shows rviz the reference pose, the path to come, tracking errors and margins. A ROS node.",
+                         "monitor_markers");
   app.footer("Parameters: ~robot (robot file), ~rate_hz (1 .. 60, default 15)");
   return nodes::runProgram(app, argc, argv, [] {
     ros::NodeHandle own("~"), node;

@@ -297,11 +297,11 @@ void percentages() {
 }  // namespace
 
 int main(int argc, char** argv) {
-  CLI::App app("Computes and prints the findings about the paper (docs/paper.md).", "paper_findings");
+  nodes::CommandLine app("Computes and prints the findings about the paper (docs/paper.md).", "paper_findings");
   std::string final_file, starting_file;
-  app.add_option("--final", final_file, "robot file of the final geometry (config/robots/final.yaml)")->required();
-  app.add_option("--starting", starting_file, "robot file of the starting geometry (config/robots/starting.yaml)")
-      ->required();
+  app.option("--final", final_file, "robot file of the final geometry (config/robots/final.yaml)").required();
+  app.option("--starting", starting_file, "robot file of the starting geometry (config/robots/starting.yaml)")
+      .required();
   return nodes::runProgram(app, argc, argv, [&] {
     const mechanism::Robot final_robot = mechanism::loadRobot(final_file),
                            starting = mechanism::loadRobot(starting_file);

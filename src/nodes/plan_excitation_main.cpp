@@ -8,7 +8,6 @@
 #include <csignal>
 #include <cstdio>
 #include <ctime>
-#include <map>
 #include <thread>
 
 #include "knee_robot/base/errors.h"
@@ -89,56 +88,49 @@ struct Arguments {
   double condition_max = 0.0;
   std::vector<double> noise;
   std::vector<std::string> recorded;
-  const CLI::Option* margin = nullptr;
-  const CLI::Option* noise_option = nullptr;
+  nodes::Option margin;
+  nodes::Option noise_option;
 };
 
-void declare(CLI::App& app, Arguments& a) {
-  const std::map<std::string, excitation::ExcitationCriterion> criteria = {
-      {"condition", excitation::ExcitationCriterion::Condition},
-      {"determinant", excitation::ExcitationCriterion::Determinant}};
-  app.add_option("--robot", a.robot_file, "robot file (YAML)")->required();
-  app.add_option("-o,--output", a.output, "reference file to write")->required();
-  app.add_option("--duration", a.options.shape.duration_s, "duration of the whole movement with its ramps, s")
-      ->capture_default_str();
-  app.add_option("--ramp", a.options.shape.ramp_s, "duration of the smooth ramp at each end, s")->capture_default_str();
-  app.add_option("--harmonics", a.options.shape.harmonics, "number of harmonics of the Fourier series")
-      ->capture_default_str();
-  app.add_option("--seed", a.options.seed, "random seed of the starting series")->capture_default_str();
-  app.add_option("--velocity", a.options.velocity_max, "velocity limit of every actuator, m/s")->capture_default_str();
-  app.add_option("--acceleration", a.options.acceleration_max, "acceleration limit of every actuator, m/s2")
-      ->capture_default_str();
-  a.margin = app.add_option("--condition-max", a.condition_max,
-                            "largest condition number of the Jacobian on the way (default: the robot file's margin, "
-                            "at most 60)");
-  app.add_option("--directions", a.options.directions,
-                 "r: the number of parameter directions for which k = s_1 / s_r is minimised")
-      ->capture_default_str();
-  app.add_option("--candidates", a.options.candidates, "number of random feasible series to start from")
-      ->capture_default_str();
-  app.add_option("--starts", a.options.starts, "number of the best of them that are optimised")->capture_default_str();
-  app.add_option("--iterations", a.options.iterations, "largest number of evaluations per start and round")
-      ->capture_default_str();
-  app.add_option("--seconds,--seconds-budget", a.options.seconds_budget,
-                 "time limit of planning, s; then, or at Ctrl-C, the best series so far is written")
-      ->capture_default_str();
-  app.add_option("--criterion", a.options.criterion,
-                 "what is optimised: condition (condition number k) or determinant (D-optimality)")
-      ->transform(CLI::CheckedTransformer(criteria, CLI::ignore_case));
-  a.noise_option =
-      app.add_option("--noise", a.noise,
-                     "standard deviation of the noise of the four actuator forces, N (default: in proportion "
-                     "to force_per_volt_N)")
-          ->expected(4);
-  app.add_option("--viscous", a.options.friction.viscous_N_s_per_m,
-                 "viscous friction assumed in every actuator for the force limits, N s/m")
-      ->capture_default_str();
-  app.add_option("--coulomb", a.options.friction.coulomb_N,
-                 "Coulomb friction assumed in every actuator for the force limits, N")
-      ->capture_default_str();
-  app.add_flag("!--no-force-limits", a.options.force_limits, "do not limit the expected forces");
-  app.add_option("--recorded", a.recorded, "chains: existing recordings; the new movement adds what they lack");
-  app.add_flag("--twin-legs", a.options.twin_legs, "move q23 and q33 identically, as in the paper's verification");
+void declare(nodes::CommandLine& app, Arguments& a) {
+  app.option("--robot", a.robot_file, "robot file (YAML)").required();
+  app.option("-o,--output", a.output, "reference file to write").required();
+  app.option("--duration", a.options.shape.duration_s, "duration of the whole movement with its ramps, s")
+      .showDefault();
+  app.option("--ramp", a.options.shape.ramp_s, "duration of the smooth ramp at each end, s").showDefault();
+  app.option("--harmonics", a.options.shape.harmonics, "number of harmonics of the Fourier series").showDefault();
+  app.option("--seed", a.options.seed, "random seed of the starting series").showDefault();
+  app.option("--velocity", a.options.velocity_max, "velocity limit of every actuator, m/s").showDefault();
+  app.option("--acceleration", a.options.acceleration_max, "acceleration limit of every actuator, m/s2").showDefault();
+  a.margin = app.option("--condition-max", a.condition_max,
+                        "largest condition number of the Jacobian on the way (default: the robot file's margin, "
+                        "at most 60)");
+  app.option("--directions", a.options.directions,
+             "r: the number of parameter directions for which k = s_1 / s_r is minimised")
+      .showDefault();
+  app.option("--candidates", a.options.candidates, "number of random feasible series to start from").showDefault();
+  app.option("--starts", a.options.starts, "number of the best of them that are optimised").showDefault();
+  app.option("--iterations", a.options.iterations, "largest number of evaluations per start and round").showDefault();
+  app.option("--seconds,--seconds-budget", a.options.seconds_budget,
+             "time limit of planning, s; then, or at Ctrl-C, the best series so far is written")
+      .showDefault();
+  app.choice("--criterion", a.options.criterion,
+             "what is optimised: condition (condition number k) or determinant (D-optimality)",
+             {{"condition", excitation::ExcitationCriterion::Condition},
+              {"determinant", excitation::ExcitationCriterion::Determinant}});
+  a.noise_option = app.option("--noise", a.noise,
+                              "standard deviation of the noise of the four actuator forces, N (default: in proportion "
+                              "to force_per_volt_N)")
+                       .values(4);
+  app.option("--viscous", a.options.friction.viscous_N_s_per_m,
+             "viscous friction assumed in every actuator for the force limits, N s/m")
+      .showDefault();
+  app.option("--coulomb", a.options.friction.coulomb_N,
+             "Coulomb friction assumed in every actuator for the force limits, N")
+      .showDefault();
+  app.flag("!--no-force-limits", a.options.force_limits, "do not limit the expected forces");
+  app.option("--recorded", a.recorded, "chains: existing recordings; the new movement adds what they lack");
+  app.flag("--twin-legs", a.options.twin_legs, "move q23 and q33 identically, as in the paper's verification");
 }
 
 int planChain(const mechanism::Robot& robot, const Arguments& a) {
@@ -156,8 +148,8 @@ int run(const Arguments& a) {
   if (any.chain) return planChain(any, a);
   const mechanism::Robot robot = mechanism::loadRobot(a.robot_file);
   excitation::ExcitationOptions options = a.options;
-  if (a.margin->count() > 0) options.condition_max = a.condition_max;
-  if (a.noise_option->count() > 0) options.noise_N = Eigen::Map<const mechanism::Vector4>(a.noise.data());
+  if (a.margin.given()) options.condition_max = a.condition_max;
+  if (a.noise_option.given()) options.noise_N = Eigen::Map<const mechanism::Vector4>(a.noise.data());
   options.progress = showProgress;
   options.interrupted = &interrupted;
   std::signal(SIGINT, onInterrupt);
@@ -175,7 +167,7 @@ int run(const Arguments& a) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  CLI::App app(
+  nodes::CommandLine app(
       "Plans an excitation for identification: a finite Fourier series per actuator within all limits that minimises "
       "the condition number k of the column-scaled, noise-weighted observation matrix at a stated number of "
       "directions.",

@@ -64,38 +64,38 @@ void tell(const Arguments& arguments, const trajectory::Exercise& exercise, cons
 }  // namespace
 
 int main(int argc, char** argv) {
-  CLI::App app(
+  nodes::CommandLine app(
       "Plans a physiotherapist's movement, checks it against the robot's limits and writes it as a reference file.",
       "plan_exercise");
   Arguments arguments;
   std::string names = "one of";
   for (const trajectory::Exercise& exercise : trajectory::exercises())
     names += " " + exercise.name;
-  app.add_option("NAME", arguments.name, names)->required();
-  app.add_option("--robot", arguments.robot, "robot file (YAML)")->required();
-  app.add_option("-o,--output", arguments.output, "reference file to write")->required();
-  app.add_option("--picture", arguments.picture,
-                 "SVG of pose, actuators and margins against time (default: the output's name with .svg)");
-  const CLI::Option* amplitude =
-      app.add_option("--amplitude", arguments.amplitude,
-                     "amplitude: m, or deg for knee_rotation and ankle_flexion; for paper_test that of the "
-                     "rise, the rest in proportion (default: the paper's)");
-  app.add_option("--speed", arguments.speed, "speed of translations, m/s")->capture_default_str();
-  app.add_option("--turning-speed", arguments.turning_speed_deg, "speed of rotations, deg/s")->capture_default_str();
-  app.add_option("--repetitions", arguments.repetitions, "number of repetitions")->capture_default_str();
-  app.add_option("--pause", arguments.pause, "rest between strokes, s")->capture_default_str();
-  app.add_option("--start", arguments.start,
-                 "start pose: Xm Zm (m) theta psi (deg); default: the one furthest from all limits")
-      ->expected(4);
-  app.add_option("--space", arguments.space, "coordinates of the written file")
-      ->check(CLI::IsMember({"actuator", "platform"}))
-      ->capture_default_str();
-  app.add_flag("--scale", arguments.scale, "reduce amplitude and speed to what fits instead of refusing");
+  app.option("NAME", arguments.name, names).required();
+  app.option("--robot", arguments.robot, "robot file (YAML)").required();
+  app.option("-o,--output", arguments.output, "reference file to write").required();
+  app.option("--picture", arguments.picture,
+             "SVG of pose, actuators and margins against time (default: the output's name with .svg)");
+  const nodes::Option amplitude =
+      app.option("--amplitude", arguments.amplitude,
+                 "amplitude: m, or deg for knee_rotation and ankle_flexion; for paper_test that of the "
+                 "rise, the rest in proportion (default: the paper's)");
+  app.option("--speed", arguments.speed, "speed of translations, m/s").showDefault();
+  app.option("--turning-speed", arguments.turning_speed_deg, "speed of rotations, deg/s").showDefault();
+  app.option("--repetitions", arguments.repetitions, "number of repetitions").showDefault();
+  app.option("--pause", arguments.pause, "rest between strokes, s").showDefault();
+  app.option("--start", arguments.start,
+             "start pose: Xm Zm (m) theta psi (deg); default: the one furthest from all limits")
+      .values(4);
+  app.option("--space", arguments.space, "coordinates of the written file")
+      .oneOf({"actuator", "platform"})
+      .showDefault();
+  app.flag("--scale", arguments.scale, "reduce amplitude and speed to what fits instead of refusing");
   return nodes::runProgram(app, argc, argv, [&]() -> int {
     const trajectory::Exercise& exercise = trajectory::exerciseNamed(arguments.name);
     const mechanism::Robot robot = mechanism::loadRobot(arguments.robot);
     const trajectory::ExercisePlan plan =
-        trajectory::planExercise(exercise, robot, optionsOf(arguments, exercise, amplitude->count() > 0));
+        trajectory::planExercise(exercise, robot, optionsOf(arguments, exercise, amplitude.given()));
     trajectory::writeReference(
         arguments.output, plan.reference,
         {exercise.name + ": " + exercise.meaning, "for " + arguments.robot, "starts at " + poseText(plan.start)});

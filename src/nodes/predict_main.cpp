@@ -45,11 +45,11 @@ int run(const Arguments& a, const std::string& command_line) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  CLI::App app("Predicts actuator forces along recordings by a model of identify or trace.", "predict");
+  nodes::CommandLine app("Predicts actuator forces along recordings by a model of identify or trace.", "predict");
   Arguments a;
-  app.add_option("--robot", a.robot, "robot file")->required();
-  app.add_option("--model", a.model, "model.yaml of identify or trace")->required();
-  app.add_option("RECORDINGS", a.recordings, "recordings to predict")->required();
-  app.add_option("--output", a.output, "folder for report.html, report.json and prediction_NAME.csv")->required();
+  app.option("--robot", a.robot, "robot file").required();
+  app.option("--model", a.model, "model.yaml of identify or trace").required();
+  app.option("RECORDINGS", a.recordings, "recordings to predict").required();
+  app.option("--output", a.output, "folder for report.html, report.json and prediction_NAME.csv").required();
   return nodes::runProgram(app, argc, argv, [&] { return run(a, nodes::commandLine("predict", argc, argv)); });
 }

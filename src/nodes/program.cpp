@@ -25,25 +25,20 @@ std::string oneLine(std::string text) {
   return text;
 }
 
-int fail(const CLI::App& app, const std::string& sentence, int status) {
+int fail(const CommandLine& app, const std::string& sentence, int status) {
   std::cout.flush();
-  std::cerr << app.get_name() << ": " << oneLine(sentence) << std::endl;
+  std::cerr << app.program() << ": " << oneLine(sentence) << std::endl;
   return status;
 }
 
 }  // namespace
 
-int runProgram(CLI::App& app, int argc, const char* const* argv, const std::function<int()>& body) {
+int runProgram(CommandLine& app, int argc, const char* const* argv, const std::function<int()>& body) {
   openStandardStreams();
   try {
-    app.parse(argc, argv);
-  } catch (const CLI::Success& request) {  // --help and the like
-    return app.exit(request);
-  } catch (const CLI::ParseError& error) {
-    return fail(app, std::string(error.what()) + " (see --help)", kExitBadInput);
-  }
-  try {
-    for (const std::string& extra : app.remaining()) {
+    int status = kExitDone;
+    if (!app.parse(argc, argv, status)) return status;
+    for (const std::string& extra : app.extras()) {
       if (extra.find(":=") == std::string::npos) throw InputError("unknown argument " + extra + " (see --help)");
     }
     return body();

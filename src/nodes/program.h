@@ -1,8 +1,9 @@
 #pragma once
 
-#include <CLI/CLI.hpp>
 #include <functional>
 #include <string>
+
+#include "command_line.h"
 
 namespace knee_robot::nodes {
 
@@ -11,11 +12,11 @@ namespace knee_robot::nodes {
 /// 2, Refusal 3, anything else 1. `--help` prints and returns 0. Otherwise the status that `body` returns.
 /// Of a program that allows extras, only remappings of ROS (__name:=...), which roslaunch appends, are accepted.
 ///
-///     CLI::App app("says whether a reference may be played", "check_reference");
+///     CommandLine app("says whether a reference may be played", "check_reference");
 ///     std::string robot;
-///     app.add_option("--robot", robot, "robot file")->required();
+///     app.option("--robot", robot, "robot file").required();
 ///     return runProgram(app, argc, argv, [&] { ...; return kExitDone; });
-int runProgram(CLI::App& app, int argc, const char* const* argv, const std::function<int()>& body);
+int runProgram(CommandLine& app, int argc, const char* const* argv, const std::function<int()>& body);
 
 /// Where one of the three standard streams is closed, /dev/null takes its place: the next file or socket that is opened
 /// would get its number otherwise, and with it everything that is printed. Before anything is opened.

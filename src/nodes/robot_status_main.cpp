@@ -37,14 +37,12 @@ void printRow(const simulation::RobotImage& image) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  CLI::App app("Prints the simulated robot's own state and its cards' outputs as CSV, one row per step.",
-               "robot_status");
+  nodes::CommandLine app("Prints the simulated robot's own state and its cards' outputs as CSV, one row per step.",
+                         "robot_status");
   std::string shm = "/knee_robot_sim";
   double duration_s = 0.0;
-  app.add_option("--shm", shm, "shared memory of the simulated robot")->capture_default_str();
-  app.add_option("--duration", duration_s, "duration to print, s; 0: one row")
-      ->check(CLI::Range(0.0, 3600.0))
-      ->capture_default_str();
+  app.option("--shm", shm, "shared memory of the simulated robot").showDefault();
+  app.option("--duration", duration_s, "duration to print, s; 0: one row").within(0.0, 3600.0).showDefault();
   return nodes::runProgram(app, argc, argv, [&] {
     simulation::SharedImage memory = simulation::SharedImage::attach(shm);
     const simulation::RobotImage& image = memory.image();

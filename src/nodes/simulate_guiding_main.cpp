@@ -185,18 +185,18 @@ void printDirection(const Options& options, int coordinate) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  CLI::App app(
+  nodes::CommandLine app(
       "A simulated hand moves the simulated robot there and back. Prints the force that it needs at the platform's "
       "origin with the drives off, while the robot holds, and while it is guided. Moments count at a lever of 0.2 m.",
       "simulate_guiding");
   Options options;
-  app.add_option("--robot", options.robot, "robot file (YAML)")->required();
-  app.add_option("--simulation", options.simulation, "simulation file (YAML)")->required();
-  app.add_option("--hardware", options.hardware, "hardware file (YAML)")->required();
-  app.add_option("--deployment", options.deployment, "deployment file (YAML) with a HandGuide")->required();
-  app.add_option("--model", options.model, "model file of identify or trace")->required();
-  app.add_option("--distance", options.distance_m, "distance of the guided movement, m")->check(CLI::Range(0.005, 0.2));
-  app.add_option("--speed", options.speed_m_per_s, "mean speed of the hand, m/s")->check(CLI::Range(0.001, 0.05));
+  app.option("--robot", options.robot, "robot file (YAML)").required();
+  app.option("--simulation", options.simulation, "simulation file (YAML)").required();
+  app.option("--hardware", options.hardware, "hardware file (YAML)").required();
+  app.option("--deployment", options.deployment, "deployment file (YAML) with a HandGuide").required();
+  app.option("--model", options.model, "model file of identify or trace").required();
+  app.option("--distance", options.distance_m, "distance of the guided movement, m").within(0.005, 0.2);
+  app.option("--speed", options.speed_m_per_s, "mean speed of the hand, m/s").within(0.001, 0.05);
   return nodes::runProgram(app, argc, argv, [&]() -> int {
     std::printf("| direction | how | force, mean N | force, peak N | %% of the way | ended by |\n");
     std::printf("| --- | --- | --- | --- | --- | --- |\n");

@@ -172,29 +172,29 @@ struct Arguments {
   nodes::Pauses::Options pauses;
 };
 
-void declare(CLI::App& app, Arguments& a) {
-  app.add_option("FILE", a.file, "reference file")->required();
-  app.add_option("--robot", a.robot, "robot file (YAML)")->required();
-  app.add_option("--simulation", a.simulation, "simulation file: friction, brakes, payload (YAML)")->required();
-  app.add_option("--hardware", a.hardware, "hardware file (YAML)")->required();
-  app.add_option("--deployment", a.deployment, "deployment file (YAML)")->required();
-  app.add_option("-o,--output", a.output, "recording to write (CSV); must not exist")->required();
-  app.add_option("--truth", a.truth,
-                 "table (CSV) to write: force of all simulated effects per actuator and row, N, to compare "
-                 "with what trace finds");
-  app.add_option("--space", a.space, "what the columns are, when the file's header does not say it")
-      ->check(CLI::IsMember({"actuator", "platform", "relative"}));
-  app.add_option("--model", a.model, "model file for the feedforward; default: the deployment's");
-  app.add_option("--payload-kg", a.payload_kg, "payload that the feedforward assumes, kg");
-  app.add_option("--set", a.settings,
-                 "COMPONENT.PROPERTY=VALUE, may be repeated: sets a property that may change at run time");
-  app.add_option("--pauses-per-minute", a.pauses.per_minute,
-                 "the controller's machine stands still so often, at random, while it plays: no cycle, no row")
-      ->check(CLI::Range(0.0, 600.0));
-  app.add_option("--longest-pause-s", a.pauses.longest_s, "pauses last between 1 ms and this long")
-      ->check(CLI::Range(0.001, 1.0))
-      ->capture_default_str();
-  app.add_option("--seed", a.pauses.seed, "random seed of the pauses")->capture_default_str();
+void declare(nodes::CommandLine& app, Arguments& a) {
+  app.option("FILE", a.file, "reference file").required();
+  app.option("--robot", a.robot, "robot file (YAML)").required();
+  app.option("--simulation", a.simulation, "simulation file: friction, brakes, payload (YAML)").required();
+  app.option("--hardware", a.hardware, "hardware file (YAML)").required();
+  app.option("--deployment", a.deployment, "deployment file (YAML)").required();
+  app.option("-o,--output", a.output, "recording to write (CSV); must not exist").required();
+  app.option("--truth", a.truth,
+             "table (CSV) to write: force of all simulated effects per actuator and row, N, to compare "
+             "with what trace finds");
+  app.option("--space", a.space, "what the columns are, when the file's header does not say it")
+      .oneOf({"actuator", "platform", "relative"});
+  app.option("--model", a.model, "model file for the feedforward; default: the deployment's");
+  app.option("--payload-kg", a.payload_kg, "payload that the feedforward assumes, kg");
+  app.option("--set", a.settings,
+             "COMPONENT.PROPERTY=VALUE, may be repeated: sets a property that may change at run time");
+  app.option("--pauses-per-minute", a.pauses.per_minute,
+             "the controller's machine stands still so often, at random, while it plays: no cycle, no row")
+      .within(0.0, 600.0);
+  app.option("--longest-pause-s", a.pauses.longest_s, "pauses last between 1 ms and this long")
+      .within(0.001, 1.0)
+      .showDefault();
+  app.option("--seed", a.pauses.seed, "random seed of the pauses").showDefault();
 }
 
 control::ControlSystem::Options optionsOf(const Arguments& a, const mechanism::Lengths& start) {
@@ -266,7 +266,7 @@ int run(const Arguments& a) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  CLI::App app(
+  nodes::CommandLine app(
       "Plays a reference file through the whole controller on the simulated robot, in simulated time, and records it.",
       "simulate");
   Arguments a;

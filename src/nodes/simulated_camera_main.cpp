@@ -32,12 +32,13 @@ int run(const Arguments& a) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  CLI::App app("Adds the columns of a simulated camera to a recording of the simulated robot.", "simulated_camera");
+  nodes::CommandLine app("Adds the columns of a simulated camera to a recording of the simulated robot.",
+                         "simulated_camera");
   Arguments a;
-  app.add_option("RECORDING", a.recording, "recording (CSV)")->required();
-  app.add_option("--robot", a.robot, "robot file of the recording")->required();
-  app.add_option("--camera", a.camera, "camera file: rate, delay, noise, play in the joints (YAML)")->required();
-  app.add_option("--geometry", a.geometry, "robot file with the true geometry, where it differs from --robot's");
-  app.add_option("-o,--output", a.output, "recording to write")->required();
+  app.option("RECORDING", a.recording, "recording (CSV)").required();
+  app.option("--robot", a.robot, "robot file of the recording").required();
+  app.option("--camera", a.camera, "camera file: rate, delay, noise, play in the joints (YAML)").required();
+  app.option("--geometry", a.geometry, "robot file with the true geometry, where it differs from --robot's");
+  app.option("-o,--output", a.output, "recording to write").required();
   return nodes::runProgram(app, argc, argv, [&] { return run(a); });
 }

@@ -110,7 +110,8 @@ int simulate(const nodes::SimulatorOptions& options) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  CLI::App app("Simulates the robot in real time; its cards are register models in shared memory.", "simulated_robot");
+  nodes::CommandLine app("Simulates the robot in real time; its cards are register models in shared memory.",
+                         "simulated_robot");
   nodes::SimulatorOptions options;
   nodes::declareSimulator(app, "name of the shared memory", options);
   return nodes::runProgram(app, argc, argv, [&] { return simulate(options); });

@@ -9,22 +9,19 @@
 
 namespace knee_robot::nodes {
 
-void declareSimulator(CLI::App& app, const std::string& shm, SimulatorOptions& options) {
-  app.add_option("--robot", options.robot, "robot file (YAML)")->required();
-  app.add_option("--simulation", options.simulation, "simulation file (YAML): friction, holding brakes, start")
-      ->required();
-  app.add_option("--shm", options.shm, shm)->capture_default_str();
-  app.add_option("--duration", options.duration_s, "simulated time after which it ends, s; 0: at SIGINT or SIGTERM")
-      ->capture_default_str();
-  app.add_option("--priority", options.priority, "SCHED_FIFO priority; 0: none")
-      ->check(CLI::Range(0, 98))
-      ->capture_default_str();
-  app.add_option("--truth-rows", options.truth_rows,
-                 "number of simulation steps to keep in shared memory NAME_truth, for fault campaigns; 0: "
-                 "none")
-      ->check(CLI::Range(std::uint64_t{0}, std::uint64_t{1000000}))
-      ->capture_default_str();
-  app.allow_extras();  // roslaunch appends __name:= and __log:=
+void declareSimulator(CommandLine& app, const std::string& shm, SimulatorOptions& options) {
+  app.option("--robot", options.robot, "robot file (YAML)").required();
+  app.option("--simulation", options.simulation, "simulation file (YAML): friction, holding brakes, start").required();
+  app.option("--shm", options.shm, shm).showDefault();
+  app.option("--duration", options.duration_s, "simulated time after which it ends, s; 0: at SIGINT or SIGTERM")
+      .showDefault();
+  app.option("--priority", options.priority, "SCHED_FIFO priority; 0: none").within(0, 98).showDefault();
+  app.option("--truth-rows", options.truth_rows,
+             "number of simulation steps to keep in shared memory NAME_truth, for fault campaigns; 0: "
+             "none")
+      .within(std::uint64_t{0}, std::uint64_t{1000000})
+      .showDefault();
+  app.allowExtras();  // roslaunch appends __name:= and __log:=
 }
 
 void askForPriority(const std::string& program, int priority) {

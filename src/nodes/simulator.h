@@ -1,8 +1,9 @@
 #pragma once
 
-#include <CLI/CLI.hpp>
 #include <cstdint>
 #include <string>
+
+#include "command_line.h"
 
 namespace knee_robot::nodes {
 
@@ -15,7 +16,7 @@ struct SimulatorOptions {
 };
 
 /// `shm`: what the shared memory is for, as --help says it.
-void declareSimulator(CLI::App& app, const std::string& shm, SimulatorOptions& options);
+void declareSimulator(CommandLine& app, const std::string& shm, SimulatorOptions& options);
 
 /// A real-time priority and locked memory are asked for, never needed: the robot is late without them, and says so.
 void askForPriority(const std::string& program, int priority);

@@ -29,29 +29,29 @@ struct Arguments {
   tracing::TraceOptions options;
 };
 
-void declare(CLI::App& app, Arguments& a) {
-  app.add_option("--robot", a.robot, "robot file")->required();
-  app.add_option("--train", a.train, "training recordings: their residual is traced, and every choice is made on them")
-      ->required();
-  app.add_option("--validate", a.validate,
-                 "recordings on which the finished model is checked; they take no part in any choice");
-  app.add_option("--output", a.output, "folder for model.yaml, report.json, report.html and predictions")->required();
-  app.add_option("--model", a.model,
-                 "model of identify or trace to start from, used with its own cut-off: \"before\" is this "
-                 "model as it is; its effects are tried again first, then only what it lacks is searched "
-                 "for");
-  app.add_option("--max-effects,--most", a.options.most_effects,
-                 "largest number of effects to add (6); the same effect on several actuators counts once; "
-                 "0: the baseline model only")
-      ->check(CLI::Range(0, 20));
-  app.add_option("--seed", a.options.seed, "random seed for surrogate recordings and bootstrap (1)");
-  app.add_option("--cutoff-hz", a.cutoff_hz,
-                 "cut-off of the zero-phase low-pass filter of regressor and force (default: chosen from "
-                 "the reference of the training recordings, as identify does)")
-      ->check(CLI::Range(1e-6, 1e6));
-  app.add_option("--moving-m-per-s", a.options.observation.moving_m_per_s,
-                 "an axis counts as moving above this speed (0.0015)")
-      ->check(CLI::Range(0.0, 10.0));
+void declare(nodes::CommandLine& app, Arguments& a) {
+  app.option("--robot", a.robot, "robot file").required();
+  app.option("--train", a.train, "training recordings: their residual is traced, and every choice is made on them")
+      .required();
+  app.option("--validate", a.validate,
+             "recordings on which the finished model is checked; they take no part in any choice");
+  app.option("--output", a.output, "folder for model.yaml, report.json, report.html and predictions").required();
+  app.option("--model", a.model,
+             "model of identify or trace to start from, used with its own cut-off: \"before\" is this "
+             "model as it is; its effects are tried again first, then only what it lacks is searched "
+             "for");
+  app.option("--max-effects,--most", a.options.most_effects,
+             "largest number of effects to add (6); the same effect on several actuators counts once; "
+             "0: the baseline model only")
+      .within(0, 20);
+  app.option("--seed", a.options.seed, "random seed for surrogate recordings and bootstrap (1)");
+  app.option("--cutoff-hz", a.cutoff_hz,
+             "cut-off of the zero-phase low-pass filter of regressor and force (default: chosen from "
+             "the reference of the training recordings, as identify does)")
+      .within(1e-6, 1e6);
+  app.option("--moving-m-per-s", a.options.observation.moving_m_per_s,
+             "an axis counts as moving above this speed (0.0015)")
+      .within(0.0, 10.0);
 }
 
 constexpr double kLongestPause_s =
@@ -290,7 +290,8 @@ int run(const Arguments& a, const std::string& command_line) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  CLI::App app("Traces the residual of the rigid model with friction to the effects that the model lacks.", "trace");
+  nodes::CommandLine app("Traces the residual of the rigid model with friction to the effects that the model lacks.",
+                         "trace");
   Arguments arguments;
   declare(app, arguments);
   return nodes::runProgram(app, argc, argv, [&] { return run(arguments, nodes::commandLine("trace", argc, argv)); });

@@ -218,26 +218,24 @@ int writeReference(const Arguments& a, const mechanism::Robot& robot) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  CLI::App app(
+  nodes::CommandLine app(
       "Proposes gains for the Drivers from a recording of quick moves, and shows the margin of present and proposed "
       "gains over "
       "all poses. First: --write-reference FILE, play and record it.",
       "tune_pid");
   Arguments a;
-  app.add_option("RECORDING", a.recording, "recording of quick moves, one axis after the other");
-  app.add_option("--robot", a.robot, "robot file")->required();
-  app.add_option("--deployment", a.deployment, "deployment file with the present gains");
-  app.add_option("--hardware", a.hardware, "hardware file");
-  app.add_option("--payload-kg", a.payload_kg, "heaviest load on the platform for which the margins have to hold (0)")
-      ->check(CLI::Range(0.0, 200.0));
-  app.add_option("--movement", a.movements,
-                 "reference files whose poses count; default: all poses no nearer to a singularity than "
-                 "the recording");
-  app.add_option("--output", a.output, "folder for report.html, report.json and gains.yaml");
-  app.add_option("--write-reference", a.reference,
-                 "only write a reference file of quick moves, to be played and recorded");
-  app.add_option("--amplitude-m", a.amplitude_m, "amplitude of the moves of --write-reference (0.0015)")
-      ->check(CLI::Range(1e-4, 0.05));
+  app.option("RECORDING", a.recording, "recording of quick moves, one axis after the other");
+  app.option("--robot", a.robot, "robot file").required();
+  app.option("--deployment", a.deployment, "deployment file with the present gains");
+  app.option("--hardware", a.hardware, "hardware file");
+  app.option("--payload-kg", a.payload_kg, "heaviest load on the platform for which the margins have to hold (0)")
+      .within(0.0, 200.0);
+  app.option("--movement", a.movements,
+             "reference files whose poses count; default: all poses no nearer to a singularity than "
+             "the recording");
+  app.option("--output", a.output, "folder for report.html, report.json and gains.yaml");
+  app.option("--write-reference", a.reference, "only write a reference file of quick moves, to be played and recorded");
+  app.option("--amplitude-m", a.amplitude_m, "amplitude of the moves of --write-reference (0.0015)").within(1e-4, 0.05);
   return nodes::runProgram(app, argc, argv, [&] {
     const mechanism::Robot robot = mechanism::loadRobot(a.robot);
     if (!a.reference.empty()) return writeReference(a, robot);

@@ -19,42 +19,39 @@ struct Arguments {
   simulation::VirtualRecorder recorder;
 };
 
-void declare(CLI::App& app, Arguments& a) {
-  const auto amount = CLI::Range(0.0, 1e5);
-  app.add_option("FILE", a.file, "reference file")->required();
-  app.add_option("--robot", a.robot, "robot file (YAML) with a URDF")->required();
-  app.add_option("-o,--output", a.output, "recording to write (CSV); must not exist")->required();
-  app.add_option("--space", a.space, "what the columns are, when the file's header does not say it")
-      ->check(CLI::IsMember({"actuator", "platform", "relative"}));
-  app.add_option("--actuator-friction", a.actuator, "viscous (N s/m) and Coulomb (N) friction of each actuator (0 0)")
-      ->expected(2)
-      ->check(amount);
-  app.add_option("--passive-friction", a.passive,
-                 "viscous (N m s/rad) and Coulomb (N m) friction of each of the legs' seven passive joints of eq. (23) "
-                 "(0 0)")
-      ->expected(2)
-      ->check(amount);
-  app.add_option("--spherical-friction", a.spherical,
-                 "viscous (N m s/rad) and Coulomb (N m) friction of each spherical joint, which the paper's model does "
-                 "not have (0 0)")
-      ->expected(2)
-      ->check(amount);
-  app.add_option(
+void declare(nodes::CommandLine& app, Arguments& a) {
+  app.option("FILE", a.file, "reference file").required();
+  app.option("--robot", a.robot, "robot file (YAML) with a URDF").required();
+  app.option("-o,--output", a.output, "recording to write (CSV); must not exist").required();
+  app.option("--space", a.space, "what the columns are, when the file's header does not say it")
+      .oneOf({"actuator", "platform", "relative"});
+  app.option("--actuator-friction", a.actuator, "viscous (N s/m) and Coulomb (N) friction of each actuator (0 0)")
+      .values(2)
+      .within(0.0, 1e5);
+  app.option("--passive-friction", a.passive,
+             "viscous (N m s/rad) and Coulomb (N m) friction of each of the legs' seven passive joints of eq. (23) "
+             "(0 0)")
+      .values(2)
+      .within(0.0, 1e5);
+  app.option("--spherical-friction", a.spherical,
+             "viscous (N m s/rad) and Coulomb (N m) friction of each spherical joint, which the paper's model does "
+             "not have (0 0)")
+      .values(2)
+      .within(0.0, 1e5);
+  app.option(
          "--presliding", a.presliding,
          "displacement (m for actuators, rad for passive joints) over which Coulomb friction reverses; 0 0: at once")
-      ->expected(2)
-      ->check(CLI::Range(0.0, 1.0));
-  app.add_option("--rotor-mass", a.rotor_mass_kg, "rotor and screw inertia reflected to each actuator, kg")
-      ->check(amount)
-      ->capture_default_str();
-  app.add_option("--noise", a.recorder.force_noise_N, "standard deviation of each recorded force's noise, N")
-      ->check(amount)
-      ->capture_default_str();
-  app.add_option("--seed", a.recorder.seed, "random seed of the noise")->capture_default_str();
-  app.add_option("--period", a.recorder.period_s, "time between rows, s")
-      ->check(CLI::Range(1e-4, 0.1))
-      ->capture_default_str();
-  app.add_flag("--exact-encoders", a.recorder.exact_encoders, "record positions as they are, not as whole counts");
+      .values(2)
+      .within(0.0, 1.0);
+  app.option("--rotor-mass", a.rotor_mass_kg, "rotor and screw inertia reflected to each actuator, kg")
+      .within(0.0, 1e5)
+      .showDefault();
+  app.option("--noise", a.recorder.force_noise_N, "standard deviation of each recorded force's noise, N")
+      .within(0.0, 1e5)
+      .showDefault();
+  app.option("--seed", a.recorder.seed, "random seed of the noise").showDefault();
+  app.option("--period", a.recorder.period_s, "time between rows, s").within(1e-4, 0.1).showDefault();
+  app.flag("--exact-encoders", a.recorder.exact_encoders, "record positions as they are, not as whole counts");
 }
 
 /// "VISCOUS COULOMB" after an option.
@@ -97,7 +94,7 @@ int run(const Arguments& a) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  CLI::App app(
+  nodes::CommandLine app(
       "Moves a virtual plant (Simbody, independent of this project's model) exactly along a reference and records the "
       "forces of its actuators.",
       "virtual_plant");

@@ -207,13 +207,13 @@ std::string draw(const mechanism::Robot& robot) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  CLI::App app("Draws where a robot can go, and the paper's exercises in it (SVG).", "workspace_map");
+  nodes::CommandLine app("Draws where a robot can go, and the paper's exercises in it (SVG).", "workspace_map");
   std::string robot_file, output;
   double spherical_deg = 0.0;
-  app.add_option("--robot", robot_file, "robot file")->required();
-  app.add_option("-o,--output", output, "SVG to write")->required();
-  app.add_option("--spherical-deg", spherical_deg, "limit of the spherical joints instead of the robot file's")
-      ->check(CLI::Range(1.0, 180.0));
+  app.option("--robot", robot_file, "robot file").required();
+  app.option("-o,--output", output, "SVG to write").required();
+  app.option("--spherical-deg", spherical_deg, "limit of the spherical joints instead of the robot file's")
+      .within(1.0, 180.0);
   return nodes::runProgram(app, argc, argv, [&] {
     mechanism::Robot robot = mechanism::loadRobot(robot_file);
     if (!robot.mechanism) throw InputError(robot_file + ": a bench of axes has no workspace to draw");

@@ -19,9 +19,9 @@ struct Outcome {
 };
 
 Outcome runWith(std::vector<const char*> arguments, const std::function<int()>& body) {
-  CLI::App app("does something", "thing");
+  CommandLine app("does something", "thing");
   int number = 0;
-  app.add_option("--number", number)->required();
+  app.option("--number", number, "how many").required();
   arguments.insert(arguments.begin(), "thing");
   Outcome outcome;
   ::testing::internal::CaptureStdout();
