@@ -1,6 +1,7 @@
 # Precompiled headers: reading Eigen, gtest or ROS costs about a second a source file, which is half of what most files take.
-# Three of them, shared by every target that is compiled with the same flags:
+# Four of them, shared by every target that is compiled with the same flags:
 #   knee_precompiled_room      Eigen, without what mechanism/decompositions compiles once, for the rooms' libraries (position independent)
+#   knee_precompiled_fast_room the same for those that are optimized more
 #   knee_precompiled_program   ROS and Eigen, for src/nodes
 #   knee_precompiled_test      gtest and Eigen, for the tests
 # -DKNEE_PRECOMPILED=OFF shows the includes that a source forgot.
@@ -26,7 +27,11 @@ function(knee_use_precompiled target kind)
   endif()
 endfunction()
 
+set(knee_fast $<$<CONFIG:Release>:-O3>)
 if(KNEE_PRECOMPILED)
-  knee_precompiled(room POSITION_INDEPENDENT LIBRARIES Eigen3::Eigen HEADERS <Eigen/Dense>
-    ${PROJECT_SOURCE_DIR}/include/knee_robot/mechanism/decompositions.h)
+  foreach(kind room fast_room)
+    knee_precompiled(${kind} POSITION_INDEPENDENT LIBRARIES Eigen3::Eigen HEADERS <Eigen/Dense>
+      ${PROJECT_SOURCE_DIR}/include/knee_robot/mechanism/decompositions.h)
+  endforeach()
+  target_compile_options(knee_precompiled_fast_room PRIVATE ${knee_fast})
 endif()
