@@ -7,6 +7,7 @@
 #include "knee_robot/dynamics/chain_regressor.h"
 #include "knee_robot/dynamics/regressor.h"
 #include "knee_robot/mechanism/kinematics.h"
+#include "knee_robot/tracing/place_age.h"
 
 namespace knee_robot::tracing {
 namespace {
@@ -116,12 +117,14 @@ EffectInput effectInput(const mechanism::Robot& robot, const identification::Obs
   in.share.resize(o.samples(), o.axes());
   in.since_reversal_m.resize(o.samples(), o.axes());
   in.since_reversal_s.resize(o.samples(), o.axes());
+  in.place_age_s.resize(o.samples(), o.axes());
   for (int i = 0; i < o.axes(); ++i) {
     const std::size_t axis = static_cast<std::size_t>(i);
     const identification::SlidingPath& path = o.sliding[axis];
     for (int n = 0; n < o.samples(); ++n)
       in.friction_position_m(n, i) = path.position[n * identification::SlidingPath::kSubsteps];
     in.share.col(i) = identification::frictionShare(path, laws[axis]);
+    in.place_age_s.col(i) = placeAge(in.friction_position_m.col(i), o.signals.period_s);
     setSinceReversal(in, i, kTurnCounts * robot.actuators[axis].metresPerCount());
   }
   if (robot.mechanism) {

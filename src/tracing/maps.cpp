@@ -148,6 +148,9 @@ void addOwnSignals(std::vector<MapSignal>& all) {
   all.push_back({"velocity_#_m_per_s", velocity});
   all.push_back({"distance_since_reversal_#_m", way, MapFactor::Direction, false, true});
   all.push_back({"time_since_reversal_#_s", since, MapFactor::Direction, false, true});
+  const auto age = [](const EffectInput& in, int i) -> Eigen::VectorXd { return in.place_age_s.col(i); };
+  all.push_back({"age_of_place_#_s", age, MapFactor::Direction, false, true});
+  all.push_back({"age_of_place_#_s", age, MapFactor::Velocity, false, true});
   for (const MapFactor factor : {MapFactor::One, MapFactor::Direction, MapFactor::Velocity}) {
     all.push_back({"load_#_N", load, factor, true});
     all.push_back({"time_s", time, factor});

@@ -92,7 +92,8 @@ std::vector<double> shapeOf(const Machine& m, const Candidate& candidate) {
 }
 
 bool isLeftOut(const Candidate& c) {
-  return kLeftOut.count(c.name()) > 0 || (c.dependsOn(kActuator) + "_").rfind("time_s_", 0) == 0;
+  const std::string signal = c.dependsOn(kActuator) + "_";
+  return kLeftOut.count(c.name()) > 0 || signal.rfind("time_s_", 0) == 0 || signal.rfind("age_of_place_", 0) == 0;
 }
 
 /// Columns of the law along a recording, sample by sample.

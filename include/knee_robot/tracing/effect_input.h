@@ -23,6 +23,7 @@ struct EffectInput {
   Eigen::VectorXd moved_kg;  ///< per actuator: what its screw moves, without the rotor (mean over the recording)
   Eigen::MatrixXd since_reversal_m;  ///< distance from the last turning point, never negative
   Eigen::MatrixXd since_reversal_s;  ///< time since it was left
+  Eigen::MatrixXd place_age_s;       ///< see placeAge
   std::vector<mechanism::Matrix4>
       force_per_pose_force;  ///< J^-T per sample: actuator forces that balance a pose force; bench: empty
   std::vector<mechanism::Matrix3> rotation;               ///< of the platform, per sample; bench: empty

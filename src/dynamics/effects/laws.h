@@ -29,7 +29,7 @@ Law dashpotLaw(const Shape& shape);
 Law asymmetricDashpotLaw(const Shape& shape);
 Law platformJointFrictionLaw(const Shape& shape);
 Law loadRippleLaw(const Shape& shape);
-/// Null when there is no such signal, or it means nothing while a robot runs on (time since a recording began).
+/// Null when there is no such signal, or it belongs to a recording (the time in it, or since a place was passed in it).
 Law mapLaw(const std::string& depends_on, const Shape& knots);
 
 }  // namespace knee_robot::dynamics
