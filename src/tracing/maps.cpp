@@ -27,6 +27,7 @@ struct MapSignal {
   MapFactor factor = MapFactor::One;
   bool rests_on_model = false;
   bool history = false;  ///< what has passed since something: what it does, it does soon
+  std::string words;     ///< what its name does not say
 };
 
 /// Piecewise linear function of one signal, times its factor: hat functions on knots at equal shares of the training
@@ -42,7 +43,8 @@ class Map : public Candidate {
   std::string sentence() const override {
     const char* const what[] = {"force", "dry friction", "viscous friction"};
     return std::string("No named effect fits; the ") + what[static_cast<int>(signal_.factor)] +
-           " depends smoothly on " + signal_.name + ".";
+           " depends smoothly on " +
+           (signal_.words.empty() ? signal_.name : signal_.words + " (" + signal_.name + ")") + ".";
   }
   bool worksOnBench() const override { return true; }
   bool isForceField() const override {
@@ -149,8 +151,8 @@ void addOwnSignals(std::vector<MapSignal>& all) {
   all.push_back({"distance_since_reversal_#_m", way, MapFactor::Direction, false, true});
   all.push_back({"time_since_reversal_#_s", since, MapFactor::Direction, false, true});
   const auto age = [](const EffectInput& in, int i) -> Eigen::VectorXd { return in.place_age_s.col(i); };
-  all.push_back({"age_of_place_#_s", age, MapFactor::Direction, false, true});
-  all.push_back({"age_of_place_#_s", age, MapFactor::Velocity, false, true});
+  for (const MapFactor factor : {MapFactor::Direction, MapFactor::Velocity})
+    all.push_back({"age_of_place_#_s", age, factor, false, true, "how long ago the actuator was last at its place"});
   for (const MapFactor factor : {MapFactor::One, MapFactor::Direction, MapFactor::Velocity}) {
     all.push_back({"load_#_N", load, factor, true});
     all.push_back({"time_s", time, factor});
