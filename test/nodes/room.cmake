@@ -1,3 +1,4 @@
+target_include_directories(nodes_tests SYSTEM PRIVATE ${rosbag_storage_INCLUDE_DIRS})
 target_link_libraries(nodes_tests knee_bag_import)
 knee_runs_programs(nodes baseline_of_programs_test identify trace)
 knee_runs_programs(nodes tune_pid_test tune_pid check_reference simulate)

@@ -14,7 +14,7 @@ constexpr double kCutoffTestRate = 100.0;
 
 /// Two actuators; position = reference + white noise of the given size (m).
 UniformMotion noisy(const Eigen::MatrixXd& reference, double noise_m, unsigned seed) {
-  UniformMotion motion{kCutoffTestRate, reference, reference};
+  UniformMotion motion{kCutoffTestRate, reference, reference, {}};
   std::mt19937 random(seed);
   std::normal_distribution<double> normal(0.0, noise_m);
   for (double& value : motion.position_m.reshaped())

@@ -42,6 +42,18 @@ TEST(PlaceAge, StaysWhatItWasWhileTheActuatorRests) {
   EXPECT_EQ(age.tail(1000).minCoeff(), age.tail(1000).maxCoeff());
 }
 
+TEST(PlaceAge, StaysWhatItWasWhileAnEncoderFlickersOnTheBorderOfTwoPlaces) {
+  Eigen::VectorXd position(2000);
+  position.head(1000) = thereAndBack(1);
+  const double border_m = position.minCoeff() + 0.020;
+  for (Eigen::Index n = 1000; n < 2000; ++n)  // goes there from the end of the first way, and rests
+    position[n] = n < 1200 ? position[999] + (border_m - position[999]) * static_cast<double>(n - 999) / 201.0
+                           : border_m + (n % 2 == 0 ? 5e-6 : -5e-6);
+  const Eigen::VectorXd age = placeAge(position, kPeriod_s);
+  EXPECT_EQ(age.tail(790).minCoeff(), age.tail(790).maxCoeff());
+  EXPECT_NEAR(age[1500], 2.9, 0.1);  // passed at 9 s on the way back, come to at 12 s, but for the width of the place
+}
+
 TEST(PlaceAge, CountsPlacesThatAFastAxisPassesBetweenTwoSamples) {
   Eigen::VectorXd position(4);
   position << 0.500, 0.540, 0.580, 0.520;  // 0.520 was passed when it went to 0.540
