@@ -209,7 +209,7 @@ class Rig:
             await browser.fetch_token()
             yield browser
 
-    async def talk(self, data, seconds=5.0, local="127.0.0.1"):
+    async def talk(self, data, seconds=30.0, local="127.0.0.1"):
         """Bytes as they are, from the address `local`; what comes back until the server closes."""
         reader, writer = await asyncio.open_connection("127.0.0.1", self.port, local_addr=(local, 0))
         try:
