@@ -137,21 +137,33 @@ ActingEffects::ActingEffects(const Model& model, const mechanism::Robot& robot) 
 /// A point is left where the way from it is more than this share of what counts as a way back.
 constexpr double kLeft = 0.25;
 
+void ReversalTracker::turn() noexcept {
+  if (size_ == kMostTurns) {
+    std::copy(turns_.begin() + 1, turns_.end(), turns_.begin());
+    --size_;
+  }
+  turns_[size_++] = extreme_;
+  since_turn_s_ = since_extreme_s_;
+  direction_ = -direction_;
+  extreme_ = at_;
+  since_extreme_s_ = 0.0;
+}
+
+void ReversalTracker::closeLoops() noexcept {
+  while (size_ >= 3 && direction_ * (at_ - turns_[size_ - 2]) > 0.0)
+    size_ -= 2;
+}
+
 SinceReversal ReversalTracker::step(double displacement_m, double period_s, double turn_m) noexcept {
   at_ += displacement_m;
   since_turn_s_ += period_s;
   since_extreme_s_ += period_s;
-  if (direction_ == 0.0 && std::abs(at_ - turn_) > turn_m) direction_ = at_ > turn_ ? 1.0 : -1.0;
+  if (direction_ == 0.0 && std::abs(at_ - turns_[0]) > turn_m) direction_ = at_ > turns_[0] ? 1.0 : -1.0;
   if (direction_ * (at_ - extreme_) > 0.0 || direction_ == 0.0) extreme_ = at_;
   if (std::abs(extreme_ - at_) <= kLeft * turn_m) since_extreme_s_ = 0.0;
-  if (direction_ * (extreme_ - at_) > turn_m) {
-    turn_ = extreme_;
-    since_turn_s_ = since_extreme_s_;
-    direction_ = -direction_;
-    extreme_ = at_;
-    since_extreme_s_ = 0.0;
-  }
-  return {std::abs(at_ - turn_), since_turn_s_};
+  if (direction_ * (extreme_ - at_) > turn_m) turn();
+  closeLoops();
+  return {std::abs(at_ - turns_[size_ - 1]), since_turn_s_};
 }
 
 void MotionMemory::follow(const mechanism::Vector4& now, double period_s) noexcept {

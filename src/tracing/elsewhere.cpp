@@ -1,6 +1,7 @@
 // What is predicted in other recordings: decided on held-back training data, at positions that were left out.
 
 #include <algorithm>
+#include <iterator>
 
 #include "knee_robot/base/numbers.h"
 #include "knee_robot/base/parallel.h"
@@ -169,6 +170,22 @@ bool helpsElsewhere(Search& s, const BaseFit& baseline) {
   s.attention = own;
   setAttention(*s.data, own);
   return helps.surely();
+}
+
+ElsewhereFit fitElsewhere(Search& s, bool keep_laws) {
+  const std::vector<FoundEffect> all = s.effects;
+  const auto transfers = [](const FoundEffect& e) { return e.transfers; };
+  const auto stays = [](const FoundEffect& e) { return e.transfers || e.hypothesis.place.candidate->local(); };
+  s.effects.erase(std::stable_partition(s.effects.begin(), s.effects.end(), stays), s.effects.end());
+  refit(s);
+  if (s.effects.size() < all.size() && !keep_laws) rebase(s);
+  ElsewhereFit out;
+  std::copy_if(s.effects.begin(), s.effects.end(), std::back_inserter(out.effects), transfers);
+  out.parameters = s.base->parametersOf(s.fit.base);
+  out.seen_parameters = s.seen_parameters;
+  s.effects = all;
+  refit(s);
+  return out;
 }
 
 }  // namespace knee_robot::tracing

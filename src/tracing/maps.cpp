@@ -26,8 +26,9 @@ struct MapSignal {
   SignalOf of;
   MapFactor factor = MapFactor::One;
   bool rests_on_model = false;
-  bool history = false;  ///< what has passed since something: what it does, it does soon
-  std::string words;     ///< what its name does not say
+  bool history = false;    ///< what has passed since something: what it does, it does soon
+  std::string words = {};  ///< what its name does not say
+  int other = 0;           ///< of a pair: "@" is the actuator that comes so many after "#", the first after the last
 };
 
 /// Piecewise linear function of one signal, times its factor: hat functions on knots at equal shares of the training
@@ -95,6 +96,9 @@ class Map : public Candidate {
     std::string text = signal_.name;
     const std::size_t at = text.find('#');
     if (at != std::string::npos) text.replace(at, 1, own);
+    const std::size_t other = text.find('@');
+    if (other != std::string::npos)
+      text.replace(other, 1, std::to_string((actuator + signal_.other) % static_cast<int>(knots_.size()) + 1));
     return text + factor[static_cast<int>(signal_.factor)];
   }
 
@@ -103,8 +107,8 @@ class Map : public Candidate {
   std::vector<std::vector<double>> knots_;  ///< per actuator
 };
 
-/// Knots at equal shares of the samples; apart even where the signal rests, those of a history by equal factors. Empty
-/// when the signal hardly varies.
+/// Knots at equal shares of the samples; apart even where the signal rests, those of a history by equal factors; those
+/// of a pair close to zero, where what rubs between the two changes its sign. Empty when the signal hardly varies.
 std::vector<double> knotsOf(const std::vector<EffectInput>& inputs, const MapSignal& signal, int actuator) {
   std::vector<double> values;
   for (const EffectInput& input : inputs) {
@@ -114,6 +118,11 @@ std::vector<double> knotsOf(const std::vector<EffectInput>& inputs, const MapSig
   std::sort(values.begin(), values.end());
   const double low = values[values.size() / 200], high = values[values.size() - 1 - values.size() / 200];
   if (!(high - low > 1e-9)) return {};
+  if (signal.other > 0) {
+    const double largest = std::max(-low, high);
+    return {-largest,       -0.25 * largest, -0.05 * largest, -0.01 * largest,
+            0.01 * largest, 0.05 * largest,  0.25 * largest,  largest};
+  }
   std::vector<double> knots;
   for (int k = 0; k < kKnots; ++k) {
     const double share = static_cast<double>(k) / (kKnots - 1);
@@ -159,6 +168,23 @@ void addOwnSignals(std::vector<MapSignal>& all) {
   }
 }
 
+/// What runs along two legs, a rope or a cable chain, feels the sum of their velocities or the difference.
+void addPairs(std::vector<MapSignal>& all, int axes) {
+  for (int other = 1; other < axes; ++other) {
+    for (const double sign : {1.0, -1.0}) {
+      const auto velocity = [other, sign](const EffectInput& in, int i) -> Eigen::VectorXd {
+        const Eigen::MatrixXd& v = in.signals().velocity_m_per_s;
+        return v.col(i) + sign * v.col((i + other) % in.axes());
+      };
+      MapSignal pair{sign > 0.0 ? "velocity_#_plus_velocity_@_m_per_s" : "velocity_#_minus_velocity_@_m_per_s",
+                     velocity};
+      pair.other = other;
+      pair.words = sign > 0.0 ? "its velocity plus another actuator's" : "its velocity less another actuator's";
+      all.push_back(pair);
+    }
+  }
+}
+
 std::vector<MapSignal> mapSignals(bool bench, int axes) {
   std::vector<MapSignal> all;
   addOwnSignals(all);
@@ -186,6 +212,7 @@ std::vector<MapSignal> mapSignals(bool bench, int axes) {
     };
     all.push_back({"velocity_" + std::to_string(k + 1) + "_m_per_s", velocity});
   }
+  if (!bench) addPairs(all, axes);
   return all;
 }
 

@@ -134,6 +134,17 @@ void abstainElsewhere(Search& search, std::vector<std::string>& notes);
 /// Whether what is predicted elsewhere predicts held-back stretches of other positions surely better than the baseline,
 /// with its own laws near rest, does. False where no effect is predicted elsewhere.
 bool helpsElsewhere(Search& search, const BaseFit& baseline);
+
+/// What is predicted in other recordings.
+struct ElsewhereFit {
+  std::vector<FoundEffect> effects;
+  Eigen::VectorXd parameters, seen_parameters;
+};
+
+/// Fits base and laws near rest without the effects that do not transfer (but for pushes: what they did to training must
+/// not go into the parameters), then all effects again on that base: laws that were chosen beside what is left out are
+/// wrong, too, and a model has one for all. `keep_laws`: those of a given model, of chains.
+ElsewhereFit fitElsewhere(Search& search, bool keep_laws);
 /// Takes out ripples, pushes and thermal drifts that explain less than a noise floor on every actuator, and unnamed
 /// maps below two, but for those that themselves help at held-back positions where the whole surely does (`helps`); and
 /// anything below one that does not help there. Returns how many; the fit is not done anew.

@@ -370,13 +370,14 @@ void Tracing::predictElsewhere() {
   }
   const auto transfers = [&](const FoundEffect& e) { return helps && e.transfers; };
   if (std::all_of(s_.effects.begin(), s_.effects.end(), transfers)) return;
-  TraceResult elsewhere = result_;
+  TraceResult elsewhere;
   if (helps) {
-    s_.effects.erase(std::stable_partition(s_.effects.begin(), s_.effects.end(), transfers), s_.effects.end());
-    refit(s_);
-    elsewhere.effects = s_.effects;
-    elsewhere.parameters = result_.base.parametersOf(s_.fit.base);
-    elsewhere.seen_parameters = s_.seen_parameters;
+    ElsewhereFit fit = fitElsewhere(s_, options_.start || robot_.chain);
+    keepFit();
+    elsewhere = result_;
+    elsewhere.effects = std::move(fit.effects);
+    elsewhere.parameters = fit.parameters;
+    elsewhere.seen_parameters = fit.seen_parameters;
   } else {
     result_.notes.push_back(
         "At held-back positions of the training recordings nothing that was found is surely better than the baseline: "

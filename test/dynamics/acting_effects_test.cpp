@@ -238,6 +238,26 @@ TEST(ReversalTracker, TellsWayAndTimeSinceTheTurningPoint) {
   EXPECT_NEAR(since.time_s, 1.12, 1e-12);
 }
 
+TEST(ReversalTracker, ForgetsAWayBackThatTheStrokeHasPassedAgain) {
+  ReversalTracker path;
+  const auto move = [&](double step_m, int times) {
+    double way_m = 0.0;
+    for (int k = 0; k < times; ++k)
+      way_m = path.step(step_m, 0.01, 1e-5).way_m;
+    return way_m;
+  };
+  move(-1e-4, 20);
+  EXPECT_NEAR(move(1e-4, 50), 5e-3, 1e-12);
+  EXPECT_NEAR(move(-1e-4, 10), 1e-3, 1e-12) << "on the way back";
+  EXPECT_NEAR(move(1e-4, 4), 4e-4, 1e-12) << "and forth again";
+  EXPECT_NEAR(move(-1e-4, 2), 2e-4, 1e-12) << "a loop within the loop";
+  EXPECT_NEAR(move(1e-4, 3), 5e-4, 1e-12) << "which closes";
+  EXPECT_NEAR(move(1e-4, 10), 5.5e-3, 1e-12) << "past the point where it turned back: one stroke of 5.5 mm";
+  for (int k = 0; k < 1000; ++k)  // ever smaller loops, more than are remembered
+    move(k % 2 == 0 ? -1e-4 : 1e-4, k < 100 ? 100 - k : 1);
+  EXPECT_LE(move(1e-4, 1), 11e-3);
+}
+
 TEST(ActingEffects, AllocateNothingWhileTheyRun) {
   const mechanism::Robot robot = robotA();
   const PartedModel model(fake::tracedModelOf(robot, oneOfEach()), robot);

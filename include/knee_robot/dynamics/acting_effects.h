@@ -67,7 +67,13 @@ class ReversalTracker {
   SinceReversal step(double displacement_m, double period_s, double turn_m) noexcept;
 
  private:
-  double at_ = 0.0, turn_ = 0.0, extreme_ = 0.0, direction_ = 0.0;
+  void turn() noexcept;
+  void closeLoops() noexcept;
+
+  static constexpr std::size_t kMostTurns = 32;  ///< of loops within loops; the oldest is forgotten
+  std::array<double, kMostTurns> turns_{};       ///< the first: where the path began
+  std::size_t size_ = 1;
+  double at_ = 0.0, extreme_ = 0.0, direction_ = 0.0;
   double since_turn_s_ = 0.0, since_extreme_s_ = 0.0;
 };
 

@@ -9,10 +9,13 @@
 
 namespace knee_robot::dynamics {
 
-/// What has passed since a path turned last, or since it began.
+/// What has passed since a path turned, or since it began.
 struct SinceReversal {
-  double way_m = 0.0;   ///< distance from the turning point, never negative
-  double time_s = 0.0;  ///< since it was left
+  /// Distance from the turning point where this stroke began, never negative. A way back within the stroke is
+  /// forgotten as soon as the path passes the point where it had turned back, as hysteresis forgets closed loops
+  /// (Madelung's rules): a controller that trembles at rest begins no stroke.
+  double way_m = 0.0;
+  double time_s = 0.0;  ///< since the path turned last
 };
 
 /// What the law of an effect may look at: one instant of a motion, and one actuator of it.

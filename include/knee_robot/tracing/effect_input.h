@@ -21,8 +21,8 @@ struct EffectInput {
   Eigen::VectorXd ahead_s;   ///< per actuator, by which the current model's command runs ahead of it
   Eigen::VectorXd coulomb_N, viscous, rotor_kg;  ///< per actuator, of the current model
   Eigen::VectorXd moved_kg;  ///< per actuator: what its screw moves, without the rotor (mean over the recording)
-  Eigen::MatrixXd since_reversal_m;  ///< distance from the last turning point, never negative
-  Eigen::MatrixXd since_reversal_s;  ///< time since it was left
+  Eigen::MatrixXd since_reversal_m;  ///< see dynamics::SinceReversal
+  Eigen::MatrixXd since_reversal_s;  ///< time since the path turned last
   Eigen::MatrixXd place_age_s;       ///< see placeAge
   std::vector<mechanism::Matrix4>
       force_per_pose_force;  ///< J^-T per sample: actuator forces that balance a pose force; bench: empty

@@ -9,12 +9,14 @@ namespace knee_robot::dynamics {
 namespace {
 
 enum class Factor { One, Direction, Velocity };
-enum class Signal { Position, Velocity, WaySinceReversal, TimeSinceReversal, Load, Pose, LegAngle };
+enum class Signal { Position, Velocity, VelocityPair, WaySinceReversal, TimeSinceReversal, Load, Pose, LegAngle };
 
 struct Source {
   Signal signal = Signal::Position;
   int index = 0;        ///< actuator or leg, or the pose's coordinate
   bool second = false;  ///< of a leg's angles: q2
+  int other = 0;        ///< of a pair: the other actuator,
+  double sign = 1.0;    ///< whose velocity is added or subtracted
   Factor factor = Factor::One;
 };
 
@@ -58,6 +60,13 @@ std::optional<Source> sourceOf(std::string text) {
       is("time_since_reversal_", "_s", Signal::TimeSinceReversal) || is("load_", "_N", Signal::Load) ||
       is("leg_", "_angle_q1_rad", Signal::LegAngle) || is("leg_", "_angle_q2_rad", Signal::LegAngle, true))
     return s;
+  for (s.other = 0; s.other < mechanism::kLegs; ++s.other) {
+    const std::string end = "_velocity_" + std::to_string(s.other + 1) + "_m_per_s";
+    s.sign = 1.0;
+    if (is("velocity_", ("_plus" + end).c_str(), Signal::VelocityPair)) return s;
+    s.sign = -1.0;
+    if (is("velocity_", ("_minus" + end).c_str(), Signal::VelocityPair)) return s;
+  }
   return std::nullopt;
 }
 
@@ -69,7 +78,8 @@ class Map : public EffectLaw {
     std::copy(knots.begin(), knots.end(), knots_.begin());
   }
   EffectPart part() const noexcept override {
-    const bool carried = source_.factor == Factor::One && source_.signal != Signal::Velocity;
+    const bool carried =
+        source_.factor == Factor::One && source_.signal != Signal::Velocity && source_.signal != Signal::VelocityPair;
     return carried ? EffectPart::Carried : EffectPart::Friction;
   }
   int coefficients() const noexcept override { return count_; }
@@ -95,6 +105,8 @@ class Map : public EffectLaw {
         return at.position_m[source_.index];
       case Signal::Velocity:
         return at.velocity_m_per_s[source_.index];
+      case Signal::VelocityPair:
+        return at.velocity_m_per_s[source_.index] + source_.sign * at.velocity_m_per_s[source_.other];
       case Signal::WaySinceReversal:
         return at.since_reversal.way_m;
       case Signal::TimeSinceReversal:
