@@ -354,8 +354,7 @@ void Tracing::keepFit() {
   result_.floor_source = s_.floor.source;
 }
 
-/// Friction that was fitted beside an effect is wrong where that is left out. Where nothing surely helps, the baseline
-/// is predicted.
+/// Friction that was fitted beside an effect is wrong without it. Where nothing surely helps, the baseline is predicted.
 void Tracing::predictElsewhere() {
   if (s_.effects.empty()) return;
   const bool helps = options_.start || robot_.chain || helpsElsewhere(s_, result_.baseline);
