@@ -150,8 +150,10 @@ void ReversalTracker::turn() noexcept {
 }
 
 void ReversalTracker::closeLoops() noexcept {
-  while (size_ >= 3 && direction_ * (at_ - turns_[size_ - 2]) > 0.0)
-    size_ -= 2;
+  while (size_ >= 2 && direction_ * (at_ - turns_[size_ - 2]) > 0.0) {
+    if (size_ == 2) turns_[0] = turns_[1];  // nothing older: this stroke is the longest so far
+    size_ = size_ == 2 ? 1 : size_ - 2;
+  }
 }
 
 SinceReversal ReversalTracker::step(double displacement_m, double period_s, double turn_m) noexcept {

@@ -145,6 +145,7 @@ struct ElsewhereFit {
 /// not go into the parameters), then all effects again on that base: laws that were chosen beside what is left out are
 /// wrong, too, and a model has one for all. `keep_laws`: those of a given model, of chains.
 ElsewhereFit fitElsewhere(Search& search, bool keep_laws);
+
 /// Takes out ripples, pushes and thermal drifts that explain less than a noise floor on every actuator, and unnamed
 /// maps below two, but for those that themselves help at held-back positions where the whole surely does (`helps`); and
 /// anything below one that does not help there. Returns how many; the fit is not done anew.

@@ -258,6 +258,20 @@ TEST(ReversalTracker, ForgetsAWayBackThatTheStrokeHasPassedAgain) {
   EXPECT_LE(move(1e-4, 1), 11e-3);
 }
 
+TEST(ReversalTracker, MeasuresStrokesThatGrowFromWhereEachBegan) {
+  ReversalTracker path;
+  double way_m = 0.0;
+  const auto move = [&](double step_m, int times) {
+    for (int k = 0; k < times; ++k)
+      way_m = path.step(step_m, 0.01, 1e-5).way_m;
+    return way_m;
+  };
+  for (int amplitude = 1; amplitude < 60; ++amplitude) {  // 0.1 mm more each time, to either side of where it began
+    move(amplitude % 2 == 0 ? -1e-4 : 1e-4, 2 * amplitude - 1);
+    EXPECT_NEAR(way_m, 1e-4 * (2 * amplitude - 1), 1e-9) << amplitude;
+  }
+}
+
 TEST(ActingEffects, AllocateNothingWhileTheyRun) {
   const mechanism::Robot robot = robotA();
   const PartedModel model(fake::tracedModelOf(robot, oneOfEach()), robot);
