@@ -87,7 +87,10 @@ std::string whyNotInstantly(const std::string& name) {
     return "it moves the load apart from the motor, which only the whole recording shows";
   if (name == "gain_drift") return "how warm the motors are is not known to the controller";
   if (name == "nonlinear_spring") return "its curve is known between the lengths of training only";
-  if (name == "unnamed") return "its signal belongs to a recording: the time in it, or since a place was passed in it";
+  if (name == "unnamed")
+    return "its signal is no state of the motion: time in a recording, or since a place was passed, or what a drive "
+           "has "
+           "to give";
   return "";
 }
 

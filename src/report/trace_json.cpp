@@ -69,9 +69,10 @@ Json dependsJson(const TraceResults& r) {
   for (std::size_t k = 0; k < r.result.effects.size(); ++k) {
     const tracing::FoundEffect& e = r.result.effects[k];
     if (r.model.effects[k].depends_on.empty()) continue;
-    const int i = e.hypothesis.place.actuator;
-    const double share = std::pow(e.explained_rms_N[i] / r.result.before_rms_N[i], 2);
-    list.push_back({{"signal", r.model.effects[k].depends_on}, {"actuator", i + 1}, {"share", share}});
+    for (const int actuator : r.model.effects[k].actuators) {
+      const double share = std::pow(e.explained_rms_N[actuator - 1] / r.result.before_rms_N[actuator - 1], 2);
+      list.push_back({{"signal", r.model.effects[k].depends_on}, {"actuator", actuator}, {"share", share}});
+    }
   }
   return list;
 }

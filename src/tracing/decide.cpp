@@ -158,7 +158,7 @@ void simplify(Search& s) {
 void replaceMaps(Search& s) {
   for (std::size_t k = 0; k < s.effects.size(); ++k) {
     const Place map = s.effects[k].hypothesis.place;
-    if (map.candidate->name() != "unnamed") continue;
+    if (!map.candidate->isMap() || map.candidate->shared()) continue;
     const std::vector<Hypothesis> all = hypothesesOf(s.effects);
     const Eigen::VectorXd with = problemOf(s, all).heldBack();
     for (const Hypothesis& other : all) {

@@ -137,7 +137,7 @@ EffectInput effectInput(const mechanism::Robot& robot, const identification::Obs
 }
 
 void setForces(EffectInput& in, const std::vector<identification::Column>& columns, const Eigen::VectorXd& parameters,
-               const Eigen::MatrixXd& effects_N, const Eigen::MatrixXd& lead_N) {
+               const Eigen::MatrixXd& effects_N, const Eigen::MatrixXd& drive_N) {
   Eigen::VectorXd carried = parameters;
   for (std::size_t c = 0; c < columns.size(); ++c) {
     if (columns[c].isFriction()) carried[static_cast<Eigen::Index>(c)] = 0.0;
@@ -151,7 +151,7 @@ void setForces(EffectInput& in, const std::vector<identification::Column>& colum
   }
   if (effects_N.size() > 0) in.force_N += effects_N;
   in.needed_N = in.force_N;
-  if (lead_N.size() > 0) in.needed_N -= lead_N;
+  if (drive_N.size() > 0) in.needed_N -= drive_N;
   in.coulomb_N = in.viscous = in.rotor_kg = Eigen::VectorXd::Zero(in.axes());
   for (std::size_t c = 0; c < columns.size(); ++c) {
     const double value = parameters[static_cast<Eigen::Index>(c)] * columns[c].newtons;

@@ -1,15 +1,13 @@
 #include <algorithm>
-#include <cmath>
 #include <functional>
 
-#include "knee_robot/tracing/candidate.h"
+#include "hats.h"
+#include "platform_maps.h"
 
 namespace knee_robot::tracing {
 namespace {
 
-constexpr int kKnots = 8;
-constexpr double kEven = 0.5;  ///< by signal, the rest by number of samples
-constexpr double kHistoryRange = 100.0;
+constexpr double kBothSigns = 0.25;  ///< least share of a signal's range below or above zero for knots close to zero
 
 using SignalOf = std::function<Eigen::VectorXd(const EffectInput&, int actuator)>;
 
@@ -29,6 +27,7 @@ struct MapSignal {
   bool history = false;    ///< what has passed since something: what it does, it does soon
   std::string words = {};  ///< what its name does not say
   int other = 0;           ///< of a pair: "@" is the actuator that comes so many after "#", the first after the last
+  bool of_drive = false;   ///< Candidate::ofDrive
 };
 
 /// Piecewise linear function of one signal, times its factor: hat functions on knots at equal shares of the training
@@ -53,38 +52,18 @@ class Map : public Candidate {
     return signal_.factor == MapFactor::One && (begins("position_") || begins("pose_") || begins("leg_"));
   }
   bool restsOnModel() const override { return signal_.rests_on_model; }
+  bool ofDrive() const override { return signal_.of_drive; }
   bool isFriction() const override { return signal_.factor == MapFactor::Direction; }
-  std::vector<ShapeParameter> shapeParameters() const override {
-    std::vector<ShapeParameter> out;
-    for (int k = 1; k <= kKnots; ++k)
-      out.push_back({"knot_" + std::to_string(k), -1e9, 1e9, true});
-    return out;
-  }
+  std::vector<ShapeParameter> shapeParameters() const override { return knotParameters(); }
   std::vector<std::vector<double>> shapes(const EffectInput&, int actuator) const override {
     return {knots_[static_cast<std::size_t>(actuator)]};
   }
-  std::vector<Coefficient> coefficients(const EffectInput&) const override {
-    std::vector<Coefficient> out;
-    for (int k = 1; k <= kKnots; ++k)
-      out.push_back({"force_at_knot_" + std::to_string(k) + "_N", false});
-    return out;
-  }
+  std::vector<Coefficient> coefficients(const EffectInput&) const override { return knotCoefficients("force", "N"); }
   Eigen::MatrixXd columns(const EffectInput& input, int actuator, const std::vector<double>& knots) const override {
-    const Eigen::VectorXd x = signal_.of(input, actuator);
-    Eigen::MatrixXd out = Eigen::MatrixXd::Zero(x.size(), kKnots);
-    for (Eigen::Index n = 0; n < x.size(); ++n) {
-      const double factor = signal_.factor == MapFactor::One         ? 1.0
-                            : signal_.factor == MapFactor::Direction ? input.share(n, actuator)
-                                                                     : input.signals().velocity_m_per_s(n, actuator);
-      const double at = std::clamp(x[n], knots.front(), knots.back());  // constant beyond what training has seen
-      std::size_t k = 0;
-      while (k + 2 < knots.size() && at > knots[k + 1])
-        ++k;
-      const double part = (at - knots[k]) / (knots[k + 1] - knots[k]);
-      out(n, static_cast<Eigen::Index>(k)) = factor * (1.0 - part);
-      out(n, static_cast<Eigen::Index>(k) + 1) = factor * part;
-    }
-    return out;
+    const Eigen::MatrixXd out = hats(signal_.of(input, actuator), knots);
+    if (signal_.factor == MapFactor::One) return out;
+    const bool dry = signal_.factor == MapFactor::Direction;
+    return (dry ? input.share : input.signals().velocity_m_per_s).col(actuator).asDiagonal() * out;
   }
   int positionOf(int actuator) const override {
     if (signal_.name.rfind("position_", 0) != 0) return -1;
@@ -107,30 +86,19 @@ class Map : public Candidate {
   std::vector<std::vector<double>> knots_;  ///< per actuator
 };
 
-/// Knots at equal shares of the samples; apart even where the signal rests, those of a history by equal factors; those
-/// of a pair close to zero, where what rubs between the two changes its sign. Empty when the signal hardly varies.
+/// Empty when the signal hardly varies.
 std::vector<double> knotsOf(const std::vector<EffectInput>& inputs, const MapSignal& signal, int actuator) {
   std::vector<double> values;
   for (const EffectInput& input : inputs) {
     const Eigen::VectorXd x = signal.of(input, actuator);
     values.insert(values.end(), x.data(), x.data() + x.size());
   }
-  std::sort(values.begin(), values.end());
-  const double low = values[values.size() / 200], high = values[values.size() - 1 - values.size() / 200];
-  if (!(high - low > 1e-9)) return {};
-  if (signal.other > 0) {
-    const double largest = std::max(-low, high);
-    return {-largest,       -0.25 * largest, -0.05 * largest, -0.01 * largest,
-            0.01 * largest, 0.05 * largest,  0.25 * largest,  largest};
-  }
-  std::vector<double> knots;
-  for (int k = 0; k < kKnots; ++k) {
-    const double share = static_cast<double>(k) / (kKnots - 1);
-    const double quantile = values[static_cast<std::size_t>(share * static_cast<double>(values.size() - 1))];
-    const double even = low + share * (signal.history ? std::pow(kHistoryRange, share - 1.0) : 1.0) * (high - low);
-    knots.push_back((1.0 - kEven) * std::clamp(quantile, low, high) + kEven * even);
-  }
-  return knots;
+  const Range range = rangeOf(values);
+  const double largest = std::max(-range.low, range.high);
+  if (!range.varies()) return {};
+  if (signal.other > 0) return knotsAtZero({-largest, largest});
+  if (signal.of_drive && std::min(-range.low, range.high) > kBothSigns * largest) return knotsAtZero(range);
+  return evenKnots(values, range, signal.history);
 }
 
 /// The bearing of the actuator's own leg: angles of its universal (leg 4: revolute) joint.
@@ -168,6 +136,15 @@ void addOwnSignals(std::vector<MapSignal>& all) {
   }
 }
 
+/// What a drive loses or adds by the force that it has to give: dead time of its bridge, a dead zone, saturation.
+void addDrive(std::vector<MapSignal>& all) {
+  const auto needed = [](const EffectInput& in, int i) -> Eigen::VectorXd { return in.needed_N.col(i); };
+  MapSignal drive{"needed_force_#_N", needed};
+  drive.rests_on_model = drive.of_drive = true;
+  drive.words = "the force that its motion needs: the drive gives another one than its command says";
+  all.push_back(drive);
+}
+
 /// What runs along two legs, a rope or a cable chain, feels the sum of their velocities or the difference.
 void addPairs(std::vector<MapSignal>& all, int axes) {
   for (int other = 1; other < axes; ++other) {
@@ -188,6 +165,7 @@ void addPairs(std::vector<MapSignal>& all, int axes) {
 std::vector<MapSignal> mapSignals(bool bench, int axes) {
   std::vector<MapSignal> all;
   addOwnSignals(all);
+  addDrive(all);
   for (const MapFactor factor : {MapFactor::One, MapFactor::Direction, MapFactor::Velocity}) {
     if (bench) {  // independent axes: another one's motion cannot matter
       const auto own = [](const EffectInput& in, int i) -> Eigen::VectorXd { return in.signals().position_m.col(i); };
@@ -228,12 +206,16 @@ CandidateList mapCandidates(const std::vector<EffectInput>& inputs) {
     }
     if (!knots.back().empty()) maps.push_back(std::make_unique<Map>(signal, std::move(knots)));
   }
+  addPlatformMaps(inputs, maps);
   return maps;
 }
 
 std::unique_ptr<Candidate> mapCandidate(const mechanism::Robot& robot, const std::string& depends_on, int actuator,
                                         const std::vector<double>& knots) {
   if (knots.size() != static_cast<std::size_t>(kKnots)) return nullptr;
+  if (robot.mechanism) {
+    if (auto map = platformMap(depends_on, knots)) return map;
+  }
   for (const MapSignal& signal : mapSignals(!robot.mechanism, robot.axes())) {
     std::vector<std::vector<double>> all(static_cast<std::size_t>(robot.axes()), knots);
     auto map = std::make_unique<Map>(signal, std::move(all));

@@ -101,21 +101,21 @@ std::vector<Surrogate> makeSurrogates(const mechanism::Robot& robot,
 
 SurrogateEffects effectForces(const EffectInput& input, const SurrogateModel& model) {
   SurrogateEffects out;
-  out.friction_N = out.load_N = out.lead_N = Eigen::MatrixXd::Zero(input.samples(), input.axes());
+  out.friction_N = out.load_N = out.drive_N = Eigen::MatrixXd::Zero(input.samples(), input.axes());
   for (std::size_t k = 0; k < model.effects.size(); ++k) {
     const Candidate& candidate = *model.effects[k].place.candidate;
-    Eigen::MatrixXd& kind = candidate.isFriction() ? out.friction_N : candidate.leads() ? out.lead_N : out.load_N;
+    Eigen::MatrixXd& kind = candidate.isFriction() ? out.friction_N : candidate.ofDrive() ? out.drive_N : out.load_N;
     for (int i = 0; i < input.axes(); ++i)
       kind.col(i) += effectColumns(input, model.effects[k], i) * model.coefficients[k];
   }
-  out.load_N += out.lead_N;
+  out.load_N += out.drive_N;
   return out;
 }
 
 SurrogateEffects settleForces(EffectInput& input, const std::vector<identification::Column>& columns,
                               const Eigen::VectorXd& seen, const SurrogateModel& model) {
   const auto next = [&](const SurrogateEffects& now) {
-    setForces(input, columns, seen, now.friction_N + now.load_N, now.lead_N);
+    setForces(input, columns, seen, now.friction_N + now.load_N, now.drive_N);
     return effectForces(input, model);
   };
   setForces(input, columns, seen, {});
@@ -131,7 +131,7 @@ SurrogateEffects settleForces(EffectInput& input, const std::vector<identificati
     settled.load_N.col(i) += last * share / (1.0 - share);
   }
   settled = next(settled);  // what changes with time is no series
-  setForces(input, columns, seen, settled.friction_N + settled.load_N, settled.lead_N);
+  setForces(input, columns, seen, settled.friction_N + settled.load_N, settled.drive_N);
   return settled;
 }
 

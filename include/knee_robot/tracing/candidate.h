@@ -46,6 +46,9 @@ class Candidate {
   virtual bool actsFast() const { return false; }
   /// True: the command runs ahead of the force that the motion needs, by its one coefficient, s.
   virtual bool leads() const { return false; }
+  /// True: lies between the command and the force that the motion needs, as what leads does, or what a drive loses. Such
+  /// effects look at the needed force and do not see each other.
+  virtual bool ofDrive() const { return leads(); }
   /// True: goes on in the same way at every position of its actuator.
   virtual bool periodic() const { return false; }
   /// How many by this name may act on one actuator, with different periods (the first shape parameter).

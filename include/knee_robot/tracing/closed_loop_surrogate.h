@@ -38,7 +38,7 @@ SurrogatePlan planSurrogate(const mechanism::Robot& robot, const recording::Reco
 struct SurrogateEffects {
   Eigen::MatrixXd friction_N;  ///< changes sign with the direction of travel
   Eigen::MatrixXd load_N;      ///< all others
-  Eigen::MatrixXd lead_N;      ///< of those what only runs ahead (Candidate::leads)
+  Eigen::MatrixXd drive_N;     ///< of those what lies in the drives (Candidate::ofDrive)
 };
 
 /// Puts the current model into a plan: `parameters` of the baseline, and effects (empty: none). A surrogate without an

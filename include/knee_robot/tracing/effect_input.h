@@ -17,7 +17,7 @@ struct EffectInput {
   Eigen::MatrixXd friction_position_m;  ///< without ways back that the encoder does not tell
   Eigen::MatrixXd load_N;    ///< rigid body, rotor and offset: what the screw carries, without the actuator's friction
   Eigen::MatrixXd force_N;   ///< the whole current model
-  Eigen::MatrixXd needed_N;  ///< the same without what only runs ahead of it (Candidate::leads)
+  Eigen::MatrixXd needed_N;  ///< the same without what lies in the drives (Candidate::ofDrive)
   Eigen::VectorXd ahead_s;   ///< per actuator, by which the current model's command runs ahead of it
   Eigen::VectorXd coulomb_N, viscous, rotor_kg;  ///< per actuator, of the current model
   Eigen::VectorXd moved_kg;  ///< per actuator: what its screw moves, without the rotor (mean over the recording)
@@ -45,8 +45,9 @@ EffectInput effectInput(const mechanism::Robot& robot, const identification::Obs
                         const std::vector<dynamics::FrictionLaw>& laws, int recording, int recordings);
 
 /// Forces of a linear model along the recording. `effects_N` (samples x axes, may be empty) are those of effects found
-/// so far, `lead_N` those of them that only run ahead.
+/// so far, `drive_N` those of them that lie in the drives.
 void setForces(EffectInput& input, const std::vector<identification::Column>& columns,
-               const Eigen::VectorXd& parameters, const Eigen::MatrixXd& effects_N, const Eigen::MatrixXd& lead_N = {});
+               const Eigen::VectorXd& parameters, const Eigen::MatrixXd& effects_N,
+               const Eigen::MatrixXd& drive_N = {});
 
 }  // namespace knee_robot::tracing

@@ -29,7 +29,10 @@ Law dashpotLaw(const Shape& shape);
 Law asymmetricDashpotLaw(const Shape& shape);
 Law platformJointFrictionLaw(const Shape& shape);
 Law loadRippleLaw(const Shape& shape);
-/// Null when there is no such signal, or it belongs to a recording (the time in it, or since a place was passed in it).
+/// Null when there is no such signal, or it is no state of the motion: the time in a recording, or since a place was
+/// passed in it, or the force that a drive has to give.
 Law mapLaw(const std::string& depends_on, const Shape& knots);
+/// The same of a force on the platform itself; the knots are in order.
+Law platformMapLaw(const std::string& depends_on, const Shape& knots);
 
 }  // namespace knee_robot::dynamics

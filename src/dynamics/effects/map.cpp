@@ -3,7 +3,7 @@
 #include <optional>
 
 #include "knee_robot/mechanism/kinematics.h"
-#include "laws.h"
+#include "knots.h"
 
 namespace knee_robot::dynamics {
 namespace {
@@ -74,28 +74,18 @@ std::optional<Source> sourceOf(std::string text) {
 /// friction.
 class Map : public EffectLaw {
  public:
-  Map(const Source& source, const Shape& knots) : source_(source), count_(static_cast<int>(knots.size())) {
-    std::copy(knots.begin(), knots.end(), knots_.begin());
-  }
+  Map(const Source& source, const Shape& knots) : source_(source), knots_(knots) {}
   EffectPart part() const noexcept override {
     const bool carried =
         source_.factor == Factor::One && source_.signal != Signal::Velocity && source_.signal != Signal::VelocityPair;
     return carried ? EffectPart::Carried : EffectPart::Friction;
   }
-  int coefficients() const noexcept override { return count_; }
+  int coefficients() const noexcept override { return knots_.count; }
   void columns(const EffectInstant& at, EffectState&, EffectColumns& out) const noexcept override {
     const double factor = source_.factor == Factor::One         ? 1.0
                           : source_.factor == Factor::Direction ? at.share
                                                                 : at.velocity_m_per_s[at.actuator];
-    const std::size_t last = static_cast<std::size_t>(count_ - 1);
-    const double x = std::clamp(signal(at), knots_[0], knots_[last]);
-    std::size_t k = 0;
-    while (k + 1 < last && x > knots_[k + 1])
-      ++k;
-    const double part = (x - knots_[k]) / (knots_[k + 1] - knots_[k]);
-    out.fill(0.0);
-    out[k] = factor * (1.0 - part);
-    out[k + 1] = factor * part;
+    knots_.hats(signal(at), factor, out);
   }
 
  private:
@@ -127,19 +117,18 @@ class Map : public EffectLaw {
   }
 
   const Source source_;
-  const int count_;
-  std::array<double, kMostColumns> knots_{};
+  const Knots knots_;
 };
 
 }  // namespace
 
 Law mapLaw(const std::string& depends_on, const Shape& knots) {
-  const std::optional<Source> source = sourceOf(depends_on);
-  if (!source || knots.size() < 2 || knots.size() > kMostColumns) return nullptr;
+  if (knots.size() < 2 || knots.size() > kMostColumns) return nullptr;
   for (std::size_t k = 0; k + 1 < knots.size(); ++k) {
     if (!(knots[k] < knots[k + 1])) return nullptr;
   }
-  return std::make_unique<Map>(*source, knots);
+  if (const std::optional<Source> source = sourceOf(depends_on)) return std::make_unique<Map>(*source, knots);
+  return platformMapLaw(depends_on, knots);
 }
 
 }  // namespace knee_robot::dynamics

@@ -1,0 +1,64 @@
+#include "hats.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace knee_robot::tracing {
+namespace {
+
+constexpr double kEvenShare = 0.5;  ///< by signal, the rest by number of samples
+constexpr double kHistoryRange = 100.0;
+
+}  // namespace
+
+Eigen::MatrixXd hats(const Eigen::VectorXd& signal, const std::vector<double>& knots) {
+  Eigen::MatrixXd out = Eigen::MatrixXd::Zero(signal.size(), kKnots);
+  for (Eigen::Index n = 0; n < signal.size(); ++n) {
+    const double at = std::clamp(signal[n], knots.front(), knots.back());
+    std::size_t k = 0;
+    while (k + 2 < knots.size() && at > knots[k + 1])
+      ++k;
+    const double part = (at - knots[k]) / (knots[k + 1] - knots[k]);
+    out(n, static_cast<Eigen::Index>(k)) = 1.0 - part;
+    out(n, static_cast<Eigen::Index>(k) + 1) = part;
+  }
+  return out;
+}
+
+Range rangeOf(std::vector<double>& values) {
+  std::sort(values.begin(), values.end());
+  return {values[values.size() / 200], values[values.size() - 1 - values.size() / 200]};
+}
+
+std::vector<double> evenKnots(const std::vector<double>& sorted, const Range& range, bool history) {
+  std::vector<double> knots;
+  for (int k = 0; k < kKnots; ++k) {
+    const double share = static_cast<double>(k) / (kKnots - 1);
+    const double quantile = sorted[static_cast<std::size_t>(share * static_cast<double>(sorted.size() - 1))];
+    const double even =
+        range.low + share * (history ? std::pow(kHistoryRange, share - 1.0) : 1.0) * (range.high - range.low);
+    knots.push_back((1.0 - kEvenShare) * std::clamp(quantile, range.low, range.high) + kEvenShare * even);
+  }
+  return knots;
+}
+
+std::vector<double> knotsAtZero(const Range& range) {
+  const double low = range.low, high = range.high, largest = std::max(-low, high);
+  return {low, 0.25 * low, -0.05 * largest, -0.01 * largest, 0.01 * largest, 0.05 * largest, 0.25 * high, high};
+}
+
+std::vector<ShapeParameter> knotParameters() {
+  std::vector<ShapeParameter> out;
+  for (int k = 1; k <= kKnots; ++k)
+    out.push_back({"knot_" + std::to_string(k), -1e9, 1e9, true});
+  return out;
+}
+
+std::vector<Coefficient> knotCoefficients(const std::string& what, const std::string& unit) {
+  std::vector<Coefficient> out;
+  for (int k = 1; k <= kKnots; ++k)
+    out.push_back({what + "_at_knot_" + std::to_string(k) + "_" + unit, false});
+  return out;
+}
+
+}  // namespace knee_robot::tracing

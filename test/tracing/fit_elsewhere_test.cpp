@@ -1,0 +1,81 @@
+// What is predicted in other recordings is fitted without what is left out there, laws near rest too.
+#include <algorithm>
+
+#include "knee_robot/recording/filter.h"
+#include "test/tracing/searched_machine.h"
+
+namespace knee_robot::tracing {
+namespace {
+
+class FitElsewhere : public SearchedMachine {
+ protected:
+  FitElsewhere() { search_.options = &options_; }
+  /// The machine has this in both of its recordings.
+  void has(const Hypothesis& hypothesis, const Eigen::VectorXd& coefficients) {
+    for (std::size_t r = 0; r < data_.recordings.size(); ++r) {
+      identification::Observation& o = data_.recordings[r];
+      Eigen::MatrixXd force_N(o.samples(), o.axes());
+      for (int i = 0; i < o.axes(); ++i)
+        force_N.col(i) = effectColumns(data_.inputs[r], hypothesis, i) * coefficients;
+      recording::ZeroPhaseLowPass(data_.stack.cutoff_hz, 1.0 / o.signals.period_s).applyToColumns(force_N);
+      o.force_filtered_N += force_N;
+    }
+    BaseFit newtons = base_;
+    newtons.noise_N.setOnes();
+    data_.all_force_rows = forceRows(newtons, data_.recordings, data_.stack);
+    setAttention(data_, Attention::All);
+  }
+  FoundEffect found(const Hypothesis& hypothesis, bool transfers) const {
+    FoundEffect e;
+    e.hypothesis = hypothesis;
+    e.transfers = transfers;
+    return e;
+  }
+  /// Largest change of the model's forces along the first recording, N.
+  double changed(const Eigen::VectorXd& before, const Eigen::VectorXd& after) const {
+    return (data_.recordings.front().regressor[kActuator] * (after - before)).cwiseAbs().maxCoeff();
+  }
+  /// rms of the actuator, N, with the baseline alone.
+  double leftByBaseline() {
+    search_.effects.clear();
+    refit(search_);
+    return search_.rms_N[kActuator];
+  }
+
+  TraceOptions options_;
+};
+
+TEST_F(FitElsewhere, LawsNearRestAreChosenAnewBesideWhatIsPredicted) {
+  const Hypothesis build_up = named("presliding", {0.4e-3});
+  has(build_up, Eigen::VectorXd::Constant(1, 20.0));
+  search_.effects = {found(build_up, false)};
+  refit(search_);
+  rebase(search_);
+  const std::vector<FoundEffect> all = search_.effects;
+  BaseFit beside = base_;
+  fitElsewhere(search_, true);
+  const double kept = leftByBaseline();
+  search_.effects = all;
+  refit(search_);
+  adoptBase(search_, beside);
+  const ElsewhereFit anew = fitElsewhere(search_, false);
+  EXPECT_TRUE(anew.effects.empty());
+  EXPECT_EQ(search_.effects.size(), 1u) << "the model of the training recordings keeps what is left out elsewhere";
+  EXPECT_LT(leftByBaseline(), 0.7 * kept);
+}
+
+TEST_F(FitElsewhere, WhatAPushDidToTrainingStaysOutOfTheParameters) {
+  const Eigen::VectorXd before = base_.parameters;
+  const Hypothesis push = {{named("external_force", {}).place.candidate, -1}, {1.0, 6.0, 9.0}};
+  has(push, Eigen::Vector4d(40.0, -120.0, 6.0, 4.0));
+  search_.effects = {};
+  refit(search_);
+  ASSERT_GT(changed(before, base_.parametersOf(search_.fit.base)), 3.0);
+  search_.effects = {found(push, false)};
+  const ElsewhereFit elsewhere = fitElsewhere(search_, false);
+  EXPECT_TRUE(elsewhere.effects.empty());
+  EXPECT_LT(changed(before, elsewhere.parameters), 1.0);
+}
+
+}  // namespace
+}  // namespace knee_robot::tracing
