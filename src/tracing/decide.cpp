@@ -130,6 +130,28 @@ void standAlone(Search& s, const Place& place) {
   refit(s);
 }
 
+namespace {
+
+/// The special case with the shape of what generalizes it; where its shape has other parameters, with the one of its own
+/// that predicts held-back blocks best in the place of effect `k`.
+Hypothesis specialCase(const Search& s, std::size_t k, const PlaceColumns& special) {
+  const std::vector<double>& shape = s.effects[k].hypothesis.shape;
+  Hypothesis best = special.tried.front();
+  best.place = *openPlace(s, special.place(), nullptr);
+  if (best.shape.size() == shape.size()) return {best.place, shape};
+  double least = std::numeric_limits<double>::infinity();
+  for (const Hypothesis& tried : special.tried) {
+    std::vector<Hypothesis> all = hypothesesOf(s.effects);
+    all[k] = {best.place, tried.shape};
+    const double left = problemOf(s, all).heldBack().sum();
+    if (left < least) best.shape = tried.shape;
+    least = std::min(least, left);
+  }
+  return best;
+}
+
+}  // namespace
+
 void simplify(Search& s) {
   for (std::size_t k = 0; k < s.effects.size(); ++k) {
     const Place general = s.effects[k].hypothesis.place;
@@ -140,7 +162,7 @@ void simplify(Search& s) {
     if (special == places.end() || std::isnan(s.effects[k].p) || !openPlace(s, special->place(), nullptr)) continue;
     const std::vector<FoundEffect> before = s.effects;
     const Eigen::VectorXd noise_N = s.rms_N, with = problemOf(s, hypothesesOf(s.effects)).heldBack();
-    s.effects[k].hypothesis.place = *openPlace(s, special->place(), nullptr);
+    s.effects[k].hypothesis = specialCase(s, k, *special);
     refit(s);
     refineShapes(s);
     const bool plausible = s.fit.stable[k] && special->place().candidate->plausible(s.effects[k].coefficients);
