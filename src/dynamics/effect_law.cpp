@@ -57,6 +57,7 @@ constexpr Entry kLaws[] = {
     {"asymmetric_dashpot", 5, asymmetricDashpotLaw},
     {"platform_joint_friction", 1, platformJointFrictionLaw},
     {"load_ripple", 1, loadRippleLaw},
+    {"viscoelastic_element", 2, viscoelasticElementLaw},
 };
 
 }  // namespace
@@ -85,6 +86,7 @@ std::string whyNotInstantly(const std::string& name) {
   if (name == "external_force") return "it belongs to one recording";
   if (name == "backlash" || name == "flexible_coupling")
     return "it moves the load apart from the motor, which only the whole recording shows";
+  if (name == "supply_sag") return "what the drives take together is known only after each has been given its command";
   if (name == "gain_drift") return "how warm the motors are is not known to the controller";
   if (name == "nonlinear_spring") return "its curve is known between the lengths of training only";
   if (name == "unnamed")

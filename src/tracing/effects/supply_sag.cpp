@@ -1,0 +1,63 @@
+#include <algorithm>
+#include <cmath>
+
+#include "knee_robot/tracing/candidate.h"
+
+namespace knee_robot::tracing {
+namespace {
+
+constexpr double kLeast_N2 = 1e3, kMost_N2 = 1e6;
+constexpr double kShortest_s = 0.003, kLongest_s = 1.0;  ///< the shortest: at once
+constexpr double kBeside = 2.0;                          ///< factor between neighbours
+
+/// All drives hang on one supply, whose voltage sags with what they take together (as the sum of the squared forces),
+/// up to an end and with a lag: each then needs a larger command for the same force.
+class SupplySag : public Candidate {
+ public:
+  std::string name() const override { return "supply_sag"; }
+  bool shared() const override { return true; }
+  bool ofDrive() const override { return true; }
+  std::string sentence() const override {
+    return "All drives give less force per volt the more they give together: they hang on a supply that sags.";
+  }
+  std::vector<ShapeParameter> shapeParameters() const override {
+    return {{"half_at_N2", kLeast_N2, kMost_N2}, {"lag_s", kShortest_s, kLongest_s}};
+  }
+  std::vector<std::vector<double>> shapes(const EffectInput&, int) const override {
+    std::vector<std::vector<double>> grid;
+    for (const std::vector<double>& half : geometricGrid(kLeast_N2, kMost_N2, 5)) {
+      for (const double lag_s : {kShortest_s, 0.05, 0.3})
+        grid.push_back({half[0], lag_s});
+    }
+    return grid;
+  }
+  std::vector<std::vector<double>> near(const std::vector<double>& s, double step) const override {
+    std::vector<std::vector<double>> out;
+    for (const double factor : {std::pow(kBeside, -step), std::pow(kBeside, step)}) {
+      out.push_back({std::clamp(s[0] * factor, kLeast_N2, kMost_N2), s[1]});
+      out.push_back({s[0], std::clamp(s[1] * factor, kShortest_s, kLongest_s)});
+    }
+    return out;
+  }
+  std::vector<Coefficient> coefficients(const EffectInput&) const override { return {{"most_lost_share", true}}; }
+  bool plausible(const Eigen::VectorXd& coefficients) const override { return coefficients[0] < 2.0; }
+  Eigen::MatrixXd columns(const EffectInput& input, int actuator, const std::vector<double>& shape) const override {
+    const double keeps = std::exp(-input.signals().period_s / shape[1]);
+    Eigen::MatrixXd out = input.needed_N.col(actuator);
+    double sag = 0.0;
+    for (int n = 0; n < input.samples(); ++n) {
+      const double taken_N2 = input.needed_N.row(n).squaredNorm(), now = taken_N2 / (taken_N2 + shape[0]);
+      sag = n == 0 ? now : keeps * sag + (1.0 - keeps) * now;
+      out(n, 0) *= sag;
+    }
+    return out;
+  }
+};
+
+}  // namespace
+
+std::unique_ptr<Candidate> makeSupplySag() {
+  return std::make_unique<SupplySag>();
+}
+
+}  // namespace knee_robot::tracing
