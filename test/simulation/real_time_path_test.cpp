@@ -51,6 +51,9 @@ effects:
   - {name: quadratic_drag, drag_N_s2_per_m2: 300}
   - {name: thermal_drift, coulomb_change: -0.2, time_constant_s: 5}
   - {name: frictional_ageing, excess_N: 5, time_constant_s: 2, way_m: 0.006}
+  - {name: viscoelastic_element, stiffness_N_per_m: 100, relaxation_s: 2}
+  - {name: supply_sag, share: 0.1, half_at_N2: 20000, lag_s: 0.1}
+  - {name: wobbling_mass, mass_kg: 1, frequency_Hz: 2, damping_ratio: 0.1, point_m: [0, 0, 0.1], direction: [1, 0, 0]}
   - {name: presliding, actuators: [1], stiffness_N_per_m: 5e5}
   - {name: screw_ripple, amplitude_N: 3, period_m: 0.01}
   - {name: payload, mass_kg: 2, center_m: [0, 0, 0.1]}

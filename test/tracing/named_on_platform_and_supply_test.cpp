@@ -1,0 +1,54 @@
+// What acts on the platform or on all drives together is named on the simulated robot.
+#include "test/tracing/simulated_recordings.h"
+
+namespace knee_robot::tracing {
+namespace {
+
+const FoundEffect* found(const TracedCase& c, const std::string& name) {
+  for (const FoundEffect& e : c.result.effects) {
+    if (e.hypothesis.place.candidate->name() == name) return &e;
+  }
+  return nullptr;
+}
+
+/// Of legs 1 to 3: what leg 4 leaves is its stiction, seven times as much with nothing hidden.
+double legs(const Eigen::VectorXd& error_N) {
+  return error_N.head(3).norm();
+}
+
+TEST(Trace, NamesAMassThatSwingsOnThePlatformAndItsFrequency) {
+  const TracedCase c = traceSimulated(
+      "  - {name: wobbling_mass, mass_kg: 6, frequency_Hz: 0.8, damping_ratio: 0.1, point_m: [0, 0, 0], "
+      "direction: [1, 0, 0]}\n");
+  const FoundEffect* mass = found(c, "wobbling_mass");
+  ASSERT_NE(mass, nullptr);
+  std::cout << "error " << c.before_N.transpose() << " -> " << c.after_N.transpose() << " N; frequency "
+            << mass->hypothesis.shape[0] << " Hz, mass " << mass->coefficients[0] << " kg\n";
+  EXPECT_NEAR(mass->hypothesis.shape[0], 0.8, 0.08);
+  EXPECT_NEAR(mass->coefficients[0], 6.0, 0.6);
+  EXPECT_LT(legs(c.after_N), 0.6 * legs(c.before_N));
+}
+
+TEST(Trace, NamesASupplyThatSagsWithAllDrives) {
+  const TracedCase c = traceSimulated("  - {name: supply_sag, share: 0.4, half_at_N2: 20000, lag_s: 0.1}\n");
+  const FoundEffect* sag = found(c, "supply_sag");
+  ASSERT_NE(sag, nullptr);
+  std::cout << sag->coefficients[0] << " half at " << sag->hypothesis.shape[0] << " N^2, lag "
+            << sag->hypothesis.shape[1] << " s, transfers " << sag->transfers << "; error " << c.before_N.transpose()
+            << " -> " << c.after_N.transpose() << " N\n";
+  EXPECT_LT(legs(c.after_N), 0.6 * legs(c.before_N));
+}
+
+TEST(Trace, NamesASpringThatRelaxesAlongAnActuator) {
+  const TracedCase c =
+      traceSimulated("  - {name: viscoelastic_element, actuators: [2], stiffness_N_per_m: 400, relaxation_s: 2}\n");
+  const FoundEffect* element = found(c, "viscoelastic_element");
+  ASSERT_NE(element, nullptr);
+  std::cout << "error " << c.before_N[1] << " -> " << c.after_N[1] << " N; relaxes in " << element->hypothesis.shape[0]
+            << " and " << element->hypothesis.shape[1] << " s\n";
+  EXPECT_EQ(element->hypothesis.place.actuator, 1);
+  EXPECT_NEAR(element->coefficients[0], 400.0, 80.0);
+}
+
+}  // namespace
+}  // namespace knee_robot::tracing
