@@ -3,13 +3,13 @@
 // tissue, liquid in a tank), nearly rigidly across it.
 #include <cmath>
 
+#include "knee_robot/base/constants.h"
 #include "knee_robot/mechanism/kinematics.h"
 #include "knee_robot/simulation/effect.h"
 
 namespace knee_robot::simulation {
 namespace {
 
-constexpr double kTwoPi = 6.283185307179586;
 constexpr double kAcross_per_s = kTwoPi * 20.0, kDampingAcross = 0.7;
 
 class WobblingMass : public EffectOf<WobblingMass> {

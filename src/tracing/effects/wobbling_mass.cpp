@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "knee_robot/base/constants.h"
 #include "knee_robot/tracing/candidate.h"
 
 namespace knee_robot::tracing {
@@ -12,7 +13,6 @@ constexpr double kFurthest_m = 0.3;
 constexpr double kStiffest_m = 0.005, kStraight_m = 10.0;
 constexpr int kNewton = 30;
 constexpr double kTurn_rad = 0.5, kAside_m = 0.08, kFrequencyFactor = 1.3, kWideFactor = 1.8;  ///< between neighbours
-constexpr double kPi = 3.14159265358979323846;
 
 /// A mass on a spring that stiffens, and a damper: x'' + 2 d w x' + w^2 x (1 + (x/l)^2) = -drive, its support's
 /// acceleration. Without the stiffening stepped exactly while the drive stays the same, which kicks it before and after.
