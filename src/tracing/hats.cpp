@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace knee_robot::tracing {
 namespace {
@@ -56,8 +57,11 @@ std::vector<ShapeParameter> knotParameters() {
 
 std::vector<Coefficient> knotCoefficients(const std::string& what, const std::string& unit) {
   std::vector<Coefficient> out;
-  for (int k = 1; k <= kKnots; ++k)
-    out.push_back({what + "_at_knot_" + std::to_string(k) + "_" + unit, false});
+  for (int k = 1; k <= kKnots; ++k) {
+    std::string name = what;
+    name.append("_at_knot_").append(std::to_string(k)).append("_").append(unit);
+    out.push_back({std::move(name), false});
+  }
   return out;
 }
 

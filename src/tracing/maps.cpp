@@ -60,7 +60,7 @@ class Map : public Candidate {
   }
   std::vector<Coefficient> coefficients(const EffectInput&) const override { return knotCoefficients("force", "N"); }
   Eigen::MatrixXd columns(const EffectInput& input, int actuator, const std::vector<double>& knots) const override {
-    const Eigen::MatrixXd out = hats(signal_.of(input, actuator), knots);
+    Eigen::MatrixXd out = hats(signal_.of(input, actuator), knots);
     if (signal_.factor == MapFactor::One) return out;
     const bool dry = signal_.factor == MapFactor::Direction;
     return (dry ? input.share : input.signals().velocity_m_per_s).col(actuator).asDiagonal() * out;
