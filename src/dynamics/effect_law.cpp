@@ -92,8 +92,7 @@ std::string whyNotInstantly(const std::string& name) {
   if (name == "nonlinear_spring") return "its curve is known between the lengths of training only";
   if (name == "unnamed")
     return "its signal is no state of the motion: time in a recording, or since a place was passed, or what a drive "
-           "has "
-           "to give";
+           "has to give";
   return "";
 }
 

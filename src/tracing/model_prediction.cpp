@@ -95,6 +95,11 @@ FoundEffect effectOf(const mechanism::Robot& robot, const dynamics::ModelEffect&
       throw InputError(model_path + ": effect " + m.name + " has " + p.name + " " + shortNumber(p.value, 4) +
                        ", which is none of 0 (the clock), 1 (motion) and 2 (work); trace again");
     }
+    const double low = candidate->shapeParameters()[e.hypothesis.shape.size()].low;
+    if (low > 0.0 && !(p.value > 0.0)) {
+      throw InputError(model_path + ": effect " + m.name + " has " + p.name + " " + shortNumber(p.value, 4) +
+                       ", which must be positive; trace again");
+    }
     e.hypothesis.shape.push_back(p.value);
   }
   std::vector<dynamics::EffectParameter> coefficients = m.coefficients;

@@ -271,6 +271,14 @@ void expectForcesAsPredicted(const Machine& m) {
   }
 }
 
+TEST(InstantByInstant, ASpringThatDoesNotRelaxIsNoLaw) {
+  EXPECT_NE(dynamics::effectLaw("viscoelastic_element", "", {2.0, 1.0}), nullptr);
+  for (const double never : {0.0, -2.0}) {
+    EXPECT_EQ(dynamics::effectLaw("viscoelastic_element", "", {never, 1.0}), nullptr) << never;
+    EXPECT_EQ(dynamics::effectLaw("viscoelastic_element", "", {1.0, never}), nullptr) << never;
+  }
+}
+
 TEST(InstantByInstant, TwoRipplesOfOneActuatorAreBothInTheForce) {
   const Machine& m = benchMachine();
   const std::vector<const Candidate*> all = catalogue(m);

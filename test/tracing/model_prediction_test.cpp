@@ -213,6 +213,7 @@ TEST(ModelPrediction, RefusesAnEffectThatIsUnknownOrHasOthersNumbers) {
   EXPECT_NO_THROW(with("stribeck", "stribeck"));
   EXPECT_THROW(with("\"stribeck\"", "\"stick\""), InputError);
   EXPECT_THROW(with("velocity_m_per_s\", value", "velocity\", value"), InputError);
+  EXPECT_THROW(with("velocity_m_per_s\", value: ", "velocity_m_per_s\", value: -"), InputError);
   EXPECT_THROW(with("excess_N", "excess"), InputError);
   EXPECT_THROW(with("[{actuator: 3}]", "[{actuator: 3}, {actuator: 4}]"), InputError);
   EXPECT_THROW(with("effects_see", "# effects_see"), InputError);

@@ -29,6 +29,7 @@ Law dashpotLaw(const Shape& shape);
 Law asymmetricDashpotLaw(const Shape& shape);
 Law platformJointFrictionLaw(const Shape& shape);
 Law loadRippleLaw(const Shape& shape);
+/// Null when it does not relax: a time that is not positive.
 Law viscoelasticElementLaw(const Shape& shape);
 /// Null when there is no such signal, or it is no state of the motion: the time in a recording, or since a place was
 /// passed in it, or the force that a drive has to give.

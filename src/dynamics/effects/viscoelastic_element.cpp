@@ -30,6 +30,7 @@ class ViscoelasticElement : public EffectLaw {
 }  // namespace
 
 Law viscoelasticElementLaw(const Shape& shape) {
+  if (!(shape[0] > 0.0 && shape[1] > 0.0)) return nullptr;  // it would grow by itself
   return std::make_unique<ViscoelasticElement>(shape);
 }
 

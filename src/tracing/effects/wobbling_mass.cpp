@@ -19,7 +19,10 @@ constexpr double kTurn_rad = 0.5, kAside_m = 0.08, kFrequencyFactor = 1.3, kWide
 class Oscillator {
  public:
   Oscillator(const std::vector<double>& shape, double period_s)
-      : omega_(2.0 * kPi * shape[0]), damping_(shape[1]), stiffens_(1.0 / (shape[6] * shape[6])), period_s_(period_s) {
+      : omega_(2.0 * kPi * shape[0]),
+        damping_(std::min(shape[1], kMostDamping)),
+        stiffens_(1.0 / (shape[6] * shape[6])),
+        period_s_(period_s) {
     const double slow = damping_ * omega_, fast = omega_ * std::sqrt(1.0 - damping_ * damping_);
     const double keeps = std::exp(-slow * period_s), c = std::cos(fast * period_s),
                  s = std::sin(fast * period_s) / fast;
