@@ -1,6 +1,6 @@
 #!/usr/bin/python3
 """Docs that are true: docs/files.md has exactly the keys that the readers accept and the reports write, each with its meaning, every
-relative link leads somewhere, and no page names a file of the repository that is gone.
+relative link leads somewhere, no page names a file of the repository that is gone, and docs/tracing.md names every effect.
 
 Usage: docs_check.py [ROOT]     exit status 1 when anything is wrong, one line each
 """
@@ -108,6 +108,15 @@ def unlisted(root):
             yield f"{root / 'docs' / 'README.md'}: does not list {name}"
 
 
+def unnamed_effects(root):
+    """Effects of trace that its manual does not name."""
+    manual = (root / "docs" / "tracing.md").read_text()
+    for file in sorted((root / "src" / "tracing" / "effects").rglob("*.cpp")):
+        for name in re.findall(r'name\(\) const override \{\s*return "(\w+)"', file.read_text()):
+            if f"`{name}`" not in manual:
+                yield f"{file}: {name} is not among the effects of docs/tracing.md"
+
+
 def never_run(root):
     """Scripts of README.md that scripts/check_everything would leave out."""
     listed = subprocess.run([root / "scripts" / "check_everything", "--list"], capture_output=True, text=True, check=False)
@@ -115,7 +124,7 @@ def never_run(root):
 
 
 def main(root):
-    faults = [*wrong_keys(root), *without_meaning(root), *wrong_names(root), *unlisted(root), *never_run(root)]
+    faults = [*wrong_keys(root), *without_meaning(root), *wrong_names(root), *unlisted(root), *unnamed_effects(root), *never_run(root)]
     print("\n".join(faults) or "the docs name what is there")
     return 1 if faults else 0
 

@@ -27,7 +27,7 @@ class Candidate {
  public:
   virtual ~Candidate() = default;
 
-  virtual std::string name() const = 0;      ///< as in docs/files.md; of a map: unnamed
+  virtual std::string name() const = 0;      ///< as in docs/tracing.md; of a map: unnamed
   virtual std::string sentence() const = 0;  ///< the physics, for the report
   /// Name of the simpler effect that is a special case of this one; this one must be clearly better to be preferred.
   /// Empty: none.

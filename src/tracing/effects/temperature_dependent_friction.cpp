@@ -6,7 +6,7 @@ namespace {
 constexpr double kReference_degC = 25.0;
 
 /// Dry and viscous friction that change in proportion to a recorded temperature.
-class TemperatureFriction : public Candidate {
+class TemperatureDependentFriction : public Candidate {
  public:
   std::string name() const override { return "temperature_dependent_friction"; }
   bool worksOn(const mechanism::Robot& robot) const override { return robot.chain.has_value(); }
@@ -33,8 +33,8 @@ class TemperatureFriction : public Candidate {
 
 }  // namespace
 
-std::unique_ptr<Candidate> makeTemperatureFriction() {
-  return std::make_unique<TemperatureFriction>();
+std::unique_ptr<Candidate> makeTemperatureDependentFriction() {
+  return std::make_unique<TemperatureDependentFriction>();
 }
 
 }  // namespace knee_robot::tracing
