@@ -95,6 +95,18 @@ std::string crumbOf(const Search& s, const FoundEffect& e, double floors, double
   return {};
 }
 
+/// A special case of it, or what it is a special case of, was added at the same place: had either been right, it alone
+/// would have done.
+bool besideItsKin(const Search& s, const FoundEffect& e) {
+  const Place& place = e.hypothesis.place;
+  const auto isKin = [&](const FoundEffect& other) {
+    const Candidate &a = *place.candidate, &b = *other.hypothesis.place.candidate;
+    return other.hypothesis.place.actuator == place.actuator && !std::isnan(other.p) &&
+           (a.generalizes() == b.name() || b.generalizes() == a.name());
+  };
+  return std::any_of(s.effects.begin(), s.effects.end(), isKin);
+}
+
 }  // namespace
 
 double floorsLeft(const Search& s, const Place& place, const Eigen::VectorXd& left_N) {
@@ -114,9 +126,10 @@ void doubtNames(Search& s, std::vector<std::string>& notes) {
     const bool harms = !e.transfers && e.elsewhere_gain < 0.0;
     const bool uneven = e.elsewhere_gaining < kMostStretches;
     const std::string crumb = crumbOf(s, e, floors, at(place, left_N));
-    if (floors <= kRightLeaves && !harms && !uneven && crumb.empty()) continue;
+    const bool kin = besideItsKin(s, e);
+    if (floors <= kRightLeaves && !harms && !uneven && !kin && crumb.empty()) continue;
     double doubted = e.probability * std::min(1.0, std::pow(kRightLeaves / floors, 2));
-    if (harms || uneven || !crumb.empty()) doubted = std::min(doubted, kHarmful);
+    if (harms || uneven || kin || !crumb.empty()) doubted = std::min(doubted, kHarmful);
     e.probability = s.floor.measured ? doubted : std::max(doubted, std::min(kEven, e.probability));
     e.doubted = e.probability < kEven;
     if (e.probability < kSureOfName && !e.doubted) e.indistinguishable_from.emplace_back("unnamed");
@@ -124,6 +137,10 @@ void doubtNames(Search& s, std::vector<std::string>& notes) {
       notes.push_back(placeText(place) + ": the model with it still leaves " + shortNumber(floors, 2) +
                       " times the noise floor while axes move: it may stand for something that no name is known for.");
     if (!crumb.empty()) notes.push_back(placeText(place) + crumb);
+    if (kin)
+      notes.push_back(placeText(place) +
+                      ": was added beside its own special case; had either name been right, it would have explained "
+                      "both: they may stand for something else.");
     if (harms)
       notes.push_back(placeText(place) + ": makes the error larger at held-back positions, where what it is called " +
                       "would act as well: it may stand for something else.");

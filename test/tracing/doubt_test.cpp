@@ -28,10 +28,15 @@ class Doubt : public SearchedMachine {
       e.explained_rms_N.setConstant(nameless_N_);
       search_.effects.push_back(e);
     }
+    if (!beside_.empty()) {
+      e.hypothesis = named(beside_, shape_);
+      search_.effects.push_back(e);
+    }
     notes_.clear();
     doubtNames(search_, notes_);
     return search_.effects.front();
   }
+  std::string beside_;  ///< another effect of the model
   std::vector<double> shape_;
   Eigen::VectorXd coefficients_;
   double p_ = 0.004;
@@ -108,6 +113,16 @@ TEST_F(Doubt, IsCastOnANameThatExplainsLessThanWhatIsLeft) {
       << notes_[0];
   explains_N_ = 1.2;
   EXPECT_FALSE(said("stribeck", 2.0).doubted);
+}
+
+TEST_F(Doubt, IsCastOnANameBesideItsOwnSpecialCase) {
+  beside_ = "dashpot";
+  EXPECT_FALSE(said("stribeck", 1.0).doubted);
+  EXPECT_FALSE(said("spring", 1.0).doubted);
+  EXPECT_TRUE(said("asymmetric_dashpot", 1.0).doubted);
+  EXPECT_TRUE(search_.effects[1].doubted) << "neither is right";
+  ASSERT_EQ(notes_.size(), 2u);
+  EXPECT_NE(notes_[0].find("beside its own special case"), std::string::npos) << notes_[0];
 }
 
 TEST_F(Doubt, IsCastOnANameThatExplainsLessThanAMapBesideIt) {
