@@ -95,14 +95,24 @@ bool EventLog::writeWaiting(std::unique_lock<std::mutex>& lock) {
     refusal_ = reason;
     return false;
   }
-  const std::uint64_t gone = dropped_ - dropped;  // from the front, meanwhile: they are written
-  waiting_.erase(waiting_.begin(), waiting_.begin() + static_cast<std::ptrdiff_t>(count - gone));
-  dropped_ = 0;
-  if (refusal_.empty()) return true;
-  refusal_.clear();
-  addLocked("log", "", file_.path() + ": written again",
-            dropped == 0 ? "" : std::to_string(dropped) + " entries are missing in it");
+  // What was dropped from the front meanwhile is written, unless it came after the lines were made.
+  const std::uint64_t gone = dropped_ - dropped;
+  const std::uint64_t unwritten = gone > count ? gone - count : 0;
+  waiting_.erase(waiting_.begin(), waiting_.begin() + static_cast<std::ptrdiff_t>(count - (gone - unwritten)));
+  announce(dropped + unwritten);
   return true;
+}
+
+/// With the lock held: after a refusal, or where entries were lost because the disk was too slow for them.
+void EventLog::announce(std::uint64_t missing) {
+  const bool again = !refusal_.empty();
+  refusal_.clear();
+  if (again || missing > 0) {
+    if (waiting_.size() >= kWaiting) ++missing;  // this entry takes the place of another one
+    addLocked("log", "", file_.path() + (again ? ": written again" : ": the disk was too slow"),
+              missing == 0 ? "" : std::to_string(missing) + " entries are missing in it");
+  }
+  dropped_ = 0;
 }
 
 void EventLog::write() {

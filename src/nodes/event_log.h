@@ -25,8 +25,9 @@ struct LoggedEvent {
 std::string toLine(const LoggedEvent& event);
 
 /// Who asked for what and what was answered, states, faults: the newest in memory, all of them in a file. Any ordinary
-/// thread may add; a thread of its own writes, so nobody waits for the disk. What the disk refuses is kept (the newest
-/// kWaiting) and written when it takes them again; both are said in the log itself.
+/// thread may add; a thread of its own writes, so nobody waits for the disk. What the disk refuses, or is too slow for,
+/// is kept (the newest kWaiting) and written when it takes them again; refusals and lost entries are said in the log
+/// itself.
 class EventLog {
  public:
   static constexpr std::size_t kRemembered = 500, kWaiting = 2000;
@@ -52,6 +53,7 @@ class EventLog {
   void addLocked(const std::string& kind, const std::string& who, const std::string& what, const std::string& answer);
   void write();
   bool writeWaiting(std::unique_lock<std::mutex>& lock);
+  void announce(std::uint64_t missing);
 
   EventFile file_;
   mutable std::mutex mutex_;

@@ -1,9 +1,14 @@
 // The event log's file: bounded, whole lines, and honest about a disk that refuses.
 #include "../../src/nodes/event_log.h"
 
+#include <fcntl.h>
 #include <gtest/gtest.h>
+#include <sys/ioctl.h>
 #include <sys/resource.h>
+#include <sys/stat.h>
+#include <unistd.h>
 
+#include <atomic>
 #include <chrono>
 #include <csignal>
 #include <filesystem>
@@ -119,6 +124,52 @@ TEST_F(EventLogTest, SaysHowManyEntriesADiskThatWasFullForLongHasCost) {
   const auto lines = entries(path_);
   EXPECT_EQ(lines.size(), EventLog::kWaiting + 1);
   EXPECT_EQ(lines.back()["answer"], "101 entries are missing in it") << "the one that said that the disk refuses, too";
+}
+
+/// A pipe that nobody reads is a disk that takes its time: one append is under way until the reader begins.
+TEST_F(EventLogTest, SaysHowManyEntriesASlowDiskHasCostWithoutEverRefusing) {
+  fs::create_directories(folder_ + "/events");
+  ASSERT_EQ(::mkfifo(path_.c_str(), 0600), 0);
+  const int pipe = ::open(path_.c_str(), O_RDWR | O_NONBLOCK | O_CLOEXEC);
+  ASSERT_GE(pipe, 0);
+  ASSERT_GE(::fcntl(pipe, F_SETPIPE_SZ, 4096), 4096);
+  std::string written;
+  std::atomic<bool> ended{false};
+  const auto take = [&] {
+    char piece[4096];
+    const ssize_t got = ::read(pipe, piece, sizeof piece);
+    if (got > 0) written.append(piece, static_cast<std::size_t>(got));
+    return got > 0;
+  };
+  std::thread reader;
+  {
+    EventLog log(path_);
+    const std::string longest(2000, 'x');
+    log.add(longest, longest, longest, longest);
+    waitFor([&] {
+      int bytes = 0;
+      return ::ioctl(pipe, FIONREAD, &bytes) == 0 && bytes > 0;
+    });
+    for (std::size_t i = 0; i < 2 * EventLog::kWaiting + 100; ++i)
+      log.add("state", "", "holding");
+    EXPECT_EQ(log.refusal(), "");
+    reader = std::thread([&] {
+      while (take() || !ended)
+        std::this_thread::yield();
+    });
+  }
+  ended = true;
+  reader.join();
+  while (take()) {
+  }
+  ::close(pipe);
+  std::ofstream(folder_ + "/taken") << written;
+  const auto lines = entries(folder_ + "/taken");
+  ASSERT_EQ(lines.size(), 1 + EventLog::kWaiting);
+  EXPECT_EQ(lines.front()["number"], 1);
+  EXPECT_NE(lines.back()["what"].get<std::string>().find("the disk was too slow"), std::string::npos) << lines.back();
+  EXPECT_EQ(lines.back()["answer"], std::to_string(EventLog::kWaiting + 101) + " entries are missing in it");
+  EXPECT_EQ(lines.back()["number"], 2 * EventLog::kWaiting + 102);
 }
 
 TEST_F(EventLogTest, LeavesNoHalfLineWhereTheDiskFillsInTheMiddleOfOne) {
