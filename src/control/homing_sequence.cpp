@@ -28,9 +28,9 @@ void HomingSequence::start(bool first) noexcept {
 
 HomingSequence::Taken HomingSequence::takeForHome(const AxisValues& measured_m) noexcept {
   if (!isPlacedByHand() && isHomed()) return {};
-  for (std::size_t i = 0; i < hardware::kAxes && isHomed(); ++i) {
+  for (std::size_t i = 0; i < hardware::kAxes; ++i) {
     const double away = std::abs(home_lengths_m_[i] - measured_m[i]);
-    if (away > kLargestShift_m) return {RequestResult::HomeShifted, static_cast<int>(i) + 1, away};
+    if (homed_[i] && !(away <= kLargestShift_m)) return {RequestResult::HomeShifted, static_cast<int>(i) + 1, away};
   }
   shift(home_lengths_m_, measured_m);
   return {RequestResult::Done, 0, 0.0, true};

@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 #include "supervisor_view_of.h"
 
 namespace knee_robot::control {
@@ -113,6 +115,29 @@ TEST(HomingByHand, TakesThePlaceForHomeAndRefusesAnotherOneFarFromTheCounters) {
   sequence.forget(2);
   EXPECT_FALSE(sequence.isHomed());
   EXPECT_TRUE(sequence.takeForHome(measured).shifts) << "the counters of a lost axis say nothing against it";
+}
+
+TEST(HomingByHand, StillBelievesTheOtherCountersWhenOneAxisHasLostItsHome) {
+  HardwareFile hardware = fake::hardware();
+  hardware.homing.method = HomingMethod::HandPlaced;
+  HomingSequence sequence(fake::robot(), hardware);
+  sequence.start(true);
+  AxisValues measured{};
+  measured.fill(fake::kHome);
+  ASSERT_TRUE(sequence.takeForHome(measured).shifts);
+  sequence.forget(2);
+  measured[2] += 0.2;
+  measured[0] -= 0.03;
+  const HomingSequence::Taken refused = sequence.takeForHome(measured);
+  EXPECT_EQ(refused.result, RequestResult::HomeShifted);
+  EXPECT_EQ(refused.axis, 1);
+  EXPECT_NEAR(refused.distance_m, 0.03, 1e-12);
+  EXPECT_FALSE(sequence.isHomed());
+  measured[0] = std::nan("");
+  EXPECT_EQ(sequence.takeForHome(measured).result, RequestResult::HomeShifted);
+  measured[0] = fake::kHome;
+  EXPECT_TRUE(sequence.takeForHome(measured).shifts);
+  EXPECT_TRUE(sequence.isHomed());
 }
 
 TEST(HomingAssumed, HoldsFromTheFirstStartOnlyAndIsNotRegainedByAStart) {

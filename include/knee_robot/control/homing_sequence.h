@@ -34,8 +34,8 @@ class HomingSequence {
   /// The hardware file leaves the place to the operator (ConfirmHome); otherwise it is asked for by Home.
   bool isPlacedByHand() const noexcept { return homing_.method == HomingMethod::HandPlaced; }
   bool moves() const noexcept { return homing_.moves(); }
-  /// The robot stands at its home lengths now. Refused where the counters of a homed robot say that it is far from
-  /// them.
+  /// The robot stands at its home lengths now. Refused where the counter of an axis that is still homed says that it is
+  /// far from them.
   Taken takeForHome(const AxisValues& measured_m) noexcept;
 
   /// The enabling that begins now leads to the search, or not.
