@@ -1,8 +1,13 @@
 #include <gtest/gtest.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <clocale>
 #include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <thread>
+#include <vector>
 
 #include "knee_robot/base/errors.h"
 #include "knee_robot/base/files.h"
@@ -49,6 +54,46 @@ TEST_F(Files, LeaveNothingBehindWhenWritingFails) {
   for (const auto& entry : std::filesystem::directory_iterator(folder_))
     entries += entry.exists() ? 1 : 0;
   EXPECT_EQ(1, entries) << "a temporary file is left";
+}
+
+TEST_F(Files, AreWrittenWithTheRightsThatTheProcessGivesNewFiles) {
+  for (const mode_t mask : {mode_t{022}, mode_t{077}}) {
+    const std::string path = folder_ / std::to_string(mask);
+    const mode_t before = ::umask(mask);
+    writeFileAtomically(path, "x");
+    ::umask(before);
+    struct stat status {};
+    ASSERT_EQ(::stat(path.c_str(), &status), 0);
+    EXPECT_EQ(status.st_mode & 0777, 0666 & ~mask);
+  }
+}
+
+/// What a process left there that died while it wrote, and had the same number.
+TEST_F(Files, LeaveAloneWhatIsInTheTemporaryFilesPlace) {
+  const std::string path = folder_ / "file";
+  const auto left = [&](int i) { return path + "." + std::to_string(::getpid()) + "-" + std::to_string(i) + ".part"; };
+  constexpr int kLeft = 500;
+  for (int i = 0; i < kLeft; ++i)
+    std::ofstream(left(i)) << "left";
+  writeFileAtomically(path, "new");
+  EXPECT_EQ(readFile(path), "new");
+  for (int i = 0; i < kLeft; ++i)
+    EXPECT_EQ(readFile(left(i)), "left");
+}
+
+TEST_F(Files, AreWholeWhereManyThreadsWriteTheSameOne) {
+  const std::string path = folder_ / "file";
+  std::vector<std::thread> threads;
+  for (char c = 'a'; c < 'e'; ++c)
+    threads.emplace_back([&, c] {
+      for (int i = 0; i < 20; ++i)
+        writeFileAtomically(path, std::string(10'000, c));
+    });
+  for (std::thread& one : threads)
+    one.join();
+  const std::string content = readFile(path);
+  EXPECT_EQ(content, std::string(10'000, content.at(0)));
+  EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder_), {}), 1) << "a temporary file is left";
 }
 
 TEST_F(Files, RefuseWhatIsNoRegularFileOrTooLong) {

@@ -10,7 +10,8 @@ namespace knee_robot {
 std::string readFile(const std::string& path, std::size_t max_bytes = 1u << 30);
 
 /// Writes `content` to a temporary file beside `path`, then renames it: a reader sees the old file or the whole new
-/// one, never a part. Throws InputError naming the path and the system's reason.
+/// one, never a part, and so does one after a power cut; the new one is on the disk when this returns. Throws
+/// InputError naming the path and the system's reason.
 void writeFileAtomically(const std::string& path, const std::string& content);
 
 /// Why shared memory cannot be had, from what posix_fallocate answered, and what to do about it. Unlike ftruncate that
