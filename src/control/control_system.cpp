@@ -110,9 +110,8 @@ Answer ControlSystem::moving(RequestKind kind, double timeout_s, std::optional<s
   if (stopped()) return kHalted;
   const Answer answer = parts_->requests.make(kind, timeout_s);
   if (!stopped()) return answer;
-  const bool drives = kind == RequestKind::Enable || kind == RequestKind::Home;
-  if (answer.ok)
-    parts_->requests.make(drives ? RequestKind::Disable : RequestKind::Stop, drives ? kSafeStop_s : kQuick_s);
+  if (const std::optional<RequestKind> end = endOf(kind); end && answer.ok)
+    parts_->requests.make(*end, *end == RequestKind::Disable ? kSafeStop_s : kQuick_s);
   return answer.ok ? kHalted : answer;
 }
 

@@ -14,6 +14,8 @@ class CycleRunner {
   CycleRunner(rt::Deployment& deployment, std::function<void()> now_and_then)
       : deployment_(deployment), now_and_then_(std::move(now_and_then)) {}
 
+  /// Of the deployment's clock.
+  rt::Nanoseconds now() const noexcept { return deployment_.now(); }
   /// Stepped only. `advance` is called before each cycle with the virtual time (ns) up to which the plant has to be
   /// moved on.
   void setPlant(std::function<void(rt::Nanoseconds time)> advance) { advance_plant_ = std::move(advance); }

@@ -6,14 +6,19 @@
 namespace knee_robot::control {
 namespace {
 
-bool mayMove(RequestKind kind) {
+constexpr double kTakenUp_s = 0.5;  // less than anybody waits for an answer
+
+}  // namespace
+
+std::optional<RequestKind> endOf(RequestKind kind) noexcept {
   switch (kind) {
     case RequestKind::Enable:
+    case RequestKind::Home:
+      return RequestKind::Disable;
     case RequestKind::Play:
     case RequestKind::Resume:
-    case RequestKind::Home:
     case RequestKind::Guide:
-      return true;
+      return RequestKind::Stop;
     case RequestKind::Disable:
     case RequestKind::Stop:
     case RequestKind::EmergencyStop:
@@ -21,19 +26,18 @@ bool mayMove(RequestKind kind) {
     case RequestKind::Pause:
     case RequestKind::SetSpeed:
     case RequestKind::ConfirmHome:
-      return false;
+      return std::nullopt;
   }
-  return true;
+  return RequestKind::Stop;
 }
-
-}  // namespace
 
 Answer MachineRequests::make(RequestKind kind, double timeout_s, double value) {
   if (!started_) return {false, "the controller does not run"};
-  if (ending_ && mayMove(kind)) return {false, "the controller is ending; nothing moves any more"};
+  const std::optional<RequestKind> end = endOf(kind);
+  if (ending_ && end) return {false, "the controller is ending; nothing moves any more"};
   const auto supervised = [this] { return machine_.supervisor->state() == rt::TaskState::Running; };
   if (!supervised()) return {false, report_.faultSentence()};
-  const std::optional<std::uint32_t> number = panel_.send(kind, value);
+  const std::optional<std::uint32_t> number = panel_.send(kind, value, expiry());
   if (!number) return {false, "too many requests at once; try again"};
   RequestAnswer answer;
   const auto is_answered = [&] {
@@ -43,11 +47,21 @@ Answer MachineRequests::make(RequestKind kind, double timeout_s, double value) {
   const bool in_time = runner_.waitUntil(is_answered, timeout_s);
   panel_.forget(*number);
   if (!in_time || answer.number != *number) {
-    return {false, "no answer within " + shortNumber(timeout_s) + " s; the robot is " + toString(report_.state())};
+    if (end) askAndForget(*end);
+    return {false, "no answer within " + shortNumber(timeout_s) + " s; the robot is " + toString(report_.state()) +
+                       (end ? "; what was asked for is taken back" : "")};
   }
   ControlStatus now;
   report_.fill(now);
   return sentenceOf(answer, now, homing_, machine_.sync->start_tolerance_m);
+}
+
+rt::Nanoseconds MachineRequests::expiry() const noexcept {
+  return runner_.now() + rt::fromSeconds(kTakenUp_s);
+}
+
+void MachineRequests::askAndForget(RequestKind kind) {
+  if (const std::optional<std::uint32_t> number = panel_.send(kind, 0.0, expiry())) panel_.forget(*number);
 }
 
 }  // namespace knee_robot::control

@@ -1,6 +1,7 @@
 #pragma once
 
-#include <functional>
+#include <atomic>
+#include <optional>
 
 #include "cycle_runner.h"
 #include "knee_robot/control/answer.h"
@@ -8,7 +9,11 @@
 
 namespace knee_robot::control {
 
-/// Asks the Supervisor, and waits for its answer. Several threads may ask at once.
+/// What ends what a request may have begun; empty: nothing moves by it.
+std::optional<RequestKind> endOf(RequestKind kind) noexcept;
+
+/// Asks the Supervisor, and waits for its answer. Several threads may ask at once. Whoever hears that there is no
+/// answer can rely on it that nothing begins later: the request expires, and what may have begun is ended.
 class MachineRequests {
  public:
   /// All must outlive this.
@@ -27,6 +32,9 @@ class MachineRequests {
   void refuseToMove() { ending_ = true; }
 
  private:
+  rt::Nanoseconds expiry() const noexcept;
+  void askAndForget(RequestKind kind);
+
   const MachineComponents& machine_;
   const HomingMethod homing_;
   OperatorPanel& panel_;

@@ -46,6 +46,11 @@ const char* toString(MachineState state) noexcept {
   return "?";
 }
 
+bool onlyStops(RequestKind request) noexcept {
+  return request == RequestKind::Disable || request == RequestKind::Stop || request == RequestKind::EmergencyStop ||
+         request == RequestKind::Pause;
+}
+
 bool isPossible(MachineState state, RequestKind request) noexcept {
   return kPossible[static_cast<int>(state)][static_cast<int>(request)];
 }

@@ -11,7 +11,7 @@ OperatorPanel::OperatorPanel(const MachineComponents& machine) : rt::TaskContext
   if (machine.observer != nullptr) rt::connect(machine.observer->disturbance, disturbance_);
 }
 
-std::optional<std::uint32_t> OperatorPanel::send(RequestKind kind, double value) {
+std::optional<std::uint32_t> OperatorPanel::send(RequestKind kind, double value, rt::Nanoseconds expires) {
   const std::lock_guard<std::mutex> lock(mutex_);
   const std::optional<std::uint32_t> number = numbers_.take();
   if (!number) return std::nullopt;
@@ -19,6 +19,7 @@ std::optional<std::uint32_t> OperatorPanel::send(RequestKind kind, double value)
   asked.number = *number;
   asked.kind = kind;
   asked.value = value;
+  asked.expires = expires;
   if (request_.write(asked)) return number;
   numbers_.giveBack(*number);
   return std::nullopt;

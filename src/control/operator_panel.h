@@ -17,7 +17,8 @@ class OperatorPanel : public rt::TaskContext {
   explicit OperatorPanel(const MachineComponents& machine);
 
   /// Number under which the Supervisor will answer, until forget(number); empty: too many requests wait.
-  std::optional<std::uint32_t> send(RequestKind kind, double value);
+  /// After the time `expires` the Supervisor refuses it.
+  std::optional<std::uint32_t> send(RequestKind kind, double value, rt::Nanoseconds expires);
   void forget(std::uint32_t number);
   /// The newest of each; before the first cycle there is none, and the Supervisor's is the default.
   SupervisorStatus supervisor() const;

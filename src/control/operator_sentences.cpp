@@ -86,10 +86,11 @@ Answer sentenceOf(const RequestAnswer& answer, const ControlStatus& now, HomingM
     case RequestResult::SwitchNotHeld:
       return {false, "the enabling switch is not held: hold it, then ask again"};
     case RequestResult::SwitchNotReleased:
-      return {false,
-              "the enabling switch was not let go of since the robot was enabled or the platform was guided last"};
+      return {false, "the enabling switch was not let go of since the robot was enabled or the platform was guided last"};
     case RequestResult::GuideRefused:
       return {false, now.guiding};
+    case RequestResult::TooLate:
+      return {false, "the request was taken up too late, and nothing was done; the robot is " + state + "; ask again"};
     case RequestResult::Failed:
       return {false, "a fault came in between: " + now.fault_sentence};
   }

@@ -282,6 +282,7 @@ void members(const Request& v, Visit& visit) {
   visit("number", v.number);
   visit("kind", v.kind);
   visit("value", v.value);
+  visit("expires_ns", v.expires);
 }
 
 template <typename Visit>

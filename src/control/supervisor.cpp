@@ -45,6 +45,9 @@ bool Supervisor::startHook() {
   orders_.play = play;
   orders_.transfer = transfer;
   answers_.dropPending();
+  // Of what was asked of the Supervisor that failed, nothing is done by the one that is started anew.
+  for (Request old; request.read(old) == rt::FlowStatus::NewData;)
+    answers_.answer(old.number, RequestResult::Failed);
   fault_.clear();
   state_ = MachineState::Disabled;
   if (hardware_.starts_faulted && !started_before_) {
@@ -72,7 +75,7 @@ void Supervisor::updateHook(const rt::Cycle& cycle) {
   detectFaults();
   Request asked;
   while (request.read(asked) == rt::FlowStatus::NewData)
-    handle(asked, cycle.time);
+    handle(asked, cycle);
   advance(cycle.time);
   publish(cycle.time);
 }
@@ -126,7 +129,11 @@ bool Supervisor::isReady() const noexcept {
   return view_.unreadable == 0 && view_.written.status == hardware::IoStatus::Ok && components_.allRun();
 }
 
-void Supervisor::handle(const Request& asked, rt::Nanoseconds now) {
+void Supervisor::handle(const Request& asked, const rt::Cycle& cycle) {
+  const rt::Nanoseconds now = cycle.time;
+  // Really now: after a pause of the whole process whoever asked before it has been told that there is no answer.
+  if (cycle.wake > asked.expires && !onlyStops(asked.kind))
+    return answers_.answer(asked.number, RequestResult::TooLate);
   if (!isPossible(state_, asked.kind)) return answers_.answer(asked.number, RequestResult::WrongState);
   switch (asked.kind) {
     case RequestKind::Enable:

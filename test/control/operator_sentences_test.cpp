@@ -21,7 +21,7 @@ Answer said(RequestResult result, HomingMethod homing = HomingMethod::Assumed) {
 
 TEST(OperatorSentences, SayOfEveryRequestWhatBecameOfItEachInItsOwnWords) {
   std::set<std::string> sentences;
-  for (int i = 0; i <= static_cast<int>(RequestResult::GuideRefused); ++i) {
+  for (int i = 0; i <= static_cast<int>(RequestResult::TooLate); ++i) {
     const Answer answer = said(static_cast<RequestResult>(i));
     EXPECT_EQ(answer.ok, i == static_cast<int>(RequestResult::Done));
     EXPECT_GT(answer.sentence.size(), 10u) << i;

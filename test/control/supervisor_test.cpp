@@ -60,6 +60,7 @@ class SupervisorTest : public ::testing::Test {
     feed.written.write(written);
     rt::Cycle cycle;
     cycle.time = now;
+    cycle.wake = now + late;
     cycle.period = 1'000'000;
     supervisor.update(cycle);
     feed.orders.read(orders);
@@ -111,8 +112,43 @@ class SupervisorTest : public ::testing::Test {
   SupervisorStatus status;
   bool monitors_live = true;
   rt::Nanoseconds now = 0;
+  rt::Nanoseconds late = 0;  // how much the cycles are
   std::uint32_t number = 0;
 };
+
+TEST_F(SupervisorTest, DoesNothingThatNobodyWaitsForAnyMoreExceptStopping) {
+  Request request;
+  request.kind = RequestKind::Enable;
+  request.number = ++number;
+  request.expires = now + 500'000'000;
+  late = 600'000'000;  // a cycle that was due in time, and was executed behind a pause of the process
+  feed.request.write(request);
+  cycles(3);
+  EXPECT_EQ(status.answers[number].result, RequestResult::TooLate);
+  EXPECT_EQ(status.state, MachineState::Disabled);
+  EXPECT_EQ(orders.level, DriveLevel::Off);
+  late = 0;
+  ASSERT_NO_FATAL_FAILURE(play());
+  request.kind = RequestKind::Stop;
+  request.number = ++number;
+  request.expires = 0;
+  feed.request.write(request);
+  cycle();
+  EXPECT_EQ(status.state, MachineState::Stopping);
+}
+
+TEST_F(SupervisorTest, StartsAnewWithoutWhatWasAskedOfTheOneThatFailed) {
+  Request request;
+  request.kind = RequestKind::Enable;
+  request.number = ++number;
+  feed.request.write(request);
+  static_cast<rt::TaskContext&>(supervisor).stop();
+  ASSERT_TRUE(supervisor.start());
+  cycles(3);
+  EXPECT_EQ(status.answers[number].result, RequestResult::Failed);
+  EXPECT_EQ(status.state, MachineState::Disabled);
+  EXPECT_EQ(orders.level, DriveLevel::Off);
+}
 
 TEST_F(SupervisorTest, TakesAPathThatSyncBrokeOffByItselfForAFaultAndNotForItsEnd) {
   ASSERT_NO_FATAL_FAILURE(play());

@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstdint>
+#include <limits>
 
 #include "knee_robot/control/axis_data.h"
 
@@ -43,11 +44,16 @@ inline constexpr int kRequestKinds = 12;
 /// Whether a request is possible in a state: the table of the machine. EmergencyStop always is.
 bool isPossible(MachineState state, RequestKind request) noexcept;
 
+/// Leads to rest, from whatever: obeyed however late it comes.
+bool onlyStops(RequestKind request) noexcept;
+
 /// What somebody asks of the Supervisor.
 struct Request {
   std::uint32_t number = 0;  ///< the answer carries it
   RequestKind kind = RequestKind::Stop;
   double value = 0.0;  ///< of SetSpeed
+  /// Time of the deployment's clock from which on nobody waits for it any more (TooLate), unless it only stops.
+  rt::Nanoseconds expires = std::numeric_limits<rt::Nanoseconds>::max();
 };
 
 /// Why a request was refused, or that it was not.
@@ -71,6 +77,7 @@ enum class RequestResult : std::uint8_t {
   SwitchNotHeld,      ///< guide while the enabling switch is not held
   SwitchNotReleased,  ///< guide again without having let go of it
   GuideRefused,       ///< HandGuide says why: SupervisorStatus::guide_stop
+  TooLate,            ///< the Supervisor heard of it when it had expired
 };
 
 /// What became of a Request.

@@ -89,7 +89,7 @@ class Supervisor : public rt::TaskContext {
   void detectFaults();
   void noticePause(const rt::Cycle& cycle) noexcept;
   void raise(FaultCause cause) noexcept;
-  void handle(const Request& request, rt::Nanoseconds now);
+  void handle(const Request& request, const rt::Cycle& cycle);
   void enable(const Request& request, rt::Nanoseconds now);
   void disable(const Request& request) noexcept;
   void play(const Request& request) noexcept;

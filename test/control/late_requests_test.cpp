@@ -1,0 +1,64 @@
+// Whoever has heard that there is no answer can rely on it: nothing begins later.
+#include <functional>
+#include <utility>
+
+#include "../../src/control/controller_parts.h"
+#include "system_rig.h"
+
+namespace knee_robot::control {
+namespace {
+
+TEST(LateRequests, DoNothingWhenTheProcessStoodStillBetweenTheQuestionAndTheCycle) {
+  fake::Rig rig;
+  ASSERT_TRUE(rig.system.start().ok);
+  bool stands_still = true;
+  rig.system.setPlant([&](rt::Nanoseconds time) {
+    rig.machine.advanceTo(rt::toSeconds(time));
+    if (stands_still) rig.system.pause(1.0);
+    stands_still = false;
+  });
+  const Answer answer = rig.system.enable();
+  EXPECT_FALSE(answer.ok);
+  EXPECT_NE(answer.sentence.find("too late"), std::string::npos) << answer.sentence;
+  for (int k = 0; k < 1000; ++k) {
+    rig.system.step();
+    ASSERT_EQ(rig.system.state(), MachineState::Disabled);
+  }
+  EXPECT_TRUE(rig.system.enable().ok) << "asked again";
+}
+
+/// What the facade hides: the controller's parts on the fake machine.
+class PartsOnTheirOwn : public ::testing::Test {
+ protected:
+  PartsOnTheirOwn() {
+    parts.runner.setPlant([this](rt::Nanoseconds time) {
+      machine.advanceTo(rt::toSeconds(time));
+      if (meanwhile) std::exchange(meanwhile, nullptr)();
+    });
+    parts.deployment->start();
+    parts.started = true;
+    parts.runner.run(0.1);
+  }
+  ~PartsOnTheirOwn() override { parts.deployment->stop(); }
+  static ControlSystem::Options stepped() {
+    ControlSystem::Options options;
+    options.execution = rt::Execution::Stepped;
+    return options;
+  }
+
+  fake::Machine machine{fake::robot()};
+  std::function<void()> meanwhile;  // once, before the next cycle
+  ControllerParts parts{fake::robot(), fake::hardware(), fake::deploymentFile(), machine, stepped()};
+};
+
+TEST_F(PartsOnTheirOwn, EndWhatWasAskedForWhereTheAnswerTookTooLong) {
+  const Answer answer = parts.requests.make(RequestKind::Enable, 0.1);
+  EXPECT_EQ(answer.sentence, "no answer within 0.1 s; the robot is enabling; what was asked for is taken back");
+  parts.runner.run(5.0);
+  EXPECT_EQ(parts.report.state(), MachineState::Disabled);
+  EXPECT_TRUE(parts.requests.make(RequestKind::Enable, 5.0).ok);
+  EXPECT_EQ(parts.report.state(), MachineState::Holding);
+}
+
+}  // namespace
+}  // namespace knee_robot::control
