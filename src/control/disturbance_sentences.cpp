@@ -56,4 +56,10 @@ std::vector<Notice> noticesOf(const Disturbance& d) {
   return all;
 }
 
+const char* sentenceWithoutNotices(const Disturbance& d) noexcept {
+  if (!d.identified) return "not judged: there is no identified model";
+  if (!d.known) return "not evaluated: the drives do not carry the platform, or the filters have not settled";
+  return "nothing acts on the robot but what the model expects";
+}
+
 }  // namespace knee_robot::control

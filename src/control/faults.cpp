@@ -104,8 +104,11 @@ constexpr std::array<FaultDescription, kFaults> kTable = {{
      "look up the drive's error code; resetting also resets the drive"},
     {F::DriveNotEnabled, "drive_not_enabled", "the drive left Operation Enabled or did not reach it", kWhenGone, kLost,
      kOne, "look at the drive's enable input, power and settings"},
-    {F::MonitorsStale, "monitors_stale", "the monitors gave no verdict", kWhenGone, kWorks, kOne,
-     "look at the state and the timing of the component Monitors and at the deployment's connections"},
+    {F::MonitorsStale, "monitors_stale", "the monitors gave no verdict, or could not judge the force on the patient",
+     kWhenGone, kWorks, kOne,
+     "look at the state and the timing of Monitors and DisturbanceObserver and at the deployment's connections; if "
+     "both "
+     "run, use a model without the effects of trace"},
     {F::GuardianSilent, "guardian_silent",
      "the guardian is silent: nothing would take the outputs away if this controller died", kWhenGone, kWorks, kOne,
      "look for what stopped the guardian, start it again, then reset"},
@@ -142,7 +145,7 @@ const FaultDescription& describe(Fault fault) noexcept {
 
 bool concernsAllAxes(Fault fault) noexcept {
   return fault == Fault::PatientPose || fault == Fault::PatientSpeed || fault == Fault::PatientForce ||
-         fault == Fault::SetPointStale;
+         fault == Fault::SetPointStale || fault == Fault::MonitorsStale;
 }
 
 Fault faultOf(hardware::BusFault fault) noexcept {

@@ -3,6 +3,14 @@
 #include <algorithm>
 
 namespace knee_robot::control {
+namespace {
+
+/// Longer than filters need to settle, and than a pose needs to be found again.
+constexpr double kLongestUnjudged_s = 1.0;
+/// An observer that runs behind the monitors, or a cycle without it, is no reason to stop.
+constexpr std::uint64_t kJudgedBefore = 2;  // measurements
+
+}  // namespace
 
 Monitors::Monitors(const std::string& name, const mechanism::Robot& robot)
     : rt::TaskContext(name),
@@ -40,6 +48,7 @@ void Monitors::forget() noexcept {
   out_.asks.fill(false);
   patient_monitor_.reset();
   too_strong_.reset();
+  unjudged_.reset();
   carried_s_ = 0.0;
 }
 
@@ -156,11 +165,14 @@ Fault Monitors::evaluate(std::size_t i, const AxisView& view) noexcept {
   return Fault::None;
 }
 
-/// Only what a model explains can be told from a force on the patient.
+/// Only what a model explains can be told from a force on the patient; a limit that nobody can judge protects nobody.
 Fault Monitors::monitorForce(double dt) noexcept {
-  const bool monitored = carried_ && patient_.given && disturbed_.identified && disturbed_.known && !takingOver();
-  const bool too_strong = monitored && !patient_.allowsForce(disturbed_.wrench);
-  return too_strong_.step(too_strong, dt, patient_force_time) ? Fault::PatientForce : Fault::None;
+  const bool limited = carried_ && patient_.given && patient_.limitsForce() && !takingOver();
+  const bool current = measured_.sequence - disturbed_.sequence <= kJudgedBefore;
+  const bool judged = disturbed_.identified && disturbed_.known && current;
+  const bool too_strong = limited && judged && !patient_.allowsForce(disturbed_.wrench);
+  if (too_strong_.step(too_strong, dt, patient_force_time)) return Fault::PatientForce;
+  return unjudged_.step(limited && !judged, dt, kLongestUnjudged_s) ? Fault::MonitorsStale : Fault::None;
 }
 
 Fault Monitors::monitorPatient(double dt) noexcept {

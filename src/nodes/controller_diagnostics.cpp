@@ -150,9 +150,7 @@ void ControllerDiagnostics::residual(Status& status) {
         level, notice.level == control::Notice::Level::Error ? DiagnosticStatus::ERROR : DiagnosticStatus::WARN);
     sentence += (sentence.empty() ? "" : "; ") + notice.sentence;
   }
-  if (sentence.empty())
-    sentence = now->identified ? "nothing acts on the robot but what the model expects"
-                               : "not judged: there is no identified model";
+  if (sentence.empty()) sentence = control::sentenceWithoutNotices(*now);
   status.summary(level, sentence);
   for (std::size_t i = 0; i < hardware::kAxes; ++i) {
     status.add("rms " + std::to_string(i + 1) + " (N)", now->rms_N[i]);

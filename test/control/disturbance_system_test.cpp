@@ -135,6 +135,15 @@ TEST(Notices, FrictionThatHasGrownByAThirdIsSaidOfItsLeg) {
   EXPECT_EQ(robot.last.substr(0, 32), "friction of leg 3 has grown by 3") << robot.last;
 }
 
+TEST(Notices, ThatThereAreNoneIsSaidWithTheReason) {
+  Disturbance now;
+  EXPECT_EQ(std::string(sentenceWithoutNotices(now)).substr(0, 10), "not judged");
+  now.identified = true;
+  EXPECT_EQ(std::string(sentenceWithoutNotices(now)).substr(0, 13), "not evaluated");
+  now.known = true;
+  EXPECT_EQ(std::string(sentenceWithoutNotices(now)).substr(0, 12), "nothing acts");
+}
+
 TEST(Notices, WithoutAModelNothingIsJudged) {
   HoldingRobot robot({false, 15.0, 1.0});
   robot.push(100.0);
@@ -165,6 +174,36 @@ TEST(PatientForce, APushBeyondThePatientsLimitStopsTheRobotAndOneWithinDoesNot) 
     EXPECT_EQ(robot.system->status().fault, push > 100.0 ? Fault::PatientForce : Fault::None)
         << push << " N: " << robot.system->status().fault_sentence;
   }
+}
+
+TEST(PatientForce, IsJudgedThroughoutAnOrdinarySession) {
+  HoldingRobot robot(kAsModelled);
+  ASSERT_TRUE(robot.system->disable().ok);
+  ASSERT_TRUE(robot.system->loadPatient(patientFile()).ok);
+  double longest_unjudged_s = 0.0, unjudged_s = 0.0;
+  const auto run = [&](double seconds) {
+    for (int k = 0; k < static_cast<int>(1000 * seconds); ++k) {
+      robot.system->step();
+      unjudged_s = robot.system->disturbance()->known ? 0.0 : unjudged_s + 0.001;
+      longest_unjudged_s = std::max(longest_unjudged_s, unjudged_s);
+    }
+  };
+  for (int session = 0; session < 2; ++session) {
+    ASSERT_TRUE(robot.system->enable().ok);
+    run(3.0);
+    robot.play(300);
+    run(2.0);
+    ASSERT_TRUE(robot.system->pause().ok);
+    run(2.0);
+    ASSERT_TRUE(robot.system->resume().ok);
+    run(2.0);
+    ASSERT_TRUE(robot.system->stop().ok);
+    run(2.0);
+    ASSERT_TRUE(robot.system->disable().ok);
+    unjudged_s = 0.0;
+  }
+  EXPECT_EQ(robot.system->status().fault, Fault::None) << robot.system->status().fault_sentence;
+  EXPECT_LT(longest_unjudged_s, 0.5);
 }
 
 TEST(PatientForce, ALimitIsRefusedWhereNoModelCouldJudgeIt) {

@@ -16,5 +16,7 @@ struct Notice {
 
 /// In plain words, the gravest first; empty: nothing, or nothing is known. Ordinary threads.
 std::vector<Notice> noticesOf(const Disturbance& disturbance);
+/// What to say where there are no notices: that all is well, or why nobody can tell.
+const char* sentenceWithoutNotices(const Disturbance& disturbance) noexcept;
 
 }  // namespace knee_robot::control

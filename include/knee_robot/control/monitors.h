@@ -177,7 +177,7 @@ class Monitors : public rt::TaskContext {
   rt::DataChannel<PatientRange> offered_;
   PatientRange patient_;
   Disturbance disturbed_;
-  TrueFor too_strong_;
+  TrueFor too_strong_, unjudged_;  // the force on the patient
   AxesMeasurement measured_;
   std::array<AxisCommand, hardware::kAxes> commands_{};
   AxesWritten written_;
