@@ -29,11 +29,15 @@ Answer Recordings::stop(const std::string& only) {
 }
 
 void Recordings::setOccupancy(Occupancy occupancy) {
-  occupancy_ = occupancy;
+  {
+    const std::lock_guard<std::mutex> lock(choosing_);
+    occupancy_ = occupancy;
+  }
   chooseTestPulses();
 }
 
 void Recordings::chooseTestPulses() {
+  const std::lock_guard<std::mutex> lock(choosing_);
   const bool allowed = !drain_.isRecording() || occupancy_ != Occupancy::Empty;
   for (Driver* driver : machine_.drivers)
     driver->allowTestPulses(allowed);

@@ -1,6 +1,6 @@
 #pragma once
 
-#include <atomic>
+#include <mutex>
 
 #include "knee_robot/control/answer.h"
 #include "knee_robot/control/control_status.h"
@@ -34,7 +34,8 @@ class Recordings {
 
   const MachineComponents& machine_;
   RecordingDrain drain_;
-  std::atomic<Occupancy> occupancy_{Occupancy::Unknown};
+  std::mutex choosing_;  // what is seen last is what the Drivers hear last
+  Occupancy occupancy_ = Occupancy::Unknown;
 };
 
 }  // namespace knee_robot::control
