@@ -132,8 +132,11 @@ std::string BlackBoxWriter::newest() const {
 }
 
 std::string BlackBoxWriter::error() const {
+  const std::uint64_t lost = folder_.empty() ? 0 : box_.lost();
+  const std::string missing =
+      lost == 0 ? "" : "signals of " + std::to_string(lost) + " faults were lost: the disk was too slow";
   const std::lock_guard<std::mutex> lock(mutex_);
-  return error_;
+  return error_ + (error_.empty() || missing.empty() ? "" : "; ") + missing;
 }
 
 }  // namespace knee_robot::control

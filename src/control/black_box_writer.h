@@ -23,6 +23,7 @@ class BlackBoxWriter {
   void write();
   /// Path of the newest CSV; empty: none yet.
   std::string newest() const;
+  /// The disk's refusal, and how many faults came while two still waited for it; empty: all is well.
   std::string error() const;
 
  private:

@@ -24,6 +24,10 @@ constexpr double kSureFriction = 0.8;    // of what was identified
 constexpr double kLeastUnknown_N = 3.0;  // that a model may be wrong by
 constexpr int kSilentOrders = 3;         // cycles
 
+bool isFinite(const AxisValues& values) noexcept {
+  return std::all_of(values.begin(), values.end(), [](double one) { return std::isfinite(one); });
+}
+
 }  // namespace
 
 HandGuide::HandGuide(const std::string& name, const mechanism::Robot& robot)
@@ -182,10 +186,7 @@ void HandGuide::guide(double dt) noexcept {
   weigh(dt, given);
   out_.active = guided_s_ >= weigh_time;
   AxisValues force = frictionForce();
-  if (!out_.active) {
-    out_.force_N = force;
-    return;
-  }
+  if (!out_.active) return give(force);
   const double let_go = (1.0 - kCarried) * std::min(1.0, (guided_s_ - weigh_time) / kLetGo_s);
   const double fast = speedShare();
   fast_s_ = fast > kTooFast ? fast_s_ + dt : 0.0;
@@ -201,11 +202,21 @@ void HandGuide::guide(double dt) noexcept {
   for (std::size_t i = 0; i < hardware::kAxes; ++i) {
     const auto k = static_cast<Eigen::Index>(i);
     force[i] += wall[k] - brake * velocity_[k] - let_go * unknown_N_[i];
-    if (!std::isfinite(force[i])) out_.stop = GuideStop::LostPose;
   }
-  out_.force_N = force;
+  give(force);
+  if (!out_.active) return;
   doubt(dt);
   remember(dt);
+}
+
+/// What is no number never gets to the Drivers, which would have the brakes engaged in motion: the loops hold instead.
+void HandGuide::give(const AxisValues& force_N) noexcept {
+  if (isFinite(force_N)) {
+    out_.force_N = force_N;
+    return;
+  }
+  standBy();
+  out_.stop = GuideStop::LostPose;
 }
 
 /// An axis that stands while another one has moved on; where all stand one of them.

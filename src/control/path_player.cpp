@@ -85,7 +85,13 @@ std::string PathPlayer::whyNot(const PathExpectation& expected) const {
   return "somebody else has loaded " + name_ + " in place of " + expected.reference + " meanwhile";
 }
 
-Answer PathPlayer::play(const PathExpectation& expected) {
+PathExpectation PathPlayer::fromNow(PathExpectation expected) const {
+  if (!expected.halts) expected.halts = halts();
+  return expected;
+}
+
+Answer PathPlayer::play(const PathExpectation& wanted) {
+  const PathExpectation expected = fromNow(wanted);
   trajectory::Points lengths;
   std::string name;
   {
@@ -97,7 +103,8 @@ Answer PathPlayer::play(const PathExpectation& expected) {
   return playLengths(lengths, name, expected);
 }
 
-Answer PathPlayer::approach(double speed_m_per_s, const Patient& patient, const PathExpectation& expected) {
+Answer PathPlayer::approach(double speed_m_per_s, const Patient& patient, const PathExpectation& wanted) {
+  const PathExpectation expected = fromNow(wanted);
   if (!(speed_m_per_s >= kSlowestApproach && speed_m_per_s <= kFastestApproach)) {
     return {false, "the approach's speed must lie between 0.001 and 0.05 m/s, not " + shortNumber(speed_m_per_s)};
   }

@@ -29,18 +29,19 @@ class PathPlayer {
   void halt() noexcept { ++halts_; }
   std::uint64_t halts() const noexcept { return halts_; }
   /// The loaded reference from its first point.
-  Answer play(const PathExpectation& expected = {});
+  Answer play(const PathExpectation& wanted = {});
   /// From where the robot stands to the first point of the loaded reference; slower than `speed_m_per_s` where the
   /// patient wants it.
-  Answer approach(double speed_m_per_s, const Patient& patient, const PathExpectation& expected = {});
+  Answer approach(double speed_m_per_s, const Patient& patient, const PathExpectation& wanted = {});
   /// Fills in reference and at_start, and, when `status.state` is of a robot on a path, playing.
   void fill(ControlStatus& status) const;
 
  private:
   Answer playLengths(const trajectory::Points& lengths, const std::string& what, const PathExpectation& expected);
+  PathExpectation fromNow(PathExpectation expected) const;
   bool standsAtStart() const;
   std::string whyNot(const PathExpectation& expected) const;
-  bool isHalted(const PathExpectation& expected) const { return expected.halts && *expected.halts != halts_; }
+  bool isHalted(const PathExpectation& expected) const { return expected.halts != halts(); }
 
   const mechanism::Robot& robot_;
   Sync& sync_;

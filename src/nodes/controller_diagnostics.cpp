@@ -199,6 +199,8 @@ void ControllerDiagnostics::recording(Status& status) {
   const control::ControlStatus now = system_.status();
   if (now.dropped_rows > 0) {
     status.summary(DiagnosticStatus::ERROR, std::to_string(now.dropped_rows) + " rows were dropped");
+  } else if (!now.black_box_error.empty()) {
+    status.summary(DiagnosticStatus::WARN, "black box: " + now.black_box_error);
   } else {
     status.summary(DiagnosticStatus::OK, now.recording.empty() ? "none" : "to " + now.recording);
   }

@@ -3,6 +3,7 @@
 
 #include <filesystem>
 
+#include "../../src/control/black_box_writer.h"
 #include "knee_robot/base/files.h"
 #include "knee_robot/recording/recording.h"
 #include "system_rig.h"
@@ -74,6 +75,38 @@ TEST_F(BlackBoxTest, WritesAFaultThatShutdownFollowsAtOnce) {
   }
   ASSERT_EQ(dumps().size(), 1u);
   EXPECT_GT(recording::loadRecording(dumps()[0]).rows(), 100);
+}
+
+TEST_F(BlackBoxTest, SaysThatFaultsCameFasterThanTheDiskTookThem) {
+  struct Feed : rt::TaskContext {
+    Feed() : rt::TaskContext("BlackBoxFeed") {}
+    rt::OutputPort<SupervisorStatus> status{*this, "status", ""};
+  } feed;
+  BlackBox box("BlackBox");
+  rt::connect(feed.status, box.status);
+  box.rows.set(10);
+  box.rows_after.set(0);
+  ASSERT_TRUE(box.configure() && box.start());
+  BlackBoxWriter writer(box, folder + "/box", false);
+  rt::Cycle cycle;
+  const auto faultComes = [&] {
+    SupervisorStatus status;
+    for (const Fault fault : {Fault::None, Fault::EmergencyStop}) {
+      status.fault = fault;
+      feed.status.write(status);
+      cycle.time += 1'000'000;
+      box.update(cycle);
+    }
+  };
+  faultComes();
+  faultComes();
+  EXPECT_EQ(writer.error(), "");
+  faultComes();
+  EXPECT_NE(writer.error().find("1 faults were lost"), std::string::npos) << writer.error();
+  writer.write();
+  writer.write();
+  EXPECT_EQ(dumps().size(), 2u);
+  EXPECT_NE(writer.error(), "") << "they stay lost";
 }
 
 TEST_F(BlackBoxTest, SaysThatTheDiskRefusedAndGoesOn) {

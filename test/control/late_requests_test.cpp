@@ -60,5 +60,20 @@ TEST_F(PartsOnTheirOwn, EndWhatWasAskedForWhereTheAnswerTookTooLong) {
   EXPECT_EQ(parts.report.state(), MachineState::Holding);
 }
 
+TEST_F(PartsOnTheirOwn, PlayNothingThatAStopHasOvertakenWhoeverAskedForIt) {
+  ASSERT_TRUE(parts.requests.make(RequestKind::Enable, 5.0).ok);
+  parts.runner.run(2.0);
+  ASSERT_TRUE(parts.player.load(fake::smoothReference(fake::kHome, 0.03, 2.0), {}).ok);
+  for (const bool approach : {false, true}) {
+    meanwhile = [this] { parts.player.halt(); };  // stop() says this first, and its request comes later
+    const Answer answer = approach ? parts.player.approach(0.01, {}) : parts.player.play();
+    EXPECT_FALSE(answer.ok) << answer.sentence;
+    parts.runner.run(3.0);
+    EXPECT_EQ(parts.report.state(), MachineState::Holding);
+    EXPECT_NEAR(parts.panel.row()->reference_m[0], fake::kHome, 0.001);
+  }
+  EXPECT_TRUE(parts.player.play().ok) << "asked for after it";
+}
+
 }  // namespace
 }  // namespace knee_robot::control

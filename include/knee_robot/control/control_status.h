@@ -35,7 +35,7 @@ struct ControlStatus {
   Occupancy occupancy = Occupancy::Unknown;  ///< nothing moves while it is Unknown
   std::string patient;                       ///< name in the loaded patient file, empty: none is loaded
   std::string black_box;                     ///< CSV of the newest fault, empty: none yet
-  std::string black_box_error;               ///< the disk's refusal, empty: none
+  std::string black_box_error;               ///< the disk's refusal, faults that it was too slow for; empty: none
   std::uint64_t skipped_cycles = 0;          ///< left out by the machine: gaps of time_s
   std::string guiding;  ///< why the last guiding was refused, or ended by itself; empty: it did not
 };

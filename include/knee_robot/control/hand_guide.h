@@ -101,6 +101,7 @@ class HandGuide : public rt::TaskContext {
   double frictionShare(std::size_t axis) const noexcept;
   double largestUnknown(std::size_t axis) const noexcept;
   double speedShare() const noexcept;
+  void give(const AxisValues& force_N) noexcept;
   void doubt(double dt) noexcept;
   void remember(double dt) noexcept;
 

@@ -9,7 +9,7 @@ namespace knee_robot::control {
 /// What still has to be so when a path begins, for whoever was asked for it some time ago.
 struct PathExpectation {
   std::string reference = {};  ///< the loaded reference's name; empty: whichever is loaded
-  /// ControlSystem::halts() of then: nobody has stopped the robot since; empty: never mind.
+  /// ControlSystem::halts() of then: nobody has stopped the robot since; empty: of now.
   std::optional<std::uint64_t> halts = std::nullopt;
 };
 
