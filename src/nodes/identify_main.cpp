@@ -2,13 +2,11 @@
 
 #include <algorithm>
 #include <iostream>
-#include <map>
-#include <set>
 #include <string>
 #include <vector>
 
+#include "fit_recordings.h"
 #include "knee_robot/base/errors.h"
-#include "knee_robot/base/numbers.h"
 #include "knee_robot/identification/drive_gains.h"
 #include "knee_robot/identification/prediction.h"
 #include "knee_robot/identification/recording_units.h"
@@ -82,55 +80,9 @@ void declare(nodes::CommandLine& app, Arguments& a) {
       .within(1, 1000);
 }
 
-std::vector<recording::Recording> readAll(const std::vector<std::string>& files) {
-  for (const std::string& file : files)
-    std::cerr << "reading " << file << std::endl;
-  return identification::readRecordings(files);
-}
-
-std::vector<recording::Recording> inUnits(mechanism::Robot& robot, std::vector<recording::Recording> recordings) {
-  for (recording::Recording& r : recordings)
-    identification::toActuatorUnits(robot, r);
-  return recordings;
-}
-
-/// The low-pass of both sides, chosen on training recordings unless it was given.
-void decideCutoff(const std::vector<recording::Recording>& training, double given_hz, double motion_hz,
-                  report::IdentifyResults& r) {
-  std::vector<const recording::Recording*> list;
-  for (const recording::Recording& recording : training)
-    list.push_back(&recording);
-  r.cutoff = recording::chooseCutoff(list);
-  if (given_hz > 0.0) {
-    r.cutoff.sentence = "Cut-off " + shortNumber(given_hz, 3) + " Hz, as was asked for. The rule: " + r.cutoff.sentence;
-    r.cutoff.cutoff_hz = given_hz;
-  }
-  r.options.observation.setCutoff(r.cutoff.cutoff_hz, motion_hz);
-}
-
-/// prediction_NAME.csv must be one file per recording.
-void refuseEqualNames(const std::vector<identification::Observation>& observations) {
-  std::set<std::string> names;
-  for (const identification::Observation& o : observations) {
-    if (!names.insert(o.name).second) {
-      throw InputError(o.path + ": another validation file is named " + o.name +
-                       " too, and both would write prediction_" + o.name + ".csv; rename one");
-    }
-  }
-}
-
 int frictionColumns(const std::vector<identification::Column>& columns) {
   return static_cast<int>(
       std::count_if(columns.begin(), columns.end(), [](const identification::Column& c) { return c.isFriction(); }));
-}
-
-/// A recording that the model was fitted to cannot validate it.
-void refuseTrainingAgain(const Arguments& a) {
-  for (const std::string& file : a.validate) {
-    if (std::find(a.train.begin(), a.train.end(), file) != a.train.end()) {
-      throw InputError(file + ": is given for training and for validation; choose another recording to validate with");
-    }
-  }
 }
 
 /// The physically consistent parameters, or why there are none.
@@ -189,22 +141,22 @@ int run(const Arguments& a, const std::string& command_line) {
   r.command_line = command_line;
   r.robot_path = a.robot;
   r.options = a.options;
-  refuseTrainingAgain(a);
+  nodes::requireFitAndValidation(a.train, a.validate);
   mechanism::Robot robot = mechanism::loadAnyRobot(a.robot);
-  std::vector<recording::Recording> read = readAll(a.train);
+  std::vector<recording::Recording> read = nodes::readAll(a.train);
   identification::adaptToRecordings(robot, read);
   identification::takeRecordedSteps(robot, read);
-  std::vector<recording::Recording> training = inUnits(robot, read);
-  decideCutoff(training, a.cutoff_hz, a.motion_cutoff_hz, r);
+  std::vector<recording::Recording> training = nodes::inUnits(robot, read);
+  r.cutoff = nodes::cutoffOf(training, a.cutoff_hz);
+  r.options.observation.setCutoff(r.cutoff.cutoff_hz, a.motion_cutoff_hz);
   const std::vector<identification::Column> columns = identification::columnsOf(robot, r.options.joint_friction);
   r.train = identification::observeAll(robot, columns, training, r.options.observation);
   if (identification::gainsByUrdf(robot, r.train, r.options.observation)) {
-    training = inUnits(robot, read);
+    training = nodes::inUnits(robot, read);
     r.train = identification::observeAll(robot, columns, training, r.options.observation);
   }
-  const std::vector<recording::Recording> validation = inUnits(robot, readAll(a.validate));
+  const std::vector<recording::Recording> validation = nodes::inUnits(robot, nodes::readAll(a.validate));
   r.validate = identification::observeAll(robot, columns, validation, r.options.observation);
-  refuseEqualNames(r.validate);
 
   std::cerr << "fitting" << std::endl;
   r.after = identification::identify(robot, r.train, r.options);

@@ -2,14 +2,13 @@
 
 #include <algorithm>
 #include <iostream>
-#include <set>
 
+#include "fit_recordings.h"
 #include "knee_robot/base/errors.h"
 #include "knee_robot/base/numbers.h"
 #include "knee_robot/identification/drive_gains.h"
 #include "knee_robot/identification/full_band.h"
 #include "knee_robot/identification/recording_units.h"
-#include "knee_robot/recording/cutoff.h"
 #include "knee_robot/recording/pauses.h"
 #include "knee_robot/recording/signals.h"
 #include "knee_robot/report/page.h"
@@ -59,10 +58,8 @@ constexpr double kLongestPause_s =
 
 using Times = std::vector<std::vector<double>>;  ///< of every recording's rows, before pauses were closed
 
-std::vector<recording::Recording> readAll(const std::vector<std::string>& files, Times& times) {
-  for (const std::string& file : files)
-    std::cerr << "reading " << file << std::endl;
-  std::vector<recording::Recording> recordings = identification::readRecordings(files);
+std::vector<recording::Recording> readWithoutPauses(const std::vector<std::string>& files, Times& times) {
+  std::vector<recording::Recording> recordings = nodes::readAll(files);
   for (recording::Recording& r : recordings) {
     times.push_back(r.time_s);
     recording::closePauses(r, kLongestPause_s);
@@ -70,39 +67,9 @@ std::vector<recording::Recording> readAll(const std::vector<std::string>& files,
   return recordings;
 }
 
-std::vector<recording::Recording> inUnits(mechanism::Robot& robot, std::vector<recording::Recording> recordings) {
-  for (recording::Recording& r : recordings)
-    identification::toActuatorUnits(robot, r);
-  return recordings;
-}
-
 void giveTimesBack(const Times& times, std::vector<identification::Observation>& observations) {
   for (std::size_t k = 0; k < observations.size(); ++k)
     observations[k].row_time_s = times[k];
-}
-
-void refuseBadFiles(const Arguments& a) {
-  std::set<std::string> names;
-  for (const std::string& file : a.validate) {
-    if (std::find(a.train.begin(), a.train.end(), file) != a.train.end())
-      throw InputError(file + ": is given for training and for validation; choose another recording to validate with");
-    const std::string name = file.substr(file.find_last_of('/') + 1);
-    if (!names.insert(name).second)
-      throw InputError(file + ": another validation file is named " + name + " too; rename one");
-  }
-}
-
-/// The cut-off that is used, and why.
-recording::CutoffChoice cutoffOf(const Arguments& a, const std::vector<recording::Recording>& training) {
-  std::vector<const recording::Recording*> list;
-  for (const recording::Recording& recording : training)
-    list.push_back(&recording);
-  recording::CutoffChoice choice = recording::chooseCutoff(list);
-  if (a.cutoff_hz == 0.0) return choice;
-  choice.cutoff_hz = a.cutoff_hz;
-  choice.sentence =
-      "Cut-off " + shortNumber(choice.cutoff_hz, 3) + " Hz, as was asked for. The rule: " + choice.sentence;
-  return choice;
 }
 
 /// What a prediction along recordings needs.
@@ -180,7 +147,7 @@ tracing::PoseTraceOptions poseOptions(const mechanism::Robot& robot, const traci
 /// Reads, observes and adapts what the search may see; the robot's units and encoder steps are read off it.
 std::vector<recording::Recording> readTraining(const Arguments& a, mechanism::Robot& robot, report::TraceResults& r,
                                                recording::CutoffChoice& cutoff, Times& times) {
-  std::vector<recording::Recording> read = readAll(a.train, times);
+  std::vector<recording::Recording> read = readWithoutPauses(a.train, times);
   identification::adaptToRecordings(robot, read);
   identification::takeRecordedSteps(robot, read);
   if (!a.model.empty()) {
@@ -189,8 +156,8 @@ std::vector<recording::Recording> readTraining(const Arguments& a, mechanism::Ro
     dynamics::requireModelOf(r.options.start->model, a.model, robot);
     identification::takeGains(r.options.start->model, robot);
   }
-  std::vector<recording::Recording> train = inUnits(robot, read);
-  cutoff = cutoffOf(a, train);
+  std::vector<recording::Recording> train = nodes::inUnits(robot, read);
+  cutoff = nodes::cutoffOf(train, a.cutoff_hz);
   if (r.options.start) {
     cutoff.cutoff_hz = r.options.start->model.cutoff_hz;
     cutoff.sentence = "Cut-off " + shortNumber(cutoff.cutoff_hz, 3) + " Hz, of the given model.";
@@ -199,7 +166,7 @@ std::vector<recording::Recording> readTraining(const Arguments& a, mechanism::Ro
   const std::vector<identification::Column> columns = identification::columnsOf(robot);
   r.train = identification::observeAll(robot, columns, train, r.options.observation);
   if (identification::gainsByUrdf(robot, r.train, r.options.observation)) {
-    train = inUnits(robot, read);
+    train = nodes::inUnits(robot, read);
     r.train = identification::observeAll(robot, columns, train, r.options.observation);
   }
   return train;
@@ -256,7 +223,7 @@ void noteSeenRecordings(report::TraceResults& r) {
 
 int run(const Arguments& a, const std::string& command_line) {
   report::Page("trace");  // what the report needs and is missing is said before the work
-  refuseBadFiles(a);
+  nodes::requireFitAndValidation(a.train, a.validate);
   report::TraceResults r;
   r.command_line = command_line;
   r.robot_path = a.robot;
@@ -267,7 +234,8 @@ int run(const Arguments& a, const std::string& command_line) {
   Times train_times, validate_times;
   recording::CutoffChoice cutoff;
   const std::vector<recording::Recording> train = readTraining(a, robot, r, cutoff, train_times);
-  const std::vector<recording::Recording> validate = inUnits(robot, readAll(a.validate, validate_times));
+  const std::vector<recording::Recording> validate =
+      nodes::inUnits(robot, readWithoutPauses(a.validate, validate_times));
   r.validate = identification::observeAll(robot, identification::columnsOf(robot), validate, r.options.observation);
 
   r.result = tracing::trace(robot, train, r.train, r.options);

@@ -4,6 +4,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <csignal>
@@ -125,6 +126,39 @@ TEST(IdentifyProgram, EndsWithTwoOnBadInput) {
   const TemporaryFolder folder;
   const Ended ended = identify(folder, writeBenchRobot(folder), folder / "absent.csv");
   EXPECT_EQ(ended.status, 2) << ended.errors;
+}
+
+/// Whatever it is called: by another path, through a link, as a copy.
+TEST(IdentifyProgram, AndTraceRefuseToValidateAModelWithWhatItIsFittedTo) {
+  const TemporaryFolder folder;
+  const fs::path robot = writeBenchRobot(folder), train = writeRecording(folder, 5.0, sineMotion, rubbing);
+  const fs::path copy = folder / "copy.csv", link = folder / "link.csv", other = folder / "other.csv";
+  fs::copy_file(train, copy);
+  fs::create_symlink(train, link);
+  std::ofstream(other) << contentOf(train) << "5.0,0.2,0.2,1,0.2,0.2,1\n";
+  const auto validate = [&](const std::string& program, const std::string& with) {
+    const fs::path errors = folder / "errors.txt";
+    const std::string command = program + " --robot " + robot.string() + " --train " + train.string() + " --output " +
+                                (folder / "out").string() + " --validate " + with + " > /dev/null 2> " +
+                                errors.string();
+    const int status = WEXITSTATUS(std::system(command.c_str()));
+    return Ended{status, contentOf(errors)};
+  };
+  const std::string by_another_path = train.parent_path().string() + "/./" + train.filename().string();
+  for (const std::string program : {KNEE_IDENTIFY, KNEE_TRACE}) {
+    for (const std::string& again : {train.string(), by_another_path, copy.string(), link.string()}) {
+      const Ended ended = validate(program, other.string() + " " + again);
+      EXPECT_EQ(ended.status, 2) << again << ": " << ended.errors;
+      EXPECT_NE(ended.errors.find(again + ": is the recording that the model is fitted to"), std::string::npos)
+          << ended.errors;
+      EXPECT_EQ(std::count(ended.errors.begin(), ended.errors.end(), '\n'), 1) << ended.errors;
+    }
+    fs::create_directory(folder / "beside");
+    fs::copy_file(other, folder / "beside" / "other.csv", fs::copy_options::overwrite_existing);
+    const Ended twice = validate(program, other.string() + " " + (folder / "beside" / "other.csv").string());
+    EXPECT_EQ(twice.status, 2) << twice.errors;
+    EXPECT_NE(twice.errors.find("another validation file is named other too"), std::string::npos) << twice.errors;
+  }
 }
 
 /// Ctrl-C while it searches: the best so far is written whole, and that is a plan like any other: status 0.

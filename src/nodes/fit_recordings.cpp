@@ -1,0 +1,58 @@
+#include "fit_recordings.h"
+
+#include <filesystem>
+#include <iostream>
+#include <map>
+#include <set>
+
+#include "knee_robot/base/errors.h"
+#include "knee_robot/base/files.h"
+#include "knee_robot/base/numbers.h"
+#include "knee_robot/identification/recording_units.h"
+
+namespace knee_robot::nodes {
+
+void requireFitAndValidation(const std::vector<std::string>& train, const std::vector<std::string>& validate) {
+  if (validate.empty()) return;
+  std::map<std::string, std::string> fitted;  // by what is in them: a path can be written in many ways
+  for (const std::string& file : train)
+    fitted.emplace(fingerprint(readFile(file)), file);
+  std::set<std::string> names;
+  for (const std::string& file : validate) {
+    if (const auto same = fitted.find(fingerprint(readFile(file))); same != fitted.end()) {
+      throw InputError(file + ": is the recording that the model is fitted to" +
+                       (same->second == file ? "" : " (as " + same->second + ")") +
+                       "; choose another one to validate with");
+    }
+    const std::string name = std::filesystem::path(file).stem().string();
+    if (!names.insert(name).second) {
+      throw InputError(file + ": another validation file is named " + name + " too, and both would write prediction_" +
+                       name + ".csv; rename one");
+    }
+  }
+}
+
+std::vector<recording::Recording> readAll(const std::vector<std::string>& files) {
+  for (const std::string& file : files)
+    std::cerr << "reading " << file << std::endl;
+  return identification::readRecordings(files);
+}
+
+std::vector<recording::Recording> inUnits(mechanism::Robot& robot, std::vector<recording::Recording> recordings) {
+  for (recording::Recording& r : recordings)
+    identification::toActuatorUnits(robot, r);
+  return recordings;
+}
+
+recording::CutoffChoice cutoffOf(const std::vector<recording::Recording>& training, double given_hz) {
+  std::vector<const recording::Recording*> list;
+  for (const recording::Recording& recording : training)
+    list.push_back(&recording);
+  recording::CutoffChoice choice = recording::chooseCutoff(list);
+  if (given_hz <= 0.0) return choice;
+  choice.sentence = "Cut-off " + shortNumber(given_hz, 3) + " Hz, as was asked for. The rule: " + choice.sentence;
+  choice.cutoff_hz = given_hz;
+  return choice;
+}
+
+}  // namespace knee_robot::nodes

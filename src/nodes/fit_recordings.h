@@ -1,0 +1,27 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "knee_robot/mechanism/robot.h"
+#include "knee_robot/recording/cutoff.h"
+#include "knee_robot/recording/recording.h"
+
+namespace knee_robot::nodes {
+
+/// What identify and trace do with the recordings that they are given, before they differ.
+
+/// A recording that the model is fitted to cannot validate it, under whatever name; and prediction_NAME.csv must be one
+/// file per validation recording. Throws InputError. Reads all of them: before the work, which may take minutes.
+void requireFitAndValidation(const std::vector<std::string>& train, const std::vector<std::string>& validate);
+
+/// As they are in their files; says on standard error which is being read.
+std::vector<recording::Recording> readAll(const std::vector<std::string>& files);
+
+/// In metres and newtons of the robot's actuators.
+std::vector<recording::Recording> inUnits(mechanism::Robot& robot, std::vector<recording::Recording> recordings);
+
+/// The low-pass of both sides: chosen on training recordings, unless it was `given_hz` (0: it was not).
+recording::CutoffChoice cutoffOf(const std::vector<recording::Recording>& training, double given_hz);
+
+}  // namespace knee_robot::nodes
