@@ -25,17 +25,6 @@ std::vector<double> valuesOf(const std::vector<EffectParameter>& parameters) {
   return values;
 }
 
-/// A ripple has a sine and a cosine per training recording. What another recording has of them: their mean, times the
-/// share of it that the training recordings support by agreeing (as tracing's effects/common/ripple.cpp).
-std::vector<double> commonPhase(const std::vector<double>& each) {
-  const Eigen::Index recordings = static_cast<Eigen::Index>(each.size() / 2);
-  const Eigen::Map<const Eigen::Matrix2Xd> pairs(each.data(), 2, recordings);
-  const Eigen::Vector2d mean = pairs.rowwise().mean();
-  const double spread = (pairs.colwise() - mean).squaredNorm() / static_cast<double>(recordings - 1);
-  const double support = 1.0 - spread / std::max(1e-300, static_cast<double>(recordings) * mean.squaredNorm());
-  return {support * mean[0], support * mean[1]};
-}
-
 class Reader {
  public:
   Reader(const mechanism::Robot& robot, ActingEffects& to) : robot_(robot), to_(to) {}
@@ -50,10 +39,7 @@ class Reader {
         throw InputError("effect " + displayName(e) + " is not known, or has other numbers; trace again");
       return leaveOut(e, reason);
     }
-    if ((e.name == "screw_ripple" || e.name == "load_ripple") && coefficients.size() > 2)
-      coefficients = commonPhase(coefficients);
-    // Beyond its own: how warm each recording began.
-    if (e.name == "thermal_drift" && coefficients.size() > 2) coefficients.resize(2);
+    coefficients = law->inOtherRecordings(std::move(coefficients));
     if (coefficients.size() != static_cast<std::size_t>(law->coefficients()) || e.actuators.empty() ||
         (law->shared() && !robot_.mechanism)) {
       throw InputError("effect " + displayName(e) + " has " + std::to_string(coefficients.size()) +

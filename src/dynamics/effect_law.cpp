@@ -23,6 +23,9 @@ class SmoothNearRest : public EffectLaw {
   SmoothNearRest(Law law, double speed_m_per_s) : law_(std::move(law)), speed_m_per_s_(speed_m_per_s) {}
   EffectPart part() const noexcept override { return law_->part(); }
   int coefficients() const noexcept override { return law_->coefficients(); }
+  std::vector<double> inOtherRecordings(std::vector<double> coefficients) const override {
+    return law_->inOtherRecordings(std::move(coefficients));
+  }
   void columns(const EffectInstant& at, EffectState& state, EffectColumns& out) const noexcept override {
     EffectInstant own = at;
     own.share = std::tanh(at.velocity_m_per_s[at.actuator] / speed_m_per_s_);
@@ -62,6 +65,9 @@ constexpr Entry kLaws[] = {
 
 }  // namespace
 
+std::vector<double> EffectLaw::inOtherRecordings(std::vector<double> coefficients) const {
+  return coefficients;
+}
 void EffectLaw::columns(const EffectInstant&, EffectState&, EffectColumns&) const noexcept {}
 void EffectLaw::poseColumns(const mechanism::Mechanism&, const mechanism::Motion&, PoseColumns&) const noexcept {}
 void EffectLaw::rest(double, EffectState& state) const noexcept {

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
 
 #include "knee_robot/base/errors.h"
@@ -105,6 +106,31 @@ TEST(ActingEffects, TakeTheNumbersForOtherRecordings) {
   const ActingEffects effects(m, robot);
   EXPECT_TRUE(effects.acting.empty());
   EXPECT_EQ(effects.gain[1], 0.2);
+}
+
+TEST(ActingEffects, TakeOfNumbersForEachTrainingRecordingThoseForAnyOther) {
+  const mechanism::Robot robot = robotA();
+  const auto coefficientsOf = [&](const ModelEffect& e) {
+    const ActingEffects effects(fake::tracedModelOf(robot, {e}), robot);
+    EXPECT_EQ(effects.acting.size(), 1u) << e.name;
+    return std::array<double, 2>{effects.acting.at(0).coefficients[0], effects.acting.at(0).coefficients[1]};
+  };
+  using Two = std::array<double, 2>;
+  for (const ModelEffect& ripple : {effect("screw_ripple", 3, {0.01, 0.0}, {}), effect("load_ripple", 3, {0.01}, {})}) {
+    const auto with = [&](const std::vector<double>& coefficients) {
+      ModelEffect e = ripple;
+      for (const double value : coefficients)
+        e.coefficients.push_back({"coefficient", value});
+      return coefficientsOf(e);
+    };
+    EXPECT_EQ(with({2.0, 1.0}), (Two{2.0, 1.0}));
+    EXPECT_EQ(with({2.0, 1.0, 2.0, 1.0}), (Two{2.0, 1.0})) << "they agree: " << ripple.name;
+    EXPECT_NEAR(with({3.0, 0.0, 1.0, 0.0})[0], 2.0 * (1.0 - 2.0 / 8.0), 1e-12) << ripple.name;
+  }
+  const std::vector<double> how_warm_each_began = {-3.0, -20.0, 0.7, 0.1};
+  EXPECT_EQ(coefficientsOf(effect("thermal_drift", 2, {40.0}, how_warm_each_began)), (Two{-3.0, -20.0}));
+  EXPECT_EQ(coefficientsOf(effect("thermal_drift", 2, {20.0, 2.0, 0.001}, how_warm_each_began)), (Two{-3.0, -20.0}))
+      << "with a law near rest of its own";
 }
 
 TEST(ActingEffects, RefuseAnEffectThatIsUnknownOrHasOthersNumbers) {

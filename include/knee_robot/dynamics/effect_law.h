@@ -63,6 +63,8 @@ class EffectLaw {
   virtual ~EffectLaw() = default;
   virtual EffectPart part() const noexcept = 0;
   virtual int coefficients() const noexcept { return 1; }
+  /// Of a model file's coefficients, where some belong to one training recording each: those of any other recording.
+  virtual std::vector<double> inOtherRecordings(std::vector<double> coefficients) const;
   /// True: acts on the pose, and so on all actuators together.
   virtual bool shared() const noexcept { return false; }
   /// Force (N) of the actuator per unit of each coefficient. To be called once per instant, in order of time, where

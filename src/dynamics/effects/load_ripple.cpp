@@ -1,5 +1,6 @@
 #include <cmath>
 
+#include "common_phase.h"
 #include "laws.h"
 
 namespace knee_robot::dynamics {
@@ -11,6 +12,9 @@ class LoadRipple : public EffectLaw {
   explicit LoadRipple(const Shape& shape) : turn_per_m_(2.0 * M_PI / shape[0]) {}
   EffectPart part() const noexcept override { return EffectPart::Carried; }
   int coefficients() const noexcept override { return 2; }
+  std::vector<double> inOtherRecordings(std::vector<double> coefficients) const override {
+    return commonPhase(coefficients);
+  }
   void columns(const EffectInstant& at, EffectState&, EffectColumns& out) const noexcept override {
     const double phase = turn_per_m_ * at.position_m[at.actuator];
     out[0] = at.load_N * std::sin(phase);

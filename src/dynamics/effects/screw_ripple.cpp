@@ -1,5 +1,6 @@
 #include <cmath>
 
+#include "common_phase.h"
 #include "laws.h"
 
 namespace knee_robot::dynamics {
@@ -11,6 +12,9 @@ class ScrewRipple : public EffectLaw {
   explicit ScrewRipple(const Shape& shape) : turn_per_m_(2.0 * M_PI / shape[0]), of_friction_(shape[1] > 0.5) {}
   EffectPart part() const noexcept override { return of_friction_ ? EffectPart::Friction : EffectPart::Carried; }
   int coefficients() const noexcept override { return 2; }
+  std::vector<double> inOtherRecordings(std::vector<double> coefficients) const override {
+    return commonPhase(coefficients);
+  }
   void columns(const EffectInstant& at, EffectState&, EffectColumns& out) const noexcept override {
     const double phase = turn_per_m_ * at.position_m[at.actuator];
     const double factor = of_friction_ ? at.share : 1.0;

@@ -10,6 +10,11 @@ class ThermalDrift : public EffectLaw {
   ThermalDrift(double time_constant_s, Heat heated_by) : time_constant_s_(time_constant_s), heated_by_(heated_by) {}
   EffectPart part() const noexcept override { return EffectPart::Friction; }
   int coefficients() const noexcept override { return 2; }
+  /// Beyond its own: how warm each recording began.
+  std::vector<double> inOtherRecordings(std::vector<double> coefficients) const override {
+    if (coefficients.size() > 2) coefficients.resize(2);
+    return coefficients;
+  }
   void columns(const EffectInstant& at, EffectState& state, EffectColumns& out) const noexcept override {
     const double velocity_m_per_s = at.velocity_m_per_s[at.actuator];
     Warmth warmth{state.value};
