@@ -209,8 +209,7 @@ Answer ControlSystem::saveGuided(const std::string& path) {
 }
 
 Answer ControlSystem::loadReference(const trajectory::Reference& reference) {
-  const MachineState now = state();
-  if (now == MachineState::Playing || now == MachineState::Stopping || now == MachineState::Paused) {
+  if (isOnPath(state())) {
     return {false, "a reference is being played; stop it before another one is loaded"};
   }
   const OccupancyRecord::Hold hold(parts_->occupancy);

@@ -7,8 +7,8 @@
 namespace knee_robot::control {
 namespace {
 
-constexpr double kGravity = 9.81;
-constexpr double kMoves = 0.95;  // of ResidualEstimator::Estimate::moving: friction is certain
+constexpr double kLeastGravity = 0.1;  // m/s^2; below it nothing has a weight
+constexpr double kMoves = 0.95;        // of ResidualEstimator::Estimate::moving: friction is certain
 constexpr double kMostlyMoves = 0.8;
 constexpr double kBegun_s = 0.05;     // of weight: what is there at the start is no push
 constexpr double kPushWeight = 0.01;  // at rest; kRestWeight without a push
@@ -51,7 +51,8 @@ void DisturbanceClassifier::estimateLoad(const ForceKnowledge& knowledge, const 
   const double carried = std::abs(mean_[1]) / std::max(kLoad * friction[1], limit[1]);
   const bool steady = weight_s_ > kKnown * kMean_s && std::abs(mean_[0]) < limit[0] + 0.5 * std::abs(mean_[1]);
   out_.carries = steady && carried > (out_.carries ? kHysteresis : 1.0);
-  out_.load_kg = -mean_[1] / kGravity;
+  const double gravity = knowledge.parts.gravity.norm();
+  out_.load_kg = gravity > kLeastGravity ? -mean_[1] / gravity : 0.0;
   out_.load_m = carried > kHysteresis ? -mean_[2] / mean_[1] : 0.0;
 }
 

@@ -10,7 +10,6 @@
 namespace knee_robot::control {
 namespace {
 
-/// After a pause of the machine nothing may be switched in one step.
 /// Between two evaluations of the model.
 constexpr double kShortestPeriod_s = 1e-6, kLongestPeriod_s = 0.1;
 

@@ -14,10 +14,6 @@ namespace {
 constexpr double kPlayerAnswer_s = 1.0;
 constexpr double kSlowestApproach = 0.001, kFastestApproach = 0.05;  // m/s
 
-bool isOnPath(MachineState state) {
-  return state == MachineState::Playing || state == MachineState::Paused || state == MachineState::Stopping;
-}
-
 AxisValues rowOf(const trajectory::Points& lengths, Eigen::Index k) {
   AxisValues row{};
   for (std::size_t i = 0; i < hardware::kAxes; ++i)

@@ -198,11 +198,8 @@ int bringDownNow(const Options& options) {
 }
 
 control::GuardianCarry carryOf(const control::HardwareFile& file) {
-  double slowest_s = 0.0;
-  for (const auto& axis : file.axes)
-    slowest_s = std::max(slowest_s, axis.hold_delay_s);
   return {static_cast<std::uint8_t>(1u << file.drive_enable_bit), static_cast<std::uint8_t>(1u << file.heartbeat_bit),
-          rt::fromSeconds(slowest_s)};
+          rt::fromSeconds(file.holdDelay())};
 }
 
 int run(const Options& options) {

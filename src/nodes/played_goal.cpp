@@ -15,11 +15,6 @@ constexpr double kFeedbackPeriod = 0.1;  // s
 constexpr double kLongestStop = 30.0;    // s, from the largest speed to rest, with room
 constexpr double kApproachSpeed = 0.01;  // m/s
 
-bool isOnPath(control::MachineState state) {
-  return state == control::MachineState::Playing || state == control::MachineState::Stopping ||
-         state == control::MachineState::Paused;
-}
-
 }  // namespace
 
 std::string nameAfterTheTime() {
@@ -88,7 +83,7 @@ control::Answer PlayedGoal::play() {
 /// Until the path is at its end, or is ended by whatever.
 control::Answer PlayedGoal::follow(const std::string& phase, bool measure) {
   control::ControlStatus status = system_.status();
-  while (isOnPath(status.state)) {
+  while (control::isOnPath(status.state)) {
     if (measure) {
       measureErrors();
       result_.path_time_s = status.path_time_s;
@@ -116,11 +111,12 @@ control::Answer PlayedGoal::breakOff() {
   const std::string who = why == Interruption::Preempted   ? "preempted by a newer goal"
                           : why == Interruption::Cancelled ? "cancelled"
                                                            : "the controller's interface is ending";
-  if (!isOnPath(system_.state())) return {false, who + "; the robot is " + control::toString(system_.state())};
+  if (!control::isOnPath(system_.state())) return {false, who + "; the robot is " + control::toString(system_.state())};
   const control::Answer stopped = system_.stopPath();
-  if (!stopped.ok && isOnPath(system_.state())) return {false, who + ", but the stop was refused: " + stopped.sentence};
+  if (!stopped.ok && control::isOnPath(system_.state()))
+    return {false, who + ", but the stop was refused: " + stopped.sentence};
   const ros::SteadyTime give_up = ros::SteadyTime::now() + ros::WallDuration(kLongestStop);
-  while (isOnPath(system_.state()) && ros::SteadyTime::now() < give_up) {
+  while (control::isOnPath(system_.state()) && ros::SteadyTime::now() < give_up) {
     feedBack("stopping", system_.status());
     std::this_thread::sleep_for(kPoll);
   }

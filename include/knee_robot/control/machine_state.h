@@ -23,6 +23,10 @@ enum class MachineState : std::uint8_t {
 };
 inline constexpr int kMachineStates = 10;
 const char* toString(MachineState state) noexcept;
+/// Sync plays a path, or rests on it.
+constexpr bool isOnPath(MachineState state) noexcept {
+  return state == MachineState::Playing || state == MachineState::Paused || state == MachineState::Stopping;
+}
 
 /// What the operator may ask for.
 enum class RequestKind : std::uint8_t {

@@ -5,7 +5,8 @@
 namespace knee_robot::control {
 
 /// What a monitor sees of one axis in one cycle. Monitors are small state machines of their own: step() answers whether
-/// their limit is broken now, reset() forgets. Pure, real-time safe; what is not a number counts as broken.
+/// their limit is broken now, reset() forgets. Pure, real-time safe. What is not a number counts as broken, except for
+/// StallMonitor and RunawayMonitor, which compare several of these: others see it first.
 struct AxisView {
   double dt = 0.0;         ///< s since the last measurement, over skipped cycles too
   double moved_m = 0.0;    ///< by the encoder, since then

@@ -7,12 +7,13 @@
 #include <vector>
 
 #include "knee_robot/control/axis_data.h"
+#include "knee_robot/trajectory/reference_file.h"
 
 namespace knee_robot::control {
 
-/// What Sync plays: points kPointPeriod apart, with what was calculated from them beforehand.
+/// What Sync plays: points kPointPeriod_s apart, as references are streamed, with what was calculated from them beforehand.
 struct ReferencePath {
-  static constexpr double kPointPeriod_s = 0.01;
+  static constexpr double kPointPeriod_s = trajectory::kStreamPeriod;
 
   std::vector<AxisValues> points;      ///< m
   std::vector<AxisValues> velocities;  ///< m/s at the points: central differences, zero at both ends

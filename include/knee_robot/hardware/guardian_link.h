@@ -33,7 +33,7 @@ struct GuardianLink {
   std::atomic<std::uint64_t> machine{0};     ///< machineMark() of what it brings down; 0: it has not said
 };
 
-/// A machine's name (HardwareFile::machine()) as a number that is not 0.
+/// A machine's name (nodes::machineName()) as a number that is not 0.
 std::uint64_t machineMark(const std::string& machine) noexcept;
 
 /// A GuardianLink in POSIX shared memory. Whoever comes first creates it; it outlives each of the two, so a guardian
