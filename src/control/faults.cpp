@@ -137,6 +137,14 @@ constexpr std::array<FaultDescription, kFaults> kTable = {{
      kLost, kOne, "look which drive's ready contact is open, at its supply and at the fault that it shows"},
 }};
 
+constexpr bool isInOrder() {
+  for (std::size_t i = 0; i < kTable.size(); ++i) {
+    if (kTable[i].fault != static_cast<Fault>(i)) return false;
+  }
+  return true;
+}
+static_assert(isInOrder(), "a row for every Fault, in the order of their numbers, and kFaults of them");
+
 }  // namespace
 
 const FaultDescription& describe(Fault fault) noexcept {

@@ -37,14 +37,8 @@ bool Monitors::startHook() {
 }
 
 void Monitors::forget() noexcept {
-  for (Axis& axis : axes_) {
-    axis.frozen.reset();
-    axis.velocity.reset();
-    axis.acceleration.reset();
-    axis.stall.reset();
-    axis.runaway.reset();
-    axis.saturation.reset();
-  }
+  for (Axis& axis : axes_)
+    axis.reset();
   out_.asks.fill(false);
   patient_monitor_.reset();
   too_strong_.reset();

@@ -155,6 +155,16 @@ class Monitors : public rt::TaskContext {
     ThermalMonitor thermal;
     double force_limit_N = 0.0;
     std::int64_t last_counts = 0;
+
+    /// What is seen while the Drivers carry begins anew. Jumps and soft limits remember nothing, and heat stays.
+    void reset() noexcept {
+      frozen.reset();
+      velocity.reset();
+      acceleration.reset();
+      stall.reset();
+      runaway.reset();
+      saturation.reset();
+    }
   };
 
   void readPorts();

@@ -1,17 +1,20 @@
 #pragma once
 
+#include <array>
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "knee_robot/hardware/channels.h"
+#include "knee_robot/hardware/io_status.h"
 #include "knee_robot/hardware/register_access.h"
 
 namespace knee_robot::hardware {
 
 /// Driver of the PCI-1720 in its +-10 V range and synchronous mode: codes are staged channel by channel, one more write
 /// moves all four outputs at once. A command that fails before that write leaves all outputs as they were.
-class Pci1720 : public AnalogOutput {
+class Pci1720 {
  public:
   /// `registers` must outlive this. With a board id, another id at the card is an error.
   explicit Pci1720(RegisterAccess& registers, std::optional<int> board_id = std::nullopt);
@@ -24,8 +27,8 @@ class Pci1720 : public AnalogOutput {
   /// moves straight from what it held to 0 V.
   bool initialise(std::vector<std::string>& findings);
 
-  IoStatus writeVolts(const std::array<double, kChannels>& volts,
-                      std::array<double, kChannels>& written) noexcept override;
+  /// As AxisBus::writeVolts. Real-time safe.
+  IoStatus writeVolts(const std::array<double, kChannels>& volts, std::array<double, kChannels>& written) noexcept;
 
   /// Code for `volts` (finite) in the +-10 V range, clamped and rounded to the nearest step of 20 V / 4096.
   static std::uint16_t codeFor(double volts) noexcept;

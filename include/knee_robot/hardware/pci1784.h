@@ -1,17 +1,20 @@
 #pragma once
 
+#include <array>
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "knee_robot/hardware/channels.h"
+#include "knee_robot/hardware/io_status.h"
 #include "knee_robot/hardware/register_access.h"
 
 namespace knee_robot::hardware {
 
 /// Driver of the PCI-1784: four x4 quadrature counters latched by software at one instant, four digital outputs and
 /// inputs.
-class Pci1784 : public EncoderCounter, public DigitalOutput, public DigitalInput {
+class Pci1784 {
  public:
   /// Board id and input filter.
   struct Options {
@@ -29,9 +32,11 @@ class Pci1784 : public EncoderCounter, public DigitalOutput, public DigitalInput
   /// and a tremble of two counts at a standing axis is allowed.
   bool initialiseCounters(std::vector<std::string>& findings);
 
-  IoStatus readCounts(std::array<std::int32_t, kChannels>& counts) noexcept override;
-  IoStatus writeOutputs(std::uint8_t bits) noexcept override;
-  IoStatus readInputs(std::uint8_t& bits) noexcept override;
+  /// All three real-time safe. Counts of one instant; `counts` is untouched unless Ok.
+  IoStatus readCounts(std::array<std::int32_t, kChannels>& counts) noexcept;
+  /// Bits 0 to 3, as are the inputs'.
+  IoStatus writeOutputs(std::uint8_t bits) noexcept;
+  IoStatus readInputs(std::uint8_t& bits) noexcept;
 
  private:
   IoStatus checkPresence() noexcept;
