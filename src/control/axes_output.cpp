@@ -27,7 +27,7 @@ bool AxesOutput::configureHook() {
   SafeStopTiming timing;
   timing.decelerate_limit = rt::fromSeconds(decelerate_limit);
   timing.settle = rt::fromSeconds(settle_time);
-  // Shorted windings let the platform sink by their nature, and nothing else has to be expected of nothing.
+  // Shorted windings let the platform sink, and `none` does not hold at all: there is nothing to watch.
   const auto is_brake = [](const HardwareFile::Axis& axis) { return axis.hold_device == HoldDevice::Brake; };
   const bool brakes = std::all_of(hardware_.axes.begin(), hardware_.axes.end(), is_brake);
   timing.transfer = brakes ? rt::fromSeconds(transfer_time) : 0;
@@ -132,8 +132,7 @@ void AxesOutput::followOrders(const rt::Cycle& cycle) {
   out_.level = next;
   if (next != DriveLevel::HeldByDrivers) return;
   for (std::size_t i = 0; i < hardware::kAxes; ++i) {
-    load_volts_[i] =
-        commands_[i].volts;  // what the feedforward knows; the first second is no time to start from nothing
+    load_volts_[i] = commands_[i].volts;  // start from the feedforward's force: the filters need a second to settle
     rest_volts_[i] = load_volts_[i];
   }
 }
@@ -229,7 +228,7 @@ void AxesOutput::writeOutputs(rt::Nanoseconds now) {
   beginSafeStop(faultOfRefusal(status), 0, now);
 }
 
-/// What carries the platform at this place, for an axis whose loop fails.
+/// What carries the platform at this place, for an axis whose loop fails; also while a safe stop settles or carries.
 void AxesOutput::estimateLoad(double dt) noexcept {
   const bool idle = safe_stop_.phase() == SafeStopPhase::Idle;
   const bool stands = safe_stop_.phase() == SafeStopPhase::Settling || safe_stop_.phase() == SafeStopPhase::Carrying;

@@ -14,7 +14,7 @@ namespace {
 
 constexpr double kQuick_s = 1.0;
 constexpr double kEnable_s = 12.0;
-const Answer kBeingChanged{false, "who is on the robot was just being changed; try again"};
+const Answer kBeingChanged{false, "the occupancy is being changed; try again"};
 
 }  // namespace
 

@@ -9,7 +9,7 @@ using F = Fault;
 constexpr ResetRule kAtOnce = ResetRule::OnRequest;
 constexpr ResetRule kWhenGone = ResetRule::WhenCauseIsGone;
 constexpr Loop kWorks = Loop::Works;
-constexpr Loop kLost = Loop::Lost;  // a loop that shakes itself counts as lost, too: it must not go on
+constexpr Loop kLost = Loop::Lost;  // an oscillating loop counts as lost, too
 constexpr StopCategory kNoStop = StopCategory::None;
 constexpr StopCategory kZero = StopCategory::Zero;
 constexpr StopCategory kOne = StopCategory::One;
@@ -45,7 +45,7 @@ constexpr std::array<FaultDescription, kFaults> kTable = {{
     {F::EnableTimeout, "enable_timeout", "the drives could not be enabled in time", kAtOnce, kWorks, kOne,
      "look at the states of the components and at the drives"},
     {F::EmergencyStop, "emergency_stop", "emergency stop", kWhenGone, kWorks, kZero, "release the emergency stop"},
-    {F::GuardianActed, "guardian_acted", "the guardian found the controller silent and took its outputs away",
+    {F::GuardianActed, "guardian_acted", "the guardian found the controller silent and took over its outputs",
      kWhenGone, kWorks, kZero, "look for what stopped the controller; resetting asks the guardian for the outputs"},
     {F::NotReset, "not_reset", "the controller has just started and nobody has reset it yet", kWhenGone, kWorks, kOne,
      "look at the robot, then reset"},
@@ -120,7 +120,7 @@ constexpr std::array<FaultDescription, kFaults> kTable = {{
     {F::InputsStale, "inputs_stale",
      "the drive that reads emergency stop and hand switch does not report them any more", kWhenGone, kWorks, kOne,
      "check that drive's power, cable and PDO 2"},
-    {F::DriveTorque, "drive_torque", "the drive reports another torque than it was told to give", kAtOnce, kLost, kOne,
+    {F::DriveTorque, "drive_torque", "the drive reports a torque other than the commanded one", kAtOnce, kLost, kOne,
      "check the drive's limits and settings, its motor cable and the motor"},
     {F::PatientForce, "patient_force",
      "the platform presses harder than the patient file allows, or somebody presses against it", kAtOnce, kWorks, kOne,

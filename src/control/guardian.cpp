@@ -107,7 +107,7 @@ bool Guardian::writeCarry() noexcept {
   return outputs_.carry(bits, load_V_) == hardware::IoStatus::Ok;
 }
 
-/// Written again every cycle: the fence is no wall to a write that was under way.
+/// A write already in progress passes the fence; so write again every cycle.
 void Guardian::keepDown(rt::Nanoseconds now) noexcept {
   if (now < carry_until_ && writeCarry()) return;
   const hardware::IoStatus status = outputs_.down();

@@ -15,7 +15,7 @@ PatientMonitor::Verdict PatientMonitor::step(const PatientRange& range, const st
   pose_ = found.pose;
   if (!range.contains(pose_, margin_m, margin_rad)) return Verdict::Pose;
   keep();
-  // Until the window has filled, the way of less than the window counts as that of the whole: a start is no speed.
+  // Until the window is full, divide by the full window, so that a start is not taken for speed.
   const Passed& oldest = passed_[kept_ < kSteps ? 0 : kept_ % kSteps];
   const mechanism::Vector4 speed = (pose_ - oldest.pose) / std::max(kWindow_s, time_ - oldest.time);
   return range.allowsSpeed(speed, speed_factor) ? Verdict::Fine : Verdict::Speed;

@@ -35,7 +35,7 @@ OccupancyRecord::Hold::~Hold() {
 Answer OccupancyRecord::beginChange() {
   const std::lock_guard<std::mutex> lock(mutex_);
   if (holds_ > 0) return {false, "not possible while something is asked of the robot; try again"};
-  if (changing_) return {false, "somebody else is just saying who is on the robot; try again"};
+  if (changing_) return {false, "another client is changing the occupancy; try again"};
   changing_ = true;
   return {true, ""};
 }
@@ -89,7 +89,7 @@ void OccupancyRecord::recall(const mechanism::Robot& robot, bool declared_empty,
 
 std::string OccupancyRecord::whyNobodyMoves() const {
   const std::lock_guard<std::mutex> lock(mutex_);
-  if (changing_) return "who is on the robot is just being changed; try again";
+  if (changing_) return "the occupancy is being changed; try again";
   if (occupancy_ != Occupancy::Unknown) return "";
   const std::string why =
       "nobody has said who is on the robot: load the patient's file (load_patient), or declare that "

@@ -86,7 +86,7 @@ Answer sentenceOf(const RequestAnswer& answer, const ControlStatus& now, HomingM
     case RequestResult::SwitchNotHeld:
       return {false, "the enabling switch is not held: hold it, then ask again"};
     case RequestResult::SwitchNotReleased:
-      return {false, "the enabling switch was not let go of since the robot was enabled or the platform was guided last"};
+      return {false, "release the enabling switch first: it has been held since enabling or the last guiding"};
     case RequestResult::GuideRefused:
       return {false, now.guiding};
     case RequestResult::TooLate:

@@ -200,7 +200,7 @@ void Supervisor::stop(const Request& asked) noexcept {
   if (state_ == MachineState::Playing || state_ == MachineState::Paused || about_to_play)
     state_ = MachineState::Stopping;
   if (state_ == MachineState::Guiding) state_ = MachineState::Holding;
-  // Whoever waits for the safe stop waits for more than that, and gets it.
+  // A caller waiting for the safe stop gets more than a stop; its request is not superseded.
   if (state_ != MachineState::SafeStopping) answers_.settle(RequestResult::Superseded);
   if (state_ == MachineState::Homing) state_ = MachineState::SafeStopping;
   answers_.answer(asked.number, RequestResult::Done);

@@ -40,7 +40,7 @@ rt::PortBase* findWatchablePort(const rt::Deployment& deployment, const std::str
   }
   if (control::portValueNames(port->type()).empty()) {
     sentence =
-        name + " carries " + port->typeName() + ", whose numbers nobody has named; see docs/extending.md, A component";
+        name + " carries " + port->typeName() + ", which has no field names yet (see docs/extending.md, A component)";
     return nullptr;
   }
   return port->source();

@@ -206,7 +206,7 @@ int run(const Options& options) {
   const control::HardwareFile file = loadFile(options);
   hardware::SharedGuardianLink memory = hardware::SharedGuardianLink::open(options.link);
   const std::int32_t other = memory.link().guardian_pid.load();
-  // One that nobody has buried yet guards nothing, and in a container the next process may get the number of the last.
+  // A zombie guards nothing; in a container its number may be reused.
   if (other > 0 && other != ::getpid() && !hardware::ProcessWatch().isGone(other)) {
     throw InputError("process " + std::to_string(other) + " already guards " + options.link + "; end it first");
   }

@@ -189,7 +189,7 @@ void declare(nodes::CommandLine& app, Arguments& a) {
   app.option("--set", a.settings,
              "COMPONENT.PROPERTY=VALUE, may be repeated: sets a property that may change at run time");
   app.option("--pauses-per-minute", a.pauses.per_minute,
-             "the controller's machine stands still so often, at random, while it plays: no cycle, no row")
+             "random pauses of the controller's computer per minute while playing (no cycles, no rows)")
       .within(0.0, 600.0);
   app.option("--longest-pause-s", a.pauses.longest_s, "pauses last between 1 ms and this long")
       .within(0.001, 1.0)

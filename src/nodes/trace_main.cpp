@@ -36,9 +36,8 @@ void declare(nodes::CommandLine& app, Arguments& a) {
              "recordings on which the finished model is checked; they take no part in any choice");
   app.option("--output", a.output, "folder for model.yaml, report.json, report.html and predictions").required();
   app.option("--model", a.model,
-             "model of identify or trace to start from, used with its own cut-off: \"before\" is this "
-             "model as it is; its effects are tried again first, then only what it lacks is searched "
-             "for");
+             "model of identify or trace to start from, with its cut-off. 'before' means this model "
+             "unchanged; its effects are re-tested, then only missing ones are searched");
   app.option("--max-effects,--most", a.options.most_effects,
              "largest number of effects to add (6); the same effect on several actuators counts once; "
              "0: the baseline model only")

@@ -85,7 +85,7 @@ TEST(HandGuiding, IsRefusedWithoutModelSwitchOrTestedBrakesAndUnlessTheSwitchIsT
   ASSERT_TRUE(rig.system->start().ok);
   EXPECT_FALSE(rig.system->guide().ok) << "disabled";
   ASSERT_TRUE(rig.system->enable().ok);
-  EXPECT_NE(rig.system->guide().sentence.find("let go of"), std::string::npos);
+  EXPECT_NE(rig.system->guide().sentence.find("release the enabling switch first"), std::string::npos);
   EXPECT_FALSE(rig.system->saveGuided(temporary("none.txt")).ok);
 }
 

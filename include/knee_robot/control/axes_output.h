@@ -89,8 +89,8 @@ class AxesOutput : public rt::TaskContext {
   bool all_closed_ = false;
   int open_axis_ = 0;
   Fault open_fault_ = Fault::None;
-  AxisValues load_volts_{};
-  AxisValues rest_volts_{};  // likewise, of longer, and without what the motion takes; also while a safe stop carries
+  AxisValues load_volts_{};  // what the axes got, low-passed
+  AxisValues rest_volts_{};  // same with a 1 s time constant, without the share for motion
   AxisValues transfer_m_{};  // where the axes stood when the transfer began
   rt::Nanoseconds asked_at_ = 0;
   std::uint32_t own_transfers_ = 0;

@@ -114,7 +114,7 @@ struct MonitorVerdict {
   rt::Nanoseconds time = 0;
   std::array<Fault, hardware::kAxes>
       fault{};  ///< kept until the Drivers are switched off; those of the whole platform are at axis 1
-  std::array<bool, hardware::kAxes> asks{};  ///< the encoder looks dead: the Driver is to ask it before it is called so
+  std::array<bool, hardware::kAxes> asks{};  ///< the encoder looks dead: the Driver tests it before a fault is raised
   AxisValues heat{};                         ///< I2t: 0 cold, 1 the fault
 };
 

@@ -23,8 +23,8 @@ namespace knee_robot::control {
 ///     force     = Pid(reference, measured) + feedforward   N; gains in N/m fit every motor and screw
 ///     volts     = force_sign * force / force_per_volt      clamped to voltage_max and force_max
 ///
-/// What the feedforward switches (a share, on, off), and a feedforward that falls silent, is taken up by the integral:
-/// no step of force.
+/// When a feedforward share changes, or the feedforward starts, stops or goes silent, the integral takes up the
+/// difference: the force does not step.
 /// With a ControlLaw the model's feedback is added; where it takes the place of P and D, and where it ceases, the
 /// integral takes up that, too.
 /// Gains may change while the loop is closed: the integral takes up the difference, so the force does not jump.
@@ -34,11 +34,11 @@ namespace knee_robot::control {
 /// While a hand guides (SupervisorCommand::guiding) HandGuide's force takes the place of the loop, and the integral
 /// keeps what it carries; reference is where the axis is. When that ends, or HandGuide falls silent, the axis holds
 /// where it is then.
-/// Whether the encoder still counts (EncoderFrozen): with a DisturbanceObserver EncoderProbe asks once when the hold
-/// devices have opened; from then on EncoderChallenge asks on suspicion only: the standing robot is disturbed, or the
-/// loop pushes while the encoder stands (StandingAxis), and in turn where nothing counts for long (RestTurn). Without
-/// one EncoderProbe asks every probe_s at rest, and around turning points. Whenever Monitors take the encoder for dead,
-/// it is asked before they say so.
+/// Encoder test (fault EncoderFrozen). With a DisturbanceObserver, EncoderProbe tests once after the holding brakes have
+/// opened; later EncoderChallenge tests on suspicion: the standing robot is disturbed, or the loop pushes while the
+/// encoder stands (StandingAxis); and in turn where nothing counts for long (RestTurn). Without an observer EncoderProbe
+/// tests every probe_s at rest, and around turning points. Whenever Monitors take the encoder for dead, it is tested
+/// before they say so.
 /// - SetPointStale: nothing from Sync for stale_set_points periods, or a set point is missing. The loop goes on (the
 ///   reference comes to rest).
 /// - NotANumber, FollowingError, SetPointJump, MeasurementLost: the loop is given up (active = false, 0 V asked for);

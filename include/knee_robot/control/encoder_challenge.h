@@ -11,7 +11,7 @@ namespace knee_robot::control {
 ///
 ///     +S for T, -U for T, +U for T, then kListen_s      S has been enough before, U certainly is (from EncoderProbe)
 ///
-/// Where the reference moves +U comes before -U. With time, gently: before that the force rises to S within kRise_s. It
+/// Where the reference moves +U comes before -U. If there is time (`gentle`), the force first ramps up to S within kRise_s. It
 /// ends as soon as the encoder has answered, so a healthy axis goes some steps only, towards its reference; when it was
 /// there, a wave without mean brings it back (-S for 2 t, +S for t when it answered at t). Not a single count to the
 /// end: dead, or blocked. A count, but no answer: -U and +U alternate on, kLongest times in all, because the other

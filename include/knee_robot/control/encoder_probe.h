@@ -17,7 +17,8 @@ namespace knee_robot::control {
 /// little as the axis answers to. A = s and T = 6 ms up to A = `largest_N`; above, T grows so that A T^2, which is what
 /// moves a heavy axis, grows with s.
 /// No answer: again with half as much more, twice, then with four times and 80 N more than what has been enough (before
-/// anything has: in steps up to T = 13 ms); none to that either, twice: the encoder is dead, or the axis is blocked.
+/// anything has: in steps up to T = 13 ms). If the two strongest pulses also go unanswered, the encoder is dead or the
+/// axis blocked.
 /// At rest every `period_s`; while the reference moves, as soon as the encoder has stood for kStands_s. `once`: only
 /// until it has answered.
 /// One a Driver; real-time safe.

@@ -27,10 +27,10 @@ namespace knee_robot::control {
 ///   fro at 25 Hz, less than what makes it slip by itself; a hand then needs only the rest of it. share_friction stays
 ///   below 1: friction is never made negative, as long as it is not smaller than share_friction of what was identified.
 /// - For weigh_s after the begin the Drivers' loops stay closed while the axes tremble: sticking friction lets go, and
-///   the integrals become what the model does not know of the load. Nobody can tell a load that nobody declared from a
-///   hand that leans on the platform and lets go later. So half of it is carried, and so little friction that the rest
-///   holds either half: neither drifts. More than that, or than unknown_load_N, in an axis ends the guiding, also when
-///   a feedforward that is switched makes it so.
+///   the integrals become what the model does not know of the load. An undeclared load cannot be told from a hand that
+///   leans on the platform. So half of the unexplained force is compensated, and friction only so far that what remains
+///   holds the other half. More than that, or than unknown_load_N, in an axis ends the guiding, also when a feedforward
+///   that is switched makes it so.
 /// - Speed: from 80 % of linear_m_per_s and angular_rad_per_s on (the patient's, where that is less) it brakes; 1.5
 ///   times for 0.1 s ends it.
 /// - A wall's depth of 90 % ends it (begun near there: 93 %). What ends it leads to holding where the platform is (SS2

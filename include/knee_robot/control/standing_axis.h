@@ -8,8 +8,8 @@ namespace knee_robot::control {
 
 /// How far the loop's force has changed since the encoder counted last. A loop that pushes more and more while the
 /// encoder stands pushes an axis that sticks, or one that is blind and about to leave: only asking tells. The same
-/// while the reference goes on by more than an encoder could overlook (isOverdue()). Less than an open input dithers by
-/// is no counting. What a healthy axis takes before it leaves a turning point is learned (usual_N()), so that it is not
+/// while the reference goes on by more than an encoder could overlook (isOverdue()). Changes
+/// within the dither of an open input do not count as motion. What a healthy axis takes before it leaves a turning point is learned (usual_N()), so that it is not
 /// asked every time it turns.
 /// One a Driver; real-time safe.
 class StandingAxis {
@@ -53,7 +53,7 @@ class StandingAxis {
     began_m_ = reference_m_;
     stood_s_ = 0.0;
   }
-  /// It was asked at `force_N` of changed_N(), and counts: so much it takes without moving.
+  /// The encoder answered a test at this change of force: the axis withstands it without moving.
   void endures(double force_N) noexcept { usual_N_ = std::max(usual_N_, force_N); }
   /// It moves, more than an open input seems to, within the last kWindow_s to twice that: nobody has to ask.
   bool counts() const noexcept {
