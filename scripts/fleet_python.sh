@@ -1,7 +1,15 @@
 # Sourced by the fleet's scripts: $fleet_python runs this repository's Python package `fleet`. With fleet_without_parquet set, a missing
 # network leaves Debian's python3, which lacks Parquet only.
-"$KNEE_ROOT/scripts/install_dependencies" --fleet >&2
 fleet_environment=$KNEE_BUILD/fleet/venv
+case ${1:-} in
+  --help | -h)  # asked of a machine where nothing is installed: installs nothing
+    if [[ ! -f $fleet_environment/.pyarrow ]]; then
+      sed -n '2,/^[^#]/s/^# \?//p' "$0"
+      echo "Its options are listed here once it has run."
+      exit 0
+    fi ;;
+  *) "$KNEE_ROOT/scripts/install_dependencies" --fleet >&2 ;;
+esac
 fleet_python=$fleet_environment/bin/python3
 if [[ ! -f $fleet_environment/.pyarrow ]]; then
   rm -rf "$fleet_environment"
