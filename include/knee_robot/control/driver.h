@@ -34,11 +34,11 @@ namespace knee_robot::control {
 /// While a hand guides (SupervisorCommand::guiding) HandGuide's force takes the place of the loop, and the integral
 /// keeps what it carries; reference is where the axis is. When that ends, or HandGuide falls silent, the axis holds
 /// where it is then.
-/// Encoder test (fault EncoderFrozen). With a DisturbanceObserver, EncoderProbe tests once after the holding brakes have
-/// opened; later EncoderChallenge tests on suspicion: the standing robot is disturbed, or the loop pushes while the
-/// encoder stands (StandingAxis); and in turn where nothing counts for long (RestTurn). Without an observer EncoderProbe
-/// tests every probe_s at rest, and around turning points. Whenever Monitors take the encoder for dead, it is tested
-/// before they say so.
+/// Encoder test (fault EncoderFrozen). With a DisturbanceObserver, EncoderProbe tests once after the holding brakes
+/// have opened; later EncoderChallenge tests on suspicion: the standing robot is disturbed, or the loop pushes while
+/// the encoder stands (StandingAxis); and in turn where nothing counts for long (RestTurn). Without an observer
+/// EncoderProbe tests every probe_s at rest, and around turning points. Whenever Monitors take the encoder for dead, it
+/// is tested before they say so.
 /// - SetPointStale: nothing from Sync for stale_set_points periods, or a set point is missing. The loop goes on (the
 ///   reference comes to rest).
 /// - NotANumber, FollowingError, SetPointJump, MeasurementLost: the loop is given up (active = false, 0 V asked for);

@@ -11,11 +11,11 @@ namespace knee_robot::control {
 ///
 ///     +S for T, -U for T, +U for T, then kListen_s      S has been enough before, U certainly is (from EncoderProbe)
 ///
-/// Where the reference moves +U comes before -U. If there is time (`gentle`), the force first ramps up to S within kRise_s. It
-/// ends as soon as the encoder has answered, so a healthy axis goes some steps only, towards its reference; when it was
-/// there, a wave without mean brings it back (-S for 2 t, +S for t when it answered at t). Not a single count to the
-/// end: dead, or blocked. A count, but no answer: -U and +U alternate on, kLongest times in all, because the other
-/// axes' pulses can stop one. One a Driver; real-time safe.
+/// Where the reference moves +U comes before -U. If there is time (`gentle`), the force first ramps up to S within
+/// kRise_s. It ends as soon as the encoder has answered, so a healthy axis goes some steps only, towards its reference;
+/// when it was there, a wave without mean brings it back (-S for 2 t, +S for t when it answered at t). Not a single
+/// count to the end: dead, or blocked. A count, but no answer: -U and +U alternate on, kLongest times in all, because
+/// the other axes' pulses can stop one. One a Driver; real-time safe.
 class EncoderChallenge {
  public:
   static constexpr double kWave_s = 0.008;  // T

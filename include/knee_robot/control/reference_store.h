@@ -11,7 +11,8 @@
 
 namespace knee_robot::control {
 
-/// What Sync plays: points kPointPeriod_s apart, as references are streamed, with what was calculated from them beforehand.
+/// What Sync plays: points kPointPeriod_s apart, as references are streamed, with what was calculated from them
+/// beforehand.
 struct ReferencePath {
   static constexpr double kPointPeriod_s = trajectory::kStreamPeriod;
 

@@ -10,8 +10,8 @@ namespace knee_robot::control {
 
 /// Whose turn it is to be asked on a robot that stands. Where the encoders' common supply is lost nothing counts any
 /// more, so that nothing looks like a disturbance (RestWatch), and whoever pushes takes the platform along. So when no
-/// axis has counted for a period, one of them is asked, another one each time; if any axis
-/// has counted, the supply is present and no test is needed. Pure, one for the robot, real-time safe.
+/// axis has counted for a period, one of them is asked, another one each time; if any axis has counted, the supply is
+/// present and no test is needed. Pure, one for the robot, real-time safe.
 class RestTurn {
  public:
   static constexpr std::int64_t kCounts = 3;  ///< range that an axis has to go through: an open input dithers by less

@@ -8,10 +8,9 @@ namespace knee_robot::control {
 
 /// How far the loop's force has changed since the encoder counted last. A loop that pushes more and more while the
 /// encoder stands pushes an axis that sticks, or one that is blind and about to leave: only asking tells. The same
-/// while the reference goes on by more than an encoder could overlook (isOverdue()). Changes
-/// within the dither of an open input do not count as motion. What a healthy axis takes before it leaves a turning point is learned (usual_N()), so that it is not
-/// asked every time it turns.
-/// One a Driver; real-time safe.
+/// while the reference goes on by more than an encoder could overlook (isOverdue()). Changes within the dither of an
+/// open input do not count as motion. What a healthy axis takes before it leaves a turning point is learned
+/// (usual_N()), so that it is not asked every time it turns. One a Driver; real-time safe.
 class StandingAxis {
  public:
   static constexpr std::int64_t kDither = 4;  // counts
