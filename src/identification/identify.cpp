@@ -11,6 +11,7 @@
 #include "knee_robot/identification/prior.h"
 #include "knee_robot/identification/robust_fit.h"
 #include "knee_robot/identification/trained_range.h"
+#include "loaded_start.h"
 
 namespace knee_robot::identification {
 namespace {
@@ -328,6 +329,7 @@ Identification identify(const mechanism::Robot& robot, std::vector<Observation>&
   };
   fitAgain();
   for (int pass = 0; options.friction && pass < kFrictionPasses; ++pass) {
+    findLoadedStart(id.columns, stage.parameters, options.observation.cutoff_hz, training);
     id.friction = chooseFriction(training, options.observation, id.columns, stage.equations, stage.noise_N,
                                  stage.reduction, strength, ranges, id.friction);
     for (std::size_t i = 0; i < narrowest.size(); ++i)
@@ -338,6 +340,10 @@ Identification identify(const mechanism::Robot& robot, std::vector<Observation>&
     stage = solveStage(equations, stage.noise_N, setting, strength);
     fitAgain();
   }
+  forgetLoadedStart(training);  // parameters are fitted as recordings are predicted
+  for (Observation& o : training)
+    setFriction(o, id.columns, id.model.friction);
+  refillColumns(training, options.observation, coulombColumns(id.columns), equations);
   const Eigen::VectorXd before = stage.parameters;
   stage = solveStage(equations, noiseAfter(equations, before), setting, strength, &before);
   if (options.friction) refuseRank(options.rank, stage.reduction, training);

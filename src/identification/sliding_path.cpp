@@ -64,6 +64,9 @@ SlidingPath slidingPath(const Eigen::VectorXd& position, const Eigen::VectorXd& 
   path.resolution = resolution;
   path.position = path.measured = refined(position, velocity, period_s);
   path.period_s = period_s;
+  const Eigen::Index soon = std::min<Eigen::Index>(
+      path.position.size(), 1 + static_cast<Eigen::Index>(SlidingPath::kAtOnce_s / period_s * SlidingPath::kSubsteps));
+  path.moves_at_start = ((path.position.head(soon).array() - path.position[0]).abs() > resolution).any();
   std::vector<Eigen::Index> turns = turningPoints(path.position, resolution, path.first_direction);
   turns.push_back(path.position.size() - 1);
   int direction = path.first_direction;

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <functional>
 #include <random>
 
@@ -72,8 +73,10 @@ std::vector<OwnLaw> ownLaws() {
   };
 }
 
-/// One axis, slow enough to spend time near rest, whose forces follow from `law`.
-recording::Recording ownRecording(const mechanism::Robot& robot, const OwnLaw& law, int variant, double seconds) {
+/// One axis, slow enough to spend time near rest, whose forces follow from `law`; before it moves it rests for
+/// `rest_s`, its friction loaded as `memory` says.
+recording::Recording ownRecording(const mechanism::Robot& robot, const OwnLaw& law, int variant, double seconds,
+                                  double rest_s = 0.0, std::array<double, kMemory> memory = {}) {
   std::vector<Sines> sines = syntheticMotion(true, variant);
   for (double& hz : sines[0].hz)
     hz *= 0.4;
@@ -83,19 +86,20 @@ recording::Recording ownRecording(const mechanism::Robot& robot, const OwnLaw& l
   r.name = "own_" + std::to_string(variant);
   r.path = r.name + ".csv";
   r.axes = 1;
-  const int rows = static_cast<int>(seconds * 100.0);
+  const int rows = static_cast<int>((rest_s + seconds) * 100.0);
   r.position_m.resize(rows, 1);
   r.force_N.resize(rows, 1);
-  double memory[kMemory] = {};
   const double count = robot.actuators[0].metresPerCount();
   for (int k = 0; k < rows; ++k) {
-    const double t = 0.01 * k;
-    r.time_s.push_back(t);
-    r.position_m(k, 0) = count * std::round(syntheticState(robot, sines, t, seconds).q[0] / count);
+    const double t = 0.01 * k - rest_s;
+    r.time_s.push_back(0.01 * k);
+    r.position_m(k, 0) = count * std::round(syntheticState(robot, sines, std::max(0.0, t), seconds).q[0] / count);
     double sum = 0.0;  // mean over the 10 ms for which the row's force is held
     for (int i = 0; i < 100; ++i) {
-      const SyntheticState now = syntheticState(robot, sines, t + (i + 0.5) * kStep_s, seconds);
-      sum += 200.0 * now.v[0] + 80.0 * now.a[0] + 10.0 + kCoulomb_N * law.share(now.v[0], memory);
+      const SyntheticState now = syntheticState(robot, sines, std::max(0.0, t + (i + 0.5) * kStep_s), seconds);
+      const bool moves = t + i * kStep_s > 0.0;
+      const double v = moves ? now.v[0] : 0.0, a = moves ? now.a[0] : 0.0;
+      sum += 200.0 * v + 80.0 * a + 10.0 + kCoulomb_N * law.share(v, memory.data());
     }
     r.force_N(k, 0) = sum / 100.0 + noise(random);
   }
@@ -121,6 +125,24 @@ TEST_P(LawNearRest, IsPredictedOnAnotherMotionWhateverLawMadeIt) {
 }
 
 INSTANTIATE_TEST_SUITE_P(EveryLaw, LawNearRest, testing::Range<std::size_t>(0, ownLaws().size()));
+
+TEST(LawNearRestOfARecordingThatBeganLoaded, IsPredictedOnAnotherMotion) {
+  const OwnLaw law = ownLaws()[1];
+  const mechanism::Robot robot = syntheticBench(1);
+  IdentifyOptions options;
+  options.uncertainty = false;
+  std::vector<Observation> train, other;
+  for (const int variant : {0, 2}) {
+    const double load = variant == 0 ? -1.0 : 0.5;
+    train.push_back(observe(robot, columnsOf(robot),
+                            ownRecording(robot, law, variant, 20.0, 2.0, {load * 20e-6, load * 400e-6}),
+                            options.observation));
+  }
+  other.push_back(observe(robot, columnsOf(robot), ownRecording(robot, law, 1, 30.0), options.observation));
+  const Identification id = identify(robot, train, options);
+  const double error = applyModel(id.model, robot, other, options.observation.cutoff_hz).accuracy.rms_N[0];
+  EXPECT_LT(error, 0.02 * kCoulomb_N) << dynamics::describe(id.model.friction[0]);
+}
 
 TEST(ViscousFriction, ThatGrowsAsTheRootOfTheSpeedIsPredictedOnAnotherMotion) {
   const OwnLaw law = {"tanh of 1 mm/s beside v / sqrt(|v| + 2 mm/s)",

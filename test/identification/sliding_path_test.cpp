@@ -85,7 +85,8 @@ TEST(SlidingPath, TakesADipBeforeTheFirstMovementForNone) {
   EXPECT_GE(share.minCoeff(), 0.0);
   EXPECT_EQ(share[10], 0.0) << "wider than a count: nothing is known of it before it moves";
   EXPECT_NEAR(share[35], 1.0, 0.2) << "22 um after it started";
-  EXPECT_EQ(frictionShare(path, 1e-9)[0], 1.0) << "narrower: built up before the encoder shows it";
+  EXPECT_EQ(frictionShare(path, 1e-9)[10], 0.0) << "it stands, and nothing is known";
+  EXPECT_EQ(frictionShare(path, 1e-9)[35], 1.0) << "narrower: built up before the encoder shows it";
 }
 
 TEST(SlidingPath, HasNoDirectionWhereNothingMoves) {

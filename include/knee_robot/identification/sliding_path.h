@@ -2,6 +2,7 @@
 
 #include <Eigen/Core>
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "knee_robot/dynamics/friction_law.h"
@@ -22,15 +23,22 @@ struct SlidingPath {
       measured;             ///< the same without this: for laws that follow velocity, which small ways back do not harm
   Eigen::VectorXd tremble;  ///< per sample: way per time beyond it (Signals::tremble_m_per_s); empty: none
   double period_s = 0.01;   ///< of the samples
+  bool moves_at_start = false;  ///< it has left where it was within kAtOnce_s
+  static constexpr double kAtOnce_s = 0.1;
   int first_direction = 0;  ///< of the first movement that the encoders tell; 0: there is none
   double resolution = 0.0;  ///< in the position's unit: shorter ways back are not told apart from rounding
   static constexpr int kSubsteps = 4;
   /// Of elementShare(); copies have it in common, since a path stays as it is once it is asked.
   std::shared_ptr<KnownShares> known = std::make_shared<KnownShares>();
 
-  /// Share of full Coulomb friction when the recording starts. Friction that builds up over less than the encoders tell
-  /// has done so before they show any movement; otherwise nothing is known of it, and it is zero.
-  double shareAtStart(double width) const { return width < resolution ? first_direction : 0.0; }
+  std::optional<double> loaded_at_start;  ///< share of full Coulomb friction then, where it is known
+
+  /// Share of full Coulomb friction when the recording starts. Where it is not known: of a joint that moves already,
+  /// friction that builds up over less than the encoders tell has done so; of other friction nothing is known, and it is
+  /// zero.
+  double shareAtStart(double width) const {
+    return loaded_at_start ? *loaded_at_start : moves_at_start && width < resolution ? first_direction : 0.0;
+  }
 };
 
 /// From uniformly sampled positions and velocities (a cubic between neighbours), `period_s` apart. `resolution`: see
