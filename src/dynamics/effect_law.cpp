@@ -59,6 +59,7 @@ constexpr Entry kLaws[] = {
     {"dashpot", 5, dashpotLaw},
     {"asymmetric_dashpot", 5, asymmetricDashpotLaw},
     {"platform_joint_friction", 1, platformJointFrictionLaw},
+    {"base_joint_friction", 1, baseJointFrictionLaw},
     {"load_ripple", 1, loadRippleLaw},
     {"viscoelastic_element", 2, viscoelasticElementLaw},
 };

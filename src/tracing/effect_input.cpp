@@ -42,12 +42,12 @@ std::vector<mechanism::Matrix4> poseForces(const mechanism::Robot& robot, const 
 /// What many hypotheses ask of the pose.
 void setPoses(EffectInput& in) {
   in.leg_angle_rad.resize(in.samples(), 2 * mechanism::kLegs);
-  in.platform_joints.resize(static_cast<std::size_t>(in.samples()));
+  in.passive_joints.resize(static_cast<std::size_t>(in.samples()));
   for (int n = 0; n < in.samples(); ++n) {
     const std::size_t sample = static_cast<std::size_t>(n);
     const mechanism::Motion& motion = in.observation->motion.motion[sample];
     const mechanism::Pose& pose = motion.pose;
-    dynamics::platformJoints(*in.robot->mechanism, motion, in.platform_joints[sample]);
+    dynamics::passiveJoints(*in.robot->mechanism, motion, in.passive_joints[sample]);
     in.rotation.push_back(mechanism::platformRotation(pose));
     const mechanism::JointCoordinates q = mechanism::inverseKinematics(*in.robot->mechanism, pose);
     for (std::size_t leg = 0; leg < q.q1.size(); ++leg)

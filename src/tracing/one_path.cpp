@@ -41,9 +41,13 @@ int mapsBeside(const Search& s, const FoundEffect& one) {
 /// Empty, or why the path that was seen may be all that an effect describes.
 std::string whyOfOnePath(const Search& s, const FoundEffect& e, double floors) {
   const Candidate& candidate = *e.hypothesis.place.candidate;
-  if (candidate.isForceField() && floors >= kMuchLeft)
+  // What pulls at the platform loads all legs: a map on one of them is part of it, however little that one leaves.
+  const int actuator = e.hypothesis.place.actuator;
+  const bool of_pose = candidate.isMap() && candidate.positionOf(actuator) != actuator;
+  const double anywhere = of_pose ? (s.rms_N.array() / s.floor.rms_N.array()).maxCoeff() : floors;
+  if (candidate.isForceField() && anywhere >= kMuchLeft)
     return "a force that depends on the pose alone, seen along one path, in a model that leaves " +
-           shortNumber(floors, 2) + " times the noise floor: on another path the same pose may have another force";
+           shortNumber(anywhere, 2) + " times the noise floor: on another path the same pose may have another force";
   const int maps = candidate.isMap() ? mapsBeside(s, e) : 0;
   if (s.floor.measured && maps >= kPatchwork && floors > kRightLeaves)
     return "one of " + std::to_string(maps) + " maps, which together leave " + shortNumber(floors, 2) +

@@ -346,7 +346,7 @@ void Tracing::settle() {
 void Tracing::keepFit() {
   result_.effects = s_.effects;
   const bool untouched = s_.effects.empty() && !options_.start;
-  if (untouched) result_.base = result_.baseline;  // what was taken out again may have left another law behind
+  if (untouched) adoptBase(s_, result_.baseline);  // what was taken out again may have left another law behind
   result_.parameters = untouched ? result_.baseline.parameters : result_.base.parametersOf(s_.fit.base);
   result_.seen_parameters = s_.seen_parameters;
   result_.after_rms_N = s_.rms_N;

@@ -71,6 +71,7 @@ effects:
   - {name: neighbour_seal, actuators: [2], friction_N: 3, neighbour: 1, center_m: 0.7, width_m: 0.02}
   - {name: load_ripple, share: 0.05, period_m: 0.01}
   - {name: platform_joint_friction, coulomb_N_m: 0.5, viscous_N_m_s_per_rad: 1}
+  - {name: base_joint_friction, coulomb_N_m: 0.5, viscous_N_m_s_per_rad: 1}
 )",
                                                     "all.yaml");
   ASSERT_EQ(parameters.effects.size(), effectNames().size());  // every effect of the folder is here

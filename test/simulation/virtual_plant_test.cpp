@@ -151,6 +151,30 @@ TEST_P(VirtualPlants, RubInTheirSphericalJointsAsTheLawThatTraceAdds) {
   }
 }
 
+TEST_P(VirtualPlants, RubInTheirJointsAtTheBaseAsTheLawThatTraceAdds) {
+  VirtualPlantParameters with = frictionOfAll(0.0), bare = with;
+  with.friction = equalFriction({150.0, 15.0}, {0.5, 0.2});
+  bare.friction = equalFriction({150.0, 15.0}, {0.0, 0.0});
+  VirtualPlant rubbing = plant(with), without = plant(bare);
+  const auto law = dynamics::effectLaw("base_joint_friction", "", {1e-12});
+  const AxisPath path_of_both = path();
+  mechanism::Pose pose = start_;
+  mechanism::RobotMotion robot;
+  for (double t = 0.2; t < kDuration_s; t += 0.0137) {
+    VirtualPlantOutput more, less;
+    ASSERT_TRUE(rubbing.follow(path_of_both.at(t), more));
+    ASSERT_TRUE(without.follow(path_of_both.at(t), less));
+    const mechanism::Motion motion = motionOf(path_of_both.at(t), pose);
+    mechanism::robotMotion(mechanism(), motion, robot);
+    dynamics::PoseColumns columns;
+    law->poseColumns(mechanism(), motion, columns);
+    const mechanism::Vector4 on_pose =
+        0.5 * (columns.col(1) + columns.col(3)) + 0.2 * (columns.col(0) + columns.col(2));
+    const mechanism::Vector4 ours = robot.jacobian.transpose().partialPivLu().solve(on_pose);
+    ASSERT_LT((ours - (more.force - less.force)).norm(), 1e-6 * ours.norm()) << t;
+  }
+}
+
 TEST_P(VirtualPlants, LoseEnergyToFrictionOnlyAndKeepTheBooks) {
   for (const double spherical : {0.0, 0.3}) {
     VirtualPlant virtual_plant = plant(frictionOfAll(spherical));

@@ -29,6 +29,17 @@ TEST(Trace, NamesAMassThatSwingsOnThePlatformAndItsFrequency) {
   EXPECT_LT(legs(c.after_N), 0.6 * legs(c.before_N));
 }
 
+TEST(Trace, NamesTheFrictionOfTheJointsAtTheBase) {
+  const TracedCase c = traceSimulated("  - {name: base_joint_friction, coulomb_N_m: 2, viscous_N_m_s_per_rad: 1}\n");
+  const FoundEffect* friction = found(c, "base_joint_friction");
+  ASSERT_NE(friction, nullptr);
+  std::cout << friction->coefficients.transpose() << " N m, N m s/rad; error " << c.before_N.transpose() << " -> "
+            << c.after_N.transpose() << " N\n";
+  EXPECT_NEAR(friction->coefficients[0], 2.0, 0.5);
+  EXPECT_NEAR(friction->coefficients[2], 2.0, 0.5);
+  EXPECT_LT(legs(c.after_N), 0.6 * legs(c.before_N));
+}
+
 TEST(Trace, NamesASupplyThatSagsWithAllDrives) {
   const TracedCase c = traceSimulated("  - {name: supply_sag, share: 0.4, half_at_N2: 20000, lag_s: 0.1}\n");
   const FoundEffect* sag = found(c, "supply_sag");

@@ -71,6 +71,14 @@ TEST_F(OnePath, LeavesOutForceFieldsOfAModelThatLeavesMuch) {
   EXPECT_FALSE(transfers("spring")) << "a repeat is no second path";
 }
 
+TEST_F(OnePath, LeavesOutAMapOfThePoseOnOneLegWhereAnotherLegLeavesMuch) {
+  follow(0);
+  leaves(1.5);
+  EXPECT_TRUE(transfers("map of the pose"));
+  s_.rms_N[3] = 5.0 * s_.floor.rms_N[3];  // the map is on the second
+  EXPECT_FALSE(transfers("map of the pose")) << "what pulls at the platform loads all legs";
+}
+
 TEST_F(OnePath, KeepsWhatReachesTheNoiseFloorOrDependsOnMotion) {
   follow(0);
   leaves(2.0);

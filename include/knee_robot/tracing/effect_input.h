@@ -3,7 +3,7 @@
 #include <Eigen/Core>
 #include <vector>
 
-#include "knee_robot/dynamics/platform_joints.h"
+#include "knee_robot/dynamics/passive_joints.h"
 #include "knee_robot/identification/observation.h"
 
 namespace knee_robot::tracing {
@@ -26,8 +26,8 @@ struct EffectInput {
   Eigen::MatrixXd place_age_s;       ///< see placeAge
   std::vector<mechanism::Matrix4>
       force_per_pose_force;  ///< J^-T per sample: actuator forces that balance a pose force; bench: empty
-  std::vector<mechanism::Matrix3> rotation;               ///< of the platform, per sample; bench: empty
-  std::vector<dynamics::PlatformJoints> platform_joints;  ///< per sample; bench: empty
+  std::vector<mechanism::Matrix3> rotation;             ///< of the platform, per sample; bench: empty
+  std::vector<dynamics::PassiveJoints> passive_joints;  ///< per sample; bench: empty
   Eigen::MatrixXd leg_angle_rad;  ///< samples x 8: q1 and q2 of legs 1 to 3, q41 twice; bench: empty
   int recording = 0;              ///< index among the training recordings; -1: none of them
   int recordings = 1;             ///< number of training recordings

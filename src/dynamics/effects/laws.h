@@ -28,6 +28,7 @@ Law springLaw(const Shape& shape);
 Law dashpotLaw(const Shape& shape);
 Law asymmetricDashpotLaw(const Shape& shape);
 Law platformJointFrictionLaw(const Shape& shape);
+Law baseJointFrictionLaw(const Shape& shape);
 Law loadRippleLaw(const Shape& shape);
 /// Null when it does not relax: a time that is not positive.
 Law viscoelasticElementLaw(const Shape& shape);
