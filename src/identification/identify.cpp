@@ -296,6 +296,29 @@ std::vector<FrictionRange> frictionRanges(const mechanism::Robot& robot, const s
   return ranges;
 }
 
+/// Laws near rest and parameters in turn, each with what the other was.
+void chooseLaws(std::vector<Observation>& training, const IdentifyOptions& options,
+                const std::vector<FrictionRange>& ranges, const Setting& setting, double strength, Equations& equations,
+                Stage& stage, Identification& id) {
+  const auto useLaws = [&] {
+    for (Observation& o : training)
+      setFriction(o, id.columns, id.model.friction);
+    refillColumns(training, options.observation, coulombColumns(id.columns), equations);
+  };
+  for (int pass = 0; pass < kFrictionPasses; ++pass) {
+    findLoadedStart(id.columns, stage.parameters, options.observation.cutoff_hz, training);
+    id.friction = chooseFriction(training, options.observation, id.columns, stage.equations, stage.noise_N,
+                                 stage.reduction, strength, ranges, id.friction);
+    for (std::size_t i = 0; i < id.friction.size(); ++i)
+      id.model.friction[i] = id.friction[i].law;
+    useLaws();
+    stage = solveStage(equations, stage.noise_N, setting, strength);
+    stage = solveStage(equations, noiseAfter(equations, stage.parameters), setting, strength);
+  }
+  forgetLoadedStart(training);  // parameters are fitted as recordings are predicted
+  useLaws();
+}
+
 }  // namespace
 
 Identification identify(const mechanism::Robot& robot, std::vector<Observation>& training,
@@ -324,26 +347,8 @@ Identification identify(const mechanism::Robot& robot, std::vector<Observation>&
   double strength = kFirstStrength;
   Stage stage =
       solveStage(equations, noiseAfter(equations, Eigen::VectorXd::Zero(equations.a.cols())), setting, strength);
-  const auto fitAgain = [&] {
-    stage = solveStage(equations, noiseAfter(equations, stage.parameters), setting, strength);
-  };
-  fitAgain();
-  for (int pass = 0; options.friction && pass < kFrictionPasses; ++pass) {
-    findLoadedStart(id.columns, stage.parameters, options.observation.cutoff_hz, training);
-    id.friction = chooseFriction(training, options.observation, id.columns, stage.equations, stage.noise_N,
-                                 stage.reduction, strength, ranges, id.friction);
-    for (std::size_t i = 0; i < narrowest.size(); ++i)
-      id.model.friction[i] = id.friction[i].law;
-    for (Observation& o : training)
-      setFriction(o, id.columns, id.model.friction);
-    refillColumns(training, options.observation, coulombColumns(id.columns), equations);
-    stage = solveStage(equations, stage.noise_N, setting, strength);
-    fitAgain();
-  }
-  forgetLoadedStart(training);  // parameters are fitted as recordings are predicted
-  for (Observation& o : training)
-    setFriction(o, id.columns, id.model.friction);
-  refillColumns(training, options.observation, coulombColumns(id.columns), equations);
+  stage = solveStage(equations, noiseAfter(equations, stage.parameters), setting, strength);
+  if (options.friction) chooseLaws(training, options, ranges, setting, strength, equations, stage, id);
   const Eigen::VectorXd before = stage.parameters;
   stage = solveStage(equations, noiseAfter(equations, before), setting, strength, &before);
   if (options.friction) refuseRank(options.rank, stage.reduction, training);

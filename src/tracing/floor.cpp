@@ -91,84 +91,117 @@ Eigen::VectorXd engineeringSize(const TraceData& data) {
   return size;
 }
 
+/// What the floor is measured and estimated from.
+struct Given {
+  const std::vector<recording::Recording>& recordings;
+  const TraceData& data;
+  std::vector<Eigen::MatrixXd> residual_N;  ///< per recording, not low-passed
+
+  Eigen::Index blockOf(std::size_t r) const {
+    return std::max<Eigen::Index>(2, std::lround(kBlock_s / data.recordings[r].signals.period_s));
+  }
+  void lowPass(std::size_t r, Eigen::MatrixXd& columns) const {
+    recording::ZeroPhaseLowPass(data.stack.cutoff_hz, 1.0 / data.recordings[r].signals.period_s)
+        .applyToColumns(columns);
+  }
+};
+
+/// Adds what two recordings of one reference differ by, but for friction that differs slowly between them. Returns that
+/// friction, rms N per actuator.
+Eigen::VectorXd addRepeatedRun(const Given& given, std::size_t a, std::size_t b, RepeatDifferences& differences,
+                               std::string& source) {
+  const TraceData& data = given.data;
+  const RepeatedRun run =
+      findRepeatedRun(given.recordings[a], data.recordings[a].signals, given.recordings[b], data.recordings[b].signals);
+  const Eigen::Index n = run.samples;
+  if (n == 0) return Eigen::VectorXd::Zero(data.stack.axes);
+  Eigen::MatrixXd difference =
+      given.residual_N[a].middleRows(run.first_a, n) - given.residual_N[b].middleRows(run.first_b, n);
+  given.lowPass(a, difference);
+  const Travel travel = travelOf(data.inputs[a], data.stack.cutoff_hz);
+  const Eigen::VectorXd friction_N = takeOutFrictionOfRuns(travel.share.middleRows(run.first_a, n),
+                                                           travel.velocity.middleRows(run.first_a, n), difference);
+  differences.add(difference, given.blockOf(a));
+  source += (source.empty() ? "repeats of one reference: " : "; ") + given.recordings[a].name + " and " +
+            given.recordings[b].name;
+  return friction_N;
+}
+
+/// Adds what the cycles of one recording that repeats one differ by.
+void addRepeatedCycle(const Given& given, std::size_t r, RepeatDifferences& differences, std::string& source) {
+  const recording::Signals& signals = given.data.recordings[r].signals;
+  const RepeatedCycle cycle = findRepeatedCycle(given.recordings[r], signals);
+  if (cycle.lag == 0) return;
+  Eigen::MatrixXd filtered = given.residual_N[r];
+  given.lowPass(r, filtered);
+  const std::vector<char>& usable = given.data.recordings[r].usable;
+  Eigen::MatrixXd difference(static_cast<Eigen::Index>(cycle.first.size()), filtered.cols());
+  Eigen::Index kept = 0;
+  for (const int n : cycle.first) {
+    if (!usable[static_cast<std::size_t>(n)] || !usable[static_cast<std::size_t>(n + cycle.lag)]) continue;
+    difference.row(kept++) = filtered.row(n + cycle.lag) - filtered.row(n);
+  }
+  differences.add(difference.topRows(kept), given.blockOf(r));
+  source += (source.empty() ? "" : "; ") + given.recordings[r].name + " repeats a cycle of " +
+            shortNumber(cycle.lag * signals.period_s, 3) + " s within itself (" +
+            shortNumber(static_cast<double>(cycle.first.size()) * signals.period_s, 3) + " s compared)";
+}
+
+/// From repeats; `friction_N`: what was taken out of their differences.
+Eigen::VectorXd measuredFloor(const RepeatDifferences& differences, const Eigen::VectorXd& friction_N,
+                              std::string& source) {
+  Eigen::VectorXd rms_N(friction_N.size());
+  double events = 0.0;
+  for (int i = 0; i < rms_N.size(); ++i) {
+    rms_N[i] = differences.noise_N(i);
+    events = std::max(events, differences.eventShare(i));
+  }
+  if (events > 0.0)
+    source += "; without events, " + shortNumber(100.0 * events, 2) +
+              " % of the time, in which the repeats differ by more than three times their noise";
+  if (friction_N.maxCoeff() > 0.0)
+    source += "; without friction that differs between the recordings, " +
+              shortNumber(friction_N.maxCoeff() / std::sqrt(2.0), 2) + " N at most";
+  return rms_N;
+}
+
+/// Where nothing repeats.
+Eigen::VectorXd estimatedFloor(const Given& given, const Eigen::VectorXd& surrogate_residual_N, std::string& source) {
+  source =
+      "no repeated reference; estimated from what surrogates leave and from the noise of the force between 3 and 6 "
+      "times the cut-off";
+  Eigen::VectorXd rms_N(surrogate_residual_N.size());
+  for (int i = 0; i < rms_N.size(); ++i) {
+    double noise = 0.0;
+    for (std::size_t r = 0; r < given.recordings.size(); ++r)
+      noise +=
+          std::pow(densityEstimate(given.data.recordings[r], given.residual_N[r].col(i), given.data.stack.cutoff_hz),
+                   2) /
+          static_cast<double>(given.recordings.size());
+    rms_N[i] = std::sqrt(noise + surrogate_residual_N[i] * surrogate_residual_N[i]);
+  }
+  return rms_N;
+}
+
 }  // namespace
 
 NoiseFloor noiseFloor(const std::vector<recording::Recording>& recordings, const TraceData& data,
                       const std::vector<Eigen::MatrixXd>& model_force_N, const Eigen::VectorXd& surrogate_residual_N) {
-  const int axes = data.stack.axes;
-  NoiseFloor floor;
-  RepeatDifferences differences(axes);
-  Eigen::VectorXd friction = Eigen::VectorXd::Zero(axes);
-  std::vector<Eigen::MatrixXd> residual;
+  Given given = {recordings, data, {}};
   for (std::size_t r = 0; r < recordings.size(); ++r)
-    residual.push_back(data.recordings[r].signals.force_N - model_force_N[r]);
-  const auto blockOf = [&](std::size_t r) {
-    return std::max<Eigen::Index>(2, std::lround(kBlock_s / data.recordings[r].signals.period_s));
-  };
+    given.residual_N.push_back(data.recordings[r].signals.force_N - model_force_N[r]);
+  NoiseFloor floor;
+  RepeatDifferences differences(data.stack.axes);
+  Eigen::VectorXd friction_N = Eigen::VectorXd::Zero(data.stack.axes);
   for (std::size_t a = 0; a < recordings.size(); ++a) {
-    for (std::size_t b = a + 1; b < recordings.size(); ++b) {
-      const RepeatedRun run =
-          findRepeatedRun(recordings[a], data.recordings[a].signals, recordings[b], data.recordings[b].signals);
-      if (run.samples == 0) continue;
-      const Eigen::Index n = run.samples;
-      Eigen::MatrixXd difference = residual[a].middleRows(run.first_a, n) - residual[b].middleRows(run.first_b, n);
-      recording::ZeroPhaseLowPass(data.stack.cutoff_hz, 1.0 / data.recordings[a].signals.period_s)
-          .applyToColumns(difference);
-      const Travel travel = travelOf(data.inputs[a], data.stack.cutoff_hz);
-      friction = friction.cwiseMax(takeOutFrictionOfRuns(travel.share.middleRows(run.first_a, n),
-                                                         travel.velocity.middleRows(run.first_a, n), difference));
-      differences.add(difference, blockOf(a));
-      floor.source += (floor.source.empty() ? "repeats of one reference: " : "; ") + recordings[a].name + " and " +
-                      recordings[b].name;
-    }
+    for (std::size_t b = a + 1; b < recordings.size(); ++b)
+      friction_N = friction_N.cwiseMax(addRepeatedRun(given, a, b, differences, floor.source));
   }
-  for (std::size_t r = 0; r < recordings.size(); ++r) {
-    const recording::Signals& signals = data.recordings[r].signals;
-    const RepeatedCycle cycle = findRepeatedCycle(recordings[r], signals);
-    if (cycle.lag == 0) continue;
-    Eigen::MatrixXd filtered = residual[r];
-    recording::ZeroPhaseLowPass(data.stack.cutoff_hz, 1.0 / signals.period_s).applyToColumns(filtered);
-    const std::vector<char>& usable = data.recordings[r].usable;
-    Eigen::MatrixXd difference(static_cast<Eigen::Index>(cycle.first.size()), axes);
-    Eigen::Index kept = 0;
-    for (const int n : cycle.first) {
-      if (!usable[static_cast<std::size_t>(n)] || !usable[static_cast<std::size_t>(n + cycle.lag)]) continue;
-      difference.row(kept++) = filtered.row(n + cycle.lag) - filtered.row(n);
-    }
-    differences.add(difference.topRows(kept), blockOf(r));
-    floor.source += (floor.source.empty() ? "" : "; ") + recordings[r].name + " repeats a cycle of " +
-                    shortNumber(cycle.lag * signals.period_s, 3) + " s within itself (" +
-                    shortNumber(static_cast<double>(cycle.first.size()) * signals.period_s, 3) + " s compared)";
-  }
+  for (std::size_t r = 0; r < recordings.size(); ++r)
+    addRepeatedCycle(given, r, differences, floor.source);
   floor.measured = !differences.empty();
-  if (floor.measured) {
-    floor.rms_N.resize(axes);
-    double events = 0.0;
-    for (int i = 0; i < axes; ++i) {
-      floor.rms_N[i] = differences.noise_N(i);
-      events = std::max(events, differences.eventShare(i));
-    }
-    if (events > 0.0)
-      floor.source += "; without events, " + shortNumber(100.0 * events, 2) +
-                      " % of the time, in which the repeats differ by more than three times their noise";
-    if (friction.maxCoeff() > 0.0)
-      floor.source += "; without friction that differs between the recordings, " +
-                      shortNumber(friction.maxCoeff() / std::sqrt(2.0), 2) + " N at most";
-    floor.rms_N = floor.rms_N.cwiseMax(engineeringSize(data));
-    return floor;
-  }
-  floor.source =
-      "no repeated reference; estimated from what surrogates leave and from the noise of the force between 3 and 6 "
-      "times the cut-off";
-  floor.rms_N.resize(axes);
-  for (int i = 0; i < axes; ++i) {
-    double noise = 0.0;
-    for (std::size_t r = 0; r < recordings.size(); ++r) {
-      noise += std::pow(densityEstimate(data.recordings[r], residual[r].col(i), data.stack.cutoff_hz), 2) /
-               static_cast<double>(recordings.size());
-    }
-    floor.rms_N[i] = std::sqrt(noise + surrogate_residual_N[i] * surrogate_residual_N[i]);
-  }
+  floor.rms_N = floor.measured ? measuredFloor(differences, friction_N, floor.source)
+                               : estimatedFloor(given, surrogate_residual_N, floor.source);
   floor.rms_N = floor.rms_N.cwiseMax(engineeringSize(data));
   return floor;
 }
