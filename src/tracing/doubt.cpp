@@ -11,7 +11,6 @@
 namespace knee_robot::tracing {
 namespace {
 
-constexpr double kEven = 0.5;
 /// Most for a name that harms at held-back positions: none of 48 right ones on 44 machines did.
 constexpr double kHarmful = 0.45;
 /// Share of held-back stretches that must gain by what a name says: 30 right ones on 9 machines gained in 0.92 or more,

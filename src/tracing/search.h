@@ -161,6 +161,9 @@ void holdBackAmbiguous(Search& search, std::vector<std::string>& notes);
 /// leaves ten of them.
 constexpr double kRightLeaves = 2.2;
 
+/// Probability of a name below which it is rather none: the effect is reported as unnamed.
+constexpr double kEven = 0.5;
+
 /// Noise floors in `left_N` (per actuator) where an effect acts; of one on all actuators, of them together.
 double floorsLeft(const Search& search, const Place& place, const Eigen::VectorXd& left_N);
 
