@@ -164,6 +164,21 @@ class ForceSelection : public SelectionProblem {
     std::vector<std::string> rejected;
     ForceSelection others(s_, seed_ + 7u, &found);
     selectForward(others, s_.data->stack.axes - 1, kSiblingP, rejected);
+    inheritDoubt(found);
+  }
+
+  /// They were asked for this name alone: it is no surer on them than where it was found.
+  void inheritDoubt(const Place& found) {
+    const auto first =
+        std::find_if(s_.effects.begin(), s_.effects.end(), [&](const auto& e) { return e.hypothesis.place == found; });
+    if (first == s_.effects.end() || !first->doubted) return;
+    for (FoundEffect& e : s_.effects) {
+      const bool given = std::isnan(e.p);
+      if (given || e.hypothesis.place.candidate != found.candidate || e.probability <= first->probability) continue;
+      e.probability = first->probability;
+      e.doubted = true;
+      e.indistinguishable_from = first->indistinguishable_from;
+    }
   }
 
   Search& s_;
