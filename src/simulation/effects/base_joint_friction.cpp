@@ -1,19 +1,16 @@
 // {name: base_joint_friction, coulomb_N_m: 1.5, viscous_N_m_s_per_rad: 2} Every joint between the base and a leg rubs
 // alike: the universal joints of legs 1 to 3 about both of their axes, leg 4's revolute joint. Coulomb friction builds
 // up over 0.005 rad/s.
-#include <cmath>
 #include <optional>
 
-#include "knee_robot/simulation/effect.h"
+#include "common/rubbing_joint.h"
 
 namespace knee_robot::simulation {
 namespace {
 
 class BaseJointFriction : public EffectOf<BaseJointFriction> {
  public:
-  explicit BaseJointFriction(StrictMap& entry)
-      : coulomb_N_m_(entry.number("coulomb_N_m", 0.0, 1e3)),
-        viscous_N_m_s_per_rad_(entry.numberOr("viscous_N_m_s_per_rad", 0.0, 0.0, 1e3)) {}
+  explicit BaseJointFriction(StrictMap& entry) : joint_(entry) {}
   void changePlant(PlantModel& model) override { mechanism_ = model.rigid.mechanism; }
   void addLoads(const EffectStep& at, PlantLoads& loads) noexcept override {
     mechanism::Motion motion;
@@ -23,18 +20,12 @@ class BaseJointFriction : public EffectOf<BaseJointFriction> {
     mechanism::robotMotion(*mechanism_, motion, robot);
     for (const mechanism::LegMotion& leg : robot.legs) {
       for (const int joint : {0, 1})  // leg 4 has no first one: its row is zero
-        loads.pose_force += resistance(leg.rate[joint]) * leg.joints_per_pose.row(joint).transpose();
+        loads.pose_force += joint_.resistance(leg.rate[joint]) * leg.joints_per_pose.row(joint).transpose();
     }
   }
 
  private:
-  double resistance(double rate) const noexcept {
-    return -coulomb_N_m_ * std::tanh(rate / kSlow_rad_per_s) - viscous_N_m_s_per_rad_ * rate;
-  }
-
-  static constexpr double kSlow_rad_per_s = 0.005;
-  double coulomb_N_m_;
-  double viscous_N_m_s_per_rad_;
+  RubbingJoint joint_;
   std::optional<mechanism::Mechanism> mechanism_;
 };
 
