@@ -58,6 +58,29 @@ class VirtualPlants : public testing::TestWithParam<const char*> {
     return motion;
   }
 
+  /// That what the actuators bring up more with `more` than with `less` friction is what a law of trace says, whose
+  /// columns `on_pose` adds up.
+  template <typename OnPose>
+  void expectLaw(const char* name, const VirtualPlantParameters& more, const VirtualPlantParameters& less,
+                 const OnPose& on_pose) {
+    VirtualPlant rubbing = plant(more), without = plant(less);
+    const auto law = dynamics::effectLaw(name, "", {1e-12});
+    const AxisPath path_of_both = path();
+    mechanism::Pose pose = start_;
+    mechanism::RobotMotion robot;
+    for (double t = 0.2; t < kDuration_s; t += 0.0137) {
+      VirtualPlantOutput with_it, without_it;
+      ASSERT_TRUE(rubbing.follow(path_of_both.at(t), with_it));
+      ASSERT_TRUE(without.follow(path_of_both.at(t), without_it));
+      const mechanism::Motion motion = motionOf(path_of_both.at(t), pose);
+      mechanism::robotMotion(mechanism(), motion, robot);
+      dynamics::PoseColumns columns;
+      law->poseColumns(mechanism(), motion, columns);
+      const mechanism::Vector4 ours = robot.jacobian.transpose().partialPivLu().solve(on_pose(columns));
+      ASSERT_LT((ours - (with_it.force - without_it.force)).norm(), 1e-6 * ours.norm()) << t;
+    }
+  }
+
   static constexpr double kDuration_s = 5.0;
   mechanism::Robot robot_;
   dynamics::RobotInertia inertia_;
@@ -132,47 +155,16 @@ TEST_P(VirtualPlants, AgreeWithTheLinearModelWithFriction) {
 }
 
 TEST_P(VirtualPlants, RubInTheirSphericalJointsAsTheLawThatTraceAdds) {
-  VirtualPlant rubbing = plant(frictionOfAll(0.3)), without = plant(frictionOfAll(0.0));
-  const auto law = dynamics::effectLaw("platform_joint_friction", "", {1e-12});
-  const AxisPath path_of_both = path();
-  mechanism::Pose pose = start_;
-  mechanism::RobotMotion robot;
-  for (double t = 0.2; t < kDuration_s; t += 0.0137) {
-    VirtualPlantOutput more, less;
-    ASSERT_TRUE(rubbing.follow(path_of_both.at(t), more));
-    ASSERT_TRUE(without.follow(path_of_both.at(t), less));
-    const mechanism::Motion motion = motionOf(path_of_both.at(t), pose);
-    mechanism::robotMotion(mechanism(), motion, robot);
-    dynamics::PoseColumns columns;
-    law->poseColumns(mechanism(), motion, columns);
-    const mechanism::Vector4 on_pose = 0.3 * (columns.col(4) + columns.col(5));
-    const mechanism::Vector4 ours = robot.jacobian.transpose().partialPivLu().solve(on_pose);
-    ASSERT_LT((ours - (more.force - less.force)).norm(), 1e-6 * ours.norm()) << t;
-  }
+  expectLaw("platform_joint_friction", frictionOfAll(0.3), frictionOfAll(0.0),
+            [](const dynamics::PoseColumns& c) { return mechanism::Vector4(0.3 * (c.col(4) + c.col(5))); });
 }
 
 TEST_P(VirtualPlants, RubInTheirJointsAtTheBaseAsTheLawThatTraceAdds) {
-  VirtualPlantParameters with = frictionOfAll(0.0), bare = with;
-  with.friction = equalFriction({150.0, 15.0}, {0.5, 0.2});
-  bare.friction = equalFriction({150.0, 15.0}, {0.0, 0.0});
-  VirtualPlant rubbing = plant(with), without = plant(bare);
-  const auto law = dynamics::effectLaw("base_joint_friction", "", {1e-12});
-  const AxisPath path_of_both = path();
-  mechanism::Pose pose = start_;
-  mechanism::RobotMotion robot;
-  for (double t = 0.2; t < kDuration_s; t += 0.0137) {
-    VirtualPlantOutput more, less;
-    ASSERT_TRUE(rubbing.follow(path_of_both.at(t), more));
-    ASSERT_TRUE(without.follow(path_of_both.at(t), less));
-    const mechanism::Motion motion = motionOf(path_of_both.at(t), pose);
-    mechanism::robotMotion(mechanism(), motion, robot);
-    dynamics::PoseColumns columns;
-    law->poseColumns(mechanism(), motion, columns);
-    const mechanism::Vector4 on_pose =
-        0.5 * (columns.col(1) + columns.col(3)) + 0.2 * (columns.col(0) + columns.col(2));
-    const mechanism::Vector4 ours = robot.jacobian.transpose().partialPivLu().solve(on_pose);
-    ASSERT_LT((ours - (more.force - less.force)).norm(), 1e-6 * ours.norm()) << t;
-  }
+  VirtualPlantParameters without = frictionOfAll(0.0);
+  without.friction = equalFriction({150.0, 15.0}, {0.0, 0.0});
+  expectLaw("base_joint_friction", frictionOfAll(0.0), without, [](const dynamics::PoseColumns& c) {
+    return mechanism::Vector4(0.5 * (c.col(1) + c.col(3)) + 0.2 * (c.col(0) + c.col(2)));
+  });
 }
 
 TEST_P(VirtualPlants, LoseEnergyToFrictionOnlyAndKeepTheBooks) {

@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <filesystem>
 
 #include "knee_robot/base/files.h"
@@ -41,6 +42,11 @@ TEST(AbsorbedEffect, WhatTheBaselineOfAnAxisAloneDoesIsNotNamed) {
       robot, {recording},
       {identification::observe(robot, identification::columnsOf(robot), recording, options.observation)}, options);
   EXPECT_LE(result.after_rms_N[0], 1.01 * result.before_rms_N[0]);
+  for (const std::string name : {"force_gain", "force_offset"}) {
+    EXPECT_TRUE(std::any_of(result.absorbed.begin(), result.absorbed.end(),
+                            [&](const std::string& sentence) { return sentence.rfind(name + ":", 0) == 0; }))
+        << name << " is not said to be absorbed";
+  }
   for (const FoundEffect& e : result.effects) {
     const std::string name = e.hypothesis.place.candidate->name();
     EXPECT_TRUE(name != "force_gain" && name != "force_offset" && name != "load_dependent_viscous") << name;
