@@ -162,11 +162,12 @@ Fault Monitors::evaluate(std::size_t i, const AxisView& view) noexcept {
 /// Only what a model explains can be told from a force on the patient; a limit that nobody can judge protects nobody.
 Fault Monitors::monitorForce(double dt) noexcept {
   const bool limited = carried_ && patient_.given && patient_.limitsForce() && !takingOver();
-  const bool current = measured_.sequence - disturbed_.sequence <= kJudgedBefore;
-  const bool judged = disturbed_.identified && disturbed_.known && current;
+  const bool judged = disturbed_.identified && disturbed_.known;
+  // The newest judgement counts until there is another one: an observer may be slower than the monitors.
   const bool too_strong = limited && judged && !patient_.allowsForce(disturbed_.wrench);
   if (too_strong_.step(too_strong, dt, patient_force_time)) return Fault::PatientForce;
-  return unjudged_.step(limited && !judged, dt, kLongestUnjudged_s) ? Fault::MonitorsStale : Fault::None;
+  const bool current = measured_.sequence - disturbed_.sequence <= kJudgedBefore;
+  return unjudged_.step(limited && !(judged && current), dt, kLongestUnjudged_s) ? Fault::MonitorsStale : Fault::None;
 }
 
 Fault Monitors::monitorPatient(double dt) noexcept {

@@ -48,8 +48,9 @@ class UnjudgedForce : public ::testing::Test {
       for (rt::OutputPort<AxisCommand>* command : {&feed.command_1, &feed.command_2, &feed.command_3, &feed.command_4})
         command->write(holding());
       feed.written.write(written);
-      if (!silent) disturbed.sequence = measured.sequence - (behind ? 1 : 0);
-      if (!silent) feed.disturbance.write(disturbed);
+      const bool speaks = !silent && measured.sequence % observed_every == 0;
+      if (speaks) disturbed.sequence = measured.sequence - (behind ? 1 : 0);
+      if (speaks) feed.disturbance.write(disturbed);
       rt::Cycle cycle;
       cycle.time = measured.time;
       monitors.update(cycle);
@@ -71,6 +72,7 @@ class UnjudgedForce : public ::testing::Test {
   Disturbance disturbed;
   MonitorVerdict verdict;
   bool silent = false, behind = false;
+  std::uint64_t observed_every = 1;  // measurements
 };
 
 TEST_F(UnjudgedForce, IsAFaultAfterASecondWhenTheForcesAreNotKnownAnyMore) {
@@ -100,6 +102,15 @@ TEST_F(UnjudgedForce, IsAFaultWithoutAModel) {
 
 TEST_F(UnjudgedForce, IsNoneWhereTheObserverRunsBehindTheMonitors) {
   behind = true;
+  run(3.0);
+  EXPECT_EQ(verdict.fault[0], Fault::None);
+  disturbed.wrench[0] = 70.0;
+  run(0.1);
+  EXPECT_EQ(verdict.fault[0], Fault::PatientForce);
+}
+
+TEST_F(UnjudgedForce, IsNoneWhereTheObserverIsSlowerThanTheMonitorsWhichStillSeeAPush) {
+  observed_every = 5;  // its period_s in the deployment file
   run(3.0);
   EXPECT_EQ(verdict.fault[0], Fault::None);
   disturbed.wrench[0] = 70.0;
