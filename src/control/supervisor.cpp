@@ -132,7 +132,8 @@ bool Supervisor::isReady() const noexcept {
 void Supervisor::handle(const Request& asked, const rt::Cycle& cycle) {
   const rt::Nanoseconds now = cycle.time;
   // Really now: after a pause of the whole process whoever asked before it has been told that there is no answer.
-  if (cycle.wake > asked.expires && !onlyStops(asked.kind))
+  const bool slows_down = asked.kind == RequestKind::SetSpeed && asked.value <= orders_.speed;  // 0 pauses
+  if (cycle.wake > asked.expires && !onlyStops(asked.kind) && !slows_down)
     return answers_.answer(asked.number, RequestResult::TooLate);
   if (!isPossible(state_, asked.kind)) return answers_.answer(asked.number, RequestResult::WrongState);
   switch (asked.kind) {

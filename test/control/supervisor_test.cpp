@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 #include "fake_machine.h"
 
 namespace knee_robot::control {
@@ -135,6 +137,27 @@ TEST_F(SupervisorTest, DoesNothingThatNobodyWaitsForAnyMoreExceptStopping) {
   feed.request.write(request);
   cycle();
   EXPECT_EQ(status.state, MachineState::Stopping);
+}
+
+TEST_F(SupervisorTest, SlowsDownHoweverLateItHearsOfItButGetsNoFaster) {
+  ASSERT_NO_FATAL_FAILURE(play());
+  Request request;
+  request.kind = RequestKind::SetSpeed;
+  const auto askLate = [&](double speed) {
+    request.number = ++number;
+    request.value = speed;
+    request.expires = now;
+    late = 600'000'000;
+    feed.request.write(request);
+    cycle();
+    return status.answers[number % SupervisorStatus::kAnswers].result;
+  };
+  EXPECT_EQ(askLate(0.5), RequestResult::Done);
+  EXPECT_EQ(askLate(0.0), RequestResult::Done) << "0 pauses (docs/ros_interface.md)";
+  EXPECT_EQ(orders.speed, 0.0);
+  EXPECT_EQ(askLate(1.0), RequestResult::TooLate);
+  EXPECT_EQ(askLate(std::nan("")), RequestResult::TooLate);
+  EXPECT_EQ(orders.speed, 0.0);
 }
 
 TEST_F(SupervisorTest, StartsAnewWithoutWhatWasAskedOfTheOneThatFailed) {

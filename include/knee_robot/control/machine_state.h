@@ -56,7 +56,8 @@ struct Request {
   std::uint32_t number = 0;  ///< the answer carries it
   RequestKind kind = RequestKind::Stop;
   double value = 0.0;  ///< of SetSpeed
-  /// Time of the deployment's clock from which on nobody waits for it any more (TooLate), unless it only stops.
+  /// Time of the deployment's clock from which on nobody waits for it any more (TooLate), unless it only stops or slows
+  /// down.
   rt::Nanoseconds expires = std::numeric_limits<rt::Nanoseconds>::max();
 };
 
