@@ -48,8 +48,10 @@ Answer MachineRequests::make(RequestKind kind, double timeout_s, double value) {
   panel_.forget(*number);
   if (!in_time || answer.number != *number) {
     if (end) askAndForget(*end);
-    return {false, "no answer within " + shortNumber(timeout_s) + " s; the robot is " + toString(report_.state()) +
-                       (end ? "; what was asked for is taken back" : "")};
+    const std::string why =
+        in_time ? "no answer: " + report_.faultSentence()
+                : "no answer within " + shortNumber(timeout_s) + " s; the robot is " + toString(report_.state());
+    return {false, why + (end ? "; what was asked for is taken back" : "")};
   }
   ControlStatus now;
   report_.fill(now);

@@ -60,6 +60,14 @@ TEST_F(PartsOnTheirOwn, EndWhatWasAskedForWhereTheAnswerTookTooLong) {
   EXPECT_EQ(parts.report.state(), MachineState::Holding);
 }
 
+TEST_F(PartsOnTheirOwn, SayWhyWhereTheSupervisorFailsBeforeItAnswers) {
+  meanwhile = [this] { static_cast<rt::TaskContext&>(*parts.machine.supervisor).stop(); };
+  const Answer answer = parts.requests.make(RequestKind::Enable, 5.0);
+  EXPECT_FALSE(answer.ok);
+  EXPECT_EQ(answer.sentence.find("no answer within"), std::string::npos) << answer.sentence;
+  EXPECT_NE(answer.sentence.find(describe(Fault::ComponentException).sentence), std::string::npos) << answer.sentence;
+}
+
 TEST_F(PartsOnTheirOwn, PlayNothingThatAStopHasOvertakenWhoeverAskedForIt) {
   ASSERT_TRUE(parts.requests.make(RequestKind::Enable, 5.0).ok);
   parts.runner.run(2.0);
