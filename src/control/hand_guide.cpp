@@ -78,6 +78,7 @@ void HandGuide::readPorts(double dt) noexcept {
     const double share = 1.0 - std::exp(-kTwoPi * kCutoff_hz * dt);
     velocity_ += share * (mechanism::Vector4(measured_.velocity_m_per_s.data()) - velocity_);
     known_ = knowledge_ && order_.level == DriveLevel::Released && findMotion();
+    if (!velocity_.allFinite()) velocity_.setZero();  // a low-pass keeps for ever what is no number
   }
 }
 

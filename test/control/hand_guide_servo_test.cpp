@@ -75,6 +75,20 @@ TEST_F(HandGuideAlone, AllocatesNothingAndLetsGoWhenTheSupervisorIsSilent) {
   EXPECT_FALSE(said.active) << "the Drivers hold";
 }
 
+TEST_F(HandGuideAlone, GuidesAgainAfterAVelocityThatWasNoNumber) {
+  for (int k = 0; k < 2000; ++k)
+    cycle(true);
+  ASSERT_TRUE(said.active);
+  measured.velocity_m_per_s[1] = std::nan("");
+  cycle(true);
+  EXPECT_FALSE(said.active);
+  EXPECT_EQ(said.stop, GuideStop::LostPose);
+  measured.velocity_m_per_s[1] = 0.0;
+  for (int k = 0; k < 2000; ++k)
+    cycle(true);
+  EXPECT_TRUE(said.active) << "a number again: " << static_cast<int>(said.stop);
+}
+
 TEST_F(HandGuideAlone, HandsNothingToTheDriversThatIsNoNumber) {
   for (const int weighed : {100, 2000}) {
     for (int k = 0; k < weighed; ++k)
