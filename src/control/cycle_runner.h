@@ -14,8 +14,10 @@ class CycleRunner {
   CycleRunner(rt::Deployment& deployment, std::function<void()> now_and_then)
       : deployment_(deployment), now_and_then_(std::move(now_and_then)) {}
 
-  /// Of the deployment's clock.
-  rt::Nanoseconds now() const noexcept { return deployment_.now(); }
+  /// Of the deployment's clock; of a stepped one the time of the next cycle: what was paused for has passed.
+  rt::Nanoseconds now() const noexcept {
+    return deployment_.execution() == rt::Execution::Stepped ? deployment_.nextRelease() : deployment_.now();
+  }
   /// Stepped only. `advance` is called before each cycle with the virtual time (ns) up to which the plant has to be
   /// moved on.
   void setPlant(std::function<void(rt::Nanoseconds time)> advance) { advance_plant_ = std::move(advance); }

@@ -68,6 +68,12 @@ TEST_F(PartsOnTheirOwn, SayWhyWhereTheSupervisorFailsBeforeItAnswers) {
   EXPECT_NE(answer.sentence.find(describe(Fault::ComponentException).sentence), std::string::npos) << answer.sentence;
 }
 
+TEST_F(PartsOnTheirOwn, TakeUpWhatIsAskedForAfterAPause) {
+  parts.runner.pause(1.0);
+  const Answer answer = parts.requests.make(RequestKind::Enable, 5.0);
+  EXPECT_TRUE(answer.ok) << answer.sentence;
+}
+
 TEST_F(PartsOnTheirOwn, PlayNothingThatAStopHasOvertakenWhoeverAskedForIt) {
   ASSERT_TRUE(parts.requests.make(RequestKind::Enable, 5.0).ok);
   parts.runner.run(2.0);
