@@ -4,6 +4,7 @@
 #include <knee_robot/Forces.h>
 #include <knee_robot/Tracking.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -74,8 +75,11 @@ ControllerTopics::ControllerTopics(ros::NodeHandle& node, const control::Control
 
 void ControllerTopics::publish() {
   const ros::SteadyTime now = ros::SteadyTime::now();
-  const ros::Time stamp = ros::Time::now();
+  const ros::Time published = ros::Time::now();
   if (const std::optional<control::TrackingRow> row = system_.snapshot()) {
+    // When it was measured, not when this timer came to it: whoever differentiates needs the former.
+    const double age_s = std::max(0.0, rt::toSeconds(rt::monotonicNow()) - row->time_s);
+    const ros::Time stamp = published - ros::Duration(age_s);
     publishTracking(*row, stamp);
     followPose(*row);
     if (forward_.ok()) publishJoints(*row, stamp);
@@ -92,7 +96,7 @@ void ControllerTopics::publish() {
   const double window = (now - timing_at_).toSec();
   if (isDue(timing_at_, now, kTimingPeriod)) {
     Timing timing = timingMessage(system_.deployment(), timing_before_);
-    timing.header.stamp = stamp;
+    timing.header.stamp = published;
     timing.window_s = window;
     timing_.publish(timing);
   }

@@ -16,6 +16,10 @@ from knee_robot.msg import Tracking  # noqa: E402
 from robot_client import Player, RobotClient, read_recording  # noqa: E402
 
 
+# A reference is that of the planned time; a cycle that begins 20 ms late on a busy machine is read, and stamped, 20 ms later.
+LATE_WAY = 2e-3  # m
+
+
 class References:
     """Reference positions that were published while this existed."""
 
@@ -23,15 +27,15 @@ class References:
         self.rows = []
         self.subscriber = rospy.Subscriber(f"/{robot.name}/tracking", Tracking, self.rows.append, queue_size=1000)
 
-    def fastest(self):
-        """Largest speed of a reference between two messages, m/s, by the servo cycles in between."""
+    def largest_jump(self):
+        """The farthest that a reference went between two messages beyond 0.08 m/s, m. The movements have 0.04 m/s, the approach 0.05 m/s."""
         self.subscriber.unregister()
-        speeds = [0.0]
+        jumps = [0.0]
         for a, b in zip(self.rows, self.rows[1:]):
-            cycles = b.sequence - a.sequence
-            if cycles > 0:
-                speeds += [abs(q - p) / (1e-3 * cycles) for p, q in zip(a.reference_m, b.reference_m)]
-        return max(speeds)
+            way = max(abs(q - p) for p, q in zip(a.reference_m, b.reference_m))
+            jumps.append(way - 0.08 * (b.header.stamp - a.header.stamp).to_sec())
+        print(f"{len(self.rows)} references, largest jump {1e3 * max(jumps):.2f} mm")
+        return max(jumps)
 
 
 class Action(unittest.TestCase):
@@ -79,7 +83,7 @@ class Action(unittest.TestCase):
         answer = self.robot.trigger("pause")
         self.assertTrue(answer.success, answer.message)
         self.assertEqual("paused", self.robot.wait_for("paused", 5).state)
-        time.sleep(0.1)  # the last set point is still being interpolated
+        time.sleep(0.7)  # the last set point is still being interpolated, and what a late one left is blended for 0.5 s
         before, at = self.robot.tracking(), self.robot.state().path_time_s
         time.sleep(0.7)
         after = self.robot.tracking()
@@ -92,9 +96,7 @@ class Action(unittest.TestCase):
         state, result = self.player.end()
         self.assertEqual("SUCCEEDED", state, result)
         self.assertAlmostEqual(3.0, result.path_time_s, places=2)
-        fastest = references.fastest()
-        print(f"fastest reference: {fastest:.3f} m/s")
-        self.assertLess(fastest, 0.08, "a jump")  # the movement itself: 0.04 m/s; the approach: 0.05 m/s
+        self.assertLess(references.largest_jump(), LATE_WAY)
 
     def test_the_speed_changes_on_the_way_and_the_path_stays(self):
         references = References(self.robot)
@@ -107,7 +109,7 @@ class Action(unittest.TestCase):
         self.assertTrue(self.robot.set_speed(100).success)
         state, result = self.player.end()
         self.assertEqual("SUCCEEDED", state, result)
-        self.assertLess(references.fastest(), 0.08, "a jump")
+        self.assertLess(references.largest_jump(), LATE_WAY)
 
     def test_a_goal_is_played_at_the_speed_that_it_asks_for(self):
         begin = time.monotonic()
