@@ -51,7 +51,9 @@ Fault SetPointFollower::accept(const SetPoint& set_point, rt::Nanoseconds now) n
     if (fault != Fault::None) return fault;
     const bool new_run = !following_ || set_point.run != run_;
     const bool late = following_ && now > segment_.start + segment_.duration;
-    if (new_run || late || missing > 0) {
+    // At rest on a path a late set point leaves nothing to blend; begun anew with each, what is left would never end.
+    const bool goes_on = !new_run && onSegment(segment_, now).position == onSegment(next, now).position;
+    if ((new_run || late || missing > 0) && !goes_on) {
       offset_ = at(now).position - onSegment(next, now).position;
       offset_start_ = now;
     }

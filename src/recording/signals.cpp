@@ -41,11 +41,16 @@ int advance(const std::vector<double>& time, double t, int k) {
   return k;
 }
 
-/// Slope at row k of the parabola through it and its neighbours.
-Eigen::RowVectorXd slopeAt(const std::vector<double>& time, const Eigen::MatrixXd& x, int k) {
+/// Slope at row k of the parabola through it and its nearest neighbours at least `reach` away: an encoder's step is as
+/// steep as it is near, and a slope is carried over an interval as long as the one that it is for.
+Eigen::RowVectorXd slopeAt(const std::vector<double>& time, const Eigen::MatrixXd& x, int k, double reach) {
   const int n = static_cast<int>(time.size());
-  const int a = std::max(k - 1, 0);
-  const int b = std::min(k + 1, n - 1);
+  int a = std::max(k - 1, 0);
+  int b = std::min(k + 1, n - 1);
+  while (a > 0 && time[k] - time[a] < reach)
+    --a;
+  while (b < n - 1 && time[b] - time[k] < reach)
+    ++b;
   if (a == k || b == k) return (x.row(b) - x.row(a)) / (time[b] - time[a]);
   const double before = time[k] - time[a];
   const double after = time[b] - time[k];
@@ -63,9 +68,9 @@ Eigen::MatrixXd sampleCubic(const std::vector<double>& time, const Eigen::Matrix
     const double s = std::clamp((grid[i] - time[k]) / h, 0.0, 1.0);
     const double s2 = s * s;
     const double s3 = s2 * s;
-    out.row(static_cast<Eigen::Index>(i)) = (2 * s3 - 3 * s2 + 1) * x.row(k) +
-                                            (s3 - 2 * s2 + s) * h * slopeAt(time, x, k) +
-                                            (3 * s2 - 2 * s3) * x.row(k + 1) + (s3 - s2) * h * slopeAt(time, x, k + 1);
+    out.row(static_cast<Eigen::Index>(i)) =
+        (2 * s3 - 3 * s2 + 1) * x.row(k) + (s3 - 2 * s2 + s) * h * slopeAt(time, x, k, h / 2) +
+        (3 * s2 - 2 * s3) * x.row(k + 1) + (s3 - s2) * h * slopeAt(time, x, k + 1, h / 2);
   }
   return out;
 }
@@ -202,7 +207,8 @@ Signals resample(const Recording& r, const Eigen::MatrixXd& force_N, const Signa
   };
   if (r.rows() < kFewestRows) throw tooShort(r.rows());
   const double period = medianPeriod(r.time_s);
-  const int stale = staleRows(r, options.gap_periods * period);
+  const double longest = std::max(options.gap_periods * period, options.gap_cycles / options.motion_cutoff_hz);
+  const int stale = staleRows(r, longest);
   const int rows = r.rows() - stale;
   if (rows < kFewestRows) throw tooShort(rows);
   const std::vector<double> time(r.time_s.begin() + stale, r.time_s.end());
@@ -238,8 +244,7 @@ Signals resample(const Recording& r, const Eigen::MatrixXd& force_N, const Signa
   s.force_is_measured = r.force_is_measured;
   s.force_N = heldMeans(r.force_is_measured ? midpoints(time) : time, force_N.bottomRows(rows), s.time_s, s.period_s);
   s.tremble_m_per_s = everyNth(trembleOf(raw, position, period), step, count);
-  s.known =
-      knownSamples(time, s.time_s, options.gap_periods * period, r.test_pulse.tail(r.test_pulse.size() > 0 ? rows : 0));
+  s.known = knownSamples(time, s.time_s, longest, r.test_pulse.tail(r.test_pulse.size() > 0 ? rows : 0));
   s.rounding_left = std::clamp(6.0 * std::sqrt(2.0 * options.motion_cutoff_hz * period / 12.0), 0.25, 1.0);
   s.notes = r.notes;
   noteQuantization(r.position_m.bottomRows(rows), period, options, s);

@@ -97,6 +97,16 @@ TEST(SetPointFollower, GoesOnWithoutAJumpAfterALatePoint) {
   EXPECT_NEAR(axis.at(25 * kMs).position, before, 1e-12);
 }
 
+TEST(SetPointFollower, ComesToTheEndOfWhatIsBlendedAlthoughEveryPointAtRestIsLate) {
+  SetPointFollower axis = follower();
+  axis.takeOver(0.601, 0);
+  for (int n = 0; n <= 60; ++n) {
+    axis.accept(segment(n, 0.6, 0.0), n * kPeriod + 4 * kMs);  // 4 ms after the end of the one before
+    axis.at(n * kPeriod + 9 * kMs);
+  }
+  EXPECT_EQ(axis.at(60 * kPeriod + 5 * kMs).position, 0.6);
+}
+
 TEST(SetPointFollower, TakesAJumpForAFaultAndGoesOnAsBefore) {
   SetPointFollower axis = follower();
   axis.takeOver(0.6, 0);

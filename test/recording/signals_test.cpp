@@ -105,6 +105,25 @@ TEST(Resample, MarksGapsAsUnknownAndSaysSo) {
   EXPECT_NE(s.notes.back().find("gaps"), std::string::npos);
 }
 
+TEST(Resample, GoesThroughTheCyclesThatABusyMachineSkips) {
+  std::mt19937 random(6);
+  std::uniform_int_distribution<std::size_t> skipped(4, 15), on_time(30, 150);
+  const std::vector<double> all = jitteredTimes(20000, 0.001, 0.0, 3);
+  std::vector<double> t;
+  for (std::size_t k = 0; k < all.size(); k += skipped(random))
+    for (const std::size_t end = std::min(all.size(), k + on_time(random)); k < end; ++k)
+      t.push_back(all[k]);
+  Recording r = along(t);
+  for (int k = 0; k < r.rows(); ++k)
+    r.position_m(k, 0) = std::round(r.position_m(k, 0) / 5e-6) * 5e-6;
+  const Signals s = resample(r, r.force_N);
+  for (int n = 50; n < s.samples() - 50; ++n) {
+    EXPECT_TRUE(s.known[n]);
+    EXPECT_NEAR(s.velocity_m_per_s(n, 0), speed(s.time_s[n]), 2e-4);
+    EXPECT_NEAR(s.acceleration_m_per_s2(n, 0), acceleration(s.time_s[n]), 2e-2);
+  }
+}
+
 TEST(Resample, DropsStaleRowsAtTheStart) {
   Recording r = along(jitteredTimes(500, 0.01, 0.0, 4));
   for (int k = 0; k < 3; ++k)

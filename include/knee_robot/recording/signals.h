@@ -11,7 +11,10 @@ namespace knee_robot::recording {
 struct SignalOptions {
   double motion_cutoff_hz = 9.0;  ///< zero-phase low-pass of the positions before they are differentiated
   double rate_hz = 100.0;         ///< of the result, at most; a slower recording keeps its own rate
-  double gap_periods = 5.0;       ///< a longer interval without rows is a gap: nothing is known of the motion in it
+  /// A longer interval without rows than both of these is a gap: nothing is known of the motion in it. The cubic between
+  /// the rows follows a motion at the cut-off to 0.7 % over a fifth of its cycle (2 pi / 5)^4 / 384.
+  double gap_periods = 5.0;  ///< of the rows
+  double gap_cycles = 0.2;   ///< of motion_cutoff_hz: what a fast recorder skips when its machine is busy
 };
 
 /// Motion and commanded force on a uniform grid: one row a sample, one column an actuator.
