@@ -6,9 +6,14 @@
 #include <limits>
 #include <random>
 
+#include "knee_robot/base/numbers.h"
+
 namespace knee_robot::tracing {
 namespace {
 
+/// Factor by which a surrogate may leave more than the recording does: those of a healthy robot that truly sticks leave
+/// 1.3 times as much, of an axis of the laboratory's bench, which does not, 1.5 times, of other laws 5 to 30 times.
+constexpr double kTooMuch = 1.4;
 constexpr double kStep_s = 0.001;
 constexpr double kRecovered = 0.9;  ///< share of the force's variance that a recovered controller must explain
 constexpr double kLightest_kg = 2.0;
@@ -216,6 +221,31 @@ SurrogatePlan planSurrogate(const mechanism::Robot& robot, const recording::Reco
               " axes recovered from the tracking error, their surrogates in closed loop";
   if (recovered < o.axes()) plan.note += ", the surrogates of the others follow the measured motion";
   return plan;
+}
+
+std::vector<std::string> openLoops(const Eigen::VectorXd& left_N, const Eigen::VectorXd& real_N,
+                                   std::vector<SurrogatePlan>& plans) {
+  const std::vector<char> open = plans.front().open_loop;
+  int closed = 0, unlike = 0;
+  for (std::size_t i = 0; i < open.size(); ++i) {
+    const Eigen::Index k = static_cast<Eigen::Index>(i);
+    closed += !open[i];
+    unlike += !open[i] && left_N[k] > kTooMuch * real_N[k];
+  }
+  std::vector<std::string> notes;
+  for (std::size_t i = 0; i < open.size(); ++i) {
+    const Eigen::Index k = static_cast<Eigen::Index>(i);
+    const bool more = left_N[k] > kTooMuch * real_N[k];
+    if (open[i] || !(more || 2 * unlike > closed)) continue;
+    for (SurrogatePlan& plan : plans)
+      plan.open_loop[i] = 1;
+    notes.push_back("Actuator " + std::to_string(i + 1) + ": a surrogate in closed loop leaves " +
+                    shortNumber(left_N[k], 3) + " N, " +
+                    (more ? "more than the recording (" + shortNumber(real_N[k], 3) + " N)"
+                          : std::string("and those of most other actuators leave more than the recording does")) +
+                    ", so its surrogates follow the measured motion; they miss part of what reversals leave.");
+  }
+  return notes;
 }
 
 void refreshPlan(const identification::Observation& o, const BaseFit& base, const Eigen::VectorXd& parameters,

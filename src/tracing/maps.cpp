@@ -53,6 +53,7 @@ class Map : public Candidate {
   }
   bool restsOnModel() const override { return signal_.rests_on_model; }
   bool ofDrive() const override { return signal_.of_drive; }
+  bool goesWithTime() const override { return signal_.name == "time_s"; }
   bool isFriction() const override { return signal_.factor == MapFactor::Direction; }
   std::vector<ShapeParameter> shapeParameters() const override { return knotParameters(); }
   std::vector<std::vector<double>> shapes(const EffectInput&, int actuator) const override {

@@ -104,7 +104,7 @@ FoundEffect effectOf(const mechanism::Robot& robot, const dynamics::ModelEffect&
   }
   std::vector<dynamics::EffectParameter> coefficients = m.coefficients;
   const std::vector<Coefficient> asked = candidate->coefficients(input);
-  if (candidate->goesWithTime() &&
+  if (candidate->goesWithTime() && !candidate->isMap() &&
       coefficients.size() == 2) {  // of a file before recordings began with a warmth of their own
     for (std::size_t k = 2; k < asked.size(); ++k)
       coefficients.push_back({asked[k].name, 0.0, 0.0});

@@ -43,11 +43,15 @@ std::string whyOfOnePath(const Search& s, const FoundEffect& e, double floors) {
   const Candidate& candidate = *e.hypothesis.place.candidate;
   // What pulls at the platform loads all legs: a map on one of them is part of it, however little that one leaves.
   const int actuator = e.hypothesis.place.actuator;
-  const bool of_pose = candidate.isMap() && candidate.positionOf(actuator) != actuator;
-  const double anywhere = of_pose ? (s.rms_N.array() / s.floor.rms_N.array()).maxCoeff() : floors;
+  const bool of_time = candidate.goesWithTime() && (candidate.isMap() || e.doubted);
+  const bool of_all = of_time || (candidate.isMap() && candidate.positionOf(actuator) != actuator);
+  const double anywhere = of_all ? (s.rms_N.array() / s.floor.rms_N.array()).maxCoeff() : floors;
   if (candidate.isForceField() && anywhere >= kMuchLeft)
     return "a force that depends on the pose alone, seen along one path, in a model that leaves " +
            shortNumber(anywhere, 2) + " times the noise floor: on another path the same pose may have another force";
+  if (of_time && anywhere >= kMuchLeft)
+    return "goes with time, seen along one path, in a model that leaves " + shortNumber(anywhere, 2) +
+           " times the noise floor: at the same time another path is elsewhere";
   const int maps = candidate.isMap() ? mapsBeside(s, e) : 0;
   if (s.floor.measured && maps >= kPatchwork && floors > kRightLeaves)
     return "one of " + std::to_string(maps) + " maps, which together leave " + shortNumber(floors, 2) +

@@ -17,10 +17,7 @@ namespace {
 
 constexpr double kNothingLeft = 0.02;  ///< share of a column's square that the base parameters leave: absorbed
 constexpr double kSame = 1e-3;         ///< the same, of a column that is one of the baseline's
-/// Factor by which a surrogate may leave more than the recording does: those of a healthy robot that truly sticks leave
-/// 1.3 times as much, of an axis of the laboratory's bench, which does not, 1.5 times, of other laws 5 to 30 times.
-constexpr double kTooMuch = 1.4;
-constexpr double kFaster = 3.0;  ///< cut-off of the second band over that of the first,
+constexpr double kFaster = 3.0;        ///< cut-off of the second band over that of the first,
 constexpr double kFastestShareOfRate = 0.1;
 constexpr double kLeastFaster = 1.5;  ///< below which a second band would be the first one again
 constexpr int kFastSurrogates = 5;
@@ -103,7 +100,6 @@ class Tracing {
   void simulate(const SurrogateModel& model);
   void rebuildSurrogates();
   void setFloor();
-  bool openLoops();
 
   const mechanism::Robot& robot_;
   const std::vector<recording::Recording>& recordings_;
@@ -156,26 +152,11 @@ void Tracing::planSurrogates() {
   const SurrogateModel clean = {result_.base.parameters, {}, {}};
   s_.surrogates = makeSurrogates(robot_, recordings_, data_, result_.base, clean, plans_, options_.observation,
                                  options_.surrogates, options_.seed);
-  if (openLoops()) simulate(clean);
+  const std::vector<std::string> opened =
+      openLoops(surrogateResidual(s_.surrogates, data_, result_.base), result_.base.noise_N, plans_);
+  result_.notes.insert(result_.notes.end(), opened.begin(), opened.end());
+  if (!opened.empty()) simulate(clean);
   attend(Attention::All);
-}
-
-/// Axes whose surrogate leaves much more than the recording itself are not what it says they are (friction that stops
-/// them otherwise than stiction does): their surrogates go along the measured motion instead.
-bool Tracing::openLoops() {
-  const Eigen::VectorXd left_N = surrogateResidual(s_.surrogates, data_, result_.base), real_N = result_.base.noise_N;
-  bool any = false;
-  for (Eigen::Index i = 0; i < left_N.size(); ++i) {
-    if (plans_.front().open_loop[static_cast<std::size_t>(i)] || left_N[i] <= kTooMuch * real_N[i]) continue;
-    any = true;
-    for (SurrogatePlan& plan : plans_)
-      plan.open_loop[static_cast<std::size_t>(i)] = 1;
-    result_.notes.push_back(
-        "Actuator " + std::to_string(i + 1) + ": a surrogate in closed loop leaves " + shortNumber(left_N[i], 3) +
-        " N, more than the recording (" + shortNumber(real_N[i], 3) +
-        " N), so its surrogates follow the measured motion; they miss part of what reversals leave.");
-  }
-  return any;
 }
 
 void Tracing::simulate(const SurrogateModel& model) {
@@ -336,9 +317,9 @@ void Tracing::settle() {
     result_.candidates->push_back(std::move(map));
   if (robot_.chain) abstainElsewhere(s_, result_.notes);
   holdBackAmbiguous(s_, result_.notes);
-  holdBackOnePath(s_, result_.notes);
   if (!robot_.chain) testElsewhere(s_, result_.notes);
   if (!robot_.chain) doubtNames(s_, result_.notes);
+  holdBackOnePath(s_, result_.notes);
   result_.rejected.insert(result_.rejected.end(), s_.taken_out.begin(), s_.taken_out.end());
   keepFit();
 }

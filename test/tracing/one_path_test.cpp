@@ -23,14 +23,18 @@ class OnePath : public testing::Test {
                                 {}));
   }
   void leaves(double floors) { s_.rms_N = floors * s_.floor.rms_N; }
-  /// Whether an effect of this name, on the second actuator or all, is predicted elsewhere.
-  bool transfers(const std::string& name) {
-    FoundEffect e;
+  const Candidate& named(const std::string& name) const {
     const auto found =
         std::find_if(candidates_.begin(), candidates_.end(), [&](const auto& c) { return c->name() == name; });
-    const Candidate* candidate = found == candidates_.end() ? map_.get() : found->get();
-    e.hypothesis.place = {candidate, candidate->shared() ? -1 : 1};
+    return found == candidates_.end() ? *map_ : **found;
+  }
+  /// Whether an effect of this name, on the second actuator or all, is predicted elsewhere.
+  bool transfers(const std::string& name) { return transfersOf(named(name), false); }
+  bool transfersOf(const Candidate& candidate, bool doubted) {
+    FoundEffect e;
+    e.hypothesis.place = {&candidate, candidate.shared() ? -1 : 1};
     e.transfers = true;
+    e.doubted = doubted;
     s_.effects = {e};
     notes_.clear();
     holdBackOnePath(s_, notes_);
@@ -54,6 +58,7 @@ class OnePath : public testing::Test {
   const std::unique_ptr<Candidate> map_ = mapCandidate(robot_, "pose_theta_rad", 1, {0, 1, 2, 3, 4, 5, 6, 7});
   const std::unique_ptr<Candidate> velocity_map_ =
       mapCandidate(robot_, "velocity_2_m_per_s", 1, {0, 1, 2, 3, 4, 5, 6, 7});
+  const std::unique_ptr<Candidate> time_map_ = mapCandidate(robot_, "time_s", 1, {0, 1, 2, 3, 4, 5, 6, 7});
   TraceData data_;
   Search s_;
   std::vector<std::string> notes_;
@@ -77,6 +82,21 @@ TEST_F(OnePath, LeavesOutAMapOfThePoseOnOneLegWhereAnotherLegLeavesMuch) {
   EXPECT_TRUE(transfers("map of the pose"));
   s_.rms_N[3] = 5.0 * s_.floor.rms_N[3];  // the map is on the second
   EXPECT_FALSE(transfers("map of the pose")) << "what pulls at the platform loads all legs";
+}
+
+TEST_F(OnePath, LeavesOutWhatGoesWithTimeWhereAnotherLegLeavesMuch) {
+  follow(0);
+  leaves(1.5);
+  EXPECT_TRUE(transfersOf(*time_map_, false));
+  s_.rms_N[3] = 5.0 * s_.floor.rms_N[3];
+  EXPECT_FALSE(transfersOf(*time_map_, false)) << "at the same time another path is elsewhere";
+  ASSERT_EQ(notes_.size(), 1u);
+  EXPECT_NE(notes_[0].find("goes with time"), std::string::npos) << notes_[0];
+  EXPECT_TRUE(transfersOf(named("gain_drift"), false)) << "a drift whose name is sure";
+  EXPECT_FALSE(transfersOf(named("gain_drift"), true));
+  EXPECT_TRUE(transfersOf(named("stribeck"), true)) << "doubted, and not of time";
+  follow(1);
+  EXPECT_TRUE(transfersOf(*time_map_, true)) << "two paths";
 }
 
 TEST_F(OnePath, KeepsWhatReachesTheNoiseFloorOrDependsOnMotion) {

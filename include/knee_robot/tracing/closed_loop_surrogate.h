@@ -34,6 +34,13 @@ struct SurrogatePlan {
 SurrogatePlan planSurrogate(const mechanism::Robot& robot, const recording::Recording& recording,
                             const identification::Observation& observation, const BaseFit& base);
 
+/// Axes whose surrogate leaves much more than the recording itself (`left_N`, `real_N`: rms per axis) are not what it
+/// says they are (friction that stops them otherwise than stiction does): their surrogates go along the measured motion
+/// from now on. Where most axes are not, none is believed: what an effect leaves on the last one would pass for what its
+/// surrogate leaves. Returns a sentence for each axis whose loop was opened.
+std::vector<std::string> openLoops(const Eigen::VectorXd& left_N, const Eigen::VectorXd& real_N,
+                                   std::vector<SurrogatePlan>& plans);
+
 /// What effects found so far do along the measured motion, samples x axes, N.
 struct SurrogateEffects {
   Eigen::MatrixXd friction_N;  ///< changes sign with the direction of travel
