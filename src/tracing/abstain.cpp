@@ -48,17 +48,29 @@ void abstainElsewhere(Search& s, std::vector<std::string>& notes) {
   }
 }
 
+namespace {
+
+/// What it must exceed, N per actuator. Neither held-back positions nor, where no recording repeats another, repeats speak
+/// for what goes with time or happened once: then what is left, however small the floor is estimated.
+Eigen::ArrayXd leastOf(const Search& s, const FoundEffect& e) {
+  const Candidate& candidate = *e.hypothesis.place.candidate;
+  const bool failed = candidate.transfers() && !e.transfers && e.elsewhere_gain < kWorthElsewhere && !std::isnan(e.p);
+  const Eigen::ArrayXd floors = std::max(candidate.leastFloors(), failed ? kWithoutHelp : 0.0) * s.floor.rms_N.array();
+  const bool unproven = !s.floor.measured && (candidate.goesWithTime() || candidate.local()) && !std::isnan(e.p);
+  return unproven ? floors.max(s.rms_N.array()).eval() : floors;
+}
+
+}  // namespace
+
 int leaveOutSmall(Search& s, bool helps, std::vector<std::string>& rejected) {
   const auto named = std::stable_partition(s.effects.begin(), s.effects.end(), [&](const FoundEffect& e) {
-    const Candidate& candidate = *e.hypothesis.place.candidate;
-    const bool failed = candidate.transfers() && !e.transfers && e.elsewhere_gain < kWorthElsewhere && !std::isnan(e.p);
-    const double least = std::max(candidate.leastFloors(), failed ? kWithoutHelp : 0.0);
-    return (helps && testedElsewhere(e)) || (e.explained_rms_N.array() >= least * s.floor.rms_N.array()).any();
+    return (helps && testedElsewhere(e)) || (e.explained_rms_N.array() >= leastOf(s, e)).any();
   });
   const int taken_out = static_cast<int>(s.effects.end() - named);
   for (auto e = named; e != s.effects.end(); ++e)
     rejected.push_back(placeText(e->hypothesis.place) +
-                       ": is no larger than the noise floor and does not surely help at held-back positions");
+                       ": is no larger than the noise floor, or than what is left where nothing repeats, and does not "
+                       "surely help at held-back positions");
   s.effects.erase(named, s.effects.end());
   return taken_out;
 }

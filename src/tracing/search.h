@@ -148,7 +148,8 @@ ElsewhereFit fitElsewhere(Search& search, bool keep_laws);
 
 /// Takes out ripples, pushes and thermal drifts that explain less than a noise floor on every actuator, and unnamed
 /// maps below two, but for those that themselves help at held-back positions where the whole surely does (`helps`); and
-/// anything below one that does not help there. Returns how many; the fit is not done anew.
+/// anything below one that does not help there. What goes with time or happened once must, where no floor was measured by
+/// repeats, explain what is left, too. Returns how many; the fit is not done anew.
 int leaveOutSmall(Search& search, bool helps, std::vector<std::string>& rejected);
 
 /// An effect that depends on a position which always went with another one in training is seen, but not what it depends

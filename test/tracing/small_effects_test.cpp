@@ -12,7 +12,11 @@ namespace {
 /// What was found: effects that explain so many noise floors on the second of four actuators.
 class SmallEffects : public testing::Test {
  protected:
-  SmallEffects() { s.floor.rms_N = Eigen::Vector4d(9.0, 0.5, 9.0, 9.0); }
+  SmallEffects() {
+    s.floor.rms_N = Eigen::Vector4d(9.0, 0.5, 9.0, 9.0);
+    s.floor.measured = true;
+    s.rms_N = 3.0 * s.floor.rms_N;
+  }
   void found(const Candidate& candidate, double floors, bool transfers = true) {
     FoundEffect e;
     e.hypothesis.place.candidate = &candidate;
@@ -61,6 +65,18 @@ TEST_F(SmallEffects, APushBelowTheFloorIsNone) {
   found(push, 1.2, false);
   EXPECT_EQ(leaveOutSmall(s, true, rejected), 1);
   EXPECT_EQ(left(), Names{"external_force"});
+}
+
+TEST_F(SmallEffects, WhereNothingRepeatsWhatHappenedOnceOrGoesWithTimeMustExplainWhatIsLeft) {
+  s.floor.measured = false;
+  found(push, 2.9, false);
+  found(drift, 2.9);
+  found(stribeck, 2.9);
+  EXPECT_EQ(leaveOutSmall(s, false, rejected), 2);
+  EXPECT_EQ(left(), Names{"stribeck"}) << "held-back positions say something of it";
+  found(push, 3.1, false);
+  found(drift, 3.1);
+  EXPECT_EQ(leaveOutSmall(s, false, rejected), 0);
 }
 
 TEST_F(SmallEffects, AMapNeedsTwiceTheFloor) {
