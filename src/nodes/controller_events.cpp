@@ -36,7 +36,8 @@ ControllerEvents::ControllerEvents(ros::NodeHandle& node, const control::Control
 
 void ControllerEvents::publish(const LoggedEvent& event) {
   publisher_.publish(toMessage(event));
-  if (event.kind == "log") ROS_WARN("event log: %s%s", event.what.c_str(), event.answer.c_str());
+  if (event.kind == "log")
+    ROS_WARN("event log: %s%s%s", event.what.c_str(), event.answer.empty() ? "" : ": ", event.answer.c_str());
 }
 
 void ControllerEvents::poll() {

@@ -17,7 +17,8 @@ constexpr double kSiblingWorth = 0.2;  ///< lowering it by three hundredths expl
 constexpr double kLeastSpread = 0.01;  ///< of a place's null values: absorbed places have none
 constexpr double kNearlyAsGood = 0.8;  ///< share of the best one's held-back gain at which a runner-up is a rival
 constexpr double kDiscount = 0.8;      ///< a map must explain this much more than a named effect to be preferred
-constexpr double kRatherBetter = 0.7;  ///< probability from which a map is a rival of a name
+constexpr double kRatherBetter = 0.7;  ///< probability from which a map is a rival of a name,
+constexpr double kMuchBetter = 1.1;    ///< and its held-back gain over the name's: a law in more pieces gains a little
 constexpr double kAnotherKind = 0.9;   ///< as another ripple must than a further period of what ripples already
 
 /// Sum of the held-back gains by which trials are ranked; of maps and generalizations what they surely gain, because
@@ -39,12 +40,14 @@ bool related(const Trial& a, const Trial& b) {
 /// Probability that a map on the same actuator explains what was held back better than a named effect: 0.44 at most of
 /// 27 right names on eight machines (such maps contain their law), 0.76 and 0.995 of two wrong ones. A map over the
 /// force that a drive has to give is no rival of what lies beyond the drive: that force tells the load and the direction
-/// of travel alike, so that it follows laws of friction that nothing has fitted yet (0.99997 beside a right name).
+/// of travel alike, so that it follows laws of friction that nothing has fitted yet (0.99997 beside a right name). Nor is
+/// one that surely gains, but little: 1.01 times as much beside two right names, 1.28 times beside a wrong one.
 double probabilityOfMap(const Trial& named, const Trial& map) {
   const Place &a = named.hypothesis.place, &b = map.hypothesis.place;
   const bool comparable = !named.isMap() && map.isMap() && map.nested_gain.size() == named.nested_gain.size() &&
                           a.actuator == b.actuator && a.candidate->ofDrive() == b.candidate->ofDrive();
-  return comparable ? probabilityPositive(map.nested_gain - named.nested_gain) : 0.0;
+  if (!comparable || map.nested_gain.sum() < kMuchBetter * named.nested_gain.sum()) return 0.0;
+  return probabilityPositive(map.nested_gain - named.nested_gain);
 }
 
 /// Roots of the shares that the best shape of every place (rows; only those with a row number) explains of residuals
