@@ -64,6 +64,22 @@ TEST_F(FitElsewhere, LawsNearRestAreChosenAnewBesideWhatIsPredicted) {
   EXPECT_LT(leftByBaseline(), 0.7 * kept);
 }
 
+TEST_F(FitElsewhere, ARippleThatStaysBehindDoesNotOutweighWhatIsPredicted) {
+  const BaseFit baseline = base_;
+  Hypothesis ripple = named("screw_ripple", {0.0115, 0.0});
+  ripple.place.actuator = 0;
+  const Hypothesis gain = named("force_gain", {});
+  has(ripple, Eigen::Vector4d(40.0, -25.0, -10.0, 45.0));
+  has(gain, Eigen::VectorXd::Constant(1, 0.08));
+  search_.effects = {found(gain, true)};
+  for (FoundEffect& e : search_.effects)
+    e.coefficients = Eigen::VectorXd::Constant(1, 0.08);
+  search_.effects.push_back(found(ripple, false));
+  refit(search_);
+  std::cout << "left with both: " << search_.rms_N.transpose() << " N\n";
+  EXPECT_TRUE(helpsElsewhere(search_, baseline));
+}
+
 TEST_F(FitElsewhere, WhatAPushDidToTrainingStaysOutOfTheParameters) {
   const Eigen::VectorXd before = base_.parameters;
   const Hypothesis push = {{named("external_force", {}).place.candidate, -1}, {1.0, 6.0, 9.0}};
