@@ -175,7 +175,9 @@ Answer ControlSystem::setSpeed(double percent) {
 Answer ControlSystem::home(std::optional<std::uint64_t> halts) {
   const OccupancyRecord::Hold hold(parts_->occupancy);
   if (!hold) return kBeingChanged;
-  if (parts_->occupancy.patient()) return {false, "a patient is loaded: home the robot before somebody is on it"};
+  if (parts_->occupancy.patient())
+    return {false,
+            "a patient is loaded: the robot is homed with nobody on it; get the patient off, then clear_patient"};
   const Answer answer = moving(RequestKind::Home, kEnable_s, halts);
   if (!answer.ok) return answer;
   if (!parts_->hardware.homing.moves()) return {true, "homed: the robot stands at its home lengths"};
@@ -185,7 +187,9 @@ Answer ControlSystem::home(std::optional<std::uint64_t> halts) {
 Answer ControlSystem::confirmHome() {
   const OccupancyRecord::Hold hold(parts_->occupancy);
   if (!hold) return kBeingChanged;
-  if (parts_->occupancy.patient()) return {false, "a patient is loaded: home the robot before somebody is on it"};
+  if (parts_->occupancy.patient())
+    return {false,
+            "a patient is loaded: the robot is homed with nobody on it; get the patient off, then clear_patient"};
   const Answer answer = parts_->requests.make(RequestKind::ConfirmHome, kQuick_s);
   return answer.ok ? Answer{true, "the robot stands at its home lengths"} : answer;
 }
@@ -198,7 +202,8 @@ Answer ControlSystem::guide(std::optional<std::uint64_t> halts) {
 }
 
 Answer ControlSystem::saveGuided(const std::string& path) {
-  if (parts_->machine.guide == nullptr) return {false, "the deployment has no HandGuide"};
+  if (parts_->machine.guide == nullptr)
+    return {false, "the deployment has no HandGuide; add that component (docs/guiding.md)"};
   if (state() == MachineState::Guiding) return {false, "the platform is being guided; let go of the switch first"};
   try {
     const trajectory::Points guided = parts_->machine.guide->path().points();

@@ -31,8 +31,10 @@ FeedforwardSetup::FeedforwardSetup(const rt::Deployment& deployment, const Machi
   ModelFeedforward* const feedforward = machine_.feedforward;
   if (feedforward == nullptr) {
     if (model.empty() && !payload_kg) return;
-    throw InputError(deployment_.path() +
-                     ": components: there is no ModelFeedforward that could use a model or a payload");
+    throw InputError(
+        deployment_.path() +
+        ": components: there is no ModelFeedforward that could use a model or a payload; add one, or give neither "
+        "model nor payload_kg");
   }
   if (!model.empty()) feedforward->model.set(model);
   if (payload_kg) setPayload(*payload_kg);

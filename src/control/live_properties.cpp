@@ -70,7 +70,8 @@ std::string LiveProperties::whyTooFar(const std::string& component, const std::s
 
 Answer LiveProperties::set(const std::string& component, const std::string& property, const std::string& value) {
   rt::TaskContext* found = deployment_.component(component);
-  if (found == nullptr) return {false, "there is no component " + component.substr(0, 60)};
+  if (found == nullptr)
+    return {false, "there is no component " + component.substr(0, 60) + "; list_components names them"};
   if (const std::string why = whyTooFar(component, property, value); !why.empty()) return {false, why};
   const std::lock_guard<std::mutex> one_at_a_time(setting_);
   if (const auto* driver = dynamic_cast<const Driver*>(found)) {

@@ -23,8 +23,7 @@ const char* sentenceOf(GuideStop stop) noexcept {
       return "there is no identified model that could carry weight and friction; give one (model:=/path/model.yaml)";
     case GuideStop::UnknownLoad:
       return "the robot carries more than the model and the declared payload explain; declare it (payload_kg), and let "
-             "go of "
-             "the platform until the axes have trembled";
+             "go of the platform until the axes have trembled";
     case GuideStop::OutsideRange:
       return "the platform stands at a limit of the robot's or the patient's range; play a reference away from it";
     case GuideStop::Wall:
@@ -32,7 +31,8 @@ const char* sentenceOf(GuideStop stop) noexcept {
     case GuideStop::TooFast:
       return "guided faster than allowed; the robot holds";
     case GuideStop::LostPose:
-      return "the platform's pose is not known";
+      return "the platform's pose is not known: it stands too near a singularity, or home is wrong; play a reference "
+             "away from there, or home the robot again";
     case GuideStop::PathFull:
       return "ten minutes were guided, the record is full; save it and begin anew";
     case GuideStop::Silent:
@@ -51,7 +51,7 @@ Answer sentenceOf(const RequestAnswer& answer, const ControlStatus& now, HomingM
       return {false, "not possible while the robot is " + state +
                          (now.fault_sentence.empty() ? "" : " (" + now.fault_sentence + ")")};
     case RequestResult::NoReference:
-      return {false, "no reference is loaded"};
+      return {false, "no reference is loaded; load one first"};
     case RequestResult::NotAtStart:
       return {false, "axis " + std::to_string(answer.axis) + " stands " + shortNumber(1e3 * answer.distance_m, 4) +
                          " mm from the reference's first point, more than the " + shortNumber(1e3 * start_tolerance_m) +
@@ -78,7 +78,7 @@ Answer sentenceOf(const RequestAnswer& answer, const ControlStatus& now, HomingM
     case RequestResult::NoEnablingSwitch:
       return {false, "no enabling switch is configured (hardware file: digital_inputs: enabling_switch)"};
     case RequestResult::NoGuide:
-      return {false, "the deployment has no HandGuide; add that component"};
+      return {false, "the deployment has no HandGuide; add that component (docs/guiding.md)"};
     case RequestResult::BrakesUntested:
       return {false,
               "the brakes are not tested at enabling: all axes need hold_device: brake, and Supervisor.brake_test_N "

@@ -76,7 +76,7 @@ Answer PathPlayer::playLengths(const trajectory::Points& lengths, const std::str
 
 /// Empty: the loaded reference may be used. Under the mutex.
 std::string PathPlayer::whyNot(const PathExpectation& expected) const {
-  if (lengths_.rows() == 0) return "no reference is loaded";
+  if (lengths_.rows() == 0) return "no reference is loaded; load one first";
   if (expected.reference.empty() || expected.reference == name_) return "";
   return "somebody else has loaded " + name_ + " in place of " + expected.reference + " meanwhile";
 }

@@ -51,7 +51,7 @@ std::string PatientChecklist::obstacles() const {
       "a drive has no serial number (hardware file: can: drives: serial); two drives that were exchanged would each "
       "move the other's leg");
   require(asks_encoders,
-          "a Driver never asks its encoder whether it counts (deployment: probe_s 0, as for commissioning)");
+          "a Driver never tests whether its encoder counts (deployment: probe_s 0, as for commissioning)");
   return all;
 }
 

@@ -123,7 +123,7 @@ TEST(ControlSystem, BeginsNothingThatWasAskedForBeforeSomebodyStoppedTheRobot) {
 TEST(ControlSystem, RefusesToPlayWhereTheRobotDoesNotStandAndApproachesSlowlyOnRequest) {
   Rig rig;
   rig.hold();
-  EXPECT_EQ(rig.system.play().sentence, "no reference is loaded");
+  EXPECT_EQ(rig.system.play().sentence, "no reference is loaded; load one first");
   ASSERT_TRUE(rig.system.loadReference(fake::smoothReference(fake::kHome + 0.02, 0.01, 1.0)).ok);
   const Answer refused = rig.system.play();
   EXPECT_FALSE(refused.ok);

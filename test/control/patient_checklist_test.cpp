@@ -55,7 +55,7 @@ TEST(PatientChecklists, NameEachThingThatIsMissingAndRefuseForItAlone) {
       {"singularity margin is wide open", [](PatientChecklist& list) { list.singularity_condition_max = 1001.0; }},
       {"acceleration_factor 11", [](PatientChecklist& list) { list.acceleration_factor = 11.0; }},
       {"no serial number", [](PatientChecklist& list) { list.knows_its_drives = false; }},
-      {"never asks its encoder", [](PatientChecklist& list) { list.asks_encoders = false; }},
+      {"never tests whether its encoder counts", [](PatientChecklist& list) { list.asks_encoders = false; }},
   };
   for (const Case& one : cases) {
     PatientChecklist list = fit();
