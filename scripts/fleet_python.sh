@@ -5,7 +5,7 @@ case ${1:-} in
   --help | -h)  # asked of a machine where nothing is installed: installs nothing
     if [[ ! -f $fleet_environment/.pyarrow ]]; then
       sed -n '2,/^[^#]/s/^# \?//p' "$0"
-      echo "Its options are listed here once it has run."
+      echo "Run it once, which installs its packages: --help lists its options afterwards."
       exit 0
     fi ;;
   *) "$KNEE_ROOT/scripts/install_dependencies" --fleet >&2 ;;
