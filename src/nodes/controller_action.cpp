@@ -66,7 +66,8 @@ control::Answer PlayActionServer::check(const PlayGoal& goal, Job& job) const {
     return {false,
             "approach_speed must lie between 0.001 and 0.05 m/s, or be 0, not " + shortNumber(goal.approach_speed)};
   if (goal.file.empty()) {
-    if (system_.status().reference.empty()) return {false, "no file was named and no reference is loaded"};
+    if (system_.status().reference.empty())
+      return {false, "no file was named and no reference is loaded; name or load one"};
   } else {
     job.checked = references_.check(goal.file, goal.space);
     if (!job.checked.reference) return job.checked.answer;

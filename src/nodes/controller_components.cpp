@@ -50,7 +50,8 @@ bool ControllerComponents::list(ListComponents::Request& request, ListComponents
       response.components.push_back(componentMessage(*component));
   }
   response.success = !response.components.empty();
-  if (!response.success) response.message = "there is no component " + request.component.substr(0, 60);
+  if (!response.success)
+    response.message = "there is no component " + request.component.substr(0, 60) + "; an empty name lists all";
   return true;
 }
 

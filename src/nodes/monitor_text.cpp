@@ -10,6 +10,7 @@ namespace {
 
 constexpr double kSilence_s = 2.0;
 constexpr std::size_t kColumns = 100;
+constexpr std::size_t kTextColumn = 13;  // where the text of a line begins
 
 [[gnu::format(printf, 1, 2)]] std::string format(const char* pattern, ...) {
   char text[512];
@@ -32,6 +33,21 @@ const char* levelName(int level) {
 }
 
 }  // namespace
+
+std::vector<std::string> wrapped(const std::vector<std::string>& lines, std::size_t columns) {
+  const std::string indent(std::min(kTextColumn, columns / 2), ' ');
+  std::vector<std::string> result;
+  for (std::string rest : lines) {
+    while (rest.size() > columns) {
+      const std::size_t blank = rest.rfind(' ', columns);
+      const bool breaks = blank != std::string::npos && blank > indent.size();
+      result.push_back(rest.substr(0, breaks ? blank : columns));
+      rest = indent + rest.substr(breaks ? blank + 1 : columns);
+    }
+    result.push_back(rest);
+  }
+  return result;
+}
 
 template <typename Message>
 void knee_robot::nodes::TextMonitor::listen(ros::NodeHandle& node, const std::string& topic,
@@ -89,10 +105,7 @@ std::vector<std::string> TextMonitor::screen() const {
   addResidual(lines);
   addTiming(lines);
   addDiagnostics(lines);
-  for (std::string& line : lines) {
-    if (line.size() > kColumns) line.resize(kColumns);
-  }
-  return lines;
+  return wrapped(lines, kColumns);
 }
 
 void TextMonitor::addLegs(std::vector<std::string>& lines) const {

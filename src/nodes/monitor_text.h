@@ -16,14 +16,18 @@
 
 namespace knee_robot::nodes {
 
-/// Listens to controller/{state, tracking, margins, forces, timing} and to the diagnostics, and says them in text.
+/// Lines of at most `columns` characters: longer ones are broken at blanks, and go on below the text of their first.
+std::vector<std::string> wrapped(const std::vector<std::string>& lines, std::size_t columns);
+
+/// Listens to controller/{state, tracking, margins, forces, residual, timing} and to the diagnostics, and says them in
+/// text.
 class TextMonitor {
  public:
   explicit TextMonitor(ros::NodeHandle& node);
 
   /// State, tracking and margins were heard, and not long ago.
   bool isComplete() const;
-  /// Everything, for a screen of 80 columns.
+  /// Everything, for a screen of 100 columns.
   std::vector<std::string> screen() const;
   /// The same in short.
   std::string line() const;
