@@ -110,7 +110,7 @@ constexpr std::array<FaultDescription, kFaults> kTable = {{
      "both "
      "run, use a model without the effects of trace"},
     {F::GuardianSilent, "guardian_silent",
-     "the guardian is silent: nothing would take the outputs away if this controller died", kWhenGone, kWorks, kOne,
+     "the guardian is silent: nothing would switch the outputs off if this controller died", kWhenGone, kWorks, kOne,
      "look for what stopped the guardian, start it again, then reset"},
     {F::HoldDeviceSlips, "hold_device_slips",
      "the holding brake does not hold its axis; the drives do while the robot is "
