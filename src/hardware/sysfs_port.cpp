@@ -76,6 +76,17 @@ IoStatus writePort(int descriptor, std::uint32_t offset, T value) noexcept {
   return count == static_cast<ssize_t>(sizeof value) ? IoStatus::Ok : IoStatus::Disconnected;
 }
 
+/// Written by root only, and every writing counts: one that udev's rule has enabled is left as it is.
+void enable(const std::string& path) {
+  int enabled = 0;
+  if (std::ifstream(path) >> enabled && enabled > 0) return;
+  std::ofstream file(path);
+  file << "1" << std::flush;
+  if (!file)
+    throw InputError(path + ": the card is not enabled, and this user may not enable it; run " +
+                     "scripts/set_up_industrial_pc, whose udev rule does so at every start, or run as root");
+}
+
 }  // namespace
 
 std::unique_ptr<SysfsPort> SysfsPort::find(const CardQuery& query) {
@@ -104,14 +115,13 @@ SysfsPort::SysfsPort(const std::string& device_folder) : folder_(device_folder) 
     throw InputError(device_folder + ": the kernel driver " + driver.filename().string() +
                      " has claimed this card; blacklist it in /etc/modprobe.d and restart");
   }
-  std::ofstream enable(device_folder + "/enable");
-  enable << "1" << std::flush;
-  if (!enable) throw InputError(device_folder + "/enable: cannot be written; run as root");
+  enable(device_folder + "/enable");
   const std::string resource = device_folder + "/resource2";
   descriptor_ = ::open(resource.c_str(), O_RDWR | O_CLOEXEC);
   if (descriptor_ < 0) {
     throw InputError(resource + ": " + std::strerror(errno) +
-                     "; run as root, and switch off Secure Boot or kernel lockdown, which block port access");
+                     "; run scripts/set_up_industrial_pc, or as root, and switch off Secure Boot or kernel lockdown, "
+                     "which block port access");
   }
 }
 

@@ -60,6 +60,20 @@ TEST_F(SysfsPortTest, FindsTheCardOfTheAskedKindAndBoardIdAndEnablesIt) {
   EXPECT_EQ(content(wanted / "enable")[0], '1');
 }
 
+TEST_F(SysfsPortTest, LeavesACardThatIsEnabledAsItIsBecauseOnlyRootMayWriteThere) {
+  const fs::path card = addCard("0000:04:01.0", "0x1720", 1);
+  std::ofstream(card / "enable") << "3\n";
+  SysfsPort::find(query(1));
+  EXPECT_EQ(content(card / "enable"), "3\n") << "the count of those who enabled it";
+}
+
+TEST_F(SysfsPortTest, SaysWhatEnablesACardThatThisUserMayNotEnable) {
+  const fs::path card = addCard("0000:04:01.0", "0x1720", 1);
+  fs::remove(card / "enable");
+  fs::create_directory(card / "enable");  // nobody writes there, not even root
+  EXPECT_NE(refusal(1).find("run scripts/set_up_industrial_pc"), std::string::npos) << refusal(1);
+}
+
 TEST_F(SysfsPortTest, PutsTheBytesOfTheDriverWhereTheRegisterTableSays) {
   const fs::path card = addCard("0000:04:01.0", "0x1720", 4);
   const auto port = SysfsPort::find(query(std::nullopt));
