@@ -34,7 +34,7 @@ const char* levelName(int level) {
 
 }  // namespace
 
-std::vector<std::string> wrapped(const std::vector<std::string>& lines, std::size_t columns) {
+std::vector<std::string> brokenLines(const std::vector<std::string>& lines, std::size_t columns) {
   const std::string indent(std::min(kTextColumn, columns / 2), ' ');
   std::vector<std::string> result;
   for (std::string rest : lines) {
@@ -105,7 +105,7 @@ std::vector<std::string> TextMonitor::screen() const {
   addResidual(lines);
   addTiming(lines);
   addDiagnostics(lines);
-  return wrapped(lines, kColumns);
+  return brokenLines(lines, kColumns);
 }
 
 void TextMonitor::addLegs(std::vector<std::string>& lines) const {

@@ -17,7 +17,7 @@
 namespace knee_robot::nodes {
 
 /// Lines of at most `columns` characters: longer ones are broken at blanks, and go on below the text of their first.
-std::vector<std::string> wrapped(const std::vector<std::string>& lines, std::size_t columns);
+std::vector<std::string> brokenLines(const std::vector<std::string>& lines, std::size_t columns);
 
 /// Listens to controller/{state, tracking, margins, forces, residual, timing} and to the diagnostics, and says them in
 /// text.

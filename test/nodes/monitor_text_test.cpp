@@ -9,15 +9,15 @@ namespace {
 using Lines = std::vector<std::string>;
 
 TEST(MonitorText, BreaksLongLinesAtBlanksAndGoesOnBelowTheText) {
-  EXPECT_EQ(wrapped({"FAULT        runaway: it runs away; check the wiring", "fault        none"}, 30),
+  EXPECT_EQ(brokenLines({"FAULT        runaway: it runs away; check the wiring", "fault        none"}, 30),
             (Lines{"FAULT        runaway: it runs", "             away; check the", "             wiring",
                    "fault        none"}));
 }
 
 TEST(MonitorText, LosesNothingOfAWordThatIsTooLong) {
-  EXPECT_EQ(wrapped({"FAULT        " + std::string(20, 'x')}, 30),
+  EXPECT_EQ(brokenLines({"FAULT        " + std::string(20, 'x')}, 30),
             (Lines{"FAULT        " + std::string(17, 'x'), "             xxx"}));
-  EXPECT_EQ(wrapped({std::string(30, 'x'), ""}, 30), (Lines{std::string(30, 'x'), ""}));
+  EXPECT_EQ(brokenLines({std::string(30, 'x'), ""}, 30), (Lines{std::string(30, 'x'), ""}));
 }
 
 }  // namespace
