@@ -41,7 +41,7 @@ SharedGuardianLink SharedGuardianLink::open(const std::string& name) {
     refuse(name, "the name must be a slash and then up to 199 characters without one, as in /knee_robot_guardian");
   }
   const int descriptor = ::shm_open(name.c_str(), O_RDWR | O_CREAT, 0600);
-  if (descriptor < 0) refuse(name, std::string("cannot be opened: ") + std::strerror(errno));
+  if (descriptor < 0) refuse(name, whyNoSharedMemory(errno));
   struct stat information {};
   bool fits = ::fstat(descriptor, &information) == 0;
   const bool is_new = fits && information.st_size == 0;

@@ -75,7 +75,7 @@ SharedImage SharedImage::create(const std::string& name) {
     removeLeftover(name);
     memory.number = ::shm_open(name.c_str(), O_RDWR | O_CREAT | O_EXCL, 0600);
   }
-  if (memory.number < 0) refuseMemory(name, std::string("cannot be created: ") + std::strerror(errno));
+  if (memory.number < 0) refuseMemory(name, whyNoSharedMemory(errno));
   if (const int reason = ::posix_fallocate(memory.number, 0, sizeof(RobotImage)); reason != 0) {
     ::shm_unlink(name.c_str());
     refuseMemory(name, whyNoSharedMemory(reason));
@@ -93,7 +93,7 @@ SharedImage SharedImage::attach(const std::string& name) {
   if (memory.number < 0) {
     refuseMemory(name, errno == ENOENT
                            ? "no simulated robot runs under this name; start one (simulated_robot --shm " + name + ")"
-                           : std::string("cannot be opened: ") + std::strerror(errno));
+                           : whyNoSharedMemory(errno));
   }
   struct stat information {};
   if (::fstat(memory.number, &information) != 0) refuseMemory(name, std::strerror(errno));

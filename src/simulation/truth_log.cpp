@@ -17,7 +17,7 @@ TruthLog::TruthLog(const std::string& name, std::uint64_t capacity)
     : name_(name), bytes_(sizeof(Head) + capacity * sizeof(TruthRow)) {
   ::shm_unlink(name.c_str());
   const int file = ::shm_open(name.c_str(), O_RDWR | O_CREAT | O_EXCL, 0600);
-  if (file < 0) throw InputError("truth log " + name + ": cannot be created: " + std::strerror(errno));
+  if (file < 0) throw InputError("truth log " + name + ": " + whyNoSharedMemory(errno));
   void* memory = MAP_FAILED;
   const int full = ::posix_fallocate(file, 0, static_cast<off_t>(bytes_));
   if (full == 0) memory = ::mmap(nullptr, bytes_, PROT_READ | PROT_WRITE, MAP_SHARED | MAP_POPULATE, file, 0);

@@ -15,6 +15,7 @@
 #include "knee_robot/base/errors.h"
 #include "knee_robot/hardware/guarded_bus.h"
 #include "knee_robot/simulation/simulated_cards.h"
+#include "test/refusal.h"
 
 namespace knee_robot::hardware {
 namespace {
@@ -29,6 +30,17 @@ TEST(GuardianLink, IsOneForWhoeverComesFirst) {
   SharedGuardianLink other = SharedGuardianLink::open(name);
   one.link().heartbeat.store(7);
   EXPECT_EQ(other.link().heartbeat.load(), 7u);
+}
+
+TEST(GuardianLink, OfAnotherUserIsRefusedWithWhatToDo) {
+  if (::geteuid() != 0) GTEST_SKIP() << "only root can become somebody else";
+  const std::string name = uniqueShmName("link");
+  const SharedGuardianLink of_root = SharedGuardianLink::open(name);
+  ASSERT_EQ(::seteuid(65534), 0);
+  const std::string refusal = refusalOf([&] { SharedGuardianLink::open(name); });
+  ASSERT_EQ(::seteuid(0), 0);
+  EXPECT_NE(refusal.find("belongs to another user"), std::string::npos) << refusal;
+  EXPECT_NE(refusal.find("remove it from /dev/shm"), std::string::npos) << refusal;
 }
 
 TEST(GuardianLink, OutlivesEachOfTheTwoAndGoesWithTheLast) {

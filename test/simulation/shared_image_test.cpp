@@ -27,6 +27,18 @@ TEST(SharedImage, IsSeenByBothSidesAndGoneAfterItsCreator) {
   EXPECT_NE(refusalOf([&] { SharedImage::attach(name); }).find("no simulated robot"), std::string::npos);
 }
 
+TEST(SharedImage, OfAnotherUserIsRefusedWithWhatToDo) {
+  if (::geteuid() != 0) GTEST_SKIP() << "only root can become somebody else";
+  const std::string name = hardware::uniqueShmName("root");
+  const SharedImage of_root = SharedImage::create(name);
+  ASSERT_EQ(::seteuid(65534), 0);
+  const std::string created = refusalOf([&] { SharedImage::create(name); });
+  const std::string attached = refusalOf([&] { SharedImage::attach(name); });
+  ASSERT_EQ(::seteuid(0), 0);
+  EXPECT_NE(created.find("belongs to another user"), std::string::npos) << created;
+  EXPECT_NE(attached.find("belongs to another user"), std::string::npos) << attached;
+}
+
 TEST(SharedImage, SurvivesAControllerThatIsKilledWithItsOutputsHeld) {
   SharedImage plant = SharedImage::create(hardware::uniqueShmName("kill"));
   int ready[2];
