@@ -77,9 +77,7 @@ void ControllerTopics::publish() {
   const ros::SteadyTime now = ros::SteadyTime::now();
   const ros::Time published = ros::Time::now();
   if (const std::optional<control::TrackingRow> row = system_.snapshot()) {
-    // When it was measured, not when this timer came to it: whoever differentiates needs the former.
-    const double age_s = std::max(0.0, rt::toSeconds(rt::monotonicNow()) - row->time_s);
-    const ros::Time stamp = published - ros::Duration(age_s);
+    const ros::Time stamp = stampOf(*row, published);
     publishTracking(*row, stamp);
     followPose(*row);
     if (forward_.ok()) publishJoints(*row, stamp);
@@ -101,6 +99,16 @@ void ControllerTopics::publish() {
     timing_.publish(timing);
   }
   publishState();
+}
+
+/// When it was measured, not when this timer came to it: whoever differentiates needs the former. One that is published
+/// again, because nothing was measured since, keeps its stamp.
+ros::Time ControllerTopics::stampOf(const control::TrackingRow& row, const ros::Time& now) {
+  if (row.time_s == measured_at_s_) return measured_at_;
+  const double age_s = std::max(0.0, rt::toSeconds(rt::monotonicNow()) - row.time_s);
+  measured_at_s_ = row.time_s;
+  measured_at_ = now - ros::Duration(age_s);
+  return measured_at_;
 }
 
 void ControllerTopics::publishTracking(const control::TrackingRow& row, const ros::Time& stamp) {

@@ -16,7 +16,7 @@ namespace knee_robot::nodes {
 ControllerState stateMessage(const control::ControlSystem& system);
 
 /// Publishes what the controller knows, from a thread of its own and lock-free snapshots: a slow subscriber loses
-/// messages (queues of kTopicQueue), and never reaches the real-time side.
+/// messages (queues of kTopicQueue), and never reaches the real-time side. Stamps say when positions were read.
 ///
 ///     ~tracking            knee_robot/Tracking        at rate_hz: reference, position, error, command, force
 ///     joint_states         sensor_msgs/JointState     at rate_hz: the paper's 15 coordinates, velocities, forces
@@ -35,6 +35,7 @@ class ControllerTopics {
 
  private:
   void publish();
+  ros::Time stampOf(const control::TrackingRow& row, const ros::Time& now);
   void publishTracking(const control::TrackingRow& row, const ros::Time& stamp);
   void followPose(const control::TrackingRow& row);
   void publishJoints(const control::TrackingRow& row, const ros::Time& stamp);
@@ -49,6 +50,8 @@ class ControllerTopics {
   mechanism::ForwardResult forward_;  // newest pose: the guess for the next one
   std::string last_state_;
   ros::SteadyTime state_at_, slow_at_, timing_at_;
+  double measured_at_s_ = -1.0;                        // of the row that was published last,
+  ros::Time measured_at_;                              // and its stamp
   std::array<double, hardware::kAxes> mean_square_{};  // N^2
   std::vector<rt::DurationHistogram::Snapshot> timing_before_;
   ros::SteadyTimer timer_;  // last: goes first
