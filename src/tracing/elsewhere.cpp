@@ -174,7 +174,11 @@ bool helpsElsewhere(Search& s, const BaseFit& baseline) {
   });
   // Other laws near rest alone, chosen beside what is not predicted: the baseline's were chosen on the same recordings.
   if (predicted.empty()) return false;
-  const Eigen::VectorXd noise_N = predicted.size() < s.effects.size() ? leftWith(s, predicted) : s.rms_N;
+  // What is there elsewhere, too, with an unknown phase; of other effects that stay behind nobody knows what they are.
+  std::vector<FoundEffect> in_phase;
+  std::copy_if(s.effects.begin(), s.effects.end(), std::back_inserter(in_phase),
+               [](const FoundEffect& e) { return e.transfers || !e.hypothesis.place.candidate->periodic(); });
+  const Eigen::VectorXd noise_N = in_phase.size() < s.effects.size() ? leftWith(s, in_phase) : s.rms_N;
   const std::vector<Hypothesis> hypotheses = hypothesesOf(predicted);
   const Attention own = s.attention;
   const auto gain = [&](Attention attention) {
