@@ -176,8 +176,10 @@ bool helpsElsewhere(Search& s, const BaseFit& baseline) {
   if (predicted.empty()) return false;
   // What is there elsewhere, too, with an unknown phase; of other effects that stay behind nobody knows what they are.
   std::vector<FoundEffect> in_phase;
-  std::copy_if(s.effects.begin(), s.effects.end(), std::back_inserter(in_phase),
-               [](const FoundEffect& e) { return e.transfers || !e.hypothesis.place.candidate->periodic(); });
+  std::copy_if(s.effects.begin(), s.effects.end(), std::back_inserter(in_phase), [](const FoundEffect& e) {
+    const Candidate& candidate = *e.hypothesis.place.candidate;
+    return !candidate.periodic() || (e.transfers && candidate.elsewhere(e.coefficients).size() > 0);
+  });
   const Eigen::VectorXd noise_N = in_phase.size() < s.effects.size() ? leftWith(s, in_phase) : s.rms_N;
   const std::vector<Hypothesis> hypotheses = hypothesesOf(predicted);
   const Attention own = s.attention;
