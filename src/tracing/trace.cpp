@@ -338,16 +338,15 @@ void Tracing::keepFit() {
 /// Friction that was fitted beside an effect is wrong without it. Where nothing surely helps, the baseline is predicted.
 void Tracing::predictElsewhere() {
   if (s_.effects.empty()) return;
-  bool helps = options_.start || robot_.chain || helpsElsewhere(s_, result_.baseline);
+  const bool helps = options_.start || robot_.chain || helpsElsewhere(s_, result_.baseline);
   if (!robot_.chain && leaveOutSmall(s_, helps, result_.rejected) > 0) {
-    if (s_.effects.empty()) {
-      adoptBase(s_, result_.baseline);
-    } else {
+    if (helps) {
       refit(s_);
+    } else if (s_.effects.empty()) {
+      adoptBase(s_, result_.baseline);
     }
-    keepFit();
+    if (helps || s_.effects.empty()) keepFit();
     if (s_.effects.empty()) return;
-    if (!helps) helps = helpsElsewhere(s_, result_.baseline);  // a push that was none had a part in it
   }
   const auto transfers = [&](const FoundEffect& e) { return helps && e.transfers; };
   if (std::all_of(s_.effects.begin(), s_.effects.end(), transfers)) return;
