@@ -95,8 +95,7 @@ void writeFileAtomically(const std::string& path, const std::string& content) {
 std::string whyNoSharedMemory(int reason) {
   if (reason == EEXIST || reason == EACCES || reason == EPERM)
     return "belongs to another user, who has it open or left it behind; end what that user runs, remove it from "
-           "/dev/shm "
-           "as that user or as root, or choose another name";
+           "/dev/shm as that user or as root, or choose another name";
   if (reason != ENOSPC) return std::string("cannot be opened or sized: ") + std::strerror(reason);
   return "there is no room left in /dev/shm (df /dev/shm); remove what nobody uses there, or give it more (mount -o "
          "remount,size=64M /dev/shm), then start again";

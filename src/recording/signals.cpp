@@ -14,6 +14,7 @@ namespace {
 
 constexpr int kFewestRows = 20;
 constexpr double kTrembleWindow_s = 0.2;
+constexpr double kFarthest_s = 0.05;
 constexpr int kLastStaleRow = 50;                 ///< a recorder's stale rows are the first few
 constexpr double kImpossibleJump_m = 1e-3;        ///< between neighbouring rows,
 constexpr double kImpossibleSpeed_m_per_s = 2.0;  ///< and at this speed: no actuator moved so, the older row is stale
@@ -42,9 +43,11 @@ int advance(const std::vector<double>& time, double t, int k) {
 }
 
 /// Slope at row k of the parabola through it and its nearest neighbours at least `reach` away: an encoder's step is as
-/// steep as it is near, and a slope is carried over an interval as long as the one that it is for.
+/// steep as it is near, and a slope is carried over an interval as long as the one that it is for. Beyond kFarthest_s
+/// nobody looks at it: that is a gap, and may be hours.
 Eigen::RowVectorXd slopeAt(const std::vector<double>& time, const Eigen::MatrixXd& x, int k, double reach) {
   const int n = static_cast<int>(time.size());
+  reach = std::min(reach, kFarthest_s);
   int a = std::max(k - 1, 0);
   int b = std::min(k + 1, n - 1);
   while (a > 0 && time[k] - time[a] < reach)
