@@ -1,7 +1,6 @@
 #include "knee_robot/control/control_system.h"
 
 #include <algorithm>
-#include <ctime>
 
 #include "controller_parts.h"
 #include "knee_robot/base/constants.h"
@@ -34,7 +33,7 @@ Answer ControlSystem::start() {
   }
   Monitors& monitors = *parts_->machine.monitors;
   std::string hot;  // why the motors count as hot
-  monitors.start_heat(rememberedHeat(parts_->options.heat_file, static_cast<double>(std::time(nullptr)),
+  monitors.start_heat(rememberedHeat(parts_->options.heat_file, momentNow(),
                                      std::max<double>(monitors.thermal_time, monitors.thermal_housing), &hot));
   try {
     parts_->deployment->start();

@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <ctime>
 
 #include "knee_robot/base/errors.h"
 #include "knee_robot/base/files.h"
@@ -17,23 +16,27 @@ namespace {
 
 constexpr double kHottest = 10.0;  // beyond any that a monitor lets happen
 
-double secondsSince1970() {
-  timespec now{};
-  ::clock_gettime(CLOCK_REALTIME, &now);
-  return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
+/// Of a file of before the boot was written down: the wall clock alone.
+Moment writtenAt(StrictMap& file) {
+  Moment then;
+  then.wall_s = file.number("time_s", 0.0, 1e11);
+  then.boot = file.textOr("boot", "");
+  if (!then.boot.empty()) then.since_boot_s = file.number("since_boot_s", 0.0, 1e11);
+  then.synchronized = file.flagOr("clock_synchronized", false);
+  return then;
 }
 
 }  // namespace
 
-AxisValues rememberedHeat(const std::string& path, double time_s, double time_constant_s, std::string* error) {
+AxisValues rememberedHeat(const std::string& path, const Moment& now, double time_constant_s, std::string* error) {
   AxisValues heat{};
   if (path.empty() || ::access(path.c_str(), F_OK) != 0) return heat;
   try {
     StrictMap file = StrictMap::parse(readFile(path, 4096), path);
     const std::vector<double> kept = file.numbers("heat", hardware::kAxes, 0.0, kHottest);
-    const double written_s = file.number("time_s", 0.0, 1e11);
+    const Moment written = writtenAt(file);
     file.finish();
-    const double cooling = std::exp(-std::max(0.0, time_s - written_s) / time_constant_s);
+    const double cooling = std::exp(-leastSecondsBetween(written, now) / time_constant_s);
     for (std::size_t i = 0; i < hardware::kAxes; ++i)
       heat[i] = std::min(1.0, kept[i] * cooling);
   } catch (const InputError& refused) {
@@ -69,8 +72,12 @@ void HeatMemory::write() noexcept {
         "# Heat of the motors (I2t: 1 is what the continuous force leads to), for the next start.\nheat: [";
     for (std::size_t i = 0; i < hardware::kAxes; ++i)
       text += (i == 0 ? "" : ", ") + exactNumber(std::clamp(newest.heat[i], 0.0, kHottest));
+    const Moment now = momentNow();
+    text += "]\ntime_s: " + exactNumber(now.wall_s) + "\n";
+    if (!now.boot.empty()) text += "boot: " + now.boot + "\nsince_boot_s: " + exactNumber(now.since_boot_s) + "\n";
+    text += std::string("clock_synchronized: ") + (now.synchronized ? "true" : "false") + "\n";
     makeFolder(path_.substr(0, path_.find_last_of('/')));
-    writeFileAtomically(path_, text + "]\ntime_s: " + exactNumber(secondsSince1970()) + "\n");
+    writeFileAtomically(path_, text);
   } catch (const std::exception&) {
     // see the class: the next start finds the older file
   }

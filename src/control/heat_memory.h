@@ -6,13 +6,16 @@
 
 #include "knee_robot/control/axis_data.h"
 #include "knee_robot/rt/port.h"
+#include "moment.h"
 
 namespace knee_robot::control {
 
-/// What the motors' heat (I2t, 0 to 1) was when a controller wrote it last, and by now. `time_s`: seconds since 1970. A
-/// file that is missing: cold. One that cannot be understood: hot (1), because it is not known; `error`, when given,
-/// gets the sentence. A clock that was set back cools nothing.
-AxisValues rememberedHeat(const std::string& path, double time_s, double time_constant_s, std::string* error = nullptr);
+/// What the motors' heat (I2t, 0 to 1) was when a controller wrote it last, and by now: less by the cooling in
+/// leastSecondsBetween() (moment.h), so that a clock that was set leaves nobody with motors that count as colder than
+/// they are. A file that is missing: cold. One that cannot be understood: hot (1), because it is not known; `error`,
+/// when given, gets the sentence.
+AxisValues rememberedHeat(const std::string& path, const Moment& now, double time_constant_s,
+                          std::string* error = nullptr);
 
 /// Keeps the heat in a file, so that a controller that is started anew does not believe in cold motors. No activity
 /// executes it: an ordinary thread reads the Monitors' verdicts and writes every two seconds and at the end. A disk

@@ -29,7 +29,7 @@ void HomingSequence::start(bool first) noexcept {
 HomingSequence::Taken HomingSequence::takeForHome(const AxisValues& measured_m) noexcept {
   if (!isPlacedByHand() && isHomed()) return {};
   for (std::size_t i = 0; i < hardware::kAxes; ++i) {
-    const double away = std::abs(home_lengths_m_[i] - measured_m[i]);
+    const double away = std::abs(shifted_m_[i] + home_lengths_m_[i] - measured_m[i]);
     if (homed_[i] && !(away <= kLargestShift_m)) return {RequestResult::HomeShifted, static_cast<int>(i) + 1, away};
   }
   shift(home_lengths_m_, measured_m);
@@ -39,8 +39,10 @@ HomingSequence::Taken HomingSequence::takeForHome(const AxisValues& measured_m) 
 /// From the next cycle on, what is `measured` now counts as `lengths`.
 void HomingSequence::shift(const AxisValues& lengths_m, const AxisValues& measured_m) noexcept {
   ++setting_.number;
-  for (std::size_t i = 0; i < hardware::kAxes; ++i)
+  for (std::size_t i = 0; i < hardware::kAxes; ++i) {
     setting_.shift_m[i] = lengths_m[i] - measured_m[i];
+    shifted_m_[i] = homed_[i] ? shifted_m_[i] + setting_.shift_m[i] : 0.0;
+  }
   homed_.fill(true);
 }
 
@@ -92,6 +94,7 @@ bool HomingSequence::end(bool faulted) noexcept {
   AxisValues lengths{};
   for (std::size_t i = 0; i < hardware::kAxes; ++i)
     lengths[i] = homing_.axes[i].length_m;
+  homed_.fill(false);  // the stops say where the axes are, whatever was said before
   shift(lengths, found_m_);
   return true;
 }

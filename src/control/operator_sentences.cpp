@@ -71,8 +71,8 @@ Answer sentenceOf(const RequestAnswer& answer, const ControlStatus& now, HomingM
     case RequestResult::HomeShifted:
       return {false,
               "axis " + std::to_string(answer.axis) + " stands " + shortNumber(1e3 * answer.distance_m, 4) +
-                  " mm from its home length by the counters: either they lost counts (restart the controller) or the "
-                  "robot was not placed at home"};
+                  " mm from the home that was confirmed first, by the counters: either they lost counts (restart the "
+                  "controller) or the robot was not placed at home"};
     case RequestResult::OutOfRange:
       return {false, "the value is not allowed"};
     case RequestResult::NoEnablingSwitch:

@@ -18,7 +18,7 @@ struct RecordingResult {
   std::uint64_t rows = 0;     ///< written
   std::uint64_t dropped = 0;  ///< missing in the file though measured
   std::uint64_t skipped = 0;  ///< cycles that the machine left out: never measured; visible as gaps of time_s
-  std::string error;          ///< the disk's refusal; empty: none
+  std::string error;          ///< the disk's refusal, or what others did to the file; empty: none
 };
 
 /// Other side of the recording, outside the real-time path: empties the Recorder's ring into a file, with a thread of

@@ -19,11 +19,15 @@ Answer Recordings::stop(const std::string& only) {
   chooseTestPulses();
   if (result.path.empty() && !only.empty()) return {false, "somebody else has ended the recording " + only};
   if (result.path.empty()) return {true, "nothing was being recorded"};
-  std::string sentence = result.path + " has " + std::to_string(result.rows) + " rows";
+  const std::string rows = std::to_string(result.rows) + " rows";
+  std::string skipped;
   if (result.skipped > 0) {
-    sentence += "; the machine skipped " + std::to_string(result.skipped) + " cycles, seen as gaps of time_s";
+    skipped = "; the machine skipped " + std::to_string(result.skipped) + " cycles, seen as gaps of time_s";
   }
-  if (!result.error.empty()) return {false, "the recording is incomplete: " + result.error + "; " + sentence};
+  // Not "has": what the file has by now is what the error says.
+  if (!result.error.empty())
+    return {false, "the recording is incomplete: " + result.error + "; " + rows + " were written" + skipped};
+  const std::string sentence = result.path + " has " + rows + skipped;
   if (result.dropped == 0) return {true, sentence};
   return {false, "the recording is incomplete: " + std::to_string(result.dropped) + " rows were dropped; " + sentence};
 }

@@ -62,7 +62,9 @@ SelfTest GuardedBus::selfTest() {
   if (options_.outputs == nullptr && !result.passed) return result;
   link_.armed.store(0);
   if (reclaim() != IoStatus::Ok) {
-    return {false, {"no guardian answers; start it (guardian) before the controller. The outputs are down."}};
+    return {false,
+            {"no guardian answers; start it (guardian) before the controller; one that runs has another link, "
+             "or its link was removed: end it first. The outputs are down."}};
   }
   if (options_.machine != 0 && link_.machine.load() != options_.machine)
     return {false,

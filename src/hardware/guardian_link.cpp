@@ -63,11 +63,20 @@ SharedGuardianLink SharedGuardianLink::open(const std::string& name) {
     ::munmap(memory, sizeof(GuardianLink));
     refuse(name, "holds something else than a guardian's link, or one of another version");
   }
-  return SharedGuardianLink(name, link);
+  return SharedGuardianLink(name, link, information.st_ino);
 }
 
 SharedGuardianLink::SharedGuardianLink(SharedGuardianLink&& other) noexcept
-    : name_(std::move(other.name_)), link_(std::exchange(other.link_, nullptr)) {}
+    : name_(std::move(other.name_)), link_(std::exchange(other.link_, nullptr)), file_(other.file_) {}
+
+bool SharedGuardianLink::isNamed() const noexcept {
+  const int descriptor = ::shm_open(name_.c_str(), O_RDONLY, 0);
+  if (descriptor < 0) return errno != ENOENT;  // it cannot be looked at: nothing is known against it
+  struct stat information {};
+  const bool same = ::fstat(descriptor, &information) != 0 || information.st_ino == file_;
+  ::close(descriptor);
+  return same;
+}
 
 SharedGuardianLink::~SharedGuardianLink() {
   if (link_ == nullptr) return;
@@ -75,7 +84,7 @@ SharedGuardianLink::~SharedGuardianLink() {
     std::int32_t mine = ::getpid();
     pid->compare_exchange_strong(mine, 0);
   }
-  if (!processExists(link_->controller_pid.load()) && !processExists(link_->guardian_pid.load())) {
+  if (!processExists(link_->controller_pid.load()) && !processExists(link_->guardian_pid.load()) && isNamed()) {
     ::shm_unlink(name_.c_str());
   }
   ::munmap(link_, sizeof(GuardianLink));

@@ -6,9 +6,9 @@
 namespace knee_robot::identification {
 namespace {
 
-constexpr double kStill_m = 1e-5;  ///< m, rad: less, or a count's rounding, is no movement
-constexpr double kLeast_s = 0.2;   ///< of rest
-constexpr double kReach = 0.5;     ///< of the low-pass, in periods of the cut-off
+constexpr double kStill_m = 1e-5;     ///< m, rad: less, or a count's rounding, is no movement
+constexpr double kLeast_s = 0.2;      ///< of rest
+constexpr double kFilterReach = 0.5;  ///< of the low-pass, in periods of the cut-off
 constexpr double kLeastFriction_N = 1e-3;
 
 /// Samples before the actuator leaves where it was.
@@ -37,7 +37,7 @@ void findLoadedStart(const std::vector<Column>& columns, const Eigen::VectorXd& 
     const int i = columns[c].actuator;
     for (Observation& o : training) {
       // What follows within the low-pass' reach is in the filtered force already.
-      const int still = stillSamples(o, i) - static_cast<int>(kReach / (cutoff_hz * o.signals.period_s));
+      const int still = stillSamples(o, i) - static_cast<int>(kFilterReach / (cutoff_hz * o.signals.period_s));
       if (still < kLeast_s / o.signals.period_s) continue;
       const Eigen::MatrixXd& own = o.regressor[static_cast<std::size_t>(i)];
       const auto rows = Eigen::seq(0, still - 1);

@@ -4,6 +4,7 @@
 #include "knee_robot/base/errors.h"
 #include "knee_robot/base/numbers.h"
 #include "played_goal.h"
+#include "terminal.h"
 
 namespace knee_robot::nodes {
 namespace {
@@ -136,7 +137,7 @@ void PlayActionServer::decide(Job& job, control::Answer answer) {
     if (answer.ok && !running_) answer = checkMachine(*handle.getGoal());
   }
   if (!answer.ok) {
-    ROS_WARN("play refused: %s", answer.sentence.c_str());
+    showAnswer("play", answer);
     note("refused", handle, answer.sentence);
     handle.setRejected(resultOf(answer.sentence), answer.sentence);
     return;

@@ -3,6 +3,7 @@
 #include "knee_robot/rt/operation.h"
 #include "knee_robot/rt/port.h"
 #include "knee_robot/rt/property.h"
+#include "terminal.h"
 
 namespace knee_robot::nodes {
 namespace {
@@ -63,8 +64,7 @@ bool ControllerComponents::set(ros::ServiceEvent<SetProperty::Request, SetProper
   response.message = answer.sentence;
   log_.request(call.getCallerName(), "set_property " + request.component + "." + request.property + " " + request.value,
                answer);
-  if (answer.ok) ROS_INFO("set_property: %s", answer.sentence.c_str());
-  if (!answer.ok) ROS_WARN("set_property refused: %s", answer.sentence.c_str());
+  showAnswer("set_property", answer);
   return true;
 }
 

@@ -1,5 +1,7 @@
 #include "controller_events.h"
 
+#include "terminal.h"
+
 namespace knee_robot::nodes {
 namespace {
 
@@ -37,7 +39,7 @@ ControllerEvents::ControllerEvents(ros::NodeHandle& node, const control::Control
 void ControllerEvents::publish(const LoggedEvent& event) {
   publisher_.publish(toMessage(event));
   if (event.kind == "log")
-    ROS_WARN("event log: %s%s%s", event.what.c_str(), event.answer.empty() ? "" : ": ", event.answer.c_str());
+    showOutcome("event log", {false, event.what + (event.answer.empty() ? "" : ": ") + event.answer});
 }
 
 void ControllerEvents::poll() {

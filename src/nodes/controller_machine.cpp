@@ -5,6 +5,7 @@
 
 #include "backends.h"
 #include "knee_robot/base/errors.h"
+#include "parameters.h"
 
 namespace knee_robot::nodes {
 namespace {
@@ -13,23 +14,17 @@ constexpr double kStatePatience_s = 10.0;  // s
 
 }  // namespace
 
-std::string requiredParameter(const ros::NodeHandle& node, const std::string& name) {
-  std::string value;
-  if (!node.getParam(name, value) || value.empty()) {
-    throw InputError("parameter " + node.resolveName(name) + " is missing; launch/controller.launch shows all of them");
-  }
-  return value;
-}
-
 Machine openMachine(const control::HardwareFile& hardware_file, const mechanism::Robot& robot,
                     const ros::NodeHandle& node, const std::function<bool()>& stop_requested) {
   Machine machine;
   const bool simulated = hardware_file.backend == "simulated";
-  const Site site{simulated ? requiredParameter(node, "shm") : node.param<std::string>("shm", ""), stop_requested};
+  const Site site{
+      simulated ? requiredParameter(node, "shm") : textParameter(node, "shm", "", "the name of a shared memory"),
+      stop_requested};
   const std::string name = machineName(hardware_file, site);
   machine.lock.emplace(hardware::MachineLock::take("controller", name));
   machine.cards = openBus(hardware_file, robot, site);
-  const std::string link = node.param<std::string>("guardian", "");
+  const std::string link = textParameter(node, "guardian", "", "the name of the shared memory with the guardian");
   if (link.empty()) {
     ROS_WARN("NO GUARDIAN: when this process dies, the drives keep what they were given last");
     return machine;
@@ -40,11 +35,8 @@ Machine openMachine(const control::HardwareFile& hardware_file, const mechanism:
   hardware::GuardedBus::Options options;
   options.outputs = machine.outputs.get();
   options.machine = hardware::machineMark(name);
-  const double silent_ms = node.param("silent_guardian_ms", 50.0);
-  if (!(silent_ms >= 5.0 && silent_ms <= 10000.0)) {
-    throw InputError("parameter " + node.resolveName("silent_guardian_ms") +
-                     " is outside 5 .. 10000; it is the silence in ms after which the guardian counts as dead");
-  }
+  const double silent_ms = numberParameter(node, "silent_guardian_ms", 50.0, 5.0, 10000.0,
+                                           "the silence in ms after which the guardian counts as dead");
   options.guardian_silence_ns = static_cast<std::int64_t>(silent_ms * 1e6);
   machine.guarded = std::make_unique<hardware::GuardedBus>(*machine.cards, machine.memory->link(),
                                                            static_cast<std::uint8_t>(power_bits), options);
@@ -56,10 +48,22 @@ Machine openMachine(const control::HardwareFile& hardware_file, const mechanism:
   return machine;
 }
 
+void GuardianSupervision::lookForTheLink(const ros::SteadyTime& now) {
+  if (removed_ || (now - looked_).toSec() < 1.0) return;
+  looked_ = now;
+  removed_ = !machine_.memory->isNamed();
+  if (!removed_) return;
+  ROS_ERROR(
+      "SOMEBODY HAS REMOVED THE LINK WITH THE GUARDIAN (%s in /dev/shm): one of the two that is started again will not "
+      "find the other; disable the robot, end both, and start both",
+      machine_.memory->name().c_str());
+}
+
 GuardianSupervision::Guardian GuardianSupervision::poll() {
   if (!machine_.memory) return Guardian::None;
   const std::uint64_t cycles = machine_.memory->link().guardian_cycles.load();
   const ros::SteadyTime now = ros::SteadyTime::now();
+  lookForTheLink(now);
   if (cycles != cycles_ || moved_.isZero()) {
     if (silent_) ROS_WARN("the guardian is back");
     cycles_ = cycles;

@@ -13,9 +13,6 @@
 
 namespace knee_robot::nodes {
 
-/// A private parameter that must be there; InputError says where to look.
-std::string requiredParameter(const ros::NodeHandle& node, const std::string& name);
-
 /// The cards, and the guardian between when parameter `guardian` names its shared memory.
 struct Machine {
   std::optional<hardware::MachineLock> lock;
@@ -42,10 +39,13 @@ class GuardianSupervision {
   Guardian poll();
 
  private:
+  void lookForTheLink(const ros::SteadyTime& now);
+
   Machine& machine_;
   std::uint64_t cycles_ = 0;
-  ros::SteadyTime moved_;
+  ros::SteadyTime moved_, looked_;
   bool silent_ = false;
+  bool removed_ = false;
 };
 
 }  // namespace knee_robot::nodes

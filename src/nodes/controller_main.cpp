@@ -11,17 +11,24 @@
 #include <csignal>
 #include <cstdio>
 #include <cstdlib>
+#include <filesystem>
 #include <future>
 #include <memory>
 #include <thread>
 
 #include "controller_interface.h"
+#include "impatient_launch.h"
 #include "knee_robot/base/errors.h"
+#include "knee_robot/base/files.h"
 #include "knee_robot/control/model_feedforward.h"
 #include "loopback.h"
 #include "master_watch.h"
 #include "output_relay.h"
+#include "parameters.h"
 #include "program.h"
+#include "request_depth.h"
+#include "same_name.h"
+#include "signals.h"
 
 namespace {
 
@@ -34,6 +41,8 @@ constexpr const char* kParameters =
   ~robot, ~hardware, ~deployment  files of the robot, of its cards and of the components; required
   ~references, ~recordings        folders from which references are loaded and to which recordings go; required
   ~patients                       folder of patient files; default: ~references
+  ~state                          folder of what a restart must not forget: the patient that was loaded, the motors' heat;
+                                  default: ~recordings/black_box
   ~events                         folder of the event log; default: ~recordings/events
   ~empty                          true: nobody is on the robot (default false)
   ~model                          model file of identify or trace for the feedforward; default: the weights of the URDF
@@ -45,16 +54,6 @@ constexpr const char* kParameters =
   ~rate_hz                        rate of the topics (50)
   ~master_timeout_s               time without a ROS master after which what moves is stopped (2; 0: never)
   ~diagnostics/...                thresholds of the diagnostics: docs/ros_interface.md)";
-
-double boundedParameter(const ros::NodeHandle& node, const std::string& name, double value, double minimum,
-                        double maximum, const std::string& what) {
-  if (node.hasParam(name) && !node.getParam(name, value))
-    throw InputError("parameter " + node.resolveName(name) + " is no number; it is " + what);
-  if (!(value >= minimum && value <= maximum))
-    throw InputError("parameter " + node.resolveName(name) + " is outside " + std::to_string(minimum) + " .. " +
-                     std::to_string(maximum) + "; it is " + what);
-  return value;
-}
 
 /// Without a master no operator's tool finds the controller, and without descriptors none reaches it: what moves is
 /// stopped along its path, and the drives are switched off.
@@ -146,8 +145,8 @@ void endEvenIfTheDiskHangs() {
 
 void serve(const ros::NodeHandle& node, nodes::Machine& machine, const nodes::ControllerInterface::Parts& parts,
            std::atomic<nodes::GuardianSupervision::Guardian>& guardian) {
-  const double timeout_s =
-      boundedParameter(node, "master_timeout_s", 2.0, 0.0, 60.0, "how long the ROS master may be gone; 0: for ever");
+  const double timeout_s = nodes::numberParameter(node, "master_timeout_s", 2.0, 0.0, 60.0,
+                                                  "how long the ROS master may be gone; 0: for ever");
   ros::master::setRetryTimeout(ros::WallDuration(5.0));  // never wait for ever for a master that goes away again
   Interface interface(parts);
   nodes::GuardianSupervision supervision(machine);
@@ -171,7 +170,27 @@ void serve(const ros::NodeHandle& node, nodes::Machine& machine, const nodes::Co
   if (parts.system.outputsAreOff()) endEvenIfTheDiskHangs();
 }
 
+/// What must not be forgotten, apart from recordings, which somebody may delete to make room. What is still with those is
+/// taken from there.
+std::string keptIn(const std::string& state, const std::string& black_box, const std::string& name) {
+  const std::string path = state + "/" + name, before = black_box + "/" + name;
+  if (state == black_box || std::filesystem::exists(path) || !std::filesystem::exists(before)) return path;
+  makeFolder(state);
+  writeFileAtomically(path, readFile(before));
+  std::filesystem::remove(before);
+  return path;
+}
+
+void refuseASecondOne() {
+  const std::string other = nodes::nodeOfTheSameName();
+  if (other.empty()) return;
+  throw InputError("a node " + ros::this_node::getName() + " is running already (" + other +
+                   "): registering this one would shut it down, and stop its robot; end it first, or give this one a "
+                   "name of its own (__name:=..., or a namespace)");
+}
+
 int run() {
+  refuseASecondOne();
   ros::NodeHandle node("~");
   if (ros::Time::isSimTime()) {
     throw InputError(
@@ -181,7 +200,7 @@ int run() {
   const mechanism::Robot robot = mechanism::loadRobot(nodes::requiredParameter(node, "robot"));
   control::HardwareFile hardware_file = control::loadHardwareFile(nodes::requiredParameter(node, "hardware"));
   if (hardware_file.can) node.param("can", hardware_file.can->interface, hardware_file.can->interface);
-  const double rate_hz = boundedParameter(node, "rate_hz", 50.0, 1.0, 500.0, "the rate of the topics");
+  const double rate_hz = nodes::numberParameter(node, "rate_hz", 50.0, 1.0, 500.0, "the rate of the topics");
   const nodes::Folder reference_folder(nodes::requiredParameter(node, "references"));
   const nodes::Folder patients(node.param("patients", reference_folder.path()));
   const nodes::Folder recordings(nodes::requiredParameter(node, "recordings"));
@@ -189,16 +208,19 @@ int run() {
 
   control::ControlSystem::Options options;
   options.black_box_folder = recordings.path() + "/black_box";
-  options.heat_file = options.black_box_folder + "/heat.yaml";
-  options.patient_memory = options.black_box_folder + "/patient.txt";
-  options.empty = node.param("empty", false);
-  options.model = node.param<std::string>("model", "");
+  std::string state = nodes::textParameter(node, "state", options.black_box_folder, "a folder");
+  if (state != options.black_box_folder) state += ros::this_node::getNamespace();  // of one robot of several
+  options.heat_file = keptIn(state, options.black_box_folder, "heat.yaml");
+  options.patient_memory = keptIn(state, options.black_box_folder, "patient.txt");
+  options.empty = nodes::switchParameter(node, "empty", false, "whether nobody is on the robot");
+  options.model = nodes::textParameter(node, "model", "", "a model file, or nothing");
   if (node.hasParam("payload_kg")) {
-    options.payload_kg = boundedParameter(node, "payload_kg", 0.0, 0.0, control::ModelFeedforward::kLargestPayload_kg,
-                                          "the payload that the feedforward is told of, in kg");
+    options.payload_kg =
+        nodes::numberParameter(node, "payload_kg", 0.0, 0.0, control::ModelFeedforward::kLargestPayload_kg,
+                               "the payload that the feedforward is told of, in kg");
   }
   if (node.hasParam("cpu")) {
-    const double cpu = boundedParameter(node, "cpu", 0.0, 0.0, 1023.0, "the number of a processor");
+    const double cpu = nodes::numberParameter(node, "cpu", 0.0, 0.0, 1023.0, "the number of a processor");
     if (cpu != std::floor(cpu)) throw InputError("parameter " + node.resolveName("cpu") + " is no whole number");
     options.cpu = static_cast<int>(cpu);
   }
@@ -210,6 +232,12 @@ int run() {
   if (!started.ok) throw InputError(started.sentence);
   for (const std::string& warning : system.warnings())
     ROS_WARN("NOT REAL TIME: %s", warning.c_str());
+  if (hardware_file.backend != "simulated" && nodes::killsTooSoon(nodes::commandOfParent())) {
+    ROS_WARN(
+        "roslaunch kills controller and guardian 15 s after Ctrl-C, also when a holding brake does not hold and the "
+        "drives "
+        "carry the platform: start it with roslaunch --sigint-timeout=1e6 --sigterm-timeout=1e6");
+  }
   ROS_INFO("%s", started.sentence.c_str());
   ROS_INFO("feedforward: %s", system.feedforward().c_str());
   nodes::References references(system, robot, reference_folder);
@@ -235,11 +263,9 @@ int main(int argc, char** argv) {
   nodes::limitDescriptors();
   const nodes::OutputRelay relay;  // before all others: no thread waits for whoever reads what is said
   nodes::keepToLoopback();
+  nodes::limitRequestDepth();
   ros::init(argc, argv, "controller", ros::init_options::NoSigintHandler);
-  for (const int signal : {SIGINT, SIGTERM, SIGHUP, SIGQUIT})
-    std::signal(signal, [](int) { stop_requested = 1; });
-  for (const int signal : {SIGPIPE, SIGTSTP, SIGTTIN, SIGTTOU, SIGXFSZ})
-    std::signal(signal, SIG_IGN);
+  nodes::takeSignals([](int) { stop_requested = 1; });
   nodes::CommandLine app("Drives the robot: servo cycle, supervision, services, topics and the action. A ROS node.",
                          "controller");
   app.footer(kParameters);

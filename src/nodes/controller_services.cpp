@@ -5,6 +5,7 @@
 #include "knee_robot/base/numbers.h"
 #include "played_goal.h"
 #include "stamped_queue.h"
+#include "terminal.h"
 
 namespace knee_robot::nodes {
 ControllerServices::ControllerServices(ros::NodeHandle& commands, ros::NodeHandle& stops,
@@ -39,9 +40,7 @@ template <typename Event>
 bool ControllerServices::reply(Event& call, const std::string& what, const control::Answer& answer) {
   call.getResponse().success = answer.ok;
   call.getResponse().message = answer.sentence;
-  const std::string name = what.substr(0, what.find(' '));
-  if (answer.ok) ROS_INFO("%s: %s", name.c_str(), answer.sentence.c_str());
-  if (!answer.ok) ROS_WARN("%s refused: %s", name.c_str(), answer.sentence.c_str());
+  showAnswer(what.substr(0, what.find(' ')), answer);
   log_.request(call.getCallerName(), what, answer);
   return true;
 }

@@ -102,10 +102,10 @@ void ControllerTopics::publish() {
 }
 
 /// When it was measured, not when this timer came to it: whoever differentiates needs the former. One that is published
-/// again, because nothing was measured since, keeps its stamp.
+/// again, because nothing was measured since, keeps its stamp. Rows count from the deployment's start.
 ros::Time ControllerTopics::stampOf(const control::TrackingRow& row, const ros::Time& now) {
   if (row.time_s == measured_at_s_) return measured_at_;
-  const double age_s = std::max(0.0, rt::toSeconds(rt::monotonicNow()) - row.time_s);
+  const double age_s = std::max(0.0, rt::toSeconds(system_.deployment().now()) - row.time_s);
   measured_at_s_ = row.time_s;
   measured_at_ = now - ros::Duration(age_s);
   return measured_at_;

@@ -9,6 +9,8 @@
 #include <cstring>
 #include <filesystem>
 
+#include "knee_robot/base/file_name.h"
+
 namespace knee_robot::nodes {
 namespace {
 
@@ -64,6 +66,21 @@ std::string EventFile::fail(const char* action) {
   if (file_ >= 0) ::close(file_);
   file_ = -1;
   return reason;
+}
+
+std::string EventFile::doneByOthers() {
+  if (file_ < 0) return "";
+  const std::string lost = fileNameNow(file_, path_).lost;
+  if (!lost.empty()) {
+    ::close(file_);
+    file_ = -1;
+    return lost;
+  }
+  struct stat status {};
+  if (::fstat(file_, &status) != 0 || !S_ISREG(status.st_mode)) return "";
+  const std::size_t before = size_;
+  size_ = static_cast<std::size_t>(status.st_size);
+  return size_ < before ? "was cut short" : "";
 }
 
 std::string EventFile::append(const std::string& lines) {

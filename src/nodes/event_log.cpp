@@ -8,6 +8,7 @@ namespace {
 
 constexpr std::size_t kLongestText = 2000;  // of what somebody else may have written
 constexpr auto kRetry = std::chrono::seconds(1);
+constexpr auto kLook = std::chrono::seconds(1);  // whether the file is still there, when nothing happens
 
 double wallTime() {
   const auto now = std::chrono::system_clock::now().time_since_epoch();
@@ -79,6 +80,14 @@ std::string EventLog::refusal() const {
   return refusal_;
 }
 
+/// Called with the lock held, gives it back while it asks the disk.
+void EventLog::lookAfterTheFile(std::unique_lock<std::mutex>& lock) {
+  lock.unlock();
+  const std::string done = file_.doneByOthers();
+  lock.lock();
+  if (!done.empty()) addLocked("log", "", file_.path() + ": " + done + " by somebody else; the log goes on here", "");
+}
+
 /// Called with the lock held, gives it back while it writes.
 bool EventLog::writeWaiting(std::unique_lock<std::mutex>& lock) {
   const std::size_t count = waiting_.size();
@@ -119,10 +128,11 @@ void EventLog::write() {
   std::unique_lock<std::mutex> lock(mutex_);
   while (true) {
     if (refusal_.empty()) {
-      arrived_.wait(lock, [this] { return !waiting_.empty() || ended_; });
+      arrived_.wait_for(lock, kLook, [this] { return !waiting_.empty() || ended_; });
     } else {
       arrived_.wait_for(lock, kRetry, [this] { return ended_; });
     }
+    lookAfterTheFile(lock);
     while (!waiting_.empty() && writeWaiting(lock)) {
     }
     if (ended_) return;

@@ -26,8 +26,8 @@ std::string toLine(const LoggedEvent& event);
 
 /// Who asked for what and what was answered, states, faults: the newest in memory, all of them in a file. Any ordinary
 /// thread may add; a thread of its own writes, so nobody waits for the disk. What the disk refuses, or is too slow for,
-/// is kept (the newest kWaiting) and written when it takes them again; refusals and lost entries are said in the log
-/// itself.
+/// is kept (the newest kWaiting) and written when it takes them again. Refusals, lost entries and a file that others
+/// took away are said in the log itself.
 class EventLog {
  public:
   static constexpr std::size_t kRemembered = 500, kWaiting = 2000;
@@ -52,6 +52,7 @@ class EventLog {
  private:
   void addLocked(const std::string& kind, const std::string& who, const std::string& what, const std::string& answer);
   void write();
+  void lookAfterTheFile(std::unique_lock<std::mutex>& lock);
   bool writeWaiting(std::unique_lock<std::mutex>& lock);
   void announce(std::uint64_t missing);
 

@@ -22,6 +22,7 @@
 #include "knee_robot/hardware/process_watch.h"
 #include "knee_robot/rt/activity.h"
 #include "program.h"
+#include "signals.h"
 
 namespace {
 
@@ -43,15 +44,6 @@ void bringDownAndDie(int) {
   }
   const ssize_t told = ::write(STDERR_FILENO, kSentence, sizeof kSentence - 1);
   ::_exit(told > 0 ? 1 : 2);
-}
-
-/// Nothing that happens to a terminal or a pipe may end or stop it.
-void takeSignals() {
-  for (const int signal : {SIGINT, SIGTERM, SIGHUP, SIGQUIT})
-    std::signal(signal, [](int) { stop_requested = 1; });
-  for (const int signal : {SIGPIPE, SIGTSTP, SIGTTIN, SIGTTOU, SIGXFSZ})
-    std::signal(signal, SIG_IGN);
-  std::signal(SIGBUS, bringDownAndDie);
 }
 
 void pause() {
@@ -100,14 +92,35 @@ class ControllersTime {
   rt::Nanoseconds end_ = 0;
 };
 
+/// Says once that somebody has removed the link's name.
+class RemovedLink {
+ public:
+  void look(const hardware::SharedGuardianLink& memory) {
+    if (told_ || ++pauses_ % 200 != 0 || memory.isNamed()) return;
+    told_ = true;
+    std::fprintf(
+        stderr,
+        "guardian: SOMEBODY HAS REMOVED %s from /dev/shm: a controller that is started again will not find this "
+        "guardian; disable the robot, end both, and start both\n",
+        memory.name().c_str());
+  }
+
+ private:
+  std::uint32_t pauses_ = 0;
+  bool told_ = false;
+};
+
 /// Reports until a signal comes; and then as long as drives are on: what it is there for may still happen, or is just
 /// happening.
-void reportUntilDone(const control::GuardianReport& report, const hardware::GuardianLink& link) {
+void reportUntilDone(const control::GuardianReport& report, hardware::SharedGuardianLink& memory) {
+  const hardware::GuardianLink& link = memory.link();
   std::uint32_t told = 0;
+  RemovedLink removed;
   ControllersTime controllers_time;
   while (!stop_requested || controllers_time.lasts(link) || (link.armed.load() != 0 && link.tripped.load() == 0) ||
          report.acts.load()) {
     pause();
+    removed.look(memory);
     const std::uint32_t trips = report.trips.load(std::memory_order_acquire);
     if (trips == told) continue;
     told = trips;
@@ -243,7 +256,7 @@ int run(const Options& options) {
                   ? "; TRIPPED already, outputs down"
                   : "");
   std::fflush(stdout);
-  reportUntilDone(guardian.report(), memory.link());
+  reportUntilDone(guardian.report(), memory);
   activity.stop();
   outputs_at_the_end = nullptr;
   std::printf("guardian ends: drives are off\n");
@@ -273,7 +286,8 @@ int main(int argc, char** argv) {
   app.flag("--down-now", options.down_now, "lock out a running controller, bring the outputs down once, and end");
   app.allowExtras();  // roslaunch appends __name:= and __log:=
   return nodes::runProgram(app, argc, argv, [&] {
-    takeSignals();
+    nodes::takeSignals([](int) { stop_requested = 1; });
+    std::signal(SIGBUS, bringDownAndDie);
     return options.down_now ? bringDownNow(options) : run(options);
   });
 }

@@ -10,6 +10,7 @@
 #include "event_log.h"
 #include "knee_robot/base/numbers.h"
 #include "knee_robot/control/control_system.h"
+#include "terminal.h"
 
 namespace knee_robot::nodes {
 
@@ -45,8 +46,7 @@ class LiveConfig {
       if (wanted == one.value->value()) continue;
       const control::Answer answer = system_.setProperty(one.component->name(), one.property, exactNumber(wanted));
       log_.request("", name_ + " (dynamic_reconfigure)", answer);
-      if (answer.ok) ROS_INFO("%s: %s", name_.c_str(), answer.sentence.c_str());
-      if (!answer.ok) ROS_WARN("%s refused: %s", name_.c_str(), answer.sentence.c_str());
+      showAnswer(name_, answer);
     }
     readBack(asked);
   }

@@ -14,8 +14,10 @@
 #include "controller_machine.h"
 #include "controller_pose.h"
 #include "knee_robot/base/errors.h"
+#include "knee_robot/base/errors.h"
 #include "loopback.h"
 #include "monitor_scene.h"
+#include "parameters.h"
 #include "program.h"
 
 namespace {
@@ -97,9 +99,7 @@ int main(int argc, char** argv) {
   return nodes::runProgram(app, argc, argv, [] {
     ros::NodeHandle own("~"), node;
     const mechanism::Robot robot = mechanism::loadRobot(nodes::requiredParameter(own, "robot"));
-    const double rate_hz = own.param("rate_hz", 15.0);
-    if (!(rate_hz >= 1.0 && rate_hz <= 60.0))
-      throw InputError("parameter " + own.resolveName("rate_hz") + " is outside 1 .. 60");
+    const double rate_hz = nodes::numberParameter(own, "rate_hz", 15.0, 1.0, 60.0, "the rate of the markers");
     MarkerMonitor monitor(node, robot, rate_hz);
     ros::spin();
     return kExitDone;

@@ -6,6 +6,7 @@
 #include <ctime>
 
 #include "knee_robot/base/numbers.h"
+#include "terminal.h"
 
 namespace knee_robot::nodes {
 namespace {
@@ -35,11 +36,8 @@ void PlayedGoal::run() {
       result_.rms_error_m[i] = std::sqrt(square_[i] / static_cast<double>(samples_));
   }
   server_.note("ended", job_.handle, answer.sentence);
-  if (answer.ok) {
-    ROS_INFO("play: %s", answer.sentence.c_str());
-    return job_.handle.setSucceeded(result_, answer.sentence);
-  }
-  ROS_WARN("play: %s", answer.sentence.c_str());
+  showOutcome("play", answer);
+  if (answer.ok) return job_.handle.setSucceeded(result_, answer.sentence);
   const Interruption why = server_.interruption_;
   if (why == Interruption::Cancelled || why == Interruption::Preempted)
     return job_.handle.setCanceled(result_, answer.sentence);

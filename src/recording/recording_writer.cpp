@@ -1,6 +1,7 @@
 #include "knee_robot/recording/recording_writer.h"
 
 #include <fcntl.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <cerrno>
@@ -11,6 +12,7 @@
 
 #include "knee_robot/base/constants.h"
 #include "knee_robot/base/errors.h"
+#include "knee_robot/base/file_name.h"
 #include "knee_robot/base/numbers.h"
 
 namespace knee_robot::recording {
@@ -34,12 +36,26 @@ std::string header(int axes) {
   return line + ",home_id,test_pulse\n";
 }
 
+/// What others have done to the recording while it was written, so that it is not what its writer believes; empty:
+/// nothing.
+std::string doneByOthers(int file, const std::string& path, std::int64_t bytes) {
+  const std::string again = "; record again, and leave the recording and its folder alone until it has ended";
+  const FileNameNow name = fileNameNow(file, path);
+  if (!name.kept) return name.lost + " while it was being recorded: its rows are gone" + again;
+  if (!name.lost.empty()) return name.lost + " while it was being recorded: its rows are there, not under this name";
+  struct stat status {};
+  if (::fstat(file, &status) != 0 || status.st_size == bytes) return "";
+  return "was changed by somebody else while it was being recorded: it has " + std::to_string(status.st_size) +
+         " bytes instead of the recorded " + std::to_string(bytes) + again;
+}
+
 }  // namespace
 
 RecordingWriter::RecordingWriter(const std::string& path, int axes)
     : path_(path), axes_(axes), last_time_s_(-std::numeric_limits<double>::infinity()), buffer_(kBufferBytes) {
   if (axes < 1 || axes > 4) throw InputError(path + ": a recording has 1 to 4 axes, not " + std::to_string(axes));
-  file_ = ::open(path.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+  // O_APPEND: in a file that somebody cuts short, later rows follow the earlier ones, not a heap of zeros.
+  file_ = ::open(path.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_APPEND | O_CLOEXEC, 0666);
   if (file_ < 0) throw failure(path, "create");
   const std::string line = header(axes);
   append(line.data(), line.size());
@@ -124,10 +140,12 @@ void RecordingWriter::takeBackHalfLine(std::size_t done) {
   std::size_t whole = done;
   while (whole > 0 && buffer_[whole - 1] != '\n')
     --whole;
-  bytes_ += static_cast<std::int64_t>(whole);
-  if (whole < done && (::ftruncate(file_, bytes_) != 0 || ::lseek(file_, bytes_, SEEK_SET) < 0)) {
+  struct stat status {};
+  if (whole < done &&
+      (::fstat(file_, &status) != 0 || ::ftruncate(file_, status.st_size - static_cast<off_t>(done - whole)) != 0)) {
     whole = done;  // neither taken back nor written again
   }
+  bytes_ += static_cast<std::int64_t>(whole);
   std::memmove(buffer_.data(), buffer_.data() + whole, used_ - whole);
   used_ -= whole;
 }
@@ -145,7 +163,9 @@ void RecordingWriter::close() {
   file_ = -1;
   const bool synced = ::fsync(file) == 0;
   const InputError error = failure(path_, "finish");
+  const std::string others = doneByOthers(file, path_, bytes_);
   if (::close(file) != 0 || !synced) throw error;
+  if (!others.empty()) throw InputError(path_ + ": " + others);
 }
 
 }  // namespace knee_robot::recording

@@ -13,7 +13,7 @@ namespace {
 constexpr double kWithoutHelp = 1.0;
 
 /// Held-back positions say something about it.
-bool testedElsewhere(const FoundEffect& e) {
+bool judgedElsewhere(const FoundEffect& e) {
   const Candidate& candidate = *e.hypothesis.place.candidate;
   return e.transfers && !candidate.goesWithTime() && candidate.elsewhere(e.coefficients).size() > 0;
 }
@@ -64,7 +64,7 @@ Eigen::ArrayXd leastOf(const Search& s, const FoundEffect& e) {
 
 int leaveOutSmall(Search& s, bool helps, std::vector<std::string>& rejected) {
   const auto named = std::stable_partition(s.effects.begin(), s.effects.end(), [&](const FoundEffect& e) {
-    return (helps && testedElsewhere(e)) || (e.explained_rms_N.array() >= leastOf(s, e)).any();
+    return (helps && judgedElsewhere(e)) || (e.explained_rms_N.array() >= leastOf(s, e)).any();
   });
   const int taken_out = static_cast<int>(s.effects.end() - named);
   for (auto e = named; e != s.effects.end(); ++e)

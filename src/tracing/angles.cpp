@@ -18,7 +18,7 @@ struct Group {
   Eigen::MatrixXd left;  ///< orthonormal, of what is left; empty: absorbed
 };
 
-Eigen::MatrixXd orthonormal(const Eigen::MatrixXd& columns) {
+Eigen::MatrixXd spanOf(const Eigen::MatrixXd& columns) {
   if (columns.cols() == 0) return columns;
   Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(columns);
   qr.setThreshold(kAbsorbedNorm);
@@ -31,7 +31,7 @@ Group groupOf(const TraceData& data, const Hypothesis& h, const Projection& base
   Eigen::MatrixXd columns = weighted(data.stack, effectRows(data, h), noise_N);
   for (Eigen::Index c = 0; c < columns.cols(); ++c)
     columns.col(c) /= std::max(1e-300, columns.col(c).norm());
-  g.q = orthonormal(columns);
+  g.q = spanOf(columns);
   const Eigen::MatrixXd rest = columns - base.q * (base.q.transpose() * columns);
   std::vector<Eigen::Index> kept;
   for (Eigen::Index c = 0; c < rest.cols(); ++c) {
@@ -40,7 +40,7 @@ Group groupOf(const TraceData& data, const Hypothesis& h, const Projection& base
   Eigen::MatrixXd seen(rest.rows(), static_cast<Eigen::Index>(kept.size()));
   for (std::size_t k = 0; k < kept.size(); ++k)
     seen.col(static_cast<Eigen::Index>(k)) = rest.col(kept[k]);
-  g.left = orthonormal(seen);
+  g.left = spanOf(seen);
   return g;
 }
 

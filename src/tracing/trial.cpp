@@ -20,7 +20,7 @@ constexpr int kOfOneKind = 2;  ///< of the same candidate at most: delays of fou
 constexpr std::size_t kNested = 8;  ///< shapes among which held-back blocks choose
 constexpr std::size_t kStarts =
     5;  ///< shapes of an effect between two points from which is refined: it has several hills
-constexpr int kRounds = 5;
+constexpr int kTrialRounds = 5;
 constexpr double kSlightPull = 1e-6;
 constexpr double kMapPull = 1e-3;       ///< hat functions add up to columns that the model has already
 constexpr double kMostComesBack = 0.5;  ///< of the squares that a push explains
@@ -101,7 +101,7 @@ void refineShape(const Search& s, const Projection& projection, const std::vecto
   };
   if (t.hypothesis.shape.size() != 1) {
     double step = 1.0;
-    for (int round = 0; round < kRounds; ++round, step *= 0.6) {
+    for (int round = 0; round < kTrialRounds; ++round, step *= 0.6) {
       for (const std::vector<double>& shape : t.hypothesis.place.candidate->near(t.hypothesis.shape, step))
         attempt(shape);
     }

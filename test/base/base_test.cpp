@@ -1,3 +1,4 @@
+#include <fcntl.h>
 #include <gtest/gtest.h>
 #include <sys/stat.h>
 #include <unistd.h>
@@ -10,8 +11,10 @@
 #include <vector>
 
 #include "knee_robot/base/errors.h"
+#include "knee_robot/base/file_name.h"
 #include "knee_robot/base/files.h"
 #include "knee_robot/base/numbers.h"
+#include "knee_robot/base/words.h"
 
 namespace knee_robot {
 namespace {
@@ -106,6 +109,39 @@ TEST_F(Files, RefuseWhatIsNoRegularFileOrTooLong) {
 
 TEST(Fingerprint, IsTheKnownHash) {
   EXPECT_EQ("cbf29ce484222325", fingerprint(""));
+}
+
+TEST_F(Files, HaveAnotherNameOrNoneWhenSomebodyMovesOrRemovesThem) {
+  const std::string path = folder_ / "file", other = folder_ / "other";
+  const auto opened = [&] {
+    writeFileAtomically(path, "x");
+    return ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
+  };
+  int file = opened();
+  EXPECT_EQ(fileNameNow(file, path).lost, "");
+  std::filesystem::rename(path, other);
+  EXPECT_EQ(fileNameNow(file, path).lost, "was moved to " + std::filesystem::canonical(other).string());
+  EXPECT_TRUE(fileNameNow(file, path).kept);
+  std::filesystem::remove(other);
+  EXPECT_EQ(fileNameNow(file, path).lost, "was removed");
+  EXPECT_FALSE(fileNameNow(file, path).kept);
+  ::close(file);
+  file = opened();
+  writeFileAtomically(path, "y");
+  EXPECT_EQ(fileNameNow(file, path).lost, "was replaced by another file");
+  ::close(file);
+}
+
+TEST(Printable, ShowsControlCharactersAndLeavesLetters) {
+  EXPECT_EQ(printable("a b~"), "a b~");
+  EXPECT_EQ(printable("\x1b[2J\n\r\t\x7f"), R"(\x1b[2J\n\r\t\x7f)");
+  EXPECT_EQ(printable(std::string_view("\0", 1)), R"(\x00)");
+  EXPECT_EQ(printable("a\u00f1o \u20ac \U0001f600"), "a\u00f1o \u20ac \U0001f600");
+  EXPECT_EQ(printable("\xc2\x9b"
+                      "1m \xff\xc3"),
+            R"(\xc2\x9b1m \xff\xc3)")
+      << "C1 controls, and what is no UTF-8";
+  EXPECT_EQ(printable("\xe0\x80\x9b \xf0\x80\x80\x9b"), R"(\xe0\x80\x9b \xf0\x80\x80\x9b)") << "overlong";
 }
 
 }  // namespace

@@ -1,9 +1,11 @@
 """Attacks by others: a second pair of guardian and controller, a guardian of another machine, files that change, many clients, a master that
 goes."""
+import socket
 import threading
 import time
 
 import numpy as np
+import rosgraph
 import rospy
 from actionlib_msgs.msg import GoalStatus
 from std_srvs.srv import Trigger
@@ -33,6 +35,32 @@ def second_controller(a, link):
     process = s.spawn("second", *command, f"_guardian:={link}")
     s.others.append(process)
     return process
+
+
+def second_controller_of_the_same_name(a):
+    """A second controller with the first one's name, on the same master, which would shut the first one down."""
+    a.enable()
+    a.play()
+    a.begin()
+    s = a.session
+    process = s.spawn("second", *[c for c in s.controller_command("controller", s.program)])
+    s.others.append(process)
+    text, good = goes_on(a, 5.0)
+    return f"the second {'lives' if is_alive(process) else 'ended'}; ", text, good and not is_alive(process)
+
+
+def values_within_values(a):
+    """One request of 200000 values within each other, to the port on which every node answers the master."""
+    a.enable()
+    a.play()
+    a.begin()
+    port = int(rosgraph.Master("/attacks").lookupNode("/controller").rsplit(":", 1)[1].strip("/"))
+    deep = "<value><array><data>" * 200000 + "</data></array></value>" * 200000
+    body = f'<?xml version="1.0"?><methodCall><methodName>getPid</methodName><params><param>{deep}</param></params></methodCall>'.encode()
+    with socket.create_connection(("127.0.0.1", port)) as connection:
+        connection.sendall(b"POST /RPC2 HTTP/1.1\r\nHost: x\r\nContent-Type: text/xml\r\nContent-Length: %d\r\n\r\n" % len(body) + body)
+        text, good = goes_on(a, 3.0)
+    return f"the controller {'lives' if is_alive(a.session.controller) else 'has died'}; ", text, good
 
 
 def goes_on(a, seconds):
@@ -273,7 +301,8 @@ def stop_while_being_disabled(a):
 
 
 def attacks():
-    found = {f.__name__: f for f in (second_pair_on_another_link, second_controller_without_guardian, guardian_of_another_machine,
+    found = {f.__name__: f for f in (second_pair_on_another_link, second_controller_without_guardian, second_controller_of_the_same_name,
+                                     values_within_values, guardian_of_another_machine,
                                      master_restarted_while_playing, four_clients_on_every_pair, another_reference_within_a_goal,
                                      stop_while_a_goal_is_checked, stop_while_an_approach_waits, stop_while_being_disabled, enabled_again_without_a_master)}
     found["patient_file_becomes_garbage"] = patient_file_becomes("}{ nan \0 :::\n" * 50, "garbage")

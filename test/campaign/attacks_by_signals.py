@@ -45,6 +45,23 @@ def guardian_ends_while_it_carries(number):
     return attack
 
 
+def signals_that_nobody_expects(a):
+    """SIGUSR1, SIGALRM, SIGXCPU and SIGPWR to both processes while the platform moves."""
+    a.enable()
+    a.play()
+    a.begin()
+    for number in (signal.SIGUSR1, signal.SIGALRM, signal.SIGXCPU, signal.SIGPWR):
+        for process in (a.session.guardian, a.session.controller):
+            process.send_signal(number)
+    time.sleep(1.0)
+    lives = [name for name, p in (("guardian", a.session.guardian), ("controller", a.session.controller)) if is_alive(p)]
+    if len(lives) == 2:
+        text, good = a.disable_and_look()
+    else:
+        text, good = a.look(1.0)
+    return f"live: {', '.join(lives) or 'none'}; ", text, good and len(lives) == 2
+
+
 def guardian_whose_reader_died(a):
     """The guardian's output is a pipe that nobody reads any more (a closed terminal behind | tee); then the controller dies."""
     reader, writer = os.pipe()
@@ -169,6 +186,6 @@ def clock_an_hour_back(a):
 def attacks():
     found = {f"guardian_gets_{signal.Signals(n).name.lower()}_while_it_carries": guardian_ends_while_it_carries(n)
              for n in (signal.SIGTERM, signal.SIGINT)}
-    found.update({f.__name__: f for f in (guardian_whose_reader_died, guardian_killed_and_not_buried, link_cut_off,
+    found.update({f.__name__: f for f in (signals_that_nobody_expects, guardian_whose_reader_died, guardian_killed_and_not_buried, link_cut_off,
                                           clock_an_hour_back, terminal_stopped_then_emergency_stop, terminal_stopped_then_master_dies)})
     return found

@@ -10,21 +10,21 @@
 namespace knee_robot::control {
 namespace {
 
-constexpr rt::Nanoseconds kCycle = 1'000'000;
+constexpr rt::Nanoseconds kEnablingCycle = 1'000'000;
 
 class Enabling : public ::testing::Test {
  protected:
   Enabling() : sequence(fake::hardware()) { sequence.begin(0); }
   /// One cycle; the outputs obey at once.
   EnablingSequence::Step cycle() {
-    now += kCycle;
+    now += kEnablingCycle;
     const EnablingSequence::Step step = sequence.step(view, settings, now);
     view.written.level = step.level;
     return step;
   }
   /// Seconds until `level` is ordered; gives up after 5.
   double timeTo(DriveLevel level) {
-    while (now < 5'000 * kCycle) {
+    while (now < 5'000 * kEnablingCycle) {
       if (cycle().level == level) break;
     }
     return rt::toSeconds(now);
@@ -40,7 +40,7 @@ TEST_F(Enabling, WaitsForTheDrivesThenForTheLoopsThenForTheHoldDevices) {
   EXPECT_NEAR(timeTo(DriveLevel::HeldByDrivers), 0.02, 0.002);
   EXPECT_NEAR(timeTo(DriveLevel::Released), 0.02 + 0.05, 0.004);
   while (!cycle().done)
-    ASSERT_LT(now, 1000 * kCycle);
+    ASSERT_LT(now, 1000 * kEnablingCycle);
   EXPECT_NEAR(rt::toSeconds(now), 0.02 + 0.05 + 0.03, 0.006);
 }
 
@@ -66,7 +66,7 @@ TEST_F(Enabling, ReleasesNothingWithoutClosedLoopsHoweverShortTheyHaveToSettle) 
 TEST_F(Enabling, ReleasesNothingInTheCycleInWhichALoopOpens) {
   timeTo(DriveLevel::HeldByDrivers);
   const rt::Nanoseconds closed = now;
-  while (now - closed < 49 * kCycle)
+  while (now - closed < 49 * kEnablingCycle)
     ASSERT_EQ(cycle().level, DriveLevel::HeldByDrivers);
   view.commands[3].active = false;
   for (int i = 0; i < 5; ++i)
@@ -77,7 +77,7 @@ TEST_F(Enabling, CountsALevelFromWhenTheOutputsHaveWrittenIt) {
   timeTo(DriveLevel::HeldByDrivers);
   view.written.level = DriveLevel::Energised;  // AxesOutput has not got so far
   for (int i = 0; i < 100; ++i) {
-    now += kCycle;
+    now += kEnablingCycle;
     ASSERT_EQ(sequence.step(view, settings, now).level, DriveLevel::HeldByDrivers);
   }
 }
@@ -87,7 +87,7 @@ TEST_F(Enabling, IsAFaultWhenItTakesTooLong) {
   EnablingSequence::Step step;
   while (step.fault.fault == Fault::None) {
     step = cycle();
-    ASSERT_LE(now, 2'001 * kCycle);
+    ASSERT_LE(now, 2'001 * kEnablingCycle);
   }
   EXPECT_EQ(step.fault.fault, Fault::EnableTimeout);
   EXPECT_EQ(step.level, DriveLevel::HeldByDrivers) << "the holding brakes stay engaged";
@@ -97,7 +97,7 @@ TEST_F(Enabling, IsAFaultWhenItTakesTooLong) {
 TEST_F(Enabling, NamesTheAxisWhoseBrakeGivesWay) {
   settings.brake_test_N = 120.0;
   while (cycle().brake_test_N[1] == 0.0)
-    ASSERT_LT(now, 1000 * kCycle);
+    ASSERT_LT(now, 1000 * kEnablingCycle);
   view.measured.position_m[1] -= 1.1 * settings.brake_slip_m;
   const EnablingSequence::Step step = cycle();
   EXPECT_EQ(step.fault.fault, Fault::HoldDeviceSlips);

@@ -36,8 +36,8 @@ std::string deploymentWith(const std::string& property) {
   return path;
 }
 
-struct Rig {
-  explicit Rig(Feedforward feedforward, double payload_kg = 0.0, double declared_kg = 0.0)
+struct ForwardedRig {
+  explicit ForwardedRig(Feedforward feedforward, double payload_kg = 0.0, double declared_kg = 0.0)
       : robot(mechanism::loadRobot(file("config/robots/A.yaml"))),
         plant(robot, dynamics::loadRobotInertia(robot), parameters(payload_kg), image),
         bus(simulation::openImageCards(image)) {
@@ -120,7 +120,7 @@ struct Rig {
 
 TEST(TakeOver, OpensTheHoldDevicesOntoAForceThatAlreadyCarriesTheRobot) {
   for (const double payload_kg : {0.0, 15.0}) {
-    Rig rig(Feedforward::Weights, payload_kg, payload_kg);
+    ForwardedRig rig(Feedforward::Weights, payload_kg, payload_kg);
     ASSERT_TRUE(rig.started.ok) << rig.started.sentence;
     const double height = rig.plant.state().pose[1];
     ASSERT_TRUE(rig.system->enable().ok);
@@ -136,7 +136,7 @@ TEST(TakeOver, OpensTheHoldDevicesOntoAForceThatAlreadyCarriesTheRobot) {
 TEST(TakeOver, OfAPayloadThatNobodyDeclaredSinksLessThanWithoutFeedforward) {
   double sinks[2];
   for (const bool with : {false, true}) {
-    Rig rig(with ? Feedforward::Weights : Feedforward::None, 15.0);
+    ForwardedRig rig(with ? Feedforward::Weights : Feedforward::None, 15.0);
     ASSERT_TRUE(rig.started.ok);
     const double height = rig.plant.state().pose[1];
     ASSERT_TRUE(rig.system->enable().ok);
@@ -151,7 +151,7 @@ TEST(TakeOver, OfAPayloadThatNobodyDeclaredSinksLessThanWithoutFeedforward) {
 TEST(Reversals, AreFollowedMoreCloselyWithAModelOfTheFriction) {
   AxisValues largest[3];
   for (const Feedforward kind : {Feedforward::None, Feedforward::Weights, Feedforward::Model}) {
-    Rig rig(kind);
+    ForwardedRig rig(kind);
     ASSERT_NO_FATAL_FAILURE(rig.play());
     ASSERT_TRUE(rig.system->waitFor(MachineState::Holding, 20.0)) << rig.system->status().fault_sentence;
     AxisValues& error = largest[static_cast<int>(kind)];
@@ -212,7 +212,7 @@ TEST_P(HiddenFault, IsFoundWithFeedforwardAsWithout) {
   for (const Case& one : cases) {
     for (const std::size_t axis : {std::size_t{0}, std::size_t{3}}) {
       for (const double when : {2.0, 3.8, 4.1}) {
-        Rig rig(GetParam());
+        ForwardedRig rig(GetParam());
         ASSERT_NO_FATAL_FAILURE(rig.play());
         rig.system->run(when);
         ASSERT_EQ(rig.system->state(), MachineState::Playing);
@@ -239,8 +239,8 @@ INSTANTIATE_TEST_SUITE_P(Feedforward, HiddenFault,
                                            Feedforward::ComputedTorque, Feedforward::PassivityBased));
 
 TEST(ControlLaws, FollowReversalsAsCloselyAsTheFeedforwardWhereTheyArePassive) {
-  Rig with(Feedforward::Model), passive(Feedforward::PassivityBased), torque(Feedforward::ComputedTorque);
-  for (Rig* rig : {&with, &passive, &torque}) {
+  ForwardedRig with(Feedforward::Model), passive(Feedforward::PassivityBased), torque(Feedforward::ComputedTorque);
+  for (ForwardedRig* rig : {&with, &passive, &torque}) {
     ASSERT_TRUE(rig->started.ok) << rig->started.sentence;
     ASSERT_NO_FATAL_FAILURE(rig->play());
     ASSERT_TRUE(rig->system->waitFor(MachineState::Holding, 20.0)) << rig->system->status().fault_sentence;
@@ -257,7 +257,7 @@ TEST(ControlLaws, FollowReversalsAsCloselyAsTheFeedforwardWhereTheyArePassive) {
 
 TEST(ControlLaws, AreRefusedInOneSentenceThatNamesFileAndProperty) {
   const auto refusal = [](const std::string& property, const std::string& gains) {
-    Rig rig(Feedforward::Model);
+    ForwardedRig rig(Feedforward::Model);
     const std::string path = deploymentWith(property);
     std::string text = readFile(path);
     if (!gains.empty()) text.replace(text.find("integral_N_per_m_s: 300000"), 26, gains);
@@ -284,7 +284,7 @@ TEST(ControlLaws, AreRefusedInOneSentenceThatNamesFileAndProperty) {
 }
 
 TEST(ControlLaws, NeedAModel) {
-  Rig rig(Feedforward::Weights);
+  ForwardedRig rig(Feedforward::Weights);
   const std::string path = deploymentWith("law: computed_torque");
   ControlSystem::Options options;
   options.execution = rt::Execution::Stepped;
@@ -296,7 +296,7 @@ TEST(ControlLaws, NeedAModel) {
 }
 
 TEST(TracedDelay, IsRefusedWhereItsLoopWouldBeUnstable) {
-  Rig rig(Feedforward::Model);
+  ForwardedRig rig(Feedforward::Model);
   const auto refusal = [&](double delay_s) {
     const std::string path = ::testing::TempDir() + "delayed_" + std::to_string(::getpid()) + ".yaml";
     dynamics::saveModel(fake::tracedModelOf(rig.robot, {fake::delayOf(2, delay_s)}), path);
@@ -318,7 +318,7 @@ TEST(TracedDelay, IsRefusedWhereItsLoopWouldBeUnstable) {
 }
 
 TEST(ControlLaws, RefuseGainsAtRunTimeWithWhichTheyWouldNotBePassive) {
-  Rig rig(Feedforward::PassivityBased);
+  ForwardedRig rig(Feedforward::PassivityBased);
   ASSERT_TRUE(rig.started.ok) << rig.started.sentence;
   EXPECT_TRUE(rig.system->setProperty("Driver2", "integral_N_per_m_s", "250000").ok);
   const Answer refused = rig.system->setProperty("Driver2", "proportional_N_per_m", "30000");

@@ -7,7 +7,7 @@ namespace {
 using namespace guided;
 
 /// How far the platform gets from where it was when the encoders of `axes` died.
-double blindWay(Rig& rig, unsigned axes, const std::string& expected) {
+double blindWay(guided::Rig& rig, unsigned axes, const std::string& expected) {
   for (std::size_t i = 0; i < hardware::kAxes; ++i) {
     if ((axes >> i & 1u) != 0)
       rig.image.faults.encoder[i].store(static_cast<std::uint8_t>(simulation::EncoderFault::Frozen));
@@ -24,7 +24,7 @@ double blindWay(Rig& rig, unsigned axes, const std::string& expected) {
 
 TEST(GuidedEncoders, FindsADeadEncoderAndTheLossOfAllOfThemWhileTheHandMovesThePlatform) {
   for (const unsigned axes : {1u, 2u, 4u, 8u, 3u, 15u}) {
-    Rig rig;
+    guided::Rig rig;
     ASSERT_NO_FATAL_FAILURE(rig.begin());
     rig.swing(1, 0.08, 0.03);
     rig.system->run(1.2);
@@ -37,7 +37,7 @@ TEST(GuidedEncoders, FindsADeadEncoderAndTheLossOfAllOfThemWhileTheHandMovesTheP
 
 TEST(GuidedEncoders, FindsTheLossOfAllEncodersWhileNobodyMovesThePlatformAndWhenAHandBeginsTo) {
   for (const bool moves : {false, true}) {
-    Rig rig;
+    guided::Rig rig;
     ASSERT_NO_FATAL_FAILURE(rig.begin());
     rig.system->run(1.0);
     ASSERT_EQ(rig.system->state(), MachineState::Guiding);
@@ -49,7 +49,7 @@ TEST(GuidedEncoders, FindsTheLossOfAllEncodersWhileNobodyMovesThePlatformAndWhen
 }
 
 TEST(GuidedEncoders, AsksTheEncodersOfAPlatformThatNobodyTouchesWithoutCarryingItAway) {
-  Rig rig;
+  guided::Rig rig;
   ASSERT_NO_FATAL_FAILURE(rig.begin());
   rig.system->run(60.0);
   std::printf("%.1f mm in 60 s\n", 1e3 * rig.farthest);

@@ -9,7 +9,7 @@ namespace {
 using namespace guided;
 
 TEST(HandGuiding, LetsAHandMoveThePlatformAndPlaysItsPathAgain) {
-  Rig rig;
+  guided::Rig rig;
   ASSERT_NO_FATAL_FAILURE(rig.begin());
   rig.swing(1, 0.05, 0.03);
   rig.system->run(7.0);
@@ -37,7 +37,7 @@ TEST(HandGuiding, LetsAHandMoveThePlatformAndPlaysItsPathAgain) {
 }
 
 TEST(HandGuiding, HoldsWhereThePlatformIsWhenTheSwitchIsLetGoOfWhateverTheHandDoes) {
-  Rig rig;
+  guided::Rig rig;
   ASSERT_NO_FATAL_FAILURE(rig.begin());
   rig.swing(1, 0.06, 0.04);
   rig.system->run(1.6);
@@ -58,7 +58,7 @@ TEST(HandGuiding, HoldsWhereThePlatformIsWhenTheSwitchIsLetGoOfWhateverTheHandDo
 
 TEST(HandGuiding, IsRefusedWithoutModelSwitchOrTestedBrakesAndUnlessTheSwitchIsTakenAnew) {
   const auto refusal = [](const Machine& setup, bool held) {
-    Rig rig(setup);
+    guided::Rig rig(setup);
     EXPECT_TRUE(rig.system->start().ok);
     EXPECT_TRUE(rig.system->enable().ok);
     rig.system->run(0.3);
@@ -80,7 +80,7 @@ TEST(HandGuiding, IsRefusedWithoutModelSwitchOrTestedBrakesAndUnlessTheSwitchIsT
   setup = Machine{};
   setup.brakes = false;
   EXPECT_NE(refusal(setup, true).find("brakes are not tested"), std::string::npos);
-  Rig rig;
+  guided::Rig rig;
   rig.hold(true);  // tied down before the robot is enabled
   ASSERT_TRUE(rig.system->start().ok);
   EXPECT_FALSE(rig.system->guide().ok) << "disabled";
@@ -90,7 +90,7 @@ TEST(HandGuiding, IsRefusedWithoutModelSwitchOrTestedBrakesAndUnlessTheSwitchIsT
 }
 
 TEST(HandGuiding, PushesBackAtTheEndOfTheRangeAndHoldsThere) {
-  Rig rig;
+  guided::Rig rig;
   ASSERT_NO_FATAL_FAILURE(rig.begin());
   rig.swing(1, 0.8, 0.04);
   for (int k = 0; k < 300 && rig.system->state() == MachineState::Guiding; ++k)
@@ -120,7 +120,7 @@ TEST(HandGuiding, PushesBackAtTheEndOfTheRangeAndHoldsThere) {
 }
 
 TEST(HandGuiding, KeepsThePatientsRangeAndSpeedAndSavesAPathWithinThem) {
-  Rig rig;
+  guided::Rig rig;
   const Pose home = rig.plant.state().pose;
   const std::string patient = temporary("guided_patient.yaml");
   char text[300];
@@ -151,7 +151,7 @@ TEST(HandGuiding, KeepsThePatientsRangeAndSpeedAndSavesAPathWithinThem) {
 }
 
 TEST(HandGuiding, BrakesAHandThatIsTooFast) {
-  Rig rig;
+  guided::Rig rig;
   ASSERT_NO_FATAL_FAILURE(rig.begin());
   rig.swing(1, 0.08, 0.2);  // four times the limit of 0.05 m/s
   rig.system->run(3.0);
@@ -163,7 +163,7 @@ TEST(HandGuiding, DoesNotLetAWrongPayloadDrift) {
   for (const double payload_kg : {2.0, 5.0}) {
     Machine setup;
     setup.payload_kg = payload_kg;  // nobody declared it
-    Rig rig(setup);
+    guided::Rig rig(setup);
     ASSERT_NO_FATAL_FAILURE(rig.begin());
     rig.system->run(5.0);
     std::printf("%.0f kg: %.2f mm in 5 s\n", payload_kg, 1e3 * rig.farthest);
@@ -175,7 +175,7 @@ TEST(HandGuiding, DoesNotLetAWrongPayloadDrift) {
 TEST(HandGuiding, DoesNotRunAwayFromAHandThatLeanedOnThePlatformWhileItWasWeighedAndLetsGo) {
   for (const int coordinate : {0, 1}) {
     for (const double newton : {-100.0, -60.0, -30.0, 30.0, 60.0, 100.0}) {
-      Rig rig;
+      guided::Rig rig;
       ASSERT_NO_FATAL_FAILURE(rig.beginLeaningOn(coordinate, newton / 2000.0));
       rig.system->run(15.0);
       EXPECT_LT(rig.farthest, 0.005) << newton << " N in coordinate " << coordinate;
@@ -186,7 +186,7 @@ TEST(HandGuiding, DoesNotRunAwayFromAHandThatLeanedOnThePlatformWhileItWasWeighe
 }
 
 TEST(HandGuiding, EndsWhenTheWeightIsNotFedForwardAnyMore) {
-  Rig rig;
+  guided::Rig rig;
   ASSERT_NO_FATAL_FAILURE(rig.begin());
   ASSERT_TRUE(rig.system->setProperty("Feedforward", "share_gravity", "0").ok);
   rig.system->run(1.0);
@@ -198,7 +198,7 @@ TEST(HandGuiding, EndsWhenTheWeightIsNotFedForwardAnyMore) {
 TEST(HandGuiding, EndsWhereMuchMoreThanDeclaredRestsOnThePlatform) {
   Machine setup;
   setup.payload_kg = 25.0;
-  Rig rig(setup);
+  guided::Rig rig(setup);
   ASSERT_TRUE(rig.system->start().ok);
   ASSERT_TRUE(rig.system->enable().ok);
   rig.system->run(1.0);
@@ -215,7 +215,7 @@ TEST(HandGuiding, EndsWhereMuchMoreThanDeclaredRestsOnThePlatform) {
 TEST(HandGuiding, StaysStillWithFrictionThatIsSmallerThanIdentified) {
   Machine setup;
   setup.coulomb_scale = 0.8;
-  Rig rig(setup);
+  guided::Rig rig(setup);
   ASSERT_NO_FATAL_FAILURE(rig.begin());
   rig.system->run(3.0);
   std::printf("%.2f mm in 3 s\n", 1e3 * rig.farthest);
@@ -225,23 +225,23 @@ TEST(HandGuiding, StaysStillWithFrictionThatIsSmallerThanIdentified) {
 TEST(HandGuiding, EndsInTheSameSafeStopWhateverFails) {
   struct Case {
     const char* what;
-    std::function<void(Rig&)> breaks;
+    std::function<void(guided::Rig&)> breaks;
   };
   const Case cases[] = {
-      {"emergency stop", [](Rig& rig) { rig.image.surroundings.emergency_stop_pressed.store(1); }},
+      {"emergency stop", [](guided::Rig& rig) { rig.image.surroundings.emergency_stop_pressed.store(1); }},
       {"encoder cable",
-       [](Rig& rig) {
+       [](guided::Rig& rig) {
          rig.image.faults.encoder[1].store(static_cast<std::uint8_t>(simulation::EncoderFault::Disconnected));
        }},
       {"frozen encoder",
-       [](Rig& rig) {
+       [](guided::Rig& rig) {
          rig.image.faults.encoder[1].store(static_cast<std::uint8_t>(simulation::EncoderFault::Frozen));
        }},
-      {"counter card", [](Rig& rig) { rig.image.counter.disconnected.store(1); }},
-      {"drive", [](Rig& rig) { rig.image.faults.drive_dead.store(2); }},
+      {"counter card", [](guided::Rig& rig) { rig.image.counter.disconnected.store(1); }},
+      {"drive", [](guided::Rig& rig) { rig.image.faults.drive_dead.store(2); }},
   };
   for (const Case& one : cases) {
-    Rig rig;
+    guided::Rig rig;
     ASSERT_NO_FATAL_FAILURE(rig.begin());
     rig.swing(1, 0.08, 0.03);
     rig.system->run(1.5);
@@ -265,7 +265,7 @@ TEST(HandGuiding, EndsInTheSameSafeStopWhateverFails) {
 }
 
 TEST(HandGuiding, StopAndDisableEndItAsEver) {
-  Rig rig;
+  guided::Rig rig;
   ASSERT_NO_FATAL_FAILURE(rig.begin());
   EXPECT_FALSE(rig.system->play().ok);
   ASSERT_TRUE(rig.system->stop().ok);

@@ -140,6 +140,29 @@ TEST(HomingByHand, StillBelievesTheOtherCountersWhenOneAxisHasLostItsHome) {
   EXPECT_TRUE(sequence.isHomed());
 }
 
+TEST(HomingByHand, IsNotMovedFartherBySmallStepsThanByALargeOne) {
+  HardwareFile hardware = fake::hardware();
+  hardware.homing.method = HomingMethod::HandPlaced;
+  HomingSequence sequence(fake::robot(), hardware);
+  sequence.start(true);
+  AxisValues measured{};
+  measured.fill(fake::kHome);
+  ASSERT_TRUE(sequence.takeForHome(measured).shifts);
+  measured[1] = fake::kHome + 0.003;
+  ASSERT_TRUE(sequence.takeForHome(measured).shifts);
+  const HomingSequence::Taken refused = sequence.takeForHome(measured);  // 3 mm more by the counters of now
+  EXPECT_EQ(refused.result, RequestResult::HomeShifted);
+  EXPECT_EQ(refused.axis, 2);
+  EXPECT_NEAR(refused.distance_m, 0.006, 1e-12);
+  measured[1] = fake::kHome - 0.003;
+  EXPECT_TRUE(sequence.takeForHome(measured).shifts) << "back to the first one";
+  sequence.forget(1);
+  measured[1] = fake::kHome + 0.004;
+  ASSERT_TRUE(sequence.takeForHome(measured).shifts);
+  measured[1] = fake::kHome + 0.003;
+  EXPECT_TRUE(sequence.takeForHome(measured).shifts) << "what was before its counters were lost does not count";
+}
+
 TEST(HomingAssumed, HoldsFromTheFirstStartOnlyAndIsNotRegainedByAStart) {
   HomingSequence sequence(fake::robot(), fake::hardware());
   sequence.start(true);

@@ -197,5 +197,18 @@ TEST_F(RecorderTest, TellsSkippedCyclesFromDroppedRows) {
   EXPECT_NE(answer.sentence.find("skipped 30 cycles"), std::string::npos) << answer.sentence;
 }
 
+TEST_F(RecorderTest, SaysThatItsFileWasRemovedMeanwhileAndCountsNoRowsInIt) {
+  Rig rig;
+  rig.hold();
+  ASSERT_TRUE(rig.system.startRecording(path()).ok);
+  rig.system.run(0.1);
+  std::filesystem::remove(path());
+  rig.system.run(0.1);
+  const Answer answer = rig.system.stopRecording();
+  EXPECT_FALSE(answer.ok);
+  EXPECT_EQ(answer.sentence.find("the recording is incomplete: " + path() + ": was removed"), 0u) << answer.sentence;
+  EXPECT_EQ(answer.sentence.find(path() + " has "), std::string::npos) << answer.sentence;
+}
+
 }  // namespace
 }  // namespace knee_robot::control

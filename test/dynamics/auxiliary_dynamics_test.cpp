@@ -16,8 +16,6 @@ namespace {
 using mechanism::Matrix4;
 using mechanism::Vector4;
 
-constexpr double kConditionMaximum = 200.0;
-
 class AuxiliaryDynamics : public testing::TestWithParam<const char*> {
  protected:
   AuxiliaryDynamics()

@@ -14,7 +14,7 @@ namespace knee_robot::dynamics {
 namespace {
 
 const char* const kUrdf = KNEE_SOURCE_DIR "/test/dynamics/chain.urdf";
-const mechanism::Vector3 kGravity(0.0, 0.0, -9.81);
+const mechanism::Vector3 kDownwards(0.0, 0.0, -9.81);
 
 /// The arm with its rail; the finger beside the chain locked half open.
 mechanism::Robot arm(double finger_m = 0.0) {
@@ -29,7 +29,7 @@ mechanism::Robot arm(double finger_m = 0.0) {
 Eigen::VectorXd torque(const mechanism::Robot& robot, const Eigen::VectorXd& q, const Eigen::VectorXd& v,
                        const Eigen::VectorXd& a) {
   ChainRegressorData data(*robot.chain);
-  chainRegressor(*robot.chain, kGravity, q, v, a, data);
+  chainRegressor(*robot.chain, kDownwards, q, v, a, data);
   return data.regressor * chainInertia(robot);
 }
 
@@ -94,7 +94,7 @@ double energy(const mechanism::Robot& robot, const std::function<Eigen::VectorXd
     for (const mechanism::ChainLink& link : robot.chain->joints[j].links) {
       const mechanism::Vector3 velocity = (after[j] * link.center - before[j] * link.center) / (2.0 * h);
       sum += 0.5 * link.mass * velocity.squaredNorm() + 0.5 * omega.dot(link.inertia * omega) -
-             link.mass * kGravity.dot(here[j] * link.center);
+             link.mass * kDownwards.dot(here[j] * link.center);
     }
   }
   return sum;
@@ -135,10 +135,10 @@ TEST(ChainRegressor, AllocatesNothing) {
   const mechanism::Robot robot = arm();
   ChainRegressorData data(*robot.chain);
   const Eigen::VectorXd q = six({0.1, 0.4, -0.7, 1.1, 2.0, -0.9});
-  chainRegressor(*robot.chain, kGravity, q, q, q, data);
+  chainRegressor(*robot.chain, kDownwards, q, q, q, data);
   allocations = 0;
   armed = true;
-  chainRegressor(*robot.chain, kGravity, q, q, q, data);
+  chainRegressor(*robot.chain, kDownwards, q, q, q, data);
   armed = false;
   EXPECT_EQ(allocations, 0);
 }

@@ -19,10 +19,6 @@ class Dynamics : public testing::Test {
                                                 mechanism::mechanismB()};
 };
 
-double relative(const mechanism::Vector4& a, const mechanism::Vector4& b) {
-  return (a - b).norm() / std::max(1.0, b.norm());
-}
-
 TEST_F(Dynamics, OfTheRegressorTimesParametersIsTheInverseDynamics) {
   for (const mechanism::Mechanism& m : mechanisms_) {
     for (int k = 0; k < 300; ++k) {
@@ -37,7 +33,7 @@ TEST_F(Dynamics, OfTheRegressorTimesParametersIsTheInverseDynamics) {
       parameters.segment<mechanism::kLegs>(extended::kRotor) = inertia.rotor_mass;
       mechanism::Vector4 forces;
       ASSERT_TRUE(inverseDynamics(model, motion, forces));
-      EXPECT_LT(relative(extended * parameters, forces), 1e-10);
+      EXPECT_LT(relativeError(extended * parameters, forces), 1e-10);
     }
   }
 }
@@ -51,7 +47,7 @@ TEST_F(Dynamics, ForwardUndoesInverse) {
       ASSERT_TRUE(inverseDynamics(model, motion, forces));
       ForwardDynamicsData data;
       ASSERT_TRUE(forwardDynamics(model, motion.pose, motion.pose_velocity, forces, data));
-      EXPECT_LT(relative(data.acceleration, motion.pose_acceleration), 1e-9);
+      EXPECT_LT(relativeError(data.acceleration, motion.pose_acceleration), 1e-9);
     }
   }
 }
@@ -82,7 +78,7 @@ TEST_F(Dynamics, FollowsLagrangesEquationsOfItsOwnEnergies) {
     }
     mechanism::Vector4 forces;
     ASSERT_TRUE(inverseDynamics(model, s, forces));
-    EXPECT_LT(relative(mechanism::lengthJacobian(m, s.pose).transpose() * forces, expected), 1e-6);
+    EXPECT_LT(relativeError(mechanism::lengthJacobian(m, s.pose).transpose() * forces, expected), 1e-6);
   }
 }
 
@@ -97,7 +93,7 @@ TEST_F(Dynamics, HoldsStillAgainstTheGradientOfThePotentialEnergy) {
         const mechanism::Vector4 e = 1e-5 * mechanism::Vector4::Unit(j);
         gradient[j] = (potentialEnergy(model, still.pose + e) - potentialEnergy(model, still.pose - e)) / 2e-5;
       }
-      EXPECT_LT(relative(mechanism::lengthJacobian(m, still.pose).transpose() * forces, gradient), 1e-8);
+      EXPECT_LT(relativeError(mechanism::lengthJacobian(m, still.pose).transpose() * forces, gradient), 1e-8);
     }
   }
 }

@@ -42,4 +42,10 @@ inline mechanism::Motion randomMotion(mechanism::RandomPoses& random, const mech
   return {random.pose(mechanism), random.vector(velocity), random.vector(acceleration)};
 }
 
+constexpr double kConditionMaximum = 200.0;  ///< the stated margin from singularity: condition of dq/dx (m, rad)
+
+inline double relativeError(const mechanism::Vector4& a, const mechanism::Vector4& b) {
+  return (a - b).norm() / std::max(1.0, b.norm());
+}
+
 }  // namespace knee_robot::dynamics

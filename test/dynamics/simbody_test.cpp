@@ -11,12 +11,7 @@
 namespace knee_robot::dynamics {
 namespace {
 
-constexpr double kConditionMaximum = 200.0;  // the stated margin from singularity: condition of dq/dx (m, rad)
 constexpr int kStates = 1000;
-
-double relative(const mechanism::Vector4& a, const mechanism::Vector4& b) {
-  return (a - b).norm() / std::max(1.0, b.norm());
-}
 
 class Simbody : public testing::TestWithParam<const char*> {
  protected:
@@ -44,7 +39,7 @@ TEST_P(Simbody, AgreesWithTheForwardAccelerations) {
     const mechanism::Vector4 ours = mechanism::lengthJacobian(mechanism(), motion.pose) * data.acceleration +
                                     mechanism::lengthBias(mechanism(), motion.pose, motion.pose_velocity);
     peer_.set(mechanism::coordinateMotion(mechanism(), motion));
-    worst = std::max(worst, relative(ours, peer_.actuatorAccelerations(forces)));
+    worst = std::max(worst, relativeError(ours, peer_.actuatorAccelerations(forces)));
   }
   std::printf("largest relative difference over %d states: %.2e\n", kStates, worst);
   EXPECT_LT(worst, 1e-6);
@@ -58,7 +53,7 @@ TEST_P(Simbody, AgreesWithTheInverseForces) {
     ASSERT_TRUE(inverseDynamics(model_, motion, ours));
     const mechanism::CoordinateMotion all = mechanism::coordinateMotion(mechanism(), motion);
     peer_.set(all);
-    worst = std::max(worst, relative(ours, peer_.actuatorForces(all)));
+    worst = std::max(worst, relativeError(ours, peer_.actuatorForces(all)));
   }
   std::printf("largest relative difference over %d states: %.2e\n", kStates, worst);
   EXPECT_LT(worst, 1e-6);
@@ -106,8 +101,8 @@ TEST_P(Simbody, AgreesForLinksWithoutAnySymmetry) {
       mechanism::Vector4 forces;
       ASSERT_TRUE(inverseDynamics(model, motion, forces));
       peer.set(all);
-      EXPECT_LT(relative(forces, peer.actuatorForces(all)), 1e-6);
-      EXPECT_LT(relative(mechanism::lengthsOf(all.acceleration), peer.actuatorAccelerations(forces)), 1e-6);
+      EXPECT_LT(relativeError(forces, peer.actuatorForces(all)), 1e-6);
+      EXPECT_LT(relativeError(mechanism::lengthsOf(all.acceleration), peer.actuatorAccelerations(forces)), 1e-6);
     }
   }
 }

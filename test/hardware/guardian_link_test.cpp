@@ -9,6 +9,7 @@
 #include <unistd.h>
 
 #include <atomic>
+#include <memory>
 #include <thread>
 
 #include "card_bench.h"
@@ -41,6 +42,19 @@ TEST(GuardianLink, OfAnotherUserIsRefusedWithWhatToDo) {
   ASSERT_EQ(::seteuid(0), 0);
   EXPECT_NE(refusal.find("belongs to another user"), std::string::npos) << refusal;
   EXPECT_NE(refusal.find("remove it from /dev/shm"), std::string::npos) << refusal;
+}
+
+TEST(GuardianLink, KnowsThatItsNameWasRemovedAndLeavesAnothersAlone) {
+  const std::string name = uniqueShmName("link");
+  auto first = std::make_unique<SharedGuardianLink>(SharedGuardianLink::open(name));
+  EXPECT_TRUE(first->isNamed());
+  ASSERT_EQ(::shm_unlink(name.c_str()), 0);
+  EXPECT_FALSE(first->isNamed());
+  SharedGuardianLink second = SharedGuardianLink::open(name);
+  EXPECT_FALSE(first->isNamed()) << "the name is another one's now";
+  EXPECT_TRUE(second.isNamed());
+  first.reset();
+  EXPECT_TRUE(nameExists(name)) << "who lost its name removes nobody else's";
 }
 
 TEST(GuardianLink, OutlivesEachOfTheTwoAndGoesWithTheLast) {

@@ -9,7 +9,7 @@
 namespace knee_robot::identification {
 namespace {
 
-constexpr double kPeriod = 0.001;
+constexpr double kMillisecond = 0.001;
 
 mechanism::Robot bench(int axes, double count_m) {
   mechanism::Robot robot;
@@ -39,7 +39,7 @@ struct Recorded {
   bool together = false;  // all axes move at once, else one after the other
 
   recording::Recording play() {
-    const int cycles = static_cast<int>((together ? 1.0 : static_cast<double>(axes.size())) * time_s / kPeriod);
+    const int cycles = static_cast<int>((together ? 1.0 : static_cast<double>(axes.size())) * time_s / kMillisecond);
     const int every = static_cast<int>(std::lround(1000.0 / rows_per_s));
     const auto count = static_cast<Eigen::Index>(axes.size());
     recording::Recording r;
@@ -52,18 +52,18 @@ struct Recorded {
       pid.setGains({40000.0, 100000.0, 800.0, 100.0});
     for (int k = 0; k < cycles; ++k) {
       for (std::size_t i = 0; i < axes.size(); ++i) {
-        const double begin = together ? 0.0 : static_cast<double>(i) * time_s, now = k * kPeriod - begin;
+        const double begin = together ? 0.0 : static_cast<double>(i) * time_s, now = k * kMillisecond - begin;
         control::PidInput input;
         input.reference = now >= 0.0 ? reference(std::min(now, time_s), quick_s, amplitude) : 0.0;
         input.measured = std::round(axes[i].position / count_m) * count_m;
-        input.dt = kPeriod;
+        input.dt = kMillisecond;
         const double force = pids[i].update(input, 1000.0);
         if (k % every == 0 && k / every < r.position_m.rows()) {
           r.position_m(k / every, static_cast<Eigen::Index>(i)) = input.measured;
           r.force_N(k / every, static_cast<Eigen::Index>(i)) = force;
-          if (i == 0) r.time_s.push_back(k * kPeriod);
+          if (i == 0) r.time_s.push_back(k * kMillisecond);
         }
-        axes[i].advance(force, kPeriod);
+        axes[i].advance(force, kMillisecond);
       }
     }
     return r;

@@ -201,6 +201,54 @@ TEST_F(EventLogTest, BeginsOnALineOfItsOwnAfterAProcessThatDiedInTheMiddleOfOne)
   EXPECT_NE(content.find("{\"numb\n{\"number\":1,"), std::string::npos) << content;
 }
 
+/// As logrotate does it, and whoever tidies up.
+TEST_F(EventLogTest, BeginsANewFileAndSaysSoWhereSomebodyHasTakenTheOldOneAway) {
+  const std::string old = folder_ + "/events/of_yesterday";
+  const auto numberIn = [&](const std::string& path) {
+    return fs::exists(path) && !entries(path).empty() ? entries(path).back()["number"].get<int>() : 0;
+  };
+  {
+    EventLog log(path_);
+    log.add("state", "", "holding");
+    waitFor([&] { return numberIn(path_) == 1; });
+    fs::rename(path_, old);
+    waitFor([&] { return numberIn(path_) == 2; });  // though nothing else happens
+    fs::remove_all(folder_ + "/events");
+    waitFor([&] { return numberIn(path_) == 3; });
+    log.add("state", "", "playing");
+  }
+  const auto lines = entries(path_);
+  ASSERT_EQ(lines.size(), 2u);
+  EXPECT_EQ(lines[0]["kind"], "log");
+  EXPECT_NE(lines[0]["what"].get<std::string>().find(path_ + ": was removed"), std::string::npos) << lines[0];
+  EXPECT_EQ(lines[1]["what"], "playing");
+}
+
+TEST_F(EventLogTest, SaysWhereTheOldFileIs) {
+  const std::string old = folder_ + "/events/of_yesterday";
+  {
+    EventLog log(path_);
+    log.add("state", "", "holding");
+    waitFor([&] { return fs::exists(path_) && !entries(path_).empty(); });
+    fs::rename(path_, old);
+    waitFor([&] { return fs::exists(path_) && !entries(path_).empty(); });
+  }
+  EXPECT_EQ(entries(old).back()["what"], "holding");
+  const std::string said = entries(path_).front()["what"];
+  EXPECT_NE(said.find("was moved to " + fs::canonical(old).string()), std::string::npos) << said;
+}
+
+TEST_F(EventLogTest, SaysThatSomebodyHasCutItShort) {
+  {
+    EventLog log(path_);
+    log.add("state", "", "holding");
+    waitFor([&] { return fs::exists(path_) && !entries(path_).empty(); });
+    fs::resize_file(path_, 0);
+    waitFor([&] { return !entries(path_).empty(); });
+  }
+  EXPECT_NE(entries(path_).front()["what"].get<std::string>().find("was cut short"), std::string::npos);
+}
+
 TEST(CallerOfAGoal, IsTheNodesNameInItsId) {
   EXPECT_EQ(callerOfGoal("/operator_page-3-1795340000.123"), "/operator_page");
   EXPECT_EQ(callerOfGoal("/my-node-12-17.5"), "/my-node");

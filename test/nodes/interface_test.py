@@ -14,6 +14,7 @@ import rostest
 import tf2_ros
 from diagnostic_msgs.msg import DiagnosticArray
 from dynamic_reconfigure.client import Client
+from geometry_msgs.msg import PoseStamped
 from nav_msgs.msg import Path
 from sensor_msgs.msg import JointState
 from visualization_msgs.msg import MarkerArray
@@ -48,6 +49,12 @@ class Interface(unittest.TestCase):
         state = hear("/controller/state", ControllerState)
         self.assertEqual("", state.fault)
         self.assertEqual([True] * 4, list(state.homed))
+
+    def test_what_was_measured_bears_the_time_at_which_it_was(self):
+        for topic, kind in (("/controller/tracking", Tracking), ("/controller/pose", PoseStamped), ("/joint_states", JointState),
+                            ("/controller/margins", Margins), ("/controller/forces", Forces)):
+            age_s = (rospy.Time.now() - hear(topic, kind).header.stamp).to_sec()
+            self.assertTrue(-0.01 <= age_s < 1.0, f"{topic}: {age_s} s old")
 
     def test_joint_states_are_the_papers_15_coordinates(self):
         joints = hear("/joint_states", JointState)

@@ -5,6 +5,9 @@
 
 #include <cmath>
 #include <csignal>
+#include <filesystem>
+#include <fstream>
+#include <functional>
 #include <limits>
 
 #include "knee_robot/base/errors.h"
@@ -30,6 +33,23 @@ class RecordingWriterTest : public ::testing::Test {
       r.force_N[i] = 56.8 * r.command_V[i];
     }
     return r;
+  }
+
+  /// What close() says when somebody does this to the recording after its first rows.
+  std::string saidAfter(const std::function<void()>& interfere) {
+    RecordingWriter writer(path_, 4);
+    for (int k = 0; k < 100; ++k)
+      writer.write(row(k));
+    writer.flush();
+    interfere();
+    for (int k = 100; k < 200; ++k)
+      writer.write(row(k));
+    try {
+      writer.close();
+    } catch (const InputError& error) {
+      return error.what();
+    }
+    return "";
   }
 
   const TemporaryFolder folder_;
@@ -112,6 +132,41 @@ TEST_F(RecordingWriterTest, NeverOverwritesARecording) {
   EXPECT_THROW(RecordingWriter(path_, 4), InputError);
   EXPECT_THROW(RecordingWriter(folder_ + "/missing/run.csv", 4), InputError);
   EXPECT_THROW(RecordingWriter(folder_ + "/b.csv", 5), InputError);
+}
+
+TEST_F(RecordingWriterTest, SaysThatItsFileWasTakenAwayMeanwhile) {
+  namespace fs = std::filesystem;
+  EXPECT_EQ(saidAfter([] {}), "");
+  fs::remove(path_);
+  const std::string removed = saidAfter([&] { fs::remove(path_); });
+  EXPECT_EQ(removed.find(path_ + ": was removed while"), 0u) << removed;
+  EXPECT_NE(removed.find("record again"), std::string::npos) << removed;
+  const std::string replaced = saidAfter([&] { writeFileAtomically(path_, "another one\n"); });
+  EXPECT_NE(replaced.find("was replaced by another file"), std::string::npos) << replaced;
+  EXPECT_EQ(readFile(path_), "another one\n");
+  fs::remove(path_);
+  fs::create_directory(folder_ + "/kept");
+  const std::string moved = saidAfter([&] { fs::rename(path_, folder_ + "/kept/b.csv"); });
+  EXPECT_NE(moved.find("was moved to " + fs::canonical(folder_ + "/kept/b.csv").string()), std::string::npos) << moved;
+  EXPECT_EQ(loadRecording(folder_ + "/kept/b.csv").rows(), 200);
+}
+
+TEST_F(RecordingWriterTest, SaysThatItsFolderWasRenamedMeanwhile) {
+  namespace fs = std::filesystem;
+  fs::create_directory(folder_ + "/before");
+  path_ = folder_ + "/before/run.csv";
+  const std::string said = saidAfter([&] { fs::rename(folder_ + "/before", folder_ + "/after"); });
+  EXPECT_NE(said.find("after/run.csv"), std::string::npos) << said;
+  EXPECT_EQ(loadRecording(folder_ + "/after/run.csv").rows(), 200);
+}
+
+TEST_F(RecordingWriterTest, SaysThatSomebodyElseHasCutItsFileShortOrWrittenIntoIt) {
+  const std::string cut = saidAfter([&] { std::filesystem::resize_file(path_, 0); });
+  EXPECT_NE(cut.find("changed by somebody else"), std::string::npos) << cut;
+  EXPECT_EQ(readFile(path_).find('\0'), std::string::npos) << "what came after it is no heap of zeros";
+  std::filesystem::remove(path_);
+  const std::string lengthened = saidAfter([&] { std::ofstream(path_, std::ios::app) << "somebody's words\n"; });
+  EXPECT_NE(lengthened.find("changed by somebody else"), std::string::npos) << lengthened;
 }
 
 TEST_F(RecordingWriterTest, RefusesWhatTheReaderWouldRefuse) {

@@ -17,7 +17,7 @@ constexpr int kActuator = 1;
 constexpr double kSize_N = 5.0;  ///< rms of the effect
 
 /// Two recordings of a machine that has the baseline and nothing else, with what hypotheses look at.
-struct Machine {
+struct TrialMachine {
   mechanism::Robot robot = identification::syntheticRobot();
   identification::ObservationOptions options;
   TraceData data;
@@ -25,7 +25,7 @@ struct Machine {
   std::shared_ptr<const CandidateList> candidates = std::make_shared<CandidateList>(namedCandidates(robot));
 };
 
-void makeRows(Machine& m) {
+void makeRows(TrialMachine& m) {
   BaseFit newtons = m.base;
   newtons.noise_N.setOnes();
   m.data.all_base_rows = baseRows(newtons, m.data.recordings, m.data.stack);
@@ -33,9 +33,9 @@ void makeRows(Machine& m) {
   setAttention(m.data, Attention::All);
 }
 
-const Machine& machine() {
-  static const Machine made = [] {
-    Machine m;
+const TrialMachine& machine() {
+  static const TrialMachine made = [] {
+    TrialMachine m;
     std::mt19937 random(1);
     std::normal_distribution<double> noise(0.0, 0.3);
     for (int variant = 0; variant < 2; ++variant)
@@ -85,7 +85,7 @@ class EveryEffect : public testing::TestWithParam<std::string> {
     return force * (kSize_N * std::sqrt(static_cast<double>(m_.data.stack.size())) / std::max(1e-300, force.norm()));
   }
 
-  Machine m_;
+  TrialMachine m_;
   const Candidate* candidate_ = nullptr;
 };
 

@@ -17,8 +17,8 @@ namespace knee_robot::tracing {
 namespace {
 
 constexpr double kMotionSeconds = 12.0;
-constexpr int kActuator = 1;
-constexpr double kSize_N = 5.0;  ///< rms of an effect
+constexpr int kActing = 1;
+constexpr double kActingSize_N = 5.0;  ///< rms of an effect
 const std::set<std::string> kLeftOut = {"external_force",   "backlash",   "flexible_coupling", "gain_drift",
                                         "nonlinear_spring", "supply_sag", "wobbling_mass"};
 
@@ -83,17 +83,17 @@ std::vector<const Candidate*> catalogue(const Machine& m) {
 }
 
 std::string describe(const Candidate& c) {
-  return c.name() + " " + c.dependsOn(kActuator);
+  return c.name() + " " + c.dependsOn(kActing);
 }
 
 /// From the middle of its grid.
 std::vector<double> shapeOf(const Machine& m, const Candidate& candidate) {
-  const std::vector<std::vector<double>> shapes = candidate.shapes(m.input(0), candidate.shared() ? -1 : kActuator);
+  const std::vector<std::vector<double>> shapes = candidate.shapes(m.input(0), candidate.shared() ? -1 : kActing);
   return shapes[shapes.size() / 2];
 }
 
 bool isLeftOut(const Candidate& c) {
-  const std::string signal = c.dependsOn(kActuator) + "_";
+  const std::string signal = c.dependsOn(kActing) + "_";
   return kLeftOut.count(c.name()) > 0 || signal.rfind("time_s_", 0) == 0 || signal.rfind("age_of_place_", 0) == 0 ||
          signal.rfind("needed_force_", 0) == 0;
 }
@@ -133,7 +133,7 @@ Eigen::MatrixXd alongRecording(const Machine& m, const dynamics::EffectLaw& law,
 }
 
 void expectLawToBeTheColumns(const Machine& m, const Candidate& candidate, const std::vector<double>& shape) {
-  const auto law = dynamics::effectLaw(candidate.name(), candidate.dependsOn(kActuator), shape);
+  const auto law = dynamics::effectLaw(candidate.name(), candidate.dependsOn(kActing), shape);
   EXPECT_EQ(law == nullptr, isLeftOut(candidate));
   if (!law) {
     EXPECT_FALSE(dynamics::whyNotInstantly(candidate.name()).empty());
@@ -143,7 +143,7 @@ void expectLawToBeTheColumns(const Machine& m, const Candidate& candidate, const
   EffectInput input = m.input(2);
   input.recordings = 1;  // one phase of a ripple
   for (int i = 0; i < m.robot.axes(); ++i) {
-    if (!candidate.shared() && i != kActuator) continue;
+    if (!candidate.shared() && i != kActing) continue;
     const Eigen::MatrixXd expected = candidate.columns(input, i, shape);
     const Eigen::MatrixXd found = alongRecording(m, *law, input, i);
     ASSERT_EQ(found.cols(), expected.cols());
@@ -180,12 +180,12 @@ TEST(InstantByInstant, EveryLawIsTheColumnsThatItWasTracedWithOnBenchAxes) {
 /// The effect with coefficients that give it a size, and the same phase in both training recordings.
 FoundEffect foundEffect(const Machine& m, const Candidate& candidate) {
   FoundEffect e;
-  e.hypothesis = {{&candidate, candidate.shared() ? -1 : kActuator}, shapeOf(m, candidate)};
+  e.hypothesis = {{&candidate, candidate.shared() ? -1 : kActing}, shapeOf(m, candidate)};
   const EffectInput input = m.input(1);
-  const Eigen::MatrixXd columns = effectColumns(input, e.hypothesis, kActuator);
+  const Eigen::MatrixXd columns = effectColumns(input, e.hypothesis, kActing);
   const double size = columns.rowwise().sum().norm() / std::sqrt(static_cast<double>(columns.rows()));
   const bool timing = candidate.name() == "delay" || candidate.name() == "drive_lag";
-  e.coefficients.setConstant(columns.cols(), timing ? 0.006 : kSize_N / size);
+  e.coefficients.setConstant(columns.cols(), timing ? 0.006 : kActingSize_N / size);
   for (Eigen::Index k = 0; k < columns.cols() && candidate.name() == "unnamed"; ++k)
     e.coefficients[k] *= k % 3 - 0.7;
   e.std = 0.1 * e.coefficients;
@@ -234,7 +234,7 @@ double lowPassedRms(Eigen::MatrixXd values) {
 
 /// Its force steps where a reversal is noticed: at a row of the recording, at a cycle of the controller.
 bool stepsAtReversals(const Candidate& c) {
-  return c.dependsOn(kActuator).rfind("time_since_reversal", 0) == 0;
+  return c.dependsOn(kActing).rfind("time_since_reversal", 0) == 0;
 }
 
 void expectForcesAsPredicted(const Machine& m) {
@@ -252,7 +252,7 @@ void expectForcesAsPredicted(const Machine& m) {
       continue;
     }
     const Eigen::MatrixXd predicted = asPredicted(m, model) - plain_predicted;
-    EXPECT_GT(rms(predicted), 0.2 * kSize_N) << "the effect does nothing, so that nothing was tested";
+    EXPECT_GT(rms(predicted), 0.2 * kActingSize_N) << "the effect does nothing, so that nothing was tested";
     const bool timing =
         candidate->name() == "delay" || candidate->name() == "drive_lag" || stepsAtReversals(*candidate);
     EXPECT_LT(lowPassedRms(seen - predicted), (timing ? 0.1 : 0.02) * lowPassedRms(predicted));
@@ -291,7 +291,7 @@ TEST(InstantByInstant, TwoRipplesOfOneActuatorAreBothInTheForce) {
   const dynamics::Model both = modelWith(m, {first, second});
   ASSERT_EQ(both.effects.size(), 2u);
   const Eigen::MatrixXd predicted = asPredicted(m, both), alone = asPredicted(m, modelWith(m, {first}));
-  EXPECT_GT(rms(predicted - alone), 0.2 * kSize_N) << "the second does nothing, so that nothing was tested";
+  EXPECT_GT(rms(predicted - alone), 0.2 * kActingSize_N) << "the second does nothing, so that nothing was tested";
   EXPECT_LT(lowPassedRms(asTheControllerSeesIt(m, both) - predicted), 0.01 * lowPassedRms(predicted));
 }
 

@@ -35,7 +35,7 @@ class HomingSequence {
   bool isPlacedByHand() const noexcept { return homing_.method == HomingMethod::HandPlaced; }
   bool moves() const noexcept { return homing_.moves(); }
   /// The robot stands at its home lengths now. Refused where the counter of an axis that is still homed says that it is
-  /// far from them.
+  /// far from where it was first taken for home, however many small steps led there.
   Taken takeForHome(const AxisValues& measured_m) noexcept;
 
   /// The enabling that begins now leads to the search, or not.
@@ -60,6 +60,7 @@ class HomingSequence {
   const HardwareFile::Homing homing_;
   AxisValues home_lengths_m_{};
   std::array<bool, hardware::kAxes> homed_{};
+  AxisValues shifted_m_{};  // since the axis was homed anew, all that was confirmed together
   bool prepared_ = false;
   bool found_ = false;         // the safe stop that runs is the search's end
   std::size_t step_ = 0;       // in the order of axes

@@ -51,12 +51,18 @@ class SharedGuardianLink {
   ~SharedGuardianLink();
 
   GuardianLink& link() noexcept { return *link_; }
+  const std::string& name() const noexcept { return name_; }
+  /// The name still leads to this memory. Where somebody has removed it, the two processes go on seeing each other, and
+  /// whichever is started next finds nobody.
+  bool isNamed() const noexcept;
 
  private:
-  SharedGuardianLink(std::string name, GuardianLink* link) : name_(std::move(name)), link_(link) {}
+  SharedGuardianLink(std::string name, GuardianLink* link, std::uint64_t file)
+      : name_(std::move(name)), link_(link), file_(file) {}
 
   std::string name_;
   GuardianLink* link_;
+  std::uint64_t file_;  ///< inode
 };
 
 /// Whether a process of this number exists (0: no). A zombie does.

@@ -41,7 +41,8 @@ class RecordingWriter {
   void write(const RecordingRow& row);
   /// Hands all buffered rows to the operating system.
   void flush();
-  /// Flushes, forces the data to disk, closes. Further calls do nothing.
+  /// Flushes, forces the data to disk, closes. Further calls do nothing. InputError, too, when somebody else has removed,
+  /// replaced, moved or changed the file meanwhile.
   void close();
 
   std::size_t rows() const { return rows_; }
