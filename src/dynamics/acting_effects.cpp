@@ -181,7 +181,7 @@ EffectForces effectForces(const ActingEffects& effects, int axes, const EffectsI
     const int count = e.law->coefficients();
     if (e.actuator < 0) {
       PoseColumns columns;
-      e.law->poseColumns(*at.mechanism, *at.motion, columns);
+      e.law->poseColumns(one, memory.effects[k], columns);
       for (int c = 0; c < count; ++c)
         (carried ? carried_pose : friction_pose) += e.coefficients[static_cast<std::size_t>(c)] * columns.col(c);
       continue;

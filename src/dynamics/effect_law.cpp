@@ -14,7 +14,7 @@ struct Entry {
   Law (*make)(const Shape&);
   bool own_rest_law =
       false;              ///< takes one more number: the speed below which it is smooth by a law of its own; 0: none
-  std::size_t since = 0;  ///< further numbers before that one, which older files do not have
+  std::size_t since = 0;  ///< further numbers (before that one), which older files do not have
 };
 
 /// Friction that builds up near rest by a smooth law of its own, tanh(v / speed), instead of the actuator's.
@@ -58,8 +58,8 @@ constexpr Entry kLaws[] = {
     {"spring", 4, springLaw},
     {"dashpot", 5, dashpotLaw},
     {"asymmetric_dashpot", 5, asymmetricDashpotLaw},
-    {"platform_joint_friction", 1, platformJointFrictionLaw},
-    {"base_joint_friction", 1, baseJointFrictionLaw},
+    {"platform_joint_friction", 1, platformJointFrictionLaw, false, 1},
+    {"base_joint_friction", 1, baseJointFrictionLaw, false, 1},
     {"load_ripple", 1, loadRippleLaw},
     {"viscoelastic_element", 2, viscoelasticElementLaw},
 };
@@ -70,7 +70,7 @@ std::vector<double> EffectLaw::inOtherRecordings(std::vector<double> coefficient
   return coefficients;
 }
 void EffectLaw::columns(const EffectInstant&, EffectState&, EffectColumns&) const noexcept {}
-void EffectLaw::poseColumns(const mechanism::Mechanism&, const mechanism::Motion&, PoseColumns&) const noexcept {}
+void EffectLaw::poseColumns(const EffectInstant&, EffectState&, PoseColumns&) const noexcept {}
 void EffectLaw::rest(double, EffectState& state) const noexcept {
   state = EffectState{};
 }
@@ -83,7 +83,11 @@ std::unique_ptr<const EffectLaw> effectLaw(const std::string& name, const std::s
   if (found == std::end(kLaws)) return nullptr;
   const bool with_rest_law =
       found->own_rest_law && (shape.size() == found->shape + 1 || shape.size() == found->shape + found->since + 1);
-  if (!with_rest_law) return shape.size() == found->shape ? found->make(shape) : nullptr;
+  if (!with_rest_law) {
+    const bool fits =
+        shape.size() == found->shape || (!found->own_rest_law && shape.size() == found->shape + found->since);
+    return fits ? found->make(shape) : nullptr;
+  }
   Law law = found->make({shape.begin(), shape.end() - 1});
   if (!law || shape.back() == 0.0) return law;
   return std::make_unique<SmoothNearRest>(std::move(law), shape.back());

@@ -9,10 +9,38 @@ using mechanism::Matrix34;
 using mechanism::Vector3;
 using mechanism::Vector4;
 
-void addAxis(const Vector4& turning, const Vector4& velocity, double slow, PoseColumns& out, int column) noexcept {
+/// Of an axis that turns with `rate`, and has turned by `turned_rad` since the instant before.
+double shareOf(double rate, const JointRestLaw& rest, double turned_rad, double& bent) noexcept {
+  if (!(rest.bristle_rad > 0.0)) return rate / std::hypot(rate, rest.slow_rad_per_s);
+  const double full = std::copysign(1.0, turned_rad);
+  bent = full + (bent - full) * std::exp(-std::abs(turned_rad) / rest.bristle_rad);
+  return bent;
+}
+
+/// The same of a joint that turns about any axis: a vector in place of a sign. `bent`: three numbers.
+Vector3 shareOf(const Vector3& rate, const JointRestLaw& rest, const Vector3& turned_rad, double* bent) noexcept {
+  if (!(rest.bristle_rad > 0.0)) return rate / std::hypot(rate.norm(), rest.slow_rad_per_s);
+  Eigen::Map<Vector3> share(bent);
+  const double angle = turned_rad.norm();
+  if (angle > 0.0) {
+    const Vector3 full = turned_rad / angle;
+    share = full + (share - full) * std::exp(-angle / rest.bristle_rad);
+  }
+  return share;
+}
+
+/// `moved`: the pose since the instant before.
+void addAxis(const Vector4& turning, const Vector4& velocity, const JointRestLaw& rest, const Vector4& moved,
+             double& bent, PoseColumns& out, int column) noexcept {
   const double rate = turning.dot(velocity);
-  out.col(column) += rate / std::hypot(rate, slow) * turning;
+  out.col(column) += shareOf(rate, rest, turning.dot(moved), bent) * turning;
   out.col(column + 1) += rate * turning;
+}
+
+Vector4 movedSince(const Vector4& velocity, double period_s, JointMemory& memory) noexcept {
+  const Vector4 moved = 0.5 * period_s * (memory.pose_velocity + velocity);
+  memory.pose_velocity = velocity;
+  return moved;
 }
 
 }  // namespace
@@ -34,25 +62,27 @@ void passiveJoints(const mechanism::Mechanism& mechanism, const mechanism::Motio
   }
 }
 
-void platformJointColumns(const PassiveJoints& joints, const Vector4& velocity, double slow_rad_per_s,
-                          PoseColumns& out) noexcept {
+void platformJointColumns(const PassiveJoints& joints, const Vector4& velocity, const JointRestLaw& rest,
+                          double period_s, JointMemory& memory, PoseColumns& out) noexcept {
   out.leftCols<kPlatformJointColumns>().setZero();
-  addAxis(joints.about_y, velocity, slow_rad_per_s, out, 0);
-  addAxis(Vector4::UnitW(), velocity, slow_rad_per_s, out, 2);
-  for (const Matrix34& turning : joints.spherical) {
+  const Vector4 moved = movedSince(velocity, period_s, memory);
+  addAxis(joints.about_y, velocity, rest, moved, memory.bent[0], out, 0);
+  addAxis(Vector4::UnitW(), velocity, rest, moved, memory.bent[1], out, 2);
+  for (std::size_t i = 0; i < kOuterLegs; ++i) {
+    const Matrix34& turning = joints.spherical[i];
     const Vector3 rate = turning * velocity;
-    const Vector4 viscous = turning.transpose() * rate;
-    out.col(4) += viscous / std::sqrt(rate.squaredNorm() + slow_rad_per_s * slow_rad_per_s);
-    out.col(5) += viscous;
+    out.col(4) += turning.transpose() * shareOf(rate, rest, Vector3(turning * moved), &memory.bent[2 + 3 * i]);
+    out.col(5) += turning.transpose() * rate;
   }
 }
 
-void baseJointColumns(const PassiveJoints& joints, const Vector4& velocity, double slow_rad_per_s,
-                      PoseColumns& out) noexcept {
+void baseJointColumns(const PassiveJoints& joints, const Vector4& velocity, const JointRestLaw& rest, double period_s,
+                      JointMemory& memory, PoseColumns& out) noexcept {
   out.leftCols<kBaseJointColumns>().setZero();
-  addAxis(joints.revolute, velocity, slow_rad_per_s, out, 0);
-  for (const Vector4& axis : joints.universal)
-    addAxis(axis, velocity, slow_rad_per_s, out, 2);
+  const Vector4 moved = movedSince(velocity, period_s, memory);
+  addAxis(joints.revolute, velocity, rest, moved, memory.bent[0], out, 0);
+  for (std::size_t i = 0; i < joints.universal.size(); ++i)
+    addAxis(joints.universal[i], velocity, rest, moved, memory.bent[1 + i], out, 2);
 }
 
 }  // namespace knee_robot::dynamics

@@ -199,10 +199,11 @@ int run() {
   }
   const mechanism::Robot robot = mechanism::loadRobot(nodes::requiredParameter(node, "robot"));
   control::HardwareFile hardware_file = control::loadHardwareFile(nodes::requiredParameter(node, "hardware"));
-  if (hardware_file.can) node.param("can", hardware_file.can->interface, hardware_file.can->interface);
+  if (hardware_file.can)
+    hardware_file.can->interface = nodes::textParameter(node, "can", hardware_file.can->interface, "a CAN interface");
   const double rate_hz = nodes::numberParameter(node, "rate_hz", 50.0, 1.0, 500.0, "the rate of the topics");
   const nodes::Folder reference_folder(nodes::requiredParameter(node, "references"));
-  const nodes::Folder patients(node.param("patients", reference_folder.path()));
+  const nodes::Folder patients(nodes::textParameter(node, "patients", reference_folder.path(), "a folder"));
   const nodes::Folder recordings(nodes::requiredParameter(node, "recordings"));
   nodes::Machine machine = nodes::openMachine(hardware_file, robot, node, [] { return stop_requested != 0; });
 
@@ -226,7 +227,8 @@ int run() {
   }
   control::ControlSystem system(robot, hardware_file, nodes::requiredParameter(node, "deployment"), machine.bus(),
                                 options);
-  nodes::EventLog log(node.param("events", recordings.path() + "/events") + "/controller.jsonl");
+  nodes::EventLog log(nodes::textParameter(node, "events", recordings.path() + "/events", "a folder") +
+                      "/controller.jsonl");
   const control::Answer started = system.start();
   log.add("controller", "", "start", started.sentence);
   if (!started.ok) throw InputError(started.sentence);

@@ -14,7 +14,6 @@
 #include "controller_machine.h"
 #include "controller_pose.h"
 #include "knee_robot/base/errors.h"
-#include "knee_robot/base/errors.h"
 #include "loopback.h"
 #include "monitor_scene.h"
 #include "parameters.h"

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "effects/common/joint_friction.h"
 #include "effects/common/rest_law.h"
 #include "effects/common/warm_up.h"
 #include "knee_robot/base/errors.h"
@@ -37,8 +38,10 @@ std::vector<dynamics::EffectParameter> completed(std::vector<dynamics::EffectPar
   const std::vector<ShapeParameter> asked = candidate.shapeParameters();
   for (std::size_t k = 0; k < asked.size() && k <= shape.size(); ++k) {
     const bool lacking = k == shape.size() || shape[k].name != asked[k].name;
-    if (lacking && (asked[k].name == restLawParameter().name || asked[k].name == heatedByParameter().name))
-      shape.insert(shape.begin() + static_cast<std::ptrdiff_t>(k), {asked[k].name, 0.0});
+    const std::string& name = asked[k].name;
+    const bool may_lack =
+        name == restLawParameter().name || name == heatedByParameter().name || name == jointBristleParameter().name;
+    if (lacking && may_lack) shape.insert(shape.begin() + static_cast<std::ptrdiff_t>(k), {asked[k].name, 0.0});
   }
   return shape;
 }

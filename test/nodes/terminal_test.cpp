@@ -19,16 +19,14 @@ std::string shownOf(const std::string& request, const control::Answer& answer) {
 
 TEST(Terminal, ShowsTheAnswerToARequest) {
   EXPECT_NE(shownOf("stop", {true, "the robot holds"}).find("stop: the robot holds"), std::string::npos);
-  EXPECT_NE(
-      shownOf("load_reference", {false, "año.txt: no such file"}).find("load_reference refused: año.txt: no such file"),
-      std::string::npos);
+  const std::string refused = shownOf("load_reference", {false, "a.txt: no such file"});
+  EXPECT_NE(refused.find("load_reference refused: a.txt: no such file"), std::string::npos) << refused;
 }
 
 TEST(Terminal, ObeysNobodysFileName) {
-  const std::string shown = shownOf("load_reference", {false,
-                                                       "a\x1b]0;title\x07\x1b[2J\n[ERROR] forged\xc2\x9b"
-                                                       "1m"});
-  EXPECT_NE(shown.find(R"(a\x1b]0;title\x07\x1b[2J\n[ERROR] forged\xc2\x9b1m)"), std::string::npos) << shown;
+  const std::string name = "a\x1b]0;title\x07\x1b[2J\n[ERROR] forged\xc2\x9bm";
+  const std::string shown = shownOf("load_reference", {false, name});
+  EXPECT_NE(shown.find(R"(a\x1b]0;title\x07\x1b[2J\n[ERROR] forged\xc2\x9bm)"), std::string::npos) << shown;
   EXPECT_NE(shownOf("a\x1b[2J", {true, "b"}).find(R"(a\x1b[2J: b)"), std::string::npos);
 }
 

@@ -154,7 +154,11 @@ TEST_P(JointFrictionEffects, AreTheLawsThatTraceAdds) {
         motion.pose = bench.simulation().state().pose;
         motion.pose_velocity = bench.simulation().state().pose_velocity;
         dynamics::PoseColumns columns;
-        law->poseColumns(*robot.mechanism, motion, columns);
+        dynamics::EffectInstant at;
+        dynamics::EffectState state;
+        at.mechanism = &*robot.mechanism;
+        at.motion = &motion;
+        law->poseColumns(at, state, columns);
         mechanism::Vector4 expected = mechanism::Vector4::Zero();
         for (int c = 1; c < law->coefficients(); c += 2)
           expected -= 2.0 * columns.col(c);

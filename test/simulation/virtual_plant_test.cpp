@@ -75,7 +75,11 @@ class VirtualPlants : public testing::TestWithParam<const char*> {
       const mechanism::Motion motion = motionOf(path_of_both.at(t), pose);
       mechanism::robotMotion(mechanism(), motion, robot);
       dynamics::PoseColumns columns;
-      law->poseColumns(mechanism(), motion, columns);
+      dynamics::EffectInstant at;
+      dynamics::EffectState state;
+      at.mechanism = &mechanism();
+      at.motion = &motion;
+      law->poseColumns(at, state, columns);
       const mechanism::Vector4 ours = robot.jacobian.transpose().partialPivLu().solve(on_pose(columns));
       ASSERT_LT((ours - (with_it.force - without_it.force)).norm(), 1e-6 * ours.norm()) << t;
     }

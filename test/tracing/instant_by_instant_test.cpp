@@ -119,7 +119,7 @@ Eigen::MatrixXd alongRecording(const Machine& m, const dynamics::EffectLaw& law,
     at.force_rate_N_per_s = rate(n, 0);
     if (law.shared()) {
       dynamics::PoseColumns columns;
-      law.poseColumns(*at.mechanism, *at.motion, columns);
+      law.poseColumns(at, state, columns);
       const auto row = in.force_per_pose_force[static_cast<std::size_t>(n)].row(actuator);
       out.row(n) = row * columns.leftCols(law.coefficients());
     } else {

@@ -37,9 +37,17 @@ struct EffectInstant {
   double force_rate_N_per_s = 0.0;  ///< its rate
 };
 
+inline constexpr int kMostJointAxes = 11;
+/// What friction in joints without motors remembers.
+struct JointMemory {
+  std::array<double, kMostJointAxes> bent{};                      ///< bristles: share of Coulomb friction, in [-1, 1]
+  mechanism::Vector4 pose_velocity = mechanism::Vector4::Zero();  ///< at the instant before
+};
+
 /// What a law remembers of the motion.
 struct EffectState {
   double value = 0.0;
+  JointMemory of_joints;
 };
 
 /// Which part of the force an effect belongs to.
@@ -70,9 +78,8 @@ class EffectLaw {
   /// Force (N) of the actuator per unit of each coefficient. To be called once per instant, in order of time, where
   /// `state` matters.
   virtual void columns(const EffectInstant& at, EffectState& state, EffectColumns& out) const noexcept;
-  /// Of a shared one: what the actuators have to bring up.
-  virtual void poseColumns(const mechanism::Mechanism& mechanism, const mechanism::Motion& motion,
-                           PoseColumns& out) const noexcept;
+  /// Of a shared one: what the actuators have to bring up. Of the instant it looks at mechanism, motion and period.
+  virtual void poseColumns(const EffectInstant& at, EffectState& state, PoseColumns& out) const noexcept;
   /// The drives are off for so long (s).
   virtual void rest(double duration_s, EffectState& state) const noexcept;
 };

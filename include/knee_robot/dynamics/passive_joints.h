@@ -19,15 +19,21 @@ struct PassiveJoints {
 };
 void passiveJoints(const mechanism::Mechanism& mechanism, const mechanism::Motion& motion, PassiveJoints& out) noexcept;
 
+/// How dry friction of these joints builds up near rest.
+struct JointRestLaw {
+  double slow_rad_per_s = 0.0;  ///< proportional to the rate below it; unused with bristles
+  double bristle_rad = 0.0;     ///< 0: none; otherwise the angle over which bristles bend (Dahl), whatever the rate
+};
+
 /// Generalized friction on the pose per unit of its coefficients: Coulomb (N m) and viscous (N m s/rad) of leg 4's
 /// universal joint about Y, of the same about psi, and of the spherical joints, which are alike. The paper's eq. (23)
-/// has none of them. `slow_rad_per_s`: below it Coulomb friction is proportional to the rate.
-void platformJointColumns(const PassiveJoints& joints, const mechanism::Vector4& pose_velocity, double slow_rad_per_s,
-                          PoseColumns& out) noexcept;
+/// has none of them. To be called once per instant, in order of time, `period_s` after the one before.
+void platformJointColumns(const PassiveJoints& joints, const mechanism::Vector4& pose_velocity,
+                          const JointRestLaw& rest, double period_s, JointMemory& memory, PoseColumns& out) noexcept;
 
 /// The same of the joints at the base, which eq. (22) and (23) have: leg 4's revolute joint, and the universal joints of
 /// legs 1 to 3, whose six axes are alike.
-void baseJointColumns(const PassiveJoints& joints, const mechanism::Vector4& pose_velocity, double slow_rad_per_s,
-                      PoseColumns& out) noexcept;
+void baseJointColumns(const PassiveJoints& joints, const mechanism::Vector4& pose_velocity, const JointRestLaw& rest,
+                      double period_s, JointMemory& memory, PoseColumns& out) noexcept;
 
 }  // namespace knee_robot::dynamics

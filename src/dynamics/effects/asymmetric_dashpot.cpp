@@ -14,9 +14,8 @@ class AsymmetricDashpot : public EffectLaw {
   EffectPart part() const noexcept override { return EffectPart::Friction; }
   int coefficients() const noexcept override { return 2; }
   bool shared() const noexcept override { return true; }
-  void poseColumns(const mechanism::Mechanism&, const mechanism::Motion& motion,
-                   PoseColumns& out) const noexcept override {
-    const Line line = lineAt(motion, anchors_);
+  void poseColumns(const EffectInstant& at, EffectState&, PoseColumns& out) const noexcept override {
+    const Line line = lineAt(*at.motion, anchors_);
     const double speed = std::hypot(line.rate_m_per_s, kSlow_m_per_s);
     const mechanism::Vector4 factor = std::pow(speed, exponent_ - 1.0) * line.per_newton;
     out.col(0) = std::max(0.0, line.rate_m_per_s) * factor;

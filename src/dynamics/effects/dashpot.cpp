@@ -11,9 +11,8 @@ class Dashpot : public EffectLaw {
   explicit Dashpot(const Shape& shape) : anchors_(shape[0], shape[1], shape[2], shape[3]), exponent_(shape[4]) {}
   EffectPart part() const noexcept override { return EffectPart::Friction; }
   bool shared() const noexcept override { return true; }
-  void poseColumns(const mechanism::Mechanism&, const mechanism::Motion& motion,
-                   PoseColumns& out) const noexcept override {
-    const Line line = lineAt(motion, anchors_);
+  void poseColumns(const EffectInstant& at, EffectState&, PoseColumns& out) const noexcept override {
+    const Line line = lineAt(*at.motion, anchors_);
     const double speed = std::hypot(line.rate_m_per_s, kSlow_m_per_s);
     out.col(0) = line.rate_m_per_s * std::pow(speed, exponent_ - 1.0) * line.per_newton;
   }

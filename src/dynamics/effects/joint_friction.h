@@ -9,25 +9,25 @@ namespace knee_robot::dynamics {
 class JointFriction : public EffectLaw {
  public:
   /// On the pose, per unit of the coefficients.
-  using OnPose = void (*)(const PassiveJoints& joints, const mechanism::Vector4& pose_velocity, double slow_rad_per_s,
-                          PoseColumns& out);
+  using OnPose = void (*)(const PassiveJoints& joints, const mechanism::Vector4& pose_velocity,
+                          const JointRestLaw& rest, double period_s, JointMemory& memory, PoseColumns& out);
 
+  /// `shape`: a speed (rad/s), and the angle (rad) of bristles where there are any (JointRestLaw).
   JointFriction(OnPose on_pose, int count, const Shape& shape)
-      : on_pose_(on_pose), count_(count), slow_rad_per_s_(shape[0]) {}
+      : on_pose_(on_pose), count_(count), rest_{shape[0], shape.size() > 1 ? shape[1] : 0.0} {}
   EffectPart part() const noexcept override { return EffectPart::Friction; }
   int coefficients() const noexcept override { return count_; }
   bool shared() const noexcept override { return true; }
-  void poseColumns(const mechanism::Mechanism& mechanism, const mechanism::Motion& motion,
-                   PoseColumns& out) const noexcept override {
+  void poseColumns(const EffectInstant& at, EffectState& state, PoseColumns& out) const noexcept override {
     PassiveJoints joints;
-    passiveJoints(mechanism, motion, joints);
-    on_pose_(joints, motion.pose_velocity, slow_rad_per_s_, out);
+    passiveJoints(*at.mechanism, *at.motion, joints);
+    on_pose_(joints, at.motion->pose_velocity, rest_, at.period_s, state.of_joints, out);
   }
 
  private:
   const OnPose on_pose_;
   const int count_;
-  const double slow_rad_per_s_;
+  const JointRestLaw rest_;
 };
 
 }  // namespace knee_robot::dynamics

@@ -18,11 +18,10 @@ class PlatformMap : public EffectLaw {
   }
   int coefficients() const noexcept override { return knots_.count; }
   bool shared() const noexcept override { return true; }
-  void poseColumns(const mechanism::Mechanism&, const mechanism::Motion& motion,
-                   PoseColumns& out) const noexcept override {
-    const double rate = motion.pose_velocity[coordinate_];
+  void poseColumns(const EffectInstant& at, EffectState&, PoseColumns& out) const noexcept override {
+    const double rate = at.motion->pose_velocity[coordinate_];
     EffectColumns hats;
-    knots_.hats(over_rate_ ? rate : motion.pose[coordinate_], times_rate_ ? rate : 1.0, hats);
+    knots_.hats(over_rate_ ? rate : at.motion->pose[coordinate_], times_rate_ ? rate : 1.0, hats);
     out.setZero();
     for (int k = 0; k < knots_.count; ++k)
       out(coordinate_, k) = hats[static_cast<std::size_t>(k)];

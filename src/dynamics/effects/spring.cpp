@@ -10,9 +10,8 @@ class Spring : public EffectLaw {
   EffectPart part() const noexcept override { return EffectPart::Carried; }
   int coefficients() const noexcept override { return 2; }
   bool shared() const noexcept override { return true; }
-  void poseColumns(const mechanism::Mechanism&, const mechanism::Motion& motion,
-                   PoseColumns& out) const noexcept override {
-    const Line line = lineAt(motion, anchors_);
+  void poseColumns(const EffectInstant& at, EffectState&, PoseColumns& out) const noexcept override {
+    const Line line = lineAt(*at.motion, anchors_);
     out.col(0) = line.length_m * line.per_newton;
     out.col(1) = -line.per_newton;
   }

@@ -7,13 +7,17 @@
 
 namespace knee_robot::tracing {
 
-/// Coulomb and viscous friction of joints without motors, which acts on the pose; Coulomb friction is proportional to
-/// the rate below a speed.
+/// The last shape parameter of friction in joints: 0 where it is smooth, as in model files that lack it.
+ShapeParameter jointBristleParameter();
+
+/// Coulomb and viscous friction of joints without motors, which acts on the pose. Near rest Coulomb friction is
+/// proportional to the rate below a speed, or bends bristles over an angle.
 class JointFriction : public Candidate {
  public:
   /// Per unit of the coefficients, on the pose (dynamics::platformJointColumns and the like), `count` columns.
   using OnPose = void (*)(const dynamics::PassiveJoints& joints, const mechanism::Vector4& pose_velocity,
-                          double slow_rad_per_s, dynamics::PoseColumns& out);
+                          const dynamics::JointRestLaw& rest, double period_s, dynamics::JointMemory& memory,
+                          dynamics::PoseColumns& out);
 
   JointFriction(OnPose on_pose, int count) : on_pose_(on_pose), count_(count) {}
   bool restsOnModel() const override { return false; }
