@@ -11,7 +11,6 @@
 #include <csignal>
 #include <cstdio>
 #include <cstdlib>
-#include <filesystem>
 #include <future>
 #include <memory>
 #include <thread>
@@ -19,7 +18,6 @@
 #include "controller_interface.h"
 #include "impatient_launch.h"
 #include "knee_robot/base/errors.h"
-#include "knee_robot/base/files.h"
 #include "knee_robot/control/model_feedforward.h"
 #include "loopback.h"
 #include "master_watch.h"
@@ -29,6 +27,7 @@
 #include "request_depth.h"
 #include "same_name.h"
 #include "signals.h"
+#include "state_folder.h"
 
 namespace {
 
@@ -170,17 +169,6 @@ void serve(const ros::NodeHandle& node, nodes::Machine& machine, const nodes::Co
   if (parts.system.outputsAreOff()) endEvenIfTheDiskHangs();
 }
 
-/// What must not be forgotten, apart from recordings, which somebody may delete to make room. What is still with those is
-/// taken from there.
-std::string keptIn(const std::string& state, const std::string& black_box, const std::string& name) {
-  const std::string path = state + "/" + name, before = black_box + "/" + name;
-  if (state == black_box || std::filesystem::exists(path) || !std::filesystem::exists(before)) return path;
-  makeFolder(state);
-  writeFileAtomically(path, readFile(before));
-  std::filesystem::remove(before);
-  return path;
-}
-
 void refuseASecondOne() {
   const std::string other = nodes::nodeOfTheSameName();
   if (other.empty()) return;
@@ -211,8 +199,8 @@ int run() {
   options.black_box_folder = recordings.path() + "/black_box";
   std::string state = nodes::textParameter(node, "state", options.black_box_folder, "a folder");
   if (state != options.black_box_folder) state += ros::this_node::getNamespace();  // of one robot of several
-  options.heat_file = keptIn(state, options.black_box_folder, "heat.yaml");
-  options.patient_memory = keptIn(state, options.black_box_folder, "patient.txt");
+  options.heat_file = nodes::keptIn(state, options.black_box_folder, "heat.yaml");
+  options.patient_memory = nodes::keptIn(state, options.black_box_folder, "patient.txt");
   options.empty = nodes::switchParameter(node, "empty", false, "whether nobody is on the robot");
   options.model = nodes::textParameter(node, "model", "", "a model file, or nothing");
   if (node.hasParam("payload_kg")) {
