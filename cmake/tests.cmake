@@ -28,7 +28,7 @@ function(knee_test_program name room)
 endfunction()
 
 # Rostests wait more than they compute. Beside them, and only where they leave a processor idle, run the longest that compute.
-set(knee_beside_robots tracing_named_on_platform_and_supply_test tracing_thermal_drift_test tracing_every_effect_test)
+set(knee_beside_robots tracing_named_on_platform_and_supply_test)
 
 # The ctest entry of a program, or of one source of it (ARGN: --file=NAME)
 function(knee_test_entry entry program)
@@ -106,7 +106,9 @@ foreach(ros_test ${ros_tests})
 endforeach()
 list(APPEND waiting_tests operator_browser_test report_browser_test)  # a browser beside compute-bound tests takes a minute to start
 set_tests_properties(${waiting_tests} PROPERTIES DEPENDS "${computing_tests}" PROCESSORS 2)
-set_tests_properties(${knee_beside_robots} PROPERTIES DEPENDS "${computing_tests}" RESOURCE_LOCK idle_processor COST 100)
+set_tests_properties(${knee_beside_robots} PROPERTIES DEPENDS "${computing_tests}" RESOURCE_LOCK idle_processor COST 90)
+set_tests_properties(fleet PROPERTIES COST 200)
+set_tests_properties(operator_page_test PROPERTIES COST 60)  # it waits for half a minute: not as the last of those that compute
 foreach(name launch_files identification operator_page)
   list(APPEND drawing_tests _ctest_knee_robot_rostest_test_nodes_${name}.test)
 endforeach()

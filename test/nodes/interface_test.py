@@ -53,8 +53,9 @@ class Interface(unittest.TestCase):
     def test_what_was_measured_bears_the_time_at_which_it_was(self):
         for topic, kind in (("/controller/tracking", Tracking), ("/controller/pose", PoseStamped), ("/joint_states", JointState),
                             ("/controller/margins", Margins), ("/controller/forces", Forces)):
-            age_s = (rospy.Time.now() - hear(topic, kind).header.stamp).to_sec()
-            self.assertTrue(-0.01 <= age_s < 1.0, f"{topic}: {age_s} s old")
+            stamp = hear(topic, kind).header.stamp
+            age_s = (rospy.Time.now() - stamp).to_sec()
+            self.assertTrue(0.0 <= age_s < 2.0, f"{topic}: {age_s} s old")
 
     def test_joint_states_are_the_papers_15_coordinates(self):
         joints = hear("/joint_states", JointState)
