@@ -27,18 +27,11 @@ function(knee_test_program name room)
   add_dependencies(tests ${name})
 endfunction()
 
-# Rostests wait more than they compute. Beside them, and only where they leave a processor idle, run the longest that compute.
-set(knee_beside_robots tracing_named_on_platform_and_supply_test)
-
 # The ctest entry of a program, or of one source of it (ARGN: --file=NAME)
 function(knee_test_entry entry program)
   get_target_property(folder ${program} RUNTIME_OUTPUT_DIRECTORY)
-  set(run "")
-  if(entry IN_LIST knee_beside_robots)
-    set(run "chrt --idle 0 ")
-  endif()
   catkin_run_tests_target(gtest ${entry} gtest-${entry}.xml DEPENDENCIES ${program} WORKING_DIRECTORY ${PROJECT_SOURCE_DIR}
-    COMMAND "${run}${folder}/${program} ${ARGN} --gtest_output=xml:${CATKIN_TEST_RESULTS_DIR}/${PROJECT_NAME}/gtest-${entry}.xml")
+    COMMAND "${folder}/${program} ${ARGN} --gtest_output=xml:${CATKIN_TEST_RESULTS_DIR}/${PROJECT_NAME}/gtest-${entry}.xml")
 endfunction()
 
 # test/ROOM/NAME.cpp runs these programs as a user does; KNEE_<PROGRAM> is the path.
@@ -91,12 +84,10 @@ set_tests_properties(fleet PROPERTIES ENVIRONMENT "KNEE_BUILD=${CMAKE_BINARY_DIR
 
 # Each rostest has a roscore and a simulated robot of its own. They run after other tests: a robot that shares the machine with
 # compute-bound tests would measure those. They wait more than they compute: three on two processors, of which one identifies or draws, and
-# one test that computes only when nothing else does (its processor is idle for it, so that the scheduler wakes a robot there at once).
-# scripts/test gives ctest three shares a processor and one more; what computes takes three of them, a rostest two, the one beside them one.
-list(TRANSFORM knee_beside_robots PREPEND _ctest_${PROJECT_NAME}_gtest_)
-list(APPEND knee_beside_robots fleet)
+# beside them the fleet's tests, which compute only when nothing else does (a processor is idle for the scheduler, and a robot wakes there at
+# once). scripts/test gives ctest three shares a processor and one more; what computes takes three of them, a rostest two, the fleet's one.
 get_property(computing_tests DIRECTORY PROPERTY TESTS)
-list(REMOVE_ITEM computing_tests operator_browser_test report_browser_test ${knee_beside_robots})
+list(REMOVE_ITEM computing_tests operator_browser_test report_browser_test fleet)
 set_tests_properties(${computing_tests} PROPERTIES PROCESSORS 3)
 file(GLOB ros_tests RELATIVE ${PROJECT_SOURCE_DIR} CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/test/nodes/*.test)
 foreach(ros_test ${ros_tests})
@@ -106,8 +97,7 @@ foreach(ros_test ${ros_tests})
 endforeach()
 list(APPEND waiting_tests operator_browser_test report_browser_test)  # a browser beside compute-bound tests takes a minute to start
 set_tests_properties(${waiting_tests} PROPERTIES DEPENDS "${computing_tests}" PROCESSORS 2)
-set_tests_properties(${knee_beside_robots} PROPERTIES DEPENDS "${computing_tests}" RESOURCE_LOCK idle_processor COST 90)
-set_tests_properties(fleet PROPERTIES COST 200)
+set_tests_properties(fleet PROPERTIES DEPENDS "${computing_tests}" COST 200)
 set_tests_properties(operator_page_test PROPERTIES COST 60)  # it waits for half a minute: not as the last of those that compute
 foreach(name launch_files identification operator_page)
   list(APPEND drawing_tests _ctest_knee_robot_rostest_test_nodes_${name}.test)
