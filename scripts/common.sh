@@ -2,7 +2,8 @@
 set -euo pipefail
 KNEE_ROOT=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
 KNEE_BUILD=${KNEE_BUILD:-$KNEE_ROOT/build}
-KNEE_JOBS=${KNEE_JOBS:-$(nproc)}
+# One job a processor, and 2 GB of memory for each: so much the largest compilation takes.
+KNEE_JOBS=${KNEE_JOBS:-$(awk -v cores="$(nproc)" '/^MemTotal/ { room = int($2 / 2e6); print room < 1 ? 1 : room < cores ? room : cores }' /proc/meminfo)}
 # ROS's own programs are written for Debian's python3: a pyenv or conda one that comes first in PATH breaks them.
 export PATH="/usr/bin:/bin:$PATH"
 unset PYTHONHOME PYTHONPATH
