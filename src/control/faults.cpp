@@ -111,8 +111,8 @@ constexpr std::array<FaultDescription, kFaults> kTable = {{
      "run, use a model without the effects of trace"},
     {F::GuardianSilent, "guardian_silent",
      "the guardian is silent: nothing would switch the outputs off if this controller died", kWhenGone, kWorks, kOne,
-     "look for what stopped the guardian, start it again, then reset; where that does not help, end both and start "
-     "both"},
+     "look for what stopped the guardian, start it again, then reset; where that does not help, end both and "
+     "start both"},
     {F::HoldDeviceSlips, "hold_device_slips",
      "the holding brake does not hold its axis; the drives do while the robot is "
      "safe_stopping",

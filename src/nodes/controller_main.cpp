@@ -225,8 +225,7 @@ int run() {
   if (hardware_file.backend != "simulated" && nodes::killsTooSoon(nodes::commandOfParent())) {
     ROS_WARN(
         "roslaunch kills controller and guardian 15 s after Ctrl-C, also when a holding brake does not hold and the "
-        "drives "
-        "carry the platform: start it with roslaunch --sigint-timeout=1e6 --sigterm-timeout=1e6");
+        "drives carry the platform: start it with roslaunch --sigint-timeout=1e6 --sigterm-timeout=1e6");
   }
   ROS_INFO("%s", started.sentence.c_str());
   ROS_INFO("feedforward: %s", system.feedforward().c_str());

@@ -36,6 +36,18 @@ bool somebodyListens(const std::string& host, std::uint32_t port) {
   return false;
 }
 
+/// `topics`: pairs of name and type, as getPublications answers; anything else publishes nothing.
+bool publishesBelow(const std::string& prefix, XmlRpc::XmlRpcValue& topics) {
+  if (topics.getType() != XmlRpc::XmlRpcValue::TypeArray) return false;
+  for (int i = 0; i < topics.size(); ++i) {
+    XmlRpc::XmlRpcValue& topic = topics[i];
+    if (topic.getType() != XmlRpc::XmlRpcValue::TypeArray || topic.size() == 0) continue;
+    if (topic[0].getType() != XmlRpc::XmlRpcValue::TypeString) continue;
+    if (static_cast<const std::string&>(topic[0]).rfind(prefix, 0) == 0) return true;
+  }
+  return false;
+}
+
 /// False: a process answers that publishes nothing under this node's name; it was given the port of one that is gone. No
 /// answer in time is one of a node that stands still.
 bool isThisNode(const std::string& host, std::uint32_t port) {
@@ -54,11 +66,7 @@ bool isThisNode(const std::string& host, std::uint32_t port) {
   dispatch.removeSource(&client);
   if (!answered || client.isFault() || response.getType() != XmlRpc::XmlRpcValue::TypeArray || response.size() < 3)
     return true;
-  XmlRpc::XmlRpcValue& topics = response[2];
-  for (int i = 0; i < topics.size(); ++i) {
-    if (static_cast<const std::string&>(topics[i][0]).rfind(ros::this_node::getName() + "/", 0) == 0) return true;
-  }
-  return false;
+  return publishesBelow(ros::this_node::getName() + "/", response[2]);
 }
 
 }  // namespace

@@ -5,6 +5,7 @@ import os
 import signal
 import time
 
+import numpy as np
 import rospy
 
 from knee_robot.msg import ControllerState, Margins, PlayGoal, Residual, Timing
@@ -60,6 +61,24 @@ def signals_that_nobody_expects(a):
     else:
         text, good = a.look(1.0)
     return f"live: {', '.join(lives) or 'none'}; ", text, good and len(lives) == 2
+
+
+def both_stand_still_for_three_seconds(a):
+    """Guardian and controller stopped together while the platform moves (a hung kernel, a paused virtual machine), woken after 3 s. No
+    program can do anything meanwhile: how far it falls says what the relay on the heartbeat output is for, which the simulated robot lacks."""
+    a.enable()
+    a.play()
+    a.begin()
+    for name in ("guardian", "controller"):
+        a.stop(name)
+    time.sleep(3.0)
+    rows = a.rows()
+    fallen = rows["pose"][0][1] - np.min(rows["pose"][:, 1])
+    for name in ("controller", "guardian"):
+        getattr(a.session, name).send_signal(signal.SIGCONT)
+    a.begin()
+    text, good = a.look(1.0)
+    return f"without the relay it fell by {fallen:.2f} m in 3 s; after waking: ", text, good
 
 
 def guardian_whose_reader_died(a):
@@ -186,6 +205,6 @@ def clock_an_hour_back(a):
 def attacks():
     found = {f"guardian_gets_{signal.Signals(n).name.lower()}_while_it_carries": guardian_ends_while_it_carries(n)
              for n in (signal.SIGTERM, signal.SIGINT)}
-    found.update({f.__name__: f for f in (signals_that_nobody_expects, guardian_whose_reader_died, guardian_killed_and_not_buried, link_cut_off,
+    found.update({f.__name__: f for f in (signals_that_nobody_expects, both_stand_still_for_three_seconds, guardian_whose_reader_died, guardian_killed_and_not_buried, link_cut_off,
                                           clock_an_hour_back, terminal_stopped_then_emergency_stop, terminal_stopped_then_master_dies)})
     return found

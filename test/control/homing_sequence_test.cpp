@@ -96,11 +96,26 @@ TEST_F(HomingSearch, ChangesNothingWhenItIsBrokenOffOrAFaultComesAtItsEnd) {
   EXPECT_FALSE(sequence.end(false)) << "it is over";
 }
 
-TEST(HomingByHand, TakesThePlaceForHomeAndRefusesAnotherOneFarFromTheCounters) {
-  HardwareFile hardware = fake::hardware();
-  hardware.homing.method = HomingMethod::HandPlaced;
-  HomingSequence sequence(fake::robot(), hardware);
-  sequence.start(true);
+class HomingByHand : public ::testing::Test {
+ protected:
+  HomingByHand() { sequence.start(true); }
+  static HardwareFile placedByHand() {
+    HardwareFile hardware = fake::hardware();
+    hardware.homing.method = HomingMethod::HandPlaced;
+    return hardware;
+  }
+  /// Stands at home, and is told so.
+  AxisValues takenForHome() {
+    AxisValues measured{};
+    measured.fill(fake::kHome);
+    EXPECT_TRUE(sequence.takeForHome(measured).shifts);
+    return measured;
+  }
+
+  HomingSequence sequence{fake::robot(), placedByHand()};
+};
+
+TEST_F(HomingByHand, TakesThePlaceForHomeAndRefusesAnotherOneFarFromTheCounters) {
   AxisValues measured{0.1, 0.2, 0.3, 0.4};
   EXPECT_TRUE(sequence.takeForHome(measured).shifts);
   EXPECT_TRUE(sequence.isHomed());
@@ -117,14 +132,8 @@ TEST(HomingByHand, TakesThePlaceForHomeAndRefusesAnotherOneFarFromTheCounters) {
   EXPECT_TRUE(sequence.takeForHome(measured).shifts) << "the counters of a lost axis say nothing against it";
 }
 
-TEST(HomingByHand, StillBelievesTheOtherCountersWhenOneAxisHasLostItsHome) {
-  HardwareFile hardware = fake::hardware();
-  hardware.homing.method = HomingMethod::HandPlaced;
-  HomingSequence sequence(fake::robot(), hardware);
-  sequence.start(true);
-  AxisValues measured{};
-  measured.fill(fake::kHome);
-  ASSERT_TRUE(sequence.takeForHome(measured).shifts);
+TEST_F(HomingByHand, StillBelievesTheOtherCountersWhenOneAxisHasLostItsHome) {
+  AxisValues measured = takenForHome();
   sequence.forget(2);
   measured[2] += 0.2;
   measured[0] -= 0.03;
@@ -140,14 +149,8 @@ TEST(HomingByHand, StillBelievesTheOtherCountersWhenOneAxisHasLostItsHome) {
   EXPECT_TRUE(sequence.isHomed());
 }
 
-TEST(HomingByHand, IsNotMovedFartherBySmallStepsThanByALargeOne) {
-  HardwareFile hardware = fake::hardware();
-  hardware.homing.method = HomingMethod::HandPlaced;
-  HomingSequence sequence(fake::robot(), hardware);
-  sequence.start(true);
-  AxisValues measured{};
-  measured.fill(fake::kHome);
-  ASSERT_TRUE(sequence.takeForHome(measured).shifts);
+TEST_F(HomingByHand, IsNotMovedFartherBySmallStepsThanByALargeOne) {
+  AxisValues measured = takenForHome();
   measured[1] = fake::kHome + 0.003;
   ASSERT_TRUE(sequence.takeForHome(measured).shifts);
   const HomingSequence::Taken refused = sequence.takeForHome(measured);  // 3 mm more by the counters of now
