@@ -22,6 +22,7 @@
 #include "loopback.h"
 #include "master_watch.h"
 #include "output_relay.h"
+#include "own_session.h"
 #include "parameters.h"
 #include "program.h"
 #include "request_depth.h"
@@ -225,7 +226,9 @@ int run() {
   if (hardware_file.backend != "simulated" && nodes::killsTooSoon(nodes::commandOfParent())) {
     ROS_WARN(
         "roslaunch kills controller and guardian 15 s after Ctrl-C, also when a holding brake does not hold and the "
-        "drives carry the platform: start it with roslaunch --sigint-timeout=1e6 --sigterm-timeout=1e6");
+        "drives carry the platform: give it, and the guardian, the argument --own-session, as controller.launch does "
+        "with "
+        "own_session:=true");
   }
   ROS_INFO("%s", started.sentence.c_str());
   ROS_INFO("feedforward: %s", system.feedforward().c_str());
@@ -249,6 +252,7 @@ int run() {
 
 int main(int argc, char** argv) {
   nodes::openStandardStreams();
+  nodes::continueInOwnSession(argc, argv);
   nodes::limitDescriptors();
   const nodes::OutputRelay relay;  // before all others: no thread waits for whoever reads what is said
   nodes::keepToLoopback();
@@ -257,6 +261,9 @@ int main(int argc, char** argv) {
   nodes::takeSignals([](int) { stop_requested = 1; });
   nodes::CommandLine app("Drives the robot: servo cycle, supervision, services, topics and the action. A ROS node.",
                          "controller");
+  bool own_session = false;
+  app.flag(nodes::kOwnSession, own_session,
+           "go on in a session of its own, so that roslaunch cannot kill what carries");
   app.footer(kParameters);
   return nodes::runProgram(app, argc, argv, run);  // what is thrown: unwinding has shut the robot down in order
 }

@@ -21,6 +21,7 @@
 #include "knee_robot/hardware/machine_lock.h"
 #include "knee_robot/hardware/process_watch.h"
 #include "knee_robot/rt/activity.h"
+#include "own_session.h"
 #include "program.h"
 #include "signals.h"
 
@@ -132,7 +133,7 @@ struct Options {
   std::string hardware_file, can, shm = "/knee_robot_sim", link = "/knee_robot_guardian";
   double silence_ms = 10.0;
   int priority = 90, cpu = -1;
-  bool require_real_time = false, down_now = false;
+  bool require_real_time = false, down_now = false, own_session = false;
 };
 
 nodes::Site siteOf(const Options& options) {
@@ -266,6 +267,7 @@ int run(const Options& options) {
 }  // namespace
 
 int main(int argc, char** argv) {
+  nodes::continueInOwnSession(argc, argv);
   nodes::CommandLine app("Watches the controller and brings the outputs down when it dies or falls silent.",
                          "guardian");
   Options options;
@@ -283,6 +285,7 @@ int main(int argc, char** argv) {
       .showDefault();
   app.option("--cpu", options.cpu, "processor to run on; -1: any").showDefault();
   app.flag("--require-real-time", options.require_real_time, "refuse to start without real-time privileges");
+  app.flag(nodes::kOwnSession, options.own_session, "go on in a session of its own, so that roslaunch cannot kill it");
   app.flag("--down-now", options.down_now, "lock out a running controller, bring the outputs down once, and end");
   app.allowExtras();  // roslaunch appends __name:= and __log:=
   return nodes::runProgram(app, argc, argv, [&] {
