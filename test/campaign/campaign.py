@@ -155,7 +155,7 @@ class Campaign:
 
     def abandon(self, run):
         if run is not None and hasattr(run, "small_disk"):
-            subprocess.run(["umount", str(self.session.recordings)], check=False)
+            subprocess.run(["umount", "-l", str(self.session.recordings)], check=False)
         self.end_session()
         if self.master.process.poll() is not None:
             self.master.start()

@@ -264,7 +264,7 @@ class Run:
                 result["recording"] = str(error)
         data = Recording(self.recording)
         if hasattr(self, "small_disk"):
-            subprocess.run(["umount", str(s.recordings)], check=False)
+            subprocess.run(["umount", "-l", str(s.recordings)], check=False)
         if data.problem:
             result["recording"] = data.problem
             result["stop_begins_ms"] = result["outputs_down_ms"]
@@ -298,7 +298,8 @@ class Run:
     def recover(self):
         """True when the robot stands disabled, whole and without fault: the next run may use it."""
         s = self.session
-        if self.fault.fresh or self.session_is_spent or not s.is_whole():
+        # Without its small disk, the controller still writes there what it had opened.
+        if self.fault.fresh or self.session_is_spent or hasattr(self, "small_disk") or not s.is_whole():
             return False
         try:
             s.inject("clear")
