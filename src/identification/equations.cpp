@@ -231,16 +231,15 @@ Eigen::VectorXd noiseInMotionAndNearRest(const Equations& e, const Eigen::Vector
   return noise;
 }
 
-Eigen::VectorXd atRows(const std::vector<Observation>& training, const ObservationOptions& options, const Equations& e,
-                       int actuator, const std::vector<Eigen::VectorXd>& signals) {
-  std::vector<Eigen::VectorXd> filtered = signals;
+Eigen::MatrixXd atRows(const std::vector<Observation>& training, const ObservationOptions& options, const Equations& e,
+                       int actuator, std::vector<Eigen::MatrixXd> signals) {
   for (std::size_t f = 0; f < training.size(); ++f)
-    recording::ZeroPhaseLowPass(options.cutoff_hz, 1.0 / training[f].signals.period_s).apply(filtered[f]);
+    recording::ZeroPhaseLowPass(options.cutoff_hz, 1.0 / training[f].signals.period_s).applyToColumns(signals[f]);
   const Eigen::Index each = e.rows() / e.axes;
-  Eigen::VectorXd out(each);
+  Eigen::MatrixXd out(each, signals.front().cols());
   for (Eigen::Index k = 0; k < each; ++k) {
     const std::size_t row = static_cast<std::size_t>(actuator * each + k);
-    out[k] = filtered[e.file[row]][e.sample[row]];
+    out.row(k) = signals[e.file[row]].row(e.sample[row]);
   }
   return out;
 }

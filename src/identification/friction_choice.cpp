@@ -106,6 +106,22 @@ std::vector<FrictionBlock> sumsOfBlocks(const Equations& e, const InCoordinates&
   return blocks;
 }
 
+constexpr std::size_t kAtOnce = 16;  ///< elements: low-passed side by side, without a copy of the whole for long ones
+
+/// Of some elements along one axis' path in every recording.
+std::vector<Eigen::MatrixXd> sharesOf(const std::vector<Observation>& training, std::size_t axis,
+                                      const std::vector<FrictionElement>& elements, std::size_t from,
+                                      std::size_t count) {
+  std::vector<Eigen::MatrixXd> shares;
+  for (const Observation& o : training) {
+    shares.emplace_back(o.samples(), static_cast<Eigen::Index>(count));
+    for (std::size_t k = 0; k < count; ++k)
+      shares.back().col(static_cast<Eigen::Index>(k)) =
+          atLevel(o, axis, elementShare(o.sliding[axis], elements[from + k]));
+  }
+  return shares;
+}
+
 /// Mean square on held-back rows of a law whose shares are given: only its size is fitted.
 double errorOfLaw(const InWeights& training, const InWeights& held, const Sum& law) {
   InWeights one = training;
@@ -193,11 +209,10 @@ std::vector<FrictionChoice> chooseFriction(const std::vector<Observation>& train
     if (!around.empty()) addFinerSteps(around[axis], ranges[axis].narrowest_m, elements);
     const std::vector<Sum> laws = inElements(shared, elements);
     Eigen::MatrixXd candidates(each, static_cast<Eigen::Index>(elements.size()));
-    for (std::size_t k = 0; k < elements.size(); ++k) {
-      std::vector<Eigen::VectorXd> share;
-      for (const Observation& o : training)
-        share.push_back(atLevel(o, axis, elementShare(o.sliding[axis], elements[k])));
-      candidates.col(static_cast<Eigen::Index>(k)) = atRows(training, options, e, i, share);
+    for (std::size_t from = 0; from < elements.size(); from += kAtOnce) {
+      const std::size_t count = std::min(kAtOnce, elements.size() - from);
+      candidates.middleCols(static_cast<Eigen::Index>(from), static_cast<Eigen::Index>(count)) =
+          atRows(training, options, e, i, sharesOf(training, axis, elements, from, count));
     }
     for (Eigen::Index row = 0; row < each; ++row) {
       const bool rest = noise_N.size() > e.axes && e.rest[static_cast<std::size_t>(i * each + row)];

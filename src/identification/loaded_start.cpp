@@ -21,12 +21,6 @@ int stillSamples(const Observation& o, Eigen::Index actuator) {
   return n;
 }
 
-void setLoad(std::optional<double> share, SlidingPath& path) {
-  if (path.loaded_at_start == share) return;
-  path.loaded_at_start = share;
-  path.known = std::make_shared<KnownShares>();
-}
-
 }  // namespace
 
 void findLoadedStart(const std::vector<Column>& columns, const Eigen::VectorXd& parameters, double cutoff_hz,
@@ -43,8 +37,8 @@ void findLoadedStart(const std::vector<Column>& columns, const Eigen::VectorXd& 
       const auto rows = Eigen::seq(0, still - 1);
       const Eigen::VectorXd others = own(rows, Eigen::all) * parameters - own(rows, c) * parameters[column];
       const double load_N = (o.force_filtered_N(rows, i) - others).mean();
-      setLoad(std::clamp(load_N / (columns[c].newtons * parameters[column]), -1.0, 1.0),
-              o.sliding[static_cast<std::size_t>(i)]);
+      o.sliding[static_cast<std::size_t>(i)].loaded_at_start =
+          std::clamp(load_N / (columns[c].newtons * parameters[column]), -1.0, 1.0);
     }
   }
 }
@@ -52,7 +46,7 @@ void findLoadedStart(const std::vector<Column>& columns, const Eigen::VectorXd& 
 void forgetLoadedStart(std::vector<Observation>& training) {
   for (Observation& o : training) {
     for (SlidingPath& path : o.sliding)
-      setLoad(std::nullopt, path);
+      path.loaded_at_start.reset();
   }
 }
 

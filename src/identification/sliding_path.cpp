@@ -83,30 +83,64 @@ SlidingPath slidingPath(const Eigen::VectorXd& position, const Eigen::VectorXd& 
 
 namespace {
 
-/// Share after every substep.
-Eigen::VectorXd fineShare(const SlidingPath& path, const dynamics::FrictionElement& element) {
-  dynamics::FrictionLaw law;
-  law.elements[0] = element;
-  law.elements[0].share = 1.0;
-  const bool stop = element.kind == dynamics::FrictionKind::Stop;
-  const Eigen::VectorXd& position = stop ? path.position : path.measured;
-  const double step_s = path.period_s / SlidingPath::kSubsteps;
-  dynamics::FrictionState state;
-  Eigen::VectorXd share(position.size());
-  share[0] = element.kind == dynamics::FrictionKind::Smooth ? 0.0 : path.shareAtStart(element.width_m);
-  state.start(share[0]);
-  for (Eigen::Index k = 1; k < position.size(); ++k)
-    share[k] = state.step(law, position[k] - position[k - 1], step_s,
-                          path.tremble.size() > 0 ? path.tremble[k / SlidingPath::kSubsteps] : 0.0);
-  if (element.kind == dynamics::FrictionKind::Smooth && share.size() > 1) share[0] = share[1];
+/// One element along a path, substep by substep.
+class Follower {
+ public:
+  Follower(const SlidingPath& path, const dynamics::FrictionElement& element, double at_start)
+      : path_(path),
+        position_(element.kind == dynamics::FrictionKind::Stop ? path.position : path.measured),
+        step_s_(path.period_s / SlidingPath::kSubsteps) {
+    law_.elements[0] = element;
+    law_.elements[0].share = 1.0;
+    state_.start(at_start);
+  }
+  /// Share at substep k, asked for one after the other from 1 on.
+  double to(Eigen::Index k) {
+    return state_.step(law_, position_[k] - position_[k - 1], step_s_,
+                       path_.tremble.size() > 0 ? path_.tremble[k / SlidingPath::kSubsteps] : 0.0);
+  }
+
+ private:
+  const SlidingPath& path_;
+  const Eigen::VectorXd& position_;
+  const double step_s_;
+  dynamics::FrictionLaw law_;
+  dynamics::FrictionState state_;
+};
+
+/// Share after every substep of an element whose share is `at_start` before the first.
+Eigen::VectorXd fineShare(const SlidingPath& path, const dynamics::FrictionElement& element, double at_start) {
+  Eigen::VectorXd share(path.position.size());
+  const bool remembers = element.kind != dynamics::FrictionKind::Smooth;
+  share[0] = remembers ? at_start : 0.0;
+  Follower follower(path, element, share[0]);
+  for (Eigen::Index k = 1; k < share.size(); ++k)
+    share[k] = follower.to(k);
+  if (!remembers && share.size() > 1) share[0] = share[1];
   return share;
+}
+
+/// What is added to each substep when the element begins with another share, up to the one after which it has forgotten
+/// that.
+Eigen::VectorXd fineChange(const SlidingPath& path, const dynamics::FrictionElement& element, double from, double to) {
+  constexpr double kForgotten = 1e-12;
+  constexpr int kInARow = 2 * SlidingPath::kSubsteps;
+  Eigen::VectorXd change = Eigen::VectorXd::Zero(path.position.size());
+  change[0] = to - from;
+  Follower one(path, element, from), other(path, element, to);
+  Eigen::Index k = 1;
+  for (int forgotten = 0; k < change.size() && forgotten < kInARow; ++k) {
+    change[k] = other.to(k) - one.to(k);
+    forgotten = std::abs(change[k]) < kForgotten ? forgotten + 1 : 0;
+  }
+  return change.head(std::min(change.size(), k + SlidingPath::kSubsteps));
 }
 
 Eigen::VectorXd fineShare(const SlidingPath& path, const dynamics::FrictionLaw& law) {
   Eigen::VectorXd sum = Eigen::VectorXd::Zero(path.position.size());
   for (int k = 0; k < law.count; ++k) {
     const dynamics::FrictionElement& e = law.elements[static_cast<std::size_t>(k)];
-    sum += e.share * fineShare(path, e);
+    sum += e.share * fineShare(path, e, path.shareAtStart(e.width_m));
   }
   return sum;
 }
@@ -134,7 +168,12 @@ Eigen::VectorXd frictionShare(const SlidingPath& path, const dynamics::FrictionL
 }
 
 Eigen::VectorXd elementShare(const SlidingPath& path, const dynamics::FrictionElement& element) {
-  return path.known->of(element, [&] { return meanOverSamples(fineShare(path, element)); });
+  const double usual = path.usualShareAtStart(element.width_m);
+  Eigen::VectorXd share = path.known->of(element, [&] { return meanOverSamples(fineShare(path, element, usual)); });
+  if (!path.loaded_at_start || element.kind == dynamics::FrictionKind::Smooth) return share;
+  const Eigen::VectorXd change = meanOverSamples(fineChange(path, element, usual, *path.loaded_at_start));
+  share.head(change.size()) += change;
+  return share;
 }
 
 Eigen::VectorXd shareAtSamples(const SlidingPath& path, const dynamics::FrictionLaw& law) {

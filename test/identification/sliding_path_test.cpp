@@ -96,5 +96,37 @@ TEST(SlidingPath, HasNoDirectionWhereNothingMoves) {
   EXPECT_EQ(frictionShare(path, 1e-6), still);
 }
 
+/// The same by following the path once with the load from its beginning, nothing kept.
+double worstAgainstFollowing(const SlidingPath& path, const dynamics::FrictionElement& element) {
+  const Eigen::VectorXd kept = elementShare(path, element), followed = frictionShare(path, dynamics::lawOf({element}));
+  return (kept - followed).cwiseAbs().maxCoeff();
+}
+
+TEST(SlidingPath, IsFollowedAnewOnlyUntilItsLoadAtTheStartIsForgotten) {
+  using dynamics::FrictionKind;
+  Sampled s = sine(2e-3, 2.0, 0.0);
+  s.position.head(100).setConstant(s.position[100]);  // it stands before it moves
+  s.velocity.head(100).setZero();
+  SlidingPath path = slidingPath(s.position, s.velocity, kPeriod, kCount);
+  path.tremble = Eigen::VectorXd::Constant(600, 1e-5);
+  const SlidingPath unloaded = path;
+  for (const double load : {-0.7, 0.9, 0.0}) {
+    path.loaded_at_start = load;
+    for (const dynamics::FrictionElement& e :
+         {dynamics::FrictionElement{FrictionKind::Stop, 1.0, 1e-4, 0.0, 0.0},
+          dynamics::FrictionElement{FrictionKind::Stop, 1.0, 1.0, 0.0,
+                                    0.0},  // wider than the whole way: never forgotten
+          dynamics::FrictionElement{FrictionKind::Smooth, 1.0, 0.0, 1e-3},
+          dynamics::FrictionElement{FrictionKind::Bristles, 1.0, 1e-4, 0.0, 0.01},
+          dynamics::FrictionElement{FrictionKind::Bristles, 1.0, 5e-4, 2e-4, 0.0},
+          dynamics::FrictionElement{FrictionKind::Bristles, 1.0, 1e-3, 0.0, 0.01, 1.0},
+          dynamics::FrictionElement{FrictionKind::Bristles, 1.0, 1e-4, 0.0, 0.0, 0.0, 0.5},
+          dynamics::FrictionElement{FrictionKind::Bristles, 1.0, 1e-4, 0.0, 0.0, 0.0, 2.0}}) {
+      EXPECT_LT(worstAgainstFollowing(path, e), 1e-11) << "load " << load << " width " << e.width_m;
+      EXPECT_LT(worstAgainstFollowing(unloaded, e), 1e-11) << "copies have in common what is kept";
+    }
+  }
+}
+
 }  // namespace
 }  // namespace knee_robot::identification

@@ -50,9 +50,9 @@ void weightRows(Equations& equations, const Eigen::VectorXd& noise_N);
 /// there is a guess.
 Eigen::VectorXd noiseInMotionAndNearRest(const Equations& equations, const Eigen::VectorXd& residual);
 
-/// A signal of every training file (samples), low-passed, at the rows of `actuator`.
-Eigen::VectorXd atRows(const std::vector<Observation>& training, const ObservationOptions& options,
-                       const Equations& equations, int actuator, const std::vector<Eigen::VectorXd>& signals);
+/// Signals of every training file (samples x signals), low-passed, at the rows of `actuator`.
+Eigen::MatrixXd atRows(const std::vector<Observation>& training, const ObservationOptions& options,
+                       const Equations& equations, int actuator, std::vector<Eigen::MatrixXd> signals);
 
 /// Root mean square of `residual` (one entry a row) for each actuator; 0 where an actuator has no rows.
 Eigen::VectorXd rmsPerActuator(const Equations& equations, const Eigen::VectorXd& residual);

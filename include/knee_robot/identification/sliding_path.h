@@ -28,17 +28,17 @@ struct SlidingPath {
   int first_direction = 0;  ///< of the first movement that the encoders tell; 0: there is none
   double resolution = 0.0;  ///< in the position's unit: shorter ways back are not told apart from rounding
   static constexpr int kSubsteps = 4;
-  /// Of elementShare(); copies have it in common, since a path stays as it is once it is asked.
+  /// Of elementShare() without loaded_at_start; copies have it in common, since a path stays as it is once it is asked.
   std::shared_ptr<KnownShares> known = std::make_shared<KnownShares>();
 
   std::optional<double> loaded_at_start;  ///< share of full Coulomb friction then, where it is known
 
-  /// Share of full Coulomb friction when the recording starts. Where it is not known: of a joint that moves already,
+  /// Share of full Coulomb friction when the recording starts, if nobody knows it. Of a joint that moves already,
   /// friction that builds up over less than the encoders tell has done so; of other friction nothing is known, and it is
   /// zero.
-  double shareAtStart(double width) const {
-    return loaded_at_start ? *loaded_at_start : moves_at_start && width < resolution ? first_direction : 0.0;
-  }
+  double usualShareAtStart(double width) const { return moves_at_start && width < resolution ? first_direction : 0.0; }
+  /// The share that is known, or else that one.
+  double shareAtStart(double width) const { return loaded_at_start ? *loaded_at_start : usualShareAtStart(width); }
 };
 
 /// From uniformly sampled positions and velocities (a cubic between neighbours), `period_s` apart. `resolution`: see
