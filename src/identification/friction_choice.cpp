@@ -100,7 +100,10 @@ std::vector<FrictionBlock> sumsOfBlocks(const Equations& e, const InCoordinates&
     const Eigen::MatrixXd c = candidates(in_candidates, Eigen::all), own_x = all.x(own, keep);
     const Eigen::VectorXd own_y = all.y(own);
     const FrictionBlock& sums = base[static_cast<std::size_t>(block)];
-    blocks.push_back({sums.base(keep, keep), own_x.transpose() * c, c.transpose() * c, sums.base_target(keep),
+    Eigen::MatrixXd squares = Eigen::MatrixXd::Zero(c.cols(), c.cols());
+    squares.selfadjointView<Eigen::Lower>().rankUpdate(c.transpose());
+    squares.triangularView<Eigen::StrictlyUpper>() = squares.transpose();
+    blocks.push_back({sums.base(keep, keep), own_x.transpose() * c, squares, sums.base_target(keep),
                       c.transpose() * own_y, sums.target, sums.rows});
   }
   return blocks;
