@@ -98,6 +98,7 @@ std::string whyNotInstantly(const std::string& name) {
   if (name == "backlash" || name == "flexible_coupling")
     return "it moves the load apart from the motor, which only the whole recording shows";
   if (name == "wobbling_mass") return "how far it swings is not known to the controller";
+  if (name == "sensor_lag") return "it lies in the recording of the force, not in the force";
   if (name == "supply_sag") return "what the drives take together is known only after each has been given its command";
   if (name == "gain_drift") return "how warm the motors are is not known to the controller";
   if (name == "nonlinear_spring") return "its curve is known between the lengths of training only";

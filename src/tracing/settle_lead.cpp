@@ -22,9 +22,10 @@ bool isOpen(const FoundEffect& e) {
   return e.hypothesis.place.candidate->leads() && !std::isnan(e.p);
 }
 
-/// Shows in the band that is searched, not only in a faster one.
-bool leadsHere(const FoundEffect& e) {
-  return isOpen(e) && e.band_hz == 0.0;
+/// The forces are late or early by it. Shows in the band that is searched, not only in a faster one.
+bool isApartHere(const FoundEffect& e) {
+  const Candidate& kind = *e.hypothesis.place.candidate;
+  return (kind.leads() || kind.lags()) && !std::isnan(e.p) && e.band_hz == 0.0;
 }
 
 /// Candidates that lead, each once.
@@ -37,16 +38,17 @@ std::vector<const Candidate*> leadingKinds(const Library& library) {
   return kinds;
 }
 
-/// Share of the squares, held back and with samples near rest counting little, that the leads save on their actuators.
+/// Share of the squares, held back and with samples near rest counting little, that leads and lags save on their
+/// actuators.
 double savedInMotion(Search& s) {
   const Attention own = s.attention;
   s.attention = Attention::Moving;
   setAttention(*s.data, s.attention);
   std::vector<Hypothesis> all = hypothesesOf(s.effects), others;
-  int leads = 0;
+  int actuators = 0;
   for (std::size_t k = 0; k < all.size(); ++k) {
-    if (leadsHere(s.effects[k])) {
-      ++leads;
+    if (isApartHere(s.effects[k])) {
+      actuators += all[k].place.actuator < 0 ? s.data->stack.axes : 1;
     } else {
       others.push_back(all[k]);
     }
@@ -54,20 +56,20 @@ double savedInMotion(Search& s) {
   const double with = problemOf(s, all).heldBack().sum(), without = problemOf(s, others).heldBack().sum();
   s.attention = own;
   setAttention(*s.data, own);
-  return (without - with) / std::max(1e-300, with * leads / s.data->stack.axes);
+  return (without - with) / std::max(1e-300, with * actuators / s.data->stack.axes);
 }
 
 }  // namespace
 
 void dropLeadsOfRest(Search& s) {
-  if (std::none_of(s.effects.begin(), s.effects.end(), leadsHere) || savedInMotion(s) >= kSavedInMotion) return;
+  if (std::none_of(s.effects.begin(), s.effects.end(), isApartHere) || savedInMotion(s) >= kSavedInMotion) return;
   for (const FoundEffect& e : s.effects) {
-    if (leadsHere(e))
+    if (isApartHere(e))
       s.taken_out.push_back(placeText(e.hypothesis.place) +
                             ": helps near rest only, where the force that builds up before an axis breaks away looks "
-                            "the same; a command that is late leads in motion, too");
+                            "the same; what is late is so in motion, too");
   }
-  s.effects.erase(std::remove_if(s.effects.begin(), s.effects.end(), leadsHere), s.effects.end());
+  s.effects.erase(std::remove_if(s.effects.begin(), s.effects.end(), isApartHere), s.effects.end());
   refit(s);
 }
 

@@ -14,6 +14,7 @@ constexpr double kStep_s = 1e-3;
 
 struct Lead {
   double dead_time_s = 0.0, lag_s = 0.0;
+  double reading_s = 0.0;  ///< time constant of a filter through which forces are read
 };
 
 /// Two bench axes of 60 kg that reverse often; both drives are late. `jitter_m`: rms of what encoders add.
@@ -41,13 +42,25 @@ recording::Recording recorded(const Lead& lead, int variant, double jitter_m = 0
       const Eigen::Vector3d at = motion(t);
       return 60.0 * at[2] + 300.0 * at[1] + 20.0 * std::tanh(at[1] / 2e-3);
     };
+    double read = 0.0;
     for (int k = 0; k < rows; ++k) {
       const double t = 0.01 * k;
       if (i == 0) r.time_s.push_back(t);
       r.position_m(k, i) = 1e-6 * std::round((motion(t)[0] + jitter_m / 0.3 * noise(random)) / 1e-6);
       const double at = t + 0.005 + lead.dead_time_s;  // a row's force holds for the 10 ms after it
       const double rate = (needed(at + kStep_s) - needed(at - kStep_s)) / (2.0 * kStep_s);
-      r.force_N(k, i) = needed(at) + lead.lag_s * rate + noise(random);
+      double late = 0.0;
+      if (lead.reading_s > 0.0) {
+        // Through steps of a millisecond: the mean over the row's interval of what is read.
+        double mean = 0.0;
+        if (k == 0) read = needed(0.0);
+        for (int step = 1; step <= 10; ++step) {
+          read += (needed(t + step * kStep_s - 0.5 * kStep_s) - read) * (1.0 - std::exp(-kStep_s / lead.reading_s));
+          mean += 0.1 * read;
+        }
+        late = mean - needed(at);
+      }
+      r.force_N(k, i) = needed(at) + lead.lag_s * rate + late + noise(random);
     }
   }
   r.reference_m = r.position_m;
@@ -55,7 +68,7 @@ recording::Recording recorded(const Lead& lead, int variant, double jitter_m = 0
 }
 
 TEST(Lead, ADeadTimeIsOneAndIsMeasuredToATenth) {
-  const TracedBench traced = tracedBench(recorded({0.025, 0.0}, 0), nullptr);
+  const TracedBench traced = tracedBench(recorded({0.025, 0.0, 0.0}, 0), nullptr);
   ASSERT_EQ(traced.result.effects.size(), 2u);
   for (const FoundEffect& e : traced.result.effects) {
     EXPECT_EQ(e.hypothesis.place.candidate->name(), "delay");
@@ -66,7 +79,7 @@ TEST(Lead, ADeadTimeIsOneAndIsMeasuredToATenth) {
 }
 
 TEST(Lead, ADriveThatLagsIsOneAndIsMeasuredToATenth) {
-  const TracedBench traced = tracedBench(recorded({0.0, 0.025}, 0), nullptr);
+  const TracedBench traced = tracedBench(recorded({0.0, 0.025, 0.0}, 0), nullptr);
   ASSERT_EQ(traced.result.effects.size(), 2u);
   for (const FoundEffect& e : traced.result.effects) {
     EXPECT_EQ(e.hypothesis.place.candidate->name(), "drive_lag");
@@ -76,14 +89,26 @@ TEST(Lead, ADriveThatLagsIsOneAndIsMeasuredToATenth) {
 }
 
 TEST(Lead, ADriveThatLagsIsOneBehindEncodersThatJitter) {
-  const TracedBench traced = tracedBench(recorded({0.0, 0.025}, 0, 15e-6), nullptr);
+  const TracedBench traced = tracedBench(recorded({0.0, 0.025, 0.0}, 0, 15e-6), nullptr);
   ASSERT_EQ(traced.result.effects.size(), 2u);
   for (const FoundEffect& e : traced.result.effects)
     EXPECT_EQ(e.hypothesis.place.candidate->name(), "drive_lag");
 }
 
+TEST(Lead, ForcesThatAreReadThroughAFilterAreBehindAndNoDriveIsSaidToBeLate) {
+  const TracedBench traced = tracedBench(recorded({0.0, 0.0, 0.05}, 0), nullptr);
+  ASSERT_FALSE(traced.result.effects.empty());
+  const FoundEffect& lag = traced.result.effects[0];
+  EXPECT_EQ(lag.hypothesis.place.candidate->name(), "sensor_lag");
+  EXPECT_GT(lag.probability, 0.8);
+  EXPECT_NEAR(lag.coefficients[0], 0.05, 0.005);
+  EXPECT_NEAR(lag.hypothesis.shape[0], 0.05, 0.01);
+  for (std::size_t k = 1; k < traced.result.effects.size(); ++k)
+    EXPECT_EQ(traced.result.effects[k].hypothesis.place.candidate->name(), "unnamed") << "what reversals leave";
+}
+
 TEST(Lead, IsPredictedInAnotherRecordingToTheNoise) {
-  for (const Lead& lead : {Lead{0.025, 0.0}, Lead{0.0, 0.025}}) {
+  for (const Lead& lead : {Lead{0.025, 0.0, 0.0}, Lead{0.0, 0.025, 0.0}, Lead{0.0, 0.0, 0.05}}) {
     const TracedBench traced = tracedBench(recorded(lead, 0), nullptr);
     identification::ObservationOptions options;
     options.setCutoff(traced.model.cutoff_hz);

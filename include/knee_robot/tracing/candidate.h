@@ -46,6 +46,8 @@ class Candidate {
   virtual bool actsFast() const { return false; }
   /// True: the command runs ahead of the force that the motion needs, by its one coefficient, s.
   virtual bool leads() const { return false; }
+  /// True: the recorded forces run behind those that the motion needs.
+  virtual bool lags() const { return false; }
   /// True: lies between the command and the force that the motion needs, as what leads does, or what a drive loses. Such
   /// effects look at the needed force and do not see each other.
   virtual bool ofDrive() const { return leads(); }
