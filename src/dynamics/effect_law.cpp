@@ -53,6 +53,7 @@ constexpr Entry kLaws[] = {
     {"frictional_ageing", 2, frictionalAgeingLaw, true},
     {"force_gain", 0, forceGainLaw},
     {"force_offset", 0, forceOffsetLaw},
+    {"actuator_spring", 1, actuatorSpringLaw},
     {"delay", 0, delayLaw},
     {"drive_lag", 0, delayLaw},
     {"spring", 4, springLaw},

@@ -23,6 +23,7 @@ Law thermalDriftLaw(const Shape& shape);
 Law frictionalAgeingLaw(const Shape& shape);
 Law forceGainLaw(const Shape& shape);
 Law forceOffsetLaw(const Shape& shape);
+Law actuatorSpringLaw(const Shape& shape);
 Law delayLaw(const Shape& shape);
 Law springLaw(const Shape& shape);
 Law dashpotLaw(const Shape& shape);

@@ -16,6 +16,7 @@ constexpr double kBeside = 1.5;  ///< factor between neighbours
 class ViscoelasticElement : public Candidate {
  public:
   std::string name() const override { return "viscoelastic_element"; }
+  std::string generalizes() const override { return "actuator_spring"; }
   bool restsOnModel() const override { return false; }
   std::string sentence() const override {
     return "A spring that relaxes acts along the actuator: bellows or tubes that leak, rubber, a spring in series with "
