@@ -19,14 +19,9 @@ void refuseOptions(const mechanism::Robot& robot, const ExcitationOptions& optio
   const auto demand = [](bool holds, const std::string& sentence) {
     if (!holds) throw InputError(sentence);
   };
-  const SeriesShape& shape = options.shape;
   demand(robot.kind == mechanism::MechanismKind::ThreeUpsOneRpu,
          robot.path + " describes separate axes; an excitation moves a platform");
-  demand(shape.harmonics >= 1 && shape.harmonics <= 30,
-         "harmonics " + std::to_string(shape.harmonics) + " is not in 1 to 30");
-  demand(shape.ramp_s >= 0.2 && shape.duration_s >= 2.0 * shape.ramp_s + 1.0 && shape.duration_s <= 600.0,
-         "duration " + shortNumber(shape.duration_s) + " s is not between two ramps of " + shortNumber(shape.ramp_s) +
-             " s with a second between them and 600 s");
+  completedShape(options.shape);
   demand(options.velocity_max > 0.0 && options.velocity_max <= 1.0,
          "velocity " + shortNumber(options.velocity_max) + " is not in (0, 1] m/s");
   demand(options.acceleration_max > 0.0 && options.acceleration_max <= 100.0,
@@ -78,13 +73,6 @@ mechanism::Robot insetRobot(const mechanism::Robot& limited) {
   return inset;
 }
 
-SeriesShape completed(SeriesShape shape) {
-  // Whole points: the last one must be exactly the centre.
-  shape.duration_s = std::round(shape.duration_s / trajectory::kStreamPeriod) * trajectory::kStreamPeriod;
-  shape.period_s = shape.duration_s - 2.0 * shape.ramp_s;
-  return shape;
-}
-
 /// The pose near `pose` at which legs 2 and 3 are equally long: Newton steps of least size, a radian counted as 1/3 m.
 mechanism::Pose withTwinLengths(const mechanism::Mechanism& mechanism, mechanism::Pose pose) {
   const mechanism::Vector4 weight(1.0, 1.0, 9.0, 9.0);
@@ -100,7 +88,7 @@ mechanism::Pose withTwinLengths(const mechanism::Mechanism& mechanism, mechanism
 ExcitationTask taskOf(const mechanism::Robot& inset, const ExcitationOptions& options) {
   ExcitationTask task;
   task.robot = inset;
-  task.shape = completed(options.shape);
+  task.shape = completedShape(options.shape);
   task.directions = options.directions;
   task.criterion = options.criterion;
   task.twin_legs = options.twin_legs;

@@ -2,8 +2,16 @@
 
 #include <cmath>
 
+#include "knee_robot/base/errors.h"
+#include "knee_robot/base/numbers.h"
+
 namespace knee_robot::excitation {
 namespace {
+
+constexpr int kMostHarmonics = 30;
+constexpr double kShortestRamp_s = 0.2;
+constexpr double kShortestPeriod_s = 1.0;
+constexpr double kLongest_s = 600.0;
 
 struct Window {
   double value = 1.0, rate = 0.0, acceleration = 0.0;
@@ -20,6 +28,25 @@ Window windowAt(const SeriesShape& shape, double time) {
 }
 
 }  // namespace
+
+SeriesShape completedShape(SeriesShape shape) {
+  if (shape.harmonics < 1 || shape.harmonics > kMostHarmonics) {
+    throw InputError("harmonics " + std::to_string(shape.harmonics) + " is not in 1 to " +
+                     std::to_string(kMostHarmonics));
+  }
+  if (!(shape.ramp_s >= kShortestRamp_s)) {  // nan, too
+    throw InputError("a ramp of " + shortNumber(shape.ramp_s) + " s is shorter than the " +
+                     shortNumber(kShortestRamp_s) + " s that a motion needs at least to rise from rest");
+  }
+  if (!(shape.duration_s >= 2.0 * shape.ramp_s + kShortestPeriod_s && shape.duration_s <= kLongest_s)) {
+    throw InputError("duration " + shortNumber(shape.duration_s) + " s is not between two ramps of " +
+                     shortNumber(shape.ramp_s) + " s with " + shortNumber(kShortestPeriod_s) + " s between them and " +
+                     shortNumber(kLongest_s) + " s");
+  }
+  shape.duration_s = std::round(shape.duration_s / trajectory::kStreamPeriod) * trajectory::kStreamPeriod;
+  shape.period_s = shape.duration_s - 2.0 * shape.ramp_s;
+  return shape;
+}
 
 SeriesBasis seriesBasis(const SeriesShape& shape, double time) {
   const Window w = windowAt(shape, time);

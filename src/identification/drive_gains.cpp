@@ -20,6 +20,11 @@ constexpr int kMostIterations = 60;
 constexpr double kConverged = 1e-5;
 constexpr double kFelt = 5.0;  ///< standard errors of a gain below which the payload does not tell it
 
+constexpr double kClearlyBetter = 0.99;  ///< share of the cost: less of a change is noise
+constexpr double kUnlikely = 2.0;  ///< times the URDF's weight: less than kg for pounds; URDFs of real arms are better
+constexpr double kImpossible = 4.0;  ///< the same: no URDF is that wrong, but a unit is
+constexpr double kPoor = 50.0;       ///< percent of the current's rms: a quarter of its power is not explained
+
 constexpr int kBody = dynamics::kLinkParameters;
 
 /// Both sets of recordings as equations, the currents' noise alike on every joint.
@@ -57,6 +62,10 @@ Eigen::VectorXd rigidPart(const Problem& p, const Unknowns& x) {
   for (int row = 0; row < p.e.rows(); ++row)
     bodies[row] += p.is_loaded[static_cast<std::size_t>(row)] ? load[row] : 0.0;
   return bodies;
+}
+
+double presentGain(const mechanism::Actuator& a) {
+  return a.torque_per_ampere > 0.0 ? a.torque_per_ampere : 1.0;
 }
 
 /// One step of Gauss and Newton without block `out`; true when it was small.
@@ -99,22 +108,86 @@ int solve(const Problem& p, int out, Eigen::VectorXd& z) {
   return kMostIterations;
 }
 
+Eigen::VectorXd residualOf(const Problem& p, const Eigen::VectorXd& z) {
+  const Unknowns x = taken(p, z);
+  const Eigen::VectorXd torque = rigidPart(p, x);
+  Eigen::VectorXd residual = p.e.b - p.e.a.rightCols(p.own) * x.own;
+  for (int row = 0; row < p.e.rows(); ++row)
+    residual[row] -= x.inverse[p.e.actuator[static_cast<std::size_t>(row)]] * torque[row];
+  return residual;
+}
+
+double costOf(const Problem& p, const Eigen::VectorXd& z) {
+  return residualOf(p, z).squaredNorm() + p.pull * taken(p, z).u.squaredNorm();
+}
+
+std::vector<Eigen::Index> rowsOf(const Problem& p, int joint) {
+  std::vector<Eigen::Index> rows;
+  for (int row = 0; row < p.e.rows(); ++row) {
+    if (p.e.actuator[static_cast<std::size_t>(row)] == joint) rows.push_back(row);
+  }
+  return rows;
+}
+
+/// Where Gauss and Newton begin, and what lets its gains be positive only.
+struct Start {
+  Eigen::VectorXd z;         ///< all gains positive
+  Eigen::VectorXd measured;  ///< inverse gains as the currents say
+};
+
 /// Inverse gains by the URDF's torques, joint by joint.
-Eigen::VectorXd start(const Problem& p) {
-  Eigen::VectorXd z = Eigen::VectorXd::Zero(p.size());
-  const Eigen::VectorXd torque = rigidPart(p, taken(p, z));
+Start start(const Problem& p) {
+  Start out{Eigen::VectorXd::Zero(p.size()), Eigen::VectorXd(p.gains())};
+  const Eigen::VectorXd torque = rigidPart(p, taken(p, out.z));
   for (int i = 0; i < p.gains(); ++i) {
-    std::vector<Eigen::Index> rows;
-    for (int row = 0; row < p.e.rows(); ++row) {
-      if (p.e.actuator[static_cast<std::size_t>(row)] == i) rows.push_back(row);
-    }
+    const std::vector<Eigen::Index> rows = rowsOf(p, i);
     Eigen::MatrixXd x(static_cast<Eigen::Index>(rows.size()), p.own + 1);
     x << p.e.a(rows, Eigen::all).rightCols(p.own), torque(rows);
     const Eigen::VectorXd fit = x.completeOrthogonalDecomposition().solve(Eigen::VectorXd(p.e.b(rows)));
-    z[p.size() - p.gains() + i] = std::max(fit[p.own], 1e-3 * p.e.b(rows).norm() / std::max(1e-9, torque(rows).norm()));
-    z.segment(p.units.cols() + p.payload(), p.own) += fit.head(p.own);
+    out.measured[i] = fit[p.own];
+    out.z[p.size() - p.gains() + i] =
+        std::max(fit[p.own], 1e-3 * p.e.b(rows).norm() / std::max(1e-9, torque(rows).norm()));
+    out.z.segment(p.units.cols() + p.payload(), p.own) += fit.head(p.own);
   }
-  return z;
+  return out;
+}
+
+/// Fits with positive gains; then lets those that began negative be so, one after the other, where that fits better.
+/// Steps never take a gain through zero, so that its sign is the start's.
+int solveWithSigns(const Problem& p, Eigen::VectorXd& z) {
+  const Start from = start(p);
+  z = from.z;
+  const int iterations = solve(p, -1, z);
+  Eigen::VectorXd begin = from.z;
+  for (int i = 0; i < p.gains(); ++i) {
+    if (from.measured[i] >= 0.0) continue;
+    Eigen::VectorXd other = begin;
+    other[p.size() - p.gains() + i] = from.measured[i];
+    const Eigen::VectorXd other_begin = other;
+    solve(p, -1, other);
+    if (!(costOf(p, other) < kClearlyBetter * costOf(p, z))) continue;
+    z = other;
+    begin = other_begin;
+  }
+  return iterations;
+}
+
+/// A current that goes against the torque is a column's wrong sign, which would spoil the other gains, too.
+void refuseNegative(const mechanism::Robot& robot, const Problem& p, const Eigen::VectorXd& z) {
+  std::string joints, columns;
+  int count = 0;
+  for (int i = 0; i < p.gains(); ++i) {
+    const mechanism::Actuator& a = robot.actuators[static_cast<std::size_t>(i)];
+    const double gain = presentGain(a) / z[p.size() - p.gains() + i];
+    if (gain > 0.0) continue;
+    ++count;
+    joints += (joints.empty() ? "" : ", ") + a.name + " (" + shortNumber(gain, 3) + (a.revolute ? " N m/A)" : " N/A)");
+    columns += (columns.empty() ? "" : ", ") + ("current_" + std::to_string(i + 1) + "_A");
+  }
+  if (count == 0) return;
+  throw Refusal(std::string(count == 1 ? "joint " : "joints ") + joints +
+                (count == 1 ? ": the gain comes out negative" : ": the gains come out negative") +
+                "; check the sign of " + columns);
 }
 
 Problem problemOf(const mechanism::Robot& robot, const std::vector<Column>& columns,
@@ -143,12 +216,55 @@ Problem problemOf(const mechanism::Robot& robot, const std::vector<Column>& colu
 }
 
 Eigen::VectorXd percentOf(const Problem& p, const Eigen::VectorXd& z) {
-  const Unknowns x = taken(p, z);
-  const Eigen::VectorXd torque = rigidPart(p, x);
-  Eigen::VectorXd predicted = p.e.a.rightCols(p.own) * x.own;
-  for (int row = 0; row < p.e.rows(); ++row)
-    predicted[row] += x.inverse[p.e.actuator[static_cast<std::size_t>(row)]] * torque[row];
-  return 100.0 * rmsPerActuator(p.e, p.e.b - predicted).cwiseQuotient(rmsPerActuator(p.e, p.e.b));
+  return 100.0 * rmsPerActuator(p.e, residualOf(p, z)).cwiseQuotient(rmsPerActuator(p.e, p.e.b));
+}
+
+/// Rows of one joint, of its regressor's own columns taken off what they can stand for.
+Eigen::VectorXd besideOwn(const Problem& p, const std::vector<Eigen::Index>& rows, const Eigen::VectorXd& torque) {
+  const Eigen::MatrixXd own = p.e.a(rows, Eigen::all).rightCols(p.own);
+  const Eigen::VectorXd at = torque(rows);
+  return at - own * own.completeOrthogonalDecomposition().solve(at);
+}
+
+/// How many times what the URDF's inertia asks for the fitted bodies' torques are; without what a rotor may stand for.
+double armByUrdf(const Problem& p, const Eigen::VectorXd& z) {
+  const Eigen::VectorXd by_urdf = p.e.a.leftCols(p.rigid) * p.prior;
+  const Eigen::VectorXd change = p.e.a.leftCols(p.rigid) * (p.units * taken(p, z).u);
+  double more = 0.0, squares = 1e-12;
+  for (int i = 0; i < p.gains(); ++i) {
+    const Eigen::VectorXd torque = besideOwn(p, rowsOf(p, i), by_urdf);
+    more += torque.dot(besideOwn(p, rowsOf(p, i), change));
+    squares += torque.squaredNorm();
+  }
+  return 1.0 + more / squares;
+}
+
+/// The payload's mass is the scale of everything: with a wrong one the arm itself would be too heavy or too light.
+/// Without a payload in the difference of the recordings the gains grow until the arm could carry it unnoticed.
+void judgeMass(double payload_kg, double times, DriveGains& out) {
+  const std::string arm = "with a payload of " + shortNumber(payload_kg) + " kg the arm itself weighs " +
+                          shortNumber(times, 2) + " times what its URDF says; ";
+  if (!(times < kImpossible && times > 1.0 / kImpossible)) {
+    throw Refusal(arm +
+                  "is the mass in kg, and is the payload fixed to the last link in all loaded recordings and in no "
+                  "other one?");
+  }
+  if (!(times < kUnlikely && times > 1.0 / kUnlikely)) out.notes.push_back(arm + "check the mass.");
+}
+
+void judgeGains(const mechanism::Robot& robot, DriveGains& out) {
+  for (int i = 0; i < robot.axes(); ++i) {
+    const std::string joint = "joint " + robot.actuators[static_cast<std::size_t>(i)].name + ": ";
+    if (!(out.gain[i] > kGainInterval * out.std[i])) {
+      throw Refusal(joint + "the gain may be anything, zero included (" + shortNumber(out.gain[i], 3) +
+                    " with a standard error of " + shortNumber(out.std[i], 2) +
+                    "); record a motion in which its drive has more to carry, or lock it in the robot file");
+    }
+    if (!(out.percent[i] < kPoor)) {
+      out.notes.push_back(joint + "the error is " + shortNumber(out.percent[i], 3) +
+                          " % of the current's rms; do not trust its gain.");
+    }
+  }
 }
 
 void refuseUnmoved(const mechanism::Robot& robot, const std::vector<Observation>& all,
@@ -170,9 +286,11 @@ DriveGains driveGains(const mechanism::Robot& robot, const std::vector<Observati
                       const std::vector<Observation>& loaded, double payload_kg, const ObservationOptions& options) {
   refuseUnmoved(robot, unloaded, options);
   const Problem p = problemOf(robot, columnsOf(robot), unloaded, loaded, payload_kg, options);
-  Eigen::VectorXd z = start(p);
+  Eigen::VectorXd z;
   DriveGains out;
-  out.iterations = solve(p, -1, z);
+  out.iterations = solveWithSigns(p, z);
+  refuseNegative(robot, p, z);
+  if (p.with_payload) judgeMass(payload_kg, armByUrdf(p, z), out);
   const int n = p.gains();
   Eigen::MatrixXd left_out(p.size(), p.e.blocks);
   for (int block = 0; block < p.e.blocks; ++block) {
@@ -186,7 +304,7 @@ DriveGains driveGains(const mechanism::Robot& robot, const std::vector<Observati
   out.std.resize(n);
   for (int i = 0; i < n; ++i) {
     const mechanism::Actuator& a = robot.actuators[static_cast<std::size_t>(i)];
-    const double present = a.torque_per_ampere > 0.0 ? a.torque_per_ampere : 1.0;
+    const double present = presentGain(a);
     out.gain[i] = present / z[p.size() - n + i];
     out.std[i] = stdOf(present * left_out.row(p.size() - n + i).array().inverse());
   }
@@ -201,6 +319,7 @@ DriveGains driveGains(const mechanism::Robot& robot, const std::vector<Observati
     throw Refusal("no joint feels the payload of " + shortNumber(payload_kg) +
                   " kg well enough to tell its gain; record with a heavier one, or where it is lifted");
   }
+  if (p.with_payload) judgeGains(robot, out);
   return out;
 }
 

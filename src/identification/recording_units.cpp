@@ -35,8 +35,8 @@ void requirePositions(const mechanism::Robot& robot, const recording::Recording&
 void settle(mechanism::Actuator& a, int i, const recording::Recording& r) {
   const bool current = r.current_A.cols() > 0, effort = r.force_N.cols() > 0;
   if (a.recorded == Recorded::Current && !current)
-    refuse(r, "column " + column("current", i, "A") + " is missing, though the robot file says that joint " + a.name +
-                  " has its current recorded");
+    refuse(r, "column " + column("current", i, "A") + " is missing; joint " + a.name +
+                  " counts in amperes, as the robot file, the model or the recordings before this one say");
   if (a.recorded != Recorded::Current && !effort && current) a.recorded = Recorded::Current;
   if (a.recorded == Recorded::Current) return;
   const std::string want = mechanism::forceUnit(a);

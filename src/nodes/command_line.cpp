@@ -2,12 +2,28 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <cmath>
 #include <cstdint>
 #include <optional>
+#include <type_traits>
 
 #include "knee_robot/base/errors.h"
 
 namespace knee_robot::nodes {
+namespace {
+
+template <class T>
+constexpr bool kHoldsDoubles =
+    std::is_same_v<T, double> || std::is_same_v<T, std::optional<double>> || std::is_same_v<T, std::vector<double>>;
+
+/// Whatever cannot be read as a number is for the conversion to refuse. CLI::Range lets nan through.
+std::string whyNotFinite(const std::string& word) {
+  double value = 0.0;
+  const bool number = CLI::detail::lexical_cast(word, value);
+  return number && !std::isfinite(value) ? word + " is not a finite number" : "";
+}
+
+}  // namespace
 
 Option& Option::required() {
   option_->required();
@@ -48,6 +64,10 @@ Option& Option::needs(const Option& other) {
   return *this;
 }
 
+std::string Option::name() const {
+  return option_->get_name();
+}
+
 bool Option::given() const {
   return option_->count() > 0;
 }
@@ -58,7 +78,9 @@ CommandLine::~CommandLine() = default;
 
 template <class T>
 Option CommandLine::option(const std::string& names, T& value, const std::string& help) {
-  return Option(app_->add_option(names, value, help));
+  CLI::Option* const option = app_->add_option(names, value, help);
+  if constexpr (kHoldsDoubles<T>) option->check(whyNotFinite, "");
+  return Option(option);
 }
 template Option CommandLine::option(const std::string&, std::string&, const std::string&);
 template Option CommandLine::option(const std::string&, int&, const std::string&);

@@ -36,6 +36,8 @@ class Option {
 
   /// After parse.
   bool given() const;
+  /// "--axis"
+  std::string name() const;
 
  private:
   CLI::Option* option_ = nullptr;  ///< the command line's
@@ -52,6 +54,7 @@ class CommandLine {
 
   /// `names`: "-o,--output", or "FILE" for an argument without dashes. T: std::string, int, double, std::size_t,
   /// std::uint32_t, std::optional<double>, std::vector<std::string>, std::vector<double>. `value` outlives parse.
+  /// Numbers are finite: nan and inf are refused.
   template <class T>
   Option option(const std::string& names, T& value, const std::string& help);
   /// One of a few words, in capitals or not, each of which means a value.

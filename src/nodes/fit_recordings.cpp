@@ -9,6 +9,8 @@
 #include "knee_robot/base/files.h"
 #include "knee_robot/base/numbers.h"
 #include "knee_robot/identification/recording_units.h"
+#include "knee_robot/recording/filter.h"
+#include "knee_robot/recording/signals.h"
 
 namespace knee_robot::nodes {
 
@@ -44,12 +46,23 @@ std::vector<recording::Recording> inUnits(mechanism::Robot& robot, std::vector<r
   return recordings;
 }
 
+void requireFiltering(const std::vector<recording::Recording>& recordings, double cutoff_hz) {
+  for (const recording::Recording& r : recordings) {
+    const double rate_hz = 1.0 / recording::medianPeriod(r.time_s);
+    const double highest_hz = recording::ZeroPhaseLowPass::kMostOfRate * rate_hz;
+    if (cutoff_hz < highest_hz) continue;
+    throw InputError("--cutoff-hz " + shortNumber(cutoff_hz) + " filters nothing in " + r.path + " with its " +
+                     shortNumber(rate_hz, 4) + " rows a second; give one below " + shortNumber(highest_hz, 3) + " Hz");
+  }
+}
+
 recording::CutoffChoice cutoffOf(const std::vector<recording::Recording>& training, double given_hz) {
   std::vector<const recording::Recording*> list;
   for (const recording::Recording& recording : training)
     list.push_back(&recording);
   recording::CutoffChoice choice = recording::chooseCutoff(list);
   if (given_hz <= 0.0) return choice;
+  requireFiltering(training, given_hz);
   choice.sentence = "Cut-off " + shortNumber(given_hz, 3) + " Hz, as was asked for. The rule: " + choice.sentence;
   choice.cutoff_hz = given_hz;
   return choice;

@@ -21,6 +21,9 @@ std::vector<recording::Recording> readAll(const std::vector<std::string>& files)
 /// In metres and newtons of the robot's actuators.
 std::vector<recording::Recording> inUnits(mechanism::Robot& robot, std::vector<recording::Recording> recordings);
 
+/// InputError where a low-pass at this frequency would leave a recording as it is: its rows are too slow.
+void requireFiltering(const std::vector<recording::Recording>& recordings, double cutoff_hz);
+
 /// The low-pass of both sides: chosen on training recordings, unless it was `given_hz` (0: it was not).
 recording::CutoffChoice cutoffOf(const std::vector<recording::Recording>& training, double given_hz);
 

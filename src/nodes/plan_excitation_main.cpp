@@ -90,53 +90,69 @@ struct Arguments {
   std::vector<std::string> recorded;
   nodes::Option margin;
   nodes::Option noise_option;
+  std::vector<nodes::Option> only_platform, only_chain;
 };
 
-void declare(nodes::CommandLine& app, Arguments& a) {
+void declareShared(nodes::CommandLine& app, Arguments& a) {
   app.option("--robot", a.robot_file, "robot file (YAML)").required();
-  app.option("-o,--output", a.output, "reference file to write").required();
+  app.option("-o,--output", a.output, "reference file to write (chains: CSV)").required();
   app.option("--duration", a.options.shape.duration_s, "duration of the whole movement with its ramps, s")
       .showDefault();
   app.option("--ramp", a.options.shape.ramp_s, "duration of the smooth ramp at each end, s").showDefault();
   app.option("--harmonics", a.options.shape.harmonics, "number of harmonics of the Fourier series").showDefault();
   app.option("--seed", a.options.seed, "random seed of the starting series").showDefault();
-  app.option("--velocity", a.options.velocity_max, "velocity limit of every actuator, m/s").showDefault();
-  app.option("--acceleration", a.options.acceleration_max, "acceleration limit of every actuator, m/s2").showDefault();
-  a.margin = app.option("--condition-max", a.condition_max,
-                        "largest condition number of the Jacobian on the way (default: the robot file's margin, "
-                        "at most 60)");
-  app.option("--directions", a.options.directions,
-             "r: the number of parameter directions for which k = s_1 / s_r is minimised")
-      .showDefault();
   app.option("--candidates", a.options.candidates, "number of random feasible series to start from").showDefault();
-  app.option("--starts", a.options.starts, "number of the best of them that are optimised").showDefault();
-  app.option("--iterations", a.options.iterations, "largest number of evaluations per start and round").showDefault();
   app.option("--seconds,--seconds-budget", a.options.seconds_budget,
              "time limit of planning, s; then, or at Ctrl-C, the best series so far is written")
       .showDefault();
-  app.choice("--criterion", a.options.criterion,
-             "what is optimised: condition (condition number k) or determinant (D-optimality)",
-             {{"condition", excitation::ExcitationCriterion::Condition},
-              {"determinant", excitation::ExcitationCriterion::Determinant}});
-  a.noise_option = app.option("--noise", a.noise,
-                              "standard deviation of the noise of the four actuator forces, N (default: in proportion "
-                              "to force_per_volt_N)")
-                       .values(4);
-  app.option("--viscous", a.options.friction.viscous_N_s_per_m,
-             "viscous friction assumed in every actuator for the force limits, N s/m")
-      .showDefault();
-  app.option("--coulomb", a.options.friction.coulomb_N,
-             "Coulomb friction assumed in every actuator for the force limits, N")
-      .showDefault();
-  app.flag("!--no-force-limits", a.options.force_limits, "do not limit the expected forces");
-  app.option("--recorded", a.recorded, "chains: existing recordings; the new movement adds what they lack");
-  app.flag("--twin-legs", a.options.twin_legs, "move q23 and q33 identically, as in the paper's verification");
+  a.only_chain = {
+      app.option("--recorded", a.recorded, "chains: existing recordings; the new movement adds what they lack")};
+}
+
+void declarePlatform(nodes::CommandLine& app, Arguments& a) {
+  const auto only = [&](const nodes::Option& option) { return a.only_platform.emplace_back(option); };
+  only(app.option("--velocity", a.options.velocity_max, "velocity limit of every actuator, m/s").showDefault());
+  only(app.option("--acceleration", a.options.acceleration_max, "acceleration limit of every actuator, m/s2")
+           .showDefault());
+  a.margin = only(app.option("--condition-max", a.condition_max,
+                             "largest condition number of the Jacobian on the way (default: the robot file's margin, "
+                             "at most 60)"));
+  only(app.option("--directions", a.options.directions,
+                  "r: the number of parameter directions for which k = s_1 / s_r is minimised")
+           .showDefault());
+  only(app.option("--starts", a.options.starts, "number of the best of them that are optimised").showDefault());
+  only(app.option("--iterations", a.options.iterations, "largest number of evaluations per start and round")
+           .showDefault());
+  only(app.choice("--criterion", a.options.criterion,
+                  "what is optimised: condition (condition number k) or determinant (D-optimality)",
+                  {{"condition", excitation::ExcitationCriterion::Condition},
+                   {"determinant", excitation::ExcitationCriterion::Determinant}}));
+  a.noise_option = only(app.option("--noise", a.noise,
+                                   "standard deviation of the noise of the four actuator forces, N (default: in "
+                                   "proportion to force_per_volt_N)")
+                            .values(4));
+  only(app.option("--viscous", a.options.friction.viscous_N_s_per_m,
+                  "viscous friction assumed in every actuator for the force limits, N s/m")
+           .showDefault());
+  only(app.option("--coulomb", a.options.friction.coulomb_N,
+                  "Coulomb friction assumed in every actuator for the force limits, N")
+           .showDefault());
+  only(app.flag("!--no-force-limits", a.options.force_limits, "do not limit the expected forces"));
+  only(app.flag("--twin-legs", a.options.twin_legs, "move q23 and q33 identically, as in the paper's verification"));
+}
+
+/// An option that is not looked at would be taken for kept.
+void refuseOthers(const std::vector<nodes::Option>& options, const std::string& sentence) {
+  for (const nodes::Option& option : options) {
+    if (option.given()) throw InputError(option.name() + " " + sentence);
+  }
 }
 
 int planChain(const mechanism::Robot& robot, const Arguments& a) {
+  refuseOthers(a.only_platform, "is for the parallel robot, but " + a.robot_file +
+                                    " describes a chain, whose limits stand in the robot file; leave it out");
   excitation::ChainExcitationOptions chain;
   chain.shape = a.options.shape;
-  chain.shape.period_s = chain.shape.duration_s - 2.0 * chain.shape.ramp_s;
   chain.seed = a.options.seed;
   chain.candidates = a.options.candidates;
   chain.seconds_budget = a.options.seconds_budget;
@@ -146,6 +162,7 @@ int planChain(const mechanism::Robot& robot, const Arguments& a) {
 int run(const Arguments& a) {
   const mechanism::Robot any = mechanism::loadAnyRobot(a.robot_file);
   if (any.chain) return planChain(any, a);
+  refuseOthers(a.only_chain, "is for chains, but " + a.robot_file + " describes none; leave it out");
   const mechanism::Robot robot = mechanism::loadRobot(a.robot_file);
   excitation::ExcitationOptions options = a.options;
   if (a.margin.given()) options.condition_max = a.condition_max;
@@ -173,6 +190,7 @@ int main(int argc, char** argv) {
       "directions.",
       "plan_excitation");
   Arguments arguments;
-  declare(app, arguments);
+  declareShared(app, arguments);
+  declarePlatform(app, arguments);
   return nodes::runProgram(app, argc, argv, [&] { return run(arguments); });
 }

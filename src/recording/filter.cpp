@@ -6,7 +6,7 @@
 namespace knee_robot::recording {
 
 ZeroPhaseLowPass::ZeroPhaseLowPass(double cutoff_hz, double rate_hz) {
-  if (!(cutoff_hz > 0.0) || cutoff_hz >= 0.45 * rate_hz) return;
+  if (!(cutoff_hz > 0.0) || cutoff_hz >= kMostOfRate * rate_hz) return;
   active_ = true;
   padding_ = static_cast<int>(std::ceil(6.0 * rate_hz / cutoff_hz));
   edge_ = static_cast<int>(std::ceil(rate_hz / cutoff_hz));

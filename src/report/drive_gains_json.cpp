@@ -23,6 +23,7 @@ std::string driveGainsJson(const mechanism::Robot& robot, const identification::
                   {"payload_center_m", jsonArray(g.center_m)},
                   {"payload_center_std_m", jsonArray(g.center_std_m)},
                   {"iterations", g.iterations},
+                  {"notes", g.notes},
                   {"reproduce", command_line}};
   return j.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
 }

@@ -49,12 +49,14 @@ std::string robotText(const mechanism::Robot& robot, const identification::Drive
 std::string driveGainsSummary(const mechanism::Robot& robot, const identification::DriveGains& g) {
   std::string out = "drive gains by a payload of " + shortNumber(g.payload_kg) + " kg, with 95 % intervals\n";
   for (Eigen::Index i = 0; i < g.gain.size(); ++i) {
-    char line[160];
-    std::snprintf(line, sizeof line, "  %-22s %8.3f  (%.3f to %.3f) %s/A   current explained to %.1f %%\n",
+    char line[200];
+    std::snprintf(line, sizeof line, "  %-22s %8.3f  (%.3f to %.3f) %s/A   error %.1f %% of the current's rms\n",
                   joint(robot, i).name.c_str(), g.gain[i], g.gain[i] - kGainInterval * g.std[i],
                   g.gain[i] + kGainInterval * g.std[i], joint(robot, i).revolute ? "N m" : "N", g.percent[i]);
     out += line;
   }
+  for (const std::string& note : g.notes)
+    out += "  " + note + "\n";
   out += "payload's centre in the last body's frame, m:";
   for (int k = 0; k < 3; ++k)
     out += std::string(k > 0 ? ", " : " ") + "xyz"[k] + " " + shortNumber(g.center_m[k], 3) + " +- " +

@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include <optional>
+
 #include "knee_robot/base/errors.h"
 
 namespace knee_robot::nodes {
@@ -16,6 +18,8 @@ struct Given {
   std::string space = "actuator";
   std::vector<std::string> joints;
   std::vector<double> start;
+  std::optional<double> mass;
+  double free = 0.0;
   Colour colour = Colour::Red;
   bool limits = true;
   bool markers_given = false;
@@ -30,6 +34,8 @@ Given parse(std::vector<const char*> words) {
   line.option("--space", given.space, "space").oneOf({"actuator", "platform"});
   line.option("--joints", given.joints, "joints").separatedBy(',');
   line.option("--start", given.start, "start").values(2);
+  line.option("--mass", given.mass, "mass, kg");
+  line.option("--free", given.free, "any number");
   line.choice("--colour", given.colour, "colour", {{"red", Colour::Red}, {"blue", Colour::Blue}});
   line.flag("!--no-limits", given.limits, "no limits");
   const Option marked = line.option("--markers", markers, "markers");
@@ -80,6 +86,19 @@ TEST(CommandLine, RefusesWhatIsOutsideARangeOrAList) {
   EXPECT_NE(whyRefused({"--colour", "green"}).find("red,blue"), std::string::npos);
   EXPECT_NE(whyRefused({"--start", "1"}), "");
   EXPECT_NE(whyRefused({"--map", "m.yaml"}).find("--markers"), std::string::npos);
+}
+
+TEST(CommandLine, TakesNoNumberThatIsNotFinite) {
+  for (const char* const word : {"nan", "-nan", "NaN", "inf", "-inf", "infinity", "1e999"}) {
+    for (const char* const option : {"--length", "--free", "--mass"}) {
+      const std::string why = whyRefused({option, word});
+      EXPECT_NE(why.find(option), std::string::npos) << option << " " << word << ": " << why;
+    }
+    EXPECT_NE(whyRefused({"--start", "1", word}), "") << word;
+    EXPECT_NE(whyRefused({"--axis", word}), "") << word;
+  }
+  EXPECT_NE(whyRefused({"--free", "nan"}).find("nan is not a finite number"), std::string::npos);
+  EXPECT_EQ(parse({"--free", "-1e300", "--mass", "2"}).free, -1e300);
 }
 
 }  // namespace

@@ -61,11 +61,11 @@ struct Ended {
 
 /// Runs `identify` on the recording; cut-off given, because a few seconds do not show a spectrum.
 Ended identify(const TemporaryFolder& folder, const fs::path& robot, const fs::path& recording,
-               const std::string& more = "") {
+               const std::string& more = "", const std::string& cutoff_hz = "3") {
   const fs::path errors = folder / "errors.txt";
   const std::string command = std::string(KNEE_IDENTIFY) + " --robot " + robot.string() + " --train " +
-                              recording.string() + " --cutoff-hz 3 --output " + (folder / "out").string() + " " + more +
-                              " > /dev/null 2> " + errors.string();
+                              recording.string() + " --cutoff-hz " + cutoff_hz + " --output " +
+                              (folder / "out").string() + " " + more + " > /dev/null 2> " + errors.string();
   const int status = WEXITSTATUS(std::system(command.c_str()));
   return {status, contentOf(errors)};
 }
@@ -126,6 +126,22 @@ TEST(IdentifyProgram, EndsWithTwoOnBadInput) {
   const TemporaryFolder folder;
   const Ended ended = identify(folder, writeBenchRobot(folder), folder / "absent.csv");
   EXPECT_EQ(ended.status, 2) << ended.errors;
+}
+
+/// 100 rows a second: from 45 Hz on the low-pass leaves everything as it is.
+TEST(IdentifyProgram, RefusesACutOffThatFiltersNothing) {
+  const TemporaryFolder folder;
+  const fs::path robot = writeBenchRobot(folder), train = writeRecording(folder, 5.0, sineMotion, rubbing);
+  for (const char* const cutoff : {"45", "60", "1e5"}) {
+    const Ended ended = identify(folder, robot, train, "", cutoff);
+    EXPECT_EQ(ended.status, 2) << ended.errors;
+    EXPECT_NE(ended.errors.find("filters nothing in " + train.string() + " with its 100 rows a second"),
+              std::string::npos)
+        << ended.errors;
+  }
+  const Ended ended = identify(folder, robot, train, "", "nan");
+  EXPECT_EQ(ended.status, 2) << ended.errors;
+  EXPECT_FALSE(fs::exists(folder / "out"));
 }
 
 /// Whatever it is called: by another path, through a link, as a copy.

@@ -11,11 +11,11 @@ namespace knee_robot::excitation {
 
 /// What a chain's excitation is planned for.
 struct ChainExcitationOptions {
-  SeriesShape shape;             ///< harmonics, duration, ramps
+  SeriesShape shape;             ///< harmonics, duration, ramps; the period is what remains between the ramps
   unsigned seed = 1;             ///< same seed and options, same plan, unless the budget cuts the search short
   double share = 0.9;            ///< of every joint's range, velocity and acceleration limit that is used at most
   int candidates = 100;          ///< random series to start with
-  double seconds_budget = 30.0;  ///< of the search
+  double seconds_budget = 30.0;  ///< of the whole search, random series included; one of them is tried at least
   Eigen::MatrixXd
       units;  ///< rigid parameters of the chain per unit coordinate (see identification::MotionModel::bodies)
   Eigen::VectorXd noise;  ///< per joint, of the recorded torque, N m or N
@@ -52,8 +52,8 @@ Eigen::MatrixXd chainInformation(const mechanism::Robot& robot, const ChainExcit
 /// A finite Fourier series per joint within the robot file's limits, from rest to rest, that adds most to the logarithm
 /// of the determinant of 1 + information (D-optimality beside the prior): what was recorded already counts. Random
 /// series first, then NLopt's Sbplx from the best. Amplitude and centre of every joint follow from its limits, so that
-/// every series that is tried keeps them. Knows of no obstacle and no self-collision. InputError when options are out
-/// of range.
+/// every series that is tried keeps them; those of the plan are looked at every millisecond, ramps and ends included.
+/// Knows of no obstacle and no self-collision. InputError when options are out of range.
 ChainExcitationPlan planChainExcitation(const mechanism::Robot& robot, const ChainExcitationOptions& options);
 
 }  // namespace knee_robot::excitation

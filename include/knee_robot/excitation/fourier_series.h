@@ -17,6 +17,10 @@ struct SeriesShape {
   double duration_s = 20.0;  ///< ramps included
 };
 
+/// The shape in whole points of the stream, the period being what its ramps leave, so that the last point is exactly
+/// the centre. InputError where harmonics, ramps or duration are out of range.
+SeriesShape completedShape(SeriesShape shape);
+
 /// A sine and a cosine a harmonic.
 inline Eigen::Index coefficientColumns(const SeriesShape& shape) {
   return 2 * static_cast<Eigen::Index>(shape.harmonics);

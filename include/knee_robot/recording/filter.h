@@ -10,7 +10,10 @@ namespace knee_robot::recording {
 /// value: constants and straight lines pass unchanged up to the ends, and no single sample is the end.
 class ZeroPhaseLowPass {
  public:
-  /// `cutoff_hz` must be positive; at or above 0.45 of the sampling rate the filter does nothing.
+  /// Share of the sampling rate at and above which a cut-off does nothing.
+  static constexpr double kMostOfRate = 0.45;
+
+  /// `cutoff_hz` must be positive; see kMostOfRate.
   ZeroPhaseLowPass(double cutoff_hz, double rate_hz);
 
   void apply(Eigen::Ref<Eigen::VectorXd> signal) const;

@@ -7,14 +7,14 @@
 
 namespace knee_robot::report {
 
-inline constexpr double kGainInterval = 1.96;  ///< standard errors of 95 %
+using identification::kGainInterval;
 
 /// The robot file's key for a joint's gain.
 inline const char* gainKey(const mechanism::Actuator& joint) {
   return joint.revolute ? "torque_per_ampere_Nm" : "force_per_ampere_N";
 }
 
-/// What the program prints: gain and 95 % interval of every joint, the payload's centre.
+/// What the program prints: gain and 95 % interval of every joint, what is doubtful about them, the payload's centre.
 std::string driveGainsSummary(const mechanism::Robot& robot, const identification::DriveGains& gains);
 /// report.json: gain and 95 % interval of every joint, the payload's centre.
 std::string driveGainsJson(const mechanism::Robot& robot, const identification::DriveGains& gains,
