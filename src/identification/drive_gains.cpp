@@ -243,7 +243,7 @@ double armByUrdf(const Problem& p, const Eigen::VectorXd& z) {
 /// Without a payload in the difference of the recordings the gains grow until the arm could carry it unnoticed.
 void judgeMass(double payload_kg, double times, DriveGains& out) {
   const std::string arm = "with a payload of " + shortNumber(payload_kg) + " kg the arm itself weighs " +
-                          shortNumber(times, 2) + " times what its URDF says; ";
+                          shortNumber(times, 3) + " times what its URDF says; ";
   if (!(times < kImpossible && times > 1.0 / kImpossible)) {
     throw Refusal(arm +
                   "is the mass in kg, and is the payload fixed to the last link in all loaded recordings and in no "
@@ -264,6 +264,31 @@ void judgeGains(const mechanism::Robot& robot, DriveGains& out) {
       out.notes.push_back(joint + "the error is " + shortNumber(out.percent[i], 3) +
                           " % of the current's rms; do not trust its gain.");
     }
+  }
+}
+
+/// Gains and the payload's centre, with standard errors by leaving blocks out in turn.
+void estimate(const mechanism::Robot& robot, const Problem& p, const Eigen::VectorXd& z, DriveGains& out) {
+  Eigen::MatrixXd left_out(p.size(), p.e.blocks);
+  for (int block = 0; block < p.e.blocks; ++block) {
+    Eigen::VectorXd own = z;
+    solve(p, block, own);
+    left_out.col(block) = own;
+  }
+  const double factor = (p.e.blocks - 1.0) / p.e.blocks;
+  const auto stdOf = [&](const Eigen::ArrayXd& v) { return std::sqrt(factor * (v - v.mean()).square().sum()); };
+  const int n = p.gains();
+  out.gain.resize(n);
+  out.std.resize(n);
+  for (int i = 0; i < n; ++i) {
+    const double present = presentGain(robot.actuators[static_cast<std::size_t>(i)]);
+    out.gain[i] = present / z[p.size() - n + i];
+    out.std[i] = stdOf(present * left_out.row(p.size() - n + i).array().inverse());
+  }
+  for (int k = 0; p.with_payload && k < 3; ++k) {
+    const Eigen::Index at = p.units.cols() + 6 + k;
+    out.center_m[k] = z[at] / p.mass;
+    out.center_std_m[k] = stdOf(left_out.row(at).array() / p.mass);
   }
 }
 
@@ -291,29 +316,8 @@ DriveGains driveGains(const mechanism::Robot& robot, const std::vector<Observati
   out.iterations = solveWithSigns(p, z);
   refuseNegative(robot, p, z);
   if (p.with_payload) judgeMass(payload_kg, armByUrdf(p, z), out);
-  const int n = p.gains();
-  Eigen::MatrixXd left_out(p.size(), p.e.blocks);
-  for (int block = 0; block < p.e.blocks; ++block) {
-    Eigen::VectorXd own = z;
-    solve(p, block, own);
-    left_out.col(block) = own;
-  }
-  const double factor = (p.e.blocks - 1.0) / p.e.blocks;
-  const auto stdOf = [&](const Eigen::ArrayXd& v) { return std::sqrt(factor * (v - v.mean()).square().sum()); };
-  out.gain.resize(n);
-  out.std.resize(n);
-  for (int i = 0; i < n; ++i) {
-    const mechanism::Actuator& a = robot.actuators[static_cast<std::size_t>(i)];
-    const double present = presentGain(a);
-    out.gain[i] = present / z[p.size() - n + i];
-    out.std[i] = stdOf(present * left_out.row(p.size() - n + i).array().inverse());
-  }
+  estimate(robot, p, z, out);
   out.payload_kg = payload_kg;
-  for (int k = 0; p.with_payload && k < 3; ++k) {
-    const Eigen::Index at = p.units.cols() + 6 + k;
-    out.center_m[k] = z[at] / payload_kg;
-    out.center_std_m[k] = stdOf(left_out.row(at).array() / payload_kg);
-  }
   out.percent = percentOf(p, z);
   if (p.with_payload && !(out.gain.array() > kFelt * out.std.array()).any()) {
     throw Refusal("no joint feels the payload of " + shortNumber(payload_kg) +
