@@ -25,7 +25,7 @@ Observation currents(mechanism::Robot& robot, int seed, double payload_kg,
 }
 
 template <typename Action>
-std::string refusalOf(const Action& action) {
+std::string whyRefused(const Action& action) {
   try {
     action();
   } catch (const Refusal& refusal) {
@@ -36,7 +36,7 @@ std::string refusalOf(const Action& action) {
 
 std::string refusal(mechanism::Robot& robot, const std::vector<Observation>& unloaded,
                     const std::vector<Observation>& loaded, double payload_kg) {
-  return refusalOf([&] { driveGains(robot, unloaded, loaded, payload_kg, ObservationOptions()); });
+  return whyRefused([&] { driveGains(robot, unloaded, loaded, payload_kg, ObservationOptions()); });
 }
 
 TEST(DriveGainsOfAChain, ACurrentOfTheWrongSignIsNamed) {
@@ -68,7 +68,7 @@ TEST(DriveGainsOfAChain, ByTheUrdfAloneACurrentOfTheWrongSignIsNamedToo) {
   Eigen::VectorXd signs = Eigen::VectorXd::Ones(6);
   signs[2] = -1.0;
   const std::vector<Observation> training = {currents(robot, 1, 0.0, signs)};
-  const std::string said = refusalOf([&] { gainsByUrdf(robot, training, ObservationOptions()); });
+  const std::string said = whyRefused([&] { gainsByUrdf(robot, training, ObservationOptions()); });
   EXPECT_NE(said.find("check the sign of current_3_A"), std::string::npos) << said;
 }
 
