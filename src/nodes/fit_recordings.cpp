@@ -15,10 +15,14 @@
 namespace knee_robot::nodes {
 
 void requireFitAndValidation(const std::vector<std::string>& train, const std::vector<std::string>& validate) {
-  if (validate.empty()) return;
   std::map<std::string, std::string> fitted;  // by what is in them: a path can be written in many ways
-  for (const std::string& file : train)
-    fitted.emplace(fingerprint(readFile(file)), file);
+  for (const std::string& file : train) {
+    const auto [same, is_new] = fitted.emplace(fingerprint(readFile(file)), file);
+    if (is_new) continue;
+    throw InputError(file + ": is given twice to fit to" +
+                     (same->second == file ? "" : " (also as " + same->second + ")") +
+                     ", and would count as two measurements; leave one out");
+  }
   std::set<std::string> names;
   for (const std::string& file : validate) {
     if (const auto same = fitted.find(fingerprint(readFile(file))); same != fitted.end()) {
@@ -56,11 +60,15 @@ void requireFiltering(const std::vector<recording::Recording>& recordings, doubl
   }
 }
 
-recording::CutoffChoice cutoffOf(const std::vector<recording::Recording>& training, double given_hz) {
+recording::CutoffChoice cutoffOf(const mechanism::Robot& robot, const std::vector<recording::Recording>& training,
+                                 double given_hz) {
   std::vector<const recording::Recording*> list;
   for (const recording::Recording& recording : training)
     list.push_back(&recording);
-  recording::CutoffChoice choice = recording::chooseCutoff(list);
+  recording::CutoffRule rule;
+  for (const mechanism::Actuator& a : robot.actuators)
+    rule.fastest_m_per_s.push_back(a.velocity_max_m_per_s);
+  recording::CutoffChoice choice = recording::chooseCutoff(list, rule);
   if (given_hz <= 0.0) return choice;
   requireFiltering(training, given_hz);
   choice.sentence = "Cut-off " + shortNumber(given_hz, 3) + " Hz, as was asked for. The rule: " + choice.sentence;

@@ -11,7 +11,7 @@ namespace knee_robot::nodes {
 
 /// What identify and trace do with the recordings that they are given, before they differ.
 
-/// A recording that the model is fitted to cannot validate it, under whatever name; and prediction_NAME.csv must be one
+/// A recording counts once in the fit, and one that the model is fitted to cannot validate it, under whatever name; and prediction_NAME.csv must be one
 /// file per validation recording. Throws InputError. Reads all of them: before the work, which may take minutes.
 void requireFitAndValidation(const std::vector<std::string>& train, const std::vector<std::string>& validate);
 
@@ -25,6 +25,7 @@ std::vector<recording::Recording> inUnits(mechanism::Robot& robot, std::vector<r
 void requireFiltering(const std::vector<recording::Recording>& recordings, double cutoff_hz);
 
 /// The low-pass of both sides: chosen on training recordings, unless it was `given_hz` (0: it was not).
-recording::CutoffChoice cutoffOf(const std::vector<recording::Recording>& training, double given_hz);
+recording::CutoffChoice cutoffOf(const mechanism::Robot& robot, const std::vector<recording::Recording>& training,
+                                 double given_hz);
 
 }  // namespace knee_robot::nodes

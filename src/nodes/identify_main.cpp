@@ -147,7 +147,7 @@ int run(const Arguments& a, const std::string& command_line) {
   identification::adaptToRecordings(robot, read);
   identification::takeRecordedSteps(robot, read);
   std::vector<recording::Recording> training = nodes::inUnits(robot, read);
-  r.cutoff = nodes::cutoffOf(training, a.cutoff_hz);
+  r.cutoff = nodes::cutoffOf(robot, training, a.cutoff_hz);
   r.options.observation.setCutoff(r.cutoff.cutoff_hz, a.motion_cutoff_hz);
   const std::vector<identification::Column> columns = identification::columnsOf(robot, r.options.joint_friction);
   r.train = identification::observeAll(robot, columns, training, r.options.observation);

@@ -156,7 +156,7 @@ std::vector<recording::Recording> readTraining(const Arguments& a, mechanism::Ro
     identification::takeGains(r.options.start->model, robot);
   }
   std::vector<recording::Recording> train = nodes::inUnits(robot, read);
-  cutoff = nodes::cutoffOf(train, a.cutoff_hz);
+  cutoff = nodes::cutoffOf(robot, train, a.cutoff_hz);
   if (r.options.start) {
     cutoff.cutoff_hz = r.options.start->model.cutoff_hz;
     cutoff.sentence = "Cut-off " + shortNumber(cutoff.cutoff_hz, 3) + " Hz, of the given model.";

@@ -177,6 +177,23 @@ TEST(IdentifyProgram, AndTraceRefuseToValidateAModelWithWhatItIsFittedTo) {
   }
 }
 
+TEST(IdentifyProgram, AndTraceRefuseARecordingThatIsGivenTwiceToFitTo) {
+  const TemporaryFolder folder;
+  const fs::path robot = writeBenchRobot(folder), train = writeRecording(folder, 5.0, sineMotion, rubbing);
+  const fs::path copy = folder / "copy.csv", errors = folder / "errors.txt";
+  fs::copy_file(train, copy);
+  for (const std::string program : {KNEE_IDENTIFY, KNEE_TRACE}) {
+    for (const fs::path& again : {train, copy}) {
+      const std::string command = program + " --robot " + robot.string() + " --train " + train.string() + " " +
+                                  again.string() + " --output " + (folder / "out").string() + " > /dev/null 2> " +
+                                  errors.string();
+      EXPECT_EQ(WEXITSTATUS(std::system(command.c_str())), 2);
+      EXPECT_NE(contentOf(errors).find(again.string() + ": is given twice to fit to"), std::string::npos)
+          << contentOf(errors);
+    }
+  }
+}
+
 /// Ctrl-C while it searches: the best so far is written whole, and that is a plan like any other: status 0.
 TEST(PlanExcitationProgram, WritesTheBestSoFarOnInterruptAndEndsWithZero) {
   const TemporaryFolder folder;
