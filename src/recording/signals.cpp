@@ -17,6 +17,7 @@ constexpr double kTrembleWindow_s = 0.2;
 constexpr double kFarthest_s = 0.05;
 constexpr int kLastStaleRow = 50;                 ///< a recorder's stale rows are the first few
 constexpr double kImpossibleJump_m = 1e-3;        ///< between neighbouring rows,
+constexpr double kBurst = 20.0;                   ///< mean intervals; a recording without a longer one has no gap
 constexpr double kImpossibleSpeed_m_per_s = 2.0;  ///< and at this speed: no actuator moved so, the older row is stale
 
 std::string percent(double share) {
@@ -116,17 +117,25 @@ Eigen::MatrixXd trembleOf(const Eigen::MatrixXd& raw, const Eigen::MatrixXd& smo
   return out;
 }
 
-/// Marks grid samples inside long intervals without rows, and those of test pulses.
-std::vector<char> knownSamples(const std::vector<double>& time, const std::vector<double>& grid, double longest_s,
-                               const Eigen::VectorXd& test_pulse) {
-  std::vector<char> known(grid.size(), 1);
+/// Marks grid samples inside long intervals without rows and at jumps (`gap`), and those of test pulses.
+void markUnknown(const std::vector<double>& time, double longest_s, const Eigen::VectorXd& test_pulse, Signals& s) {
+  s.gap.assign(s.time_s.size(), 0);
+  s.known.assign(s.time_s.size(), 1);
   int k = 0;
-  for (std::size_t i = 0; i < grid.size(); ++i) {
-    k = advance(time, grid[i], k);
-    if (time[k + 1] - time[k] > longest_s) known[i] = 0;
-    if (test_pulse.size() > 0 && test_pulse[k] != 0.0) known[i] = 0;
+  for (std::size_t i = 0; i < s.time_s.size(); ++i) {
+    k = advance(time, s.time_s[i], k);
+    s.gap[i] = time[k + 1] - time[k] > longest_s;
+    if (test_pulse.size() > 0 && test_pulse[k] != 0.0) s.known[i] = 0;
   }
-  return known;
+  for (const Jump& jump : s.jumps) {
+    const auto sample = [&](double time_s) { return (time_s - s.time_s.front()) / s.period_s; };
+    const int from = static_cast<int>(std::floor(sample(jump.from_s))),
+              to = static_cast<int>(std::ceil(sample(jump.to_s)));
+    for (int i = std::max(0, from); i <= std::min(s.samples() - 1, to); ++i)
+      s.gap[static_cast<std::size_t>(i)] = 1;
+  }
+  for (std::size_t i = 0; i < s.gap.size(); ++i)
+    s.known[i] = s.known[i] && !s.gap[i];
 }
 
 void noteTiming(const std::vector<double>& time, double period, int rows_left_out, Signals& s) {
@@ -148,7 +157,7 @@ void noteTiming(const std::vector<double>& time, double period, int rows_left_ou
       " samples): positions by a cubic at their own times, commands averaged over the time they were held.");
   if (rows_left_out > 0)
     s.notes.push_back("The first " + std::to_string(rows_left_out) + " row(s) are stale and were left out.");
-  const auto unknown = std::count(s.known.begin(), s.known.end(), 0);
+  const auto unknown = std::count(s.gap.begin(), s.gap.end(), 1);
   if (unknown > 0) {
     s.notes.push_back(percent(static_cast<double>(unknown) / s.samples()) +
                       " of the samples lie in gaps and are not used.");
@@ -174,6 +183,22 @@ void noteQuantization(const Eigen::MatrixXd& position, double period, const Sign
   s.notes.push_back("Positions come in steps of " + steps + " um; rounded to these, the low-pass at " +
                     shortNumber(options.motion_cutoff_hz) + " Hz leaves an error of about " + left +
                     " um rms. Coulomb friction does not reverse within a step or two.");
+}
+
+/// Why a recording has far fewer rows than its median interval promises: long gaps, or stamps that come in bursts.
+Refusal tooSparse(const std::string& path, const std::vector<double>& time, double period) {
+  const double span = time.back() - time.front(), usual = span / static_cast<double>(time.size() - 1);
+  double longest = 0.0;
+  for (std::size_t k = 0; k + 1 < time.size(); ++k)
+    longest = std::max(longest, time[k + 1] - time[k]);
+  if (longest < kBurst * usual) {
+    return Refusal(path +
+                   ": its stamps come in bursts, not when the rows were measured: the median interval of time_s is " +
+                   shortNumber(1e3 * period, 3) + " ms, but there is one row every " + shortNumber(1e3 * usual, 3) +
+                   " ms; record the time of each measurement, with at least 1 ms resolution");
+  }
+  return Refusal(path + ": its rows cover only a small part of its " + shortNumber(span) +
+                 " s; cut the recording at its long gaps");
 }
 
 }  // namespace
@@ -217,12 +242,12 @@ Signals resample(const Recording& r, const Eigen::MatrixXd& force_N, const Signa
   const std::vector<double> time(r.time_s.begin() + stale, r.time_s.end());
 
   const double span = time.back() - time.front();
-  if (span / period > 20.0 * rows + 1000.0) {
-    throw Refusal(r.path + ": its rows cover only a small part of its " + shortNumber(span) +
-                  " s; cut the recording at its long gaps");
-  }
+  if (span / period > 20.0 * rows + 1000.0) throw tooSparse(r.path, time, period);
   const std::vector<double> fine = uniformGrid(time.front(), time.back(), period);
-  const Eigen::MatrixXd raw = sampleCubic(time, r.position_m.bottomRows(rows), fine);
+  const std::vector<Jump> jumps = findJumps(r, stale, options.fastest_m_per_s);
+  const Eigen::MatrixXd recorded = r.position_m.bottomRows(rows);
+  const Eigen::MatrixXd raw =
+      sampleCubic(time, jumps.empty() ? recorded : recorded - jumpsUntil(jumps, time, recorded.cols()), fine);
   Eigen::MatrixXd position = raw;
   ZeroPhaseLowPass(options.motion_cutoff_hz, 1.0 / period).applyToColumns(position);
 
@@ -235,6 +260,8 @@ Signals resample(const Recording& r, const Eigen::MatrixXd& force_N, const Signa
   for (int i = 0; i < count; ++i)
     s.time_s[i] = fine[static_cast<std::size_t>(i) * step];
   s.position_m = everyNth(position, step, count);
+  s.jumps = jumps;
+  if (!jumps.empty()) s.position_m += jumpsUntil(jumps, s.time_s, recorded.cols());
   s.velocity_m_per_s = everyNth(firstDerivative(position, period), step, count);
   s.acceleration_m_per_s2 = everyNth(secondDerivative(position, period), step, count);
   if (r.motor_m.cols() > 0) {
@@ -247,7 +274,7 @@ Signals resample(const Recording& r, const Eigen::MatrixXd& force_N, const Signa
   s.force_is_measured = r.force_is_measured;
   s.force_N = heldMeans(r.force_is_measured ? midpoints(time) : time, force_N.bottomRows(rows), s.time_s, s.period_s);
   s.tremble_m_per_s = everyNth(trembleOf(raw, position, period), step, count);
-  s.known = knownSamples(time, s.time_s, longest, r.test_pulse.tail(r.test_pulse.size() > 0 ? rows : 0));
+  markUnknown(time, longest, r.test_pulse.tail(r.test_pulse.size() > 0 ? rows : 0), s);
   s.rounding_left = std::clamp(6.0 * std::sqrt(2.0 * options.motion_cutoff_hz * period / 12.0), 0.25, 1.0);
   s.notes = r.notes;
   noteQuantization(r.position_m.bottomRows(rows), period, options, s);

@@ -139,6 +139,25 @@ TEST(Resample, RefusesWhatIsTooShort) {
   EXPECT_THROW(resample(r, r.force_N), Refusal);
 }
 
+TEST(Resample, TellsStampsInBurstsFromLongGaps) {
+  const auto refusal = [](const std::vector<double>& times) -> std::string {
+    const Recording r = along(times);
+    try {
+      resample(r, r.force_N);
+    } catch (const Refusal& refused) {
+      return refused.what();
+    }
+    return "";
+  };
+  std::vector<double> bursts, gaps;
+  for (int k = 0; k < 900; ++k) {
+    bursts.push_back(0.01 * (k / 3) + 1e-9 * (k % 3));
+    gaps.push_back(1e-3 * k + 1000.0 * (k / 300));
+  }
+  EXPECT_NE(refusal(bursts).find("stamps come in bursts"), std::string::npos) << refusal(bursts);
+  EXPECT_NE(refusal(gaps).find("cut the recording at its long gaps"), std::string::npos) << refusal(gaps);
+}
+
 TEST(AtHoldIntervals, LooksInTheMiddleOfTheIntervalInWhichTheRowsForceHolds) {
   const Recording r = along(jitteredTimes(300, 0.01, 0.002, 6));
   const Signals s = resample(r, r.force_N);

@@ -3,6 +3,7 @@
 #include <string>
 #include <vector>
 
+#include "knee_robot/recording/jumps.h"
 #include "knee_robot/recording/recording.h"
 
 namespace knee_robot::recording {
@@ -13,8 +14,9 @@ struct SignalOptions {
   double rate_hz = 100.0;         ///< of the result, at most; a slower recording keeps its own rate
   /// A longer interval without rows than both of these is a gap: nothing is known of the motion in it. The cubic between
   /// the rows follows a motion at the cut-off to 0.7 % over a fifth of its cycle (2 pi / 5)^4 / 384.
-  double gap_periods = 5.0;  ///< of the rows
-  double gap_cycles = 0.2;   ///< of motion_cutoff_hz: what a fast recorder skips when its machine is busy
+  double gap_periods = 5.0;             ///< of the rows
+  double gap_cycles = 0.2;              ///< of motion_cutoff_hz: what a fast recorder skips when its machine is busy
+  std::vector<double> fastest_m_per_s;  ///< per actuator, for findJumps; empty: jumps are not looked for
 };
 
 /// Motion and commanded force on a uniform grid: one row a sample, one column an actuator.
@@ -32,7 +34,9 @@ struct Signals {
   Eigen::MatrixXd tremble_m_per_s;
   Eigen::MatrixXd motor_m;           ///< second encoder, treated as position_m; no columns when there is none
   Eigen::MatrixXd temperature_degC;  ///< no columns when there is none
-  std::vector<char> known;           ///< 0 in gaps
+  std::vector<char> known;           ///< 0 in gaps and during test pulses
+  std::vector<char> gap;             ///< 1 where no row tells of the motion: long intervals, and jumps
+  std::vector<Jump> jumps;           ///< of the recording's positions
   /// Of an encoder's step: what rounding leaves in position_m, from peak to peak (six standard deviations of white
   /// rounding noise after the low-pass; at least a quarter, because a filtered staircase overshoots; at most one).
   double rounding_left = 1.0;
@@ -44,7 +48,8 @@ struct Signals {
 /// Brings a recording onto a uniform grid. Positions belong to their rows' times: stale rows at the start are dropped,
 /// a cubic through the neighbours is sampled at the recording's usual period, low-passed with zero phase,
 /// differentiated, and only then thinned to `rate_hz`. A command (or force) acts from its row to the next one: it is
-/// averaged exactly over each grid interval.
+/// averaged exactly over each grid interval. Jumps are taken out before the low-pass, so that they do not spread, and put
+/// back after it; the samples at them are gaps.
 /// `force_N` has one row per row of the recording (commandedForce).
 /// Throws Refusal when fewer than 20 usable rows remain.
 Signals resample(const Recording& recording, const Eigen::MatrixXd& force_N, const SignalOptions& options = {});
