@@ -7,6 +7,8 @@
 #include <utility>
 
 #include "knee_robot/base/numbers.h"
+#include "knee_robot/recording/jumps.h"
+#include "knee_robot/recording/reference_check.h"
 #include "knee_robot/recording/signals.h"
 
 namespace knee_robot::recording {
@@ -22,6 +24,7 @@ constexpr double kPowerToCount =
 constexpr double kTinyPower = 1e-30;
 constexpr double kPause = 10.5;       ///< periods between two rows beyond which the motion itself may not have gone on
 constexpr double kEnoughQuiet = 0.5;  ///< share of the segments without a pause that speaks for all
+constexpr int kFirstRows = 50;        ///< may be stale: what jumps there is left out when the recording is resampled
 constexpr double kGap = 1.5;          ///< periods between two rows beyond which some are missing
 /// Periods a row that a recording may last: a longer one is mostly gaps, and is refused when it is resampled.
 constexpr double kMostPeriods = 20.0;
@@ -270,10 +273,10 @@ struct WithoutGaps {
   Eigen::MatrixXd reference_m, position_m;
 };
 
-WithoutGaps withoutGaps(const Recording& r) {
+WithoutGaps withoutGaps(const Recording& r, const Eigen::MatrixXd& position_m) {
   const double period = medianPeriod(r.time_s);
   if (r.time_s.back() - r.time_s.front() > kMostPeriods * period * r.rows())
-    return {r.time_s, r.reference_m, r.position_m};
+    return {r.time_s, r.reference_m, position_m};
   std::vector<std::size_t> from;  // row before, and share of the way to the next one
   std::vector<double> share;
   WithoutGaps out;
@@ -297,25 +300,28 @@ WithoutGaps withoutGaps(const Recording& r) {
     return all;
   };
   out.reference_m = filled(r.reference_m);
-  out.position_m = filled(r.position_m);
+  out.position_m = filled(position_m);
   return out;
 }
 
 /// A recording on a uniform grid of at most `grid_hz`. The mean of the held rows over each step treats both signals
 /// alike and does not alias a faster recording.
-UniformMotion onGrid(const Recording& r, double grid_hz) {
+UniformMotion onGrid(const Recording& r, double grid_hz, bool with_reference, const CutoffRule& rule) {
   const double step = std::max(1.0 / grid_hz, std::round(grid_hz * medianPeriod(r.time_s)) / grid_hz);
   std::vector<double> grid;
   for (double t = r.time_s.front() + 0.5 * step; t + 0.5 * step <= r.time_s.back(); t += step)
     grid.push_back(t);
-  const WithoutGaps rows = withoutGaps(r);
+  const std::vector<Jump> jumps = findJumps(r, std::min(kFirstRows, r.rows() / 4), rule.fastest_m_per_s);
+  const WithoutGaps rows =
+      withoutGaps(r, jumps.empty() ? r.position_m : r.position_m - jumpsUntil(jumps, r.time_s, r.position_m.cols()));
   UniformMotion motion;
   motion.rate_hz = 1.0 / step;
   const double pause_s = kPause * medianPeriod(r.time_s);
   for (std::size_t k = 1; k < r.time_s.size(); ++k)
     if (r.time_s[k] - r.time_s[k - 1] > pause_s) motion.pauses_s.push_back(r.time_s[k] - r.time_s.front());
   motion.position_m = heldMeans(rows.time_s, rows.position_m, grid, step);
-  if (r.reference_m.cols() > 0) motion.reference_m = heldMeans(rows.time_s, rows.reference_m, grid, step);
+  if (r.reference_m.cols() > 0 && with_reference)
+    motion.reference_m = heldMeans(rows.time_s, rows.reference_m, grid, step);
   return motion;
 }
 
@@ -326,13 +332,17 @@ CutoffChoice chooseCutoff(const std::vector<UniformMotion>& motions, const Cutof
   return chooseOnGrid(motions, rule, fine_enough);
 }
 
-CutoffChoice chooseCutoff(const std::vector<const Recording*>& recordings, const CutoffRule& rule) {
+namespace {
+
+/// By the references only when all of them are followed.
+CutoffChoice chooseOnFineGrid(const std::vector<const Recording*>& recordings, bool with_reference,
+                              const CutoffRule& rule) {
   CutoffChoice choice = withoutMotion(rule);
   double rate_before = 0.0;
   for (const double grid_hz : kGridRates_hz) {
     std::vector<UniformMotion> motions;
     for (const Recording* r : recordings) {
-      if (r->rows() >= kFewestSamples) motions.push_back(onGrid(*r, grid_hz));
+      if (r->rows() >= kFewestSamples) motions.push_back(onGrid(*r, grid_hz, with_reference, rule));
     }
     if (motions.empty() || motions.front().rate_hz < 1.01 * rate_before) return choice;
     rate_before = motions.front().rate_hz;
@@ -340,6 +350,20 @@ CutoffChoice chooseCutoff(const std::vector<const Recording*>& recordings, const
     choice = chooseOnGrid(motions, rule, fine_enough);
     if (fine_enough) return choice;
   }
+  return choice;
+}
+
+}  // namespace
+
+CutoffChoice chooseCutoff(const std::vector<const Recording*>& recordings, const CutoffRule& rule) {
+  std::string ignored;
+  for (const Recording* r : recordings) {
+    const std::string why = whyNotFollowed(*r);
+    if (!why.empty() && ignored.empty())
+      ignored = " " + r->path + ": " + why + ": it is not followed, and references do not decide the cut-off.";
+  }
+  CutoffChoice choice = chooseOnFineGrid(recordings, ignored.empty(), rule);
+  choice.sentence += ignored;
   return choice;
 }
 

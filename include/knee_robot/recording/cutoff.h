@@ -19,7 +19,8 @@ struct CutoffRule {
   double share_of_rate = 0.1;    ///< of the recordings' rate: the highest result; a held command says nothing beyond
   double velocity_share = 0.95;  ///< without references: of the recorded velocity's power that the drive band holds
   double noise_least = 2.0;      ///< without references: power over that of white position noise up to which it counts
-  double without_motion_hz = 3.0;  ///< the result when the recordings say nothing: too short, or no motion
+  std::vector<double> fastest_m_per_s;  ///< per actuator: jumps (findJumps) are no motion; empty: not looked for
+  double without_motion_hz = 3.0;       ///< the result when the recordings say nothing: too short, or no motion
 };
 
 /// What the rule found. Frequencies in Hz.
@@ -57,6 +58,9 @@ struct CutoffChoice {
 /// is in reference and position alike, and looks like very fast motion that the robot follows. After more than ten rows
 /// reference and robot may have stood still with the controller, too: segments with such a pause take no part while
 /// half of them have none.
+///
+/// References that are not followed at all (whyNotFollowed) decide nothing: then there is no reference, and the sentence
+/// says why.
 ///
 /// Spectra: Hann windows of 5.12 s or a quarter of the recording, half overlapping, averaged over recordings by length.
 /// Recordings with fewer than 200 samples on the grid take no part.
