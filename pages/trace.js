@@ -69,7 +69,7 @@ key(`Floor: ${report.unexplained.noise_floor_source}. Before: ${given ? "the giv
   + `low-passed at ${number(data.cutoff_hz)} Hz unless the row says otherwise. Intervals: bootstrap over blocks of 2 s.`);
 
 const kinds = { moving: `while the ${chain ? "joint" : "axis"} moves`, at_rest: "at rest (friction may take any value)",
-  beginning: `before the ${chain ? "joint" : "axis"} first moves (nobody knows how its friction was loaded)`, masked: "masked (near a singular pose, in a gap)" };
+  beginning: `before the ${chain ? "joint" : "axis"} first moves (nobody knows how its friction was loaded)`, masked: "masked (near a singular pose, at a limit)" };
 const shares = (name) => Object.entries(kinds).map(([kind, words]) => [words, ...scaled(report.unexplained.where[kind][name], 100)]);
 heading("Where the error that is left lies");
 table(axesHead("", axes), [{ group: `% of the squared error, ${validated ? "validation" : "training"}` }, ...shares("share_of_squared_error"),

@@ -24,20 +24,26 @@ struct Sums {
   double samples = 0.0, moving_samples = 0.0, rows = 0.0;
 };
 
-void add(const Observation& o, const Prediction& p, Sums& s) {
-  const Eigen::MatrixXd error = p.force_filtered_N - o.force_filtered_N;
+void addSamples(const Observation& o, const Prediction& p, Sums& s) {
+  if (o.judgedSamples() == 0) return;
+  const Eigen::MatrixXd error = judgedOnly(o.judged, p.force_filtered_N - o.force_filtered_N);
+  const Eigen::MatrixXd measured = judgedOnly(o.judged, o.force_filtered_N);
   s.error += error.colwise().squaredNorm().transpose();
-  s.measured += o.force_filtered_N.colwise().squaredNorm().transpose();
+  s.measured += measured.colwise().squaredNorm().transpose();
   s.largest = s.largest.cwiseMax(error.cwiseAbs().colwise().maxCoeff().transpose());
-  s.low = s.low.cwiseMin(o.force_filtered_N.colwise().minCoeff().transpose());
-  s.high = s.high.cwiseMax(o.force_filtered_N.colwise().maxCoeff().transpose());
-  s.raw += (p.row_force_N - o.row_force_N).colwise().squaredNorm().transpose();
-  s.rows_measured += o.row_force_N.colwise().squaredNorm().transpose();
-  s.samples += o.samples();
-  s.rows += static_cast<double>(o.row_force_N.rows());
+  s.low = s.low.cwiseMin(measured.colwise().minCoeff().transpose());
+  s.high = s.high.cwiseMax(measured.colwise().maxCoeff().transpose());
+  s.samples += static_cast<double>(error.rows());
+}
+
+void add(const Observation& o, const Prediction& p, Sums& s) {
+  addSamples(o, p, s);
+  s.raw += judgedOnly(o.judged_rows, p.row_force_N - o.row_force_N).colwise().squaredNorm().transpose();
+  s.rows_measured += judgedOnly(o.judged_rows, o.row_force_N).colwise().squaredNorm().transpose();
+  s.rows += static_cast<double>(o.judgedRows());
   for (int n = 0; n < o.samples(); ++n) {
-    if (!o.moving[static_cast<std::size_t>(n)]) continue;
-    s.moving += error.row(n).cwiseAbs2().transpose();
+    if (!o.moving[static_cast<std::size_t>(n)] || !o.isJudged(n)) continue;
+    s.moving += (p.force_filtered_N.row(n) - o.force_filtered_N.row(n)).cwiseAbs2().transpose();
     s.moving_samples += 1.0;
   }
 }

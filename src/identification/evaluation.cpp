@@ -30,11 +30,11 @@ std::vector<Eigen::VectorXd> errorAgainstRank(const Identification& id, const st
       recording::ZeroPhaseLowPass(cutoff_hz, 1.0 / o.signals.period_s).applyToColumns(force);
       force.colwise() -= o.force_filtered_N.col(i);
       for (int n = 0; n < o.samples(); ++n) {
-        if (o.moving[static_cast<std::size_t>(n)]) sum.row(i) += force.row(n).cwiseAbs2();
+        if (o.moving[static_cast<std::size_t>(n)] && o.isJudged(n)) sum.row(i) += force.row(n).cwiseAbs2();
       }
     }
-    for (const char moving : o.moving)
-      samples += moving;
+    for (int n = 0; n < o.samples(); ++n)
+      samples += o.moving[static_cast<std::size_t>(n)] && o.isJudged(n);
   }
   std::vector<Eigen::VectorXd> rms;
   for (Eigen::Index k = 0; k < points; ++k)

@@ -31,8 +31,8 @@ Errors errorsOf(const std::vector<Observation>& observed, const std::vector<Eige
   for (std::size_t k = 0; k < observed.size(); ++k) {
     const Observation& o = observed[k];
     const Eigen::MatrixXd predicted = recording::atHoldIntervals(o.signals, force_N[k], o.row_time_s);
-    rows += (predicted - o.row_force_N).colwise().squaredNorm().transpose().array();
-    recorded += o.row_force_N.colwise().squaredNorm().transpose().array();
+    rows += judgedOnly(o.judged_rows, predicted - o.row_force_N).colwise().squaredNorm().transpose().array();
+    recorded += judgedOnly(o.judged_rows, o.row_force_N).colwise().squaredNorm().transpose().array();
     Eigen::MatrixXd low = force_N[k];
     recording::ZeroPhaseLowPass(cutoff_hz, 1.0 / o.signals.period_s).applyToColumns(low);
     for (int n = 0; n < o.samples(); ++n) {

@@ -5,71 +5,18 @@
 #include <cmath>
 
 #include "knee_robot/base/errors.h"
-#include "knee_robot/base/numbers.h"
-#include "knee_robot/base/words.h"
 #include "knee_robot/identification/masking.h"
 #include "knee_robot/identification/prior.h"
 #include "knee_robot/identification/robust_fit.h"
 #include "knee_robot/identification/trained_range.h"
 #include "loaded_start.h"
+#include "refusals.h"
 
 namespace knee_robot::identification {
 namespace {
 
-constexpr double kShortestMotion_s = 2.0;
-constexpr double kNoMotion_m_per_s = 1e-9;
-constexpr double kMostSaturated = 0.2;  ///< of the samples
-constexpr double kDetermined = 0.99;    ///< share of a parameter's own direction that the kept directions must contain
-constexpr double kWellKnown = 0.1;      ///< relative standard error of an identified parameter
-
-std::string namesOf(const std::vector<Observation>& training) {
-  return joined(training, [](const Observation& o) { return o.path; });
-}
-
-void refuseSaturated(const std::vector<Observation>& training) {
-  for (const Observation& o : training) {
-    if (o.saturated_share <= kMostSaturated) continue;
-    throw Refusal(o.path + ": a command is at its limit in " + shortNumber(100.0 * o.saturated_share, 3) +
-                  " % of the samples (at most 20 % are tolerated), so the forces are not what was asked for; record a "
-                  "gentler motion");
-  }
-}
-
-void refuseMotionless(const mechanism::Robot& robot, const std::vector<Observation>& training,
-                      const ObservationOptions& options) {
-  const int axes = training.front().axes();
-  for (int i = 0; i < axes; ++i) {
-    double fastest = 0.0;
-    bool moves = false;
-    for (const Observation& o : training) {
-      const double speed = o.signals.velocity_m_per_s.col(i).cwiseAbs().maxCoeff();
-      fastest = std::max(fastest, speed);
-      moves = moves || speed > movingLimits(robot, options, o.signals)[i];
-    }
-    if (moves) continue;
-    const mechanism::Actuator& a = robot.actuators[static_cast<std::size_t>(i)];
-    if (fastest < kNoMotion_m_per_s) {
-      const std::string who = a.name.empty() ? "actuator " + std::to_string(i + 1) : "joint " + a.name;
-      throw Refusal(who + " does not move in " + namesOf(training) + "; record a motion of all of them");
-    }
-    if (!a.name.empty()) {
-      throw Refusal("joint " + a.name + " does not move in " + namesOf(training) +
-                    "; record a motion of all joints, or lock it in the robot file (locked_at_" +
-                    mechanism::positionUnit(a) + ")");
-    }
-    throw Refusal("actuator " + std::to_string(i + 1) + " never moves faster than " + shortNumber(1e3 * fastest, 3) +
-                  " mm/s in " + namesOf(training) + " (moving means more than " +
-                  shortNumber(1e3 * options.moving_m_per_s, 3) + " mm/s); record a motion of all actuators");
-  }
-}
-
-void refuseTooShort(const std::vector<Observation>& training, const Equations& e, const ObservationOptions& options) {
-  if (e.duration_s >= kShortestMotion_s && e.blocks >= 2) return;
-  throw Refusal("only " + shortNumber(e.duration_s, 3) + " s of usable motion in " + namesOf(training) +
-                " (all axes faster than " + shortNumber(1e3 * options.moving_m_per_s, 3) +
-                " mm/s, no gap, singular pose or saturation); at least " + shortNumber(kShortestMotion_s) +
-                " s are needed: record a longer motion");
-}
+constexpr double kDetermined = 0.99;  ///< share of a parameter's own direction that the kept directions must contain
+constexpr double kWellKnown = 0.1;    ///< relative standard error of an identified parameter
 
 void refuseRank(int asked, const Reduction& r, const std::vector<Observation>& training) {
   if (asked == 0) return;

@@ -5,6 +5,7 @@
 
 #include "knee_robot/base/numbers.h"
 #include "knee_robot/base/quantile.h"
+#include "knee_robot/identification/clipped_force.h"
 #include "knee_robot/mechanism/singularity.h"
 #include "knee_robot/recording/filter.h"
 
@@ -20,12 +21,12 @@ std::string percent(double share) {
   return shortNumber(100.0 * share, 3) + " %";
 }
 
-/// Samples in whose interval some row's command is at its limit.
-std::vector<char> saturatedSamples(const mechanism::Robot& robot, const Observation& o) {
+/// Samples in whose interval some row's command is at its limit, or cut off below it.
+std::vector<char> saturatedSamples(const mechanism::Robot& robot, const ClippedForce& clipped, const Observation& o) {
   const recording::Signals& s = o.signals;
   std::vector<char> saturated(static_cast<std::size_t>(s.samples()), 0);
   for (std::size_t row = 0; row < o.row_time_s.size(); ++row) {
-    bool at_limit = false;
+    bool at_limit = !clipped.rows.empty() && clipped.rows[row];
     for (int i = 0; i < robot.axes(); ++i) {
       const double limit = robot.actuators[static_cast<std::size_t>(i)].forceLimit();
       at_limit = at_limit || std::abs(o.row_force_N(static_cast<Eigen::Index>(row), i)) >= kSaturation * limit;
@@ -98,7 +99,34 @@ void noteAmbiguous(const std::vector<char>& ambiguous, double margin_m, Observat
       "before.");
 }
 
+/// Rows are judged where the samples nearest to them are.
+void judgeRows(Observation& o) {
+  o.judged_rows.clear();
+  for (const double time_s : o.row_time_s) {
+    const long nearest = std::lround((time_s - o.signals.time_s.front()) / o.signals.period_s);
+    o.judged_rows.push_back(
+        o.judged[static_cast<std::size_t>(std::clamp<long>(nearest, 0, static_cast<long>(o.samples()) - 1))]);
+  }
+}
+
 }  // namespace
+
+void noteJumps(const mechanism::Robot& robot, Observation& o) {
+  if (o.signals.jumps.empty()) return;
+  const recording::Jump& jump = o.signals.jumps.front();
+  const mechanism::Actuator& a = robot.actuators[static_cast<std::size_t>(jump.axis)];
+  const std::string unit = mechanism::positionUnit(a);
+  const auto text = [&](double value_m) { return shortNumber(value_m * a.position_per_m(), 3) + " " + unit; };
+  const std::size_t others = o.signals.jumps.size() - 1;
+  o.notes.push_back("Line " + std::to_string(recording::Recording::line(jump.row)) + ": position_" +
+                    std::to_string(jump.axis + 1) + "_" + unit + " jumps by " + text(jump.step_m) + ", " +
+                    text(jump.m_per_s) + "/s where the limit is " + text(a.velocity_max_m_per_s) + "/s" +
+                    (jump.frozen_s > 0.0
+                         ? ", after " + shortNumber(jump.frozen_s, 3) + " s at exactly one value: it was frozen"
+                         : "") +
+                    (others > 0 ? " (and " + std::to_string(others) + " more such jump(s))" : "") +
+                    "; it is masked. Check the encoder: positions before and after may differ by as much.");
+}
 
 double usualSpeed(const recording::Signals& s, Eigen::Index actuator) {
   std::vector<double> speeds(static_cast<std::size_t>(s.samples()));
@@ -126,18 +154,28 @@ void maskUnusable(const mechanism::Robot& robot, const ObservationOptions& optio
     return o.masks.back().share;
   };
 
-  std::vector<char> unknown(n);
+  leaveOut("in a gap between rows", o.signals.gap, reach);
+  const int edge =
+      std::min(o.samples() / 2, recording::ZeroPhaseLowPass(options.cutoff_hz, 1.0 / o.signals.period_s).edgeSamples());
+  o.judged.assign(n, 1);
+  mask(o.signals.gap, edge, o.judged);
+  judgeRows(o);
+  std::vector<char> pulses(n);
   for (std::size_t i = 0; i < n; ++i)
-    unknown[i] = !o.signals.known[i];
-  leaveOut("in a gap between rows", unknown, reach);
-  o.saturated_share = leaveOut("a command at its limit", saturatedSamples(robot, o), reach);
+    pulses[i] = !o.signals.known[i] && !o.signals.gap[i];
+  if (share(pulses) > 0.0) leaveOut("test_pulse is set: the controller asked an encoder", pulses, reach);
+  const ClippedForce clipped = findClipped(robot, movingLimits(robot, options, o.signals), o);
+  o.clipped = clipped.where;
+  o.saturated_share = leaveOut("a command at its limit", saturatedSamples(robot, clipped, o), reach);
+  if (!o.clipped.empty())
+    o.notes.push_back(o.clipped +
+                      ", its own extreme, in many rows while it moves: it is cut off there, below the robot "
+                      "file's limit, and counts as a command at its limit.");
   if (o.saturated_share > 0.0) {
     o.notes.push_back("At " + percent(o.saturated_share) +
                       " of the samples a command is at its limit; they are masked.");
   }
   std::vector<char> ends(n, 0);
-  const int edge =
-      std::min(o.samples() / 2, recording::ZeroPhaseLowPass(options.cutoff_hz, 1.0 / o.signals.period_s).edgeSamples());
   std::fill_n(ends.begin(), edge, 1);
   std::fill_n(ends.rbegin(), edge, 1);
   leaveOut("at the recording's ends, where the low-pass reaches beyond", ends, 0);

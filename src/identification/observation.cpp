@@ -17,6 +17,24 @@ constexpr double kVelocityNoise_m_per_s = 1e-4;
 
 }  // namespace
 
+int Observation::judgedSamples() const {
+  return judged.empty() ? samples() : static_cast<int>(std::count(judged.begin(), judged.end(), 1));
+}
+
+int Observation::judgedRows() const {
+  return judged_rows.empty() ? static_cast<int>(row_force_N.rows())
+                             : static_cast<int>(std::count(judged_rows.begin(), judged_rows.end(), 1));
+}
+
+Eigen::MatrixXd judgedOnly(const std::vector<char>& judged, const Eigen::MatrixXd& values) {
+  if (std::count(judged.begin(), judged.end(), 0) == 0) return values;
+  std::vector<int> rows;
+  for (std::size_t k = 0; k < judged.size(); ++k) {
+    if (judged[k]) rows.push_back(static_cast<int>(k));
+  }
+  return values(rows, Eigen::all);
+}
+
 double conditionLimit(const mechanism::Robot& robot, const ObservationOptions& options) {
   if (options.condition_max > 0.0) return options.condition_max;
   const bool open = !(robot.singularity_condition_max > 0.0 && robot.singularity_condition_max < kWideOpen);
@@ -55,8 +73,11 @@ Observation observe(const mechanism::Robot& robot, const std::vector<Column>& co
   recording::SignalOptions wanted = options.signals;
   if (!options.motion_cutoff_given && recording.time_s.size() > 1)
     wanted.motion_cutoff_hz = motionCutoff(robot, options.cutoff_hz, 1.0 / recording::medianPeriod(recording.time_s));
+  for (const mechanism::Actuator& a : robot.actuators)
+    wanted.fastest_m_per_s.push_back(a.velocity_max_m_per_s);
   o.signals = recording::resample(recording, o.row_force_N, wanted);
   o.notes = o.signals.notes;
+  noteJumps(robot, o);
   const std::unique_ptr<MotionModel> model = motionModelOf(robot);
   o.motion = model->follow(o.signals);
   o.sliding = actuatorPaths(robot, o.signals);

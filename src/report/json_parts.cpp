@@ -83,7 +83,7 @@ Json dataJson(const std::vector<identification::Observation>& train,
               const identification::ObservationOptions& options) {
   int samples = 0;
   for (const identification::Observation& o : train)
-    samples += o.samples();
+    samples += o.judgedSamples();
   return {{"train", paths(train)},
           {"validate", paths(validate)},
           {"rate_hz", 1.0 / train.front().signals.period_s},

@@ -29,7 +29,7 @@ enum Kind { kMoving, kAtRest, kBeginning, kMasked, kKindCount };
 constexpr const char* kKinds[] = {"moving", "at_rest", "beginning", "masked"};
 constexpr const char* kKindTexts[] = {"while the axis moves", "at rest (friction may take any value)",
                                       "before it first moves (friction unknown)",
-                                      "masked (near a singular pose, in a gap)"};
+                                      "masked (near a singular pose, at a limit)"};
 constexpr double kFirstMove =
     1e-3;  ///< m, rad: from there on friction no longer rests on what was before the recording
 
@@ -59,6 +59,7 @@ Shares sharesOf(const TraceResults& r) {
     for (int i = 0; i < axes; ++i) {
       const int first = firstMove(o, i);
       for (int n = 0; n < o.samples(); ++n) {
+        if (!o.isJudged(n)) continue;
         const Kind kind = !o.usable[static_cast<std::size_t>(n)] ? kMasked
                           : n < first                            ? kBeginning
                           : o.axis_moving(n, i)                  ? kMoving

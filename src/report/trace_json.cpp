@@ -94,6 +94,7 @@ std::vector<std::array<double, 3>> pieces(const std::vector<identification::Obse
     const int length = std::max(1, static_cast<int>(2.0 / o.signals.period_s));
     for (int n = 0; n < o.samples(); ++n) {
       if (n % length == 0) out.push_back({0.0, 0.0, 0.0});
+      if (!o.isJudged(n)) continue;
       const double force = o.force_filtered_N(n, i);
       out.back()[0] += std::pow(force - before.predictions[f].force_filtered_N(n, i), 2);
       out.back()[1] += std::pow(force - after.predictions[f].force_filtered_N(n, i), 2);

@@ -45,11 +45,15 @@ Json mapsJson(const TraceResults& r) {
             {"kind", validated ? "validate" : "train"},
             {"over_velocity", Json::array()},
             {"over_position", Json::array()}};
-  for (int i = 0; i < o.axes(); ++i) {
-    const Eigen::VectorXd b = o.force_filtered_N.col(i) - before.force_filtered_N.col(i);
-    const Eigen::VectorXd a = o.force_filtered_N.col(i) - after.force_filtered_N.col(i);
-    j["over_velocity"].push_back(binned(o.signals.velocity_m_per_s.col(i), b, a));
-    j["over_position"].push_back(binned(o.signals.position_m.col(i), b, a));
+  std::vector<int> judged;
+  for (int n = 0; n < o.samples(); ++n) {
+    if (o.isJudged(n)) judged.push_back(n);
+  }
+  for (int i = 0; i < o.axes() && !judged.empty(); ++i) {
+    const Eigen::VectorXd b = (o.force_filtered_N.col(i) - before.force_filtered_N.col(i))(judged);
+    const Eigen::VectorXd a = (o.force_filtered_N.col(i) - after.force_filtered_N.col(i))(judged);
+    j["over_velocity"].push_back(binned(o.signals.velocity_m_per_s.col(i)(judged), b, a));
+    j["over_position"].push_back(binned(o.signals.position_m.col(i)(judged), b, a));
   }
   return j;
 }

@@ -46,7 +46,7 @@ double maskedSquares(const Search& s, const std::vector<Hypothesis>& effects) {
     recording::ZeroPhaseLowPass(s.data->stack.cutoff_hz, 1.0 / o.signals.period_s).applyToColumns(left);
     left -= o.force_filtered_N;
     for (int n = 0; n < o.samples(); ++n) {
-      if (o.motion.uncertain[static_cast<std::size_t>(n)])
+      if (o.motion.uncertain[static_cast<std::size_t>(n)] && o.isJudged(n))
         sum +=
             left.row(n).cwiseQuotient(s.rms_N.transpose()).squaredNorm() * s.data->stack.rate_hz * o.signals.period_s;
     }

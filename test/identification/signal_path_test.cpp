@@ -129,6 +129,38 @@ TEST(SignalPath, SaturatedCommandsAreLeftOutAndTooManyAreRefused) {
   }
 }
 
+TEST(SignalPath, WhenTestPulsesTakeEverythingTheRefusalNamesThem) {
+  recording::Recording r = recordedAt(evenTimes());
+  r.test_pulse.setOnes(r.rows());
+  try {
+    identified(r);
+    FAIL() << "no row may be used";
+  } catch (const Refusal& refusal) {
+    EXPECT_NE(std::string(refusal.what()).find("100 % of bench.csv (test_pulse is set"), std::string::npos)
+        << refusal.what();
+  }
+}
+
+TEST(SignalPath, AJumpOfThePositionIsNamedAndMasked) {
+  recording::Recording r = recordedAt(evenTimes());
+  r.position_unit = {"m", "m"};
+  r.position_m.col(0).tail(2500).array() += 0.05;
+  mechanism::Robot robot = syntheticBench(2);
+  for (mechanism::Actuator& a : robot.actuators)
+    a.velocity_max_m_per_s = 0.5;
+  const IdentifyOptions options;
+  std::vector<Observation> training = {observe(robot, columnsOf(robot), r, options.observation)};
+  Outcome out;
+  out.observation = training[0];
+  for (const std::string& note : training[0].notes)
+    out.notes += note + "\n";
+  expectNote(out, "Line 2502: position_1_m jumps by 0.049");
+  expectNote(out, "where the limit is 0.5 m/s");
+  EXPECT_LT(out.share("gap"), 0.001);
+  out.id = identify(robot, training, options);
+  expectTruth(out, 3.0);
+}
+
 TEST(SignalPath, ForceAtRestMeansNothingAndIsNotFitted) {
   // Between 20 s and 30 s the axes stand, and the position loop winds up and down within static friction.
   std::vector<double> times = evenTimes();

@@ -123,6 +123,27 @@ TEST(TraceJson, SaysHowFarEveryCandidateIsFromTheBaseAndWhereTheErrorLies) {
   }
 }
 
+TEST(TraceJson, WhatIsPredictedInAGapIsNoErrorThatIsLeft) {
+  TraceResults r = traced();
+  const nlohmann::json whole = nlohmann::json::parse(traceJson(r))["unexplained"]["where"];
+  identification::Observation& o = r.validate.front();
+  o.judged.assign(static_cast<std::size_t>(o.samples()), 1);
+  for (int n = 500; n < 700; ++n) {
+    o.usable[static_cast<std::size_t>(n)] = o.judged[static_cast<std::size_t>(n)] = 0;
+    r.validate_after.predictions.front().force_filtered_N.row(n).setConstant(1e4);
+    r.validate_before.predictions.front().force_filtered_N.row(n).setConstant(-1e4);
+  }
+  const nlohmann::json j = nlohmann::json::parse(traceJson(r));
+  for (const auto& [kind, shares] : j["unexplained"]["where"].items()) {
+    for (int i = 0; i < 2; ++i)
+      EXPECT_NEAR(shares["share_of_squared_error"][i].get<double>(),
+                  whole[kind]["share_of_squared_error"][i].get<double>(), 0.15)
+          << kind;
+  }
+  const GainInterval gain = bootstrapGain(r.validate, r.validate_before, r.validate_after, 1);
+  EXPECT_LT(gain.low_N.cwiseAbs().maxCoeff(), 100.0);
+}
+
 TEST(WriteTraceFiles, LeavesAPageThatEmbedsTheReportAndTheSeriesOfItsPlots) {
   const TemporaryFolder folder;
   writeTraceFiles(traced(), folder);

@@ -8,7 +8,8 @@
 
 namespace knee_robot::identification {
 
-/// How far predictions are from commanded forces; one entry per actuator (docs/contract.md, section 3).
+/// How far predictions are from commanded forces; one entry per actuator (docs/contract.md, section 3). Samples are those
+/// that are compared (Observation::judged).
 struct Accuracy {
   Eigen::VectorXd rms_N;          ///< all samples, both sides low-passed
   Eigen::VectorXd rms_moving_N;   ///< the same, samples at which every axis moves; nan when there is none

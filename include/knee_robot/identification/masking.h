@@ -4,9 +4,12 @@
 
 namespace knee_robot::identification {
 
-/// Fills usable, saturated_share and masks of an observation whose signals and motion are there, and says in its notes
+/// Fills usable, judged, saturated_share and masks of an observation whose signals and motion are there, and says in its notes
 /// what was left out. Around every masked sample the reach of the low-pass is left out too.
 void maskUnusable(const mechanism::Robot& robot, const ObservationOptions& options, Observation& observation);
+
+/// Says in its notes where positions jump (recording/jumps.h).
+void noteJumps(const mechanism::Robot& robot, Observation& observation);
 
 /// Fills moving and axis_moving.
 void findMoving(const mechanism::Robot& robot, const ObservationOptions& options, Observation& observation);

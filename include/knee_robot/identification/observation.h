@@ -62,15 +62,26 @@ struct Observation {
   std::vector<Eigen::MatrixXd> regressor;  ///< per actuator: samples x columns; Coulomb columns by setFriction
   Eigen::MatrixXd force_filtered_N;        ///< signals.force_N, low-passed
   std::vector<char> usable;  ///< not in a gap, near a singular pose, saturated, or at an end of the recording
-  std::vector<char> moving;  ///< every axis faster than the limit (velocity low-passed at cutoff_hz)
+  /// 1 where predictions are compared with the recorded force: not in a gap or in the low-pass' reach of one, where nobody
+  /// knows what the motion was. Empty: everywhere.
+  std::vector<char> judged;
+  std::vector<char> judged_rows;  ///< the same of the recording's rows
+  std::vector<char> moving;       ///< every axis faster than the limit (velocity low-passed at cutoff_hz)
   Eigen::Matrix<char, Eigen::Dynamic, Eigen::Dynamic> axis_moving;  ///< the same for each axis alone
   double saturated_share = 0.0;                                     ///< of the samples
-  std::vector<Mask> masks;                                          ///< why samples are left out, and how many
+  std::string clipped;      ///< where a force is cut off below its limit (clipped_force.h); empty: nowhere
+  std::vector<Mask> masks;  ///< why samples are left out, and how many
   std::vector<std::string> notes;
 
   int samples() const { return signals.samples(); }
+  bool isJudged(int n) const { return judged.empty() || judged[static_cast<std::size_t>(n)]; }
+  int judgedSamples() const;
+  int judgedRows() const;
   int axes() const { return static_cast<int>(regressor.size()); }
 };
+
+/// Rows of a matrix that are judged; all of them where `judged` is empty.
+Eigen::MatrixXd judgedOnly(const std::vector<char>& judged, const Eigen::MatrixXd& values);
 
 /// The limit in force: that of the options, else the robot file's margin, else (when that is wide open, above 1e6) 60.
 double conditionLimit(const mechanism::Robot& robot, const ObservationOptions& options);
