@@ -5,6 +5,7 @@ const axes = report.friction_near_rest.length;
 begin("Identified force model", `Robot ${report.robot}`, `${data.train.length} training and ${data.validate.length} validation recording(s)`,
   `rank ${report.rank.chosen}`);
 
+sentences("Doubts about the training recordings", report.doubts);
 heading("Errors");
 table(axesHead("", axes), [
   ...accuracyRows("Validation", report.after.validate),
@@ -58,6 +59,7 @@ key(`Standard errors: 300 draws of a bootstrap over blocks of ${number(report.un
   + "(Politis and White). Identified: standard error below 10 % of the value. Friction and rotor inertia are kept from becoming negative.");
 folded(`${silent.length} parameters that this data does not determine alone; ${report.combinations} combinations of them are determined and are listed, with `
   + "uncertainties, in model.yaml", () => table(parameterHead, silent.map(parameterRow)));
+sentences("Gains of the drives", report.drive_gains, subheading);
 table([chain ? "per joint" : "per actuator", { text: "friction near rest" }, `residual (training, moving), ${forceUnits}`],
   report.friction_near_rest.map((law, i) => [axisShort(i), { text: `${law.law}: ${law.in_words}` }, figure(report, "residual_moving")[i]]));
 frictionSection(report.friction_near_rest, report.friction_tried);

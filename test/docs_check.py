@@ -1,9 +1,11 @@
 #!/usr/bin/python3
 """Docs that are true: docs/files.md has exactly the keys that the readers accept and the reports write, each with its meaning, every
-relative link leads somewhere, no page names a file of the repository that is gone, and docs/tracing.md names every effect.
+relative link leads somewhere, no page names a file of the repository that is gone, docs/tracing.md names every effect, and rosrun finds the
+programs of the pages.
 
 Usage: docs_check.py [ROOT]     exit status 1 when anything is wrong, one line each
 """
+import os
 import pathlib
 import re
 import subprocess
@@ -123,8 +125,23 @@ def never_run(root):
     yield from listed.stderr.splitlines()
 
 
+def ambiguous_commands(root):
+    """`rosrun knee_robot NAME` of a page, where the source tree has an executable of that name as well: rosrun asks which of them."""
+    executable = {}
+    for folder in ["scripts", "src", "test", "python", "operator"]:
+        for file in (root / folder).rglob("*"):
+            if file.is_file() and os.access(file, os.X_OK):
+                executable[file.name] = file
+    for page in [root / "README.md", *sorted((root / "docs").rglob("*.md"))]:
+        for number, line in enumerate(page.read_text().splitlines(), 1):
+            for name in re.findall(r"rosrun knee_robot (\w+)", line):
+                if name in executable:
+                    yield f"{page}:{number}: rosrun finds {executable[name]} beside the program {name}"
+
+
 def main(root):
-    faults = [*wrong_keys(root), *without_meaning(root), *wrong_names(root), *unlisted(root), *unnamed_effects(root), *never_run(root)]
+    faults = [*wrong_keys(root), *without_meaning(root), *wrong_names(root), *unlisted(root), *unnamed_effects(root), *never_run(root),
+              *ambiguous_commands(root)]
     print("\n".join(faults) or "the docs name what is there")
     return 1 if faults else 0
 

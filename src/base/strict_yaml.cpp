@@ -35,7 +35,14 @@ StrictMap StrictMap::load(const std::string& path) {
 
 StrictMap StrictMap::parse(const std::string& text, const std::string& name) {
   try {
-    return StrictMap(YAML::Load(text), name);
+    const std::vector<YAML::Node> documents = YAML::LoadAll(text);
+    for (std::size_t k = 1; k < documents.size(); ++k) {
+      if (!documents[k].IsNull())
+        throw InputError(name + lineOf(documents[k]) +
+                         ": a second YAML document begins above this line (---), and "
+                         "only one is read; remove one, or the line ---");
+    }
+    return StrictMap(documents.empty() ? YAML::Node() : documents.front(), name);
   } catch (const YAML::Exception& error) {
     const std::string line = error.mark.is_null() ? "" : ":" + std::to_string(error.mark.line + 1);
     throw InputError(name + line + ": not valid YAML: " + error.msg);

@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <cmath>
 #include <set>
 
@@ -88,7 +89,8 @@ ModelParameter readParameter(StrictMap map) {
   p.unit = map.text("unit");
   p.value = map.number("value", -kLargest, kLargest);
   if (map.has("std")) p.std = map.number("std", 0.0, kLargest);
-  p.verdict = map.choice("verdict", {"identified", "weakly identified", "at its bound", "not identifiable"});
+  p.verdict = map.choice("verdict", {"identified", "weakly identified", "at its bound", "not identifiable",
+                                     "in units of an unknown gain"});
   map.finish();
   return p;
 }
@@ -165,8 +167,11 @@ std::string jointsText(const std::vector<ModelJoint>& joints) {
   for (const ModelJoint& j : joints) {
     y += "  - {name: " + quoted(j.name) + ", kind: " + (j.revolute ? "revolute" : "prismatic") +
          ", force_unit: " + j.force_unit;
-    if (j.torque_per_ampere > 0.0) y += ", torque_per_ampere_Nm: " + exactNumber(j.torque_per_ampere);
-    if (j.torque_per_ampere_std > 0.0) y += ", torque_per_ampere_std_Nm: " + exactNumber(j.torque_per_ampere_std);
+    if (j.torque_per_ampere > 0.0)
+      y += ", torque_per_ampere_Nm: " + exactNumber(std::min(j.torque_per_ampere, kLargest));
+    if (j.torque_per_ampere_std != 0.0)  // not a number: of a gain that data do not determine at all
+      y += ", torque_per_ampere_std_Nm: " +
+           exactNumber(j.torque_per_ampere_std < kLargest ? j.torque_per_ampere_std : kLargest);
     y += "}\n";
   }
   return y;
@@ -178,8 +183,8 @@ void readJoints(StrictMap& file, Model& m) {
     joint.name = entry.text("name");
     joint.revolute = entry.choice("kind", {"revolute", "prismatic"}) == "revolute";
     joint.force_unit = entry.choice("force_unit", {"N", "Nm", "A"});
-    joint.torque_per_ampere = entry.numberOr("torque_per_ampere_Nm", 0.0, 0.0, 1e6);
-    joint.torque_per_ampere_std = entry.numberOr("torque_per_ampere_std_Nm", 0.0, 0.0, 1e6);
+    joint.torque_per_ampere = entry.numberOr("torque_per_ampere_Nm", 0.0, 0.0, kLargest);
+    joint.torque_per_ampere_std = entry.numberOr("torque_per_ampere_std_Nm", 0.0, 0.0, kLargest);
     entry.finish();
     m.joints.push_back(joint);
   }

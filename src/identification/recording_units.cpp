@@ -46,6 +46,35 @@ void settle(mechanism::Actuator& a, int i, const recording::Recording& r) {
                   (a.revolute ? "revolute" : "prismatic"));
 }
 
+constexpr double kSlowestRow_s = 0.9;  ///< rows further apart follow no motion; 1 kHz in milliseconds is 1
+
+/// A chain's own travel sets what counts as moving, so that a slow clock would go through every fit.
+void refuseMilliseconds(const recording::Recording& r) {
+  if (r.rows() < 2) return;
+  const double each = (r.time_s.back() - r.time_s.front()) / static_cast<double>(r.rows() - 1);
+  if (each < kSlowestRow_s) return;
+  refuse(r, "column time_s: a row comes every " + shortNumber(each, 3) +
+                " s, too slow to follow a motion; are these milliseconds? Convert them (import_recording --column "
+                "time=time_s,ms), or record at 10 Hz or more");
+}
+
+/// Positions in millimetres would go through a bench's fit; a parallel robot's pose would not be found.
+void refuseFarOutside(const mechanism::Robot& robot, const recording::Recording& r) {
+  for (int i = 0; i < r.axes; ++i) {
+    const mechanism::Actuator& a = robot.actuators[static_cast<std::size_t>(i)];
+    const double low = r.position_m.col(i).minCoeff(), high = r.position_m.col(i).maxCoeff();
+    const double travel = a.position_max_m - a.position_min_m;  // a home elsewhere shifts positions by that at most
+    if (!(travel > 0.0)) continue;
+    if (low >= a.position_min_m - travel && high <= a.position_max_m + travel) continue;
+    const bool above = high > a.position_max_m + travel;
+    refuse(r, "column " + column("position", i, "m") + ": " + shortNumber(above ? high : low, 4) + " m is outside " +
+                  (above ? "position_max_m " + shortNumber(a.position_max_m)
+                         : "position_min_m " + shortNumber(a.position_min_m)) +
+                  " of actuator " + std::to_string(i + 1) +
+                  ": millimetres? Convert them (import_recording --column ...,mm), or correct the robot file");
+  }
+}
+
 constexpr double kStands = 0.01;  ///< rad or m: a joint that goes less far in a whole recording stands still
 constexpr double kTurn = 2.0 * M_PI;
 constexpr double kBeyondLimits = kTurn;  ///< rad by which no recording leaves a bounded joint's limits
@@ -132,8 +161,10 @@ void toActuatorUnits(mechanism::Robot& robot, recording::Recording& r) {
       if (r.force_unit[static_cast<std::size_t>(i)] != "N")
         refuse(r, "column " + column("torque", i, "Nm") + " where " + robot.path + " needs " + column("force", i, "N"));
     }
+    if (robot.kind == mechanism::MechanismKind::Axes) refuseFarOutside(robot, r);
     return;
   }
+  refuseMilliseconds(r);
   refuseDegrees(robot, r);
   followOverTurns(robot, r);
   Eigen::MatrixXd force(r.rows(), r.axes);

@@ -10,6 +10,7 @@
 
 #include "knee_robot/base/errors.h"
 #include "knee_robot/base/files.h"
+#include "knee_robot/base/words.h"
 
 namespace knee_robot::mechanism {
 namespace {
@@ -17,13 +18,23 @@ namespace {
 constexpr int kMostJoints = 12;
 constexpr double kHeaviest_kg = 1e5, kFarthest_m = 1e3;  ///< beyond it a number is a slip, not a link
 
-/// Keeps the first complaint of urdfdom for our own sentence.
-class FirstComplaint : public console_bridge::OutputHandler {
+/// Keeps urdfdom's complaints for our own sentences: the first, and those about a link's <inertial>, of which urdfdom
+/// goes on with what it could read.
+class Complaints : public console_bridge::OutputHandler {
  public:
   void log(const std::string& text, console_bridge::LogLevel level, const char*, int) override {
-    if (first.empty() && level >= console_bridge::CONSOLE_BRIDGE_LOG_ERROR) first = text;
+    if (level < console_bridge::CONSOLE_BRIDGE_LOG_ERROR) return;
+    if (first.empty()) first = text;
+    static const std::string kAboutLink = "Could not parse inertial element for Link [";
+    if (text.rfind(kAboutLink, 0) == 0)
+      inertial[text.substr(kAboutLink.size(), text.rfind(']') - kAboutLink.size())] = last_;
+    last_ = text;
   }
   std::string first;
+  std::map<std::string, std::string> inertial;  ///< by link
+
+ private:
+  std::string last_;
 };
 
 bool canMove(const urdf::Joint& joint) {
@@ -58,12 +69,10 @@ class ChainReader {
  public:
   ChainReader(const std::string& path, const std::vector<NamedJoint>& named) : path_(path), named_(named) {
     const std::string text = readFile(path, 64u << 20);
-    FirstComplaint complaint;
-    console_bridge::useOutputHandler(&complaint);
+    console_bridge::useOutputHandler(&complaints_);
     model_ = urdf::parseURDF(text);
     console_bridge::restorePreviousOutputHandler();
-    complaint_ = complaint.first;
-    if (!model_) refuse("not a URDF of a tree (urdfdom: " + complaint.first + ")");
+    if (!model_) refuse("not a URDF of a tree (urdfdom: " + complaints_.first + ")");
     requireTree();
   }
 
@@ -175,6 +184,9 @@ class ChainReader {
   }
 
   ChainJoint jointOf(const urdf::Joint& joint, const Eigen::Isometry3d& origin) const {
+    if (joint.name.empty() || printable(joint.name) != joint.name)
+      refuse("the joint above link " + joint.child_link_name + " is named " + inQuotes(joint.name) +
+             ", which no file can say; give it a name");
     ChainJoint out;
     out.name = joint.name;
     out.prismatic = joint.type == urdf::Joint::PRISMATIC;
@@ -206,7 +218,7 @@ class ChainReader {
       refuse(
           "link " + joint.child_link_name + ", which joint " + joint.name +
           " moves, has no <inertial> with a mass, and nothing fixed to it has one; give its mass, centre and inertia" +
-          (complaint_.empty() ? "" : " (urdfdom: " + complaint_ + ")"));
+          (complaints_.first.empty() ? "" : " (urdfdom: " + complaints_.first + ")"));
     }
   }
 
@@ -231,6 +243,8 @@ class ChainReader {
   }
 
   void collect(const urdf::Link& link, const Eigen::Isometry3d& at, ChainJoint& body) const {
+    if (const auto bad = complaints_.inertial.find(link.name); bad != complaints_.inertial.end())
+      refuse("link " + link.name + ": its <inertial> cannot be read (" + bad->second + "); give finite numbers");
     if (link.inertial) {
       const urdf::Inertial& given = *link.inertial;
       const Eigen::Isometry3d frame = at * transformOf(given.origin);
@@ -252,7 +266,8 @@ class ChainReader {
     }
   }
 
-  std::string path_, complaint_;
+  std::string path_;
+  Complaints complaints_;
   const std::vector<NamedJoint>& named_;
   urdf::ModelInterfaceSharedPtr model_;
   std::set<std::string> moving_;

@@ -132,8 +132,9 @@ void readChainRobot(StrictMap& file, Robot& robot) {
     }
     const auto entry =
         std::find_if(entries.begin(), entries.end(), [&](const Entry& e) { return e.joint.name == joint.name; });
-    const StrictMap own =
-        entry == entries.end() ? StrictMap::parse("{name: " + joint.name + "}", robot.path) : entry->map;
+    YAML::Emitter name;  // of the URDF, which may say what YAML would take for something else
+    name << YAML::BeginMap << YAML::Key << "name" << YAML::Value << YAML::DoubleQuoted << joint.name << YAML::EndMap;
+    const StrictMap own = entry == entries.end() ? StrictMap::parse(name.c_str(), robot.path) : entry->map;
     robot.actuators.push_back(readJoint(own, joint, limits[i]));
   }
 }

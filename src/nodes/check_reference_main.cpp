@@ -104,6 +104,8 @@ int main(int argc, char** argv) {
   return nodes::runProgram(app, argc, argv, [&]() -> int {
     const mechanism::Robot robot = mechanism::loadRobot(robot_file);
     const trajectory::Reference reference = trajectory::readReference(file, trajectory::spaceNamed(space_name));
+    for (const std::string& note : reference.notes)
+      std::fprintf(stderr, "%s\n", note.c_str());
     const trajectory::ReferenceCheck check = trajectory::checkReference(reference, robot);
     if (json) {
       std::printf("%s\n", nodes::referenceJson(reference, check).dump().c_str());

@@ -8,6 +8,8 @@
 #include "fit_recordings.h"
 #include "knee_robot/base/errors.h"
 #include "knee_robot/identification/drive_gains.h"
+#include "knee_robot/identification/gain_verdicts.h"
+#include "knee_robot/identification/plausible_fit.h"
 #include "knee_robot/identification/prediction.h"
 #include "knee_robot/identification/recording_units.h"
 #include "knee_robot/report/identify_report.h"
@@ -160,6 +162,9 @@ int run(const Arguments& a, const std::string& command_line) {
 
   std::cerr << "fitting" << std::endl;
   r.after = identification::identify(robot, r.train, r.options);
+  identification::judgeByGains(robot, r.after.model);
+  r.drive_gains = identification::aboutGains(robot);
+  r.doubts = identification::doubtsAboutFit(robot, r.after.columns, r.after.parameters, r.train, r.options.observation);
   identification::IdentifyOptions without_friction =
       r.options;  // the same rigid directions, so that the difference is friction's alone
   without_friction.friction = false;

@@ -5,8 +5,10 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <cctype>
 #include <cerrno>
 #include <cstdio>
+#include <cstring>
 #include <exception>
 #include <iostream>
 #include <string>
@@ -31,6 +33,16 @@ int fail(const CommandLine& app, const std::string& sentence, int status) {
   return status;
 }
 
+/// As a shell reads it back.
+std::string shellWord(const std::string& word) {
+  const auto plain = [](unsigned char c) { return std::isalnum(c) != 0 || std::strchr("_-./:=,+@%", c) != nullptr; };
+  if (!word.empty() && std::all_of(word.begin(), word.end(), plain)) return word;
+  std::string out = "'";
+  for (const char c : word)
+    out += c == '\'' ? "'\\''" : std::string(1, c);
+  return out + "'";
+}
+
 }  // namespace
 
 int runProgram(CommandLine& app, int argc, const char* const* argv, const std::function<int()>& body) {
@@ -41,7 +53,10 @@ int runProgram(CommandLine& app, int argc, const char* const* argv, const std::f
     for (const std::string& extra : app.extras()) {
       if (extra.find(":=") == std::string::npos) throw InputError("unknown argument " + extra + " (see --help)");
     }
-    return body();
+    const int status_of_body = body();
+    const bool lost = !std::cout.flush() | (std::fflush(stdout) != 0) | (std::ferror(stdout) != 0);
+    if (lost && status_of_body == kExitDone) return fail(app, "the output could not be written (is the disk full?)", 1);
+    return status_of_body;
   } catch (const InputError& error) {
     return fail(app, error.what(), kExitBadInput);
   } catch (const Refusal& error) {
@@ -69,7 +84,7 @@ void limitDescriptors() {
 std::string commandLine(const std::string& program, int argc, const char* const* argv) {
   std::string line = "rosrun knee_robot " + program;
   for (int i = 1; i < argc; ++i)
-    line += std::string(" ") + argv[i];
+    line += " " + shellWord(argv[i]);
   return line;
 }
 

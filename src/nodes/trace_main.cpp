@@ -8,6 +8,7 @@
 #include "knee_robot/base/numbers.h"
 #include "knee_robot/identification/drive_gains.h"
 #include "knee_robot/identification/full_band.h"
+#include "knee_robot/identification/gain_verdicts.h"
 #include "knee_robot/identification/recording_units.h"
 #include "knee_robot/recording/pauses.h"
 #include "knee_robot/recording/signals.h"
@@ -239,6 +240,8 @@ int run(const Arguments& a, const std::string& command_line) {
 
   r.result = tracing::trace(robot, train, r.train, r.options);
   r.result.notes.push_back(cutoff.sentence);
+  for (const std::string& sentence : identification::aboutGains(robot))
+    r.result.notes.push_back(sentence);
   r.model = tracing::tracedModel(robot, r.result, r.train, r.options);
   applyModels(a, robot, train, validate, r);
   r.next = tracing::planNextExperiment(robot, r.result, r.train, r.options);

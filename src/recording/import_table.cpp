@@ -15,17 +15,22 @@
 namespace knee_robot::recording {
 namespace {
 
+constexpr int kMostImported = 12;
 constexpr double kDegree = 3.14159265358979323846 / 180.0;
 
 /// Factors to the SI unit that the target's name ends in. `counts` is a length whose scale says metres per count.
 const std::map<std::string, std::map<std::string, double>>& unitsByEnding() {
   static const std::map<std::string, std::map<std::string, double>> kUnits = {
+      {"_rad_per_s", {{"rad/s", 1.0}, {"mrad/s", 1e-3}, {"deg/s", kDegree}, {"rpm", 6.0 * kDegree}, {"counts/s", 1.0}}},
       {"_m_per_s", {{"m/s", 1.0}, {"mm/s", 1e-3}, {"um/s", 1e-6}, {"counts/s", 1.0}}},
       {"_s", {{"s", 1.0}, {"ms", 1e-3}, {"us", 1e-6}, {"ns", 1e-9}, {"min", 60.0}}},
       {"_m", {{"m", 1.0}, {"cm", 1e-2}, {"mm", 1e-3}, {"um", 1e-6}, {"counts", 1.0}}},
       {"_V", {{"V", 1.0}, {"mV", 1e-3}}},
       {"_N", {{"N", 1.0}, {"kN", 1e3}, {"mN", 1e-3}}},
-      {"_rad", {{"rad", 1.0}, {"mrad", 1e-3}, {"deg", kDegree}}}};
+      {"_Nm", {{"Nm", 1.0}, {"kNm", 1e3}, {"mNm", 1e-3}}},
+      {"_A", {{"A", 1.0}, {"mA", 1e-3}}},
+      {"_degC", {{"degC", 1.0}}},
+      {"_rad", {{"rad", 1.0}, {"mrad", 1e-3}, {"deg", kDegree}, {"counts", 1.0}}}};
   return kUnits;
 }
 
@@ -35,12 +40,13 @@ bool endsWith(const std::string& text, const std::string& end) {
 
 /// Names that a recording may have, without those of cameras.
 bool isActuatorColumn(const std::string& name) {
-  for (const char* form : {"position_?_m", "reference_?_m", "velocity_?_m_per_s", "command_?_V", "force_?_N"}) {
-    std::string pattern = form;
-    for (char axis = '1'; axis <= '4'; ++axis) {
+  for (const char* form : {"position_?_m", "reference_?_m", "velocity_?_m_per_s", "command_?_V", "force_?_N",
+                           "position_?_rad", "reference_?_rad", "velocity_?_rad_per_s", "torque_?_Nm", "current_?_A",
+                           "motor_position_?_m", "motor_position_?_rad", "temperature_?_degC"}) {
+    const std::string pattern = form;
+    for (int axis = 1; axis <= kMostImported; ++axis) {
       std::string candidate = pattern;
-      candidate[candidate.find('?')] = axis;
-      if (candidate == name) return true;
+      if (candidate.replace(candidate.find('?'), 1, std::to_string(axis)) == name) return true;
     }
   }
   return false;
@@ -54,9 +60,10 @@ bool isCameraColumn(const std::string& name) {
 std::string whyNot(const ColumnMapping& m, double& factor) {
   if (m.to != "time_s" && !isActuatorColumn(m.to) && !isCameraColumn(m.to)) {
     return "'" + m.to +
-           "' is no column of a recording (time_s, reference_i_m, position_i_m, velocity_i_m_per_s, command_i_V, "
-           "force_i_N with i "
-           "= 1 to 4, mocap_x_m, mocap_z_m, mocap_theta_rad, mocap_psi_rad)";
+           "' is no column of a recording (time_s; reference_i_m, position_i_m, velocity_i_m_per_s, command_i_V, "
+           "force_i_N; of a chain reference_i_rad, position_i_rad, velocity_i_rad_per_s, torque_i_Nm, current_i_A, "
+           "motor_position_i_m, motor_position_i_rad, temperature_i_degC; with i = 1 to 12; mocap_x_m, mocap_z_m, "
+           "mocap_theta_rad, mocap_psi_rad)";
   }
   if (!std::isfinite(m.scale) || m.scale == 0.0 || !std::isfinite(m.offset))
     return "scale and offset must be finite, and scale not 0";
@@ -75,7 +82,8 @@ std::string whyNot(const ColumnMapping& m, double& factor) {
   if (found == units->end())
     return "the unit '" + m.unit + "' does not fit " + m.to +
            "; known: " + joined(*units, [](const auto& one) { return one.first; });
-  if (m.unit.rfind("counts", 0) == 0 && m.scale == 1.0) return "counts need a scale (metres per count) other than 1";
+  if (m.unit.rfind("counts", 0) == 0 && m.scale == 1.0)
+    return "counts need a scale (metres or radians per count) other than 1";
   factor = found->second;
   return {};
 }

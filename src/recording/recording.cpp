@@ -1,6 +1,7 @@
 #include "knee_robot/recording/recording.h"
 
 #include <algorithm>
+#include <cctype>
 #include <cmath>
 #include <filesystem>
 #include <limits>
@@ -8,6 +9,7 @@
 #include <optional>
 #include <string_view>
 
+#include "foreign_text.h"
 #include "knee_robot/base/errors.h"
 #include "knee_robot/base/files.h"
 #include "knee_robot/base/numbers.h"
@@ -213,6 +215,10 @@ std::string lineName(const std::string& path, int line) {
   return path + ":" + std::to_string(line) + ": ";
 }
 
+bool isWord(Text text) {
+  return !text.empty() && std::isalpha(static_cast<unsigned char>(text.front())) != 0 && !isNan(text);
+}
+
 /// Why this field is refused; empty when it is a value.
 std::string parseField(Text text, const Column& column, double limit, double& value) {
   if (column.may_be_nan && isNan(text)) {
@@ -220,7 +226,9 @@ std::string parseField(Text text, const Column& column, double limit, double& va
     return {};
   }
   const std::optional<double> number = parseFinite(text);
-  if (!number) return column.name + " is " + inQuotes(text) + ", not a finite number";
+  if (!number)
+    return column.name + " is " + inQuotes(text) + ", not a finite number" +
+           (column.values.empty() && isWord(text) ? "; if this is a line of units, remove it" : "");
   if (std::abs(*number) > limit) return column.name + " is " + inQuotes(text) + ", beyond +-" + shortNumber(limit);
   if (column.name == "home_id" && *number != std::floor(*number))
     return column.name + " is " + inQuotes(text) + ", not an integer";
@@ -296,15 +304,27 @@ void readRows(Text rest, std::size_t expected, const std::string& path, Columns&
   }
 }
 
+/// A column that the user sees in the file is not called missing: what hides it is named.
+void requireOwnNames(Text content, Text header_line, const std::string& path) {
+  std::vector<Text> fields;
+  splitInto(header_line, fields);
+  const bool own = std::find(fields.begin(), fields.end(), "time_s") != fields.end() &&
+                   trimmed(header_line).find('\r') == Text::npos;
+  const std::string why = own ? "" : foreignText(content);
+  if (!why.empty()) throw InputError(path + ":1: " + why);
+}
+
 }  // namespace
 
 Recording parseRecording(const std::string& content, const std::string& path) {
   Text rest = content;
   if (rest.substr(0, 3) == "\xEF\xBB\xBF") rest.remove_prefix(3);
+  const Text text = rest;
   bool whole = true;
   const Text first = takeLine(rest, whole);
   if (trimmed(first).empty())
     throw InputError(path + ": is empty, or its first line is; a recording starts with a header line");
+  requireOwnNames(text, first, path);
   const Header header(first, path);
 
   Recording r;

@@ -13,6 +13,7 @@ namespace knee_robot::recording {
 namespace {
 
 constexpr int kFewestRows = 20;
+constexpr double kNoJitter_s = 1e-9;  ///< less is the rounding of stamps
 constexpr double kTrembleWindow_s = 0.2;
 constexpr double kFarthest_s = 0.05;
 constexpr int kLastStaleRow = 50;                 ///< a recorder's stale rows are the first few
@@ -150,10 +151,10 @@ void noteTiming(const std::vector<double>& time, double period, int rows_left_ou
   }
   const double jitter = std::sqrt(sum_of_squares / static_cast<double>(time.size()));
   s.notes.push_back(
-      "Rows arrive every " + shortNumber(1e3 * period, 4) + " ms (median, jitter " + shortNumber(1e3 * jitter, 3) +
-      " ms rms); " + std::to_string(late) + " interval(s) longer than 1.5 periods, the longest " +
-      shortNumber(1e3 * longest, 4) + " ms. Resampled to " + shortNumber(1.0 / s.period_s, 4) + " Hz (" +
-      std::to_string(s.samples()) +
+      "Rows arrive every " + shortNumber(1e3 * period, 4) + " ms (median, jitter " +
+      shortNumber(jitter < kNoJitter_s ? 0.0 : 1e3 * jitter, 3) + " ms rms); " + std::to_string(late) +
+      " interval(s) longer than 1.5 periods, the longest " + shortNumber(1e3 * longest, 4) + " ms. Resampled to " +
+      shortNumber(1.0 / s.period_s, 4) + " Hz (" + std::to_string(s.samples()) +
       " samples): positions by a cubic at their own times, commands averaged over the time they were held.");
   if (rows_left_out > 0)
     s.notes.push_back("The first " + std::to_string(rows_left_out) + " row(s) are stale and were left out.");

@@ -18,6 +18,26 @@ using Text = std::string_view;
 
 constexpr int kWidestTable = 10000;
 
+/// A field in quotes (RFC 4180), which may hold the separator; false when `rest` does not begin with one.
+bool takeQuoted(Text& rest, char separator, Text& field, bool& more) {
+  const auto withoutBlanks = [&](Text text) {
+    const std::size_t from = text.find_first_not_of(separator == '\t' ? " \r" : " \t\r");
+    return from == Text::npos ? Text{} : text.substr(from);
+  };
+  const Text start = withoutBlanks(rest);
+  if (start.empty() || start.front() != '"') return false;
+  std::size_t end = start.find('"', 1);
+  while (end != Text::npos && start.substr(end + 1, 1) == "\"")  // a doubled one stands for itself
+    end = start.find('"', end + 2);
+  if (end == Text::npos) return false;
+  const Text after = withoutBlanks(start.substr(end + 1));
+  if (!after.empty() && after.front() != separator) return false;
+  field = trimmed(start.substr(1, end - 1));
+  more = !after.empty();
+  if (more) rest = after.substr(1);
+  return true;
+}
+
 /// Takes the first field off `rest`; false when there is none left. `rest` is trimmed for blank-separated tables.
 bool takeField(Text& rest, char separator, Text& field, bool& more) {
   if (!more) return false;
@@ -29,6 +49,7 @@ bool takeField(Text& rest, char separator, Text& field, bool& more) {
     rest.remove_prefix(end);
     return true;
   }
+  if (takeQuoted(rest, separator, field, more)) return true;
   const std::size_t end = rest.find(separator);
   field = trimmed(rest.substr(0, end));
   more = end != Text::npos;
@@ -36,13 +57,30 @@ bool takeField(Text& rest, char separator, Text& field, bool& more) {
   return true;
 }
 
-/// A quoted header word without its quotes.
-Text unquoted(Text text) {
-  if (text.size() >= 2 && text.front() == '"' && text.back() == '"') return text.substr(1, text.size() - 2);
-  return text;
+/// A header word without its quotes, doubled ones inside single again.
+std::string unquoted(Text text) {
+  if (text.size() >= 2 && text.front() == '"' && text.back() == '"') text = text.substr(1, text.size() - 2);
+  std::string out;
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    out += text[i];
+    if (text[i] == '"' && text.substr(i + 1, 1) == "\"") ++i;
+  }
+  return out;
 }
 
-char separatorOf(Text line, bool decimal_comma) {
+/// Without what stands in quotes.
+std::string outsideQuotes(Text line) {
+  std::string out;
+  bool inside = false;
+  for (const char c : line) {
+    if (c == '"') inside = !inside;
+    if (!inside) out += c;
+  }
+  return out;
+}
+
+char separatorOf(Text whole, bool decimal_comma) {
+  const std::string line = outsideQuotes(whole);
   for (const char c : {'\t', ';', ','}) {
     if (c == ',' && decimal_comma) continue;
     if (trimmed(line).find(c) != Text::npos) return c;

@@ -1,5 +1,6 @@
 #include <cmath>
 
+#include "earlier_run.h"
 #include "identify_series.h"
 #include "knee_robot/base/files.h"
 #include "knee_robot/dynamics/urdf_inertia.h"
@@ -149,6 +150,8 @@ std::string identifyJson(const IdentifyResults& r) {
   j["outlier_share"] = r.after.outlier_share;
   j["masks"] = masksJson(r);
   j["signal_path"] = notesJson(r);
+  j["doubts"] = r.doubts;
+  if (!r.drive_gains.empty()) j["drive_gains"] = r.drive_gains;
   j["reproduce"] = r.command_line;
   return j.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
 }
@@ -160,6 +163,8 @@ std::string predictionCsv(const identification::Observation& o, const identifica
 void writeIdentifyFiles(const IdentifyResults& r, const std::string& folder) {
   const Page page("identify");
   makeFolder(folder);
+  const std::vector<std::string> earlier = filesOfEarlierRun(folder, "identify");
+  std::vector<std::string> written;
   dynamics::saveModel(r.after.model, folder + "/model.yaml");
   if (r.physical) {
     dynamics::saveModel(r.physical->model, folder + "/model_physical.yaml");
@@ -172,11 +177,13 @@ void writeIdentifyFiles(const IdentifyResults& r, const std::string& folder) {
     const std::string urdf = r.chain ? dynamics::urdfWithChainInertia(r.urdf_path, *r.chain, bodies, note)
                                      : dynamics::urdfWithInertia(r.urdf_path, r.physical->inertia, note);
     writeFileAtomically(folder + "/identified.urdf", urdf);
+    written = {"model_physical.yaml", "identified.urdf"};
   }
   for (std::size_t i = 0; i < r.validate.size(); ++i) {
-    writeFileAtomically(folder + "/prediction_" + r.validate[i].name + ".csv",
-                        predictionCsv(r.validate[i], r.validate_after.predictions[i]));
+    written.push_back("prediction_" + r.validate[i].name + ".csv");
+    writeFileAtomically(folder + "/" + written.back(), predictionCsv(r.validate[i], r.validate_after.predictions[i]));
   }
+  removeStale(folder, earlier, written);
   writeReport(folder, page, jsonWithUnits(r.units, identifyJson(r)), identifySeries(r));
 }
 

@@ -46,7 +46,7 @@ std::string frictionText(const std::vector<dynamics::FrictionLaw>& laws) {
 
 std::string strengthText(const IdentifyResults& r) {
   std::string out =
-      "error against the directions that the data decide rather than the prior: rms of moving samples in N, * = chosen "
+      "error against the directions that the data decide rather than the prior: rms of moving samples, N; * = chosen "
       "on training "
       "data (held back: rms / noise on left-out blocks)\n";
   out += "   rank  held back | training";
@@ -89,6 +89,13 @@ std::string parameterText(const identification::Identification& id) {
          std::to_string(id.model.base.size()) + " combinations of them are; see model.yaml)\n";
 }
 
+std::string gainsText(const IdentifyResults& r) {
+  std::string out = r.drive_gains.empty() ? "" : "gains of the drives\n";
+  for (const std::string& sentence : r.drive_gains)
+    out += "  " + sentence + "\n";
+  return out;
+}
+
 std::string physicalText(const IdentifyResults& r) {
   if (!r.physical) return "physically consistent parameters: not fitted, " + r.no_physical + "\n";
   const bool validated = !r.validate.empty();
@@ -113,10 +120,13 @@ std::string identifySummary(const IdentifyResults& r) {
     }
   }
   out += r.cutoff.sentence + "\n" + (r.full_band.sentence.empty() ? "" : r.full_band.sentence + "\n") + "\n" +
-         strengthText(r) + "\n" + frictionText(r.after.model.friction) + "\n" + parameterText(r.after) + "\n" +
-         accuracyText("training", r.train_after.accuracy);
+         strengthText(r) + "\n" + frictionText(r.after.model.friction) + "\n" + parameterText(r.after) + gainsText(r) +
+         "\n" + accuracyText("training", r.train_after.accuracy);
   if (!r.validate.empty()) out += accuracyText("validation", r.validate_after.accuracy);
-  return out + physicalText(r);
+  out += physicalText(r);
+  for (const std::string& doubt : r.doubts)
+    out += doubt + "\n";
+  return out;
 }
 
 std::string verdictText(const std::string& verdict) {

@@ -1,6 +1,7 @@
 #include <cmath>
 #include <random>
 
+#include "earlier_run.h"
 #include "knee_robot/base/files.h"
 #include "knee_robot/report/json_parts.h"
 #include "knee_robot/report/page.h"
@@ -168,6 +169,7 @@ std::string traceJson(const TraceResults& r) {
   j["friction_near_rest"] = frictionJson(r.model.friction);
   j["friction_tried"] = frictionTriedJson(r.result.baseline.choices);
   j["not_added"] = r.result.rejected;
+  j["doubts"] = r.result.doubts;
   j["notes"] = r.result.notes;
   j["seed"] = r.options.seed;
   j["reproduce"] = r.command_line;
@@ -177,12 +179,15 @@ std::string traceJson(const TraceResults& r) {
 void writeTraceFiles(const TraceResults& r, const std::string& folder) {
   const Page page("trace");
   makeFolder(folder);
+  const std::vector<std::string> earlier = filesOfEarlierRun(folder, "trace");
+  std::vector<std::string> written;
   dynamics::saveModel(r.model, folder + "/model.yaml");
   for (std::size_t i = 0; i < r.validate.size(); ++i) {
-    writeFileAtomically(
-        folder + "/prediction_" + r.validate[i].name + ".csv",
-        predictionTable(r.validate[i], r.validate_after.predictions[i], &r.validate_before.predictions[i]));
+    written.push_back("prediction_" + r.validate[i].name + ".csv");
+    writeFileAtomically(folder + "/" + written.back(), predictionTable(r.validate[i], r.validate_after.predictions[i],
+                                                                       &r.validate_before.predictions[i]));
   }
+  removeStale(folder, earlier, written);
   writeNextExperiment(r.next, r.robot_path, folder);
   writeReport(folder, page, jsonWithUnits(r.units, traceJson(r)), traceSeries(r));
 }

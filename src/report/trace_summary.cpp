@@ -111,6 +111,8 @@ std::string payloadLine(const tracing::PayloadTest& p) {
 
 std::string traceSummary(const TraceResults& r) {
   std::string out = traceOutcome(r) + "\n";
+  for (const std::string& doubt : r.result.doubts)
+    out += doubt + "\n";
   for (const std::string& note : r.result.notes)
     out += note + "\n";
   out += givenModelSummary(r.result.given) + "\n" + payloadLine(r.result.payload) + traceVerdict(r) + "\n";

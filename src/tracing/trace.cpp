@@ -8,6 +8,7 @@
 
 #include "given_search.h"
 #include "knee_robot/base/numbers.h"
+#include "knee_robot/identification/plausible_fit.h"
 #include "knee_robot/recording/signals.h"
 #include "long_presliding.h"
 #include "search.h"
@@ -123,6 +124,8 @@ void Tracing::fitBaseline(std::vector<identification::Observation> training) {
   BaseFit& base = result_.base;
   base = fitBase(robot_, data_.recordings, data_.stack, identification::columnsOf(robot_), options_.rank,
                  options_.start ? &given : nullptr);
+  result_.doubts =
+      identification::doubtsAboutFit(robot_, base.columns, base.parameters, data_.recordings, options_.observation);
   BaseFit newtons = base;
   newtons.noise_N.setOnes();
   data_.all_base_rows = baseRows(newtons, data_.recordings, data_.stack);

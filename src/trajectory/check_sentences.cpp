@@ -29,32 +29,47 @@ std::string otherSpaceHint(const Reference& reference, const mechanism::Robot& r
   return "";
 }
 
+constexpr double kMillimetres = 100.0;  ///< times the limit: no slip of a reference, but another unit
+
 std::string lengthSentence(const Margin& at, const Reference& reference, const mechanism::Robot& robot) {
   const bool below = at.quantity == Quantity::ShortestLength;
   std::string sentence = "actuator " + std::to_string(at.actuator) + " is sent to " + shortNumber(at.value, 7) +
                          " m, " + (below ? "below its minimum of " : "above its maximum of ") +
-                         shortNumber(at.limit, 7) + " m in " + robot.path + "; move the reference " +
-                         (below ? "up" : "down") + " by " + shortNumber(std::abs(at.value - at.limit), 3) + " m";
+                         shortNumber(at.limit, 7) + " m in " + robot.path +
+                         (std::abs(at.value) > kMillimetres * std::abs(at.limit)
+                              ? "; is the reference in millimetres? Its lengths are m"
+                              : std::string("; move the reference ") + (below ? "up" : "down") + " by " +
+                                    shortNumber(std::abs(at.value - at.limit), 3) + " m");
   if (at.line == reference.first_line) sentence += otherSpaceHint(reference, robot);
   return sentence;
+}
+
+/// Both with so many digits that they differ.
+std::pair<std::string, std::string> apart(double value, double limit) {
+  constexpr int kFewest = 4, kMost = 12;
+  int digits = kFewest;
+  while (digits < kMost && shortNumber(value, digits) == shortNumber(limit, digits))
+    ++digits;
+  return {shortNumber(value, digits), shortNumber(limit, digits)};
 }
 
 std::string differenceSentence(const Margin& at, const mechanism::Robot& robot) {
   const bool velocity = at.quantity == Quantity::Velocity;
   const double factor = velocity ? at.value / at.limit : std::sqrt(at.value / at.limit);
-  return "actuator " + std::to_string(at.actuator) + (velocity ? " moves with " : " accelerates with ") +
-         shortNumber(at.value, 4) + " " + unitOf(at.quantity) + ", beyond its limit of " + shortNumber(at.limit, 4) +
-         " " + unitOf(at.quantity) + " in " + robot.path + "; remove the jump, or slow the reference down " +
-         shortNumber(std::ceil(factor * 100.0) / 100.0, 4) + " times";
+  const auto [value, limit] = apart(at.value, at.limit);
+  return "actuator " + std::to_string(at.actuator) + (velocity ? " moves with " : " accelerates with ") + value + " " +
+         unitOf(at.quantity) + ", beyond its limit of " + limit + " " + unitOf(at.quantity) + " in " + robot.path +
+         "; remove the jump, or slow the reference down " + shortNumber(std::ceil(factor * 100.0) / 100.0, 4) +
+         " times";
 }
 
 std::string angleSentence(const Margin& at, const mechanism::Robot& robot) {
   const char* joint = at.quantity == Quantity::PlatformAngle ? "spherical"
                       : at.actuator == 4                     ? "revolute"
                                                              : "universal";
-  return std::string("the ") + joint + " joint of leg " + std::to_string(at.actuator) + " is bent by " +
-         shortNumber(at.value * kDegrees, 4) + " deg, beyond its limit of " + shortNumber(at.limit * kDegrees, 4) +
-         " deg in " + robot.path + "; reduce the movement";
+  const auto [value, limit] = apart(at.value * kDegrees, at.limit * kDegrees);
+  return std::string("the ") + joint + " joint of leg " + std::to_string(at.actuator) + " is bent by " + value +
+         " deg, beyond its limit of " + limit + " deg in " + robot.path + "; reduce the movement";
 }
 
 }  // namespace

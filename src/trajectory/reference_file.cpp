@@ -23,6 +23,16 @@ std::string lowered(std::string_view text) {
   return result;
 }
 
+/// The same but for one letter that is wrong, too many or missing.
+bool nearly(std::string_view word, std::string_view right) {
+  std::size_t same = 0;
+  while (same < std::min(word.size(), right.size()) && word[same] == right[same])
+    ++same;
+  const std::string_view a = word.substr(same), b = right.substr(same);
+  return word == right || (!a.empty() && a.substr(1) == b) || (!b.empty() && b.substr(1) == a) ||
+         (!a.empty() && !b.empty() && a.substr(1) == b.substr(1));
+}
+
 /// Takes a reference file line by line; its state is what the header has said so far and the points so far.
 class ReferenceParser {
  public:
@@ -55,6 +65,7 @@ class ReferenceParser {
     reference.space = asked_.value_or(declared_.value_or(Space::Actuator));
     reference.period_s = period_s_.value_or(kStreamPeriod);
     reference.first_line = first_line_;
+    reference.notes = notes_;
     reference.points = Eigen::Map<const Points>(values_.data(), static_cast<Eigen::Index>(values_.size() / 4), 4);
     return reference;
   }
@@ -66,21 +77,38 @@ class ReferenceParser {
 
   void takeHeader(std::string_view text) {
     const std::size_t colon = text.find(':');
-    if (colon == std::string_view::npos) return;  // a remark
-    const std::string key = lowered(trimmed(text.substr(0, colon)));
+    const std::string key = colon == std::string_view::npos ? "" : lowered(trimmed(text.substr(0, colon)));
+    if (key != "space" && key != "period_s") {
+      noteMistyped(text);
+      return;
+    }
     const std::string_view value = trimmed(text.substr(colon + 1));
     if (key == "space") {
       if (declared_) refuse("space is declared twice; keep one");
       declared_ = spaceNamed(lowered(value));
       declared_line_ = line_;
       if (!declared_) refuse("space " + inQuotes(value, kQuoted) + " is unknown; write actuator, platform or relative");
-    } else if (key == "period_s") {
+    } else {
       if (period_s_) refuse("period_s is declared twice; keep one");
       period_s_ = parseFinite(value);
       if (!period_s_ || *period_s_ < 1e-4 || *period_s_ > 10.0) {
         refuse("period_s " + inQuotes(value, kQuoted) + " is no number from 0.0001 to 10 s; write period_s: 0.01");
       }
     }
+  }
+
+  /// A remark that looks as if it were to declare something: almost one of the keys, then a value of it.
+  void noteMistyped(std::string_view text) {
+    const std::string low = lowered(text);
+    const std::size_t end = std::min(low.find_first_not_of("abcdefghijklmnopqrstuvwxyz_"), low.size());
+    const std::string key = low.substr(0, end);
+    const std::size_t from = std::min(low.find_first_not_of(" \t:=", end), low.size());
+    const std::string value = low.substr(from, low.find_first_of(" \t,;", from) - from);
+    const bool period = key.rfind("period", 0) == 0 && parseFinite(value);
+    if (!period && !(nearly(key, "space") && spaceNamed(value))) return;
+    notes_.push_back(name_ + ":" + std::to_string(line_) + ": " + inQuotes(text, kQuoted) +
+                     " is read as a remark; if it declares something, write # " +
+                     (period ? "period_s: 0.01" : "space: " + value));
   }
 
   void takePoint(std::string_view line) {
@@ -114,6 +142,7 @@ class ReferenceParser {
   std::optional<Space> declared_;
   std::optional<double> period_s_;
   std::vector<double> values_;
+  std::vector<std::string> notes_;
   int line_ = 0;
   int declared_line_ = 0;
   int first_line_ = 1;
@@ -148,6 +177,7 @@ Reference parseReference(const std::string& text, const std::string& name, std::
   }
   ReferenceParser parser(name, space);
   std::string_view rest(text);
+  if (rest.substr(0, 3) == "\xEF\xBB\xBF") rest.remove_prefix(3);  // a byte order mark
   while (!rest.empty()) {
     const std::size_t end = std::min(rest.find('\n'), rest.size());
     parser.takeLine(rest.substr(0, end));

@@ -56,5 +56,14 @@ TEST(StrictMap, SurvivesRandomDamageToAFile) {
   EXPECT_LT(accepted, 20000);
 }
 
+TEST(StrictMap, RefusesASecondDocumentThatNobodyWouldRead) {
+  EXPECT_EQ(
+      "robot.yaml:3: a second YAML document begins above this line (---), and only one is read; remove one, or "
+      "the line ---",
+      refusalOf([] { StrictMap::parse("a: 1\n---\nb: 2\n", "robot.yaml"); }));
+  for (const char* one : {"---\na: 1\n", "a: 1\n---\n", "%YAML 1.2\n---\na: 1\n...\n"})
+    EXPECT_EQ("", refusalOf([&] { StrictMap::parse(one, "robot.yaml"); })) << one;
+}
+
 }  // namespace
 }  // namespace knee_robot

@@ -11,6 +11,7 @@
 #include "knee_robot/identification/physical_fit.h"
 #include "knee_robot/identification/recording_units.h"
 #include "test/identification/chain_motion.h"
+#include "test/refusal.h"
 
 namespace knee_robot::identification {
 namespace {
@@ -120,6 +121,16 @@ TEST(AdaptedChain, PhysicalBodiesArePossibleAndPredictAsWell) {
     EXPECT_NEAR(body.fitted.mass, body.prior.mass, 0.2 * body.prior.mass)
         << body.name << ": the URDF is the truth here";
   }
+}
+
+TEST(AdaptedChain, TimeInMillisecondsIsRefused) {
+  mechanism::Robot robot = testArm();
+  recording::Recording r = armRecording(robot, 1);
+  for (double& t : r.time_s)
+    t *= 1000.0;
+  const std::string said = refusalOf([&] { toActuatorUnits(robot, r); });
+  EXPECT_NE(said.find("time_s: a row comes every"), std::string::npos) << said;
+  EXPECT_NE(said.find("milliseconds?"), std::string::npos) << said;
 }
 
 }  // namespace

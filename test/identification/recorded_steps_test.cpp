@@ -60,5 +60,27 @@ TEST(RecordedSteps, AreNotReadOffPositionsThatLieOnNoGrid) {
   EXPECT_TRUE(filtered.front().notes.empty() && rounded.front().notes.empty());
 }
 
+TEST(RecordedRange, PositionsInMillimetresAreRefusedOnABench) {
+  mechanism::Robot robot = syntheticBench(2);
+  for (mechanism::Actuator& a : robot.actuators) {
+    a.position_min_m = 0.0;
+    a.position_max_m = 0.5;
+  }
+  const recording::Recording good = syntheticRecording(robot, syntheticModel(robot), 0, 5.0);
+  recording::Recording r = good;
+  EXPECT_EQ("", refusalOf([&] { toActuatorUnits(robot, r); }));
+  r.position_m.array() -= 0.3;  // counted from elsewhere
+  EXPECT_EQ("", refusalOf([&] { toActuatorUnits(robot, r); }));
+  for (const double unit : {1e3, 1e2, -1e3}) {
+    r = good;
+    r.position_m.col(1) *= unit;
+    const std::string said = refusalOf([&] { toActuatorUnits(robot, r); });
+    EXPECT_NE(said.find("position_2_m: "), std::string::npos) << said;
+    EXPECT_NE(said.find(unit > 0 ? "outside position_max_m 0.5" : "outside position_min_m 0"), std::string::npos)
+        << said;
+    EXPECT_NE(said.find("millimetres?"), std::string::npos) << said;
+  }
+}
+
 }  // namespace
 }  // namespace knee_robot::identification

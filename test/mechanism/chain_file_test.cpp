@@ -150,5 +150,30 @@ TEST_F(ChainFile, RefusesAJointThatIsNeitherFixedNorSingle) {
   refuses({"arm.urdf", "elbow", "floating"});
 }
 
+TEST_F(ChainFile, AMomentThatIsNoNumberIsRefusedByItsLink) {
+  const std::size_t at = urdf_.find("ixx=\"");
+  ASSERT_NE(at, std::string::npos);
+  for (const char* word : {"nan", "inf", "1,5"}) {
+    const std::string good = urdf_;
+    urdf_.replace(at, urdf_.find('"', at + 5) - at, std::string("ixx=\"") + word);
+    refuses({"arm.urdf", "link ", "<inertial> cannot be read", "ixx"});
+    urdf_ = good;
+  }
+}
+
+TEST_F(ChainFile, JointsMayHaveNamesThatYamlWouldTakeForSomethingElse) {
+  const std::string good = urdf_;
+  const std::string old = load().actuators.front().name;
+  for (const std::string name : {"a #b", "x: y", "[a]", "{", "'", "- a"}) {
+    urdf_ = good;
+    for (std::size_t at = 0; (at = urdf_.find("\"" + old + "\"", at)) != std::string::npos; at += name.size())
+      urdf_.replace(at + 1, old.size(), name);
+    EXPECT_EQ(load().actuators.front().name, name);
+  }
+  urdf_ = good;
+  replace("<joint name=\"" + old + "\"", "<joint name=\"\"");
+  refuses({"arm.urdf", "the joint above link ", "is named ''"});
+}
+
 }  // namespace
 }  // namespace knee_robot::mechanism

@@ -6,6 +6,8 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <cstdio>
+#include <iostream>
 #include <stdexcept>
 
 #include "knee_robot/base/errors.h"
@@ -98,6 +100,31 @@ TEST(RunProgram, ShowsHelp) {
   const Outcome o = runWith({"--help"}, [] { return 5; });
   EXPECT_EQ(o.status, 0);
   EXPECT_NE(o.out.find("does something"), std::string::npos);
+}
+
+TEST(RunProgram, FailsWhenItsOutputIsLost) {
+  for (const bool stream : {true, false}) {
+    const pid_t process = ::fork();
+    if (process == 0) {
+      const int full = ::open("/dev/full", O_WRONLY);
+      ::dup2(full, STDOUT_FILENO);
+      CommandLine app("does something", "thing");
+      const char* const arguments[] = {"thing"};
+      ::_exit(runProgram(app, 1, arguments, [&] {
+        stream ? void(std::cout << "a result") : void(std::printf("a result"));
+        return 0;
+      }));
+    }
+    int status = 0;
+    ::waitpid(process, &status, 0);
+    EXPECT_EQ(WEXITSTATUS(status), 1);
+  }
+}
+
+TEST(CommandLineText, IsReadBackByAShell) {
+  const char* const arguments[] = {"identify", "--train", "my run's file.csv", "$HOME", "a;b", "", "x=1"};
+  const std::string line = commandLine("identify", 7, arguments);
+  EXPECT_EQ(line, "rosrun knee_robot identify --train 'my run'\\''s file.csv' '$HOME' 'a;b' '' x=1");
 }
 
 }  // namespace

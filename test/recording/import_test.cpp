@@ -269,6 +269,40 @@ TEST(ImportTable, MutatedTablesAndMapsGiveASoundRecordingOrADeclaredError) {
   EXPECT_GT(accepted, 100) << "the mutations are too coarse to test anything beyond the first check";
 }
 
+TEST(ImportTable, ReadsColumnsOfChainsInTheirUnits) {
+  ColumnMap map;
+  for (const char* text : {"t=time_s,ms", "q=position_1_rad,deg", "v=velocity_1_rad_per_s,rpm", "m=torque_1_Nm,mNm",
+                           "i=current_1_A,mA", "w=temperature_1_degC"})
+    map.columns.push_back(parseMapping(text));
+  const TextTable table("t,q,v,m,i,w\n0,180,60,1500,250,30\n10,90,30,500,125,31\n", "log.csv", {});
+  const Recording r = parseRecording(importTable(table, map).csv, "imported");
+  EXPECT_NEAR(r.position_m(0, 0), M_PI, 1e-12);
+  EXPECT_NEAR(r.velocity_m_per_s(0, 0), 2.0 * M_PI, 1e-12);
+  EXPECT_NEAR(r.force_N(0, 0), 1.5, 1e-12);
+  EXPECT_NEAR(r.current_A(1, 0), 0.125, 1e-12);
+  EXPECT_NEAR(r.temperature_degC(1, 0), 31.0, 1e-12);
+  EXPECT_EQ(parseMapping("q=position_12_rad,deg").to, "position_12_rad");
+  for (const char* wrong : {"q=position_13_rad", "q=position_0_rad", "q=torque_1_N", "q=position_1_rad,mm"})
+    EXPECT_THROW(parseMapping(wrong), InputError) << wrong;
+}
+
+TEST(ImportTable, ReadsQuotedCells) {
+  ColumnMap map;
+  for (const char* text : {"t, \"s\"=time_s", "x=position_1_m", "f=force_1_N"})
+    map.columns.push_back(parseMapping(text));
+  map.format.decimal_comma = true;
+  map.format.separator = ',';
+  const TextTable table("\"t, \"\"s\"\"\", \"x\" ,f\r\n\"0,0\",\"0,25\", \"3\"\r\n\"0,1\",\"0,5\",4\r\n", "log.csv",
+                        map.format);
+  const Recording r = parseRecording(importTable(table, map).csv, "imported");
+  ASSERT_EQ(r.rows(), 2);
+  EXPECT_EQ(r.time_s[1], 0.1);
+  EXPECT_EQ(r.position_m(0, 0), 0.25);
+  EXPECT_EQ(r.force_N(0, 0), 3.0);
+  EXPECT_EQ(r.force_N(1, 0), 4.0);
+  EXPECT_THROW(TextTable("a,b\n\"1\"2,3\n", "log.csv", {}).numbers(0), InputError);
+}
+
 /// Without waiting for the disk.
 void writePlainly(const std::string& path, const std::string& content) {
   std::ofstream(path, std::ios::binary) << content;

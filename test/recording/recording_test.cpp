@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <random>
 
@@ -193,6 +194,29 @@ TEST(Recording, KnowsTheHomingItWasMadeAfter) {
   EXPECT_EQ(homed_anew.home_id, 0);
   EXPECT_FALSE(homed_anew.notes.empty());
   EXPECT_THROW(parseRecording(header + "0,0.5,1,7.5\n", "r.csv"), InputError);
+}
+
+TEST(Recording, SaysWhatHidesColumnsThatTheUserSees) {
+  const std::string rows = "0,0.1,1\n1,0.2,2\n", header = "time_s,position_1_m,force_1_N\n";
+  const auto with = [](std::string text, char separator) {
+    std::replace(text.begin(), text.end(), ',', separator);
+    return text;
+  };
+  expectRefused(with(header + rows, ';'), "separated by ';'");
+  expectRefused(with(header + rows, '\t'), "separated by tabs");
+  expectRefused("\"time_s\",\"position_1_m\",\"force_1_N\"\n" + rows, "in quotes");
+  expectRefused("TIME_S,POSITION_1_M,FORCE_1_N\n" + rows, "another case");
+  expectRefused("# robot 2\n" + header + rows, "begins with a comment; remove what stands above line 2");
+  expectRefused("Recorder v2\n2021\n" + header + rows, "above line 3");
+  expectRefused(header + "s,m,N\n" + rows, "line of units");
+  std::string cr = header + rows;
+  std::replace(cr.begin(), cr.end(), '\n', '\r');
+  expectRefused(cr, "end in CR alone");
+  std::string wide = "\xFF\xFE";
+  for (const char c : header + rows)
+    wide += {c, '\0'};
+  expectRefused(wide, "UTF-16");
+  expectRefused("t,position_1_m\n" + rows, "column time_s is missing");
 }
 
 }  // namespace

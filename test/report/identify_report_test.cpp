@@ -126,5 +126,23 @@ TEST(IdentifySummary, ShowsErrorsAndTheRankCurve) {
   EXPECT_NE(text.find(" *    8"), std::string::npos) << text;
 }
 
+TEST(WriteIdentifyFiles, RemovesWhatItsOwnEarlierRunLeftAndNothingElse) {
+  const TemporaryFolder folder;
+  IdentifyResults r = identified(true);
+  writeIdentifyFiles(r, folder / "");
+  writeFileAtomically(folder / "prediction_mine.csv", "of somebody else");
+  writeFileAtomically(folder / "identified.urdf", "no earlier run had bodies");
+  r.validate.front().name = "another";
+  r.validate.front().path = "runs/another.csv";
+  writeIdentifyFiles(r, folder / "");
+  EXPECT_FALSE(std::filesystem::exists(folder / "prediction_synthetic_1.csv"));
+  for (const char* name : {"prediction_another.csv", "prediction_mine.csv", "identified.urdf"})
+    EXPECT_TRUE(std::filesystem::exists(folder / name)) << name;
+  writeFileAtomically(folder / "report.json", "{\"command\": \"trace\", \"data\": {\"validate\": [\"another.csv\"]}}");
+  r.validate.clear();
+  writeIdentifyFiles(r, folder / "");
+  EXPECT_TRUE(std::filesystem::exists(folder / "prediction_another.csv")) << "trace wrote it";
+}
+
 }  // namespace
 }  // namespace knee_robot::report

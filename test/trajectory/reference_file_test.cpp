@@ -67,7 +67,6 @@ TEST(ReferenceFile, RefusesEverythingElseByFileAndLine) {
       {good + "1,2,3,4\n", "column 1 '1,2,3,4'"},
       {good + "1 2 3 4;\n", "column 4 '4;'"},
       {good + std::string("1 2 3 4\0\n", 9), "column 4 '4?'"},
-      {"\xEF\xBB\xBF" + good, "file.txt:1: column 1"},
       {good + "\n" + good, "file.txt:2: an empty line stands between points"},
       {good + "# note\n" + good, "file.txt:2: a comment stands after the first point"},
       {"", "file.txt:1: holds no point"},
@@ -144,6 +143,29 @@ TEST(ReferenceFile, SurvivesRandomDamageToAFile) {
   }
   EXPECT_GT(read, 1000);
   EXPECT_GT(refused, 1000);
+}
+
+TEST(ReferenceFile, SkipsAByteOrderMark) {
+  EXPECT_EQ(parseReference("\xEF\xBB\xBF"
+                           "1 2 3 4\n",
+                           "f")
+                .points(0, 0),
+            1.0);
+  EXPECT_EQ(parseReference("\xEF\xBB\xBF# space: platform\n1 2 3 4\n", "f").space, Space::Platform);
+}
+
+TEST(ReferenceFile, NotesRemarksThatLookLikeAMistypedHeader) {
+  for (const char* mistyped : {"# period: 0.02", "# period_ms: 20", "# space platform", "# spce: platform",
+                               "# spaces = relative", "# Period 0.02 s"}) {
+    const Reference r = parseReference(std::string(mistyped) + "\n1 2 3 4\n", "f");
+    ASSERT_EQ(r.notes.size(), 1u) << mistyped;
+    EXPECT_NE(r.notes[0].find("f:1: '"), std::string::npos) << r.notes[0];
+    EXPECT_NE(r.notes[0].find(mistyped[2] == 's' ? "write # space: " : "write # period_s: "), std::string::npos)
+        << r.notes[0];
+  }
+  for (const char* remark : {"# a remark", "# period of the leg", "# space: platform", "# period_s: 0.02", "# hip: 3",
+                             "# space between the legs", "#"})
+    EXPECT_TRUE(parseReference(std::string(remark) + "\n1 2 3 4\n", "f").notes.empty()) << remark;
 }
 
 }  // namespace

@@ -23,6 +23,8 @@ struct IdentifyResults {
   std::vector<identification::Observation> train;
   std::vector<identification::Observation> validate;  ///< may be empty
   identification::Identification before, after;
+  std::vector<std::string> drive_gains;  ///< that were estimated, in sentences
+  std::vector<std::string> doubts;       ///< whether the model describes its training data at all
   identification::Applied train_before, train_after;
   identification::Applied validate_before, validate_after;  ///< empty without validation recordings
   std::vector<Eigen::VectorXd> train_by_strength;           ///< errorAgainstRank

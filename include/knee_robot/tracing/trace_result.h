@@ -63,6 +63,7 @@ struct TraceResult {
   std::vector<std::string> absorbed;          ///< what the base parameters take up, one sentence each
   std::string presliding;  ///< where the baseline's laws near rest have it surely, with the laws; empty: nowhere
   std::vector<std::string> rejected;  ///< what came close, and why it was not added
+  std::vector<std::string> doubts;    ///< whether the baseline describes the training recordings at all
   std::vector<std::string> notes;
   std::vector<PlaceAngles> angles;  ///< of all named candidates, along the training recordings
   PayloadTest payload;              ///< against the URDF's inertia; its sentence is among `absorbed`

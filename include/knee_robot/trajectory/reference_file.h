@@ -29,8 +29,9 @@ struct Reference {
   std::string name;               ///< of the file, for messages
   Space space = Space::Actuator;  ///< declared by the header or the caller, else actuator
   double period_s = kStreamPeriod;
-  Points points;       ///< N x 4, N >= 1, all finite
-  int first_line = 1;  ///< line of the first point; point k stands on line first_line + k
+  Points points;                   ///< N x 4, N >= 1, all finite
+  int first_line = 1;              ///< line of the first point; point k stands on line first_line + k
+  std::vector<std::string> notes;  ///< remarks of the file that look like a mistyped header
 
   int lineOf(Eigen::Index point) const { return first_line + static_cast<int>(point); }
 };
@@ -39,7 +40,7 @@ struct Reference {
 inline constexpr std::size_t kMaxReferenceBytes = 64u << 20;
 inline constexpr Eigen::Index kMaxReferencePoints = 1'000'000;
 
-/// Reads a reference file strictly (docs/contract.md, section 2). Accepted: CRLF, tabs, blanks before and after
+/// Reads a reference file strictly (docs/contract.md, section 2). Accepted: a byte order mark, CRLF, tabs, blanks before and after
 /// numbers, a missing last newline, empty lines after the last point, `#` lines before the first point. Everything else
 /// is an InputError naming FILE:LINE and what is wrong: another number of columns than four, a word, inf, nan, a
 /// comment or an empty line between points, an unknown space or period, no point at all, more than the bounds above.
