@@ -19,7 +19,7 @@ constexpr double kLooksWrong = 0.25;  ///< from here on other signs and orders a
 constexpr double kNoFit = 0.5;
 constexpr double kMuchBetter = 0.5;    ///< of the error: what a wrong sign or order must leave at most
 constexpr double kAsGood = 1.1;        ///< of the best squared error: then the smaller change is the explanation
-constexpr double kNarrow = 2.0;      ///< encoder counts, as IdentifyOptions
+constexpr double kNarrow = 2.0;        ///< encoder counts, as IdentifyOptions
 constexpr double kUsual = 0.05;        ///< what a good fit leaves, as weight of the equations against the prior
 constexpr std::size_t kMostFlips = 7;  ///< actuators whose signs are combined: 128 fits
 
@@ -242,8 +242,9 @@ std::vector<std::string> doubtsAboutFit(const mechanism::Robot& robot, const std
     if (!bad.empty()) break;  // then it is not one actuator's sign
     doubts.push_back(whoIs(robot, i) +
                      ": the recorded force opposes what friction needs (dry and viscous friction end at zero, " +
-                     shareText(left[i]) + " of the rms force is left): is its sign, or that of its position, wrong, or "
-                                          "are columns swapped?");
+                     shareText(left[i]) +
+                     " of the rms force is left): is its sign, or that of its position, wrong, or "
+                     "are columns swapped?");
   }
   if (bad.empty()) return doubts;
   bad.insert(bad.end(), opposed.begin(), opposed.end());
