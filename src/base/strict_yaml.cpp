@@ -16,6 +16,23 @@ std::string lineOf(const YAML::Node& node) {
   return node.Mark().is_null() ? "" : ":" + std::to_string(node.Mark().line + 1);
 }
 
+/// Line of the first content of a second document; 0: there is none. YAML::LoadAll does not end on some broken texts.
+int secondDocument(const std::string& text) {
+  bool content = false, marked = false;
+  int number = 1;
+  for (std::size_t at = 0; at < text.size(); ++number) {
+    const std::size_t end = std::min(text.find('\n', at), text.size());
+    const std::string_view line = trimmed(std::string_view(text).substr(at, end - at));
+    const bool mark = text.compare(at, 3, "---") == 0 && (line.size() == 3 || line[3] == ' ');
+    const bool silent = line.empty() || line.front() == '#' || line.front() == '%' || line == "...";
+    if (mark && content) marked = true;
+    if (!mark && !silent && marked) return number;
+    content = content || (!mark && !silent);
+    at = end + 1;
+  }
+  return 0;
+}
+
 }  // namespace
 
 StrictMap::StrictMap(YAML::Node node, std::string file) : node_(std::move(node)), file_(std::move(file)) {
@@ -35,14 +52,12 @@ StrictMap StrictMap::load(const std::string& path) {
 
 StrictMap StrictMap::parse(const std::string& text, const std::string& name) {
   try {
-    const std::vector<YAML::Node> documents = YAML::LoadAll(text);
-    for (std::size_t k = 1; k < documents.size(); ++k) {
-      if (!documents[k].IsNull())
-        throw InputError(name + lineOf(documents[k]) +
-                         ": a second YAML document begins above this line (---), and "
-                         "only one is read; remove one, or the line ---");
-    }
-    return StrictMap(documents.empty() ? YAML::Node() : documents.front(), name);
+    const YAML::Node first = YAML::Load(text);
+    if (const int line = secondDocument(text); line > 0)
+      throw InputError(name + ":" + std::to_string(line) +
+                       ": a second YAML document begins above this line (---), and "
+                       "only one is read; remove one, or the line ---");
+    return StrictMap(first, name);
   } catch (const YAML::Exception& error) {
     const std::string line = error.mark.is_null() ? "" : ":" + std::to_string(error.mark.line + 1);
     throw InputError(name + line + ": not valid YAML: " + error.msg);
