@@ -66,7 +66,8 @@ TEST(RecordedRange, PositionsInMillimetresAreRefusedOnABench) {
     a.position_min_m = 0.0;
     a.position_max_m = 0.5;
   }
-  const recording::Recording good = syntheticRecording(robot, syntheticModel(robot), 0, 5.0);
+  recording::Recording good = syntheticRecording(robot, syntheticModel(robot), 0, 5.0);
+  good.position_unit.assign(2, "m");
   recording::Recording r = good;
   EXPECT_EQ("", refusalOf([&] { toActuatorUnits(robot, r); }));
   r.position_m.array() -= 0.3;  // counted from elsewhere

@@ -98,8 +98,10 @@ TEST(TraceJson, SaysHowFarEveryCandidateIsFromTheBaseAndWhereTheErrorLies) {
   for (const auto& a : j["angles"]) {
     ASSERT_LE(a["to_base_deg"][0].get<double>(), a["to_base_deg"][1].get<double>() + 1e-9);
     EXPECT_LE(a["nearest"].size(), 3u);
-    for (const auto& n : a["nearest"])
-      EXPECT_EQ(n["actuator"], a["actuator"]) << "bench axes share nothing";
+    for (const auto& n : a["nearest"]) {
+      if (n["name"] == "sensor_lag" || a["name"] == "sensor_lag") continue;
+      EXPECT_EQ(n["actuator"], a["actuator"]) << "bench axes share nothing but what records them";
+    }
     if (a["name"] == "force_offset") {
       ++absorbed;
       EXPECT_LT(a["to_base_deg"][1].get<double>(), 0.1) << "the base has an offset";
