@@ -60,7 +60,14 @@ class ChainPrograms : public ::testing::Test {
     for (int i = 1; i <= 6; ++i)
       stream << ",position_" << i << (i == 1 ? "_m" : "_rad");
     for (int i = 1; i <= 6; ++i)
-      stream << "," << effort << "_" << i << (effort == "current" ? "_A" : i == 1 ? "_N" : "_Nm");
+      stream << ","
+             << (effort == "current" ? "current"
+                 : i == 1            ? "force"
+                                     : "torque")
+             << "_" << i
+             << (effort == "current" ? "_A"
+                 : i == 1            ? "_N"
+                                     : "_Nm");
     for (int k = 0; k < rows; ++k) {
       stream << "\n" << 0.01 * k;
       for (int i = 0; i < 12; ++i)
