@@ -21,6 +21,9 @@ constexpr double kConverged = 1e-5;
 constexpr double kFelt = 5.0;  ///< standard errors of a gain below which the payload does not tell it
 
 constexpr double kClearlyBetter = 0.99;  ///< share of the cost: less of a change is noise
+/// Times the present gain, and its inverse: no drive has more or less. The joint's motion needs no torque, or all of it
+/// goes into friction, and no sign is told.
+constexpr double kNoDrive = 1e4;
 constexpr double kUnlikely = 2.0;  ///< times the URDF's weight: less than kg for pounds; URDFs of real arms are better
 constexpr double kImpossible = 4.0;  ///< the same: no URDF is that wrong, but a unit is
 constexpr double kPoor = 50.0;       ///< percent of the current's rms: a quarter of its power is not explained
@@ -152,6 +155,11 @@ Start start(const Problem& p) {
   return out;
 }
 
+/// An inverse gain that a drive may have, whatever its sign.
+bool isDrives(double inverse) {
+  return std::abs(inverse) < kNoDrive && std::abs(inverse) > 1.0 / kNoDrive;
+}
+
 /// Fits with positive gains; then lets those that began negative be so, one after the other, where that fits better.
 /// Steps never take a gain through zero, so that its sign is the start's.
 int solveWithSigns(const Problem& p, Eigen::VectorXd& z) {
@@ -165,10 +173,12 @@ int solveWithSigns(const Problem& p, Eigen::VectorXd& z) {
     other[p.size() - p.gains() + i] = from.measured[i];
     const Eigen::VectorXd other_begin = other;
     solve(p, -1, other);
-    if (!(costOf(p, other) < kClearlyBetter * costOf(p, z))) continue;
+    if (!isDrives(other[p.size() - p.gains() + i]) || !(costOf(p, other) < kClearlyBetter * costOf(p, z))) continue;
     z = other;
     begin = other_begin;
   }
+  for (int i = p.size() - p.gains(); i < p.size(); ++i)
+    z[i] = isDrives(z[i]) ? z[i] : from.z[i];
   return iterations;
 }
 
