@@ -20,6 +20,7 @@ def restart(a, name, command, **streams):
     getattr(s, name).terminate()
     getattr(s, name).wait()
     setattr(s, name, s.spawn(name, *command, **streams))
+    time.sleep(0.3)  # whoever misses the old one has missed it by then
     end = time.monotonic() + 15.0
     while True:
         try:
