@@ -1,11 +1,11 @@
 #include "knee_robot/identification/gain_verdicts.h"
 
 #include "knee_robot/base/numbers.h"
+#include "knee_robot/identification/drive_gains.h"
 
 namespace knee_robot::identification {
 namespace {
 
-constexpr double kInterval = 2.0;    ///< standard errors: 95 %. A gain that is not known from zero is not known
 constexpr double kTenthKnown = 0.1;  ///< as for parameters: better known than that counts as identified
 
 bool isEstimated(const mechanism::Actuator& a) {
@@ -13,7 +13,8 @@ bool isEstimated(const mechanism::Actuator& a) {
 }
 
 bool isOpen(const mechanism::Actuator& a) {
-  return !(a.torque_per_ampere > kInterval * a.torque_per_ampere_std);
+  // one that is not known from zero is not known
+  return !(a.torque_per_ampere > kGainInterval * a.torque_per_ampere_std);
 }
 
 }  // namespace
@@ -36,7 +37,7 @@ std::vector<std::string> aboutGains(const mechanism::Robot& robot) {
   std::vector<std::string> sentences;
   for (const mechanism::Actuator& a : robot.actuators) {
     if (!isEstimated(a)) continue;
-    const double error = kInterval * a.torque_per_ampere_std;
+    const double error = kGainInterval * a.torque_per_ampere_std;
     sentences.push_back(
         "joint " + a.name + ": " +
         (isOpen(a)
@@ -48,9 +49,8 @@ std::vector<std::string> aboutGains(const mechanism::Robot& robot) {
   }
   if (!sentences.empty())
     sentences.push_back(
-        "Estimated gains rest on the URDF's inertia: they are wrong by as much as its masses and centres are, which "
-        "the "
-        "intervals leave out. drive_gains finds them from a payload of known mass.");
+        "Estimated gains rest on the URDF's inertia: they are wrong by as much as its masses and centres are, and the "
+        "intervals leave that out. drive_gains finds them from a payload of known mass.");
   return sentences;
 }
 

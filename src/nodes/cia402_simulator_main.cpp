@@ -177,6 +177,7 @@ int simulate(const Options& options) {
 
 int main(int argc, char** argv) {
   nodes::CommandLine app("The simulated robot behind four CiA 402 drives on a CAN bus.", "cia402_simulator");
+  app.serves();
   Options options;
   nodes::declareSimulator(app, "shared memory in which the robot's state can be looked at", options);
   app.option("--hardware", options.hardware, "hardware file (YAML) with backend can: the drives that it describes")

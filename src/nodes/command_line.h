@@ -72,6 +72,9 @@ class CommandLine {
   void footer(const std::string& text);
   /// Others than its own arguments are for the program to judge.
   void allowExtras();
+  /// It works until it is told to end: what it prints is not its result, and a terminal that has gone no failure.
+  void serves() { serves_ = true; }
+  bool isServing() const { return serves_; }
 
   const std::string& program() const { return program_; }
   /// False, and the exit status, when nothing more is to be done: --help (0). Throws InputError.
@@ -84,6 +87,7 @@ class CommandLine {
 
   std::string program_;
   std::unique_ptr<CLI::App> app_;
+  bool serves_ = false;
 };
 
 }  // namespace knee_robot::nodes

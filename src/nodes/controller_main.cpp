@@ -226,9 +226,8 @@ int run() {
   if (hardware_file.backend != "simulated" && nodes::killsTooSoon(nodes::commandOfParent())) {
     ROS_WARN(
         "roslaunch kills controller and guardian 15 s after Ctrl-C, also when a holding brake does not hold and the "
-        "drives carry the platform: give it, and the guardian, the argument --own-session, as controller.launch does "
-        "with "
-        "own_session:=true");
+        "drives carry the platform: give it, and the guardian, the argument --own-session, as controller.launch "
+        "does with own_session:=true");
   }
   ROS_INFO("%s", started.sentence.c_str());
   ROS_INFO("feedforward: %s", system.feedforward().c_str());
@@ -261,6 +260,7 @@ int main(int argc, char** argv) {
   nodes::takeSignals([](int) { stop_requested = 1; });
   nodes::CommandLine app("Drives the robot: servo cycle, supervision, services, topics and the action. A ROS node.",
                          "controller");
+  app.serves();
   bool own_session = false;
   app.flag(nodes::kOwnSession, own_session,
            "go on in a session of its own, so that roslaunch cannot kill what carries");

@@ -11,8 +11,8 @@ namespace knee_robot::nodes {
 
 /// What identify and trace do with the recordings that they are given, before they differ.
 
-/// A recording counts once in the fit, and one that the model is fitted to cannot validate it, under whatever name; and prediction_NAME.csv must be one
-/// file per validation recording. Throws InputError. Reads all of them: before the work, which may take minutes.
+/// A recording counts once in the fit, and one that the model is fitted to cannot validate it, under whatever name; and
+/// prediction_NAME.csv must be one file per validation recording. Throws InputError. Reads all of them: before the work, which may take minutes.
 void requireFitAndValidation(const std::vector<std::string>& train, const std::vector<std::string>& validate);
 
 /// As they are in their files; says on standard error which is being read.

@@ -270,6 +270,7 @@ int main(int argc, char** argv) {
   nodes::continueInOwnSession(argc, argv);
   nodes::CommandLine app("Watches the controller and brings the outputs down when it dies or falls silent.",
                          "guardian");
+  app.serves();
   Options options;
   app.option("--hardware", options.hardware_file, "hardware file (YAML)").required();
   app.option("--shm", options.shm, "shared memory of the simulated robot, for backend simulated").showDefault();

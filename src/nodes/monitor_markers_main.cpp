@@ -94,6 +94,7 @@ int main(int argc, char** argv) {
   ros::init(argc, argv, "monitor_markers");
   nodes::CommandLine app("Shows rviz the reference pose, the path to come, tracking errors and margins. A ROS node.",
                          "monitor_markers");
+  app.serves();
   app.footer("Parameters: ~robot (robot file), ~rate_hz (1 .. 60, default 15)");
   return nodes::runProgram(app, argc, argv, [] {
     ros::NodeHandle own("~"), node;

@@ -7,9 +7,9 @@
 #include <algorithm>
 #include <cerrno>
 #include <csignal>
+#include <cstdio>
 #include <cstring>
 #include <string_view>
-#include <system_error>
 
 #include "signals.h"
 
@@ -58,7 +58,11 @@ void continueInOwnSession(int argc, const char* const* argv) {
   ::sigprocmask(SIG_BLOCK, &awaited, &before);  // none is lost between fork and the first wait
   const pid_t starter = ::getpid();
   const pid_t other = ::fork();
-  if (other < 0) throw std::system_error(errno, std::generic_category(), "no process for a session of its own");
+  if (other < 0) {
+    std::fprintf(stderr, "%s: no process for a session of its own (%s): end others, or raise ulimit -u\n", argv[0],
+                 std::strerror(errno));
+    ::_exit(1);
+  }
   if (other > 0) standFor(other);
   ::setsid();
   ::prctl(PR_SET_PDEATHSIG, SIGTERM);

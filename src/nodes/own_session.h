@@ -9,10 +9,10 @@ constexpr const char* kOwnSession = "--own-session";
 /// process group of a node that has not ended 17 s after Ctrl-C; a controller behind a brake that does not hold carries
 /// the platform for longer than that (docs/safety.md).
 ///
-/// Returns at once unless kOwnSession is among the arguments. Otherwise it forks: the process that goes on from here has
-/// a session, and so a process group, of its own. The one that stays in the starter's group hands INT, TERM, HUP and
+/// Returns at once unless kOwnSession is among the arguments. Otherwise it forks: the process that goes on from here
+/// has a session, and so a process group, of its own. The one that stays in the starter's group hands INT, TERM, HUP and
 /// QUIT on and ends as the other one does; when it is killed, the other one gets SIGTERM. First in main, before there
-/// are threads. Throws std::system_error when there can be no further process.
+/// are threads. When there can be no further process it says so and ends the program with status 1.
 void continueInOwnSession(int argc, const char* const* argv);
 
 }  // namespace knee_robot::nodes

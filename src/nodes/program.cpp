@@ -54,6 +54,7 @@ int runProgram(CommandLine& app, int argc, const char* const* argv, const std::f
       if (extra.find(":=") == std::string::npos) throw InputError("unknown argument " + extra + " (see --help)");
     }
     const int status_of_body = body();
+    if (app.isServing()) return status_of_body;
     const bool lost = !std::cout.flush() | (std::fflush(stdout) != 0) | (std::ferror(stdout) != 0);
     if (lost && status_of_body == kExitDone) return fail(app, "the output could not be written (is the disk full?)", 1);
     return status_of_body;

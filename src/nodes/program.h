@@ -9,7 +9,7 @@ namespace knee_robot::nodes {
 
 /// What every program's main does around its work: parses the command line into `app`'s options, runs `body`, and turns
 /// what is thrown into one line on standard error ("NAME: sentence") and an exit status: bad command line or InputError
-/// 2, Refusal 3, anything else 1. `--help` prints and returns 0. Otherwise the status that `body` returns.
+/// 2, Refusal 3, anything else 1, output that could not be written included, unless the program serves. `--help` prints and returns 0. Otherwise the status that `body` returns.
 /// Of a program that allows extras, only remappings of ROS (__name:=...), which roslaunch appends, are accepted.
 ///
 ///     CommandLine app("says whether a reference may be played", "check_reference");

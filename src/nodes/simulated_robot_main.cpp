@@ -112,6 +112,7 @@ int simulate(const nodes::SimulatorOptions& options) {
 int main(int argc, char** argv) {
   nodes::CommandLine app("Simulates the robot in real time; its cards are register models in shared memory.",
                          "simulated_robot");
+  app.serves();
   nodes::SimulatorOptions options;
   nodes::declareSimulator(app, "name of the shared memory", options);
   return nodes::runProgram(app, argc, argv, [&] { return simulate(options); });

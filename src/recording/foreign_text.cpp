@@ -10,9 +10,8 @@ using Text = std::string_view;
 
 constexpr int kLinesAbove = 30;  ///< so far down a header is looked for
 const char* const kImport =
-    "; import_recording FILE -o run.csv --column time_s=time_s --column position_1_m=position_1_m ... makes a "
-    "recording "
-    "of it";
+    "; import_recording FILE -o run.csv --column time_s=time_s --column position_1_m=position_1_m ... makes "
+    "a recording of it";
 
 bool has(Text text, Text part) {
   return text.find(part) != Text::npos;

@@ -56,6 +56,13 @@ def controller_killed_while_it_stops(a):
     return "", text, good and drop_of(text) < 2.0
 
 
+def how_it_is_carried(a):
+    """How far the platform has sunk, mm, and whether all drives carry it; then the brakes hold again."""
+    rows = a.rows()
+    a.session.inject("clear")
+    return 1e3 * (rows["pose"][0][1] - np.min(rows["pose"][:, 1])), bool(rows["drives"][-1] == 15)
+
+
 def brakes_that_do_not_hold_then_terminated(a):
     """Holding with brakes that stay open: emergency_stop, then SIGTERM of the controller. Only the drives carry: it stays, and says why."""
     a.enable()
@@ -67,10 +74,7 @@ def brakes_that_do_not_hold_then_terminated(a):
     a.session.controller.send_signal(signal.SIGTERM)
     time.sleep(8.0)
     lives = is_alive(a.session.controller)
-    rows = a.rows()
-    drop = 1e3 * (rows["pose"][0][1] - np.min(rows["pose"][:, 1]))
-    carried = bool(rows["drives"][-1] == 15)
-    a.session.inject("clear")
+    drop, carried = how_it_is_carried(a)
     return f"{state}; the controller {'lives' if lives else 'has ended'}, ", f"drop {drop:.1f} mm in 10 s", (
         carried and lives and "hold_device_slips" in state and drop < 5.0)
 
@@ -118,10 +122,7 @@ def roslaunch_kills_what_carries(a):
     launch.send_signal(signal.SIGINT)
     launch.wait(40.0)
     time.sleep(5.0)
-    rows = a.rows()
-    drop = 1e3 * (rows["pose"][0][1] - np.min(rows["pose"][:, 1]))
-    carried = bool(rows["drives"][-1] == 15)
-    a.session.inject("clear")
+    drop, carried = how_it_is_carried(a)
     time.sleep(7.0)
     rows = a.rows()
     off = bool(rows["drives"][-1] == 0)

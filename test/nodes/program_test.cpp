@@ -102,23 +102,33 @@ TEST(RunProgram, ShowsHelp) {
   EXPECT_NE(o.out.find("does something"), std::string::npos);
 }
 
-TEST(RunProgram, FailsWhenItsOutputIsLost) {
-  for (const bool stream : {true, false}) {
-    const pid_t process = ::fork();
-    if (process == 0) {
-      const int full = ::open("/dev/full", O_WRONLY);
-      ::dup2(full, STDOUT_FILENO);
-      CommandLine app("does something", "thing");
-      const char* const arguments[] = {"thing"};
-      ::_exit(runProgram(app, 1, arguments, [&] {
-        stream ? void(std::cout << "a result") : void(std::printf("a result"));
-        return 0;
-      }));
-    }
-    int status = 0;
-    ::waitpid(process, &status, 0);
-    EXPECT_EQ(WEXITSTATUS(status), 1);
+/// Exit status of a program that prints where nothing can be written.
+int statusOnFullDisk(bool serves, bool stream) {
+  const pid_t process = ::fork();
+  if (process == 0) {
+    const int full = ::open("/dev/full", O_WRONLY);
+    ::dup2(full, STDOUT_FILENO);
+    CommandLine app("does something", "thing");
+    if (serves) app.serves();
+    const char* const arguments[] = {"thing"};
+    ::_exit(runProgram(app, 1, arguments, [&] {
+      stream ? void(std::cout << "a result") : void(std::printf("a result"));
+      return 0;
+    }));
   }
+  int status = 0;
+  ::waitpid(process, &status, 0);
+  return WEXITSTATUS(status);
+}
+
+TEST(RunProgram, FailsWhenItsOutputIsLost) {
+  EXPECT_EQ(statusOnFullDisk(false, true), 1);
+  EXPECT_EQ(statusOnFullDisk(false, false), 1);
+}
+
+TEST(RunProgram, ThatServesHasNotFailedWhenItsTerminalIsGone) {
+  EXPECT_EQ(statusOnFullDisk(true, true), 0);
+  EXPECT_EQ(statusOnFullDisk(true, false), 0);
 }
 
 TEST(CommandLineText, IsReadBackByAShell) {

@@ -4,8 +4,8 @@
 
 namespace knee_robot::identification {
 
-/// Fills usable, judged, saturated_share and masks of an observation whose signals and motion are there, and says in its notes
-/// what was left out. Around every masked sample the reach of the low-pass is left out too.
+/// Fills usable, judged, saturated_share and masks of an observation whose signals and motion are there, and says in
+/// its notes what was left out. Around every masked sample the reach of the low-pass is left out too.
 void maskUnusable(const mechanism::Robot& robot, const ObservationOptions& options, Observation& observation);
 
 /// Says in its notes where positions jump (recording/jumps.h).

@@ -40,8 +40,8 @@ struct Reference {
 inline constexpr std::size_t kMaxReferenceBytes = 64u << 20;
 inline constexpr Eigen::Index kMaxReferencePoints = 1'000'000;
 
-/// Reads a reference file strictly (docs/contract.md, section 2). Accepted: a byte order mark, CRLF, tabs, blanks before and after
-/// numbers, a missing last newline, empty lines after the last point, `#` lines before the first point. Everything else
+/// Reads a reference file strictly (docs/contract.md, section 2). Accepted: a byte order mark, CRLF, tabs, blanks
+/// before and after numbers, a missing last newline, empty lines after the last point, `#` lines before the first point. Everything else
 /// is an InputError naming FILE:LINE and what is wrong: another number of columns than four, a word, inf, nan, a
 /// comment or an empty line between points, an unknown space or period, no point at all, more than the bounds above.
 /// `space` is the caller's own declaration (a command line's --space); one that contradicts the header is an
