@@ -57,6 +57,7 @@ constexpr Entry kLaws[] = {
     {"delay", 0, delayLaw},
     {"drive_lag", 0, delayLaw},
     {"spring", 4, springLaw},
+    {"one_sided_spring", 9, oneSidedSpringLaw},
     {"dashpot", 5, dashpotLaw},
     {"asymmetric_dashpot", 5, asymmetricDashpotLaw},
     {"platform_joint_friction", 1, platformJointFrictionLaw, false, 1},

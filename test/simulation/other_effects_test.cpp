@@ -135,6 +135,27 @@ TEST(PlatformEffects, ASpringPullsDownItsPotential) {
   }
 }
 
+TEST(PlatformEffects, AStrapActsBeyondItsLengthOnlyAndAStopBelowIt) {
+  const auto strap = [](const std::string& side, double acts_from_m) {
+    EffectBench bench(
+        "{name: one_sided_spring, force_at_0.1_m_N: 60, exponent: 1.5, anchor_m: [0.2, 0.3, 1.5], point_m: "
+        "[0.2, 0.2, 0], acts_from_m: " +
+        std::to_string(acts_from_m) + ", side: " + side + "}");
+    bench.push(bench.weight(), EffectBench::kStep);
+    return bench.simulation().loads().pose_force;
+  };
+  const mechanism::Pose pose = EffectBench("").simulation().state().pose;
+  const mechanism::Vector3 span =
+      mechanism::Vector3(0.2, 0.3, 1.5) - platformPoint(pose, mechanism::Vector3(0.2, 0.2, 0));
+  const double length = span.norm();
+  EXPECT_TRUE(strap("longer", length + 0.001).isZero());
+  EXPECT_TRUE(strap("shorter", length - 0.001).isZero());
+  const double force_N = 60.0 * std::pow(0.04 / 0.1, 1.5);
+  const mechanism::Vector4 pulled = poseForceOf(pose, mechanism::Vector3(0.2, 0.2, 0), force_N * span.normalized());
+  EXPECT_TRUE(strap("longer", length - 0.04).isApprox(pulled, 1e-4));
+  EXPECT_TRUE(strap("shorter", length + 0.04).isApprox(-pulled, 1e-4));
+}
+
 class JointFrictionEffects : public testing::TestWithParam<const char*> {};
 
 TEST_P(JointFrictionEffects, AreTheLawsThatTraceAdds) {

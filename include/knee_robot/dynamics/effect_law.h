@@ -47,6 +47,7 @@ struct JointMemory {
 /// What a law remembers of the motion.
 struct EffectState {
   double value = 0.0;
+  double rate = 0.0;  ///< of what it looks at, at the instant before
   JointMemory of_joints;
 };
 

@@ -26,6 +26,8 @@ Law forceOffsetLaw(const Shape& shape);
 Law actuatorSpringLaw(const Shape& shape);
 Law delayLaw(const Shape& shape);
 Law springLaw(const Shape& shape);
+/// Null when its exponent or the way over which a part is lost is not positive.
+Law oneSidedSpringLaw(const Shape& shape);
 Law dashpotLaw(const Shape& shape);
 Law asymmetricDashpotLaw(const Shape& shape);
 Law platformJointFrictionLaw(const Shape& shape);

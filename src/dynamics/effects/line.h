@@ -13,7 +13,7 @@ struct Line {
       mechanism::Vector4::Zero();  ///< generalized force that lengthens it, per newton along it
 };
 
-/// `anchors`: X and Y of the base point (base frame) and of the platform point (platform frame), both at height 0.
-Line lineAt(const mechanism::Motion& motion, const Eigen::Vector4d& anchors) noexcept;
+/// `anchors`: X and Y of the base point (base frame) and of the platform point (platform frame), which is at height 0.
+Line lineAt(const mechanism::Motion& motion, const Eigen::Vector4d& anchors, double base_z_m = 0.0) noexcept;
 
 }  // namespace knee_robot::dynamics

@@ -7,9 +7,9 @@ namespace knee_robot::tracing {
 namespace {
 
 // Shorter times are a viscous friction, longer ones a spring.
-constexpr double kShortest_s = 0.1, kLongest_s = 30.0;
-constexpr double kOneWay = 4.0;  ///< factor between the two times of the grid
-constexpr double kBeside = 1.5;  ///< factor between neighbours
+constexpr double kQuickestRelaxation_s = 0.1, kSlowestRelaxation_s = 30.0;
+constexpr double kOneWay = 4.0;       ///< factor between the two times of the grid
+constexpr double kTimesBeside = 1.5;  ///< factor between neighbours
 
 /// A spring in series with a damper (Maxwell element) along the actuator: bellows or tubes that leak, rubber, a film
 /// that is squeezed. Valves make it relax at another pace when it was lengthened than when it was shortened.
@@ -23,21 +23,22 @@ class ViscoelasticElement : public Candidate {
            "a damper.";
   }
   std::vector<ShapeParameter> shapeParameters() const override {
-    return {{"relaxation_lengthened_s", kShortest_s, kLongest_s}, {"relaxation_shortened_s", kShortest_s, kLongest_s}};
+    return {{"relaxation_lengthened_s", kQuickestRelaxation_s, kSlowestRelaxation_s},
+            {"relaxation_shortened_s", kQuickestRelaxation_s, kSlowestRelaxation_s}};
   }
   std::vector<std::vector<double>> shapes(const EffectInput&, int) const override {
     std::vector<std::vector<double>> grid;
-    for (const std::vector<double>& time : geometricGrid(2.0 * kShortest_s, kLongest_s, 6)) {
+    for (const std::vector<double>& time : geometricGrid(2.0 * kQuickestRelaxation_s, kSlowestRelaxation_s, 6)) {
       for (const double factor : {1.0, 1.0 / kOneWay, kOneWay})
-        grid.push_back({time[0], std::clamp(factor * time[0], kShortest_s, kLongest_s)});
+        grid.push_back({time[0], std::clamp(factor * time[0], kQuickestRelaxation_s, kSlowestRelaxation_s)});
     }
     return grid;
   }
   std::vector<std::vector<double>> near(const std::vector<double>& s, double step) const override {
     std::vector<std::vector<double>> out;
-    for (const double factor : {std::pow(kBeside, -step), std::pow(kBeside, step)}) {
-      const double first = std::clamp(factor * s[0], kShortest_s, kLongest_s);
-      const double second = std::clamp(factor * s[1], kShortest_s, kLongest_s);
+    for (const double factor : {std::pow(kTimesBeside, -step), std::pow(kTimesBeside, step)}) {
+      const double first = std::clamp(factor * s[0], kQuickestRelaxation_s, kSlowestRelaxation_s);
+      const double second = std::clamp(factor * s[1], kQuickestRelaxation_s, kSlowestRelaxation_s);
       out.insert(out.end(), {{first, s[1]}, {s[0], second}, {first, second}});
     }
     return out;

@@ -39,12 +39,15 @@ Line lineBetween(const EffectInput& input, int actuator, const Anchors& anchors)
   out.lever.resize(input.samples());
   out.length_m.resize(input.samples());
   out.rate_m_per_s.resize(input.samples());
+  out.way_m.resize(input.samples());
   for (int n = 0; n < input.samples(); ++n) {
     const std::size_t sample = static_cast<std::size_t>(n);
     const LineNow line = lineNow(input.observation->motion.motion[sample], input.rotation[sample], anchors);
     out.lever[n] = input.force_per_pose_force[sample].row(actuator).dot(line.force_on_pose);
     out.length_m[n] = line.length_m;
     out.rate_m_per_s[n] = line.rate_m_per_s;
+    out.way_m[n] =
+        n > 0 ? 0.5 * (line.rate_m_per_s + out.rate_m_per_s[n - 1]) * (input.time(n) - input.time(n - 1)) : 0.0;
   }
   return out;
 }
@@ -89,7 +92,7 @@ std::vector<std::vector<double>> LineEffect::near(const std::vector<double>& sha
 }
 
 Eigen::MatrixXd LineEffect::columns(const EffectInput& input, int actuator, const std::vector<double>& shape) const {
-  const Line line = lineBetween(input, actuator, anchorsOf(shape));
+  const Line line = lineBetween(input, actuator, anchors(shape));
   return line.lever.asDiagonal() * resistance(line, shape);
 }
 

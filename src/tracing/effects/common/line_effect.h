@@ -14,6 +14,7 @@ struct Anchors {
 struct Line {
   Eigen::VectorXd lever;  ///< force of one actuator per newton of force that the actuators need to lengthen the line
   Eigen::VectorXd length_m, rate_m_per_s;
+  Eigen::VectorXd way_m;  ///< by which it became longer since the sample before, by its rates
 };
 Line lineBetween(const EffectInput& input, int actuator, const Anchors& anchors);
 /// Of a shape that begins with X and Y of the base point and of the platform point; both are at height 0.
@@ -32,6 +33,7 @@ class LineEffect : public Candidate {
   Eigen::MatrixXd columns(const EffectInput& input, int actuator, const std::vector<double>& shape) const override;
 
  protected:
+  virtual Anchors anchors(const std::vector<double>& shape) const { return anchorsOf(shape); }
   /// Force (N) with which it resists being longer, per unit of each coefficient: samples x coefficients.
   virtual Eigen::MatrixXd resistance(const Line& line, const std::vector<double>& shape) const = 0;
 };

@@ -1,0 +1,115 @@
+#include <algorithm>
+#include <cmath>
+
+#include "common/line_effect.h"
+
+namespace knee_robot::tracing {
+namespace {
+
+constexpr std::size_t kBaseZ = 4, kActsFrom = 5, kCurve = 6, kLostOver = 7,
+                      kSide = 8;                  ///< in the shape, after the anchors
+constexpr double kSoftest = 1.0, kHardest = 2.0;  ///< exponents; a sphere that is touched has 1.5
+constexpr double kShortestWay_m = 2e-4, kUsualWay_m = 2e-3, kLongestWay_m = 0.02;  ///< over which what is lost comes up
+constexpr double kShares[] = {0.25, 0.5, 0.75};  ///< of a recording's samples, that it is free in: beginnings of search
+constexpr double kPerWay_m = 0.1;                ///< at which the coefficients are the force
+constexpr double kLengthStep_m = 0.05, kHeightStep_m = 0.4;  ///< of refinement
+
+/// Of travel, coming up over a way after each reversal and kept at rest: between -1 and 1.
+Eigen::ArrayXd directionAlong(const Eigen::VectorXd& way_m, double over_m) {
+  Eigen::ArrayXd out(way_m.size());
+  double now = 0.0;  // nobody knows how it came to where it begins
+  for (Eigen::Index n = 0; n < out.size(); ++n) {
+    const double to = way_m[n] > 0.0 ? 1.0 : -1.0;
+    out[n] = now = to + (now - to) * std::exp(-std::abs(way_m[n]) / over_m);
+  }
+  return out;
+}
+
+/// A strap or a rope that goes taut (side 1: pulls beyond a length), a bumper, a bed or a stop that is touched (side -1:
+/// pushes below it). A part of the force is lost: it changes its sign with the direction, over a
+/// way, as in a webbing.
+class OneSidedSpring : public LineEffect {
+ public:
+  std::string name() const override { return "one_sided_spring"; }
+  std::string generalizes() const override { return "spring"; }
+  std::string sentence() const override {
+    return "Between a point of the base and a point of the platform something acts on one side only: a strap that goes "
+           "taut, a stop that is touched.";
+  }
+  std::vector<ShapeParameter> shapeParameters() const override {
+    std::vector<ShapeParameter> out = LineEffect::shapeParameters();
+    out.push_back({"base_z_m", -3.0, 3.0});
+    out.push_back({"acts_from_m", 0.0, 5.0});
+    out.push_back({"exponent", kSoftest, kHardest});
+    out.push_back({"lost_over_m", kShortestWay_m, kLongestWay_m});
+    out.push_back({"side", -1.0, 1.0, true});
+    return out;
+  }
+  std::vector<std::vector<double>> shapes(const EffectInput& input, int actuator) const override;
+  std::vector<std::vector<double>> near(const std::vector<double>& shape, double step) const override {
+    std::vector<std::vector<double>> out = LineEffect::near(shape, step);
+    for (const double sign : {-step, step}) {
+      out.push_back(shape);
+      out.back()[kActsFrom] += sign * kLengthStep_m;
+      // Where it is anchored higher, it is longer by about as much.
+      out.push_back(shape);
+      out.back()[kBaseZ] += sign * kHeightStep_m;
+      out.back()[kActsFrom] += sign * kHeightStep_m * (shape[kBaseZ] > 0.0 ? 1.0 : -1.0);
+    }
+    return out;
+  }
+  std::vector<Coefficient> coefficients(const EffectInput&) const override {
+    return {{"force_at_0.1_m_N", true}, {"lost_at_0.1_m_N", true}};
+  }
+
+ protected:
+  Anchors anchors(const std::vector<double>& shape) const override {
+    Anchors both = LineEffect::anchors(shape);
+    both.base_m.z() = shape[kBaseZ];
+    return both;
+  }
+  Eigen::MatrixXd resistance(const Line& line, const std::vector<double>& shape) const override {
+    const Eigen::ArrayXd within_m = (shape[kSide] * (line.length_m.array() - shape[kActsFrom])).max(0.0);
+    const Eigen::ArrayXd within = (within_m / kPerWay_m).pow(shape[kCurve]);
+    Eigen::MatrixXd out(within.size(), 2);
+    out << shape[kSide] * within, within * directionAlong(line.way_m, shape[kLostOver]);
+    return out;
+  }
+};
+
+/// Anchored at the height of the base, or as far above the platform.
+std::vector<std::vector<double>> OneSidedSpring::shapes(const EffectInput& input, int actuator) const {
+  const mechanism::Geometry& g = input.robot->mechanism->geometry;
+  const double base = 0.8 * (g.R[0] + g.R[1] + g.R[2]) / 3.0, platform = 0.5 * (g.Rm[0] + g.Rm[1] + g.Rm[2]) / 3.0;
+  double height_m = 0.0;
+  for (const mechanism::Motion& m : input.observation->motion.motion)
+    height_m += m.pose[1] / input.samples();
+  std::vector<std::vector<double>> grid;
+  for (const auto& [bx, by] : {std::pair(0.0, 0.0), {base, 0.0}, {-base, 0.0}, {0.0, base}, {0.0, -base}}) {
+    for (const auto& [px, py] :
+         {std::pair(0.0, 0.0), {platform, 0.0}, {-platform, 0.0}, {0.0, platform}, {0.0, -platform}}) {
+      for (const double bz : {0.0, 2.0 * height_m}) {
+        std::vector<double> shape = {bx, by, px, py, bz, 0.0, 1.0, kUsualWay_m, 1.0};
+        const Line line = lineBetween(input, std::max(0, actuator), anchors(shape));
+        std::vector<double> lengths_m(line.length_m.data(), line.length_m.data() + line.length_m.size());
+        std::sort(lengths_m.begin(), lengths_m.end());
+        for (const double share : kShares) {
+          shape[kActsFrom] = lengths_m[static_cast<std::size_t>(share * static_cast<double>(lengths_m.size() - 1))];
+          for (const double side : {1.0, -1.0}) {
+            shape[kSide] = side;
+            if (side > 0.0 || bz == 0.0) grid.push_back(shape);
+          }
+        }
+      }
+    }
+  }
+  return grid;
+}
+
+}  // namespace
+
+std::unique_ptr<Candidate> makeOneSidedSpring() {
+  return std::make_unique<OneSidedSpring>();
+}
+
+}  // namespace knee_robot::tracing
