@@ -105,8 +105,8 @@ std::string whyNotInstantly(const std::string& name) {
   if (name == "gain_drift") return "how warm the motors are is not known to the controller";
   if (name == "nonlinear_spring") return "its curve is known between the lengths of training only";
   if (name == "unnamed")
-    return "its signal is no state of the motion: time in a recording, or since a place was passed, or what a drive "
-           "has to give";
+    return "its signal is no state of the motion (time in a recording, or since a place was passed, or what a drive "
+           "has to give), or it is a surface over two signals";
   return "";
 }
 

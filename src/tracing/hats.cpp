@@ -13,7 +13,7 @@ constexpr double kHistoryRange = 100.0;
 }  // namespace
 
 Eigen::MatrixXd hats(const Eigen::VectorXd& signal, const std::vector<double>& knots) {
-  Eigen::MatrixXd out = Eigen::MatrixXd::Zero(signal.size(), kKnots);
+  Eigen::MatrixXd out = Eigen::MatrixXd::Zero(signal.size(), static_cast<Eigen::Index>(knots.size()));
   for (Eigen::Index n = 0; n < signal.size(); ++n) {
     const double at = std::clamp(signal[n], knots.front(), knots.back());
     std::size_t k = 0;
@@ -31,10 +31,10 @@ Range rangeOf(std::vector<double>& values) {
   return {values[values.size() / 200], values[values.size() - 1 - values.size() / 200]};
 }
 
-std::vector<double> evenKnots(const std::vector<double>& sorted, const Range& range, bool history) {
+std::vector<double> evenKnots(const std::vector<double>& sorted, const Range& range, bool history, int count) {
   std::vector<double> knots;
-  for (int k = 0; k < kKnots; ++k) {
-    const double share = static_cast<double>(k) / (kKnots - 1);
+  for (int k = 0; k < count; ++k) {
+    const double share = static_cast<double>(k) / (count - 1);
     const double quantile = sorted[static_cast<std::size_t>(share * static_cast<double>(sorted.size() - 1))];
     const double even =
         range.low + share * (history ? std::pow(kHistoryRange, share - 1.0) : 1.0) * (range.high - range.low);
@@ -48,16 +48,16 @@ std::vector<double> knotsAtZero(const Range& range) {
   return {low, 0.25 * low, -0.05 * largest, -0.01 * largest, 0.01 * largest, 0.05 * largest, 0.25 * high, high};
 }
 
-std::vector<ShapeParameter> knotParameters() {
+std::vector<ShapeParameter> knotParameters(int count) {
   std::vector<ShapeParameter> out;
-  for (int k = 1; k <= kKnots; ++k)
+  for (int k = 1; k <= count; ++k)
     out.push_back({"knot_" + std::to_string(k), -1e9, 1e9, true});
   return out;
 }
 
-std::vector<Coefficient> knotCoefficients(const std::string& what, const std::string& unit) {
+std::vector<Coefficient> knotCoefficients(const std::string& what, const std::string& unit, int count) {
   std::vector<Coefficient> out;
-  for (int k = 1; k <= kKnots; ++k) {
+  for (int k = 1; k <= count; ++k) {
     std::string name = what;
     name.append("_at_knot_").append(std::to_string(k)).append("_").append(unit);
     out.push_back({std::move(name), false});

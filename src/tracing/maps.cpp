@@ -3,6 +3,7 @@
 
 #include "hats.h"
 #include "platform_maps.h"
+#include "surfaces.h"
 
 namespace knee_robot::tracing {
 namespace {
@@ -28,6 +29,7 @@ struct MapSignal {
   std::string words = {};  ///< what its name does not say
   int other = 0;           ///< of a pair: "@" is the actuator that comes so many after "#", the first after the last
   bool of_drive = false;   ///< Candidate::ofDrive
+  bool symmetric = false;  ///< changes its sign, and what depends on it does
 };
 
 /// Piecewise linear function of one signal, times its factor: hat functions on knots at equal shares of the training
@@ -97,7 +99,7 @@ std::vector<double> knotsOf(const std::vector<EffectInput>& inputs, const MapSig
   const Range range = rangeOf(values);
   const double largest = std::max(-range.low, range.high);
   if (!range.varies()) return {};
-  if (signal.other > 0) return knotsAtZero({-largest, largest});
+  if (signal.symmetric) return knotsAtZero({-largest, largest});
   if (signal.of_drive && std::min(-range.low, range.high) > kBothSigns * largest) return knotsAtZero(range);
   return evenKnots(values, range, signal.history);
 }
@@ -137,13 +139,24 @@ void addOwnSignals(std::vector<MapSignal>& all) {
   }
 }
 
-/// What a drive loses or adds by the force that it has to give: dead time of its bridge, a dead zone, saturation.
-void addDrive(std::vector<MapSignal>& all) {
+/// What a drive loses or adds by the force that it has to give: dead time of its bridge, a dead zone, saturation; or by
+/// another drive's: crosstalk of cables, of current sensors.
+void addDrive(std::vector<MapSignal>& all, int axes) {
   const auto needed = [](const EffectInput& in, int i) -> Eigen::VectorXd { return in.needed_N.col(i); };
   MapSignal drive{"needed_force_#_N", needed};
   drive.rests_on_model = drive.of_drive = true;
   drive.words = "the force that its motion needs: the drive gives another one than its command says";
   all.push_back(drive);
+  for (int other = 1; other < axes; ++other) {
+    const auto others = [other](const EffectInput& in, int i) -> Eigen::VectorXd {
+      return in.needed_N.col((i + other) % in.axes());
+    };
+    MapSignal crosstalk{"needed_force_@_N", others};
+    crosstalk.rests_on_model = true;
+    crosstalk.other = other;
+    crosstalk.words = "the force that another actuator's motion needs: crosstalk of drives";
+    all.push_back(crosstalk);
+  }
 }
 
 /// What runs along two legs, a rope or a cable chain, feels the sum of their velocities or the difference.
@@ -157,6 +170,7 @@ void addPairs(std::vector<MapSignal>& all, int axes) {
       MapSignal pair{sign > 0.0 ? "velocity_#_plus_velocity_@_m_per_s" : "velocity_#_minus_velocity_@_m_per_s",
                      velocity};
       pair.other = other;
+      pair.symmetric = true;
       pair.words = sign > 0.0 ? "its velocity plus another actuator's" : "its velocity less another actuator's";
       all.push_back(pair);
     }
@@ -166,7 +180,7 @@ void addPairs(std::vector<MapSignal>& all, int axes) {
 std::vector<MapSignal> mapSignals(bool bench, int axes) {
   std::vector<MapSignal> all;
   addOwnSignals(all);
-  addDrive(all);
+  addDrive(all, axes);
   for (const MapFactor factor : {MapFactor::One, MapFactor::Direction, MapFactor::Velocity}) {
     if (bench) {  // independent axes: another one's motion cannot matter
       const auto own = [](const EffectInput& in, int i) -> Eigen::VectorXd { return in.signals().position_m.col(i); };
@@ -213,6 +227,7 @@ CandidateList mapCandidates(const std::vector<EffectInput>& inputs) {
 
 std::unique_ptr<Candidate> mapCandidate(const mechanism::Robot& robot, const std::string& depends_on, int actuator,
                                         const std::vector<double>& knots) {
+  if (auto found = surface(depends_on, actuator, knots)) return found;
   if (knots.size() != static_cast<std::size_t>(kKnots)) return nullptr;
   if (robot.mechanism) {
     if (auto map = platformMap(depends_on, knots)) return map;

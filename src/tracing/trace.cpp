@@ -6,12 +6,14 @@
 #include <map>
 #include <set>
 
+#include "among_found.h"
 #include "given_search.h"
 #include "knee_robot/base/numbers.h"
 #include "knee_robot/identification/plausible_fit.h"
 #include "knee_robot/recording/signals.h"
 #include "long_presliding.h"
 #include "search.h"
+#include "surfaces.h"
 
 namespace knee_robot::tracing {
 namespace {
@@ -20,25 +22,10 @@ constexpr double kNothingLeft = 0.02;  ///< share of a column's square that the 
 constexpr double kSame = 1e-3;         ///< the same, of a column that is one of the baseline's
 constexpr double kFaster = 3.0;        ///< cut-off of the second band over that of the first,
 constexpr double kFastestShareOfRate = 0.1;
-constexpr double kLeastFaster = 1.5;  ///< below which a second band would be the first one again
+constexpr double kLeastFaster = 1.5;       ///< below which a second band would be the first one again
+constexpr double kMoreThanItsNoise = 1.5;  ///< floors
 constexpr int kFastSurrogates = 5;
 constexpr int kMostFastRows = 50'000;  ///< of its baseline: at 1 kHz there are four times as many, which say no more
-
-bool isAmong(const std::vector<FoundEffect>& effects, const FoundEffect& one) {
-  return std::any_of(effects.begin(), effects.end(),
-                     [&](const FoundEffect& e) { return e.hypothesis.place == one.hypothesis.place; });
-}
-
-bool leads(const FoundEffect& e) {
-  return e.hypothesis.place.candidate->leads();
-}
-
-/// Something leads on the actuator of `one`, which leads, already.
-bool isKnownLead(const std::vector<FoundEffect>& effects, const FoundEffect& one) {
-  return leads(one) && std::any_of(effects.begin(), effects.end(), [&](const FoundEffect& e) {
-           return leads(e) && e.hypothesis.place.actuator == one.hypothesis.place.actuator;
-         });
-}
 
 /// One run of tracing: its stages in order, and what they share.
 class Tracing {
@@ -54,6 +41,7 @@ class Tracing {
     startFromGivenModel();
     describeBaseline();
     searchEffects();
+    searchSurfaces();
     searchFastBand();
     settle();
     predictElsewhere();
@@ -92,6 +80,8 @@ class Tracing {
   void describeBaseline();
   void noteAbsorbed(const Projection& projection);
   void searchEffects();
+  int kindsLeft() const;  ///< that may still be added
+  void searchSurfaces();
   void searchFastBand();
   void settle();
   void keepFit();
@@ -109,6 +99,7 @@ class Tracing {
   std::vector<SurrogatePlan> plans_;
   Library library_;
   CandidateList maps_;  ///< of the given model, and those that are tried
+  std::size_t given_effects_ = 0;
   Search s_;
   TraceResult result_;
 };
@@ -207,6 +198,7 @@ void Tracing::startFromGivenModel() {
       s_.rebuild_surrogates();
     }
   }
+  given_effects_ = s_.effects.size();
   result_.before_rms_N = s_.rms_N;
   // Without a given model before is what identify fits: its loss and weights, not those of the search.
   if (options_.start) result_.base.parameters = result_.baseline.parameters = result_.base.parametersOf(s_.fit.base);
@@ -252,21 +244,41 @@ void Tracing::noteAbsorbed(const Projection& projection) {
   result_.absorbed.push_back("base_tilt: turns gravity, which the fitted first moments and offsets follow");
 }
 
+int Tracing::kindsLeft() const {
+  std::set<const Candidate*> kinds;
+  for (std::size_t k = given_effects_; k < s_.effects.size(); ++k)
+    kinds.insert(s_.effects[k].hypothesis.place.candidate);
+  return options_.most_effects - static_cast<int>(kinds.size());
+}
+
 /// First with samples near rest counting little, then with all alike.
 void Tracing::searchEffects() {
   if (options_.most_effects == 0) return;
-  const std::size_t given = s_.effects.size();
   for (const Attention attention : {Attention::Moving, Attention::All}) {
     attend(attention);
     s_.maps = attention == Attention::Moving;  // near rest a map over velocity mends the law of friction
     options_.progress(attention == Attention::Moving ? "looking at moving samples" : "looking at all samples");
-    std::set<const Candidate*> kinds;
-    for (std::size_t k = given; k < s_.effects.size(); ++k)
-      kinds.insert(s_.effects[k].hypothesis.place.candidate);
-    searchForward(s_, options_.most_effects - static_cast<int>(kinds.size()),
-                  options_.seed + (attention == Attention::All ? 50u : 0u));
+    searchForward(s_, kindsLeft(), options_.seed + (attention == Attention::All ? 50u : 0u));
     result_.rejected.insert(result_.rejected.end(), s_.rejected.begin(), s_.rejected.end());
   }
+}
+
+/// Where all else leaves more than noise while axes move.
+void Tracing::searchSurfaces() {
+  if (options_.most_effects == 0 || !options_.maps) return;
+  attend(Attention::Moving);
+  if ((s_.rms_N.array() > kMoreThanItsNoise * s_.floor.rms_N.array()).any()) {
+    options_.progress("looking at surfaces over two signals");
+    CandidateList surfaces;
+    addSurfaces(data_.inputs, surfaces);
+    library_.add(surfaces, data_);
+    std::move(surfaces.begin(), surfaces.end(), std::back_inserter(maps_));
+    s_.maps = true;
+    searchForward(s_, kindsLeft(), options_.seed + 90u);
+    result_.rejected.insert(result_.rejected.end(), s_.rejected.begin(), s_.rejected.end());
+  }
+  s_.maps = false;
+  attend(Attention::All);
 }
 
 /// Delays, lags and joints that give hardly change slow forces: looked for again in a band three times as high, beside

@@ -61,6 +61,13 @@ TEST_F(DriveMap, HasKnotsWhereTheForceChangesItsSignAndBeyondNothingThatWasNeede
                                  data_.inputs[1].needed_N.col(kActuator).minCoeff()));
 }
 
+TEST_F(DriveMap, SeesCrosstalkOfAnotherDrive) {
+  const Eigen::VectorXd crosstalk = 0.15 * input().needed_N.col(3);
+  EXPECT_LT(left(map("needed_force_4_N"), crosstalk), 0.02);
+  EXPECT_GT(left(map("needed_force_2_N"), crosstalk), 0.1);
+  EXPECT_FALSE(map("needed_force_4_N").ofDrive()) << "it is no loss of its own drive";
+}
+
 TEST_F(DriveMap, ComesBackFromAModelByItsName) {
   const Candidate& drive = map("needed_force_2_N");
   const auto again = mapCandidate(robot_, "needed_force_2_N", kActuator, knots(drive));
