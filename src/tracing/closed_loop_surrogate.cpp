@@ -225,7 +225,11 @@ SurrogatePlan planSurrogate(const mechanism::Robot& robot, const recording::Reco
 
 std::vector<std::string> openLoops(const Eigen::VectorXd& left_N, const Eigen::VectorXd& real_N,
                                    std::vector<SurrogatePlan>& plans) {
-  const std::vector<char> open = plans.front().open_loop;
+  std::vector<char> open(plans.front().open_loop.size(), 1);  // of every recording: one is enough to spoil the others
+  for (const SurrogatePlan& plan : plans) {
+    for (std::size_t i = 0; i < open.size(); ++i)
+      open[i] = open[i] && plan.open_loop[i];
+  }
   int closed = 0, unlike = 0;
   for (std::size_t i = 0; i < open.size(); ++i) {
     const Eigen::Index k = static_cast<Eigen::Index>(i);

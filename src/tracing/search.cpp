@@ -5,6 +5,7 @@
 #include <map>
 
 #include "knee_robot/base/parallel.h"
+#include "rivals.h"
 #include "trial.h"
 
 namespace knee_robot::tracing {
@@ -15,10 +16,7 @@ constexpr double kSiblingP = 0.01;     ///< of the same effect on another actuat
 constexpr double kWorthwhile = 0.4;    ///< lowering the rms by a tenth explains 0.44 of it; less is never accepted
 constexpr double kSiblingWorth = 0.2;  ///< lowering it by three hundredths explains 0.24
 constexpr double kLeastSpread = 0.01;  ///< of a place's null values: absorbed places have none
-constexpr double kNearlyAsGood = 0.8;  ///< share of the best one's held-back gain at which a runner-up is a rival
 constexpr double kDiscount = 0.8;      ///< a map must explain this much more than a named effect to be preferred
-constexpr double kRatherBetter = 0.7;  ///< probability from which a map is a rival of a name,
-constexpr double kMuchBetter = 1.1;    ///< and its held-back gain over the name's: a law in more pieces gains a little
 constexpr double kAnotherKind = 0.9;   ///< as another ripple must than a further period of what ripples already
 
 /// Sum of the held-back gains by which trials are ranked; of maps and generalizations what they surely gain, because
@@ -29,25 +27,6 @@ double worth(const Trial& t) {
   const bool bends = t.isMap() || !t.hypothesis.place.candidate->generalizes().empty();
   const bool further = t.hypothesis.place.order > 0;
   return n * (bends ? kDiscount * g.mean - g.error : further ? g.mean / kAnotherKind : g.mean);
-}
-
-/// The one is a special case of the other: no alternative.
-bool related(const Trial& a, const Trial& b) {
-  return a.hypothesis.place.candidate->generalizes() == b.name() ||
-         b.hypothesis.place.candidate->generalizes() == a.name();
-}
-
-/// Probability that a map on the same actuator explains what was held back better than a named effect: 0.44 at most of
-/// 27 right names on eight machines (such maps contain their law), 0.76 and 0.995 of two wrong ones. A map over the
-/// force that a drive has to give is no rival of what lies beyond the drive: that force tells the load and the direction
-/// of travel alike, so that it follows laws of friction that nothing has fitted yet (0.99997 beside a right name). Nor is
-/// one that surely gains, but little: 1.01 times as much beside two right names, 1.28 times beside a wrong one.
-double probabilityOfMap(const Trial& named, const Trial& map) {
-  const Place &a = named.hypothesis.place, &b = map.hypothesis.place;
-  const bool comparable = !named.isMap() && map.isMap() && map.nested_gain.size() == named.nested_gain.size() &&
-                          a.actuator == b.actuator && a.candidate->ofDrive() == b.candidate->ofDrive();
-  if (!comparable || map.nested_gain.sum() < kMuchBetter * named.nested_gain.sum()) return 0.0;
-  return probabilityPositive(map.nested_gain - named.nested_gain);
 }
 
 /// Roots of the shares that the best shape of every place (rows; only those with a row number) explains of residuals
@@ -64,29 +43,6 @@ Eigen::MatrixXd rootsOf(const Search& s, const Projection& projection, const std
         (squares.colwise().maxCoeff().cwiseMax(0.0) / static_cast<double>(s.data->stack.size())).cwiseSqrt();
   });
   return roots;
-}
-
-/// Rivals of the best trial: other names that explain the same actuator's held-back blocks nearly as well.
-std::vector<std::string> rivalsOf(const Search& s, const Trial& best, const std::vector<Trial>& trials, bool sibling,
-                                  double& probability) {
-  std::vector<std::string> names;
-  probability = 1.0;
-  for (const Trial& t : trials) {
-    const double map_is_better = probabilityOfMap(best, t);
-    if (map_is_better > kRatherBetter && objection(s, t, sibling).empty()) {
-      probability = std::min(probability, 1.0 - map_is_better);
-      if (std::find(names.begin(), names.end(), t.name()) == names.end()) names.push_back(t.name());
-    }
-    const Place &a = best.hypothesis.place, &b = t.hypothesis.place;
-    const bool together = a.actuator < 0 || b.actuator < 0 || a.actuator == b.actuator;
-    if (!together || t.name() == best.name() || t.isMap() || best.isMap() || related(t, best)) continue;
-    if (t.nested_gain.size() != best.nested_gain.size()) continue;  // held back in other pieces: one is local
-    if (t.nested_gain.sum() < kNearlyAsGood * best.nested_gain.sum() || !objection(s, t, sibling).empty()) continue;
-    const double sure = probabilityPositive(best.nested_gain - t.nested_gain);
-    probability = std::min(probability, sure);
-    if (sure < kSureOfName && std::find(names.begin(), names.end(), t.name()) == names.end()) names.push_back(t.name());
-  }
-  return names;
 }
 
 /// The residual of the forces.

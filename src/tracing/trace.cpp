@@ -12,6 +12,7 @@
 #include "knee_robot/identification/plausible_fit.h"
 #include "knee_robot/recording/signals.h"
 #include "long_presliding.h"
+#include "rivals.h"
 #include "search.h"
 #include "surfaces.h"
 
@@ -90,6 +91,7 @@ class Tracing {
   void attend(Attention next);
   void simulate(const SurrogateModel& model);
   void rebuildSurrogates();
+  void openUnlike(const SurrogateModel& model, const Eigen::VectorXd& real_N);
   void setFloor();
 
   const mechanism::Robot& robot_;
@@ -146,10 +148,7 @@ void Tracing::planSurrogates() {
   const SurrogateModel clean = {result_.base.parameters, {}, {}};
   s_.surrogates = makeSurrogates(robot_, recordings_, data_, result_.base, clean, plans_, options_.observation,
                                  options_.surrogates, options_.seed);
-  const std::vector<std::string> opened =
-      openLoops(surrogateResidual(s_.surrogates, data_, result_.base), result_.base.noise_N, plans_);
-  result_.notes.insert(result_.notes.end(), opened.begin(), opened.end());
-  if (!opened.empty()) simulate(clean);
+  openUnlike(clean, result_.base.noise_N);
   attend(Attention::All);
 }
 
@@ -164,7 +163,16 @@ void Tracing::rebuildSurrogates() {
     refreshPlan(data_.recordings[r], result_.base, model.parameters, data_.inputs[r].share,
                 effectForces(data_.inputs[r], model), plans_[r]);
   simulate(model);
+  openUnlike(model, s_.rms_N);
   setFloor();
+}
+
+/// What is found may leave less than surrogates in closed loop do that left no more before.
+void Tracing::openUnlike(const SurrogateModel& model, const Eigen::VectorXd& real_N) {
+  const std::vector<std::string> opened =
+      openLoops(surrogateResidual(s_.surrogates, data_, result_.base), real_N, plans_);
+  result_.notes.insert(result_.notes.end(), opened.begin(), opened.end());
+  if (!opened.empty()) simulate(model);
 }
 
 void Tracing::setFloor() {
@@ -178,6 +186,7 @@ void Tracing::attend(Attention next) {
   s_.attention = next;
   setAttention(data_, next);
   refit(s_);
+  if (next == Attention::All) openUnlike(modelOf(s_), s_.rms_N);
   setFloor();
 }
 
@@ -263,7 +272,7 @@ void Tracing::searchEffects() {
   }
 }
 
-/// Where all else leaves more than noise while axes move.
+/// Where all else leaves more than noise while axes move; and names that were doubted, beside all that was found.
 void Tracing::searchSurfaces() {
   if (options_.most_effects == 0 || !options_.maps) return;
   attend(Attention::Moving);
@@ -277,6 +286,7 @@ void Tracing::searchSurfaces() {
     searchForward(s_, kindsLeft(), options_.seed + 90u);
     result_.rejected.insert(result_.rejected.end(), s_.rejected.begin(), s_.rejected.end());
   }
+  reconsiderDoubted(s_);
   s_.maps = false;
   attend(Attention::All);
 }
