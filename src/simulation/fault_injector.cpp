@@ -20,13 +20,19 @@ FaultInjector::Values FaultInjector::counts(const Values& truth, const Values& c
   for (std::size_t i = 0; i < kChannels; ++i) {
     const auto fault = static_cast<EncoderFault>(faults_.encoder[i].load(std::memory_order_relaxed));
     const double size = faults_.encoder_size_m[i].load(std::memory_order_relaxed) * counts_per_m[i];
-    if (fault != active_[i]) at_onset_[i] = truth[i];
+    if (fault != active_[i]) {
+      if (active_[i] == EncoderFault::Interrupted) missed_[i] += at_onset_[i] - truth[i];
+      at_onset_[i] = truth[i];
+    }
     active_[i] = fault;
     switch (fault) {
       case EncoderFault::None:
         break;
       case EncoderFault::Frozen:
         seen[i] = at_onset_[i];
+        break;
+      case EncoderFault::Interrupted:
+        seen[i] = at_onset_[i] + size * random();
         break;
       case EncoderFault::Jump:
         seen[i] += size;
@@ -41,6 +47,7 @@ FaultInjector::Values FaultInjector::counts(const Values& truth, const Values& c
         seen[i] = at_onset_[i] + kDither * random();
         break;
     }
+    seen[i] += missed_[i];
   }
   return seen;
 }

@@ -8,6 +8,9 @@
 namespace knee_robot::simulation {
 namespace {
 
+constexpr double kDriveLate_s = 0.1, kHoldLate_s = 0.5;  // of injected faults
+constexpr double kCreep_N_s_per_m = 4e4;                 // 100 N: 2.5 mm/s
+
 dynamics::LinkInertia withPayload(const dynamics::LinkInertia& platform, const Payload& payload) {
   dynamics::LinkInertia load;
   load.mass = payload.mass_kg;
@@ -113,15 +116,23 @@ void RobotSimulation::readCards(double dt) noexcept {
     const int leg = static_cast<int>(i);
     // Without power the force is gone at once; a drive that is switched off by its input takes its delay.
     const auto ordered = [i](const std::atomic<std::uint8_t>& mask) { return (mask.load() >> i & 1u) != 0; };
-    const bool driven = axis.drive.step(enable, dt) && power && !ordered(faults.drive_dead);
-    const bool engaged = ordered(faults.hold_closed) || (!axis.release.step(release, dt) && !ordered(faults.hold_open));
-    const double sign = ordered(faults.drive_reversed) ? -1.0 : 1.0;
+    const bool enabled = axis.drive.step(enable, dt) && power;
+    axis.enabled_s = enabled ? axis.enabled_s + dt : 0.0;
+    const bool late = ordered(faults.drive_late) && axis.enabled_s < kDriveLate_s;
+    const bool driven = enabled && !late && !ordered(faults.drive_dead);
+    const bool off = !axis.release.step(release, dt);
+    axis.held_s = off ? axis.held_s + dt : 0.0;
+    const bool loose = ordered(faults.hold_open) || (ordered(faults.hold_late) && axis.held_s < kHoldLate_s);
+    const bool engaged = ordered(faults.hold_closed) || (off && !loose);
+    const double gain = (ordered(faults.drive_reversed) ? -1.0 : 1.0) * (ordered(faults.drive_weak) ? 0.5 : 1.0);
     driven_[leg] = driven ? 1.0 : 0.0;
-    loads_.motor_force[leg] = driven ? sign * axis.newtons_per_volt * volts[i] : 0.0;
-    const bool braked = engaged && axis.parameters.hold_device == SimulatedHold::Brake;
+    loads_.motor_force[leg] = driven ? gain * axis.newtons_per_volt * volts[i] : 0.0;
+    const bool creeps = ordered(faults.hold_creeps);
+    const bool braked = engaged && axis.parameters.hold_device == SimulatedHold::Brake && !creeps;
     const bool shorted = engaged && axis.parameters.hold_device == SimulatedHold::ShortedWindings;
     holds_.coulomb[leg] = braked ? axis.parameters.holding_force_N : 0.0;
-    holds_.viscous[leg] = shorted ? axis.parameters.shorted_viscous_N_s_per_m : 0.0;
+    holds_.viscous[leg] =
+        shorted ? axis.parameters.shorted_viscous_N_s_per_m : (engaged && creeps ? kCreep_N_s_per_m : 0.0);
     loads_.viscous[leg] = axis.parameters.viscous_N_s_per_m + holds_.viscous[leg];
     loads_.coulomb[leg] = axis.parameters.coulomb_N + holds_.coulomb[leg];
     loads_.pose_force[leg] = image_.surroundings.pose_force[i].load(std::memory_order_relaxed);

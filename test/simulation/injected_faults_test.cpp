@@ -66,6 +66,23 @@ TEST_F(InjectedFaultsTest, aFrozenEncoderStaysWhileTheOthersCountAndComesBackWit
   EXPECT_NEAR(count(0), trueCount(0), 1.0);
 }
 
+TEST_F(InjectedFaultsTest, anInterruptedEncoderCountsOnFromWhereItStoodAndWhatItMissedStaysMissed) {
+  make();
+  powerUp();
+  order(EncoderFault::Interrupted, 0);
+  run(kStep);
+  const std::int32_t stood = count(0);
+  run(0.2);  // nothing carries the platform
+  EXPECT_EQ(count(0), stood);
+  order(EncoderFault::None, 0);
+  run(kStep);
+  const double missed = trueCount(0) - count(0);
+  EXPECT_GT(std::abs(missed), 10.0);
+  run(0.1);
+  EXPECT_NE(count(0), stood);
+  EXPECT_NEAR(trueCount(0) - count(0), missed, 1.0);
+}
+
 TEST_F(InjectedFaultsTest, aJumpIsOfTheOrderedSizeAndAWrongSignMirrorsTheMotionFromWhereItCame) {
   make();
   powerUp();
@@ -130,6 +147,38 @@ TEST_F(InjectedFaultsTest, aDeadDriveGivesNoForceAndAReversedOneTheOppositeForce
   EXPECT_EQ(row.drives, 0xEu);
   EXPECT_EQ(row.force_N[1], -good.force_N[1]);
   EXPECT_EQ(row.force_N[2], good.force_N[2]);
+}
+
+TEST_F(InjectedFaultsTest, aWeakDriveGivesHalfOfTheForceAndALateOneNoneForATenthOfASecond) {
+  make();
+  image_->faults.drive_late.store(4);
+  image_->faults.drive_weak.store(2);
+  image_->counter.outputs.store(kPower);
+  setCode(0x900);
+  run(0.05);
+  EXPECT_EQ(simulation_->truth().drives, 0xBu);
+  EXPECT_EQ(simulation_->truth().force_N[1], 0.5 * simulation_->truth().force_N[0]);
+  run(0.1);
+  EXPECT_EQ(simulation_->truth().drives, 0xFu);
+  EXPECT_EQ(simulation_->truth().force_N[2], simulation_->truth().force_N[0]);
+}
+
+TEST_F(InjectedFaultsTest, aLateHoldDeviceEngagesHalfASecondLaterAndACreepingOneLetsThePlatformSinkSlowly) {
+  make();
+  run(0.2);
+  image_->counter.outputs.store(kPower);
+  run(0.1);
+  image_->faults.hold_late.store(8);
+  image_->counter.outputs.store(0);
+  run(0.2);
+  EXPECT_EQ(simulation_->truth().holds, 7u);
+  run(0.4);
+  EXPECT_EQ(simulation_->truth().holds, 0xFu);
+  const double held = simulation_->truth().pose[1];
+  image_->faults.hold_creeps.store(0xF);
+  run(1.0);
+  EXPECT_LT(simulation_->truth().pose[1], held - 0.0003);
+  EXPECT_GT(simulation_->truth().pose[1], held - 0.01);
 }
 
 TEST_F(InjectedFaultsTest, holdDevicesThatDoNotEngageLetThePlatformFallAndClosedOnesDoNotOpen) {

@@ -28,6 +28,7 @@ class FaultInjector {
   const InjectedFaults& faults_;
   std::array<EncoderFault, kChannels> active_{};
   Values at_onset_{};  ///< count
+  Values missed_{};    ///< counts that are still missing after interruptions
   std::uint8_t stuck_ = 0;
   Values stuck_at_{};  ///< V
   std::uint64_t random_ = 0x9E3779B97F4A7C15ull;

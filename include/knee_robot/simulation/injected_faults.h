@@ -14,6 +14,8 @@ enum class EncoderFault : std::uint8_t {
   WrongSign,     ///< counts backwards from where the fault came
   Noise,         ///< uniform noise of +- `encoder_size_m` on every sample
   Disconnected,  ///< open inputs of the card: stands where the fault came and dithers by two counts
+  Interrupted,   ///< dithers by +- `encoder_size_m` and counts on from there when it is taken back: what was missed
+                 ///< stays missed
 };
 
 /// Faults that a test or a fault campaign orders from the simulated robot (program inject_fault). All zero: none. Lies
@@ -27,8 +29,12 @@ struct InjectedFaults {
   std::atomic<std::uint8_t> converter_stuck{0};   ///< mask: the voltage stays what it was when the fault came
   std::atomic<std::uint8_t> drive_dead{0};        ///< mask: the drive has no power; only its ready output tells
   std::atomic<std::uint8_t> drive_reversed{0};    ///< mask: the force has the wrong sign
+  std::atomic<std::uint8_t> drive_weak{0};        ///< mask: half of the force
+  std::atomic<std::uint8_t> drive_late{0};        ///< mask: no force for 0.1 s after its delay, each time it is enabled
   std::atomic<std::uint8_t> hold_open{0};         ///< mask: the holding brake does not engage
   std::atomic<std::uint8_t> hold_closed{0};       ///< mask: the holding brake is engaged whatever its output says
+  std::atomic<std::uint8_t> hold_late{0};         ///< mask: the holding brake engages 0.5 s later than it should
+  std::atomic<std::uint8_t> hold_creeps{0};       ///< mask: the engaged holding brake gives way slowly
   std::atomic<std::uint32_t> component_fault{0};  ///< for components of test programs; the simulated robot ignores it
   std::atomic<std::uint8_t> can_silent{0};  ///< mask, CAN drives only, like the next: the drive is cut off the bus
   std::atomic<std::uint8_t> can_no_heartbeat{0};  ///< mask: the drive's heartbeat stays away
@@ -43,9 +49,10 @@ struct InjectedFaults {
 inline void clear(InjectedFaults& faults) noexcept {
   for (auto& one : faults.encoder)
     one.store(static_cast<std::uint8_t>(EncoderFault::None));
-  for (auto* mask : {&faults.converter_stuck, &faults.drive_dead, &faults.drive_reversed, &faults.hold_open,
-                     &faults.hold_closed, &faults.can_silent, &faults.can_no_heartbeat, &faults.can_fault,
-                     &faults.can_emergency, &faults.can_wire, &faults.can_hung_up})
+  for (auto* mask :
+       {&faults.converter_stuck, &faults.drive_dead, &faults.drive_reversed, &faults.drive_weak, &faults.drive_late,
+        &faults.hold_open, &faults.hold_closed, &faults.hold_late, &faults.hold_creeps, &faults.can_silent,
+        &faults.can_no_heartbeat, &faults.can_fault, &faults.can_emergency, &faults.can_wire, &faults.can_hung_up})
     mask->store(0);
   faults.component_fault.store(0);
   faults.generation.fetch_add(1);

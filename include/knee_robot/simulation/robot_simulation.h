@@ -70,6 +70,7 @@ class RobotSimulation {
     double newtons_per_volt;  ///< signed
     double counts_per_m;      ///< signed
     double home_length_m;
+    double enabled_s = 0.0, held_s = 1e9;  ///< since the drive came on, since the brake was ordered to engage
   };
 
   void readCards(double dt) noexcept;

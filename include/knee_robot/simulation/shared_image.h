@@ -34,7 +34,7 @@ struct RobotSurroundings {
 /// the heap for stepped simulation.
 struct RobotImage {
   static constexpr std::uint64_t kMagic = 0x6b6e65655f726f62;  // "knee_rob"
-  static constexpr std::uint32_t kVersion = 4;
+  static constexpr std::uint32_t kVersion = 5;
 
   std::atomic<std::uint64_t> magic{0};  ///< written last by the creator
   std::uint32_t version = kVersion;
