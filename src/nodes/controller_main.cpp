@@ -19,6 +19,7 @@
 #include "impatient_launch.h"
 #include "knee_robot/base/errors.h"
 #include "knee_robot/control/model_feedforward.h"
+#include "logger_services.h"
 #include "loopback.h"
 #include "master_watch.h"
 #include "output_relay.h"
@@ -181,6 +182,7 @@ void refuseASecondOne() {
 int run() {
   refuseASecondOne();
   ros::NodeHandle node("~");
+  nodes::withdrawLoggerList();
   if (ros::Time::isSimTime()) {
     throw InputError(
         "the parameter /use_sim_time is true: stamps and goals would follow whoever publishes /clock; "

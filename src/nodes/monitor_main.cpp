@@ -8,6 +8,7 @@
 #include <cstdio>
 
 #include "knee_robot/base/errors.h"
+#include "logger_services.h"
 #include "loopback.h"
 #include "monitor_text.h"
 #include "program.h"
@@ -50,6 +51,7 @@ int main(int argc, char** argv) {
       throw InputError("no ROS master answers at " + ros::master::getURI() +
                        "; set ROS_MASTER_URI, or start the robot");
     ros::NodeHandle node;
+    nodes::withdrawLoggerList();
     nodes::TextMonitor monitor(node);
     const bool in_place = !plain && !once && ::isatty(STDOUT_FILENO) != 0;
     if (in_place) std::fputs("\x1b[2J", stdout);

@@ -14,6 +14,7 @@
 #include "controller_machine.h"
 #include "controller_pose.h"
 #include "knee_robot/base/errors.h"
+#include "logger_services.h"
 #include "loopback.h"
 #include "monitor_scene.h"
 #include "parameters.h"
@@ -98,6 +99,7 @@ int main(int argc, char** argv) {
   app.footer("Parameters: ~robot (robot file), ~rate_hz (1 .. 60, default 15)");
   return nodes::runProgram(app, argc, argv, [] {
     ros::NodeHandle own("~"), node;
+    nodes::withdrawLoggerList();
     const mechanism::Robot robot = mechanism::loadRobot(nodes::requiredParameter(own, "robot"));
     const double rate_hz = nodes::numberParameter(own, "rate_hz", 15.0, 1.0, 60.0, "the rate of the markers");
     MarkerMonitor monitor(node, robot, rate_hz);

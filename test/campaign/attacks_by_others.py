@@ -8,6 +8,9 @@ import numpy as np
 import rosgraph
 import rospy
 from actionlib_msgs.msg import GoalStatus
+from dynamic_reconfigure.msg import Config, DoubleParameter
+from dynamic_reconfigure.srv import Reconfigure
+from roscpp.srv import GetLoggers
 from std_srvs.srv import Trigger
 
 from knee_robot.msg import PlayGoal
@@ -300,11 +303,31 @@ def stop_while_being_disabled(a):
     return f"disable {'succeeded' if answer.success else 'failed'} ({answer.message}); ", text, good and answer.success
 
 
+def loggers_are_listed(a):
+    """Holding: rqt_logger_level asks the controller for its loggers; then something logs from a place that has not logged yet."""
+    a.enable()
+    a.begin()
+    try:
+        rospy.ServiceProxy("/controller/get_loggers", GetLoggers)()
+        asked = "answered"
+    except rospy.ServiceException:
+        asked = "not there"
+    try:
+        rospy.ServiceProxy("/controller/feedforward/set_parameters", Reconfigure)(Config(doubles=[DoubleParameter("nonsense", 1.0)]))
+    except rospy.ServiceException:
+        pass
+    time.sleep(0.5)
+    status = a.session.controller.poll()
+    state = a.state()
+    return f"get_loggers {asked}; ", f"the controller {'lives' if status is None else f'ended with {status}'}; {state}", state == "holding, no fault"
+
+
 def attacks():
     found = {f.__name__: f for f in (second_pair_on_another_link, second_controller_without_guardian, second_controller_of_the_same_name,
                                      values_within_values, guardian_of_another_machine,
                                      master_restarted_while_playing, four_clients_on_every_pair, another_reference_within_a_goal,
-                                     stop_while_a_goal_is_checked, stop_while_an_approach_waits, stop_while_being_disabled, enabled_again_without_a_master)}
+                                     stop_while_a_goal_is_checked, stop_while_an_approach_waits, stop_while_being_disabled, enabled_again_without_a_master,
+                                     loggers_are_listed)}
     found["patient_file_becomes_garbage"] = patient_file_becomes("}{ nan \0 :::\n" * 50, "garbage")
     found["patient_file_becomes_wider"] = patient_file_becomes(PATIENT.replace("0.9", "0.95"), "one with other limits")
     return found
