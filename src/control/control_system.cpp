@@ -221,6 +221,16 @@ Answer ControlSystem::loadReference(const trajectory::Reference& reference) {
   return parts_->player.load(reference, parts_->occupancy.patient());
 }
 
+std::string ControlSystem::whyNotForPatient(const trajectory::ReferenceCheck& check,
+                                            const trajectory::Reference& reference) const {
+  try {
+    if (const auto patient = parts_->occupancy.patient()) requireWithinPatient(check, reference, *patient);
+    return "";
+  } catch (const InputError& error) {
+    return error.what();
+  }
+}
+
 Answer ControlSystem::play(const PathExpectation& expected) {
   const OccupancyRecord::Hold hold(parts_->occupancy);
   if (!hold) return kBeingChanged;

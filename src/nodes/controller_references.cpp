@@ -40,7 +40,10 @@ CheckedReference References::check(const std::string& file, const std::string& s
     checked.duration_s = static_cast<double>(reference.points.rows() - 1) * reference.period_s;
     reference.name = std::filesystem::path(reference.name).lexically_relative(folder_.path()).string();
     checked.answer = {true, reference.name + ": may be played" + marginSentence(checked.check)};
-    checked.reference = std::move(reference);
+    if (const std::string why = system_.whyNotForPatient(checked.check, reference); !why.empty())
+      checked.answer = {false, why};
+    else
+      checked.reference = std::move(reference);
   } catch (const std::exception& error) {  // InputError, a file system that fails, no memory
     checked.answer = {false, error.what()};
   }
@@ -49,6 +52,7 @@ CheckedReference References::check(const std::string& file, const std::string& s
 
 control::Answer References::load(const CheckedReference& checked) {
   if (!checked.reference) return checked.answer;
+  const std::lock_guard<std::mutex> one_at_a_time(loading_);
   const control::Answer answer = system_.loadReference(*checked.reference);
   if (!answer.ok) return answer;
   {
@@ -57,6 +61,17 @@ control::Answer References::load(const CheckedReference& checked) {
   }
   publishPath(checked.check, checked.reference->period_s);
   return {true, checked.answer.sentence + "; loaded"};
+}
+
+void References::followOccupancy() {
+  const std::lock_guard<std::mutex> one_at_a_time(loading_);
+  if (!system_.status().reference.empty()) return;  // somebody has loaded another one since
+  const std::lock_guard<std::mutex> lock(mutex_);
+  duration_s_ = 0.0;
+  if (path_.poses.empty()) return;
+  path_.header.stamp = ros::Time::now();
+  path_.poses.clear();
+  publisher_.publish(path_);
 }
 
 double References::loadedDuration() const {

@@ -35,6 +35,8 @@ class References {
   control::Answer load(const CheckedReference& checked);
   /// Path for a new reference file of that plain name in the folder. InputError where there is one.
   std::string newFile(const std::string& name) const { return folder_.newFile(name); }
+  /// Whoever is on the robot has changed: a reference that the controller has forgotten is not shown any more.
+  void followOccupancy();
   /// Length (s) of the loaded reference; 0: none.
   double loadedDuration() const;
 
@@ -48,6 +50,7 @@ class References {
   control::ControlSystem& system_;
   const mechanism::Robot& robot_;
   const Folder& folder_;
+  std::mutex loading_;  // so that what is shown is what was loaded last; before mutex_
   mutable std::mutex mutex_;
   double duration_s_ = 0.0;
   nav_msgs::Path path_;  // kept for a master that was restarted

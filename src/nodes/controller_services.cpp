@@ -29,8 +29,8 @@ ControllerServices::ControllerServices(ros::NodeHandle& commands, ros::NodeHandl
   servers_.push_back(commands.advertiseService("check_reference", &ControllerServices::check, this));
   servers_.push_back(commands.advertiseService("load_reference", &ControllerServices::load, this));
   servers_.push_back(commands.advertiseService("load_patient", &ControllerServices::loadPatient, this));
-  offer(commands, "clear_patient", [this] { return system_.clearPatient(); });
-  offer(commands, "declare_empty", [this] { return system_.declareEmpty(); });
+  offer(commands, "clear_patient", [this] { return changed(system_.clearPatient()); });
+  offer(commands, "declare_empty", [this] { return changed(system_.declareEmpty()); });
   servers_.push_back(commands.advertiseService("set_recording", &ControllerServices::record, this));
   servers_.push_back(stops.advertiseService("get_state", &ControllerServices::getState, this));
 }
@@ -90,10 +90,16 @@ bool ControllerServices::saveGuided(Call<LoadReference>& call) {
   }
 }
 
+/// An answer about who is on the robot.
+control::Answer ControllerServices::changed(control::Answer answer) {
+  if (answer.ok) references_.followOccupancy();
+  return answer;
+}
+
 bool ControllerServices::loadPatient(Call<LoadPatient>& call) {
   const std::string what = "load_patient " + call.getRequest().file;
   try {
-    return reply(call, what, system_.loadPatient(patients_.existingFile(call.getRequest().file)));
+    return reply(call, what, changed(system_.loadPatient(patients_.existingFile(call.getRequest().file))));
   } catch (const InputError& error) {
     return reply(call, what, {false, error.what()});
   }

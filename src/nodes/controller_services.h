@@ -43,6 +43,7 @@ class ControllerServices {
   bool check(Call<CheckReference>& call);
   bool load(Call<LoadReference>& call);
   bool saveGuided(Call<LoadReference>& call);
+  control::Answer changed(control::Answer answer);
   bool loadPatient(Call<LoadPatient>& call);
   bool record(Call<SetRecording>& call);
   bool setSpeed(Call<SetSpeed>& call);

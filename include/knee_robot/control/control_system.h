@@ -85,6 +85,9 @@ class ControlSystem {
   /// Checks the reference against the robot (everything that check_reference checks) and hands it over. Not while
   /// playing.
   Answer loadReference(const trajectory::Reference& reference);
+  /// Why the loaded patient's limits forbid a reference that was checked against the robot; empty: they do not, or no
+  /// patient is loaded.
+  std::string whyNotForPatient(const trajectory::ReferenceCheck& check, const trajectory::Reference& reference) const;
   /// Reads a patient file (patient_limits.h) and holds the machine to it from now on: references and approaches are
   /// checked against it on loading and playing, pose and speed are monitored during motion. Refused with every reason
   /// why no patient may be on this machine (docs/safety.md; with the simulated backend they are only told). Only while
