@@ -8,6 +8,8 @@ namespace {
 constexpr double kLoadTime_s = 0.2;
 constexpr double kRestTime_s = 1.0;
 constexpr double kAskAgain_s = 10.0;
+constexpr double kCreep_m_per_s = 0.001, kCreepCounts = 2.5;  // slower is not told from the encoder's steps
+constexpr rt::Nanoseconds kCreepLook = 20'000'000;
 
 Fault faultOfRefusal(hardware::IoStatus refused) noexcept {
   return refused == hardware::IoStatus::FencedOut ? Fault::GuardianActed : Fault::OutputLost;
@@ -139,7 +141,7 @@ void AxesOutput::followOrders(const rt::Cycle& cycle) {
 
 void AxesOutput::runSafeStop(const rt::Cycle& cycle, const AxesMeasurement& measured) {
   const auto at_rest = [](const AxisCommand& command) { return command.at_rest; };
-  const HoldView hold{!outputs_refused_, slips(measured), transferNumber(cycle)};
+  const HoldView hold{!outputs_refused_, slips(measured), transferNumber(cycle), creeps(measured, cycle.time)};
   safe_stop_.step(cycle.time, all_closed_, std::all_of(commands_.begin(), commands_.end(), at_rest),
                   order_.immediate || power_came_back_, hold);
   out_.safe_stops = safe_stop_.completed();
@@ -170,6 +172,21 @@ bool AxesOutput::slips(const AxesMeasurement& measured) noexcept {
     return true;
   }
   return false;
+}
+
+/// A brake that gives way slowly has not moved by `slip` yet when the transfer is over; it is watched for longer then.
+bool AxesOutput::creeps(const AxesMeasurement& measured, rt::Nanoseconds now) noexcept {
+  const bool let_go = safe_stop_.isTransferring() && safe_stop_.share() == 0.0;
+  if (let_go && now - creep_at_ < kCreepLook) return creeps_;
+  creeps_ = false;
+  for (std::size_t i = 0; let_go && i < hardware::kAxes; ++i) {
+    const double least =
+        std::max(kCreep_m_per_s * rt::toSeconds(kCreepLook), kCreepCounts * robot_.actuators[i].metresPerCount());
+    creeps_ = creeps_ || std::abs(measured.position_m[i] - creep_m_[i]) >= least;
+  }
+  creep_m_ = measured.position_m;
+  creep_at_ = now;
+  return creeps_;
 }
 
 void AxesOutput::testBrakes(AxisValues& volts) const noexcept {

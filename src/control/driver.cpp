@@ -13,6 +13,8 @@ constexpr int kSilentFeedforward = 5;
 constexpr double kSmallestError_m = 1e-5;
 /// Of the force that an encoder was asked with before: a hand guides through most of the friction.
 constexpr double kGuidedShare = 0.5;
+/// Ten times the following error of a good loop: a healthy axis so far behind its reference moves when it is asked.
+constexpr double kLeftBehind_m = 0.001;
 
 }  // namespace
 
@@ -227,7 +229,8 @@ bool Driver::challengeEncoder(double dt, const EncoderProbe::Settings& settings)
     challenge_.begin(counts, {enough_N, probe_.certainForce_N(settings), away, standing_.dithers(),
                               !disturbed && out_.at_rest, !out_.at_rest});
   }
-  switch (challenge_.step(dt, counts)) {
+  const double lag_m = std::abs(out_.reference_m - measured_.position_m[index_]);
+  switch (challenge_.step(dt, counts, out_.at_rest || guides_ || lag_m < kLeftBehind_m)) {
     case EncoderChallenge::Verdict::Alive:
       probe_.acceptAnswer(counts);
       standing_.endures(asked_at_N_);

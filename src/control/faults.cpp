@@ -67,9 +67,10 @@ constexpr std::array<FaultDescription, kFaults> kTable = {{
     {F::EncoderFrozen, "encoder_frozen",
      "the encoder does not count although the axis is driven: it is dead, or the axis is blocked", kAtOnce, kLost, kOne,
      "check the encoder's cable and coupling, then look for an obstacle, a brake that did not open, a drive without "
-     "power"},
-    {F::EncoderJump, "encoder_jump", "the encoder jumped farther than the axis can move in one cycle", kAtOnce, kLost,
-     kOne, "check the encoder's cable and shield; home again before moving"},
+     "power; home again before moving"},
+    {F::EncoderJump, "encoder_jump",
+     "the encoder jumped farther than the axis can move, or goes to and fro faster than it can", kAtOnce, kLost, kOne,
+     "check the encoder's cable and shield; home again before moving"},
     {F::Saturated, "saturated", "the force was at its limit for too long", kAtOnce, kWorks, kOne,
      "look for an obstacle, a load that is too heavy, a reference that is too fast"},
     {F::ThermalOverload, "thermal_overload", "the motor got more than its continuous force for too long (I2t)",
@@ -131,11 +132,15 @@ constexpr std::array<FaultDescription, kFaults> kTable = {{
      "gives no force",
      kAtOnce, kLost, kOne,
      "look for a brake that did not open, an obstacle, a drive without power; then check the encoder's cable and "
-     "coupling"},
+     "coupling, and home again where no axis counts"},
     {F::DriveStaysOn, "drive_stays_on", "the drive says that it is on although it was switched off", kWhenGone, kLost,
      kOne, "keep away and take its supply; then check its enable input and bus cable, and restart the controller"},
     {F::DrivesNotReady, "drives_not_ready", "a drive is not ready: it has lost its supply, or is in fault", kAtOnce,
      kLost, kOne, "look which drive's ready contact is open, at its supply and at the fault that it shows"},
+    {F::MovedWhileOff, "moved_while_off",
+     "the axis has moved although the drives are off and its holding brake should hold it", kAtOnce, kWorks, kOne,
+     "get the patient off and support the platform, then look at the brake; where somebody has moved the platform by "
+     "hand, reset"},
 }};
 
 constexpr bool isInOrder() {

@@ -128,6 +128,7 @@ Fault Monitors::evaluate(std::size_t i, const AxisView& view) noexcept {
   out_.heat[i] = axis.thermal.heat();
   if (any_ && axis.jump.step(view, actuator.velocity_max_m_per_s, jump_factor, jump_floor, jump_gap))
     return Fault::EncoderJump;
+  if (axis.noise.step(view, actuator.metresPerCount())) return Fault::EncoderJump;
   if (hot) return Fault::ThermalOverload;
   if (!carried_) return Fault::None;
   const bool searching =

@@ -43,7 +43,8 @@ void SafeStop::step(rt::Nanoseconds now, bool loops_closed, bool at_rest, bool i
         return enter(SafeStopPhase::Carrying, now);
       }
       share_ = std::max(0.0, 1.0 - static_cast<double>(elapsed) / static_cast<double>(timing_.transfer));
-      if (elapsed >= timing_.transfer + timing_.watch) enter(SafeStopPhase::Disabling, now);
+      if (elapsed >= timing_.transfer + (hold.creeps ? timing_.creep_watch : timing_.watch))
+        enter(SafeStopPhase::Disabling, now);
       return;
     case SafeStopPhase::Carrying:
       if (immediate) return enter(SafeStopPhase::Disabling, now);

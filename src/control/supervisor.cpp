@@ -32,6 +32,7 @@ Supervisor::Supervisor(const std::string& name, const mechanism::Robot& robot, c
       drivers_{&command_1, &command_2, &command_3, &command_4},
       inputs_(hardware_),
       search_(robot_, inputs_, components_),
+      held_place_(robot_, hardware_),
       enabling_(hardware_),
       homing_(robot_, hardware_),
       guiding_(inputs_) {}
@@ -72,7 +73,7 @@ bool Supervisor::startHook() {
 void Supervisor::updateHook(const rt::Cycle& cycle) {
   readPorts();
   noticePause(cycle);
-  detectFaults();
+  detectFaults(cycle.time);
   Request asked;
   while (request.read(asked) == rt::FlowStatus::NewData)
     handle(asked, cycle);
@@ -101,7 +102,7 @@ void Supervisor::noticePause(const rt::Cycle& cycle) noexcept {
   last_cycle_ = cycle.time;
 }
 
-void Supervisor::detectFaults() {
+void Supervisor::detectFaults(rt::Nanoseconds now) {
   FaultSearch::Conditions conditions;
   conditions.range_margin_m = range_margin;
   conditions.stale_cycles = stale_measurements;
@@ -110,8 +111,13 @@ void Supervisor::detectFaults() {
   conditions.overrun = overrun_.exchange(false, std::memory_order_relaxed);
   if (view_.written.safe_stop == SafeStopPhase::Carrying) raise({Fault::HoldDeviceSlips, view_.written.fault_axis});
   raise(search_.find(view_, conditions));
+  // Not before the axes are homed: until then the robot is placed by hand.
+  const bool held =
+      state_ == MachineState::Disabled && view_.drivesAreOff() && homing_.isHomed() && view_.hasMeasured();
+  if (const int moved = held_place_.step(held, view_); moved != 0) raise({Fault::MovedWhileOff, moved});
+  const LostCounts::Axes lost = lost_counts_.step(view_, now);
   for (std::size_t i = 0; i < hardware::kAxes; ++i) {
-    if (view_.verdict.fault[i] == Fault::EncoderJump) homing_.forget(i);
+    if (lost[i]) homing_.forget(i);
   }
 }
 

@@ -53,6 +53,32 @@ TEST(EncoderJump, IsWhatAnAxisMovedByTooFarWhileNobodyCouldReadItHoweverLongThat
   EXPECT_FALSE(monitor.step(view, 0.3, 4.0, 1e-3, 0.005)) << "while the brakes engaged";
 }
 
+TEST(EncoderNoise, IsSeenWithinSomeCyclesAndNoOscillationThatAnAxisCanMakeIsNoise) {
+  const double count_m = 2e-5;
+  EncoderNoiseMonitor monitor;
+  AxisView view = quiet();
+  double sign = 1.0;
+  const auto noise = [&] {
+    view.moved_m = (sign = -sign) * 3.0 * count_m;
+    return monitor.step(view, count_m);
+  };
+  const int cycles = cyclesUntil(noise, 100);
+  EXPECT_GT(cycles, 5);
+  EXPECT_LT(cycles, 20);
+  EncoderNoiseMonitor calm;
+  const auto dither = [&] {
+    view.moved_m = (sign = -sign) * count_m;
+    return calm.step(view, count_m);
+  };
+  EXPECT_EQ(cyclesUntil(dither, 10000), -1) << "one count, at a slot's edge";
+  int k = 0;
+  const auto unstable = [&] {
+    view.moved_m = (++k / 8 % 2 == 0 ? 1.0 : -1.0) * 10.0 * count_m;
+    return calm.step(view, count_m);
+  };
+  EXPECT_EQ(cyclesUntil(unstable, 10000), -1) << "62 Hz, 1.6 mm: a loop that is unstable, others see it";
+}
+
 TEST(EncoderFrozen, IsSeenWhenTheReferenceMovesOnAndNotAtRest) {
   EncoderFrozenMonitor monitor;
   AxisView view = quiet();

@@ -135,6 +135,21 @@ TEST(SafeStop, TakesTheLoadBackWhenAnAxisMovesAndKeepsItUntilItIsAskedAgain) {
   EXPECT_EQ(gone.stop.phase(), Phase::Disabling) << "the emergency stop has cut the power";
 }
 
+TEST(SafeStop, WatchesLongerAsLongAsAnAxisCreepsAndNotForEver) {
+  HoldView creeps;
+  creeps.creeps = true;
+  Transfer t;
+  t.run(400, creeps);
+  EXPECT_EQ(t.stop.phase(), Phase::Transferring);
+  creeps.slipped = true;
+  t.run(1, creeps);
+  EXPECT_EQ(t.stop.phase(), Phase::Carrying);
+  Transfer slow;
+  creeps.slipped = false;
+  slow.run(700, creeps);
+  EXPECT_EQ(slow.stop.phase(), Phase::Done) << "who has not moved by the slip until then does not in time";
+}
+
 TEST(SafeStop, NeverGoesToZeroWhileTheHoldDevicesCannotBeOrdered) {
   Transfer t;
   HoldView orders_timed_out;

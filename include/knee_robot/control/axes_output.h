@@ -67,6 +67,7 @@ class AxesOutput : public rt::TaskContext {
   void runSafeStop(const rt::Cycle& cycle, const AxesMeasurement& measured);
   std::uint32_t transferNumber(const rt::Cycle& cycle) noexcept;
   bool slips(const AxesMeasurement& measured) noexcept;
+  bool creeps(const AxesMeasurement& measured, rt::Nanoseconds now) noexcept;
   AxisValues chooseVolts() const noexcept;
   double clamped(double volts, std::size_t axis) const noexcept;
   void writeVolts(const AxisValues& volts, rt::Nanoseconds now);
@@ -92,6 +93,9 @@ class AxesOutput : public rt::TaskContext {
   AxisValues load_volts_{};  // what the axes got, low-passed
   AxisValues rest_volts_{};  // same with a 1 s time constant, without the share for motion
   AxisValues transfer_m_{};  // where the axes stood when the transfer began
+  AxisValues creep_m_{};     // where they stood at creep_at_
+  rt::Nanoseconds creep_at_ = 0;
+  bool creeps_ = false;
   rt::Nanoseconds asked_at_ = 0;
   std::uint32_t own_transfers_ = 0;
   bool power_was_lost_ = false;  // while the drives carried

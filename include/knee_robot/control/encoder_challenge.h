@@ -15,7 +15,8 @@ namespace knee_robot::control {
 /// kRise_s. It ends as soon as the encoder has answered, so a healthy axis goes some steps only, towards its reference;
 /// when it was there, a wave without mean brings it back (-S for 2 t, +S for t when it answered at t). Not a single
 /// count to the end: dead, or blocked. A count, but no answer: -U and +U alternate on, kLongest times in all, because
-/// the other axes' pulses can stop one. One a Driver; real-time safe.
+/// the other axes' pulses can stop one, as long as the reference has not left the axis behind: who is blind and dithers
+/// as an open input does runs away meanwhile. One a Driver; real-time safe.
 class EncoderChallenge {
  public:
   static constexpr double kWave_s = 0.008;  // T
@@ -48,15 +49,16 @@ class EncoderChallenge {
     lowest_ = highest_ = counts;
   }
 
-  /// Every cycle. Alive or Dead once; after Alive a pulse that goes back may follow.
-  Verdict step(double dt, std::int64_t counts) noexcept {
+  /// Every cycle. Alive or Dead once; after Alive a pulse that goes back may follow. `patient`: a count without an
+  /// answer is reason to go on asking.
+  Verdict step(double dt, std::int64_t counts, bool patient = true) noexcept {
     const double step = std::min(dt, kWave_s);  // a pause of the machine does not eat the question
     force_N_ = 0.0;
     switch (phase_) {
       case Phase::Idle:
         return Verdict::None;
       case Phase::Asking:
-        return ask(step, counts);
+        return ask(step, counts, patient);
       case Phase::Returning:
         goBack(step);
         return Verdict::None;
@@ -69,7 +71,7 @@ class EncoderChallenge {
  private:
   enum class Phase { Idle, Asking, Returning };
 
-  Verdict ask(double step, std::int64_t counts) noexcept {
+  Verdict ask(double step, std::int64_t counts, bool patient) noexcept {
     lowest_ = std::min(lowest_, counts);
     highest_ = std::max(highest_, counts);
     const std::int64_t counted = highest_ - lowest_ - question_.dithers;
@@ -81,7 +83,7 @@ class EncoderChallenge {
       goBack(0.0);
       return Verdict::Alive;
     }
-    const double waves_s = kWave_s * (counted > 0 ? kLongest : kShort);
+    const double waves_s = kWave_s * (counted > 0 && patient ? kLongest : kShort);
     if (time_s_ >= waves_s + kListen_s) {
       phase_ = Phase::Idle;
       return Verdict::Dead;

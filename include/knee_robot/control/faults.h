@@ -58,8 +58,9 @@ enum class Fault : std::uint8_t {
   AxisBlocked,
   DriveStaysOn,
   DrivesNotReady,
+  MovedWhileOff,
 };
-inline constexpr int kFaults = 50;
+inline constexpr int kFaults = 51;
 
 /// When resetFaults() clears a fault.
 enum class ResetRule : std::uint8_t {

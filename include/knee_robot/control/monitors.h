@@ -7,6 +7,7 @@
 #include "knee_robot/control/monitor_acceleration.h"
 #include "knee_robot/control/monitor_encoder_frozen.h"
 #include "knee_robot/control/monitor_encoder_jump.h"
+#include "knee_robot/control/monitor_encoder_noise.h"
 #include "knee_robot/control/monitor_patient.h"
 #include "knee_robot/control/monitor_runaway.h"
 #include "knee_robot/control/monitor_saturation.h"
@@ -145,6 +146,7 @@ class Monitors : public rt::TaskContext {
  private:
   struct Axis {
     EncoderJumpMonitor jump;
+    EncoderNoiseMonitor noise;
     EncoderFrozenMonitor frozen;
     SoftLimitMonitor soft;
     VelocityMonitor velocity;
@@ -156,7 +158,8 @@ class Monitors : public rt::TaskContext {
     double force_limit_N = 0.0;
     std::int64_t last_counts = 0;
 
-    /// What is seen while the Drivers carry begins anew. Jumps and soft limits remember nothing, and heat stays.
+    /// What is seen while the Drivers carry begins anew. Jumps and soft limits remember nothing; heat and
+    /// an encoder's noise stay.
     void reset() noexcept {
       frozen.reset();
       velocity.reset();

@@ -9,6 +9,7 @@ struct HoldView {
   bool ordered = true;      ///< the output that engages them can be written
   bool slipped = false;     ///< an axis has moved since the transfer began
   std::uint32_t again = 0;  ///< a new number: hand over the load again
+  bool creeps = false;      ///< an axis still moves although the drives give no force any more
 };
 
 /// How long each phase of the safe stop lasts, ns.
@@ -18,6 +19,7 @@ struct SafeStopTiming {
   rt::Nanoseconds hold_delay = 0;                    ///< until the slowest holding brake holds
   rt::Nanoseconds transfer = 0;                      ///< the force goes down in so long, watched; 0: in one step
   rt::Nanoseconds watch = 20'000'000;                ///< without force, still watched
+  rt::Nanoseconds creep_watch = 500'000'000;         ///< the same as long as an axis creeps
   rt::Nanoseconds disable_delay = 20'000'000;        ///< until a disabled drive gives no torque
 };
 

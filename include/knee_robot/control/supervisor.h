@@ -10,7 +10,9 @@
 #include "knee_robot/control/fault_search.h"
 #include "knee_robot/control/guiding_permission.h"
 #include "knee_robot/control/hardware_file.h"
+#include "knee_robot/control/held_place.h"
 #include "knee_robot/control/homing_sequence.h"
+#include "knee_robot/control/lost_counts.h"
 #include "knee_robot/control/machine_state.h"
 #include "knee_robot/control/request_answers.h"
 #include "knee_robot/control/safety_inputs.h"
@@ -32,7 +34,8 @@ namespace knee_robot::control {
 ///
 /// Here are the states and what leads from one to the next. What is asked about the machine on the way is asked of:
 /// EnablingSequence (how the drives come on), HomingSequence (where the axes are), GuidingPermission (whether a hand
-/// may guide), FaultSearch (what is wrong), FaultLatch (what was wrong first), RequestAnswers (who still waits for an
+/// may guide), FaultSearch (what is wrong), FaultLatch (what was wrong first), LostCounts (which axes have to
+/// be homed again), HeldPlace (whether the brakes hold with the drives off), RequestAnswers (who still waits for an
 /// answer).
 class Supervisor : public rt::TaskContext {
  public:
@@ -86,7 +89,7 @@ class Supervisor : public rt::TaskContext {
 
  private:
   void readPorts();
-  void detectFaults();
+  void detectFaults(rt::Nanoseconds now);
   void noticePause(const rt::Cycle& cycle) noexcept;
   void raise(FaultCause cause) noexcept;
   void handle(const Request& request, const rt::Cycle& cycle);
@@ -118,6 +121,8 @@ class Supervisor : public rt::TaskContext {
   ComponentWatch components_;
   FaultSearch search_;
   FaultLatch fault_;
+  LostCounts lost_counts_;
+  HeldPlace held_place_;
   EnablingSequence enabling_;
   HomingSequence homing_;
   GuidingPermission guiding_;

@@ -1,0 +1,158 @@
+"""Attacks by what the robot is made of: encoders that miss counts for a while, brakes that hold late or give way, drives that come on late,
+weak or the wrong way round, an emergency stop that bounces; and what the controller says of it."""
+import time
+
+import numpy as np
+import rospy
+
+from knee_robot.msg import Tracking
+from session import NoAnswer
+
+
+def drop_mm(rows):
+    return 1e3 * float(rows["pose"][0][1] - np.min(rows["pose"][:, 1]))
+
+
+def wrong_mm(a):
+    """How far the reported lengths are from the true ones."""
+    said = np.array(rospy.wait_for_message("/controller/tracking", Tracking, 3.0).position_m)
+    return 1e3 * float(np.max(np.abs(said - a.session.truth.last()["length_m"])))
+
+
+def recover(a):
+    """reset and enable, as somebody does who has put a cable back; the answers in words."""
+    try:
+        reset = a.session.trigger("reset_faults")
+        answer = a.session.trigger("enable")
+    except NoAnswer as error:
+        return str(error), False
+    return f"reset {'succeeded' if reset.success else 'refused'}, enable {'succeeded' if answer.success else 'refused'}", answer.success
+
+
+def interrupted(axis, push_N):
+    def attack(a):
+        a.enable()
+        a.session.inject("encoder_interrupted", axis)
+        time.sleep(0.5)
+        a.session.inject("push_down", size=push_N)
+        time.sleep(2.0)
+        state = a.state()
+        a.session.inject("clear")
+        said, enabled = recover(a)
+        time.sleep(1.0)
+        wrong = wrong_mm(a)
+        homed = all(a.session.state().homed)
+        return f"{state}; {said}; ", f"{'' if homed else 'not '}homed, lengths wrong by {wrong:.1f} mm", not enabled and not homed
+    which = f"encoder {axis} counts" if axis else "all encoders count"
+    attack.__doc__ = f"Holding: {which} nothing during a push of {push_N:g} N, and on from there afterwards; reset, enable."
+    return attack
+
+
+def interrupted_in_motion(axis, size_m):
+    def attack(a):
+        a.enable()
+        a.play()
+        a.begin()
+        a.session.inject("encoder_interrupted", axis, size_m)
+        time.sleep(2.0)
+        state = a.state()
+        a.session.inject("clear")
+        said, enabled = recover(a)
+        time.sleep(1.0)
+        wrong = wrong_mm(a)
+        homed = all(a.session.state().homed)
+        return f"{state}; {said}; ", f"{'' if homed else 'not '}homed, lengths wrong by {wrong:.1f} mm", not (enabled and wrong > 0.5)
+    how = f"dithers by {1e6 * size_m:g} um" if size_m else "counts nothing"
+    attack.__doc__ = f"Playing: {f'encoder {axis}' if axis else 'every encoder'} {how} for 2 s and counts on from there; reset, enable."
+    return attack
+
+
+def gives_way(fault):
+    def attack(a):
+        a.enable()
+        answer = a.session.trigger("disable")
+        time.sleep(0.5)
+        a.begin()
+        a.session.inject(fault)
+        time.sleep(2.0)
+        state = a.session.state()
+        fell = drop_mm(a.rows())
+        a.session.inject("clear")
+        return f"disable {'succeeded' if answer.success else 'failed'}; sinks {fell:.1f} mm; ", f"{state.state}, {state.fault or 'no fault'}", \
+            fell > 1.0 and state.state == "faulted" and state.fault == "moved_while_off"
+    attack.__doc__ = f"Disabled, the brakes hold; then {fault}: the platform sinks with the drives off."
+    return attack
+
+
+def at_disable(fault, axis=0):
+    def attack(a):
+        a.enable()
+        a.session.inject(fault, axis)
+        a.begin()
+        try:
+            answer = a.session.trigger("disable")
+            said = f"disable {'succeeded' if answer.success else 'failed'}"
+        except NoAnswer as error:
+            said = str(error)
+        time.sleep(3.0)
+        fell = drop_mm(a.rows())
+        state = a.state()
+        a.session.inject("clear")
+        time.sleep(0.5)
+        text, off = "", True
+        try:
+            a.session.trigger("disable")
+            time.sleep(1.0)
+            text, off = a.look(0.2)
+        except NoAnswer:
+            pass
+        return f"{said}; {state}; sinks {fell:.1f} mm; ", text, fell < 5.0 and off
+    attack.__doc__ = f"Holding, {fault}{f' {axis}' if axis else ''}, then disable."
+    return attack
+
+
+def at_enable(fault, axis=0):
+    def attack(a):
+        a.session.inject(fault, axis)
+        a.begin()
+        try:
+            answer = a.session.trigger("enable")
+            said = f"enable {'succeeded' if answer.success else 'failed'}"
+        except NoAnswer as error:
+            said = str(error)
+        time.sleep(2.0)
+        rows = a.rows()
+        way = 1e3 * float(np.max(np.abs(rows["length_m"] - rows["length_m"][0])))
+        return f"{said}; {a.state()}; ", f"sinks {drop_mm(rows):.1f} mm, a leg moves {way:.1f} mm", drop_mm(rows) < 5.0
+    attack.__doc__ = f"Disabled, {fault}{f' {axis}' if axis else ''}, then enable."
+    return attack
+
+
+def emergency_stop_bounces(a):
+    """Playing: the emergency stop is pressed and comes back eight times within some 400 ms."""
+    a.enable()
+    a.play()
+    a.begin()
+    for _ in range(8):
+        a.session.inject("emergency_stop")
+        time.sleep(0.02)
+        a.session.inject("clear")
+    text, good = a.look(1.5)
+    return f"{a.state()}; ", f"{text}, sinks {drop_mm(a.rows()):.1f} mm", good and a.session.state().fault == "emergency_stop"
+
+
+def attacks():
+    found = {"emergency_stop_bounces": emergency_stop_bounces}
+    for axis in (0, 1, 4):
+        found[f"encoder_{axis or 'all'}_interrupted_at_rest"] = interrupted(axis, 150.0)
+    for axis in (0, 1, 4):
+        for size_m, name in ((0.0, "interrupted"), (4e-5, "open"), (3e-4, "wild")):
+            found[f"encoder_{axis or 'all'}_{name}_in_motion"] = interrupted_in_motion(axis, size_m)
+    for fault in ("hold_creeps", "hold_open"):
+        found[f"{fault}_when_disabled"] = gives_way(fault)
+    for fault, axis in (("hold_late", 0), ("hold_late", 4), ("hold_creeps", 0), ("hold_creeps", 4)):
+        found[f"{fault}_{axis or 'all'}_at_disable"] = at_disable(fault, axis)
+    for fault in ("drive_late", "drive_weak", "drive_dead", "drive_reversed"):
+        for axis in (0, 1, 2, 3, 4):
+            found[f"{fault}_{axis or 'all'}_at_enable"] = at_enable(fault, axis)
+    return found

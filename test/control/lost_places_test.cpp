@@ -1,0 +1,124 @@
+// Where the axes are is not known for ever: encoders miss counts while their cable is loose, and brakes give way when
+// the drives are off. simulation/injected_faults.h; real processes: scripts/attacks, encoder_* and hold_*.
+#include "holding_robot.h"
+
+namespace knee_robot::control {
+namespace {
+
+using namespace holding;
+
+void interrupt(HoldingRobot& robot, std::size_t axis, double dither_m = 0.0) {
+  robot.image.faults.encoder_size_m[axis].store(dither_m);
+  robot.image.faults.encoder[axis].store(static_cast<std::uint8_t>(simulation::EncoderFault::Interrupted));
+}
+
+double wrong_m(const HoldingRobot& robot) {
+  const mechanism::Lengths said(robot.system->snapshot()->position_m.data());
+  return (said - robot.plant.lengths()).cwiseAbs().maxCoeff();
+}
+
+/// The cable is put back, and somebody resets.
+void putBack(HoldingRobot& robot) {
+  robot.push(0.0);
+  simulation::clear(robot.image.faults);
+  const Answer reset = robot.system->resetFaults();
+  EXPECT_TRUE(reset.ok) << reset.sentence;
+}
+
+void expectToBeHomedAgain(HoldingRobot& robot) {
+  const Answer enabled = robot.system->enable();
+  EXPECT_FALSE(enabled.ok) << "lengths wrong by " << 1e3 * wrong_m(robot) << " mm";
+  EXPECT_NE(enabled.sentence.find("home the robot first"), std::string::npos) << enabled.sentence;
+}
+
+TEST(LostPlaces, CountsThatWereMissedAtAPushAreNotTrustedWhenTheCableIsBack) {
+  for (const unsigned axes : {8u, 15u}) {
+    HoldingRobot robot;
+    for (std::size_t i = 0; i < hardware::kAxes; ++i) {
+      if ((axes >> i & 1u) != 0) interrupt(robot, i);
+    }
+    robot.system->run(0.5);
+    robot.push(150.0);
+    ASSERT_TRUE(robot.system->waitFor(MachineState::Faulted, 31.0)) << axes;
+    robot.system->run(0.5);
+    putBack(robot);
+    robot.system->run(0.5);
+    EXPECT_GT(wrong_m(robot), 0.0003) << axes;
+    expectToBeHomedAgain(robot);
+  }
+}
+
+TEST(LostPlaces, CountsThatWereMissedInMotionAreNotTrusted) {
+  for (const unsigned axes : {1u, 15u}) {
+    HoldingRobot robot;
+    robot.swing();
+    robot.system->run(0.7);
+    for (std::size_t i = 0; i < hardware::kAxes; ++i) {
+      if ((axes >> i & 1u) != 0) interrupt(robot, i);
+    }
+    ASSERT_TRUE(robot.system->waitFor(MachineState::Faulted, 5.0)) << axes;
+    putBack(robot);
+    expectToBeHomedAgain(robot);
+  }
+}
+
+TEST(LostPlaces, AnAxisThatABrakeBlocksWhileTheOthersCountIsStillAtItsPlace) {
+  HoldingRobot robot;
+  robot.swing();
+  robot.system->run(0.7);
+  robot.image.faults.hold_closed.store(2);
+  ASSERT_TRUE(robot.system->waitFor(MachineState::Faulted, 5.0));
+  ASSERT_EQ(robot.system->status().fault_name, "axis_blocked");
+  putBack(robot);
+  EXPECT_LT(wrong_m(robot), 0.0001);
+  EXPECT_TRUE(robot.system->enable().ok);
+}
+
+TEST(LostPlaces, OpenInputsThatCountToAndFroEndTheMotionBeforeTheAxisRunsAway) {
+  for (const double dither_m : {1e-5, 4e-5, 1e-4, 3e-4}) {
+    HoldingRobot robot;
+    robot.swing();
+    robot.system->run(0.7);
+    const double stood = robot.plant.lengths()[0];
+    interrupt(robot, 0, dither_m);
+    EXPECT_TRUE(robot.system->waitFor(MachineState::Faulted, 5.0)) << dither_m;  // ran by 286 mm once
+    const std::string fault = robot.system->status().fault_name;
+    EXPECT_TRUE(fault == "encoder_jump" || fault == "encoder_frozen") << fault;
+    EXPECT_LT(std::abs(robot.plant.lengths()[0] - stood), 0.05) << dither_m << " m: " << fault;
+    putBack(robot);
+    expectToBeHomedAgain(robot);
+  }
+}
+
+TEST(HeldPlaces, APlatformThatSinksWithTheDrivesOffIsSaidToHaveMoved) {
+  for (const bool creeps : {true, false}) {
+    HoldingRobot robot;
+    ASSERT_TRUE(robot.system->disable().ok);
+    robot.system->run(2.0);
+    ASSERT_EQ(robot.system->state(), MachineState::Disabled);
+    (creeps ? robot.image.faults.hold_creeps : robot.image.faults.hold_open).store(0x0F);
+    EXPECT_TRUE(robot.system->waitFor(MachineState::Faulted, 3.0));
+    EXPECT_EQ(robot.system->status().fault_name, "moved_while_off");
+    EXPECT_FALSE(robot.system->enable().ok);
+    putBack(robot);
+    robot.system->run(1.0);
+    EXPECT_EQ(robot.system->state(), MachineState::Disabled) << "it is held again, where it is now";
+    EXPECT_TRUE(robot.system->enable().ok);
+    EXPECT_LT(wrong_m(robot), 0.0001);
+  }
+}
+
+TEST(HeldPlaces, ABrakeThatGivesWaySlowlyIsFoundBeforeTheDrivesLetGo) {
+  HoldingRobot robot;
+  const double height = robot.lowest = robot.plant.state().pose[1];
+  robot.image.faults.hold_creeps.store(8);
+  EXPECT_FALSE(robot.system->disable().ok);
+  robot.system->run(5.0);
+  EXPECT_EQ(robot.system->state(), MachineState::SafeStopping);
+  EXPECT_EQ(robot.system->status().fault_name, "hold_device_slips");
+  EXPECT_LT(height - robot.lowest, 0.002);
+  EXPECT_TRUE(robot.system->drivesCarry());
+}
+
+}  // namespace
+}  // namespace knee_robot::control
