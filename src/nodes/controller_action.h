@@ -14,6 +14,7 @@
 #include "controller_references.h"
 #include "event_log.h"
 #include "folder.h"
+#include "goal_stamps.h"
 #include "knee_robot/control/control_system.h"
 
 namespace knee_robot::nodes {

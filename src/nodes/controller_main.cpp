@@ -27,6 +27,7 @@
 #include "parameters.h"
 #include "program.h"
 #include "request_depth.h"
+#include "request_errors.h"
 #include "same_name.h"
 #include "signals.h"
 #include "state_folder.h"
@@ -258,6 +259,7 @@ int main(int argc, char** argv) {
   const nodes::OutputRelay relay;  // before all others: no thread waits for whoever reads what is said
   nodes::keepToLoopback();
   nodes::limitRequestDepth();
+  nodes::answerRequestErrors();
   ros::init(argc, argv, "controller", ros::init_options::NoSigintHandler);
   nodes::takeSignals([](int) { stop_requested = 1; });
   nodes::CommandLine app("Drives the robot: servo cycle, supervision, services, topics and the action. A ROS node.",

@@ -1,19 +1,21 @@
 """Attacks by others: a second pair of guardian and controller, a guardian of another machine, files that change, many clients, a master that
 goes."""
+import http.client
 import socket
 import threading
 import time
+import xmlrpc.client
 
 import numpy as np
 import rosgraph
 import rospy
-from actionlib_msgs.msg import GoalStatus
+from actionlib_msgs.msg import GoalID, GoalStatus
 from dynamic_reconfigure.msg import Config, DoubleParameter
 from dynamic_reconfigure.srv import Reconfigure
 from roscpp.srv import GetLoggers
 from std_srvs.srv import Trigger
 
-from knee_robot.msg import PlayGoal
+from knee_robot.msg import PlayActionGoal, PlayGoal
 from knee_robot.srv import CheckReference, LoadPatient, LoadReference
 
 import robot_path
@@ -303,6 +305,12 @@ def stop_while_being_disabled(a):
     return f"disable {'succeeded' if answer.success else 'failed'} ({answer.message}); ", text, good and answer.success
 
 
+def lives_on(a, seconds=1.0):
+    time.sleep(seconds)
+    status, state = a.session.controller.poll(), a.state()
+    return f"the controller {'lives' if status is None else f'ended with {status}'}; {state}", state == "holding, no fault"
+
+
 def loggers_are_listed(a):
     """Holding: rqt_logger_level asks the controller for its loggers; then something logs from a place that has not logged yet."""
     a.enable()
@@ -316,10 +324,39 @@ def loggers_are_listed(a):
         rospy.ServiceProxy("/controller/feedforward/set_parameters", Reconfigure)(Config(doubles=[DoubleParameter("nonsense", 1.0)]))
     except rospy.ServiceException:
         pass
+    return f"get_loggers {asked}; ", *lives_on(a, 0.5)
+
+
+def update_of_a_parameter_without_a_name(a):
+    """Holding: the master's call for parameters that have changed, with a name that is none, from somebody who is no master."""
+    a.enable()
+    controller = xmlrpc.client.ServerProxy(rosgraph.Master("/attacks").lookupNode("/controller"))
+    answers = []
+    for name in ("..", "", "/", "\u00e9"):
+        try:
+            controller.paramUpdate("/attacks", name, 1)
+            answers.append("done")
+        except xmlrpc.client.Fault:
+            answers.append("fault")
+        except (OSError, http.client.HTTPException):
+            answers.append("no answer")
+    return f"{', '.join(answers)}; ", *lives_on(a)
+
+
+def stamps_at_the_end_of_time(a):
+    """Holding: goals that are refused and cancels of goals that are not there, stamped with the last second of ROS time, twice each."""
+    a.enable()
+    goals = rospy.Publisher("/controller/play/goal", PlayActionGoal, queue_size=10)
+    cancels = rospy.Publisher("/controller/play/cancel", GoalID, queue_size=10)
     time.sleep(0.5)
-    status = a.session.controller.poll()
-    state = a.state()
-    return f"get_loggers {asked}; ", f"the controller {'lives' if status is None else f'ended with {status}'}; {state}", state == "holding, no fault"
+    last = rospy.Time(2**32 - 1, 0)
+    for _ in range(2):
+        goals.publish(PlayActionGoal(goal_id=GoalID(stamp=last, id="late"), goal=PlayGoal(file="nothing.txt", speed_percent=1e308)))
+        cancels.publish(GoalID(stamp=last, id="nobody"))
+        time.sleep(0.5)
+    goals.unregister()
+    cancels.unregister()
+    return "", *lives_on(a)
 
 
 def attacks():
@@ -327,7 +364,7 @@ def attacks():
                                      values_within_values, guardian_of_another_machine,
                                      master_restarted_while_playing, four_clients_on_every_pair, another_reference_within_a_goal,
                                      stop_while_a_goal_is_checked, stop_while_an_approach_waits, stop_while_being_disabled, enabled_again_without_a_master,
-                                     loggers_are_listed)}
+                                     loggers_are_listed, update_of_a_parameter_without_a_name, stamps_at_the_end_of_time)}
     found["patient_file_becomes_garbage"] = patient_file_becomes("}{ nan \0 :::\n" * 50, "garbage")
     found["patient_file_becomes_wider"] = patient_file_becomes(PATIENT.replace("0.9", "0.95"), "one with other limits")
     return found
