@@ -73,6 +73,9 @@ Answer sentenceOf(const RequestAnswer& answer, const ControlStatus& now, HomingM
               "axis " + std::to_string(answer.axis) + " stands " + shortNumber(1e3 * answer.distance_m, 4) +
                   " mm from the home that was confirmed first, by the counters: either they lost counts (restart the "
                   "controller) or the robot was not placed at home"};
+    case RequestResult::HomeMoves:
+      return {false, "axis " + std::to_string(answer.axis) +
+                         " moves: support the platform and confirm home when it stands still"};
     case RequestResult::OutOfRange:
       return {false, "the value is not allowed"};
     case RequestResult::NoEnablingSwitch:

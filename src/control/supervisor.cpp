@@ -1,10 +1,15 @@
 #include "knee_robot/control/supervisor.h"
 
+#include <cmath>
+
 namespace knee_robot::control {
 namespace {
 
 constexpr double kPause_s = 0.01;     ///< of the servo cycle; a shorter one is jitter
 constexpr double kAftermath_s = 0.5;  ///< what goes wrong later than this after a pause is not its consequence
+
+/// While home is confirmed. One count of 20 um looks like 6 mm/s behind the velocity's low-pass.
+constexpr double kStands_m_per_s = 0.02;
 
 bool isPowered(MachineState state) noexcept {
   return state != MachineState::Disabled && state != MachineState::Faulted;
@@ -232,6 +237,10 @@ void Supervisor::home(const Request& asked, rt::Nanoseconds now) {
   if (homing_.moves()) {
     homing_.prepare(true);
     return enable(asked, now);
+  }
+  for (std::size_t i = 0; i < hardware::kAxes; ++i) {
+    const bool stands = std::abs(view_.measured.velocity_m_per_s[i]) <= kStands_m_per_s;
+    if (!stands) return answers_.answer(asked.number, RequestResult::HomeMoves, static_cast<int>(i) + 1);
   }
   const HomingSequence::Taken taken = homing_.takeForHome(view_.measured.position_m);
   if (taken.shifts) home_setting.write(homing_.setting());

@@ -88,6 +88,11 @@ TEST(Homing, ByHandTakesThePlaceWhereTheRobotStandsForHome) {
       axis.position -= 5e-5;  // by hand, 50 mm/s
     rig.system.step();
   }
+  const Answer moving = rig.system.confirmHome();
+  EXPECT_FALSE(moving.ok);
+  EXPECT_NE(moving.sentence.find("moves"), std::string::npos) << moving.sentence;
+  EXPECT_FALSE(rig.system.status().homed);
+  rig.system.run(0.1);
   ASSERT_TRUE(rig.system.confirmHome().ok);
   rig.system.run(0.01);
   expectLengthsAreTrue(rig);

@@ -75,6 +75,7 @@ enum class RequestResult : std::uint8_t {
   NotHomed,           ///< nobody knows yet where the axes are
   NoProcedure,        ///< home() where the hardware file leaves homing to the operator, or the other way round
   HomeShifted,        ///< a home that is confirmed anew lies far from what the counters say
+  HomeMoves,          ///< a home that is confirmed while an axis moves
   OutOfRange,         ///< the value is not allowed
   NoEnablingSwitch,   ///< guide without such an input
   NoGuide,            ///< guide without a HandGuide in the deployment
@@ -89,7 +90,7 @@ enum class RequestResult : std::uint8_t {
 struct RequestAnswer {
   std::uint32_t number = 0;  ///< of the request; 0: none yet
   RequestResult result = RequestResult::Done;
-  int axis = 0;             ///< NotAtStart, HomeShifted: 1 to 4
+  int axis = 0;             ///< NotAtStart, HomeShifted, HomeMoves: 1 to 4
   double distance_m = 0.0;  ///< likewise
 };
 
