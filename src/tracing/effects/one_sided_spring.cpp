@@ -79,26 +79,22 @@ class OneSidedSpring : public LineEffect {
 
 /// Anchored at the height of the base, or as far above the platform.
 std::vector<std::vector<double>> OneSidedSpring::shapes(const EffectInput& input, int actuator) const {
-  const mechanism::Geometry& g = input.robot->mechanism->geometry;
-  const double base = 0.8 * (g.R[0] + g.R[1] + g.R[2]) / 3.0, platform = 0.5 * (g.Rm[0] + g.Rm[1] + g.Rm[2]) / 3.0;
   double height_m = 0.0;
   for (const mechanism::Motion& m : input.observation->motion.motion)
     height_m += m.pose[1] / input.samples();
   std::vector<std::vector<double>> grid;
-  for (const auto& [bx, by] : {std::pair(0.0, 0.0), {base, 0.0}, {-base, 0.0}, {0.0, base}, {0.0, -base}}) {
-    for (const auto& [px, py] :
-         {std::pair(0.0, 0.0), {platform, 0.0}, {-platform, 0.0}, {0.0, platform}, {0.0, -platform}}) {
-      for (const double bz : {0.0, 2.0 * height_m}) {
-        std::vector<double> shape = {bx, by, px, py, bz, 0.0, 1.0, kUsualWay_m, 1.0};
-        const Line line = lineBetween(input, std::max(0, actuator), anchors(shape));
-        std::vector<double> lengths_m(line.length_m.data(), line.length_m.data() + line.length_m.size());
-        std::sort(lengths_m.begin(), lengths_m.end());
-        for (const double share : kShares) {
-          shape[kActsFrom] = lengths_m[static_cast<std::size_t>(share * static_cast<double>(lengths_m.size() - 1))];
-          for (const double side : {1.0, -1.0}) {
-            shape[kSide] = side;
-            if (side > 0.0 || bz == 0.0) grid.push_back(shape);
-          }
+  for (const Anchors& a : crossOfAnchors(*input.robot)) {
+    for (const double z : {0.0, 2.0 * height_m}) {
+      std::vector<double> shape = {a.base_m.x(), a.base_m.y(), a.platform_m.x(), a.platform_m.y(), z, 0.0, 1.0,
+                                   kUsualWay_m,  1.0};
+      const Line line = lineBetween(input, std::max(0, actuator), anchors(shape));
+      std::vector<double> lengths_m(line.length_m.data(), line.length_m.data() + line.length_m.size());
+      std::sort(lengths_m.begin(), lengths_m.end());
+      for (const double share : kShares) {
+        shape[kActsFrom] = lengths_m[static_cast<std::size_t>(share * static_cast<double>(lengths_m.size() - 1))];
+        for (const double side : {1.0, -1.0}) {
+          shape[kSide] = side;
+          if (side > 0.0 || z == 0.0) grid.push_back(shape);
         }
       }
     }

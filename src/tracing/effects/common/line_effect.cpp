@@ -1,6 +1,7 @@
 #include "line_effect.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 namespace knee_robot::tracing {
@@ -36,6 +37,7 @@ LineNow lineNow(const mechanism::Motion& motion, const mechanism::Matrix3& rotat
 
 Line lineBetween(const EffectInput& input, int actuator, const Anchors& anchors) {
   Line out;
+  out.period_s = input.signals().period_s;
   out.lever.resize(input.samples());
   out.length_m.resize(input.samples());
   out.rate_m_per_s.resize(input.samples());
@@ -54,6 +56,22 @@ Line lineBetween(const EffectInput& input, int actuator, const Anchors& anchors)
 
 Anchors anchorsOf(const std::vector<double>& shape) {
   return {mechanism::Vector3(shape[0], shape[1], 0.0), mechanism::Vector3(shape[2], shape[3], 0.0)};
+}
+
+std::vector<Anchors> crossOfAnchors(const mechanism::Robot& robot) {
+  const mechanism::Geometry& g = robot.mechanism->geometry;
+  const double base = 0.8 * (g.R[0] + g.R[1] + g.R[2]) / 3.0, platform = 0.5 * (g.Rm[0] + g.Rm[1] + g.Rm[2]) / 3.0;
+  const auto cross = [](double arm) {
+    return std::array<mechanism::Vector3, 5>{mechanism::Vector3::Zero(), arm * mechanism::Vector3::UnitX(),
+                                             -arm * mechanism::Vector3::UnitX(), arm * mechanism::Vector3::UnitY(),
+                                             -arm * mechanism::Vector3::UnitY()};
+  };
+  std::vector<Anchors> all;
+  for (const mechanism::Vector3& below : cross(base)) {
+    for (const mechanism::Vector3& above : cross(platform))
+      all.push_back({below, above});
+  }
+  return all;
 }
 
 std::vector<ShapeParameter> LineEffect::shapeParameters() const {

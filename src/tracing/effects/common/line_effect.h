@@ -14,11 +14,15 @@ struct Anchors {
 struct Line {
   Eigen::VectorXd lever;  ///< force of one actuator per newton of force that the actuators need to lengthen the line
   Eigen::VectorXd length_m, rate_m_per_s;
+  double period_s = 0.0;  ///< of the samples
   Eigen::VectorXd way_m;  ///< by which it became longer since the sample before, by its rates
 };
 Line lineBetween(const EffectInput& input, int actuator, const Anchors& anchors);
 /// Of a shape that begins with X and Y of the base point and of the platform point; both are at height 0.
 Anchors anchorsOf(const std::vector<double>& shape);
+
+/// Pairs of points to begin a search from: the middle of base and platform and four points about each, at height 0.
+std::vector<Anchors> crossOfAnchors(const mechanism::Robot& robot);
 
 /// What acts along the straight line between a point of the base and a point of the platform: a spring, a cable, a
 /// damper. Where it is anchored is searched: the first four shape parameters. Heights are left at 0: to first order

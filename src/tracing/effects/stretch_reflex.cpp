@@ -1,0 +1,104 @@
+#include <algorithm>
+#include <cmath>
+
+#include "common/line_effect.h"
+
+namespace knee_robot::tracing {
+namespace {
+
+/// Places in the shape, after the anchors.
+enum ReflexShape : std::size_t { kHipZ = 4, kThreshold, kReflexDelay, kReflexDecay, kStretch };
+constexpr double kSlowest = 0.005, kFastest = 0.2;     ///< thresholds, m/s
+constexpr double kSoonest_s = 0.005, kLatest_s = 0.2;  ///< delays: of a knee some 20 to 60 ms
+constexpr double kBriefest_s = 0.05, kLastsMost_s = 5.0;
+constexpr double kTwitch_m = 5e-4, kSlack_m = 0.2;
+constexpr double kUsualDelay_s = 0.05, kUsualDecay_s = 0.5, kUsualStretch_m = 0.01;
+constexpr double kThresholds[] = {0.01, 0.04};
+constexpr double kHipStep_m = 0.4, kReflexFactor = 1.6;  ///< of refinement
+
+/// A muscle that is stretched faster than it bears: after a delay it pulls, along the line between a point of the base
+/// (hip) and one of the platform (shank), and lets go slowly. Slow motions and shortening ones do not call it. Activation
+/// a: da/dt = (1 - a) max(0, rate - threshold) / stretch - a / decay, the rate seen late (Lance's catch of a spastic
+/// muscle).
+class StretchReflex : public LineEffect {
+ public:
+  std::string name() const override { return "stretch_reflex"; }
+  std::string sentence() const override {
+    return "A muscle between a point of the base and a point of the platform pulls, late, when it is stretched fast (a "
+           "spastic catch), and lets go slowly.";
+  }
+  std::vector<ShapeParameter> shapeParameters() const override {
+    std::vector<ShapeParameter> out = LineEffect::shapeParameters();
+    out.push_back({"base_z_m", -3.0, 3.0});
+    out.push_back({"threshold_m_per_s", kSlowest, kFastest});
+    out.push_back({"delay_s", kSoonest_s, kLatest_s});
+    out.push_back({"decay_s", kBriefest_s, kLastsMost_s});
+    out.push_back({"stretch_m", kTwitch_m, kSlack_m});
+    return out;
+  }
+  std::vector<std::vector<double>> shapes(const EffectInput& input, int actuator) const override;
+  std::vector<std::vector<double>> near(const std::vector<double>& shape, double step) const override;
+  std::vector<Coefficient> coefficients(const EffectInput&) const override { return {{"pull_N", true}}; }
+
+ protected:
+  Anchors anchors(const std::vector<double>& shape) const override {
+    Anchors both = LineEffect::anchors(shape);
+    both.base_m.z() = shape[kHipZ];
+    return both;
+  }
+  Eigen::MatrixXd resistance(const Line& line, const std::vector<double>& shape) const override {
+    const Eigen::VectorXd& rate = line.rate_m_per_s;
+    const double late = shape[kReflexDelay] / line.period_s, keeps = line.period_s / shape[kReflexDecay];
+    Eigen::VectorXd activation(rate.size());
+    double a = 0.0;  // it stood before it was recorded
+    for (Eigen::Index n = 0; n < rate.size(); ++n) {
+      const double seen_at = std::max(0.0, static_cast<double>(n) - late);
+      const Eigen::Index before = static_cast<Eigen::Index>(seen_at), after = std::min(before + 1, rate.size() - 1);
+      const double part = seen_at - static_cast<double>(before),
+                   seen = (1.0 - part) * rate[before] + part * rate[after];
+      const double called = std::max(0.0, seen - shape[kThreshold]) / shape[kStretch] * line.period_s;
+      a = (a + called) / (1.0 + called + keeps);  // implicit: between 0 and 1 whatever the step
+      activation[n] = a;
+    }
+    return activation;
+  }
+};
+
+/// Tied below the platform, or as far above it.
+std::vector<std::vector<double>> StretchReflex::shapes(const EffectInput& input, int actuator) const {
+  (void)actuator;
+  double height_m = 0.0;
+  for (const mechanism::Motion& m : input.observation->motion.motion)
+    height_m += m.pose[1] / input.samples();
+  std::vector<std::vector<double>> grid;
+  for (const Anchors& a : crossOfAnchors(*input.robot)) {
+    for (const double z : {0.0, 2.0 * height_m}) {
+      for (const double threshold : kThresholds)
+        grid.push_back({a.base_m.x(), a.base_m.y(), a.platform_m.x(), a.platform_m.y(), z, threshold, kUsualDelay_s,
+                        kUsualDecay_s, kUsualStretch_m});
+    }
+  }
+  return grid;
+}
+
+std::vector<std::vector<double>> StretchReflex::near(const std::vector<double>& shape, double step) const {
+  std::vector<std::vector<double>> out = LineEffect::near(shape, step);
+  const std::vector<ShapeParameter> limits = shapeParameters();
+  for (const double sign : {-1.0, 1.0}) {
+    out.push_back(shape);
+    out.back()[kHipZ] += sign * step * kHipStep_m;
+    for (std::size_t k = kThreshold; k <= kStretch; ++k) {
+      out.push_back(shape);
+      out.back()[k] = std::clamp(shape[k] * std::pow(kReflexFactor, sign * step), limits[k].low, limits[k].high);
+    }
+  }
+  return out;
+}
+
+}  // namespace
+
+std::unique_ptr<Candidate> makeStretchReflex() {
+  return std::make_unique<StretchReflex>();
+}
+
+}  // namespace knee_robot::tracing
