@@ -6,12 +6,12 @@
 #include <map>
 #include <set>
 
+#include "absorbed.h"
 #include "among_found.h"
 #include "given_search.h"
 #include "knee_robot/base/numbers.h"
 #include "knee_robot/identification/plausible_fit.h"
 #include "knee_robot/recording/signals.h"
-#include "long_presliding.h"
 #include "rivals.h"
 #include "search.h"
 #include "surfaces.h"
@@ -19,9 +19,7 @@
 namespace knee_robot::tracing {
 namespace {
 
-constexpr double kNothingLeft = 0.02;  ///< share of a column's square that the base parameters leave: absorbed
-constexpr double kSame = 1e-3;         ///< the same, of a column that is one of the baseline's
-constexpr double kFaster = 3.0;        ///< cut-off of the second band over that of the first,
+constexpr double kFaster = 3.0;  ///< cut-off of the second band over that of the first,
 constexpr double kFastestShareOfRate = 0.1;
 constexpr double kLeastFaster = 1.5;       ///< below which a second band would be the first one again
 constexpr double kMoreThanItsNoise = 1.5;  ///< floors
@@ -79,7 +77,6 @@ class Tracing {
   void gatherCandidates();
   void startFromGivenModel();
   void describeBaseline();
-  void noteAbsorbed(const Projection& projection);
   void searchEffects();
   int kindsLeft() const;  ///< that may still be added
   void searchSurfaces();
@@ -221,36 +218,8 @@ void Tracing::describeBaseline() {
   // Without the prior: what the columns of the baseline can do, not what it is ready to believe.
   const Projection projection =
       project(weighted(data_.stack, data_.base_rows, s_.rms_N), weighted(data_.stack, data_.force_rows, s_.rms_N));
-  noteAbsorbed(projection);
+  noteAbsorbed(s_, projection, result_);
   result_.angles = principalAngles(data_, library_.places(), projection, s_.rms_N);
-}
-
-void Tracing::noteAbsorbed(const Projection& projection) {
-  std::map<const Candidate*, double> most;  // of any shape on any actuator
-  for (const PlaceColumns& p : library_.places()) {
-    const Candidate* candidate = p.place().candidate;
-    if (!candidate->transfers() || candidate->isMap()) continue;
-    std::vector<double> survives = makeProbes(data_, p.tried, p.rows, p.first_row, projection, s_.rms_N).survives;
-    std::sort(survives.begin(), survives.end());  // of an effect between two points, some anchors are always told apart
-    const double typical = candidate->shared() ? survives[survives.size() / 2] : survives.back();
-    most[candidate] = std::max(most[candidate], typical);
-    if (!candidate->shared() && survives.back() < kSame) s_.absorbed.push_back(p.place());
-  }
-  for (const auto& candidate : *result_.candidates) {
-    if (most.count(candidate.get()) > 0 && most[candidate.get()] < kNothingLeft)
-      result_.absorbed.push_back(candidate->name() +
-                                 (candidate->shared()
-                                      ? ": along these recordings gravity and friction of the baseline take up most "
-                                        "of what one between two points would do"
-                                      : ": the baseline's constant force and friction of the actuator take it up"));
-  }
-  result_.presliding = longPresliding(result_.baseline.choices);
-  if (!result_.presliding.empty())
-    result_.absorbed.push_back("presliding: " + result_.presliding + "; the baseline's law near rest has it");
-  result_.absorbed.push_back("reflected_inertia: is a parameter of the baseline (rotor)");
-  if (!data_.recordings.front().motion.coupled) return;
-  result_.absorbed.push_back(result_.payload.sentence);
-  result_.absorbed.push_back("base_tilt: turns gravity, which the fitted first moments and offsets follow");
 }
 
 int Tracing::kindsLeft() const {

@@ -47,5 +47,11 @@ TEST_F(OpenLoops, CountOnlyAxesThatWereClosed) {
   EXPECT_EQ(notes_.size(), 1u);
 }
 
+TEST_F(OpenLoops, OpenAnAxisThatIsClosedInOneOfTheRecordingsOnly) {
+  plans_[0].open_loop = {0, 1, 0, 0};  // whose controller was not recovered there
+  EXPECT_EQ(after({1.0, 5.0, 1.0, 1.0}), (std::vector<char>{0, 1, 0, 0}));
+  EXPECT_EQ(notes_.size(), 1u);
+}
+
 }  // namespace
 }  // namespace knee_robot::tracing

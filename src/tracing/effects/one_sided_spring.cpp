@@ -6,12 +6,14 @@
 namespace knee_robot::tracing {
 namespace {
 
-constexpr std::size_t kBaseZ = 4, kActsFrom = 5, kCurve = 6, kLostOver = 7,
-                      kSide = 8;                  ///< in the shape, after the anchors
-constexpr double kSoftest = 1.0, kHardest = 2.0;  ///< exponents; a sphere that is touched has 1.5
-constexpr double kShortestWay_m = 2e-4, kUsualWay_m = 2e-3, kLongestWay_m = 0.02;  ///< over which what is lost comes up
-constexpr double kShares[] = {0.25, 0.5, 0.75};  ///< of a recording's samples, that it is free in: beginnings of search
-constexpr double kPerWay_m = 0.1;                ///< at which the coefficients are the force
+constexpr std::size_t kBaseZ = 4, kActsFrom = 5, kPowerOfWay = 6, kLostOver = 7,
+                      kSideOfAction = 8;                    ///< in the shape, after the anchors
+constexpr double kSoftestPower = 1.0, kHardestPower = 2.0;  ///< exponents; a sphere that is touched has 1.5
+constexpr double kLeastLossWay_m = 2e-4, kUsualLossWay_m = 2e-3,
+                 kMostLossWay_m = 0.02;  ///< over which what is lost comes up
+constexpr double kFreeShares[] = {0.25, 0.5,
+                                  0.75};  ///< of a recording's samples, that it is free in: beginnings of search
+constexpr double kPerWay_m = 0.1;         ///< at which the coefficients are the force
 constexpr double kLengthStep_m = 0.05, kHeightStep_m = 0.4;  ///< of refinement
 
 /// Of travel, coming up over a way after each reversal and kept at rest: between -1 and 1.
@@ -40,8 +42,8 @@ class OneSidedSpring : public LineEffect {
     std::vector<ShapeParameter> out = LineEffect::shapeParameters();
     out.push_back({"base_z_m", -3.0, 3.0});
     out.push_back({"acts_from_m", 0.0, 5.0});
-    out.push_back({"exponent", kSoftest, kHardest});
-    out.push_back({"lost_over_m", kShortestWay_m, kLongestWay_m});
+    out.push_back({"exponent", kSoftestPower, kHardestPower});
+    out.push_back({"lost_over_m", kLeastLossWay_m, kMostLossWay_m});
     out.push_back({"side", -1.0, 1.0, true});
     return out;
   }
@@ -69,10 +71,10 @@ class OneSidedSpring : public LineEffect {
     return both;
   }
   Eigen::MatrixXd resistance(const Line& line, const std::vector<double>& shape) const override {
-    const Eigen::ArrayXd within_m = (shape[kSide] * (line.length_m.array() - shape[kActsFrom])).max(0.0);
-    const Eigen::ArrayXd within = (within_m / kPerWay_m).pow(shape[kCurve]);
+    const Eigen::ArrayXd within_m = (shape[kSideOfAction] * (line.length_m.array() - shape[kActsFrom])).max(0.0);
+    const Eigen::ArrayXd within = (within_m / kPerWay_m).pow(shape[kPowerOfWay]);
     Eigen::MatrixXd out(within.size(), 2);
-    out << shape[kSide] * within, within * directionAlong(line.way_m, shape[kLostOver]);
+    out << shape[kSideOfAction] * within, within * directionAlong(line.way_m, shape[kLostOver]);
     return out;
   }
 };
@@ -85,15 +87,15 @@ std::vector<std::vector<double>> OneSidedSpring::shapes(const EffectInput& input
   std::vector<std::vector<double>> grid;
   for (const Anchors& a : crossOfAnchors(*input.robot)) {
     for (const double z : {0.0, 2.0 * height_m}) {
-      std::vector<double> shape = {a.base_m.x(), a.base_m.y(), a.platform_m.x(), a.platform_m.y(), z, 0.0, 1.0,
-                                   kUsualWay_m,  1.0};
+      std::vector<double> shape = {a.base_m.x(),    a.base_m.y(), a.platform_m.x(), a.platform_m.y(), z, 0.0, 1.0,
+                                   kUsualLossWay_m, 1.0};
       const Line line = lineBetween(input, std::max(0, actuator), anchors(shape));
       std::vector<double> lengths_m(line.length_m.data(), line.length_m.data() + line.length_m.size());
       std::sort(lengths_m.begin(), lengths_m.end());
-      for (const double share : kShares) {
+      for (const double share : kFreeShares) {
         shape[kActsFrom] = lengths_m[static_cast<std::size_t>(share * static_cast<double>(lengths_m.size() - 1))];
         for (const double side : {1.0, -1.0}) {
-          shape[kSide] = side;
+          shape[kSideOfAction] = side;
           if (side > 0.0 || z == 0.0) grid.push_back(shape);
         }
       }

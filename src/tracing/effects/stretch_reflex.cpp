@@ -7,13 +7,13 @@ namespace knee_robot::tracing {
 namespace {
 
 /// Places in the shape, after the anchors.
-enum ReflexShape : std::size_t { kHipZ = 4, kThreshold, kReflexDelay, kReflexDecay, kStretch };
-constexpr double kSlowest = 0.005, kFastest = 0.2;     ///< thresholds, m/s
-constexpr double kSoonest_s = 0.005, kLatest_s = 0.2;  ///< delays: of a knee some 20 to 60 ms
-constexpr double kBriefest_s = 0.05, kLastsMost_s = 5.0;
-constexpr double kTwitch_m = 5e-4, kSlack_m = 0.2;
+enum ReflexShape : std::size_t { kHipZ = 4, kReflexThreshold, kReflexDelay, kReflexDecay, kReflexStretch };
+constexpr double kLeastThreshold = 0.005, kMostThreshold = 0.2;    ///< thresholds, m/s
+constexpr double kSoonestReflex_s = 0.005, kLatestReflex_s = 0.2;  ///< delays: of a knee some 20 to 60 ms
+constexpr double kBriefestReflex_s = 0.05, kLongestReflex_s = 5.0;
+constexpr double kLeastStretch_m = 5e-4, kMostStretch_m = 0.2;
 constexpr double kUsualDelay_s = 0.05, kUsualDecay_s = 0.5, kUsualStretch_m = 0.01;
-constexpr double kThresholds[] = {0.01, 0.04};
+constexpr double kThresholdsTried[] = {0.01, 0.04};
 constexpr double kHipStep_m = 0.4, kReflexFactor = 1.6;  ///< of refinement
 
 /// A muscle that is stretched faster than it bears: after a delay it pulls, along the line between a point of the base
@@ -30,10 +30,10 @@ class StretchReflex : public LineEffect {
   std::vector<ShapeParameter> shapeParameters() const override {
     std::vector<ShapeParameter> out = LineEffect::shapeParameters();
     out.push_back({"base_z_m", -3.0, 3.0});
-    out.push_back({"threshold_m_per_s", kSlowest, kFastest});
-    out.push_back({"delay_s", kSoonest_s, kLatest_s});
-    out.push_back({"decay_s", kBriefest_s, kLastsMost_s});
-    out.push_back({"stretch_m", kTwitch_m, kSlack_m});
+    out.push_back({"threshold_m_per_s", kLeastThreshold, kMostThreshold});
+    out.push_back({"delay_s", kSoonestReflex_s, kLatestReflex_s});
+    out.push_back({"decay_s", kBriefestReflex_s, kLongestReflex_s});
+    out.push_back({"stretch_m", kLeastStretch_m, kMostStretch_m});
     return out;
   }
   std::vector<std::vector<double>> shapes(const EffectInput& input, int actuator) const override;
@@ -56,7 +56,7 @@ class StretchReflex : public LineEffect {
       const Eigen::Index before = static_cast<Eigen::Index>(seen_at), after = std::min(before + 1, rate.size() - 1);
       const double part = seen_at - static_cast<double>(before),
                    seen = (1.0 - part) * rate[before] + part * rate[after];
-      const double called = std::max(0.0, seen - shape[kThreshold]) / shape[kStretch] * line.period_s;
+      const double called = std::max(0.0, seen - shape[kReflexThreshold]) / shape[kReflexStretch] * line.period_s;
       a = (a + called) / (1.0 + called + keeps);  // implicit: between 0 and 1 whatever the step
       activation[n] = a;
     }
@@ -73,7 +73,7 @@ std::vector<std::vector<double>> StretchReflex::shapes(const EffectInput& input,
   std::vector<std::vector<double>> grid;
   for (const Anchors& a : crossOfAnchors(*input.robot)) {
     for (const double z : {0.0, 2.0 * height_m}) {
-      for (const double threshold : kThresholds)
+      for (const double threshold : kThresholdsTried)
         grid.push_back({a.base_m.x(), a.base_m.y(), a.platform_m.x(), a.platform_m.y(), z, threshold, kUsualDelay_s,
                         kUsualDecay_s, kUsualStretch_m});
     }
@@ -87,7 +87,7 @@ std::vector<std::vector<double>> StretchReflex::near(const std::vector<double>& 
   for (const double sign : {-1.0, 1.0}) {
     out.push_back(shape);
     out.back()[kHipZ] += sign * step * kHipStep_m;
-    for (std::size_t k = kThreshold; k <= kStretch; ++k) {
+    for (std::size_t k = kReflexThreshold; k <= kReflexStretch; ++k) {
       out.push_back(shape);
       out.back()[k] = std::clamp(shape[k] * std::pow(kReflexFactor, sign * step), limits[k].low, limits[k].high);
     }
