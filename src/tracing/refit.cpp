@@ -2,14 +2,12 @@
 #include <cmath>
 
 #include "knee_robot/base/parallel.h"
-#include "knee_robot/recording/filter.h"
 #include "search.h"
 
 namespace knee_robot::tracing {
 namespace {
 
 constexpr int kPasses = 4;  ///< of fitting and rebuilding what depends on the fit
-constexpr int kLagRounds = 12;
 constexpr double kLeastCoulomb_N = 1e-3;
 constexpr double kLinear = 1e-9;
 
@@ -72,31 +70,13 @@ void refit(Search& s) {
   }
 }
 
-/// What a lag made of the force of one actuator, from the recording itself: the model's force has the law that is to be
-/// chosen. The force that acted is the one that, made late, was recorded; below the cut-off, where that settles.
-Eigen::VectorXd changeByLag(const EffectInput& input, const Hypothesis& lag, const Eigen::VectorXd& coefficients, int i,
-                            double cutoff_hz) {
-  const recording::ZeroPhaseLowPass filter(cutoff_hz, 1.0 / input.signals().period_s);
-  EffectInput in = input;
-  Eigen::VectorXd recorded = input.signals().force_N.col(i), change;
-  filter.apply(recorded);
-  in.needed_N.col(i) = recorded;
-  for (int round = 0; round < kLagRounds; ++round) {
-    change = effectColumns(in, lag, i) * coefficients;
-    Eigen::VectorXd acted = recorded - change;
-    filter.apply(acted);
-    in.needed_N.col(i) = acted;
-  }
-  return change;
-}
-
 /// Effects as the choice of friction's law wants them: what multiplies the law, as factors of Coulomb friction, and the
 /// forces of all others.
 struct SplitEffects {
   Eigen::MatrixXd level, force_N;
 };
 
-SplitEffects splitEffects(const EffectInput& input, const SurrogateModel& model, double cutoff_hz) {
+SplitEffects splitEffects(const EffectInput& input, const SurrogateModel& model) {
   SplitEffects out = {Eigen::MatrixXd::Ones(input.samples(), input.axes()),
                       Eigen::MatrixXd::Zero(input.samples(), input.axes())};
   EffectInput forward = input, still = input, back = input;
@@ -105,10 +85,6 @@ SplitEffects splitEffects(const EffectInput& input, const SurrogateModel& model,
   back.share.setConstant(-1.0);
   for (std::size_t k = 0; k < model.effects.size(); ++k) {
     for (int i = 0; i < input.axes(); ++i) {
-      if (model.effects[k].place.candidate->lags()) {
-        out.force_N.col(i) += changeByLag(input, model.effects[k], model.coefficients[k], i, cutoff_hz);
-        continue;
-      }
       const auto force = [&](const EffectInput& in) -> Eigen::VectorXd {
         return effectColumns(in, model.effects[k], i) * model.coefficients[k];
       };
@@ -158,7 +134,7 @@ bool rebase(Search& s) {
   const SurrogateModel now = {s.base->parameters, hypothesesOf(s.effects), s.fit.coefficients};
   std::vector<Eigen::MatrixXd> effects_N, levels;
   for (const EffectInput& input : data.inputs) {
-    SplitEffects split = splitEffects(input, now, data.stack.cutoff_hz);
+    SplitEffects split = splitEffects(input, now);
     effects_N.push_back(std::move(split.force_N));
     levels.push_back(std::move(split.level));
   }
