@@ -13,7 +13,7 @@ constexpr double kSame = 1e-3;         ///< the same, of a column that is one of
 
 }  // namespace
 
-void noteAbsorbed(Search& s, const Projection& projection, TraceResult& result) {
+void noteWhatIsAbsorbed(Search& s, const Projection& projection, TraceResult& result) {
   std::map<const Candidate*, double> most;  // of any shape on any actuator
   for (const PlaceColumns& p : s.library->places()) {
     const Candidate* candidate = p.place().candidate;

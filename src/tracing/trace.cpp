@@ -218,7 +218,7 @@ void Tracing::describeBaseline() {
   // Without the prior: what the columns of the baseline can do, not what it is ready to believe.
   const Projection projection =
       project(weighted(data_.stack, data_.base_rows, s_.rms_N), weighted(data_.stack, data_.force_rows, s_.rms_N));
-  noteAbsorbed(s_, projection, result_);
+  noteWhatIsAbsorbed(s_, projection, result_);
   result_.angles = principalAngles(data_, library_.places(), projection, s_.rms_N);
 }
 
