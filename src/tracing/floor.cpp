@@ -14,9 +14,8 @@ namespace knee_robot::tracing {
 namespace {
 
 constexpr double kEngineeringShare = 0.003;  ///< of the rms force; above what DAC and encoder steps leave
-constexpr double kOfQuietQuarter = 1.25;  ///< of white noise: its spread over that of the quiet quarter of its seconds
-constexpr double kBlock_s = 1.0;          ///< of differences between repeats: several correlation times
-constexpr double kEvent = 9.0;            ///< factor of the median square above which a block is an event, not noise
+constexpr double kBlock_s = 1.0;             ///< of differences between repeats: several correlation times
+constexpr double kEvent = 9.0;               ///< factor of the median square above which a block is an event, not noise
 
 /// Standard deviation in pieces of a second, of which the lower quartile counts: bursts at reversals do not.
 double quietSpread(const Eigen::VectorXd& signal, Eigen::Index piece) {
@@ -27,18 +26,13 @@ double quietSpread(const Eigen::VectorXd& signal, Eigen::Index piece) {
   return quantile(std::move(spreads), 0.25);
 }
 
-/// White noise below the cut-off, from the band between 3 and 6 times it. No more than the quiet quarter of what is left
-/// below the cut-off: what a drive does up there, commands in steps or an axis that hunts, need not be there.
+/// White noise below the cut-off, from the band between 3 and 6 times it.
 double densityEstimate(const identification::Observation& o, const Eigen::VectorXd& residual, double cutoff_hz) {
   const double rate = 1.0 / o.signals.period_s;
   Eigen::VectorXd high = residual, low = residual;
   recording::ZeroPhaseLowPass(6.0 * cutoff_hz, rate).apply(high);
   recording::ZeroPhaseLowPass(3.0 * cutoff_hz, rate).apply(low);
-  const Eigen::Index second = static_cast<Eigen::Index>(rate);
-  const double above = quietSpread(high - low, second) / std::sqrt(3.0);  // the band is three cut-offs wide
-  Eigen::VectorXd within = residual;
-  recording::ZeroPhaseLowPass(cutoff_hz, rate).apply(within);
-  return std::min(above, kOfQuietQuarter * quietSpread(within, second));
+  return quietSpread(high - low, static_cast<Eigen::Index>(rate)) / std::sqrt(3.0);  // the band is three cut-offs wide
 }
 
 /// Squared differences between repeats, per actuator, block by block. Noise is alike everywhere; what is larger in few

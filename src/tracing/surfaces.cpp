@@ -18,6 +18,7 @@ class Surface : public Candidate {
   std::string name() const override { return "unnamed"; }
   bool isMap() const override { return true; }
   bool isFriction() const override { return true; }
+  bool needsTwoRecordings() const override { return true; }
   bool worksOnBench() const override { return true; }
   bool restsOnModel() const override { return beside_ == Beside::Load; }
   double leastFloors() const override { return 2.0; }

@@ -88,7 +88,6 @@ class Tracing {
   void attend(Attention next);
   void simulate(const SurrogateModel& model);
   void rebuildSurrogates();
-  void openUnlike(const SurrogateModel& model, const Eigen::VectorXd& real_N);
   void setFloor();
 
   const mechanism::Robot& robot_;
@@ -145,7 +144,10 @@ void Tracing::planSurrogates() {
   const SurrogateModel clean = {result_.base.parameters, {}, {}};
   s_.surrogates = makeSurrogates(robot_, recordings_, data_, result_.base, clean, plans_, options_.observation,
                                  options_.surrogates, options_.seed);
-  openUnlike(clean, result_.base.noise_N);
+  const std::vector<std::string> opened =
+      openLoops(surrogateResidual(s_.surrogates, data_, result_.base), result_.base.noise_N, plans_);
+  result_.notes.insert(result_.notes.end(), opened.begin(), opened.end());
+  if (!opened.empty()) simulate(clean);
   attend(Attention::All);
 }
 
@@ -160,16 +162,7 @@ void Tracing::rebuildSurrogates() {
     refreshPlan(data_.recordings[r], result_.base, model.parameters, data_.inputs[r].share,
                 effectForces(data_.inputs[r], model), plans_[r]);
   simulate(model);
-  openUnlike(model, s_.rms_N);
   setFloor();
-}
-
-/// What is found may leave less than surrogates in closed loop do that left no more before.
-void Tracing::openUnlike(const SurrogateModel& model, const Eigen::VectorXd& real_N) {
-  const std::vector<std::string> opened =
-      openLoops(surrogateResidual(s_.surrogates, data_, result_.base), real_N, plans_);
-  result_.notes.insert(result_.notes.end(), opened.begin(), opened.end());
-  if (!opened.empty()) simulate(model);
 }
 
 void Tracing::setFloor() {
@@ -183,7 +176,6 @@ void Tracing::attend(Attention next) {
   s_.attention = next;
   setAttention(data_, next);
   refit(s_);
-  if (next == Attention::All) openUnlike(modelOf(s_), s_.rms_N);
   setFloor();
 }
 
@@ -241,9 +233,9 @@ void Tracing::searchEffects() {
   }
 }
 
-/// Where all else leaves more than noise while axes move; and names that were doubted, beside all that was found.
+/// Where all else leaves more than noise while axes move, of two recordings or more; and names that were doubted, beside all that was found.
 void Tracing::searchSurfaces() {
-  if (options_.most_effects == 0 || !options_.maps) return;
+  if (options_.most_effects == 0 || !options_.maps || recordings_.size() < 2) return;
   attend(Attention::Moving);
   if ((s_.rms_N.array() > kMoreThanItsNoise * s_.floor.rms_N.array()).any()) {
     options_.progress("looking at surfaces over two signals");

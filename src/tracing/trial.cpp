@@ -189,6 +189,7 @@ Eigen::VectorXd nestedGain(const Search& s, const Projection& projection, const 
 
 std::optional<Place> openPlace(const Search& s, const Place& place, const Place* like) {
   if (!s.maps && place.candidate->isMap()) return {};
+  if (place.candidate->needsTwoRecordings() && s.data->recordings.size() < 2) return {};
   if (std::find(s.absorbed.begin(), s.absorbed.end(), place) != s.absorbed.end()) return {};
   const bool leads = std::any_of(s.effects.begin(), s.effects.end(), [&](const FoundEffect& e) {
     return e.hypothesis.place.candidate->leads() && e.hypothesis.place.actuator == place.actuator;

@@ -35,7 +35,7 @@ recording::Recording recorded(const std::function<double(double)>& position, dou
   return r;
 }
 
-NoiseFloor floorOf(const std::vector<recording::Recording>& recordings, double surrogates_leave_N = 30.0) {
+NoiseFloor floorOf(const std::vector<recording::Recording>& recordings) {
   const mechanism::Robot robot = identification::syntheticBench(1);
   const identification::ObservationOptions options;
   TraceData data;
@@ -48,7 +48,7 @@ NoiseFloor floorOf(const std::vector<recording::Recording>& recordings, double s
   const int count = static_cast<int>(recordings.size());
   for (int r = 0; r < count; ++r)
     data.inputs.push_back(effectInput(robot, data.recordings[static_cast<std::size_t>(r)], {kStop}, r, count));
-  return noiseFloor(recordings, data, model_N, Eigen::VectorXd::Constant(1, surrogates_leave_N));
+  return noiseFloor(recordings, data, model_N, Eigen::VectorXd::Constant(1, 30.0));
 }
 
 double cycle(double t) {
@@ -168,20 +168,6 @@ TEST(NoiseFloor, SaysWhenBothKindsOfRepeatsAreUsed) {
   const NoiseFloor floor = floorOf({recorded(cycle, 30.0, "a"), recorded(cycle, 30.0, "b")});
   EXPECT_NE(floor.source.find("repeats of one reference: a and b"), std::string::npos) << floor.source;
   EXPECT_NE(floor.source.find("within itself"), std::string::npos) << floor.source;
-}
-
-TEST(NoiseFloor, OfADriveThatHuntsAboveTheCutoffIsThatOfTheNoiseBelowIt) {
-  recording::Recording still = recorded([](double t) { return 0.3 + 1e-4 * t; }, 40.0, "still");
-  still.force_N.setZero();
-  std::mt19937 random(3);
-  std::normal_distribution<double> noise(0.0, 2.0);
-  for (int k = 0; k < still.rows(); ++k)
-    still.force_N(k, 0) =
-        noise(random) + 40.0 * std::sin(2.0 * M_PI * 13.0 * still.time_s[static_cast<std::size_t>(k)]);
-  const NoiseFloor floor = floorOf({still}, 0.0);
-  EXPECT_FALSE(floor.measured);
-  EXPECT_GT(floor.rms_N[0], 0.7 * kNoise_N);
-  EXPECT_LT(floor.rms_N[0], 2.0 * kNoise_N);
 }
 
 }  // namespace

@@ -72,6 +72,8 @@ class Candidate {
   /// False: is not looked for on this robot.
   virtual bool worksOn(const mechanism::Robot& robot) const;
 
+  /// True: has so many shapes that what one recording leaves is fitted by some of them. Looked for in two or more.
+  virtual bool needsTwoRecordings() const { return false; }
   /// False: this recording has nothing that could show it, and what it would explain there is something else.
   virtual bool shownIn(const EffectInput& /*input*/, int /*actuator*/) const { return true; }
 

@@ -34,6 +34,7 @@ class OneSidedSpring : public LineEffect {
  public:
   std::string name() const override { return "one_sided_spring"; }
   std::string generalizes() const override { return "spring"; }
+  bool needsTwoRecordings() const override { return true; }
   std::string sentence() const override {
     return "Between a point of the base and a point of the platform something acts on one side only: a strap that goes "
            "taut, a stop that is touched.";

@@ -23,6 +23,7 @@ constexpr double kHipStep_m = 0.4, kReflexFactor = 1.6;  ///< of refinement
 class StretchReflex : public LineEffect {
  public:
   std::string name() const override { return "stretch_reflex"; }
+  bool needsTwoRecordings() const override { return true; }
   std::string sentence() const override {
     return "A muscle between a point of the base and a point of the platform pulls, late, when it is stretched fast (a "
            "spastic catch), and lets go slowly.";
