@@ -25,7 +25,8 @@ std::string elementYaml(const FrictionElement& e, bool revolute) {
   const std::string exponent = e.exponent != 1.0 ? ", exponent: " + exactNumber(e.exponent) : "";
   switch (e.kind) {
     case FrictionKind::Stop:
-      return "{law: stop" + width + share;
+      return "{law: stop" + width + (e.gap_m > 0.0 ? ", gap_" + unit + ": " + exactNumber(e.gap_m / radius) : "") +
+             (e.relaxation_s > 0.0 ? ", relaxation_s: " + exactNumber(e.relaxation_s) : "") + share;
     case FrictionKind::Smooth:
       return "{law: tanh" + speed + exponent + share;
     default:
@@ -36,9 +37,8 @@ std::string elementYaml(const FrictionElement& e, bool revolute) {
 
 FrictionElement readElement(StrictMap map, bool revolute) {
   const double radius = radiusOf(revolute);
-  const auto width = [&] {
-    return radius * (revolute ? map.number("width_rad", kNarrowest_m, kWidest_m)
-                              : map.number("width_m", kNarrowest_m, kWidest_m));
+  const auto way = [&](const std::string& name) {
+    return radius * map.number(name + (revolute ? "_rad" : "_m"), kNarrowest_m, kWidest_m);
   };
   const auto speed = [&](double slowest) {
     return radius * (revolute ? map.number("speed_rad_per_s", slowest, kFastest_m_per_s)
@@ -48,7 +48,9 @@ FrictionElement readElement(StrictMap map, bool revolute) {
   const std::string law = map.choice("law", {"stop", "tanh", "bristles"});
   e.kind = law == "stop" ? FrictionKind::Stop : law == "tanh" ? FrictionKind::Smooth : FrictionKind::Bristles;
   e.share = map.number("share", 1e-9, 1.0);
-  e.width_m = e.kind == FrictionKind::Smooth ? 0.0 : width();
+  e.width_m = e.kind == FrictionKind::Smooth ? 0.0 : way("width");
+  if (e.kind == FrictionKind::Stop && map.has(revolute ? "gap_rad" : "gap_m")) e.gap_m = way("gap");
+  if (e.kind == FrictionKind::Stop && map.has("relaxation_s")) e.relaxation_s = map.number("relaxation_s", 1e-3, 1e6);
   if (e.kind == FrictionKind::Smooth) e.speed_m_per_s = speed(kSlowest_m_per_s);
   if (e.kind != FrictionKind::Stop && map.has("exponent")) e.exponent = map.number("exponent", 0.1, 10.0);
   if (e.kind == FrictionKind::Bristles) {

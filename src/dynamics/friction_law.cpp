@@ -21,7 +21,9 @@ std::string elementText(const FrictionElement& e, bool revolute) {
   const std::string speed = shortNumber(1e3 * e.speed_m_per_s / radius, 3) + (revolute ? " mrad/s" : " mm/s");
   switch (e.kind) {
     case FrictionKind::Stop:
-      return "stop " + width;
+      return "stop " + width +
+             (e.gap_m > 0.0 ? ", gap " + shortNumber(1e6 * e.gap_m / radius, 3) + (revolute ? " urad" : " um") : "") +
+             (e.relaxation_s > 0.0 ? ", relaxes in " + shortNumber(e.relaxation_s, 2) + " s" : "");
     case FrictionKind::Smooth:
       return e.exponent == 1.0 ? "tanh(v / " + speed + ")"
                                : "tanh((v / " + speed + ")^" + shortNumber(e.exponent, 3) + ")";
@@ -48,6 +50,14 @@ double missing(double before, double way, double exponent) noexcept {
   if (!(before > 0.0)) return 0.0;
   const double left = std::pow(before, 1.0 - exponent) + (exponent - 1.0) * way;
   return left > 0.0 ? std::pow(left, 1.0 / (1.0 - exponent)) : 0.0;
+}
+
+/// Moves a stop: `z` is how far it is bent, of the way from its middle to where it slips.
+double stop(const FrictionElement& e, double displacement_m, double duration_s, double& z) noexcept {
+  if (e.relaxation_s > 0.0) z *= std::exp(-duration_s / e.relaxation_s);
+  const double half_gap_m = 0.5 * e.gap_m, whole_m = e.width_m + half_gap_m;
+  z = std::clamp(z + displacement_m / whole_m, -1.0, 1.0);
+  return e.gap_m > 0.0 ? std::copysign(std::max(0.0, std::abs(z) * whole_m - half_gap_m) / e.width_m, z) : z;
 }
 
 }  // namespace
@@ -118,8 +128,7 @@ double FrictionState::step(const FrictionLaw& law, double displacement_m, double
     const FrictionElement& e = law.elements[static_cast<std::size_t>(k)];
     double& z = z_[static_cast<std::size_t>(k)];
     if (e.kind == FrictionKind::Stop) {
-      z = std::clamp(z + displacement_m / e.width_m, -1.0, 1.0);
-      sum += e.share * z;
+      sum += e.share * stop(e, displacement_m, duration_s, z);
     } else if (e.kind == FrictionKind::Smooth) {
       z = smooth(displacement_m / (duration_s * e.speed_m_per_s), e.exponent);
       sum += e.share * z;

@@ -19,6 +19,8 @@ const double kDampings_s[] = {0.0, 2.5e-3};
 const double kTrembles[] = {0.5, 1.0};
 const double kExponents[] = {1.5, 2.0};        // below 1: a stop beside bristles does the same
 const double kSmoothExponents[] = {1.0, 3.0};  // above 1: next to nothing rubs while an axis creeps
+const double kGaps[] = {0.5, 1.0, 2.0};        // of the width
+const double kRelaxations_s[] = {2.0, 6.0};    // what fades within a second of rest is a controller that settles
 const double kFinerFactors[] = {0.8, 0.87, 0.93, 0.97, 1.03, 1.07, 1.15, 1.25};
 const double kFinerSides[] = {0.8, 0.9, 1.0, 1.12, 1.25};
 constexpr double kFarApart = 2.0;
@@ -66,6 +68,11 @@ Sum bestSingle(const InWeights& squares, const std::vector<FrictionElement>& ele
   return best;
 }
 
+/// One that neither has a clearance nor relaxes.
+bool isStop(const FrictionElement& e) {
+  return e.kind == FrictionKind::Stop && e.gap_m == 0.0 && e.relaxation_s == 0.0;
+}
+
 /// Neighbours on the grids are one element that lies between them, not two.
 bool apart(const FrictionElement& a, const FrictionElement& b) {
   if (a.kind != b.kind) return true;
@@ -73,9 +80,10 @@ bool apart(const FrictionElement& a, const FrictionElement& b) {
   return a.kind == FrictionKind::Smooth ? far(a.speed_m_per_s, b.speed_m_per_s) : far(a.width_m, b.width_m);
 }
 
-/// A power of the velocity beside its tanh rises late and steeply, as Stribeck friction does: alone or not at all.
+/// A power of the velocity beside its tanh rises late and steeply, as Stribeck friction does: alone or not at all. So
+/// does a stop behind a clearance, which would mend the shape of any other a little.
 bool mixes(const FrictionElement& e) {
-  return e.kind != FrictionKind::Smooth || e.exponent == 1.0;
+  return e.gap_m == 0.0 && (e.kind != FrictionKind::Smooth || e.exponent == 1.0);
 }
 
 /// Friction that goes on growing with the speed, ever less: beside what builds up near rest.
@@ -197,6 +205,18 @@ std::vector<FrictionElement> elementsToTry(const FrictionRange& range) {
                        damping, tremble});
     }
   }
+  for (int k = 0; k < kBristleWidths; ++k) {
+    FrictionElement e{FrictionKind::Stop, 1.0, geometric(least, range.bristles_most_m, k, kBristleWidths), 0.0, 0.0};
+    for (const double relaxation_s : kRelaxations_s) {
+      e.relaxation_s = relaxation_s;
+      all.push_back(e);
+    }
+    e.relaxation_s = 0.0;
+    for (const double gap : kGaps) {
+      e.gap_m = gap * e.width_m;
+      all.push_back(e);
+    }
+  }
   return all;
 }
 
@@ -204,7 +224,11 @@ void addFinerSteps(const FrictionChoice& around, double narrowest_m, std::vector
   for (const TriedLaw& tried : around.tried) {
     if (tried.law.count > 1) continue;
     const FrictionElement& found = tried.law.elements.front();
-    if (found.kind == FrictionKind::Bristles && found.tremble > 0.0) {
+    if (found.gap_m > 0.0) {
+      addSides(found, &FrictionElement::gap_m, all);
+    } else if (found.relaxation_s > 0.0) {
+      addSides(found, &FrictionElement::relaxation_s, all);
+    } else if (found.kind == FrictionKind::Bristles && found.tremble > 0.0) {
       addSides(found, &FrictionElement::tremble, all);
     } else if (found.kind == FrictionKind::Bristles && found.exponent != 1.0) {
       addSides(found, &FrictionElement::exponent, all);
@@ -224,13 +248,13 @@ std::vector<Sum> bestOfFamilies(const InWeights& squares, const std::vector<Fric
                                 const FrictionRange& range) {
   const auto single = [&](const auto& allowed) { return bestSingle(squares, elements, allowed); };
   std::vector<Sum> best;
-  best.push_back(single([](const FrictionElement& e) { return e.kind == FrictionKind::Stop; }));
+  best.push_back(single([](const FrictionElement& e) { return isStop(e); }));
   best.push_back(single([&](const FrictionElement& e) { return e.kind == FrictionKind::Smooth && !grows(e, range); }));
   best.push_back(single([](const FrictionElement& e) {
     return e.kind == FrictionKind::Bristles && e.speed_m_per_s == 0.0 && e.tremble == 0.0 && e.damping_s == 0.0 &&
            e.exponent == 1.0;
   }));
-  best.push_back(single([](const FrictionElement& e) { return e.kind == FrictionKind::Bristles; }));
+  best.push_back(single([](const FrictionElement& e) { return e.kind != FrictionKind::Smooth && !isStop(e); }));
   best.push_back(spectrumOfStops(squares));
   best.push_back(bestPair(squares, elements, range));
   best.push_back(bestSum(squares, elements, best.back()));

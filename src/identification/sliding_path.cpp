@@ -129,9 +129,10 @@ Eigen::VectorXd fineChange(const SlidingPath& path, const dynamics::FrictionElem
   change[0] = to - from;
   Follower one(path, element, from), other(path, element, to);
   Eigen::Index k = 1;
+  const bool tells = element.gap_m == 0.0;  // within a clearance nothing presses, wherever in it the stop is
   for (int forgotten = 0; k < change.size() && forgotten < kInARow; ++k) {
     change[k] = other.to(k) - one.to(k);
-    forgotten = std::abs(change[k]) < kForgotten ? forgotten + 1 : 0;
+    forgotten = tells && std::abs(change[k]) < kForgotten ? forgotten + 1 : 0;
   }
   return change.head(std::min(change.size(), k + SlidingPath::kSubsteps));
 }

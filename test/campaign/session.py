@@ -105,7 +105,7 @@ class Session:
 
     def controller_command(self, name="controller", program="campaign_controller"):
         parameters = {"robot": self.files["robot"], "hardware": self.files["hardware"], "deployment": self.files["deployment"],
-                      "shm": self.shm, "guardian": self.shm + "_guardian", "references": self.references,
+                      "shm": self.shm, "guardian": self.shm + "_guardian", "references": self.references, "patients": self.references,
                       "recordings": self.recordings, "can": self.bus, "master_timeout_s": 2.0, "empty": "true", **self.parameters}
         return [self.programs / program, f"__name:={name}"] + [f"_{key}:={value}" for key, value in parameters.items()]
 

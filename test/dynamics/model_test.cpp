@@ -43,8 +43,8 @@ Model someModel(const mechanism::Robot& robot, unsigned seed) {
     m.friction.push_back(i == 0   ? stopLaw(1e-5)
                          : i == 1 ? smoothLaw(1e-3)
                          : i == 2 ? bristleLaw(1e-4, 2e-5, 1e-3)
-                                  : lawOf({{FrictionKind::Stop, 0.3, 9e-6, 0.0, 0.0},
-                                           {FrictionKind::Stop, 0.6, 1e-4, 0.0, 0.0},
+                                  : lawOf({{FrictionKind::Stop, 0.3, 9e-6, 0.0, 0.0, 0.0, 1.0, 5e-5},
+                                           {FrictionKind::Stop, 0.6, 1e-4, 0.0, 0.0, 0.0, 1.0, 0.0, 2.5},
                                            {FrictionKind::Smooth, 0.1, 0.0, 1e-3, 0.0}}));
     m.residual_rms_N.push_back(std::abs(normal(random)));
   }
@@ -183,6 +183,30 @@ TEST(FrictionState, OfAStopIsTheSignWhileMovingAndKeepsItAtRest) {
   EXPECT_DOUBLE_EQ(state.step(law, 0.0, 0.01), 1.0);
   EXPECT_DOUBLE_EQ(state.step(law, -5e-5, 0.01), 0.5);
   EXPECT_DOUBLE_EQ(state.step(law, -1.0, 0.01), -1.0);
+}
+
+TEST(FrictionState, OfAStopBehindAClearanceIsNothingUntilItIsCrossed) {
+  FrictionLaw law = stopLaw(1e-4);
+  law.elements[0].gap_m = 4e-5;
+  FrictionState state;
+  EXPECT_DOUBLE_EQ(state.step(law, 1.5e-5, 0.01), 0.0);  // half of the clearance is 20 um
+  EXPECT_DOUBLE_EQ(state.step(law, 3.5e-5, 0.01), 0.3);  // 30 um beyond it
+  EXPECT_DOUBLE_EQ(state.step(law, 1e-2, 0.01), 1.0);
+  EXPECT_NEAR(state.step(law, -1e-4, 0.01), 0.0, 1e-12);  // back at its edge
+  EXPECT_NEAR(state.step(law, -4e-5, 0.01), 0.0, 1e-12);  // and at the other
+  EXPECT_NEAR(state.step(law, -5e-5, 0.01), -0.5, 1e-12);
+  EXPECT_DOUBLE_EQ(state.step(law, 0.0, 100.0), -0.5);
+  EXPECT_EQ(describe(law), "stop 100 um, gap 40 um");
+}
+
+TEST(FrictionState, OfAStopThatRelaxesLetsGoInItsTime) {
+  FrictionLaw law = stopLaw(1e-4);
+  law.elements[0].relaxation_s = 2.0;
+  FrictionState state;
+  EXPECT_DOUBLE_EQ(state.step(law, 1e-2, 0.01), 1.0);
+  EXPECT_NEAR(state.step(law, 0.0, 2.0), std::exp(-1.0), 1e-12);
+  EXPECT_NEAR(state.step(law, 0.0, 1.0), std::exp(-1.5), 1e-12);
+  EXPECT_EQ(describe(law), "stop 100 um, relaxes in 2 s");
 }
 
 TEST(FrictionState, OfBristlesWithAnExponentSolvesDahlsEquation) {

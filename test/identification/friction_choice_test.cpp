@@ -62,6 +62,16 @@ std::vector<OwnLaw> ownLaws() {
          m[0] += std::pow(std::max(0.0, 1.0 - sign * m[0]), 1.7) * v * kStep_s / 250e-6;
          return m[0];
        }},
+      {"a clearance of 50 um, then elastic over 60 um",
+       [](double v, double* m) {
+         const double bent = 85e-6 * plasticSpring(v, 85e-6, m[0]);
+         return std::copysign(std::max(0.0, std::abs(bent) - 25e-6) / 60e-6, bent);
+       }},
+      {"elastic over 90 um, relaxing in 3 s",
+       [](double v, double* m) {
+         m[0] -= m[0] * kStep_s / 3.0;
+         return plasticSpring(v, 90e-6, m[0]);
+       }},
       {"none below 0.5 mm/s, full from 1.5 mm/s on",
        [](double v, double*) { return std::copysign(std::clamp((std::abs(v) - 5e-4) / 1e-3, 0.0, 1.0), v); }},
       {"LuGre of 150 um with damping of 2 ms, creeping at 0.1 mm/s",

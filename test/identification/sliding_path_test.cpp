@@ -116,6 +116,8 @@ TEST(SlidingPath, IsFollowedAnewOnlyUntilItsLoadAtTheStartIsForgotten) {
          {dynamics::FrictionElement{FrictionKind::Stop, 1.0, 1e-4, 0.0, 0.0},
           dynamics::FrictionElement{FrictionKind::Stop, 1.0, 1.0, 0.0,
                                     0.0},  // wider than the whole way: never forgotten
+          dynamics::FrictionElement{FrictionKind::Stop, 1.0, 6e-5, 0.0, 0.0, 0.0, 1.0, 5e-5},
+          dynamics::FrictionElement{FrictionKind::Stop, 1.0, 1e-4, 0.0, 0.0, 0.0, 1.0, 0.0, 2.0},
           dynamics::FrictionElement{FrictionKind::Smooth, 1.0, 0.0, 1e-3},
           dynamics::FrictionElement{FrictionKind::Bristles, 1.0, 1e-4, 0.0, 0.01},
           dynamics::FrictionElement{FrictionKind::Bristles, 1.0, 5e-4, 2e-4, 0.0},

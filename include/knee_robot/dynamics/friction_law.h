@@ -29,10 +29,13 @@ struct FrictionElement {
   double damping_s = 0.0;      ///< Bristles
   double tremble = 0.0;        ///< Bristles: share of the encoder's tremble that slips them
   double exponent = 1.0;       ///< Bristles without creep and tremble: Dahl's
+  double gap_m = 0.0;          ///< Stop: way in its middle over which nothing presses
+  double relaxation_s = 0.0;   ///< Stop: time in which it lets go of what it holds; 0: never
 
   bool operator==(const FrictionElement& o) const {
     return kind == o.kind && share == o.share && width_m == o.width_m && speed_m_per_s == o.speed_m_per_s &&
-           damping_s == o.damping_s && tremble == o.tremble && exponent == o.exponent;
+           damping_s == o.damping_s && tremble == o.tremble && exponent == o.exponent && gap_m == o.gap_m &&
+           relaxation_s == o.relaxation_s;
   }
 };
 

@@ -18,7 +18,7 @@ class KnownShares {
   template <typename Compute>
   Eigen::VectorXd of(const dynamics::FrictionElement& element, const Compute& compute) {
     const Key key(element.kind, element.width_m, element.speed_m_per_s, element.damping_s, element.tremble,
-                  element.exponent);
+                  element.exponent, element.gap_m, element.relaxation_s);
     {
       const std::lock_guard<std::mutex> lock(mutex_);
       const auto found = shares_.find(key);
@@ -32,7 +32,7 @@ class KnownShares {
 
  private:
   static constexpr Eigen::Index kMostNumbers = 4'000'000;  // 32 MB a path
-  using Key = std::tuple<dynamics::FrictionKind, double, double, double, double, double>;
+  using Key = std::tuple<dynamics::FrictionKind, double, double, double, double, double, double, double>;
   std::mutex mutex_;
   std::map<Key, Eigen::VectorXd> shares_;
   Eigen::Index numbers_ = 0;

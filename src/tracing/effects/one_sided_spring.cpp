@@ -6,8 +6,7 @@
 namespace knee_robot::tracing {
 namespace {
 
-constexpr std::size_t kBaseZ = 4, kActsFrom = 5, kPowerOfWay = 6, kLostOver = 7,
-                      kSideOfAction = 8;                    ///< in the shape, after the anchors
+constexpr std::size_t kActsFrom = 5, kPowerOfWay = 6, kLostOver = 7, kSideOfAction = 8;  ///< in the shape
 constexpr double kSoftestPower = 1.0, kHardestPower = 2.0;  ///< exponents; a sphere that is touched has 1.5
 constexpr double kLeastLossWay_m = 2e-4, kUsualLossWay_m = 2e-3,
                  kMostLossWay_m = 0.02;  ///< over which what is lost comes up
@@ -30,7 +29,7 @@ Eigen::ArrayXd directionAlong(const Eigen::VectorXd& way_m, double over_m) {
 /// A strap or a rope that goes taut (side 1: pulls beyond a length), a bumper, a bed or a stop that is touched (side -1:
 /// pushes below it). A part of the force is lost: it changes its sign with the direction, over a
 /// way, as in a webbing.
-class OneSidedSpring : public LineEffect {
+class OneSidedSpring : public RaisedLineEffect {
  public:
   std::string name() const override { return "one_sided_spring"; }
   std::string generalizes() const override { return "spring"; }
@@ -40,8 +39,7 @@ class OneSidedSpring : public LineEffect {
            "taut, a stop that is touched.";
   }
   std::vector<ShapeParameter> shapeParameters() const override {
-    std::vector<ShapeParameter> out = LineEffect::shapeParameters();
-    out.push_back({"base_z_m", -3.0, 3.0});
+    std::vector<ShapeParameter> out = RaisedLineEffect::shapeParameters();
     out.push_back({"acts_from_m", 0.0, 5.0});
     out.push_back({"exponent", kSoftestPower, kHardestPower});
     out.push_back({"lost_over_m", kLeastLossWay_m, kMostLossWay_m});
@@ -66,11 +64,6 @@ class OneSidedSpring : public LineEffect {
   }
 
  protected:
-  Anchors anchors(const std::vector<double>& shape) const override {
-    Anchors both = LineEffect::anchors(shape);
-    both.base_m.z() = shape[kBaseZ];
-    return both;
-  }
   Eigen::MatrixXd resistance(const Line& line, const std::vector<double>& shape) const override {
     const Eigen::ArrayXd within_m = (shape[kSideOfAction] * (line.length_m.array() - shape[kActsFrom])).max(0.0);
     const Eigen::ArrayXd within = (within_m / kPerWay_m).pow(shape[kPowerOfWay]);
@@ -80,25 +73,18 @@ class OneSidedSpring : public LineEffect {
   }
 };
 
-/// Anchored at the height of the base, or as far above the platform.
 std::vector<std::vector<double>> OneSidedSpring::shapes(const EffectInput& input, int actuator) const {
-  double height_m = 0.0;
-  for (const mechanism::Motion& m : input.observation->motion.motion)
-    height_m += m.pose[1] / input.samples();
   std::vector<std::vector<double>> grid;
-  for (const Anchors& a : crossOfAnchors(*input.robot)) {
-    for (const double z : {0.0, 2.0 * height_m}) {
-      std::vector<double> shape = {a.base_m.x(),    a.base_m.y(), a.platform_m.x(), a.platform_m.y(), z, 0.0, 1.0,
-                                   kUsualLossWay_m, 1.0};
-      const Line line = lineBetween(input, std::max(0, actuator), anchors(shape));
-      std::vector<double> lengths_m(line.length_m.data(), line.length_m.data() + line.length_m.size());
-      std::sort(lengths_m.begin(), lengths_m.end());
-      for (const double share : kFreeShares) {
-        shape[kActsFrom] = lengths_m[static_cast<std::size_t>(share * static_cast<double>(lengths_m.size() - 1))];
-        for (const double side : {1.0, -1.0}) {
-          shape[kSideOfAction] = side;
-          if (side > 0.0 || z == 0.0) grid.push_back(shape);
-        }
+  for (std::vector<double> shape : anchorsToTry(input)) {
+    shape.insert(shape.end(), {0.0, 1.0, kUsualLossWay_m, 1.0});
+    const Line line = lineBetween(input, std::max(0, actuator), anchors(shape));
+    std::vector<double> lengths_m(line.length_m.data(), line.length_m.data() + line.length_m.size());
+    std::sort(lengths_m.begin(), lengths_m.end());
+    for (const double share : kFreeShares) {
+      shape[kActsFrom] = lengths_m[static_cast<std::size_t>(share * static_cast<double>(lengths_m.size() - 1))];
+      for (const double side : {1.0, -1.0}) {
+        shape[kSideOfAction] = side;
+        if (side > 0.0 || shape[kBaseZ] == 0.0) grid.push_back(shape);
       }
     }
   }

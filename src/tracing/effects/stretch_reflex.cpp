@@ -7,7 +7,7 @@ namespace knee_robot::tracing {
 namespace {
 
 /// Places in the shape, after the anchors.
-enum ReflexShape : std::size_t { kHipZ = 4, kReflexThreshold, kReflexDelay, kReflexDecay, kReflexStretch };
+enum ReflexShape : std::size_t { kReflexThreshold = 5, kReflexDelay, kReflexDecay, kReflexStretch };
 constexpr double kLeastThreshold = 0.005, kMostThreshold = 0.2;    ///< thresholds, m/s
 constexpr double kSoonestReflex_s = 0.005, kLatestReflex_s = 0.2;  ///< delays: of a knee some 20 to 60 ms
 constexpr double kBriefestReflex_s = 0.05, kLongestReflex_s = 5.0;
@@ -20,7 +20,7 @@ constexpr double kHipStep_m = 0.4, kReflexFactor = 1.6;  ///< of refinement
 /// (hip) and one of the platform (shank), and lets go slowly. Slow motions and shortening ones do not call it. Activation
 /// a: da/dt = (1 - a) max(0, rate - threshold) / stretch - a / decay, the rate seen late (Lance's catch of a spastic
 /// muscle).
-class StretchReflex : public LineEffect {
+class StretchReflex : public RaisedLineEffect {
  public:
   std::string name() const override { return "stretch_reflex"; }
   bool needsTwoRecordings() const override { return true; }
@@ -29,8 +29,7 @@ class StretchReflex : public LineEffect {
            "spastic catch), and lets go slowly.";
   }
   std::vector<ShapeParameter> shapeParameters() const override {
-    std::vector<ShapeParameter> out = LineEffect::shapeParameters();
-    out.push_back({"base_z_m", -3.0, 3.0});
+    std::vector<ShapeParameter> out = RaisedLineEffect::shapeParameters();
     out.push_back({"threshold_m_per_s", kLeastThreshold, kMostThreshold});
     out.push_back({"delay_s", kSoonestReflex_s, kLatestReflex_s});
     out.push_back({"decay_s", kBriefestReflex_s, kLongestReflex_s});
@@ -42,11 +41,6 @@ class StretchReflex : public LineEffect {
   std::vector<Coefficient> coefficients(const EffectInput&) const override { return {{"pull_N", true}}; }
 
  protected:
-  Anchors anchors(const std::vector<double>& shape) const override {
-    Anchors both = LineEffect::anchors(shape);
-    both.base_m.z() = shape[kHipZ];
-    return both;
-  }
   Eigen::MatrixXd resistance(const Line& line, const std::vector<double>& shape) const override {
     const Eigen::VectorXd& rate = line.rate_m_per_s;
     const double late = shape[kReflexDelay] / line.period_s, keeps = line.period_s / shape[kReflexDecay];
@@ -65,18 +59,13 @@ class StretchReflex : public LineEffect {
   }
 };
 
-/// Tied below the platform, or as far above it.
-std::vector<std::vector<double>> StretchReflex::shapes(const EffectInput& input, int actuator) const {
-  (void)actuator;
-  double height_m = 0.0;
-  for (const mechanism::Motion& m : input.observation->motion.motion)
-    height_m += m.pose[1] / input.samples();
+std::vector<std::vector<double>> StretchReflex::shapes(const EffectInput& input, int) const {
   std::vector<std::vector<double>> grid;
-  for (const Anchors& a : crossOfAnchors(*input.robot)) {
-    for (const double z : {0.0, 2.0 * height_m}) {
-      for (const double threshold : kThresholdsTried)
-        grid.push_back({a.base_m.x(), a.base_m.y(), a.platform_m.x(), a.platform_m.y(), z, threshold, kUsualDelay_s,
-                        kUsualDecay_s, kUsualStretch_m});
+  for (std::vector<double> shape : anchorsToTry(input)) {
+    shape.insert(shape.end(), {0.0, kUsualDelay_s, kUsualDecay_s, kUsualStretch_m});
+    for (const double threshold : kThresholdsTried) {
+      shape[kReflexThreshold] = threshold;
+      grid.push_back(shape);
     }
   }
   return grid;
@@ -87,7 +76,7 @@ std::vector<std::vector<double>> StretchReflex::near(const std::vector<double>& 
   const std::vector<ShapeParameter> limits = shapeParameters();
   for (const double sign : {-1.0, 1.0}) {
     out.push_back(shape);
-    out.back()[kHipZ] += sign * step * kHipStep_m;
+    out.back()[kBaseZ] += sign * step * kHipStep_m;
     for (std::size_t k = kReflexThreshold; k <= kReflexStretch; ++k) {
       out.push_back(shape);
       out.back()[k] = std::clamp(shape[k] * std::pow(kReflexFactor, sign * step), limits[k].low, limits[k].high);

@@ -114,6 +114,30 @@ Eigen::MatrixXd LineEffect::columns(const EffectInput& input, int actuator, cons
   return line.lever.asDiagonal() * resistance(line, shape);
 }
 
+std::vector<ShapeParameter> RaisedLineEffect::shapeParameters() const {
+  std::vector<ShapeParameter> out = LineEffect::shapeParameters();
+  out.push_back({"base_z_m", -3.0, 3.0});
+  return out;
+}
+
+Anchors RaisedLineEffect::anchors(const std::vector<double>& shape) const {
+  Anchors both = LineEffect::anchors(shape);
+  both.base_m.z() = shape[kBaseZ];
+  return both;
+}
+
+std::vector<std::vector<double>> RaisedLineEffect::anchorsToTry(const EffectInput& input) {
+  double height_m = 0.0;
+  for (const mechanism::Motion& m : input.observation->motion.motion)
+    height_m += m.pose[1] / input.samples();
+  std::vector<std::vector<double>> out;
+  for (const Anchors& a : crossOfAnchors(*input.robot)) {
+    for (const double z : {0.0, 2.0 * height_m})
+      out.push_back({a.base_m.x(), a.base_m.y(), a.platform_m.x(), a.platform_m.y(), z});
+  }
+  return out;
+}
+
 std::vector<ShapeParameter> LineDamper::shapeParameters() const {
   std::vector<ShapeParameter> out = LineEffect::shapeParameters();
   out.push_back({"exponent", kLowest, kHighest});

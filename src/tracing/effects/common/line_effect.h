@@ -42,6 +42,19 @@ class LineEffect : public Candidate {
   virtual Eigen::MatrixXd resistance(const Line& line, const std::vector<double>& shape) const = 0;
 };
 
+/// One that may be tied at any height of the base, the fifth shape parameter: where it acts only beyond a length, the
+/// height is more than a change of that.
+class RaisedLineEffect : public LineEffect {
+ public:
+  std::vector<ShapeParameter> shapeParameters() const override;
+
+ protected:
+  static constexpr std::size_t kBaseZ = 4;  ///< in the shape
+  Anchors anchors(const std::vector<double>& shape) const override;
+  /// Beginnings of shapes to search from: at the height of the base, or as far above the platform.
+  static std::vector<std::vector<double>> anchorsToTry(const EffectInput& input);
+};
+
 /// A damper: what it resists with follows a power of the rate, the fifth shape parameter.
 class LineDamper : public LineEffect {
  public:
