@@ -2,6 +2,7 @@
 const ANSWER_MS = 45000;
 let token = "";
 export function setToken(value) { token = value; }
+let seen = 0;  // the server's stamp of the newest state that this page has shown
 
 // The server's object; {success: false, message} when the server refuses or cannot be reached. Never throws.
 export async function request(path, body) {
@@ -11,7 +12,7 @@ export async function request(path, body) {
     const options = { signal: control.signal, credentials: "same-origin", cache: "no-store" };
     if (body !== undefined) {
       options.method = "POST";
-      options.headers = { "Content-Type": "application/json", "X-CSRF-Token": token };
+      options.headers = { "Content-Type": "application/json", "X-CSRF-Token": token, "X-Seen": String(seen) };
       options.body = JSON.stringify(body);
     }
     const answer = await fetch(path, options);
@@ -50,6 +51,7 @@ export function listen(handlers, onLost) {
       heard = performance.now();
       tell(false);
       const message = JSON.parse(event.data);
+      if (message.type === "state") seen = message.content.seen;
       if (handlers[message.type]) handlers[message.type](message.content);
     };
     socket.onclose = () => setTimeout(connect, 700);

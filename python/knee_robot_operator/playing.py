@@ -8,6 +8,7 @@ SLOWEST_PERCENT, FASTEST_PERCENT = 5.0, 100.0
 MOST_REPETITIONS = 100
 _LOOK_S = 0.1
 _WIND_UP_S = 5.0
+_SET_S = 1.5  # states on their way say the speed of before
 
 
 class Playing:
@@ -16,8 +17,9 @@ class Playing:
     Nothing is ever queued: a request that the robot cannot follow now is refused with the reason. Every STOP raises `stops`, and whatever
     was begun before looks at it after each wait: nothing moves by a Start that is older than the last STOP."""
 
-    def __init__(self, robot, journal):
-        self._robot, self._journal = robot, journal
+    def __init__(self, robot, journal, on_stop=lambda: None):
+        """`on_stop()`: called at every STOP."""
+        self._robot, self._journal, self._on_stop = robot, journal, on_stop
         self.stops = 0
         self._pause_asked = False
         self._task = None
@@ -27,6 +29,7 @@ class Playing:
         self.succeeded = False
         self.recordings = []  # names, of the last start
         self.speed_percent = FASTEST_PERCENT
+        self._speed_set = -_SET_S
 
     @property
     def active(self):
@@ -72,6 +75,7 @@ class Playing:
     async def stop(self):
         """To be called before the robot is asked to stop. Never waits."""
         self.stops += 1
+        self._on_stop()
         self.ending = True
         self._robot.cancel_play()
 
@@ -89,8 +93,14 @@ class Playing:
         self._pause_asked = True
         return await self._robot.ask("pause")
 
+    def set_speed(self, percent):
+        """The robot has been given this speed."""
+        self.speed_percent, self._speed_set = percent, time.monotonic()
+
     def look(self, state):
-        """At every state of the robot."""
+        """At every state of the robot. Whoever else has slowed it down goes on being obeyed, and after a restart of this server, too."""
+        if time.monotonic() - self._speed_set >= _SET_S:
+            self.speed_percent = min(FASTEST_PERCENT, max(SLOWEST_PERCENT, state["speed_percent"]))
         if state["state"] == "paused":
             self._pause_asked = False  # the robot has it; who continues continues the repetition
 

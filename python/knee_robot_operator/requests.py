@@ -14,6 +14,7 @@ PLAIN = {"enable": "operate", "disable": "operate", "approach": "operate", "paus
          "emergency_stop": "look", "reset_faults": "operate", "home": "operate", "confirm_home": "operate",
          "clear_patient": "operate", "declare_empty": "operate"}
 MOTIONS = ("approach", "resume", "home")
+AT_ANY_TIME = ("disable", "pause", "emergency_stop")  # however old the page is that asks for it
 # Reports come from recordings, and recordings from anywhere. A report's page draws itself by scripts: in an origin of its own, without this
 # page's session, requests, forms, frames or windows. In every other file no script is executed.
 _SANDBOX = "sandbox; default-src 'none'; style-src 'unsafe-inline'; img-src data:"
@@ -54,10 +55,15 @@ class Requests:
     def _plain(self, name):
         async def handler(request, session):
             await fields(request)
+            if name not in AT_ANY_TIME and (why := self._server.freshness.objection(request)):
+                return self._refused(request, session, name.replace("_", " "), why)
             if name in ("emergency_stop", "disable"):
                 await self._server.playing.stop()
             return self._server.note(request, session, name.replace("_", " "), await self._in_time(name, self._asked(name)))
         return handler
+
+    def _refused(self, request, session, what, why):
+        return self._server.note(request, session, what, Answer(False, why))
 
     def _asked(self, name):
         playing = self._server.playing
@@ -79,6 +85,8 @@ class Requests:
         asked = await fields(request, repetitions=int, record=bool)
         if not 1 <= asked["repetitions"] <= MOST_REPETITIONS:
             raise Refused(400, f"the exercise can be repeated 1 to {MOST_REPETITIONS} times")
+        if why := self._server.freshness.objection(request):
+            return self._refused(request, session, "start", why)
         answer = await self._server.playing.start(asked["repetitions"], asked["record"])
         return self._server.note(request, session, "start, once" if asked["repetitions"] == 1 else f"start, {asked['repetitions']} times", answer)
 
@@ -86,14 +94,18 @@ class Requests:
         percent = (await fields(request, percent=float))["percent"]
         if not SLOWEST_PERCENT <= percent <= FASTEST_PERCENT:
             raise Refused(400, f"the speed lies between {SLOWEST_PERCENT:g} and {FASTEST_PERCENT:g} %")
+        if percent > self._server.playing.speed_percent and (why := self._server.freshness.objection(request)):
+            return self._refused(request, session, f"speed {percent:g} %", why)
         answer = await self._ask("set_speed", percent=percent)
         if answer.success:
-            self._server.playing.speed_percent = percent
+            self._server.playing.set_speed(percent)
         return self._server.note(request, session, f"speed {percent:g} %", answer)
 
     async def load(self, request, session):
         name = (await fields(request, file=str))["file"]
         self._server.references.existing(name)
+        if why := self._server.freshness.objection(request):
+            return self._refused(request, session, f"load {name}", why)
         if self._server.playing.active:
             return self._server.note(request, session, f"load {name}", Answer(False, "an exercise is being played; stop it first"))
         return self._server.note(request, session, f"load {name}", await self._ask("load_reference", file=name, space=""))
@@ -101,6 +113,8 @@ class Requests:
     async def patient(self, request, session):
         name = (await fields(request, file=str))["file"]
         self._server.patients.existing(name)
+        if why := self._server.freshness.objection(request):
+            return self._refused(request, session, f"patient file {name}", why)
         return self._server.note(request, session, f"patient file {name}", await self._ask("load_patient", file=name))
 
     async def exercises(self, _request, _session):

@@ -13,6 +13,7 @@ from .controller_events import in_words
 from .answer import Answer, Refused
 from .exercises import Exercises
 from .folders import Folder, ReportFolders
+from .freshness import Freshness
 from .guard import COOKIE, LARGEST_BODY, fields, guarded, needs, session_of
 from .journal import Journal
 from .live import Live, LostPage
@@ -49,7 +50,8 @@ class Server:
         self.sessions, self.login_limit = Sessions(), LoginLimit()
         self.audit = Journal(pathlib.Path(settings.log) / "audit.jsonl")
         self.events = Journal(pathlib.Path(settings.log) / "events.jsonl")
-        self.playing = Playing(robot, self.events)
+        self.freshness = Freshness()
+        self.playing = Playing(robot, self.events, self.freshness.stop)
         self.stopping = Stopping(robot, self.playing, self.events)
         self.references = Folder(settings.references, (".txt", ".ref", ".dat", ".csv"), any_name=True)
         self.patients = Folder(settings.patients, (".yaml", ".yml"), any_name=True)
@@ -65,7 +67,7 @@ class Server:
 
     def snapshot(self):
         state = self.robot.state
-        return {"robot": state, "playing": self.playing.as_dict(),
+        return {"seen": self.freshness.now(), "robot": state, "playing": self.playing.as_dict(),
                 "job": self.jobs.as_dict()}
 
     def on_state(self, state):

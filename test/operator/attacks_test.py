@@ -24,6 +24,35 @@ STOP = b"POST /api/stop HTTP/1.1\r\nHost: 127.0.0.1\r\n"
 
 
 class CrossSiteRequests(PageTest):
+    async def test_what_was_pressed_on_a_page_before_a_stop_or_long_ago_moves_nothing_when_it_arrives(self):
+        """A phone that sleeps sends its Start when it wakes up; meanwhile somebody else has pressed STOP on the tablet."""
+        moving = [(f"/api/robot/{name}", {}) for name in ("enable", "approach", "resume", "home", "declare_empty", "clear_patient")]
+        moving += [("/api/robot/start", {"repetitions": 1, "record": False}), ("/api/robot/load", {"file": "lift.txt"}),
+                   ("/api/robot/speed", {"percent": 100})]
+        for why in ("stopped", "not heard"):
+            async with Rig() as rig, rig.browser() as phone, rig.browser() as tablet:
+                rig.server.playing.set_speed(20.0)
+                shown = rig.server.snapshot()["seen"]
+                if why == "stopped":
+                    await asyncio.sleep(0.01)
+                    await tablet.post("/api/stop")
+                else:
+                    shown -= 3.1
+                asked = len(rig.robot.asked)
+                for path, body in moving:
+                    _, answer = await phone.post(path, body, headers={"X-Seen": str(shown)})
+                    self.assertFalse(answer["success"], path)
+                    self.assertIn(why, answer["message"], path)
+                self.assertEqual((asked, 0), (len(rig.robot.asked), rig.robot.goals))
+                for path, body in (("/api/robot/pause", {}), ("/api/robot/speed", {"percent": 10}), ("/api/robot/disable", {})):
+                    self.assertTrue((await phone.post(path, body, headers={"X-Seen": str(shown)}))[1]["success"], path)
+                await asyncio.sleep(0.01)
+                fresh = {"X-Seen": str(rig.server.snapshot()["seen"])}
+                self.assertTrue((await phone.post("/api/robot/start", {"repetitions": 1, "record": False}, headers=fresh))[1]["success"])
+            for stamp in ("nan", "inf", "-1", "x", "1e9"):
+                async with Rig() as rig, rig.browser() as phone:
+                    self.assertFalse((await phone.post("/api/robot/enable", headers={"X-Seen": stamp}))[1]["success"], stamp)
+
     async def test_orders_need_the_pages_token(self):
         async with Rig() as rig, rig.browser() as browser:
             for token in ("", "x" * 43, browser.token[:-1], browser.token + "ä"):

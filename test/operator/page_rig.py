@@ -35,6 +35,7 @@ class ToyRobot:
         self.asked = []            # (service, fields) in the order of arrival
         self.answers = {}          # service: Answer, or an exception, or seconds of silence
         self.goals, self.cancelled = 0, 0
+        self.speeds = []           # of the goals
         self.here = True           # at the exercise's start
         self.arrived = False       # by an approach
         self._listeners, self._log_listeners, self._event_listeners = [], [], []
@@ -94,6 +95,8 @@ class ToyRobot:
             asyncio.get_running_loop().call_later(self.stop_s, self._rest)
         if service == "load_reference":
             self._state["reference_file"] = fields["file"]
+        if service == "set_speed":
+            self._state["speed_percent"] = fields["percent"]
         if service == "emergency_stop":
             self.become("safe_stopping")
         if service == "approach":
@@ -112,6 +115,7 @@ class ToyRobot:
 
     async def play(self, speed_percent, recording, on_begin):
         self.goals += 1
+        self.speeds.append(speed_percent)
         if self._state["state"] != "holding" or not self.here:
             return Answer(False, f"not possible while the robot is {self._state['state']}")
         self.become("playing", playing="lift.txt")

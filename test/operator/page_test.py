@@ -34,6 +34,22 @@ class Playing(PageTest):
             self.assertEqual(3, rig.robot.goals)
             self.assertEqual([f"_{k}.csv" for k in (1, 2, 3)], [name[-6:] for name in rig.server.playing.recordings])
 
+    async def test_the_speed_that_others_have_set_is_shown_and_kept(self):
+        robot = ToyRobot(play_s=0.1)
+        async with Rig(robot) as rig, rig.browser() as browser:
+            robot.become("holding", speed_percent=20.0)  # by another client, or before this server began
+            self.assertEqual(20.0, rig.server.snapshot()["playing"]["speed_percent"])
+            await self.start(browser, repetitions=2)
+            await until(lambda: not rig.server.playing.active)
+            self.assertEqual([20.0, 20.0], robot.speeds)
+            await browser.post("/api/robot/speed", {"percent": 50})
+            robot.become("holding", speed_percent=20.0)  # was on its way
+            await self.start(browser)
+            self.assertEqual([20.0, 20.0, 50.0], robot.speeds)
+            rig.server.playing._speed_set -= 2.0
+            robot.become("holding", speed_percent=0.0)  # 0 means 100 to a goal
+            self.assertEqual(5.0, rig.server.playing.speed_percent)
+
     async def test_start_away_from_the_start_is_refused_and_nothing_is_recorded(self):
         robot = ToyRobot()
         robot.here = False
