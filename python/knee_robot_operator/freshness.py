@@ -10,7 +10,7 @@ class Freshness:
     """A phone that sleeps or has lost its network sends what was pressed when it wakes up; by then somebody else may have stopped the robot."""
 
     def __init__(self, clock=time.monotonic):
-        self._clock, self._begin, self._stopped = clock, clock(), -1.0
+        self._clock, self._begin, self._stopped, self._changed = clock, clock(), -1.0, -1.0
 
     def now(self):
         """Seconds, the stamp of a state."""
@@ -18,6 +18,10 @@ class Freshness:
 
     def stop(self):
         self._stopped = self.now()
+
+    def change(self):
+        """Another exercise or patient."""
+        self._changed = self.now()
 
     def objection(self, request):
         """Why this request may move nothing and change nobody's limits any more; empty: it may. Programs that are no pages send no stamp."""
@@ -30,4 +34,6 @@ class Freshness:
         # Written so that what is not a number counts as old.
         if not 0.0 <= self.now() - seen <= OLDEST_S:
             return "this was asked for by a page that had not heard from the robot for a while; look at the robot, then ask again"
-        return "the robot was stopped since this was asked for; look at the robot, then ask again" if seen <= self._stopped else ""
+        if seen <= self._stopped:
+            return "the robot was stopped since this was asked for; look at the robot, then ask again"
+        return "exercise or patient was changed since this was asked for; look at the page, then ask again" if seen <= self._changed else ""

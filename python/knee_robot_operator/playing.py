@@ -116,12 +116,13 @@ class Playing:
 
         answer = Answer(False, "stopped before it began")
         try:
-            stem = self._robot.state["reference_file"].rsplit("/", 1)[-1].rsplit(".", 1)[0]
+            exercise = self._robot.state["reference_file"]
+            stem = exercise.rsplit("/", 1)[-1].rsplit(".", 1)[0]
             stamp = time.strftime("%Y-%m-%d_%H-%M-%S")
             for k in range(1, self.repetitions + 1):
                 self.repetition = k
                 if k > 1:
-                    answer = await self._return_to_start(stops)
+                    answer = await self._return_to_start(stops, exercise)
                     if not answer.success:
                         break
                 if stops != self.stops:
@@ -147,11 +148,13 @@ class Playing:
                 begun.set_result(answer)
             self._journal.add("page", answer.message)
 
-    async def _return_to_start(self, stops):
+    async def _return_to_start(self, stops, exercise):
         """Where the exercise does not end where it begins: slowly and straight to its first point."""
         state = await self._robot.fresh_state()
         if state is None:
             return Answer(False, "the controller does not answer")
+        if state["reference_file"] != exercise:
+            return Answer(False, f"somebody else has loaded {state['reference_file']} in place of {exercise} meanwhile")
         if state["at_start"]:
             return Answer(True, "")
         answer = await self.ask_motion("approach", stops)

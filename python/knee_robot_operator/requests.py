@@ -108,14 +108,18 @@ class Requests:
             return self._refused(request, session, f"load {name}", why)
         if self._server.playing.active:
             return self._server.note(request, session, f"load {name}", Answer(False, "an exercise is being played; stop it first"))
-        return self._server.note(request, session, f"load {name}", await self._ask("load_reference", file=name, space=""))
+        answer = await self._ask("load_reference", file=name, space="")
+        self._server.freshness.change()
+        return self._server.note(request, session, f"load {name}", answer)
 
     async def patient(self, request, session):
         name = (await fields(request, file=str))["file"]
         self._server.patients.existing(name)
         if why := self._server.freshness.objection(request):
             return self._refused(request, session, f"patient file {name}", why)
-        return self._server.note(request, session, f"patient file {name}", await self._ask("load_patient", file=name))
+        answer = await self._ask("load_patient", file=name)
+        self._server.freshness.change()
+        return self._server.note(request, session, f"patient file {name}", answer)
 
     async def exercises(self, _request, _session):
         return web.json_response({"exercises": await asyncio.to_thread(self._server.references.entries)})

@@ -50,6 +50,24 @@ class Playing(PageTest):
             robot.become("holding", speed_percent=0.0)  # 0 means 100 to a goal
             self.assertEqual(5.0, rig.server.playing.speed_percent)
 
+    async def test_another_exercise_that_somebody_else_loads_is_not_played_as_the_next_repetition(self):
+        robot = ToyRobot(play_s=0.1)
+        async with Rig(robot) as rig, rig.browser() as browser:
+            await self.start(browser, repetitions=3)
+            robot._state["reference_file"] = "other.txt"
+            await until(lambda: not rig.server.playing.active)
+            self.assertEqual(1, robot.goals)
+            self.assertEqual("somebody else has loaded other.txt in place of lift.txt meanwhile", rig.server.playing.message)
+
+    async def test_a_start_of_a_page_that_does_not_show_yet_what_another_has_loaded_is_refused(self):
+        async with Rig() as rig, rig.browser() as one, rig.browser() as other:
+            shown = rig.server.snapshot()["seen"]
+            await asyncio.sleep(0.01)
+            await other.post("/api/robot/load", {"file": "lift.txt"})
+            _, answer = await one.post("/api/robot/start", START, headers={"X-Seen": str(shown)})
+            self.assertFalse(answer["success"])
+            self.assertIn("changed", answer["message"])
+
     async def test_start_away_from_the_start_is_refused_and_nothing_is_recorded(self):
         robot = ToyRobot()
         robot.here = False
