@@ -11,13 +11,13 @@ void HomingMove::begin(const HomingAxis& axis, bool on_switch, double position_m
   phase_ = HomingPhase::Searching;
   start_m_ = reference_m_ = found_m_ = position_m;
   velocity_ = 0.0;
-  time_s_ = standing_s_ = 0.0;
+  time_s_ = standing_s_ = waited_s_ = 0.0;
 }
 
 HomingMove::Output HomingMove::step(double measured_m, double velocity, bool switch_on, double dt,
                                     double full_force_N) noexcept {
   if (phase_ == HomingPhase::Searching) search(measured_m, velocity, switch_on, dt);
-  if (phase_ == HomingPhase::BackingOff) backOff(dt);
+  if (phase_ == HomingPhase::BackingOff) backOff(measured_m, dt);
   const bool gentle = phase_ == HomingPhase::Searching;
   return {reference_m_, velocity_, gentle ? std::min(axis_.force_N, full_force_N) : full_force_N};
 }
@@ -53,7 +53,8 @@ void HomingMove::abandon() noexcept {
   velocity_ = 0.0;
 }
 
-void HomingMove::backOff(double dt) noexcept {
+/// An axis that cannot move, or whose encoder does not count, stands as one does at its stop; but it does not come back.
+void HomingMove::backOff(double measured_m, double dt) noexcept {
   const double target = found_m_ - axis_.direction * axis_.back_off_m;
   velocity_ = -axis_.direction * axis_.speed_m_per_s;
   reference_m_ += velocity_ * dt;
@@ -61,7 +62,12 @@ void HomingMove::backOff(double dt) noexcept {
   if (!there) return;
   reference_m_ = target;
   velocity_ = 0.0;
-  phase_ = HomingPhase::Found;
+  waited_s_ += dt;
+  const double back_m = axis_.direction * (found_m_ - measured_m);
+  if (back_m >= 0.5 * axis_.back_off_m)
+    phase_ = HomingPhase::Found;
+  else if (!(waited_s_ < kComesBack_s))
+    phase_ = HomingPhase::Failed;
 }
 
 }  // namespace knee_robot::control

@@ -169,6 +169,24 @@ TEST_P(HomingMoves, GiveUpWhenThereIsNothingToBeFound) {
   EXPECT_FALSE(rig.system.enable().ok) << "still not homed";
 }
 
+TEST_P(HomingMoves, FindNoHomeWhereAnAxisIsBlockedOrItsEncoderIsDead) {
+  for (const std::size_t axis : {3u, 0u}) {
+    for (const bool blind : {false, true}) {
+      HardwareFile file = hardware();
+      for (HomingAxis& one : file.homing.axes)
+        one.back_off_m = HomingMove::kLeastBackOff_m;
+      Rig rig(file);
+      prepare(rig);
+      ASSERT_TRUE(rig.system.start().ok);
+      ASSERT_TRUE(rig.system.home().ok);
+      ASSERT_TRUE(rig.system.waitFor(MachineState::Homing, 2.0));
+      (blind ? rig.machine.axes[axis].encoder_frozen : rig.machine.axes[axis].jammed) = true;
+      EXPECT_TRUE(rig.system.waitFor(MachineState::Faulted, 60.0)) << axis + 1 << (blind ? " blind" : " blocked");
+      EXPECT_FALSE(rig.system.status().homed) << axis + 1 << (blind ? " blind" : " blocked");
+    }
+  }
+}
+
 TEST_P(HomingMoves, AreEndedByStopWithoutHavingFoundAnything) {
   Rig rig(hardware());
   prepare(rig);

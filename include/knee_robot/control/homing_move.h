@@ -18,8 +18,8 @@ struct HomingAxis {
 ///
 ///     Searching   the reference runs at constant speed, never more than kLead ahead of the axis
 ///     BackingOff  home was found; the reference goes back by back_off_m, with the full force again
-///     Found       holds there
-///     Failed      travel_m or twice its time is over
+///     Found       the axis has come back; it holds there
+///     Failed      travel_m or twice its time is over, or the axis does not come back
 ///
 /// A hard stop is where the axis stands for kContact although the reference is kLead ahead: the force is then what
 /// kLead and the force limit let through. Pure, real-time safe.
@@ -27,6 +27,8 @@ class HomingMove {
  public:
   static constexpr double kLead_m = 0.0015;
   static constexpr double kContact_s = 0.1;
+  static constexpr double kComesBack_s = 0.3;       ///< after the reference, which it follows within some hundredths
+  static constexpr double kLeastBackOff_m = 0.002;  ///< from a hard stop: farther than axes give way
 
   /// What the Driver does in this cycle instead of following Sync.
   struct Output {
@@ -46,13 +48,13 @@ class HomingMove {
 
  private:
   void search(double measured_m, double velocity, bool switch_on, double dt) noexcept;
-  void backOff(double dt) noexcept;
+  void backOff(double measured_m, double dt) noexcept;
 
   HomingAxis axis_;
   bool on_switch_ = false;
   HomingPhase phase_ = HomingPhase::Idle;
   double start_m_ = 0.0, reference_m_ = 0.0, velocity_ = 0.0, found_m_ = 0.0;
-  double time_s_ = 0.0, standing_s_ = 0.0;
+  double time_s_ = 0.0, standing_s_ = 0.0, waited_s_ = 0.0;
 };
 
 }  // namespace knee_robot::control
