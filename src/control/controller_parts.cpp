@@ -6,6 +6,7 @@
 #include "knee_robot/base/errors.h"
 #include "knee_robot/base/numbers.h"
 #include "knee_robot/control/component_types.h"
+#include "wide_limits.h"
 
 namespace knee_robot::control {
 namespace {
@@ -101,6 +102,8 @@ PatientChecklist ControllerParts::checklist() const {
   list.acceleration_factor = machine.monitors->acceleration_factor;
   list.asks_encoders = std::all_of(machine.drivers.begin(), machine.drivers.end(),
                                    [](const Driver* driver) { return driver->probe_period > 0.0; });
+  list.opened_wide = limitsOpenedWide(machine);
+  list.strange_weights = feedforward.strangeWeights();
   return list;
 }
 

@@ -1,5 +1,7 @@
 #include "feedforward_setup.h"
 
+#include <cmath>
+
 #include "delay_margin.h"
 #include "knee_robot/base/errors.h"
 #include "knee_robot/base/numbers.h"
@@ -7,6 +9,24 @@
 
 namespace knee_robot::control {
 namespace {
+
+/// Beside the URDF's weight: twice it is a wrong model, the rest what offsets of drives and an orthosis may be.
+constexpr double kStrangeShare = 1.0, kStrange_N = 60.0;
+
+/// On each axis at home, at rest; nothing where home has no pose.
+std::optional<mechanism::Vector4> weightsAtHome(const dynamics::PartedModel& model, const mechanism::Robot& robot) {
+  mechanism::Lengths home;
+  for (Eigen::Index i = 0; i < home.size(); ++i)
+    home[i] = robot.actuators[static_cast<std::size_t>(i)].home_length_m;
+  const mechanism::ForwardResult found = mechanism::forwardKinematicsFromHome(*robot.mechanism, home);
+  if (!found.ok()) return std::nullopt;
+  dynamics::ForcePartsData data;
+  dynamics::ForceParts parts;
+  dynamics::WantedInstant rests;
+  rests.position_m = home;
+  const bool known = dynamics::forceParts(model, found.pose, rests, data, parts) && parts.allFinite();
+  return known ? std::optional<mechanism::Vector4>(parts.gravity) : std::nullopt;
+}
 
 /// What the axis moves at home while the others hold; nothing where home has no pose.
 std::optional<double> massOf(const dynamics::PartedModel& model, const mechanism::Robot& robot, Eigen::Index axis) {
@@ -42,6 +62,7 @@ FeedforwardSetup::FeedforwardSetup(const rt::Deployment& deployment, const Machi
   feedforward->loadModel();
   readDelays(robot);
   checkDelays();
+  compareWeights(robot);
   const std::string& path = feedforward->model.value();
   if (HandGuide* const guide = machine_.guide) {
     if (guide->model.value().empty()) guide->model.set(path);
@@ -85,6 +106,20 @@ void FeedforwardSetup::readDelays(const mechanism::Robot& robot) {
     const std::optional<double> mass = massOf(model, robot, axis);
     const double viscous = std::max(0.0, model.parameters[dynamics::extended::kViscous + axis]);
     if (mass) late_.push_back({effect.actuators.front(), effect.coefficients.front().value, *mass, viscous});
+  }
+}
+
+/// The brakes open with the model's weight on the drives: what it is wrong by throws the platform up or lets it fall.
+void FeedforwardSetup::compareWeights(const mechanism::Robot& robot) {
+  const std::string& path = machine_.feedforward->model.value();
+  if (path.empty() || !robot.mechanism || robot.urdf.empty()) return;
+  const auto said = weightsAtHome(dynamics::PartedModel(dynamics::loadModel(path), robot), robot);
+  const auto known = weightsAtHome(dynamics::PartedModel(robot, dynamics::loadRobotInertia(robot)), robot);
+  for (Eigen::Index i = 0; said && known && i < said->size() && strange_weights_.empty(); ++i) {
+    if (std::abs((*said)[i] - (*known)[i]) <= kStrangeShare * std::abs((*known)[i]) + kStrange_N) continue;
+    strange_weights_ = path + " gives axis " + std::to_string(i + 1) + " " + shortNumber((*said)[i], 3) +
+                       " N to carry at home, the URDF's weights are " + shortNumber((*known)[i], 3) +
+                       " N: the platform would jump when the brakes open (identify the model anew)";
   }
 }
 

@@ -27,6 +27,8 @@ class FeedforwardSetup {
   std::string whyUnstable(const Driver& driver, const std::string& changed = "", double value = 0.0) const;
   /// Where the forces come from, for the operator.
   std::string source() const;
+  /// Where the identified model carries another weight than the URDF's at home, by far: a sentence, or empty.
+  const std::string& strangeWeights() const { return strange_weights_; }
   /// An identified model tells what nobody commanded.
   bool monitorsForces() const;
 
@@ -40,10 +42,12 @@ class FeedforwardSetup {
   void checkLaw() const;
   void readDelays(const mechanism::Robot& robot);
   void checkDelays() const;
+  void compareWeights(const mechanism::Robot& robot);
 
   const rt::Deployment& deployment_;
   const MachineComponents& machine_;
   std::vector<LateAxis> late_;
+  std::string strange_weights_;
 };
 
 }  // namespace knee_robot::control

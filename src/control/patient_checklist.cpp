@@ -1,6 +1,7 @@
 #include "patient_checklist.h"
 
 #include "knee_robot/base/numbers.h"
+#include "knee_robot/base/words.h"
 
 namespace knee_robot::control {
 namespace {
@@ -52,6 +53,8 @@ std::string PatientChecklist::obstacles() const {
       "move the other's leg");
   require(asks_encoders,
           "a Driver never tests whether its encoder counts (deployment: probe_s 0, as for commissioning)");
+  require(opened_wide.empty(), "the deployment opens limits wide: " + joined(opened_wide));
+  require(strange_weights.empty(), strange_weights);
   return all;
 }
 

@@ -25,6 +25,8 @@ struct PatientChecklist {
   double singularity_condition_max = 0.0;  ///< of dq/dx
   double acceleration_factor = 0.0;        ///< of the acceleration monitor
   bool asks_encoders = false;              ///< every Driver asks its encoder whether it counts
+  std::vector<std::string> opened_wide;    ///< limits of the deployment (limitsOpenedWide)
+  std::string strange_weights;             ///< in which the model differs from the URDF (FeedforwardSetup)
 
   /// The facts that a robot and a hardware file know.
   PatientChecklist(const mechanism::Robot& robot, const HardwareFile& hardware);

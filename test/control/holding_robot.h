@@ -32,6 +32,8 @@ struct Truth {
   double coulomb_4_N = 0.0;             // instead of the simulation file's
   bool carried = false;                 // by a crane: nothing weighs
   std::uint8_t dead = 0, reversed = 0;  // masks of drives, from the start on
+  std::uint8_t blind = 0;               // of encoders
+  double weights = 1.0;                 // of the model's links, times the true ones
   const char* deployment = "config/deployment/simulation.yaml";
 };
 
@@ -65,6 +67,8 @@ struct HoldingRobot {
       dynamics::Model model = fake::modelOf(robot, 150.0, 15.0, 60.0);
       for (std::size_t i = 0; i < 4; ++i)
         model.parameters[dynamics::extended::kRotor + i].value = 5.6;
+      for (std::size_t i = 0; i < dynamics::kInertialParameters; ++i)
+        model.parameters[i].value *= truth.weights;
       dynamics::saveModel(model, path);
       options.model = path;
     }
@@ -79,6 +83,10 @@ struct HoldingRobot {
     });
     image.faults.drive_dead.store(truth.dead);
     image.faults.drive_reversed.store(truth.reversed);
+    for (std::size_t i = 0; i < hardware::kAxes; ++i) {
+      if ((truth.blind >> i & 1u) != 0) freeze(i);
+    }
+    stood = lowest = plant.state().pose[1];
     EXPECT_TRUE(system->start().ok);
     EXPECT_TRUE(system->enable().ok);
     system->run(3.0);  // every encoder has been asked once
@@ -142,7 +150,7 @@ struct HoldingRobot {
   simulation::RobotImage image;
   simulation::RobotSimulation plant;
   std::unique_ptr<hardware::AxisBus> bus;
-  double lowest = 10.0;
+  double lowest = 10.0, stood = 0.0;  // m; before it was enabled
   std::string last;
   std::unique_ptr<ControlSystem> system;  // last: it goes on stepping the plant while it shuts down
 };

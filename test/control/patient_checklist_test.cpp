@@ -56,6 +56,9 @@ TEST(PatientChecklists, NameEachThingThatIsMissingAndRefuseForItAlone) {
       {"acceleration_factor 11", [](PatientChecklist& list) { list.acceleration_factor = 11.0; }},
       {"no serial number", [](PatientChecklist& list) { list.knows_its_drives = false; }},
       {"never tests whether its encoder counts", [](PatientChecklist& list) { list.asks_encoders = false; }},
+      {"opens limits wide: Supervisor.brake_test_N 0 (at least 60)",
+       [](PatientChecklist& list) { list.opened_wide = {"Supervisor.brake_test_N 0 (at least 60)"}; }},
+      {"the platform would jump", [](PatientChecklist& list) { list.strange_weights = "the platform would jump"; }},
   };
   for (const Case& one : cases) {
     PatientChecklist list = fit();
