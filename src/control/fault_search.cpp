@@ -76,7 +76,9 @@ bool FaultSearch::causeRemains(Fault latched, const SupervisorView& view) const 
   const auto is_cool = [](double heat) { return heat <= kCool; };
   const bool cool = std::all_of(view.verdict.heat.begin(), view.verdict.heat.end(), is_cool);
   // A brake that slips may have taken the place of the fault that stopped the robot.
-  if ((latched == Fault::ThermalOverload || latched == Fault::HoldDeviceSlips) && !cool) return true;
+  const bool heats =
+      latched == Fault::ThermalOverload || latched == Fault::HoldDeviceSlips || latched == Fault::MovedWhileOff;
+  if (heats && !cool) return true;
   if (view.unreadable != 0 || view.written.status != hardware::IoStatus::Ok) return true;
   return !components_.allRun();
 }

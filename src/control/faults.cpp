@@ -138,7 +138,7 @@ constexpr std::array<FaultDescription, kFaults> kTable = {{
     {F::DrivesNotReady, "drives_not_ready", "a drive is not ready: it has lost its supply, or is in fault", kAtOnce,
      kLost, kOne, "look which drive's ready contact is open, at its supply and at the fault that it shows"},
     {F::MovedWhileOff, "moved_while_off",
-     "the axis has moved although the drives are off and its holding brake should hold it", kAtOnce, kWorks, kOne,
+     "the axis has moved although the drives are off and its holding brake should hold it", kWhenGone, kWorks, kOne,
      "get the patient off and support the platform, then look at the brake; where somebody has moved the platform by "
      "hand, reset"},
 }};

@@ -142,6 +142,17 @@ TEST_F(FaultSearching, AHeatThatIsNoNumberCountsAsHot) {
   EXPECT_FALSE(search.causeRemains(Fault::Stalled, view)) << "only a motor that was too hot has to cool";
 }
 
+TEST(FaultLatching, LetsAPlatformThatSinksTakeThePlaceOfAnotherFaultButNotOfABrakeThatSlips) {
+  FaultLatch latch;
+  latch.latch({Fault::EmergencyStop});
+  EXPECT_TRUE(latch.latch({Fault::MovedWhileOff, 2}));
+  EXPECT_FALSE(latch.latch({Fault::MovedWhileOff, 3}));
+  EXPECT_FALSE(latch.latch({Fault::HandSwitch}));
+  EXPECT_TRUE(latch.latch({Fault::HoldDeviceSlips, 3}));
+  EXPECT_FALSE(latch.latch({Fault::MovedWhileOff, 1}));
+  EXPECT_EQ(latch.cause().fault, Fault::HoldDeviceSlips);
+}
+
 TEST(FaultLatching, KeepsTheFirstFaultUntilItIsCleared) {
   FaultLatch latch;
   EXPECT_FALSE(latch.latch({Fault::None}));

@@ -108,6 +108,37 @@ TEST(HeldPlaces, APlatformThatSinksWithTheDrivesOffIsSaidToHaveMoved) {
   }
 }
 
+TEST(HeldPlaces, APlatformThatSinksAfterAFaultIsSaidToHaveMovedInThePlaceOfThatFault) {
+  for (const bool creeps : {true, false}) {
+    HoldingRobot robot;
+    ASSERT_TRUE(robot.system->emergencyStop().ok);
+    ASSERT_TRUE(robot.system->waitFor(MachineState::Faulted, 3.0));
+    robot.system->run(1.0);
+    ASSERT_EQ(robot.system->status().fault_name, "emergency_stop");
+    const double height = robot.plant.state().pose[1];
+    (creeps ? robot.image.faults.hold_creeps : robot.image.faults.hold_open).store(0x0F);
+    for (int k = 0; k < 3000 && robot.system->status().fault_name == "emergency_stop"; ++k)
+      robot.system->step();
+    EXPECT_EQ(robot.system->status().fault_name, "moved_while_off");
+    EXPECT_LT(height - robot.plant.state().pose[1], 0.005);
+    putBack(robot);
+    robot.system->run(1.0);
+    EXPECT_EQ(robot.system->state(), MachineState::Disabled) << "it is held again, where it is now";
+    EXPECT_TRUE(robot.system->enable().ok);
+  }
+}
+
+TEST(HeldPlaces, APlatformThatGoesOnSinkingIsSaidToHaveMovedAgainAfterAReset) {
+  HoldingRobot robot;
+  ASSERT_TRUE(robot.system->disable().ok);
+  robot.image.faults.hold_creeps.store(0x0F);
+  ASSERT_TRUE(robot.system->waitFor(MachineState::Faulted, 3.0));
+  robot.system->run(0.2);
+  EXPECT_TRUE(robot.system->resetFaults().ok);
+  EXPECT_TRUE(robot.system->waitFor(MachineState::Faulted, 3.0));
+  EXPECT_EQ(robot.system->status().fault_name, "moved_while_off");
+}
+
 TEST(HeldPlaces, ABrakeThatGivesWaySlowlyIsFoundBeforeTheDrivesLetGo) {
   HoldingRobot robot;
   const double height = robot.lowest = robot.plant.state().pose[1];

@@ -15,8 +15,9 @@ struct FaultCause {
   double paused_s = 0.0;   ///< for which the servo cycle stood still shortly before; 0: it did not
 };
 
-/// Keeps the first fault with its place, whatever follows, until it is cleared; only a holding brake that does not hold
-/// while the drives carry on takes the place of another: somebody has to act on it now. Pure, real-time safe.
+/// Keeps the first fault with its place, whatever follows, until it is cleared; only a holding brake that does not hold,
+/// while the drives carry on or with the drives off, takes the place of another: somebody has to act on it now. Pure,
+/// real-time safe.
 class FaultLatch {
  public:
   /// True when this is the first one, or takes the first one's place. Fault::None never does.
