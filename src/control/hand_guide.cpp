@@ -13,14 +13,18 @@ namespace {
 
 constexpr double kBrake_N_s_per_m = 2000.0;
 constexpr double kBrakesFrom = 0.8, kTooFast = 1.5, kTooFast_s = 0.1;  // shares of the speed limit
+/// No hand gets there against the brake: a drive pushes the wrong way, or gives nothing.
+constexpr double kRuns = 3.0, kRuns_s = 0.01;
 constexpr double kDeepest = 0.9, kWallDamping = 4.0;
 /// Beyond that, where it began near it: the loops, which hold where a wall ended the last one, bring it back there when
 /// the axes tremble.
 constexpr double kNear = 0.15, kDeeper = 0.03;
 constexpr double kAverage_s = 0.1;
 constexpr double kLetGo_s = 0.2;
-constexpr double kCarried = 0.5;         // of what is unknown
-constexpr double kSureFriction = 0.8;    // of what was identified
+constexpr double kCarried = 0.5;  // of what is unknown
+/// Of what was identified. While the axes tremble with 0.7 of it, friction hides 0.3 of what is unknown; less than the
+/// rest of friction then holds what is not carried.
+constexpr double kSureFriction = 0.65;
 constexpr double kLeastUnknown_N = 3.0;  // that a model may be wrong by
 constexpr int kSilentOrders = 3;         // cycles
 
@@ -113,7 +117,7 @@ void HandGuide::standBy() noexcept {
   out_.active = false;
   out_.force_N = AxisValues{};
   out_.stop = whyNot();
-  guided_s_ = fast_s_ = sampled_s_ = 0.0;
+  guided_s_ = fast_s_ = runs_s_ = sampled_s_ = 0.0;
   stood_m_ = last_m_ = measured_.position_m;
   others_m_ = unknown_N_ = AxisValues{};
   all_stand_s_ = 0.0;
@@ -191,7 +195,8 @@ void HandGuide::guide(double dt) noexcept {
   const double let_go = (1.0 - kCarried) * std::min(1.0, (guided_s_ - weigh_time) / kLetGo_s);
   const double fast = speedShare();
   fast_s_ = fast > kTooFast ? fast_s_ + dt : 0.0;
-  if (fast_s_ > kTooFast_s) out_.stop = GuideStop::TooFast;
+  runs_s_ = fast > kRuns ? runs_s_ + dt : 0.0;
+  if (fast_s_ > kTooFast_s || runs_s_ > kRuns_s) out_.stop = GuideStop::TooFast;
   const double brake = damping * (1.0 + kWallDamping * std::min(1.0, push_.depth)) +
                        kBrake_N_s_per_m * std::clamp((fast - kBrakesFrom) / (1.0 - kBrakesFrom), 0.0, 1.0);
   mechanism::Vector4 wall = push_.force;

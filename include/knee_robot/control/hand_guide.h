@@ -32,7 +32,7 @@ namespace knee_robot::control {
 ///   holds the other half. More than that, or than unknown_load_N, in an axis ends the guiding, also when a feedforward
 ///   that is switched makes it so.
 /// - Speed: from 80 % of linear_m_per_s and angular_rad_per_s on (the patient's, where that is less) it brakes; 1.5
-///   times for 0.1 s ends it.
+///   times for 0.1 s, or 3 times for 0.01 s, ends it.
 /// - A wall's depth of 90 % ends it (begun near there: 93 %). What ends it leads to holding where the platform is (SS2
 ///   by the Drivers' own loops): the command is `stop`, the Supervisor gives the order. So do a lost pose and a path
 ///   that is full.
@@ -128,7 +128,7 @@ class HandGuide : public rt::TaskContext {
   AxisValues unknown_N_{};  // in the integrals
   AxisValues last_m_{};
   double began_ = 0.0;  // depth of the walls where the guiding began
-  double guided_s_ = 0.0, fast_s_ = 0.0, sampled_s_ = 0.0;
+  double guided_s_ = 0.0, fast_s_ = 0.0, runs_s_ = 0.0, sampled_s_ = 0.0;
   rt::Nanoseconds last_time_ = 0;
   Guidance out_;
 };
