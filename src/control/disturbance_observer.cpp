@@ -61,7 +61,7 @@ void DisturbanceObserver::readPorts() noexcept {
 }
 
 bool DisturbanceObserver::carries() const noexcept {
-  if (order_.level != DriveLevel::Released || order_.safe_stop || order_.homing != 0 || !order_.homed) return false;
+  if (!order_.driversCarry() || order_.homing != 0 || !order_.homed) return false;
   return std::all_of(commands_.begin(), commands_.end(), [](const AxisCommand& command) { return command.active; });
 }
 

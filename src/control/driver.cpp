@@ -15,6 +15,9 @@ constexpr double kSmallestError_m = 1e-5;
 constexpr double kGuidedShare = 0.5;
 /// Ten times the following error of a good loop: a healthy axis so far behind its reference moves when it is asked.
 constexpr double kLeftBehind_m = 0.001;
+/// After the brakes opened: the platform sags a little, and what is asked meanwhile teaches nothing.
+constexpr double kSags_s = 0.5;
+constexpr double kOpens_s = 0.02;  // beyond twice the slowest brake's delay
 
 }  // namespace
 
@@ -176,12 +179,11 @@ void Driver::checkReference(const rt::Cycle& cycle, bool searching) {
 
 /// At rest the axes take turns; a suspicion is asked of all at once.
 double Driver::probeEncoder(double dt) noexcept {
-  constexpr double kRest_s = 0.5;
+  const double open_s = 2.0 * hardware_.holdDelay() + kOpens_s;
   disturbance.read(disturbed_);
   verdict.read(verdict_);
   out_.can_be_asked = false;
-  const bool carries = order_.level == DriveLevel::Released && !order_.safe_stop && order_.homed &&
-                       order_.homing == 0 && unreadable_ == 0;
+  const bool carries = order_.driversCarry() && order_.homed && order_.homing == 0 && unreadable_ == 0;
   if (!carries || probe_period <= 0.0) {
     carried_s_ = 0.0;
     suspicion_ = disturbed_.suspicion;
@@ -190,12 +192,19 @@ double Driver::probeEncoder(double dt) noexcept {
     probe_.reset();
     return 0.0;
   }
+  if (carried_s_ == 0.0) released_.begin(measured_.counts[index_]);
   carried_s_ += dt;
-  if (carried_s_ < kRest_s) return 0.0;  // the holding brakes are still opening, the platform sags a little
+  released_.take(measured_.counts[index_]);
+  if (carried_s_ < open_s) return 0.0;  // the holding brakes are still opening
+  const bool just_opened = carried_s_ - dt < open_s;
+  const bool settled = carried_s_ >= kSags_s;
+  if (!settled && !just_opened && !challenge_.isActive()) return 0.0;
   out_.can_be_asked = verdict.isConnected();
-  const double first = kRest_s + probe_period * static_cast<double>(index_) / hardware::kAxes;
+  const double first = kSags_s + probe_period * static_cast<double>(index_) / hardware::kAxes;
   const EncoderProbe::Settings settings{first, probe_period, probe_share * force_limit_, disturbance.isConnected()};
-  if (challengeEncoder(dt, settings)) return challenge_.force_N();
+  if (challengeEncoder(dt, settings, just_opened)) return challenge_.force_N();
+  // A hand is guided by HandGuide's questions: pulses that learn would free the friction that holds what nobody declared.
+  if (!settled || (order_.guiding && disturbance.isConnected())) return 0.0;
   if (!test_pulses_.load(std::memory_order_relaxed)) {
     if (!disturbance.isConnected()) probe_.reset();
     return 0.0;
@@ -204,11 +213,13 @@ double Driver::probeEncoder(double dt) noexcept {
   return probe_.force_N();
 }
 
-/// True while it asks, or brings its pulse to an end.
-bool Driver::challengeEncoder(double dt, const EncoderProbe::Settings& settings) noexcept {
+/// True while it asks, or brings its pulse to an end. An axis whose encoder has not counted while its brake opened is
+/// asked at once: blind, it lets the platform sink by a load that nobody declared, and its loop sees nothing of it.
+bool Driver::challengeEncoder(double dt, const EncoderProbe::Settings& settings, bool just_opened) noexcept {
   const std::int64_t counts = measured_.counts[index_];
+  const bool unseen = just_opened && !released_.counts() && test_pulses_.load(std::memory_order_relaxed);
   const bool disturbed = disturbed_.suspicion != suspicion_;
-  const bool suspected = standsUnderForce(dt, counts);
+  const bool suspected = carried_s_ >= kSags_s && standsUnderForce(dt, counts);
   const bool in_turn = disturbed_.questions != questions_ && disturbed_.asked == static_cast<int>(index_) &&
                        test_pulses_.load(std::memory_order_relaxed);
   suspicion_ = disturbed_.suspicion;
@@ -219,20 +230,22 @@ bool Driver::challengeEncoder(double dt, const EncoderProbe::Settings& settings)
     standing_.begin(counts);
     return false;
   }
-  const bool wanted = (disturbed && !standing_.counts()) || suspected || in_turn || verdict_.asks[index_] || doubted_;
+  const bool wanted =
+      unseen || (disturbed && !standing_.counts()) || suspected || in_turn || verdict_.asks[index_] || doubted_;
   if (wanted && !challenge_.isActive()) {
+    opening_ = just_opened;
     // A hand has no reference: to and fro in turn, or questions would carry the platform away.
     if (guides_) guided_away_ = -guided_away_;
     const double away =
         guides_ ? guided_away_ : (out_.reference_m - measured_.position_m[index_]) / actuator_.metresPerCount();
     const double enough_N = (guides_ ? kGuidedShare : 1.0) * probe_.enoughForce_N();
     challenge_.begin(counts, {enough_N, probe_.certainForce_N(settings), away, standing_.dithers(),
-                              !disturbed && out_.at_rest, !out_.at_rest});
+                              !unseen && !disturbed && out_.at_rest, !out_.at_rest});
   }
   const double lag_m = std::abs(out_.reference_m - measured_.position_m[index_]);
   switch (challenge_.step(dt, counts, out_.at_rest || guides_ || lag_m < kLeftBehind_m)) {
     case EncoderChallenge::Verdict::Alive:
-      probe_.acceptAnswer(counts);
+      if (!opening_) probe_.acceptAnswer(counts);  // what is enough it still has to learn
       standing_.endures(asked_at_N_);
       ++out_.answers;
       break;

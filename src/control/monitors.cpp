@@ -64,7 +64,8 @@ void Monitors::updateHook(const rt::Cycle& cycle) {
   readPorts();
   const bool powered = written_.level >= DriveLevel::HeldByDrivers;
   if (!powered) out_.fault.fill(Fault::None);
-  carried_ = written_.level == DriveLevel::Released && written_.safe_stop == SafeStopPhase::Idle;
+  carried_ = written_.level == DriveLevel::Released &&
+             (written_.safe_stop == SafeStopPhase::Idle || slowsDown(written_.safe_stop));
   if (!carried_) forget();
   out_.time = cycle.time;
   const bool new_reading = measured_.status == hardware::IoStatus::Ok && measured_.sequence != out_.sequence;

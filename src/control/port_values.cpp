@@ -238,6 +238,7 @@ void members(const SupervisorCommand& v, Visit& visit) {
   visit("homed", v.homed);
   visit("homing", v.homing);
   visit("guiding", v.guiding);
+  visit("slows_down", v.slows_down);
 }
 
 template <typename Visit>

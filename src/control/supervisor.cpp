@@ -117,9 +117,9 @@ void Supervisor::detectFaults(rt::Nanoseconds now) {
   if (view_.written.safe_stop == SafeStopPhase::Carrying) raise({Fault::HoldDeviceSlips, view_.written.fault_axis});
   raise(search_.find(view_, conditions));
   // Not before the axes are homed: until then the robot is placed by hand.
-  const bool held =
-      state_ == MachineState::Disabled && view_.drivesAreOff() && homing_.isHomed() && view_.hasMeasured();
-  if (const int moved = held_place_.step(held, view_); moved != 0) raise({Fault::MovedWhileOff, moved});
+  const bool off = (state_ == MachineState::Disabled || state_ == MachineState::Faulted) && view_.drivesAreOff();
+  const bool held = off && homing_.isHomed() && view_.hasMeasured();
+  if (const int moved = held_place_.step(held, view_, now); moved != 0) raise({Fault::MovedWhileOff, moved});
   const LostCounts::Axes lost = lost_counts_.step(view_, now);
   for (std::size_t i = 0; i < hardware::kAxes; ++i) {
     if (lost[i]) homing_.forget(i);
@@ -354,6 +354,10 @@ void Supervisor::publish(rt::Nanoseconds now) {
 void Supervisor::publishOrders(rt::Nanoseconds now) {
   const bool powered = isPowered(state_);
   orders_.safe_stop = state_ == MachineState::SafeStopping;
+  const AxesWritten& output = view_.written;
+  const bool answers_count = view_.measured.bus_failure.fault == hardware::BusFault::None;
+  orders_.slows_down = orders_.safe_stop && output.level == DriveLevel::Released && answers_count &&
+                       (output.safe_stop == SafeStopPhase::Idle || slowsDown(output.safe_stop));
   orders_.stop_path = state_ == MachineState::Stopping || orders_.safe_stop;
   if (!powered) orders_.level = DriveLevel::Off;
   if (state_ != MachineState::Enabling) orders_.brake_test_N = AxisValues{};

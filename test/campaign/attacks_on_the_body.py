@@ -1,5 +1,6 @@
 """Attacks by what the robot is made of: encoders that miss counts for a while, brakes that hold late or give way, drives that come on late,
 weak or the wrong way round, an emergency stop that bounces; and what the controller says of it."""
+import threading
 import time
 
 import numpy as np
@@ -84,6 +85,45 @@ def gives_way(fault):
     return attack
 
 
+def gives_way_after_a_fault(fault):
+    def attack(a):
+        a.enable()
+        a.session.trigger("emergency_stop")
+        time.sleep(1.5)
+        a.begin()
+        a.session.inject(fault)
+        time.sleep(5.0)
+        state = a.session.state()
+        fell = drop_mm(a.rows())
+        a.session.inject("clear")
+        said, _ = recover(a)
+        return f"{state.state}, {state.fault}; sinks {fell:.1f} mm; ", said, fell > 1.0 and state.fault == "moved_while_off"
+    attack.__doc__ = f"An emergency stop, faulted, the brakes hold; then {fault}: the platform sinks; reset, enable."
+    return attack
+
+
+def dies_at_disable(axis):
+    def attack(a):
+        a.enable()
+        a.play()
+        asked = threading.Thread(target=lambda: a.session.trigger("disable"))
+        a.begin()
+        asked.start()
+        time.sleep(0.05)
+        a.session.inject("encoder_frozen", axis)
+        asked.join()
+        time.sleep(1.0)
+        rows = a.rows()
+        way = 1e3 * float(np.max(np.abs(rows["length_m"] - rows["length_m"][0])))
+        state = a.session.state()
+        wrong = wrong_mm(a)
+        a.session.inject("clear")
+        return f"{state.state}, {state.fault or 'no fault'}; ", f"a leg moves {way:.1f} mm, sinks {drop_mm(rows):.1f} mm; wrong by {wrong:.1f} mm" \
+            f"{'' if all(state.homed) else ', not homed'}", drop_mm(rows) < 5.0 and not (all(state.homed) and wrong > 5.0)
+    attack.__doc__ = f"Playing, disable; encoder {axis} dies while the robot slows down."
+    return attack
+
+
 def at_disable(fault, axis=0):
     def attack(a):
         a.enable()
@@ -156,6 +196,9 @@ def attacks():
             found[f"encoder_{axis or 'all'}_{name}_in_motion"] = interrupted_in_motion(axis, size_m)
     for fault in ("hold_creeps", "hold_open"):
         found[f"{fault}_when_disabled"] = gives_way(fault)
+        found[f"{fault}_when_faulted"] = gives_way_after_a_fault(fault)
+    for axis in (1, 4):
+        found[f"encoder_{axis}_dies_at_disable"] = dies_at_disable(axis)
     for fault, axis in (("hold_late", 0), ("hold_late", 4), ("hold_creeps", 0), ("hold_creeps", 4)):
         found[f"{fault}_{axis or 'all'}_at_disable"] = at_disable(fault, axis)
     for fault in ("drive_late", "drive_weak", "drive_dead", "drive_reversed"):

@@ -27,7 +27,8 @@ mechanism::Pose somewhere(const mechanism::Pose& home, std::mt19937& random) {
   return pose;
 }
 
-/// Ordinary use for `hours`: paths, pauses, other speeds, rests of up to 20 s, now and then the drives off and on.
+/// Ordinary use for `hours`: paths, pauses, other speeds, rests of up to 20 s, now and then the drives off, in motion or
+/// at rest, and on again.
 void use(const std::string& robot, const Machine& machine, double hours, unsigned seed,
          std::map<std::string, int>& trips) {
   std::mt19937 random(seed);
@@ -48,7 +49,11 @@ void use(const std::string& robot, const Machine& machine, double hours, unsigne
       system.run(share(random));
       system.stop();
     }
-    system.waitFor(MachineState::Holding, 120.0);
+    if (played && share(random) < 0.1) {
+      system.run(2.0 * share(random));
+      system.disable();
+    }
+    if (system.state() != MachineState::Disabled) system.waitFor(MachineState::Holding, 120.0);
     system.setSpeed(100.0);
     const double rest = share(random);  // now and then one that lasts
     system.run(rest < 0.01 ? 200.0 : rest < 0.2 ? 20.0 * share(random) : share(random));

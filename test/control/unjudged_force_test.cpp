@@ -120,7 +120,7 @@ TEST_F(UnjudgedForce, IsNoneWhereTheObserverIsSlowerThanTheMonitorsWhichStillSee
 
 TEST_F(UnjudgedForce, IsNoneWhereNobodyLimitsItOrTheDrivesDoNotCarry) {
   disturbed.known = false;
-  written.safe_stop = SafeStopPhase::Settling;
+  written.safe_stop = SafeStopPhase::Engaging;
   run(3.0);
   EXPECT_EQ(verdict.fault[0], Fault::None);
   written.safe_stop = SafeStopPhase::Idle;

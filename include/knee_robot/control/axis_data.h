@@ -196,6 +196,10 @@ struct SupervisorCommand {
   bool homed = false;           ///< all axes know where they are: soft limits and the patient's range hold
   std::uint8_t homing = 0;      ///< bit i: the Driver of axis i + 1 looks for home; the others hold
   bool guiding = false;         ///< a hand moves the platform (HandGuide): the Drivers carry, they do not hold
+  bool slows_down = false;      ///< a safe stop runs, the holding brakes are open and the encoders can be asked
+
+  /// The holding brakes are open, or just opening: the Drivers alone carry the platform.
+  bool driversCarry() const noexcept { return level == DriveLevel::Released && (!safe_stop || slows_down); }
 };
 
 /// Where the safe stop is.
@@ -209,6 +213,11 @@ enum class SafeStopPhase : std::uint8_t {
   Disabling,
   Done,
 };
+
+/// The loops still carry the platform along, the holding brakes are open: what watches a motion goes on watching.
+constexpr bool slowsDown(SafeStopPhase phase) noexcept {
+  return phase == SafeStopPhase::Decelerating || phase == SafeStopPhase::Settling;
+}
 
 /// AxesOutput, every servo cycle.
 struct AxesWritten {

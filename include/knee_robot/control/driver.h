@@ -116,7 +116,7 @@ class Driver : public rt::TaskContext {
   double loop(const SetPointFollower::Reference& reference, double dt) noexcept;
   void checkReference(const rt::Cycle& cycle, bool searching);
   double probeEncoder(double dt) noexcept;
-  bool challengeEncoder(double dt, const EncoderProbe::Settings& settings) noexcept;
+  bool challengeEncoder(double dt, const EncoderProbe::Settings& settings, bool just_opened) noexcept;
   Fault deadOrBlocked() const noexcept;
   bool standsUnderForce(double dt, std::int64_t counts) noexcept;
   SetPointFollower::Reference chooseReference(const rt::Cycle& cycle, double dt) noexcept;
@@ -142,6 +142,18 @@ class Driver : public rt::TaskContext {
   double again_s_ = 0.0;     // until it may be asked again
   std::atomic<bool> test_pulses_{true};
   double carried_s_ = 0.0;  // since the holding brake was ordered to let go
+  /// Counts since then.
+  struct Released {
+    std::int64_t lowest = 0, highest = 0;
+    void begin(std::int64_t counts) noexcept { lowest = highest = counts; }
+    void take(std::int64_t counts) noexcept {
+      lowest = std::min(lowest, counts);
+      highest = std::max(highest, counts);
+    }
+    /// More than an open input dithers by.
+    bool counts() const noexcept { return highest - lowest > StandingAxis::kDither; }
+  } released_;
+  bool opening_ = false;  // the question that is asked is that of an axis whose brake has just opened
   Pid pid_;
   double force_limit_ = 0.0;  // N
   double force_now_ = 0.0;    // N, limit of this cycle
