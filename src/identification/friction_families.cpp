@@ -68,11 +68,6 @@ Sum bestSingle(const InWeights& squares, const std::vector<FrictionElement>& ele
   return best;
 }
 
-/// One that neither has a clearance nor relaxes.
-bool isStop(const FrictionElement& e) {
-  return e.kind == FrictionKind::Stop && e.gap_m == 0.0 && e.relaxation_s == 0.0;
-}
-
 /// Neighbours on the grids are one element that lies between them, not two.
 bool apart(const FrictionElement& a, const FrictionElement& b) {
   if (a.kind != b.kind) return true;
@@ -91,29 +86,31 @@ bool grows(const FrictionElement& e, const FrictionRange& range) {
   return e.kind == FrictionKind::Smooth && e.speed_m_per_s > 0.9 * kGrows * range.fastest_m_per_s;
 }
 
-Sum bestPair(const InWeights& squares, const std::vector<FrictionElement>& elements, const FrictionRange& range) {
-  const int count = static_cast<int>(elements.size());
+/// `firsts`, `seconds`: in `elements`; the same vector for all pairs of these.
+Sum bestPair(const InWeights& squares, const std::vector<FrictionElement>& elements, const FrictionRange& range,
+             const std::vector<int>& firsts, const std::vector<int>& seconds) {
   Sum best;
-  for (int i = 0; i < count; ++i) {
-    for (int j = i + 1; j < count; ++j) {
-      const FrictionElement &a = elements[static_cast<std::size_t>(i)], &b = elements[static_cast<std::size_t>(j)];
-      if (mixes(a) && mixes(b) && apart(a, b) && !(grows(a, range) && grows(b, range)))
-        keepBetter(best, tryThese(squares, {i, j}));
+  for (std::size_t i = 0; i < firsts.size(); ++i) {
+    for (std::size_t j = &firsts == &seconds ? i + 1 : 0; j < seconds.size(); ++j) {
+      const FrictionElement &a = elements[static_cast<std::size_t>(firsts[i])],
+                            &b = elements[static_cast<std::size_t>(seconds[j])];
+      if (apart(a, b) && !(grows(a, range) && grows(b, range)))
+        keepBetter(best, tryThese(squares, {firsts[i], seconds[j]}));
     }
   }
   return best;
 }
 
-/// Adds elements one after the other while that pays.
-Sum bestSum(const InWeights& squares, const std::vector<FrictionElement>& elements, Sum sum) {
-  const int count = static_cast<int>(elements.size());
+/// Adds elements of these one after the other while that pays.
+Sum bestSum(const InWeights& squares, const std::vector<FrictionElement>& elements, const std::vector<int>& mixing,
+            Sum sum) {
   while (!sum.which.empty() && sum.which.size() < kMostInSum) {
     Sum more;
-    for (int k = 0; k < count; ++k) {
+    for (const int k : mixing) {
       const bool near = std::any_of(sum.which.begin(), sum.which.end(), [&](int other) {
         return !apart(elements[static_cast<std::size_t>(k)], elements[static_cast<std::size_t>(other)]);
       });
-      if (near || !mixes(elements[static_cast<std::size_t>(k)])) continue;
+      if (near) continue;
       std::vector<int> which = sum.which;
       which.push_back(k);
       keepBetter(more, tryThese(squares, which));
@@ -246,19 +243,29 @@ void addFinerSteps(const FrictionChoice& around, double narrowest_m, std::vector
 
 std::vector<Sum> bestOfFamilies(const InWeights& squares, const std::vector<FrictionElement>& elements,
                                 const FrictionRange& range) {
-  const auto single = [&](const auto& allowed) { return bestSingle(squares, elements, allowed); };
+  const auto single = [&](const auto& allowed) {
+    return bestSingle(squares, elements, [&](const FrictionElement& e) { return !isRare(e) && allowed(e); });
+  };
+  std::vector<int> mixing, rare;
+  for (int k = 0; k < static_cast<int>(elements.size()); ++k) {
+    const FrictionElement& e = elements[static_cast<std::size_t>(k)];
+    if (mixes(e)) (isRare(e) ? rare : mixing).push_back(k);
+  }
   std::vector<Sum> best;
-  best.push_back(single([](const FrictionElement& e) { return isStop(e); }));
+  best.push_back(single([](const FrictionElement& e) { return e.kind == FrictionKind::Stop; }));
   best.push_back(single([&](const FrictionElement& e) { return e.kind == FrictionKind::Smooth && !grows(e, range); }));
   best.push_back(single([](const FrictionElement& e) {
     return e.kind == FrictionKind::Bristles && e.speed_m_per_s == 0.0 && e.tremble == 0.0 && e.damping_s == 0.0 &&
            e.exponent == 1.0;
   }));
-  best.push_back(single([](const FrictionElement& e) { return e.kind != FrictionKind::Smooth && !isStop(e); }));
+  best.push_back(single([](const FrictionElement& e) { return e.kind == FrictionKind::Bristles; }));
   best.push_back(spectrumOfStops(squares));
-  best.push_back(bestPair(squares, elements, range));
-  best.push_back(bestSum(squares, elements, best.back()));
+  best.push_back(bestPair(squares, elements, range, mixing, mixing));
+  best.push_back(bestSum(squares, elements, mixing, best.back()));
   best.push_back(spectrumOfSpeeds(squares, elements));
+  best.push_back(bestSingle(squares, elements, isRare));
+  best.push_back(bestPair(squares, elements, range, rare, mixing));
+  best.push_back(bestSum(squares, elements, mixing, best.back()));
   return best;
 }
 

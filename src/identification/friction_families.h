@@ -16,8 +16,16 @@ std::vector<dynamics::FrictionElement> elementsToTry(const FrictionRange& range)
 void addFinerSteps(const FrictionChoice& around, double narrowest_m, std::vector<dynamics::FrictionElement>& all);
 
 /// Shape parameters of every family: one stop, tanh, Dahl's bristles, any bristles, all stops together (Maxwell slip),
-/// pairs, sums, all speeds of tanh together.
-inline constexpr std::array<int, 8> kFamilyNumbers = {1, 1, 1, 3, 6, 4, 8, 8};
+/// pairs, sums, all speeds of tanh together; one rare element, a pair and a sum with one.
+inline constexpr std::array<int, 11> kFamilyNumbers = {1, 1, 1, 3, 6, 4, 8, 8, 2, 4, 8};
+inline constexpr long kUsualFamilies = 8;
+
+/// A stop behind a clearance, or one that relaxes: what bends as they do may be a controller that settles, too, so that
+/// they have to be surely better than all others.
+constexpr bool isRare(const dynamics::FrictionElement& e) {
+  return e.gap_m > 0.0 || e.relaxation_s > 0.0;
+}
+
 /// Many elements at once, whose shares come near to any law.
 constexpr bool isSpectrum(long family) {
   return family == 4 || family == 7;

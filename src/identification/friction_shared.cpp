@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "friction_families.h"
+
 namespace knee_robot::identification {
 namespace {
 
@@ -45,6 +47,9 @@ std::vector<Sum> inElements(const std::vector<dynamics::FrictionLaw>& laws, std:
 
 void shareLaw(const std::vector<dynamics::FrictionLaw>& laws, const std::vector<OthersLaws>& others,
               const std::vector<double>& narrowest_m, std::vector<FrictionChoice>& choices) {
+  const auto isRareLaw = [](const dynamics::FrictionLaw& law) {
+    return std::any_of(law.elements.begin(), law.elements.begin() + law.count, isRare);
+  };
   const auto tooNarrow = [&](std::size_t axis, std::size_t law) {
     return std::any_of(laws[law].elements.begin(), laws[law].elements.begin() + laws[law].count,
                        [&](const FrictionElement& e) {
@@ -53,7 +58,8 @@ void shareLaw(const std::vector<dynamics::FrictionLaw>& laws, const std::vector<
   };
   const auto worse = [&](std::size_t axis, std::size_t law, double& error) {
     error = 0.0;
-    if (tooNarrow(axis, law)) return std::numeric_limits<double>::infinity();
+    if (tooNarrow(axis, law) || (isRareLaw(laws[law]) && !isRareLaw(choices[axis].law)))
+      return std::numeric_limits<double>::infinity();
     const OthersLaws& o = others[axis];
     const Eigen::ArrayXd difference = o.error.col(static_cast<Eigen::Index>(law)) - o.best;
     const double mean = (o.share.array() * difference).sum(), blocks = static_cast<double>(difference.size());

@@ -168,6 +168,9 @@ constexpr double kEven = 0.5;
 /// Noise floors in `left_N` (per actuator) where an effect acts; of one on all actuators, of them together.
 double floorsLeft(const Search& search, const Place& place, const Eigen::VectorXd& left_N);
 
+/// One recording, or several that follow the same path.
+bool followOnePath(const std::vector<identification::Observation>& recordings);
+
 /// A force that depends on the pose alone, seen along one path only, in a model that leaves much more than the noise
 /// floor: what it stands for (a cable chain's hysteresis, a memory) may be another force in the same pose on another
 /// path. So may several maps that together do not reach the floor of repeats: along one path everything is a function

@@ -324,7 +324,9 @@ void Tracing::keepFit() {
 /// Friction that was fitted beside an effect is wrong without it. Where nothing surely helps, the baseline is predicted.
 void Tracing::predictElsewhere() {
   if (s_.effects.empty()) return;
-  const bool helps = options_.start || robot_.chain || helpsElsewhere(s_, result_.baseline);
+  // Beside a baseline that does not describe the one path that was seen, what was found may be anything.
+  const bool described = result_.doubts.empty() || !followOnePath(s_.data->recordings);
+  const bool helps = options_.start || robot_.chain || (described && helpsElsewhere(s_, result_.baseline));
   if (!robot_.chain && leaveOutSmall(s_, helps, result_.rejected) > 0) {
     if (helps) {
       refit(s_);
@@ -346,7 +348,9 @@ void Tracing::predictElsewhere() {
     elsewhere.seen_parameters = fit.seen_parameters;
   } else {
     result_.notes.push_back(
-        "At held-back positions of the training recordings nothing that was found is surely better than the baseline: "
+        std::string(described ? "At held-back positions of the training recordings nothing that was found is surely "
+                                "better than the baseline: "
+                              : "The baseline does not describe the one path that was seen: ") +
         "elsewhere the baseline is predicted.");
     adoptBase(s_, result_.baseline);  // a model has one law near rest: that of what is predicted elsewhere
     keepFit();

@@ -23,8 +23,10 @@ struct FrictionRange {
 struct TriedLaw {
   dynamics::FrictionLaw law;  ///< the best of its family on all training data
   int numbers = 1;            ///< shape parameters
-  double held_back = 0.0;    ///< mean square over left-out blocks, in units of the noise; its shape chosen without each
-  double beyond_best = 0.0;  ///< held_back minus that of the best family
+  double held_back = 0.0;  ///< mean square over left-out blocks, in units of the noise; its shape chosen without each
+  double beyond_best =
+      0.0;  ///< held_back minus that of the best family that may be chosen (one with a rare element has to
+            ///< be surely better than all others)
   double standard_error = 0.0;  ///< of beyond_best, over the blocks
 };
 
