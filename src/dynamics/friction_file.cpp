@@ -37,8 +37,13 @@ std::string elementYaml(const FrictionElement& e, bool revolute) {
 
 FrictionElement readElement(StrictMap map, bool revolute) {
   const double radius = radiusOf(revolute);
-  const auto way = [&](const std::string& name) {
-    return radius * map.number(name + (revolute ? "_rad" : "_m"), kNarrowest_m, kWidest_m);
+  const auto width = [&] {
+    return radius * (revolute ? map.number("width_rad", kNarrowest_m, kWidest_m)
+                              : map.number("width_m", kNarrowest_m, kWidest_m));
+  };
+  const auto gap = [&] {
+    return radius *
+           (revolute ? map.number("gap_rad", kNarrowest_m, kWidest_m) : map.number("gap_m", kNarrowest_m, kWidest_m));
   };
   const auto speed = [&](double slowest) {
     return radius * (revolute ? map.number("speed_rad_per_s", slowest, kFastest_m_per_s)
@@ -48,8 +53,8 @@ FrictionElement readElement(StrictMap map, bool revolute) {
   const std::string law = map.choice("law", {"stop", "tanh", "bristles"});
   e.kind = law == "stop" ? FrictionKind::Stop : law == "tanh" ? FrictionKind::Smooth : FrictionKind::Bristles;
   e.share = map.number("share", 1e-9, 1.0);
-  e.width_m = e.kind == FrictionKind::Smooth ? 0.0 : way("width");
-  if (e.kind == FrictionKind::Stop && map.has(revolute ? "gap_rad" : "gap_m")) e.gap_m = way("gap");
+  e.width_m = e.kind == FrictionKind::Smooth ? 0.0 : width();
+  if (e.kind == FrictionKind::Stop && map.has(revolute ? "gap_rad" : "gap_m")) e.gap_m = gap();
   if (e.kind == FrictionKind::Stop && map.has("relaxation_s")) e.relaxation_s = map.number("relaxation_s", 1e-3, 1e6);
   if (e.kind == FrictionKind::Smooth) e.speed_m_per_s = speed(kSlowest_m_per_s);
   if (e.kind != FrictionKind::Stop && map.has("exponent")) e.exponent = map.number("exponent", 0.1, 10.0);
