@@ -20,8 +20,6 @@ constexpr double kWithinErrorsOfSpectrum = 1.0;
 /// One with a rare element is taken when it is better than the best without by so many. Without this, legs of a physical
 /// robot that stand while its controller settles got stops that relax, and predicted another day's up to twice as badly.
 constexpr double kSurelyRare = 2.0;
-/// The same of a power of the velocity, which remembers nothing.
-constexpr double kSurelyPower = 1.0;
 
 dynamics::FrictionLaw lawOf(const Sum& sum, const std::vector<FrictionElement>& elements) {
   std::vector<FrictionElement> chosen;
@@ -154,15 +152,6 @@ Worse worseBy(const Eigen::MatrixXd& error, const Eigen::VectorXd& share, Eigen:
   return {mean, std::sqrt(variance / std::max<Eigen::Index>(1, error.rows() - 1))};
 }
 
-/// Standard errors by which a law has to be better than the best that is not rare.
-double sureness(const Sum& law, const std::vector<FrictionElement>& elements) {
-  const bool remembers = std::any_of(law.which.begin(), law.which.end(), [&](int k) {
-    const FrictionElement& e = elements[static_cast<std::size_t>(k)];
-    return isRare(e) && e.kind != dynamics::FrictionKind::Smooth;
-  });
-  return remembers ? kSurelyRare : kSurelyPower;
-}
-
 /// `best`: law of every family, of all blocks; `error`: blocks x families, held back; `share`: of every block.
 FrictionChoice chosenOf(const std::vector<Sum>& best, const Eigen::MatrixXd& error, const Eigen::VectorXd& share,
                         const std::vector<FrictionElement>& elements, OthersLaws& others) {
@@ -171,9 +160,9 @@ FrictionChoice chosenOf(const std::vector<Sum>& best, const Eigen::MatrixXd& err
   mean.head(kUsualFamilies).minCoeff(&least);
   mean.tail(mean.size() - kUsualFamilies).minCoeff(&rare);
   rare += kUsualFamilies;
-  const Sum& rarest = best[static_cast<std::size_t>(rare)];
   const Worse of_rare = worseBy(error, share, rare, least);
-  const bool is_rare = !rarest.which.empty() && of_rare.mean < -sureness(rarest, elements) * of_rare.standard_error;
+  const bool is_rare =
+      !best[static_cast<std::size_t>(rare)].which.empty() && of_rare.mean < -kSurelyRare * of_rare.standard_error;
   const Eigen::Index first = is_rare ? kUsualFamilies : 0, end = is_rare ? mean.size() : kUsualFamilies;
   if (is_rare) least = rare;
   const double within = isSpectrum(least) ? kWithinErrorsOfSpectrum : kWithinErrors;

@@ -20,10 +20,10 @@ void addFinerSteps(const FrictionChoice& around, double narrowest_m, std::vector
 inline constexpr std::array<int, 11> kFamilyNumbers = {1, 1, 1, 3, 6, 4, 8, 8, 2, 4, 8};
 inline constexpr long kUsualFamilies = 8;
 
-/// A stop behind a clearance, one that relaxes, a power of the velocity: what they describe may be a controller that
-/// settles, too, so that they have to be surely better than all others.
+/// A stop behind a clearance, or one that relaxes: what bends as they do may be a controller that settles, too, so that
+/// they have to be surely better than all others.
 constexpr bool isRare(const dynamics::FrictionElement& e) {
-  return e.gap_m > 0.0 || e.relaxation_s > 0.0 || (e.kind == dynamics::FrictionKind::Smooth && e.exponent != 1.0);
+  return e.gap_m > 0.0 || e.relaxation_s > 0.0;
 }
 
 /// Many elements at once, whose shares come near to any law.
