@@ -40,7 +40,8 @@ struct FrictionChoice {
 /// stops, sums of two, and sums of up to six elements with non-negative shares. Blocks of the training data are left
 /// out in turn; within each turn shape and shares are chosen without the block, the other parameters follow by least
 /// squares with the prior of `strength`. Chosen is the simplest family within a quarter of a standard error of the
-/// best (a whole one where that is the spectrum). `equations`: weighted, their Coulomb columns set with `present`
+/// best (a whole one where that is the spectrum); one with a clearance or relaxation only where it is surely better than
+/// all without. `equations`: weighted, their Coulomb columns set with `present`
 /// laws; other actuators keep theirs. `ranges`, one per actuator. `around`: an earlier choice, between whose shapes
 /// and their neighbours finer steps are tried too.
 std::vector<FrictionChoice> chooseFriction(const std::vector<Observation>& training, const ObservationOptions& options,
