@@ -24,6 +24,11 @@ bool followSamePath(const identification::Observation& one, const identification
   return std::sqrt(square / count) < kSamePath_m;
 }
 
+bool followOnePath(const std::vector<identification::Observation>& recordings) {
+  return std::all_of(recordings.begin() + 1, recordings.end(),
+                     [&](const identification::Observation& o) { return followSamePath(recordings.front(), o); });
+}
+
 /// Maps that act where this one does.
 int mapsBeside(const Search& s, const FoundEffect& one) {
   const int actuator = one.hypothesis.place.actuator;
@@ -56,9 +61,9 @@ std::string whyOfOnePath(const Search& s, const FoundEffect& e, double floors) {
 
 }  // namespace
 
-bool followOnePath(const std::vector<identification::Observation>& recordings) {
-  return std::all_of(recordings.begin() + 1, recordings.end(),
-                     [&](const identification::Observation& o) { return followSamePath(recordings.front(), o); });
+bool isOnePathNotDescribed(const std::vector<std::string>& doubts,
+                           const std::vector<identification::Observation>& recordings) {
+  return !doubts.empty() && followOnePath(recordings);
 }
 
 void holdBackOnePath(Search& s, std::vector<std::string>& notes) {

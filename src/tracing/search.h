@@ -168,8 +168,10 @@ constexpr double kEven = 0.5;
 /// Noise floors in `left_N` (per actuator) where an effect acts; of one on all actuators, of them together.
 double floorsLeft(const Search& search, const Place& place, const Eigen::VectorXd& left_N);
 
-/// One recording, or several that follow the same path.
-bool followOnePath(const std::vector<identification::Observation>& recordings);
+/// The baseline does not describe the one path that was seen (one recording, or several that follow the same): what was
+/// found beside it may be anything. `doubts`: TraceResult::doubts.
+bool isOnePathNotDescribed(const std::vector<std::string>& doubts,
+                           const std::vector<identification::Observation>& recordings);
 
 /// A force that depends on the pose alone, seen along one path only, in a model that leaves much more than the noise
 /// floor: what it stands for (a cable chain's hysteresis, a memory) may be another force in the same pose on another

@@ -324,8 +324,7 @@ void Tracing::keepFit() {
 /// Friction that was fitted beside an effect is wrong without it. Where nothing surely helps, the baseline is predicted.
 void Tracing::predictElsewhere() {
   if (s_.effects.empty()) return;
-  // Beside a baseline that does not describe the one path that was seen, what was found may be anything.
-  const bool described = result_.doubts.empty() || !followOnePath(s_.data->recordings);
+  const bool described = !isOnePathNotDescribed(result_.doubts, s_.data->recordings);
   const bool helps = options_.start || robot_.chain || (described && helpsElsewhere(s_, result_.baseline));
   if (!robot_.chain && leaveOutSmall(s_, helps, result_.rejected) > 0) {
     if (helps) {

@@ -132,5 +132,16 @@ TEST_F(OnePath, KeepsForceFieldsThatTwoPathsShow) {
   EXPECT_TRUE(transfers("spring"));
 }
 
+TEST_F(OnePath, ThatTheBaselineDoesNotDescribeSaysNothingOfOthers) {
+  const std::vector<std::string> doubts = {"The model does not describe these data at all"};
+  follow(0);
+  EXPECT_FALSE(isOnePathNotDescribed({}, data_.recordings));
+  EXPECT_TRUE(isOnePathNotDescribed(doubts, data_.recordings));
+  follow(0);
+  EXPECT_TRUE(isOnePathNotDescribed(doubts, data_.recordings)) << "a repeat";
+  follow(1);
+  EXPECT_FALSE(isOnePathNotDescribed(doubts, data_.recordings)) << "two paths";
+}
+
 }  // namespace
 }  // namespace knee_robot::tracing
