@@ -17,8 +17,8 @@ using dynamics::FrictionElement;
 constexpr double kWithinErrors = 0.25;
 /// The same where a whole spectrum is the best: with that many shares it comes near to any law.
 constexpr double kWithinErrorsOfSpectrum = 1.0;
-/// One with a rare element is taken when it is better than the best without by so many. Without this, legs of a physical
-/// robot that stand while its controller settles got stops that relax, and predicted another day up to 44 % worse.
+/// One with a rare element is taken when it is better than the best without by so many. Without this, legs of a
+/// physical robot that stand while its controller settles got stops that relax, and predicted another day up to 44 % worse.
 constexpr double kSurelyRare = 2.0;
 
 dynamics::FrictionLaw lawOf(const Sum& sum, const std::vector<FrictionElement>& elements) {

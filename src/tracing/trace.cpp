@@ -233,7 +233,8 @@ void Tracing::searchEffects() {
   }
 }
 
-/// Where all else leaves more than noise while axes move, of two recordings or more; and names that were doubted, beside all that was found.
+/// Of two recordings or more: where all else leaves more than noise while axes move; and names that were doubted, beside
+/// all that was found.
 void Tracing::searchSurfaces() {
   if (options_.most_effects == 0 || !options_.maps || recordings_.size() < 2) return;
   attend(Attention::Moving);

@@ -68,17 +68,23 @@ def interrupted_in_motion(axis, size_m):
     return attack
 
 
+def sinks_by(a, fault, wait_s):
+    """State and way, mm, after the brakes have given way for so long; then they are as they were."""
+    a.begin()
+    a.session.inject(fault)
+    time.sleep(wait_s)
+    state = a.session.state()
+    fell = drop_mm(a.rows())
+    a.session.inject("clear")
+    return state, fell
+
+
 def gives_way(fault):
     def attack(a):
         a.enable()
         answer = a.session.trigger("disable")
         time.sleep(0.5)
-        a.begin()
-        a.session.inject(fault)
-        time.sleep(2.0)
-        state = a.session.state()
-        fell = drop_mm(a.rows())
-        a.session.inject("clear")
+        state, fell = sinks_by(a, fault, 2.0)
         return f"disable {'succeeded' if answer.success else 'failed'}; sinks {fell:.1f} mm; ", f"{state.state}, {state.fault or 'no fault'}", \
             fell > 1.0 and state.state == "faulted" and state.fault == "moved_while_off"
     attack.__doc__ = f"Disabled, the brakes hold; then {fault}: the platform sinks with the drives off."
@@ -90,12 +96,7 @@ def gives_way_after_a_fault(fault):
         a.enable()
         a.session.trigger("emergency_stop")
         time.sleep(1.5)
-        a.begin()
-        a.session.inject(fault)
-        time.sleep(5.0)
-        state = a.session.state()
-        fell = drop_mm(a.rows())
-        a.session.inject("clear")
+        state, fell = sinks_by(a, fault, 5.0)
         said, _ = recover(a)
         return f"{state.state}, {state.fault}; sinks {fell:.1f} mm; ", said, fell > 1.0 and state.fault == "moved_while_off"
     attack.__doc__ = f"An emergency stop, faulted, the brakes hold; then {fault}: the platform sinks; reset, enable."

@@ -15,8 +15,8 @@ enum class FrictionKind {
 
 /// One part of the law of one actuator.
 ///
-/// A stop may lie behind a clearance: it is bent by what is beyond `gap_m`, so that after a reversal nothing presses until
-/// that is crossed. One that relaxes lets go of what it holds with the time constant `relaxation_s`, in motion and at
+/// A stop may lie behind a clearance: it is bent by what is beyond `gap_m`, so that after a reversal nothing presses
+/// until that is crossed. One that relaxes lets go of what it holds with the time constant `relaxation_s`, in motion and at
 /// rest (a Maxwell element that slips).
 ///
 /// Bristles: with the way r = sqrt(dx^2 + (creep dt)^2), the share follows dz = (dx - r z) / width. Creep speed 0 is

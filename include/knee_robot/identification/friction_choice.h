@@ -24,9 +24,8 @@ struct TriedLaw {
   dynamics::FrictionLaw law;  ///< the best of its family on all training data
   int numbers = 1;            ///< shape parameters
   double held_back = 0.0;  ///< mean square over left-out blocks, in units of the noise; its shape chosen without each
-  double beyond_best =
-      0.0;  ///< held_back minus that of the best family that may be chosen (one with a rare element has to
-            ///< be surely better than all others)
+  /// held_back minus that of the best family; below 0 where a family with a rare element is better, but not surely.
+  double beyond_best = 0.0;
   double standard_error = 0.0;  ///< of beyond_best, over the blocks
 };
 
@@ -40,10 +39,10 @@ struct FrictionChoice {
 /// stops, sums of two, and sums of up to six elements with non-negative shares. Blocks of the training data are left
 /// out in turn; within each turn shape and shares are chosen without the block, the other parameters follow by least
 /// squares with the prior of `strength`. Chosen is the simplest family within a quarter of a standard error of the
-/// best (a whole one where that is the spectrum); one with a clearance or relaxation only where it is surely better than
-/// all without. `equations`: weighted, their Coulomb columns set with `present`
-/// laws; other actuators keep theirs. `ranges`, one per actuator. `around`: an earlier choice, between whose shapes
-/// and their neighbours finer steps are tried too.
+/// best (a whole one where that is the spectrum); one with a clearance or relaxation only where it is surely better
+/// than all without. `equations`: weighted, their Coulomb columns set with `present` laws; other actuators keep theirs.
+/// `ranges`, one per actuator. `around`: an earlier choice, between whose shapes and their neighbours finer steps are
+/// tried too.
 std::vector<FrictionChoice> chooseFriction(const std::vector<Observation>& training, const ObservationOptions& options,
                                            const std::vector<Column>& columns, const Equations& equations,
                                            const Eigen::VectorXd& noise_N, const Reduction& reduction, double strength,
