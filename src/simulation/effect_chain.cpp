@@ -72,7 +72,9 @@ bool EffectChain::step(const PlantModel& model, const PlantLoads& loads, const P
     for (int axis = 0; axis < mechanism::kLegs; ++axis) {
       const double dry = loads.coulomb[axis], over = command[axis] - sliding[axis];
       const double rate = at_.rates[axis];
-      const double friction = std::abs(rate) > kAtRest ? std::copysign(dry, rate) : std::min(std::max(over, -dry), dry);
+      double friction = std::abs(rate) > kAtRest ? std::copysign(dry, rate) : std::min(std::max(over, -dry), dry);
+      for (const auto& effect : effects_)
+        friction = effect->dryFriction(axis, dry, before[axis], rate, friction);
       unmodelled_[axis] += (over - friction) / model.substeps;
     }
     for (const auto& effect : effects_)

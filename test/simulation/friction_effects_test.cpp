@@ -222,5 +222,29 @@ TEST(FrictionEffects, TrueRestHoldsUpToTheLevelAtRest) {
   EXPECT_GT(movedBy(loaded, 3, 15.0 + 0.2 * weight + 2.0), 1e-4);
 }
 
+/// Largest |what the simulator says that effects took of axis 2's command - that of a drag| (N) along a wave with reversals and rests.
+double worstUnmodelled(const std::string& effects, double drag_N_s2_per_m2) {
+  EffectBench bench(effects);
+  double worst = 0.0, before = 0.0;
+  bench.follow(
+      4.0, [](double t) { return wave(std::min(t, 3.2), 0.004, 0.5); },
+      [&](const EffectSample& sample) {
+        const double rate = 0.5 * (before + sample.rates[kAxis]), drag = drag_N_s2_per_m2 * rate * std::abs(rate);
+        before = sample.rates[kAxis];
+        if (sample.time_s < 0.1) return;  // the drives come on
+        worst = std::max(worst, std::abs(bench.simulation().unmodelled()[kAxis] - drag));
+      });
+  return worst;
+}
+
+TEST(FrictionEffects, HowFrictionComesUpFromRestIsTheRobotsOwnAndNoEffectOnItsCommand) {
+  for (const char* law : {"law: tanh, speed_m_per_s: 0.001", "law: rational, speed_m_per_s: 0.002",
+                          "law: lugre, distance_m: 2e-4", "law: maxwell_slip, distance_m: 2e-4"}) {
+    const std::string near_rest = std::string("{name: near_rest_friction, ") + law + "}";
+    EXPECT_LT(worstUnmodelled(near_rest, 0.0), 1e-6) << law;
+    EXPECT_LT(worstUnmodelled("{name: quadratic_drag, drag_N_s2_per_m2: 3000}, " + near_rest, 3000.0), 0.02) << law;
+  }
+}
+
 }  // namespace
 }  // namespace knee_robot::simulation

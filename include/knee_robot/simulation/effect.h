@@ -43,6 +43,13 @@ class Effect {
   virtual void addLoads(const EffectStep& /*at*/, PlantLoads& /*loads*/) noexcept {}
   /// Every substep, when the plant has moved: states of its own.
   virtual void follow(const EffectStep& /*now*/) noexcept {}
+  /// Dry friction (N) of axis `leg` over the last substep, which began at `rate` and ended at `rate_after` (m/s), if its
+  /// Coulomb level were `level_N`. An effect that says how friction comes up from rest answers for its own law; others
+  /// leave `friction_N`. Called before follow().
+  virtual double dryFriction(int /*leg*/, double /*level_N*/, double /*rate*/, double /*rate_after*/,
+                             double friction_N) const noexcept {
+    return friction_N;
+  }
   /// What the encoders are fixed to, in place of the lengths (m).
   virtual void changeEncoders(mechanism::Lengths& /*seen*/) const noexcept {}
 };

@@ -26,7 +26,8 @@ class EffectChain {
   /// What acted on the plant during the last substep.
   const PlantLoads& acted() const noexcept { return acted_; }
   /// Mean over the last step of the command (N, per leg) less what a robot without effects would need for the same
-  /// motion. At rest dry friction takes what it can. A rotor behind a coupling or a play counts as an effect.
+  /// motion. At rest dry friction takes what it can, or what a law near rest says (Effect::dryFriction): how friction
+  /// comes up from rest belongs to that robot, too. A rotor behind a coupling or a play counts as an effect.
   const mechanism::Vector4& unmodelled() const noexcept { return unmodelled_; }
 
  private:

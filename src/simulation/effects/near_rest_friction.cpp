@@ -31,11 +31,9 @@ class NearRestFriction : public EffectOf<NearRestFriction> {
       if (on_[i] == 0.0) continue;
       level_[i] = loads.coulomb[i];
       loads.coulomb[i] = 0.0;
-      const double v = std::abs(at.rates[i]);
       if (distance_ > 0.0) continue;
       // As a viscosity, which the plant solves implicitly: the slope at rest is steep.
-      const double part = law_ == "tanh" ? (v > 1e-9 ? std::tanh(v / speed_) / v : 1.0 / speed_) : 1.0 / (v + speed_);
-      loads.viscous[i] += level_[i] * part;
+      loads.viscous[i] += level_[i] * sharePerSpeed(at.rates[i]);
     }
   }
   void addLoads(const EffectStep& at, PlantLoads& loads) noexcept override {
@@ -43,8 +41,14 @@ class NearRestFriction : public EffectOf<NearRestFriction> {
     for (int i = 0; i < mechanism::kLegs; ++i) {
       if (on_[i] == 0.0) continue;
       loads.motor_force[i] -= level_[i] * share(i);
-      loads.viscous[i] += kDamping * std::exp(-std::abs(at.rates[i]) / kSlow_m_per_s);
+      loads.viscous[i] += damping(at.rates[i]);
     }
+  }
+  double dryFriction(int leg, double level_N, double rate, double rate_after,
+                     double friction_N) const noexcept override {
+    if (on_[leg] == 0.0) return friction_N;
+    const double mean = 0.5 * (rate + rate_after);
+    return distance_ > 0.0 ? level_N * share(leg) + damping(rate) * mean : level_N * sharePerSpeed(rate) * mean;
   }
   void follow(const EffectStep& now) noexcept override {
     for (int i = 0; i < mechanism::kLegs && distance_ > 0.0; ++i) {
@@ -64,6 +68,13 @@ class NearRestFriction : public EffectOf<NearRestFriction> {
   static constexpr double kDamping = 200.0;       ///< N s/m of the bristles, while slow
   static constexpr double kSlow_m_per_s = 0.005;  ///< they are straight when it is faster
 
+  static double damping(double rate) noexcept { return kDamping * std::exp(-std::abs(rate) / kSlow_m_per_s); }
+  /// Of the level, s/m, for the laws that are functions of velocity.
+  double sharePerSpeed(double rate) const noexcept {
+    const double v = std::abs(rate);
+    if (law_ == "rational") return 1.0 / (v + speed_);
+    return v > 1e-9 ? std::tanh(v / speed_) / v : 1.0 / speed_;
+  }
   double share(int i) const noexcept {
     const auto& s = state_[static_cast<std::size_t>(i)];
     return law_ == "lugre" ? s[0] : 0.25 * (s[0] + s[1] + s[2] + s[3]);
