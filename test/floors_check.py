@@ -1,5 +1,6 @@
 #!/usr/bin/python3
-"""A room includes rooms on lower floors only, ROS headers stay in nodes/, files stay short, and a class has one source."""
+"""A room includes rooms on lower floors only, ROS headers stay in nodes/, files stay short, a class has one source, and a header is public
+only where somebody outside its room needs it."""
 import collections
 import pathlib
 import re
@@ -43,6 +44,27 @@ def scattered_classes(sources):
             yield f"{room}: class {name} is defined in {', '.join(sorted(names))}: one class is one header and one source"
 
 
+def includes_of(path):
+    return re.findall(r'^\s*#\s*include\s+"(knee_robot/[^"]+)"', path.read_text(), re.MULTILINE)
+
+
+def needless_public_headers(root):
+    """Headers in include/ that no other room, no test of another room and no header that those need includes."""
+    public = {str(path.relative_to(root / "include")): path for path in (root / "include" / "knee_robot").rglob("*.h")}
+    needed = set(re.findall(r"knee_robot/[\w/]+\.h", "".join(path.read_text() for path in (root / "cmake").glob("*.cmake"))))
+    for base in (root / "include" / "knee_robot", root / "src", root / "test"):
+        for path in base.rglob("*"):
+            if path.suffix in (".h", ".cpp"):
+                needed |= {name for name in includes_of(path) if name.split("/")[1] != path.relative_to(base).parts[0]}
+    left = [name for name in needed if name in public]
+    while left:
+        more = [name for name in includes_of(public[left.pop()]) if name in public and name not in needed]
+        needed.update(more)
+        left += more
+    for name in sorted(set(public) - needed):
+        yield f"include/{name}: nobody outside its room needs it: it belongs in src/{name.split('/', 1)[1].rsplit('/', 1)[0]}"
+
+
 def main(root):
     faults, files, sources = [], 0, []
     for base in (root / "include" / "knee_robot", root / "src"):
@@ -54,7 +76,8 @@ def main(root):
                 if path.suffix == ".cpp":
                     sources.append((path, room))
     faults += scattered_classes(sources)
-    print("\n".join(faults) or f"{files} files: every include goes down the floors, every class has one source")
+    faults += needless_public_headers(root)
+    print("\n".join(faults) or f"{files} files: every include goes down the floors, every class has one source, public headers are needed")
     return 1 if faults or not files else 0
 
 

@@ -1,4 +1,4 @@
-#include "knee_robot/control/black_box.h"
+#include "black_box.h"
 
 #include <algorithm>
 

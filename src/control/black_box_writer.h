@@ -5,7 +5,7 @@
 #include <string>
 #include <thread>
 
-#include "knee_robot/control/black_box.h"
+#include "black_box.h"
 
 namespace knee_robot::control {
 

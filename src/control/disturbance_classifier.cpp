@@ -1,4 +1,4 @@
-#include "knee_robot/control/disturbance_classifier.h"
+#include "disturbance_classifier.h"
 
 #include <Eigen/LU>
 #include <algorithm>

@@ -1,4 +1,4 @@
-#include "knee_robot/control/disturbance_observer.h"
+#include "disturbance_observer.h"
 
 #include <algorithm>
 

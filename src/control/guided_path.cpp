@@ -1,4 +1,4 @@
-#include "knee_robot/control/guided_path.h"
+#include "guided_path.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "knee_robot/control/hand_guide.h"
+#include "hand_guide.h"
 
 #include <algorithm>
 #include <cmath>

@@ -2,18 +2,18 @@
 
 #include <vector>
 
+#include "black_box.h"
+#include "disturbance_observer.h"
+#include "hand_guide.h"
 #include "knee_robot/control/axes_input.h"
 #include "knee_robot/control/axes_output.h"
-#include "knee_robot/control/black_box.h"
-#include "knee_robot/control/disturbance_observer.h"
 #include "knee_robot/control/driver.h"
-#include "knee_robot/control/hand_guide.h"
 #include "knee_robot/control/model_feedforward.h"
-#include "knee_robot/control/monitors.h"
 #include "knee_robot/control/recorder.h"
 #include "knee_robot/control/supervisor.h"
 #include "knee_robot/control/sync.h"
 #include "knee_robot/rt/deployer.h"
+#include "monitors.h"
 
 namespace knee_robot::control {
 

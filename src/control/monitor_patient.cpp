@@ -1,4 +1,4 @@
-#include "knee_robot/control/monitor_patient.h"
+#include "monitor_patient.h"
 
 #include <algorithm>
 

@@ -1,4 +1,4 @@
-#include "knee_robot/control/monitors.h"
+#include "monitors.h"
 
 #include <algorithm>
 

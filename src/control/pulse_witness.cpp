@@ -1,4 +1,4 @@
-#include "knee_robot/control/pulse_witness.h"
+#include "pulse_witness.h"
 
 #include <algorithm>
 #include <cmath>

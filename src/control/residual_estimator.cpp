@@ -1,4 +1,4 @@
-#include "knee_robot/control/residual_estimator.h"
+#include "residual_estimator.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "knee_robot/control/virtual_walls.h"
+#include "virtual_walls.h"
 
 #include <algorithm>
 

@@ -1,4 +1,4 @@
-#include "knee_robot/identification/bootstrap.h"
+#include "bootstrap.h"
 
 #include <Eigen/Cholesky>
 #include <algorithm>

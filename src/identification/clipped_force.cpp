@@ -1,4 +1,4 @@
-#include "knee_robot/identification/clipped_force.h"
+#include "clipped_force.h"
 
 #include <algorithm>
 #include <cmath>

@@ -7,8 +7,8 @@
 #include "knee_robot/base/numbers.h"
 #include "knee_robot/dynamics/parameters.h"
 #include "knee_robot/identification/equations.h"
-#include "knee_robot/identification/masking.h"
 #include "knee_robot/identification/motion_model.h"
+#include "masking.h"
 
 namespace knee_robot::identification {
 namespace {

@@ -5,11 +5,11 @@
 #include <cmath>
 
 #include "knee_robot/base/errors.h"
-#include "knee_robot/identification/masking.h"
 #include "knee_robot/identification/prior.h"
 #include "knee_robot/identification/robust_fit.h"
 #include "knee_robot/identification/trained_range.h"
 #include "loaded_start.h"
+#include "masking.h"
 #include "refusals.h"
 
 namespace knee_robot::identification {

@@ -1,11 +1,11 @@
-#include "knee_robot/identification/masking.h"
+#include "masking.h"
 
 #include <algorithm>
 #include <cmath>
 
+#include "clipped_force.h"
 #include "knee_robot/base/numbers.h"
 #include "knee_robot/base/quantile.h"
-#include "knee_robot/identification/clipped_force.h"
 #include "knee_robot/mechanism/singularity.h"
 #include "knee_robot/recording/filter.h"
 

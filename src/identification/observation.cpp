@@ -4,9 +4,9 @@
 #include <cmath>
 
 #include "knee_robot/base/parallel.h"
-#include "knee_robot/identification/masking.h"
 #include "knee_robot/identification/motion_model.h"
 #include "knee_robot/recording/filter.h"
+#include "masking.h"
 
 namespace knee_robot::identification {
 namespace {

@@ -6,7 +6,7 @@
 #include "knee_robot/base/errors.h"
 #include "knee_robot/base/numbers.h"
 #include "knee_robot/base/words.h"
-#include "knee_robot/identification/masking.h"
+#include "masking.h"
 
 namespace knee_robot::identification {
 namespace {

@@ -6,8 +6,8 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "bootstrap.h"
 #include "knee_robot/base/quantile.h"
-#include "knee_robot/identification/bootstrap.h"
 
 namespace knee_robot::identification {
 namespace {

@@ -8,8 +8,8 @@
 
 #include "knee_robot/base/numbers.h"
 #include "knee_robot/recording/jumps.h"
-#include "knee_robot/recording/reference_check.h"
 #include "knee_robot/recording/signals.h"
+#include "reference_check.h"
 
 namespace knee_robot::recording {
 namespace {

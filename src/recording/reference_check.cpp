@@ -1,4 +1,4 @@
-#include "knee_robot/recording/reference_check.h"
+#include "reference_check.h"
 
 #include <algorithm>
 #include <cmath>

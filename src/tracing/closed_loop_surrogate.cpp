@@ -1,4 +1,4 @@
-#include "knee_robot/tracing/closed_loop_surrogate.h"
+#include "closed_loop_surrogate.h"
 
 #include <Eigen/QR>
 #include <algorithm>

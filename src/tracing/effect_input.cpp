@@ -7,7 +7,7 @@
 #include "knee_robot/dynamics/chain_regressor.h"
 #include "knee_robot/dynamics/regressor.h"
 #include "knee_robot/mechanism/kinematics.h"
-#include "knee_robot/tracing/place_age.h"
+#include "place_age.h"
 
 namespace knee_robot::tracing {
 namespace {

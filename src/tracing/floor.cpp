@@ -1,4 +1,4 @@
-#include "knee_robot/tracing/floor.h"
+#include "floor.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "knee_robot/tracing/null.h"
+#include "null.h"
 
 #include <algorithm>
 #include <cmath>

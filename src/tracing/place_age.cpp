@@ -1,4 +1,4 @@
-#include "knee_robot/tracing/place_age.h"
+#include "place_age.h"
 
 #include <algorithm>
 #include <cmath>

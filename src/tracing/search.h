@@ -2,10 +2,10 @@
 
 #include <functional>
 
-#include "knee_robot/tracing/floor.h"
-#include "knee_robot/tracing/null.h"
+#include "floor.h"
 #include "knee_robot/tracing/trace_result.h"
 #include "library.h"
+#include "null.h"
 
 namespace knee_robot::tracing {
 

@@ -1,6 +1,6 @@
 #include "knee_robot/identification/trained_range.h"
-#include "knee_robot/tracing/null.h"
 #include "knee_robot/tracing/trace.h"
+#include "null.h"
 
 namespace knee_robot::tracing {
 namespace {

@@ -1,4 +1,4 @@
-#include "knee_robot/control/disturbance_classifier.h"
+#include "src/control/disturbance_classifier.h"
 
 #include <gtest/gtest.h>
 

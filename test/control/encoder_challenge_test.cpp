@@ -6,8 +6,8 @@
 
 #include <cmath>
 
-#include "knee_robot/control/rest_watch.h"
 #include "knee_robot/control/standing_axis.h"
+#include "src/control/rest_watch.h"
 
 namespace knee_robot::control {
 namespace {

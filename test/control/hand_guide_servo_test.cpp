@@ -5,8 +5,8 @@
 #include <cmath>
 #include <cstdio>
 
-#include "knee_robot/control/hand_guide.h"
 #include "some_model.h"
+#include "src/control/hand_guide.h"
 #include "test/allocation_guard.h"
 #include "test/mechanism/configured_robot.h"
 

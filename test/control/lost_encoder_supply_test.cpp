@@ -1,7 +1,7 @@
 // The encoders' common supply is lost at rest: nothing counts, nothing looks like a disturbance, and whoever pushes
 // takes the platform along.
 #include "holding_robot.h"
-#include "knee_robot/control/rest_turn.h"
+#include "src/control/rest_turn.h"
 
 namespace knee_robot::control {
 namespace {

@@ -1,5 +1,5 @@
 // One test a failure that a monitor is there to prevent, and one that it does not see ghosts.
-#include "knee_robot/control/monitors.h"
+#include "src/control/monitors.h"
 
 #include <gtest/gtest.h>
 

@@ -5,8 +5,8 @@
 
 #include "knee_robot/base/errors.h"
 #include "knee_robot/base/files.h"
-#include "knee_robot/control/monitor_patient.h"
 #include "knee_robot/control/patient_limits.h"
+#include "src/control/monitor_patient.h"
 #include "system_rig.h"
 #include "test/mechanism/configured_robot.h"
 #include "test/refusal.h"

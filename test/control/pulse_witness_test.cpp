@@ -1,5 +1,5 @@
 // What the other axes say of an axis that does not count: it moves, it does not, or nobody can tell.
-#include "knee_robot/control/pulse_witness.h"
+#include "src/control/pulse_witness.h"
 
 #include <gtest/gtest.h>
 

@@ -5,7 +5,7 @@
 
 #include "fake_machine.h"
 #include "knee_robot/base/constants.h"
-#include "knee_robot/control/monitors.h"
+#include "src/control/monitors.h"
 
 namespace knee_robot::control {
 namespace {

@@ -2,8 +2,8 @@
 #include <gtest/gtest.h>
 
 #include "knee_robot/base/errors.h"
-#include "knee_robot/hardware/can/drive_setup.h"
 #include "src/hardware/can/bus_load.h"
+#include "src/hardware/can/drive_setup.h"
 #include "test/hardware/can_bench.h"
 #include "test/refusal.h"
 

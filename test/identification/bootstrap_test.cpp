@@ -1,4 +1,4 @@
-#include "knee_robot/identification/bootstrap.h"
+#include "src/identification/bootstrap.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "knee_robot/identification/clipped_force.h"
+#include "src/identification/clipped_force.h"
 
 #include <gtest/gtest.h>
 

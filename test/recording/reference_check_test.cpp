@@ -1,4 +1,4 @@
-#include "knee_robot/recording/reference_check.h"
+#include "src/recording/reference_check.h"
 
 #include <gtest/gtest.h>
 

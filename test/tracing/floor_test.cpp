@@ -1,4 +1,4 @@
-#include "knee_robot/tracing/floor.h"
+#include "src/tracing/floor.h"
 
 #include <gtest/gtest.h>
 

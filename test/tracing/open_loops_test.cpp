@@ -1,7 +1,7 @@
 // Which axes' surrogates are believed in closed loop.
 #include <gtest/gtest.h>
 
-#include "knee_robot/tracing/closed_loop_surrogate.h"
+#include "src/tracing/closed_loop_surrogate.h"
 
 namespace knee_robot::tracing {
 namespace {

@@ -1,5 +1,5 @@
 // How long ago an actuator was last where it is now.
-#include "knee_robot/tracing/place_age.h"
+#include "src/tracing/place_age.h"
 
 #include <gtest/gtest.h>
 

@@ -5,8 +5,8 @@
 #include <cstdio>
 
 #include "bus_errors.h"
+#include "drive_setup.h"
 #include "knee_robot/hardware/can/can_socket.h"
-#include "knee_robot/hardware/can/drive_setup.h"
 
 namespace knee_robot::hardware::can {
 namespace {

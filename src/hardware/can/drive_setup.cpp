@@ -1,4 +1,4 @@
-#include "knee_robot/hardware/can/drive_setup.h"
+#include "drive_setup.h"
 
 #include <cmath>
 #include <cstdio>

@@ -1,4 +1,4 @@
-#include "knee_robot/hardware/can/pdo_mapping.h"
+#include "pdo_mapping.h"
 
 namespace knee_robot::hardware::can {
 namespace {

@@ -4,14 +4,14 @@
 #include <memory>
 #include <string>
 
+#include "guided_path.h"
 #include "knee_robot/control/axis_data.h"
-#include "knee_robot/control/guided_path.h"
-#include "knee_robot/control/residual_estimator.h"
-#include "knee_robot/control/virtual_walls.h"
 #include "knee_robot/rt/channel.h"
 #include "knee_robot/rt/operation.h"
 #include "knee_robot/rt/port.h"
 #include "knee_robot/rt/property.h"
+#include "residual_estimator.h"
+#include "virtual_walls.h"
 
 namespace knee_robot::control {
 

@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "knee_robot/control/monitor_view.h"
+#include "monitor_view.h"
 
 namespace knee_robot::control {
 

@@ -5,7 +5,7 @@
 
 #include "knee_robot/hardware/can/can_settings.h"
 #include "knee_robot/hardware/can/frame_port.h"
-#include "knee_robot/hardware/can/pdo_mapping.h"
+#include "pdo_mapping.h"
 
 namespace knee_robot::hardware::can {
 

@@ -3,15 +3,15 @@
 #include <memory>
 #include <string>
 
+#include "disturbance_classifier.h"
 #include "knee_robot/control/axis_data.h"
-#include "knee_robot/control/disturbance_classifier.h"
-#include "knee_robot/control/pulse_witness.h"
-#include "knee_robot/control/residual_estimator.h"
-#include "knee_robot/control/rest_turn.h"
-#include "knee_robot/control/rest_watch.h"
 #include "knee_robot/mechanism/robot.h"
 #include "knee_robot/rt/port.h"
 #include "knee_robot/rt/property.h"
+#include "pulse_witness.h"
+#include "residual_estimator.h"
+#include "rest_turn.h"
+#include "rest_watch.h"
 
 namespace knee_robot::control {
 

@@ -2,7 +2,7 @@
 
 #include <array>
 
-#include "knee_robot/control/residual_estimator.h"
+#include "residual_estimator.h"
 
 namespace knee_robot::control {
 

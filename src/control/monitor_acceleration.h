@@ -3,7 +3,7 @@
 #include <array>
 #include <cmath>
 
-#include "knee_robot/control/monitor_view.h"
+#include "monitor_view.h"
 
 namespace knee_robot::control {
 

@@ -4,21 +4,21 @@
 #include <mutex>
 
 #include "knee_robot/control/axis_data.h"
-#include "knee_robot/control/monitor_acceleration.h"
-#include "knee_robot/control/monitor_encoder_frozen.h"
-#include "knee_robot/control/monitor_encoder_jump.h"
-#include "knee_robot/control/monitor_encoder_noise.h"
-#include "knee_robot/control/monitor_patient.h"
-#include "knee_robot/control/monitor_runaway.h"
-#include "knee_robot/control/monitor_saturation.h"
-#include "knee_robot/control/monitor_soft_limit.h"
-#include "knee_robot/control/monitor_stall.h"
-#include "knee_robot/control/monitor_thermal.h"
-#include "knee_robot/control/monitor_velocity.h"
 #include "knee_robot/rt/channel.h"
 #include "knee_robot/rt/operation.h"
 #include "knee_robot/rt/port.h"
 #include "knee_robot/rt/property.h"
+#include "monitor_acceleration.h"
+#include "monitor_encoder_frozen.h"
+#include "monitor_encoder_jump.h"
+#include "monitor_encoder_noise.h"
+#include "monitor_patient.h"
+#include "monitor_runaway.h"
+#include "monitor_saturation.h"
+#include "monitor_soft_limit.h"
+#include "monitor_stall.h"
+#include "monitor_thermal.h"
+#include "monitor_velocity.h"
 
 namespace knee_robot::control {
 

@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "knee_robot/tracing/closed_loop_surrogate.h"
+#include "closed_loop_surrogate.h"
 #include "knee_robot/tracing/hypothesis.h"
 
 namespace knee_robot::tracing {

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "knee_robot/control/monitor_view.h"
+#include "monitor_view.h"
 
 namespace knee_robot::control {
 
