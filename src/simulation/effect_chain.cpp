@@ -72,7 +72,10 @@ bool EffectChain::step(const PlantModel& model, const PlantLoads& loads, const P
     for (int axis = 0; axis < mechanism::kLegs; ++axis) {
       const double dry = loads.coulomb[axis], over = command[axis] - sliding[axis];
       const double rate = at_.rates[axis];
-      double friction = std::abs(rate) > kAtRest ? std::copysign(dry, rate) : std::min(std::max(over, -dry), dry);
+      // a held axis creeps by rounding and by the third order of the substep
+      const bool slides =
+          std::abs(rate) > kAtRest && state.contacts[static_cast<std::size_t>(axis)] != AxisContact::Held;
+      double friction = slides ? std::copysign(dry, rate) : std::min(std::max(over, -dry), dry);
       for (const auto& effect : effects_)
         friction = effect->dryFriction(axis, dry, before[axis], rate, friction);
       unmodelled_[axis] += (over - friction) / model.substeps;
