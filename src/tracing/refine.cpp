@@ -13,7 +13,9 @@ namespace {
 
 constexpr int kSteps = 6;
 constexpr double kRelativeStep = 1e-3, kLeastStep = 1e-6;  ///< of shapes, for derivatives
-constexpr double kReach_m = 0.2;   ///< by which what may have either sign (an anchor) moves at least, past zero
+constexpr double kReach_m = 0.2;  ///< by which what may have either sign (an anchor) moves at least, past zero
+constexpr double kAtReach_m = 1e-3;
+constexpr int kTimesRefined = 4;   ///< an anchor of a strap lies up to a metre from where the search begins
 constexpr double kFarthest = 1.5;  ///< factor by which a shape may move: further away it is another hypothesis
 
 /// Where a refined parameter is: effect, entry of its shape.
@@ -102,38 +104,53 @@ class LeftBeside : public ceres::CostFunction {
   mutable std::vector<Eigen::MatrixXd> columns_;  ///< weighted and without what the base explains, at that point
 };
 
-}  // namespace
-
-void refineShapes(Search& s) {
+/// What may be refined, and how far.
+struct Room {
   std::vector<Entry> entries;
-  std::vector<double> values;
-  for (std::size_t k = 0; k < s.effects.size(); ++k) {
-    const Hypothesis& h = s.effects[k].hypothesis;
-    const std::vector<ShapeParameter> shapes = h.place.candidate->shapeParameters();
-    for (std::size_t p = 0; p < shapes.size(); ++p) {
-      if (shapes[p].fixed || s.effects[k].band_hz > 0.0) continue;
-      entries.push_back({k, p});
-      values.push_back(h.shape[p]);
-    }
-  }
-  if (entries.empty()) return;
-  ceres::Problem problem;
-  problem.AddResidualBlock(new LeftBeside(s, entries), nullptr, values.data());
-  for (std::size_t k = 0; k < entries.size(); ++k) {
-    const Hypothesis& h = s.effects[entries[k].effect].hypothesis;
-    const ShapeParameter bounds = h.place.candidate->shapeParameters()[entries[k].parameter];
-    const double reach = bounds.low < 0.0 ? kReach_m : 0.0;
-    double a = std::min(values[k] / kFarthest, values[k] - reach);
-    double b = std::max(values[k] * kFarthest, values[k] + reach);
-    if (entries[k].parameter == 0) {
-      const auto [shortest, longest] = roomOfPeriod(s, entries[k].effect);
+  std::vector<double> values, low, high;
+  std::vector<char> goes_on;  ///< one that may have either sign: nothing but the reach ends it
+
+  void add(const Search& s, const Entry& entry) {
+    const Hypothesis& h = s.effects[entry.effect].hypothesis;
+    const ShapeParameter bounds = h.place.candidate->shapeParameters()[entry.parameter];
+    const double value = h.shape[entry.parameter], reach = bounds.low < 0.0 ? kReach_m : 0.0;
+    double a = std::min(value / kFarthest, value - reach), b = std::max(value * kFarthest, value + reach);
+    if (entry.parameter == 0) {
+      const auto [shortest, longest] = roomOfPeriod(s, entry.effect);
       a = std::max(a, shortest);
       b = std::min(b, longest);
     }
-    problem.SetParameterLowerBound(values.data(), static_cast<int>(k),
-                                   std::min(values[k], std::max(bounds.low, std::min(a, b))));
-    problem.SetParameterUpperBound(values.data(), static_cast<int>(k),
-                                   std::max(values[k], std::min(bounds.high, std::max(a, b))));
+    entries.push_back(entry);
+    values.push_back(value);
+    low.push_back(std::min(value, std::max(bounds.low, std::min(a, b))));
+    high.push_back(std::max(value, std::min(bounds.high, std::max(a, b))));
+    goes_on.push_back(bounds.low < 0.0 && low.back() > bounds.low && high.back() < bounds.high);
+  }
+  bool isAtItsReach(std::size_t k) const {
+    return goes_on[k] != 0 && std::min(values[k] - low[k], high[k] - values[k]) < kAtReach_m;
+  }
+};
+
+Room roomOf(const Search& s) {
+  Room room;
+  for (std::size_t k = 0; k < s.effects.size(); ++k) {
+    const std::vector<ShapeParameter> shapes = s.effects[k].hypothesis.place.candidate->shapeParameters();
+    for (std::size_t p = 0; p < shapes.size(); ++p) {
+      if (!shapes[p].fixed && s.effects[k].band_hz == 0.0) room.add(s, {k, p});
+    }
+  }
+  return room;
+}
+
+/// Whether the shapes came nearer to the data, but an anchor only as far as it may move at once.
+bool refineOnce(Search& s) {
+  Room room = roomOf(s);
+  if (room.entries.empty()) return false;
+  ceres::Problem problem;
+  problem.AddResidualBlock(new LeftBeside(s, room.entries), nullptr, room.values.data());
+  for (std::size_t k = 0; k < room.entries.size(); ++k) {
+    problem.SetParameterLowerBound(room.values.data(), static_cast<int>(k), room.low[k]);
+    problem.SetParameterUpperBound(room.values.data(), static_cast<int>(k), room.high[k]);
   }
   ceres::Solver::Options options;
   options.max_num_iterations = kSteps;
@@ -141,10 +158,21 @@ void refineShapes(Search& s) {
   options.logging_type = ceres::SILENT;
   ceres::Solver::Summary summary;
   ceres::Solve(options, &problem, &summary);
-  if (!summary.IsSolutionUsable() || !(summary.final_cost < summary.initial_cost)) return;
-  for (std::size_t k = 0; k < entries.size(); ++k)
-    s.effects[entries[k].effect].hypothesis.shape[entries[k].parameter] = values[k];
+  if (!summary.IsSolutionUsable() || !(summary.final_cost < summary.initial_cost)) return false;
+  bool reached = false;
+  for (std::size_t k = 0; k < room.entries.size(); ++k) {
+    s.effects[room.entries[k].effect].hypothesis.shape[room.entries[k].parameter] = room.values[k];
+    reached = reached || room.isAtItsReach(k);
+  }
   refit(s);
+  return reached;
+}
+
+}  // namespace
+
+void refineShapes(Search& s) {
+  for (int round = 0; round < kTimesRefined && refineOnce(s); ++round) {
+  }
 }
 
 }  // namespace knee_robot::tracing

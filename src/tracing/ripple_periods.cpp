@@ -47,7 +47,7 @@ std::pair<double, double> roomOfPeriod(const Search& s, std::size_t effect) {
   const Hypothesis& own = s.effects[effect].hypothesis;
   const double way = wayOf(s, own.place.actuator);
   double fewest = 0.0, most = std::numeric_limits<double>::infinity();  // turns per metre
-  if (!own.place.candidate->periodic()) return {0.0, most};
+  if (!own.place.candidate->periodic()) return {-most, most};           // no period: an anchor may lie on either side
   for (const FoundEffect& e : s.effects) {
     if (!isAnother(own.place, e.hypothesis.place)) continue;
     const double mine = 1.0 / own.shape[0], theirs = 1.0 / e.hypothesis.shape[0];

@@ -12,7 +12,7 @@ namespace knee_robot::tracing {
 bool periodCoincides(const Search& search, const Hypothesis& ripple);
 
 /// Bounds (m) between which the period of a found ripple may be refined without coming nearer to another of its kind
-/// on the actuator, when that may come towards it as far. Zero and infinity where it has none.
+/// on the actuator, when that may come towards it as far. Zero and infinity where it has none, none for other effects.
 std::pair<double, double> roomOfPeriod(const Search& search, std::size_t effect);
 
 }  // namespace knee_robot::tracing
