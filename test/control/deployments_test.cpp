@@ -4,7 +4,10 @@
 #include <filesystem>
 
 #include "fake_machine.h"
+#include "knee_robot/base/files.h"
+#include "knee_robot/control/component_types.h"
 #include "knee_robot/control/control_system.h"
+#include "src/control/wide_limits.h"
 
 namespace knee_robot::control {
 namespace {
@@ -30,6 +33,72 @@ TEST(Deployments, MakeAControllerThatStartsEach) {
     ++made;
   }
   EXPECT_GE(made, 3);
+}
+
+double numberOf(const rt::PropertyBase* property) {
+  if (const auto* real = dynamic_cast<const rt::Property<double>*>(property)) return real->value();
+  if (const auto* whole = dynamic_cast<const rt::Property<int>*>(property)) return whole->value();
+  return std::nan("");
+}
+
+/// The table repeats what components say of themselves; a default that changes, or a property that gets another name, has
+/// to change it, too.
+TEST(WideLimits, AreAboutThreeTimesWhatTheComponentsThemselvesHaveAsDefaults) {
+  fake::Machine machine(fake::robot());
+  const rt::TypeFactory types = componentTypes(fake::robot(), fake::hardware(), machine, {});
+  const std::vector<WideLimit> all = wideLimits();
+  EXPECT_GT(all.size(), 50u);
+  for (const WideLimit& limit : all) {
+    const auto component = types.at(limit.type)("it");
+    const double usual = numberOf(component->property(limit.property));
+    const std::string what = limit.type + "." + limit.property + ": " + std::to_string(usual);
+    EXPECT_TRUE(usual >= limit.least && usual <= limit.most) << what;
+    if (std::isfinite(limit.most) && usual > 0.0) {
+      EXPECT_LE(limit.most, 4.01 * usual) << what;
+    }
+    if (!std::isfinite(limit.most)) {
+      EXPECT_GE(limit.least, 0.29 * usual) << what;
+    }
+  }
+}
+
+std::string opened(const std::string& path) {
+  fake::Machine machine(fake::robot());
+  ControlSystem::Options options;
+  options.execution = rt::Execution::Stepped;
+  const ControlSystem system(fake::robot(), fake::hardware(), path, machine, options);
+  std::string all;
+  for (const std::string& one : limitsOpenedWide(MachineComponents(system.deployment())))
+    all += one + "; ";
+  return all;
+}
+
+TEST(WideLimits, AreExceededByTheDeploymentsOfTheSimulatedRobotOnly) {
+  for (const std::string& path : filesIn("/config/deployment")) {
+    const std::string name = std::filesystem::path(path).filename();
+    const bool simulated = name == "simulation.yaml" || name == "can.yaml";
+    // It is a process of its own that nobody schedules in real time, and its motors cannot get hot.
+    EXPECT_EQ(opened(path), simulated ? "Monitors.velocity_s 0.05 (at most 0.02); "
+                                        "Monitors.thermal_time_constant_s 1000 (at most 120); "
+                                      : "")
+        << name;
+  }
+}
+
+TEST(WideLimits, AreKeptByWhatTheLaunchFilesOfRealMachinesStart) {
+  int started = 0;
+  for (const std::string& path : filesIn("/launch")) {
+    const std::string name = std::filesystem::path(path).filename();
+    if (name.find("industrial_pc") == std::string::npos) continue;
+    const std::string text = readFile(path);
+    const std::string before = "name=\"deployment\" default=\"$(find knee_robot)";
+    const std::size_t from = text.find(before);
+    ASSERT_NE(from, std::string::npos) << name;
+    const std::size_t begin = from + before.size();
+    EXPECT_EQ(opened(KNEE_SOURCE_DIR + text.substr(begin, text.find('"', begin) - begin)), "") << name;
+    ++started;
+  }
+  EXPECT_EQ(started, 2);
 }
 
 TEST(HardwareFiles, OfRealMachinesStartFaultedAndNotHomed) {
