@@ -132,7 +132,7 @@ constexpr std::array<FaultDescription, kFaults> kTable = {{
      "gives no force",
      kAtOnce, kLost, kOne,
      "look for a brake that did not open, an obstacle, a drive without power; then check the encoder's cable and "
-     "coupling, and home again where no axis counts"},
+     "coupling, and home again"},
     {F::DriveStaysOn, "drive_stays_on", "the drive says that it is on although it was switched off", kWhenGone, kLost,
      kOne, "keep away and take its supply; then check its enable input and bus cable, and restart the controller"},
     {F::DrivesNotReady, "drives_not_ready", "a drive is not ready: it has lost its supply, or is in fault", kAtOnce,

@@ -1,6 +1,7 @@
 #include "knee_robot/control/lost_counts.h"
 
 #include <algorithm>
+#include <cmath>
 #include <cstdlib>
 #include <utility>
 
@@ -12,7 +13,7 @@ constexpr std::int64_t kCounts = 5;  // open inputs dither by two
 
 }  // namespace
 
-LostCounts::Axes LostCounts::step(const SupervisorView& view, rt::Nanoseconds now) noexcept {
+LostCounts::Axes LostCounts::step(const SupervisorView& view, bool faulted, rt::Nanoseconds now) noexcept {
   if (marked_at_ == 0 || now - marked_at_ >= kJust) {
     mark_before_ = marked_at_ == 0 ? view.measured.counts : mark_;
     mark_ = view.measured.counts;
@@ -22,14 +23,32 @@ LostCounts::Axes LostCounts::step(const SupervisorView& view, rt::Nanoseconds no
     const Fault judged = view.verdict.fault[i];
     const Fault tested = view.commands[i].fault;
     const bool frozen = judged == Fault::EncoderFrozen || tested == Fault::EncoderFrozen;
-    if (frozen || (tested == Fault::AxisBlocked && !blocked_[i] && !othersCount(view, i))) doubted_.fill(true);
-    blocked_[i] = tested == Fault::AxisBlocked;
+    const bool blocked = tested == Fault::AxisBlocked;
+    if (frozen || (blocked && !blocked_[i] && !othersCount(view, i))) doubted_.fill(true);
+    blocked_[i] = blocked;
+    watch(view, i);
+    doubted_[i] = doubted_[i] || blocked || (faulted && unseen_[i]);
   }
   Axes lost{};
   if (view.drivesAreOff()) std::swap(lost, doubted_);
   for (std::size_t i = 0; i < hardware::kAxes; ++i)
     lost[i] = lost[i] || view.verdict.fault[i] == Fault::EncoderJump;
   return lost;
+}
+
+/// A loop that was given up follows nothing any more: what was seen of it before stands.
+void LostCounts::watch(const SupervisorView& view, std::size_t axis) noexcept {
+  const AxisCommand& command = view.commands[axis];
+  const bool counts = std::abs(view.measured.counts[axis] - seen_counts_[axis]) > kCounts;
+  const bool carries = view.written.level == DriveLevel::Released;
+  if (carries && !command.active) return;
+  if (!carries || counts) {
+    seen_counts_[axis] = view.measured.counts[axis];
+    seen_reference_m_[axis] = command.reference_m;
+    unseen_[axis] = false;
+  } else if (std::abs(command.reference_m - seen_reference_m_[axis]) >= kUnseen_m) {
+    unseen_[axis] = true;
+  }
 }
 
 bool LostCounts::othersCount(const SupervisorView& view, std::size_t axis) const noexcept {

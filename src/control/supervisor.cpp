@@ -120,7 +120,7 @@ void Supervisor::detectFaults(rt::Nanoseconds now) {
   const bool off = (state_ == MachineState::Disabled || state_ == MachineState::Faulted) && view_.drivesAreOff();
   const bool held = off && homing_.isHomed() && view_.hasMeasured();
   if (const int moved = held_place_.step(held, view_, now); moved != 0) raise({Fault::MovedWhileOff, moved});
-  const LostCounts::Axes lost = lost_counts_.step(view_, now);
+  const LostCounts::Axes lost = lost_counts_.step(view_, fault_.isLatched(), now);
   for (std::size_t i = 0; i < hardware::kAxes; ++i) {
     if (lost[i]) homing_.forget(i);
   }
