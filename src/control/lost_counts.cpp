@@ -36,12 +36,14 @@ LostCounts::Axes LostCounts::step(const SupervisorView& view, bool faulted, rt::
   return lost;
 }
 
-/// A loop that was given up follows nothing any more: what was seen of it before stands.
+/// A loop that was given up follows nothing any more, and an axis behind engaged brakes need not count: what was seen
+/// before stands.
 void LostCounts::watch(const SupervisorView& view, std::size_t axis) noexcept {
   const AxisCommand& command = view.commands[axis];
   const bool counts = std::abs(view.measured.counts[axis] - seen_counts_[axis]) > kCounts;
   const bool carries = view.written.level == DriveLevel::Released;
-  if (carries && !command.active) return;
+  const SafeStopPhase phase = view.written.safe_stop;
+  if (carries && !(command.active && (phase == SafeStopPhase::Idle || slowsDown(phase)))) return;
   if (!carries || counts) {
     seen_counts_[axis] = view.measured.counts[axis];
     seen_reference_m_[axis] = command.reference_m;

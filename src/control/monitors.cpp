@@ -127,7 +127,8 @@ Fault Monitors::evaluate(std::size_t i, const AxisView& view) noexcept {
   Axis& axis = axes_[i];
   const bool hot = axis.thermal.step(view, actuator.force_continuous_N, thermal_time, thermal_share, thermal_housing);
   out_.heat[i] = axis.thermal.heat();
-  if (any_ && axis.jump.step(view, actuator.velocity_max_m_per_s, jump_factor, jump_floor, jump_gap))
+  const bool leaps = axis.leap.step(view, actuator.metresPerCount(), jump_factor, jump_acceleration);
+  if (any_ && (leaps || axis.jump.step(view, actuator.velocity_max_m_per_s, jump_factor, jump_floor, jump_gap)))
     return Fault::EncoderJump;
   if (axis.noise.step(view, actuator.metresPerCount())) return Fault::EncoderJump;
   if (hot) return Fault::ThermalOverload;

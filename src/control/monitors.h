@@ -11,6 +11,7 @@
 #include "monitor_acceleration.h"
 #include "monitor_encoder_frozen.h"
 #include "monitor_encoder_jump.h"
+#include "monitor_encoder_leap.h"
 #include "monitor_encoder_noise.h"
 #include "monitor_patient.h"
 #include "monitor_runaway.h"
@@ -48,6 +49,14 @@ class Monitors : public rt::TaskContext {
   rt::Property<double> jump_floor{*this, "jump_floor_m", 1e-3, "m", 1e-5, 0.1, "encoder jump: added to it"};
   rt::Property<double> jump_gap{
       *this, "jump_gap_m", 5e-3, "m", 1e-3, 0.1, "encoder jump: largest change while the encoders could not be read"};
+  rt::Property<double> jump_acceleration{*this,
+                                         "jump_acceleration_m_per_s2",
+                                         200.0,
+                                         "m/s^2",
+                                         50.0,
+                                         1e6,
+                                         "encoder jump: from rest, or beyond jump_factor times the speed of the last "
+                                         "moments; no force accelerates an axis like that"};
   rt::Property<double> frozen_distance{
       *this, "frozen_distance_m", 0.002, "m", 1e-4, 0.1, "frozen encoder: motion of the reference"};
   rt::Property<double> frozen_share{
@@ -146,6 +155,7 @@ class Monitors : public rt::TaskContext {
  private:
   struct Axis {
     EncoderJumpMonitor jump;
+    EncoderLeapMonitor leap;
     EncoderNoiseMonitor noise;
     EncoderFrozenMonitor frozen;
     SoftLimitMonitor soft;

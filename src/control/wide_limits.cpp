@@ -44,6 +44,7 @@ constexpr Bound kMonitors[] = {
     {"jump_factor", 0.0, 12.0},
     {"jump_floor_m", 0.0, 0.003},
     {"jump_gap_m", 0.0, 0.015},
+    {"jump_acceleration_m_per_s2", 0.0, 600.0},
     {"thermal_time_constant_s", 0.0, 120.0},
     {"thermal_housing_s", 0.0, 3300.0},
     {"thermal_winding_share", 0.1, kNone},

@@ -79,6 +79,7 @@ TEST(WideLimits, AreExceededByTheDeploymentsOfTheSimulatedRobotOnly) {
     const bool simulated = name == "simulation.yaml" || name == "can.yaml";
     // It is a process of its own that nobody schedules in real time, and its motors cannot get hot.
     EXPECT_EQ(opened(path), simulated ? "Monitors.velocity_s 0.05 (at most 0.02); "
+                                        "Monitors.jump_acceleration_m_per_s2 1e+06 (at most 600); "
                                         "Monitors.thermal_time_constant_s 1000 (at most 120); "
                                       : "")
         << name;

@@ -114,6 +114,24 @@ TEST(LostPlaces, OpenInputsThatCountToAndFroEndTheMotionBeforeTheAxisRunsAway) {
   }
 }
 
+/// Interference that adds 1.8 mm to a counter each 0.2 s, less than an encoder jump of the fastest motion.
+TEST(LostPlaces, LeapsOfAnEncoderAtRestDoNotCarryThePlatformAway) {
+  for (std::size_t axis = 0; axis < hardware::kAxes; ++axis) {
+    Truth truth;
+    truth.deployment = "config/deployment/industrial_pc.yaml";
+    HoldingRobot robot(truth);
+    const mechanism::Lengths stood = robot.plant.lengths();
+    for (int k = 1; k <= 10; ++k) {
+      robot.image.faults.encoder_size_m[axis].store(0.0018 * k);
+      robot.image.faults.encoder[axis].store(static_cast<std::uint8_t>(simulation::EncoderFault::Jump));
+      robot.system->run(0.2);
+    }
+    EXPECT_EQ(robot.system->status().fault_name, "encoder_jump") << axis + 1;
+    EXPECT_LT((robot.plant.lengths() - stood).cwiseAbs().maxCoeff(), 0.001) << axis + 1;  // once 18 mm, homed, no fault
+    EXPECT_FALSE(robot.system->status().homed);
+  }
+}
+
 TEST(HeldPlaces, APlatformThatSinksWithTheDrivesOffIsSaidToHaveMoved) {
   for (const bool creeps : {true, false}) {
     HoldingRobot robot;
