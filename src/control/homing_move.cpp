@@ -12,6 +12,7 @@ void HomingMove::begin(const HomingAxis& axis, bool on_switch, double position_m
   start_m_ = reference_m_ = found_m_ = position_m;
   velocity_ = 0.0;
   time_s_ = standing_s_ = waited_s_ = 0.0;
+  again_ = false;
 }
 
 HomingMove::Output HomingMove::step(double measured_m, double velocity, bool switch_on, double dt,
@@ -36,15 +37,20 @@ void HomingMove::search(double measured_m, double velocity, bool switch_on, doub
   const bool too_long = !(time_s_ <= 2.0 * axis_.travel_m / axis_.speed_m_per_s);
   // A switch that is never reached but stopped by the end of the stroke: the axis stands, and nothing is found.
   const bool blocked = on_switch_ && standing_s_ >= 10.0 * kContact_s;
-  if (found) {
-    found_m_ = measured_m;
-    reference_m_ = measured_m;
-    phase_ = HomingPhase::BackingOff;
-  } else if (too_far || too_long || blocked) {
-    velocity_ = 0.0;
-    reference_m_ = measured_m;
-    phase_ = HomingPhase::Failed;
-  }
+  const double beyond_m = again_ ? axis_.direction * (measured_m - found_m_) : 0.0;
+  const bool elsewhere = beyond_m > kSame_m || (found && beyond_m < -kSame_m);
+  if (elsewhere || (!found && (too_far || too_long || blocked))) return fail(measured_m);
+  if (!found) return;
+  found_m_ = measured_m;
+  reference_m_ = measured_m;
+  waited_s_ = 0.0;
+  phase_ = HomingPhase::BackingOff;
+}
+
+void HomingMove::fail(double measured_m) noexcept {
+  velocity_ = 0.0;
+  reference_m_ = measured_m;
+  phase_ = HomingPhase::Failed;
 }
 
 void HomingMove::abandon() noexcept {
@@ -64,10 +70,16 @@ void HomingMove::backOff(double measured_m, double dt) noexcept {
   velocity_ = 0.0;
   waited_s_ += dt;
   const double back_m = axis_.direction * (found_m_ - measured_m);
-  if (back_m >= 0.5 * axis_.back_off_m)
+  if (back_m >= 0.5 * axis_.back_off_m && (on_switch_ || again_)) {
     phase_ = HomingPhase::Found;
-  else if (!(waited_s_ < kComesBack_s))
+  } else if (back_m >= 0.5 * axis_.back_off_m) {
+    again_ = true;
+    start_m_ = measured_m;
+    time_s_ = standing_s_ = 0.0;
+    phase_ = HomingPhase::Searching;
+  } else if (!(waited_s_ < kComesBack_s)) {
     phase_ = HomingPhase::Failed;
+  }
 }
 
 }  // namespace knee_robot::control

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <functional>
 
 #include "system_rig.h"
 
@@ -185,6 +186,30 @@ TEST_P(HomingMoves, FindNoHomeWhereAnAxisIsBlockedOrItsEncoderIsDead) {
       EXPECT_FALSE(rig.system.status().homed) << axis + 1 << (blind ? " blind" : " blocked");
     }
   }
+}
+
+/// What an axis makes of its reference; `stands`: it does not shorten, by its friction or its stop.
+HomingPhase endOf(const std::function<bool(double)>& stands) {
+  HomingMove move;
+  HomingAxis axis;
+  axis.speed_m_per_s = 0.01;
+  double position = 0.60, before = position;
+  move.begin(axis, false, position);
+  for (int k = 0; k < 60'000 && move.phase() < HomingPhase::Found; ++k) {
+    const HomingMove::Output now = move.step(position, (position - before) / 1e-3, false, 1e-3, 300.0);
+    before = position;
+    if (now.reference_m > position || !stands(position)) position = now.reference_m;
+  }
+  return move.phase();
+}
+
+TEST(HomingMove, DoesNotTakeFrictionForAStop) {
+  EXPECT_EQ(endOf([](double position) { return position <= 0.55; }), HomingPhase::Found);
+  EXPECT_EQ(endOf([](double position) { return position <= 0.60; }), HomingPhase::Found) << "it stands there already";
+  EXPECT_EQ(endOf([](double) { return true; }), HomingPhase::Failed) << "10 mm beside where it stood first";
+  int blocked = 0;
+  EXPECT_EQ(endOf([&](double position) { return ++blocked < 2000 || position <= 0.55; }), HomingPhase::Failed)
+      << "it goes on where it stood first";
 }
 
 TEST_P(HomingMoves, AreEndedByStopWithoutHavingFoundAnything) {
