@@ -43,8 +43,11 @@ void LostCounts::watch(const SupervisorView& view, std::size_t axis) noexcept {
   const bool counts = std::abs(view.measured.counts[axis] - seen_counts_[axis]) > kCounts;
   const bool carries = view.written.level == DriveLevel::Released;
   const SafeStopPhase phase = view.written.safe_stop;
-  if (carries && !(command.active && (phase == SafeStopPhase::Idle || slowsDown(phase)))) return;
-  if (!carries || counts) {
+  const hardware::BusFailure& bus = view.measured.bus_failure;
+  // Feedback that does not arrive is no missed count: the drive goes on counting.
+  const bool old = bus.fault != hardware::BusFault::None || (bus.silent >> axis & 1u) != 0;
+  if (!old && carries && !(command.active && (phase == SafeStopPhase::Idle || slowsDown(phase)))) return;
+  if (!carries || counts || old) {
     seen_counts_[axis] = view.measured.counts[axis];
     seen_reference_m_[axis] = command.reference_m;
     unseen_[axis] = false;
