@@ -16,7 +16,7 @@ class EncoderNoiseMonitor {
   static constexpr double kPossible_per_s = 200.0;  ///< turns: an oscillation of 100 Hz
   static constexpr double kTurns = 10.0;            ///< white noise, read at 1 kHz: within some 25 ms
   static constexpr double kLeast_m = 1e-5;
-  static constexpr double kCounts = 3.0;  ///< a healthy encoder dithers by one
+  static constexpr double kCounts = 2.0;  ///< a healthy encoder dithers by one
 
   bool step(const AxisView& axis, double metres_per_count) noexcept {
     const double least_m = std::max(kLeast_m, kCounts * metres_per_count);

@@ -76,25 +76,44 @@ TEST(LostPlaces, AnAxisThatSeemsToBeBlockedIsHomedAgain) {
 }
 
 /// Of 1000 encoders that died at random 8 ended in axis_blocked and 3 in the runaway of another axis; home was kept, with
-/// a length wrong by up to 56 mm. Two of such.
-TEST(LostPlaces, CountsThatWereMissedAreNotTrustedWhenThatEndsInAnotherFault) {
+/// a length wrong by up to 56 mm. Three of such.
+TEST(LostPlaces, CountsThatWereMissedAreNotTrustedWhenThatEndsInABlockedAxis) {
   struct Case {
     double payload_kg, time_s, dither_m;
     std::size_t axis;
   };
-  for (const Case& one : {Case{0.0, 5.739, 4e-5, 0}, Case{15.0, 6.849, 4e-5, 0}}) {
+  for (const Case& one : {Case{0.0, 4.602932376, 7.92251454e-06, 2}, Case{0.0, 4.672236869, 1.33181517e-05, 0},
+                          Case{15.0, 8.262344260, 9.84437402e-06, 1}}) {
     Truth truth;
+    truth.model = true;
     truth.payload_kg = one.payload_kg;
     HoldingRobot robot(truth);
     robot.swing();
     robot.system->run(one.time_s);
     interrupt(robot, one.axis, one.dither_m);
     ASSERT_TRUE(robot.system->waitFor(MachineState::Faulted, 3.0));
-    const std::string fault = robot.system->status().fault_name;
-    EXPECT_TRUE(fault == "axis_blocked" || fault == "runaway") << fault;
+    EXPECT_EQ(robot.system->status().fault_name, "axis_blocked");
     EXPECT_GT(wrong_m(robot), 0.005);
     putBack(robot);
     expectToBeHomedAgain(robot);
+  }
+}
+
+TEST(LostPlaces, CountsThatWereMissedAreNotTrustedWhenAnotherFaultComesFirst) {
+  for (const bool blind : {false, true}) {
+    HoldingRobot robot;
+    robot.swing();
+    robot.system->run(0.7);
+    if (blind) interrupt(robot, 0);
+    robot.system->run(0.02);
+    ASSERT_TRUE(robot.system->emergencyStop().ok);
+    ASSERT_TRUE(robot.system->waitFor(MachineState::Faulted, 3.0));
+    ASSERT_EQ(robot.system->status().fault_name, "emergency_stop");
+    putBack(robot);
+    if (blind)
+      expectToBeHomedAgain(robot);
+    else
+      EXPECT_TRUE(robot.system->enable().ok);
   }
 }
 
@@ -111,6 +130,23 @@ TEST(LostPlaces, OpenInputsThatCountToAndFroEndTheMotionBeforeTheAxisRunsAway) {
     EXPECT_LT(std::abs(robot.plant.lengths()[0] - stood), 0.05) << dither_m << " m: " << fault;
     putBack(robot);
     expectToBeHomedAgain(robot);
+  }
+}
+
+/// The loop frees the axis by what it makes of them, and nothing brings it back: 11 mm and 4 mm of sinking once.
+TEST(LostPlaces, OpenInputsThatDitherByLessThanTwoCountsDoNotLetAnAxisCreepAtRest) {
+  for (const double payload_kg : {0.0, 15.0}) {
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      Truth truth;
+      truth.model = true;
+      truth.payload_kg = payload_kg;
+      HoldingRobot robot(truth);
+      const double stood = robot.plant.lengths()[static_cast<Eigen::Index>(axis)];
+      interrupt(robot, axis, 1.5 * robot.robot.actuators[axis].metresPerCount());
+      EXPECT_TRUE(robot.system->waitFor(MachineState::Faulted, 5.0)) << axis + 1;
+      EXPECT_LT(std::abs(robot.plant.lengths()[static_cast<Eigen::Index>(axis)] - stood), 0.003) << axis + 1;
+      EXPECT_FALSE(robot.system->status().homed);
+    }
   }
 }
 
