@@ -49,12 +49,14 @@ def interrupted(axis, push_N):
     return attack
 
 
-def interrupted_in_motion(axis, size_m):
+def interrupted_in_motion(axis, size_m, stopped=False):
     def attack(a):
         a.enable()
         a.play()
         a.begin()
         a.session.inject("encoder_interrupted", axis, size_m)
+        if stopped:
+            a.session.trigger("emergency_stop")
         time.sleep(2.0)
         state = a.state()
         a.session.inject("clear")
@@ -64,7 +66,8 @@ def interrupted_in_motion(axis, size_m):
         homed = all(a.session.state().homed)
         return f"{state}; {said}; ", f"{'' if homed else 'not '}homed, lengths wrong by {wrong:.1f} mm", not (enabled and wrong > 0.5)
     how = f"dithers by {1e6 * size_m:g} um" if size_m else "counts nothing"
-    attack.__doc__ = f"Playing: {f'encoder {axis}' if axis else 'every encoder'} {how} for 2 s and counts on from there; reset, enable."
+    also = "; emergency_stop at once" if stopped else ""
+    attack.__doc__ = f"Playing: {f'encoder {axis}' if axis else 'every encoder'} {how} for 2 s and counts on from there{also}; reset, enable."
     return attack
 
 
@@ -195,6 +198,7 @@ def attacks():
     for axis in (0, 1, 4):
         for size_m, name in ((0.0, "interrupted"), (4e-5, "open"), (3e-4, "wild")):
             found[f"encoder_{axis or 'all'}_{name}_in_motion"] = interrupted_in_motion(axis, size_m)
+        found[f"encoder_{axis or 'all'}_interrupted_before_emergency_stop"] = interrupted_in_motion(axis, 0.0, stopped=True)
     for fault in ("hold_creeps", "hold_open"):
         found[f"{fault}_when_disabled"] = gives_way(fault)
         found[f"{fault}_when_faulted"] = gives_way_after_a_fault(fault)

@@ -189,7 +189,7 @@ TEST_P(HomingMoves, FindNoHomeWhereAnAxisIsBlockedOrItsEncoderIsDead) {
 }
 
 /// What an axis makes of its reference; `stands`: it does not shorten, by its friction or its stop.
-HomingPhase endOf(const std::function<bool(double)>& stands) {
+HomingPhase whereItEnds(const std::function<bool(double)>& stands) {
   HomingMove move;
   HomingAxis axis;
   axis.speed_m_per_s = 0.01;
@@ -204,11 +204,12 @@ HomingPhase endOf(const std::function<bool(double)>& stands) {
 }
 
 TEST(HomingMove, DoesNotTakeFrictionForAStop) {
-  EXPECT_EQ(endOf([](double position) { return position <= 0.55; }), HomingPhase::Found);
-  EXPECT_EQ(endOf([](double position) { return position <= 0.60; }), HomingPhase::Found) << "it stands there already";
-  EXPECT_EQ(endOf([](double) { return true; }), HomingPhase::Failed) << "10 mm beside where it stood first";
+  EXPECT_EQ(whereItEnds([](double position) { return position <= 0.55; }), HomingPhase::Found);
+  EXPECT_EQ(whereItEnds([](double position) { return position <= 0.60; }), HomingPhase::Found)
+      << "it stands there already";
+  EXPECT_EQ(whereItEnds([](double) { return true; }), HomingPhase::Failed) << "10 mm beside where it stood first";
   int blocked = 0;
-  EXPECT_EQ(endOf([&](double position) { return ++blocked < 2000 || position <= 0.55; }), HomingPhase::Failed)
+  EXPECT_EQ(whereItEnds([&](double position) { return ++blocked < 2000 || position <= 0.55; }), HomingPhase::Failed)
       << "it goes on where it stood first";
 }
 
