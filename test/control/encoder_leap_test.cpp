@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "knee_robot/control/monitor_encoder_leap.h"
+#include "src/control/monitor_encoder_leap.h"
 
 namespace knee_robot::control {
 namespace {
