@@ -172,13 +172,13 @@ def read_table(path):
 
 
 def write_ideal(recording, truth, path):
-    """The recording (its times, positions and forces) without what effects took of the commands."""
+    """The recording (its times, references, positions and forces) without what effects took of the commands."""
     header, rows = read_table(recording)
     taken = read_table(truth)[1]
     at = np.clip(np.searchsorted(taken[:, 0], rows[:, header.index("time_s")] - 5e-4), 0, len(taken) - 1)
-    names = ["time_s"] + [f"{kind}_{i}_{unit}" for i in range(1, 5) for kind, unit in (("position", "m"), ("force", "N"))]
+    names = ["time_s"] + [f"{kind}_{i}_{unit}" for i in range(1, 5) for kind, unit in (("reference", "m"), ("position", "m"), ("force", "N"))]
     table = rows[:, [header.index(name) for name in names]]
-    table[:, 2::2] -= taken[at, 1:5]
+    table[:, 3::3] -= taken[at, 1:5]
     np.savetxt(path, table, delimiter=",", fmt="%.9g", comments="", header=",".join(names))
 
 
