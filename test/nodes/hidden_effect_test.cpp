@@ -84,16 +84,14 @@ TEST(HiddenEffect, FailsTheDemoWhenTheHeldOutErrorDidNotFall) {
 }
 
 TEST(HiddenEffect, HidesTheNextSeedsWhereTheDrivesCannotCarryThisOne) {
-  // Springs of seeds 31 and 32 have 1383 and less than 1300 N/m.
-  const Drawn drawn =
-      draw(31, "if grep -q 'stiffness_N_per_m: 13' \"$4\"; then echo 'axis 2: the force was at its limit'; exit 3; fi");
+  const Drawn drawn = draw(
+      31, "if [ ! -e \"$0.first\" ]; then touch \"$0.first\"; echo 'axis 2: the force was at its limit'; exit 3; fi");
   EXPECT_EQ(drawn.outcome.status, 0) << drawn.outcome.text;
   EXPECT_TRUE(
       says(drawn.outcome,
            "seed 31 hides what this robot cannot carry along these movements (axis 2: the force was at its limit)"))
       << drawn.outcome.text;
   EXPECT_NE(drawn.truth.find("\"seed\": 32"), std::string::npos) << drawn.truth;
-  EXPECT_EQ(drawn.truth.find("1383"), std::string::npos) << drawn.truth;
 }
 
 TEST(HiddenEffect, SaysSoWhenTheRobotPlaysNothingAtAll) {
