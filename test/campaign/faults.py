@@ -171,7 +171,7 @@ def per_channel():
               "jump": ("encoder_jump",),
               "wrong_sign": ("runaway", "following_error", "encoder_frozen", "velocity_limit"),
               "noise": ("encoder_jump", "acceleration_limit", "velocity_limit"),
-              "disconnected": ("encoder_frozen", "following_error", "stalled")}
+              "disconnected": ("encoder_frozen", "encoder_jump", "following_error", "stalled")}  # open inputs go to and fro
     size = {"jump": 0.005, "noise": 0.002}
     for kind, names in causes.items():
         for axis in range(1, 5):
