@@ -93,8 +93,9 @@ def reachable(case, shop, folder, cutoff_hz):
     """Error on the other path, in the same band, of whoever knows the effect's force at every moment and refits the baseline beside it. A
     ripple's phase on another recording stays unknown: there the effect is left in."""
     unknown = "screw_ripple" in case.parts
-    run([shop.program("trace"), "--most", "0", "--cutoff-hz", str(cutoff_hz), "--robot", shop.robot_file(case.setting), "--train", f"{folder}/ideal_1.csv", "--validate",
-         f"{folder}/path_2.csv" if unknown else f"{folder}/ideal_2.csv", "--output", folder + "/reachable"], folder + "/log.txt")
+    run([shop.program("trace"), "--most", "0", "--cutoff-hz", str(cutoff_hz), "--robot", shop.robot_file(case.setting),
+         "--train", f"{folder}/ideal_1.csv", "--validate", f"{folder}/path_2.csv" if unknown else f"{folder}/ideal_2.csv",
+         "--output", folder + "/reachable"], folder + "/log.txt")
     with open(folder + "/reachable/report.json", encoding="utf-8") as source:
         return json.load(source)["before"]["validate"]["rms_N"]
 
