@@ -41,7 +41,7 @@ class SmoothNearRest : public EffectLaw {
 constexpr Entry kLaws[] = {
     {"asymmetric_coulomb", 0, asymmetricCoulombLaw, true},
     {"asymmetric_viscous", 0, asymmetricViscousLaw},
-    {"stribeck", 1, stribeckLaw, true},
+    {"stribeck", 1, stribeckLaw, true, 1},
     {"presliding", 1, preslidingLaw},
     {"load_dependent_friction", 0, loadDependentFrictionLaw, true},
     {"load_dependent_viscous", 0, loadDependentViscousLaw},
@@ -100,6 +100,7 @@ std::string whyNotInstantly(const std::string& name) {
   if (name == "backlash" || name == "flexible_coupling")
     return "it moves the load apart from the motor, which only the whole recording shows";
   if (name == "wobbling_mass") return "how far it swings is not known to the controller";
+  if (name == "payload_change") return "what the next recording carries is not known; declare it (payload_kg)";
   if (name == "sensor_lag") return "it lies in the recording of the force, not in the force";
   if (name == "supply_sag") return "what the drives take together is known only after each has been given its command";
   if (name == "gain_drift") return "how warm the motors are is not known to the controller";

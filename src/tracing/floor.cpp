@@ -6,6 +6,7 @@
 
 #include "knee_robot/base/numbers.h"
 #include "knee_robot/base/quantile.h"
+#include "knee_robot/dynamics/parameters.h"
 #include "knee_robot/recording/filter.h"
 #include "repeated_friction.h"
 #include "repeats.h"
@@ -15,6 +16,7 @@ namespace {
 
 constexpr double kEngineeringShare = 0.003;  ///< of the rms force; above what DAC and encoder steps leave
 constexpr double kBlock_s = 1.0;             ///< of differences between repeats: several correlation times
+constexpr Eigen::Index kMass = 4;            ///< first moments and mass, the last four of the platform's parameters
 constexpr double kEvent = 9.0;               ///< factor of the median square above which a block is an event, not noise
 
 /// Standard deviation in pieces of a second, of which the lower quartile counts: bursts at reversals do not.
@@ -106,25 +108,45 @@ struct Given {
   }
 };
 
-/// Adds what two recordings of one reference differ by, but for friction that differs slowly between them. Returns that
-/// friction, rms N per actuator.
-Eigen::VectorXd addRepeatedRun(const Given& given, std::size_t a, std::size_t b, RepeatDifferences& differences,
-                               std::string& source) {
+/// What the platform's first moments and mass ask of every actuator, low-passed; empty where there is no platform.
+std::vector<Eigen::MatrixXd> carriedAlong(const Given& given, std::size_t r, const RepeatedRun& run) {
+  const identification::Observation& o = given.data.recordings[r];
+  std::vector<Eigen::MatrixXd> out;
+  for (int i = 0; o.motion.coupled && !given.data.inputs[r].robot->chain && i < o.axes(); ++i) {
+    Eigen::MatrixXd carried =
+        o.regressor[static_cast<std::size_t>(i)].middleCols(dynamics::kInertialParameters - kMass, kMass);
+    given.lowPass(r, carried);
+    out.push_back(carried.middleRows(run.first_a, run.samples));
+  }
+  return out;
+}
+
+/// What differs between the runs of one reference and is no noise, rms N.
+struct Systematic {
+  Eigen::VectorXd friction_N;  ///< per actuator
+  double payload_N = 0.0;      ///< of the actuator with the largest
+};
+
+/// Adds what two recordings of one reference differ by, but for friction that differs slowly between them and another
+/// payload, of which the largest are kept in `most`.
+void addRepeatedRun(const Given& given, std::size_t a, std::size_t b, RepeatDifferences& differences, Systematic& most,
+                    std::string& source) {
   const TraceData& data = given.data;
   const RepeatedRun run =
       findRepeatedRun(given.recordings[a], data.recordings[a].signals, given.recordings[b], data.recordings[b].signals);
   const Eigen::Index n = run.samples;
-  if (n == 0) return Eigen::VectorXd::Zero(data.stack.axes);
+  if (n == 0) return;
   Eigen::MatrixXd difference =
       given.residual_N[a].middleRows(run.first_a, n) - given.residual_N[b].middleRows(run.first_b, n);
   given.lowPass(a, difference);
+  const std::vector<Eigen::MatrixXd> carried = carriedAlong(given, a, run);
+  if (!carried.empty()) most.payload_N = std::max(most.payload_N, takeOutPayloadOfRuns(carried, difference));
   const Travel travel = travelOf(data.inputs[a], data.stack.cutoff_hz);
-  const Eigen::VectorXd friction_N = takeOutFrictionOfRuns(travel.share.middleRows(run.first_a, n),
-                                                           travel.velocity.middleRows(run.first_a, n), difference);
+  most.friction_N = most.friction_N.cwiseMax(takeOutFrictionOfRuns(
+      travel.share.middleRows(run.first_a, n), travel.velocity.middleRows(run.first_a, n), difference));
   differences.add(difference, given.blockOf(a));
   source += (source.empty() ? "repeats of one reference: " : "; ") + given.recordings[a].name + " and " +
             given.recordings[b].name;
-  return friction_N;
 }
 
 /// Adds what the cycles of one recording that repeats one differ by.
@@ -147,10 +169,9 @@ void addRepeatedCycle(const Given& given, std::size_t r, RepeatDifferences& diff
             shortNumber(static_cast<double>(cycle.first.size()) * signals.period_s, 3) + " s compared)";
 }
 
-/// From repeats; `friction_N`: what was taken out of their differences.
-Eigen::VectorXd measuredFloor(const RepeatDifferences& differences, const Eigen::VectorXd& friction_N,
-                              std::string& source) {
-  Eigen::VectorXd rms_N(friction_N.size());
+/// From repeats; `taken`: out of their differences.
+Eigen::VectorXd measuredFloor(const RepeatDifferences& differences, const Systematic& taken, std::string& source) {
+  Eigen::VectorXd rms_N(taken.friction_N.size());
   double events = 0.0;
   for (int i = 0; i < rms_N.size(); ++i) {
     rms_N[i] = differences.noise_N(i);
@@ -159,9 +180,12 @@ Eigen::VectorXd measuredFloor(const RepeatDifferences& differences, const Eigen:
   if (events > 0.0)
     source += "; without events, " + shortNumber(100.0 * events, 2) +
               " % of the time, in which the repeats differ by more than three times their noise";
-  if (friction_N.maxCoeff() > 0.0)
+  if (taken.friction_N.maxCoeff() > 0.0)
     source += "; without friction that differs between the recordings, " +
-              shortNumber(friction_N.maxCoeff() / std::sqrt(2.0), 2) + " N at most";
+              shortNumber(taken.friction_N.maxCoeff() / std::sqrt(2.0), 2) + " N at most";
+  if (taken.payload_N > 0.0)
+    source += "; without a payload that differs between the recordings, " +
+              shortNumber(taken.payload_N / std::sqrt(2.0), 2) + " N at most";
   return rms_N;
 }
 
@@ -192,15 +216,15 @@ NoiseFloor noiseFloor(const std::vector<recording::Recording>& recordings, const
     given.residual_N.push_back(data.recordings[r].signals.force_N - model_force_N[r]);
   NoiseFloor floor;
   RepeatDifferences differences(data.stack.axes);
-  Eigen::VectorXd friction_N = Eigen::VectorXd::Zero(data.stack.axes);
+  Systematic taken = {Eigen::VectorXd::Zero(data.stack.axes)};
   for (std::size_t a = 0; a < recordings.size(); ++a) {
     for (std::size_t b = a + 1; b < recordings.size(); ++b)
-      friction_N = friction_N.cwiseMax(addRepeatedRun(given, a, b, differences, floor.source));
+      addRepeatedRun(given, a, b, differences, taken, floor.source);
   }
   for (std::size_t r = 0; r < recordings.size(); ++r)
     addRepeatedCycle(given, r, differences, floor.source);
   floor.measured = !differences.empty();
-  floor.rms_N = floor.measured ? measuredFloor(differences, friction_N, floor.source)
+  floor.rms_N = floor.measured ? measuredFloor(differences, taken, floor.source)
                                : estimatedFloor(given, surrogate_residual_N, floor.source);
   floor.rms_N = floor.rms_N.cwiseMax(engineeringSize(data));
   return floor;

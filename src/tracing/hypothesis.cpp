@@ -86,6 +86,7 @@ std::vector<Hypothesis> without(std::vector<Hypothesis> all, std::size_t k) {
 std::vector<Hypothesis> listHypotheses(const CandidateList& candidates, const std::vector<EffectInput>& inputs) {
   std::vector<Hypothesis> list;
   for (const auto& candidate : candidates) {
+    if (candidate->needsTwoRecordings() && inputs.size() < 2) continue;
     if (!candidate->shared()) {
       for (int i = 0; i < inputs.front().axes(); ++i)
         addShapes(*candidate, inputs.front(), i, list);

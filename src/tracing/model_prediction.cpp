@@ -2,8 +2,6 @@
 
 #include <algorithm>
 
-#include "effects/common/joint_friction.h"
-#include "effects/common/rest_law.h"
 #include "effects/common/warm_up.h"
 #include "knee_robot/base/errors.h"
 #include "knee_robot/base/numbers.h"
@@ -31,17 +29,14 @@ const Candidate* candidateOf(const mechanism::Robot& robot, const dynamics::Mode
   return nullptr;
 }
 
-/// A shape with what older files lack: friction that builds up by a law of its own, drives that warm up otherwise than by
-/// the clock. Zero: neither.
+/// A shape with what older files lack.
 std::vector<dynamics::EffectParameter> completed(std::vector<dynamics::EffectParameter> shape,
                                                  const Candidate& candidate) {
   const std::vector<ShapeParameter> asked = candidate.shapeParameters();
   for (std::size_t k = 0; k < asked.size() && k <= shape.size(); ++k) {
     const bool lacking = k == shape.size() || shape[k].name != asked[k].name;
-    const std::string& name = asked[k].name;
-    const bool may_lack =
-        name == restLawParameter().name || name == heatedByParameter().name || name == jointBristleParameter().name;
-    if (lacking && may_lack) shape.insert(shape.begin() + static_cast<std::ptrdiff_t>(k), {asked[k].name, 0.0});
+    if (lacking && asked[k].in_older_files)
+      shape.insert(shape.begin() + static_cast<std::ptrdiff_t>(k), {asked[k].name, *asked[k].in_older_files});
   }
   return shape;
 }

@@ -28,9 +28,9 @@ Eigen::MatrixXd frictionInTime(const Eigen::VectorXd& share, const Eigen::Vector
   return out;
 }
 
-/// What friction that was fitted without a block saves in it, in standard errors over the blocks: slow noise saves
-/// nothing there.
-double sureness(const Eigen::MatrixXd& columns, const Eigen::VectorXd& difference) {
+}  // namespace
+
+double surenessOf(const Eigen::MatrixXd& columns, const Eigen::VectorXd& difference) {
   const Eigen::Index rows = difference.size();
   Eigen::VectorXd gain(kBlocks);
   for (Eigen::Index b = 0; b < kBlocks; ++b) {
@@ -45,21 +45,41 @@ double sureness(const Eigen::MatrixXd& columns, const Eigen::VectorXd& differenc
   return g.mean / std::max(1e-300, g.error);
 }
 
-}  // namespace
-
 Eigen::VectorXd takeOutFrictionOfRuns(const Eigen::MatrixXd& share, const Eigen::MatrixXd& velocity,
                                       Eigen::MatrixXd& difference) {
   Eigen::VectorXd taken = Eigen::VectorXd::Zero(difference.cols());
   if (difference.rows() < kBlocks * kTimeKnots) return taken;
   for (Eigen::Index i = 0; i < difference.cols(); ++i) {
     const Eigen::MatrixXd columns = frictionInTime(share.col(i), velocity.col(i));
-    if (!(sureness(columns, difference.col(i)) > kRepeatErrors)) continue;
+    if (!(surenessOf(columns, difference.col(i)) > kRepeatErrors)) continue;
     const Eigen::VectorXd friction =
         columns * Eigen::ColPivHouseholderQR<Eigen::MatrixXd>(columns).solve(difference.col(i));
     taken[i] = friction.norm() / std::sqrt(static_cast<double>(friction.size()));
     difference.col(i) -= friction;
   }
   return taken;
+}
+
+double takeOutPayloadOfRuns(const std::vector<Eigen::MatrixXd>& carried, Eigen::MatrixXd& difference) {
+  const Eigen::Index axes = difference.cols(), rows = difference.rows();
+  if (rows < kBlocks * kTimeKnots) return 0.0;
+  Eigen::MatrixXd columns(rows * axes, carried.front().cols());  // instant by instant, so that blocks are times
+  Eigen::VectorXd all(rows * axes);
+  for (Eigen::Index n = 0; n < rows; ++n) {
+    for (Eigen::Index i = 0; i < axes; ++i) {
+      columns.row(n * axes + i) = carried[static_cast<std::size_t>(i)].row(n);
+      all[n * axes + i] = difference(n, i);
+    }
+  }
+  if (!(surenessOf(columns, all) > kRepeatErrors)) return 0.0;
+  const Eigen::VectorXd mass = Eigen::ColPivHouseholderQR<Eigen::MatrixXd>(columns).solve(all);
+  double most = 0.0;
+  for (Eigen::Index i = 0; i < axes; ++i) {
+    const Eigen::VectorXd force = carried[static_cast<std::size_t>(i)] * mass;
+    most = std::max(most, force.norm() / std::sqrt(static_cast<double>(rows)));
+    difference.col(i) -= force;
+  }
+  return most;
 }
 
 }  // namespace knee_robot::tracing

@@ -8,7 +8,7 @@ namespace {
 class NearRest : public SearchedMachine {};
 
 TEST_F(NearRest, FrictionThatIsLargerWhileCreepingIsNoLaw) {
-  const Hypothesis stribeck = named("stribeck", {0.015, 0.0});
+  const Hypothesis stribeck = named("stribeck", {0.015, 2.0, 0.0});
   add(3.0 * effectRows(data_, stribeck).col(0));
   const double by_difference =
       explained(data_, stribeck, projectModel(search_, {}), search_.rms_N) / static_cast<double>(data_.stack.size());
@@ -18,7 +18,7 @@ TEST_F(NearRest, FrictionThatIsLargerWhileCreepingIsNoLaw) {
 }
 
 TEST_F(NearRest, FrictionThatBuildsUpOverALongerWayIsALaw) {
-  const Hypothesis stribeck = named("stribeck", {0.015, 0.0});
+  const Hypothesis stribeck = named("stribeck", {0.015, 2.0, 0.0});
   const Eigen::Index laws = search_.near_rest.cols() / data_.stack.axes, stop_of_200_um = 2;
   add(3.0 * search_.near_rest.col(kActuator * laws + stop_of_200_um));
   EXPECT_LT(shareBeyondLaws(search_, stribeck), 0.05);
@@ -31,7 +31,7 @@ class SmallNearRest : public NearRest {
   std::string objectionWhere(double floors) {
     search_.floor.rms_N = search_.rms_N / floors;
     Trial t;
-    t.hypothesis = named("stribeck", {0.015, 0.0});
+    t.hypothesis = named("stribeck", {0.015, 2.0, 0.0});
     t.share = 10.0;
     t.fit.residual_N.resize(data_.stack.axes * data_.stack.size());
     for (int i = 0; i < data_.stack.axes; ++i)

@@ -9,12 +9,12 @@ namespace {
 class PlausibleShape : public SearchedMachine {
  protected:
   bool isStribeck(double velocity_m_per_s, double smooth_below_m_per_s) const {
-    const std::vector<double> shape = {velocity_m_per_s, smooth_below_m_per_s};
+    const std::vector<double> shape = {velocity_m_per_s, 2.0, smooth_below_m_per_s};
     return named("stribeck", shape).place.candidate->plausibleShape(shape);
   }
   std::size_t leftOf(double velocity_m_per_s, double p) {
     FoundEffect found;
-    found.hypothesis = named("stribeck", {velocity_m_per_s, 0.0});
+    found.hypothesis = named("stribeck", {velocity_m_per_s, 2.0, 0.0});
     found.p = p;
     search_.effects = {found};
     refit(search_);
@@ -43,10 +43,10 @@ TEST_F(PlausibleShape, WithoutOneOfItsOwnTheLawOfTheActuatorIsFollowed) {
   const TraceOptions options;
   search_.options = &options;
   // What falls off faster than anything that is looked for: shapes end at the slowest, at which none is plausible.
-  data_.all_force_rows += 15.0 * effectRows(data_, named("stribeck", {0.001, 0.0})).col(0);
+  data_.all_force_rows += 15.0 * effectRows(data_, named("stribeck", {0.001, 2.0, 0.0})).col(0);
   setAttention(data_, Attention::All);
   FoundEffect found;
-  found.hypothesis = named("stribeck", {0.002, 0.0});
+  found.hypothesis = named("stribeck", {0.002, 2.0, 0.0});
   search_.effects = {found};
   refit(search_);
   EXPECT_TRUE(settleRestLaw(search_, found.hypothesis.place.candidate));

@@ -40,7 +40,7 @@ TEST_F(RipplePeriods, WithinTwoTurnsAlongTheWayAreOne) {
   EXPECT_FALSE(periodCoincides(search_, ripple(12.1, 1)));
   EXPECT_FALSE(periodCoincides(search_, ripple(7.9, 1)));
   EXPECT_FALSE(periodCoincides(search_, ripple(10.0, 0))) << "itself";
-  EXPECT_FALSE(periodCoincides(search_, named("stribeck", {0.01, 0.0}))) << "has no period";
+  EXPECT_FALSE(periodCoincides(search_, named("stribeck", {0.01, 2.0, 0.0}))) << "has no period";
 }
 
 TEST_F(RipplePeriods, OfWhichOneIsAnOrderOfTheOtherNeedOneTurnOnly) {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -13,6 +14,7 @@ struct ShapeParameter {
   std::string name;  ///< as in report.json, unit in the name
   double low = 0.0, high = 0.0;
   bool fixed = false;  ///< chosen on the grid, or follows from the recording: not refined together with other shapes
+  std::optional<double> in_older_files = {};  ///< its value in model files that were written before it was thought of
 };
 
 /// A parameter that multiplies a column.

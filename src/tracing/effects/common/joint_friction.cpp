@@ -13,7 +13,7 @@ constexpr double kSpeedFactor = 2.0;
 }  // namespace
 
 ShapeParameter jointBristleParameter() {
-  return {"bristle_rad", 0.0, kSoftest_rad, true};
+  return {"bristle_rad", 0.0, kSoftest_rad, true, 0.0};
 }
 
 std::vector<ShapeParameter> JointFriction::shapeParameters() const {

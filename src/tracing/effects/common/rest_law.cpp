@@ -13,7 +13,7 @@ constexpr double kWidthFactor = 2.0;
 }  // namespace
 
 ShapeParameter restLawParameter() {
-  return {"smooth_below_m_per_s", 0.0, kFlattest_m_per_s, true};
+  return {"smooth_below_m_per_s", 0.0, kFlattest_m_per_s, true, 0.0};
 }
 
 std::vector<std::vector<double>> withRestLaws(const std::vector<std::vector<double>>& grid) {

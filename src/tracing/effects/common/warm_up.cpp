@@ -28,7 +28,7 @@ std::vector<double> warmthAlong(const EffectInput& input, int actuator, const st
 }  // namespace
 
 ShapeParameter heatedByParameter() {
-  return {"heated_by", 0.0, dynamics::numberOf(dynamics::Heat::Work), true};
+  return {"heated_by", 0.0, dynamics::numberOf(dynamics::Heat::Work), true, dynamics::numberOf(dynamics::Heat::Clock)};
 }
 
 std::vector<ShapeParameter> WarmUp::shapeParameters() const {
