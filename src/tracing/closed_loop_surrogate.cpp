@@ -14,6 +14,11 @@ namespace {
 /// Factor by which a surrogate may leave more than the recording does: those of a healthy robot that truly sticks leave
 /// 1.3 times as much, of an axis of the laboratory's bench, which does not, 1.5 times, of other laws 5 to 30 times.
 constexpr double kTooMuch = 1.4;
+// Real robots that stick stand 0.2 to 36 thousandths of the time in which their references move, their surrogates at most
+// 6.4 times as long; machines whose friction yields at rest 0.1 to 5, and surrogates that stick 20 to 130.
+constexpr double kStandsLonger = 8.0, kStandsAnyway = 0.01;
+constexpr double kStanding_s = 0.1, kStanding_m = 2e-4;  ///< time looked at, and how far a reference goes meanwhile
+constexpr double kCountsStanding = 1.01, kCountsMoving = 4.0;
 constexpr double kStep_s = 0.001;
 constexpr double kRecovered = 0.9;  ///< share of the force's variance that a recovered controller must explain
 constexpr double kLightest_kg = 2.0;
@@ -164,6 +169,30 @@ recording::Recording emptySurrogate(const recording::Recording& r) {
   return surrogate;
 }
 
+/// Share of the time in which an axis' reference moves and the axis stands.
+double standingShare(const recording::Recording& r, const Eigen::MatrixXd& reference, int i, double count_m) {
+  const int window = std::max(2, static_cast<int>(std::lround(kStanding_s / recording::medianPeriod(r.time_s))));
+  int moves = 0, stands = 0;
+  for (int k = window; k < r.rows(); ++k) {
+    const double asked = std::abs(reference(k, i) - reference(k - window, i));
+    if (asked < std::max(kCountsMoving * count_m, kStanding_m)) continue;
+    ++moves;
+    stands += std::abs(r.position_m(k, i) - r.position_m(k - window, i)) <= kCountsStanding * count_m;
+  }
+  return moves > 0 ? static_cast<double>(stands) / moves : 0.0;
+}
+
+/// Whether the surrogate, as the plan is, sticks where the machine does not: its friction is no stiction.
+bool sticksTooMuch(const mechanism::Robot& robot, const recording::Recording& r, const identification::Observation& o,
+                   const SurrogatePlan& plan, int i) {
+  recording::Recording surrogate = emptySurrogate(r);
+  simulateAxis(robot, r, o, plan, i, 0.5, surrogate);
+  const double count_m = robot.actuators[static_cast<std::size_t>(i)].metresPerCount();
+  const Eigen::MatrixXd reference = referenceOf(r);
+  return standingShare(surrogate, reference, i, count_m) >
+         kStandsLonger * standingShare(r, reference, i, count_m) + kStandsAnyway;
+}
+
 /// The effective mass that makes the surrogate follow the recorded motion best. A regression over the acceleration
 /// gives too much where something else goes with the acceleration, and a surrogate that is too heavy overshoots where
 /// the machine stops.
@@ -215,6 +244,7 @@ SurrogatePlan planSurrogate(const mechanism::Robot& robot, const recording::Reco
     const bool known = plan.controllers.back().recovered;
     plan.open_loop[static_cast<std::size_t>(i)] = !known;
     if (known) chooseMass(robot, r, o, load, i, plan);
+    plan.sticks_too_much.push_back(known && sticksTooMuch(robot, r, o, plan, i));
     recovered += known;
   }
   plan.note = o.name + ": controllers of " + std::to_string(recovered) + " of " + std::to_string(o.axes()) +
@@ -230,23 +260,27 @@ std::vector<std::string> openLoops(const Eigen::VectorXd& left_N, const Eigen::V
     for (std::size_t i = 0; i < open.size(); ++i)
       open[i] = open[i] && plan.open_loop[i];
   }
+  const auto sticks = [&](std::size_t i) {
+    return std::any_of(plans.begin(), plans.end(), [&](const SurrogatePlan& p) { return p.sticks_too_much[i] != 0; });
+  };
   int closed = 0, unlike = 0;
   for (std::size_t i = 0; i < open.size(); ++i) {
     const Eigen::Index k = static_cast<Eigen::Index>(i);
     closed += !open[i];
-    unlike += !open[i] && left_N[k] > kTooMuch * real_N[k];
+    unlike += !open[i] && (sticks(i) || left_N[k] > kTooMuch * real_N[k]);
   }
   std::vector<std::string> notes;
   for (std::size_t i = 0; i < open.size(); ++i) {
     const Eigen::Index k = static_cast<Eigen::Index>(i);
     const bool more = left_N[k] > kTooMuch * real_N[k];
-    if (open[i] || !(more || 2 * unlike > closed)) continue;
+    if (open[i] || !(more || sticks(i) || 2 * unlike > closed)) continue;
     for (SurrogatePlan& plan : plans)
       plan.open_loop[i] = 1;
     notes.push_back("Actuator " + std::to_string(i + 1) + ": a surrogate in closed loop leaves " +
                     shortNumber(left_N[k], 3) + " N, " +
-                    (more ? "more than the recording (" + shortNumber(real_N[k], 3) + " N)"
-                          : std::string("and those of most other actuators leave more than the recording does")) +
+                    (more        ? "more than the recording (" + shortNumber(real_N[k], 3) + " N)"
+                     : sticks(i) ? std::string("and stands still where the machine does not")
+                                 : std::string("and those of most other actuators are not like the machine")) +
                     ", so its surrogates follow the measured motion; they miss part of what reversals leave.");
   }
   return notes;

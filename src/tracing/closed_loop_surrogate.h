@@ -26,6 +26,7 @@ struct SurrogatePlan {
   std::vector<AxisController> controllers;
   Eigen::MatrixXd model_N;      ///< samples x axes: the whole fitted model along the measured motion
   std::vector<char> open_loop;  ///< per axis: along the measured motion, because in closed loop it would leave too much
+  std::vector<char> sticks_too_much;  ///< per axis: in closed loop it would stand still where the machine does not
   std::string note;             ///< what was recovered and what was assumed, for the report
 };
 
@@ -34,9 +35,9 @@ struct SurrogatePlan {
 SurrogatePlan planSurrogate(const mechanism::Robot& robot, const recording::Recording& recording,
                             const identification::Observation& observation, const BaseFit& base);
 
-/// Axes whose surrogate leaves much more than the recording itself (`left_N`, `real_N`: rms per axis) are not what it
-/// says they are (friction that stops them otherwise than stiction does): their surrogates go along the measured motion
-/// from now on. Where most axes are not, none is believed: what an effect leaves on the last one would pass for what its
+/// Axes whose surrogate leaves much more than the recording itself (`left_N`, `real_N`: rms per axis), or stands still
+/// where the machine does not, are not what it says they are (friction that stops them otherwise than stiction does):
+/// their surrogates go along the measured motion from now on. Where most axes are not, none is believed: what an effect leaves on the last one would pass for what its
 /// surrogate leaves. Returns a sentence for each axis whose loop was opened.
 std::vector<std::string> openLoops(const Eigen::VectorXd& left_N, const Eigen::VectorXd& real_N,
                                    std::vector<SurrogatePlan>& plans);

@@ -9,8 +9,10 @@ namespace {
 class OpenLoops : public testing::Test {
  protected:
   OpenLoops() : plans_(2) {
-    for (SurrogatePlan& plan : plans_)
+    for (SurrogatePlan& plan : plans_) {
       plan.open_loop.assign(4, 0);
+      plan.sticks_too_much.assign(4, 0);
+    }
   }
   /// Axes whose loop is open after surrogates have left so much of what the recording leaves (1 N).
   std::vector<char> after(const Eigen::Vector4d& left_N) {
@@ -38,6 +40,13 @@ TEST_F(OpenLoops, OpenEverywhereWhereMostSurrogatesLeaveMuchMore) {
   EXPECT_EQ(after({9.0, 3.0, 5.0, 0.9}), (std::vector<char>{1, 1, 1, 1}));
   ASSERT_EQ(notes_.size(), 4u);
   EXPECT_NE(notes_[3].find("most other actuators"), std::string::npos) << notes_[3];
+}
+
+TEST_F(OpenLoops, OpenWhereASurrogateStandsStillAndTheMachineDoesNot) {
+  plans_[1].sticks_too_much = {0, 1, 0, 0};
+  EXPECT_EQ(after({1.0, 1.2, 1.0, 1.0}), (std::vector<char>{0, 1, 0, 0}));
+  ASSERT_EQ(notes_.size(), 1u);
+  EXPECT_NE(notes_[0].find("stands still where the machine does not"), std::string::npos) << notes_[0];
 }
 
 TEST_F(OpenLoops, CountOnlyAxesThatWereClosed) {
