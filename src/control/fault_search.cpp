@@ -20,11 +20,16 @@ FaultCause ofDrivers(const SupervisorView& view) noexcept {
 
 }  // namespace
 
+Fault FaultSearch::machineTaken(const SupervisorView& view) const noexcept {
+  // First: after a pause of the whole process nearly everything else looks wrong, too.
+  if (view.measured.fenced_out) return Fault::GuardianActed;
+  if (inputs_.emergencyStop(view.measured)) return Fault::EmergencyStop;
+  return Fault::None;
+}
+
 FaultCause FaultSearch::find(const SupervisorView& view, const Conditions& conditions) const noexcept {
-  // Before all others: after a pause of the whole process nearly everything else looks wrong, too.
-  if (view.measured.fenced_out) return {Fault::GuardianActed};
-  // An emergency stop takes the power of the drives: what they complain about is not its cause.
-  if (inputs_.emergencyStop(view.measured)) return {Fault::EmergencyStop};
+  // Before all others: what drives without power complain about is not the cause.
+  if (const Fault taken = machineTaken(view); taken != Fault::None) return {taken};
   if (inputs_.handSwitch(view.measured)) return {Fault::HandSwitch};
   const bool driven = view.written.level >= DriveLevel::HeldByDrivers;
   if (driven && inputs_.drivesNotReady(view.measured)) return {Fault::DrivesNotReady};

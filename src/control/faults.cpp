@@ -13,6 +13,7 @@ constexpr Loop kLost = Loop::Lost;  // an oscillating loop counts as lost, too
 constexpr StopCategory kNoStop = StopCategory::None;
 constexpr StopCategory kZero = StopCategory::Zero;
 constexpr StopCategory kOne = StopCategory::One;
+constexpr StopCategory kByGuardian = StopCategory::ByGuardian;
 
 constexpr std::array<FaultDescription, kFaults> kTable = {{
     {F::None, "none", "no fault", kAtOnce, kWorks, kNoStop, ""},
@@ -46,7 +47,8 @@ constexpr std::array<FaultDescription, kFaults> kTable = {{
      "look at the states of the components and at the drives"},
     {F::EmergencyStop, "emergency_stop", "emergency stop", kWhenGone, kWorks, kZero, "release the emergency stop"},
     {F::GuardianActed, "guardian_acted", "the guardian found the controller silent and took over its outputs",
-     kWhenGone, kWorks, kZero, "look for what stopped the controller; resetting asks the guardian for the outputs"},
+     kWhenGone, kWorks, kByGuardian,
+     "look for what stopped the controller; resetting asks the guardian for the outputs"},
     {F::NotReset, "not_reset", "the controller has just started and nobody has reset it yet", kWhenGone, kWorks, kOne,
      "look at the robot, then reset"},
     {F::HandSwitch, "hand_switch", "the patient's hand switch", kWhenGone, kWorks, kOne,
@@ -155,6 +157,11 @@ static_assert(isInOrder(), "a row for every Fault, in the order of their numbers
 
 const FaultDescription& describe(Fault fault) noexcept {
   return kTable[static_cast<std::size_t>(fault)];
+}
+
+bool takesTheMachine(Fault fault) noexcept {
+  const StopCategory stop = describe(fault).stop;
+  return stop == StopCategory::Zero || stop == StopCategory::ByGuardian;
 }
 
 bool concernsAllAxes(Fault fault) noexcept {

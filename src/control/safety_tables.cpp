@@ -17,6 +17,20 @@ const char* textOf(ResetRule rule) {
   return "?";
 }
 
+const char* textOf(StopCategory category, Loop loop) {
+  switch (category) {
+    case StopCategory::None:
+      return "none";
+    case StopCategory::Zero:
+      return "at once, power is gone (category 0)";
+    case StopCategory::ByGuardian:
+      return "at once, by the guardian (category 1)";
+    case StopCategory::One:
+      return loop == Loop::Works ? "along the path (category 1)" : "at once (category 1)";
+  }
+  return "?";
+}
+
 const char* const kRequestNames[kRequestKinds] = {"enable", "disable", "play",      "stop", "emergency stop", "reset",
                                                   "pause",  "resume",  "set speed", "home", "confirm home",   "guide"};
 
@@ -27,9 +41,8 @@ std::string faultsTable() {
   for (int i = 1; i < kFaults; ++i) {
     const auto fault = static_cast<Fault>(i);
     const FaultDescription& d = describe(fault);
-    text += "| " + std::to_string(i) + " | `" + d.name + "` | " + d.sentence + " | " +
-            (loopStaysClosed(fault) ? "along the path" : "at once") + " | " + d.remedy + " | " + textOf(d.reset) +
-            " |\n";
+    text += "| " + std::to_string(i) + " | `" + d.name + "` | " + d.sentence + " | " + textOf(d.stop, d.loop) + " | " +
+            d.remedy + " | " + textOf(d.reset) + " |\n";
   }
   return text;
 }

@@ -365,7 +365,7 @@ void Supervisor::publishOrders(rt::Nanoseconds now) {
   orders_.homing = state_ == MachineState::Homing ? homing_.searching() : 0;
   orders_.guiding = state_ == MachineState::Guiding;
   orders_.drivers_active = powered && orders_.level >= DriveLevel::HeldByDrivers;
-  orders_.immediate = inputs_.emergencyStop(view_.measured) || view_.measured.fenced_out;
+  orders_.immediate = takesTheMachine(search_.machineTaken(view_));
   ++orders_.sequence;
   orders_.time = now;
   orders.write(orders_);

@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <functional>
+#include <set>
 
 #include "supervisor_view_of.h"
 
@@ -68,6 +69,29 @@ TEST_F(FaultSearching, NamesTheCauseBeforeWhatFollowsFromIt) {
     happens();
     EXPECT_EQ(found(), fault) << describe(fault).name;
   }
+}
+
+TEST_F(FaultSearching, KnowsWhoHasTakenTheMachineAsTheTableDoes) {
+  EXPECT_EQ(search.machineTaken(view), Fault::None);
+  std::set<Fault> found_taken;
+  const std::function<void(SupervisorView&)> causes[] = {
+      [](SupervisorView& v) { v.measured.digital_inputs = 2; },
+      [](SupervisorView& v) { v.measured.fenced_out = true; },
+  };
+  for (const auto& cause : causes) {
+    SupervisorView taken = view;
+    taken.verdict.fault[0] = Fault::Runaway;  // whatever else is wrong
+    cause(taken);
+    EXPECT_EQ(search.machineTaken(taken), search.find(taken, conditions).fault);
+    found_taken.insert(search.machineTaken(taken));
+  }
+  for (int i = 0; i < kFaults; ++i) {
+    const auto fault = static_cast<Fault>(i);
+    EXPECT_EQ(takesTheMachine(fault), found_taken.count(fault) == 1) << describe(fault).name;
+    EXPECT_EQ(describe(fault).stop == StopCategory::None, fault == Fault::None) << describe(fault).name;
+  }
+  view.measured.digital_inputs = 1;
+  EXPECT_EQ(search.machineTaken(view), Fault::None) << "the hand switch leaves the drives their power";
 }
 
 TEST_F(FaultSearching, AsksForReadyDrivesOnlyWhileTheyDrive) {

@@ -150,6 +150,12 @@ TEST_P(SafeRoads, RunTheSafeStopOnceOnAllFourChannels) {
   } else {
     EXPECT_GE(wires.zero_s - wires.disable_s, 0.02 - 1e-9) << "the drive was off before 0 V";
   }
+  // As the table says; a component of the loop takes the loop with it, and a service takes no power.
+  const bool of_the_loop = road.name.find("Driver") == 0 || road.name.find("Input") == 0;
+  const bool by_service = road.name == "EmergencyStop";
+  if (const FaultDescription& row = describe(road.fault); road.fault != Fault::None && !of_the_loop && !by_service) {
+    EXPECT_EQ(road.decelerates, !takesTheMachine(row.fault) && row.loop == Loop::Works) << row.name;
+  }
   const double until_engaged = wires.engage_s - left;
   if (road.decelerates) {
     EXPECT_GT(until_engaged, 0.1);

@@ -28,6 +28,9 @@ class FaultSearch {
 
   /// The first fault in the order of causes; Fault::None: all is well.
   FaultCause find(const SupervisorView& view, const Conditions& conditions) const noexcept;
+  /// Who has the machine in this cycle, whatever else is wrong: the guardian its outputs, or the emergency stop its
+  /// power; Fault::None: the controller.
+  Fault machineTaken(const SupervisorView& view) const noexcept;
   /// Whether the cause of `latched` (or another one that would stop at once) is still there: it is not reset then.
   bool causeRemains(Fault latched, const SupervisorView& view) const noexcept;
 

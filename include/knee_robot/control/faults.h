@@ -78,8 +78,9 @@ enum class Loop : std::uint8_t {
 /// Stop category of IEC 60204-1.
 enum class StopCategory : std::uint8_t {
   None,
-  Zero,  ///< power is gone or taken at once: STO and SBC together
-  One,   ///< power stays until the robot is at rest and the brakes hold: SS1, then SBC, then STO
+  Zero,        ///< hardware has taken the power: STO and SBC together
+  One,         ///< power stays until the robot is at rest and the brakes hold: SS1, then SBC, then STO
+  ByGuardian,  ///< One as well, but the guardian does it: SBC at once, STO when the brakes hold
 };
 
 /// One row of the fault table: what is said, how the robot stops, what resets it.
@@ -98,6 +99,9 @@ const FaultDescription& describe(Fault fault) noexcept;
 
 /// True for faults of the platform as a whole, whatever axis reports them.
 bool concernsAllAxes(Fault fault) noexcept;
+
+/// True where the drives' power or the outputs are not the controller's any more: its safe stop slows nothing down.
+bool takesTheMachine(Fault fault) noexcept;
 
 /// What the bus to the drives reports, as a fault of the machine.
 Fault faultOf(hardware::BusFault fault) noexcept;
