@@ -228,7 +228,7 @@ int run() {
     ROS_WARN("NOT REAL TIME: %s", warning.c_str());
   if (hardware_file.backend != "simulated" && nodes::killsTooSoon(nodes::commandOfParent())) {
     ROS_WARN(
-        "roslaunch kills controller and guardian 15 s after Ctrl-C, also when a holding brake does not hold and the "
+        "roslaunch kills controller and guardian 17 s after Ctrl-C, also when a holding brake does not hold and the "
         "drives carry the platform: give it, and the guardian, the argument --own-session, as controller.launch "
         "does with own_session:=true");
   }
