@@ -1,7 +1,9 @@
 // Every deployment and hardware file of the configuration makes a controller.
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <filesystem>
+#include <set>
 
 #include "fake_machine.h"
 #include "knee_robot/base/files.h"
@@ -60,6 +62,50 @@ TEST(WideLimits, AreAboutThreeTimesWhatTheComponentsThemselvesHaveAsDefaults) {
       EXPECT_GE(limit.least, 0.29 * usual) << what;
     }
   }
+}
+
+struct NotInTheTable {
+  std::string property, why;
+};
+const NotInTheTable kNotInTheTable[] = {
+    {"Monitors.acceleration_factor", "PatientChecklist has a limit of its own for it"},
+    {"Monitors.thermal_start", "its default is the widest"},
+    {"Driver.axis", "it names the axis"},
+    {"Driver.proportional_N_per_m", "a gain: what it lets happen, following error and monitors find"},
+    {"Driver.integral_N_per_m_s", "a gain"},
+    {"Driver.derivative_N_s_per_m", "a gain"},
+    {"Driver.derivative_cutoff_hz", "a gain's filter"},
+    {"Driver.probe_s", "PatientChecklist asks whether encoders are tested"},
+    {"Supervisor.settle_s", "the brakes hold meanwhile"},
+    {"Supervisor.enable_limit_s", "the brakes hold meanwhile"},
+    {"AxesOutput.settle_s", "the loops hold meanwhile, and monitors watch"},
+    {"HandGuide.damping_N_s_per_m", "how it feels: its speed limits hold with any"},
+    {"HandGuide.linear_m_per_s", "the patient's own limit holds where it is lower"},
+    {"HandGuide.angular_rad_per_s", "the patient's own limit holds where it is lower"},
+};
+
+/// A limit that nobody put into the table could be opened wide beside a patient.
+TEST(WideLimits, HaveEveryNumberOfTheirComponentsOrAReasonWhyNot) {
+  fake::Machine machine(fake::robot());
+  const rt::TypeFactory types = componentTypes(fake::robot(), fake::hardware(), machine, {});
+  std::set<std::string> judged, judged_types, excused;
+  for (const WideLimit& limit : wideLimits()) {
+    judged.insert(limit.type + "." + limit.property);
+    judged_types.insert(limit.type);
+  }
+  for (const NotInTheTable& one : kNotInTheTable)
+    excused.insert(one.property);
+  EXPECT_GE(judged_types.size(), 7u);
+  for (const std::string& type : judged_types) {
+    const auto component = types.at(type)("it");
+    for (const rt::PropertyBase* property : component->properties()) {
+      if (std::isnan(numberOf(property))) continue;
+      const std::string name = type + "." + property->name();
+      EXPECT_EQ(judged.count(name) + excused.erase(name), 1u)
+          << name << ": give it a row in src/control/wide_limits.cpp, or a reason here";
+    }
+  }
+  EXPECT_TRUE(excused.empty()) << *excused.begin() << " is no number of a component in the table";
 }
 
 std::string opened(const std::string& path) {
