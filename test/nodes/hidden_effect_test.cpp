@@ -1,4 +1,4 @@
-// scripts/hidden_effect: what the demo says of trace's findings is true also where they are poor.
+// scripts/demo and its scripts/hidden_effect: what the demo says of trace's findings is true also where they are poor.
 
 #include <gtest/gtest.h>
 
@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <fstream>
 #include <string>
+#include <utility>
 
 #include "test/temporary_folder.h"
 
@@ -19,14 +20,18 @@ struct Outcome {
   std::string text;
 };
 
-Outcome hiddenEffect(const std::string& arguments) {
+Outcome script(const std::string& command) {
   Outcome outcome{};
-  FILE* pipe = ::popen((KNEE_SOURCE_DIR "/scripts/hidden_effect " + arguments + " 2>&1").c_str(), "r");
+  FILE* pipe = ::popen(("timeout 60 " KNEE_SOURCE_DIR "/scripts/" + command + " 2>&1").c_str(), "r");
   char line[512];
   while (pipe != nullptr && std::fgets(line, sizeof line, pipe) != nullptr)
     outcome.text += line;
   outcome.status = WEXITSTATUS(::pclose(pipe));
   return outcome;
+}
+
+Outcome hiddenEffect(const std::string& arguments) {
+  return script("hidden_effect " + arguments);
 }
 
 /// What `hidden_effect reveal` prints for a hidden spring of 800 N/m, for a found one, and its exit status.
@@ -98,6 +103,20 @@ TEST(HiddenEffect, SaysSoWhenTheRobotPlaysNothingAtAll) {
   const Drawn drawn = draw(31, "exit 3");
   EXPECT_EQ(drawn.outcome.status, 1);
   EXPECT_TRUE(says(drawn.outcome, "plays these movements with none of 20 effects")) << drawn.outcome.text;
+}
+
+TEST(Demo, RefusesWhatIsNoOptionOfItsInOneSentenceAndTakesTheOthersInAnyOrder) {
+  const std::pair<const char*, const char*> refused[] = {
+      {"--bogus", "demo: there is no option --bogus; usage: scripts/demo [--seed N] [--effect NAME] [FOLDER]\n"},
+      {"--effect spring --seed three", "demo: --seed needs a whole number\n"},
+      {"--seed 3 --effect --help", "demo: --effect needs a name\n"},
+      {"--effect spring here --seed 3 there", "demo: two folders were given, here and there; one takes everything\n"},
+  };
+  for (const auto& [arguments, sentence] : refused) {
+    const Outcome outcome = script(std::string("demo ") + arguments);
+    EXPECT_EQ(outcome.status, 2) << arguments;
+    EXPECT_EQ(outcome.text, sentence);
+  }
 }
 
 }  // namespace
