@@ -200,31 +200,43 @@ Answer ControlSystem::guide(std::optional<std::uint64_t> halts) {
           "guiding: the axes tremble for a moment, then the platform follows the hand; letting go of the switch holds"};
 }
 
-Answer ControlSystem::saveGuided(const std::string& path) {
+SavedReference ControlSystem::saveGuided(const std::string& path) {
   if (parts_->machine.guide == nullptr)
-    return {false, "the deployment has no HandGuide; add that component (docs/guiding.md)"};
-  if (state() == MachineState::Guiding) return {false, "the platform is being guided; let go of the switch first"};
+    return {{false, "the deployment has no HandGuide; add that component (docs/guiding.md)"}};
+  if (state() == MachineState::Guiding) return {{false, "the platform is being guided; let go of the switch first"}};
   try {
     const trajectory::Points guided = parts_->machine.guide->path().points();
-    return {true, saveGuidedReference(path, guided, parts_->robot, parts_->occupancy.patient())};
+    return saveGuidedReference(path, guided, parts_->robot, parts_->occupancy.patient());
+  } catch (const InputError& error) {
+    return {{false, error.what()}};
+  }
+}
+
+PlayableReference ControlSystem::check(trajectory::Reference reference) const {
+  return parts_->player.check(std::move(reference));
+}
+
+Answer ControlSystem::loadReference(const trajectory::Reference& reference) {
+  try {
+    return loadReference(check(reference));
   } catch (const InputError& error) {
     return {false, error.what()};
   }
 }
 
-Answer ControlSystem::loadReference(const trajectory::Reference& reference) {
+Answer ControlSystem::loadReference(const PlayableReference& playable) {
   if (isOnPath(state())) {
     return {false, "a reference is being played; stop it before another one is loaded"};
   }
   const OccupancyRecord::Hold hold(parts_->occupancy);
   if (!hold) return kBeingChanged;
-  return parts_->player.load(reference, parts_->occupancy.patient());
+  return parts_->player.load(playable, parts_->occupancy.patient());
 }
 
-std::string ControlSystem::whyNotForPatient(const trajectory::ReferenceCheck& check,
-                                            const trajectory::Reference& reference) const {
+std::string ControlSystem::whyNotForPatient(const PlayableReference& playable) const {
   try {
-    if (const auto patient = parts_->occupancy.patient()) requireWithinPatient(check, reference, *patient);
+    if (const auto patient = parts_->occupancy.patient())
+      requireWithinPatient(playable.check(), playable.reference(), *patient);
     return "";
   } catch (const InputError& error) {
     return error.what();

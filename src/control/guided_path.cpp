@@ -114,8 +114,8 @@ GuidedReference guidedReference(const trajectory::Points& guided, const mechanis
   throw InputError(why);
 }
 
-std::string saveGuidedReference(const std::string& path, const trajectory::Points& points,
-                                const mechanism::Robot& robot, const std::optional<PatientLimits>& patient) {
+SavedReference saveGuidedReference(const std::string& path, const trajectory::Points& points,
+                                   const mechanism::Robot& robot, const std::optional<PatientLimits>& patient) {
   const GuidedReference guided = guidedReference(points, robot, patient);
   trajectory::writeReference(path, guided.reference, {"guided by hand"});
   const auto rows = guided.reference.points.rows();
@@ -123,8 +123,9 @@ std::string saveGuidedReference(const std::string& path, const trajectory::Point
   std::string slower;
   if (guided.slowed > 1.0)
     slower = ", " + shortNumber(guided.slowed, 2) + " times slower than the hand, for the limits' sake";
-  return path + ": " + std::to_string(rows) + " points, " + shortNumber(duration, 4) + " s" + slower +
-         "; it may be played";
+  const std::string sentence = path + ": " + std::to_string(rows) + " points, " + shortNumber(duration, 4) + " s" +
+                               slower + "; it may be played";
+  return {{true, sentence}, static_cast<std::uint32_t>(rows), duration};
 }
 
 }  // namespace knee_robot::control

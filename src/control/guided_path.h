@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "knee_robot/control/answer.h"
 #include "knee_robot/control/patient_limits.h"
 
 namespace knee_robot::control {
@@ -41,8 +42,8 @@ struct GuidedReference {
 GuidedReference guidedReference(const trajectory::Points& guided, const mechanism::Robot& robot,
                                 const std::optional<PatientLimits>& patient);
 
-/// Writes it as a reference file; a sentence about it. InputError likewise, and when the file cannot be written.
-std::string saveGuidedReference(const std::string& path, const trajectory::Points& guided,
-                                const mechanism::Robot& robot, const std::optional<PatientLimits>& patient);
+/// Writes it as a reference file; what was written, and a sentence about it. InputError likewise, and when the file cannot be written.
+SavedReference saveGuidedReference(const std::string& path, const trajectory::Points& guided,
+                                   const mechanism::Robot& robot, const std::optional<PatientLimits>& patient);
 
 }  // namespace knee_robot::control

@@ -21,29 +21,28 @@ AxisValues rowOf(const trajectory::Points& lengths, Eigen::Index k) {
   return row;
 }
 
-/// Throws InputError.
-trajectory::ReferenceCheck check(const trajectory::Reference& reference, const mechanism::Robot& robot,
-                                 const PathPlayer::Patient& patient) {
-  trajectory::ReferenceCheck found = trajectory::requirePlayable(reference, robot);
-  if (patient) requireWithinPatient(found, reference, *patient);
-  return found;
-}
-
 }  // namespace
 
-Answer PathPlayer::load(const trajectory::Reference& reference, const Patient& patient) {
+PlayableReference PathPlayer::check(trajectory::Reference reference) const {
+  return {std::move(reference), robot_};
+}
+
+Answer PathPlayer::load(const PlayableReference& playable, const Patient& patient) {
+  const trajectory::Reference& reference = playable.reference();
+  if (!playable.wasCheckedFor(robot_)) return {false, reference.name + " was checked for another robot"};
   try {
-    trajectory::Points lengths = check(reference, robot_, patient).lengths;
-    const auto rows = lengths.rows();
-    const double duration = trajectory::kStreamPeriod * static_cast<double>(rows - 1);
-    const std::lock_guard<std::mutex> lock(mutex_);
-    lengths_ = std::move(lengths);
-    name_ = reference.name;
-    return {true, name_ + ": " + std::to_string(rows) + " points, " + shortNumber(duration) +
-                      " s, within all limits of the robot"};
+    if (patient) requireWithinPatient(playable.check(), reference, *patient);
   } catch (const InputError& error) {
     return {false, error.what()};
   }
+  trajectory::Points lengths = playable.check().lengths;
+  const auto rows = lengths.rows();
+  const double duration = trajectory::kStreamPeriod * static_cast<double>(rows - 1);
+  const std::lock_guard<std::mutex> lock(mutex_);
+  lengths_ = std::move(lengths);
+  name_ = reference.name;
+  return {true, name_ + ": " + std::to_string(rows) + " points, " + shortNumber(duration) +
+                    " s, within all limits of the robot"};
 }
 
 void PathPlayer::forget() {
@@ -118,7 +117,9 @@ Answer PathPlayer::approach(double speed_m_per_s, const Patient& patient, const 
   for (double speed = speed_m_per_s;; speed *= 0.5) {
     line.points = approachLine(row->position_m, to, robot_, speed);
     try {
-      return playLengths(check(line, robot_, patient).lengths, line.name, expected);
+      const trajectory::ReferenceCheck checked = trajectory::requirePlayable(line, robot_);
+      if (patient) requireWithinPatient(checked, line, *patient);
+      return playLengths(checked.lengths, line.name, expected);
     } catch (const InputError& error) {
       if (!patient || speed < kSlowestApproach) return {false, error.what()};
     }

@@ -7,6 +7,7 @@
 
 #include "knee_robot/control/path_expectation.h"
 #include "knee_robot/control/patient_limits.h"
+#include "knee_robot/control/playable_reference.h"
 #include "machine_requests.h"
 
 namespace knee_robot::control {
@@ -21,8 +22,11 @@ class PathPlayer {
   PathPlayer(const mechanism::Robot& robot, Sync& sync, const OperatorPanel& panel, MachineRequests& requests)
       : robot_(robot), sync_(sync), panel_(panel), requests_(requests) {}
 
-  /// Checks the reference, and keeps it in place of the one before.
-  Answer load(const trajectory::Reference& reference, const Patient& patient);
+  /// InputError: the first limit of the robot that it breaks.
+  PlayableReference check(trajectory::Reference reference) const;
+  /// Keeps what check() let pass in place of the one before, when the patient's limits allow it: whoever is on the robot
+  /// may have changed since.
+  Answer load(const PlayableReference& playable, const Patient& patient);
   /// Nothing is loaded: what was, was checked for somebody else.
   void forget();
   /// Somebody wants the robot to stand: called before the Supervisor is asked for it.

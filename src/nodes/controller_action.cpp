@@ -71,7 +71,7 @@ control::Answer PlayActionServer::check(const PlayGoal& goal, Job& job) const {
       return {false, "no file was named and no reference is loaded; name or load one"};
   } else {
     job.checked = references_.check(goal.file, goal.space);
-    if (!job.checked.reference) return job.checked.answer;
+    if (!job.checked.playable) return job.checked.answer;
   }
   if (!goal.record) return {true, ""};
   try {

@@ -234,7 +234,7 @@ int run() {
   }
   ROS_INFO("%s", started.sentence.c_str());
   ROS_INFO("feedforward: %s", system.feedforward().c_str());
-  nodes::References references(system, robot, reference_folder);
+  nodes::References references(system, reference_folder);
   std::atomic<nodes::GuardianSupervision::Guardian> guardian{nodes::GuardianSupervision::Guardian::None};
   serve(node, machine, {system, robot, references, patients, recordings, rate_hz, guardian, log}, guardian);
   const std::string timing = rt::toText(system.statistics());

@@ -35,15 +35,18 @@ CheckedReference References::check(const std::string& file, const std::string& s
   CheckedReference checked;
   try {
     trajectory::Reference reference = trajectory::readReference(folder_.existingFile(file), requestedSpace(space));
-    checked.check = trajectory::requirePlayable(reference, robot_);
-    checked.points = static_cast<std::uint32_t>(reference.points.rows());
-    checked.duration_s = static_cast<double>(reference.points.rows() - 1) * reference.period_s;
-    reference.name = std::filesystem::path(reference.name).lexically_relative(folder_.path()).string();
-    checked.answer = {true, reference.name + ": may be played" + marginSentence(checked.check)};
-    if (const std::string why = system_.whyNotForPatient(checked.check, reference); !why.empty())
+    const std::string name = std::filesystem::path(reference.name).lexically_relative(folder_.path()).string();
+    const double period_s = reference.period_s;
+    control::PlayableReference playable = system_.check(std::move(reference));
+    playable.rename(name);
+    const Eigen::Index rows = playable.reference().points.rows();
+    checked.points = static_cast<std::uint32_t>(rows);
+    checked.duration_s = static_cast<double>(rows - 1) * period_s;
+    checked.answer = {true, name + ": may be played" + marginSentence(playable.check())};
+    if (const std::string why = system_.whyNotForPatient(playable); !why.empty())
       checked.answer = {false, why};
     else
-      checked.reference = std::move(reference);
+      checked.playable = std::move(playable);
   } catch (const std::exception& error) {  // InputError, a file system that fails, no memory
     checked.answer = {false, error.what()};
   }
@@ -51,15 +54,15 @@ CheckedReference References::check(const std::string& file, const std::string& s
 }
 
 control::Answer References::load(const CheckedReference& checked) {
-  if (!checked.reference) return checked.answer;
+  if (!checked.playable) return checked.answer;
   const std::lock_guard<std::mutex> one_at_a_time(loading_);
-  const control::Answer answer = system_.loadReference(*checked.reference);
+  const control::Answer answer = system_.loadReference(*checked.playable);
   if (!answer.ok) return answer;
   {
     const std::lock_guard<std::mutex> lock(mutex_);
     duration_s_ = checked.duration_s;
   }
-  publishPath(checked.check, checked.reference->period_s);
+  publishPath(checked.playable->check(), checked.playable->reference().period_s);
   return {true, checked.answer.sentence + "; loaded"};
 }
 

@@ -14,8 +14,7 @@ namespace knee_robot::nodes {
 
 /// A reference file as the network named it, read and checked.
 struct CheckedReference {
-  std::optional<trajectory::Reference> reference;  ///< empty: refused
-  trajectory::ReferenceCheck check;
+  std::optional<control::PlayableReference> playable;  ///< empty: refused
   control::Answer answer;  ///< may be played, with the smallest margin; or the first limit that it breaks
   std::uint32_t points = 0;
   double duration_s = 0.0;
@@ -26,8 +25,7 @@ struct CheckedReference {
 ///     ~path   nav_msgs/Path   latched; platform poses in frame `base`, stamp = time along the reference
 class References {
  public:
-  References(control::ControlSystem& system, const mechanism::Robot& robot, const Folder& folder)
-      : system_(system), robot_(robot), folder_(folder) {}
+  References(control::ControlSystem& system, const Folder& folder) : system_(system), folder_(folder) {}
 
   /// Nothing changes. `space`: actuator, platform, relative or empty.
   CheckedReference check(const std::string& file, const std::string& space) const;
@@ -48,7 +46,6 @@ class References {
   void publishPath(const trajectory::ReferenceCheck& check, double period_s);
 
   control::ControlSystem& system_;
-  const mechanism::Robot& robot_;
   const Folder& folder_;
   std::mutex loading_;  // so that what is shown is what was loaded last; before mutex_
   mutable std::mutex mutex_;

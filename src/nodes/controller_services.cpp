@@ -78,12 +78,9 @@ bool ControllerServices::saveGuided(Call<LoadReference>& call) {
   const std::string what = "save_guided " + call.getRequest().file;
   try {
     const std::string path = references_.newFile(call.getRequest().file);
-    const control::Answer saved = system_.saveGuided(path);
-    if (saved.ok) {
-      const CheckedReference checked = references_.check(path, "");
-      call.getResponse().points = checked.points;
-      call.getResponse().duration_s = checked.duration_s;
-    }
+    const control::SavedReference saved = system_.saveGuided(path);
+    call.getResponse().points = saved.points;
+    call.getResponse().duration_s = saved.duration_s;
     return reply(call, what, saved);
   } catch (const InputError& error) {
     return reply(call, what, {false, error.what()});

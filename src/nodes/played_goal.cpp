@@ -53,10 +53,10 @@ control::Answer PlayedGoal::play() {
     feedBack("enabling", system_.status());
     if (const control::Answer answer = system_.enable(job_.halts); !answer.ok) return answer;
   }
-  if (job_.checked.reference) {
+  if (job_.checked.playable) {
     if (const control::Answer answer = server_.references_.load(job_.checked); !answer.ok) return answer;
   }
-  name_ = job_.checked.reference ? job_.checked.reference->name : system_.status().reference;
+  name_ = job_.checked.playable ? job_.checked.playable->reference().name : system_.status().reference;
   result_.duration_s = server_.references_.loadedDuration();
   if (isInterrupted()) return breakOff();
   const control::PathExpectation as_asked{name_, job_.halts};

@@ -4,6 +4,7 @@
 
 #include <cmath>
 
+#include "knee_robot/base/errors.h"
 #include "system_rig.h"
 
 namespace knee_robot::control {
@@ -191,6 +192,21 @@ TEST(ControlSystem, RefusesABadReferenceAsAWhole) {
   EXPECT_NE(answer.sentence.find("smooth.txt:"), std::string::npos) << answer.sentence;
   EXPECT_EQ(rig.system.status().reference, "");
   EXPECT_FALSE(rig.system.play().ok);
+}
+
+TEST(ControlSystem, LoadsWhatItHasCheckedItselfAndNothingThatAnotherOneHas) {
+  Rig rig, other;
+  rig.hold();
+  trajectory::Reference jump = fake::smoothReference(fake::kHome, 0.01, 1.0);
+  PlayableReference playable = rig.system.check(jump);
+  jump.points(50, 2) += 0.02;
+  EXPECT_THROW(rig.system.check(jump), InputError);
+  playable.rename("by another name");
+  EXPECT_FALSE(other.system.loadReference(playable).ok) << "its robot may have other limits";
+  EXPECT_EQ(other.system.status().reference, "");
+  const Answer loaded = rig.system.loadReference(playable);
+  EXPECT_TRUE(loaded.ok) << loaded.sentence;
+  EXPECT_EQ(rig.system.status().reference, "by another name");
 }
 
 TEST(ControlSystem, DoesNotResumeAfterItWasDisabled) {

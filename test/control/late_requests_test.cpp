@@ -77,7 +77,7 @@ TEST_F(PartsOnTheirOwn, TakeUpWhatIsAskedForAfterAPause) {
 TEST_F(PartsOnTheirOwn, PlayNothingThatAStopHasOvertakenWhoeverAskedForIt) {
   ASSERT_TRUE(parts.requests.make(RequestKind::Enable, 5.0).ok);
   parts.runner.run(2.0);
-  ASSERT_TRUE(parts.player.load(fake::smoothReference(fake::kHome, 0.03, 2.0), {}).ok);
+  ASSERT_TRUE(parts.player.load(parts.player.check(fake::smoothReference(fake::kHome, 0.03, 2.0)), {}).ok);
   for (const bool approach : {false, true}) {
     meanwhile = [this] { parts.player.halt(); };  // stop() says this first, and its request comes later
     const Answer answer = approach ? parts.player.approach(0.01, {}) : parts.player.play();

@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <fstream>
 
+#include "knee_robot/base/constants.h"
 #include "knee_robot/base/files.h"
 #include "knee_robot/control/control_system.h"
 #include "knee_robot/simulation/robot_simulation.h"
@@ -86,6 +87,33 @@ TEST_F(Occupancies, NobodyIsLetOnARobotWhoseGainsSomebodyTriedOutAndForgot) {
   ASSERT_TRUE(controller.system->setProperty("Driver4", "proportional_N_per_m", "60000").ok);
   const Answer loaded = controller.system->loadPatient(patient);
   EXPECT_TRUE(loaded.ok) << loaded.sentence;
+}
+
+/// The platform turns by 12 deg and stays there: 2 deg more than the patient may.
+trajectory::Reference turning() {
+  trajectory::Reference reference;
+  reference.name = "turning.txt";
+  reference.space = trajectory::Space::Platform;
+  reference.points.resize(2001, 4);
+  for (Eigen::Index k = 0; k <= 2000; ++k) {
+    const double x = static_cast<double>(k) / 2000.0;
+    reference.points.row(k) << 0.0, 0.65, 12.0 / kDegrees * x * x * x * (10.0 + x * (6.0 * x - 15.0)), 0.0;
+  }
+  return reference;
+}
+
+TEST_F(Occupancies, WhatWasCheckedBeforeThePatientCameIsNotLoadedBesideHim) {
+  Controller controller(memory(), true);
+  const PlayableReference playable = controller.system->check(turning());
+  EXPECT_EQ(controller.system->whyNotForPatient(playable), "");
+  EXPECT_TRUE(controller.system->loadReference(playable).ok);
+  ASSERT_TRUE(controller.system->loadPatient(patient).ok);
+  EXPECT_EQ(controller.system->status().reference, "") << "forgotten";
+  const Answer refused = controller.system->loadReference(playable);
+  EXPECT_FALSE(refused.ok);
+  EXPECT_NE(refused.sentence.find("outside the patient's -10 .. 10"), std::string::npos) << refused.sentence;
+  EXPECT_EQ(controller.system->status().reference, "");
+  EXPECT_EQ(controller.system->whyNotForPatient(playable), refused.sentence);
 }
 
 TEST_F(Occupancies, APatientStaysOverARestartWhateverTheCommandLineSays) {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <string>
 
 namespace knee_robot::control {
@@ -8,6 +9,12 @@ namespace knee_robot::control {
 struct Answer {
   bool ok = false;
   std::string sentence;
+};
+
+/// Answer about a reference file that was written.
+struct SavedReference : Answer {
+  std::uint32_t points = 0;
+  double duration_s = 0.0;
 };
 
 }  // namespace knee_robot::control

@@ -11,11 +11,11 @@
 #include "knee_robot/control/control_status.h"
 #include "knee_robot/control/hardware_file.h"
 #include "knee_robot/control/path_expectation.h"
+#include "knee_robot/control/playable_reference.h"
 #include "knee_robot/mechanism/robot.h"
 #include "knee_robot/rt/deployer.h"
 #include "knee_robot/rt/property.h"
 #include "knee_robot/rt/statistics_report.h"
-#include "knee_robot/trajectory/reference_check.h"
 
 namespace knee_robot::control {
 
@@ -82,12 +82,16 @@ class ControlSystem {
   Answer enable(std::optional<std::uint64_t> halts = {});
   /// Holding, Playing -> Disabled by the safe stop.
   Answer disable();
-  /// Checks the reference against the robot (everything that check_reference checks) and hands it over. Not while
-  /// playing.
+  /// Checks the reference against the robot (everything that check_reference checks). InputError: the first limit that
+  /// it breaks.
+  PlayableReference check(trajectory::Reference reference) const;
+  /// Why the loaded patient's limits forbid it; empty: they do not, or no patient is loaded.
+  std::string whyNotForPatient(const PlayableReference& playable) const;
+  /// Hands over what check() of this let pass, once more only against the patient's limits, who may have changed. Not
+  /// while playing.
+  Answer loadReference(const PlayableReference& playable);
+  /// The same with check() before it.
   Answer loadReference(const trajectory::Reference& reference);
-  /// Why the loaded patient's limits forbid a reference that was checked against the robot; empty: they do not, or no
-  /// patient is loaded.
-  std::string whyNotForPatient(const trajectory::ReferenceCheck& check, const trajectory::Reference& reference) const;
   /// Reads a patient file (patient_limits.h) and holds the machine to it from now on: references and approaches are
   /// checked against it on loading and playing, pose and speed are monitored during motion. Refused with every reason
   /// why no patient may be on this machine (docs/safety.md; with the simulated backend they are only told). Only while
@@ -130,7 +134,7 @@ class ControlSystem {
   Answer guide(std::optional<std::uint64_t> halts = {});
   /// The path that was guided last as a reference file that may be played: smoothed, as slow as the limits want it,
   /// checked.
-  Answer saveGuided(const std::string& path);
+  SavedReference saveGuided(const std::string& path);
   /// Safe stop now, latched like a fault until resetFaults().
   Answer emergencyStop();
   /// Recovers failed components and clears the latched fault; ends in Disabled.
