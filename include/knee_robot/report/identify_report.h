@@ -38,7 +38,7 @@ struct IdentifyResults {
   identification::Applied train_physical, validate_physical;
 };
 
-/// report.json of design section 3, plus "rank", "parameters" and "signal_path".
+/// report.json of docs/files.md, with "rank", "parameters" and "signal_path".
 std::string identifyJson(const IdentifyResults& results);
 
 /// prediction_NAME.csv of one recording: time_s, force_i_N as recorded, predicted_i_N.

@@ -36,7 +36,7 @@ struct GainInterval {
 GainInterval bootstrapGain(const std::vector<identification::Observation>& observations,
                            const identification::Applied& before, const identification::Applied& after, unsigned seed);
 
-/// report.json of design section 3, plus "absorbed", "not_added", "notes", "verdict".
+/// report.json of docs/files.md, with "absorbed", "not_added", "notes", "verdict".
 std::string traceJson(const TraceResults& results);
 /// What the program prints.
 std::string traceSummary(const TraceResults& results);
