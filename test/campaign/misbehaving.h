@@ -13,7 +13,7 @@
 #include "knee_robot/simulation/shared_image.h"
 
 /// Components of the campaign's controller: the product's own, each with a hook that misbehaves when it is told to.
-/// What to do is hardware::InjectedFaults::component_fault = 100 * component + misbehaviour (program inject_fault,
+/// What to do is simulation::InjectedFaults::component_fault = 100 * component + misbehaviour (program inject_fault,
 /// fault `component`).
 namespace knee_robot::campaign {
 

@@ -34,7 +34,7 @@ class DelayedSwitch {
 /// scales do.
 /// Pressing the emergency stop takes the power from drives and holding brakes, whatever the outputs say; so does the
 /// relay on the heartbeat output, where the simulation file has one, when the output has not changed for its time.
-/// Faults ordered in the image (hardware/injected_faults.h) are applied to converters, drives, holding brakes and
+/// Faults ordered in the image (simulation/injected_faults.h) are applied to converters, drives, holding brakes and
 /// encoders.
 class RobotSimulation {
  public:
