@@ -44,7 +44,7 @@ void Deployment::start() {
       throw InputError(path_ + ": component " + component->name() + " cannot be configured: " + component->refusal());
     }
   }
-  warnings_ = passed_over_;
+  warnings_.clear();
   epoch_ = monotonicNow();
   virtual_now_ = 0;
   try {

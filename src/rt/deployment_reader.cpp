@@ -90,11 +90,7 @@ void DeploymentReader::readComponent(StrictMap& entry) {
   }
   target_.components_.push_back(make->second(name));
   TaskContext& component = *target_.components_.back();
-  const Loading loading = entry.flagOr("lenient", false) ? Loading::Lenient : Loading::Strict;
-  if (auto properties = entry.mapIfAny("properties")) {
-    for (std::string& sentence : loadProperties(component, *properties, loading))
-      target_.passed_over_.push_back(std::move(sentence));
-  }
+  if (auto properties = entry.mapIfAny("properties")) loadProperties(component, *properties);
 
   const std::string activity_name = entry.text("activity");
   Activity* activity = target_.activity(activity_name);
@@ -125,11 +121,7 @@ PortBase& DeploymentReader::findPort(StrictMap& entry, const std::string& key) {
 void DeploymentReader::readConnection(StrictMap& entry) {
   PortBase& from = findPort(entry, "from");
   PortBase& to = findPort(entry, "to");
-  ConnPolicy policy;
-  if (entry.choiceOr("policy", "data", {"data", "buffer"}) == "buffer") {
-    policy = ConnPolicy::buffer(static_cast<std::size_t>(entry.integer("size", 1, 1'000'000)));
-  }
-  at(entry, "from", [&] { connect(from, to, policy); });
+  at(entry, "from", [&] { connect(from, to); });
   entry.finish();
 }
 

@@ -13,21 +13,16 @@ PropertyBase::PropertyBase(TaskContext& owner, std::string name, std::string uni
   owner.addProperty(*this);
 }
 
-std::vector<std::string> loadProperties(TaskContext& component, StrictMap& map, Loading loading) {
-  std::vector<std::string> passed_over;
+void loadProperties(TaskContext& component, StrictMap& map) {
   for (const std::string& key : map.keys()) {
     PropertyBase* property = component.property(key);
-    if (property != nullptr) {
-      property->load(map);
-      continue;
+    if (property == nullptr) {
+      map.refuse(
+          key, "component " + component.name() + " has no such property; it has " + listNames(component.properties()));
     }
-    const std::string sentence =
-        "component " + component.name() + " has no such property; it has " + listNames(component.properties());
-    if (loading == Loading::Strict) map.refuse(key, sentence);
-    passed_over.push_back(map.where(key) + "passed over: " + sentence);
+    property->load(map);
   }
-  if (loading == Loading::Strict) map.finish();
-  return passed_over;
+  map.finish();
 }
 
 void changeProperty(TaskContext& component, const std::string& name, const std::string& value) {

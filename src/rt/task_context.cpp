@@ -53,9 +53,6 @@ bool TaskContext::start() {
 bool TaskContext::stop() {
   return perform(Command::Stop);
 }
-bool TaskContext::cleanup() {
-  return perform(Command::Cleanup);
-}
 bool TaskContext::recover() {
   return perform(Command::Recover);
 }
@@ -74,8 +71,6 @@ bool TaskContext::execute(Command command) noexcept {
       return doStart();
     case Command::Stop:
       return doStop();
-    case Command::Cleanup:
-      return doCleanup();
     case Command::Recover:
       return doRecover();
   }
@@ -84,11 +79,9 @@ bool TaskContext::execute(Command command) noexcept {
 
 void TaskContext::update(const Cycle& cycle) noexcept {
   mailbox_.serve([this](Command command) { return execute(command); });
-  const TaskState state = this->state();
-  if (state != TaskState::Running && state != TaskState::RunTimeError) return;
+  if (state() != TaskState::Running) return;
   active_hook_ = Hook::Update;
-  const bool thrown = !guarded([&] { state == TaskState::Running ? updateHook(cycle) : errorHook(cycle); });
-  if (thrown) enterException(Hook::Update);
+  if (!guarded([&] { updateHook(cycle); })) enterException(Hook::Update);
   active_hook_ = Hook::None;
 }
 
@@ -146,18 +139,6 @@ bool TaskContext::doStop() noexcept {
   return state() == TaskState::Stopped;
 }
 
-bool TaskContext::doCleanup() noexcept {
-  if (state() != TaskState::Stopped) return refuseCommand("cleanup is possible only in Stopped");
-  active_hook_ = Hook::Cleanup;
-  if (!guarded([&] { cleanupHook(); })) {
-    enterException(Hook::Cleanup);
-  } else if (state() == TaskState::Stopped) {
-    state_.store(TaskState::PreOperational, std::memory_order_release);
-  }
-  active_hook_ = Hook::None;
-  return state() == TaskState::PreOperational;
-}
-
 bool TaskContext::doRecover() noexcept {
   if (state() == TaskState::RunTimeError) {
     state_.store(TaskState::Running, std::memory_order_release);
@@ -179,19 +160,14 @@ void TaskContext::exception(const char* sentence) noexcept {
   enterException(active_hook_);
 }
 
-/// Hooks that have run or are running are not called again: stopHook unless it was the one that threw (or the component
-/// was not running), cleanupHook likewise, exceptionHook always. A second exception on this way is a fatal error, after
-/// the rest of the way: leaving outputs safe comes first.
+/// stopHook is called unless it was the one that threw, or the component was not running. An exception from it on this
+/// way is a fatal error.
 void TaskContext::enterException(Hook thrown_by) noexcept {
   if (state() >= TaskState::Exception) return;
   const bool was_running = isRunning() || thrown_by == Hook::Start;
   state_.store(TaskState::Exception, std::memory_order_release);  // first, so that others react at once
   std::array<char, 256> cause = refusal_;
-  bool clean = true;
-  if (was_running && thrown_by != Hook::Stop) clean = guarded([&] { stopHook(); }) && clean;
-  if (thrown_by != Hook::Cleanup) clean = guarded([&] { cleanupHook(); }) && clean;
-  clean = guarded([&] { exceptionHook(); }) && clean;
-  if (!clean) enterFatal(false);
+  if (was_running && thrown_by != Hook::Stop && !guarded([&] { stopHook(); })) enterFatal(false);
   refusal_ = cause;
 }
 
@@ -207,7 +183,6 @@ void TaskContext::enterFatal(bool run_stop_hook) noexcept {
       before == TaskState::Running || before == TaskState::RunTimeError || active_hook_ == Hook::Start;
   std::array<char, 256> cause = refusal_;
   if (run_stop_hook && was_running) guarded([&] { stopHook(); });
-  guarded([&] { fatalHook(); });
   refusal_ = cause;
 }
 

@@ -29,7 +29,7 @@ struct Injection {
   std::string silent;                                                // component whose updateHook does nothing
   std::string fatal;                                                 // component that declares itself dead
   std::function<void(const std::string& name, bool begins)> around;  // every update
-  std::map<std::string, int> stops, cleanups, exceptions;            // hooks that ran
+  std::map<std::string, int> stops;                                  // stop hooks that ran
 };
 
 /// A component with an Injection around its hooks.
@@ -52,14 +52,6 @@ class Faulty : public Base {
   void stopHook() override {
     ++injection_.stops[this->name()];
     Base::stopHook();
-  }
-  void cleanupHook() override {
-    ++injection_.cleanups[this->name()];
-    Base::cleanupHook();
-  }
-  void exceptionHook() override {
-    ++injection_.exceptions[this->name()];
-    Base::exceptionHook();
   }
 
  private:

@@ -77,7 +77,7 @@ components:
   - {name: S, type: Source, activity: servo, period_s: 0.002, properties: {step: 2.5}}
   - {name: K, type: Sink, activity: servo}
 connections:
-  - {from: S.value, to: K.value, policy: data}
+  - {from: S.value, to: K.value}
 start_order: [K, S]
 )";
 
@@ -118,7 +118,7 @@ TEST_F(DeployerTest, BuildsConnectsStartsInOrderAndStopsInReverse) {
 }
 
 TEST_F(DeployerTest, ConnectsByNameAndTypeWhatNoLineConnects) {
-  writeFileAtomically(path(), with("connections:\n  - {from: S.value, to: K.value, policy: data}\n", ""));
+  writeFileAtomically(path(), with("connections:\n  - {from: S.value, to: K.value}\n", ""));
   Deployment deployment(path(), factory(), Execution::Stepped);
   deployment.start();
   deployment.stepUntil(5'000'000);
@@ -167,18 +167,6 @@ TEST_F(DeployerTest, StopsWhatWasStartedWhenAComponentRefuses) {
   EXPECT_EQ(log_of_starts, (std::vector<std::string>{"start K", "start S", "stop K"}));
 }
 
-TEST_F(DeployerTest, PassesOverUnknownPropertiesWhereToldToButNeverSilentlyAndNeverBadValues) {
-  writeFileAtomically(path(), with("properties: {step: 2.5}", "lenient: true, properties: {step: 2.5, stride: 1}"));
-  Deployment deployment(path(), factory(), Execution::Stepped);
-  deployment.start();
-  ASSERT_EQ(deployment.warnings().size(), 1u);
-  EXPECT_NE(deployment.warnings()[0].find("stride: passed over: component S has no such property"), std::string::npos)
-      << deployment.warnings()[0];
-  EXPECT_EQ(refusalOf(with("properties: {step: 2.5}", "lenient: true, properties: {step: 25}"))
-                .rfind("4: step: 25 is outside 0 .. 10", 0),
-            0u);
-}
-
 TEST_F(DeployerTest, RefusesWhatIsWrongByLineBeforeAnythingRuns) {
   const std::vector<std::pair<std::string, std::string>> cases = {
       {with("step: 2.5", "stride: 2.5"), "4: stride: component S has no such property; it has step, refuses"},
@@ -192,9 +180,7 @@ TEST_F(DeployerTest, RefusesWhatIsWrongByLineBeforeAnythingRuns) {
       {with("to: K.value", "to: K.other"), "7: from: S.value sends double, but K.other takes int"},
       {with("to: K.value", "to: K.valve"), "7: to: component K has no port valve; it has value, other"},
       {with("from: S.value", "from: T.value"), "7: from: there is no component T; there are S, K"},
-      {with("policy: data", "policy: buffer"), "7: the key size is missing"},
-      {with("policy: data", "policy: circular"), "7: policy"},
-      {with("  - {name: K, type: Sink, activity: servo}\nconnections:\n  - {from: S.value, to: K.value, policy: data}",
+      {with("  - {name: K, type: Sink, activity: servo}\nconnections:\n  - {from: S.value, to: K.value}",
             "  - {name: K, type: Sink, activity: servo}\n  - {name: T, type: Source, activity: servo}"),
        "4: components: the input K.value could be connected to S.value or T.value: say which under connections"},
       {with("type: Source, activity: servo, period_s: 0.002, properties: {step: 2.5}", "type: Sink, activity: servo"),

@@ -38,11 +38,7 @@ class Probe : public TaskContext {
   bool configureHook() override { return enter("configureHook"); }
   bool startHook() override { return enter("startHook"); }
   void updateHook(const Cycle&) override { enter("updateHook"); }
-  void errorHook(const Cycle&) override { enter("errorHook"); }
   void stopHook() override { enter("stopHook"); }
-  void cleanupHook() override { enter("cleanupHook"); }
-  void exceptionHook() override { enter("exceptionHook"); }
-  void fatalHook() override { enter("fatalHook"); }
 };
 
 void runToRunning(Probe& probe) {
@@ -57,12 +53,11 @@ TEST(TaskContext, WalksTheOrdinaryRoadThroughAllStates) {
   runToRunning(probe);
   EXPECT_EQ(probe.state(), TaskState::Running);
   probe.update({});
-  EXPECT_FALSE(probe.cleanup()) << "still running";
+  EXPECT_FALSE(probe.configure()) << "still running";
   EXPECT_TRUE(probe.stop());
   probe.update({});
-  EXPECT_TRUE(probe.cleanup());
-  EXPECT_EQ(probe.state(), TaskState::PreOperational);
-  const std::vector<std::string> expected = {"configureHook", "startHook", "updateHook", "stopHook", "cleanupHook"};
+  EXPECT_EQ(probe.state(), TaskState::Stopped);
+  const std::vector<std::string> expected = {"configureHook", "startHook", "updateHook", "stopHook"};
   EXPECT_EQ(probe.calls, expected);
 }
 
@@ -78,37 +73,32 @@ TEST(TaskContext, StaysWhereItIsWhenAHookRefuses) {
   EXPECT_EQ(probe.state(), TaskState::Stopped);
 }
 
-TEST(TaskContext, RunsStopCleanupAndExceptionHookOnceEachAfterAnExceptionInAnyHook) {
-  for (const std::string hook : {"startHook", "updateHook", "errorHook", "stopHook", "cleanupHook", "configureHook"}) {
+TEST(TaskContext, RunsStopHookOnceAfterAnExceptionInAnyHookOfAComponentThatRuns) {
+  for (const std::string hook : {"startHook", "updateHook", "stopHook", "configureHook"}) {
     SCOPED_TRACE(hook);
     Probe probe;
     probe.throws_in = hook;
-    if (hook == "errorHook") probe.error_in = "updateHook";
     if (probe.configure() && probe.start()) {
       probe.update({});
       probe.update({});
       probe.stop();
-      probe.cleanup();
     }
     EXPECT_EQ(probe.state(), TaskState::Exception);
     const bool ever_started = hook != "configureHook";
     EXPECT_EQ(probe.count("stopHook"), ever_started ? 1 : 0);
-    EXPECT_EQ(probe.count("cleanupHook"), 1);
-    EXPECT_EQ(probe.count("exceptionHook"), 1);
-    EXPECT_EQ(probe.calls.back(), "exceptionHook");
+    EXPECT_EQ(probe.calls.back(), ever_started ? "stopHook" : "configureHook");
     EXPECT_EQ(std::string(probe.refusal()), "thrown in " + hook);
     EXPECT_TRUE(probe.recover());
     EXPECT_EQ(probe.state(), TaskState::PreOperational);
   }
 }
 
-TEST(TaskContext, GoesTheWholeWayEvenWhenStopHookThrowsToo) {
+TEST(TaskContext, IsBeyondRepairWhenStopHookThrowsOnTheWayToo) {
   Probe probe;
   probe.throws_in = "updateHook stopHook";
   runToRunning(probe);
   probe.update({});
-  const std::vector<std::string> expected = {"configureHook", "startHook",     "updateHook", "stopHook",
-                                             "cleanupHook",   "exceptionHook", "fatalHook"};
+  const std::vector<std::string> expected = {"configureHook", "startHook", "updateHook", "stopHook"};
   EXPECT_EQ(probe.calls, expected);
   EXPECT_EQ(probe.state(), TaskState::FatalError);
   EXPECT_STREQ(probe.refusal(), "thrown in updateHook") << "the first cause is the one that is told";
@@ -121,25 +111,29 @@ TEST(TaskContext, RunsStopHookOnTheFatalRoadToo) {
   probe.update({});
   probe.update({});
   EXPECT_EQ(probe.count("stopHook"), 1);
-  EXPECT_EQ(probe.count("fatalHook"), 1);
   EXPECT_EQ(probe.count("updateHook"), 1);
   EXPECT_EQ(probe.state(), TaskState::FatalError);
   EXPECT_FALSE(probe.recover());
   EXPECT_FALSE(probe.start());
 }
 
-TEST(TaskContext, CallsErrorHookInsteadOfUpdateHookUntilRecovered) {
+TEST(TaskContext, CallsNoHookAfterAnErrorOfItsOwnUntilRecoveredButStopHook) {
   Probe probe;
   probe.error_in = "updateHook";
   runToRunning(probe);
   probe.update({});
   EXPECT_EQ(probe.state(), TaskState::RunTimeError);
   probe.update({});
-  EXPECT_EQ(probe.calls.back(), "errorHook");
+  EXPECT_EQ(probe.count("updateHook"), 1);
   probe.error_in.clear();
   EXPECT_TRUE(probe.recover());
   probe.update({});
-  EXPECT_EQ(probe.calls.back(), "updateHook");
+  EXPECT_EQ(probe.count("updateHook"), 2);
+  probe.error_in = "updateHook";
+  probe.update({});
+  EXPECT_EQ(probe.state(), TaskState::RunTimeError);
+  EXPECT_TRUE(probe.stop());
+  EXPECT_EQ(probe.count("stopHook"), 1);
 }
 
 /// Remembers in which thread its hooks ran.

@@ -8,7 +8,7 @@
 namespace knee_robot::rt {
 
 /// Life-cycle commands that another thread may hand to a component's activity.
-enum class Command : std::uint8_t { Configure = 1, Start, Stop, Cleanup, Recover };
+enum class Command : std::uint8_t { Configure = 1, Start, Stop, Recover };
 
 /// One-place mailbox from any number of ordinary threads to one real-time thread. The real-time side is wait-free: one
 /// load when nothing is posted. The ordinary side sleeps and polls.

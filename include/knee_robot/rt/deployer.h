@@ -29,13 +29,13 @@ using TypeFactory = std::map<std::string, std::function<std::unique_ptr<TaskCont
 ///     components:                         # executed in this order within their activity
 ///       - {name: Sync, type: Sync, activity: servo, period_s: 0.01, properties: {stop_time_s: 0.3}}  # last two
 ///       optional
-///       # lenient: true                   # optional: unknown properties are skipped and reported
-///     connections:                        # optional: only what the ports' names and types do not say
-///       - {from: Sync.set_point, to: Driver1.set_point, policy: data}   # or policy: buffer with size: n
+///     connections:                        # optional: what the ports' names and types do not say, such as those of a
+///       component of your own
+///       - {from: Sync.set_point, to: MySync.wanted}
 ///     start_order: [Sync, Driver1]        # every component once; stopped in reverse
 ///
-/// An input that no line of `connections` names is connected (policy data) to the one output of another component that
-/// has its name and type, or, for an input `x_2`, to the output `x` of the component whose name ends in 2 (Driver2).
+/// An input that no line of `connections` names is connected to the one output of another component that has its name
+/// and type, or, for an input `x_2`, to the output `x` of the component whose name ends in 2 (Driver2).
 /// Two such outputs, or none for a required input, are refused.
 ///
 /// Not real-time. Throws InputError (one sentence, file and line); nothing runs when anything is wrong.
@@ -71,8 +71,7 @@ class Deployment {
   Activity* activity(const std::string& name) const;  ///< nullptr when there is none
   /// The activity that executes `component`.
   Activity* activityOf(const TaskContext& component) const;
-  /// Sentences about real-time privileges that were wanted and not obtained, and about properties that were passed
-  /// over.
+  /// Sentences about real-time privileges that were wanted and not obtained.
   const std::vector<std::string>& warnings() const { return warnings_; }
   Execution execution() const { return execution_; }
   const std::string& path() const { return path_; }
@@ -85,7 +84,6 @@ class Deployment {
   std::vector<SteppedActivity*> stepped_;
   std::vector<TaskContext*> start_order_;
   std::vector<std::string> warnings_;
-  std::vector<std::string> passed_over_;
   Nanoseconds epoch_ = 0;
   Nanoseconds virtual_now_ = 0;
 

@@ -136,13 +136,8 @@ class Property<std::string> final : public PropertyBase {
   std::string value_;
 };
 
-enum class Loading {
-  Strict,   ///< an unknown name is refused with the list of known ones
-  Lenient,  ///< unknown names are passed over and reported; bad values are refused all the same
-};
-
-/// Sets the properties of `component` from `map`, key by key. Answers a sentence per name that was passed over.
-std::vector<std::string> loadProperties(TaskContext& component, StrictMap& map, Loading loading = Loading::Strict);
+/// Sets the properties of `component` from `map`, key by key. InputError: an unknown name, with the list of known ones.
+void loadProperties(TaskContext& component, StrictMap& map);
 
 /// Sets one property while the component runs, from text as a file would have it. Any ordinary thread. Throws
 /// InputError when there is no such property, it may not change at run time, or the value is no number, or outside its

@@ -25,20 +25,20 @@
 /// - *Hooks* are what a component's author writes; they are called in the states below and may refuse.
 ///
 ///     PreOperational --configure--> Stopped --start--> Running <--error()/recover--> RunTimeError
-///           ^-------cleanup-----------'  ^-----stop------'
-///     any hook throws: stopHook, cleanupHook, exceptionHook (once each, those that apply) --> Exception --recover-->
-///     PreOperational fatal(): stopHook (when running), fatalHook --> FatalError, for good
+///                                      ^-----stop------'
+///     any hook throws: stopHook (when running) --> Exception --recover--> PreOperational
+///     fatal(): stopHook (when running) --> FatalError, for good
 ///
 /// Differences from RTT, on purpose: states are std::atomic instead of volatile; fatal() runs stopHook too; the overrun
 /// limit of an activity is on unless switched off.
 namespace knee_robot::rt {
 
 enum class TaskState : std::uint8_t {
-  PreOperational,  ///< constructed or cleaned up; waits for configure()
+  PreOperational,  ///< constructed or recovered; waits for configure()
   Stopped,         ///< configured; waits for start()
   Running,         ///< updateHook is called every period
-  RunTimeError,    ///< the component declared an error of its own; errorHook is called instead, recover() leads back
-  Exception,       ///< a hook threw; stopped and cleaned up; recover() leads to PreOperational
+  RunTimeError,    ///< the component declared an error of its own; no hook is called until recover() leads back
+  Exception,       ///< a hook threw; stopped; recover() leads to PreOperational
   FatalError,      ///< beyond repair in this process
 };
 
@@ -58,9 +58,9 @@ class Executor {
 
 /// A component. Public functions are for other threads and for the deployer; hooks are for the author.
 ///
-/// configure(), start(), stop(), cleanup() and recover() may be called from any ordinary thread. While an activity
-/// executes the component, they are handed to the activity's thread and executed there between two updates; the caller
-/// sleeps until the answer comes, at most `command_timeout` (1 s). They answer false when the state does not allow the
+/// configure(), start(), stop() and recover() may be called from any ordinary thread. While an activity executes the
+/// component, they are handed to the activity's thread and executed there between two updates; the caller sleeps until
+/// the answer comes, at most `command_timeout` (1 s). They answer false when the state does not allow the
 /// command, when the hook refuses (see refusal()) or when the answer does not come in time (then the command is
 /// withdrawn).
 class TaskContext {
@@ -78,11 +78,10 @@ class TaskContext {
   bool configure();  ///< PreOperational -> Stopped; also Stopped -> Stopped (configured anew)
   bool start();      ///< Stopped -> Running
   bool stop();       ///< Running, RunTimeError -> Stopped
-  bool cleanup();    ///< Stopped -> PreOperational
   bool recover();    ///< RunTimeError -> Running; Exception -> PreOperational
 
-  /// One cycle: executes a command that was handed over, then updateHook (Running) or errorHook (RunTimeError). Called
-  /// by the activity only. Does not allocate, lock or throw as long as the hooks do not.
+  /// One cycle: executes a command that was handed over, then, when Running, updateHook. Called by the activity only.
+  /// Does not allocate, lock or throw as long as the hooks do not.
   void update(const Cycle& cycle) noexcept;
 
   /// Sentence of the last hook that refused or of the exception that led to Exception. Read it after the command that
@@ -106,23 +105,19 @@ class TaskContext {
   virtual bool configureHook() { return true; }       ///< may allocate; false: stays PreOperational
   virtual bool startHook() { return true; }           ///< real-time; false: stays Stopped
   virtual void updateHook(const Cycle& /*cycle*/) {}  ///< real-time, once a period while Running
-  virtual void errorHook(const Cycle& /*cycle*/) {}   ///< real-time, once a period while in RunTimeError
   virtual void stopHook() {}                          ///< real-time; leaves the outside world safe
-  virtual void cleanupHook() {}                       ///< undoes configureHook
-  virtual void exceptionHook() {}                     ///< on the way into Exception
-  virtual void fatalHook() {}                         ///< on the way into FatalError
 
   /// From updateHook: to RunTimeError.
   void error() noexcept;
   /// From any hook or from the activity's thread: to Exception, as if the hook had thrown.
   void exception(const char* sentence) noexcept;
-  /// From any hook: stopHook (when running), fatalHook, FatalError.
+  /// From any hook: stopHook (when running), FatalError.
   void fatal(const char* sentence) noexcept;
   /// For `return refuse("...")` in a hook. Does not allocate; keeps the first 255 characters.
   bool refuse(const char* sentence) noexcept;
 
  private:
-  enum class Hook { None, Configure, Start, Update, Stop, Cleanup };
+  enum class Hook { None, Configure, Start, Update, Stop };
 
   bool perform(Command command);
   bool execute(Command command) noexcept;
@@ -130,7 +125,6 @@ class TaskContext {
   bool doConfigure() noexcept;
   bool doStart() noexcept;
   bool doStop() noexcept;
-  bool doCleanup() noexcept;
   bool doRecover() noexcept;
   void enterException(Hook thrown_by) noexcept;
   void enterFatal(bool run_stop_hook) noexcept;
