@@ -1,4 +1,4 @@
-#include "knee_robot/control/axes_input.h"
+#include "axes_input.h"
 
 #include "knee_robot/base/constants.h"
 

@@ -1,4 +1,4 @@
-#include "knee_robot/control/axes_output.h"
+#include "axes_output.h"
 
 #include <algorithm>
 #include <cmath>

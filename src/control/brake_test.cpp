@@ -1,4 +1,4 @@
-#include "knee_robot/control/brake_test.h"
+#include "brake_test.h"
 
 #include <algorithm>
 #include <cmath>

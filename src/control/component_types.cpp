@@ -1,16 +1,16 @@
 #include "knee_robot/control/component_types.h"
 
+#include "axes_input.h"
+#include "axes_output.h"
 #include "black_box.h"
 #include "disturbance_observer.h"
 #include "hand_guide.h"
-#include "knee_robot/control/axes_input.h"
-#include "knee_robot/control/axes_output.h"
 #include "knee_robot/control/driver.h"
 #include "knee_robot/control/model_feedforward.h"
-#include "knee_robot/control/recorder.h"
-#include "knee_robot/control/supervisor.h"
-#include "knee_robot/control/sync.h"
 #include "monitors.h"
+#include "recorder.h"
+#include "supervisor.h"
+#include "sync.h"
 
 namespace knee_robot::control {
 

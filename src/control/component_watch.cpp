@@ -1,4 +1,4 @@
-#include "knee_robot/control/component_watch.h"
+#include "component_watch.h"
 
 #include <algorithm>
 

@@ -1,4 +1,4 @@
-#include "knee_robot/control/enabling_sequence.h"
+#include "enabling_sequence.h"
 
 #include <algorithm>
 

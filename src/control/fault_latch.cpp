@@ -1,4 +1,4 @@
-#include "knee_robot/control/fault_latch.h"
+#include "fault_latch.h"
 
 namespace knee_robot::control {
 

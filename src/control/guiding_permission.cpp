@@ -1,4 +1,4 @@
-#include "knee_robot/control/guiding_permission.h"
+#include "guiding_permission.h"
 
 namespace knee_robot::control {
 namespace {

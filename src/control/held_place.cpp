@@ -1,4 +1,4 @@
-#include "knee_robot/control/held_place.h"
+#include "held_place.h"
 
 #include <cmath>
 

@@ -1,4 +1,4 @@
-#include "knee_robot/control/homing_sequence.h"
+#include "homing_sequence.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "knee_robot/control/lost_counts.h"
+#include "lost_counts.h"
 
 #include <algorithm>
 #include <cmath>

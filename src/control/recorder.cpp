@@ -1,4 +1,4 @@
-#include "knee_robot/control/recorder.h"
+#include "recorder.h"
 
 namespace knee_robot::control {
 

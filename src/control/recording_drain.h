@@ -7,8 +7,8 @@
 #include <mutex>
 #include <string>
 
-#include "knee_robot/control/recorder.h"
 #include "knee_robot/recording/recording_writer.h"
+#include "recorder.h"
 
 namespace knee_robot::control {
 

@@ -1,4 +1,4 @@
-#include "knee_robot/control/reference_store.h"
+#include "reference_store.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "knee_robot/control/request_answers.h"
+#include "request_answers.h"
 
 #include <algorithm>
 

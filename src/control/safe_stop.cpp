@@ -1,4 +1,4 @@
-#include "knee_robot/control/safe_stop.h"
+#include "safe_stop.h"
 
 #include <algorithm>
 

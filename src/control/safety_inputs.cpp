@@ -1,4 +1,4 @@
-#include "knee_robot/control/safety_inputs.h"
+#include "safety_inputs.h"
 
 namespace knee_robot::control {
 

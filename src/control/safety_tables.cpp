@@ -1,6 +1,6 @@
 #include "knee_robot/control/safety_tables.h"
 
-#include "knee_robot/control/supervisor.h"
+#include "supervisor.h"
 
 namespace knee_robot::control {
 namespace {

@@ -1,4 +1,4 @@
-#include "knee_robot/control/supervisor.h"
+#include "supervisor.h"
 
 #include <cmath>
 

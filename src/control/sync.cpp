@@ -1,4 +1,4 @@
-#include "knee_robot/control/sync.h"
+#include "sync.h"
 
 #include <algorithm>
 #include <cmath>

@@ -4,13 +4,13 @@
 #include <limits>
 #include <stdexcept>
 
-#include "knee_robot/control/axes_input.h"
-#include "knee_robot/control/axes_output.h"
 #include "knee_robot/control/driver.h"
-#include "knee_robot/control/recorder.h"
-#include "knee_robot/control/supervisor.h"
-#include "knee_robot/control/sync.h"
 #include "knee_robot/simulation/shared_image.h"
+#include "src/control/axes_input.h"
+#include "src/control/axes_output.h"
+#include "src/control/recorder.h"
+#include "src/control/supervisor.h"
+#include "src/control/sync.h"
 
 /// Components of the campaign's controller: the product's own, each with a hook that misbehaves when it is told to.
 /// What to do is simulation::InjectedFaults::component_fault = 100 * component + misbehaviour (program inject_fault,

@@ -1,4 +1,4 @@
-#include "knee_robot/control/axes_output.h"
+#include "src/control/axes_output.h"
 
 #include <gtest/gtest.h>
 

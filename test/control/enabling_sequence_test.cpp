@@ -1,5 +1,5 @@
 // How the drives come on, step by step, without a machine.
-#include "knee_robot/control/enabling_sequence.h"
+#include "src/control/enabling_sequence.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "knee_robot/control/fault_search.h"
+#include "src/control/fault_search.h"
 
 #include <gtest/gtest.h>
 

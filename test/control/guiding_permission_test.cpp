@@ -1,4 +1,4 @@
-#include "knee_robot/control/guiding_permission.h"
+#include "src/control/guiding_permission.h"
 
 #include <gtest/gtest.h>
 

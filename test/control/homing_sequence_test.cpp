@@ -1,4 +1,4 @@
-#include "knee_robot/control/homing_sequence.h"
+#include "src/control/homing_sequence.h"
 
 #include <gtest/gtest.h>
 

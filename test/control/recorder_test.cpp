@@ -1,4 +1,4 @@
-#include "knee_robot/control/recorder.h"
+#include "src/control/recorder.h"
 
 #include <gtest/gtest.h>
 

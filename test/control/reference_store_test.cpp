@@ -1,4 +1,4 @@
-#include "knee_robot/control/reference_store.h"
+#include "src/control/reference_store.h"
 
 #include <gtest/gtest.h>
 

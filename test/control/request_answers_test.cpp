@@ -1,4 +1,4 @@
-#include "knee_robot/control/request_answers.h"
+#include "src/control/request_answers.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "knee_robot/control/safe_stop.h"
+#include "src/control/safe_stop.h"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // The Supervisor alone, fed by hand: what it decides about what others report.
-#include "knee_robot/control/supervisor.h"
+#include "src/control/supervisor.h"
 
 #include <gtest/gtest.h>
 

@@ -1,7 +1,7 @@
 #pragma once
 
 #include "fake_machine.h"
-#include "knee_robot/control/supervisor_view.h"
+#include "src/control/supervisor_view.h"
 
 namespace knee_robot::fake {
 

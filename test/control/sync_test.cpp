@@ -1,4 +1,4 @@
-#include "knee_robot/control/sync.h"
+#include "src/control/sync.h"
 
 #include <gtest/gtest.h>
 

@@ -8,18 +8,18 @@
 #include <string>
 
 #include "fake_machine.h"
-#include "knee_robot/control/axes_input.h"
-#include "knee_robot/control/axes_output.h"
 #include "knee_robot/control/control_system.h"
 #include "knee_robot/control/driver.h"
 #include "knee_robot/control/model_feedforward.h"
-#include "knee_robot/control/recorder.h"
-#include "knee_robot/control/supervisor.h"
-#include "knee_robot/control/sync.h"
+#include "src/control/axes_input.h"
+#include "src/control/axes_output.h"
 #include "src/control/black_box.h"
 #include "src/control/disturbance_observer.h"
 #include "src/control/hand_guide.h"
 #include "src/control/monitors.h"
+#include "src/control/recorder.h"
+#include "src/control/supervisor.h"
+#include "src/control/sync.h"
 
 namespace knee_robot::fake {
 

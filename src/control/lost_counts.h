@@ -1,6 +1,6 @@
 #pragma once
 
-#include "knee_robot/control/supervisor_view.h"
+#include "supervisor_view.h"
 
 namespace knee_robot::control {
 

@@ -1,8 +1,8 @@
 #pragma once
 
 #include "knee_robot/control/hardware_file.h"
-#include "knee_robot/control/supervisor_view.h"
 #include "knee_robot/mechanism/robot.h"
+#include "supervisor_view.h"
 
 namespace knee_robot::control {
 

@@ -1,8 +1,8 @@
 #pragma once
 
-#include "knee_robot/control/brake_test.h"
-#include "knee_robot/control/fault_latch.h"
-#include "knee_robot/control/supervisor_view.h"
+#include "brake_test.h"
+#include "fault_latch.h"
+#include "supervisor_view.h"
 
 namespace knee_robot::control {
 

@@ -1,10 +1,10 @@
 #pragma once
 
-#include "knee_robot/control/component_watch.h"
-#include "knee_robot/control/fault_latch.h"
-#include "knee_robot/control/safety_inputs.h"
-#include "knee_robot/control/supervisor_view.h"
+#include "component_watch.h"
+#include "fault_latch.h"
 #include "knee_robot/mechanism/robot.h"
+#include "safety_inputs.h"
+#include "supervisor_view.h"
 
 namespace knee_robot::control {
 

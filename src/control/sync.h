@@ -1,11 +1,11 @@
 #pragma once
 
 #include "knee_robot/control/axis_data.h"
-#include "knee_robot/control/reference_store.h"
 #include "knee_robot/mechanism/robot.h"
 #include "knee_robot/rt/operation.h"
 #include "knee_robot/rt/port.h"
 #include "knee_robot/rt/property.h"
+#include "reference_store.h"
 
 namespace knee_robot::control {
 

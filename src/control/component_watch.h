@@ -2,7 +2,7 @@
 
 #include <vector>
 
-#include "knee_robot/control/fault_latch.h"
+#include "fault_latch.h"
 #include "knee_robot/rt/task_context.h"
 
 namespace knee_robot::control {

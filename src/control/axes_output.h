@@ -4,11 +4,11 @@
 
 #include "knee_robot/control/axis_data.h"
 #include "knee_robot/control/hardware_file.h"
-#include "knee_robot/control/safe_stop.h"
-#include "knee_robot/control/safety_inputs.h"
 #include "knee_robot/mechanism/robot.h"
 #include "knee_robot/rt/port.h"
 #include "knee_robot/rt/property.h"
+#include "safe_stop.h"
+#include "safety_inputs.h"
 
 namespace knee_robot::control {
 

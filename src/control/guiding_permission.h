@@ -1,8 +1,8 @@
 #pragma once
 
 #include "knee_robot/control/machine_state.h"
-#include "knee_robot/control/safety_inputs.h"
-#include "knee_robot/control/supervisor_view.h"
+#include "safety_inputs.h"
+#include "supervisor_view.h"
 
 namespace knee_robot::control {
 

@@ -1,10 +1,10 @@
 #pragma once
 
-#include "knee_robot/control/fault_latch.h"
+#include "fault_latch.h"
 #include "knee_robot/control/hardware_file.h"
 #include "knee_robot/control/machine_state.h"
-#include "knee_robot/control/supervisor_view.h"
 #include "knee_robot/mechanism/robot.h"
+#include "supervisor_view.h"
 
 namespace knee_robot::control {
 

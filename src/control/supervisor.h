@@ -4,22 +4,22 @@
 #include <atomic>
 #include <vector>
 
-#include "knee_robot/control/component_watch.h"
-#include "knee_robot/control/enabling_sequence.h"
-#include "knee_robot/control/fault_latch.h"
-#include "knee_robot/control/fault_search.h"
-#include "knee_robot/control/guiding_permission.h"
+#include "component_watch.h"
+#include "enabling_sequence.h"
+#include "fault_latch.h"
+#include "fault_search.h"
+#include "guiding_permission.h"
+#include "held_place.h"
+#include "homing_sequence.h"
 #include "knee_robot/control/hardware_file.h"
-#include "knee_robot/control/held_place.h"
-#include "knee_robot/control/homing_sequence.h"
-#include "knee_robot/control/lost_counts.h"
 #include "knee_robot/control/machine_state.h"
-#include "knee_robot/control/request_answers.h"
-#include "knee_robot/control/safety_inputs.h"
-#include "knee_robot/control/supervisor_view.h"
 #include "knee_robot/mechanism/robot.h"
 #include "knee_robot/rt/port.h"
 #include "knee_robot/rt/property.h"
+#include "lost_counts.h"
+#include "request_answers.h"
+#include "safety_inputs.h"
+#include "supervisor_view.h"
 
 namespace knee_robot::control {
 
