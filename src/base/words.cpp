@@ -34,6 +34,12 @@ std::string_view trimmed(std::string_view text) noexcept {
   return text;
 }
 
+std::string_view withoutMark(std::string_view text) noexcept {
+  constexpr std::string_view kMark = "\xEF\xBB\xBF";
+  if (text.substr(0, kMark.size()) == kMark) text.remove_prefix(kMark.size());
+  return text;
+}
+
 std::string inQuotes(std::string_view word, std::size_t most) {
   std::string out = "'";
   for (const char c : word.substr(0, most))

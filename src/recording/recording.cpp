@@ -317,8 +317,7 @@ void requireOwnNames(Text content, Text header_line, const std::string& path) {
 }  // namespace
 
 Recording parseRecording(const std::string& content, const std::string& path) {
-  Text rest = content;
-  if (rest.substr(0, 3) == "\xEF\xBB\xBF") rest.remove_prefix(3);
+  Text rest = withoutMark(content);
   const Text text = rest;
   bool whole = true;
   const Text first = takeLine(rest, whole);

@@ -130,8 +130,7 @@ TextTable TextTable::load(const std::string& path, const TableFormat& format) {
 
 TextTable::TextTable(std::string content, std::string path, const TableFormat& format)
     : content_(std::move(content)), path_(std::move(path)), format_(format) {
-  Text rest = content_;
-  if (rest.substr(0, 3) == "\xEF\xBB\xBF") rest.remove_prefix(3);
+  Text rest = withoutMark(content_);
   int blank_line = 0;
   for (int number = 1; !rest.empty(); ++number) {
     const std::size_t end = rest.find('\n');

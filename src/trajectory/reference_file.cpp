@@ -176,8 +176,7 @@ Reference parseReference(const std::string& text, const std::string& name, std::
                      std::to_string(kMaxReferenceBytes) + "; split the file");
   }
   ReferenceParser parser(name, space);
-  std::string_view rest(text);
-  if (rest.substr(0, 3) == "\xEF\xBB\xBF") rest.remove_prefix(3);  // a byte order mark
+  std::string_view rest = withoutMark(text);
   while (!rest.empty()) {
     const std::size_t end = std::min(rest.find('\n'), rest.size());
     parser.takeLine(rest.substr(0, end));

@@ -144,5 +144,14 @@ TEST(Printable, ShowsControlCharactersAndLeavesLetters) {
   EXPECT_EQ(printable("\xe0\x80\x9b \xf0\x80\x80\x9b"), R"(\xe0\x80\x9b \xf0\x80\x80\x9b)") << "overlong";
 }
 
+TEST(Words, AreReadWithoutAByteOrderMarkAndWithWhatOnlyLooksLikeOne) {
+  EXPECT_EQ(withoutMark("\xEF\xBB\xBF"
+                        "a"),
+            "a");
+  EXPECT_EQ(withoutMark("\xEF\xBB\xBF\xEF\xBB\xBF"), "\xEF\xBB\xBF") << "once, at the beginning";
+  for (const char* other : {"", "\xEF\xBB", "a\xEF\xBB\xBF", "\xEF\xBB\xBE"})
+    EXPECT_EQ(withoutMark(other), other);
+}
+
 }  // namespace
 }  // namespace knee_robot

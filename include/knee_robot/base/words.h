@@ -9,6 +9,9 @@ namespace knee_robot {
 /// Without blanks, tabs and carriage returns at both ends.
 std::string_view trimmed(std::string_view text) noexcept;
 
+/// Without the byte order mark that some programs write at the beginning of a file.
+std::string_view withoutMark(std::string_view text) noexcept;
+
 /// A word of a file for a message: in quotes, printable, at most so many characters of it.
 std::string inQuotes(std::string_view word, std::size_t most = 40);
 
