@@ -1,7 +1,7 @@
 #include "knee_robot/hardware/pci1784.h"
 
-#include "knee_robot/hardware/emergency_outputs.h"
 #include "knee_robot/hardware/pci1784_registers.h"
+#include "knee_robot/hardware/pci_emergency_outputs.h"
 
 namespace knee_robot::hardware {
 namespace {

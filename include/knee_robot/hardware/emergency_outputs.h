@@ -5,38 +5,20 @@
 
 #include "knee_robot/hardware/channels.h"
 #include "knee_robot/hardware/io_status.h"
-#include "knee_robot/hardware/register_access.h"
 
 namespace knee_robot::hardware {
 
-/// Whether the card with the digital outputs answers at all: a write to one that does not succeeds. Real-time safe.
-IoStatus outputsPresence(RegisterAccess& counter) noexcept;
-
-/// Brings the outputs of both cards down, through registers alone: no self test before it, nothing remembered,
-/// counters untouched. In this order, without waiting:
-///   1. all digital outputs 0: the holding brakes engage and the drives are disabled. One write,
-///      since they are bits of one port.
-///   2. 0 V on the four channels together, in the +-10 V range.
-///   3. reads whether the card with the outputs is there at all: a write to one that is not succeeds.
-/// A write that fails does not keep the next ones from being tried; answers the first failure. Writing it again changes
-/// nothing.
-/// Real-time safe.
-IoStatus forceDown(RegisterAccess& analog, RegisterAccess& counter) noexcept;
-
-/// Writes these digital outputs, then these volts (finite; clamped to +-10 V) to the four channels together, through
-/// registers alone as forceDown(): with the drives' bit alone the holding brakes engage while the drives give what
-/// carries the load until they hold. Real-time safe.
-IoStatus forceCarry(RegisterAccess& analog, RegisterAccess& counter, std::uint8_t bits,
-                    const std::array<double, kChannels>& volts) noexcept;
-
-/// A handle to the cards that can do nothing but forceDown() and forceCarry(). For a guardian beside the controller: it
-/// never initialises.
+/// A handle to the outputs that can do nothing but what its two functions say, and remembers nothing. For a guardian
+/// beside the controller: it never initialises. Real-time safe.
 class EmergencyOutputs {
  public:
   virtual ~EmergencyOutputs() = default;
-  /// forceDown() of its cards.
+  /// Brings them down: the holding brakes engage and the drives are disabled, then 0 V. Answers the first failure, which
+  /// keeps nothing from being tried. Again, it changes nothing.
   virtual IoStatus down() noexcept = 0;
-  /// forceCarry() of its cards. NotReady: it cannot, and has written nothing (drives on a bus stop by themselves).
+  /// Writes these digital outputs, then these volts (finite) at once: with the drives' bit alone the holding brakes engage
+  /// while the drives give what carries the load until they hold. NotReady: it cannot, and has written nothing (drives on
+  /// a bus stop by themselves).
   virtual IoStatus carry(std::uint8_t /*bits*/, const std::array<double, kChannels>& /*volts*/) noexcept {
     return IoStatus::NotReady;
   }

@@ -5,6 +5,7 @@
 
 #include "knee_robot/hardware/emergency_outputs.h"
 #include "knee_robot/hardware/pci_axis_bus.h"
+#include "knee_robot/hardware/pci_emergency_outputs.h"
 
 namespace knee_robot::hardware {
 

@@ -1,4 +1,4 @@
-#include "knee_robot/hardware/emergency_outputs.h"
+#include "knee_robot/hardware/pci_emergency_outputs.h"
 
 #include "knee_robot/hardware/pci1720.h"
 #include "knee_robot/hardware/pci1720_registers.h"
