@@ -53,7 +53,8 @@ bool HandGuide::configureHook() {
 
 bool HandGuide::startHook() {
   out_ = Guidance{};
-  pose_known_ = known_ = false;
+  known_ = false;
+  pose_.forget();
   standBy();
   return true;
 }
@@ -91,17 +92,13 @@ bool HandGuide::findMotion() noexcept {
   push_ = VirtualWalls::Push{};
   if (!lengths.allFinite() || !velocity_.allFinite()) return false;
   if (robot_.mechanism) {
-    const mechanism::ForwardResult found = pose_known_
-                                               ? mechanism::forwardKinematics(*robot_.mechanism, lengths, pose_)
-                                               : mechanism::forwardKinematicsFromHome(*robot_.mechanism, lengths);
-    pose_known_ = found.ok();
-    if (!pose_known_) return false;
-    pose_ = found.pose;
+    if (!pose_.step(*robot_.mechanism, lengths)) return false;
     mechanism::Vector4 unused;
-    if (!mechanism::poseRates(*robot_.mechanism, pose_, velocity_, mechanism::Vector4::Zero(), pose_velocity_, unused))
+    if (!mechanism::poseRates(*robot_.mechanism, pose_.pose(), velocity_, mechanism::Vector4::Zero(), pose_velocity_,
+                              unused))
       return false;
   }
-  push_ = walls_.at(pose_, lengths, patient_, wall_force);
+  push_ = walls_.at(pose_.pose(), lengths, patient_, wall_force);
   return push_.wrench.allFinite() && push_.force.allFinite();
 }
 
@@ -202,7 +199,7 @@ void HandGuide::guide(double dt) noexcept {
   mechanism::Vector4 wall = push_.force;
   if (robot_.mechanism) {
     // J^T force = wrench.
-    const mechanism::Matrix4 jacobian = mechanism::lengthJacobian(*robot_.mechanism, pose_);
+    const mechanism::Matrix4 jacobian = mechanism::lengthJacobian(*robot_.mechanism, pose_.pose());
     wall += jacobian.transpose().partialPivLu().solve(push_.wrench);
   }
   for (std::size_t i = 0; i < hardware::kAxes; ++i) {

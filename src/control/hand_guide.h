@@ -6,6 +6,7 @@
 
 #include "guided_path.h"
 #include "knee_robot/control/axis_data.h"
+#include "knee_robot/mechanism/pose_follower.h"
 #include "knee_robot/rt/channel.h"
 #include "knee_robot/rt/operation.h"
 #include "knee_robot/rt/port.h"
@@ -117,8 +118,7 @@ class HandGuide : public rt::TaskContext {
   std::array<AxisCommand, hardware::kAxes> commands_{};
   int silent_ = 0;      // cycles without orders
   bool known_ = false;  // pose and motion are
-  mechanism::Pose pose_ = mechanism::Pose::Zero();
-  bool pose_known_ = false;  // a guess for the next cycle
+  mechanism::PoseFollower pose_;
   mechanism::Vector4 velocity_ = mechanism::Vector4::Zero(), pose_velocity_ = mechanism::Vector4::Zero();
   VirtualWalls::Push push_;
   AxisValues stood_m_{};   // where each axis was when its encoder moved last

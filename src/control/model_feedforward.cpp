@@ -69,7 +69,8 @@ bool ModelFeedforward::startHook() {
   const std::uint64_t sequence = out_.sequence;
   out_ = FeedforwardForce{};
   out_.sequence = sequence;
-  on_ = pose_known_ = parts_known_ = false;
+  on_ = parts_known_ = false;
+  pose_.forget();
   return true;
 }
 
@@ -110,7 +111,8 @@ void ModelFeedforward::followReference(std::size_t i) noexcept {
 
 void ModelFeedforward::letGo(double dt) noexcept {
   dynamics::restParts(*model_, dt, data_);
-  on_ = pose_known_ = parts_known_ = false;
+  on_ = parts_known_ = false;
+  pose_.forget();
   openLoop();
   out_.force_N = out_.moving_N = AxisValues{};
   out_.complete = false;
@@ -129,7 +131,7 @@ void ModelFeedforward::closeLoop(double dt) noexcept {
   since_law_s_ += dt;
   if (law_.law() == Law::Feedforward || !new_reading_) return;
   ControlLaw::Instant at;
-  at.pose = pose_;
+  at.pose = pose_.pose();
   at.position = mechanism::Vector4(measured_.position_m.data());
   at.velocity = velocity_;
   at.acceleration = acceleration_;
@@ -196,15 +198,8 @@ ModelFeedforward::Weights ModelFeedforward::asked() const noexcept {
 bool ModelFeedforward::findParts() noexcept {
   if (!new_reading_ && parts_known_) return true;
   parts_known_ = false;
-  if (robot_.mechanism) {
-    const mechanism::Lengths lengths(measured_.position_m.data());
-    const mechanism::ForwardResult found = pose_known_
-                                               ? mechanism::forwardKinematics(*robot_.mechanism, lengths, pose_)
-                                               : mechanism::forwardKinematicsFromHome(*robot_.mechanism, lengths);
-    pose_known_ = found.ok();
-    if (!pose_known_) return false;
-    pose_ = found.pose;
-  }
+  const mechanism::Lengths lengths(measured_.position_m.data());
+  if (robot_.mechanism && !pose_.step(*robot_.mechanism, lengths)) return false;
   if (!velocity_.allFinite() || !acceleration_.allFinite()) return false;
   dynamics::WantedInstant at;
   at.period_s = std::clamp(rt::toSeconds(last_time_ - parts_time_), kShortestPeriod_s, kLongestPeriod_s);
@@ -214,7 +209,7 @@ bool ModelFeedforward::findParts() noexcept {
   at.acceleration_m_per_s2 = acceleration_;
   at.coulomb_m_per_s = coulomb_speed;
   at.rest_s = rest_time;
-  parts_known_ = dynamics::forceParts(*model_, pose_, at, data_, parts_) && parts_.allFinite();
+  parts_known_ = dynamics::forceParts(*model_, pose_.pose(), at, data_, parts_) && parts_.allFinite();
   if (!parts_known_) data_.memory = dynamics::MotionMemory{};
   return parts_known_;
 }

@@ -48,7 +48,7 @@ mechanism::Vector4 ResidualEstimator::certain(const mechanism::Vector4& residual
 
 void ResidualEstimator::reset() noexcept {
   settled_s_ = 0.0;
-  pose_known_ = false;
+  pose_.forget();
   const mechanism::Vector4 rms = out_.rms_N;
   out_ = Estimate{};
   out_.rms_N = rms;
@@ -56,12 +56,9 @@ void ResidualEstimator::reset() noexcept {
 
 bool ResidualEstimator::findPose(const ForceKnowledge& knowledge, const mechanism::Lengths& lengths) noexcept {
   if (!knowledge.parts.mechanism) return true;
-  const mechanism::ForwardResult found =
-      pose_known_ ? mechanism::forwardKinematics(*knowledge.parts.mechanism, lengths, out_.pose)
-                  : mechanism::forwardKinematicsFromHome(*knowledge.parts.mechanism, lengths);
-  pose_known_ = found.ok();
-  if (pose_known_) out_.pose = found.pose;
-  return pose_known_;
+  if (!pose_.step(*knowledge.parts.mechanism, lengths)) return false;
+  out_.pose = pose_.pose();
+  return true;
 }
 
 /// Effects that trace found remember. At rest friction is let go of: what is left of it there nobody knows.

@@ -4,7 +4,7 @@
 #include <optional>
 
 #include "knee_robot/dynamics/force_parts.h"
-#include "knee_robot/mechanism/kinematics.h"
+#include "knee_robot/mechanism/pose_follower.h"
 
 namespace knee_robot::control {
 
@@ -88,7 +88,7 @@ class ResidualEstimator {
   };
   TwicePassed force_, velocity_;
   double settled_s_ = 0.0;
-  bool pose_known_ = false;
+  mechanism::PoseFollower pose_;
   dynamics::ForcePartsData data_;
   dynamics::ForceParts parts_;
   Estimate out_;

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <limits>
 
+#include "knee_robot/mechanism/pose_follower.h"
 #include "test/mechanism/random_poses.h"
 
 namespace knee_robot::mechanism {
@@ -64,6 +65,30 @@ TEST(ForwardKinematics, FollowsItsBranchAlongAPathWithTheLastPoseAsGuess) {
     ASSERT_LT((result.pose - pose).norm(), 1e-8);
     last = result.pose;
   }
+}
+
+TEST(PoseFollower, StaysOnItsBranchAndBeginsAtHomeAgainWhereThereWasNoPose) {
+  const Mechanism m = finalMechanism();
+  PoseFollower follower;
+  EXPECT_EQ(follower.pose(), Pose(Pose::Zero()));
+  Pose pose;
+  for (int k = 0; k < 500; ++k) {
+    const double t = 0.01 * k;
+    pose = {0.1 * std::sin(t), 0.7 + 0.08 * std::sin(0.7 * t), 0.12 * std::sin(1.3 * t), 0.15 * std::sin(0.9 * t)};
+    ASSERT_TRUE(follower.step(m, legLengths(m, pose))) << "at t = " << t;
+    ASSERT_LT((follower.pose() - pose).norm(), 1e-8);
+  }
+  const Pose last = follower.pose();
+  EXPECT_FALSE(follower.step(m, Lengths(0.6, 0.6, 0.6, 3.0)));
+  EXPECT_EQ(follower.pose(), last) << "kept";
+  ASSERT_TRUE(follower.step(m, legLengths(m, pose)));
+  EXPECT_EQ(follower.pose(), forwardKinematicsFromHome(m, legLengths(m, pose)).pose);
+  const Pose from_home = follower.pose();
+  ASSERT_TRUE(follower.step(m, legLengths(m, pose)));
+  EXPECT_EQ(follower.pose(), forwardKinematics(m, legLengths(m, pose), from_home).pose);
+  follower.forget();
+  ASSERT_TRUE(follower.step(m, legLengths(m, pose)));
+  EXPECT_EQ(follower.pose(), from_home);
 }
 
 TEST(ForwardKinematics, ReportsLengthsThatNoPoseHas) {

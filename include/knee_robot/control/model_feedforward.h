@@ -7,6 +7,7 @@
 #include "knee_robot/control/axis_data.h"
 #include "knee_robot/control/control_law.h"
 #include "knee_robot/dynamics/force_parts.h"
+#include "knee_robot/mechanism/pose_follower.h"
 #include "knee_robot/mechanism/robot.h"
 #include "knee_robot/rt/port.h"
 #include "knee_robot/rt/property.h"
@@ -143,8 +144,7 @@ class ModelFeedforward : public rt::TaskContext {
                      acceleration_ = mechanism::Vector4::Zero();  // of the reference
   dynamics::ForcePartsData data_;
   dynamics::ForceParts parts_;
-  mechanism::Pose pose_ = mechanism::Pose::Zero();
-  bool pose_known_ = false;  // a guess for the next cycle
+  mechanism::PoseFollower pose_;
   bool parts_known_ = false;
   bool on_ = false;
   bool homing_ = false;
