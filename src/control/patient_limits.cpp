@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "knee_robot/base/constants.h"
 #include "knee_robot/base/errors.h"
 #include "knee_robot/base/files.h"
 #include "knee_robot/base/numbers.h"
@@ -11,7 +12,6 @@
 namespace knee_robot::control {
 namespace {
 
-constexpr double kDegree = 3.14159265358979323846 / 180.0;
 constexpr std::size_t kLargestFile = 1u << 20;
 
 struct Coordinate {

@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "knee_robot/base/constants.h"
 #include "knee_robot/base/errors.h"
 #include "knee_robot/base/numbers.h"
 
@@ -56,7 +57,7 @@ SeriesBasis seriesBasis(const SeriesShape& shape, double time) {
   basis.rate.resize(columns);
   basis.acceleration.resize(columns);
   for (int j = 1; j <= shape.harmonics; ++j) {
-    const double omega = 2.0 * 3.14159265358979323846 * j / shape.period_s;
+    const double omega = kTwoPi * j / shape.period_s;
     const double sine = std::sin(omega * time), cosine = std::cos(omega * time);
     const int column = 2 * (j - 1);
     const auto set = [&](int c, double f, double df) {

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "knee_robot/base/constants.h"
 #include "knee_robot/base/errors.h"
 #include "knee_robot/base/numbers.h"
 #include "knee_robot/base/words.h"
@@ -80,7 +81,7 @@ void adaptToRecordings(mechanism::Robot& robot, std::vector<recording::Recording
     mechanism::Actuator& a = robot.actuators[i];
     if (a.resolution_given || stands[i]) continue;
     const double step = stepOf(recordings, static_cast<int>(i));
-    if (std::isfinite(step)) a.counts_per_revolution = (a.revolute ? 2.0 * M_PI : 1.0) / std::max(step, kFinestStep);
+    if (std::isfinite(step)) a.counts_per_revolution = (a.revolute ? kTwoPi : 1.0) / std::max(step, kFinestStep);
   }
   const auto count = std::count(stands.begin(), stands.end(), 1);
   if (count > 0 && count < static_cast<std::ptrdiff_t>(stands.size())) lock(robot, stands, recordings);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "knee_robot/base/constants.h"
 #include "knee_robot/base/parallel.h"
 #include "knee_robot/identification/motion_model.h"
 #include "knee_robot/recording/filter.h"
@@ -47,7 +48,7 @@ double motionCutoff(const mechanism::Robot& robot, double cutoff_hz, double rate
     count = std::max(count, a.metresPerCount());
   // White rounding noise, count / sqrt(12), below f, differentiated: count / sqrt(12) * sqrt(2 f / rate) * 2 pi f /
   // sqrt(3).
-  const double at_1_hz = count / std::sqrt(12.0) * std::sqrt(2.0 / rate_hz) * 2.0 * M_PI / std::sqrt(3.0);
+  const double at_1_hz = count / std::sqrt(12.0) * std::sqrt(2.0 / rate_hz) * 2.0 * kPi / std::sqrt(3.0);
   return std::clamp(std::pow(kVelocityNoise_m_per_s / at_1_hz, 2.0 / 3.0), 3.0 * cutoff_hz, 5.0 * cutoff_hz);
 }
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "knee_robot/base/constants.h"
 #include "knee_robot/base/errors.h"
 #include "knee_robot/base/numbers.h"
 
@@ -76,7 +77,7 @@ void refuseFarOutside(const mechanism::Robot& robot, const recording::Recording&
 }
 
 constexpr double kStands = 0.01;  ///< rad or m: a joint that goes less far in a whole recording stands still
-constexpr double kTurn = 2.0 * M_PI;
+constexpr double kTurn = kTwoPi;
 constexpr double kBeyondLimits = kTurn;  ///< rad by which no recording leaves a bounded joint's limits
 
 /// Columns of joints that are locked: of a recording with more columns than the chain has moving joints, those that

@@ -3,11 +3,13 @@
 #include <algorithm>
 #include <cmath>
 
+#include "knee_robot/base/constants.h"
+
 namespace knee_robot::mechanism {
 namespace {
 
 constexpr double kUsualStep_rad = 1e-4, kUsualStep_m = 1e-5;  ///< of an encoder of which nothing is said
-constexpr double kUsualRange_rad = M_PI, kUsualRange_m = 1.0;
+constexpr double kUsualRange_rad = kPi, kUsualRange_m = 1.0;
 constexpr double kUsualSpeed = 1.0;         ///< rad/s or m/s
 constexpr double kUsualAcceleration = 5.0;  ///< rad/s^2 or m/s^2
 // A chain's effort is recorded, not commanded through a converter: a step that is far below any sensor's, and no limit.
@@ -73,7 +75,7 @@ void readLimits(StrictMap& map, const ChainLimits& limits, Actuator& a) {
 }
 
 void readEncoder(StrictMap& map, Actuator& a) {
-  a.screw_lead_m = a.revolute ? 2.0 * M_PI * kJointRadius_m : 1.0;  // per turn of a joint; a rail has none
+  a.screw_lead_m = a.revolute ? kTwoPi * kJointRadius_m : 1.0;  // per turn of a joint; a rail has none
   a.resolution_given = map.has("counts_per_revolution") || map.has("resolution_rad") || map.has("resolution_m");
   if (!a.revolute) {
     a.counts_per_revolution = 1.0 / map.numberOr("resolution_m", kUsualStep_m, kAboveZero, 1.0);
@@ -81,7 +83,7 @@ void readEncoder(StrictMap& map, Actuator& a) {
   }
   if (map.has("counts_per_revolution") && map.has("resolution_rad"))
     map.refuse("resolution_rad", "and counts_per_revolution say the same; give one");
-  const double counts = 2.0 * M_PI / map.numberOr("resolution_rad", kUsualStep_rad, kAboveZero, 1.0);
+  const double counts = kTwoPi / map.numberOr("resolution_rad", kUsualStep_rad, kAboveZero, 1.0);
   a.counts_per_revolution = map.numberOr("counts_per_revolution", counts, 1.0, 1e12);
 }
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "knee_robot/base/constants.h"
 #include "knee_robot/mechanism/kinematics.h"
 
 namespace knee_robot::mechanism {
@@ -135,7 +136,7 @@ ForwardResult nearestToLevel(const Mechanism& mechanism, const Lengths& lengths,
   for (double theta = -0.8; theta < 1.0; theta += 0.4) {
     for (double psi = -1.2; psi < 1.4; psi += 0.4) {
       const ForwardResult found = forwardKinematics(mechanism, lengths, Pose(home[0], home[1], theta, psi));
-      const bool upright = found.pose[1] > 0.0 && std::max(std::abs(found.pose[2]), std::abs(found.pose[3])) < M_PI / 2;
+      const bool upright = found.pose[1] > 0.0 && std::max(std::abs(found.pose[2]), std::abs(found.pose[3])) < kPi / 2;
       if (!found.ok() || !upright) continue;
       if ((lengthJacobian(mechanism, found.pose).determinant() > 0.0) != positive) continue;
       if (!best.ok() || found.pose.tail<2>().norm() < best.pose.tail<2>().norm()) best = found;

@@ -3,6 +3,8 @@
 #include <Eigen/Geometry>
 #include <cmath>
 
+#include "knee_robot/base/constants.h"
+
 namespace knee_robot::mechanism {
 namespace {
 
@@ -133,7 +135,7 @@ std::array<double, kUrdfJoints> urdfJointPositions(const Mechanism& mechanism, c
   }
   values[9] = q.q41;
   values[10] = q.q42;
-  values[11] = pose[2] + q.q41 - M_PI / 2;
+  values[11] = pose[2] + q.q41 - kPi / 2;
   values[12] = pose[3];
   return values;
 }

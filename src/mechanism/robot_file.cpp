@@ -3,6 +3,7 @@
 #include <limits>
 
 #include "chain_file.h"
+#include "knee_robot/base/constants.h"
 #include "knee_robot/base/errors.h"
 #include "knee_robot/base/files.h"
 #include "knee_robot/base/numbers.h"
@@ -15,7 +16,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr double kDegree = M_PI / 180.0;
 constexpr double kDefaultHome = 0.60;
 
 double degrees(StrictMap& map, const std::string& key, double minimum, double maximum) {

@@ -7,6 +7,7 @@
 #include <random>
 #include <vector>
 
+#include "knee_robot/base/constants.h"
 #include "knee_robot/base/errors.h"
 #include "knee_robot/control/control_law.h"
 #include "knee_robot/dynamics/force_parts.h"
@@ -23,7 +24,6 @@ using namespace knee_robot;
 constexpr std::size_t kStates = 256;  // a power of two: cheap to cycle through, too many to predict
 
 mechanism::Mechanism finalGeometry() {
-  constexpr double kDegree = M_PI / 180.0;
   return mechanism::Mechanism(
       {{0.4, 0.4, 0.4}, 0.15, 90 * kDegree, 45 * kDegree, {0.3, 0.3, 0.3}, 50 * kDegree, 90 * kDegree});
 }

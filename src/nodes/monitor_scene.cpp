@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "controller_pose.h"
+#include "knee_robot/base/constants.h"
 #include "monitor_board.h"
 
 namespace knee_robot::nodes {
@@ -33,7 +34,7 @@ void addGhost(Scene& scene, const mechanism::Mechanism& mechanism, const mechani
   Marker& ring = scene.add("reference", Marker::LINE_STRIP, kGhostLine);
   ring.scale.x = 0.010;
   for (int k = 0; k <= corners; ++k) {
-    const double angle = 2.0 * M_PI * k / corners;
+    const double angle = kTwoPi * k / corners;
     ring.points.push_back(
         pointOf(transformed(pose, {(radius + 0.05) * std::cos(angle), (radius + 0.05) * std::sin(angle), 0.02})));
   }

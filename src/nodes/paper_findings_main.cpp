@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "knee_robot/base/constants.h"
 #include "knee_robot/base/errors.h"
 #include "knee_robot/dynamics/parameter_structure.h"
 #include "knee_robot/mechanism/singularity.h"
@@ -16,8 +17,6 @@
 using namespace knee_robot;
 
 namespace {
-
-constexpr double kDegree = M_PI / 180.0;
 
 void title(const char* text) {
   std::printf("\n%s\n", text);
@@ -184,7 +183,7 @@ std::vector<mechanism::Motion> fourierMotion(const mechanism::Mechanism& mechani
     m.pose = center;
     for (int j = 0; j < 4; ++j) {
       for (int k = 0; k < kHarmonics; ++k) {
-        const double w = 2 * M_PI * (k + 1) / kDuration, a = scale * unit[j] / (k + 1), s = std::sin(w * t),
+        const double w = kTwoPi * (k + 1) / kDuration, a = scale * unit[j] / (k + 1), s = std::sin(w * t),
                      c = std::cos(w * t);
         m.pose[j] += a * (sine[j][k] * s + cosine[j][k] * c);
         m.pose_velocity[j] += a * w * (sine[j][k] * c - cosine[j][k] * s);

@@ -3,6 +3,7 @@
 #include <cstdio>
 #include <filesystem>
 
+#include "knee_robot/base/constants.h"
 #include "knee_robot/base/errors.h"
 #include "knee_robot/base/files.h"
 #include "knee_robot/base/numbers.h"
@@ -13,8 +14,6 @@
 namespace {
 
 using namespace knee_robot;
-
-constexpr double kDegree = 3.14159265358979323846 / 180.0;
 
 struct Arguments {
   std::string name, robot, output, picture, space = "actuator";

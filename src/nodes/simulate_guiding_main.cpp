@@ -8,6 +8,7 @@
 #include <optional>
 #include <string>
 
+#include "knee_robot/base/constants.h"
 #include "knee_robot/base/errors.h"
 #include "knee_robot/control/control_system.h"
 #include "knee_robot/simulation/simulated_cards.h"
@@ -62,7 +63,7 @@ class Pull {
   mechanism::Pose at(double t) const {
     const double x = std::min(1.0, std::max(0.0, (t - start_) / period_));
     mechanism::Pose pose = home_;
-    pose[coordinate_] += distance_ * 0.5 * (1.0 - std::cos(2.0 * M_PI * x));
+    pose[coordinate_] += distance_ * 0.5 * (1.0 - std::cos(kTwoPi * x));
     return pose;
   }
   const simulation::RobotSimulation& plant_;

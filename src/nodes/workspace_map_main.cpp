@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "knee_robot/base/constants.h"
 #include "knee_robot/base/errors.h"
 #include "knee_robot/base/files.h"
 #include "knee_robot/base/numbers.h"
@@ -17,7 +18,6 @@ using namespace knee_robot;
 
 namespace {
 
-constexpr double kDegree = M_PI / 180.0;
 constexpr int kColumns = 90, kRows = 64;
 constexpr double kCell = 4.5;  // pixels
 constexpr double kLeft = 70.0, kTop = 60.0, kGap = 90.0;

@@ -6,6 +6,7 @@
 #include <unsupported/Eigen/FFT>
 #include <utility>
 
+#include "knee_robot/base/constants.h"
 #include "knee_robot/base/numbers.h"
 #include "knee_robot/recording/jumps.h"
 #include "knee_robot/recording/signals.h"
@@ -70,7 +71,7 @@ void addMotion(const Pair& motion, const std::vector<Eigen::Index>& starts, doub
   const Eigen::MatrixXd &wanted = motion.wanted, &done = motion.done;
   Eigen::VectorXd window(length);
   for (int i = 0; i < length; ++i)
-    window[i] = 0.5 - 0.5 * std::cos(2.0 * M_PI * (i + 0.5) / length);
+    window[i] = 0.5 - 0.5 * std::cos(kTwoPi * (i + 0.5) / length);
   const double scale = 2.0 / (rate_hz * window.squaredNorm());
   Eigen::FFT<double> fft;
   Eigen::VectorXcd reference(length), position(length);
@@ -126,7 +127,7 @@ Eigen::ArrayXd positionNoise(const Eigen::ArrayXd& power, int order) {
   const Eigen::Index bins = power.size();
   Eigen::ArrayXd shape(bins);
   for (Eigen::Index k = 0; k < bins; ++k) {
-    const double turn = M_PI * static_cast<double>(k) / static_cast<double>(bins - 1);
+    const double turn = kPi * static_cast<double>(k) / static_cast<double>(bins - 1);
     shape[k] = order == 1 ? std::pow(std::sin(turn), 2) : std::pow(std::sin(0.5 * turn), 4);
   }
   const Eigen::Index upper = bins - bins / 2;

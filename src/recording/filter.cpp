@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "knee_robot/base/constants.h"
+
 namespace knee_robot::recording {
 
 ZeroPhaseLowPass::ZeroPhaseLowPass(double cutoff_hz, double rate_hz) {
@@ -12,9 +14,9 @@ ZeroPhaseLowPass::ZeroPhaseLowPass(double cutoff_hz, double rate_hz) {
   edge_ = static_cast<int>(std::ceil(rate_hz / cutoff_hz));
   // Bilinear transform with the cut-off prewarped; the two pole pairs of the 4th-order Butterworth have these quality
   // factors.
-  const double k = std::tan(M_PI * cutoff_hz / rate_hz);
+  const double k = std::tan(kPi * cutoff_hz / rate_hz);
   for (int s = 0; s < 2; ++s) {
-    const double q = 1.0 / (2.0 * std::cos(M_PI / 8.0 * (1 + 2 * s)));
+    const double q = 1.0 / (2.0 * std::cos(kPi / 8.0 * (1 + 2 * s)));
     const double norm = 1.0 / (1.0 + k / q + k * k);
     const double b0 = k * k * norm;
     sections_[s] = {b0, 2.0 * b0, b0, 2.0 * (k * k - 1.0) * norm, (1.0 - k / q + k * k) * norm};

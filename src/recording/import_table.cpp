@@ -4,6 +4,7 @@
 #include <map>
 
 #include "import_rows.h"
+#include "knee_robot/base/constants.h"
 #include "knee_robot/base/errors.h"
 #include "knee_robot/base/files.h"
 #include "knee_robot/base/numbers.h"
@@ -16,7 +17,6 @@ namespace knee_robot::recording {
 namespace {
 
 constexpr int kMostImported = 12;
-constexpr double kDegree = 3.14159265358979323846 / 180.0;
 
 /// Factors to the SI unit that the target's name ends in. `counts` is a length whose scale says metres per count.
 const std::map<std::string, std::map<std::string, double>>& unitsByEnding() {

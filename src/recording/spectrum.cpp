@@ -4,6 +4,8 @@
 #include <cmath>
 #include <unsupported/Eigen/FFT>
 
+#include "knee_robot/base/constants.h"
+
 namespace knee_robot::recording {
 namespace {
 
@@ -30,7 +32,7 @@ Spectrum powerSpectrum(const Eigen::VectorXd& signal, double rate_hz, double seg
   if (starts.empty()) starts = segmentStarts(samples, length, {});
   Eigen::VectorXd window(length);
   for (int n = 0; n < length; ++n)
-    window[n] = 0.5 - 0.5 * std::cos(2.0 * M_PI * n / length);
+    window[n] = 0.5 - 0.5 * std::cos(kTwoPi * n / length);
 
   Eigen::FFT<double> fft;
   Eigen::VectorXd power = Eigen::VectorXd::Zero(length / 2 + 1);

@@ -6,6 +6,7 @@
 #include <limits>
 #include <random>
 
+#include "knee_robot/base/constants.h"
 #include "knee_robot/base/numbers.h"
 
 namespace knee_robot::tracing {
@@ -78,7 +79,7 @@ AxisController recover(const recording::Recording& r, const identification::Obse
   Eigen::MatrixXd design(r.rows(), 4);
   Eigen::VectorXd load(r.rows());
   double sum = 0.0, rate = 0.0;
-  const double fast = std::min(1.0, 2.0 * M_PI * kDerivative_hz * period);
+  const double fast = std::min(1.0, kTwoPi * kDerivative_hz * period);
   for (int k = 0; k < r.rows(); ++k) {
     sum += error[k] * period;
     const double raw = k > 0 ? (error[k] - error[k - 1]) / period : 0.0;
@@ -118,7 +119,7 @@ void simulateAxis(const mechanism::Robot& robot, const recording::Recording& r, 
   const AxisController& c = plan.controllers[static_cast<std::size_t>(i)];
   const Eigen::MatrixXd reference = referenceOf(r);
   const double period = recording::medianPeriod(r.time_s);
-  const double fast = std::min(1.0, 2.0 * M_PI * kDerivative_hz * period);
+  const double fast = std::min(1.0, kTwoPi * kDerivative_hz * period);
   const double count = a.metresPerCount();
   const double dac = recording::kDacStep_V * a.force_per_volt_N, limit = a.voltage_max_V * a.force_per_volt_N;
   AxisState axis{r.position_m(0, i), 0.0, 0.0, 0.0, 0.0, 0.0};

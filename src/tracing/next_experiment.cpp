@@ -7,6 +7,7 @@
 #include <optional>
 #include <random>
 
+#include "knee_robot/base/constants.h"
 #include "knee_robot/base/numbers.h"
 #include "knee_robot/base/parallel.h"
 #include "knee_robot/excitation/fourier_series.h"
@@ -223,7 +224,7 @@ Separation separationOf(const mechanism::Robot& robot, const TraceResult& result
   if (a.cols() == 0) return out;
   const Eigen::VectorXd effect = raw * first.coefficients, visible = effect - q * (q.transpose() * effect);
   const int actuator = first.hypothesis.place.actuator;
-  out.angle_rad = 0.5 * 3.14159265358979323846;
+  out.angle_rad = 0.5 * kPi;
   double left = visible.norm();
   for (std::vector<double>& shape : rival.shapes(data.inputs.front(), actuator)) {
     const Hypothesis other{{&rival, rival.shared() ? -1 : actuator}, shape};

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <limits>
 
+#include "knee_robot/base/constants.h"
+
 namespace knee_robot::trajectory {
 namespace {
 
@@ -125,7 +127,7 @@ double largestAmplitude(const Exercise& exercise, const mechanism::Robot& robot,
     (nearestOnWay(exercise, robot, start, middle).left >= 0.0 ? fits : beyond) = middle;
   }
   // What is told to the user in three digits (of degrees for a rotation) must fit too.
-  const double unit = exercise.rotation ? 3.14159265358979323846 / 180.0 : 1.0;
+  const double unit = exercise.rotation ? kDegree : 1.0;
   if (fits <= 0.0) return 0.0;
   const double scale = std::pow(10.0, 2.0 - std::floor(std::log10(fits / unit)));
   return std::floor(fits / unit * scale) / scale * unit;

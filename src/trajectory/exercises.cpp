@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "knee_robot/base/constants.h"
 #include "knee_robot/base/errors.h"
 #include "knee_robot/base/numbers.h"
 #include "knee_robot/base/words.h"
@@ -11,7 +12,6 @@
 namespace knee_robot::trajectory {
 namespace {
 
-constexpr double kDegree = 3.14159265358979323846 / 180.0;
 constexpr double kRestSeconds = 0.5;                  ///< at rest before the first and after the last stroke
 constexpr ProfileLimits kTranslation{0.0, 0.1, 1.0};  ///< m; velocity is an option
 constexpr ProfileLimits kRotation{0.0, 10.0 * kDegree, 100.0 * kDegree};  ///< rad

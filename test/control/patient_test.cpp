@@ -3,6 +3,7 @@
 
 #include <cmath>
 
+#include "knee_robot/base/constants.h"
 #include "knee_robot/base/errors.h"
 #include "knee_robot/base/files.h"
 #include "knee_robot/control/patient_limits.h"
@@ -15,7 +16,6 @@
 namespace knee_robot::control {
 namespace {
 
-constexpr double kDegree = 3.14159265358979323846 / 180.0;
 const char* const kGood = R"(patient: "17"
 pose: {X_m: [-0.05, 0.05], Z_m: [0.60, 0.70], theta_deg: [-5, 20], psi_deg: [-10, 10]}
 speed: {linear_mm_per_s: 15}

@@ -3,6 +3,7 @@
 #include <Eigen/Geometry>
 #include <random>
 
+#include "knee_robot/base/constants.h"
 #include "knee_robot/mechanism/kinematics.h"
 
 namespace knee_robot::mechanism {
@@ -10,7 +11,6 @@ namespace knee_robot::mechanism {
 /// The geometries of the paper's Table 1 and of the sister robot B, as tests need them.
 inline Geometry geometryOf(std::array<double, 3> R, double ds, double fd_deg, double fi_deg, std::array<double, 3> Rm,
                            double md_deg, double mi_deg) {
-  constexpr double kDegree = M_PI / 180.0;
   return {R, ds, fd_deg * kDegree, fi_deg * kDegree, Rm, md_deg * kDegree, mi_deg * kDegree};
 }
 inline Mechanism finalMechanism() {

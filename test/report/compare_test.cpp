@@ -20,8 +20,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr double kDegree = M_PI / 180.0;
-
 /// The page of a comparison.
 std::string pageOf(const CompareResults& c) {
   const TemporaryFolder folder;

@@ -4,13 +4,12 @@
 
 #include <cmath>
 
+#include "knee_robot/base/constants.h"
 #include "knee_robot/base/errors.h"
 #include "test/trajectory/robots.h"
 
 namespace knee_robot::trajectory {
 namespace {
-
-constexpr double kDegree = 3.14159265358979323846 / 180.0;
 
 /// The limits of testRobot (wide: 0.5 to 1.0 m, 90 deg) are generous enough for these.
 TEST(Exercises, HipFlexionRaisesThePlatformByItsAmplitudeAtItsSpeedAndReturns) {

@@ -4,6 +4,7 @@
 
 #include <string>
 
+#include "knee_robot/base/constants.h"
 #include "knee_robot/mechanism/robot.h"
 #include "test/mechanism/configured_robot.h"
 
@@ -14,7 +15,6 @@ using mechanism::configuredRobot;
 /// A robot of the paper's final geometry with limits that tests can rely on: lengths 0.5 to 1.0 m, 0.3 m/s, 5 m/s^2,
 /// joints 90 deg, condition 1000; home 0.65, 0.66, 0.66, 0.61 m.
 inline mechanism::Robot testRobot() {
-  constexpr double kDegree = 3.14159265358979323846 / 180.0;
   mechanism::Geometry geometry;
   geometry.R = {0.4, 0.4, 0.4};
   geometry.ds = 0.15;

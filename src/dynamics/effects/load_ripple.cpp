@@ -1,6 +1,7 @@
 #include <cmath>
 
 #include "common_phase.h"
+#include "knee_robot/base/constants.h"
 #include "laws.h"
 
 namespace knee_robot::dynamics {
@@ -9,7 +10,7 @@ namespace {
 /// Sine and cosine of the screw's turn, as a share of what the screw carries.
 class LoadRipple : public EffectLaw {
  public:
-  explicit LoadRipple(const Shape& shape) : turn_per_m_(2.0 * M_PI / shape[0]) {}
+  explicit LoadRipple(const Shape& shape) : turn_per_m_(kTwoPi / shape[0]) {}
   EffectPart part() const noexcept override { return EffectPart::Carried; }
   int coefficients() const noexcept override { return 2; }
   std::vector<double> inOtherRecordings(std::vector<double> coefficients) const override {

@@ -1,6 +1,7 @@
 #include <cmath>
 
 #include "common_phase.h"
+#include "knee_robot/base/constants.h"
 #include "laws.h"
 
 namespace knee_robot::dynamics {
@@ -9,7 +10,7 @@ namespace {
 /// Sine and cosine of the screw's turn: of the force, or of dry friction.
 class ScrewRipple : public EffectLaw {
  public:
-  explicit ScrewRipple(const Shape& shape) : turn_per_m_(2.0 * M_PI / shape[0]), of_friction_(shape[1] > 0.5) {}
+  explicit ScrewRipple(const Shape& shape) : turn_per_m_(kTwoPi / shape[0]), of_friction_(shape[1] > 0.5) {}
   EffectPart part() const noexcept override { return of_friction_ ? EffectPart::Friction : EffectPart::Carried; }
   int coefficients() const noexcept override { return 2; }
   std::vector<double> inOtherRecordings(std::vector<double> coefficients) const override {

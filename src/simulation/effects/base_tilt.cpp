@@ -2,6 +2,7 @@
 // The base stands tilted: turned about its X axis, then about its (turned) Y axis; gravity keeps its direction.
 #include <Eigen/Geometry>
 
+#include "knee_robot/base/constants.h"
 #include "knee_robot/simulation/effect.h"
 
 namespace knee_robot::simulation {
@@ -20,7 +21,6 @@ class BaseTilt : public EffectOf<BaseTilt> {
   }
 
  private:
-  static constexpr double kDegree = 0.017453292519943295;
   double about_x_;
   double about_y_;
 };

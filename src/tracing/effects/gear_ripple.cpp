@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "knee_robot/base/constants.h"
 #include "knee_robot/base/quantile.h"
 #include "knee_robot/tracing/candidate.h"
 
@@ -63,7 +64,7 @@ class GearRipple : public Candidate {
   }
   Eigen::MatrixXd columns(const EffectInput& input, int actuator, const std::vector<double>& shape) const override {
     Eigen::MatrixXd out(input.samples(), kEach);
-    const Eigen::ArrayXd phase = 2.0 * M_PI / shape[0] * input.signals().position_m.col(actuator).array();
+    const Eigen::ArrayXd phase = kTwoPi / shape[0] * input.signals().position_m.col(actuator).array();
     for (std::size_t k = 0; k < std::size(kOrders); ++k) {
       out.col(2 * static_cast<Eigen::Index>(k)) = (kOrders[k] * phase).sin();
       out.col(2 * static_cast<Eigen::Index>(k) + 1) = (kOrders[k] * phase).cos();

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "knee_robot/base/constants.h"
+
 namespace knee_robot::tracing {
 namespace {
 
@@ -32,7 +34,7 @@ std::vector<Coefficient> Ripple::coefficients(const EffectInput& input) const {
 Eigen::MatrixXd Ripple::columns(const EffectInput& input, int actuator, const std::vector<double>& shape) const {
   Eigen::MatrixXd out = Eigen::MatrixXd::Zero(input.samples(), 2 * input.recordings);
   const int pair = std::max(0, input.recording);  // elsewhere() puts the common phase into the first pair
-  const Eigen::ArrayXd phase = 2.0 * M_PI / shape[0] * input.signals().position_m.col(actuator).array();
+  const Eigen::ArrayXd phase = kTwoPi / shape[0] * input.signals().position_m.col(actuator).array();
   const Eigen::ArrayXd factor = rippling(input, actuator, shape);
   out.col(2 * pair) = factor * phase.sin();
   out.col(2 * pair + 1) = factor * phase.cos();
