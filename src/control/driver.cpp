@@ -11,12 +11,6 @@ namespace {
 /// Cycles without a new feedforward after which it counts as switched off.
 constexpr int kSilentFeedforward = 5;
 constexpr double kSmallestError_m = 1e-5;
-/// Of the force that an encoder was asked with before: a hand guides through most of the friction.
-constexpr double kGuidedShare = 0.5;
-/// Ten times the following error of a good loop: a healthy axis so far behind its reference moves when it is asked.
-constexpr double kLeftBehind_m = 0.001;
-/// After the brakes opened: the platform sags a little, and what is asked meanwhile teaches nothing.
-constexpr double kSags_s = 0.5;
 constexpr double kOpens_s = 0.02;  // beyond twice the slowest brake's delay
 
 }  // namespace
@@ -177,124 +171,40 @@ void Driver::checkReference(const rt::Cycle& cycle, bool searching) {
   if (!searching && std::abs(error) > limit) raise(Fault::FollowingError);
 }
 
-/// At rest the axes take turns; a suspicion is asked of all at once.
-double Driver::probeEncoder(double dt) noexcept {
-  const double open_s = 2.0 * hardware_.holdDelay() + kOpens_s;
+/// The force of the encoder's test.
+double Driver::watchEncoder(double dt) noexcept {
   disturbance.read(disturbed_);
   verdict.read(verdict_);
-  out_.can_be_asked = false;
-  const bool carries = order_.driversCarry() && order_.homed && order_.homing == 0 && unreadable_ == 0;
-  if (!carries || probe_period <= 0.0) {
-    carried_s_ = 0.0;
-    suspicion_ = disturbed_.suspicion;
-    questions_ = disturbed_.questions;
-    challenge_.reset();
-    probe_.reset();
-    return 0.0;
-  }
-  if (carried_s_ == 0.0) released_.begin(measured_.counts[index_]);
-  carried_s_ += dt;
-  released_.take(measured_.counts[index_]);
-  if (carried_s_ < open_s) return 0.0;  // the holding brakes are still opening
-  const bool just_opened = carried_s_ - dt < open_s;
-  const bool settled = carried_s_ >= kSags_s;
-  if (!settled && !just_opened && !challenge_.isActive()) return 0.0;
-  out_.can_be_asked = verdict.isConnected();
-  const double first = kSags_s + probe_period * static_cast<double>(index_) / hardware::kAxes;
-  const EncoderProbe::Settings settings{first, probe_period, probe_share * force_limit_, disturbance.isConnected()};
-  if (challengeEncoder(dt, settings, just_opened)) return challenge_.force_N();
-  // A hand is guided by HandGuide's questions: pulses that learn would free the friction that holds what nobody declared.
-  if (!settled || (order_.guiding && disturbance.isConnected())) return 0.0;
-  if (!test_pulses_.load(std::memory_order_relaxed)) {
-    if (!disturbance.isConnected()) probe_.reset();
-    return 0.0;
-  }
-  if (!probe_.step(out_.at_rest, dt, measured_.counts[index_], settings)) raise(deadOrBlocked());
-  return probe_.force_N();
-}
-
-/// True while it asks, or brings its pulse to an end. An axis whose encoder has not counted while its brake opened is
-/// asked at once: blind, it lets the platform sink by a load that nobody declared, and its loop sees nothing of it.
-bool Driver::challengeEncoder(double dt, const EncoderProbe::Settings& settings, bool just_opened) noexcept {
-  const std::int64_t counts = measured_.counts[index_];
-  const bool unseen = just_opened && !released_.counts() && test_pulses_.load(std::memory_order_relaxed);
-  const bool disturbed = disturbed_.suspicion != suspicion_;
-  const bool suspected = carried_s_ >= kSags_s && standsUnderForce(dt, counts);
-  const bool in_turn = disturbed_.questions != questions_ && disturbed_.asked == static_cast<int>(index_) &&
-                       test_pulses_.load(std::memory_order_relaxed);
-  suspicion_ = disturbed_.suspicion;
-  questions_ = disturbed_.questions;
-  if ((measured_.bus_failure.silent >> index_ & 1u) !=
-      0) {  // old counts are no answer; that they are old has a fault of its own
-    challenge_.reset();
-    standing_.begin(counts);
-    return false;
-  }
-  const bool wanted =
-      unseen || (disturbed && !standing_.counts()) || suspected || in_turn || verdict_.asks[index_] || doubted_;
-  if (wanted && !challenge_.isActive()) {
-    opening_ = just_opened;
-    // A hand has no reference: to and fro in turn, or questions would carry the platform away.
-    if (guides_) guided_away_ = -guided_away_;
-    const double away =
-        guides_ ? guided_away_ : (out_.reference_m - measured_.position_m[index_]) / actuator_.metresPerCount();
-    const double enough_N = (guides_ ? kGuidedShare : 1.0) * probe_.enoughForce_N();
-    challenge_.begin(counts, {enough_N, probe_.certainForce_N(settings), away, standing_.dithers(),
-                              !unseen && !disturbed && out_.at_rest, !out_.at_rest});
-  }
-  const double lag_m = std::abs(out_.reference_m - measured_.position_m[index_]);
-  switch (challenge_.step(dt, counts, out_.at_rest || guides_ || lag_m < kLeftBehind_m)) {
-    case EncoderChallenge::Verdict::Alive:
-      if (!opening_) probe_.acceptAnswer(counts);  // what is enough it still has to learn
-      standing_.endures(asked_at_N_);
-      ++out_.answers;
-      break;
-    case EncoderChallenge::Verdict::Dead:
-      raise(deadOrBlocked());
-      break;
-    case EncoderChallenge::Verdict::None:
-      break;
-  }
-  return challenge_.isActive();
-}
-
-/// What no count to all this means.
-Fault Driver::deadOrBlocked() const noexcept {
-  // At rest the others stick and may feel nothing of an axis that moves.
-  return disturbed_.felt[index_] == Felt::No && !out_.at_rest ? Fault::AxisBlocked : Fault::EncoderFrozen;
-}
-
-/// A healthy axis that hunts at rest is asked less and less often.
-bool Driver::standsUnderForce(double dt, std::int64_t counts) noexcept {
-  constexpr double kWhileRecording = 2.0;
-  constexpr double kOverdueShare = 0.5;                    // of the force: a soft loop lags without being blind
-  constexpr double kBeyondUsual = 1.3, kUsualMost = 0.25;  // of the force limit: friction may not hide a blind axis
-  constexpr double kAgain_s = 0.5, kSeldom_s = 4.0, kAgainMoving_s = 0.15, kAgainOverdue_s = 0.03, kTimes = 4.0;
-  const bool rests = out_.at_rest;
-  standing_.step(dt, counts, out_.reference_m, loopForce() + shifted_N_, challenge_.isActive());
-  if (rests != stood_at_rest_) {
-    standing_.begin(counts);
-    again_s_ = kAgain_s;
-  }
-  stood_at_rest_ = rests;
-  asked_s_ += dt;
-  const double usual_N = std::min(kBeyondUsual * standing_.usual_N(), kUsualMost * force_limit_);
-  // An axis that turns for the first times sticks, too. Recordings for a model are to have few questions: later then,
-  // not never.
-  const double patience = test_pulses_.load(std::memory_order_relaxed) ? 1.0 : kWhileRecording;
-  const double limit_N = patience * (rests ? standing_force : turning_force), turning_N = std::max(limit_N, usual_N);
-  const bool overdue = !rests && standing_.changed_N() >= kOverdueShare * limit_N &&
-                       standing_.isOverdue(patience * actuator_.metresPerCount());
-  const double again_moving_s = overdue ? kAgainOverdue_s : kAgainMoving_s;
-  const double again_s = !rests ? again_moving_s : standing_.changed_N() > kTimes * limit_N ? kAgain_s : again_s_;
-  if (!disturbance.isConnected() || asked_s_ < again_s ||
-      (!overdue && standing_.changed_N() < (rests ? limit_N : turning_N)))
-    return false;
-  asked_at_N_ = rests ? 0.0 : standing_.changed_N();
-  standing_.begin(counts);
-  asked_s_ = 0.0;
-  again_s_ = std::min(kSeldom_s, 2.0 * again_s_);
-  return true;
+  EncoderWatch::Settings settings;
+  settings.index = index_;
+  settings.metres_per_count = actuator_.metresPerCount();
+  settings.force_limit_N = force_limit_;
+  settings.open_s = 2.0 * hardware_.holdDelay() + kOpens_s;
+  settings.probe_s = probe_period;
+  settings.probe_share = probe_share;
+  settings.standing_force_N = standing_force;
+  settings.turning_force_N = turning_force;
+  settings.observed = disturbance.isConnected();
+  settings.monitored = verdict.isConnected();
+  EncoderWatch::Input in;
+  in.dt = dt;
+  in.carries = order_.driversCarry() && order_.homed && order_.homing == 0 && unreadable_ == 0;
+  in.counts = measured_.counts[index_];
+  in.silent = (measured_.bus_failure.silent >> index_ & 1u) != 0;
+  in.position_m = measured_.position_m[index_];
+  in.reference_m = out_.reference_m;
+  in.at_rest = out_.at_rest;
+  in.loop_N = loopForce() + shifted_N_;
+  in.guiding = order_.guiding;
+  in.guides = guides_;
+  in.doubted = doubted_;
+  in.monitor_asks = verdict_.asks[index_];
+  in.test_pulses = test_pulses_.load(std::memory_order_relaxed);
+  const EncoderWatch::Output watched = encoder_.step(in, disturbed_, settings);
+  out_.can_be_asked = watched.can_be_asked;
+  if (watched.answered) ++out_.answers;
+  if (watched.fault != Fault::None) raise(watched.fault);
+  return watched.force_N;
 }
 
 /// The force of loop, feedforward and guidance. Into guiding the integral takes along what the loop carried; out of it
@@ -333,7 +243,7 @@ void Driver::control(const rt::Cycle& cycle) {
   checkReference(cycle, homing_.phase() == HomingPhase::Searching);
 
   const double loop_N = loop(reference, dt);
-  const double pulse_N = probeEncoder(dt);
+  const double pulse_N = watchEncoder(dt);
   const double asked = loop_N + carried_N_ + pulse_N;
   out_.pulse_N = pulse_N;
   const double force = std::clamp(asked, -force_limit_, force_limit_);

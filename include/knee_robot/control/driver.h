@@ -4,13 +4,11 @@
 #include <string>
 
 #include "knee_robot/control/axis_data.h"
-#include "knee_robot/control/encoder_challenge.h"
-#include "knee_robot/control/encoder_probe.h"
+#include "knee_robot/control/encoder_watch.h"
 #include "knee_robot/control/hardware_file.h"
 #include "knee_robot/control/homing_move.h"
 #include "knee_robot/control/pid.h"
 #include "knee_robot/control/set_point_follower.h"
-#include "knee_robot/control/standing_axis.h"
 #include "knee_robot/mechanism/robot.h"
 #include "knee_robot/rt/port.h"
 #include "knee_robot/rt/property.h"
@@ -34,11 +32,7 @@ namespace knee_robot::control {
 /// While a hand guides (SupervisorCommand::guiding) HandGuide's force takes the place of the loop, and the integral
 /// keeps what it carries; reference is where the axis is. When that ends, or HandGuide falls silent, the axis holds
 /// where it is then.
-/// Encoder test (fault EncoderFrozen). With a DisturbanceObserver, EncoderProbe tests once after the holding brakes
-/// have opened; later EncoderChallenge tests on suspicion: the standing robot is disturbed, or the loop pushes while
-/// the encoder stands (StandingAxis); and in turn where nothing counts for long (RestTurn). Without an observer
-/// EncoderProbe tests every probe_s at rest, and around turning points. Whenever Monitors take the encoder for dead, it
-/// is tested before they say so.
+/// Encoder test (faults EncoderFrozen, AxisBlocked): EncoderWatch.
 /// - SetPointStale: nothing from Sync for stale_set_points periods, or a set point is missing. The loop goes on (the
 ///   reference comes to rest).
 /// - NotANumber, FollowingError, SetPointJump, MeasurementLost: the loop is given up (active = false, 0 V asked for);
@@ -115,10 +109,7 @@ class Driver : public rt::TaskContext {
   void readGuidance(const rt::Cycle& cycle) noexcept;
   double loop(const SetPointFollower::Reference& reference, double dt) noexcept;
   void checkReference(const rt::Cycle& cycle, bool searching);
-  double probeEncoder(double dt) noexcept;
-  bool challengeEncoder(double dt, const EncoderProbe::Settings& settings, bool just_opened) noexcept;
-  Fault deadOrBlocked() const noexcept;
-  bool standsUnderForce(double dt, std::int64_t counts) noexcept;
+  double watchEncoder(double dt) noexcept;
   SetPointFollower::Reference chooseReference(const rt::Cycle& cycle, double dt) noexcept;
   bool isToHome() const noexcept { return (order_.homing >> index_ & 1) != 0; }
   void raise(Fault fault) noexcept;
@@ -130,30 +121,10 @@ class Driver : public rt::TaskContext {
   SetPointFollower follower_{0, 0.0, 0.0, 0.0};
   const HardwareFile hardware_;
   HomingMove homing_;
-  EncoderProbe probe_;
-  EncoderChallenge challenge_;
+  EncoderWatch encoder_;
   Disturbance disturbed_;
   MonitorVerdict verdict_;
-  std::uint32_t suspicion_ = 0, questions_ = 0;  // answered last
-  StandingAxis standing_;
-  bool stood_at_rest_ = false;
-  double asked_s_ = 0.0;     // since it was asked because of that
-  double asked_at_N_ = 0.0;  // of StandingAxis::changed_N(), when a moving axis was asked last
-  double again_s_ = 0.0;     // until it may be asked again
   std::atomic<bool> test_pulses_{true};
-  double carried_s_ = 0.0;  // since the holding brake was ordered to let go
-  /// Counts since then.
-  struct Released {
-    std::int64_t lowest = 0, highest = 0;
-    void begin(std::int64_t counts) noexcept { lowest = highest = counts; }
-    void take(std::int64_t counts) noexcept {
-      lowest = std::min(lowest, counts);
-      highest = std::max(highest, counts);
-    }
-    /// More than an open input dithers by.
-    bool counts() const noexcept { return highest - lowest > StandingAxis::kDither; }
-  } released_;
-  bool opening_ = false;  // the question that is asked is that of an axis whose brake has just opened
   Pid pid_;
   double force_limit_ = 0.0;  // N
   double force_now_ = 0.0;    // N, limit of this cycle
@@ -173,7 +144,6 @@ class Driver : public rt::TaskContext {
   double guided_N_ = 0.0;
   bool guides_ = false, guided_ = false;  // HandGuide's force takes the place of the loop; it did in the last cycle
   bool doubted_ = false;                  // it asks for the encoder
-  double guided_away_ = 1.0;              // counts, for the next question while it does
   bool active_ = false;
   Fault fault_ = Fault::None;
   rt::Nanoseconds last_time_ = 0;
