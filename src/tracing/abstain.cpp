@@ -1,9 +1,12 @@
 // What of the additions is no attribution: what does not hold at positions of its own recordings that were held back.
 
+#include "abstain.h"
+
 #include <algorithm>
 #include <cmath>
 
-#include "search.h"
+#include "elsewhere.h"
+#include "refit.h"
 
 namespace knee_robot::tracing {
 namespace {

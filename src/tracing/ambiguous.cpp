@@ -1,8 +1,10 @@
+#include "ambiguous.h"
+
 #include <algorithm>
 #include <cmath>
 
 #include "knee_robot/base/numbers.h"
-#include "search.h"
+#include "refit.h"
 #include "selection.h"
 
 namespace knee_robot::tracing {

@@ -1,11 +1,16 @@
 // What stays in the model: decided on held-back training data.
 
+#include "decide.h"
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
 #include "knee_robot/base/numbers.h"
 #include "knee_robot/base/parallel.h"
+#include "near_rest.h"
+#include "refine.h"
+#include "refit.h"
 #include "stretches.h"
 #include "trial.h"
 

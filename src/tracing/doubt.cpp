@@ -1,11 +1,12 @@
 // A name is only as good as what the model with it leaves.
 
+#include "doubt.h"
+
 #include <algorithm>
 #include <cmath>
 
 #include "came_back.h"
 #include "knee_robot/base/numbers.h"
-#include "search.h"
 #include "selection.h"
 
 namespace knee_robot::tracing {

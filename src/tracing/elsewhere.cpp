@@ -1,5 +1,7 @@
 // What is predicted in other recordings: decided on held-back training data, at positions that were left out.
 
+#include "elsewhere.h"
+
 #include <algorithm>
 #include <iterator>
 #include <utility>
@@ -8,7 +10,7 @@
 #include "knee_robot/base/parallel.h"
 #include "knee_robot/identification/trained_range.h"
 #include "knee_robot/recording/filter.h"
-#include "search.h"
+#include "refit.h"
 #include "selection.h"
 #include "stretches.h"
 

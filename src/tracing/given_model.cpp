@@ -7,6 +7,7 @@
 #include "given_search.h"
 #include "knee_robot/base/errors.h"
 #include "model_effects.h"
+#include "refit.h"
 #include "selection.h"
 
 namespace knee_robot::tracing {

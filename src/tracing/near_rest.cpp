@@ -1,5 +1,7 @@
+#include "near_rest.h"
+
 #include "knee_robot/identification/reduction.h"
-#include "search.h"
+#include "refit.h"
 
 namespace knee_robot::tracing {
 namespace {

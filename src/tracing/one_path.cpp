@@ -1,8 +1,10 @@
+#include "one_path.h"
+
 #include <algorithm>
 #include <cmath>
 
+#include "doubt.h"
 #include "knee_robot/base/numbers.h"
-#include "search.h"
 
 namespace knee_robot::tracing {
 namespace {

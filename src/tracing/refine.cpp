@@ -1,3 +1,5 @@
+#include "refine.h"
+
 #include <ceres/ceres.h>
 
 #include <Eigen/QR>
@@ -5,8 +7,8 @@
 #include <cmath>
 
 #include "knee_robot/base/parallel.h"
+#include "refit.h"
 #include "ripple_periods.h"
-#include "search.h"
 
 namespace knee_robot::tracing {
 namespace {

@@ -1,8 +1,9 @@
+#include "refit.h"
+
 #include <algorithm>
 #include <cmath>
 
 #include "knee_robot/base/parallel.h"
-#include "search.h"
 
 namespace knee_robot::tracing {
 namespace {

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "doubt.h"
+#include "refit.h"
 #include "selection.h"
 
 namespace knee_robot::tracing {

@@ -4,8 +4,15 @@
 #include <cmath>
 #include <map>
 
+#include "decide.h"
+#include "doubt.h"
 #include "knee_robot/base/parallel.h"
+#include "near_rest.h"
+#include "refine.h"
+#include "refit.h"
 #include "rivals.h"
+#include "settle_heat.h"
+#include "settle_rest_law.h"
 #include "trial.h"
 
 namespace knee_robot::tracing {

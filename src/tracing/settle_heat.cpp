@@ -1,5 +1,7 @@
 // What warms the drives up: the clock, their time in motion or their work. The search knows the clock alone.
 
+#include "settle_heat.h"
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -7,7 +9,8 @@
 
 #include "effects/common/warm_up.h"
 #include "knee_robot/dynamics/warming.h"
-#include "search.h"
+#include "refine.h"
+#include "refit.h"
 #include "selection.h"
 
 namespace knee_robot::tracing {

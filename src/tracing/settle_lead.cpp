@@ -1,9 +1,11 @@
 // Dead time or lag: to first order the same.
 
+#include "settle_lead.h"
+
 #include <algorithm>
 #include <cmath>
 
-#include "search.h"
+#include "refit.h"
 #include "selection.h"
 
 namespace knee_robot::tracing {

@@ -1,7 +1,10 @@
+#include "settle_rest_law.h"
+
 #include <algorithm>
 
 #include "effects/common/rest_law.h"
-#include "search.h"
+#include "refine.h"
+#include "refit.h"
 #include "selection.h"
 
 namespace knee_robot::tracing {

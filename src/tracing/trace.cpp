@@ -7,13 +7,24 @@
 #include <set>
 
 #include "absorbed.h"
+#include "abstain.h"
+#include "ambiguous.h"
 #include "among_found.h"
+#include "decide.h"
+#include "doubt.h"
+#include "elsewhere.h"
 #include "given_search.h"
 #include "knee_robot/base/numbers.h"
 #include "knee_robot/identification/plausible_fit.h"
 #include "knee_robot/recording/signals.h"
+#include "near_rest.h"
+#include "one_path.h"
+#include "refine.h"
+#include "refit.h"
 #include "rivals.h"
 #include "search.h"
+#include "settle_heat.h"
+#include "settle_lead.h"
 #include "surfaces.h"
 
 namespace knee_robot::tracing {

@@ -9,6 +9,8 @@
 #include "came_back.h"
 #include "knee_robot/base/numbers.h"
 #include "knee_robot/base/parallel.h"
+#include "near_rest.h"
+#include "refit.h"
 #include "ripple_periods.h"
 
 namespace knee_robot::tracing {

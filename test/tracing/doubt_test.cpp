@@ -1,4 +1,6 @@
 // A name is only as good as what the model with it leaves.
+#include "src/tracing/doubt.h"
+
 #include <cmath>
 
 #include "test/tracing/searched_machine.h"

@@ -2,6 +2,8 @@
 #include <algorithm>
 
 #include "knee_robot/recording/filter.h"
+#include "src/tracing/elsewhere.h"
+#include "src/tracing/refit.h"
 #include "test/tracing/searched_machine.h"
 
 namespace knee_robot::tracing {

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <random>
 
+#include "src/tracing/refit.h"
+#include "src/tracing/settle_lead.h"
 #include "test/tracing/searched_machine.h"
 #include "test/tracing/traced_bench.h"
 

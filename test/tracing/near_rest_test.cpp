@@ -1,4 +1,6 @@
 // What another law of friction near rest might do, and what no law can.
+#include "src/tracing/near_rest.h"
+
 #include "src/tracing/trial.h"
 #include "test/tracing/searched_machine.h"
 

@@ -1,5 +1,6 @@
 // A cable that hangs slack at one end is no straight spring.
 #include "src/tracing/effects/common/line_effect.h"
+#include "src/tracing/near_rest.h"
 #include "test/tracing/searched_machine.h"
 
 namespace knee_robot::tracing {

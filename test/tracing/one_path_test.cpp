@@ -1,9 +1,10 @@
 // A force that depends on the pose alone, seen along one path only.
+#include "src/tracing/one_path.h"
+
 #include <gtest/gtest.h>
 
 #include <algorithm>
 
-#include "src/tracing/search.h"
 #include "test/identification/synthetic.h"
 
 namespace knee_robot::tracing {

@@ -1,5 +1,6 @@
 // A strap from the ceiling, and a stop that is touched, act on one side of a length.
 #include "src/tracing/effects/common/line_effect.h"
+#include "src/tracing/near_rest.h"
 #include "test/tracing/searched_machine.h"
 
 namespace knee_robot::tracing {

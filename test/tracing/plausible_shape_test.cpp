@@ -1,6 +1,9 @@
 // Friction that falls off before it has built up is the law near rest, not Stribeck friction.
 #include <cmath>
 
+#include "src/tracing/decide.h"
+#include "src/tracing/refit.h"
+#include "src/tracing/settle_rest_law.h"
 #include "test/tracing/searched_machine.h"
 
 namespace knee_robot::tracing {

@@ -1,5 +1,8 @@
 // Shapes of what was found are refined together, wherever they begin.
+#include "src/tracing/refine.h"
+
 #include "src/tracing/effects/common/line_effect.h"
+#include "src/tracing/refit.h"
 #include "test/tracing/searched_machine.h"
 
 namespace knee_robot::tracing {

@@ -1,6 +1,8 @@
 // A ripple goes on wherever its screw turns: what only the stops show is none.
 #include <cmath>
 
+#include "src/tracing/decide.h"
+#include "src/tracing/refit.h"
 #include "test/tracing/searched_machine.h"
 
 namespace knee_robot::tracing {

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "src/tracing/search.h"
+#include "src/tracing/near_rest.h"
 #include "test/identification/synthetic.h"
 
 namespace knee_robot::tracing {

@@ -1,7 +1,9 @@
 // While shapes are rough, what bends more fits better; refined, the special case explains as much.
 #include <algorithm>
 
+#include "src/tracing/decide.h"
 #include "src/tracing/library.h"
+#include "src/tracing/refit.h"
 #include "test/tracing/searched_machine.h"
 
 namespace knee_robot::tracing {

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "src/tracing/search.h"
+#include "src/tracing/abstain.h"
 #include "test/identification/synthetic.h"
 
 namespace knee_robot::tracing {

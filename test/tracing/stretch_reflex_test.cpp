@@ -1,5 +1,6 @@
 // A spastic muscle: pulls, late, when it is stretched faster than it bears.
 #include "src/tracing/effects/common/line_effect.h"
+#include "src/tracing/near_rest.h"
 #include "test/tracing/searched_machine.h"
 
 namespace knee_robot::tracing {
