@@ -183,13 +183,54 @@ void addPlatform(const DualPlatform& p, const mechanism::Vector3& gravity, const
   }
 }
 
+using Legs = DualLeg[mechanism::kLegs];
+using SlopesByPose = Eigen::Matrix<double, slope_row::kRows, kInputs>;
+
+/// Derivative of the sum of `w` times elements of dq/dx.
+Gradient weightedSlope(const Legs& legs, const mechanism::Matrix4& w) {
+  Gradient sum = Gradient::Zero();
+  for (int i = 0; i < mechanism::kLegs; ++i) {
+    for (int c = 0; c < 4; ++c)
+      sum += w(i, c) * legs[i].joints_per_pose(2, c).v;
+  }
+  return sum;
+}
+
+void addCondition(const Legs& legs, const mechanism::Matrix4& jacobian, InstantSlopes& result, SlopesByPose& by_pose) {
+  const Eigen::JacobiSVD<mechanism::Matrix4> svd(jacobian, Eigen::ComputeFullU | Eigen::ComputeFullV);
+  const mechanism::Vector4 s = svd.singularValues();
+  result.value[slope_row::kCondition] = std::log(s[0] / s[3]);
+  by_pose.row(slope_row::kCondition) =
+      weightedSlope(legs, svd.matrixU().col(0) * svd.matrixV().col(0).transpose() / s[0] -
+                              svd.matrixU().col(3) * svd.matrixV().col(3).transpose() / s[3])
+          .transpose();
+}
+
+/// Of the actuators, expected.
+void addForces(const Legs& legs, const mechanism::Matrix4& inverse, const Sums& sums, const ExpectedLoad& load,
+               InstantSlopes& result, SlopesByPose& by_pose) {
+  mechanism::Vector4 on_coordinates;
+  for (int c = 0; c < 4; ++c)
+    on_coordinates[c] = sums.force[c].a;
+  const mechanism::Vector4 links = inverse.transpose() * on_coordinates;
+  for (int i = 0; i < mechanism::kLegs; ++i) {
+    const Dual& acceleration = legs[i].acceleration[2];
+    result.value[slope_row::kForce + i] = links[i] + load.rotor_mass[i] * acceleration.a;
+    const mechanism::Vector4 share = inverse.col(i);  // row i of J^-T
+    Gradient slope = load.rotor_mass[i] * acceleration.v - weightedSlope(legs, links * share.transpose());
+    for (int c = 0; c < 4; ++c)
+      slope += share[c] * sums.force[c].v;
+    by_pose.row(slope_row::kForce + i) = slope.transpose();
+  }
+}
+
 }  // namespace
 
 InstantSlopes instantSlopes(const mechanism::Mechanism& mechanism, const mechanism::Vector3& gravity,
                             const mechanism::Motion& motion, const dynamics::CoulombWidth& width,
                             const PaperRegressor& regressor, const PaperRegressor& weights, const ExpectedLoad& load) {
   const DualPlatform platform = platformOf(motion);
-  DualLeg legs[mechanism::kLegs];
+  Legs legs;
   for (int i = 0; i < mechanism::kLegs; ++i)
     legs[i] = legOf(mechanism, platform, i);
   mechanism::Matrix4 jacobian;  // dq/dx
@@ -206,19 +247,11 @@ InstantSlopes instantSlopes(const mechanism::Mechanism& mechanism, const mechani
   addPlatform(platform, gravity, on_pose, load, sums);
 
   InstantSlopes result;
-  Eigen::Matrix<double, slope_row::kRows, kInputs> by_pose;
-  const auto weighted =
-      [&](const mechanism::Matrix4& w) -> Gradient {  // derivative of sum of w times elements of dq/dx
-    Gradient sum = Gradient::Zero();
-    for (int i = 0; i < mechanism::kLegs; ++i) {
-      for (int c = 0; c < 4; ++c)
-        sum += w(i, c) * legs[i].joints_per_pose(2, c).v;
-    }
-    return sum;
-  };
+  SlopesByPose by_pose;
   // K* = J^-T K_x, so <G, dK*> = <J^-1 G, dK_x> - <K* (J^-1 G)^T, dJ>.
   result.value[slope_row::kObservation] = sums.observation.a;
-  by_pose.row(slope_row::kObservation) = (sums.observation.v - weighted(regressor * on_pose.transpose())).transpose();
+  by_pose.row(slope_row::kObservation) =
+      (sums.observation.v - weightedSlope(legs, regressor * on_pose.transpose())).transpose();
   const auto set = [&](int row, const Dual& dual) {
     result.value[row] = dual.a;
     by_pose.row(row) = dual.v.transpose();
@@ -227,25 +260,8 @@ InstantSlopes instantSlopes(const mechanism::Mechanism& mechanism, const mechani
     set(slope_row::kBaseCosine + i, legs[i].u[2]);
     if (i < 3) set(slope_row::kTipCosine + i, dot(legs[i].u, platform.normal));
   }
-  const Eigen::JacobiSVD<mechanism::Matrix4> svd(jacobian, Eigen::ComputeFullU | Eigen::ComputeFullV);
-  const mechanism::Vector4 s = svd.singularValues();
-  result.value[slope_row::kCondition] = std::log(s[0] / s[3]);
-  by_pose.row(slope_row::kCondition) = weighted(svd.matrixU().col(0) * svd.matrixV().col(0).transpose() / s[0] -
-                                                svd.matrixU().col(3) * svd.matrixV().col(3).transpose() / s[3])
-                                           .transpose();
-  mechanism::Vector4 on_coordinates;
-  for (int c = 0; c < 4; ++c)
-    on_coordinates[c] = sums.force[c].a;
-  const mechanism::Vector4 links = inverse.transpose() * on_coordinates;
-  for (int i = 0; i < mechanism::kLegs; ++i) {
-    const Dual& acceleration = legs[i].acceleration[2];
-    result.value[slope_row::kForce + i] = links[i] + load.rotor_mass[i] * acceleration.a;
-    const mechanism::Vector4 share = inverse.col(i);  // row i of J^-T
-    Gradient slope = load.rotor_mass[i] * acceleration.v - weighted(links * share.transpose());
-    for (int c = 0; c < 4; ++c)
-      slope += share[c] * sums.force[c].v;
-    by_pose.row(slope_row::kForce + i) = slope.transpose();
-  }
+  addCondition(legs, jacobian, result, by_pose);
+  addForces(legs, inverse, sums, load, result, by_pose);
 
   Eigen::Matrix<double, kInputs, kInputs> actuators;  // lengths, velocities, accelerations by pose inputs
   for (int i = 0; i < mechanism::kLegs; ++i) {

@@ -266,6 +266,17 @@ void chooseLaws(std::vector<Observation>& training, const IdentifyOptions& optio
   useLaws();
 }
 
+/// The prior of the robot's file, with what is not known to be positive drawn `towards` these parameters; empty: none.
+Prior priorTowards(const Eigen::VectorXd& towards, const mechanism::Robot& robot, const std::vector<Column>& columns,
+                   const Eigen::VectorXd& force_rms_N) {
+  Prior prior = priorOf(robot, columns, force_rms_N);
+  for (std::size_t c = 0; towards.size() > 0 && c < columns.size(); ++c) {
+    const Eigen::Index at = static_cast<Eigen::Index>(c);
+    if (!columns[c].isNonNegative()) prior.mean[at] = towards[at];
+  }
+  return prior;
+}
+
 }  // namespace
 
 Identification identify(const mechanism::Robot& robot, std::vector<Observation>& training,
@@ -286,11 +297,8 @@ Identification identify(const mechanism::Robot& robot, std::vector<Observation>&
   Equations equations = stackEquations(training, options.observation);
   refuseTooShort(training, equations, options.observation);
   id.force_rms_N = rmsPerActuator(equations, equations.b);
-  Setting setting{id.columns, use, priorOf(robot, id.columns, id.force_rms_N), options.rank};
-  for (std::size_t c = 0; options.towards.size() > 0 && c < id.columns.size(); ++c) {
-    const Eigen::Index at = static_cast<Eigen::Index>(c);
-    if (!id.columns[c].isNonNegative()) setting.prior.mean[at] = options.towards[at];
-  }
+  const Setting setting{id.columns, use, priorTowards(options.towards, robot, id.columns, id.force_rms_N),
+                        options.rank};
   double strength = kFirstStrength;
   Stage stage =
       solveStage(equations, noiseAfter(equations, Eigen::VectorXd::Zero(equations.a.cols())), setting, strength);

@@ -180,6 +180,43 @@ void refuseASecondOne() {
                    "name of its own (__name:=..., or a namespace)");
 }
 
+control::ControlSystem::Options readOptions(const ros::NodeHandle& node, const std::string& recordings) {
+  control::ControlSystem::Options options;
+  options.black_box_folder = recordings + "/black_box";
+  std::string state = nodes::textParameter(node, "state", options.black_box_folder, "a folder");
+  if (state != options.black_box_folder) state += ros::this_node::getNamespace();  // of one robot of several
+  options.heat_file = nodes::keptIn(state, options.black_box_folder, "heat.yaml");
+  options.patient_memory = nodes::keptIn(state, options.black_box_folder, "patient.txt");
+  options.empty = nodes::switchParameter(node, "empty", false, "whether nobody is on the robot");
+  options.model = nodes::textParameter(node, "model", "", "a model file, or nothing");
+  if (node.hasParam("payload_kg")) {
+    options.payload_kg =
+        nodes::numberParameter(node, "payload_kg", 0.0, 0.0, control::ModelFeedforward::kLargestPayload_kg,
+                               "the payload that the feedforward is told of, in kg");
+  }
+  if (node.hasParam("cpu")) {
+    const double cpu = nodes::numberParameter(node, "cpu", 0.0, 0.0, 1023.0, "the number of a processor");
+    if (cpu != std::floor(cpu)) throw InputError("parameter " + node.resolveName("cpu") + " is no whole number");
+    options.cpu = static_cast<int>(cpu);
+  }
+  return options;
+}
+
+/// The exit status.
+int shutDown(control::ControlSystem& system, nodes::EventLog& log) {
+  const std::string timing = rt::toText(system.statistics());
+  control::Answer stopped = system.shutdown();
+  while (!stopped.ok && system.drivesCarry()) {  // only the drives carry the platform
+    ROS_ERROR("%s", stopped.sentence.c_str());
+    std::this_thread::sleep_for(std::chrono::seconds(5));
+    stopped = system.shutdown();
+  }
+  log.add("controller", "", "end", stopped.sentence);
+  std::printf("controller: timing since the start\n%s", timing.c_str());
+  std::printf("controller: %s\n", stopped.sentence.c_str());
+  return stopped.ok ? kExitDone : 1;
+}
+
 int run() {
   refuseASecondOne();
   ros::NodeHandle node("~");
@@ -199,26 +236,8 @@ int run() {
   const nodes::Folder recordings(nodes::requiredParameter(node, "recordings"));
   nodes::Machine machine = nodes::openMachine(hardware_file, robot, node, [] { return stop_requested != 0; });
 
-  control::ControlSystem::Options options;
-  options.black_box_folder = recordings.path() + "/black_box";
-  std::string state = nodes::textParameter(node, "state", options.black_box_folder, "a folder");
-  if (state != options.black_box_folder) state += ros::this_node::getNamespace();  // of one robot of several
-  options.heat_file = nodes::keptIn(state, options.black_box_folder, "heat.yaml");
-  options.patient_memory = nodes::keptIn(state, options.black_box_folder, "patient.txt");
-  options.empty = nodes::switchParameter(node, "empty", false, "whether nobody is on the robot");
-  options.model = nodes::textParameter(node, "model", "", "a model file, or nothing");
-  if (node.hasParam("payload_kg")) {
-    options.payload_kg =
-        nodes::numberParameter(node, "payload_kg", 0.0, 0.0, control::ModelFeedforward::kLargestPayload_kg,
-                               "the payload that the feedforward is told of, in kg");
-  }
-  if (node.hasParam("cpu")) {
-    const double cpu = nodes::numberParameter(node, "cpu", 0.0, 0.0, 1023.0, "the number of a processor");
-    if (cpu != std::floor(cpu)) throw InputError("parameter " + node.resolveName("cpu") + " is no whole number");
-    options.cpu = static_cast<int>(cpu);
-  }
   control::ControlSystem system(robot, hardware_file, nodes::requiredParameter(node, "deployment"), machine.bus(),
-                                options);
+                                readOptions(node, recordings.path()));
   nodes::EventLog log(nodes::textParameter(node, "events", recordings.path() + "/events", "a folder") +
                       "/controller.jsonl");
   const control::Answer started = system.start();
@@ -237,17 +256,7 @@ int run() {
   nodes::References references(system, reference_folder);
   std::atomic<nodes::GuardianSupervision::Guardian> guardian{nodes::GuardianSupervision::Guardian::None};
   serve(node, machine, {system, robot, references, patients, recordings, rate_hz, guardian, log}, guardian);
-  const std::string timing = rt::toText(system.statistics());
-  control::Answer stopped = system.shutdown();
-  while (!stopped.ok && system.drivesCarry()) {  // only the drives carry the platform
-    ROS_ERROR("%s", stopped.sentence.c_str());
-    std::this_thread::sleep_for(std::chrono::seconds(5));
-    stopped = system.shutdown();
-  }
-  log.add("controller", "", "end", stopped.sentence);
-  std::printf("controller: timing since the start\n%s", timing.c_str());
-  std::printf("controller: %s\n", stopped.sentence.c_str());
-  return stopped.ok ? kExitDone : 1;
+  return shutDown(system, log);
 }
 
 }  // namespace

@@ -239,49 +239,25 @@ Separation separationOf(const mechanism::Robot& robot, const TraceResult& result
   return out;
 }
 
-NextExperiment planNextExperiment(const mechanism::Robot& robot, const TraceResult& result,
-                                  const std::vector<identification::Observation>& training, const TraceOptions& options,
-                                  const NextExperimentOptions& plan) {
-  NextExperiment out;
-  const Rivals pair = confusablePair(result);
-  if (pair.first == nullptr) {
-    out.reason = "no effect in the model has another explanation that the data cannot tell from it";
-    return out;
-  }
-  if (robot.chain) {
-    out.reason = "motions that separate two explanations are not planned for chains";
-    return out;
-  }
+namespace {
+
+/// Why no motion is looked for; empty: one is. Names the two in `out`.
+std::string whyNotLookedFor(const Rivals& pair, const mechanism::Robot& robot, NextExperiment& out) {
+  if (pair.first == nullptr) return "no effect in the model has another explanation that the data cannot tell from it";
+  if (robot.chain) return "motions that separate two explanations are not planned for chains";
   const Place& place = pair.first->hypothesis.place;
   out.first = whereText(*place.candidate, place.actuator);
   out.second = whereText(*pair.second, place.actuator);
-  if (!place.candidate->transfers() || !pair.second->transfers()) {
-    out.reason = "one of " + out.first + " and " + out.second +
-                 " belongs to one recording only: no planned motion brings "
-                 "it back";
-    return out;
-  }
-  options.progress("planning the motion that separates " + out.first + " from " + out.second);
-  const identification::ObservationOptions& observing = options.observation;
-  out.now = separationOf(robot, result, *pair.first, *pair.second, training, observing);
-  const double floor_N = place.actuator < 0 ? result.floor_N.mean() : result.floor_N[place.actuator];
-  const std::vector<identification::Column> columns = identification::columnsOf(robot);
-  MotionDice dice(robot, plan.duration_s, plan.seed);
+  if (place.candidate->transfers() && pair.second->transfers()) return "";
+  return "one of " + out.first + " and " + out.second +
+         " belongs to one recording only: no planned motion brings it back";
+}
 
+/// Random motions, then variations of the best; the best is kept in `out`. True when any has a score.
+template <typename Look>
+bool findBest(MotionDice& dice, const NextExperimentOptions& plan, const Look& look, NextExperiment& out) {
   double best_score = 0.0;
   std::optional<excitation::FourierSeries> best;
-  const auto look = [&](const excitation::FourierSeries& drawn) {
-    Motion m;
-    m.series = dice.fitted(drawn);
-    if (!m.series) return m;
-    m.reference = dice.reference(*m.series, m.check);
-    if (!m.check.ok()) return m;
-    std::vector<identification::Observation> along = {
-        identification::observe(robot, columns, idealRecording(m.reference, robot.axes()), observing)};
-    m.separation = separationOf(robot, result, *pair.first, *pair.second, std::move(along), observing);
-    m.score = scoreOf(m.separation, floor_N);
-    return m;
-  };
   const auto keepIfBetter = [&](Motion m) {
     if (m.series) ++out.motions;
     if (m.score <= best_score) return false;
@@ -302,13 +278,44 @@ NextExperiment planNextExperiment(const mechanism::Robot& robot, const TraceResu
   double step = 0.5;
   for (int k = 0; best && k < plan.improving; ++k)
     step = keepIfBetter(look(dice.near(*best, step))) ? step * 1.2 : std::max(0.05, step * 0.93);
-  out.planned =
-      best && out.then.angle_rad > kLeastAngle_rad && scoreOf(out.then, floor_N) > kBetter * scoreOf(out.now, floor_N);
+  return best.has_value();
+}
+
+}  // namespace
+
+NextExperiment planNextExperiment(const mechanism::Robot& robot, const TraceResult& result,
+                                  const std::vector<identification::Observation>& training, const TraceOptions& options,
+                                  const NextExperimentOptions& plan) {
+  NextExperiment out;
+  const Rivals pair = confusablePair(result);
+  out.reason = whyNotLookedFor(pair, robot, out);
+  if (!out.reason.empty()) return out;
+  options.progress("planning the motion that separates " + out.first + " from " + out.second);
+  const identification::ObservationOptions& observing = options.observation;
+  out.now = separationOf(robot, result, *pair.first, *pair.second, training, observing);
+  const int actuator = pair.first->hypothesis.place.actuator;
+  const double floor_N = actuator < 0 ? result.floor_N.mean() : result.floor_N[actuator];
+  const std::vector<identification::Column> columns = identification::columnsOf(robot);
+  MotionDice dice(robot, plan.duration_s, plan.seed);
+  const auto look = [&](const excitation::FourierSeries& drawn) {
+    Motion m;
+    m.series = dice.fitted(drawn);
+    if (!m.series) return m;
+    m.reference = dice.reference(*m.series, m.check);
+    if (!m.check.ok()) return m;
+    std::vector<identification::Observation> along = {
+        identification::observe(robot, columns, idealRecording(m.reference, robot.axes()), observing)};
+    m.separation = separationOf(robot, result, *pair.first, *pair.second, std::move(along), observing);
+    m.score = scoreOf(m.separation, floor_N);
+    return m;
+  };
+  out.planned = findBest(dice, plan, look, out) && out.then.angle_rad > kLeastAngle_rad &&
+                scoreOf(out.then, floor_N) > kBetter * scoreOf(out.now, floor_N);
   if (!out.planned) {
     out.reason = "none of " + std::to_string(out.motions) + " motions within the robot's limits separates " +
                  out.first + " from " + out.second + " clearly better than the training recordings do (largest angle " +
-                 shortNumber(57.29578 * out.then.angle_rad, 2) + " deg, before " +
-                 shortNumber(57.29578 * out.now.angle_rad, 2) + " deg)";
+                 shortNumber(kDegrees * out.then.angle_rad, 2) + " deg, before " +
+                 shortNumber(kDegrees * out.now.angle_rad, 2) + " deg)";
   }
   return out;
 }
