@@ -112,15 +112,6 @@ std::string describe(const FrictionLaw& law) {
   return text;
 }
 
-double longestWidth(const FrictionLaw& law) noexcept {
-  double longest = 0.0;
-  for (int k = 0; k < law.count; ++k) {
-    const FrictionElement& e = law.elements[static_cast<std::size_t>(k)];
-    if (e.kind != FrictionKind::Smooth) longest = std::max(longest, e.width_m);
-  }
-  return longest;
-}
-
 double FrictionState::step(const FrictionLaw& law, double displacement_m, double duration_s,
                            double tremble_m_per_s) noexcept {
   double sum = 0.0;

@@ -8,9 +8,7 @@ namespace {
 TEST(Trace, KnowsPreslidingAsTheLawNearRestOfItsActuator) {
   const TracedCase plain = traceSimulated("");
   const TracedCase c = traceSimulated("  - {name: presliding, actuators: [2], stiffness_N_per_m: 2.0e+4}\n");
-  const auto width = [](const TracedCase& t, std::size_t i) {
-    return dynamics::longestWidth(t.result.base.friction_laws[i]);
-  };
+  const auto width = [](const TracedCase& t, std::size_t i) { return longestWidth(t.result.base.friction_laws[i]); };
   std::cout << "law of actuator 2: " << dynamics::describe(c.result.base.friction_laws[1]) << "; without presliding "
             << dynamics::describe(plain.result.base.friction_laws[1]) << "; error " << c.after_N[1] << " N, without "
             << plain.after_N[1] << " N\n";

@@ -11,7 +11,7 @@ TEST(Trace, TakesTheGiveOfAFlexibleCouplingUpInTheLawNearRestAndNamesNothingElse
   const dynamics::FrictionLaw& law = c.result.base.friction_laws[1];
   std::cout << "law of actuator 2: " << dynamics::describe(law) << "; error before " << c.before_N[1] << " N, after "
             << c.after_N[1] << " N\n";
-  EXPECT_GT(dynamics::longestWidth(law), 1e-4);
+  EXPECT_GT(longestWidth(law), 1e-4);
   EXPECT_LT(c.after_N[1], 1.05 * c.before_N[1]);
   EXPECT_LT(c.after_N[1], 2.0) << "2.9 N with a law of one short stop";
   for (const FoundEffect& e : c.result.effects)

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <functional>
@@ -20,6 +21,16 @@
 #include "test/mechanism/configured_robot.h"
 
 namespace knee_robot::tracing {
+
+/// Longest way over which some element builds up, m; 0 when all are smooth.
+inline double longestWidth(const dynamics::FrictionLaw& law) {
+  double longest = 0.0;
+  for (int k = 0; k < law.count; ++k) {
+    const dynamics::FrictionElement& e = law.elements[static_cast<std::size_t>(k)];
+    if (e.kind != dynamics::FrictionKind::Smooth) longest = std::max(longest, e.width_m);
+  }
+  return longest;
+}
 
 /// Robot B with its simulator, as scripts and launch files use them.
 inline mechanism::Robot simulatedRobot() {

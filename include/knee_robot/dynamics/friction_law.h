@@ -70,9 +70,6 @@ std::string nameOf(const FrictionLaw& law);
 /// With numbers: "stop 9 um (61 %) + stop 100 um (39 %)".
 std::string describe(const FrictionLaw& law);
 
-/// Longest way over which some element builds up, m; 0 when all are smooth.
-double longestWidth(const FrictionLaw& law) noexcept;
-
 /// The memory of one actuator's friction. Real-time safe.
 class FrictionState {
  public:

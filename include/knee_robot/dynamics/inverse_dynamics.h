@@ -14,7 +14,7 @@ bool inverseDynamics(const RigidModel& model, const mechanism::Motion& motion, m
 
 /// Forces (N, base frame) with which the platform acts on the tips of legs 1 to 3 through their spherical joints (the
 /// cut joints of the opened robot), while the actuators exert `actuator_forces` (N; friction counted in) along
-/// `motion`. Real-time safe.
+/// `motion`: an independent check, since another engine says them, too (SimbodyRobot::ballForces). Real-time safe.
 std::array<mechanism::Vector3, 3> sphericalJointForces(const RigidModel& model, const mechanism::RobotMotion& motion,
                                                        const mechanism::Vector4& actuator_forces);
 

@@ -65,7 +65,7 @@ const std::vector<std::string>& extendedParameterNames();
 /// "leg_1_cylinder", "leg_1_rod", ..., "platform": the links' names in the URDF.
 const std::vector<std::string>& linkNames();
 
-/// The 112 paper parameters as extended ones, rotor and offset zero.
+/// The 112 paper parameters as extended ones, rotor and offset zero: the check that both regressors say the same.
 ExtendedParameters toExtended(const PaperParameters& parameters);
 
 }  // namespace knee_robot::dynamics

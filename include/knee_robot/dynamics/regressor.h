@@ -43,6 +43,8 @@ bool extendedRegressor(const mechanism::Mechanism& mechanism, const mechanism::V
 /// Only what belongs to the actuators, for a bench of axes too: [v | sign(v) | acceleration | 1] of one actuator.
 mechanism::Vector4 actuatorRegressor(double velocity, double acceleration, double coulomb_width_m_per_s = 0.0);
 
+// The paper's way to K*, by these two and X of eq. (19): used as an independent check of projectedRegressor().
+
 /// K1, 15 x 90, eq. (18), of the robot opened into four legs and a free platform; rows in the order of eq. (14):
 /// q13 q12 q11 q23 q22 q21 q33 q32 q31 q42 q41 psi theta Zm Xm. Motion must be consistent with the constraints.
 using TreeRegressor = Eigen::Matrix<double, 15, kInertialParameters>;

@@ -26,7 +26,7 @@ struct CoordinateMotion {
 CoordinateMotion coordinateMotion(const Mechanism& mechanism, const Motion& motion);
 /// Pose, or any other quantity of that order, out of 15 coordinates.
 Vector4 poseOf(const Coordinates& coordinates);
-/// (q13, q23, q33, q42) out of 15 coordinates.
+/// (q13, q23, q33, q42) out of 15 coordinates, for the check below.
 Vector4 lengthsOf(const Coordinates& coordinates);
 
 /// The closure equations (4) of legs 1 to 3 (x, y, z each) and (10) of leg 4 (x, z): leg's tip minus platform's point
@@ -37,6 +37,9 @@ ConstraintVector constraints(const Mechanism& mechanism, const Coordinates& q);
 ConstraintJacobian constraintJacobian(const Mechanism& mechanism, const Coordinates& q);
 /// b of eq. (15)-(16): the constraints hold on acceleration level when A qdd = b; b = -dA/dt qd.
 ConstraintVector constraintBias(const Mechanism& mechanism, const Coordinates& q, const Coordinates& velocity);
+
+// The paper's way from the actuators' motion to all others: used as an independent check of the closed forms with which
+// this package calculates (leg_motion.h).
 
 /// X of eq. (19): dependent velocities are -X times the actuator velocities; X = A_d^-1 A_i. False when A_d is singular
 /// (type II: the actuators do not determine the motion). Real-time safe.

@@ -60,7 +60,7 @@ class Deployment {
   void skip(Nanoseconds duration) noexcept;
   /// Virtual time of the cycle that step() will execute.
   Nanoseconds nextRelease() const noexcept;
-  /// Executes all cycles before virtual time `end`.
+  /// Executes all cycles before virtual time `end`: for a program or a test of your own (test/downstream).
   void stepUntil(Nanoseconds end);
   /// Time of the deployment's clock, ns since start(): virtual, or monotonic.
   Nanoseconds now() const noexcept;

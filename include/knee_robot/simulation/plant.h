@@ -54,7 +54,7 @@ bool stepPlant(const PlantModel& model, const PlantLoads& loads, double dt, Plan
 /// One substep of h seconds of it, for loads that change between substeps; adds to the books of `data`.
 bool substepPlant(const PlantModel& model, const PlantLoads& loads, double h, PlantState& state, PlantData& data);
 
-/// Kinetic and potential energy (J).
+/// Kinetic and potential energy (J): for the energy test.
 double totalEnergy(const PlantModel& model, const PlantState& state);
 
 /// Accurate integrator for frictionless motion (classical Runge-Kutta, fourth order): constant forces for dt seconds.
