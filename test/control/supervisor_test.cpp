@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <functional>
 
 #include "fake_machine.h"
 
@@ -250,6 +251,30 @@ TEST_F(SupervisorTest, BlamesNoPauseForAnEmergencyStopThatSomebodyPressed) {
   ask(RequestKind::EmergencyStop);
   EXPECT_EQ(status.fault, Fault::EmergencyStop);
   EXPECT_EQ(status.fault_paused_s, 0.0);
+}
+
+TEST_F(SupervisorTest, SlowsDownUnlessTheMachineIsTakenFromItAsTheTableSays) {
+  struct Stop {
+    Fault fault;
+    bool immediate;
+    std::function<void()> happens;
+  };
+  const Stop stops[] = {
+      {Fault::EmergencyStop, false, [&] { ask(RequestKind::EmergencyStop); }},  // the service takes no power
+      {Fault::Stalled, false, [&] { verdict.fault[2] = Fault::Stalled; }},
+      {Fault::GuardianActed, true, [&] { measured.fenced_out = true; }},
+  };
+  for (const auto& [fault, immediate, happens] : stops) {
+    ASSERT_NO_FATAL_FAILURE(play());
+    happens();
+    cycle();
+    EXPECT_EQ(status.fault, fault);
+    EXPECT_EQ(orders.immediate, immediate) << describe(fault).name;
+    verdict.fault[2] = Fault::None;
+    set_point.phase = SyncPhase::Idle;
+    cycles(3);
+    ask(RequestKind::Reset);
+  }
 }
 
 TEST_F(SupervisorTest, DoesNotResetAMotorThatIsStillHot) {
