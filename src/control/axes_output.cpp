@@ -10,6 +10,9 @@ constexpr double kRestTime_s = 1.0;
 constexpr double kAskAgain_s = 10.0;
 constexpr double kCreep_m_per_s = 0.001, kCreepCounts = 2.5;  // slower is not told from the encoder's steps
 constexpr rt::Nanoseconds kCreepLook = 20'000'000;
+constexpr double kStands_m_per_s = 0.005;
+/// A load estimate that is wrong by some newtons lets an axis sink more slowly than that.
+constexpr double kRuns_m = 0.003, kRuns_m_per_s = 0.15;
 
 Fault faultOfRefusal(hardware::IoStatus refused) noexcept {
   return refused == hardware::IoStatus::FencedOut ? Fault::GuardianActed : Fault::OutputLost;
@@ -63,6 +66,7 @@ void AxesOutput::updateHook(const rt::Cycle& cycle) {
   estimateLoad(rt::toSeconds(cycle.period));
   offerLoad();
   out_.safe_stop = safe_stop_.phase();
+  out_.holds_here = safe_stop_.holdsHere();
   out_.transfer = order_.transfer;
   written.write(out_);
 }
@@ -77,12 +81,15 @@ Fault AxesOutput::checkCommand(const AxisCommand& command, std::size_t axis, con
 
 void AxesOutput::readCommands(const rt::Cycle& cycle) {
   all_closed_ = true;
+  watched_ = false;
   verdict.read(verdict_);
   for (std::size_t i = 0; i < hardware::kAxes; ++i) {
     inputs_[i]->read(commands_[i]);
     Fault fault = checkCommand(commands_[i], i, cycle);
     if (fault == Fault::None && !loopStaysClosed(verdict_.fault[i])) fault = verdict_.fault[i];
     closed_[i] = fault == Fault::None;
+    astray_[i] = fault == Fault::Runaway;
+    watched_ = watched_ || closed_[i];
     if (closed_[i] || !all_closed_) continue;
     all_closed_ = false;
     open_axis_ = static_cast<int>(i) + 1;
@@ -99,6 +106,7 @@ void AxesOutput::heedDrives(const AxesMeasurement& measured) noexcept {
       carries && ready && power_was_lost_;  // drives that were without it must not push again by themselves
   power_was_lost_ = carries && (!ready || power_was_lost_);
   const Fault fault = ready ? control::faultOf(measured.bus_failure.fault) : Fault::DrivesNotReady;
+  if (!ready || (!loopStaysClosed(fault) && measured.bus_failure.axis == 0)) watched_ = false;
   if (!all_closed_ || loopStaysClosed(fault)) return;
   all_closed_ = false;
   open_axis_ = ready ? measured.bus_failure.axis : 0;
@@ -141,7 +149,8 @@ void AxesOutput::followOrders(const rt::Cycle& cycle) {
 
 void AxesOutput::runSafeStop(const rt::Cycle& cycle, const AxesMeasurement& measured) {
   const auto at_rest = [](const AxisCommand& command) { return command.at_rest; };
-  const HoldView hold{!outputs_refused_, slips(measured), transferNumber(cycle), creeps(measured, cycle.time)};
+  const HoldView hold{!outputs_refused_, slips(measured),  transferNumber(cycle), creeps(measured, cycle.time),
+                      watched_,          stands(measured), runs(measured)};
   safe_stop_.step(cycle.time, all_closed_, std::all_of(commands_.begin(), commands_.end(), at_rest),
                   order_.immediate || power_came_back_, hold);
   out_.safe_stops = safe_stop_.completed();
@@ -170,6 +179,25 @@ bool AxesOutput::slips(const AxesMeasurement& measured) noexcept {
     out_.fault = Fault::HoldDeviceSlips;
     out_.fault_axis = static_cast<int>(i) + 1;
     return true;
+  }
+  return false;
+}
+
+/// Behind brakes that engaged in motion.
+bool AxesOutput::stands(const AxesMeasurement& measured) const noexcept {
+  return std::all_of(measured.velocity_m_per_s.begin(), measured.velocity_m_per_s.end(),
+                     [](double velocity) { return std::abs(velocity) < kStands_m_per_s; });
+}
+
+/// A drive that nothing can be told any more pushes harder than its brake holds.
+bool AxesOutput::runs(const AxesMeasurement& measured) noexcept {
+  const SafeStopPhase phase = safe_stop_.phase();
+  const bool braked =
+      safe_stop_.holdsHere() || phase == SafeStopPhase::Transferring || phase == SafeStopPhase::Carrying;
+  if (!braked) braked_m_ = measured.position_m;
+  for (std::size_t i = 0; braked && i < hardware::kAxes; ++i) {
+    const bool far = std::abs(measured.position_m[i] - braked_m_[i]) > kRuns_m;
+    if (far && !closed_[i] && std::abs(measured.velocity_m_per_s[i]) > kRuns_m_per_s) return true;
   }
   return false;
 }
@@ -210,12 +238,15 @@ AxisValues AxesOutput::chooseVolts() const noexcept {
     testBrakes(volts);
     return volts;
   }
-  // No brake holds, and the axis has no loop: what it carried at rest is the best that is left.
-  const bool unheld = (outputs_refused_ && safe_stop_.engagesHold()) || safe_stop_.phase() == SafeStopPhase::Carrying ||
-                      safe_stop_.isTransferring();
+  // No brake holds, and the axis has no loop: what it carried at rest is the best that is left, where it had the right
+  // sign.
+  const bool braked =
+      safe_stop_.holdsHere() || safe_stop_.phase() == SafeStopPhase::Carrying || safe_stop_.isTransferring();
+  const bool unheld = braked || (outputs_refused_ && safe_stop_.engagesHold());
   for (std::size_t i = 0; i < hardware::kAxes; ++i) {
     const double load = unheld ? rest_volts_[i] : load_volts_[i];
-    volts[i] = clamped(safe_stop_.share() * (closed_[i] ? commands_[i].volts : load), i);
+    const double without_loop = braked && astray_[i] ? 0.0 : load;
+    volts[i] = clamped(safe_stop_.share() * (closed_[i] ? commands_[i].volts : without_loop), i);
   }
   return volts;
 }

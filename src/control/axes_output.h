@@ -68,6 +68,8 @@ class AxesOutput : public rt::TaskContext {
   std::uint32_t transferNumber(const rt::Cycle& cycle) noexcept;
   bool slips(const AxesMeasurement& measured) noexcept;
   bool creeps(const AxesMeasurement& measured, rt::Nanoseconds now) noexcept;
+  bool stands(const AxesMeasurement& measured) const noexcept;
+  bool runs(const AxesMeasurement& measured) noexcept;
   AxisValues chooseVolts() const noexcept;
   double clamped(double volts, std::size_t axis) const noexcept;
   void writeVolts(const AxisValues& volts, rt::Nanoseconds now);
@@ -87,12 +89,15 @@ class AxesOutput : public rt::TaskContext {
   std::array<AxisCommand, hardware::kAxes> commands_{};
   MonitorVerdict verdict_;
   std::array<bool, hardware::kAxes> closed_{};
+  std::array<bool, hardware::kAxes> astray_{};  // it ran away: its force may have the wrong sign
   bool all_closed_ = false;
+  bool watched_ = false;  // a loop is left whose drive can be reached
   int open_axis_ = 0;
   Fault open_fault_ = Fault::None;
   AxisValues load_volts_{};  // what the axes got, low-passed
   AxisValues rest_volts_{};  // same with a 1 s time constant, without the share for motion
   AxisValues transfer_m_{};  // where the axes stood when the transfer began
+  AxisValues braked_m_{};    // where they were when the brakes should have held
   AxisValues creep_m_{};     // where they stood at creep_at_
   rt::Nanoseconds creep_at_ = 0;
   bool creeps_ = false;

@@ -60,29 +60,36 @@ void DisturbanceClassifier::estimateFriction(const ForceKnowledge& knowledge, co
                                              double dt) noexcept {
   for (std::size_t i = 0; i < directions_.size(); ++i) {
     const auto leg = static_cast<Eigen::Index>(i);
-    auto& [forwards, backwards] = directions_[i];
     const double friction = now.friction_N[leg];
-    if (now.moving[leg] > kMoves && !out_.pushed)
-      (friction > 0.0 ? forwards : backwards).take(now.residual_N[leg], friction, dt);
-    const double expected = forwards.friction_N - backwards.friction_N;
-    const double found = forwards.residual_N - backwards.residual_N;
-    const bool known = std::min(forwards.time_s, backwards.time_s) >= kFrictionLeast_s && expected > 0.0;
-    out_.friction_growth[leg] = known ? found / expected : 0.0;
+    const std::size_t way = friction > 0.0 ? 0 : 1;
+    if (now.moving[leg] > kMoves && !out_.pushed) directions_[i][way].take(now.residual_N[leg], friction, dt);
+    if (now.moving[leg] > kMoves) pushed_or_not_[i][way].take(now.residual_N[leg], friction, dt);
+    const Difference difference = differenceOf(directions_[i]);
+    out_.friction_growth[leg] = difference.growth();
+    out_.friction_least[leg] = std::min({0.0, difference.growth(), differenceOf(pushed_or_not_[i]).growth()});
     const double share = out_.friction_changed[i] ? kHysteresis : 1.0;
-    out_.friction_changed[i] = known && std::abs(out_.friction_growth[leg]) > share * kFrictionChange &&
-                               0.5 * std::abs(found) > share * knowledge.band_N[leg];
+    out_.friction_changed[i] = std::abs(out_.friction_growth[leg]) > share * kFrictionChange &&
+                               0.5 * std::abs(difference.found_N) > share * knowledge.band_N[leg];
   }
 }
 
+DisturbanceClassifier::Difference DisturbanceClassifier::differenceOf(
+    const std::array<Direction, 2>& directions) noexcept {
+  const auto& [forwards, backwards] = directions;
+  if (std::min(forwards.time_s, backwards.time_s) < kFrictionLeast_s) return {};
+  return {forwards.residual_N - backwards.residual_N, forwards.friction_N - backwards.friction_N};
+}
+
 const DisturbanceClassifier::Verdict& DisturbanceClassifier::step(const ForceKnowledge& knowledge,
-                                                                  const ResidualEstimator::Estimate& now,
-                                                                  double dt) noexcept {
+                                                                  const ResidualEstimator::Estimate& now, double dt,
+                                                                  bool guided) noexcept {
   if (!now.known) {
     reset();
     return out_;
   }
   if (!knowledge.identified) return out_;
   if (knowledge.parts.mechanism) estimateLoad(knowledge, now, dt);
+  if (guided) return out_;
   estimateFriction(knowledge, now, dt);
   const bool beyond = (now.rms_N - knowledge.band_N).maxCoeff() > 0.0;
   beyond_s_ = beyond ? std::min(kHolds_s, beyond_s_ + dt) : std::max(0.0, beyond_s_ - dt);

@@ -39,12 +39,17 @@ class DisturbanceClassifier {
     mechanism::Vector4 push = mechanism::Vector4::Zero();  ///< wrench beside the load
     std::array<bool, 4> friction_changed{};
     mechanism::Vector4 friction_growth = mechanism::Vector4::Zero();  ///< 0.2: 20 % more
+    /// The same, 0 or less, with what was taken for a push: friction that is half of the model's looks like one.
+    mechanism::Vector4 friction_least = mechanism::Vector4::Zero();
     bool holds = true;
   };
 
   /// The Drivers do not carry. What is known of friction stays.
   void reset() noexcept;
-  const Verdict& step(const ForceKnowledge& knowledge, const ResidualEstimator::Estimate& estimate, double dt) noexcept;
+  /// `guided`: a hand moves the platform. Along the motion it looks like friction that has become less, and what the
+  /// model does not explain is the hand.
+  const Verdict& step(const ForceKnowledge& knowledge, const ResidualEstimator::Estimate& estimate, double dt,
+                      bool guided = false) noexcept;
   const Verdict& verdict() const noexcept { return out_; }
 
  private:
@@ -52,6 +57,12 @@ class DisturbanceClassifier {
     double time_s = 0.0, residual_N = 0.0, friction_N = 0.0;
     void take(double residual, double friction, double dt) noexcept;
   };
+  /// Residual forwards less backwards, and the same of the model's friction, which is 0 as long as neither is known.
+  struct Difference {
+    double found_N = 0.0, expected_N = 0.0;
+    double growth() const noexcept { return expected_N > 0.0 ? found_N / expected_N : 0.0; }
+  };
+  static Difference differenceOf(const std::array<Direction, 2>& directions) noexcept;
   void estimateLoad(const ForceKnowledge& knowledge, const ResidualEstimator::Estimate& now, double dt) noexcept;
   void estimateFriction(const ForceKnowledge& knowledge, const ResidualEstimator::Estimate& now, double dt) noexcept;
 
@@ -59,7 +70,7 @@ class DisturbanceClassifier {
   double weight_s_ = 0.0;  // behind the mean
   double away_s_ = 0.0;    // from the mean
   double beyond_s_ = 0.0;  // the band
-  std::array<std::array<Direction, 2>, 4> directions_{};
+  std::array<std::array<Direction, 2>, 4> directions_{}, pushed_or_not_{};
   Verdict out_;
 };
 

@@ -116,7 +116,7 @@ void DisturbanceObserver::estimate(double dt) noexcept {
     residual_.reset();
   }
   const ResidualEstimator::Estimate& now = residual_.estimate();
-  const DisturbanceClassifier::Verdict& verdict = classifier_.step(*knowledge_, now, dt);
+  const DisturbanceClassifier::Verdict& verdict = classifier_.step(*knowledge_, now, dt, order_.guiding);
   copy(now.expected_N, out_.expected_N);
   copy(now.residual_N, out_.residual_N);
   copy(now.certain_N, out_.certain_N);
@@ -126,6 +126,7 @@ void DisturbanceObserver::estimate(double dt) noexcept {
   copy(now.pose, out_.pose);
   copy(verdict.push, out_.push);
   copy(verdict.friction_growth, out_.friction_growth);
+  copy(verdict.friction_least, out_.friction_least);
   out_.known = now.known;
   out_.pushed = verdict.pushed;
   out_.carries = verdict.carries;

@@ -96,7 +96,8 @@ void Driver::readPorts(const rt::Cycle& cycle) {
   const bool fresh = measurement.read(measured_) == rt::FlowStatus::NewData;
   unreadable_ = fresh && measured_.status == hardware::IoStatus::Ok ? 0 : unreadable_ + 1;
   SetPoint received;
-  if (set_point.read(received) == rt::FlowStatus::NewData && active_) raise(follower_.accept(received, cycle.time));
+  const bool follows = active_ && !order_.holds_here;
+  if (set_point.read(received) == rt::FlowStatus::NewData && follows) raise(follower_.accept(received, cycle.time));
   readFeedforward(cycle);
   readGuidance(cycle);
 }
@@ -135,7 +136,7 @@ void Driver::takeOver(const rt::Cycle& cycle) {
   pid_.reset(position);
   model_closed_ = model_closes_;
   pid_.setGains(gains());
-  guided_ = guides_ = false;
+  guided_ = guides_ = held_here_ = false;
   carried_N_ = 0.0;
   homing_ = HomingMove{};
   last_time_ = cycle.time;
@@ -151,7 +152,9 @@ SetPointFollower::Reference Driver::chooseReference(const rt::Cycle& cycle, doub
     homing_.begin(hardware_.homing.axes[index_], on_switch, measured_.position_m[index_]);
     carried_N_ = pid_.takeIntegral();
   }
-  if (guided_ && !guides_) follower_.takeOver(measured_.position_m[index_], cycle.time);
+  const bool stays = order_.holds_here && !held_here_;  // where the brakes hold, or should
+  held_here_ = order_.holds_here;
+  if ((guided_ && !guides_) || stays) follower_.takeOver(measured_.position_m[index_], cycle.time);
   if (guides_) return {measured_.position_m[index_], 0.0, false};
   if (homing_.phase() == HomingPhase::Idle) return follower_.at(cycle.time);
   if (!isToHome()) homing_.abandon();
@@ -164,7 +167,7 @@ SetPointFollower::Reference Driver::chooseReference(const rt::Cycle& cycle, doub
 }
 
 void Driver::checkReference(const rt::Cycle& cycle, bool searching) {
-  if (follower_.isStale(cycle.time, stale_set_points)) raise(Fault::SetPointStale);
+  if (!order_.holds_here && follower_.isStale(cycle.time, stale_set_points)) raise(Fault::SetPointStale);
   if (unreadable_ >= stale_measurements) raise(Fault::MeasurementLost);
   const double error = out_.reference_m - measured_.position_m[index_];
   const double limit = following_floor + following_slope * std::abs(out_.reference_velocity);

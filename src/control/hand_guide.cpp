@@ -76,6 +76,7 @@ void HandGuide::updateHook(const rt::Cycle& cycle) {
 void HandGuide::readPorts(double dt) noexcept {
   silent_ = orders.read(order_) == rt::FlowStatus::NewData ? 0 : silent_ + 1;
   offered_.read(patient_);
+  disturbance.read(disturbed_);
   for (std::size_t i = 0; i < hardware::kAxes; ++i)
     inputs_[i]->read(commands_[i]);
   const bool fresh = measurement.read(measured_) == rt::FlowStatus::NewData;
@@ -132,16 +133,26 @@ double HandGuide::speedShare() const noexcept {
                    std::abs(pose_velocity_[3]) / angular});
 }
 
+/// Of what was identified: screws run in, and warm grease is thin.
+double HandGuide::frictionLeft(std::size_t axis) const noexcept {
+  const double left = 1.0 + disturbed_.friction_least[axis];
+  return std::isfinite(left) ? std::clamp(left, 0.0, 1.0) : 1.0;
+}
+
+double HandGuide::coulomb(std::size_t axis) const noexcept {
+  return frictionLeft(axis) * knowledge_->coulomb_N[static_cast<Eigen::Index>(axis)];
+}
+
 /// What is left of friction holds what is carried of the unknown, and what is not.
 double HandGuide::frictionShare(std::size_t axis) const noexcept {
-  const double coulomb_N = knowledge_->coulomb_N[static_cast<Eigen::Index>(axis)];
+  const double coulomb_N = coulomb(axis);
   const double unknown_N = std::abs(unknown_N_[axis]);
   if (!out_.active || unknown_N <= kLeastUnknown_N || !(coulomb_N > 0.0)) return share_friction;
   return std::clamp(kSureFriction - (1.0 - kCarried) * unknown_N / coulomb_N, 0.0, share_friction.value());
 }
 
 double HandGuide::largestUnknown(std::size_t axis) const noexcept {
-  const double coulomb_N = knowledge_->coulomb_N[static_cast<Eigen::Index>(axis)];
+  const double coulomb_N = coulomb(axis);
   const double held_N = kSureFriction / (1.0 - kCarried) * coulomb_N;
   return std::min(unknown_load.value(), std::max(held_N, kLeastUnknown_N));
 }
@@ -169,7 +180,7 @@ AxisValues HandGuide::frictionForce() const noexcept {
     const double sign = std::tanh(velocity_[k] / kSlow_m_per_s);
     const double trembles = (forth ? 1.0 : -1.0) * (1.0 - std::abs(sign));
     force[i] =
-        frictionShare(i) * (std::max(0.0, viscous) * velocity_[k] + knowledge_->coulomb_N[k] * (sign + trembles));
+        frictionShare(i) * (frictionLeft(i) * std::max(0.0, viscous) * velocity_[k] + coulomb(i) * (sign + trembles));
   }
   return force;
 }

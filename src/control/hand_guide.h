@@ -27,6 +27,7 @@ namespace knee_robot::control {
 /// - Friction that stands has no direction. So a standing axis trembles: share_friction of its Coulomb friction, to and
 ///   fro at 25 Hz, less than what makes it slip by itself; a hand then needs only the rest of it. share_friction stays
 ///   below 1: friction is never made negative, as long as it is not smaller than share_friction of what was identified.
+///   What DisturbanceObserver has found it to be less by, along paths played before, is not compensated.
 /// - For weigh_s after the begin the Drivers' loops stay closed while the axes tremble: sticking friction lets go, and
 ///   the integrals become what the model does not know of the load. An undeclared load cannot be told from a hand that
 ///   leans on the platform. So half of the unexplained force is compensated, and friction only so far that what remains
@@ -55,6 +56,8 @@ class HandGuide : public rt::TaskContext {
   rt::InputPort<AxisCommand> command_2{*this, "command_2", "from the Driver of axis 2"};
   rt::InputPort<AxisCommand> command_3{*this, "command_3", "from the Driver of axis 3"};
   rt::InputPort<AxisCommand> command_4{*this, "command_4", "from the Driver of axis 4"};
+  rt::InputPort<Disturbance> disturbance{*this, "disturbance",
+                                         "friction that has become less, from DisturbanceObserver", rt::Need::Optional};
   rt::OutputPort<Guidance> guidance{*this, "guidance", "to the Drivers and the Supervisor"};
 
   rt::Property<std::string> model{*this, "model", "", "model file of this robot; empty: nothing is guided"};
@@ -100,6 +103,8 @@ class HandGuide : public rt::TaskContext {
   AxisValues frictionForce() const noexcept;
   void weigh(double dt, const AxisValues& given) noexcept;
   double frictionShare(std::size_t axis) const noexcept;
+  double frictionLeft(std::size_t axis) const noexcept;
+  double coulomb(std::size_t axis) const noexcept;
   double largestUnknown(std::size_t axis) const noexcept;
   double speedShare() const noexcept;
   void give(const AxisValues& force_N) noexcept;
@@ -115,6 +120,7 @@ class HandGuide : public rt::TaskContext {
   PatientRange patient_;
   AxesMeasurement measured_;
   SupervisorCommand order_;
+  Disturbance disturbed_;
   std::array<AxisCommand, hardware::kAxes> commands_{};
   int silent_ = 0;      // cycles without orders
   bool known_ = false;  // pose and motion are

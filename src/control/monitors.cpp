@@ -175,8 +175,10 @@ Fault Monitors::monitorForce(double dt) noexcept {
 
 Fault Monitors::monitorPatient(double dt) noexcept {
   if (!carried_ || !any_ || !commands_[0].homed) return Fault::None;
-  switch (patient_monitor_.step(patient_, measured_.position_m, dt, patient_margin_m, patient_margin_rad,
-                                patient_speed_factor)) {
+  const PatientMonitor::Verdict verdict = patient_monitor_.step(patient_, measured_.position_m, dt, patient_margin_m,
+                                                                patient_margin_rad, patient_speed_factor);
+  if (takingOver()) patient_monitor_.forgetSpeed();  // the sag; seen in a window, it would count for longer
+  switch (verdict) {
     case PatientMonitor::Verdict::Fine:
       return Fault::None;
     case PatientMonitor::Verdict::Pose:

@@ -218,6 +218,7 @@ void members(const Disturbance& v, Visit& visit) {
   visit("load_m", v.load_m);
   visit("friction_changed", v.friction_changed);
   visit("friction_growth", v.friction_growth);
+  visit("friction_least", v.friction_least);
   visit("model_holds", v.model_holds);
 }
 
@@ -239,6 +240,7 @@ void members(const SupervisorCommand& v, Visit& visit) {
   visit("homing", v.homing);
   visit("guiding", v.guiding);
   visit("slows_down", v.slows_down);
+  visit("holds_here", v.holds_here);
 }
 
 template <typename Visit>
@@ -252,6 +254,7 @@ void members(const AxesWritten& v, Visit& visit) {
   visit("fault_axis", v.fault_axis);
   visit("safe_stops", v.safe_stops);
   visit("transfer", v.transfer);
+  visit("holds_here", v.holds_here);
   visit("digital_outputs", v.digital_outputs);
   visit("volts_V", v.volts);
   visit("force_N", v.force_N);

@@ -13,6 +13,7 @@ void SafeStop::enter(SafeStopPhase phase, rt::Nanoseconds now) noexcept {
 void SafeStop::trigger(rt::Nanoseconds now, bool released) noexcept {
   if (phase_ != SafeStopPhase::Idle) return;
   share_ = 1.0;
+  holds_here_ = false;
   enter(released ? SafeStopPhase::Decelerating : SafeStopPhase::Disabling, now);
 }
 
@@ -35,9 +36,13 @@ void SafeStop::step(rt::Nanoseconds now, bool loops_closed, bool at_rest, bool i
       again_ = hold.again;
       if (!hold.ordered && !immediate) return enter(SafeStopPhase::Engaging, now);
       if (elapsed < timing_.hold_delay) return;
-      return enter(carried && timing_.transfer > 0 ? SafeStopPhase::Transferring : SafeStopPhase::Disabling, now);
+      if (immediate || timing_.transfer <= 0 || !(carried || hold.watched) || hold.runs)
+        return enter(SafeStopPhase::Disabling, now);
+      holds_here_ = holds_here_ || !carried;
+      if (!carried && !hold.stands && elapsed < timing_.hold_delay + timing_.stand_limit) return;
+      return enter(SafeStopPhase::Transferring, now);
     case SafeStopPhase::Transferring:
-      if (immediate) return enter(SafeStopPhase::Disabling, now);
+      if (immediate || hold.runs) return enter(SafeStopPhase::Disabling, now);
       if (hold.slipped) {
         share_ = 1.0;
         return enter(SafeStopPhase::Carrying, now);
@@ -47,7 +52,7 @@ void SafeStop::step(rt::Nanoseconds now, bool loops_closed, bool at_rest, bool i
         enter(SafeStopPhase::Disabling, now);
       return;
     case SafeStopPhase::Carrying:
-      if (immediate) return enter(SafeStopPhase::Disabling, now);
+      if (immediate || hold.runs) return enter(SafeStopPhase::Disabling, now);
       if (hold.again != again_) enter(SafeStopPhase::Transferring, now);
       again_ = hold.again;
       return;
@@ -65,6 +70,7 @@ void SafeStop::rearm() noexcept {
   if (phase_ != SafeStopPhase::Done) return;
   phase_ = SafeStopPhase::Idle;
   share_ = 1.0;
+  holds_here_ = false;
 }
 
 }  // namespace knee_robot::control

@@ -10,6 +10,9 @@ struct HoldView {
   bool slipped = false;     ///< an axis has moved since the transfer began
   std::uint32_t again = 0;  ///< a new number: hand over the load again
   bool creeps = false;      ///< an axis still moves although the drives give no force any more
+  bool watched = false;     ///< of loops that do not all work, one is left that could take its load back
+  bool stands = true;       ///< no axis moves
+  bool runs = false;        ///< an axis without a loop runs away in spite of its brake: its drive must go off
 };
 
 /// How long each phase of the safe stop lasts, ns.
@@ -17,6 +20,7 @@ struct SafeStopTiming {
   rt::Nanoseconds decelerate_limit = 1'000'000'000;  ///< longest wait for the reference to come to rest
   rt::Nanoseconds settle = 50'000'000;               ///< holding at rest before the holding brakes engage
   rt::Nanoseconds hold_delay = 0;                    ///< until the slowest holding brake holds
+  rt::Nanoseconds stand_limit = 50'000'000;          ///< longest wait for axes that were braked in motion to stand
   rt::Nanoseconds transfer = 0;                      ///< the force goes down in so long, watched; 0: in one step
   rt::Nanoseconds watch = 20'000'000;                ///< without force, still watched
   rt::Nanoseconds creep_watch = 500'000'000;         ///< the same as long as an axis creeps
@@ -28,7 +32,8 @@ struct SafeStopTiming {
 ///
 ///     Decelerating  along the path, position loops closed        (left out when a loop is not closed any more)
 ///     Settling      hold at rest                                 (likewise)
-///     Engaging      holding brakes engage; loops go on until the slowest device holds
+///     Engaging      holding brakes engage; loops go on until the slowest device holds. Where it was no deceleration
+///                   that ended here, the loops that are left then hold where the axes are
 ///     Transferring  the drives' force goes down to nothing while the positions are watched
 ///     Carrying      an axis moved: its holding brake does not hold. The drives take the load back and keep it until
 ///                   they are asked to hand it over again, or have no power any more; an axis whose loop fails
@@ -36,8 +41,8 @@ struct SafeStopTiming {
 ///     Disabling     drives disabled; set values stay until the drives are off
 ///     Done          0 V
 ///
-/// Transferring needs loops that work when it begins; without them it is left out, and the set values stay until the
-/// drives are off. A loop that fails meanwhile, or in Carrying, does not end the watch.
+/// Transferring needs a loop that works when it begins; without one it is left out, and the set values stay until the
+/// drives are off. A loop that fails meanwhile, or in Carrying, does not end the watch, unless its axis runs away.
 /// Holding brakes that cannot be ordered to engage (the output card is gone) end it in Engaging: 0 V would let the
 /// platform fall.
 ///
@@ -64,6 +69,8 @@ class SafeStop {
   bool engagesHold() const noexcept { return phase_ >= SafeStopPhase::Engaging; }
   bool disablesDrive() const noexcept { return phase_ >= SafeStopPhase::Disabling; }
   bool isTransferring() const noexcept { return phase_ == SafeStopPhase::Transferring; }
+  /// The brakes should hold, and no deceleration brought the axes there: no path is followed any more.
+  bool holdsHere() const noexcept { return holds_here_; }
   /// Of the set values that may be written now: 1, less while the load is handed over, 0 when it has been.
   double share() const noexcept { return share_; }
   std::uint32_t completed() const noexcept { return completed_; }
@@ -75,6 +82,7 @@ class SafeStop {
   SafeStopPhase phase_ = SafeStopPhase::Idle;
   rt::Nanoseconds entered_ = 0;
   double share_ = 1.0;
+  bool holds_here_ = false;
   std::uint32_t again_ = 0;
   std::uint32_t completed_ = 0;
 };

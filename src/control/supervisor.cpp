@@ -359,6 +359,7 @@ void Supervisor::publishOrders(rt::Nanoseconds now) {
   orders_.slows_down = orders_.safe_stop && output.level == DriveLevel::Released && answers_count &&
                        (output.safe_stop == SafeStopPhase::Idle || slowsDown(output.safe_stop));
   orders_.stop_path = state_ == MachineState::Stopping || orders_.safe_stop;
+  orders_.holds_here = orders_.safe_stop && output.holds_here;
   if (!powered) orders_.level = DriveLevel::Off;
   if (state_ != MachineState::Enabling) orders_.brake_test_N = AxisValues{};
   orders_.homed = homing_.isHomed();

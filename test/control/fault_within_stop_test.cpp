@@ -90,5 +90,53 @@ TEST(WithinASafeStop, ADriveThatFailsOrTurnsRoundIsStoppedAtOnce) {
   std::printf("the platform sinks by %.1f mm at most\n", 1e3 * deepest);
 }
 
+/// With 15 kg, at rest or swinging: axis `axis` fails at once, and the brake of `late` engages half a second late.
+double dropsBehindALateBrake(bool moves, std::size_t axis, std::size_t late, bool reversed, ControlStatus& status) {
+  Truth truth;
+  truth.payload_kg = 15.0;
+  HoldingRobot robot(truth);
+  if (moves) robot.swing();
+  robot.system->run(0.9);
+  robot.lowest = robot.plant.state().pose[1];
+  const double stood = robot.lowest;
+  simulation::InjectedFaults& faults = robot.image.faults;
+  faults.hold_late.store(static_cast<std::uint8_t>(1u << late));
+  if (reversed) {
+    faults.drive_reversed.store(static_cast<std::uint8_t>(1u << axis));
+    if (!moves) robot.push(100.0);
+  } else {
+    faults.encoder_size_m[axis].store(0.005);
+    faults.encoder[axis].store(static_cast<std::uint8_t>(simulation::EncoderFault::Jump));
+  }
+  robot.system->run(2.0);
+  status = robot.system->status();
+  return stood - robot.lowest;
+}
+
+TEST(BehindABrakeThatHoldsLate, AFaultAtOnceLeavesTheLoadToTheLoopsThatWork) {
+  for (const bool reversed : {false, true}) {
+    double deepest = 0.0, sum = 0.0;
+    int runs = 0;
+    for (const bool moves : {false, true}) {
+      for (std::size_t axis = 0; axis < hardware::kAxes; ++axis) {
+        for (std::size_t other = 1; other < hardware::kAxes; ++other, ++runs) {
+          ControlStatus status;
+          const double drop = dropsBehindALateBrake(moves, axis, (axis + other) % hardware::kAxes, reversed, status);
+          deepest = std::max(deepest, drop);
+          sum += drop;
+          if (drop > 0.005) {
+            EXPECT_EQ(status.fault_name, "hold_device_slips") << axis + 1 << ", " << other;
+          }
+        }
+      }
+    }
+    std::printf("%s: %.1f mm in the mean, %.1f mm at most\n", reversed ? "drive turns round" : "encoder jumps",
+                1e3 * sum / runs, 1e3 * deepest);
+    // Once 43 and 53 mm in the mean, 115 mm at most: the drives went off at once, whatever moved.
+    EXPECT_LT(sum / runs, reversed ? 0.008 : 0.003);
+    EXPECT_LT(deepest, reversed ? 0.03 : 0.01);
+  }
+}
+
 }  // namespace
 }  // namespace knee_robot::control

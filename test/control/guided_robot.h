@@ -31,6 +31,7 @@ struct Machine {
   double payload_kg = 0.0;
   bool model = true, brakes = true, enabling_switch = true;
   double coulomb_scale = 1.0;  // of the real friction, the model keeps what it knows
+  bool played = false;         // two paths of all legs to and fro before it is guided
 };
 
 struct Rig {
@@ -38,7 +39,8 @@ struct Rig {
       : robot(mechanism::loadRobot(file("config/robots/A.yaml"))),
         plant(robot, dynamics::loadRobotInertia(robot), parameters(setup), image),
         bus(simulation::openImageCards(image)),
-        hand(image, {}) {
+        hand(image, {}),
+        plays(setup.played) {
     ControlSystem::Options options;
     options.empty = true;
     options.execution = rt::Execution::Stepped;
@@ -104,6 +106,9 @@ struct Rig {
     }
     ASSERT_TRUE(system->enable().ok);
     system->run(1.0);
+    if (plays) {
+      ASSERT_NO_FATAL_FAILURE(play());
+    }
     hold(true);
     system->run(0.05);
     const Answer answer = system->guide();
@@ -112,6 +117,26 @@ struct Rig {
     system->run(0.8);
     ASSERT_EQ(system->state(), MachineState::Guiding) << system->status().guiding;
     watch();
+  }
+  /// All legs to and fro in X, theta and psi, twice 12 s.
+  void play() {
+    const Pose home = plant.state().pose;
+    trajectory::Reference reference;
+    reference.name = "to_and_fro";
+    reference.points.resize(2401, 4);
+    const auto wave = [](int k, double period_s) { return 0.5 * (1.0 - std::cos(2.0 * M_PI * 0.01 * k / period_s)); };
+    for (int k = 0; k <= 2400; ++k) {
+      Pose pose = home;
+      pose[0] += 0.07 * wave(k, 2.4);
+      pose[2] += 0.09 * wave(k, 3.0);
+      pose[3] += 0.10 * wave(k, 2.0);
+      reference.points.row(k) = mechanism::legLengths(*robot.mechanism, pose).transpose();
+    }
+    reference.points.row(0) = mechanism::Lengths(system->snapshot()->reference_m.data()).transpose();
+    const Answer loaded = system->loadReference(reference);
+    ASSERT_TRUE(loaded.ok) << loaded.sentence;
+    ASSERT_TRUE(system->play().ok);
+    ASSERT_TRUE(system->waitFor(MachineState::Holding, 40.0)) << system->status().fault_sentence;
   }
   /// There and back by `distance` (coordinate 0: Xm, 1: Zm), at `speed` where it is fastest.
   void swing(int coordinate, double distance, double speed) {
@@ -134,6 +159,7 @@ struct Rig {
   simulation::RobotSimulation plant;
   std::unique_ptr<hardware::AxisBus> bus;
   simulation::SimulatedHand hand;
+  const bool plays;
   std::function<Pose(double)> wanted;
   Pose from = Pose::Zero();
   double fastest = 0.0, farthest = 0.0, strongest = 0.0;

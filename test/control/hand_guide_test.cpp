@@ -222,6 +222,39 @@ TEST(HandGuiding, StaysStillWithFrictionThatIsSmallerThanIdentified) {
   EXPECT_LT(rig.farthest, 0.002);
 }
 
+TEST(HandGuiding, DoesNotRunAwayOnceItIsKnownThatFrictionHasBecomeLess) {
+  for (const double scale : {0.7, 0.6, 0.5, 0.3}) {
+    Machine setup;
+    setup.coulomb_scale = scale;
+    setup.played = true;
+    guided::Rig rig(setup);
+    ASSERT_NO_FATAL_FAILURE(rig.begin());
+    rig.system->run(5.0);
+    std::printf("%.0f %% of the friction: %.1f mm in 5 s\n", 1e2 * scale, 1e3 * rig.farthest);
+    EXPECT_EQ(rig.system->state(), MachineState::Guiding) << rig.system->status().guiding;
+    EXPECT_LT(rig.farthest, 0.003);  // once up to 138 mm
+  }
+}
+
+TEST(HandGuiding, IsNoFrictionThatHasBecomeLessAndNoModelThatDoesNotHold) {
+  guided::Rig rig;
+  ASSERT_NO_FATAL_FAILURE(rig.begin());
+  const Pose home = rig.plant.state().pose;
+  const double start = rig.plant.time();
+  rig.wanted = [=](double t) {
+    Pose pose = home;
+    pose[0] += 0.02 * std::sin(0.4 * M_PI * (t - start));
+    return pose;
+  };
+  for (int k = 0; k < 250; ++k) {
+    rig.system->run(0.1);
+    const Disturbance now = *rig.system->disturbance();
+    ASSERT_TRUE(now.model_holds) << "after " << 0.1 * k << " s of a hand; once after 20 s";
+    ASSERT_EQ(now.friction_growth, AxisValues{}) << "after " << 0.1 * k << " s";
+  }
+  EXPECT_EQ(rig.system->state(), MachineState::Guiding) << rig.system->status().guiding;
+}
+
 TEST(HandGuiding, EndsInTheSameSafeStopWhateverFails) {
   struct Case {
     const char* what;

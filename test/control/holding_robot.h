@@ -1,4 +1,4 @@
-// The whole controller on the simulated robot A, stepped, holding; with a model of it or without.
+// The whole controller on the simulated robot A, or another, stepped, holding; with a model of it or without.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -35,10 +35,13 @@ struct Truth {
   std::uint8_t blind = 0;               // of encoders
   double weights = 1.0;                 // of the model's links, times the true ones
   const char* deployment = "config/deployment/simulation.yaml";
+  std::string robot = "A";
+  std::string patient{};  // file; empty: nobody is on the robot
 };
 
 inline simulation::SimulationParameters parameters(const Truth& truth) {
-  simulation::SimulationParameters all = simulation::loadSimulationParameters(file("config/simulation/A.yaml"));
+  simulation::SimulationParameters all =
+      simulation::loadSimulationParameters(file("config/simulation/" + truth.robot + ".yaml"));
   if (truth.payload_kg > 0.0) all.payload = simulation::Payload{truth.payload_kg, {0.0, 0.0, 0.05}, 0.1};
   for (auto& axis : all.axes)
     axis.viscous_N_s_per_m = 150.0;
@@ -55,7 +58,7 @@ inline mechanism::Robot carriedByCrane(mechanism::Robot robot) {
 
 struct HoldingRobot {
   explicit HoldingRobot(const Truth& truth = {})
-      : robot(mechanism::loadRobot(file("config/robots/A.yaml"))),
+      : robot(mechanism::loadRobot(file("config/robots/" + truth.robot + ".yaml"))),
         plant(truth.carried ? carriedByCrane(robot) : robot, dynamics::loadRobotInertia(robot), parameters(truth),
               image),
         bus(simulation::openImageCards(image)) {
@@ -88,6 +91,9 @@ struct HoldingRobot {
     }
     stood = lowest = plant.state().pose[1];
     EXPECT_TRUE(system->start().ok);
+    if (!truth.patient.empty()) {
+      EXPECT_TRUE(system->loadPatient(truth.patient).ok);
+    }
     EXPECT_TRUE(system->enable().ok);
     system->run(3.0);  // every encoder has been asked once
   }

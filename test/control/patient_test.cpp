@@ -142,6 +142,11 @@ TEST_F(PatientFile, IsWatchedInMotionByPoseAndSpeed) {
     return 0.01 * 0.1 * (step + std::max(0.0, (t / 0.1 - step - 0.8) / 0.2));
   };
   EXPECT_EQ(watch(slips, 3.0).first, Verdict::Fine) << "five times as fast for moments, but no way";
+  const auto shakes = [](double amplitude) {
+    return [amplitude](double t) { return amplitude * std::sin(12.0 * M_PI * t); };
+  };
+  EXPECT_EQ(watch(shakes(0.001), 5.0).first, Verdict::Fine) << "24 mm/s in the mean, to and fro";
+  EXPECT_EQ(watch(shakes(0.0015), 5.0).first, Verdict::Speed) << "36 mm/s";
   PatientMonitor monitor(robot);
   EXPECT_EQ(monitor.step(patient.range, {0.6, 0.6, std::nan(""), 0.6}, 1e-3, 0.002, 0.01, 1.3), Verdict::Pose);
   EXPECT_EQ(monitor.step(PatientRange{}, {0.1, 0.1, 0.1, 0.1}, 1e-3, 0.002, 0.01, 1.3), Verdict::Fine)

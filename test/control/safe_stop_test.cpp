@@ -150,6 +150,32 @@ TEST(SafeStop, WatchesLongerAsLongAsAnAxisCreepsAndNotForEver) {
   EXPECT_EQ(slow.stop.phase(), Phase::Done) << "who has not moved by the slip until then does not in time";
 }
 
+TEST(SafeStop, WatchesTheHandOverWithTheLoopsThatAreLeftAsWell) {
+  HoldView some;
+  some.watched = true;
+  Transfer t;
+  t.run(32, some, false);
+  EXPECT_EQ(t.stop.phase(), Phase::Transferring) << "no deceleration: 30 ms for the brakes";
+  EXPECT_TRUE(t.stop.holdsHere());
+  HoldView slips = some;
+  slips.slipped = true;
+  t.run(1, slips, false);
+  EXPECT_EQ(t.stop.phase(), Phase::Carrying) << "a brake does not hold; once the drives went off all the same";
+  HoldView runs = some;
+  runs.runs = true;
+  t.run(1, runs, false);
+  EXPECT_EQ(t.stop.phase(), Phase::Disabling) << "what has no loop pushes harder than its brake holds";
+  Transfer moving;
+  some.stands = false;
+  moving.run(70, some, false);
+  EXPECT_EQ(moving.stop.phase(), Phase::Engaging) << "a brake that engaged in motion needs its time";
+  moving.run(20, some, false);
+  EXPECT_EQ(moving.stop.phase(), Phase::Transferring) << "not for ever";
+  Transfer none;
+  none.run(32, {}, false);
+  EXPECT_EQ(none.stop.phase(), Phase::Disabling) << "no loop is left that could take anything back";
+}
+
 TEST(SafeStop, NeverGoesToZeroWhileTheHoldDevicesCannotBeOrdered) {
   Transfer t;
   HoldView orders_timed_out;

@@ -143,7 +143,7 @@ struct Disturbance {
   bool carries = false;
   double load_kg = 0.0, load_m = 0.0;
   std::array<bool, hardware::kAxes> friction_changed{};
-  AxisValues friction_growth{};
+  AxisValues friction_growth{}, friction_least{};  ///< as DisturbanceClassifier::Verdict says
   bool model_holds = true;
 };
 
@@ -197,6 +197,7 @@ struct SupervisorCommand {
   std::uint8_t homing = 0;      ///< bit i: the Driver of axis i + 1 looks for home; the others hold
   bool guiding = false;         ///< a hand moves the platform (HandGuide): the Drivers carry, they do not hold
   bool slows_down = false;      ///< a safe stop runs, the holding brakes are open and the encoders can be asked
+  bool holds_here = false;      ///< AxesWritten::holds_here: the Drivers hold where they are and follow no path
 
   /// The holding brakes are open, or just opening: the Drivers alone carry the platform.
   bool driversCarry() const noexcept { return level == DriveLevel::Released && (!safe_stop || slows_down); }
@@ -230,6 +231,7 @@ struct AxesWritten {
   int fault_axis = 0;            ///< 1 to 4, 0: none in particular
   std::uint32_t safe_stops = 0;  ///< completed since the start
   std::uint32_t transfer = 0;    ///< Supervisor's number that was heard last
+  bool holds_here = false;       ///< the brakes should hold, and what is left of the loops has to hold there
   std::uint8_t digital_outputs = 0;
   AxisValues volts{};    ///< as the converter got them, after clamp and quantization
   AxisValues force_N{};  ///< that these volts ask for

@@ -144,6 +144,7 @@ class Driver : public rt::TaskContext {
   double guided_N_ = 0.0;
   bool guides_ = false, guided_ = false;  // HandGuide's force takes the place of the loop; it did in the last cycle
   bool doubted_ = false;                  // it asks for the encoder
+  bool held_here_ = false;                // SupervisorCommand::holds_here of the last cycle
   bool active_ = false;
   Fault fault_ = Fault::None;
   rt::Nanoseconds last_time_ = 0;
