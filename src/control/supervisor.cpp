@@ -116,9 +116,11 @@ void Supervisor::detectFaults(rt::Nanoseconds now) {
   conditions.overrun = overrun_.exchange(false, std::memory_order_relaxed);
   if (view_.written.safe_stop == SafeStopPhase::Carrying) raise({Fault::HoldDeviceSlips, view_.written.fault_axis});
   raise(search_.find(view_, conditions));
-  // Not before the axes are homed: until then the robot is placed by hand.
+  // Not before the axes are homed: until then the robot is placed by hand. What has just cost them their home is no such time.
   const bool off = (state_ == MachineState::Disabled || state_ == MachineState::Faulted) && view_.drivesAreOff();
-  const bool held = off && homing_.isHomed() && view_.hasMeasured();
+  const Fault latched = fault_.cause().fault;
+  const bool known = homing_.isHomed() || latched == Fault::EncoderFrozen || latched == Fault::AxisBlocked;
+  const bool held = off && known && view_.hasMeasured();
   if (const int moved = held_place_.step(held, view_, now); moved != 0) raise({Fault::MovedWhileOff, moved});
   const LostCounts::Axes lost = lost_counts_.step(view_, fault_.isLatched(), now);
   for (std::size_t i = 0; i < hardware::kAxes; ++i) {

@@ -155,6 +155,23 @@ def at_disable(fault, axis=0):
     return attack
 
 
+def behind_a_late_brake(fault, axis, late, size=0.0):
+    def attack(a):
+        a.enable()
+        a.play()
+        a.session.inject("hold_late", late)
+        a.begin()
+        a.session.inject(fault, axis, size)
+        time.sleep(2.0)
+        fell = drop_mm(a.rows())
+        state = a.state()
+        a.session.inject("clear")
+        text, off = a.disable_and_look()
+        return f"{state}; sinks {fell:.1f} mm; ", text, fell < 15.0 and off
+    attack.__doc__ = f"Playing: {fault} {axis}, which stops at once, and brake {late} engages 0.5 s late; then disable."
+    return attack
+
+
 # Behind closed brakes a force moves nothing: a drive without power or of the wrong sign is found when the platform begins to fall, at 1 or 2 g.
 FALLS_MM = {"drive_dead": 10.0, "drive_reversed": 30.0}
 
@@ -206,6 +223,8 @@ def attacks():
         found[f"encoder_{axis}_dies_at_disable"] = dies_at_disable(axis)
     for fault, axis in (("hold_late", 0), ("hold_late", 4), ("hold_creeps", 0), ("hold_creeps", 4)):
         found[f"{fault}_{axis or 'all'}_at_disable"] = at_disable(fault, axis)
+    for fault, size in (("encoder_jump", 0.005), ("encoder_frozen", 0.0), ("drive_reversed", 0.0)):
+        found[f"{fault}_1_and_hold_late_4"] = behind_a_late_brake(fault, 1, 4, size)
     for fault in ("drive_late", "drive_weak", "drive_dead", "drive_reversed"):
         for axis in (0, 1, 2, 3, 4):
             found[f"{fault}_{axis or 'all'}_at_enable"] = at_enable(fault, axis)

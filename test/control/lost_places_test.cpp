@@ -206,6 +206,24 @@ TEST(HeldPlaces, APlatformThatSinksAfterAFaultIsSaidToHaveMovedInThePlaceOfThatF
   }
 }
 
+TEST(HeldPlaces, APlatformThatSinksAfterADeadEncoderHasCostItItsHomeIsSaidToHaveMoved) {
+  HoldingRobot robot;
+  robot.freeze(0);
+  robot.swing();
+  ASSERT_TRUE(robot.system->waitFor(MachineState::Faulted, 5.0));
+  robot.system->run(1.0);
+  ASSERT_EQ(robot.system->status().fault_name, "encoder_frozen");
+  ASSERT_FALSE(robot.system->status().homed);
+  const double height = robot.plant.state().pose[1];
+  robot.image.faults.hold_open.store(0x0F);
+  for (int k = 0; k < 3000 && robot.system->status().fault_name == "encoder_frozen"; ++k)
+    robot.system->step();
+  EXPECT_EQ(robot.system->status().fault_name, "moved_while_off") << "once never";
+  EXPECT_LT(height - robot.plant.state().pose[1], 0.005);
+  EXPECT_TRUE(robot.system->resetFaults().ok);
+  EXPECT_FALSE(robot.system->status().homed);
+}
+
 TEST(HeldPlaces, APlatformThatGoesOnSinkingIsSaidToHaveMovedAgainAfterAReset) {
   HoldingRobot robot;
   ASSERT_TRUE(robot.system->disable().ok);
