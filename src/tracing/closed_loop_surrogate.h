@@ -27,7 +27,7 @@ struct SurrogatePlan {
   Eigen::MatrixXd model_N;      ///< samples x axes: the whole fitted model along the measured motion
   std::vector<char> open_loop;  ///< per axis: along the measured motion, because in closed loop it would leave too much
   std::vector<char> sticks_too_much;  ///< per axis: in closed loop it would stand still where the machine does not
-  std::string note;             ///< what was recovered and what was assumed, for the report
+  std::string note;                   ///< what was recovered and what was assumed, for the report
 };
 
 /// Recovers the controllers by least squares of the recorded force on the tracking error; where that explains less than

@@ -92,7 +92,7 @@ std::vector<Hypothesis> listHypotheses(const CandidateList& candidates, const st
         addShapes(*candidate, inputs.front(), i, list);
       continue;
     }
-    const std::size_t recordings = candidate->transfers() ? 1 : inputs.size();  // a window lies in one recording
+    const std::size_t recordings = candidate->local() ? inputs.size() : 1;  // a window lies in one recording
     for (std::size_t r = 0; r < recordings; ++r)
       addShapes(*candidate, inputs[r], -1, list);
   }

@@ -23,10 +23,6 @@ class PayloadChange : public Candidate {
   bool needsTwoRecordings() const override { return true; }
   bool worksOn(const mechanism::Robot& robot) const override { return !robot.chain && Candidate::worksOn(robot); }
   double leastFloors() const override { return 1.0; }
-  /// One for all recordings together.
-  std::vector<std::vector<double>> shapes(const EffectInput& input, int) const override {
-    return input.recording > 0 ? std::vector<std::vector<double>>{} : std::vector<std::vector<double>>{{}};
-  }
   /// Against the first recording.
   std::vector<Coefficient> coefficients(const EffectInput& input) const override {
     std::vector<Coefficient> out;
