@@ -10,7 +10,7 @@ namespace {
 /// What is slower belongs to the law near rest, and so does what falls off before it has built up.
 constexpr double kSlowest_m_per_s = 0.002, kFastest_m_per_s = 0.06, kAtLimit = 1.05, kFallsAfterRise = 2.0;
 /// Tustin's exponent is 1, that of most models 2. What falls off most steeply at rest is the law near rest.
-constexpr double kLeastExponent = 1.0, kUsualExponent = 2.0, kMostExponent = 3.0;
+constexpr double kLeastExponent = 1.0, kMostExponent = 2.0;
 
 class Stribeck : public Candidate {
  public:
@@ -23,13 +23,13 @@ class Stribeck : public Candidate {
   }
   std::vector<ShapeParameter> shapeParameters() const override {
     return {{"velocity_m_per_s", kSlowest_m_per_s, kFastest_m_per_s},
-            {"exponent", kLeastExponent, kMostExponent, false, kUsualExponent},
+            {"exponent", kLeastExponent, kMostExponent, false, kMostExponent},
             restLawParameter()};
   }
   std::vector<std::vector<double>> shapes(const EffectInput&, int) const override {
     std::vector<std::vector<double>> grid = geometricGrid(kSlowest_m_per_s, kFastest_m_per_s, 10);
     for (std::vector<double>& shape : grid)
-      shape.push_back(kUsualExponent);
+      shape.push_back(kMostExponent);
     return withRestLaws(grid);
   }
   std::vector<std::vector<double>> near(const std::vector<double>& s, double step) const override {
