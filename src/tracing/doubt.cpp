@@ -81,8 +81,8 @@ double explainedWithoutName(const Search& s, const Place& place) {
   return most_N;
 }
 
-/// Why `e` may be a crumb of something larger; empty: it explains the most of what is there.
-std::string crumbOf(const Search& s, const FoundEffect& e, double floors, double left_N) {
+/// Why `e` may be part of something larger; empty: it explains the most of what is there.
+std::string partOf(const Search& s, const FoundEffect& e, double floors, double left_N) {
   const Place& place = e.hypothesis.place;
   const double own_N = at(place, e.explained_rms_N), nameless_N = explainedWithoutName(s, place);
   if (nameless_N > own_N)
@@ -125,18 +125,18 @@ void doubtNames(Search& s, std::vector<std::string>& notes) {
     const double floors = floorsLeft(s, place, left_N);
     const bool harms = !e.transfers && e.elsewhere_gain < 0.0;
     const bool uneven = e.elsewhere_gaining < kMostStretches;
-    const std::string crumb = crumbOf(s, e, floors, at(place, left_N));
+    const std::string part = partOf(s, e, floors, at(place, left_N));
     const bool kin = besideItsKin(s, e);
-    if (floors <= kRightLeaves && !harms && !uneven && !kin && crumb.empty()) continue;
+    if (floors <= kRightLeaves && !harms && !uneven && !kin && part.empty()) continue;
     double doubted = e.probability * std::min(1.0, std::pow(kRightLeaves / floors, 2));
-    if (harms || uneven || kin || !crumb.empty()) doubted = std::min(doubted, kHarmful);
+    if (harms || uneven || kin || !part.empty()) doubted = std::min(doubted, kHarmful);
     e.probability = s.floor.measured ? doubted : std::max(doubted, std::min(kEven, e.probability));
     e.doubted = e.probability < kEven;
     if (e.probability < kSureOfName && !e.doubted) e.indistinguishable_from.emplace_back("unnamed");
     if (floors > kRightLeaves)
       notes.push_back(placeText(place) + ": the model with it still leaves " + shortNumber(floors, 2) +
                       " times the noise floor while axes move: it may stand for something that no name is known for.");
-    if (!crumb.empty()) notes.push_back(placeText(place) + crumb);
+    if (!part.empty()) notes.push_back(placeText(place) + part);
     if (kin)
       notes.push_back(placeText(place) +
                       ": was added beside its own special case; had either name been right, it would have explained "
