@@ -90,12 +90,15 @@ class AxesOutput : public rt::TaskContext {
   MonitorVerdict verdict_;
   std::array<bool, hardware::kAxes> closed_{};
   std::array<bool, hardware::kAxes> astray_{};  // it ran away: its force may have the wrong sign
+  std::array<bool, hardware::kAxes> blind_{};   // its encoder is the fault, or may be
+  std::array<bool, hardware::kAxes> begins_{};  // since this cycle
   bool all_closed_ = false;
   bool watched_ = false;  // a loop is left whose drive can be reached
   int open_axis_ = 0;
   Fault open_fault_ = Fault::None;
   AxisValues load_volts_{};  // what the axes got, low-passed
   AxisValues rest_volts_{};  // same with a 1 s time constant, without the share for motion
+  AxisValues mean_m_{};      // positions; where the encoder is the fault their mean over some 20 ms
   AxisValues transfer_m_{};  // where the axes stood when the transfer began
   AxisValues braked_m_{};    // where they were when the brakes should have held
   AxisValues creep_m_{};     // where they stood at creep_at_

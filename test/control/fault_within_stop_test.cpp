@@ -113,6 +113,19 @@ double dropsBehindALateBrake(bool moves, std::size_t axis, std::size_t late, boo
   return stood - robot.lowest;
 }
 
+TEST(AFaultAtOnce, OfAnEncoderThatGoesToAndFroIsNoBrakeThatSlips) {
+  for (std::size_t axis = 0; axis < hardware::kAxes; ++axis) {
+    HoldingRobot robot{Truth{}};
+    robot.swing();
+    robot.system->run(1.0);
+    robot.image.faults.encoder_size_m[axis].store(0.002);
+    robot.image.faults.encoder[axis].store(static_cast<std::uint8_t>(simulation::EncoderFault::Noise));
+    robot.system->run(1.0);
+    EXPECT_EQ(robot.system->state(), MachineState::Faulted)
+        << "axis " << axis + 1 << ": " << robot.system->status().fault_sentence;
+  }
+}
+
 TEST(BehindABrakeThatHoldsLate, AFaultAtOnceLeavesTheLoadToTheLoopsThatWork) {
   for (const bool reversed : {false, true}) {
     double deepest = 0.0, sum = 0.0;
