@@ -176,8 +176,9 @@ std::uint32_t AxesOutput::transferNumber(const rt::Cycle& cycle) noexcept {
 /// the fault its mean counts.
 bool AxesOutput::slips(const AxesMeasurement& measured) noexcept {
   for (std::size_t i = 0; i < hardware::kAxes; ++i) {
-    const double share = blind_[i] && !begins_[i] ? kShareOfMean : 1.0;
-    mean_m_[i] += share * (measured.position_m[i] - mean_m_[i]);
+    const bool averages = blind_[i] && !begins_[i] && std::isfinite(mean_m_[i]);  // no number must not stay for ever
+    const double position_m = measured.position_m[i];
+    mean_m_[i] = averages ? mean_m_[i] + kShareOfMean * (position_m - mean_m_[i]) : position_m;
   }
   if (!safe_stop_.isTransferring()) {
     transfer_m_ = mean_m_;

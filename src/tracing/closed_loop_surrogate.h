@@ -37,8 +37,9 @@ SurrogatePlan planSurrogate(const mechanism::Robot& robot, const recording::Reco
 
 /// Axes whose surrogate leaves much more than the recording itself (`left_N`, `real_N`: rms per axis), or stands still
 /// where the machine does not, are not what it says they are (friction that stops them otherwise than stiction does):
-/// their surrogates go along the measured motion from now on. Where most axes are not, none is believed: what an effect leaves on the last one would pass for what its
-/// surrogate leaves. Returns a sentence for each axis whose loop was opened.
+/// their surrogates go along the measured motion from now on. Where most axes are not, none is believed: what an effect
+/// leaves on the last one would pass for what its surrogate leaves. Returns a sentence for each axis whose loop was
+/// opened.
 std::vector<std::string> openLoops(const Eigen::VectorXd& left_N, const Eigen::VectorXd& real_N,
                                    std::vector<SurrogatePlan>& plans);
 
