@@ -28,7 +28,7 @@ std::string elementYaml(const FrictionElement& e, bool revolute) {
       return "{law: stop" + width + (e.gap_m > 0.0 ? ", gap_" + unit + ": " + exactNumber(e.gap_m / radius) : "") +
              (e.relaxation_s > 0.0 ? ", relaxation_s: " + exactNumber(e.relaxation_s) : "") + share;
     case FrictionKind::Smooth:
-      return "{law: tanh" + speed + exponent + share;
+      return "{law: tanh" + speed + exponent + (e.lag_s > 0.0 ? ", lag_s: " + exactNumber(e.lag_s) : "") + share;
     default:
       return "{law: bristles" + width + speed + ", damping_s: " + exactNumber(e.damping_s) +
              (e.tremble > 0.0 ? ", tremble: " + exactNumber(e.tremble) : "") + exponent + share;
@@ -57,6 +57,7 @@ FrictionElement readElement(StrictMap map, bool revolute) {
   if (e.kind == FrictionKind::Stop && map.has(revolute ? "gap_rad" : "gap_m")) e.gap_m = gap();
   if (e.kind == FrictionKind::Stop && map.has("relaxation_s")) e.relaxation_s = map.number("relaxation_s", 1e-3, 1e6);
   if (e.kind == FrictionKind::Smooth) e.speed_m_per_s = speed(kSlowest_m_per_s);
+  if (e.kind == FrictionKind::Smooth && map.has("lag_s")) e.lag_s = map.number("lag_s", 1e-6, 1e3);
   if (e.kind != FrictionKind::Stop && map.has("exponent")) e.exponent = map.number("exponent", 0.1, 10.0);
   if (e.kind == FrictionKind::Bristles) {
     e.speed_m_per_s = speed(0.0);

@@ -25,8 +25,9 @@ std::string elementText(const FrictionElement& e, bool revolute) {
              (e.gap_m > 0.0 ? ", gap " + shortNumber(1e6 * e.gap_m / radius, 3) + (revolute ? " urad" : " um") : "") +
              (e.relaxation_s > 0.0 ? ", relaxes in " + shortNumber(e.relaxation_s, 2) + " s" : "");
     case FrictionKind::Smooth:
-      return e.exponent == 1.0 ? "tanh(v / " + speed + ")"
-                               : "tanh((v / " + speed + ")^" + shortNumber(e.exponent, 3) + ")";
+      return (e.exponent == 1.0 ? "tanh(v / " + speed + ")"
+                                : "tanh((v / " + speed + ")^" + shortNumber(e.exponent, 3) + ")") +
+             (e.lag_s > 0.0 ? ", lags by " + shortNumber(1e3 * e.lag_s, 2) + " ms" : "");
     default:
       break;
   }
@@ -58,6 +59,13 @@ double stop(const FrictionElement& e, double displacement_m, double duration_s, 
   const double half_gap_m = 0.5 * e.gap_m, whole_m = e.width_m + half_gap_m;
   z = std::clamp(z + displacement_m / whole_m, -1.0, 1.0);
   return e.gap_m > 0.0 ? std::copysign(std::max(0.0, std::abs(z) * whole_m - half_gap_m) / e.width_m, z) : z;
+}
+
+/// A smooth law: `z` is the velocity that it has followed to, in units of its speed.
+double lagging(const FrictionElement& e, double displacement_m, double duration_s, double& z) noexcept {
+  const double now = displacement_m / (duration_s * e.speed_m_per_s);
+  z = e.lag_s > 0.0 ? now + (z - now) * std::exp(-duration_s / e.lag_s) : now;
+  return smooth(z, e.exponent);
 }
 
 }  // namespace
@@ -98,7 +106,7 @@ std::string nameOf(const FrictionLaw& law) {
   if (all(law, FrictionKind::Stop))
     return law.count == 1 ? "one stop" : law.count == 2 ? "two stops" : "spectrum of stops";
   if (law.count > 1) return all(law, FrictionKind::Smooth) ? "sum of tanh of velocity" : "mixture";
-  if (first.kind == FrictionKind::Smooth) return "tanh of velocity";
+  if (first.kind == FrictionKind::Smooth) return first.lag_s > 0.0 ? "tanh of lagging velocity" : "tanh of velocity";
   return first.speed_m_per_s > 0.0 || first.tremble > 0.0 ? "creeping bristles" : "bristles (Dahl)";
 }
 
@@ -121,8 +129,7 @@ double FrictionState::step(const FrictionLaw& law, double displacement_m, double
     if (e.kind == FrictionKind::Stop) {
       sum += e.share * stop(e, displacement_m, duration_s, z);
     } else if (e.kind == FrictionKind::Smooth) {
-      z = smooth(displacement_m / (duration_s * e.speed_m_per_s), e.exponent);
-      sum += e.share * z;
+      sum += e.share * lagging(e, displacement_m, duration_s, z);
     } else {
       const double before = z;
       const double way =

@@ -21,6 +21,7 @@ const double kExponents[] = {1.5, 2.0};        // below 1: a stop beside bristle
 const double kSmoothExponents[] = {1.0, 3.0};  // above 1: next to nothing rubs while an axis creeps
 const double kGaps[] = {0.5, 1.0, 2.0};        // of the width
 const double kRelaxations_s[] = {2.0, 6.0};    // what fades within a second of rest is a controller that settles
+const double kLags_s[] = {0.015, 0.025, 0.04};
 const double kFinerFactors[] = {0.8, 0.87, 0.93, 0.97, 1.03, 1.07, 1.15, 1.25};
 const double kFinerSides[] = {0.8, 0.9, 1.0, 1.12, 1.25};
 constexpr double kFarApart = 2.0;
@@ -34,13 +35,14 @@ double geometric(double first, double last, int k, int count) {
   return first * std::pow(last / first, static_cast<double>(k) / (count - 1));
 }
 
-/// Wider and narrower, and more and less of a second shape of `found`.
-void addSides(const FrictionElement& found, double FrictionElement::*second, std::vector<FrictionElement>& all) {
+/// More and less of two shapes of `found`.
+void addSides(const FrictionElement& found, double FrictionElement::*first, double FrictionElement::*second,
+              std::vector<FrictionElement>& all) {
   for (const double wider : kFinerSides) {
     for (const double more : kFinerSides) {
       if (wider == 1.0 && more == 1.0) continue;
       all.push_back(found);
-      all.back().width_m *= wider;
+      all.back().*first *= wider;
       all.back().*second *= more;
     }
   }
@@ -78,7 +80,7 @@ bool apart(const FrictionElement& a, const FrictionElement& b) {
 /// A power of the velocity beside its tanh rises late and steeply, as Stribeck friction does: alone or not at all. So
 /// does a stop behind a clearance, which would mend the shape of any other a little.
 bool mixes(const FrictionElement& e) {
-  return e.gap_m == 0.0 && (e.kind != FrictionKind::Smooth || e.exponent == 1.0);
+  return e.gap_m == 0.0 && e.lag_s == 0.0 && (e.kind != FrictionKind::Smooth || e.exponent == 1.0);
 }
 
 /// Friction that goes on growing with the speed, ever less: beside what builds up near rest.
@@ -156,7 +158,7 @@ Sum spectrumOfSpeeds(const InWeights& squares, const std::vector<FrictionElement
   std::vector<int> smooth;
   for (int k = 0; k < static_cast<int>(squares.linear.size()); ++k) {
     const FrictionElement& e = elements[static_cast<std::size_t>(k)];
-    if (e.kind != FrictionKind::Smooth || e.exponent != 1.0) continue;
+    if (e.kind != FrictionKind::Smooth || e.exponent != 1.0 || e.lag_s > 0.0) continue;
     const bool near = std::any_of(smooth.begin(), smooth.end(), [&](int other) {
       return std::abs(std::log(e.speed_m_per_s / elements[static_cast<std::size_t>(other)].speed_m_per_s)) < kAlike;
     });
@@ -178,6 +180,14 @@ std::vector<FrictionElement> elementsToTry(const FrictionRange& range) {
       FrictionElement e{FrictionKind::Smooth, 1.0, 0.0,
                         geometric(range.slowest_m_per_s, range.fastest_m_per_s, k, kSpeeds)};
       e.exponent = exponent;
+      all.push_back(e);
+    }
+  }
+  for (int k = 0; k < kSpeeds; k += 2) {
+    FrictionElement e{FrictionKind::Smooth, 1.0, 0.0,
+                      geometric(range.slowest_m_per_s, range.fastest_m_per_s, k, kSpeeds)};
+    for (const double lag_s : kLags_s) {
+      e.lag_s = lag_s;
       all.push_back(e);
     }
   }
@@ -221,16 +231,18 @@ void addFinerSteps(const FrictionChoice& around, double narrowest_m, std::vector
   for (const TriedLaw& tried : around.tried) {
     if (tried.law.count > 1) continue;
     const FrictionElement& found = tried.law.elements.front();
-    if (found.gap_m > 0.0) {
-      addSides(found, &FrictionElement::gap_m, all);
+    if (found.lag_s > 0.0) {
+      addSides(found, &FrictionElement::speed_m_per_s, &FrictionElement::lag_s, all);
+    } else if (found.gap_m > 0.0) {
+      addSides(found, &FrictionElement::width_m, &FrictionElement::gap_m, all);
     } else if (found.relaxation_s > 0.0) {
-      addSides(found, &FrictionElement::relaxation_s, all);
+      addSides(found, &FrictionElement::width_m, &FrictionElement::relaxation_s, all);
     } else if (found.kind == FrictionKind::Bristles && found.tremble > 0.0) {
-      addSides(found, &FrictionElement::tremble, all);
+      addSides(found, &FrictionElement::width_m, &FrictionElement::tremble, all);
     } else if (found.kind == FrictionKind::Bristles && found.exponent != 1.0) {
-      addSides(found, &FrictionElement::exponent, all);
+      addSides(found, &FrictionElement::width_m, &FrictionElement::exponent, all);
     } else if (found.kind == FrictionKind::Bristles && found.speed_m_per_s > 0.0) {
-      addSides(found, &FrictionElement::speed_m_per_s, all);
+      addSides(found, &FrictionElement::width_m, &FrictionElement::speed_m_per_s, all);
     } else {
       for (const double factor : kFinerFactors) {
         FrictionElement e = found;
@@ -253,11 +265,12 @@ std::vector<Sum> bestOfFamilies(const InWeights& squares, const std::vector<Fric
   }
   std::vector<Sum> best;
   best.push_back(single([](const FrictionElement& e) { return e.kind == FrictionKind::Stop; }));
-  best.push_back(single([&](const FrictionElement& e) { return e.kind == FrictionKind::Smooth && !grows(e, range); }));
+  best.push_back(single([&](const FrictionElement& e) { return e.kind == FrictionKind::Smooth && e.lag_s == 0.0 && !grows(e, range); }));
   best.push_back(single([](const FrictionElement& e) {
     return e.kind == FrictionKind::Bristles && e.speed_m_per_s == 0.0 && e.tremble == 0.0 && e.damping_s == 0.0 &&
            e.exponent == 1.0;
   }));
+  best.push_back(single([](const FrictionElement& e) { return e.lag_s > 0.0; }));
   best.push_back(single([](const FrictionElement& e) { return e.kind == FrictionKind::Bristles; }));
   best.push_back(spectrumOfStops(squares));
   best.push_back(bestPair(squares, elements, range, mixing, mixing));

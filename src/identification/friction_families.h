@@ -15,10 +15,10 @@ std::vector<dynamics::FrictionElement> elementsToTry(const FrictionRange& range)
 /// Finer steps around the shapes that an earlier choice found for single elements.
 void addFinerSteps(const FrictionChoice& around, double narrowest_m, std::vector<dynamics::FrictionElement>& all);
 
-/// Shape parameters of every family: one stop, tanh, Dahl's bristles, any bristles, all stops together (Maxwell slip),
+/// Shape parameters of every family: one stop, tanh, Dahl's bristles, a tanh that lags, any bristles, all stops together (Maxwell slip),
 /// pairs, sums, all speeds of tanh together; one rare element, a pair and a sum with one.
-inline constexpr std::array<int, 11> kFamilyNumbers = {1, 1, 1, 3, 6, 4, 8, 8, 2, 4, 8};
-inline constexpr long kUsualFamilies = 8;
+inline constexpr std::array<int, 12> kFamilyNumbers = {1, 1, 1, 2, 3, 6, 4, 8, 8, 2, 4, 8};
+inline constexpr long kUsualFamilies = 9;
 
 /// A stop behind a clearance, or one that relaxes: what bends as they do may be a controller that settles, too, so that
 /// they have to be surely better than all others.
@@ -28,7 +28,7 @@ constexpr bool isRare(const dynamics::FrictionElement& e) {
 
 /// Many elements at once, whose shares come near to any law.
 constexpr bool isSpectrum(long family) {
-  return family == 4 || family == 7;
+  return family == 5 || family == 8;
 }
 
 /// The best law of every family, simplest first; without elements where there is none.

@@ -53,6 +53,7 @@ Json frictionJson(const std::vector<dynamics::FrictionLaw>& laws) {
       if (!smooth) element["width_m"] = e.width_m;
       if (e.gap_m > 0.0) element["gap_m"] = e.gap_m;
       if (e.relaxation_s > 0.0) element["relaxation_s"] = e.relaxation_s;
+      if (e.lag_s > 0.0) element["lag_s"] = e.lag_s;
       if (!stop) element["speed_m_per_s"] = e.speed_m_per_s;
       if (!stop && !smooth) element["damping_s"] = e.damping_s;
       if (e.tremble > 0.0) element["tremble"] = e.tremble;

@@ -45,7 +45,7 @@ Model someModel(const mechanism::Robot& robot, unsigned seed) {
                          : i == 2 ? bristleLaw(1e-4, 2e-5, 1e-3)
                                   : lawOf({{FrictionKind::Stop, 0.3, 9e-6, 0.0, 0.0, 0.0, 1.0, 5e-5},
                                            {FrictionKind::Stop, 0.6, 1e-4, 0.0, 0.0, 0.0, 1.0, 0.0, 2.5},
-                                           {FrictionKind::Smooth, 0.1, 0.0, 1e-3, 0.0}}));
+                                           {FrictionKind::Smooth, 0.1, 0.0, 1e-3, 0.0, 0.0, 1.0, 0.0, 0.0, 0.02}}));
     m.residual_rms_N.push_back(std::abs(normal(random)));
   }
   const auto names = robot.mechanism ? extendedParameterNames() : axisParameterNames(m.axes);
@@ -207,6 +207,17 @@ TEST(FrictionState, OfAStopThatRelaxesLetsGoInItsTime) {
   EXPECT_NEAR(state.step(law, 0.0, 2.0), std::exp(-1.0), 1e-12);
   EXPECT_NEAR(state.step(law, 0.0, 1.0), std::exp(-1.5), 1e-12);
   EXPECT_EQ(describe(law), "stop 100 um, relaxes in 2 s");
+}
+
+TEST(FrictionState, OfASmoothLawThatLagsFollowsTheVelocityInItsTime) {
+  FrictionLaw law = smoothLaw(1e-3);
+  law.elements[0].lag_s = 0.02;
+  FrictionState state;
+  for (int k = 1; k <= 50; ++k)
+    EXPECT_NEAR(state.step(law, 2e-6, 1e-3), std::tanh(2.0 * (1.0 - std::exp(-k / 20.0))), 1e-12);
+  EXPECT_NEAR(state.step(law, 0.0, 0.04), std::tanh(2.0 * (1.0 - std::exp(-2.5)) * std::exp(-2.0)), 1e-12);
+  EXPECT_EQ(describe(law), "tanh(v / 1 mm/s), lags by 20 ms");
+  EXPECT_EQ(nameOf(law), "tanh of lagging velocity");
 }
 
 TEST(FrictionState, OfBristlesWithAnExponentSolvesDahlsEquation) {

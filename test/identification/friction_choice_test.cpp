@@ -72,6 +72,11 @@ std::vector<OwnLaw> ownLaws() {
          m[0] -= m[0] * kStep_s / 3.0;
          return plasticSpring(v, 90e-6, m[0]);
        }},
+      {"tanh of 1.5 mm/s, 30 ms late",
+       [](double v, double* m) {
+         m[0] += (v - m[0]) * kStep_s / 0.03;
+         return std::tanh(m[0] / 1.5e-3);
+       }},
       {"none below 0.5 mm/s, full from 1.5 mm/s on",
        [](double v, double*) { return std::copysign(std::clamp((std::abs(v) - 5e-4) / 1e-3, 0.0, 1.0), v); }},
       {"LuGre of 150 um with damping of 2 ms, creeping at 0.1 mm/s",

@@ -2,6 +2,7 @@
 
 #include <array>
 #include <string>
+#include <tuple>
 #include <vector>
 
 namespace knee_robot::dynamics {
@@ -19,6 +20,9 @@ enum class FrictionKind {
 /// until that is crossed. One that relaxes lets go of what it holds with the time constant `relaxation_s`, in motion and at
 /// rest (a Maxwell element that slips).
 ///
+/// A smooth law may lag: with `lag_s` it is tanh of the velocity that a first-order lag leaves (frictional lag of a
+/// lubricant film that follows late; Hess and Soom 1990).
+///
 /// Bristles: with the way r = sqrt(dx^2 + (creep dt)^2), the share follows dz = (dx - r z) / width. Creep speed 0 is
 /// Dahl's model; at rest the share decays with the time width / creep (an axis that trembles by less than its encoder
 /// shows lets go of its bristles). Where that tremble is seen, as way of the encoder beyond the motion's own, a share
@@ -35,12 +39,13 @@ struct FrictionElement {
   double exponent = 1.0;       ///< Bristles without creep and tremble: Dahl's
   double gap_m = 0.0;          ///< Stop: way in its middle over which nothing presses
   double relaxation_s = 0.0;   ///< Stop: time in which it lets go of what it holds; 0: never
+  double lag_s = 0.0;          ///< Smooth: time constant with which it follows the velocity
 
-  bool operator==(const FrictionElement& o) const {
-    return kind == o.kind && share == o.share && width_m == o.width_m && speed_m_per_s == o.speed_m_per_s &&
-           damping_s == o.damping_s && tremble == o.tremble && exponent == o.exponent && gap_m == o.gap_m &&
-           relaxation_s == o.relaxation_s;
+  /// All but the share.
+  auto shape() const {
+    return std::make_tuple(kind, width_m, speed_m_per_s, damping_s, tremble, exponent, gap_m, relaxation_s, lag_s);
   }
+  bool operator==(const FrictionElement& o) const { return share == o.share && shape() == o.shape(); }
 };
 
 inline constexpr int kMostFrictionElements = 8;

@@ -3,7 +3,7 @@
 #include <Eigen/Core>
 #include <map>
 #include <mutex>
-#include <tuple>
+#include <utility>
 
 #include "knee_robot/dynamics/friction_law.h"
 
@@ -17,8 +17,7 @@ class KnownShares {
   /// time. Of a long recording only the first elements are kept.
   template <typename Compute>
   Eigen::VectorXd of(const dynamics::FrictionElement& element, const Compute& compute) {
-    const Key key(element.kind, element.width_m, element.speed_m_per_s, element.damping_s, element.tremble,
-                  element.exponent, element.gap_m, element.relaxation_s);
+    const Key key = element.shape();
     {
       const std::lock_guard<std::mutex> lock(mutex_);
       const auto found = shares_.find(key);
@@ -32,7 +31,7 @@ class KnownShares {
 
  private:
   static constexpr Eigen::Index kMostNumbers = 4'000'000;  // 32 MB a path
-  using Key = std::tuple<dynamics::FrictionKind, double, double, double, double, double, double, double>;
+  using Key = decltype(std::declval<dynamics::FrictionElement>().shape());
   std::mutex mutex_;
   std::map<Key, Eigen::VectorXd> shares_;
   Eigen::Index numbers_ = 0;
