@@ -10,6 +10,7 @@ namespace knee_robot::dynamics {
 namespace {
 
 constexpr double kNarrowest_m = 1e-12, kWidest_m = 1e3;
+constexpr double kMostPeak = 1.0;  ///< of sliding friction: what others may build up beyond it near rest
 constexpr double kSlowest_m_per_s = 1e-9, kFastest_m_per_s = 1e3;
 
 double radiusOf(bool revolute) {
@@ -52,7 +53,8 @@ FrictionElement readElement(StrictMap map, bool revolute) {
   FrictionElement e;
   const std::string law = map.choice("law", {"stop", "tanh", "bristles"});
   e.kind = law == "stop" ? FrictionKind::Stop : law == "tanh" ? FrictionKind::Smooth : FrictionKind::Bristles;
-  e.share = map.number("share", 1e-9, 1.0);
+  e.share = map.number("share", e.kind == FrictionKind::Stop ? 1e-9 : -kMostPeak, 1.0 + kMostPeak);
+  if (std::abs(e.share) < 1e-9) map.refuse("share", "is 0: leave the element out");
   e.width_m = e.kind == FrictionKind::Smooth ? 0.0 : width();
   if (e.kind == FrictionKind::Stop && map.has(revolute ? "gap_rad" : "gap_m")) e.gap_m = gap();
   if (e.kind == FrictionKind::Stop && map.has("relaxation_s")) e.relaxation_s = map.number("relaxation_s", 1e-3, 1e6);

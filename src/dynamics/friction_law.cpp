@@ -105,6 +105,9 @@ std::string nameOf(const FrictionLaw& law) {
   const FrictionElement& first = law.elements.front();
   if (all(law, FrictionKind::Stop))
     return law.count == 1 ? "one stop" : law.count == 2 ? "two stops" : "spectrum of stops";
+  if (std::any_of(law.elements.begin(), law.elements.begin() + law.count,
+                  [](const FrictionElement& e) { return e.share < 0.0; }))
+    return "peak near rest";
   if (law.count > 1) return all(law, FrictionKind::Smooth) ? "sum of tanh of velocity" : "mixture";
   if (first.kind == FrictionKind::Smooth) return first.lag_s > 0.0 ? "tanh of lagging velocity" : "tanh of velocity";
   return first.speed_m_per_s > 0.0 || first.tremble > 0.0 ? "creeping bristles" : "bristles (Dahl)";

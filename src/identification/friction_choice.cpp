@@ -25,7 +25,7 @@ dynamics::FrictionLaw lawOf(const Sum& sum, const std::vector<FrictionElement>& 
   std::vector<FrictionElement> chosen;
   for (std::size_t k = 0; k < sum.which.size(); ++k) {
     chosen.push_back(elements[static_cast<std::size_t>(sum.which[k])]);
-    chosen.back().share = sum.weights[static_cast<Eigen::Index>(k)];
+    chosen.back().share *= sum.weights[static_cast<Eigen::Index>(k)];
   }
   return dynamics::lawOf(chosen);
 }
@@ -123,7 +123,7 @@ std::vector<Eigen::MatrixXd> sharesOf(const std::vector<Observation>& training, 
     shares.emplace_back(o.samples(), static_cast<Eigen::Index>(count));
     for (std::size_t k = 0; k < count; ++k)
       shares.back().col(static_cast<Eigen::Index>(k)) =
-          atLevel(o, axis, elementShare(o.sliding[axis], elements[from + k]));
+          atLevel(o, axis, elementShare(o.sliding[axis], elements[from + k])) * elements[from + k].share;
   }
   return shares;
 }

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <numeric>
 
+#include "friction_peak.h"
+
 namespace knee_robot::identification {
 namespace {
 
@@ -29,11 +31,6 @@ constexpr std::size_t kMostInSum = 6;
 constexpr double kLeastOfSpectrum = 0.03;  ///< share of one beside many
 constexpr double kAlike = 0.3;             ///< distance of two speeds' logarithms: finer steps are not in a spectrum
 constexpr double kSlightly = 1e-6;         ///< of a column's own square: stops of neighbouring widths are alike
-constexpr double kWorthAdding = 0.01;  ///< of the squares: an element that lowers them by less is not added to a sum
-
-double geometric(double first, double last, int k, int count) {
-  return first * std::pow(last / first, static_cast<double>(k) / (count - 1));
-}
 
 /// More and less of two shapes of `found`.
 void addSides(const FrictionElement& found, double FrictionElement::*first, double FrictionElement::*second,
@@ -158,7 +155,7 @@ Sum spectrumOfSpeeds(const InWeights& squares, const std::vector<FrictionElement
   std::vector<int> smooth;
   for (int k = 0; k < static_cast<int>(squares.linear.size()); ++k) {
     const FrictionElement& e = elements[static_cast<std::size_t>(k)];
-    if (e.kind != FrictionKind::Smooth || e.exponent != 1.0 || e.lag_s > 0.0) continue;
+    if (e.kind != FrictionKind::Smooth || e.exponent != 1.0 || e.lag_s > 0.0 || e.share < 0.0) continue;
     const bool near = std::any_of(smooth.begin(), smooth.end(), [&](int other) {
       return std::abs(std::log(e.speed_m_per_s / elements[static_cast<std::size_t>(other)].speed_m_per_s)) < kAlike;
     });
@@ -224,11 +221,13 @@ std::vector<FrictionElement> elementsToTry(const FrictionRange& range) {
       all.push_back(e);
     }
   }
+  addTakenAway(range, all);
   return all;
 }
 
 void addFinerSteps(const FrictionChoice& around, double narrowest_m, std::vector<FrictionElement>& all) {
   for (const TriedLaw& tried : around.tried) {
+    addFinerPeak(tried.law, narrowest_m, all);
     if (tried.law.count > 1) continue;
     const FrictionElement& found = tried.law.elements.front();
     if (found.lag_s > 0.0) {
@@ -261,11 +260,12 @@ std::vector<Sum> bestOfFamilies(const InWeights& squares, const std::vector<Fric
   std::vector<int> mixing, rare;
   for (int k = 0; k < static_cast<int>(elements.size()); ++k) {
     const FrictionElement& e = elements[static_cast<std::size_t>(k)];
-    if (mixes(e)) (isRare(e) ? rare : mixing).push_back(k);
+    if (mixes(e) && e.share > 0.0) (isRare(e) ? rare : mixing).push_back(k);
   }
   std::vector<Sum> best;
   best.push_back(single([](const FrictionElement& e) { return e.kind == FrictionKind::Stop; }));
-  best.push_back(single([&](const FrictionElement& e) { return e.kind == FrictionKind::Smooth && e.lag_s == 0.0 && !grows(e, range); }));
+  best.push_back(single(
+      [&](const FrictionElement& e) { return e.kind == FrictionKind::Smooth && e.lag_s == 0.0 && !grows(e, range); }));
   best.push_back(single([](const FrictionElement& e) {
     return e.kind == FrictionKind::Bristles && e.speed_m_per_s == 0.0 && e.tremble == 0.0 && e.damping_s == 0.0 &&
            e.exponent == 1.0;
@@ -276,9 +276,11 @@ std::vector<Sum> bestOfFamilies(const InWeights& squares, const std::vector<Fric
   best.push_back(bestPair(squares, elements, range, mixing, mixing));
   best.push_back(bestSum(squares, elements, mixing, best.back()));
   best.push_back(spectrumOfSpeeds(squares, elements));
-  best.push_back(bestSingle(squares, elements, isRare));
+  best.push_back(bestSingle(squares, elements, [](const FrictionElement& e) { return isRare(e) && e.share > 0.0; }));
   best.push_back(bestPair(squares, elements, range, rare, mixing));
   best.push_back(bestSum(squares, elements, mixing, best.back()));
+  for (Sum& peak : bestPeaks(squares, elements, mixing))
+    best.push_back(std::move(peak));
   return best;
 }
 

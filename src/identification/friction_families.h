@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <cmath>
 #include <vector>
 
 #include "friction_fits.h"
@@ -16,14 +17,22 @@ std::vector<dynamics::FrictionElement> elementsToTry(const FrictionRange& range)
 void addFinerSteps(const FrictionChoice& around, double narrowest_m, std::vector<dynamics::FrictionElement>& all);
 
 /// Shape parameters of every family: one stop, tanh, Dahl's bristles, a tanh that lags, any bristles, all stops together (Maxwell slip),
-/// pairs, sums, all speeds of tanh together; one rare element, a pair and a sum with one.
-inline constexpr std::array<int, 12> kFamilyNumbers = {1, 1, 1, 2, 3, 6, 4, 8, 8, 2, 4, 8};
+/// pairs, sums, all speeds of tanh together; one rare element, a pair and a sum with one, a pair and a sum with a peak.
+inline constexpr std::array<int, 14> kFamilyNumbers = {1, 1, 1, 2, 3, 6, 4, 8, 8, 2, 4, 8, 4, 8};
 inline constexpr long kUsualFamilies = 9;
 
-/// A stop behind a clearance, or one that relaxes: what bends as they do may be a controller that settles, too, so that
-/// they have to be surely better than all others.
+/// A stop behind a clearance, one that relaxes, or what is taken away from others (a peak near rest): what bends as they
+/// do may be a controller that settles, too, so that they have to be surely better than all others.
 constexpr bool isRare(const dynamics::FrictionElement& e) {
-  return e.gap_m > 0.0 || e.relaxation_s > 0.0;
+  return e.gap_m > 0.0 || e.relaxation_s > 0.0 || e.share < 0.0;
+}
+
+/// Of the squares: an element that lowers them by less is not added to a sum.
+inline constexpr double kWorthAdding = 0.01;
+
+/// Value k of `count` from `first` to `last`, in equal ratios.
+inline double geometric(double first, double last, int k, int count) {
+  return first * std::pow(last / first, static_cast<double>(k) / (count - 1));
 }
 
 /// Many elements at once, whose shares come near to any law.

@@ -7,8 +7,6 @@ namespace {
 
 constexpr double kSlight = 1e-9;  ///< of a column's own square: stops of nearly equal width are nearly the same column
 
-constexpr double kLeastShare = 0.1;
-
 }  // namespace
 
 FrictionBlock& FrictionBlock::operator+=(const FrictionBlock& o) {
@@ -63,7 +61,7 @@ void eliminateBase(const FrictionBlock& fitted, const FrictionBlock& other, cons
                      follows.transpose() * seen;
 }
 
-Eigen::VectorXd positiveWeights(const InWeights& training, const std::vector<int>& which) {
+Eigen::VectorXd positiveWeights(const InWeights& training, const std::vector<int>& which, double least_share) {
   const Eigen::Index n = static_cast<Eigen::Index>(which.size());
   Eigen::MatrixXd a(n, n);
   Eigen::VectorXd b(n);
@@ -83,7 +81,7 @@ Eigen::VectorXd positiveWeights(const InWeights& training, const std::vector<int
   } else {
     w = a.ldlt().solve(b);
   }
-  return w.allFinite() && w.minCoeff() > 0.0 && w.minCoeff() >= kLeastShare * w.sum() ? w : Eigen::VectorXd();
+  return w.allFinite() && w.minCoeff() > 0.0 && w.minCoeff() >= least_share * w.sum() ? w : Eigen::VectorXd();
 }
 
 }  // namespace knee_robot::identification

@@ -34,8 +34,8 @@ struct InWeights {
 void eliminateBase(const FrictionBlock& fitted, const FrictionBlock& other, const Eigen::VectorXd& ridge,
                    InWeights& training, InWeights& held_back);
 
-/// Non-negative weights of these few columns that leave least. Empty when some weight would be less than a tenth of
-/// their sum: what carries so little is the shape of its neighbours, not a law.
-Eigen::VectorXd positiveWeights(const InWeights& training, const std::vector<int>& which);
+/// Non-negative weights of these few columns that leave least. Empty when some weight would be less than `least_share`
+/// of their sum: what carries so little is the shape of its neighbours, not a law.
+Eigen::VectorXd positiveWeights(const InWeights& training, const std::vector<int>& which, double least_share = 0.1);
 
 }  // namespace knee_robot::identification

@@ -34,8 +34,8 @@ std::vector<Sum> inElements(const std::vector<dynamics::FrictionLaw>& laws, std:
     sum.weights.resize(law.count);
     for (int k = 0; k < law.count; ++k) {
       FrictionElement e = law.elements[static_cast<std::size_t>(k)];
-      sum.weights[k] = e.share;
-      e.share = 1.0;
+      sum.weights[k] = std::abs(e.share);
+      e.share = e.share < 0.0 ? -1.0 : 1.0;
       const auto found = std::find(elements.begin(), elements.end(), e);
       sum.which.push_back(static_cast<int>(found - elements.begin()));
       if (found == elements.end()) elements.push_back(e);

@@ -100,8 +100,9 @@ std::string unmetText(const TraceResults& r) {
 }  // namespace
 
 std::string traceVerdict(const TraceResults& r) {
-  const std::string& presliding = r.result.presliding;
-  return addedText(r) + (presliding.empty() ? "" : " The baseline has presliding: " + presliding + ".") + unmetText(r);
+  const std::string &presliding = r.result.presliding, &stiction = r.result.stiction;
+  return addedText(r) + (presliding.empty() ? "" : " The baseline has presliding: " + presliding + ".") +
+         (stiction.empty() ? "" : " The baseline has stiction: " + stiction + ".") + unmetText(r);
 }
 
 /// The payload beside a given model, which is no column of its own.

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <map>
 
-#include "long_presliding.h"
+#include "said_of_laws.h"
 
 namespace knee_robot::tracing {
 namespace {
@@ -35,6 +35,9 @@ void noteWhatIsAbsorbed(Search& s, const Projection& projection, TraceResult& re
   result.presliding = longPresliding(result.baseline.choices);
   if (!result.presliding.empty())
     result.absorbed.push_back("presliding: " + result.presliding + "; the baseline's law near rest has it");
+  result.stiction = peakNearRest(result.baseline.choices);
+  if (!result.stiction.empty())
+    result.absorbed.push_back("stiction: " + result.stiction + "; the baseline's law near rest has it");
   result.absorbed.push_back("reflected_inertia: is a parameter of the baseline (rotor)");
   if (!s.data->recordings.front().motion.coupled) return;
   result.absorbed.push_back(result.payload.sentence);

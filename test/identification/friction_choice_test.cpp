@@ -77,6 +77,17 @@ std::vector<OwnLaw> ownLaws() {
          m[0] += (v - m[0]) * kStep_s / 0.03;
          return std::tanh(m[0] / 1.5e-3);
        }},
+      {"Dahl's of 80 um, 30 % more below 1 mm/s",
+       [](double v, double* m) {
+         m[0] += (v - std::abs(v) * m[0]) * kStep_s / 80e-6;
+         return m[0] * (1.0 + 0.3 * std::exp(-v * v / 1e-6));
+       }},
+      {"a hump of 30 % over half a millimetre after a reversal",
+       [](double v, double* m) {
+         m[0] += (v - std::abs(v) * m[0]) * kStep_s / 60e-6;
+         m[1] += (v - std::abs(v) * m[1]) * kStep_s / 600e-6;
+         return 1.3 * m[0] - 0.3 * m[1];
+       }},
       {"none below 0.5 mm/s, full from 1.5 mm/s on",
        [](double v, double*) { return std::copysign(std::clamp((std::abs(v) - 5e-4) / 1e-3, 0.0, 1.0), v); }},
       {"LuGre of 150 um with damping of 2 ms, creeping at 0.1 mm/s",

@@ -31,7 +31,7 @@ enum class FrictionKind {
 /// it for ductile contacts) makes it dz = (1 - z sign(dx))^exponent dx / width, without creep and tremble.
 struct FrictionElement {
   FrictionKind kind = FrictionKind::Stop;
-  double share = 1.0;          ///< of the actuator's Coulomb friction
+  double share = 1.0;  ///< of the actuator's Coulomb friction; below 0: taken away from the others (a peak near rest)
   double width_m = 1e-5;       ///< Stop, Bristles
   double speed_m_per_s = 0.0;  ///< Smooth: of tanh; Bristles: creep
   double damping_s = 0.0;      ///< Bristles

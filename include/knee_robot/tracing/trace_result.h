@@ -62,6 +62,7 @@ struct TraceResult {
   Eigen::VectorXd before_rms_N, after_rms_N;  ///< training rows
   std::vector<std::string> absorbed;          ///< what the base parameters take up, one sentence each
   std::string presliding;  ///< where the baseline's laws near rest have it surely, with the laws; empty: nowhere
+  std::string stiction;    ///< the same of a peak near rest
   std::vector<std::string> rejected;  ///< what came close, and why it was not added
   std::vector<std::string> doubts;    ///< whether the baseline describes the training recordings at all
   std::vector<std::string> notes;

@@ -12,4 +12,9 @@ namespace knee_robot::tracing {
 /// way is surely worse on held-back blocks; empty where that is so of none.
 std::string longPresliding(const std::vector<identification::FrictionChoice>& choices);
 
+/// Says on which actuators friction is larger near rest than beyond (stiction, a hump after a reversal), and by how much
+/// of it: the baseline's own law near rest has that. Such laws are chosen only where they are surely better than all
+/// others; empty where none was.
+std::string peakNearRest(const std::vector<identification::FrictionChoice>& choices);
+
 }  // namespace knee_robot::tracing

@@ -1,4 +1,4 @@
-#include "src/tracing/long_presliding.h"
+#include "src/tracing/said_of_laws.h"
 
 #include <gtest/gtest.h>
 
@@ -34,6 +34,15 @@ TEST(LongPresliding, IsNotSaidOfASmallPartOfTheFriction) {
 
 TEST(LongPresliding, IsNotSaidOfLawsThatWereGivenRatherThanTried) {
   EXPECT_EQ(longPresliding({{kLong, {}}}), "");
+}
+
+TEST(PeakNearRest, IsSaidOfLawsThatTakeAwayFromWhatBuildsUp) {
+  const dynamics::FrictionLaw peak = dynamics::lawOf(
+      {{dynamics::FrictionKind::Bristles, 1.3, 8e-5}, {dynamics::FrictionKind::Smooth, -0.3, 0.0, 1e-3}});
+  EXPECT_EQ(peakNearRest({{kStep, {tried(kStep, 0.0, 0.0)}}, {peak, {tried(peak, 0.0, 0.0)}}}),
+            "dry friction is larger near rest than beyond, by up to 30 % on actuator 2 (bristles 80 um (130 %) + "
+            "tanh(v / 1 mm/s) (-30 %))");
+  EXPECT_EQ(peakNearRest({{kStep, {tried(kStep, 0.0, 0.0)}}, {peak, {}}}), "");
 }
 
 }  // namespace
