@@ -24,6 +24,7 @@ const double kSmoothExponents[] = {1.0, 3.0};  // above 1: next to nothing rubs 
 const double kGaps[] = {0.5, 1.0, 2.0};        // of the width
 const double kRelaxations_s[] = {2.0, 6.0};    // what fades within a second of rest is a controller that settles
 const double kLags_s[] = {0.015, 0.025, 0.04};
+constexpr double kLeastLag_s = 0.01;  ///< less is what the timing of rows does
 const double kFinerFactors[] = {0.8, 0.87, 0.93, 0.97, 1.03, 1.07, 1.15, 1.25};
 const double kFinerSides[] = {0.8, 0.9, 1.0, 1.12, 1.25};
 constexpr double kFarApart = 2.0;
@@ -232,6 +233,9 @@ void addFinerSteps(const FrictionChoice& around, double narrowest_m, std::vector
     const FrictionElement& found = tried.law.elements.front();
     if (found.lag_s > 0.0) {
       addSides(found, &FrictionElement::speed_m_per_s, &FrictionElement::lag_s, all);
+      all.erase(
+          std::remove_if(all.begin(), all.end(), [](const auto& e) { return e.lag_s > 0.0 && e.lag_s < kLeastLag_s; }),
+          all.end());
     } else if (found.gap_m > 0.0) {
       addSides(found, &FrictionElement::width_m, &FrictionElement::gap_m, all);
     } else if (found.relaxation_s > 0.0) {

@@ -8,8 +8,8 @@
 namespace knee_robot::tracing {
 namespace {
 
-constexpr double kLong_m = 5e-5;  ///< two and a half steps of a 20 um encoder
-constexpr double kMost = 0.5;     ///< share of the friction that builds up over a long way
+constexpr double kLong_m = 5e-5;      ///< two and a half steps of a 20 um encoder
+constexpr double kMost = 0.5;         ///< share of the friction that builds up over a long way
 constexpr double kSurelyWorse = 2.0;  ///< standard errors by which laws without must be worse
 
 bool mostlyLong(const dynamics::FrictionLaw& law) {
