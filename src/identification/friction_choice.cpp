@@ -165,7 +165,9 @@ FrictionChoice chosenOf(const std::vector<Sum>& best, const Eigen::MatrixXd& err
       !best[static_cast<std::size_t>(rare)].which.empty() && of_rare.mean < -kSurelyRare * of_rare.standard_error;
   const Eigen::Index first = is_rare ? kUsualFamilies : 0, end = is_rare ? mean.size() : kUsualFamilies;
   if (is_rare) least = rare;
-  const double within = isSpectrum(least) ? kWithinErrorsOfSpectrum : kWithinErrors;
+  const auto within = [&](Eigen::Index family) {  // a lag, whose own error is the least sure, has to be as good
+    return isSpectrum(least) && family != kLaggingFamily ? kWithinErrorsOfSpectrum : kWithinErrors;
+  };
   others.best = error.col(least);
   others.share = share;
   FrictionChoice choice;
@@ -176,7 +178,7 @@ FrictionChoice chosenOf(const std::vector<Sum>& best, const Eigen::MatrixXd& err
     const Worse worse = worseBy(error, share, f, least);
     choice.tried.push_back(
         {lawOf(sum, elements), kFamilyNumbers[static_cast<std::size_t>(f)], mean[f], worse.mean, worse.standard_error});
-    if (chosen || f < first || f >= end || worse.mean > within * worse.standard_error) continue;
+    if (chosen || f < first || f >= end || worse.mean > within(f) * worse.standard_error) continue;
     choice.law = choice.tried.back().law;
     chosen = true;
   }

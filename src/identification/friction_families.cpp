@@ -222,7 +222,7 @@ std::vector<FrictionElement> elementsToTry(const FrictionRange& range) {
       all.push_back(e);
     }
   }
-  addTakenAway(range, all);
+  if (range.peak) addTakenAway(range, all);
   return all;
 }
 
@@ -283,7 +283,7 @@ std::vector<Sum> bestOfFamilies(const InWeights& squares, const std::vector<Fric
   best.push_back(bestSingle(squares, elements, [](const FrictionElement& e) { return isRare(e) && e.share > 0.0; }));
   best.push_back(bestPair(squares, elements, range, rare, mixing));
   best.push_back(bestSum(squares, elements, mixing, best.back()));
-  for (Sum& peak : bestPeaks(squares, elements, mixing))
+  for (Sum& peak : range.peak ? bestPeaks(squares, elements, mixing) : std::vector<Sum>(2))
     best.push_back(std::move(peak));
   return best;
 }

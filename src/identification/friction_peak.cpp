@@ -14,9 +14,9 @@ using dynamics::FrictionKind;
 constexpr int kPeakSpeeds = 4, kPeakWidths = 4;
 constexpr double kFastestPeak_m_per_s = 2e-3;  ///< Stribeck friction as an effect begins there
 constexpr double kSlowestShare = 2.0, kFastestShare = 0.4, kNarrowestShare = 0.15;  ///< of the range's ends
-constexpr double kWider = 3.0;       ///< bristles that are taken away, than what they are taken away from
-constexpr double kLeastPeak = 0.04;  ///< share of all weights
-constexpr double kMostPeak = 0.5;    ///< of what builds up: friction near rest is at most twice as large as beyond
+constexpr double kWider = 3.0;           ///< bristles that are taken away, than what they are taken away from
+constexpr double kLeastPeak = 0.04;      ///< share of all weights
+constexpr double kMostPeak = 1.0 / 3.0;  ///< of what builds up: friction near rest is at most half as large again
 constexpr std::size_t kMostInPeak = 4;
 const double kFinerPeak[] = {0.7, 0.84, 1.19, 1.4};
 

@@ -16,7 +16,7 @@ void addTakenAway(const FrictionRange& range, std::vector<dynamics::FrictionElem
 /// Finer steps around the elements of a law with a peak; nothing of another law.
 void addFinerPeak(const dynamics::FrictionLaw& found, double narrowest_m, std::vector<dynamics::FrictionElement>& all);
 
-/// Best law with a peak of at most the sliding friction's own size: a pair, and with more elements of `mixing`.
+/// Best law with a peak of at most half the sliding friction: a pair, and with more elements of `mixing`.
 std::vector<Sum> bestPeaks(const InWeights& squares, const std::vector<dynamics::FrictionElement>& elements,
                            const std::vector<int>& mixing);
 

@@ -220,11 +220,12 @@ constexpr double kSlowShare = 1e-3;
 
 /// Of a chain, whose joints may be gears of any size, by travel and speed.
 std::vector<FrictionRange> frictionRanges(const mechanism::Robot& robot, const std::vector<Observation>& training,
-                                          const std::vector<double>& narrowest) {
+                                          const std::vector<double>& narrowest, const std::vector<char>& without_peak) {
   std::vector<FrictionRange> ranges;
   for (std::size_t i = 0; i < narrowest.size(); ++i) {
     FrictionRange range;
     range.narrowest_m = narrowest[i];
+    range.peak = without_peak.empty() || without_peak[i] == 0;
     for (const Observation& o : training) {
       const Eigen::Index c = static_cast<Eigen::Index>(i);
       const double speed = usualSpeed(o.signals, c);
@@ -287,7 +288,7 @@ Identification identify(const mechanism::Robot& robot, std::vector<Observation>&
   refuseSaturated(training);
   const std::vector<char> use = usedColumns(id.columns, options.friction);
   const std::vector<double> narrowest = narrowestWidths(robot, options.narrowest_counts);
-  const std::vector<FrictionRange> ranges = frictionRanges(robot, training, narrowest);
+  const std::vector<FrictionRange> ranges = frictionRanges(robot, training, narrowest, options.without_peak);
   for (const double width : narrowest)
     id.model.friction.push_back(dynamics::stopLaw(width));
   for (Observation& o : training)

@@ -67,7 +67,8 @@ BaseFit inCoordinates(const identification::Identification& id, const Stack& sta
 
 BaseFit fitBase(const mechanism::Robot& robot, std::vector<identification::Observation>& training, const Stack& stack,
                 const std::vector<identification::Column>& columns, int rank, const Eigen::VectorXd* given,
-                const std::vector<Eigen::MatrixXd>& effects_N, const std::vector<Eigen::MatrixXd>& levels) {
+                const std::vector<Eigen::MatrixXd>& effects_N, const std::vector<Eigen::MatrixXd>& levels,
+                const std::vector<char>& without_peak) {
   if (stack.size() < kFewestSamples) {
     throw Refusal("only " + std::to_string(stack.size()) + " usable samples in the training recordings (at least " +
                   std::to_string(kFewestSamples) + " are needed): record a longer motion, away from singular poses");
@@ -78,6 +79,7 @@ BaseFit fitBase(const mechanism::Robot& robot, std::vector<identification::Obser
   options.rank = rank;
   options.uncertainty = false;
   if (given != nullptr) options.towards = *given;
+  options.without_peak = without_peak;
   BaseFit base;
   Eigen::VectorXd residual(stack.size() * stack.axes);
   {

@@ -139,9 +139,14 @@ bool rebase(Search& s) {
     effects_N.push_back(std::move(split.force_N));
     levels.push_back(std::move(split.level));
   }
+  // Beside an effect that makes friction larger near rest, a law's peak would be the same thing in a coarser form.
+  std::vector<char> without_peak(static_cast<std::size_t>(robot.axes()), 0);
+  for (const Hypothesis& h : now.effects) {
+    if (h.place.candidate->actsNearRest()) without_peak[static_cast<std::size_t>(h.place.actuator)] = 1;
+  }
   const Eigen::VectorXd start = s.base->start;
-  return adoptBase(
-      s, fitBase(robot, data.recordings, data.stack, s.base->columns, s.options->rank, &start, effects_N, levels));
+  return adoptBase(s, fitBase(robot, data.recordings, data.stack, s.base->columns, s.options->rank, &start, effects_N,
+                              levels, without_peak));
 }
 
 }  // namespace knee_robot::tracing

@@ -17,6 +17,7 @@ struct FrictionRange {
   /// Up to this speed a part of it may go on growing, ever less: viscous friction that a straight line does not
   /// describe.
   double growing_m_per_s = 0.0;
+  bool peak = true;  ///< friction may be larger near rest than beyond
 };
 
 /// One family of laws that was tried for an actuator.

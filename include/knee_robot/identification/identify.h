@@ -25,6 +25,9 @@ struct IdentifyOptions {
   /// Parameters, per column, that the fit is pulled towards instead of the robot's own prior; those with a sign do not
   /// count. Empty: the prior's.
   Eigen::VectorXd towards;
+  /// Actuators whose law near rest has no peak, because something else is known to make friction larger there. Empty:
+  /// none.
+  std::vector<char> without_peak;
 };
 
 /// A fitted model, and what its choices rest on. Nothing in here depends on validation data.

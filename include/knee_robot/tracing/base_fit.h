@@ -33,10 +33,12 @@ struct BaseFit {
 /// `rank` 0: all directions, pulled towards the prior as held-back blocks choose. With `given` (parameters of a given
 /// model, per column) the pull is towards those; friction and rotors, which have a sign, are fitted anew. `effects_N`
 /// (per recording, samples x axes, N; may be empty) is taken off the force first; `levels` (the same, factors of
-/// Coulomb friction) multiplies what friction's law gives while it is chosen.
+/// Coulomb friction) multiplies what friction's law gives while it is chosen. Actuators of `without_peak` have laws
+/// without a peak near rest (may be empty).
 BaseFit fitBase(const mechanism::Robot& robot, std::vector<identification::Observation>& training, const Stack& stack,
                 const std::vector<identification::Column>& columns, int rank, const Eigen::VectorXd* given = nullptr,
-                const std::vector<Eigen::MatrixXd>& effects_N = {}, const std::vector<Eigen::MatrixXd>& levels = {});
+                const std::vector<Eigen::MatrixXd>& effects_N = {}, const std::vector<Eigen::MatrixXd>& levels = {},
+                const std::vector<char>& without_peak = {});
 
 /// Weighted regressor in base coordinates (rows: actuator after actuator, picks within), and weighted force less that
 /// of `start`.
