@@ -34,9 +34,7 @@ bool AxesOutput::configureHook() {
   timing.decelerate_limit = rt::fromSeconds(decelerate_limit);
   timing.settle = rt::fromSeconds(settle_time);
   // Shorted windings let the platform sink, and `none` does not hold at all: there is nothing to watch.
-  const auto is_brake = [](const HardwareFile::Axis& axis) { return axis.hold_device == HoldDevice::Brake; };
-  const bool brakes = std::all_of(hardware_.axes.begin(), hardware_.axes.end(), is_brake);
-  timing.transfer = brakes ? rt::fromSeconds(transfer_time) : 0;
+  timing.transfer = hardware_.holdsByBrakes() ? rt::fromSeconds(transfer_time) : 0;
   timing.hold_delay = rt::fromSeconds(hardware_.holdDelay());
   timing.disable_delay = rt::fromSeconds(hardware_.drive_enable_delay_s);
   safe_stop_ = SafeStop(timing);

@@ -25,7 +25,7 @@ void GuardianWatch::listen(const GuardianView& view) noexcept {
 
 GuardianAction GuardianWatch::step(const GuardianView& view) noexcept {
   listen(view);
-  if (view.reset_asked && !view.armed) {
+  if (view.reset_asked && !view.armed && !view.hands_over) {
     tripped_ = false;
     cause_ = GuardianCause::None;
     return GuardianAction::Release;
@@ -50,6 +50,7 @@ Guardian::Guardian(hardware::GuardianLink& link, hardware::EmergencyOutputs& out
 
 bool Guardian::startHook() {
   link_.guardian_pid.store(::getpid());
+  link_.acts.store(0);
   first_cycle_ = true;
   return true;
 }
@@ -69,6 +70,7 @@ void Guardian::updateHook(const rt::Cycle& /*cycle*/) {
   const std::uint32_t request = link_.reset_request.load();
   view.fenced = link_.tripped.load() != 0;
   view.reset_asked = request != link_.reset_done.load();
+  view.hands_over = hand_over_.isWatching();
   view.armed = link_.armed.load() != 0;  // after the request: whoever asks has disarmed before
   switch (watch_.step(view)) {
     case GuardianAction::Watch:
@@ -80,9 +82,9 @@ void Guardian::updateHook(const rt::Cycle& /*cycle*/) {
       keepDown(view.now);
       break;
     case GuardianAction::Release:
-      if (carry_until_ != 0) outputs_.down();
-      carry_until_ = 0;
-      report_.acts.store(false);
+      if (hand_over_.isRunning()) outputs_.down();
+      hand_over_ = GuardianHandOver();
+      setActs(false);
       link_.tripped.store(0);
       link_.reset_done.store(request);
       report_.releases.fetch_add(1);
@@ -94,38 +96,60 @@ void Guardian::updateHook(const rt::Cycle& /*cycle*/) {
 /// The holding brakes engage, the drives give what carried the robot at rest.
 bool Guardian::carryLoad() noexcept {
   if (carry_.time == 0 || !watch_.hasHeard() || link_.carries.load(std::memory_order_acquire) == 0) return false;
+  GuardianHandOver::Counts slip{};
   for (std::size_t i = 0; i < load_V_.size(); ++i) {
     load_V_[i] = link_.load_V[i].load(std::memory_order_relaxed);
     if (!(std::abs(load_V_[i]) <= kLargest_V)) return false;
+    slip[i] = link_.slip_counts[i].load(std::memory_order_relaxed);
   }
-  return writeCarry();
+  hand_over_.begin(clock_(), carry_.time, carry_.watches ? slip : GuardianHandOver::Counts{});
+  if (writeCarry()) return true;
+  hand_over_ = GuardianHandOver();
+  return false;
 }
 
 bool Guardian::writeCarry() noexcept {
   beat_ = !beat_;
   const auto bits = static_cast<std::uint8_t>(carry_.outputs | (beat_ ? carry_.heartbeat : 0u));
-  return outputs_.carry(bits, load_V_) == hardware::IoStatus::Ok;
+  std::array<double, hardware::kChannels> volts = load_V_;
+  for (double& one : volts)
+    one *= hand_over_.share();
+  return outputs_.carry(bits, volts) == hardware::IoStatus::Ok;
 }
 
 /// A write already in progress passes the fence; so write again every cycle.
 void Guardian::keepDown(rt::Nanoseconds now) noexcept {
-  if (now < carry_until_ && writeCarry()) return;
+  const bool carried = hand_over_.isRunning();
+  if (carried) handOver(now);
+  if (hand_over_.isRunning() && writeCarry()) return;
   const hardware::IoStatus status = outputs_.down();
-  if (carry_until_ != 0) report_.written.store(status == hardware::IoStatus::Ok);
-  carry_until_ = 0;
-  report_.acts.store(false);
+  if (carried) report_.written.store(status == hardware::IoStatus::Ok);
+  hand_over_ = GuardianHandOver();
+  setActs(false);
+}
+
+void Guardian::handOver(rt::Nanoseconds now) noexcept {
+  GuardianHandOver::Counts counts{};
+  hand_over_.step(now, outputs_.readCounts(counts) == hardware::IoStatus::Ok ? &counts : nullptr);
+  report_.slipped.store(hand_over_.slipped());
+}
+
+/// Also in the link: whoever else brings outputs down has to wait for it.
+void Guardian::setActs(bool acts) noexcept {
+  report_.acts.store(acts);
+  link_.acts.store(acts ? 1 : 0);
 }
 
 /// The fence first: a controller that wakes up now must not write behind the guardian's back.
 void Guardian::trip() noexcept {
-  report_.acts.store(true);
+  setActs(true);
+  report_.slipped.store(0);
   link_.tripped.store(1);
   const rt::Nanoseconds began = clock_();
   const bool carries = carryLoad();
   const hardware::IoStatus status = carries ? hardware::IoStatus::Ok : outputs_.down();
   const rt::Nanoseconds down = clock_();
-  if (carries) carry_until_ = down + carry_.time;
-  if (!carries) report_.acts.store(false);
+  if (!carries) setActs(false);
   report_.carried.store(carries ? carry_.time : 0);
   report_.cause.store(watch_.cause());
   report_.controller_pid.store(link_.controller_pid.load());

@@ -114,6 +114,10 @@ double HardwareFile::holdDelay() const {
   return delay;
 }
 
+bool HardwareFile::holdsByBrakes() const {
+  return std::all_of(axes.begin(), axes.end(), [](const Axis& axis) { return axis.hold_device == HoldDevice::Brake; });
+}
+
 std::array<hardware::can::AxisUnits, hardware::kAxes> canUnits(const mechanism::Robot& robot) {
   std::array<hardware::can::AxisUnits, hardware::kAxes> units{};
   for (std::size_t i = 0; i < units.size(); ++i) {

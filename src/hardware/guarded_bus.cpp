@@ -50,6 +50,8 @@ std::string GuardedBus::takeOver() {
   if (const std::int32_t other = claim())
     return "process " + std::to_string(other) + " already controls this robot; end it first.";
   link_.carries.store(0);
+  for (std::size_t i = 0; i < link_.slip_counts.size(); ++i)
+    link_.slip_counts[i].store(options_.slip_counts[i]);
   if (options_.outputs != nullptr && options_.outputs->down() != IoStatus::Ok)
     return "the outputs of an earlier controller cannot be brought down: a card refuses.";
   return "";

@@ -46,4 +46,14 @@ IoStatus forceCarry(RegisterAccess& analog, RegisterAccess& counter, std::uint8_
   return first;
 }
 
+IoStatus latchedCounts(RegisterAccess& counter, std::array<std::int32_t, kChannels>& counts) noexcept {
+  IoStatus status = counter.write32(pci1784::kLatch, pci1784::kAllCounters);
+  for (int channel = 0; channel < kChannels && status == IoStatus::Ok; ++channel) {
+    std::uint32_t raw = 0;
+    status = counter.read32(pci1784::counter(channel), raw);
+    counts[static_cast<std::size_t>(channel)] = static_cast<std::int32_t>(raw);
+  }
+  return status == IoStatus::Ok ? outputsPresence(counter) : status;
+}
+
 }  // namespace knee_robot::hardware

@@ -71,6 +71,18 @@ void tellTrip(const control::GuardianReport& report) {
   std::fflush(stdout);
 }
 
+void tellSlip(const control::GuardianReport& report, int& told) {
+  const int axis = report.slipped.load();
+  if (axis != 0 && told == 0) {
+    std::printf(
+        "guardian: THE HOLDING BRAKE OF AXIS %d DID NOT HOLD when it should: the drives carry on, for %g s at most; "
+        "support the platform, then mend the brake\n",
+        axis, rt::toSeconds(control::GuardianHandOver::kLongest));
+    std::fflush(stdout);
+  }
+  told = axis;
+}
+
 /// A controller that ends with its guardian, as roslaunch ends both, goes first: it calls a guardian that goes before
 /// it a fault.
 class ControllersTime {
@@ -116,12 +128,14 @@ class RemovedLink {
 void reportUntilDone(const control::GuardianReport& report, hardware::SharedGuardianLink& memory) {
   const hardware::GuardianLink& link = memory.link();
   std::uint32_t told = 0;
+  int slip_told = 0;
   RemovedLink removed;
   ControllersTime controllers_time;
   while (!stop_requested || controllers_time.lasts(link) || (link.armed.load() != 0 && link.tripped.load() == 0) ||
          report.acts.load()) {
     pause();
     removed.look(memory);
+    tellSlip(report, slip_told);
     const std::uint32_t trips = report.trips.load(std::memory_order_acquire);
     if (trips == told) continue;
     told = trips;
@@ -188,6 +202,14 @@ bool letControllerStop(const hardware::GuardianLink& link) {
   return true;
 }
 
+/// A guardian that has tripped lets the drives carry until the brakes hold.
+void letGuardianHandOver(const hardware::GuardianLink& link) {
+  constexpr rt::Nanoseconds kLongest = 3 * control::GuardianHandOver::kLongest / 2;
+  const rt::Nanoseconds began = rt::monotonicNow();
+  while (link.acts.load() != 0 && guardianActs(link) && rt::monotonicNow() - began < kLongest)
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+}
+
 /// What a service manager calls after the controller or its guardian has ended, for whatever reason. Beside a guardian
 /// that lives a controller is fenced out at once; without one it is first given the time to stop by itself, and left
 /// alone where it goes on carrying.
@@ -201,6 +223,7 @@ int bringDownNow(const Options& options) {
       return 1;
     }
     memory->link().tripped.store(1);
+    letGuardianHandOver(memory->link());
   }
   hardware::IoStatus status = outputs->down();
   pause();
@@ -213,7 +236,7 @@ int bringDownNow(const Options& options) {
 
 control::GuardianCarry carryOf(const control::HardwareFile& file) {
   return {static_cast<std::uint8_t>(1u << file.drive_enable_bit), static_cast<std::uint8_t>(1u << file.heartbeat_bit),
-          rt::fromSeconds(file.holdDelay())};
+          rt::fromSeconds(file.holdDelay()), file.holdsByBrakes()};
 }
 
 int run(const Options& options) {

@@ -3,6 +3,7 @@
 #include <array>
 #include <atomic>
 
+#include "knee_robot/control/guardian_hand_over.h"
 #include "knee_robot/hardware/emergency_outputs.h"
 #include "knee_robot/hardware/guardian_link.h"
 #include "knee_robot/hardware/process_watch.h"
@@ -27,6 +28,7 @@ struct GuardianView {
   bool armed = false;         ///< drives enabled or holding brakes released
   bool process_gone = false;  ///< the controller's process has ended
   bool reset_asked = false;   ///< the controller asks for the outputs
+  bool hands_over = false;    ///< the drives still carry, and the brakes are being watched: nothing is given back
   bool fenced = false;        ///< the outputs have been taken already, by another guardian or by --down-now
 };
 
@@ -69,6 +71,7 @@ struct GuardianReport {
   std::atomic<std::int32_t> controller_pid{0};
   std::atomic<rt::Nanoseconds> reaction{0};  ///< from the last heartbeat seen until the holding brakes were ordered
   std::atomic<rt::Nanoseconds> carried{0};   ///< for so long the drives carry the load from then on; 0: down at once
+  std::atomic<int> slipped{0};               ///< axis, 1 to 4, whose brake held too late, if at all; 0: none did
   std::atomic<rt::Nanoseconds> writing{0};   ///< the part of it that the writes took
   std::atomic<bool> written{true};           ///< the cards took all writes
   std::atomic<bool> found_nobody{false};     ///< no controller lived at the start: outputs brought down
@@ -76,7 +79,7 @@ struct GuardianReport {
 };
 
 /// What the drives do between a trip and 0 V: they give what carried the robot at rest (GuardianLink::load_V), until
-/// the holding brakes do.
+/// the holding brakes do (GuardianHandOver).
 /// Without it a platform falls by 6 mm while brakes of 50 ms engage. Only what is on may stay on: a guardian that has
 /// not itself seen the controller at work goes down at once, for what the link says may be a dead controller's, of
 /// drives that are off since.
@@ -85,6 +88,7 @@ struct GuardianCarry {
   std::uint8_t heartbeat =
       0;                     ///< output that is toggled in every cycle: a relay that watches it keeps the drives' power
   rt::Nanoseconds time = 0;  ///< what the slowest holding brake takes; 0: down at once
+  bool watches = true;       ///< brakes hold each axis: none may move while the load is handed over to them
 };
 
 /// The guardian's cycle: looks at the link and at the controller's process, and brings the outputs down when it is
@@ -106,7 +110,9 @@ class Guardian : public rt::TaskContext {
   void trip() noexcept;
   bool carryLoad() noexcept;
   bool writeCarry() noexcept;
+  void handOver(rt::Nanoseconds now) noexcept;
   void keepDown(rt::Nanoseconds now) noexcept;
+  void setActs(bool acts) noexcept;
 
   hardware::GuardianLink& link_;
   hardware::EmergencyOutputs& outputs_;
@@ -114,7 +120,7 @@ class Guardian : public rt::TaskContext {
   GuardianWatch watch_;
   hardware::ProcessWatch process_;
   const GuardianCarry carry_;
-  rt::Nanoseconds carry_until_ = 0;  // 0: does not carry
+  GuardianHandOver hand_over_;
   std::array<double, hardware::kChannels> load_V_{};
   bool beat_ = false;
   bool first_cycle_ = true;

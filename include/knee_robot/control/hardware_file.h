@@ -87,6 +87,8 @@ struct HardwareFile {
 
   /// The slowest holding brake.
   double holdDelay() const;
+  /// Each axis has a brake: none moves when they have engaged. Shorted windings let the platform sink.
+  bool holdsByBrakes() const;
 };
 
 /// Reads a hardware file strictly. InputError (file, line, limit) for anything unknown or senseless, and for

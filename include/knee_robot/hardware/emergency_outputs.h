@@ -8,7 +8,7 @@
 
 namespace knee_robot::hardware {
 
-/// A handle to the outputs that can do nothing but what its two functions say, and remembers nothing. For a guardian
+/// A handle to the cards that can do nothing but what its functions say, and remembers nothing. For a guardian
 /// beside the controller: it never initialises. Real-time safe.
 class EmergencyOutputs {
  public:
@@ -22,6 +22,8 @@ class EmergencyOutputs {
   virtual IoStatus carry(std::uint8_t /*bits*/, const std::array<double, kChannels>& /*volts*/) noexcept {
     return IoStatus::NotReady;
   }
+  /// Where the axes are, in counts of their encoders; changes nothing. NotReady: it cannot.
+  virtual IoStatus readCounts(std::array<std::int32_t, kChannels>& /*counts*/) noexcept { return IoStatus::NotReady; }
 };
 
 }  // namespace knee_robot::hardware

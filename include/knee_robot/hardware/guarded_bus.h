@@ -25,6 +25,8 @@ class GuardedBus : public AxisBus {
         nullptr;  ///< what brings the outputs down before anything else; none: the bus' self test does
     std::int64_t guardian_silence_ns = 50'000'000;  ///< a guardian that does not cycle for so long is dead
     std::int64_t (*clock)() noexcept = monotonicTime;
+    /// Counts by which an axis moves whose holding brake does not hold, for the guardian; 0: it does not watch them.
+    std::array<std::int32_t, kAxes> slip_counts{};
     std::uint64_t machine = 0;  ///< machineMark() that the guardian has to have, too; 0: not compared
   };
 

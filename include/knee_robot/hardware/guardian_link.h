@@ -13,7 +13,7 @@ namespace knee_robot::hardware {
 /// read back its outputs (the PCI-1720 can not, of the PCI-1784 it is not known). All zero: nobody has been there yet.
 /// Each field has one writer; plain lock-free atomics, so a process that dies at any place leaves the others working.
 struct GuardianLink {
-  static constexpr std::uint64_t kMagic = 0x6b6e65655f677232;  // "knee_gr2"
+  static constexpr std::uint64_t kMagic = 0x6b6e65655f677233;  // "knee_gr3"
 
   std::atomic<std::uint64_t> magic{0};
 
@@ -24,11 +24,14 @@ struct GuardianLink {
   std::atomic<std::uint32_t> reset_request{0};  ///< a new number asks the guardian to give the outputs back
   std::atomic<std::uint32_t> carries{0};        ///< 1: load_V is valid; the drives give it until the brakes hold
   std::array<std::atomic<double>, kChannels> load_V{};  ///< what carries the robot at rest at this place
+  std::array<std::atomic<std::int32_t>, kChannels>
+      slip_counts{};  ///< so far an axis moves whose brake does not hold; 0: nothing is watched
 
   // written by the guardian
   std::atomic<std::int32_t> guardian_pid{0};
   std::atomic<std::uint64_t> guardian_cycles{0};
   std::atomic<std::uint32_t> tripped{0};     ///< 1: the outputs are the guardian's, the controller is fenced out
+  std::atomic<std::uint32_t> acts{0};        ///< 1: it has tripped, and the drives carry until the brakes hold
   std::atomic<std::uint32_t> reset_done{0};  ///< last reset_request that was granted
   std::atomic<std::uint64_t> machine{0};     ///< machineMark() of what it brings down; 0: it has not said
 };

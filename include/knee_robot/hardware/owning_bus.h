@@ -37,6 +37,9 @@ class OwningEmergencyOutputs : public EmergencyOutputs {
   IoStatus carry(std::uint8_t bits, const std::array<double, kChannels>& volts) noexcept override {
     return forceCarry(cards_.analog(), cards_.counter(), bits, volts);
   }
+  IoStatus readCounts(std::array<std::int32_t, kChannels>& counts) noexcept override {
+    return latchedCounts(cards_.counter(), counts);
+  }
 
  private:
   Cards cards_;

@@ -31,4 +31,7 @@ IoStatus forceDown(RegisterAccess& analog, RegisterAccess& counter) noexcept;
 IoStatus forceCarry(RegisterAccess& analog, RegisterAccess& counter, std::uint8_t bits,
                     const std::array<double, kChannels>& volts) noexcept;
 
+/// The four counters, latched at one instant, of a card that is there; nothing else of it changes. Real-time safe.
+IoStatus latchedCounts(RegisterAccess& counter, std::array<std::int32_t, kChannels>& counts) noexcept;
+
 }  // namespace knee_robot::hardware
