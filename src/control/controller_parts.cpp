@@ -31,6 +31,26 @@ void requireBusPeriod(const HardwareFile& hardware, const rt::Deployment& deploy
   }
 }
 
+/// Lengths a thousand times too small leave each loop without effect, and the platform falls as if no drive were on.
+void requirePossibleEncoders(const mechanism::Robot& robot, const HardwareFile& hardware) {
+  constexpr double kCardCounts_per_s = 8e6;  // encoder inputs up to 2 MHz (Pci1784::Options), four counts each
+  constexpr double kTurns_per_s = 1000.0;    // of a drive's motor: 60000 rpm
+  for (std::size_t i = 0; i < robot.actuators.size(); ++i) {
+    const mechanism::Actuator& a = robot.actuators[i];
+    const double turns = a.velocity_max_m_per_s / a.screw_lead_m;
+    const bool possible = hardware.can ? turns <= kTurns_per_s : turns * a.counts_per_revolution <= kCardCounts_per_s;
+    if (possible) continue;
+    throw InputError(robot.path + ": actuators: at velocity_max_m_per_s " + shortNumber(a.velocity_max_m_per_s) +
+                     " axis " + std::to_string(i + 1) + " would " +
+                     (hardware.can
+                          ? "turn " + shortNumber(turns) + " times in a second, and no motor does more than " +
+                                shortNumber(kTurns_per_s)
+                          : "count " + shortNumber(turns * a.counts_per_revolution) +
+                                " times in a second, and the counter card does " + shortNumber(kCardCounts_per_s)) +
+                     "; correct screw_lead_m (metres) or counts_per_revolution");
+  }
+}
+
 const mechanism::Robot& requireFourAxes(const mechanism::Robot& robot) {
   if (robot.axes() != hardware::kAxes) {
     throw InputError(robot.path + ": actuators: the controller drives four actuators, not " +
@@ -42,6 +62,7 @@ const mechanism::Robot& requireFourAxes(const mechanism::Robot& robot) {
 std::unique_ptr<rt::Deployment> deploy(const mechanism::Robot& robot, const HardwareFile& hardware,
                                        const std::string& path, hardware::AxisBus& bus,
                                        const ControlSystem::Options& options) {
+  requirePossibleEncoders(robot, hardware);
   rt::TypeFactory types = options.types;  // these win
   types.merge(componentTypes(robot, hardware, bus, lengthsAtStart(robot, options)));
   auto deployment = std::make_unique<rt::Deployment>(path, types, options.execution);
