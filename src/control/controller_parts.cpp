@@ -6,6 +6,7 @@
 #include "knee_robot/base/errors.h"
 #include "knee_robot/base/numbers.h"
 #include "knee_robot/control/component_types.h"
+#include "homing_plan.h"
 #include "wide_limits.h"
 
 namespace knee_robot::control {
@@ -63,6 +64,7 @@ std::unique_ptr<rt::Deployment> deploy(const mechanism::Robot& robot, const Hard
                                        const std::string& path, hardware::AxisBus& bus,
                                        const ControlSystem::Options& options) {
   requirePossibleEncoders(robot, hardware);
+  if (const std::string why = whyNotHomed(robot, hardware); !why.empty()) throw InputError(hardware.path + ": " + why);
   rt::TypeFactory types = options.types;  // these win
   types.merge(componentTypes(robot, hardware, bus, lengthsAtStart(robot, options)));
   auto deployment = std::make_unique<rt::Deployment>(path, types, options.execution);

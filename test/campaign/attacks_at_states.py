@@ -7,10 +7,10 @@ import time
 from attack import needs
 from session import NoAnswer
 
-# Every axis against the end of its stroke; the simulated robot begins at its home, far from any end.
+# Every axis against an end 30 mm below its home, which the simulated robot does not have: each attack comes before it would be found.
 HOMING = {"homing": {"method": "hard_stop", "order": [4, 1, 2, 3],
-                     "axes": [{"length_m": 0.5, "direction": "shorten", "speed_m_per_s": 0.01, "force_N": 80.0, "back_off_m": 0.01,
-                               "travel_m": 0.35}]}}
+                     "axes": [{"length_m": length_m, "direction": "shorten", "speed_m_per_s": 0.01, "force_N": 80.0, "back_off_m": 0.01,
+                               "travel_m": 0.35} for length_m in (0.578, 0.622, 0.633, 0.588)]}}
 
 
 def bring_to(a, state):
