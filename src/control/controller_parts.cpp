@@ -3,10 +3,10 @@
 #include <algorithm>
 #include <cmath>
 
+#include "homing_plan.h"
 #include "knee_robot/base/errors.h"
 #include "knee_robot/base/numbers.h"
 #include "knee_robot/control/component_types.h"
-#include "homing_plan.h"
 #include "wide_limits.h"
 
 namespace knee_robot::control {

@@ -66,8 +66,9 @@ bool DisturbanceObserver::carries() const noexcept {
 }
 
 bool DisturbanceObserver::rests() const noexcept {
-  return carries() &&
-         std::all_of(commands_.begin(), commands_.end(), [](const AxisCommand& command) { return command.at_rest; });
+  return order_.driversCarry() && (order_.homed || order_.seeks_home) &&
+         std::all_of(commands_.begin(), commands_.end(),
+                     [](const AxisCommand& command) { return command.active && command.at_rest; });
 }
 
 void DisturbanceObserver::updateHook(const rt::Cycle& cycle) {
@@ -94,6 +95,10 @@ void DisturbanceObserver::watchRest(double dt) noexcept {
   }
   if (rest_.step(rests(), pulses, dt, error_m, count_m_)) ++out_.suspicion;
   if (const int asked = turn_.step(rests(), dt, measured_.counts, rest_question); asked >= 0) {
+    out_.asked = asked;
+    ++out_.questions;
+  }
+  if (const int asked = homing_turn_.step(order_.homing, dt, measured_.counts); asked >= 0) {
     out_.asked = asked;
     ++out_.questions;
   }

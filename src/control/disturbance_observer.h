@@ -4,6 +4,7 @@
 #include <string>
 
 #include "disturbance_classifier.h"
+#include "homing_turn.h"
 #include "knee_robot/control/axis_data.h"
 #include "knee_robot/mechanism/robot.h"
 #include "knee_robot/rt/port.h"
@@ -79,6 +80,7 @@ class DisturbanceObserver : public rt::TaskContext {
   DisturbanceClassifier classifier_;
   RestWatch rest_;
   RestTurn turn_;
+  HomingTurn homing_turn_;
   std::array<PulseWitness, hardware::kAxes> witness_;
   RestWatch::Axes count_m_{};
   rt::Nanoseconds last_time_ = 0;

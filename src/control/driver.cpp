@@ -191,13 +191,14 @@ double Driver::watchEncoder(double dt) noexcept {
   settings.monitored = verdict.isConnected();
   EncoderWatch::Input in;
   in.dt = dt;
-  in.carries = order_.driversCarry() && order_.homed && order_.homing == 0 && unreadable_ == 0;
+  in.carries = order_.driversCarry() && (order_.homed || order_.seeks_home) && unreadable_ == 0;
   in.counts = measured_.counts[index_];
   in.silent = (measured_.bus_failure.silent >> index_ & 1u) != 0;
   in.position_m = measured_.position_m[index_];
   in.reference_m = out_.reference_m;
   in.at_rest = out_.at_rest;
   in.loop_N = loopForce() + shifted_N_;
+  in.searches = homing_.phase() == HomingPhase::Searching;
   in.guiding = order_.guiding;
   in.guides = guides_;
   in.doubted = doubted_;

@@ -108,6 +108,7 @@ bool EncoderWatch::standsUnderForce(const Input& in, const Settings& settings) n
   constexpr double kWhileRecording = 2.0;
   constexpr double kOverdueShare = 0.5;                    // of the force: a soft loop lags without being blind
   constexpr double kBeyondUsual = 1.3, kUsualMost = 0.25;  // of the force limit: friction may not hide a blind axis
+  constexpr double kPresses = 0.4;                         // of the strongest pulse, which has to pull it off a stop
   constexpr double kAgain_s = 0.5, kSeldom_s = 4.0, kAgainMoving_s = 0.15, kAgainOverdue_s = 0.03, kTimes = 4.0;
   const bool rests = in.at_rest;
   standing_.step(in.dt, in.counts, in.reference_m, in.loop_N, challenge_.isActive());
@@ -123,6 +124,8 @@ bool EncoderWatch::standsUnderForce(const Input& in, const Settings& settings) n
   const double patience = in.test_pulses ? 1.0 : kWhileRecording;
   const double limit_N = patience * (rests ? settings.standing_force_N : settings.turning_force_N);
   const double turning_N = std::max(limit_N, usual_N);
+  // A blind one has been asked before it presses like that.
+  if (in.searches && std::abs(in.loop_N) > kPresses * settings.probe_share * settings.force_limit_N) return false;
   const bool overdue = !rests && standing_.changed_N() >= kOverdueShare * limit_N &&
                        standing_.isOverdue(patience * settings.metres_per_count);
   const double again_moving_s = overdue ? kAgainOverdue_s : kAgainMoving_s;

@@ -12,7 +12,7 @@ namespace {
 constexpr double kStep_m = 0.0005;
 constexpr double kCondition = 100.0;  // unless the robot file wants less: half a millimetre from where the legs lock
 
-constexpr double kBeside_m = 0.015;    // who places it by eye puts it so far above or below home
+constexpr double kBeside_m = 0.015;  // who places it by eye puts it so far above or below home
 
 /// One axis after the other, on the branch on which the robot was built.
 class Walk {
@@ -52,7 +52,8 @@ std::string whyNotHomedFrom(const mechanism::Lengths& start, const mechanism::Ro
     if (walk.goTo(axis - 1, way.length_m) && walk.goTo(axis - 1, back_m)) continue;
     return "homing: from about home, axis " + std::to_string(axis) + " does not reach its length_m " +
            shortNumber(way.length_m) + ": at " + shortNumber(walk.lengths()[axis - 1], 4) +
-           " m the platform is near a singularity, where an axis stands as at its stop; choose another order, length_m or "
+           " m the platform is near a singularity, where an axis stands as at its stop; choose another order, length_m "
+           "or "
            "method";
   }
   return "";

@@ -238,6 +238,7 @@ void members(const SupervisorCommand& v, Visit& visit) {
   visit("transfer", v.transfer);
   visit("homed", v.homed);
   visit("homing", v.homing);
+  visit("seeks_home", v.seeks_home);
   visit("guiding", v.guiding);
   visit("slows_down", v.slows_down);
   visit("holds_here", v.holds_here);

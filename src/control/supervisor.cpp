@@ -183,7 +183,10 @@ void Supervisor::handle(const Request& asked, const rt::Cycle& cycle) {
 void Supervisor::enable(const Request& asked, rt::Nanoseconds now) {
   answers_.settle(RequestResult::Superseded);
   const bool output_is_idle = view_.drivesAreOff() && view_.written.safe_stop == SafeStopPhase::Idle;
-  if (!isReady() || !output_is_idle) return answers_.answer(asked.number, RequestResult::NotReady);
+  if (!isReady() || !output_is_idle) {
+    homing_.prepare(false);
+    return answers_.answer(asked.number, RequestResult::NotReady);
+  }
   if (!homing_.isHomed() && !homing_.isPrepared()) return answers_.answer(asked.number, RequestResult::NotHomed);
   state_ = MachineState::Enabling;
   guiding_.driversEnabled();
@@ -364,7 +367,8 @@ void Supervisor::publishOrders(rt::Nanoseconds now) {
   orders_.holds_here = orders_.safe_stop && output.holds_here;
   if (!powered) orders_.level = DriveLevel::Off;
   if (state_ != MachineState::Enabling) orders_.brake_test_N = AxisValues{};
-  orders_.homed = homing_.isHomed();
+  orders_.homed = homing_.isHomed() && !homing_.isPrepared();  // a search shows how much the old lengths were worth
+  orders_.seeks_home = state_ == MachineState::Homing;
   orders_.homing = state_ == MachineState::Homing ? homing_.searching() : 0;
   orders_.guiding = state_ == MachineState::Guiding;
   orders_.drivers_active = powered && orders_.level >= DriveLevel::HeldByDrivers;

@@ -195,6 +195,7 @@ struct SupervisorCommand {
   std::uint32_t transfer = 0;   ///< a new number: a safe stop that is Carrying tries to hand over the load again
   bool homed = false;           ///< all axes know where they are: soft limits and the patient's range hold
   std::uint8_t homing = 0;      ///< bit i: the Driver of axis i + 1 looks for home; the others hold
+  bool seeks_home = false;      ///< the axes are being homed: no length means anything, but each encoder has to count
   bool guiding = false;         ///< a hand moves the platform (HandGuide): the Drivers carry, they do not hold
   bool slows_down = false;      ///< a safe stop runs, the holding brakes are open and the encoders can be asked
   bool holds_here = false;      ///< AxesWritten::holds_here: the Drivers hold where they are and follow no path

@@ -39,11 +39,12 @@ class EncoderWatch {
     bool silent = false;  ///< the counts are old
     double position_m = 0.0;
     double reference_m = 0.0;
-    bool at_rest = true;   ///< of the reference
-    double loop_N = 0.0;   ///< of the loop, without what the feedforward took from it
-    bool guiding = false;  ///< a hand may guide
-    bool guides = false;   ///< HandGuide's force takes the place of the loop
-    bool doubted = false;  ///< HandGuide asks for the encoder
+    bool at_rest = true;    ///< of the reference
+    double loop_N = 0.0;    ///< of the loop, without what the feedforward took from it
+    bool searches = false;  ///< it looks for its home: standing against a stop is what is wanted
+    bool guiding = false;   ///< a hand may guide
+    bool guides = false;    ///< HandGuide's force takes the place of the loop
+    bool doubted = false;   ///< HandGuide asks for the encoder
     bool monitor_asks = false;
     bool test_pulses = true;  ///< allowed where nothing raises a suspicion
   };
