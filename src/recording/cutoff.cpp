@@ -274,10 +274,13 @@ struct WithoutGaps {
   Eigen::MatrixXd reference_m, position_m;
 };
 
+/// Also where somebody has set the clock meanwhile: years in even steps find no room.
+bool isMostlyGaps(const Recording& r) {
+  return r.time_s.back() - r.time_s.front() > kMostPeriods * medianPeriod(r.time_s) * r.rows();
+}
+
 WithoutGaps withoutGaps(const Recording& r, const Eigen::MatrixXd& position_m) {
   const double period = medianPeriod(r.time_s);
-  if (r.time_s.back() - r.time_s.front() > kMostPeriods * period * r.rows())
-    return {r.time_s, r.reference_m, position_m};
   std::vector<std::size_t> from;  // row before, and share of the way to the next one
   std::vector<double> share;
   WithoutGaps out;
@@ -309,6 +312,7 @@ WithoutGaps withoutGaps(const Recording& r, const Eigen::MatrixXd& position_m) {
 /// alike and does not alias a faster recording.
 UniformMotion onGrid(const Recording& r, double grid_hz, bool with_reference, const CutoffRule& rule) {
   const double step = std::max(1.0 / grid_hz, std::round(grid_hz * medianPeriod(r.time_s)) / grid_hz);
+  if (isMostlyGaps(r)) return {};
   std::vector<double> grid;
   for (double t = r.time_s.front() + 0.5 * step; t + 0.5 * step <= r.time_s.back(); t += step)
     grid.push_back(t);

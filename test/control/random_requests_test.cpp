@@ -250,10 +250,8 @@ class Session {
 };
 
 TEST(RandomRequests, NeverLeaveADriveOnAloneNorABrakeOpenWithoutIt) {
-  const char *first = std::getenv("SEED"), *count = std::getenv("SEEDS");
-  const unsigned begin = first ? std::atoi(first) : 1, many = count ? std::atoi(count) : 4;
   int done = 0, refused = 0;
-  for (unsigned seed = begin; seed < begin + many; ++seed) {
+  for (unsigned seed = 1; seed <= 6; ++seed) {
     Session session(seed);
     session.run(150);
     done += session.done;
@@ -262,6 +260,7 @@ TEST(RandomRequests, NeverLeaveADriveOnAloneNorABrakeOpenWithoutIt) {
       ADD_FAILURE() << "seed " << seed << ": " << sentence;
   }
   std::printf("%d requests done, %d refused\n", done, refused);
+  EXPECT_GT(done, 100);
 }
 
 }  // namespace

@@ -6,6 +6,7 @@
 #include <random>
 
 #include "knee_robot/base/errors.h"
+#include "knee_robot/recording/cutoff.h"
 
 namespace knee_robot::recording {
 namespace {
@@ -156,6 +157,12 @@ TEST(Resample, TellsStampsInBurstsFromLongGaps) {
   }
   EXPECT_NE(refusal(bursts).find("stamps come in bursts"), std::string::npos) << refusal(bursts);
   EXPECT_NE(refusal(gaps).find("cut the recording at its long gaps"), std::string::npos) << refusal(gaps);
+  for (int k = 450; k < 900; ++k)
+    gaps[static_cast<std::size_t>(k)] += 1e9;  // somebody has set the clock
+  EXPECT_NE(refusal(gaps).find("cut the recording at its long gaps"), std::string::npos) << refusal(gaps);
+  const Recording r = along(gaps);
+  EXPECT_EQ(chooseCutoff({&r}).follow_hz, CutoffChoice().follow_hz)
+      << "once it filled the memory with the years between";
 }
 
 TEST(AtHoldIntervals, LooksInTheMiddleOfTheIntervalInWhichTheRowsForceHolds) {
