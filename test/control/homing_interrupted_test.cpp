@@ -211,7 +211,7 @@ TEST(HomingAtTheStops, IsRefusedWhereAnAxisWouldPassASingularity) {
       }
     } while (std::next_permutation(order.begin(), order.end()));
   }
-  EXPECT_EQ(refused, 48) << "once 10 of them ended `homed`, lengths wrong by 10 to 52 mm";
+  EXPECT_EQ(refused, 48) << "once 23 of them ended `homed`, lengths wrong by 10 to 57 mm";
 }
 
 }  // namespace
