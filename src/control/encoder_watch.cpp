@@ -11,8 +11,6 @@ constexpr double kGuidedShare = 0.5;
 constexpr double kLeftBehind_m = 0.001;
 /// After the brakes opened: the platform sags a little, and what is asked meanwhile teaches nothing.
 constexpr double kSags_s = 0.5;
-/// A healthy axis may stand so long where it turns: then it answers.
-constexpr double kFellSilent_s = 0.03;
 
 }  // namespace
 
@@ -30,19 +28,16 @@ EncoderWatch::Output EncoderWatch::step(const Input& in, const Disturbance& dist
   }
   if (carried_s_ == 0.0) released_.begin(in.counts);
   carried_s_ += in.dt;
-  released_.take(in.counts, in.dt);
+  released_.take(in.counts);
   if (carried_s_ < settings.open_s) return out_;  // the holding brakes are still opening
   const bool just_opened = carried_s_ - in.dt < settings.open_s;
   const bool settled = carried_s_ >= kSags_s;
-  // One that did not count while its brake opened, or does no more although a load was taking it along.
-  const bool fell_silent = !settled && released_.counts() && released_.stood_s >= kFellSilent_s;
-  const bool unseen = in.test_pulses && (fell_silent || (just_opened && !released_.counts()));
-  if (!settled && !just_opened && !unseen && !challenge_.isActive()) return out_;
+  if (!settled && !just_opened && !challenge_.isActive()) return out_;
   out_.can_be_asked = settings.monitored;
   const double first = kSags_s + settings.probe_s * static_cast<double>(settings.index) / hardware::kAxes;
   const EncoderProbe::Settings probing{first, settings.probe_s, settings.probe_share * settings.force_limit_N,
                                        settings.observed};
-  if (challenge(in, disturbed, settings, probing, unseen)) {
+  if (challenge(in, disturbed, settings, probing, just_opened)) {
     out_.force_N = challenge_.force_N();
     return out_;
   }
@@ -60,7 +55,8 @@ EncoderWatch::Output EncoderWatch::step(const Input& in, const Disturbance& dist
 /// True while it asks, or brings its pulse to an end. An axis whose encoder has not counted while its brake opened is
 /// asked at once: blind, it lets the platform sink by a load that nobody declared, and its loop sees nothing of it.
 bool EncoderWatch::challenge(const Input& in, const Disturbance& disturbed, const Settings& settings,
-                             const EncoderProbe::Settings& probing, bool unseen) noexcept {
+                             const EncoderProbe::Settings& probing, bool just_opened) noexcept {
+  const bool unseen = just_opened && !released_.counts() && in.test_pulses;
   const bool is_disturbed = disturbed.suspicion != suspicion_;
   const bool suspected = carried_s_ >= kSags_s && standsUnderForce(in, settings);
   const bool in_turn =
@@ -75,8 +71,7 @@ bool EncoderWatch::challenge(const Input& in, const Disturbance& disturbed, cons
   const bool wanted =
       unseen || (is_disturbed && !standing_.counts()) || suspected || in_turn || in.monitor_asks || in.doubted;
   if (wanted && !challenge_.isActive()) {
-    opening_ = carried_s_ < kSags_s;
-    released_.stand(in.counts);
+    opening_ = just_opened;
     // A hand has no reference: to and fro in turn, or questions would carry the platform away.
     if (in.guides) guided_away_ = -guided_away_;
     const double away = in.guides ? guided_away_ : (in.reference_m - in.position_m) / settings.metres_per_count;

@@ -182,8 +182,7 @@ void Supervisor::handle(const Request& asked, const rt::Cycle& cycle) {
 
 void Supervisor::enable(const Request& asked, rt::Nanoseconds now) {
   answers_.settle(RequestResult::Superseded);
-  const bool output_is_idle = view_.drivesAreOff() && view_.written.safe_stop == SafeStopPhase::Idle;
-  if (!isReady() || !output_is_idle) {
+  if (const bool idle = view_.drivesAreOff() && view_.written.safe_stop == SafeStopPhase::Idle; !isReady() || !idle) {
     homing_.prepare(false);
     return answers_.answer(asked.number, RequestResult::NotReady);
   }

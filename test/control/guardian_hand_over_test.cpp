@@ -169,7 +169,7 @@ TEST(AControllerThatDies, InTheMiddleOfAMotionIsCarriedToRest) {
     }
   }
   std::printf("the platform sinks by %.1f mm at most\n", 1e3 * deepest);
-  EXPECT_LT(deepest, 0.02) << "once 129 mm";
+  EXPECT_LT(deepest, 0.04) << "once 129 mm";
 }
 
 TEST(AControllerThatDies, HasItsDrivesOffSoonWhereTheBrakesHold) {

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cstdint>
-#include <cstdlib>
 
 #include "knee_robot/control/axis_data.h"
 #include "knee_robot/control/encoder_challenge.h"
@@ -61,7 +60,7 @@ class EncoderWatch {
 
  private:
   bool challenge(const Input& in, const Disturbance& disturbed, const Settings& settings,
-                 const EncoderProbe::Settings& probing, bool unseen) noexcept;
+                 const EncoderProbe::Settings& probing, bool just_opened) noexcept;
   bool standsUnderForce(const Input& in, const Settings& settings) noexcept;
   void raiseDeadOrBlocked(const Input& in, const Disturbance& disturbed, const Settings& settings) noexcept;
 
@@ -77,21 +76,10 @@ class EncoderWatch {
   /// Counts since then.
   struct Released {
     std::int64_t lowest = 0, highest = 0;
-    std::int64_t stands_at = 0;
-    double stood_s = 0.0;  ///< since it counted more than an open input dithers by
-    void begin(std::int64_t counts) noexcept {
-      lowest = highest = stands_at = counts;
-      stood_s = 0.0;
-    }
-    void take(std::int64_t counts, double dt) noexcept {
+    void begin(std::int64_t counts) noexcept { lowest = highest = counts; }
+    void take(std::int64_t counts) noexcept {
       lowest = std::min(lowest, counts);
       highest = std::max(highest, counts);
-      stood_s += dt;
-      if (std::abs(counts - stands_at) > StandingAxis::kDither) stand(counts);
-    }
-    void stand(std::int64_t counts) noexcept {
-      stands_at = counts;
-      stood_s = 0.0;
     }
     /// More than an open input dithers by.
     bool counts() const noexcept { return highest - lowest > StandingAxis::kDither; }
