@@ -156,15 +156,21 @@ Worse worseBy(const Eigen::MatrixXd& error, const Eigen::VectorXd& share, Eigen:
 FrictionChoice chosenOf(const std::vector<Sum>& best, const Eigen::MatrixXd& error, const Eigen::VectorXd& share,
                         const std::vector<FrictionElement>& elements, OthersLaws& others) {
   const Eigen::RowVectorXd mean = share.transpose() * error;
-  Eigen::Index least = 0, rare = 0;
-  mean.head(kUsualFamilies).minCoeff(&least);
-  mean.tail(mean.size() - kUsualFamilies).minCoeff(&rare);
-  rare += kUsualFamilies;
-  const Worse of_rare = worseBy(error, share, rare, least);
-  const bool is_rare =
-      !best[static_cast<std::size_t>(rare)].which.empty() && of_rare.mean < -kSurelyRare * of_rare.standard_error;
-  const Eigen::Index first = is_rare ? kUsualFamilies : 0, end = is_rare ? mean.size() : kUsualFamilies;
-  if (is_rare) least = rare;
+  Eigen::Index least = 0, first = 0, end = kUsualFamilies;
+  mean.head(end).minCoeff(&least);
+  // One group after the other: a family that is a little better, but less surely, must not take another's place.
+  for (const Eigen::Index next : {static_cast<Eigen::Index>(kWithoutPeak), mean.size()}) {
+    const Eigen::Index from = next == mean.size() ? kWithoutPeak : kUsualFamilies;
+    Eigen::Index rare = 0;
+    mean.segment(from, next - from).minCoeff(&rare);
+    rare += from;
+    const Worse worse = worseBy(error, share, rare, least);
+    if (best[static_cast<std::size_t>(rare)].which.empty() || worse.mean >= -kSurelyRare * worse.standard_error)
+      continue;
+    least = rare;
+    first = from;
+    end = next;
+  }
   const auto within = [&](Eigen::Index family) {  // a lag, whose own error is the least sure, has to be as good
     return isSpectrum(least) && family != kLaggingFamily ? kWithinErrorsOfSpectrum : kWithinErrors;
   };

@@ -19,7 +19,7 @@ void addFinerSteps(const FrictionChoice& around, double narrowest_m, std::vector
 /// Shape parameters of every family: one stop, tanh, Dahl's bristles, a tanh that lags, any bristles, all stops together (Maxwell slip),
 /// pairs, sums, all speeds of tanh together; one rare element, a pair and a sum with one, a pair and a sum with a peak.
 inline constexpr std::array<int, 14> kFamilyNumbers = {1, 1, 1, 2, 3, 6, 4, 8, 8, 2, 4, 8, 4, 8};
-inline constexpr long kUsualFamilies = 9, kLaggingFamily = 3;
+inline constexpr long kUsualFamilies = 9, kWithoutPeak = 12, kLaggingFamily = 3;
 
 /// A stop behind a clearance, one that relaxes, or what is taken away from others (a peak near rest): what bends as they
 /// do may be a controller that settles, too, so that they have to be surely better than all others.

@@ -21,7 +21,7 @@ using dynamics::Heat;
 /// Standard errors by which another heat must be better than the clock to be taken, since friction that warms up by the
 /// clock is no more likely beforehand; and to be sure of it.
 constexpr double kTakenErrors = 1.0, kSureErrors = 2.0;
-constexpr int kRounds = 2;           ///< of refinement, each by a half of a time constant at most
+constexpr int kRounds = 2;  ///< of refinement, each by a half of a time constant at most
 
 bool warms(const FoundEffect& e, const Candidate* kind) {
   return e.hypothesis.place.candidate == kind && !std::isnan(e.p) && dynamic_cast<const WarmUp*>(kind) != nullptr;
