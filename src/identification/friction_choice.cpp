@@ -20,6 +20,8 @@ constexpr double kWithinErrorsOfSpectrum = 1.0;
 /// One with a rare element is taken when it is better than the best without by so many. Without this, legs of a
 /// physical robot that stand while its controller settles got stops that relax, and predicted another day up to 44 % worse.
 constexpr double kSurelyRare = 2.0;
+constexpr double kHalves =
+    0.5;  ///< or when it leaves less than this of what that leaves: few blocks may hold all of it
 
 dynamics::FrictionLaw lawOf(const Sum& sum, const std::vector<FrictionElement>& elements) {
   std::vector<FrictionElement> chosen;
@@ -156,24 +158,22 @@ Worse worseBy(const Eigen::MatrixXd& error, const Eigen::VectorXd& share, Eigen:
 FrictionChoice chosenOf(const std::vector<Sum>& best, const Eigen::MatrixXd& error, const Eigen::VectorXd& share,
                         const std::vector<FrictionElement>& elements, OthersLaws& others) {
   const Eigen::RowVectorXd mean = share.transpose() * error;
-  Eigen::Index least = 0, first = 0, end = kUsualFamilies;
+  Eigen::Index least = 0, first = 0, end = kGroupEnds.front();
   mean.head(end).minCoeff(&least);
   // One group after the other: a family that is a little better, but less surely, must not take another's place.
-  for (const Eigen::Index next : {static_cast<Eigen::Index>(kWithoutPeak), mean.size()}) {
-    const Eigen::Index from = next == mean.size() ? kWithoutPeak : kUsualFamilies;
+  for (std::size_t group = 1; group < kGroupEnds.size(); ++group) {
+    const Eigen::Index from = kGroupEnds[group - 1], next = kGroupEnds[group];
     Eigen::Index rare = 0;
     mean.segment(from, next - from).minCoeff(&rare);
     rare += from;
     const Worse worse = worseBy(error, share, rare, least);
-    if (best[static_cast<std::size_t>(rare)].which.empty() || worse.mean >= -kSurelyRare * worse.standard_error)
-      continue;
+    const bool surely = worse.mean < -kSurelyRare * worse.standard_error || mean[rare] < kHalves * mean[least];
+    if (best[static_cast<std::size_t>(rare)].which.empty() || !surely) continue;
     least = rare;
     first = from;
     end = next;
   }
-  const auto within = [&](Eigen::Index family) {  // a lag, whose own error is the least sure, has to be as good
-    return isSpectrum(least) && family != kLaggingFamily ? kWithinErrorsOfSpectrum : kWithinErrors;
-  };
+  const double within = isSpectrum(least) ? kWithinErrorsOfSpectrum : kWithinErrors;
   others.best = error.col(least);
   others.share = share;
   FrictionChoice choice;
@@ -184,7 +184,7 @@ FrictionChoice chosenOf(const std::vector<Sum>& best, const Eigen::MatrixXd& err
     const Worse worse = worseBy(error, share, f, least);
     choice.tried.push_back(
         {lawOf(sum, elements), kFamilyNumbers[static_cast<std::size_t>(f)], mean[f], worse.mean, worse.standard_error});
-    if (chosen || f < first || f >= end || worse.mean > within(f) * worse.standard_error) continue;
+    if (chosen || f < first || f >= end || worse.mean > within * worse.standard_error) continue;
     choice.law = choice.tried.back().law;
     chosen = true;
   }

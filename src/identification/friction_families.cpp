@@ -228,7 +228,7 @@ std::vector<FrictionElement> elementsToTry(const FrictionRange& range) {
 
 void addFinerSteps(const FrictionChoice& around, double narrowest_m, std::vector<FrictionElement>& all) {
   for (const TriedLaw& tried : around.tried) {
-    addFinerPeak(tried.law, narrowest_m, all);
+    addFinerPeak(tried.law, all);
     if (tried.law.count > 1) continue;
     const FrictionElement& found = tried.law.elements.front();
     if (found.lag_s > 0.0) {
@@ -268,19 +268,19 @@ std::vector<Sum> bestOfFamilies(const InWeights& squares, const std::vector<Fric
   }
   std::vector<Sum> best;
   best.push_back(single([](const FrictionElement& e) { return e.kind == FrictionKind::Stop; }));
-  best.push_back(single(
-      [&](const FrictionElement& e) { return e.kind == FrictionKind::Smooth && e.lag_s == 0.0 && !grows(e, range); }));
+  best.push_back(single([&](const FrictionElement& e) { return e.kind == FrictionKind::Smooth && !grows(e, range); }));
   best.push_back(single([](const FrictionElement& e) {
     return e.kind == FrictionKind::Bristles && e.speed_m_per_s == 0.0 && e.tremble == 0.0 && e.damping_s == 0.0 &&
            e.exponent == 1.0;
   }));
-  best.push_back(single([](const FrictionElement& e) { return e.lag_s > 0.0; }));
   best.push_back(single([](const FrictionElement& e) { return e.kind == FrictionKind::Bristles; }));
   best.push_back(spectrumOfStops(squares));
   best.push_back(bestPair(squares, elements, range, mixing, mixing));
   best.push_back(bestSum(squares, elements, mixing, best.back()));
   best.push_back(spectrumOfSpeeds(squares, elements));
-  best.push_back(bestSingle(squares, elements, [](const FrictionElement& e) { return isRare(e) && e.share > 0.0; }));
+  best.push_back(bestSingle(squares, elements, [](const FrictionElement& e) { return e.lag_s > 0.0; }));
+  best.push_back(bestSingle(squares, elements,
+                            [](const FrictionElement& e) { return isRare(e) && e.lag_s == 0.0 && e.share > 0.0; }));
   best.push_back(bestPair(squares, elements, range, rare, mixing));
   best.push_back(bestSum(squares, elements, mixing, best.back()));
   for (Sum& peak : range.peak ? bestPeaks(squares, elements, mixing) : std::vector<Sum>(2))

@@ -16,15 +16,16 @@ std::vector<dynamics::FrictionElement> elementsToTry(const FrictionRange& range)
 /// Finer steps around the shapes that an earlier choice found for single elements.
 void addFinerSteps(const FrictionChoice& around, double narrowest_m, std::vector<dynamics::FrictionElement>& all);
 
-/// Shape parameters of every family: one stop, tanh, Dahl's bristles, a tanh that lags, any bristles, all stops together (Maxwell slip),
-/// pairs, sums, all speeds of tanh together; one rare element, a pair and a sum with one, a pair and a sum with a peak.
-inline constexpr std::array<int, 14> kFamilyNumbers = {1, 1, 1, 2, 3, 6, 4, 8, 8, 2, 4, 8, 4, 8};
-inline constexpr long kUsualFamilies = 9, kWithoutPeak = 12, kLaggingFamily = 3;
+/// Shape parameters of every family: one stop, tanh, Dahl's bristles, any bristles, all stops together (Maxwell slip),
+/// pairs, sums, all speeds of tanh together; a tanh that lags; one rare element, a pair and a sum with one, a pair and a sum with a peak.
+inline constexpr std::array<int, 14> kFamilyNumbers = {1, 1, 1, 3, 6, 4, 8, 8, 2, 2, 4, 8, 4, 8};
+/// Where a group of families ends: usual ones, and those that have to be surely better than all before.
+inline constexpr std::array<long, 4> kGroupEnds = {8, 9, 12, 14};
 
-/// A stop behind a clearance, one that relaxes, or what is taken away from others (a peak near rest): what bends as they
-/// do may be a controller that settles, too, so that they have to be surely better than all others.
+/// A stop behind a clearance, one that relaxes, a tanh that lags, or what is taken away from others (a peak near rest):
+/// what bends as they do may be a controller that settles, too, so that they have to be surely better than all others.
 constexpr bool isRare(const dynamics::FrictionElement& e) {
-  return e.gap_m > 0.0 || e.relaxation_s > 0.0 || e.share < 0.0;
+  return e.gap_m > 0.0 || e.relaxation_s > 0.0 || e.lag_s > 0.0 || e.share < 0.0;
 }
 
 /// Of the squares: an element that lowers them by less is not added to a sum.
@@ -37,7 +38,7 @@ inline double geometric(double first, double last, int k, int count) {
 
 /// Many elements at once, whose shares come near to any law.
 constexpr bool isSpectrum(long family) {
-  return family == 5 || family == 8;
+  return family == 4 || family == 7;
 }
 
 /// The best law of every family, simplest first; without elements where there is none.

@@ -59,17 +59,14 @@ void addTakenAway(const FrictionRange& range, std::vector<FrictionElement>& all)
                    geometric(kNarrowestShare * range.bristles_most_m, range.bristles_most_m, k, kPeakWidths)});
 }
 
-void addFinerPeak(const dynamics::FrictionLaw& found, double narrowest_m, std::vector<FrictionElement>& all) {
-  const auto end = found.elements.begin() + found.count;
-  if (std::none_of(found.elements.begin(), end, isTaken)) return;
-  for (auto e = found.elements.begin(); e != end; ++e) {
+void addFinerPeak(const dynamics::FrictionLaw& found, std::vector<FrictionElement>& all) {
+  for (int k = 0; k < found.count; ++k) {
+    if (!isTaken(found.elements[static_cast<std::size_t>(k)])) continue;
     for (const double factor : kFinerPeak) {
-      FrictionElement finer = *e;
-      finer.share = isTaken(*e) ? -1.0 : 1.0;
+      FrictionElement finer = found.elements[static_cast<std::size_t>(k)];
+      finer.share = -1.0;
       (finer.kind == FrictionKind::Smooth ? finer.speed_m_per_s : finer.width_m) *= factor;
-      if (finer.kind == FrictionKind::Smooth ? !isTaken(finer) || finer.speed_m_per_s <= kFastestPeak_m_per_s
-                                             : finer.width_m >= narrowest_m)
-        all.push_back(finer);
+      if (finer.kind != FrictionKind::Smooth || finer.speed_m_per_s <= kFastestPeak_m_per_s) all.push_back(finer);
     }
   }
 }

@@ -13,8 +13,9 @@ namespace knee_robot::identification {
 /// below its own; bristles along a path below their width. Speeds end where Stribeck friction begins as an effect.
 void addTakenAway(const FrictionRange& range, std::vector<dynamics::FrictionElement>& all);
 
-/// Finer steps around the elements of a law with a peak; nothing of another law.
-void addFinerPeak(const dynamics::FrictionLaw& found, double narrowest_m, std::vector<dynamics::FrictionElement>& all);
+/// Finer steps around what a law takes away. What it is taken away from stays on the grid: finer steps of that would be
+/// tried by all other families, too.
+void addFinerPeak(const dynamics::FrictionLaw& found, std::vector<dynamics::FrictionElement>& all);
 
 /// Best law with a peak of at most half the sliding friction: a pair, and with more elements of `mixing`.
 std::vector<Sum> bestPeaks(const InWeights& squares, const std::vector<dynamics::FrictionElement>& elements,

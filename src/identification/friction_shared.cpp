@@ -48,8 +48,7 @@ std::vector<Sum> inElements(const std::vector<dynamics::FrictionLaw>& laws, std:
 void shareLaw(const std::vector<dynamics::FrictionLaw>& laws, const std::vector<OthersLaws>& others,
               const std::vector<double>& narrowest_m, std::vector<FrictionChoice>& choices) {
   const auto isRareLaw = [](const dynamics::FrictionLaw& law) {
-    return std::any_of(law.elements.begin(), law.elements.begin() + law.count,
-                       [](const FrictionElement& e) { return isRare(e) || e.lag_s > 0.0; });
+    return std::any_of(law.elements.begin(), law.elements.begin() + law.count, isRare);
   };
   const auto tooNarrow = [&](std::size_t axis, std::size_t law) {
     return std::any_of(laws[law].elements.begin(), laws[law].elements.begin() + laws[law].count,

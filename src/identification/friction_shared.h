@@ -29,8 +29,8 @@ std::vector<Sum> inElements(const std::vector<dynamics::FrictionLaw>& laws,
 
 /// Actuators of one machine are alike: a law that is within half a standard error of the best on most of them is taken
 /// by all of those. What one actuator's data do not show (how friction lets go at rest) the others' may. A rare law
-/// or one that lags is taken only where the actuator has chosen such a one itself. No stop becomes narrower than
-/// `narrowest_m` of its actuator.
+/// is taken only where the actuator has chosen such a one itself. No stop becomes narrower than `narrowest_m` of its
+/// actuator.
 void shareLaw(const std::vector<dynamics::FrictionLaw>& laws, const std::vector<OthersLaws>& others,
               const std::vector<double>& narrowest_m, std::vector<FrictionChoice>& choices);
 
