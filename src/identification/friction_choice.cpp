@@ -20,8 +20,11 @@ constexpr double kWithinErrorsOfSpectrum = 1.0;
 /// One with a rare element is taken when it is better than the best without by so many. Without this, legs of a
 /// physical robot that stand while its controller settles got stops that relax, and predicted another day up to 44 % worse.
 constexpr double kSurelyRare = 2.0;
-constexpr double kHalves =
-    0.5;  ///< or when it leaves less than this of what that leaves: few blocks may hold all of it
+/// Or when it leaves less than this of what that leaves: few blocks may hold all of it.
+constexpr double kHalves = 0.5;
+/// A tanh that lags and a peak have to leave at most this, too: a percent or two of a recording that the model hardly
+/// describes moved the laws of its other axes.
+constexpr double kWorthALaw = 0.9;
 
 dynamics::FrictionLaw lawOf(const Sum& sum, const std::vector<FrictionElement>& elements) {
   std::vector<FrictionElement> chosen;
@@ -168,7 +171,8 @@ FrictionChoice chosenOf(const std::vector<Sum>& best, const Eigen::MatrixXd& err
     rare += from;
     const Worse worse = worseBy(error, share, rare, least);
     const bool surely = worse.mean < -kSurelyRare * worse.standard_error || mean[rare] < kHalves * mean[least];
-    if (best[static_cast<std::size_t>(rare)].which.empty() || !surely) continue;
+    const bool worthwhile = group == kGroupOfRest || mean[rare] < kWorthALaw * mean[least];
+    if (best[static_cast<std::size_t>(rare)].which.empty() || !surely || !worthwhile) continue;
     least = rare;
     first = from;
     end = next;

@@ -21,6 +21,7 @@ void addFinerSteps(const FrictionChoice& around, double narrowest_m, std::vector
 inline constexpr std::array<int, 14> kFamilyNumbers = {1, 1, 1, 3, 6, 4, 8, 8, 2, 2, 4, 8, 4, 8};
 /// Where a group of families ends: usual ones, and those that have to be surely better than all before.
 inline constexpr std::array<long, 4> kGroupEnds = {8, 9, 12, 14};
+inline constexpr std::size_t kGroupOfRest = 2;  ///< stops behind a clearance and those that relax
 
 /// A stop behind a clearance, one that relaxes, a tanh that lags, or what is taken away from others (a peak near rest):
 /// what bends as they do may be a controller that settles, too, so that they have to be surely better than all others.
