@@ -24,7 +24,7 @@ constexpr double kSurelyRare = 2.0;
 constexpr double kHalves = 0.5;
 /// A tanh that lags and a peak have to leave at most this, too: a percent or two of a recording that the model hardly
 /// describes moved the laws of its other axes.
-constexpr double kWorthALaw = 0.9;
+constexpr double kWorthALaw = 0.8;
 
 dynamics::FrictionLaw lawOf(const Sum& sum, const std::vector<FrictionElement>& elements) {
   std::vector<FrictionElement> chosen;

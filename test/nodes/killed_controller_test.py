@@ -26,7 +26,10 @@ LARGEST_DROP_MM = 1.5
 # In cycles of the robot's clock, 1 ms each: a machine that pauses stops that clock, too. The launch file's silence, and some to act. A process
 # that is killed takes some time to be gone, so the silence is the bound there as well.
 ENGAGING_CYCLES = 100 + 10
-DOWN_CYCLES = ENGAGING_CYCLES + 30 + 5  # the drives carry for the brakes' delay
+# The drives carry for the brakes' delay, hand the load over in 80 ms, and stay on without force for 300 ms, in which a brake that does not hold
+# would be given the load back (GuardianHandOver).
+UNLOADED_CYCLES = ENGAGING_CYCLES + 30 + 80 + 5
+DOWN_CYCLES = UNLOADED_CYCLES + 300
 HELD_CYCLES = DOWN_CYCLES + 10
 
 
@@ -55,6 +58,10 @@ def is_down(row):
     return int(row["digital_outputs"]) & POWER_BITS == 0 and all(abs(row[f"voltage_{i}_V"]) < 1e-9 for i in range(1, 5))
 
 
+def is_unloaded(row):
+    return int(row["digital_outputs"]) & HOLD_RELEASE == 0 and all(abs(row[f"voltage_{i}_V"]) < 1e-9 for i in range(1, 5))
+
+
 def is_held(row):
     return row["drives_enabled"] == 0 and row["brakes_engaged"] == 15
 
@@ -76,6 +83,7 @@ class KilledController(unittest.TestCase):
         held = [row for row in after if is_held(row)]
         engaging = [row for row in after if int(row["digital_outputs"]) & HOLD_RELEASE == 0]
         self.assertTrue(down, "the outputs never came down")
+        unloaded = [row for row in after if is_unloaded(row)]
         self.assertTrue(held, "drives disabled and brakes engaged: never")
         cycles = lambda row: (row["time_s"] - before["time_s"]) * 1e3
         down_cycles, held_cycles = cycles(after[down[0]]), cycles(held[0])
@@ -84,6 +92,7 @@ class KilledController(unittest.TestCase):
         self.assertLessEqual(cycles(engaging[0]), ENGAGING_CYCLES)
         print(f"{name}: brakes ordered after {cycles(engaging[0]):.0f} cycles, outputs down after {down_cycles:.0f} cycles, held after {held_cycles:.0f}, "
               f"platform drop {drop_mm:.3f} mm, largest length change {moved_mm:.3f} mm", flush=True)
+        self.assertLessEqual(cycles(unloaded[0]), UNLOADED_CYCLES)
         self.assertLessEqual(down_cycles, DOWN_CYCLES)
         self.assertLessEqual(held_cycles, HELD_CYCLES)
         self.assertLess(drop_mm, LARGEST_DROP_MM)
