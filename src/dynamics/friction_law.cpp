@@ -101,13 +101,18 @@ FrictionLaw lawOf(const std::vector<FrictionElement>& elements) {
   return law;
 }
 
+double peakOf(const FrictionLaw& law) {
+  double peak = 0.0;
+  for (int k = 0; k < law.count; ++k)
+    peak += std::max(0.0, -law.elements[static_cast<std::size_t>(k)].share);
+  return peak;
+}
+
 std::string nameOf(const FrictionLaw& law) {
   const FrictionElement& first = law.elements.front();
   if (all(law, FrictionKind::Stop))
     return law.count == 1 ? "one stop" : law.count == 2 ? "two stops" : "spectrum of stops";
-  if (std::any_of(law.elements.begin(), law.elements.begin() + law.count,
-                  [](const FrictionElement& e) { return e.share < 0.0; }))
-    return "peak near rest";
+  if (peakOf(law) > 0.0) return "peak near rest";
   if (law.count > 1) return all(law, FrictionKind::Smooth) ? "sum of tanh of velocity" : "mixture";
   if (first.kind == FrictionKind::Smooth) return first.lag_s > 0.0 ? "tanh of lagging velocity" : "tanh of velocity";
   return first.speed_m_per_s > 0.0 || first.tremble > 0.0 ? "creeping bristles" : "bristles (Dahl)";

@@ -20,9 +20,9 @@ constexpr double kWithinErrorsOfSpectrum = 1.0;
 /// One with a rare element is taken when it is better than the best without by so many. Without this, legs of a
 /// physical robot that stand while its controller settles got stops that relax, and predicted another day up to 44 % worse.
 constexpr double kSurelyRare = 2.0;
-/// Or when it leaves less than this of what that leaves: few blocks may hold all of it.
+/// A tanh that lags and a peak also when they leave less than this of what that leaves: few blocks may hold all of it.
 constexpr double kHalves = 0.5;
-/// A tanh that lags and a peak have to leave at most this, too: a percent or two of a recording that the model hardly
+/// They have to leave at most this in any case: a percent or two of a recording that the model hardly
 /// describes moved the laws of its other axes.
 constexpr double kWorthALaw = 0.8;
 
@@ -170,9 +170,10 @@ FrictionChoice chosenOf(const std::vector<Sum>& best, const Eigen::MatrixXd& err
     mean.segment(from, next - from).minCoeff(&rare);
     rare += from;
     const Worse worse = worseBy(error, share, rare, least);
-    const bool surely = worse.mean < -kSurelyRare * worse.standard_error || mean[rare] < kHalves * mean[least];
-    const bool worthwhile = group == kGroupOfRest || mean[rare] < kWorthALaw * mean[least];
-    if (best[static_cast<std::size_t>(rare)].which.empty() || !surely || !worthwhile) continue;
+    const bool surely = worse.mean < -kSurelyRare * worse.standard_error;
+    const double left = mean[rare] / mean[least];
+    const bool taken = group == kGroupOfRest ? surely : left < kHalves || (surely && left < kWorthALaw);
+    if (best[static_cast<std::size_t>(rare)].which.empty() || !taken) continue;
     least = rare;
     first = from;
     end = next;

@@ -43,8 +43,10 @@ Sum withPeak(const InWeights& squares, const std::vector<FrictionElement>& eleme
   return sum;
 }
 
-bool buildsUp(const FrictionElement& e) {
-  return e.kind != FrictionKind::Smooth;
+/// Builds up before `taken` takes away: the peak lies between the two.
+bool buildsUpBefore(const FrictionElement& e, const FrictionElement& taken) {
+  if (e.kind == FrictionKind::Smooth) return false;
+  return taken.kind == FrictionKind::Smooth || kWider * e.width_m <= taken.width_m;
 }
 
 }  // namespace
@@ -79,7 +81,7 @@ std::vector<Sum> bestPeaks(const InWeights& squares, const std::vector<FrictionE
     if (!isTaken(b)) continue;
     for (const int k : mixing) {
       const FrictionElement& a = of(elements, k);
-      if (!buildsUp(a) || (b.kind != FrictionKind::Smooth && b.width_m < kWider * a.width_m)) continue;
+      if (!buildsUpBefore(a, b)) continue;
       Sum tried = withPeak(squares, elements, {k, taken});
       if (tried.left < pair.left) pair = std::move(tried);
     }
@@ -88,7 +90,7 @@ std::vector<Sum> bestPeaks(const InWeights& squares, const std::vector<FrictionE
   while (!sum.which.empty() && sum.which.size() < kMostInPeak) {
     Sum more;
     for (const int k : mixing) {
-      if (!buildsUp(of(elements, k))) continue;
+      if (!buildsUpBefore(of(elements, k), of(elements, pair.which[1]))) continue;
       std::vector<int> which = sum.which;
       which.push_back(k);
       Sum tried = withPeak(squares, elements, std::move(which));

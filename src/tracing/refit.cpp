@@ -139,8 +139,11 @@ bool rebase(Search& s) {
     effects_N.push_back(std::move(split.force_N));
     levels.push_back(std::move(split.level));
   }
-  // Beside an effect that makes friction larger near rest, a law's peak would be the same thing in a coarser form.
-  std::vector<char> without_peak(static_cast<std::size_t>(robot.axes()), 0);
+  // A law keeps its peak, but gets no new one, which would make up for what is wrong with an effect. Beside an effect
+  // that makes friction larger near rest it would be the same thing in a coarser form.
+  std::vector<char> without_peak;
+  for (const dynamics::FrictionLaw& law : s.base->friction_laws)
+    without_peak.push_back(dynamics::peakOf(law) == 0.0);
   for (const Hypothesis& h : now.effects) {
     if (h.place.candidate->actsNearRest()) without_peak[static_cast<std::size_t>(h.place.actuator)] = 1;
   }

@@ -28,14 +28,6 @@ bool surelyLong(const identification::FrictionChoice& choice) {
          });
 }
 
-/// Sum of the shares that are taken away from the others.
-double peakOf(const dynamics::FrictionLaw& law) {
-  double peak = 0.0;
-  for (int k = 0; k < law.count; ++k)
-    peak += std::max(0.0, -law.elements[static_cast<std::size_t>(k)].share);
-  return peak;
-}
-
 }  // namespace
 
 std::string longPresliding(const std::vector<identification::FrictionChoice>& choices) {
@@ -52,7 +44,7 @@ std::string longPresliding(const std::vector<identification::FrictionChoice>& ch
 std::string peakNearRest(const std::vector<identification::FrictionChoice>& choices) {
   std::string where;
   for (std::size_t i = 0; i < choices.size(); ++i) {
-    const double peak = peakOf(choices[i].law);
+    const double peak = dynamics::peakOf(choices[i].law);
     if (choices[i].tried.empty() || peak == 0.0) continue;
     where += std::string(where.empty() ? "" : ", ") + "by up to " + shortNumber(100.0 * peak, 2) + " % on actuator " +
              std::to_string(i + 1) + " (" + dynamics::describe(choices[i].law) + ")";

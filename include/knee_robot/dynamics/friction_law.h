@@ -70,6 +70,9 @@ FrictionLaw bristleLaw(double width_m, double creep_m_per_s = 0.0, double dampin
 /// sum is 0.
 FrictionLaw lawOf(const std::vector<FrictionElement>& elements);
 
+/// Sum of the shares that are taken away from the others; 0: friction is nowhere larger than beyond rest.
+double peakOf(const FrictionLaw& law);
+
 /// "one stop", "tanh of velocity", "bristles (Dahl)", "creeping bristles", "two stops", "spectrum of stops", "mixture".
 std::string nameOf(const FrictionLaw& law);
 /// With numbers: "stop 9 um (61 %) + stop 100 um (39 %)".
