@@ -17,7 +17,8 @@ std::vector<dynamics::FrictionElement> elementsToTry(const FrictionRange& range)
 void addFinerSteps(const FrictionChoice& around, double narrowest_m, std::vector<dynamics::FrictionElement>& all);
 
 /// Shape parameters of every family: one stop, tanh, Dahl's bristles, any bristles, all stops together (Maxwell slip),
-/// pairs, sums, all speeds of tanh together; a tanh that lags; one rare element, a pair and a sum with one, a pair and a sum with a peak.
+/// pairs, sums, all speeds of tanh together; a tanh that lags; one rare element, a pair and a sum with one; a pair and a
+/// sum with a peak.
 inline constexpr std::array<int, 14> kFamilyNumbers = {1, 1, 1, 3, 6, 4, 8, 8, 2, 2, 4, 8, 4, 8};
 /// Where a group of families ends: usual ones, and those that have to be surely better than all before.
 inline constexpr std::array<long, 4> kGroupEnds = {8, 9, 12, 14};
