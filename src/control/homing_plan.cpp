@@ -52,9 +52,8 @@ std::string whyNotHomedFrom(const mechanism::Lengths& start, const mechanism::Ro
     if (walk.goTo(axis - 1, way.length_m) && walk.goTo(axis - 1, back_m)) continue;
     return "homing: from about home, axis " + std::to_string(axis) + " does not reach its length_m " +
            shortNumber(way.length_m) + ": at " + shortNumber(walk.lengths()[axis - 1], 4) +
-           " m the platform is near a singularity, where an axis stands as at its stop; choose another order, length_m "
-           "or "
-           "method";
+           " m the platform is near a singularity, where an axis stands as at its stop; choose another order, "
+           "length_m or method";
   }
   return "";
 }

@@ -114,6 +114,11 @@ std::vector<FrictionLaw> readFriction(StrictMap& file, int axes, const std::vect
     law.count = static_cast<int>(elements.size());
     law.revolute = turns;
     std::copy(elements.begin(), elements.end(), law.elements.begin());
+    if (peakOf(law) > kMostPeak)
+      entry.refuse("elements", "take away " + shortNumber(peakOf(law), 3) +
+                                   " of the sliding friction (shares below 0): friction near rest may be larger by up "
+                                   "to " +
+                                   shortNumber(kMostPeak) + " of it");
     laws.push_back(law);
   }
   return laws;

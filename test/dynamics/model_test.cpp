@@ -270,6 +270,31 @@ TEST(ModelFile, KeepsAnExponentAndRefusesItBesideCreep) {
   }
 }
 
+TEST(ModelFile, KeepsAPeakAndRefusesOneThatIsLargerThanTheFrictionItself) {
+  const mechanism::Robot robot = parallelRobot();
+  Model m = someModel(robot, 3);
+  const auto peaked = [](double share) {
+    return lawOf({{FrictionKind::Bristles, 1.0 + 2.0 * share, 8e-5},
+                  {FrictionKind::Smooth, -share, 0.0, 1e-3},
+                  {FrictionKind::Smooth, -share, 0.0, 2e-3}});
+  };
+  m.friction[0] = peaked(0.25);
+  const std::string text = modelToYaml(m);
+  EXPECT_DOUBLE_EQ(peakOf(parseModel(text, "m.yaml").friction[0]), 0.5);
+  m.friction[0] = peaked(0.49);
+  EXPECT_NO_THROW(parseModel(modelToYaml(m), "m.yaml"));
+  m.friction[0] = lawOf({{FrictionKind::Bristles, 1.6, 8e-5},
+                         {FrictionKind::Bristles, 0.6, 9e-5},
+                         {FrictionKind::Smooth, -0.6, 0.0, 1e-3},
+                         {FrictionKind::Smooth, -0.6, 0.0, 2e-3}});
+  try {
+    parseModel(modelToYaml(m), "m.yaml");
+    FAIL();
+  } catch (const InputError& e) {
+    EXPECT_NE(std::string(e.what()).find("take away 1.2 of the sliding friction"), std::string::npos) << e.what();
+  }
+}
+
 TEST(ForceFromModel, EqualsTheRegressorTimesTheParametersWhileEveryAxisMovesOn) {
   const mechanism::Robot robot = parallelRobot();
   Model m = someModel(robot, 4);

@@ -50,9 +50,9 @@ struct FrictionElement {
 
 inline constexpr int kMostFrictionElements = 8;
 
-/// Law of friction near rest of one actuator: which share of full Coulomb friction, in [-1, 1], acts. A sum of elements
-/// whose shares add up to 1: a spectrum of stops (Prandtl-Ishlinskii, Maxwell slip), smooth laws, bristles, or a
-/// mixture. Away from rest every law is sign(v). Fixed size: a real-time program may copy it.
+/// Law of friction near rest of one actuator: which share of full Coulomb friction acts, in [-1, 1] or, where it has a
+/// peak, by as much beyond. A sum of elements whose shares add up to 1: a spectrum of stops (Prandtl-Ishlinskii, Maxwell
+/// slip), smooth laws, bristles, or a mixture. Away from rest every law is sign(v). Fixed size: a real-time program may copy it.
 struct FrictionLaw {
   std::array<FrictionElement, kMostFrictionElements> elements{};
   int count = 1;
@@ -73,7 +73,8 @@ FrictionLaw lawOf(const std::vector<FrictionElement>& elements);
 /// Sum of the shares that are taken away from the others; 0: friction is nowhere larger than beyond rest.
 double peakOf(const FrictionLaw& law);
 
-/// "one stop", "tanh of velocity", "bristles (Dahl)", "creeping bristles", "two stops", "spectrum of stops", "mixture".
+/// "one stop", "tanh of velocity", "bristles (Dahl)", "creeping bristles", "two stops", "spectrum of stops", "mixture",
+/// "tanh of lagging velocity", "peak near rest".
 std::string nameOf(const FrictionLaw& law);
 /// With numbers: "stop 9 um (61 %) + stop 100 um (39 %)".
 std::string describe(const FrictionLaw& law);
