@@ -44,11 +44,15 @@ std::int32_t GuardedBus::claim() noexcept {
   return 0;
 }
 
-/// What a dead controller has left switched on goes first, whether a guardian answers or not; until it is off the link
-/// says armed.
+/// What a dead controller has left switched on goes first, whether a guardian answers or not, but for what a guardian
+/// hands over to the brakes; until it is off the link says armed.
 std::string GuardedBus::takeOver() {
   if (const std::int32_t other = claim())
     return "process " + std::to_string(other) + " already controls this robot; end it first.";
+  if (!letGuardianHandOver(link_)) {
+    return "the guardian still lets the drives carry the platform: a holding brake does not hold, or cannot be ordered "
+           "to; support the platform, then end the guardian.";
+  }
   link_.carries.store(0);
   for (std::size_t i = 0; i < link_.slip_counts.size(); ++i)
     link_.slip_counts[i].store(options_.slip_counts[i]);
@@ -104,6 +108,7 @@ bool GuardedBus::isFencedOut() const noexcept {
 }
 
 IoStatus GuardedBus::reclaim() {
+  letGuardianHandOver(link_);
   const std::uint32_t number = link_.reset_request.fetch_add(1) + 1;
   // Or a later one: two may ask at once, and the guardian answers the newest.
   const auto granted = [&] {

@@ -7,11 +7,14 @@
 #include <unistd.h>
 
 #include <cerrno>
+#include <chrono>
 #include <cstring>
+#include <thread>
 #include <utility>
 
 #include "knee_robot/base/errors.h"
 #include "knee_robot/base/files.h"
+#include "knee_robot/hardware/process_watch.h"
 
 namespace knee_robot::hardware {
 namespace {
@@ -30,6 +33,23 @@ std::uint64_t machineMark(const std::string& machine) noexcept {
   for (const unsigned char c : machine)
     mark = (mark ^ c) * 1099511628211ull;
   return mark != 0 ? mark : 1;
+}
+
+bool guardianCycles(const GuardianLink& link) {
+  const std::int32_t guardian = link.guardian_pid.load();
+  const std::uint64_t cycles = link.guardian_cycles.load();
+  if (guardian <= 0 || ProcessWatch().isGone(guardian)) return false;
+  std::this_thread::sleep_for(std::chrono::milliseconds(20));
+  return link.guardian_cycles.load() != cycles;
+}
+
+bool letGuardianHandOver(const GuardianLink& link) {
+  constexpr std::chrono::seconds kLongest(3);  // a hand-over takes 2.1 s at most
+  const auto began = std::chrono::steady_clock::now();
+  while (link.acts.load() != 0 && guardianCycles(link)) {
+    if (std::chrono::steady_clock::now() - began > kLongest) return false;
+  }
+  return true;
 }
 
 bool processExists(std::int32_t pid) noexcept {

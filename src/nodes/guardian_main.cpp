@@ -173,14 +173,6 @@ std::optional<hardware::SharedGuardianLink> linkOf(const std::string& name, cons
   return std::nullopt;
 }
 
-bool guardianActs(const hardware::GuardianLink& link) {
-  const std::int32_t guardian = link.guardian_pid.load();
-  const std::uint64_t cycles = link.guardian_cycles.load();
-  if (guardian <= 0 || hardware::ProcessWatch().isGone(guardian)) return false;
-  std::this_thread::sleep_for(std::chrono::milliseconds(20));
-  return link.guardian_cycles.load() != cycles;
-}
-
 /// A controller that lives notices within 50 ms that its guardian is gone, and stops as it should: along the path, the
 /// load handed over to the brakes. Waits for that, 1.5 s at most. False: it goes on living with its drives on (a brake
 /// does not hold, and they carry the platform).
@@ -202,14 +194,6 @@ bool letControllerStop(const hardware::GuardianLink& link) {
   return true;
 }
 
-/// A guardian that has tripped lets the drives carry until the brakes hold.
-void letGuardianHandOver(const hardware::GuardianLink& link) {
-  constexpr rt::Nanoseconds kLongest = 3 * control::GuardianHandOver::kLongest / 2;
-  const rt::Nanoseconds began = rt::monotonicNow();
-  while (link.acts.load() != 0 && guardianActs(link) && rt::monotonicNow() - began < kLongest)
-    std::this_thread::sleep_for(std::chrono::milliseconds(1));
-}
-
 /// What a service manager calls after the controller or its guardian has ended, for whatever reason. Beside a guardian
 /// that lives a controller is fenced out at once; without one it is first given the time to stop by itself, and left
 /// alone where it goes on carrying.
@@ -218,12 +202,12 @@ int bringDownNow(const Options& options) {
   const std::unique_ptr<hardware::EmergencyOutputs> outputs = nodes::openOutputs(file, siteOf(options));
   std::optional<hardware::SharedGuardianLink> memory = linkOf(options.link, nodes::machineName(file, siteOf(options)));
   if (memory) {
-    if (!guardianActs(memory->link()) && !letControllerStop(memory->link())) {
+    if (!hardware::guardianCycles(memory->link()) && !letControllerStop(memory->link())) {
       std::printf("guardian: the controller lives and its drives carry the platform; start the guardian again\n");
       return 1;
     }
     memory->link().tripped.store(1);
-    letGuardianHandOver(memory->link());
+    hardware::letGuardianHandOver(memory->link());
   }
   hardware::IoStatus status = outputs->down();
   pause();

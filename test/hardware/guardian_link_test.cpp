@@ -9,8 +9,10 @@
 #include <unistd.h>
 
 #include <atomic>
+#include <chrono>
 #include <memory>
 #include <thread>
+#include <utility>
 
 #include "card_bench.h"
 #include "knee_robot/base/errors.h"
@@ -175,6 +177,54 @@ TEST(GuardedBus, BringsDownWhatADeadControllerLeftOnEvenWhenNoGuardianAnswers) {
   EXPECT_EQ(image.counter.outputs.load(), 0);
   EXPECT_EQ(simulation::outputVolts(image.analog)[0], 0.0);
   EXPECT_EQ(link.armed.load(), 0u);
+}
+
+/// Outputs at the moment at which a guardian has handed over, `hand_over_ms` after a new controller has asked for them
+/// (or when that has given up), and whether that one gets them then.
+std::pair<unsigned, bool> startedWithinAHandOver(int hand_over_ms) {
+  simulation::RobotImage image;
+  GuardianLink link;
+  leaveOn(image, link);
+  link.guardian_pid.store(::getpid());
+  link.tripped.store(1);
+  link.acts.store(1);
+  const std::unique_ptr<AxisBus> cards = simulation::openImageCards(image);
+  const std::unique_ptr<EmergencyOutputs> outputs = simulation::openImageEmergencyOutputs(image);
+  GuardedBus::Options options;
+  options.outputs = outputs.get();
+  GuardedBus bus(*cards, link, 3, options);
+  std::atomic<bool> done{false};
+  unsigned carried = 0;
+  std::thread guardian([&] {
+    for (int cycle = 0; !done; ++cycle) {
+      std::this_thread::sleep_for(std::chrono::milliseconds(1));
+      if (cycle == hand_over_ms) {
+        carried = image.counter.outputs.load();
+        link.acts.store(0);
+      }
+      if (cycle >= hand_over_ms && link.reset_request.load() != link.reset_done.load()) {
+        link.tripped.store(0);
+        link.reset_done.store(link.reset_request.load());
+      }
+      link.guardian_cycles.fetch_add(1);
+    }
+  });
+  const bool passed = bus.selfTest().passed;
+  done = true;
+  guardian.join();
+  return {link.acts.load() != 0 ? image.counter.outputs.load() : carried, passed};
+}
+
+TEST(GuardedBus, LeavesToTheGuardianWhatItHandsOverToTheBrakesAndStartsThen) {
+  const auto [carried, passed] = startedWithinAHandOver(600);
+  EXPECT_EQ(carried, 3u) << "the drives carried until the brakes held";
+  EXPECT_TRUE(passed) << "a controller that is started meanwhile waits";
+}
+
+TEST(GuardedBus, DoesNotTakeThePlatformFromAGuardianThatStillCarriesIt) {
+  const auto [carried, passed] = startedWithinAHandOver(100'000);
+  EXPECT_FALSE(passed);
+  EXPECT_EQ(carried, 3u);
 }
 
 TEST(GuardedBus, StaysArmedWhenTheCardsDoNotLetItBringTheOutputsDown) {

@@ -36,7 +36,7 @@ class GuardedBus : public AxisBus {
       : GuardedBus(bus, link, power_bits, Options()) {}
 
   /// Before a guardian is waited for: this process takes the robot unless another controller lives, and brings the
-  /// outputs down.
+  /// outputs down; where a guardian is handing a dead controller's load over to the brakes, after that.
   /// Empty, or why not. Not real-time.
   std::string takeOver();
   /// Fails when another controller lives: nothing is touched then. Otherwise the outputs go down before the guardian is
@@ -50,7 +50,7 @@ class GuardedBus : public AxisBus {
   bool isGuarded() const noexcept override { return true; }
   bool stopsByItself() const noexcept override { return bus_.stopsByItself(); }
   void offerLoad(const std::array<double, kAxes>* volts) noexcept override;
-  /// Waits up to 0.3 s for the guardian.
+  /// Waits up to 0.3 s for the guardian; while that hands the load over to the brakes, up to 3 s.
   IoStatus reclaim() override;
   /// GuardianSilent from guardian_silence_ns without a cycle of the guardian on, counted in read().
   BusFailure failure() const noexcept override;

@@ -68,6 +68,12 @@ class SharedGuardianLink {
   std::uint64_t file_;  ///< inode
 };
 
+/// A guardian lives and cycles. Looks for 20 ms.
+bool guardianCycles(const GuardianLink& link);
+/// A guardian that has tripped lets the drives carry until the brakes hold; whoever brings the outputs down meanwhile
+/// lets the platform fall. Waits until that is over, or the guardian is. False: after 3 s it still carries.
+bool letGuardianHandOver(const GuardianLink& link);
+
 /// Whether a process of this number exists (0: no). A zombie does.
 bool processExists(std::int32_t pid) noexcept;
 
