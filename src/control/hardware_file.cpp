@@ -52,15 +52,14 @@ void readCards(HardwareFile& hardware, StrictMap map) {
   map.finish();
 }
 
-HomingAxis readHomingAxis(StrictMap& map, bool hard_stop) {
+HomingAxis readHomingAxis(StrictMap& map) {
   HomingAxis axis;
   axis.length_m = map.number("length_m", -2.0, 2.0);
   axis.direction = map.choice("direction", {"shorten", "lengthen"}) == "lengthen" ? 1 : -1;
   axis.speed_m_per_s = map.numberOr("speed_m_per_s", axis.speed_m_per_s, 1e-4, 0.02);
   axis.force_N = map.numberOr("force_N", axis.force_N, 1.0, 200.0);
-  // At a hard stop only the way back tells that the axis moves, and that its encoder counts.
-  const double least_m = hard_stop ? HomingMove::kLeastBackOff_m : 0.0;
-  axis.back_off_m = map.numberOr("back_off_m", axis.back_off_m, least_m, 0.1);
+  // Only the way back tells that the axis moves, that its encoder counts, and that a switch opens again.
+  axis.back_off_m = map.numberOr("back_off_m", axis.back_off_m, HomingMove::kLeastBackOff_m, 0.1);
   axis.travel_m = map.numberOr("travel_m", axis.travel_m, 0.001, 2.0);
   map.finish();
   return axis;
@@ -98,7 +97,7 @@ void readHoming(HardwareFile& hardware, StrictMap map) {
       map.refuse("axes", "expected four axes, or one that stands for all, not " + std::to_string(axes.size()));
     }
     for (std::size_t i = 0; i < axes.size(); ++i)
-      hardware.homing.axes[i] = readHomingAxis(axes[i], method == "hard_stop");
+      hardware.homing.axes[i] = readHomingAxis(axes[i]);
     if (axes.size() == 1) hardware.homing.axes.fill(hardware.homing.axes[0]);
     readHomingOrder(hardware, map);
   }

@@ -18,7 +18,7 @@ void HomingMove::begin(const HomingAxis& axis, bool on_switch, double position_m
 HomingMove::Output HomingMove::step(double measured_m, double velocity, bool switch_on, double dt,
                                     double full_force_N) noexcept {
   if (phase_ == HomingPhase::Searching) search(measured_m, velocity, switch_on, dt);
-  if (phase_ == HomingPhase::BackingOff) backOff(measured_m, dt);
+  if (phase_ == HomingPhase::BackingOff) backOff(measured_m, switch_on, dt);
   const bool gentle = phase_ == HomingPhase::Searching;
   return {reference_m_, velocity_, gentle ? std::min(axis_.force_N, full_force_N) : full_force_N};
 }
@@ -60,7 +60,8 @@ void HomingMove::abandon() noexcept {
 }
 
 /// An axis that cannot move, or whose encoder does not count, stands as one does at its stop; but it does not come back.
-void HomingMove::backOff(double measured_m, double dt) noexcept {
+/// A switch that is still closed then says nothing of the place.
+void HomingMove::backOff(double measured_m, bool switch_on, double dt) noexcept {
   const double target = found_m_ - axis_.direction * axis_.back_off_m;
   velocity_ = -axis_.direction * axis_.speed_m_per_s;
   reference_m_ += velocity_ * dt;
@@ -70,9 +71,10 @@ void HomingMove::backOff(double measured_m, double dt) noexcept {
   velocity_ = 0.0;
   waited_s_ += dt;
   const double back_m = axis_.direction * (found_m_ - measured_m);
-  if (back_m >= 0.5 * axis_.back_off_m && (on_switch_ || again_)) {
+  const bool came_back = back_m >= 0.5 * axis_.back_off_m && !(on_switch_ && switch_on);
+  if (came_back && again_) {
     phase_ = HomingPhase::Found;
-  } else if (back_m >= 0.5 * axis_.back_off_m) {
+  } else if (came_back) {
     again_ = true;
     start_m_ = measured_m;
     time_s_ = standing_s_ = 0.0;

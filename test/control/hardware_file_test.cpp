@@ -94,9 +94,10 @@ TEST(HardwareFile, RefusesHomingAndInputsThatCannotBe) {
       std::string::npos);
   EXPECT_NE(refusal("homing: {method: switch, " + axes + "}\n").find("home_switch"), std::string::npos);
   EXPECT_NE(refusal("homing: {method: hard_stop}\n").find("axes"), std::string::npos);
-  EXPECT_NE(refusal("homing: {method: hard_stop, axes: [{length_m: 0.5, direction: shorten, back_off_m: 0.0}]}\n")
-                .find("back_off_m"),
-            std::string::npos);
+  const std::string no_way_back = "axes: [{length_m: 0.5, direction: shorten, back_off_m: 0.0}]}\n";
+  EXPECT_NE(refusal("homing: {method: hard_stop, " + no_way_back).find("back_off_m"), std::string::npos);
+  const std::string switches = "digital_inputs: {emergency_stop_clear: 1, hand_switch_clear: 2, home_switch: 3}\n";
+  EXPECT_NE(refusal(switches + "homing: {method: switch, " + no_way_back).find("back_off_m"), std::string::npos);
   EXPECT_NE(refusal("homing: {method: hard_stop, order: [1, 1, 2, 3], " + axes + "}\n").find("each of the axes"),
             std::string::npos);
   EXPECT_NE(refusal("homing: {method: hand_placed, " + axes + "}\n"), "") << "axes that nothing moves";

@@ -233,6 +233,32 @@ TEST_P(HomingMoves, AreEndedByStopWithoutHavingFoundAnything) {
   EXPECT_EQ(rig.system.status().safe_stops, 1u);
 }
 
+TEST(Homing, TakesNoSwitchForHomeThatStaysClosedOrClosesForAMoment) {
+  for (const bool stays : {true, false}) {
+    HardwareFile hardware = withHoming(HomingMethod::Switch);
+    hardware.homing.switch_bit = 2;
+    Rig rig(hardware);
+    displace(rig);
+    rig.machine.switch_bit = 2;
+    for (auto& axis : rig.machine.axes)
+      axis.switch_below = 0.55;
+    auto& searching = rig.machine.axes[3];
+    ASSERT_TRUE(rig.system.start().ok);
+    ASSERT_TRUE(rig.system.home().ok);
+    ASSERT_TRUE(rig.system.waitFor(MachineState::Homing, 2.0));
+    for (int i = 0; i < 5000 && searching.position > fake::kHome + 0.02; ++i)
+      rig.system.step();
+    searching.switch_below = 10.0;
+    rig.system.run(0.002);
+    if (!stays) searching.switch_below = 0.55;
+    EXPECT_TRUE(rig.system.waitFor(MachineState::Faulted, 60.0)) << (stays ? "stays closed" : "for a moment");
+    EXPECT_EQ(rig.system.status().fault_name, "homing_failed");
+    EXPECT_EQ(rig.system.status().fault_axis, 4);
+    EXPECT_FALSE(rig.system.status().homed)
+        << "lengths wrong by " << 1e3 * (rig.system.snapshot()->position_m[3] - searching.position) << " mm";
+  }
+}
+
 INSTANTIATE_TEST_SUITE_P(Against, HomingMoves, ::testing::Values(HomingMethod::Switch, HomingMethod::HardStop),
                          [](const ::testing::TestParamInfo<HomingMethod>& info) {
                            return info.param == HomingMethod::Switch ? std::string("ASwitch")
