@@ -66,6 +66,7 @@ void AxesOutput::updateHook(const rt::Cycle& cycle) {
   offerLoad();
   out_.safe_stop = safe_stop_.phase();
   out_.holds_here = safe_stop_.holdsHere();
+  out_.unordered = outputs_refused_;
   out_.transfer = order_.transfer;
   written.write(out_);
 }

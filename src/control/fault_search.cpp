@@ -44,6 +44,17 @@ FaultCause FaultSearch::find(const SupervisorView& view, const Conditions& condi
   return {};
 }
 
+FaultCause FaultSearch::inSafeStop(const SupervisorView& view) const noexcept {
+  FaultCause found;
+  if (view.written.safe_stop == SafeStopPhase::Carrying) {
+    found = {Fault::HoldDeviceSlips, view.written.fault_axis};
+  } else if (view.written.unordered && view.written.safe_stop != SafeStopPhase::Idle) {
+    found = {Fault::OutputLost};
+  }
+  found.acute = true;
+  return found;
+}
+
 FaultCause FaultSearch::inMeasurement(const SupervisorView& view, const Conditions& conditions) const noexcept {
   if (!view.hasMeasured()) return {};  // before the first cycle; enabling is refused
   if (view.unreadable >= conditions.stale_cycles) return {Fault::MeasurementLost};
@@ -80,9 +91,10 @@ bool FaultSearch::causeRemains(Fault latched, const SupervisorView& view) const 
   // Written so that what is not a number counts as hot.
   const auto is_cool = [](double heat) { return heat <= kCool; };
   const bool cool = std::all_of(view.verdict.heat.begin(), view.verdict.heat.end(), is_cool);
-  // A brake that slips may have taken the place of the fault that stopped the robot.
-  const bool heats =
-      latched == Fault::ThermalOverload || latched == Fault::HoldDeviceSlips || latched == Fault::MovedWhileOff;
+  // These may have taken the place of the fault that stopped the robot.
+  const bool took_its_place =
+      latched == Fault::HoldDeviceSlips || latched == Fault::MovedWhileOff || latched == Fault::OutputLost;
+  const bool heats = latched == Fault::ThermalOverload || took_its_place;
   if (heats && !cool) return true;
   if (view.unreadable != 0 || view.written.status != hardware::IoStatus::Ok) return true;
   return !components_.allRun();

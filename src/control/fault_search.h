@@ -28,6 +28,8 @@ class FaultSearch {
 
   /// The first fault in the order of causes; Fault::None: all is well.
   FaultCause find(const SupervisorView& view, const Conditions& conditions) const noexcept;
+  /// Why a safe stop cannot end, whatever began it: a brake slips, or brakes and drives can be ordered nothing any more.
+  FaultCause inSafeStop(const SupervisorView& view) const noexcept;
   /// Who has the machine in this cycle, whatever else is wrong: the guardian its outputs, or the emergency stop its
   /// power; Fault::None: the controller.
   Fault machineTaken(const SupervisorView& view) const noexcept;

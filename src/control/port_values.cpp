@@ -256,6 +256,7 @@ void members(const AxesWritten& v, Visit& visit) {
   visit("safe_stops", v.safe_stops);
   visit("transfer", v.transfer);
   visit("holds_here", v.holds_here);
+  visit("unordered", v.unordered);
   visit("digital_outputs", v.digital_outputs);
   visit("volts_V", v.volts);
   visit("force_N", v.force_N);

@@ -114,7 +114,7 @@ void Supervisor::detectFaults(rt::Nanoseconds now) {
   conditions.homed = orders_.homed;
   conditions.disabled = state_ == MachineState::Disabled;
   conditions.overrun = overrun_.exchange(false, std::memory_order_relaxed);
-  if (view_.written.safe_stop == SafeStopPhase::Carrying) raise({Fault::HoldDeviceSlips, view_.written.fault_axis});
+  raise(search_.inSafeStop(view_));
   raise(search_.find(view_, conditions));
   // Not before the axes are homed: until then the robot is placed by hand. What has just cost them their home is no such time.
   const bool off = (state_ == MachineState::Disabled || state_ == MachineState::Faulted) && view_.drivesAreOff();

@@ -177,6 +177,17 @@ TEST(FaultLatching, LetsAPlatformThatSinksTakeThePlaceOfAnotherFaultButNotOfABra
   EXPECT_EQ(latch.cause().fault, Fault::HoldDeviceSlips);
 }
 
+TEST(FaultLatching, LetsAnAcuteFaultTakeThePlaceOfAnotherOnce) {
+  FaultLatch latch;
+  FaultCause lost{Fault::OutputLost};
+  latch.latch({Fault::EmergencyStop});
+  EXPECT_FALSE(latch.latch(lost));
+  lost.acute = true;
+  EXPECT_TRUE(latch.latch(lost));
+  EXPECT_FALSE(latch.latch(lost));
+  EXPECT_EQ(latch.cause().fault, Fault::OutputLost);
+}
+
 TEST(FaultLatching, KeepsTheFirstFaultUntilItIsCleared) {
   FaultLatch latch;
   EXPECT_FALSE(latch.latch({Fault::None}));

@@ -65,6 +65,24 @@ TEST(LostCounterCard, ThatDoesNotAnswerIsHeldByWhatCarriedThePlatformAtRest) {
   }
 }
 
+/// "Release the emergency stop" helps nobody while brakes are open, or drives on, that nothing can be told any more.
+TEST(LostCounterCard, IsSaidToBeLostWhateverBeganTheSafeStopInWhichItGoes) {
+  for (const simulation::CardLoss loss : {simulation::kCardGone, simulation::kCardSilent}) {
+    for (const double within_s : {0.02, 0.07, 0.15}) {
+      HoldingRobot robot;
+      ASSERT_TRUE(robot.system->emergencyStop().ok);
+      robot.system->run(within_s);
+      EXPECT_EQ(robot.system->status().fault_name, "emergency_stop");
+      robot.image.counter.disconnected.store(loss);
+      robot.system->run(2.0);
+      EXPECT_EQ(robot.system->status().fault_name, "output_lost")
+          << int{loss} << ", " << within_s << " s after the emergency stop: " << toString(robot.system->state())
+          << ", drives " << int{robot.image.status.drives_enabled.load()} << ", brakes engaged "
+          << int{robot.image.status.brakes_engaged.load()};
+    }
+  }
+}
+
 TEST(LostCounterCard, WhoseCountsBeginAnewBetweenTwoReadingsLeavesARobotThatDoesNotKnowWhereItIs) {
   HoldingRobot robot;
   climb(robot);

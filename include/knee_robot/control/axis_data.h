@@ -233,6 +233,7 @@ struct AxesWritten {
   std::uint32_t safe_stops = 0;  ///< completed since the start
   std::uint32_t transfer = 0;    ///< Supervisor's number that was heard last
   bool holds_here = false;       ///< the brakes should hold, and what is left of the loops has to hold there
+  bool unordered = false;        ///< brakes and drives can be ordered nothing any more: the output card is gone
   std::uint8_t digital_outputs = 0;
   AxisValues volts{};    ///< as the converter got them, after clamp and quantization
   AxisValues force_N{};  ///< that these volts ask for
