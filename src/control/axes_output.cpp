@@ -150,12 +150,14 @@ void AxesOutput::followOrders(const rt::Cycle& cycle) {
   }
 }
 
+bool AxesOutput::isAtRest() const noexcept {
+  return std::all_of(commands_.begin(), commands_.end(), [](const AxisCommand& command) { return command.at_rest; });
+}
+
 void AxesOutput::runSafeStop(const rt::Cycle& cycle, const AxesMeasurement& measured) {
-  const auto at_rest = [](const AxisCommand& command) { return command.at_rest; };
   const HoldView hold{!outputs_refused_, slips(measured),  transferNumber(cycle), creeps(measured, cycle.time),
                       watched_,          stands(measured), runs(measured)};
-  safe_stop_.step(cycle.time, all_closed_, std::all_of(commands_.begin(), commands_.end(), at_rest),
-                  order_.immediate || power_came_back_, hold);
+  safe_stop_.step(cycle.time, all_closed_, isAtRest(), order_.immediate || power_came_back_, hold);
   out_.safe_stops = safe_stop_.completed();
   if (safe_stop_.phase() == SafeStopPhase::Done) out_.level = DriveLevel::Off;
 }
@@ -278,8 +280,10 @@ void AxesOutput::writeOutputs(rt::Nanoseconds now) {
   if (release) bits |= 1u << hardware_.hold_release_bit;
   out_.digital_outputs = static_cast<std::uint8_t>(bits);
   const hardware::IoStatus status = bus_.writeOutputs(out_.digital_outputs);
-  outputs_refused_ =
+  const bool refused =
       status != hardware::IoStatus::Ok && status != hardware::IoStatus::FencedOut && !bus_.stopsByItself();
+  if (refused && !outputs_refused_) lost_at_rest_ = isAtRest();
+  outputs_refused_ = refused;
   if (status == hardware::IoStatus::Ok) return;
   out_.status = status;
   beginSafeStop(faultOfRefusal(status), 0, now);
@@ -300,9 +304,11 @@ void AxesOutput::estimateLoad(double dt) noexcept {
 }
 
 /// For the guardian, should this process die now: until the brakes hold, the platform would fall without. During a safe
-/// stop, too, as long as the drives have power.
+/// stop, too, as long as the drives have power; but not where no brake can be ordered any more and the platform moves:
+/// it would be pushed on blindly.
 void AxesOutput::offerLoad() noexcept {
-  if (out_.level != DriveLevel::Released || safe_stop_.disablesDrive()) return bus_.offerLoad(nullptr);
+  const bool carries = out_.level == DriveLevel::Released && !safe_stop_.disablesDrive();
+  if (!carries || (outputs_refused_ && !lost_at_rest_)) return bus_.offerLoad(nullptr);
   AxisValues load{};
   for (std::size_t i = 0; i < hardware::kAxes; ++i)
     load[i] = clamped(rest_volts_[i], i);

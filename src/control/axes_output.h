@@ -64,6 +64,7 @@ class AxesOutput : public rt::TaskContext {
   void heedDrives(const AxesMeasurement& measured) noexcept;
   void followOrders(const rt::Cycle& cycle);
   void beginSafeStop(Fault fault, int axis, rt::Nanoseconds now) noexcept;
+  bool isAtRest() const noexcept;
   void runSafeStop(const rt::Cycle& cycle, const AxesMeasurement& measured);
   std::uint32_t transferNumber(const rt::Cycle& cycle) noexcept;
   bool slips(const AxesMeasurement& measured) noexcept;
@@ -109,6 +110,7 @@ class AxesOutput : public rt::TaskContext {
   bool power_was_lost_ = false;  // while the drives carried
   bool power_came_back_ = false;
   bool outputs_refused_ = false;
+  bool lost_at_rest_ = false;  // the references stood still when the outputs began to be refused
   bool heartbeat_ = false;
   AxesWritten out_;
 };

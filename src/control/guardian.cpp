@@ -93,16 +93,15 @@ void Guardian::updateHook(const rt::Cycle& /*cycle*/) {
   link_.guardian_cycles.fetch_add(1, std::memory_order_release);
 }
 
-/// The holding brakes engage, the drives give what carried the robot at rest.
+/// The holding brakes engage, as far as they can be ordered to; the drives give what carried the robot at rest.
 bool Guardian::carryLoad() noexcept {
   if (carry_.time == 0 || !watch_.hasHeard() || link_.carries.load(std::memory_order_acquire) == 0) return false;
-  GuardianHandOver::Counts slip{};
   for (std::size_t i = 0; i < load_V_.size(); ++i) {
     load_V_[i] = link_.load_V[i].load(std::memory_order_relaxed);
     if (!(std::abs(load_V_[i]) <= kLargest_V)) return false;
-    slip[i] = link_.slip_counts[i].load(std::memory_order_relaxed);
+    slip_[i] = carry_.watches ? link_.slip_counts[i].load(std::memory_order_relaxed) : 0;
   }
-  hand_over_.begin(clock_(), carry_.time, carry_.watches ? slip : GuardianHandOver::Counts{});
+  hand_over_.begin(clock_(), carry_.time, slip_);
   if (writeCarry()) return true;
   hand_over_ = GuardianHandOver();
   return false;
@@ -114,7 +113,15 @@ bool Guardian::writeCarry() noexcept {
   std::array<double, hardware::kChannels> volts = load_V_;
   for (double& one : volts)
     one *= hand_over_.share();
-  return outputs_.carry(bits, volts) == hardware::IoStatus::Ok;
+  orders_ = outputs_.carry(bits, volts) == hardware::IoStatus::Ok;
+  return orders_ || isStranded();
+}
+
+/// The card with the digital outputs is gone: no brake can be ordered to engage, and 0 V would let the platform fall.
+bool Guardian::isStranded() noexcept {
+  GuardianHandOver::Counts counts{};
+  const hardware::IoStatus status = outputs_.readCounts(counts);
+  return status != hardware::IoStatus::Ok && status != hardware::IoStatus::NotReady;
 }
 
 /// A write already in progress passes the fence; so write again every cycle.
@@ -130,7 +137,12 @@ void Guardian::keepDown(rt::Nanoseconds now) noexcept {
 
 void Guardian::handOver(rt::Nanoseconds now) noexcept {
   GuardianHandOver::Counts counts{};
-  hand_over_.step(now, outputs_.readCounts(counts) == hardware::IoStatus::Ok ? &counts : nullptr);
+  const hardware::IoStatus status = outputs_.readCounts(counts);
+  const bool read = status == hardware::IoStatus::Ok;
+  if (read || status == hardware::IoStatus::NotReady)
+    hand_over_.step(now, read ? &counts : nullptr);
+  else
+    hand_over_.begin(now, carry_.time, slip_);  // when the card answers again
   report_.slipped.store(hand_over_.slipped());
 }
 
@@ -155,7 +167,7 @@ void Guardian::trip() noexcept {
   report_.controller_pid.store(link_.controller_pid.load());
   report_.reaction.store(down - watch_.lastHeartbeat());
   report_.writing.store(down - began);
-  report_.written.store(status == hardware::IoStatus::Ok);
+  report_.written.store(carries ? orders_ : status == hardware::IoStatus::Ok);
   report_.trips.fetch_add(1, std::memory_order_release);
 }
 

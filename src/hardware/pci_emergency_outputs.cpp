@@ -43,6 +43,7 @@ IoStatus forceCarry(RegisterAccess& analog, RegisterAccess& counter, std::uint8_
     note(analog.write8(pci1720::highByte(channel), code >> 8));
   }
   note(analog.write8(pci1720::kSynchronise, 0));
+  note(outputsPresence(counter));
   return first;
 }
 

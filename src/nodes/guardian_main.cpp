@@ -68,6 +68,12 @@ void tellTrip(const control::GuardianReport& report) {
           ? (" after the " + shortNumber(carried_ms, 3) + " ms that they take, carried by the drives until then")
                 .c_str()
           : "");
+  if (carried_ms > 0.0 && !report.written.load()) {
+    std::printf(
+        "guardian: THE CARD WITH THE DIGITAL OUTPUTS DOES NOT ANSWER, and no brake can be engaged: until it does, the "
+        "drives keep what carried the platform at rest; support it, then press the emergency stop and "
+        "kill this process\n");
+  }
   std::fflush(stdout);
 }
 

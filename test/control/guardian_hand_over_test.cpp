@@ -152,6 +152,49 @@ TEST(AControllerThatDies, IsCarriedUntilBrakesThatEngageLateHold) {
   }
 }
 
+/// No brake can be ordered: 0 V would let the platform fall by its whole stroke.
+TEST(AControllerThatDies, IsCarriedAsLongAsTheCounterCardIsGone) {
+  for (const simulation::CardLoss loss : {simulation::kCardGone, simulation::kCardSilent}) {
+    for (const bool before : {true, false}) {
+      Guarded robot(true);
+      const auto drops_m_in = [&](double seconds) {
+        const double height = robot.plant.state().pose[1];
+        double deepest = height;
+        for (int k = 0; k < static_cast<int>(1000.0 * seconds); ++k) {
+          robot.step();
+          deepest = std::min(deepest, robot.plant.state().pose[1]);
+        }
+        return height - deepest;
+      };
+      robot.system->run(4.0);         // until what carries at rest is known
+      if (!before) drops_m_in(0.02);  // the guardian carries already
+      robot.image.counter.disconnected.store(loss);
+      if (before) robot.system->run(0.5);
+      const double drop_m = drops_m_in(3.0);
+      EXPECT_LT(drop_m, 0.01) << int{loss} << (before ? " before" : " after") << ": once 420 mm";
+      EXPECT_EQ(robot.guardian.report().written.load(), !before);
+      EXPECT_TRUE(robot.guardian.report().acts.load());
+      robot.image.counter.disconnected.store(0);
+      const AfterDeath after = robot.dies();
+      EXPECT_LT(after.drop_m, 0.005) << "the card is back: its brakes engage";
+      EXPECT_LT(after.on_s, 1.2);
+      std::printf("sinks by %.1f mm in 3 s, then by %.1f mm\n", 1e3 * drop_m, 1e3 * after.drop_m);
+    }
+  }
+}
+
+TEST(AControllerThatDies, IsNotPushedOnBlindlyWhereTheCounterCardWentInMotion) {
+  Guarded robot(true);
+  robot.swing();
+  robot.system->run(0.9);
+  robot.image.counter.disconnected.store(simulation::kCardGone);
+  robot.system->run(0.1);
+  for (int k = 0; k < 200; ++k)
+    robot.step();
+  for (const double volts : simulation::outputVolts(robot.image.analog))
+    EXPECT_EQ(volts, 0.0);
+}
+
 TEST(AControllerThatDies, InTheMiddleOfAMotionIsCarriedToRest) {
   double deepest = 0.0;
   for (const std::uint8_t late : {0, 1, 4, 8, 15}) {

@@ -82,7 +82,8 @@ struct GuardianReport {
 /// the holding brakes do (GuardianHandOver).
 /// Without it a platform falls by 6 mm while brakes of 50 ms engage. Only what is on may stay on: a guardian that has
 /// not itself seen the controller at work goes down at once, for what the link says may be a dead controller's, of
-/// drives that are off since.
+/// drives that are off since. As long as the card with the digital outputs does not answer, no brake engages, and the
+/// drives go on.
 struct GuardianCarry {
   std::uint8_t outputs = 0;  ///< digital outputs meanwhile: drives on, holding brakes ordered to engage
   std::uint8_t heartbeat =
@@ -110,6 +111,7 @@ class Guardian : public rt::TaskContext {
   void trip() noexcept;
   bool carryLoad() noexcept;
   bool writeCarry() noexcept;
+  bool isStranded() noexcept;
   void handOver(rt::Nanoseconds now) noexcept;
   void keepDown(rt::Nanoseconds now) noexcept;
   void setActs(bool acts) noexcept;
@@ -121,7 +123,9 @@ class Guardian : public rt::TaskContext {
   hardware::ProcessWatch process_;
   const GuardianCarry carry_;
   GuardianHandOver hand_over_;
+  GuardianHandOver::Counts slip_{};
   std::array<double, hardware::kChannels> load_V_{};
+  bool orders_ = true;  // the brakes have been ordered to engage
   bool beat_ = false;
   bool first_cycle_ = true;
   GuardianReport report_;

@@ -26,8 +26,8 @@ IoStatus outputsPresence(RegisterAccess& counter) noexcept;
 IoStatus forceDown(RegisterAccess& analog, RegisterAccess& counter) noexcept;
 
 /// Writes these digital outputs, then these volts (finite; clamped to +-10 V) to the four channels together, through
-/// registers alone as forceDown(): with the drives' bit alone the holding brakes engage while the drives give what
-/// carries the load until they hold. Real-time safe.
+/// registers alone as forceDown(), failures likewise: with the drives' bit alone the holding brakes engage while the
+/// drives give what carries the load until they hold. Real-time safe.
 IoStatus forceCarry(RegisterAccess& analog, RegisterAccess& counter, std::uint8_t bits,
                     const std::array<double, kChannels>& volts) noexcept;
 
