@@ -208,8 +208,35 @@ def emergency_stop_bounces(a):
     return f"{a.state()}; ", f"{text}, sinks {drop_mm(a.rows()):.1f} mm", good and a.session.state().fault == "emergency_stop"
 
 
+def counter_card_lost_then_killed(a):
+    """Holding: the counter card goes, and with it encoders and brakes; then the controller dies. 3 s later the card is back."""
+    a.enable()
+    a.session.inject("counter_card_lost")
+    time.sleep(0.5)
+    a.begin()
+    a.kill("controller")
+    time.sleep(3.0)
+    fell = drop_mm(a.rows())
+    a.session.inject("clear")
+    text, good = a.look(2.0)
+    return f"sinks {fell:.1f} mm in 3 s; ", text, good and fell < 5.0
+
+
+def counter_card_lost_within_emergency_stop(a):
+    """Holding: emergency_stop; while the load is handed over the counter card goes: drives stay on that nothing can be told any more."""
+    a.enable()
+    asked = a.call_aside(lambda: a.session.trigger("emergency_stop"))
+    time.sleep(0.1)
+    a.session.inject("counter_card_lost")
+    time.sleep(1.0)
+    state = a.session.state()
+    on = int(a.session.truth.last()["drives"])
+    a.session.inject("clear")
+    return f"{len(asked)} answer; ", f"{state.state}, {state.fault}; drives {'on' if on else 'off'}", state.fault == "output_lost"
+
+
 def attacks():
-    found = {"emergency_stop_bounces": emergency_stop_bounces}
+    found = {f.__name__: f for f in (emergency_stop_bounces, counter_card_lost_then_killed, counter_card_lost_within_emergency_stop)}
     for axis in (0, 1, 4):
         found[f"encoder_{axis or 'all'}_interrupted_at_rest"] = interrupted(axis, 150.0)
     for axis in (0, 1, 4):
