@@ -83,7 +83,9 @@ constexpr std::array<FaultDescription, kFaults> kTable = {{
      kWorks, kOne,
      "play at a lower speed, or correct the patient file; where it shook, ask the patient, then look at the gains"},
     {F::HomingFailed, "homing_failed", "the axis did not find its home within the distance and time allowed", kAtOnce,
-     kWorks, kOne, "look at the switch or the stop, the direction and the force in the hardware file, then home again"},
+     kWorks, kOne,
+     "look at the switch (open as long as no axis stands on its own) or the stop, the direction and the force in the "
+     "hardware file, then home again"},
     {F::BusDown, "bus_down", "the CAN interface is down or gone", kWhenGone, kLost, kOne,
      "check adapter and cable, bring the interface up, then restart the controller if the drives lost their power"},
     {F::BusOff, "bus_off", "the CAN controller has left the bus after too many errors", kWhenGone, kLost, kOne,
