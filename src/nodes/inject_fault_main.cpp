@@ -1,6 +1,6 @@
-// inject_fault --shm NAME FAULT [--axis N] [--size X]: orders a fault from the simulated robot while it runs (or takes
-// all back:
-// inject_fault clear). The faults are applied on the robot's side of the registers; the controller is not told.
+// inject_fault --shm NAME FAULT [--axis N] [--size X]: orders a fault from the simulated robot while it runs;
+// inject_fault clear takes all back. The faults are applied on the robot's side of the registers; the controller is not
+// told.
 
 #include <cmath>
 #include <functional>
