@@ -11,6 +11,8 @@
 
 namespace pin = pinocchio;
 using namespace knee_robot;
+using namespace knee_robot::mechanism;
+using namespace knee_robot::dynamics;
 
 namespace {
 

@@ -17,6 +17,8 @@
 
 namespace pin = pinocchio;
 using namespace knee_robot;
+using namespace knee_robot::mechanism;
+using namespace knee_robot::dynamics;
 
 double chainDisagreement();  // pinocchio_chain_peer.cpp
 
