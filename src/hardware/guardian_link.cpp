@@ -35,19 +35,23 @@ std::uint64_t machineMark(const std::string& machine) noexcept {
   return mark != 0 ? mark : 1;
 }
 
-bool guardianCycles(const GuardianLink& link) {
-  const std::int32_t guardian = link.guardian_pid.load();
-  const std::uint64_t cycles = link.guardian_cycles.load();
-  if (guardian <= 0 || ProcessWatch().isGone(guardian)) return false;
-  std::this_thread::sleep_for(std::chrono::milliseconds(20));
-  return link.guardian_cycles.load() != cycles;
-}
-
 bool letGuardianHandOver(const GuardianLink& link) {
-  constexpr std::chrono::seconds kLongest(3);  // a hand-over takes 2.1 s at most
-  const auto began = std::chrono::steady_clock::now();
-  while (link.acts.load() != 0 && guardianCycles(link)) {
-    if (std::chrono::steady_clock::now() - began > kLongest) return false;
+  using std::chrono::steady_clock;
+  constexpr std::chrono::milliseconds kLongest(3000);  // a hand-over takes 2.1 s at most
+  constexpr std::chrono::milliseconds kHangs(200);     // on a busy machine it may not run for a moment
+  const auto began = steady_clock::now();
+  auto heard = began;
+  std::uint64_t cycles = link.guardian_cycles.load();
+  ProcessWatch watch;
+  while (link.acts.load() != 0) {
+    const std::int32_t guardian = link.guardian_pid.load();
+    const auto now = steady_clock::now();
+    const std::uint64_t latest = link.guardian_cycles.load();
+    if (latest != cycles) heard = now;
+    cycles = latest;
+    if (guardian <= 0 || watch.isGone(guardian) || now - heard > kHangs) return true;
+    if (now - began > kLongest) return false;
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
   }
   return true;
 }

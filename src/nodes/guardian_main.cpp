@@ -179,6 +179,14 @@ std::optional<hardware::SharedGuardianLink> linkOf(const std::string& name, cons
   return std::nullopt;
 }
 
+bool guardianActs(const hardware::GuardianLink& link) {
+  const std::int32_t guardian = link.guardian_pid.load();
+  const std::uint64_t cycles = link.guardian_cycles.load();
+  if (guardian <= 0 || hardware::ProcessWatch().isGone(guardian)) return false;
+  std::this_thread::sleep_for(std::chrono::milliseconds(20));
+  return link.guardian_cycles.load() != cycles;
+}
+
 /// A controller that lives notices within 50 ms that its guardian is gone, and stops as it should: along the path, the
 /// load handed over to the brakes. Waits for that, 1.5 s at most. False: it goes on living with its drives on (a brake
 /// does not hold, and they carry the platform).
@@ -208,12 +216,17 @@ int bringDownNow(const Options& options) {
   const std::unique_ptr<hardware::EmergencyOutputs> outputs = nodes::openOutputs(file, siteOf(options));
   std::optional<hardware::SharedGuardianLink> memory = linkOf(options.link, nodes::machineName(file, siteOf(options)));
   if (memory) {
-    if (!hardware::guardianCycles(memory->link()) && !letControllerStop(memory->link())) {
+    if (!guardianActs(memory->link()) && !letControllerStop(memory->link())) {
       std::printf("guardian: the controller lives and its drives carry the platform; start the guardian again\n");
       return 1;
     }
     memory->link().tripped.store(1);
-    hardware::letGuardianHandOver(memory->link());
+    if (!hardware::letGuardianHandOver(memory->link())) {
+      std::printf(
+          "guardian: another one still lets the drives carry the platform, for a holding brake does not hold or cannot "
+          "be ordered to; support it, then end that one\n");
+      return 1;
+    }
   }
   hardware::IoStatus status = outputs->down();
   pause();

@@ -5,9 +5,9 @@
 namespace knee_robot::tracing {
 
 /// Noise floors that models with the right effects leave while axes move, at most 2.1 on 19 machines of two independent
-/// simulators; those with names that stand for something else left 2.6 to 11 (docs/results/blind_simulators.md,
-/// the fourth). All of them had repeats. A floor that was estimated says too little to take a name away: where axes stick, a healthy robot
-/// leaves ten of them.
+/// simulators; those with names that stand for something else left 2.6 to 11 (docs/results/blind_simulators.md, the
+/// fourth). All of them had repeats. A floor that was estimated says too little to take a name away: where axes stick, a
+/// healthy robot leaves ten of them.
 constexpr double kRightLeaves = 2.2;
 
 /// Probability of a name below which it is rather none: the effect is reported as unnamed.

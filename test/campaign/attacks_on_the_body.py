@@ -6,6 +6,7 @@ import time
 import numpy as np
 import rospy
 
+from attacks_on_the_nets import down_now
 from knee_robot.msg import Tracking
 from session import NoAnswer
 
@@ -222,6 +223,21 @@ def counter_card_lost_then_killed(a):
     return f"sinks {fell:.1f} mm in 3 s; ", text, good and fell < 5.0
 
 
+def counter_card_lost_then_killed_then_down_now(a):
+    """As before, and the service manager calls `guardian --down-now`, as it does when its controller has ended."""
+    a.enable()
+    a.session.inject("counter_card_lost")
+    time.sleep(0.5)
+    a.begin()
+    a.kill("controller")
+    status = down_now(a)
+    time.sleep(1.0)
+    fell = drop_mm(a.rows())
+    a.session.inject("clear")
+    text, good = a.look(2.0)
+    return f"--down-now ends with {status}, sinks {fell:.1f} mm; ", text, good and status != 0 and fell < 0.3
+
+
 def counter_card_lost_within_emergency_stop(a):
     """Holding: emergency_stop; while the load is handed over the counter card goes: drives stay on that nothing can be told any more."""
     a.enable()
@@ -236,7 +252,8 @@ def counter_card_lost_within_emergency_stop(a):
 
 
 def attacks():
-    found = {f.__name__: f for f in (emergency_stop_bounces, counter_card_lost_then_killed, counter_card_lost_within_emergency_stop)}
+    found = {f.__name__: f for f in (emergency_stop_bounces, counter_card_lost_then_killed, counter_card_lost_then_killed_then_down_now,
+                                     counter_card_lost_within_emergency_stop)}
     for axis in (0, 1, 4):
         found[f"encoder_{axis or 'all'}_interrupted_at_rest"] = interrupted(axis, 150.0)
     for axis in (0, 1, 4):

@@ -52,7 +52,8 @@ inline constexpr int kMostFrictionElements = 8;
 
 /// Law of friction near rest of one actuator: which share of full Coulomb friction acts, in [-1, 1] or, where it has a
 /// peak, by as much beyond. A sum of elements whose shares add up to 1: a spectrum of stops (Prandtl-Ishlinskii, Maxwell
-/// slip), smooth laws, bristles, or a mixture. Away from rest every law is sign(v). Fixed size: a real-time program may copy it.
+/// slip), smooth laws, bristles, or a mixture. Away from rest every law is sign(v). Fixed size: a real-time program may
+/// copy it.
 struct FrictionLaw {
   std::array<FrictionElement, kMostFrictionElements> elements{};
   int count = 1;

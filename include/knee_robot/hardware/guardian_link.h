@@ -68,8 +68,6 @@ class SharedGuardianLink {
   std::uint64_t file_;  ///< inode
 };
 
-/// A guardian lives and cycles. Looks for 20 ms.
-bool guardianCycles(const GuardianLink& link);
 /// A guardian that has tripped lets the drives carry until the brakes hold; whoever brings the outputs down meanwhile
 /// lets the platform fall. Waits until that is over, or the guardian is. False: after 3 s it still carries.
 bool letGuardianHandOver(const GuardianLink& link);
