@@ -17,6 +17,8 @@ constexpr double kSamplesPerCycle = 10;  ///< of the grid, at the low-pass
 constexpr double kWorthwhile = 0.99;     ///< of the rows' error
 constexpr double kNoWorse = 1.005;       ///< of the error in the fit's band
 constexpr double kNarrowest = 0.5;       ///< low-pass that is tried, of the fit's cut-off
+constexpr double kDrowned = 1.5;         ///< error of the widest that was tried, of the best one
+constexpr std::size_t kWiderAtOnce = 2;
 
 /// Mean squares of one low-pass, summed over actuators in units of their force.
 struct Errors {
@@ -44,14 +46,27 @@ Errors errorsOf(const std::vector<Observation>& observed, const std::vector<Eige
   return {(rows / recorded.max(1e-12)).mean(), (band / recorded_band.max(1e-12)).mean()};
 }
 
-/// That of the fit, narrower ones, wider ones.
-std::vector<double> lowPasses(double fits_hz, double cutoff_hz, double rate_hz) {
+/// That of the fit, then narrower ones.
+std::vector<double> narrowerThan(double fits_hz, double cutoff_hz) {
   std::vector<double> all = {fits_hz};
   for (double hz = fits_hz / kStep; hz >= kNarrowest * cutoff_hz; hz /= kStep)
     all.push_back(hz);
+  return all;
+}
+
+std::vector<double> widerThan(double fits_hz, double rate_hz) {
+  std::vector<double> all;
   for (double hz = fits_hz * kStep; hz <= kShareOfRate * rate_hz; hz *= kStep)
     all.push_back(hz);
   return all;
+}
+
+/// Noise of positions, differentiated twice, is most of the error of the last and widest, and more of wider ones.
+bool isDrowned(const std::vector<Errors>& errors) {
+  double least = errors.front().rows;
+  for (const Errors& e : errors)
+    least = std::min(least, e.rows);
+  return errors.back().rows > kDrowned * kDrowned * least;
 }
 
 std::string sentenceOf(const FullBand& b, double chosen_hz, double error) {
@@ -80,17 +95,28 @@ FullBand chooseFullBand(const mechanism::Robot& robot, const std::vector<Column>
   const double fits_hz =
       fit.motion_cutoff_given ? fit.signals.motion_cutoff_hz : motionCutoff(robot, fit.cutoff_hz, rate_hz);
   FullBand band;
-  band.tried_hz = lowPasses(fits_hz, fit.cutoff_hz, rate_hz);
-  std::vector<Errors> errors(band.tried_hz.size());
-  inParallel(errors.size(), [&](std::size_t tried) {
-    std::vector<Observation> observed;
-    std::vector<Eigen::MatrixXd> force_N;
-    for (std::size_t k = 0; k < training.size(); ++k) {
-      observed.push_back(observe(robot, columns, training[k], fullBandOptions(fit, band.tried_hz[tried])));
-      force_N.push_back(predict(observed.back(), static_cast<int>(k)));
-    }
-    errors[tried] = errorsOf(observed, force_N, fit.cutoff_hz);
-  });
+  std::vector<Errors> errors;
+  const auto judge = [&](const std::vector<double>& low_passes) {
+    std::vector<Errors> these(low_passes.size());
+    inParallel(these.size(), [&](std::size_t tried) {
+      std::vector<Observation> observed;
+      std::vector<Eigen::MatrixXd> force_N;
+      for (std::size_t k = 0; k < training.size(); ++k) {
+        observed.push_back(observe(robot, columns, training[k], fullBandOptions(fit, low_passes[tried])));
+        force_N.push_back(predict(observed.back(), static_cast<int>(k)));
+      }
+      these[tried] = errorsOf(observed, force_N, fit.cutoff_hz);
+    });
+    band.tried_hz.insert(band.tried_hz.end(), low_passes.begin(), low_passes.end());
+    errors.insert(errors.end(), these.begin(), these.end());
+  };
+  judge(narrowerThan(fits_hz, fit.cutoff_hz));
+  // The wider, the finer the grid: a few of them, until noise alone is worse than all that a narrower one lacks.
+  const std::vector<double> wider = widerThan(fits_hz, rate_hz);
+  for (std::size_t from = 0; from < wider.size() && (from == 0 || !isDrowned(errors)); from += kWiderAtOnce) {
+    const auto first = wider.begin() + static_cast<std::ptrdiff_t>(from);
+    judge({first, first + static_cast<std::ptrdiff_t>(std::min(kWiderAtOnce, wider.size() - from))});
+  }
   const double worthwhile = kWorthwhile * kWorthwhile, no_worse = kNoWorse * kNoWorse;
   Errors best = errors.front();
   double chosen_hz = fits_hz;

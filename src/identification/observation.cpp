@@ -82,9 +82,9 @@ Observation observe(const mechanism::Robot& robot, const std::vector<Column>& co
   const std::unique_ptr<MotionModel> model = motionModelOf(robot);
   o.motion = model->follow(o.signals);
   o.sliding = actuatorPaths(robot, o.signals);
-  o.regressor.assign(static_cast<std::size_t>(robot.axes()),
-                     Eigen::MatrixXd::Zero(o.samples(), static_cast<Eigen::Index>(columns.size())));
-  model->fillRegressor(columns, o);
+  for (int i = 0; options.equations && i < robot.axes(); ++i)
+    o.regressor.emplace_back(Eigen::MatrixXd::Zero(o.samples(), static_cast<Eigen::Index>(columns.size())));
+  if (options.equations) model->fillRegressor(columns, o);
   o.force_filtered_N = o.signals.force_N;
   recording::ZeroPhaseLowPass(options.cutoff_hz, 1.0 / o.signals.period_s).applyToColumns(o.force_filtered_N);
   maskUnusable(robot, options, o);

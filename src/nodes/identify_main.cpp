@@ -111,11 +111,18 @@ Eigen::MatrixXd alongObservation(const dynamics::Model& model, const mechanism::
   return identification::predictForce(model, robot, o.signals, o.motion);
 }
 
+/// Rows are predicted by a model of constants.
+identification::ObservationOptions forRows(const report::IdentifyResults& r) {
+  identification::ObservationOptions options = r.options.observation;
+  options.equations = false;
+  return options;
+}
+
 /// How fast rows are predicted: on training recordings, by the finished model.
 void chooseBand(const mechanism::Robot& robot, const std::vector<recording::Recording>& training,
                 report::IdentifyResults& r) {
   r.full_band = identification::chooseFullBand(
-      robot, r.after.columns, training, r.options.observation,
+      robot, r.after.columns, training, forRows(r),
       [&](identification::Observation& o, int) { return alongObservation(r.after.model, robot, o); });
   r.after.model.motion_cutoff_hz = r.before.model.motion_cutoff_hz = r.full_band.motion_cutoff_hz;
   if (r.physical) r.physical->model.motion_cutoff_hz = r.full_band.motion_cutoff_hz;
@@ -130,7 +137,7 @@ identification::Applied apply(const dynamics::Model& model, const mechanism::Rob
   if (model.motion_cutoff_hz == 0.0) return applied;
   for (std::size_t k = 0; k < recordings.size(); ++k)
     applied.predictions[k].row_force_N = identification::predictRows(
-        robot, r.after.columns, recordings[k], r.options.observation, model.motion_cutoff_hz,
+        robot, r.after.columns, recordings[k], forRows(r), model.motion_cutoff_hz,
         [&](identification::Observation& o, int) { return alongObservation(model, robot, o); }, -1);
   applied.accuracy = identification::accuracyOf(observations, applied.predictions);
   return applied;

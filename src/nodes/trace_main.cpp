@@ -192,12 +192,14 @@ void applyModels(const Arguments& a, const mechanism::Robot& robot, const std::v
   const auto baseline_rows = [&](identification::Observation& o, int) {
     return tracing::predictModel(robot, baseline, a.model, o);
   };
-  const auto choose = [&](const identification::RowPredictor& predict) {
-    return identification::chooseFullBand(robot, identification::columnsOf(robot), train, r.options.observation,
-                                          predict);
+  const auto choose = [&](const identification::ObservationOptions& options,
+                          const identification::RowPredictor& predict) {
+    return identification::chooseFullBand(robot, identification::columnsOf(robot), train, options, predict);
   };
-  const Along simple = {robot, r.options.observation, choose(baseline_rows).motion_cutoff_hz};
-  const identification::FullBand band = choose(after);
+  identification::ObservationOptions for_baseline = r.options.observation;
+  for_baseline.equations = !baseline.effects.empty() || !baseline.effects_see.empty();
+  const Along simple = {robot, r.options.observation, choose(for_baseline, baseline_rows).motion_cutoff_hz};
+  const identification::FullBand band = choose(r.options.observation, after);
   r.result.notes.push_back(band.sentence);
   r.model.motion_cutoff_hz = band.motion_cutoff_hz;
   const Along along = {robot, r.options.observation, band.motion_cutoff_hz};

@@ -28,6 +28,7 @@ struct ObservationOptions {
   int most_rows = 0;
 
   bool motion_cutoff_given = false;  ///< false: see motionCutoff
+  bool equations = true;  ///< false: without a regressor, for predictions by a model of constants (dynamics::Model)
 
   /// Sets the cut-off, and that of the positions unless it follows from the encoders; the grid becomes fine enough for
   /// both.
@@ -77,7 +78,7 @@ struct Observation {
   bool isJudged(int n) const { return judged.empty() || judged[static_cast<std::size_t>(n)]; }
   int judgedSamples() const;
   int judgedRows() const;
-  int axes() const { return static_cast<int>(regressor.size()); }
+  int axes() const { return static_cast<int>(signals.position_m.cols()); }
 };
 
 /// Rows of a matrix that are judged; all of them where `judged` is empty.
