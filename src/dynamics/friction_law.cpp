@@ -49,6 +49,7 @@ double smooth(double velocity, double exponent) noexcept {
 double missing(double before, double way, double exponent) noexcept {
   if (exponent == 1.0) return before * std::exp(-way);
   if (!(before > 0.0)) return 0.0;
+  if (exponent == 2.0) return before / (1.0 + before * way);
   const double left = std::pow(before, 1.0 - exponent) + (exponent - 1.0) * way;
   return left > 0.0 ? std::pow(left, 1.0 / (1.0 - exponent)) : 0.0;
 }

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "element_along.h"
 #include "knee_robot/mechanism/leg_motion.h"
 
 namespace knee_robot::identification {
@@ -108,18 +109,6 @@ class Follower {
   dynamics::FrictionState state_;
 };
 
-/// Share after every substep of an element whose share is `at_start` before the first.
-Eigen::VectorXd fineShare(const SlidingPath& path, const dynamics::FrictionElement& element, double at_start) {
-  Eigen::VectorXd share(path.position.size());
-  const bool remembers = element.kind != dynamics::FrictionKind::Smooth;
-  share[0] = remembers ? at_start : 0.0;
-  Follower follower(path, element, share[0]);
-  for (Eigen::Index k = 1; k < share.size(); ++k)
-    share[k] = follower.to(k);
-  if (!remembers && share.size() > 1) share[0] = share[1];
-  return share;
-}
-
 /// What is added to each substep when the element begins with another share, up to the one after which it has forgotten
 /// that.
 Eigen::VectorXd fineChange(const SlidingPath& path, const dynamics::FrictionElement& element, double from, double to) {
@@ -141,7 +130,7 @@ Eigen::VectorXd fineShare(const SlidingPath& path, const dynamics::FrictionLaw& 
   Eigen::VectorXd sum = Eigen::VectorXd::Zero(path.position.size());
   for (int k = 0; k < law.count; ++k) {
     const dynamics::FrictionElement& e = law.elements[static_cast<std::size_t>(k)];
-    sum += e.share * fineShare(path, e, path.shareAtStart(e.width_m));
+    sum += e.share * elementAlong(path, e, path.shareAtStart(e.width_m));
   }
   return sum;
 }
@@ -170,7 +159,7 @@ Eigen::VectorXd frictionShare(const SlidingPath& path, const dynamics::FrictionL
 
 Eigen::VectorXd elementShare(const SlidingPath& path, const dynamics::FrictionElement& element) {
   const double usual = path.usualShareAtStart(element.width_m);
-  Eigen::VectorXd share = path.known->of(element, [&] { return meanOverSamples(fineShare(path, element, usual)); });
+  Eigen::VectorXd share = path.known->of(element, [&] { return meanOverSamples(elementAlong(path, element, usual)); });
   if (!path.loaded_at_start || element.kind == dynamics::FrictionKind::Smooth) return share;
   const Eigen::VectorXd change = meanOverSamples(fineChange(path, element, usual, *path.loaded_at_start));
   share.head(change.size()) += change;

@@ -1,0 +1,91 @@
+#include "element_along.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace knee_robot::identification {
+namespace {
+
+using dynamics::FrictionElement;
+using dynamics::FrictionKind;
+
+/// tanh of all of these at once: exp has a vector form.
+Eigen::ArrayXd tanhOf(const Eigen::ArrayXd& x) {
+  return 1.0 - 2.0 / (1.0 + (2.0 * x).exp());
+}
+
+Eigen::ArrayXd smoothAlong(const FrictionElement& e, const Eigen::ArrayXd& moved_m, double step_s) {
+  Eigen::ArrayXd velocity = moved_m / (step_s * e.speed_m_per_s);
+  const double kept = e.lag_s > 0.0 ? std::exp(-step_s / e.lag_s) : 0.0;
+  double z = 0.0;
+  for (Eigen::Index k = 0; kept > 0.0 && k < velocity.size(); ++k)
+    velocity[k] = z = velocity[k] + (z - velocity[k]) * kept;
+  if (e.exponent == 1.0) return tanhOf(velocity);
+  return velocity.sign() * tanhOf(velocity.abs().pow(e.exponent));
+}
+
+Eigen::ArrayXd stopAlong(const FrictionElement& e, const Eigen::ArrayXd& moved_m, double step_s, double z) {
+  const double kept = e.relaxation_s > 0.0 ? std::exp(-step_s / e.relaxation_s) : 1.0;
+  const double half_gap_m = 0.5 * e.gap_m, whole_m = e.width_m + half_gap_m;
+  Eigen::ArrayXd bent(moved_m.size());
+  for (Eigen::Index k = 0; k < bent.size(); ++k)
+    bent[k] = z = std::clamp(kept * z + moved_m[k] / whole_m, -1.0, 1.0);
+  if (e.gap_m == 0.0) return bent;
+  return bent.sign() * (bent.abs() * whole_m - half_gap_m).max(0.0) / e.width_m;
+}
+
+/// Dahl's law without an exponent: exact for a constant velocity within a substep.
+Eigen::ArrayXd bristlesAlong(const FrictionElement& e, const Eigen::ArrayXd& moved_m, const Eigen::VectorXd& tremble,
+                             double step_s, double z) {
+  const double creep_m = e.speed_m_per_s * step_s;
+  Eigen::ArrayXd way = creep_m > 0.0 ? (moved_m.square() + creep_m * creep_m).sqrt().eval() : moved_m.abs().eval();
+  for (Eigen::Index k = 0; tremble.size() > 0 && e.tremble > 0.0 && k < way.size(); ++k)
+    way[k] += e.tremble * tremble[(k + 1) / SlidingPath::kSubsteps] * step_s;
+  Eigen::ArrayXd share = (-way / e.width_m).exp();  // of what is bent, that stays so
+  const double damping = e.damping_s / step_s;
+  for (Eigen::Index k = 0; k < share.size(); ++k) {
+    const double before = z, settled = way[k] > 0.0 ? moved_m[k] / way[k] : z;
+    z = settled + (z - settled) * share[k];
+    share[k] = z + damping * (z - before);
+  }
+  return share;
+}
+
+/// Any element, as it is.
+Eigen::ArrayXd stepByStep(const FrictionElement& e, const Eigen::ArrayXd& moved_m, double step_s, double z) {
+  dynamics::FrictionLaw law;
+  law.elements[0] = e;
+  law.elements[0].share = 1.0;
+  dynamics::FrictionState state;
+  state.start(z);
+  Eigen::ArrayXd share(moved_m.size());
+  for (Eigen::Index k = 0; k < share.size(); ++k)
+    share[k] = state.step(law, moved_m[k], step_s);
+  return share;
+}
+
+}  // namespace
+
+Eigen::VectorXd elementAlong(const SlidingPath& path, const FrictionElement& element, double at_start) {
+  const Eigen::VectorXd& position = element.kind == FrictionKind::Stop ? path.position : path.measured;
+  const Eigen::Index n = position.size();
+  const bool remembers = element.kind != FrictionKind::Smooth;
+  Eigen::VectorXd share = Eigen::VectorXd::Constant(n, remembers ? at_start : 0.0);
+  if (n < 2) return share;
+  const Eigen::ArrayXd moved_m = position.tail(n - 1) - position.head(n - 1);
+  const double step_s = path.period_s / SlidingPath::kSubsteps;
+  auto rest = share.tail(n - 1).array();
+  if (element.kind == FrictionKind::Smooth) {
+    rest = smoothAlong(element, moved_m, step_s);
+    share[0] = share[1];
+  } else if (element.kind == FrictionKind::Stop) {
+    rest = stopAlong(element, moved_m, step_s, at_start);
+  } else if (element.exponent == 1.0) {
+    rest = bristlesAlong(element, moved_m, path.tremble, step_s, at_start);
+  } else {
+    rest = stepByStep(element, moved_m, step_s, at_start);
+  }
+  return share;
+}
+
+}  // namespace knee_robot::identification
