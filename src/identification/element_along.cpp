@@ -51,17 +51,27 @@ Eigen::ArrayXd bristlesAlong(const FrictionElement& e, const Eigen::ArrayXd& mov
   return share;
 }
 
-/// Any element, as it is.
-Eigen::ArrayXd stepByStep(const FrictionElement& e, const Eigen::ArrayXd& moved_m, double step_s, double z) {
-  dynamics::FrictionLaw law;
-  law.elements[0] = e;
-  law.elements[0].share = 1.0;
-  dynamics::FrictionState state;
-  state.start(z);
-  Eigen::ArrayXd share(moved_m.size());
-  for (Eigen::Index k = 0; k < share.size(); ++k)
-    share[k] = state.step(law, moved_m[k], step_s);
-  return share;
+/// Dahl's law with an exponent n: what is missing to full friction, u = 1 - z sign(dx), follows du = -u^n |dx| / width,
+/// so that u^(1 - n) grows with the way. Powers are taken of all substeps at once, and one by one where the direction
+/// changes.
+Eigen::ArrayXd powerBristlesAlong(const FrictionElement& e, const Eigen::ArrayXd& moved_m, double step_s,
+                                  double at_start) {
+  const double power = 1.0 - e.exponent, root = 1.0 / power;
+  Eigen::ArrayXd grown(moved_m.size()), direction(moved_m.size());
+  double side = 1.0, now = std::pow(std::max(0.0, 1.0 - at_start), power);
+  for (Eigen::Index k = 0; k < grown.size(); ++k) {
+    if (moved_m[k] * side < 0.0) {
+      side = -side;
+      now = std::pow(2.0 - std::pow(now, root), power);
+    }
+    grown[k] = now = std::max(0.0, now - power * std::abs(moved_m[k]) / e.width_m);
+    direction[k] = side;
+  }
+  const Eigen::ArrayXd bent = direction * (1.0 - grown.pow(root));
+  if (e.damping_s == 0.0) return bent;
+  Eigen::ArrayXd before(bent.size());
+  before << at_start, bent.head(bent.size() - 1);
+  return bent + e.damping_s / step_s * (bent - before);
 }
 
 }  // namespace
@@ -83,7 +93,7 @@ Eigen::VectorXd elementAlong(const SlidingPath& path, const FrictionElement& ele
   } else if (element.exponent == 1.0) {
     rest = bristlesAlong(element, moved_m, path.tremble, step_s, at_start);
   } else {
-    rest = stepByStep(element, moved_m, step_s, at_start);
+    rest = powerBristlesAlong(element, moved_m, step_s, at_start);
   }
   return share;
 }

@@ -122,6 +122,9 @@ void standAlone(Search& s, const Place& place) {
   s.effects.erase(std::stable_partition(s.effects.begin(), s.effects.end(), stays), s.effects.end());
   refit(s);
   refineShapes(s);
+  for (std::size_t k = 0; k < s.effects.size(); ++k) {
+    if (s.effects[k].hypothesis.place == place) s.effects[k].explained_rms_N = explainedBy(s, k);
+  }
   const HeldBackGain lost = heldBackGain(heldBack() - with);
   if (lost.mean > kStayErrors * lost.error) {
     s.effects = refined;

@@ -9,7 +9,6 @@
 namespace knee_robot::tracing {
 namespace {
 
-constexpr double kPull = 0.02;    ///< relative to a column's norm
 constexpr int kFewestBlocks = 3;  ///< in which an effect must act for blocks that are left out to tell its spread
 
 /// Where each column of the problem comes from, bounded ones first (`bounded` of them): effect (-1: base), column in it.
@@ -133,7 +132,7 @@ JointProblem::JointProblem(const TraceData& data, const BaseFit& base, const Eig
     const std::size_t k = static_cast<std::size_t>(std::max(0, effect));
     if (effect < 0) problem_.prior[at] = base.pull[column];
     if (effect < 0 || !effects[k].place.candidate->isMap()) problem_.whole[at] = 0.0;
-    if (effect >= 0 && effect_rows_[k].cols() > 2) problem_.pulled.push_back(static_cast<int>(c));
+    if (effect >= 0 && isPulled(effect_rows_[k].cols())) problem_.pulled.push_back(static_cast<int>(c));
   }
 }
 

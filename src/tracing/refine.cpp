@@ -17,8 +17,9 @@ constexpr int kSteps = 6;
 constexpr double kRelativeStep = 1e-3, kLeastStep = 1e-6;  ///< of shapes, for derivatives
 constexpr double kReach_m = 0.2;  ///< by which what may have either sign (an anchor) moves at least, past zero
 constexpr double kAtReach_m = 1e-3;
-constexpr int kTimesRefined = 4;   ///< an anchor of a strap lies up to a metre from where the search begins
-constexpr double kFarthest = 1.5;  ///< factor by which a shape may move: further away it is another hypothesis
+constexpr int kTimesRefined = 4;      ///< an anchor of a strap lies up to a metre from where the search begins
+constexpr double kStillFalls = 0.98;  ///< of the squares
+constexpr double kFarthest = 1.5;     ///< factor by which a shape may move: further away it is another hypothesis
 
 /// Where a refined parameter is: effect, entry of its shape.
 struct Entry {
@@ -36,37 +37,56 @@ class LeftBeside : public ceres::CostFunction {
         base_(project(weighted(s.data->stack, s.data->base_rows, s.rms_N),
                       weighted(s.data->stack, s.data->force_rows, s.rms_N), s.base->pull)),
         shapes_(hypothesesOf(s.effects)) {
-    for (const Hypothesis& h : shapes_)
+    for (const Hypothesis& h : shapes_) {
       columns_.push_back(columnsOf(h));
-    set_num_residuals(static_cast<int>(base_.residual.size()));
+      first_pull_.push_back(pulls_);
+      pulls_ += columns_.back().rows() - base_.residual.size();
+    }
+    set_num_residuals(static_cast<int>(base_.residual.size() + pulls_));
     mutable_parameter_block_sizes()->push_back(static_cast<int>(entries_.size()));
   }
 
   bool Evaluate(double const* const* parameters, double* residuals, double** jacobians) const override {
     moveTo(parameters[0]);
-    Eigen::Index count = 0;
-    for (const Eigen::MatrixXd& c : columns_)
-      count += c.cols();
-    Eigen::MatrixXd all(base_.residual.size(), count);
-    count = 0;
-    for (const Eigen::MatrixXd& c : columns_) {
-      all.middleCols(count, c.cols()) = c;
-      count += c.cols();
-    }
+    const Eigen::Index n = base_.residual.size();
+    const std::vector<Eigen::Index> first = firstColumns();
+    Eigen::MatrixXd all = Eigen::MatrixXd::Zero(n + pulls_, first.back());
+    Eigen::VectorXd target = Eigen::VectorXd::Zero(n + pulls_);
+    target.head(n) = base_.residual;
+    for (std::size_t k = 0; k < columns_.size(); ++k)
+      place(columns_[k], k, all.middleCols(first[k], columns_[k].cols()));
     const Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(all);
-    const Eigen::VectorXd coefficients = qr.solve(base_.residual);
-    Eigen::Map<Eigen::VectorXd>(residuals, base_.residual.size()) = base_.residual - all * coefficients;
+    const Eigen::VectorXd coefficients = qr.solve(target);
+    Eigen::Map<Eigen::VectorXd>(residuals, target.size()) = target - all * coefficients;
     if (jacobians == nullptr || jacobians[0] == nullptr) return true;
-    const Eigen::MatrixXd slopes = slopesOf(coefficients);
+    const Eigen::MatrixXd slopes = slopesOf(coefficients, first);
     using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
     Eigen::Map<RowMajor>(jacobians[0], slopes.rows(), slopes.cols()) = all * qr.solve(slopes) - slopes;
     return true;
   }
 
  private:
+  /// Without what the base explains; below it, where the joint fit pulls its coefficients to zero (as columns that the
+  /// base nearly explains would run away without), that pull.
   Eigen::MatrixXd columnsOf(const Hypothesis& h) const {
     const Eigen::MatrixXd c = weighted(s_.data->stack, effectRows(*s_.data, h), s_.rms_N);
-    return c - base_.q * (base_.q.transpose() * c);
+    const Eigen::Index pulls = isPulled(c.cols()) ? c.cols() : 0;
+    Eigen::MatrixXd out = Eigen::MatrixXd::Zero(c.rows() + pulls, c.cols());
+    out.topRows(c.rows()) = c - base_.q * (base_.q.transpose() * c);
+    out.bottomRows(pulls).diagonal() = kPull * c.colwise().norm().head(pulls);
+    return out;
+  }
+  /// Brings an effect's columns, or their combination, to the rows of the whole problem.
+  void place(const Eigen::MatrixXd& columns, std::size_t effect, Eigen::Ref<Eigen::MatrixXd> to) const {
+    const Eigen::Index n = base_.residual.size();
+    to.topRows(n) = columns.topRows(n);
+    to.middleRows(n + first_pull_[effect], columns.rows() - n) = columns.bottomRows(columns.rows() - n);
+  }
+  std::vector<Eigen::Index> firstColumns() const {
+    std::vector<Eigen::Index> first(1, 0);
+    for (const Eigen::MatrixXd& c : columns_)
+      first.push_back(first.back() + c.cols());
+    return first;
   }
   /// Columns are kept from one point to the next where their shape stays.
   void moveTo(const double* values) const {
@@ -81,11 +101,9 @@ class LeftBeside : public ceres::CostFunction {
     });
   }
   /// Derivative of the effects' sum by each entry, coefficients held.
-  Eigen::MatrixXd slopesOf(const Eigen::VectorXd& coefficients) const {
-    std::vector<Eigen::Index> first(1, 0);
-    for (const Eigen::MatrixXd& c : columns_)
-      first.push_back(first.back() + c.cols());
-    Eigen::MatrixXd slopes(base_.residual.size(), static_cast<Eigen::Index>(entries_.size()));
+  Eigen::MatrixXd slopesOf(const Eigen::VectorXd& coefficients, const std::vector<Eigen::Index>& first) const {
+    Eigen::MatrixXd slopes =
+        Eigen::MatrixXd::Zero(base_.residual.size() + pulls_, static_cast<Eigen::Index>(entries_.size()));
     inParallel(entries_.size(), [&](std::size_t e) {
       const std::size_t k = entries_[e].effect;
       Hypothesis low = shapes_[k], high = shapes_[k];
@@ -93,8 +111,8 @@ class LeftBeside : public ceres::CostFunction {
       const double step = std::max(kRelativeStep * std::abs(value), kLeastStep);
       low.shape[entries_[e].parameter] = value - step;
       high.shape[entries_[e].parameter] = value + step;
-      slopes.col(static_cast<Eigen::Index>(e)) =
-          (columnsOf(high) - columnsOf(low)) * coefficients.segment(first[k], columns_[k].cols()) / (2.0 * step);
+      place((columnsOf(high) - columnsOf(low)) * coefficients.segment(first[k], columns_[k].cols()) / (2.0 * step), k,
+            slopes.col(static_cast<Eigen::Index>(e)));
     });
     return slopes;
   }
@@ -102,6 +120,8 @@ class LeftBeside : public ceres::CostFunction {
   const Search& s_;
   const std::vector<Entry> entries_;
   const Projection base_;
+  std::vector<Eigen::Index> first_pull_;  ///< of each effect, below the residuals
+  Eigen::Index pulls_ = 0;
   mutable std::vector<Hypothesis> shapes_;        ///< of the last point
   mutable std::vector<Eigen::MatrixXd> columns_;  ///< weighted and without what the base explains, at that point
 };
@@ -144,7 +164,14 @@ Room roomOf(const Search& s) {
   return room;
 }
 
-/// Whether the shapes came nearer to the data, but an anchor only as far as it may move at once.
+/// All of it, by the joint fit that follows: bounds of coefficients and forces that rest on the model are not seen by
+/// refinement.
+bool isWorse(const Search& s, const Eigen::VectorXd& rms_before_N) {
+  return s.rms_N.cwiseQuotient(rms_before_N).squaredNorm() > static_cast<double>(s.rms_N.size());
+}
+
+/// Whether the shapes came nearer to the data and may come nearer still: squares fall, or an anchor has moved only as
+/// far as it may at once.
 bool refineOnce(Search& s) {
   Room room = roomOf(s);
   if (room.entries.empty()) return false;
@@ -161,13 +188,20 @@ bool refineOnce(Search& s) {
   ceres::Solver::Summary summary;
   ceres::Solve(options, &problem, &summary);
   if (!summary.IsSolutionUsable() || !(summary.final_cost < summary.initial_cost)) return false;
-  bool reached = false;
+  bool goes_on = summary.final_cost < kStillFalls * summary.initial_cost;
+  const std::vector<FoundEffect> before = s.effects;
+  const Eigen::VectorXd rms_before_N = s.rms_N;
   for (std::size_t k = 0; k < room.entries.size(); ++k) {
     s.effects[room.entries[k].effect].hypothesis.shape[room.entries[k].parameter] = room.values[k];
-    reached = reached || room.isAtItsReach(k);
+    goes_on = goes_on || room.isAtItsReach(k);
   }
   refit(s);
-  return reached;
+  if (isWorse(s, rms_before_N)) {
+    s.effects = before;
+    refit(s);
+    return false;
+  }
+  return goes_on;
 }
 
 }  // namespace

@@ -36,6 +36,13 @@ JointFit fitOf(const Search& s, const std::vector<Hypothesis>& effects, LeftOut 
   return problemOf(s, effects).fit(left_out);
 }
 
+Eigen::VectorXd explainedBy(const Search& s, std::size_t k) {
+  std::vector<Hypothesis> without = hypothesesOf(s.effects);
+  without.erase(without.begin() + static_cast<std::ptrdiff_t>(k));
+  const Eigen::VectorXd left = rmsOf(s.data->stack, fitOf(s, without, LeftOut::None).residual_N);
+  return (left.cwiseAbs2() - s.rms_N.cwiseAbs2()).cwiseMax(0.0).cwiseSqrt();
+}
+
 SurrogateModel modelOf(const Search& s) {
   SurrogateModel m;
   m.parameters = s.base->parametersOf(s.fit.base);

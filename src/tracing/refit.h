@@ -16,6 +16,10 @@ JointProblem problemOf(const Search& search, const std::vector<Hypothesis>& effe
 /// Those fitted together, with every block left out in turn.
 JointFit fitOf(const Search& search, const std::vector<Hypothesis>& effects, LeftOut left_out = LeftOut::EveryBlock);
 
+/// By how much the residual's rms (per actuator, N) falls with effect `k` of the model as it stands: the root of the
+/// squares' difference.
+Eigen::VectorXd explainedBy(const Search& search, std::size_t k);
+
 /// The model as it stands.
 SurrogateModel modelOf(const Search& search);
 

@@ -10,6 +10,7 @@
 #include "near_rest.h"
 #include "refine.h"
 #include "refit.h"
+#include "replace_kin.h"
 #include "rivals.h"
 #include "settle_heat.h"
 #include "settle_rest_law.h"
@@ -112,6 +113,7 @@ class ForceSelection : public SelectionProblem {
     if (like_ != nullptr) return true;
     followSiblings(e.hypothesis.place);
     standAlone(s_, e.hypothesis.place);
+    replaceKin(s_, e.hypothesis.place);
     refineShapes(s_);
     simplify(s_);
     replaceMaps(s_);

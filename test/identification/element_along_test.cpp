@@ -38,8 +38,8 @@ Eigen::VectorXd oneStepAfterTheOther(const SlidingPath& p, const dynamics::Frict
   state.start(remembers ? at_start : 0.0);
   Eigen::VectorXd share = Eigen::VectorXd::Constant(x.size(), at_start);
   for (Eigen::Index k = 1; k < x.size(); ++k)
-    share[k] = state.step(law, x[k] - x[k - 1], p.period_s / SlidingPath::kSubsteps,
-                          p.tremble[k / SlidingPath::kSubsteps]);
+    share[k] =
+        state.step(law, x[k] - x[k - 1], p.period_s / SlidingPath::kSubsteps, p.tremble[k / SlidingPath::kSubsteps]);
   if (!remembers) share[0] = share[1];
   return share;
 }
@@ -49,11 +49,10 @@ TEST(ElementAlong, EveryElementThatIsTriedIsWhatFrictionDoesStepByStep) {
   FrictionRange range;
   range.growing_m_per_s = 0.02;
   std::vector<dynamics::FrictionElement> all = elementsToTry(range);
-  dynamics::FrictionElement power;
-  power.kind = dynamics::FrictionKind::Bristles;
-  power.width_m = 1e-4;
-  power.exponent = 1.37;
-  all.push_back(power);
+  for (const double exponent : {0.6, 1.37, 3.0}) {
+    all.push_back({dynamics::FrictionKind::Bristles, 1.0, 1e-4, 0.0, exponent > 1.0 ? 2e-3 : 0.0});
+    all.back().exponent = exponent;
+  }
   for (const double at_start : {0.0, -0.6, 1.0}) {
     for (std::size_t k = 0; k < all.size(); ++k) {
       const Eigen::VectorXd expected = oneStepAfterTheOther(p, all[k], at_start);

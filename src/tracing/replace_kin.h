@@ -1,0 +1,12 @@
+#pragma once
+
+#include "search.h"
+
+namespace knee_robot::tracing {
+
+/// A new effect that acts on all actuators may be what an older one of its kind stood for so far, as a curve over a
+/// distance does for a strap: with the library's best shape where neither is in the model, refined, it takes the place
+/// of both if held-back blocks are predicted as well then, within a standard error.
+void replaceKin(Search& search, const Place& place);
+
+}  // namespace knee_robot::tracing
