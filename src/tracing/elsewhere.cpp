@@ -25,9 +25,11 @@ struct Helps {
   HeldBackGain moving, all;
 
   /// Near rest friction may take any value, and most of what is left lies there: what clearly helps while axes move
-  /// need not surely help in all samples, but help.
-  bool surely() const {
-    return all.mean > kErrors * all.error || (all.mean > 0.0 && moving.mean > kMovingErrors * moving.error);
+  /// need not surely help in all samples, but help; and what helps in all samples must not surely harm while they move.
+  /// A force that depends on the pose acts in motion as at rest: it has to help there, too.
+  bool surely(bool force_field = false) const {
+    const bool harms = force_field ? moving.mean <= 0.0 : moving.mean < -kErrors * moving.error;
+    return (all.mean > kErrors * all.error && !harms) || (all.mean > 0.0 && moving.mean > kMovingErrors * moving.error);
   }
 };
 
@@ -131,6 +133,7 @@ void testElsewhere(Search& s, std::vector<std::string>& notes) {
     if (!testedElsewhere(e)) continue;
     const Eigen::Index column = static_cast<Eigen::Index>(k);
     const Helps helps = {heldBackGain(moving.col(column)), heldBackGain(every.col(column))};
+    const bool surely = helps.surely(e.hypothesis.place.candidate->isForceField());
     const double beside = masked > 0.0 ? maskedSquares(s, without(all, k)) - masked : 0.0;
     const double sum = 2.0 * kStretches * helps.all.mean;
     e.elsewhere_gain = sum / std::max(1e-300, total[1]);
@@ -140,15 +143,16 @@ void testElsewhere(Search& s, std::vector<std::string>& notes) {
     // Of a chain's many joints an effect on one saves little of all squares.
     const bool worth =
         s.data->inputs.front().robot->chain || std::max(e.elsewhere_gain, moving_gain) >= kWorthElsewhere;
-    if (helps.surely() && seen + beside > 0.0 && worth) continue;
+    if (surely && seen + beside > 0.0 && worth) continue;
     e.transfers = false;
     const std::string share = shortNumber(100.0 * e.elsewhere_gain, 2) + " +- " +
                               shortNumber(100.0 * 2.0 * kStretches * helps.all.error / std::max(1e-300, total[1]), 2);
-    notes.push_back(placeText(e.hypothesis.place) +
-                    (helps.surely() && worth
-                         ? ": it makes the error larger where the pose is masked"
-                         : std::string(": at held-back positions of the training recordings it does not ") +
-                               (helps.surely() ? "help enough (" : "surely help (") + share + " % of the squares)") +
+    const std::string at = "at held-back positions of the training recordings it ";
+    notes.push_back(placeText(e.hypothesis.place) + ": " +
+                    (surely && worth  ? "it makes the error larger where the pose is masked"
+                     : surely         ? at + "does not help enough (" + share + " % of the squares)"
+                     : helps.surely() ? at + "helps at rest alone, where friction may take any value"
+                                      : at + "does not surely help (" + share + " % of the squares)") +
                     "; it is left out of predictions elsewhere.");
   }
 }
