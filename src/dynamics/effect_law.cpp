@@ -103,6 +103,8 @@ std::string whyNotInstantly(const std::string& name) {
   if (name == "payload_change") return "what the next recording carries is not known; declare it (payload_kg)";
   if (name == "sensor_lag") return "it lies in the recording of the force, not in the force";
   if (name == "supply_sag") return "what the drives take together is known only after each has been given its command";
+  if (name == "drive_dead_zone")
+    return "a command that jumps wherever the force changes its sign would make it chatter";
   if (name == "gain_drift") return "how warm the motors are is not known to the controller";
   if (name == "stretch_reflex")
     return "it is the patient's and comes late; a controller that pushes on would answer it";

@@ -26,6 +26,19 @@ TEST(DriveEffects, GainAndOffsetShowInBothDirections) {
   EXPECT_NEAR(bothWays(offset, kAxis), -4.0, 0.6);
 }
 
+constexpr double kDacStep_N = 0.2;
+
+TEST(DriveEffects, ADeadZoneTakesAsMuchFromEveryCommandAndAllOfSmallOnes) {
+  EffectBench bench("{name: drive_dead_zone, actuators: [2], lost_N: 6}");
+  bench.push(mechanism::Vector4(100.0, 100.0, 4.0, -50.0), 0.01);
+  EXPECT_NEAR(bench.simulation().loads().motor_force[1], 94.0, kDacStep_N);
+  EXPECT_NEAR(bench.simulation().loads().motor_force[0], 100.0, kDacStep_N);
+  bench.push(mechanism::Vector4(0.0, 4.0, 0.0, 0.0), 0.01);
+  EXPECT_EQ(bench.simulation().loads().motor_force[1], 0.0);
+  bench.push(mechanism::Vector4(0.0, -40.0, 0.0, 0.0), 0.01);
+  EXPECT_NEAR(bench.simulation().loads().motor_force[1], -34.0, kDacStep_N);
+}
+
 TEST(DriveEffects, DelayAndLagFollowTheCommandLater) {
   const auto stepResponse = [](const std::string& effect) {
     EffectBench bench(effect);

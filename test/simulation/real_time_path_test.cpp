@@ -63,6 +63,7 @@ effects:
   - {name: one_sided_spring, force_at_0.1_m_N: 50, anchor_m: [0, 0, 2], point_m: [0.1, 0, 0], acts_from_m: 1, side: longer}
   - {name: external_force, start_s: 0.1, end_s: 0.2, force_N: [0, 0, -20], point_m: [0, 0, 0]}
   - {name: force_gain, factor: 0.95}
+  - {name: drive_dead_zone, lost_N: 1}
   - {name: force_offset, force_N: 2}
   - {name: delay, time_s: 0.002}
   - {name: drive_lag, time_constant_s: 0.003}

@@ -50,6 +50,16 @@ TEST(Trace, NamesASupplyThatSagsWithAllDrives) {
   EXPECT_LT(legs(c.after_N), 0.6 * legs(c.before_N));
 }
 
+TEST(Trace, NamesADriveThatGivesNothingForSmallCommands) {
+  const TracedCase c = traceSimulated("  - {name: drive_dead_zone, actuators: [2], lost_N: 12}\n");
+  const FoundEffect* zone = found(c, "drive_dead_zone");
+  ASSERT_NE(zone, nullptr);
+  std::cout << "lost " << zone->coefficients[0] << " N; error " << c.before_N[1] << " -> " << c.after_N[1] << " N\n";
+  EXPECT_EQ(zone->hypothesis.place.actuator, 1);
+  EXPECT_NEAR(zone->coefficients[0], 12.0, 2.0);
+  EXPECT_LT(c.after_N[1], 0.6 * c.before_N[1]);
+}
+
 TEST(Trace, NamesASpringThatRelaxesAlongAnActuator) {
   const TracedCase c =
       traceSimulated("  - {name: viscoelastic_element, actuators: [2], stiffness_N_per_m: 400, relaxation_s: 2}\n");
