@@ -47,6 +47,13 @@ bool AxesOutput::startHook() {
   out_.safe_stops = completed;
   safe_stop_.rearm();
   heard_ = false;
+  hardware::BrakeWatch watch;
+  for (std::size_t i = 0; i < hardware::kAxes; ++i) {
+    const double count_m = robot_.actuators[i].metresPerCount();
+    watch.slip_counts[i] = static_cast<std::int32_t>(slip / count_m) + 1;
+    watch.counts_per_mm[i] = 1e-3 / count_m;
+  }
+  bus_.watchBrakes(watch);
   return true;
 }
 

@@ -50,7 +50,6 @@ Guardian::Guardian(hardware::GuardianLink& link, hardware::EmergencyOutputs& out
 
 bool Guardian::startHook() {
   link_.guardian_pid.store(::getpid());
-  link_.acts.store(0);
   first_cycle_ = true;
   return true;
 }
@@ -61,11 +60,7 @@ void Guardian::updateHook(const rt::Cycle& /*cycle*/) {
   view.heartbeat = link_.heartbeat.load(std::memory_order_acquire);
   const std::int32_t controller = link_.controller_pid.load();
   view.process_gone = process_.isGone(controller);
-  if (first_cycle_ && (controller == 0 || view.process_gone)) {
-    // Nobody is in charge, and the link does not say for certain what a dead controller has left switched on.
-    report_.written.store(outputs_.down() == hardware::IoStatus::Ok);
-    report_.found_nobody.store(true);
-  }
+  if (first_cycle_) arrive(view.now, controller == 0 || view.process_gone);
   first_cycle_ = false;
   const std::uint32_t request = link_.reset_request.load();
   view.fenced = link_.tripped.load() != 0;
@@ -93,13 +88,32 @@ void Guardian::updateHook(const rt::Cycle& /*cycle*/) {
   link_.guardian_cycles.fetch_add(1, std::memory_order_release);
 }
 
+void Guardian::arrive(rt::Nanoseconds now, bool nobody) noexcept {
+  const bool goes_on = goesOn(now);
+  report_.went_on.store(goes_on);
+  setActs(goes_on);
+  if (goes_on || !nobody) return;
+  // Nobody is in charge, and the link does not say for certain what a dead controller has left switched on.
+  report_.written.store(outputs_.down() == hardware::IoStatus::Ok);
+  report_.found_nobody.store(true);
+}
+
+/// A guardian has died while it carried, and the drives are still on with what it gave: brakes that were late may be so
+/// still. Where it is longer ago, they hold; where none could be ordered, none does.
+bool Guardian::goesOn(rt::Nanoseconds now) noexcept {
+  if (link_.tripped.load() == 0 || link_.acts.load() == 0) return false;
+  const bool lately = now - link_.acted_at_ns.load() <= GuardianHandOver::kLongest;
+  return (lately || isStranded()) && carryLoad();
+}
+
 /// The holding brakes engage, as far as they can be ordered to; the drives give what carried the robot at rest.
 bool Guardian::carryLoad() noexcept {
-  if (carry_.time == 0 || !watch_.hasHeard() || link_.carries.load(std::memory_order_acquire) == 0) return false;
+  if (carry_.time == 0) return false;
   for (std::size_t i = 0; i < load_V_.size(); ++i) {
     load_V_[i] = link_.load_V[i].load(std::memory_order_relaxed);
     if (!(std::abs(load_V_[i]) <= kLargest_V)) return false;
-    slip_[i] = carry_.watches ? link_.slip_counts[i].load(std::memory_order_relaxed) : 0;
+    slip_.slip_counts[i] = carry_.watches ? link_.slip_counts[i].load(std::memory_order_relaxed) : 0;
+    slip_.counts_per_mm[i] = link_.counts_per_mm[i].load(std::memory_order_relaxed);
   }
   hand_over_.begin(clock_(), carry_.time, slip_);
   if (writeCarry()) return true;
@@ -108,6 +122,7 @@ bool Guardian::carryLoad() noexcept {
 }
 
 bool Guardian::writeCarry() noexcept {
+  link_.acted_at_ns.store(clock_());
   beat_ = !beat_;
   const auto bits = static_cast<std::uint8_t>(carry_.outputs | (beat_ ? carry_.heartbeat : 0u));
   std::array<double, hardware::kChannels> volts = load_V_;
@@ -158,7 +173,7 @@ void Guardian::trip() noexcept {
   report_.slipped.store(0);
   link_.tripped.store(1);
   const rt::Nanoseconds began = clock_();
-  const bool carries = carryLoad();
+  const bool carries = watch_.hasHeard() && link_.carries.load(std::memory_order_acquire) != 0 && carryLoad();
   const hardware::IoStatus status = carries ? hardware::IoStatus::Ok : outputs_.down();
   const rt::Nanoseconds down = clock_();
   if (!carries) setActs(false);

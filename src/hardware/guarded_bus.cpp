@@ -54,10 +54,9 @@ std::string GuardedBus::takeOver() {
            "to; support the platform, then end the guardian.";
   }
   link_.carries.store(0);
-  for (std::size_t i = 0; i < link_.slip_counts.size(); ++i)
-    link_.slip_counts[i].store(options_.slip_counts[i]);
   if (options_.outputs != nullptr && options_.outputs->down() != IoStatus::Ok)
     return "the outputs of an earlier controller cannot be brought down: a card refuses.";
+  link_.acts.store(0);  // of a guardian that has died of it: the next one has nothing to go on with
   return "";
 }
 
@@ -115,6 +114,13 @@ IoStatus GuardedBus::reclaim() {
     return static_cast<std::int32_t>(link_.reset_done.load() - number) >= 0 && !isFencedOut();
   };
   return waitFor(granted) ? IoStatus::Ok : IoStatus::FencedOut;
+}
+
+void GuardedBus::watchBrakes(const BrakeWatch& watch) noexcept {
+  for (std::size_t i = 0; i < watch.slip_counts.size(); ++i) {
+    link_.slip_counts[i].store(watch.slip_counts[i]);
+    link_.counts_per_mm[i].store(watch.counts_per_mm[i]);
+  }
 }
 
 void GuardedBus::offerLoad(const std::array<double, kAxes>* volts) noexcept {

@@ -11,7 +11,6 @@ namespace knee_robot::nodes {
 namespace {
 
 constexpr double kStatePatience_s = 10.0;  // s
-constexpr double kSlip_m = 0.0005;         // the guardian's; AxesOutput's default slip_m
 
 }  // namespace
 
@@ -36,8 +35,6 @@ Machine openMachine(const control::HardwareFile& hardware_file, const mechanism:
   hardware::GuardedBus::Options options;
   options.outputs = machine.outputs.get();
   options.machine = hardware::machineMark(name);
-  for (std::size_t i = 0; i < options.slip_counts.size(); ++i)
-    options.slip_counts[i] = static_cast<std::int32_t>(kSlip_m / robot.actuators[i].metresPerCount()) + 1;
   const double silent_ms = numberParameter(node, "silent_guardian_ms", 50.0, 5.0, 10000.0,
                                            "the silence in ms after which the guardian counts as dead");
   options.guardian_silence_ns = static_cast<std::int64_t>(silent_ms * 1e6);

@@ -229,6 +229,7 @@ int bringDownNow(const Options& options) {
     }
   }
   hardware::IoStatus status = outputs->down();
+  if (memory) memory->link().acts.store(0);  // of a guardian that has died of it
   pause();
   if (const hardware::IoStatus again = outputs->down(); again != hardware::IoStatus::Ok)
     status = again;  // a write under way
@@ -273,15 +274,20 @@ int run(const Options& options) {
     std::fprintf(stderr, "guardian: NOT REAL TIME: %s\n", lacking.c_str());
   while (memory.link().guardian_cycles.load() == before && !stop_requested)
     pause();
+  if (guardian.report().went_on.load()) {
+    std::printf(
+        "guardian: another one has died while the drives carried the platform: goes on until the brakes hold\n");
+  }
   if (guardian.report().found_nobody.load()) {
     std::printf("guardian: no controller holds %s: outputs %s\n", options.link.c_str(),
                 guardian.report().written.load() ? "brought down" : "NOT ALL DOWN, a card refused");
   }
-  std::printf("guardian ready: %s, acts when the controller is gone or silent for %g ms%s\n", options.link.c_str(),
-              options.silence_ms,
-              guardian.report().trips.load() == 0 && memory.link().tripped.load() != 0
-                  ? "; TRIPPED already, outputs down"
-                  : "");
+  std::printf(
+      "guardian ready: %s, acts when the controller is gone or silent for %g ms%s\n", options.link.c_str(),
+      options.silence_ms,
+      guardian.report().trips.load() == 0 && memory.link().tripped.load() != 0 && !guardian.report().went_on.load()
+          ? "; TRIPPED already, outputs down"
+          : "");
   std::fflush(stdout);
   reportUntilDone(guardian.report(), memory);
   activity.stop();

@@ -180,8 +180,9 @@ TEST(GuardedBus, BringsDownWhatADeadControllerLeftOnEvenWhenNoGuardianAnswers) {
 }
 
 /// Outputs at the moment at which a guardian has handed over, `hand_over_ms` after a new controller has asked for them
-/// (or when that has given up), and whether that one gets them then.
-std::pair<unsigned, bool> startedWithinAHandOver(int hand_over_ms) {
+/// (or when that has given up), and whether that one gets them then. `gone_ms`: for so long after 50 ms there is no
+/// guardian, and then another one.
+std::pair<unsigned, bool> startedWithinAHandOver(int hand_over_ms, int gone_ms = 0) {
   simulation::RobotImage image;
   GuardianLink link;
   leaveOn(image, link);
@@ -198,6 +199,11 @@ std::pair<unsigned, bool> startedWithinAHandOver(int hand_over_ms) {
   std::thread guardian([&] {
     for (int cycle = 0; !done; ++cycle) {
       std::this_thread::sleep_for(std::chrono::milliseconds(cycle == 10 ? 60 : 1));  // a busy machine
+      if (gone_ms > 0 && cycle == 50) {
+        link.guardian_pid.store(0x3ffffff);  // nobody has that number
+        std::this_thread::sleep_for(std::chrono::milliseconds(gone_ms));
+        link.guardian_pid.store(1);
+      }
       if (cycle == hand_over_ms) {
         carried = image.counter.outputs.load();
         link.acts.store(0);
@@ -225,6 +231,29 @@ TEST(GuardedBus, DoesNotTakeThePlatformFromAGuardianThatStillCarriesIt) {
   const auto [carried, passed] = startedWithinAHandOver(100'000);
   EXPECT_FALSE(passed);
   EXPECT_EQ(carried, 3u);
+}
+
+TEST(GuardedBus, WaitsForAnotherGuardianWhereOneHasDiedOfAHandOver) {
+  const auto [carried, passed] = startedWithinAHandOver(600, 1200);
+  EXPECT_EQ(carried, 3u) << "once brought down at once: brakes that are late do not hold yet";
+  EXPECT_TRUE(passed);
+}
+
+TEST(GuardedBus, BringsDownWhatAGuardianThatHasDiedLeftOnWhenNoOtherComes) {
+  simulation::RobotImage image;
+  GuardianLink link;
+  leaveOn(image, link);
+  link.guardian_pid.store(0x3ffffff);
+  link.tripped.store(1);
+  link.acts.store(1);
+  const std::unique_ptr<AxisBus> cards = simulation::openImageCards(image);
+  const std::unique_ptr<EmergencyOutputs> outputs = simulation::openImageEmergencyOutputs(image);
+  GuardedBus::Options options;
+  options.outputs = outputs.get();
+  GuardedBus bus(*cards, link, 3, options);
+  EXPECT_FALSE(bus.selfTest().passed);
+  EXPECT_EQ(image.counter.outputs.load(), 0);
+  EXPECT_EQ(link.acts.load(), 0u) << "no guardian that comes now switches on again what is off";
 }
 
 TEST(GuardedBus, StaysArmedWhenTheCardsDoNotLetItBringTheOutputsDown) {

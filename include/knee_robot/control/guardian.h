@@ -75,6 +75,7 @@ struct GuardianReport {
   std::atomic<rt::Nanoseconds> writing{0};   ///< the part of it that the writes took
   std::atomic<bool> written{true};           ///< the cards took all writes
   std::atomic<bool> found_nobody{false};     ///< no controller lived at the start: outputs brought down
+  std::atomic<bool> went_on{false};          ///< at the start, with what a guardian carried that died of it
   std::atomic<bool> acts{false};             ///< from before a trip until the outputs are down: now it must not end
 };
 
@@ -82,8 +83,9 @@ struct GuardianReport {
 /// the holding brakes do (GuardianHandOver).
 /// Without it a platform falls by 6 mm while brakes of 50 ms engage. Only what is on may stay on: a guardian that has
 /// not itself seen the controller at work goes down at once, for what the link says may be a dead controller's, of
-/// drives that are off since. As long as the card with the digital outputs does not answer, no brake engages, and the
-/// drives go on.
+/// drives that are off since. What a guardian carried that has died within the last two seconds, the next one takes
+/// over: nobody else switches anything then. As long as the card with the digital outputs does not answer, no brake
+/// engages, and the drives go on.
 struct GuardianCarry {
   std::uint8_t outputs = 0;  ///< digital outputs meanwhile: drives on, holding brakes ordered to engage
   std::uint8_t heartbeat =
@@ -108,6 +110,8 @@ class Guardian : public rt::TaskContext {
   void updateHook(const rt::Cycle& cycle) override;
 
  private:
+  void arrive(rt::Nanoseconds now, bool nobody) noexcept;
+  bool goesOn(rt::Nanoseconds now) noexcept;
   void trip() noexcept;
   bool carryLoad() noexcept;
   bool writeCarry() noexcept;
@@ -123,7 +127,7 @@ class Guardian : public rt::TaskContext {
   hardware::ProcessWatch process_;
   const GuardianCarry carry_;
   GuardianHandOver hand_over_;
-  GuardianHandOver::Counts slip_{};
+  hardware::BrakeWatch slip_;
   std::array<double, hardware::kChannels> load_V_{};
   bool orders_ = true;  // the brakes have been ordered to engage
   bool beat_ = false;

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "knee_robot/hardware/brake_watch.h"
 #include "knee_robot/hardware/bus_failure.h"
 #include "knee_robot/hardware/io_status.h"
 
@@ -71,6 +72,9 @@ class AxisBus {
   /// What carries the load at this place while the holding brakes are open, V; nullptr: nothing does. For whoever
   /// brings the outputs down if this process dies (GuardedBus). Real-time safe.
   virtual void offerLoad(const std::array<double, kAxes>* /*volts*/) noexcept {}
+
+  /// How whoever takes the load from there finds a brake that does not hold (GuardedBus). Not real-time.
+  virtual void watchBrakes(const BrakeWatch& /*watch*/) noexcept {}
 
   /// Not real-time, from any thread, with the drives off: asks for the outputs again. FencedOut: not given back.
   virtual IoStatus reclaim() { return IoStatus::Ok; }

@@ -25,8 +25,6 @@ class GuardedBus : public AxisBus {
         nullptr;  ///< what brings the outputs down before anything else; none: the bus' self test does
     std::int64_t guardian_silence_ns = 50'000'000;  ///< a guardian that does not cycle for so long is dead
     std::int64_t (*clock)() noexcept = monotonicTime;
-    /// Counts by which an axis moves whose holding brake does not hold, for the guardian; 0: it does not watch them.
-    std::array<std::int32_t, kAxes> slip_counts{};
     std::uint64_t machine = 0;  ///< machineMark() that the guardian has to have, too; 0: not compared
   };
 
@@ -50,6 +48,7 @@ class GuardedBus : public AxisBus {
   bool isGuarded() const noexcept override { return true; }
   bool stopsByItself() const noexcept override { return bus_.stopsByItself(); }
   void offerLoad(const std::array<double, kAxes>* volts) noexcept override;
+  void watchBrakes(const BrakeWatch& watch) noexcept override;
   /// Waits up to 0.3 s for the guardian; while that hands the load over to the brakes, up to 3 s.
   IoStatus reclaim() override;
   /// GuardianSilent from guardian_silence_ns without a cycle of the guardian on, counted in read().

@@ -13,7 +13,7 @@ namespace knee_robot::hardware {
 /// read back its outputs (the PCI-1720 can not, of the PCI-1784 it is not known). All zero: nobody has been there yet.
 /// Each field has one writer; plain lock-free atomics, so a process that dies at any place leaves the others working.
 struct GuardianLink {
-  static constexpr std::uint64_t kMagic = 0x6b6e65655f677233;  // "knee_gr3"
+  static constexpr std::uint64_t kMagic = 0x6b6e65655f677234;  // "knee_gr4"
 
   std::atomic<std::uint64_t> magic{0};
 
@@ -23,15 +23,18 @@ struct GuardianLink {
   std::atomic<std::uint32_t> armed{0};          ///< 1 from before the drives are enabled until after they are disabled
   std::atomic<std::uint32_t> reset_request{0};  ///< a new number asks the guardian to give the outputs back
   std::atomic<std::uint32_t> carries{0};        ///< 1: load_V is valid; the drives give it until the brakes hold
-  std::array<std::atomic<double>, kChannels> load_V{};  ///< what carries the robot at rest at this place
-  std::array<std::atomic<std::int32_t>, kChannels>
-      slip_counts{};  ///< so far an axis moves whose brake does not hold; 0: nothing is watched
+  std::array<std::atomic<double>, kChannels> load_V{};             ///< what carries the robot at rest at this place
+  std::array<std::atomic<std::int32_t>, kChannels> slip_counts{};  ///< BrakeWatch
+  std::array<std::atomic<double>, kChannels> counts_per_mm{};      ///< BrakeWatch
 
   // written by the guardian
   std::atomic<std::int32_t> guardian_pid{0};
   std::atomic<std::uint64_t> guardian_cycles{0};
-  std::atomic<std::uint32_t> tripped{0};     ///< 1: the outputs are the guardian's, the controller is fenced out
-  std::atomic<std::uint32_t> acts{0};        ///< 1: it has tripped, and the drives carry until the brakes hold
+  std::atomic<std::uint32_t> tripped{0};  ///< 1: the outputs are the guardian's, the controller is fenced out
+  /// 1: it has tripped, and the drives carry until the brakes hold. Where it has died of that, 0 is written by whoever
+  /// brings the outputs down in its place.
+  std::atomic<std::uint32_t> acts{0};
+  std::atomic<std::int64_t> acted_at_ns{0};  ///< when it last let them carry, CLOCK_MONOTONIC
   std::atomic<std::uint32_t> reset_done{0};  ///< last reset_request that was granted
   std::atomic<std::uint64_t> machine{0};     ///< machineMark() of what it brings down; 0: it has not said
 };
@@ -69,7 +72,8 @@ class SharedGuardianLink {
 };
 
 /// A guardian that has tripped lets the drives carry until the brakes hold; whoever brings the outputs down meanwhile
-/// lets the platform fall. Waits until that is over, or the guardian is. False: after 3 s it still carries.
+/// lets the platform fall. Waits until that is over. One that has died of it or hangs is waited for for 2 s: the brakes
+/// that it ordered engage meanwhile, and a guardian that is started again goes on. False: after 3 s it still carries.
 bool letGuardianHandOver(const GuardianLink& link);
 
 /// Whether a process of this number exists (0: no). A zombie does.
