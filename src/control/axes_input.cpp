@@ -33,6 +33,7 @@ void AxesInput::updateHook(const rt::Cycle& cycle) {
   out_.time = cycle.time;
   out_.read_at = cycle.wake;
   out_.fenced_out = bus_.isFencedOut();
+  out_.guardian_carries = bus_.isCarriedByGuardian();
   out_.bus_failure = bus_.failure();
   if (out_.status == hardware::IoStatus::Ok) {
     // By when it was read, not by when it was planned: a late cycle is no faster motion.

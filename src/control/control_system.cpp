@@ -67,7 +67,8 @@ Answer ControlSystem::end(bool at_any_rate) {
   if (!parts_->started) return {true, "the controller does not run"};
   const MachineState before = state();
   Answer stopped{true, "drives off, holding brakes engaged"};
-  if (before != MachineState::Disabled && before != MachineState::Faulted) stopped = disable();
+  const bool runs = before != MachineState::Disabled && before != MachineState::Faulted;
+  if (runs && !parts_->bus.isCarriedByGuardian()) stopped = disable();
   // AxesOutput's own word: a Supervisor that failed says Faulted while the safe stop still runs.
   parts_->runner.waitUntil([this] { return outputsAreOff() || drivesCarry(); }, kSafeStop_s);
   if (drivesCarry() && !at_any_rate) {

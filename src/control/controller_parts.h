@@ -42,7 +42,7 @@ struct ControllerParts {
   const MachineComponents machine{*deployment};
   const FeedforwardSetup feedforward{*deployment, machine, robot, options.model, options.payload_kg};
   OperatorPanel panel{machine};
-  const MachineReport report{*deployment, machine, panel, started};
+  const MachineReport report{*deployment, machine, panel, bus, started};
   // Incremental encoders know their place anew at every start. Stepped runs are to be the same whenever they are made.
   Recordings recordings{machine, robot.axes(), threaded, threaded ? static_cast<std::int64_t>(std::time(nullptr)) : 0};
   BlackBoxWriter black_box{*machine.black_box, options.black_box_folder, threaded};

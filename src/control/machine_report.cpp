@@ -53,8 +53,16 @@ void MachineReport::fill(ControlStatus& status) const {
   if (const std::optional<MonitorVerdict> verdict = panel_.verdict()) status.thermal = verdict->heat;
 }
 
-/// The last word of a Supervisor that failed or hangs is old; AxesOutput makes the safe stop without it.
+/// The Supervisor knows of the controller's own drives only: what the guardian lets carry is no robot that is off.
 SupervisorStatus MachineReport::supervisor() const {
+  SupervisorStatus said = ownWord();
+  const bool off = said.state == MachineState::Faulted || said.state == MachineState::Disabled;
+  if (off && bus_.isCarriedByGuardian()) said.state = MachineState::SafeStopping;
+  return said;
+}
+
+/// The last word of a Supervisor that failed or hangs is old; AxesOutput makes the safe stop without it.
+SupervisorStatus MachineReport::ownWord() const {
   SupervisorStatus said = panel_.supervisor();
   if (!started_) return said;
   const rt::TaskState task = machine_.supervisor->state();
@@ -82,7 +90,11 @@ std::string MachineReport::sentenceOfFault(const SupervisorStatus& said) const {
     if (component->state() >= rt::TaskState::Exception) location += std::string(component->refusal()) + ": ";
   }
   const FaultDescription& description = describe(said.fault);
-  return location + description.sentence + codeOf(said) + pauseOf(said) + "; " + description.remedy;
+  const std::string carries =
+      bus_.isCarriedByGuardian()
+          ? "; KEEP AWAY: the guardian still lets the drives carry the platform, until the brakes hold"
+          : "";
+  return location + description.sentence + codeOf(said) + pauseOf(said) + carries + "; " + description.remedy;
 }
 
 }  // namespace knee_robot::control

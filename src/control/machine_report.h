@@ -3,6 +3,7 @@
 #include <atomic>
 
 #include "knee_robot/control/control_status.h"
+#include "knee_robot/hardware/axis_bus.h"
 #include "operator_panel.h"
 
 namespace knee_robot::control {
@@ -12,8 +13,8 @@ class MachineReport {
  public:
   /// All must outlive this. `started`: the components have been started.
   MachineReport(const rt::Deployment& deployment, const MachineComponents& machine, const OperatorPanel& panel,
-                const std::atomic<bool>& started)
-      : deployment_(deployment), machine_(machine), panel_(panel), started_(started) {}
+                const hardware::AxisBus& bus, const std::atomic<bool>& started)
+      : deployment_(deployment), machine_(machine), panel_(panel), bus_(bus), started_(started) {}
 
   MachineState state() const { return supervisor().state; }
   /// Fills in state, fault, path, speed, homing, guiding, heat.
@@ -23,11 +24,13 @@ class MachineReport {
 
  private:
   SupervisorStatus supervisor() const;
+  SupervisorStatus ownWord() const;
   std::string sentenceOfFault(const SupervisorStatus& supervisor) const;
 
   const rt::Deployment& deployment_;
   const MachineComponents& machine_;
   const OperatorPanel& panel_;
+  const hardware::AxisBus& bus_;
   const std::atomic<bool>& started_;
 };
 

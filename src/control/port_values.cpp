@@ -103,6 +103,7 @@ void members(const AxesMeasurement& v, Visit& visit) {
   visit("digital_inputs", v.digital_inputs);
   visit("home_number", v.home_number);
   visit("fenced_out", v.fenced_out);
+  visit("guardian_carries", v.guardian_carries);
   visit.within("bus_failure", v.bus_failure, [&](Visit& inner) {
     inner("fault", v.bus_failure.fault);
     inner("axis", v.bus_failure.axis);

@@ -120,7 +120,7 @@ void Supervisor::detectFaults(rt::Nanoseconds now) {
   const bool off = (state_ == MachineState::Disabled || state_ == MachineState::Faulted) && view_.drivesAreOff();
   const Fault latched = fault_.cause().fault;
   const bool known = homing_.isHomed() || latched == Fault::EncoderFrozen || latched == Fault::AxisBlocked;
-  const bool held = off && known && view_.hasMeasured();
+  const bool held = off && known && view_.hasMeasured() && !view_.measured.guardian_carries;
   if (const int moved = held_place_.step(held, view_, now); moved != 0) raise({Fault::MovedWhileOff, moved});
   const LostCounts::Axes lost = lost_counts_.step(view_, fault_.isLatched(), now);
   for (std::size_t i = 0; i < hardware::kAxes; ++i) {

@@ -116,6 +116,10 @@ IoStatus GuardedBus::reclaim() {
   return waitFor(granted) ? IoStatus::Ok : IoStatus::FencedOut;
 }
 
+bool GuardedBus::isCarriedByGuardian() const noexcept {
+  return isFencedOut() && link_.acts.load() != 0;
+}
+
 void GuardedBus::watchBrakes(const BrakeWatch& watch) noexcept {
   for (std::size_t i = 0; i < watch.slip_counts.size(); ++i) {
     link_.slip_counts[i].store(watch.slip_counts[i]);

@@ -23,6 +23,11 @@ def how_it_ended(seconds):
     return f"the controller ended after {seconds:.1f} s; " if seconds is not None else "the controller does not end; "
 
 
+def drop_of(text):
+    """mm, of what look() found."""
+    return float(text.split("drop ")[1].split(" ")[0])
+
+
 class Attack:
     """What an attack may use. `left_on_ms`: from `begin()` until every drive was off and every brake engaged."""
 

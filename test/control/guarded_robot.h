@@ -123,6 +123,7 @@ struct Guarded {
     void watchBrakes(const hardware::BrakeWatch& watch) noexcept override {
       if (watches_) bus_.watchBrakes(watch);
     }
+    bool isCarriedByGuardian() const noexcept override { return bus_.isCarriedByGuardian(); }
     hardware::AxisBus& bus_;
     const bool watches_;
   };

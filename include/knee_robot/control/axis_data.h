@@ -26,6 +26,7 @@ struct AxesMeasurement {
   std::uint8_t digital_inputs = 0;
   std::uint32_t home_number = 0;     ///< of the last HomeSetting
   bool fenced_out = false;           ///< a guardian has taken the outputs
+  bool guardian_carries = false;     ///< and lets the drives carry the load
   hardware::BusFailure bus_failure;  ///< what a bus of drives tells beyond `status`
 };
 

@@ -76,6 +76,9 @@ class AxisBus {
   /// How whoever takes the load from there finds a brake that does not hold (GuardedBus). Not real-time.
   virtual void watchBrakes(const BrakeWatch& /*watch*/) noexcept {}
 
+  /// True while somebody else has taken the outputs and still lets the drives carry the load (GuardedBus).
+  virtual bool isCarriedByGuardian() const noexcept { return false; }
+
   /// Not real-time, from any thread, with the drives off: asks for the outputs again. FencedOut: not given back.
   virtual IoStatus reclaim() { return IoStatus::Ok; }
 

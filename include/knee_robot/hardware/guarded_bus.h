@@ -49,6 +49,7 @@ class GuardedBus : public AxisBus {
   bool stopsByItself() const noexcept override { return bus_.stopsByItself(); }
   void offerLoad(const std::array<double, kAxes>* volts) noexcept override;
   void watchBrakes(const BrakeWatch& watch) noexcept override;
+  bool isCarriedByGuardian() const noexcept override;
   /// Waits up to 0.3 s for the guardian; while that hands the load over to the brakes, up to 3 s.
   IoStatus reclaim() override;
   /// GuardianSilent from guardian_silence_ns without a cycle of the guardian on, counted in read().
