@@ -46,7 +46,6 @@ struct ControllerParts {
   // Incremental encoders know their place anew at every start. Stepped runs are to be the same whenever they are made.
   Recordings recordings{machine, robot.axes(), threaded, threaded ? static_cast<std::int64_t>(std::time(nullptr)) : 0};
   BlackBoxWriter black_box{*machine.black_box, options.black_box_folder, threaded};
-  HeatMemory heat{options.heat_file, threaded};
   CycleRunner runner{*deployment, [this] {
                        recordings.drain();
                        black_box.write();
@@ -57,6 +56,7 @@ struct ControllerParts {
   PathPlayer player{robot, *machine.sync, panel, requests};
   OccupancyRecord occupancy{PatientMemory(options.patient_memory), [this] { return whyOccupancyStays(); },
                             [this](Occupancy now, const PatientRange& range) { tellOccupancy(now, range); }};
+  HeatMemory heat{options.heat_file, threaded, [this] { occupancy.keep(); }};
 
  private:
   std::string whyOccupancyStays() const;

@@ -30,7 +30,10 @@ GuardianAction GuardianWatch::step(const GuardianView& view) noexcept {
     cause_ = GuardianCause::None;
     return GuardianAction::Release;
   }
+  const bool locked_out = view.fenced && !tripped_;
+  if (locked_out && view.armed) cause_ = GuardianCause::LockedOut;
   tripped_ = tripped_ || view.fenced;
+  if (locked_out && view.armed) return GuardianAction::Trip;
   if (tripped_) return GuardianAction::KeepDown;
   if (!view.armed) return GuardianAction::Watch;
   if (view.process_gone) cause_ = GuardianCause::ProcessGone;
@@ -60,7 +63,7 @@ void Guardian::updateHook(const rt::Cycle& /*cycle*/) {
   view.heartbeat = link_.heartbeat.load(std::memory_order_acquire);
   const std::int32_t controller = link_.controller_pid.load();
   view.process_gone = process_.isGone(controller);
-  if (first_cycle_) arrive(view.now, controller == 0 || view.process_gone);
+  if (first_cycle_) arrive(controller == 0 || view.process_gone);
   first_cycle_ = false;
   const std::uint32_t request = link_.reset_request.load();
   view.fenced = link_.tripped.load() != 0;
@@ -88,11 +91,13 @@ void Guardian::updateHook(const rt::Cycle& /*cycle*/) {
   link_.guardian_cycles.fetch_add(1, std::memory_order_release);
 }
 
-void Guardian::arrive(rt::Nanoseconds now, bool nobody) noexcept {
-  const bool goes_on = goesOn(now);
+void Guardian::arrive(bool nobody) noexcept {
+  const bool goes_on = goesOn();
   report_.went_on.store(goes_on);
   setActs(goes_on);
-  if (goes_on || !nobody) return;
+  // A controller that has just died with its guardian: the trip that follows hands its load over.
+  const bool left = link_.armed.load() != 0 && link_.tripped.load() == 0 && isLately(link_.carried_at_ns);
+  if (goes_on || left || !nobody) return;
   // Nobody is in charge, and the link does not say for certain what a dead controller has left switched on.
   report_.written.store(outputs_.down() == hardware::IoStatus::Ok);
   report_.found_nobody.store(true);
@@ -100,10 +105,15 @@ void Guardian::arrive(rt::Nanoseconds now, bool nobody) noexcept {
 
 /// A guardian has died while it carried, and the drives are still on with what it gave: brakes that were late may be so
 /// still. Where it is longer ago, they hold; where none could be ordered, none does.
-bool Guardian::goesOn(rt::Nanoseconds now) noexcept {
+bool Guardian::goesOn() noexcept {
   if (link_.tripped.load() == 0 || link_.acts.load() == 0) return false;
-  const bool lately = now - link_.acted_at_ns.load() <= GuardianHandOver::kLongest;
-  return (lately || isStranded()) && carryLoad();
+  return (isLately(link_.acted_at_ns) || isStranded()) && carryLoad();
+}
+
+/// Within what a hand-over may take: nobody can have switched the drives off since without saying so in the link.
+bool Guardian::isLately(const std::atomic<std::int64_t>& at_ns) const noexcept {
+  const rt::Nanoseconds age = clock_() - at_ns.load();
+  return age >= 0 && age <= GuardianHandOver::kLongest;
 }
 
 /// The holding brakes engage, as far as they can be ordered to; the drives give what carried the robot at rest.
@@ -173,7 +183,8 @@ void Guardian::trip() noexcept {
   report_.slipped.store(0);
   link_.tripped.store(1);
   const rt::Nanoseconds began = clock_();
-  const bool carries = watch_.hasHeard() && link_.carries.load(std::memory_order_acquire) != 0 && carryLoad();
+  const bool carries = (watch_.hasHeard() || isLately(link_.carried_at_ns)) &&
+                       link_.carries.load(std::memory_order_acquire) != 0 && carryLoad();
   const hardware::IoStatus status = carries ? hardware::IoStatus::Ok : outputs_.down();
   const rt::Nanoseconds down = clock_();
   if (!carries) setActs(false);

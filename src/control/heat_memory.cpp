@@ -46,7 +46,8 @@ AxisValues rememberedHeat(const std::string& path, const Moment& now, double tim
   return heat;
 }
 
-HeatMemory::HeatMemory(std::string path, bool threaded) : rt::TaskContext("HeatMemory"), path_(std::move(path)) {
+HeatMemory::HeatMemory(std::string path, bool threaded, std::function<void()> beside)
+    : rt::TaskContext("HeatMemory"), path_(std::move(path)), beside_(std::move(beside)) {
   if (threaded && !path_.empty()) thread_ = std::thread([this] { loop(); });
 }
 
@@ -59,7 +60,10 @@ HeatMemory::~HeatMemory() {
 void HeatMemory::loop() {
   constexpr int kPolls = 40;  // at stop_, in a period
   for (int poll = 1; !stop_; ++poll) {
-    if (poll % kPolls == 0) write();
+    if (poll % kPolls == 0) {
+      write();
+      if (beside_) beside_();
+    }
     std::this_thread::sleep_for(std::chrono::duration<double>(kPeriod_s / kPolls));
   }
 }

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <atomic>
+#include <functional>
 #include <string>
 #include <thread>
 
@@ -27,8 +28,9 @@ class HeatMemory : public rt::TaskContext {
 
   rt::InputPort<MonitorVerdict> verdict{*this, "verdict", "from Monitors"};
 
-  /// An empty path: nothing is kept. `threaded`: with an own thread; otherwise only the end writes.
-  HeatMemory(std::string path, bool threaded);
+  /// An empty path: nothing is kept. `threaded`: with an own thread; otherwise only the end writes. `beside`: what else
+  /// is to be done by it in every period.
+  HeatMemory(std::string path, bool threaded, std::function<void()> beside = nullptr);
   ~HeatMemory() override;
 
  private:
@@ -36,6 +38,7 @@ class HeatMemory : public rt::TaskContext {
   void write() noexcept;
 
   const std::string path_;
+  const std::function<void()> beside_;
   std::atomic<bool> stop_{false};
   std::thread thread_;
 };

@@ -87,6 +87,13 @@ void OccupancyRecord::recall(const mechanism::Robot& robot, bool declared_empty,
   if (!used.ok) refused_ = used.sentence;
 }
 
+void OccupancyRecord::keep() {
+  if (memory_.isThere()) return;
+  const Hold hold(*this);  // nobody leaves meanwhile, and is remembered all the same
+  const std::optional<PatientLimits> now = patient();
+  if (hold && now) remember(Occupancy::Patient, now);
+}
+
 std::string OccupancyRecord::whyNobodyMoves() const {
   const std::lock_guard<std::mutex> lock(mutex_);
   if (changing_) return "the occupancy is being changed; try again";

@@ -48,6 +48,9 @@ class OccupancyRecord {
   void recall(const mechanism::Robot& robot, bool declared_empty,
               const std::function<Answer(const PatientLimits&)>& admits);
 
+  /// Writes down anew who is on the robot where somebody has removed the file; for an ordinary thread, now and then.
+  void keep();
+
   /// Why nothing may move; empty: it may.
   std::string whyNobodyMoves() const;
   std::optional<PatientLimits> patient() const;

@@ -39,8 +39,12 @@ void PatientMemory::forget() const {
   throw InputError(path_ + ": cannot be removed: " + std::strerror(errno));
 }
 
+bool PatientMemory::isThere() const noexcept {
+  return !path_.empty() && ::access(path_.c_str(), F_OK) == 0;
+}
+
 PatientMemory::File PatientMemory::remembered() const {
-  if (path_.empty() || ::access(path_.c_str(), F_OK) != 0) return {};
+  if (!isThere()) return {};
   const std::string text = readFile(path_, kLongest);
   const std::size_t end = text.find('\n');
   if (end == std::string::npos || end == 0) throw InputError(path_ + ": does not say which patient was loaded last");

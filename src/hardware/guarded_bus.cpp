@@ -75,6 +75,10 @@ SelfTest GuardedBus::selfTest() {
     return {false,
             {"the guardian that answers guards another machine: give both the same hardware file, and each machine a "
              "link of its own."}};
+  if (options_.wiring != 0 && link_.wiring.load() != options_.wiring)
+    return {false,
+            {"the guardian that answers knows other outputs or brakes than this hardware file, which has changed since "
+             "it was started: end the guardian and start it again."}};
   if (options_.outputs != nullptr) result = bus_.selfTest();
   result.findings.insert(result.findings.begin(), "guardian: watches.");
   return result;
@@ -130,6 +134,7 @@ void GuardedBus::watchBrakes(const BrakeWatch& watch) noexcept {
 void GuardedBus::offerLoad(const std::array<double, kAxes>* volts) noexcept {
   for (std::size_t i = 0; volts != nullptr && i < volts->size(); ++i)
     link_.load_V[i].store((*volts)[i], std::memory_order_relaxed);
+  if (volts != nullptr) link_.carried_at_ns.store(options_.clock(), std::memory_order_relaxed);
   link_.carries.store(volts != nullptr ? 1 : 0, std::memory_order_release);
 }
 

@@ -6,6 +6,7 @@
 
 #include "knee_robot/base/errors.h"
 #include "knee_robot/hardware/can/can_axis_bus.h"
+#include "knee_robot/hardware/guardian_link.h"
 #include "knee_robot/hardware/pci_cards.h"
 #include "knee_robot/simulation/simulated_cards.h"
 
@@ -78,6 +79,13 @@ const std::vector<Backend>& backends() {
 std::string machineName(const HardwareFile& file, const Site& site) {
   const Backend& backend = backendOf(file);
   return file.backend + " " + backend.identity(file, site);
+}
+
+std::uint64_t wiringMark(const HardwareFile& file) {
+  std::string all;
+  for (const int bit : {file.drive_enable_bit, file.hold_release_bit, file.heartbeat_bit})
+    all += std::to_string(bit) + " ";
+  return hardware::machineMark(all + std::to_string(file.holdDelay()) + (file.holdsByBrakes() ? " brakes" : ""));
 }
 
 std::unique_ptr<hardware::AxisBus> openBus(const HardwareFile& file, const Robot& robot, const Site& site) {

@@ -37,6 +37,9 @@ const std::vector<Backend>& backends();
 /// machine has one name. InputError when its cards are not there.
 std::string machineName(const control::HardwareFile& file, const Site& site);
 
+/// What a guardian knows of outputs and brakes, as a number that is not 0: the file may change after it has read it.
+std::uint64_t wiringMark(const control::HardwareFile& file);
+
 /// The axes of the controller. InputError when the cards are not there, after 10 s for a machine that starts beside
 /// this process.
 std::unique_ptr<hardware::AxisBus> openBus(const control::HardwareFile& file, const mechanism::Robot& robot,

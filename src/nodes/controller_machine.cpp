@@ -35,6 +35,7 @@ Machine openMachine(const control::HardwareFile& hardware_file, const mechanism:
   hardware::GuardedBus::Options options;
   options.outputs = machine.outputs.get();
   options.machine = hardware::machineMark(name);
+  options.wiring = wiringMark(hardware_file);
   const double silent_ms = numberParameter(node, "silent_guardian_ms", 50.0, 5.0, 10000.0,
                                            "the silence in ms after which the guardian counts as dead");
   options.guardian_silence_ns = static_cast<std::int64_t>(silent_ms * 1e6);

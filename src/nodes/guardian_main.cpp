@@ -56,6 +56,7 @@ void tellTrip(const control::GuardianReport& report) {
   // pid 0: it ended in order, but could not write the outputs any more.
   const char* what = pid == 0                                                     ? "has ended"
                      : report.cause.load() == control::GuardianCause::ProcessGone ? "has died"
+                     : report.cause.load() == control::GuardianCause::LockedOut   ? "was locked out (--down-now)"
                                                                                   : "is silent";
   const double reaction_ms = rt::toSeconds(report.reaction.load()) * 1e3;
   const double carried_ms = rt::toSeconds(report.carried.load()) * 1e3;
@@ -208,19 +209,51 @@ bool letControllerStop(const hardware::GuardianLink& link) {
   return true;
 }
 
+/// Two cycles of the guardian that lives, 0.2 s at most: then it has seen the fence, and acts.
+void letGuardianSee(const hardware::GuardianLink& link) {
+  const std::uint64_t cycles = link.guardian_cycles.load();
+  for (int ms = 0; ms < 200 && link.guardian_cycles.load() - cycles < 2; ++ms)
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+}
+
+control::GuardianCarry carryOf(const control::HardwareFile& file) {
+  return {static_cast<std::uint8_t>(1u << file.drive_enable_bit), static_cast<std::uint8_t>(1u << file.heartbeat_bit),
+          rt::fromSeconds(file.holdDelay()), file.holdsByBrakes()};
+}
+
+/// In place of a guardian that has died, as the next one would: what it carried, or what a controller has left that has
+/// died with it, is handed over to the brakes.
+void handOverInItsPlace(hardware::GuardianLink& link, hardware::EmergencyOutputs& outputs,
+                        const control::HardwareFile& file) {
+  const std::int32_t guardian = link.guardian_pid.load();
+  if (guardian > 0 && !hardware::ProcessWatch().isGone(guardian)) return;
+  control::Guardian own(link, outputs, 10 * kPeriod, kPeriod, rt::monotonicNow, carryOf(file));
+  own.configure();
+  own.start();
+  const rt::Nanoseconds began = rt::monotonicNow();
+  const auto waits = [&] { return link.tripped.load() == 0 && rt::monotonicNow() - began < 30 * kPeriod; };
+  do {
+    own.update({rt::monotonicNow(), rt::monotonicNow(), kPeriod});
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  } while (own.report().acts.load() || (link.armed.load() != 0 && waits()));
+}
+
 /// What a service manager calls after the controller or its guardian has ended, for whatever reason. Beside a guardian
-/// that lives a controller is fenced out at once; without one it is first given the time to stop by itself, and left
-/// alone where it goes on carrying.
+/// that lives a controller is fenced out at once, and that one hands the load over; without one it is first given the
+/// time to stop by itself, and left alone where it goes on carrying.
 int bringDownNow(const Options& options) {
   const control::HardwareFile file = loadFile(options);
   const std::unique_ptr<hardware::EmergencyOutputs> outputs = nodes::openOutputs(file, siteOf(options));
   std::optional<hardware::SharedGuardianLink> memory = linkOf(options.link, nodes::machineName(file, siteOf(options)));
   if (memory) {
-    if (!guardianActs(memory->link()) && !letControllerStop(memory->link())) {
+    const bool guarded = guardianActs(memory->link());
+    if (!guarded && !letControllerStop(memory->link())) {
       std::printf("guardian: the controller lives and its drives carry the platform; start the guardian again\n");
       return 1;
     }
+    if (!guarded) handOverInItsPlace(memory->link(), *outputs, file);
     memory->link().tripped.store(1);
+    if (guarded) letGuardianSee(memory->link());
     if (!hardware::letGuardianHandOver(memory->link())) {
       std::printf(
           "guardian: another one still lets the drives carry the platform, for a holding brake does not hold or cannot "
@@ -238,11 +271,6 @@ int bringDownNow(const Options& options) {
   return status == hardware::IoStatus::Ok ? kExitDone : 1;
 }
 
-control::GuardianCarry carryOf(const control::HardwareFile& file) {
-  return {static_cast<std::uint8_t>(1u << file.drive_enable_bit), static_cast<std::uint8_t>(1u << file.heartbeat_bit),
-          rt::fromSeconds(file.holdDelay()), file.holdsByBrakes()};
-}
-
 int run(const Options& options) {
   const control::HardwareFile file = loadFile(options);
   hardware::SharedGuardianLink memory = hardware::SharedGuardianLink::open(options.link);
@@ -255,6 +283,7 @@ int run(const Options& options) {
   const hardware::MachineLock lock = hardware::MachineLock::take("guardian", machine);
   memory.link().guardian_pid.store(::getpid());
   memory.link().machine.store(hardware::machineMark(machine));
+  memory.link().wiring.store(nodes::wiringMark(file));
   const std::unique_ptr<hardware::EmergencyOutputs> outputs = nodes::openOutputs(file, siteOf(options));
   outputs_at_the_end = outputs.get();
   control::Guardian guardian(memory.link(), *outputs, rt::fromSeconds(options.silence_ms * 1e-3), kPeriod,

@@ -23,6 +23,12 @@ def how_it_ended(seconds):
     return f"the controller ended after {seconds:.1f} s; " if seconds is not None else "the controller does not end; "
 
 
+def down_now(a):
+    """What the service manager calls; its exit status."""
+    return subprocess.run([*map(str, a.session.guardian_command()), "--down-now"], check=False, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL,
+                          timeout=20).returncode
+
+
 def drop_of(text):
     """mm, of what look() found."""
     return float(text.split("drop ")[1].split(" ")[0])

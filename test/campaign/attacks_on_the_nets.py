@@ -8,16 +8,10 @@ import time
 
 import numpy as np
 
-from attack import drop_of
+from attack import down_now, drop_of
 from session import NoAnswer, is_alive
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
-
-
-def down_now(a):
-    """What the service manager calls; its exit status."""
-    return subprocess.run([*map(str, a.session.guardian_command()), "--down-now"], check=False, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL,
-                          timeout=20).returncode
 
 
 def guardian_killed_then_down_now(a):

@@ -1,4 +1,5 @@
 """Attacks on what the robot says of itself: answers and topics that outlive what they were about."""
+import shutil
 import time
 
 import rospy
@@ -6,6 +7,7 @@ from nav_msgs.msg import Path
 
 from attacks_by_others import load_patient
 from knee_robot.srv import CheckReference
+from session import NoAnswer
 
 
 class Shown:
@@ -44,5 +46,24 @@ def check_reference_for_a_patient(a):
     return "", said, checked.success == loaded.success and "patient" in checked.message
 
 
+def state_folder_removed_with_a_patient(a):
+    """A patient is loaded, somebody clears the recordings with the state in them; 4 s later the controller is killed and started (empty)."""
+    load_patient(a)
+    shutil.rmtree(a.session.recordings)
+    time.sleep(4.0)
+    a.kill("controller")
+    a.session.start_controller()
+    end = time.monotonic() + 15.0
+    while True:
+        try:
+            state = a.session.state()
+            break
+        except NoAnswer:
+            if time.monotonic() > end:
+                raise
+            time.sleep(0.1)
+    return "", f"occupancy {state.occupancy}, patient '{state.patient}'", state.patient == "17"
+
+
 def attacks():
-    return {f.__name__: f for f in (path_of_a_forgotten_reference, check_reference_for_a_patient)}
+    return {f.__name__: f for f in (path_of_a_forgotten_reference, check_reference_for_a_patient, state_folder_removed_with_a_patient)}

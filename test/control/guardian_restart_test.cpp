@@ -61,6 +61,35 @@ TEST(AGuardianThatIsStartedAgain, SwitchesNothingOnWhereSomebodyHasBroughtTheOut
   }
 }
 
+TEST(AGuardianThatIsStartedAgain, HandsOverWhatAControllerLeftThatHasJustDiedWithTheOtherOne) {
+  for (const int without_ms : {0, 1500, 2100}) {
+    Guarded robot(true);
+    robot.image.faults.hold_late.store(15);
+    robot.guardian.reset();
+    robot.link.controller_pid.store(2147483646);  // no such process
+    for (int k = 0; k < without_ms; ++k)
+      robot.step();
+    robot.startGuardian();
+    robot.step();
+    EXPECT_EQ(robot.guardian->report().acts.load(), without_ms < 2000);
+    const AfterDeath after = robot.dies();
+    if (without_ms > 2000) continue;
+    EXPECT_LT(after.drop_m, 0.005) << without_ms << " ms without; once 63.7 mm";
+    EXPECT_LT(after.on_s, 1.2);
+  }
+}
+
+/// What guardian --down-now does beside a guardian that lives.
+TEST(AControllerThatIsLockedOut, HasItsLoadHandedOverToTheBrakes) {
+  Guarded robot(true);
+  robot.image.faults.hold_late.store(15);
+  robot.link.tripped.store(1);
+  const AfterDeath after = robot.dies();
+  EXPECT_LT(after.drop_m, 0.005) << "once 63.7 mm";
+  EXPECT_LT(after.on_s, 1.2);
+  EXPECT_EQ(robot.guardian->report().cause.load(), GuardianCause::LockedOut);
+}
+
 TEST(AGuardianThatIsStartedAgain, GoesOnWhereNoBrakeCanBeOrdered) {
   Carried robot(0);
   robot.image.counter.disconnected.store(simulation::kCardGone);

@@ -50,11 +50,13 @@ TEST(GuardianWatch, TripsAtOnceWhenTheProcessIsGone) {
   EXPECT_EQ(w.watch.cause(), GuardianCause::ProcessGone);
 }
 
-TEST(GuardianWatch, KeepsDownWhatSomebodyElseHasBroughtDown) {
+TEST(GuardianWatch, TakesOverFromAControllerThatSomebodyElseHasLockedOut) {
   Watched w;
   w.view.armed = true;
   ASSERT_EQ(w.step(true), GuardianAction::Watch);
   w.view.fenced = true;
+  EXPECT_EQ(w.step(true), GuardianAction::Trip) << "what it carried is handed over";
+  EXPECT_EQ(w.watch.cause(), GuardianCause::LockedOut);
   EXPECT_EQ(w.step(true), GuardianAction::KeepDown);
   w.view.armed = false;
   w.view.reset_asked = true;

@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include <filesystem>
+
 #include "knee_robot/base/files.h"
 #include "test/mechanism/configured_robot.h"
 #include "test/temporary_folder.h"
@@ -43,6 +45,20 @@ TEST_F(OccupancyRecords, TellEveryChangeOnce) {
   ASSERT_TRUE(record.change(Occupancy::Patient, patient).ok);
   EXPECT_EQ(record.patient()->name, "17");
   EXPECT_EQ(told, (std::vector<Occupancy>{Occupancy::Empty, Occupancy::Patient}));
+}
+
+TEST_F(OccupancyRecords, AreWrittenDownAnewWhereSomebodyHasRemovedTheirFile) {
+  const PatientMemory memory(folder + "/state/patient.txt");
+  OccupancyRecord kept{memory, [] { return std::string(); }, [](Occupancy, const PatientRange&) {}};
+  kept.keep();
+  EXPECT_FALSE(memory.isThere()) << "nobody is on it";
+  ASSERT_TRUE(kept.change(Occupancy::Patient, patient).ok);
+  std::filesystem::remove_all(folder + "/state");
+  kept.keep();
+  EXPECT_EQ(memory.remembered().path, patient.path) << "once forgotten by the next start";
+  ASSERT_TRUE(kept.change(Occupancy::Empty, std::nullopt).ok);
+  kept.keep();
+  EXPECT_FALSE(memory.isThere()) << "the patient has left";
 }
 
 TEST_F(OccupancyRecords, AreNotChangedWhileTheMachineSaysWhyNot) {

@@ -86,15 +86,17 @@ TEST(GuardianLink, RefusesWhatIsNone) {
   }
 }
 
-TEST(GuardedBus, RefusesAGuardianOfAnotherMachine) {
+TEST(GuardedBus, RefusesAGuardianOfAnotherMachineOrAnotherWiring) {
   EXPECT_NE(machineMark("pci 0 0"), machineMark("pci 0 1"));
-  for (const bool same : {true, false}) {
+  for (const auto& [same, wired] : {std::pair{true, true}, std::pair{false, true}, std::pair{true, false}}) {
     simulation::RobotImage image;
     GuardianLink link;
     link.machine.store(machineMark("pci 0 0"));
+    link.wiring.store(machineMark("0 1 2"));
     const std::unique_ptr<AxisBus> cards = simulation::openImageCards(image);
     GuardedBus::Options options;
     options.machine = machineMark(same ? "pci 0 0" : "pci 0 1");
+    options.wiring = machineMark(wired ? "0 1 2" : "1 0 2");
     GuardedBus bus(*cards, link, 3, options);
     std::atomic<bool> done{false};
     std::thread guardian([&] {
@@ -104,10 +106,10 @@ TEST(GuardedBus, RefusesAGuardianOfAnotherMachine) {
     const SelfTest test = bus.selfTest();
     done = true;
     guardian.join();
-    EXPECT_EQ(test.passed, same);
-    if (!same) {
-      EXPECT_NE(test.findings.back().find("another machine"), std::string::npos) << test.findings.back();
-    }
+    EXPECT_EQ(test.passed, same && wired);
+    if (test.passed) continue;
+    EXPECT_NE(test.findings.back().find(same ? "other outputs or brakes" : "another machine"), std::string::npos)
+        << test.findings.back();
   }
 }
 

@@ -11,7 +11,7 @@
 
 namespace knee_robot::control {
 
-enum class GuardianCause : std::uint8_t { None, Silent, ProcessGone };
+enum class GuardianCause : std::uint8_t { None, Silent, ProcessGone, LockedOut };
 
 /// What the guardian does in one cycle.
 enum class GuardianAction : std::uint8_t {
@@ -29,7 +29,7 @@ struct GuardianView {
   bool process_gone = false;  ///< the controller's process has ended
   bool reset_asked = false;   ///< the controller asks for the outputs
   bool hands_over = false;    ///< the drives still carry, and the brakes are being watched: nothing is given back
-  bool fenced = false;        ///< the outputs have been taken already, by another guardian or by --down-now
+  bool fenced = false;        ///< somebody has locked the controller out (--down-now), and leaves the rest to this one
 };
 
 /// Decides when a controller counts as dead. Silence counts only while drives are on, and a cycle of the guardian adds
@@ -81,11 +81,10 @@ struct GuardianReport {
 
 /// What the drives do between a trip and 0 V: they give what carried the robot at rest (GuardianLink::load_V), until
 /// the holding brakes do (GuardianHandOver).
-/// Without it a platform falls by 6 mm while brakes of 50 ms engage. Only what is on may stay on: a guardian that has
-/// not itself seen the controller at work goes down at once, for what the link says may be a dead controller's, of
-/// drives that are off since. What a guardian carried that has died within the last two seconds, the next one takes
-/// over: nobody else switches anything then. As long as the card with the digital outputs does not answer, no brake
-/// engages, and the drives go on.
+/// Without it a platform falls by 6 mm while brakes of 50 ms engage. Only what is on may stay on: what the link says may
+/// be a dead controller's, of drives that are off since. So a guardian that has not itself seen the controller at work
+/// believes in a load, or in what another guardian carried, for two seconds only: nobody else switches anything then. As
+/// long as the card with the digital outputs does not answer, no brake engages, and the drives go on.
 struct GuardianCarry {
   std::uint8_t outputs = 0;  ///< digital outputs meanwhile: drives on, holding brakes ordered to engage
   std::uint8_t heartbeat =
@@ -110,8 +109,9 @@ class Guardian : public rt::TaskContext {
   void updateHook(const rt::Cycle& cycle) override;
 
  private:
-  void arrive(rt::Nanoseconds now, bool nobody) noexcept;
-  bool goesOn(rt::Nanoseconds now) noexcept;
+  void arrive(bool nobody) noexcept;
+  bool goesOn() noexcept;
+  bool isLately(const std::atomic<std::int64_t>& at_ns) const noexcept;
   void trip() noexcept;
   bool carryLoad() noexcept;
   bool writeCarry() noexcept;

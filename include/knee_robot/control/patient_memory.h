@@ -27,6 +27,8 @@ class PatientMemory {
   /// Throws InputError when it cannot be kept.
   void remember(const File& patient) const;
   void forget() const;
+  /// False: somebody has removed it, or nobody is remembered.
+  bool isThere() const noexcept;
   /// The patient file that was loaded last and not cleared; no path: none. InputError: the memory cannot be read.
   File remembered() const;
 

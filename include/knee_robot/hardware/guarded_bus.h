@@ -26,6 +26,7 @@ class GuardedBus : public AxisBus {
     std::int64_t guardian_silence_ns = 50'000'000;  ///< a guardian that does not cycle for so long is dead
     std::int64_t (*clock)() noexcept = monotonicTime;
     std::uint64_t machine = 0;  ///< machineMark() that the guardian has to have, too; 0: not compared
+    std::uint64_t wiring = 0;   ///< the same of outputs and brakes
   };
 
   /// All must outlive this. `power_bits`: digital outputs that enable drives or release holding brakes.

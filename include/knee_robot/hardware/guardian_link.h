@@ -26,6 +26,7 @@ struct GuardianLink {
   std::array<std::atomic<double>, kChannels> load_V{};             ///< what carries the robot at rest at this place
   std::array<std::atomic<std::int32_t>, kChannels> slip_counts{};  ///< BrakeWatch
   std::array<std::atomic<double>, kChannels> counts_per_mm{};      ///< BrakeWatch
+  std::atomic<std::int64_t> carried_at_ns{0};                      ///< when load_V was last true, CLOCK_MONOTONIC
 
   // written by the guardian
   std::atomic<std::int32_t> guardian_pid{0};
@@ -37,6 +38,7 @@ struct GuardianLink {
   std::atomic<std::int64_t> acted_at_ns{0};  ///< when it last let them carry, CLOCK_MONOTONIC
   std::atomic<std::uint32_t> reset_done{0};  ///< last reset_request that was granted
   std::atomic<std::uint64_t> machine{0};     ///< machineMark() of what it brings down; 0: it has not said
+  std::atomic<std::uint64_t> wiring{0};      ///< machineMark() of how its outputs and brakes are wired
 };
 
 /// A machine's name (nodes::machineName()) as a number that is not 0.
