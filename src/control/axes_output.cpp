@@ -6,7 +6,8 @@
 namespace knee_robot::control {
 namespace {
 constexpr double kLoadTime_s = 0.2;
-constexpr double kRestTime_s = 1.0;
+constexpr double kRestTime_s = 0.5, kMotionTime_s = 20.0;  // in motion friction is added, one way or the other
+constexpr double kWeightTime_s = 0.05;
 constexpr double kAskAgain_s = 10.0;
 constexpr double kCreep_m_per_s = 0.001, kCreepCounts = 2.5;  // slower is not told from the encoder's steps
 constexpr rt::Nanoseconds kCreepLook = 20'000'000;
@@ -154,6 +155,9 @@ void AxesOutput::followOrders(const rt::Cycle& cycle) {
   for (std::size_t i = 0; i < hardware::kAxes; ++i) {
     load_volts_[i] = commands_[i].volts;  // start from the feedforward's force: the filters need a second to settle
     rest_volts_[i] = load_volts_[i];
+    const mechanism::Actuator& actuator = robot_.actuators[i];
+    weight_volts_[i] = actuator.force_sign * commands_[i].feedforward_N / actuator.force_per_volt_N;
+    beside_volts_[i] = load_volts_[i] - weight_volts_[i];
   }
 }
 
@@ -297,6 +301,8 @@ void AxesOutput::writeOutputs(rt::Nanoseconds now) {
 }
 
 /// What carries the platform at this place, for an axis whose loop fails; also while a safe stop settles or carries.
+/// What carries it at rest is the model's weight here, which a mean over a second of motion would be behind, and what
+/// was needed beside it when the robot last stood.
 void AxesOutput::estimateLoad(double dt) noexcept {
   const bool idle = safe_stop_.phase() == SafeStopPhase::Idle;
   const bool stands = safe_stop_.phase() == SafeStopPhase::Settling || safe_stop_.phase() == SafeStopPhase::Carrying;
@@ -304,9 +310,15 @@ void AxesOutput::estimateLoad(double dt) noexcept {
   for (std::size_t i = 0; i < hardware::kAxes; ++i) {
     if (!idle && !closed_[i]) continue;
     const mechanism::Actuator& actuator = robot_.actuators[i];
-    const double moving = actuator.force_sign * commands_[i].moving_N / actuator.force_per_volt_N;
+    const double per_N = actuator.force_sign / actuator.force_per_volt_N;
+    const double foreseen = per_N * commands_[i].feedforward_N;
+    const double weight = foreseen - per_N * commands_[i].moving_N;
     load_volts_[i] += (out_.volts[i] - load_volts_[i]) * dt / (kLoadTime_s + dt);
-    rest_volts_[i] += (out_.volts[i] - moving - rest_volts_[i]) * dt / (kRestTime_s + dt);
+    const double time_s = commands_[i].at_rest || foreseen == 0.0 ? kRestTime_s : kMotionTime_s;
+    const double beside = out_.volts[i] - foreseen - per_N * commands_[i].pulse_N;
+    beside_volts_[i] += (beside - beside_volts_[i]) * dt / (time_s + dt);
+    weight_volts_[i] += (weight - weight_volts_[i]) * dt / (kWeightTime_s + dt);
+    rest_volts_[i] = weight_volts_[i] + beside_volts_[i];
   }
 }
 

@@ -97,12 +97,14 @@ class AxesOutput : public rt::TaskContext {
   bool watched_ = false;  // a loop is left whose drive can be reached
   int open_axis_ = 0;
   Fault open_fault_ = Fault::None;
-  AxisValues load_volts_{};  // what the axes got, low-passed
-  AxisValues rest_volts_{};  // same with a 1 s time constant, without the share for motion
-  AxisValues mean_m_{};      // positions; where the encoder is the fault their mean over some 20 ms
-  AxisValues transfer_m_{};  // where the axes stood when the transfer began
-  AxisValues braked_m_{};    // where they were when the brakes should have held
-  AxisValues creep_m_{};     // where they stood at creep_at_
+  AxisValues load_volts_{};    // what the axes got, low-passed
+  AxisValues rest_volts_{};    // what carries them at rest
+  AxisValues weight_volts_{};  // the part of it that the model foresees
+  AxisValues beside_volts_{};  // and the one that nobody foresaw
+  AxisValues mean_m_{};        // positions; where the encoder is the fault their mean over some 20 ms
+  AxisValues transfer_m_{};    // where the axes stood when the transfer began
+  AxisValues braked_m_{};      // where they were when the brakes should have held
+  AxisValues creep_m_{};       // where they stood at creep_at_
   rt::Nanoseconds creep_at_ = 0;
   bool creeps_ = false;
   rt::Nanoseconds asked_at_ = 0;

@@ -65,6 +65,30 @@ TEST(LostCounterCard, ThatDoesNotAnswerIsHeldByWhatCarriedThePlatformAtRest) {
   }
 }
 
+/// Nobody sees the platform any more and no brake can be ordered; the model's weight where it was last seen, and what
+/// was needed beside it at rest, hold it.
+TEST(LostCounterCard, InMotionLeavesThePlatformAboutWhereItIs) {
+  double deepest = 0.0;
+  for (const double payload_kg : {0.0, 5.0}) {
+    for (const bool swings : {true, false}) {
+      for (const double time_s : {0.6, 0.8, 1.0, 1.2, 2.3}) {
+        holding::Truth truth;
+        truth.payload_kg = payload_kg;  // that nobody declared
+        HoldingRobot robot(truth);
+        robot.system->run(2.0);
+        swings ? robot.swing() : robot.play(200);
+        robot.system->run(time_s);
+        const double height = robot.lowest = robot.plant.state().pose[1];
+        robot.image.counter.disconnected.store(simulation::kCardGone);
+        robot.system->run(3.0);
+        deepest = std::max(deepest, height - robot.lowest);
+      }
+    }
+  }
+  std::printf("sinks by %.1f mm at most\n", 1e3 * deepest);
+  EXPECT_LT(deepest, 0.01) << "once 1620 mm";
+}
+
 /// "Release the emergency stop" helps nobody while brakes are open, or drives on, that nothing can be told any more.
 TEST(LostCounterCard, IsSaidToBeLostWhateverBeganTheSafeStopInWhichItGoes) {
   for (const simulation::CardLoss loss : {simulation::kCardGone, simulation::kCardSilent}) {
