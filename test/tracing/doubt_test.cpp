@@ -56,6 +56,16 @@ TEST_F(Doubt, IsNotCastOnAModelThatComesNearTheNoiseFloor) {
   }
 }
 
+TEST_F(Doubt, IsCastOnASwingingMassThatNobodyHas) {
+  shape_ = {7.5, 0.35, 0.04, 0.3, 1.8, 0.04, 6.7};
+  coefficients_ = Eigen::VectorXd::Constant(1, 6.0);
+  EXPECT_EQ(said("wobbling_mass", 1.0).probability, 0.99);
+  coefficients_[0] = 121.0;
+  EXPECT_TRUE(said("wobbling_mass", 1.0).doubted);
+  ASSERT_EQ(notes_.size(), 1u);
+  EXPECT_NE(notes_[0].find("larger than anything of this name"), std::string::npos) << notes_[0];
+}
+
 TEST_F(Doubt, GrowsWithWhatTheModelLeavesAndSaysSo) {
   for (const char* name : {"dashpot", "stribeck"}) {
     const FoundEffect some = said(name, 2.4), much = said(name, 6.6);

@@ -97,6 +97,8 @@ class Candidate {
   virtual Eigen::VectorXd atHome(const Eigen::VectorXd& coefficients, const std::vector<int>& same_home) const;
   /// False: no machine has such coefficients.
   virtual bool plausible(const Eigen::VectorXd& coefficients) const;
+  /// False: the force may be there, but hardly by this name (a limb heavier than anybody's): the name is doubted.
+  virtual bool believable(const Eigen::VectorXd& /*coefficients*/) const { return true; }
   /// Index of the actuator on whose position it depends when it sits on `actuator`; -1: on no position.
   virtual int positionOf(int /*actuator*/) const { return -1; }
   /// What a map depends on, as report.json writes it; empty for named effects.

@@ -7,6 +7,7 @@
 namespace knee_robot::tracing {
 namespace {
 
+constexpr double kHeaviest_kg = 40.0;  ///< both legs of a heavy patient
 constexpr double kSlowest_Hz = 0.2, kFastest_Hz = 10.0, kLeastDamping = 0.01, kMostDamping = 0.9;
 constexpr double kDamping = 0.1;  ///< of the grid
 constexpr double kFurthest_m = 0.3;
@@ -119,6 +120,8 @@ class WobblingMass : public Candidate {
     return out;
   }
   std::vector<Coefficient> coefficients(const EffectInput&) const override { return {{"mass_kg", true}}; }
+  /// Legs that give under the platform look like a mass of many times its own.
+  bool believable(const Eigen::VectorXd& coefficients) const override { return coefficients[0] <= kHeaviest_kg; }
   Eigen::MatrixXd columns(const EffectInput& input, int actuator, const std::vector<double>& shape) const override {
     Oscillator mass(shape, input.signals().period_s);
     Eigen::MatrixXd out(input.samples(), 1);
