@@ -33,34 +33,40 @@ Hypothesis bestOfLibrary(const Search& s, const PlaceColumns& columns) {
   return columns.tried[static_cast<std::size_t>(best)];
 }
 
+/// The model with this effect in the place of it and its kin, its shape searched for anew and refined.
+void putAlone(Search& s, const FoundEffect& own, const PlaceColumns& columns) {
+  const Place& place = own.hypothesis.place;
+  const auto goes = [&](const FoundEffect& e) { return isKin(e, place) || e.hypothesis.place == place; };
+  FoundEffect alone = own;
+  s.effects.erase(std::remove_if(s.effects.begin(), s.effects.end(), goes), s.effects.end());
+  refit(s);
+  alone.hypothesis.shape = bestOfLibrary(s, columns).shape;
+  s.effects.push_back(alone);
+  refit(s);
+  refineShapes(s);
+  s.effects.back().explained_rms_N = explainedBy(s, s.effects.size() - 1);
+}
+
 }  // namespace
 
 void replaceKin(Search& s, const Place& place) {
   const auto& places = s.library->places();
   const auto columns =
       std::find_if(places.begin(), places.end(), [&](const PlaceColumns& p) { return p.place() == place; });
-  const auto isOld = [&](const FoundEffect& e) { return isKin(e, place); };
-  if (!place.candidate->shared() || columns == places.end() || std::none_of(s.effects.begin(), s.effects.end(), isOld))
-    return;
   const std::vector<FoundEffect> together = s.effects;
+  const auto isOld = [&](const FoundEffect& e) { return isKin(e, place); };
+  const auto own =
+      std::find_if(together.begin(), together.end(), [&](const auto& e) { return e.hypothesis.place == place; });
+  if (!place.candidate->shared() || columns == places.end() || own == together.end() ||
+      std::none_of(together.begin(), together.end(), isOld))
+    return;
   const Eigen::VectorXd noise_N = s.rms_N;
   const auto heldBack = [&] {
     s.rms_N = noise_N;  // all weighted alike
     return problemOf(s, hypothesesOf(s.effects)).heldBack();
   };
   const Eigen::VectorXd with = heldBack();
-  const auto own =
-      std::find_if(together.begin(), together.end(), [&](const auto& e) { return e.hypothesis.place == place; });
-  if (own == together.end()) return;
-  const auto goes = [&](const FoundEffect& e) { return isOld(e) || e.hypothesis.place == place; };
-  s.effects.erase(std::remove_if(s.effects.begin(), s.effects.end(), goes), s.effects.end());
-  refit(s);
-  FoundEffect alone = *own;
-  alone.hypothesis.shape = bestOfLibrary(s, *columns).shape;
-  s.effects.push_back(alone);
-  refit(s);
-  refineShapes(s);
-  s.effects.back().explained_rms_N = explainedBy(s, s.effects.size() - 1);
+  putAlone(s, *own, *columns);
   const HeldBackGain lost = heldBackGain(heldBack() - with);
   const bool plausible = s.fit.stable.back() && place.candidate->plausible(s.effects.back().coefficients);
   if (lost.mean > lost.error || !plausible) {
