@@ -148,7 +148,6 @@ struct Room {
     high.push_back(std::max(value, std::min(bounds.high, std::max(a, b))));
     goes_on.push_back(bounds.low < 0.0 && low.back() > bounds.low && high.back() < bounds.high);
   }
-  bool hasAnchor() const { return std::count(goes_on.begin(), goes_on.end(), 1) > 0; }
   bool isAtItsReach(std::size_t k) const {
     return goes_on[k] != 0 && std::min(values[k] - low[k], high[k] - values[k]) < kAtReach_m;
   }
@@ -171,8 +170,16 @@ bool isWorse(const Search& s, const Eigen::VectorXd& rms_before_N) {
   return s.rms_N.cwiseQuotient(rms_before_N).squaredNorm() > static_cast<double>(s.rms_N.size());
 }
 
-/// Whether anchors came nearer to the data and may come nearer still: squares fall, or one has moved only as far as it
-/// may at once. Other shapes would wander off in steps.
+/// Shapes of friction and of what comes late would go off step by step, to what laws near rest and rivals leave.
+bool wanders(const Search& s, const Room& room) {
+  return std::any_of(room.entries.begin(), room.entries.end(), [&](const Entry& e) {
+    const Candidate& candidate = *s.effects[e.effect].hypothesis.place.candidate;
+    return candidate.isFriction() || candidate.leads() || candidate.lags();
+  });
+}
+
+/// Whether shapes came nearer to the data and may come nearer still: squares fall, or an anchor has moved only as far as
+/// it may at once.
 bool refineOnce(Search& s) {
   Room room = roomOf(s);
   if (room.entries.empty()) return false;
@@ -189,7 +196,7 @@ bool refineOnce(Search& s) {
   ceres::Solver::Summary summary;
   ceres::Solve(options, &problem, &summary);
   if (!summary.IsSolutionUsable() || !(summary.final_cost < summary.initial_cost)) return false;
-  bool goes_on = room.hasAnchor() && summary.final_cost < kStillFalls * summary.initial_cost;
+  bool goes_on = !wanders(s, room) && summary.final_cost < kStillFalls * summary.initial_cost;
   const std::vector<FoundEffect> before = s.effects;
   const Eigen::VectorXd rms_before_N = s.rms_N;
   for (std::size_t k = 0; k < room.entries.size(); ++k) {

@@ -8,6 +8,7 @@ namespace {
 
 constexpr double kSteepest_N = 0.1, kFlattest_N = 20.0;  ///< over which what is lost comes up
 constexpr double kBeside = 2.0;                          ///< factor between neighbours
+constexpr int kSteps = 10;  ///< refinement goes by half of it on either side, and so from one to the next
 
 /// Around zero a drive gives less force than it is told to (dead time of a bridge, a dead zone of an amplifier): beyond,
 /// every command is larger by as much.
@@ -20,7 +21,7 @@ class DriveDeadZone : public Candidate {
   }
   std::vector<ShapeParameter> shapeParameters() const override { return {{"over_N", kSteepest_N, kFlattest_N}}; }
   std::vector<std::vector<double>> shapes(const EffectInput&, int) const override {
-    return geometricGrid(kSteepest_N, kFlattest_N, 6);
+    return geometricGrid(kSteepest_N, kFlattest_N, kSteps);
   }
   std::vector<std::vector<double>> near(const std::vector<double>& s, double step) const override {
     std::vector<std::vector<double>> out;
