@@ -48,7 +48,7 @@ AxisValues rememberedHeat(const std::string& path, const Moment& now, double tim
 
 HeatMemory::HeatMemory(std::string path, bool threaded, std::function<void()> beside)
     : rt::TaskContext("HeatMemory"), path_(std::move(path)), beside_(std::move(beside)) {
-  if (threaded && !path_.empty()) thread_ = std::thread([this] { loop(); });
+  if (threaded && (!path_.empty() || beside_)) thread_ = std::thread([this] { loop(); });
 }
 
 HeatMemory::~HeatMemory() {

@@ -28,7 +28,7 @@ class HeatMemory : public rt::TaskContext {
 
   rt::InputPort<MonitorVerdict> verdict{*this, "verdict", "from Monitors"};
 
-  /// An empty path: nothing is kept. `threaded`: with an own thread; otherwise only the end writes. `beside`: what else
+  /// An empty path: no heat is kept. `threaded`: with an own thread; otherwise only the end writes. `beside`: what else
   /// is to be done by it in every period.
   HeatMemory(std::string path, bool threaded, std::function<void()> beside = nullptr);
   ~HeatMemory() override;

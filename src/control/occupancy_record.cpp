@@ -88,8 +88,8 @@ void OccupancyRecord::recall(const mechanism::Robot& robot, bool declared_empty,
 }
 
 void OccupancyRecord::keep() {
-  if (memory_.isThere()) return;
-  const Hold hold(*this);  // nobody leaves meanwhile, and is remembered all the same
+  if (!patient() || memory_.isThere()) return;  // a hold refuses whoever comes meanwhile
+  const Hold hold(*this);                       // nobody leaves meanwhile, and is remembered all the same
   const std::optional<PatientLimits> now = patient();
   if (hold && now) remember(Occupancy::Patient, now);
 }
