@@ -4,6 +4,7 @@
 #include <memory>
 
 #include "black_box_writer.h"
+#include "chores.h"
 #include "cycle_runner.h"
 #include "fault_recovery.h"
 #include "feedforward_setup.h"
@@ -56,7 +57,8 @@ struct ControllerParts {
   PathPlayer player{robot, *machine.sync, panel, requests};
   OccupancyRecord occupancy{PatientMemory(options.patient_memory), [this] { return whyOccupancyStays(); },
                             [this](Occupancy now, const PatientRange& range) { tellOccupancy(now, range); }};
-  HeatMemory heat{options.heat_file, threaded, [this] { occupancy.keep(); }};
+  HeatMemory heat{options.heat_file};
+  const Chores chores{threaded, {[this] { occupancy.keep(); }, [this] { heat.write(); }}};
 
  private:
   std::string whyOccupancyStays() const;

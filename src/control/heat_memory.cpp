@@ -3,7 +3,6 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 
 #include "knee_robot/base/errors.h"
@@ -44,28 +43,6 @@ AxisValues rememberedHeat(const std::string& path, const Moment& now, double tim
     heat.fill(1.0);
   }
   return heat;
-}
-
-HeatMemory::HeatMemory(std::string path, bool threaded, std::function<void()> beside)
-    : rt::TaskContext("HeatMemory"), path_(std::move(path)), beside_(std::move(beside)) {
-  if (threaded && (!path_.empty() || beside_)) thread_ = std::thread([this] { loop(); });
-}
-
-HeatMemory::~HeatMemory() {
-  stop_ = true;
-  if (thread_.joinable()) thread_.join();
-  write();
-}
-
-void HeatMemory::loop() {
-  constexpr int kPolls = 40;  // at stop_, in a period
-  for (int poll = 1; !stop_; ++poll) {
-    if (poll % kPolls == 0) {
-      write();
-      if (beside_) beside_();
-    }
-    std::this_thread::sleep_for(std::chrono::duration<double>(kPeriod_s / kPolls));
-  }
 }
 
 void HeatMemory::write() noexcept {

@@ -1,9 +1,7 @@
 #pragma once
 
-#include <atomic>
-#include <functional>
 #include <string>
-#include <thread>
+#include <utility>
 
 #include "knee_robot/control/axis_data.h"
 #include "knee_robot/rt/port.h"
@@ -19,28 +17,21 @@ AxisValues rememberedHeat(const std::string& path, const Moment& now, double tim
                           std::string* error = nullptr);
 
 /// Keeps the heat in a file, so that a controller that is started anew does not believe in cold motors. No activity
-/// executes it: an ordinary thread reads the Monitors' verdicts and writes every two seconds and at the end. A disk
-/// that refuses is not an error of the motion; the next start finds an older file, and heat that was higher or lower by
-/// two seconds' worth.
+/// executes it: write() is one of the Chores, and the end writes, too. A disk that refuses is not an error of the
+/// motion; the next start finds an older file, and heat that was higher or lower by two seconds' worth.
 class HeatMemory : public rt::TaskContext {
  public:
-  static constexpr double kPeriod_s = 2.0;
-
   rt::InputPort<MonitorVerdict> verdict{*this, "verdict", "from Monitors"};
 
-  /// An empty path: no heat is kept. `threaded`: with an own thread; otherwise only the end writes. `beside`: what else
-  /// is to be done by it in every period.
-  HeatMemory(std::string path, bool threaded, std::function<void()> beside = nullptr);
-  ~HeatMemory() override;
+  /// An empty path: no heat is kept.
+  explicit HeatMemory(std::string path) : rt::TaskContext("HeatMemory"), path_(std::move(path)) {}
+  ~HeatMemory() override { write(); }
 
- private:
-  void loop();
+  /// What the Monitors have said last. Not from two threads at once.
   void write() noexcept;
 
+ private:
   const std::string path_;
-  const std::function<void()> beside_;
-  std::atomic<bool> stop_{false};
-  std::thread thread_;
 };
 
 }  // namespace knee_robot::control
