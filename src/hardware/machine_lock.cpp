@@ -34,15 +34,25 @@ std::string holder(int descriptor) {
   return pid > 0 ? " (process " + std::to_string(pid) + ")" : "";
 }
 
-/// A name without a file ("abstract"): bound by one at a time. -1 with errno where it cannot be.
-int bindTo(const std::string& path) {
+/// A name without a file ("abstract"): of the lock's file.
+struct SocketName {
+  explicit SocketName(const std::string& path) {
+    address.sun_family = AF_UNIX;
+    const std::string end = path.substr(path.size() - std::min(path.size(), sizeof address.sun_path - 1));
+    end.copy(address.sun_path + 1, end.size());  // behind a zero
+    size = static_cast<socklen_t>(offsetof(sockaddr_un, sun_path) + 1 + end.size());
+  }
+  const sockaddr* get() const { return reinterpret_cast<const sockaddr*>(&address); }
+
   sockaddr_un address{};
-  address.sun_family = AF_UNIX;
-  const std::string end = path.substr(path.size() - std::min(path.size(), sizeof address.sun_path - 1));
-  end.copy(address.sun_path + 1, end.size());  // behind a zero
+  socklen_t size = 0;
+};
+
+/// Bound by one at a time. -1 with errno where it cannot be.
+int bindTo(const std::string& path) {
+  const SocketName name(path);
   const int made = ::socket(AF_UNIX, SOCK_DGRAM | SOCK_CLOEXEC, 0);
-  const auto size = static_cast<socklen_t>(offsetof(sockaddr_un, sun_path) + 1 + end.size());
-  if (made < 0 || ::bind(made, reinterpret_cast<const sockaddr*>(&address), size) == 0) return made;
+  if (made < 0 || ::bind(made, name.get(), name.size) == 0) return made;
   const int why = errno;
   ::close(made);
   errno = why;
@@ -75,6 +85,14 @@ MachineLock MachineLock::take(const std::string& role, const std::string& machin
     // read only: nobody learns the number, the lock holds all the same
   }
   return lock;
+}
+
+bool MachineLock::isTaken(const std::string& role, const std::string& machine, const std::string& folder) {
+  const SocketName name(folder + "/" + fileName(role, machine));
+  const int made = ::socket(AF_UNIX, SOCK_DGRAM | SOCK_CLOEXEC, 0);
+  const bool taken = made >= 0 && ::connect(made, name.get(), name.size) == 0;
+  if (made >= 0) ::close(made);
+  return taken;
 }
 
 MachineLock::MachineLock(MachineLock&& other) noexcept

@@ -88,6 +88,14 @@ std::uint64_t wiringMark(const HardwareFile& file) {
   return hardware::machineMark(all + std::to_string(file.holdDelay()) + (file.holdsByBrakes() ? " brakes" : ""));
 }
 
+std::string whyNotUnguarded(const HardwareFile& file, bool waits) {
+  const std::string give = "give this controller the guardian's link (parameter ~guardian; controller.launch does)";
+  if (waits) return "a guardian guards this machine, and this controller was not told of it: " + give + ", or end it";
+  if (file.backend != "pci" || file.bench_without_patient) return "";
+  return "no guardian: when this process dies, the cards keep what they were given last; start one and " + give +
+         ", or set bench_without_patient: true in " + file.path + " for a bench that no patient is on";
+}
+
 std::unique_ptr<hardware::AxisBus> openBus(const HardwareFile& file, const Robot& robot, const Site& site) {
   const Backend& backend = backendOf(file);
   return waitFor(backend, site, [&] { return backend.bus(file, robot, site); });

@@ -40,6 +40,10 @@ std::string machineName(const control::HardwareFile& file, const Site& site);
 /// What a guardian knows of outputs and brakes, as a number that is not 0: the file may change after it has read it.
 std::uint64_t wiringMark(const control::HardwareFile& file);
 
+/// Empty, or why no controller may drive this machine without a guardian: one `waits` beside it, or cards that keep what
+/// they were given last.
+std::string whyNotUnguarded(const control::HardwareFile& file, bool waits);
+
 /// The axes of the controller. InputError when the cards are not there, after 10 s for a machine that starts beside
 /// this process.
 std::unique_ptr<hardware::AxisBus> openBus(const control::HardwareFile& file, const mechanism::Robot& robot,

@@ -26,6 +26,9 @@ Machine openMachine(const control::HardwareFile& hardware_file, const mechanism:
   machine.cards = openBus(hardware_file, robot, site);
   const std::string link = textParameter(node, "guardian", "", "the name of the shared memory with the guardian");
   if (link.empty()) {
+    if (const std::string why = whyNotUnguarded(hardware_file, hardware::MachineLock::isTaken("guardian", name));
+        !why.empty())
+      throw InputError(why);
     ROS_WARN("NO GUARDIAN: when this process dies, the drives keep what they were given last");
     return machine;
   }

@@ -59,6 +59,18 @@ TEST(MachineLock, HoldsWhenItsFileIsRemoved) {
   EXPECT_THROW(MachineLock::take("controller", "pci", folder.path), InputError);
 }
 
+TEST(MachineLock, IsSeenByWhoeverLooksAndTakenByNobodyWhoDoes) {
+  const Folder folder;
+  EXPECT_FALSE(MachineLock::isTaken("guardian", "pci", folder.path));
+  {
+    const MachineLock guardian = MachineLock::take("guardian", "pci", folder.path);
+    EXPECT_TRUE(MachineLock::isTaken("guardian", "pci", folder.path));
+    EXPECT_FALSE(MachineLock::isTaken("controller", "pci", folder.path));
+    EXPECT_FALSE(MachineLock::isTaken("guardian", "other", folder.path));
+  }
+  EXPECT_FALSE(MachineLock::isTaken("guardian", "pci", folder.path));
+}
+
 TEST(MachineLock, SaysWhereItCannotBe) {
   EXPECT_THROW(MachineLock::take("controller", "pci", "/no/such/folder"), InputError);
 }

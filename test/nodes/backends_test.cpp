@@ -46,5 +46,16 @@ TEST(Backends, GiveAMachineOneNameHoweverItIsSpelled) {
   EXPECT_NE(machineName(simulated, site), machineName(simulated, {"/other"}));
 }
 
+TEST(Backends, AreDrivenByNobodyWithoutAGuardianWhereOneWaitsOrTheCardsKeepWhatTheyHave) {
+  const control::HardwareFile simulated = control::loadHardwareFile(KNEE_SOURCE_DIR "/config/hardware/simulated.yaml");
+  EXPECT_EQ(whyNotUnguarded(simulated, false), "");
+  EXPECT_NE(whyNotUnguarded(simulated, true).find("was not told of it"), std::string::npos);
+  control::HardwareFile cards = control::loadHardwareFile(KNEE_SOURCE_DIR "/config/hardware/cards.yaml");
+  EXPECT_NE(whyNotUnguarded(cards, false).find("no guardian"), std::string::npos);
+  cards.bench_without_patient = true;
+  EXPECT_EQ(whyNotUnguarded(cards, false), "");
+  EXPECT_NE(whyNotUnguarded(cards, true), "");
+}
+
 }  // namespace
 }  // namespace knee_robot::nodes

@@ -15,6 +15,10 @@ class MachineLock {
   /// where it says so, or what the system refuses.
   static MachineLock take(const std::string& role, const std::string& machine, const std::string& folder = "/run/lock");
 
+  /// Somebody has taken it; also told when whoever has it runs in another container of the same network. A look: whoever
+  /// takes it at the same moment is not disturbed.
+  static bool isTaken(const std::string& role, const std::string& machine, const std::string& folder = "/run/lock");
+
   MachineLock(MachineLock&& other) noexcept;
   MachineLock& operator=(MachineLock&& other) = delete;
   MachineLock(const MachineLock&) = delete;
