@@ -14,6 +14,7 @@
 #include <thread>
 
 #include "backends.h"
+#include "guardian_heir.h"
 #include "knee_robot/base/errors.h"
 #include "knee_robot/base/numbers.h"
 #include "knee_robot/control/guardian.h"
@@ -221,23 +222,6 @@ control::GuardianCarry carryOf(const control::HardwareFile& file) {
           rt::fromSeconds(file.holdDelay()), file.holdsByBrakes()};
 }
 
-/// In place of a guardian that has died, as the next one would: what it carried, or what a controller has left that has
-/// died with it, is handed over to the brakes.
-void handOverInItsPlace(hardware::GuardianLink& link, hardware::EmergencyOutputs& outputs,
-                        const control::HardwareFile& file) {
-  const std::int32_t guardian = link.guardian_pid.load();
-  if (guardian > 0 && !hardware::ProcessWatch().isGone(guardian)) return;
-  control::Guardian own(link, outputs, 10 * kPeriod, kPeriod, rt::monotonicNow, carryOf(file));
-  own.configure();
-  own.start();
-  const rt::Nanoseconds began = rt::monotonicNow();
-  const auto waits = [&] { return link.tripped.load() == 0 && rt::monotonicNow() - began < 30 * kPeriod; };
-  do {
-    own.update({rt::monotonicNow(), rt::monotonicNow(), kPeriod});
-    std::this_thread::sleep_for(std::chrono::milliseconds(1));
-  } while (own.report().acts.load() || (link.armed.load() != 0 && waits()));
-}
-
 /// What a service manager calls after the controller or its guardian has ended, for whatever reason. Beside a guardian
 /// that lives a controller is fenced out at once, and that one hands the load over; without one it is first given the
 /// time to stop by itself, and left alone where it goes on carrying.
@@ -251,7 +235,7 @@ int bringDownNow(const Options& options) {
       std::printf("guardian: the controller lives and its drives carry the platform; start the guardian again\n");
       return 1;
     }
-    if (!guarded) handOverInItsPlace(memory->link(), *outputs, file);
+    if (!guarded) nodes::handOverInItsPlace(memory->link(), *outputs, carryOf(file), 10 * kPeriod);
     memory->link().tripped.store(1);
     if (guarded) letGuardianSee(memory->link());
     if (!hardware::letGuardianHandOver(memory->link())) {
@@ -271,21 +255,44 @@ int bringDownNow(const Options& options) {
   return status == hardware::IoStatus::Ok ? kExitDone : 1;
 }
 
+/// Called in the heir's process. Drives on CAN stop by themselves, and hand nothing over.
+nodes::GuardianHeir heirOf(const control::HardwareFile& file, const Options& options) {
+  nodes::GuardianHeir heir;
+  heir.outputs = nodes::openOutputs(file, siteOf(options));
+  outputs_at_the_end = heir.outputs.get();
+  heir.carry = carryOf(file);
+  heir.silence = rt::fromSeconds(options.silence_ms * 1e-3);
+  heir.priority = options.priority;
+  return heir;
+}
+
+/// A controller that has this machine, but not this link, would be disturbed, and not guarded. One that is just starting
+/// is about to be in the link.
+void refuseBesideAStranger(const hardware::GuardianLink& link, const std::string& machine) {
+  for (int pauses = 0; hardware::MachineLock::isTaken("controller", machine); ++pauses) {
+    const std::int32_t controller = link.controller_pid.load();
+    if (stop_requested || (controller > 0 && !hardware::ProcessWatch().isGone(controller))) return;
+    if (pauses >= 600) {
+      throw InputError("a controller has the machine " + machine +
+                       " already and was not told of this guardian; end it first");
+    }
+    pause();
+  }
+}
+
 int run(const Options& options) {
   const control::HardwareFile file = loadFile(options);
   hardware::SharedGuardianLink memory = hardware::SharedGuardianLink::open(options.link);
-  const std::int32_t other = memory.link().guardian_pid.load();
-  // A zombie guards nothing; in a container its number may be reused.
-  if (other > 0 && other != ::getpid() && !hardware::ProcessWatch().isGone(other)) {
+  if (!file.can) nodes::keepHeir(memory.link(), [&] { return heirOf(file, options); });
+  if (const std::int32_t other = nodes::takeGuard(memory.link()); other != 0)
     throw InputError("process " + std::to_string(other) + " already guards " + options.link + "; end it first");
-  }
   const std::string machine = nodes::machineName(file, siteOf(options));
   const hardware::MachineLock lock = hardware::MachineLock::take("guardian", machine);
-  memory.link().guardian_pid.store(::getpid());
   memory.link().machine.store(hardware::machineMark(machine));
   memory.link().wiring.store(nodes::wiringMark(file));
   const std::unique_ptr<hardware::EmergencyOutputs> outputs = nodes::openOutputs(file, siteOf(options));
   outputs_at_the_end = outputs.get();
+  refuseBesideAStranger(memory.link(), machine);
   control::Guardian guardian(memory.link(), *outputs, rt::fromSeconds(options.silence_ms * 1e-3), kPeriod,
                              rt::monotonicNow, carryOf(file));
   rt::ActivityOptions activity_options;

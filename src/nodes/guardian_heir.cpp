@@ -1,0 +1,156 @@
+#include "guardian_heir.h"
+
+#include <fcntl.h>
+#include <sched.h>
+#include <sys/mman.h>
+#include <sys/prctl.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <chrono>
+#include <csignal>
+#include <cstdio>
+#include <exception>
+#include <thread>
+
+#include "knee_robot/rt/activity.h"
+#include "signals.h"
+
+namespace knee_robot::nodes {
+namespace {
+
+constexpr rt::Nanoseconds kStep = 1'000'000;
+constexpr rt::Nanoseconds kControllersTime = 2'000'000'000;  // to miss its guardian, and to stop
+constexpr rt::Nanoseconds kRefused = 200'000'000;            // for an heir that has just begun
+constexpr rt::Nanoseconds kHeirsTime = 4'000'000'000;        // a hand-over takes 2.1 s at most
+
+void oneStep() {
+  std::this_thread::sleep_for(std::chrono::nanoseconds(kStep));
+}
+
+bool lives(std::int32_t pid) noexcept {
+  return pid > 0 && pid != ::getpid() && !hardware::ProcessWatch().isGone(pid);
+}
+
+bool isOn(const hardware::GuardianLink& link) noexcept {
+  return link.acts.load() != 0 || (link.armed.load() != 0 && link.tripped.load() == 0);
+}
+
+/// Waits as long as a controller that lives may stop by itself. False: there is nothing to be done, or somebody else
+/// does it.
+bool isLeftToTheHeir(const hardware::GuardianLink& link, rt::Nanoseconds silence) {
+  const rt::Nanoseconds began = rt::monotonicNow();
+  rt::Nanoseconds heard = began;
+  std::uint64_t heartbeat = link.heartbeat.load();
+  hardware::ProcessWatch controller;
+  while (isOn(link) && !lives(link.guardian_pid.load())) {
+    const std::int32_t pid = link.controller_pid.load();
+    const rt::Nanoseconds now = rt::monotonicNow();
+    if (link.acts.load() != 0 || pid <= 0 || controller.isGone(pid) || now - heard > silence) return true;
+    if (now - began > kControllersTime) return false;
+    oneStep();
+    const std::uint64_t latest = link.heartbeat.load();
+    if (latest != heartbeat) heard = rt::monotonicNow();
+    heartbeat = latest;
+  }
+  return false;
+}
+
+/// What ends the guardian must not end its heir.
+void leaveTheGuardian() {
+  ::setsid();
+  ::prctl(PR_SET_NAME, "guardian_heir");
+  takeSignals(SIG_IGN);
+}
+
+/// Real time as far as it is to be had: the guardian itself says what is lacking.
+void takePriority(int priority) {
+  if (priority <= 0) return;
+  sched_param parameters{};
+  parameters.sched_priority = priority;
+  if (::sched_setscheduler(0, SCHED_FIFO, &parameters) == 0 && ::mlockall(MCL_CURRENT | MCL_FUTURE) != 0) {
+    // pages that are missing are read then
+  }
+}
+
+/// `open_end` is closed before the process counts as gone.
+void waitForTheEnd(std::int32_t guardian, int open_end) {
+  hardware::ProcessWatch watch;
+  watch.isGone(guardian);
+  char none = 0;
+  while (::read(open_end, &none, 1) < 0 && errno == EINTR) {
+  }
+  while (!watch.isGone(guardian))
+    oneStep();
+}
+
+/// The whole life of the second process.
+void beHeir(hardware::GuardianLink& link, std::int32_t guardian, int open_end,
+            const std::function<GuardianHeir()>& open) {
+  leaveTheGuardian();
+  const GuardianHeir heir = open();
+  takePriority(heir.priority);
+  waitForTheEnd(guardian, open_end);
+  while (isLeftToTheHeir(link, heir.silence)) {
+    std::printf("guardian: the guardian has died while drives are on: process %d hands over to the brakes\n",
+                ::getpid());
+    std::fflush(stdout);
+    handOverInItsPlace(link, *heir.outputs, heir.carry, heir.silence);
+  }
+  std::int32_t mine = ::getpid();
+  link.guardian_pid.compare_exchange_strong(mine, 0);
+}
+
+}  // namespace
+
+std::int32_t takeGuard(hardware::GuardianLink& link) {
+  const rt::Nanoseconds began = rt::monotonicNow();
+  rt::Nanoseconds acted = began;
+  std::int32_t other = link.guardian_pid.load();
+  while (other != ::getpid()) {
+    if (!lives(other)) {  // a zombie guards nothing; in a container its number may be reused
+      if (link.guardian_pid.compare_exchange_strong(other, ::getpid())) break;
+      continue;
+    }
+    const rt::Nanoseconds now = rt::monotonicNow();
+    if (link.acts.load() != 0) acted = now;
+    if (now - acted > kRefused || now - began > kHeirsTime) return other;
+    oneStep();
+    other = link.guardian_pid.load();
+  }
+  return 0;
+}
+
+void handOverInItsPlace(hardware::GuardianLink& link, hardware::EmergencyOutputs& outputs,
+                        const control::GuardianCarry& carry, rt::Nanoseconds silence) {
+  std::int32_t guardian = link.guardian_pid.load();
+  if (lives(guardian) || !link.guardian_pid.compare_exchange_strong(guardian, ::getpid())) return;
+  control::Guardian own(link, outputs, silence, kStep, rt::monotonicNow, carry);
+  own.configure();
+  own.start();
+  const rt::Nanoseconds began = rt::monotonicNow();
+  const auto waits = [&] { return link.tripped.load() == 0 && rt::monotonicNow() - began < silence + 20 * kStep; };
+  do {
+    own.update({rt::monotonicNow(), rt::monotonicNow(), kStep});
+    oneStep();
+  } while (own.report().acts.load() || (link.armed.load() != 0 && waits()));
+}
+
+void keepHeir(hardware::GuardianLink& link, const std::function<GuardianHeir()>& open) {
+  int ends[2];
+  if (::pipe2(ends, O_CLOEXEC) != 0) return;
+  const pid_t guardian = ::getpid(), child = ::fork();
+  if (child != 0) {  // the end that is open as long as this process lives
+    ::close(ends[child > 0 ? 0 : 1]);
+    return;
+  }
+  ::close(ends[1]);
+  try {
+    beHeir(link, guardian, ends[0], open);
+  } catch (const std::exception&) {
+    // the machine cannot be opened: the guardian says so
+  }
+  ::_exit(0);
+}
+
+}  // namespace knee_robot::nodes
