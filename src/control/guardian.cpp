@@ -52,12 +52,14 @@ Guardian::Guardian(hardware::GuardianLink& link, hardware::EmergencyOutputs& out
       carry_(carry) {}
 
 bool Guardian::startHook() {
-  link_.guardian_pid.store(::getpid());
+  pid_ = ::getpid();
+  link_.guardian_pid.store(pid_);
   first_cycle_ = true;
   return true;
 }
 
 void Guardian::updateHook(const rt::Cycle& /*cycle*/) {
+  if (isReplaced()) return;
   GuardianView view;
   view.now = clock_();
   view.heartbeat = link_.heartbeat.load(std::memory_order_acquire);

@@ -1,12 +1,13 @@
 #include "guardian_heir.h"
 
 #include <fcntl.h>
+#include <poll.h>
 #include <sched.h>
 #include <sys/mman.h>
 #include <sys/prctl.h>
 #include <unistd.h>
 
-#include <cerrno>
+#include <algorithm>
 #include <chrono>
 #include <csignal>
 #include <cstdio>
@@ -21,6 +22,7 @@ namespace {
 
 constexpr rt::Nanoseconds kStep = 1'000'000;
 constexpr rt::Nanoseconds kControllersTime = 2'000'000'000;  // to miss its guardian, and to stop
+constexpr rt::Nanoseconds kStandstill = 100'000'000;         // of guardian and controller, while the heir runs
 constexpr rt::Nanoseconds kRefused = 200'000'000;            // for an heir that has just begun
 constexpr rt::Nanoseconds kHeirsTime = 4'000'000'000;        // a hand-over takes 2.1 s at most
 
@@ -73,15 +75,63 @@ void takePriority(int priority) {
   }
 }
 
-/// `open_end` is closed before the process counts as gone.
-void waitForTheEnd(std::int32_t guardian, int open_end) {
+void tellTakingOver(const char* what) {
+  std::printf("guardian: the guardian %s while drives are on: process %d hands over to the brakes\n", what, ::getpid());
+  std::fflush(stdout);
+}
+
+/// As the guardian, which this process is in `link`.
+void guardUntilDown(hardware::GuardianLink& link, hardware::EmergencyOutputs& outputs,
+                    const control::GuardianCarry& carry, rt::Nanoseconds silence) {
+  control::Guardian own(link, outputs, silence, kStep, rt::monotonicNow, carry);
+  own.configure();
+  own.start();
+  const rt::Nanoseconds began = rt::monotonicNow();
+  const auto waits = [&] { return link.tripped.load() == 0 && rt::monotonicNow() - began < silence + 20 * kStep; };
+  do {
+    own.update({rt::monotonicNow(), rt::monotonicNow(), kStep});
+    oneStep();
+  } while (own.report().acts.load() || (link.armed.load() != 0 && waits()));
+}
+
+/// Guardian and controller stand still together while this process does not, or the guardian does in the middle of a
+/// hand-over. A pause of the machine counts as one look.
+class Standstill {
+ public:
+  explicit Standstill(rt::Nanoseconds limit) : limit_(limit) {}
+
+  bool look(const hardware::GuardianLink& link) noexcept {
+    const std::uint64_t cycles = link.guardian_cycles.load(), heartbeat = link.heartbeat.load();
+    const bool moves = cycles != cycles_ || (heartbeat != heartbeat_ && link.acts.load() == 0) || !isOn(link);
+    const rt::Nanoseconds now = rt::monotonicNow();
+    silence_ = moves ? 0 : silence_ + std::min(now - looked_, 2 * kLook);
+    looked_ = now;
+    cycles_ = cycles;
+    heartbeat_ = heartbeat;
+    return silence_ >= limit_;
+  }
+
+  static constexpr rt::Nanoseconds kLook = 5'000'000;
+
+ private:
+  const rt::Nanoseconds limit_;
+  std::uint64_t cycles_ = 0, heartbeat_ = 0;
+  rt::Nanoseconds looked_ = 0, silence_ = 0;
+};
+
+/// Waits until the guardian has ended (true), or stands still with what is on (false). `open_end` is closed before the
+/// process counts as gone.
+bool waitForTheEnd(const hardware::GuardianLink& link, std::int32_t guardian, int open_end, rt::Nanoseconds limit) {
   hardware::ProcessWatch watch;
   watch.isGone(guardian);
-  char none = 0;
-  while (::read(open_end, &none, 1) < 0 && errno == EINTR) {
+  Standstill standstill(limit);
+  pollfd closed{open_end, POLLIN, 0};
+  while (::poll(&closed, 1, static_cast<int>(Standstill::kLook / 1'000'000)) <= 0) {
+    if (standstill.look(link)) return false;
   }
   while (!watch.isGone(guardian))
     oneStep();
+  return true;
 }
 
 /// The whole life of the second process.
@@ -90,11 +140,14 @@ void beHeir(hardware::GuardianLink& link, std::int32_t guardian, int open_end,
   leaveTheGuardian();
   const GuardianHeir heir = open();
   takePriority(heir.priority);
-  waitForTheEnd(guardian, open_end);
-  while (isLeftToTheHeir(link, heir.silence)) {
-    std::printf("guardian: the guardian has died while drives are on: process %d hands over to the brakes\n",
-                ::getpid());
-    std::fflush(stdout);
+  const bool ended = waitForTheEnd(link, guardian, open_end, std::max(kStandstill, 3 * heir.silence));
+  std::int32_t found = guardian;
+  if (!ended && link.guardian_pid.compare_exchange_strong(found, ::getpid())) {
+    tellTakingOver("stands still");
+    guardUntilDown(link, *heir.outputs, heir.carry, heir.silence);
+  }
+  while (ended && isLeftToTheHeir(link, heir.silence)) {
+    tellTakingOver("has died");
     handOverInItsPlace(link, *heir.outputs, heir.carry, heir.silence);
   }
   std::int32_t mine = ::getpid();
@@ -125,15 +178,7 @@ void handOverInItsPlace(hardware::GuardianLink& link, hardware::EmergencyOutputs
                         const control::GuardianCarry& carry, rt::Nanoseconds silence) {
   std::int32_t guardian = link.guardian_pid.load();
   if (lives(guardian) || !link.guardian_pid.compare_exchange_strong(guardian, ::getpid())) return;
-  control::Guardian own(link, outputs, silence, kStep, rt::monotonicNow, carry);
-  own.configure();
-  own.start();
-  const rt::Nanoseconds began = rt::monotonicNow();
-  const auto waits = [&] { return link.tripped.load() == 0 && rt::monotonicNow() - began < silence + 20 * kStep; };
-  do {
-    own.update({rt::monotonicNow(), rt::monotonicNow(), kStep});
-    oneStep();
-  } while (own.report().acts.load() || (link.armed.load() != 0 && waits()));
+  guardUntilDown(link, outputs, carry, silence);
 }
 
 void keepHeir(hardware::GuardianLink& link, const std::function<GuardianHeir()>& open) {

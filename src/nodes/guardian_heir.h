@@ -28,8 +28,9 @@ std::int32_t takeGuard(hardware::GuardianLink& link);
 /// one that dies together with its controller leaves everything on, until somebody starts another one. So a second
 /// process waits for the first to end, however it ends, and does handOverInItsPlace() within some milliseconds. It does
 /// nothing else: a controller that lives misses its guardian and stops by itself (2 s at most are left to it), and
-/// whoever is started next is the guardian. It asks for no processor until then, and ends at once when nothing is on.
-/// `open` is called in that process.
+/// whoever is started next is the guardian. Where guardian and controller stand still together for 0.1 s (three times
+/// the silence where that is more) and this process does not, it takes the guardian's place, too; that one ends when it
+/// wakes up (Guardian::isReplaced()). Ends when nothing is on any more. `open` is called in that process.
 void keepHeir(hardware::GuardianLink& link, const std::function<GuardianHeir()>& open);
 
 }  // namespace knee_robot::nodes

@@ -11,6 +11,7 @@
 #include <cstdio>
 #include <ctime>
 #include <optional>
+#include <stdexcept>
 #include <thread>
 
 #include "backends.h"
@@ -133,7 +134,8 @@ class RemovedLink {
 
 /// Reports until a signal comes; and then as long as drives are on: what it is there for may still happen, or is just
 /// happening.
-void reportUntilDone(const control::GuardianReport& report, hardware::SharedGuardianLink& memory) {
+void reportUntilDone(const control::Guardian& guardian, hardware::SharedGuardianLink& memory) {
+  const control::GuardianReport& report = guardian.report();
   const hardware::GuardianLink& link = memory.link();
   std::uint32_t told = 0;
   int slip_told = 0;
@@ -142,6 +144,7 @@ void reportUntilDone(const control::GuardianReport& report, hardware::SharedGuar
   while (!stop_requested || controllers_time.lasts(link) || (link.armed.load() != 0 && link.tripped.load() == 0) ||
          report.acts.load()) {
     pause();
+    if (guardian.isReplaced()) throw std::runtime_error("stood still, and its heir has acted in its place");
     removed.look(memory);
     tellSlip(report, slip_told);
     const std::uint32_t trips = report.trips.load(std::memory_order_acquire);
@@ -308,7 +311,7 @@ int run(const Options& options) {
   if (!guardian.configure() || !guardian.start()) throw InputError(guardian.refusal());
   for (const std::string& lacking : activity.start(rt::monotonicNow()))
     std::fprintf(stderr, "guardian: NOT REAL TIME: %s\n", lacking.c_str());
-  while (memory.link().guardian_cycles.load() == before && !stop_requested)
+  while (memory.link().guardian_cycles.load() == before && !stop_requested && !guardian.isReplaced())
     pause();
   if (guardian.report().went_on.load()) {
     std::printf(
@@ -325,7 +328,7 @@ int run(const Options& options) {
           ? "; TRIPPED already, outputs down"
           : "");
   std::fflush(stdout);
-  reportUntilDone(guardian.report(), memory);
+  reportUntilDone(guardian, memory);
   activity.stop();
   outputs_at_the_end = nullptr;
   std::printf("guardian ends: drives are off\n");

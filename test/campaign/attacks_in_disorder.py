@@ -83,6 +83,34 @@ def guardian_dies_and_its_controller_later(a):
     return ("", *small(*a.look()))
 
 
+def guardian_stands_still_and_its_controller_dies(a):
+    """Holding: SIGSTOP of the guardian, and the controller is killed 20 ms later, before it has missed it."""
+    a.enable()
+    a.begin()
+    a.stop("guardian")
+    time.sleep(0.02)
+    a.kill("controller")
+    found = small(*a.look())
+    os.kill(a.session.guardian.pid, signal.SIGCONT)
+    return ("", *found)
+
+
+def guardian_stands_still_while_the_force_goes_down(a):
+    """Holding, brakes 0.5 s late: the controller is killed, and its guardian stopped while the force goes down."""
+    a.enable()
+    before = float(np.max(np.abs(a.session.truth.last()["volts"])))
+    a.session.inject("hold_late")
+    a.begin()
+    a.kill("controller")
+    until = time.monotonic() + 1.0
+    while time.monotonic() < until and float(np.max(np.abs(a.session.truth.last()["volts"]))) > 0.1 * before:
+        pass
+    a.stop("guardian")
+    text, good = a.look()
+    os.kill(a.session.guardian.pid, signal.SIGCONT)
+    return "", text, good
+
+
 def controller_that_is_not_told_of_its_guardian(a):
     """The controller is started again without its parameter ~guardian, beside a guardian that waits; enabled, and killed."""
     end(a.session.controller)
@@ -210,7 +238,9 @@ def emergency_stop_let_go_within_the_hand_over(a):
 
 def attacks():
     return {f.__name__: f for f in (guardian_dies_while_the_force_goes_down, both_die_and_nobody_comes_back, both_die_in_motion_and_nobody_comes_back,
-                                    guardian_dies_and_its_controller_later, controller_that_is_not_told_of_its_guardian,
+                                    guardian_dies_and_its_controller_later, guardian_stands_still_and_its_controller_dies,
+                                    guardian_stands_still_while_the_force_goes_down,
+                                    controller_that_is_not_told_of_its_guardian,
                                     guardian_beside_a_controller_that_was_not_told, second_simulated_robot, master_stands_still_while_playing,
                                     killed_while_a_patient_is_loaded, state_folder_becomes_read_only, recordings_vanish_while_recording,
                                     emergency_stop_let_go_within_the_hand_over)}

@@ -243,5 +243,19 @@ TEST_F(GuardedCards, AreLeftAsTheyAreWhenOneOfThemIsLostButTheOtherIsStillBrough
   EXPECT_EQ(volts(0), 0.0);
 }
 
+TEST_F(GuardedCards, AreNotTouchedByAGuardianInWhosePlaceAnotherOneHasActed) {
+  hold();
+  cycle();
+  const std::uint64_t cycles = link_.guardian_cycles.load();
+  link_.guardian_pid.store(0);  // its heir, which has ended since
+  link_.tripped.store(1);
+  for (int i = 0; i < 12; ++i)
+    cycle();
+  EXPECT_TRUE(guardian_.isReplaced());
+  EXPECT_NEAR(volts(0), 3.0, 0.01);
+  EXPECT_EQ(guardian_.report().trips.load(), 0u);
+  EXPECT_EQ(link_.guardian_cycles.load(), cycles) << "whoever listens to it hears nobody";
+}
+
 }  // namespace
 }  // namespace knee_robot::control

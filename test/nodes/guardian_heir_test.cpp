@@ -47,7 +47,7 @@ class GuardiansHeir : public ::testing::Test {
   hardware::GuardianLink& link() { return shared_->link; }
   bool isDown() const { return simulation::outputVolts(shared_->image.analog)[0] == 0.0; }
 
-  /// A process that keeps an heir and does nothing else.
+  /// A process that keeps an heir and counts its cycles.
   pid_t startGuardian() {
     const pid_t guardian = ::fork();
     if (guardian == 0) {
@@ -58,8 +58,10 @@ class GuardiansHeir : public ::testing::Test {
         return heir;
       });
       takeGuard(link());
-      ::pause();
-      ::_exit(0);
+      while (true) {
+        link().guardian_cycles.fetch_add(1);
+        std::this_thread::sleep_for(std::chrono::milliseconds(1));
+      }
     }
     EXPECT_TRUE(comesTrue([&] { return link().guardian_pid.load() == guardian; }));
     std::this_thread::sleep_for(std::chrono::milliseconds(50));
@@ -100,6 +102,30 @@ TEST_F(GuardiansHeir, LeavesAControllerThatLivesTheTimeToStopByItself) {
   EXPECT_FALSE(isDown());
   EXPECT_EQ(link().tripped.load(), 0u);
   EXPECT_TRUE(comesTrue([&] { return isDown(); })) << "and no longer than it lives";
+}
+
+TEST_F(GuardiansHeir, TakesThePlaceOfAGuardianThatStandsStillWithItsController) {
+  link().controller_pid.store(::getpid());
+  const pid_t guardian = startGuardian();
+  std::this_thread::sleep_for(std::chrono::milliseconds(200));
+  EXPECT_FALSE(isDown()) << "a controller that is silent is its guardian's";
+  ::kill(guardian, SIGSTOP);
+  EXPECT_TRUE(comesTrue([&] { return isDown() && link().tripped.load() != 0; }));
+  EXPECT_TRUE(comesTrue([&] { return link().guardian_pid.load() == 0; })) << "the one that wakes up is replaced";
+  kill(guardian);
+}
+
+TEST_F(GuardiansHeir, LeavesAGuardianThatStandsStillToAControllerThatLives) {
+  link().controller_pid.store(::getpid());
+  const pid_t guardian = startGuardian();
+  ::kill(guardian, SIGSTOP);
+  for (int ms = 0; ms < 400; ++ms) {
+    link().heartbeat.fetch_add(1);
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  }
+  EXPECT_FALSE(isDown());
+  link().armed.store(0);
+  kill(guardian);
 }
 
 TEST_F(GuardiansHeir, DoesNothingBesideTheNextGuardian) {

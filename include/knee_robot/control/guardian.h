@@ -103,6 +103,8 @@ class Guardian : public rt::TaskContext {
            rt::Nanoseconds period, rt::Nanoseconds (*clock)() noexcept, GuardianCarry carry = {});
 
   const GuardianReport& report() const noexcept { return report_; }
+  /// Another process is the guardian in the link now: this one stood still, and does nothing any more.
+  bool isReplaced() const noexcept { return link_.guardian_pid.load() != pid_; }
 
  protected:
   bool startHook() override;
@@ -132,6 +134,7 @@ class Guardian : public rt::TaskContext {
   bool orders_ = true;  // the brakes have been ordered to engage
   bool beat_ = false;
   bool first_cycle_ = true;
+  std::int32_t pid_ = 0;
   GuardianReport report_;
 };
 
