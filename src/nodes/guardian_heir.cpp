@@ -181,13 +181,14 @@ void handOverInItsPlace(hardware::GuardianLink& link, hardware::EmergencyOutputs
   guardUntilDown(link, outputs, carry, silence);
 }
 
-void keepHeir(hardware::GuardianLink& link, const std::function<GuardianHeir()>& open) {
+std::int32_t keepHeir(hardware::GuardianLink& link, const std::function<GuardianHeir()>& open) {
   int ends[2];
-  if (::pipe2(ends, O_CLOEXEC) != 0) return;
+  if (::pipe2(ends, O_CLOEXEC) != 0) return -1;
   const pid_t guardian = ::getpid(), child = ::fork();
   if (child != 0) {  // the end that is open as long as this process lives
-    ::close(ends[child > 0 ? 0 : 1]);
-    return;
+    ::close(ends[0]);
+    if (child < 0) ::close(ends[1]);
+    return child;
   }
   ::close(ends[1]);
   try {

@@ -3,6 +3,7 @@
 // ROS.
 // guardian --down-now: fences a controller out, brings the outputs down once and ends; for the service manager's hooks.
 
+#include <sys/wait.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -132,20 +133,38 @@ class RemovedLink {
   bool told_ = false;
 };
 
+/// Says once that the guardian's heir is gone.
+class LostHeir {
+ public:
+  explicit LostHeir(std::int32_t heir) : heir_(heir) {}
+  void look() {
+    if (heir_ == 0 || (heir_ > 0 && ::waitpid(heir_, nullptr, WNOHANG) == 0)) return;
+    heir_ = 0;
+    std::fprintf(stderr,
+                 "guardian: ITS HEIR IS GONE: nobody hands over if this process dies together with the controller; "
+                 "disable the robot and start the guardian again\n");
+  }
+
+ private:
+  std::int32_t heir_;  // 0: there is none to be missed
+};
+
 /// Reports until a signal comes; and then as long as drives are on: what it is there for may still happen, or is just
 /// happening.
-void reportUntilDone(const control::Guardian& guardian, hardware::SharedGuardianLink& memory) {
+void reportUntilDone(const control::Guardian& guardian, hardware::SharedGuardianLink& memory, std::int32_t heir) {
   const control::GuardianReport& report = guardian.report();
   const hardware::GuardianLink& link = memory.link();
   std::uint32_t told = 0;
   int slip_told = 0;
   RemovedLink removed;
+  LostHeir lost(heir);
   ControllersTime controllers_time;
   while (!stop_requested || controllers_time.lasts(link) || (link.armed.load() != 0 && link.tripped.load() == 0) ||
          report.acts.load()) {
     pause();
     if (guardian.isReplaced()) throw std::runtime_error("stood still, and its heir has acted in its place");
     removed.look(memory);
+    lost.look();
     tellSlip(report, slip_told);
     const std::uint32_t trips = report.trips.load(std::memory_order_acquire);
     if (trips == told) continue;
@@ -286,7 +305,7 @@ void refuseBesideAStranger(const hardware::GuardianLink& link, const std::string
 int run(const Options& options) {
   const control::HardwareFile file = loadFile(options);
   hardware::SharedGuardianLink memory = hardware::SharedGuardianLink::open(options.link);
-  if (!file.can) nodes::keepHeir(memory.link(), [&] { return heirOf(file, options); });
+  const std::int32_t heir = file.can ? 0 : nodes::keepHeir(memory.link(), [&] { return heirOf(file, options); });
   if (const std::int32_t other = nodes::takeGuard(memory.link()); other != 0)
     throw InputError("process " + std::to_string(other) + " already guards " + options.link + "; end it first");
   const std::string machine = nodes::machineName(file, siteOf(options));
@@ -328,7 +347,7 @@ int run(const Options& options) {
           ? "; TRIPPED already, outputs down"
           : "");
   std::fflush(stdout);
-  reportUntilDone(guardian, memory);
+  reportUntilDone(guardian, memory, heir);
   activity.stop();
   outputs_at_the_end = nullptr;
   std::printf("guardian ends: drives are off\n");

@@ -2,6 +2,7 @@
 of each other, masters that stand still."""
 import contextlib
 import os
+import pathlib
 import shutil
 import signal
 import time
@@ -109,6 +110,22 @@ def guardian_stands_still_while_the_force_goes_down(a):
     text, good = a.look()
     os.kill(a.session.guardian.pid, signal.SIGCONT)
     return "", text, good
+
+
+def heir_is_killed(a):
+    """Holding: the guardian's heir is killed; then the controller."""
+    a.enable()
+    parent = a.session.guardian.pid
+    children = pathlib.Path(f"/proc/{parent}/task/{parent}/children").read_text().split()
+    if len(children) != 1:
+        return f"{len(children)} heirs; ", "", False
+    os.kill(int(children[0]), signal.SIGKILL)
+    time.sleep(0.3)
+    said = "HEIR IS GONE" in a.session.log_text("guardian")
+    a.begin()
+    a.kill("controller")
+    text, good = a.look()
+    return f"the guardian {'says so' if said else 'says nothing'}; ", text, good and said
 
 
 def controller_that_is_not_told_of_its_guardian(a):
@@ -238,7 +255,7 @@ def emergency_stop_let_go_within_the_hand_over(a):
 
 def attacks():
     return {f.__name__: f for f in (guardian_dies_while_the_force_goes_down, both_die_and_nobody_comes_back, both_die_in_motion_and_nobody_comes_back,
-                                    guardian_dies_and_its_controller_later, guardian_stands_still_and_its_controller_dies,
+                                    guardian_dies_and_its_controller_later, guardian_stands_still_and_its_controller_dies, heir_is_killed,
                                     guardian_stands_still_while_the_force_goes_down,
                                     controller_that_is_not_told_of_its_guardian,
                                     guardian_beside_a_controller_that_was_not_told, second_simulated_robot, master_stands_still_while_playing,
