@@ -30,7 +30,8 @@ std::int32_t takeGuard(hardware::GuardianLink& link);
 /// nothing else: a controller that lives misses its guardian and stops by itself (2 s at most are left to it), and
 /// whoever is started next is the guardian. Where guardian and controller stand still together for 0.1 s (three times
 /// the silence where that is more) and this process does not, it takes the guardian's place, too; that one ends when it
-/// wakes up (Guardian::isReplaced()). Ends when nothing is on any more. `open` is called in that process. Its number; -1: there is none.
+/// wakes up (Guardian::isReplaced()). Ends when nothing is on any more. `open` is called in that process. Its number;
+/// -1: there is none.
 std::int32_t keepHeir(hardware::GuardianLink& link, const std::function<GuardianHeir()>& open);
 
 }  // namespace knee_robot::nodes
