@@ -7,6 +7,7 @@
 #include "knee_robot/dynamics/chain_regressor.h"
 #include "knee_robot/dynamics/regressor.h"
 #include "knee_robot/mechanism/kinematics.h"
+#include "length_response.h"
 #include "place_age.h"
 
 namespace knee_robot::tracing {
@@ -158,6 +159,10 @@ void setForces(EffectInput& in, const std::vector<identification::Column>& colum
     if (columns[c].role == identification::ColumnRole::Coulomb) in.coulomb_N[columns[c].actuator] = value;
     if (columns[c].role == identification::ColumnRole::Viscous) in.viscous[columns[c].actuator] = value;
     if (columns[c].role == identification::ColumnRole::Rotor) in.rotor_kg[columns[c].actuator] = value;
+  }
+  if (in.robot->mechanism) {
+    in.inertial = parameters.head(dynamics::kInertialParameters);
+    in.by_lengths = std::make_shared<LengthResponse>();
   }
   in.moved_kg = movedMass(in, parameters);
 }

@@ -23,10 +23,13 @@ const Candidate* candidateOf(const mechanism::Robot& robot, const dynamics::Mode
     maps.push_back(std::move(map));
     return maps.back().get();
   }
+  const Candidate* other = nullptr;  // named alike, but on one actuator where the file has all, or the reverse
   for (const auto& candidate : named) {
-    if (candidate->name() == effect.name) return candidate.get();
+    if (candidate->name() != effect.name) continue;
+    if (candidate->shared() == (effect.actuators.size() > 1)) return candidate.get();
+    other = candidate.get();
   }
-  return nullptr;
+  return other;
 }
 
 /// A shape with what older files lack.

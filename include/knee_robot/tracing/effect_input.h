@@ -1,12 +1,15 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <memory>
 #include <vector>
 
 #include "knee_robot/dynamics/passive_joints.h"
 #include "knee_robot/identification/observation.h"
 
 namespace knee_robot::tracing {
+
+class LengthResponse;
 
 /// What a hypothesis may look at along one recording. Matrices have one row per sample of the grid and one column per
 /// actuator; nothing is low-passed at the cut-off yet. Forces are the current model's, not the recorded ones.
@@ -20,6 +23,9 @@ struct EffectInput {
   Eigen::MatrixXd needed_N;  ///< the same without what lies in the drives (Candidate::ofDrive)
   Eigen::VectorXd ahead_s;   ///< per actuator, by which the current model's command runs ahead of it
   Eigen::VectorXd coulomb_N, viscous, rotor_kg;  ///< per actuator, of the current model
+  Eigen::VectorXd
+      inertial;  ///< inertial parameters of the current model (dynamics/parameters.h); bench and chain: empty
+  std::shared_ptr<LengthResponse> by_lengths;  ///< of the current model; bench and chain: null
   Eigen::VectorXd moved_kg;  ///< per actuator: what its screw moves, without the rotor (mean over the recording)
   Eigen::MatrixXd since_reversal_m;  ///< see dynamics::SinceReversal
   Eigen::MatrixXd since_reversal_s;  ///< time since the path turned last

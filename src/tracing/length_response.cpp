@@ -1,0 +1,106 @@
+#include "length_response.h"
+
+#include <Eigen/LU>
+#include <algorithm>
+
+#include "knee_robot/dynamics/regressor.h"
+#include "knee_robot/recording/filter.h"
+#include "knee_robot/tracing/effect_input.h"
+
+namespace knee_robot::tracing {
+namespace {
+
+using mechanism::Matrix4;
+using mechanism::Vector4;
+
+constexpr double kStep_m = 1e-4;        // rounding and curvature are both far below the force of such a step
+constexpr double kKnotsEvery_s = 0.04;  // until then the response changes nearly in proportion to time
+
+/// The model's load at one sample, and beside it.
+class LoadBeside {
+ public:
+  LoadBeside(const EffectInput& in, const mechanism::Motion& motion)
+      : mechanism_(*in.robot->mechanism), gravity_(in.robot->gravity), inertial_(in.inertial), motion_(motion) {
+    const Matrix4 jacobian = mechanism::lengthJacobian(mechanism_, motion.pose);
+    pose_per_length_ = jacobian.inverse();
+    rate_ = jacobian * motion.pose_velocity;
+    acceleration_ =
+        jacobian * motion.pose_acceleration + mechanism::lengthBias(mechanism_, motion.pose, motion.pose_velocity);
+  }
+  /// With a leg longer; lengths' rates and accelerations are the same.
+  bool longer(int leg, double by_m, Vector4& load) {
+    mechanism::Motion moved;
+    moved.pose = motion_.pose + pose_per_length_.col(leg) * by_m;
+    const Matrix4 inverse = mechanism::lengthJacobian(mechanism_, moved.pose).inverse();
+    moved.pose_velocity = inverse * rate_;
+    moved.pose_acceleration =
+        inverse * (acceleration_ - mechanism::lengthBias(mechanism_, moved.pose, moved.pose_velocity));
+    return loadOf(moved, load);
+  }
+  /// With a leg's length accelerated by 1 m/s^2 more.
+  bool faster(int leg, Vector4& load) {
+    mechanism::Motion moved = motion_;
+    moved.pose_acceleration += pose_per_length_.col(leg);
+    return loadOf(moved, load);
+  }
+  bool here(Vector4& load) { return loadOf(motion_, load); }
+
+ private:
+  bool loadOf(const mechanism::Motion& motion, Vector4& load) {
+    if (!dynamics::extendedRegressor(mechanism_, gravity_, motion, data_, regressor_)) return false;
+    load = regressor_.leftCols<dynamics::kInertialParameters>() * inertial_;
+    return load.allFinite();
+  }
+
+  const mechanism::Mechanism& mechanism_;
+  const mechanism::Vector3 gravity_;
+  const Eigen::VectorXd& inertial_;
+  const mechanism::Motion& motion_;
+  Matrix4 pose_per_length_;
+  Vector4 rate_, acceleration_;
+  dynamics::RegressorData data_;
+  dynamics::ExtendedRegressor regressor_;
+};
+
+}  // namespace
+
+void LengthResponse::calculate(const EffectInput& in) {
+  stride_ = std::max(1, static_cast<int>(kKnotsEvery_s / in.signals().period_s));
+  knots_.resize(static_cast<std::size_t>((in.samples() - 1) / stride_) + 2);
+  for (std::size_t k = 0; k < knots_.size(); ++k) {
+    const std::size_t n = std::min(k * static_cast<std::size_t>(stride_), static_cast<std::size_t>(in.samples()) - 1);
+    if (!in.observation->motion.pose_known[n]) continue;
+    LoadBeside load(in, in.observation->motion.motion[n]);
+    Knot& knot = knots_[k];
+    Vector4 here, up, down;
+    knot.known = load.here(here);
+    for (int j = 0; j < mechanism::kLegs && knot.known; ++j) {
+      knot.known = load.longer(j, kStep_m, up) && load.longer(j, -kStep_m, down);
+      knot.stiffness.col(j) = (up - down) / (2.0 * kStep_m);
+      knot.known = knot.known && load.faster(j, up);
+      knot.mass.col(j) = up - here;
+    }
+  }
+}
+
+Eigen::MatrixXd LengthResponse::onActuator(const EffectInput& in, int actuator, const Eigen::MatrixXd& longer_m) {
+  std::call_once(once_, [&] { calculate(in); });
+  Eigen::MatrixXd acceleration = longer_m;
+  for (Eigen::Index j = 0; j < longer_m.cols(); ++j)
+    acceleration.col(j) = recording::secondDerivative(longer_m.col(j), in.signals().period_s);
+  Eigen::MatrixXd out = Eigen::MatrixXd::Zero(in.samples(), mechanism::kLegs);
+  for (int n = 0; n < in.samples(); ++n) {
+    const Knot& before = knots_[static_cast<std::size_t>(n / stride_)];
+    const Knot& after = knots_[static_cast<std::size_t>(n / stride_) + 1];
+    if (!before.known || !after.known) continue;
+    const double share = static_cast<double>(n % stride_) / stride_;
+    const auto between = [&](const Matrix4& a, const Matrix4& b) -> Eigen::RowVector4d {
+      return a.row(actuator) + share * (b.row(actuator) - a.row(actuator));
+    };
+    out.row(n) = between(before.stiffness, after.stiffness).cwiseProduct(longer_m.row(n)) +
+                 between(before.mass, after.mass).cwiseProduct(acceleration.row(n));
+  }
+  return out;
+}
+
+}  // namespace knee_robot::tracing
