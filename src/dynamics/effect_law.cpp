@@ -108,6 +108,8 @@ std::string whyNotInstantly(const std::string& name) {
   if (name == "gain_drift") return "how warm the motors are is not known to the controller";
   if (name == "stretch_reflex")
     return "it is the patient's and comes late; a controller that pushes on would answer it";
+  if (name == "passive_joint")
+    return "it is the patient's, and another one's is another; what pushes on where somebody's range ends may hurt";
   if (name == "nonlinear_spring") return "its curve is known between the lengths of training only";
   if (name == "unnamed")
     return "its signal is no state of the motion (time in a recording, or since a place was passed, or what a drive "

@@ -148,6 +148,22 @@ TEST(PlatformEffects, ASpringPullsDownItsPotential) {
   }
 }
 
+TEST(PlatformEffects, AJointResistsByAFactorOfEEachWidthTowardsBothEnds) {
+  const auto moment = [](const std::string& coordinate, Eigen::Index which, double positive, double negative) {
+    EffectBench bench("{name: passive_joint, coordinate: " + coordinate + ", width_rad: 0.1, towards_positive_Nm: " +
+                      std::to_string(positive) + ", towards_negative_Nm: " + std::to_string(negative) + "}");
+    const double turned = bench.simulation().state().pose[which] / 0.1;
+    bench.push(bench.weight(), EffectBench::kStep);
+    const mechanism::Vector4 force = bench.simulation().loads().pose_force;
+    EXPECT_EQ(force.cwiseAbs().sum(), std::abs(force[which])) << "nothing else is pushed";
+    return std::pair{force[which], turned};
+  };
+  const auto [stretched, at] = moment("theta", 2, 3.0, 0.0);
+  EXPECT_NEAR(stretched, -3.0 * std::exp(at), 1e-12);
+  const auto [bent, there] = moment("psi", 3, 0.0, 5.0);
+  EXPECT_NEAR(bent, 5.0 * std::exp(-there), 1e-12);
+}
+
 TEST(PlatformEffects, AStrapActsBeyondItsLengthOnlyAndAStopBelowIt) {
   const auto strap = [](const std::string& side, double acts_from_m) {
     EffectBench bench(

@@ -60,6 +60,7 @@ effects:
   - {name: base_tilt, about_x_deg: 1}
   - {name: reflected_inertia, mass_kg: 1}
   - {name: spring, stiffness_N_per_m: 100, anchor_m: [0, 0, 0], point_m: [0.1, 0, 0]}
+  - {name: passive_joint, coordinate: theta, width_rad: 0.1, towards_positive_Nm: 1, towards_negative_Nm: 1}
   - {name: one_sided_spring, force_at_0.1_m_N: 50, anchor_m: [0, 0, 2], point_m: [0.1, 0, 0], acts_from_m: 1, side: longer}
   - {name: external_force, start_s: 0.1, end_s: 0.2, force_N: [0, 0, -20], point_m: [0, 0, 0]}
   - {name: force_gain, factor: 0.95}
