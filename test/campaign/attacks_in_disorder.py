@@ -22,8 +22,10 @@ PATIENT = "patient: \"17\"\npose: {X_m: [-0.1, 0.1], Z_m: [0.3, 1.0], theta_deg:
 def other_parameters(session, **parameters):
     """Of the controllers that are started meanwhile."""
     before, session.parameters = session.parameters, {**session.parameters, **parameters}
-    yield
-    session.parameters = before
+    try:
+        yield
+    finally:
+        session.parameters = before
 
 
 def end(process):
@@ -43,8 +45,8 @@ def comes_up(a, seconds=15.0):
     return False
 
 
-def guardian_dies_while_the_force_goes_down(a):
-    """Holding, brakes 0.5 s late: the controller is killed, and its guardian while the force goes down; nobody starts it again."""
+def kill_controller_until_the_force_is_down(a):
+    """Holding, brakes 0.5 s late, the controller killed: until a tenth of the force that its guardian took over is left."""
     a.enable()
     before = float(np.max(np.abs(a.session.truth.last()["volts"])))
     a.session.inject("hold_late")
@@ -53,6 +55,11 @@ def guardian_dies_while_the_force_goes_down(a):
     until = time.monotonic() + 1.0
     while time.monotonic() < until and float(np.max(np.abs(a.session.truth.last()["volts"]))) > 0.1 * before:
         pass
+
+
+def guardian_dies_while_the_force_goes_down(a):
+    """Holding, brakes 0.5 s late: the controller is killed, and its guardian while the force goes down; nobody starts it again."""
+    kill_controller_until_the_force_is_down(a)
     a.kill("guardian")
     return ("", *small(*a.look()))
 
@@ -98,14 +105,7 @@ def guardian_stands_still_and_its_controller_dies(a):
 
 def guardian_stands_still_while_the_force_goes_down(a):
     """Holding, brakes 0.5 s late: the controller is killed, and its guardian stopped while the force goes down."""
-    a.enable()
-    before = float(np.max(np.abs(a.session.truth.last()["volts"])))
-    a.session.inject("hold_late")
-    a.begin()
-    a.kill("controller")
-    until = time.monotonic() + 1.0
-    while time.monotonic() < until and float(np.max(np.abs(a.session.truth.last()["volts"]))) > 0.1 * before:
-        pass
+    kill_controller_until_the_force_is_down(a)
     a.stop("guardian")
     text, good = a.look()
     os.kill(a.session.guardian.pid, signal.SIGCONT)
