@@ -42,17 +42,19 @@ bool isOn(const hardware::GuardianLink& link) noexcept {
 /// does it.
 bool isLeftToTheHeir(const hardware::GuardianLink& link, rt::Nanoseconds silence) {
   const rt::Nanoseconds began = rt::monotonicNow();
-  rt::Nanoseconds heard = began;
+  rt::Nanoseconds looked = began, silent = 0;
   std::uint64_t heartbeat = link.heartbeat.load();
   hardware::ProcessWatch controller;
   while (isOn(link) && !lives(link.guardian_pid.load())) {
     const std::int32_t pid = link.controller_pid.load();
-    const rt::Nanoseconds now = rt::monotonicNow();
-    if (link.acts.load() != 0 || pid <= 0 || controller.isGone(pid) || now - heard > silence) return true;
-    if (now - began > kControllersTime) return false;
+    if (link.acts.load() != 0 || pid <= 0 || controller.isGone(pid) || silent > silence) return true;
+    if (looked - began > kControllersTime) return false;
     oneStep();
     const std::uint64_t latest = link.heartbeat.load();
-    if (latest != heartbeat) heard = rt::monotonicNow();
+    const rt::Nanoseconds now = rt::monotonicNow();
+    silent =
+        latest != heartbeat ? 0 : silent + std::min(now - looked, 2 * kStep);  // a pause of the machine is no silence
+    looked = now;
     heartbeat = latest;
   }
   return false;
@@ -148,7 +150,7 @@ void beHeir(hardware::GuardianLink& link, std::int32_t guardian, int open_end,
   }
   while (ended && isLeftToTheHeir(link, heir.silence)) {
     tellTakingOver("has died");
-    handOverInItsPlace(link, *heir.outputs, heir.carry, heir.silence);
+    handOverInItsPlace(link, *heir.outputs, heir.carry, 2 * kStep);  // the silence has been waited for
   }
   std::int32_t mine = ::getpid();
   link.guardian_pid.compare_exchange_strong(mine, 0);

@@ -90,11 +90,11 @@ def kill_both(run):
     run.session.controller.wait()
 
 
-def kill_both_and_restart(run):
-    """The guardian comes back after a second, as launch file and service manager see to."""
-    kill_both(run)
-    timer = threading.Timer(1.0, run.session.start_guardian)
-    timer.start()
+def guardian_again(run):
+    """As launch file and service manager see to."""
+    run.session.start_guardian()
+    time.sleep(0.5)
+    return None if run.session.guardian.poll() is None else "the guardian did not come up again"
 
 
 def stop_guardian_for_a_while(run):
@@ -193,10 +193,11 @@ def processes():
     yield Fault("controller_interrupted", send(signal.SIGINT), outcome=DISABLED)
     yield Fault("guardian_killed", kill_guardian, causes=("guardian_silent",), after=restart_guardian, observe_s=1.6)
     yield Fault("guardian_stopped_for_a_while", stop_guardian_for_a_while, causes=("guardian_silent",), observe_s=0.5)
-    yield Fault("guardian_killed_then_controller", kill_both_and_restart, process_death=False, outcome=DOWN, causes=("has died",),
-                brakes_can_be_ordered=False, fresh=True, observe_s=3.0)
-    yield Fault("guardian_killed_then_controller_with_relay", kill_both, outcome=DOWN, causes=(), fresh=True,
-                simulation=RELAY)
+    # The guardian's heir acts in these two.
+    yield Fault("guardian_killed_then_controller", kill_both, outcome=DOWN, causes=("has died",), process_death=True, after=guardian_again,
+                fresh=True, observe_s=3.0)
+    yield Fault("guardian_killed_then_controller_with_relay", kill_both, outcome=DOWN, causes=("has died", "none"), process_death=True,
+                fresh=True, simulation=RELAY)
     yield Fault("master_killed", kill_master, outcome=DISABLED, after=restart_master, observe_s=6.0)  # after master_timeout_s
     yield Fault("master_silent_for_a_moment", stop_master_for_a_moment, outcome=GOES_ON, observe_s=0.6)
     yield Fault("second_controller", second_controller, outcome=GOES_ON, observe_s=0.3)

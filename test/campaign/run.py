@@ -220,8 +220,10 @@ class Run:
                 self.state, self.sentence = "does not answer", str(error)
         if self.fault.outcome == DOWN:
             time.sleep(0.05)
-            trips = [line for line in s.log_text("guardian").splitlines() if "TRIPPED" in line]
-            self.state = "guardian: down" if trips else "nobody acted"
+            said = s.log_text("guardian").splitlines()
+            by_heir = [line for line in said if "hands over to the brakes" in line]
+            trips = [line for line in said if "TRIPPED" in line] or by_heir
+            self.state = "guardian's heir: down" if by_heir else "guardian: down" if trips else "nobody acted"
             self.sentence = trips[-1] if trips else ""
             for words in ("has died", "is silent", "has ended"):
                 if words in self.sentence:
@@ -312,6 +314,7 @@ class Run:
             # A platform that has sunk or tilted far has no room left for the next movement.
             pose = np.abs(s.truth.last()["pose"] - self.geometry.home_pose)
             near = bool(np.all(pose < (0.085, 0.004, 0.105, 0.125)))
-            return s.state().state == "disabled" and os.path.isdir(s.recordings) and near
+            state = s.state()
+            return state.state == "disabled" and all(state.homed) and os.path.isdir(s.recordings) and near
         except (NoAnswer, RuntimeError):
             return False

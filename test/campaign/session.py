@@ -159,10 +159,20 @@ class Session:
             except subprocess.TimeoutExpired:
                 process.kill()
                 process.wait()
+        self.end_heirs()
         self.others.clear()
         for left in (self.shm, self.shm + "_truth", self.shm + "_guardian"):
             if os.path.exists("/dev/shm" + left):
                 os.unlink("/dev/shm" + left)
+
+    def end_heirs(self):
+        """The heir of a guardian that was killed while a brake slips carries the platform as long as the machine is there."""
+        for process in pathlib.Path("/proc").glob("[0-9]*"):
+            try:
+                if (process / "comm").read_text() == "guardian_heir\n" and self.shm + "_guardian" in (process / "cmdline").read_text():
+                    os.kill(int(process.name), signal.SIGKILL)
+            except (FileNotFoundError, ProcessLookupError):
+                pass  # ended by itself
 
     def hold_delay_s(self):
         """Longest time that a simulated brake takes to engage."""
