@@ -85,6 +85,7 @@ Observation observe(const mechanism::Robot& robot, const std::vector<Column>& co
   for (int i = 0; options.equations && i < robot.axes(); ++i)
     o.regressor.emplace_back(Eigen::MatrixXd::Zero(o.samples(), static_cast<Eigen::Index>(columns.size())));
   if (options.equations) model->fillRegressor(columns, o);
+  o.cutoff_hz = options.cutoff_hz;
   o.force_filtered_N = o.signals.force_N;
   recording::ZeroPhaseLowPass(options.cutoff_hz, 1.0 / o.signals.period_s).applyToColumns(o.force_filtered_N);
   maskUnusable(robot, options, o);

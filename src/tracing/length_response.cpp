@@ -4,7 +4,6 @@
 #include <algorithm>
 
 #include "knee_robot/dynamics/regressor.h"
-#include "knee_robot/recording/filter.h"
 #include "knee_robot/tracing/effect_input.h"
 
 namespace knee_robot::tracing {
@@ -83,24 +82,13 @@ void LengthResponse::calculate(const EffectInput& in) {
   }
 }
 
-Eigen::MatrixXd LengthResponse::onActuator(const EffectInput& in, int actuator, const Eigen::MatrixXd& longer_m) {
+LengthResponse::Knot LengthResponse::at(const EffectInput& in, int sample) {
   std::call_once(once_, [&] { calculate(in); });
-  Eigen::MatrixXd acceleration = longer_m;
-  for (Eigen::Index j = 0; j < longer_m.cols(); ++j)
-    acceleration.col(j) = recording::secondDerivative(longer_m.col(j), in.signals().period_s);
-  Eigen::MatrixXd out = Eigen::MatrixXd::Zero(in.samples(), mechanism::kLegs);
-  for (int n = 0; n < in.samples(); ++n) {
-    const Knot& before = knots_[static_cast<std::size_t>(n / stride_)];
-    const Knot& after = knots_[static_cast<std::size_t>(n / stride_) + 1];
-    if (!before.known || !after.known) continue;
-    const double share = static_cast<double>(n % stride_) / stride_;
-    const auto between = [&](const Matrix4& a, const Matrix4& b) -> Eigen::RowVector4d {
-      return a.row(actuator) + share * (b.row(actuator) - a.row(actuator));
-    };
-    out.row(n) = between(before.stiffness, after.stiffness).cwiseProduct(longer_m.row(n)) +
-                 between(before.mass, after.mass).cwiseProduct(acceleration.row(n));
-  }
-  return out;
+  const std::size_t k = static_cast<std::size_t>(sample / stride_);
+  const Knot &before = knots_[k], &after = knots_[k + 1];
+  const double share = static_cast<double>(sample % stride_) / stride_;
+  return {before.known && after.known, before.stiffness + share * (after.stiffness - before.stiffness),
+          before.mass + share * (after.mass - before.mass)};
 }
 
 }  // namespace knee_robot::tracing

@@ -15,17 +15,16 @@ struct EffectInput;
 /// asks, once; safe in several threads.
 class LengthResponse {
  public:
-  /// Change of the load (N, samples) on `actuator` where each leg is longer by its column of `longer_m` (samples x legs),
-  /// leg by leg: samples x legs. Zero where the pose is unknown.
-  Eigen::MatrixXd onActuator(const EffectInput& input, int actuator, const Eigen::MatrixXd& longer_m);
+  /// At one moment; row: actuator, column: leg.
+  struct Knot {
+    bool known = false;                                         ///< the pose is
+    mechanism::Matrix4 stiffness = mechanism::Matrix4::Zero();  ///< load per length, N/m
+    mechanism::Matrix4 mass = mechanism::Matrix4::Zero();       ///< load per length's acceleration, kg
+  };
+  /// At a sample of the recording: between knots in proportion to time.
+  Knot at(const EffectInput& input, int sample);
 
  private:
-  /// At one sample: row: actuator, column: leg.
-  struct Knot {
-    bool known = false;
-    mechanism::Matrix4 stiffness = mechanism::Matrix4::Zero();  ///< N/m
-    mechanism::Matrix4 mass = mechanism::Matrix4::Zero();       ///< kg
-  };
   void calculate(const EffectInput& input);
 
   std::once_flag once_;

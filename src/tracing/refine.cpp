@@ -142,10 +142,13 @@ struct Room {
       a = std::max(a, shortest);
       b = std::min(b, longest);
     }
+    a = std::min(value, std::max(bounds.low, std::min(a, b)));
+    b = std::max(value, std::min(bounds.high, std::max(a, b)));
+    if (a >= b) return;  // zero, at its bound: Ceres would refuse all others with it
     entries.push_back(entry);
     values.push_back(value);
-    low.push_back(std::min(value, std::max(bounds.low, std::min(a, b))));
-    high.push_back(std::max(value, std::min(bounds.high, std::max(a, b))));
+    low.push_back(a);
+    high.push_back(b);
     goes_on.push_back(bounds.low < 0.0 && low.back() > bounds.low && high.back() < bounds.high);
   }
   bool isAtItsReach(std::size_t k) const {

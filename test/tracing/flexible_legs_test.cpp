@@ -85,6 +85,8 @@ struct Lacking {
   Eigen::MatrixXd forces_N, said_N;
 };
 
+constexpr double kStiff_N_per_m = 1e6;  // does not swing
+
 Lacking lackingOf(const mechanism::Robot& robot, const mechanism::Vector4& compliance) {
   const std::vector<identification::Column> columns = identification::columnsOf(robot);
   const dynamics::Model truth = identification::syntheticModel(robot);
@@ -102,7 +104,8 @@ Lacking lackingOf(const mechanism::Robot& robot, const mechanism::Vector4& compl
   for (const auto& candidate : namedCandidates(robot)) {
     if (candidate->name() != "flexible_coupling" || !candidate->shared()) continue;
     for (int i = 0; i < 4; ++i)
-      out.said_N.col(i) = candidate->columns(in, i, {0.0}) * Eigen::Vector2d(compliance[0], compliance[3]);
+      out.said_N.col(i) =
+          candidate->columns(in, i, {0.0, kStiff_N_per_m}) * Eigen::Vector2d(compliance[0], compliance[3]);
   }
   const recording::ZeroPhaseLowPass slow(2.0, 1.0 / o.signals.period_s);
   slow.applyToColumns(out.forces_N);

@@ -38,6 +38,18 @@ TEST_F(Refine, AnAnchorMayLieOnEitherSideOfTheOriginAndFartherThanItMovesAtOnce)
   EXPECT_NEAR(shape[1], 0.1, 0.02);
 }
 
+TEST_F(Refine, WhatLiesAtItsBoundKeepsNothingElseWhereItIs) {
+  FoundEffect strap;  // acts from 0 m on, which cannot be less
+  strap.hypothesis = named("one_sided_spring", {0.1, 0.15, 0.04, -0.14, 1.4, 0.0, 1.5, 0.002, 1.0});
+  const std::vector<double> alone = refined({-0.35, 0.1, 0.0, 0.05}, {-0.2, 0.1, 0.0, 0.05});
+  search_.effects.front().hypothesis.shape = {-0.2, 0.1, 0.0, 0.05};
+  search_.effects.push_back(strap);
+  refit(search_);
+  refineShapes(search_);
+  EXPECT_NEAR(alone[0], -0.35, 0.02);
+  EXPECT_LT(search_.effects.front().hypothesis.shape[0], -0.25);
+}
+
 TEST_F(Refine, LeavesNoMoreThanBefore) {
   // A strap from above, and a curve over another distance that stands for it: wherever its anchor is far away the base
   // explains nearly all of its columns, which a fit without any pull would have in any size.

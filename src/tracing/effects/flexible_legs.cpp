@@ -1,11 +1,15 @@
-#include "../length_response.h"
+#include "../behind_springs.h"
 #include "knee_robot/recording/filter.h"
+#include "knee_robot/tracing/candidate.h"
 
 namespace knee_robot::tracing {
 namespace {
 
 constexpr double kSoftest_m_per_N = 1e-4;
+constexpr double kSoftest_N_per_m = 1e4, kStiffest_N_per_m = 1e6;
 constexpr double kLeastShare = -0.2;  ///< of the softer legs': stiff ones have nothing but noise
+constexpr double kBand =
+    1.5;  ///< of the cut-off: what the fit sees is whole, and nothing is said of what it does not see
 
 /// Legs give under the load that they carry, between encoder and platform: it is elsewhere, which changes the load of
 /// every leg. To first order; effects/flexible_coupling.cpp is one leg that gives much, and winds up after reversals.
@@ -17,8 +21,18 @@ class FlexibleLegs : public Candidate {
            "encoders say, which changes the load of every leg.";
   }
   bool shared() const override { return true; }
-  std::vector<ShapeParameter> shapeParameters() const override { return {{"share_of_friction", 0.0, 1.0}}; }
-  std::vector<std::vector<double>> shapes(const EffectInput&, int) const override { return {{0.0}, {0.5}, {1.0}}; }
+  std::vector<ShapeParameter> shapeParameters() const override {
+    return {{"share_of_friction", 0.0, 1.0, true},
+            {"swings_by_N_per_m", kSoftest_N_per_m, kStiffest_N_per_m, false, kStiffest_N_per_m}};
+  }
+  std::vector<std::vector<double>> shapes(const EffectInput&, int) const override {
+    std::vector<std::vector<double>> out;
+    for (const double share : {0.0, 1.0}) {
+      for (const double stiffness : {3e4, 6e4, 1.5e5, kStiffest_N_per_m})
+        out.push_back({share, stiffness});
+    }
+    return out;
+  }
   std::vector<Coefficient> coefficients(const EffectInput&) const override {
     return {{"compliance_1_to_3_m_per_N", false}, {"compliance_4_m_per_N", false}};
   }
@@ -32,10 +46,12 @@ class FlexibleLegs : public Candidate {
           in.rotor_kg[j] * in.signals().acceleration_m_per_s2.col(j) - in.load_N.col(j) -
           shape[0] * (in.coulomb_N[j] * in.share.col(j) + in.viscous[j] * in.signals().velocity_m_per_s.col(j));
     }
-    recording::ZeroPhaseLowPass(in.signals().motion_cutoff_hz, 1.0 / in.signals().period_s).applyToColumns(shorter);
-    const Eigen::MatrixXd each = in.by_lengths->onActuator(in, actuator, shorter);
-    Eigen::MatrixXd out(each.rows(), 2);
-    out << each.leftCols<3>().rowwise().sum(), each.col(3);
+    recording::ZeroPhaseLowPass(kBand * in.observation->cutoff_hz, 1.0 / in.signals().period_s).applyToColumns(shorter);
+    Eigen::MatrixXd three = shorter, fourth = shorter, out(in.samples(), 2);
+    three.col(3).setZero();
+    fourth.leftCols<3>().setZero();
+    out << changeBehindSprings(in, shape[1], three).col(actuator),
+        changeBehindSprings(in, shape[1], fourth).col(actuator);
     return out;
   }
 };
