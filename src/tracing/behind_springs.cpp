@@ -60,7 +60,9 @@ Eigen::MatrixXd changeBehindSprings(const EffectInput& in, double stiffness_N_pe
   const int stride = std::max(1, static_cast<int>(kSwingStep_s / in.signals().period_s));
   Swing swing(stiffness_N_per_m, stride * in.signals().period_s);
   Eigen::MatrixXd change = Eigen::MatrixXd::Zero(samples, mechanism::kLegs);
+  int last = 0;
   for (int n = 0; n < samples; n += stride) {
+    last = n;
     const LengthResponse::Knot knot = in.by_lengths->at(in, n);
     if (!knot.known) {
       swing.rest();
@@ -71,6 +73,8 @@ Eigen::MatrixXd changeBehindSprings(const EffectInput& in, double stiffness_N_pe
       change.row(n - stride + k) =
           change.row(n - stride) + (change.row(n) - change.row(n - stride)) * static_cast<double>(k) / stride;
   }
+  for (int n = last + 1; n < samples; ++n)  // less than a step is left
+    change.row(n) = change.row(last);
   return change;
 }
 

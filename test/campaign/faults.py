@@ -4,7 +4,6 @@ import dataclasses
 import os
 import signal
 import subprocess
-import threading
 import time
 from typing import Callable
 

@@ -61,8 +61,8 @@ struct Observation {
   Eigen::MatrixXd
       friction_level;  ///< samples x actuators: factor of Coulomb friction that effects make known; empty: 1
   std::vector<Eigen::MatrixXd> regressor;  ///< per actuator: samples x columns; Coulomb columns by setFriction
-  double cutoff_hz = 0.0;                  ///< of that low-pass
   Eigen::MatrixXd force_filtered_N;        ///< signals.force_N, low-passed
+  double cutoff_hz = 0.0;                  ///< of that low-pass
   std::vector<char> usable;  ///< not in a gap, near a singular pose, saturated, or at an end of the recording
   /// 1 where predictions are compared with the recorded force: not in a gap or in the low-pass' reach of one, where nobody
   /// knows what the motion was. Empty: everywhere.

@@ -12,7 +12,7 @@ constexpr double kBand =
     1.5;  ///< of the cut-off: what the fit sees is whole, and nothing is said of what it does not see
 
 /// Legs give under the load that they carry, between encoder and platform: it is elsewhere, which changes the load of
-/// every leg. To first order; effects/flexible_coupling.cpp is one leg that gives much, and winds up after reversals.
+/// every leg (behind_springs.h). effects/flexible_coupling.cpp is one leg that gives much, and winds up after reversals.
 class FlexibleLegs : public Candidate {
  public:
   std::string name() const override { return "flexible_coupling"; }
