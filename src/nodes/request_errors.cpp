@@ -17,6 +17,8 @@ bool XmlRpc::XmlRpcServerConnection::executeMethod(const std::string& name, XmlR
               "_ZN6XmlRpc22XmlRpcServerConnection13executeMethodERKNSt7__cxx1112basic_stringIcSt11char_"
               "traitsIcESaIcEEERNS_11XmlRpcValueESA_"));
   if (original == nullptr) return false;
+  // No node needs it, and one within another reads what is not there.
+  if (name == "system.multicall") throw XmlRpcException("requests within a request are not served");
   try {
     return original(this, name, parameters, result);
   } catch (const std::exception&) {

@@ -45,5 +45,27 @@ TEST(RequestErrors, AreAnsweredAsFaultsAndTheNextRequestIsServed) {
   serving.join();
 }
 
+TEST(RequestErrors, RequestsWithinARequestAreRefused) {
+  answerRequestErrors();
+  XmlRpc::XmlRpcServer server;
+  const Answers answers(server);
+  ASSERT_TRUE(server.bindAndListen(0));
+  std::atomic<bool> ended{false};
+  std::thread serving([&] {
+    while (!ended)
+      server.work(0.01);
+  });
+  XmlRpc::XmlRpcClient client("127.0.0.1", server.get_port(), "/");
+  XmlRpc::XmlRpcValue none, within, result;
+  none.setSize(0);
+  within[0][0]["methodName"] = "system.multicall";
+  within[0][0]["params"][0] = none;
+  EXPECT_TRUE(client.execute("system.multicall", within, result));  // without the refusal: signal 11
+  EXPECT_TRUE(client.isFault());
+  client.close();
+  ended = true;
+  serving.join();
+}
+
 }  // namespace
 }  // namespace knee_robot::nodes
