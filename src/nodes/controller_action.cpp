@@ -10,6 +10,7 @@ namespace knee_robot::nodes {
 namespace {
 
 constexpr double kSlowestPercent = 5.0;
+constexpr double kOldest_s = 10.0;
 
 bool isMoving(control::MachineState state) {
   return state != control::MachineState::Disabled && state != control::MachineState::Holding &&
@@ -60,6 +61,12 @@ control::Answer PlayActionServer::checkMachine(const PlayGoal& goal) const {
 }
 
 control::Answer PlayActionServer::check(const PlayGoal& goal, Job& job) const {
+  // A bag that is played beside the robot says again what was asked for when it was recorded, and a network that was
+  // away hands over what nobody waits for any more.
+  if (job.age_s > kOldest_s)
+    return {false, "the goal was sent " + shortNumber(job.age_s, 3) +
+                       " s ago by its stamp (is a bag being played, was the network away, do the clocks of the two "
+                       "computers differ?); send it anew"};
   // Written so that not-a-number is refused.
   if (!(goal.speed_percent == 0.0 || (goal.speed_percent >= kSlowestPercent && goal.speed_percent <= 100.0)))
     return {false, "speed_percent must lie between 5 and 100, or be 0 for 100, not " + shortNumber(goal.speed_percent)};
@@ -102,6 +109,7 @@ void PlayActionServer::receive(Handle handle) {
       Job& job = unchecked_.emplace_back();
       job.handle = handle;
       job.halts = system_.halts();
+      job.age_s = ros::Time::now().toSec() - handle.getGoalID().stamp.toSec();
     }
   }
   if (ended) handle.setRejected(resultOf("the controller is ending"), "the controller is ending");
@@ -117,6 +125,7 @@ void PlayActionServer::checkArrivals() {
       if (unchecked_.empty()) return;
       job.handle = unchecked_.front().handle;
       job.halts = unchecked_.front().halts;
+      job.age_s = unchecked_.front().age_s;
     }
     const control::Answer answer = check(*job.handle.getGoal(), job);
     decide(job, answer);
