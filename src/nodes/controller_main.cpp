@@ -145,6 +145,14 @@ void endEvenIfTheDiskHangs() {
   }).detach();
 }
 
+void sayWhyAnew(const nodes::MasterWatch& watch, nodes::EventLog& log) {
+  const char* const why = watch.isRobbed()
+                              ? "another node has taken the name of a service that stops the robot, or of get_state"
+                              : "the ROS master does not know this node's services any more (was it restarted?)";
+  log.add("controller", "", why, "advertising everything anew");
+  ROS_WARN("%s: advertising everything anew", why);
+}
+
 void serve(const ros::NodeHandle& node, nodes::Machine& machine, const nodes::ControllerInterface::Parts& parts,
            std::atomic<nodes::GuardianSupervision::Guardian>& guardian) {
   const double timeout_s = nodes::numberParameter(node, "master_timeout_s", 2.0, 0.0, 60.0,
@@ -153,13 +161,15 @@ void serve(const ros::NodeHandle& node, nodes::Machine& machine, const nodes::Co
   Interface interface(parts);
   nodes::GuardianSupervision supervision(machine);
   Unreachable unreachable(parts.system, parts.log, timeout_s);
-  nodes::MasterWatch watch(node.resolveName("get_state"));
+  std::vector<std::string> stops;
+  for (const char* name : {"emergency_stop", "stop", "pause", "disable", "set_speed"})
+    stops.push_back(node.resolveName(name));
+  nodes::MasterWatch watch(node.resolveName("get_state"), stops);
   while (!stop_requested && ros::ok()) {
     guardian = supervision.poll();
     unreachable.poll(std::max(watch.silence(), interface.absence()), watch.sinceReached());
     if (watch.isForgotten()) {
-      if (interface.absence() == 0.0)
-        ROS_WARN("the ROS master does not know this node any more (was it restarted?): advertising everything anew");
+      if (interface.absence() == 0.0) sayWhyAnew(watch, parts.log);
       if (interface.renew()) watch.remember();
     }
     std::this_thread::sleep_for(std::chrono::milliseconds(20));
