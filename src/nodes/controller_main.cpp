@@ -193,7 +193,7 @@ void refuseASecondOne() {
 control::ControlSystem::Options readOptions(const ros::NodeHandle& node, const std::string& recordings) {
   control::ControlSystem::Options options;
   options.black_box_folder = recordings + "/black_box";
-  std::string state = nodes::textParameter(node, "state", options.black_box_folder, "a folder");
+  std::string state = nodes::folderParameter(node, "state", options.black_box_folder);
   if (state != options.black_box_folder) state += ros::this_node::getNamespace();  // of one robot of several
   options.heat_file = nodes::keptIn(state, options.black_box_folder, "heat.yaml");
   options.patient_memory = nodes::keptIn(state, options.black_box_folder, "patient.txt");
@@ -248,8 +248,7 @@ int run() {
 
   control::ControlSystem system(robot, hardware_file, nodes::requiredParameter(node, "deployment"), machine.bus(),
                                 readOptions(node, recordings.path()));
-  nodes::EventLog log(nodes::textParameter(node, "events", recordings.path() + "/events", "a folder") +
-                      "/controller.jsonl");
+  nodes::EventLog log(nodes::folderParameter(node, "events", recordings.path() + "/events") + "/controller.jsonl");
   const control::Answer started = system.start();
   log.add("controller", "", "start", started.sentence);
   if (!started.ok) throw InputError(started.sentence);

@@ -58,6 +58,14 @@ std::string textOf(const XmlRpcValue& value, const std::string& name, const std:
   return static_cast<std::string>(XmlRpcValue(value));
 }
 
+std::string folderOf(const XmlRpcValue& value, const std::string& name) {
+  const std::string folder = textOf(value, name, "a folder");
+  if (folder.empty() || folder.front() != '/')
+    throw InputError("parameter " + name + " is " + inQuotes(folder) +
+                     ", not an absolute path: started from elsewhere, the controller would look in another folder");
+  return folder;
+}
+
 std::string requiredParameter(const ros::NodeHandle& node, const std::string& name) {
   std::string value;
   if (!node.getParam(name, value) || value.empty()) {
@@ -82,6 +90,11 @@ std::string textParameter(const ros::NodeHandle& node, const std::string& name, 
                           const std::string& what) {
   return readParameter(node, name, otherwise,
                        [&](const XmlRpcValue& value, const std::string& full) { return textOf(value, full, what); });
+}
+
+std::string folderParameter(const ros::NodeHandle& node, const std::string& name, const std::string& otherwise) {
+  return readParameter(node, name, otherwise,
+                       [](const XmlRpcValue& value, const std::string& full) { return folderOf(value, full); });
 }
 
 }  // namespace knee_robot::nodes

@@ -54,6 +54,13 @@ TEST(TextParameter, IsNoNumber) {
             std::string::npos);
 }
 
+TEST(FolderParameter, IsAnAbsolutePath) {
+  EXPECT_EQ(folderOf(XmlRpcValue("/var/knee"), "/c/state"), "/var/knee");
+  for (const char* bad : {"", "knee", "./knee", "~/knee"})
+    EXPECT_NE(complaint([&] { folderOf(XmlRpcValue(bad), "/c/state"); }).find("not an absolute path"),
+              std::string::npos);
+}
+
 TEST(Parameter, OfTheWrongTypeCannotCommandTheTerminal) {
   EXPECT_EQ(complaint([] { textOf(XmlRpcValue(true), "/c/shm", "a name"); }),
             "parameter /c/shm is 'true', not a text; it is a name");
