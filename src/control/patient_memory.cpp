@@ -14,6 +14,15 @@ namespace {
 
 constexpr std::size_t kLongest = 4096;
 
+/// A restart with the same patient needs no room on a disk that is full.
+bool says(const std::string& path, const std::string& text) {
+  try {
+    return readFile(path, kLongest) == text;
+  } catch (const InputError&) {
+    return false;
+  }
+}
+
 }  // namespace
 
 const char* toString(Occupancy occupancy) noexcept {
@@ -30,8 +39,10 @@ const char* toString(Occupancy occupancy) noexcept {
 
 void PatientMemory::remember(const File& patient) const {
   if (path_.empty()) return;
+  const std::string text = std::filesystem::absolute(patient.path).string() + "\n" + patient.mark + "\n";
+  if (says(path_, text)) return;
   makeFolder(path_.substr(0, path_.find_last_of('/')));
-  writeFileAtomically(path_, std::filesystem::absolute(patient.path).string() + "\n" + patient.mark + "\n");
+  writeFileAtomically(path_, text);
 }
 
 void PatientMemory::forget() const {

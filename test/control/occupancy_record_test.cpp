@@ -61,6 +61,16 @@ TEST_F(OccupancyRecords, AreWrittenDownAnewWhereSomebodyHasRemovedTheirFile) {
   EXPECT_FALSE(memory.isThere()) << "the patient has left";
 }
 
+TEST_F(OccupancyRecords, ThatAreWrittenDownAlreadyNeedNoDisk) {
+  const PatientMemory memory(folder + "/state/patient.txt");
+  memory.remember({patient.path, "mark"});
+  std::filesystem::create_hard_link(folder + "/state/patient.txt", folder + "/same");
+  memory.remember({patient.path, "mark"});
+  EXPECT_TRUE(std::filesystem::equivalent(folder + "/state/patient.txt", folder + "/same")) << "written anew";
+  memory.remember({patient.path, "another"});
+  EXPECT_FALSE(std::filesystem::equivalent(folder + "/state/patient.txt", folder + "/same"));
+}
+
 TEST_F(OccupancyRecords, AreNotChangedWhileTheMachineSaysWhyNot) {
   busy = "not possible while the robot is holding";
   const Answer refused = record.change(Occupancy::Empty, std::nullopt);
