@@ -52,15 +52,16 @@ class RosRobot:
         self._events = ControllerEvents(self._fetch_events, self._tell_event)
         self._state = self._tracking = self._forces = self._margins = None
         self._heard = -math.inf
+        self._warned_of_others = False
         self._goal = None
         self._cancels = 0  # a goal that is just being sent is cancelled, too
         name = self._name
         self._subscribers = [
             rospy.Subscriber(f"{name}/state", ControllerState, self._on_state, queue_size=10),
-            rospy.Subscriber(f"{name}/tracking", Tracking, lambda m: setattr(self, "_tracking", m), queue_size=1),
-            rospy.Subscriber(f"{name}/forces", Forces, lambda m: setattr(self, "_forces", m), queue_size=1),
-            rospy.Subscriber(f"{name}/margins", Margins, lambda m: setattr(self, "_margins", m), queue_size=1),
-            rospy.Subscriber(f"{name}/events", Event, lambda m: self._loop.call_soon_threadsafe(self._events.hear, _event_dict(m)), queue_size=200),
+            rospy.Subscriber(f"{name}/tracking", Tracking, lambda m: self._keep("_tracking", m), queue_size=1),
+            rospy.Subscriber(f"{name}/forces", Forces, lambda m: self._keep("_forces", m), queue_size=1),
+            rospy.Subscriber(f"{name}/margins", Margins, lambda m: self._keep("_margins", m), queue_size=1),
+            rospy.Subscriber(f"{name}/events", Event, self._on_event, queue_size=200),
             rospy.Subscriber("/rosout", Log, self._on_log, queue_size=50)]
         self._client = actionlib.ActionClient(f"{name}/play", PlayAction)
 
@@ -210,11 +211,29 @@ class RosRobot:
         threading.Thread(target=run, daemon=True).start()
         return future
 
+    def _is_controllers(self, message):
+        """False: from somebody else on the controller's topics, such as a bag that is played beside the robot."""
+        sender = (getattr(message, "_connection_header", None) or {}).get("callerid", self._name)
+        if sender != self._name and not self._warned_of_others:
+            self._warned_of_others = True
+            rospy.logwarn("%s publishes states in the name of %s (is a bag being played?): not shown", sender, self._name)
+        return sender == self._name
+
+    def _keep(self, kind, message):
+        if self._is_controllers(message):
+            setattr(self, kind, message)
+
+    def _on_event(self, message):
+        if self._is_controllers(message):
+            self._loop.call_soon_threadsafe(self._events.hear, _event_dict(message))
+
     def _remember(self, message):
         self._state, self._heard = _state_dict(message), time.monotonic()
         return self._state
 
     def _on_state(self, message):
+        if not self._is_controllers(message):
+            return
         self._remember(message)
         for listener in self._listeners:
             self._loop.call_soon_threadsafe(listener, self._state)

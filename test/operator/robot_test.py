@@ -10,6 +10,7 @@ import rosunit
 from page_rig import PageTest
 from std_srvs.srv import TriggerResponse
 
+from knee_robot.msg import ControllerState
 from knee_robot_operator.robot import RosRobot
 
 
@@ -103,6 +104,17 @@ class CallTest(PageTest):
     async def test_a_controller_that_refuses_is_not_asked_again(self):
         answer, calls = await self.ask("stop", "service [/controller/stop] unavailable")
         self.assertEqual((False, 1), (answer.success, calls))
+
+
+class ForgedStateTest(PageTest):
+    async def test_a_state_of_another_node_is_not_shown(self):
+        robot = robot_with(None)
+        robot._listeners, robot._state, robot._warned_of_others = [], None, False
+        for sender, state in (("/controller", "holding"), ("/play_1", "disabled")):
+            message = ControllerState(state=state, homed=[True] * 4)
+            message._connection_header = {"callerid": sender}
+            robot._on_state(message)
+        self.assertEqual("holding", robot._state["state"])
 
 
 if __name__ == "__main__":
