@@ -1,0 +1,112 @@
+"""Attacks in the names of others: goals that were sent long ago, services whose names another node has taken, requests within requests,
+folders that are others from elsewhere."""
+import subprocess
+import time
+import xmlrpc.client
+
+import rosgraph
+import rospy
+from actionlib_msgs.msg import GoalID
+from std_srvs.srv import Trigger, TriggerResponse
+
+from knee_robot.msg import PlayActionGoal, PlayGoal
+from knee_robot.srv import LoadPatient
+
+from attacks_by_others import lives_on
+from attacks_in_disorder import PATIENT, comes_up, end, other_parameters
+from session import NoAnswer
+
+STOPS = ("stop", "pause", "disable", "emergency_stop")
+
+
+def goal_of_an_hour_ago(a):
+    """Disabled: a bag of an hour ago, with a goal that enables, is played beside the robot (the launch files' `bag:=true` records goals)."""
+    path = a.write_path()
+    goals = rospy.Publisher("/controller/play/goal", PlayActionGoal, queue_size=2)
+    time.sleep(0.5)
+    then = rospy.Time.now() - rospy.Duration(3600)
+    goal = PlayActionGoal(goal_id=GoalID(stamp=then, id="/operator_page-1"), goal=PlayGoal(file=path.name, enable=True))
+    goal.header.stamp = then
+    a.begin()
+    goals.publish(goal)
+    time.sleep(4.0)
+    moved, state = a.moved_mm(), a.state()
+    goals.unregister()
+    a.session.trigger("stop")
+    text, good = a.disable_and_look()
+    return f"{state}, moved {moved:.1f} mm; ", text, good and moved < 0.2 and state == "disabled, no fault"
+
+
+def stop_when(a, happens):
+    """Playing; `happens`, 3 s later stop."""
+    a.enable()
+    a.play()
+    happens()
+    time.sleep(3.0)
+    before = a.session.state().state
+    try:
+        answer = a.session.trigger("stop").message
+    except NoAnswer:
+        answer = "no answer"
+    time.sleep(1.5)
+    after = a.session.state().state
+    return f"{before}; stop: {answer}; then {after}; ", "", after == "holding"
+
+
+def stop_services_are_taken(a):
+    """Playing: another node offers services of the controller's names, which say that it is done; 3 s later stop."""
+    taken = []
+    found = stop_when(a, lambda: taken.extend(rospy.Service(f"/controller/{name}", Trigger, lambda _: TriggerResponse(True, "done by another node"))
+                                              for name in STOPS))
+    for service in taken:
+        service.shutdown()
+    return found
+
+
+def stop_services_are_withdrawn(a):
+    """Playing: somebody withdraws the controller's services from the master; 3 s later stop."""
+    def withdraw():
+        master = rosgraph.Master("/attacks")
+        for name in STOPS:
+            service = f"/controller/{name}"
+            xmlrpc.client.ServerProxy(a.master.uri).unregisterService("/controller", service, master.lookupService(service))
+    return stop_when(a, withdraw)
+
+
+def request_within_a_request(a):
+    """Holding: one XML-RPC request for several, within another one."""
+    a.enable()
+    controller = xmlrpc.client.ServerProxy(rosgraph.Master("/attacks").lookupNode("/controller"))
+    try:
+        controller.system.multicall([{"methodName": "system.multicall", "params": [[]]}])
+        answer = "done"
+    except xmlrpc.client.Fault:
+        answer = "answered as a fault"
+    except OSError:
+        answer = "no answer"
+    return f"{answer}; ", *lives_on(a)
+
+
+def started_from_another_folder_with_a_patient(a):
+    """The state folder is a relative path; with a patient the controller ends, and is started from another folder."""
+    s = a.session
+    (s.references / "17.yaml").write_text(PATIENT)
+    end(s.controller)
+    with other_parameters(s, state="state"):
+        for place in ("here", "there"):
+            (s.folder / place).mkdir()
+            s.controller = subprocess.Popen([str(c) for c in s.controller_command(program=s.program)], cwd=s.folder / place, env=s.environment,
+                                            stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, start_new_session=True)
+            if not comes_up(a):
+                return "the controller refuses; ", "", True
+            if place == "here":
+                if not (answer := s.call("load_patient", LoadPatient, "17.yaml")).success:
+                    raise RuntimeError(answer.message)
+                end(s.controller)
+    state = s.state()
+    return "started from there: ", f"occupancy {state.occupancy} {state.patient}", state.occupancy == "patient"
+
+
+def attacks():
+    return {f.__name__: f for f in (goal_of_an_hour_ago, stop_services_are_taken, stop_services_are_withdrawn, request_within_a_request,
+                                    started_from_another_folder_with_a_patient)}
