@@ -23,6 +23,19 @@ bool says(const std::string& path, const std::string& text) {
   }
 }
 
+/// A link on the way that leads nowhere: the disk behind it may not be mounted, and what is not found there was not
+/// forgotten.
+void refuseBrokenLinks(const std::string& path) {
+  namespace fs = std::filesystem;
+  fs::path way;
+  for (const fs::path& step : fs::path(path)) {
+    way /= step;
+    std::error_code error;
+    if (fs::is_symlink(fs::symlink_status(way, error)) && !fs::exists(way, error))
+      throw InputError(path + ": the link " + way.string() + " leads nowhere (is a disk not mounted?)");
+  }
+}
+
 }  // namespace
 
 const char* toString(Occupancy occupancy) noexcept {
@@ -55,6 +68,8 @@ bool PatientMemory::isThere() const noexcept {
 }
 
 PatientMemory::File PatientMemory::remembered() const {
+  if (path_.empty()) return {};
+  refuseBrokenLinks(path_);
   if (!isThere()) return {};
   const std::string text = readFile(path_, kLongest);
   const std::size_t end = text.find('\n');

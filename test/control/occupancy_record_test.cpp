@@ -5,6 +5,7 @@
 
 #include <filesystem>
 
+#include "knee_robot/base/errors.h"
 #include "knee_robot/base/files.h"
 #include "test/mechanism/configured_robot.h"
 #include "test/temporary_folder.h"
@@ -59,6 +60,15 @@ TEST_F(OccupancyRecords, AreWrittenDownAnewWhereSomebodyHasRemovedTheirFile) {
   ASSERT_TRUE(kept.change(Occupancy::Empty, std::nullopt).ok);
   kept.keep();
   EXPECT_FALSE(memory.isThere()) << "the patient has left";
+}
+
+TEST_F(OccupancyRecords, BehindALinkThatLeadsNowhereAreNotForgotten) {
+  std::filesystem::create_directory_symlink(folder + "/disk", folder + "/state");
+  std::filesystem::create_symlink(folder + "/nowhere", folder + "/link");
+  for (const std::string& path : {folder + "/state/left/patient.txt", folder + "/state/patient.txt", folder + "/link"})
+    EXPECT_THROW(PatientMemory(path).remembered(), InputError) << path;
+  std::filesystem::create_directory(folder + "/disk");
+  EXPECT_EQ(PatientMemory(folder + "/state/patient.txt").remembered().path, "") << "nobody was there";
 }
 
 TEST_F(OccupancyRecords, ThatAreWrittenDownAlreadyNeedNoDisk) {
