@@ -1,5 +1,6 @@
 """Attacks in the names of others: goals that were sent long ago, services whose names another node has taken, requests within requests,
 folders that are others from elsewhere."""
+import contextlib
 import subprocess
 import time
 import xmlrpc.client
@@ -87,12 +88,22 @@ def request_within_a_request(a):
     return f"{answer}; ", *lives_on(a)
 
 
+@contextlib.contextmanager
+def state_folder(session, path):
+    """Of the controllers that are started meanwhile; the parameter server would tell the next robot's, too."""
+    with other_parameters(session, state=path):
+        try:
+            yield
+        finally:
+            rospy.delete_param("/controller/state")
+
+
 def started_from_another_folder_with_a_patient(a):
     """The state folder is a relative path; with a patient the controller ends, and is started from another folder."""
     s = a.session
     (s.references / "17.yaml").write_text(PATIENT)
     end(s.controller)
-    with other_parameters(s, state="state"):
+    with state_folder(s, "state"):
         for place in ("here", "there"):
             (s.folder / place).mkdir()
             s.controller = subprocess.Popen([str(c) for c in s.controller_command(program=s.program)], cwd=s.folder / place, env=s.environment,
@@ -107,6 +118,28 @@ def started_from_another_folder_with_a_patient(a):
     return "started from there: ", f"occupancy {state.occupancy} {state.patient}", state.occupancy == "patient"
 
 
+def state_folder_behind_a_link_that_leads_nowhere(a):
+    """The state folder is a link to another disk; with a patient the controller ends, and is started while the disk is not mounted."""
+    s = a.session
+    (s.references / "17.yaml").write_text(PATIENT)
+    end(s.controller)
+    disk = s.folder / "disk"
+    disk.mkdir()
+    (s.folder / "state").symlink_to(disk)
+    with state_folder(s, s.folder / "state"):
+        s.start_controller()
+        comes_up(a)
+        if not (answer := s.call("load_patient", LoadPatient, "17.yaml")).success:
+            raise RuntimeError(answer.message)
+        end(s.controller)
+        disk.rename(s.folder / "unmounted")
+        s.start_controller()
+        comes_up(a)
+        answer = s.trigger("enable")
+        state = s.state()
+    return f"occupancy {state.occupancy}; ", f"enable {'succeeded' if answer.success else 'refused: ' + answer.message[:160]}", not answer.success
+
+
 def attacks():
     return {f.__name__: f for f in (goal_of_an_hour_ago, stop_services_are_taken, stop_services_are_withdrawn, request_within_a_request,
-                                    started_from_another_folder_with_a_patient)}
+                                    started_from_another_folder_with_a_patient, state_folder_behind_a_link_that_leads_nowhere)}
