@@ -1,8 +1,10 @@
 """Attacks in the names of others: goals that were sent long ago, services whose names another node has taken, requests within requests,
 folders that are others from elsewhere."""
 import contextlib
+import pathlib
 import subprocess
 import time
+import urllib.request
 import xmlrpc.client
 
 import rosgraph
@@ -15,8 +17,9 @@ from knee_robot.srv import LoadPatient
 
 from attacks_by_others import lives_on
 from attacks_in_disorder import PATIENT, comes_up, end, other_parameters
-from session import NoAnswer
+from session import NoAnswer, free_port, is_alive
 
+ROOT = pathlib.Path(__file__).resolve().parents[2]
 STOPS = ("stop", "pause", "disable", "emergency_stop")
 
 
@@ -140,6 +143,36 @@ def state_folder_behind_a_link_that_leads_nowhere(a):
     return f"occupancy {state.occupancy}; ", f"enable {'succeeded' if answer.success else 'refused: ' + answer.message[:160]}", not answer.success
 
 
+def second_page_of_the_same_name(a):
+    """The operator's page runs, and is started a second time, as launching twice does; the first one's STOP."""
+    s = a.session
+    for name, value in (("/run_id", "attacks"), ("/controller/recordings", s.recordings), ("/controller/references", s.references),
+                        ("/controller/robot", s.files["robot"])):
+        rospy.set_param(name, str(value))
+    port = free_port()
+    first, second = (s.spawn(f"page_{number}", "/usr/bin/python3", ROOT / "src" / "nodes" / "operator_page", f"_port:={port}") for number in waits())
+    s.others.extend((first, second))
+    time.sleep(5.0)
+    try:
+        request = urllib.request.Request(f"http://127.0.0.1:{port}/api/stop", data=b"{}", method="POST",
+                                         headers={"Content-Type": "application/json", "Origin": f"http://127.0.0.1:{port}"})
+        with urllib.request.urlopen(request, timeout=5.0) as answer:
+            stopped = answer.status == 200
+    except OSError:
+        stopped = False
+    lives = is_alive(first)
+    return (f"the first {'lives' if lives else 'was ended'}, the second {'lives' if is_alive(second) else 'has ended'}; ",
+            f"STOP {'is answered' if stopped else 'is not answered'}", lives and stopped and not is_alive(second))
+
+
+def waits():
+    """1, and 2 when the first has had time to come up."""
+    yield 1
+    time.sleep(5.0)
+    yield 2
+
+
 def attacks():
     return {f.__name__: f for f in (goal_of_an_hour_ago, stop_services_are_taken, stop_services_are_withdrawn, request_within_a_request,
-                                    started_from_another_folder_with_a_patient, state_folder_behind_a_link_that_leads_nowhere)}
+                                    started_from_another_folder_with_a_patient, state_folder_behind_a_link_that_leads_nowhere,
+                                    second_page_of_the_same_name)}

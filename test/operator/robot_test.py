@@ -3,7 +3,9 @@
 import asyncio
 import sys
 import threading
+import unittest
 import unittest.mock
+import xmlrpc.server
 
 import rospy
 import rosunit
@@ -11,6 +13,7 @@ from page_rig import PageTest
 from std_srvs.srv import TriggerResponse
 
 from knee_robot.msg import ControllerState
+from knee_robot_operator import same_name
 from knee_robot_operator.robot import RosRobot
 
 
@@ -115,6 +118,33 @@ class ForgedStateTest(PageTest):
             message._connection_header = {"callerid": sender}
             robot._on_state(message)
         self.assertEqual("holding", robot._state["state"])
+
+
+class SameNameTest(unittest.TestCase):
+    """A node's XML-RPC side stands for the other page."""
+
+    def found(self, answer):
+        server = xmlrpc.server.SimpleXMLRPCServer(("127.0.0.1", 0), logRequests=False)
+        server.register_function(answer, "getPublications")
+        threading.Thread(target=server.serve_forever, daemon=True).start()
+        address = f"http://127.0.0.1:{server.server_address[1]}/"
+        with unittest.mock.patch("rosgraph.Master") as master:
+            master.return_value.lookupNode.return_value = address
+            found = same_name.address_of("/operator_page")
+        server.shutdown()
+        server.server_close()
+        return found == address
+
+    def test_a_page_that_answers_is_found(self):
+        self.assertTrue(self.found(lambda _caller: [1, "", [["/operator_page/events", "knee_robot/Event"]]]))
+
+    def test_another_process_at_the_port_of_one_that_is_gone_is_not(self):
+        self.assertFalse(self.found(lambda _caller: [1, "", [["/rosout", "rosgraph_msgs/Log"]]]))
+        self.assertFalse(self.found(lambda: 0))
+
+    def test_names_are_those_of_the_node(self):
+        self.assertEqual("/left/page", same_name.own_name("operator_page", ["page", "__name:=page", "__ns:=left"]))
+        self.assertEqual("/operator_page", same_name.own_name("operator_page", ["page"]))
 
 
 if __name__ == "__main__":
