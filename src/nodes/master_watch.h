@@ -8,11 +8,11 @@
 
 namespace knee_robot::nodes {
 
-/// Asks the ROS master twice a second, from a thread of its own, whether it is there and still sends clients of ~get_state
-/// and of what stops the robot to this process. A master that was restarted knows nobody, and any node may take a
-/// service's name, or withdraw it, without a word to its owner: then what is advertised has to be advertised anew. Then
-/// it calls ~get_state over a connection of its own: where no descriptor is left, or no thread, a master that answers
-/// helps nobody who wants to stop the robot.
+/// Asks the ROS master twice a second, from a thread of its own, whether it is there and still sends clients of
+/// ~get_state and of what stops the robot to this process. A master that was restarted knows nobody, and any node may
+/// take a service's name, or withdraw it, without a word to its owner: then what is advertised has to be advertised
+/// anew. Then it calls ~get_state over a connection of its own: where no descriptor is left, or no thread, a master that
+/// answers helps nobody who wants to stop the robot.
 class MasterWatch {
  public:
   /// Resolved names: of ~get_state, which is advertised last, and of the others.
