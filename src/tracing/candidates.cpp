@@ -20,6 +20,13 @@ Eigen::VectorXd Candidate::atHome(const Eigen::VectorXd& coefficients, const std
   return elsewhere(coefficients);
 }
 
+std::vector<Eigen::MatrixXd> Candidate::columnsOfAll(const EffectInput& input, const std::vector<double>& shape) const {
+  std::vector<Eigen::MatrixXd> out;
+  for (int i = 0; i < input.axes(); ++i)
+    out.push_back(columns(input, i, shape));
+  return out;
+}
+
 std::vector<std::vector<double>> Candidate::near(const std::vector<double>&, double) const {
   return {};
 }

@@ -132,27 +132,24 @@ EffectInput effectInput(const mechanism::Robot& robot, const identification::Obs
     in.force_per_pose_force = poseForces(robot, o);
     setPoses(in);
   }
-  in.load_N = in.force_N = in.needed_N = Eigen::MatrixXd::Zero(o.samples(), o.axes());
+  in.load_N = in.model_N = in.force_N = in.needed_N = Eigen::MatrixXd::Zero(o.samples(), o.axes());
   in.ahead_s = Eigen::VectorXd::Zero(o.axes());
   return in;
 }
 
-void setForces(EffectInput& in, const std::vector<identification::Column>& columns, const Eigen::VectorXd& parameters,
-               const Eigen::MatrixXd& effects_N, const Eigen::MatrixXd& drive_N) {
-  Eigen::VectorXd carried = parameters;
+void setModel(EffectInput& in, const std::vector<identification::Column>& columns, const Eigen::VectorXd& parameters) {
+  Eigen::VectorXd carried = parameters, rubs = Eigen::VectorXd::Zero(parameters.size());
   for (std::size_t c = 0; c < columns.size(); ++c) {
-    if (columns[c].isFriction()) carried[static_cast<Eigen::Index>(c)] = 0.0;
+    if (columns[c].isFriction()) std::swap(carried[static_cast<Eigen::Index>(c)], rubs[static_cast<Eigen::Index>(c)]);
   }
-  Eigen::MatrixXd both(parameters.size(), 2);
-  both << carried, parameters;
   for (int i = 0; i < in.axes(); ++i) {
-    const Eigen::MatrixXd forces = in.observation->regressor[static_cast<std::size_t>(i)] * both;
-    in.load_N.col(i) = forces.col(0);
-    in.force_N.col(i) = forces.col(1);
+    const Eigen::MatrixXd& regressor = in.observation->regressor[static_cast<std::size_t>(i)];
+    in.load_N.col(i) = regressor * carried;
+    in.model_N.col(i) = in.load_N.col(i);
+    for (Eigen::Index c = 0; c < rubs.size(); ++c) {
+      if (rubs[c] != 0.0) in.model_N.col(i) += rubs[c] * regressor.col(c);
+    }
   }
-  if (effects_N.size() > 0) in.force_N += effects_N;
-  in.needed_N = in.force_N;
-  if (drive_N.size() > 0) in.needed_N -= drive_N;
   in.coulomb_N = in.viscous = in.rotor_kg = Eigen::VectorXd::Zero(in.axes());
   for (std::size_t c = 0; c < columns.size(); ++c) {
     const double value = parameters[static_cast<Eigen::Index>(c)] * columns[c].newtons;
@@ -165,6 +162,14 @@ void setForces(EffectInput& in, const std::vector<identification::Column>& colum
     in.by_lengths = std::make_shared<LengthResponse>();
   }
   in.moved_kg = movedMass(in, parameters);
+  setEffects(in, {});
+}
+
+void setEffects(EffectInput& in, const Eigen::MatrixXd& effects_N, const Eigen::MatrixXd& drive_N) {
+  in.force_N = in.model_N;
+  if (effects_N.size() > 0) in.force_N += effects_N;
+  in.needed_N = in.force_N;
+  if (drive_N.size() > 0) in.needed_N -= drive_N;
 }
 
 }  // namespace knee_robot::tracing

@@ -107,18 +107,19 @@ Eigen::MatrixXd effectColumns(const EffectInput& input, const Hypothesis& h, int
   return h.place.candidate->columns(input, actuator, h.shape);
 }
 
+std::vector<Eigen::MatrixXd> actingColumns(const EffectInput& input, const Hypothesis& h) {
+  if (h.place.actuator < 0) return h.place.candidate->columnsOfAll(input, h.shape);
+  std::vector<Eigen::MatrixXd> own;
+  own.push_back(h.place.candidate->columns(input, h.place.actuator, h.shape));
+  return own;
+}
+
 Eigen::MatrixXd effectRows(const TraceData& data, const Hypothesis& h) {
-  const Eigen::Index p = data.stack.size();
-  const Eigen::Index k = static_cast<Eigen::Index>(h.place.candidate->coefficients(data.inputs.front()).size());
-  Eigen::MatrixXd rows = Eigen::MatrixXd::Zero(p * data.stack.axes, k);
-  for (int i = 0; i < data.stack.axes; ++i) {
-    if (h.place.actuator >= 0 && h.place.actuator != i) continue;
-    std::vector<Eigen::MatrixXd> columns;
-    for (const EffectInput& input : data.inputs)
-      columns.push_back(h.place.candidate->columns(input, i, h.shape));
-    rows.middleRows(i * p, p) = gather(data.stack, data.recordings, std::move(columns));
-  }
-  return data.scale.asDiagonal() * rows;
+  Eigen::Index first_row = 0;
+  const Eigen::MatrixXd own = placeRows(data, {h}, first_row);
+  Eigen::MatrixXd rows = Eigen::MatrixXd::Zero(data.stack.size() * data.stack.axes, own.cols());
+  rows.middleRows(first_row, own.rows()) = data.scale.segment(first_row, own.rows()).asDiagonal() * own;
+  return rows;
 }
 
 std::vector<Eigen::MatrixXd> effectRows(const TraceData& data, const std::vector<Hypothesis>& effects) {
@@ -169,23 +170,27 @@ Eigen::MatrixXd placeRows(const TraceData& data, const std::vector<Hypothesis>& 
   const Eigen::Index p = data.stack.size();
   const Place& place = tried.front().place;
   const Eigen::Index each = static_cast<Eigen::Index>(place.candidate->coefficients(data.inputs.front()).size());
-  const int first = place.actuator < 0 ? 0 : place.actuator, last = place.actuator < 0 ? data.stack.axes - 1 : first;
-  first_row = first * p;
-  Eigen::MatrixXd rows((last - first + 1) * p, each * static_cast<Eigen::Index>(tried.size()));
-  const std::size_t at_once = static_cast<std::size_t>(std::max<Eigen::Index>(1, kColumnsAtOnce / each));
-  for (int i = first; i <= last; ++i) {
-    for (std::size_t from = 0; from < tried.size(); from += at_once) {
-      const std::size_t to = std::min(tried.size(), from + at_once);
-      std::vector<Eigen::MatrixXd> columns;
-      for (const EffectInput& input : data.inputs) {
-        columns.emplace_back(input.samples(), each * static_cast<Eigen::Index>(to - from));
-        for (std::size_t k = from; k < to; ++k)
-          columns.back().middleCols(static_cast<Eigen::Index>(k - from) * each, each) =
-              place.candidate->columns(input, i, tried[k].shape);
+  const std::size_t acts_on = place.actuator < 0 ? static_cast<std::size_t>(data.stack.axes) : 1u;
+  first_row = std::max(0, place.actuator) * p;
+  Eigen::MatrixXd rows(static_cast<Eigen::Index>(acts_on) * p, each * static_cast<Eigen::Index>(tried.size()));
+  const std::size_t at_once =
+      std::max<std::size_t>(1, kColumnsAtOnce / std::max<std::size_t>(1, static_cast<std::size_t>(each) * acts_on));
+  for (std::size_t from = 0; from < tried.size(); from += at_once) {
+    const std::size_t to = std::min(tried.size(), from + at_once);
+    const Eigen::Index width = each * static_cast<Eigen::Index>(to - from);
+    std::vector<std::vector<Eigen::MatrixXd>> columns(acts_on);  // of every recording
+    for (const EffectInput& input : data.inputs) {
+      for (std::vector<Eigen::MatrixXd>& own : columns)
+        own.emplace_back(input.samples(), width);
+      for (std::size_t k = from; k < to; ++k) {
+        const std::vector<Eigen::MatrixXd> all = actingColumns(input, tried[k]);
+        for (std::size_t i = 0; i < acts_on; ++i)
+          columns[i].back().middleCols(static_cast<Eigen::Index>(k - from) * each, each) = all[i];
       }
-      rows.block((i - first) * p, static_cast<Eigen::Index>(from) * each, p,
-                 each * static_cast<Eigen::Index>(to - from)) = gather(data.stack, data.recordings, std::move(columns));
     }
+    for (std::size_t i = 0; i < acts_on; ++i)
+      rows.block(static_cast<Eigen::Index>(i) * p, static_cast<Eigen::Index>(from) * each, p, width) =
+          gather(data.stack, data.recordings, std::move(columns[i]));
   }
   return rows;
 }

@@ -60,7 +60,7 @@ TraceData rowsAlong(const mechanism::Robot& robot, const TraceResult& result,
   for (int r = 0; r < count; ++r) {
     data.inputs.push_back(
         effectInput(robot, data.recordings[static_cast<std::size_t>(r)], result.base.friction_laws, r, count));
-    setForces(data.inputs.back(), result.base.columns, result.parameters, {});
+    setModel(data.inputs.back(), result.base.columns, result.parameters);
   }
   return data;
 }

@@ -105,8 +105,9 @@ SurrogateEffects effectForces(const EffectInput& input, const SurrogateModel& mo
   for (std::size_t k = 0; k < model.effects.size(); ++k) {
     const Candidate& candidate = *model.effects[k].place.candidate;
     Eigen::MatrixXd& kind = candidate.isFriction() ? out.friction_N : candidate.ofDrive() ? out.drive_N : out.load_N;
-    for (int i = 0; i < input.axes(); ++i)
-      kind.col(i) += effectColumns(input, model.effects[k], i) * model.coefficients[k];
+    Eigen::Index actuator = std::max(0, model.effects[k].place.actuator);
+    for (const Eigen::MatrixXd& columns : actingColumns(input, model.effects[k]))
+      kind.col(actuator++) += columns * model.coefficients[k];
   }
   out.load_N += out.drive_N;
   return out;
@@ -115,10 +116,10 @@ SurrogateEffects effectForces(const EffectInput& input, const SurrogateModel& mo
 SurrogateEffects settleForces(EffectInput& input, const std::vector<identification::Column>& columns,
                               const Eigen::VectorXd& seen, const SurrogateModel& model) {
   const auto next = [&](const SurrogateEffects& now) {
-    setForces(input, columns, seen, now.friction_N + now.load_N, now.drive_N);
+    setEffects(input, now.friction_N + now.load_N, now.drive_N);
     return effectForces(input, model);
   };
-  setForces(input, columns, seen, {});
+  setModel(input, columns, seen);
   if (model.effects.empty()) return effectForces(input, model);
   const SurrogateEffects first = effectForces(input, model), second = next(first);
   if (second.load_N == first.load_N) return second;
@@ -131,7 +132,7 @@ SurrogateEffects settleForces(EffectInput& input, const std::vector<identificati
     settled.load_N.col(i) += last * share / (1.0 - share);
   }
   settled = next(settled);  // what changes with time is no series
-  setForces(input, columns, seen, settled.friction_N + settled.load_N, settled.drive_N);
+  setEffects(input, settled.friction_N + settled.load_N, settled.drive_N);
   return settled;
 }
 

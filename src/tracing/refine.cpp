@@ -14,6 +14,7 @@ namespace knee_robot::tracing {
 namespace {
 
 constexpr int kSteps = 6;
+constexpr int kLineSteps = 4;  ///< at bounds none of them may do, and a shorter trust region follows
 constexpr double kRelativeStep = 1e-3, kLeastStep = 1e-6;  ///< of shapes, for derivatives
 constexpr double kReach_m = 0.2;  ///< by which what may have either sign (an anchor) moves at least, past zero
 constexpr double kAtReach_m = 1e-3;
@@ -195,6 +196,8 @@ bool refineOnce(Search& s) {
   ceres::Solver::Options options;
   options.max_num_iterations = kSteps;
   options.linear_solver_type = ceres::DENSE_QR;
+  options.line_search_interpolation_type = ceres::QUADRATIC;  // the cubic one asks for derivatives at every trial
+  options.max_num_line_search_step_size_iterations = kLineSteps;
   options.logging_type = ceres::SILENT;
   ceres::Solver::Summary summary;
   ceres::Solve(options, &problem, &summary);

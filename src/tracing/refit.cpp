@@ -127,8 +127,8 @@ bool adoptBase(Search& s, BaseFit base) {
     data.inputs[r] = effectInput(robot, data.recordings[r], s.base->friction_laws, data.inputs[r].recording,
                                  data.inputs[r].recordings);
     lookAhead(data.inputs[r], model);
-    setForces(data.inputs[r], s.base->columns, s.base->parameters, effects.friction_N + effects.load_N,
-              effects.drive_N);
+    setModel(data.inputs[r], s.base->columns, s.base->parameters);
+    setEffects(data.inputs[r], effects.friction_N + effects.load_N, effects.drive_N);
     changed = changed || data.inputs[r].share != share;
   }
   s.seen_parameters = s.base->parameters;

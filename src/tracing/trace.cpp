@@ -136,7 +136,7 @@ void Tracing::fitBaseline(std::vector<identification::Observation> training) {
   for (int r = 0; r < count; ++r) {
     data_.inputs.push_back(
         effectInput(robot_, data_.recordings[static_cast<std::size_t>(r)], base.friction_laws, r, count));
-    setForces(data_.inputs.back(), base.columns, base.parameters, {});
+    setModel(data_.inputs.back(), base.columns, base.parameters);
   }
   result_.baseline = base;
   s_.data = &data_;

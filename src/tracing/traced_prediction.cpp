@@ -38,7 +38,8 @@ Eigen::MatrixXd predictTraced(const mechanism::Robot& robot, const TraceResult& 
   }
   lookAhead(input, acting);
   const SurrogateEffects forces = settleForces(input, result.base.columns, result.seen_parameters, acting);
-  setForces(input, result.base.columns, result.parameters, forces.friction_N + forces.load_N);
+  setModel(input, result.base.columns, result.parameters);
+  setEffects(input, forces.friction_N + forces.load_N);
   identification::keepWithinTrainedRange(result.base.trained_force_N, o.motion, input.force_N);
   return input.force_N;
 }

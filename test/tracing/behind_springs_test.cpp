@@ -16,7 +16,7 @@ constexpr double kStiff = 4e6;  // N/m: some thousandths are left to gravity
 
 class BehindSprings : public testing::Test {
  protected:
-  BehindSprings() { setForces(input_, columns_, parameters(), {}); }
+  BehindSprings() { setModel(input_, columns_, parameters()); }
 
   /// Every leg would be longer by this sine if it moved slowly.
   Eigen::MatrixXd sine(double hz) const {

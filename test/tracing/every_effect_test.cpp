@@ -71,7 +71,7 @@ class EveryEffect : public testing::TestWithParam<Entry> {
     for (std::size_t r = 0; r < m_.data.recordings.size(); ++r) {
       m_.data.inputs.push_back(
           effectInput(m_.robot, machine().data.recordings[r], m_.base.friction_laws, static_cast<int>(r), 2));
-      setForces(m_.data.inputs.back(), m_.base.columns, m_.base.parameters, {});
+      setModel(m_.data.inputs.back(), m_.base.columns, m_.base.parameters);
     }
     for (const auto& candidate : *machine().candidates) {
       if (candidate->name() == GetParam().name && candidate->shared() == GetParam().shared)
@@ -110,6 +110,15 @@ TEST_P(EveryEffect, HasFiniteColumnsThatActOnItsActuatorOnly) {
     }
   }
   EXPECT_GT(effectRows(m_.data, h).norm(), 0.0) << "the effect does nothing";
+}
+
+TEST_P(EveryEffect, ActsOnEveryActuatorAsItDoesOnAllTogether) {
+  const Hypothesis h = hypothesis();
+  const EffectInput& input = m_.data.inputs.front();
+  const std::vector<Eigen::MatrixXd> all = candidate_->columnsOfAll(input, h.shape);
+  ASSERT_EQ(all.size(), static_cast<std::size_t>(input.axes()));
+  for (int i = 0; i < input.axes(); ++i)
+    EXPECT_EQ(all[static_cast<std::size_t>(i)], candidate_->columns(input, i, h.shape));
 }
 
 TEST_P(EveryEffect, KeepsShapesWithinItsBounds) {

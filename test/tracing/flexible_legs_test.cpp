@@ -99,7 +99,7 @@ Lacking lackingOf(const mechanism::Robot& robot, const mechanism::Vector4& compl
   const std::vector<dynamics::FrictionLaw> laws(4, dynamics::stopLaw(1e-5));
   identification::setFriction(o, columns, laws);
   EffectInput in = effectInput(robot, o, laws, 0, 1);
-  setForces(in, columns, parameters, {});
+  setModel(in, columns, parameters);
   Lacking out{o.signals.force_N - in.force_N, Eigen::MatrixXd::Zero(in.samples(), 4)};
   for (const auto& candidate : namedCandidates(robot)) {
     if (candidate->name() != "flexible_coupling" || !candidate->shared()) continue;

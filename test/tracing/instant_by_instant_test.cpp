@@ -35,7 +35,7 @@ struct Machine {
   EffectInput input(int recording) const {
     EffectInput in = effectInput(robot, recordings[static_cast<std::size_t>(recording)], result.base.friction_laws,
                                  recording < 2 ? recording : -1, 2);
-    setForces(in, result.base.columns, result.seen_parameters, {});
+    setModel(in, result.base.columns, result.seen_parameters);
     return in;
   }
 };

@@ -31,12 +31,12 @@ TEST(LengthResponse, IsWhatTheWholeModelChangesByWhereALegIsLonger) {
     if (rigid) parameters[static_cast<Eigen::Index>(c)] = 1.0 + 0.1 * static_cast<double>(c % 7);
   }
   EffectInput input = effectInput(robot, here, laws, 0, 1);
-  setForces(input, columns, parameters, {});
+  setModel(input, columns, parameters);
   constexpr double kLonger_m = 2e-4;
   for (int leg = 0; leg < 4; ++leg) {
     const identification::Observation there = seen(robot, kLonger_m * mechanism::Vector4::Unit(leg));
     EffectInput moved = effectInput(robot, there, laws, 0, 1);
-    setForces(moved, columns, parameters, {});
+    setModel(moved, columns, parameters);
     for (int i = 0; i < 4; ++i) {
       const Eigen::VectorXd change = moved.load_N.col(i) - input.load_N.col(i);
       Eigen::VectorXd response(input.samples());

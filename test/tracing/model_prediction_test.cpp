@@ -53,7 +53,7 @@ const Fitted& fittedRobot() {
 FoundEffect someEffect(const Fitted& f, const Candidate& candidate, int actuator) {
   std::vector<identification::Observation> recordings = f.training;
   EffectInput input = effectInput(f.robot, recordings[1], f.result.base.friction_laws, 1, 2);
-  setForces(input, f.result.base.columns, f.result.seen_parameters, {});
+  setModel(input, f.result.base.columns, f.result.seen_parameters);
   FoundEffect e;
   const std::vector<std::vector<double>> shapes = candidate.shapes(input, actuator);
   e.hypothesis = {{&candidate, candidate.shared() ? -1 : actuator}, shapes[shapes.size() / 2]};
@@ -90,7 +90,7 @@ void expectEveryEffectSame(const Fitted& f) {
   std::vector<EffectInput> inputs;
   for (int k = 0; k < 2; ++k) {
     inputs.push_back(effectInput(f.robot, f.training[static_cast<std::size_t>(k)], f.result.base.friction_laws, k, 2));
-    setForces(inputs.back(), f.result.base.columns, f.result.seen_parameters, {});
+    setModel(inputs.back(), f.result.base.columns, f.result.seen_parameters);
   }
   for (auto& map : mapCandidates(inputs))
     list->push_back(std::move(map));

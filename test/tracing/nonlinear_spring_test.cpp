@@ -14,10 +14,10 @@ TEST_F(NonlinearSpring, ExplainsACableThatHangsSlackWhereAStraightOneDoesNot) {
   for (int i = 0; i < data_.stack.axes; ++i) {
     std::vector<Eigen::MatrixXd> pulls;
     for (const EffectInput& input : data_.inputs) {
-      const Line line = lineBetween(input, i, anchorsOf(anchors));
+      const Line line = lineBetween(input, anchorsOf(anchors));
       const double slack_m = 0.5 * (line.length_m.minCoeff() + line.length_m.maxCoeff());
       pulls.emplace_back(
-          line.lever.cwiseProduct(Eigen::VectorXd(4e3 * (line.length_m.array() - slack_m).max(0.0).square())));
+          line.lever.col(i).cwiseProduct(Eigen::VectorXd(4e3 * (line.length_m.array() - slack_m).max(0.0).square())));
     }
     force_N.segment(i * data_.stack.size(), data_.stack.size()) = gather(data_.stack, data_.recordings, pulls);
   }

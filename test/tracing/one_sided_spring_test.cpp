@@ -11,7 +11,7 @@ class OneSidedSpring : public SearchedMachine {
   /// Tied to a point above the platform, slack in half of the motion.
   std::vector<double> strap(double side) const {
     const Anchors anchors{{0.1, 0.1, 1.4}, {0.0, 0.05, 0.0}};
-    const Line line = lineBetween(data_.inputs.front(), 0, anchors);
+    const Line line = lineBetween(data_.inputs.front(), anchors);
     const double middle_m = 0.5 * (line.length_m.minCoeff() + line.length_m.maxCoeff());
     return {0.1, 0.1, 0.0, 0.05, 1.4, middle_m, 1.3, 0.002, side};
   }

@@ -17,8 +17,8 @@ class Refine : public SearchedMachine {
     for (int i = 0; i < data_.stack.axes; ++i) {
       std::vector<Eigen::MatrixXd> pulls;
       for (const EffectInput& input : data_.inputs) {
-        const Line line = lineBetween(input, i, anchorsOf(anchors));
-        pulls.emplace_back(line.lever.cwiseProduct(Eigen::VectorXd(3e3 * line.length_m.array())));
+        const Line line = lineBetween(input, anchorsOf(anchors));
+        pulls.emplace_back(line.lever.col(i).cwiseProduct(Eigen::VectorXd(3e3 * line.length_m.array())));
       }
       force_N.segment(i * data_.stack.size(), data_.stack.size()) = gather(data_.stack, data_.recordings, pulls);
     }
@@ -54,7 +54,7 @@ TEST_F(Refine, LeavesNoMoreThanBefore) {
   // A strap from above, and a curve over another distance that stands for it: wherever its anchor is far away the base
   // explains nearly all of its columns, which a fit without any pull would have in any size.
   const Anchors above{{0.1, 0.15, 1.4}, {0.04, -0.14, 0.0}};
-  const Line line = lineBetween(data_.inputs.front(), 0, above);
+  const Line line = lineBetween(data_.inputs.front(), above);
   const double least_m = line.length_m.minCoeff(), from_m = least_m + 0.3 * (line.length_m.maxCoeff() - least_m);
   base_.pull.setZero();
   add(effectRows(data_, named("one_sided_spring", {0.1, 0.15, 0.04, -0.14, 1.4, from_m, 1.5, 0.002, 1.0})) *

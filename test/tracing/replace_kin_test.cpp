@@ -24,7 +24,7 @@ class ReplaceKin : public SearchedMachine {
   }
   /// Slack in half of the motion.
   std::vector<double> strap() const {
-    const Line line = lineBetween(data_.inputs.front(), 0, anchorsOf(kStrap));
+    const Line line = lineBetween(data_.inputs.front(), anchorsOf(kStrap));
     const double middle_m = 0.5 * (line.length_m.minCoeff() + line.length_m.maxCoeff());
     return {kStrap[0], kStrap[1], kStrap[2], kStrap[3], 0.0, middle_m, 1.5, 0.002, 1.0};
   }

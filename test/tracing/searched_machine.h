@@ -34,7 +34,7 @@ class SearchedMachine : public testing::Test {
     setAttention(data_, Attention::All);
     for (std::size_t r = 0; r < data_.recordings.size(); ++r) {
       data_.inputs.push_back(effectInput(robot_, data_.recordings[r], base_.friction_laws, static_cast<int>(r), 2));
-      setForces(data_.inputs.back(), base_.columns, base_.parameters, {});
+      setModel(data_.inputs.back(), base_.columns, base_.parameters);
     }
     search_.data = &data_;
     search_.base = &base_;

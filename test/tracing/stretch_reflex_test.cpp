@@ -14,11 +14,11 @@ class StretchReflex : public SearchedMachine {
     return {-0.3, 0.1, 0.1, 0.05, 0.9, threshold_m_per_s, kDelay_s, kDecay_s, kStretch_m};
   }
   const Candidate& reflex() const { return *named("stretch_reflex", {}).place.candidate; }
-  Line line() const { return lineBetween(data_.inputs.front(), kActuator, {{-0.3, 0.1, 0.9}, {0.1, 0.05, 0.0}}); }
+  Line line() const { return lineBetween(data_.inputs.front(), {{-0.3, 0.1, 0.9}, {0.1, 0.05, 0.0}}); }
   /// Share of the muscle's pull that acts, between 0 and 1.
   Eigen::VectorXd activation(double threshold_m_per_s) const {
     const Eigen::MatrixXd pull = reflex().columns(data_.inputs.front(), kActuator, muscle(threshold_m_per_s));
-    return pull.col(0).cwiseQuotient(line().lever);
+    return pull.col(0).cwiseQuotient(line().lever.col(kActuator));
   }
 };
 

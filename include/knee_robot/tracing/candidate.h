@@ -90,6 +90,8 @@ class Candidate {
   virtual std::vector<Coefficient> coefficients(const EffectInput& input) const = 0;
   /// Force on `actuator` per unit of each coefficient: samples x coefficients.
   virtual Eigen::MatrixXd columns(const EffectInput& input, int actuator, const std::vector<double>& shape) const = 0;
+  /// The same of every actuator. To be overridden where they share most of the work.
+  virtual std::vector<Eigen::MatrixXd> columnsOfAll(const EffectInput& input, const std::vector<double>& shape) const;
   /// Coefficients for a recording that is none of the training ones; empty when the effect predicts nothing there.
   /// Usually those of training, if the effect transfers.
   virtual Eigen::VectorXd elsewhere(const Eigen::VectorXd& coefficients) const;

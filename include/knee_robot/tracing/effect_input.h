@@ -19,6 +19,7 @@ struct EffectInput {
   Eigen::MatrixXd share;  ///< of full Coulomb friction, in [-1, 1], by the law that was chosen for the actuator
   Eigen::MatrixXd friction_position_m;  ///< without ways back that the encoder does not tell
   Eigen::MatrixXd load_N;    ///< rigid body, rotor and offset: what the screw carries, without the actuator's friction
+  Eigen::MatrixXd model_N;   ///< of the current linear model, without effects
   Eigen::MatrixXd force_N;   ///< the whole current model
   Eigen::MatrixXd needed_N;  ///< the same without what lies in the drives (Candidate::ofDrive)
   Eigen::VectorXd ahead_s;   ///< per actuator, by which the current model's command runs ahead of it
@@ -46,14 +47,15 @@ struct EffectInput {
   }
 };
 
-/// What does not depend on the model's parameters; forces are zero until setForces.
+/// What does not depend on the model's parameters; forces are zero until setModel.
 EffectInput effectInput(const mechanism::Robot& robot, const identification::Observation& observation,
                         const std::vector<dynamics::FrictionLaw>& laws, int recording, int recordings);
 
-/// Forces of a linear model along the recording. `effects_N` (samples x axes, may be empty) are those of effects found
-/// so far, `drive_N` those of them that lie in the drives.
-void setForces(EffectInput& input, const std::vector<identification::Column>& columns,
-               const Eigen::VectorXd& parameters, const Eigen::MatrixXd& effects_N,
-               const Eigen::MatrixXd& drive_N = {});
+/// Forces of a linear model along the recording, of which the platform and the axes make others; no effects.
+void setModel(EffectInput& input, const std::vector<identification::Column>& columns,
+              const Eigen::VectorXd& parameters);
+/// `effects_N` (samples x axes, may be empty) are the forces of effects found so far beside that model, `drive_N` those
+/// of them that lie in the drives.
+void setEffects(EffectInput& input, const Eigen::MatrixXd& effects_N, const Eigen::MatrixXd& drive_N = {});
 
 }  // namespace knee_robot::tracing

@@ -51,6 +51,8 @@ Eigen::MatrixXd effectRows(const TraceData& data, const Hypothesis& hypothesis);
 /// The same of several.
 std::vector<Eigen::MatrixXd> effectRows(const TraceData& data, const std::vector<Hypothesis>& effects);
 
+/// Columns of a hypothesis along one recording, on the grid, of the actuators on which it acts: its own, or all.
+std::vector<Eigen::MatrixXd> actingColumns(const EffectInput& input, const Hypothesis& hypothesis);
 /// Columns of a hypothesis along one recording, for one actuator, on the grid; zero where it does not act.
 Eigen::MatrixXd effectColumns(const EffectInput& input, const Hypothesis& hypothesis, int actuator);
 

@@ -73,11 +73,11 @@ class OneSidedSpring : public RaisedLineEffect {
   }
 };
 
-std::vector<std::vector<double>> OneSidedSpring::shapes(const EffectInput& input, int actuator) const {
+std::vector<std::vector<double>> OneSidedSpring::shapes(const EffectInput& input, int) const {
   std::vector<std::vector<double>> grid;
   for (std::vector<double> shape : anchorsToTry(input)) {
     shape.insert(shape.end(), {0.0, 1.0, kUsualLossWay_m, 1.0});
-    const Line line = lineBetween(input, std::max(0, actuator), anchors(shape));
+    const Line line = lineBetween(input, anchors(shape));
     std::vector<double> lengths_m(line.length_m.data(), line.length_m.data() + line.length_m.size());
     std::sort(lengths_m.begin(), lengths_m.end());
     for (const double share : kFreeShares) {

@@ -35,17 +35,17 @@ LineNow lineNow(const mechanism::Motion& motion, const mechanism::Matrix3& rotat
 
 }  // namespace
 
-Line lineBetween(const EffectInput& input, int actuator, const Anchors& anchors) {
+Line lineBetween(const EffectInput& input, const Anchors& anchors) {
   Line out;
   out.period_s = input.signals().period_s;
-  out.lever.resize(input.samples());
+  out.lever.resize(input.samples(), input.axes());
   out.length_m.resize(input.samples());
   out.rate_m_per_s.resize(input.samples());
   out.way_m.resize(input.samples());
   for (int n = 0; n < input.samples(); ++n) {
     const std::size_t sample = static_cast<std::size_t>(n);
     const LineNow line = lineNow(input.observation->motion.motion[sample], input.rotation[sample], anchors);
-    out.lever[n] = input.force_per_pose_force[sample].row(actuator).dot(line.force_on_pose);
+    out.lever.row(n) = (input.force_per_pose_force[sample] * line.force_on_pose).transpose();
     out.length_m[n] = line.length_m;
     out.rate_m_per_s[n] = line.rate_m_per_s;
     out.way_m[n] =
@@ -110,8 +110,18 @@ std::vector<std::vector<double>> LineEffect::near(const std::vector<double>& sha
 }
 
 Eigen::MatrixXd LineEffect::columns(const EffectInput& input, int actuator, const std::vector<double>& shape) const {
-  const Line line = lineBetween(input, actuator, anchors(shape));
-  return line.lever.asDiagonal() * resistance(line, shape);
+  const Line line = lineBetween(input, anchors(shape));
+  return line.lever.col(actuator).asDiagonal() * resistance(line, shape);
+}
+
+std::vector<Eigen::MatrixXd> LineEffect::columnsOfAll(const EffectInput& input,
+                                                      const std::vector<double>& shape) const {
+  const Line line = lineBetween(input, anchors(shape));
+  const Eigen::MatrixXd per_coefficient_N = resistance(line, shape);
+  std::vector<Eigen::MatrixXd> out;
+  for (int i = 0; i < input.axes(); ++i)
+    out.push_back(line.lever.col(i).asDiagonal() * per_coefficient_N);
+  return out;
 }
 
 std::vector<ShapeParameter> RaisedLineEffect::shapeParameters() const {

@@ -12,12 +12,12 @@ struct Anchors {
 
 /// The straight line between them along a recording, one entry a sample.
 struct Line {
-  Eigen::VectorXd lever;  ///< force of one actuator per newton of force that the actuators need to lengthen the line
+  Eigen::MatrixXd lever;  ///< samples x actuators: force of each per newton of force that lengthens the line
   Eigen::VectorXd length_m, rate_m_per_s;
   double period_s = 0.0;  ///< of the samples
   Eigen::VectorXd way_m;  ///< by which it became longer since the sample before, by its rates
 };
-Line lineBetween(const EffectInput& input, int actuator, const Anchors& anchors);
+Line lineBetween(const EffectInput& input, const Anchors& anchors);
 /// Of a shape that begins with X and Y of the base point and of the platform point; both are at height 0.
 Anchors anchorsOf(const std::vector<double>& shape);
 
@@ -35,6 +35,7 @@ class LineEffect : public Candidate {
   std::vector<std::vector<double>> shapes(const EffectInput& input, int actuator) const override;
   std::vector<std::vector<double>> near(const std::vector<double>& shape, double step) const override;
   Eigen::MatrixXd columns(const EffectInput& input, int actuator, const std::vector<double>& shape) const override;
+  std::vector<Eigen::MatrixXd> columnsOfAll(const EffectInput& input, const std::vector<double>& shape) const override;
 
  protected:
   virtual Anchors anchors(const std::vector<double>& shape) const { return anchorsOf(shape); }
