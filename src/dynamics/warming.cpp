@@ -8,10 +8,28 @@ namespace {
 constexpr double kRests_m_per_s = 1e-3;       ///< below it an axis stands rather than moves
 constexpr double kWorksFully_m_per_s = 2e-2;  ///< by definition: the size of the change is per this speed
 
+/// Power of friction over that of dry friction at the speed above.
+double powerAt(const HeatSource& source, double velocity_m_per_s) noexcept {
+  const double speed = std::abs(velocity_m_per_s);
+  return speed * (1.0 + source.viscous_s_per_m * speed) / kWorksFully_m_per_s;
+}
+
+/// As a share of what warms it up for good.
+double heatAt(const HeatSource& source, double velocity_m_per_s) noexcept {
+  if (source.by == Heat::Clock || source.by == Heat::Worked) return 1.0;
+  if (source.by == Heat::Work) return powerAt(source, velocity_m_per_s);
+  const double square = velocity_m_per_s * velocity_m_per_s;
+  return square / (square + kRests_m_per_s * kRests_m_per_s);
+}
+
+double lagged(double value, double heat, double time_constants) noexcept {
+  return value + (heat - value) * -std::expm1(-time_constants);
+}
+
 }  // namespace
 
 std::optional<Heat> heatOf(double number) noexcept {
-  for (const Heat by : {Heat::Clock, Heat::Motion, Heat::Work}) {
+  for (const Heat by : {Heat::Clock, Heat::Motion, Heat::Work, Heat::Worked}) {
     if (number == numberOf(by)) return by;
   }
   return {};
@@ -21,16 +39,13 @@ double numberOf(Heat by) noexcept {
   return static_cast<double>(by);
 }
 
-double heatAt(Heat by, double velocity_m_per_s) noexcept {
-  if (by == Heat::Clock) return 1.0;
-  if (by == Heat::Work) return std::abs(velocity_m_per_s) / kWorksFully_m_per_s;
-  const double square = velocity_m_per_s * velocity_m_per_s;
-  return square / (square + kRests_m_per_s * kRests_m_per_s);
+double Warmth::move(const HeatSource& by, double velocity_m_per_s, double duration_s, double time_constant_s) noexcept {
+  const double pace = by.by == Heat::Worked ? powerAt(by, velocity_m_per_s) : 1.0;
+  return value = lagged(value, heatAt(by, velocity_m_per_s), pace * duration_s / time_constant_s);
 }
 
-double Warmth::step(double heat, double duration_s, double time_constant_s) noexcept {
-  value += (heat - value) * -std::expm1(-duration_s / time_constant_s);
-  return value;
+double Warmth::cool(Heat by, double duration_s, double time_constant_s) noexcept {
+  return value = lagged(value, 0.0, by == Heat::Worked ? 0.0 : duration_s / time_constant_s);
 }
 
 }  // namespace knee_robot::dynamics

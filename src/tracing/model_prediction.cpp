@@ -94,7 +94,7 @@ FoundEffect effectOf(const mechanism::Robot& robot, const dynamics::ModelEffect&
   for (const dynamics::EffectParameter& p : shape) {
     if (p.name == heatedByParameter().name && !dynamics::heatOf(p.value)) {
       throw InputError(model_path + ": effect " + m.name + " has " + p.name + " " + shortNumber(p.value, 4) +
-                       ", which is none of 0 (the clock), 1 (motion) and 2 (work); trace again");
+                       ", which is none of 0 (the clock), 1 (motion), 2 (work) and 3 (worked); trace again");
     }
     const double low = candidate->shapeParameters()[e.hypothesis.shape.size()].low;
     if (low > 0.0 && !(p.value > 0.0)) {

@@ -1,4 +1,4 @@
-// What warms the drives up: the clock, their time in motion or their work. The search knows the clock alone.
+// What warms the drives up: the clock, their time in motion, or work. The search knows the clock alone.
 
 #include "settle_heat.h"
 
@@ -21,7 +21,8 @@ using dynamics::Heat;
 /// Standard errors by which another heat must be better than the clock to be taken, since friction that warms up by the
 /// clock is no more likely beforehand; and to be sure of it.
 constexpr double kTakenErrors = 1.0, kSureErrors = 2.0;
-constexpr int kRounds = 2;  ///< of refinement, each by a half of a time constant at most
+constexpr int kRounds = 2, kRoundsOfOthers = 5;  ///< of refinement, each by a half of a time constant at most
+constexpr double kLeastDry_N = 0.1, kMostViscous_s_per_m = 1000.0;
 
 bool warms(const FoundEffect& e, const Candidate* kind) {
   return e.hypothesis.place.candidate == kind && !std::isnan(e.p) && dynamic_cast<const WarmUp*>(kind) != nullptr;
@@ -33,15 +34,33 @@ Eigen::VectorXd heldBackAsIs(Search& s, const Eigen::VectorXd& noise_N) {
   return problemOf(s, hypothesesOf(s.effects)).heldBack();
 }
 
+/// A hypothesis, and how it is said.
+struct Heated {
+  Heat by;
+  bool viscous;  ///< viscous friction heats, too
+  const char* said;
+};
+constexpr Heated kHeats[] = {{Heat::Motion, false, "the time in motion"},
+                             {Heat::Work, false, "the work of dry friction"},
+                             {Heat::Work, true, "the work of friction"},
+                             {Heat::Worked, true, "the work of friction so far, each joule less than the one before,"}};
+
+/// Viscous per dry friction of an actuator, in the current model.
+double viscousPerDry(const Search& s, int actuator) {
+  const EffectInput& input = s.data->inputs.front();
+  return std::clamp(input.viscous[actuator] / std::max(kLeastDry_N, input.coulomb_N[actuator]), 0.0,
+                    kMostViscous_s_per_m);
+}
+
 /// Held-back squares with the drives warmed up by `heat`, with time constants that suit it; weighted with `noise_N`.
-Eigen::VectorXd heldBackWith(Search& s, const Candidate* kind, Heat heat, const Eigen::VectorXd& noise_N) {
+Eigen::VectorXd heldBackWith(Search& s, const Candidate* kind, const Heated& heat, const Eigen::VectorXd& noise_N) {
   const auto each = [&](const auto& change) {
     for (FoundEffect& e : s.effects) {
       if (warms(e, kind)) change(e.hypothesis);
     }
   };
   bool suits = true;
-  each([&](Hypothesis& h) { suits = suits && h.shape[WarmUp::kHeatedBy] == dynamics::numberOf(heat); });
+  each([&](Hypothesis& h) { suits = suits && h.shape[WarmUp::kHeatedBy] == dynamics::numberOf(heat.by); });
   std::set<double> constants;
   for (const std::vector<double>& shape : kind->shapes(s.data->inputs.front(), 0))
     constants.insert(shape[0]);
@@ -51,7 +70,8 @@ Eigen::VectorXd heldBackWith(Search& s, const Candidate* kind, Heat heat, const 
   for (const double constant_s : constants) {
     each([&](Hypothesis& h) {
       h.shape[0] = constant_s;
-      h.shape[WarmUp::kHeatedBy] = dynamics::numberOf(heat);
+      h.shape[WarmUp::kHeatedBy] = dynamics::numberOf(heat.by);
+      h.shape[WarmUp::kViscousHeat] = heat.viscous ? viscousPerDry(s, h.place.actuator) : 0.0;
     });
     const double left = heldBackAsIs(s, noise_N).sum();
     if (left >= least) continue;
@@ -59,7 +79,7 @@ Eigen::VectorXd heldBackWith(Search& s, const Candidate* kind, Heat heat, const 
     best = s.effects;
   }
   s.effects = best;
-  for (int round = 0; round < kRounds; ++round)
+  for (int round = 0; round < (suits ? kRounds : kRoundsOfOthers); ++round)
     refineShapes(s);
   return heldBackAsIs(s, noise_N);
 }
@@ -69,12 +89,12 @@ Eigen::VectorXd heldBackWith(Search& s, const Candidate* kind, Heat heat, const 
 std::string settleHeat(Search& s, const Candidate* kind) {
   if (std::none_of(s.effects.begin(), s.effects.end(), [&](const FoundEffect& e) { return warms(e, kind); })) return "";
   const std::vector<FoundEffect> found = s.effects;
-  const Eigen::VectorXd noise_N = s.rms_N, clock = heldBackWith(s, kind, Heat::Clock, noise_N);
+  const Eigen::VectorXd noise_N = s.rms_N, clock = heldBackWith(s, kind, {Heat::Clock, false, ""}, noise_N);
   std::vector<FoundEffect> best = s.effects;
   double least = clock.sum();
   bool surely = true;  // no other heat is near
   std::string said;
-  for (const Heat heat : {Heat::Motion, Heat::Work}) {
+  for (const Heated& heat : kHeats) {
     s.effects = found;
     const Eigen::VectorXd other = heldBackWith(s, kind, heat, noise_N);
     const HeldBackGain gain = heldBackGain(clock - other);
@@ -82,8 +102,7 @@ std::string settleHeat(Search& s, const Candidate* kind) {
     if (gain.mean <= kTakenErrors * gain.error || other.sum() >= least) continue;
     least = other.sum();
     best = s.effects;
-    said = "What warms the drives up (" + kind->name() + ") is " +
-           (heat == Heat::Motion ? "the time in motion" : "the work of friction") +
+    said = "What warms the drives up (" + kind->name() + ") is " + heat.said +
            " rather than the clock: held-back blocks are " +
            (gain.mean > kSureErrors * gain.error
                 ? "surely predicted better."

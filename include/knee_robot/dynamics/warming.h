@@ -8,23 +8,30 @@ namespace knee_robot::dynamics {
 enum class Heat {
   Clock = 0,   ///< time alone, from the moment the drive takes up load
   Motion = 1,  ///< the time in motion; it cools at rest
-  Work = 2,    ///< the way, and with it the work of dry friction; it cools at rest
+  Work = 2,    ///< the power of friction; it cools at rest
+  Worked = 3,  ///< the work of friction so far, each joule less than the one before (grease that is worked, friction
+               ///< that falls off exponentially with what it has warmed); it does not cool
+};
+
+struct HeatSource {
+  Heat by = Heat::Clock;
+  double viscous_s_per_m = 0.0;  ///< viscous friction per dry friction: its part in the power
 };
 
 /// The heat that a number stands for; none: the number stands for nothing.
 std::optional<Heat> heatOf(double number) noexcept;
 double numberOf(Heat by) noexcept;
 
-/// Heat that a drive takes up at this speed (m/s), as a share of what warms it up for good. By the clock: 1. In motion:
-/// 1, beyond about 1 mm/s. By work: speed / 20 mm/s. Real-time safe.
-double heatAt(Heat by, double velocity_m_per_s) noexcept;
-
-/// How warm a drive is, 0 cold, 1 warmed up by a heat of 1: a first-order lag of that heat. Real-time safe.
+/// How warm a drive is, 0 cold, 1 warmed up by a heat of 1: a first-order lag of that heat. The heat, by the clock: 1. In
+/// motion: 1, beyond about 1 mm/s. By work: the power over that of dry friction at 20 mm/s. By what was worked: 1, but
+/// time passes in proportion to that power. Real-time safe.
 struct Warmth {
   double value = 0.0;
 
-  /// A time at one heat (s); no heat: it cools.
-  double step(double heat, double duration_s, double time_constant_s) noexcept;
+  /// A time (s) at one speed. Both return the new value.
+  double move(const HeatSource& by, double velocity_m_per_s, double duration_s, double time_constant_s) noexcept;
+  /// A time without power.
+  double cool(Heat by, double duration_s, double time_constant_s) noexcept;
 };
 
 }  // namespace knee_robot::dynamics

@@ -7,7 +7,8 @@ namespace {
 /// Friction that changes as the drive warms up. Its state is how warm it is.
 class ThermalDrift : public EffectLaw {
  public:
-  ThermalDrift(double time_constant_s, Heat heated_by) : time_constant_s_(time_constant_s), heated_by_(heated_by) {}
+  ThermalDrift(double time_constant_s, const HeatSource& heated_by)
+      : time_constant_s_(time_constant_s), heated_by_(heated_by) {}
   EffectPart part() const noexcept override { return EffectPart::Friction; }
   int coefficients() const noexcept override { return 2; }
   /// Beyond its own: how warm each recording began.
@@ -18,25 +19,27 @@ class ThermalDrift : public EffectLaw {
   void columns(const EffectInstant& at, EffectState& state, EffectColumns& out) const noexcept override {
     const double velocity_m_per_s = at.velocity_m_per_s[at.actuator];
     Warmth warmth{state.value};
-    state.value = warmth.step(heatAt(heated_by_, velocity_m_per_s), at.period_s, time_constant_s_);
+    state.value = warmth.move(heated_by_, velocity_m_per_s, at.period_s, time_constant_s_);
     out[0] = state.value * at.share;
     out[1] = state.value * velocity_m_per_s;
   }
   void rest(double duration_s, EffectState& state) const noexcept override {
     Warmth warmth{state.value};
-    state.value = warmth.step(0.0, duration_s, time_constant_s_);
+    state.value = warmth.cool(heated_by_.by, duration_s, time_constant_s_);
   }
 
  private:
   const double time_constant_s_;
-  const Heat heated_by_;
+  const HeatSource heated_by_;
 };
 
 }  // namespace
 
 Law thermalDriftLaw(const Shape& shape) {
   const std::optional<Heat> heated_by = shape.size() > 1 ? heatOf(shape[1]) : Heat::Clock;
-  return heated_by ? std::make_unique<ThermalDrift>(shape[0], *heated_by) : nullptr;
+  if (!heated_by) return nullptr;
+  const double viscous_s_per_m = shape.size() > 3 ? shape[2] : 0.0;  // three: of a file that did not know it
+  return std::make_unique<ThermalDrift>(shape[0], HeatSource{*heated_by, viscous_s_per_m});
 }
 
 }  // namespace knee_robot::dynamics

@@ -10,35 +10,42 @@ namespace knee_robot::tracing {
 namespace {
 
 constexpr double kShortestTime_s = 10.0, kLongestTime_s = 300.0;
+constexpr double kMostViscous_s_per_m = 1000.0;
 constexpr int kConstants = 4;         ///< in the grid
 constexpr double kTimeFactor = 1.75;  ///< between neighbours
 
+dynamics::HeatSource heatedBy(const std::vector<double>& shape) {
+  return {dynamics::heatOf(shape[WarmUp::kHeatedBy]).value_or(dynamics::Heat::Clock), shape[WarmUp::kViscousHeat]};
+}
+
 /// How warm the actuator's drive is along a recording that begins cold.
 std::vector<double> warmthAlong(const EffectInput& input, int actuator, const std::vector<double>& shape) {
-  const dynamics::Heat by = dynamics::heatOf(shape[WarmUp::kHeatedBy]).value_or(dynamics::Heat::Clock);
+  const dynamics::HeatSource by = heatedBy(shape);
   const auto velocity = input.signals().velocity_m_per_s.col(actuator);
   std::vector<double> out(static_cast<std::size_t>(input.samples()), 0.0);
   dynamics::Warmth warmth;
   for (int n = 1; n < input.samples(); ++n)
-    out[static_cast<std::size_t>(n)] =
-        warmth.step(dynamics::heatAt(by, velocity[n]), input.time(n) - input.time(n - 1), shape[0]);
+    out[static_cast<std::size_t>(n)] = warmth.move(by, velocity[n], input.time(n) - input.time(n - 1), shape[0]);
   return out;
 }
 
 }  // namespace
 
 ShapeParameter heatedByParameter() {
-  return {"heated_by", 0.0, dynamics::numberOf(dynamics::Heat::Work), true, dynamics::numberOf(dynamics::Heat::Clock)};
+  return {"heated_by", 0.0, dynamics::numberOf(dynamics::Heat::Worked), true,
+          dynamics::numberOf(dynamics::Heat::Clock)};
 }
 
 std::vector<ShapeParameter> WarmUp::shapeParameters() const {
-  return {{"time_constant_s", kShortestTime_s, kLongestTime_s}, heatedByParameter()};
+  return {{"time_constant_s", kShortestTime_s, kLongestTime_s},
+          heatedByParameter(),
+          {"viscous_heat_s_per_m", 0.0, kMostViscous_s_per_m, true, 0.0}};
 }
 
 std::vector<std::vector<double>> WarmUp::shapes(const EffectInput&, int) const {
   std::vector<std::vector<double>> out = geometricGrid(kShortestTime_s, kLongestTime_s, kConstants);
   for (std::vector<double>& shape : out)
-    shape.push_back(dynamics::numberOf(dynamics::Heat::Clock));
+    shape.insert(shape.end(), {dynamics::numberOf(dynamics::Heat::Clock), 0.0});
   return out;
 }
 
@@ -65,11 +72,13 @@ std::vector<Coefficient> WarmUp::coefficients(const EffectInput& input) const {
 Eigen::MatrixXd WarmUp::columns(const EffectInput& input, int actuator, const std::vector<double>& shape) const {
   const Eigen::MatrixXd change = changing(input, actuator, shape);
   const std::vector<double> warm = warmthAlong(input, actuator, shape);
+  const bool worked = heatedBy(shape).by == dynamics::Heat::Worked;
   Eigen::MatrixXd out(change.rows(), change.cols() * std::max(1, input.recordings));
   for (Eigen::Index n = 0; n < change.rows(); ++n) {
-    const double cold = std::exp(-input.time(static_cast<int>(n)) / shape[0]);
-    out.row(n).head(change.cols()) = warm[static_cast<std::size_t>(n)] * change.row(n);
-    // What it began with fades, whatever heats it. The first recording takes what all others have more, so that the mean is nought.
+    const double own = warm[static_cast<std::size_t>(n)];
+    const double cold = worked ? 1.0 - own : std::exp(-input.time(static_cast<int>(n)) / shape[0]);
+    out.row(n).head(change.cols()) = own * change.row(n);
+    // What it began with fades in time, whatever heats it; what had been worked less, by work. The first recording takes what all others have more, so that the mean is nought.
     for (int r = 1; r < input.recordings; ++r) {
       const double of_this = input.recording == r ? cold : input.recording == 0 ? -cold : 0.0;
       out.row(n).segment(change.cols() * r, change.cols()) = of_this * change.row(n);

@@ -8,12 +8,13 @@ namespace knee_robot::tracing {
 ShapeParameter heatedByParameter();
 
 /// What changes while a drive warms up, from the start of each recording, with a time constant (the first shape
-/// parameter) and by the clock, its time in motion or its work (the second, dynamics::Heat; the search begins with the
-/// clock, settleHeat decides). Recordings need not begin equally warm: each after the first may begin with more or less than the mean
-/// of all, which fades with the same constant.
+/// parameter), and by the clock, its time in motion or the work of its friction (the second, dynamics::Heat, and the
+/// third, HeatSource::viscous_s_per_m; the search begins with the clock, settleHeat decides). Recordings need not begin
+/// equally warm: each after the first may begin with more or less than the mean of all, which fades with the same
+/// constant.
 class WarmUp : public Candidate {
  public:
-  static constexpr std::size_t kHeatedBy = 1;  ///< of the shape
+  static constexpr std::size_t kHeatedBy = 1, kViscousHeat = 2;  ///< of the shape
 
   bool goesWithTime() const override { return true; }
   std::vector<ShapeParameter> shapeParameters() const override;
