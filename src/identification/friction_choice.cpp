@@ -17,6 +17,9 @@ using dynamics::FrictionElement;
 constexpr double kWithinErrors = 0.25;
 /// The same where a whole spectrum is the best: with that many shares it comes near to any law.
 constexpr double kWithinErrorsOfSpectrum = 1.0;
+/// But not when it leaves so many times what the spectrum leaves: few blocks may hold all of the difference, and its
+/// standard error with it. Bristles in place of a spectrum of stops let go at rest, where brisk training hardly is.
+constexpr double kNearSpectrum = 1.1;
 /// One with a rare element is taken when it is better than the best without by so many. Without this, legs of a
 /// physical robot that stand while its controller settles got stops that relax, and predicted another day up to 44 % worse.
 constexpr double kSurelyRare = 2.0;
@@ -190,6 +193,7 @@ FrictionChoice chosenOf(const std::vector<Sum>& best, const Eigen::MatrixXd& err
     choice.tried.push_back(
         {lawOf(sum, elements), kFamilyNumbers[static_cast<std::size_t>(f)], mean[f], worse.mean, worse.standard_error});
     if (chosen || f < first || f >= end || worse.mean > within * worse.standard_error) continue;
+    if (isSpectrum(least) && mean[f] > kNearSpectrum * mean[least]) continue;
     choice.law = choice.tried.back().law;
     chosen = true;
   }
