@@ -49,7 +49,7 @@ constexpr Entry kLaws[] = {
     {"position_dependent_friction", 4, positionDependentFrictionLaw, true},
     {"screw_ripple", 2, screwRippleLaw},
     {"quadratic_drag", 0, quadraticDragLaw},
-    {"thermal_drift", 1, thermalDriftLaw, true, 1},
+    {"thermal_drift", 1, thermalDriftLaw, true, 2},
     {"frictional_ageing", 2, frictionalAgeingLaw, true},
     {"force_gain", 0, forceGainLaw},
     {"force_offset", 0, forceOffsetLaw},
@@ -84,7 +84,7 @@ std::unique_ptr<const EffectLaw> effectLaw(const std::string& name, const std::s
       std::find_if(std::begin(kLaws), std::end(kLaws), [&](const Entry& entry) { return name == entry.name; });
   if (found == std::end(kLaws)) return nullptr;
   const bool with_rest_law =
-      found->own_rest_law && (shape.size() == found->shape + 1 || shape.size() == found->shape + found->since + 1);
+      found->own_rest_law && shape.size() > found->shape && shape.size() <= found->shape + found->since + 1;
   if (!with_rest_law) {
     const bool fits =
         shape.size() == found->shape || (!found->own_rest_law && shape.size() == found->shape + found->since);

@@ -11,6 +11,7 @@
 #include "refine.h"
 #include "refit.h"
 #include "replace_kin.h"
+#include "replace_pair.h"
 #include "rivals.h"
 #include "settle_heat.h"
 #include "settle_rest_law.h"
@@ -115,6 +116,7 @@ class ForceSelection : public SelectionProblem {
     standAlone(s_, e.hypothesis.place);
     replaceKin(s_, e.hypothesis.place);
     refineShapes(s_);
+    replacePair(s_, e.hypothesis.place.candidate);
     simplify(s_);
     replaceMaps(s_);
     eliminateBackward(s_);

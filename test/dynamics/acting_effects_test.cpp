@@ -187,6 +187,30 @@ TEST(ActingEffects, WarmUpInMotionAloneWhereTheModelSaysSo) {
   }
 }
 
+TEST(ActingEffects, WarmUpByTheWorkSoFarAndDoNotCoolAtRest) {
+  const mechanism::Robot robot = robotA();
+  const double by_the_work_so_far = numberOf(Heat::Worked), viscous_s_per_m = 25.0;  // as much as dry at 40 mm/s
+  const ActingEffects effects(
+      fake::tracedModelOf(robot,
+                          {effect("thermal_drift", 2, {40.0, by_the_work_so_far, viscous_s_per_m, 0.0}, {-3.0, 0.0})}),
+      robot);
+  MotionMemory memory;
+  EffectsInstant at;
+  at.period_s = 0.001;
+  at.share.setOnes();
+  at.velocity_m_per_s[1] = 0.04;
+  double force = 0.0;
+  for (int k = 0; k < 10000; ++k)
+    force = effectForces(effects, 4, at, memory).friction[1];
+  EXPECT_NEAR(force, -3.0 * (1.0 - std::exp(-1.0)), 1e-3) << "four times the power of dry friction at 20 mm/s";
+  at.velocity_m_per_s[1] = 0.0;
+  for (int k = 0; k < 40000; ++k)
+    effectForces(effects, 4, at, memory);
+  EXPECT_NEAR(effectForces(effects, 4, at, memory).friction[1], force, 1e-9);
+  rest(effects, 400.0, memory);
+  EXPECT_NEAR(effectForces(effects, 4, at, memory).friction[1], force, 1e-9);
+}
+
 TEST(ActingEffects, RefuseAHeatThatNothingStandsFor) {
   const mechanism::Robot robot = robotA();
   EXPECT_THROW(

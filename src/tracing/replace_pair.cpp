@@ -1,0 +1,114 @@
+#include "replace_pair.h"
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+
+#include "refit.h"
+#include "selection.h"
+
+namespace knee_robot::tracing {
+namespace {
+
+constexpr double kSurelyBetter = 2.0;
+constexpr double kAsLikely = 0.75;  ///< one effect of which the recordings do not tell whether it is two
+constexpr std::size_t kFewest = 2;  ///< actuators with both kinds: on one, two effects are no less likely than one
+constexpr std::size_t kMostOfThem =
+    2;  ///< both kinds are on one of so many actuators that have the older one, at least
+
+bool mayGo(const FoundEffect& e) {
+  return !std::isnan(e.p) && e.band_hz == 0.0;
+}
+
+std::set<int> actuatorsOf(const Search& s, const std::string& name) {
+  std::set<int> out;
+  for (const FoundEffect& e : s.effects) {
+    const Place& place = e.hypothesis.place;
+    if (place.candidate->name() == name && place.actuator >= 0 && mayGo(e)) out.insert(place.actuator);
+  }
+  return out;
+}
+
+/// Whether the two kinds sit on the same actuators, nearly.
+bool isPair(const std::set<int>& special, const std::set<int>& other) {
+  return other.size() >= kFewest && kMostOfThem * other.size() >= special.size() &&
+         std::includes(special.begin(), special.end(), other.begin(), other.end());
+}
+
+/// The model with the general kind in the place of both, on the older one's actuators.
+void putInTheirPlace(Search& s, const Candidate* general, const std::string& special, const std::string& other) {
+  std::vector<FoundEffect> instead;
+  for (const PlaceColumns& p : s.library->places()) {
+    for (const FoundEffect& e : s.effects) {
+      const Place& own = e.hypothesis.place;
+      if (p.place().candidate != general || p.place().actuator != own.actuator || own.candidate->name() != special)
+        continue;
+      instead.push_back(e);
+      instead.back().hypothesis = p.tried.front();
+    }
+  }
+  const auto goes = [&](const FoundEffect& e) {
+    const std::string name = e.hypothesis.place.candidate->name();
+    return mayGo(e) && (name == special || name == other);
+  };
+  s.effects.erase(std::remove_if(s.effects.begin(), s.effects.end(), goes), s.effects.end());
+  s.effects.insert(s.effects.end(), instead.begin(), instead.end());
+  refit(s);
+}
+
+bool isPlausible(const Search& s, const Candidate* general) {
+  for (std::size_t k = 0; k < s.effects.size(); ++k) {
+    const FoundEffect& e = s.effects[k];
+    if (e.hypothesis.place.candidate != general) continue;
+    if (!s.fit.stable[k] || !general->plausible(e.coefficients) || e.coefficients.cwiseAbs().maxCoeff() == 0.0)
+      return false;
+  }
+  return true;
+}
+
+void tryInTheirPlace(Search& s, const Candidate* general, const std::string& other) {
+  const std::string special = general->generalizes();
+  const std::vector<FoundEffect> together = s.effects;
+  const Eigen::VectorXd noise_N = s.rms_N;
+  const auto heldBack = [&] {
+    s.rms_N = noise_N;  // all weighted alike
+    return problemOf(s, hypothesesOf(s.effects)).heldBack();
+  };
+  const Eigen::VectorXd with = heldBack();
+  putInTheirPlace(s, general, special, other);
+  const HeldBackGain lost = heldBackGain(heldBack() - with);
+  if (lost.mean > lost.error || !isPlausible(s, general)) {
+    s.effects = together;
+  } else {
+    const bool surely = lost.mean < -kSurelyBetter * lost.error;
+    for (std::size_t k = 0; k < s.effects.size(); ++k) {
+      FoundEffect& e = s.effects[k];
+      if (e.hypothesis.place.candidate != general) continue;
+      e.explained_rms_N = explainedBy(s, k);
+      e.indistinguishable_from.clear();
+      if (surely) continue;
+      e.indistinguishable_from = {special, other};
+      e.probability = std::min(e.probability, kAsLikely);
+    }
+    s.taken_out.push_back(special + " and " + other + ": taken out again, " + general->name() +
+                          " alone explains as much");
+  }
+  refit(s);
+}
+
+}  // namespace
+
+void replacePair(Search& s, const Candidate* found) {
+  std::set<const Candidate*> generals;
+  for (const PlaceColumns& p : s.library->places()) {
+    const Candidate* c = p.place().candidate;
+    if (!c->shared() && !c->isMap() && !c->generalizes().empty() && c != found) generals.insert(c);
+  }
+  for (const Candidate* general : generals) {
+    const std::string special = general->generalizes();
+    if (special == found->name() || !actuatorsOf(s, general->name()).empty()) continue;
+    if (isPair(actuatorsOf(s, special), actuatorsOf(s, found->name()))) tryInTheirPlace(s, general, found->name());
+  }
+}
+
+}  // namespace knee_robot::tracing
