@@ -11,8 +11,9 @@ namespace knee_robot::tracing {
 namespace {
 
 constexpr double kSurelyBetter = 2.0;
-constexpr double kAsLikely = 0.75;  ///< one effect of which the recordings do not tell whether it is two
-constexpr std::size_t kFewest = 2;  ///< actuators with both kinds: on one, two effects are no less likely than one
+constexpr std::size_t kMostRivals = 2;  ///< that are said
+constexpr double kAsLikely = 0.75;      ///< two effects of which the recordings do not tell whether they are one
+constexpr std::size_t kFewest = 2;      ///< actuators with both kinds: on one, two effects are no less likely than one
 constexpr std::size_t kMostOfThem =
     2;  ///< both kinds are on one of so many actuators that have the older one, at least
 
@@ -41,7 +42,8 @@ void putInTheirPlace(Search& s, const Candidate* general, const std::string& spe
   for (const PlaceColumns& p : s.library->places()) {
     for (const FoundEffect& e : s.effects) {
       const Place& own = e.hypothesis.place;
-      if (p.place().candidate != general || p.place().actuator != own.actuator || own.candidate->name() != special)
+      if (p.place().candidate != general || p.place().actuator != own.actuator || own.candidate->name() != special ||
+          !mayGo(e))
         continue;
       instead.push_back(e);
       instead.back().hypothesis = p.tried.front();
@@ -66,6 +68,19 @@ bool isPlausible(const Search& s, const Candidate* general) {
   return true;
 }
 
+/// The recordings do not tell the two from the one.
+void doubtBoth(Search& s, const std::string& general, const std::string& special, const std::string& other) {
+  for (FoundEffect& e : s.effects) {
+    const std::string name = e.hypothesis.place.candidate->name();
+    std::vector<std::string>& rivals = e.indistinguishable_from;
+    if (!mayGo(e) || (name != special && name != other) || rivals.size() >= kMostRivals ||
+        std::find(rivals.begin(), rivals.end(), general) != rivals.end())
+      continue;
+    rivals.push_back(general);
+    e.probability = std::min(e.probability, kAsLikely);
+  }
+}
+
 void tryInTheirPlace(Search& s, const Candidate* general, const std::string& other) {
   const std::string special = general->generalizes();
   const std::vector<FoundEffect> together = s.effects;
@@ -77,21 +92,18 @@ void tryInTheirPlace(Search& s, const Candidate* general, const std::string& oth
   const Eigen::VectorXd with = heldBack();
   putInTheirPlace(s, general, special, other);
   const HeldBackGain lost = heldBackGain(heldBack() - with);
-  if (lost.mean > lost.error || !isPlausible(s, general)) {
-    s.effects = together;
-  } else {
-    const bool surely = lost.mean < -kSurelyBetter * lost.error;
+  const bool plausible = isPlausible(s, general);
+  if (plausible && lost.mean < -kSurelyBetter * lost.error) {
     for (std::size_t k = 0; k < s.effects.size(); ++k) {
-      FoundEffect& e = s.effects[k];
-      if (e.hypothesis.place.candidate != general) continue;
-      e.explained_rms_N = explainedBy(s, k);
-      e.indistinguishable_from.clear();
-      if (surely) continue;
-      e.indistinguishable_from = {special, other};
-      e.probability = std::min(e.probability, kAsLikely);
+      if (s.effects[k].hypothesis.place.candidate != general) continue;
+      s.effects[k].explained_rms_N = explainedBy(s, k);
+      s.effects[k].indistinguishable_from.clear();
     }
     s.taken_out.push_back(special + " and " + other + ": taken out again, " + general->name() +
-                          " alone explains as much");
+                          " alone explains more than both");
+  } else {
+    s.effects = together;
+    if (plausible && lost.mean <= lost.error) doubtBoth(s, general->name(), special, other);
   }
   refit(s);
 }
