@@ -97,9 +97,10 @@ FoundEffect effectOf(const mechanism::Robot& robot, const dynamics::ModelEffect&
                        ", which is none of 0 (the clock), 1 (motion), 2 (work) and 3 (worked); trace again");
     }
     const double low = candidate->shapeParameters()[e.hypothesis.shape.size()].low;
-    if (low > 0.0 && !(p.value > 0.0)) {
-      throw InputError(model_path + ": effect " + m.name + " has " + p.name + " " + shortNumber(p.value, 4) +
-                       ", which must be positive; trace again");
+    if ((low > 0.0 && !(p.value > 0.0)) || (low == 0.0 && !(p.value >= 0.0))) {
+      throw InputError(
+          model_path + ": effect " + m.name + " has " + p.name + " " + shortNumber(p.value, 4) +
+          (low > 0.0 ? ", which must be positive; trace again" : ", which must not be negative; trace again"));
     }
     e.hypothesis.shape.push_back(p.value);
   }

@@ -111,10 +111,11 @@ void tryInTheirPlace(Search& s, const Candidate* general, const std::string& oth
 }  // namespace
 
 void replacePair(Search& s, const Candidate* found) {
-  std::set<const Candidate*> generals;
+  std::vector<const Candidate*> generals;
   for (const PlaceColumns& p : s.library->places()) {
     const Candidate* c = p.place().candidate;
-    if (!c->shared() && !c->isMap() && !c->generalizes().empty() && c != found) generals.insert(c);
+    const bool is_new = std::find(generals.begin(), generals.end(), c) == generals.end();
+    if (is_new && !c->shared() && !c->isMap() && !c->generalizes().empty() && c != found) generals.push_back(c);
   }
   for (const Candidate* general : generals) {
     const std::string special = general->generalizes();

@@ -22,7 +22,7 @@ using dynamics::Heat;
 /// clock is no more likely beforehand; and to be sure of it.
 constexpr double kTakenErrors = 1.0, kSureErrors = 2.0;
 constexpr int kRounds = 2, kRoundsOfOthers = 5;  ///< of refinement, each by a half of a time constant at most
-constexpr double kLeastDry_N = 0.1, kMostViscous_s_per_m = 1000.0;
+constexpr double kLeastDry_N = 0.1;
 
 bool warms(const FoundEffect& e, const Candidate* kind) {
   return e.hypothesis.place.candidate == kind && !std::isnan(e.p) && dynamic_cast<const WarmUp*>(kind) != nullptr;
@@ -49,7 +49,7 @@ constexpr Heated kHeats[] = {{Heat::Motion, false, "the time in motion"},
 double viscousPerDry(const Search& s, int actuator) {
   const EffectInput& input = s.data->inputs.front();
   return std::clamp(input.viscous[actuator] / std::max(kLeastDry_N, input.coulomb_N[actuator]), 0.0,
-                    kMostViscous_s_per_m);
+                    WarmUp::kMostViscous_s_per_m);
 }
 
 /// Held-back squares with the drives warmed up by `heat`, with time constants that suit it; weighted with `noise_N`.
@@ -60,7 +60,10 @@ Eigen::VectorXd heldBackWith(Search& s, const Candidate* kind, const Heated& hea
     }
   };
   bool suits = true;
-  each([&](Hypothesis& h) { suits = suits && h.shape[WarmUp::kHeatedBy] == dynamics::numberOf(heat.by); });
+  each([&](Hypothesis& h) {
+    suits = suits && h.shape[WarmUp::kHeatedBy] == dynamics::numberOf(heat.by) &&
+            (h.shape[WarmUp::kViscousHeat] > 0.0) == heat.viscous;
+  });
   std::set<double> constants;
   for (const std::vector<double>& shape : kind->shapes(s.data->inputs.front(), 0))
     constants.insert(shape[0]);

@@ -164,6 +164,18 @@ TEST(ActingEffects, WarmUpWhileTheDrivesAreOnAndCoolWhileTheyAreOff) {
   EXPECT_NEAR(effectForces(effects, 4, at, memory).friction[1], force * std::exp(-1.0), 1e-3);
 }
 
+/// Friction of actuator 2, whose drive has warmed up to it, after a time at one speed.
+double warmedUp(const ActingEffects& effects, double velocity_m_per_s, double duration_s, MotionMemory& memory) {
+  EffectsInstant at;
+  at.period_s = 0.001;
+  at.share.setOnes();
+  at.velocity_m_per_s[1] = velocity_m_per_s;
+  double force = 0.0;
+  for (int k = 0; k < std::lround(duration_s / at.period_s); ++k)
+    force = effectForces(effects, 4, at, memory).friction[1];
+  return force;
+}
+
 TEST(ActingEffects, WarmUpInMotionAloneWhereTheModelSaysSo) {
   const mechanism::Robot robot = robotA();
   const double by_motion = numberOf(Heat::Motion), by_work = numberOf(Heat::Work);
@@ -171,19 +183,10 @@ TEST(ActingEffects, WarmUpInMotionAloneWhereTheModelSaysSo) {
     const ActingEffects effects(
         fake::tracedModelOf(robot, {effect("thermal_drift", 2, {40.0, heated_by, 0.0}, {-3.0, 0.0})}), robot);
     MotionMemory memory;
-    EffectsInstant at;
-    at.period_s = 0.001;
-    at.share.setOnes();
-    at.velocity_m_per_s[1] = 0.04;
-    double force = 0.0;
-    for (int k = 0; k < 40000; ++k)
-      force = effectForces(effects, 4, at, memory).friction[1];
-    const double warm = force / -3.0;
+    const double warm = warmedUp(effects, 0.04, 40.0, memory) / -3.0;
     EXPECT_NEAR(warm, (heated_by == by_work ? 2.0 : 1.0) * (1.0 - std::exp(-1.0)), 1e-3) << "twice at twice 20 mm/s";
-    at.velocity_m_per_s[1] = 0.0;
-    for (int k = 0; k < 40000; ++k)
-      force = effectForces(effects, 4, at, memory).friction[1];
-    EXPECT_NEAR(force / -3.0, warm * std::exp(-1.0), 1e-3) << "the drive is on, but rests";
+    EXPECT_NEAR(warmedUp(effects, 0.0, 40.0, memory) / -3.0, warm * std::exp(-1.0), 1e-3)
+        << "the drive is on, but rests";
   }
 }
 
@@ -195,26 +198,21 @@ TEST(ActingEffects, WarmUpByTheWorkSoFarAndDoNotCoolAtRest) {
                           {effect("thermal_drift", 2, {40.0, by_the_work_so_far, viscous_s_per_m, 0.0}, {-3.0, 0.0})}),
       robot);
   MotionMemory memory;
-  EffectsInstant at;
-  at.period_s = 0.001;
-  at.share.setOnes();
-  at.velocity_m_per_s[1] = 0.04;
-  double force = 0.0;
-  for (int k = 0; k < 10000; ++k)
-    force = effectForces(effects, 4, at, memory).friction[1];
+  const double force = warmedUp(effects, 0.04, 10.0, memory);
   EXPECT_NEAR(force, -3.0 * (1.0 - std::exp(-1.0)), 1e-3) << "four times the power of dry friction at 20 mm/s";
-  at.velocity_m_per_s[1] = 0.0;
-  for (int k = 0; k < 40000; ++k)
-    effectForces(effects, 4, at, memory);
-  EXPECT_NEAR(effectForces(effects, 4, at, memory).friction[1], force, 1e-9);
+  EXPECT_NEAR(warmedUp(effects, 0.0, 40.0, memory), force, 1e-9);
   rest(effects, 400.0, memory);
-  EXPECT_NEAR(effectForces(effects, 4, at, memory).friction[1], force, 1e-9);
+  EXPECT_NEAR(warmedUp(effects, 0.0, 0.001, memory), force, 1e-9);
 }
 
 TEST(ActingEffects, RefuseAHeatThatNothingStandsFor) {
   const mechanism::Robot robot = robotA();
   EXPECT_THROW(
       ActingEffects(fake::tracedModelOf(robot, {effect("thermal_drift", 2, {40.0, 0.5, 0.0}, {-3.0, 0.0})}), robot),
+      InputError);
+  const std::vector<double> cools_as_it_rubs = {40.0, numberOf(Heat::Worked), -30.0, 0.0};
+  EXPECT_THROW(
+      ActingEffects(fake::tracedModelOf(robot, {effect("thermal_drift", 2, cools_as_it_rubs, {-3.0, 0.0})}), robot),
       InputError);
 }
 

@@ -14,6 +14,7 @@ namespace knee_robot::tracing {
 namespace {
 
 constexpr double kWarmingSeconds = 40.0, kTimeConstant_s = 15.0, kLost_N = 8.0;
+constexpr double kViscousPerDry_s_per_m = 200.0 / 30.0;  // of the synthetic bench
 constexpr int kActuator = 1;
 
 /// `cold` of the friction that warming takes is there at the start: 1 cold, 0 warm already.
@@ -32,8 +33,8 @@ recording::Recording warmed(const mechanism::Robot& robot, int variant, double c
   return r;
 }
 
-/// A brisk and a slow motion of a drive that loses friction as it warms up, by the clock or by its work.
-std::vector<recording::Recording> briskAndSlow(const mechanism::Robot& robot, bool by_work) {
+/// A brisk and a slow motion of a drive that loses friction as it warms up, by one heat or another.
+std::vector<recording::Recording> briskAndSlow(const mechanism::Robot& robot, dynamics::Heat by) {
   std::vector<recording::Recording> out;
   for (const int variant : {0, -4}) {
     recording::Recording r = warmed(robot, variant, 0.0, 5);
@@ -42,8 +43,10 @@ std::vector<recording::Recording> briskAndSlow(const mechanism::Robot& robot, bo
     for (int k = 1; k < r.rows(); ++k) {
       const double way = r.position_m(k, kActuator) - r.position_m(k - 1, kActuator);
       share = std::clamp(share + way / 2e-5, -1.0, 1.0);
-      const double heat = by_work ? std::abs(way) / 0.01 / 0.03 : 1.0;
-      warm += (heat - warm) * 0.01 / kTimeConstant_s;
+      const double speed = std::abs(way) / 0.01;
+      const double heat = by == dynamics::Heat::Work ? speed / 0.03 : 1.0;
+      const double pace = by == dynamics::Heat::Worked ? speed * (1.0 + kViscousPerDry_s_per_m * speed) / 0.02 : 1.0;
+      warm += (heat - warm) * pace * 0.01 / kTimeConstant_s;
       r.force_N(k, kActuator) += kLost_N * (1.0 - warm) * share;
     }
     out.push_back(r);
@@ -72,12 +75,26 @@ double heatedBy(const TraceResult& found) {
 
 TEST(ThermalDrift, IsSaidToFollowTheWorkWhereABriskMotionWarmsMoreThanASlowOne) {
   const mechanism::Robot robot = identification::syntheticBench(2);
-  EXPECT_EQ(heatedBy(traceOf(robot, briskAndSlow(robot, true))), dynamics::numberOf(dynamics::Heat::Work));
+  EXPECT_EQ(heatedBy(traceOf(robot, briskAndSlow(robot, dynamics::Heat::Work))),
+            dynamics::numberOf(dynamics::Heat::Work));
+}
+
+TEST(ThermalDrift, IsSaidToFallOffWithTheWorkSoFarAndNotToCoolWhereItDoes) {
+  const mechanism::Robot robot = identification::syntheticBench(2);
+  const TraceResult found = traceOf(robot, briskAndSlow(robot, dynamics::Heat::Worked));
+  EXPECT_EQ(heatedBy(found), dynamics::numberOf(dynamics::Heat::Worked));
+  ASSERT_EQ(found.effects.size(), 1u);
+  EXPECT_NEAR(found.effects[0].hypothesis.shape[2], kViscousPerDry_s_per_m, 1.5) << "viscous friction heats, too";
+  const auto said = std::find_if(found.notes.begin(), found.notes.end(),
+                                 [](const std::string& note) { return note.rfind("What warms", 0) == 0; });
+  ASSERT_NE(said, found.notes.end());
+  EXPECT_NE(said->find("the work of friction so far"), std::string::npos) << *said;
 }
 
 TEST(ThermalDrift, IsSaidToFollowTheClockWhereBothWarmAlike) {
   const mechanism::Robot robot = identification::syntheticBench(2);
-  EXPECT_EQ(heatedBy(traceOf(robot, briskAndSlow(robot, false))), dynamics::numberOf(dynamics::Heat::Clock));
+  EXPECT_EQ(heatedBy(traceOf(robot, briskAndSlow(robot, dynamics::Heat::Clock))),
+            dynamics::numberOf(dynamics::Heat::Clock));
 }
 
 TEST(ThermalDrift, IsFoundWhereOneOfTwoRepeatsBeganWarm) {

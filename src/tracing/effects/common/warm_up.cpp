@@ -10,7 +10,6 @@ namespace knee_robot::tracing {
 namespace {
 
 constexpr double kShortestTime_s = 10.0, kLongestTime_s = 300.0;
-constexpr double kMostViscous_s_per_m = 1000.0;
 constexpr int kConstants = 4;         ///< in the grid
 constexpr double kTimeFactor = 1.75;  ///< between neighbours
 

@@ -15,6 +15,7 @@ ShapeParameter heatedByParameter();
 class WarmUp : public Candidate {
  public:
   static constexpr std::size_t kHeatedBy = 1, kViscousHeat = 2;  ///< of the shape
+  static constexpr double kMostViscous_s_per_m = 1000.0;         ///< that the latter may be
 
   bool goesWithTime() const override { return true; }
   std::vector<ShapeParameter> shapeParameters() const override;
