@@ -40,6 +40,9 @@ class FlexibleLegs : public Candidate {
     return c.maxCoeff() > 0.0 && c.maxCoeff() < kSoftest_m_per_N && c.minCoeff() >= kLeastShare * c.maxCoeff();
   }
   Eigen::MatrixXd columns(const EffectInput& in, int actuator, const std::vector<double>& shape) const override {
+    return columnsOfAll(in, shape)[static_cast<std::size_t>(actuator)];
+  }
+  std::vector<Eigen::MatrixXd> columnsOfAll(const EffectInput& in, const std::vector<double>& shape) const override {
     Eigen::MatrixXd shorter(in.samples(), in.axes());
     for (int j = 0; j < in.axes(); ++j) {  // the rotor is on the encoder's side
       shorter.col(j) =
@@ -47,11 +50,14 @@ class FlexibleLegs : public Candidate {
           shape[0] * (in.coulomb_N[j] * in.share.col(j) + in.viscous[j] * in.signals().velocity_m_per_s.col(j));
     }
     recording::ZeroPhaseLowPass(kBand * in.observation->cutoff_hz, 1.0 / in.signals().period_s).applyToColumns(shorter);
-    Eigen::MatrixXd three = shorter, fourth = shorter, out(in.samples(), 2);
+    Eigen::MatrixXd three = shorter, fourth = shorter;
     three.col(3).setZero();
     fourth.leftCols<3>().setZero();
-    out << changeBehindSprings(in, shape[1], three).col(actuator),
-        changeBehindSprings(in, shape[1], fourth).col(actuator);
+    three = changeBehindSprings(in, shape[1], three);
+    fourth = changeBehindSprings(in, shape[1], fourth);
+    std::vector<Eigen::MatrixXd> out(static_cast<std::size_t>(in.axes()), Eigen::MatrixXd(in.samples(), 2));
+    for (int i = 0; i < in.axes(); ++i)
+      out[static_cast<std::size_t>(i)] << three.col(i), fourth.col(i);
     return out;
   }
 };

@@ -77,7 +77,8 @@ Eigen::MatrixXd WarmUp::columns(const EffectInput& input, int actuator, const st
     const double own = warm[static_cast<std::size_t>(n)];
     const double cold = worked ? 1.0 - own : std::exp(-input.time(static_cast<int>(n)) / shape[0]);
     out.row(n).head(change.cols()) = own * change.row(n);
-    // What it began with fades in time, whatever heats it; what had been worked less, by work. The first recording takes what all others have more, so that the mean is nought.
+    // What it began with fades in time, whatever heats it; what had been worked less, by work. The first recording takes
+    // what all others have more, so that the mean is nought.
     for (int r = 1; r < input.recordings; ++r) {
       const double of_this = input.recording == r ? cold : input.recording == 0 ? -cold : 0.0;
       out.row(n).segment(change.cols() * r, change.cols()) = of_this * change.row(n);
