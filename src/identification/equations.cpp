@@ -202,13 +202,14 @@ void refillColumns(const std::vector<Observation>& training, const ObservationOp
 }
 
 void weightRows(Equations& e, const Eigen::VectorXd& noise_N) {
+  Eigen::ArrayXd noise(e.rows());
   for (int row = 0; row < e.rows(); ++row) {
     const std::size_t at = static_cast<std::size_t>(row);
     const bool second = noise_N.size() > e.axes && e.rest[at];
-    const double noise = noise_N[e.actuator[at] + (second ? e.axes : 0)];
-    e.a.row(row) /= noise;
-    e.b[row] /= noise;
+    noise[row] = noise_N[e.actuator[at] + (second ? e.axes : 0)];
   }
+  e.a.array().colwise() /= noise;
+  e.b.array() /= noise;
 }
 
 Eigen::VectorXd noiseInMotionAndNearRest(const Equations& e, const Eigen::VectorXd& residual) {
@@ -237,9 +238,11 @@ Eigen::MatrixXd atRows(const std::vector<Observation>& training, const Observati
     recording::ZeroPhaseLowPass(options.cutoff_hz, 1.0 / training[f].signals.period_s).applyToColumns(signals[f]);
   const Eigen::Index each = e.rows() / e.axes;
   Eigen::MatrixXd out(each, signals.front().cols());
-  for (Eigen::Index k = 0; k < each; ++k) {
-    const std::size_t row = static_cast<std::size_t>(actuator * each + k);
-    out.row(k) = signals[e.file[row]].row(e.sample[row]);
+  for (Eigen::Index c = 0; c < out.cols(); ++c) {  // column by column, as they lie in memory
+    for (Eigen::Index k = 0; k < each; ++k) {
+      const std::size_t row = static_cast<std::size_t>(actuator * each + k);
+      out(k, c) = signals[e.file[row]](e.sample[row], c);
+    }
   }
   return out;
 }

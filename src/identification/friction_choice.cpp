@@ -254,10 +254,12 @@ std::vector<FrictionChoice> chooseFriction(const std::vector<Observation>& train
       candidates.middleCols(static_cast<Eigen::Index>(from), static_cast<Eigen::Index>(count)) =
           atRows(training, options, e, i, sharesOf(training, axis, elements, from, count));
     }
+    Eigen::ArrayXd weight(each);
     for (Eigen::Index row = 0; row < each; ++row) {
       const bool rest = noise_N.size() > e.axes && e.rest[static_cast<std::size_t>(i * each + row)];
-      candidates.row(row) *= factor[i * each + row] / noise_N[i + (rest ? e.axes : 0)];
+      weight[row] = factor[i * each + row] / noise_N[i + (rest ? e.axes : 0)];
     }
+    candidates.array().colwise() *= weight;
     Eigen::Index without = -1;  // the coordinate of its own Coulomb friction
     for (std::size_t k = 0; k < r.kept.size(); ++k) {
       const Column& c = columns[static_cast<std::size_t>(r.kept[k])];

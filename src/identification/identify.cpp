@@ -75,13 +75,9 @@ struct Setting {
 /// Huber's weights: one push must not decide how much the prior counts.
 void softenOutliers(Equations& weighted, const Eigen::VectorXd& parameters) {
   const Eigen::VectorXd residual = weighted.b - weighted.a * parameters;
-  for (int row = 0; row < weighted.rows(); ++row) {
-    const double size = std::abs(residual[row]);
-    if (size <= kOutlier) continue;
-    const double root = std::sqrt(kOutlier / size);
-    weighted.a.row(row) *= root;
-    weighted.b[row] *= root;
-  }
+  const Eigen::ArrayXd root = (kOutlier / residual.array().abs().max(kOutlier)).sqrt();  // 1 where it is none
+  weighted.a.array().colwise() *= root;
+  weighted.b.array() *= root;
 }
 
 /// `soften`: parameters of the fit before, by whose residuals outliers count less; null: all rows count.

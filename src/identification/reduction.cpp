@@ -19,12 +19,17 @@ Eigen::MatrixXd pickColumns(const Eigen::MatrixXd& m, const std::vector<int>& co
   return out;
 }
 
-std::vector<int> rowsOfBlock(const Equations& e, int block) {
-  std::vector<int> rows;
-  for (int row = 0; row < e.rows(); ++row) {
-    if (e.block[static_cast<std::size_t>(row)] == block) rows.push_back(row);
-  }
+std::vector<std::vector<int>> rowsOfBlocks(const Equations& e) {
+  std::vector<std::vector<int>> rows(static_cast<std::size_t>(e.blocks));
+  for (int row = 0; row < e.rows(); ++row)
+    rows[static_cast<std::size_t>(e.block[static_cast<std::size_t>(row)])].push_back(row);
   return rows;
+}
+
+Eigen::MatrixXd triangleOf(Eigen::MatrixXd joined) {
+  if (joined.rows() <= joined.cols()) return joined;
+  const Eigen::HouseholderQR<Eigen::Ref<Eigen::MatrixXd>> qr(joined);
+  return joined.topRows(joined.cols()).triangularView<Eigen::Upper>();
 }
 
 }  // namespace
@@ -32,22 +37,18 @@ std::vector<int> rowsOfBlock(const Equations& e, int block) {
 Eigen::MatrixXd compress(const Eigen::MatrixXd& a, const Eigen::VectorXd& b) {
   Eigen::MatrixXd joined(a.rows(), a.cols() + 1);
   joined << a, b;
-  if (joined.rows() <= joined.cols()) return joined;
-  const Eigen::HouseholderQR<Eigen::Ref<Eigen::MatrixXd>> qr(joined);
-  return joined.topRows(joined.cols()).triangularView<Eigen::Upper>();
+  return triangleOf(std::move(joined));
 }
 
 std::vector<Eigen::MatrixXd> compressBlocks(const Equations& e) {
-  std::vector<Eigen::MatrixXd> blocks(static_cast<std::size_t>(e.blocks));
+  const std::vector<std::vector<int>> rows = rowsOfBlocks(e);
+  std::vector<Eigen::MatrixXd> blocks(rows.size());
   inParallel(blocks.size(), [&](std::size_t block) {
-    const std::vector<int> rows = rowsOfBlock(e, static_cast<int>(block));
-    Eigen::MatrixXd a(static_cast<Eigen::Index>(rows.size()), e.a.cols());
-    Eigen::VectorXd b(a.rows());
-    for (std::size_t i = 0; i < rows.size(); ++i) {
-      a.row(static_cast<Eigen::Index>(i)) = e.a.row(rows[i]);
-      b[static_cast<Eigen::Index>(i)] = e.b[rows[i]];
-    }
-    blocks[block] = compress(a, b);
+    const std::vector<int>& own = rows[block];
+    Eigen::MatrixXd joined(static_cast<Eigen::Index>(own.size()), e.a.cols() + 1);
+    joined.leftCols(e.a.cols()) = e.a(own, Eigen::all);
+    joined.rightCols<1>() = e.b(own);
+    blocks[block] = triangleOf(std::move(joined));
   });
   return blocks;
 }

@@ -17,14 +17,13 @@ constexpr int kFewestSamples = 100;
 /// Takes effects off the recorded force, and lets others multiply Coulomb friction, while it lives.
 class WithoutEffects {
  public:
-  WithoutEffects(std::vector<identification::Observation>& recordings, const std::vector<Eigen::MatrixXd>& effects_N,
-                 const std::vector<Eigen::MatrixXd>& levels, double cutoff_hz)
+  WithoutEffects(std::vector<identification::Observation>& recordings, const EffectsBeside& effects, double cutoff_hz)
       : recordings_(recordings) {
-    for (std::size_t r = 0; r < levels.size(); ++r)
-      recordings[r].friction_level = levels[r];
-    for (std::size_t r = 0; r < effects_N.size(); ++r) {
+    for (std::size_t r = 0; r < effects.level.size(); ++r)
+      recordings[r].friction_level = effects.level[r];
+    for (std::size_t r = 0; r < effects.force_N.size(); ++r) {
       recorded_.push_back(recordings[r].force_filtered_N);
-      Eigen::MatrixXd low = effects_N[r];
+      Eigen::MatrixXd low = effects.force_N[r];
       recording::ZeroPhaseLowPass(cutoff_hz, 1.0 / recordings[r].signals.period_s).applyToColumns(low);
       recordings[r].force_filtered_N -= low;
     }
@@ -67,8 +66,7 @@ BaseFit inCoordinates(const identification::Identification& id, const Stack& sta
 
 BaseFit fitBase(const mechanism::Robot& robot, std::vector<identification::Observation>& training, const Stack& stack,
                 const std::vector<identification::Column>& columns, int rank, const Eigen::VectorXd* given,
-                const std::vector<Eigen::MatrixXd>& effects_N, const std::vector<Eigen::MatrixXd>& levels,
-                const std::vector<char>& without_peak) {
+                EffectsBeside beside) {
   if (stack.size() < kFewestSamples) {
     throw Refusal("only " + std::to_string(stack.size()) + " usable samples in the training recordings (at least " +
                   std::to_string(kFewestSamples) + " are needed): record a longer motion, away from singular poses");
@@ -79,11 +77,11 @@ BaseFit fitBase(const mechanism::Robot& robot, std::vector<identification::Obser
   options.rank = rank;
   options.uncertainty = false;
   if (given != nullptr) options.towards = *given;
-  options.without_peak = without_peak;
+  options.without_peak = beside.without_peak;
   BaseFit base;
   Eigen::VectorXd residual(stack.size() * stack.axes);
   {
-    const WithoutEffects without(training, effects_N, levels, stack.cutoff_hz);
+    const WithoutEffects without(training, beside, stack.cutoff_hz);
     base = inCoordinates(identification::identify(robot, training, options), stack);
     for (int i = 0; i < stack.axes; ++i) {
       std::vector<Eigen::MatrixXd> modelled;
@@ -102,6 +100,7 @@ BaseFit fitBase(const mechanism::Robot& robot, std::vector<identification::Obser
         1e-6, residual.segment(i * stack.size(), stack.size()).norm() / std::sqrt(static_cast<double>(stack.size())));
   }
   if (base.columns.size() != columns.size()) throw std::invalid_argument("columns of another robot");
+  base.beside = std::move(beside);
   return base;
 }
 

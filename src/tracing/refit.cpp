@@ -8,9 +8,11 @@
 namespace knee_robot::tracing {
 namespace {
 
-constexpr int kPasses = 4;  ///< of fitting and rebuilding what depends on the fit
+constexpr int kPasses = 4;           ///< of fitting and rebuilding what depends on the fit
+constexpr int kPassesOfWeights = 2;  ///< where no effect's columns depend on it
 constexpr double kLeastCoulomb_N = 1e-3;
 constexpr double kLinear = 1e-9;
+constexpr double kAlike = 0.03;  ///< of what the model leaves: change of effects beside which a baseline stays as it is
 
 }  // namespace
 
@@ -59,9 +61,14 @@ void refit(Search& s) {
     s.fit = JointProblem(*s.data, *s.base, s.rms_N, all, rows).fit(left_out);
     s.rms_N = rmsOf(s.data->stack, s.fit.residual_N).cwiseMax(1e-9);
   };
-  for (int pass = 0; pass < (all.empty() ? 1 : kPasses); ++pass) {
+  const bool rests =
+      std::any_of(all.begin(), all.end(), [](const Hypothesis& h) { return h.place.candidate->restsOnModel(); });
+  const int passes = all.empty() ? 1 : rests ? kPasses : kPassesOfWeights;
+  for (int pass = 0; pass < passes; ++pass) {
     fit(LeftOut::None);
-    s.seen_parameters = 0.5 * (s.seen_parameters + s.base->parametersOf(s.fit.base));  // all the way would swing
+    const Eigen::VectorXd parameters = s.base->parametersOf(s.fit.base);
+    if (!rests && pass + 1 < passes) continue;
+    s.seen_parameters = rests ? Eigen::VectorXd(0.5 * (s.seen_parameters + parameters)) : parameters;  // would swing
     const SurrogateModel model = modelOf(s);
     for (EffectInput& input : s.data->inputs) {
       lookAhead(input, model);
@@ -136,27 +143,48 @@ bool adoptBase(Search& s, BaseFit base) {
   return changed;
 }
 
-bool rebase(Search& s) {
-  TraceData& data = *s.data;
-  const mechanism::Robot& robot = *data.inputs.front().robot;
+EffectsBeside besideOf(const Search& s) {
   const SurrogateModel now = {s.base->parameters, hypothesesOf(s.effects), s.fit.coefficients};
-  std::vector<Eigen::MatrixXd> effects_N, levels;
-  for (const EffectInput& input : data.inputs) {
+  EffectsBeside beside;
+  for (const EffectInput& input : s.data->inputs) {
     SplitEffects split = splitEffects(input, now);
-    effects_N.push_back(std::move(split.force_N));
-    levels.push_back(std::move(split.level));
+    beside.force_N.push_back(std::move(split.force_N));
+    beside.level.push_back(std::move(split.level));
   }
   // A law keeps its peak, but gets no new one, which would make up for what is wrong with an effect. Beside an effect
   // that makes friction larger near rest it would be the same thing in a coarser form.
-  std::vector<char> without_peak;
   for (const dynamics::FrictionLaw& law : s.base->friction_laws)
-    without_peak.push_back(dynamics::peakOf(law) == 0.0);
+    beside.without_peak.push_back(dynamics::peakOf(law) == 0.0);
   for (const Hypothesis& h : now.effects) {
-    if (h.place.candidate->actsNearRest()) without_peak[static_cast<std::size_t>(h.place.actuator)] = 1;
+    if (h.place.candidate->actsNearRest()) beside.without_peak[static_cast<std::size_t>(h.place.actuator)] = 1;
   }
+  return beside;
+}
+
+/// Whether the baseline stands beside these effects already, but for far less than what the model leaves.
+bool isBeside(const Search& s, const EffectsBeside& effects) {
+  const EffectsBeside& fitted = s.base->beside;
+  if (fitted.force_N.empty() || fitted.without_peak != effects.without_peak) return false;
+  Eigen::VectorXd squares = Eigen::VectorXd::Zero(s.rms_N.size());
+  double samples = 0.0;
+  for (std::size_t r = 0; r < effects.force_N.size(); ++r) {
+    const Eigen::MatrixXd change =
+        effects.force_N[r] - fitted.force_N[r] +
+        (effects.level[r] - fitted.level[r]) * s.data->inputs[r].coulomb_N.asDiagonal();
+    squares += change.colwise().squaredNorm();
+    samples += static_cast<double>(change.rows());
+  }
+  return (squares.array() <= samples * (kAlike * s.rms_N.array()).square()).all();
+}
+
+bool rebase(Search& s) {
+  TraceData& data = *s.data;
+  EffectsBeside beside = besideOf(s);
+  if (isBeside(s, beside)) return false;
+  const mechanism::Robot& robot = *data.inputs.front().robot;
   const Eigen::VectorXd start = s.base->start;
-  return adoptBase(s, fitBase(robot, data.recordings, data.stack, s.base->columns, s.options->rank, &start, effects_N,
-                              levels, without_peak));
+  return adoptBase(s, fitBase(robot, data.recordings, data.stack, s.base->columns, s.options->rank, &start,
+                              std::move(beside)));
 }
 
 }  // namespace knee_robot::tracing

@@ -61,6 +61,7 @@ bool settleRestLaw(Search& s, const Candidate* kind) {
   chooseBeside(s);
   const Eigen::VectorXd followed = heldBack(s, noise_N);
   const std::vector<FoundEffect> following = s.effects;
+  const BaseFit base_following = *s.base;
   s.effects = found;
   setSpeed(s, kind, kUsual_m_per_s);
   chooseBeside(s);
@@ -79,10 +80,14 @@ bool settleRestLaw(Search& s, const Candidate* kind) {
     const HeldBackGain gain = heldBackGain(followed - own);
     own_law = gain.mean > kLawErrors * gain.error;
   }
-  if (!own_law) s.effects = following;
-  setSpeed(s, kind, own_law ? best_speed : 0.0);
+  if (!own_law) {
+    s.effects = following;
+    adoptBase(s, base_following);
+    return true;
+  }
+  setSpeed(s, kind, best_speed);
   refit(s);
-  rebase(s);
+  if (best_speed != kUsual_m_per_s) rebase(s);
   return true;
 }
 

@@ -97,9 +97,11 @@ Eigen::MatrixXd gather(const Stack& stack, const std::vector<identification::Obs
   for (std::size_t r = 0; r < recordings.size(); ++r)
     recording::ZeroPhaseLowPass(stack.cutoff_hz, 1.0 / recordings[r].signals.period_s).applyToColumns(columns[r]);
   Eigen::MatrixXd out(stack.size(), columns.front().cols());
-  for (Eigen::Index k = 0; k < stack.size(); ++k) {
-    const Pick& pick = stack.picks[static_cast<std::size_t>(k)];
-    out.row(k) = columns[pick.recording].row(pick.sample);
+  for (Eigen::Index c = 0; c < out.cols(); ++c) {  // column by column, as they lie in memory
+    for (Eigen::Index k = 0; k < stack.size(); ++k) {
+      const Pick& pick = stack.picks[static_cast<std::size_t>(k)];
+      out(k, c) = columns[pick.recording](pick.sample, c);
+    }
   }
   return out;
 }

@@ -8,6 +8,13 @@
 
 namespace knee_robot::tracing {
 
+/// What a baseline is fitted beside: effects, along every recording (samples x axes; empty: none).
+struct EffectsBeside {
+  std::vector<Eigen::MatrixXd> force_N;  ///< taken off the recorded force first
+  std::vector<Eigen::MatrixXd> level;    ///< factors of Coulomb friction, which multiply what its law gives
+  std::vector<char> without_peak;        ///< actuators whose law near rest gets no peak; empty: none
+};
+
 /// The baseline: rigid body, Coulomb and viscous friction, rotor and offset per actuator, with the law of friction near
 /// rest that held-back data chose: what `identify` fits, in coordinates that the search can fit again beside effects.
 struct BaseFit {
@@ -22,6 +29,8 @@ struct BaseFit {
   std::vector<dynamics::TrainedForce> trained_force_N;  ///< per actuator; empty: no pose is ever uncertain
   std::vector<identification::FrictionChoice> choices;  ///< per actuator: what the law rests on
 
+  EffectsBeside beside;
+
   int decided = 0;  ///< combinations of parameters that the data decide rather than the prior
 
   int coordinates() const { return static_cast<int>(basis.cols()); }
@@ -31,14 +40,10 @@ struct BaseFit {
 /// `identify` without standard errors: the same equations, weights, loss, prior, laws. Sets the Coulomb columns of
 /// `training`.
 /// `rank` 0: all directions, pulled towards the prior as held-back blocks choose. With `given` (parameters of a given
-/// model, per column) the pull is towards those; friction and rotors, which have a sign, are fitted anew. `effects_N`
-/// (per recording, samples x axes, N; may be empty) is taken off the force first; `levels` (the same, factors of
-/// Coulomb friction) multiplies what friction's law gives while it is chosen. Actuators of `without_peak` have laws
-/// without a peak near rest (may be empty).
+/// model, per column) the pull is towards those; friction and rotors, which have a sign, are fitted anew.
 BaseFit fitBase(const mechanism::Robot& robot, std::vector<identification::Observation>& training, const Stack& stack,
                 const std::vector<identification::Column>& columns, int rank, const Eigen::VectorXd* given = nullptr,
-                const std::vector<Eigen::MatrixXd>& effects_N = {}, const std::vector<Eigen::MatrixXd>& levels = {},
-                const std::vector<char>& without_peak = {});
+                EffectsBeside beside = {});
 
 /// Weighted regressor in base coordinates (rows: actuator after actuator, picks within), and weighted force less that
 /// of `start`.
