@@ -29,7 +29,7 @@ double lagged(double value, double heat, double time_constants) noexcept {
 }  // namespace
 
 std::optional<Heat> heatOf(double number) noexcept {
-  for (const Heat by : {Heat::Clock, Heat::Motion, Heat::Work, Heat::Worked}) {
+  for (const Heat by : {Heat::Clock, Heat::Motion, Heat::Work, Heat::Worked, Heat::Winding}) {
     if (number == numberOf(by)) return by;
   }
   return {};
@@ -37,6 +37,10 @@ std::optional<Heat> heatOf(double number) noexcept {
 
 double numberOf(Heat by) noexcept {
   return static_cast<double>(by);
+}
+
+double Warmth::warm(double heat, double duration_s, double time_constant_s) noexcept {
+  return value = lagged(value, heat, duration_s / time_constant_s);
 }
 
 double Warmth::move(const HeatSource& by, double velocity_m_per_s, double duration_s, double time_constant_s) noexcept {

@@ -25,7 +25,7 @@ constexpr double kNearSpectrum = 1.1;
 constexpr double kSurelyRare = 2.0;
 /// A tanh that lags and a peak also when they leave less than this of what that leaves: few blocks may hold all of it.
 constexpr double kHalves = 0.5;
-/// They have to leave at most this in any case: a percent or two of a recording that the model hardly
+/// They have to leave at most this of what the usual laws leave in any case: a percent or two of a recording that the model hardly
 /// describes moved the laws of its other axes.
 constexpr double kWorthALaw = 0.8;
 
@@ -165,7 +165,7 @@ FrictionChoice chosenOf(const std::vector<Sum>& best, const Eigen::MatrixXd& err
                         const std::vector<FrictionElement>& elements, OthersLaws& others) {
   const Eigen::RowVectorXd mean = share.transpose() * error;
   Eigen::Index least = 0, first = 0, end = kGroupEnds.front();
-  mean.head(end).minCoeff(&least);
+  const double usual = mean.head(end).minCoeff(&least);
   // One group after the other: a family that is a little better, but less surely, must not take another's place.
   for (std::size_t group = 1; group < kGroupEnds.size(); ++group) {
     const Eigen::Index from = kGroupEnds[group - 1], next = kGroupEnds[group];
@@ -174,8 +174,8 @@ FrictionChoice chosenOf(const std::vector<Sum>& best, const Eigen::MatrixXd& err
     rare += from;
     const Worse worse = worseBy(error, share, rare, least);
     const bool surely = worse.mean < -kSurelyRare * worse.standard_error;
-    const double left = mean[rare] / mean[least];
-    const bool taken = group == kGroupOfRest ? surely : left < kHalves || (surely && left < kWorthALaw);
+    const bool halves = mean[rare] < kHalves * mean[least], worth = mean[rare] < kWorthALaw * usual;
+    const bool taken = group == kGroupOfRest ? surely : halves || (surely && worth);
     if (best[static_cast<std::size_t>(rare)].which.empty() || !taken) continue;
     least = rare;
     first = from;

@@ -92,11 +92,13 @@ FoundEffect effectOf(const mechanism::Robot& robot, const dynamics::ModelEffect&
   const std::vector<dynamics::EffectParameter> shape = completed(m.shape, *candidate);
   requireNames(shape, candidate->shapeParameters(), m.name, model_path);
   for (const dynamics::EffectParameter& p : shape) {
-    if (p.name == heatedByParameter().name && !dynamics::heatOf(p.value)) {
+    const ShapeParameter& asked = candidate->shapeParameters()[e.hypothesis.shape.size()];
+    if (p.name == heatedByParameter().name && (!dynamics::heatOf(p.value) || p.value > asked.high)) {
       throw InputError(model_path + ": effect " + m.name + " has " + p.name + " " + shortNumber(p.value, 4) +
-                       ", which is none of 0 (the clock), 1 (motion), 2 (work) and 3 (worked); trace again");
+                       ", which is none of 0 (the clock), 1 (motion), 2 (work), 3 (worked)" +
+                       (asked.high > 3.0 ? " and 4 (the windings)" : "") + "; trace again");
     }
-    const double low = candidate->shapeParameters()[e.hypothesis.shape.size()].low;
+    const double low = asked.low;
     if ((low > 0.0 && !(p.value > 0.0)) || (low == 0.0 && !(p.value >= 0.0))) {
       throw InputError(
           model_path + ": effect " + m.name + " has " + p.name + " " + shortNumber(p.value, 4) +

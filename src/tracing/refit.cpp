@@ -151,12 +151,16 @@ EffectsBeside besideOf(const Search& s) {
     beside.force_N.push_back(std::move(split.force_N));
     beside.level.push_back(std::move(split.level));
   }
-  // A law keeps its peak, but gets no new one, which would make up for what is wrong with an effect. Beside an effect
-  // that makes friction larger near rest it would be the same thing in a coarser form.
-  for (const dynamics::FrictionLaw& law : s.base->friction_laws)
-    beside.without_peak.push_back(dynamics::peakOf(law) == 0.0);
+  // A law keeps its peak, but beside friction it gets no new one, which would make up for what is wrong with that. Beside
+  // an effect that makes friction larger near rest it would be the same thing in a coarser form.
+  beside.without_peak.assign(s.base->friction_laws.size(), 0);
   for (const Hypothesis& h : now.effects) {
-    if (h.place.candidate->actsNearRest()) beside.without_peak[static_cast<std::size_t>(h.place.actuator)] = 1;
+    for (std::size_t i = 0; i < beside.without_peak.size(); ++i) {
+      if (h.place.actuator >= 0 && h.place.actuator != static_cast<int>(i)) continue;
+      const bool has_none = dynamics::peakOf(s.base->friction_laws[i]) == 0.0;
+      const bool rubs = h.place.candidate->isFriction() || h.place.candidate->isMap();
+      if (h.place.candidate->actsNearRest() || (rubs && has_none)) beside.without_peak[i] = 1;
+    }
   }
   return beside;
 }

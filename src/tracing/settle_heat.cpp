@@ -40,10 +40,33 @@ struct Heated {
   bool viscous;  ///< viscous friction heats, too
   const char* said;
 };
+bool mayBeWindings(const Candidate* kind) {
+  return dynamic_cast<const WarmUp&>(*kind).usualForce() >= 0;
+}
+std::size_t usualForceIn(const Candidate* kind) {
+  return static_cast<std::size_t>(dynamic_cast<const WarmUp&>(*kind).usualForce());
+}
+
 constexpr Heated kHeats[] = {{Heat::Motion, false, "the time in motion"},
                              {Heat::Work, false, "the work of dry friction"},
                              {Heat::Work, true, "the work of friction"},
-                             {Heat::Worked, true, "the work of friction so far, each joule less than the one before,"}};
+                             {Heat::Worked, true, "the work of friction so far, each joule less than the one before,"},
+                             {Heat::Winding, false, "what the motor's windings lose, the square of its force,"}};
+
+/// Standard errors by which a heat must be better than the clock: what weakens a motor is its windings' heat.
+double neededErrors(const Heated& heat) {
+  return heat.by == Heat::Winding ? 0.0 : kTakenErrors;
+}
+
+/// Root mean square of an actuator's force along all recordings, N.
+double usualForceOf(const Search& s, int actuator) {
+  double squares = 0.0, samples = 0.0;
+  for (const EffectInput& input : s.data->inputs) {
+    squares += input.force_N.col(actuator).squaredNorm();
+    samples += input.samples();
+  }
+  return std::sqrt(squares / std::max(1.0, samples));
+}
 
 /// Viscous per dry friction of an actuator, in the current model.
 double viscousPerDry(const Search& s, int actuator) {
@@ -75,6 +98,7 @@ Eigen::VectorXd heldBackWith(Search& s, const Candidate* kind, const Heated& hea
       h.shape[0] = constant_s;
       h.shape[WarmUp::kHeatedBy] = dynamics::numberOf(heat.by);
       h.shape[WarmUp::kViscousHeat] = heat.viscous ? viscousPerDry(s, h.place.actuator) : 0.0;
+      if (heat.by == Heat::Winding) h.shape[usualForceIn(kind)] = usualForceOf(s, h.place.actuator);
     });
     const double left = heldBackAsIs(s, noise_N).sum();
     if (left >= least) continue;
@@ -98,11 +122,12 @@ std::string settleHeat(Search& s, const Candidate* kind) {
   bool surely = true;  // no other heat is near
   std::string said;
   for (const Heated& heat : kHeats) {
+    if (heat.by == Heat::Winding && !mayBeWindings(kind)) continue;
     s.effects = found;
     const Eigen::VectorXd other = heldBackWith(s, kind, heat, noise_N);
     const HeldBackGain gain = heldBackGain(clock - other);
     if (gain.mean > -kSureErrors * gain.error) surely = false;
-    if (gain.mean <= kTakenErrors * gain.error || other.sum() >= least) continue;
+    if (gain.mean <= neededErrors(heat) * gain.error || other.sum() >= least) continue;
     least = other.sum();
     best = s.effects;
     said = "What warms the drives up (" + kind->name() + ") is " + heat.said +

@@ -11,6 +11,7 @@ enum class Heat {
   Work = 2,    ///< the power of friction; it cools at rest
   Worked = 3,  ///< the work of friction so far, each joule less than the one before (grease that is worked, friction
                ///< that falls off exponentially with what it has warmed); it does not cool
+  Winding = 4,  ///< the power that a motor's windings lose: the square of the force that it gives
 };
 
 struct HeatSource {
@@ -24,9 +25,13 @@ double numberOf(Heat by) noexcept;
 
 /// How warm a drive is, 0 cold, 1 warmed up by a heat of 1: a first-order lag of that heat. The heat, by the clock: 1. In
 /// motion: 1, beyond about 1 mm/s. By work: the power over that of dry friction at 20 mm/s. By what was worked: 1, but
-/// time passes in proportion to that power. Real-time safe.
+/// time passes in proportion to that power. By the windings: whatever share of a usual power they lose (`warm`).
+/// Real-time safe.
 struct Warmth {
   double value = 0.0;
+
+  /// A time (s) under one heat.
+  double warm(double heat, double duration_s, double time_constant_s) noexcept;
 
   /// A time (s) at one speed. Both return the new value.
   double move(const HeatSource& by, double velocity_m_per_s, double duration_s, double time_constant_s) noexcept;

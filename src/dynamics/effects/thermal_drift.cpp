@@ -38,7 +38,7 @@ class ThermalDrift : public EffectLaw {
 Law thermalDriftLaw(const Shape& shape) {
   const std::optional<Heat> heated_by = shape.size() > 1 ? heatOf(shape[1]) : Heat::Clock;
   const double viscous_s_per_m = shape.size() > 2 ? shape[2] : 0.0;  // two: of a file that did not know it
-  if (!heated_by || !(viscous_s_per_m >= 0.0)) return nullptr;
+  if (!heated_by || *heated_by == Heat::Winding || !(viscous_s_per_m >= 0.0)) return nullptr;
   return std::make_unique<ThermalDrift>(shape[0], HeatSource{*heated_by, viscous_s_per_m});
 }
 

@@ -12,27 +12,32 @@ namespace {
 constexpr double kShortestTime_s = 10.0, kLongestTime_s = 300.0;
 constexpr int kConstants = 4;         ///< in the grid
 constexpr double kTimeFactor = 1.75;  ///< between neighbours
+constexpr double kLeastUsual_N = 1e-3;
 
 dynamics::HeatSource heatedBy(const std::vector<double>& shape) {
   return {dynamics::heatOf(shape[WarmUp::kHeatedBy]).value_or(dynamics::Heat::Clock), shape[WarmUp::kViscousHeat]};
 }
 
-/// How warm the actuator's drive is along a recording that begins cold.
-std::vector<double> warmthAlong(const EffectInput& input, int actuator, const std::vector<double>& shape) {
+/// How warm the actuator's drive is along a recording that begins cold; `usual_N`: at which force its windings' heat is 1.
+std::vector<double> warmthAlong(const EffectInput& input, int actuator, const std::vector<double>& shape,
+                                double usual_N) {
   const dynamics::HeatSource by = heatedBy(shape);
   const auto velocity = input.signals().velocity_m_per_s.col(actuator);
   std::vector<double> out(static_cast<std::size_t>(input.samples()), 0.0);
   dynamics::Warmth warmth;
-  for (int n = 1; n < input.samples(); ++n)
-    out[static_cast<std::size_t>(n)] = warmth.move(by, velocity[n], input.time(n) - input.time(n - 1), shape[0]);
+  for (int n = 1; n < input.samples(); ++n) {
+    const double period_s = input.time(n) - input.time(n - 1), share = input.force_N(n, actuator) / usual_N;
+    out[static_cast<std::size_t>(n)] = by.by == dynamics::Heat::Winding
+                                           ? warmth.warm(share * share, period_s, shape[0])
+                                           : warmth.move(by, velocity[n], period_s, shape[0]);
+  }
   return out;
 }
 
 }  // namespace
 
-ShapeParameter heatedByParameter() {
-  return {"heated_by", 0.0, dynamics::numberOf(dynamics::Heat::Worked), true,
-          dynamics::numberOf(dynamics::Heat::Clock)};
+ShapeParameter heatedByParameter(dynamics::Heat last) {
+  return {"heated_by", 0.0, dynamics::numberOf(last), true, dynamics::numberOf(dynamics::Heat::Clock)};
 }
 
 std::vector<ShapeParameter> WarmUp::shapeParameters() const {
@@ -70,7 +75,8 @@ std::vector<Coefficient> WarmUp::coefficients(const EffectInput& input) const {
 
 Eigen::MatrixXd WarmUp::columns(const EffectInput& input, int actuator, const std::vector<double>& shape) const {
   const Eigen::MatrixXd change = changing(input, actuator, shape);
-  const std::vector<double> warm = warmthAlong(input, actuator, shape);
+  const double usual_N = usualForce() < 0 ? 1.0 : std::max(kLeastUsual_N, shape[static_cast<std::size_t>(usualForce())]);
+  const std::vector<double> warm = warmthAlong(input, actuator, shape, usual_N);
   const bool worked = heatedBy(shape).by == dynamics::Heat::Worked;
   Eigen::MatrixXd out(change.rows(), change.cols() * std::max(1, input.recordings));
   for (Eigen::Index n = 0; n < change.rows(); ++n) {

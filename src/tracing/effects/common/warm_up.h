@@ -1,11 +1,12 @@
 #pragma once
 
+#include "knee_robot/dynamics/warming.h"
 #include "knee_robot/tracing/candidate.h"
 
 namespace knee_robot::tracing {
 
-/// The shape parameter that says what warms the drive up: a number of dynamics::Heat.
-ShapeParameter heatedByParameter();
+/// The shape parameter that says what warms the drive up: a number of dynamics::Heat up to `last`.
+ShapeParameter heatedByParameter(dynamics::Heat last = dynamics::Heat::Worked);
 
 /// What changes while a drive warms up, from the start of each recording, with a time constant (the first shape
 /// parameter), and by the clock, its time in motion or the work of its friction (the second, dynamics::Heat, and the
@@ -16,6 +17,10 @@ class WarmUp : public Candidate {
  public:
   static constexpr std::size_t kHeatedBy = 1, kViscousHeat = 2;  ///< of the shape
   static constexpr double kMostViscous_s_per_m = 1000.0;         ///< that the latter may be
+
+  /// Number of the shape parameter that says at which force (N, root mean square) the windings' heat is 1; below 0: they
+  /// are not what warms this up.
+  virtual int usualForce() const { return -1; }
 
   bool goesWithTime() const override { return true; }
   std::vector<ShapeParameter> shapeParameters() const override;
