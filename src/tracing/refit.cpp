@@ -172,9 +172,8 @@ bool isBeside(const Search& s, const EffectsBeside& effects) {
   Eigen::VectorXd squares = Eigen::VectorXd::Zero(s.rms_N.size());
   double samples = 0.0;
   for (std::size_t r = 0; r < effects.force_N.size(); ++r) {
-    const Eigen::MatrixXd change =
-        effects.force_N[r] - fitted.force_N[r] +
-        (effects.level[r] - fitted.level[r]) * s.data->inputs[r].coulomb_N.asDiagonal();
+    const Eigen::MatrixXd change = effects.force_N[r] - fitted.force_N[r] +
+                                   (effects.level[r] - fitted.level[r]) * s.data->inputs[r].coulomb_N.asDiagonal();
     squares += change.colwise().squaredNorm();
     samples += static_cast<double>(change.rows());
   }
@@ -187,8 +186,8 @@ bool rebase(Search& s) {
   if (isBeside(s, beside)) return false;
   const mechanism::Robot& robot = *data.inputs.front().robot;
   const Eigen::VectorXd start = s.base->start;
-  return adoptBase(s, fitBase(robot, data.recordings, data.stack, s.base->columns, s.options->rank, &start,
-                              std::move(beside)));
+  return adoptBase(
+      s, fitBase(robot, data.recordings, data.stack, s.base->columns, s.options->rank, &start, std::move(beside)));
 }
 
 }  // namespace knee_robot::tracing

@@ -54,6 +54,7 @@ effects:
   - {name: viscoelastic_element, stiffness_N_per_m: 100, relaxation_s: 2}
   - {name: supply_sag, share: 0.1, half_at_N2: 20000, lag_s: 0.1}
   - {name: wobbling_mass, mass_kg: 1, frequency_Hz: 2, damping_ratio: 0.1, point_m: [0, 0, 0.1], direction: [1, 0, 0]}
+  - {name: hanging_mass, mass_kg: 1, length_m: 0.2, damping_ratio: 0.05, point_m: [0, 0, -0.1]}
   - {name: presliding, actuators: [1], stiffness_N_per_m: 5e5}
   - {name: screw_ripple, amplitude_N: 3, period_m: 0.01}
   - {name: payload, mass_kg: 2, center_m: [0, 0, 0.1]}

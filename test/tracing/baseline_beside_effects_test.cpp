@@ -22,7 +22,7 @@ TEST(BaseFit, IsTheSameBesideAKnownEffectAsWithoutIt) {
   changed[0].force_filtered_N.col(1) += effect;
 
   const BaseFit without = fitBase(robot, clean, stack, columns, 0);
-  const BaseFit beside = fitBase(robot, changed, stack, columns, 0, nullptr, {effects});
+  const BaseFit beside = fitBase(robot, changed, stack, columns, 0, nullptr, {{effects}, {}, {}});
   const BaseFit ignoring = fitBase(robot, changed, stack, columns, 0);
   EXPECT_EQ(beside.coordinates(), without.coordinates());
   EXPECT_LT((beside.parameters - without.parameters).norm(), 1e-6 * without.parameters.norm());

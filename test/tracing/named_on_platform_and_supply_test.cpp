@@ -29,6 +29,20 @@ TEST(Trace, NamesAMassThatSwingsOnThePlatformAndItsFrequency) {
   EXPECT_LT(legs(c.after_N), 0.6 * legs(c.before_N));
 }
 
+TEST(Trace, NamesAMassThatHangsFromThePlatformItsMassAndItsFrequency) {
+  const TracedCase c = traceSimulated(
+      "  - {name: hanging_mass, mass_kg: 15, length_m: 0.25, damping_ratio: 0.03, point_m: [0.05, 0.1, -0.05]}\n");
+  const FoundEffect* mass = found(c, "hanging_mass");
+  ASSERT_NE(mass, nullptr);
+  const std::vector<double>& shape = mass->hypothesis.shape;
+  std::cout << "error " << c.before_N.transpose() << " -> " << c.after_N.transpose() << " N; frequency " << shape[0]
+            << " Hz, mass " << mass->coefficients[0] << " kg, pivot " << shape[2] << ' ' << shape[3] << ' ' << shape[4]
+            << " m\n";
+  EXPECT_NEAR(shape[0], std::sqrt(9.81 / 0.25) / (2.0 * 3.14159265), 0.03);
+  EXPECT_NEAR(mass->coefficients[0], 15.0, 1.5);
+  EXPECT_LT(legs(c.after_N), 0.6 * legs(c.before_N));
+}
+
 TEST(Trace, NamesTheFrictionOfTheJointsAtTheBase) {
   const TracedCase c = traceSimulated("  - {name: base_joint_friction, coulomb_N_m: 2, viscous_N_m_s_per_rad: 1}\n");
   const FoundEffect* friction = found(c, "base_joint_friction");

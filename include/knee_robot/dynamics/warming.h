@@ -6,11 +6,11 @@ namespace knee_robot::dynamics {
 
 /// What warms a drive up; the number that model files write (`heated_by`).
 enum class Heat {
-  Clock = 0,   ///< time alone, from the moment the drive takes up load
-  Motion = 1,  ///< the time in motion; it cools at rest
-  Work = 2,    ///< the power of friction; it cools at rest
-  Worked = 3,  ///< the work of friction so far, each joule less than the one before (grease that is worked, friction
-               ///< that falls off exponentially with what it has warmed); it does not cool
+  Clock = 0,    ///< time alone, from the moment the drive takes up load
+  Motion = 1,   ///< the time in motion; it cools at rest
+  Work = 2,     ///< the power of friction; it cools at rest
+  Worked = 3,   ///< the work of friction so far, each joule less than the one before (grease that is worked, friction
+                ///< that falls off exponentially with what it has warmed); it does not cool
   Winding = 4,  ///< the power that a motor's windings lose: the square of the force that it gives
 };
 

@@ -1,8 +1,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "common/on_platform.h"
 #include "knee_robot/base/constants.h"
-#include "knee_robot/tracing/candidate.h"
 
 namespace knee_robot::tracing {
 namespace {
@@ -78,11 +78,9 @@ Support supportAt(const EffectInput& in, std::size_t sample, const std::vector<d
 /// A mass on the platform that gives along one direction: a limb's soft tissue, liquid in a tank, a tool on rubber. Only
 /// what it does beyond the same mass held rigidly, which the platform's inertia contains: its own acceleration, and the
 /// weight that it shifts.
-class WobblingMass : public Candidate {
+class WobblingMass : public OnPlatform {
  public:
   std::string name() const override { return "wobbling_mass"; }
-  bool shared() const override { return true; }
-  bool restsOnModel() const override { return false; }
   std::string sentence() const override {
     return "A mass on the platform swings along one direction: soft tissue of a limb, liquid in a tank, a tool on "
            "rubber.";
@@ -122,19 +120,20 @@ class WobblingMass : public Candidate {
   std::vector<Coefficient> coefficients(const EffectInput&) const override { return {{"mass_kg", true}}; }
   /// Legs that give under the platform look like a mass of many times its own.
   bool believable(const Eigen::VectorXd& coefficients) const override { return coefficients[0] <= kHeaviest_kg; }
-  Eigen::MatrixXd columns(const EffectInput& input, int actuator, const std::vector<double>& shape) const override {
+
+ protected:
+  Eigen::Matrix4Xd onPose(const EffectInput& input, const std::vector<double>& shape) const override {
     Oscillator mass(shape, input.signals().period_s);
-    Eigen::MatrixXd out(input.samples(), 1);
+    Eigen::Matrix4Xd out(4, input.samples());
     for (int n = 0; n < input.samples(); ++n) {
       const std::size_t sample = static_cast<std::size_t>(n);
       const Support at = supportAt(input, sample, shape);
       const double drive = at.direction.dot(at.specific_force);
       n == 0 ? mass.settle(drive) : mass.step(drive);
       const mechanism::Vector3 shifted = (mass.displacement_m() * at.direction).cross(at.specific_force);
-      mechanism::Vector4 on_pose = at.by_pose.transpose() * (mass.acceleration(drive) * at.direction);
-      on_pose[2] += shifted.y();
-      on_pose[3] += shifted.dot(at.psi_axis);
-      out(n, 0) = input.force_per_pose_force[sample].row(actuator).dot(on_pose);
+      out.col(n) = at.by_pose.transpose() * (mass.acceleration(drive) * at.direction);
+      out(2, n) += shifted.y();
+      out(3, n) += shifted.dot(at.psi_axis);
     }
     return out;
   }

@@ -75,7 +75,8 @@ std::vector<Coefficient> WarmUp::coefficients(const EffectInput& input) const {
 
 Eigen::MatrixXd WarmUp::columns(const EffectInput& input, int actuator, const std::vector<double>& shape) const {
   const Eigen::MatrixXd change = changing(input, actuator, shape);
-  const double usual_N = usualForce() < 0 ? 1.0 : std::max(kLeastUsual_N, shape[static_cast<std::size_t>(usualForce())]);
+  const double usual_N =
+      usualForce() < 0 ? 1.0 : std::max(kLeastUsual_N, shape[static_cast<std::size_t>(usualForce())]);
   const std::vector<double> warm = warmthAlong(input, actuator, shape, usual_N);
   const bool worked = heatedBy(shape).by == dynamics::Heat::Worked;
   Eigen::MatrixXd out(change.rows(), change.cols() * std::max(1, input.recordings));
