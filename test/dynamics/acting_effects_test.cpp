@@ -214,6 +214,10 @@ TEST(ActingEffects, RefuseAHeatThatNothingStandsFor) {
   EXPECT_THROW(
       ActingEffects(fake::tracedModelOf(robot, {effect("thermal_drift", 2, cools_as_it_rubs, {-3.0, 0.0})}), robot),
       InputError);
+  const std::vector<double> by_windings = {40.0, numberOf(Heat::Winding), 0.0, 0.0};
+  EXPECT_THROW(ActingEffects(fake::tracedModelOf(robot, {effect("thermal_drift", 2, by_windings, {-3.0, 0.0})}), robot),
+               InputError)
+      << "of the force of a motor, which this law does not know";
 }
 
 TEST(ActingEffects, MakeThePartsAddUpToTheWholeForce) {
