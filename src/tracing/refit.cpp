@@ -168,7 +168,7 @@ EffectsBeside besideOf(const Search& s) {
 /// Whether the baseline stands beside these effects already, but for far less than what the model leaves.
 bool isBeside(const Search& s, const EffectsBeside& effects) {
   const EffectsBeside& fitted = s.base->beside;
-  if (fitted.force_N.empty() || fitted.without_peak != effects.without_peak) return false;
+  if (fitted.level.size() != effects.level.size() || fitted.without_peak != effects.without_peak) return false;
   Eigen::VectorXd squares = Eigen::VectorXd::Zero(s.rms_N.size());
   double samples = 0.0;
   for (std::size_t r = 0; r < effects.force_N.size(); ++r) {
