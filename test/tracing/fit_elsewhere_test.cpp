@@ -1,7 +1,6 @@
 // What is predicted in other recordings is fitted without what is left out there, laws near rest too.
 #include <algorithm>
 
-#include "knee_robot/recording/filter.h"
 #include "src/tracing/elsewhere.h"
 #include "src/tracing/refit.h"
 #include "test/tracing/searched_machine.h"
@@ -12,21 +11,6 @@ namespace {
 class FitElsewhere : public SearchedMachine {
  protected:
   FitElsewhere() { search_.options = &options_; }
-  /// The machine has this in both of its recordings.
-  void has(const Hypothesis& hypothesis, const Eigen::VectorXd& coefficients) {
-    for (std::size_t r = 0; r < data_.recordings.size(); ++r) {
-      identification::Observation& o = data_.recordings[r];
-      Eigen::MatrixXd force_N(o.samples(), o.axes());
-      for (int i = 0; i < o.axes(); ++i)
-        force_N.col(i) = effectColumns(data_.inputs[r], hypothesis, i) * coefficients;
-      recording::ZeroPhaseLowPass(data_.stack.cutoff_hz, 1.0 / o.signals.period_s).applyToColumns(force_N);
-      o.force_filtered_N += force_N;
-    }
-    BaseFit newtons = base_;
-    newtons.noise_N.setOnes();
-    data_.all_force_rows = forceRows(newtons, data_.recordings, data_.stack);
-    setAttention(data_, Attention::All);
-  }
   FoundEffect found(const Hypothesis& hypothesis, bool transfers) const {
     FoundEffect e;
     e.hypothesis = hypothesis;

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "knee_robot/recording/filter.h"
 #include "src/tracing/near_rest.h"
 #include "test/identification/synthetic.h"
 
@@ -48,8 +49,24 @@ class SearchedMachine : public testing::Test {
     }
     return {};
   }
-  /// The machine has this besides.
+  /// The machine's rows have this besides.
   void add(const Eigen::VectorXd& force_N) { data_.force_rows += force_N; }
+
+  /// The machine has this in both of its recordings.
+  void has(const Hypothesis& hypothesis, const Eigen::VectorXd& coefficients) {
+    for (std::size_t r = 0; r < data_.recordings.size(); ++r) {
+      identification::Observation& o = data_.recordings[r];
+      Eigen::MatrixXd force_N(o.samples(), o.axes());
+      for (int i = 0; i < o.axes(); ++i)
+        force_N.col(i) = effectColumns(data_.inputs[r], hypothesis, i) * coefficients;
+      recording::ZeroPhaseLowPass(data_.stack.cutoff_hz, 1.0 / o.signals.period_s).applyToColumns(force_N);
+      o.force_filtered_N += force_N;
+    }
+    BaseFit newtons = base_;
+    newtons.noise_N.setOnes();
+    data_.all_force_rows = forceRows(newtons, data_.recordings, data_.stack);
+    setAttention(data_, Attention::All);
+  }
 
   const mechanism::Robot robot_ = identification::syntheticRobot();
   const CandidateList candidates_ = namedCandidates(robot_);
