@@ -40,13 +40,6 @@ struct Heated {
   bool viscous;  ///< viscous friction heats, too
   const char* said;
 };
-bool mayBeWindings(const Candidate* kind) {
-  return dynamic_cast<const WarmUp&>(*kind).usualForce() >= 0;
-}
-std::size_t usualForceIn(const Candidate* kind) {
-  return static_cast<std::size_t>(dynamic_cast<const WarmUp&>(*kind).usualForce());
-}
-
 constexpr Heated kHeats[] = {{Heat::Motion, false, "the time in motion"},
                              {Heat::Work, false, "the work of dry friction"},
                              {Heat::Work, true, "the work of friction"},
@@ -56,6 +49,11 @@ constexpr Heated kHeats[] = {{Heat::Motion, false, "the time in motion"},
 /// Standard errors by which a heat must be better than the clock: what weakens a motor is its windings' heat.
 double neededErrors(const Heated& heat) {
   return heat.by == Heat::Winding ? 0.0 : kTakenErrors;
+}
+
+/// Where the shape of `kind` says at which force the windings' heat is 1; below 0: they are not what warms it up.
+int usualForceIn(const Candidate* kind) {
+  return dynamic_cast<const WarmUp&>(*kind).usualForce();
 }
 
 /// Root mean square of an actuator's force along all recordings, N.
@@ -98,7 +96,8 @@ Eigen::VectorXd heldBackWith(Search& s, const Candidate* kind, const Heated& hea
       h.shape[0] = constant_s;
       h.shape[WarmUp::kHeatedBy] = dynamics::numberOf(heat.by);
       h.shape[WarmUp::kViscousHeat] = heat.viscous ? viscousPerDry(s, h.place.actuator) : 0.0;
-      if (heat.by == Heat::Winding) h.shape[usualForceIn(kind)] = usualForceOf(s, h.place.actuator);
+      if (heat.by == Heat::Winding)
+        h.shape[static_cast<std::size_t>(usualForceIn(kind))] = usualForceOf(s, h.place.actuator);
     });
     const double left = heldBackAsIs(s, noise_N).sum();
     if (left >= least) continue;
@@ -122,7 +121,7 @@ std::string settleHeat(Search& s, const Candidate* kind) {
   bool surely = true;  // no other heat is near
   std::string said;
   for (const Heated& heat : kHeats) {
-    if (heat.by == Heat::Winding && !mayBeWindings(kind)) continue;
+    if (heat.by == Heat::Winding && usualForceIn(kind) < 0) continue;
     s.effects = found;
     const Eigen::VectorXd other = heldBackWith(s, kind, heat, noise_N);
     const HeldBackGain gain = heldBackGain(clock - other);
