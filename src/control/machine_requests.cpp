@@ -55,7 +55,7 @@ Answer MachineRequests::make(RequestKind kind, double timeout_s, double value) {
   }
   ControlStatus now;
   report_.fill(now);
-  return sentenceOf(answer, now, homing_, machine_.sync->start_tolerance_m);
+  return sentenceOf(kind, answer, now, homing_, machine_.sync->start_tolerance_m);
 }
 
 rt::Nanoseconds MachineRequests::expiry() const noexcept {

@@ -41,13 +41,15 @@ const char* sentenceOf(GuideStop stop) noexcept {
   return "?";
 }
 
-Answer sentenceOf(const RequestAnswer& answer, const ControlStatus& now, HomingMethod homing,
+Answer sentenceOf(RequestKind asked, const RequestAnswer& answer, const ControlStatus& now, HomingMethod homing,
                   double start_tolerance_m) {
   const std::string state = toString(now.state);
   switch (answer.result) {
     case RequestResult::Done:
       return {true, "the robot is " + state};
     case RequestResult::WrongState:
+      if (isPossible(now.state, asked))  // somebody else's request was carried out since it was refused
+        return {false, "not possible in the state that the robot has just left; now it is " + state + ": try again"};
       return {false, "not possible while the robot is " + state +
                          (now.fault_sentence.empty() ? "" : " (" + now.fault_sentence + ")")};
     case RequestResult::NoReference:

@@ -12,7 +12,8 @@ namespace knee_robot::control {
 const char* sentenceOf(GuideStop stop) noexcept;
 
 /// What became of a request, as the operator is told. `now`: the machine after it.
-Answer sentenceOf(const RequestAnswer& answer, const ControlStatus& now, HomingMethod homing, double start_tolerance_m);
+Answer sentenceOf(RequestKind asked, const RequestAnswer& answer, const ControlStatus& now, HomingMethod homing,
+                  double start_tolerance_m);
 
 /// Of whoever asked for a motion before somebody else wanted the robot to stand.
 inline const Answer kHalted{false,

@@ -1,5 +1,8 @@
 #include "controller_action.h"
 
+#include <cmath>
+#include <sstream>
+
 #include "controller_events.h"
 #include "knee_robot/base/errors.h"
 #include "knee_robot/base/numbers.h"
@@ -10,7 +13,7 @@ namespace knee_robot::nodes {
 namespace {
 
 constexpr double kSlowestPercent = 5.0;
-constexpr double kOldest_s = 10.0;
+constexpr double kOldest_s = 10.0;  // or as far ahead: clocks that differ, a bag of a computer whose clock was ahead
 
 bool isMoving(control::MachineState state) {
   return state != control::MachineState::Disabled && state != control::MachineState::Holding &&
@@ -21,6 +24,13 @@ PlayResult resultOf(const std::string& sentence) {
   PlayResult result;
   result.message = sentence;
   return result;
+}
+
+/// All that a goal says. An id that actionlib had to give says nothing.
+std::string wordsOf(const PlayGoal& goal, const std::string& id) {
+  std::ostringstream words;
+  words << goal << (callerOfGoal(id) == ros::this_node::getName() ? "" : id);
+  return words.str();
 }
 
 }  // namespace
@@ -60,12 +70,22 @@ control::Answer PlayActionServer::checkMachine(const PlayGoal& goal) const {
   return {true, ""};
 }
 
+control::Answer PlayActionServer::checkRepeated(const PlayGoal& goal, const Job& job) {
+  const control::ControlStatus status = system_.status();
+  // A fault ends in a safe stop, unless the drives were off.
+  const std::uint64_t stops = job.stops + status.safe_stops + (status.state == control::MachineState::Faulted ? 1 : 0);
+  const std::string why =
+      repeated_.whyNot(wordsOf(goal, job.handle.getGoalID().id), stops, ros::SteadyTime::now().toSec());
+  return {why.empty(), why};
+}
+
 control::Answer PlayActionServer::check(const PlayGoal& goal, Job& job) const {
   // A bag that is played beside the robot says again what was asked for when it was recorded, and a network that was
   // away hands over what nobody waits for any more.
-  if (job.age_s > kOldest_s)
-    return {false, "the goal was sent " + shortNumber(job.age_s, 3) +
-                       " s ago by its stamp (is a bag being played, was the network away, do the clocks of the two "
+  if (std::abs(job.age_s) > kOldest_s)
+    return {false, "the goal was sent " + shortNumber(std::abs(job.age_s), 3) +
+                       (job.age_s > 0.0 ? " s ago" : " s ahead of now") +
+                       " by its stamp (is a bag being played, was the network away, do the clocks of the two "
                        "computers differ?); send it anew"};
   // Written so that not-a-number is refused.
   if (!(goal.speed_percent == 0.0 || (goal.speed_percent >= kSlowestPercent && goal.speed_percent <= 100.0)))
@@ -109,6 +129,7 @@ void PlayActionServer::receive(Handle handle) {
       Job& job = unchecked_.emplace_back();
       job.handle = handle;
       job.halts = system_.halts();
+      job.stops = job.halts + cancels_;
       job.age_s = ros::Time::now().toSec() - handle.getGoalID().stamp.toSec();
     }
   }
@@ -125,9 +146,12 @@ void PlayActionServer::checkArrivals() {
       if (unchecked_.empty()) return;
       job.handle = unchecked_.front().handle;
       job.halts = unchecked_.front().halts;
+      job.stops = unchecked_.front().stops;
       job.age_s = unchecked_.front().age_s;
     }
-    const control::Answer answer = check(*job.handle.getGoal(), job);
+    const PlayGoal& goal = *job.handle.getGoal();
+    control::Answer answer = checkRepeated(goal, job);
+    if (answer.ok) answer = check(goal, job);
     decide(job, answer);
     std::optional<Job> done;  // goes without the lock: handles take actionlib's lock, which is held where goals arrive
     const std::lock_guard<std::mutex> lock(mutex_);
@@ -173,6 +197,7 @@ void PlayActionServer::cancel(Handle handle) {
   bool unchecked = false;
   {
     const std::lock_guard<std::mutex> lock(mutex_);
+    ++cancels_;
     for (Job& job : unchecked_) {
       if (!(job.handle == handle) || job.cancelled) continue;
       job.cancelled = unchecked = true;

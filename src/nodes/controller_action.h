@@ -16,6 +16,7 @@
 #include "folder.h"
 #include "goal_stamps.h"
 #include "knee_robot/control/control_system.h"
+#include "repeated_goals.h"
 
 namespace knee_robot::nodes {
 
@@ -37,6 +38,7 @@ class PlayActionServer {
     CheckedReference checked;  // empty: the loaded reference
     std::string recording;     // full path, empty: none
     std::uint64_t halts = 0;   // ControlSystem::halts() when it arrived: a stop after that is for it, too
+    std::uint64_t stops = 0;   // halts and cancels until it arrived
     double age_s = 0.0;        // when it arrived, by its stamp
     bool cancelled = false;    // before it was checked
   };
@@ -46,6 +48,7 @@ class PlayActionServer {
   void cancel(Handle handle);
   void checkArrivals();
   void decide(Job& job, control::Answer answer);
+  control::Answer checkRepeated(const PlayGoal& goal, const Job& job);
   control::Answer check(const PlayGoal& goal, Job& job) const;
   control::Answer checkMachine(const PlayGoal& goal) const;
   void work();
@@ -55,12 +58,14 @@ class PlayActionServer {
   References& references_;
   const Folder& recordings_;
   EventLog& log_;
+  RepeatedGoals repeated_;  // of the checker alone
 
   std::mutex mutex_;
   std::condition_variable arrived_;
   std::deque<Job> unchecked_;  // the first is being checked
   std::optional<Job> next_;
   std::optional<Handle> running_;
+  std::uint64_t cancels_ = 0;
   std::atomic<Interruption> interruption_{Interruption::None};
   bool ended_ = false;
   Server server_;

@@ -3,6 +3,7 @@ folders that are others from elsewhere."""
 import contextlib
 import pathlib
 import subprocess
+import threading
 import time
 import urllib.request
 import xmlrpc.client
@@ -25,10 +26,19 @@ STOPS = ("stop", "pause", "disable", "emergency_stop")
 
 def goal_of_an_hour_ago(a):
     """Disabled: a bag of an hour ago, with a goal that enables, is played beside the robot (the launch files' `bag:=true` records goals)."""
+    return goal_stamped(a, -3600.0)
+
+
+def goal_of_next_year(a):
+    """Disabled: the same with a bag of a computer whose clock was a year ahead."""
+    return goal_stamped(a, 365 * 86400.0)
+
+
+def goal_stamped(a, ahead_s):
     path = a.write_path()
     goals = rospy.Publisher("/controller/play/goal", PlayActionGoal, queue_size=2)
     time.sleep(0.5)
-    then = rospy.Time.now() - rospy.Duration(3600)
+    then = rospy.Time.now() + rospy.Duration(ahead_s)
     goal = PlayActionGoal(goal_id=GoalID(stamp=then, id="/operator_page-1"), goal=PlayGoal(file=path.name, enable=True))
     goal.header.stamp = then
     a.begin()
@@ -39,6 +49,60 @@ def goal_of_an_hour_ago(a):
     a.session.trigger("stop")
     text, good = a.disable_and_look()
     return f"{state}, moved {moved:.1f} mm; ", text, good and moved < 0.2 and state == "disabled, no fault"
+
+
+@contextlib.contextmanager
+def said_every_second(a, stamp):
+    """A script says a goal that enables once a second (`rostopic pub -r 1`)."""
+    goal = PlayActionGoal(goal_id=GoalID(stamp=stamp), goal=PlayGoal(file=a.write_path().name, enable=True, approach=True))
+    goals = rospy.Publisher("/controller/play/goal", PlayActionGoal, queue_size=2)
+    ended = threading.Event()
+
+    def say():
+        while not ended.wait(1.0):
+            goals.publish(goal)
+    script = threading.Thread(target=say)
+    script.start()
+    try:
+        yield
+    finally:
+        ended.set()
+        script.join()
+        goals.unregister()
+
+
+def moved_afterwards(a):
+    a.begin()
+    time.sleep(4.0)
+    moved, state = a.moved_mm(), a.state()
+    return f"{state}, moved {moved:.1f} mm; ", moved < 0.2 and state in ("disabled, no fault", "holding, no fault")
+
+
+def cancel(a):
+    cancels = rospy.Publisher("/controller/play/cancel", GoalID, queue_size=1)
+    time.sleep(0.5)
+    cancels.publish(GoalID())
+    time.sleep(0.5)
+    cancels.unregister()
+    a.session.wait_for(("holding",), 3.0)
+
+
+def said_again_after(*requests):
+    def attack(a):
+        with said_every_second(a, rospy.Time(0)):
+            began = a.session.wait_for(("playing",), 5.0).state
+            for request in requests:
+                if request == "cancel":
+                    cancel(a)
+                else:
+                    a.session.trigger(request)
+                time.sleep(1.5)
+            found, still = moved_afterwards(a)
+        a.session.trigger("stop")
+        text, good = a.disable_and_look()
+        return f"{began}, then {found}", text, good and still and began == "playing"
+    attack.__doc__ = f"A script says the same goal, which enables, once a second; {', '.join(requests)}: does it move again?"
+    return attack
 
 
 def stop_when(a, happens):
@@ -173,6 +237,9 @@ def waits():
 
 
 def attacks():
-    return {f.__name__: f for f in (goal_of_an_hour_ago, stop_services_are_taken, stop_services_are_withdrawn, request_within_a_request,
-                                    started_from_another_folder_with_a_patient, state_folder_behind_a_link_that_leads_nowhere,
-                                    second_page_of_the_same_name)}
+    found = {f.__name__: f for f in (goal_of_an_hour_ago, goal_of_next_year, stop_services_are_taken, stop_services_are_withdrawn,
+                                     request_within_a_request, started_from_another_folder_with_a_patient,
+                                     state_folder_behind_a_link_that_leads_nowhere, second_page_of_the_same_name)}
+    for requests in (("stop",), ("cancel",), ("disable",), ("disable", "enable"), ("emergency_stop", "reset_faults")):
+        found[f"goal_said_again_after_{'_'.join(requests)}"] = said_again_after(*requests)
+    return found

@@ -7,7 +7,8 @@
 namespace knee_robot::control {
 namespace {
 
-Answer said(RequestResult result, HomingMethod homing = HomingMethod::Assumed) {
+Answer said(RequestResult result, HomingMethod homing = HomingMethod::Assumed,
+            RequestKind asked = RequestKind::Enable) {
   ControlStatus now;
   now.state = MachineState::Holding;
   now.fault_sentence = "axis 2: stalled";
@@ -16,7 +17,7 @@ Answer said(RequestResult result, HomingMethod homing = HomingMethod::Assumed) {
   answer.result = result;
   answer.axis = 3;
   answer.distance_m = 0.0123;
-  return sentenceOf(answer, now, homing, 0.002);
+  return sentenceOf(asked, answer, now, homing, 0.002);
 }
 
 TEST(OperatorSentences, SayOfEveryRequestWhatBecameOfItEachInItsOwnWords) {
@@ -40,6 +41,11 @@ TEST(OperatorSentences, SayOfAFaultItsCause) {
        {RequestResult::WrongState, RequestResult::CauseRemains, RequestResult::NeedsRestart, RequestResult::Failed}) {
     EXPECT_NE(said(result).sentence.find("axis 2: stalled"), std::string::npos);
   }
+}
+
+TEST(OperatorSentences, BlameNoStateInWhichItIsPossible) {
+  const std::string sentence = said(RequestResult::WrongState, HomingMethod::Assumed, RequestKind::Play).sentence;
+  EXPECT_NE(sentence.find("has just left; now it is holding"), std::string::npos) << sentence;
 }
 
 TEST(OperatorSentences, SayWhichWayHomeIsFound) {
