@@ -54,7 +54,9 @@ class HangingMass : public OnPlatform {
  public:
   std::string name() const override { return "hanging_mass"; }
   std::string sentence() const override {
-    return "A mass hangs from the platform and swings to all sides like a pendulum: a bag, a hose, a limb in a sling.";
+    return "A mass on the platform swings to all sides alike: it hangs like a pendulum (a bag, a hose, a limb in a "
+           "sling) "
+           "or lies on something soft.";
   }
   std::vector<ShapeParameter> shapeParameters() const override {
     return {{"frequency_Hz", kSlowest_Hz, kFastest_Hz},
