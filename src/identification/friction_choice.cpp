@@ -25,8 +25,8 @@ constexpr double kNearSpectrum = 1.1;
 constexpr double kSurelyRare = 2.0;
 /// A tanh that lags and a peak also when they leave less than this of what that leaves: few blocks may hold all of it.
 constexpr double kHalves = 0.5;
-/// They have to leave at most this of what the usual laws leave in any case: a percent or two of a recording that the model hardly
-/// describes moved the laws of its other axes.
+/// They have to leave at most this of what the usual laws leave in any case: a percent or two of a recording that the
+/// model hardly describes moved the laws of its other axes.
 constexpr double kWorthALaw = 0.8;
 
 dynamics::FrictionLaw lawOf(const Sum& sum, const std::vector<FrictionElement>& elements) {

@@ -72,6 +72,38 @@ Eigen::VectorXd inColumns(const dynamics::Model& model, const std::vector<double
   return out;
 }
 
+void requireHeat(const std::vector<double>& shape, const WarmUp& kind, double last, const std::string& effect) {
+  const double heat = shape[WarmUp::kHeatedBy];
+  if (!dynamics::heatOf(heat) || heat > last) {
+    throw InputError(effect + " has " + heatedByParameter().name + " " + shortNumber(heat, 4) +
+                     ", which is none of 0 (the clock), 1 (motion), 2 (work), 3 (worked)" +
+                     (kind.usualForce() >= 0 ? " and 4 (the windings)" : "") + "; trace again");
+  }
+  if (heat == dynamics::numberOf(dynamics::Heat::Winding) &&
+      !(shape[static_cast<std::size_t>(kind.usualForce())] > 0.0))
+    throw InputError(effect + " is heated by the windings (4), and its usual_force_N is not positive; trace again");
+}
+
+std::vector<double> shapeOf(const dynamics::ModelEffect& m, const Candidate& candidate, const std::string& model_path) {
+  const std::string effect = model_path + ": effect " + m.name;
+  const std::vector<ShapeParameter> asked = candidate.shapeParameters();
+  const std::vector<dynamics::EffectParameter> given = completed(m.shape, candidate);
+  requireNames(given, asked, m.name, model_path);
+  std::vector<double> shape;
+  for (const dynamics::EffectParameter& p : given) {
+    const double low = asked[shape.size()].low;
+    if ((low > 0.0 && !(p.value > 0.0)) || (low == 0.0 && !(p.value >= 0.0))) {
+      throw InputError(
+          effect + " has " + p.name + " " + shortNumber(p.value, 4) +
+          (low > 0.0 ? ", which must be positive; trace again" : ", which must not be negative; trace again"));
+    }
+    shape.push_back(p.value);
+  }
+  if (const auto* kind = dynamic_cast<const WarmUp*>(&candidate))
+    requireHeat(shape, *kind, asked[WarmUp::kHeatedBy].high, effect);
+  return shape;
+}
+
 FoundEffect effectOf(const mechanism::Robot& robot, const dynamics::ModelEffect& m, int recordings,
                      const std::string& model_path, const CandidateList& named, CandidateList& maps) {
   FoundEffect e;
@@ -89,23 +121,7 @@ FoundEffect effectOf(const mechanism::Robot& robot, const dynamics::ModelEffect&
     throw InputError(model_path + ": effect " + m.name + " must sit on one actuator; write one entry for each");
   EffectInput input;
   input.recordings = recordings;
-  const std::vector<dynamics::EffectParameter> shape = completed(m.shape, *candidate);
-  requireNames(shape, candidate->shapeParameters(), m.name, model_path);
-  for (const dynamics::EffectParameter& p : shape) {
-    const ShapeParameter& asked = candidate->shapeParameters()[e.hypothesis.shape.size()];
-    if (p.name == heatedByParameter().name && (!dynamics::heatOf(p.value) || p.value > asked.high)) {
-      throw InputError(model_path + ": effect " + m.name + " has " + p.name + " " + shortNumber(p.value, 4) +
-                       ", which is none of 0 (the clock), 1 (motion), 2 (work), 3 (worked)" +
-                       (asked.high > 3.0 ? " and 4 (the windings)" : "") + "; trace again");
-    }
-    const double low = asked.low;
-    if ((low > 0.0 && !(p.value > 0.0)) || (low == 0.0 && !(p.value >= 0.0))) {
-      throw InputError(
-          model_path + ": effect " + m.name + " has " + p.name + " " + shortNumber(p.value, 4) +
-          (low > 0.0 ? ", which must be positive; trace again" : ", which must not be negative; trace again"));
-    }
-    e.hypothesis.shape.push_back(p.value);
-  }
+  e.hypothesis.shape = shapeOf(m, *candidate, model_path);
   std::vector<dynamics::EffectParameter> coefficients = m.coefficients;
   const std::vector<Coefficient> asked = candidate->coefficients(input);
   if (candidate->goesWithTime() && !candidate->isMap() &&

@@ -68,7 +68,8 @@ void refit(Search& s) {
     fit(LeftOut::None);
     const Eigen::VectorXd parameters = s.base->parametersOf(s.fit.base);
     if (!rests && pass + 1 < passes) continue;
-    s.seen_parameters = rests ? Eigen::VectorXd(0.5 * (s.seen_parameters + parameters)) : parameters;  // would swing
+    // Where columns rest on them, all the way would swing.
+    s.seen_parameters = rests ? Eigen::VectorXd(0.5 * (s.seen_parameters + parameters)) : parameters;
     const SurrogateModel model = modelOf(s);
     for (EffectInput& input : s.data->inputs) {
       lookAhead(input, model);

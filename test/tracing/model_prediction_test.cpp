@@ -219,6 +219,27 @@ TEST(ModelPrediction, RefusesAnEffectThatIsUnknownOrHasOthersNumbers) {
   EXPECT_THROW(with("effects_see", "# effects_see"), InputError);
 }
 
+TEST(ModelPrediction, RefusesADriftWhoseHeatNothingStandsForOrWhoseWindingsHaveNoUsualForce) {
+  const Fitted& f = fittedRobot();
+  TraceResult result = f.result;
+  result.candidates = std::make_shared<CandidateList>(namedCandidates(f.robot));
+  for (const auto& candidate : *result.candidates) {
+    if (candidate->name() == "gain_drift") result.effects.push_back(someEffect(f, *candidate, 2));
+  }
+  const auto with = [&](double heated_by, double usual_N) {
+    result.effects[0].hypothesis.shape = {40.0, heated_by, 0.0, usual_N};
+    identification::Observation o = f.other;
+    const std::string text = dynamics::modelToYaml(tracedModel(f.robot, result, f.training, f.options));
+    predictModel(f.robot, dynamics::parseModel(text, "m.yaml"), "m.yaml", o);
+  };
+  EXPECT_NO_THROW(with(0.0, 0.0));
+  EXPECT_NO_THROW(with(4.0, 100.0));
+  EXPECT_THROW(with(4.0, 0.0), InputError);
+  EXPECT_THROW(with(4.0, -100.0), InputError);
+  EXPECT_THROW(with(0.5, 100.0), InputError);
+  EXPECT_THROW(with(5.0, 100.0), InputError);
+}
+
 TEST(Baseline, OfTraceIsTheModelOfIdentify) {
   const mechanism::Robot robot = identification::syntheticRobot();
   const identification::ObservationOptions options;

@@ -18,12 +18,10 @@ constexpr int kFrequencies = 8;
 /// what drives it stays the same.
 class Pendulum {
  public:
-  Pendulum(double frequency_Hz, double damping, double period_s) : omega_(kTwoPi * frequency_Hz), damping_(damping) {
-    const double slow = damping * omega_, fast = omega_ * std::sqrt(1.0 - damping * damping);
-    const double keeps = std::exp(-slow * period_s), c = std::cos(fast * period_s),
-                 s = std::sin(fast * period_s) / fast;
-    step_ << keeps * (c + slow * s), keeps * s, -keeps * omega_ * omega_ * s, keeps * (c - slow * s);
-  }
+  Pendulum(double frequency_Hz, double damping, double period_s)
+      : omega_(kTwoPi * frequency_Hz),
+        damping_(std::min(damping, kMostDamping)),
+        step_(oscillationStep(omega_, damping_, period_s)) {}
   /// `aside`: horizontal acceleration of the pivot; `heavier`: how much heavier than at rest what hangs there is, as a
   /// share.
   void step(const mechanism::Vector3& aside, double heavier) {
@@ -44,7 +42,7 @@ class Pendulum {
   }
 
   const double omega_, damping_;
-  Eigen::Matrix2d step_;
+  const Eigen::Matrix2d step_;
   Eigen::Matrix<double, 2, 3> state_ = Eigen::Matrix<double, 2, 3>::Zero();  ///< place, velocity
 };
 
@@ -54,9 +52,9 @@ class HangingMass : public OnPlatform {
  public:
   std::string name() const override { return "hanging_mass"; }
   std::string sentence() const override {
-    return "A mass on the platform swings to all sides alike: it hangs like a pendulum (a bag, a hose, a limb in a "
-           "sling) "
-           "or lies on something soft.";
+    return "A mass on the platform swings to all sides alike: it hangs like a pendulum (a bag, a hose, a limb), or "
+           "lies "
+           "on something soft.";
   }
   std::vector<ShapeParameter> shapeParameters() const override {
     return {{"frequency_Hz", kSlowest_Hz, kFastest_Hz},
@@ -72,19 +70,11 @@ class HangingMass : public OnPlatform {
     return grid;
   }
   std::vector<std::vector<double>> near(const std::vector<double>& s, double step) const override {
-    const std::vector<ShapeParameter> bounds = shapeParameters();
-    std::vector<std::vector<double>> out;
-    for (std::size_t k = 0; k < s.size(); ++k) {
-      for (const double side : {-step, step}) {
-        out.push_back(s);
-        double& value = out.back()[k];
-        value = k == 0   ? value * std::pow(kFrequencyFactor, side)
-                : k == 1 ? value * std::pow(kDampingFactor, side)
-                         : value + side * kAside_m;
-        value = std::clamp(value, bounds[k].low, bounds[k].high);
-      }
-    }
-    return out;
+    return besideEach(s, step, shapeParameters(), [](std::size_t k, double value, double side) {
+      if (k == 0) return value * std::pow(kFrequencyFactor, side);
+      if (k == 1) return value * std::pow(kDampingFactor, side);
+      return value + side * kAside_m;
+    });
   }
   std::vector<Coefficient> coefficients(const EffectInput&) const override { return {{"mass_kg", true}}; }
   bool believable(const Eigen::VectorXd& coefficients) const override { return coefficients[0] <= kHeaviest_kg; }
@@ -99,9 +89,7 @@ class HangingMass : public OnPlatform {
       const std::size_t sample = static_cast<std::size_t>(n);
       const mechanism::Matrix3& rotation = input.rotation[sample];
       const mechanism::Vector3 arm = rotation * mechanism::Vector3(shape[2], shape[3], shape[4]);
-      Eigen::Matrix<double, 3, 4> by_pose;  // velocity of the pivot by the pose's rates
-      by_pose << mechanism::Vector3::UnitX(), mechanism::Vector3::UnitZ(), mechanism::Vector3(arm.z(), 0.0, -arm.x()),
-          rotation.col(2).cross(arm);
+      const Eigen::Matrix<double, 3, 4> by_pose = velocityByPose(rotation, arm);
       const mechanism::Vector3 moves = by_pose * input.observation->motion.motion[sample].pose_acceleration;
       const double rises = up.dot(moves);
       const mechanism::Vector3 aside = moves - rises * up;

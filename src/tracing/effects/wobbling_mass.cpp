@@ -23,12 +23,8 @@ class Oscillator {
       : omega_(2.0 * kPi * shape[0]),
         damping_(std::min(shape[1], kMostDamping)),
         stiffens_(1.0 / (shape[6] * shape[6])),
-        period_s_(period_s) {
-    const double slow = damping_ * omega_, fast = omega_ * std::sqrt(1.0 - damping_ * damping_);
-    const double keeps = std::exp(-slow * period_s), c = std::cos(fast * period_s),
-                 s = std::sin(fast * period_s) / fast;
-    step_ << keeps * (c + slow * s), keeps * s, -keeps * omega_ * omega_ * s, keeps * (c - slow * s);
-  }
+        period_s_(period_s),
+        step_(oscillationStep(omega_, damping_, period_s)) {}
   /// It has come to rest under this drive.
   void settle(double drive) {
     double x = 0.0;
@@ -50,7 +46,7 @@ class Oscillator {
   void kick() { state_[1] -= 0.5 * period_s_ * omega_ * omega_ * stiffens_ * state_[0] * state_[0] * state_[0]; }
 
   const double omega_, damping_, stiffens_, period_s_;
-  Eigen::Matrix2d step_;
+  const Eigen::Matrix2d step_;
   Eigen::Vector2d state_;
 };
 
@@ -67,8 +63,7 @@ Support supportAt(const EffectInput& in, std::size_t sample, const std::vector<d
   const double level = std::cos(shape[5]);
   Support out;
   out.psi_axis = rotation.col(2);
-  out.by_pose << mechanism::Vector3::UnitX(), mechanism::Vector3::UnitZ(), mechanism::Vector3(arm.z(), 0.0, -arm.x()),
-      out.psi_axis.cross(arm);
+  out.by_pose = velocityByPose(rotation, arm);
   out.direction =
       rotation * mechanism::Vector3(level * std::cos(shape[4]), level * std::sin(shape[4]), std::sin(shape[5]));
   out.specific_force = out.by_pose * in.observation->motion.motion[sample].pose_acceleration - in.robot->gravity;
@@ -103,19 +98,11 @@ class WobblingMass : public OnPlatform {
     return grid;
   }
   std::vector<std::vector<double>> near(const std::vector<double>& s, double step) const override {
-    const std::vector<ShapeParameter> bounds = shapeParameters();
-    std::vector<std::vector<double>> out;
-    for (std::size_t k = 0; k < s.size(); ++k) {
-      for (const double side : {-step, step}) {
-        out.push_back(s);
-        double& value = out.back()[k];
-        value = k == 0             ? value * std::pow(kFrequencyFactor, side)
-                : k == 1 || k == 6 ? value * std::pow(kWideFactor, side)
-                                   : value + side * (k < 4 ? kAside_m : kTurn_rad);
-        value = std::clamp(value, bounds[k].low, bounds[k].high);
-      }
-    }
-    return out;
+    return besideEach(s, step, shapeParameters(), [](std::size_t k, double value, double side) {
+      if (k == 0) return value * std::pow(kFrequencyFactor, side);
+      if (k == 1 || k == 6) return value * std::pow(kWideFactor, side);
+      return value + side * (k < 4 ? kAside_m : kTurn_rad);
+    });
   }
   std::vector<Coefficient> coefficients(const EffectInput&) const override { return {{"mass_kg", true}}; }
   /// Legs that give under the platform look like a mass of many times its own.

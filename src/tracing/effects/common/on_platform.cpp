@@ -1,5 +1,7 @@
 #include "on_platform.h"
 
+#include <cmath>
+
 namespace knee_robot::tracing {
 namespace {
 
@@ -11,6 +13,21 @@ Eigen::MatrixXd bornBy(const EffectInput& input, int actuator, const Eigen::Matr
 }
 
 }  // namespace
+
+Eigen::Matrix<double, 3, 4> velocityByPose(const mechanism::Matrix3& rotation, const mechanism::Vector3& arm) {
+  Eigen::Matrix<double, 3, 4> out;
+  out << mechanism::Vector3::UnitX(), mechanism::Vector3::UnitZ(), mechanism::Vector3(arm.z(), 0.0, -arm.x()),
+      rotation.col(2).cross(arm);
+  return out;
+}
+
+Eigen::Matrix2d oscillationStep(double omega, double damping, double period_s) {
+  const double slow = damping * omega, fast = omega * std::sqrt(1.0 - damping * damping);
+  const double keeps = std::exp(-slow * period_s), c = std::cos(fast * period_s), s = std::sin(fast * period_s) / fast;
+  Eigen::Matrix2d step;
+  step << keeps * (c + slow * s), keeps * s, -keeps * omega * omega * s, keeps * (c - slow * s);
+  return step;
+}
 
 Eigen::MatrixXd OnPlatform::columns(const EffectInput& input, int actuator, const std::vector<double>& shape) const {
   return bornBy(input, actuator, onPose(input, shape));
