@@ -69,8 +69,10 @@ void DriveModel::send(const hardware::can::Frame& frame) noexcept {
   if (!silent_) bus_.send(frame);
 }
 
+/// Nothing outlives it but what the maker's tool has stored: the digital outputs are off.
 void DriveModel::powerUp() noexcept {
   control_word_ = 0;
+  dictionary_.set(hardware::can::objects::kDigitalOutputs, 0);
   setState(hardware::can::DriveState::SwitchOnDisabled);
   resetCommunication();
 }

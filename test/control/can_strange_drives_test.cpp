@@ -6,6 +6,7 @@
 #include <memory>
 #include <string>
 
+#include "knee_robot/control/faults.h"
 #include "test/control/can_rig.h"
 
 namespace knee_robot::fake {
@@ -135,6 +136,80 @@ TEST_P(StrangeDrives, DuringAMotionLeadToOneSafeStopThatNamesThemAndToDrivesThat
 
 INSTANTIATE_TEST_SUITE_P(Attacks, StrangeDrives, ::testing::Range<std::size_t>(0, attacks().size()),
                          [](const auto& info) { return std::string(attacks()[info.param].name); });
+
+/// How far leg 4 goes, and for how long its brake stays open, after `then` comes `delay_ms` after `first`.
+struct Hidden {
+  double leg_m = 0.0, drop_m = 0.0;
+  int open_ms = 0;
+};
+
+Hidden hidden(const std::function<void(CanRig&)>& first, int delay_ms, const std::function<void(CanRig&)>& then) {
+  CanRig rig;
+  EXPECT_TRUE(rig.play(0.06, 2.0).ok);
+  const auto height = [&rig] { return rig.plant.simulation().state().pose[1]; };
+  first(rig);
+  for (int i = 0; i < delay_ms / 2; ++i)
+    rig.system.step();
+  Hidden result;
+  const double leg = rig.plant.simulation().lengths()[3];
+  const double stood = height();
+  then(rig);
+  for (int i = 0; i < 1000; ++i) {
+    rig.system.step();
+    result.leg_m = std::max(result.leg_m, std::abs(rig.plant.simulation().lengths()[3] - leg));
+    result.drop_m = std::max(result.drop_m, stood - height());
+    if ((rig.image.counter.outputs.load() & 2u) != 0) result.open_ms += 2;
+  }
+  EXPECT_EQ(rig.system.state(), control::MachineState::Faulted);
+  EXPECT_EQ(rig.brakesEngaged(), 0x0Fu);
+  return result;
+}
+
+TEST(ADriveThatGivesNoForceAnyMore, IsHiddenByNoMilderFaultOfItselfOrOfAnotherDrive) {
+  const std::vector<std::function<void(CanRig&)>> milder = {
+      [](CanRig& rig) { warn(rig, 1, 0x4210); }, [](CanRig& rig) { warn(rig, 4, 0x4210); },
+      [](CanRig& rig) { rig.plant.drive(0).setHeartbeat(false); },
+      [](CanRig& rig) { rig.plant.drive(3).setHeartbeat(false); }};
+  const std::vector<std::function<void(CanRig&)>> worse = {
+      [](CanRig& rig) { rig.plant.drive(3).fail(0x2310); }, [](CanRig& rig) { rig.plant.drive(3).powerUp(); },
+      [](CanRig& rig) {
+        rig.wire.inject(can::requestFrame(4, {true, can::objects::kControlWord, 2, can::kDisableVoltage}));
+      }};
+  Hidden worst;
+  for (std::size_t i = 0; i < milder.size(); ++i) {
+    for (std::size_t k = 0; k < worse.size(); ++k) {
+      for (const int delay_ms : {20, 60, 130}) {
+        const Hidden one = hidden(milder[i], delay_ms, worse[k]);
+        // Once 9 to 20 mm, the brakes ordered after 140 to 240 ms: the robot was to slow down along its path with a
+        // drive that was off.
+        EXPECT_LT(one.leg_m, 0.001) << i << ", " << k << " after " << delay_ms << " ms";
+        EXPECT_LE(one.open_ms, 6) << i << ", " << k << " after " << delay_ms << " ms";
+        worst.leg_m = std::max(worst.leg_m, one.leg_m);
+        worst.drop_m = std::max(worst.drop_m, one.drop_m);
+      }
+    }
+  }
+  std::printf("leg 4 goes %.2f mm, the platform sinks by %.2f mm at most\n", 1e3 * worst.leg_m, 1e3 * worst.drop_m);
+}
+
+TEST(AllDrives, ThatRestartAtOnceLetTheBrakesEngageBecauseTheirOutputsAreOffAfterwards) {
+  CanRig rig;
+  ASSERT_TRUE(rig.play().ok);
+  const double stood = rig.plant.simulation().state().pose[1];
+  rig.wire.inject(can::nmtFrame(can::NmtCommand::ResetNode, 0));
+  rig.system.run(2.0);
+  EXPECT_EQ(rig.system.status().fault_name, "drive_lost");
+  EXPECT_EQ(rig.brakesEngaged(), 0x0Fu);
+  EXPECT_LT(stood - rig.plant.simulation().state().pose[1], 0.005);
+}
+
+TEST(WhatBreaksTheLoop, IsTheSameForTheBusAndForTheTableOfFaults) {
+  for (int i = 1; i <= static_cast<int>(hardware::BusFault::GuardianSilent); ++i) {
+    const auto fault = static_cast<hardware::BusFault>(i);
+    EXPECT_EQ(hardware::breaksTheLoop(fault), !control::loopStaysClosed(control::faultOf(fault)))
+        << control::describe(control::faultOf(fault)).name;
+  }
+}
 
 TEST(StrangeDrive, IsQuotedWithItsOwnErrorCode) {
   CanRig rig;

@@ -23,6 +23,31 @@ enum class BusFault : std::uint8_t {
   GuardianSilent,           ///< nobody would bring the outputs down if the controller died
 };
 
+/// Whether it leaves an axis without loop: no drive that obeys, or no feedback. Such a failure comes before all others,
+/// because nothing can slow down along its path any more.
+constexpr bool breaksTheLoop(BusFault fault) noexcept {
+  switch (fault) {
+    case BusFault::InterfaceDown:
+    case BusFault::BusOff:
+    case BusFault::DriveLost:
+    case BusFault::ControllerHeartbeatLost:
+    case BusFault::DriveFault:
+    case BusFault::DriveNotEnabled:
+    case BusFault::TorqueDeviates:
+    case BusFault::DriveStaysOn:
+      return true;
+    case BusFault::None:
+    case BusFault::Flooded:
+    case BusFault::FeedbackLate:
+    case BusFault::DriveHeartbeatLost:
+    case BusFault::DriveEmergency:
+    case BusFault::InputsStale:
+    case BusFault::GuardianSilent:
+      return false;
+  }
+  return true;
+}
+
 /// What a bus of drives says of itself beyond "lost".
 struct BusFailure {
   BusFault fault = BusFault::None;

@@ -177,21 +177,31 @@ int CanAxisBus::drain() noexcept {
   return kMostFrames;
 }
 
+/// Of all drives: one that gives no force comes before one that only warns.
+BusFailure CanAxisBus::worstOfDrives(std::int64_t now) const noexcept {
+  BusFailure worst;
+  for (std::size_t i = 0; i < drives_.size() && !breaksTheLoop(worst.fault); ++i) {
+    const BusFailure found = drives_[i].failure(now);
+    if (found.fault == BusFault::None || (worst.fault != BusFault::None && !breaksTheLoop(found.fault))) continue;
+    worst = found;
+    worst.axis = static_cast<std::uint8_t>(i + 1);
+  }
+  return worst;
+}
+
 void CanAxisBus::detectFailure(bool backlog) noexcept {
-  failure_ = {};
   const std::int64_t now = process_.now();
+  const bool flooded = backlog || no_room_;
+  no_room_ = false;
+  if (down_ || bus_off_ || flooded) troubled_ns_ = now;
+  failure_ = {};
   if (down_) {
     failure_.fault = BusFault::InterfaceDown;
   } else if (bus_off_) {
     failure_.fault = BusFault::BusOff;
-  } else if (backlog || no_room_) {
-    failure_.fault = BusFault::Flooded;
-  }
-  no_room_ = false;
-  if (failure_.fault != BusFault::None) troubled_ns_ = now;
-  for (std::size_t i = 0; i < drives_.size() && failure_.fault == BusFault::None; ++i) {
-    failure_ = drives_[i].failure(now);
-    if (failure_.fault != BusFault::None) failure_.axis = static_cast<std::uint8_t>(i + 1);
+  } else {
+    failure_ = worstOfDrives(now);
+    if (flooded && !breaksTheLoop(failure_.fault)) failure_ = {BusFault::Flooded, 0, 0, 0};
   }
   for (std::size_t i = 0; i < drives_.size(); ++i) {
     if (drives_[i].isSilent()) failure_.silent |= static_cast<std::uint8_t>(1u << i);

@@ -131,29 +131,28 @@ std::uint16_t DriveNode::nextControlWord() noexcept {
 }
 
 BusFailure DriveNode::failure(std::int64_t now) const noexcept {
-  if (emergency_ == kHeartbeatMissed) return {BusFault::ControllerHeartbeatLost, 0, emergency_};
-  if (!reset_.pending() && (state() == DriveState::Fault || state() == DriveState::FaultReaction)) {
-    return {BusFault::DriveFault, 0, emergency_};
-  }
+  if (const BusFault fault = withoutLoop(now); fault != BusFault::None) return {fault, 0, emergency_};
   // The status word that tells whether the drive went to Fault with it comes up to a period later.
   if (emergency_ != 0 && emergency_cycles_ >= 2) return {BusFault::DriveEmergency, 0, emergency_};
-  if (restarted_ || (nmt_ != NmtState::Operational && nmt_ != NmtState::PreOperational))
-    return {BusFault::DriveLost, 0, 0};
-  if (missed_ > tolerances_.missed_feedback) return {BusFault::DriveLost, 0, 0};
   if (inputs_missed_ > tolerances_.missed_feedback) return {BusFault::InputsStale, 0, 0};
   if (now - heartbeat_ns_ > tolerances_.heartbeat_timeout_ns) return {BusFault::DriveHeartbeatLost, 0, 0};
-  if (nmt_ == NmtState::PreOperational && now - goal_since_ns_ > tolerances_.heartbeat_timeout_ns) {
-    return {BusFault::DriveLost, 0, 0};
-  }
-  if (sparse_ >= kSparse * tolerances_.missed_feedback) return {BusFault::FeedbackLate, 0, 0};
-  if (irregular_ >= kLate * tolerances_.missed_feedback) return {BusFault::FeedbackLate, 0, 0};
-  if (deviating_ >= kTorquePeriods) return {BusFault::TorqueDeviates, 0, 0};
-  if (staysOn(now)) return {BusFault::DriveStaysOn, 0, 0};
-  if (goal_ == DriveGoal::Enabled && !isEnabled()) {
-    const bool late = now - goal_since_ns_ > tolerances_.enable_timeout_ns;
-    if (was_enabled_ || late) return {BusFault::DriveNotEnabled, 0, 0};
-  }
-  return {};
+  const bool late = sparse_ >= kSparse * tolerances_.missed_feedback || irregular_ >= kLate * tolerances_.missed_feedback;
+  return {late ? BusFault::FeedbackLate : BusFault::None, 0, 0};
+}
+
+/// What it has warned of before, or another drive, must not hide that it gives no force now.
+BusFault DriveNode::withoutLoop(std::int64_t now) const noexcept {
+  if (emergency_ == kHeartbeatMissed) return BusFault::ControllerHeartbeatLost;
+  const bool faulted = state() == DriveState::Fault || state() == DriveState::FaultReaction;
+  if (faulted && !reset_.pending()) return BusFault::DriveFault;
+  if (restarted_ || (nmt_ != NmtState::Operational && nmt_ != NmtState::PreOperational)) return BusFault::DriveLost;
+  if (missed_ > tolerances_.missed_feedback) return BusFault::DriveLost;
+  if (nmt_ == NmtState::PreOperational && now - goal_since_ns_ > tolerances_.heartbeat_timeout_ns)
+    return BusFault::DriveLost;
+  if (deviating_ >= kTorquePeriods) return BusFault::TorqueDeviates;
+  if (staysOn(now)) return BusFault::DriveStaysOn;
+  const bool due = was_enabled_ || now - goal_since_ns_ > tolerances_.enable_timeout_ns;
+  return goal_ == DriveGoal::Enabled && !isEnabled() && due ? BusFault::DriveNotEnabled : BusFault::None;
 }
 
 }  // namespace knee_robot::hardware::can

@@ -45,6 +45,7 @@ class CanAxisBus : public AxisBus {
   bool awaitFeedback(std::vector<std::string>& findings);
   bool answerOnce(std::vector<std::string>& findings);
   int drain() noexcept;
+  BusFailure worstOfDrives(std::int64_t now) const noexcept;
   void detectFailure(bool backlog) noexcept;
   PortStatus sendCommand(std::size_t axis, std::int16_t torque) noexcept;
   PortStatus sendHeartbeatWhenDue() noexcept;

@@ -40,7 +40,7 @@ class DriveNode {
   /// Control word for the next cycle.
   std::uint16_t nextControlWord() noexcept;
 
-  /// None, or the most telling of what is wrong; axis is left 0.
+  /// None, or the most telling of what is wrong, first of all what breaks the loop; axis is left 0.
   BusFailure failure(std::int64_t now) const noexcept;
   bool hasFeedback() const noexcept { return heard_; }
   /// Feedback since the last cycle; more than one a SYNC comes from somebody else.
@@ -66,6 +66,7 @@ class DriveNode {
   bool takeFeedback(const Frame& frame) noexcept;
   void takeEmergency(std::uint16_t code) noexcept;
   void monitorTorque() noexcept;
+  BusFault withoutLoop(std::int64_t now) const noexcept;
 
   int node_ = 0;
   DriveTolerances tolerances_;
