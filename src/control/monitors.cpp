@@ -131,8 +131,8 @@ Fault Monitors::evaluate(std::size_t i, const AxisView& view) noexcept {
   if (any_ && (leaps || axis.jump.step(view, actuator.velocity_max_m_per_s, jump_factor, jump_floor, jump_gap)))
     return Fault::EncoderJump;
   if (axis.noise.step(view, actuator.metresPerCount())) return Fault::EncoderJump;
-  if (hot) return Fault::ThermalOverload;
-  if (!carried_) return Fault::None;
+  const Fault heat = hot ? Fault::ThermalOverload : Fault::None;  // stays for minutes, and must hide nothing of these
+  if (!carried_) return heat;
   const bool searching =
       commands_[i].homing == HomingPhase::Searching;  // there, standing against a stop is what is wanted
   const bool taking_over = takingOver();
@@ -145,12 +145,13 @@ Fault Monitors::evaluate(std::size_t i, const AxisView& view) noexcept {
   const double far = taking_over ? std::max<double>(runaway_error, release_error) : runaway_error;
   if (axis.runaway.step(view, far, runaway_speed, runaway_acceleration, runaway_share, runaway_time))
     return Fault::Runaway;
-  if (axis.velocity.step(view, actuator.velocity_max_m_per_s, velocity_factor, velocity_floor, velocity_time)) {
-    return Fault::VelocityLimit;
-  }
   if (axis.acceleration.step(view, acceleration_factor * actuator.acceleration_max_m_per_s2)) {
     return axis.runaway.suspects() ? Fault::Runaway : Fault::AccelerationLimit;
   }
+  if (axis.velocity.step(view, actuator.velocity_max_m_per_s, velocity_factor, velocity_floor, velocity_time)) {
+    return Fault::VelocityLimit;
+  }
+  if (hot) return heat;
   if (commands_[i].homed &&
       axis.soft.step(view, actuator.position_min_m, actuator.position_max_m, soft_margin, soft_speed)) {
     return Fault::SoftLimit;

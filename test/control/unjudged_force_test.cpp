@@ -1,4 +1,5 @@
-// A patient's limit of force that nobody can judge is a fault, not silence.
+// The component Monitors: a patient's limit of force that nobody can judge is a fault, not silence; and what stays for
+// minutes hides nothing that is worse.
 #include <gtest/gtest.h>
 
 #include <functional>
@@ -47,6 +48,7 @@ class UnjudgedForce : public ::testing::Test {
       feed.measurement.write(measured);
       for (rt::OutputPort<AxisCommand>* command : {&feed.command_1, &feed.command_2, &feed.command_3, &feed.command_4})
         command->write(holding());
+      if (each_ms) each_ms();
       feed.written.write(written);
       const bool speaks = !silent && measured.sequence % observed_every == 0;
       if (speaks) disturbed.sequence = measured.sequence - (behind ? 1 : 0);
@@ -64,7 +66,14 @@ class UnjudgedForce : public ::testing::Test {
     return command;
   }
 
-  Monitors monitors{"Monitors", fake::robot()};
+  static mechanism::Robot withHotMotors() {
+    mechanism::Robot robot = fake::robot();
+    for (mechanism::Actuator& actuator : robot.actuators)
+      actuator.force_continuous_N = 100.0;
+    return robot;
+  }
+
+  Monitors monitors{"Monitors", withHotMotors()};
   MonitorsFeed feed;
   PatientRange patient;
   AxesMeasurement measured;
@@ -73,7 +82,25 @@ class UnjudgedForce : public ::testing::Test {
   MonitorVerdict verdict;
   bool silent = false, behind = false;
   std::uint64_t observed_every = 1;  // measurements
+  std::function<void()> each_ms;
 };
+
+using HotMotor = UnjudgedForce;
+
+TEST_F(HotMotor, HidesNoAxisThatRunsAwayWhileItIsBroughtToRest) {
+  patient.given = false;
+  written.force_N[0] = 150.0;
+  run(320.0);
+  ASSERT_EQ(verdict.fault[0], Fault::ThermalOverload);
+  each_ms = [this] {  // ever faster, although the loop pushes back
+    written.safe_stop = SafeStopPhase::Decelerating;
+    measured.velocity_m_per_s[0] += 0.002;
+    measured.position_m[0] += 1e-3 * measured.velocity_m_per_s[0];
+    written.force_N[0] = std::max(-250.0, written.force_N[0] - 5.0);
+  };
+  run(0.15);
+  EXPECT_EQ(verdict.fault[0], Fault::Runaway) << describe(verdict.fault[0]).name;
+}
 
 TEST_F(UnjudgedForce, IsAFaultAfterASecondWhenTheForcesAreNotKnownAnyMore) {
   run(5.0);
