@@ -8,6 +8,7 @@ import unittest
 import rosunit
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[2] / "python"))
+from knee_robot_operator import stops  # noqa: E402
 from knee_robot_operator.controller_events import ControllerEvents, in_words  # noqa: E402
 
 
@@ -95,6 +96,21 @@ class Words(unittest.TestCase):
                          in_words(event(1, kind="request", what="load_reference a_b.txt", answer="loaded", who="/rqt")))
         kind, text, more = in_words(event(1, kind="log", what="cannot be written"))
         self.assertEqual(("controller", "cannot be written", True), (kind, text, more["warning"]))
+
+
+class Stops(unittest.TestCase):
+    def test_whoever_stops_the_robot_after_a_motion_was_planned_is_named(self):
+        log = [event(1, kind="request", what="stop"), event(2, kind="request", what="enable", who="/tablet")]
+        self.assertEqual("", stops.objection(log, 1))
+        self.assertEqual("", stops.objection(log, 2))
+        self.assertEqual("", stops.objection([], 0))
+        for what in ("stop", "disable", "emergency_stop"):
+            self.assertEqual(f"/rqt has stopped the robot meanwhile ({what})", stops.objection([*log, event(3, kind="request", what=what, who="/rqt")], 1))
+        self.assertIn("fault hand_switch", stops.objection([*log, event(3, kind="fault", what="hand_switch")], 2))
+
+    def test_a_log_that_has_begun_anew_says_nothing_of_what_was_before(self):
+        self.assertIn("anew", stops.objection([], 7))
+        self.assertIn("anew", stops.objection([event(8)], 7))
 
 
 if __name__ == "__main__":

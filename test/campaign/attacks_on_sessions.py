@@ -1,0 +1,88 @@
+"""Attacks on what plays several movements by itself: identification_session, stopped by somebody else or ended while it plans its next one."""
+import subprocess
+import time
+
+from session import is_alive
+
+PLANNING_S = 6.0
+
+
+def begin_session(a):
+    """identification_session with two short movements, until the first one has been played."""
+    s = a.session
+    session = s.spawn("identification", s.programs / "identification_session", "--robot", s.files["robot"], "--references", s.references,
+                      "--recordings", s.recordings, "--output", s.folder / "identified", "--duration", "6", "--planning", str(PLANNING_S))
+    s.others.append(session)
+    return session
+
+
+def wait_until(condition, seconds):
+    end = time.monotonic() + seconds
+    while not condition():
+        if time.monotonic() > end:
+            return False
+        time.sleep(0.05)
+    return True
+
+
+def looks(a, session, said):
+    """Until the session has ended, and 1 s beyond."""
+    wait_until(lambda: not is_alive(session), 60.0)
+    time.sleep(1.0)
+    moved = a.moved_mm()
+    last = (a.session.log_text("identification").strip().splitlines() or [""])[-1]
+    return f"{said}; ", f"then it moved {moved:.1f} mm; {a.state()}; the session {'lives' if is_alive(session) else 'has ended'} ({last[:120]})", \
+        moved < 1.0 and not is_alive(session)
+
+
+def after_planning(a, do, said):
+    session = begin_session(a)
+    time.sleep(0.6 * PLANNING_S)
+    a.begin()
+    do(session)
+    return looks(a, session, said)
+
+
+def session_plans_and_somebody_disables(a):
+    """identification_session plans; somebody says disable."""
+    return after_planning(a, lambda _: a.session.trigger("disable"), "disabled while it planned")
+
+
+def session_plans_and_somebody_stops(a):
+    """identification_session plans; the robot holds; somebody says stop."""
+    a.enable()
+    return after_planning(a, lambda _: a.session.trigger("stop"), "stopped while it planned")
+
+
+def between(a, do, said):
+    session = begin_session(a)
+    if not wait_until(lambda: a.session.state().state == "playing", 60.0) or not wait_until(lambda: a.session.state().recording, 60.0):
+        return "nothing was played; ", a.session.log_text("identification")[-300:], False
+    if not wait_until(lambda: a.session.state().state == "holding", 60.0):
+        return "the first movement has no end; ", "", False
+    do(session)
+    time.sleep(1.0)
+    a.begin()
+    return looks(a, session, said)
+
+
+def session_between_movements_and_somebody_disables(a):
+    """identification_session has played its first movement; somebody says disable."""
+    return between(a, lambda _: a.session.trigger("disable"), "disabled after its first movement")
+
+
+def session_is_killed_by_its_name(a):
+    """identification_session plays; rosnode kill."""
+    session = begin_session(a)
+    if not wait_until(lambda: a.session.state().recording, 60.0):
+        return "nothing was played; ", a.session.log_text("identification")[-300:], False
+    time.sleep(1.0)
+    session.terminate()
+    time.sleep(2.0)
+    a.begin()
+    return looks(a, session, "terminated while it played")
+
+
+def attacks():
+    return {f.__name__: f for f in (session_plans_and_somebody_disables, session_plans_and_somebody_stops, session_between_movements_and_somebody_disables,
+                                    session_is_killed_by_its_name)}
