@@ -105,6 +105,7 @@ class Jobs:
         state = server.robot.state
         if not state or state["state"] != "holding" or server.playing.active:
             raise _Ended("switch the robot on first; it must hold, with nothing being played")
+        stops = server.playing.stops
         stamp = time.strftime("%Y-%m-%d_%H-%M-%S")
         recordings = []
         for k in (1, 2):
@@ -112,7 +113,7 @@ class Jobs:
             self._at(f"planning excitation {k}", 0.1 * (k - 1))
             await self._plan_excitation(server, k, name)
             self._at(f"playing excitation {k}", 0.25 * k)
-            recordings.append(await self._play(server, name))
+            recordings.append(await self._play(server, name, stops))
         await self._identify("identify", recordings[:1], recordings[1:], f"identified_{stamp}", 0.6, 0.7)
         return await self._identify("trace", recordings[:1], recordings[1:], f"traced_{stamp}", 0.7, 1.0)
 
@@ -132,9 +133,9 @@ class Jobs:
         if process.returncode != 0:
             raise _Ended(talk.result()[1].decode(errors="replace").strip().splitlines()[-1])
 
-    async def _play(self, server, name):
+    async def _play(self, server, name, stops):
+        """`stops`: of when the job began."""
         robot, playing = server.robot, server.playing
-        stops = playing.stops
         for service, fields in (("load_reference", {"file": name, "space": ""}), ("approach", {})):
             self._go_on(playing, stops)
             answer = await robot.ask(service, **fields)

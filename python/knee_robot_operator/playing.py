@@ -14,8 +14,9 @@ _SET_S = 1.5  # states on their way say the speed of before
 class Playing:
     """What runs now, and how STOP ends it.
 
-    Nothing is ever queued: a request that the robot cannot follow now is refused with the reason. Every STOP raises `stops`, and whatever
-    was begun before looks at it after each wait: nothing moves by a Start that is older than the last STOP."""
+    Nothing is ever queued: a request that the robot cannot follow now is refused with the reason. Every STOP, and every stop that others ask
+    the robot for, raises `stops`, and whatever was begun before looks at it after each wait: nothing moves by a Start that is older than the
+    last of them."""
 
     def __init__(self, robot, journal, on_stop=lambda: None):
         """`on_stop()`: called at every STOP."""
@@ -72,10 +73,14 @@ class Playing:
         self._task = asyncio.create_task(self._run(stops, record, begun))
         return await begun
 
-    async def stop(self):
-        """To be called before the robot is asked to stop. Never waits."""
+    def note_stop(self):
+        """Somebody has stopped the robot, here or elsewhere: what was begun before begins no further motion."""
         self.stops += 1
         self._on_stop()
+
+    async def stop(self):
+        """To be called before the robot is asked to stop. Never waits."""
+        self.note_stop()
         self.ending = True
         self._robot.cancel_play()
 

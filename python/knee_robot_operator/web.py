@@ -19,6 +19,7 @@ from .journal import Journal
 from .live import Live, LostPage
 from .playing import FASTEST_PERCENT, SLOWEST_PERCENT, Playing
 from .requests import Requests
+from .stops import is_stop
 from .stopping import Stopping
 
 _TYPES = {".html": "text/html", ".js": "text/javascript", ".css": "text/css", ".json": "application/json", ".svg": "image/svg+xml"}
@@ -77,6 +78,8 @@ class Server:
     def on_event(self, event, is_ours):
         """An entry of the controller's log. Requests of this server's users are in the log by note()."""
         self._told_answers.append(event["answer"])
+        if is_stop(event) and not is_ours:
+            self.playing.note_stop()
         if not is_ours:
             kind, words, more = in_words(event)
             self.events.add(kind, words, **more)

@@ -84,6 +84,19 @@ class CheckModel(PageTest):
             self.assertIn("stopped", (await rig.until_done())["message"])
             self.assertEqual((1, "holding", []), (rig.robot.goals, rig.robot.state["state"], rig.identification.runs))
 
+    async def test_whoever_stops_the_robot_while_it_is_planned_ends_all_of_it_too(self):
+        for kind, what in (("request", "stop"), ("request", "disable"), ("fault", "hand_switch"), ("", "")):
+            async with JobRig(ToyRobot(play_s=0.2), planner="sleep 0.5") as rig, rig.browser() as browser:
+                await browser.post("/api/jobs", CHECK)
+                await asyncio.sleep(0.2)
+                if kind:
+                    rig.robot.tell(kind, what, who="/rosservice")
+                else:  # STOP of this page
+                    await browser.post("/api/stop")
+                self.assertIn("stopped", (await rig.until_done())["message"])
+                self.assertEqual(0, rig.robot.goals)
+                self.assertNotIn("approach", [service for service, _ in rig.robot.asked])
+
     async def test_cancelling_slows_the_robot_down_or_ends_the_planning(self):
         for planner in (None, "sleep 30"):
             more = {"planner": planner} if planner else {}

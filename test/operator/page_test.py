@@ -122,6 +122,17 @@ class Playing(PageTest):
             await until(lambda: not rig.server.playing.active)
             self.assertEqual(1, robot.goals)
 
+    async def test_a_stop_that_others_ask_the_robot_for_ends_the_repetitions_too(self):
+        robot = ToyRobot(play_s=0.1)
+        async with Rig(robot) as rig, rig.browser() as browser:
+            await self.start(browser, repetitions=2)
+            robot.here = False  # it has to go back to the start slowly
+            await until(lambda: robot.state["playing"] == "approach")
+            robot.tell("request", "stop", "the robot is stopping", who="/rosservice")
+            robot.here = True  # it stood there already
+            await until(lambda: not rig.server.playing.active)
+            self.assertEqual(1, robot.goals)
+
     async def test_stop_that_overtakes_an_order_to_move_stops_it_all_the_same(self):
         robot = ToyRobot(stop_s=0.1)
         async with Rig(robot) as rig, rig.browser() as browser:
