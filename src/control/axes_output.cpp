@@ -117,11 +117,19 @@ void AxesOutput::heedDrives(const AxesMeasurement& measured) noexcept {
       carries && ready && power_was_lost_;  // drives that were without it must not push again by themselves
   power_was_lost_ = carries && (!ready || power_was_lost_);
   const Fault fault = ready ? control::faultOf(measured.bus_failure.fault) : Fault::DrivesNotReady;
+  if (fault == Fault::DriveLost) leaveLost(measured.bus_failure);
   if (!ready || (!loopStaysClosed(fault) && measured.bus_failure.axis == 0)) watched_ = false;
   if (!all_closed_ || loopStaysClosed(fault)) return;
   all_closed_ = false;
   open_axis_ = ready ? measured.bus_failure.axis : 0;
   open_fault_ = fault;
+}
+
+/// A loop over old counts would push its axis anywhere; the others carry on.
+void AxesOutput::leaveLost(const hardware::BusFailure& failure) noexcept {
+  for (std::size_t i = 0; i < hardware::kAxes; ++i)
+    closed_[i] = closed_[i] && (failure.silent >> i & 1u) == 0 && failure.axis != i + 1;
+  watched_ = std::any_of(closed_.begin(), closed_.end(), [](bool closed) { return closed; });
 }
 
 void AxesOutput::beginSafeStop(Fault fault, int axis, rt::Nanoseconds now) noexcept {

@@ -62,6 +62,7 @@ class AxesOutput : public rt::TaskContext {
   void readCommands(const rt::Cycle& cycle);
   Fault checkCommand(const AxisCommand& command, std::size_t axis, const rt::Cycle& cycle) const noexcept;
   void heedDrives(const AxesMeasurement& measured) noexcept;
+  void leaveLost(const hardware::BusFailure& failure) noexcept;
   void followOrders(const rt::Cycle& cycle);
   void beginSafeStop(Fault fault, int axis, rt::Nanoseconds now) noexcept;
   bool isAtRest() const noexcept;

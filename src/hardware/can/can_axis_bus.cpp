@@ -214,8 +214,10 @@ IoStatus CanAxisBus::read(AxisFeedback& feedback) noexcept {
   for (DriveNode& drive : drives_)
     drive.endCycle();
   detectFailure(backlog);
+  // Where only some drives are lost, the counts of the others keep their loops; `silent` says whose are old.
+  const bool all_silent = failure_.silent == (1u << drives_.size()) - 1u;
   const bool lost = failure_.fault == BusFault::InterfaceDown || failure_.fault == BusFault::BusOff ||
-                    failure_.fault == BusFault::DriveLost;
+                    (failure_.fault == BusFault::DriveLost && all_silent);
   if (lost) return IoStatus::Disconnected;
   if (backlog) return IoStatus::DeviceError;  // what has been read is old: nobody may close a loop over it
   for (std::size_t i = 0; i < drives_.size(); ++i) {
