@@ -153,8 +153,8 @@ def preloaded(name, folder):
 
 
 def needs(**what):
-    """Of an attack: `parameters` of the controller, `hardware` (changes to the hardware file), `preload` (of a session, the environment of
-    its processes: hung_disk.c, stepped_clock.c)."""
+    """Of an attack: `parameters` of the controller, `hardware` (changes to the hardware file), `on_can` (drives on a simulated bus instead of
+    cards), `preload` (of a session, the environment of its processes: hung_disk.c, stepped_clock.c)."""
     def mark(function):
         function.needs = what
         return function

@@ -24,6 +24,7 @@ import attacks_by_signals
 import attacks_in_disorder
 import attacks_in_others_names
 import attacks_on_disk
+import attacks_on_drives
 import attacks_on_sessions
 import attacks_on_the_body
 import attacks_on_the_hand_over
@@ -194,7 +195,7 @@ for number in (1, 2, 3, 4):
 ATTACKS["frozen_4_at_rest_push_100"] = at_rest("encoder_frozen", 4, 100.0, 2.5)
 ATTACKS["frozen_4_at_rest_push_150_at_once"] = at_rest("encoder_frozen", 4, 150.0, 0.2)
 for module in (attacks_at_states, attacks_by_exhaustion, attacks_by_others, attacks_by_signals, attacks_in_disorder, attacks_in_others_names, attacks_on_disk,
-               attacks_on_sessions, attacks_on_the_body, attacks_on_the_hand_over, attacks_on_the_nets, attacks_on_what_is_said):
+               attacks_on_drives, attacks_on_sessions, attacks_on_the_body, attacks_on_the_hand_over, attacks_on_the_nets, attacks_on_what_is_said):
     ATTACKS.update(module.attacks())
 
 
@@ -254,6 +255,10 @@ def session_for(name, folder, options, files):
     if own.exists():
         shutil.rmtree(own)
     own.mkdir(parents=True)
+    if needs.get("on_can"):
+        config = ROOT / "config"
+        files = {**files, "hardware": config / "hardware" / "can_simulated.yaml", "deployment": config / "deployment" / "can.yaml",
+                 "objects": config / "hardware" / "can_objects.yaml"}
     if "hardware" in needs:
         hardware = own / "hardware.yaml"
         content = yaml.safe_load(files["hardware"].read_text(encoding="utf-8"))

@@ -1,6 +1,7 @@
-"""Attacks on what plays several movements by itself: identification_session, stopped by somebody else or ended while it plans its next one."""
-import subprocess
+"""Attacks on who plays: identification_session, stopped by somebody else or ended while it plans or plays, and play_movement ended by its name."""
 import time
+
+import rosnode
 
 from session import is_alive
 
@@ -77,12 +78,40 @@ def session_is_killed_by_its_name(a):
     if not wait_until(lambda: a.session.state().recording, 60.0):
         return "nothing was played; ", a.session.log_text("identification")[-300:], False
     time.sleep(1.0)
-    session.terminate()
+    shut_down("/identification_session")
     time.sleep(2.0)
     a.begin()
-    return looks(a, session, "terminated while it played")
+    return looks(a, session, "ended while it played")
+
+
+def session_is_terminated(a):
+    """identification_session plans; SIGTERM to it alone."""
+    return after_planning(a, lambda session: session.terminate(), "terminated while it planned")
+
+
+def player_is_killed_by_its_name(a):
+    """play_movement plays; rosnode kill."""
+    a.enable()
+    player = a.session.spawn("player", a.session.programs / "play_movement", a.write_path().name)
+    a.session.others.append(player)
+    if not wait_until(lambda: a.session.state().state == "playing", 30.0):
+        return "nothing was played; ", a.session.log_text("player")[-300:], False
+    time.sleep(0.7)
+    a.begin()
+    shut_down("/play_movement")
+    time.sleep(3.0)
+    moved = a.moved_mm()
+    return f"{a.state()}; ", f"moved {moved:.1f} mm; play_movement {'lives' if is_alive(player) else 'has ended'}", moved < 40.0 and not is_alive(player)
+
+
+def shut_down(prefix):
+    """rosnode kill of every node whose name begins so."""
+    names = [name for name in rosnode.get_node_names() if name.startswith(prefix)]
+    if not names:
+        raise RuntimeError(f"no node {prefix}")
+    rosnode.kill_nodes(names)
 
 
 def attacks():
     return {f.__name__: f for f in (session_plans_and_somebody_disables, session_plans_and_somebody_stops, session_between_movements_and_somebody_disables,
-                                    session_is_killed_by_its_name)}
+                                    session_is_killed_by_its_name, session_is_terminated, player_is_killed_by_its_name)}

@@ -92,11 +92,15 @@ class LaunchFiles(unittest.TestCase):
         self.assertEqual(3, refused.returncode, refused.stdout + refused.stderr)
         self.assertIn("none.txt", refused.stderr)
 
-        for number in (signal.SIGTERM, signal.SIGHUP):
+        for number in (signal.SIGTERM, signal.SIGHUP, None):
             player = subprocess.Popen(["rosrun", "knee_robot", "play_movement", "rise.txt", "--approach"], env=self.session.environment,
                                       stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
             self.wait_for(lambda: "state: \"playing\"" in self.session.run("rosservice", "call", "/controller/get_state").stdout, 60, "never plays")
-            player.send_signal(number)
+            if number is None:
+                name = next(name for name in self.session.run("rosnode", "list").stdout.split() if name.startswith("/play_movement"))
+                self.session.run("rosnode", "kill", name)
+            else:
+                player.send_signal(number)
             self.assertEqual(3, player.wait(30), player.stdout.read())
             state = self.session.run("rosservice", "call", "/controller/get_state").stdout
             self.assertIn("state: \"holding\"", state, f"{number}: who plays has gone, and the platform goes on")
