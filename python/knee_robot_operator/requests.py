@@ -161,6 +161,8 @@ class Requests:
             raise Refused(400, "the command is none of compare, identify, trace, check_model")
         if role == "engineer" and session.role != "engineer":
             raise Refused(403, f"this needs the role 'engineer'; you are logged in as '{session.role}'")
+        if asked["command"] == "check_model" and (why := self._server.freshness.objection(request)):  # the one that moves the robot
+            return self._refused(request, session, "check_model", why)
         count = len(asked["train"])
         answer = await self._server.jobs.begin(self._server, asked["command"], names[:count], names[count:])
         return self._server.note(request, session, " ".join([asked["command"], *names]), answer)

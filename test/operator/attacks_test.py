@@ -28,7 +28,7 @@ class CrossSiteRequests(PageTest):
         """A phone that sleeps sends its Start when it wakes up; meanwhile somebody else has pressed STOP on the tablet."""
         moving = [(f"/api/robot/{name}", {}) for name in ("enable", "approach", "resume", "home", "declare_empty", "clear_patient")]
         moving += [("/api/robot/start", {"repetitions": 1, "record": False}), ("/api/robot/load", {"file": "lift.txt"}),
-                   ("/api/robot/speed", {"percent": 100})]
+                   ("/api/robot/speed", {"percent": 100}), ("/api/jobs", {"command": "check_model", "train": []})]
         for why in ("stopped", "not heard"):
             async with Rig() as rig, rig.browser() as phone, rig.browser() as tablet:
                 rig.server.playing.set_speed(20.0)
