@@ -136,7 +136,8 @@ BusFailure DriveNode::failure(std::int64_t now) const noexcept {
   if (emergency_ != 0 && emergency_cycles_ >= 2) return {BusFault::DriveEmergency, 0, emergency_};
   if (inputs_missed_ > tolerances_.missed_feedback) return {BusFault::InputsStale, 0, 0};
   if (now - heartbeat_ns_ > tolerances_.heartbeat_timeout_ns) return {BusFault::DriveHeartbeatLost, 0, 0};
-  const bool late = sparse_ >= kSparse * tolerances_.missed_feedback || irregular_ >= kLate * tolerances_.missed_feedback;
+  const bool late =
+      sparse_ >= kSparse * tolerances_.missed_feedback || irregular_ >= kLate * tolerances_.missed_feedback;
   return {late ? BusFault::FeedbackLate : BusFault::None, 0, 0};
 }
 
