@@ -132,7 +132,8 @@ JointProblem::JointProblem(const TraceData& data, const BaseFit& base, const Eig
     const std::size_t k = static_cast<std::size_t>(std::max(0, effect));
     if (effect < 0) problem_.prior[at] = base.pull[column];
     if (effect < 0 || !effects[k].place.candidate->isMap()) problem_.whole[at] = 0.0;
-    if (effect >= 0 && isPulled(effect_rows_[k].cols())) problem_.pulled.push_back(static_cast<int>(c));
+    if (effect >= 0 && effects[k].place.candidate->isPulled(effect_rows_[k].cols()))
+      problem_.pulled.push_back(static_cast<int>(c));
   }
 }
 

@@ -3,6 +3,7 @@
 
 #include "hats.h"
 #include "platform_maps.h"
+#include "platform_matrices.h"
 #include "surfaces.h"
 
 namespace knee_robot::tracing {
@@ -222,12 +223,16 @@ CandidateList mapCandidates(const std::vector<EffectInput>& inputs) {
     if (!knots.back().empty()) maps.push_back(std::make_unique<Map>(signal, std::move(knots)));
   }
   addPlatformMaps(inputs, maps);
+  addPlatformMatrices(inputs, maps);
   return maps;
 }
 
 std::unique_ptr<Candidate> mapCandidate(const mechanism::Robot& robot, const std::string& depends_on, int actuator,
                                         const std::vector<double>& knots) {
   if (auto found = surface(depends_on, actuator, knots)) return found;
+  if (robot.mechanism) {
+    if (auto map = platformMatrix(depends_on)) return map;
+  }
   if (knots.size() != static_cast<std::size_t>(kKnots)) return nullptr;
   if (robot.mechanism) {
     if (auto map = platformMap(depends_on, knots)) return map;

@@ -71,7 +71,7 @@ class LeftBeside : public ceres::CostFunction {
   /// base nearly explains would run away without), that pull.
   Eigen::MatrixXd columnsOf(const Hypothesis& h) const {
     const Eigen::MatrixXd c = weighted(s_.data->stack, effectRows(*s_.data, h), s_.rms_N);
-    const Eigen::Index pulls = isPulled(c.cols()) ? c.cols() : 0;
+    const Eigen::Index pulls = h.place.candidate->isPulled(c.cols()) ? c.cols() : 0;
     Eigen::MatrixXd out = Eigen::MatrixXd::Zero(c.rows() + pulls, c.cols());
     out.topRows(c.rows()) = c - base_.q * (base_.q.transpose() * c);
     out.bottomRows(pulls).diagonal() = kPull * c.colwise().norm().head(pulls);

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 
 #include "near_rest.h"
 #include "refine.h"
@@ -33,18 +34,33 @@ Hypothesis bestOfLibrary(const Search& s, const PlaceColumns& columns) {
   return columns.tried[static_cast<std::size_t>(best)];
 }
 
-/// The model with this effect in the place of it and its kin, its shape searched for anew and refined.
-void putAlone(Search& s, const FoundEffect& own, const PlaceColumns& columns) {
-  const Place& place = own.hypothesis.place;
-  const auto goes = [&](const FoundEffect& e) { return isKin(e, place) || e.hypothesis.place == place; };
+using Goes = std::function<bool(const FoundEffect&)>;
+
+/// The model with this effect, by what is known of `own`, in the place of those that go, its shape searched for anew and
+/// refined.
+void putAlone(Search& s, const FoundEffect& own, const PlaceColumns& columns, const Goes& goes) {
   FoundEffect alone = own;
   s.effects.erase(std::remove_if(s.effects.begin(), s.effects.end(), goes), s.effects.end());
   refit(s);
-  alone.hypothesis.shape = bestOfLibrary(s, columns).shape;
+  alone.hypothesis = bestOfLibrary(s, columns);
   s.effects.push_back(alone);
   refit(s);
   refineShapes(s);
   s.effects.back().explained_rms_N = explainedBy(s, s.effects.size() - 1);
+}
+
+/// Puts it alone, and says whether held-back blocks are predicted as well then, within a standard error.
+bool predictsAlone(Search& s, const FoundEffect& own, const PlaceColumns& columns, const Goes& goes) {
+  const Eigen::VectorXd noise_N = s.rms_N;
+  const auto heldBack = [&] {
+    s.rms_N = noise_N;  // all weighted alike
+    return problemOf(s, hypothesesOf(s.effects)).heldBack();
+  };
+  const Eigen::VectorXd with = heldBack();
+  putAlone(s, own, columns, goes);
+  const HeldBackGain lost = heldBackGain(heldBack() - with);
+  const bool plausible = s.fit.stable.back() && columns.place().candidate->plausible(s.effects.back().coefficients);
+  return lost.mean <= lost.error && plausible;
 }
 
 }  // namespace
@@ -60,16 +76,8 @@ void replaceKin(Search& s, const Place& place) {
   if (!place.candidate->shared() || columns == places.end() || own == together.end() ||
       std::none_of(together.begin(), together.end(), isOld))
     return;
-  const Eigen::VectorXd noise_N = s.rms_N;
-  const auto heldBack = [&] {
-    s.rms_N = noise_N;  // all weighted alike
-    return problemOf(s, hypothesesOf(s.effects)).heldBack();
-  };
-  const Eigen::VectorXd with = heldBack();
-  putAlone(s, *own, *columns);
-  const HeldBackGain lost = heldBackGain(heldBack() - with);
-  const bool plausible = s.fit.stable.back() && place.candidate->plausible(s.effects.back().coefficients);
-  if (lost.mean > lost.error || !plausible) {
+  const auto goes = [&](const FoundEffect& e) { return isOld(e) || e.hypothesis.place == place; };
+  if (!predictsAlone(s, *own, *columns, goes)) {
     s.effects = together;
   } else {
     for (const FoundEffect& e : together) {
@@ -79,6 +87,25 @@ void replaceKin(Search& s, const Place& place) {
     }
   }
   refit(s);
+}
+
+void nameMatrix(Search& s, const Place& found) {
+  if (!found.candidate->isMap() || !found.candidate->shared()) return;
+  for (const PlaceColumns& columns : s.library->places()) {
+    const std::vector<FoundEffect> with_map = s.effects;
+    const auto isMap = [&](const FoundEffect& e) { return e.hypothesis.place == found; };
+    const auto own = std::find_if(with_map.begin(), with_map.end(), isMap);
+    if (own == with_map.end()) return;
+    const Place place = columns.place();
+    if (place.candidate->isMap() || place.candidate->name() != found.candidate->generalizes()) continue;
+    if (predictsAlone(s, *own, columns, isMap)) {
+      s.effects.back().indistinguishable_from.clear();
+      s.taken_out.push_back(placeText(found) + ": " + placeText(place) + " explains as much");
+    } else {
+      s.effects = with_map;
+    }
+    refit(s);
+  }
 }
 
 }  // namespace knee_robot::tracing

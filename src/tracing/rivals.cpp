@@ -27,8 +27,9 @@ bool related(const Trial& a, const Trial& b) {
 /// one that surely gains, but little: 1.01 times as much beside two right names, 1.28 times beside a wrong one.
 double probabilityOfMap(const Trial& named, const Trial& map) {
   const Place &a = named.hypothesis.place, &b = map.hypothesis.place;
-  const bool comparable = !named.isMap() && map.isMap() && map.nested_gain.size() == named.nested_gain.size() &&
-                          a.actuator == b.actuator && a.candidate->ofDrive() == b.candidate->ofDrive();
+  const bool comparable = !named.isMap() && map.isMap() && !related(named, map) &&
+                          map.nested_gain.size() == named.nested_gain.size() && a.actuator == b.actuator &&
+                          a.candidate->ofDrive() == b.candidate->ofDrive();
   if (!comparable || map.nested_gain.sum() < kMuchBetter * named.nested_gain.sum()) return 0.0;
   return probabilityPositive(map.nested_gain - named.nested_gain);
 }

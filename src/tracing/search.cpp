@@ -115,6 +115,7 @@ class ForceSelection : public SelectionProblem {
     followSiblings(e.hypothesis.place);
     standAlone(s_, e.hypothesis.place);
     replaceKin(s_, e.hypothesis.place);
+    nameMatrix(s_, e.hypothesis.place);
     refineShapes(s_);
     replacePair(s_, e.hypothesis.place.candidate);
     simplify(s_);

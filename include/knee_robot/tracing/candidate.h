@@ -85,6 +85,9 @@ class Candidate {
   /// Shapes beside one with several parameters, within `step` (1 and less) of the grid's distance: for refinement.
   /// None: as it is.
   virtual std::vector<std::vector<double>> near(const std::vector<double>& shape, double step) const;
+  /// True: so many coefficients are pulled to zero (kPull); columns that the base explains all but a little of have a
+  /// force of their own in any size otherwise.
+  virtual bool isPulled(Eigen::Index coefficients) const { return coefficients > 2; }
   /// False: with this shape it is something else.
   virtual bool plausibleShape(const std::vector<double>& /*shape*/) const { return true; }
   virtual std::vector<Coefficient> coefficients(const EffectInput& input) const = 0;

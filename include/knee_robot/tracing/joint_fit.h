@@ -20,12 +20,8 @@ struct JointFit {
   Eigen::VectorXd held_back;   ///< per block: sum of weighted squares when it was left out
 };
 
-/// Weight of the pull to zero of an effect's coefficients, relative to their columns' norms, where there are many:
-/// columns that the base explains all but a little of have a force of their own in any size otherwise.
+/// Weight of the pull to zero of an effect's coefficients, relative to their columns' norms (Candidate::isPulled).
 inline constexpr double kPull = 0.02;
-constexpr bool isPulled(Eigen::Index coefficients) {
-  return coefficients > 2;
-}
 
 enum class LeftOut { EveryBlock, None };
 

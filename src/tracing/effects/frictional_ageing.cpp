@@ -10,7 +10,7 @@ namespace {
 // Shorter times and ways are the law near rest: a bristle's, a stop's.
 constexpr double kShortestTime_s = 0.3, kLongestTime_s = 10.0;
 constexpr double kShortestWay_m = 0.002, kLongestWay_m = 0.05;
-constexpr double kBeside = 1.5;  ///< factor between neighbours
+constexpr double kAgeingBeside = 1.5;  ///< factor between neighbours
 constexpr double kStands_m_per_s = 5e-4;
 constexpr int kRests = 3;  ///< of the shortest time and followed by the shortest way: fewer show nothing
 
@@ -61,7 +61,7 @@ class FrictionalAgeing : public Candidate {
   }
   std::vector<std::vector<double>> near(const std::vector<double>& s, double step) const override {
     std::vector<std::vector<double>> out = besideRestLaw(s, step);
-    for (const double factor : {std::pow(kBeside, -step), std::pow(kBeside, step)}) {
+    for (const double factor : {std::pow(kAgeingBeside, -step), std::pow(kAgeingBeside, step)}) {
       out.push_back({std::clamp(s[0] * factor, kShortestTime_s, kLongestTime_s), s[1], s[2]});
       out.push_back({s[0], std::clamp(s[1] * factor, kShortestWay_m, kLongestWay_m), s[2]});
     }

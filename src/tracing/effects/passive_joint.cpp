@@ -8,49 +8,63 @@ namespace {
 
 constexpr double kNarrowest_rad = 0.02, kWidest_rad = 1.0;
 constexpr double kWidths_rad[] = {0.05, 0.1, 0.2};  ///< to begin with
-constexpr double kJointFactor = 1.5;                ///< of refinement
-constexpr int kTheta = 2, kPsi = 3;                 ///< coordinates of the pose
+constexpr double kYields_rad[] = {0.02, 0.06};      ///< to begin with
+constexpr double kShortestYield_rad = 0.002, kLongestYield_rad = 0.5, kOldYield_rad = 0.05;
+constexpr double kJointFactor = 1.5;  ///< of refinement
+constexpr int kTheta = 2, kPsi = 3;   ///< coordinates of the pose
 
 /// A limb's joint that turns with the platform: its passive moment grows exponentially towards both ends of its range
-/// (Riener and Edrich, J. Biomechanics 32, 1999).
+/// (Riener and Edrich, J. Biomechanics 32, 1999), its tissue damps and yields.
 class PassiveJoint : public Candidate {
  public:
   std::string name() const override { return "passive_joint"; }
   std::string sentence() const override {
-    return "A joint of whoever is on the platform turns with it and resists more and more, exponentially, towards the "
-           "ends of its range.";
+    return "A joint of whoever is on the platform turns with it: it damps, yields, and resists more and more, "
+           "exponentially, towards the ends of its range.";
   }
   bool shared() const override { return true; }
-  bool isForceField() const override { return true; }
   bool restsOnModel() const override { return false; }
+  bool isPulled(Eigen::Index) const override { return false; }  // none of them can be negative
   std::vector<ShapeParameter> shapeParameters() const override {
-    return {{"coordinate", kTheta, kPsi, true}, {"width_rad", kNarrowest_rad, kWidest_rad}};
+    return {{"coordinate", kTheta, kPsi, true},
+            {"width_rad", kNarrowest_rad, kWidest_rad},
+            {"yield_rad", kShortestYield_rad, kLongestYield_rad, false, kOldYield_rad}};
   }
   std::vector<std::vector<double>> shapes(const EffectInput&, int) const override {
     std::vector<std::vector<double>> out;
     for (const int coordinate : {kTheta, kPsi}) {
-      for (const double width : kWidths_rad)
-        out.push_back({static_cast<double>(coordinate), width});
+      for (const double width : kWidths_rad) {
+        for (const double yield : kYields_rad)
+          out.push_back({static_cast<double>(coordinate), width, yield});
+      }
     }
     return out;
   }
   std::vector<std::vector<double>> near(const std::vector<double>& shape, double step) const override {
     std::vector<std::vector<double>> out;
-    for (const double side : {-step, step})
-      out.push_back({shape[0], std::clamp(shape[1] * std::pow(kJointFactor, side), kNarrowest_rad, kWidest_rad)});
+    for (const double factor : {std::pow(kJointFactor, -step), std::pow(kJointFactor, step)}) {
+      out.push_back({shape[0], std::clamp(shape[1] * factor, kNarrowest_rad, kWidest_rad), shape[2]});
+      out.push_back({shape[0], shape[1], std::clamp(shape[2] * factor, kShortestYield_rad, kLongestYield_rad)});
+    }
     return out;
   }
   std::vector<Coefficient> coefficients(const EffectInput&) const override {
-    return {{"towards_positive_Nm", true}, {"towards_negative_Nm", true}};
+    return {{"towards_positive_Nm", true},
+            {"towards_negative_Nm", true},
+            {"damping_Nm_s_per_rad", true},
+            {"yield_Nm", true}};
   }
   Eigen::MatrixXd columns(const EffectInput& in, int actuator, const std::vector<double>& shape) const override {
     const int coordinate = shape[0] < 0.5 * (kTheta + kPsi) ? kTheta : kPsi;
-    Eigen::MatrixXd out(in.samples(), 2);
+    Eigen::MatrixXd out(in.samples(), 4);
+    double yielded = 0.0;  // nobody knows how it came to where it begins
     for (int n = 0; n < in.samples(); ++n) {
-      const std::size_t sample = static_cast<std::size_t>(n);
-      const double lever = in.force_per_pose_force[sample](actuator, coordinate);
-      const double turned = in.observation->motion.motion[sample].pose[coordinate] / shape[1];
-      out.row(n) << lever * std::exp(turned), -lever * std::exp(-turned);
+      const mechanism::Motion& motion = in.observation->motion.motion[static_cast<std::size_t>(n)];
+      const double turned = motion.pose[coordinate] / shape[1], rate = motion.pose_velocity[coordinate],
+                   way = n > 0 ? rate * (in.time(n) - in.time(n - 1)) : 0.0, direction = way > 0.0 ? 1.0 : -1.0;
+      yielded = direction + (yielded - direction) * std::exp(-std::abs(way) / shape[2]);
+      out.row(n) << std::exp(turned), -std::exp(-turned), rate, yielded;
+      out.row(n) *= in.force_per_pose_force[static_cast<std::size_t>(n)](actuator, coordinate);
     }
     return out;
   }

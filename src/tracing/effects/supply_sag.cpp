@@ -7,11 +7,13 @@ namespace knee_robot::tracing {
 namespace {
 
 constexpr double kLeast_N2 = 1e3, kMost_N2 = 1e6;
+constexpr double kMostLost = 50.0;                       ///< where a small part of half_at_N2 is taken
 constexpr double kShortest_s = 0.003, kLongest_s = 1.0;  ///< the shortest: at once
-constexpr double kBeside = 2.0;                          ///< factor between neighbours
+constexpr double kSagBeside = 2.0;                       ///< factor between neighbours
 
-/// All drives hang on one supply, whose voltage sags with what they take together (as the sum of the squared forces),
-/// up to an end and with a lag: each then needs a larger command for the same force.
+/// All drives hang on one supply, whose voltage sags with what they take together, up to an end and with a lag: each then
+/// needs a larger command for the same force. What a drive takes goes with the square of its force, each by its own
+/// motor.
 class SupplySag : public Candidate {
  public:
   std::string name() const override { return "supply_sag"; }
@@ -33,22 +35,29 @@ class SupplySag : public Candidate {
   }
   std::vector<std::vector<double>> near(const std::vector<double>& s, double step) const override {
     std::vector<std::vector<double>> out;
-    for (const double factor : {std::pow(kBeside, -step), std::pow(kBeside, step)}) {
+    for (const double factor : {std::pow(kSagBeside, -step), std::pow(kSagBeside, step)}) {
       out.push_back({std::clamp(s[0] * factor, kLeast_N2, kMost_N2), s[1]});
       out.push_back({s[0], std::clamp(s[1] * factor, kShortest_s, kLongest_s)});
     }
     return out;
   }
-  std::vector<Coefficient> coefficients(const EffectInput&) const override { return {{"most_lost_share", true}}; }
-  bool plausible(const Eigen::VectorXd& coefficients) const override { return coefficients[0] < 2.0; }
+  std::vector<Coefficient> coefficients(const EffectInput&) const override {
+    std::vector<Coefficient> out;
+    for (int i = 0; i < mechanism::kLegs; ++i)
+      out.push_back({"most_lost_share_by_actuator_" + std::to_string(i + 1), true});
+    return out;
+  }
+  bool isPulled(Eigen::Index) const override { return false; }  // none of them can be negative
+  bool plausible(const Eigen::VectorXd& coefficients) const override { return coefficients.maxCoeff() < kMostLost; }
   Eigen::MatrixXd columns(const EffectInput& input, int actuator, const std::vector<double>& shape) const override {
     const double keeps = std::exp(-input.signals().period_s / shape[1]);
-    Eigen::MatrixXd out = input.needed_N.col(actuator);
-    double sag = 0.0;
+    Eigen::MatrixXd out(input.samples(), input.axes());
+    Eigen::RowVectorXd sag = Eigen::RowVectorXd::Zero(input.axes());
     for (int n = 0; n < input.samples(); ++n) {
-      const double taken_N2 = input.needed_N.row(n).squaredNorm(), now = taken_N2 / (taken_N2 + shape[0]);
-      sag = n == 0 ? now : keeps * sag + (1.0 - keeps) * now;
-      out(n, 0) *= sag;
+      const Eigen::RowVectorXd taken_N2 = input.needed_N.row(n).array().square();
+      const double gains = n == 0 ? 1.0 : 1.0 - keeps;  // it had settled before it was recorded
+      sag += gains * (taken_N2 / (taken_N2.sum() + shape[0]) - sag);
+      out.row(n) = input.needed_N(n, actuator) * sag;
     }
     return out;
   }
