@@ -50,7 +50,8 @@ std::string effectLine(const tracing::FoundEffect& e, const dynamics::ModelEffec
   out += std::isfinite(e.p) ? ", p = " + shortNumber(e.p, 2) : std::string(", of the given model");
   for (std::size_t k = 0; k < e.indistinguishable_from.size(); ++k)
     out += (k ? ", " : "; not told from ") + e.indistinguishable_from[k];
-  if (e.probability < 0.995) out += "; probability of the name " + shortNumber(e.probability, 2);
+  const bool named = !e.hypothesis.place.candidate->isMap() && std::isfinite(e.p);
+  if (named) out += "; probability of the name " + shortNumber(tracing::probabilityOfName(e), 2);
   return out + (m.transfers ? "\n" : "; does not transfer\n");
 }
 

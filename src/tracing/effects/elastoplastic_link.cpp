@@ -2,6 +2,7 @@
 #include <cmath>
 
 #include "common/line_effect.h"
+#include "common/yielding.h"
 
 namespace knee_robot::tracing {
 namespace {
@@ -47,14 +48,7 @@ class ElastoplasticLink : public RaisedLineEffect {
 
  protected:
   Eigen::MatrixXd resistance(const Line& line, const std::vector<double>& shape) const override {
-    Eigen::MatrixXd out(line.way_m.size(), 1);
-    double share = 0.0;
-    for (Eigen::Index n = 0; n < out.rows(); ++n) {
-      const double direction = line.way_m[n] > 0.0 ? 1.0 : -1.0;
-      share = direction + (share - direction) * std::exp(-std::abs(line.way_m[n]) / shape[kYield]);
-      out(n, 0) = share;
-    }
-    return out;
+    return yieldedShare(line.way_m, shape[kYield]);
   }
 };
 

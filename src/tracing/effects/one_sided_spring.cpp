@@ -2,6 +2,7 @@
 #include <cmath>
 
 #include "common/line_effect.h"
+#include "common/yielding.h"
 
 namespace knee_robot::tracing {
 namespace {
@@ -14,17 +15,6 @@ constexpr double kFreeShares[] = {0.25, 0.5,
                                   0.75};  ///< of a recording's samples, that it is free in: beginnings of search
 constexpr double kPerWay_m = 0.1;         ///< at which the coefficients are the force
 constexpr double kLengthStep_m = 0.05, kHeightStep_m = 0.4;  ///< of refinement
-
-/// Of travel, coming up over a way after each reversal and kept at rest: between -1 and 1.
-Eigen::ArrayXd directionAlong(const Eigen::VectorXd& way_m, double over_m) {
-  Eigen::ArrayXd out(way_m.size());
-  double now = 0.0;  // nobody knows how it came to where it begins
-  for (Eigen::Index n = 0; n < out.size(); ++n) {
-    const double to = way_m[n] > 0.0 ? 1.0 : -1.0;
-    out[n] = now = to + (now - to) * std::exp(-std::abs(way_m[n]) / over_m);
-  }
-  return out;
-}
 
 /// A strap or a rope that goes taut (side 1: pulls beyond a length), a bumper, a bed or a stop that is touched (side -1:
 /// pushes below it). A part of the force is lost: it changes its sign with the direction, over a
@@ -68,7 +58,7 @@ class OneSidedSpring : public RaisedLineEffect {
     const Eigen::ArrayXd within_m = (shape[kSideOfAction] * (line.length_m.array() - shape[kActsFrom])).max(0.0);
     const Eigen::ArrayXd within = (within_m / kPerWay_m).pow(shape[kPowerOfWay]);
     Eigen::MatrixXd out(within.size(), 2);
-    out << shape[kSideOfAction] * within, within * directionAlong(line.way_m, shape[kLostOver]);
+    out << shape[kSideOfAction] * within, within * yieldedShare(line.way_m, shape[kLostOver]).array();
     return out;
   }
 };

@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "common/yielding.h"
 #include "knee_robot/tracing/candidate.h"
 
 namespace knee_robot::tracing {
@@ -56,15 +57,19 @@ class PassiveJoint : public Candidate {
   }
   Eigen::MatrixXd columns(const EffectInput& in, int actuator, const std::vector<double>& shape) const override {
     const int coordinate = shape[0] < 0.5 * (kTheta + kPsi) ? kTheta : kPsi;
-    Eigen::MatrixXd out(in.samples(), 4);
-    double yielded = 0.0;  // nobody knows how it came to where it begins
+    Eigen::VectorXd turned_rad(in.samples()), rate(in.samples()), way_rad(in.samples());
     for (int n = 0; n < in.samples(); ++n) {
       const mechanism::Motion& motion = in.observation->motion.motion[static_cast<std::size_t>(n)];
-      const double turned = motion.pose[coordinate] / shape[1], rate = motion.pose_velocity[coordinate],
-                   way = n > 0 ? rate * (in.time(n) - in.time(n - 1)) : 0.0, direction = way > 0.0 ? 1.0 : -1.0;
-      yielded = direction + (yielded - direction) * std::exp(-std::abs(way) / shape[2]);
-      out.row(n) << std::exp(turned), -std::exp(-turned), rate, yielded;
-      out.row(n) *= in.force_per_pose_force[static_cast<std::size_t>(n)](actuator, coordinate);
+      turned_rad[n] = motion.pose[coordinate];
+      rate[n] = motion.pose_velocity[coordinate];
+      way_rad[n] = n > 0 ? rate[n] * (in.time(n) - in.time(n - 1)) : 0.0;
+    }
+    const Eigen::VectorXd yielded = yieldedShare(way_rad, shape[2]);
+    Eigen::MatrixXd out(in.samples(), 4);
+    for (int n = 0; n < in.samples(); ++n) {
+      const double lever = in.force_per_pose_force[static_cast<std::size_t>(n)](actuator, coordinate),
+                   grown = std::exp(turned_rad[n] / shape[1]);
+      out.row(n) << lever * grown, -lever / grown, lever * rate[n], lever * yielded[n];
     }
     return out;
   }
