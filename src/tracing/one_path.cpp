@@ -11,7 +11,8 @@ namespace {
 
 constexpr double kSamePath_m = 0.002;  ///< rms over all actuators: repeats of one reference lie closer
 constexpr double kMuchLeft = 3.0;      ///< noise floors that a model with the right force leaves hardly
-constexpr int kPatchwork = 2;          ///< maps on one actuator that stand for one thing that none describes
+constexpr int kPatchwork = 2;          ///< maps on one actuator that stand for one thing that none describes,
+constexpr double kMostOfIt = 4.0;      ///< unless one explains so many times the squares of all others
 
 /// Positions of two recordings at the same times from their beginnings.
 bool followSamePath(const identification::Observation& one, const identification::Observation& other) {
@@ -40,6 +41,25 @@ int mapsBeside(const Search& s, const FoundEffect& one) {
   }));
 }
 
+/// What maps explain where this one does, N^2: all of them.
+double explainedByMaps(const Search& s, const FoundEffect& one) {
+  const int actuator = one.hypothesis.place.actuator;
+  double squares_N2 = 0.0;
+  for (const FoundEffect& e : s.effects) {
+    const Place& place = e.hypothesis.place;
+    if (!place.candidate->isMap() || (place.actuator >= 0 && actuator >= 0 && place.actuator != actuator)) continue;
+    squares_N2 += actuator < 0 ? e.explained_rms_N.squaredNorm() : std::pow(e.explained_rms_N[actuator], 2);
+  }
+  return squares_N2;
+}
+
+/// A map that did nearly all of it is no patch of others.
+bool isMostOfIt(const Search& s, const FoundEffect& e) {
+  const int actuator = e.hypothesis.place.actuator;
+  const double own_N2 = actuator < 0 ? e.explained_rms_N.squaredNorm() : std::pow(e.explained_rms_N[actuator], 2);
+  return own_N2 >= kMostOfIt * (explainedByMaps(s, e) - own_N2);
+}
+
 /// Empty, or why the path that was seen may be all that an effect describes.
 std::string whyOfOnePath(const Search& s, const FoundEffect& e, double floors) {
   const Candidate& candidate = *e.hypothesis.place.candidate;
@@ -55,7 +75,7 @@ std::string whyOfOnePath(const Search& s, const FoundEffect& e, double floors) {
     return "goes with time, seen along one path, in a model that leaves " + shortNumber(anywhere, 2) +
            " times the noise floor: at the same time another path is elsewhere";
   const int maps = candidate.isMap() ? mapsBeside(s, e) : 0;
-  if (s.floor.measured && maps >= kPatchwork && floors > kRightLeaves)
+  if (s.floor.measured && maps >= kPatchwork && floors > kRightLeaves && !isMostOfIt(s, e))
     return "one of " + std::to_string(maps) + " maps, which together leave " + shortNumber(floors, 2) +
            " times the noise floor along one path: they fit the path, and what acts there is something else";
   return {};
