@@ -17,6 +17,8 @@ ROBOT = {
     "quadratic_drag": ["actuators: [ACT], drag_N_s2_per_m2: " + v for v in ("2000", "5000", "12000")],
     "thermal_drift": [f"actuators: [ACT], viscous_change: {v}, coulomb_change: {v}, time_constant_s: 30" for v in ("-0.4", "0.8", "1.6")],
     "spring": ["stiffness_N_per_m: " + v + ", anchor_m: [0.2, 0.3, 0], point_m: [0.2, 0.2, 0], free_length_m: 0.5" for v in ("150", "400", "1000")],
+    "viscoelastic_link": [f"stiffness_N_per_m: {v}, relaxation_s: 1, anchor_m: [0.2, 0.3, 0], point_m: [0.2, 0.2, 0]" for v in ("400", "1000", "2500")],
+    "elastoplastic_link": [f"yield_N: {v}, yield_m: 0.004, anchor_m: [0.2, 0.3, 0], point_m: [0.2, 0.2, 0]" for v in ("10", "22", "45")],
     "force_gain": ["actuators: [ACT], factor: " + v for v in ("0.93", "0.85", "0.7")],
     "delay": ["actuators: [ACT], time_s: " + v for v in ("0.004", "0.008", "0.014")],
     "drive_lag": ["actuators: [ACT], time_constant_s: " + v for v in ("0.004", "0.008", "0.014")],

@@ -180,6 +180,7 @@ EffectForces effectForces(const ActingEffects& effects, int axes, const EffectsI
     const bool carried = e.law->part() == EffectPart::Carried;
     const int count = e.law->coefficients();
     if (e.actuator < 0) {
+      one.fade = at.fade.maxCoeff();  // the platform rests where all do
       PoseColumns columns;
       e.law->poseColumns(one, memory.effects[k], columns);
       for (int c = 0; c < count; ++c)

@@ -60,6 +60,8 @@ constexpr Entry kLaws[] = {
     {"one_sided_spring", 9, oneSidedSpringLaw},
     {"dashpot", 5, dashpotLaw},
     {"asymmetric_dashpot", 5, asymmetricDashpotLaw},
+    {"viscoelastic_link", 5, viscoelasticLinkLaw},
+    {"elastoplastic_link", 6, elastoplasticLinkLaw},
     {"platform_joint_friction", 1, platformJointFrictionLaw, false, 1},
     {"base_joint_friction", 1, baseJointFrictionLaw, false, 1},
     {"load_ripple", 1, loadRippleLaw},

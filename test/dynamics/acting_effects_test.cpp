@@ -39,6 +39,8 @@ ModelEffect effect(const std::string& name, int actuator, const std::vector<doub
 std::vector<ModelEffect> oneOfEach() {
   ModelEffect map = effect("unnamed", 2, {0.6, 0.7, 0.8}, {1.0, -2.0, 3.0});
   map.depends_on = "position_1_m_times_direction";
+  ModelEffect wheel = effect("unnamed", 0, {}, {0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 2.0, 0, 0, -2.0, 0});
+  wheel.depends_on = "platform_velocity";
   return {effect("asymmetric_coulomb", 1, {}, {2.0}),
           effect("asymmetric_viscous", 1, {}, {30.0}),
           effect("stribeck", 2, {0.006}, {6.0}),
@@ -59,7 +61,10 @@ std::vector<ModelEffect> oneOfEach() {
           effect("spring", 0, {0.3, 0.0, 0.1, 0.0}, {200.0, 100.0}),
           effect("dashpot", 0, {0.0, 0.3, 0.0, 0.1, 0.5}, {40.0}),
           effect("asymmetric_dashpot", 0, {0.0, 0.3, 0.0, 0.1, 0.5}, {40.0, 10.0}),
-          map};
+          effect("viscoelastic_link", 0, {0.0, 0.3, 0.0, 0.1, 1.0}, {400.0}),
+          effect("elastoplastic_link", 0, {0.0, 0.3, 0.0, 0.1, 0.0, 0.004}, {20.0}),
+          map,
+          wheel};
 }
 
 /// A slow to and fro along the legs, with a stop; s: time.
@@ -203,6 +208,32 @@ TEST(ActingEffects, WarmUpByTheWorkSoFarAndDoNotCoolAtRest) {
   EXPECT_NEAR(warmedUp(effects, 0.0, 40.0, memory), force, 1e-9);
   rest(effects, 400.0, memory);
   EXPECT_NEAR(warmedUp(effects, 0.0, 0.001, memory), force, 1e-9);
+}
+
+TEST(ActingEffects, OfALinkRelaxWhileTheDrivesAreOffAndFadeWhereThePlatformRests) {
+  mechanism::Motion rises;  // where the line's rate is 0.8 of the platform's
+  rises.pose = mechanism::Pose(0.0, 0.4, 0.0, 0.0);
+  rises.pose_velocity[1] = 0.05;
+  EffectInstant at;
+  at.motion = &rises;
+  at.period_s = 0.1;
+  PoseColumns columns;
+  EffectState first, second;
+  const auto relaxing = effectLaw("viscoelastic_link", "", {0.3, 0.0, 0.0, 0.0, 2.0});
+  relaxing->poseColumns(at, first, columns);
+  const double stretched_m = 0.04 * 2.0 * (1.0 - std::exp(-0.05));
+  EXPECT_TRUE(columns.col(0).isApprox(stretched_m * mechanism::Vector4(-0.6, 0.8, 0.0, 0.0), 1e-9));
+  relaxing->rest(4.0, first);
+  EXPECT_NEAR(first.value, stretched_m * std::exp(-2.0), 1e-12);
+  const auto yielding = effectLaw("elastoplastic_link", "", {0.3, 0.0, 0.0, 0.0, 0.0, 0.004});
+  second.rate = 0.04;  // it came at that rate
+  yielding->poseColumns(at, second, columns);
+  EXPECT_NEAR(second.value, 1.0 - std::exp(-1.0), 1e-9);
+  rises.pose_velocity.setZero();
+  second.rate = 0.0;
+  at.fade = 0.5;
+  yielding->poseColumns(at, second, columns);
+  EXPECT_NEAR(columns(1, 0), 0.8 * 0.5 * (1.0 - std::exp(-1.0)), 1e-9);
 }
 
 TEST(ActingEffects, RefuseAHeatThatNothingStandsFor) {

@@ -61,8 +61,10 @@ effects:
   - {name: base_tilt, about_x_deg: 1}
   - {name: reflected_inertia, mass_kg: 1}
   - {name: spring, stiffness_N_per_m: 100, anchor_m: [0, 0, 0], point_m: [0.1, 0, 0]}
-  - {name: passive_joint, coordinate: theta, width_rad: 0.1, towards_positive_Nm: 1, towards_negative_Nm: 1}
+  - {name: passive_joint, coordinate: theta, width_rad: 0.1, towards_positive_Nm: 1, towards_negative_Nm: 1, yield_Nm: 1}
   - {name: one_sided_spring, force_at_0.1_m_N: 50, anchor_m: [0, 0, 2], point_m: [0.1, 0, 0], acts_from_m: 1, side: longer}
+  - {name: viscoelastic_link, stiffness_N_per_m: 100, relaxation_s: 1, anchor_m: [0, 0, 0], point_m: [0.1, 0, 0]}
+  - {name: elastoplastic_link, yield_N: 10, yield_m: 0.004, anchor_m: [0, 0, 0], point_m: [0.1, 0, 0]}
   - {name: external_force, start_s: 0.1, end_s: 0.2, force_N: [0, 0, -20], point_m: [0, 0, 0]}
   - {name: force_gain, factor: 0.95}
   - {name: drive_dead_zone, lost_N: 1}

@@ -280,7 +280,15 @@ TEST(InstantByInstant, ASpringThatDoesNotRelaxIsNoLaw) {
   for (const double never : {0.0, -2.0}) {
     EXPECT_EQ(dynamics::effectLaw("viscoelastic_element", "", {never, 1.0}), nullptr) << never;
     EXPECT_EQ(dynamics::effectLaw("viscoelastic_element", "", {1.0, never}), nullptr) << never;
+    EXPECT_EQ(dynamics::effectLaw("viscoelastic_link", "", {0.0, 0.0, 0.0, 0.0, never}), nullptr) << never;
+    EXPECT_EQ(dynamics::effectLaw("unnamed", "platform_way_of_late", {never}), nullptr) << never;
   }
+}
+
+TEST(InstantByInstant, ACableThatYieldsOverNoWayIsNoLaw) {
+  EXPECT_NE(dynamics::effectLaw("elastoplastic_link", "", {0.0, 0.0, 0.0, 0.0, 0.0, 0.004}), nullptr);
+  for (const double none : {0.0, -0.004})
+    EXPECT_EQ(dynamics::effectLaw("elastoplastic_link", "", {0.0, 0.0, 0.0, 0.0, 0.0, none}), nullptr) << none;
 }
 
 TEST(InstantByInstant, TwoRipplesOfOneActuatorAreBothInTheForce) {

@@ -54,6 +54,9 @@ TEST(PassiveJoint, IsNamedWithItsWidthAndBothMoments) {
   EXPECT_NEAR(e.hypothesis.shape[1], kWidth_rad, 0.1 * kWidth_rad);
   EXPECT_NEAR(e.coefficients[0], kPositive_Nm, 0.25 * kPositive_Nm);
   EXPECT_NEAR(e.coefficients[1], kNegative_Nm, 0.25 * kNegative_Nm);
+  ASSERT_EQ(e.coefficients.size(), 4);
+  EXPECT_LT(std::abs(e.coefficients[2]), 1.0) << "it does not damp";
+  EXPECT_LT(std::abs(e.coefficients[3]), 0.3) << "nor yield";
   for (int i = 0; i < 4; ++i)
     EXPECT_LT(result.after_rms_N[i], 1.5 * result.floor_N[i]) << "actuator " << i + 1;
 }

@@ -8,11 +8,12 @@ namespace {
 
 class SupplySag : public SearchedMachine {
  protected:
+  /// By one share for all drives, as where their motors are alike.
   Eigen::MatrixXd lost(const std::vector<double>& shape) const {
     const EffectInput& input = data_.inputs.front();
     Eigen::MatrixXd out(input.samples(), input.axes());
     for (int i = 0; i < input.axes(); ++i)
-      out.col(i) = effectColumns(input, named("supply_sag", shape), i);
+      out.col(i) = effectColumns(input, named("supply_sag", shape), i).rowwise().sum();
     return out;
   }
 };
@@ -24,6 +25,19 @@ TEST_F(SupplySag, TakesTheSameShareOfEveryDrivesForceMoreTheMoreTheyGiveTogether
   for (const int n : {100, 700, 1300}) {
     const double taken_N2 = needed.row(n).squaredNorm(), share = taken_N2 / (taken_N2 + half_N2);
     EXPECT_LT((loss.row(n) - share * needed.row(n)).norm(), 0.02 * needed.row(n).norm());
+  }
+}
+
+TEST_F(SupplySag, LosesByEveryDriveForItself) {
+  const EffectInput& input = data_.inputs.front();
+  const Eigen::MatrixXd& needed = input.needed_N;
+  const double half_N2 = needed.rowwise().squaredNorm().mean();
+  const Hypothesis sag = named("supply_sag", {half_N2, 0.003});
+  ASSERT_EQ(sag.place.candidate->coefficients(input).size(), 4u);
+  const Eigen::MatrixXd by_drive = effectColumns(input, sag, kActuator);
+  for (const int n : {100, 700, 1300}) {
+    const Eigen::RowVectorXd share = needed.row(n).array().square() / (needed.row(n).squaredNorm() + half_N2);
+    EXPECT_LT((by_drive.row(n) - needed(n, kActuator) * share).norm(), 0.02 * std::abs(needed(n, kActuator)));
   }
 }
 
@@ -40,7 +54,7 @@ TEST_F(SupplySag, FollowsWhatIsTakenWithItsLag) {
 TEST_F(SupplySag, LooksAtForcesWithoutWhatTheSupplyLoses) {
   const Hypothesis sag = named("supply_sag", {1e4, 0.003});
   const Eigen::MatrixXd needed = data_.inputs.front().needed_N;
-  const SurrogateModel model = {base_.parameters, {sag}, {Eigen::VectorXd::Constant(1, 0.4)}};
+  const SurrogateModel model = {base_.parameters, {sag}, {Eigen::VectorXd::Constant(4, 0.4)}};
   (void)settleForces(data_.inputs.front(), base_.columns, base_.parameters, model);
   EXPECT_LT((data_.inputs.front().needed_N - needed).norm(), 1e-9 * needed.norm());
   EXPECT_GT((data_.inputs.front().force_N - needed).norm(), 0.05 * needed.norm());

@@ -25,8 +25,8 @@ struct EffectInstant {
   mechanism::Vector4 velocity_m_per_s = mechanism::Vector4::Zero();
   const mechanism::Mechanism* mechanism = nullptr;  ///< null: bench axes, as the next
   const mechanism::Motion* motion = nullptr;        ///< of the platform
-  double fade =
-      1.0;  ///< what an instant at rest leaves of a friction that builds up with the way (FrictionState::fade)
+  double fade = 1.0;  ///< what an instant at rest leaves of a friction that builds up with the way
+                      ///< (FrictionState::fade): at rest of the actuator, or of all of them
 
   int actuator = 0;                 ///< 0 .. axes - 1; what follows is this actuator's
   double share = 0.0;               ///< of Coulomb friction, in [-1, 1], by the law near rest
@@ -48,6 +48,7 @@ struct JointMemory {
 struct EffectState {
   double value = 0.0;
   double rate = 0.0;  ///< of what it looks at, at the instant before
+  mechanism::Vector4 of_pose = mechanism::Vector4::Zero();
   JointMemory of_joints;
 };
 
@@ -59,7 +60,7 @@ enum class EffectPart {
   Gain,      ///< a share of the whole force
 };
 
-inline constexpr int kMostColumns = 8;
+inline constexpr int kMostColumns = 16;
 using EffectColumns = std::array<double, kMostColumns>;
 /// Generalized forces (N, N, N m, N m) on the pose, a column a coefficient.
 using PoseColumns = Eigen::Matrix<double, 4, kMostColumns>;
@@ -79,7 +80,8 @@ class EffectLaw {
   /// Force (N) of the actuator per unit of each coefficient. To be called once per instant, in order of time, where
   /// `state` matters.
   virtual void columns(const EffectInstant& at, EffectState& state, EffectColumns& out) const noexcept;
-  /// Of a shared one: what the actuators have to bring up. Of the instant it looks at mechanism, motion and period.
+  /// Of a shared one: what the actuators have to bring up. Of the instant it looks at mechanism, motion, period and
+  /// fade.
   virtual void poseColumns(const EffectInstant& at, EffectState& state, PoseColumns& out) const noexcept;
   /// The drives are off for so long (s).
   virtual void rest(double duration_s, EffectState& state) const noexcept;

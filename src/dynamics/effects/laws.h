@@ -30,6 +30,10 @@ Law springLaw(const Shape& shape);
 Law oneSidedSpringLaw(const Shape& shape);
 Law dashpotLaw(const Shape& shape);
 Law asymmetricDashpotLaw(const Shape& shape);
+/// Null when it does not relax: a time that is not positive.
+Law viscoelasticLinkLaw(const Shape& shape);
+/// Null when the way over which it builds up is not positive.
+Law elastoplasticLinkLaw(const Shape& shape);
 Law platformJointFrictionLaw(const Shape& shape);
 Law baseJointFrictionLaw(const Shape& shape);
 Law loadRippleLaw(const Shape& shape);
@@ -40,5 +44,8 @@ Law viscoelasticElementLaw(const Shape& shape);
 Law mapLaw(const std::string& depends_on, const Shape& knots);
 /// The same of a force on the platform itself; the knots are in order.
 Law platformMapLaw(const std::string& depends_on, const Shape& knots);
+
+/// A matrix over the platform's velocity, or over its way of late (one number: its time).
+Law platformMatrixLaw(const std::string& depends_on, const Shape& shape);
 
 }  // namespace knee_robot::dynamics

@@ -123,6 +123,7 @@ class Map : public EffectLaw {
 }  // namespace
 
 Law mapLaw(const std::string& depends_on, const Shape& knots) {
+  if (Law matrix = platformMatrixLaw(depends_on, knots)) return matrix;
   if (knots.size() < 2 || knots.size() > kMostColumns) return nullptr;
   for (std::size_t k = 0; k + 1 < knots.size(); ++k) {
     if (!(knots[k] < knots[k + 1])) return nullptr;
