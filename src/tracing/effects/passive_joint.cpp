@@ -25,7 +25,6 @@ class PassiveJoint : public Candidate {
   }
   bool shared() const override { return true; }
   bool restsOnModel() const override { return false; }
-  bool isPulled(Eigen::Index) const override { return false; }  // none of them can be negative
   std::vector<ShapeParameter> shapeParameters() const override {
     return {{"coordinate", kTheta, kPsi, true},
             {"width_rad", kNarrowest_rad, kWidest_rad},
