@@ -11,7 +11,7 @@ using Json = nlohmann::ordered_json;
 std::string sentence(const tracing::NextExperiment& n) {
   if (!n.planned) return "No next experiment: " + n.reason + ".";
   return "To tell " + n.first + " from " + n.second + ", play " + kNextExperimentFile +
-         ": the angle between the two grows from " + shortNumber(kDegrees * n.now.angle_rad, 3) + " to " +
+         ": the angle between the two goes from " + shortNumber(kDegrees * n.now.angle_rad, 3) + " to " +
          shortNumber(kDegrees * n.then.angle_rad, 3) + " deg, and what the second cannot mimic of the first from " +
          shortNumber(n.now.visible_N, 2) + " to " + shortNumber(n.then.visible_N, 2) + " N rms.";
 }
