@@ -64,19 +64,13 @@ void doubtPush(const Search& s, FoundEffect& e, std::vector<std::string>& notes)
                   ": happened at places where the robot was at no other time, and may belong to them.");
 }
 
-/// Where the effect acts: on its actuator, or on all together. Nothing is known of effects of a given model.
-double at(const Place& place, const Eigen::VectorXd& per_actuator_N) {
-  if (per_actuator_N.size() == 0) return 0.0;
-  return place.actuator < 0 ? per_actuator_N.norm() : per_actuator_N[place.actuator];
-}
-
 /// Most that something without a name explains on the same actuator (for a shared effect: on all together).
 double explainedWithoutName(const Search& s, const Place& place) {
   double most_N = 0.0;
   for (const FoundEffect& e : s.effects) {
     const Place& other = e.hypothesis.place;
     if (other.candidate->isMap() && (place.actuator < 0 || other.actuator == place.actuator))
-      most_N = std::max(most_N, at(place, e.explained_rms_N));
+      most_N = std::max(most_N, atPlace(place, e.explained_rms_N));
   }
   return most_N;
 }
@@ -84,7 +78,7 @@ double explainedWithoutName(const Search& s, const Place& place) {
 /// Why `e` may be part of something larger; empty: it explains the most of what is there.
 std::string partOf(const Search& s, const FoundEffect& e, double floors, double left_N) {
   const Place& place = e.hypothesis.place;
-  const double own_N = at(place, e.explained_rms_N), nameless_N = explainedWithoutName(s, place);
+  const double own_N = atPlace(place, e.explained_rms_N), nameless_N = explainedWithoutName(s, place);
   if (nameless_N > own_N)
     return ": explains " + shortNumber(own_N, 2) + " N, less than what no name is known for there (" +
            shortNumber(nameless_N, 2) + " N): it may be part of that.";
@@ -109,9 +103,14 @@ bool besideItsKin(const Search& s, const FoundEffect& e) {
 
 }  // namespace
 
+double atPlace(const Place& place, const Eigen::VectorXd& per_actuator_N) {
+  if (per_actuator_N.size() == 0) return 0.0;
+  return place.actuator < 0 ? per_actuator_N.norm() : per_actuator_N[place.actuator];
+}
+
 double floorsLeft(const Search& s, const Place& place, const Eigen::VectorXd& left_N) {
   constexpr double kLeast_N = 1e-12;
-  return at(place, left_N) / std::max(kLeast_N, at(place, s.floor.rms_N));
+  return atPlace(place, left_N) / std::max(kLeast_N, atPlace(place, s.floor.rms_N));
 }
 
 void doubtNames(Search& s, std::vector<std::string>& notes) {
@@ -125,7 +124,7 @@ void doubtNames(Search& s, std::vector<std::string>& notes) {
     const double floors = floorsLeft(s, place, left_N);
     const bool harms = !e.transfers && e.elsewhere_gain < 0.0;
     const bool uneven = e.elsewhere_gaining < kMostStretches;
-    const std::string part = partOf(s, e, floors, at(place, left_N));
+    const std::string part = partOf(s, e, floors, atPlace(place, left_N));
     const bool kin = besideItsKin(s, e);
     const bool large = e.coefficients.size() > 0 && !place.candidate->believable(e.coefficients);
     if (floors <= kRightLeaves && !harms && !uneven && !kin && !large && part.empty()) continue;

@@ -13,6 +13,9 @@ constexpr double kRightLeaves = 2.2;
 /// Probability of a name below which it is rather none: the effect is reported as unnamed.
 constexpr double kEven = 0.5;
 
+/// Where an effect acts: on its actuator, or on all together; 0 when nothing is known (empty, of a given model).
+double atPlace(const Place& place, const Eigen::VectorXd& per_actuator_N);
+
 /// Noise floors in `left_N` (per actuator) where an effect acts; of one on all actuators, of them together.
 double floorsLeft(const Search& search, const Place& place, const Eigen::VectorXd& left_N);
 

@@ -32,32 +32,27 @@ bool followOnePath(const std::vector<identification::Observation>& recordings) {
                      [&](const identification::Observation& o) { return followSamePath(recordings.front(), o); });
 }
 
+bool actTogether(const Place& a, const Place& b) {
+  return a.actuator == b.actuator || a.actuator < 0 || b.actuator < 0;
+}
+
 /// Maps that act where this one does.
 int mapsBeside(const Search& s, const FoundEffect& one) {
-  const int actuator = one.hypothesis.place.actuator;
   return static_cast<int>(std::count_if(s.effects.begin(), s.effects.end(), [&](const FoundEffect& e) {
-    const Place& place = e.hypothesis.place;
-    return place.candidate->isMap() && (place.actuator == actuator || place.actuator < 0 || actuator < 0);
+    return e.hypothesis.place.candidate->isMap() && actTogether(one.hypothesis.place, e.hypothesis.place);
   }));
 }
 
-/// What maps explain where this one does, N^2: all of them.
-double explainedByMaps(const Search& s, const FoundEffect& one) {
-  const int actuator = one.hypothesis.place.actuator;
-  double squares_N2 = 0.0;
+/// A map that did nearly all of what maps do there is no patch of others.
+bool isMostOfIt(const Search& s, const FoundEffect& one) {
+  const Place& place = one.hypothesis.place;
+  const double own_N2 = std::pow(atPlace(place, one.explained_rms_N), 2);
+  double all_N2 = 0.0;
   for (const FoundEffect& e : s.effects) {
-    const Place& place = e.hypothesis.place;
-    if (!place.candidate->isMap() || (place.actuator >= 0 && actuator >= 0 && place.actuator != actuator)) continue;
-    squares_N2 += actuator < 0 ? e.explained_rms_N.squaredNorm() : std::pow(e.explained_rms_N[actuator], 2);
+    const Place& other = e.hypothesis.place;
+    if (other.candidate->isMap() && actTogether(place, other)) all_N2 += std::pow(atPlace(place, e.explained_rms_N), 2);
   }
-  return squares_N2;
-}
-
-/// A map that did nearly all of it is no patch of others.
-bool isMostOfIt(const Search& s, const FoundEffect& e) {
-  const int actuator = e.hypothesis.place.actuator;
-  const double own_N2 = actuator < 0 ? e.explained_rms_N.squaredNorm() : std::pow(e.explained_rms_N[actuator], 2);
-  return own_N2 >= kMostOfIt * (explainedByMaps(s, e) - own_N2);
+  return own_N2 > 0.0 && own_N2 >= kMostOfIt * (all_N2 - own_N2);
 }
 
 /// Empty, or why the path that was seen may be all that an effect describes.

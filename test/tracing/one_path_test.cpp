@@ -126,6 +126,24 @@ TEST_F(OnePath, LeavesOutSeveralMapsThatTogetherDoNotReachTheFloorOfRepeats) {
   EXPECT_TRUE(oneTransfersOf(2, true)) << "two paths";
 }
 
+TEST_F(OnePath, KeepsAMapThatExplainsNearlyAllAndLeavesOutThePatchesOnIt) {
+  follow(0);
+  leaves(2.5);
+  FoundEffect e;
+  e.hypothesis.place = {velocity_map_.get(), 1};
+  for (const double explained_N : {3.9, 1.4}) {
+    e.explained_rms_N = explained_N * Eigen::Vector4d::Unit(1);
+    s_.effects.push_back(e);
+  }
+  s_.floor.measured = true;
+  holdBackOnePath(s_, notes_);
+  EXPECT_TRUE(s_.effects[0].transfers);
+  EXPECT_FALSE(s_.effects[1].transfers);
+  s_.effects[0].explained_rms_N[1] = 2.0;
+  holdBackOnePath(s_, notes_);
+  EXPECT_FALSE(s_.effects[0].transfers) << "of two that share it neither";
+}
+
 TEST_F(OnePath, KeepsForceFieldsThatTwoPathsShow) {
   follow(0);
   follow(1);
