@@ -73,7 +73,8 @@ void replaceKin(Search& s, const Place& place) {
   const auto isOld = [&](const FoundEffect& e) { return isKin(e, place); };
   const auto own =
       std::find_if(together.begin(), together.end(), [&](const auto& e) { return e.hypothesis.place == place; });
-  if (!place.candidate->shared() || columns == places.end() || own == together.end() ||
+  // What has no name takes no name's place.
+  if (!place.candidate->shared() || place.candidate->isMap() || columns == places.end() || own == together.end() ||
       std::none_of(together.begin(), together.end(), isOld))
     return;
   const auto goes = [&](const FoundEffect& e) { return isOld(e) || e.hypothesis.place == place; };
@@ -90,14 +91,15 @@ void replaceKin(Search& s, const Place& place) {
 }
 
 void nameMatrix(Search& s, const Place& found) {
-  if (!found.candidate->isMap() || !found.candidate->shared()) return;
+  const std::string simpler = found.candidate->generalizes();
+  if (!found.candidate->isMap() || !found.candidate->shared() || simpler.empty()) return;
   for (const PlaceColumns& columns : s.library->places()) {
+    const Place place = columns.place();
+    if (place.candidate->name() != simpler) continue;
     const std::vector<FoundEffect> with_map = s.effects;
     const auto isMap = [&](const FoundEffect& e) { return e.hypothesis.place == found; };
     const auto own = std::find_if(with_map.begin(), with_map.end(), isMap);
     if (own == with_map.end()) return;
-    const Place place = columns.place();
-    if (place.candidate->isMap() || place.candidate->name() != found.candidate->generalizes()) continue;
     if (predictsAlone(s, *own, columns, isMap)) {
       s.effects.back().indistinguishable_from.clear();
       s.taken_out.push_back(placeText(found) + ": " + placeText(place) + " explains as much");
