@@ -57,7 +57,8 @@ class Converter {
       forces(p.force_filtered_N);
       forces(p.row_force_N);
     }
-    for (Eigen::VectorXd* v : {&a.accuracy.rms_N, &a.accuracy.rms_moving_N, &a.accuracy.rms_raw_N, &a.accuracy.max_N})
+    for (Eigen::VectorXd* v : {&a.accuracy.rms_N, &a.accuracy.rms_moving_N, &a.accuracy.rms_resting_N,
+                               &a.accuracy.rms_raw_N, &a.accuracy.max_N})
       forces(*v);
   }
 

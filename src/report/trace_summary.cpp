@@ -1,7 +1,9 @@
 #include <algorithm>
 #include <cmath>
+#include <vector>
 
 #include "knee_robot/base/numbers.h"
+#include "knee_robot/base/words.h"
 #include "knee_robot/report/trace_report.h"
 #include "number_row.h"
 #include "trace_angles_report.h"
@@ -82,20 +84,42 @@ std::string addedText(const TraceResults& r) {
          "added.";
 }
 
+/// Which actuators leave much more on the held-out recordings than training and floor would let one expect.
+std::vector<Eigen::Index> unmet(const TraceResults& r, Eigen::VectorXd identification::Accuracy::*rms,
+                                const Eigen::VectorXd& trained) {
+  const Eigen::VectorXd& there = r.validate_after.accuracy.*rms;
+  std::vector<Eigen::Index> axes;
+  for (Eigen::Index i = 0; i < there.size(); ++i) {
+    if (there[i] > kUnmet * trained[i] && there[i] > kUnmet * r.result.floor_N[i]) axes.push_back(i);
+  }
+  return axes;
+}
+
+std::string listed(const std::vector<Eigen::Index>& axes, const Eigen::VectorXd& values) {
+  return joined(axes, [&](Eigen::Index i) { return shortNumber(values[i], 3); }) + " N";
+}
+
 /// What acts in the held-out recordings and hardly in those of training cannot be found: which to train on as well.
 std::string unmetText(const TraceResults& r) {
+  if (r.validate.empty()) return "";
+  const identification::Accuracy &before = r.train_before.accuracy, &after = r.train_after.accuracy,
+                                 &there = r.validate_after.accuracy;
+  const Eigen::VectorXd moving = before.rms_moving_N.cwiseMax(after.rms_moving_N),
+                        resting = before.rms_resting_N.cwiseMax(after.rms_resting_N);
   std::string out;
-  if (r.validate.empty()) return out;
-  const Eigen::VectorXd &there = r.validate_after.accuracy.rms_moving_N, &before = r.train_before.accuracy.rms_moving_N,
-                        &after = r.train_after.accuracy.rms_moving_N;
-  for (Eigen::Index i = 0; i < there.size(); ++i) {
-    const double trained = std::max(before[i], after[i]);
-    if (there[i] > kUnmet * trained && there[i] > kUnmet * r.result.floor_N[i])
-      out += " On the held-out recordings actuator " + std::to_string(i + 1) + " leaves " + shortNumber(there[i], 3) +
-             " N while it moves, on those of training " + shortNumber(trained, 3) +
-             " N: what acts there hardly acts in training; trace with such a movement among the training recordings.";
-  }
-  return out;
+  for (const Eigen::Index i : unmet(r, &identification::Accuracy::rms_moving_N, moving))
+    out += " On the held-out recordings actuator " + std::to_string(i + 1) + " leaves " +
+           shortNumber(there.rms_moving_N[i], 3) + " N while it moves, on those of training " +
+           shortNumber(moving[i], 3) +
+           " N: what acts there hardly acts in training; trace with such a movement among the training recordings.";
+  const std::vector<Eigen::Index> rest = unmet(r, &identification::Accuracy::rms_resting_N, resting);
+  if (rest.empty()) return out;
+  return out + " At rest " + (rest.size() > 1 ? "actuators " : "actuator ") +
+         joined(rest, [](Eigen::Index i) { return std::to_string(i + 1); }) +
+         (rest.size() > 1 ? " leave " : " leaves ") + listed(rest, there.rms_resting_N) +
+         " on the held-out recordings, " + listed(rest, resting) +
+         " on those of training: how friction acts near rest shows in slow movements with stops; trace with such a "
+         "movement among the training recordings.";
 }
 
 }  // namespace

@@ -68,6 +68,7 @@ TEST(Accuracy, ComputesTheFiguresOfTheReport) {
   const Accuracy a = accuracyOf(list, {shifted});
   EXPECT_NEAR(a.rms_N[0], 3.0, 1e-9);
   EXPECT_NEAR(a.rms_moving_N[0], 3.0, 1e-9);
+  EXPECT_NEAR(a.rms_resting_N[0], 3.0, 1e-9) << "between its movements";
   EXPECT_NEAR(a.max_N[0], 3.0, 1e-9);
   EXPECT_NEAR(a.rms_percent[0], 300.0 / std::sqrt(o.force_filtered_N.squaredNorm() / o.samples()), 1e-9);
   EXPECT_NEAR(a.range_percent[0], 300.0 / (o.force_filtered_N.maxCoeff() - o.force_filtered_N.minCoeff()), 1e-9);
@@ -85,6 +86,7 @@ TEST(Accuracy, SaysNothingAboutMovingSamplesWhereThereAreNone) {
   const Accuracy a = accuracyOf(list, {makePrediction(list[0], list[0].signals.force_N, options.cutoff_hz)});
   EXPECT_EQ(a.moving_samples, 0);
   EXPECT_TRUE(std::isnan(a.rms_moving_N[0]));
+  EXPECT_TRUE(std::isnan(a.rms_resting_N[1])) << "it has not moved yet: nobody knows what it holds";
 }
 
 }  // namespace

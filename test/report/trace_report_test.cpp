@@ -65,6 +65,23 @@ TEST(TraceReport, SaysWhatActsInTheHeldOutRecordingsAndHardlyInTraining) {
   EXPECT_EQ(traceVerdict(r).find("hardly acts in training"), std::string::npos) << "nothing was held out";
 }
 
+TEST(TraceReport, SaysThatTheHeldOutRecordingsRestAndThoseOfTrainingHardlyDo) {
+  TraceResults r = traced();
+  r.train_before.accuracy.rms_resting_N = r.train_after.accuracy.rms_resting_N = Eigen::Vector2d(0.5, 0.4);
+  r.validate_after.accuracy.rms_resting_N = Eigen::Vector2d(0.6, std::nan(""));
+  r.result.floor_N.setConstant(0.3);
+  EXPECT_EQ(traceVerdict(r).find("At rest"), std::string::npos) << traceVerdict(r);
+  r.validate_after.accuracy.rms_resting_N = Eigen::Vector2d(1.2, 0.7);
+  EXPECT_NE(
+      traceVerdict(r).find("At rest actuator 1 leaves 1.2 N on the held-out recordings, 0.5 N on those of training"),
+      std::string::npos)
+      << traceVerdict(r);
+  r.validate_after.accuracy.rms_resting_N[1] = 0.9;
+  EXPECT_NE(traceVerdict(r).find("At rest actuators 1, 2 leave 1.2, 0.9 N on the held-out recordings, 0.5, 0.4 N"),
+            std::string::npos)
+      << traceVerdict(r);
+}
+
 TEST(TraceReport, SaysThatTheBaselineHasPresliding) {
   TraceResults r = traced();
   EXPECT_EQ(traceVerdict(r).find("presliding"), std::string::npos);

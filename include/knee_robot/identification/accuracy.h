@@ -11,8 +11,10 @@ namespace knee_robot::identification {
 /// How far predictions are from commanded forces; one entry per actuator (docs/contract.md, section 3). Samples are those
 /// that are compared (Observation::judged).
 struct Accuracy {
-  Eigen::VectorXd rms_N;          ///< all samples, both sides low-passed
-  Eigen::VectorXd rms_moving_N;   ///< the same, samples at which every axis moves; nan when there is none
+  Eigen::VectorXd rms_N;         ///< all samples, both sides low-passed
+  Eigen::VectorXd rms_moving_N;  ///< the same, samples at which every axis moves; nan when there is none
+  /// The same, samples at which the axis itself rests, once it has moved and the pose is usable; nan when there is none.
+  Eigen::VectorXd rms_resting_N;
   Eigen::VectorXd rms_raw_N;      ///< rows of the recording, neither side filtered: the full band
   Eigen::VectorXd raw_percent;    ///< 100 rms_raw_N / rms(rows)
   Eigen::VectorXd rms_percent;    ///< 100 rms_N / rms(measured)
