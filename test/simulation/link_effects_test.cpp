@@ -112,5 +112,20 @@ TEST(SupplySagEffect, CountsEveryDriveByItsWeight) {
   EXPECT_TRUE(given(", weights: [1, 0.5, 0, 0]").isApprox((1.0 - 0.3 * 0.375 * 2.0 / 3.0) * asked_N, 1e-12));
 }
 
+TEST(SupplySagEffect, CountsTheWorkOfDrivesAndSparesWhatTheyFeedBack) {
+  const auto given = [](double rate_m_per_s) {
+    const auto sag = effectOf("{name: supply_sag, share: 0.3, half_at_N2: 20000, work_N2_per_W: 1000}");
+    EffectStep now;
+    now.rates.setConstant(rate_m_per_s);
+    sag->follow(now);
+    mechanism::Vector4 force_N = mechanism::Vector4::Constant(100.0);
+    sag->changeForce(0.001, force_N);
+    return force_N[0];
+  };
+  EXPECT_NEAR(given(0.0), 100.0 * (1.0 - 0.3 * 4e4 / 6e4), 1e-9);
+  EXPECT_NEAR(given(0.05), 100.0 * (1.0 - 0.3 * 6e4 / 8e4), 1e-9);
+  EXPECT_NEAR(given(-0.2), 100.0, 1e-9) << "they feed back more than they take";
+}
+
 }  // namespace
 }  // namespace knee_robot::simulation

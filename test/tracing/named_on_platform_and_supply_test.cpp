@@ -64,6 +64,19 @@ TEST(Trace, NamesASupplyThatSagsWithAllDrives) {
   EXPECT_LT(legs(c.after_N), 0.6 * legs(c.before_N));
 }
 
+TEST(Trace, TellsThatASupplyGivesTheDrivesWorkAsWell) {
+  const TracedCase c =
+      traceSimulated("  - {name: supply_sag, share: 0.6, half_at_N2: 100000, lag_s: 0.3, work_N2_per_W: 2000}\n");
+  const FoundEffect* sag = found(c, "supply_sag");
+  ASSERT_NE(sag, nullptr);
+  std::cout << "work " << sag->hypothesis.shape[2] << " N^2/W, lag " << sag->hypothesis.shape[1] << " s; error "
+            << c.before_N.transpose() << " -> " << c.after_N.transpose() << " N\n";
+  EXPECT_NEAR(sag->hypothesis.shape[2], 2000.0, 1000.0);
+  EXPECT_NEAR(sag->hypothesis.shape[1], 0.3, 0.15) << "it counts the forces that are needed, not the larger commands";
+  EXPECT_EQ(found(c, "stretch_reflex"), nullptr) << "it passed for one before work was counted";
+  EXPECT_LT(legs(c.after_N), 0.5 * legs(c.before_N));
+}
+
 TEST(Trace, NamesADriveThatGivesNothingForSmallCommands) {
   const TracedCase c = traceSimulated("  - {name: drive_dead_zone, actuators: [2], lost_N: 12}\n");
   const FoundEffect* zone = found(c, "drive_dead_zone");
