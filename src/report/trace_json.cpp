@@ -43,7 +43,7 @@ Json effectsJson(const TraceResults& r) {
   for (std::size_t k = 0; k < r.result.effects.size(); ++k) {
     const tracing::FoundEffect& e = r.result.effects[k];
     const dynamics::ModelEffect& m = r.model.effects[k];
-    Json j = {{"name", e.doubted || e.indistinguishable_from.size() > 2 ? "unnamed" : m.name},
+    Json j = {{"name", e.doubted || e.isOneOfMany() ? "unnamed" : m.name},
               {"actuators", m.actuators},
               {"transfers", m.transfers},
               {"parameters", parametersJson(m)},
@@ -55,11 +55,10 @@ Json effectsJson(const TraceResults& r) {
               {"held_back_positions_gain", e.elsewhere_gain},
               {"held_back_gain", {{"share", e.gain}, {"standard_error", e.gain_error}}},
               {"validate_gain_N", k < r.validate_gain_N.size() ? jsonArray(r.validate_gain_N[k]) : Json::array()},
-              {"indistinguishable_from",
-               e.indistinguishable_from.size() > 2 ? std::vector<std::string>() : e.indistinguishable_from},
+              {"indistinguishable_from", e.isOneOfMany() ? std::vector<std::string>() : e.indistinguishable_from},
               {"sentence", e.hypothesis.place.candidate->sentence()}};
     if (e.doubted) j["looks_like"] = m.name;
-    if (e.indistinguishable_from.size() > 2) j["not_separable_from"] = e.indistinguishable_from;
+    if (e.isOneOfMany()) j["not_separable_from"] = e.indistinguishable_from;
     if (!m.depends_on.empty()) j["depends_on"] = {m.depends_on};
     list.push_back(j);
   }

@@ -31,9 +31,11 @@ std::string side(const std::string& title, const identification::Applied& before
          numberRow("% of rms(force), all together: before, after", together);
 }
 
-/// What is doubted has no name of its own.
+/// What is doubted, or has more than two rivals, has no name of its own.
 std::string nameOf(const tracing::FoundEffect& e, const dynamics::ModelEffect& m) {
-  return e.doubted ? "unnamed (looks like " + m.name + ")" : m.name;
+  if (e.doubted) return "unnamed (looks like " + m.name + ")";
+  return e.isOneOfMany() ? "unnamed (" + m.name + ", " + joined(e.indistinguishable_from) + " are not told apart)"
+                         : m.name;
 }
 
 std::string effectLine(const tracing::FoundEffect& e, const dynamics::ModelEffect& m) {
@@ -50,9 +52,9 @@ std::string effectLine(const tracing::FoundEffect& e, const dynamics::ModelEffec
   }
   out += "; explains " + shortNumber(e.explained_rms_N.maxCoeff(), 3) + " N";
   out += std::isfinite(e.p) ? ", p = " + shortNumber(e.p, 2) : std::string(", of the given model");
-  for (std::size_t k = 0; k < e.indistinguishable_from.size(); ++k)
+  for (std::size_t k = 0; !e.isOneOfMany() && k < e.indistinguishable_from.size(); ++k)
     out += (k ? ", " : "; not told from ") + e.indistinguishable_from[k];
-  const bool named = !e.hypothesis.place.candidate->isMap() && std::isfinite(e.p);
+  const bool named = !e.isOneOfMany() && !e.hypothesis.place.candidate->isMap() && std::isfinite(e.p);
   if (named) out += "; probability of the name " + shortNumber(tracing::probabilityOfName(e), 2);
   return out + (m.transfers ? "\n" : "; does not transfer\n");
 }
@@ -73,7 +75,7 @@ std::string addedText(const TraceResults& r) {
       }
       names += (names.empty() ? "" : ", ") + nameOf(t.effects[k], m) +
                (m.actuators.size() == 1 ? " (actuator " + std::to_string(m.actuators.front()) + ")" : "");
-      for (std::size_t i = 0; i < t.effects[k].indistinguishable_from.size(); ++i)
+      for (std::size_t i = 0; !t.effects[k].isOneOfMany() && i < t.effects[k].indistinguishable_from.size(); ++i)
         names += " or " + t.effects[k].indistinguishable_from[i];
     }
     if (!kept.empty()) kept += ".";

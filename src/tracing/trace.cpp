@@ -316,8 +316,8 @@ void Tracing::settle() {
     if (!heat.empty()) result_.notes.push_back(heat);
   }
   dropImplausible(s_);
-  for (FoundEffect& e : s_.effects) {  // two names may remain; more than that is no attribution
-    if (e.indistinguishable_from.size() > 2) e.verdict = "not separable from more than two other effects";
+  for (FoundEffect& e : s_.effects) {
+    if (e.isOneOfMany()) e.verdict = "not separable from more than two other effects";
   }
   for (auto& map : maps_)
     result_.candidates->push_back(std::move(map));

@@ -82,6 +82,21 @@ TEST(TraceReport, SaysThatTheHeldOutRecordingsRestAndThoseOfTrainingHardlyDo) {
       << traceVerdict(r);
 }
 
+TEST(TraceReport, SaysTheNamesThatAreNotToldApartAndNoneOfThemWhereThereAreThreeRivals) {
+  TraceResults r = traced();
+  ASSERT_FALSE(r.result.effects.empty());
+  tracing::FoundEffect& e = r.result.effects.front();
+  const std::string name = r.model.effects.front().name;
+  e.doubted = false;
+  e.indistinguishable_from = {"delay", "stribeck"};
+  EXPECT_NE(traceVerdict(r).find(" or delay or stribeck"), std::string::npos) << traceVerdict(r);
+  e.indistinguishable_from.emplace_back("backlash");
+  EXPECT_NE(traceVerdict(r).find("unnamed (" + name + ", delay, stribeck, backlash are not told apart)"),
+            std::string::npos)
+      << traceVerdict(r);
+  EXPECT_EQ(nlohmann::json::parse(traceJson(r))["effects"][0]["name"], "unnamed") << "as the terminal";
+}
+
 TEST(TraceReport, SaysThatTheBaselineHasPresliding) {
   TraceResults r = traced();
   EXPECT_EQ(traceVerdict(r).find("presliding"), std::string::npos);

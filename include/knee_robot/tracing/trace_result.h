@@ -46,6 +46,9 @@ struct FoundEffect {
   bool transfers = true;  ///< false: predicts nothing in other recordings
   std::string verdict;    ///< one sentence
   double band_hz = 0.0;   ///< cut-off of the second band, when it was found there; 0: in the first
+
+  /// Three names or more that the data do not tell apart are no attribution: reported as unnamed.
+  bool isOneOfMany() const { return indistinguishable_from.size() > 2; }
 };
 
 /// Share of names without a rival that were right on machines of seven simulators by others, half of whose effects no
