@@ -35,6 +35,7 @@ constexpr double kNearRestFloors = 2.0;  ///< noise floors of an effect that act
 constexpr double kNearRestErrors =
     5.0;  ///< standard errors by which such an effect must help, and every block must gain
 constexpr double kSiblingLowered = 0.97;  ///< where the same effect was found on another actuator
+constexpr int kCarriers = 2;              ///< of the same name, where it is expected on the others, too
 constexpr double kSiblingErrors = 2.0;
 
 /// Which picks are held back together: the stack's blocks; of a local effect, pieces of the part in which it acts (-1:
@@ -167,6 +168,14 @@ bool isLargeNearRest(const Search& s, const Trial& t) {
   return size_N > kNearRestFloors * floor_N && t.held.gaining == 1.0 && t.held.mean > kNearRestErrors * t.held.error;
 }
 
+/// On several others already, and the floor that it would have to exceed is an estimate, which may be far too high.
+bool isExpected(const Search& s, const Trial& t) {
+  const auto carriers = std::count_if(s.effects.begin(), s.effects.end(), [&](const FoundEffect& e) {
+    return e.hypothesis.place.candidate == t.hypothesis.place.candidate;
+  });
+  return !s.floor.measured && carriers >= kCarriers;
+}
+
 }  // namespace
 
 Eigen::VectorXd nestedGain(const Search& s, const Projection& projection, const std::vector<Hypothesis>& shapes) {
@@ -266,10 +275,11 @@ std::string objection(const Search& s, const Trial& t, bool sibling) {
   const Eigen::VectorXd rms = rmsOf(s.data->stack, t.fit.residual_N);
   const double lowered = sibling ? kSiblingLowered : kLowered;
   const double above = sibling ? kSiblingAboveFloor : kAboveFloor;
+  const bool expected = sibling && isExpected(s, t);
   bool worth_it = false;
   for (int i = 0; i < rms.size(); ++i) {
     if (t.hypothesis.place.actuator >= 0 && t.hypothesis.place.actuator != i) continue;
-    worth_it = worth_it || (s.rms_N[i] > above * s.floor.rms_N[i] && rms[i] < lowered * s.rms_N[i]);
+    worth_it = worth_it || ((expected || s.rms_N[i] > above * s.floor.rms_N[i]) && rms[i] < lowered * s.rms_N[i]);
   }
   const bool near_rest = isLargeNearRest(s, t);
   if (!worth_it && !near_rest) return "does not lower the residual by a tenth where it is above the floor";
