@@ -127,9 +127,10 @@ void doubtNames(Search& s, std::vector<std::string>& notes) {
     const std::string part = partOf(s, e, floors, atPlace(place, left_N));
     const bool kin = besideItsKin(s, e);
     const bool large = e.coefficients.size() > 0 && !place.candidate->believable(e.coefficients);
-    if (floors <= kRightLeaves && !harms && !uneven && !kin && !large && part.empty()) continue;
+    const bool much = place.candidate->looksLikeMuch();
+    if (floors <= kRightLeaves && !harms && !uneven && !kin && !large && !much && part.empty()) continue;
     double doubted = e.probability * std::min(1.0, std::pow(kRightLeaves / floors, 2));
-    if (harms || uneven || kin || large || !part.empty()) doubted = std::min(doubted, kHarmful);
+    if (harms || uneven || kin || large || much || !part.empty()) doubted = std::min(doubted, kHarmful);
     e.probability = s.floor.measured ? doubted : std::max(doubted, std::min(kEven, e.probability));
     e.doubted = e.probability < kEven;
     if (e.probability < kSureOfName && !e.doubted) e.indistinguishable_from.emplace_back("unnamed");
@@ -144,6 +145,9 @@ void doubtNames(Search& s, std::vector<std::string>& notes) {
     if (large)
       notes.push_back(placeText(place) +
                       ": is larger than anything of this name can be: it may stand for something else.");
+    if (much)
+      notes.push_back(placeText(place) +
+                      ": so much looks like one that the name alone says little: it may stand for something else.");
     if (harms)
       notes.push_back(placeText(place) + ": makes the error larger at held-back positions, where what it is called " +
                       "would act as well: it may stand for something else.");

@@ -66,6 +66,12 @@ TEST_F(Doubt, IsCastOnASwingingMassThatNobodyHas) {
   EXPECT_NE(notes_[0].find("larger than anything of this name"), std::string::npos) << notes_[0];
 }
 
+TEST_F(Doubt, IsAlwaysCastOnAStretchReflexWhichManyThingsLookLike) {
+  EXPECT_TRUE(said("stretch_reflex", 1.0).doubted);
+  ASSERT_EQ(notes_.size(), 1u);
+  EXPECT_NE(notes_[0].find("so much looks like one"), std::string::npos) << notes_[0];
+}
+
 TEST_F(Doubt, GrowsWithWhatTheModelLeavesAndSaysSo) {
   for (const char* name : {"dashpot", "stribeck"}) {
     const FoundEffect some = said(name, 2.4), much = said(name, 6.6);

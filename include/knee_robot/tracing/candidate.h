@@ -104,6 +104,9 @@ class Candidate {
   virtual bool plausible(const Eigen::VectorXd& coefficients) const;
   /// False: the force may be there, but hardly by this name (a limb heavier than anybody's): the name is doubted.
   virtual bool believable(const Eigen::VectorXd& /*coefficients*/) const { return true; }
+  /// True: it bends to so much that its name, where nothing else speaks against it, was something else on every machine
+  /// whose truth became known (docs/results/blind_simulators.md): the name is doubted.
+  virtual bool looksLikeMuch() const { return false; }
   /// Index of the actuator on whose position it depends when it sits on `actuator`; -1: on no position.
   virtual int positionOf(int /*actuator*/) const { return -1; }
   /// What a map depends on, as report.json writes it; empty for named effects.
