@@ -391,6 +391,7 @@ void Supervisor::publishStatus(rt::Nanoseconds now) {
   said.path_duration_s = view_.set_point.path_duration_s;
   said.time_scale = view_.set_point.time_scale;
   said.speed = orders_.speed;
+  said.pause_path = orders_.pause_path;
   said.homed = homing_.homed();
   said.safe_stops = view_.written.safe_stops;
   said.guide_stop = guiding_.stop();
