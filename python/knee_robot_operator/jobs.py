@@ -7,6 +7,7 @@ import signal
 import time
 
 from .answer import Answer
+from .out_of_memory import yielding
 
 _PLANNING_S = 15      # of each excitation
 _EXCITATION_S = 20
@@ -122,7 +123,7 @@ class Jobs:
         process = await asyncio.create_subprocess_exec(
             self._plan, "--robot", self._settings.robot, "--seed", str(seed), "--duration", str(_EXCITATION_S), "--seconds", str(_PLANNING_S),
             "-o", str(folder / name), stdin=asyncio.subprocess.DEVNULL, stdout=asyncio.subprocess.DEVNULL, stderr=asyncio.subprocess.PIPE,
-            start_new_session=True, preexec_fn=lambda: os.nice(10))
+            start_new_session=True, preexec_fn=yielding)
         talk = asyncio.create_task(process.communicate())
         while not talk.done():
             await asyncio.wait({talk}, timeout=0.2)

@@ -23,6 +23,7 @@
 #include "loopback.h"
 #include "master_watch.h"
 #include "output_relay.h"
+#include "out_of_memory.h"
 #include "own_session.h"
 #include "parameters.h"
 #include "program.h"
@@ -274,6 +275,7 @@ int main(int argc, char** argv) {
   nodes::openStandardStreams();
   nodes::continueInOwnSession(argc, argv);
   nodes::limitDescriptors();
+  nodes::endOthersFirst(nodes::kLast);
   const nodes::OutputRelay relay;  // before all others: no thread waits for whoever reads what is said
   nodes::keepToLoopback();
   nodes::limitRequestDepth();

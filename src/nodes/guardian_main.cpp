@@ -24,6 +24,7 @@
 #include "knee_robot/hardware/machine_lock.h"
 #include "knee_robot/hardware/process_watch.h"
 #include "knee_robot/rt/activity.h"
+#include "out_of_memory.h"
 #include "own_session.h"
 #include "program.h"
 #include "signals.h"
@@ -358,6 +359,7 @@ int run(const Options& options) {
 
 int main(int argc, char** argv) {
   nodes::continueInOwnSession(argc, argv);
+  nodes::endOthersFirst(nodes::kNever);
   nodes::CommandLine app("Watches the controller and brings the outputs down when it dies or falls silent.",
                          "guardian");
   app.serves();

@@ -124,6 +124,11 @@ class CheckModel(PageTest):
                 self.assertEqual("holding", rig.robot.state["state"])
                 self.assertEqual([], rig.identification.runs)
 
+    async def test_the_kernel_ends_the_planner_before_the_controller_where_memory_runs_out(self):
+        async with JobRig(planner="cat /proc/self/oom_score_adj >&2; exit 1") as rig, rig.browser() as browser:
+            await browser.post("/api/jobs", CHECK)
+            self.assertEqual("1000", (await rig.until_done())["message"])
+
     async def test_a_planner_that_refuses_is_quoted(self):
         async with JobRig(planner="echo plan_excitation: no feasible series >&2; exit 3") as rig, rig.browser() as browser:
             await browser.post("/api/jobs", CHECK)
