@@ -7,7 +7,6 @@ namespace {
 
 constexpr double kPause_s = 0.01;     ///< of the servo cycle; a shorter one is jitter
 constexpr double kAftermath_s = 0.5;  ///< what goes wrong later than this after a pause is not its consequence
-
 /// While home is confirmed. One count of 20 um looks like 6 mm/s behind the velocity's low-pass.
 constexpr double kStands_m_per_s = 0.02;
 

@@ -51,8 +51,7 @@ class ControllerServices {
   bool getState(GetState::Request& request, GetState::Response& response);
   void offer(ros::NodeHandle& node, const std::string& name, std::function<control::Answer()> command);
   /// What moves the robot. `command` gets ControlSystem::wishesSoFar() of when the request came in.
-  void offerMotion(ros::NodeHandle& node, const std::string& name,
-                   std::function<control::Answer(Stops)> command);
+  void offerMotion(ros::NodeHandle& node, const std::string& name, std::function<control::Answer(Stops)> command);
   template <typename Event>
   bool reply(Event& call, const std::string& what, const control::Answer& answer);
 

@@ -313,6 +313,7 @@ int run(const Options& options) {
   const hardware::MachineLock lock = hardware::MachineLock::take("guardian", machine);
   memory.link().machine.store(hardware::machineMark(machine));
   memory.link().wiring.store(nodes::wiringMark(file));
+  memory.link().silence_ns.store(rt::fromSeconds(options.silence_ms * 1e-3));
   const std::unique_ptr<hardware::EmergencyOutputs> outputs = nodes::openOutputs(file, siteOf(options));
   outputs_at_the_end = outputs.get();
   refuseBesideAStranger(memory.link(), machine);

@@ -9,7 +9,8 @@ thread_local control::WishesSoFar stamp_now;
 
 class Stamped : public ros::CallbackInterface {
  public:
-  Stamped(ros::CallbackInterfacePtr callback, control::WishesSoFar stamp) : callback_(std::move(callback)), stamp_(stamp) {}
+  Stamped(ros::CallbackInterfacePtr callback, control::WishesSoFar stamp)
+      : callback_(std::move(callback)), stamp_(stamp) {}
   CallResult call() override {
     stamp_now = stamp_;
     return callback_->call();
