@@ -219,8 +219,9 @@ def fault_behind_a_step_of_the_clock(seconds):
         reset = a.session.trigger("reset_faults")
         enabled = a.session.trigger("enable")
         a.session.trigger("disable")
-        return f"the event log has the faults: {', '.join(known) or 'none'}; reset and enable {'succeeded' if reset.success and enabled.success else 'refused'}; ", \
-            text, good and known == ["hand_switch"] and reset.success and enabled.success
+        usable = reset.success and enabled.success
+        said = f"the event log has the faults: {', '.join(known) or 'none'}; reset and enable {'succeeded' if usable else 'refused'}; "
+        return said, text, good and known == ["hand_switch"] and usable
     attack.__doc__ = f"Playing; the system's clock is set by {seconds} s, then the hand switch is pressed: who reads the event log has to hear of it."
     return needs(preload=stepped_clock)(attack)
 

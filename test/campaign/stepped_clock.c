@@ -1,5 +1,5 @@
-/* The system's clock set for one process, from the moment on at which the file KNEE_STEPPED_CLOCK exists: by the seconds that stand in
-   it, or an hour back where it is empty (LD_PRELOAD). */
+/* The system's clock set for one process, from the moment on at which the file KNEE_STEPPED_CLOCK exists: by the seconds
+   that stand in it, or an hour back where it is empty (LD_PRELOAD). */
 #define _GNU_SOURCE
 #include <dlfcn.h>
 #include <stdio.h>
