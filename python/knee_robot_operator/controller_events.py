@@ -1,5 +1,8 @@
 """The controller's event log as it reaches the page: every entry once and in order, those from before the page's server was started too."""
 import asyncio
+import collections
+
+_MOST_REMEMBERED = 1000  # more than the controller does
 
 
 class ControllerEvents:
@@ -9,6 +12,7 @@ class ControllerEvents:
     def __init__(self, fetch, tell):
         self._fetch, self._tell = fetch, tell
         self._newest = None   # the newest entry that was told
+        self._told = collections.OrderedDict()  # number: time
         self._heard = None    # the newest entry that came by itself
         self._looking = None
 
@@ -21,22 +25,30 @@ class ControllerEvents:
             self._looking = asyncio.ensure_future(self._look())
 
     def _is_known(self, event):
-        newest = self._newest
-        return newest is not None and event["number"] <= newest["number"] and event["time"] <= newest["time"]
+        """By number and time: a controller that is started anew begins from one, and the clock may have been set back before."""
+        return self._told.get(event["number"]) == event["time"]
 
     def _take(self, event, is_old):
         self._newest = event
+        self._told.pop(event["number"], None)
+        self._told[event["number"]] = event["time"]
+        if len(self._told) > _MOST_REMEMBERED:
+            self._told.popitem(last=False)
         self._tell(event, is_old)
 
     async def _look(self):
         """Catches up; again when something was heard meanwhile that was not among it."""
         try:
             while self._heard is not None and not self._is_known(self._heard):
-                began_anew = self._newest is not None and self._heard["number"] <= self._newest["number"]
+                heard = self._heard
+                began_anew = self._newest is not None and heard["number"] <= self._newest["number"]
                 is_old = self._newest is None
                 events = await self._fetch(0 if is_old or began_anew else self._newest["number"])
-                for event in events or [self._heard]:
-                    self._take(event, is_old)
+                for event in events or [heard]:
+                    if not self._is_known(event):
+                        self._take(event, is_old)
+                if not self._is_known(heard):
+                    self._take(heard, is_old)  # of a controller that has ended since
         finally:
             self._looking = None
 

@@ -5,6 +5,7 @@ import json
 import os
 
 from .answer import Refused
+from .out_of_memory import yielding
 
 _MOST_REMEMBERED = 200
 _LONGEST_S = 30.0
@@ -35,7 +36,7 @@ class Exercises:
     async def _look(self, path):
         process = await asyncio.create_subprocess_exec(
             self._program, str(path), "--robot", self._robot_file, "--json", stdin=asyncio.subprocess.DEVNULL,
-            stdout=asyncio.subprocess.PIPE, stderr=asyncio.subprocess.PIPE, limit=_LARGEST_ANSWER, preexec_fn=lambda: os.nice(10))
+            stdout=asyncio.subprocess.PIPE, stderr=asyncio.subprocess.PIPE, limit=_LARGEST_ANSWER, preexec_fn=yielding)
         try:
             out, error = await asyncio.wait_for(process.communicate(), _LONGEST_S)
         except asyncio.TimeoutError:

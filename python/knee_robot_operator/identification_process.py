@@ -7,6 +7,8 @@ import subprocess
 import tempfile
 import threading
 
+from .out_of_memory import yielding
+
 _TO_END_S = 5.0
 
 
@@ -42,7 +44,7 @@ class Process:
             # A session of its own: what the program starts is ended with it. Low priority: the controller shares the machine.
             self._child = subprocess.Popen([self._program(words[0]), *words[1:]], stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL,
                                            stderr=subprocess.PIPE, text=True, errors="replace", start_new_session=True,
-                                           preexec_fn=lambda: os.nice(5))
+                                           preexec_fn=lambda: yielding(5))
         last = ""
         for line in self._child.stderr:
             line = line.strip()

@@ -7,6 +7,7 @@ import signal
 import time
 
 from .answer import Answer
+from .out_of_memory import yielding
 
 _PLANNING_S = 15      # of each excitation
 _EXCITATION_S = 20
@@ -122,7 +123,7 @@ class Jobs:
         process = await asyncio.create_subprocess_exec(
             self._plan, "--robot", self._settings.robot, "--seed", str(seed), "--duration", str(_EXCITATION_S), "--seconds", str(_PLANNING_S),
             "-o", str(folder / name), stdin=asyncio.subprocess.DEVNULL, stdout=asyncio.subprocess.DEVNULL, stderr=asyncio.subprocess.PIPE,
-            start_new_session=True, preexec_fn=lambda: os.nice(10))
+            start_new_session=True, preexec_fn=yielding)
         talk = asyncio.create_task(process.communicate())
         while not talk.done():
             await asyncio.wait({talk}, timeout=0.2)
@@ -136,8 +137,10 @@ class Jobs:
     async def _play(self, server, name, stops):
         """`stops`: of when the job began."""
         robot, playing = server.robot, server.playing
+        playing.note_resume()  # what was paused before the job is no longer under way
         for service, fields in (("load_reference", {"file": name, "space": ""}), ("approach", {})):
             self._go_on(playing, stops)
+            self._unless_paused(playing)
             answer = await robot.ask(service, **fields)
             if not answer.success:
                 raise _Ended(answer.message)
@@ -150,6 +153,7 @@ class Jobs:
             if state["state"] not in ("playing", "paused", "stopping"):
                 break
             await asyncio.sleep(0.2)
+        self._unless_paused(playing)
         answer = await playing.start(1, True)
         if not answer.success:
             raise _Ended(answer.message)
@@ -161,6 +165,11 @@ class Jobs:
         if not playing.succeeded:
             raise _Ended(playing.message)
         return playing.recordings[-1]
+
+    def _unless_paused(self, playing):
+        """A pause that the robot has not made: it was just arriving, or stood."""
+        if playing.pause_asked:
+            raise _Ended("paused before the excitation began; what was recorded so far is kept")
 
     def _go_on(self, playing, stops):
         if self._cancelled or playing.stops != stops:

@@ -22,7 +22,7 @@ class Playing:
         """`on_stop()`: called at every STOP."""
         self._robot, self._journal, self._on_stop = robot, journal, on_stop
         self.stops = 0
-        self._pause_asked = False
+        self.pause_asked = False
         self._task = None
         self.ending = True
         self.repetition = self.repetitions = 0
@@ -67,7 +67,7 @@ class Playing:
         if state["state"] == "holding" and not state["at_start"]:
             return Answer(False, "the robot does not stand at the exercise's start; go to the start first")
         self.repetition, self.repetitions, self.message = 1, repetitions, ""
-        self.succeeded, self.recordings, self._pause_asked = False, [], False
+        self.succeeded, self.recordings, self.pause_asked = False, [], False
         begun = asyncio.get_running_loop().create_future()
         self.ending = False
         self._task = asyncio.create_task(self._run(stops, record, begun))
@@ -95,8 +95,16 @@ class Playing:
 
     async def pause(self):
         """A pause that comes when a repetition is just ending, or between two, is none for the robot: then no further one begins."""
-        self._pause_asked = True
+        self.note_pause()
         return await self._robot.ask("pause")
+
+    def note_pause(self):
+        """Somebody wants the robot to pause, here or elsewhere."""
+        self.pause_asked = True
+
+    def note_resume(self):
+        """Somebody wants it to go on: the pause has been taken back."""
+        self.pause_asked = False
 
     def set_speed(self, percent):
         """The robot has been given this speed."""
@@ -107,7 +115,7 @@ class Playing:
         if time.monotonic() - self._speed_set >= _SET_S:
             self.speed_percent = min(FASTEST_PERCENT, max(SLOWEST_PERCENT, state["speed_percent"]))
         if state["state"] == "paused":
-            self._pause_asked = False  # the robot has it; who continues continues the repetition
+            self.pause_asked = False  # the robot has it; who continues continues the repetition
 
     async def close(self):
         await self.stop()
@@ -132,7 +140,7 @@ class Playing:
                         break
                 if stops != self.stops:
                     break
-                if k > 1 and self._pause_asked:
+                if k > 1 and self.pause_asked:
                     answer = Answer(False, f"paused after repetition {k - 1} of {self.repetitions}; Start begins anew")
                     break
                 recording = f"{stem}_{stamp}_{k}.csv" if record else ""
@@ -160,6 +168,8 @@ class Playing:
             return Answer(False, "the controller does not answer")
         if state["reference_file"] != exercise:
             return Answer(False, f"somebody else has loaded {state['reference_file']} in place of {exercise} meanwhile")
+        if state["speed_percent"] < SLOWEST_PERCENT:
+            return Answer(False, f"somebody has set the speed to {state['speed_percent']:g} %; Start begins anew")
         if state["at_start"]:
             return Answer(True, "")
         answer = await self.ask_motion("approach", stops)

@@ -19,7 +19,7 @@ from .journal import Journal
 from .live import Live, LostPage
 from .playing import FASTEST_PERCENT, SLOWEST_PERCENT, Playing
 from .requests import Requests
-from .stops import is_stop
+from .stops import is_asked, is_stop
 from .stopping import Stopping
 
 _TYPES = {".html": "text/html", ".js": "text/javascript", ".css": "text/css", ".json": "application/json", ".svg": "image/svg+xml"}
@@ -78,11 +78,20 @@ class Server:
     def on_event(self, event, is_ours):
         """An entry of the controller's log. Requests of this server's users are in the log by note()."""
         self._told_answers.append(event["answer"])
-        if is_stop(event) and not is_ours:
-            self.playing.note_stop()
+        if not is_ours:
+            self._obey(event)
         if not is_ours:
             kind, words, more = in_words(event)
             self.events.add(kind, words, **more)
+
+    def _obey(self, event):
+        """What somebody else asks the robot for holds for what is planned here, too."""
+        if is_stop(event):
+            self.playing.note_stop()
+        elif is_asked(event, "pause"):
+            self.playing.note_pause()
+        elif is_asked(event, "resume"):
+            self.playing.note_resume()
 
     def on_log(self, sentence):
         """A warning of the controller. A second later, when it is known which of them only repeat an answer."""

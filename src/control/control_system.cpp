@@ -151,20 +151,37 @@ Answer ControlSystem::resetFaults() {
   return parts_->recovery.reset();
 }
 
+WishesSoFar ControlSystem::wishesSoFar() const {
+  return {parts_->player.halts(), parts_->player.pauses(), parts_->player.speeds()};
+}
+
 Answer ControlSystem::pause() {
+  parts_->player.pause();
   const Answer answer = parts_->requests.make(RequestKind::Pause, kQuick_s);
   return answer.ok ? Answer{true, "pausing: the robot comes to rest on its path; resume goes on from there"} : answer;
 }
 
-Answer ControlSystem::resume(std::optional<std::uint64_t> halts) {
-  const Answer answer = moving(RequestKind::Resume, kQuick_s, halts);
+Answer ControlSystem::resume(std::optional<WishesSoFar> since) {
+  const WishesSoFar expected = since.value_or(wishesSoFar());
+  const auto paused = [&] { return parts_->player.pauses() != expected.pauses; };
+  if (paused()) return kPaused;
+  const Answer answer = moving(RequestKind::Resume, kQuick_s, expected.halts);
   if (!answer.ok) return answer;
+  if (paused()) {
+    parts_->requests.make(RequestKind::Pause, kQuick_s);
+    return kPaused;
+  }
   const double speed = parts_->panel.supervisor().speed;
   if (speed <= 0.0) return {true, "resumed, but the speed is 0 %: set a speed"};
   return {true, "going on at " + shortNumber(100.0 * speed, 4) + " % of the speed"};
 }
 
 Answer ControlSystem::setSpeed(double percent) {
+  parts_->player.setSpeed();
+  return setPathSpeed(percent);
+}
+
+Answer ControlSystem::setPathSpeed(double percent) {
   if (!(percent >= 0.0 && percent <= 100.0)) {
     return {false, "the speed must lie between 0 and 100 %, not " + shortNumber(percent)};
   }

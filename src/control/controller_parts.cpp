@@ -121,6 +121,7 @@ PatientChecklist ControllerParts::checklist() const {
   PatientChecklist list(robot, hardware);
   list.monitors_forces = feedforward.monitorsForces();
   list.guarded = bus.isGuarded();
+  list.allowed_silence_s = rt::toSeconds(bus.allowedSilence());
   list.lacking_privileges = deployment->warnings();
   list.acceleration_factor = machine.monitors->acceleration_factor;
   list.asks_encoders = std::all_of(machine.drivers.begin(), machine.drivers.end(),

@@ -46,6 +46,7 @@ void MachineReport::fill(ControlStatus& status) const {
   status.progress = said.path_duration_s > 0.0 ? said.path_time_s / said.path_duration_s : 0.0;
   status.time_scale = said.time_scale;
   status.speed_percent = 100.0 * said.speed;
+  status.pause_asked = said.pause_path;
   status.axis_homed = said.homed;
   status.homed = std::all_of(said.homed.begin(), said.homed.end(), [](bool homed) { return homed; });
   status.safe_stops = said.safe_stops;

@@ -19,4 +19,8 @@ Answer sentenceOf(RequestKind asked, const RequestAnswer& answer, const ControlS
 inline const Answer kHalted{false,
                             "somebody has stopped the robot since this was asked for; ask again when it may move"};
 
+/// Of whoever wanted the robot to go on before somebody else wanted it to wait.
+inline const Answer kPaused{false,
+                            "somebody has paused the robot since this was asked for; ask again when it may go on"};
+
 }  // namespace knee_robot::control

@@ -32,6 +32,11 @@ class PathPlayer {
   /// Somebody wants the robot to stand: called before the Supervisor is asked for it.
   void halt() noexcept { ++halts_; }
   std::uint64_t halts() const noexcept { return halts_; }
+  /// Somebody wants it to wait, or another speed: called before the Supervisor is asked for it, too.
+  void pause() noexcept { ++pauses_; }
+  void setSpeed() noexcept { ++speeds_; }
+  std::uint64_t pauses() const noexcept { return pauses_; }
+  std::uint64_t speeds() const noexcept { return speeds_; }
   /// The loaded reference from its first point.
   Answer play(const PathExpectation& wanted = {});
   /// From where the robot stands to the first point of the loaded reference; slower than `speed_m_per_s` where the
@@ -51,7 +56,7 @@ class PathPlayer {
   Sync& sync_;
   const OperatorPanel& panel_;
   MachineRequests& requests_;
-  std::atomic<std::uint64_t> halts_{0};
+  std::atomic<std::uint64_t> halts_{0}, pauses_{0}, speeds_{0};
   std::mutex begin_;          // from the offer of a path to the answer: what is begun is what was offered
   mutable std::mutex mutex_;  // of what follows
   std::string name_;

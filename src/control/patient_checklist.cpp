@@ -7,6 +7,7 @@ namespace knee_robot::control {
 namespace {
 
 constexpr double kOpenMargin = 1e3;         // condition of dq/dx beyond which a margin protects nobody
+constexpr double kLongestSilence_s = 0.1;   // meanwhile the drives go on with the last voltage
 constexpr double kWideAcceleration = 10.0;  // factor of the acceleration monitor that sees no collision any more
 
 }  // namespace
@@ -37,6 +38,10 @@ std::string PatientChecklist::obstacles() const {
     if (!fulfilled) all += (all.empty() ? "" : "; ") + sentence;
   };
   require(guarded, "no guardian watches this controller (start one, and name its link: guardian:=true)");
+  require(allowed_silence_s <= kLongestSilence_s, "guardian and controller allow each other a silence of " +
+                                                      shortNumber(1e3 * allowed_silence_s) + " ms, at most " +
+                                                      shortNumber(1e3 * kLongestSilence_s) +
+                                                      " (guardian_silence_ms, silent_guardian_ms of the launch file)");
   const std::string lacking = lacking_privileges.empty() ? "" : lacking_privileges.front();
   require(lacking_privileges.empty(), "no real-time scheduling (" + lacking + ")");
   require(has_emergency_stop, "no emergency stop is configured (hardware file: digital_inputs: emergency_stop_clear)");

@@ -18,6 +18,7 @@ struct PatientChecklist {
   bool simulated = false;  ///< hurts nobody; what is missing is only told
   bool monitors_forces = false;
   bool guarded = false;                         ///< a guardian watches the controller
+  double allowed_silence_s = 0.0;               ///< AxisBus::allowedSilence()
   std::vector<std::string> lacking_privileges;  ///< real-time ones
   bool has_emergency_stop = false, has_hand_switch = false;
   bool knows_its_drives = true;            ///< each drive on a bus is told from the others by its serial number

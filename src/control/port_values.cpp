@@ -314,6 +314,7 @@ void members(const SupervisorStatus& v, Visit& visit) {
   visit("path_duration_s", v.path_duration_s);
   visit("time_scale", v.time_scale);
   visit("speed", v.speed);
+  visit("pause_path", v.pause_path);
   visit("homed", v.homed);
   visit("safe_stops", v.safe_stops);
   visit("guide_stop", v.guide_stop);

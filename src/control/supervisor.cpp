@@ -7,7 +7,6 @@ namespace {
 
 constexpr double kPause_s = 0.01;     ///< of the servo cycle; a shorter one is jitter
 constexpr double kAftermath_s = 0.5;  ///< what goes wrong later than this after a pause is not its consequence
-
 /// While home is confirmed. One count of 20 um looks like 6 mm/s behind the velocity's low-pass.
 constexpr double kStands_m_per_s = 0.02;
 
@@ -391,6 +390,7 @@ void Supervisor::publishStatus(rt::Nanoseconds now) {
   said.path_duration_s = view_.set_point.path_duration_s;
   said.time_scale = view_.set_point.time_scale;
   said.speed = orders_.speed;
+  said.pause_path = orders_.pause_path;
   said.homed = homing_.homed();
   said.safe_stops = view_.written.safe_stops;
   said.guide_stop = guiding_.stop();

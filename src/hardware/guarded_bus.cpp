@@ -34,6 +34,10 @@ std::int64_t monotonicTime() noexcept {
 GuardedBus::GuardedBus(AxisBus& bus, GuardianLink& link, std::uint8_t power_bits, Options options)
     : bus_(bus), link_(link), power_bits_(power_bits), options_(options) {}
 
+std::int64_t GuardedBus::allowedSilence() const noexcept {
+  return std::max(link_.silence_ns.load(), options_.guardian_silence_ns);
+}
+
 /// One of several that start at once gets the robot.
 std::int32_t GuardedBus::claim() noexcept {
   std::int32_t other = link_.controller_pid.load();

@@ -128,7 +128,9 @@ void PlayActionServer::receive(Handle handle) {
     if (!ended) {
       Job& job = unchecked_.emplace_back();
       job.handle = handle;
-      job.halts = system_.halts();
+      const control::WishesSoFar wishes = system_.wishesSoFar();
+      job.halts = wishes.halts;
+      job.speeds = wishes.speeds;
       job.stops = job.halts + cancels_;
       job.age_s = ros::Time::now().toSec() - handle.getGoalID().stamp.toSec();
     }
@@ -148,6 +150,7 @@ void PlayActionServer::checkArrivals() {
       job.halts = unchecked_.front().halts;
       job.stops = unchecked_.front().stops;
       job.age_s = unchecked_.front().age_s;
+      job.speeds = unchecked_.front().speeds;
     }
     const PlayGoal& goal = *job.handle.getGoal();
     control::Answer answer = checkRepeated(goal, job);

@@ -47,11 +47,11 @@ class ControllerInterface {
 
  private:
   /// A private node handle with a queue that `threads` threads serve from start() on. Its callbacks know
-  /// ControlSystem::halts() of when they came.
+  /// ControlSystem::wishesSoFar() of when they came.
   class Lane {
    public:
     Lane(const control::ControlSystem& system, std::uint32_t threads)
-        : queue_([&system] { return system.halts(); }), spinner_(threads, &queue_) {
+        : queue_([&system] { return system.wishesSoFar(); }), spinner_(threads, &queue_) {
       node.setCallbackQueue(&queue_);
     }
     void start() { spinner_.start(); }

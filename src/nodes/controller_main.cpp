@@ -22,6 +22,7 @@
 #include "logger_services.h"
 #include "loopback.h"
 #include "master_watch.h"
+#include "out_of_memory.h"
 #include "output_relay.h"
 #include "own_session.h"
 #include "parameters.h"
@@ -274,6 +275,7 @@ int main(int argc, char** argv) {
   nodes::openStandardStreams();
   nodes::continueInOwnSession(argc, argv);
   nodes::limitDescriptors();
+  nodes::endOthersFirst(nodes::kLast);
   const nodes::OutputRelay relay;  // before all others: no thread waits for whoever reads what is said
   nodes::keepToLoopback();
   nodes::limitRequestDepth();

@@ -17,13 +17,13 @@ ControllerServices::ControllerServices(ros::NodeHandle& commands, ros::NodeHandl
   offer(stops, "pause", [this] { return system_.pause(); });
   offer(stops, "disable", [this] { return system_.disable(); });
   servers_.push_back(stops.advertiseService("set_speed", &ControllerServices::setSpeed, this));
-  offerMotion(commands, "home", [this](std::uint64_t halts) { return system_.home(halts); });
+  offerMotion(commands, "home", [this](Stops since) { return system_.home(since.halts); });
   offer(commands, "confirm_home", [this] { return system_.confirmHome(); });
-  offerMotion(commands, "enable", [this](std::uint64_t halts) { return system_.enable(halts); });
-  offerMotion(commands, "approach", [this](std::uint64_t halts) { return system_.approach(0.01, {"", halts}); });
-  offerMotion(commands, "start", [this](std::uint64_t halts) { return system_.play({"", halts}); });
-  offerMotion(commands, "resume", [this](std::uint64_t halts) { return system_.resume(halts); });
-  offerMotion(commands, "guide", [this](std::uint64_t halts) { return system_.guide(halts); });
+  offerMotion(commands, "enable", [this](Stops since) { return system_.enable(since.halts); });
+  offerMotion(commands, "approach", [this](Stops since) { return system_.approach(0.01, {"", since.halts}); });
+  offerMotion(commands, "start", [this](Stops since) { return system_.play({"", since.halts}); });
+  offerMotion(commands, "resume", [this](Stops since) { return system_.resume(since); });
+  offerMotion(commands, "guide", [this](Stops since) { return system_.guide(since.halts); });
   servers_.push_back(commands.advertiseService("save_guided", &ControllerServices::saveGuided, this));
   offer(commands, "reset_faults", [this] { return system_.resetFaults(); });
   servers_.push_back(commands.advertiseService("check_reference", &ControllerServices::check, this));
@@ -55,7 +55,7 @@ void ControllerServices::offer(ros::NodeHandle& node, const std::string& name,
 }
 
 void ControllerServices::offerMotion(ros::NodeHandle& node, const std::string& name,
-                                     std::function<control::Answer(std::uint64_t)> command) {
+                                     std::function<control::Answer(Stops)> command) {
   offer(node, name, [this, command] { return command(StampedQueue::stamp()); });
 }
 

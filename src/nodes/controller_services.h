@@ -37,6 +37,7 @@ class ControllerServices {
                      References& references, const Folder& patients, const Folder& recordings, EventLog& log);
 
  private:
+  using Stops = control::WishesSoFar;
   template <typename Service>
   using Call = ros::ServiceEvent<typename Service::Request, typename Service::Response>;
 
@@ -49,9 +50,8 @@ class ControllerServices {
   bool setSpeed(Call<SetSpeed>& call);
   bool getState(GetState::Request& request, GetState::Response& response);
   void offer(ros::NodeHandle& node, const std::string& name, std::function<control::Answer()> command);
-  /// What moves the robot. `command` gets ControlSystem::halts() of when the request came in.
-  void offerMotion(ros::NodeHandle& node, const std::string& name,
-                   std::function<control::Answer(std::uint64_t)> command);
+  /// What moves the robot. `command` gets ControlSystem::wishesSoFar() of when the request came in.
+  void offerMotion(ros::NodeHandle& node, const std::string& name, std::function<control::Answer(Stops)> command);
   template <typename Event>
   bool reply(Event& call, const std::string& what, const control::Answer& answer);
 

@@ -24,6 +24,7 @@
 #include "knee_robot/hardware/machine_lock.h"
 #include "knee_robot/hardware/process_watch.h"
 #include "knee_robot/rt/activity.h"
+#include "out_of_memory.h"
 #include "own_session.h"
 #include "program.h"
 #include "signals.h"
@@ -312,6 +313,7 @@ int run(const Options& options) {
   const hardware::MachineLock lock = hardware::MachineLock::take("guardian", machine);
   memory.link().machine.store(hardware::machineMark(machine));
   memory.link().wiring.store(nodes::wiringMark(file));
+  memory.link().silence_ns.store(rt::fromSeconds(options.silence_ms * 1e-3));
   const std::unique_ptr<hardware::EmergencyOutputs> outputs = nodes::openOutputs(file, siteOf(options));
   outputs_at_the_end = outputs.get();
   refuseBesideAStranger(memory.link(), machine);
@@ -358,6 +360,7 @@ int run(const Options& options) {
 
 int main(int argc, char** argv) {
   nodes::continueInOwnSession(argc, argv);
+  nodes::endOthersFirst(nodes::kNever);
   nodes::CommandLine app("Watches the controller and brings the outputs down when it dies or falls silent.",
                          "guardian");
   app.serves();

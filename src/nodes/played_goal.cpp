@@ -60,22 +60,36 @@ control::Answer PlayedGoal::play() {
   result_.duration_s = server_.references_.loadedDuration();
   if (isInterrupted()) return breakOff();
   const control::PathExpectation as_asked{name_, job_.halts};
+  const double most = fastestAllowed();
+  double speed = std::min(most, goal.speed_percent > 0.0 ? goal.speed_percent : 100.0);
   if (goal.approach) {
-    if (const control::Answer answer = system_.setSpeed(100.0); !answer.ok) return answer;
-    const control::Answer begun =
-        system_.approach(goal.approach_speed > 0.0 ? goal.approach_speed : kApproachSpeed, as_asked);
-    if (!begun.ok) return begun;
-    if (const control::Answer answer = follow("approaching", false); !answer.ok) return answer;
+    if (const control::Answer answer = approach(most, as_asked); !answer.ok) return answer;
+    speed = std::min(speed, system_.status().speed_percent);  // slowed down by somebody meanwhile
   }
-  double speed = goal.speed_percent > 0.0 ? goal.speed_percent : 100.0;
-  if (goal.approach) speed = std::min(speed, system_.status().speed_percent);  // slowed down by somebody meanwhile
-  if (const control::Answer answer = system_.setSpeed(speed); !answer.ok) return answer;
+  if (const control::Answer answer = system_.setPathSpeed(speed); !answer.ok) return answer;
   if (!job_.recording.empty()) {
     if (const control::Answer answer = system_.startRecording(job_.recording); !answer.ok) return answer;
     result_.recording = job_.recording;
   }
   if (const control::Answer answer = system_.play(as_asked); !answer.ok) return answer;
   return follow("playing", true);
+}
+
+/// To the first point.
+control::Answer PlayedGoal::approach(double speed_percent, const control::PathExpectation& as_asked) {
+  if (const control::Answer answer = system_.setPathSpeed(speed_percent); !answer.ok) return answer;
+  const double speed = job_.handle.getGoal()->approach_speed;
+  const control::Answer begun = system_.approach(speed > 0.0 ? speed : kApproachSpeed, as_asked);
+  if (!begun.ok) return begun;
+  const control::Answer arrived = follow("approaching", false);
+  if (arrived.ok && system_.status().pause_asked)
+    return {false, "somebody has paused the robot at the very end of the approach; it holds at the first point"};
+  return arrived;
+}
+
+/// %: what somebody has set since the goal came, which may have waited for the drives, or for a disk.
+double PlayedGoal::fastestAllowed() const {
+  return system_.wishesSoFar().speeds == job_.speeds ? 100.0 : system_.status().speed_percent;
 }
 
 /// Until the path is at its end, or is ended by whatever.

@@ -5,11 +5,12 @@
 namespace knee_robot::nodes {
 namespace {
 
-thread_local std::uint64_t stamp_now = 0;
+thread_local control::WishesSoFar stamp_now;
 
 class Stamped : public ros::CallbackInterface {
  public:
-  Stamped(ros::CallbackInterfacePtr callback, std::uint64_t stamp) : callback_(std::move(callback)), stamp_(stamp) {}
+  Stamped(ros::CallbackInterfacePtr callback, control::WishesSoFar stamp)
+      : callback_(std::move(callback)), stamp_(stamp) {}
   CallResult call() override {
     stamp_now = stamp_;
     return callback_->call();
@@ -18,16 +19,16 @@ class Stamped : public ros::CallbackInterface {
 
  private:
   const ros::CallbackInterfacePtr callback_;
-  const std::uint64_t stamp_;
+  const control::WishesSoFar stamp_;
 };
 
 }  // namespace
 
 void StampedQueue::addCallback(const ros::CallbackInterfacePtr& callback, std::uint64_t removal_id) {
-  ros::CallbackQueue::addCallback(boost::make_shared<Stamped>(callback, counter_()), removal_id);
+  ros::CallbackQueue::addCallback(boost::make_shared<Stamped>(callback, stops_()), removal_id);
 }
 
-std::uint64_t StampedQueue::stamp() noexcept {
+control::WishesSoFar StampedQueue::stamp() noexcept {
   return stamp_now;
 }
 

@@ -18,6 +18,7 @@ import yaml
 from knee_robot.srv import SetRecording
 
 import attacks_at_states
+import attacks_by_a_crowd
 import attacks_by_exhaustion
 import attacks_by_others
 import attacks_by_signals
@@ -25,6 +26,7 @@ import attacks_in_disorder
 import attacks_in_others_names
 import attacks_on_disk
 import attacks_on_drives
+import attacks_on_pauses
 import attacks_on_sessions
 import attacks_on_the_body
 import attacks_on_the_hand_over
@@ -194,8 +196,9 @@ for number in (1, 2, 3, 4):
     ATTACKS[f"frozen_{number}_at_rest_push_150"] = at_rest("encoder_frozen", number, 150.0, 2.5)
 ATTACKS["frozen_4_at_rest_push_100"] = at_rest("encoder_frozen", 4, 100.0, 2.5)
 ATTACKS["frozen_4_at_rest_push_150_at_once"] = at_rest("encoder_frozen", 4, 150.0, 0.2)
-for module in (attacks_at_states, attacks_by_exhaustion, attacks_by_others, attacks_by_signals, attacks_in_disorder, attacks_in_others_names, attacks_on_disk,
-               attacks_on_drives, attacks_on_sessions, attacks_on_the_body, attacks_on_the_hand_over, attacks_on_the_nets, attacks_on_what_is_said):
+for module in (attacks_at_states, attacks_by_a_crowd, attacks_by_exhaustion, attacks_by_others, attacks_by_signals, attacks_in_disorder,
+               attacks_in_others_names, attacks_on_disk, attacks_on_drives, attacks_on_pauses, attacks_on_sessions, attacks_on_the_body,
+               attacks_on_the_hand_over, attacks_on_the_nets, attacks_on_what_is_said):
     ATTACKS.update(module.attacks())
 
 

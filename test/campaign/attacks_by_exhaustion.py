@@ -1,10 +1,12 @@
 """Attacks that use something up: descriptors, threads, memory, callers that are many or say nothing. Whoever is in the machine needs that a stop
 works or the robot stops by itself, and that it can be used again afterwards."""
 import os
+import pathlib
 import re
 import resource
 import socket
 import struct
+import subprocess
 import time
 
 import numpy as np
@@ -194,9 +196,63 @@ def no_thread_can_be_begun_and_the_master_is_restarted(a):
     return f"the controller {'lives' if lives else 'has ended'}; ", text, good
 
 
+class SmallComputer:
+    """A control group that has little memory left for whom it holds: the kernel ends one of them then."""
+
+    def __init__(self, processes, left):
+        root = pathlib.Path("/sys/fs/cgroup")
+        old = (root / "memory").is_dir()
+        self.folder = (root / "memory" if old else root) / f"knee_attack_{os.getpid()}"
+        self.folder.mkdir()
+        for process in processes:
+            (self.folder / "cgroup.procs").write_text(str(process))
+        # What they have already goes on counting where they came from.
+        (self.folder / ("memory.limit_in_bytes" if old else "memory.max")).write_text(str(left))
+
+    def spawn(self, *command):
+        return subprocess.Popen(["sh", "-c", f'echo $$ > {self.folder}/cgroup.procs; exec "$@"', "sh", *command], stdout=subprocess.DEVNULL,
+                                stderr=subprocess.DEVNULL)
+
+    def end(self):
+        for number in (self.folder / "cgroup.procs").read_text().split():
+            (self.folder.parent / "cgroup.procs").write_text(number)
+        time.sleep(0.2)
+        self.folder.rmdir()
+
+
+HOG = """import time
+from knee_robot_operator import out_of_memory
+out_of_memory.yielding(0)
+kept = []
+for _ in range(150):
+    kept.append(bytearray(1_000_000))
+    time.sleep(0.01)
+time.sleep(20)"""
+
+
+def memory_is_used_up_by_what_the_page_computes(a):
+    """Holding; two programs as the page starts them, each smaller than the controller, take all memory that there is: whom does the kernel end?"""
+    a.enable()
+    a.begin()
+    heir = next(int(one.name) for one in pathlib.Path("/proc").glob("[0-9]*")
+                if (one / "comm").exists() and (one / "comm").read_text() == "guardian_heir\n" and a.session.shm in (one / "cmdline").read_text())
+    computer = SmallComputer([a.session.controller.pid, a.session.guardian.pid, heir], 200_000_000)
+    hogs = [computer.spawn("/usr/bin/python3", "-c", HOG) for _ in range(2)]
+    time.sleep(4.0)
+    ended = sum(not is_alive(one) for one in hogs)
+    lives = [is_alive(a.session.controller), is_alive(a.session.guardian), pathlib.Path(f"/proc/{heir}").exists()]
+    for one in hogs:
+        one.kill()
+        one.wait()
+    text, good = a.disable_and_look() if lives[0] else a.look(1.0)
+    computer.end()
+    said = ", ".join(name for name, lived in zip(("controller", "guardian", "heir"), lives) if lived)
+    return f"live: {said or 'nobody'}; of the two {ended} have ended; ", text, good and all(lives) and ended > 0
+
+
 def attacks():
     found = {f"{what}_connections_use_up_the_descriptors": descriptors_used_up(port, what)
              for what, port in (("topic", service_port), ("api", api_port))}
     found.update({f.__name__: f for f in (subscribers_that_do_not_read, a_thousand_calls_at_once, a_message_without_memory, no_thread_can_be_begun,
-                                          no_thread_can_be_begun_and_the_master_is_restarted)})
+                                          no_thread_can_be_begun_and_the_master_is_restarted, memory_is_used_up_by_what_the_page_computes)})
     return found

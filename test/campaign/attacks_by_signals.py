@@ -9,6 +9,7 @@ import numpy as np
 import rospy
 
 from knee_robot.msg import ControllerState, Margins, PlayGoal, Residual, Timing
+from knee_robot.srv import GetEvents
 
 from attack import how_it_ended, needs, play_client, preloaded
 from session import NoAnswer, is_alive
@@ -203,9 +204,33 @@ def clock_an_hour_back(a):
     return f"silent in the next seconds: {', '.join(silent) or 'nothing'}; ", text, good and not silent
 
 
+def fault_behind_a_step_of_the_clock(seconds):
+    def attack(a):
+        a.enable()
+        a.play()
+        a.session.stepped.write_text(f"{seconds}")
+        time.sleep(0.5)
+        a.begin()
+        a.session.inject("hand_switch")
+        text, good = a.look(2.0)
+        known = [event.what for event in a.session.call("get_events", GetEvents, 0).events if event.kind == "fault"]
+        a.session.inject("clear")
+        time.sleep(0.2)
+        reset = a.session.trigger("reset_faults")
+        enabled = a.session.trigger("enable")
+        a.session.trigger("disable")
+        usable = reset.success and enabled.success
+        said = f"the event log has the faults: {', '.join(known) or 'none'}; reset and enable {'succeeded' if usable else 'refused'}; "
+        return said, text, good and known == ["hand_switch"] and usable
+    attack.__doc__ = f"Playing; the system's clock is set by {seconds} s, then the hand switch is pressed: who reads the event log has to hear of it."
+    return needs(preload=stepped_clock)(attack)
+
+
 def attacks():
     found = {f"guardian_gets_{signal.Signals(n).name.lower()}_while_it_carries": guardian_ends_while_it_carries(n)
              for n in (signal.SIGTERM, signal.SIGINT)}
+    found["fault_after_the_clock_went_an_hour_back"] = fault_behind_a_step_of_the_clock(-3600)
+    found["fault_after_the_clock_went_a_year_ahead"] = fault_behind_a_step_of_the_clock(365 * 86400)
     found.update({f.__name__: f for f in (signals_that_nobody_expects, both_stand_still_for_three_seconds, guardian_whose_reader_died, guardian_killed_and_not_buried, link_cut_off,
                                           clock_an_hour_back, terminal_stopped_then_emergency_stop, terminal_stopped_then_master_dies)})
     return found

@@ -3,7 +3,9 @@ import time
 
 import rosnode
 
-from session import is_alive
+from knee_robot.srv import GetEvents
+
+from session import NoAnswer, is_alive
 
 PLANNING_S = 6.0
 
@@ -53,6 +55,30 @@ def session_plans_and_somebody_stops(a):
     """identification_session plans; the robot holds; somebody says stop."""
     a.enable()
     return after_planning(a, lambda _: a.session.trigger("stop"), "stopped while it planned")
+
+
+def session_plans_and_the_controller_is_started_anew(a):
+    """identification_session plans; somebody stops, ends the controller, starts it again, and asks it for this and that."""
+    def do(_):
+        a.session.trigger("disable")
+        last = newest_event()
+        a.end_controller(10.0)
+        a.session.start_controller()
+        if not wait_until(answers, 20.0):
+            raise RuntimeError("the controller did not come up")
+        while newest_event() <= last:
+            a.session.load("nothing.txt")
+
+    def answers():
+        try:
+            return bool(a.session.state())
+        except NoAnswer:
+            return False
+
+    def newest_event():
+        return max(event.number for event in a.session.call("get_events", GetEvents, 0).events)
+
+    return after_planning(a, do, "started anew while it planned")
 
 
 def between(a, do, said):
@@ -114,4 +140,5 @@ def shut_down(prefix):
 
 def attacks():
     return {f.__name__: f for f in (session_plans_and_somebody_disables, session_plans_and_somebody_stops, session_between_movements_and_somebody_disables,
-                                    session_is_killed_by_its_name, session_is_terminated, player_is_killed_by_its_name)}
+                                    session_plans_and_the_controller_is_started_anew, session_is_killed_by_its_name, session_is_terminated,
+                                    player_is_killed_by_its_name)}

@@ -128,6 +128,13 @@ const std::vector<Interruption>& interruptions() {
       {"encoder 4 interrupted",
        [](UnknownPlace& place, const std::string&) { place.spoil(3, simulation::EncoderFault::Interrupted); }, true},
       {"drive 1 dead", [](UnknownPlace& place, const std::string&) { place.image.faults.drive_dead.store(1); }},
+      {"supply of encoders and drives",
+       [](UnknownPlace& place, const std::string&) {
+         for (std::size_t i = 0; i < hardware::kAxes; ++i)
+           place.spoil(i, simulation::EncoderFault::Interrupted);
+         place.image.faults.drive_dead.store(15);
+         place.image.surroundings.emergency_stop_pressed.store(1);
+       }},
       {"brakes late",
        [](UnknownPlace& place, const std::string&) {
          place.image.faults.hold_late.store(15);

@@ -22,6 +22,7 @@ PatientChecklist fit() {
   hardware.hand_switch_clear_bit = 1;
   PatientChecklist list(robot, hardware);
   list.guarded = true;
+  list.allowed_silence_s = 0.1;
   list.acceleration_factor = 3.0;
   list.asks_encoders = true;
   return list;
@@ -47,6 +48,7 @@ TEST(PatientChecklists, NameEachThingThatIsMissingAndRefuseForItAlone) {
   };
   const Case cases[] = {
       {"no guardian watches", [](PatientChecklist& list) { list.guarded = false; }},
+      {"a silence of 101 ms, at most 100", [](PatientChecklist& list) { list.allowed_silence_s = 0.101; }},
       {"no real-time scheduling (SCHED_FIFO is refused)",
        [](PatientChecklist& list) { list.lacking_privileges = {"SCHED_FIFO is refused"}; }},
       {"no emergency stop", [](PatientChecklist& list) { list.has_emergency_stop = false; }},

@@ -126,6 +126,33 @@ TEST_F(PausedPath, RefusesSpeedsThatAreNone) {
   EXPECT_EQ(rig.system.status().speed_percent, 100.0);
 }
 
+TEST_F(PausedPath, IsNotResumedByWhoAskedForItBeforeSomebodyPaused) {
+  ASSERT_TRUE(rig.system.pause().ok);
+  ASSERT_TRUE(stepsUntil(MachineState::Paused, 1.0));
+  const WishesSoFar asked = rig.system.wishesSoFar();
+  ASSERT_TRUE(rig.system.pause().ok);
+  const Answer answer = rig.system.resume(asked);
+  EXPECT_FALSE(answer.ok);
+  EXPECT_NE(answer.sentence.find("paused"), std::string::npos) << answer.sentence;
+  steps(300);
+  EXPECT_EQ(rig.system.state(), MachineState::Paused);
+  EXPECT_TRUE(rig.system.resume().ok);
+  EXPECT_TRUE(stepsUntil(MachineState::Holding, 3.0));
+}
+
+TEST_F(PausedPath, ThatEndsBeforeItIsAtRestIsKnownToHaveBeenPaused) {
+  while (rig.system.status().path_time_s < rig.system.status().path_duration_s - 0.05)
+    steps(1);
+  EXPECT_FALSE(rig.system.status().pause_asked);
+  ASSERT_TRUE(rig.system.pause().ok);
+  ASSERT_TRUE(stepsUntil(MachineState::Holding, 1.0));
+  EXPECT_TRUE(rig.system.status().pause_asked);
+  ASSERT_TRUE(rig.system.loadReference(fake::smoothReference(fake::kHome + 0.03, -0.01, 1.0)).ok);
+  ASSERT_TRUE(rig.system.play().ok) << "asked for behind it";
+  steps(1);
+  EXPECT_FALSE(rig.system.status().pause_asked);
+}
+
 TEST_F(PausedPath, IsGivenUpByStopAndNotResumedAfterwards) {
   ASSERT_TRUE(rig.system.pause().ok);
   ASSERT_TRUE(stepsUntil(MachineState::Paused, 1.0));

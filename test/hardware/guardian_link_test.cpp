@@ -124,6 +124,17 @@ TEST(GuardedBus, RefusesToStartWithoutAGuardian) {
   EXPECT_NE(test.findings.back().find("guardian"), std::string::npos);
 }
 
+TEST(GuardedBus, KnowsTheLongerOfTheSilencesThatTheTwoAllowEachOther) {
+  simulation::RobotImage image;
+  GuardianLink link;
+  const std::unique_ptr<AxisBus> cards = simulation::openImageCards(image);
+  EXPECT_EQ(cards->allowedSilence(), 0);
+  GuardedBus bus(*cards, link, 3);
+  EXPECT_EQ(bus.allowedSilence(), 50'000'000) << "its own";
+  link.silence_ns.store(10'000'000'000);
+  EXPECT_EQ(bus.allowedSilence(), 10'000'000'000);
+}
+
 TEST(GuardedBus, RefusesASecondController) {
   simulation::RobotImage image;
   GuardianLink link;

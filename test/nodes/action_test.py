@@ -127,6 +127,32 @@ class Action(unittest.TestCase):
         self.player.client.cancel_goal()
         self.player.end(10)
 
+    def test_a_speed_that_somebody_sets_while_the_robot_is_being_enabled_is_not_raised(self):
+        movements.write(self.folder, "above.txt", movements.rise(3.0, height=0.01, home=(0.0, 0.62, 0.0, 0.0)))
+        for before in (100, 20):
+            self.robot.bring_to("disabled")
+            self.robot.set_speed(before)
+            self.player.send("above.txt", enable=True, approach=True, approach_speed=0.02)
+            self.robot.wait_for("enabling", 5)
+            self.assertTrue(self.robot.set_speed(20).success)
+            self.assertTrue(self.player.wait_for_phase("approaching"))
+            self.assertAlmostEqual(20.0, self.robot.state().speed_percent, places=3)
+            self.player.client.cancel_goal()
+            self.player.end(10)
+
+    def test_a_pause_at_the_very_end_of_the_approach_ends_the_goal_there(self):
+        movements.write(self.folder, "above.txt", movements.rise(3.0, height=0.01, home=(0.0, 0.62, 0.0, 0.0)))
+        self.player.send("above.txt", approach=True, approach_speed=0.01)
+        state = self.robot.wait_for("playing", 5)
+        while state.playing.startswith("the approach") and state.duration_s - state.path_time_s > 0.05:
+            state = self.robot.state()
+        self.assertTrue(state.playing.startswith("the approach"), state.playing)
+        self.assertTrue(self.robot.trigger("pause").success)
+        state, result = self.player.end(10)
+        self.assertEqual("ABORTED", state, result)
+        self.assertIn("paused the robot at the very end of the approach", result.message)
+        self.assertEqual("holding", self.robot.state().state)
+
     def test_cancel_slows_down_along_the_path_and_holds(self):
         self.play()
         self.assertTrue(self.player.wait_for_phase("playing", path_time_s=0.5))

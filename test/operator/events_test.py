@@ -80,6 +80,27 @@ class CatchingUp(unittest.IsolatedAsyncioTestCase):
         await self.say(controller, event(2, time=11, what="holding"))
         self.assertEqual(["s1", "s2", "s3", "start", "holding"], [what for what, _ in self.told])
 
+    async def test_a_controller_that_was_started_anew_after_the_clock_was_set_back_is_heard_too(self):
+        controller = Controller()
+        self.begin(controller)
+        await self.say(controller, *(event(number, time=5000 + number) for number in range(1, 7)))
+        controller.log = [event(1, time=1400, what="start")]
+        await self.say(controller, event(2, time=1401, what="holding"))
+        await self.say(controller, event(3, time=1402, kind="request", what="stop"))
+        self.assertEqual(["s6", "start", "holding", "stop"], [what for what, _ in self.told[5:]])
+
+    async def test_an_entry_of_the_controller_that_ends_while_it_is_asked_is_told_once(self):
+        controller = Controller(delay=0.02)
+        self.begin(controller)
+        await self.say(controller, event(1))
+        await asyncio.sleep(0.05)
+        controller.log = [event(1, time=50, what="start")]  # of the next one
+        self.events.hear(event(5))
+        await asyncio.sleep(0.2)
+        await self.say(controller, event(2, time=51, what="holding"))
+        await asyncio.sleep(0.1)
+        self.assertEqual([1, 1, 1], [[what for what, _ in self.told].count(what) for what in ("s1", "s5", "holding")])
+
     async def test_a_controller_that_does_not_answer_loses_no_entry_that_comes_by_itself(self):
         controller = Controller()
         controller.answers = False
@@ -106,11 +127,19 @@ class Stops(unittest.TestCase):
         self.assertEqual("", stops.objection([], 0))
         for what in ("stop", "disable", "emergency_stop"):
             self.assertEqual(f"/rqt has stopped the robot meanwhile ({what})", stops.objection([*log, event(3, kind="request", what=what, who="/rqt")], 1))
+        paused = [*log, event(3, kind="request", what="pause", who="/rqt")]
+        self.assertEqual("/rqt has paused the robot meanwhile, and nobody has resumed it", stops.objection(paused, 1))
+        self.assertEqual("", stops.objection([*paused, event(4, kind="request", what="resume")], 1))
+        self.assertIn("paused", stops.objection([*paused, event(4, kind="refused", what="resume")], 1))
         self.assertIn("fault hand_switch", stops.objection([*log, event(3, kind="fault", what="hand_switch")], 2))
 
     def test_a_log_that_has_begun_anew_says_nothing_of_what_was_before(self):
         self.assertIn("anew", stops.objection([], 7))
         self.assertIn("anew", stops.objection([event(8)], 7))
+        self.assertEqual("", stops.objection([event(7, time=5)], stops.entry(7, 5.0)))
+        self.assertIn("anew", stops.objection([event(7, time=90)], stops.entry(7, 5.0)))
+        for nonsense in ("", "x", "7@x"):
+            self.assertRaises(ValueError, stops.number_of, nonsense)
 
 
 if __name__ == "__main__":

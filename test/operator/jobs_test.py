@@ -97,6 +97,19 @@ class CheckModel(PageTest):
                 self.assertEqual(0, rig.robot.goals)
                 self.assertNotIn("approach", [service for service, _ in rig.robot.asked])
 
+    async def test_a_pause_at_the_very_end_of_the_approach_ends_all_of_it(self):
+        for by_others in (False, True):
+            async with JobRig(ToyRobot(play_s=0.2)) as rig, rig.browser() as browser:
+                await browser.post("/api/jobs", CHECK)
+                while rig.robot.state["playing"] != "approach":
+                    await asyncio.sleep(0.02)
+                if by_others:
+                    rig.robot.tell("request", "pause", "pausing", who="/rosservice")
+                else:
+                    await browser.post("/api/robot/pause")  # and the robot is there before it rests
+                self.assertIn("paused before", (await rig.until_done())["message"])
+                self.assertEqual(0, rig.robot.goals)
+
     async def test_cancelling_slows_the_robot_down_or_ends_the_planning(self):
         for planner in (None, "sleep 30"):
             more = {"planner": planner} if planner else {}
@@ -110,6 +123,11 @@ class CheckModel(PageTest):
                 await rig.until_done()
                 self.assertEqual("holding", rig.robot.state["state"])
                 self.assertEqual([], rig.identification.runs)
+
+    async def test_the_kernel_ends_the_planner_before_the_controller_where_memory_runs_out(self):
+        async with JobRig(planner="cat /proc/self/oom_score_adj >&2; exit 1") as rig, rig.browser() as browser:
+            await browser.post("/api/jobs", CHECK)
+            self.assertEqual("1000", (await rig.until_done())["message"])
 
     async def test_a_planner_that_refuses_is_quoted(self):
         async with JobRig(planner="echo plan_excitation: no feasible series >&2; exit 3") as rig, rig.browser() as browser:

@@ -102,6 +102,28 @@ class Playing(PageTest):
                 self.assertEqual(goals + 1, rig.robot.goals)
                 self.assertIn("paused after repetition 1 of 3", rig.server.playing.message)
 
+    async def test_a_pause_that_others_ask_for_when_a_repetition_is_ending_begins_no_further_one(self):
+        async with Rig(ToyRobot(play_s=0.2)) as rig, rig.browser() as browser:
+            await self.start(browser, repetitions=3)
+            rig.robot.tell("refused", "pause", "not possible", who="/rosservice")
+            rig.robot.tell("request", "pause", "pausing", who="/rosservice")  # and the robot plays on to the end
+            await until(lambda: not rig.server.playing.active)
+            self.assertEqual(1, rig.robot.goals)
+            await self.start(browser, repetitions=2)
+            rig.robot.tell("request", "pause", "pausing", who="/rosservice")
+            rig.robot.tell("request", "resume", "going on", who="/rosservice")
+            await until(lambda: not rig.server.playing.active)
+            self.assertEqual(3, rig.robot.goals)
+
+    async def test_a_speed_of_nothing_that_others_set_begins_no_further_repetition(self):
+        robot = ToyRobot(play_s=0.2)
+        async with Rig(robot) as rig, rig.browser() as browser:
+            await self.start(browser, repetitions=3)
+            robot.become("playing", speed_percent=0.0)  # its last point has been sent
+            await until(lambda: not rig.server.playing.active)
+            self.assertEqual(1, robot.goals)
+            self.assertIn("speed to 0 %", rig.server.playing.message)
+
     async def test_a_pause_that_the_robot_made_and_that_was_ended_changes_nothing(self):
         async with Rig() as rig, rig.browser() as browser:
             await self.start(browser, repetitions=2)

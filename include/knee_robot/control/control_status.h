@@ -24,6 +24,7 @@ struct ControlStatus {
   double progress = 0.0;         ///< path_time / path_duration, 0 to 1; 0 before anything was played
   double time_scale = 0.0;       ///< speed of path time now, 0 to 1
   double speed_percent = 100.0;  ///< asked for by setSpeed()
+  bool pause_asked = false;      ///< by pause(), since the last path began; it may have ended before it was at rest
   std::array<bool, hardware::kAxes> axis_homed{};
   bool homed = false;  ///< all axes: motion is possible
   bool bench_without_patient = false;

@@ -12,6 +12,7 @@
 #include "knee_robot/control/hardware_file.h"
 #include "knee_robot/control/path_expectation.h"
 #include "knee_robot/control/playable_reference.h"
+#include "knee_robot/control/wishes_so_far.h"
 #include "knee_robot/mechanism/robot.h"
 #include "knee_robot/rt/deployer.h"
 #include "knee_robot/rt/property.h"
@@ -114,14 +115,19 @@ class ControlSystem {
   Answer stopPath();
   /// How often somebody wanted the robot to stand, in whatever state it was: stop(), disable(), emergencyStop().
   std::uint64_t halts() const;
+  /// The same, with pauses and speeds.
+  WishesSoFar wishesSoFar() const;
   /// Slows path time down to zero (state Paused when at rest), and back to what setSpeed() asked for: no jump, the
   /// robot never leaves its path, wherever on it and however often. Answer when it has begun. Also during an approach.
+  /// `since`: of when resume() was asked for (default: now). Whoever stops or pauses the robot after that wins.
   Answer pause();
-  Answer resume(std::optional<std::uint64_t> halts = {});
+  Answer resume(std::optional<WishesSoFar> since = {});
   /// Speed of path time, 0 to 100 % of what the reference asks for; holds for all paths until it is set anew. Takes
   /// effect at once and without a jump while playing; 0 is Paused until another speed comes. Refused outside 0 to 100,
   /// and what is not a number.
   Answer setSpeed(double percent);
+  /// The same for whoever sets the speed of a path that it begins itself.
+  Answer setPathSpeed(double percent);
   /// Finds home by the procedure of the hardware file (`homing:`), from Disabled: the axes move slowly one after the
   /// other (state Homing), and the machine ends Disabled with `homed`, or Faulted with homing_failed. Answers when it
   /// has begun. Where the method is hand_placed or assumed, nothing moves and the sentence says what to do.

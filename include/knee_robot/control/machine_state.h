@@ -110,6 +110,7 @@ struct SupervisorStatus {
   double path_duration_s = 0.0;
   double time_scale = 0.0;                    ///< speed of path time now, 0 to 1
   double speed = 1.0;                         ///< asked for, 0 to 1
+  bool pause_path = false;                    ///< asked for, and not taken back
   std::array<bool, hardware::kAxes> homed{};  ///< axes that know where they are
   std::uint32_t safe_stops = 0;
   GuideStop guide_stop = GuideStop::None;  ///< why the last guiding was refused, or ended by itself

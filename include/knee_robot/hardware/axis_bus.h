@@ -68,6 +68,8 @@ class AxisBus {
 
   /// True when a process of its own brings the outputs down if this one dies (GuardedBus).
   virtual bool isGuarded() const noexcept { return false; }
+  /// The longest silence that one of the two allows the other, ns; 0: nobody watches.
+  virtual std::int64_t allowedSilence() const noexcept { return 0; }
 
   /// What carries the load at this place while the holding brakes are open, V; nullptr: nothing does. For whoever
   /// brings the outputs down if this process dies (GuardedBus). Real-time safe.

@@ -47,6 +47,7 @@ class GuardedBus : public AxisBus {
   IoStatus writeOutputs(std::uint8_t bits) noexcept override;
   bool isFencedOut() const noexcept override;
   bool isGuarded() const noexcept override { return true; }
+  std::int64_t allowedSilence() const noexcept override;
   bool stopsByItself() const noexcept override { return bus_.stopsByItself(); }
   void offerLoad(const std::array<double, kAxes>* volts) noexcept override;
   void watchBrakes(const BrakeWatch& watch) noexcept override;

@@ -13,7 +13,7 @@ namespace knee_robot::hardware {
 /// read back its outputs (the PCI-1720 can not, of the PCI-1784 it is not known). All zero: nobody has been there yet.
 /// Each field has one writer; plain lock-free atomics, so a process that dies at any place leaves the others working.
 struct GuardianLink {
-  static constexpr std::uint64_t kMagic = 0x6b6e65655f677234;  // "knee_gr4"
+  static constexpr std::uint64_t kMagic = 0x6b6e65655f677235;  // "knee_gr5"
 
   std::atomic<std::uint64_t> magic{0};
 
@@ -39,6 +39,7 @@ struct GuardianLink {
   std::atomic<std::uint32_t> reset_done{0};  ///< last reset_request that was granted
   std::atomic<std::uint64_t> machine{0};     ///< machineMark() of what it brings down; 0: it has not said
   std::atomic<std::uint64_t> wiring{0};      ///< machineMark() of how its outputs and brakes are wired
+  std::atomic<std::int64_t> silence_ns{0};   ///< after so long without a heartbeat the controller counts as dead
 };
 
 /// A machine's name (nodes::machineName()) as a number that is not 0.

@@ -1,0 +1,15 @@
+#pragma once
+
+#include <cstdint>
+
+namespace knee_robot::control {
+
+/// How often somebody has wanted the robot to stand, or to move at another speed, until now. A request that was asked
+/// for before and has waited meanwhile is older.
+struct WishesSoFar {
+  std::uint64_t halts = 0;   ///< stop(), disable(), emergencyStop()
+  std::uint64_t pauses = 0;  ///< pause()
+  std::uint64_t speeds = 0;  ///< setSpeed()
+};
+
+}  // namespace knee_robot::control
