@@ -24,7 +24,7 @@ class StretchReflex : public RaisedLineEffect {
  public:
   std::string name() const override { return "stretch_reflex"; }
   bool needsTwoRecordings() const override { return true; }
-  bool looksLikeMuch() const override { return true; }  // seven machines, none of which had one
+  bool looksLikeMuch() const override { return true; }  // six machines, none of which had one
   std::string sentence() const override {
     return "A muscle between a point of the base and a point of the platform pulls, late, when it is stretched fast (a "
            "spastic catch), and lets go slowly.";
