@@ -108,7 +108,7 @@ std::string whyNotInstantly(const std::string& name) {
   if (name == "drive_dead_zone")
     return "a command that jumps wherever the force changes its sign would make it chatter";
   if (name == "gain_drift") return "how warm the motors are is not known to the controller";
-  if (name == "stretch_reflex")
+  if (name == "stretch_reflex" || name == "joint_stretch_reflex")
     return "it is the patient's and comes late; a controller that pushes on would answer it";
   if (name == "passive_joint")
     return "it is the patient's, and another one's is another; what pushes on where somebody's range ends may hurt";

@@ -3,6 +3,7 @@
 import json
 import math
 import pathlib
+import shutil
 import sys
 import threading
 import time
@@ -32,6 +33,8 @@ class Identification(unittest.TestCase):
     def setUpClass(cls):
         cls.folder = pathlib.Path(rospy.get_param("~folder"))
         cls.report = cls.folder / "identified" / "report.json"
+        for left in (cls.folder / "reports").glob("*"):  # by an earlier run: an output that exists is refused
+            shutil.rmtree(left, ignore_errors=True)
         began = rospy.get_time()
         wait_until(lambda: cls.report.exists() and cls.report.stat().st_mtime > began - 60, 420, "the report of identification.launch")
         cls.recordings = [p.name for p in sorted((cls.folder / "recordings").glob("excitation_*.csv"))][-2:]

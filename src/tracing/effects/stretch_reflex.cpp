@@ -2,6 +2,7 @@
 #include <cmath>
 
 #include "common/line_effect.h"
+#include "common/reflex.h"
 
 namespace knee_robot::tracing {
 namespace {
@@ -17,9 +18,7 @@ constexpr double kThresholdsTried[] = {0.01, 0.04};
 constexpr double kHipStep_m = 0.4, kReflexFactor = 1.6;  ///< of refinement
 
 /// A muscle that is stretched faster than it bears: after a delay it pulls, along the line between a point of the base
-/// (hip) and one of the platform (shank), and lets go slowly. Slow motions and shortening ones do not call it. Activation
-/// a: da/dt = (1 - a) max(0, rate - threshold) / stretch - a / decay, the rate seen late (Lance's catch of a spastic
-/// muscle).
+/// (hip) and one of the platform (shank), and lets go slowly. Slow motions and shortening ones do not call it.
 class StretchReflex : public RaisedLineEffect {
  public:
   std::string name() const override { return "stretch_reflex"; }
@@ -43,20 +42,8 @@ class StretchReflex : public RaisedLineEffect {
 
  protected:
   Eigen::MatrixXd resistance(const Line& line, const std::vector<double>& shape) const override {
-    const Eigen::VectorXd& rate = line.rate_m_per_s;
-    const double late = shape[kReflexDelay] / line.period_s, keeps = line.period_s / shape[kReflexDecay];
-    Eigen::VectorXd activation(rate.size());
-    double a = 0.0;  // it stood before it was recorded
-    for (Eigen::Index n = 0; n < rate.size(); ++n) {
-      const double seen_at = std::max(0.0, static_cast<double>(n) - late);
-      const Eigen::Index before = static_cast<Eigen::Index>(seen_at), after = std::min(before + 1, rate.size() - 1);
-      const double part = seen_at - static_cast<double>(before),
-                   seen = (1.0 - part) * rate[before] + part * rate[after];
-      const double called = std::max(0.0, seen - shape[kReflexThreshold]) / shape[kReflexStretch] * line.period_s;
-      a = (a + called) / (1.0 + called + keeps);  // implicit: between 0 and 1 whatever the step
-      activation[n] = a;
-    }
-    return activation;
+    return reflexActivation(line.rate_m_per_s, line.period_s,
+                            {shape[kReflexThreshold], shape[kReflexDelay], shape[kReflexDecay], shape[kReflexStretch]});
   }
 };
 
