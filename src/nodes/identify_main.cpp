@@ -185,7 +185,7 @@ int run(const Arguments& a, const std::string& command_line) {
   const double cutoff_hz = r.cutoff.cutoff_hz;
   r.train_before = apply(r.before.model, robot, r, r.train, training);
   r.train_after = apply(r.after.model, robot, r, r.train, training);
-  for (identification::Observation& o : r.train)
+  for (identification::Observation& o : r.train)  // the fit without friction has left its own law in them
     identification::setFriction(o, r.after.columns, r.after.model.friction);
   r.train_by_strength = identification::errorAgainstRank(r.after, r.train, cutoff_hz);
   if (!r.validate.empty()) {
