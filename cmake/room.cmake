@@ -44,7 +44,7 @@ function(knee_programs)
   file(GLOB mains CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/src/nodes/*_main.cpp)
   file(GLOB shared CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/src/nodes/*.cpp)
   list(REMOVE_ITEM shared ${mains})
-  list(FILTER shared EXCLUDE REGEX "/(bag_import|fit_recordings|plan_chain_excitation)\\.cpp$")  # of programs that link what they need
+  list(FILTER shared EXCLUDE REGEX "/(bag_import|fit_recordings|plan_chain_excitation|plan_rest_excitation)\\.cpp$")  # of programs that link what they need
   if(KNEE_PRECOMPILED)
     knee_precompiled(program LIBRARIES Eigen3::Eigen HEADERS <ros/ros.h> <Eigen/Dense>)
     target_include_directories(knee_precompiled_program SYSTEM PRIVATE ${catkin_INCLUDE_DIRS} ${CATKIN_DEVEL_PREFIX}/include)

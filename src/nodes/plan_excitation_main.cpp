@@ -1,4 +1,4 @@
-// plan_excitation --robot R -o FILE: an optimal Fourier excitation as a checked reference file.
+// plan_excitation --robot R -o FILE: an optimal Fourier excitation as a checked reference file, or a movement near rest.
 
 #include <unistd.h>
 
@@ -14,6 +14,7 @@
 #include "knee_robot/base/numbers.h"
 #include "knee_robot/excitation/excitation.h"
 #include "plan_chain_excitation.h"
+#include "plan_rest_excitation.h"
 #include "program.h"
 
 namespace {
@@ -90,31 +91,45 @@ struct Arguments {
   std::vector<std::string> recorded;
   nodes::Option margin;
   nodes::Option noise_option;
-  std::vector<nodes::Option> only_platform, only_chain;
+  bool near_rest = false;
+  int places = excitation::RestExcitationOptions().places;
+  nodes::Option duration, velocity, place_option;
+  std::vector<nodes::Option> only_series, only_platform, only_chain;  ///< near rest, the first are not looked at
 };
 
 void declareShared(nodes::CommandLine& app, Arguments& a) {
   app.option("--robot", a.robot_file, "robot file (YAML)").required();
   app.option("-o,--output", a.output, "reference file to write (chains: CSV)").required();
-  app.option("--duration", a.options.shape.duration_s, "duration of the whole movement with its ramps, s")
-      .showDefault();
-  app.option("--ramp", a.options.shape.ramp_s, "duration of the smooth ramp at each end, s").showDefault();
-  app.option("--harmonics", a.options.shape.harmonics, "number of harmonics of the Fourier series").showDefault();
+  const auto series = [&](const nodes::Option& option) { a.only_series.push_back(option); };
+  a.duration = app.option("--duration", a.options.shape.duration_s,
+                          "duration of the whole movement with its ramps, s (near rest: 90)")
+                   .showDefault();
+  series(app.option("--ramp", a.options.shape.ramp_s, "duration of the smooth ramp at each end, s").showDefault());
+  series(
+      app.option("--harmonics", a.options.shape.harmonics, "number of harmonics of the Fourier series").showDefault());
   app.option("--seed", a.options.seed, "random seed of the starting series").showDefault();
-  app.option("--candidates", a.options.candidates, "number of random feasible series to start from").showDefault();
-  app.option("--seconds,--seconds-budget", a.options.seconds_budget,
-             "time limit of planning, s; then, or at Ctrl-C, the best series so far is written")
-      .showDefault();
+  series(
+      app.option("--candidates", a.options.candidates, "number of random feasible series to start from").showDefault());
+  series(app.option("--seconds,--seconds-budget", a.options.seconds_budget,
+                    "time limit of planning, s; then, or at Ctrl-C, the best series so far is written")
+             .showDefault());
   a.only_chain = {
       app.option("--recorded", a.recorded, "chains: existing recordings; the new movement adds what they lack")};
 }
 
 void declarePlatform(nodes::CommandLine& app, Arguments& a) {
-  const auto only = [&](const nodes::Option& option) { return a.only_platform.emplace_back(option); };
-  only(app.option("--velocity", a.options.velocity_max, "velocity limit of every actuator, m/s").showDefault());
+  const auto both = [&](const nodes::Option& option) { return a.only_platform.emplace_back(option); };
+  const auto only = [&](const nodes::Option& option) { return a.only_series.emplace_back(both(option)); };
+  both(app.flag("--near-rest", a.near_rest,
+                "in place of a Fourier series: small, slow strokes of every actuator by itself, with stops, at several "
+                "places; they show how friction acts near rest"));
+  a.place_option = both(app.option("--places", a.places, "near rest: the number of places").showDefault());
+  a.velocity =
+      both(app.option("--velocity", a.options.velocity_max, "velocity limit of every actuator, m/s (near rest: 0.015)")
+               .showDefault());
   only(app.option("--acceleration", a.options.acceleration_max, "acceleration limit of every actuator, m/s2")
            .showDefault());
-  a.margin = only(app.option("--condition-max", a.condition_max,
+  a.margin = both(app.option("--condition-max", a.condition_max,
                              "largest condition number of the Jacobian on the way (default: the robot file's margin, "
                              "at most 60)"));
   only(app.option("--directions", a.options.directions,
@@ -159,10 +174,23 @@ int planChain(const mechanism::Robot& robot, const Arguments& a) {
   return nodes::planChainExcitation(robot, a.recorded, chain, a.output);
 }
 
+int planNearRest(const mechanism::Robot& robot, const Arguments& a) {
+  refuseOthers(a.only_series, "is for the Fourier series, not for a movement near rest; leave it out");
+  excitation::RestExcitationOptions rest;
+  rest.seed = a.options.seed;
+  rest.places = a.places;
+  if (a.duration.given()) rest.duration_s = a.options.shape.duration_s;
+  if (a.velocity.given()) rest.velocity_max = a.options.velocity_max;
+  if (a.margin.given()) rest.condition_max = a.condition_max;
+  return nodes::planRestExcitation(robot, rest, a.output);
+}
+
 int run(const Arguments& a) {
   const mechanism::Robot any = mechanism::loadAnyRobot(a.robot_file);
   if (any.chain) return planChain(any, a);
   refuseOthers(a.only_chain, "is for chains, but " + a.robot_file + " describes none; leave it out");
+  if (a.near_rest) return planNearRest(any, a);
+  refuseOthers({a.place_option}, "is for --near-rest; leave it out");
   const mechanism::Robot robot = mechanism::loadRobot(a.robot_file);
   excitation::ExcitationOptions options = a.options;
   if (a.margin.given()) options.condition_max = a.condition_max;
@@ -187,7 +215,7 @@ int main(int argc, char** argv) {
   nodes::CommandLine app(
       "Plans an excitation for identification: a finite Fourier series per actuator within all limits that minimises "
       "the condition number k of the column-scaled, noise-weighted observation matrix at a stated number of "
-      "directions.",
+      "directions. With --near-rest: a slow movement with stops.",
       "plan_excitation");
   Arguments arguments;
   declareShared(app, arguments);
