@@ -39,6 +39,10 @@ double numberOf(Heat by) noexcept {
   return static_cast<double>(by);
 }
 
+double felt(const HeatSource& by, double warmth) noexcept {
+  return warmth / (1.0 + by.levels_off * warmth);
+}
+
 double Warmth::warm(double heat, double duration_s, double time_constant_s) noexcept {
   return value = lagged(value, heat, duration_s / time_constant_s);
 }

@@ -140,22 +140,45 @@ void standAlone(Search& s, const Place& place) {
 
 namespace {
 
-/// The special case with the shape of what generalizes it; where its shape has other parameters, with the one of its own
-/// that predicts held-back blocks best in the place of effect `k`.
+/// What parameters of the same name have in a shape of what generalizes it; empty: it has others, too.
+std::vector<double> namesakes(const Hypothesis& general, const Candidate& special) {
+  const std::vector<ShapeParameter> all = general.place.candidate->shapeParameters();
+  std::vector<double> out;
+  for (const ShapeParameter& p : special.shapeParameters()) {
+    const auto same = std::find_if(all.begin(), all.end(), [&](const ShapeParameter& a) { return a.name == p.name; });
+    if (same == all.end()) return {};
+    out.push_back(general.shape[static_cast<std::size_t>(same - all.begin())]);
+  }
+  return out;
+}
+
+/// The special case with the shape of what generalizes it; where its shape has other parameters, with the one, of its
+/// own and where the general one is, that predicts held-back blocks best in the place of effect `k`.
 Hypothesis specialCase(const Search& s, std::size_t k, const PlaceColumns& special) {
   const std::vector<double>& shape = s.effects[k].hypothesis.shape;
   Hypothesis best = special.tried.front();
   best.place = *openPlace(s, special.place(), nullptr);
   if (best.shape.size() == shape.size()) return {best.place, shape};
+  std::vector<std::vector<double>> shapes;
+  for (const Hypothesis& tried : special.tried)
+    shapes.push_back(tried.shape);
+  const std::vector<double> there = namesakes(s.effects[k].hypothesis, *best.place.candidate);
+  if (!there.empty()) shapes.push_back(there);
   double least = std::numeric_limits<double>::infinity();
-  for (const Hypothesis& tried : special.tried) {
+  for (const std::vector<double>& tried : shapes) {
     std::vector<Hypothesis> all = hypothesesOf(s.effects);
-    all[k] = {best.place, tried.shape};
+    all[k] = {best.place, tried};
     const double left = problemOf(s, all).heldBack().sum();
-    if (left < least) best.shape = tried.shape;
+    if (left < least) best.shape = tried;
     least = std::min(least, left);
   }
   return best;
+}
+
+/// Held-back squares, in units of what is left a row, that the additional shape parameters of the first would save by
+/// chance: one each, since they were refined on what is held back, too.
+double byChance(const Hypothesis& general, const Hypothesis& special) {
+  return std::max(0.0, static_cast<double>(general.shape.size()) - static_cast<double>(special.shape.size()));
 }
 
 }  // namespace
@@ -175,7 +198,8 @@ void simplify(Search& s) {
     refineShapes(s);
     const bool plausible = s.fit.stable[k] && special->place().candidate->plausible(s.effects[k].coefficients);
     s.rms_N = noise_N;  // both weighted alike
-    if (!plausible || problemOf(s, hypothesesOf(s.effects)).heldBack().sum() > with.sum()) {
+    const double lost = problemOf(s, hypothesesOf(s.effects)).heldBack().sum() - with.sum();
+    if (!plausible || lost > byChance(before[k].hypothesis, s.effects[k].hypothesis)) {
       s.effects = before;
     } else {
       s.taken_out.push_back(placeText(general) + ": " + special->place().candidate->name() +

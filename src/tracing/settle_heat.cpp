@@ -39,12 +39,16 @@ struct Heated {
   Heat by;
   bool viscous;  ///< viscous friction heats, too
   const char* said;
+  bool levels_off = false;  ///< what warmth changes, changes less and less
 };
 constexpr Heated kHeats[] = {{Heat::Motion, false, "the time in motion"},
                              {Heat::Work, false, "the work of dry friction"},
                              {Heat::Work, true, "the work of friction"},
                              {Heat::Worked, true, "the work of friction so far, each joule less than the one before,"},
-                             {Heat::Winding, false, "what the motor's windings lose, the square of its force,"}};
+                             {Heat::Winding, false, "what the motor's windings lose, the square of its force,"},
+                             {Heat::Work, false, "the work of dry friction, doing less the warmer it is,", true},
+                             {Heat::Work, true, "the work of friction, doing less the warmer it is,", true}};
+constexpr double kLevelsOff = 1.0;  ///< from which it is refined
 
 /// Standard errors by which a heat must be better than the clock: what weakens a motor is its windings' heat.
 double neededErrors(const Heated& heat) {
@@ -54,6 +58,11 @@ double neededErrors(const Heated& heat) {
 /// Where the shape of `kind` says at which force the windings' heat is 1; below 0: they are not what warms it up.
 int usualForceIn(const Candidate* kind) {
   return dynamic_cast<const WarmUp&>(*kind).usualForce();
+}
+
+/// Where it says whether what warmth changes levels off; below 0: it does not.
+int levelsOffIn(const Candidate* kind) {
+  return dynamic_cast<const WarmUp&>(*kind).levelsOff();
 }
 
 /// Root mean square of an actuator's force along all recordings, N.
@@ -81,9 +90,11 @@ Eigen::VectorXd heldBackWith(Search& s, const Candidate* kind, const Heated& hea
     }
   };
   bool suits = true;
+  const int levels = levelsOffIn(kind), usual = usualForceIn(kind);
   each([&](Hypothesis& h) {
     suits = suits && h.shape[WarmUp::kHeatedBy] == dynamics::numberOf(heat.by) &&
-            (h.shape[WarmUp::kViscousHeat] > 0.0) == heat.viscous;
+            (h.shape[WarmUp::kViscousHeat] > 0.0) == heat.viscous &&
+            (levels < 0 || (h.shape[static_cast<std::size_t>(levels)] > 0.0) == heat.levels_off);
   });
   std::set<double> constants;
   for (const std::vector<double>& shape : kind->shapes(s.data->inputs.front(), 0))
@@ -96,8 +107,8 @@ Eigen::VectorXd heldBackWith(Search& s, const Candidate* kind, const Heated& hea
       h.shape[0] = constant_s;
       h.shape[WarmUp::kHeatedBy] = dynamics::numberOf(heat.by);
       h.shape[WarmUp::kViscousHeat] = heat.viscous ? viscousPerDry(s, h.place.actuator) : 0.0;
-      if (heat.by == Heat::Winding)
-        h.shape[static_cast<std::size_t>(usualForceIn(kind))] = usualForceOf(s, h.place.actuator);
+      if (heat.by == Heat::Winding) h.shape[static_cast<std::size_t>(usual)] = usualForceOf(s, h.place.actuator);
+      if (levels >= 0) h.shape[static_cast<std::size_t>(levels)] = heat.levels_off ? kLevelsOff : 0.0;
     });
     const double left = heldBackAsIs(s, noise_N).sum();
     if (left >= least) continue;
@@ -110,30 +121,44 @@ Eigen::VectorXd heldBackWith(Search& s, const Candidate* kind, const Heated& hea
   return heldBackAsIs(s, noise_N);
 }
 
+/// Whether `kind` can be warmed up by it; what levels off by all work only where work is better than all before.
+bool isAsked(const Candidate* kind, const Heated& heat, const Heated& best) {
+  if (heat.by == Heat::Winding) return usualForceIn(kind) >= 0;
+  return !heat.levels_off || (levelsOffIn(kind) >= 0 && (!heat.viscous || best.by == Heat::Work));
+}
+
+std::string saidOf(const Candidate* kind, const Heated& heat, bool sure) {
+  return "What warms the drives up (" + kind->name() + ") is " + heat.said +
+         " rather than the clock: held-back blocks are " +
+         (sure ? "surely predicted better."
+               : "predicted better, but not surely; a slow recording beside a brisk one, or long rests, would tell.");
+}
+
 }  // namespace
 
 std::string settleHeat(Search& s, const Candidate* kind) {
   if (std::none_of(s.effects.begin(), s.effects.end(), [&](const FoundEffect& e) { return warms(e, kind); })) return "";
   const std::vector<FoundEffect> found = s.effects;
-  const Eigen::VectorXd noise_N = s.rms_N, clock = heldBackWith(s, kind, {Heat::Clock, false, ""}, noise_N);
+  const Heated by_clock = {Heat::Clock, false, ""};
+  const Eigen::VectorXd noise_N = s.rms_N, clock = heldBackWith(s, kind, by_clock, noise_N);
   std::vector<FoundEffect> best = s.effects;
-  double least = clock.sum();
+  Heated best_heat = by_clock;
+  Eigen::VectorXd least = clock;
   bool surely = true;  // no other heat is near
   std::string said;
   for (const Heated& heat : kHeats) {
-    if (heat.by == Heat::Winding && usualForceIn(kind) < 0) continue;
+    if (!isAsked(kind, heat, best_heat)) continue;
     s.effects = found;
     const Eigen::VectorXd other = heldBackWith(s, kind, heat, noise_N);
     const HeldBackGain gain = heldBackGain(clock - other);
     if (gain.mean > -kSureErrors * gain.error) surely = false;
-    if (gain.mean <= neededErrors(heat) * gain.error || other.sum() >= least) continue;
-    least = other.sum();
+    // What has one shape more must surely be better than the same without it.
+    const HeldBackGain more = heat.levels_off && !best_heat.levels_off ? heldBackGain(least - other) : gain;
+    if (more.mean <= neededErrors(heat) * more.error || other.sum() >= least.sum()) continue;
+    least = other;
     best = s.effects;
-    said = "What warms the drives up (" + kind->name() + ") is " + heat.said +
-           " rather than the clock: held-back blocks are " +
-           (gain.mean > kSureErrors * gain.error
-                ? "surely predicted better."
-                : "predicted better, but not surely; a slow recording beside a brisk one, or long rests, would tell.");
+    best_heat = heat;
+    said = saidOf(kind, heat, gain.mean > kSureErrors * gain.error);
   }
   s.effects = best;
   refit(s);

@@ -167,8 +167,10 @@ TEST(InstantByInstant, ADriveWarmsUpAsItWasTracedWhateverHeatsIt) {
   for (const Candidate* candidate : catalogue(m)) {
     if (candidate->name() != "thermal_drift") continue;
     for (const dynamics::Heat by : {dynamics::Heat::Motion, dynamics::Heat::Work, dynamics::Heat::Worked}) {
-      for (const double viscous_s_per_m : {0.0, 15.0})
-        expectLawToBeTheColumns(m, *candidate, {30.0, dynamics::numberOf(by), viscous_s_per_m, 0.001});
+      for (const double viscous_s_per_m : {0.0, 15.0}) {
+        for (const double levels_off : {0.0, 0.7})
+          expectLawToBeTheColumns(m, *candidate, {30.0, dynamics::numberOf(by), viscous_s_per_m, levels_off, 0.001});
+      }
     }
   }
 }

@@ -83,6 +83,14 @@ TEST_F(Simplify, ACurveOverTheDistanceThatIsStraightIsASpring) {
   EXPECT_NE(said()[0].find("spring, a special case of it, explains as much"), std::string::npos) << said()[0];
 }
 
+TEST_F(Simplify, AStrapThatIsTautAllTheWayIsASpringBetweenTheSamePoints) {
+  compare("one_sided_spring");
+  EXPECT_EQ(leftOf("one_sided_spring", of("spring"), Eigen::Vector2d(800.0, 300.0)), "spring");
+  const std::vector<double>& shape = search_.effects.front().hypothesis.shape;
+  for (std::size_t k = 0; k < kAnchors.size(); ++k)
+    EXPECT_NEAR(shape[k], kAnchors[k], 0.01) << "anchor " << k;
+}
+
 TEST_F(Simplify, FrictionThatGrowsWithTheLoadAlikeEitherWayIsLoadDependentWithAShapeOfItsOwn) {
   compare("power_flow_friction");
   EXPECT_EQ(leftOf("power_flow_friction", of("load_dependent_friction"), Eigen::VectorXd::Constant(1, 0.15)),

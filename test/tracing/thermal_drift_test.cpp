@@ -33,8 +33,10 @@ recording::Recording warmed(const mechanism::Robot& robot, int variant, double c
   return r;
 }
 
-/// A brisk and a slow motion of a drive that loses friction as it warms up, by one heat or another.
-std::vector<recording::Recording> briskAndSlow(const mechanism::Robot& robot, dynamics::Heat by) {
+/// A brisk and a slow motion of a drive that loses friction as it warms up, by one heat or another, less and less where
+/// it levels off.
+std::vector<recording::Recording> briskAndSlow(const mechanism::Robot& robot, dynamics::Heat by,
+                                               double levels_off = 0.0) {
   std::vector<recording::Recording> out;
   for (const int variant : {0, -4}) {
     recording::Recording r = warmed(robot, variant, 0.0, 5);
@@ -47,7 +49,7 @@ std::vector<recording::Recording> briskAndSlow(const mechanism::Robot& robot, dy
       const double heat = by == dynamics::Heat::Work ? speed / 0.03 : 1.0;
       const double pace = by == dynamics::Heat::Worked ? speed * (1.0 + kViscousPerDry_s_per_m * speed) / 0.02 : 1.0;
       warm += (heat - warm) * pace * 0.01 / kTimeConstant_s;
-      r.force_N(k, kActuator) += kLost_N * (1.0 - warm) * share;
+      r.force_N(k, kActuator) += kLost_N * (1.0 - (1.0 + levels_off) * warm / (1.0 + levels_off * warm)) * share;
     }
     out.push_back(r);
   }
@@ -77,6 +79,23 @@ TEST(ThermalDrift, IsSaidToFollowTheWorkWhereABriskMotionWarmsMoreThanASlowOne) 
   const mechanism::Robot robot = identification::syntheticBench(2);
   EXPECT_EQ(heatedBy(traceOf(robot, briskAndSlow(robot, dynamics::Heat::Work))),
             dynamics::numberOf(dynamics::Heat::Work));
+}
+
+TEST(ThermalDrift, LevelsOffWhereALubricantGetsThinnerLessAndLess) {
+  const mechanism::Robot robot = identification::syntheticBench(2);
+  constexpr double kLevelsOff = 1.0;  // at the heat of 30 mm/s, that of the recordings: 2/3 at that of 20 mm/s
+  const TraceResult found = traceOf(robot, briskAndSlow(robot, dynamics::Heat::Work, kLevelsOff));
+  EXPECT_EQ(heatedBy(found), dynamics::numberOf(dynamics::Heat::Work));
+  ASSERT_EQ(found.effects.size(), 1u);
+  EXPECT_NEAR(found.effects[0].hypothesis.shape[3], kLevelsOff * 2.0 / 3.0, 0.15);
+  EXPECT_NEAR(found.effects[0].coefficients[0], -(1.0 + kLevelsOff) * kLost_N * 2.0 / 3.0, 1.5) << "N at little warmth";
+}
+
+TEST(ThermalDrift, DoesNotLevelOffWhereItIsInProportion) {
+  const mechanism::Robot robot = identification::syntheticBench(2);
+  const TraceResult found = traceOf(robot, briskAndSlow(robot, dynamics::Heat::Work));
+  ASSERT_EQ(found.effects.size(), 1u);
+  EXPECT_EQ(found.effects[0].hypothesis.shape[3], 0.0);
 }
 
 TEST(ThermalDrift, IsSaidToFallOffWithTheWorkSoFarAndNotToCoolWhereItDoes) {

@@ -17,7 +17,12 @@ enum class Heat {
 struct HeatSource {
   Heat by = Heat::Clock;
   double viscous_s_per_m = 0.0;  ///< viscous friction per dry friction: its part in the power
+  double levels_off = 0.0;       ///< 0: what warmth changes is in proportion to it; else see felt
 };
+
+/// What a warmth changes, in units of what little warmth would: w / (1 + levels_off w). A lubricant's viscosity falls
+/// less and less as it warms up.
+double felt(const HeatSource& by, double warmth) noexcept;
 
 /// The heat that a number stands for; none: the number stands for nothing.
 std::optional<Heat> heatOf(double number) noexcept;

@@ -20,8 +20,9 @@ class ThermalDrift : public EffectLaw {
     const double velocity_m_per_s = at.velocity_m_per_s[at.actuator];
     Warmth warmth{state.value};
     state.value = warmth.move(heated_by_, velocity_m_per_s, at.period_s, time_constant_s_);
-    out[0] = state.value * at.share;
-    out[1] = state.value * velocity_m_per_s;
+    const double change = felt(heated_by_, state.value);
+    out[0] = change * at.share;
+    out[1] = change * velocity_m_per_s;
   }
   void rest(double duration_s, EffectState& state) const noexcept override {
     Warmth warmth{state.value};
@@ -37,9 +38,10 @@ class ThermalDrift : public EffectLaw {
 
 Law thermalDriftLaw(const Shape& shape) {
   const std::optional<Heat> heated_by = shape.size() > 1 ? heatOf(shape[1]) : Heat::Clock;
-  const double viscous_s_per_m = shape.size() > 2 ? shape[2] : 0.0;  // two: of a file that did not know it
-  if (!heated_by || *heated_by == Heat::Winding || !(viscous_s_per_m >= 0.0)) return nullptr;
-  return std::make_unique<ThermalDrift>(shape[0], HeatSource{*heated_by, viscous_s_per_m});
+  const double viscous_s_per_m = shape.size() > 2 ? shape[2] : 0.0;  // fewer: of a file that did not know it
+  const double levels_off = shape.size() > 3 ? shape[3] : 0.0;
+  if (!heated_by || *heated_by == Heat::Winding || !(viscous_s_per_m >= 0.0) || !(levels_off >= 0.0)) return nullptr;
+  return std::make_unique<ThermalDrift>(shape[0], HeatSource{*heated_by, viscous_s_per_m, levels_off});
 }
 
 }  // namespace knee_robot::dynamics

@@ -4,6 +4,8 @@
 namespace knee_robot::tracing {
 namespace {
 
+constexpr int kLevelsOff = 3;  ///< of the shape
+
 /// Friction that changes as the drive warms up from the start of the recording.
 class ThermalDrift : public WarmUp {
  public:
@@ -16,12 +18,17 @@ class ThermalDrift : public WarmUp {
   }
   std::vector<ShapeParameter> shapeParameters() const override {
     std::vector<ShapeParameter> out = WarmUp::shapeParameters();
+    out.push_back({"levels_off", 0.0, kMostLevelling, false, 0.0});
     out.push_back(restLawParameter());
     return out;
   }
   std::vector<std::vector<double>> shapes(const EffectInput& input, int actuator) const override {
-    return withRestLaws(WarmUp::shapes(input, actuator));
+    std::vector<std::vector<double>> grid = WarmUp::shapes(input, actuator);
+    for (std::vector<double>& shape : grid)
+      shape.push_back(0.0);
+    return withRestLaws(grid);
   }
+  int levelsOff() const override { return kLevelsOff; }
   std::vector<std::vector<double>> near(const std::vector<double>& shape, double step) const override {
     std::vector<std::vector<double>> out = besideRestLaw(shape, step);
     for (const std::vector<double>& other : WarmUp::near(shape, step))

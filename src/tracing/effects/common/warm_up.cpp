@@ -14,22 +14,23 @@ constexpr int kConstants = 4;         ///< in the grid
 constexpr double kTimeFactor = 1.75;  ///< between neighbours
 constexpr double kLeastUsual_N = 1e-3;
 
-dynamics::HeatSource heatedBy(const std::vector<double>& shape) {
-  return {dynamics::heatOf(shape[WarmUp::kHeatedBy]).value_or(dynamics::Heat::Clock), shape[WarmUp::kViscousHeat]};
+dynamics::HeatSource heatedBy(const WarmUp& kind, const std::vector<double>& shape) {
+  const double levels_off = kind.levelsOff() < 0 ? 0.0 : shape[static_cast<std::size_t>(kind.levelsOff())];
+  return {dynamics::heatOf(shape[WarmUp::kHeatedBy]).value_or(dynamics::Heat::Clock), shape[WarmUp::kViscousHeat],
+          levels_off};
 }
 
 /// How warm the actuator's drive is along a recording that begins cold; `usual_N`: at which force its windings' heat is 1.
-std::vector<double> warmthAlong(const EffectInput& input, int actuator, const std::vector<double>& shape,
-                                double usual_N) {
-  const dynamics::HeatSource by = heatedBy(shape);
+std::vector<double> warmthAlong(const EffectInput& input, int actuator, const dynamics::HeatSource& by,
+                                double time_constant_s, double usual_N) {
   const auto velocity = input.signals().velocity_m_per_s.col(actuator);
   std::vector<double> out(static_cast<std::size_t>(input.samples()), 0.0);
   dynamics::Warmth warmth;
   for (int n = 1; n < input.samples(); ++n) {
     const double period_s = input.time(n) - input.time(n - 1), share = input.force_N(n, actuator) / usual_N;
     out[static_cast<std::size_t>(n)] = by.by == dynamics::Heat::Winding
-                                           ? warmth.warm(share * share, period_s, shape[0])
-                                           : warmth.move(by, velocity[n], period_s, shape[0]);
+                                           ? warmth.warm(share * share, period_s, time_constant_s)
+                                           : warmth.move(by, velocity[n], period_s, time_constant_s);
   }
   return out;
 }
@@ -77,13 +78,14 @@ Eigen::MatrixXd WarmUp::columns(const EffectInput& input, int actuator, const st
   const Eigen::MatrixXd change = changing(input, actuator, shape);
   const double usual_N =
       usualForce() < 0 ? 1.0 : std::max(kLeastUsual_N, shape[static_cast<std::size_t>(usualForce())]);
-  const std::vector<double> warm = warmthAlong(input, actuator, shape, usual_N);
-  const bool worked = heatedBy(shape).by == dynamics::Heat::Worked;
+  const dynamics::HeatSource by = heatedBy(*this, shape);
+  const std::vector<double> warm = warmthAlong(input, actuator, by, shape[0], usual_N);
+  const bool worked = by.by == dynamics::Heat::Worked;
   Eigen::MatrixXd out(change.rows(), change.cols() * std::max(1, input.recordings));
   for (Eigen::Index n = 0; n < change.rows(); ++n) {
     const double own = warm[static_cast<std::size_t>(n)];
     const double cold = worked ? 1.0 - own : std::exp(-input.time(static_cast<int>(n)) / shape[0]);
-    out.row(n).head(change.cols()) = own * change.row(n);
+    out.row(n).head(change.cols()) = dynamics::felt(by, own) * change.row(n);
     // What it began with fades in time, whatever heats it; what had been worked less, by work. The first recording takes
     // what all others have more, so that the mean is nought.
     for (int r = 1; r < input.recordings; ++r) {

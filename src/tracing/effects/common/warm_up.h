@@ -17,10 +17,13 @@ class WarmUp : public Candidate {
  public:
   static constexpr std::size_t kHeatedBy = 1, kViscousHeat = 2;  ///< of the shape
   static constexpr double kMostViscous_s_per_m = 1000.0;         ///< that the latter may be
+  static constexpr double kMostLevelling = 30.0;                 ///< that HeatSource::levels_off may be
 
   /// Number of the shape parameter that says at which force (N, root mean square) the windings' heat is 1; below 0: they
   /// are not what warms this up.
   virtual int usualForce() const { return -1; }
+  /// Number of the shape parameter HeatSource::levels_off; below 0: this is in proportion to the warmth.
+  virtual int levelsOff() const { return -1; }
 
   bool goesWithTime() const override { return true; }
   std::vector<ShapeParameter> shapeParameters() const override;
