@@ -18,9 +18,9 @@ class Playing:
     the robot for, raises `stops`, and whatever was begun before looks at it after each wait: nothing moves by a Start that is older than the
     last of them."""
 
-    def __init__(self, robot, journal, on_stop=lambda: None):
-        """`on_stop()`: called at every STOP."""
-        self._robot, self._journal, self._on_stop = robot, journal, on_stop
+    def __init__(self, robot, journal, on_stop=lambda: None, on_pause=lambda: None):
+        """`on_stop()`, `on_pause()`: called at every STOP, at every pause."""
+        self._robot, self._journal, self._on_stop, self._on_pause = robot, journal, on_stop, on_pause
         self.stops = 0
         self.pause_asked = False
         self._task = None
@@ -101,6 +101,7 @@ class Playing:
     def note_pause(self):
         """Somebody wants the robot to pause, here or elsewhere."""
         self.pause_asked = True
+        self._on_pause()
 
     def note_resume(self):
         """Somebody wants it to go on: the pause has been taken back."""

@@ -94,10 +94,14 @@ class Requests:
         percent = (await fields(request, percent=float))["percent"]
         if not SLOWEST_PERCENT <= percent <= FASTEST_PERCENT:
             raise Refused(400, f"the speed lies between {SLOWEST_PERCENT:g} and {FASTEST_PERCENT:g} %")
-        if percent > self._server.playing.speed_percent and (why := self._server.freshness.objection(request)):
+        # What the page shows is 5 % at least, and late: a robot that somebody has slowed down to 0 % stands.
+        now = min(self._server.playing.speed_percent, (self._robot.state or {}).get("speed_percent", FASTEST_PERCENT))
+        if percent > now and (why := self._server.freshness.objection(request)):
             return self._refused(request, session, f"speed {percent:g} %", why)
         answer = await self._ask("set_speed", percent=percent)
         if answer.success:
+            if percent < now:
+                self._server.freshness.calm()
             self._server.playing.set_speed(percent)
         return self._server.note(request, session, f"speed {percent:g} %", answer)
 

@@ -52,7 +52,7 @@ class Server:
         self.audit = Journal(pathlib.Path(settings.log) / "audit.jsonl")
         self.events = Journal(pathlib.Path(settings.log) / "events.jsonl")
         self.freshness = Freshness()
-        self.playing = Playing(robot, self.events, self.freshness.stop)
+        self.playing = Playing(robot, self.events, self.freshness.stop, self.freshness.calm)
         self.stopping = Stopping(robot, self.playing, self.events)
         self.references = Folder(settings.references, (".txt", ".ref", ".dat", ".csv"), any_name=True)
         self.patients = Folder(settings.patients, (".yaml", ".yml"), any_name=True)
@@ -92,6 +92,8 @@ class Server:
             self.playing.note_pause()
         elif is_asked(event, "resume"):
             self.playing.note_resume()
+        elif is_asked(event, "set_speed"):
+            self.freshness.calm()
 
     def on_log(self, sentence):
         """A warning of the controller. A second later, when it is known which of them only repeat an answer."""
