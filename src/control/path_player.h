@@ -37,6 +37,8 @@ class PathPlayer {
   void setSpeed() noexcept { ++speeds_; }
   std::uint64_t pauses() const noexcept { return pauses_; }
   std::uint64_t speeds() const noexcept { return speeds_; }
+  /// PlayableReference::number() of what is loaded; 0: nothing.
+  std::uint64_t loaded() const noexcept { return loaded_; }
   /// The loaded reference from its first point.
   Answer play(const PathExpectation& wanted = {});
   /// From where the robot stands to the first point of the loaded reference; slower than `speed_m_per_s` where the
@@ -51,12 +53,14 @@ class PathPlayer {
   bool standsAtStart() const;
   std::string whyNot(const PathExpectation& expected) const;
   bool isHalted(const PathExpectation& expected) const { return expected.halts != halts(); }
+  bool isPaused(const PathExpectation& expected) const { return expected.pauses != pauses(); }
 
   const mechanism::Robot& robot_;
   Sync& sync_;
   const OperatorPanel& panel_;
   MachineRequests& requests_;
   std::atomic<std::uint64_t> halts_{0}, pauses_{0}, speeds_{0};
+  std::atomic<std::uint64_t> loaded_{0};  // changed under mutex_
   std::mutex begin_;          // from the offer of a path to the answer: what is begun is what was offered
   mutable std::mutex mutex_;  // of what follows
   std::string name_;

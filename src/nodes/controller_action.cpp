@@ -15,6 +15,8 @@ namespace {
 constexpr double kSlowestPercent = 5.0;
 constexpr double kOldest_s = 10.0;  // or as far ahead: clocks that differ, a bag of a computer whose clock was ahead
 
+const char* const kPausedSince = "somebody has paused the robot since this goal was sent; nothing moved for it";
+
 bool isMoving(control::MachineState state) {
   return state != control::MachineState::Disabled && state != control::MachineState::Holding &&
          state != control::MachineState::Faulted;
@@ -128,10 +130,8 @@ void PlayActionServer::receive(Handle handle) {
     if (!ended) {
       Job& job = unchecked_.emplace_back();
       job.handle = handle;
-      const control::WishesSoFar wishes = system_.wishesSoFar();
-      job.halts = wishes.halts;
-      job.speeds = wishes.speeds;
-      job.stops = job.halts + cancels_;
+      job.wishes = system_.wishesSoFar();
+      job.stops = job.wishes.halts + cancels_;
       job.age_s = ros::Time::now().toSec() - handle.getGoalID().stamp.toSec();
     }
   }
@@ -147,10 +147,9 @@ void PlayActionServer::checkArrivals() {
       arrived_.wait(lock, [this] { return !unchecked_.empty() || ended_; });
       if (unchecked_.empty()) return;
       job.handle = unchecked_.front().handle;
-      job.halts = unchecked_.front().halts;
+      job.wishes = unchecked_.front().wishes;
       job.stops = unchecked_.front().stops;
       job.age_s = unchecked_.front().age_s;
-      job.speeds = unchecked_.front().speeds;
     }
     const PlayGoal& goal = *job.handle.getGoal();
     control::Answer answer = checkRepeated(goal, job);
@@ -171,6 +170,8 @@ void PlayActionServer::decide(Job& job, control::Answer answer) {
     if (unchecked_.front().cancelled) return;
     if (ended_) answer = {false, "the controller is ending"};
     if (answer.ok && !running_) answer = checkMachine(*handle.getGoal());
+    // Whoever has paused the other goal meanwhile does not expect that this one moves.
+    if (answer.ok && system_.wishesSoFar().pauses != job.wishes.pauses) answer = {false, kPausedSince};
   }
   if (!answer.ok) {
     showAnswer("play", answer);
