@@ -152,8 +152,7 @@ Answer ControlSystem::resetFaults() {
 }
 
 WishesSoFar ControlSystem::wishesSoFar() const {
-  return {parts_->player.halts(), parts_->player.pauses(), parts_->player.speeds(),
-          parts_->player.loaded()};
+  return {parts_->player.halts(), parts_->player.pauses(), parts_->player.speeds(), parts_->player.loaded()};
 }
 
 Answer ControlSystem::pause() {

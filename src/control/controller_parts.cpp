@@ -115,6 +115,7 @@ void ControllerParts::tellOccupancy(Occupancy now, const PatientRange& range) {
   recordings.setOccupancy(now);
   machine.monitors->setPatient(range);
   if (machine.guide != nullptr) machine.guide->setPatient(range);
+  properties.forgetPayloads();
   range.given ? properties.bind() : properties.unbind();
 }
 

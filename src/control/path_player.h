@@ -61,8 +61,8 @@ class PathPlayer {
   MachineRequests& requests_;
   std::atomic<std::uint64_t> halts_{0}, pauses_{0}, speeds_{0};
   std::atomic<std::uint64_t> loaded_{0};  // changed under mutex_
-  std::mutex begin_;          // from the offer of a path to the answer: what is begun is what was offered
-  mutable std::mutex mutex_;  // of what follows
+  std::mutex begin_;                      // from the offer of a path to the answer: what is begun is what was offered
+  mutable std::mutex mutex_;              // of what follows
   std::string name_;
   trajectory::Points lengths_;  // of the loaded reference; empty: none
   std::string playing_;         // what was played last

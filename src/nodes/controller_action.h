@@ -35,8 +35,8 @@ class PlayActionServer {
   using Handle = Server::GoalHandle;
   struct Job {
     Handle handle;
-    CheckedReference checked;  // empty: the loaded reference
-    std::string recording;     // full path, empty: none
+    CheckedReference checked;     // empty: the loaded reference
+    std::string recording;        // full path, empty: none
     control::WishesSoFar wishes;  // when it arrived: a stop or a pause after that is for it, too
     std::uint64_t stops = 0;      // halts and cancels until it arrived
     double age_s = 0.0;           // when it arrived, by its stamp

@@ -47,7 +47,8 @@ void PlayedGoal::run() {
 control::Answer PlayedGoal::play() {
   const PlayGoal& goal = *job_.handle.getGoal();
   if (system_.halts() != job_.wishes.halts)
-    return {false, "somebody has stopped the robot, or changed who is on it, before this goal began; nothing moved for it"};
+    return {false,
+            "somebody has stopped the robot, or changed who is on it, before this goal began; nothing moved for it"};
   if (system_.state() == control::MachineState::Disabled) {
     if (!goal.enable) return {false, "the robot is disabled; enable it first, or say enable in the goal"};
     feedBack("enabling", system_.status());
