@@ -1,5 +1,6 @@
 """One exercise, repeated as often as asked for, as a course of requests to the robot."""
 import asyncio
+import contextlib
 import time
 
 from .answer import Answer
@@ -87,7 +88,13 @@ class Playing:
     async def ask_motion(self, service, stops):
         """A STOP that overtakes the order finds nothing to stop: the robot is stopped again when the order has been answered. `stops`: of
         when the order was given."""
-        answer = await self._robot.ask(service)
+        try:
+            answer = await self._robot.ask(service)
+        except asyncio.TimeoutError:
+            # It may wait in the controller, and be obeyed when nobody expects it any more: a stop ends what waits.
+            with contextlib.suppress(asyncio.TimeoutError):
+                await self._robot.ask("stop")
+            raise
         if answer.success and stops != self.stops:
             await self._robot.ask("stop")
             return Answer(False, f"stopped while the robot was being asked to {service}")

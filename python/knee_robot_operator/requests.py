@@ -13,7 +13,7 @@ from .playing import FASTEST_PERCENT, MOST_REPETITIONS, SLOWEST_PERCENT
 PLAIN = {"enable": "operate", "disable": "operate", "approach": "operate", "pause": "operate", "resume": "operate",
          "emergency_stop": "look", "reset_faults": "operate", "home": "operate", "confirm_home": "operate",
          "clear_patient": "operate", "declare_empty": "operate"}
-MOTIONS = ("approach", "resume", "home")
+MOTIONS = ("enable", "approach", "resume", "home")
 AT_ANY_TIME = ("disable", "pause", "emergency_stop")  # however old the page is that asks for it
 # Reports come from recordings, and recordings from anywhere. A report's page draws itself by scripts: in an origin of its own, without this
 # page's session, requests, forms, frames or windows. In every other file no script is executed.

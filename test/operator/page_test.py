@@ -90,6 +90,15 @@ class Playing(PageTest):
             _, answer = await one.post("/api/robot/resume", {}, headers={"X-Seen": str(rig.server.snapshot()["seen"])})
             self.assertTrue(answer["success"], answer)
 
+    async def test_an_order_that_is_not_answered_in_time_moves_nothing_later(self):
+        for order in ("enable", "approach", "resume", "home"):
+            robot = ToyRobot()
+            robot.answers[order] = asyncio.TimeoutError()  # it waits in the controller, behind a disk
+            async with Rig(robot) as rig, rig.browser() as browser:
+                _, answer = await browser.post(f"/api/robot/{order}")
+                self.assertEqual((False, f"the controller did not answer to {order} in time"), (answer["success"], answer["message"]))
+                self.assertEqual([(order, {}), ("stop", {})], robot.asked, "a stop ends what waits")
+
     async def test_start_away_from_the_start_is_refused_and_nothing_is_recorded(self):
         robot = ToyRobot()
         robot.here = False
