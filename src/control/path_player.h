@@ -30,13 +30,20 @@ class PathPlayer {
   /// Nothing is loaded: what was, was checked for somebody else.
   void forget();
   /// Somebody wants the robot to stand: called before the Supervisor is asked for it.
-  void halt() noexcept { ++halts_; }
+  void halt() noexcept {
+    last_wish_ = rt::monotonicNow();
+    ++halts_;
+  }
   std::uint64_t halts() const noexcept { return halts_; }
   /// Somebody wants it to wait, or another speed: called before the Supervisor is asked for it, too.
-  void pause() noexcept { ++pauses_; }
+  void pause() noexcept {
+    last_wish_ = rt::monotonicNow();
+    ++pauses_;
+  }
   void setSpeed() noexcept { ++speeds_; }
   std::uint64_t pauses() const noexcept { return pauses_; }
   std::uint64_t speeds() const noexcept { return speeds_; }
+  rt::Nanoseconds lastWish() const noexcept { return last_wish_; }
   /// PlayableReference::number() of what is loaded; 0: nothing.
   std::uint64_t loaded() const noexcept { return loaded_; }
   /// The loaded reference from its first point.
@@ -60,6 +67,7 @@ class PathPlayer {
   const OperatorPanel& panel_;
   MachineRequests& requests_;
   std::atomic<std::uint64_t> halts_{0}, pauses_{0}, speeds_{0};
+  std::atomic<rt::Nanoseconds> last_wish_{0};
   std::atomic<std::uint64_t> loaded_{0};  // changed under mutex_
   std::mutex begin_;                      // from the offer of a path to the answer: what is begun is what was offered
   mutable std::mutex mutex_;              // of what follows

@@ -1,5 +1,6 @@
 #include "controller_action.h"
 
+#include <algorithm>
 #include <cmath>
 #include <sstream>
 
@@ -13,7 +14,8 @@ namespace knee_robot::nodes {
 namespace {
 
 constexpr double kSlowestPercent = 5.0;
-constexpr double kOldest_s = 10.0;  // or as far ahead: clocks that differ, a bag of a computer whose clock was ahead
+constexpr double kOnItsWay_s = 0.5;  // a younger goal counts as sent now: clocks of two computers differ a little
+constexpr double kOldest_s = 10.0;   // or as far ahead: clocks that differ, a bag of a computer whose clock was ahead
 
 const char* const kPausedSince = "somebody has paused the robot since this goal was sent; nothing moved for it";
 
@@ -89,6 +91,10 @@ control::Answer PlayActionServer::check(const PlayGoal& goal, Job& job) const {
                        (job.age_s > 0.0 ? " s ago" : " s ahead of now") +
                        " by its stamp (is a bag being played, was the network away, do the clocks of the two "
                        "computers differ?); send it anew"};
+  if (job.age_s > std::max(job.calm_s, kOnItsWay_s))
+    return {false, "the goal was sent " + shortNumber(job.age_s, 3) +
+                       " s ago by its stamp, and the robot has been stopped or paused, or somebody else put on it, " +
+                       shortNumber(job.calm_s, 3) + " s ago; send it anew"};
   // Written so that not-a-number is refused.
   if (!(goal.speed_percent == 0.0 || (goal.speed_percent >= kSlowestPercent && goal.speed_percent <= 100.0)))
     return {false, "speed_percent must lie between 5 and 100, or be 0 for 100, not " + shortNumber(goal.speed_percent)};
@@ -133,6 +139,7 @@ void PlayActionServer::receive(Handle handle) {
       job.wishes = system_.wishesSoFar();
       job.stops = job.wishes.halts + cancels_;
       job.age_s = ros::Time::now().toSec() - handle.getGoalID().stamp.toSec();
+      job.calm_s = job.wishes.last == 0 ? job.age_s : rt::toSeconds(rt::monotonicNow() - job.wishes.last);
     }
   }
   if (ended) handle.setRejected(resultOf("the controller is ending"), "the controller is ending");
@@ -150,6 +157,7 @@ void PlayActionServer::checkArrivals() {
       job.wishes = unchecked_.front().wishes;
       job.stops = unchecked_.front().stops;
       job.age_s = unchecked_.front().age_s;
+      job.calm_s = unchecked_.front().calm_s;
     }
     const PlayGoal& goal = *job.handle.getGoal();
     control::Answer answer = checkRepeated(goal, job);

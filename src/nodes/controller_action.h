@@ -40,6 +40,7 @@ class PlayActionServer {
     control::WishesSoFar wishes;  // when it arrived: a stop or a pause after that is for it, too
     std::uint64_t stops = 0;      // halts and cancels until it arrived
     double age_s = 0.0;           // when it arrived, by its stamp
+    double calm_s = 0.0;          // then, since the last stop or pause
     bool cancelled = false;       // before it was checked
   };
   enum class Interruption { None, Cancelled, Preempted, ShutDown };
