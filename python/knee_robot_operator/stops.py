@@ -1,7 +1,7 @@
 """Stops in the controller's event log: whatever was planned before one of them must not move after it."""
 STOPPING = ("stop", "disable", "emergency_stop")
 _OCCUPANCY = ("load_patient", "clear_patient", "declare_empty")
-_MOVING = ("play", "approach", "start", "resume", "guide", "home")
+_MOVING = ("play", "approach", "start", "guide", "home")
 
 
 def is_stop(event):
