@@ -36,6 +36,7 @@ class Users:
 
     def __init__(self, path):
         self._path = pathlib.Path(path)
+        self._version = self._look_at_file()
         self._users = self._read()
         self._nobody = password_hash(secrets.token_hex(8))
 
@@ -57,6 +58,30 @@ class Users:
             if not isinstance(user["password"], str) or user["password"].count("$") != 1:
                 raise InputError(f"{self._path}: user '{name}': the password is not one that operator_user has written")
         return users
+
+    def _look_at_file(self):
+        try:
+            status = self._path.stat()
+        except OSError:
+            return None
+        return status.st_ino, status.st_mtime_ns, status.st_size
+
+    def look(self):
+        """Reads the file when it has changed; True: the users are other ones now. One that cannot be read changes nothing."""
+        version = self._look_at_file()
+        if version in (None, self._version):
+            return False
+        self._version = version
+        try:
+            self._users = self._read()
+        except InputError:
+            return False
+        return True
+
+    def mark(self, name):
+        """Another one when role or password is another; empty: there is no such user."""
+        user = self._users.get(name)
+        return f"{user['role']} {user['password']}" if user else ""
 
     def role(self, name, password):
         """The role, or None when name or password are wrong; takes as long for names that do not exist. About 50 ms of processor time."""
@@ -89,6 +114,7 @@ class Session:
     user: str
     role: str
     ends: float
+    mark: str = ""  # Users.mark() when it began
 
 
 class Sessions:
@@ -100,10 +126,10 @@ class Sessions:
         self._lifetime_s, self._clock = lifetime_s, clock
         self._sessions = {}
 
-    def open(self, user, role):
+    def open(self, user, role, mark=""):
         while len(self._sessions) >= self.MOST:
             del self._sessions[min(self._sessions.values(), key=lambda s: s.ends).token]
-        session = Session(secrets.token_urlsafe(32), secrets.token_urlsafe(32), user, role, self._clock() + self._lifetime_s)
+        session = Session(secrets.token_urlsafe(32), secrets.token_urlsafe(32), user, role, self._clock() + self._lifetime_s, mark)
         self._sessions[session.token] = session
         return session
 
@@ -113,6 +139,12 @@ class Sessions:
             self.close(token)
             return None
         return session
+
+    def keep(self, mark):
+        """Closes those whose user is not what he was: `mark(user)`."""
+        for session in list(self._sessions.values()):
+            if session.mark != mark(session.user):
+                self.close(session.token)
 
     def close(self, token):
         self._sessions.pop(token or "", None)

@@ -10,7 +10,8 @@ class Freshness:
     """A phone that sleeps or has lost its network sends what was pressed when it wakes up; by then somebody else may have stopped the robot."""
 
     def __init__(self, clock=time.monotonic):
-        self._clock, self._begin, self._stopped, self._changed = clock, clock(), -1.0, -1.0
+        self._clock, self._begin = clock, clock()
+        self._stopped = self._calmed = self._changed = -1.0
 
     def now(self):
         """Seconds, the stamp of a state."""
@@ -18,6 +19,10 @@ class Freshness:
 
     def stop(self):
         self._stopped = self.now()
+
+    def calm(self):
+        """Somebody wants the robot to wait, or another speed: what was pressed before on another page, or was overtaken on its way, is older."""
+        self._calmed = self.now()
 
     def change(self):
         """Another exercise or patient."""
@@ -36,4 +41,6 @@ class Freshness:
             return "this was asked for by a page that had not heard from the robot for a while; look at the robot, then ask again"
         if seen <= self._stopped:
             return "the robot was stopped since this was asked for; look at the robot, then ask again"
+        if seen <= self._calmed:
+            return "the robot was paused, or its speed changed, since this was asked for; look at the robot, then ask again"
         return "exercise or patient was changed since this was asked for; look at the page, then ask again" if seen <= self._changed else ""

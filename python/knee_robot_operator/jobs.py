@@ -141,7 +141,7 @@ class Jobs:
         for service, fields in (("load_reference", {"file": name, "space": ""}), ("approach", {})):
             self._go_on(playing, stops)
             self._unless_paused(playing)
-            answer = await robot.ask(service, **fields)
+            answer = await (playing.ask_motion(service, stops) if service == "approach" else robot.ask(service, **fields))
             if not answer.success:
                 raise _Ended(answer.message)
         end = time.monotonic() + _APPROACH_S

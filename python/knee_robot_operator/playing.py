@@ -1,5 +1,6 @@
 """One exercise, repeated as often as asked for, as a course of requests to the robot."""
 import asyncio
+import contextlib
 import time
 
 from .answer import Answer
@@ -18,9 +19,9 @@ class Playing:
     the robot for, raises `stops`, and whatever was begun before looks at it after each wait: nothing moves by a Start that is older than the
     last of them."""
 
-    def __init__(self, robot, journal, on_stop=lambda: None):
-        """`on_stop()`: called at every STOP."""
-        self._robot, self._journal, self._on_stop = robot, journal, on_stop
+    def __init__(self, robot, journal, on_stop=lambda: None, on_pause=lambda: None):
+        """`on_stop()`, `on_pause()`: called at every STOP, at every pause."""
+        self._robot, self._journal, self._on_stop, self._on_pause = robot, journal, on_stop, on_pause
         self.stops = 0
         self.pause_asked = False
         self._task = None
@@ -87,7 +88,13 @@ class Playing:
     async def ask_motion(self, service, stops):
         """A STOP that overtakes the order finds nothing to stop: the robot is stopped again when the order has been answered. `stops`: of
         when the order was given."""
-        answer = await self._robot.ask(service)
+        try:
+            answer = await self._robot.ask(service)
+        except asyncio.TimeoutError:
+            # It may wait in the controller, and be obeyed when nobody expects it any more: a stop ends what waits.
+            with contextlib.suppress(asyncio.TimeoutError):
+                await self._robot.ask("stop")
+            raise
         if answer.success and stops != self.stops:
             await self._robot.ask("stop")
             return Answer(False, f"stopped while the robot was being asked to {service}")
@@ -101,6 +108,7 @@ class Playing:
     def note_pause(self):
         """Somebody wants the robot to pause, here or elsewhere."""
         self.pause_asked = True
+        self._on_pause()
 
     def note_resume(self):
         """Somebody wants it to go on: the pause has been taken back."""

@@ -13,7 +13,7 @@ from .playing import FASTEST_PERCENT, MOST_REPETITIONS, SLOWEST_PERCENT
 PLAIN = {"enable": "operate", "disable": "operate", "approach": "operate", "pause": "operate", "resume": "operate",
          "emergency_stop": "look", "reset_faults": "operate", "home": "operate", "confirm_home": "operate",
          "clear_patient": "operate", "declare_empty": "operate"}
-MOTIONS = ("approach", "resume", "home")
+MOTIONS = ("enable", "approach", "resume", "home")
 AT_ANY_TIME = ("disable", "pause", "emergency_stop")  # however old the page is that asks for it
 # Reports come from recordings, and recordings from anywhere. A report's page draws itself by scripts: in an origin of its own, without this
 # page's session, requests, forms, frames or windows. In every other file no script is executed.
@@ -94,10 +94,14 @@ class Requests:
         percent = (await fields(request, percent=float))["percent"]
         if not SLOWEST_PERCENT <= percent <= FASTEST_PERCENT:
             raise Refused(400, f"the speed lies between {SLOWEST_PERCENT:g} and {FASTEST_PERCENT:g} %")
-        if percent > self._server.playing.speed_percent and (why := self._server.freshness.objection(request)):
+        # What the page shows is 5 % at least, and late: a robot that somebody has slowed down to 0 % stands.
+        now = min(self._server.playing.speed_percent, (self._robot.state or {}).get("speed_percent", FASTEST_PERCENT))
+        if percent > now and (why := self._server.freshness.objection(request)):
             return self._refused(request, session, f"speed {percent:g} %", why)
         answer = await self._ask("set_speed", percent=percent)
         if answer.success:
+            if percent < now:
+                self._server.freshness.calm()
             self._server.playing.set_speed(percent)
         return self._server.note(request, session, f"speed {percent:g} %", answer)
 

@@ -26,6 +26,7 @@ _TYPES = {".html": "text/html", ".js": "text/javascript", ".css": "text/css", ".
 
 
 _OTHERS_S = 1.0
+_USERS_S = 1.0
 
 
 def read_pages(folder):
@@ -52,7 +53,7 @@ class Server:
         self.audit = Journal(pathlib.Path(settings.log) / "audit.jsonl")
         self.events = Journal(pathlib.Path(settings.log) / "events.jsonl")
         self.freshness = Freshness()
-        self.playing = Playing(robot, self.events, self.freshness.stop)
+        self.playing = Playing(robot, self.events, self.freshness.stop, self.freshness.calm)
         self.stopping = Stopping(robot, self.playing, self.events)
         self.references = Folder(settings.references, (".txt", ".ref", ".dat", ".csv"), any_name=True)
         self.patients = Folder(settings.patients, (".yaml", ".yml"), any_name=True)
@@ -92,6 +93,8 @@ class Server:
             self.playing.note_pause()
         elif is_asked(event, "resume"):
             self.playing.note_resume()
+        elif is_asked(event, "set_speed"):
+            self.freshness.calm()
 
     def on_log(self, sentence):
         """A warning of the controller. A second later, when it is known which of them only repeat an answer."""
@@ -131,8 +134,16 @@ class Server:
         return app
 
     async def _begin(self, _app):
-        self._tasks = [asyncio.create_task(self.live.run()), asyncio.create_task(self.lost_page.run())]
+        self._tasks = [asyncio.create_task(self.live.run()), asyncio.create_task(self.lost_page.run()),
+                       asyncio.create_task(self._watch_users())]
         self.events.add("page", "the operator's page has started")
+
+    async def _watch_users(self):
+        """Whoever is removed from the users' file, or gets another role or password there, has to log in anew. No request waits for that disk."""
+        while self.users is not None:
+            await asyncio.sleep(_USERS_S)
+            if await asyncio.to_thread(self.users.look):
+                self.sessions.keep(self.users.mark)
 
     async def _end(self, _app):
         for task in self._tasks:
@@ -163,17 +174,18 @@ class Server:
             raise Refused(429, f"too many attempts; try again in {max(1, round(wait_s))} s")
         name = asked["user"] if re.fullmatch(r"[\w.@-]{1,40}", asked["user"]) else ""
         password = asked["password"][:LONGEST_PASSWORD]
+        mark = self.users.mark(name)
         self._checking += 1
         try:
             role = await asyncio.get_running_loop().run_in_executor(None, self.users.role, name, password)
         finally:
             self._checking -= 1
-        if role is None:
+        if role is None or mark != self.users.mark(name):
             self.login_limit.failed(request.remote)
             self.audit.add("refused", "login", user=name, role="", address=request.remote, answer="wrong name or password")
             raise Refused(401, "wrong name or password")
         self.login_limit.succeeded(request.remote)
-        session = self.sessions.open(name, role)
+        session = self.sessions.open(name, role, mark)
         self.audit.add("request", "login", user=name, role=role, address=request.remote, answer="welcome")
         answer = web.json_response({"success": True, "message": ""})
         answer.set_cookie(COOKIE, session.token, httponly=True, samesite="Strict", secure=self.settings.tls, path="/")

@@ -152,7 +152,8 @@ Answer ControlSystem::resetFaults() {
 }
 
 WishesSoFar ControlSystem::wishesSoFar() const {
-  return {parts_->player.halts(), parts_->player.pauses(), parts_->player.speeds()};
+  return {parts_->player.halts(), parts_->player.pauses(), parts_->player.speeds(), parts_->player.lastWish(),
+          parts_->player.loaded()};
 }
 
 Answer ControlSystem::pause() {

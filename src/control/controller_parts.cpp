@@ -110,10 +110,12 @@ std::string ControllerParts::whyOccupancyStays() const {
 }
 
 void ControllerParts::tellOccupancy(Occupancy now, const PatientRange& range) {
-  player.forget();  // what is loaded was checked for somebody else
+  player.halt();    // whatever was asked for before was meant for somebody else,
+  player.forget();  // and what is loaded was checked for him
   recordings.setOccupancy(now);
   machine.monitors->setPatient(range);
   if (machine.guide != nullptr) machine.guide->setPatient(range);
+  properties.forgetPayloads();
   range.given ? properties.bind() : properties.unbind();
 }
 

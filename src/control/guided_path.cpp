@@ -89,18 +89,22 @@ bool GuidedPath::add(const std::array<double, 4>& lengths_m) noexcept {
 }
 
 trajectory::Points GuidedPath::points() const {
+  const std::uint32_t number = number_.load(std::memory_order_acquire);
   const std::size_t count = size();
   trajectory::Points out(static_cast<Eigen::Index>(count), 4);
   for (std::size_t k = 0; k < count; ++k) {
     for (std::size_t i = 0; i < 4; ++i)
       out(static_cast<Eigen::Index>(k), static_cast<Eigen::Index>(i)) = samples_[k][i];
   }
+  std::atomic_thread_fence(std::memory_order_acquire);
+  if (number_.load(std::memory_order_relaxed) != number) out.resize(0, 4);
   return out;
 }
 
 GuidedReference guidedReference(const trajectory::Points& guided, const mechanism::Robot& robot,
                                 const std::optional<PatientLimits>& patient) {
-  if (guided.rows() < 2) throw InputError("nothing was guided yet: there is no path to save");
+  if (guided.rows() < 2)
+    throw InputError("nothing was guided since the axes know where they are: there is no path to save");
   Eigen::MatrixXd smooth = withoutRests(guided);
   recording::ZeroPhaseLowPass(kCutoff_hz, 1.0 / trajectory::kStreamPeriod).applyToColumns(smooth);
   GuidedReference out;

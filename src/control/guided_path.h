@@ -19,17 +19,29 @@ class GuidedPath {
   static constexpr std::size_t kMostSamples = 60'000;  // ten minutes
 
   GuidedPath() : samples_(kMostSamples) {}
-  /// Forgets, for a new path. Real-time safe, as add().
-  void begin() noexcept { count_.store(0, std::memory_order_release); }
+  /// Forgets, for a new path. Real-time safe, as add() and measure().
+  void begin() noexcept {
+    number_.fetch_add(1, std::memory_order_acq_rel);
+    count_.store(0, std::memory_order_release);
+  }
+  /// Each cycle: the axes know where they are (`homed`), by the home of this number. Lengths by another one, or by
+  /// counts that turned out to be wrong, are no path any more.
+  void measure(bool homed, std::uint32_t home_number) noexcept {
+    if (homed && home_number == home_number_) return;
+    home_number_ = home_number;
+    if (size() > 0) begin();
+  }
   /// False when it is full.
   bool add(const std::array<double, 4>& lengths_m) noexcept;
   std::size_t size() const noexcept { return count_.load(std::memory_order_acquire); }
-  /// N x 4, m.
+  /// N x 4, m; none when the next guiding has begun meanwhile.
   trajectory::Points points() const;
 
  private:
   std::vector<std::array<double, 4>> samples_;
   std::atomic<std::size_t> count_{0};
+  std::atomic<std::uint32_t> number_{0};  // of the path
+  std::uint32_t home_number_ = 0;         // of the writer
 };
 
 /// A guided path as a reference that may be played: rests at the ends cut to `rest_s`, zero-phase low-pass, beginning

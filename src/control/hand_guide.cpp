@@ -80,6 +80,7 @@ void HandGuide::readPorts(double dt) noexcept {
   for (std::size_t i = 0; i < hardware::kAxes; ++i)
     inputs_[i]->read(commands_[i]);
   const bool fresh = measurement.read(measured_) == rt::FlowStatus::NewData;
+  path_.measure(order_.homed, measured_.home_number);
   if (fresh && measured_.status == hardware::IoStatus::Ok) {
     const double share = 1.0 - std::exp(-kTwoPi * kCutoff_hz * dt);
     velocity_ += share * (mechanism::Vector4(measured_.velocity_m_per_s.data()) - velocity_);

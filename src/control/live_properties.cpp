@@ -58,6 +58,18 @@ void LiveProperties::unbind() {
   bound_.clear();
 }
 
+void LiveProperties::forgetPayloads() {
+  {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    if (bound_.empty()) return;
+  }
+  const std::lock_guard<std::mutex> one_at_a_time(setting_);
+  for (const rt::PropertyReport& one : deployed_) {
+    if (one.at_run_time && one.unit == "kg")
+      rt::changeProperty(*deployment_.component(one.component), one.name, one.value);
+  }
+}
+
 /// In however many steps.
 std::string LiveProperties::whyTooFar(const std::string& component, const std::string& property,
                                       const std::string& value) const {

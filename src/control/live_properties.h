@@ -28,6 +28,8 @@ class LiveProperties {
   void bind();
   /// Their range alone holds.
   void unbind();
+  /// The patient has left: payloads, which were his, are what they were at the start.
+  void forgetPayloads();
   /// The sentence says what was before.
   Answer set(const std::string& component, const std::string& property, const std::string& value);
 

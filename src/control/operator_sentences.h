@@ -16,8 +16,10 @@ Answer sentenceOf(RequestKind asked, const RequestAnswer& answer, const ControlS
                   double start_tolerance_m);
 
 /// Of whoever asked for a motion before somebody else wanted the robot to stand.
-inline const Answer kHalted{false,
-                            "somebody has stopped the robot since this was asked for; ask again when it may move"};
+inline const Answer kHalted{
+    false,
+    "somebody has stopped the robot, or changed who is on it, since this was asked for; ask again "
+    "when it may move"};
 
 /// Of whoever wanted the robot to go on before somebody else wanted it to wait.
 inline const Answer kPaused{false,

@@ -41,6 +41,7 @@ Answer PathPlayer::load(const PlayableReference& playable, const Patient& patien
   const std::lock_guard<std::mutex> lock(mutex_);
   lengths_ = std::move(lengths);
   name_ = reference.name;
+  loaded_ = playable.number();
   return {true, name_ + ": " + std::to_string(rows) + " points, " + shortNumber(duration) +
                     " s, within all limits of the robot"};
 }
@@ -49,6 +50,7 @@ void PathPlayer::forget() {
   const std::lock_guard<std::mutex> lock(mutex_);
   lengths_ = trajectory::Points();
   name_.clear();
+  loaded_ = 0;
 }
 
 /// A stop that comes before the Supervisor knows of the path finds nothing to stop: it is seen before, or behind it.
@@ -61,6 +63,7 @@ Answer PathPlayer::playLengths(const trajectory::Points& lengths, const std::str
   ReferencePath path = ReferencePath::of(std::move(points));
   const std::lock_guard<std::mutex> begin(begin_);
   if (isHalted(expected)) return kHalted;
+  if (isPaused(expected)) return kPaused;
   sync_.store().offer(std::move(path));
   const Answer answer = requests_.make(RequestKind::Play, kPlayerAnswer_s);
   if (!answer.ok) return answer;
@@ -68,6 +71,7 @@ Answer PathPlayer::playLengths(const trajectory::Points& lengths, const std::str
     requests_.make(RequestKind::Stop, kPlayerAnswer_s);
     return kHalted;
   }
+  if (isPaused(expected)) requests_.make(RequestKind::Pause, kPlayerAnswer_s);
   const std::lock_guard<std::mutex> lock(mutex_);
   playing_ = what;
   return {true, "playing " + what};
@@ -76,12 +80,16 @@ Answer PathPlayer::playLengths(const trajectory::Points& lengths, const std::str
 /// Empty: the loaded reference may be used. Under the mutex.
 std::string PathPlayer::whyNot(const PathExpectation& expected) const {
   if (lengths_.rows() == 0) return "no reference is loaded; load one first";
-  if (expected.reference.empty() || expected.reference == name_) return "";
+  const bool same_name = expected.reference.empty() || expected.reference == name_;
+  if (same_name && expected.loaded.value_or(loaded_) != loaded_)
+    return "somebody else has loaded " + name_ + " since this was asked for";
+  if (same_name) return "";
   return "somebody else has loaded " + name_ + " in place of " + expected.reference + " meanwhile";
 }
 
 PathExpectation PathPlayer::fromNow(PathExpectation expected) const {
   if (!expected.halts) expected.halts = halts();
+  if (!expected.pauses) expected.pauses = pauses();
   return expected;
 }
 

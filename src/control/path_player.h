@@ -30,13 +30,22 @@ class PathPlayer {
   /// Nothing is loaded: what was, was checked for somebody else.
   void forget();
   /// Somebody wants the robot to stand: called before the Supervisor is asked for it.
-  void halt() noexcept { ++halts_; }
+  void halt() noexcept {
+    last_wish_ = rt::monotonicNow();
+    ++halts_;
+  }
   std::uint64_t halts() const noexcept { return halts_; }
   /// Somebody wants it to wait, or another speed: called before the Supervisor is asked for it, too.
-  void pause() noexcept { ++pauses_; }
+  void pause() noexcept {
+    last_wish_ = rt::monotonicNow();
+    ++pauses_;
+  }
   void setSpeed() noexcept { ++speeds_; }
   std::uint64_t pauses() const noexcept { return pauses_; }
   std::uint64_t speeds() const noexcept { return speeds_; }
+  rt::Nanoseconds lastWish() const noexcept { return last_wish_; }
+  /// PlayableReference::number() of what is loaded; 0: nothing.
+  std::uint64_t loaded() const noexcept { return loaded_; }
   /// The loaded reference from its first point.
   Answer play(const PathExpectation& wanted = {});
   /// From where the robot stands to the first point of the loaded reference; slower than `speed_m_per_s` where the
@@ -51,14 +60,17 @@ class PathPlayer {
   bool standsAtStart() const;
   std::string whyNot(const PathExpectation& expected) const;
   bool isHalted(const PathExpectation& expected) const { return expected.halts != halts(); }
+  bool isPaused(const PathExpectation& expected) const { return expected.pauses != pauses(); }
 
   const mechanism::Robot& robot_;
   Sync& sync_;
   const OperatorPanel& panel_;
   MachineRequests& requests_;
   std::atomic<std::uint64_t> halts_{0}, pauses_{0}, speeds_{0};
-  std::mutex begin_;          // from the offer of a path to the answer: what is begun is what was offered
-  mutable std::mutex mutex_;  // of what follows
+  std::atomic<rt::Nanoseconds> last_wish_{0};
+  std::atomic<std::uint64_t> loaded_{0};  // changed under mutex_
+  std::mutex begin_;                      // from the offer of a path to the answer: what is begun is what was offered
+  mutable std::mutex mutex_;              // of what follows
   std::string name_;
   trajectory::Points lengths_;  // of the loaded reference; empty: none
   std::string playing_;         // what was played last

@@ -69,6 +69,13 @@ SharedGuardianLink SharedGuardianLink::open(const std::string& name) {
   if (descriptor < 0) refuse(name, whyNoSharedMemory(errno));
   struct stat information {};
   bool fits = ::fstat(descriptor, &information) == 0;
+  const bool foreign = information.st_uid != ::geteuid() && information.st_uid != 0;
+  if (fits && (foreign || (information.st_mode & (S_IWGRP | S_IWOTH)) != 0)) {
+    ::close(descriptor);
+    refuse(name,
+           "other users may write it, and with it what the drives are given; end who uses it and remove it from "
+           "/dev/shm");
+  }
   const bool is_new = fits && information.st_size == 0;
   // Two who come at once both set the same size; what is added reads as zero, the link's first state.
   const int full = is_new ? ::posix_fallocate(descriptor, 0, sizeof(GuardianLink)) : 0;

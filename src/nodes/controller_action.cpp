@@ -1,5 +1,6 @@
 #include "controller_action.h"
 
+#include <algorithm>
 #include <cmath>
 #include <sstream>
 
@@ -13,7 +14,10 @@ namespace knee_robot::nodes {
 namespace {
 
 constexpr double kSlowestPercent = 5.0;
-constexpr double kOldest_s = 10.0;  // or as far ahead: clocks that differ, a bag of a computer whose clock was ahead
+constexpr double kOnItsWay_s = 0.5;  // a younger goal counts as sent now: clocks of two computers differ a little
+constexpr double kOldest_s = 10.0;   // or as far ahead: clocks that differ, a bag of a computer whose clock was ahead
+
+const char* const kPausedSince = "somebody has paused the robot since this goal was sent; nothing moved for it";
 
 bool isMoving(control::MachineState state) {
   return state != control::MachineState::Disabled && state != control::MachineState::Holding &&
@@ -87,6 +91,10 @@ control::Answer PlayActionServer::check(const PlayGoal& goal, Job& job) const {
                        (job.age_s > 0.0 ? " s ago" : " s ahead of now") +
                        " by its stamp (is a bag being played, was the network away, do the clocks of the two "
                        "computers differ?); send it anew"};
+  if (job.age_s > std::max(job.calm_s, kOnItsWay_s))
+    return {false, "the goal was sent " + shortNumber(job.age_s, 3) +
+                       " s ago by its stamp, and the robot has been stopped or paused, or somebody else put on it, " +
+                       shortNumber(job.calm_s, 3) + " s ago; send it anew"};
   // Written so that not-a-number is refused.
   if (!(goal.speed_percent == 0.0 || (goal.speed_percent >= kSlowestPercent && goal.speed_percent <= 100.0)))
     return {false, "speed_percent must lie between 5 and 100, or be 0 for 100, not " + shortNumber(goal.speed_percent)};
@@ -128,11 +136,10 @@ void PlayActionServer::receive(Handle handle) {
     if (!ended) {
       Job& job = unchecked_.emplace_back();
       job.handle = handle;
-      const control::WishesSoFar wishes = system_.wishesSoFar();
-      job.halts = wishes.halts;
-      job.speeds = wishes.speeds;
-      job.stops = job.halts + cancels_;
+      job.wishes = system_.wishesSoFar();
+      job.stops = job.wishes.halts + cancels_;
       job.age_s = ros::Time::now().toSec() - handle.getGoalID().stamp.toSec();
+      job.calm_s = job.wishes.last == 0 ? job.age_s : rt::toSeconds(rt::monotonicNow() - job.wishes.last);
     }
   }
   if (ended) handle.setRejected(resultOf("the controller is ending"), "the controller is ending");
@@ -147,10 +154,10 @@ void PlayActionServer::checkArrivals() {
       arrived_.wait(lock, [this] { return !unchecked_.empty() || ended_; });
       if (unchecked_.empty()) return;
       job.handle = unchecked_.front().handle;
-      job.halts = unchecked_.front().halts;
+      job.wishes = unchecked_.front().wishes;
       job.stops = unchecked_.front().stops;
       job.age_s = unchecked_.front().age_s;
-      job.speeds = unchecked_.front().speeds;
+      job.calm_s = unchecked_.front().calm_s;
     }
     const PlayGoal& goal = *job.handle.getGoal();
     control::Answer answer = checkRepeated(goal, job);
@@ -171,6 +178,8 @@ void PlayActionServer::decide(Job& job, control::Answer answer) {
     if (unchecked_.front().cancelled) return;
     if (ended_) answer = {false, "the controller is ending"};
     if (answer.ok && !running_) answer = checkMachine(*handle.getGoal());
+    // Whoever has paused the other goal meanwhile does not expect that this one moves.
+    if (answer.ok && system_.wishesSoFar().pauses != job.wishes.pauses) answer = {false, kPausedSince};
   }
   if (!answer.ok) {
     showAnswer("play", answer);

@@ -35,13 +35,13 @@ class PlayActionServer {
   using Handle = Server::GoalHandle;
   struct Job {
     Handle handle;
-    CheckedReference checked;  // empty: the loaded reference
-    std::string recording;     // full path, empty: none
-    std::uint64_t halts = 0;   // ControlSystem::halts() when it arrived: a stop after that is for it, too
-    std::uint64_t speeds = 0;  // WishesSoFar::speeds, likewise
-    std::uint64_t stops = 0;   // halts and cancels until it arrived
-    double age_s = 0.0;        // when it arrived, by its stamp
-    bool cancelled = false;    // before it was checked
+    CheckedReference checked;     // empty: the loaded reference
+    std::string recording;        // full path, empty: none
+    control::WishesSoFar wishes;  // when it arrived: a stop or a pause after that is for it, too
+    std::uint64_t stops = 0;      // halts and cancels until it arrived
+    double age_s = 0.0;           // when it arrived, by its stamp
+    double calm_s = 0.0;          // then, since the last stop or pause
+    bool cancelled = false;       // before it was checked
   };
   enum class Interruption { None, Cancelled, Preempted, ShutDown };
 

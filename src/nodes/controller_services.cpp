@@ -8,6 +8,15 @@
 #include "terminal.h"
 
 namespace knee_robot::nodes {
+namespace {
+
+/// That nothing of it has changed when a path begins.
+control::PathExpectation expecting(const control::WishesSoFar& since) {
+  return {"", since.halts, since.pauses, since.loaded};
+}
+
+}  // namespace
+
 ControllerServices::ControllerServices(ros::NodeHandle& commands, ros::NodeHandle& stops,
                                        control::ControlSystem& system, References& references, const Folder& patients,
                                        const Folder& recordings, EventLog& log)
@@ -20,8 +29,8 @@ ControllerServices::ControllerServices(ros::NodeHandle& commands, ros::NodeHandl
   offerMotion(commands, "home", [this](Stops since) { return system_.home(since.halts); });
   offer(commands, "confirm_home", [this] { return system_.confirmHome(); });
   offerMotion(commands, "enable", [this](Stops since) { return system_.enable(since.halts); });
-  offerMotion(commands, "approach", [this](Stops since) { return system_.approach(0.01, {"", since.halts}); });
-  offerMotion(commands, "start", [this](Stops since) { return system_.play({"", since.halts}); });
+  offerMotion(commands, "approach", [this](Stops since) { return system_.approach(0.01, expecting(since)); });
+  offerMotion(commands, "start", [this](Stops since) { return system_.play(expecting(since)); });
   offerMotion(commands, "resume", [this](Stops since) { return system_.resume(since); });
   offerMotion(commands, "guide", [this](Stops since) { return system_.guide(since.halts); });
   servers_.push_back(commands.advertiseService("save_guided", &ControllerServices::saveGuided, this));

@@ -14,7 +14,7 @@
 
 namespace knee_robot::nodes {
 
-/// Properties of components under dynamic_reconfigure: what is shown is always what the components have.
+/// Properties of components under dynamic_reconfigure: what is answered is what the components have.
 template <typename Config>
 class LiveConfig {
  public:
@@ -34,6 +34,7 @@ class LiveConfig {
     Config config;
     server_.getConfigDefault(config);
     readBack(config);
+    shown_ = config;
     server_.setConfigDefault(config);
     server_.updateConfig(config);
     server_.setCallback([this](Config& asked, std::uint32_t) { change(asked); });
@@ -43,12 +44,14 @@ class LiveConfig {
   void change(Config& asked) {
     for (const Entry& one : entries_) {
       const double wanted = asked.*one.field;
-      if (wanted == one.value->value()) continue;
+      // The others are what the server showed last; set_property, or another patient, may have changed them since.
+      if (wanted == shown_.*one.field || wanted == one.value->value()) continue;
       const control::Answer answer = system_.setProperty(one.component->name(), one.property, exactNumber(wanted));
       log_.request("", name_ + " (dynamic_reconfigure)", answer);
       showAnswer(name_, answer);
     }
     readBack(asked);
+    shown_ = asked;
   }
 
   void readBack(Config& config) const {
@@ -60,6 +63,7 @@ class LiveConfig {
   control::ControlSystem& system_;
   EventLog& log_;
   const std::vector<Entry> entries_;
+  Config shown_;
   boost::recursive_mutex mutex_;
   dynamic_reconfigure::Server<Config> server_;
 };

@@ -46,12 +46,13 @@ void PlayedGoal::run() {
 
 control::Answer PlayedGoal::play() {
   const PlayGoal& goal = *job_.handle.getGoal();
-  if (system_.halts() != job_.halts)
-    return {false, "somebody has stopped the robot before this goal began; nothing moved for it"};
+  if (system_.halts() != job_.wishes.halts)
+    return {false,
+            "somebody has stopped the robot, or changed who is on it, before this goal began; nothing moved for it"};
   if (system_.state() == control::MachineState::Disabled) {
     if (!goal.enable) return {false, "the robot is disabled; enable it first, or say enable in the goal"};
     feedBack("enabling", system_.status());
-    if (const control::Answer answer = system_.enable(job_.halts); !answer.ok) return answer;
+    if (const control::Answer answer = system_.enable(job_.wishes.halts); !answer.ok) return answer;
   }
   if (job_.checked.playable) {
     if (const control::Answer answer = server_.references_.load(job_.checked); !answer.ok) return answer;
@@ -59,7 +60,8 @@ control::Answer PlayedGoal::play() {
   name_ = job_.checked.playable ? job_.checked.playable->reference().name : system_.status().reference;
   result_.duration_s = server_.references_.loadedDuration();
   if (isInterrupted()) return breakOff();
-  const control::PathExpectation as_asked{name_, job_.halts};
+  control::PathExpectation as_asked{name_, job_.wishes.halts, job_.wishes.pauses, job_.wishes.loaded};
+  if (job_.checked.playable) as_asked.loaded = job_.checked.playable->number();
   const double most = fastestAllowed();
   double speed = std::min(most, goal.speed_percent > 0.0 ? goal.speed_percent : 100.0);
   if (goal.approach) {
@@ -76,12 +78,13 @@ control::Answer PlayedGoal::play() {
 }
 
 /// To the first point.
-control::Answer PlayedGoal::approach(double speed_percent, const control::PathExpectation& as_asked) {
+control::Answer PlayedGoal::approach(double speed_percent, control::PathExpectation& as_asked) {
   if (const control::Answer answer = system_.setPathSpeed(speed_percent); !answer.ok) return answer;
   const double speed = job_.handle.getGoal()->approach_speed;
   const control::Answer begun = system_.approach(speed > 0.0 ? speed : kApproachSpeed, as_asked);
   if (!begun.ok) return begun;
   const control::Answer arrived = follow("approaching", false);
+  as_asked.pauses = system_.wishesSoFar().pauses;  // those on the way have been obeyed
   if (arrived.ok && system_.status().pause_asked)
     return {false, "somebody has paused the robot at the very end of the approach; it holds at the first point"};
   return arrived;
@@ -89,7 +92,7 @@ control::Answer PlayedGoal::approach(double speed_percent, const control::PathEx
 
 /// %: what somebody has set since the goal came, which may have waited for the drives, or for a disk.
 double PlayedGoal::fastestAllowed() const {
-  return system_.wishesSoFar().speeds == job_.speeds ? 100.0 : system_.status().speed_percent;
+  return system_.wishesSoFar().speeds == job_.wishes.speeds ? 100.0 : system_.status().speed_percent;
 }
 
 /// Until the path is at its end, or is ended by whatever.

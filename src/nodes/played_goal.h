@@ -23,7 +23,7 @@ class PlayedGoal {
   using Interruption = PlayActionServer::Interruption;
 
   control::Answer play();
-  control::Answer approach(double speed_percent, const control::PathExpectation& as_asked);
+  control::Answer approach(double speed_percent, control::PathExpectation& as_asked);
   double fastestAllowed() const;
   control::Answer follow(const std::string& phase, bool measure);
   control::Answer breakOff();

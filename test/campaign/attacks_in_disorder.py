@@ -1,10 +1,12 @@
 """Attacks by processes in the wrong order and number: guardians that die where nobody starts them again, controllers and guardians that were not told
 of each other, masters that stand still."""
 import contextlib
+import mmap
 import os
 import pathlib
 import shutil
 import signal
+import struct
 import time
 
 import numpy as np
@@ -16,6 +18,8 @@ from knee_robot.srv import LoadPatient
 from session import NoAnswer, is_alive
 
 PATIENT = "patient: \"17\"\npose: {X_m: [-0.1, 0.1], Z_m: [0.3, 1.0], theta_deg: [-20, 20], psi_deg: [-20, 20]}\n"
+
+_CONTROLLER_PID, _LOAD_V = 8, 40  # bytes into hardware::GuardianLink
 
 
 @contextlib.contextmanager
@@ -253,6 +257,50 @@ def emergency_stop_let_go_within_the_hand_over(a):
     return f"{', '.join(states)}; ", f"drop {worst:.1f} mm at most", worst < 5.0 and all(one == "emergency_stop" for one in states)
 
 
+def link_of_another_user(a):
+    """The link lies in /dev/shm before guardian and controller are started, and another user's process may write it: it lets the guardian take
+    the controller for dead, and the drives give 9.9 V."""
+    s = a.session
+    path = "/dev/shm" + s.shm + "_guardian"
+    a.end_controller(10.0)
+    s.guardian.terminate()
+    s.guardian.wait(10.0)
+    with contextlib.suppress(FileNotFoundError):
+        os.unlink(path)
+    descriptor = os.open(path, os.O_RDWR | os.O_CREAT, 0o600)
+    a.begin()
+    try:
+        os.fchmod(descriptor, 0o666)
+        s.start_guardian()
+        s.start_controller()
+        if not _answers(s):
+            time.sleep(1.0)
+            return f"the guardian {'lives' if is_alive(s.guardian) else 'refuses'}; ", *a.look(0.5)
+        a.enable()
+        a.begin()
+        link = mmap.mmap(descriptor, 0)
+        for _ in range(2000):
+            struct.pack_into("4d", link, _LOAD_V, 9.9, -9.9, 9.9, -9.9)
+            struct.pack_into("i", link, _CONTROLLER_PID, 0x7FFFFFFF)
+        time.sleep(3.0)
+        lengths = a.rows()["length_m"]
+        return f"{a.state()}; ", f"legs went by {1e3 * float(np.max(np.abs(lengths - lengths[0]))):.1f} mm", False
+    finally:
+        os.close(descriptor)
+        with contextlib.suppress(FileNotFoundError):
+            os.unlink(path)
+
+
+def _answers(session, seconds=10.0):
+    end = time.monotonic() + seconds
+    while is_alive(session.controller) and time.monotonic() < end:
+        try:
+            return bool(session.state())
+        except NoAnswer:
+            time.sleep(0.2)
+    return False
+
+
 def attacks():
     return {f.__name__: f for f in (guardian_dies_while_the_force_goes_down, both_die_and_nobody_comes_back, both_die_in_motion_and_nobody_comes_back,
                                     guardian_dies_and_its_controller_later, guardian_stands_still_and_its_controller_dies, heir_is_killed,
@@ -260,4 +308,4 @@ def attacks():
                                     controller_that_is_not_told_of_its_guardian,
                                     guardian_beside_a_controller_that_was_not_told, second_simulated_robot, master_stands_still_while_playing,
                                     killed_while_a_patient_is_loaded, state_folder_becomes_read_only, recordings_vanish_while_recording,
-                                    emergency_stop_let_go_within_the_hand_over)}
+                                    emergency_stop_let_go_within_the_hand_over, link_of_another_user)}

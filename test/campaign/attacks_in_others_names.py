@@ -34,7 +34,14 @@ def goal_of_next_year(a):
     return goal_stamped(a, 365 * 86400.0)
 
 
-def goal_stamped(a, ahead_s):
+def goal_that_a_stop_has_overtaken(a):
+    """The robot is stopped; 0.5 s later a goal arrives that was sent 3 s ago, before the stop: the network was away."""
+    a.enable()
+    a.session.trigger("stop")
+    return goal_stamped(a, -3.0, "holding, no fault")
+
+
+def goal_stamped(a, ahead_s, stays="disabled, no fault"):
     path = a.write_path()
     goals = rospy.Publisher("/controller/play/goal", PlayActionGoal, queue_size=2)
     time.sleep(0.5)
@@ -48,7 +55,7 @@ def goal_stamped(a, ahead_s):
     goals.unregister()
     a.session.trigger("stop")
     text, good = a.disable_and_look()
-    return f"{state}, moved {moved:.1f} mm; ", text, good and moved < 0.2 and state == "disabled, no fault"
+    return f"{state}, moved {moved:.1f} mm; ", text, good and moved < 0.2 and state == stays
 
 
 @contextlib.contextmanager
@@ -237,7 +244,7 @@ def waits():
 
 
 def attacks():
-    found = {f.__name__: f for f in (goal_of_an_hour_ago, goal_of_next_year, stop_services_are_taken, stop_services_are_withdrawn,
+    found = {f.__name__: f for f in (goal_of_an_hour_ago, goal_of_next_year, goal_that_a_stop_has_overtaken, stop_services_are_taken, stop_services_are_withdrawn,
                                      request_within_a_request, started_from_another_folder_with_a_patient,
                                      state_folder_behind_a_link_that_leads_nowhere, second_page_of_the_same_name)}
     for requests in (("stop",), ("cancel",), ("disable",), ("disable", "enable"), ("emergency_stop", "reset_faults")):

@@ -4,6 +4,7 @@ import time
 
 import numpy as np
 import rospy
+from actionlib_msgs.msg import GoalStatus
 from std_srvs.srv import Trigger
 
 from knee_robot.msg import PlayGoal
@@ -99,8 +100,59 @@ def resume_waits_then_pause(a):
     return f"{said}; then it moved {moved:.1f} mm ({state}); ", text, good and answer.success and waits and moved < 1.0
 
 
+def pause_while_another_goal_is_checked(a):
+    """A goal is played; one of a long file comes and is being checked; somebody presses pause and is told that it is done."""
+    a.enable()
+    path = write_away(a, "next.txt")
+    lines = path.read_text().splitlines(keepends=True)
+    path.write_text("".join(lines + lines[-1:] * 400_000))
+    with play_client() as first, play_client() as second:
+        first.send_goal(PlayGoal(file=a.write_path().name))
+        a.session.wait_for(("playing",), 5.0)
+        time.sleep(0.7)
+        second.send_goal(PlayGoal(file=path.name, approach=True))
+        time.sleep(0.3)
+        waits = second.get_state() == GoalStatus.PENDING
+        answer = a.session.trigger("pause")
+        a.session.wait_for(("paused",), 5.0)
+        a.begin()
+        second.wait_for_result(rospy.Duration(15.0))
+        time.sleep(1.0)
+        moved, state = a.moved_mm(), a.state()
+        for client in (first, second):
+            client.cancel_goal()
+            client.wait_for_result(rospy.Duration(5.0))
+    text, good = a.disable_and_look()
+    said = f"pause {'succeeded' if answer.success else 'refused'} while the goal {'was pending' if waits else 'was not pending any more'}"
+    return f"{said}; then it moved {moved:.1f} mm ({state}); ", text, good and answer.success and waits and moved < 1.0
+
+
+def another_loaded_while_a_goal_enables(a, same_name=False):
+    """A goal plays the loaded reference, and enables before; meanwhile somebody else loads another one, twice as far away."""
+    path = write_away(a)
+    a.session.load(path.name)
+    other = path if same_name else path.with_name("other.txt")
+    with play_client() as client:
+        a.begin()
+        client.send_goal(PlayGoal(enable=True, approach=True, approach_speed=0.05))
+        a.session.wait_for(("enabling",), 5.0)
+        write_away(a, other.name, rise_m=0.05)
+        answer = a.session.load(other.name)
+        client.wait_for_result(rospy.Duration(30.0))
+        moved, message = a.moved_mm(), client.get_result().message.split(";")[0]
+    text, good = a.disable_and_look()
+    said = f"{'another content of the same file' if same_name else other.name} was {'loaded' if answer.success else 'refused'} meanwhile"
+    return f"{said}; the goal: {message}; it moved {moved:.1f} mm; ", text, good and answer.success and moved < 1.0
+
+
+def its_file_loaded_anew_while_a_goal_enables(a):
+    """A goal plays the loaded reference, and enables before; meanwhile somebody replaces the file and loads it again."""
+    return another_loaded_while_a_goal_enables(a, same_name=True)
+
+
 def attacks():
-    found = {f.__name__: f for f in (paused_at_the_end_of_an_approach, resume_waits_then_pause)}
+    found = {f.__name__: f for f in (paused_at_the_end_of_an_approach, resume_waits_then_pause, pause_while_another_goal_is_checked,
+                                     another_loaded_while_a_goal_enables, its_file_loaded_anew_while_a_goal_enables)}
     found["slowed_down_while_a_goal_enables"] = slowed_down_while_a_goal_enables(5.0)
     found["speed_zero_while_a_goal_enables"] = slowed_down_while_a_goal_enables(0.0)
     return found

@@ -2,9 +2,13 @@
 import time
 
 import rosnode
+import rospy
 
+from knee_robot.msg import PlayGoal
 from knee_robot.srv import GetEvents
 
+from attack import play_client
+from attacks_by_others import load_patient
 from session import NoAnswer, is_alive
 
 PLANNING_S = 6.0
@@ -81,6 +85,30 @@ def session_plans_and_the_controller_is_started_anew(a):
     return after_planning(a, do, "started anew while it planned")
 
 
+WIDE_PATIENT = ("patient: \"17\"\npose: {X_m: [-0.3, 0.3], Z_m: [0.2, 1.0], theta_deg: [-60, 60], psi_deg: [-60, 60]}\n"
+                "speed: {linear_mm_per_s: 190, angular_deg_per_s: 30}\n")
+
+
+def session_plans_and_a_patient_is_loaded(a):
+    """identification_session plans, with nobody on the robot; somebody loads a patient, whose limits are wide."""
+    return after_planning(a, lambda _: load_patient(a, WIDE_PATIENT), "a patient was loaded while it planned")
+
+
+def session_plans_and_somebody_plays(a):
+    """identification_session plans; somebody else plays a movement of 12 s meanwhile: does it go on to its end?"""
+    a.enable()
+    session = begin_session(a)
+    time.sleep(PLANNING_S)
+    path = a.write_path()
+    with play_client() as client:
+        client.send_goal(PlayGoal(file=path.name))
+        client.wait_for_result(rospy.Duration(60.0))
+        result = client.get_result()
+        a.begin()
+        said, text, good = looks(a, session, f"played while it planned: {result.message.split(';')[0]}")
+    return said, text, good and result.success
+
+
 def between(a, do, said):
     session = begin_session(a)
     if not wait_until(lambda: a.session.state().state == "playing", 60.0) or not wait_until(lambda: a.session.state().recording, 60.0):
@@ -139,6 +167,7 @@ def shut_down(prefix):
 
 
 def attacks():
-    return {f.__name__: f for f in (session_plans_and_somebody_disables, session_plans_and_somebody_stops, session_between_movements_and_somebody_disables,
+    return {f.__name__: f for f in (session_plans_and_somebody_disables, session_plans_and_somebody_stops, session_plans_and_a_patient_is_loaded,
+                                    session_plans_and_somebody_plays, session_between_movements_and_somebody_disables,
                                     session_plans_and_the_controller_is_started_anew, session_is_killed_by_its_name, session_is_terminated,
                                     player_is_killed_by_its_name)}

@@ -118,7 +118,24 @@ TEST(ControlSystem, BeginsNothingThatWasAskedForBeforeSomebodyStoppedTheRobot) {
   EXPECT_NEAR(rig.machine.axes[0].position, fake::kHome, 1e-3) << "nothing moved";
   EXPECT_TRUE(rig.system.play({"", rig.system.halts()}).ok) << "asked for after the stop";
   ASSERT_TRUE(rig.system.stopPath().ok);
-  EXPECT_EQ(rig.system.halts(), 1u) << "who ends its own path ends nobody else's";
+  EXPECT_EQ(rig.system.halts(), *asked.halts + 1) << "who ends its own path ends nobody else's";
+}
+
+TEST(ControlSystem, BeginsNothingThatWasAskedForBeforeSomebodyPausedTheRobotOrLoadedAnotherContentOfTheSameName) {
+  Rig rig;
+  rig.hold();
+  trajectory::Reference reference = fake::smoothReference(fake::kHome, 0.03, 2.0);
+  reference.name = "lift";
+  ASSERT_TRUE(rig.system.loadReference(reference).ok);
+  const WishesSoFar asked = rig.system.wishesSoFar();
+  rig.system.pause();  // refused: there is nothing to pause yet
+  const Answer paused = rig.system.play({"lift", asked.halts, asked.pauses});
+  EXPECT_NE(paused.sentence.find("somebody has paused the robot"), std::string::npos) << paused.sentence;
+  ASSERT_TRUE(rig.system.loadReference(reference).ok) << "by somebody else";
+  const Answer other = rig.system.play({"lift", asked.halts, std::nullopt, asked.loaded});
+  EXPECT_NE(other.sentence.find("somebody else has loaded lift since"), std::string::npos) << other.sentence;
+  EXPECT_EQ(rig.system.state(), MachineState::Holding);
+  EXPECT_TRUE(rig.system.play({"lift", asked.halts, std::nullopt, rig.system.wishesSoFar().loaded}).ok);
 }
 
 TEST(ControlSystem, RefusesToPlayWhereTheRobotDoesNotStandAndApproachesSlowlyOnRequest) {

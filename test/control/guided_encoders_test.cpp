@@ -73,5 +73,61 @@ TEST(GuidedDrives, ThatTurnRoundEndTheGuidingBeforeThePlatformHasSunkByHalfADeci
   }
 }
 
+/// How far the end of the saved path is from where the hand has left the platform, by the lengths of each time, m; < 0:
+/// there is no path.
+double savedBeside(guided::Rig& rig, const mechanism::Lengths& left_m) {
+  const std::string path = temporary("guided_beside.txt");
+  const Answer saved = rig.system->saveGuided(path);
+  if (!saved.ok) return -1.0;
+  const trajectory::Points points = trajectory::readReference(path).points;
+  std::remove(path.c_str());
+  return (points.row(points.rows() - 1).transpose() - left_m).cwiseAbs().maxCoeff();
+}
+
+mechanism::Lengths measured(const guided::Rig& rig) {
+  return mechanism::Lengths(rig.system->snapshot()->position_m.data());
+}
+
+/// The faults are gone, somebody resets and takes this place for home.
+void homeHere(guided::Rig& rig) {
+  rig.letGo();
+  rig.hold(false);
+  rig.system->run(0.5);
+  simulation::clear(rig.image.faults);
+  rig.system->run(0.1);
+  ASSERT_TRUE(rig.system->resetFaults().ok);
+  const Answer homed = rig.system->home();
+  ASSERT_TRUE(homed.ok) << homed.sentence;
+  rig.system->run(0.1);
+}
+
+TEST(GuidedPaths, AreNotSavedByTheLengthsOfAHomeThatWasLost) {
+  guided::Rig rig;
+  ASSERT_NO_FATAL_FAILURE(rig.begin());
+  rig.swing(1, 0.03, 0.03);
+  rig.system->run(1.5);
+  for (auto& encoder : rig.image.faults.encoder)
+    encoder.store(static_cast<std::uint8_t>(simulation::EncoderFault::Interrupted));
+  ASSERT_TRUE(rig.system->waitFor(MachineState::Faulted, 5.0));
+  ASSERT_NO_FATAL_FAILURE(homeHere(rig));
+  const double beside_m = savedBeside(rig, measured(rig));
+  EXPECT_LT(beside_m, 0.001) << "the saved path ends " << 1e3 * beside_m << " mm from where the platform was left";
+}
+
+TEST(GuidedPaths, HoldNothingThatAnEncoderSaidWhenItJumped) {
+  for (int ms = 0; ms < 10; ++ms) {  // a sample is taken every 10 ms
+    guided::Rig rig;
+    ASSERT_NO_FATAL_FAILURE(rig.begin());
+    rig.swing(1, 0.03, 0.03);
+    rig.system->run(1.5 + 1e-3 * ms);
+    const mechanism::Lengths left = measured(rig);
+    rig.image.faults.encoder_size_m[0].store(0.018);
+    rig.image.faults.encoder[0].store(static_cast<std::uint8_t>(simulation::EncoderFault::Jump));
+    ASSERT_TRUE(rig.system->waitFor(MachineState::Faulted, 3.0));
+    const double beside_m = savedBeside(rig, left);
+    EXPECT_LT(beside_m, 0.002) << ms << ": ends " << 1e3 * beside_m << " mm beside";
+  }
+}
+
 }  // namespace
 }  // namespace knee_robot::control

@@ -35,7 +35,7 @@ class HandGuideAlone : public ::testing::Test {
     std::remove(model.c_str());
     ASSERT_TRUE(guide.start());
     orders.level = DriveLevel::Released;
-    orders.guiding = orders.drivers_active = true;
+    orders.guiding = orders.drivers_active = orders.homed = true;
     measured.status = hardware::IoStatus::Ok;
   }
   void cycle(bool speaks) {

@@ -116,6 +116,33 @@ TEST_F(Occupancies, WhatWasCheckedBeforeThePatientCameIsNotLoadedBesideHim) {
   EXPECT_EQ(controller.system->whyNotForPatient(playable), refused.sentence);
 }
 
+TEST_F(Occupancies, WhatWasAskedForBeforeThePatientCameMovesNothing) {
+  Controller controller(memory(), true);
+  const std::uint64_t asked = controller.system->halts();
+  ASSERT_TRUE(controller.system->loadPatient(patient).ok);
+  const Answer refused = controller.system->enable(asked);
+  EXPECT_FALSE(refused.ok);
+  EXPECT_NE(refused.sentence.find("changed who is on it"), std::string::npos) << refused.sentence;
+  EXPECT_TRUE(controller.system->enable().ok);
+}
+
+TEST_F(Occupancies, ThePayloadOfAPatientGoesWithHim) {
+  Controller controller(memory(), true);
+  ControlSystem& system = *controller.system;
+  ASSERT_TRUE(system.setProperty("Feedforward", "payload_kg", "25").ok);
+  ASSERT_TRUE(system.loadPatient(patient).ok);
+  ASSERT_TRUE(system.clearPatient().ok);
+  ASSERT_TRUE(system.declareEmpty().ok);
+  const double stood = controller.plant.state().pose[1];
+  ASSERT_TRUE(system.enable().ok);
+  double highest = stood;
+  for (int k = 0; k < 1000; ++k) {
+    system.step();
+    highest = std::max(highest, controller.plant.state().pose[1]);
+  }
+  EXPECT_LT(highest - stood, 0.0005) << "the platform jumps up by " << 1e3 * (highest - stood) << " mm";
+}
+
 TEST_F(Occupancies, APatientStaysOverARestartWhateverTheCommandLineSays) {
   {
     Controller controller(memory(), true);

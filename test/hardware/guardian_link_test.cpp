@@ -46,6 +46,24 @@ TEST(GuardianLink, OfAnotherUserIsRefusedWithWhatToDo) {
   EXPECT_NE(refusal.find("remove it from /dev/shm"), std::string::npos) << refusal;
 }
 
+TEST(GuardianLink, ThatOthersMayWriteIsRefused) {
+  // Whoever writes it tells the guardian what the drives are to be given.
+  const std::string name = uniqueShmName("link");
+  const int file = ::shm_open(name.c_str(), O_RDWR | O_CREAT | O_EXCL, 0600);
+  ASSERT_GE(file, 0);
+  const auto refusal = [&] { return refusalOf([&] { SharedGuardianLink::open(name); }); };
+  ASSERT_EQ(::fchmod(file, 0666), 0);
+  EXPECT_NE(refusal().find("other users may write it"), std::string::npos) << refusal();
+  ASSERT_EQ(::fchmod(file, 0600), 0);
+  if (::fchown(file, 65534, 65534) == 0) {
+    EXPECT_NE(refusal().find("other users may write it"), std::string::npos) << refusal();
+    ASSERT_EQ(::fchown(file, ::geteuid(), ::getegid()), 0);
+  }
+  EXPECT_NO_THROW(SharedGuardianLink::open(name));
+  ::close(file);
+  ::shm_unlink(name.c_str());
+}
+
 TEST(GuardianLink, KnowsThatItsNameWasRemovedAndLeavesAnothersAlone) {
   const std::string name = uniqueShmName("link");
   auto first = std::make_unique<SharedGuardianLink>(SharedGuardianLink::open(name));

@@ -9,6 +9,7 @@ import unittest
 
 import aiohttp
 import rosunit
+import yaml
 from page_rig import PageTest, Rig
 
 from knee_robot_operator.access import InputError, LoginLimit, Sessions, Users, may, write_user
@@ -55,6 +56,27 @@ class Roles(PageTest):
                         self.assertEqual(200 if may(role, needed) else 403, status, (role, command))
                     self.assertEqual(200, (await browser.post("/api/stop"))[0])
                     self.assertEqual(200, (await browser.post("/api/robot/emergency_stop"))[0])
+
+    async def test_whoever_is_removed_or_gets_another_role_or_password_moves_nothing_any_more(self):
+        async with Rig(users=str(self.users)) as rig:
+            async with rig.browser("operateer", PASSWORD) as removed, rig.browser("engineerer", PASSWORD) as demoted, \
+                    rig.browser("looker", PASSWORD) as stays:
+                left = yaml.safe_load(self.users.read_text())
+                del left["operateer"]
+                self.users.write_text(yaml.safe_dump(left))
+                write_user(self.users, "engineerer", "look", PASSWORD)
+                for _ in range(50):
+                    await asyncio.sleep(0.1)
+                    status = (await removed.post("/api/robot/approach"))[0]
+                    if status == 401:
+                        break
+                self.assertEqual(401, status)
+                self.assertEqual(401, (await demoted.post("/api/robot/approach"))[0])
+                self.assertEqual(200, (await stays.get("/api/exercises"))[0])
+                self.assertEqual(401, (await removed.post("/api/login", {"user": "operateer", "password": PASSWORD}))[0])
+                self.users.write_text("half: {ro")  # nobody is locked out by a file that is just being written
+                await asyncio.sleep(2.5)
+                self.assertEqual(200, (await stays.get("/api/exercises"))[0])
 
     async def test_wrong_passwords_are_slowed_down_and_stop_is_not(self):
         async with Rig(users=str(self.users)) as rig, rig.browser() as browser:

@@ -127,9 +127,17 @@ class Stops(unittest.TestCase):
         self.assertEqual("", stops.objection([], 0))
         for what in ("stop", "disable", "emergency_stop"):
             self.assertEqual(f"/rqt has stopped the robot meanwhile ({what})", stops.objection([*log, event(3, kind="request", what=what, who="/rqt")], 1))
+        for what in ("load_patient p17.yaml", "clear_patient", "declare_empty"):
+            self.assertEqual(f"/rqt has changed who is on the robot meanwhile ({what})",
+                             stops.objection([*log, event(3, kind="request", what=what, who="/rqt")], 1, "/me"))
+        for what in ("play lift.txt, approach", "approach", "start", "guide", "home"):
+            moved = [*log, event(3, kind="request", what=what, who="/rqt")]
+            self.assertEqual(f"/rqt has moved the robot meanwhile ({what})", stops.objection(moved, 1, "/me"))
+            self.assertEqual("", stops.objection(moved, 1, "/rqt"))
+            self.assertEqual("", stops.objection([*log, event(3, kind="refused", what=what, who="/rqt")], 1))
         paused = [*log, event(3, kind="request", what="pause", who="/rqt")]
         self.assertEqual("/rqt has paused the robot meanwhile, and nobody has resumed it", stops.objection(paused, 1))
-        self.assertEqual("", stops.objection([*paused, event(4, kind="request", what="resume")], 1))
+        self.assertEqual("", stops.objection([*paused, event(4, kind="request", what="resume", who="/rqt")], 1, "/me"))
         self.assertIn("paused", stops.objection([*paused, event(4, kind="refused", what="resume")], 1))
         self.assertIn("fault hand_switch", stops.objection([*log, event(3, kind="fault", what="hand_switch")], 2))
 

@@ -68,6 +68,37 @@ class Playing(PageTest):
             self.assertFalse(answer["success"])
             self.assertIn("changed", answer["message"])
 
+    async def test_what_was_pressed_before_somebody_paused_or_slowed_down_the_robot_moves_nothing(self):
+        robot = ToyRobot()
+        async with Rig(robot) as rig, rig.browser() as one, rig.browser() as other:
+            for calmer, body in (("/api/robot/pause", {}), ("/api/robot/speed", {"percent": 20})):
+                robot.become("paused", speed_percent=50.0)
+                rig.server.playing.look(robot.state)
+                shown = {"X-Seen": str(rig.server.snapshot()["seen"])}
+                await asyncio.sleep(0.01)
+                self.assertTrue((await other.post(calmer, body))[1]["success"])
+                for late, content in (("/api/robot/resume", {}), ("/api/robot/speed", {"percent": 100}), ("/api/robot/approach", {})):
+                    _, answer = await one.post(late, content, headers=shown)
+                    self.assertFalse(answer["success"], (calmer, late))
+                    self.assertIn("paused, or its speed changed", answer["message"])
+            robot.become("paused", speed_percent=0.0)  # by another client: the page shows 5 %
+            for seen in (rig.server.snapshot()["seen"] - 4.0, rig.server.snapshot()["seen"]):
+                robot.tell("request", "set_speed 0", who="/rqt")
+                _, answer = await one.post("/api/robot/speed", {"percent": 5}, headers={"X-Seen": str(seen)})
+                self.assertFalse(answer["success"], answer)
+            await asyncio.sleep(0.01)
+            _, answer = await one.post("/api/robot/resume", {}, headers={"X-Seen": str(rig.server.snapshot()["seen"])})
+            self.assertTrue(answer["success"], answer)
+
+    async def test_an_order_that_is_not_answered_in_time_moves_nothing_later(self):
+        for order in ("enable", "approach", "resume", "home"):
+            robot = ToyRobot()
+            robot.answers[order] = asyncio.TimeoutError()  # it waits in the controller, behind a disk
+            async with Rig(robot) as rig, rig.browser() as browser:
+                _, answer = await browser.post(f"/api/robot/{order}")
+                self.assertEqual((False, f"the controller did not answer to {order} in time"), (answer["success"], answer["message"]))
+                self.assertEqual([(order, {}), ("stop", {})], robot.asked, "a stop ends what waits")
+
     async def test_start_away_from_the_start_is_refused_and_nothing_is_recorded(self):
         robot = ToyRobot()
         robot.here = False
