@@ -120,8 +120,9 @@ std::string unmetText(const TraceResults& r) {
          joined(rest, [](Eigen::Index i) { return std::to_string(i + 1); }) +
          (rest.size() > 1 ? " leave " : " leaves ") + listed(rest, there.rms_resting_N) +
          " on the held-out recordings, " + listed(rest, resting) +
-         " on those of training: how friction acts near rest shows in slow movements with stops; trace with such a "
-         "movement among the training recordings.";
+         " on those of training: how friction acts near rest shows in slow movements with stops" +
+         (r.units.plain() ? " (plan_excitation --near-rest plans one)" : "") +
+         "; trace with such a movement among the training recordings.";
 }
 
 }  // namespace

@@ -65,6 +65,8 @@ class Identification(unittest.TestCase):
         self.assertTrue((self.folder / "identified" / "model.yaml").exists())
         for without, with_friction in zip(before, after):
             self.assertLess(with_friction, 0.7 * without)
+        trained = [pathlib.Path(p).name.split("_20")[0] for p in report["data"]["train"]]
+        self.assertEqual(["near_rest", "excitation"], trained)
 
     def test_2_the_action_identifies_with_feedback_and_figures(self):
         self.send(command="identify", train=self.recordings[:1], validate=self.recordings[1:], output="by_action",

@@ -194,6 +194,25 @@ TEST(IdentifyProgram, AndTraceRefuseARecordingThatIsGivenTwiceToFitTo) {
   }
 }
 
+TEST(PlanExcitationProgram, WritesAMovementNearRestAndTakesNoOptionOfASeriesForIt) {
+  const TemporaryFolder folder;
+  const fs::path output = folder / "near_rest.txt", errors = folder / "errors.txt";
+  const auto plan = [&](const std::string& options) {
+    const std::string command = std::string(KNEE_PLAN_EXCITATION) +
+                                " --robot " KNEE_SOURCE_DIR "/config/robots/A.yaml " + options + " -o " +
+                                output.string() + " > /dev/null 2> " + errors.string();
+    return WEXITSTATUS(std::system(command.c_str()));
+  };
+  EXPECT_EQ(plan("--near-rest --harmonics 3"), 2);
+  EXPECT_NE(contentOf(errors).find("--harmonics is for the Fourier series"), std::string::npos) << contentOf(errors);
+  EXPECT_EQ(plan("--places 3"), 2);
+  EXPECT_NE(contentOf(errors).find("--places is for --near-rest"), std::string::npos) << contentOf(errors);
+  EXPECT_EQ(plan("--near-rest --duration 1"), 2);
+  EXPECT_FALSE(fs::exists(output)) << "nothing is written where nothing was planned";
+  ASSERT_EQ(plan("--near-rest --duration 40 --places 3"), 0) << contentOf(errors);
+  EXPECT_NEAR(static_cast<double>(knee_robot::trajectory::readReference(output.string()).points.rows()), 4000.0, 10.0);
+}
+
 /// Ctrl-C while it searches: the best so far is written whole, and that is a plan like any other: status 0.
 TEST(PlanExcitationProgram, WritesTheBestSoFarOnInterruptAndEndsWithZero) {
   const TemporaryFolder folder;

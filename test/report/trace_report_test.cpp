@@ -76,6 +76,7 @@ TEST(TraceReport, SaysThatTheHeldOutRecordingsRestAndThoseOfTrainingHardlyDo) {
       traceVerdict(r).find("At rest actuator 1 leaves 1.2 N on the held-out recordings, 0.5 N on those of training"),
       std::string::npos)
       << traceVerdict(r);
+  EXPECT_NE(traceVerdict(r).find("plan_excitation --near-rest plans one"), std::string::npos) << traceVerdict(r);
   r.validate_after.accuracy.rms_resting_N[1] = 0.9;
   EXPECT_NE(traceVerdict(r).find("At rest actuators 1, 2 leave 1.2, 0.9 N on the held-out recordings, 0.5, 0.4 N"),
             std::string::npos)
