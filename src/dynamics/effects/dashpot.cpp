@@ -11,19 +11,18 @@ class Dashpot : public EffectLaw {
   explicit Dashpot(const Shape& shape)
       : anchors_(shape[0], shape[1], shape[2], shape[3]),
         exponent_(shape[4]),
-        base_z_m_(shape.size() > 5 ? shape[5] : 0.0),  // five: of a file that did not know them
-        slow_m_per_s_(shape.size() > 6 ? shape[6] : kSlow_m_per_s) {}
+        base_z_m_(shape.size() > 5 ? shape[5] : 0.0) {}  // five: of a file that did not know it
   EffectPart part() const noexcept override { return EffectPart::Friction; }
   bool shared() const noexcept override { return true; }
   void poseColumns(const EffectInstant& at, EffectState&, PoseColumns& out) const noexcept override {
     const Line line = lineAt(*at.motion, anchors_, base_z_m_);
-    const double speed = std::hypot(line.rate_m_per_s, slow_m_per_s_);
+    const double speed = std::hypot(line.rate_m_per_s, kSlow_m_per_s);
     out.col(0) = line.rate_m_per_s * std::pow(speed, exponent_ - 1.0) * line.per_newton;
   }
 
  private:
   const Eigen::Vector4d anchors_;
-  const double exponent_, base_z_m_, slow_m_per_s_;
+  const double exponent_, base_z_m_;
 };
 
 }  // namespace

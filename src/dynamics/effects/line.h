@@ -4,7 +4,7 @@
 
 namespace knee_robot::dynamics {
 
-constexpr double kSlow_m_per_s = 1e-3;  ///< of dampers in older files: below it the force is proportional to the rate
+constexpr double kSlow_m_per_s = 1e-3;  ///< of a damper: below it the force is proportional to the rate
 
 /// A straight line from a point of the base to a point of the platform.
 struct Line {

@@ -8,12 +8,11 @@ namespace knee_robot::tracing {
 namespace {
 
 constexpr double kShortestLine_m = 1e-6;
-constexpr double kStep_m = 0.1;         ///< of refinement
-constexpr double kSlow_m_per_s = 1e-3;  ///< below it a damper's force is proportional to the rate: to begin with,
-constexpr double kSlowest_m_per_s = 1e-4, kLeastSlow_m_per_s = 0.05;             ///< and within
-constexpr std::size_t kExponent = 4, kDampersBaseZ = 5, kProportionalBelow = 6;  ///< their places in a damper's shape
+constexpr double kStep_m = 0.1;                          ///< of refinement
+constexpr double kSlow_m_per_s = 1e-3;                   ///< below it a damper's force is proportional to the rate
+constexpr std::size_t kExponent = 4, kDampersBaseZ = 5;  ///< their places in a damper's shape
 constexpr double kHighest_m = 3.0, kHeightFactor = 4.0;  ///< of base points; steps of heights per steps of the others
-constexpr double kLowest = 0.02, kHighest = 2.0, kFactor = 1.4;  ///< of exponents, and between neighbours
+constexpr double kLowest = 0.2, kHighest = 2.0, kFactor = 1.4;  ///< of exponents, and between neighbours
 
 /// At one sample.
 struct LineNow {
@@ -159,7 +158,6 @@ std::vector<ShapeParameter> LineDamper::shapeParameters() const {
   std::vector<ShapeParameter> out = LineEffect::shapeParameters();
   out.push_back({"exponent", kLowest, kHighest});
   out.push_back({"base_z_m", -kHighest_m, kHighest_m, false, 0.0});
-  out.push_back({"proportional_below_m_per_s", kSlowest_m_per_s, kLeastSlow_m_per_s, false, kSlow_m_per_s});
   return out;
 }
 
@@ -174,7 +172,7 @@ std::vector<std::vector<double>> LineDamper::shapes(const EffectInput& input, in
   for (std::vector<double>& anchors : LineEffect::shapes(input, actuator)) {
     for (const double exponent : {0.5, 1.0}) {
       grid.push_back(anchors);
-      grid.back().insert(grid.back().end(), {exponent, 0.0, kSlow_m_per_s});
+      grid.back().insert(grid.back().end(), {exponent, 0.0});
       if (anchors[2] != 0.0 || anchors[3] != 0.0) continue;
       grid.push_back(grid.back());  // what hangs over the middle of the platform; others are refined from there
       grid.back()[kDampersBaseZ] = 2.0 * heightOf(input);
@@ -188,9 +186,6 @@ std::vector<std::vector<double>> LineDamper::near(const std::vector<double>& sha
   for (const double factor : {1.0 / kFactor, kFactor}) {
     out.push_back(shape);
     out.back()[kExponent] = std::clamp(shape[kExponent] * std::pow(factor, step), kLowest, kHighest);
-    out.push_back(shape);
-    double& slow_m_per_s = out.back()[kProportionalBelow];
-    slow_m_per_s = std::clamp(slow_m_per_s * std::pow(factor, 2.0 * step), kSlowest_m_per_s, kLeastSlow_m_per_s);
   }
   for (const double side : {-kStep_m, kStep_m}) {
     out.push_back(shape);
@@ -201,7 +196,7 @@ std::vector<std::vector<double>> LineDamper::near(const std::vector<double>& sha
 }
 
 Eigen::ArrayXd LineDamper::powerOfRate(const Line& line, const std::vector<double>& shape) {
-  const Eigen::ArrayXd speed = (line.rate_m_per_s.array().square() + std::pow(shape[kProportionalBelow], 2)).sqrt();
+  const Eigen::ArrayXd speed = (line.rate_m_per_s.array().square() + kSlow_m_per_s * kSlow_m_per_s).sqrt();
   return line.rate_m_per_s.array() * speed.pow(shape[kExponent] - 1.0);
 }
 

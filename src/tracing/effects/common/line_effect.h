@@ -56,9 +56,8 @@ class RaisedLineEffect : public LineEffect {
   static std::vector<std::vector<double>> anchorsToTry(const EffectInput& input);
 };
 
-/// A damper, or what rubs: what it resists with follows a power of the rate, the fifth shape parameter, and is
-/// proportional to it below a speed, the seventh. It may hang from above (a rope over a pulley that rubs): the sixth is
-/// the height of its base point.
+/// A damper: what it resists with follows a power of the rate, the fifth shape parameter. It may hang from above (a rope
+/// over a pulley that rubs): the sixth is the height of its base point.
 class LineDamper : public LineEffect {
  public:
   std::vector<ShapeParameter> shapeParameters() const override;
@@ -67,7 +66,7 @@ class LineDamper : public LineEffect {
 
  protected:
   Anchors anchors(const std::vector<double>& shape) const override;
-  /// sign(v) |v|^exponent for the rate v, smooth near 0.
+  /// sign(v) |v|^exponent for the rate v; proportional to it below 1 mm/s.
   static Eigen::ArrayXd powerOfRate(const Line& line, const std::vector<double>& shape);
 };
 
