@@ -10,14 +10,12 @@ namespace {
 class AsymmetricDashpot : public EffectLaw {
  public:
   explicit AsymmetricDashpot(const Shape& shape)
-      : anchors_(shape[0], shape[1], shape[2], shape[3]),
-        exponent_(shape[4]),
-        base_z_m_(shape.size() > 5 ? shape[5] : 0.0) {}  // five: of a file that did not know it
+      : anchors_(shape[0], shape[1], shape[2], shape[3]), exponent_(shape[4]) {}
   EffectPart part() const noexcept override { return EffectPart::Friction; }
   int coefficients() const noexcept override { return 2; }
   bool shared() const noexcept override { return true; }
   void poseColumns(const EffectInstant& at, EffectState&, PoseColumns& out) const noexcept override {
-    const Line line = lineAt(*at.motion, anchors_, base_z_m_);
+    const Line line = lineAt(*at.motion, anchors_);
     const double speed = std::hypot(line.rate_m_per_s, kSlow_m_per_s);
     const mechanism::Vector4 factor = std::pow(speed, exponent_ - 1.0) * line.per_newton;
     out.col(0) = std::max(0.0, line.rate_m_per_s) * factor;
@@ -26,7 +24,7 @@ class AsymmetricDashpot : public EffectLaw {
 
  private:
   const Eigen::Vector4d anchors_;
-  const double exponent_, base_z_m_;
+  const double exponent_;
 };
 
 }  // namespace

@@ -8,10 +8,9 @@ namespace knee_robot::tracing {
 namespace {
 
 constexpr double kShortestLine_m = 1e-6;
-constexpr double kStep_m = 0.1;                          ///< of refinement
-constexpr double kSlow_m_per_s = 1e-3;                   ///< below it a damper's force is proportional to the rate
-constexpr std::size_t kExponent = 4, kDampersBaseZ = 5;  ///< their places in a damper's shape
-constexpr double kHighest_m = 3.0, kHeightFactor = 4.0;  ///< of base points; steps of heights per steps of the others
+constexpr double kStep_m = 0.1;         ///< of refinement
+constexpr double kSlow_m_per_s = 1e-3;  ///< below it a damper's force is proportional to the rate
+constexpr std::size_t kExponent = 4;    ///< its place in a damper's shape
 constexpr double kLowest = 0.2, kHighest = 2.0, kFactor = 1.4;  ///< of exponents, and between neighbours
 
 /// At one sample.
@@ -32,14 +31,6 @@ LineNow lineNow(const mechanism::Motion& motion, const mechanism::Matrix3& rotat
   out.force_on_pose << direction[0], direction[2], direction.dot(by_theta), direction.dot(by_psi);
   out.rate_m_per_s = out.force_on_pose.dot(motion.pose_velocity);
   return out;
-}
-
-/// Of the platform, mean along a recording, m.
-double heightOf(const EffectInput& input) {
-  double height_m = 0.0;
-  for (const mechanism::Motion& m : input.observation->motion.motion)
-    height_m += m.pose[1] / input.samples();
-  return height_m;
 }
 
 }  // namespace
@@ -135,7 +126,7 @@ std::vector<Eigen::MatrixXd> LineEffect::columnsOfAll(const EffectInput& input,
 
 std::vector<ShapeParameter> RaisedLineEffect::shapeParameters() const {
   std::vector<ShapeParameter> out = LineEffect::shapeParameters();
-  out.push_back({"base_z_m", -kHighest_m, kHighest_m});
+  out.push_back({"base_z_m", -3.0, 3.0});
   return out;
 }
 
@@ -146,9 +137,12 @@ Anchors RaisedLineEffect::anchors(const std::vector<double>& shape) const {
 }
 
 std::vector<std::vector<double>> RaisedLineEffect::anchorsToTry(const EffectInput& input) {
+  double height_m = 0.0;
+  for (const mechanism::Motion& m : input.observation->motion.motion)
+    height_m += m.pose[1] / input.samples();
   std::vector<std::vector<double>> out;
   for (const Anchors& a : crossOfAnchors(*input.robot)) {
-    for (const double z : {0.0, 2.0 * heightOf(input)})
+    for (const double z : {0.0, 2.0 * height_m})
       out.push_back({a.base_m.x(), a.base_m.y(), a.platform_m.x(), a.platform_m.y(), z});
   }
   return out;
@@ -157,14 +151,7 @@ std::vector<std::vector<double>> RaisedLineEffect::anchorsToTry(const EffectInpu
 std::vector<ShapeParameter> LineDamper::shapeParameters() const {
   std::vector<ShapeParameter> out = LineEffect::shapeParameters();
   out.push_back({"exponent", kLowest, kHighest});
-  out.push_back({"base_z_m", -kHighest_m, kHighest_m, false, 0.0});
   return out;
-}
-
-Anchors LineDamper::anchors(const std::vector<double>& shape) const {
-  Anchors both = LineEffect::anchors(shape);
-  both.base_m.z() = shape[kDampersBaseZ];
-  return both;
 }
 
 std::vector<std::vector<double>> LineDamper::shapes(const EffectInput& input, int actuator) const {
@@ -172,10 +159,7 @@ std::vector<std::vector<double>> LineDamper::shapes(const EffectInput& input, in
   for (std::vector<double>& anchors : LineEffect::shapes(input, actuator)) {
     for (const double exponent : {0.5, 1.0}) {
       grid.push_back(anchors);
-      grid.back().insert(grid.back().end(), {exponent, 0.0});
-      if (anchors[2] != 0.0 || anchors[3] != 0.0) continue;
-      grid.push_back(grid.back());  // what hangs over the middle of the platform; others are refined from there
-      grid.back()[kDampersBaseZ] = 2.0 * heightOf(input);
+      grid.back().push_back(exponent);
     }
   }
   return grid;
@@ -186,11 +170,6 @@ std::vector<std::vector<double>> LineDamper::near(const std::vector<double>& sha
   for (const double factor : {1.0 / kFactor, kFactor}) {
     out.push_back(shape);
     out.back()[kExponent] = std::clamp(shape[kExponent] * std::pow(factor, step), kLowest, kHighest);
-  }
-  for (const double side : {-kStep_m, kStep_m}) {
-    out.push_back(shape);
-    double& height_m = out.back()[kDampersBaseZ];
-    height_m = std::clamp(height_m + kHeightFactor * step * side, -kHighest_m, kHighest_m);
   }
   return out;
 }

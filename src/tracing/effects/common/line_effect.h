@@ -56,8 +56,7 @@ class RaisedLineEffect : public LineEffect {
   static std::vector<std::vector<double>> anchorsToTry(const EffectInput& input);
 };
 
-/// A damper: what it resists with follows a power of the rate, the fifth shape parameter. It may hang from above (a rope
-/// over a pulley that rubs): the sixth is the height of its base point.
+/// A damper: what it resists with follows a power of the rate, the fifth shape parameter.
 class LineDamper : public LineEffect {
  public:
   std::vector<ShapeParameter> shapeParameters() const override;
@@ -65,7 +64,6 @@ class LineDamper : public LineEffect {
   std::vector<std::vector<double>> near(const std::vector<double>& shape, double step) const override;
 
  protected:
-  Anchors anchors(const std::vector<double>& shape) const override;
   /// sign(v) |v|^exponent for the rate v; proportional to it below 1 mm/s.
   static Eigen::ArrayXd powerOfRate(const Line& line, const std::vector<double>& shape);
 };
