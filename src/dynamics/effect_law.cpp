@@ -62,6 +62,7 @@ constexpr Entry kLaws[] = {
     {"asymmetric_dashpot", 5, asymmetricDashpotLaw},
     {"viscoelastic_link", 5, viscoelasticLinkLaw},
     {"elastoplastic_link", 6, elastoplasticLinkLaw},
+    {"line_friction", 6, lineFrictionLaw},
     {"platform_joint_friction", 1, platformJointFrictionLaw, false, 1},
     {"base_joint_friction", 1, baseJointFrictionLaw, false, 1},
     {"load_ripple", 1, loadRippleLaw},

@@ -63,6 +63,7 @@ std::vector<ModelEffect> oneOfEach() {
           effect("asymmetric_dashpot", 0, {0.0, 0.3, 0.0, 0.1, 0.5}, {40.0, 10.0}),
           effect("viscoelastic_link", 0, {0.0, 0.3, 0.0, 0.1, 1.0}, {400.0}),
           effect("elastoplastic_link", 0, {0.0, 0.3, 0.0, 0.1, 0.0, 0.004}, {20.0}),
+          effect("line_friction", 0, {0.0, 0.1, 0.0, 0.1, 1.8, 0.004}, {10.0}),
           map,
           wheel};
 }

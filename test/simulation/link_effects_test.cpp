@@ -58,6 +58,18 @@ TEST(ViscoelasticLink, OfAShortTimeIsADamper) {
   EXPECT_NEAR(pushed(*link, leaning())[1], -0.8 * 1000.0 * 0.02 * 0.04, 1e-6);
 }
 
+TEST(LineFriction, IsDryAlongTheLineAndSmoothBelowItsSpeed) {
+  const auto rope =
+      effectOf("{name: line_friction, friction_N: 20, smooth_below_m_per_s: 0.004" + std::string(kPoints));
+  const mechanism::Vector4 along(-0.6, 0.8, 0.0, 0.0);
+  EffectStep now = leaning();
+  EXPECT_TRUE(pushed(*rope, now).isZero(0.0)) << "at rest";
+  now.pose_velocity[1] = 0.5;
+  EXPECT_TRUE(pushed(*rope, now).isApprox(-20.0 * along, 1e-9));
+  now.pose_velocity[1] = -0.005;  // the line's rate is 0.8 of it: 4 mm/s
+  EXPECT_TRUE(pushed(*rope, now).isApprox(20.0 * std::tanh(1.0) * along, 1e-9));
+}
+
 TEST(ElastoplasticLink, BuildsUpOverItsWayStaysAndTurnsItsSign) {
   const auto link = effectOf("{name: elastoplastic_link, yield_N: 50, yield_m: 0.004" + std::string(kPoints));
   const auto resists = [&] { return -pushed(*link, leaning())[1] / 0.8; };

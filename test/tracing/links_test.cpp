@@ -77,5 +77,14 @@ TEST_F(Links, ACableBuildsUpOverItsWayStaysAndTurnsItsSign) {
   EXPECT_NEAR(yielded(0.04)[10], 1.0 - std::exp(-0.1), 1e-9) << "a longer way";
 }
 
+TEST_F(Links, ARopeRubsWithTheSignOfItsRateAndIsSmoothBelowItsSpeed) {
+  goesUp(0, 100, 0.05);
+  goesUp(100, 200, -0.005);
+  const Eigen::VectorXd share = along("line_friction", {0.3, 0.0, 0.0, 0.0, 0.0, 0.004});
+  EXPECT_NEAR(share[50], 0.04 / std::hypot(0.04, 0.004), 1e-9);
+  EXPECT_NEAR(share[150], -std::sqrt(0.5), 1e-9) << "4 mm/s of the line";
+  EXPECT_EQ(share[250], 0.0);
+}
+
 }  // namespace
 }  // namespace knee_robot::tracing

@@ -48,6 +48,16 @@ TEST(Trace, NamesACableThatYieldsBetweenBaseAndPlatform) {
   EXPECT_LT(ofThreeLegs(c.after_N), 0.6 * ofThreeLegs(c.before_N));
 }
 
+TEST(Trace, NamesARopeThatRubsOnAPulleyAboveThePlatform) {
+  const TracedCase c = traceSimulated(
+      "  - {name: line_friction, friction_N: 30, smooth_below_m_per_s: 0.004, anchor_m: [0, 0.1, 1.8], "
+      "point_m: [0.1, -0.1, 0]}\n");
+  const FoundEffect* rope = namedLink(c, "line_friction");
+  ASSERT_NE(rope, nullptr);
+  EXPECT_NEAR(rope->coefficients[0], 30.0, 3.0);
+  EXPECT_LT(ofThreeLegs(c.after_N), 0.6 * ofThreeLegs(c.before_N));
+}
+
 TEST(Trace, NamesAJointThatDampsAndYields) {
   const TracedCase c = traceSimulated(
       "  - {name: passive_joint, coordinate: theta, width_rad: 0.1, towards_positive_Nm: 3, towards_negative_Nm: 3, "
