@@ -49,6 +49,7 @@ constexpr Entry kLaws[] = {
     {"position_dependent_friction", 4, positionDependentFrictionLaw, true},
     {"screw_ripple", 2, screwRippleLaw},
     {"quadratic_drag", 0, quadraticDragLaw},
+    {"screw_whirl", 3, screwWhirlLaw},
     {"thermal_drift", 1, thermalDriftLaw, true, 3},
     {"frictional_ageing", 2, frictionalAgeingLaw, true},
     {"force_gain", 0, forceGainLaw},

@@ -96,6 +96,27 @@ TEST(FrictionEffects, ATightPlaceIsFeltThereOnly) {
   EXPECT_NEAR(away / n_away, plain(0.03), 2.0 * kNear_N);
 }
 
+TEST(FrictionEffects, AScrewWhirlsAtASpeedThatFallsWithTheSquareOfItsLength) {
+  const double length_m = 0.715, critical_m_per_s = 0.04;
+  for (const auto& [speed, share] : {std::pair{critical_m_per_s, 1.0}, std::pair{0.01, 0.0}}) {
+    EffectBench bench(
+        "{name: screw_whirl, actuators: [2], peak_N: 12, critical_m_per_s: 0.04, at_length_m: 0.715, width_m_per_s: "
+        "0.01}");
+    double near = 0.0;
+    int count = 0;
+    const double velocity = speed;
+    bench.follow(
+        1.0, [&](double t) { return mechanism::Vector4(0.0, velocity * std::max(0.0, t), 0.0, 0.0); },
+        [&](const EffectSample& s) {
+          if (s.time_s < 0.3 || std::abs(s.truth[kAxis] - length_m) > 0.007) return;
+          near += s.friction[kAxis];
+          ++count;
+        });
+    ASSERT_GT(count, 10) << "it passes " << length_m << " m";
+    EXPECT_NEAR(near / count, plain(speed) + 12.0 * share, 2.0 * kNear_N) << speed << " m/s";
+  }
+}
+
 /// What repeats with every 5 mm of the screw, along sine and cosine. The drive has to overcome it: the commanded force
 /// carries its negative.
 Eigen::Vector2d rippleOf(EffectBench& bench) {

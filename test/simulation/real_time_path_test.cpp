@@ -49,6 +49,7 @@ effects:
   - {name: load_dependent_friction, share: 0.05}
   - {name: position_dependent_friction, amplitude_N: 5, center_m: 0.7, width_m: 0.01}
   - {name: quadratic_drag, drag_N_s2_per_m2: 300}
+  - {name: screw_whirl, peak_N: 5, critical_m_per_s: 0.05, at_length_m: 0.7, width_m_per_s: 0.01}
   - {name: thermal_drift, coulomb_change: -0.2, time_constant_s: 5}
   - {name: frictional_ageing, excess_N: 5, time_constant_s: 2, way_m: 0.006}
   - {name: viscoelastic_element, stiffness_N_per_m: 100, relaxation_s: 2}

@@ -35,6 +35,7 @@ Law viscoelasticLinkLaw(const Shape& shape);
 /// Null when the way over which it builds up is not positive.
 Law elastoplasticLinkLaw(const Shape& shape);
 Law lineFrictionLaw(const Shape& shape);
+Law screwWhirlLaw(const Shape& shape);
 Law platformJointFrictionLaw(const Shape& shape);
 Law baseJointFrictionLaw(const Shape& shape);
 Law loadRippleLaw(const Shape& shape);
