@@ -20,7 +20,7 @@ ROBOT = {
     "spring": ["stiffness_N_per_m: " + v + ", anchor_m: [0.2, 0.3, 0], point_m: [0.2, 0.2, 0], free_length_m: 0.5" for v in ("150", "400", "1000")],
     "viscoelastic_link": [f"stiffness_N_per_m: {v}, relaxation_s: 1, anchor_m: [0.2, 0.3, 0], point_m: [0.2, 0.2, 0]" for v in ("400", "1000", "2500")],
     "elastoplastic_link": [f"yield_N: {v}, yield_m: 0.004, anchor_m: [0.2, 0.3, 0], point_m: [0.2, 0.2, 0]" for v in ("10", "22", "45")],
-    "line_friction": [f"friction_N: {v}, smooth_below_m_per_s: 0.004, anchor_m: [0, 0.1, 1.8], point_m: [0.1, -0.1, 0]" for v in ("8", "18", "40")],
+    "line_friction": [f"friction_N: {v}, proportional_below_m_per_s: 0.004, anchor_m: [0, 0.1, 1.8], point_m: [0.1, -0.1, 0]" for v in ("8", "18", "40")],
     "force_gain": ["actuators: [ACT], factor: " + v for v in ("0.93", "0.85", "0.7")],
     "delay": ["actuators: [ACT], time_s: " + v for v in ("0.004", "0.008", "0.014")],
     "drive_lag": ["actuators: [ACT], time_constant_s: " + v for v in ("0.004", "0.008", "0.014")],

@@ -60,7 +60,7 @@ TEST(ViscoelasticLink, OfAShortTimeIsADamper) {
 
 TEST(LineFriction, IsDryAlongTheLineAndSmoothBelowItsSpeed) {
   const auto rope =
-      effectOf("{name: line_friction, friction_N: 20, smooth_below_m_per_s: 0.004" + std::string(kPoints));
+      effectOf("{name: line_friction, friction_N: 20, proportional_below_m_per_s: 0.004" + std::string(kPoints));
   const mechanism::Vector4 along(-0.6, 0.8, 0.0, 0.0);
   EffectStep now = leaning();
   EXPECT_TRUE(pushed(*rope, now).isZero(0.0)) << "at rest";

@@ -175,6 +175,23 @@ TEST(InstantByInstant, ADriveWarmsUpAsItWasTracedWhateverHeatsIt) {
   }
 }
 
+/// settleRestLaw sets that parameter to 0, by its name: the actuator's law then.
+TEST(InstantByInstant, EveryEffectWithALawNearRestOfItsOwnMayFollowTheActuators) {
+  const Machine& m = robotMachine();
+  const EffectInput input = m.input(2);
+  int with_own_law = 0;
+  for (const Candidate* candidate : catalogue(m)) {
+    std::vector<double> shape = shapeOf(m, *candidate);
+    if (shape.empty() || candidate->shapeParameters().back().name != "smooth_below_m_per_s") continue;
+    ++with_own_law;
+    shape.back() = 0.0;
+    const Eigen::MatrixXd follows = candidate->columns(input, kActing, shape);
+    EXPECT_TRUE(follows.allFinite()) << candidate->name();
+    EXPECT_FALSE(candidate->shared()) << candidate->name() << " follows no actuator's law";
+  }
+  EXPECT_GE(with_own_law, 5);
+}
+
 TEST(InstantByInstant, EveryLawIsTheColumnsThatItWasTracedWithOnAParallelRobot) {
   expectLawsToBeTheColumns(robotMachine());
 }

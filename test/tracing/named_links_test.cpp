@@ -50,7 +50,7 @@ TEST(Trace, NamesACableThatYieldsBetweenBaseAndPlatform) {
 
 TEST(Trace, NamesARopeThatRubsOnAPulleyAboveThePlatform) {
   const TracedCase c = traceSimulated(
-      "  - {name: line_friction, friction_N: 30, smooth_below_m_per_s: 0.004, anchor_m: [0, 0.1, 1.8], "
+      "  - {name: line_friction, friction_N: 30, proportional_below_m_per_s: 0.004, anchor_m: [0, 0.1, 1.8], "
       "point_m: [0.1, -0.1, 0]}\n");
   const FoundEffect* rope = namedLink(c, "line_friction");
   ASSERT_NE(rope, nullptr);

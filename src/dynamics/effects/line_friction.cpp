@@ -9,17 +9,17 @@ namespace {
 class LineFriction : public EffectLaw {
  public:
   explicit LineFriction(const Shape& shape)
-      : anchors_(shape[0], shape[1], shape[2], shape[3]), base_z_m_(shape[4]), smooth_below_m_per_s_(shape[5]) {}
+      : anchors_(shape[0], shape[1], shape[2], shape[3]), base_z_m_(shape[4]), proportional_below_m_per_s_(shape[5]) {}
   EffectPart part() const noexcept override { return EffectPart::Friction; }
   bool shared() const noexcept override { return true; }
   void poseColumns(const EffectInstant& at, EffectState&, PoseColumns& out) const noexcept override {
     const Line line = lineAt(*at.motion, anchors_, base_z_m_);
-    out.col(0) = line.rate_m_per_s / std::hypot(line.rate_m_per_s, smooth_below_m_per_s_) * line.per_newton;
+    out.col(0) = line.rate_m_per_s / std::hypot(line.rate_m_per_s, proportional_below_m_per_s_) * line.per_newton;
   }
 
  private:
   const Eigen::Vector4d anchors_;
-  const double base_z_m_, smooth_below_m_per_s_;
+  const double base_z_m_, proportional_below_m_per_s_;
 };
 
 }  // namespace

@@ -22,7 +22,7 @@ class LineFriction : public RaisedLineEffect {
   }
   std::vector<ShapeParameter> shapeParameters() const override {
     std::vector<ShapeParameter> out = RaisedLineEffect::shapeParameters();
-    out.push_back({"smooth_below_m_per_s", kLeastSpeed_m_per_s, kMostSpeed_m_per_s});
+    out.push_back({"proportional_below_m_per_s", kLeastSpeed_m_per_s, kMostSpeed_m_per_s});
     return out;
   }
   std::vector<std::vector<double>> shapes(const EffectInput& input, int) const override {
