@@ -51,7 +51,8 @@ TEST(Trace, NamesACableThatYieldsBetweenBaseAndPlatform) {
 TEST(Trace, NamesARopeThatRubsOnAPulleyAboveThePlatform) {
   const TracedCase c = traceSimulated(
       "  - {name: line_friction, friction_N: 30, proportional_below_m_per_s: 0.004, anchor_m: [0, 0.1, 1.8], "
-      "point_m: [0.1, -0.1, 0]}\n");
+      "point_m: [0.1, -0.1, 0]}\n",
+      [](recording::Recording&) {}, {1, 3});
   const FoundEffect* rope = namedLink(c, "line_friction");
   ASSERT_NE(rope, nullptr);
   EXPECT_NEAR(rope->coefficients[0], 30.0, 3.0);

@@ -131,35 +131,41 @@ inline recording::Recording simulatedRecording(const mechanism::Robot& robot, in
   return recording;
 }
 
-/// A robot with these effects, traced on one path and validated on another.
+/// A robot with these effects, traced on one path, or several, and validated on another.
 struct TracedCase {
   TraceResult result;
   Eigen::VectorXd before_N, after_N;  ///< rms on the other path, all samples
 };
 
-/// `change` is applied to both recordings.
+/// `change` is applied to all recordings; `trained`: variants of sineReference, not 2.
 inline TracedCase traceSimulated(
-    const std::string& effects,
-    const std::function<void(recording::Recording&)>& change = [](recording::Recording&) {}) {
+    const std::string& effects, const std::function<void(recording::Recording&)>& change = [](recording::Recording&) {},
+    const std::vector<int>& trained = {1}) {
   constexpr double kSeconds = 30.0;
   const mechanism::Robot robot = simulatedRobot();
   TraceOptions options;
   options.surrogates = 5;
   const std::vector<identification::Column> columns = identification::columnsOf(robot);
-  recording::Recording train = simulatedRecording(robot, 1, kSeconds, effects);
+  std::vector<recording::Recording> train;
+  std::vector<identification::Observation> observed;
+  for (const int variant : trained) {
+    train.push_back(simulatedRecording(robot, variant, kSeconds, effects));
+    change(train.back());
+    observed.push_back(identification::observe(robot, columns, train.back(), options.observation));
+  }
   recording::Recording second = simulatedRecording(robot, 2, kSeconds, effects);
-  change(train);
   change(second);
   identification::Observation other = identification::observe(robot, columns, second, options.observation);
   TracedCase c;
-  c.result = trace(robot, {train}, {identification::observe(robot, columns, train, options.observation)}, options);
+  c.result = trace(robot, train, observed, options);
   const double cutoff_hz = options.observation.cutoff_hz;
   c.before_N = identification::accuracyOf(
                    {other}, {identification::makePrediction(other, predictBaseline(c.result, other), cutoff_hz)})
                    .rms_N;
   c.after_N =
       identification::accuracyOf(
-          {other}, {identification::makePrediction(other, predictTraced(robot, c.result, other, -1, 1), cutoff_hz)})
+          {other}, {identification::makePrediction(
+                       other, predictTraced(robot, c.result, other, -1, static_cast<int>(train.size())), cutoff_hz)})
           .rms_N;
   return c;
 }

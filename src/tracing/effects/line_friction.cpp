@@ -16,6 +16,7 @@ constexpr std::size_t kSmoothBelow = 5;             ///< its place in the shape
 class LineFriction : public RaisedLineEffect {
  public:
   std::string name() const override { return "line_friction"; }
+  bool needsTwoRecordings() const override { return true; }
   std::string sentence() const override {
     return "A rope over a pulley, a weight balancer or a cable through a guide rubs between a point of the base and a "
            "point of the platform: dry friction against the change of their distance.";
