@@ -46,6 +46,8 @@ void refuseOptions(const mechanism::Robot& robot, const RestExcitationOptions& o
   demand(options.velocity_max > kSlowest_m_per_s && options.velocity_max <= 0.1,
          "velocity " + shortNumber(options.velocity_max) + " is not in (" + shortNumber(kSlowest_m_per_s) +
              ", 0.1] m/s: this is a movement near rest");
+  demand(!options.condition_max || (*options.condition_max > 1.0 && *options.condition_max <= 1e6),
+         "the singularity margin is not in (1, 1e6]");
 }
 
 /// One try: its dice, and how fast things may go.
@@ -53,7 +55,8 @@ class Planner {
  public:
   Planner(const mechanism::Robot& robot, const RestExcitationOptions& options)
       : robot_(robot), options_(options), random_(options.seed) {
-    robot_.singularity_condition_max = options.condition_max.value_or(trajectory::planningCondition(robot));
+    robot_.singularity_condition_max =
+        std::min(robot.singularity_condition_max, options.condition_max.value_or(trajectory::planningCondition(robot)));
     velocity_ = options.velocity_max;
     way_velocity_ = kWays * velocity_;
     acceleration_ = kAcceleration_m_per_s2;

@@ -109,6 +109,17 @@ TEST(RestExcitation, IsTheSameForTheSameSeedAndAnotherForAnother) {
   EXPECT_NE(planRestExcitation(robot, options).reference.points, planOf("A").reference.points);
 }
 
+TEST(RestExcitation, KeepsTheRobotFilesMarginWhateverIsAskedFor) {
+  mechanism::Robot robot = trajectory::configuredRobot("final");
+  double widest = 0.0;
+  for (const trajectory::Margin& m : planOf("final").check.margins)
+    if (m.quantity == trajectory::Quantity::Condition) widest = m.value;
+  robot.singularity_condition_max = 0.8 * widest;
+  RestExcitationOptions options;
+  options.condition_max = 1e6;
+  EXPECT_TRUE(trajectory::checkReference(planRestExcitation(robot, options).reference, robot).ok());
+}
+
 TEST(RestExcitation, ServesABenchOfSeparateAxes) {
   mechanism::Robot bench;
   bench.path = "bench.yaml";
@@ -126,6 +137,9 @@ TEST(RestExcitation, ServesABenchOfSeparateAxes) {
 TEST(RestExcitation, RefusesWhatItCannotPlanAndSaysHowToMendIt) {
   RestExcitationOptions options;
   EXPECT_THROW(planRestExcitation(identification::testArm()), InputError);
+  options.condition_max = 0.5;
+  EXPECT_THROW(planRestExcitation(trajectory::configuredRobot("A"), options), InputError);
+  options.condition_max.reset();
   options.duration_s = 12.0;
   try {
     planRestExcitation(trajectory::configuredRobot("A"), options);

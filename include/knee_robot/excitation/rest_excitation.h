@@ -14,7 +14,8 @@ struct RestExcitationOptions {
   int places = 4;            ///< other places, other loads at rest
   double velocity_max =
       0.015;  ///< m/s, of strokes; ways from place to place are twice as fast; the robot file's limit holds too
-  std::optional<double> condition_max;  ///< of dq/dx; default: planningCondition of the robot
+  std::optional<double>
+      condition_max;  ///< of dq/dx; default: planningCondition of the robot, whose file's limit holds too
 };
 
 /// A planned movement near rest.
