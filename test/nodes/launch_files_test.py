@@ -92,8 +92,9 @@ class LaunchFiles(unittest.TestCase):
         self.assertEqual(3, refused.returncode, refused.stdout + refused.stderr)
         self.assertIn("none.txt", refused.stderr)
 
+        movements.write(self.folder / "references", "slow_rise.txt", movements.rise(20.0))  # longer than `rosnode` may take
         for number in (signal.SIGTERM, signal.SIGHUP, None):
-            player = subprocess.Popen(["rosrun", "knee_robot", "play_movement", "rise.txt", "--approach"], env=self.session.environment,
+            player = subprocess.Popen(["rosrun", "knee_robot", "play_movement", "slow_rise.txt", "--approach"], env=self.session.environment,
                                       stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
             self.wait_for(lambda: "state: \"playing\"" in self.session.run("rosservice", "call", "/controller/get_state").stdout, 60, "never plays")
             if number is None:
