@@ -12,6 +12,9 @@ from campaign import effects
 from campaign.records import Failed, Setting, Workshop, low_passed_forces, run
 
 
+TRAINED = (0, 2)  # the first path and, where there is one, the third; the second is validated on
+
+
 class Case:
     def __init__(self, kind, setting, parts, strength):
         self.kind, self.setting, self.parts, self.strength = kind, setting, parts, strength
@@ -22,10 +25,10 @@ class Case:
         return f"{self.kind}-{what}-{self.strength}-{self.setting.name()}"
 
 
-def all_cases(split, clean, seeds):
+def all_cases(split, clean, seeds, training_paths=1):
     """Settings are numbered; effects take them in turn, so that every effect meets other machines and controllers."""
-    cases = [Case("clean", Setting(split, k), [], 0) for k in range(clean)]
-    cases += [Case("clean", Setting(split, k, "simbody"), [], 0) for k in range(max(1, clean // 6))]
+    cases = [Case("clean", Setting(split, k, "robot", training_paths), [], 0) for k in range(clean)]
+    cases += [Case("clean", Setting(split, k, "simbody", training_paths), [], 0) for k in range(max(1, clean // 6))]
     taken = 0
     for _ in range(seeds):
         groups = [("single", [name], strength, "robot") for name in effects.ROBOT for strength in (1, 2, 3)]
@@ -35,7 +38,7 @@ def all_cases(split, clean, seeds):
         groups += [("unlisted", [name], strength, "simbody") for name in effects.UNLISTED for strength in (2, 3)]
         for kind, parts, strength, plant in groups:
             numbers = clean if plant == "robot" else max(1, clean // 6)
-            cases.append(Case(kind, Setting(split, (5 * taken) % numbers, plant), parts, strength))
+            cases.append(Case(kind, Setting(split, (5 * taken) % numbers, plant, training_paths), parts, strength))
             taken += 1
     random.Random(split).shuffle(cases)
     return cases
@@ -51,7 +54,7 @@ def robot_entry(name, strength, actuator, reference, draw):
 
 
 def make_recordings(case, shop, folder):
-    """Two recordings and the truth: list of {name, actuator}; actuator 0: all."""
+    """A recording of each path, and the truth: list of {name, actuator}; actuator 0: all."""
     truth = []
     if case.setting.plant == "simbody":
         entries = []
@@ -94,7 +97,8 @@ def reachable(case, shop, folder, cutoff_hz):
     ripple's phase on another recording stays unknown: there the effect is left in."""
     unknown = "screw_ripple" in case.parts
     run([shop.program("trace"), "--most", "0", "--cutoff-hz", str(cutoff_hz), "--robot", shop.robot_file(case.setting),
-         "--train", f"{folder}/ideal_1.csv", "--validate", f"{folder}/path_2.csv" if unknown else f"{folder}/ideal_2.csv",
+         "--train", *[f"{folder}/ideal_{k + 1}.csv" for k in TRAINED if k < len(case.setting.paths)],
+         "--validate", f"{folder}/path_2.csv" if unknown else f"{folder}/ideal_2.csv",
          "--output", folder + "/reachable"], folder + "/log.txt")
     with open(folder + "/reachable/report.json", encoding="utf-8") as source:
         return json.load(source)["before"]["validate"]["rms_N"]
@@ -110,8 +114,9 @@ def play(case, shop, keep):
     if case.parts:
         result["size_percent"] = size_of(low_passed_forces(recordings[0]), clean_forces(case, shop))
     started = time.time()
-    run([shop.program("trace"), "--robot", shop.robot_file(case.setting), "--train", recordings[0], "--validate", recordings[1], "--output",
-         folder + "/traced", "--seed", str(1 + case.draw.randrange(10**6))], folder + "/log.txt")
+    run([shop.program("trace"), "--robot", shop.robot_file(case.setting), "--train",
+         *[recordings[k] for k in TRAINED if k < len(recordings)], "--validate", recordings[1], "--output", folder + "/traced",
+         "--seed", str(1 + case.draw.randrange(10**6))], folder + "/log.txt")
     result["seconds"] = time.time() - started
     with open(folder + "/traced/report.json", encoding="utf-8") as source:
         report = json.load(source)

@@ -32,15 +32,19 @@ class Failed(Exception):
 
 
 class Setting:
-    """A machine on two paths, without effect: the clean record and those with effects share it."""
+    """A machine on two paths, the first to train on, the second to validate on, without effect: the clean record and those with effects
+    share it. With `training_paths` 2 there is a third path, also to train on; all else is the same machine."""
 
-    def __init__(self, split, number, plant="robot"):
+    def __init__(self, split, number, plant="robot", training_paths=1):
         draw = random.Random(f"{split} {plant} {number}")
         self.split, self.number, self.plant = split, number, plant
         self.robot = "B" if number % 3 else "A"
         self.speed = SPEEDS[number % 2]
         self.controller = CONTROLLERS[draw.randrange(len(CONTROLLERS))] if plant == "robot" else (0, 0, 0)
-        self.paths = draw.sample(range(REFERENCES if plant == "robot" else 4), 2)
+        references = range(REFERENCES if plant == "robot" else 4)
+        self.paths = draw.sample(references, 2)
+        if training_paths == 2:
+            self.paths.append(random.Random(f"{split} {plant} {number} third").choice([k for k in references if k not in self.paths]))
         self.friction = [(draw.uniform(0.7, 1.4), draw.uniform(0.7, 1.4)) for _ in range(4)]
         # The split "unlike": machines that rub near rest by laws of their own, in code that trace does not share.
         unlike = split == "unlike" and plant == "robot"
@@ -112,17 +116,17 @@ class Workshop:
         return write(folder + "/simulation.yaml", "\n".join(axes + tail) + "\n")
 
     def on_robot(self, setting, entries, folder):
-        """Two recordings of the simulated robot. Nobody pushes during the second one. With effects, the same two as a robot without
-        them would have needed (ideal_1.csv, ideal_2.csv): what the simulator took of every command for its effects is given back."""
+        """A recording of the simulated robot on each path. Somebody pushes during the first one only. With effects, also what a robot
+        without them would have needed (ideal_1.csv, ...): what the simulator took of every command for its effects is given back."""
         out = []
-        for which in (0, 1):
+        for which in range(len(setting.paths)):
             path, truth = f"{folder}/path_{which + 1}.csv", f"{folder}/truth_{which + 1}.csv"
             remove(path)
             kept = [e for e in entries if which == 0 or e[0] != "external_force"]
             run([self.program("simulate"), self.reference(setting, which), "--robot", self.robot_file(setting), "--simulation",
                  self.simulation(setting, kept, folder), "--hardware", f"{ROOT}/config/hardware/simulated.yaml", "--deployment",
                  self.deployment(setting, folder), "-o", path, "--truth", truth, "--pauses-per-minute", str(setting.pauses_per_minute),
-                 "--seed", str(2 * setting.number + which)], folder + "/log.txt")
+                 "--seed", str(2 * setting.number + which if which < 2 else 1000 + setting.number)], folder + "/log.txt")
             if entries:
                 write_ideal(path, truth, f"{folder}/ideal_{which + 1}.csv")
             out.append(path)
@@ -140,9 +144,9 @@ class Workshop:
         return path
 
     def on_simbody(self, setting, entries, folder):
-        """Two recordings of the Simbody plant; `entries`: (force law, actuator from 0, size)."""
+        """A recording of the Simbody plant on each path; `entries`: (force law, actuator from 0, size)."""
         out, first = [], None
-        for which in (0, 1):
+        for which in range(len(setting.paths)):
             with open(self.simbody_base(setting, which), encoding="utf-8") as source:
                 header = source.readline().strip().split(",")
             rows = np.loadtxt(self.simbody_base(setting, which), delimiter=",", skiprows=1)

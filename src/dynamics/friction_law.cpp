@@ -25,6 +25,7 @@ std::string elementText(const FrictionElement& e, bool revolute) {
              (e.gap_m > 0.0 ? ", gap " + shortNumber(1e6 * e.gap_m / radius, 3) + (revolute ? " urad" : " um") : "") +
              (e.relaxation_s > 0.0 ? ", relaxes in " + shortNumber(e.relaxation_s, 2) + " s" : "");
     case FrictionKind::Smooth:
+      if (e.ramp) return "ramp up to " + speed;
       return (e.exponent == 1.0 ? "tanh(v / " + speed + ")"
                                 : "tanh((v / " + speed + ")^" + shortNumber(e.exponent, 3) + ")") +
              (e.lag_s > 0.0 ? ", lags by " + shortNumber(1e3 * e.lag_s, 2) + " ms" : "");
@@ -39,10 +40,11 @@ std::string elementText(const FrictionElement& e, bool revolute) {
   return text;
 }
 
-/// tanh of the power of a velocity, with its sign.
-double smooth(double velocity, double exponent) noexcept {
-  if (exponent == 1.0) return std::tanh(velocity);
-  return std::copysign(std::tanh(std::pow(std::abs(velocity), exponent)), velocity);
+/// Of a velocity in units of the law's speed: a ramp, or tanh of its power, with its sign.
+double smooth(double velocity, const FrictionElement& e) noexcept {
+  if (e.ramp) return std::clamp(velocity, -1.0, 1.0);
+  if (e.exponent == 1.0) return std::tanh(velocity);
+  return std::copysign(std::tanh(std::pow(std::abs(velocity), e.exponent)), velocity);
 }
 
 /// What is missing to full friction, u = 1 - z sign(dx), after |dx| = way: du = -u^exponent |dx| / width, exactly.
@@ -66,7 +68,7 @@ double stop(const FrictionElement& e, double displacement_m, double duration_s, 
 double lagging(const FrictionElement& e, double displacement_m, double duration_s, double& z) noexcept {
   const double now = displacement_m / (duration_s * e.speed_m_per_s);
   z = e.lag_s > 0.0 ? now + (z - now) * std::exp(-duration_s / e.lag_s) : now;
-  return smooth(z, e.exponent);
+  return smooth(z, e);
 }
 
 }  // namespace
@@ -115,6 +117,7 @@ std::string nameOf(const FrictionLaw& law) {
     return law.count == 1 ? "one stop" : law.count == 2 ? "two stops" : "spectrum of stops";
   if (peakOf(law) > 0.0) return "peak near rest";
   if (law.count > 1) return all(law, FrictionKind::Smooth) ? "sum of tanh of velocity" : "mixture";
+  if (first.ramp) return "ramp of velocity";
   if (first.kind == FrictionKind::Smooth) return first.lag_s > 0.0 ? "tanh of lagging velocity" : "tanh of velocity";
   return first.speed_m_per_s > 0.0 || first.tremble > 0.0 ? "creeping bristles" : "bristles (Dahl)";
 }

@@ -20,6 +20,7 @@ Eigen::ArrayXd smoothAlong(const FrictionElement& e, const Eigen::ArrayXd& moved
   double z = 0.0;
   for (Eigen::Index k = 0; kept > 0.0 && k < velocity.size(); ++k)
     velocity[k] = z = velocity[k] + (z - velocity[k]) * kept;
+  if (e.ramp) return velocity.max(-1.0).min(1.0);
   if (e.exponent == 1.0) return tanhOf(velocity);
   return velocity.sign() * tanhOf(velocity.abs().pow(e.exponent));
 }

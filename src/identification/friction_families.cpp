@@ -76,9 +76,9 @@ bool apart(const FrictionElement& a, const FrictionElement& b) {
 }
 
 /// A power of the velocity beside its tanh rises late and steeply, as Stribeck friction does: alone or not at all. So
-/// does a stop behind a clearance, which would mend the shape of any other a little.
+/// does a stop behind a clearance, which would mend the shape of any other a little; and a ramp's corner.
 bool mixes(const FrictionElement& e) {
-  return e.gap_m == 0.0 && e.lag_s == 0.0 && (e.kind != FrictionKind::Smooth || e.exponent == 1.0);
+  return e.gap_m == 0.0 && e.lag_s == 0.0 && !e.ramp && (e.kind != FrictionKind::Smooth || e.exponent == 1.0);
 }
 
 /// Friction that goes on growing with the speed, ever less: beside what builds up near rest.
@@ -156,7 +156,7 @@ Sum spectrumOfSpeeds(const InWeights& squares, const std::vector<FrictionElement
   std::vector<int> smooth;
   for (int k = 0; k < static_cast<int>(squares.linear.size()); ++k) {
     const FrictionElement& e = elements[static_cast<std::size_t>(k)];
-    if (e.kind != FrictionKind::Smooth || e.exponent != 1.0 || e.lag_s > 0.0 || e.share < 0.0) continue;
+    if (e.kind != FrictionKind::Smooth || e.exponent != 1.0 || e.ramp || e.lag_s > 0.0 || e.share < 0.0) continue;
     const bool near = std::any_of(smooth.begin(), smooth.end(), [&](int other) {
       return std::abs(std::log(e.speed_m_per_s / elements[static_cast<std::size_t>(other)].speed_m_per_s)) < kAlike;
     });
@@ -180,6 +180,9 @@ std::vector<FrictionElement> elementsToTry(const FrictionRange& range) {
       e.exponent = exponent;
       all.push_back(e);
     }
+    all.push_back(
+        {FrictionKind::Smooth, 1.0, 0.0, geometric(range.slowest_m_per_s, range.fastest_m_per_s, k, kSpeeds)});
+    all.back().ramp = true;
   }
   for (int k = 0; k < kSpeeds; k += 2) {
     FrictionElement e{FrictionKind::Smooth, 1.0, 0.0,

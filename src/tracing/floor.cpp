@@ -14,10 +14,12 @@
 namespace knee_robot::tracing {
 namespace {
 
-constexpr double kEngineeringShare = 0.003;  ///< of the rms force; above what DAC and encoder steps leave
-constexpr double kBlock_s = 1.0;             ///< of differences between repeats: several correlation times
-constexpr Eigen::Index kMass = 4;            ///< first moments and mass, the last four of the platform's parameters
-constexpr double kEvent = 9.0;               ///< factor of the median square above which a block is an event, not noise
+/// Of the rms force; above what DAC and encoder steps leave. Where repeats show the noise, less: an actuator that carries the
+/// platform's weight would otherwise hide what is told on its neighbours.
+constexpr double kEngineeringShare = 0.003, kMeasuredShare = 0.001;
+constexpr double kBlock_s = 1.0;   ///< of differences between repeats: several correlation times
+constexpr Eigen::Index kMass = 4;  ///< first moments and mass, the last four of the platform's parameters
+constexpr double kEvent = 9.0;     ///< factor of the median square above which a block is an event, not noise
 
 /// Standard deviation in pieces of a second, of which the lower quartile counts: bursts at reversals do not.
 double quietSpread(const Eigen::VectorXd& signal, Eigen::Index piece) {
@@ -84,12 +86,12 @@ Travel travelOf(const EffectInput& input, double cutoff_hz) {
   return t;
 }
 
-/// What nobody would look for: a small share of the force, per actuator.
-Eigen::VectorXd engineeringSize(const TraceData& data) {
+/// What nobody would look for: this small share of the force, per actuator.
+Eigen::VectorXd shareOfForce(const TraceData& data, double share) {
   const double root = std::sqrt(static_cast<double>(data.stack.size()));
   Eigen::VectorXd size(data.stack.axes);
   for (int i = 0; i < data.stack.axes; ++i)
-    size[i] = kEngineeringShare * gatherForce(data.stack, data.recordings, i).norm() / root;
+    size[i] = share * gatherForce(data.stack, data.recordings, i).norm() / root;
   return size;
 }
 
@@ -226,7 +228,7 @@ NoiseFloor noiseFloor(const std::vector<recording::Recording>& recordings, const
   floor.measured = !differences.empty();
   floor.rms_N = floor.measured ? measuredFloor(differences, taken, floor.source)
                                : estimatedFloor(given, surrogate_residual_N, floor.source);
-  floor.rms_N = floor.rms_N.cwiseMax(engineeringSize(data));
+  floor.rms_N = floor.rms_N.cwiseMax(shareOfForce(data, floor.measured ? kMeasuredShare : kEngineeringShare));
   return floor;
 }
 

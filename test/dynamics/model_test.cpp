@@ -248,6 +248,17 @@ TEST(FrictionState, OfAPowerOfTheVelocityLetsCreepingAxesPass) {
   EXPECT_EQ(describe(law), "tanh((v / 1 mm/s)^3)");
 }
 
+TEST(FrictionState, OfARampIsProportionalToTheVelocityUpToItsSpeed) {
+  FrictionLaw law = smoothLaw(2e-3);
+  law.elements[0].ramp = true;
+  FrictionState state;
+  EXPECT_NEAR(state.step(law, 0.01 * 5e-4, 0.01), 0.25, 1e-12);
+  EXPECT_NEAR(state.step(law, -0.01 * 1e-3, 0.01), -0.5, 1e-12);
+  EXPECT_EQ(state.step(law, 0.01 * 3e-3, 0.01), 1.0);
+  EXPECT_EQ(describe(law), "ramp up to 2 mm/s");
+  EXPECT_EQ(nameOf(law), "ramp of velocity");
+}
+
 TEST(ModelFile, KeepsAnExponentAndRefusesItBesideCreep) {
   const mechanism::Robot robot = parallelRobot();
   Model m = someModel(robot, 2);
@@ -255,9 +266,12 @@ TEST(ModelFile, KeepsAnExponentAndRefusesItBesideCreep) {
   m.friction[1].elements[0].exponent = 1.0 / 0.7;
   m.friction[2] = smoothLaw(1e-3);
   m.friction[2].elements[0].exponent = 3.0;
+  m.friction[3] = smoothLaw(2e-3);
+  m.friction[3].elements[0].ramp = true;
   const std::string text = modelToYaml(m);
   EXPECT_TRUE(parseModel(text, "m.yaml").friction[1] == m.friction[1]);
   EXPECT_TRUE(parseModel(text, "m.yaml").friction[2] == m.friction[2]);
+  EXPECT_TRUE(parseModel(text, "m.yaml").friction[3] == m.friction[3]);
   std::string creeping = text;
   const std::string still = "speed_m_per_s: 0, damping_s: 0, exponent";
   ASSERT_NE(creeping.find(still), std::string::npos) << text;

@@ -96,6 +96,7 @@ std::vector<OwnLaw> ownLaws() {
          m[0] += rate * kStep_s;
          return m[0] + 2e-3 * rate;
        }},
+      {"a ramp up to 2.4 mm/s", [](double v, double*) { return std::clamp(v / 2.4e-3, -1.0, 1.0); }},
   };
 }
 

@@ -20,7 +20,7 @@ enum class FrictionKind {
 /// until that is crossed. One that relaxes lets go of what it holds with the time constant `relaxation_s`, in motion and at
 /// rest (a Maxwell element that slips).
 ///
-/// A smooth law may lag: with `lag_s` it is tanh of the velocity that a first-order lag leaves (frictional lag of a
+/// A smooth law may be a ramp instead: proportional to the velocity up to the speed, full beyond it (saturation). It may lag: with `lag_s` it is tanh of the velocity that a first-order lag leaves (frictional lag of a
 /// lubricant film that follows late; Hess and Soom 1990).
 ///
 /// Bristles: with the way r = sqrt(dx^2 + (creep dt)^2), the share follows dz = (dx - r z) / width. Creep speed 0 is
@@ -40,10 +40,12 @@ struct FrictionElement {
   double gap_m = 0.0;          ///< Stop: way in its middle over which nothing presses
   double relaxation_s = 0.0;   ///< Stop: time in which it lets go of what it holds; 0: never
   double lag_s = 0.0;          ///< Smooth: time constant with which it follows the velocity
+  bool ramp = false;           ///< Smooth: straight up to the speed, in place of tanh
 
   /// All but the share.
   auto shape() const {
-    return std::make_tuple(kind, width_m, speed_m_per_s, damping_s, tremble, exponent, gap_m, relaxation_s, lag_s);
+    return std::make_tuple(kind, width_m, speed_m_per_s, damping_s, tremble, exponent, gap_m, relaxation_s, lag_s,
+                           ramp);
   }
   bool operator==(const FrictionElement& o) const { return share == o.share && shape() == o.shape(); }
 };
@@ -75,7 +77,7 @@ FrictionLaw lawOf(const std::vector<FrictionElement>& elements);
 double peakOf(const FrictionLaw& law);
 
 /// "one stop", "tanh of velocity", "bristles (Dahl)", "creeping bristles", "two stops", "spectrum of stops", "mixture",
-/// "tanh of lagging velocity", "peak near rest".
+/// "tanh of lagging velocity", "ramp of velocity", "peak near rest".
 std::string nameOf(const FrictionLaw& law);
 /// With numbers: "stop 9 um (61 %) + stop 100 um (39 %)".
 std::string describe(const FrictionLaw& law);
