@@ -28,19 +28,19 @@ def frozen_while(state, seconds, first):
         time.sleep(seconds)
         for one in (all_of_them if first == "guardian" else reversed(all_of_them)):
             os.kill(one, signal.SIGCONT)
-        woken = time.monotonic()
         time.sleep(2.5)
         said = a.state()
         rows = a.rows()
         on = rows["drives"] != 0
         drop = 1e3 * (rows["pose"][0][1] - rows["pose"][:, 1].min())
         text = f"moved {a.moved_mm():.1f} mm, drop {drop:.1f} mm, drives {'on' if on[-1] else 'off'}, brakes {rows['holds'][-1]:04b}"
+        untrue = "master is gone" in a.session.log_text("controller")
         truth_fits = (said.split(",")[0] in ("faulted", "disabled")) == (not on[-1] and rows["holds"][-1] == 15)
         again = ""
         if not on[-1]:
             reset, enable = a.session.trigger("reset_faults"), a.session.trigger("enable")
             again = f"; reset {reset.success}, enable {enable.success} {enable.message[:50]}"
-        return f"{said}; ", text + again, bool(truth_fits)
+        return f"{said}{', says that the master is gone' if untrue else ''}; ", text + again, bool(truth_fits) and not untrue and drop < 5.0
     attack.__doc__ = f"Guardian, heir and controller stand still for {seconds:g} s while {state}; the {first} wakes up first."
     return needs(hardware=HOMING)(attack) if state == "homing" else attack
 
@@ -65,9 +65,8 @@ def supply_fails_while(state, seconds):
 def attacks():
     found = {}
     for state in STATES:
-        for ms in (60, 300, 3000):
-            for first in ("guardian", "controller"):
-                found[f"frozen_{ms}_while_{state}_{first}_first"] = frozen_while(state, 1e-3 * ms, first)
-        for ms in (20, 200, 1000):
+        for ms, first in ((60, "guardian"), (300, "guardian"), (300, "controller"), *([(3000, "controller")] if state == "holding" else [])):
+            found[f"stand_still_for_{ms}_while_{state}_{first}_first"] = frozen_while(state, 1e-3 * ms, first)
+        for ms in (20, 1000):
             found[f"supply_fails_for_{ms}_while_{state}"] = supply_fails_while(state, 1e-3 * ms)
     return found
