@@ -1,6 +1,7 @@
 // Files that fit each other in form and not the machine: signs, units and lines that were entered wrongly at commissioning.
 #include <filesystem>
 #include <regex>
+#include <tuple>
 
 #include "files_of_a_robot.h"
 #include "knee_robot/base/files.h"
@@ -82,6 +83,18 @@ TEST_F(CommissioningMistake, OneSignIsARunawayWithinMillimetres) {
       EXPECT_EQ(now.fault.substr(0, 7), "runaway") << sign << axis;
       EXPECT_LT(now.leg_m, 0.02) << sign << axis;
     }
+  }
+}
+
+/// With a hundredth of the true lead, or a hundred times the true counts, a leg went 397 mm on a path of 10 mm; 103 mm with
+/// a tenth of the lead.
+TEST_F(CommissioningMistake, LeadsAndCountsThatNoMachineHasAreRefused) {
+  const std::string right = robot;
+  for (const auto& [key, axis, value] : std::vector<std::tuple<const char*, int, const char*>>{
+           {"screw_lead_m", 1, "0.002"}, {"screw_lead_m", 4, "0.000465"}, {"counts_per_revolution", 2, "100000"}}) {
+    robot = with(right, key, axis, value);
+    const Outcome now = outcome();
+    EXPECT_NE(now.refusal.find("correct screw_lead_m"), std::string::npos) << key << axis << ": " << now.refusal;
   }
 }
 
