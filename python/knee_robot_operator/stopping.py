@@ -8,6 +8,7 @@ ANSWER_S = 1.0
 TO_REST_S = 4.0
 _AGAIN_S = (0.5, 6.0)  # a second press in this time, while the robot has not come to rest since, means: it does not stop as it should
 _MOVING = ("enabling", "homing", "guiding", "playing", "paused", "stopping")
+_UNKNOWN = None  # the controller's state is not heard (it is silent, or of another version than this page): it may move
 
 
 class Stopping:
@@ -23,13 +24,13 @@ class Stopping:
         self._pressed = now
         await self._playing.stop()
         state = (self._robot.state or {}).get("state")
-        again = before is not None and _AGAIN_S[0] <= now - before <= _AGAIN_S[1] and state in _MOVING
+        again = before is not None and _AGAIN_S[0] <= now - before <= _AGAIN_S[1] and state in (*_MOVING, _UNKNOWN)
         if again or state in ("enabling", "homing"):
             return await self._safe_stop("STOP was pressed again while the robot moved" if again else f"the robot is {state}")
         answer = await self._ask("stop")
         if answer is None:
             return await self._safe_stop("the controller did not answer to stop in time")
-        if not answer.success and state in _MOVING:
+        if not answer.success and state in (*_MOVING, _UNKNOWN):
             return await self._safe_stop(answer.message)
         if self._watch is None or self._watch.done():
             self._watch = asyncio.create_task(self._see_it_rest())
@@ -55,7 +56,7 @@ class Stopping:
             await asyncio.sleep(0.1)
             state = (self._robot.state or {}).get("state")
             has_started_anew = self._playing.active and not self._playing.ending
-            if state not in ("playing", "stopping", "paused") or has_started_anew:
+            if state not in ("playing", "stopping", "paused", _UNKNOWN) or has_started_anew:
                 self._pressed = None  # that STOP has done its work: the next one is a first one
                 return
         await self._safe_stop(f"the robot did not come to rest within {TO_REST_S:g} s of STOP")

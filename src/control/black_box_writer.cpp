@@ -6,6 +6,7 @@
 #include <cstdarg>
 #include <cstdio>
 #include <ctime>
+#include <filesystem>
 
 #include "knee_robot/base/errors.h"
 #include "knee_robot/base/files.h"
@@ -65,6 +66,17 @@ std::string sidecar(const BlackBoxDump& dump) {
          "faults: see describe() or docs/safety.md; numbers in the columns fault and axis_fault_i\n";
 }
 
+/// Throws InputError where less than `leaves` bytes are left. A file system that does not say has room.
+void refuseFullDisk(const std::string& folder, std::uintmax_t leaves) {
+  std::error_code error;
+  const std::uintmax_t left = std::filesystem::space(folder, error).available;
+  if (error || left >= leaves) return;
+  throw InputError(folder + ": " + std::to_string(left >> 20) + " MB are left on this disk, and faults leave " +
+                   std::to_string(leaves >> 20) +
+                   " MB to what has to be written: the signals before this fault are lost; "
+                   "remove old recordings and fault_* files");
+}
+
 std::string freePath(const std::string& folder, const char* fault) {
   const std::time_t now = std::time(nullptr);
   std::tm local{};
@@ -88,8 +100,8 @@ std::string formatBlackBox(const BlackBoxDump& dump) {
   return text;
 }
 
-BlackBoxWriter::BlackBoxWriter(BlackBox& box, std::string folder, bool threaded)
-    : box_(box), folder_(std::move(folder)) {
+BlackBoxWriter::BlackBoxWriter(BlackBox& box, std::string folder, bool threaded, std::uintmax_t leaves)
+    : box_(box), folder_(std::move(folder)), leaves_(leaves) {
   if (threaded) thread_ = std::thread([this] { loop(); });
 }
 
@@ -113,6 +125,7 @@ void BlackBoxWriter::write() {
     std::string path, error;
     try {
       makeFolder(folder_);
+      refuseFullDisk(folder_, leaves_);
       path = freePath(folder_, describe(dump->fault).name);
       writeFileAtomically(path + ".yaml", sidecar(*dump));
       writeFileAtomically(path + ".csv", formatBlackBox(*dump));

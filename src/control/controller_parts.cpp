@@ -32,22 +32,28 @@ void requireBusPeriod(const HardwareFile& hardware, const rt::Deployment& deploy
   }
 }
 
-/// Lengths a thousand times too small leave each loop without effect, and the platform falls as if no drive were on.
+/// Lengths a thousand times too small leave each loop without effect, and the platform falls as if no drive were on; a
+/// hundred times too small, and a leg that was told to go 10 mm went 400.
 void requirePossibleEncoders(const mechanism::Robot& robot, const HardwareFile& hardware) {
+  constexpr double kTurns_per_s = 120.0;     // of a screw: 7200 rpm, more than ball screws are made for
   constexpr double kCardCounts_per_s = 8e6;  // encoder inputs up to 2 MHz (Pci1784::Options), four counts each
-  constexpr double kTurns_per_s = 1000.0;    // of a drive's motor: 60000 rpm
+  constexpr double kCardCounts = 8e4;        // a turn: of encoders with 20000 lines
   for (std::size_t i = 0; i < robot.actuators.size(); ++i) {
     const mechanism::Actuator& a = robot.actuators[i];
-    const double turns = a.velocity_max_m_per_s / a.screw_lead_m;
-    const bool possible = hardware.can ? turns <= kTurns_per_s : turns * a.counts_per_revolution <= kCardCounts_per_s;
-    if (possible) continue;
+    const double turns = a.velocity_max_m_per_s / a.screw_lead_m, counts = turns * a.counts_per_revolution;
+    std::string why;
+    if (turns > kTurns_per_s)
+      why =
+          "turn " + shortNumber(turns) + " times in a second, and no screw does more than " + shortNumber(kTurns_per_s);
+    else if (!hardware.can && counts > kCardCounts_per_s)
+      why = "count " + shortNumber(counts) + " times in a second, and the counter card does " +
+            shortNumber(kCardCounts_per_s);
+    else if (!hardware.can && a.counts_per_revolution > kCardCounts)
+      why = "count " + shortNumber(a.counts_per_revolution) +
+            " times in a turn, and no encoder on a card does more than " + shortNumber(kCardCounts);
+    if (why.empty()) continue;
     throw InputError(robot.path + ": actuators: at velocity_max_m_per_s " + shortNumber(a.velocity_max_m_per_s) +
-                     " axis " + std::to_string(i + 1) + " would " +
-                     (hardware.can
-                          ? "turn " + shortNumber(turns) + " times in a second, and no motor does more than " +
-                                shortNumber(kTurns_per_s)
-                          : "count " + shortNumber(turns * a.counts_per_revolution) +
-                                " times in a second, and the counter card does " + shortNumber(kCardCounts_per_s)) +
+                     " axis " + std::to_string(i + 1) + " would " + why +
                      "; correct screw_lead_m (metres) or counts_per_revolution");
   }
 }

@@ -65,7 +65,8 @@ constexpr std::array<FaultDescription, kFaults> kTable = {{
      "the axis runs away from its reference against the force: a wrong sign, a drive without power, or a push that is "
      "stronger",
      kAtOnce, kLost, kOne,
-     "check the drive's supply, encoder_sign and force_sign in the robot file, the wiring of motor and encoder"},
+     "check the drive's supply and the wiring of motor and encoder; then encoder_sign by hand, with the drives off; "
+     "then force_sign (with both wrong the leg goes the other way)"},
     {F::EncoderFrozen, "encoder_frozen",
      "the encoder does not count although the axis is driven: it is dead, or the axis is blocked", kAtOnce, kLost, kOne,
      "check the encoder's cable and coupling, then look for an obstacle, a brake that did not open, a drive without "
@@ -146,6 +147,11 @@ constexpr std::array<FaultDescription, kFaults> kTable = {{
      "the axis has moved although the drives are off and its holding brake should hold it", kWhenGone, kWorks, kOne,
      "get the patient off and support the platform, then look at the brake; where somebody has moved the platform by "
      "hand, reset"},
+    {F::WeightOpposite, "weight_opposite", "the axis carries the opposite of what it should weigh", kAtOnce, kWorks,
+     kOne,
+     "move nothing: turn the screw by hand with the drives off and see whether its length grows as the leg does "
+     "(encoder_sign; where that is wrong, so is force_sign); then check gravity in the robot file, the model, and "
+     "whether somebody lifts the platform"},
 }};
 
 constexpr bool isInOrder() {

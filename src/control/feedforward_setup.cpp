@@ -10,8 +10,15 @@
 namespace knee_robot::control {
 namespace {
 
-/// Beside the URDF's weight: twice it is a wrong model, the rest what offsets of drives and an orthosis may be.
-constexpr double kStrangeShare = 1.0, kStrange_N = 60.0;
+/// Beside the URDF's weight: twice it is a wrong model, the rest what offsets of drives and an orthosis may be. Nothing
+/// takes weight away: a model with less than kLeastShare of it was identified with wrong newtons per volt.
+constexpr double kStrangeShare = 1.0, kStrange_N = 60.0, kLeastShare = 0.4;
+
+bool isStrange(double said_N, double known_N) {
+  const double beside = std::abs(said_N - known_N);
+  const bool light = said_N * (known_N < 0.0 ? -1.0 : 1.0) < kLeastShare * std::abs(known_N);
+  return beside > kStrangeShare * std::abs(known_N) + kStrange_N || (light && beside > kStrange_N);
+}
 
 /// On each axis at home, at rest; nothing where home has no pose.
 std::optional<mechanism::Vector4> weightsAtHome(const dynamics::PartedModel& model, const mechanism::Robot& robot) {
@@ -116,10 +123,11 @@ void FeedforwardSetup::compareWeights(const mechanism::Robot& robot) {
   const auto said = weightsAtHome(dynamics::PartedModel(dynamics::loadModel(path), robot), robot);
   const auto known = weightsAtHome(dynamics::PartedModel(robot, dynamics::loadRobotInertia(robot)), robot);
   for (Eigen::Index i = 0; said && known && i < said->size() && strange_weights_.empty(); ++i) {
-    if (std::abs((*said)[i] - (*known)[i]) <= kStrangeShare * std::abs((*known)[i]) + kStrange_N) continue;
-    strange_weights_ = path + " gives axis " + std::to_string(i + 1) + " " + shortNumber((*said)[i], 3) +
-                       " N to carry at home, the URDF's weights are " + shortNumber((*known)[i], 3) +
-                       " N: the platform would jump when the brakes open (identify the model anew)";
+    if (!isStrange((*said)[i], (*known)[i])) continue;
+    strange_weights_ =
+        path + " gives axis " + std::to_string(i + 1) + " " + shortNumber((*said)[i], 3) +
+        " N to carry at home, the URDF's weights are " + shortNumber((*known)[i], 3) +
+        " N: the platform would jump when the brakes open (check force_per_volt_N, then identify the model anew)";
   }
 }
 

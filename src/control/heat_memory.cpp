@@ -1,5 +1,6 @@
 #include "heat_memory.h"
 
+#include <fcntl.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -23,6 +24,17 @@ Moment writtenAt(StrictMap& file) {
   if (!then.boot.empty()) then.since_boot_s = file.number("since_boot_s", 0.0, 1e11);
   then.synchronized = file.flagOr("clock_synchronized", false);
   return then;
+}
+
+/// In the place of the old content, which a full disk still has room for. What a power cut leaves of it counts as hot.
+void overwrite(const std::string& path, const std::string& text) noexcept {
+  const int file = ::open(path.c_str(), O_WRONLY | O_CLOEXEC | O_NONBLOCK);
+  if (file < 0) return;
+  const bool whole = ::pwrite(file, text.data(), text.size(), 0) == static_cast<ssize_t>(text.size());
+  if (whole && ::ftruncate(file, static_cast<off_t>(text.size())) == 0 && ::fdatasync(file) != 0) {
+    // on the disk a little later
+  }
+  ::close(file);
 }
 
 }  // namespace
@@ -58,7 +70,11 @@ void HeatMemory::write() noexcept {
     if (!now.boot.empty()) text += "boot: " + now.boot + "\nsince_boot_s: " + exactNumber(now.since_boot_s) + "\n";
     text += std::string("clock_synchronized: ") + (now.synchronized ? "true" : "false") + "\n";
     makeFolder(path_.substr(0, path_.find_last_of('/')));
-    writeFileAtomically(path_, text);
+    try {
+      writeFileAtomically(path_, text);
+    } catch (const InputError&) {  // an old file would tell the next start of motors as cold as they were then
+      overwrite(path_, text);
+    }
   } catch (const std::exception&) {
     // see the class: the next start finds the older file
   }

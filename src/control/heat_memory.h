@@ -18,7 +18,7 @@ AxisValues rememberedHeat(const std::string& path, const Moment& now, double tim
 
 /// Keeps the heat in a file, so that a controller that is started anew does not believe in cold motors. No activity
 /// executes it: write() is one of the Chores, and the end writes, too. A disk that refuses is not an error of the
-/// motion; the next start finds an older file, and heat that was higher or lower by two seconds' worth.
+/// motion. One that is full has no room for a new file: the old one is written over.
 class HeatMemory : public rt::TaskContext {
  public:
   rt::InputPort<MonitorVerdict> verdict{*this, "verdict", "from Monitors"};

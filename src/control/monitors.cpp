@@ -160,7 +160,9 @@ Fault Monitors::evaluate(std::size_t i, const AxisView& view) noexcept {
   if (axis.saturation.step(view, saturation_time)) return Fault::Saturated;
   if (axis.stall.step(view, stall_share, stall_speed, stall_error, stall_time)) return Fault::Stalled;
   if (axis.stall.time_s() > 0.5 * stall_time) out_.asks[i] = true;  // a blind axis seems to stand, too
-  return Fault::None;
+  const AxisCommand& command = commands_[i];
+  const bool stands = command.homed && command.at_rest && !taking_over;
+  return axis.weight.step(view, command.feedforward_N - command.moving_N, stands) ? Fault::WeightOpposite : Fault::None;
 }
 
 /// Only what a model explains can be told from a force on the patient; a limit that nobody can judge protects nobody.

@@ -20,6 +20,7 @@
 #include "monitor_stall.h"
 #include "monitor_thermal.h"
 #include "monitor_velocity.h"
+#include "monitor_weight.h"
 
 namespace knee_robot::control {
 
@@ -165,6 +166,7 @@ class Monitors : public rt::TaskContext {
     RunawayMonitor runaway;
     SaturationMonitor saturation;
     ThermalMonitor thermal;
+    WeightMonitor weight;
     double force_limit_N = 0.0;
     std::int64_t last_counts = 0;
 
@@ -177,6 +179,7 @@ class Monitors : public rt::TaskContext {
       stall.reset();
       runaway.reset();
       saturation.reset();
+      weight.reset();
     }
   };
 

@@ -21,6 +21,11 @@ namespace {
 static_assert(std::atomic<std::uint64_t>::is_always_lock_free && std::atomic<std::uint32_t>::is_always_lock_free,
               "the link lies in shared memory");
 
+constexpr char kOther[] =
+    "is the link of another version of this package, or no guardian's link; end guardian and controller that use it "
+    "with "
+    "the drives off (where neither runs, remove it from /dev/shm), then start both, of one version";
+
 [[noreturn]] void refuse(const std::string& name, const std::string& what) {
   throw InputError("guardian's shared memory " + name + ": " + what);
 }
@@ -84,16 +89,19 @@ SharedGuardianLink SharedGuardianLink::open(const std::string& name) {
     ::close(descriptor);
     refuse(name, whyNoSharedMemory(full));
   }
-  if (!is_new) fits = fits && static_cast<std::size_t>(information.st_size) == sizeof(GuardianLink);
+  if (!is_new && fits && static_cast<std::size_t>(information.st_size) != sizeof(GuardianLink)) {
+    ::close(descriptor);
+    refuse(name, kOther);
+  }
   void* memory =
       fits ? ::mmap(nullptr, sizeof(GuardianLink), PROT_READ | PROT_WRITE, MAP_SHARED, descriptor, 0) : MAP_FAILED;
   ::close(descriptor);
-  if (memory == MAP_FAILED) refuse(name, "is no guardian's link or cannot be mapped; choose another name or remove it");
+  if (memory == MAP_FAILED) refuse(name, "cannot be mapped: " + std::string(std::strerror(errno)));
   auto* link = static_cast<GuardianLink*>(memory);
   std::uint64_t found = 0;
   if (!link->magic.compare_exchange_strong(found, GuardianLink::kMagic) && found != GuardianLink::kMagic) {
     ::munmap(memory, sizeof(GuardianLink));
-    refuse(name, "holds something else than a guardian's link, or one of another version");
+    refuse(name, kOther);
   }
   return SharedGuardianLink(name, link, information.st_ino);
 }

@@ -64,6 +64,16 @@ class Unreachable {
  public:
   Unreachable(control::ControlSystem& system, nodes::EventLog& log, double timeout_s)
       : system_(system), log_(log), timeout_s_(timeout_s) {}
+  /// For how long this thread was gone when it meant to sleep for some milliseconds. Where it is seconds the whole process
+  /// stood still, and who did not answer meanwhile is not to blame.
+  void slept(double time_s) {
+    const auto now = std::chrono::steady_clock::now();
+    if (time_s > 0.5 * timeout_s_) {
+      stood_still_s_ = time_s;
+      woken_ = now;
+    }
+    if (now - woken_ > std::chrono::duration<double>(timeout_s_)) stood_still_s_ = 0.0;
+  }
   /// For how long the master has been gone, and no new client has been answered, s.
   void poll(double silence_s, double unreached_s) {
     if (timeout_s_ == 0.0 || std::max(silence_s, unreached_s) < timeout_s_) {
@@ -80,7 +90,8 @@ class Unreachable {
     const bool again = state != control::MachineState::SafeStopping && std::chrono::steady_clock::now() >= again_at_;
     if (acted_ && !again) return;
     acted_ = true;
-    const std::string why = silence_s < timeout_s_
+    const std::string why = stood_still_s_ > 0.0 ? "the controller's process stood still"
+                            : silence_s < timeout_s_
                                 ? "no new client reaches the controller (too many connections to it?)"
                                 : "the ROS master is gone";
     log_.add("controller", "", why + ": stopping along the path, then disabling");
@@ -98,6 +109,8 @@ class Unreachable {
   nodes::EventLog& log_;
   const double timeout_s_;
   bool acted_ = false;  // and was refused
+  double stood_still_s_ = 0.0;
+  std::chrono::steady_clock::time_point woken_;
   std::chrono::steady_clock::time_point again_at_;
 };
 
@@ -173,7 +186,9 @@ void serve(const ros::NodeHandle& node, nodes::Machine& machine, const nodes::Co
       if (interface.absence() == 0.0) sayWhyAnew(watch, parts.log);
       if (interface.renew()) watch.remember();
     }
+    const auto before = std::chrono::steady_clock::now();
     std::this_thread::sleep_for(std::chrono::milliseconds(20));
+    unreachable.slept(std::chrono::duration<double>(std::chrono::steady_clock::now() - before).count());
   }
   // Drives off now: taking the interface down waits for the master and for calls under way, one of which may wait for a
   // disk.

@@ -16,6 +16,7 @@
 #include <thread>
 
 #include "backends.h"
+#include "down_now.h"
 #include "guardian_heir.h"
 #include "knee_robot/base/errors.h"
 #include "knee_robot/base/numbers.h"
@@ -204,42 +205,6 @@ std::optional<hardware::SharedGuardianLink> linkOf(const std::string& name, cons
   return std::nullopt;
 }
 
-bool guardianActs(const hardware::GuardianLink& link) {
-  const std::int32_t guardian = link.guardian_pid.load();
-  const std::uint64_t cycles = link.guardian_cycles.load();
-  if (guardian <= 0 || hardware::ProcessWatch().isGone(guardian)) return false;
-  std::this_thread::sleep_for(std::chrono::milliseconds(20));
-  return link.guardian_cycles.load() != cycles;
-}
-
-/// A controller that lives notices within 50 ms that its guardian is gone, and stops as it should: along the path, the
-/// load handed over to the brakes. Waits for that, 1.5 s at most. False: it goes on living with its drives on (a brake
-/// does not hold, and they carry the platform).
-bool letControllerStop(const hardware::GuardianLink& link) {
-  constexpr rt::Nanoseconds kLongest = 1'500'000'000, kSilence = 20'000'000;
-  const rt::Nanoseconds began = rt::monotonicNow();
-  rt::Nanoseconds heard = began;
-  std::uint64_t heartbeat = link.heartbeat.load();
-  hardware::ProcessWatch watch;
-  while (link.armed.load() != 0 && link.tripped.load() == 0) {
-    const std::int32_t controller = link.controller_pid.load();
-    if (controller == 0 || watch.isGone(controller) || rt::monotonicNow() - heard > kSilence) return true;
-    if (rt::monotonicNow() - began > kLongest) return false;
-    std::this_thread::sleep_for(std::chrono::milliseconds(1));
-    const std::uint64_t now = link.heartbeat.load();
-    if (now != heartbeat) heard = rt::monotonicNow();
-    heartbeat = now;
-  }
-  return true;
-}
-
-/// Two cycles of the guardian that lives, 0.2 s at most: then it has seen the fence, and acts.
-void letGuardianSee(const hardware::GuardianLink& link) {
-  const std::uint64_t cycles = link.guardian_cycles.load();
-  for (int ms = 0; ms < 200 && link.guardian_cycles.load() - cycles < 2; ++ms)
-    std::this_thread::sleep_for(std::chrono::milliseconds(1));
-}
-
 control::GuardianCarry carryOf(const control::HardwareFile& file) {
   return {static_cast<std::uint8_t>(1u << file.drive_enable_bit), static_cast<std::uint8_t>(1u << file.heartbeat_bit),
           rt::fromSeconds(file.holdDelay()), file.holdsByBrakes()};
@@ -251,16 +216,18 @@ control::GuardianCarry carryOf(const control::HardwareFile& file) {
 int bringDownNow(const Options& options) {
   const control::HardwareFile file = loadFile(options);
   const std::unique_ptr<hardware::EmergencyOutputs> outputs = nodes::openOutputs(file, siteOf(options));
-  std::optional<hardware::SharedGuardianLink> memory = linkOf(options.link, nodes::machineName(file, siteOf(options)));
+  const std::string machine = nodes::machineName(file, siteOf(options));
+  std::optional<hardware::SharedGuardianLink> memory = linkOf(options.link, machine);
+  const bool beside_a_stranger = nodes::isBesideAStranger(memory ? &memory->link() : nullptr, machine);
   if (memory) {
-    const bool guarded = guardianActs(memory->link());
-    if (!guarded && !letControllerStop(memory->link())) {
+    const bool guarded = nodes::guardianActs(memory->link());
+    if (!guarded && !nodes::letControllerStop(memory->link())) {
       std::printf("guardian: the controller lives and its drives carry the platform; start the guardian again\n");
       return 1;
     }
     if (!guarded) nodes::handOverInItsPlace(memory->link(), *outputs, carryOf(file), 10 * kPeriod);
     memory->link().tripped.store(1);
-    if (guarded) letGuardianSee(memory->link());
+    if (guarded) nodes::letGuardianSee(memory->link());
     if (!hardware::letGuardianHandOver(memory->link())) {
       std::printf(
           "guardian: another one still lets the drives carry the platform, for a holding brake does not hold or cannot "
@@ -274,8 +241,14 @@ int bringDownNow(const Options& options) {
   if (const hardware::IoStatus again = outputs->down(); again != hardware::IoStatus::Ok)
     status = again;  // a write under way
   std::printf("guardian: outputs %s%s\n", status == hardware::IoStatus::Ok ? "down" : "NOT ALL DOWN, a card refused",
-              memory ? "; a controller is fenced out until reset" : "");
-  return status == hardware::IoStatus::Ok ? kExitDone : 1;
+              memory && !beside_a_stranger ? "; a controller is fenced out until reset" : "");
+  if (beside_a_stranger) {
+    std::printf(
+        "guardian: BUT A CONTROLLER LIVES that %s does not reach (its link is of another version, or was removed): it "
+        "may have switched them on again; end it, or press the emergency stop\n",
+        options.link.c_str());
+  }
+  return status == hardware::IoStatus::Ok && !beside_a_stranger ? kExitDone : 1;
 }
 
 /// Called in the heir's process. Drives on CAN stop by themselves, and hand nothing over.

@@ -27,10 +27,12 @@ import attacks_in_others_names
 import attacks_on_disk
 import attacks_on_drives
 import attacks_on_pauses
+import attacks_on_power
 import attacks_on_sessions
 import attacks_on_the_body
 import attacks_on_the_hand_over
 import attacks_on_the_nets
+import attacks_on_versions
 import attacks_on_what_is_carried
 import attacks_on_what_is_said
 from attack import Attack
@@ -198,8 +200,8 @@ for number in (1, 2, 3, 4):
 ATTACKS["frozen_4_at_rest_push_100"] = at_rest("encoder_frozen", 4, 100.0, 2.5)
 ATTACKS["frozen_4_at_rest_push_150_at_once"] = at_rest("encoder_frozen", 4, 150.0, 0.2)
 for module in (attacks_at_states, attacks_by_a_crowd, attacks_by_exhaustion, attacks_by_others, attacks_by_signals, attacks_in_disorder,
-               attacks_in_others_names, attacks_on_disk, attacks_on_drives, attacks_on_pauses, attacks_on_sessions, attacks_on_the_body,
-               attacks_on_the_hand_over, attacks_on_the_nets, attacks_on_what_is_carried, attacks_on_what_is_said):
+               attacks_in_others_names, attacks_on_disk, attacks_on_drives, attacks_on_pauses, attacks_on_power, attacks_on_sessions, attacks_on_the_body,
+               attacks_on_the_hand_over, attacks_on_the_nets, attacks_on_versions, attacks_on_what_is_carried, attacks_on_what_is_said):
     ATTACKS.update(module.attacks())
 
 

@@ -109,6 +109,30 @@ TEST_F(BlackBoxTest, SaysThatFaultsCameFasterThanTheDiskTookThem) {
   EXPECT_NE(writer.error(), "") << "they stay lost";
 }
 
+TEST_F(BlackBoxTest, LeavesTheLastRoomOnADiskToOthers) {
+  struct Feed : rt::TaskContext {
+    Feed() : rt::TaskContext("BlackBoxFeed") {}
+    rt::OutputPort<SupervisorStatus> status{*this, "status", ""};
+  } feed;
+  BlackBox box("BlackBox");
+  rt::connect(feed.status, box.status);
+  box.rows.set(10);
+  box.rows_after.set(0);
+  ASSERT_TRUE(box.configure() && box.start());
+  BlackBoxWriter writer(box, folder + "/box", false, UINTMAX_MAX);
+  rt::Cycle cycle;
+  for (const Fault fault : {Fault::None, Fault::EmergencyStop}) {
+    SupervisorStatus status;
+    status.fault = fault;
+    feed.status.write(status);
+    cycle.time += 1'000'000;
+    box.update(cycle);
+  }
+  writer.write();
+  EXPECT_TRUE(dumps().empty());
+  EXPECT_NE(writer.error().find("MB are left on this disk"), std::string::npos) << writer.error();
+}
+
 TEST_F(BlackBoxTest, SaysThatTheDiskRefusedAndGoesOn) {
   writeFileAtomically(folder + "/box", "a file where a folder should be");
   BoxedRig rig(folder + "/box");

@@ -1,10 +1,13 @@
 // A controller that is started anew does not believe in cold motors.
 #include "src/control/heat_memory.h"
 
+#include <fcntl.h>
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include <cmath>
 
+#include "knee_robot/base/errors.h"
 #include "knee_robot/base/files.h"
 #include "system_rig.h"
 #include "test/temporary_folder.h"
@@ -114,6 +117,23 @@ TEST_F(HeatFile, OutlivesTheController) {
   again.system.run(0.1);
   for (std::size_t i = 0; i < hardware::kAxes; ++i)
     EXPECT_NEAR(again.system.status().thermal[i], before[i], 0.1 * before[i]) << i;  // a real second or two of cooling
+}
+
+TEST_F(HeatFile, IsKeptWhereADiskHasNoRoomForANewFile) {
+  const std::string long_name = folder_ + "/" + std::string(250, 'h');  // a file beside it would have too long a name
+  const int made = ::open(long_name.c_str(), O_WRONLY | O_CREAT | O_CLOEXEC, 0644);
+  const std::string cold = "heat: [0, 0, 0, 0]\ntime_s: 3\n" + std::string(300, '\n');
+  ASSERT_EQ(::write(made, cold.data(), cold.size()), static_cast<ssize_t>(cold.size()));
+  ::close(made);
+  ASSERT_THROW(writeFileAtomically(long_name, cold), InputError);
+  {
+    fake::Rig rig(fake::hardware(), "", long_name);
+    rig.hold();
+    rig.system.run(20.0);
+  }
+  std::string error;
+  EXPECT_GT(rememberedHeat(long_name, momentNow(), 1100.0, &error)[0], 1e-4);
+  EXPECT_EQ(error, "");
 }
 
 TEST_F(HeatFile, ThatCannotBeReadIsNamedAtTheStart) {

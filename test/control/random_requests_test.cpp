@@ -11,7 +11,7 @@ namespace {
 
 using namespace holding;
 
-const char* const kPatient = R"(patient: "17"
+const char* const kRoamingPatient = R"(patient: "17"
 pose: {X_m: [-0.1, 0.1], Z_m: [0.55, 0.72], theta_deg: [-12, 12], psi_deg: [-12, 12]}
 )";
 
@@ -75,7 +75,7 @@ class Invariants {
 class Session {
  public:
   explicit Session(unsigned seed) : random_(seed), robot_(truth()) {
-    writeFileAtomically(folder_ + "/p17.yaml", kPatient);
+    writeFileAtomically(folder_ + "/p17.yaml", kRoamingPatient);
     robot_.system->setPlant([this](rt::Nanoseconds time) {
       while (robot_.plant.time() + 0.0005 < 1e-9 * static_cast<double>(time))
         robot_.plant.step(0.001);

@@ -301,6 +301,18 @@ class Stop(PageTest):
             await browser.post("/api/stop")
             await until(lambda: "emergency_stop" in self.services(rig), 8.0)
 
+    async def test_a_robot_whose_state_is_not_heard_may_move(self):
+        for more, times in (({}, 1), ({"stop": Answer(False, "not possible while the robot is enabling")}, 1), ({}, 2)):
+            robot = ToyRobot("playing", stop_s=30.0)
+            robot.answers.update(more)
+            robot.silent = True
+            async with Rig(robot) as rig, rig.browser() as browser:
+                await browser.post("/api/stop")
+                if times == 2:
+                    await asyncio.sleep(0.6)
+                    await browser.post("/api/stop")
+                await until(lambda: "emergency_stop" in self.services(rig), 0.1 if more or times == 2 else 8.0)
+
     async def test_a_finger_that_trembles_stops_once(self):
         async with Rig(ToyRobot("playing", stop_s=0.2)) as rig, rig.browser() as browser:
             await asyncio.gather(*(browser.post("/api/stop") for _ in range(5)))

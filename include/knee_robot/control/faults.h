@@ -59,8 +59,9 @@ enum class Fault : std::uint8_t {
   DriveStaysOn,
   DrivesNotReady,
   MovedWhileOff,
+  WeightOpposite,
 };
-inline constexpr int kFaults = 51;
+inline constexpr int kFaults = 52;
 
 /// When resetFaults() clears a fault.
 enum class ResetRule : std::uint8_t {
