@@ -271,7 +271,9 @@ std::vector<Sum> bestOfFamilies(const InWeights& squares, const std::vector<Fric
   }
   std::vector<Sum> best;
   best.push_back(single([](const FrictionElement& e) { return e.kind == FrictionKind::Stop; }));
-  best.push_back(single([&](const FrictionElement& e) { return e.kind == FrictionKind::Smooth && !grows(e, range); }));
+  best.push_back(
+      single([&](const FrictionElement& e) { return e.kind == FrictionKind::Smooth && !e.ramp && !grows(e, range); }));
+  best.push_back(single([](const FrictionElement& e) { return e.ramp; }));
   best.push_back(single([](const FrictionElement& e) {
     return e.kind == FrictionKind::Bristles && e.speed_m_per_s == 0.0 && e.tremble == 0.0 && e.damping_s == 0.0 &&
            e.exponent == 1.0;

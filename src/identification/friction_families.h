@@ -16,12 +16,12 @@ std::vector<dynamics::FrictionElement> elementsToTry(const FrictionRange& range)
 /// Finer steps around the shapes that an earlier choice found for single elements.
 void addFinerSteps(const FrictionChoice& around, double narrowest_m, std::vector<dynamics::FrictionElement>& all);
 
-/// Shape parameters of every family: one stop, tanh, Dahl's bristles, any bristles, all stops together (Maxwell slip),
+/// Shape parameters of every family: one stop, tanh, a ramp, Dahl's bristles, any bristles, all stops together (Maxwell slip),
 /// pairs, sums, all speeds of tanh together; a tanh that lags; one rare element, a pair and a sum with one; a pair and a
 /// sum with a peak.
-inline constexpr std::array<int, 14> kFamilyNumbers = {1, 1, 1, 3, 6, 4, 8, 8, 2, 2, 4, 8, 4, 8};
+inline constexpr std::array<int, 15> kFamilyNumbers = {1, 1, 1, 1, 3, 6, 4, 8, 8, 2, 2, 4, 8, 4, 8};
 /// Where a group of families ends: usual ones, and those that have to be surely better than all before.
-inline constexpr std::array<long, 4> kGroupEnds = {8, 9, 12, 14};
+inline constexpr std::array<long, 4> kGroupEnds = {9, 10, 13, 15};
 inline constexpr std::size_t kGroupOfRest = 2;  ///< stops behind a clearance and those that relax
 
 /// A stop behind a clearance, one that relaxes, a tanh that lags, or what is taken away from others (a peak near rest):
@@ -40,7 +40,7 @@ inline double geometric(double first, double last, int k, int count) {
 
 /// Many elements at once, whose shares come near to any law.
 constexpr bool isSpectrum(long family) {
-  return family == 4 || family == 7;
+  return family == 5 || family == 8;
 }
 
 /// The best law of every family, simplest first; without elements where there is none.

@@ -58,7 +58,8 @@ namespace {
 Eigen::ArrayXd leastOf(const Search& s, const FoundEffect& e) {
   const Candidate& candidate = *e.hypothesis.place.candidate;
   const bool failed = candidate.transfers() && !e.transfers && e.elsewhere_gain < kWorthElsewhere && !std::isnan(e.p);
-  const Eigen::ArrayXd floors = std::max(candidate.leastFloors(), failed ? kWithoutHelp : 0.0) * s.floor.rms_N.array();
+  const Eigen::ArrayXd floors =
+      std::max(candidate.leastFloors(), failed ? kWithoutHelp : 0.0) * s.floor.of_names_N.array();
   const bool unproven = !s.floor.measured && (candidate.goesWithTime() || candidate.local()) && !std::isnan(e.p);
   return unproven ? floors.max(s.rms_N.array()).eval() : floors;
 }

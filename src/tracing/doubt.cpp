@@ -110,7 +110,7 @@ double atPlace(const Place& place, const Eigen::VectorXd& per_actuator_N) {
 
 double floorsLeft(const Search& s, const Place& place, const Eigen::VectorXd& left_N) {
   constexpr double kLeast_N = 1e-12;
-  return atPlace(place, left_N) / std::max(kLeast_N, atPlace(place, s.floor.rms_N));
+  return atPlace(place, left_N) / std::max(kLeast_N, atPlace(place, s.floor.of_names_N));
 }
 
 void doubtNames(Search& s, std::vector<std::string>& notes) {

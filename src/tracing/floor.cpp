@@ -228,7 +228,8 @@ NoiseFloor noiseFloor(const std::vector<recording::Recording>& recordings, const
   floor.measured = !differences.empty();
   floor.rms_N = floor.measured ? measuredFloor(differences, taken, floor.source)
                                : estimatedFloor(given, surrogate_residual_N, floor.source);
-  floor.rms_N = floor.rms_N.cwiseMax(shareOfForce(data, floor.measured ? kMeasuredShare : kEngineeringShare));
+  floor.of_names_N = floor.rms_N.cwiseMax(shareOfForce(data, kEngineeringShare));
+  floor.rms_N = floor.measured ? floor.rms_N.cwiseMax(shareOfForce(data, kMeasuredShare)) : floor.of_names_N;
   return floor;
 }
 

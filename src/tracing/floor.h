@@ -10,6 +10,8 @@ namespace knee_robot::tracing {
 /// Rms per actuator (N) below which nothing can be explained.
 struct NoiseFloor {
   Eigen::VectorXd rms_N;
+  Eigen::VectorXd
+      of_names_N;  ///< what is left beside right names: the noise, or 0.003 of the force, whichever is larger
   std::string source;
   bool measured = false;  ///< by repeats; otherwise estimated
 };
@@ -20,7 +22,7 @@ struct NoiseFloor {
 /// the middle one happened in one run only, and are no noise; neither is friction that differs smoothly between
 /// recordings (one of them was warm). `source` says which. Otherwise an estimate: what surrogates leave
 /// (`surrogate_residual_N`), together with the noise density of the unfiltered force residual just above the cut-off,
-/// carried down to it. Never below three thousandths of the rms force: what is smaller is not looked for.
+/// carried down to it. Never below three thousandths of the rms force, with repeats one: what is smaller is not looked for.
 NoiseFloor noiseFloor(const std::vector<recording::Recording>& recordings, const TraceData& data,
                       const std::vector<Eigen::MatrixXd>& model_force_N, const Eigen::VectorXd& surrogate_residual_N);
 

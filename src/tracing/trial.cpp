@@ -163,7 +163,7 @@ void crossValidate(const Search& s, const Projection& projection, std::vector<Ei
 bool isLargeNearRest(const Search& s, const Trial& t) {
   if (!t.hypothesis.place.candidate->actsNearRest()) return false;
   const double size_N = t.fit.coefficients.back().cwiseAbs().maxCoeff();
-  const double floor_N = s.floor.rms_N[t.hypothesis.place.actuator];
+  const double floor_N = s.floor.of_names_N[t.hypothesis.place.actuator];
   if (s.rms_N[t.hypothesis.place.actuator] <= floor_N) return false;  // nothing is left there to be explained
   return size_N > kNearRestFloors * floor_N && t.held.gaining == 1.0 && t.held.mean > kNearRestErrors * t.held.error;
 }

@@ -13,6 +13,7 @@ class Doubt : public SearchedMachine {
   /// What is said of an effect when the model leaves so many noise floors.
   FoundEffect said(const std::string& name, double floors) {
     search_.floor.rms_N = Eigen::VectorXd::Constant(data_.stack.axes, 0.5);
+    search_.floor.of_names_N = search_.floor.rms_N;
     search_.floor.measured = measured_;
     search_.fit.residual_N = Eigen::VectorXd::Constant(data_.stack.size() * data_.stack.axes, 0.5 * floors);
     FoundEffect e;

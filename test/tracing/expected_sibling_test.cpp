@@ -10,6 +10,7 @@ class ExpectedSibling : public SearchedMachine {
  protected:
   std::string objectionWith(int carriers, bool measured) {
     search_.floor.rms_N = 1.2 * search_.rms_N;
+    search_.floor.of_names_N = search_.floor.rms_N;
     search_.floor.measured = measured;
     const Hypothesis drag = named("quadratic_drag", {});
     search_.effects.assign(static_cast<std::size_t>(carriers), {});

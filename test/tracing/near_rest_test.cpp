@@ -32,6 +32,7 @@ class SmallNearRest : public NearRest {
  protected:
   std::string objectionWhere(double floors) {
     search_.floor.rms_N = search_.rms_N / floors;
+    search_.floor.of_names_N = search_.floor.rms_N;
     Trial t;
     t.hypothesis = named("stribeck", {0.015, 2.0, 0.0});
     t.share = 10.0;

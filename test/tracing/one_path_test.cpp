@@ -15,6 +15,7 @@ class OnePath : public testing::Test {
   OnePath() {
     s_.data = &data_;
     s_.floor.rms_N = Eigen::Vector4d::Constant(0.5);
+    s_.floor.of_names_N = s_.floor.rms_N;
   }
   void follow(int variant) {
     data_.recordings.push_back(

@@ -14,6 +14,7 @@ class SmallEffects : public testing::Test {
  protected:
   SmallEffects() {
     s.floor.rms_N = Eigen::Vector4d(9.0, 0.5, 9.0, 9.0);
+    s.floor.of_names_N = s.floor.rms_N;
     s.floor.measured = true;
     s.rms_N = 3.0 * s.floor.rms_N;
   }
