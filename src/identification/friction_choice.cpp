@@ -28,9 +28,9 @@ constexpr double kHalves = 0.5;
 /// They have to leave at most this of what the usual laws leave in any case: a percent or two of a recording that the
 /// model hardly describes moved the laws of its other axes.
 constexpr double kWorthALaw = 0.8;
-/// One that relaxes: this much. Where training hardly rests it may be surely better by half a percent, and is wrong by a
-/// whole friction at rest; on the physical robots it leaves 0.97 or less.
-constexpr double kWorthResting = 0.98;
+/// One that relaxes, and a ramp: this much. Where training hardly rests what relaxes may be surely better by half a percent, and
+/// is wrong by a whole friction at rest; on the physical robots it leaves 0.97 or less.
+constexpr double kWorthALittle = 0.98;
 
 dynamics::FrictionLaw lawOf(const Sum& sum, const std::vector<FrictionElement>& elements) {
   std::vector<FrictionElement> chosen;
@@ -182,12 +182,13 @@ FrictionChoice chosenOf(const std::vector<Sum>& best, const Eigen::MatrixXd& err
     rare += from;
     const Worse worse = worseBy(error, share, rare, least);
     const bool surely = worse.mean < -kSurelyRare * worse.standard_error;
-    const bool of_rest = group == kGroupOfRest, halves = mean[rare] < kHalves * mean[least];
-    const double most = !of_rest                                                  ? kWorthALaw
-                        : relaxes(best[static_cast<std::size_t>(rare)], elements) ? kWorthResting
-                                                                                  : 1.0;
-    const bool taken = (surely && mean[rare] < most * usual) || (halves && !of_rest);
-    if (best[static_cast<std::size_t>(rare)].which.empty() || !taken) continue;
+    const Sum& rarest = best[static_cast<std::size_t>(rare)];
+    const bool halves = mean[rare] < kHalves * mean[least];
+    const double most = group == kGroupOfRamp || relaxes(rarest, elements) ? kWorthALittle
+                        : group == kGroupOfRest                            ? 1.0
+                                                                           : kWorthALaw;
+    const bool taken = (surely && mean[rare] < most * usual) || (halves && most == kWorthALaw);
+    if (rarest.which.empty() || !taken) continue;
     least = rare;
     first = from;
     end = next;

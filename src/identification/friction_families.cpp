@@ -273,7 +273,6 @@ std::vector<Sum> bestOfFamilies(const InWeights& squares, const std::vector<Fric
   best.push_back(single([](const FrictionElement& e) { return e.kind == FrictionKind::Stop; }));
   best.push_back(
       single([&](const FrictionElement& e) { return e.kind == FrictionKind::Smooth && !e.ramp && !grows(e, range); }));
-  best.push_back(single([](const FrictionElement& e) { return e.ramp; }));
   best.push_back(single([](const FrictionElement& e) {
     return e.kind == FrictionKind::Bristles && e.speed_m_per_s == 0.0 && e.tremble == 0.0 && e.damping_s == 0.0 &&
            e.exponent == 1.0;
@@ -283,6 +282,7 @@ std::vector<Sum> bestOfFamilies(const InWeights& squares, const std::vector<Fric
   best.push_back(bestPair(squares, elements, range, mixing, mixing));
   best.push_back(bestSum(squares, elements, mixing, best.back()));
   best.push_back(spectrumOfSpeeds(squares, elements));
+  best.push_back(bestSingle(squares, elements, [](const FrictionElement& e) { return e.ramp; }));
   best.push_back(bestSingle(squares, elements, [](const FrictionElement& e) { return e.lag_s > 0.0; }));
   best.push_back(bestSingle(squares, elements,
                             [](const FrictionElement& e) { return isRare(e) && e.lag_s == 0.0 && e.share > 0.0; }));

@@ -16,13 +16,14 @@ std::vector<dynamics::FrictionElement> elementsToTry(const FrictionRange& range)
 /// Finer steps around the shapes that an earlier choice found for single elements.
 void addFinerSteps(const FrictionChoice& around, double narrowest_m, std::vector<dynamics::FrictionElement>& all);
 
-/// Shape parameters of every family: one stop, tanh, a ramp, Dahl's bristles, any bristles, all stops together (Maxwell slip),
-/// pairs, sums, all speeds of tanh together; a tanh that lags; one rare element, a pair and a sum with one; a pair and a
+/// Shape parameters of every family: one stop, tanh, Dahl's bristles, any bristles, all stops together (Maxwell slip),
+/// pairs, sums, all speeds of tanh together; a ramp; a tanh that lags; one rare element, a pair and a sum with one; a pair and a
 /// sum with a peak.
-inline constexpr std::array<int, 15> kFamilyNumbers = {1, 1, 1, 1, 3, 6, 4, 8, 8, 2, 2, 4, 8, 4, 8};
+inline constexpr std::array<int, 15> kFamilyNumbers = {1, 1, 1, 3, 6, 4, 8, 8, 1, 2, 2, 4, 8, 4, 8};
 /// Where a group of families ends: usual ones, and those that have to be surely better than all before.
-inline constexpr std::array<long, 4> kGroupEnds = {9, 10, 13, 15};
-inline constexpr std::size_t kGroupOfRest = 2;  ///< stops behind a clearance and those that relax
+inline constexpr std::array<long, 5> kGroupEnds = {8, 9, 10, 13, 15};
+inline constexpr std::size_t kGroupOfRamp = 1;
+inline constexpr std::size_t kGroupOfRest = 3;  ///< stops behind a clearance and those that relax
 
 /// A stop behind a clearance, one that relaxes, a tanh that lags, or what is taken away from others (a peak near rest):
 /// what bends as they do may be a controller that settles, too, so that they have to be surely better than all others.
@@ -40,7 +41,7 @@ inline double geometric(double first, double last, int k, int count) {
 
 /// Many elements at once, whose shares come near to any law.
 constexpr bool isSpectrum(long family) {
-  return family == 5 || family == 8;
+  return family == 4 || family == 7;
 }
 
 /// The best law of every family, simplest first; without elements where there is none.

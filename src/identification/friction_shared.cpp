@@ -21,7 +21,7 @@ std::vector<dynamics::FrictionLaw> sharedLaws(const std::vector<FrictionChoice>&
   for (const FrictionChoice& one : around) {
     laws.push_back(one.law);
     for (const TriedLaw& tried : one.tried) {
-      if (tried.law.count == 1) laws.push_back(tried.law);
+      if (tried.law.count == 1 && !tried.law.elements.front().ramp) laws.push_back(tried.law);
     }
   }
   return laws;
