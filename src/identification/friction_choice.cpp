@@ -28,8 +28,8 @@ constexpr double kHalves = 0.5;
 /// They have to leave at most this of what the usual laws leave in any case: a percent or two of a recording that the
 /// model hardly describes moved the laws of its other axes.
 constexpr double kWorthALaw = 0.8;
-/// One that relaxes, and a ramp: this much. Where training hardly rests what relaxes may be surely better by half a percent, and
-/// is wrong by a whole friction at rest; on the physical robots it leaves 0.97 or less.
+/// One that relaxes, and a ramp: this much. Where training hardly rests what relaxes may be surely better by half a
+/// percent, and is wrong by a whole friction at rest; on the physical robots it leaves 0.97 or less.
 constexpr double kWorthALittle = 0.98;
 
 dynamics::FrictionLaw lawOf(const Sum& sum, const std::vector<FrictionElement>& elements) {

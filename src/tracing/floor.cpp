@@ -14,8 +14,8 @@
 namespace knee_robot::tracing {
 namespace {
 
-/// Of the rms force; above what DAC and encoder steps leave. Where repeats show the noise, less: an actuator that carries the
-/// platform's weight would otherwise hide what is told on its neighbours.
+/// Of the rms force; above what DAC and encoder steps leave. Where repeats show the noise, less: an actuator that carries
+/// the platform's weight would otherwise hide what is told on its neighbours.
 constexpr double kEngineeringShare = 0.003, kMeasuredShare = 0.001;
 constexpr double kBlock_s = 1.0;   ///< of differences between repeats: several correlation times
 constexpr Eigen::Index kMass = 4;  ///< first moments and mass, the last four of the platform's parameters

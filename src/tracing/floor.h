@@ -22,7 +22,8 @@ struct NoiseFloor {
 /// the middle one happened in one run only, and are no noise; neither is friction that differs smoothly between
 /// recordings (one of them was warm). `source` says which. Otherwise an estimate: what surrogates leave
 /// (`surrogate_residual_N`), together with the noise density of the unfiltered force residual just above the cut-off,
-/// carried down to it. Never below three thousandths of the rms force, with repeats one: what is smaller is not looked for.
+/// carried down to it. Never below three thousandths of the rms force, with repeats one: what is smaller is not looked
+/// for.
 NoiseFloor noiseFloor(const std::vector<recording::Recording>& recordings, const TraceData& data,
                       const std::vector<Eigen::MatrixXd>& model_force_N, const Eigen::VectorXd& surrogate_residual_N);
 

@@ -77,31 +77,35 @@ TEST_F(BlackBoxTest, WritesAFaultThatShutdownFollowsAtOnce) {
   EXPECT_GT(recording::loadRecording(dumps()[0]).rows(), 100);
 }
 
-TEST_F(BlackBoxTest, SaysThatFaultsCameFasterThanTheDiskTookThem) {
-  struct Feed : rt::TaskContext {
-    Feed() : rt::TaskContext("BlackBoxFeed") {}
-    rt::OutputPort<SupervisorStatus> status{*this, "status", ""};
-  } feed;
-  BlackBox box("BlackBox");
-  rt::connect(feed.status, box.status);
-  box.rows.set(10);
-  box.rows_after.set(0);
-  ASSERT_TRUE(box.configure() && box.start());
-  BlackBoxWriter writer(box, folder + "/box", false);
-  rt::Cycle cycle;
-  const auto faultComes = [&] {
-    SupervisorStatus status;
+/// A black box of ten rows that is told of faults, and no robot.
+struct FedBox : rt::TaskContext {
+  FedBox() : rt::TaskContext("BlackBoxFeed") {
+    rt::connect(status, box.status);
+    box.rows.set(10);
+    box.rows_after.set(0);
+    EXPECT_TRUE(box.configure() && box.start());
+  }
+  void faultComes() {
+    SupervisorStatus now;
     for (const Fault fault : {Fault::None, Fault::EmergencyStop}) {
-      status.fault = fault;
-      feed.status.write(status);
+      now.fault = fault;
+      status.write(now);
       cycle.time += 1'000'000;
       box.update(cycle);
     }
-  };
-  faultComes();
-  faultComes();
+  }
+  rt::OutputPort<SupervisorStatus> status{*this, "status", ""};
+  BlackBox box{"BlackBox"};
+  rt::Cycle cycle;
+};
+
+TEST_F(BlackBoxTest, SaysThatFaultsCameFasterThanTheDiskTookThem) {
+  FedBox fed;
+  BlackBoxWriter writer(fed.box, folder + "/box", false);
+  fed.faultComes();
+  fed.faultComes();
   EXPECT_EQ(writer.error(), "");
-  faultComes();
+  fed.faultComes();
   EXPECT_NE(writer.error().find("1 faults were lost"), std::string::npos) << writer.error();
   writer.write();
   writer.write();
@@ -110,24 +114,9 @@ TEST_F(BlackBoxTest, SaysThatFaultsCameFasterThanTheDiskTookThem) {
 }
 
 TEST_F(BlackBoxTest, LeavesTheLastRoomOnADiskToOthers) {
-  struct Feed : rt::TaskContext {
-    Feed() : rt::TaskContext("BlackBoxFeed") {}
-    rt::OutputPort<SupervisorStatus> status{*this, "status", ""};
-  } feed;
-  BlackBox box("BlackBox");
-  rt::connect(feed.status, box.status);
-  box.rows.set(10);
-  box.rows_after.set(0);
-  ASSERT_TRUE(box.configure() && box.start());
-  BlackBoxWriter writer(box, folder + "/box", false, UINTMAX_MAX);
-  rt::Cycle cycle;
-  for (const Fault fault : {Fault::None, Fault::EmergencyStop}) {
-    SupervisorStatus status;
-    status.fault = fault;
-    feed.status.write(status);
-    cycle.time += 1'000'000;
-    box.update(cycle);
-  }
+  FedBox fed;
+  BlackBoxWriter writer(fed.box, folder + "/box", false, UINTMAX_MAX);
+  fed.faultComes();
   writer.write();
   EXPECT_TRUE(dumps().empty());
   EXPECT_NE(writer.error().find("MB are left on this disk"), std::string::npos) << writer.error();

@@ -186,6 +186,21 @@ TEST(ViscousFriction, ThatGrowsAsTheRootOfTheSpeedIsPredictedOnAnotherMotion) {
       << dynamics::describe(id.model.friction[0]);
 }
 
+TEST(LawOfOneElement, ThatIsARampIsPredictedBestByARamp) {
+  const OwnLaw law = ownLaws().back();
+  const mechanism::Robot robot = syntheticBench(1);
+  IdentifyOptions options;
+  options.uncertainty = false;
+  std::vector<Observation> train = {
+      observe(robot, columnsOf(robot), ownRecording(robot, law, 0, 60.0), options.observation)};
+  const std::vector<TriedLaw> tried = identify(robot, train, options).friction.at(0).tried;
+  const auto ramp = std::find_if(tried.begin(), tried.end(), [](const TriedLaw& t) { return t.law.elements[0].ramp; });
+  ASSERT_NE(ramp, tried.end());
+  EXPECT_NEAR(ramp->law.elements[0].speed_m_per_s, 2.4e-3, 0.2e-3);
+  for (const TriedLaw& other : tried)
+    EXPECT_LE(ramp->held_back, other.held_back) << dynamics::describe(other.law);
+}
+
 TEST(LawOfOneElement, IsFoundForWhatItIs) {
   const mechanism::Robot robot = syntheticBench(1);
   IdentifyOptions options;

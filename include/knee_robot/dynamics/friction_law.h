@@ -20,8 +20,9 @@ enum class FrictionKind {
 /// until that is crossed. One that relaxes lets go of what it holds with the time constant `relaxation_s`, in motion and at
 /// rest (a Maxwell element that slips).
 ///
-/// A smooth law may be a ramp instead: proportional to the velocity up to the speed, full beyond it (saturation). It may lag: with `lag_s` it is tanh of the velocity that a first-order lag leaves (frictional lag of a
-/// lubricant film that follows late; Hess and Soom 1990).
+/// A smooth law may be a ramp instead: proportional to the velocity up to the speed, full beyond it (saturation). It may
+/// lag: with `lag_s` it is tanh of the velocity that a first-order lag leaves (frictional lag of a lubricant film that
+/// follows late; Hess and Soom 1990).
 ///
 /// Bristles: with the way r = sqrt(dx^2 + (creep dt)^2), the share follows dz = (dx - r z) / width. Creep speed 0 is
 /// Dahl's model; at rest the share decays with the time width / creep (an axis that trembles by less than its encoder
