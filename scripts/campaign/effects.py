@@ -15,6 +15,7 @@ ROBOT = {
     "screw_ripple": ["actuators: [ACT], amplitude_N: " + v + ", period_m: PERIOD, phase_deg: 40" for v in ("4", "9", "18")],
     "position_dependent_friction": ["actuators: [ACT], amplitude_N: " + v + ", center_m: CENTER, width_m: 0.04" for v in ("10", "22", "45")],
     "quadratic_drag": ["actuators: [ACT], drag_N_s2_per_m2: " + v for v in ("2000", "5000", "12000")],
+    "reversal_friction": [f"actuators: [ACT], excess_N: {v}, way_m: 0.01, rise_m: 0.001" for v in ("6", "14", "30")],
     "screw_whirl": [f"actuators: [ACT], peak_N: {v}, critical_m_per_s: 0.05, at_length_m: CENTER, width_m_per_s: 0.012" for v in ("8", "18", "40")],
     "thermal_drift": [f"actuators: [ACT], viscous_change: {v}, coulomb_change: {v}, time_constant_s: 30" for v in ("-0.4", "0.8", "1.6")],
     "spring": ["stiffness_N_per_m: " + v + ", anchor_m: [0.2, 0.3, 0], point_m: [0.2, 0.2, 0], free_length_m: 0.5" for v in ("150", "400", "1000")],

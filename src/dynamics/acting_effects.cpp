@@ -128,7 +128,8 @@ void ReversalTracker::turn() noexcept {
     std::copy(turns_.begin() + 1, turns_.end(), turns_.begin());
     --size_;
   }
-  turns_[size_++] = extreme_;
+  turns_[size_++] = turned_last_ = extreme_;
+  turned_ = true;
   since_turn_s_ = since_extreme_s_;
   direction_ = -direction_;
   extreme_ = at_;
@@ -151,7 +152,7 @@ SinceReversal ReversalTracker::step(double displacement_m, double period_s, doub
   if (std::abs(extreme_ - at_) <= kLeft * turn_m) since_extreme_s_ = 0.0;
   if (direction_ * (extreme_ - at_) > turn_m) turn();
   closeLoops();
-  return {std::abs(at_ - turns_[size_ - 1]), since_turn_s_};
+  return {std::abs(at_ - turns_[size_ - 1]), since_turn_s_, std::abs(at_ - turned_last_), turned_};
 }
 
 void MotionMemory::follow(const mechanism::Vector4& now, double period_s) noexcept {

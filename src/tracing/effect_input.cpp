@@ -23,6 +23,8 @@ void setSinceReversal(EffectInput& in, int actuator, double turn_m) {
     const dynamics::SinceReversal since = path.step(step_m, n > 0 ? in.signals().period_s : 0.0, turn_m);
     in.since_reversal_m(n, actuator) = since.way_m;
     in.since_reversal_s(n, actuator) = since.time_s;
+    in.since_last_reversal_m(n, actuator) = since.way_of_last_m;
+    if (since.turned) in.first_turn[actuator] = std::min(in.first_turn[actuator], n);
   }
 }
 
@@ -118,12 +120,15 @@ EffectInput effectInput(const mechanism::Robot& robot, const identification::Obs
   in.share.resize(o.samples(), o.axes());
   in.since_reversal_m.resize(o.samples(), o.axes());
   in.since_reversal_s.resize(o.samples(), o.axes());
+  in.since_last_reversal_m.resize(o.samples(), o.axes());
+  in.first_turn = Eigen::VectorXi::Constant(o.axes(), o.samples());
   in.place_age_s.resize(o.samples(), o.axes());
   for (int i = 0; i < o.axes(); ++i) {
     const std::size_t axis = static_cast<std::size_t>(i);
     const identification::SlidingPath& path = o.sliding[axis];
     for (int n = 0; n < o.samples(); ++n)
       in.friction_position_m(n, i) = path.position[n * identification::SlidingPath::kSubsteps];
+    in.laws.push_back(laws[axis]);
     in.share.col(i) = identification::frictionShare(path, laws[axis]);
     in.place_age_s.col(i) = placeAge(in.friction_position_m.col(i), o.signals.period_s);
     setSinceReversal(in, i, kTurnCounts * robot.actuators[axis].metresPerCount());

@@ -53,6 +53,7 @@ std::vector<ModelEffect> oneOfEach() {
           effect("screw_ripple", 4, {0.01, 1.0}, {2.0, 1.0}),
           effect("quadratic_drag", 1, {}, {900.0}),
           effect("screw_whirl", 3, {0.03, 0.01, 0.7}, {5.0}),
+          effect("reversal_friction", 1, {0.01, 0.001}, {4.0, 2.0}),
           effect("thermal_drift", 2, {40.0}, {-3.0, -20.0}),
           effect("thermal_drift", 3, {20.0, 2.0, 0.001}, {-3.0, -20.0}),
           effect("force_gain", 3, {}, {0.1}),
@@ -341,6 +342,20 @@ TEST(ReversalTracker, ForgetsAWayBackThatTheStrokeHasPassedAgain) {
   for (int k = 0; k < 1000; ++k)  // ever smaller loops, more than are remembered
     move(k % 2 == 0 ? -1e-4 : 1e-4, k < 100 ? 100 - k : 1);
   EXPECT_LE(move(1e-4, 1), 11e-3);
+}
+
+TEST(ReversalTracker, KnowsWhereThePathTurnedLastWhateverStrokeItIsIn) {
+  ReversalTracker path;
+  const auto move = [&](double step_m, int times) {
+    double way_m = 0.0;
+    for (int k = 0; k < times; ++k)
+      way_m = path.step(step_m, 0.01, 1e-5).way_of_last_m;
+    return way_m;
+  };
+  EXPECT_NEAR(move(1e-4, 50), 5e-3, 1e-12) << "since it began";
+  EXPECT_NEAR(move(-1e-4, 10), 1e-3, 1e-12);
+  EXPECT_NEAR(move(1e-4, 20), 2e-3, 1e-12) << "past the point where it turned back";
+  EXPECT_NEAR(move(-5e-6, 1), 1.995e-3, 1e-12) << "flicker is no reversal";
 }
 
 TEST(ReversalTracker, MeasuresStrokesThatGrowFromWhereEachBegan) {

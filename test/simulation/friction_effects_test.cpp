@@ -42,6 +42,32 @@ TEST(FrictionEffects, AgeingWearsOffTheFasterTheMoreTheAxisMoves) {
   }
 }
 
+TEST(FrictionEffects, AfterAReversalItIsLargerAndFallsOffOverAWay) {
+  EffectBench bench("{name: reversal_friction, actuators: [2], excess_N: 20, way_m: 0.004, rise_m: 0.0005}");
+  constexpr double kSpeed_m_per_s = 0.03, kTurns_s = 0.5;
+  const double ways_m[] = {0.002, 0.004, 0.012};
+  double friction[3] = {}, turned = 0.0;
+  int count[3] = {};
+  bench.follow(
+      1.0,
+      [&](double t) {
+        return mechanism::Vector4(0.0, kSpeed_m_per_s * (kTurns_s - std::abs(kTurns_s - std::max(0.0, t))), 0.0, 0.0);
+      },
+      [&](const EffectSample& s) {
+        turned = std::max(turned, s.truth[kAxis]);
+        for (int k = 0; k < 3; ++k) {
+          if (s.time_s < kTurns_s || std::abs(turned - s.truth[kAxis] - ways_m[k]) > 2e-4) continue;
+          friction[k] -= s.friction[kAxis];
+          ++count[k];
+        }
+      });
+  for (int k = 0; k < 3; ++k) {
+    ASSERT_GT(count[k], 5);
+    const double excess = 20.0 * (1.0 - std::exp(-ways_m[k] / 0.0005)) * std::exp(-ways_m[k] / 0.004);
+    EXPECT_NEAR(friction[k] / count[k], plain(kSpeed_m_per_s) + excess, 2.0 * kNear_N) << ways_m[k] << " m behind";
+  }
+}
+
 TEST(FrictionEffects, AsymmetryDiffersBetweenDirections) {
   EffectBench coulomb("{name: asymmetric_coulomb, actuators: [2], difference_N: 8}");
   EXPECT_NEAR(coulomb.frictionAt(kAxis, 0.03), plain(0.03) + 4.0, kNear_N);

@@ -52,6 +52,7 @@ effects:
   - {name: screw_whirl, peak_N: 5, critical_m_per_s: 0.05, at_length_m: 0.7, width_m_per_s: 0.01}
   - {name: thermal_drift, coulomb_change: -0.2, time_constant_s: 5}
   - {name: frictional_ageing, excess_N: 5, time_constant_s: 2, way_m: 0.006}
+  - {name: reversal_friction, excess_N: 5, way_m: 0.01, rise_m: 0.001}
   - {name: viscoelastic_element, stiffness_N_per_m: 100, relaxation_s: 2}
   - {name: supply_sag, share: 0.1, half_at_N2: 20000, lag_s: 0.1}
   - {name: wobbling_mass, mass_kg: 1, frequency_Hz: 2, damping_ratio: 0.1, point_m: [0, 0, 0.1], direction: [1, 0, 0]}

@@ -115,7 +115,8 @@ Eigen::MatrixXd alongRecording(const Machine& m, const dynamics::EffectLaw& law,
     at.displacement_m = n > 0 ? in.friction_position_m(n, actuator) - in.friction_position_m(n - 1, actuator) : 0.0;
     at.motion = m.robot.mechanism ? &in.observation->motion.motion[static_cast<std::size_t>(n)] : nullptr;
     at.share = in.share(n, actuator);
-    at.since_reversal = {in.since_reversal_m(n, actuator), in.since_reversal_s(n, actuator)};
+    at.since_reversal = {in.since_reversal_m(n, actuator), in.since_reversal_s(n, actuator),
+                         in.since_last_reversal_m(n, actuator), n >= in.first_turn[actuator]};
     at.load_N = in.load_N(n, actuator);
     at.force_N = in.force_N(n, actuator);
     at.force_rate_N_per_s = rate(n, 0);
@@ -257,7 +258,7 @@ double lowPassedRms(Eigen::MatrixXd values) {
 
 /// Its force steps where a reversal is noticed: at a row of the recording, at a cycle of the controller.
 bool stepsAtReversals(const Candidate& c) {
-  return c.dependsOn(kActing).rfind("time_since_reversal", 0) == 0;
+  return c.name() == "reversal_friction" || c.dependsOn(kActing).rfind("time_since_reversal", 0) == 0;
 }
 
 void expectForcesAsPredicted(const Machine& m) {

@@ -73,8 +73,9 @@ class ReversalTracker {
   static constexpr std::size_t kMostTurns = 32;  ///< of loops within loops; the oldest is forgotten
   std::array<double, kMostTurns> turns_{};       ///< where the path began is one, until a stroke passes it
   std::size_t size_ = 1;
-  double at_ = 0.0, extreme_ = 0.0, direction_ = 0.0;
+  double at_ = 0.0, extreme_ = 0.0, direction_ = 0.0, turned_last_ = 0.0;
   double since_turn_s_ = 0.0, since_extreme_s_ = 0.0;
+  bool turned_ = false;
 };
 
 /// What remembers the motion: friction near rest, turning points, the effects' own states. Copying it does not

@@ -15,7 +15,9 @@ struct SinceReversal {
   /// forgotten as soon as the path passes the point where it had turned back, as hysteresis forgets closed loops
   /// (Madelung's rules): a controller that trembles at rest begins no stroke.
   double way_m = 0.0;
-  double time_s = 0.0;  ///< since the path turned last
+  double time_s = 0.0;         ///< since the path turned last
+  double way_of_last_m = 0.0;  ///< from where it turned last, whatever loops it has closed since; never negative
+  bool turned = false;         ///< since it began: else it is not known how long this stroke is
 };
 
 /// What the law of an effect may look at: one instant of a motion, and one actuator of it.

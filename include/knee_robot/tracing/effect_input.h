@@ -16,6 +16,7 @@ class LengthResponse;
 struct EffectInput {
   const mechanism::Robot* robot = nullptr;
   const identification::Observation* observation = nullptr;
+  std::vector<dynamics::FrictionLaw> laws;  ///< near rest, per actuator
   Eigen::MatrixXd share;  ///< of full Coulomb friction, in [-1, 1], by the law that was chosen for the actuator
   Eigen::MatrixXd friction_position_m;  ///< without ways back that the encoder does not tell
   Eigen::MatrixXd load_N;    ///< rigid body, rotor and offset: what the screw carries, without the actuator's friction
@@ -28,9 +29,11 @@ struct EffectInput {
       inertial;  ///< inertial parameters of the current model (dynamics/parameters.h); bench and chain: empty
   std::shared_ptr<LengthResponse> by_lengths;  ///< of the current model; bench and chain: null
   Eigen::VectorXd moved_kg;  ///< per actuator: what its screw moves, without the rotor (mean over the recording)
-  Eigen::MatrixXd since_reversal_m;  ///< see dynamics::SinceReversal
-  Eigen::MatrixXd since_reversal_s;  ///< time since the path turned last
-  Eigen::MatrixXd place_age_s;       ///< see placeAge
+  Eigen::MatrixXd since_reversal_m;       ///< see dynamics::SinceReversal
+  Eigen::MatrixXd since_reversal_s;       ///< time since the path turned last
+  Eigen::MatrixXd since_last_reversal_m;  ///< way since then, whatever loops it has closed
+  Eigen::VectorXi first_turn;             ///< per actuator: sample from which its path has turned; samples(): never
+  Eigen::MatrixXd place_age_s;            ///< see placeAge
   std::vector<mechanism::Matrix4>
       force_per_pose_force;  ///< J^-T per sample: actuator forces that balance a pose force; bench: empty
   std::vector<mechanism::Matrix3> rotation;             ///< of the platform, per sample; bench: empty

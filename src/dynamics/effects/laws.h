@@ -36,6 +36,7 @@ Law viscoelasticLinkLaw(const Shape& shape);
 Law elastoplasticLinkLaw(const Shape& shape);
 Law lineFrictionLaw(const Shape& shape);
 Law screwWhirlLaw(const Shape& shape);
+Law reversalFrictionLaw(const Shape& shape);
 Law platformJointFrictionLaw(const Shape& shape);
 Law baseJointFrictionLaw(const Shape& shape);
 Law loadRippleLaw(const Shape& shape);

@@ -11,8 +11,15 @@ class FlexibleCoupling : public Candidate {
   std::string sentence() const override {
     return "Motor and screw are joined elastically: after each reversal the joint winds up before the screw follows.";
   }
-  std::vector<ShapeParameter> shapeParameters() const override { return {{"stiffness_N_per_m", 1e4, 5e5}}; }
-  std::vector<std::vector<double>> shapes(const EffectInput&, int) const override { return geometricGrid(1e4, 5e5, 7); }
+  std::vector<ShapeParameter> shapeParameters() const override {
+    return {{"stiffness_N_per_m", 1e4, 5e5}, frictionBeyondParameter()};
+  }
+  std::vector<std::vector<double>> shapes(const EffectInput&, int) const override {
+    return withFrictionBeyond(geometricGrid(1e4, 5e5, 7));
+  }
+  std::vector<std::vector<double>> near(const std::vector<double>& shape, double step) const override {
+    return besideJoint(shape, step, shapeParameters());
+  }
   std::vector<Coefficient> coefficients(const EffectInput&) const override {
     return {{"share_of_forward_model", true}};
   }
@@ -20,6 +27,7 @@ class FlexibleCoupling : public Candidate {
   Eigen::MatrixXd columns(const EffectInput& input, int actuator, const std::vector<double>& shape) const override {
     DriveJoint joint;
     joint.stiffness_N_per_m = shape[0];
+    joint.friction_beyond = shape[1];
     return changeByJoint(input, actuator, joint);
   }
 };
