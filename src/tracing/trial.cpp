@@ -37,6 +37,7 @@ constexpr double kNearRestErrors =
 constexpr double kSiblingLowered = 0.97;  ///< where the same effect was found on another actuator
 constexpr int kCarriers = 2;              ///< of the same name, where it is expected on the others, too
 constexpr double kSiblingErrors = 2.0;
+constexpr double kLagKnownTo = 0.1;
 
 /// Which picks are held back together: the stack's blocks; of a local effect, pieces of the part in which it acts (-1:
 /// outside).
@@ -271,6 +272,15 @@ Ranking rankPlaces(Search& s, const Place* like) {
   return r;
 }
 
+/// A drive is late by less than the error with which it is known how late all forces are read.
+bool isWithinALag(const Search& s, const Trial& t) {
+  if (!t.hypothesis.place.candidate->leads()) return false;
+  return std::any_of(s.effects.begin(), s.effects.end(), [&](const FoundEffect& e) {
+    return e.hypothesis.place.candidate->lags() &&
+           std::abs(t.fit.coefficients.back()[0]) < kLagKnownTo * std::abs(e.coefficients[0]);
+  });
+}
+
 std::string objection(const Search& s, const Trial& t, bool sibling) {
   const Eigen::VectorXd rms = rmsOf(s.data->stack, t.fit.residual_N);
   const double lowered = sibling ? kSiblingLowered : kLowered;
@@ -291,6 +301,7 @@ std::string objection(const Search& s, const Trial& t, bool sibling) {
   if (!t.hypothesis.place.candidate->plausibleShape(t.hypothesis.shape)) return "the shape that fits is not physical";
   if (t.fit.coefficients.back().cwiseAbs().maxCoeff() == 0.0) return "the sign that fits is not physical";
   if (!t.hypothesis.place.candidate->plausible(t.fit.coefficients.back())) return "the size that fits is not physical";
+  if (isWithinALag(s, t)) return "it is less than a tenth of how late the forces are read, which is known no better";
   if (!t.fit.stable.back()) return "its sign changes when a part of the training data is left out";
   if (t.hypothesis.place.candidate->local()) {  // few pieces, some of them with little motion: their number speaks
     const Eigen::VectorXd without = t.fit.residual_N + effectRows(*s.data, t.hypothesis) * t.fit.coefficients.back();

@@ -51,9 +51,9 @@ struct FoundEffect {
   bool isOneOfMany() const { return indistinguishable_from.size() > 2; }
 };
 
-/// Share of names that were right on machines of the four newest simulators by others, each as it came: 38 of 45
+/// Share of names that were right on machines of the six newest simulators by others, each as it came: 59 of 66
 /// (docs/results/blind_simulators.md).
-inline constexpr double kNamesRight = 0.84;
+inline constexpr double kNamesRight = 0.89;
 inline double probabilityOfName(const FoundEffect& e) {
   return kNamesRight * e.probability;
 }

@@ -8,7 +8,7 @@ namespace knee_robot::tracing {
 namespace {
 
 // Shorter ways are the law near rest, much longer ones are hardly ever travelled between two reversals.
-constexpr double kShortestWay_m = 0.002, kLongestWay_m = 0.05, kLongestRise_m = 0.01;
+constexpr double kShortestWay_m = 0.002, kLongestWay_m = 0.05, kLongestRise_m = 0.02;
 constexpr double kRiseBeside_m = 5e-4;  ///< where the rise begins to be refined
 constexpr double kWayBeside = 1.4;      ///< factor between neighbours
 constexpr int kFewestReversals = 6;     ///< after which the axis went on: fewer show nothing

@@ -42,7 +42,7 @@ class Screw {
              viscous_ * way_m / period_s;
     };
     const double drag_N = viscous_ * (std::abs(motor_m - at_m_) + joint_.half_gap_m) / period_s;
-    const double most_N = std::abs(load_N) + kMostFriction * dry_N_ + drag_N;
+    const double most_N = std::abs(load_N) + kMostFriction * dry_N_ + drag_N + kExact_N;
     double low = motor_m - at_m_ - windingAt(joint_, most_N), high = motor_m - at_m_ + windingAt(joint_, most_N);
     double over_low = unbalanced(low), over_high = unbalanced(high), way = 0.5 * (low + high);
     for (int k = 0; k < kMostSteps; ++k) {
