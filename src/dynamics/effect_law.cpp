@@ -52,7 +52,7 @@ constexpr Entry kLaws[] = {
     {"screw_whirl", 3, screwWhirlLaw},
     {"thermal_drift", 1, thermalDriftLaw, true, 3},
     {"frictional_ageing", 2, frictionalAgeingLaw, true},
-    {"reversal_friction", 2, reversalFrictionLaw, true},
+    {"reversal_friction", 3, reversalFrictionLaw, true},
     {"force_gain", 0, forceGainLaw},
     {"force_offset", 0, forceOffsetLaw},
     {"actuator_spring", 1, actuatorSpringLaw},

@@ -53,7 +53,7 @@ std::vector<ModelEffect> oneOfEach() {
           effect("screw_ripple", 4, {0.01, 1.0}, {2.0, 1.0}),
           effect("quadratic_drag", 1, {}, {900.0}),
           effect("screw_whirl", 3, {0.03, 0.01, 0.7}, {5.0}),
-          effect("reversal_friction", 1, {0.01, 0.001}, {4.0, 2.0}),
+          effect("reversal_friction", 1, {0.01, 0.001, 0.5}, {4.0}),
           effect("thermal_drift", 2, {40.0}, {-3.0, -20.0}),
           effect("thermal_drift", 3, {20.0, 2.0, 0.001}, {-3.0, -20.0}),
           effect("force_gain", 3, {}, {0.1}),

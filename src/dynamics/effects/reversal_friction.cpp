@@ -6,22 +6,19 @@ namespace knee_robot::dynamics {
 namespace {
 
 /// Dry friction in excess after every reversal: share (1 - exp(-way / rise)) exp(-way / way of wear), along the path of
-/// friction. Without a rise of its own it comes up as the law near rest does. The stroke that a motion begins with may
-/// have less of it: nobody knows where that one began.
+/// friction. Without a rise of its own it comes up as the law near rest does. The stroke that a motion begins with has
+/// a share of it: nobody knows where that one began.
 class ReversalFriction : public EffectLaw {
  public:
-  explicit ReversalFriction(const Shape& shape) : way_m_(shape[0]), rise_m_(shape[1]) {}
+  explicit ReversalFriction(const Shape& shape) : way_m_(shape[0]), rise_m_(shape[1]), of_first_stroke_(shape[2]) {}
   EffectPart part() const noexcept override { return EffectPart::Friction; }
-  int coefficients() const noexcept override { return 2; }
   void columns(const EffectInstant& at, EffectState&, EffectColumns& out) const noexcept override {
     const double way = at.since_reversal.way_of_last_m, risen = rise_m_ > 0.0 ? 1.0 - std::exp(-way / rise_m_) : 1.0;
-    const double excess = at.share * risen * std::exp(-way / way_m_);
-    out[0] = at.since_reversal.turned ? excess : 0.0;
-    out[1] = at.since_reversal.turned ? 0.0 : excess;
+    out[0] = (at.since_reversal.turned ? 1.0 : of_first_stroke_) * at.share * risen * std::exp(-way / way_m_);
   }
 
  private:
-  const double way_m_, rise_m_;
+  const double way_m_, rise_m_, of_first_stroke_;
 };
 
 }  // namespace
