@@ -72,8 +72,9 @@ Eigen::VectorXd heldBackElsewhere(Search& s, const std::vector<Hypothesis>& effe
   return left;
 }
 
-/// The same of the baseline with its own laws near rest.
-Eigen::VectorXd baselineElsewhere(Search& s, const BaseFit& baseline, const Eigen::VectorXd& noise_N) {
+/// The same of the baseline with its own laws near rest, and with what is local.
+Eigen::VectorXd baselineElsewhere(Search& s, const BaseFit& baseline, const std::vector<Hypothesis>& local,
+                                  const Eigen::VectorXd& noise_N) {
   TraceData& data = *s.data;
   BaseFit newtons = baseline;
   newtons.noise_N.setOnes();
@@ -84,7 +85,7 @@ Eigen::VectorXd baselineElsewhere(Search& s, const BaseFit& baseline, const Eige
   setAttention(data, s.attention);
   BaseFit* const now = s.base;
   s.base = &newtons;
-  const Eigen::VectorXd left = heldBackElsewhere(s, {}, noise_N);
+  const Eigen::VectorXd left = heldBackElsewhere(s, local, noise_N);
   s.base = now;
   data.all_base_rows = rows;
   setAttention(data, s.attention);
@@ -188,11 +189,17 @@ bool helpsElsewhere(Search& s, const BaseFit& baseline) {
   });
   const Eigen::VectorXd noise_N = in_phase.size() < s.effects.size() ? leftWith(s, in_phase) : s.rms_N;
   const std::vector<Hypothesis> hypotheses = hypothesesOf(predicted);
+  // Beside others a push is in both: where most of it is held back its size is anything, and that would speak against
+  // them.
+  std::vector<Hypothesis> local;
+  std::copy_if(hypotheses.begin(), hypotheses.end(), std::back_inserter(local),
+               [](const Hypothesis& h) { return h.place.candidate->local(); });
+  if (local.size() == hypotheses.size()) local.clear();
   const Attention own = s.attention;
   const auto gain = [&](Attention attention) {
     s.attention = attention;
     setAttention(*s.data, attention);
-    return heldBackGain(baselineElsewhere(s, baseline, noise_N) - heldBackElsewhere(s, hypotheses, noise_N));
+    return heldBackGain(baselineElsewhere(s, baseline, local, noise_N) - heldBackElsewhere(s, hypotheses, noise_N));
   };
   const Helps helps = {gain(Attention::Moving), gain(Attention::All)};
   s.attention = own;

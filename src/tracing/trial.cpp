@@ -281,6 +281,13 @@ bool isWithinALag(const Search& s, const Trial& t) {
   });
 }
 
+/// How the forces are read smooths what dry friction does where an axis turns: the remainder looks like a friction there.
+bool isWhatAFilterLeaves(const Search& s, const Trial& t) {
+  return t.hypothesis.place.candidate->actsNearRest() && !t.isMap() &&
+         std::any_of(s.effects.begin(), s.effects.end(),
+                     [](const FoundEffect& e) { return e.hypothesis.place.candidate->lags(); });
+}
+
 std::string objection(const Search& s, const Trial& t, bool sibling) {
   const Eigen::VectorXd rms = rmsOf(s.data->stack, t.fit.residual_N);
   const double lowered = sibling ? kSiblingLowered : kLowered;
@@ -301,6 +308,7 @@ std::string objection(const Search& s, const Trial& t, bool sibling) {
   if (!t.hypothesis.place.candidate->plausibleShape(t.hypothesis.shape)) return "the shape that fits is not physical";
   if (t.fit.coefficients.back().cwiseAbs().maxCoeff() == 0.0) return "the sign that fits is not physical";
   if (!t.hypothesis.place.candidate->plausible(t.fit.coefficients.back())) return "the size that fits is not physical";
+  if (isWhatAFilterLeaves(s, t)) return "the forces are read late, which leaves the same where an axis turns";
   if (isWithinALag(s, t)) return "it is less than a tenth of how late the forces are read, which is known no better";
   if (!t.fit.stable.back()) return "its sign changes when a part of the training data is left out";
   if (t.hypothesis.place.candidate->local()) {  // few pieces, some of them with little motion: their number speaks
