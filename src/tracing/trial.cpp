@@ -281,7 +281,7 @@ bool isWithinALag(const Search& s, const Trial& t) {
   });
 }
 
-/// How the forces are read smooths what dry friction does where an axis turns: the remainder looks like a friction there.
+/// A filter of the forces smooths what dry friction does where an axis turns: the remainder looks like a friction.
 bool isWhatAFilterLeaves(const Search& s, const Trial& t) {
   return t.hypothesis.place.candidate->actsNearRest() && !t.isMap() &&
          std::any_of(s.effects.begin(), s.effects.end(),
