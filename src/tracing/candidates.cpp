@@ -46,6 +46,18 @@ std::vector<std::vector<double>> geometricGrid(double low, double high, int coun
   return grid;
 }
 
+std::vector<std::vector<double>> withLast(const std::vector<std::vector<double>>& grid,
+                                          const std::vector<double>& values) {
+  std::vector<std::vector<double>> out;
+  for (const double value : values) {
+    for (const std::vector<double>& shape : grid) {
+      out.push_back(shape);
+      out.back().push_back(value);
+    }
+  }
+  return out;
+}
+
 CandidateList namedCandidates(const mechanism::Robot& robot) {
   CandidateList fit;
   for (const CandidateMaker make : candidateMakers()) {

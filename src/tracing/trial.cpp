@@ -37,7 +37,7 @@ constexpr double kNearRestErrors =
 constexpr double kSiblingLowered = 0.97;  ///< where the same effect was found on another actuator
 constexpr int kCarriers = 2;              ///< of the same name, where it is expected on the others, too
 constexpr double kSiblingErrors = 2.0;
-constexpr double kLagKnownTo = 0.1;
+constexpr double kLagKnownTo = 0.1;  ///< share of how late the forces are read (lead_test: 48.7 ms of 50)
 
 /// Which picks are held back together: the stack's blocks; of a local effect, pieces of the part in which it acts (-1:
 /// outside).

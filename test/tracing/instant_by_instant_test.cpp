@@ -311,6 +311,13 @@ TEST(InstantByInstant, ACableThatYieldsOverNoWayIsNoLaw) {
     EXPECT_EQ(dynamics::effectLaw("elastoplastic_link", "", {0.0, 0.0, 0.0, 0.0, 0.0, none}), nullptr) << none;
 }
 
+TEST(InstantByInstant, FrictionThatFallsOffOverNoWayIsNoLaw) {
+  EXPECT_NE(dynamics::effectLaw("reversal_friction", "", {0.01, 0.0, 0.0, 0.0}), nullptr);
+  for (const double none : {0.0, -0.01})
+    EXPECT_EQ(dynamics::effectLaw("reversal_friction", "", {none, 0.0, 0.0, 0.0}), nullptr) << none;
+  EXPECT_EQ(dynamics::effectLaw("reversal_friction", "", {0.01, -0.001, 0.0, 0.0}), nullptr);
+}
+
 TEST(InstantByInstant, TwoRipplesOfOneActuatorAreBothInTheForce) {
   const Machine& m = benchMachine();
   const std::vector<const Candidate*> all = catalogue(m);

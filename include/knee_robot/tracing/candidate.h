@@ -129,5 +129,8 @@ std::unique_ptr<Candidate> mapCandidate(const mechanism::Robot& robot, const std
 
 /// `count` values from low to high in equal ratios.
 std::vector<std::vector<double>> geometricGrid(double low, double high, int count);
+/// Every shape with each of these values of one more parameter, the last.
+std::vector<std::vector<double>> withLast(const std::vector<std::vector<double>>& grid,
+                                          const std::vector<double>& values);
 
 }  // namespace knee_robot::tracing

@@ -36,6 +36,7 @@ Law viscoelasticLinkLaw(const Shape& shape);
 Law elastoplasticLinkLaw(const Shape& shape);
 Law lineFrictionLaw(const Shape& shape);
 Law screwWhirlLaw(const Shape& shape);
+/// Null when the way over which it falls off is not positive, or the one over which it rises is negative.
 Law reversalFrictionLaw(const Shape& shape);
 Law platformJointFrictionLaw(const Shape& shape);
 Law baseJointFrictionLaw(const Shape& shape);

@@ -24,6 +24,7 @@ class ReversalFriction : public EffectLaw {
 }  // namespace
 
 Law reversalFrictionLaw(const Shape& shape) {
+  if (!(shape[0] > 0.0) || !(shape[1] >= 0.0)) return nullptr;
   return std::make_unique<ReversalFriction>(shape);
 }
 

@@ -76,14 +76,7 @@ ShapeParameter frictionBeyondParameter() {
 }
 
 std::vector<std::vector<double>> withFrictionBeyond(const std::vector<std::vector<double>>& grid) {
-  std::vector<std::vector<double>> out;
-  for (const double beyond : {1.0, kPartBeyond}) {
-    for (const std::vector<double>& shape : grid) {
-      out.push_back(shape);
-      out.back().push_back(beyond);
-    }
-  }
-  return out;
+  return withLast(grid, {1.0, kPartBeyond});
 }
 
 std::vector<std::vector<double>> besideJoint(const std::vector<double>& shape, double step,

@@ -17,14 +17,7 @@ ShapeParameter restLawParameter() {
 }
 
 std::vector<std::vector<double>> withRestLaws(const std::vector<std::vector<double>>& grid) {
-  std::vector<std::vector<double>> out;
-  for (const double speed : {0.0, kSmooth_m_per_s}) {
-    for (const std::vector<double>& shape : grid) {
-      out.push_back(shape);
-      out.back().push_back(speed);
-    }
-  }
-  return out;
+  return withLast(grid, {0.0, kSmooth_m_per_s});
 }
 
 std::vector<std::vector<double>> besideRestLaw(const std::vector<double>& shape, double step) {
