@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 
 #include "came_back.h"
 #include "knee_robot/base/numbers.h"
@@ -64,29 +65,32 @@ void doubtPush(const Search& s, FoundEffect& e, std::vector<std::string>& notes)
                   ": happened at places where the robot was at no other time, and may belong to them.");
 }
 
-/// Most that something without a name explains on the same actuator (for a shared effect: on all together).
-double explainedWithoutName(const Search& s, const Place& place) {
+/// What has no name: maps, and names that a map explains better.
+std::vector<FoundEffect> withoutName(const Search& s) {
+  std::vector<FoundEffect> out;
+  std::copy_if(s.effects.begin(), s.effects.end(), std::back_inserter(out),
+               [](const FoundEffect& e) { return e.doubted || e.hypothesis.place.candidate->isMap(); });
+  return out;
+}
+
+/// Most that one of `nameless` explains on the same actuator (for a shared effect: on all together).
+double explainedWithoutName(const std::vector<FoundEffect>& nameless, const Place& place) {
   double most_N = 0.0;
-  for (const FoundEffect& e : s.effects) {
+  for (const FoundEffect& e : nameless) {
     const Place& other = e.hypothesis.place;
-    if (other.candidate->isMap() && (place.actuator < 0 || other.actuator == place.actuator))
+    if (!(other == place) && (place.actuator < 0 || other.actuator == place.actuator))
       most_N = std::max(most_N, atPlace(place, e.explained_rms_N));
   }
   return most_N;
 }
 
-/// Why `e` may be part of something larger; empty: it explains the most of what is there.
-std::string partOf(const Search& s, const FoundEffect& e, double floors, double left_N) {
+/// Why `e` may be part of something larger that has no name; empty: nothing larger is there.
+std::string partOfNameless(const std::vector<FoundEffect>& nameless, const FoundEffect& e) {
   const Place& place = e.hypothesis.place;
-  const double own_N = atPlace(place, e.explained_rms_N), nameless_N = explainedWithoutName(s, place);
-  if (nameless_N > own_N)
-    return ": explains " + shortNumber(own_N, 2) + " N, less than what no name is known for there (" +
-           shortNumber(nameless_N, 2) + " N): it may be part of that.";
-  if (floors > kMoreThanNoise && left_N > own_N)
-    return ": explains " + shortNumber(own_N, 2) + " N, less than what is left there while axes move (" +
-           shortNumber(left_N, 2) + " N, " + shortNumber(floors, 2) +
-           " times the noise floor): it may be part of that.";
-  return {};
+  const double own_N = atPlace(place, e.explained_rms_N), nameless_N = explainedWithoutName(nameless, place);
+  if (nameless_N <= own_N) return {};
+  return ": explains " + shortNumber(own_N, 2) + " N, less than what no name is known for there (" +
+         shortNumber(nameless_N, 2) + " N): it may be part of that.";
 }
 
 /// A special case of it, or what it is a special case of, was added at the same place: had either been right, it alone
@@ -99,6 +103,57 @@ bool besideItsKin(const Search& s, const FoundEffect& e) {
            (a.generalizes() == b.name() || b.generalizes() == a.name());
   };
   return std::any_of(s.effects.begin(), s.effects.end(), isKin);
+}
+
+/// What speaks against a name where it is known how much noise there is.
+std::vector<std::string> reasonsAgainst(const Search& s, const FoundEffect& e) {
+  const Candidate& c = *e.hypothesis.place.candidate;
+  std::vector<std::string> reasons;
+  if (besideItsKin(s, e))
+    reasons.emplace_back(
+        ": was added beside its own special case; had either name been right, it would have explained both: they may "
+        "stand for something else.");
+  if (e.coefficients.size() > 0 && !c.believable(e.coefficients))
+    reasons.emplace_back(": is larger than anything of this name can be: it may stand for something else.");
+  if (c.looksLikeMuch())
+    reasons.emplace_back(": so much looks like one that the name alone says little: it may stand for something else.");
+  if (!e.transfers && e.elsewhere_gain < 0.0)
+    reasons.emplace_back(
+        ": makes the error larger at held-back positions, where what it is called would act as well: it may stand for "
+        "something else.");
+  else if (e.elsewhere_gaining < kMostStretches)
+    reasons.push_back(": helps at " + shortNumber(100.0 * e.elsewhere_gaining, 2) +
+                      " % of the held-back positions only, and what it is called would act at all of them: it may "
+                      "stand for something else.");
+  return reasons;
+}
+
+/// The same of what the model with it leaves while axes move.
+std::string lessThanWhatIsLeft(const FoundEffect& e, double left_N, double floors) {
+  const double own_N = atPlace(e.hypothesis.place, e.explained_rms_N);
+  if (floors <= kMoreThanNoise || left_N <= own_N) return {};
+  return ": explains " + shortNumber(own_N, 2) + " N, less than what is left there while axes move (" +
+         shortNumber(left_N, 2) + " N, " + shortNumber(floors, 2) + " times the noise floor): it may be part of that.";
+}
+
+/// Probability that a name keeps, and why.
+double doubtedProbability(const Search& s, const std::vector<FoundEffect>& nameless, const FoundEffect& e,
+                          const Eigen::VectorXd& all_left_N, std::vector<std::string>& reasons) {
+  const double floors = floorsLeft(s, e.hypothesis.place, all_left_N), left_N = atPlace(e.hypothesis.place, all_left_N);
+  reasons = reasonsAgainst(s, e);
+  const std::string less = lessThanWhatIsLeft(e, left_N, floors);
+  if (!less.empty()) reasons.push_back(less);
+  double probability = reasons.empty() ? e.probability : std::min(e.probability, kHarmful);
+  if (floors > kRightLeaves) {
+    probability = std::min(probability, e.probability * std::pow(kRightLeaves / floors, 2));
+    reasons.push_back(": the model with it still leaves " + shortNumber(floors, 2) +
+                      " times the noise floor while axes move: it may stand for something that no name is known for.");
+  }
+  if (!s.floor.measured) probability = std::max(probability, std::min(kEven, e.probability));
+  const std::string part = partOfNameless(nameless, e);
+  if (part.empty()) return probability;
+  reasons.push_back(part);  // needs no floor: the other one is there
+  return std::min(probability, kHarmful);
 }
 
 }  // namespace
@@ -115,47 +170,21 @@ double floorsLeft(const Search& s, const Place& place, const Eigen::VectorXd& le
 
 void doubtNames(Search& s, std::vector<std::string>& notes) {
   const Eigen::VectorXd left_N = movingRms(s);
+  const std::vector<FoundEffect> nameless = withoutName(s);
   for (FoundEffect& e : s.effects) {
     const Place& place = e.hypothesis.place;
     // Those of a given model were named where they were found.
     if (std::isnan(e.p)) continue;
     if (place.candidate->local()) doubtPush(s, e, notes);
     if (isBeyondDoubt(*place.candidate)) continue;
-    const double floors = floorsLeft(s, place, left_N);
-    const bool harms = !e.transfers && e.elsewhere_gain < 0.0;
-    const bool uneven = e.elsewhere_gaining < kMostStretches;
-    const std::string part = partOf(s, e, floors, atPlace(place, left_N));
-    const bool kin = besideItsKin(s, e);
-    const bool large = e.coefficients.size() > 0 && !place.candidate->believable(e.coefficients);
-    const bool much = place.candidate->looksLikeMuch();
-    if (floors <= kRightLeaves && !harms && !uneven && !kin && !large && !much && part.empty()) continue;
-    double doubted = e.probability * std::min(1.0, std::pow(kRightLeaves / floors, 2));
-    if (harms || uneven || kin || large || much || !part.empty()) doubted = std::min(doubted, kHarmful);
-    e.probability = s.floor.measured ? doubted : std::max(doubted, std::min(kEven, e.probability));
+    std::vector<std::string> reasons;
+    const double probability = doubtedProbability(s, nameless, e, left_N, reasons);
+    if (reasons.empty()) continue;
+    e.probability = probability;
     e.doubted = e.probability < kEven;
     if (e.probability < kSureOfName && !e.doubted) e.indistinguishable_from.emplace_back("unnamed");
-    if (floors > kRightLeaves)
-      notes.push_back(placeText(place) + ": the model with it still leaves " + shortNumber(floors, 2) +
-                      " times the noise floor while axes move: it may stand for something that no name is known for.");
-    if (!part.empty()) notes.push_back(placeText(place) + part);
-    if (kin)
-      notes.push_back(placeText(place) +
-                      ": was added beside its own special case; had either name been right, it would have explained "
-                      "both: they may stand for something else.");
-    if (large)
-      notes.push_back(placeText(place) +
-                      ": is larger than anything of this name can be: it may stand for something else.");
-    if (much)
-      notes.push_back(placeText(place) +
-                      ": so much looks like one that the name alone says little: it may stand for something else.");
-    if (harms)
-      notes.push_back(placeText(place) + ": makes the error larger at held-back positions, where what it is called " +
-                      "would act as well: it may stand for something else.");
-    if (uneven && !harms)
-      notes.push_back(
-          placeText(place) + ": helps at " + shortNumber(100.0 * e.elsewhere_gaining, 2) +
-          " % of the held-back positions only, and what it is called would act at all of them: it may stand "
-          "for something else.");
+    for (const std::string& reason : reasons)
+      notes.push_back(placeText(place) + reason);
   }
 }
 

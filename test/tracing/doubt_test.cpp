@@ -33,6 +33,9 @@ class Doubt : public SearchedMachine {
     }
     if (!beside_.empty()) {
       e.hypothesis = named(beside_, shape_);
+      e.doubted = beside_doubted_;
+      if (beside_doubted_) e.probability = 0.01;
+      if (beside_explains_N_ > 0.0) e.explained_rms_N.setConstant(beside_explains_N_);
       search_.effects.push_back(e);
     }
     notes_.clear();
@@ -40,6 +43,8 @@ class Doubt : public SearchedMachine {
     return search_.effects.front();
   }
   std::string beside_;  ///< another effect of the model
+  bool beside_doubted_ = false;
+  double beside_explains_N_ = 0.0;  ///< 0: as much
   std::vector<double> shape_;
   Eigen::VectorXd coefficients_;
   double p_ = 0.004;
@@ -153,6 +158,25 @@ TEST_F(Doubt, IsCastOnANameThatExplainsLessThanAMapBesideIt) {
     EXPECT_TRUE(said(name, 1.0).doubted) << name;
     ASSERT_EQ(notes_.size(), 1u);
     EXPECT_NE(notes_[0].find("less than what no name is known for there"), std::string::npos) << notes_[0];
+  }
+}
+
+TEST_F(Doubt, IsCastOnANameThatMendsWhatALargerDoubtedNameDoesWrong) {
+  beside_ = "presliding";
+  shape_ = {0.008, 0.0006, 0.0, 0.0};
+  for (const bool measured : {true, false}) {
+    measured_ = measured;
+    beside_explains_N_ = 12.0;
+    EXPECT_FALSE(said("reversal_friction", 1.0).doubted) << "beside a name that stands";
+    beside_doubted_ = true;
+    EXPECT_TRUE(said("reversal_friction", 1.0).doubted) << "a doubt that needs no floor";
+    ASSERT_EQ(notes_.size(), 1u);
+    EXPECT_NE(notes_[0].find("explains 9 N, less than what no name is known for there (12 N)"), std::string::npos)
+        << notes_[0];
+    EXPECT_TRUE(search_.effects[1].doubted) << "still";
+    beside_explains_N_ = 8.0;
+    EXPECT_FALSE(said("reversal_friction", 1.0).doubted) << "explains the more";
+    beside_doubted_ = false;
   }
 }
 
