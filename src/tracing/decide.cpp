@@ -94,12 +94,16 @@ void dropWhatDoesNotRepeat(Search& s) {
 }
 
 void dropImplausible(Search& s) {
-  const auto bad = std::stable_partition(s.effects.begin(), s.effects.end(), [](const FoundEffect& e) {
-    return std::isnan(e.p) || e.hypothesis.place.candidate->plausibleShape(e.hypothesis.shape);
+  const auto shaped = [](const FoundEffect& e) {
+    return e.hypothesis.place.candidate->plausibleShape(e.hypothesis.shape);
+  };
+  const auto bad = std::stable_partition(s.effects.begin(), s.effects.end(), [&](const FoundEffect& e) {
+    return std::isnan(e.p) || (shaped(e) && e.hypothesis.place.candidate->plausible(e.coefficients));
   });
   if (bad == s.effects.end()) return;
   for (auto e = bad; e != s.effects.end(); ++e)
-    s.taken_out.push_back(placeText(e->hypothesis.place) + ": the shape that fits is not physical");
+    s.taken_out.push_back(placeText(e->hypothesis.place) + (shaped(*e) ? ": no machine has the size that fits"
+                                                                       : ": the shape that fits is not physical"));
   s.effects.erase(bad, s.effects.end());
   refit(s);
 }

@@ -12,7 +12,8 @@ void eliminateBackward(Search& search);
 /// move: remainders of a few stops look like a ripple of a short period, too.
 void dropWhatDoesNotRepeat(Search& search);
 
-/// Takes out what is something else with the shape that was refined beside others. Not those of a given model.
+/// Takes out what is something else with the shape that was refined beside others, or with the size that fits in the
+/// end. Not those of a given model.
 void dropImplausible(Search& search);
 
 /// A new effect that acts on all actuators may be what several others stood for together: those are taken out at once

@@ -45,6 +45,13 @@ Eigen::VectorXd explainedBy(const Search& s, std::size_t k) {
   return (left.cwiseAbs2() - s.rms_N.cwiseAbs2()).cwiseMax(0.0).cwiseSqrt();
 }
 
+void explainAnew(Search& s) {
+  for (std::size_t k = 0; k < s.effects.size(); ++k) {
+    FoundEffect& e = s.effects[k];
+    if (!std::isnan(e.p)) e.explained_rms_N = e.explained_rms_N.cwiseMax(explainedBy(s, k));
+  }
+}
+
 SurrogateModel modelOf(const Search& s) {
   SurrogateModel m;
   m.parameters = s.base->parametersOf(s.fit.base);

@@ -20,6 +20,10 @@ JointFit fitOf(const Search& search, const std::vector<Hypothesis>& effects, Lef
 /// squares' difference.
 Eigen::VectorXd explainedBy(const Search& search, std::size_t k);
 
+/// What every effect explains of the model as it stands, where that is more than when it was found: its shape and the
+/// laws beside it were not settled then.
+void explainAnew(Search& search);
+
 /// The model as it stands.
 SurrogateModel modelOf(const Search& search);
 

@@ -42,6 +42,22 @@ TEST_F(PlausibleShape, IsAskedOfWhatWasRefined) {
   EXPECT_EQ(leftOf(0.002, std::nan("")), 1u) << "of a given model, named where it was found";
 }
 
+TEST_F(PlausibleShape, AndOfTheSizeThatFitsInTheEnd) {
+  const Hypothesis play = named("backlash", {0.4e-3, 1.0});
+  FoundEffect found;
+  found.hypothesis = play;
+  found.p = 0.004;
+  for (const double share : {0.9, -0.7}) {  // then 0.2 of it is left
+    has(play, Eigen::VectorXd::Constant(1, share));
+    search_.effects = {found};
+    refit(search_);
+    dropImplausible(search_);
+    EXPECT_EQ(search_.effects.size(), share > 0.5 ? 1u : 0u);
+  }
+  ASSERT_EQ(search_.taken_out.size(), 1u);
+  EXPECT_EQ(search_.taken_out[0], "backlash on actuator 2: no machine has the size that fits");
+}
+
 TEST_F(PlausibleShape, WithoutOneOfItsOwnTheLawOfTheActuatorIsFollowed) {
   const TraceOptions options;
   search_.options = &options;

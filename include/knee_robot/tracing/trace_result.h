@@ -31,8 +31,10 @@ struct TraceOptions {
 struct FoundEffect {
   Hypothesis hypothesis;
   Eigen::VectorXd coefficients, std;
-  Eigen::VectorXd explained_rms_N;  ///< how much the residual's rms falls when it is added: sqrt(before^2 - after^2)
-  Eigen::VectorXd null_rms_N;       ///< the same for the best hypothesis on the worst of the surrogates
+  /// How much the residual's rms falls when it is added, or in the end rises without it, the larger: root of the squares'
+  /// difference.
+  Eigen::VectorXd explained_rms_N;
+  Eigen::VectorXd null_rms_N;  ///< the same for the best hypothesis on the worst of the surrogates
   double p = 1.0;
   double gain = 0.0, gain_error = 0.0;  ///< held-back blocks: share of the squared residual, and its standard error
   std::vector<std::string> indistinguishable_from;
