@@ -76,9 +76,12 @@ std::vector<std::string> rivalsOf(const Search& s, const Trial& best, const std:
   return names;
 }
 
-void reconsiderDoubted(Search& s) {
+void reconsiderRivals(Search& s) {
   for (std::size_t k = 0; k < s.effects.size(); ++k) {
-    if (!doubtedForAMap(s.effects[k]) || besideAMap(s, s.effects[k].hypothesis.place)) continue;
+    const FoundEffect& named = s.effects[k];
+    if (std::isnan(named.p) || named.hypothesis.place.candidate->isMap() || named.indistinguishable_from.empty() ||
+        (doubtedForAMap(named) && besideAMap(s, named.hypothesis.place)))
+      continue;
     FoundEffect e = s.effects[k];
     s.effects.erase(s.effects.begin() + static_cast<std::ptrdiff_t>(k));
     refit(s);

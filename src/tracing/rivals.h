@@ -12,8 +12,8 @@ namespace knee_robot::tracing {
 std::vector<std::string> rivalsOf(const Search& search, const Trial& best, const std::vector<Trial>& trials,
                                   bool sibling, double& probability);
 
-/// Asks anew, beside all that has been found since, for names that were doubted because a map would do as well: what was
-/// not explained yet bent towards the map.
-void reconsiderDoubted(Search& search);
+/// Asks anew, beside all that has been found since and by the laws near rest that were chosen beside it, for names that
+/// had a rival, or were doubted because a map would do as well: what was not explained yet bent towards those.
+void reconsiderRivals(Search& search);
 
 }  // namespace knee_robot::tracing

@@ -252,7 +252,7 @@ void Tracing::searchEffects() {
   }
 }
 
-/// Of two recordings or more: where all else leaves more than noise while axes move; and names that were doubted, beside
+/// Of two recordings or more: where all else leaves more than noise while axes move; and names that had rivals, beside
 /// all that was found.
 void Tracing::searchSurfaces() {
   if (options_.most_effects == 0 || !options_.maps || recordings_.size() < 2) return;
@@ -267,7 +267,7 @@ void Tracing::searchSurfaces() {
     searchForward(s_, kindsLeft(), options_.seed + 90u);
     result_.rejected.insert(result_.rejected.end(), s_.rejected.begin(), s_.rejected.end());
   }
-  reconsiderDoubted(s_);
+  reconsiderRivals(s_);
   s_.maps = false;
   attend(Attention::All);
 }
