@@ -53,7 +53,7 @@ struct FoundEffect {
   bool isOneOfMany() const { return indistinguishable_from.size() > 2; }
 };
 
-/// Share of names that were right on machines of the six newest simulators by others, each as it came: 59 of 66
+/// Share of names that were right on machines of the seven newest simulators by others, each as it came: 66 of 74
 /// (docs/results/blind_simulators.md).
 inline constexpr double kNamesRight = 0.89;
 inline double probabilityOfName(const FoundEffect& e) {
