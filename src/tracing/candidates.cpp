@@ -27,6 +27,15 @@ std::vector<Eigen::MatrixXd> Candidate::columnsOfAll(const EffectInput& input, c
   return out;
 }
 
+std::vector<Eigen::MatrixXd> Candidate::reach(const EffectInput& input, int actuator,
+                                              const std::vector<double>& shape) const {
+  const Eigen::MatrixXd own = columns(input, actuator, shape);
+  std::vector<Eigen::MatrixXd> out(static_cast<std::size_t>(input.axes()),
+                                   Eigen::MatrixXd::Zero(own.rows(), own.cols()));
+  out[static_cast<std::size_t>(actuator)] = own;
+  return out;
+}
+
 std::vector<std::vector<double>> Candidate::near(const std::vector<double>&, double) const {
   return {};
 }

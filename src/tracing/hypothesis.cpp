@@ -100,6 +100,8 @@ std::vector<Hypothesis> listHypotheses(const CandidateList& candidates, const st
 }
 
 Eigen::MatrixXd effectColumns(const EffectInput& input, const Hypothesis& h, int actuator) {
+  if (h.place.actsOnAll() && h.place.actuator >= 0)
+    return h.place.candidate->reach(input, h.place.actuator, h.shape)[static_cast<std::size_t>(actuator)];
   if (h.place.actuator >= 0 && h.place.actuator != actuator) {
     return Eigen::MatrixXd::Zero(input.samples(),
                                  static_cast<Eigen::Index>(h.place.candidate->coefficients(input).size()));
@@ -109,6 +111,7 @@ Eigen::MatrixXd effectColumns(const EffectInput& input, const Hypothesis& h, int
 
 std::vector<Eigen::MatrixXd> actingColumns(const EffectInput& input, const Hypothesis& h) {
   if (h.place.actuator < 0) return h.place.candidate->columnsOfAll(input, h.shape);
+  if (h.place.actsOnAll()) return h.place.candidate->reach(input, h.place.actuator, h.shape);
   std::vector<Eigen::MatrixXd> own;
   own.push_back(h.place.candidate->columns(input, h.place.actuator, h.shape));
   return own;
@@ -170,8 +173,8 @@ Eigen::MatrixXd placeRows(const TraceData& data, const std::vector<Hypothesis>& 
   const Eigen::Index p = data.stack.size();
   const Place& place = tried.front().place;
   const Eigen::Index each = static_cast<Eigen::Index>(place.candidate->coefficients(data.inputs.front()).size());
-  const std::size_t acts_on = place.actuator < 0 ? static_cast<std::size_t>(data.stack.axes) : 1u;
-  first_row = std::max(0, place.actuator) * p;
+  const std::size_t acts_on = place.actsOnAll() ? static_cast<std::size_t>(data.stack.axes) : 1u;
+  first_row = place.actsOnAll() ? 0 : place.actuator * p;
   Eigen::MatrixXd rows(static_cast<Eigen::Index>(acts_on) * p, each * static_cast<Eigen::Index>(tried.size()));
   const std::size_t at_once =
       std::max<std::size_t>(1, kColumnsAtOnce / std::max<std::size_t>(1, static_cast<std::size_t>(each) * acts_on));

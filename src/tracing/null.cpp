@@ -105,7 +105,7 @@ SurrogateEffects effectForces(const EffectInput& input, const SurrogateModel& mo
   for (std::size_t k = 0; k < model.effects.size(); ++k) {
     const Candidate& candidate = *model.effects[k].place.candidate;
     Eigen::MatrixXd& kind = candidate.isFriction() ? out.friction_N : candidate.ofDrive() ? out.drive_N : out.load_N;
-    Eigen::Index actuator = std::max(0, model.effects[k].place.actuator);
+    Eigen::Index actuator = model.effects[k].place.actsOnAll() ? 0 : model.effects[k].place.actuator;
     for (const Eigen::MatrixXd& columns : actingColumns(input, model.effects[k]))
       kind.col(actuator++) += columns * model.coefficients[k];
   }

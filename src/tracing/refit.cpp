@@ -99,6 +99,15 @@ struct SplitEffects {
   Eigen::MatrixXd level, force_N;
 };
 
+/// Force of an effect along a recording, samples x axes.
+Eigen::MatrixXd forceOf(const EffectInput& input, const Hypothesis& h, const Eigen::VectorXd& coefficients) {
+  Eigen::MatrixXd force = Eigen::MatrixXd::Zero(input.samples(), input.axes());
+  Eigen::Index actuator = h.place.actsOnAll() ? 0 : h.place.actuator;
+  for (const Eigen::MatrixXd& columns : actingColumns(input, h))
+    force.col(actuator++) = columns * coefficients;
+  return force;
+}
+
 SplitEffects splitEffects(const EffectInput& input, const SurrogateModel& model) {
   SplitEffects out = {Eigen::MatrixXd::Ones(input.samples(), input.axes()),
                       Eigen::MatrixXd::Zero(input.samples(), input.axes())};
@@ -107,17 +116,17 @@ SplitEffects splitEffects(const EffectInput& input, const SurrogateModel& model)
   still.share.setZero();
   back.share.setConstant(-1.0);
   for (std::size_t k = 0; k < model.effects.size(); ++k) {
+    const auto force = [&](const EffectInput& in) { return forceOf(in, model.effects[k], model.coefficients[k]); };
+    const Eigen::MatrixXd always = force(still), with = force(forward) - always, against = force(back) - always,
+                          whole = force(input);
     for (int i = 0; i < input.axes(); ++i) {
-      const auto force = [&](const EffectInput& in) -> Eigen::VectorXd {
-        return effectColumns(in, model.effects[k], i) * model.coefficients[k];
-      };
-      const Eigen::VectorXd always = force(still), with = force(forward) - always, against = force(back) - always;
-      if (with.isZero(0.0) || (with + against).norm() > kLinear * with.norm()) {  // no factor of the law
-        out.force_N.col(i) += force(input);
+      const double size = with.col(i).norm();
+      if (size == 0.0 || (with + against).col(i).norm() > kLinear * size) {  // no factor of the law
+        out.force_N.col(i) += whole.col(i);
         continue;
       }
-      out.force_N.col(i) += always;
-      out.level.col(i) += with / std::max(kLeastCoulomb_N, input.coulomb_N[i]);
+      out.force_N.col(i) += always.col(i);
+      out.level.col(i) += with.col(i) / std::max(kLeastCoulomb_N, input.coulomb_N[i]);
     }
   }
   out.level = out.level.cwiseMax(0.0);

@@ -36,6 +36,8 @@ class Candidate {
   virtual std::string generalizes() const { return {}; }
   /// True: one set of coefficients acts on all actuators together (a spring at the platform).
   virtual bool shared() const { return false; }
+  /// True: sits on one actuator and changes what the others carry, too (reach).
+  virtual bool reachesOthers() const { return false; }
   /// False: belongs to one recording and predicts nothing elsewhere.
   virtual bool transfers() const { return true; }
   /// True: acts during a part of a recording only. What was held back outside it says nothing, and inside it there may
@@ -95,6 +97,9 @@ class Candidate {
   virtual Eigen::MatrixXd columns(const EffectInput& input, int actuator, const std::vector<double>& shape) const = 0;
   /// The same of every actuator. To be overridden where they share most of the work.
   virtual std::vector<Eigen::MatrixXd> columnsOfAll(const EffectInput& input, const std::vector<double>& shape) const;
+  /// Of what sits on `actuator`: the columns of every actuator. Only where it reaches others.
+  virtual std::vector<Eigen::MatrixXd> reach(const EffectInput& input, int actuator,
+                                             const std::vector<double>& shape) const;
   /// Coefficients for a recording that is none of the training ones; empty when the effect predicts nothing there.
   /// Usually those of training, if the effect transfers.
   virtual Eigen::VectorXd elsewhere(const Eigen::VectorXd& coefficients) const;

@@ -29,6 +29,8 @@ struct Place {
   int actuator = -1;  ///< -1: shared
   int order = 0;      ///< of several by the same name on one actuator: ripples of different periods
 
+  /// Whether it has columns on every actuator; otherwise on its own only.
+  bool actsOnAll() const { return actuator < 0 || candidate->reachesOthers(); }
   bool operator==(const Place& other) const {
     return candidate == other.candidate && actuator == other.actuator && order == other.order;
   }
@@ -51,7 +53,8 @@ Eigen::MatrixXd effectRows(const TraceData& data, const Hypothesis& hypothesis);
 /// The same of several.
 std::vector<Eigen::MatrixXd> effectRows(const TraceData& data, const std::vector<Hypothesis>& effects);
 
-/// Columns of a hypothesis along one recording, on the grid, of the actuators on which it acts: its own, or all.
+/// Columns of a hypothesis along one recording, on the grid, of the actuators on which it acts: its own, or all
+/// (Place::actsOnAll).
 std::vector<Eigen::MatrixXd> actingColumns(const EffectInput& input, const Hypothesis& hypothesis);
 /// Columns of a hypothesis along one recording, for one actuator, on the grid; zero where it does not act.
 Eigen::MatrixXd effectColumns(const EffectInput& input, const Hypothesis& hypothesis, int actuator);
@@ -87,8 +90,7 @@ class Projector {
 /// How the shapes of one place can be scored against any residual of the same data: what their columns add to the
 /// model's.
 struct Probes {
-  Eigen::MatrixXd
-      columns;  ///< weighted, shape after shape; only the rows of the place's actuator, all rows when shared
+  Eigen::MatrixXd columns;  ///< weighted, shape after shape; only the rows of the actuators on which it acts
   std::vector<Eigen::MatrixXd>
       inverse;  ///< per shape, of the Gram matrix made orthogonal to the model's; empty: absorbed
   std::vector<double>
@@ -99,7 +101,7 @@ struct Probes {
 /// All shapes of one place with their columns: low-passed, at the picks, in N, neither weighted nor scaled.
 struct PlaceColumns {
   std::vector<Hypothesis> tried;
-  Eigen::MatrixXd rows;         ///< shape after shape; of the place's actuator only, of all when shared
+  Eigen::MatrixXd rows;         ///< shape after shape; of the actuators on which it acts
   Eigen::Index first_row = 0;   ///< of the stack's rows
   bool rests_on_model = false;  ///< looks at loads or forces, which every fit changes
 
@@ -108,7 +110,7 @@ struct PlaceColumns {
 
 /// Columns of hypotheses of one and the same place, shape after shape, low-passed, at the picks, in N, neither weighted
 /// nor scaled.
-/// Rows of the place's actuator only (all when shared), which begin at `first_row` of the stack's.
+/// Rows of the actuators on which it acts, which begin at `first_row` of the stack's.
 Eigen::MatrixXd placeRows(const TraceData& data, const std::vector<Hypothesis>& tried, Eigen::Index& first_row);
 /// `rows`: of placeRows.
 Probes makeProbes(const TraceData& data, const std::vector<Hypothesis>& tried, const Eigen::MatrixXd& rows,

@@ -1,21 +1,28 @@
 #include "common/driven_load.h"
+#include "common/yielding_coupling.h"
 #include "knee_robot/tracing/candidate.h"
 
 namespace knee_robot::tracing {
 namespace {
 
+constexpr double kSoftestCoupling = 4e3, kStiffestCoupling = 5e5;  ///< N/m
+constexpr int kStiffnesses = 8;
+
 class FlexibleCoupling : public Candidate {
  public:
   std::string name() const override { return "flexible_coupling"; }
   bool actsFast() const override { return true; }
+  bool reachesOthers() const override { return true; }
   std::string sentence() const override {
-    return "Motor and screw are joined elastically: after each reversal the joint winds up before the screw follows.";
+    return "Motor and screw are joined elastically: after each reversal the joint winds up before the screw follows, "
+           "and "
+           "the platform hangs and swings on it, which the other legs feel.";
   }
   std::vector<ShapeParameter> shapeParameters() const override {
-    return {{"stiffness_N_per_m", 1e4, 5e5}, frictionBeyondParameter()};
+    return {{"stiffness_N_per_m", kSoftestCoupling, kStiffestCoupling}, frictionBeyondParameter()};
   }
   std::vector<std::vector<double>> shapes(const EffectInput&, int) const override {
-    return withFrictionBeyond(geometricGrid(1e4, 5e5, 7));
+    return withLast(geometricGrid(kSoftestCoupling, kStiffestCoupling, kStiffnesses), {1.0, 0.5, 0.0});
   }
   std::vector<std::vector<double>> near(const std::vector<double>& shape, double step) const override {
     return besideJoint(shape, step, shapeParameters());
@@ -25,10 +32,15 @@ class FlexibleCoupling : public Candidate {
   }
   bool plausible(const Eigen::VectorXd& c) const override { return c[0] > 0.5 && c[0] < 1.6; }
   Eigen::MatrixXd columns(const EffectInput& input, int actuator, const std::vector<double>& shape) const override {
-    DriveJoint joint;
-    joint.stiffness_N_per_m = shape[0];
-    joint.friction_beyond = shape[1];
-    return changeByJoint(input, actuator, joint);
+    return reach(input, actuator, shape)[static_cast<std::size_t>(actuator)];
+  }
+  std::vector<Eigen::MatrixXd> reach(const EffectInput& input, int actuator,
+                                     const std::vector<double>& shape) const override {
+    const Eigen::MatrixXd change = changeByCoupling(input, actuator, {shape[0], shape[1]});
+    std::vector<Eigen::MatrixXd> out;
+    for (int i = 0; i < input.axes(); ++i)
+      out.push_back(change.col(i));
+    return out;
   }
 };
 

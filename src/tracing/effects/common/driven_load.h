@@ -4,15 +4,9 @@
 
 #include "knee_robot/tracing/candidate.h"
 #include "knee_robot/tracing/effect_input.h"
+#include "screw_behind_joint.h"
 
 namespace knee_robot::tracing {
-
-/// Joint between motor and screw: elastic, with play. The encoder and the rotor are on the motor's side.
-struct DriveJoint {
-  double stiffness_N_per_m = 1e7;
-  double half_gap_m = 0.0;
-  double friction_beyond = 1.0;  ///< share of the actuator's friction on the screw's side; the rest is the motor's
-};
 
 /// Shape parameter of effects that have such a joint.
 ShapeParameter frictionBeyondParameter();
@@ -26,8 +20,8 @@ std::vector<std::vector<double>> besideJoint(const std::vector<double>& shape, d
 /// entry a sample. The screw's motion is integrated quasi-statically from the measured one: it goes to where the joint's
 /// force balances the load, viscous friction, and dry friction by the actuator's law near rest along the screw's own way.
 /// Friction of its side and the inertia that it moves then take the screw's motion instead of the measured one; the
-/// rotor keeps the measured one. Deflections are millimetres, so that the load itself is taken at the measured pose, and
-/// what this actuator's deflection does to the other legs is left out.
+/// rotor keeps the measured one. For play of a few millimetres: the load is taken at the measured pose, and what the play
+/// does to the other legs is left out (yielding_coupling.h has both).
 Eigen::VectorXd changeByJoint(const EffectInput& input, int actuator, const DriveJoint& joint);
 
 }  // namespace knee_robot::tracing
