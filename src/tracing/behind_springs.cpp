@@ -12,18 +12,18 @@ using mechanism::Matrix4;
 using mechanism::Vector4;
 
 constexpr double kSwingStep_s = 0.005;  // of the integration, where samples are closer
-constexpr double kDampingRatio = 0.05;  // of screws and couplings; slow loads do not show it
+constexpr double kFirstOrder_m = 1e-3;  // by which a leg may be longer without what lies beyond first order
 
 /// Legs' lengths less what their encoders say, by the trapezoidal rule.
 class Swing {
  public:
-  Swing(double spring, double step_s) : spring_(spring), step_s_(step_s) {}
+  Swing(const LegSprings& springs, double step_s)
+      : spring_(springs.stiffness_N_per_m), ratio_(springs.damping_ratio), step_s_(step_s) {}
 
-  /// Change of the load by where the platform is then.
-  Vector4 to(const LengthResponse::Knot& knot, const Vector4& longer_m) {
+  /// Moves to where springs, which pull by `force`, balance the load's first order.
+  void to(const LengthResponse::Knot& knot, const Vector4& force) {
     Matrix4 stiffness = knot.stiffness;
-    stiffness.diagonal().array() += spring_;
-    const Vector4 force = spring_ * longer_m;
+    stiffness.diagonal() += spring_;
     if (!moves_) {
       longer_ = stiffness.partialPivLu().solve(force);
       rate_.setZero();
@@ -32,14 +32,21 @@ class Swing {
     } else {
       step(knot.mass, stiffness, force);
     }
-    return knot.stiffness * longer_ + knot.mass * acceleration_;
   }
-  void rest() { moves_ = false; }
+  void rest() {
+    moves_ = false;
+    longer_ = rate_ = acceleration_ = Vector4::Zero();
+  }
+  void write(LengthPath& path, int n) const {
+    path.length_m.row(n) = longer_.transpose();
+    path.rate.row(n) = rate_.transpose();
+    path.acceleration.row(n) = acceleration_.transpose();
+  }
 
  private:
   void step(const Matrix4& mass, const Matrix4& stiffness, const Vector4& force) {
     const double h = step_s_;
-    const Vector4 damping = 2.0 * kDampingRatio * (spring_ * mass.diagonal().array().max(0.0)).sqrt();
+    const Vector4 damping = 2.0 * ratio_ * (spring_.array() * mass.diagonal().array().max(0.0)).sqrt();
     const Vector4 rate = rate_ + 0.5 * h * acceleration_, longer = longer_ + h * rate_ + 0.25 * h * h * acceleration_;
     Matrix4 whole = mass + 0.25 * h * h * stiffness;
     whole.diagonal() += 0.5 * h * damping;
@@ -48,34 +55,63 @@ class Swing {
     longer_ = longer + 0.25 * h * h * acceleration_;
   }
 
-  const double spring_, step_s_;
+  const Vector4 spring_;
+  const double ratio_, step_s_;
   bool moves_ = false;
   Vector4 longer_ = Vector4::Zero(), rate_ = Vector4::Zero(), acceleration_ = Vector4::Zero();
 };
 
-}  // namespace
+/// Rows between n - stride and n in proportion to time.
+void fillUp(Eigen::MatrixXd& all, int n, int stride) {
+  for (int k = 1; k < stride && n > 0; ++k)
+    all.row(n - stride + k) =
+        all.row(n - stride) + (all.row(n) - all.row(n - stride)) * static_cast<double>(k) / stride;
+}
 
-Eigen::MatrixXd changeBehindSprings(const EffectInput& in, double stiffness_N_per_m, const Eigen::MatrixXd& longer_m) {
-  const int samples = in.samples();
+/// `force_N`: with which the springs pull, less what hangs on them along the encoders' path.
+LengthPath swing(const EffectInput& in, const LegSprings& springs, const Eigen::MatrixXd& force_N) {
   const int stride = std::max(1, static_cast<int>(kSwingStep_s / in.signals().period_s));
-  Swing swing(stiffness_N_per_m, stride * in.signals().period_s);
-  Eigen::MatrixXd change = Eigen::MatrixXd::Zero(samples, mechanism::kLegs);
+  Swing platform(springs, stride * in.signals().period_s);
+  LengthPath path(in.samples());
   int last = 0;
-  for (int n = 0; n < samples; n += stride) {
+  for (int n = 0; n < in.samples(); n += stride) {
     last = n;
     const LengthResponse::Knot knot = in.by_lengths->at(in, n);
-    if (!knot.known) {
-      swing.rest();
-      continue;
+    if (knot.known) {
+      platform.to(knot, force_N.row(n).transpose());
+    } else {
+      platform.rest();
     }
-    change.row(n) = swing.to(knot, longer_m.row(n).transpose()).transpose();
-    for (int k = 1; k < stride && n > 0; ++k)
-      change.row(n - stride + k) =
-          change.row(n - stride) + (change.row(n) - change.row(n - stride)) * static_cast<double>(k) / stride;
+    platform.write(path, n);
+    for (Eigen::MatrixXd* all : {&path.length_m, &path.rate, &path.acceleration})
+      fillUp(*all, n, stride);
   }
-  for (int n = last + 1; n < samples; ++n)  // less than a step is left
-    change.row(n) = change.row(last);
+  for (int n = last + 1; n < in.samples(); ++n)  // less than a step is left
+    platform.write(path, n);
+  return path;
+}
+
+Eigen::MatrixXd firstOrder(const EffectInput& in, const LengthPath& path) {
+  Eigen::MatrixXd change(in.samples(), mechanism::kLegs);
+  for (int n = 0; n < in.samples(); ++n) {
+    const LengthResponse::Knot knot = in.by_lengths->at(in, n);
+    change.row(n) =
+        (knot.stiffness * path.length_m.row(n).transpose() + knot.mass * path.acceleration.row(n).transpose())
+            .transpose();
+  }
   return change;
+}
+
+}  // namespace
+
+Eigen::MatrixXd changeBehindSprings(const EffectInput& in, const LegSprings& springs, const Eigen::MatrixXd& longer_m) {
+  const Eigen::MatrixXd force = longer_m * springs.stiffness_N_per_m.asDiagonal();
+  LengthPath path = swing(in, springs, force);
+  if (path.length_m.cwiseAbs().maxCoeff() < kFirstOrder_m) return firstOrder(in, path);
+  Eigen::MatrixXd beyond = in.by_lengths->beyondFirstOrder(in, path);
+  path = swing(in, springs, force - beyond);
+  beyond = in.by_lengths->beyondFirstOrder(in, path);
+  return firstOrder(in, path) + beyond;
 }
 
 }  // namespace knee_robot::tracing

@@ -40,6 +40,10 @@ std::vector<std::vector<double>> Candidate::near(const std::vector<double>&, dou
   return {};
 }
 
+std::vector<double> Candidate::ofSize(const std::vector<double>&, double) const {
+  return {};
+}
+
 bool Candidate::plausible(const Eigen::VectorXd&) const {
   return true;
 }

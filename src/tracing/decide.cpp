@@ -13,6 +13,7 @@
 #include "refit.h"
 #include "stretches.h"
 #include "trial.h"
+#include "whole_size.h"
 
 namespace knee_robot::tracing {
 namespace {
@@ -156,6 +157,14 @@ std::vector<double> namesakes(const Hypothesis& general, const Candidate& specia
   return out;
 }
 
+/// The shape of the library that explains most in the place of effect `k`, with its whole size.
+std::vector<double> wholeOf(const Search& s, std::size_t k, const PlaceColumns& p) {
+  const Projection beside = projectModel(s, without(hypothesesOf(s.effects), k));
+  Eigen::Index best = 0;
+  explained(makeProbes(*s.data, p.tried, p.rows, p.first_row, beside, s.rms_N), beside.residual).col(0).maxCoeff(&best);
+  return ofWholeSize(s, beside, p.tried[static_cast<std::size_t>(best)]).shape;
+}
+
 /// The special case with the shape of what generalizes it; where its shape has other parameters, with the one, of its
 /// own and where the general one is, that predicts held-back blocks best in the place of effect `k`.
 Hypothesis specialCase(const Search& s, std::size_t k, const PlaceColumns& special) {
@@ -168,6 +177,7 @@ Hypothesis specialCase(const Search& s, std::size_t k, const PlaceColumns& speci
     shapes.push_back(tried.shape);
   const std::vector<double> there = namesakes(s.effects[k].hypothesis, *best.place.candidate);
   if (!there.empty()) shapes.push_back(there);
+  if (best.place.actuator != s.effects[k].hypothesis.place.actuator) shapes = {wholeOf(s, k, special)};
   double least = std::numeric_limits<double>::infinity();
   for (const std::vector<double>& tried : shapes) {
     std::vector<Hypothesis> all = hypothesesOf(s.effects);
@@ -177,6 +187,27 @@ Hypothesis specialCase(const Search& s, std::size_t k, const PlaceColumns& speci
     least = std::min(least, left);
   }
   return best;
+}
+
+/// Where the special case of effect `k` is: what it generalizes, at its place; of what all actuators have, the one
+/// actuator on which the same name explains most of what the others leave. Null: nowhere.
+const PlaceColumns* specialPlace(const Search& s, std::size_t k) {
+  const Place& general = s.effects[k].hypothesis.place;
+  std::vector<const PlaceColumns*> of_one;
+  for (const PlaceColumns& p : s.library->places()) {
+    const Place& place = p.place();
+    if (place.candidate->name() == general.candidate->generalizes() && place.actuator == general.actuator) return &p;
+    if (general.actuator < 0 && place.actuator >= 0 && place.candidate->reachesOthers() &&
+        place.candidate->name() == general.candidate->name())
+      of_one.push_back(&p);
+  }
+  if (of_one.empty()) return nullptr;
+  const Projection beside = projectModel(s, without(hypothesesOf(s.effects), k));
+  const auto most = [&](const PlaceColumns* p) {
+    return explained(makeProbes(*s.data, p->tried, p->rows, p->first_row, beside, s.rms_N), beside.residual).maxCoeff();
+  };
+  return *std::max_element(of_one.begin(), of_one.end(),
+                           [&](const auto* a, const auto* b) { return most(a) < most(b); });
 }
 
 /// Held-back squares, in units of what is left a row, that the additional shape parameters of the first would save by
@@ -190,11 +221,8 @@ double byChance(const Hypothesis& general, const Hypothesis& special) {
 void simplify(Search& s) {
   for (std::size_t k = 0; k < s.effects.size(); ++k) {
     const Place general = s.effects[k].hypothesis.place;
-    const auto& places = s.library->places();
-    const auto special = std::find_if(places.begin(), places.end(), [&](const PlaceColumns& p) {
-      return p.place().candidate->name() == general.candidate->generalizes() && p.place().actuator == general.actuator;
-    });
-    if (special == places.end() || std::isnan(s.effects[k].p) || !openPlace(s, special->place(), nullptr)) continue;
+    const PlaceColumns* special = specialPlace(s, k);
+    if (special == nullptr || std::isnan(s.effects[k].p) || !openPlace(s, special->place(), nullptr)) continue;
     const std::vector<FoundEffect> before = s.effects;
     const Eigen::VectorXd noise_N = s.rms_N, with = problemOf(s, hypothesesOf(s.effects)).heldBack();
     s.effects[k].hypothesis = specialCase(s, k, *special);

@@ -78,6 +78,10 @@ void setAttention(TraceData& data, Attention attention) {
   data.force_rows = data.scale.asDiagonal() * data.all_force_rows;
 }
 
+bool isWhole(const Hypothesis& h) {
+  return !h.place.candidate->ofSize(h.shape, 1.0).empty();
+}
+
 std::vector<Hypothesis> without(std::vector<Hypothesis> all, std::size_t k) {
   all.erase(all.begin() + static_cast<std::ptrdiff_t>(k));
   return all;

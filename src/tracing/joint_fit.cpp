@@ -59,7 +59,8 @@ Eigen::VectorXd solve(const BlockProblem& problem, const Eigen::MatrixXd& triang
   const Eigen::Index p = triangle.cols() - 1;
   const Eigen::VectorXd scale = triangle.leftCols(p).colwise().norm().transpose().cwiseMax(1e-12);
   const Eigen::Index pulls = static_cast<Eigen::Index>(problem.pulled.size());
-  Eigen::MatrixXd scaled = Eigen::MatrixXd::Zero(triangle.rows() + pulls + p, p);
+  const Eigen::Index ones = static_cast<Eigen::Index>(problem.whole_effects.size());
+  Eigen::MatrixXd scaled = Eigen::MatrixXd::Zero(triangle.rows() + pulls + ones + p, p);
   Eigen::VectorXd target = Eigen::VectorXd::Zero(scaled.rows());
   scaled.bottomRows(p).diagonal() = problem.prior.cwiseQuotient(scale);
   scaled.topRows(triangle.rows()) = triangle.leftCols(p) * scale.cwiseInverse().asDiagonal();
@@ -67,6 +68,11 @@ Eigen::VectorXd solve(const BlockProblem& problem, const Eigen::MatrixXd& triang
   for (Eigen::Index k = 0; k < pulls; ++k) {
     const int column = problem.pulled[static_cast<std::size_t>(k)];
     scaled(triangle.rows() + k, column) = kPull * std::max(1.0, problem.whole[column] / scale[column]);
+  }
+  for (Eigen::Index k = 0; k < ones; ++k) {
+    const int column = problem.whole_effects[static_cast<std::size_t>(k)];
+    scaled(triangle.rows() + pulls + k, column) = kPullToWhole;
+    target[triangle.rows() + pulls + k] = kPullToWhole * scale[column];
   }
   return identification::boundedLeastSquares(scaled, target, problem.bounded).cwiseQuotient(scale);
 }
@@ -99,6 +105,8 @@ BlockProblem only(const BlockProblem& all, const std::vector<int>& columns) {
     if (columns[c] < all.bounded) ++some.bounded;
     if (std::find(all.pulled.begin(), all.pulled.end(), columns[c]) != all.pulled.end())
       some.pulled.push_back(static_cast<int>(c));
+    if (std::find(all.whole_effects.begin(), all.whole_effects.end(), columns[c]) != all.whole_effects.end())
+      some.whole_effects.push_back(static_cast<int>(c));
   }
   return some;
 }
@@ -134,6 +142,7 @@ JointProblem::JointProblem(const TraceData& data, const BaseFit& base, const Eig
     if (effect < 0 || !effects[k].place.candidate->isMap()) problem_.whole[at] = 0.0;
     if (effect >= 0 && effects[k].place.candidate->isPulled(effect_rows_[k].cols()))
       problem_.pulled.push_back(static_cast<int>(c));
+    if (effect >= 0 && isWhole(effects[k])) problem_.whole_effects.push_back(static_cast<int>(c));
   }
 }
 

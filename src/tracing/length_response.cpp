@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "knee_robot/dynamics/regressor.h"
+#include "knee_robot/mechanism/leg_motion.h"
 #include "knee_robot/tracing/effect_input.h"
 
 namespace knee_robot::tracing {
@@ -43,6 +44,15 @@ class LoadBeside {
     return loadOf(moved, load);
   }
   bool here(Vector4& load) { return loadOf(motion_, load); }
+  /// With all legs longer, and on their way.
+  bool elsewhere(const Vector4& longer, const Vector4& rate, const Vector4& acceleration, Vector4& load) {
+    const mechanism::Lengths lengths = mechanism::legLengths(mechanism_, motion_.pose) + longer;
+    mechanism::Motion moved;
+    return mechanism::motionFromLengths(mechanism_, lengths, rate_ + rate, acceleration_ + acceleration,
+                                        motion_.pose + pose_per_length_ * longer,
+                                        moved) == mechanism::ForwardStatus::Converged &&
+           loadOf(moved, load);
+  }
 
  private:
   bool loadOf(const mechanism::Motion& motion, Vector4& load) {
@@ -80,6 +90,30 @@ void LengthResponse::calculate(const EffectInput& in) {
       knot.mass.col(j) = up - here;
     }
   }
+}
+
+Eigen::MatrixXd LengthResponse::beyondFirstOrder(const EffectInput& in, const LengthPath& longer) {
+  std::call_once(once_, [&] { calculate(in); });
+  const auto lastly = static_cast<std::size_t>(in.samples()) - 1;
+  std::vector<Vector4> at_knot(knots_.size(), Vector4::Zero());
+  for (std::size_t k = 0; k < knots_.size(); ++k) {
+    const std::size_t n = std::min(k * static_cast<std::size_t>(stride_), lastly);
+    if (!knots_[k].known) continue;
+    LoadBeside load(in, in.observation->motion.motion[n]);
+    const auto row = static_cast<Eigen::Index>(n);
+    const Vector4 length = longer.length_m.row(row), rate = longer.rate.row(row),
+                  acceleration = longer.acceleration.row(row);
+    Vector4 here, there;
+    if (load.here(here) && load.elsewhere(length, rate, acceleration, there))
+      at_knot[k] = there - here - knots_[k].stiffness * length - knots_[k].mass * acceleration;
+  }
+  Eigen::MatrixXd out(in.samples(), mechanism::kLegs);
+  for (int n = 0; n < in.samples(); ++n) {
+    const auto k = static_cast<std::size_t>(n / stride_);
+    const double share = static_cast<double>(n % stride_) / stride_;
+    out.row(n) = ((1.0 - share) * at_knot[k] + share * at_knot[k + 1]).transpose();
+  }
+  return out;
 }
 
 LengthResponse::Knot LengthResponse::at(const EffectInput& in, int sample) {

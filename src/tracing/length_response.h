@@ -10,6 +10,13 @@ namespace knee_robot::tracing {
 
 struct EffectInput;
 
+/// How much longer legs are than their encoders say, with first and second derivatives; samples x legs.
+struct LengthPath {
+  explicit LengthPath(Eigen::Index samples)
+      : length_m(Eigen::MatrixXd::Zero(samples, mechanism::kLegs)), rate(length_m), acceleration(length_m) {}
+  Eigen::MatrixXd length_m, rate, acceleration;
+};
+
 /// How the load of the actuators changes where legs are longer than their encoders say, to first order, by the current
 /// model: the platform stands, and moves, elsewhere, so that one leg changes the load of all. Calculated when somebody
 /// asks, once; safe in several threads.
@@ -23,6 +30,9 @@ class LengthResponse {
   };
   /// At a sample of the recording: between knots in proportion to time.
   Knot at(const EffectInput& input, int sample);
+  /// What the whole model's load changes along such a path beyond what the knots say, N, samples x legs: millimetres
+  /// bend what the platform hangs on, and rates count as well. At the knots; between them in proportion to time.
+  Eigen::MatrixXd beyondFirstOrder(const EffectInput& input, const LengthPath& longer);
 
  private:
   void calculate(const EffectInput& input);

@@ -20,7 +20,9 @@ constexpr double kReach_m = 0.2;  ///< by which what may have either sign (an an
 constexpr double kAtReach_m = 1e-3;
 constexpr int kTimesRefined = 4;      ///< an anchor of a strap lies up to a metre from where the search begins
 constexpr double kStillFalls = 0.98;  ///< of the squares
-constexpr double kFarthest = 1.5;     ///< factor by which a shape may move: further away it is another hypothesis
+constexpr int kWholeSteps = 3;
+constexpr double kNearlyWhole = 0.1, kHardlyMore = 1.02;  ///< of the size; of the squares
+constexpr double kFarthest = 1.5;  ///< factor by which a shape may move: further away it is another hypothesis
 
 /// Where a refined parameter is: effect, entry of its shape.
 struct Entry {
@@ -54,6 +56,9 @@ class LeftBeside : public ceres::CostFunction {
     Eigen::MatrixXd all = Eigen::MatrixXd::Zero(n + pulls_, first.back());
     Eigen::VectorXd target = Eigen::VectorXd::Zero(n + pulls_);
     target.head(n) = base_.residual;
+    for (std::size_t k = 0; k < columns_.size(); ++k) {
+      if (isWhole(shapes_[k])) target[n + first_pull_[k]] = columns_[k](n, 0);
+    }
     for (std::size_t k = 0; k < columns_.size(); ++k)
       place(columns_[k], k, all.middleCols(first[k], columns_[k].cols()));
     const Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(all);
@@ -71,10 +76,11 @@ class LeftBeside : public ceres::CostFunction {
   /// base nearly explains would run away without), that pull.
   Eigen::MatrixXd columnsOf(const Hypothesis& h) const {
     const Eigen::MatrixXd c = weighted(s_.data->stack, effectRows(*s_.data, h), s_.rms_N);
-    const Eigen::Index pulls = h.place.candidate->isPulled(c.cols()) ? c.cols() : 0;
+    const bool whole = isWhole(h);
+    const Eigen::Index pulls = whole || h.place.candidate->isPulled(c.cols()) ? c.cols() : 0;
     Eigen::MatrixXd out = Eigen::MatrixXd::Zero(c.rows() + pulls, c.cols());
     out.topRows(c.rows()) = c - base_.q * (base_.q.transpose() * c);
-    out.bottomRows(pulls).diagonal() = kPull * c.colwise().norm().head(pulls);
+    out.bottomRows(pulls).diagonal() = (whole ? kPullToWhole : kPull) * c.colwise().norm().head(pulls);
     return out;
   }
   /// Brings an effect's columns, or their combination, to the rows of the whole problem.
@@ -218,11 +224,34 @@ bool refineOnce(Search& s) {
   return goes_on;
 }
 
+/// Rows hardly tell a shape with its size from another with another: the one that is whole (Candidate::ofSize), where
+/// it leaves hardly more.
+void makeWhole(Search& s) {
+  for (std::size_t k = 0; k < s.effects.size(); ++k) {
+    for (int step = 0; step < kWholeSteps; ++step) {
+      const FoundEffect& e = s.effects[k];
+      if (e.coefficients.size() != 1 || !(e.coefficients[0] > 0.0) || e.band_hz != 0.0) break;
+      const std::vector<double> shape = e.hypothesis.place.candidate->ofSize(e.hypothesis.shape, e.coefficients[0]);
+      if (shape.empty() || std::abs(e.coefficients[0] - 1.0) < kNearlyWhole) break;
+      const std::vector<FoundEffect> before = s.effects;
+      const Eigen::VectorXd rms_before_N = s.rms_N;
+      s.effects[k].hypothesis.shape = shape;
+      refit(s);
+      const double squares = s.rms_N.cwiseQuotient(rms_before_N).squaredNorm();
+      if (squares <= kHardlyMore * static_cast<double>(s.rms_N.size())) continue;
+      s.effects = before;
+      refit(s);
+      break;
+    }
+  }
+}
+
 }  // namespace
 
 void refineShapes(Search& s) {
   for (int round = 0; round < kTimesRefined && refineOnce(s); ++round) {
   }
+  makeWhole(s);
 }
 
 }  // namespace knee_robot::tracing

@@ -8,8 +8,10 @@
 namespace knee_robot::tracing {
 namespace {
 
-constexpr int kPasses = 4;           ///< of fitting and rebuilding what depends on the fit
-constexpr int kPassesOfWeights = 2;  ///< where no effect's columns depend on it
+constexpr int kPasses = 4;                  ///< of fitting and rebuilding what depends on the fit
+constexpr double kSettled = 2e-3;           ///< of what is left, from pass to pass
+constexpr int kPassesOfForwardModels = 16;  ///< where the baseline has to let go of what they change
+constexpr int kPassesOfWeights = 2;         ///< where no effect's columns depend on it
 constexpr double kLeastCoulomb_N = 1e-3;
 constexpr double kLinear = 1e-9;
 constexpr double kAlike = 0.03;  ///< of what the model leaves: change of effects beside which a baseline stays as it is
@@ -70,9 +72,12 @@ void refit(Search& s) {
   };
   const bool rests =
       std::any_of(all.begin(), all.end(), [](const Hypothesis& h) { return h.place.candidate->restsOnModel(); });
-  const int passes = all.empty() ? 1 : rests ? kPasses : kPassesOfWeights;
+  const bool forward = std::any_of(all.begin(), all.end(), isWhole);
+  const int passes = all.empty() ? 1 : forward ? kPassesOfForwardModels : rests ? kPasses : kPassesOfWeights;
   for (int pass = 0; pass < passes; ++pass) {
+    const Eigen::VectorXd left_before_N = s.rms_N;
     fit(LeftOut::None);
+    if (pass >= kPasses && (s.rms_N - left_before_N).norm() < kSettled * s.rms_N.norm()) break;
     const Eigen::VectorXd parameters = s.base->parametersOf(s.fit.base);
     if (!rests && pass + 1 < passes) continue;
     // Where columns rest on them, all the way would swing.

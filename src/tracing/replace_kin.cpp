@@ -16,11 +16,13 @@ std::string kindOf(const Candidate& c) {
   return c.generalizes().empty() ? c.name() : c.generalizes();
 }
 
-/// Older ones of the same kind; not those of a given model, or of another band.
+/// Older ones of the same kind, or of single actuators what all of them have; not those of a given model, or of another
+/// band.
 bool isKin(const FoundEffect& e, const Place& place) {
   const Place& own = e.hypothesis.place;
-  return !(own == place) && own.actuator == place.actuator && kindOf(*own.candidate) == kindOf(*place.candidate) &&
-         !std::isnan(e.p) && e.band_hz == 0.0;
+  const bool together = own.actuator == place.actuator || (place.actuator < 0 && own.candidate->reachesOthers());
+  return !(own == place) && together && kindOf(*own.candidate) == kindOf(*place.candidate) && !std::isnan(e.p) &&
+         e.band_hz == 0.0;
 }
 
 /// The shape of the library that explains most of what the model leaves as it stands.

@@ -12,6 +12,7 @@
 #include "near_rest.h"
 #include "refit.h"
 #include "ripple_periods.h"
+#include "whole_size.h"
 
 namespace knee_robot::tracing {
 namespace {
@@ -127,6 +128,11 @@ void refineShape(const Search& s, const Projection& projection, const std::vecto
   }
 }
 
+void takeWhole(const Search& s, const Projection& projection, Trial& t) {
+  t.hypothesis = ofWholeSize(s, projection, t.hypothesis);
+  t.share = shareOf(s, projection, t.hypothesis);
+}
+
 /// Best shapes of a place on the grid, best first.
 std::vector<Hypothesis> bestShapes(const PlaceColumns& place, const Eigen::VectorXd& squares) {
   std::vector<std::size_t> order(place.tried.size());
@@ -158,6 +164,15 @@ void crossValidate(const Search& s, const Projection& projection, std::vector<Ei
   t.by_joint = !t.hypothesis.place.candidate->local() && joint.mean * nested.error >= nested.mean * joint.error;
   t.gain = t.by_joint ? t.joint_gain : t.nested_gain;
   t.held = t.by_joint ? joint : nested;
+}
+
+std::string sizeText(const Search& s, const Trial& t) {
+  const std::vector<Coefficient> names = t.hypothesis.place.candidate->coefficients(s.data->inputs.front());
+  std::string out;
+  for (std::size_t k = 0; k < names.size(); ++k)
+    out += (k == 0 ? "" : ", ") + names[k].name + " = " +
+           shortNumber(t.fit.coefficients.back()[static_cast<Eigen::Index>(k)], 3);
+  return out;
 }
 
 /// Large where it acts and sure beyond doubt, if small in a brisk training: a slow motion is made of it.
@@ -258,11 +273,13 @@ Ranking rankPlaces(Search& s, const Place* like) {
     Trial& t = r.trials[k];
     const std::vector<Hypothesis> starts = bestShapes(places[t.place], squares[t.place]);
     refineShape(s, r.projection, places[t.place].tried, t);
+    takeWhole(s, r.projection, t);
     for (std::size_t from = 1; t.hypothesis.place.actuator < 0 && from < std::min(kStarts, starts.size()); ++from) {
       Trial other = t;
       other.hypothesis = starts[from];
       other.share = shareOf(s, r.projection, starts[from]);
       refineShape(s, r.projection, places[t.place].tried, other);
+      takeWhole(s, r.projection, other);
       if (other.share > t.share) t = other;
     }
     crossValidate(s, r.projection, accepted_rows, starts, t);
@@ -307,7 +324,8 @@ std::string objection(const Search& s, const Trial& t, bool sibling) {
     return "another law of friction near rest explains most of the same";
   if (!t.hypothesis.place.candidate->plausibleShape(t.hypothesis.shape)) return "the shape that fits is not physical";
   if (t.fit.coefficients.back().cwiseAbs().maxCoeff() == 0.0) return "the sign that fits is not physical";
-  if (!t.hypothesis.place.candidate->plausible(t.fit.coefficients.back())) return "the size that fits is not physical";
+  if (!t.hypothesis.place.candidate->plausible(t.fit.coefficients.back()))
+    return "the size that fits is not physical (" + sizeText(s, t) + ")";
   if (isWhatAFilterLeaves(s, t)) return "the forces are read late, which leaves the same where an axis turns";
   if (isWithinALag(s, t)) return "it is less than a tenth of how late the forces are read, which is known no better";
   if (!t.fit.stable.back()) return "its sign changes when a part of the training data is left out";

@@ -26,7 +26,7 @@ class BehindSprings : public testing::Test {
     return longer;
   }
   double largestChange(double stiffness_N_per_m, double hz) const {
-    return changeBehindSprings(input_, stiffness_N_per_m, sine(hz))
+    return changeBehindSprings(input_, {mechanism::Vector4::Constant(stiffness_N_per_m)}, sine(hz))
         .bottomRows(input_.samples() / 2)
         .cwiseAbs()
         .maxCoeff();
@@ -51,7 +51,8 @@ class BehindSprings : public testing::Test {
 };
 
 TEST_F(BehindSprings, IsStiffnessTimesLengthAndMassTimesItsAccelerationWhereSpringsAreStiff) {
-  const Eigen::MatrixXd longer = sine(0.5), change = changeBehindSprings(input_, kStiff, longer);
+  const Eigen::MatrixXd longer = sine(0.5),
+                        change = changeBehindSprings(input_, {mechanism::Vector4::Constant(kStiff)}, longer);
   Eigen::MatrixXd expected = Eigen::MatrixXd::Zero(input_.samples(), 4);
   const Eigen::VectorXd faster = recording::secondDerivative(longer.col(0), input_.signals().period_s);
   for (int n = 0; n < input_.samples(); ++n) {

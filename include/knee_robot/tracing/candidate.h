@@ -87,6 +87,9 @@ class Candidate {
   /// Shapes beside one with several parameters, within `step` (1 and less) of the grid's distance: for refinement.
   /// None: as it is.
   virtual std::vector<std::vector<double>> near(const std::vector<double>& shape, double step) const;
+  /// The shape whose columns are about `times` as large, within its bounds, where the one coefficient is the share of a
+  /// forward model and should be one. Empty: no shape does that.
+  virtual std::vector<double> ofSize(const std::vector<double>& shape, double times) const;
   /// True: so many coefficients are pulled to zero (kPull); columns that the base explains all but a little of have a
   /// force of their own in any size otherwise.
   virtual bool isPulled(Eigen::Index coefficients) const { return coefficients > 2; }

@@ -42,6 +42,9 @@ struct Hypothesis {
   std::vector<double> shape;
 };
 
+/// Whether its one coefficient is the share of a forward model that says how large it is (Candidate::ofSize).
+bool isWhole(const Hypothesis& hypothesis);
+
 /// All places and shapes to try.
 std::vector<Hypothesis> listHypotheses(const CandidateList& candidates, const std::vector<EffectInput>& inputs);
 

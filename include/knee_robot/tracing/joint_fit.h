@@ -23,6 +23,10 @@ struct JointFit {
 /// Weight of the pull to zero of an effect's coefficients, relative to their columns' norms (Candidate::isPulled).
 inline constexpr double kPull = 0.02;
 
+/// The same of the pull to one of the share of a forward model that says how large it is (Candidate::ofSize): it is one,
+/// or the shape is another one.
+inline constexpr double kPullToWhole = 1.0;
+
 enum class LeftOut { EveryBlock, None };
 
 /// A bounded least-squares problem, block by block in few rows.
@@ -30,6 +34,7 @@ struct BlockProblem {
   std::vector<Eigen::MatrixXd> blocks;  ///< compressed [columns force]
   int bounded = 0;                      ///< first columns, whose coefficients are not negative
   std::vector<int> pulled;              ///< columns of effects with several coefficients: slightly pulled to zero
+  std::vector<int> whole_effects;       ///< columns whose coefficient is pulled to one
   Eigen::VectorXd whole;                ///< norms with all blocks of the columns of maps, else 0
   Eigen::VectorXd prior;                ///< per column, root of the weight of a pull to zero
 };

@@ -25,9 +25,10 @@ std::vector<std::vector<double>> besideJoint(const std::vector<double>& shape, d
                                              const std::vector<ShapeParameter>& limits) {
   std::vector<std::vector<double>> out;
   for (const double sign : {-1.0, 1.0}) {
-    const double joint = std::clamp(shape[0] * std::pow(kJointBeside, sign * step), limits[0].low, limits[0].high);
-    out.push_back({joint, shape[1]});
-    out.push_back({shape[0], std::clamp(shape[1] + sign * step * kShareBeside, limits[1].low, limits[1].high)});
+    out.push_back(shape);
+    out.back()[0] = std::clamp(shape[0] * std::pow(kJointBeside, sign * step), limits[0].low, limits[0].high);
+    out.push_back(shape);
+    out.back()[1] = std::clamp(shape[1] + sign * step * kShareBeside, limits[1].low, limits[1].high);
   }
   return out;
 }

@@ -12,7 +12,7 @@ namespace knee_robot::tracing {
 ShapeParameter frictionBeyondParameter();
 /// Every shape with all friction on the screw's side, and with a part of it.
 std::vector<std::vector<double>> withFrictionBeyond(const std::vector<std::vector<double>>& grid);
-/// The same joint (first entry) a little softer or wider and the other way, and another share beyond it (last entry).
+/// The same joint (first entry) a little softer or wider and the other way, and another share beyond it (second entry).
 std::vector<std::vector<double>> besideJoint(const std::vector<double>& shape, double step,
                                              const std::vector<ShapeParameter>& limits);
 

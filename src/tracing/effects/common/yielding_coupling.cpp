@@ -9,8 +9,6 @@
 namespace knee_robot::tracing {
 namespace {
 
-constexpr double kDampingRatio = 0.05;  ///< of the spring with what it moves
-
 /// How far the coupling is wound, its rate and acceleration, by backward differences of second order: what is stiffer
 /// than a sample can show does not ring.
 class Wound {
@@ -62,34 +60,68 @@ Answer answerAt(const EffectInput& in, int leg, int sample) {
   return a;
 }
 
-}  // namespace
+constexpr double kFirstOrderScrew_m = 1e-3;  ///< that a leg may be shorter without what lies beyond first order
 
-Eigen::MatrixXd changeByCoupling(const EffectInput& in, int i, const YieldingCoupling& coupling) {
+/// The screw behind the spring along a recording.
+struct ScrewPath {
+  explicit ScrewPath(Eigen::Index samples) : longer(samples), carried_N(samples) {}
+  LengthPath longer;          ///< of the leg, less than its encoder says: negative where the load is positive
+  Eigen::VectorXd carried_N;  ///< by the spring: what the motor feels
+};
+
+/// `beyond_N`: by which the load differs from the first order of what it is along the encoders' path.
+ScrewPath screwPath(const EffectInput& in, int i, const YieldingCoupling& coupling, const Eigen::VectorXd& beyond_N) {
   const auto motor = in.friction_position_m.col(i);
   const double period = in.signals().period_s, spring = coupling.stiffness_N_per_m;
-  const double dry = coupling.friction_beyond * in.coulomb_N[i], viscous = coupling.friction_beyond * in.viscous[i];
   DriveJoint joint;
   joint.stiffness_N_per_m = spring;
-  ScrewBehindJoint screw(joint, in.laws[static_cast<std::size_t>(i)], dry, viscous);
+  ScrewBehindJoint screw(joint, in.laws[static_cast<std::size_t>(i)], coupling.friction_beyond * in.coulomb_N[i],
+                         coupling.friction_beyond * in.viscous[i]);
   Wound wound(period);
-  Eigen::MatrixXd change(in.samples(), in.axes());
+  ScrewPath path(in.samples());
   for (int n = 0; n < in.samples(); ++n) {
     const Answer answer = answerAt(in, i, n);
-    const double load = in.load_N(n, i) - in.rotor_kg[i] * in.signals().acceleration_m_per_s2(n, i);
-    const double mass = std::max(0.0, answer.mass[i]), damping = 2.0 * kDampingRatio * std::sqrt(spring * mass);
+    const double load = in.load_N(n, i) - in.rotor_kg[i] * in.signals().acceleration_m_per_s2(n, i) + beyond_N[n];
+    const double mass = std::max(0.0, answer.mass[i]),
+                 damping = 2.0 * coupling.damping_ratio * std::sqrt(spring * mass);
     if (n == 0) {
       const double at = load / std::max(spring + answer.stiffness[i], 0.5 * spring);
       screw.start(motor[0], at, in.share(0, i));
       wound.rest(at);
     } else {
-      YieldingLoad yielding;  // falls by what the leg is shorter
+      YieldingLoad yielding;
       yielding.at_zero_N = load - mass * wound.accelerationAtZero() - damping * wound.rateAtZero();
       yielding.falls_N_per_m = answer.stiffness[i] + mass * wound.accelerationPer_m() + damping * wound.ratePer_m();
       wound.next(screw.follow(motor[n], yielding, period));
     }
-    change.row(n) = -(answer.stiffness * wound.wound_m() + answer.mass * wound.acceleration()).transpose();
-    const double carried = spring * wound.wound_m() + damping * wound.rate();  // what the motor feels
-    change(n, i) = carried - load - dry * in.share(n, i) - viscous * in.signals().velocity_m_per_s(n, i);
+    path.longer.length_m(n, i) = -wound.wound_m();
+    path.longer.rate(n, i) = -wound.rate();
+    path.longer.acceleration(n, i) = -wound.acceleration();
+    path.carried_N[n] = spring * wound.wound_m() + damping * wound.rate();
+  }
+  return path;
+}
+
+}  // namespace
+
+Eigen::MatrixXd changeByCoupling(const EffectInput& in, int i, const YieldingCoupling& coupling) {
+  Eigen::MatrixXd beyond = Eigen::MatrixXd::Zero(in.samples(), in.axes());
+  ScrewPath path = screwPath(in, i, coupling, beyond.col(i));
+  if (in.by_lengths && path.longer.length_m.cwiseAbs().maxCoeff() >= kFirstOrderScrew_m) {
+    beyond = in.by_lengths->beyondFirstOrder(in, path.longer);
+    path = screwPath(in, i, coupling, beyond.col(i));
+    beyond = in.by_lengths->beyondFirstOrder(in, path.longer);
+  }
+  Eigen::MatrixXd change(in.samples(), in.axes());
+  for (int n = 0; n < in.samples(); ++n) {
+    const Answer answer = answerAt(in, i, n);
+    change.row(n) =
+        (answer.stiffness * path.longer.length_m(n, i) + answer.mass * path.longer.acceleration(n, i)).transpose() +
+        beyond.row(n);
+    const double load = in.load_N(n, i) - in.rotor_kg[i] * in.signals().acceleration_m_per_s2(n, i);
+    change(n, i) = path.carried_N[n] - load -
+                   coupling.friction_beyond *
+                       (in.coulomb_N[i] * in.share(n, i) + in.viscous[i] * in.signals().velocity_m_per_s(n, i));
   }
   return change;
 }

@@ -10,6 +10,7 @@ namespace knee_robot::tracing {
 struct YieldingCoupling {
   double stiffness_N_per_m = 1e5;
   double friction_beyond = 1.0;  ///< share of the actuator's friction on the screw's side; the rest is the motor's
+  double damping_ratio = 0.1;    ///< of the spring with what it moves
 };
 
 /// What such a coupling in one actuator changes in the model's force on all of them, N, samples x axes. Its motor, where
