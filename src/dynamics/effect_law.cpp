@@ -105,6 +105,7 @@ std::string whyNotInstantly(const std::string& name) {
   if (name == "backlash" || name == "flexible_coupling")
     return "it moves the load apart from the motor, which only the whole recording shows";
   if (name == "wobbling_mass" || name == "hanging_mass") return "how far it swings is not known to the controller";
+  if (name == "sliding_mass") return "where it lies is not known to the controller";
   if (name == "payload_change") return "what the next recording carries is not known; declare it (payload_kg)";
   if (name == "sensor_lag") return "it lies in the recording of the force, not in the force";
   if (name == "supply_sag") return "what the drives take together is known only after each has been given its command";

@@ -12,6 +12,7 @@ using mechanism::Matrix4;
 using mechanism::Vector4;
 
 constexpr double kSwingStep_s = 0.005;  // of the integration, where samples are closer
+constexpr double kMost_N = 1e5;         // that a leg can change by
 constexpr double kFirstOrder_m = 1e-3;  // by which a leg may be longer without what lies beyond first order
 
 /// Legs' lengths less what their encoders say, by the trapezoidal rule.
@@ -61,6 +62,10 @@ class Swing {
   Vector4 longer_ = Vector4::Zero(), rate_ = Vector4::Zero(), acceleration_ = Vector4::Zero();
 };
 
+bool isForce(const Eigen::MatrixXd& change) {
+  return change.allFinite() && change.cwiseAbs().maxCoeff() < kMost_N;
+}
+
 /// Rows between n - stride and n in proportion to time.
 void fillUp(Eigen::MatrixXd& all, int n, int stride) {
   for (int k = 1; k < stride && n > 0; ++k)
@@ -107,11 +112,14 @@ Eigen::MatrixXd firstOrder(const EffectInput& in, const LengthPath& path) {
 Eigen::MatrixXd changeBehindSprings(const EffectInput& in, const LegSprings& springs, const Eigen::MatrixXd& longer_m) {
   const Eigen::MatrixXd force = longer_m * springs.stiffness_N_per_m.asDiagonal();
   LengthPath path = swing(in, springs, force);
-  if (path.length_m.cwiseAbs().maxCoeff() < kFirstOrder_m) return firstOrder(in, path);
+  const double longest_m = path.length_m.cwiseAbs().maxCoeff();
+  if (longest_m < kFirstOrder_m) return firstOrder(in, path);
   Eigen::MatrixXd beyond = in.by_lengths->beyondFirstOrder(in, path);
   path = swing(in, springs, force - beyond);
   beyond = in.by_lengths->beyondFirstOrder(in, path);
-  return firstOrder(in, path) + beyond;
+  const Eigen::MatrixXd change = firstOrder(in, path) + beyond;
+  // By masses that no machine has, a search's first ones, the platform may fall off its springs.
+  return isForce(change) ? change : Eigen::MatrixXd::Zero(change.rows(), change.cols());
 }
 
 }  // namespace knee_robot::tracing

@@ -67,8 +67,6 @@ TEST(FlexibleLegs, AreNamedByTheLoadThatTheyBringToOneAnother) {
   for (const FoundEffect& found : result.effects)
     std::cout << found.hypothesis.place.candidate->name() << " on " << found.hypothesis.place.actuator << ": "
               << found.coefficients.transpose() << "\n";
-  for (const std::string& why : result.rejected)
-    std::cout << why << "\n";
   ASSERT_EQ(result.effects.size(), 1u);
   const FoundEffect& e = result.effects[0];
   EXPECT_EQ(e.hypothesis.place.candidate->name(), "flexible_coupling");

@@ -60,6 +60,7 @@ Answer answerAt(const EffectInput& in, int leg, int sample) {
   return a;
 }
 
+constexpr double kMostChange_N = 1e5;
 constexpr double kFirstOrderScrew_m = 1e-3;  ///< that a leg may be shorter without what lies beyond first order
 
 /// The screw behind the spring along a recording.
@@ -123,7 +124,8 @@ Eigen::MatrixXd changeByCoupling(const EffectInput& in, int i, const YieldingCou
                    coupling.friction_beyond *
                        (in.coulomb_N[i] * in.share(n, i) + in.viscous[i] * in.signals().velocity_m_per_s(n, i));
   }
-  return change;
+  if (change.allFinite() && change.cwiseAbs().maxCoeff() < kMostChange_N) return change;
+  return Eigen::MatrixXd::Zero(change.rows(), change.cols());  // see changeBehindSprings
 }
 
 }  // namespace knee_robot::tracing
