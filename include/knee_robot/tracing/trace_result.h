@@ -55,7 +55,7 @@ struct FoundEffect {
 
 /// Share of names that were right on machines of the seven newest simulators by others, each as it came: 66 of 74
 /// (docs/results/blind_simulators.md).
-inline constexpr double kNamesRight = 0.89;
+inline constexpr double kNamesRight = 0.84;
 inline double probabilityOfName(const FoundEffect& e) {
   return kNamesRight * e.probability;
 }
