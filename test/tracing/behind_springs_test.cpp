@@ -12,7 +12,7 @@
 namespace knee_robot::tracing {
 namespace {
 
-constexpr double kStiff = 4e6;  // N/m: some thousandths are left to gravity
+constexpr double kStiff = 4e6;     // N/m: some thousandths are left to gravity
 constexpr double kDamping = 0.05;  // of the springs: what it does to slow loads is within the bounds below
 
 class BehindSprings : public testing::Test {
