@@ -12,8 +12,6 @@ using mechanism::Matrix4;
 using mechanism::Vector4;
 
 constexpr double kSwingStep_s = 0.005;  // of the integration, where samples are closer
-constexpr double kMost_N = 1e5;         // that a leg can change by
-constexpr double kFirstOrder_m = 1e-3;  // by which a leg may be longer without what lies beyond first order
 
 /// Legs' lengths less what their encoders say, by the trapezoidal rule.
 class Swing {
@@ -62,10 +60,6 @@ class Swing {
   Vector4 longer_ = Vector4::Zero(), rate_ = Vector4::Zero(), acceleration_ = Vector4::Zero();
 };
 
-bool isForce(const Eigen::MatrixXd& change) {
-  return change.allFinite() && change.cwiseAbs().maxCoeff() < kMost_N;
-}
-
 /// Rows between n - stride and n in proportion to time.
 void fillUp(Eigen::MatrixXd& all, int n, int stride) {
   for (int k = 1; k < stride && n > 0; ++k)
@@ -97,9 +91,10 @@ LengthPath swing(const EffectInput& in, const LegSprings& springs, const Eigen::
 }
 
 Eigen::MatrixXd firstOrder(const EffectInput& in, const LengthPath& path) {
-  Eigen::MatrixXd change(in.samples(), mechanism::kLegs);
+  Eigen::MatrixXd change = Eigen::MatrixXd::Zero(in.samples(), mechanism::kLegs);
   for (int n = 0; n < in.samples(); ++n) {
     const LengthResponse::Knot knot = in.by_lengths->at(in, n);
+    if (!knot.known) continue;
     change.row(n) =
         (knot.stiffness * path.length_m.row(n).transpose() + knot.mass * path.acceleration.row(n).transpose())
             .transpose();
@@ -112,14 +107,11 @@ Eigen::MatrixXd firstOrder(const EffectInput& in, const LengthPath& path) {
 Eigen::MatrixXd changeBehindSprings(const EffectInput& in, const LegSprings& springs, const Eigen::MatrixXd& longer_m) {
   const Eigen::MatrixXd force = longer_m * springs.stiffness_N_per_m.asDiagonal();
   LengthPath path = swing(in, springs, force);
-  const double longest_m = path.length_m.cwiseAbs().maxCoeff();
-  if (longest_m < kFirstOrder_m) return firstOrder(in, path);
+  if (path.length_m.cwiseAbs().maxCoeff() < kFirstOrder_m) return forceOrNone(firstOrder(in, path));
   Eigen::MatrixXd beyond = in.by_lengths->beyondFirstOrder(in, path);
   path = swing(in, springs, force - beyond);
   beyond = in.by_lengths->beyondFirstOrder(in, path);
-  const Eigen::MatrixXd change = firstOrder(in, path) + beyond;
-  // By masses that no machine has, a search's first ones, the platform may fall off its springs.
-  return isForce(change) ? change : Eigen::MatrixXd::Zero(change.rows(), change.cols());
+  return forceOrNone(firstOrder(in, path) + beyond);
 }
 
 }  // namespace knee_robot::tracing

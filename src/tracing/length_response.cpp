@@ -14,6 +14,7 @@ using mechanism::Matrix4;
 using mechanism::Vector4;
 
 constexpr double kStep_m = 1e-4;        // rounding and curvature are both far below the force of such a step
+constexpr double kMost_N = 1e5;         // by which a leg's load can change
 constexpr double kKnotsEvery_s = 0.04;  // until then the response changes nearly in proportion to time
 
 /// The model's load at one sample, and beside it.
@@ -72,6 +73,12 @@ class LoadBeside {
 };
 
 }  // namespace
+
+Eigen::MatrixXd forceOrNone(Eigen::MatrixXd change) {
+  const bool is_force = change.allFinite() && change.cwiseAbs().maxCoeff() < kMost_N;
+  if (!is_force) change.setZero();
+  return change;
+}
 
 void LengthResponse::calculate(const EffectInput& in) {
   stride_ = std::max(1, static_cast<int>(kKnotsEvery_s / in.signals().period_s));

@@ -17,6 +17,13 @@ struct LengthPath {
   Eigen::MatrixXd length_m, rate, acceleration;
 };
 
+/// Where legs are longer by less, everywhere, what lies beyond the load's first order is left out.
+constexpr double kFirstOrder_m = 1e-3;
+
+/// A change of the load as it is, or none where it is no force of any machine: by masses of a search's first fits the
+/// platform may fall off its springs, and what is no number ends a whole search.
+Eigen::MatrixXd forceOrNone(Eigen::MatrixXd change_N);
+
 /// How the load of the actuators changes where legs are longer than their encoders say, to first order, by the current
 /// model: the platform stands, and moves, elsewhere, so that one leg changes the load of all. Calculated when somebody
 /// asks, once; safe in several threads.

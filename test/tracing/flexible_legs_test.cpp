@@ -3,21 +3,10 @@
 #include <algorithm>
 
 #include "knee_robot/recording/filter.h"
-#include "knee_robot/tracing/trace.h"
 #include "test/tracing/soft_machine.h"
 
 namespace knee_robot::tracing {
 namespace {
-
-TraceResult tracedSoft(const mechanism::Robot& robot, const mechanism::Vector4& compliance) {
-  const std::vector<recording::Recording> recordings = {SoftMachine(robot, compliance, 0).recorded(0),
-                                                        SoftMachine(robot, compliance, 1).recorded(1)};
-  TraceOptions options;
-  options.surrogates = 5;
-  return trace(robot, recordings,
-               identification::observeAll(robot, identification::columnsOf(robot), recordings, options.observation),
-               options);
-}
 
 /// What the machine's forces lack along its encoders' path with its own parameters, and what the columns say; N, slow.
 struct Lacking {

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "knee_robot/dynamics/model.h"
+#include "knee_robot/tracing/trace.h"
 #include "test/identification/synthetic.h"
 
 namespace knee_robot::tracing {
@@ -66,6 +67,17 @@ class SoftMachine {
   const dynamics::ForceModel bodies_, drives_;
   dynamics::ForceModelData bodies_data_, drives_data_;
 };
+
+/// Two recordings of such a machine along different paths, traced.
+inline TraceResult tracedSoft(const mechanism::Robot& robot, const mechanism::Vector4& compliance) {
+  const std::vector<recording::Recording> recordings = {SoftMachine(robot, compliance, 0).recorded(0),
+                                                        SoftMachine(robot, compliance, 1).recorded(1)};
+  TraceOptions options;
+  options.surrogates = 5;
+  return trace(robot, recordings,
+               identification::observeAll(robot, identification::columnsOf(robot), recordings, options.observation),
+               options);
+}
 
 /// The recording of such a machine with its own parameters: what its forces lack along the encoders' path, and what
 /// somebody's candidate may look at.

@@ -4,7 +4,6 @@
 #include <gtest/gtest.h>
 
 #include "knee_robot/recording/filter.h"
-#include "knee_robot/tracing/trace.h"
 #include "test/tracing/soft_machine.h"
 
 namespace knee_robot::tracing {
@@ -17,17 +16,6 @@ mechanism::Vector4 softLeg(double spring_N_per_m) {
   mechanism::Vector4 compliance = mechanism::Vector4::Zero();
   compliance[kSoftLeg] = 1.0 / spring_N_per_m;
   return compliance;
-}
-
-TraceResult tracedSoft(const mechanism::Vector4& compliance) {
-  const mechanism::Robot robot = identification::syntheticRobot();
-  const std::vector<recording::Recording> recordings = {SoftMachine(robot, compliance, 0).recorded(0),
-                                                        SoftMachine(robot, compliance, 1).recorded(1)};
-  TraceOptions options;
-  options.surrogates = 5;
-  return trace(robot, recordings,
-               identification::observeAll(robot, identification::columnsOf(robot), recordings, options.observation),
-               options);
 }
 
 /// What a leg that gives adds to what the stiff machine's forces lack (friction's hysteresis between samples), below 4 Hz.
@@ -85,7 +73,7 @@ TEST(Trace, NamesACouplingSoSoftThatItMovesTheOtherLegs) {
 // Twenty kilonewtons a metre: the baseline takes most of it up until the share of the forward model is pulled to one.
 TEST(Trace, FindsTheStiffnessOfEachOfFourSoftLegs) {
   const mechanism::Vector4 stiffness(18e3, 16e3, 22e3, 28e3);
-  const TraceResult result = tracedSoft(stiffness.cwiseInverse());
+  const TraceResult result = tracedSoft(identification::syntheticRobot(), stiffness.cwiseInverse());
   for (const FoundEffect& found : result.effects)
     std::cout << found.hypothesis.place.candidate->name() << " on " << found.hypothesis.place.actuator << ": "
               << Eigen::Map<const Eigen::RowVectorXd>(found.hypothesis.shape.data(),

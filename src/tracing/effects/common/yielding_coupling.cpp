@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "../../length_response.h"
 #include "screw_behind_joint.h"
@@ -60,9 +61,6 @@ Answer answerAt(const EffectInput& in, int leg, int sample) {
   return a;
 }
 
-constexpr double kMostChange_N = 1e5;
-constexpr double kFirstOrderScrew_m = 1e-3;  ///< that a leg may be shorter without what lies beyond first order
-
 /// The screw behind the spring along a recording.
 struct ScrewPath {
   explicit ScrewPath(Eigen::Index samples) : longer(samples), carried_N(samples) {}
@@ -108,7 +106,7 @@ ScrewPath screwPath(const EffectInput& in, int i, const YieldingCoupling& coupli
 Eigen::MatrixXd changeByCoupling(const EffectInput& in, int i, const YieldingCoupling& coupling) {
   Eigen::MatrixXd beyond = Eigen::MatrixXd::Zero(in.samples(), in.axes());
   ScrewPath path = screwPath(in, i, coupling, beyond.col(i));
-  if (in.by_lengths && path.longer.length_m.cwiseAbs().maxCoeff() >= kFirstOrderScrew_m) {
+  if (in.by_lengths && path.longer.length_m.cwiseAbs().maxCoeff() >= kFirstOrder_m) {
     beyond = in.by_lengths->beyondFirstOrder(in, path.longer);
     path = screwPath(in, i, coupling, beyond.col(i));
     beyond = in.by_lengths->beyondFirstOrder(in, path.longer);
@@ -124,8 +122,7 @@ Eigen::MatrixXd changeByCoupling(const EffectInput& in, int i, const YieldingCou
                    coupling.friction_beyond *
                        (in.coulomb_N[i] * in.share(n, i) + in.viscous[i] * in.signals().velocity_m_per_s(n, i));
   }
-  if (change.allFinite() && change.cwiseAbs().maxCoeff() < kMostChange_N) return change;
-  return Eigen::MatrixXd::Zero(change.rows(), change.cols());  // see changeBehindSprings
+  return forceOrNone(std::move(change));
 }
 
 }  // namespace knee_robot::tracing
