@@ -15,7 +15,6 @@
 #include "rivals.h"
 #include "settle_heat.h"
 #include "settle_rest_law.h"
-#include "settle_whole.h"
 #include "trial.h"
 
 namespace knee_robot::tracing {
@@ -76,9 +75,11 @@ class ForceSelection : public SelectionProblem {
       const Eigen::Index next = static_cast<Eigen::Index>(row_.size());
       row_[k] = next;
     }
-    std::vector<SelectionTrial> out = judged();
-    const bool none = std::all_of(out.begin(), out.end(), [](const SelectionTrial& t) { return !t.objection.empty(); });
-    return none && settleWhole(s_, trials_) ? judged() : out;
+    std::vector<SelectionTrial> out;
+    for (const Trial& t : trials_)
+      out.push_back({row_.at(t.place), std::sqrt(std::max(0.0, t.share)), placeText(t.hypothesis.place),
+                     objection(s_, t, like_ != nullptr)});
+    return out;
   }
 
   /// What the best hypothesis leaves is the noise: the effect itself is none.
@@ -131,13 +132,6 @@ class ForceSelection : public SelectionProblem {
   }
 
  private:
-  std::vector<SelectionTrial> judged() const {
-    std::vector<SelectionTrial> out;
-    for (const Trial& t : trials_)
-      out.push_back({row_.at(t.place), std::sqrt(std::max(0.0, t.share)), placeText(t.hypothesis.place),
-                     objection(s_, t, like_ != nullptr)});
-    return out;
-  }
   /// What is found on one actuator is often on the others, weaker.
   void followSiblings(const Place& found) {
     if (found.candidate->shared()) return;
