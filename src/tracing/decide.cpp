@@ -21,6 +21,7 @@ namespace {
 constexpr double kStayErrors =
     1.0;  ///< standard errors by which a member must help beside the others, all fitted together
 constexpr double kNestedErrors = 2.0;  ///< the same with only itself fitted
+constexpr double kSizeErrors = 3.0;    ///< standard errors by which the size of an effect must differ from none
 
 /// How surely each effect is needed beside the others, in standard errors of its held-back gain; at least 1: it stays.
 std::vector<double> needs(const Search& s) {
@@ -107,6 +108,26 @@ void dropImplausible(Search& s) {
                                                                        : ": the shape that fits is not physical"));
   s.effects.erase(bad, s.effects.end());
   refit(s);
+}
+
+void dropUnsized(Search& s) {
+  const auto sureness = [](const FoundEffect& e) {
+    if (std::isnan(e.p) || e.coefficients.size() != 1 || !std::isfinite(e.std[0]))
+      return std::numeric_limits<double>::infinity();
+    return std::abs(e.coefficients[0]) / std::max(1e-300, e.std[0]);
+  };
+  while (!s.effects.empty()) {
+    const auto least = std::min_element(s.effects.begin(), s.effects.end(),
+                                        [&](const auto& a, const auto& b) { return sureness(a) < sureness(b); });
+    if (sureness(*least) >= kSizeErrors) return;
+    const Candidate& candidate = *least->hypothesis.place.candidate;
+    s.taken_out.push_back(placeText(least->hypothesis.place) +
+                          ": the baseline can do nearly the same, so that its size is not known (" +
+                          candidate.coefficients(s.data->inputs.front())[0].name + " " +
+                          shortNumber(least->coefficients[0], 3) + " +- " + shortNumber(least->std[0], 3) + ")");
+    s.effects.erase(least);
+    refit(s);
+  }
 }
 
 void standAlone(Search& s, const Place& place) {

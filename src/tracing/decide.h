@@ -16,6 +16,11 @@ void dropWhatDoesNotRepeat(Search& search);
 /// end. Not those of a given model.
 void dropImplausible(Search& search);
 
+/// Takes out effects of one coefficient whose size is within three standard errors of none beside the others, the worst
+/// first: what the baseline can do as well bends its parameters, and they are wrong on other movements. Not those of a
+/// given model.
+void dropUnsized(Search& search);
+
 /// A new effect that acts on all actuators may be what several others stood for together: those are taken out at once
 /// where held-back blocks are predicted as well without them, its shape refined alone, within a standard error.
 void standAlone(Search& search, const Place& place);

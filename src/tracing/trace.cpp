@@ -316,6 +316,7 @@ void Tracing::settle() {
     if (!heat.empty()) result_.notes.push_back(heat);
   }
   dropImplausible(s_);
+  dropUnsized(s_);
   explainAnew(s_);
   for (FoundEffect& e : s_.effects) {
     if (e.isOneOfMany()) e.verdict = "not separable from more than two other effects";

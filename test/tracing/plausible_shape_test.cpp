@@ -58,6 +58,33 @@ TEST_F(PlausibleShape, AndOfTheSizeThatFitsInTheEnd) {
   EXPECT_EQ(search_.taken_out[0], "backlash on actuator 2: no machine has the size that fits");
 }
 
+TEST_F(PlausibleShape, ASizeWithinThreeStandardErrorsOfNoneIsNone) {
+  FoundEffect friction;
+  friction.hypothesis = named("load_dependent_friction", {0.0});
+  friction.p = 0.004;
+  const auto sureness = [&] { return std::abs(search_.effects[0].coefficients[0]) / search_.effects[0].std[0]; };
+  has(friction.hypothesis, Eigen::VectorXd::Constant(1, 0.1));
+  search_.effects = {friction};
+  refit(search_);
+  ASSERT_GT(sureness(), 6.0);
+  dropUnsized(search_);
+  EXPECT_EQ(search_.effects.size(), 1u);
+
+  has(friction.hypothesis, Eigen::VectorXd::Constant(1, -search_.effects[0].coefficients[0]));  // nothing is left of it
+  search_.effects = {friction};
+  refit(search_);
+  ASSERT_LT(sureness(), 3.0);
+  search_.effects[0].p = std::nan("");
+  dropUnsized(search_);
+  ASSERT_EQ(search_.effects.size(), 1u) << "of a given model, found where it was surer";
+  search_.effects[0].p = 0.004;
+  dropUnsized(search_);
+  EXPECT_TRUE(search_.effects.empty());
+  ASSERT_EQ(search_.taken_out.size(), 1u);
+  EXPECT_NE(search_.taken_out[0].find("its size is not known (friction_per_load"), std::string::npos)
+      << search_.taken_out[0];
+}
+
 TEST_F(PlausibleShape, WithoutOneOfItsOwnTheLawOfTheActuatorIsFollowed) {
   const TraceOptions options;
   search_.options = &options;
