@@ -53,7 +53,7 @@ struct FoundEffect {
   bool isOneOfMany() const { return indistinguishable_from.size() > 2; }
 };
 
-/// Share of names that were right on machines of the nine newest simulators by others, each as it came: 72 of 86
+/// Share of names that were right on machines of the ten newest simulators by others, each as it came: 82 of 98
 /// (docs/results/blind_simulators.md).
 inline constexpr double kNamesRight = 0.84;
 inline double probabilityOfName(const FoundEffect& e) {
