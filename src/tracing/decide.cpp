@@ -112,7 +112,7 @@ void dropImplausible(Search& s) {
 
 void dropUnsized(Search& s) {
   const auto sureness = [](const FoundEffect& e) {
-    if (std::isnan(e.p) || e.coefficients.size() != 1 || !std::isfinite(e.std[0]))
+    if (std::isnan(e.p) || e.band_hz > 0.0 || e.coefficients.size() != 1 || !std::isfinite(e.std[0]))
       return std::numeric_limits<double>::infinity();
     return std::abs(e.coefficients[0]) / std::max(1e-300, e.std[0]);
   };
@@ -122,7 +122,7 @@ void dropUnsized(Search& s) {
     if (sureness(*least) >= kSizeErrors) return;
     const Candidate& candidate = *least->hypothesis.place.candidate;
     s.taken_out.push_back(placeText(least->hypothesis.place) +
-                          ": the baseline can do nearly the same, so that its size is not known (" +
+                          ": its size is not known beside the baseline and the other effects (" +
                           candidate.coefficients(s.data->inputs.front())[0].name + " " +
                           shortNumber(least->coefficients[0], 3) + " +- " + shortNumber(least->std[0], 3) + ")");
     s.effects.erase(least);

@@ -18,7 +18,7 @@ void dropImplausible(Search& search);
 
 /// Takes out effects of one coefficient whose size is within three standard errors of none beside the others, the worst
 /// first: what the baseline can do as well bends its parameters, and they are wrong on other movements. Not those of a
-/// given model.
+/// given model, nor of the fast band, whose size the slow rows hardly show.
 void dropUnsized(Search& search);
 
 /// A new effect that acts on all actuators may be what several others stood for together: those are taken out at once

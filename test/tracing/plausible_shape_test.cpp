@@ -78,10 +78,16 @@ TEST_F(PlausibleShape, ASizeWithinThreeStandardErrorsOfNoneIsNone) {
   dropUnsized(search_);
   ASSERT_EQ(search_.effects.size(), 1u) << "of a given model, found where it was surer";
   search_.effects[0].p = 0.004;
+  search_.effects[0].band_hz = 10.0;
+  dropUnsized(search_);
+  ASSERT_EQ(search_.effects.size(), 1u) << "found in the fast band, which these rows hardly show";
+  search_.effects[0].band_hz = 0.0;
   dropUnsized(search_);
   EXPECT_TRUE(search_.effects.empty());
   ASSERT_EQ(search_.taken_out.size(), 1u);
-  EXPECT_NE(search_.taken_out[0].find("its size is not known (friction_per_load"), std::string::npos)
+  EXPECT_NE(
+      search_.taken_out[0].find("its size is not known beside the baseline and the other effects (friction_per_load"),
+      std::string::npos)
       << search_.taken_out[0];
 }
 
