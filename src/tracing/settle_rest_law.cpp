@@ -10,7 +10,9 @@
 namespace knee_robot::tracing {
 namespace {
 
-constexpr double kLawErrors = 0.5;  ///< standard errors by which a law of its own must be better
+constexpr double kLawErrors = 2.0;  ///< standard errors by which a law of its own must be better
+constexpr int kMostPasses = 4;      ///< of laws and effects, each beside the other
+constexpr double kSettled = 0.04;   ///< of what is left
 constexpr double kUsual_m_per_s = 1e-3;
 const double kSpeeds_m_per_s[] = {3.5e-4, 5e-4, 7e-4, 1e-3, 1.4e-3, 2e-3, 2.8e-3};
 
@@ -43,26 +45,23 @@ Eigen::VectorXd heldBack(const Search& s, const Eigen::VectorXd& noise_N) {
   return out;
 }
 
-/// Law of the actuators and shapes of the effects, each chosen beside the other.
-bool chooseBeside(Search& s) {
+/// Law of the actuators and shapes of the effects, each chosen beside the other, until neither leaves less: friction that
+/// multiplies a law which was chosen without it is in part in that law, and each pass takes a part of that part out.
+void chooseBeside(Search& s) {
   refit(s);
-  bool changed = rebase(s);
+  rebase(s);
   refineShapes(s);
-  return rebase(s) || changed;
+  for (int pass = 0; pass < kMostPasses; ++pass) {
+    const Eigen::VectorXd before_N = s.rms_N;
+    rebase(s);
+    if ((before_N - s.rms_N).norm() < kSettled * before_N.norm()) break;
+  }
 }
 
-}  // namespace
-
-bool settleRestLaw(Search& s, const Candidate* kind) {
-  if (!hasRestLaw(kind)) return false;
+/// Gives these effects the best smooth law of their own. Returns what that leaves of held-back rows; empty where no speed
+/// is plausible, as for what falls off at the end of what is looked for: then all is as it was.
+Eigen::VectorXd chooseOwnLaw(Search& s, const Candidate* kind, const Eigen::VectorXd& noise_N) {
   const std::vector<FoundEffect> found = s.effects;
-  const Eigen::VectorXd noise_N = s.rms_N;
-  setSpeed(s, kind, 0.0);
-  chooseBeside(s);
-  const Eigen::VectorXd followed = heldBack(s, noise_N);
-  const std::vector<FoundEffect> following = s.effects;
-  const BaseFit base_following = *s.base;
-  s.effects = found;
   setSpeed(s, kind, kUsual_m_per_s);
   chooseBeside(s);
   Eigen::VectorXd own;
@@ -75,19 +74,33 @@ bool settleRestLaw(Search& s, const Candidate* kind) {
     own = now;
     best_speed = speed;
   }
-  bool own_law = own.size() > 0;  // no speed is plausible for what falls off at the end of what is looked for
-  if (own_law) {
-    const HeldBackGain gain = heldBackGain(followed - own);
-    own_law = gain.mean > kLawErrors * gain.error;
-  }
-  if (!own_law) {
-    s.effects = following;
-    adoptBase(s, base_following);
-    return true;
+  if (own.size() == 0) {
+    s.effects = found;
+    return own;
   }
   setSpeed(s, kind, best_speed);
   refit(s);
   if (best_speed != kUsual_m_per_s) rebase(s);
+  return own;
+}
+
+}  // namespace
+
+bool settleRestLaw(Search& s, const Candidate* kind) {
+  if (!hasRestLaw(kind)) return false;
+  const Eigen::VectorXd noise_N = s.rms_N;
+  const Eigen::VectorXd own = chooseOwnLaw(s, kind, noise_N);
+  const std::vector<FoundEffect> with_own = s.effects;
+  const BaseFit base_with_own = *s.base;
+  // From there, because beside friction that does not multiply it the actuator's law is chosen without a part of that.
+  setSpeed(s, kind, 0.0);
+  chooseBeside(s);
+  if (own.size() == 0) return true;
+  const HeldBackGain gain = heldBackGain(heldBack(s, noise_N) - own);
+  if (gain.mean > kLawErrors * gain.error) {
+    s.effects = with_own;
+    adoptBase(s, base_with_own);
+  }
   return true;
 }
 
