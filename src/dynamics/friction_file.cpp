@@ -29,7 +29,7 @@ std::string elementYaml(const FrictionElement& e, bool revolute) {
       return "{law: stop" + width + (e.gap_m > 0.0 ? ", gap_" + unit + ": " + exactNumber(e.gap_m / radius) : "") +
              (e.relaxation_s > 0.0 ? ", relaxation_s: " + exactNumber(e.relaxation_s) : "") + share;
     case FrictionKind::Smooth:
-      return std::string(e.ramp ? "{law: ramp" : "{law: tanh") + speed + exponent +
+      return std::string("{law: ") + smoothName(e.smooth) + speed + exponent +
              (e.lag_s > 0.0 ? ", lag_s: " + exactNumber(e.lag_s) : "") + share;
     default:
       return "{law: bristles" + width + speed + ", damping_s: " + exactNumber(e.damping_s) +
@@ -52,9 +52,10 @@ FrictionElement readElement(StrictMap map, bool revolute) {
                               : map.number("speed_m_per_s", slowest, kFastest_m_per_s));
   };
   FrictionElement e;
-  const std::string law = map.choice("law", {"stop", "tanh", "ramp", "bristles"});
-  e.ramp = law == "ramp";
-  e.kind = law == "stop" ? FrictionKind::Stop : law == "tanh" || e.ramp ? FrictionKind::Smooth : FrictionKind::Bristles;
+  const std::string law = map.choice("law", {"stop", "tanh", "ramp", "rational", "root", "arctangent", "bristles"});
+  e.kind = law == "stop" ? FrictionKind::Stop : law == "bristles" ? FrictionKind::Bristles : FrictionKind::Smooth;
+  for (const SmoothShape shape : {SmoothShape::Ramp, SmoothShape::Rational, SmoothShape::Root, SmoothShape::Arctangent})
+    if (law == smoothName(shape)) e.smooth = shape;
   e.share = map.number("share", e.kind == FrictionKind::Stop ? 1e-9 : -kMostPeak, 1.0 + kMostPeak);
   if (std::abs(e.share) < 1e-9) map.refuse("share", "is 0: leave the element out");
   e.width_m = e.kind == FrictionKind::Smooth ? 0.0 : width();
@@ -62,7 +63,7 @@ FrictionElement readElement(StrictMap map, bool revolute) {
   if (e.kind == FrictionKind::Stop && map.has("relaxation_s")) e.relaxation_s = map.number("relaxation_s", 1e-3, 1e6);
   if (e.kind == FrictionKind::Smooth) e.speed_m_per_s = speed(kSlowest_m_per_s);
   if (law == "tanh" && map.has("lag_s")) e.lag_s = map.number("lag_s", 1e-6, 1e3);
-  if (e.kind != FrictionKind::Stop && !e.ramp && map.has("exponent")) e.exponent = map.number("exponent", 0.1, 10.0);
+  if ((law == "bristles" || law == "tanh") && map.has("exponent")) e.exponent = map.number("exponent", 0.1, 10.0);
   if (e.kind == FrictionKind::Bristles) {
     e.speed_m_per_s = speed(0.0);
     e.damping_s = map.number("damping_s", 0.0, 1.0);
@@ -75,6 +76,21 @@ FrictionElement readElement(StrictMap map, bool revolute) {
 }
 
 }  // namespace
+
+const char* smoothName(SmoothShape shape) {
+  switch (shape) {
+    case SmoothShape::Ramp:
+      return "ramp";
+    case SmoothShape::Rational:
+      return "rational";
+    case SmoothShape::Root:
+      return "root";
+    case SmoothShape::Arctangent:
+      return "arctangent";
+    default:
+      return "tanh";
+  }
+}
 
 std::string frictionText(const std::vector<FrictionLaw>& laws) {
   std::string y =

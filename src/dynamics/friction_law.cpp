@@ -15,6 +15,19 @@ bool all(const FrictionLaw& law, FrictionKind kind) {
                      [kind](const FrictionElement& e) { return e.kind == kind; });
 }
 
+std::string smoothText(SmoothShape shape, const std::string& speed) {
+  switch (shape) {
+    case SmoothShape::Ramp:
+      return "ramp up to " + speed;
+    case SmoothShape::Rational:
+      return "v / (|v| + " + speed + ")";
+    case SmoothShape::Root:
+      return "v / sqrt(v^2 + (" + speed + ")^2)";
+    default:
+      return "2/pi atan(v / " + speed + ")";
+  }
+}
+
 std::string elementText(const FrictionElement& e, bool revolute) {
   const double radius = revolute ? mechanism::kJointRadius_m : 1.0;
   const std::string width = shortNumber(1e6 * e.width_m / radius, 3) + (revolute ? " urad" : " um");
@@ -25,7 +38,7 @@ std::string elementText(const FrictionElement& e, bool revolute) {
              (e.gap_m > 0.0 ? ", gap " + shortNumber(1e6 * e.gap_m / radius, 3) + (revolute ? " urad" : " um") : "") +
              (e.relaxation_s > 0.0 ? ", relaxes in " + shortNumber(e.relaxation_s, 2) + " s" : "");
     case FrictionKind::Smooth:
-      if (e.ramp) return "ramp up to " + speed;
+      if (e.smooth != SmoothShape::Tanh) return smoothText(e.smooth, speed);
       return (e.exponent == 1.0 ? "tanh(v / " + speed + ")"
                                 : "tanh((v / " + speed + ")^" + shortNumber(e.exponent, 3) + ")") +
              (e.lag_s > 0.0 ? ", lags by " + shortNumber(1e3 * e.lag_s, 2) + " ms" : "");
@@ -40,9 +53,20 @@ std::string elementText(const FrictionElement& e, bool revolute) {
   return text;
 }
 
-/// Of a velocity in units of the law's speed: a ramp, or tanh of its power, with its sign.
+/// Of a velocity in units of the law's speed, with its sign: its shape, or tanh of its power.
 double smooth(double velocity, const FrictionElement& e) noexcept {
-  if (e.ramp) return std::clamp(velocity, -1.0, 1.0);
+  switch (e.smooth) {
+    case SmoothShape::Ramp:
+      return std::clamp(velocity, -1.0, 1.0);
+    case SmoothShape::Rational:
+      return velocity / (1.0 + std::abs(velocity));
+    case SmoothShape::Root:
+      return velocity / std::sqrt(1.0 + velocity * velocity);
+    case SmoothShape::Arctangent:
+      return M_2_PI * std::atan(velocity);
+    default:
+      break;
+  }
   if (e.exponent == 1.0) return std::tanh(velocity);
   return std::copysign(std::tanh(std::pow(std::abs(velocity), e.exponent)), velocity);
 }
@@ -71,6 +95,21 @@ double lagging(const FrictionElement& e, double displacement_m, double duration_
   return smooth(z, e);
 }
 
+const char* shapeText(SmoothShape shape) {
+  switch (shape) {
+    case SmoothShape::Ramp:
+      return "ramp of velocity";
+    case SmoothShape::Rational:
+      return "rational law of velocity";
+    case SmoothShape::Root:
+      return "root law of velocity";
+    case SmoothShape::Arctangent:
+      return "arctangent of velocity";
+    default:
+      return "tanh of velocity";
+  }
+}
+
 }  // namespace
 
 bool FrictionLaw::operator==(const FrictionLaw& o) const {
@@ -81,8 +120,10 @@ FrictionLaw stopLaw(double width_m) {
   return lawOf({{FrictionKind::Stop, 1.0, width_m, 0.0, 0.0}});
 }
 
-FrictionLaw smoothLaw(double speed_m_per_s) {
-  return lawOf({{FrictionKind::Smooth, 1.0, 0.0, speed_m_per_s, 0.0}});
+FrictionLaw smoothLaw(double speed_m_per_s, SmoothShape shape) {
+  FrictionElement e{FrictionKind::Smooth, 1.0, 0.0, speed_m_per_s};
+  e.smooth = shape;
+  return lawOf({e});
 }
 
 FrictionLaw bristleLaw(double width_m, double creep_m_per_s, double damping_s, double tremble) {
@@ -117,8 +158,8 @@ std::string nameOf(const FrictionLaw& law) {
     return law.count == 1 ? "one stop" : law.count == 2 ? "two stops" : "spectrum of stops";
   if (peakOf(law) > 0.0) return "peak near rest";
   if (law.count > 1) return all(law, FrictionKind::Smooth) ? "sum of tanh of velocity" : "mixture";
-  if (first.ramp) return "ramp of velocity";
-  if (first.kind == FrictionKind::Smooth) return first.lag_s > 0.0 ? "tanh of lagging velocity" : "tanh of velocity";
+  if (first.kind == FrictionKind::Smooth)
+    return first.lag_s > 0.0 ? "tanh of lagging velocity" : shapeText(first.smooth);
   return first.speed_m_per_s > 0.0 || first.tremble > 0.0 ? "creeping bristles" : "bristles (Dahl)";
 }
 

@@ -8,6 +8,7 @@ namespace {
 
 using dynamics::FrictionElement;
 using dynamics::FrictionKind;
+using dynamics::SmoothShape;
 
 /// tanh of all of these at once: exp has a vector form.
 Eigen::ArrayXd tanhOf(const Eigen::ArrayXd& x) {
@@ -20,9 +21,31 @@ Eigen::ArrayXd smoothAlong(const FrictionElement& e, const Eigen::ArrayXd& moved
   double z = 0.0;
   for (Eigen::Index k = 0; kept > 0.0 && k < velocity.size(); ++k)
     velocity[k] = z = velocity[k] + (z - velocity[k]) * kept;
-  if (e.ramp) return velocity.max(-1.0).min(1.0);
+  switch (e.smooth) {
+    case SmoothShape::Ramp:
+      return velocity.max(-1.0).min(1.0);
+    case SmoothShape::Rational:
+      return velocity / (1.0 + velocity.abs());
+    case SmoothShape::Root:
+      return velocity / (1.0 + velocity.square()).sqrt();
+    case SmoothShape::Arctangent:
+      return M_2_PI * velocity.atan();
+    default:
+      break;
+  }
   if (e.exponent == 1.0) return tanhOf(velocity);
   return velocity.sign() * tanhOf(velocity.abs().pow(e.exponent));
+}
+
+/// What the path moves in a step around every substep: the move that ends there is that of half a step before, and
+/// friction half a step late at every reversal reads as mass.
+Eigen::ArrayXd centredMoves(const Eigen::ArrayXd& moved_m) {
+  const Eigen::Index n = moved_m.size();
+  Eigen::ArrayXd centred(n + 1);
+  centred[0] = moved_m[0];
+  centred[n] = moved_m[n - 1];
+  centred.segment(1, n - 1) = 0.5 * (moved_m.head(n - 1) + moved_m.tail(n - 1));
+  return centred;
 }
 
 Eigen::ArrayXd stopAlong(const FrictionElement& e, const Eigen::ArrayXd& moved_m, double step_s, double z) {
@@ -87,8 +110,7 @@ Eigen::VectorXd elementAlong(const SlidingPath& path, const FrictionElement& ele
   const double step_s = path.period_s / SlidingPath::kSubsteps;
   auto rest = share.tail(n - 1).array();
   if (element.kind == FrictionKind::Smooth) {
-    rest = smoothAlong(element, moved_m, step_s);
-    share[0] = share[1];
+    share = smoothAlong(element, centredMoves(moved_m), step_s);
   } else if (element.kind == FrictionKind::Stop) {
     rest = stopAlong(element, moved_m, step_s, at_start);
   } else if (element.exponent == 1.0) {

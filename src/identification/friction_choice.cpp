@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numeric>
 
 #include "friction_families.h"
@@ -173,7 +174,12 @@ FrictionChoice chosenOf(const std::vector<Sum>& best, const Eigen::MatrixXd& err
                         const std::vector<FrictionElement>& elements, OthersLaws& others) {
   const Eigen::RowVectorXd mean = share.transpose() * error;
   Eigen::Index least = 0, first = 0, end = kGroupEnds.front();
-  const double usual = mean.head(end).minCoeff(&least);
+  Eigen::RowVectorXd eligible = mean;
+  for (Eigen::Index f = kOtherSmooth; f < kOtherSmoothEnd; ++f) {
+    const Worse than_tanh = worseBy(error, share, f, kTanh);
+    if (than_tanh.mean > -kSurelyRare * than_tanh.standard_error) eligible[f] = std::numeric_limits<double>::infinity();
+  }
+  const double usual = eligible.head(end).minCoeff(&least);
   // One group after the other: a family that is a little better, but less surely, must not take another's place.
   for (std::size_t group = 1; group < kGroupEnds.size(); ++group) {
     const Eigen::Index from = kGroupEnds[group - 1], next = kGroupEnds[group];
@@ -202,11 +208,13 @@ FrictionChoice chosenOf(const std::vector<Sum>& best, const Eigen::MatrixXd& err
     const Sum& sum = best[static_cast<std::size_t>(f)];
     if (sum.which.empty()) continue;
     const Worse worse = worseBy(error, share, f, least);
-    choice.tried.push_back(
-        {lawOf(sum, elements), kFamilyNumbers[static_cast<std::size_t>(f)], mean[f], worse.mean, worse.standard_error});
+    choice.tried.push_back({lawOf(sum, elements), static_cast<int>(f), kFamilyNumbers[static_cast<std::size_t>(f)],
+                            mean[f], worse.mean, worse.standard_error});
     if (chosen || f < first || f >= end || worse.mean > within * worse.standard_error) continue;
+    if (std::isinf(eligible[f])) continue;
     if (isSpectrum(least) && mean[f] > kNearSpectrum * mean[least]) continue;
     choice.law = choice.tried.back().law;
+    choice.family = static_cast<int>(f);
     chosen = true;
   }
   return choice;
@@ -285,6 +293,7 @@ std::vector<FrictionChoice> chooseFriction(const std::vector<Observation>& train
   std::vector<double> narrowest_m;
   for (const FrictionRange& range : ranges)
     narrowest_m.push_back(range.narrowest_m);
+  shareFamily(choices);
   shareLaw(shared, others, narrowest_m, choices);
   return choices;
 }

@@ -12,6 +12,7 @@ namespace {
 
 using dynamics::FrictionElement;
 using dynamics::FrictionKind;
+using dynamics::SmoothShape;
 
 constexpr int kStops = 14, kSpeeds = 12, kBristleWidths = 7, kGrowing = 5;
 constexpr double kGrows = 1.6;  ///< of the fastest speed at which friction alone is full: from there on beside another
@@ -23,9 +24,11 @@ const double kExponents[] = {1.5, 2.0};        // below 1: a stop beside bristle
 const double kSmoothExponents[] = {1.0, 3.0};  // above 1: next to nothing rubs while an axis creeps
 const double kGaps[] = {0.5, 1.0, 2.0};        // of the width
 const double kRelaxations_s[] = {2.0, 6.0};    // what fades within a second of rest is a controller that settles
+const SmoothShape kOtherShapes[] = {SmoothShape::Ramp, SmoothShape::Rational, SmoothShape::Root,
+                                    SmoothShape::Arctangent};
 const double kLags_s[] = {0.015, 0.025, 0.04};
 constexpr double kLeastLag_s = 0.01;  ///< less is what the timing of rows does
-const double kFinerFactors[] = {0.8, 0.87, 0.93, 0.97, 1.03, 1.07, 1.15, 1.25};
+const double kFinerFactors[] = {0.8, 0.87, 0.93, 0.97, 0.985, 0.993, 1.007, 1.015, 1.03, 1.07, 1.15, 1.25};
 const double kFinerSides[] = {0.8, 0.9, 1.0, 1.12, 1.25};
 constexpr double kFarApart = 2.0;
 constexpr std::size_t kMostInSum = 6;
@@ -76,9 +79,10 @@ bool apart(const FrictionElement& a, const FrictionElement& b) {
 }
 
 /// A power of the velocity beside its tanh rises late and steeply, as Stribeck friction does: alone or not at all. So
-/// does a stop behind a clearance, which would mend the shape of any other a little; and a ramp's corner.
+/// does a stop behind a clearance, which would mend the shape of any other a little; a ramp's corner; and the other shapes, which sums of tanh can be.
 bool mixes(const FrictionElement& e) {
-  return e.gap_m == 0.0 && e.lag_s == 0.0 && !e.ramp && (e.kind != FrictionKind::Smooth || e.exponent == 1.0);
+  return e.gap_m == 0.0 && e.lag_s == 0.0 && e.smooth == SmoothShape::Tanh &&
+         (e.kind != FrictionKind::Smooth || e.exponent == 1.0);
 }
 
 /// Friction that goes on growing with the speed, ever less: beside what builds up near rest.
@@ -156,7 +160,9 @@ Sum spectrumOfSpeeds(const InWeights& squares, const std::vector<FrictionElement
   std::vector<int> smooth;
   for (int k = 0; k < static_cast<int>(squares.linear.size()); ++k) {
     const FrictionElement& e = elements[static_cast<std::size_t>(k)];
-    if (e.kind != FrictionKind::Smooth || e.exponent != 1.0 || e.ramp || e.lag_s > 0.0 || e.share < 0.0) continue;
+    if (e.kind != FrictionKind::Smooth || e.exponent != 1.0 || e.smooth != SmoothShape::Tanh || e.lag_s > 0.0 ||
+        e.share < 0.0)
+      continue;
     const bool near = std::any_of(smooth.begin(), smooth.end(), [&](int other) {
       return std::abs(std::log(e.speed_m_per_s / elements[static_cast<std::size_t>(other)].speed_m_per_s)) < kAlike;
     });
@@ -180,9 +186,11 @@ std::vector<FrictionElement> elementsToTry(const FrictionRange& range) {
       e.exponent = exponent;
       all.push_back(e);
     }
-    all.push_back(
-        {FrictionKind::Smooth, 1.0, 0.0, geometric(range.slowest_m_per_s, range.fastest_m_per_s, k, kSpeeds)});
-    all.back().ramp = true;
+    for (const SmoothShape shape : kOtherShapes) {
+      all.push_back(
+          {FrictionKind::Smooth, 1.0, 0.0, geometric(range.slowest_m_per_s, range.fastest_m_per_s, k, kSpeeds)});
+      all.back().smooth = shape;
+    }
   }
   for (int k = 0; k < kSpeeds; k += 2) {
     FrictionElement e{FrictionKind::Smooth, 1.0, 0.0,
@@ -271,18 +279,21 @@ std::vector<Sum> bestOfFamilies(const InWeights& squares, const std::vector<Fric
   }
   std::vector<Sum> best;
   best.push_back(single([](const FrictionElement& e) { return e.kind == FrictionKind::Stop; }));
-  best.push_back(
-      single([&](const FrictionElement& e) { return e.kind == FrictionKind::Smooth && !e.ramp && !grows(e, range); }));
+  best.push_back(single([&](const FrictionElement& e) {
+    return e.kind == FrictionKind::Smooth && e.smooth == SmoothShape::Tanh && !grows(e, range);
+  }));
   best.push_back(single([](const FrictionElement& e) {
     return e.kind == FrictionKind::Bristles && e.speed_m_per_s == 0.0 && e.tremble == 0.0 && e.damping_s == 0.0 &&
            e.exponent == 1.0;
   }));
+  for (const SmoothShape shape : {SmoothShape::Rational, SmoothShape::Root, SmoothShape::Arctangent})
+    best.push_back(single([&](const FrictionElement& e) { return e.smooth == shape; }));
   best.push_back(single([](const FrictionElement& e) { return e.kind == FrictionKind::Bristles; }));
   best.push_back(spectrumOfStops(squares));
   best.push_back(bestPair(squares, elements, range, mixing, mixing));
   best.push_back(bestSum(squares, elements, mixing, best.back()));
   best.push_back(spectrumOfSpeeds(squares, elements));
-  best.push_back(bestSingle(squares, elements, [](const FrictionElement& e) { return e.ramp; }));
+  best.push_back(bestSingle(squares, elements, [](const FrictionElement& e) { return e.smooth == SmoothShape::Ramp; }));
   best.push_back(bestSingle(squares, elements, [](const FrictionElement& e) { return e.lag_s > 0.0; }));
   best.push_back(bestSingle(squares, elements,
                             [](const FrictionElement& e) { return isRare(e) && e.lag_s == 0.0 && e.share > 0.0; }));

@@ -16,12 +16,14 @@ std::vector<dynamics::FrictionElement> elementsToTry(const FrictionRange& range)
 /// Finer steps around the shapes that an earlier choice found for single elements.
 void addFinerSteps(const FrictionChoice& around, double narrowest_m, std::vector<dynamics::FrictionElement>& all);
 
-/// Shape parameters of every family: one stop, tanh, Dahl's bristles, any bristles, all stops together (Maxwell slip),
+/// Shape parameters of every family: one stop, tanh, Dahl's bristles, three other smooth laws, any bristles, all stops together (Maxwell slip),
 /// pairs, sums, all speeds of tanh together; a ramp; a tanh that lags; one rare element, a pair and a sum with one; a pair and a
 /// sum with a peak.
-inline constexpr std::array<int, 15> kFamilyNumbers = {1, 1, 1, 3, 6, 4, 8, 8, 1, 2, 2, 4, 8, 4, 8};
+inline constexpr std::array<int, 18> kFamilyNumbers = {1, 1, 1, 1, 1, 1, 3, 6, 4, 8, 8, 1, 2, 2, 4, 8, 4, 8};
+inline constexpr std::array<int, 4> kOfVelocity = {1, 3, 4, 5};          ///< families of one smooth law
+inline constexpr long kTanh = 1, kOtherSmooth = 3, kOtherSmoothEnd = 6;  ///< these have to be surely better than tanh
 /// Where a group of families ends: usual ones, and those that have to be surely better than all before.
-inline constexpr std::array<long, 5> kGroupEnds = {8, 9, 10, 13, 15};
+inline constexpr std::array<long, 5> kGroupEnds = {11, 12, 13, 16, 18};
 inline constexpr std::size_t kGroupOfRamp = 1;
 inline constexpr std::size_t kGroupOfRest = 3;  ///< stops behind a clearance and those that relax
 
@@ -41,7 +43,7 @@ inline double geometric(double first, double last, int k, int count) {
 
 /// Many elements at once, whose shares come near to any law.
 constexpr bool isSpectrum(long family) {
-  return family == 4 || family == 7;
+  return family == 7 || family == 10;
 }
 
 /// The best law of every family, simplest first; without elements where there is none.

@@ -14,6 +14,10 @@ using dynamics::FrictionKind;
 constexpr double kSharedErrors =
     0.5;  ///< a law that actuators share may be so many standard errors worse than one's own
 
+/// A law of the velocity that half of the actuators or more have is another one's, too, unless that one's is better by so
+/// many standard errors, or by more than a tenth of what it leaves: few blocks may hold all of the difference.
+constexpr double kFamilyErrors = 2.0, kNearBest = 1.1;
+
 }  // namespace
 
 std::vector<dynamics::FrictionLaw> sharedLaws(const std::vector<FrictionChoice>& around) {
@@ -21,7 +25,8 @@ std::vector<dynamics::FrictionLaw> sharedLaws(const std::vector<FrictionChoice>&
   for (const FrictionChoice& one : around) {
     laws.push_back(one.law);
     for (const TriedLaw& tried : one.tried) {
-      if (tried.law.count == 1 && !tried.law.elements.front().ramp) laws.push_back(tried.law);
+      if (tried.law.count == 1 && tried.law.elements.front().smooth != dynamics::SmoothShape::Ramp)
+        laws.push_back(tried.law);
     }
   }
   return laws;
@@ -43,6 +48,25 @@ std::vector<Sum> inElements(const std::vector<dynamics::FrictionLaw>& laws, std:
     sums.push_back(sum);
   }
   return sums;
+}
+
+void shareFamily(std::vector<FrictionChoice>& choices) {
+  const long axes = static_cast<long>(choices.size());
+  for (const int family : kOfVelocity) {
+    const long alike =
+        std::count_if(choices.begin(), choices.end(), [&](const FrictionChoice& c) { return c.family == family; });
+    if (alike < 2 || 2 * alike < axes) continue;
+    for (FrictionChoice& choice : choices) {
+      const auto own =
+          std::find_if(choice.tried.begin(), choice.tried.end(), [&](const TriedLaw& t) { return t.family == family; });
+      if (choice.family == family || own == choice.tried.end()) continue;
+      const double best = own->held_back - own->beyond_best;
+      if (own->beyond_best > kFamilyErrors * own->standard_error || own->held_back > kNearBest * best) continue;
+      choice.law = own->law;
+      choice.family = family;
+    }
+    return;
+  }
 }
 
 void shareLaw(const std::vector<dynamics::FrictionLaw>& laws, const std::vector<OthersLaws>& others,

@@ -27,6 +27,10 @@ std::vector<dynamics::FrictionLaw> sharedLaws(const std::vector<FrictionChoice>&
 std::vector<Sum> inElements(const std::vector<dynamics::FrictionLaw>& laws,
                             std::vector<dynamics::FrictionElement>& elements);
 
+/// Gives actuators the law of the velocity that half of them or more have, each with its own speed, where theirs is not
+/// surely better: actuators of one machine are alike, and a sum of laws fits what training does not tell.
+void shareFamily(std::vector<FrictionChoice>& choices);
+
 /// Actuators of one machine are alike: a law that is within half a standard error of the best on most of them is taken
 /// by all of those. What one actuator's data do not show (how friction lets go at rest) the others' may. A rare law
 /// is taken only where the actuator has chosen such a one itself. No stop becomes narrower than `narrowest_m` of its

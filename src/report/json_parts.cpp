@@ -50,7 +50,10 @@ Json frictionJson(const std::vector<dynamics::FrictionLaw>& laws) {
     for (int k = 0; k < law.count; ++k) {
       const dynamics::FrictionElement& e = law.elements[static_cast<std::size_t>(k)];
       const bool smooth = e.kind == dynamics::FrictionKind::Smooth, stop = e.kind == dynamics::FrictionKind::Stop;
-      Json element = {{"law", stop ? "stop" : e.ramp ? "ramp" : smooth ? "tanh" : "bristles"}, {"share", e.share}};
+      Json element = {{"law", stop     ? "stop"
+                              : smooth ? dynamics::smoothName(e.smooth)
+                                       : "bristles"},
+                      {"share", e.share}};
       if (!smooth) element["width_m"] = e.width_m;
       if (e.gap_m > 0.0) element["gap_m"] = e.gap_m;
       if (e.relaxation_s > 0.0) element["relaxation_s"] = e.relaxation_s;

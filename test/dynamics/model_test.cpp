@@ -250,13 +250,43 @@ TEST(FrictionState, OfAPowerOfTheVelocityLetsCreepingAxesPass) {
 
 TEST(FrictionState, OfARampIsProportionalToTheVelocityUpToItsSpeed) {
   FrictionLaw law = smoothLaw(2e-3);
-  law.elements[0].ramp = true;
+  law.elements[0].smooth = SmoothShape::Ramp;
   FrictionState state;
   EXPECT_NEAR(state.step(law, 0.01 * 5e-4, 0.01), 0.25, 1e-12);
   EXPECT_NEAR(state.step(law, -0.01 * 1e-3, 0.01), -0.5, 1e-12);
   EXPECT_EQ(state.step(law, 0.01 * 3e-3, 0.01), 1.0);
   EXPECT_EQ(describe(law), "ramp up to 2 mm/s");
   EXPECT_EQ(nameOf(law), "ramp of velocity");
+}
+
+TEST(FrictionState, OfASmoothLawRisesAsItsShapeSaysAndIsWrittenAsThat) {
+  const double speed = 8e-4;
+  const struct {
+    SmoothShape shape;
+    double at_half, at_ten;
+    const char *name, *text;
+  } cases[] = {
+      {SmoothShape::Rational, 1.0 / 3.0, 10.0 / 11.0, "rational law of velocity", "v / (|v| + 0.8 mm/s)"},
+      {SmoothShape::Root, 0.4472135955, 0.9950371902, "root law of velocity", "v / sqrt(v^2 + (0.8 mm/s)^2)"},
+      {SmoothShape::Arctangent, 0.2951672353, 0.9365489652, "arctangent of velocity", "2/pi atan(v / 0.8 mm/s)"},
+  };
+  for (const auto& c : cases) {
+    const FrictionLaw law = smoothLaw(speed, c.shape);
+    FrictionState state;
+    EXPECT_NEAR(state.step(law, 0.01 * 0.5 * speed, 0.01), c.at_half, 1e-9) << c.name;
+    EXPECT_NEAR(state.step(law, -0.01 * 10.0 * speed, 0.01), -c.at_ten, 1e-9) << c.name;
+    EXPECT_EQ(nameOf(law), c.name);
+    EXPECT_EQ(describe(law), c.text);
+  }
+}
+
+TEST(ModelFile, KeepsEverySmoothShape) {
+  Model m = someModel(parallelRobot(), 2);
+  m.friction = {smoothLaw(1e-3, SmoothShape::Rational), smoothLaw(2e-3, SmoothShape::Root),
+                smoothLaw(3e-3, SmoothShape::Arctangent), smoothLaw(4e-3, SmoothShape::Ramp)};
+  const Model read = parseModel(modelToYaml(m), "m.yaml");
+  for (std::size_t i = 0; i < m.friction.size(); ++i)
+    EXPECT_TRUE(read.friction[i] == m.friction[i]) << i;
 }
 
 TEST(ModelFile, KeepsAnExponentAndRefusesItBesideCreep) {
@@ -267,7 +297,7 @@ TEST(ModelFile, KeepsAnExponentAndRefusesItBesideCreep) {
   m.friction[2] = smoothLaw(1e-3);
   m.friction[2].elements[0].exponent = 3.0;
   m.friction[3] = smoothLaw(2e-3);
-  m.friction[3].elements[0].ramp = true;
+  m.friction[3].elements[0].smooth = SmoothShape::Ramp;
   const std::string text = modelToYaml(m);
   EXPECT_TRUE(parseModel(text, "m.yaml").friction[1] == m.friction[1]);
   EXPECT_TRUE(parseModel(text, "m.yaml").friction[2] == m.friction[2]);

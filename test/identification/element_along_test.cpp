@@ -28,19 +28,35 @@ SlidingPath path() {
   return p;
 }
 
+/// Of a smooth law: its friction is that of the velocity around each substep, not of the one that ends there.
+Eigen::VectorXd stepsAround(const SlidingPath& p, const dynamics::FrictionElement& element) {
+  const Eigen::VectorXd& x = p.measured;
+  const Eigen::Index last = x.size() - 1;
+  dynamics::FrictionLaw law;
+  law.elements[0] = element;
+  law.elements[0].share = 1.0;
+  dynamics::FrictionState state;
+  Eigen::VectorXd share(x.size());
+  for (Eigen::Index k = 0; k <= last; ++k) {
+    const Eigen::Index from = std::max<Eigen::Index>(0, k - 1), to = std::min(last, k + 1);
+    share[k] =
+        state.step(law, (x[to] - x[from]) / static_cast<double>(to - from), p.period_s / SlidingPath::kSubsteps, 0.0);
+  }
+  return share;
+}
+
 Eigen::VectorXd oneStepAfterTheOther(const SlidingPath& p, const dynamics::FrictionElement& element, double at_start) {
   const Eigen::VectorXd& x = element.kind == dynamics::FrictionKind::Stop ? p.position : p.measured;
   dynamics::FrictionLaw law;
   law.elements[0] = element;
   law.elements[0].share = 1.0;
   dynamics::FrictionState state;
-  const bool remembers = element.kind != dynamics::FrictionKind::Smooth;
-  state.start(remembers ? at_start : 0.0);
+  if (element.kind == dynamics::FrictionKind::Smooth) return stepsAround(p, element);
+  state.start(at_start);
   Eigen::VectorXd share = Eigen::VectorXd::Constant(x.size(), at_start);
   for (Eigen::Index k = 1; k < x.size(); ++k)
     share[k] =
         state.step(law, x[k] - x[k - 1], p.period_s / SlidingPath::kSubsteps, p.tremble[k / SlidingPath::kSubsteps]);
-  if (!remembers) share[0] = share[1];
   return share;
 }
 

@@ -96,6 +96,7 @@ std::vector<OwnLaw> ownLaws() {
          m[0] += rate * kStep_s;
          return m[0] + 2e-3 * rate;
        }},
+      {"v / (|v| + 0.8 mm/s)", [](double v, double*) { return v / (std::abs(v) + 8e-4); }},
       {"a ramp up to 2.4 mm/s", [](double v, double*) { return std::clamp(v / 2.4e-3, -1.0, 1.0); }},
   };
 }
@@ -131,6 +132,33 @@ recording::Recording ownRecording(const mechanism::Robot& robot, const OwnLaw& l
     r.force_N(k, 0) = sum / 100.0 + noise(random);
   }
   return r;
+}
+
+TEST(MassBesideFriction, IsRightToAThousandthWhateverTheLaw) {
+  const mechanism::Robot robot = syntheticBench(1);
+  const IdentifyOptions options;
+  constexpr int kMotions = 8;
+  for (const std::size_t which : {std::size_t{0}, std::size_t{3}, ownLaws().size() - 2}) {
+    const OwnLaw law = ownLaws()[which];
+    double sum = 0.0, squares = 0.0, std = 0.0;
+    int held = 0;
+    for (int motion = 0; motion < kMotions; ++motion) {
+      std::vector<Observation> train = {
+          observe(robot, columnsOf(robot), ownRecording(robot, law, motion, 40.0), options.observation)};
+      const Identification id = identify(robot, train, options);
+      const auto mass = std::find_if(id.model.parameters.begin(), id.model.parameters.end(),
+                                     [](const auto& parameter) { return parameter.name == "rotor_1"; });
+      ASSERT_NE(mass, id.model.parameters.end());
+      sum += (mass->value - 80.0) / kMotions;
+      squares += (mass->value - 80.0) * (mass->value - 80.0) / kMotions;
+      std += mass->std / kMotions;
+      held += std::abs(mass->value - 80.0) < 2.0 * mass->std;
+    }
+    std::cout << law.name << ": mass of 80 kg, mean deviation " << sum << " kg, rms " << std::sqrt(squares)
+              << " kg, standard error " << std << " kg, two of them hold it " << held << " times of " << kMotions
+              << '\n';
+    EXPECT_LT(std::sqrt(squares), 0.08) << law.name << ": friction half a substep late makes 0.12 and 0.18 kg";
+  }
 }
 
 class LawNearRest : public testing::TestWithParam<std::size_t> {};
@@ -194,11 +222,30 @@ TEST(LawOfOneElement, ThatIsARampIsPredictedBestByARamp) {
   std::vector<Observation> train = {
       observe(robot, columnsOf(robot), ownRecording(robot, law, 0, 60.0), options.observation)};
   const std::vector<TriedLaw> tried = identify(robot, train, options).friction.at(0).tried;
-  const auto ramp = std::find_if(tried.begin(), tried.end(), [](const TriedLaw& t) { return t.law.elements[0].ramp; });
+  const auto ramp = std::find_if(tried.begin(), tried.end(), [](const TriedLaw& t) {
+    return t.law.elements[0].smooth == dynamics::SmoothShape::Ramp;
+  });
   ASSERT_NE(ramp, tried.end());
   EXPECT_NEAR(ramp->law.elements[0].speed_m_per_s, 2.4e-3, 0.2e-3);
   for (const TriedLaw& other : tried)
     EXPECT_LE(ramp->held_back, other.held_back) << dynamics::describe(other.law);
+}
+
+TEST(LawOfOneElement, ThatIsARationalLawOrAnArctangentIsFoundForThat) {
+  const std::vector<OwnLaw> laws = ownLaws();
+  const mechanism::Robot robot = syntheticBench(1);
+  IdentifyOptions options;
+  options.uncertainty = false;
+  const auto expect = [&](const OwnLaw& law, dynamics::SmoothShape shape, double speed_m_per_s) {
+    std::vector<Observation> train = {
+        observe(robot, columnsOf(robot), ownRecording(robot, law, 0, 60.0), options.observation)};
+    const dynamics::FrictionLaw found = identify(robot, train, options).model.friction[0];
+    EXPECT_EQ(found.count, 1) << law.name << ": " << dynamics::describe(found);
+    EXPECT_EQ(found.elements[0].smooth, shape) << law.name << ": " << dynamics::describe(found);
+    EXPECT_NEAR(found.elements[0].speed_m_per_s, speed_m_per_s, 0.1 * speed_m_per_s) << law.name;
+  };
+  expect(laws[4], dynamics::SmoothShape::Arctangent, 7e-4);
+  expect(laws[laws.size() - 2], dynamics::SmoothShape::Rational, 8e-4);
 }
 
 TEST(LawOfOneElement, IsFoundForWhatItIs) {

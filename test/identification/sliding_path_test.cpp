@@ -60,6 +60,26 @@ TEST(SlidingPath, AveragesAReversalOverTheSamplesInterval) {
   EXPECT_LE(share.cwiseAbs().maxCoeff(), 1.0);
 }
 
+TEST(SlidingPath, FrictionOfTheVelocityIsNeitherEarlyNorLate) {
+  const double w = 1.7, speed = 4e-4;
+  const Sampled s = sine(1e-3, w, 0.0);
+  const Eigen::VectorXd share =
+      frictionShare(slidingPath(s.position, s.velocity, kPeriod, kCount), dynamics::smoothLaw(speed));
+  double late_s = 0.0, steep = 0.0;  // by least squares over all samples
+  for (int n = 2; n < 598; ++n) {
+    double mean = 0.0, slope = 0.0;
+    for (int k = 0; k < 100; ++k) {
+      const double t = (n - 0.5 + (k + 0.5) / 100.0) * kPeriod, x = 1e-3 * w * std::cos(w * t) / speed;
+      mean += std::tanh(x) / 100.0;
+      slope -= (1.0 - std::tanh(x) * std::tanh(x)) * 1e-3 * w * w * std::sin(w * t) / speed / 100.0;
+    }
+    late_s -= (share[n] - mean) * slope;
+    steep += slope * slope;
+    EXPECT_NEAR(share[n], mean, 2e-4) << n;
+  }
+  EXPECT_LT(std::abs(late_s / steep), 1e-5) << "half a substep is 1.25 ms";
+}
+
 TEST(SlidingPath, TakesUpItsWidthAfterAReversal) {
   Sampled s{Eigen::VectorXd(400), Eigen::VectorXd(400)};
   for (int n = 0; n < 400; ++n) {  // up at 1 mm/s, then down

@@ -10,8 +10,17 @@ namespace knee_robot::dynamics {
 /// How one part of dry friction builds up near rest.
 enum class FrictionKind {
   Stop,      ///< with the way since the last reversal, up to a width (stop operator of Prandtl); rest keeps what it was
-  Smooth,    ///< with velocity: tanh(v / speed); none at rest
+  Smooth,    ///< with velocity, as its SmoothShape says; none at rest
   Bristles,  ///< bend over a width (Dahl; LuGre without its Stribeck curve) and slip back at a creep speed
+};
+
+/// How a smooth law rises with x = v / speed (x > 0; odd).
+enum class SmoothShape {
+  Tanh,        ///< tanh(x)
+  Ramp,        ///< x up to the speed, 1 beyond it (saturation)
+  Rational,    ///< x / (1 + x): full only far beyond the speed
+  Root,        ///< x / sqrt(1 + x^2)
+  Arctangent,  ///< 2/pi atan(x)
 };
 
 /// One part of the law of one actuator.
@@ -20,9 +29,8 @@ enum class FrictionKind {
 /// until that is crossed. One that relaxes lets go of what it holds with the time constant `relaxation_s`, in motion and at
 /// rest (a Maxwell element that slips).
 ///
-/// A smooth law may be a ramp instead: proportional to the velocity up to the speed, full beyond it (saturation). It may
-/// lag: with `lag_s` it is tanh of the velocity that a first-order lag leaves (frictional lag of a lubricant film that
-/// follows late; Hess and Soom 1990).
+/// A smooth law of tanh may lag: with `lag_s` it is tanh of the velocity that a first-order lag leaves (frictional lag of
+/// a lubricant film that follows late; Hess and Soom 1990).
 ///
 /// Bristles: with the way r = sqrt(dx^2 + (creep dt)^2), the share follows dz = (dx - r z) / width. Creep speed 0 is
 /// Dahl's model; at rest the share decays with the time width / creep (an axis that trembles by less than its encoder
@@ -34,19 +42,19 @@ struct FrictionElement {
   FrictionKind kind = FrictionKind::Stop;
   double share = 1.0;  ///< of the actuator's Coulomb friction; below 0: taken away from the others (a peak near rest)
   double width_m = 1e-5;       ///< Stop, Bristles
-  double speed_m_per_s = 0.0;  ///< Smooth: of tanh; Bristles: creep
+  double speed_m_per_s = 0.0;  ///< Smooth: of its shape; Bristles: creep
   double damping_s = 0.0;      ///< Bristles
   double tremble = 0.0;        ///< Bristles: share of the encoder's tremble that slips them
   double exponent = 1.0;       ///< Bristles without creep and tremble: Dahl's
   double gap_m = 0.0;          ///< Stop: way in its middle over which nothing presses
   double relaxation_s = 0.0;   ///< Stop: time in which it lets go of what it holds; 0: never
   double lag_s = 0.0;          ///< Smooth: time constant with which it follows the velocity
-  bool ramp = false;           ///< Smooth: straight up to the speed, in place of tanh
+  SmoothShape smooth = SmoothShape::Tanh;
 
   /// All but the share.
   auto shape() const {
     return std::make_tuple(kind, width_m, speed_m_per_s, damping_s, tremble, exponent, gap_m, relaxation_s, lag_s,
-                           ramp);
+                           smooth);
   }
   bool operator==(const FrictionElement& o) const { return share == o.share && shape() == o.shape(); }
 };
@@ -67,7 +75,7 @@ struct FrictionLaw {
 };
 
 FrictionLaw stopLaw(double width_m);
-FrictionLaw smoothLaw(double speed_m_per_s);
+FrictionLaw smoothLaw(double speed_m_per_s, SmoothShape shape = SmoothShape::Tanh);
 FrictionLaw bristleLaw(double width_m, double creep_m_per_s = 0.0, double damping_s = 0.0, double tremble = 0.0);
 
 /// The law of these elements, shares brought to a sum of 1. std::invalid_argument when there are none or too many, or a
@@ -78,8 +86,11 @@ FrictionLaw lawOf(const std::vector<FrictionElement>& elements);
 double peakOf(const FrictionLaw& law);
 
 /// "one stop", "tanh of velocity", "bristles (Dahl)", "creeping bristles", "two stops", "spectrum of stops", "mixture",
-/// "tanh of lagging velocity", "ramp of velocity", "peak near rest".
+/// "tanh of lagging velocity", "ramp of velocity", "rational law of velocity", "root law of velocity",
+/// "arctangent of velocity", "peak near rest".
 std::string nameOf(const FrictionLaw& law);
+/// As files name it: "tanh", "ramp", "rational", "root", "arctangent".
+const char* smoothName(SmoothShape shape);
 /// With numbers: "stop 9 um (61 %) + stop 100 um (39 %)".
 std::string describe(const FrictionLaw& law);
 

@@ -53,8 +53,8 @@ struct FoundEffect {
   bool isOneOfMany() const { return indistinguishable_from.size() > 2; }
 };
 
-/// Share of names that were right on machines of the ten newest simulators by others, each as it came: 82 of 98
-/// (docs/results/blind_simulators.md).
+/// Share of names that were right on machines of the ten newest simulators by others when it was chosen, each as it
+/// came: 82 of 98; 93 of 109 with the next one (docs/results/blind_simulators.md).
 inline constexpr double kNamesRight = 0.84;
 inline double probabilityOfName(const FoundEffect& e) {
   return kNamesRight * e.probability;
