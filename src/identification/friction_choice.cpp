@@ -208,8 +208,8 @@ FrictionChoice chosenOf(const std::vector<Sum>& best, const Eigen::MatrixXd& err
     const Sum& sum = best[static_cast<std::size_t>(f)];
     if (sum.which.empty()) continue;
     const Worse worse = worseBy(error, share, f, least);
-    choice.tried.push_back({lawOf(sum, elements), static_cast<int>(f), kFamilyNumbers[static_cast<std::size_t>(f)],
-                            mean[f], worse.mean, worse.standard_error});
+    choice.tried.push_back({lawOf(sum, elements), kFamilyNumbers[static_cast<std::size_t>(f)], mean[f], worse.mean,
+                            worse.standard_error, static_cast<int>(f)});
     if (chosen || f < first || f >= end || worse.mean > within * worse.standard_error) continue;
     if (std::isinf(eligible[f])) continue;
     if (isSpectrum(least) && mean[f] > kNearSpectrum * mean[least]) continue;

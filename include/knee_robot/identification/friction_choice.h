@@ -23,19 +23,19 @@ struct FrictionRange {
 /// One family of laws that was tried for an actuator.
 struct TriedLaw {
   dynamics::FrictionLaw law;  ///< the best of its family on all training data
-  int family = 0;             ///< simplest first (docs/identification.md)
   int numbers = 1;            ///< shape parameters
   double held_back = 0.0;  ///< mean square over left-out blocks, in units of the noise; its shape chosen without each
   /// held_back minus that of the best family; below 0 where a family with a rare element is better, but not surely.
   double beyond_best = 0.0;
   double standard_error = 0.0;  ///< of beyond_best, over the blocks
+  int family = 0;               ///< simplest first (docs/identification.md)
 };
 
 /// How one actuator's friction acts near rest, and what that rests on.
 struct FrictionChoice {
   dynamics::FrictionLaw law;
-  int family = 0;               ///< of the law, where no other actuator's law was taken for it
   std::vector<TriedLaw> tried;  ///< simplest first
+  int family = 0;               ///< of the law, where no other actuator's law was taken for it
 };
 
 /// Chooses every actuator's law among one stop, tanh of velocity, bristles (Dahl's, creeping, damped), a spectrum of
