@@ -71,7 +71,7 @@ void fillUp(Eigen::MatrixXd& all, int n, int stride) {
 LengthPath swing(const EffectInput& in, const LegSprings& springs, const Eigen::MatrixXd& force_N) {
   const int stride = std::max(1, static_cast<int>(kSwingStep_s / in.signals().period_s));
   Swing platform(springs, stride * in.signals().period_s);
-  LengthPath path(in.samples());
+  LengthPath path(in.samples(), in.axes());
   int last = 0;
   for (int n = 0; n < in.samples(); n += stride) {
     last = n;

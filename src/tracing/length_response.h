@@ -10,10 +10,10 @@ namespace knee_robot::tracing {
 
 struct EffectInput;
 
-/// How much longer legs are than their encoders say, with first and second derivatives; samples x legs.
+/// How much longer legs are than their encoders say, with first and second derivatives; samples x actuators.
 struct LengthPath {
-  explicit LengthPath(Eigen::Index samples)
-      : length_m(Eigen::MatrixXd::Zero(samples, mechanism::kLegs)), rate(length_m), acceleration(length_m) {}
+  LengthPath(Eigen::Index samples, Eigen::Index actuators)
+      : length_m(Eigen::MatrixXd::Zero(samples, actuators)), rate(length_m), acceleration(length_m) {}
   Eigen::MatrixXd length_m, rate, acceleration;
 };
 

@@ -63,7 +63,7 @@ Answer answerAt(const EffectInput& in, int leg, int sample) {
 
 /// The screw behind the spring along a recording.
 struct ScrewPath {
-  explicit ScrewPath(Eigen::Index samples) : longer(samples), carried_N(samples) {}
+  explicit ScrewPath(const EffectInput& in) : longer(in.samples(), in.axes()), carried_N(in.samples()) {}
   LengthPath longer;          ///< of the leg, less than its encoder says: negative where the load is positive
   Eigen::VectorXd carried_N;  ///< by the spring: what the motor feels
 };
@@ -77,7 +77,7 @@ ScrewPath screwPath(const EffectInput& in, int i, const YieldingCoupling& coupli
   ScrewBehindJoint screw(joint, in.laws[static_cast<std::size_t>(i)], coupling.friction_beyond * in.coulomb_N[i],
                          coupling.friction_beyond * in.viscous[i]);
   Wound wound(period);
-  ScrewPath path(in.samples());
+  ScrewPath path(in);
   for (int n = 0; n < in.samples(); ++n) {
     const Answer answer = answerAt(in, i, n);
     const double load = in.load_N(n, i) - in.rotor_kg[i] * in.signals().acceleration_m_per_s2(n, i) + beyond_N[n];
