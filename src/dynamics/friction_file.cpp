@@ -77,21 +77,6 @@ FrictionElement readElement(StrictMap map, bool revolute) {
 
 }  // namespace
 
-const char* smoothName(SmoothShape shape) {
-  switch (shape) {
-    case SmoothShape::Ramp:
-      return "ramp";
-    case SmoothShape::Rational:
-      return "rational";
-    case SmoothShape::Root:
-      return "root";
-    case SmoothShape::Arctangent:
-      return "arctangent";
-    default:
-      return "tanh";
-  }
-}
-
 std::string frictionText(const std::vector<FrictionLaw>& laws) {
   std::string y =
       "# Law of friction near rest: elements whose shares of the actuator's Coulomb friction (Fc) add up to 1.\n"

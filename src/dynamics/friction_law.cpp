@@ -15,17 +15,17 @@ bool all(const FrictionLaw& law, FrictionKind kind) {
                      [kind](const FrictionElement& e) { return e.kind == kind; });
 }
 
-std::string smoothText(SmoothShape shape, const std::string& speed) {
-  switch (shape) {
-    case SmoothShape::Ramp:
-      return "ramp up to " + speed;
-    case SmoothShape::Rational:
-      return "v / (|v| + " + speed + ")";
-    case SmoothShape::Root:
-      return "v / sqrt(v^2 + (" + speed + ")^2)";
-    default:
-      return "2/pi atan(v / " + speed + ")";
-  }
+/// How a smooth law is called and written, in the order of SmoothShape; the speed stands between `before` and `after`.
+constexpr struct {
+  const char *name, *words, *before, *after;
+} kSmooth[] = {{"tanh", "tanh of velocity", "tanh(v / ", ")"},
+               {"ramp", "ramp of velocity", "ramp up to ", ""},
+               {"rational", "rational law of velocity", "v / (|v| + ", ")"},
+               {"root", "root law of velocity", "v / sqrt(v^2 + (", ")^2)"},
+               {"arctangent", "arctangent of velocity", "2/pi atan(v / ", ")"}};
+
+constexpr const auto& textsOf(SmoothShape shape) {
+  return kSmooth[static_cast<std::size_t>(shape)];
 }
 
 std::string elementText(const FrictionElement& e, bool revolute) {
@@ -38,8 +38,7 @@ std::string elementText(const FrictionElement& e, bool revolute) {
              (e.gap_m > 0.0 ? ", gap " + shortNumber(1e6 * e.gap_m / radius, 3) + (revolute ? " urad" : " um") : "") +
              (e.relaxation_s > 0.0 ? ", relaxes in " + shortNumber(e.relaxation_s, 2) + " s" : "");
     case FrictionKind::Smooth:
-      if (e.smooth != SmoothShape::Tanh) return smoothText(e.smooth, speed);
-      return (e.exponent == 1.0 ? "tanh(v / " + speed + ")"
+      return (e.exponent == 1.0 ? textsOf(e.smooth).before + speed + textsOf(e.smooth).after
                                 : "tanh((v / " + speed + ")^" + shortNumber(e.exponent, 3) + ")") +
              (e.lag_s > 0.0 ? ", lags by " + shortNumber(1e3 * e.lag_s, 2) + " ms" : "");
     default:
@@ -95,21 +94,6 @@ double lagging(const FrictionElement& e, double displacement_m, double duration_
   return smooth(z, e);
 }
 
-const char* shapeText(SmoothShape shape) {
-  switch (shape) {
-    case SmoothShape::Ramp:
-      return "ramp of velocity";
-    case SmoothShape::Rational:
-      return "rational law of velocity";
-    case SmoothShape::Root:
-      return "root law of velocity";
-    case SmoothShape::Arctangent:
-      return "arctangent of velocity";
-    default:
-      return "tanh of velocity";
-  }
-}
-
 }  // namespace
 
 bool FrictionLaw::operator==(const FrictionLaw& o) const {
@@ -159,8 +143,12 @@ std::string nameOf(const FrictionLaw& law) {
   if (peakOf(law) > 0.0) return "peak near rest";
   if (law.count > 1) return all(law, FrictionKind::Smooth) ? "sum of tanh of velocity" : "mixture";
   if (first.kind == FrictionKind::Smooth)
-    return first.lag_s > 0.0 ? "tanh of lagging velocity" : shapeText(first.smooth);
+    return first.lag_s > 0.0 ? "tanh of lagging velocity" : textsOf(first.smooth).words;
   return first.speed_m_per_s > 0.0 || first.tremble > 0.0 ? "creeping bristles" : "bristles (Dahl)";
+}
+
+const char* smoothName(SmoothShape shape) {
+  return textsOf(shape).name;
 }
 
 std::string describe(const FrictionLaw& law) {

@@ -59,7 +59,7 @@ void chooseBeside(Search& s) {
 }
 
 /// Gives these effects the best smooth law of their own. Returns what that leaves of held-back rows; empty where no speed
-/// is plausible, as for what falls off at the end of what is looked for: then all is as it was.
+/// is plausible, as for what falls off at the end of what is looked for: then the effects are as they were.
 Eigen::VectorXd chooseOwnLaw(Search& s, const Candidate* kind, const Eigen::VectorXd& noise_N) {
   const std::vector<FoundEffect> found = s.effects;
   setSpeed(s, kind, kUsual_m_per_s);
