@@ -73,9 +73,12 @@ Json frictionTriedJson(const std::vector<identification::FrictionChoice>& choice
   Json list = Json::array();
   for (const identification::FrictionChoice& choice : choices) {
     Json tried = Json::array();
+    bool chosen = false;  // the simpler one, where two families end at one law
     for (const identification::TriedLaw& t : choice.tried) {
+      const bool this_one = !chosen && t.law == choice.law;
+      chosen = chosen || this_one;
       tried.push_back({{"in_words", dynamics::describe(t.law)},
-                       {"chosen", t.law == choice.law},
+                       {"chosen", this_one},
                        {"held_back", t.held_back},
                        {"beyond_best", t.beyond_best},
                        {"standard_error", t.standard_error}});
