@@ -37,9 +37,9 @@ bool isAnother(const Place& place, const Place& other) {
 bool periodCoincides(const Search& s, const Hypothesis& ripple) {
   if (!ripple.place.candidate->periodic()) return false;
   return std::any_of(s.effects.begin(), s.effects.end(), [&](const FoundEffect& e) {
+    if (!isAnother(ripple.place, e.hypothesis.place)) return false;  // it may have no shape at all
     const double own = ripple.shape[0], other = e.hypothesis.shape[0], way = wayOf(s, ripple.place.actuator);
-    return isAnother(ripple.place, e.hypothesis.place) &&
-           std::abs(1.0 / other - 1.0 / own) * way < turnsNeeded(own, other, way);
+    return std::abs(1.0 / other - 1.0 / own) * way < turnsNeeded(own, other, way);
   });
 }
 
