@@ -1,13 +1,21 @@
 #include "knee_robot/recording/filter.h"
 
+#include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
 
 #include "knee_robot/base/constants.h"
 
 namespace knee_robot::recording {
+namespace {
 
-ZeroPhaseLowPass::ZeroPhaseLowPass(double cutoff_hz, double rate_hz) {
+constexpr Eigen::Index kFewestForParabola = 5;  ///< samples
+constexpr double kSurelyCurved = 4.0;           ///< standard errors of the curvature
+
+}  // namespace
+
+ZeroPhaseLowPass::ZeroPhaseLowPass(double cutoff_hz, double rate_hz, Continuation continuation)
+    : continuation_(continuation) {
   if (!(cutoff_hz > 0.0) || cutoff_hz >= kMostOfRate * rate_hz) return;
   active_ = true;
   padding_ = static_cast<int>(std::ceil(6.0 * rate_hz / cutoff_hz));
@@ -48,16 +56,43 @@ void ZeroPhaseLowPass::run(Four& signals) const {
 
 namespace {
 
-/// Value at the first of these samples of the straight line through all of them: what a signal's end is, whatever its
-/// last sample alone happens to be.
-Eigen::Array4d lineAtFirst(const Eigen::Ref<const Eigen::Array<double, 4, Eigen::Dynamic>>& samples) {
+using Signals4 = Eigen::Array<double, 4, Eigen::Dynamic>;
+
+/// What four signals are at an end, whatever their last samples alone happen to be: value and curvature (the factor of the
+/// square of the distance, in samples).
+struct End {
+  Eigen::Array4d value, curvature;
+};
+
+/// Least squares through these samples, of which the first is the end.
+End endOf(const Eigen::Ref<const Signals4>& samples, bool parabola) {
   const Eigen::Index m = samples.cols();
-  Eigen::Array4d value = Eigen::Array4d::Zero();
+  Eigen::MatrixX3d powers(m, 3);
   for (Eigen::Index i = 0; i < m; ++i) {
-    const double weight = m == 1 ? 1.0 : (2.0 * (2.0 * m - 1.0) - 6.0 * static_cast<double>(i)) / (m * (m + 1.0));
-    value += weight * samples.col(i);
+    const double distance = static_cast<double>(i) / static_cast<double>(m);
+    powers.row(i) << 1.0, distance, parabola ? distance * distance : 0.0;
   }
-  return value;
+  const Eigen::Matrix<double, 3, 4> fitted =
+      powers.completeOrthogonalDecomposition().solve(samples.matrix().transpose());
+  return {fitted.row(0).transpose().array(), fitted.row(2).transpose().array() / static_cast<double>(m * m)};
+}
+
+/// Of each signal: what differs from sample to sample (an encoder's steps), from its third differences.
+Eigen::Array4d noiseOf(const Eigen::Ref<const Signals4>& samples) {
+  constexpr double kSquaresOfWeights = 20.0;  // 1 + 9 + 9 + 1
+  const Eigen::Index n = samples.cols() - 3;
+  const Signals4 third =
+      (samples.middleCols(3, n) - samples.leftCols(n)) - 3.0 * (samples.middleCols(2, n) - samples.middleCols(1, n));
+  return (third.square().rowwise().mean() / kSquaresOfWeights).sqrt();
+}
+
+/// The parabola through these samples; the straight line of those whose curvature may be noise.
+End curvedOr(const End& line, const Eigen::Ref<const Signals4>& samples, const Eigen::Array4d& noise) {
+  const double m = static_cast<double>(samples.cols());
+  const double error = std::sqrt(180.0 / (m * (m * m - 1.0) * (m * m - 4.0)));  // of the curvature, of the noise
+  const End parabola = endOf(samples, true);
+  const Eigen::Array<bool, 4, 1> curved = parabola.curvature.abs() > kSurelyCurved * error * noise;
+  return {curved.select(parabola.value, line.value), curved.select(parabola.curvature, 0.0)};
 }
 
 }  // namespace
@@ -66,6 +101,27 @@ void ZeroPhaseLowPass::apply(Eigen::Ref<Eigen::VectorXd> signal) const {
   Eigen::MatrixXd one = signal;
   applyToColumns(one);
   signal = one.col(0);
+}
+
+/// Fills `pad` samples at either end.
+void ZeroPhaseLowPass::continueBeyondEnds(Four& signals, Eigen::Index pad) const {
+  const Eigen::Index n = signals.cols() - 2 * pad, last = pad + n - 1;
+  const bool parabola = continuation_ == Continuation::Parabola && n > kFewestForParabola;
+  // Reflection doubles its centre: a single odd sample at an end must not become the centre.
+  const Eigen::Index for_line = std::clamp<Eigen::Index>(edge_ / 4, 1, n),
+                     m = parabola ? std::clamp<Eigen::Index>(edge_ / 2, kFewestForParabola, n) : for_line;
+  const Four first = signals.middleCols(pad, m), turned = signals.middleCols(last + 1 - m, m).rowwise().reverse();
+  End start = endOf(first.leftCols(for_line), false), end = endOf(turned.leftCols(for_line), false);
+  if (parabola) {
+    const Eigen::Array4d noise = noiseOf(signals.middleCols(pad, n));
+    start = curvedOr(start, first, noise);
+    end = curvedOr(end, turned, noise);
+  }
+  for (Eigen::Index i = 1; i <= pad; ++i) {
+    const double square = static_cast<double>(i * i);
+    signals.col(pad - i) = 2.0 * (start.value + square * start.curvature) - signals.col(pad + i);
+    signals.col(last + i) = 2.0 * (end.value + square * end.curvature) - signals.col(last - i);
+  }
 }
 
 void ZeroPhaseLowPass::applyToColumns(Eigen::MatrixXd& signals) const {
@@ -77,14 +133,7 @@ void ZeroPhaseLowPass::applyToColumns(Eigen::MatrixXd& signals) const {
     const Eigen::Index count = std::min<Eigen::Index>(4, signals.cols() - from);
     work.setZero();
     work.block(0, pad, count, n) = signals.middleCols(from, count).transpose().array();
-    // Reflection doubles its centre: a single odd sample at an end must not become the centre.
-    const Eigen::Index fitted = std::clamp<Eigen::Index>(edge_ / 4, 1, n);
-    const Eigen::Array4d start = lineAtFirst(work.middleCols(pad, fitted));
-    const Eigen::Array4d end = lineAtFirst(work.middleCols(pad + n - fitted, fitted).rowwise().reverse());
-    for (Eigen::Index i = 0; i < pad; ++i) {
-      work.col(pad - 1 - i) = 2.0 * start - work.col(pad + i + 1);
-      work.col(pad + n + i) = 2.0 * end - work.col(pad + n - 2 - i);
-    }
+    continueBeyondEnds(work, pad);
     for (int direction = 0; direction < 2; ++direction) {
       run(work);
       work = work.rowwise().reverse().eval();
@@ -101,8 +150,12 @@ Eigen::MatrixXd firstDerivative(const Eigen::MatrixXd& x, double h) {
       d.row(i) = (8.0 * (x.row(i + 1) - x.row(i - 1)) - (x.row(i + 2) - x.row(i - 2))) / (12.0 * h);
     } else if (i >= 1 && i + 1 < n) {
       d.row(i) = (x.row(i + 1) - x.row(i - 1)) / (2.0 * h);
+    } else if (n == 2) {
+      d.row(i) = (x.row(1) - x.row(0)) / h;
+    } else if (i == 0) {
+      d.row(i) = (4.0 * x.row(1) - 3.0 * x.row(0) - x.row(2)) / (2.0 * h);
     } else {
-      d.row(i) = i == 0 ? (x.row(1) - x.row(0)) / h : (x.row(i) - x.row(i - 1)) / h;
+      d.row(i) = (3.0 * x.row(i) - 4.0 * x.row(i - 1) + x.row(i - 2)) / (2.0 * h);
     }
   }
   return d;

@@ -250,7 +250,7 @@ Signals resample(const Recording& r, const Eigen::MatrixXd& force_N, const Signa
   const Eigen::MatrixXd raw =
       sampleCubic(time, jumps.empty() ? recorded : recorded - jumpsUntil(jumps, time, recorded.cols()), fine);
   Eigen::MatrixXd position = raw;
-  ZeroPhaseLowPass(options.motion_cutoff_hz, 1.0 / period).applyToColumns(position);
+  ZeroPhaseLowPass(options.motion_cutoff_hz, 1.0 / period, Continuation::Parabola).applyToColumns(position);
 
   Signals s;
   const int step = std::max(1, static_cast<int>(std::floor(1.0 / (period * options.rate_hz) + 0.01)));
@@ -267,7 +267,7 @@ Signals resample(const Recording& r, const Eigen::MatrixXd& force_N, const Signa
   s.acceleration_m_per_s2 = everyNth(secondDerivative(position, period), step, count);
   if (r.motor_m.cols() > 0) {
     Eigen::MatrixXd motor = sampleCubic(time, r.motor_m.bottomRows(rows), fine);
-    ZeroPhaseLowPass(options.motion_cutoff_hz, 1.0 / period).applyToColumns(motor);
+    ZeroPhaseLowPass(options.motion_cutoff_hz, 1.0 / period, Continuation::Parabola).applyToColumns(motor);
     s.motor_m = everyNth(motor, step, count);
   }
   if (r.temperature_degC.cols() > 0)

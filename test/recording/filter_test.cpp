@@ -53,6 +53,18 @@ TEST(ZeroPhaseLowPass, PassesConstantsAndStraightLinesUpToTheEnds) {
   EXPECT_LT((constant.array() - 12.5).abs().maxCoeff(), 1e-9);
 }
 
+TEST(ZeroPhaseLowPass, PassesParabolasUpToTheEndsWhereItIsToldThatItIsAPosition) {
+  const Eigen::ArrayXd t = Eigen::ArrayXd::LinSpaced(300, 0.0, 2.99);
+  const Eigen::VectorXd parabola = 0.7 - 0.01 * t + 0.15 * t.square();
+  Eigen::VectorXd x = parabola, as_line = parabola;
+  ZeroPhaseLowPass(9.0, kRate, Continuation::Parabola).apply(x);
+  ZeroPhaseLowPass(9.0, kRate).apply(as_line);
+  // The filtered parabola lies higher by the same everywhere: its second difference times half the filter's spread.
+  EXPECT_LT((x - parabola).maxCoeff() - (x - parabola).minCoeff(), 1e-7);
+  EXPECT_NEAR(secondDerivative(x, 0.01)(0), 0.3, 1e-3);
+  EXPECT_LT(std::abs(secondDerivative(as_line, 0.01)(0)), 0.15) << "a reflection at a point has no acceleration there";
+}
+
 TEST(ZeroPhaseLowPass, IsLinearAndTreatsTimeBothWaysAlike) {
   std::mt19937 random(3);
   std::normal_distribution<double> normal;
@@ -94,6 +106,8 @@ TEST(Derivatives, AreExactForPolynomialsOfLowDegreeAndOfFourthOrderForSines) {
   }
   const Eigen::MatrixXd v = firstDerivative(x, h), a = secondDerivative(x, h);
   const double w = 2 * M_PI * 3.0;
+  EXPECT_NEAR(v(0, 0), 1.0, 2e-4) << "also at the ends";
+  EXPECT_NEAR(v(299, 0), 1.0 - 2.99 + 0.9 * 2.99 * 2.99, 2e-4);
   for (int i = 2; i < 298; ++i) {
     const double t = i * h;
     EXPECT_NEAR(v(i, 0), 1.0 - t + 0.9 * t * t, 1e-9);
