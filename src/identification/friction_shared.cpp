@@ -15,8 +15,9 @@ constexpr double kSharedErrors =
     0.5;  ///< a law that actuators share may be so many standard errors worse than one's own
 
 /// A law of the velocity that half of the actuators or more have is another one's, too, unless that one's is better by so
-/// many standard errors, or by more than a tenth of what it leaves: few blocks may hold all of the difference.
-constexpr double kFamilyErrors = 2.0, kNearBest = 1.1;
+/// many standard errors (of three quarters of them: so many more), or by more than a tenth of what it leaves: few blocks
+/// may hold all of the difference.
+constexpr double kFamilyErrors = 2.0, kFamilyOfMostErrors = 3.0, kNearBest = 1.1;
 
 }  // namespace
 
@@ -56,12 +57,13 @@ void shareFamily(std::vector<FrictionChoice>& choices) {
     const long alike =
         std::count_if(choices.begin(), choices.end(), [&](const FrictionChoice& c) { return c.family == family; });
     if (alike < 2 || 2 * alike < axes) continue;
+    const double errors = 4 * alike >= 3 * axes ? kFamilyOfMostErrors : kFamilyErrors;
     for (FrictionChoice& choice : choices) {
       const auto own =
           std::find_if(choice.tried.begin(), choice.tried.end(), [&](const TriedLaw& t) { return t.family == family; });
       if (choice.family == family || own == choice.tried.end()) continue;
       const double best = own->held_back - own->beyond_best;
-      if (own->beyond_best > kFamilyErrors * own->standard_error || own->held_back > kNearBest * best) continue;
+      if (own->beyond_best > errors * own->standard_error || own->held_back > kNearBest * best) continue;
       choice.law = own->law;
       choice.family = family;
     }
