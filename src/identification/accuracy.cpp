@@ -15,6 +15,8 @@ struct Sums {
         moving(error),
         resting(error),
         resting_samples(error),
+        since_moved(error),
+        since_moved_samples(error),
         raw(error),
         rows_measured(error),
         measured(error),
@@ -22,7 +24,8 @@ struct Sums {
         low(Eigen::VectorXd::Constant(axes, std::numeric_limits<double>::infinity())),
         high(-low) {}
 
-  Eigen::VectorXd error, moving, resting, resting_samples, raw, rows_measured, measured, largest, low, high;
+  Eigen::VectorXd error, moving, resting, resting_samples, since_moved, since_moved_samples, raw, rows_measured,
+      measured, largest, low, high;
   double samples = 0.0, moving_samples = 0.0, rows = 0.0;
 };
 
@@ -38,14 +41,17 @@ void addSamples(const Observation& o, const Prediction& p, Sums& s) {
   s.samples += static_cast<double>(error.rows());
 }
 
-void addResting(const Observation& o, const Prediction& p, Sums& s) {
+void addSinceMoved(const Observation& o, const Prediction& p, Sums& s) {
   for (int i = 0; i < o.axes(); ++i) {
     bool has_moved = false;
     for (int n = 0; n < o.samples(); ++n) {
       const bool moves = o.axis_moving(n, i);
       has_moved = has_moved || moves;
-      if (moves || !has_moved || !o.usable[static_cast<std::size_t>(n)] || !o.isJudged(n)) continue;
+      if (!has_moved || !o.isJudged(n)) continue;
       const double error = p.force_filtered_N(n, i) - o.force_filtered_N(n, i);
+      s.since_moved[i] += error * error;
+      s.since_moved_samples[i] += 1.0;
+      if (moves || !o.usable[static_cast<std::size_t>(n)]) continue;
       s.resting[i] += error * error;
       s.resting_samples[i] += 1.0;
     }
@@ -54,7 +60,7 @@ void addResting(const Observation& o, const Prediction& p, Sums& s) {
 
 void add(const Observation& o, const Prediction& p, Sums& s) {
   addSamples(o, p, s);
-  addResting(o, p, s);
+  addSinceMoved(o, p, s);
   s.raw += judgedOnly(o.judged_rows, p.row_force_N - o.row_force_N).colwise().squaredNorm().transpose();
   s.rows_measured += judgedOnly(o.judged_rows, o.row_force_N).colwise().squaredNorm().transpose();
   s.rows += static_cast<double>(o.judgedRows());
@@ -90,6 +96,7 @@ Accuracy accuracyOf(const std::vector<Observation>& observations, const std::vec
   a.rms_N = (s.error / s.samples).cwiseSqrt();
   a.rms_moving_N = (s.moving / s.moving_samples).cwiseSqrt();  // 0 / 0 is nan: no such sample
   a.rms_resting_N = s.resting.cwiseQuotient(s.resting_samples).cwiseSqrt();
+  a.rms_since_moved_N = s.since_moved.cwiseQuotient(s.since_moved_samples).cwiseSqrt();
   a.rms_raw_N = (s.raw / s.rows).cwiseSqrt();
   a.raw_percent = 100.0 * (s.raw.array() / s.rows_measured.array()).sqrt();
   a.rms_percent = 100.0 * a.rms_N.cwiseQuotient((s.measured / s.samples).cwiseSqrt());

@@ -33,6 +33,7 @@ Json accuracyJson(const identification::Accuracy& a) {
   return {{"rms_N", jsonArray(a.rms_N)},
           {"rms_moving_N", jsonArray(a.rms_moving_N)},
           {"rms_resting_N", jsonArray(a.rms_resting_N)},
+          {"rms_since_moved_N", jsonArray(a.rms_since_moved_N)},
           {"rms_raw_N", jsonArray(a.rms_raw_N)},
           {"raw_percent", jsonArray(a.raw_percent)},
           {"rms_percent", jsonArray(a.rms_percent)},

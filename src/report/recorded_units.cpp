@@ -58,7 +58,7 @@ class Converter {
       forces(p.row_force_N);
     }
     for (Eigen::VectorXd* v : {&a.accuracy.rms_N, &a.accuracy.rms_moving_N, &a.accuracy.rms_resting_N,
-                               &a.accuracy.rms_raw_N, &a.accuracy.max_N})
+                               &a.accuracy.rms_since_moved_N, &a.accuracy.rms_raw_N, &a.accuracy.max_N})
       forces(*v);
   }
 

@@ -69,6 +69,7 @@ TEST(Accuracy, ComputesTheFiguresOfTheReport) {
   EXPECT_NEAR(a.rms_N[0], 3.0, 1e-9);
   EXPECT_NEAR(a.rms_moving_N[0], 3.0, 1e-9);
   EXPECT_NEAR(a.rms_resting_N[0], 3.0, 1e-9) << "between its movements";
+  EXPECT_NEAR(a.rms_since_moved_N[0], 3.0, 1e-9);
   EXPECT_NEAR(a.max_N[0], 3.0, 1e-9);
   EXPECT_NEAR(a.rms_percent[0], 300.0 / std::sqrt(o.force_filtered_N.squaredNorm() / o.samples()), 1e-9);
   EXPECT_NEAR(a.range_percent[0], 300.0 / (o.force_filtered_N.maxCoeff() - o.force_filtered_N.minCoeff()), 1e-9);
@@ -87,6 +88,22 @@ TEST(Accuracy, SaysNothingAboutMovingSamplesWhereThereAreNone) {
   EXPECT_EQ(a.moving_samples, 0);
   EXPECT_TRUE(std::isnan(a.rms_moving_N[0]));
   EXPECT_TRUE(std::isnan(a.rms_resting_N[1])) << "it has not moved yet: nobody knows what it holds";
+  EXPECT_TRUE(std::isnan(a.rms_since_moved_N[1]));
+  EXPECT_TRUE(std::isfinite(a.rms_since_moved_N[0]));
+}
+
+TEST(Accuracy, HasAFigureWithoutTheRestBeforeAnAxisFirstMoves) {
+  const mechanism::Robot robot = syntheticBench(2);
+  recording::Recording r = syntheticRecording(robot, syntheticModel(robot), 0, 20.0);
+  for (Eigen::Index i = 0; i < r.position_m.cols(); ++i)
+    r.position_m.col(i).head(r.rows() / 4).setConstant(r.position_m(r.rows() / 4, i));
+  const ObservationOptions options;
+  std::vector<Observation> list = {observe(robot, columnsOf(robot), r, options)};
+  Eigen::MatrixXd predicted = list[0].signals.force_N;
+  predicted.topRows(list[0].samples() / 5).array() += 10.0;
+  const Accuracy a = accuracyOf(list, {makePrediction(list[0], predicted, options.cutoff_hz)});
+  EXPECT_GT(a.rms_N.minCoeff(), 4.0);
+  EXPECT_LT(a.rms_since_moved_N.maxCoeff(), 0.05) << "what friction held there is not in the recording";
 }
 
 }  // namespace

@@ -35,15 +35,17 @@ Outcome hiddenEffect(const std::string& arguments) {
 }
 
 /// What `hidden_effect reveal` prints for a hidden spring of 800 N/m, for a found one, and its exit status.
-Outcome reveal(double found_stiffness_N_per_m, double after_N) {
+/// `after_N`: of all samples, and from each axis's first movement on; 3 and 4 N before.
+Outcome reveal(double found_stiffness_N_per_m, double after_N, double since_moved_after_N) {
   const knee_robot::TemporaryFolder folder;
   std::ofstream(folder + "/truth.json") << R"({"name": "spring", "actuator": null, "listed": true, "seed": 1,)"
                                         << R"("parameters": {"stiffness_N_per_m": 800}})";
   std::ofstream(folder + "/report.json")
       << R"({"effects": [{"name": "spring", "actuators": [1, 2], "indistinguishable_from": [], "parameters":)"
       << R"({"stiffness_N_per_m": {"value": )" << found_stiffness_N_per_m << R"(}}}],)"
-      << R"("before": {"validate": {"rms_N": [3, 4]}}, "after": {"validate": {"rms_N": [)" << after_N << ", " << after_N
-      << "]}}}";
+      << R"("before": {"validate": {"rms_N": [3, 4], "rms_since_moved_N": [3, 4]}},)"
+      << R"("after": {"validate": {"rms_N": [)" << after_N << ", " << after_N << R"(], "rms_since_moved_N": [)"
+      << since_moved_after_N << ", " << since_moved_after_N << "]}}}";
   const Outcome outcome =
       hiddenEffect("reveal --truth " + folder.path() + "/truth.json --report " + folder.path() + "/report.json");
   return outcome;
@@ -75,17 +77,32 @@ bool says(const Outcome& outcome, const std::string& words) {
 }
 
 TEST(HiddenEffect, SaysThatANameIsRightAndItsSizeIsNot) {
-  const Outcome poor = reveal(240.0, 1.0);
+  const Outcome poor = reveal(240.0, 1.0, 1.0);
   EXPECT_EQ(poor.status, 0) << poor.text;
   EXPECT_TRUE(says(poor, "800 hidden, 240 found: the name is right, the size is not")) << poor.text;
-  const Outcome good = reveal(790.0, 1.0);
+  const Outcome good = reveal(790.0, 1.0, 1.0);
   EXPECT_TRUE(says(good, "800 hidden, 790 found\n")) << good.text;
 }
 
 TEST(HiddenEffect, FailsTheDemoWhenTheHeldOutErrorDidNotFall) {
-  const Outcome worse = reveal(800.0, 4.0);
+  const Outcome worse = reveal(800.0, 4.0, 4.0);
   EXPECT_EQ(worse.status, 1);
-  EXPECT_TRUE(says(worse, "went UP or stayed")) << worse.text;
+  EXPECT_TRUE(says(worse, "went UP or stayed, 3.54 -> 4.00 N")) << worse.text;
+}
+
+TEST(HiddenEffect, JudgesTheDemoFromTheFirstMovementOnAndShowsTheWholeErrorToo) {
+  const Outcome down = reveal(800.0, 4.0, 2.0);
+  EXPECT_EQ(down.status, 0) << down.text;
+  EXPECT_TRUE(says(down,
+                   "all samples, N (actuators 1 to 4, together):\n   before      3.00     4.00     3.54\n"
+                   "   after       4.00     4.00     4.00\n"))
+      << down.text;
+  EXPECT_TRUE(says(down,
+                   "first movement on, N (actuators 1 to 4, together):\n   before      3.00     4.00     3.54\n"
+                   "   after       2.00     2.00     2.00\n"))
+      << down.text;
+  const Outcome up = reveal(800.0, 1.0, 4.0);
+  EXPECT_EQ(up.status, 1) << "what it holds before it moves is luck: " << up.text;
 }
 
 TEST(HiddenEffect, HidesTheNextSeedsWhereTheDrivesCannotCarryThisOne) {

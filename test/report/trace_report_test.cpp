@@ -65,6 +65,22 @@ TEST(TraceReport, SaysWhatActsInTheHeldOutRecordingsAndHardlyInTraining) {
   EXPECT_EQ(traceVerdict(r).find("hardly acts in training"), std::string::npos) << "nothing was held out";
 }
 
+TEST(TraceReport, SaysWhenTheRestBeforeTheFirstMovementDecidesOverTheHeldOutError) {
+  TraceResults r = traced();
+  r.validate_before.accuracy.rms_N = Eigen::Vector2d(12.0, 5.0);
+  r.validate_after.accuracy.rms_N = Eigen::Vector2d(14.0, 5.0);
+  r.validate_before.accuracy.rms_since_moved_N = Eigen::Vector2d(8.0, std::nan(""));
+  r.validate_after.accuracy.rms_since_moved_N = Eigen::Vector2d(6.0, std::nan(""));
+  EXPECT_NE(traceOutcome(r).find("UP by 14 %, rms of all actuators 9.19 -> 10.5 N; from each axis's first movement on "
+                                 "it went DOWN by 25 %, 8 -> 6 N"),
+            std::string::npos)
+      << traceOutcome(r);
+  r.validate_after.accuracy.rms_N = Eigen::Vector2d(4.0, 4.0);
+  EXPECT_EQ(traceOutcome(r).find("first movement"), std::string::npos) << "both say the same: " << traceOutcome(r);
+  r.validate_after.accuracy.rms_since_moved_N[0] = 9.0;
+  EXPECT_NE(traceOutcome(r).find("first movement on it went UP by 12 %"), std::string::npos) << traceOutcome(r);
+}
+
 TEST(TraceReport, SaysThatTheHeldOutRecordingsRestAndThoseOfTrainingHardlyDo) {
   TraceResults r = traced();
   r.train_before.accuracy.rms_resting_N = r.train_after.accuracy.rms_resting_N = Eigen::Vector2d(0.5, 0.4);

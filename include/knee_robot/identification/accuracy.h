@@ -15,6 +15,9 @@ struct Accuracy {
   Eigen::VectorXd rms_moving_N;  ///< the same, samples at which every axis moves; nan when there is none
   /// The same, samples at which the axis itself rests, once it has moved and the pose is usable; nan when there is none.
   Eigen::VectorXd rms_resting_N;
+  /// All samples from the first movement of each axis on, both sides low-passed: before it, no recording tells what
+  /// friction holds. Nan of an axis that never moves.
+  Eigen::VectorXd rms_since_moved_N;
   Eigen::VectorXd rms_raw_N;      ///< rows of the recording, neither side filtered: the full band
   Eigen::VectorXd raw_percent;    ///< 100 rms_raw_N / rms(rows)
   Eigen::VectorXd rms_percent;    ///< 100 rms_N / rms(measured)
