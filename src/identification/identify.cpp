@@ -282,6 +282,7 @@ Identification identify(const mechanism::Robot& robot, std::vector<Observation>&
   id.columns = columnsOf(robot, options.joint_friction);
   refuseMotionless(robot, training, options.observation);
   refuseSaturated(training);
+  refuseForceless(robot, training, options.observation);
   const std::vector<char> use = usedColumns(id.columns, options.friction);
   const std::vector<double> narrowest = narrowestWidths(robot, options.narrowest_counts);
   const std::vector<FrictionRange> ranges = frictionRanges(robot, training, narrowest, options.without_peak);

@@ -10,6 +10,7 @@
 #include "knee_robot/identification/prior.h"
 #include "knee_robot/identification/reduction.h"
 #include "knee_robot/recording/filter.h"
+#include "shifted_clock.h"
 
 namespace knee_robot::identification {
 namespace {
@@ -42,23 +43,31 @@ std::string whoAre(const mechanism::Robot& robot, const std::vector<int>& who) {
   return joined(who, [&](int i) { return whoIs(robot, i); });
 }
 
-/// rms of the force that the model leaves over rms of the force, usable samples, per actuator.
-Eigen::VectorXd shareLeft(const Eigen::VectorXd& parameters, const std::vector<Observation>& training,
-                          double cutoff_hz) {
+/// rms of what the model leaves, usable samples, per actuator: over rms of the force, and over that about its mean.
+struct Left {
+  Eigen::VectorXd of_force, of_what_varies;
+};
+
+Left leftBy(const Eigen::VectorXd& parameters, const std::vector<Observation>& training, double cutoff_hz) {
   const int axes = training.front().axes();
-  Eigen::VectorXd left = Eigen::VectorXd::Zero(axes), whole = left;
+  Eigen::ArrayXd left = Eigen::ArrayXd::Zero(axes), whole = left, sum = left;
+  double samples = 0.0;
   for (const Observation& o : training) {
-    for (int i = 0; i < axes; ++i) {
-      Eigen::VectorXd force = o.regressor[static_cast<std::size_t>(i)] * parameters;
-      recording::ZeroPhaseLowPass(cutoff_hz, 1.0 / o.signals.period_s).apply(force);
-      for (int n = 0; n < o.samples(); ++n) {
-        if (!o.usable[static_cast<std::size_t>(n)]) continue;
-        left[i] += std::pow(o.force_filtered_N(n, i) - force[n], 2);
-        whole[i] += std::pow(o.force_filtered_N(n, i), 2);
-      }
+    Eigen::MatrixXd force(o.samples(), axes);
+    for (int i = 0; i < axes; ++i)
+      force.col(i) = o.regressor[static_cast<std::size_t>(i)] * parameters;
+    recording::ZeroPhaseLowPass(cutoff_hz, 1.0 / o.signals.period_s).applyToColumns(force);
+    for (int n = 0; n < o.samples(); ++n) {
+      if (!o.usable[static_cast<std::size_t>(n)]) continue;
+      const Eigen::ArrayXd measured = o.force_filtered_N.row(n).transpose().array();
+      left += (measured - force.row(n).transpose().array()).square();
+      whole += measured.square();
+      sum += measured;
+      samples += 1.0;
     }
   }
-  return (left.array() / whole.array().max(1e-300)).sqrt();
+  const Eigen::ArrayXd varies = whole - sum.square() / std::max(1.0, samples);
+  return {(left / whole.max(1e-300)).sqrt(), (left / varies.max(1e-300)).sqrt()};
 }
 
 /// Dry and viscous friction both ended at zero.
@@ -226,23 +235,29 @@ std::string betterReading(const mechanism::Robot& robot, const std::vector<Colum
 std::vector<std::string> doubtsAboutFit(const mechanism::Robot& robot, const std::vector<Column>& columns,
                                         const Eigen::VectorXd& parameters, const std::vector<Observation>& training,
                                         const ObservationOptions& options) {
-  const Eigen::VectorXd left = shareLeft(parameters, training, options.cutoff_hz);
+  const Left left = leftBy(parameters, training, options.cutoff_hz);
   const std::vector<char> frictionless = withoutFriction(columns, parameters, robot.axes());
   std::vector<int> wrong, opposed, bad;
   for (int i = 0; i < robot.axes(); ++i) {
     const bool none = frictionless[static_cast<std::size_t>(i)] != 0;
-    if (none || left[i] > kLooksWrong) wrong.push_back(i);
-    if (left[i] > kNoFit) (none ? opposed : bad).push_back(i);
+    if (none || left.of_force[i] > kLooksWrong) wrong.push_back(i);
+    if (left.of_force[i] > kNoFit) (none ? opposed : bad).push_back(i);
+  }
+  if (!wrong.empty()) {
+    const std::string better = betterReading(robot, columns, training, options, wrong);
+    if (!better.empty()) return {better};
+  }
+  if (left.of_what_varies.maxCoeff() > kUsual) {
+    const std::string shifted = doubtAboutClocks(robot, columns, training, options);
+    if (!shifted.empty()) return {shifted};
   }
   if (wrong.empty()) return {};
-  const std::string better = betterReading(robot, columns, training, options, wrong);
-  if (!better.empty()) return {better};
   std::vector<std::string> doubts;
   for (const int i : opposed) {
     if (!bad.empty()) break;  // then it is not one actuator's sign
     doubts.push_back(whoIs(robot, i) +
                      ": the recorded force opposes what friction needs (dry and viscous friction end at zero, " +
-                     shareText(left[i]) +
+                     shareText(left.of_force[i]) +
                      " of the rms force is left): is its sign, or that of its position, wrong, or "
                      "are columns swapped?");
   }
@@ -250,7 +265,7 @@ std::vector<std::string> doubtsAboutFit(const mechanism::Robot& robot, const std
   bad.insert(bad.end(), opposed.begin(), opposed.end());
   std::sort(bad.begin(), bad.end());
   return {"The model does not describe these data at all: of the rms force of training it leaves " +
-          joined(bad, [&](int i) { return shareText(left[i]) + " at " + whoIs(robot, i); }) +
+          joined(bad, [&](int i) { return shareText(left.of_force[i]) + " at " + whoIs(robot, i); }) +
           ". Check units, order and signs of the columns, and the robot file" +
           (robot.urdf.empty() ? "" : " with its URDF (kg, m)") + "."};
 }

@@ -74,6 +74,23 @@ void refuseMotionless(const mechanism::Robot& robot, const std::vector<Observati
   }
 }
 
+void refuseForceless(const mechanism::Robot& robot, const std::vector<Observation>& training,
+                     const ObservationOptions& options) {
+  for (const Observation& o : training) {
+    const Eigen::VectorXd limits = movingLimits(robot, options, o.signals);
+    for (int i = 0; i < o.axes(); ++i) {
+      const auto force = o.row_force_N.col(i);
+      const bool moves = o.signals.velocity_m_per_s.col(i).cwiseAbs().maxCoeff() > limits[i];
+      if (!moves || force.maxCoeff() > force.minCoeff()) continue;
+      const mechanism::Actuator& a = robot.actuators[static_cast<std::size_t>(i)];
+      throw Refusal(o.path + ": " + (a.name.empty() ? "actuator " + std::to_string(i + 1) : "joint " + a.name) +
+                    " moves, but every row has the same force (" + shortNumber(force[0], 4) + " " +
+                    o.force_unit[static_cast<std::size_t>(i)] +
+                    "): its drive was off, or its command was not recorded; leave this recording out, or record anew");
+    }
+  }
+}
+
 void refuseTooShort(const std::vector<Observation>& training, const Equations& e, const ObservationOptions& options) {
   if (e.duration_s >= kShortestMotion_s && e.blocks >= 2) return;
   throw Refusal("only " + shortNumber(e.duration_s, 3) + " s of usable motion in " + namesOf(training) +

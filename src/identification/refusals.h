@@ -21,6 +21,10 @@ void refuseSaturated(const std::vector<Observation>& training);
 void refuseMotionless(const mechanism::Robot& robot, const std::vector<Observation>& training,
                       const ObservationOptions& options);
 
+/// Forces that change where an actuator moves.
+void refuseForceless(const mechanism::Robot& robot, const std::vector<Observation>& training,
+                     const ObservationOptions& options);
+
 /// Enough samples that are used.
 void refuseTooShort(const std::vector<Observation>& training, const Equations& equations,
                     const ObservationOptions& options);

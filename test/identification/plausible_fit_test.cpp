@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <random>
 
@@ -71,6 +72,28 @@ TEST(PlausibleFit, TellsWhichColumnsWereExchanged) {
           << (doubts.empty() ? "no doubt" : doubts.front());
     }
   }
+}
+
+/// Force rows stamped with the times of others.
+recording::Recording withForcesOf(recording::Recording r, int rows_before) {
+  const Eigen::MatrixXd force_N = r.force_N;
+  for (Eigen::Index k = 0; k < force_N.rows(); ++k)
+    r.force_N.row(k) = force_N.row(std::clamp<Eigen::Index>(k - rows_before, 0, force_N.rows() - 1));
+  return r;
+}
+
+TEST(PlausibleFit, TellsByHowMuchTheClocksOfForcesAndPositionsDiffer) {
+  const mechanism::Robot robot = syntheticRobot(), bench = syntheticBench(2);
+  const std::vector<std::string> early = doubtsAbout(robot, withForcesOf(noisyRecording(robot), -20));
+  EXPECT_TRUE(hasAll(early, {"recorded 0.2 s before", "different clocks"})) << (early.empty() ? "none" : early.front());
+  const std::vector<std::string> late = doubtsAbout(bench, withForcesOf(noisyRecording(bench), 15));
+  EXPECT_TRUE(hasAll(late, {"recorded 0.15 s later", "different clocks"})) << (late.empty() ? "none" : late.front());
+}
+
+TEST(PlausibleFit, LeavesAShortDelayToTracing) {
+  const mechanism::Robot robot = syntheticRobot();
+  const std::vector<std::string> doubts = doubtsAbout(robot, withForcesOf(noisyRecording(robot), 2));
+  EXPECT_TRUE(doubts.empty()) << doubts.front();
 }
 
 TEST(PlausibleFit, SaysOfForcesThatHaveNothingToDoWithTheMotionThatTheyAreNotDescribed) {

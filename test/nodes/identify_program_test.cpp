@@ -108,6 +108,13 @@ TEST(IdentifyProgram, RefusesAnAxisWithoutMotion) {
                 "actuator 2 does not move in");
 }
 
+TEST(IdentifyProgram, RefusesAMotionWithoutForces) {
+  const TemporaryFolder folder;
+  const Signal off = [](double) { return 0.0; };
+  expectRefusal(folder, identify(folder, writeBenchRobot(folder), writeRecording(folder, 30.0, sineMotion, off)),
+                "actuator 1 moves, but every row has the same force (0 N): its drive was off");
+}
+
 TEST(IdentifyProgram, RefusesSaturatedCommands) {
   const TemporaryFolder folder;
   const Signal saturated = [](double t) { return std::fmod(t, 3.0) < 1.0 ? 300.0 : rubbing(t); };
