@@ -3,7 +3,9 @@
 #include <cmath>
 
 #include "knee_robot/identification/recording_units.h"
+#include "test/identification/synthetic.h"
 #include "test/mechanism/configured_robot.h"
+#include "test/refusal.h"
 
 namespace knee_robot::identification {
 namespace {
