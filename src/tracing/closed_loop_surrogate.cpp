@@ -218,6 +218,25 @@ void chooseMass(const mechanism::Robot& robot, const recording::Recording& r, co
   use(best);
 }
 
+/// Opens the loops of axes whose controller was recovered in half of the recordings or fewer: it is one machine's, and what
+/// was taken for it in those is none. `open`: every recording's loop is.
+std::vector<std::string> openWhereFewAreRecovered(std::vector<char>& open, std::vector<SurrogatePlan>& plans) {
+  std::vector<std::string> notes;
+  for (std::size_t i = 0; i < open.size(); ++i) {
+    const auto closed = static_cast<std::size_t>(
+        std::count_if(plans.begin(), plans.end(), [&](const SurrogatePlan& p) { return p.open_loop[i] == 0; }));
+    if (open[i] || 2 * closed > plans.size()) continue;
+    open[i] = 1;
+    for (SurrogatePlan& plan : plans)
+      plan.open_loop[i] = 1;
+    notes.push_back("Actuator " + std::to_string(i + 1) + ": its controller was recovered in " +
+                    std::to_string(closed) + " of " + std::to_string(plans.size()) +
+                    " recordings only, so its surrogates follow the measured motion; they miss part of what reversals "
+                    "leave.");
+  }
+  return notes;
+}
+
 }  // namespace
 
 SurrogatePlan planSurrogate(const mechanism::Robot& robot, const recording::Recording& r,
@@ -261,6 +280,7 @@ std::vector<std::string> openLoops(const Eigen::VectorXd& left_N, const Eigen::V
     for (std::size_t i = 0; i < open.size(); ++i)
       open[i] = open[i] && plan.open_loop[i];
   }
+  std::vector<std::string> notes = openWhereFewAreRecovered(open, plans);
   const auto sticks = [&](std::size_t i) {
     return std::any_of(plans.begin(), plans.end(), [&](const SurrogatePlan& p) { return p.sticks_too_much[i] != 0; });
   };
@@ -270,7 +290,6 @@ std::vector<std::string> openLoops(const Eigen::VectorXd& left_N, const Eigen::V
     closed += !open[i];
     unlike += !open[i] && (sticks(i) || left_N[k] > kTooMuch * real_N[k]);
   }
-  std::vector<std::string> notes;
   for (std::size_t i = 0; i < open.size(); ++i) {
     const Eigen::Index k = static_cast<Eigen::Index>(i);
     const bool more = left_N[k] > kTooMuch * real_N[k];

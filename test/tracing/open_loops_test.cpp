@@ -36,6 +36,13 @@ TEST_F(OpenLoops, OpenWhereASurrogateLeavesMuchMore) {
   EXPECT_EQ(notes_[0].find("Actuator 2: a surrogate in closed loop leaves 3 N, more than the recording (1 N)"), 0u);
 }
 
+TEST_F(OpenLoops, OpenWhereAControllerWasRecoveredInHalfOfTheRecordingsOnly) {
+  plans_[1].open_loop[2] = 1;
+  EXPECT_EQ(after({1.0, 1.0, 1.0, 1.0}), (std::vector<char>{0, 0, 1, 0}));
+  ASSERT_EQ(notes_.size(), 1u);
+  EXPECT_EQ(notes_[0].find("Actuator 3: its controller was recovered in 1 of 2 recordings only"), 0u) << notes_[0];
+}
+
 TEST_F(OpenLoops, OpenEverywhereWhereMostSurrogatesLeaveMuchMore) {
   EXPECT_EQ(after({9.0, 3.0, 5.0, 0.9}), (std::vector<char>{1, 1, 1, 1}));
   ASSERT_EQ(notes_.size(), 4u);
