@@ -42,14 +42,18 @@ double conditionLimit(const mechanism::Robot& robot, const ObservationOptions& o
   return open ? kUsualCondition : robot.singularity_condition_max;
 }
 
-double motionCutoff(const mechanism::Robot& robot, double cutoff_hz, double rate_hz) {
+double encodersAllow(const mechanism::Robot& robot, double rate_hz) {
   double count = 0.0;
   for (const mechanism::Actuator& a : robot.actuators)
     count = std::max(count, a.metresPerCount());
   // White rounding noise, count / sqrt(12), below f, differentiated: count / sqrt(12) * sqrt(2 f / rate) * 2 pi f /
   // sqrt(3).
   const double at_1_hz = count / std::sqrt(12.0) * std::sqrt(2.0 / rate_hz) * 2.0 * kPi / std::sqrt(3.0);
-  return std::clamp(std::pow(kVelocityNoise_m_per_s / at_1_hz, 2.0 / 3.0), 3.0 * cutoff_hz, 5.0 * cutoff_hz);
+  return std::pow(kVelocityNoise_m_per_s / at_1_hz, 2.0 / 3.0);
+}
+
+double motionCutoff(const mechanism::Robot& robot, double cutoff_hz, double rate_hz) {
+  return std::clamp(encodersAllow(robot, rate_hz), 3.0 * cutoff_hz, 5.0 * cutoff_hz);
 }
 
 std::vector<double> forcePerVolt(const mechanism::Robot& robot) {

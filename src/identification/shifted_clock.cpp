@@ -12,14 +12,14 @@
 namespace knee_robot::identification {
 namespace {
 
-constexpr double kTried_s[] = {0.05, 0.075, 0.1, 0.15, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 1.0};
-constexpr double kNearTheBest[] = {0.8, 0.85, 0.9, 0.95, 1.05, 1.1, 1.15, 1.2};
-constexpr double kMuchBetter = 0.5;  ///< of the error
-constexpr double kUsual = 0.05;      ///< what a good fit leaves, as weight of the equations against the prior
-constexpr double kNarrow = 2.0;      ///< encoder counts, as IdentifyOptions
+constexpr double kShifts_s[] = {0.05, 0.075, 0.1, 0.15, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 1.0};
+constexpr double kNearTheBestShift[] = {0.8, 0.85, 0.9, 0.95, 1.05, 1.1, 1.15, 1.2};
+constexpr double kMuchBetterShifted = 0.5;  ///< of the error
+constexpr double kUsualError = 0.05;        ///< what a good fit leaves, as weight of the equations against the prior
+constexpr double kNarrowStop_counts = 2.0;  ///< encoder counts, as IdentifyOptions
 
 /// The signal that was recorded `later_s` after each sample; at the ends, where nothing was, the outermost.
-Eigen::VectorXd taken(const Eigen::VectorXd& force, double later_s, double period_s) {
+Eigen::VectorXd takenLater(const Eigen::VectorXd& force, double later_s, double period_s) {
   Eigen::VectorXd out(force.size());
   const Eigen::Index last = force.size() - 1;
   for (Eigen::Index n = 0; n <= last; ++n) {
@@ -39,7 +39,7 @@ class Shifts {
          const ObservationOptions& options)
       : columns_(columns), axes_(robot.axes()), training_(std::move(training)), options_(options) {
     std::vector<dynamics::FrictionLaw> laws;
-    for (const double width : narrowestWidths(robot, kNarrow))
+    for (const double width : narrowestWidths(robot, kNarrowStop_counts))
       laws.push_back(dynamics::stopLaw(width));
     for (Observation& o : training_)
       setFriction(o, columns, laws);
@@ -64,12 +64,12 @@ class Shifts {
         forces.emplace_back(o.samples(), times);
         for (Eigen::Index k = 0; k < times; ++k)
           forces.back().col(k) =
-              taken(o.signals.force_N.col(i), later_s[static_cast<std::size_t>(k)], o.signals.period_s);
+              takenLater(o.signals.force_N.col(i), later_s[static_cast<std::size_t>(k)], o.signals.period_s);
       }
       const Eigen::MatrixXd at_rows = atRows(training_, options_, equations_, i, std::move(forces));
       Eigen::MatrixXd both(each, n + times - 1);
       both << equations_.a.middleRows(i * each, each), at_rows.leftCols(times - 1);
-      blocks.push_back(compress(both, at_rows.col(times - 1)) / (kUsual * spread_[i]));
+      blocks.push_back(compress(both, at_rows.col(times - 1)) / (kUsualError * spread_[i]));
     }
     Eigen::MatrixXd errors(axes_, times);
     for (Eigen::Index k = 0; k < times; ++k)
@@ -90,7 +90,7 @@ class Shifts {
     Eigen::VectorXd error(axes_);
     for (int i = 0; i < axes_; ++i) {
       const Eigen::MatrixXd& block = these[static_cast<std::size_t>(i)];
-      error[i] = kUsual * (block.leftCols(n) * parameters - block.col(n)).norm() / std::sqrt(rows);
+      error[i] = kUsualError * (block.leftCols(n) * parameters - block.col(n)).norm() / std::sqrt(rows);
     }
     return error;
   }
@@ -104,7 +104,7 @@ class Shifts {
   Eigen::VectorXd spread_;  ///< rms of every force about its mean
 };
 
-Eigen::Index leastOf(const Eigen::MatrixXd& errors) {
+Eigen::Index columnOfLeast(const Eigen::MatrixXd& errors) {
   Eigen::Index least = 0;
   errors.colwise().squaredNorm().minCoeff(&least);
   return least;
@@ -117,16 +117,16 @@ std::string doubtAboutClocks(const mechanism::Robot& robot, const std::vector<Co
   const Shifts shifts(robot, columns, std::move(training), options);
   const Eigen::VectorXd as_recorded = shifts.errorsOf({0.0});
   std::vector<double> tried;
-  for (const double shift : kTried_s)
+  for (const double shift : kShifts_s)
     tried.insert(tried.end(), {shift, -shift});
-  double best_s = tried[static_cast<std::size_t>(leastOf(shifts.errorsOf(tried)))];
+  double best_s = tried[static_cast<std::size_t>(columnOfLeast(shifts.errorsOf(tried)))];
   std::vector<double> near = {best_s};
-  for (const double factor : kNearTheBest)
+  for (const double factor : kNearTheBestShift)
     near.push_back(factor * best_s);
   const Eigen::MatrixXd errors = shifts.errorsOf(near);
-  const Eigen::Index best = leastOf(errors);
+  const Eigen::Index best = columnOfLeast(errors);
   best_s = near[static_cast<std::size_t>(best)];
-  if (errors.col(best).norm() > kMuchBetter * as_recorded.norm()) return "";
+  if (errors.col(best).norm() > kMuchBetterShifted * as_recorded.norm()) return "";
   Eigen::Index worst = 0;
   as_recorded.maxCoeff(&worst);
   const auto percent = [](double share) { return shortNumber(100.0 * share, 2) + " %"; };

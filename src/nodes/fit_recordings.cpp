@@ -8,6 +8,7 @@
 #include "knee_robot/base/errors.h"
 #include "knee_robot/base/files.h"
 #include "knee_robot/base/numbers.h"
+#include "knee_robot/identification/motion_band.h"
 #include "knee_robot/identification/recording_units.h"
 #include "knee_robot/recording/filter.h"
 #include "knee_robot/recording/signals.h"
@@ -74,6 +75,17 @@ recording::CutoffChoice cutoffOf(const mechanism::Robot& robot, const std::vecto
   choice.sentence = "Cut-off " + shortNumber(given_hz, 3) + " Hz, as was asked for. The rule: " + choice.sentence;
   choice.cutoff_hz = given_hz;
   return choice;
+}
+
+void widenMotionBand(const mechanism::Robot& robot, const std::vector<identification::Column>& columns,
+                     const std::vector<recording::Recording>& recordings, identification::ObservationOptions& options,
+                     std::vector<identification::Observation>& training, std::string& sentence) {
+  const identification::MotionBand band =
+      identification::chooseMotionBand(robot, columns, recordings, training, options);
+  if (band.cutoff_hz == 0.0) return;
+  options.setCutoff(options.cutoff_hz, band.cutoff_hz);
+  training = identification::observeAll(robot, columns, recordings, options);
+  sentence += " " + band.sentence;
 }
 
 }  // namespace knee_robot::nodes

@@ -3,6 +3,7 @@
 #include <string>
 #include <vector>
 
+#include "knee_robot/identification/observation.h"
 #include "knee_robot/mechanism/robot.h"
 #include "knee_robot/recording/cutoff.h"
 #include "knee_robot/recording/recording.h"
@@ -27,5 +28,10 @@ void requireFiltering(const std::vector<recording::Recording>& recordings, doubl
 /// The low-pass of both sides: chosen on training recordings, unless it was `given_hz` (0: it was not).
 recording::CutoffChoice cutoffOf(const mechanism::Robot& robot, const std::vector<recording::Recording>& training,
                                  double given_hz);
+
+/// Observes the training recordings anew where a wider low-pass of the positions is chosen (motion_band.h), and says so.
+void widenMotionBand(const mechanism::Robot& robot, const std::vector<identification::Column>& columns,
+                     const std::vector<recording::Recording>& recordings, identification::ObservationOptions& options,
+                     std::vector<identification::Observation>& training, std::string& sentence);
 
 }  // namespace knee_robot::nodes

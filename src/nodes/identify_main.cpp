@@ -42,7 +42,8 @@ void declare(nodes::CommandLine& app, Arguments& a) {
       .within(1e-6, 1e6);
   app.option("--motion-cutoff-hz", a.motion_cutoff_hz,
              "cut-off of the low-pass filter of positions before they are differentiated (default: "
-             "three to five times --cutoff-hz, as the encoders allow); a lower one helps where the "
+             "three to five times --cutoff-hz, as the encoders allow, or wider where the encoders are fine "
+             "and that leaves less of training); a lower one helps where the "
              "motion is slow and the geometry amplifies the encoders' rounding")
       .within(1e-6, 1e6);
   app.option("--rate-hz", a.options.observation.signals.rate_hz,
@@ -164,6 +165,7 @@ int run(const Arguments& a, const std::string& command_line) {
     training = nodes::inUnits(robot, read);
     r.train = identification::observeAll(robot, columns, training, r.options.observation);
   }
+  nodes::widenMotionBand(robot, columns, training, r.options.observation, r.train, r.cutoff.sentence);
   const std::vector<recording::Recording> validation = nodes::inUnits(robot, nodes::readAll(a.validate));
   r.validate = identification::observeAll(robot, columns, validation, r.options.observation);
 

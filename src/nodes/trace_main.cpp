@@ -162,13 +162,15 @@ std::vector<recording::Recording> readTraining(const Arguments& a, mechanism::Ro
     cutoff.cutoff_hz = r.options.start->model.cutoff_hz;
     cutoff.sentence = "Cut-off " + shortNumber(cutoff.cutoff_hz, 3) + " Hz, of the given model.";
   }
-  r.options.observation.setCutoff(cutoff.cutoff_hz);
+  r.options.observation.setCutoff(cutoff.cutoff_hz,
+                                  r.options.start ? r.options.start->model.fit_motion_cutoff_hz : 0.0);
   const std::vector<identification::Column> columns = identification::columnsOf(robot);
   r.train = identification::observeAll(robot, columns, train, r.options.observation);
   if (identification::gainsByUrdf(robot, r.train, r.options.observation)) {
     train = nodes::inUnits(robot, read);
     r.train = identification::observeAll(robot, columns, train, r.options.observation);
   }
+  if (!r.options.start) nodes::widenMotionBand(robot, columns, train, r.options.observation, r.train, cutoff.sentence);
   return train;
 }
 

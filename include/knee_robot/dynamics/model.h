@@ -88,7 +88,8 @@ struct Model {
   std::string robot_fingerprint;   ///< of the robot file that it was identified with
   std::vector<ModelData> data;
   double cutoff_hz = 0.0;
-  double motion_cutoff_hz = 0.0;  ///< low-pass of the positions from which rows are predicted; 0: that of the fit
+  double motion_cutoff_hz = 0.0;      ///< low-pass of the positions from which rows are predicted; 0: that of the fit
+  double fit_motion_cutoff_hz = 0.0;  ///< the same of the fit; 0: what follows from its cut-off and the encoders
   double moving_m_per_s = 0.0;
   int rank = 0;                               ///< directions kept
   std::vector<FrictionLaw> friction;          ///< per actuator: how Coulomb friction acts near rest

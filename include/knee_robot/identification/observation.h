@@ -88,9 +88,12 @@ Eigen::MatrixXd judgedOnly(const std::vector<char>& judged, const Eigen::MatrixX
 /// The limit in force: that of the options, else the robot file's margin, else (when that is wide open, above 1e6) 60.
 double conditionLimit(const mechanism::Robot& robot, const ObservationOptions& options);
 
-/// Low-pass (Hz) of the positions before they are differentiated: as wide as the coarsest encoder allows, so that
-/// friction near rest keeps its shape. Its rounding may leave 0.1 mm/s rms of velocity; three to five times the
-/// cut-off.
+/// Low-pass (Hz) of positions recorded at `rate_hz` through which the coarsest encoder's rounding leaves 0.1 mm/s rms of
+/// velocity.
+double encodersAllow(const mechanism::Robot& robot, double rate_hz);
+
+/// Low-pass (Hz) of the positions before they are differentiated: as wide as the encoders allow, so that friction near
+/// rest keeps its shape; three to five times the cut-off. motion_band.h: a wider one.
 double motionCutoff(const mechanism::Robot& robot, double cutoff_hz, double rate_hz);
 
 /// Signed force per volt of every actuator.

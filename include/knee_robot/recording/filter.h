@@ -42,7 +42,7 @@ class ZeroPhaseLowPass {
   bool active_ = false;
   int padding_ = 0;
   int edge_ = 0;
-  Section sections_[2];
+  Section sections_[2]{};
 };
 
 /// First derivative of uniformly sampled columns by the central five-point formula (fourth order; three-point formulas
