@@ -14,9 +14,9 @@ using dynamics::FrictionKind;
 constexpr double kSharedErrors =
     0.5;  ///< a law that actuators share may be so many standard errors worse than one's own
 
-/// A law of the velocity that half of the actuators or more have is another one's, too, unless that one's is better by so
-/// many standard errors (of three quarters of them: so many more), or by more than a tenth of what it leaves: few blocks
-/// may hold all of the difference.
+/// A law of the velocity that half of the actuators or more have is another one's, too, unless that one's is better by
+/// so many standard errors (of three quarters of them: so many more), or by more than a tenth of what it leaves: few
+/// blocks may hold all of the difference.
 constexpr double kFamilyErrors = 2.0, kFamilyOfMostErrors = 3.0, kNearBest = 1.1;
 
 }  // namespace

@@ -80,6 +80,7 @@ std::string sentenceOf(const FullBand& b, double chosen_hz, double error) {
 
 ObservationOptions fullBandOptions(const ObservationOptions& fit, double motion_cutoff_hz) {
   ObservationOptions options = fit;
+  if (fit.motion_cutoff_given) options.signals.path_cutoff_hz = fit.signals.motion_cutoff_hz;
   options.motion_cutoff_given = true;
   options.signals.motion_cutoff_hz = motion_cutoff_hz;
   options.signals.rate_hz = std::max(fit.signals.rate_hz, kSamplesPerCycle * motion_cutoff_hz);

@@ -179,9 +179,12 @@ Eigen::VectorXd frictionShare(const SlidingPath& path, double width) {
 }
 
 std::vector<SlidingPath> actuatorPaths(const mechanism::Robot& robot, const recording::Signals& s) {
+  const bool own = s.path_m.cols() > 0;
+  const Eigen::MatrixXd &position_m = own ? s.path_m : s.position_m,
+                        &velocity_m_per_s = own ? s.path_velocity_m_per_s : s.velocity_m_per_s;
   std::vector<SlidingPath> paths;
   for (int i = 0; i < robot.axes(); ++i) {
-    paths.push_back(slidingPath(s.position_m.col(i), s.velocity_m_per_s.col(i), s.period_s,
+    paths.push_back(slidingPath(position_m.col(i), velocity_m_per_s.col(i), s.period_s,
                                 s.rounding_left * robot.actuators[static_cast<std::size_t>(i)].metresPerCount()));
     if (s.tremble_m_per_s.cols() > i) paths.back().tremble = s.tremble_m_per_s.col(i);
   }

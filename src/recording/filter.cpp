@@ -58,8 +58,8 @@ namespace {
 
 using Signals4 = Eigen::Array<double, 4, Eigen::Dynamic>;
 
-/// What four signals are at an end, whatever their last samples alone happen to be: value and curvature (the factor of the
-/// square of the distance, in samples).
+/// What four signals are at an end, whatever their last samples alone happen to be: value and curvature (the factor of
+/// the square of the distance, in samples).
 struct End {
   Eigen::Array4d value, curvature;
 };

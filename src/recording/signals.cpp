@@ -264,6 +264,15 @@ Signals resample(const Recording& r, const Eigen::MatrixXd& force_N, const Signa
   s.jumps = jumps;
   if (!jumps.empty()) s.position_m += jumpsUntil(jumps, s.time_s, recorded.cols());
   s.velocity_m_per_s = everyNth(firstDerivative(position, period), step, count);
+  Eigen::MatrixXd path = position;
+  const double path_hz = std::max(options.path_cutoff_hz, options.motion_cutoff_hz);
+  if (path_hz > options.motion_cutoff_hz) {
+    path = raw;
+    ZeroPhaseLowPass(path_hz, 1.0 / period, Continuation::Parabola).applyToColumns(path);
+    s.path_m = everyNth(path, step, count);
+    if (!jumps.empty()) s.path_m += jumpsUntil(jumps, s.time_s, recorded.cols());
+    s.path_velocity_m_per_s = everyNth(firstDerivative(path, period), step, count);
+  }
   s.acceleration_m_per_s2 = everyNth(secondDerivative(position, period), step, count);
   if (r.motor_m.cols() > 0) {
     Eigen::MatrixXd motor = sampleCubic(time, r.motor_m.bottomRows(rows), fine);
@@ -274,9 +283,9 @@ Signals resample(const Recording& r, const Eigen::MatrixXd& force_N, const Signa
     s.temperature_degC = everyNth(sampleCubic(time, r.temperature_degC.bottomRows(rows), fine), step, count);
   s.force_is_measured = r.force_is_measured;
   s.force_N = heldMeans(r.force_is_measured ? midpoints(time) : time, force_N.bottomRows(rows), s.time_s, s.period_s);
-  s.tremble_m_per_s = everyNth(trembleOf(raw, position, period), step, count);
+  s.tremble_m_per_s = everyNth(trembleOf(raw, path, period), step, count);
   markUnknown(time, longest, r.test_pulse.tail(r.test_pulse.size() > 0 ? rows : 0), s);
-  s.rounding_left = std::clamp(6.0 * std::sqrt(2.0 * options.motion_cutoff_hz * period / 12.0), 0.25, 1.0);
+  s.rounding_left = std::clamp(6.0 * std::sqrt(2.0 * path_hz * period / 12.0), 0.25, 1.0);
   s.notes = r.notes;
   noteQuantization(r.position_m.bottomRows(rows), period, options, s);
   noteTiming(time, period, stale, s);

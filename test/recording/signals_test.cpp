@@ -94,6 +94,29 @@ TEST(Resample, ThinsFastRecordingsAfterFiltering) {
   }
 }
 
+TEST(Resample, KeepsFastMotionsOnThePathOfFrictionWhereThatIsLowPassedWider) {
+  std::vector<double> time(4000);
+  for (std::size_t k = 0; k < time.size(); ++k)
+    time[k] = 1e-3 * static_cast<double>(k);
+  Recording r = along(time);
+  const auto fast = [](double t) { return 5e-5 * std::sin(2.0 * M_PI * 20.0 * t); };
+  for (int k = 0; k < r.rows(); ++k)
+    r.position_m(k, 0) += fast(time[static_cast<std::size_t>(k)]);
+  SignalOptions options;
+  options.motion_cutoff_hz = 5.0;
+  EXPECT_EQ(resample(r, r.force_N, options).path_m.cols(), 0) << "one path for both";
+  options.path_cutoff_hz = 80.0;
+  options.rate_hz = 250.0;
+  const Signals s = resample(r, r.force_N, options);
+  ASSERT_EQ(s.path_m.rows(), s.samples());
+  for (int n = 50; n + 50 < s.samples(); ++n) {
+    const double t = s.time_s[static_cast<std::size_t>(n)];
+    EXPECT_NEAR(s.position_m(n, 0), path(t), 5e-6) << "the motion";
+    EXPECT_NEAR(s.path_m(n, 0), path(t) + fast(t), 2e-6) << "the path";
+  }
+  EXPECT_LT(s.tremble_m_per_s.mean(), 2e-4) << "what is on the path is no tremble: 4 mm/s of it";
+}
+
 TEST(Resample, MarksGapsAsUnknownAndSaysSo) {
   std::vector<double> t = jitteredTimes(1000, 0.01, 0.0005, 4);
   t.erase(t.begin() + 400, t.begin() + 450);  // half a second

@@ -22,7 +22,8 @@ struct FullBand {
 using RowPredictor = std::function<Eigen::MatrixXd(Observation&, int recording)>;
 
 /// How a recording is observed for predictions of its rows: positions low-passed at `motion_cutoff_hz`, on a grid fine
-/// enough for it, at most the recording's own.
+/// enough for it, at most the recording's own. Where the fit's low-pass was chosen (motion_band.h) or given, friction acts
+/// along positions of that one, if it is wider: they are not differentiated.
 ObservationOptions fullBandOptions(const ObservationOptions& fit, double motion_cutoff_hz);
 
 /// Chooses the low-pass of the positions, narrower or wider than that of the fit, by the error of the training

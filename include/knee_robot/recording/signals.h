@@ -11,6 +11,7 @@ namespace knee_robot::recording {
 /// How a recording is brought onto a uniform grid.
 struct SignalOptions {
   double motion_cutoff_hz = 9.0;  ///< zero-phase low-pass of the positions before they are differentiated
+  double path_cutoff_hz = 0.0;    ///< of the positions along which friction acts, where that is wider
   double rate_hz = 100.0;         ///< of the result, at most; a slower recording keeps its own rate
   /// A longer interval without rows than both of these is a gap: nothing is known of the motion in it. The cubic between
   /// the rows follows a motion at the cut-off to 0.7 % over a fifth of its cycle (2 pi / 5)^4 / 384.
@@ -27,9 +28,11 @@ struct Signals {
   Eigen::MatrixXd position_m;     ///< low-passed at motion_cutoff_hz
   Eigen::MatrixXd velocity_m_per_s;
   Eigen::MatrixXd acceleration_m_per_s2;
+  /// Positions and velocity along which friction acts, low-passed wider; no columns: the ones above.
+  Eigen::MatrixXd path_m, path_velocity_m_per_s;
   Eigen::MatrixXd force_N;  ///< mean of the held command over the grid interval around the sample; otherwise unfiltered
   bool force_is_measured = false;  ///< then force_N is the force at the sample (Recording::force_is_measured)
-  /// Way of the recorded position beyond that of position_m, per time, over 0.2 s around the sample; never negative:
+  /// Way of the recorded position beyond that of position_m (or path_m), per time, over 0.2 s around the sample; never negative:
   /// vibration too fast or too small for position_m.
   Eigen::MatrixXd tremble_m_per_s;
   Eigen::MatrixXd motor_m;           ///< second encoder, treated as position_m; no columns when there is none
