@@ -26,9 +26,11 @@ double slowestRecorded(const std::vector<recording::Recording>& recordings) {
 
 /// Geometric mean over the actuators of the rms of what a model leaves along the positions that it was fitted from, all
 /// samples, both sides low-passed: what an effect leaves on one of them hides nothing of the others.
-double errorOfFit(const mechanism::Robot& robot, std::vector<Observation> training, const ObservationOptions& options) {
+double errorOfFit(const mechanism::Robot& robot, const std::vector<Column>& columns, std::vector<Observation> training,
+                  const ObservationOptions& options) {
   IdentifyOptions fit;
   fit.observation = options;
+  fit.joint_friction = columns.size() > columnsOf(robot).size();
   fit.uncertainty = false;
   const Identification id = identify(robot, training, fit);
   const Applied applied = applyModel(id.model, robot, training, options.cutoff_hz);
@@ -51,7 +53,7 @@ MotionBand chooseMotionBand(const mechanism::Robot& robot, const std::vector<Col
   inParallel(tried_hz.size(), [&](std::size_t k) {
     ObservationOptions wide = options;
     if (k > 0) wide.setCutoff(options.cutoff_hz, tried_hz[k]);
-    error[k] = errorOfFit(robot, k > 0 ? observeAll(robot, columns, recordings, wide) : training, wide);
+    error[k] = errorOfFit(robot, columns, k > 0 ? observeAll(robot, columns, recordings, wide) : training, wide);
   });
   const auto best = std::min_element(error.begin(), error.end());
   if (*best > kWorthWidening * error.front()) return {};

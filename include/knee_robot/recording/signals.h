@@ -32,8 +32,8 @@ struct Signals {
   Eigen::MatrixXd path_m, path_velocity_m_per_s;
   Eigen::MatrixXd force_N;  ///< mean of the held command over the grid interval around the sample; otherwise unfiltered
   bool force_is_measured = false;  ///< then force_N is the force at the sample (Recording::force_is_measured)
-  /// Way of the recorded position beyond that of position_m (or path_m), per time, over 0.2 s around the sample; never negative:
-  /// vibration too fast or too small for position_m.
+  /// Way of the recorded position beyond that of position_m (or path_m), per time, over 0.2 s around the sample; never
+  /// negative: vibration too fast or too small for it.
   Eigen::MatrixXd tremble_m_per_s;
   Eigen::MatrixXd motor_m;           ///< second encoder, treated as position_m; no columns when there is none
   Eigen::MatrixXd temperature_degC;  ///< no columns when there is none
