@@ -12,7 +12,7 @@
 namespace knee_robot::identification {
 namespace {
 
-constexpr double kShifts_s[] = {0.05, 0.075, 0.1, 0.15, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 1.0};
+constexpr double kShifts_s[] = {0.125, 0.15, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 1.0};
 constexpr double kNearTheBestShift[] = {0.8, 0.85, 0.9, 0.95, 1.05, 1.1, 1.15, 1.2};
 constexpr double kMuchBetterShifted = 0.5;  ///< of the error
 constexpr double kUsualError = 0.05;        ///< what a good fit leaves, as weight of the equations against the prior
