@@ -6,10 +6,8 @@
 
 #include "knee_robot/base/numbers.h"
 #include "knee_robot/base/words.h"
-#include "knee_robot/identification/identify.h"
-#include "knee_robot/identification/prior.h"
-#include "knee_robot/identification/reduction.h"
 #include "knee_robot/recording/filter.h"
+#include "other_forces.h"
 #include "shifted_clock.h"
 
 namespace knee_robot::identification {
@@ -18,11 +16,10 @@ namespace {
 // Of the force's rms. Recordings of real robots leave up to 20 % in training; half is no description any more.
 constexpr double kLooksWrong = 0.25;  ///< from here on other signs and orders are tried
 constexpr double kNoFit = 0.5;
-constexpr double kMuchBetter = 0.5;    ///< of the error: what a wrong sign or order must leave at most
-constexpr double kAsGood = 1.1;        ///< of the best squared error: then the smaller change is the explanation
-constexpr double kNarrow = 2.0;        ///< encoder counts, as IdentifyOptions
-constexpr double kUsual = 0.05;        ///< what a good fit leaves, as weight of the equations against the prior
-constexpr std::size_t kMostFlips = 7;  ///< actuators whose signs are combined: 128 fits
+constexpr double kMuchBetter = 0.5;        ///< of the error: what a wrong sign or order must leave at most
+constexpr double kAsGood = 1.1;            ///< of the best squared error: then the smaller change is the explanation
+constexpr double kClockLooksWrong = 0.05;  ///< of what varies in a force: from here on other times are tried
+constexpr std::size_t kMostFlips = 7;      ///< actuators whose signs are combined: 128 fits
 
 /// Which recorded force every actuator is fitted to, and with which sign.
 struct Reading {
@@ -32,11 +29,6 @@ struct Reading {
   std::string question;  ///< what to look at
   std::vector<int> who;  ///< actuators that it changes
 };
-
-std::string whoIs(const mechanism::Robot& robot, int i) {
-  const std::string& name = robot.actuators[static_cast<std::size_t>(i)].name;
-  return name.empty() ? "actuator " + std::to_string(i + 1) : "joint " + name;
-}
 
 std::string whoAre(const mechanism::Robot& robot, const std::vector<int>& who) {
   if (static_cast<int>(who.size()) == robot.axes() && who.size() > 2) return "all actuators";
@@ -140,49 +132,18 @@ std::vector<Reading> otherReadings(int axes, const std::vector<int>& wrong) {
 /// The equations of every actuator beside the forces of all: any reading of the recording can be fitted to them.
 class Readings {
  public:
-  /// Coulomb columns are those of narrow stops: the laws near rest were chosen for the recording as it is.
-  Readings(const mechanism::Robot& robot, const std::vector<Column>& columns, std::vector<Observation> training,
-           const ObservationOptions& options)
-      : columns_(columns), axes_(robot.axes()) {
-    std::vector<dynamics::FrictionLaw> laws;
-    for (const double width : narrowestWidths(robot, kNarrow))
-      laws.push_back(dynamics::stopLaw(width));
-    for (Observation& o : training)
-      setFriction(o, columns, laws);
-    const Equations e = stackEquations(training, options);
-    rows_ = static_cast<double>(e.rows()) / axes_;
-    const Eigen::VectorXd force_rms = rmsPerActuator(e, e.b).array().max(1e-9);
-    prior_ = priorOf(robot, columns, force_rms);
-    const Eigen::Index each = e.rows() / axes_;
-    const Eigen::MatrixXd forces = e.b.reshaped(each, axes_);
-    spread_ = ((forces.rowwise() - forces.colwise().mean()).colwise().norm() / std::sqrt(rows_)).transpose();
-    spread_ = spread_.array().max(1e-9);
-    for (int i = 0; i < axes_; ++i) {
-      Eigen::MatrixXd both(each, e.a.cols() + axes_ - 1);
-      both << e.a.middleRows(i * each, each), forces.leftCols(axes_ - 1);
-      blocks_.push_back(compress(both, forces.col(axes_ - 1)));
-    }
+  explicit Readings(const OtherForces& equations) : equations_(equations) {
+    const Eigen::MatrixXd forces = equations.recorded();
+    for (int i = 0; i < equations.axes(); ++i)
+      blocks_.push_back(equations.beside(i, forces));
   }
 
   /// rms error over the spread of the force, per actuator.
   Eigen::VectorXd errorOf(const Reading& r) const {
-    const Eigen::Index n = static_cast<Eigen::Index>(columns_.size());
-    std::vector<Eigen::MatrixXd> weighted;
-    for (int i = 0; i < axes_; ++i) {
-      const std::size_t at = static_cast<std::size_t>(i);
-      Eigen::MatrixXd block(blocks_[at].rows(), n + 1);
-      block << blocks_[at].leftCols(n), r.sign[at] * blocks_[at].col(n + r.source[at]);
-      weighted.push_back(block / (kUsual * spread_[r.source[at]]));
-    }
-    const Reduction reduction =
-        reduce(joinBlocks(weighted, -1), columns_, std::vector<char>(columns_.size(), 1), prior_);
-    const Eigen::VectorXd parameters = toParameters(reduction, solveWithPrior(reduction, reduction.maximalRank(), 1.0));
-    Eigen::VectorXd error(axes_);
-    for (int i = 0; i < axes_; ++i) {
-      const Eigen::MatrixXd& block = weighted[static_cast<std::size_t>(i)];
-      error[i] = kUsual * (block.leftCols(n) * parameters - block.col(n)).norm() / std::sqrt(rows_);
-    }
-    return error;
+    std::vector<OtherForces::Force> forces;
+    for (std::size_t i = 0; i < blocks_.size(); ++i)
+      forces.push_back({r.source[i], r.sign[i], r.source[i]});
+    return equations_.errorOf(blocks_, forces);
   }
 
   /// The one that explains much more than the recording as it is; null: none.
@@ -199,11 +160,7 @@ class Readings {
   }
 
  private:
-  const std::vector<Column>& columns_;
-  int axes_;
-  double rows_ = 0.0;
-  Prior prior_;
-  Eigen::VectorXd spread_;               ///< rms of every force about its mean
+  const OtherForces& equations_;
   std::vector<Eigen::MatrixXd> blocks_;  ///< per actuator: its columns, then the forces of all
 };
 
@@ -216,7 +173,8 @@ std::string shareText(double share) {
 std::string betterReading(const mechanism::Robot& robot, const std::vector<Column>& columns,
                           const std::vector<Observation>& training, const ObservationOptions& options,
                           const std::vector<int>& wrong) {
-  const Readings readings(robot, columns, training, options);
+  const OtherForces equations(robot, columns, training, options, narrowStops(robot));
+  const Readings readings(equations);
   const std::vector<Reading> others = otherReadings(robot.axes(), wrong);
   const Eigen::VectorXd before = readings.errorOf(asRecorded(robot.axes()));
   const Reading* best = readings.better(others, before);
@@ -247,7 +205,7 @@ std::vector<std::string> doubtsAboutFit(const mechanism::Robot& robot, const std
     const std::string better = betterReading(robot, columns, training, options, wrong);
     if (!better.empty()) return {better};
   }
-  if (left.of_what_varies.maxCoeff() > kUsual) {
+  if (left.of_what_varies.maxCoeff() > kClockLooksWrong) {
     const std::string shifted = doubtAboutClocks(robot, columns, training, options);
     if (!shifted.empty()) return {shifted};
   }

@@ -7,6 +7,7 @@
 #include "knee_robot/base/numbers.h"
 #include "knee_robot/base/words.h"
 #include "masking.h"
+#include "other_forces.h"
 
 namespace knee_robot::identification {
 namespace {
@@ -60,8 +61,7 @@ void refuseMotionless(const mechanism::Robot& robot, const std::vector<Observati
     if (moves) continue;
     const mechanism::Actuator& a = robot.actuators[static_cast<std::size_t>(i)];
     if (fastest < kNoMotion_m_per_s) {
-      const std::string who = a.name.empty() ? "actuator " + std::to_string(i + 1) : "joint " + a.name;
-      throw Refusal(who + " does not move in " + namesOf(training) + "; record a motion of all of them");
+      throw Refusal(whoIs(robot, i) + " does not move in " + namesOf(training) + "; record a motion of all of them");
     }
     if (!a.name.empty()) {
       throw Refusal("joint " + a.name + " does not move in " + namesOf(training) +
@@ -82,10 +82,8 @@ void refuseForceless(const mechanism::Robot& robot, const std::vector<Observatio
       const auto force = o.row_force_N.col(i);
       const bool moves = o.signals.velocity_m_per_s.col(i).cwiseAbs().maxCoeff() > limits[i];
       if (!moves || force.maxCoeff() > force.minCoeff()) continue;
-      const mechanism::Actuator& a = robot.actuators[static_cast<std::size_t>(i)];
-      throw Refusal(o.path + ": " + (a.name.empty() ? "actuator " + std::to_string(i + 1) : "joint " + a.name) +
-                    " moves, but every row has the same force (" + shortNumber(force[0], 4) + " " +
-                    o.force_unit[static_cast<std::size_t>(i)] +
+      throw Refusal(o.path + ": " + whoIs(robot, i) + " moves, but every row has the same force (" +
+                    shortNumber(force[0], 4) + " " + o.force_unit[static_cast<std::size_t>(i)] +
                     "): its drive was off, or its command was not recorded; leave this recording out, or record anew");
     }
   }

@@ -4,19 +4,15 @@
 #include <cmath>
 
 #include "knee_robot/base/numbers.h"
-#include "knee_robot/identification/equations.h"
-#include "knee_robot/identification/identify.h"
-#include "knee_robot/identification/prior.h"
-#include "knee_robot/identification/reduction.h"
+#include "other_forces.h"
 
 namespace knee_robot::identification {
 namespace {
 
 constexpr double kShifts_s[] = {0.125, 0.15, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 1.0};
 constexpr double kNearTheBestShift[] = {0.8, 0.85, 0.9, 0.95, 1.05, 1.1, 1.15, 1.2};
-constexpr double kMuchBetterShifted = 0.5;  ///< of the error
-constexpr double kUsualError = 0.05;        ///< what a good fit leaves, as weight of the equations against the prior
-constexpr double kNarrowStop_counts = 2.0;  ///< encoder counts, as IdentifyOptions
+const double kSpeedsTried_m_per_s[] = {5e-4, 2e-3};  ///< of tanh, beside narrow stops
+constexpr double kMuchBetterShifted = 0.5;           ///< of the error
 
 /// The signal that was recorded `later_s` after each sample; at the ends, where nothing was, the outermost.
 Eigen::VectorXd takenLater(const Eigen::VectorXd& force, double later_s, double period_s) {
@@ -31,109 +27,81 @@ Eigen::VectorXd takenLater(const Eigen::VectorXd& force, double later_s, double 
   return out;
 }
 
-/// The equations of every actuator beside its force, taken at several times.
-class Shifts {
- public:
-  /// Coulomb columns are those of narrow stops: the laws near rest were chosen for the recording as it is.
-  Shifts(const mechanism::Robot& robot, const std::vector<Column>& columns, std::vector<Observation> training,
-         const ObservationOptions& options)
-      : columns_(columns), axes_(robot.axes()), training_(std::move(training)), options_(options) {
-    std::vector<dynamics::FrictionLaw> laws;
-    for (const double width : narrowestWidths(robot, kNarrowStop_counts))
-      laws.push_back(dynamics::stopLaw(width));
-    for (Observation& o : training_)
-      setFriction(o, columns, laws);
-    equations_ = stackEquations(training_, options);
-    const Eigen::VectorXd force_rms = rmsPerActuator(equations_, equations_.b).array().max(1e-9);
-    prior_ = priorOf(robot, columns, force_rms);
-    const Eigen::Index each = equations_.rows() / axes_;
-    const Eigen::MatrixXd forces = equations_.b.reshaped(each, axes_);
-    spread_ = (forces.rowwise() - forces.colwise().mean()).colwise().norm().transpose() / std::sqrt(each);
-    spread_ = spread_.array().max(1e-9);
-  }
-
-  /// rms error over the spread of the force, per actuator and time.
-  Eigen::MatrixXd errorsOf(const std::vector<double>& later_s) const {
-    const Eigen::Index n = static_cast<Eigen::Index>(columns_.size()),
-                       times = static_cast<Eigen::Index>(later_s.size());
-    const Eigen::Index each = equations_.rows() / axes_;
-    std::vector<Eigen::MatrixXd> blocks;
-    for (int i = 0; i < axes_; ++i) {
-      std::vector<Eigen::MatrixXd> forces;
-      for (const Observation& o : training_) {
-        forces.emplace_back(o.samples(), times);
-        for (Eigen::Index k = 0; k < times; ++k)
-          forces.back().col(k) =
-              takenLater(o.signals.force_N.col(i), later_s[static_cast<std::size_t>(k)], o.signals.period_s);
-      }
-      const Eigen::MatrixXd at_rows = atRows(training_, options_, equations_, i, std::move(forces));
-      Eigen::MatrixXd both(each, n + times - 1);
-      both << equations_.a.middleRows(i * each, each), at_rows.leftCols(times - 1);
-      blocks.push_back(compress(both, at_rows.col(times - 1)) / (kUsualError * spread_[i]));
+/// rms error over what varies in the force, per actuator and time.
+Eigen::MatrixXd errorsOf(const OtherForces& equations, const std::vector<double>& later_s) {
+  const Eigen::Index times = static_cast<Eigen::Index>(later_s.size());
+  std::vector<Eigen::MatrixXd> blocks;
+  std::vector<OtherForces::Force> force;
+  for (int i = 0; i < equations.axes(); ++i) {
+    std::vector<Eigen::MatrixXd> forces;
+    for (const Observation& o : equations.training()) {
+      forces.emplace_back(o.samples(), times);
+      for (Eigen::Index k = 0; k < times; ++k)
+        forces.back().col(k) =
+            takenLater(o.signals.force_N.col(i), later_s[static_cast<std::size_t>(k)], o.signals.period_s);
     }
-    Eigen::MatrixXd errors(axes_, times);
-    for (Eigen::Index k = 0; k < times; ++k)
-      errors.col(k) = errorOf(blocks, n + k, each);
-    return errors;
+    blocks.push_back(equations.beside(i, equations.at(i, std::move(forces))));
+    force.push_back({0, 1.0, i});
   }
-
- private:
-  Eigen::VectorXd errorOf(const std::vector<Eigen::MatrixXd>& blocks, Eigen::Index force, Eigen::Index rows) const {
-    const Eigen::Index n = static_cast<Eigen::Index>(columns_.size());
-    std::vector<Eigen::MatrixXd> these;
-    for (const Eigen::MatrixXd& block : blocks) {
-      these.emplace_back(block.rows(), n + 1);
-      these.back() << block.leftCols(n), block.col(force);
-    }
-    const Reduction reduction = reduce(joinBlocks(these, -1), columns_, std::vector<char>(columns_.size(), 1), prior_);
-    const Eigen::VectorXd parameters = toParameters(reduction, solveWithPrior(reduction, reduction.maximalRank(), 1.0));
-    Eigen::VectorXd error(axes_);
-    for (int i = 0; i < axes_; ++i) {
-      const Eigen::MatrixXd& block = these[static_cast<std::size_t>(i)];
-      error[i] = kUsualError * (block.leftCols(n) * parameters - block.col(n)).norm() / std::sqrt(rows);
-    }
-    return error;
+  Eigen::MatrixXd errors(equations.axes(), times);
+  for (Eigen::Index k = 0; k < times; ++k) {
+    for (OtherForces::Force& f : force)
+      f.column = k;
+    errors.col(k) = equations.errorOf(blocks, force);
   }
+  return errors;
+}
 
-  const std::vector<Column>& columns_;
-  int axes_;
-  std::vector<Observation> training_;
-  const ObservationOptions& options_;
-  Equations equations_;
-  Prior prior_;
-  Eigen::VectorXd spread_;  ///< rms of every force about its mean
+/// A time at which forces are taken, and what is left with them, per actuator.
+struct Shift {
+  double later_s = 0.0;
+  Eigen::VectorXd error;
 };
 
-Eigen::Index columnOfLeast(const Eigen::MatrixXd& errors) {
+Shift leastOfShifts(const OtherForces& equations, const std::vector<double>& later_s) {
+  const Eigen::MatrixXd errors = errorsOf(equations, later_s);
   Eigen::Index least = 0;
   errors.colwise().squaredNorm().minCoeff(&least);
-  return least;
+  return {later_s[static_cast<std::size_t>(least)], errors.col(least)};
+}
+
+void keepBetter(const Shift& other, Shift& best) {
+  if (best.error.size() == 0 || other.error.norm() < best.error.norm()) best = other;
+}
+
+/// Laws near rest, of which the best is believed: one that builds up too fast or too late looks like another time.
+std::vector<std::vector<dynamics::FrictionLaw>> lawsToTry(const mechanism::Robot& robot) {
+  std::vector<std::vector<dynamics::FrictionLaw>> all = {narrowStops(robot)};
+  for (const double speed : kSpeedsTried_m_per_s)
+    all.emplace_back(static_cast<std::size_t>(robot.axes()), dynamics::smoothLaw(speed));
+  return all;
 }
 
 }  // namespace
 
 std::string doubtAboutClocks(const mechanism::Robot& robot, const std::vector<Column>& columns,
-                             std::vector<Observation> training, const ObservationOptions& options) {
-  const Shifts shifts(robot, columns, std::move(training), options);
-  const Eigen::VectorXd as_recorded = shifts.errorsOf({0.0});
+                             const std::vector<Observation>& training, const ObservationOptions& options) {
   std::vector<double> tried;
   for (const double shift : kShifts_s)
     tried.insert(tried.end(), {shift, -shift});
-  double best_s = tried[static_cast<std::size_t>(columnOfLeast(shifts.errorsOf(tried)))];
-  std::vector<double> near = {best_s};
-  for (const double factor : kNearTheBestShift)
-    near.push_back(factor * best_s);
-  const Eigen::MatrixXd errors = shifts.errorsOf(near);
-  const Eigen::Index best = columnOfLeast(errors);
-  best_s = near[static_cast<std::size_t>(best)];
-  if (errors.col(best).norm() > kMuchBetterShifted * as_recorded.norm()) return "";
+  Shift as_recorded, best;
+  for (const std::vector<dynamics::FrictionLaw>& laws : lawsToTry(robot)) {
+    const OtherForces equations(robot, columns, training, options, laws);
+    keepBetter(leastOfShifts(equations, {0.0}), as_recorded);
+    const Shift coarse = leastOfShifts(equations, tried);
+    std::vector<double> near = {coarse.later_s};
+    for (const double factor : kNearTheBestShift)
+      near.push_back(factor * coarse.later_s);
+    keepBetter(leastOfShifts(equations, near), best);
+  }
+  if (best.error.norm() > kMuchBetterShifted * as_recorded.error.norm()) return "";
   Eigen::Index worst = 0;
-  as_recorded.maxCoeff(&worst);
+  as_recorded.error.maxCoeff(&worst);
   const auto percent = [](double share) { return shortNumber(100.0 * share, 2) + " %"; };
-  return "With the forces recorded " + shortNumber(std::abs(best_s), 2) + " s " + (best_s > 0.0 ? "later" : "before") +
-         " the positions the model leaves " + percent(errors(worst, best)) +
-         " of what varies in the force of actuator " + std::to_string(worst + 1) + ", with those of the same time " +
-         percent(as_recorded[worst]) +
+  return "With the forces recorded " + shortNumber(std::abs(best.later_s), 2) + " s " +
+         (best.later_s > 0.0 ? "later" : "before") + " the positions the model leaves " + percent(best.error[worst]) +
+         " of what varies in the force of " + whoIs(robot, static_cast<int>(worst)) + ", with those of the same time " +
+         percent(as_recorded.error[worst]) +
          ": were forces and positions stamped by different clocks, or forces stamped when they arrived?";
 }
 

@@ -11,6 +11,6 @@ namespace knee_robot::identification {
 /// than recorded: positions and forces were stamped by different clocks, or by what arrived late. Empty otherwise. What
 /// a drive or a filter delays is shorter, and tracing's (delay, drive_lag, sensor_lag).
 std::string doubtAboutClocks(const mechanism::Robot& robot, const std::vector<Column>& columns,
-                             std::vector<Observation> training, const ObservationOptions& options);
+                             const std::vector<Observation>& training, const ObservationOptions& options);
 
 }  // namespace knee_robot::identification

@@ -21,7 +21,7 @@ double together(const Eigen::VectorXd& rms_N) {
 
 /// What an error did: "went DOWN by 7 %" and its numbers.
 struct Change {
-  explicit Change(const Eigen::VectorXd& before_N, const Eigen::VectorXd& after_N)
+  Change(const Eigen::VectorXd& before_N, const Eigen::VectorXd& after_N)
       : from(together(before_N)), to(together(after_N)) {}
   double relative() const { return from > 0.0 ? to / from - 1.0 : 0.0; }
   int direction() const { return std::abs(relative()) < kSame ? 0 : relative() < 0.0 ? -1 : 1; }

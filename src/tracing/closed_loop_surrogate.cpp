@@ -218,8 +218,8 @@ void chooseMass(const mechanism::Robot& robot, const recording::Recording& r, co
   use(best);
 }
 
-/// Opens the loops of axes whose controller was recovered in half of the recordings or fewer: it is one machine's, and
-/// what was taken for it in those is none. `open`: every recording's loop is.
+/// Opens the loops of axes whose controller was recovered in half of the recordings or fewer: all are one machine's, and
+/// what few of them show is not its controller. `open`: the loop of every recording is.
 std::vector<std::string> openWhereFewAreRecovered(std::vector<char>& open, std::vector<SurrogatePlan>& plans) {
   std::vector<std::string> notes;
   for (std::size_t i = 0; i < open.size(); ++i) {

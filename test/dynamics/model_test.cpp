@@ -73,8 +73,10 @@ Model someModel(const mechanism::Robot& robot, unsigned seed) {
 
 TEST(ModelFile, IsReadBackExactly) {
   const mechanism::Robot robot = parallelRobot();
-  const Model m = someModel(robot, 1);
+  Model m = someModel(robot, 1);
+  m.fit_motion_cutoff_hz = 42.5;
   const Model r = parseModel(modelToYaml(m), "model.yaml");
+  EXPECT_EQ(r.fit_motion_cutoff_hz, 42.5);
   EXPECT_EQ(r.kind, m.kind);
   EXPECT_EQ(r.rank, m.rank);
   EXPECT_EQ(r.data[0].file, m.data[0].file);

@@ -262,5 +262,14 @@ TEST(Baseline, OfTraceIsTheModelOfIdentify) {
   }
 }
 
+TEST(PredictModel, LooksAtPositionsThroughTheLowPassThatTheModelWasFittedWith) {
+  dynamics::Model model;
+  model.cutoff_hz = 4.0;
+  EXPECT_FALSE(observationOptions(model).motion_cutoff_given) << "as the encoders allow";
+  model.fit_motion_cutoff_hz = 60.0;
+  EXPECT_TRUE(observationOptions(model).motion_cutoff_given);
+  EXPECT_EQ(observationOptions(model).signals.motion_cutoff_hz, 60.0);
+}
+
 }  // namespace
 }  // namespace knee_robot::tracing
