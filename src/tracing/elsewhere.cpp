@@ -12,6 +12,7 @@
 #include "knee_robot/recording/filter.h"
 #include "refit.h"
 #include "selection.h"
+#include "settle_laws.h"
 #include "stretches.h"
 
 namespace knee_robot::tracing {
@@ -207,13 +208,16 @@ bool helpsElsewhere(Search& s, const BaseFit& baseline) {
   return helps.surely();
 }
 
-ElsewhereFit fitElsewhere(Search& s, bool keep_laws) {
+ElsewhereFit fitElsewhere(Search& s, const BaseFit& baseline, bool keep_laws) {
   const std::vector<FoundEffect> all = s.effects;
   const auto transfers = [](const FoundEffect& e) { return e.transfers; };
   const auto stays = [](const FoundEffect& e) { return e.transfers || e.hypothesis.place.candidate->local(); };
   s.effects.erase(std::stable_partition(s.effects.begin(), s.effects.end(), stays), s.effects.end());
   refit(s);
-  if (s.effects.size() < all.size() && !keep_laws) rebase(s);
+  if (s.effects.size() < all.size() && !keep_laws) {
+    rebase(s);
+    settleLaws(s, baseline);
+  }
   ElsewhereFit out;
   std::copy_if(s.effects.begin(), s.effects.end(), std::back_inserter(out.effects), transfers);
   out.parameters = s.base->parametersOf(s.fit.base);

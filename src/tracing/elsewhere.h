@@ -24,7 +24,8 @@ struct ElsewhereFit {
 
 /// Fits base and laws near rest without the effects that do not transfer (but for pushes: what they did to training must
 /// not go into the parameters), then all effects again on that base: laws that were chosen beside what is left out are
-/// wrong, too, and a model has one for all. `keep_laws`: those of a given model, of chains.
-ElsewhereFit fitElsewhere(Search& search, bool keep_laws);
+/// wrong, too, and a model has one for all. `keep_laws`: those of a given model, of chains; else they are chosen anew, or
+/// those of the baseline.
+ElsewhereFit fitElsewhere(Search& search, const BaseFit& baseline, bool keep_laws);
 
 }  // namespace knee_robot::tracing

@@ -24,6 +24,7 @@
 #include "rivals.h"
 #include "search.h"
 #include "settle_heat.h"
+#include "settle_laws.h"
 #include "settle_lead.h"
 #include "surfaces.h"
 
@@ -315,6 +316,7 @@ void Tracing::settle() {
     const std::string heat = settleHeat(s_, candidate.get());
     if (!heat.empty()) result_.notes.push_back(heat);
   }
+  settleLaws(s_, result_.baseline);
   dropImplausible(s_);
   dropUnsized(s_);
   explainAnew(s_);
@@ -361,7 +363,7 @@ void Tracing::predictElsewhere() {
   if (std::all_of(s_.effects.begin(), s_.effects.end(), transfers)) return;
   TraceResult elsewhere;
   if (helps) {
-    ElsewhereFit fit = fitElsewhere(s_, options_.start || robot_.chain);
+    ElsewhereFit fit = fitElsewhere(s_, result_.baseline, options_.start || robot_.chain);
     keepFit();
     elsewhere = result_;
     elsewhere.effects = std::move(fit.effects);

@@ -29,6 +29,7 @@ class FitElsewhere : public SearchedMachine {
   }
 
   TraceOptions options_;
+  const BaseFit baseline_ = base_;  ///< base_ is the search's
 };
 
 TEST_F(FitElsewhere, LawsNearRestAreChosenAnewBesideWhatIsPredicted) {
@@ -39,19 +40,18 @@ TEST_F(FitElsewhere, LawsNearRestAreChosenAnewBesideWhatIsPredicted) {
   rebase(search_);
   const std::vector<FoundEffect> all = search_.effects;
   BaseFit beside = base_;
-  fitElsewhere(search_, true);
+  fitElsewhere(search_, baseline_, true);
   const double kept = leftByBaseline();
   search_.effects = all;
   refit(search_);
   adoptBase(search_, beside);
-  const ElsewhereFit anew = fitElsewhere(search_, false);
+  const ElsewhereFit anew = fitElsewhere(search_, baseline_, false);
   EXPECT_TRUE(anew.effects.empty());
   EXPECT_EQ(search_.effects.size(), 1u) << "the model of the training recordings keeps what is left out elsewhere";
   EXPECT_LT(leftByBaseline(), 0.7 * kept);
 }
 
 TEST_F(FitElsewhere, ARippleThatStaysBehindDoesNotOutweighWhatIsPredicted) {
-  const BaseFit baseline = base_;
   Hypothesis ripple = named("screw_ripple", {0.0115, 0.0});
   ripple.place.actuator = 0;
   const Hypothesis gain = named("force_gain", {});
@@ -63,7 +63,7 @@ TEST_F(FitElsewhere, ARippleThatStaysBehindDoesNotOutweighWhatIsPredicted) {
   search_.effects.push_back(found(ripple, false));
   refit(search_);
   std::cout << "left with both: " << search_.rms_N.transpose() << " N\n";
-  EXPECT_TRUE(helpsElsewhere(search_, baseline));
+  EXPECT_TRUE(helpsElsewhere(search_, baseline_));
 }
 
 TEST_F(FitElsewhere, WhatAPushDidToTrainingStaysOutOfTheParameters) {
@@ -74,7 +74,7 @@ TEST_F(FitElsewhere, WhatAPushDidToTrainingStaysOutOfTheParameters) {
   refit(search_);
   ASSERT_GT(changed(before, base_.parametersOf(search_.fit.base)), 3.0);
   search_.effects = {found(push, false)};
-  const ElsewhereFit elsewhere = fitElsewhere(search_, false);
+  const ElsewhereFit elsewhere = fitElsewhere(search_, baseline_, false);
   EXPECT_TRUE(elsewhere.effects.empty());
   EXPECT_LT(changed(before, elsewhere.parameters), 1.0);
 }
