@@ -25,7 +25,8 @@ namespace {
 struct Arguments {
   std::string robot, output, model;
   std::vector<std::string> train, validate;
-  double cutoff_hz = 0.0;  ///< 0: by the rule
+  double cutoff_hz = 0.0;         ///< 0: by the rule
+  double motion_cutoff_hz = 0.0;  ///< 0: as the encoders allow
   tracing::TraceOptions options;
 };
 
@@ -47,6 +48,10 @@ void declare(nodes::CommandLine& app, Arguments& a) {
   app.option("--cutoff-hz", a.cutoff_hz,
              "cut-off of the zero-phase low-pass filter of regressor and force (default: chosen from "
              "the reference of the training recordings, as identify does)")
+      .within(1e-6, 1e6);
+  app.option("--motion-cutoff-hz", a.motion_cutoff_hz,
+             "low-pass of the positions before they are differentiated (default: as the encoders allow, as identify "
+             "does; with --model: that of the model)")
       .within(1e-6, 1e6);
   app.option("--moving-m-per-s", a.options.observation.moving_m_per_s,
              "an axis counts as moving above this speed (0.0015)")
@@ -163,7 +168,7 @@ std::vector<recording::Recording> readTraining(const Arguments& a, mechanism::Ro
     cutoff.sentence = "Cut-off " + shortNumber(cutoff.cutoff_hz, 3) + " Hz, of the given model.";
   }
   r.options.observation.setCutoff(cutoff.cutoff_hz,
-                                  r.options.start ? r.options.start->model.fit_motion_cutoff_hz : 0.0);
+                                  r.options.start ? r.options.start->model.fit_motion_cutoff_hz : a.motion_cutoff_hz);
   const std::vector<identification::Column> columns = identification::columnsOf(robot);
   r.train = identification::observeAll(robot, columns, train, r.options.observation);
   if (identification::gainsByUrdf(robot, r.train, r.options.observation)) {
