@@ -145,8 +145,14 @@ void testElsewhere(Search& s, std::vector<std::string>& notes) {
     // Of a chain's many joints an effect on one saves little of all squares.
     const bool worth =
         s.data->inputs.front().robot->chain || std::max(e.elsewhere_gain, moving_gain) >= kWorthElsewhere;
-    if (surely && seen + beside > 0.0 && worth) continue;
+    const bool helpful = surely && seen + beside > 0.0 && worth;
+    if (helpful && e.hypothesis.place.candidate->knownElsewhere()) continue;
     e.transfers = false;
+    if (helpful) {
+      notes.push_back(placeText(e.hypothesis.place) +
+                      ": where another recording finds it is not known; it is left out of predictions elsewhere.");
+      continue;
+    }
     const std::string share = shortNumber(100.0 * e.elsewhere_gain, 2) + " +- " +
                               shortNumber(100.0 * 2.0 * kStretches * helps.all.error / std::max(1e-300, total[1]), 2);
     const std::string at = "at held-back positions of the training recordings it ";

@@ -103,7 +103,7 @@ GivenModel startFrom(const mechanism::Robot& robot, const StartModel& start, con
     report.effects.push_back({m, false, "belongs to its own recordings", {}, 0.0, 0.0});
     const FoundEffect e = effectOf(robot, m, recordings, start.path, named, maps);
     const Candidate& candidate = *e.hypothesis.place.candidate;
-    if (candidate.shared() && !candidate.transfers()) continue;
+    if (candidate.shared() && !(candidate.transfers() && candidate.knownElsewhere())) continue;
     addEffect(given, e);
     reported.push_back(report.effects.size() - 1);
   }

@@ -40,6 +40,8 @@ class Candidate {
   virtual bool reachesOthers() const { return false; }
   /// False: belongs to one recording and predicts nothing elsewhere.
   virtual bool transfers() const { return true; }
+  /// False: acts elsewhere, too, from a state that nobody knows there (where a mass lay): it is fitted again without it.
+  virtual bool knownElsewhere() const { return true; }
   /// True: acts during a part of a recording only. What was held back outside it says nothing, and inside it there may
   /// be a single block: pieces of that part are held back instead.
   virtual bool local() const { return false; }

@@ -81,7 +81,7 @@ class SlidingMass : public OnPlatform {
       return value * std::pow(k == 1 ? kTravelBeside : k == 2 ? kRubsBeside : kDragBeside, side);
     });
   }
-  bool transfers() const override { return false; }
+  bool knownElsewhere() const override { return false; }
   double leastFloors() const override { return 1.0; }
   std::vector<Coefficient> coefficients(const EffectInput&) const override { return {{"mass_kg", true}}; }
   bool believable(const Eigen::VectorXd& coefficients) const override { return coefficients[0] <= kHeaviestSliding_kg; }
