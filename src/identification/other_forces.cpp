@@ -16,7 +16,8 @@ constexpr double kUsualError = 0.05;        ///< what a good fit leaves, as weig
 
 std::string whoIs(const mechanism::Robot& robot, int actuator) {
   const std::string& name = robot.actuators[static_cast<std::size_t>(actuator)].name;
-  return name.empty() ? "actuator " + std::to_string(actuator + 1) : "joint " + name;
+  if (name.empty()) return "actuator " + std::to_string(actuator + 1);
+  return name.rfind("joint", 0) == 0 ? name : "joint " + name;
 }
 
 std::vector<dynamics::FrictionLaw> narrowStops(const mechanism::Robot& robot) {

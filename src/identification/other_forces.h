@@ -8,7 +8,7 @@
 
 namespace knee_robot::identification {
 
-/// "actuator 2", or "joint NAME" of a chain.
+/// "actuator 2", or of a chain "joint NAME" ("joint_2" where the name says so itself).
 std::string whoIs(const mechanism::Robot& robot, int actuator);
 
 /// A stop as narrow as the encoder allows, for every actuator.

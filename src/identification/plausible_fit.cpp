@@ -9,6 +9,7 @@
 #include "knee_robot/recording/filter.h"
 #include "other_forces.h"
 #include "shifted_clock.h"
+#include "wrong_units.h"
 
 namespace knee_robot::identification {
 namespace {
@@ -193,6 +194,7 @@ std::string betterReading(const mechanism::Robot& robot, const std::vector<Colum
 std::vector<std::string> doubtsAboutFit(const mechanism::Robot& robot, const std::vector<Column>& columns,
                                         const Eigen::VectorXd& parameters, const std::vector<Observation>& training,
                                         const ObservationOptions& options) {
+  if (const std::string units = doubtAboutUnits(robot, columns, training); !units.empty()) return {units};
   const Left left = leftBy(parameters, training, options.cutoff_hz);
   const std::vector<char> frictionless = withoutFriction(columns, parameters, robot.axes());
   std::vector<int> wrong, opposed, bad;

@@ -1,5 +1,6 @@
 #include "fit_recordings.h"
 
+#include <cmath>
 #include <filesystem>
 #include <iostream>
 #include <map>
@@ -39,6 +40,37 @@ void requireFitAndValidation(const std::vector<std::string>& train, const std::v
   }
 }
 
+namespace {
+
+constexpr double kSameTime_s = 1e-5, kSamePosition_m = 1e-7;
+
+/// Of one measurement, written twice: a repetition never takes the same counts at every row.
+bool areOneMeasurement(const recording::Recording& a, const recording::Recording& b) {
+  if (a.time_s.size() != b.time_s.size() || a.axes != b.axes || a.time_s.empty()) return false;
+  for (std::size_t k = 0; k < a.time_s.size(); ++k) {
+    if (std::abs((a.time_s[k] - a.time_s[0]) - (b.time_s[k] - b.time_s[0])) > kSameTime_s) return false;
+  }
+  return (a.position_m - b.position_m).cwiseAbs().maxCoeff() <= kSamePosition_m;
+}
+
+}  // namespace
+
+void requireDifferent(const std::vector<recording::Recording>& training,
+                      const std::vector<recording::Recording>& validation) {
+  for (std::size_t k = 0; k < training.size(); ++k) {
+    for (std::size_t other = 0; other < k; ++other) {
+      if (!areOneMeasurement(training[k], training[other])) continue;
+      throw InputError(training[k].path + ": has the times and positions of " + training[other].path +
+                       ", row by row, and would count as a second measurement; leave one out");
+    }
+    for (const recording::Recording& held : validation) {
+      if (!areOneMeasurement(training[k], held)) continue;
+      throw InputError(held.path + ": has the times and positions of " + training[k].path +
+                       ", which the model is fitted to, row by row; choose another one to validate with");
+    }
+  }
+}
+
 std::vector<recording::Recording> readAll(const std::vector<std::string>& files) {
   for (const std::string& file : files)
     std::cerr << "reading " << file << std::endl;
@@ -61,6 +93,21 @@ void requireFiltering(const std::vector<recording::Recording>& recordings, doubl
   }
 }
 
+namespace {
+
+/// The rule ends at a tenth of the rows' rate, and begins at lowest_hz.
+void requireFastRows(const std::vector<recording::Recording>& training, const recording::CutoffRule& rule) {
+  for (const recording::Recording& r : training) {
+    const double rate_hz = 1.0 / recording::medianPeriod(r.time_s), least_hz = rule.lowest_hz / rule.share_of_rate;
+    if (rate_hz > 0.99 * least_hz) continue;
+    throw Refusal(r.path + ": " + shortNumber(rate_hz, 3) + " rows a second are too slow for a cut-off of " +
+                  shortNumber(rule.lowest_hz, 3) + " Hz, the lowest that is chosen: record at least " +
+                  shortNumber(least_hz, 3) + " a second, or give a lower one with --cutoff-hz");
+  }
+}
+
+}  // namespace
+
 recording::CutoffChoice cutoffOf(const mechanism::Robot& robot, const std::vector<recording::Recording>& training,
                                  double given_hz) {
   std::vector<const recording::Recording*> list;
@@ -69,6 +116,7 @@ recording::CutoffChoice cutoffOf(const mechanism::Robot& robot, const std::vecto
   recording::CutoffRule rule;
   for (const mechanism::Actuator& a : robot.actuators)
     rule.fastest_m_per_s.push_back(a.velocity_max_m_per_s);
+  if (given_hz <= 0.0) requireFastRows(training, rule);
   recording::CutoffChoice choice = recording::chooseCutoff(list, rule);
   if (given_hz <= 0.0) return choice;
   requireFiltering(training, given_hz);

@@ -16,6 +16,11 @@ namespace knee_robot::nodes {
 /// prediction_NAME.csv must be one file per validation recording. Throws InputError. Reads all of them: before the work, which may take minutes.
 void requireFitAndValidation(const std::vector<std::string>& train, const std::vector<std::string>& validate);
 
+/// InputError when two recordings are one measurement, written twice in different ways: it would count as two, or be
+/// validated on what it was fitted to.
+void requireDifferent(const std::vector<recording::Recording>& training,
+                      const std::vector<recording::Recording>& validation);
+
 /// As they are in their files; says on standard error which is being read.
 std::vector<recording::Recording> readAll(const std::vector<std::string>& files);
 

@@ -10,6 +10,7 @@
 #include "knee_robot/identification/drive_gains.h"
 #include "knee_robot/identification/gain_verdicts.h"
 #include "knee_robot/identification/plausible_fit.h"
+#include "knee_robot/identification/plausible_validation.h"
 #include "knee_robot/identification/prediction.h"
 #include "knee_robot/identification/recording_units.h"
 #include "knee_robot/report/identify_report.h"
@@ -168,6 +169,8 @@ int run(const Arguments& a, const std::string& command_line) {
   nodes::widenMotionBand(robot, columns, training, r.options.observation, r.train, r.cutoff.sentence);
   const std::vector<recording::Recording> validation = nodes::inUnits(robot, nodes::readAll(a.validate));
   r.validate = identification::observeAll(robot, columns, validation, r.options.observation);
+  nodes::requireDifferent(training, validation);
+  identification::requireForces(robot, r.validate, r.options.observation);
 
   std::cerr << "fitting" << std::endl;
   r.after = identification::identify(robot, r.train, r.options);
@@ -196,6 +199,9 @@ int run(const Arguments& a, const std::string& command_line) {
     r.validate_before = apply(r.before.model, robot, r, r.validate, validation);
     r.validate_after = apply(r.after.model, robot, r, r.validate, validation);
     r.validate_by_strength = identification::errorAgainstRank(r.after, r.validate, cutoff_hz);
+    const std::vector<std::string> doubts =
+        identification::doubtsAboutValidation(robot, r.validate, r.validate_after.predictions, r.train_after.accuracy);
+    r.doubts.insert(r.doubts.end(), doubts.begin(), doubts.end());
   }
   if (r.physical) {
     r.train_physical = apply(r.physical->model, robot, r, r.train, training);

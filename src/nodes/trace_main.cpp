@@ -9,6 +9,7 @@
 #include "knee_robot/identification/drive_gains.h"
 #include "knee_robot/identification/full_band.h"
 #include "knee_robot/identification/gain_verdicts.h"
+#include "knee_robot/identification/plausible_validation.h"
 #include "knee_robot/identification/recording_units.h"
 #include "knee_robot/recording/pauses.h"
 #include "knee_robot/recording/signals.h"
@@ -246,6 +247,8 @@ int run(const Arguments& a, const std::string& command_line) {
   const std::vector<recording::Recording> validate =
       nodes::inUnits(robot, readWithoutPauses(a.validate, validate_times));
   r.validate = identification::observeAll(robot, identification::columnsOf(robot), validate, r.options.observation);
+  nodes::requireDifferent(train, validate);
+  identification::requireForces(robot, r.validate, r.options.observation);
 
   r.result = tracing::trace(robot, train, r.train, r.options);
   r.result.notes.push_back(cutoff.sentence);
@@ -253,6 +256,11 @@ int run(const Arguments& a, const std::string& command_line) {
     r.result.notes.push_back(sentence);
   r.model = tracing::tracedModel(robot, r.result, r.train, r.options);
   applyModels(a, robot, train, validate, r);
+  if (!r.validate.empty()) {
+    const std::vector<std::string> doubts = identification::doubtsAboutValidation(
+        robot, r.validate, r.validate_before.predictions, r.train_before.accuracy);
+    r.result.doubts.insert(r.result.doubts.end(), doubts.begin(), doubts.end());
+  }
   r.next = tracing::planNextExperiment(robot, r.result, r.train, r.options);
   noteSeenRecordings(r);
   r.pose = tracing::tracePose(robot, train, validate, poseOptions(robot, r.options));

@@ -175,9 +175,12 @@ double followedBand(const Eigen::ArrayXd& coherent, const Eigen::ArrayXd& power,
   return drive_hz;
 }
 
-CutoffChoice withoutMotion(const CutoffRule& rule) {
+/// `rate_hz`: of the slowest recording; 0: not known.
+CutoffChoice withoutMotion(const CutoffRule& rule, double rate_hz) {
   CutoffChoice choice;
   choice.cutoff_hz = rule.without_motion_hz;
+  if (rate_hz > 0.0)
+    choice.cutoff_hz = std::min(choice.cutoff_hz, std::max(rule.lowest_hz, rule.share_of_rate * rate_hz));
   choice.sentence =
       "Cut-off " + shortNumber(choice.cutoff_hz, 3) +
       " Hz, the usual value: the training recordings have no reference or no motion (or are too short) to "
@@ -238,7 +241,11 @@ CutoffChoice chooseOnGrid(const std::vector<UniformMotion>& motions, const Cutof
     usable.push_back(&motion);
     reference = reference && motion.reference_m.cols() > 0;
   }
-  if (usable.empty()) return withoutMotion(rule);
+  double slowest_hz = 0.0;
+  for (const UniformMotion& motion : motions) {
+    if (slowest_hz == 0.0 || (motion.rate_hz > 0.0 && motion.rate_hz < slowest_hz)) slowest_hz = motion.rate_hz;
+  }
+  if (usable.empty()) return withoutMotion(rule, slowest_hz);
   const double rate = usable.front()->rate_hz, highest_hz = rule.share_of_rate * rate;
   std::vector<Pair> speeds, accelerations_of;
   for (const UniformMotion* motion : usable) {
@@ -251,7 +258,7 @@ CutoffChoice chooseOnGrid(const std::vector<UniformMotion>& motions, const Cutof
   const Eigen::ArrayXd raw_speed = speed.reference.rowwise().mean(), speed_noise = positionNoise(raw_speed, 1);
   const Eigen::ArrayXd raw = spectra.reference.rowwise().mean();
   const Eigen::ArrayXd power = (raw - positionNoise(raw, 2)).max(0.0), coherent = coherence(spectra);
-  if (!(power.sum() > kTinyPower)) return withoutMotion(rule);
+  if (!(power.sum() > kTinyPower)) return withoutMotion(rule, slowest_hz);
   CutoffChoice choice;
   const double step_hz = spectra.step_hz;
   choice.velocity_hz = bandOf((raw_speed - speed_noise).max(0.0), step_hz, rule.velocity_share, highest_hz);
@@ -342,8 +349,13 @@ namespace {
 /// By the references only when all of them are followed.
 CutoffChoice chooseOnFineGrid(const std::vector<const Recording*>& recordings, bool with_reference,
                               const CutoffRule& rule) {
-  CutoffChoice choice = withoutMotion(rule);
-  double rate_before = 0.0;
+  double slowest_hz = 0.0, rate_before = 0.0;
+  for (const Recording* r : recordings) {
+    if (r->time_s.size() < 2) continue;
+    const double rate_hz = 1.0 / medianPeriod(r->time_s);
+    if (slowest_hz == 0.0 || rate_hz < slowest_hz) slowest_hz = rate_hz;
+  }
+  CutoffChoice choice = withoutMotion(rule, slowest_hz);
   for (const double grid_hz : kGridRates_hz) {
     std::vector<UniformMotion> motions;
     for (const Recording* r : recordings) {

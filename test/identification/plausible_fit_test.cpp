@@ -39,6 +39,15 @@ TEST(PlausibleFit, DoubtsNothingAboutAGoodFit) {
     EXPECT_TRUE(doubtsAbout(robot, noisyRecording(robot)).empty());
 }
 
+TEST(PlausibleFit, TellsThatForcesAreInAnotherUnit) {
+  const mechanism::Robot robot = syntheticRobot();
+  recording::Recording r = noisyRecording(robot);
+  r.force_N *= 1e-3;
+  const std::vector<std::string> doubts = doubtsAbout(robot, r);
+  EXPECT_TRUE(hasAll(doubts, {"times smaller at actuator", "is it in another unit"}))
+      << (doubts.empty() ? "no doubt" : doubts.front());
+}
+
 TEST(PlausibleFit, TellsTheActuatorWhoseForceHasTheWrongSign) {
   for (const mechanism::Robot& robot : {syntheticRobot(), syntheticBench(2)}) {
     recording::Recording r = noisyRecording(robot);

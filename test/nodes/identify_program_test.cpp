@@ -129,6 +129,24 @@ TEST(IdentifyProgram, RefusesMoreDirectionsThanTheMotionExcites) {
       "50 directions were asked for");
 }
 
+TEST(IdentifyProgram, RefusesACopyInAnotherFormatAsASecondMeasurement) {
+  const TemporaryFolder folder;
+  const fs::path robot = writeBenchRobot(folder), recording = writeRecording(folder, 30.0, sineMotion, rubbing);
+  const fs::path copy = folder / "copy.csv";
+  std::istringstream lines(contentOf(recording));
+  std::ofstream written(copy);
+  for (std::string line; std::getline(lines, line);)
+    written << line << "\r\n";
+  written.close();
+  const Ended twice = identify(folder, robot, recording, "--train " + copy.string());
+  EXPECT_EQ(twice.status, 2);
+  EXPECT_NE(twice.errors.find("would count as a second measurement"), std::string::npos) << twice.errors;
+  const Ended validated = identify(folder, robot, recording, "--validate " + copy.string());
+  EXPECT_EQ(validated.status, 2);
+  EXPECT_NE(validated.errors.find("choose another one to validate with"), std::string::npos) << validated.errors;
+  EXPECT_FALSE(fs::exists(folder / "out" / "model.yaml"));
+}
+
 TEST(IdentifyProgram, EndsWithTwoOnBadInput) {
   const TemporaryFolder folder;
   const Ended ended = identify(folder, writeBenchRobot(folder), folder / "absent.csv");
