@@ -220,6 +220,7 @@ Model readModel(StrictMap file) {
   const std::size_t axes = static_cast<std::size_t>(m.axes);
   m.cutoff_hz = file.number("cutoff_hz", 1e-6, 1e6);
   if (file.has("motion_cutoff_hz")) m.motion_cutoff_hz = file.number("motion_cutoff_hz", 1e-6, 1e6);
+  if (file.has("fit_taut_steps")) m.fit_taut_steps = file.number("fit_taut_steps", 0.0, 100.0);
   if (file.has("fit_motion_cutoff_hz")) m.fit_motion_cutoff_hz = file.number("fit_motion_cutoff_hz", 1e-6, 1e6);
   m.moving_m_per_s = file.number("moving_m_per_s", 0.0, 1e3);
   m.rank = file.integer("rank", 1, 1000);
@@ -266,6 +267,7 @@ std::string modelToYaml(const Model& model) {
          (d.home_id != 0 ? ", home_id: " + std::to_string(d.home_id) : "") + "}\n";
   y += "cutoff_hz: " + exactNumber(m.cutoff_hz) + "\n";
   if (m.motion_cutoff_hz > 0.0) y += "motion_cutoff_hz: " + exactNumber(m.motion_cutoff_hz) + "\n";
+  if (m.fit_taut_steps > 0.0) y += "fit_taut_steps: " + exactNumber(m.fit_taut_steps) + "\n";
   if (m.fit_motion_cutoff_hz > 0.0) y += "fit_motion_cutoff_hz: " + exactNumber(m.fit_motion_cutoff_hz) + "\n";
   y += "moving_m_per_s: " + exactNumber(m.moving_m_per_s) + "\n";
   y += "rank: " + std::to_string(m.rank) + "\n";

@@ -98,10 +98,15 @@ Eigen::ArrayXd powerBristlesAlong(const FrictionElement& e, const Eigen::ArrayXd
   return bent + e.damping_s / step_s * (bent - before);
 }
 
+const Eigen::VectorXd& pathOf(const SlidingPath& path, FrictionKind kind) {
+  if (kind == FrictionKind::Stop) return path.position;
+  return kind == FrictionKind::Smooth && path.taut.size() > 0 ? path.taut : path.measured;
+}
+
 }  // namespace
 
 Eigen::VectorXd elementAlong(const SlidingPath& path, const FrictionElement& element, double at_start) {
-  const Eigen::VectorXd& position = element.kind == FrictionKind::Stop ? path.position : path.measured;
+  const Eigen::VectorXd& position = pathOf(path, element.kind);
   const Eigen::Index n = position.size();
   const bool remembers = element.kind != FrictionKind::Smooth;
   Eigen::VectorXd share = Eigen::VectorXd::Constant(n, remembers ? at_start : 0.0);

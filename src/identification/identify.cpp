@@ -170,6 +170,7 @@ void describeModel(const mechanism::Robot& robot, const std::vector<Observation>
   model.joints = dynamics::modelJoints(robot);
   model.robot_fingerprint = robot.fingerprint;
   model.cutoff_hz = options.cutoff_hz;
+  model.fit_taut_steps = options.taut_steps;
   if (options.motion_cutoff_given) model.fit_motion_cutoff_hz = options.signals.motion_cutoff_hz;
   model.moving_m_per_s = options.moving_m_per_s;
   for (const Observation& o : training)

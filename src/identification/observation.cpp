@@ -52,6 +52,10 @@ double encodersAllow(const mechanism::Robot& robot, double rate_hz) {
   return std::pow(kVelocityNoise_m_per_s / at_1_hz, 2.0 / 3.0);
 }
 
+double velocityNoise(const mechanism::Robot& robot, double cutoff_hz, double rate_hz) {
+  return kVelocityNoise_m_per_s * std::pow(cutoff_hz / encodersAllow(robot, rate_hz), 1.5);
+}
+
 double motionCutoff(const mechanism::Robot& robot, double cutoff_hz, double rate_hz) {
   return std::clamp(encodersAllow(robot, rate_hz), 3.0 * cutoff_hz, 5.0 * cutoff_hz);
 }
@@ -80,6 +84,9 @@ Observation observe(const mechanism::Robot& robot, const std::vector<Column>& co
     wanted.motion_cutoff_hz = motionCutoff(robot, options.cutoff_hz, 1.0 / recording::medianPeriod(recording.time_s));
   for (const mechanism::Actuator& a : robot.actuators)
     wanted.fastest_m_per_s.push_back(a.velocity_max_m_per_s);
+  for (const mechanism::Actuator& a : robot.actuators) {
+    if (options.taut_steps > 0.0) wanted.taut_m.push_back(options.taut_steps * a.metresPerCount());
+  }
   o.signals = recording::resample(recording, o.row_force_N, wanted);
   o.notes = o.signals.notes;
   noteJumps(robot, o);

@@ -186,6 +186,7 @@ std::vector<SlidingPath> actuatorPaths(const mechanism::Robot& robot, const reco
   for (int i = 0; i < robot.axes(); ++i) {
     paths.push_back(slidingPath(position_m.col(i), velocity_m_per_s.col(i), s.period_s,
                                 s.rounding_left * robot.actuators[static_cast<std::size_t>(i)].metresPerCount()));
+    if (s.taut_m.cols() > i) paths.back().taut = refined(s.taut_m.col(i), s.taut_velocity_m_per_s.col(i), s.period_s);
     if (s.tremble_m_per_s.cols() > i) paths.back().tremble = s.tremble_m_per_s.col(i);
   }
   return paths;

@@ -125,13 +125,14 @@ recording::CutoffChoice cutoffOf(const mechanism::Robot& robot, const std::vecto
   return choice;
 }
 
-void widenMotionBand(const mechanism::Robot& robot, const std::vector<identification::Column>& columns,
+void chooseSmoothing(const mechanism::Robot& robot, const std::vector<identification::Column>& columns,
                      const std::vector<recording::Recording>& recordings, identification::ObservationOptions& options,
                      std::vector<identification::Observation>& training, std::string& sentence) {
   const identification::MotionBand band =
       identification::chooseMotionBand(robot, columns, recordings, training, options);
-  if (band.cutoff_hz == 0.0) return;
-  options.setCutoff(options.cutoff_hz, band.cutoff_hz);
+  if (band.sentence.empty()) return;
+  if (band.cutoff_hz > 0.0) options.setCutoff(options.cutoff_hz, band.cutoff_hz);
+  options.taut_steps = band.taut_steps;
   training = identification::observeAll(robot, columns, recordings, options);
   sentence += " " + band.sentence;
 }

@@ -34,9 +34,9 @@ void requireFiltering(const std::vector<recording::Recording>& recordings, doubl
 recording::CutoffChoice cutoffOf(const mechanism::Robot& robot, const std::vector<recording::Recording>& training,
                                  double given_hz);
 
-/// Observes the training recordings anew where a wider low-pass of the positions is chosen (motion_band.h), and says
-/// so.
-void widenMotionBand(const mechanism::Robot& robot, const std::vector<identification::Column>& columns,
+/// Observes the training recordings anew where their positions are to be smoothed in another way (motion_band.h), and
+/// says so.
+void chooseSmoothing(const mechanism::Robot& robot, const std::vector<identification::Column>& columns,
                      const std::vector<recording::Recording>& recordings, identification::ObservationOptions& options,
                      std::vector<identification::Observation>& training, std::string& sentence);
 

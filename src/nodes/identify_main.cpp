@@ -166,7 +166,7 @@ int run(const Arguments& a, const std::string& command_line) {
     training = nodes::inUnits(robot, read);
     r.train = identification::observeAll(robot, columns, training, r.options.observation);
   }
-  nodes::widenMotionBand(robot, columns, training, r.options.observation, r.train, r.cutoff.sentence);
+  nodes::chooseSmoothing(robot, columns, training, r.options.observation, r.train, r.cutoff.sentence);
   const std::vector<recording::Recording> validation = nodes::inUnits(robot, nodes::readAll(a.validate));
   r.validate = identification::observeAll(robot, columns, validation, r.options.observation);
   nodes::requireDifferent(training, validation);

@@ -170,13 +170,14 @@ std::vector<recording::Recording> readTraining(const Arguments& a, mechanism::Ro
   }
   r.options.observation.setCutoff(cutoff.cutoff_hz,
                                   r.options.start ? r.options.start->model.fit_motion_cutoff_hz : a.motion_cutoff_hz);
+  if (r.options.start) r.options.observation.taut_steps = r.options.start->model.fit_taut_steps;
   const std::vector<identification::Column> columns = identification::columnsOf(robot);
   r.train = identification::observeAll(robot, columns, train, r.options.observation);
   if (identification::gainsByUrdf(robot, r.train, r.options.observation)) {
     train = nodes::inUnits(robot, read);
     r.train = identification::observeAll(robot, columns, train, r.options.observation);
   }
-  if (!r.options.start) nodes::widenMotionBand(robot, columns, train, r.options.observation, r.train, cutoff.sentence);
+  if (!r.options.start) nodes::chooseSmoothing(robot, columns, train, r.options.observation, r.train, cutoff.sentence);
   return train;
 }
 

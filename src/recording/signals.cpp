@@ -8,6 +8,7 @@
 #include "knee_robot/base/numbers.h"
 #include "knee_robot/base/quantile.h"
 #include "knee_robot/recording/filter.h"
+#include "taut_string.h"
 
 namespace knee_robot::recording {
 namespace {
@@ -272,6 +273,15 @@ Signals resample(const Recording& r, const Eigen::MatrixXd& force_N, const Signa
     s.path_m = everyNth(path, step, count);
     if (!jumps.empty()) s.path_m += jumpsUntil(jumps, s.time_s, recorded.cols());
     s.path_velocity_m_per_s = everyNth(firstDerivative(path, period), step, count);
+  }
+  if (!options.taut_m.empty()) {
+    Eigen::MatrixXd line = raw;
+    for (Eigen::Index i = 0; i < line.cols(); ++i)
+      line.col(i) = tautString(raw.col(i), options.taut_m[static_cast<std::size_t>(i)]);
+    ZeroPhaseLowPass(path_hz, 1.0 / period, Continuation::Parabola).applyToColumns(line);
+    s.taut_m = everyNth(line, step, count);
+    if (!jumps.empty()) s.taut_m += jumpsUntil(jumps, s.time_s, recorded.cols());
+    s.taut_velocity_m_per_s = everyNth(firstDerivative(line, period), step, count);
   }
   s.acceleration_m_per_s2 = everyNth(secondDerivative(position, period), step, count);
   if (r.motor_m.cols() > 0) {

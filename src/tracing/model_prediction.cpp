@@ -151,6 +151,7 @@ void addEffect(std::vector<FoundEffect>& effects, FoundEffect effect) {
 identification::ObservationOptions observationOptions(const dynamics::Model& model) {
   identification::ObservationOptions options;
   options.setCutoff(model.cutoff_hz, model.fit_motion_cutoff_hz);
+  options.taut_steps = model.fit_taut_steps;
   options.moving_m_per_s = model.moving_m_per_s;
   return options;
 }

@@ -44,6 +44,7 @@ dynamics::Model tracedModel(const mechanism::Robot& robot, const TraceResult& re
   for (const identification::Observation& o : training)
     m.data.push_back({o.path, o.fingerprint, o.home_id});
   m.cutoff_hz = options.observation.cutoff_hz;
+  m.fit_taut_steps = options.observation.taut_steps;
   if (options.observation.motion_cutoff_given) m.fit_motion_cutoff_hz = options.observation.signals.motion_cutoff_hz;
   m.moving_m_per_s = options.observation.moving_m_per_s;
   m.rank = result.base.decided;

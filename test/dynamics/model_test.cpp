@@ -75,8 +75,10 @@ TEST(ModelFile, IsReadBackExactly) {
   const mechanism::Robot robot = parallelRobot();
   Model m = someModel(robot, 1);
   m.fit_motion_cutoff_hz = 42.5;
+  m.fit_taut_steps = 1.5;
   const Model r = parseModel(modelToYaml(m), "model.yaml");
   EXPECT_EQ(r.fit_motion_cutoff_hz, 42.5);
+  EXPECT_EQ(r.fit_taut_steps, 1.5);
   EXPECT_EQ(r.kind, m.kind);
   EXPECT_EQ(r.rank, m.rank);
   EXPECT_EQ(r.data[0].file, m.data[0].file);

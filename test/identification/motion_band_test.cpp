@@ -92,5 +92,59 @@ TEST(MotionBand, IsThatOfTheRuleWhereTheEncoderIsCoarse) {
   EXPECT_EQ(chosenFor(20e-6).band.cutoff_hz, 0.0);
 }
 
+/// An axis of 20 kg that rubs by tanh(v / 0.15 mm/s), moves every other four seconds, and creeps by 0.02 mm/s between;
+/// its encoder counts 5 um, and trembles.
+recording::Recording creepingAxis(unsigned seed) {
+  constexpr double kRow_s = 4e-3, kCount_m = 5e-6;
+  std::mt19937 random(seed);
+  std::normal_distribution<double> noise(0.0, 0.2), trembles(0.0, 1.5e-6);
+  recording::Recording r;
+  r.name = r.path = "creeping_" + std::to_string(seed) + ".csv";
+  r.axes = 1;
+  const Eigen::Index rows = 12000;
+  r.position_m.resize(rows, 1);
+  r.force_N.resize(rows, 1);
+  double way = 0.2;
+  const double cycle_s = 8.0 + 0.3 * seed;
+  for (Eigen::Index row = 0; row < rows; ++row) {
+    const double t = kRow_s * static_cast<double>(row), within = std::fmod(t, cycle_s), half = 0.5 * cycle_s;
+    const double side = std::fmod(t, 2.0 * cycle_s) < cycle_s ? 1.0 : -1.0, w = 2.0 * M_PI / half;
+    const double v = within < half ? side * 0.01 * (1.0 - std::cos(w * within)) : -side * 2e-5;
+    const double a = within < half ? side * 0.01 * w * std::sin(w * within) : 0.0;
+    r.time_s.push_back(t);
+    r.position_m(row, 0) = kCount_m * std::round((way + trembles(random)) / kCount_m);
+    way += kRow_s * v;
+    r.force_N(row, 0) = 20.0 * a + 150.0 * v + 30.0 * std::tanh(v / 1.5e-4) + noise(random);
+  }
+  return r;
+}
+
+TEST(MotionBand, OfSmoothLawsIsTheShortestLineWithinAnEncodersStepsWhereThatTellsRestFromTrembling) {
+  const mechanism::Robot robot = axisCountedIn(5e-6);
+  const std::vector<Column> columns = columnsOf(robot);
+  const std::vector<recording::Recording> train = {creepingAxis(1)}, other = {creepingAxis(2)};
+  IdentifyOptions options;
+  options.uncertainty = false;
+  options.observation.setCutoff(10.0);
+  const auto heldOut = [&] {
+    std::vector<Observation> training = observeAll(robot, columns, train, options.observation);
+    const Identification id = identify(robot, training, options);
+    return applyModel(id.model, robot, observeAll(robot, columns, other, options.observation), 10.0).accuracy.rms_N[0];
+  };
+  const MotionBand band = chooseMotionBand(robot, columns, train,
+                                           observeAll(robot, columns, train, options.observation), options.observation);
+  EXPECT_GE(band.taut_steps, 1.0);
+  const double as_low_passed_N = heldOut();
+  options.observation.taut_steps = band.taut_steps;
+  const double taut_N = heldOut();
+  std::printf("%s\nheld out: %.2f -> %.2f N\n", band.sentence.c_str(), as_low_passed_N, taut_N);
+  EXPECT_LT(taut_N, 0.7 * as_low_passed_N);
+}
+
+TEST(MotionBand, OfBristlesIsNeverThatLine) {
+  EXPECT_EQ(chosenFor(1e-6).band.taut_steps, 0.0);
+  EXPECT_EQ(chosenFor(20e-6).band.taut_steps, 0.0);
+}
+
 }  // namespace
 }  // namespace knee_robot::identification

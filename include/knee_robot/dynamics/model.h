@@ -90,6 +90,7 @@ struct Model {
   double cutoff_hz = 0.0;
   double motion_cutoff_hz = 0.0;      ///< low-pass of the positions from which rows are predicted; 0: that of the fit
   double fit_motion_cutoff_hz = 0.0;  ///< the same of the fit; 0: what follows from its cut-off and the encoders
+  double fit_taut_steps = 0.0;        ///< of the fit: see identification::ObservationOptions::taut_steps
   double moving_m_per_s = 0.0;
   int rank = 0;                               ///< directions kept
   std::vector<FrictionLaw> friction;          ///< per actuator: how Coulomb friction acts near rest

@@ -23,6 +23,10 @@ struct ObservationOptions {
   double fold_margin_m = 0.003;
   recording::SignalOptions signals;
 
+  /// Half width, in encoder steps, of the band whose shortest line smooth laws of friction follow (Signals::taut_m); 0:
+  /// they follow the low-passed positions.
+  double taut_steps = 0.0;
+
   /// Equations that are fitted, of all actuators together: samples are thinned to that. 0: to ten a period of the
   /// cut-off.
   int most_rows = 0;
@@ -91,6 +95,9 @@ double conditionLimit(const mechanism::Robot& robot, const ObservationOptions& o
 /// Low-pass (Hz) of positions recorded at `rate_hz` through which the coarsest encoder's rounding leaves 0.1 mm/s rms of
 /// velocity.
 double encodersAllow(const mechanism::Robot& robot, double rate_hz);
+
+/// What rounding to the coarsest encoder's steps leaves in velocities below `cutoff_hz`, rms.
+double velocityNoise(const mechanism::Robot& robot, double cutoff_hz, double rate_hz);
 
 /// Low-pass (Hz) of the positions before they are differentiated: as wide as the encoders allow, so that friction near
 /// rest keeps its shape; three to five times the cut-off. motion_band.h: a wider one.

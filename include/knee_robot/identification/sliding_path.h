@@ -20,9 +20,10 @@ namespace knee_robot::identification {
 struct SlidingPath {
   Eigen::VectorXd position;  ///< kSubsteps per sample period, the samples too; rising or falling between turning points
   Eigen::VectorXd
-      measured;             ///< the same without this: for laws that follow velocity, which small ways back do not harm
-  Eigen::VectorXd tremble;  ///< per sample: way per time beyond it (Signals::tremble_m_per_s); empty: none
-  double period_s = 0.01;   ///< of the samples
+      measured;          ///< the same without this: for laws that follow velocity, which small ways back do not harm
+  Eigen::VectorXd taut;  ///< for smooth laws, where it was asked for (ObservationOptions::taut_steps); empty: measured
+  Eigen::VectorXd tremble;      ///< per sample: way per time beyond it (Signals::tremble_m_per_s); empty: none
+  double period_s = 0.01;       ///< of the samples
   bool moves_at_start = false;  ///< it has left where it was within kAtOnce_s
   static constexpr double kAtOnce_s = 0.1;
   int first_direction = 0;  ///< of the first movement that the encoders tell; 0: there is none

@@ -18,6 +18,7 @@ struct SignalOptions {
   double gap_periods = 5.0;             ///< of the rows
   double gap_cycles = 0.2;              ///< of motion_cutoff_hz: what a fast recorder skips when its machine is busy
   std::vector<double> fastest_m_per_s;  ///< per actuator, for findJumps; empty: jumps are not looked for
+  std::vector<double> taut_m;           ///< per actuator: half width of the band for taut_m of Signals; empty: none
 };
 
 /// Motion and commanded force on a uniform grid: one row a sample, one column an actuator.
@@ -30,6 +31,9 @@ struct Signals {
   Eigen::MatrixXd acceleration_m_per_s2;
   /// Positions and velocity along which friction acts, low-passed wider; no columns: the ones above.
   Eigen::MatrixXd path_m, path_velocity_m_per_s;
+  /// The same, low-passed, of the shortest line within a band around the recorded positions: it rests where an encoder
+  /// trembles by a step. No columns where none was asked for.
+  Eigen::MatrixXd taut_m, taut_velocity_m_per_s;
   Eigen::MatrixXd force_N;  ///< mean of the held command over the grid interval around the sample; otherwise unfiltered
   bool force_is_measured = false;  ///< then force_N is the force at the sample (Recording::force_is_measured)
   /// Way of the recorded position beyond that of position_m (or path_m), per time, over 0.2 s around the sample; never
