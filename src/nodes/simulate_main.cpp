@@ -10,6 +10,7 @@
 
 #include "knee_robot/base/errors.h"
 #include "knee_robot/base/files.h"
+#include "knee_robot/base/output_paths.h"
 #include "knee_robot/control/control_system.h"
 #include "knee_robot/simulation/robot_simulation.h"
 #include "knee_robot/simulation/simulated_cards.h"
@@ -180,7 +181,7 @@ void declare(nodes::CommandLine& app, Arguments& a) {
   app.option("--deployment", a.deployment, "deployment file (YAML)").required();
   app.option("-o,--output", a.output, "recording to write (CSV); must not exist").required();
   app.option("--truth", a.truth,
-             "table (CSV) to write: force of all simulated effects per actuator and row, N, to compare "
+             "table (CSV) to write; must not exist: force of all simulated effects per actuator and row, N, to compare "
              "with what trace finds");
   app.option("--space", a.space, "what the columns are, when the file's header does not say it")
       .oneOf({"actuator", "platform", "relative"});
@@ -231,7 +232,17 @@ void playAndRecord(control::ControlSystem& system, const Arguments& a, Watch& wa
   truth.record(false);
 }
 
+/// Whether both tables have a place is asked before the work.
+void requireOutput(const Arguments& a) {
+  requireNew(a.output);
+  if (a.truth.empty()) return;
+  requireNew(a.truth);
+  if (isSameFile(a.truth, a.output))
+    throw InputError("--truth " + a.truth + ": is the recording's name, too; choose another one");
+}
+
 int run(const Arguments& a) {
+  requireOutput(a);
   const mechanism::Robot robot = mechanism::loadRobot(a.robot);
   const control::HardwareFile hardware_description = control::loadHardwareFile(a.hardware);
   simulation::RobotImage image;
