@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstdio>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -117,6 +118,16 @@ class Watch {
   double cycles_ = 0.0;
 };
 
+/// What the controller's sentences on drives, encoders and references do not think of: they are sure here, and a model
+/// that was given need not be possible. Empty where it is no cause.
+std::string aboutModel(const control::ControlSystem& system, const control::ControlStatus& status) {
+  const std::set<std::string> by_force = {"runaway",        "following_error", "acceleration_limit",
+                                          "velocity_limit", "stalled",         "saturated"};
+  const std::string feedforward = system.feedforward();
+  if (by_force.count(status.fault_name) == 0 || feedforward.rfind("the model ", 0) != 0) return "";
+  return "; or the feedforward pushes it: " + feedforward + " asks for forces that are not those of this robot";
+}
+
 void require(const control::Answer& answer) {
   if (!answer.ok) throw InputError(answer.sentence);
   std::printf("%s\n", answer.sentence.c_str());
@@ -125,8 +136,10 @@ void require(const control::Answer& answer) {
 /// As above; a fault that came in between is named as the controller's event log does.
 void require(const control::ControlSystem& system, const control::Answer& answer) {
   const control::ControlStatus status = system.status();
-  if (!answer.ok && !status.fault_name.empty())
+  if (!answer.ok && !status.fault_name.empty()) {
     std::printf("fault: %s: %s\n", status.fault_name.c_str(), status.fault_sentence.c_str());
+    throw InputError(answer.sentence + aboutModel(system, status));
+  }
   require(answer);
 }
 
@@ -163,7 +176,8 @@ void requireHolding(control::ControlSystem& system) {
   if (system.waitFor(control::MachineState::Holding, kPatience)) return;
   const control::ControlStatus status = system.status();
   std::printf("fault: %s: %s\n", status.fault_name.c_str(), status.fault_sentence.c_str());
-  throw Refusal("the movement ended in " + std::string(control::toString(status.state)) + ": " + status.fault_sentence);
+  throw Refusal("the movement ended in " + std::string(control::toString(status.state)) + ": " + status.fault_sentence +
+                aboutModel(system, status));
 }
 
 struct Arguments {
