@@ -8,6 +8,7 @@
 #include "knee_robot/base/errors.h"
 #include "knee_robot/base/files.h"
 #include "knee_robot/base/numbers.h"
+#include "knee_robot/base/output_paths.h"
 #include "knee_robot/control/axis_inertia.h"
 #include "knee_robot/control/component_types.h"
 #include "knee_robot/control/driver.h"
@@ -185,6 +186,8 @@ double smooth(double x) {
 
 /// Each axis to and fro, one after the other, as quick as its limits allow with room.
 int writeReference(const Arguments& a, const mechanism::Robot& robot) {
+  requireWritable(a.reference);
+  requireNoneOverwritten({a.robot, robot.urdf}, {a.reference});
   std::ostringstream text;
   text << "# space: relative\n# quick moves of " << shortNumber(1e3 * a.amplitude_m)
        << " mm, one axis after the other, for tune_pid\n";
