@@ -256,8 +256,8 @@ void requireEnd(const std::string& text, const std::string& path) {
   const std::string end = std::string("\n") + kEnd;
   const std::size_t length = text.find_last_not_of(" \t\r\n") + 1;
   if (length >= end.size() && text.compare(length - end.size(), end.size(), end) == 0) return;
-  throw InputError(path + ": its last line is not " + kEnd +
-                   ", so it is cut off (a full disk, an interrupted copy); copy it again, or identify again");
+  throw InputError(path + ": its last line is not \"" + kEnd +
+                   "\", so it is cut off (a full disk, an interrupted copy); copy it again, or identify again");
 }
 
 const char* kindName(mechanism::MechanismKind kind) {
