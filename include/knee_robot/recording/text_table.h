@@ -22,8 +22,9 @@ TableFormat readTableFormat(StrictMap& file);
 
 /// A table of another program: one line a row, columns by name or number. CRLF, blanks around values, a byte order mark
 /// and empty lines at the end are accepted. A last line that is cut off (without its line break, and with fewer values
-/// or a shorter last number than the line above) is left out, and notes() say so. InputError (file, line) for an empty table, a doubled column name that is
-/// asked for, an empty line inside, a row with another number of values than the first line.
+/// or a shorter last number than the line above) is left out, and notes() say so. InputError (file, line) for an empty
+/// table, a doubled column name that is asked for, an empty line inside, a row with another number of values than the
+/// first line.
 class TextTable {
  public:
   static TextTable load(const std::string& path, const TableFormat& format = {});
