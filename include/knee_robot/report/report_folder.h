@@ -13,8 +13,8 @@ struct ReportPlan {
   std::vector<std::string> predicted;  ///< recordings that it writes predictions of
 };
 
-/// InputError when the folder takes no files, or when a file that is read would be overwritten there, or removed because
-/// an earlier run of the command left it. Nothing is made.
+/// InputError when the folder takes no files, or when a file that is read would be overwritten there, or removed
+/// because an earlier run of the command left it. Nothing is made.
 void requireReportFolder(const ReportPlan& plan);
 
 }  // namespace knee_robot::report
