@@ -122,6 +122,7 @@ class Workshop:
         for which in range(len(setting.paths)):
             path, truth = f"{folder}/path_{which + 1}.csv", f"{folder}/truth_{which + 1}.csv"
             remove(path)
+            remove(truth)
             kept = [e for e in entries if which == 0 or e[0] != "external_force"]
             run([self.program("simulate"), self.reference(setting, which), "--robot", self.robot_file(setting), "--simulation",
                  self.simulation(setting, kept, folder), "--hardware", f"{ROOT}/config/hardware/simulated.yaml", "--deployment",

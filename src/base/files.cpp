@@ -4,7 +4,6 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include <atomic>
 #include <cerrno>
 #include <cstdint>
 #include <cstdio>
@@ -13,38 +12,9 @@
 #include <system_error>
 
 #include "knee_robot/base/errors.h"
+#include "temporary_file.h"
 
 namespace knee_robot {
-namespace {
-
-InputError systemError(const std::string& action, const std::string& path) {
-  return InputError(path + ": cannot " + action + ": " + std::strerror(errno));
-}
-
-struct Descriptor {
-  int fd;
-  ~Descriptor() {
-    if (fd >= 0) ::close(fd);
-  }
-};
-
-/// A new file beside `path`, with the rights that the process gives new files; -1: errno says why not.
-int createBeside(const std::string& path, std::string& temporary) {
-  static std::atomic<unsigned> count{0};
-  while (true) {
-    temporary = path + "." + std::to_string(::getpid()) + "-" + std::to_string(count++) + ".part";
-    const int fd = ::open(temporary.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
-    if (fd >= 0 || errno != EEXIST) return fd;
-  }
-}
-
-/// Its descriptor; -1: nobody may read it, or the like.
-int openFolderOf(const std::string& path) {
-  const std::string parent = std::filesystem::path(path).parent_path().string();
-  return ::open(parent.empty() ? "." : parent.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
-}
-
-}  // namespace
 
 std::string readFile(const std::string& path, std::size_t max_bytes) {
   // O_NONBLOCK: opening a FIFO must not wait for its writer; it is refused below as not a regular file.
@@ -71,25 +41,13 @@ std::string readFile(const std::string& path, std::size_t max_bytes) {
 }
 
 void writeFileAtomically(const std::string& path, const std::string& content) {
-  std::string temporary;
-  Descriptor file{createBeside(path, temporary)};
-  if (file.fd < 0) throw systemError("write", path);
-  const auto fail = [&] {
+  const std::string temporary = writeBeside(path, content);
+  if (::rename(temporary.c_str(), path.c_str()) != 0) {
     const InputError error = systemError("write", path);
     ::unlink(temporary.c_str());
-    return error;
-  };
-  std::size_t done = 0;
-  while (done < content.size()) {
-    const ssize_t put = ::write(file.fd, content.data() + done, content.size() - done);
-    if (put < 0 && errno == EINTR) continue;
-    if (put < 0) throw fail();
-    done += static_cast<std::size_t>(put);
+    throw error;
   }
-  const Descriptor folder{openFolderOf(path)};
-  if (::fsync(file.fd) != 0 || ::rename(temporary.c_str(), path.c_str()) != 0) throw fail();
-  // The new name is on the disk when the folder is. EINVAL: this file system has no such thing.
-  if (folder.fd >= 0 && ::fsync(folder.fd) != 0 && errno != EINVAL) throw systemError("write", path);
+  syncFolderOf(path);
 }
 
 std::string whyNoSharedMemory(int reason) {

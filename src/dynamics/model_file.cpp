@@ -16,6 +16,10 @@ constexpr int kFirstFormat = 1;  ///< of identify: one stop per actuator
 constexpr int kFormat = 3;
 constexpr int kFormatOfTrace = 4;  ///< may have effects, and what predictions along recordings need
 constexpr double kLargest = 1e15;
+/// Says that the file has an end, which files of older versions do not.
+constexpr const char* kHead =
+    "# Force model of a robot, written by identify or trace. SI units. The last line is three dots.";
+constexpr const char* kEnd = "...";
 constexpr const char* kParallel = "3UPS+1RPU";
 constexpr const char* kAxes = "axes";
 constexpr const char* kChain = "chain";
@@ -247,6 +251,16 @@ Model readModel(StrictMap file) {
   return chain ? fromJointUnits(std::move(m)) : m;
 }
 
+/// Lists that have lost their last entries are lists: a copy that was interrupted is known by its missing end.
+void requireEnd(const std::string& text, const std::string& path) {
+  if (text.rfind(kHead, 0) != 0) return;
+  const std::string end = std::string("\n") + kEnd;
+  const std::size_t length = text.find_last_not_of(" \t\r\n") + 1;
+  if (length >= end.size() && text.compare(length - end.size(), end.size(), end) == 0) return;
+  throw InputError(path + ": its last line is not \"" + kEnd +
+                   "\", so it is cut off (a full disk, an interrupted copy); copy it again, or identify again");
+}
+
 const char* kindName(mechanism::MechanismKind kind) {
   return kind == mechanism::MechanismKind::Axes ? kAxes : kind == mechanism::MechanismKind::Chain ? kChain : kParallel;
 }
@@ -255,7 +269,7 @@ const char* kindName(mechanism::MechanismKind kind) {
 
 std::string modelToYaml(const Model& model) {
   const Model m = inJointUnits(model);
-  std::string y = "# Force model of a robot, written by identify or trace. SI units.\n";
+  std::string y = std::string(kHead) + "\n";
   y += "format: " + std::to_string(ofTrace(m) ? kFormatOfTrace : kFormat) + "\n";
   y += std::string("mechanism: ") + kindName(m.kind) + "\n";
   y += "axes: " + std::to_string(m.axes) + "\n";
@@ -292,7 +306,8 @@ std::string modelToYaml(const Model& model) {
     y += "  - {value: " + exactNumber(b.value) + ", std: " + exactNumber(b.std) + ", weights: " + list(b.weights) +
          "}\n";
   }
-  return ofTrace(m) ? y + traceText(m) : y;
+  if (ofTrace(m)) y += traceText(m);
+  return y + kEnd + "\n";
 }
 
 void saveModel(const Model& model, const std::string& path) {
@@ -300,7 +315,9 @@ void saveModel(const Model& model, const std::string& path) {
 }
 
 Model parseModel(const std::string& text, const std::string& path) {
-  return readModel(StrictMap::parse(text, path));
+  Model model = readModel(StrictMap::parse(text, path));
+  requireEnd(text, path);  // last: where the cut shows by itself, the sentence about it says more
+  return model;
 }
 
 Model loadModel(const std::string& path) {

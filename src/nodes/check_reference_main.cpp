@@ -100,7 +100,10 @@ int main(int argc, char** argv) {
   app.option("--space", space_name, "what the columns are, when the file's header does not say it")
       .oneOf({"actuator", "platform", "relative"});
   bool json = false;
-  app.flag("--json", json, "print margins and path for programs, also of a reference that may not be played");
+  app.flag(
+      "--json", json,
+      "print margins and path for programs, also of a reference that may not be played: then \"violation\" holds the "
+      "sentence, and the exit status is 0 as well");
   return nodes::runProgram(app, argc, argv, [&]() -> int {
     const mechanism::Robot robot = mechanism::loadRobot(robot_file);
     const trajectory::Reference reference = trajectory::readReference(file, trajectory::spaceNamed(space_name));

@@ -23,6 +23,14 @@ std::string whyNotFinite(const std::string& word) {
   return number && !std::isfinite(value) ? word + " is not a finite number" : "";
 }
 
+/// std::stoull takes -1 for the largest number that there is.
+std::string whyNegative(const std::string& word) {
+  return word.rfind('-', 0) == 0 ? word + " is negative; give a whole number from 0" : "";
+}
+
+template <class T>
+constexpr bool kHoldsWords = std::is_same_v<T, std::string> || std::is_same_v<T, std::vector<std::string>>;
+
 }  // namespace
 
 Option& Option::required() {
@@ -80,6 +88,14 @@ template <class T>
 Option CommandLine::option(const std::string& names, T& value, const std::string& help) {
   CLI::Option* const option = app_->add_option(names, value, help);
   if constexpr (kHoldsDoubles<T>) option->check(whyNotFinite, "");
+  if constexpr (std::is_same_v<T, std::size_t>) option->check(whyNegative, "");
+  if constexpr (kHoldsWords<T>) {
+    const auto whyNoWord = [app = app_.get()](const std::string& word) {
+      if (word.empty() || word.front() != '-' || app->get_option_no_throw(word) == nullptr) return std::string();
+      return "a value is missing: the next option, " + word + ", stands in its place";
+    };
+    option->check(whyNoWord, "");
+  }
   return Option(option);
 }
 template Option CommandLine::option(const std::string&, std::string&, const std::string&);

@@ -6,6 +6,7 @@
 #include "knee_robot/base/errors.h"
 #include "knee_robot/report/compare.h"
 #include "knee_robot/report/page.h"
+#include "knee_robot/report/report_folder.h"
 #include "program.h"
 
 using namespace knee_robot;
@@ -34,6 +35,7 @@ void declare(nodes::CommandLine& app, Arguments& a) {
 int run(const Arguments& a, const std::string& command_line) {
   report::Page("compare");  // what the report needs and is missing is said before the work
   const mechanism::Robot robot = mechanism::loadRobot(a.robot);
+  report::requireReportFolder({"compare", a.output, {a.robot, robot.urdf, a.recording}, {}});
   double condition_max = a.condition_max;
   if (condition_max == 0.0) {
     condition_max = robot.singularity_condition_max < kWideOpen ? robot.singularity_condition_max : kUsualConditionMax;

@@ -10,6 +10,7 @@
 #include "knee_robot/identification/recording_units.h"
 #include "knee_robot/report/drive_gains_report.h"
 #include "knee_robot/report/page.h"
+#include "knee_robot/report/report_folder.h"
 #include "program.h"
 
 using namespace knee_robot;
@@ -48,6 +49,10 @@ int run(const Arguments& a, const std::string& command_line) {
   report::Page("drive_gains");  // what the report needs and is missing is said before the work
   mechanism::Robot robot = mechanism::loadAnyRobot(a.robot);
   if (!robot.chain) throw InputError(a.robot + ": drive gains belong to `mechanism: chain`");
+  std::vector<std::string> read = a.unloaded;
+  read.insert(read.end(), a.loaded.begin(), a.loaded.end());
+  read.insert(read.end(), {a.robot, robot.urdf});
+  report::requireReportFolder({"drive_gains", a.output, read, {}});
   std::vector<recording::Recording> without = readCurrents(a.unloaded), with = readCurrents(a.loaded);
   refuseSame(without, with);
   nodes::requireFiltering(without, a.cutoff_hz);

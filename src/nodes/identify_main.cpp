@@ -16,6 +16,7 @@
 #include "knee_robot/report/identify_report.h"
 #include "knee_robot/report/page.h"
 #include "knee_robot/report/recorded_units.h"
+#include "knee_robot/report/report_folder.h"
 #include "program.h"
 
 using namespace knee_robot;
@@ -145,6 +146,12 @@ identification::Applied apply(const dynamics::Model& model, const mechanism::Rob
   return applied;
 }
 
+void requireOutput(const Arguments& a, const mechanism::Robot& robot) {
+  std::vector<std::string> read = a.train;
+  read.insert(read.end(), {a.robot, robot.urdf});
+  report::requireReportFolder({"identify", a.output, read, a.validate});
+}
+
 int run(const Arguments& a, const std::string& command_line) {
   report::Page("identify");  // what the report needs and is missing is said before the work
   report::IdentifyResults r;
@@ -154,6 +161,7 @@ int run(const Arguments& a, const std::string& command_line) {
   r.options = a.options;
   nodes::requireFitAndValidation(a.train, a.validate);
   mechanism::Robot robot = mechanism::loadAnyRobot(a.robot);
+  requireOutput(a, robot);
   std::vector<recording::Recording> read = nodes::readAll(a.train);
   identification::adaptToRecordings(robot, read);
   identification::takeRecordedSteps(robot, read);

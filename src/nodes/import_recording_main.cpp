@@ -85,7 +85,8 @@ recording::Imported importMarkers(const Arguments& a) {
   recording::Imported out;
   out.csv = recording::withCameraColumns(content, a.source, registered.pose);
   out.rows = recording::parseRecording(out.csv, a.source + " (with camera)").rows();
-  out.notes = registered.notes;
+  out.notes = recording.notes;
+  out.notes.insert(out.notes.end(), registered.notes.begin(), registered.notes.end());
   return out;
 }
 

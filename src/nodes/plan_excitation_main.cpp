@@ -12,6 +12,7 @@
 
 #include "knee_robot/base/errors.h"
 #include "knee_robot/base/numbers.h"
+#include "knee_robot/base/output_paths.h"
 #include "knee_robot/excitation/excitation.h"
 #include "plan_chain_excitation.h"
 #include "plan_rest_excitation.h"
@@ -185,8 +186,17 @@ int planNearRest(const mechanism::Robot& robot, const Arguments& a) {
   return nodes::planRestExcitation(robot, rest, a.output);
 }
 
+/// Planning takes minutes: whether its result has a place is asked before.
+void requireOutput(const Arguments& a, const mechanism::Robot& robot) {
+  requireWritable(a.output);
+  std::vector<std::string> read = a.recorded;
+  read.insert(read.end(), {a.robot_file, robot.urdf});
+  requireNoneOverwritten(read, {a.output});
+}
+
 int run(const Arguments& a) {
   const mechanism::Robot any = mechanism::loadAnyRobot(a.robot_file);
+  requireOutput(a, any);
   if (any.chain) return planChain(any, a);
   refuseOthers(a.only_chain, "is for chains, but " + a.robot_file + " describes none; leave it out");
   if (a.near_rest) return planNearRest(any, a);

@@ -5,8 +5,9 @@
 
 #include "knee_robot/base/constants.h"
 #include "knee_robot/base/errors.h"
-#include "knee_robot/base/files.h"
+#include "knee_robot/base/file_set.h"
 #include "knee_robot/base/numbers.h"
+#include "knee_robot/base/output_paths.h"
 #include "knee_robot/report/exercise_report.h"
 #include "knee_robot/trajectory/exercises.h"
 #include "program.h"
@@ -60,6 +61,34 @@ void tell(const Arguments& arguments, const trajectory::Exercise& exercise, cons
   std::printf("written to %s, picture to %s\n", arguments.output.c_str(), arguments.picture.c_str());
 }
 
+/// Both files have a place, and it is not the other's.
+void requireOutput(Arguments& arguments, const mechanism::Robot& robot) {
+  if (arguments.picture.empty())
+    arguments.picture = std::filesystem::path(arguments.output).replace_extension(".svg").string();
+  for (const std::string& file : {arguments.output, arguments.picture}) {
+    requireWritable(file);
+    requireNoneOverwritten({arguments.robot, robot.urdf}, {file});
+  }
+  if (isSameFile(arguments.picture, arguments.output))
+    throw InputError(arguments.output + ": is the reference file's name; give the picture another one with --picture");
+}
+
+int run(Arguments arguments, bool has_amplitude) {
+  const trajectory::Exercise& exercise = trajectory::exerciseNamed(arguments.name);
+  const mechanism::Robot robot = mechanism::loadRobot(arguments.robot);
+  requireOutput(arguments, robot);
+  const trajectory::ExercisePlan plan =
+      trajectory::planExercise(exercise, robot, optionsOf(arguments, exercise, has_amplitude));
+  FileSet files;
+  files.add(arguments.output, trajectory::formatReference(
+                                  plan.reference, {exercise.name + ": " + exercise.meaning, "for " + arguments.robot,
+                                                   "starts at " + poseText(plan.start)}));
+  files.add(arguments.picture, report::exerciseSvg(exercise, robot, plan));
+  files.commit();
+  tell(arguments, exercise, plan);
+  return kExitDone;
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -90,21 +119,5 @@ int main(int argc, char** argv) {
       .oneOf({"actuator", "platform"})
       .showDefault();
   app.flag("--scale", arguments.scale, "reduce amplitude and speed to what fits instead of refusing");
-  return nodes::runProgram(app, argc, argv, [&]() -> int {
-    const trajectory::Exercise& exercise = trajectory::exerciseNamed(arguments.name);
-    const mechanism::Robot robot = mechanism::loadRobot(arguments.robot);
-    const trajectory::ExercisePlan plan =
-        trajectory::planExercise(exercise, robot, optionsOf(arguments, exercise, amplitude.given()));
-    trajectory::writeReference(
-        arguments.output, plan.reference,
-        {exercise.name + ": " + exercise.meaning, "for " + arguments.robot, "starts at " + poseText(plan.start)});
-    if (arguments.picture.empty())
-      arguments.picture = std::filesystem::path(arguments.output).replace_extension(".svg").string();
-    if (arguments.picture == arguments.output)
-      throw InputError(arguments.output +
-                       ": is the reference file's name; give the picture another one with --picture");
-    writeFileAtomically(arguments.picture, report::exerciseSvg(exercise, robot, plan));
-    tell(arguments, exercise, plan);
-    return kExitDone;
-  });
+  return nodes::runProgram(app, argc, argv, [&] { return run(arguments, amplitude.given()); });
 }

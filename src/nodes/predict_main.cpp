@@ -8,6 +8,7 @@
 #include "knee_robot/report/page.h"
 #include "knee_robot/report/predict_report.h"
 #include "knee_robot/report/recorded_units.h"
+#include "knee_robot/report/report_folder.h"
 #include "program.h"
 
 using namespace knee_robot;
@@ -22,6 +23,7 @@ struct Arguments {
 int run(const Arguments& a, const std::string& command_line) {
   report::Page("predict");  // what the report needs and is missing is said before the work
   mechanism::Robot robot = mechanism::loadAnyRobot(a.robot);
+  report::requireReportFolder({"predict", a.output, {a.robot, robot.urdf, a.model}, a.recordings});
   const dynamics::Model model = dynamics::loadModel(a.model);
   std::vector<recording::Recording> recordings = identification::readRecordings(a.recordings);
   if (robot.axes() != model.axes) identification::adaptToRecordings(robot, recordings);

@@ -5,11 +5,13 @@
 #include <cmath>
 #include <cstdio>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
 #include "knee_robot/base/errors.h"
 #include "knee_robot/base/files.h"
+#include "knee_robot/base/output_paths.h"
 #include "knee_robot/control/control_system.h"
 #include "knee_robot/simulation/robot_simulation.h"
 #include "knee_robot/simulation/simulated_cards.h"
@@ -116,6 +118,16 @@ class Watch {
   double cycles_ = 0.0;
 };
 
+/// What the controller's sentences on drives, encoders and references do not think of: they are sure here, and a model
+/// that was given need not be possible. Empty where it is no cause.
+std::string aboutModel(const control::ControlSystem& system, const control::ControlStatus& status) {
+  const std::set<std::string> by_force = {"runaway",        "following_error", "acceleration_limit",
+                                          "velocity_limit", "stalled",         "saturated"};
+  const std::string feedforward = system.feedforward();
+  if (by_force.count(status.fault_name) == 0 || feedforward.rfind("the model ", 0) != 0) return "";
+  return "; or the feedforward pushes it: " + feedforward + " asks for forces that are not those of this robot";
+}
+
 void require(const control::Answer& answer) {
   if (!answer.ok) throw InputError(answer.sentence);
   std::printf("%s\n", answer.sentence.c_str());
@@ -124,8 +136,10 @@ void require(const control::Answer& answer) {
 /// As above; a fault that came in between is named as the controller's event log does.
 void require(const control::ControlSystem& system, const control::Answer& answer) {
   const control::ControlStatus status = system.status();
-  if (!answer.ok && !status.fault_name.empty())
+  if (!answer.ok && !status.fault_name.empty()) {
     std::printf("fault: %s: %s\n", status.fault_name.c_str(), status.fault_sentence.c_str());
+    throw InputError(answer.sentence + aboutModel(system, status));
+  }
   require(answer);
 }
 
@@ -162,7 +176,8 @@ void requireHolding(control::ControlSystem& system) {
   if (system.waitFor(control::MachineState::Holding, kPatience)) return;
   const control::ControlStatus status = system.status();
   std::printf("fault: %s: %s\n", status.fault_name.c_str(), status.fault_sentence.c_str());
-  throw Refusal("the movement ended in " + std::string(control::toString(status.state)) + ": " + status.fault_sentence);
+  throw Refusal("the movement ended in " + std::string(control::toString(status.state)) + ": " + status.fault_sentence +
+                aboutModel(system, status));
 }
 
 struct Arguments {
@@ -180,7 +195,7 @@ void declare(nodes::CommandLine& app, Arguments& a) {
   app.option("--deployment", a.deployment, "deployment file (YAML)").required();
   app.option("-o,--output", a.output, "recording to write (CSV); must not exist").required();
   app.option("--truth", a.truth,
-             "table (CSV) to write: force of all simulated effects per actuator and row, N, to compare "
+             "table (CSV) to write; must not exist: force of all simulated effects per actuator and row, N, to compare "
              "with what trace finds");
   app.option("--space", a.space, "what the columns are, when the file's header does not say it")
       .oneOf({"actuator", "platform", "relative"});
@@ -231,7 +246,17 @@ void playAndRecord(control::ControlSystem& system, const Arguments& a, Watch& wa
   truth.record(false);
 }
 
+/// Whether both tables have a place is asked before the work.
+void requireOutput(const Arguments& a) {
+  requireNew(a.output);
+  if (a.truth.empty()) return;
+  requireNew(a.truth);
+  if (isSameFile(a.truth, a.output))
+    throw InputError("--truth " + a.truth + ": is the recording's name, too; choose another one");
+}
+
 int run(const Arguments& a) {
+  requireOutput(a);
   const mechanism::Robot robot = mechanism::loadRobot(a.robot);
   const control::HardwareFile hardware_description = control::loadHardwareFile(a.hardware);
   simulation::RobotImage image;

@@ -4,6 +4,7 @@
 
 #include "knee_robot/base/errors.h"
 #include "knee_robot/base/files.h"
+#include "knee_robot/base/output_paths.h"
 #include "knee_robot/simulation/camera.h"
 #include "program.h"
 
@@ -16,6 +17,8 @@ struct Arguments {
 };
 
 int run(const Arguments& a) {
+  requireWritable(a.output);
+  requireNoneOverwritten({a.recording, a.robot, a.geometry, a.camera}, {a.output});
   const mechanism::Robot robot = mechanism::loadRobot(a.robot);
   const mechanism::Robot real = a.geometry.empty() ? robot : mechanism::loadRobot(a.geometry);
   if (!robot.mechanism || !real.mechanism) throw InputError(a.robot + ": bench axes have no platform to look at");

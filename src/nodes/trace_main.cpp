@@ -15,6 +15,7 @@
 #include "knee_robot/recording/signals.h"
 #include "knee_robot/report/page.h"
 #include "knee_robot/report/recorded_units.h"
+#include "knee_robot/report/report_folder.h"
 #include "knee_robot/report/trace_report.h"
 #include "knee_robot/tracing/model_prediction.h"
 #include "program.h"
@@ -29,6 +30,7 @@ struct Arguments {
   double cutoff_hz = 0.0;         ///< 0: by the rule
   double motion_cutoff_hz = 0.0;  ///< 0: as the encoders allow
   tracing::TraceOptions options;
+  nodes::Option given_model;
 };
 
 void declare(nodes::CommandLine& app, Arguments& a) {
@@ -38,9 +40,9 @@ void declare(nodes::CommandLine& app, Arguments& a) {
   app.option("--validate", a.validate,
              "recordings on which the finished model is checked; they take no part in any choice");
   app.option("--output", a.output, "folder for model.yaml, report.json, report.html and predictions").required();
-  app.option("--model", a.model,
-             "model of identify or trace to start from, with its cut-off. 'before' means this model "
-             "unchanged; its effects are re-tested, then only missing ones are searched");
+  a.given_model = app.option("--model", a.model,
+                             "model of identify or trace to start from, with its cut-off. 'before' means this model "
+                             "unchanged; its effects are re-tested, then only missing ones are searched");
   app.option("--max-effects,--most", a.options.most_effects,
              "largest number of effects to add (6); the same effect on several actuators counts once; "
              "0: the baseline model only")
@@ -48,11 +50,11 @@ void declare(nodes::CommandLine& app, Arguments& a) {
   app.option("--seed", a.options.seed, "random seed for surrogate recordings and bootstrap (1)");
   app.option("--cutoff-hz", a.cutoff_hz,
              "cut-off of the zero-phase low-pass filter of regressor and force (default: chosen from "
-             "the reference of the training recordings, as identify does)")
+             "the reference of the training recordings, as identify does); not with --model")
       .within(1e-6, 1e6);
   app.option("--motion-cutoff-hz", a.motion_cutoff_hz,
              "low-pass of the positions before they are differentiated (default: as the encoders allow, as identify "
-             "does; with --model: that of the model)")
+             "does); not with --model")
       .within(1e-6, 1e6);
   app.option("--moving-m-per-s", a.options.observation.moving_m_per_s,
              "an axis counts as moving above this speed (0.0015)")
@@ -232,8 +234,25 @@ void noteSeenRecordings(report::TraceResults& r) {
   }
 }
 
+/// What would not be looked at would be taken for kept.
+void requireModelOptions(const Arguments& a) {
+  if (!a.given_model.given()) return;
+  if (a.model.empty()) throw InputError("--model has an empty name; give a model file, or leave it out");
+  for (const auto& [name, hz] : {std::pair("--cutoff-hz", a.cutoff_hz), {"--motion-cutoff-hz", a.motion_cutoff_hz}}) {
+    if (hz > 0.0)
+      throw InputError(std::string(name) + " does not go with --model, whose own cut-off is kept; leave one out");
+  }
+}
+
+void requireOutput(const Arguments& a, const mechanism::Robot& robot) {
+  std::vector<std::string> read = a.train;
+  read.insert(read.end(), {a.robot, robot.urdf, a.model});
+  report::requireReportFolder({"trace", a.output, read, a.validate});
+}
+
 int run(const Arguments& a, const std::string& command_line) {
   report::Page("trace");  // what the report needs and is missing is said before the work
+  requireModelOptions(a);
   nodes::requireFitAndValidation(a.train, a.validate);
   report::TraceResults r;
   r.command_line = command_line;
@@ -242,6 +261,7 @@ int run(const Arguments& a, const std::string& command_line) {
   r.options.progress = [](const std::string& what) { std::cerr << what << std::endl; };
   if (a.options.most_effects == 0) r.options.surrogates = 2;  // nothing is compared with surrogates
   mechanism::Robot robot = mechanism::loadAnyRobot(a.robot);
+  requireOutput(a, robot);
   Times train_times, validate_times;
   recording::CutoffChoice cutoff;
   const std::vector<recording::Recording> train = readTraining(a, robot, r, cutoff, train_times);

@@ -8,10 +8,12 @@
 #include "knee_robot/base/errors.h"
 #include "knee_robot/base/files.h"
 #include "knee_robot/base/numbers.h"
+#include "knee_robot/base/output_paths.h"
 #include "knee_robot/control/axis_inertia.h"
 #include "knee_robot/control/component_types.h"
 #include "knee_robot/control/driver.h"
 #include "knee_robot/report/page.h"
+#include "knee_robot/report/report_folder.h"
 #include "knee_robot/simulation/simulated_cards.h"
 #include "knee_robot/trajectory/reference_check.h"
 #include "knee_robot/trajectory/reference_file.h"
@@ -139,6 +141,9 @@ void tune(const mechanism::Actuator& actuator, const tuning::TuningResults& resu
 
 int propose(const Arguments& a, const mechanism::Robot& robot, const std::string& command_line) {
   report::Page("tune_pid");  // what the report needs and is missing is said before the work
+  std::vector<std::string> read = a.movements;
+  read.insert(read.end(), {a.recording, a.robot, robot.urdf, a.deployment, a.hardware});
+  report::requireReportFolder({"tune_pid", a.output, read, {}});
   tuning::TuningResults results;
   results.recording = a.recording;
   results.deployment = a.deployment;
@@ -181,6 +186,8 @@ double smooth(double x) {
 
 /// Each axis to and fro, one after the other, as quick as its limits allow with room.
 int writeReference(const Arguments& a, const mechanism::Robot& robot) {
+  requireWritable(a.reference);
+  requireNoneOverwritten({a.robot, robot.urdf}, {a.reference});
   std::ostringstream text;
   text << "# space: relative\n# quick moves of " << shortNumber(1e3 * a.amplitude_m)
        << " mm, one axis after the other, for tune_pid\n";

@@ -26,8 +26,9 @@ struct Stamped {
   std::vector<std::vector<double>> values;
 };
 
-Stamped loadStamped(const std::string& path) {
+Stamped loadStamped(const std::string& path, std::vector<std::string>& notes) {
   const TextTable table = TextTable::load(path);
+  notes.insert(notes.end(), table.notes().begin(), table.notes().end());
   const int seconds = table.find("time_sec"), nanoseconds = table.find("time_nanosec");
   const std::vector<std::int64_t> s = table.integers(seconds, 0, 9000000000);
   const std::vector<std::int64_t> ns = table.integers(nanoseconds, 0, kSecond - 1);
@@ -79,7 +80,7 @@ std::string milliseconds(std::int64_t ns) {
 Stamped loadClean(const SignalFolder& folder, const std::string& file, std::size_t axes,
                   std::vector<std::string>& notes) {
   const std::string path = folder.path + "/" + file;
-  Stamped signal = loadStamped(path);
+  Stamped signal = loadStamped(path, notes);
   if (axes != 0 && signal.values.size() != axes) {
     throw InputError(path + ":1: " + std::to_string(signal.values.size()) + " values a row where " + folder.position +
                      " has " + std::to_string(axes));

@@ -211,7 +211,8 @@ Imported importTable(const TextTable& table, const ColumnMap& map) {
   std::vector<std::string> names = {"time_s"};
   std::vector<std::vector<double>> columns = {time};
   Imported out;
-  out.notes = {note + intervalNote(time)};
+  out.notes = table.notes();
+  out.notes.push_back(note + intervalNote(time));
   for (const ColumnMapping& m : map.columns) {
     if (m.to == "time_s") continue;
     const double factor = factorOf(m) * m.scale;

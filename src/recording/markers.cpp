@@ -184,6 +184,7 @@ MarkerPoses fitMarkers(const TextTable& table, const MarkerMap& map) {
       values.push_back(table.numbers(table.find(column), true));
   }
   MarkerPoses out;
+  out.notes = table.notes();
   out.time_s = timesOf(table, map);
   if (hidesExchanges(layout, map.tolerance_m))
     out.notes.push_back("The markers' layout looks the same with some names exchanged: such swaps cannot be noticed.");

@@ -96,6 +96,13 @@ int countFields(Text line, char separator) {
   return count;
 }
 
+Text lastField(Text line, char separator) {
+  Text field;
+  for (bool more = true; takeField(line, separator, field, more);) {
+  }
+  return field;
+}
+
 std::vector<std::string> headerNames(Text line, char separator) {
   std::vector<std::string> names;
   Text field;
@@ -134,6 +141,7 @@ TextTable::TextTable(std::string content, std::string path, const TableFormat& f
   int blank_line = 0;
   for (int number = 1; !rest.empty(); ++number) {
     const std::size_t end = rest.find('\n');
+    const bool whole = end != Text::npos;
     const Text line = rest.substr(0, end);
     rest = end == Text::npos ? Text{} : rest.substr(end + 1);
     if (number <= format_.skip_lines) continue;
@@ -153,6 +161,10 @@ TextTable::TextTable(std::string content, std::string path, const TableFormat& f
         continue;
       }
     }
+    if (!whole && isCut(line)) {
+      notes_.push_back(path_ + ": the last line (" + std::to_string(number) + ") is cut off and was left out.");
+      break;
+    }
     const int found = countFields(line, format_.separator);
     if (found != columns_) {
       throw InputError(here + std::to_string(found) + " values where the first line has " + std::to_string(columns_));
@@ -160,6 +172,15 @@ TextTable::TextTable(std::string content, std::string path, const TableFormat& f
     rows_.push_back(line);
   }
   if (rows_.empty()) throw InputError(path_ + ": holds no rows" + (format_.header ? " after its header" : ""));
+}
+
+/// Of a last line without its line break. Its last number may have lost digits: it is whole only if it is not visibly
+/// shorter than the one above it, as in recordings.
+bool TextTable::isCut(Text line) const {
+  if (rows_.empty()) return false;
+  if (countFields(line, format_.separator) < columns_) return true;
+  const Text last = lastField(line, format_.separator), above = lastField(rows_.back(), format_.separator);
+  return parseWith(above, format_.decimal_comma).has_value() && last.size() < above.size();
 }
 
 int TextTable::find(const std::string& name) const {

@@ -118,17 +118,17 @@ std::string compareSummary(const CompareResults& r) {
 void writeCompareFiles(const CompareResults& r, const std::string& folder) {
   const Page page("compare");
   makeFolder(folder);
+  FileSet files;
   const std::string name = r.recording.name;
-  writeFileAtomically(
-      folder + "/actuators.svg",
-      panelsSvg(name + ": actuators, reference and measured (as the paper's Fig. 15)", actuatorPanels(r)));
+  files.add(folder + "/actuators.svg",
+            panelsSvg(name + ": actuators, reference and measured (as the paper's Fig. 15)", actuatorPanels(r)));
   if (r.has_pose) {
-    writeFileAtomically(folder + "/pose.svg",
-                        panelsSvg(name + ": pose of the reference, of the encoders" +
-                                      (r.has_camera ? ", of the camera" : "") + " (as the paper's Fig. 16)",
-                                  posePanels(r)));
+    files.add(folder + "/pose.svg", panelsSvg(name + ": pose of the reference, of the encoders" +
+                                                  (r.has_camera ? ", of the camera" : "") + " (as the paper's Fig. 16)",
+                                              posePanels(r)));
   }
-  writeReport(folder, page, compareJson(r), compareSeries(r));
+  addReport(files, folder, page, compareJson(r), compareSeries(r));
+  files.commit();
 }
 
 }  // namespace knee_robot::report

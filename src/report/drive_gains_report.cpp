@@ -68,8 +68,10 @@ void writeDriveGains(const mechanism::Robot& robot, const identification::DriveG
                      const std::string& command_line, const std::string& folder) {
   const Page page("drive_gains");
   makeFolder(folder);
-  writeFileAtomically(folder + "/robot.yaml", robotText(robot, g));
-  writeReport(folder, page, driveGainsJson(robot, g, command_line), Json::object());
+  FileSet files;
+  files.add(folder + "/robot.yaml", robotText(robot, g));
+  addReport(files, folder, page, driveGainsJson(robot, g, command_line), Json::object());
+  files.commit();
 }
 
 }  // namespace knee_robot::report

@@ -163,11 +163,12 @@ std::string predictionCsv(const identification::Observation& o, const identifica
 void writeIdentifyFiles(const IdentifyResults& r, const std::string& folder) {
   const Page page("identify");
   makeFolder(folder);
+  FileSet files;
   const std::vector<std::string> earlier = filesOfEarlierRun(folder, "identify");
   std::vector<std::string> written;
-  dynamics::saveModel(r.after.model, folder + "/model.yaml");
+  files.add(folder + "/model.yaml", dynamics::modelToYaml(r.after.model));
   if (r.physical) {
-    dynamics::saveModel(r.physical->model, folder + "/model_physical.yaml");
+    files.add(folder + "/model_physical.yaml", dynamics::modelToYaml(r.physical->model));
     const std::string note =
         "Inertias identified from recordings, with those of the given URDF where the recordings say nothing; rotor "
         "inertia is in model_physical.yaml.";
@@ -176,15 +177,16 @@ void writeIdentifyFiles(const IdentifyResults& r, const std::string& folder) {
       bodies.push_back(one.fitted);
     const std::string urdf = r.chain ? dynamics::urdfWithChainInertia(r.urdf_path, *r.chain, bodies, note)
                                      : dynamics::urdfWithInertia(r.urdf_path, r.physical->inertia, note);
-    writeFileAtomically(folder + "/identified.urdf", urdf);
+    files.add(folder + "/identified.urdf", urdf);
     written = {"model_physical.yaml", "identified.urdf"};
   }
   for (std::size_t i = 0; i < r.validate.size(); ++i) {
     written.push_back("prediction_" + r.validate[i].name + ".csv");
-    writeFileAtomically(folder + "/" + written.back(), predictionCsv(r.validate[i], r.validate_after.predictions[i]));
+    files.add(folder + "/" + written.back(), predictionCsv(r.validate[i], r.validate_after.predictions[i]));
   }
+  addReport(files, folder, page, jsonWithUnits(r.units, identifyJson(r)), identifySeries(r));
   removeStale(folder, earlier, written);
-  writeReport(folder, page, jsonWithUnits(r.units, identifyJson(r)), identifySeries(r));
+  files.commit();
 }
 
 }  // namespace knee_robot::report

@@ -2,7 +2,6 @@
 
 #include <cmath>
 
-#include "knee_robot/base/files.h"
 #include "knee_robot/base/numbers.h"
 #include "knee_robot/report/page.h"
 
@@ -110,11 +109,11 @@ Json sideJson(int parameters, const identification::Applied& train, const identi
   return j;
 }
 
-void writeReport(const std::string& folder, const Page& page, const std::string& report_json, const Json& series) {
-  writeFileAtomically(folder + "/report.json", report_json);
+void addReport(FileSet& files, const std::string& folder, const Page& page, const std::string& report_json,
+               const Json& series) {
+  files.add(folder + "/report.json", report_json);
   const std::string embedded = Json::parse(report_json).dump();  // without its indents
-  writeFileAtomically(folder + "/report.html",
-                      page.with(embedded, series.dump(-1, ' ', false, Json::error_handler_t::replace)));
+  files.add(folder + "/report.html", page.with(embedded, series.dump(-1, ' ', false, Json::error_handler_t::replace)));
 }
 
 std::string predictionTable(const identification::Observation& o, const identification::Prediction& prediction,

@@ -98,12 +98,13 @@ std::string predictSummary(const PredictResults& r) {
 void writePredictFiles(const PredictResults& r, const std::string& folder) {
   const Page page("predict");
   makeFolder(folder);
+  FileSet files;
   for (std::size_t k = 0; k < r.observations.size(); ++k) {
     const identification::Observation& o = r.observations[k];
-    writeFileAtomically(folder + "/prediction_" + o.name + ".csv",
-                        predictionTable(o, r.applied.predictions[k], nullptr));
+    files.add(folder + "/prediction_" + o.name + ".csv", predictionTable(o, r.applied.predictions[k], nullptr));
   }
-  writeReport(folder, page, jsonWithUnits(r.units, predictJson(r)), predictSeries(r));
+  addReport(files, folder, page, jsonWithUnits(r.units, predictJson(r)), predictSeries(r));
+  files.commit();
 }
 
 }  // namespace knee_robot::report

@@ -179,17 +179,19 @@ std::string traceJson(const TraceResults& r) {
 void writeTraceFiles(const TraceResults& r, const std::string& folder) {
   const Page page("trace");
   makeFolder(folder);
+  FileSet files;
   const std::vector<std::string> earlier = filesOfEarlierRun(folder, "trace");
   std::vector<std::string> written;
-  dynamics::saveModel(r.model, folder + "/model.yaml");
+  files.add(folder + "/model.yaml", dynamics::modelToYaml(r.model));
   for (std::size_t i = 0; i < r.validate.size(); ++i) {
     written.push_back("prediction_" + r.validate[i].name + ".csv");
-    writeFileAtomically(folder + "/" + written.back(), predictionTable(r.validate[i], r.validate_after.predictions[i],
-                                                                       &r.validate_before.predictions[i]));
+    files.add(folder + "/" + written.back(),
+              predictionTable(r.validate[i], r.validate_after.predictions[i], &r.validate_before.predictions[i]));
   }
+  addNextExperiment(files, r.next, r.robot_path, folder);
+  addReport(files, folder, page, jsonWithUnits(r.units, traceJson(r)), traceSeries(r));
   removeStale(folder, earlier, written);
-  writeNextExperiment(r.next, r.robot_path, folder);
-  writeReport(folder, page, jsonWithUnits(r.units, traceJson(r)), traceSeries(r));
+  files.commit();
 }
 
 }  // namespace knee_robot::report

@@ -44,10 +44,12 @@ std::string nextExperimentSummary(const tracing::NextExperiment& n) {
   return n.first.empty() ? std::string() : sentence(n) + "\n";
 }
 
-void writeNextExperiment(const tracing::NextExperiment& n, const std::string& robot_path, const std::string& folder) {
+void addNextExperiment(FileSet& files, const tracing::NextExperiment& n, const std::string& robot_path,
+                       const std::string& folder) {
   if (!n.planned) return;
-  trajectory::writeReference(folder + "/" + kNextExperimentFile, n.reference,
-                             {"planned by trace for " + robot_path, "separates " + n.first + " from " + n.second});
+  files.add(folder + "/" + kNextExperimentFile,
+            trajectory::formatReference(
+                n.reference, {"planned by trace for " + robot_path, "separates " + n.first + " from " + n.second}));
 }
 
 }  // namespace knee_robot::report

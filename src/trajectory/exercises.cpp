@@ -41,19 +41,25 @@ void refuseOptions(const Exercise& exercise, const mechanism::Robot& robot, cons
   demand(options.space != Space::Relative, "exercises are written in actuator or platform space");
 }
 
-/// Appends rows to a reference's poses.
+/// Appends rows to a reference's poses, as many as a reference may have.
 class PoseWriter {
  public:
-  explicit PoseWriter(const mechanism::Pose& start) : pose_(start) { rows_.push_back(start); }
+  PoseWriter(const std::string& name, const mechanism::Pose& start) : name_(name), pose_(start) {
+    rows_.push_back(start);
+  }
 
   void rest(double seconds) {
-    for (long n = std::lround(seconds / kStreamPeriod); n > 0; --n)
+    const long rows = std::lround(seconds / kStreamPeriod);
+    requireRoom(static_cast<double>(rows));
+    for (long n = rows; n > 0; --n)
       rows_.push_back(pose_);
   }
   void stroke(int axis, double distance, const ProfileLimits& limits) {
     const PointToPoint profile(distance, limits);
     const mechanism::Pose from = pose_;
-    const long steps = static_cast<long>(std::ceil(profile.duration() / kStreamPeriod - 1e-9));
+    const double rows = std::ceil(profile.duration() / kStreamPeriod - 1e-9);
+    requireRoom(rows);
+    const long steps = static_cast<long>(rows);
     for (long k = 1; k <= steps; ++k) {
       pose_ = from;
       pose_[axis] += profile.at(static_cast<double>(k) * kStreamPeriod).position;
@@ -63,7 +69,6 @@ class PoseWriter {
     pose_[axis] += distance;
     rows_.back() = pose_;
   }
-  std::size_t size() const { return rows_.size(); }
   Points points() const {
     Points points(static_cast<Eigen::Index>(rows_.size()), 4);
     for (std::size_t k = 0; k < rows_.size(); ++k)
@@ -72,6 +77,16 @@ class PoseWriter {
   }
 
  private:
+  /// Before they take memory: a stroke may be as slow as it likes.
+  void requireRoom(double rows) const {
+    if (static_cast<double>(rows_.size()) + rows <= static_cast<double>(kMaxReferencePoints)) return;
+    throw InputError(name_ + " would take longer than the " +
+                     shortNumber(kStreamPeriod * static_cast<double>(kMaxReferencePoints)) +
+                     " s that a reference may last (" + std::to_string(kMaxReferencePoints) +
+                     " points); plan fewer repetitions or a higher speed");
+  }
+
+  const std::string& name_;
   mechanism::Pose pose_;
   std::vector<mechanism::Pose> rows_;
 };
@@ -80,7 +95,7 @@ Points sampled(const Exercise& exercise, const ExercisePlan& plan, const Exercis
   ProfileLimits translation = kTranslation, rotation = kRotation;
   translation.velocity = options.speed * plan.speed_share;
   rotation.velocity = options.turning_speed * plan.speed_share;
-  PoseWriter writer(plan.start);
+  PoseWriter writer(exercise.name, plan.start);
   writer.rest(kRestSeconds);
   for (int repetition = 0; repetition < options.repetitions; ++repetition) {
     for (std::size_t k = 0; k < exercise.strokes.size(); ++k) {
@@ -88,10 +103,6 @@ Points sampled(const Exercise& exercise, const ExercisePlan& plan, const Exercis
       writer.stroke(stroke.axis, stroke.share * plan.amplitude, stroke.axis < 2 ? translation : rotation);
       const bool last = repetition + 1 == options.repetitions && k + 1 == exercise.strokes.size();
       writer.rest(last ? kRestSeconds : options.pause_s);
-      if (writer.size() > static_cast<std::size_t>(kMaxReferencePoints)) {
-        throw InputError(exercise.name + " would have more than " + std::to_string(kMaxReferencePoints) +
-                         " points; plan fewer repetitions or a higher speed");
-      }
     }
   }
   return writer.points();

@@ -168,8 +168,10 @@ std::string tuningJson(const TuningResults& r, const std::string& command_line) 
 void writeTuning(const TuningResults& r, const std::string& command_line, const std::string& folder) {
   const report::Page page("tune_pid");
   makeFolder(folder);
-  report::writeReport(folder, page, tuningJson(r, command_line), tuningSeries(r));
-  writeFileAtomically(folder + "/gains.yaml", gainsFile(r));
+  FileSet files;
+  report::addReport(files, folder, page, tuningJson(r, command_line), tuningSeries(r));
+  files.add(folder + "/gains.yaml", gainsFile(r));
+  files.commit();
 }
 
 }  // namespace knee_robot::tuning

@@ -97,6 +97,25 @@ TEST(ModelFile, IsReadBackExactly) {
   EXPECT_EQ(modelToYaml(r), modelToYaml(m));
 }
 
+TEST(ModelFile, RefusesAFileThatIsCutOffWhereverThatIs) {
+  Model traced = someModel(parallelRobot(), 3);
+  traced.effects = {{"stribeck", "", {1}, true, {}, {{"peak_N", 1.0, 0.1}}}, {"delay", "", {2}, true, {}, {}}};
+  for (const Model& model : {someModel(parallelRobot(), 2), traced}) {
+    const std::string whole = modelToYaml(model);
+    EXPECT_NO_THROW(parseModel(whole, "m.yaml"));
+    for (std::size_t end = whole.rfind("\n", whole.size() - 2); end > whole.find("parameters:");
+         end = whole.rfind('\n', end - 1))
+      EXPECT_THROW(parseModel(whole.substr(0, end + 1), "m.yaml"), InputError) << whole.substr(end - 40, 40);
+  }
+}
+
+TEST(ModelFile, OfAnOlderVersionNeedsNoEnd) {
+  std::string old = modelToYaml(someModel(parallelRobot(), 2));
+  old = "# Force model of a robot, written by identify or trace. SI units." + old.substr(old.find('\n'));
+  old.erase(old.size() - 4);
+  EXPECT_NO_THROW(parseModel(old, "m.yaml"));
+}
+
 TEST(ModelFile, RefusesWhatItDoesNotUnderstand) {
   const std::string good = modelToYaml(someModel(parallelRobot(), 2));
   const auto with = [&](const std::string& from, const std::string& to) {

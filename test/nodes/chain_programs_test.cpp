@@ -118,6 +118,15 @@ TEST_F(ChainPrograms, DriveGainsRefusesOneRecordingAsBoth) {
   expectBadInput(gains(run_1, other + " " + in("copy.csv")), "copy.csv: is also given as recorded without the payload");
 }
 
+TEST_F(ChainPrograms, DriveGainsDoesNotWriteItsRobotFileOverTheOneThatItReads) {
+  const std::string before = readFile(robot_);
+  const Ended ended =
+      run(std::string(KNEE_DRIVE_GAINS) + " --robot " + robot_ + " --unloaded " + recorded("run.csv", "current") +
+          " --loaded " + recorded("other.csv", "current", 210) + " --payload-kg 2.5 --output " + folder_.path());
+  expectBadInput(ended, "robot.yaml: is read, and would be overwritten");
+  EXPECT_EQ(readFile(robot_), before);
+}
+
 TEST_F(ChainPrograms, DriveGainsSaysThatARecordingHasNoCurrents) {
   const std::string currents = recorded("currents.csv", "current"), torques = recorded("torques.csv", "torque");
   for (const Ended& ended : {gains(torques, currents), gains(currents, torques)}) {

@@ -20,6 +20,7 @@ struct Given {
   std::vector<double> start;
   std::optional<double> mass;
   double free = 0.0;
+  std::size_t seed = 1;
   Colour colour = Colour::Red;
   bool limits = true;
   bool markers_given = false;
@@ -36,6 +37,7 @@ Given parse(std::vector<const char*> words) {
   line.option("--start", given.start, "start").values(2);
   line.option("--mass", given.mass, "mass, kg");
   line.option("--free", given.free, "any number");
+  line.option("--seed", given.seed, "random seed");
   line.choice("--colour", given.colour, "colour", {{"red", Colour::Red}, {"blue", Colour::Blue}});
   line.flag("!--no-limits", given.limits, "no limits");
   const Option marked = line.option("--markers", markers, "markers");
@@ -86,6 +88,19 @@ TEST(CommandLine, RefusesWhatIsOutsideARangeOrAList) {
   EXPECT_NE(whyRefused({"--colour", "green"}).find("red,blue"), std::string::npos);
   EXPECT_NE(whyRefused({"--start", "1"}), "");
   EXPECT_NE(whyRefused({"--map", "m.yaml"}).find("--markers"), std::string::npos);
+}
+
+TEST(CommandLine, TakesNoNegativeSeedForALargeOne) {
+  EXPECT_NE(whyRefused({"--seed", "-1"}).find("-1 is negative"), std::string::npos) << whyRefused({"--seed", "-1"});
+  EXPECT_EQ(parse({"--seed", "18446744073709551615"}).seed, 18446744073709551615u);
+}
+
+TEST(CommandLine, TakesNoOptionForTheValueOfTheOneBefore) {
+  for (const char* const option : {"--joints", "--markers"}) {
+    const std::string why = whyRefused({option, "--no-limits"});
+    EXPECT_NE(why.find("the next option, --no-limits, stands in its place"), std::string::npos) << why;
+  }
+  EXPECT_EQ(parse({"--joints", "--what"}).joints, std::vector<std::string>{"--what"});
 }
 
 TEST(CommandLine, TakesNoNumberThatIsNotFinite) {

@@ -11,6 +11,8 @@
 #include <string>
 
 #include "knee_robot/base/files.h"
+#include "knee_robot/mechanism/robot.h"
+#include "test/control/some_model.h"
 
 namespace {
 
@@ -129,6 +131,20 @@ TEST_F(Programs, SimulateSaysOfAFaultThatTheMachineStoodStillBefore) {
   EXPECT_NE(std::string::npos, stopped.output.find("(the controller had stood still for ")) << stopped.output;
 }
 
+TEST_F(Programs, SimulateNamesAnImpossibleModelAsACauseOfTheFault) {
+  recording(1);
+  knee_robot::dynamics::Model model =
+      knee_robot::fake::modelOf(knee_robot::mechanism::loadRobot(kConfig + "/robots/A.yaml"));
+  for (knee_robot::dynamics::ModelParameter& parameter : model.parameters) {
+    if (parameter.name == "m_M") parameter.value = -400.0;
+  }
+  knee_robot::dynamics::saveModel(model, in("negative.yaml"));
+  const Ended stopped = simulate(in("excitation_1.txt"), in("pushed.csv"), "--model " + in("negative.yaml"));
+  EXPECT_NE(0, stopped.status) << stopped.output;
+  EXPECT_NE(std::string::npos, stopped.output.find("or the feedforward pushes it: the model " + in("negative.yaml")))
+      << stopped.output;
+}
+
 TEST_F(Programs, CompareShowsReferenceAgainstMeasured) {
   const Ended compared = run(KNEE_COMPARE + kRobot + recording(1) + " --output " + in("compared"));
   ASSERT_EQ(0, compared.status) << compared.output;
@@ -142,6 +158,7 @@ TEST_F(Programs, CompareShowsReferenceAgainstMeasured) {
 TEST_F(Programs, SimulatedCameraAddsWhatItSawAndCompareFindsItsDelayAndItsPlace) {
   std::ofstream(in("camera.yaml")) << "delay_s: 0.05\nrotation_rad: 0.05\nshift_x_m: 0.8\n";
   const std::string command = KNEE_SIMULATED_CAMERA + kRobot + "--camera " + in("camera.yaml") + " ";
+  EXPECT_EQ(2, run(command + recording(1) + " -o " + recording(1)).status) << "it would overwrite what it reads";
   const Ended looked = run(command + recording(1) + " -o " + in("seen.csv"));
   ASSERT_EQ(0, looked.status) << looked.output;
   EXPECT_EQ(linesOf(recording(1)), linesOf(in("seen.csv")));

@@ -4,6 +4,7 @@ knee_runs_programs(nodes baseline_of_programs_test identify trace)
 knee_runs_programs(nodes tune_pid_test tune_pid check_reference simulate)
 knee_runs_programs(nodes identify_program_test identify trace plan_excitation)
 knee_runs_programs(nodes chain_programs_test plan_excitation drive_gains)
+knee_runs_programs(nodes outputs_of_programs_test identify trace predict compare plan_exercise plan_excitation simulate)
 knee_runs_programs(nodes programs_test plan_exercise check_reference plan_excitation simulate compare trace predict import_recording
   virtual_plant simulated_camera)
 knee_runs_programs(nodes node_help_test controller monitor monitor_markers)

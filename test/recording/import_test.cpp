@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 #include <stdlib.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstdlib>
 #include <filesystem>
@@ -88,6 +89,20 @@ TEST_F(ImportTest, StaleLeadingRowsAreDroppedAndReported) {
   const Imported imported = importFolder(signals);
   EXPECT_EQ(imported.rows, 50);
   EXPECT_NE(imported.notes.at(1).find("first 2 rows were stale"), std::string::npos) << imported.notes.at(1);
+}
+
+TEST_F(ImportTest, ALastLineThatIsCutOffIsLeftOutAndReported) {
+  const SignalFolder signals = write();
+  const std::string path = folder_ + "/control_action.txt", content = readFile(path);
+  for (const std::size_t lost : {3u, 12u}) {
+    writeFileAtomically(path, content.substr(0, content.size() - lost));
+    const Imported imported = importFolder(signals);
+    EXPECT_EQ(imported.rows, 49);
+    const auto told = [](const std::string& note) {
+      return note.find("control_action.txt: the last line (51) is cut off and was left out.") != std::string::npos;
+    };
+    EXPECT_TRUE(std::any_of(imported.notes.begin(), imported.notes.end(), told));
+  }
 }
 
 TEST_F(ImportTest, FilesOfDifferentRunsAreRefused) {
@@ -267,6 +282,27 @@ TEST(ImportTable, MutatedTablesAndMapsGiveASoundRecordingOrADeclaredError) {
         accepted);
   }
   EXPECT_GT(accepted, 100) << "the mutations are too coarse to test anything beyond the first check";
+}
+
+TEST(ImportTable, LeavesOutALastLineThatIsCutOff) {
+  ColumnMap map;
+  map.columns = {parseMapping("t=time_s"), parseMapping("q=position_1_m,mm"), parseMapping("f=force_1_N")};
+  const std::string table = "t,q,f\n0,1,444.105\n1,2,444.789\n2,3,445.213";
+  const auto rows = [&](std::size_t lost) {
+    const std::string content = table.substr(0, table.size() - lost);
+    const Imported imported = importTable(TextTable(content, "log.csv", map.format), map);
+    EXPECT_EQ(imported.notes.front().find("the last line (4) is cut off") != std::string::npos, imported.rows < 3);
+    return imported.rows;
+  };
+  EXPECT_EQ(rows(0), 3) << "only its line break is missing";
+  for (const std::size_t lost : {1u, 6u, 7u, 8u, 10u})
+    EXPECT_EQ(rows(lost), 2) << lost;
+}
+
+TEST(ImportTable, KeepsALastLineThatEndsInAWord) {
+  const TextTable table("q,mode\n1,running\n2,ok", "log.csv", {});
+  EXPECT_EQ(table.rows(), 2);
+  EXPECT_TRUE(table.notes().empty());
 }
 
 TEST(ImportTable, ReadsColumnsOfChainsInTheirUnits) {

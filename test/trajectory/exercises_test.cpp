@@ -6,6 +6,7 @@
 
 #include "knee_robot/base/constants.h"
 #include "knee_robot/base/errors.h"
+#include "test/refusal.h"
 #include "test/trajectory/robots.h"
 
 namespace knee_robot::trajectory {
@@ -115,6 +116,17 @@ TEST(Exercises, RefusesASpeedThatAnActuatorCannotFollowAndSaysWhichOneItCan) {
   EXPECT_TRUE(plan.check.ok());
   EXPECT_LT(plan.speed_share, 0.8);
   EXPECT_GT(plan.speed_share, 0.6);
+}
+
+TEST(Exercises, RefusesWhatTakesLongerThanAReferenceMayLastBeforeItTakesMemory) {
+  for (const double slow : {1e-6, 1e-9, 1e-300}) {
+    ExerciseOptions options;
+    options.speed = options.turning_speed = slow;
+    for (const char* name : {"hip_flexion", "knee_rotation"}) {
+      const std::string why = refusalOf([&] { planExercise(exerciseNamed(name), configuredRobot("B"), options); });
+      EXPECT_NE(why.find("longer than the 10000 s that a reference may last"), std::string::npos) << slow << why;
+    }
+  }
 }
 
 TEST(Exercises, RefusesUnknownNamesImpossibleOptionsAndABench) {

@@ -21,8 +21,10 @@ struct TableFormat {
 TableFormat readTableFormat(StrictMap& file);
 
 /// A table of another program: one line a row, columns by name or number. CRLF, blanks around values, a byte order mark
-/// and empty lines at the end are accepted. InputError (file, line) for an empty table, a doubled column name that is
-/// asked for, an empty line inside, a row with another number of values than the first line.
+/// and empty lines at the end are accepted. A last line that is cut off (without its line break, and with fewer values
+/// or a shorter last number than the line above) is left out, and notes() say so. InputError (file, line) for an empty
+/// table, a doubled column name that is asked for, an empty line inside, a row with another number of values than the
+/// first line.
 class TextTable {
  public:
   static TextTable load(const std::string& path, const TableFormat& format = {});
@@ -35,6 +37,8 @@ class TextTable {
   const std::string& path() const { return path_; }
   int rows() const { return static_cast<int>(rows_.size()); }
   int columns() const { return columns_; }
+  /// What was left out.
+  const std::vector<std::string>& notes() const { return notes_; }
   /// Names in the header; empty without one.
   const std::vector<std::string>& names() const { return names_; }
   /// Line of the file that holds this row, for messages.
@@ -53,10 +57,11 @@ class TextTable {
 
  private:
   std::string_view field(int row, int column) const;
+  bool isCut(std::string_view line) const;
 
   std::string content_, path_;
   TableFormat format_;
-  std::vector<std::string> names_;
+  std::vector<std::string> names_, notes_;
   std::vector<std::string_view> rows_;
   int columns_ = 0;
   int first_line_ = 1;

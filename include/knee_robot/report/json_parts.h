@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "knee_robot/base/file_set.h"
 #include "knee_robot/identification/evaluation.h"
 #include "knee_robot/identification/friction_choice.h"
 
@@ -30,8 +31,9 @@ Json frictionTriedJson(const std::vector<identification::FrictionChoice>& choice
 /// One side ("before" or "after") of report.json.
 Json sideJson(int parameters, const identification::Applied& train, const identification::Applied& validate);
 
-/// Writes report.json and the page that shows it with these series of its plots, report.html.
-void writeReport(const std::string& folder, const Page& page, const std::string& report_json, const Json& series);
+/// Adds report.json, and the page that shows it with these series of its plots, report.html.
+void addReport(FileSet& files, const std::string& folder, const Page& page, const std::string& report_json,
+               const Json& series);
 
 /// prediction_NAME.csv of one recording: time_s, force_i_N as recorded, predicted_i_N, and with `before` before_i_N.
 std::string predictionTable(const identification::Observation& observation,
