@@ -131,7 +131,8 @@ void dropUnsized(Search& s) {
 }
 
 void standAlone(Search& s, const Place& place) {
-  if (!place.candidate->shared() || place.candidate->local()) return;
+  // What looks like much may stand for what the others are.
+  if (!place.candidate->shared() || place.candidate->local() || place.candidate->looksLikeMuch()) return;
   const auto stays = [&](const FoundEffect& e) {
     return e.hypothesis.place == place || std::isnan(e.p) || e.band_hz > 0.0;
   };
