@@ -162,7 +162,8 @@ int run(const Arguments& a, const std::string& command_line) {
   nodes::requireFitAndValidation(a.train, a.validate);
   mechanism::Robot robot = mechanism::loadAnyRobot(a.robot);
   requireOutput(a, robot);
-  std::vector<recording::Recording> read = nodes::readAll(a.train);
+  std::vector<recording::Recording> read = nodes::readAll(a.train), read_validation = nodes::readAll(a.validate);
+  nodes::requireDifferent(read, read_validation);
   identification::adaptToRecordings(robot, read);
   identification::takeRecordedSteps(robot, read);
   std::vector<recording::Recording> training = nodes::inUnits(robot, read);
@@ -175,9 +176,8 @@ int run(const Arguments& a, const std::string& command_line) {
     r.train = identification::observeAll(robot, columns, training, r.options.observation);
   }
   nodes::chooseSmoothing(robot, columns, training, r.options.observation, r.train, r.cutoff.sentence);
-  const std::vector<recording::Recording> validation = nodes::inUnits(robot, nodes::readAll(a.validate));
+  const std::vector<recording::Recording> validation = nodes::inUnits(robot, read_validation);
   r.validate = identification::observeAll(robot, columns, validation, r.options.observation);
-  nodes::requireDifferent(training, validation);
   identification::requireForces(robot, r.validate, r.options.observation);
 
   std::cerr << "fitting" << std::endl;

@@ -152,10 +152,10 @@ tracing::PoseTraceOptions poseOptions(const mechanism::Robot& robot, const traci
   return pose;
 }
 
-/// Reads, observes and adapts what the search may see; the robot's units and encoder steps are read off it.
-std::vector<recording::Recording> readTraining(const Arguments& a, mechanism::Robot& robot, report::TraceResults& r,
-                                               recording::CutoffChoice& cutoff, Times& times) {
-  std::vector<recording::Recording> read = readWithoutPauses(a.train, times);
+/// Adapts and observes what the search may see; the robot's units and encoder steps are read off it.
+std::vector<recording::Recording> observeTraining(const Arguments& a, mechanism::Robot& robot, report::TraceResults& r,
+                                                  recording::CutoffChoice& cutoff,
+                                                  std::vector<recording::Recording> read) {
   identification::adaptToRecordings(robot, read);
   identification::takeRecordedSteps(robot, read);
   if (!a.model.empty()) {
@@ -264,11 +264,12 @@ int run(const Arguments& a, const std::string& command_line) {
   requireOutput(a, robot);
   Times train_times, validate_times;
   recording::CutoffChoice cutoff;
-  const std::vector<recording::Recording> train = readTraining(a, robot, r, cutoff, train_times);
-  const std::vector<recording::Recording> validate =
-      nodes::inUnits(robot, readWithoutPauses(a.validate, validate_times));
+  const std::vector<recording::Recording> read = readWithoutPauses(a.train, train_times),
+                                          read_validation = readWithoutPauses(a.validate, validate_times);
+  nodes::requireDifferent(read, read_validation);
+  const std::vector<recording::Recording> train = observeTraining(a, robot, r, cutoff, read);
+  const std::vector<recording::Recording> validate = nodes::inUnits(robot, read_validation);
   r.validate = identification::observeAll(robot, identification::columnsOf(robot), validate, r.options.observation);
-  nodes::requireDifferent(train, validate);
   identification::requireForces(robot, r.validate, r.options.observation);
 
   r.result = tracing::trace(robot, train, r.train, r.options);

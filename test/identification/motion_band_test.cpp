@@ -54,6 +54,17 @@ mechanism::Robot axisCountedIn(double count_m) {
   return robot;
 }
 
+/// rms N of an axis on recordings that its model was not fitted to.
+double errorOn(const mechanism::Robot& robot, const std::vector<recording::Recording>& other,
+               const std::vector<recording::Recording>& train, const IdentifyOptions& options) {
+  const std::vector<Column> columns = columnsOf(robot);
+  std::vector<Observation> training = observeAll(robot, columns, train, options.observation);
+  const Identification id = identify(robot, training, options);
+  return applyModel(id.model, robot, observeAll(robot, columns, other, options.observation),
+                    options.observation.cutoff_hz)
+      .accuracy.rms_N[0];
+}
+
 struct Chosen {
   MotionBand band;
   double as_fitted_N = 0.0, wider_N = 0.0;  ///< held-out error of the fit's band
@@ -66,11 +77,7 @@ Chosen chosenFor(double count_m) {
   IdentifyOptions options;
   options.uncertainty = false;
   options.observation.setCutoff(3.0);
-  const auto heldOut = [&] {
-    std::vector<Observation> training = observeAll(robot, columns, train, options.observation);
-    const Identification id = identify(robot, training, options);
-    return applyModel(id.model, robot, observeAll(robot, columns, other, options.observation), 3.0).accuracy.rms_N[0];
-  };
+  const auto heldOut = [&] { return errorOn(robot, other, train, options); };
   Chosen c;
   c.band = chooseMotionBand(robot, columns, train, observeAll(robot, columns, train, options.observation),
                             options.observation);
@@ -126,11 +133,7 @@ TEST(MotionBand, OfSmoothLawsIsTheShortestLineWithinAnEncodersStepsWhereThatTell
   IdentifyOptions options;
   options.uncertainty = false;
   options.observation.setCutoff(10.0);
-  const auto heldOut = [&] {
-    std::vector<Observation> training = observeAll(robot, columns, train, options.observation);
-    const Identification id = identify(robot, training, options);
-    return applyModel(id.model, robot, observeAll(robot, columns, other, options.observation), 10.0).accuracy.rms_N[0];
-  };
+  const auto heldOut = [&] { return errorOn(robot, other, train, options); };
   const MotionBand band = chooseMotionBand(robot, columns, train,
                                            observeAll(robot, columns, train, options.observation), options.observation);
   EXPECT_GE(band.taut_steps, 1.0);

@@ -129,24 +129,6 @@ TEST(IdentifyProgram, RefusesMoreDirectionsThanTheMotionExcites) {
       "50 directions were asked for");
 }
 
-TEST(IdentifyProgram, RefusesACopyInAnotherFormatAsASecondMeasurement) {
-  const TemporaryFolder folder;
-  const fs::path robot = writeBenchRobot(folder), recording = writeRecording(folder, 30.0, sineMotion, rubbing);
-  const fs::path copy = folder / "copy.csv";
-  std::istringstream lines(contentOf(recording));
-  std::ofstream written(copy);
-  for (std::string line; std::getline(lines, line);)
-    written << line << "\r\n";
-  written.close();
-  const Ended twice = identify(folder, robot, recording, "--train " + copy.string());
-  EXPECT_EQ(twice.status, 2);
-  EXPECT_NE(twice.errors.find("would count as a second measurement"), std::string::npos) << twice.errors;
-  const Ended validated = identify(folder, robot, recording, "--validate " + copy.string());
-  EXPECT_EQ(validated.status, 2);
-  EXPECT_NE(validated.errors.find("choose another one to validate with"), std::string::npos) << validated.errors;
-  EXPECT_FALSE(fs::exists(folder / "out" / "model.yaml"));
-}
-
 TEST(IdentifyProgram, EndsWithTwoOnBadInput) {
   const TemporaryFolder folder;
   const Ended ended = identify(folder, writeBenchRobot(folder), folder / "absent.csv");
@@ -217,6 +199,51 @@ TEST(IdentifyProgram, AndTraceRefuseARecordingThatIsGivenTwiceToFitTo) {
           << contentOf(errors);
     }
   }
+}
+
+/// A copy with other line ends, and one that has lost its last rows.
+TEST(IdentifyProgram, AndTraceRefuseOneMeasurementInTwoFormats) {
+  const TemporaryFolder folder;
+  const fs::path robot = writeBenchRobot(folder), train = writeRecording(folder, 5.0, sineMotion, rubbing);
+  const fs::path copy = folder / "copy.csv", shorter = folder / "shorter.csv", errors = folder / "errors.txt";
+  const std::string text = contentOf(train);
+  std::istringstream lines(text);
+  std::ofstream written(copy);
+  for (std::string line; std::getline(lines, line);)
+    written << line << "\r\n";
+  written.close();
+  std::ofstream(shorter) << text.substr(0, text.rfind('\n', text.size() - 200) + 1);
+  for (const std::string program : {KNEE_IDENTIFY, KNEE_TRACE}) {
+    for (const fs::path& again : {copy, shorter}) {
+      for (const std::string use : {" ", " --validate "}) {
+        const std::string command = program + " --robot " + robot.string() + " --output " + (folder / "out").string() +
+                                    " --train " + train.string() + use + again.string() + " > /dev/null 2> " +
+                                    errors.string();
+        EXPECT_EQ(WEXITSTATUS(std::system(command.c_str())), 2) << command;
+        EXPECT_NE(contentOf(errors).find(again.string() + ": has the times and positions of " + train.string()),
+                  std::string::npos)
+            << contentOf(errors);
+      }
+    }
+  }
+  EXPECT_FALSE(fs::exists(folder / "out"));
+}
+
+TEST(IdentifyProgram, RefusesRowsThatAreTooSlowForACutOff) {
+  const TemporaryFolder folder;
+  const fs::path robot = writeBenchRobot(folder), slow = folder / "slow.csv", errors = folder / "errors.txt";
+  std::istringstream lines(contentOf(writeRecording(folder, 60.0, sineMotion, rubbing)));
+  std::ofstream written(slow);
+  std::string line;
+  for (int k = 0; std::getline(lines, line); ++k) {
+    if (k == 0 || k % 20 == 1) written << line << '\n';
+  }
+  written.close();
+  const std::string command = std::string(KNEE_IDENTIFY) + " --robot " + robot.string() + " --train " + slow.string() +
+                              " --output " + (folder / "out").string() + " > /dev/null 2> " + errors.string();
+  EXPECT_EQ(WEXITSTATUS(std::system(command.c_str())), 3);
+  EXPECT_NE(contentOf(errors).find("5 rows a second are too slow for a cut-off of 1 Hz"), std::string::npos)
+      << contentOf(errors);
 }
 
 TEST(PlanExcitationProgram, WritesAMovementNearRestAndTakesNoOptionOfASeriesForIt) {

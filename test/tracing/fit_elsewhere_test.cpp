@@ -66,6 +66,22 @@ TEST_F(FitElsewhere, ARippleThatStaysBehindDoesNotOutweighWhatIsPredicted) {
   EXPECT_TRUE(helpsElsewhere(search_, baseline_));
 }
 
+TEST_F(FitElsewhere, AMassThatSlidesIsNotPredictedAndTheRestIsFittedWithoutIt) {
+  const Hypothesis mass = named("sliding_mass", {0.8, 0.1, 0.4, 1.0, 0.5, -0.5, 0.0});
+  has(mass, Eigen::VectorXd::Constant(1, 6.0));
+  search_.effects = {found(mass, true)};
+  refit(search_);
+  const Eigen::VectorXd beside = base_.parametersOf(search_.fit.base);
+  std::vector<std::string> notes;
+  testElsewhere(search_, notes);
+  EXPECT_FALSE(search_.effects[0].transfers);
+  ASSERT_EQ(notes.size(), 1u);
+  EXPECT_EQ(notes[0].rfind("sliding_mass (all actuators): ", 0), 0u) << notes[0];
+  const ElsewhereFit elsewhere = fitElsewhere(search_, baseline_, true);
+  EXPECT_TRUE(elsewhere.effects.empty());
+  EXPECT_GT(changed(beside, elsewhere.parameters), 1.0);
+}
+
 TEST_F(FitElsewhere, WhatAPushDidToTrainingStaysOutOfTheParameters) {
   const Eigen::VectorXd before = base_.parameters;
   const Hypothesis push = {{named("external_force", {}).place.candidate, -1}, {1.0, 6.0, 9.0}};

@@ -91,6 +91,24 @@ TEST_F(PlausibleShape, ASizeWithinThreeStandardErrorsOfNoneIsNone) {
       << search_.taken_out[0];
 }
 
+TEST_F(PlausibleShape, WhatIsAlwaysDoubtedTakesNothingsPlace) {
+  const TraceOptions options;
+  search_.options = &options;
+  FoundEffect friction;  // nothing of which is there: held-back blocks are predicted as well without it
+  friction.hypothesis = named("load_dependent_friction", {0.0});
+  friction.p = 0.004;
+  for (const auto& [name, left] : {std::pair("dashpot", 1u), {"stretch_reflex", 2u}}) {
+    FoundEffect shared;
+    shared.hypothesis = named(name, {});
+    shared.hypothesis.shape = shared.hypothesis.place.candidate->shapes(data_.inputs.front(), -1).front();
+    shared.p = 0.004;
+    search_.effects = {friction, shared};
+    refit(search_);
+    standAlone(search_, shared.hypothesis.place);
+    EXPECT_EQ(search_.effects.size(), left) << name;
+  }
+}
+
 TEST_F(PlausibleShape, WithoutOneOfItsOwnTheLawOfTheActuatorIsFollowed) {
   const TraceOptions options;
   search_.options = &options;
