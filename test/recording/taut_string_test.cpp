@@ -37,6 +37,14 @@ TEST(TautString, StaysWithinTheBandIsShorterAndChangesNothingWithoutOne) {
   EXPECT_LT(way(line), 0.5 * way(y));
 }
 
+/// Where a string bends a little at every value, looking ahead from each of them would take their number squared.
+TEST(TautString, FollowsALongSmoothCurveAtTheEdgeOfTheBand) {
+  const Eigen::VectorXd y = Eigen::VectorXd::LinSpaced(1000000, 0.0, 1e3).cwiseSqrt();
+  const Eigen::VectorXd line = tautString(y, 1.5);
+  EXPECT_NEAR(line[500000], y[500000] - 1.5, 1e-9);
+  EXPECT_LE((line - y).cwiseAbs().maxCoeff(), 1.5 + 1e-9);
+}
+
 TEST(TautString, OfTwoValuesOrFewerIsThem) {
   EXPECT_EQ(tautString(Eigen::VectorXd(), 1.0).size(), 0);
   EXPECT_EQ(tautString(Eigen::Vector2d(1.0, 9.0), 1.0), Eigen::VectorXd(Eigen::Vector2d(1.0, 9.0)));
